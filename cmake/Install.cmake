@@ -1,8 +1,8 @@
 # cmake --install BUILD [--prefix P] [--component C], and Debian packages by cpack (docs/engine.md).
 #
 #     component   Debian package   what
-#     osteon      osteon           the command, its studies, config/, the console's page, manual page, completion,
-#                                  systemd unit, real-time rights
+#     osteon      osteon           the command, its studies, config/, the console's page, manual page, completions,
+#                                  systemd unit with its user and group, real-time rights
 #     library     libosteon0       libosteon.so.0
 #     development libosteon-dev    osteon.h, osteon_host.h, CMake package, pkg-config file, Python module, examples
 #     godot       (none)           the add-on as it lies in a project: plugin/godot/CMakeLists.txt
@@ -17,19 +17,33 @@ install(DIRECTORY config/ DESTINATION ${CMAKE_INSTALL_DATADIR}/osteon/config COM
   PATTERN "reading" EXCLUDE PATTERN "CMakeLists.txt" EXCLUDE)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/console/web/ DESTINATION ${CMAKE_INSTALL_DATADIR}/osteon/console COMPONENT osteon
   OPTIONAL)
-# manual page and completion are written by the command itself, from the options that it parses
+# manual page and completions are written by the command itself, from the options that it parses
 install(CODE "
   set(command \"$<TARGET_FILE:osteon_app>\")
   set(share \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}\")
-  file(MAKE_DIRECTORY \"\${share}/man/man1\" \"\${share}/bash-completion/completions\")
+  set(completions \"\${share}/bash-completion/completions/osteon\" \"\${share}/zsh/vendor-completions/_osteon\"
+    \"\${share}/fish/vendor_completions.d/osteon.fish\")
+  set(shells bash zsh fish)
+  file(MAKE_DIRECTORY \"\${share}/man/man1\")
   execute_process(COMMAND \${command} manual --man \"\${share}/man/man1/osteon.1\" COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
   execute_process(COMMAND gzip -9nf \"\${share}/man/man1/osteon.1\" COMMAND_ERROR_IS_FATAL ANY)
   file(CREATE_LINK osteon.1.gz \"\${share}/man/man1/osteon-studies.1.gz\" SYMBOLIC)
-  execute_process(COMMAND \${command} completion bash OUTPUT_FILE \"\${share}/bash-completion/completions/osteon\"
-    COMMAND_ERROR_IS_FATAL ANY)
+  foreach(shell file IN ZIP_LISTS shells completions)
+    get_filename_component(folder \"\${file}\" DIRECTORY)
+    file(MAKE_DIRECTORY \"\${folder}\")
+    execute_process(COMMAND \${command} completion \${shell} OUTPUT_FILE \"\${file}\" COMMAND_ERROR_IS_FATAL ANY)
+  endforeach()
 " COMPONENT osteon)
 install(FILES ${packaging}/osteon@.service DESTINATION lib/systemd/system COMPONENT osteon)
-install(FILES ${packaging}/osteon.conf DESTINATION ${CMAKE_INSTALL_DATADIR}/osteon/limits.d COMPONENT osteon)
+install(FILES ${packaging}/osteon.sysusers DESTINATION lib/sysusers.d RENAME osteon.conf COMPONENT osteon)
+# below another prefix than /usr nothing reads it: docs/set_up.md
+install(CODE "
+  set(etc \"\${CMAKE_INSTALL_PREFIX}/etc\")
+  if(CMAKE_INSTALL_PREFIX STREQUAL \"/usr\")
+    set(etc /etc)
+  endif()
+  file(INSTALL \"${packaging}/osteon.conf\" DESTINATION \"\${etc}/security/limits.d\")
+" COMPONENT osteon)
 install(FILES ${packaging}/60-osteon.rules DESTINATION lib/udev/rules.d COMPONENT osteon)
 
 # --- the library
@@ -39,7 +53,7 @@ install(TARGETS osteon_plugin EXPORT osteon-targets
 install(FILES plugin/include/osteon.h plugin/include/osteon_host.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
 install(EXPORT osteon-targets NAMESPACE osteon:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/osteon COMPONENT development)
 file(WRITE ${PROJECT_BINARY_DIR}/osteon-config.cmake "include(\"\${CMAKE_CURRENT_LIST_DIR}/osteon-targets.cmake\")\n")
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/osteon-config-version.cmake COMPATIBILITY SameMinorVersion)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/osteon-config-version.cmake COMPATIBILITY SameMajorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/osteon-config.cmake ${PROJECT_BINARY_DIR}/osteon-config-version.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/osteon COMPONENT development)
 file(RELATIVE_PATH prefix_from_pkgconfig /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
@@ -79,6 +93,9 @@ set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
 set(CPACK_DEBIAN_OSTEON_PACKAGE_NAME osteon)
 set(CPACK_DEBIAN_OSTEON_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_OSTEON_PACKAGE_CONTROL_EXTRA ${packaging}/postinst ${packaging}/prerm ${packaging}/postrm
+  ${packaging}/conffiles)
 set(CPACK_DEBIAN_OSTEON_PACKAGE_RECOMMENDS "mesa-vulkan-drivers, fonts-dejavu-core")
 set(CPACK_COMPONENT_OSTEON_DESCRIPTION "haptic controller of a hip-reaming robot cell
  Runs a real or simulated cell: servo loop, cutting simulation, guard, console,

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include "app/cli/help/command_table.h"
+#include "app/cli/usage/cell_file.h"
 #include "app/cli/usage/command_line.h"
 #include "app/cli/usage/usage.h"
 #include "config/reading/config_file_tracker.h"
+#include "session/process/exit_code.h"
 
 namespace osteon::app {
 namespace {
@@ -50,6 +52,11 @@ OsteonCommands::OsteonCommands(CLI::App& app)
       LauncherFooter() +
       "Examples:\n  osteon demo\n  osteon demo --help\n  osteon run demo --simulated --seconds 10\n"
       "  osteon bench frame\n  osteon doctor");
+  doctor_app_
+      ->add_option("cell", doctor_cell_,
+                   "also examine what this cell's file names: network card, ports, CAN, PLC; a name under "
+                   "cells/, or a YAML file")
+      ->type_name("CELL");
   doctor_app_->add_option("--port", doctor_.fri_port, "FRI port to try")
       ->check(PortNumber())
       ->capture_default_str();
@@ -61,8 +68,9 @@ OsteonCommands::OsteonCommands(CLI::App& app)
       ->capture_default_str();
   doctor_app_->add_option("--json", doctor_.json, "also write the checks there, as JSON")->type_name("FILE");
   doctor_app_->footer(
-      "Exit code 1: the FRI port is taken\n\n"
-      "Examples:\n  osteon doctor\n  osteon doctor --seconds 3600 --json doctor.json");
+      "Exit code 1: the FRI port is taken, or something that the cell's file names is missing\n\n"
+      "Examples:\n  osteon doctor\n  osteon doctor my_cell.yaml\n  osteon doctor --seconds 3600 --json "
+      "doctor.json");
 
   faults_app_->add_option("--markdown", faults_.markdown, "write the page there, as docs/faults.md")
       ->type_name("FILE");
@@ -91,9 +99,18 @@ int OsteonCommands::Run(const std::string& command_line) {
   if (view_.asked()) return view_.Run();
   if (*states_app_) return RunStates(states_);
   if (*faults_app_) return RunFaults(faults_);
-  if (*doctor_app_) return session::RunDoctor(doctor_);
+  if (*doctor_app_) return RunDoctor();
   fmt::print("{}", app_.help());
   return 0;
+}
+
+int OsteonCommands::RunDoctor() {
+  if (!doctor_cell_.empty()) {
+    const auto cell = FindCell(config_root_, doctor_cell_);
+    if (!cell) return session::Fail("doctor", cell.error());
+    doctor_.cell = *cell;
+  }
+  return session::RunDoctor(doctor_);
 }
 
 }  // namespace osteon::app

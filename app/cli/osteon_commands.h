@@ -39,9 +39,12 @@ class OsteonCommands {
   [[nodiscard]] int Run(const std::string& command_line);
 
  private:
+  [[nodiscard]] int RunDoctor();
+
   std::filesystem::path config_root_;
   CLI::App& app_;
   session::DoctorOptions doctor_;
+  std::string doctor_cell_;
   FaultsOptions faults_;
   StatesOptions states_;
   // Each constructor adds its subcommands to the help, so the order of these members is the help's order.

@@ -29,13 +29,14 @@ int Connect(const LocalSocket& socket, const std::filesystem::path& path) {
 std::vector<std::filesystem::path> FindLocalServers() {
   std::vector<std::filesystem::path> found;
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(LocalSocketFolder(), error)) {
-    if (entry.path().extension() != ".sock") continue;
-    const LocalSocket socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
-    const int refused = Connect(socket, entry.path());
-    if (refused == ECONNREFUSED) std::filesystem::remove(entry.path(), error);
-    if (refused == 0) found.push_back(entry.path());
-  }
+  for (const std::filesystem::path& folder : LocalSocketFolders())
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+      if (entry.path().extension() != ".sock") continue;
+      const LocalSocket socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+      const int refused = Connect(socket, entry.path());
+      if (refused == ECONNREFUSED) std::filesystem::remove(entry.path(), error);
+      if (refused == 0) found.push_back(entry.path());
+    }
   std::ranges::sort(found);
   return found;
 }

@@ -8,7 +8,7 @@
 
 namespace osteon::io {
 
-/// The sockets of LocalSocketFolder() that somebody answers, by name. Those of processes that are gone are
+/// The sockets of LocalSocketFolders() that somebody answers, by path. Those of processes that are gone are
 /// removed.
 [[nodiscard]] std::vector<std::filesystem::path> FindLocalServers();
 

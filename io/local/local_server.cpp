@@ -16,6 +16,7 @@
 #include <cstring>
 #include <iterator>
 #include <list>
+#include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -38,30 +39,50 @@ struct Client {
   Clock::time_point until;
 };
 
+// Absolute path of an environment variable; empty: none.
+std::filesystem::path FolderOf(const char* variable) {
+  const char* folder = std::getenv(variable);
+  return folder != nullptr && folder[0] == '/' ? std::filesystem::path(folder) : std::filesystem::path();
+}
+
 // Makes the folder for this user alone. A folder of that name that somebody else has made is refused.
-std::string MakeFolder(const std::filesystem::path& folder) {
+// @param[out] group  the group that may ask, of a folder that was named for that and that it may enter
+std::string MakeFolder(const std::filesystem::path& folder, std::optional<gid_t>& group) {
   ::mkdir(folder.c_str(), 0700);
   struct stat status {};
   if (::lstat(folder.c_str(), &status) != 0 || !S_ISDIR(status.st_mode))
     return folder.string() + ": cannot make the folder: " + std::strerror(errno);
-  if (status.st_uid != ::geteuid() || (status.st_mode & 0077) != 0)
-    return folder.string() +
-           ": found a folder that others may enter, accepted one of this user alone (chmod 700)";
+  const bool named = !FolderOf(kLocalFolderVariable).empty();
+  if (status.st_uid != ::geteuid() || (status.st_mode & (named ? 0027u : 0077u)) != 0)
+    return folder.string() + ": found a folder that others may enter, accepted one of this user alone (" +
+           (named ? "chmod 700, or 750 for its group)" : "chmod 700)");
+  if ((status.st_mode & S_IXGRP) != 0) group = status.st_gid;
   return "";
 }
 
-bool OfThisUser(int connection) {
+bool IsMember(int connection, const ucred& peer, gid_t group) {
+  std::array<gid_t, 1024> groups{};
+  socklen_t size = sizeof groups;
+  if (peer.gid == group) return true;
+  if (::getsockopt(connection, SOL_SOCKET, SO_PEERGROUPS, groups.data(), &size) != 0) return false;
+  const auto end = groups.begin() + static_cast<std::ptrdiff_t>(size / sizeof(gid_t));
+  return std::find(groups.begin(), end, group) != end;
+}
+
+// Whether the other side is this user, root, or a member of the group that may ask.
+bool MayAsk(int connection, std::optional<gid_t> group) {
   ucred peer{};
   socklen_t size = sizeof peer;
-  return ::getsockopt(connection, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0 &&
-         (peer.uid == ::geteuid() || peer.uid == 0);
+  if (::getsockopt(connection, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0) return false;
+  return peer.uid == ::geteuid() || peer.uid == 0 || (group && IsMember(connection, peer, *group));
 }
 
 class Server final : public LocalServer {
  public:
-  Server(std::filesystem::path path, LocalSocket socket, LocalSocket wake, LocalSocket woken,
-         std::function<std::string(const std::string&)> answer)
+  Server(std::filesystem::path path, std::optional<gid_t> group, LocalSocket socket, LocalSocket wake,
+         LocalSocket woken, std::function<std::string(const std::string&)> answer)
       : path_(std::move(path)),
+        group_(group),
         socket_(std::move(socket)),
         wake_(std::move(wake)),
         woken_(std::move(woken)),
@@ -105,7 +126,7 @@ class Server final : public LocalServer {
 
   void Accept() {
     LocalSocket connection(::accept4(socket_.fd(), nullptr, nullptr, SOCK_CLOEXEC));
-    if (connection.fd() < 0 || !OfThisUser(connection.fd())) return;
+    if (connection.fd() < 0 || !MayAsk(connection.fd(), group_)) return;
     if (clients_.size() == kMaxClients) clients_.pop_front();
     clients_.push_back(
         {.socket = std::move(connection), .received = {}, .until = Clock::now() + kLocalPatience});
@@ -126,6 +147,7 @@ class Server final : public LocalServer {
   }
 
   std::filesystem::path path_;
+  std::optional<gid_t> group_;
   LocalSocket socket_, wake_, woken_;
   std::function<std::string(const std::string&)> answer_;
   std::list<Client> clients_;
@@ -134,9 +156,16 @@ class Server final : public LocalServer {
 
 }  // namespace
 
+std::vector<std::filesystem::path> LocalSocketFolders() {
+  std::vector<std::filesystem::path> folders{LocalSocketFolder()};
+  if (FolderOf(kLocalFolderVariable).empty() && folders.front() != kServiceSocketFolder)
+    folders.emplace_back(kServiceSocketFolder);
+  return folders;
+}
+
 std::filesystem::path LocalSocketFolder() {
-  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
-  if (runtime != nullptr && runtime[0] == '/') return std::filesystem::path(runtime) / "osteon";
+  if (auto named = FolderOf(kLocalFolderVariable); !named.empty()) return named;
+  if (const auto runtime = FolderOf("XDG_RUNTIME_DIR"); !runtime.empty()) return runtime / "osteon";
   return std::filesystem::temp_directory_path() / ("osteon-" + std::to_string(::geteuid()));
 }
 
@@ -146,7 +175,8 @@ tl::expected<std::unique_ptr<LocalServer>, std::string> LocalServer::Start(
   const auto refuse = [&](const char* what) {
     return tl::unexpected(path.string() + ": " + what + ": " + std::strerror(errno));
   };
-  if (std::string wrong = MakeFolder(folder); !wrong.empty()) return tl::unexpected(std::move(wrong));
+  std::optional<gid_t> group;
+  if (std::string wrong = MakeFolder(folder, group); !wrong.empty()) return tl::unexpected(std::move(wrong));
   const auto address = LocalAddress(path);
   if (!address) return tl::unexpected(address.error());
   LocalSocket socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
@@ -154,10 +184,11 @@ tl::expected<std::unique_ptr<LocalServer>, std::string> LocalServer::Start(
   ::unlink(path.c_str());  // of an earlier process with this number
   if (::bind(socket.fd(), reinterpret_cast<const sockaddr*>(&*address), sizeof *address) != 0)
     return refuse("cannot bind");
+  if (::chmod(path.c_str(), group ? 0660 : 0600) != 0) return refuse("cannot set its rights");
   if (::listen(socket.fd(), kBacklog) != 0) return refuse("cannot listen");
   std::array<int, 2> pipe{};
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0) return refuse("cannot make a pipe");
-  return std::make_unique<Server>(path, std::move(socket), LocalSocket(pipe[1]), LocalSocket(pipe[0]),
+  return std::make_unique<Server>(path, group, std::move(socket), LocalSocket(pipe[1]), LocalSocket(pipe[0]),
                                   std::move(answer));
 }
 

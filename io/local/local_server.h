@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <tl/expected.hpp>
 
@@ -12,13 +13,25 @@ namespace osteon::io {
 /// Longest request that a local server reads.
 inline constexpr std::size_t kMaxLocalRequest = 4096;
 
-/// Folder of this user's local sockets: $XDG_RUNTIME_DIR/osteon, else osteon-UID among the temporary files.
-/// Nobody else may enter it.
+/// Names a folder for the local sockets, in which requests find them as well, and no others. The service
+/// (plugin/packaging/osteon@.service) sets it.
+inline constexpr const char* kLocalFolderVariable = "OSTEON_SOCKET_FOLDER";
+/// Folder of the cells that run as a service, whose group may enter it.
+inline constexpr const char* kServiceSocketFolder = "/run/osteon";
+
+/// Folder of this process's local sockets: $OSTEON_SOCKET_FOLDER, else $XDG_RUNTIME_DIR/osteon, else
+/// osteon-UID among the temporary files. Nobody else may enter it, but for the group of a folder that
+/// $OSTEON_SOCKET_FOLDER names and that is open to it (mode 750).
 [[nodiscard]] std::filesystem::path LocalSocketFolder();
 
-/// Answers requests of other programs of the same user by a Unix socket: a connection sends one line and gets
-/// the answer's line, at most kMaxLocalRequest bytes and within a second; then the server closes it. A thread
-/// of its own serves one connection after the other, so a request may take a lock, and never meets the tick.
+/// Folders in which requests look for sockets: the above, and, unless $OSTEON_SOCKET_FOLDER names it, the
+/// services'.
+[[nodiscard]] std::vector<std::filesystem::path> LocalSocketFolders();
+
+/// Answers requests of other programs of the same user, of root, and of the group that may enter the sockets'
+/// folder, by a Unix socket: a connection sends one line and gets the answer's line, at most kMaxLocalRequest
+/// bytes and within a second; then the server closes it. A thread of its own serves one connection after the
+/// other, so a request may take a lock, and never meets the tick.
 class LocalServer {
  public:
   /// @param name  the socket's, within LocalSocketFolder(): "run-4711"

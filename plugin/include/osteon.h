@@ -105,8 +105,10 @@ OSTEON_API const char* osteon_last_error(void);
 typedef struct OsteonBoneParams {
   const char* scene; /* name of a shipped scene, or its YAML file: "acetabulum", "molar", …; for a mesh, the
                         scene whose tissues and fineness it gets. Null: "acetabulum" */
-  const char* mesh_file;    /* closed STL, OBJ or PLY; needs the site. Null: none */
-  double mesh_scale_mm;     /* millimetres per unit of the mesh; 0: 1 */
+  const char* mesh_file; /* STL, OBJ or PLY; needs the site. A surface that bounds no solid, such as an open
+                            one, is remade as one, and osteon_bone_warning says how; what cannot be is
+                            refused. Null: none */
+  double mesh_scale_mm;  /* millimetres per unit of the mesh; 0: 1 */
   const char* packing_file; /* as `osteon pack` writes it (.osp). Null: none */
   const float* balls_mm;    /* x y z r of ball_count overlapping balls [mm]. Null: none. Their mass is sampled
                                at 0.75 mm, all of the first material */
@@ -119,16 +121,21 @@ typedef struct OsteonBoneParams {
                                 checkout that the library lies in, or $OSTEON_ROOT/config */
 } OsteonBoneParams;
 
-/* All zero: the scene "acetabulum". */
+/* Fills params with zeros: the scene "acetabulum". Null is allowed. */
 OSTEON_API void osteon_bone_params_default(OsteonBoneParams* params);
-/* The same values; abi: OSTEON_ABI. Where it is not the library's, nothing is written. */
+/* Fills params as osteon_bone_params_default does; params may not be null. abi: OSTEON_ABI. Where it is not
+ * the library's, returns OSTEON_ERROR_ABI and writes nothing. Any thread. */
 OSTEON_API OsteonResult osteon_bone_params_init(uint32_t abi, OsteonBoneParams* params);
 
 /* Makes a bone; takes 0.1 s (scene) to half a minute (large mesh).
  * abi: OSTEON_ABI. bone: receives the new bone, null on failure. */
 OSTEON_API OsteonResult osteon_bone_create(uint32_t abi, const OsteonBoneParams* params, OsteonBone** bone);
-/* Null is allowed. */
+/* Gives the bone up; sessions that were made of it keep what they need. Null is allowed. */
 OSTEON_API void osteon_bone_destroy(OsteonBone* bone);
+/* What was assumed to make a solid of a mesh that bounds none: its defects (open edges, …) and what was done
+ * about them, one line, UTF-8; "" where nothing was, and for null. Valid as long as the bone. Show it to a
+ * person: a bone that was remade may lack what the file meant. */
+OSTEON_API const char* osteon_bone_warning(const OsteonBone* bone);
 
 typedef struct OsteonBoneInfo {
   uint64_t balls;
@@ -141,6 +148,8 @@ typedef struct OsteonBoneInfo {
   uint32_t material_count;
 } OsteonBoneInfo;
 
+/* Fills info with the bone's figures before anything is cut: they never change. Neither pointer may be null.
+ * Any thread; takes some milliseconds (it sums over the mass points). */
 OSTEON_API OsteonResult osteon_bone_info(const OsteonBone* bone, OsteonBoneInfo* info);
 /* Name of a material, for the indices of OsteonVertex; null where there is no such index. Valid as long as
  * the bone. */
@@ -157,19 +166,24 @@ OSTEON_API OsteonResult osteon_bone_approach(const OsteonBone* bone, double heig
 typedef struct OsteonToolParams {
   const char*
       name; /* shipped tool, or its YAML file: "reamer", "twist_drill", "round_burr", … Null: "reamer" */
-  double diameter_m;      /* one of the sizes that the tool comes in; 0: its usual one */
-  const float* balls_mm;  /* instead of a name: x y z r of ball_count balls in T [mm]. Null: none */
+  double diameter_m;     /* one of the sizes that the tool comes in; 0: its usual one. Another is refused with
+                            OSTEON_ERROR_ARGUMENT and the sizes that there are */
+  const float* balls_mm; /* instead of a name: x y z r of ball_count balls in T [mm]. Null: none */
   const uint8_t* cutting; /* for each ball, 0: it touches only. Null: all cut */
   size_t ball_count;
   const char* config_folder; /* as in OsteonBoneParams */
 } OsteonToolParams;
 
+/* Fills params with zeros: the reamer in its usual size. Null is allowed. Any thread. */
 OSTEON_API void osteon_tool_params_default(OsteonToolParams* params);
-/* As osteon_bone_params_init. */
+/* Fills params as osteon_tool_params_default does; otherwise as osteon_bone_params_init. */
 OSTEON_API OsteonResult osteon_tool_params_init(uint32_t abi, OsteonToolParams* params);
+/* Makes a tool, which never changes and may serve many sessions; takes some milliseconds.
+ * abi: OSTEON_ABI. params: not null. tool: not null; receives the new tool, null on failure. */
 OSTEON_API OsteonResult osteon_tool_create(uint32_t abi, const OsteonToolParams* params, OsteonTool** tool);
+/* Gives the tool up; sessions that use it keep what they need. Null is allowed. */
 OSTEON_API void osteon_tool_destroy(OsteonTool* tool);
-/* Its usual spindle speed [rad/s]; 0 for a tool of balls, or null. */
+/* The tool's usual spindle speed [rad/s]; 0 for a tool of balls, or null. */
 OSTEON_API double osteon_tool_spindle_rad_per_s(const OsteonTool* tool);
 
 /* --- session ------------------------------------------------------------------------------------------- */
@@ -186,12 +200,13 @@ typedef struct OsteonSettings {
   double damping_Ns_per_m;  /* of the coupling */
 } OsteonSettings;
 
-/* auto, own thread, with a surface, 200 N, 20 N·m, 20 kN/m, 100 N·s/m. */
+/* Fills settings with: auto, own thread, with a surface, 200 N, 20 N·m, 20 kN/m, 100 N·s/m. May be null. */
 OSTEON_API void osteon_settings_default(OsteonSettings* settings);
-/* As osteon_bone_params_init. */
+/* Fills settings as osteon_settings_default does; otherwise as osteon_bone_params_init. */
 OSTEON_API OsteonResult osteon_settings_init(uint32_t abi, OsteonSettings* settings);
 
-/* Makes a session. settings: null for the defaults. session: receives it, null on failure. */
+/* Makes a session with its engine and threads; takes up to some seconds (GPU, large mesh). bone and tool: not
+ * null. settings: null for the defaults. session: not null; receives it, null on failure. */
 OSTEON_API OsteonResult osteon_session_create(uint32_t abi, const OsteonBone* bone, const OsteonTool* tool,
                                               const OsteonSettings* settings, OsteonSession** session);
 /* Ends and joins its threads. No other call on this session may run. Null is allowed. */
@@ -208,11 +223,11 @@ typedef enum OsteonLogLevel {
  * the session. */
 typedef void (*OsteonLogCallback)(void* user, uint32_t level, const char* text);
 
-/* From now on, `callback` is told what happens in the session: at once its engine; then each event of the
- * scene, a first pose that is in bone, changes of tool or bone, and the end of its engine. It is called from
- * the session's own thread, or from the thread of the call that it is about; never from set_tool_pose or
- * evaluate, and never by two threads at a time. Null: nobody. After this function has returned, an earlier
- * callback is not called any more. */
+/* From now on, `callback` is told what happens in the session: at once its engine, and as a warning what
+ * osteon_bone_warning says, if anything; then each event of the scene, a first pose that is in bone, changes
+ * of tool or bone, and the end of its engine. It is called from the session's own thread, or from the thread
+ * of the call that it is about; never from set_tool_pose or evaluate, and never by two threads at a time.
+ * Null: nobody. After this function has returned, an earlier callback is not called any more. */
 OSTEON_API OsteonResult osteon_session_set_log(OsteonSession* session, OsteonLogCallback callback,
                                                void* user);
 
@@ -250,7 +265,9 @@ typedef struct OsteonFigures {
                                   straight */
 } OsteonFigures;
 
-/* Figures of the newest frame. */
+/* Fills figures with those of the newest frame; before the first frame they are zero, and proxy is no pose.
+ * Waits for the frame that is being computed (below a millisecond as a rule): not for a loop in real time.
+ * Neither pointer may be null. Any thread. */
 OSTEON_API OsteonResult osteon_session_figures(OsteonSession* session, OsteonFigures* figures);
 
 typedef struct OsteonEvent {
@@ -292,7 +309,8 @@ typedef struct OsteonComplianceParams {
   double mount_creep_s;       /* time constant of the pads */
 } OsteonComplianceParams;
 
-/* All off; 1 ms, 60 N, 0.1 mm; a mount of 12 kg and 10 Hz about G's origin. abi: OSTEON_ABI. */
+/* Fills params with: all off; 1 ms, 60 N, 0.1 mm; a mount of 12 kg and 10 Hz about G's origin. Otherwise as
+ * osteon_bone_params_init. */
 OSTEON_API OsteonResult osteon_compliance_params_init(uint32_t abi, OsteonComplianceParams* params);
 
 /* From the next osteon_session_evaluate on, these parts give way, from rest; the force fades in as after a
@@ -398,11 +416,12 @@ typedef struct OsteonPlanParams {
   const char* config_folder; /* as in OsteonBoneParams */
 } OsteonPlanParams;
 
-/* All null: the plan "acetabulum". */
+/* Fills params with null: the plan "acetabulum". Null is allowed. */
 OSTEON_API void osteon_plan_params_default(OsteonPlanParams* params);
-/* As osteon_bone_params_init. */
+/* Fills params as osteon_plan_params_default does; otherwise as osteon_bone_params_init. */
 OSTEON_API OsteonResult osteon_plan_params_init(uint32_t abi, OsteonPlanParams* params);
-/* Reads a plan. abi: OSTEON_ABI. plan: receives it, null on failure. */
+/* Reads a plan, which never changes. abi: OSTEON_ABI. params: not null. plan: not null; receives it, null on
+ * failure. Any thread. */
 OSTEON_API OsteonResult osteon_plan_create(uint32_t abi, const OsteonPlanParams* params, OsteonPlan** plan);
 /* Null is allowed. */
 OSTEON_API void osteon_plan_destroy(OsteonPlan* plan);
@@ -426,6 +445,8 @@ typedef struct OsteonPlanInfo {
   uint32_t reserved;     /* 0 */
 } OsteonPlanInfo;
 
+/* Fills info with where the plan wants the cup, its angles in three definitions, and how many reamers lead
+ * there. Neither pointer may be null. Any thread; never waits. */
 OSTEON_API OsteonResult osteon_plan_info(const OsteonPlan* plan, OsteonPlanInfo* info);
 
 typedef struct OsteonReamer {
@@ -450,9 +471,10 @@ typedef struct OsteonGuidanceParams {
   double period_s;          /* between two calls of osteon_guidance_evaluate: above 0, at most 0.1 */
 } OsteonGuidanceParams;
 
-/* The first reamer, the plan's own gain, 200 N, 20 N·m, 0.25 m/s, 1 ms. */
+/* Fills params with: the first reamer, the plan's own gain, 200 N, 20 N·m, 0.25 m/s, 1 ms. Null is allowed.
+ */
 OSTEON_API void osteon_guidance_params_default(OsteonGuidanceParams* params);
-/* As osteon_bone_params_init. */
+/* Fills params as osteon_guidance_params_default does; otherwise as osteon_bone_params_init. */
 OSTEON_API OsteonResult osteon_guidance_params_init(uint32_t abi, OsteonGuidanceParams* params);
 /* Makes the guidance of one reamer: a funnel, a cone of tilt and a depth (docs/theory/guidance.md).
  * OSTEON_ERROR_STATE where the plan has none. params: null for the defaults. */

@@ -272,6 +272,7 @@ for _name, _result, _arguments in [
     ("bone_create", c.c_int, [c.c_uint32, c.POINTER(_BoneParams), c.POINTER(c.c_void_p)]),
     ("bone_destroy", None, [c.c_void_p]),
     ("bone_info", c.c_int, [c.c_void_p, c.POINTER(_BoneInfo)]),
+    ("bone_warning", c.c_char_p, [c.c_void_p]),
     ("bone_material", c.c_char_p, [c.c_void_p, c.c_uint32]),
     ("bone_material_color", c.c_int, [c.c_void_p, c.c_uint32, c.POINTER(c.c_uint8)]),
     ("bone_approach", c.c_int, [c.c_void_p, c.c_double, c.POINTER(_Pose)]),
@@ -449,6 +450,11 @@ class Bone:
         result["colors"] = colors
         return result
 
+    @property
+    def warning(self):
+        """str: what was assumed to make a solid of a mesh that bounds none, such as an open one; "": nothing."""
+        return _lib.osteon_bone_warning(self._handle).decode()
+
     def approach(self, height_m):
         """X_GT of a tool that points into the site, its apex height_m above the site's centre (below: negative)."""
         pose = _Pose()
@@ -484,6 +490,7 @@ class Tool:
 
     @property
     def spindle_rad_per_s(self):
+        """float: the tool's usual spindle speed [rad/s], for step() and set_tool_pose(); 0.0 for a tool of balls."""
         return _lib.osteon_tool_spindle_rad_per_s(self._handle)
 
 
@@ -618,6 +625,7 @@ class Session:
 
     @property
     def engine(self):
+        """str: what computes the frames, such as "cpu on one thread, AVX-512 (…)"."""
         return _lib.osteon_session_engine(self._handle).decode()
 
     def set_log(self, callback):
@@ -706,9 +714,14 @@ class Session:
         _check(_lib.osteon_session_undo(self._handle, c.byref(_to_pose(X_GT))))
 
     def save(self, file):
+        """Saves the carved bone as `file` and, with a surface, `file`.swept. Each appears whole or not at all."""
         _check(_lib.osteon_session_save(self._handle, _text(file)))
 
     def restore(self, file, X_GT):
+        """Returns to a bone that save() wrote, of the same Bone; any tool.
+
+        X_GT       (4, 4) where the tool is [m]: free of the bone that comes back, else Error, and nothing changes
+        """
         _check(_lib.osteon_session_restore(self._handle, _text(file), c.byref(_to_pose(X_GT))))
 
     def assess(self, plan):
@@ -742,6 +755,7 @@ class Session:
                 return changed
 
     def wait_for_surface(self):
+        """Waits until all frames so far are in the surface: seconds after the start of a large mesh, else some ms."""
         _check(_lib.osteon_session_surface_wait(self._handle))
 
     def export_surface(self, file):

@@ -129,7 +129,7 @@ BoneSource FromPacking(const OsteonBoneParams& params) {
                   fmt::format("{}: found a packing without mass points, accepted one with them (osteon pack "
                               "without --no-points)",
                               params.packing_file));
-  BoneSource source{.bone = file->ToBone(), .solid = nullptr, .events = {}};
+  BoneSource source{.bone = file->ToBone(), .solid = nullptr, .events = {}, .warning = {}};
   if (const auto site = SiteOf(params)) source.bone.site = *site;
   return source;
 }
@@ -156,7 +156,11 @@ BoneSource FromScene(const OsteonBoneParams& params) {
     solid = simulation::MakeSceneSolid(scene);
     if (site) solid.site = *site;
   }
-  return {.bone = simulation::PackScene(solid, scene), .solid = solid.solid, .events = scene.events};
+  std::ranges::replace(solid.warning, '\n', ' ');
+  return {.bone = simulation::PackScene(solid, scene),
+          .solid = solid.solid,
+          .events = scene.events,
+          .warning = std::move(solid.warning)};
 }
 
 }  // namespace
@@ -170,6 +174,17 @@ BoneSource MakeBone(const OsteonBoneParams& params) {
   if (params.balls_mm) return FromBalls(params);
   return params.packing_file ? FromPacking(params) : FromScene(params);
 }
+
+namespace {
+
+// A size that the tool does not come in: the error names the caller's field, in the unit of the tool's file.
+config::ToolConfig LoadSized(const std::filesystem::path& file, double diameter_m) try {
+  return config::LoadTool(file, diameter_m == 0.0 ? std::nullopt : std::optional(diameter_m));
+} catch (const config::ToolSizeError& error) {
+  throw Failure(OSTEON_ERROR_ARGUMENT, fmt::format("diameter_m, in mm: {}", error.what()));
+}
+
+}  // namespace
 
 ToolSource MakeTool(const OsteonToolParams& params) {
   if (params.balls_mm) {
@@ -187,8 +202,7 @@ ToolSource MakeTool(const OsteonToolParams& params) {
                   fmt::format("diameter_m: found {}, accepted 0 or a size of the tool", params.diameter_m));
   const auto file =
       FindShipped(ConfigFolder(params.config_folder), "tools", params.name ? params.name : "reamer");
-  const config::ToolConfig loaded =
-      config::LoadTool(file, params.diameter_m == 0.0 ? std::nullopt : std::optional(params.diameter_m));
+  const config::ToolConfig loaded = LoadSized(file, params.diameter_m);
   ToolSource source{.tool = loaded.tool, .compliance = {}, .spindle_rad_per_s = loaded.spindle_rad_per_s};
   if (loaded.bending) {
     source.compliance = loaded.bending->compliance;

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "plugin/include/osteon.h"
 #include "simulation/bone/bone.h"
@@ -17,6 +18,7 @@ struct BoneSource {
   simulation::Bone bone;
   std::shared_ptr<const simulation::Solid> solid;  ///< that it was packed from; null where it is not known
   simulation::SceneEventParams events;
+  std::string warning{};  ///< what was assumed of a mesh that bounds no solid, one line; empty: nothing
 };
 
 /// Content of an OsteonTool; never changes.

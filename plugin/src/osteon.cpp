@@ -89,6 +89,8 @@ OsteonResult osteon_bone_create(uint32_t abi, const OsteonBoneParams* params, Os
 
 void osteon_bone_destroy(OsteonBone* bone) { delete bone; }
 
+const char* osteon_bone_warning(const OsteonBone* bone) { return bone ? bone->source->warning.c_str() : ""; }
+
 OsteonResult osteon_bone_info(const OsteonBone* bone, OsteonBoneInfo* info) {
   return Guarded([&] {
     CheckPointer(bone, "bone");

@@ -210,6 +210,7 @@ void Session::SetLog(OsteonLogCallback callback, void* user) {
   log_ = callback;
   log_user_ = user;
   Log(OSTEON_LOG_INFO, "engine: " + engine_text_);
+  if (!bone_->warning.empty()) Log(OSTEON_LOG_WARNING, bone_->warning);
 }
 
 void Session::Log(OsteonLogLevel level, const std::string& text) const {

@@ -207,7 +207,12 @@ int RunTell(const TellOptions& options) {
 
 int RunAsk(const AskOptions& options) {
   const std::vector<std::filesystem::path> running = io::FindLocalServers();
-  if (running.empty()) return Fail(options.request, "no cell runs on this machine under this user", kFailed);
+  if (running.empty())
+    return Fail(
+        options.request,
+        "no cell runs on this machine under this user, and none as a service that this user may ask (group "
+        "osteon)",
+        kFailed);
   if (options.pid == 0 && running.size() > 1)
     return Fail(options.request,
                 "--pid: found none, and several cells run; accepted one of " + Names(running));

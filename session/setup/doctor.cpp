@@ -2,6 +2,7 @@
 
 #include <sys/utsname.h>
 
+#include <optional>
 #include <thread>
 
 #include <fmt/format.h>
@@ -10,9 +11,11 @@
 #include "base/json_text.h"
 #include "base/run_progress.h"
 #include "base/write_text.h"
+#include "config/reading/load.h"
 #include "gpu/context/devices.h"
 #include "io/can/has_socket_can.h"
 #include "io/fri/fri_link.h"
+#include "session/setup/cell_checks.h"
 #include "session/setup/engine_choice.h"
 #include "session/setup/realtime_checks.h"
 #include "simulation/engine_cpu/cpu_engine.h"
@@ -59,7 +62,7 @@ void ExamineVulkan(std::vector<Check>& checks) {
 void ExamineNetwork(std::vector<Check>& checks, std::uint16_t fri_port) {
   const auto link = io::FriLink::Open({.port = fri_port});
   checks.push_back({"FRI port", fmt::format("127.0.0.1:{}", fri_port), link ? kCheckGood : kCheckMissing,
-                    link ? "" : link.error()});
+                    link ? "" : link.error(), true});
   const bool can = io::HasSocketCan();
   checks.push_back({"SocketCAN", can ? "in this kernel" : "not in this kernel",
                     can ? kCheckGood : kCheckUsable,
@@ -69,6 +72,8 @@ void ExamineNetwork(std::vector<Check>& checks, std::uint16_t fri_port) {
 }  // namespace
 
 std::vector<Check> Examine(const DoctorOptions& options, const std::function<void(double at_s)>& progress) {
+  // before the timers' seconds: a file that cannot be read ends it
+  const auto cell = options.cell.empty() ? std::nullopt : std::optional(config::LoadCell(options.cell));
   std::vector<Check> checks;
   utsname system{};
   uname(&system);
@@ -81,6 +86,7 @@ std::vector<Check> Examine(const DoctorOptions& options, const std::function<voi
   ExamineVulkan(checks);
   ExamineRealtime(checks, options.seconds, progress);
   ExamineNetwork(checks, options.fri_port);
+  if (cell) ExamineCell(checks, *cell);
   return checks;
 }
 
@@ -89,13 +95,13 @@ int RunDoctor(const DoctorOptions& options) {
   const std::vector<Check> checks = Examine(options, [&](double at_s) { progress.Show(at_s); });
   progress.Done();
   nlohmann::json list = nlohmann::json::array();
-  bool port = false;
+  bool runs = true;
   for (const Check& check : checks) {
     fmt::print("{:<8} {:<30} {}\n", check.verdict, check.name, check.value);
     if (!check.advice.empty()) fmt::print("{:<8} {:<30} {}\n", "", "", check.advice);
     list.push_back(
         {{"name", check.name}, {"value", check.value}, {"verdict", check.verdict}, {"advice", check.advice}});
-    port = port || (check.name == "FRI port" && check.verdict == kCheckGood);
+    if (check.is_required && check.verdict == kCheckMissing) runs = false;
   }
   if (!options.json.empty()) {
     const nlohmann::json out{{"schema", "osteon.doctor/1"}, {"checks", list}};
@@ -104,7 +110,7 @@ int RunDoctor(const DoctorOptions& options) {
       return 2;
     }
   }
-  return port ? 0 : 1;
+  return runs ? 0 : 1;
 }
 
 }  // namespace osteon::session

@@ -16,20 +16,24 @@ inline constexpr const char* kCheckMissing = "missing";
 /// One examined property of the machine and its verdict.
 struct Check {
   std::string name, value, verdict, advice;
+  bool is_required{false};  ///< without it the demo, or the cell that was named, cannot run
 };
 
 struct DoctorOptions {
   std::uint16_t fri_port{30200};  ///< port that a demo would listen on
   double seconds{10.0};           ///< of each timer test: with SCHED_FIFO and without
   std::filesystem::path json{};
+  std::filesystem::path cell{};  ///< YAML file of a cell whose links are examined as well; empty: none
 };
 
-/// Examines this machine: Vulkan devices, timer latency, scheduling and memory rights, kernel, network, CAN.
+/// Examines this machine: Vulkan devices, timer latency, scheduling and memory rights, kernel, network, CAN;
+/// with a cell, also what its file names (cell_checks.h).
 /// @param progress  called now and then with the time spent, out of 2 options.seconds; may be empty
 [[nodiscard]] std::vector<Check> Examine(const DoctorOptions& options,
                                          const std::function<void(double at_s)>& progress);
 
-/// Prints the checks; writes them to `json` unless empty. @returns 0, or 1 if the demo could not run here.
+/// Prints the checks; writes them to `json` unless empty. @returns 0, or 1 if the demo could not run here, or
+/// something of the cell is missing. @throws config::ConfigError of the cell's file.
 [[nodiscard]] int RunDoctor(const DoctorOptions& options);
 
 }  // namespace osteon::session

@@ -1,8 +1,10 @@
 #include "session/setup/realtime_checks.h"
 
+#include <grp.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/utsname.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -41,6 +43,21 @@ std::string LimitText(int resource, double unit) {
                                          : fmt::format("{:.0f}", static_cast<double>(limit.rlim_cur) / unit);
 }
 
+// How this user gets a right that the group "osteon" has.
+std::string RightsAdvice(const std::string& right) {
+  constexpr const char* kGroup = "osteon";
+  const group* found = ::getgrnam(kGroup);
+  if (found == nullptr)
+    return fmt::format("{} for the group {}, which the Debian package makes (docs/set_up.md), or run as root",
+                       right, kGroup);
+  std::array<gid_t, 256> groups{};
+  const int count = std::max(0, ::getgroups(static_cast<int>(groups.size()), groups.data()));
+  const bool is_member = ::getegid() == found->gr_gid || std::find(groups.begin(), groups.begin() + count,
+                                                                   found->gr_gid) != groups.begin() + count;
+  return is_member ? fmt::format("{}: the group {} lacks it, see docs/set_up.md", right, kGroup)
+                   : fmt::format("{}: sudo usermod -aG {} $USER, and log in anew", right, kGroup);
+}
+
 Check TimerCheck(const char* name, const DurationFigures& late, bool counts) {
   const bool good = Serves(late, kPeriods_s.front()), usable = Serves(late, kPeriods_s.back());
   return {name,
@@ -77,8 +94,7 @@ Check PriorityCheck(bool realtime) {
   return {"Real-time priority",
           fmt::format("SCHED_FIFO {}, rtprio limit {}", realtime ? "granted" : "refused",
                       LimitText(RLIMIT_RTPRIO, 1.0)),
-          realtime ? kCheckGood : kCheckUsable,
-          realtime ? "" : "run as root, or give the user rtprio 80 in /etc/security/limits.conf"};
+          realtime ? kCheckGood : kCheckUsable, realtime ? "" : RightsAdvice("rtprio 95")};
 }
 
 // Tests locking memory as the loop's thread does; keeps no lock.
@@ -91,7 +107,7 @@ Check MemoryCheck() {
   return {"Locked memory",
           fmt::format("{}, memlock limit {} KiB", locked ? "granted" : "refused",
                       LimitText(RLIMIT_MEMLOCK, 1024.0)),
-          locked ? kCheckGood : kCheckUsable, locked ? "" : "memlock unlimited in /etc/security/limits.conf"};
+          locked ? kCheckGood : kCheckUsable, locked ? "" : RightsAdvice("memlock unlimited")};
 }
 
 // Names CPU 0's deepest idle state, and whether the loop prevents it.
@@ -113,7 +129,7 @@ Check IdleCheck() {
                       awake ? "a run keeps out of them" : "a run sleeps into them"),
           awake ? kCheckGood : kCheckUsable,
           awake   ? ""
-          : there ? "write access to " + device + ": run as root, or a udev rule (docs/set_up.md)"
+          : there ? RightsAdvice("write access to " + device)
                   : "this kernel has no " + device + ": turn deep ones off in the firmware"};
 }
 

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <span>
 #include <thread>
 
 #include <fmt/chrono.h>
@@ -259,6 +260,13 @@ RegressResult RunAndCompare(const config::ScenarioConfig& scenario, const Scenar
   return result;
 }
 
+// Wall time of the scenarios, one after the other: of parts, which ran elsewhere, nothing else is known.
+double SecondsOf(std::span<const RegressResult> results) {
+  double seconds = 0.0;
+  for (const RegressResult& result : results) seconds += result.run ? result.run->seconds_wall : 0.0;
+  return seconds;
+}
+
 int RunRegress(const RegressOptions& options) {
   if (const std::string wrong = WrongOptions(options); !wrong.empty()) return session::Fail("regress", wrong);
   const auto files = FindScenarios(options.config_root, options.scenarios);
@@ -287,7 +295,9 @@ int RunRegress(const RegressOptions& options) {
   std::vector<RegressResult> results =
       items.FromParts() ? Restore(scenarios, items) : RunAll(scenarios, options, items);
   if (base::Interrupted()) return base::kExitInterrupted;
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  const double seconds =
+      items.FromParts() ? SecondsOf(results)
+                        : std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 
   if (options.update)
     for (RegressResult& result : results)

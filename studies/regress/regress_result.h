@@ -14,7 +14,7 @@ namespace osteon::studies {
 struct RegressSummary {
   std::span<const RegressResult> results;
   const RegressOptions& options;
-  double seconds{0.0};  ///< wall time of all of them together
+  double seconds{0.0};  ///< wall time of all of them together; of merged parts, the sum of theirs
 };
 
 /// Table with a line per scenario; those that are not bit-identical are explained below it.

@@ -48,6 +48,87 @@ TEST(Doctor, GivesAVerdictForEachCheck) {
   EXPECT_EQ(VerdictOf(doctor, "FRI port"), "good");
 }
 
+const nlohmann::json* Find(const nlohmann::json& doctor, const std::string& name) {
+  for (const nlohmann::json& check : doctor.at("checks"))
+    if (check.at("name") == name) return &check;
+  return nullptr;
+}
+
+// Value and advice of a check.
+std::string TextOf(const nlohmann::json& doctor, const std::string& name) {
+  const nlohmann::json* check = Find(doctor, name);
+  return check ? check->at("value").get<std::string>() + "; " + check->at("advice").get<std::string>()
+               : "no such check";
+}
+
+// Runs `osteon doctor` with a cell that has these lines beside the demo's.
+struct CellDoctor {
+  explicit CellDoctor(const std::string& lines) {
+    io::test::WriteAll(folder.path() / "mine.yaml", "extends: demo\n" + lines);
+    run = RunCommand(folder.path(),
+                     {"doctor", "mine.yaml", "--seconds", "0.1", "--port", "0", "--json", "doctor.json"});
+    if (std::filesystem::exists(folder.path() / "doctor.json"))
+      json = ReadJson(folder.path() / "doctor.json");
+  }
+  TemporaryFolder folder;
+  CommandResult run;
+  nlohmann::json json;
+};
+
+TEST(Doctor, OfASimulatedCellSaysThatItsWiresAreSimulated) {
+  const auto free = io::FriLink::Open({.port = 0});
+  ASSERT_TRUE(free) << free.error();
+  const std::string port = std::to_string((*free)->port());
+  const std::string lines = "fri: {port: " + port + "}\n";
+  const CellDoctor taken(lines);
+  EXPECT_EQ(taken.run.exit_code, 1) << taken.run.out << taken.run.err;
+  EXPECT_EQ(VerdictOf(taken.json, "Arm's port"), "missing");
+  EXPECT_NE(TextOf(taken.json, "Arm's port").find("127.0.0.1:" + port), std::string::npos);
+  ExpectChecks(taken.json);
+  EXPECT_EQ(VerdictOf(taken.json, "Arm's network card"), "usable");
+  EXPECT_NE(TextOf(taken.json, "PLC").find("simulated"), std::string::npos) << TextOf(taken.json, "PLC");
+  EXPECT_EQ(VerdictOf(taken.json, "PLC"), "usable");
+  std::size_t buses = 0;
+  for (const std::string& name : ExpectChecks(taken.json))
+    if (name.starts_with("CAN bus ")) {
+      ++buses;
+      EXPECT_EQ(VerdictOf(taken.json, name), "usable");
+      EXPECT_NE(TextOf(taken.json, name).find("simulated, by UDP port"), std::string::npos);
+    }
+  EXPECT_GT(buses, 0u);
+}
+
+// Addresses of RFC 5737, which no network has; nothing is sent to an arm or a bus.
+TEST(Doctor, OfARealCellNamesEachThingThatItsFileNamesAndThatIsMissing) {
+  const CellDoctor doctor(
+      "fri: {host: 192.0.2.10, arm_host: 192.0.2.2, port: 30200}\n"
+      "can: [{name: tool, interface: nocan7}]\n"
+      "plc: {host: 192.0.2.20, port: 502}\n");
+  EXPECT_EQ(doctor.run.exit_code, 1) << doctor.run.out << doctor.run.err;
+  ExpectChecks(doctor.json);
+  for (const auto& [name, text] :
+       std::vector<std::pair<std::string, std::string>>{{"Arm's network card", "192.0.2.10, of no card here"},
+                                                        {"Arm's port", "FRI at 192.0.2.10:30200"},
+                                                        {"CAN bus tool", "nocan7, not on this machine"},
+                                                        {"PLC", "192.0.2.20:502, "}}) {
+    EXPECT_EQ(VerdictOf(doctor.json, name), "missing") << name;
+    EXPECT_NE(TextOf(doctor.json, name).find(text), std::string::npos) << TextOf(doctor.json, name);
+  }
+}
+
+TEST(Doctor, RefusesAnInterfaceThatIsNoCanBus) {
+  const CellDoctor doctor("can: [{name: tool, interface: lo}]\n");
+  EXPECT_EQ(VerdictOf(doctor.json, "CAN bus tool"), "missing") << doctor.run.err;
+  EXPECT_NE(TextOf(doctor.json, "CAN bus tool").find("no CAN interface"), std::string::npos);
+}
+
+TEST(Doctor, NamesACellThatIsNotThere) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(folder.path(), {"doctor", "no_such_cell"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("no_such_cell"), std::string::npos) << run.err;
+}
+
 TEST(Doctor, TakesTheCpuEngineWithoutAVulkanDriver) {
   const TemporaryFolder folder;
   const CommandResult run =

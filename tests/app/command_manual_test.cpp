@@ -160,7 +160,7 @@ TEST_F(BashCompletionTest, CompletesOptionsAndTheirWords) {
             (std::vector<std::string>{"auto", "vulkan", "cpu", "reference"}));
   EXPECT_EQ(Offers("osteon demo --engine = r"), std::vector<std::string>{"reference"});
   EXPECT_TRUE(Has("osteon bench frame --method ''", "voxel"));
-  EXPECT_TRUE(Has("osteon doctor ''", "--seconds")) << "nothing but options can stand here";
+  EXPECT_TRUE(Has("osteon faults ''", "--markdown")) << "nothing but options can stand here";
   EXPECT_FALSE(Has("osteon doctor --s", "--engine"));
   EXPECT_EQ(Offers("osteon completion ''"), (std::vector<std::string>{"bash", "zsh", "fish"}));
 }
@@ -169,6 +169,7 @@ TEST_F(BashCompletionTest, CompletesNamesBelowConfigAndFiles) {
   WriteAll(folder_.path() / "mine.yaml", "");
   EXPECT_EQ(Offers("osteon demo --cell mo"), std::vector<std::string>{"molar"});
   EXPECT_EQ(Offers("osteon run mo"), std::vector<std::string>{"molar"});
+  EXPECT_EQ(Offers("osteon doctor mo"), std::vector<std::string>{"molar"});
   EXPECT_EQ(Offers("osteon run min"), std::vector<std::string>{"mine.yaml"});
   EXPECT_EQ(Offers("osteon run demo --tool pear"), std::vector<std::string>{"pear_burr"});
   EXPECT_EQ(Offers("osteon plan thin"), std::vector<std::string>{"thin_plate"});
@@ -177,6 +178,14 @@ TEST_F(BashCompletionTest, CompletesNamesBelowConfigAndFiles) {
   std::filesystem::create_directories(folder_.path() / "own/cells");
   WriteAll(folder_.path() / "own/cells/elbow.yaml", "");
   EXPECT_EQ(Offers("osteon --config-root own run el"), std::vector<std::string>{"elbow"});
+}
+
+TEST_F(BashCompletionTest, CompletesNamesOfAnInstallation) {
+  for (const char* below : {"usr/bin", "usr/share/osteon/config/cells"})
+    std::filesystem::create_directories(folder_.path() / below);
+  WriteAll(folder_.path() / "usr/bin/osteon", "");
+  WriteAll(folder_.path() / "usr/share/osteon/config/cells/elbow.yaml", "");
+  EXPECT_EQ(Offers("usr/bin/osteon run el"), std::vector<std::string>{"elbow"});
 }
 
 TEST_F(Manual, TheScriptsAreReadWithoutError) {

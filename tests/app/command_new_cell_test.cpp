@@ -36,6 +36,17 @@ TEST_F(NewCellTest, CopiesACellThatExtendsAnother) {
   EXPECT_EQ(config::LoadCell(folder_.path() / "tooth.yaml").scene.name, "molar");
 }
 
+TEST_F(NewCellTest, WritesItsFileAsJson) {
+  const CommandResult made =
+      RunCommand(folder_.path(), {"new-cell", "lab/tooth", "--from", "molar", "--json", "made.json"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const nlohmann::json json = ReadJson(folder_.path() / "made.json");
+  EXPECT_EQ(json.at("schema"), "osteon.new_cell/1");
+  EXPECT_EQ(json.at("file"), "lab/tooth.yaml");
+  EXPECT_EQ(json.at("from"), "molar");
+  EXPECT_EQ(json.at("copied"), true);
+}
+
 TEST_F(NewCellTest, LeavesAFileThatIsThere) {
   io::test::WriteAll(folder_.path() / "mine.yaml", "x");
   const CommandResult made = RunCommand(folder_.path(), {"new-cell", "mine"});

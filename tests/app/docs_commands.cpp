@@ -176,6 +176,8 @@ const std::map<std::string, DocRun>& Runs() {
 
       {"osteon new-cell my_cell", As("new-cell my_cell", {"my_cell.yaml"})},
       {"osteon doctor", As("doctor --seconds 0.2")},
+      {"osteon doctor demo", By("Doctor.OfASimulatedCellSaysThatItsWiresAreSimulated")},
+      {"osteon doctor my_cell.yaml", By("Doctor.OfARealCellNamesEachThingThatItsFileNamesAndThatIsMissing")},
       {"osteon cell demo", By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},
       {"osteon run demo", By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},
       {"osteon cell my_cell.yaml", By("GuardProcess.ARunThroughTheGuardEndsAsOneWithout")},

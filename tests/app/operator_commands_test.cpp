@@ -19,7 +19,7 @@ class OperatorCommands : public testing::Test {
  protected:
   // Sockets of this test alone: another cell may run on this machine.
   [[nodiscard]] std::vector<std::string> Environment() const {
-    return {"XDG_RUNTIME_DIR=" + folder_.path().string()};
+    return {"OSTEON_SOCKET_FOLDER=" + (folder_.path() / "sockets").string()};
   }
   CommandResult Ask(const std::vector<std::string>& words) {
     return RunCommand(folder_.path(), words, Environment());
@@ -85,7 +85,7 @@ TEST_F(OperatorCommands, AskARunUntilItIsGone) {
                "--overwrite", "--record", "r.mcap", "--json", "run.json"},
               Environment());
   const auto answer = [&] {
-    setenv("XDG_RUNTIME_DIR", folder_.path().c_str(), 1);
+    setenv("OSTEON_SOCKET_FOLDER", (folder_.path() / "sockets").c_str(), 1);
     const auto running = io::FindLocalServers();
     const auto text = running.empty() ? tl::expected<std::string, std::string>(tl::unexpect, "none")
                                       : io::AskLocalServer(running.front(), "status");

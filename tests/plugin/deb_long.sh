@@ -61,6 +61,32 @@ grep -qE "Bone removed +[1-9][0-9]" "$folder/demo.log"
 inside 'osteon --version && ! command -v g++ && ! command -v npm'
 inside 'test -s /usr/share/man/man1/osteon.1.gz && zcat /usr/share/man/man1/osteon.1.gz | grep -q "^\.TH"'
 inside 'bash -n /usr/share/bash-completion/completions/osteon && grep -q "complete .*osteon" /usr/share/bash-completion/completions/osteon'
+inside 'test -s /usr/share/zsh/vendor-completions/_osteon && test -s /usr/share/fish/vendor_completions.d/osteon.fish'
+
+echo "== the service's user, its rights, and what its unit names"
+inside 'id osteon && getent passwd osteon | grep -q ":/var/lib/osteon:/usr/sbin/nologin$" && getent group osteon'
+inside 'grep -q "^@osteon - rtprio 95$" /etc/security/limits.d/osteon.conf'
+inside "dpkg-query -W -f '\${Conffiles}' osteon | grep -q ' /etc/security/limits.d/osteon.conf '"
+inside 'test -s "/lib/systemd/system/osteon@.service" && test -s /lib/udev/rules.d/60-osteon.rules'
+# by the service's user, in the folders that the unit names; asked by a member of the group
+cat >"$bare/debs/service.sh" <<'EOF'
+set -e
+as() { setpriv --reuid "$1" --regid "$1" --init-groups "${@:2}"; }
+install -d -o osteon -g osteon -m 750 /run/osteon /var/lib/osteon /var/cache/osteon
+useradd --groups osteon operator
+cd /var/lib/osteon
+OSTEON_SOCKET_FOLDER=/run/osteon XDG_CACHE_HOME=/var/cache/osteon as osteon osteon run demo --simulated --console off &
+for ((i = 0; i < 60; ++i)); do
+  if as operator osteon status; then break; fi
+  sleep 1
+done
+as operator osteon stop
+wait
+userdel operator
+rm -r /run/osteon /var/lib/osteon /var/cache/osteon
+EOF
+inside 'bash /debs/service.sh' >"$folder/service.log" 2>&1 || { tail -20 "$folder/service.log"; exit 1; }
+grep "osteon stop:" "$folder/service.log"
 
 echo "== purge"
 inside 'apt-get purge -y osteon libosteon0 libosteon-dev && apt-get autoremove --purge -y' >"$folder/purge.log"

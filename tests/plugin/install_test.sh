@@ -22,6 +22,24 @@ fi
 "$work/consumer/ream_cup" | tail -1 | grep -E "force +[1-9][0-9.]+ N"
 "$work/consumer/ream_cup_eigen" | tail -1 | grep -E "force +[1-9][0-9.]+ N  removed +[1-9][0-9]"
 
+echo "== find_package of a later version: the first number alone decides"
+accepts() { # VERSION REQUEST: whether an installed VERSION serves a request
+  sed -E "s/\"[0-9]+\.[0-9]+\.[0-9]+\"/\"$1\"/g" "$version_file" >"$work/version.cmake"
+  cat >"$work/ask.cmake" <<EOF
+set(PACKAGE_FIND_VERSION $2)
+string(REGEX MATCH "^[0-9]+" PACKAGE_FIND_VERSION_MAJOR $2)
+include($work/version.cmake)
+if(NOT PACKAGE_VERSION_COMPATIBLE)
+  message(FATAL_ERROR "refused")
+endif()
+EOF
+  "$cmake" -P "$work/ask.cmake" >"$work/log" 2>&1
+}
+version_file=$(find "$prefix" -name osteon-config-version.cmake)
+accepts 1.7.2 1.0 || { echo "an installed 1.7.2 does not serve find_package(osteon 1.0)"; exit 1; }
+! accepts 1.0.0 1.7 || { echo "an installed 1.0.0 serves find_package(osteon 1.7)"; exit 1; }
+! accepts 2.0.0 1.0 || { echo "an installed 2.0.0 serves find_package(osteon 1.0)"; exit 1; }
+
 echo "== pkg-config"
 PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name osteon.pc)")
 export PKG_CONFIG_PATH

@@ -117,6 +117,17 @@ TEST(OsteonLibrary, NamesWhatIsWrongWithABone) {
   });
 }
 
+TEST(OsteonLibrary, NamesTheFieldOfASizeThatAToolDoesNotComeIn) {
+  OsteonToolParams params;
+  osteon_tool_params_default(&params);
+  params.config_folder = ConfigFolder().c_str();
+  params.diameter_m = 0.0511;
+  OsteonTool* tool = nullptr;
+  EXPECT_EQ(osteon_tool_create(OSTEON_ABI, &params, &tool), OSTEON_ERROR_ARGUMENT);
+  const std::string text = osteon_last_error();
+  EXPECT_TRUE(text.starts_with("diameter_m, in mm: found 51.1, accepted ")) << text;
+}
+
 TEST(OsteonLibrary, NamesWhatIsWrongWithASession) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();

@@ -5,8 +5,11 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "app/cli/usage/cell_file.h"
+#include "base/json_text.h"
+#include "base/write_text.h"
 #include "config/reading/load.h"
 #include "session/process/exit_code.h"
 
@@ -62,6 +65,7 @@ NewCellCommand::NewCellCommand(CLI::App& app)
   sub_->add_option("--from", from_, "a name under cells/, or a YAML file")
       ->type_name("CELL")
       ->capture_default_str();
+  sub_->add_option("--json", json_, "also write the file's path there, as JSON")->type_name("FILE");
   sub_->footer(
       "The file extends the other cell, or is a copy of it where that one extends another itself.\n\n"
       "Examples:\n  osteon new-cell my_cell\n  osteon new-cell ~/lab/tooth --from molar");
@@ -93,7 +97,11 @@ int NewCellCommand::Run(const std::filesystem::path& config_root) const {
     return refuse(fmt::format("{}: it names files beside it, accepted names or whole paths", wrong.what()));
   }
   fmt::print("{}\n", file.string());
-  return 0;
+  if (json_.empty()) return 0;
+  const nlohmann::ordered_json json{
+      {"schema", "osteon.new_cell/1"}, {"file", file.string()}, {"from", named}, {"copied", is_short}};
+  const auto written = base::WriteText(json_, base::JsonText(json));
+  return written ? 0 : refuse(written.error());
 }
 
 }  // namespace osteon::app

@@ -18,6 +18,7 @@ class NewCellCommand {
 
  private:
   std::string name_, from_{"demo"};
+  std::filesystem::path json_;
   CLI::App* sub_;
 };
 

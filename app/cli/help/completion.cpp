@@ -112,8 +112,8 @@ _osteon_table() {
 constexpr const char* kBashTail = R"sh(  esac
 }
 
-# Prints the names of the YAML files in a folder below config/: that of --config-root, of the launcher's folder, or of
-# OSTEON_ROOT.
+# Prints the names of the YAML files in a folder below config/: that of --config-root, of the launcher's folder, of the
+# installation, or of OSTEON_ROOT.
 _osteon_names() {
   local program folder=$config_root file
   if [[ -z $folder ]]; then
@@ -121,6 +121,7 @@ _osteon_names() {
     [[ $program == */* ]] || program=$(command -v "$program")
     program=$(readlink -f "$program" 2>/dev/null)
     folder=${program%/*}/config
+    [[ -d $folder ]] || folder=${program%/*}/../share/osteon/config
     [[ -d $folder ]] || folder=${OSTEON_ROOT:-.}/config
   fi
   for file in "$folder/$1"/*.yaml; do
@@ -226,10 +227,13 @@ std::string BashCompletion(const CommandText& command) { return kBashHead + Bash
 std::string ZshCompletion(const CommandText& command) {
   std::string text = BashCompletion(command);
   const std::string of_bash = "# Completion of osteon for bash, written by `osteon completion bash`";
-  text.replace(0, of_bash.size(), "# Completion of osteon for zsh, written by `osteon completion zsh`");
+  text.replace(0, of_bash.size(),
+               "#compdef osteon\n# Completion of osteon for zsh, written by `osteon completion zsh`");
   text.insert(text.rfind("complete -F"),
               "(($+functions[compdef])) || { autoload -U compinit && compinit; }\nautoload -U +X "
               "bashcompinit && bashcompinit\n");
+  // read from zsh's folder of completions, the script is itself the function of the first request
+  text += "[[ ${funcstack[1]-} != _osteon ]] || _bash_complete -F _osteon\n";
   return text;
 }
 
@@ -240,6 +244,7 @@ std::string FishCompletion(const CommandText& command) {
       "function __osteon_names --description 'names of the YAML files in a folder below config/'\n"
       "  set -l program (command -s (commandline -opc)[1])\n"
       "  set -l folder (dirname (readlink -f $program))/config\n"
+      "  test -d $folder; or set folder (dirname (readlink -f $program))/../share/osteon/config\n"
       "  test -d $folder; or set folder $OSTEON_ROOT/config\n"
       "  for file in $folder/$argv[1]/*.yaml\n    basename $file .yaml\n  end\nend\n\n"
       "complete -c osteon -f\n";

@@ -207,6 +207,9 @@ std::string ManPage(const CommandText& command, const std::string& version) {
   page +=
       ".SH ENVIRONMENT\n.TP\n.B OSTEON_ROOT\nThe project\\(aqs folder; cells, robots, tools and scenes are "
       "found by name in its config/. The launcher sets it.\n"
+      ".TP\n.B OSTEON_SOCKET_FOLDER\nFolder in which a running cell listens for status, pause, stop and the "
+      "like, and in which these commands look, alone. Its group may ask, where it may enter the folder. Set "
+      "by the service osteon@.\n"
       ".TP\n.B COLUMNS\nWidth of the text that \\-\\-help prints.\n";
   return page;
 }

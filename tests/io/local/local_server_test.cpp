@@ -1,7 +1,9 @@
 #include "io/local/local_server.h"
 
+#include <grp.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -20,8 +22,9 @@ namespace {
 // Sockets of this test alone: another cell may run on this machine.
 class LocalServerTest : public testing::Test {
  protected:
-  void SetUp() override { ::setenv("XDG_RUNTIME_DIR", folder_.path().c_str(), 1); }
-  void TearDown() override { ::unsetenv("XDG_RUNTIME_DIR"); }
+  void SetUp() override { ::setenv(kLocalFolderVariable, sockets().c_str(), 1); }
+  void TearDown() override { ::unsetenv(kLocalFolderVariable); }
+  [[nodiscard]] std::filesystem::path sockets() const { return folder_.path() / "sockets"; }
 
   test::TemporaryFolder folder_;
 };
@@ -56,10 +59,64 @@ TEST_F(LocalServerTest, ASocketThatNobodyAnswersIsRemoved) {
 
 TEST_F(LocalServerTest, AFolderThatOthersMayEnterIsRefused) {
   std::filesystem::create_directory(LocalSocketFolder());
-  ASSERT_EQ(::chmod(LocalSocketFolder().c_str(), 0777), 0);
-  const auto server = LocalServer::Start("run-4", Echo);
-  ASSERT_FALSE(server);
-  EXPECT_NE(server.error().find("chmod 700"), std::string::npos) << server.error();
+  for (const mode_t mode : {0777, 0755, 0770, 0701}) {
+    ASSERT_EQ(::chmod(LocalSocketFolder().c_str(), mode), 0);
+    const auto server = LocalServer::Start("run-4", Echo);
+    ASSERT_FALSE(server) << mode;
+    EXPECT_NE(server.error().find("chmod 700"), std::string::npos) << server.error();
+  }
+}
+
+// A group's folder is one that somebody named for it, not the one that each user has.
+TEST_F(LocalServerTest, AUsersOwnFolderIsNoGroups) {
+  ::unsetenv(kLocalFolderVariable);
+  ::setenv("XDG_RUNTIME_DIR", folder_.path().c_str(), 1);
+  EXPECT_EQ(LocalSocketFolder(), folder_.path() / "osteon");
+  EXPECT_EQ(LocalSocketFolders(),
+            (std::vector<std::filesystem::path>{folder_.path() / "osteon", "/run/osteon"}));
+  std::filesystem::create_directory(LocalSocketFolder());
+  ASSERT_EQ(::chmod(LocalSocketFolder().c_str(), 0750), 0);
+  EXPECT_FALSE(LocalServer::Start("run-10", Echo));
+  ASSERT_EQ(::chmod(LocalSocketFolder().c_str(), 0700), 0);
+  EXPECT_TRUE(LocalServer::Start("run-10", Echo));
+  ::unsetenv("XDG_RUNTIME_DIR");
+}
+
+// Asks from a process of another user; -1: it never asked. @returns how many servers it found and was
+// answered by
+int AnswersFor(uid_t user, gid_t group, const std::vector<gid_t>& groups) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    if (::setgroups(groups.size(), groups.data()) != 0 || ::setgid(group) != 0 || ::setuid(user) != 0)
+      ::_exit(255);
+    int answered = 0;
+    for (const auto& socket : FindLocalServers())
+      answered += AskLocalServer(socket, "stop").value_or("") == "<stop>" ? 1 : 0;
+    ::_exit(answered);
+  }
+  int status = 0;
+  if (child < 0 || ::waitpid(child, &status, 0) != child || !WIFEXITED(status)) return -1;
+  return WEXITSTATUS(status) == 255 ? -1 : WEXITSTATUS(status);
+}
+
+// As the service's folder is: of the group "osteon", whose members find the cell and may end it.
+TEST_F(LocalServerTest, TheFoldersGroupMayAskAndNobodyElse) {
+  if (::geteuid() != 0) GTEST_SKIP() << "skipped: other users' processes need root";
+  constexpr uid_t kSomebody = 54321;
+  constexpr gid_t kGroup = 54322, kOther = 54323;
+  std::filesystem::create_directory(sockets());
+  ASSERT_EQ(::chmod(folder_.path().c_str(), 0755), 0);
+  ASSERT_EQ(::chown(sockets().c_str(), 0, kGroup), 0);
+  for (const bool open : {true, false}) {
+    ASSERT_EQ(::chmod(sockets().c_str(), open ? 0750 : 0700), 0);
+    const auto server = LocalServer::Start("run-11", Echo);
+    ASSERT_TRUE(server) << server.error();
+    ASSERT_EQ(::chown((*server)->path().c_str(), 0, kGroup), 0);  // as a service's, whose group it is
+    EXPECT_EQ(AnswersFor(kSomebody, kOther, {kGroup}), open ? 1 : 0) << "a member";
+    EXPECT_EQ(AnswersFor(kSomebody, kGroup, {}), open ? 1 : 0) << "whose own group it is";
+    EXPECT_EQ(AnswersFor(kSomebody, kOther, {kOther}), 0) << "another user";
+    EXPECT_EQ(AnswersFor(0, 0, {}), 1) << "root";
+  }
 }
 
 TEST_F(LocalServerTest, AFolderThatIsALinkIsRefused) {

@@ -17,8 +17,8 @@ namespace {
 // A local server that is not a cell of this version: whatever it answers, the asker ends with a code.
 class AskRunningCellTest : public testing::Test {
  protected:
-  void SetUp() override { ::setenv("XDG_RUNTIME_DIR", folder_.path().c_str(), 1); }
-  void TearDown() override { ::unsetenv("XDG_RUNTIME_DIR"); }
+  void SetUp() override { ::setenv("OSTEON_SOCKET_FOLDER", (folder_.path() / "sockets").c_str(), 1); }
+  void TearDown() override { ::unsetenv("OSTEON_SOCKET_FOLDER"); }
 
   // @returns the exit code of a request that gets this answer
   static int Ask(const std::string& request, const std::string& answer) {
