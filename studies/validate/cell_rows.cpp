@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -67,9 +68,47 @@ double ErrorOf_mm(ValidationLab& lab, const CellTrialParams& cell) {
   return std::abs(DiameterOf_mm(lab, cell) - 1e3 * kReamer_m);
 }
 
-double MeanError_mm(ValidationLab& lab, const std::vector<std::string>& set) {
-  return 0.5 * (ErrorOf_mm(lab, FoamCup("foam_10", lab.quick(), set)) +
-                ErrorOf_mm(lab, FoamCup("foam_20", lab.quick(), set)));
+// What changes a cell into one of which a part gives way.
+using Change = CellTrialParams (*)(CellTrialParams);
+
+CellTrialParams Rigid(CellTrialParams cell) { return cell; }
+CellTrialParams Bending(CellTrialParams cell) {
+  cell.set.emplace_back("compliance.tool=on");
+  return cell;
+}
+// The same in pelvis_mount: the demo with its bone on a mount, and a depth limit that rides on the bone.
+CellTrialParams OnMount(CellTrialParams cell) {
+  if (cell.cell != "demo")
+    throw std::invalid_argument("a mount: found cell " + cell.cell + ", accepted demo");
+  cell.cell = "pelvis_mount";
+  return cell;
+}
+
+struct PartChange {
+  CompliantPart part;
+  Change change;
+};
+constexpr PartChange kBending{CompliantPart::kTool, Bending}, kOnMount{CompliantPart::kMount, OnMount};
+
+// A row's quantity with each part that gives way. A variant without a result leaves the row its own.
+std::vector<ComplianceVariant> Variants(const std::vector<PartChange>& parts,
+                                        const std::function<double(Change)>& simulate) {
+  std::vector<ComplianceVariant> variants;
+  for (const PartChange& part : parts) {
+    ComplianceVariant variant{.part = part.part};
+    try {
+      variant.simulated = simulate(part.change);
+    } catch (const std::exception& error) {
+      variant.error = error.what();
+    }
+    variants.push_back(std::move(variant));
+  }
+  return variants;
+}
+
+double MeanError_mm(ValidationLab& lab, const std::vector<std::string>& set, Change change = Rigid) {
+  return 0.5 * (ErrorOf_mm(lab, change(FoamCup("foam_10", lab.quick(), set))) +
+                ErrorOf_mm(lab, change(FoamCup("foam_20", lab.quick(), set))));
 }
 
 // A hand that trembles as much as the shipped sweep's most, and an arm with masses, friction and a flexible
@@ -90,13 +129,22 @@ std::vector<std::string> WideSet() {
 constexpr const char* kCellHow =
     "cell demo in virtual time: arm, hand and servo loop, CPU engine; sphere fitted to the cut balls";
 
-const CellTrial& Demo(ValidationLab& lab) { return lab.Cell(DemoCells(lab.quick()).front()); }
+CellTrialParams DemoCell(bool quick) { return Hastened({}, quick); }
 
-Simulated OfDemo(double value) {
-  return {.value = value,
+// A figure of the demo's own run in bone.
+Simulated OfDemo(ValidationLab& lab, double (*figure)(const CellTrial&)) {
+  lab.Prepare(DemoCells(lab.quick()));
+  const auto simulate = [&](Change change) { return figure(lab.Cell(change(DemoCell(lab.quick())))); };
+  return {.value = simulate(Rigid),
           .how = "cell demo in virtual time: arm, hand and servo loop, CPU engine",
           .constants = {"cartilage.cutting_energy", "cortical.cutting_energy", "cancellous.cutting_energy",
-                        "cortical.cutting_force_ratio"}};
+                        "cortical.cutting_force_ratio"},
+          .compliance = Variants({kBending, kOnMount}, simulate)};
+}
+
+const CellTrial& PressedInFull(const CellTrial& trial) {
+  if (trial.pressed_s == 0.0) throw std::runtime_error("the hand never pressed in full");
+  return trial;
 }
 
 CellTrialParams Pressing(const char* cell, bool quick, const std::string& push_N, const char* approach_N) {
@@ -115,7 +163,15 @@ Simulated ScriptForce(ValidationLab& lab, const std::vector<CellTrialParams>& ce
           .ablations = {{fmt::format("the script presses with {} N", published), gentle.peak_hand_N}},
           .reason = fmt::format("the force is the script's, not the model's: with the published one the tool "
                                 "removes {:.3g} mm³ in the same time for {:.3g} mm³",
-                                1e9 * gentle.removed_m3, 1e9 * shipped.removed_m3)};
+                                1e9 * gentle.removed_m3, 1e9 * shipped.removed_m3),
+          .compliance =
+              Variants({kBending}, [&](Change change) { return lab.Cell(change(cells[0])).peak_hand_N; })};
+}
+
+std::vector<CellTrialParams> PressingCells(const char* cell, bool quick, const std::string& published_N,
+                                           const char* approach_N) {
+  const CellTrialParams shipped = Pressing(cell, quick, "", "");
+  return {shipped, Pressing(cell, quick, published_N, approach_N), Bending(shipped)};
 }
 
 }  // namespace
@@ -123,9 +179,12 @@ Simulated ScriptForce(ValidationLab& lab, const std::vector<CellTrialParams>& ce
 std::vector<CellTrialParams> DiameterErrorCells(Technique technique, bool quick) {
   const std::vector<std::string> set = TechniqueSet(technique);
   std::vector<CellTrialParams> cells;
-  for (const char* foam : {"foam_10", "foam_20"})
+  for (const char* foam : {"foam_10", "foam_20"}) {
     for (const auto& variant : {set, Both(set, kTremor), Both(set, kDynamic)})
       cells.push_back(FoamCup(foam, quick, variant));
+    cells.push_back(Bending(FoamCup(foam, quick, set)));
+    cells.push_back(OnMount(FoamCup(foam, quick, set)));
+  }
   return cells;
 }
 
@@ -141,12 +200,15 @@ Simulated DiameterError(ValidationLab& lab, Technique technique) {
                          MeanError_mm(lab, Both(set, kDynamic))}},
           .reason =
               "the head is a rigid ball whose whole surface cuts, and a stiff arm guides it: the path "
-              "error of hand and arm gives only what the ablations show, chatter and gaps between teeth "
-              "give the rest"};
+              "error of hand and arm, the reamer's bending and the bone's mount give only what the variants "
+              "show, chatter and gaps between teeth give the rest",
+          .compliance =
+              Variants({kBending, kOnMount}, [&](Change change) { return MeanError_mm(lab, set, change); })};
 }
 
 std::vector<CellTrialParams> WideCavityCells(const std::string& foam, bool quick) {
-  return {FoamCup(foam, quick, WideSet()), FoamCup(foam, quick, Both(WideSet(), kTremor))};
+  const CellTrialParams rigid = FoamCup(foam, quick, WideSet());
+  return {rigid, FoamCup(foam, quick, Both(WideSet(), kTremor)), Bending(rigid), OnMount(rigid)};
 }
 
 Simulated WideCavity(ValidationLab& lab, const std::string& foam) {
@@ -157,35 +219,41 @@ Simulated WideCavity(ValidationLab& lab, const std::string& foam) {
       .how = kCellHow,
       .constants = {foam + ".cutting_energy", foam + ".cutting_force_ratio"},
       .ablations = {{"a hand that trembles with 4 N", DiameterOf_mm(lab, cells[1])}},
-      .reason = "as row 1-whirlwind: the rigid head leaves its own diameter, and what the hand's path adds"};
+      .reason = "as row 1-whirlwind: the rigid head leaves its own diameter, and what the hand's path adds",
+      .compliance = Variants({kBending, kOnMount},
+                             [&](Change change) { return DiameterOf_mm(lab, change(cells[0])); })};
 }
 
-std::vector<CellTrialParams> DemoCells(bool quick) { return {Hastened({}, quick)}; }
+std::vector<CellTrialParams> DemoCells(bool quick) {
+  const CellTrialParams demo = DemoCell(quick);
+  return {demo, Bending(demo), OnMount(demo)};
+}
 
 std::vector<CellTrialParams> FeedPerTurnCells(bool quick) {
-  return {Hastened({}, quick), Hastened({.cell = "demo", .set = {"script.push_force_N=60"}}, quick)};
+  std::vector<CellTrialParams> cells = DemoCells(quick);
+  cells.push_back(Hastened({.cell = "demo", .set = {"script.push_force_N=60"}}, quick));
+  return cells;
 }
 
 Simulated CentreShift(ValidationLab& lab) {
-  const CellTrial& demo = Demo(lab);
-  if (!demo.fit) throw std::runtime_error("no cavity: " + demo.fit_refused);
-  Simulated row = OfDemo(1e3 * demo.centre_shift_m);
+  Simulated row = OfDemo(lab, [](const CellTrial& trial) {
+    if (!trial.fit) throw std::runtime_error("no cavity: " + trial.fit_refused);
+    return 1e3 * trial.centre_shift_m;
+  });
   row.reason = "the script ends the cut after its time";
   return row;
 }
 
-Simulated RemovedVolume(ValidationLab& lab) { return OfDemo(1e9 * Demo(lab).removed_m3); }
+Simulated RemovedVolume(ValidationLab& lab) {
+  return OfDemo(lab, [](const CellTrial& trial) { return 1e9 * trial.removed_m3; });
+}
 
 Simulated FeedPerTurn(ValidationLab& lab) {
   lab.Prepare(FeedPerTurnCells(lab.quick()));
-  const auto feed_um = [&](const CellTrialParams& cell) {
-    const CellTrial& trial = lab.Cell(cell);
-    if (trial.pressed_s == 0.0) throw std::runtime_error("the hand never pressed in full");
-    return 1e6 * trial.feed_per_turn_m;
-  };
-  const auto cells = FeedPerTurnCells(lab.quick());
-  Simulated row = OfDemo(feed_um(cells[0]));
-  row.ablations = {{"a hand that presses with 60 N", feed_um(cells[1])}};
+  const auto feed_um = [](const CellTrial& trial) { return 1e6 * PressedInFull(trial).feed_per_turn_m; };
+  Simulated row = OfDemo(lab, feed_um);
+  row.ablations = {
+      {"a hand that presses with 60 N", feed_um(lab.Cell(FeedPerTurnCells(lab.quick()).back()))}};
   row.reason =
       "the script's 120 N feed the reamer through soft tissue faster than the regime in which chips are "
       "sheared: there the rate law's constant energy is an extrapolation; the teeth of a reamer share a "
@@ -194,15 +262,15 @@ Simulated FeedPerTurn(ValidationLab& lab) {
 }
 
 Simulated ForceDifference(ValidationLab& lab) {
-  const CellTrial& demo = Demo(lab);
-  if (demo.pressed_s == 0.0) throw std::runtime_error("the hand never pressed in full");
-  return OfDemo(1e2 * demo.force_difference);
+  return OfDemo(lab, [](const CellTrial& trial) { return 1e2 * PressedInFull(trial).force_difference; });
 }
 
-Simulated ReamingForce(ValidationLab& lab) { return OfDemo(Demo(lab).peak_hand_N); }
+Simulated ReamingForce(ValidationLab& lab) {
+  return OfDemo(lab, [](const CellTrial& trial) { return trial.peak_hand_N; });
+}
 
 std::vector<CellTrialParams> DrillingForceCells(bool quick) {
-  return {Pressing("thin_plate", quick, "", ""), Pressing("thin_plate", quick, "12.45", "10")};
+  return PressingCells("thin_plate", quick, "12.45", "10");
 }
 
 Simulated DrillingForce(ValidationLab& lab) {
@@ -211,9 +279,7 @@ Simulated DrillingForce(ValidationLab& lab) {
   return ScriptForce(lab, cells, "12.45");
 }
 
-std::vector<CellTrialParams> BurForceCells(bool quick) {
-  return {Pressing("molar", quick, "", ""), Pressing("molar", quick, "1.03", "1")};
-}
+std::vector<CellTrialParams> BurForceCells(bool quick) { return PressingCells("molar", quick, "1.03", "1"); }
 
 Simulated BurForce(ValidationLab& lab) {
   const auto cells = BurForceCells(lab.quick());

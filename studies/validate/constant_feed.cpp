@@ -1,5 +1,6 @@
 #include "studies/validate/constant_feed.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -7,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "config/reading/load.h"
+#include "control/compliance/compliant_link.h"
 #include "simulation/bone/scenes.h"
 #include "simulation/engine_cpu/cpu_engine.h"
 
@@ -51,8 +53,38 @@ simulation::Bone MakeFeedBlock(const ConstantFeedParams& params) {
 
 // Sums over the frames that count.
 struct Sums {
-  double thrust_N{0.0}, torque_Nm{0.0}, way_m{0.0}, removed_m3{0.0}, work_J{0.0};
+  double thrust_N{0.0}, torque_Nm{0.0}, way_m{0.0}, removed_m3{0.0}, work_J{0.0}, bend_m{0.0};
   int frames{0};
+};
+
+// A drill that bends: its point's place in the chuck's frame T follows the wrench on it. Rigid without a
+// link.
+class BentPoint {
+ public:
+  BentPoint(const config::ToolConfig& drill, bool bends) {
+    if (!bends) return;
+    if (!drill.bending) throw std::invalid_argument("constant feed: found a drill without `bending`");
+    compliance_T_ = drill.bending->compliance.C_T;
+    // rule 1 of a cell's compliance: T K c / tau is at most a half
+    const double softest_m_per_N = compliance_T_.diagonal().head<3>().maxCoeff();
+    tau_s_ = std::max(drill.bending->relaxation_s, 2.0 * kPeriod_s * kMachine_N_per_m * softest_m_per_N);
+  }
+
+  [[nodiscard]] Pose X_WE(const Pose& X_WT) const { return X_WT * control::BentHead(e_); }
+  [[nodiscard]] double bend_m() const { return e_.head<3>().norm(); }
+
+  void Step(const Wrench& F_E_W, const Pose& X_WE) {
+    if (tau_s_ <= 0.0) return;
+    const Matrix3 R_EW = X_WE.linear().transpose();
+    control::Vector6 F_E;
+    F_E << R_EW * F_E_W.f, R_EW * F_E_W.t;
+    e_ = control::StepMassless<6>(e_, compliance_T_ * F_E, kPeriod_s, tau_s_);
+  }
+
+ private:
+  control::Matrix6 compliance_T_{control::Matrix6::Zero()};
+  double tau_s_{0.0};
+  control::Vector6 e_{control::Vector6::Zero()};
 };
 
 }  // namespace
@@ -71,6 +103,7 @@ ConstantFeedResult DrillAtConstantFeed(const ConstantFeedParams& params) {
 
   Pose X_WT = Pose::Identity();
   X_WT.linear() = Vector3(1, -1, -1).asDiagonal();
+  BentPoint point(drill, params.bends);
   double depth_m = -kClear_m, before_m = -kClear_m;
   Sums sums;
   for (const FeedStep& step : params.steps) {
@@ -80,8 +113,10 @@ ConstantFeedResult DrillAtConstantFeed(const ConstantFeedParams& params) {
     while (depth_m < step.depth_m) {
       depth_m += step.feed_m_per_s * kPeriod_s;
       X_WT.translation() = Vector3(0, 0, -depth_m);
+      const Pose X_WE = point.X_WE(X_WT);
       const simulation::ContactModel model =
-          engine.Step({.X_WT = X_WT, .spindle_rad_per_s = params.spindle_rad_per_s, .dt_s = kPeriod_s});
+          engine.Step({.X_WT = X_WE, .spindle_rad_per_s = params.spindle_rad_per_s, .dt_s = kPeriod_s});
+      point.Step(Wrench(model.F_T_W), X_WE);
       if (last && depth_m >= counts_from_m) {
         const double thrust_N = Vector3(Wrench(model.F_T_W).f).z();
         sums.thrust_N += thrust_N;
@@ -89,6 +124,7 @@ ConstantFeedResult DrillAtConstantFeed(const ConstantFeedParams& params) {
         sums.way_m += step.feed_m_per_s * kPeriod_s;
         sums.work_J +=
             (model.spindle_torque_Nm * params.spindle_rad_per_s + thrust_N * step.feed_m_per_s) * kPeriod_s;
+        sums.bend_m += point.bend_m();
         sums.removed_m3 += model.removed_volume_m3 - removed_m3;
         ++sums.frames;
       }
@@ -100,6 +136,7 @@ ConstantFeedResult DrillAtConstantFeed(const ConstantFeedParams& params) {
   return {.thrust_N = sums.thrust_N / sums.frames,
           .torque_Nm = sums.torque_Nm / sums.frames,
           .energy_J_per_m3 = sums.removed_m3 > 0.0 ? sums.work_J / sums.removed_m3 : 0.0,
+          .bend_m = sums.bend_m / sums.frames,
           .removed_share = sums.removed_m3 / (section_m2 * sums.way_m)};
 }
 

@@ -30,6 +30,14 @@ Json RowJson(const ValidationRow& row) {
   Json ablations = Json::array();
   for (const Ablation& ablation : row.simulated.ablations)
     ablations.push_back({{"what", ablation.what}, {"simulated", ablation.simulated}});
+  const bool judged = row.verdict() == "within" || row.verdict() == "misses";
+  Json compliance = Json::array();
+  for (const ComplianceVariant& variant : row.simulated.compliance)
+    compliance.push_back(
+        {{"part", NameOf(variant.part)},
+         {"simulated", variant.simulated ? Json(*variant.simulated) : Json()},
+         {"within", variant.simulated && judged ? Json(m.Contains(*variant.simulated)) : Json()},
+         {"error", variant.simulated ? Json() : Json(variant.error)}});
   const auto within = row.within();
   return {{"id", m.id},
           {"quantity", m.quantity},
@@ -43,6 +51,7 @@ Json RowJson(const ValidationRow& row) {
           {"verdict", row.verdict()},
           {"reason", row.verdict() == "misses" ? Json(row.simulated.reason) : Json()},
           {"ablations", ablations},
+          {"compliance", compliance},
           {"how", row.simulated.how},
           {"constants", row.simulated.constants},
           {"source", m.source},
@@ -72,6 +81,13 @@ std::string Numbers() {
     if (std::ranges::find(numbers, number) == numbers.end()) numbers.push_back(number);
   }
   return fmt::format("{}", fmt::join(numbers, ", "));
+}
+
+// A variant's value, "-" if its run had no result, nothing if the row has none.
+std::string VariantText(const ValidationRow& row, CompliantPart part) {
+  const ComplianceVariant* variant = row.simulated.With(part);
+  if (variant == nullptr) return "";
+  return variant->simulated ? fmt::format("{:.4g}", *variant->simulated) : "-";
 }
 
 std::string WriteFiles(const ValidateOptions& options, std::span<const ValidationRow> rows) {
@@ -116,6 +132,10 @@ ValidationCounts CountRows(std::span<const ValidationRow> rows) {
     counts.missed += judged && !within;
     counts.judged += judged;
     const RowUse use = row.measurement->use;
+    if (const auto kind = std::ranges::find(counts.kinds, use, &KindCount::use); kind != counts.kinds.end()) {
+      kind->judged += judged;
+      kind->within += within;
+    }
     if (use != RowUse::kValidates && use != RowUse::kTrend) continue;
     counts.levels_and_trends += judged;
     counts.levels_and_trends_within += within;
@@ -123,11 +143,19 @@ ValidationCounts CountRows(std::span<const ValidationRow> rows) {
   return counts;
 }
 
+std::string KindsText(const ValidationCounts& counts) {
+  std::vector<std::string> kinds;
+  for (const KindCount& kind : counts.kinds)
+    kinds.push_back(fmt::format("{} {} of {}", kind.plural, kind.within, kind.judged));
+  return fmt::format("within: {}", fmt::join(kinds, ", "));
+}
+
 std::string ValidationTable(std::span<const ValidationRow> rows) {
   std::size_t width = 8;
   for (const ValidationRow& row : rows) width = std::max(width, row.measurement->quantity.size());
-  std::string text = fmt::format("{:<17} {:<{}} {:>9} {:>19} {:>9} {:<5} {:<10} {}\n", "row", "quantity",
-                                 width, "measured", "spread", "simulated", "unit", "use", "verdict");
+  std::string text = fmt::format("{:<17} {:<{}} {:>9} {:>19} {:>9} {:>10} {:>10} {:<5} {:<10} {}\n", "row",
+                                 "quantity", width, "measured", "spread", "simulated", "tool bends",
+                                 "on a mount", "unit", "use", "verdict");
   for (const ValidationRow& row : rows) {
     const Measurement& m = *row.measurement;
     // counted in characters: "mm³" has four bytes
@@ -137,17 +165,19 @@ std::string ValidationTable(std::span<const ValidationRow> rows) {
     std::string quantity(m.quantity);
     const auto shown = std::ranges::count_if(quantity, [](char c) { return (c & 0xC0) != 0x80; });
     quantity.append(width - static_cast<std::size_t>(shown), ' ');
-    text += fmt::format("{:<17} {} {:>9.4g} {:>19} {:>9} {} {:<10} {}\n", m.id, quantity, m.measured,
-                        m.judged() ? fmt::format("{:.4g} to {:.4g}", m.low, m.high) : "not stated",
-                        row.error.empty() ? fmt::format("{:.4g}", row.simulated.value) : "-", unit,
-                        NameOf(m.use), row.error.empty() ? std::string(row.verdict()) : row.error);
+    text +=
+        fmt::format("{:<17} {} {:>9.4g} {:>19} {:>9} {:>10} {:>10} {} {:<10} {}\n", m.id, quantity,
+                    m.measured, m.judged() ? fmt::format("{:.4g} to {:.4g}", m.low, m.high) : "not stated",
+                    row.error.empty() ? fmt::format("{:.4g}", row.simulated.value) : "-",
+                    VariantText(row, CompliantPart::kTool), VariantText(row, CompliantPart::kMount), unit,
+                    NameOf(m.use), row.error.empty() ? std::string(row.verdict()) : row.error);
   }
   const ValidationCounts counts = CountRows(rows);
   return text + fmt::format(
                     "{} rows: {} judged, {} within the measured spread ({} of {} levels and trends); {} "
-                    "calibrate, {} not judged\n",
+                    "calibrate, {} not judged\n{}\n",
                     counts.rows, counts.judged, counts.within, counts.levels_and_trends_within,
-                    counts.levels_and_trends, counts.calibrates, counts.not_judged);
+                    counts.levels_and_trends, counts.calibrates, counts.not_judged, KindsText(counts));
 }
 
 std::string ValidationJson(std::span<const ValidationRow> rows, const std::string& command_line) {
@@ -156,6 +186,9 @@ std::string ValidationJson(std::span<const ValidationRow> rows, const std::strin
   for (const PublishedUse& use : PublishedUses())
     uses.push_back({{"row", use.row}, {"value", use.value}, {"where", use.where}});
   const ValidationCounts counts = CountRows(rows);
+  Json kinds = Json::object();
+  for (const KindCount& kind : counts.kinds)
+    kinds[std::string(NameOf(kind.use))] = {{"judged", kind.judged}, {"within", kind.within}};
   return base::JsonText(Json{{"schema", "osteon.validate/1"},
                              {"version", OSTEON_VERSION},
                              {"command", command_line},
@@ -168,7 +201,8 @@ std::string ValidationJson(std::span<const ValidationRow> rows, const std::strin
                                {"not_judged", counts.not_judged},
                                {"failed", counts.failed},
                                {"levels_and_trends", counts.levels_and_trends},
-                               {"levels_and_trends_within", counts.levels_and_trends_within}}},
+                               {"levels_and_trends_within", counts.levels_and_trends_within},
+                               {"by_use", kinds}}},
                              {"rows", list},
                              {"fitted_constants", ConstantsJson()},
                              {"published_uses", uses}});

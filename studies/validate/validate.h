@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -25,14 +27,29 @@ struct ValidateOptions {
 [[nodiscard]] tl::expected<std::vector<std::string>, std::string> ChooseRows(
     std::span<const std::string> words);
 
+/// The judged rows of one kind.
+struct KindCount {
+  RowUse use{RowUse::kValidates};
+  std::string_view plural;  ///< "levels"
+  std::size_t judged{0}, within{0};
+};
+
 /// How many rows came to what.
 struct ValidationCounts {
   std::size_t rows{0}, judged{0}, within{0}, missed{0}, calibrates{0}, not_judged{0}, failed{0};
   std::size_t levels_and_trends{0}, levels_and_trends_within{0};  ///< of the judged ones
+  std::array<KindCount, 4> kinds{{{RowUse::kValidates, "levels"},
+                                  {RowUse::kTrend, "trends"},
+                                  {RowUse::kRange, "ranges"},
+                                  {RowUse::kTolerance, "tolerances"}}};
 };
 [[nodiscard]] ValidationCounts CountRows(std::span<const ValidationRow> rows);
 
-/// The printed table.
+/// "within: levels 2 of 8, trends 5 of 10, ranges 2 of 5, tolerances 2 of 2"
+[[nodiscard]] std::string KindsText(const ValidationCounts& counts);
+
+/// The printed table: each row without a part that gives way, and beside it with a tool that bends and with
+/// the bone on a mount.
 [[nodiscard]] std::string ValidationTable(std::span<const ValidationRow> rows);
 
 /// JSON object, schema osteon.validate/1. Two runs give the same text.

@@ -25,6 +25,17 @@ std::string VerdictCell(const ValidationRow& row) {
   return fmt::format("<span class=\"verdict {}\">{}</span>", level, verdict);
 }
 
+// What gives way in a variant, for a reader.
+const char* TextOf(CompliantPart part) {
+  return part == CompliantPart::kTool ? "a tool that bends" : "the bone on the mount of cell pelvis_mount";
+}
+
+std::string VariantCell(const ValidationRow& row, CompliantPart part) {
+  const ComplianceVariant* variant = row.simulated.With(part);
+  if (variant == nullptr) return "";
+  return variant->simulated ? fmt::format("{:.4g}", *variant->simulated) : "–";
+}
+
 std::string Table(std::span<const ValidationRow> rows) {
   std::string html =
       "<table>\n<tr><th>row</th><th>quantity</th><th class=\"n\">measured by others</th><th "
@@ -33,10 +44,11 @@ std::string Table(std::span<const ValidationRow> rows) {
     const Measurement& m = *row.measurement;
     html += fmt::format(
         "<tr><td>{}</td><td>{}</td><td class=\"n\">{:.4g}{}</td><td class=\"n\">{}</td><td "
-        "class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n",
+        "class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n",
         report::Escape(m.id), report::Escape(m.quantity), m.measured, report::Escape(Unit(m)), SpreadText(m),
         row.error.empty() ? fmt::format("{:.4g}{}", row.simulated.value, report::Escape(Unit(m))) : "–",
-        NameOf(m.use), VerdictCell(row));
+        VariantCell(row, CompliantPart::kTool), VariantCell(row, CompliantPart::kMount), NameOf(m.use),
+        VerdictCell(row));
   }
   return html + "</table>\n";
 }
@@ -53,6 +65,12 @@ std::string Details(const ValidationRow& row) {
   item("Left out", std::string(m.leaves_out));
   for (const Ablation& ablation : row.simulated.ablations)
     item("With one thing changed", fmt::format("{:.4g}{}: {}", ablation.simulated, Unit(m), ablation.what));
+  for (const ComplianceVariant& variant : row.simulated.compliance)
+    item("With a part that gives way",
+         fmt::format("{}: {}",
+                     variant.simulated ? fmt::format("{:.4g}{}", *variant.simulated, Unit(m))
+                                       : "no result, " + variant.error,
+                     TextOf(variant.part)));
   if (row.verdict() == "misses") item("Why it misses", row.simulated.reason);
   item("Depends on", fmt::format("{}", fmt::join(row.simulated.constants, ", ")));
   return html + "</ul>\n";
@@ -103,12 +121,14 @@ std::string ValidationPage(std::span<const ValidationRow> rows, const std::strin
                    {"Within the measured spread", fmt::format("{} of {}", counts.within, counts.judged)},
                    {"Levels and trends within",
                     fmt::format("{} of {}", counts.levels_and_trends_within, counts.levels_and_trends)},
+                   {"By kind", KindsText(counts)},
                    {"Calibrate", std::to_string(counts.calibrates)},
                    {"Not judged", std::to_string(counts.not_judged)}}});
   html += report::Figure(
       ValidationPlot(rows),
       "Simulated over measured for each row, beside the measured spread. A row that a constant was "
-      "fitted to shows nothing and is grey.");
+      "fitted to shows nothing and is grey. The table has each row beside it with a tool that bends and with "
+      "the bone on a mount.");
   html += "<h2>Rows</h2>\n" + Table(rows) + "<h2>What was fitted to what</h2>\n" + Constants();
   html += "<h2>Published figures that the product uses</h2>\n" + Uses() + "<h2>Row by row</h2>\n";
   for (const ValidationRow& row : rows) html += Details(row);

@@ -18,8 +18,8 @@ constexpr double kQuickScale = 2.0;  // of packings
 
 std::string KeyOf(const ConstantFeedParams& p) {
   std::string key =
-      fmt::format("{} {} {} {} {} {} rad/s", p.material.name, p.material.specific_cutting_energy_J_per_m3,
-                  p.material.cutting_force_ratio, p.edge_force, p.diameter_m, p.spindle_rad_per_s);
+      fmt::format("{} {} {} {} {} {} {} rad/s", p.material.name, p.material.specific_cutting_energy_J_per_m3,
+                  p.material.cutting_force_ratio, p.edge_force, p.bends, p.diameter_m, p.spindle_rad_per_s);
   for (const FeedStep& step : p.steps) key += fmt::format(" {} {}", step.feed_m_per_s, step.depth_m);
   return key;
 }

@@ -37,6 +37,8 @@ std::vector<ValidationItem> MakeItems() {
       {.id = "5", .simulate = CentreShift, .cells = DemoCells},
       {.id = "7", .simulate = RemovedVolume, .cells = DemoCells},
       thrust("8-level", "cortical", 1000),
+      thrust("8-1250", "cortical", 1250),
+      thrust("8-1500", "cortical", 1500),
       {.id = "8-speed", .simulate = [](Lab& lab) { return ThrustSpeedRatio(lab, "cortical"); }},
       thrust("9-1000", "shell", 1000),
       thrust("9-1250", "shell", 1250),
@@ -66,6 +68,13 @@ std::vector<ValidationItem> MakeItems() {
 std::span<const ValidationItem> ValidationItems() {
   static const std::vector<ValidationItem> items = MakeItems();
   return items;
+}
+
+std::string_view NameOf(CompliantPart part) { return part == CompliantPart::kTool ? "tool" : "mount"; }
+
+const ComplianceVariant* Simulated::With(CompliantPart part) const {
+  const auto found = std::ranges::find(compliance, part, &ComplianceVariant::part);
+  return found == compliance.end() ? nullptr : &*found;
 }
 
 bool ValidationRow::fitted() const { return IsFittedTo(simulated.constants, measurement->id); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
@@ -18,6 +19,21 @@ struct Ablation {
   double simulated{0.0};  ///< in the row's unit
 };
 
+/// A part that gives way in a variant of a row, and is rigid in the row's own run.
+enum class CompliantPart : std::uint8_t {
+  kTool,   ///< the tool bends, as its file's `bending` says
+  kMount,  ///< the bone moves on the mount of cell pelvis_mount
+};
+/// "tool", "mount": the keys of a cell's `compliance`.
+[[nodiscard]] std::string_view NameOf(CompliantPart part);
+
+/// The same quantity where a part gives way.
+struct ComplianceVariant {
+  CompliantPart part{CompliantPart::kTool};
+  std::optional<double> simulated{};  ///< in the row's unit; nothing: the run had no result
+  std::string error{};                ///< why it had none
+};
+
 /// The outcome of a row's runs.
 struct Simulated {
   double value{0.0};  ///< in the measurement's unit
@@ -26,6 +42,11 @@ struct Simulated {
   std::vector<std::string> constants{};
   std::vector<Ablation> ablations{};
   std::string reason{};  ///< why it misses, if it does, as the ablations show
+  /// With a part that gives way, where the cell has one; `value` is without.
+  std::vector<ComplianceVariant> compliance{};
+
+  /// Null if the row has no variant with this part.
+  [[nodiscard]] const ComplianceVariant* With(CompliantPart part) const;
 };
 
 /// A row of the table: a measurement, and how it is simulated.

@@ -61,6 +61,21 @@ TEST(ConstantFeed, FiveTimesTheDepthOfCutIsMoreForceByTheSharesOfChipAndEdge) {
   EXPECT_GT(thrust_N(10e-6, false) / thrust_N(2e-6, false), 4.0);
 }
 
+// A drill of 3.2 mm is EA / L stiff along its axis; the feed is constant, so the thrust settles where a rigid
+// drill has it, with the point F / k behind.
+TEST(ConstantFeed, ADrillThatBendsSettlesAtTheSameThrustWithItsPointBehind) {
+  const ConstantFeedResult rigid = DrillAtConstantFeed(Cortical(1000));
+  ConstantFeedParams params = Cortical(1000);
+  params.bends = true;
+  const ConstantFeedResult bent = DrillAtConstantFeed(params);
+  EXPECT_EQ(rigid.bend_m, 0.0);
+  EXPECT_NEAR(bent.thrust_N, rigid.thrust_N, 0.02 * rigid.thrust_N);
+  const double axial_m_per_N =
+      config::LoadTool(kConfig / "tools" / "twist_drill.yaml", 0.0032).bending->compliance.C_T(2, 2);
+  EXPECT_GE(bent.bend_m, 0.95 * bent.thrust_N * axial_m_per_N);
+  EXPECT_LT(bent.bend_m, 0.05e-3) << "a flat block does not push the point aside";
+}
+
 TEST(ConstantFeed, RefusesStepsThatAreNoneOrLeaveTheBlock) {
   ConstantFeedParams params = Cortical(1000);
   params.steps = {};

@@ -1,5 +1,6 @@
 #include "studies/validate/validate.h"
 
+#include <algorithm>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -72,12 +73,14 @@ TEST(Validate, CountsMissesAndLeavesCalibrationOut) {
   EXPECT_EQ(counts.failed, 1u);
   EXPECT_EQ(counts.levels_and_trends_within, 1u)
       << "a range that an operator's choice decides does not count";
+  EXPECT_EQ(KindsText(counts), "within: levels 1 of 2, trends 0 of 0, ranges 1 of 1, tolerances 0 of 0");
+  EXPECT_THAT(ValidationTable(rows), HasSubstr("\n" + KindsText(counts) + "\n"));
 
   const nlohmann::json json = nlohmann::json::parse(ValidationJson(rows, "osteon validate"));
   EXPECT_EQ(json.at("schema"), "osteon.validate/1");
   for (const nlohmann::json& row : json.at("rows"))
     for (const char* key : {"id", "quantity", "measured", "spread", "simulated", "within", "fitted", "source",
-                            "leaves_out", "conditions"})
+                            "leaves_out", "conditions", "compliance"})
       EXPECT_TRUE(row.contains(key)) << key;
   EXPECT_EQ(json.at("rows")[0].at("fitted"), true);
   EXPECT_EQ(json.at("rows")[1].at("within"), true);
@@ -85,14 +88,61 @@ TEST(Validate, CountsMissesAndLeavesCalibrationOut) {
   EXPECT_TRUE(json.at("rows")[1].at("reason").is_null()) << "a row that lies within needs none";
   EXPECT_TRUE(json.at("rows")[5].at("simulated").is_null());
   EXPECT_EQ(json.at("fitted_constants").size(), 4u);
+  EXPECT_EQ(json.at("counts").at("by_use").at("validates"), nlohmann::json({{"judged", 2}, {"within", 1}}));
+  EXPECT_EQ(json.at("counts").at("by_use").at("tolerance"), nlohmann::json({{"judged", 0}, {"within", 0}}));
 
   const std::string page = ValidationPage(rows, "osteon validate");
   EXPECT_THAT(page, HasSubstr("1 of 3 judged rows miss"));
   EXPECT_THAT(page, HasSubstr("Why it misses: shown"));
+  EXPECT_THAT(page, HasSubstr(KindsText(counts)));
   EXPECT_EQ(report::MarkupError(page), "");
   const std::string plot = ValidationPlot(rows);
   EXPECT_EQ(report::TextsOverlapping(plot), "");
   EXPECT_EQ(report::TextOutside(plot), "");
+}
+
+// A variant stands beside its row, has a verdict of its own, and one without a result says so.
+TEST(Validate, ShowsEachRowWithAndWithoutAPartThatGivesWay) {
+  std::vector<ValidationRow> rows{RowOf("3-high", 61.0), RowOf("8-level", 198.0)};
+  rows[0].simulated.compliance = {{.part = CompliantPart::kTool, .simulated = 60.5},
+                                  {.part = CompliantPart::kMount, .error = "cell stopped: mount_beyond"}};
+  rows[1].simulated.compliance = {{.part = CompliantPart::kTool, .simulated = 197.5}};
+  ASSERT_NE(rows[0].simulated.With(CompliantPart::kMount), nullptr);
+  EXPECT_EQ(rows[1].simulated.With(CompliantPart::kMount), nullptr);
+  EXPECT_EQ(rows[0].verdict(), "within") << "the row's own run decides";
+
+  EXPECT_THAT(ValidationTable(rows), testing::ContainsRegex("3-high .* 61 +60.5 +- mm"));
+  EXPECT_THAT(ValidationTable(rows), testing::ContainsRegex("8-level .* 198 +197.5 +N "));
+  const nlohmann::json json = nlohmann::json::parse(ValidationJson(rows, "osteon validate"));
+  const nlohmann::json &tool = json.at("rows")[0].at("compliance")[0],
+                       &mount = json.at("rows")[0].at("compliance")[1];
+  EXPECT_EQ(tool.at("part"), "tool");
+  EXPECT_EQ(tool.at("simulated"), 60.5);
+  EXPECT_EQ(tool.at("within"), false);
+  EXPECT_EQ(mount.at("part"), "mount");
+  EXPECT_TRUE(mount.at("simulated").is_null() && mount.at("within").is_null());
+  EXPECT_EQ(mount.at("error"), "cell stopped: mount_beyond");
+  EXPECT_TRUE(json.at("rows")[1].at("compliance")[0].at("within").is_null())
+      << "a calibration has no verdict";
+  const std::string page = ValidationPage(rows, "osteon validate");
+  EXPECT_THAT(page, HasSubstr("60.5 mm: a tool that bends"));
+  EXPECT_THAT(page, HasSubstr("no result, cell stopped: mount_beyond: the bone on the mount"));
+  EXPECT_EQ(report::MarkupError(page), "");
+}
+
+// The cavities run with a reamer that bends and on a mount, hand-held drill and bur with one that bends.
+TEST(Validate, RowsOfCellsAreRunWithTheirToolBentAndTheirBoneOnAMount) {
+  for (const ValidationItem& item : ValidationItems()) {
+    if (!item.cells) continue;
+    const std::vector<CellTrialParams> cells = item.cells(true);
+    const auto bent = std::ranges::count_if(cells, [](const CellTrialParams& cell) {
+      return std::ranges::find(cell.set, "compliance.tool=on") != cell.set.end();
+    });
+    const auto mounted = std::ranges::count(cells, "pelvis_mount", &CellTrialParams::cell);
+    const bool by_foam = item.id.starts_with("1-") || item.id.starts_with("2-");
+    EXPECT_EQ(bent, by_foam ? 2 : 1) << item.id;
+    EXPECT_EQ(mounted, item.id == "12" || item.id == "15" ? 0 : by_foam ? 2 : 1) << item.id;
+  }
 }
 
 // A row through the whole way: drill, engine, verdict.
@@ -106,6 +156,11 @@ TEST(Validate, SawbonesThrustAt1000RpmLiesWithinAndTheEdgeSlowsItsFallWithTheSpe
   EXPECT_NEAR(rows[2].simulated.ablations.at(0).simulated, 1.0, 0.02) << "at the same feed a turn";
   EXPECT_NEAR(rows[2].simulated.ablations.at(1).simulated, 2.0 / 3.0, 0.02) << "without the edges' own force";
   EXPECT_GT(rows[2].simulated.value, 0.75);
+  const ComplianceVariant* bent = rows[0].simulated.With(CompliantPart::kTool);
+  ASSERT_TRUE(bent && bent->simulated);
+  EXPECT_NEAR(*bent->simulated, rows[0].simulated.value, 0.02 * rows[0].simulated.value)
+      << "at a constant feed a drill that bends settles at the same thrust";
+  EXPECT_NE(*bent->simulated, rows[0].simulated.value);
 }
 
 // A row that a cell with its hand runs.
@@ -117,6 +172,13 @@ TEST(Validate, TheDemosHandFeelsWhatIsRendered) {
   EXPECT_EQ(rows[0].error, "");
   EXPECT_EQ(rows[0].verdict(), "within") << rows[0].simulated.value;
   EXPECT_GT(rows[0].simulated.value, 0.0);
+  for (const CompliantPart part : {CompliantPart::kTool, CompliantPart::kMount}) {
+    const ComplianceVariant* variant = rows[0].simulated.With(part);
+    ASSERT_NE(variant, nullptr) << NameOf(part);
+    ASSERT_TRUE(variant->simulated) << NameOf(part) << ": " << variant->error;
+    EXPECT_LT(*variant->simulated, 7.0) << NameOf(part);
+    EXPECT_NE(*variant->simulated, rows[0].simulated.value) << NameOf(part) << " changes nothing";
+  }
 }
 
 }  // namespace
