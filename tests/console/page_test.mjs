@@ -102,6 +102,32 @@ const clipped = (page) =>
     return wide;
   });
 
+/** A drag over a chart freezes all four at the part that was dragged over; a double click shows the half minute again. */
+async function zoomsTheCharts(page) {
+  const spans = () => page.evaluate("osteon.charts.plots.map(({ plot }) => [plot.scales.x.min, plot.scales.x.max])");
+  const whole = Array.from({ length: 4 }, () => [-30, 0]);
+  assert.deepEqual(await spans(), whole);
+  const [left, middle, width] = await page.evaluate(`(() => {
+    const over = osteon.charts.plots[0].plot.over.getBoundingClientRect();
+    return [over.left, over.top + over.height / 2, over.width];
+  })()`);
+  await page.mouse.move(left + 0.7 * width, middle);
+  await page.mouse.down();
+  await page.mouse.move(left + 0.9 * width, middle, { steps: 4 });
+  await page.mouse.up();
+  const near = ([from, to]) => Math.abs(from + 9) < 1 && Math.abs(to + 3) < 1;
+  await until(page, "osteon.charts.frozen && osteon.charts.plots[0].plot.scales.x.min > -15");
+  const tick = await page.evaluate("osteon.live.windows[0][0]");
+  await until(page, `osteon.live.windows[0][0] > ${tick} + 0.5`); // what arrives does not undo it
+  assert.ok((await spans()).every(near), JSON.stringify(await spans()));
+  await picture(page, "zoomed");
+  await page.mouse.click(left + 0.5 * width, middle, { count: 2 });
+  await until(page, "osteon.charts.plots[0].plot.scales.x.min === -30");
+  assert.deepEqual(await spans(), whole);
+  await page.click(".freeze");
+  assert.equal(await page.evaluate("osteon.charts.frozen"), false);
+}
+
 async function operatesTheCell() {
   const run = demo(120); // ended by the page
   const url = await run.url;
@@ -112,6 +138,7 @@ async function operatesTheCell() {
   await until(page, "osteon.live.status.removed_mm3 > 1000"); // the hand reaches the bone after a while
   await until(page, "osteon.scene.surface.triangles > 10000 && osteon.scene.drawn > 5"); // the bone, as it is carved
   await picture(page, "cutting");
+  await zoomsTheCharts(page);
 
   // a second page watches: it may not steer
   const second = await open(url, 390, 844);
