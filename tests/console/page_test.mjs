@@ -139,6 +139,13 @@ async function operatesTheCell() {
   await until(page, "osteon.scene.surface.triangles > 10000 && osteon.scene.drawn > 5"); // the bone, as it is carved
   await picture(page, "cutting");
   await zoomsTheCharts(page);
+  const now = await status(page);
+  for (const age of ["arm_age_ms", "plc_age_ms", "compute_p99_us", "disk_left_B", "depth_left_mm", "feed_mm_per_s"])
+    assert.ok(Number.isFinite(now[age]), `${age}: ${now[age]}`);
+  const [force, figures, health] = await page.evaluate('["force", "figures", "health"].map((id) => document.getElementById(id).innerText)');
+  for (const part of ["limit", "N (", "Torque"]) assert.ok(force.includes(part), force);
+  for (const part of ["To the depth limit", "Feed along the axis", "rpm"]) assert.ok(figures.includes(part), figures);
+  for (const part of ["arm's message", "PLC's word", "Tick, 99 %", "Messages lost", "Disk left"]) assert.ok(health.includes(part), health);
 
   // a second page watches: it may not steer
   const second = await open(url, 390, 844);
@@ -279,6 +286,22 @@ async function showsAFault() {
   await page.close();
 }
 
+/** The card has what was measured, and where the stop's page will be. Acknowledged it is one line, and nothing is cleared. */
+async function acknowledgesAFault(page) {
+  const card = () => page.evaluate('document.getElementById("faults").innerText');
+  const [fault] = (await status(page)).faults;
+  assert.ok(fault.seen && (await card()).includes(fault.seen), `what was measured: ${await card()}`);
+  assert.ok(/_stop_1\.html$/.test(fault.page) && (await card()).includes(fault.page), await card());
+  await page.keyboard.press("k");
+  await until(page, 'document.querySelector("#faults .known") !== null');
+  assert.ok(!(await card()).includes("Go on:"), await card());
+  assert.equal((await status(page)).faults.length, 1, "it stays latched");
+  assert.ok(!(await page.evaluate('document.getElementById("recover").disabled')));
+  await page.evaluate('document.querySelector("#faults button").click()');
+  await until(page, 'document.querySelector("#faults .known") === null');
+  assert.ok((await card()).includes("Go on:"), await card());
+}
+
 async function recoversFromAFault() {
   const cell = join(folder, "silent.yaml"); // the arm is silent for 60 ms, and comes back
   writeFileSync(cell, `extends: demo
@@ -295,6 +318,7 @@ injections:
   assert.ok((await page.evaluate('document.getElementById("faults").innerText')).includes("Recover clears it"));
   assert.deepEqual(await clipped(page), []);
   await picture(page, "held");
+  await acknowledgesAFault(page);
   await page.select("#language", "de");
   await until(page, 'document.getElementById("recover").textContent.startsWith("Neu anlaufen")');
   await until(page, 'document.getElementById("faults").innerText.includes("Arm hat COMMANDING_ACTIVE verlassen") || document.getElementById("faults").innerText.includes("Nachricht des Arms veraltet")');
