@@ -142,6 +142,17 @@ export interface Answer {
   done: boolean;
   reason: string;
 }
+/** Names this page to the server when it opens again. */
+export interface PageKey {
+  type: "key";
+  key: string;
+}
+/** Why the server closed this page's last connection; code: RFC 6455. */
+export interface Closed {
+  type: "closed";
+  code: number;
+  reason: string;
+}
 /** Where the playback of a recording stands. */
 export interface PlaybackState {
   type: "playback";
@@ -247,5 +258,5 @@ export interface ProcedureNote {
   cup: boolean;
 }
 export type ProcedureAsk = "next_tool" | "tool" | "undo_pass" | "save" | "cup" | "guidance";
-export type Message = PlanNote | SurfaceWhole | ProcedureNote | GainsNote | CellNote | Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Difference | BoneDifference | Restart;
+export type Message = PageKey | Closed | PlanNote | SurfaceWhole | ProcedureNote | GainsNote | CellNote | Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Difference | BoneDifference | Restart;
 export type Ask = ProcedureAsk | "pause" | "resume" | "recover" | "stop" | "role" | "watch" | "all" | "play" | "halt" | "seek" | "speed" | "map" | "stiffness" | "drag" | "undo_gains";
