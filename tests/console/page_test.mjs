@@ -128,6 +128,12 @@ async function zoomsTheCharts(page) {
   assert.equal(await page.evaluate("osteon.charts.frozen"), false);
 }
 
+async function movesTheView(page, press) {
+  const before = await page.evaluate("osteon.scene.pose()");
+  await press();
+  await until(page, `osteon.scene.pose() !== "${before}"`);
+}
+
 async function operatesTheCell() {
   const run = demo(120); // ended by the page
   const url = await run.url;
@@ -155,6 +161,11 @@ async function operatesTheCell() {
   await second.evaluate('osteon.connection.ask("stop")'); // as a page could that does not keep to its buttons
   await until(second, 'document.getElementById("answer").textContent.includes("watches")');
   await picture(second, "phone");
+  await second.select("#language", "de"); // refusals as well
+  await second.evaluate('osteon.connection.ask("stop")');
+  await until(second, 'document.getElementById("answer").textContent.includes("sieht zu")');
+  assert.deepEqual(await clipped(second), []);
+  await second.select("#language", "en");
 
   await page.bringToFront(); // Chromium draws nothing behind another page
   await page.click("#pause");
@@ -202,6 +213,14 @@ async function operatesTheCell() {
     await until(page, `osteon.scene.drawn > ${drawn}`);
     if (key === "5" || key === "c") await picture(page, key === "5" ? "cell" : "cut_open");
   }
+
+  // the view turns, moves and zooms by keys
+  for (const key of ["ArrowLeft", "ArrowUp", "+", "-"]) await movesTheView(page, () => page.keyboard.press(key));
+  await movesTheView(page, async () => {
+    await page.keyboard.down("Shift");
+    await page.keyboard.press("ArrowRight");
+    await page.keyboard.up("Shift");
+  });
 
   // a page that is loaded again, many times, is served again; the role is free for the other one meanwhile
   for (let i = 0; i < 5; ++i) await page.reload();
@@ -323,6 +342,7 @@ injections:
   await until(page, 'document.getElementById("recover").textContent.startsWith("Neu anlaufen")');
   await until(page, 'document.getElementById("faults").innerText.includes("Arm hat COMMANDING_ACTIVE verlassen") || document.getElementById("faults").innerText.includes("Nachricht des Arms veraltet")');
   assert.deepEqual(await clipped(page), []);
+  await until(page, 'document.getElementById("events").innerText.includes("Fehler: ")');
   await picture(page, "held_german");
   await page.setViewport({ width: 390, height: 844 });
   assert.deepEqual(await clipped(page), []);

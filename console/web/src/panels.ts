@@ -2,6 +2,7 @@
 
 import { byId, element, list, set, table } from "./elements";
 import { inGerman } from "./fault_texts";
+import { inLanguage } from "./message_texts";
 import type { Fault, Hello, Role, Status } from "./messages";
 import { boundName, figure, getLanguage, limitName, permitName, stateDoes, stateName, t, type Word } from "./texts";
 
@@ -110,7 +111,7 @@ export class Panels {
     this.events = this.events.slice(-SHOWN_EVENTS);
     this.began_s ??= this.events.length > 0 ? this.events[0][0] : null;
     const rows = [...this.events].reverse().map(([time, text]): [string, string] => {
-      return ["event", `${figure(time - (this.began_s ?? time), 1)} s  ${text}`];
+      return ["event", `${figure(time - (this.began_s ?? time), 1)} s  ${inLanguage(text)}`];
     });
     set("events", heading("events"), list(rows));
   }
@@ -183,7 +184,7 @@ export class Panels {
     const card = element("div", known ? "fault known" : "fault", "");
     card.append(element("b", "", `${t("fault")}: ${text.name}`));
     if (!known) {
-      const seen = fault.seen ? `${text.cause}: ${fault.seen}` : text.cause;
+      const seen = fault.seen ? `${text.cause}: ${inLanguage(fault.seen)}` : text.cause;
       card.append(
         element("div", "", `${t("seen")}: ${seen}`),
         element("div", "", `${t("did")}: ${text.reaction}`),

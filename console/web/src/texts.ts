@@ -185,7 +185,7 @@ const words = {
   zoomHint: ["zoom: drag, back: double click", "Zoom: ziehen, zurück: Doppelklick"],
   volume: ["Removed volume", "Entferntes Volumen"],
   forceChart: ["Force", "Kraft"],
-  removedChart: ["Removed", "Entfernt"],
+  removedChart: ["Volume", "Volumen"],
   tickChart: ["Tick", "Takt"],
   apart: ["Tools apart", "Abstand der Werkzeuge"],
   turned: ["turned", "verdreht"],
@@ -228,7 +228,10 @@ const words = {
   cup: ["Cup", "Pfanne"],
   kept: ["kept", "gemerkt"],
   confirmTool: ["Is the tool of {} mounted?", "Ist das Werkzeug mit {} montiert?"],
-  hint: ["turn: drag, move: right button, zoom: wheel", "drehen: ziehen, verschieben: rechte Taste, Zoom: Rad"],
+  hint: [
+    "turn: drag or arrows, move: right button or Shift + arrows, zoom: wheel or + −",
+    "drehen: ziehen oder Pfeiltasten, verschieben: rechte Taste oder Umschalt + Pfeile, Zoom: Rad oder + −",
+  ],
 } satisfies Record<string, [string, string]>;
 
 export type Word = keyof typeof words;
@@ -249,6 +252,9 @@ export const t = (word: Word): string => pick(words[word] as [string, string], w
 export const stateName = (number: number, otherwise: string): string => pick(states[number], otherwise);
 export const stateDoes = (number: number, english: string): string => (language === "de" ? (does[number] ?? english) : english);
 export const permitName = (number: number, otherwise: string): string => pick(permits[number], otherwise);
+/** A state's or a limit's German name by its English one. */
+export const germanName = (english: string): string | undefined =>
+  [...states, ...limits].find(([name]) => name === english)?.[1];
 export const boundName = (name: string): string => pick(bounds[name], name);
 export const limitName = (number: number, otherwise: string): string => pick(limits[number], otherwise);
 
