@@ -26,7 +26,7 @@ control::TickRecord TickOf(control::Phase phase, Fault fault = Fault::kNone, dou
 }
 
 TEST(LiveFaults, KeepsWhatWasMeasuredWhenTheFaultCame) {
-  const config::CellConfig cell;
+  const config::CellConfig cell{};
   Sink sink;
   LiveFaults faults(cell, "out/run.mcap", sink);
   faults.TakeTick(TickOf(control::Phase::kHaptic));
@@ -40,7 +40,7 @@ TEST(LiveFaults, KeepsWhatWasMeasuredWhenTheFaultCame) {
 }
 
 TEST(LiveFaults, ARecoveryForgetsThemAndTheNextStopHasTheNextPage) {
-  const config::CellConfig cell;
+  const config::CellConfig cell{};
   Sink sink;
   LiveFaults faults(cell, "run.mcap", sink);
   faults.TakeTick(TickOf(control::Phase::kHaptic));
@@ -54,7 +54,7 @@ TEST(LiveFaults, ARecoveryForgetsThemAndTheNextStopHasTheNextPage) {
 }
 
 TEST(LiveFaults, AFaultBeforeAnyMotionHasNoStopAndNoPage) {
-  const config::CellConfig cell;
+  const config::CellConfig cell{};
   Sink sink;
   LiveFaults faults(cell, "run.mcap", sink);
   faults.TakeTick(TickOf(control::Phase::kWaiting));
