@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
+#include <deque>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -22,6 +24,15 @@ namespace osteon::console {
 namespace {
 
 constexpr const char* kWatches = "this page watches: take the operator's role first";
+
+// A page that was closed since it did not read can't be told so: what it got last may be part of a message.
+// It is told when it opens again, by the key that it got at first.
+constexpr std::chrono::milliseconds kSlow{
+    2000};  // a write that failed later than that has waited for the page
+constexpr std::size_t kRememberedPages = 64;
+constexpr int kClosedSlow = 1008;  // RFC 6455: a policy of the server
+constexpr const char* kSlowReason =
+    "the page took nothing for three seconds and was closed; it is connected again";
 
 // A page takes one of the server's threads as long as it is open; the others serve files.
 constexpr int kThreads = static_cast<int>(kMaxPages) + 8;
@@ -50,6 +61,10 @@ class Page final : public PageWriter {
   // pings are not answered, or the page has gone.
   void Close() override { closed_.store(true); }
 
+  /// Names this page when it opens again.
+  [[nodiscard]] const std::string& key() const { return key_; }
+  /// Whether the last write waited for the page in vain.
+  [[nodiscard]] bool slow() const { return slow_.load(); }
   [[nodiscard]] std::uint64_t number() const { return number_; }
   [[nodiscard]] bool closed() const { return closed_.load(); }
   [[nodiscard]] PageSender& sender() { return sender_; }
@@ -57,13 +72,18 @@ class Page final : public PageWriter {
  private:
   // Waits at most the server's request_timeout_ms for a page that does not read.
   bool Write(int opcode, const std::string& bytes) {
-    return !closed_.load() && mg_websocket_write(connection_, opcode, bytes.data(), bytes.size()) ==
-                                  static_cast<int>(bytes.size());
+    if (closed_.load()) return false;
+    const auto began = std::chrono::steady_clock::now();
+    if (mg_websocket_write(connection_, opcode, bytes.data(), bytes.size()) == static_cast<int>(bytes.size()))
+      return true;
+    slow_.store(std::chrono::steady_clock::now() - began > kSlow);
+    return false;
   }
 
   const std::uint64_t number_;
   mg_connection* const connection_;
-  std::atomic<bool> closed_{false};
+  const std::string key_{NewToken()};
+  std::atomic<bool> closed_{false}, slow_{false};
   PageSender sender_;  // last: its thread writes to the others
 };
 
@@ -172,7 +192,11 @@ class Server final : public ConsoleServer {
     const std::string_view query = OrEmpty(mg_get_request_info(connection)->query_string);
     const bool second = server.second_ && QueryValue(query, "stream=") == "2";
     auto page = std::make_shared<Page>(number, connection, second ? *server.second_ : server.sources_);
+    page->sender().Answer(nlohmann::json{{"type", "key"}, {"key", page->key()}}.dump());
     const std::lock_guard lock(server.mutex_);
+    if (std::erase(server.slow_keys_, QueryValue(query, "was=")) > 0)
+      page->sender().Answer(
+          nlohmann::json{{"type", "closed"}, {"code", kClosedSlow}, {"reason", kSlowReason}}.dump());
     server.pages_.emplace(connection, std::move(page));
   }
 
@@ -255,6 +279,8 @@ class Server final : public ConsoleServer {
       if (found == server.pages_.end()) return;
       page = std::move(found->second);
       server.pages_.erase(found);
+      if (page->slow()) server.slow_keys_.push_back(page->key());
+      if (server.slow_keys_.size() > kRememberedPages) server.slow_keys_.pop_front();
     }
     if (page->closed()) ++server.slow_;
     server.role_.GiveBack(page->number());
@@ -280,6 +306,7 @@ class Server final : public ConsoleServer {
 
   std::mutex mutex_;
   std::map<const mg_connection*, std::shared_ptr<Page>> pages_;  // guarded by mutex_
+  std::deque<std::string> slow_keys_;                            // guarded by mutex_
 
   std::unique_ptr<WebServer> web_;
 };

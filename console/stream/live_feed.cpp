@@ -1,11 +1,15 @@
 #include "console/stream/live_feed.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "safety/cell_state.h"
+#include "safety/watchdog.h"
 
 namespace osteon::console {
 namespace {
+
+constexpr double kShownShare = 0.99;  // of the ticks, in LiveWindow::compute_p99_us
 
 double ToMicroseconds(rt::Nanoseconds time) { return 1e-3 * static_cast<double>(time); }
 
@@ -18,20 +22,32 @@ void LiveFeed::Gather(const control::TickRecord& tick) {
   const double force_N = Length(tick.F_coupling_T_W.f), hand_N = Length(tick.F_operator_T_W.f);
   const double speed = Length(tick.v_WT_cmd_m_per_s);
   const double compute_us = ToMicroseconds(tick.compute_ns), wakeup_us = ToMicroseconds(tick.wakeup_ns);
+  const double arm_age_s = safety::StampAge(tick.input.now, tick.input.arm_stamp);
+  const double interlock_age_s = safety::StampAge(tick.input.now, tick.input.interlock_stamp);
   if (w.ticks == 0) {
     began_ = tick.stamp;
+    limits_before_ = w.limits;
     w.limits = 0;
     w.force_N.Begin(force_N);
     w.hand_N.Begin(hand_N);
     w.speed_m_per_s.Begin(speed);
     w.compute_us.Begin(compute_us);
     w.wakeup_us.Begin(wakeup_us);
+    w.arm_age_s.Begin(arm_age_s);
+    w.interlock_age_s.Begin(interlock_age_s);
   }
   w.force_N.Add(force_N);
   w.hand_N.Add(hand_N);
   w.speed_m_per_s.Add(speed);
   w.compute_us.Add(compute_us);
   w.wakeup_us.Add(wakeup_us);
+  w.arm_age_s.Add(arm_age_s);
+  w.interlock_age_s.Add(interlock_age_s);
+  compute_.Add(tick.compute_ns);
+  wakeup_.Add(tick.wakeup_ns);
+  for (std::uint32_t begun = tick.limits & ~(w.limits | limits_before_); begun != 0; begun &= begun - 1)
+    if (const auto limit = static_cast<std::size_t>(std::countr_zero(begun)); limit < safety::kLimitCount)
+      w.limit_since[limit] = tick.stamp;
   w.limits |= tick.limits;
   ++w.ticks;
   const auto state = static_cast<safety::CellState>(tick.cell_state);
@@ -64,6 +80,7 @@ void LiveFeed::Flush() {
 
 void LiveFeed::Restart() {
   making_ = {};
+  compute_ = wakeup_ = {};
   waiting_events_.clear();
   const std::lock_guard lock(mutex_);
   newest_ = events_so_far_ = 0;
@@ -85,6 +102,8 @@ void LiveFeed::Publish() {
   }
   waiting_events_.clear();
   if (making_.ticks == 0) return;
+  making_.compute_p99_us = ToMicroseconds(compute_.Quantile(kShownShare));
+  making_.wakeup_p99_us = ToMicroseconds(wakeup_.Quantile(kShownShare));
   making_.number = ++newest_;
   windows_[newest_ % kKept] = making_;
   making_.ticks = 0;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/duration_histogram.h"
 #include "console/stream/live_window.h"
 #include "io/recording/record_sink.h"
 
@@ -52,6 +53,8 @@ class LiveFeed final : public io::RecordSink {
   // of the recorder's writer alone
   LiveWindow making_;
   rt::Nanoseconds began_{0};
+  std::uint32_t limits_before_{0};          // of the window before
+  rt::DurationHistogram compute_, wakeup_;  // of all ticks so far
   std::vector<io::RecordedEvent> waiting_events_;
 
   mutable std::mutex mutex_;  // guards what follows

@@ -1,6 +1,8 @@
 #include "console/stream/live_status.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -12,6 +14,7 @@
 #include "safety/cell_state.h"
 #include "safety/fault.h"
 #include "safety/motion_permit.h"
+#include "safety/watchdog.h"
 
 namespace osteon::console {
 namespace {
@@ -42,14 +45,15 @@ void AddPermits(const control::TickRecord& tick, LiveStatus& status) {
   }
 }
 
-void AddFaults(const control::TickRecord& tick, LiveStatus& status) {
+void AddFaults(const control::TickRecord& tick, const LiveContext& context, LiveStatus& status) {
   safety::FaultSet faults;
   for (int bit = 0; bit < safety::kFaultCount; ++bit) {
     if ((tick.faults >> bit & 1u) == 0) continue;
     const auto fault = static_cast<safety::Fault>(1u << bit);
     const safety::FaultText text = safety::Describe(fault);
-    status.faults.push_back(
-        {text.name, text.cause, text.reaction, text.clearing, safety::AllowsRecovery(fault)});
+    status.faults.push_back({text.name, text.cause, text.reaction, text.clearing,
+                             safety::AllowsRecovery(fault),
+                             context.fault ? context.fault(1u << bit) : FaultNote{}});
     faults.Latch(fault);
   }
   if (tick.cell_state >= safety::kCellStates || tick.input.stop) return;
@@ -57,6 +61,65 @@ void AddFaults(const control::TickRecord& tick, LiveStatus& status) {
   status.can_recover =
       safety::Next(state, safety::CellEvent::kRecover).state == safety::CellState::kRecovery &&
       safety::AllowsRecovery(faults);
+}
+
+void AddLimits(const LiveWindow& w, LiveStatus& status) {
+  for (int i = 0; i < static_cast<int>(safety::kLimitCount); ++i)
+    if (w.limits >> i & 1u) {
+      status.limits.push_back(LimitName(i));
+      status.limit_numbers.push_back(i);
+      status.limits_for_s.push_back(rt::ToSeconds(w.tick.stamp - w.limit_since[static_cast<std::size_t>(i)]));
+    }
+}
+
+// Those that reduce the rendered wrench, the one that an operator can do most about first.
+constexpr std::array kForceLimits{safety::Limit::kArmTorque,    safety::Limit::kPower,
+                                  safety::Limit::kStoredEnergy, safety::Limit::kTank,
+                                  safety::Limit::kAgeGovernor,  safety::Limit::kWrench};
+
+void AddForce(const control::TickRecord& tick, const LiveContext& context, LiveStatus& status) {
+  status.force_N = Length(tick.F_coupling_T_W.f);
+  status.hand_N = Length(tick.F_operator_T_W.f);
+  status.torque_Nm = Length(tick.F_coupling_T_W.t);
+  status.torque_limit_Nm = context.torque_limit_Nm;
+  status.force_limit_from = context.force_limit_from;
+  status.force_limit_now_N = status.force_limit_N;
+  const safety::LimitSet acting(tick.limits);
+  const auto* const limit = std::ranges::find_if(kForceLimits, [&](auto each) { return acting.Has(each); });
+  if (limit == kForceLimits.end()) return;
+  status.force_limit_number = static_cast<int>(*limit);
+  status.force_limit_now_N = std::min(status.force_N, status.force_limit_N);
+}
+
+void AddMotion(const control::TickRecord& tick, const LiveContext& context, LiveStatus& status) {
+  const PlainVector3& v = tick.v_WT_cmd_m_per_s;
+  status.speed_mm_per_s = 1e3 * Length(v);
+  if (const auto& axis = context.axis_W)
+    status.feed_mm_per_s = -1e3 * (v.x * axis->x + v.y * axis->y + v.z * axis->z);
+  status.spindle_rpm = tick.input.spindle_meas_rad_per_s * 30.0 / std::numbers::pi;
+  status.spindle_torque_Nm = tick.input.spindle_torque_Nm;
+  if (context.depth_left_m) status.depth_left_mm = 1e3 * context.depth_left_m(tick);
+}
+
+void AddHealth(const LiveWindow& w, const LiveContext& context, LiveStatus& status) {
+  const auto age_ms = [](const Extremes& age_s) {
+    return age_s.most < safety::kNoAge_s ? std::optional(1e3 * age_s.most) : std::nullopt;
+  };
+  status.arm_age_ms = age_ms(w.arm_age_s);
+  if (context.has_plc) status.plc_age_ms = age_ms(w.interlock_age_s);
+  status.model_age_ms = 1e3 * w.tick.model_age_s;
+  status.sensor_age_ms = 1e3 * w.tick.sensor_age_s;
+  status.compute_p99_us = w.compute_p99_us;
+  status.wakeup_p99_us = w.wakeup_p99_us;
+  status.arm_messages_lost = w.tick.input.lost;
+  status.answers_lost = w.tick.input.answers_lost;
+  if (context.disk_left_B) status.disk_left_B = context.disk_left_B();
+  if (context.latency) status.latency = context.latency();
+}
+
+template <class T>
+nlohmann::json OrNull(const std::optional<T>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
 }
 
 nlohmann::json LatencyJson(const LatencyStatus& latency) {
@@ -93,26 +156,17 @@ LiveStatus StatusOf(const LiveWindow& w, const LiveContext& context) {
   if (!s.known) return s;
   AddState(w.tick, s);
   AddPermits(w.tick, s);
-  AddFaults(w.tick, s);
-  for (int i = 0; i < static_cast<int>(safety::kLimitCount); ++i)
-    if (w.limits >> i & 1u) {
-      s.limits.push_back(LimitName(i));
-      s.limit_numbers.push_back(i);
-    }
-  s.force_N = Length(w.tick.F_coupling_T_W.f);
-  s.hand_N = Length(w.tick.F_operator_T_W.f);
-  s.speed_mm_per_s = 1e3 * Length(w.tick.v_WT_cmd_m_per_s);
-  s.spindle_rpm = w.tick.input.spindle_meas_rad_per_s * 30.0 / std::numbers::pi;
-  s.spindle_torque_Nm = w.tick.input.spindle_torque_Nm;
+  AddFaults(w.tick, context, s);
+  AddLimits(w, s);
+  AddForce(w.tick, context, s);
+  AddMotion(w.tick, context, s);
+  AddHealth(w, context, s);
   s.gives_way = w.tick.compliance.present;
   s.bend_mm = 1e3 * Length(w.tick.compliance.bend_m);
   s.layer_mm = 1e3 * Length(w.tick.compliance.layer_m);
   s.mount_mm = 1e3 * Length(w.tick.compliance.mount_m);
-  s.model_age_ms = 1e3 * w.tick.model_age_s;
-  s.sensor_age_ms = 1e3 * w.tick.sensor_age_s;
   s.rendered_s = w.rendered_s;
   s.paused_s = w.paused_s;
-  if (context.latency) s.latency = context.latency();
   if (w.frame.model.frame == 0) return s;
   s.frame_us = 1e-3 * static_cast<double>(w.frame.duration_ns);
   s.deepest_mm = 1e3 * w.frame.cup_depth_m;
@@ -147,7 +201,9 @@ std::string StatusJson(const LiveStatus& s) {
                       {"cause", fault.cause},
                       {"reaction", fault.reaction},
                       {"clearing", fault.clearing},
-                      {"allows_recovery", fault.allows_recovery}});
+                      {"allows_recovery", fault.allows_recovery},
+                      {"seen", fault.note.seen},
+                      {"page", fault.note.page}});
   const nlohmann::json json{{"schema", "osteon.status/1"},
                             {"known", s.known},
                             {"state", s.state},
@@ -162,12 +218,21 @@ std::string StatusJson(const LiveStatus& s) {
                             {"permits_known", s.permits_known},
                             {"limits", s.limits},
                             {"limit_numbers", s.limit_numbers},
+                            {"limits_for_s", s.limits_for_s},
                             {"faults", faults},
                             {"force_N", s.force_N},
                             {"force_limit_N", s.force_limit_N},
+                            {"force_limit_from", s.force_limit_from},
+                            {"force_limit_now_N", s.force_limit_now_N},
+                            {"force_limit_number", s.force_limit_number},
+                            {"torque_Nm", s.torque_Nm},
+                            {"torque_limit_Nm", s.torque_limit_Nm},
                             {"hand_N", s.hand_N},
                             {"depth_mm", s.depth_mm},
                             {"deepest_mm", s.deepest_mm},
+                            {"depth_left_mm", std::isfinite(s.depth_left_mm) ? nlohmann::json(s.depth_left_mm)
+                                                                             : nlohmann::json(nullptr)},
+                            {"feed_mm_per_s", OrNull(s.feed_mm_per_s)},
                             {"speed_mm_per_s", s.speed_mm_per_s},
                             {"spindle_rpm", s.spindle_rpm},
                             {"spindle_torque_Nm", s.spindle_torque_Nm},
@@ -178,7 +243,14 @@ std::string StatusJson(const LiveStatus& s) {
                             {"mount_mm", s.mount_mm},
                             {"model_age_ms", s.model_age_ms},
                             {"sensor_age_ms", s.sensor_age_ms},
+                            {"arm_age_ms", OrNull(s.arm_age_ms)},
+                            {"plc_age_ms", OrNull(s.plc_age_ms)},
                             {"frame_us", s.frame_us},
+                            {"compute_p99_us", s.compute_p99_us},
+                            {"wakeup_p99_us", s.wakeup_p99_us},
+                            {"arm_messages_lost", s.arm_messages_lost},
+                            {"answers_lost", s.answers_lost},
+                            {"disk_left_B", OrNull(s.disk_left_B)},
                             {"rendered_s", s.rendered_s},
                             {"paused_s", s.paused_s},
                             {"latency_ms", LatencyJson(s.latency)}};

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,11 +27,29 @@ struct LatencyStatus {
   std::vector<LatencyPartStatus> parts{};
 };
 
+/// What a run knows of a latched fault besides its name.
+struct FaultNote {
+  std::string
+      seen;  ///< what was measured, and what is accepted: "the reading is 101 ms old, accepted 100 ms"
+  std::string page;  ///< path of the stop's page, which is written when the run has ended; empty: none
+};
+
 /// What a live view needs of the cell besides the stream.
 struct LiveContext {
-  double force_limit_N{0.0};  ///< the cell's, on the coupling
+  double force_limit_N{0.0};       ///< the cell's, on the coupling
+  std::string force_limit_from{};  ///< which bound that is: "cell", "ceiling", "stored energy"
+  double torque_limit_Nm{0.0};     ///< the cell's, on the coupling; 0: not known
+  /// Unit vector in W, out of the site's opening: the feed is counted against it. Empty: not known.
+  std::optional<PlainVector3> axis_W{};
+  bool has_plc{false};  ///< motion needs a PLC's permission
   /// Depth of the tool's apex at a proxy pose in W, below the cup's first floor [m]; empty: not known.
   std::function<double(const Pose& X_WP)> depth_m{};
+  /// Distance left to the depth limit in a tick [m]; empty: the cell has none.
+  std::function<double(const control::TickRecord&)> depth_left_m{};
+  /// What the run knows of a fault (a bit of safety::Fault), callable from any thread; empty: nothing.
+  std::function<FaultNote(std::uint32_t fault)> fault{};
+  /// Space left where the recording is written, callable from any thread [bytes]; empty: not known.
+  std::function<std::optional<std::uintmax_t>()> disk_left_B{};
   /// Latency of the run so far, callable from any thread; empty: not known.
   std::function<LatencyStatus()> latency{};
 };
@@ -43,6 +64,7 @@ struct PermitStatus {
 struct FaultStatus {
   std::string name, cause, reaction, clearing;
   bool allows_recovery{false};  ///< a recovery may clear it within the run
+  FaultNote note{};
 };
 
 /// The cell's status in words and figures, for a line of text, `osteon status` and the console alike.
@@ -56,17 +78,30 @@ struct LiveStatus {
   /// then on a condition that ends is a fault.
   std::vector<PermitStatus> permits;
   bool moves{false};
-  bool permits_known{false};        ///< false: in this state nobody looks at them (a stop, a fault)
-  std::vector<std::string> limits;  ///< names of those that acted in the window
-  std::vector<int> limit_numbers;   ///< their numbers (safety::Limit)
+  bool permits_known{false};         ///< false: in this state nobody looks at them (a stop, a fault)
+  std::vector<std::string> limits;   ///< names of those that acted in the window
+  std::vector<int> limit_numbers;    ///< their numbers (safety::Limit)
+  std::vector<double> limits_for_s;  ///< how long each has acted so far
   std::vector<FaultStatus> faults;
   double force_N{0.0}, force_limit_N{0.0}, hand_N{0.0};
+  std::string force_limit_from;  ///< LiveContext
+  /// What bounds the force in the last tick: one of the limits that reduced it, which then is the force
+  /// itself, or else the cell's.
+  double force_limit_now_N{0.0};
+  int force_limit_number{-1};  ///< safety::Limit of the one that reduced it; -1: none did
+  double torque_Nm{0.0}, torque_limit_Nm{0.0};
   double depth_mm{0.0}, deepest_mm{0.0};
+  double depth_left_mm{std::numeric_limits<double>::infinity()};  ///< to the depth limit; infinite: none
+  std::optional<double> feed_mm_per_s{};  ///< of the commanded tool along the site's axis, positive inward
   double speed_mm_per_s{0.0}, spindle_rpm{0.0}, spindle_torque_Nm{0.0};
   double removed_mm3{0.0};
   bool gives_way{false};                              ///< tool, tissue or mount may give way in this cell
   double bend_mm{0.0}, layer_mm{0.0}, mount_mm{0.0};  ///< by how much they do
   double model_age_ms{0.0}, sensor_age_ms{0.0}, frame_us{0.0};
+  std::optional<double> arm_age_ms{}, plc_age_ms{};     ///< greatest of the window; empty: no message, no PLC
+  double compute_p99_us{0.0}, wakeup_p99_us{0.0};       ///< LiveWindow
+  std::uint32_t arm_messages_lost{0}, answers_lost{0};  ///< so far, between the arm and the loop
+  std::optional<std::uintmax_t> disk_left_B{};          ///< LiveContext
   double rendered_s{0.0}, paused_s{0.0};
   LatencyStatus latency{};
 };

@@ -1,7 +1,9 @@
 #include "session/run/console_scene.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <string_view>
 #include <system_error>
 #include <variant>
 
@@ -9,6 +11,8 @@
 
 #include "console/stream/live_json.h"
 #include "control/setup/servo_params.h"
+#include "safety/depth_limit.h"
+#include "session/summary/limit_rows.h"
 #include "simulation/removal/cut_metrics.h"
 
 namespace osteon::session {
@@ -68,6 +72,20 @@ json Zones(const safety::WorkspaceParams& workspace) {
   return zones;
 }
 
+const EffectiveLimit& LimitOf(const std::vector<EffectiveLimit>& limits, std::string_view name) {
+  return *std::ranges::find(limits, name, &EffectiveLimit::name);
+}
+
+// Distance to the depth limit as the loop measured it: of the bent head where the bound rides on the bone.
+std::function<double(const control::TickRecord&)> DepthLeft(const safety::DepthLimitParams& params) {
+  if (!params.acts) return {};
+  return [bound = safety::ZoneOf(params), rides = params.rides_on_bone](const control::TickRecord& tick) {
+    const bool bends = rides && tick.compliance.present;
+    const Pose X(bends ? tick.compliance.X_ME : tick.X_WT_cmd);
+    return safety::ZoneBounds(bound, X.translation()).distance_m();
+  };
+}
+
 }  // namespace
 
 std::string ConsoleScene(const CellSetup& setup, const std::string& command, double seconds,
@@ -108,7 +126,16 @@ std::string ConsoleScene(const CellSetup& setup, const std::string& command, dou
 }
 
 console::LiveContext LiveContextOf(const CellSetup& setup) {
-  console::LiveContext context{.force_limit_N = control::ForceLimit_N(setup.config.servo)};
+  const control::ServoParams& servo = setup.config.servo;
+  const std::vector<EffectiveLimit> limits = EffectiveLimits(servo);
+  const std::string& from = LimitOf(limits, "force").from;
+  console::LiveContext context{
+      .force_limit_N = control::ForceLimit_N(servo),
+      .force_limit_from = from.substr(0, from.find(';')),
+      .torque_limit_Nm = LimitOf(limits, "torque").value,
+      .axis_W = PlainVector3((setup.X_WG.linear() * Vector3(setup.bone.site.axis)).normalized()),
+      .has_plc = servo.has_interlock,
+      .depth_left_m = DepthLeft(servo.depth)};
   if (setup.bone.balls.empty()) return context;
   const simulation::ApexDepth depth(setup.bone, setup.config.tool.tool);
   context.depth_m = [depth, X_GW = Pose(setup.X_WG.inverse())](const Pose& X_WP) {

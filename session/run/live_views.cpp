@@ -3,10 +3,12 @@
 #include <unistd.h>
 
 #include <charconv>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -38,6 +40,12 @@ std::string WhyNoRecovery(const console::LiveStatus& status, const std::string& 
       return fmt::format("found the fault {}, which no recovery clears: {}", fault.name, fault.clearing);
   if (status.faults.empty()) return fmt::format("the cell is {}: there is no fault to recover from", state);
   return fmt::format("the cell is {}: a recovery is accepted at rest, before a stop is asked for", state);
+}
+
+std::optional<std::uintmax_t> SpaceLeft(const std::filesystem::path& folder) {
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(folder, error);
+  return error ? std::nullopt : std::optional(space.available);
 }
 
 // The answers' part of a procedure: the panel's figures, and the tool in words that need no plan.
@@ -108,10 +116,16 @@ LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, base::OperatorR
       requests_(requests),
       gains_(setup.config),
       cell_(setup.cell_name),
-      latency_(setup.config, feed_) {
+      latency_(setup.config, feed_),
+      faults_(setup.config, run.recording, latency_) {
   scene_ = ConsoleScene(setup, run.command, run.seconds, run.recording);
   context_ = LiveContextOf(setup);
   context_.latency = [this] { return latency_.Status(); };
+  context_.fault = [this](std::uint32_t fault) { return faults_.Of(static_cast<safety::Fault>(fault)); };
+  if (!run.recording.empty())
+    context_.disk_left_B = [folder = std::filesystem::absolute(run.recording).parent_path()] {
+      return SpaceLeft(folder);
+    };
 }
 
 void LiveViews::SetSession(ProcedureSession* session) {

@@ -18,6 +18,7 @@
 #include "session/foxglove/live_topics.h"
 #include "session/procedure/session_request.h"
 #include "session/run/gains_panel.h"
+#include "session/run/live_faults.h"
 #include "session/run/live_latency.h"
 #include "session/setup/cell_setup.h"
 #include "simulation/surface/surface_thread.h"
@@ -52,8 +53,8 @@ struct LiveRun {
 /// What a person sees of a running cell and may ask of it: the status line on the terminal, and `osteon
 /// status`, `pause`, `resume`, `recover`, `stop` through the local socket.
 ///
-///     recorder ──▶ LiveLatency ──▶ LiveFeed ◀── status line, local socket
-///                                                     └──▶ OperatorRequests ──▶ the state machine, as from any other side
+///     recorder ──▶ LiveFaults ──▶ LiveLatency ──▶ LiveFeed ◀── status line, local socket
+///                                                                   └──▶ OperatorRequests ──▶ the state machine, as from any other side
 ///
 /// A request asks for what the state machine allows; it can raise no limit and skip no condition of motion.
 class LiveViews {
@@ -75,7 +76,7 @@ class LiveViews {
   [[nodiscard]] std::string console_url() const { return console_ ? console_->url() : ""; }
 
   /// Takes what is recorded.
-  [[nodiscard]] io::RecordSink* sink() { return &latency_; }
+  [[nodiscard]] io::RecordSink* sink() { return &faults_; }
   /// Follows the cut for the console's picture; null where no console is served. Writer of its ring: the
   /// engine's thread.
   [[nodiscard]] surface::SurfaceThread* surface_thread() { return surface_thread_.get(); }
@@ -105,6 +106,7 @@ class LiveViews {
   console::LiveContext context_;
   console::LiveFeed feed_;
   LiveLatency latency_;
+  LiveFaults faults_;
   console::SurfaceStore surface_;
   console::SurfaceFeed surface_feed_{surface_};
   // Last, because their threads use the others; the socket's answers name the console too.

@@ -109,13 +109,16 @@ const char* StopRecord::Heading() const {
   return IsOrderly() ? "How the run ended" : "What led to the stop";
 }
 
+// A slow tool is braked within a tick: then the pause is the first tick without motion.
+bool BeginsStop(const TickRecord& before, const TickRecord& tick) {
+  return Moves(before.phase) && (Ends(tick.phase) || control::IsPaused(tick));
+}
+
 std::optional<StopRecord> StopFinder::Add(const TickRecord& tick) {
   std::optional<StopRecord> ended;
   if (stop_ && !AppendToStop(tick)) ended = std::exchange(stop_, std::nullopt);
   if (!first_stamp_) first_stamp_ = tick.stamp;
-  // a slow tool is braked within a tick: then the pause is the first tick without motion
-  const bool begins =
-      !last_.empty() && Moves(last_.back().phase) && (Ends(tick.phase) || control::IsPaused(tick));
+  const bool begins = !last_.empty() && BeginsStop(last_.back(), tick);
   last_.push_back(tick);
   while (tick.stamp - last_.front().stamp > kBefore || last_.size() > kMaxTicks) last_.pop_front();
   if (begins) {

@@ -37,6 +37,9 @@ struct StopRecord {
   [[nodiscard]] const char* Heading() const;
 };
 
+/// Whether a stop begins with a tick: the loop moved in the tick before it.
+[[nodiscard]] bool BeginsStop(const control::TickRecord& before, const control::TickRecord& tick);
+
 /// Finds every stop of a recording, tick by tick: a change of the loop from moving (aligning, haptic) to
 /// stopping, stopped or paused. Holds the ticks of the last five seconds, and those of a stop in progress: at
 /// most kMaxTicks of each.

@@ -181,6 +181,8 @@ expect 'but later it is' test -s "$fakes/page"
 rm "$fakes/page"
 run "$checkout/osteon" tune demo
 expect 'a study needs no page' test ! -e "$fakes/page"
+run "$checkout/osteon" cell demo
+expect 'a simulated cell alone has its page' test -s "$fakes/page"
 
 run "$checkout/osteon" docs
 expect 'the site brings its packages' has "$(calls)" 'install --no-install-recommends site-maker'

@@ -2,6 +2,7 @@
 
 #include <civetweb.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -70,6 +71,12 @@ class Client {
     const std::lock_guard lock(mutex_);
     return binaries_.size();
   }
+  [[nodiscard]] bool Has(const std::string& type) {
+    const std::lock_guard lock(mutex_);
+    return std::ranges::any_of(texts_,
+                               [&](const auto& text) { return nlohmann::json::parse(text)["type"] == type; });
+  }
+  void StopReading() { reads_.store(false); }
   bool AwaitClose() {
     std::unique_lock lock(mutex_);
     return arrived_.wait_for(lock, kPatience, [&] { return closed_; });
@@ -78,7 +85,8 @@ class Client {
  private:
   static int OnData(mg_connection*, int bits, char* data, std::size_t size, void* user) {
     auto& client = *static_cast<Client*>(user);
-    while (!client.reads_ && !client.stop_.load()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    while (!client.reads_.load() && !client.stop_.load())
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
     const std::lock_guard lock(client.mutex_);
     if ((bits & 0x0F) == MG_WEBSOCKET_OPCODE_TEXT) client.texts_.emplace_back(data, size);
     if ((bits & 0x0F) == MG_WEBSOCKET_OPCODE_BINARY) client.binaries_.emplace_back(data, size);
@@ -92,7 +100,7 @@ class Client {
     client.arrived_.notify_all();
   }
 
-  const bool reads_;
+  std::atomic<bool> reads_;
   std::atomic<bool> stop_{false};
   std::mutex mutex_;
   std::condition_variable arrived_;
@@ -300,6 +308,25 @@ TEST_F(ConsoleServerTest, APageThatDoesNotReadIsClosedAndHoldsNobodyUp) {
   EXPECT_FALSE(page.Await("live").is_null());
   EXPECT_TRUE(Eventually([&] { return server_->counts().slow == 1; }));
   EXPECT_FALSE(page.Await("live").is_null());
+}
+
+TEST_F(ConsoleServerTest, APageThatDidNotReadIsToldSoWhenItOpensAgain) {
+  Client slow(server_->port(), origin().c_str());
+  const std::string key = slow.Await("key")["key"];
+  slow.StopReading();
+  for (std::uint64_t brick = 0; brick < 40; ++brick) surface_.Put({{brick, std::string(1u << 20, 'x')}});
+  ASSERT_TRUE(Eventually([&] { return server_->counts().slow == 1; }));
+  Client again(server_->port(), origin().c_str(), true, ("/live?was=" + key).c_str());
+  const auto closed = again.Await("closed");
+  EXPECT_EQ(closed["code"], 1008);
+  EXPECT_NE(closed["reason"].get<std::string>().find("took nothing"), std::string::npos);
+  // once, and nobody else
+  Client third(server_->port(), origin().c_str(), true, ("/live?was=" + key).c_str());
+  Client other(server_->port(), origin().c_str());
+  for (Client* page : {&third, &other}) {
+    EXPECT_FALSE(page->Await("live").is_null());
+    EXPECT_FALSE(page->Has("closed"));
+  }
 }
 
 TEST_F(ConsoleServerTest, PagesThatComeAndGoLeaveNothing) {

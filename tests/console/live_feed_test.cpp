@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "safety/acting_limits.h"
 #include "safety/cell_state.h"
+#include "safety/watchdog.h"
 
 namespace osteon::console {
 namespace {
@@ -48,6 +50,64 @@ TEST(LiveFeed, TimeOfAPauseIsCountedApart) {
   feed.TakeEvent({.stamp = 0, .text = "the window in the making is published with an event"});
   EXPECT_NEAR(feed.Newest().rendered_s, 0.5, 1e-9);
   EXPECT_NEAR(feed.Newest().paused_s, 0.3, 1e-9);
+}
+
+// One late tick in a thousand is the worst one, and no matter of the 99 %.
+TEST(LiveFeed, TellsTheTicksOfTheRunByTheirWorstAndByNinetyNinePercent) {
+  LiveFeed feed;
+  for (std::uint64_t i = 1; i <= 1000; ++i) {
+    control::TickRecord tick = Tick(i, 1.0);
+    tick.compute_ns = i == 970 ? 900'000 : i > 980 ? 60'000 : 30'000;
+    tick.wakeup_ns = 5'000;
+    feed.TakeTick(tick);
+  }
+  feed.Flush();
+  std::uint64_t seen = 0;
+  double worst_us = 0.0;
+  for (const LiveWindow& w : feed.Since(seen)) worst_us = std::max(worst_us, w.compute_us.most);
+  EXPECT_EQ(worst_us, 900.0);
+  EXPECT_NEAR(feed.Newest().compute_p99_us, 60.0, 0.5);
+  EXPECT_NEAR(feed.Newest().wakeup_p99_us, 5.0, 0.05);
+  feed.Restart();
+  feed.TakeTick(Tick(1, 1.0));
+  feed.Flush();
+  EXPECT_EQ(feed.Newest().compute_p99_us, 0.0) << "a playback at another time";
+}
+
+TEST(LiveFeed, ALimitActsSinceItsFirstTickUntilAWindowWithoutIt) {
+  constexpr auto kSpeed = static_cast<std::size_t>(safety::Limit::kToolSpeed);
+  LiveFeed feed;
+  std::uint64_t at = 0;
+  const auto take = [&](int ticks, bool acts) {
+    for (int i = 0; i < ticks; ++i) {
+      control::TickRecord tick = Tick(++at, 1.0);
+      if (acts) tick.limits = 1u << kSpeed;
+      feed.TakeTick(tick);
+    }
+  };
+  take(100, false);
+  take(200, true);
+  take(5, false);  // within a window
+  take(200, true);
+  feed.Flush();
+  EXPECT_EQ(feed.Newest().limit_since[kSpeed], 101 * rt::kMillisecond);
+  take(200, false);
+  take(100, true);
+  feed.Flush();
+  EXPECT_EQ(feed.Newest().limit_since[kSpeed], 706 * rt::kMillisecond);
+}
+
+TEST(LiveFeed, TheGreatestAgesOfAWindowAreKept) {
+  LiveFeed feed;
+  for (std::uint64_t i = 1; i <= 30; ++i) {
+    control::TickRecord tick = Tick(i, 1.0);
+    tick.input.now = tick.stamp + 2 * rt::kSecond;
+    tick.input.arm_stamp = tick.input.now - (i == 7 ? 9 : 1) * rt::kMillisecond;
+    feed.TakeTick(tick);
+  }
+  feed.Flush();
+  EXPECT_NEAR(feed.Newest().arm_age_s.most, 0.009, 1e-12);
+  EXPECT_EQ(feed.Newest().interlock_age_s.most, safety::kNoAge_s) << "no PLC";
 }
 
 TEST(LiveFeed, ALateReaderGetsTheLastWindowsAndEvents) {

@@ -1,6 +1,7 @@
 #include "console/stream/live_status.h"
 
 #include <array>
+#include <optional>
 #include <span>
 
 #include <gtest/gtest.h>
@@ -12,6 +13,7 @@
 #include "safety/cell_state.h"
 #include "safety/fault.h"
 #include "safety/motion_permit.h"
+#include "safety/watchdog.h"
 
 namespace osteon::console {
 namespace {
@@ -61,6 +63,85 @@ TEST(LiveStatus, HasTheLatencyOfItsContext) {
   EXPECT_EQ(latency.at("measured"), false);
   EXPECT_EQ(latency.at("parts").at("arm").at("mean"), 25.0);
   EXPECT_EQ(latency.at("parts").at("sensor").at("measured"), false);
+}
+
+TEST(LiveStatus, SaysWhichLimitOfTheForceHoldsNow) {
+  LiveContext context = kContext;
+  context.force_limit_from = "cell";
+  context.torque_limit_Nm = 20.0;
+  LiveWindow w = Window(safety::CellState::kCutting);
+  w.tick.F_coupling_T_W.t = {0.0, 2.0, 0.0};
+  LiveStatus s = StatusOf(w, context);
+  EXPECT_EQ(s.force_limit_now_N, 200.0);
+  EXPECT_EQ(s.force_limit_number, -1);
+  EXPECT_EQ(s.torque_Nm, 2.0);
+  w.limits = w.tick.limits = 1u << static_cast<unsigned>(safety::Limit::kArmTorque) |
+                             1u << static_cast<unsigned>(safety::Limit::kToolSpeed);
+  w.tick.stamp = 5 * rt::kSecond;
+  w.limit_since[static_cast<std::size_t>(safety::Limit::kArmTorque)] = 3 * rt::kSecond;
+  s = StatusOf(w, context);
+  EXPECT_EQ(s.force_limit_now_N, 5.0) << "what the arm's joints can hold is what is rendered";
+  EXPECT_EQ(s.force_limit_number, static_cast<int>(safety::Limit::kArmTorque));
+  EXPECT_EQ(s.limits_for_s, (std::vector{2.0, 5.0}));
+  const auto json = nlohmann::json::parse(StatusJson(s));
+  EXPECT_EQ(json.at("force_limit_from"), "cell");
+  EXPECT_EQ(json.at("force_limit_N"), 200.0) << "the cell's own stays";
+  EXPECT_EQ(json.at("limits_for_s").size(), json.at("limits").size());
+}
+
+TEST(LiveStatus, SaysFeedAndTheDepthThatIsLeft) {
+  LiveContext context = kContext;
+  LiveWindow w = Window(safety::CellState::kCutting);
+  w.tick.v_WT_cmd_m_per_s = {0.003, 0.0, -0.004};
+  auto json = nlohmann::json::parse(StatusJson(StatusOf(w, context)));
+  EXPECT_TRUE(json.at("depth_left_mm").is_null());
+  EXPECT_TRUE(json.at("feed_mm_per_s").is_null());
+  context.axis_W = PlainVector3(0.0, 0.0, 1.0);
+  context.depth_left_m = [](const control::TickRecord& tick) { return 0.006 + tick.X_WT_cmd.p.z; };
+  w.tick.X_WT_cmd.p.z = -0.002;
+  json = nlohmann::json::parse(StatusJson(StatusOf(w, context)));
+  EXPECT_NEAR(json.at("depth_left_mm").get<double>(), 4.0, 1e-9);
+  EXPECT_NEAR(json.at("feed_mm_per_s").get<double>(), 4.0, 1e-9) << "into the bone";
+}
+
+TEST(LiveStatus, SaysHowOldTheArmsAndThePlcsWordsAreAndWhatIsLost) {
+  LiveContext context = kContext;
+  LiveWindow w = Window(safety::CellState::kCutting);
+  w.arm_age_s.Begin(0.003);
+  w.interlock_age_s.Begin(0.02);
+  w.compute_p99_us = 41.0;
+  w.tick.input.lost = 3;
+  w.tick.input.answers_lost = 2;
+  auto json = nlohmann::json::parse(StatusJson(StatusOf(w, context)));
+  EXPECT_NEAR(json.at("arm_age_ms").get<double>(), 3.0, 1e-9);
+  EXPECT_TRUE(json.at("plc_age_ms").is_null()) << "motion needs none here";
+  EXPECT_TRUE(json.at("disk_left_B").is_null());
+  EXPECT_EQ(json.at("compute_p99_us"), 41.0);
+  EXPECT_EQ(json.at("arm_messages_lost"), 3);
+  EXPECT_EQ(json.at("answers_lost"), 2);
+  context.has_plc = true;
+  context.disk_left_B = [] { return std::optional<std::uintmax_t>(7'000'000'000); };
+  json = nlohmann::json::parse(StatusJson(StatusOf(w, context)));
+  EXPECT_NEAR(json.at("plc_age_ms").get<double>(), 20.0, 1e-9);
+  EXPECT_EQ(json.at("disk_left_B"), 7'000'000'000);
+  w.arm_age_s.Begin(safety::kNoAge_s);
+  EXPECT_TRUE(nlohmann::json::parse(StatusJson(StatusOf(w, context))).at("arm_age_ms").is_null());
+}
+
+TEST(LiveStatus, AFaultHasWhatItsRunKnowsOfIt) {
+  LiveContext context = kContext;
+  LiveWindow w = Window(safety::CellState::kFault);
+  w.tick.faults = static_cast<std::uint32_t>(safety::Fault::kSensorStale);
+  context.fault = [](std::uint32_t fault) {
+    return FaultNote{.seen = fault == static_cast<std::uint32_t>(safety::Fault::kSensorStale)
+                                 ? "the reading is 101 ms old"
+                                 : "another",
+                     .page = "run_stop_1.html"};
+  };
+  const auto fault = nlohmann::json::parse(StatusJson(StatusOf(w, context))).at("faults").at(0);
+  EXPECT_EQ(fault.at("seen"), "the reading is 101 ms old");
+  EXPECT_EQ(fault.at("page"), "run_stop_1.html");
+  EXPECT_EQ(StatusOf(w, kContext).faults.at(0).note.seen, "") << "a recording's page";
 }
 
 TEST(LiveStatus, APausedCellCanOnlyGoOn) {

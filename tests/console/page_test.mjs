@@ -102,6 +102,38 @@ const clipped = (page) =>
     return wide;
   });
 
+/** A drag over a chart freezes all four at the part that was dragged over; a double click shows the half minute again. */
+async function zoomsTheCharts(page) {
+  const spans = () => page.evaluate("osteon.charts.plots.map(({ plot }) => [plot.scales.x.min, plot.scales.x.max])");
+  const whole = Array.from({ length: 4 }, () => [-30, 0]);
+  assert.deepEqual(await spans(), whole);
+  const [left, middle, width] = await page.evaluate(`(() => {
+    const over = osteon.charts.plots[0].plot.over.getBoundingClientRect();
+    return [over.left, over.top + over.height / 2, over.width];
+  })()`);
+  await page.mouse.move(left + 0.7 * width, middle);
+  await page.mouse.down();
+  await page.mouse.move(left + 0.9 * width, middle, { steps: 4 });
+  await page.mouse.up();
+  const near = ([from, to]) => Math.abs(from + 9) < 1 && Math.abs(to + 3) < 1;
+  await until(page, "osteon.charts.frozen && osteon.charts.plots[0].plot.scales.x.min > -15");
+  const tick = await page.evaluate("osteon.live.windows[0][0]");
+  await until(page, `osteon.live.windows[0][0] > ${tick} + 0.5`); // what arrives does not undo it
+  assert.ok((await spans()).every(near), JSON.stringify(await spans()));
+  await picture(page, "zoomed");
+  await page.mouse.click(left + 0.5 * width, middle, { count: 2 });
+  await until(page, "osteon.charts.plots[0].plot.scales.x.min === -30");
+  assert.deepEqual(await spans(), whole);
+  await page.click(".freeze");
+  assert.equal(await page.evaluate("osteon.charts.frozen"), false);
+}
+
+async function movesTheView(page, press) {
+  const before = await page.evaluate("osteon.scene.pose()");
+  await press();
+  await until(page, `osteon.scene.pose() !== "${before}"`);
+}
+
 async function operatesTheCell() {
   const run = demo(120); // ended by the page
   const url = await run.url;
@@ -112,6 +144,14 @@ async function operatesTheCell() {
   await until(page, "osteon.live.status.removed_mm3 > 1000"); // the hand reaches the bone after a while
   await until(page, "osteon.scene.surface.triangles > 10000 && osteon.scene.drawn > 5"); // the bone, as it is carved
   await picture(page, "cutting");
+  await zoomsTheCharts(page);
+  const now = await status(page);
+  for (const age of ["arm_age_ms", "plc_age_ms", "compute_p99_us", "disk_left_B", "depth_left_mm", "feed_mm_per_s"])
+    assert.ok(Number.isFinite(now[age]), `${age}: ${now[age]}`);
+  const [force, figures, health] = await page.evaluate('["force", "figures", "health"].map((id) => document.getElementById(id).innerText)');
+  for (const part of ["limit", "N (", "Torque"]) assert.ok(force.includes(part), force);
+  for (const part of ["To the depth limit", "Feed along the axis", "rpm"]) assert.ok(figures.includes(part), figures);
+  for (const part of ["arm's message", "PLC's word", "Tick, 99 %", "Messages lost", "Disk left"]) assert.ok(health.includes(part), health);
 
   // a second page watches: it may not steer
   const second = await open(url, 390, 844);
@@ -121,6 +161,11 @@ async function operatesTheCell() {
   await second.evaluate('osteon.connection.ask("stop")'); // as a page could that does not keep to its buttons
   await until(second, 'document.getElementById("answer").textContent.includes("watches")');
   await picture(second, "phone");
+  await second.select("#language", "de"); // refusals as well
+  await second.evaluate('osteon.connection.ask("stop")');
+  await until(second, 'document.getElementById("answer").textContent.includes("sieht zu")');
+  assert.deepEqual(await clipped(second), []);
+  await second.select("#language", "en");
 
   await page.bringToFront(); // Chromium draws nothing behind another page
   await page.click("#pause");
@@ -168,6 +213,14 @@ async function operatesTheCell() {
     await until(page, `osteon.scene.drawn > ${drawn}`);
     if (key === "5" || key === "c") await picture(page, key === "5" ? "cell" : "cut_open");
   }
+
+  // the view turns, moves and zooms by keys
+  for (const key of ["ArrowLeft", "ArrowUp", "+", "-"]) await movesTheView(page, () => page.keyboard.press(key));
+  await movesTheView(page, async () => {
+    await page.keyboard.down("Shift");
+    await page.keyboard.press("ArrowRight");
+    await page.keyboard.up("Shift");
+  });
 
   // a page that is loaded again, many times, is served again; the role is free for the other one meanwhile
   for (let i = 0; i < 5; ++i) await page.reload();
@@ -252,6 +305,22 @@ async function showsAFault() {
   await page.close();
 }
 
+/** The card has what was measured, and where the stop's page will be. Acknowledged it is one line, and nothing is cleared. */
+async function acknowledgesAFault(page) {
+  const card = () => page.evaluate('document.getElementById("faults").innerText');
+  const [fault] = (await status(page)).faults;
+  assert.ok(fault.seen && (await card()).includes(fault.seen), `what was measured: ${await card()}`);
+  assert.ok(/_stop_1\.html$/.test(fault.page) && (await card()).includes(fault.page), await card());
+  await page.keyboard.press("k");
+  await until(page, 'document.querySelector("#faults .known") !== null');
+  assert.ok(!(await card()).includes("Go on:"), await card());
+  assert.equal((await status(page)).faults.length, 1, "it stays latched");
+  assert.ok(!(await page.evaluate('document.getElementById("recover").disabled')));
+  await page.evaluate('document.querySelector("#faults button").click()');
+  await until(page, 'document.querySelector("#faults .known") === null');
+  assert.ok((await card()).includes("Go on:"), await card());
+}
+
 async function recoversFromAFault() {
   const cell = join(folder, "silent.yaml"); // the arm is silent for 60 ms, and comes back
   writeFileSync(cell, `extends: demo
@@ -268,10 +337,12 @@ injections:
   assert.ok((await page.evaluate('document.getElementById("faults").innerText')).includes("Recover clears it"));
   assert.deepEqual(await clipped(page), []);
   await picture(page, "held");
+  await acknowledgesAFault(page);
   await page.select("#language", "de");
   await until(page, 'document.getElementById("recover").textContent.startsWith("Neu anlaufen")');
   await until(page, 'document.getElementById("faults").innerText.includes("Arm hat COMMANDING_ACTIVE verlassen") || document.getElementById("faults").innerText.includes("Nachricht des Arms veraltet")');
   assert.deepEqual(await clipped(page), []);
+  await until(page, 'document.getElementById("events").innerText.includes("Fehler: ")');
   await picture(page, "held_german");
   await page.setViewport({ width: 390, height: 844 });
   assert.deepEqual(await clipped(page), []);

@@ -2,6 +2,7 @@
 
 import type { CellNote, Hello, Status } from "./messages";
 import { element, set, table } from "./elements";
+import { listInLanguage } from "./message_texts";
 import { figure, t } from "./texts";
 
 export class CellAlone {
@@ -18,7 +19,7 @@ export class CellAlone {
     const level = note.commanded ? "good" : note.stop && note.answered > 0 ? "bad" : "look";
     if (panel.className !== level) panel.className = level;
     const does = note.commanded ? t("aloneCommanded") : (note.answered > 0 && note.stop) || t("aloneWaits");
-    const withheld = note.power_on || !note.blocks ? [] : [element("div", "does", `${t("withheld")}: ${note.blocks}`)];
+    const withheld = note.power_on || !note.blocks ? [] : [element("div", "does", `${t("withheld")}: ${listInLanguage(note.blocks)}`)];
     set("state", element("div", "name", note.session), element("div", "does", does), ...withheld);
     set(
       "figures",

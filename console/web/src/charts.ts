@@ -20,7 +20,7 @@ interface ChartDef {
 }
 const CHARTS: ChartDef[] = [
   {
-    title: "force",
+    title: "forceChart",
     unit: "N",
     series: [
       { field: "force_most_N", colour: "#5aa9f0", band: "force_least_N" },
@@ -28,12 +28,17 @@ const CHARTS: ChartDef[] = [
     ],
   },
   { title: "depth", unit: "mm", series: [{ field: "depth_mm", colour: "#58d0a0" }] },
-  { title: "computeChart", unit: "µs", series: [{ field: "compute_most_us", colour: "#e8b23a" }] },
+  { title: "removedChart", unit: "mm³", series: [{ field: "removed_mm3", colour: "#e0e6a0" }] },
+  { title: "tickChart", unit: "µs", series: [{ field: "compute_most_us", colour: "#e8b23a" }] },
 ];
+
+type Columns = Record<string, number[]>;
+const noColumns = (): Columns => Object.fromEntries(FIELDS.map((name) => [name, []]));
+const lastOf = (columns: Columns): number => columns.time_s[columns.time_s.length - 1] ?? 0;
 
 /** The last half minute of windows, column by column. */
 class History {
-  readonly columns: Record<string, number[]> = Object.fromEntries(FIELDS.map((name) => [name, []]));
+  private readonly columns = noColumns();
   private indices: number[] = [];
 
   begin(fields: string[]): void {
@@ -46,12 +51,16 @@ class History {
     while (times.length > 0 && times[0] < times[times.length - 1] - SHOWN_S)
       for (const name of FIELDS) this.columns[name].shift();
   }
+  copy(): Columns {
+    return Object.fromEntries(FIELDS.map((name) => [name, [...this.columns[name]]]));
+  }
 }
 
 export class Charts {
   private readonly history = new History();
   private readonly plots: { plot: uPlot; def: ChartDef; box: HTMLElement }[] = [];
   private events: [number, string][] = [];
+  private shown = noColumns(); // what the charts show: frozen ones keep it while the history goes on
   private frozen = false;
   private drawnAt = 0;
 
@@ -62,6 +71,8 @@ export class Charts {
   begin(fields: string[]): void {
     this.history.begin(fields);
     this.events = [];
+    this.shown = noColumns();
+    this.setFrozen(false);
     this.build();
   }
 
@@ -73,6 +84,7 @@ export class Charts {
     for (const def of CHARTS) {
       const box = document.createElement("div");
       box.className = "chart";
+      box.title = t("zoomHint");
       this.parent.append(box);
       const plot = new uPlot(this.options(def, box), this.dataOf(def), box);
       this.plots.push({ plot, def, box });
@@ -85,6 +97,7 @@ export class Charts {
     const now = performance.now();
     if (this.frozen || now - this.drawnAt < 100) return;
     this.drawnAt = now;
+    this.shown = this.history.copy();
     for (const { plot, def } of this.plots) plot.setData(this.dataOf(def), true);
   }
 
@@ -99,10 +112,7 @@ export class Charts {
     const freeze = document.createElement("button");
     freeze.textContent = t("freeze");
     freeze.setAttribute("aria-pressed", String(this.frozen));
-    freeze.onclick = () => {
-      this.frozen = !this.frozen;
-      for (const each of this.parent.querySelectorAll(".freeze")) each.setAttribute("aria-pressed", String(this.frozen));
-    };
+    freeze.onclick = () => this.setFrozen(!this.frozen);
     freeze.classList.add("freeze");
     const save = document.createElement("button");
     save.textContent = t("picture");
@@ -116,13 +126,25 @@ export class Charts {
     return bar;
   }
 
+  private setFrozen(frozen: boolean): void {
+    this.frozen = frozen;
+    for (const each of this.parent.querySelectorAll(".freeze")) each.setAttribute("aria-pressed", String(frozen));
+  }
+
+  /** The span of time that a chart shows: of a frozen one what was dragged over, else, and after a double click, all. */
+  private spanOf(from: number, to: number): [number, number] {
+    const { time_s: times } = this.shown;
+    const whole = times.length === 0 || (from <= times[0] - lastOf(this.shown) && to >= 0);
+    return !this.frozen || whole ? [-SHOWN_S, 0] : [Math.max(from, -SHOWN_S), Math.min(to, 0)];
+  }
+
   private dataOf(def: ChartDef): uPlot.AlignedData {
-    const { columns } = this.history;
-    const last = columns.time_s.length > 0 ? columns.time_s[columns.time_s.length - 1] : 0;
-    const data: number[][] = [columns.time_s.map((time) => time - last)];
+    const { shown } = this;
+    const last = lastOf(shown);
+    const data: number[][] = [shown.time_s.map((time) => time - last)];
     for (const series of def.series) {
-      data.push(columns[series.field]);
-      if (series.band) data.push(columns[series.band]);
+      data.push(shown[series.field]);
+      if (series.band) data.push(shown[series.band]);
     }
     return data as uPlot.AlignedData;
   }
@@ -144,23 +166,26 @@ export class Charts {
       height: 130,
       legend: { show: false },
       cursor: { sync: { key: "strips" }, drag: { x: true, y: false } },
-      scales: { x: { time: false, range: [-SHOWN_S, 0] }, y: { range: (_, low, high) => padded(low, high) } },
+      scales: { x: { time: false, range: (_, from, to) => this.spanOf(from, to) }, y: { range: (_, low, high) => padded(low, high) } },
       axes: [{ ...axis, size: 24, values: (_, ticks) => ticks.map((s) => `${s} s`) }, { ...axis, size: 44 }],
       series,
       bands,
-      hooks: { draw: [(plot) => this.drawEvents(plot)] },
+      hooks: {
+        draw: [(plot) => this.drawEvents(plot)],
+        setSelect: [(plot) => plot.select.width > 0 && this.setFrozen(true)], // a zoom of what goes on would be gone at once
+      },
     };
   }
 
   private drawEvents(plot: uPlot): void {
-    const times = this.history.columns.time_s;
-    if (times.length === 0) return;
+    if (this.shown.time_s.length === 0) return;
+    const last = lastOf(this.shown);
     const { left, top, width, height } = plot.bbox;
     plot.ctx.save();
     plot.ctx.strokeStyle = "#e8b23a";
     plot.ctx.setLineDash([4, 4]);
     for (const [time] of this.events) {
-      const x = plot.valToPos(time - times[times.length - 1], "x", true);
+      const x = plot.valToPos(time - last, "x", true);
       if (x < left || x > left + width) continue;
       plot.ctx.beginPath();
       plot.ctx.moveTo(x, top);

@@ -12,6 +12,7 @@ const RETRY_MS = 1000;
 
 export class Connection {
   private socket: WebSocket | null = null;
+  private key = ""; // of the last connection: the server says why it closed it
 
   constructor(private readonly listener: Listener) {
     this.open();
@@ -22,12 +23,19 @@ export class Connection {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify({ ask, value, confirmed }));
   }
 
+  private take(message: Message): void {
+    if (message.type === "key") this.key = message.key;
+    else this.listener.message(message);
+  }
+
   private open(): void {
-    const socket = new WebSocket(`ws://${location.host}/live${location.search}`);
+    const query = new URLSearchParams(location.search);
+    if (this.key) query.set("was", this.key);
+    const socket = new WebSocket(`ws://${location.host}/live?${query}`);
     socket.binaryType = "arraybuffer";
     socket.onopen = () => this.listener.state(true);
     socket.onmessage = (event: MessageEvent<string | ArrayBuffer>) => {
-      if (typeof event.data === "string") this.listener.message(JSON.parse(event.data) as Message);
+      if (typeof event.data === "string") this.take(JSON.parse(event.data) as Message);
       else this.listener.binary(event.data);
     };
     socket.onclose = () => {

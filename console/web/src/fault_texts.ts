@@ -161,7 +161,12 @@ const german: Record<string, [name: string, cause: string, reaction: string, cle
 };
 
 /** A fault's words in German; its own where it has none here. */
+/** The German text of the fault with this English name; undefined: there is none. */
+export function germanFault(english: string): FaultText | undefined {
+  const text = Object.prototype.hasOwnProperty.call(german, english) ? german[english] : undefined;
+  return text && { name: text[0], cause: text[1], reaction: text[2], clearing: text[3] };
+}
+
 export function inGerman(fault: FaultText): FaultText {
-  const text = german[fault.name];
-  return text === undefined ? fault : { name: text[0], cause: text[1], reaction: text[2], clearing: text[3] };
+  return germanFault(fault.name) ?? fault;
 }

@@ -5,6 +5,7 @@ import { Charts } from "./charts";
 import { Connection } from "./connection";
 import "./main.css";
 import "./side.css";
+import { inLanguage } from "./message_texts";
 import type { Ask, Hello, Live, Message, Role, Status } from "./messages";
 import { GainsCard } from "./gains";
 import { Panels } from "./panels";
@@ -120,7 +121,11 @@ class Page {
         this.showButtons();
         break;
       case "answer":
-        byId("answer").textContent = message.done ? "" : message.reason;
+        if (message.done && message.ask === "role") break; // asked by the page itself: what is said stays
+        byId("answer").textContent = message.done ? "" : inLanguage(message.reason);
+        break;
+      case "closed":
+        byId("answer").textContent = inLanguage(message.reason);
         break;
     }
   }
@@ -259,6 +264,9 @@ class Page {
     document.addEventListener("keydown", (event) => {
       if (event.ctrlKey || event.altKey || event.metaKey || event.target instanceof HTMLSelectElement) return;
       if (event.target instanceof HTMLInputElement) return; // the time line's own keys
+      // over a recording the arrows are the time line's, unless the picture has the focus
+      const picture = byId("timeline").hidden || document.activeElement === byId("view");
+      if ((picture || !event.key.startsWith("Arrow")) && this.scene.moveByKey(event)) return event.preventDefault();
       if (event.key === "ArrowRight") this.timeline.step(1);
       if (event.key === "ArrowLeft") this.timeline.step(-1);
       const key = event.key === "Escape" ? "Esc" : event.key.toUpperCase();

@@ -40,6 +40,16 @@ export interface Zone {
   half_length_m?: number;
 }
 
+export interface Fault {
+  name: string;
+  cause: string;
+  reaction: string;
+  clearing: string;
+  allows_recovery: boolean;
+  seen: string; // what was measured, and what is accepted; empty: not known
+  page: string; // path of the stop's page, once the run has ended; empty: none
+}
+
 export interface Status {
   known: boolean;
   state_number: number;
@@ -54,12 +64,20 @@ export interface Status {
   permits: { text: string; holds: boolean }[];
   limits: string[];
   limit_numbers: number[];
-  faults: { name: string; cause: string; reaction: string; clearing: string; allows_recovery: boolean }[];
+  limits_for_s: number[];
+  faults: Fault[];
   force_N: number;
   force_limit_N: number;
+  force_limit_from: string; // which bound it is
+  force_limit_now_N: number;
+  force_limit_number: number; // of the limit that makes it lower than force_limit_N; -1: none does
+  torque_Nm: number;
+  torque_limit_Nm: number;
   hand_N: number;
   depth_mm: number;
   deepest_mm: number;
+  depth_left_mm: number | null; // null: no depth limit
+  feed_mm_per_s: number | null;
   speed_mm_per_s: number;
   spindle_rpm: number;
   spindle_torque_Nm: number;
@@ -71,6 +89,13 @@ export interface Status {
   mount_mm?: number;
   model_age_ms: number;
   sensor_age_ms: number;
+  arm_age_ms: number | null; // null: no message yet
+  plc_age_ms: number | null; // null: no PLC
+  compute_p99_us: number;
+  wakeup_p99_us: number;
+  arm_messages_lost: number;
+  answers_lost: number;
+  disk_left_B: number | null;
   frame_us: number;
   rendered_s: number;
   paused_s: number;
@@ -115,6 +140,17 @@ export interface Answer {
   type: "answer";
   ask: string;
   done: boolean;
+  reason: string;
+}
+/** Names this page to the server when it opens again. */
+export interface PageKey {
+  type: "key";
+  key: string;
+}
+/** Why the server closed this page's last connection; code: RFC 6455. */
+export interface Closed {
+  type: "closed";
+  code: number;
   reason: string;
 }
 /** Where the playback of a recording stands. */
@@ -222,5 +258,5 @@ export interface ProcedureNote {
   cup: boolean;
 }
 export type ProcedureAsk = "next_tool" | "tool" | "undo_pass" | "save" | "cup" | "guidance";
-export type Message = PlanNote | SurfaceWhole | ProcedureNote | GainsNote | CellNote | Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Difference | BoneDifference | Restart;
+export type Message = PageKey | Closed | PlanNote | SurfaceWhole | ProcedureNote | GainsNote | CellNote | Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Difference | BoneDifference | Restart;
 export type Ask = ProcedureAsk | "pause" | "resume" | "recover" | "stop" | "role" | "watch" | "all" | "play" | "halt" | "seek" | "speed" | "map" | "stiffness" | "drag" | "undo_gains";

@@ -2,8 +2,9 @@
 
 import { byId, element, list, set, table } from "./elements";
 import { inGerman } from "./fault_texts";
-import type { Hello, Role, Status } from "./messages";
-import { figure, getLanguage, limitName, permitName, stateDoes, stateName, t, type Word } from "./texts";
+import { inLanguage } from "./message_texts";
+import type { Fault, Hello, Role, Status } from "./messages";
+import { boundName, figure, getLanguage, limitName, permitName, stateDoes, stateName, t, type Word } from "./texts";
 
 const FAULT_STATES = [7, 8, 10]; // stop 0, stop 1, fault
 const WORKING_STATES = [4, 5]; // haptic, cutting
@@ -33,8 +34,37 @@ function latencies(latency: NonNullable<Status["latency_ms"]>): [string, string]
   ];
 }
 
+/** Ages, ticks, losses, space: a row that is not known is left out. */
+function healthRows(status: Status, worst: { compute_us: number; wakeup_us: number }): [string, string][] {
+  const age = (word: Word, age_ms: number | null): [string, string][] =>
+    age_ms === null ? [] : [[t(word), `${figure(age_ms, 1)} ms`]];
+  const lost = `${status.arm_messages_lost} ${t("ofTheArm")}, ${status.answers_lost} ${t("answers")}`;
+  return [
+    ...age("armAge", status.arm_age_ms),
+    ...age("plcAge", status.plc_age_ms),
+    ...age("modelAge", status.model_age_ms),
+    ...age("sensorAge", status.sensor_age_ms),
+    [t("frame"), `${figure(status.frame_us, 0)} µs`],
+    [t("tickMost"), `${figure(status.compute_p99_us, 0)} µs`],
+    [t("tick"), `${figure(worst.compute_us, 0)} µs`],
+    [t("wakeupMost"), `${figure(status.wakeup_p99_us, 0)} µs`],
+    [t("wakeup"), `${figure(worst.wakeup_us, 0)} µs`],
+    [t("lostMessages"), lost],
+    ...(status.disk_left_B === null ? [] : [[t("diskLeft"), `${figure(1e-9 * status.disk_left_B, 1)} GB`] as [string, string]]),
+    ...(status.latency_ms ? latencies(status.latency_ms) : []),
+  ];
+}
+
+/** "200 N (cell)", or "84.0 of 200 N (arm's torque)" while a limit of the tick is lower. */
+function forceLimit(status: Status): string {
+  const whole = `${figure(status.force_limit_N, 0)} N`;
+  if (status.force_limit_number < 0) return status.force_limit_from ? `${whole} (${boundName(status.force_limit_from)})` : whole;
+  return `${figure(status.force_limit_now_N, 1)} ${t("of")} ${whole} (${limitName(status.force_limit_number, "")})`;
+}
+
 export class Panels {
   private events: [number, string][] = [];
+  private readonly acknowledged = new Set<string>(); // names of faults that were read; they stay latched
   private began_s: number | null = null;
 
   begin(hello: Hello): void {
@@ -57,29 +87,23 @@ export class Panels {
       "figures",
       table([
         [t("depth"), `${figure(status.depth_mm, 2)} mm`],
+        ...(status.depth_left_mm === null ? [] : [[t("depthLeft"), `${figure(status.depth_left_mm, 2)} mm`] as [string, string]]),
         [t("deepest"), `${figure(status.deepest_mm, 2)} mm`],
         [t("removed"), `${figure(status.removed_mm3, 0)} mm³`],
         [t("speed"), `${figure(status.speed_mm_per_s, 0)} ${t("of")} ${figure(hello.speed_limit_mm_per_s, 0)} mm/s`],
+        ...(status.feed_mm_per_s === null ? [] : [[t("feed"), `${figure(status.feed_mm_per_s, 1)} mm/s`] as [string, string]]),
         [t("spindle"), `${figure(status.spindle_rpm, 0)} rpm, ${figure(status.spindle_torque_Nm, 1)} N·m`],
         ...(status.gives_way ? deflections(status) : []),
       ]),
     );
-    const acting: [string, string][] = status.limit_numbers.map((n, i) => ["acts", limitName(n, status.limits[i])]);
+    const acting: [string, string][] = status.limit_numbers.map((n, i) => [
+      "acts",
+      `${limitName(n, status.limits[i])}, ${t("since")} ${figure(status.limits_for_s[i], 1)} s`,
+    ]);
     set("limits", heading("acting"), acting.length > 0 ? list(acting) : element("div", "dim", t("none")));
     this.showPermits(status);
     this.showFaults(status);
-    set(
-      "health",
-      heading("health"),
-      table([
-        [t("modelAge"), `${figure(status.model_age_ms, 1)} ms`],
-        [t("sensorAge"), `${figure(status.sensor_age_ms, 1)} ms`],
-        [t("frame"), `${figure(status.frame_us, 0)} µs`],
-        [t("tick"), `${figure(worst.compute_us, 0)} µs`],
-        [t("wakeup"), `${figure(worst.wakeup_us, 0)} µs`],
-        ...(status.latency_ms ? latencies(status.latency_ms) : []),
-      ]),
-    );
+    set("health", heading("health"), table(healthRows(status, worst)));
   }
 
   addEvents(events: [number, string][]): void {
@@ -87,7 +111,7 @@ export class Panels {
     this.events = this.events.slice(-SHOWN_EVENTS);
     this.began_s ??= this.events.length > 0 ? this.events[0][0] : null;
     const rows = [...this.events].reverse().map(([time, text]): [string, string] => {
-      return ["event", `${figure(time - (this.began_s ?? time), 1)} s  ${text}`];
+      return ["event", `${figure(time - (this.began_s ?? time), 1)} s  ${inLanguage(text)}`];
     });
     set("events", heading("events"), list(rows));
   }
@@ -133,7 +157,8 @@ export class Panels {
       number,
       gauge,
       table([
-        [t("limitOf"), `${figure(status.force_limit_N, 0)} N`],
+        [t("limitOf"), forceLimit(status)],
+        [t("torqueToHand"), `${figure(status.torque_Nm, 1)} ${t("of")} ${figure(status.torque_limit_Nm, 0)} N·m`],
         [t("hand"), `${figure(status.hand_N, 1)} N`],
       ]),
     );
@@ -147,19 +172,38 @@ export class Panels {
   }
 
   private showFaults(status: Status): void {
-    const cards = status.faults.map((fault) => {
-      const text = getLanguage() === "de" ? inGerman(fault) : fault;
-      const card = element("div", "fault", "");
+    for (const name of this.acknowledged)
+      if (!status.faults.some((fault) => fault.name === name)) this.acknowledged.delete(name); // it comes anew unread
+    const key = status.faults.find((fault) => !this.acknowledged.has(fault.name)); // the first one has the key
+    set("faults", ...status.faults.map((fault) => this.faultCard(status, fault, fault === key)));
+  }
+
+  private faultCard(status: Status, fault: Fault, hasKey: boolean): HTMLElement {
+    const text = getLanguage() === "de" ? inGerman(fault) : fault;
+    const known = this.acknowledged.has(fault.name);
+    const card = element("div", known ? "fault known" : "fault", "");
+    card.append(element("b", "", `${t("fault")}: ${text.name}`));
+    if (!known) {
+      const seen = fault.seen ? `${text.cause}: ${inLanguage(fault.seen)}` : text.cause;
       card.append(
-        element("b", "", `${t("fault")}: ${text.name}`),
-        element("div", "", `${t("seen")}: ${text.cause}`),
+        element("div", "", `${t("seen")}: ${seen}`),
         element("div", "", `${t("did")}: ${text.reaction}`),
         element("div", "", `${t("cure")}: ${text.clearing}`),
       );
       if (!fault.allows_recovery) card.append(element("div", "dim", t("recoverNever")));
-      if (status.can_recover) card.append(element("div", "", t("recoverNow")));
-      return card;
-    });
-    set("faults", ...cards);
+      if (fault.page) card.append(element("div", "dim", `${t("stopPage")}: ${fault.page}`));
+    }
+    if (status.can_recover) card.append(element("div", "", t("recoverNow")));
+    const button = element("button", "small", t(known ? "showAgain" : "acknowledge"));
+    if (hasKey) {
+      button.dataset.key = "K";
+      button.append(element("kbd", "", "K"));
+    }
+    button.onclick = () => {
+      if (!this.acknowledged.delete(fault.name)) this.acknowledged.add(fault.name);
+      this.showFaults(status);
+    };
+    card.append(button);
+    return card;
   }
 }

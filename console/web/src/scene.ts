@@ -17,6 +17,7 @@ const LIMIT_IN_SITES = 1.8; // the force limit's ring, in radii of the site: arr
 const MIN_SHOWN_N = 0.5;
 const MAX_CONTACTS = 8;
 const LEAST_PAUSE_MS = 16;
+const KEY_TURN_RAD = Math.PI / 36, KEY_MOVE_PX = 20, KEY_ZOOM = 0.9; // of a key's press
 
 export type Preset = "whole" | "site" | "axis" | "above" | "behind";
 
@@ -236,6 +237,20 @@ export class SceneView {
     this.controls.target.fromArray(at, 3);
     this.controls.update();
     this.redraw();
+  }
+
+  /** Turns by the arrow keys, moves by them with Shift, zooms by + and -. @returns whether the key is one of them */
+  moveByKey(event: KeyboardEvent): boolean {
+    const ways: Record<string, [number, number]> = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+    const way = ways[event.key];
+    if (way && event.shiftKey) this.controls.pan(KEY_MOVE_PX * way[0], KEY_MOVE_PX * way[1]);
+    else if (way) {
+      this.controls.rotateLeft(KEY_TURN_RAD * way[0]);
+      this.controls.rotateUp(KEY_TURN_RAD * way[1]);
+    } else if (event.key === "+") this.controls.dollyIn(KEY_ZOOM);
+    else if (event.key === "-") this.controls.dollyOut(KEY_ZOOM);
+    else return false;
+    return true;
   }
 
   setFollowing(on: boolean): void {

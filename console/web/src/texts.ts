@@ -67,6 +67,13 @@ const limits: [string, string][] = [
   ["deflection", "Nachgeben"],
 ];
 
+// which bound the cell's limit of the force is (session/summary/limit_rows.cpp)
+const bounds: Record<string, [string, string]> = {
+  cell: ["the cell's", "der Zelle"],
+  ceiling: ["ceiling of every cell", "Obergrenze jeder Zelle"],
+  "stored energy": ["stored energy", "gespeicherte Energie"],
+};
+
 const words = {
   connected: ["connected", "verbunden"],
   lost: ["connection lost: tries again", "Verbindung verloren: neuer Versuch"],
@@ -105,9 +112,12 @@ const words = {
   force: ["Force to the hand", "Kraft an die Hand"],
   limitOf: ["limit", "Grenze"],
   hand: ["Hand", "Hand"],
+  torqueToHand: ["Torque", "Moment"],
   depth: ["Depth", "Tiefe"],
+  depthLeft: ["To the depth limit", "Bis zur Tiefengrenze"],
   deepest: ["Deepest so far", "Tiefster Punkt"],
   speed: ["Tool speed", "Werkzeuggeschwindigkeit"],
+  feed: ["Feed along the axis", "Vorschub längs der Achse"],
   spindle: ["Spindle", "Spindel"],
   bend: ["Tool bends", "Werkzeugbiegung"],
   layer: ["Tissue yields", "Gewebe weicht"],
@@ -115,14 +125,23 @@ const words = {
   torque: ["Spindle torque", "Spindelmoment"],
   removed: ["Bone removed", "Knochen entfernt"],
   acting: ["Limits acting now", "Wirkende Grenzen"],
+  since: ["for", "seit"],
   none: ["none", "keine"],
   conditions: ["Conditions of motion", "Bedingungen der Bewegung"],
   conditionsHeld: ["held when motion began; one that ends is a fault", "galten beim Beginn; endet eine, ist es ein Fehler"],
   conditionsLater: ["looked at again once the cell waits for motion", "werden wieder geprüft, wenn die Zelle wartet"],
   health: ["Health", "Zustand"],
+  armAge: ["Age of the arm's message", "Alter der Nachricht des Arms"],
+  plcAge: ["Age of the PLC's word", "Alter des Worts der SPS"],
   modelAge: ["Contact model's age", "Alter des Kontaktmodells"],
   sensorAge: ["Force sensor's age", "Alter des Kraftsensors"],
   frame: ["Simulation frame", "Simulationsschritt"],
+  tickMost: ["Tick, 99 % below", "Takt, 99 % unter"],
+  wakeupMost: ["Wake-up, 99 % below", "Aufwachen, 99 % unter"],
+  lostMessages: ["Messages lost", "Verlorene Nachrichten"],
+  ofTheArm: ["of the arm", "des Arms"],
+  answers: ["answers", "Antworten"],
+  diskLeft: ["Disk left", "Freier Speicherplatz"],
   tick: ["Tick, worst", "Takt, schlimmster"],
   wakeup: ["Wake-up, worst", "Aufwachen, spätestes"],
   handToArm: ["Hand to arm", "Hand bis Arm"],
@@ -155,14 +174,20 @@ const words = {
   seen: ["Seen", "Gesehen"],
   did: ["The cell", "Die Zelle"],
   cure: ["Go on", "Weiter"],
+  acknowledge: ["Acknowledge", "Quittieren"],
+  showAgain: ["Show again", "Wieder zeigen"],
+  stopPage: ["Once the run has ended, all of it is in", "Nach dem Ende des Laufs steht alles in"],
   rendered: ["rendered", "gerendert"],
   of: ["of", "von"],
   paused: ["paused", "angehalten"],
   waits: ["waits for the first message", "wartet auf die erste Nachricht"],
   freeze: ["Freeze", "Halt"],
   picture: ["Picture", "Bild"],
+  zoomHint: ["zoom: drag, back: double click", "Zoom: ziehen, zurück: Doppelklick"],
   volume: ["Removed volume", "Entferntes Volumen"],
-  computeChart: ["Worst tick", "Schlimmster Takt"],
+  forceChart: ["Force", "Kraft"],
+  removedChart: ["Volume", "Volumen"],
+  tickChart: ["Tick", "Takt"],
   apart: ["Tools apart", "Abstand der Werkzeuge"],
   turned: ["turned", "verdreht"],
   largest: ["Largest difference", "Größter Unterschied"],
@@ -204,7 +229,10 @@ const words = {
   cup: ["Cup", "Pfanne"],
   kept: ["kept", "gemerkt"],
   confirmTool: ["Is the tool of {} mounted?", "Ist das Werkzeug mit {} montiert?"],
-  hint: ["turn: drag, move: right button, zoom: wheel", "drehen: ziehen, verschieben: rechte Taste, Zoom: Rad"],
+  hint: [
+    "turn: drag or arrows, move: right button or Shift + arrows, zoom: wheel or + −",
+    "drehen: ziehen oder Pfeiltasten, verschieben: rechte Taste oder Umschalt + Pfeile, Zoom: Rad oder + −",
+  ],
 } satisfies Record<string, [string, string]>;
 
 export type Word = keyof typeof words;
@@ -225,6 +253,10 @@ export const t = (word: Word): string => pick(words[word] as [string, string], w
 export const stateName = (number: number, otherwise: string): string => pick(states[number], otherwise);
 export const stateDoes = (number: number, english: string): string => (language === "de" ? (does[number] ?? english) : english);
 export const permitName = (number: number, otherwise: string): string => pick(permits[number], otherwise);
+/** A state's or a limit's German name by its English one. */
+export const germanName = (english: string): string | undefined =>
+  [...states, ...limits].find(([name]) => name === english)?.[1];
+export const boundName = (name: string): string => pick(bounds[name], name);
 export const limitName = (number: number, otherwise: string): string => pick(limits[number], otherwise);
 
 /** A number with its digits after the point, as the language writes it. */

@@ -1,0 +1,136 @@
+// The cell's own messages in German: refusals, what a fault has measured, events, what a PLC withholds. Each line has
+// the words of a message in the C++ sources with {} for every value; tests/console looks for them there, so that a
+// message that is worded anew there is found here. What no line knows stays in English.
+
+import { germanFault } from "./fault_texts";
+import { germanName, getLanguage } from "./texts";
+
+const messages: [string, string][] = [
+  // refusals: console/server, session/run, session/procedure
+  ["this page watches: take the operator's role first", "diese Seite sieht zu: erst „Bedienen“ wählen"],
+  ["another page has the role", "eine andere Seite bedient"],
+  ["a running cell has no time line", "eine laufende Zelle hat keine Zeitleiste"],
+  ["gains: nothing runs whose gains could be changed", "Verstärkungen: es läuft nichts, dessen Verstärkungen änderbar wären"],
+  ["procedure: this run has no plan", "Eingriff: dieser Lauf hat keinen Plan"],
+  ["a recording takes no requests", "eine Aufzeichnung nimmt keine Anfragen an"],
+  ["the page took nothing for three seconds and was closed; it is connected again",
+    "die Seite nahm drei Sekunden lang nichts an und wurde getrennt; sie ist wieder verbunden"],
+  ["found a request to a simulated cell alone, accepted by the run that commands it",
+    "Anfrage an eine simulierte Zelle allein; nur der Lauf nimmt sie an, der sie steuert"],
+  ["the cell is {}: nothing moves that could be paused", "die Zelle ist im Zustand „{}“: nichts bewegt sich, das anzuhalten wäre"],
+  ["the cell is {}, not paused", "die Zelle ist im Zustand „{}“, nicht angehalten"],
+  ["found the fault {}, which no recovery clears: {}", "Fehler „{}“, den kein Neuanlauf löscht: {}"],
+  ["the cell is {}: there is no fault to recover from", "die Zelle ist im Zustand „{}“: es gibt keinen Fehler"],
+  ["the cell is {}: a recovery is accepted at rest, before a stop is asked for",
+    "die Zelle ist im Zustand „{}“: ein Neuanlauf geht nur im Stillstand, bevor der Lauf beendet wird"],
+  ["guidance: found {}, accepted 0 … 1", "Führung: {} gefunden, erlaubt 0 … 1"],
+  ["no change of the gains that could be undone", "keine Änderung der Verstärkungen, die rückgängig zu machen wäre"],
+  ["stiffness: found {} N/m, accepted {} … {}", "Steifigkeit: {} N/m gefunden, erlaubt {} … {}"],
+  ["drag: the impedance law has no virtual tool", "Dämpfung: das Impedanzgesetz hat kein virtuelles Werkzeug"],
+  ["drag: found {} N s/m, accepted {} … {}", "Dämpfung: {} N·s/m gefunden, erlaubt {} … {}"],
+  ["the run has ended", "der Lauf ist zu Ende"],
+  ["another request is being carried out: ask again", "eine andere Anfrage läuft noch: noch einmal versuchen"],
+  ["the cell is no longer paused: retract the tool, then pause",
+    "die Zelle ist nicht mehr angehalten: Werkzeug zurückziehen, dann anhalten"],
+  ["the cell is not paused: retract the tool, then pause", "die Zelle ist nicht angehalten: Werkzeug zurückziehen, dann anhalten"],
+  ["the cell is not paused", "die Zelle ist nicht angehalten"],
+  ["next: {} mm is the plan's last tool", "nächstes Werkzeug: {} mm ist das letzte des Plans"],
+  ["tool: {} mm is in use", "Werkzeug: {} mm ist im Einsatz"],
+  ["tool: found {} mm, accepted the plan's: {}", "Werkzeug: {} mm gefunden, erlaubt die des Plans: {}"],
+  ["undo: there is no pass to take back", "rückgängig: es gibt keinen Gang, der zurückzunehmen wäre"],
+  ["save: the tool touches bone: retract it first", "sichern: das Werkzeug berührt Knochen: erst zurückziehen"],
+  ["the plan has no guidance", "der Plan hat keine Führung"],
+  ["the sensor's reading at rest is not known yet: ask again in a second",
+    "der Ruhewert des Sensors ist noch nicht bekannt: in einer Sekunde noch einmal versuchen"],
+  ["retract {} mm first: the tool of {} mm would be {}", "erst {} mm zurückziehen: das Werkzeug mit {} mm wäre {}"],
+  ["{} mm in bone", "{} mm im Knochen"],
+  ["{} mm from bone, accepted 0.5 mm", "{} mm vom Knochen, erlaubt ab 0.5 mm"],
+  // what a fault has measured: session/summary/fault_seen.cpp
+  ["the last is {}; {} deadlines in a row{}", "die letzte ist {}; {} Fristen nacheinander{}"],
+  ["the model is {}", "das Modell ist {}"],
+  ["the reading is {}", "der Messwert ist {}"],
+  ["{}; the PLC's word: {}", "{}; das Wort der SPS: {}"],
+  ["{}; its status: {}", "{}; sein Status: {}"],
+  ["session state {} ({})", "Sitzungszustand {} ({})"],
+  ["safety stop {}", "Sicherheitshalt {}"],
+  ["{} N in {} ms, accepted {} N", "{} N in {} ms, erlaubt {} N"],
+  ["{}, accepted {} {}", "{}, erlaubt {} {}"],
+  ["{} ms old", "{} ms alt"],
+  ["not there yet", "noch nicht da"],
+  ["none yet", "noch keines"],
+  ["ENABLING_SWITCH (979) is not held", "ENABLING_SWITCH (979) ist nicht gehalten"],
+  ["no connection to the PLC", "keine Verbindung zur SPS"],
+  ["the PLC's registers are too old", "die Register der SPS sind zu alt"],
+  ["the PLC answers, but PLC_HEARTBEAT (983) stands still", "die SPS antwortet, doch PLC_HEARTBEAT (983) steht still"],
+  ["EMERGENCY_STOP (978) is 1", "EMERGENCY_STOP (978) ist 1"],
+  ["RUN_PERMITTED (974) is 0", "RUN_PERMITTED (974) ist 0"],
+  // events: session/run, session/procedure
+  ["fault: {}; {}", "Fehler: {}; {}"],
+  ["end: {}", "Ende: {}"],
+  ["{} s of rendering were over", "{} s Rendern waren vorbei"],
+  ["the operator's stop", "von der Bedienung beendet"],
+  ["the terminal was closed (SIGHUP)", "das Terminal wurde geschlossen (SIGHUP)"],
+  ["the engine's process has ended: {}", "der Prozess der Simulation ist zu Ende: {}"],
+  ["packing: {}", "Packung: {}"],
+  ["tool: {} mm", "Werkzeug: {} mm"],
+  ["undo: pass {}", "rückgängig: Gang {}"],
+  ["resume: {}", "weiter: {}"],
+  ["{}: {} mm, at ({}, {}, {}) mm of the bone", "{}: {} mm, bei ({}, {}, {}) mm des Knochens"],
+  // a simulated cell alone: session/run/cell_screen.cpp, hil/fri/fri_stop.cpp
+  ["{}; the drives have no power, the PLC withholds it: {}", "{}; die Antriebe sind stromlos, die SPS hält den Strom zurück: {}"],
+  ["{}; no PLC master has connected to {} yet: the drives have no power",
+    "{}; noch hat sich keine Steuerung mit {} verbunden: die Antriebe sind stromlos"],
+  ["the arm has sent nothing yet ({})", "der Arm hat noch nichts gesendet ({})"],
+  ["its session is IDLE", "seine Sitzung ist IDLE"],
+  ["no arm controller listens on {}: the arm's messages come back",
+    "keine Armsteuerung hört auf {}: die Nachrichten des Arms kommen zurück"],
+  ["no arm controller answers the arm's messages to {}", "keine Armsteuerung beantwortet die Nachrichten des Arms an {}"],
+  ["{} -> {}: {}", "{} -> {}: {}"],
+  ["{}: the PLC took it ({})", "{}: die SPS nahm ihn weg ({})"],
+  ["the drives have no power", "die Antriebe sind stromlos"],
+  ["{} answers in a row lost, the arm ends commanding at {}", "{} Antworten nacheinander verloren, der Arm beendet bei {}"],
+  ["{} answers lost within a second, the arm ends commanding at {}",
+    "{} Antworten in einer Sekunde verloren, der Arm beendet bei {}"],
+  ["emergency stop, level {}", "Not-Halt, Stufe {}"],
+  // what the PLC withholds power for: hil/plc/plc_logic.cpp
+  ["emergency stop", "Not-Halt"],
+  ["controller's heartbeat lost", "Lebenszeichen der Steuerung verloren"],
+  ["guard's heartbeat lost", "Lebenszeichen des Wächters verloren"],
+  ["guard withdrew the request", "der Wächter zog die Anforderung zurück"],
+  ["no controller yet", "noch keine Steuerung"],
+  ["no guard yet", "noch kein Wächter"],
+  ["no mode", "keine Betriebsart"],
+  ["not enabled", "nicht freigegeben"],
+  ["not requested", "nicht angefordert"],
+  ["not reset", "nicht zurückgesetzt"],
+];
+
+const escaped = (text: string): string => text.replace(/[.*+?^${}()|[\]\\]/g, "\\$&");
+const patterns: [RegExp, string][] = messages.map(([english, german]) => [
+  new RegExp(`^${english.split("{}").map(escaped).join("(.*?)")}$`),
+  german,
+]);
+
+/** A message of the cell in the page's language; its values are messages too. */
+export function inLanguage(text: string): string {
+  return getLanguage() === "de" ? german(text) : text;
+}
+
+/** The same for several, "a, b". */
+export function listInLanguage(text: string): string {
+  return getLanguage() === "de" ? germanList(text) : text;
+}
+
+const germanList = (text: string): string => text.split(", ").map(german).join(", ");
+
+function german(text: string): string {
+  const [, fault, of] = /^fault: (.*?); (.*)$/.exec(text) ?? [];
+  if (of && germanFault(fault)) return `Fehler: ${germanFault(fault)!.name}; ${germanFault(fault)!.reaction}`;
+  for (const [pattern, germanText] of patterns) {
+    const found = pattern.exec(text);
+    if (!found) continue;
+    const values = found.slice(1);
+    return germanText.replace(/{}/g, () => german(values.shift() ?? ""));
+  }
+  return germanFault(text)?.name ?? germanName(text) ?? text;
+}

@@ -1,0 +1,54 @@
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace osteon {
+namespace {
+
+const std::filesystem::path kSource = OSTEON_SOURCE_DIR;
+
+std::string TextOf(const std::filesystem::path& file) {
+  std::stringstream text;
+  text << std::ifstream(file).rdbuf();
+  EXPECT_FALSE(text.str().empty()) << file;
+  return text.str();
+}
+
+// The C++ sources whose messages the page shows, with string literals that go over several lines joined.
+std::string Sources() {
+  std::string text;
+  for (const char* folder : {"console/server", "session/run", "session/procedure", "session/summary"})
+    for (const auto& entry : std::filesystem::directory_iterator(kSource / folder))
+      if (entry.path().extension() == ".cpp") text += TextOf(entry.path());
+  for (const char* file : {"hil/plc/plc_logic.cpp", "hil/fri/fri_stop.cpp", "hil/fri/fri_stop.h",
+                           "io/modbus/plc_client.cpp", "session/stops/stop_records.h"})
+    text += TextOf(kSource / file);
+  return std::regex_replace(text, std::regex("\"\\s*\n\\s*\""), "");
+}
+
+// The page knows the cell's messages by their words: console/web/src/message_texts.ts. A message that is
+// worded anew would stay in English there.
+TEST(GermanMessages, EachOfThePagesIsOneOfTheSources) {
+  const std::string page = TextOf(kSource / "console/web/src/message_texts.ts"), sources = Sources();
+  const std::regex line("\n  \\[\"([^\"]*)\",");
+  int messages = 0;
+  for (std::sregex_iterator found(page.begin(), page.end(), line), end; found != end; ++found) {
+    ++messages;
+    std::string rest = (*found)[1];
+    while (!rest.empty()) {  // the words between the values
+      const std::size_t value = std::min(rest.find("{}"), rest.size());
+      EXPECT_NE(sources.find(rest.substr(0, value)), std::string::npos) << rest.substr(0, value);
+      rest.erase(0, value + 2);
+    }
+  }
+  EXPECT_GT(messages, 60);
+}
+
+}  // namespace
+}  // namespace osteon
