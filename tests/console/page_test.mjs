@@ -111,6 +111,8 @@ async function operatesTheCell() {
 
   await until(page, "osteon.live.status.removed_mm3 > 1000"); // the hand reaches the bone after a while
   await until(page, "osteon.scene.surface.triangles > 10000 && osteon.scene.drawn > 5"); // the bone, as it is carved
+  const whole = await page.evaluate("osteon.scene.surface.whole");
+  await until(page, `osteon.scene.surface.whole > ${whole} + 5`); // whole changes go on arriving while the cut does
   await picture(page, "cutting");
 
   // a second page watches: it may not steer

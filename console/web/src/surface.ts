@@ -4,7 +4,7 @@ import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, Mesh, MeshSt
 import { FIRST_DEEPER, NO_DIFFERENCE, SAME, SECOND_DEEPER } from "./difference_colours";
 import { decodeChunks, placeOf, type Chunk, type Layout } from "./surface_chunk";
 
-const MAX_WAIT_MS = 1000; // for the rest of a change
+const MAX_WAIT_MS = 200; // for the rest of a change; a live one comes whole, in one message
 const GROUP_EDGE = 4; // bricks along a mesh: few enough draw calls, little to make anew
 const MATERIAL = 0x7f, CUT = 0x80;
 
@@ -29,9 +29,12 @@ export class Surface {
   private colours: Color[] = [new Color(OTHER)];
   private layout: Layout | null = null;
   private range_mm = 1; // of the difference's colours
-  private partSince = -MAX_WAIT_MS; // time at which a change that is not whole began
+  private waiting: Chunk[] = []; // of a change that is not whole yet
+  private began: number | null = null; // time at which that change began
+  private accepted = 0; // time at which bricks were last handed to the picture
   triangles = 0;
   chunks = 0; // taken so far
+  whole = 0; // changes so far
 
   constructor(private readonly parent: Group) {}
 
@@ -62,15 +65,38 @@ export class Surface {
     for (const block of this.blocks.values()) this.drop(block);
     this.blocks.clear();
     this.changed.clear();
+    this.waiting = [];
+    this.began = null;
     this.triangles = 0;
   }
 
   /** Takes bricks; the picture shows them once the change is whole, or after a while. */
   take(bytes: ArrayBuffer): void {
     if (!this.layout) return;
-    if (this.changed.size === 0) this.partSince = performance.now();
-    for (const chunk of decodeChunks(bytes, this.layout)) {
-      ++this.chunks;
+    const now = performance.now();
+    if (this.began === null) this.began = this.accepted = now;
+    const chunks = decodeChunks(bytes, this.layout);
+    this.chunks += chunks.length;
+    this.waiting.push(...chunks);
+    if (now - this.accepted > MAX_WAIT_MS) this.accept();
+  }
+
+  /** The bricks so far are of one time. */
+  complete(): void {
+    this.accept();
+    this.began = null;
+    ++this.whole;
+  }
+
+  /** For how long the change that is not whole yet has been on its way [ms]; 0: there is none. */
+  unfinished_ms(): number {
+    return this.began === null ? 0 : performance.now() - this.began;
+  }
+
+  private accept(): void {
+    this.accepted = performance.now();
+    if (!this.layout) return;
+    for (const chunk of this.waiting) {
       const key = placeOf(chunk.brick, this.layout).map((b) => Math.floor(b / GROUP_EDGE)).join();
       const block = this.blocks.get(key) ?? { chunks: new Map<number, Chunk>(), mesh: null };
       if (chunk.indices.length === 0) block.chunks.delete(chunk.brick);
@@ -78,16 +104,11 @@ export class Surface {
       this.blocks.set(key, block);
       this.changed.add(key);
     }
+    this.waiting = [];
   }
 
-  /** The bricks so far are of one time. */
-  complete(): void {
-    this.partSince = -MAX_WAIT_MS;
-  }
-
-  /** Makes the meshes that have changed, unless only a part of a change is here. Called before a picture is drawn. */
+  /** Makes the meshes that have changed. Called before a picture is drawn. */
   update(): void {
-    if (performance.now() - this.partSince < MAX_WAIT_MS) return;
     for (const key of this.changed) {
       const block = this.blocks.get(key)!;
       this.drop(block);
