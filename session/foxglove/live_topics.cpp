@@ -92,9 +92,12 @@ void LiveTopics::NewBone(console::FoxgloveCursor& cursor, std::vector<console::F
   std::vector<io::SceneEntity> parts;
   std::span<const std::uint8_t> raw(reinterpret_cast<const std::uint8_t*>(part.bricks.data()),
                                     part.bricks.size());
-  for (surface::SurfaceChunk chunk; const auto size = surface::ReadChunk(layout, raw, chunk);
-       raw = raw.subspan(*size))
+  surface::SurfaceChunk chunk;
+  for (auto size = surface::ReadChunk(layout, raw, chunk); size;
+       size = surface::ReadChunk(layout, raw, chunk)) {
     parts.push_back(scene_.BonePart(fmt::format("brick_{}", chunk.brick), {&chunk, 1}));
+    raw = raw.subspan(*size);
+  }
   if (parts.empty() && !all) return;
   console::FoxgloveMessage message{.stamp = stamp, .bytes = {}};
   io::EncodeScene(stamp, parts, all, message.bytes);
