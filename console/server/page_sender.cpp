@@ -88,10 +88,19 @@ bool PageSender::SendSurface() {
   const SurfaceReader::Part part = surface_.Next(sources_.surface, surface_budget_.bytes());
   if (part.layout && !writer_.WriteText(*part.layout)) return false;
   if (part.bricks.empty()) return true;
-  const auto before = std::chrono::steady_clock::now();
+  using Clock = std::chrono::steady_clock;
+  using Milliseconds = std::chrono::duration<double, std::milli>;
+  const auto before = Clock::now();
+  if (part.begins && sources_.context.bone_age_s)
+    surface_time_ = before - std::chrono::duration_cast<Clock::duration>(
+                                 std::chrono::duration<double>(sources_.context.bone_age_s().value_or(0.0)));
   if (!writer_.WriteBinary(part.bricks)) return false;
-  surface_budget_.AfterMessage(std::chrono::steady_clock::now() - before);
-  return !part.ends || writer_.WriteText(R"({"type":"surface_whole"})");
+  const auto after = Clock::now();
+  surface_budget_.AfterMessage(after - before);
+  if (!part.ends) return true;
+  if (!sources_.context.bone_age_s) return writer_.WriteText(R"({"type":"surface_whole"})");
+  return writer_.WriteText(fmt::format(R"({{"type":"surface_whole","age_ms":{:.1f}}})",
+                                       Milliseconds(after - surface_time_).count()));
 }
 
 bool PageSender::SendNew() {

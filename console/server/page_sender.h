@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -75,6 +76,7 @@ class PageSender {
   std::uint64_t seen_windows_{0}, seen_events_{0};  // of the thread, as what follows
   SurfaceReader surface_;
   SurfaceBudget surface_budget_;
+  std::chrono::steady_clock::time_point surface_time_{};  // of the bone in the change that is handed out
   std::uint64_t shown_holder_{~0ull};
   std::size_t shown_pages_{0};
   std::uint64_t shown_epoch_{0};

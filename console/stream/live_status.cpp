@@ -113,6 +113,8 @@ LiveStatus StatusOf(const LiveWindow& w, const LiveContext& context) {
   s.rendered_s = w.rendered_s;
   s.paused_s = w.paused_s;
   if (context.latency) s.latency = context.latency();
+  if (context.bone_age_s)
+    if (const auto age_s = context.bone_age_s()) s.bone_age_ms = 1e3 * *age_s;
   if (w.frame.model.frame == 0) return s;
   s.frame_us = 1e-3 * static_cast<double>(w.frame.duration_ns);
   s.deepest_mm = 1e3 * w.frame.cup_depth_m;
@@ -148,40 +150,42 @@ std::string StatusJson(const LiveStatus& s) {
                       {"reaction", fault.reaction},
                       {"clearing", fault.clearing},
                       {"allows_recovery", fault.allows_recovery}});
-  const nlohmann::json json{{"schema", "osteon.status/1"},
-                            {"known", s.known},
-                            {"state", s.state},
-                            {"state_number", s.state_number},
-                            {"does", s.does},
-                            {"leave", s.leave},
-                            {"can_pause", s.can_pause},
-                            {"can_resume", s.can_resume},
-                            {"can_recover", s.can_recover},
-                            {"permits", permits},
-                            {"moves", s.moves},
-                            {"permits_known", s.permits_known},
-                            {"limits", s.limits},
-                            {"limit_numbers", s.limit_numbers},
-                            {"faults", faults},
-                            {"force_N", s.force_N},
-                            {"force_limit_N", s.force_limit_N},
-                            {"hand_N", s.hand_N},
-                            {"depth_mm", s.depth_mm},
-                            {"deepest_mm", s.deepest_mm},
-                            {"speed_mm_per_s", s.speed_mm_per_s},
-                            {"spindle_rpm", s.spindle_rpm},
-                            {"spindle_torque_Nm", s.spindle_torque_Nm},
-                            {"removed_mm3", s.removed_mm3},
-                            {"gives_way", s.gives_way},
-                            {"bend_mm", s.bend_mm},
-                            {"layer_mm", s.layer_mm},
-                            {"mount_mm", s.mount_mm},
-                            {"model_age_ms", s.model_age_ms},
-                            {"sensor_age_ms", s.sensor_age_ms},
-                            {"frame_us", s.frame_us},
-                            {"rendered_s", s.rendered_s},
-                            {"paused_s", s.paused_s},
-                            {"latency_ms", LatencyJson(s.latency)}};
+  const nlohmann::json json{
+      {"schema", "osteon.status/1"},
+      {"known", s.known},
+      {"state", s.state},
+      {"state_number", s.state_number},
+      {"does", s.does},
+      {"leave", s.leave},
+      {"can_pause", s.can_pause},
+      {"can_resume", s.can_resume},
+      {"can_recover", s.can_recover},
+      {"permits", permits},
+      {"moves", s.moves},
+      {"permits_known", s.permits_known},
+      {"limits", s.limits},
+      {"limit_numbers", s.limit_numbers},
+      {"faults", faults},
+      {"force_N", s.force_N},
+      {"force_limit_N", s.force_limit_N},
+      {"hand_N", s.hand_N},
+      {"depth_mm", s.depth_mm},
+      {"deepest_mm", s.deepest_mm},
+      {"speed_mm_per_s", s.speed_mm_per_s},
+      {"spindle_rpm", s.spindle_rpm},
+      {"spindle_torque_Nm", s.spindle_torque_Nm},
+      {"removed_mm3", s.removed_mm3},
+      {"gives_way", s.gives_way},
+      {"bend_mm", s.bend_mm},
+      {"layer_mm", s.layer_mm},
+      {"mount_mm", s.mount_mm},
+      {"model_age_ms", s.model_age_ms},
+      {"sensor_age_ms", s.sensor_age_ms},
+      {"bone_age_ms", s.bone_age_ms ? nlohmann::json(*s.bone_age_ms) : nlohmann::json()},
+      {"frame_us", s.frame_us},
+      {"rendered_s", s.rendered_s},
+      {"paused_s", s.paused_s},
+      {"latency_ms", LatencyJson(s.latency)}};
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

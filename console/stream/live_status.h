@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,9 @@ struct LiveContext {
   std::function<double(const Pose& X_WP)> depth_m{};
   /// Latency of the run so far, callable from any thread; empty: not known.
   std::function<LatencyStatus()> latency{};
+  /// How far the carved bone that pages are shown is behind the engine [s], callable from any thread; empty,
+  /// or nothing returned: there is no bone that follows.
+  std::function<std::optional<double>()> bone_age_s{};
 };
 
 /// A condition of motion.
@@ -66,6 +70,7 @@ struct LiveStatus {
   bool gives_way{false};                              ///< tool, tissue or mount may give way in this cell
   double bend_mm{0.0}, layer_mm{0.0}, mount_mm{0.0};  ///< by how much they do
   double model_age_ms{0.0}, sensor_age_ms{0.0}, frame_us{0.0};
+  std::optional<double> bone_age_ms{};  ///< of the carved bone that pages are shown
   double rendered_s{0.0}, paused_s{0.0};
   LatencyStatus latency{};
 };

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/clock.h"
 #include "base/text.h"
 #include "session/procedure/procedure_session.h"
 #include "session/procedure/tool_depths.h"
@@ -112,6 +113,11 @@ LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, base::OperatorR
   scene_ = ConsoleScene(setup, run.command, run.seconds, run.recording);
   context_ = LiveContextOf(setup);
   context_.latency = [this] { return latency_.Status(); };
+  context_.bone_age_s = [this]() -> std::optional<double> {
+    const surface::SurfaceThread* followed = followed_.load();
+    if (followed == nullptr) return std::nullopt;
+    return rt::ToSeconds(followed->age().count());
+  };
 }
 
 void LiveViews::SetSession(ProcedureSession* session) {
@@ -127,6 +133,7 @@ void LiveViews::Open(const ConsoleChoice& choice, const ConsoleChoice& foxglove)
   if (choice.on) OpenConsole(choice);
   if (foxglove.on) OpenFoxglove(foxglove);
   if (console_ || foxglove_) surface_thread_ = StartSurface(setup_, surface_feed_);
+  followed_.store(surface_thread_.get());
   auto server = io::LocalServer::Start(fmt::format("run-{}", ::getpid()),
                                        [this](const std::string& request) { return Answer(request); });
   if (server)

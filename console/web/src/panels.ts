@@ -74,6 +74,7 @@ export class Panels {
       table([
         [t("modelAge"), `${figure(status.model_age_ms, 1)} ms`],
         [t("sensorAge"), `${figure(status.sensor_age_ms, 1)} ms`],
+        ...(typeof status.bone_age_ms === "number" ? [[t("boneAge"), `${figure(status.bone_age_ms, 0)} ms`] as [string, string]] : []),
         [t("frame"), `${figure(status.frame_us, 0)} µs`],
         [t("tick"), `${figure(worst.compute_us, 0)} µs`],
         [t("wakeup"), `${figure(worst.wakeup_us, 0)} µs`],

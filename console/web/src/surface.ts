@@ -1,7 +1,8 @@
 // The carved bone: bricks of the surface, 4³ of them in one mesh, made anew as the server sends bricks again.
 
-import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, Mesh, MeshStandardMaterial, Plane } from "three";
+import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, Mesh, MeshStandardMaterial, Plane, Vector3 } from "three";
 import { FIRST_DEEPER, NO_DIFFERENCE, SAME, SECOND_DEEPER } from "./difference_colours";
+import { planColour, type PlannedCup } from "./plan_colours";
 import { decodeChunks, placeOf, type Chunk, type Layout } from "./surface_chunk";
 
 const MAX_WAIT_MS = 200; // for the rest of a change; a live one comes whole, in one message
@@ -29,6 +30,7 @@ export class Surface {
   private colours: Color[] = [new Color(OTHER)];
   private layout: Layout | null = null;
   private range_mm = 1; // of the difference's colours
+  private cup: PlannedCup | null = null; // the bone is coloured by its distance to it
   private waiting: Chunk[] = []; // of a change that is not whole yet
   private began: number | null = null; // time at which that change began
   private accepted = 0; // time at which bricks were last handed to the picture
@@ -47,7 +49,17 @@ export class Surface {
   setRange(range_mm: number): void {
     if (range_mm === this.range_mm) return;
     this.range_mm = range_mm;
-    if (this.layout?.difference_step_mm !== undefined) for (const key of this.blocks.keys()) this.changed.add(key);
+    if (this.layout?.difference_step_mm !== undefined) this.changeAll();
+  }
+
+  /** Colours the bone by its distance to a planned cup; null: by tissue. */
+  colourByPlan(cup: PlannedCup | null): void {
+    this.cup = cup;
+    this.changeAll();
+  }
+
+  private changeAll(): void {
+    for (const key of this.blocks.keys()) this.changed.add(key);
   }
 
   setClip(plane: Plane | null): void {
@@ -126,7 +138,7 @@ export class Surface {
     for (const chunk of chunks) {
       positions.set(chunk.positions, 3 * vertex);
       normals.set(chunk.normals, 3 * vertex);
-      for (let i = 0; i < chunk.materials.length; ++i) this.colour(chunk.materials[i]).toArray(colours, 3 * (vertex + i));
+      for (let i = 0; i < chunk.materials.length; ++i) this.colour(chunk, i).toArray(colours, 3 * (vertex + i));
       for (let i = 0; i < chunk.indices.length; ++i) indices[index + i] = vertex + chunk.indices[i];
       vertex += chunk.materials.length;
       index += chunk.indices.length;
@@ -142,14 +154,19 @@ export class Surface {
   }
 
   private readonly mixed = new Color();
-  private colour(material: number): Color {
+  private readonly at = new Vector3();
+  private colour(chunk: Chunk, vertex: number): Color {
+    const material = chunk.materials[vertex];
     const step_mm = this.layout?.difference_step_mm;
     if (step_mm !== undefined) {
       const share = (((material & MATERIAL) - NO_DIFFERENCE) * step_mm) / this.range_mm;
       return this.mixed.copy(SAME_COLOUR).lerp(share < 0 ? FIRST_COLOUR : SECOND_COLOUR, Math.min(1, Math.abs(share)));
     }
+    const cut = (material & CUT) !== 0;
+    const planned = this.cup && planColour(this.at.fromArray(chunk.positions, 3 * vertex), cut, this.cup, this.mixed);
+    if (planned) return planned;
     const own = this.colours[Math.min(material & MATERIAL, this.colours.length - 1)];
-    return material & CUT ? this.mixed.copy(own).lerp(CUT_TINT, CUT_SHARE) : own;
+    return cut ? this.mixed.copy(own).lerp(CUT_TINT, CUT_SHARE) : own;
   }
 
   private drop(block: Block): void {
