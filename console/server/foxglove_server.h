@@ -9,6 +9,7 @@
 
 #include "base/clock.h"
 #include "console/server/foxglove_protocol.h"
+#include "console/server/surface_reader.h"
 
 namespace osteon::console {
 
@@ -24,8 +25,9 @@ struct FoxgloveMessage {
 /// How far a subscription is: numbers of what it got last. For the source alone.
 struct FoxgloveCursor {
   bool begun{false};
-  std::uint64_t epoch{0}, window{0}, events{0}, layout{0}, surface{0};
+  std::uint64_t epoch{0}, window{0}, events{0};
   std::size_t tool{0};
+  std::shared_ptr<SurfaceReader> bone{};  ///< made by the source that has a bone
 };
 
 /// What viewers are shown. Any number of threads.

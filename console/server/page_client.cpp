@@ -4,6 +4,10 @@
 
 #include <array>
 #include <chrono>
+#include <cstdlib>
+#include <mutex>
+#include <optional>
+#include <string_view>
 #include <thread>
 
 namespace osteon::console {
@@ -28,19 +32,47 @@ class Client final : public PageClient {
 
   [[nodiscard]] std::uint64_t messages() const override { return messages_.load(); }
   [[nodiscard]] std::uint64_t bytes() const override { return bytes_.load(); }
+  [[nodiscard]] Bone bone() const override {
+    const std::lock_guard lock(mutex_);
+    return bone_;
+  }
 
  private:
-  static int OnData(mg_connection*, int, char*, std::size_t size, void* user) {
+  static int OnData(mg_connection*, int bits, char* data, std::size_t size, void* user) {
     auto& client = *static_cast<Client*>(user);
     while (!client.reads_ && !client.ending_.load()) std::this_thread::sleep_for(kHangs);
     ++client.messages_;
     client.bytes_ += size;
+    client.TakeBone((bits & 0x0F) == MG_WEBSOCKET_OPCODE_BINARY, std::string_view(data, size));
     return 1;
+  }
+
+  void TakeBone(bool is_mesh, std::string_view message) {
+    constexpr std::string_view kWhole = R"({"type":"surface_whole")", kAge = R"("age_ms":)";
+    const bool is_whole = !is_mesh && message.starts_with(kWhole);
+    if (!is_mesh && !is_whole) return;
+    const auto now = std::chrono::steady_clock::now();
+    const std::lock_guard lock(mutex_);
+    if (is_mesh && first_whole_) {
+      ++bone_.messages;
+      bone_.bytes += message.size();
+    }
+    if (!is_whole) return;
+    if (!first_whole_) first_whole_ = now;
+    bone_.whole_s.push_back(std::chrono::duration<double>(now - *first_whole_).count());
+    const std::size_t age = message.find(kAge);
+    bone_.age_ms.push_back(
+        age == std::string_view::npos
+            ? 0.0
+            : std::strtod(std::string(message.substr(age + kAge.size())).c_str(), nullptr));
   }
 
   const bool reads_;
   std::atomic<bool> ending_{false};
   std::atomic<std::uint64_t> messages_{0}, bytes_{0};
+  mutable std::mutex mutex_;  // of what follows
+  Bone bone_;
+  std::optional<std::chrono::steady_clock::time_point> first_whole_;
   mg_connection* connection_{nullptr};
 };
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <tl/expected.hpp>
 
@@ -23,6 +24,14 @@ class PageClient {
 
   [[nodiscard]] virtual std::uint64_t messages() const = 0;
   [[nodiscard]] virtual std::uint64_t bytes() const = 0;
+
+  /// How the carved bone reached the page, from its first whole change on, which is the bone as it was.
+  struct Bone {
+    std::uint64_t messages{0}, bytes{0};  ///< of its mesh
+    std::vector<double> whole_s{};        ///< times at which a change was whole, from the first one on [s]
+    std::vector<double> age_ms{};         ///< how old the bone was at each of them
+  };
+  [[nodiscard]] virtual Bone bone() const = 0;
 
  protected:
   PageClient() = default;

@@ -13,7 +13,6 @@ namespace osteon::console {
 namespace {
 
 constexpr std::chrono::milliseconds kPagePeriod{33};  // between messages to a page
-constexpr std::size_t kBricksAtOnce = 200;  // between two live messages, so that a large surface delays none
 
 }  // namespace
 
@@ -86,22 +85,28 @@ bool PageSender::SendNotes() {
 }
 
 bool PageSender::SendSurface() {
-  if (const SurfaceStore::Bytes layout = sources_.surface.LayoutSince(seen_layout_)) {
-    seen_surface_ = seen_layout_;
-    if (!writer_.WriteText(*layout)) return false;
-  }
-  const std::vector<SurfaceStore::Bytes> changed = sources_.surface.Since(seen_surface_, kBricksAtOnce);
-  if (changed.empty()) return true;
-  std::string bricks;  // one after the other in one message
-  for (const SurfaceStore::Bytes& bytes : changed) bricks += *bytes;
-  if (!writer_.WriteBinary(bricks)) return false;
-  // the store has whole changes: with nothing left the page's bricks are of one time
-  return changed.size() == kBricksAtOnce || writer_.WriteText(R"({"type":"surface_whole"})");
+  const SurfaceReader::Part part = surface_.Next(sources_.surface, surface_budget_.bytes());
+  if (part.layout && !writer_.WriteText(*part.layout)) return false;
+  if (part.bricks.empty()) return true;
+  using Clock = std::chrono::steady_clock;
+  using Milliseconds = std::chrono::duration<double, std::milli>;
+  const auto before = Clock::now();
+  if (part.begins && sources_.context.bone_age_s)
+    surface_time_ = before - std::chrono::duration_cast<Clock::duration>(
+                                 std::chrono::duration<double>(sources_.context.bone_age_s().value_or(0.0)));
+  if (!writer_.WriteBinary(part.bricks)) return false;
+  const auto after = Clock::now();
+  surface_budget_.AfterMessage(after - before);
+  if (!part.ends) return true;
+  if (!sources_.context.bone_age_s) return writer_.WriteText(R"({"type":"surface_whole"})");
+  return writer_.WriteText(fmt::format(R"({{"type":"surface_whole","age_ms":{:.1f}}})",
+                                       Milliseconds(after - surface_time_).count()));
 }
 
 bool PageSender::SendNew() {
   if (resend_.exchange(false)) {
-    seen_events_ = seen_surface_ = seen_layout_ = 0;
+    seen_events_ = 0;
+    surface_.Restart();
     shown_holder_ = ~0ull;
     shown_notes_.clear();
     if (!writer_.WriteText(sources_.hello)) return false;

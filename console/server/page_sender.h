@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -13,6 +14,8 @@
 
 #include "console/server/operator_role.h"
 #include "console/server/shared_live.h"
+#include "console/server/surface_budget.h"
+#include "console/server/surface_reader.h"
 #include "console/server/surface_store.h"
 #include "console/stream/live_feed.h"
 #include "console/stream/live_status.h"
@@ -70,8 +73,10 @@ class PageSender {
   PageWriter& writer_;
 
   std::atomic<bool> resend_{true};
-  std::uint64_t seen_windows_{0}, seen_events_{0}, seen_surface_{0},
-      seen_layout_{0};  // of the thread, as what follows
+  std::uint64_t seen_windows_{0}, seen_events_{0};  // of the thread, as what follows
+  SurfaceReader surface_;
+  SurfaceBudget surface_budget_;
+  std::chrono::steady_clock::time_point surface_time_{};  // of the bone in the change that is handed out
   std::uint64_t shown_holder_{~0ull};
   std::size_t shown_pages_{0};
   std::uint64_t shown_epoch_{0};

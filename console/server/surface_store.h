@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -13,7 +14,7 @@
 namespace osteon::console {
 
 /// The carved surface as bytes for the pages, brick by brick: the newest version of each, and the grid they
-/// lie in. Any thread. A writer only swaps pointers under the lock, a reader copies them.
+/// lie in. Any thread. A writer only swaps pointers under the lock, a reader copies them (surface_reader.h).
 class SurfaceStore {
  public:
   using Bytes = std::shared_ptr<const std::string>;
@@ -24,6 +25,7 @@ class SurfaceStore {
     const std::lock_guard lock(mutex_);
     grid_ = grid;
     layout_ = {.version = ++version_, .bytes = std::move(shared)};
+    layout_version_.store(version_);
     bricks_.clear();
     order_.clear();
   }
@@ -34,14 +36,8 @@ class SurfaceStore {
     return grid_;
   }
 
-  /// The grid's message if it is newer than version `seen`, which then becomes its version: what a page had
-  /// is void.
-  [[nodiscard]] Bytes LayoutSince(std::uint64_t& seen) const {
-    const std::lock_guard lock(mutex_);
-    if (layout_.version <= seen) return nullptr;
-    seen = layout_.version;
-    return layout_.bytes;
-  }
+  /// Version at which the present grid began; 0: there is none.
+  [[nodiscard]] std::uint64_t layout_version() const { return layout_version_.load(); }
 
   /// Replaces the bricks of one change: a reader has all of them, or none. @param change  bricks, each with
   /// its bytes of chunk_bytes.h, ready to be sent
@@ -58,16 +54,24 @@ class SurfaceStore {
     }
   }
 
-  /// The bricks that changed after version `seen`, the longest unchanged first, at most `most`. `seen`
-  /// becomes the last one's version; it is the newest version where nothing is left.
-  [[nodiscard]] std::vector<Bytes> Since(std::uint64_t& seen, std::size_t most) const {
-    std::vector<Bytes> bytes;
-    const std::lock_guard lock(mutex_);
-    for (auto at = order_.upper_bound(seen); at != order_.end() && bytes.size() < most; ++at) {
-      bytes.push_back(bricks_.at(at->second).bytes);
-      seen = at->first;
-    }
-    return bytes;
+  /// What a reader of version `seen` lacks.
+  struct Change {
+    Bytes layout;               ///< the grid's message; null: the same grid. What the reader had is void.
+    std::vector<Bytes> bricks;  ///< all that changed, the longest unchanged first
+  };
+
+  /// All that changed after version `seen`, which becomes the newest version. Nothing, and `seen` as it was,
+  /// while another thread is in the store: a reader never waits for a thread that a busy machine does not
+  /// run.
+  [[nodiscard]] Change Since(std::uint64_t& seen) const {
+    Change change;
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock || version_ == seen) return change;
+    if (layout_.version > seen) change.layout = layout_.bytes;
+    for (auto at = order_.upper_bound(seen); at != order_.end(); ++at)
+      change.bricks.push_back(bricks_.at(at->second).bytes);
+    seen = version_;
+    return change;
   }
 
   [[nodiscard]] std::size_t size() const {
@@ -86,6 +90,7 @@ class SurfaceStore {
   std::map<std::uint64_t, Brick> bricks_;
   std::map<std::uint64_t, std::uint64_t> order_;  // bricks by their versions
   std::uint64_t version_{0};
+  std::atomic<std::uint64_t> layout_version_{0};
 };
 
 }  // namespace osteon::console

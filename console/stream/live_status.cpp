@@ -167,6 +167,8 @@ LiveStatus StatusOf(const LiveWindow& w, const LiveContext& context) {
   s.mount_mm = 1e3 * Length(w.tick.compliance.mount_m);
   s.rendered_s = w.rendered_s;
   s.paused_s = w.paused_s;
+  if (context.bone_age_s)
+    if (const auto age_s = context.bone_age_s()) s.bone_age_ms = 1e3 * *age_s;
   if (w.frame.model.frame == 0) return s;
   s.frame_us = 1e-3 * static_cast<double>(w.frame.duration_ns);
   s.deepest_mm = 1e3 * w.frame.cup_depth_m;
@@ -243,6 +245,7 @@ std::string StatusJson(const LiveStatus& s) {
                             {"mount_mm", s.mount_mm},
                             {"model_age_ms", s.model_age_ms},
                             {"sensor_age_ms", s.sensor_age_ms},
+                            {"bone_age_ms", OrNull(s.bone_age_ms)},
                             {"arm_age_ms", OrNull(s.arm_age_ms)},
                             {"plc_age_ms", OrNull(s.plc_age_ms)},
                             {"frame_us", s.frame_us},

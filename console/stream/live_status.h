@@ -52,6 +52,9 @@ struct LiveContext {
   std::function<std::optional<std::uintmax_t>()> disk_left_B{};
   /// Latency of the run so far, callable from any thread; empty: not known.
   std::function<LatencyStatus()> latency{};
+  /// How far the carved bone that pages are shown is behind the engine [s], callable from any thread; empty,
+  /// or nothing returned: there is no bone that follows.
+  std::function<std::optional<double>()> bone_age_s{};
 };
 
 /// A condition of motion.
@@ -102,6 +105,7 @@ struct LiveStatus {
   double compute_p99_us{0.0}, wakeup_p99_us{0.0};       ///< LiveWindow
   std::uint32_t arm_messages_lost{0}, answers_lost{0};  ///< so far, between the arm and the loop
   std::optional<std::uintmax_t> disk_left_B{};          ///< LiveContext
+  std::optional<double> bone_age_ms{};  ///< of the carved bone that pages are shown
   double rendered_s{0.0}, paused_s{0.0};
   LatencyStatus latency{};
 };

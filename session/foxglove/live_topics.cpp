@@ -13,7 +13,7 @@ namespace {
 
 // channels after those of CellTopics
 constexpr std::size_t kTick = 6, kFrame = 7;
-constexpr std::size_t kBricksAtOnce = 200;
+constexpr std::size_t kBoneBytes = 128u << 10;  // of the bricks in a message, which is larger
 
 }  // namespace
 
@@ -85,19 +85,18 @@ void LiveTopics::New(std::size_t channel, console::FoxgloveCursor& cursor,
 
 void LiveTopics::NewBone(console::FoxgloveCursor& cursor, std::vector<console::FoxgloveMessage>& out) const {
   const rt::Nanoseconds stamp = feed_.Newest().tick.stamp;
-  bool all = false;
-  if (surface_.LayoutSince(cursor.layout)) {
-    cursor.surface = cursor.layout;
-    all = true;
-  }
+  if (!cursor.bone) cursor.bone = std::make_shared<console::SurfaceReader>();
+  const console::SurfaceReader::Part part = cursor.bone->Next(surface_, kBoneBytes);
+  const bool all = part.layout != nullptr;
   const auto layout = surface_.Layout();
   std::vector<io::SceneEntity> parts;
-  for (const console::SurfaceStore::Bytes& bytes : surface_.Since(cursor.surface, kBricksAtOnce)) {
-    surface::SurfaceChunk chunk;
-    const std::span<const std::uint8_t> raw(reinterpret_cast<const std::uint8_t*>(bytes->data()),
-                                            bytes->size());
-    if (!surface::ReadChunk(layout, raw, chunk)) continue;
+  std::span<const std::uint8_t> raw(reinterpret_cast<const std::uint8_t*>(part.bricks.data()),
+                                    part.bricks.size());
+  surface::SurfaceChunk chunk;
+  for (auto size = surface::ReadChunk(layout, raw, chunk); size;
+       size = surface::ReadChunk(layout, raw, chunk)) {
     parts.push_back(scene_.BonePart(fmt::format("brick_{}", chunk.brick), {&chunk, 1}));
+    raw = raw.subspan(*size);
   }
   if (parts.empty() && !all) return;
   console::FoxgloveMessage message{.stamp = stamp, .bytes = {}};

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/clock.h"
 #include "base/text.h"
 #include "session/procedure/procedure_session.h"
 #include "session/procedure/tool_depths.h"
@@ -126,6 +127,11 @@ LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, base::OperatorR
     context_.disk_left_B = [folder = std::filesystem::absolute(run.recording).parent_path()] {
       return SpaceLeft(folder);
     };
+  context_.bone_age_s = [this]() -> std::optional<double> {
+    const surface::SurfaceThread* followed = followed_.load();
+    if (followed == nullptr) return std::nullopt;
+    return rt::ToSeconds(followed->age().count());
+  };
 }
 
 void LiveViews::SetSession(ProcedureSession* session) {
@@ -141,6 +147,7 @@ void LiveViews::Open(const ConsoleChoice& choice, const ConsoleChoice& foxglove)
   if (choice.on) OpenConsole(choice);
   if (foxglove.on) OpenFoxglove(foxglove);
   if (console_ || foxglove_) surface_thread_ = StartSurface(setup_, surface_feed_);
+  followed_.store(surface_thread_.get());
   auto server = io::LocalServer::Start(fmt::format("run-{}", ::getpid()),
                                        [this](const std::string& request) { return Answer(request); });
   if (server)

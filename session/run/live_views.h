@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <string>
@@ -109,11 +110,12 @@ class LiveViews {
   LiveFaults faults_;
   console::SurfaceStore surface_;
   console::SurfaceFeed surface_feed_{surface_};
+  std::unique_ptr<surface::SurfaceThread> surface_thread_;  // before the servers, whose threads ask its age
+  std::atomic<const surface::SurfaceThread*> followed_{nullptr};  // surface_thread_, once it is there
   // Last, because their threads use the others; the socket's answers name the console too.
   std::unique_ptr<console::ConsoleServer> console_;
   std::unique_ptr<LiveTopics> topics_;
   std::unique_ptr<console::FoxgloveServer> foxglove_;
-  std::unique_ptr<surface::SurfaceThread> surface_thread_;
   std::unique_ptr<io::LocalServer> server_;
 };
 

@@ -7,7 +7,8 @@
 
 namespace osteon::surface {
 
-/// Receives the mesh while it changes. Called from the surface thread alone, never from the engine's.
+/// Receives the mesh while it changes. Called by one thread at a time, never by the engine's but in
+/// SurfaceThread::Apply.
 class SurfaceSink {
  public:
   SurfaceSink() = default;

@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/clock.h"
 #include "base/inheriting_mutex.h"
 #include "base/spsc_ring.h"
 #include "simulation/surface/carved_field.h"
@@ -30,21 +31,27 @@ struct SurfaceThreadParams {
 };
 
 /// Carves and extracts the surface beside the engine, in a thread that the system runs only where a CPU would
-/// be idle (SCHED_IDLE).
+/// be idle (SCHED_IDLE). A second one of low normal priority makes the first mesh, and does the work wherever
+/// the surface is kMaxAge old because no CPU is ever idle.
 ///
-///     engine's thread ──ToolFrame, SpscRing──▶ surface thread ──chunks──▶ SurfaceSink
+///     engine's thread ──ToolFrame, SpscRing──▶ one of two threads ──chunks──▶ SurfaceSink
 ///
 /// The engine never waits: a full ring refuses a frame, and the next way then starts where the last pushed
-/// one ended. Writer of the ring is the engine's thread; its reader is this one, or who calls Apply, under
-/// the same lock; memory order by SpscRing.
+/// one ended. Writer of the ring is the engine's thread; its reader is who holds the lock: one of the two
+/// threads, or who calls Apply; memory order by SpscRing. The idle one holds the lock for a step of some 0.2
+/// ms of work at a time, and gives its work up where another one has taken the lock meanwhile. (Two threads,
+/// since the system lets none leave SCHED_IDLE without a privilege.)
 class SurfaceThread {
  public:
-  /// @param sink  must outlive the thread; called on it
+  /// @param sink  must outlive the thread; called by one thread at a time
   SurfaceThread(const simulation::Tool& tool, const Pose& X_WG, SurfaceThreadParams params,
                 SurfaceSink& sink);
   ~SurfaceThread();
   SurfaceThread(const SurfaceThread&) = delete;
   SurfaceThread& operator=(const SurfaceThread&) = delete;
+
+  /// Age at which the surface is made at a low normal priority.
+  static constexpr std::chrono::milliseconds kMaxAge{500};
 
   /// Passes a frame on. Engine's thread only.
   /// @returns false where the ring was full
@@ -58,29 +65,47 @@ class SurfaceThread {
   /// Carves and publishes what was pushed, and ends the thread. Safe to call twice.
   void Stop();
 
+  /// How far the published surface is behind: all frames that were pushed that long ago are in it. Some 40 ms
+  /// where a CPU is idle now and then. Any thread.
+  [[nodiscard]] std::chrono::nanoseconds age() const;
+
   /// Frames that the full ring refused; any thread.
   [[nodiscard]] std::size_t skipped_frames() const OSTEON_RT { return ring_.dropped(); }
   /// After Stop: the exception that ended the thread before; empty if there was none.
   [[nodiscard]] const std::string& error() const { return error_; }
 
  private:
-  void Loop();
-  void CarveFrames();
-  void PublishDirty();
+  void Run();
+  void RunWhenIdle();
+  /// Runs one of both, and notes the exception that ends it.
+  void Guard(void (SurfaceThread::*run)());
+  void MakeField();
+  void PassInSteps();
+
+  // with the lock, as what follows
+  bool CarveFrames(std::size_t max_frames);  // returns whether the ring is empty
+  void CarveRest();                          // of a batch that is not complete
+  void Carve(const std::vector<Capsule>& capsules);
+  void StartPass();
+  bool ExtractSome(std::size_t max_bricks);  // publishes once all are there; returns whether some are left
 
   SurfaceThreadParams params_;
   SurfaceSink& sink_;
   rt::SpscRing<ToolFrame> ring_;
   std::atomic<bool> stop_{false};
-  rt::InheritingMutex mutex_;          // of what follows; the engine's thread takes it in Apply alone
-  std::condition_variable_any begun_;  // the field is there, or the thread has failed
+  std::atomic<rt::Nanoseconds> shown_ns_;  // frames pushed before are published
+  rt::InheritingMutex mutex_;              // of what follows; the engine's thread takes it in Apply alone
+  std::condition_variable_any begun_;      // the field is there, or the thread has failed
   std::optional<CarvedField> field_;
   std::optional<TissueBricks> tissue_;
   ToolWays ways_;
   std::vector<Capsule> capsules_;
   std::vector<SurfaceChunk> chunks_;  // the memory of both is used again
+  std::size_t extracted_{0};          // of the field's dirty bricks, since the field last changed
+  std::uint64_t passes_{0};           // grows as the field changes
+  rt::Nanoseconds read_ns_{0};        // at which the ring was last emptied
   std::string error_;                 // read without the lock once the thread is joined
-  std::thread thread_;
+  std::thread thread_, idle_thread_;
 };
 
 }  // namespace osteon::surface

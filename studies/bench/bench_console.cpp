@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <regex>
 #include <thread>
 #include <vector>
@@ -30,9 +32,9 @@ constexpr int kPages = 8;
 constexpr std::chrono::seconds kPatience{60};
 constexpr std::chrono::milliseconds kLooks{50};
 
-enum class Leg : std::uint8_t { kOff, kIdle, kEight, kBrowser };
-constexpr std::array<const char*, 4> kLegs{"off", "on, no page", "eight pages, one stuck",
-                                           "one page in a browser"};
+enum class Leg : std::uint8_t { kOff, kIdle, kEight, kPage, kBusy, kBrowser };
+constexpr std::array<const char*, 6> kLegs{"off",      "on, no page",          "eight pages, one stuck",
+                                           "one page", "one page, cores busy", "one page in a browser"};
 
 struct Figure {
   const char *key, *part, *name;
@@ -40,6 +42,71 @@ struct Figure {
 constexpr std::array<Figure, 4> kFigures{
     Figure{"compute_us", "p50", "tick compute p50"}, Figure{"compute_us", "p99", "tick compute p99"},
     Figure{"wakeup_us", "p99", "tick wake-up p99"}, Figure{"frame_us", "p50", "frame p50"}};
+
+// How the carved bone reached a page, between the first change of the cut and the last one.
+struct BoneFigures {
+  double mesh_per_s{0.0}, whole_per_s{0.0}, longest_gap_ms{0.0}, age_ms_p50{0.0}, age_ms_p95{0.0};
+};
+struct BoneFigure {
+  const char *key, *name, *unit;
+  double BoneFigures::*value;
+};
+constexpr std::array<BoneFigure, 5> kBoneFigures{
+    BoneFigure{"mesh_per_s", "bone: mesh messages", "/s", &BoneFigures::mesh_per_s},
+    BoneFigure{"whole_per_s", "bone: whole changes", "/s", &BoneFigures::whole_per_s},
+    BoneFigure{"longest_gap_ms", "bone: longest gap", "ms", &BoneFigures::longest_gap_ms},
+    BoneFigure{"age_ms_p50", "bone: age p50", "ms", &BoneFigures::age_ms_p50},
+    BoneFigure{"age_ms_p95", "bone: age p95", "ms", &BoneFigures::age_ms_p95}};
+
+// A demo's summary, null if it failed, and what a page has seen of its bone.
+struct DemoFigures {
+  nlohmann::json summary{};
+  std::optional<BoneFigures> bone{};
+};
+
+// Keeps every core busy at normal priority, as other work would.
+class BusyCores {
+ public:
+  BusyCores() {
+    for (unsigned core = 0; core < std::max(1U, std::thread::hardware_concurrency()); ++core)
+      threads_.emplace_back([this] {
+        while (!done_.load(std::memory_order_relaxed)) continue;
+      });
+  }
+  ~BusyCores() {
+    done_.store(true);
+    for (std::thread& thread : threads_) thread.join();
+  }
+  BusyCores(const BusyCores&) = delete;
+  BusyCores& operator=(const BusyCores&) = delete;
+
+ private:
+  std::atomic<bool> done_{false};
+  std::vector<std::thread> threads_;
+};
+
+double QuantileOf(std::vector<double> values, double quantile) {
+  std::ranges::sort(values);
+  return values.empty() ? 0.0
+                        : values[static_cast<std::size_t>(quantile * static_cast<double>(values.size() - 1))];
+}
+
+// The first whole change is the bone as it was, the next one the first of the cut.
+BoneFigures FiguresOf(const console::PageClient::Bone& bone) {
+  BoneFigures figures;
+  if (bone.whole_s.size() < 3) return figures;
+  const std::vector<double> times(bone.whole_s.begin() + 1, bone.whole_s.end());
+  const double span_s = times.back() - times.front();
+  if (!(span_s > 0.0)) return figures;
+  figures.mesh_per_s = static_cast<double>(bone.messages - 1) / span_s;
+  figures.whole_per_s = static_cast<double>(times.size() - 1) / span_s;
+  for (std::size_t i = 1; i < times.size(); ++i)
+    figures.longest_gap_ms = std::max(figures.longest_gap_ms, 1e3 * (times[i] - times[i - 1]));
+  const std::vector<double> ages(bone.age_ms.begin() + 1, bone.age_ms.end());
+  figures.age_ms_p50 = QuantileOf(ages, 0.5);
+  figures.age_ms_p95 = QuantileOf(ages, 0.95);
+  return figures;
+}
 
 // Waits for the console's port in a demo's output. 0: the demo has ended.
 int AwaitPort(base::ChildProcess& demo, const std::filesystem::path& err) {
@@ -55,8 +122,8 @@ int AwaitPort(base::ChildProcess& demo, const std::filesystem::path& err) {
   return 0;
 }
 
-// Runs one demo. @returns its summary; null if it failed
-nlohmann::json RunDemoWith(Leg leg, const BenchConsoleOptions& options, const std::filesystem::path& folder) {
+// Runs one demo.
+DemoFigures RunDemoWith(Leg leg, const BenchConsoleOptions& options, const std::filesystem::path& folder) {
   std::error_code error;
   const std::filesystem::path json = folder / "summary.json", err = folder / "err.txt";
   std::filesystem::remove(json, error);
@@ -67,14 +134,16 @@ nlohmann::json RunDemoWith(Leg leg, const BenchConsoleOptions& options, const st
                                  .program = base::ProgramBeside("osteon"),
                                  .out = folder / "out.txt",
                                  .err = err});
-  if (!demo) return nullptr;
+  if (!demo) return {};
+  std::optional<BusyCores> busy;
+  if (leg == Leg::kBusy) busy.emplace();
   std::vector<std::unique_ptr<console::PageClient>> pages;
   std::unique_ptr<base::ChildProcess> browser;
   if (const int port = leg == Leg::kOff ? 0 : AwaitPort(**demo, err); port > 0) {
-    if (leg == Leg::kEight)
-      for (int i = 0; i < kPages; ++i)
-        if (auto page = console::PageClient::Open("127.0.0.1", port, i > 0))
-          pages.push_back(std::move(*page));
+    const int count = leg == Leg::kEight ? kPages : leg == Leg::kPage || leg == Leg::kBusy ? 1 : 0;
+    for (int i = 0; i < count; ++i)  // of several the last one does not read
+      if (auto page = console::PageClient::Open("127.0.0.1", port, i + 1 < kPages))
+        pages.push_back(std::move(*page));
     if (leg == Leg::kBrowser)
       if (auto started = base::ChildProcess::Start(
               {.words = {"--headless", "--no-sandbox", "--remote-debugging-port=0", "--use-gl=angle",
@@ -88,9 +157,12 @@ nlohmann::json RunDemoWith(Leg leg, const BenchConsoleOptions& options, const st
   }
   while (!(*demo)->Ended() && !base::Interrupted().load()) std::this_thread::sleep_for(kLooks);
   if (browser) browser->Send(SIGTERM);
+  DemoFigures figures;
+  if (!pages.empty()) figures.bone = FiguresOf(pages.front()->bone());
   pages.clear();
-  if (base::Interrupted().load()) return nullptr;
-  return nlohmann::json::parse(base::ReadText(json), nullptr, false);
+  if (!base::Interrupted().load())
+    figures.summary = nlohmann::json::parse(base::ReadText(json), nullptr, false);
+  return figures;
 }
 
 double MedianOf(std::vector<double> values) {
@@ -98,24 +170,57 @@ double MedianOf(std::vector<double> values) {
   return values.empty() ? 0.0 : values[values.size() / 2];
 }
 
+// Figures of all rounds, by leg.
+struct Rounds {
+  std::array<std::array<std::vector<double>, kFigures.size()>, kLegs.size()> cell;
+  std::array<std::array<std::vector<double>, kBoneFigures.size()>, kLegs.size()> bone;
+
+  void Add(Leg leg, const DemoFigures& demo) {
+    const auto l = static_cast<std::size_t>(leg);
+    for (std::size_t i = 0; i < kFigures.size(); ++i)
+      cell[l][i].push_back(
+          demo.summary.value(kFigures[i].key, nlohmann::json::object()).value(kFigures[i].part, 0.0));
+    for (std::size_t i = 0; i < kBoneFigures.size(); ++i)
+      if (demo.bone) bone[l][i].push_back((*demo.bone).*kBoneFigures[i].value);
+  }
+};
+
+// Prints a leg's medians. @returns them for the JSON
+nlohmann::ordered_json TellLeg(Leg leg, const Rounds& rounds) {
+  const auto l = static_cast<std::size_t>(leg);
+  nlohmann::ordered_json row{{"leg", kLegs[l]}};
+  fmt::print("  {}\n", kLegs[l]);
+  for (std::size_t i = 0; i < kFigures.size(); ++i) {
+    const double median = MedianOf(rounds.cell[l][i]), off = MedianOf(rounds.cell[0][i]);
+    const double ratio = off > 0.0 ? median / off : 0.0;
+    fmt::print("    {:<20} {:8.1f} µs   {:5.2f}\n", kFigures[i].name, median, ratio);
+    row[fmt::format("{}_{}", kFigures[i].key, kFigures[i].part)] = {{"median", median}, {"ratio", ratio}};
+  }
+  if (rounds.bone[l][0].empty()) return row;
+  for (std::size_t i = 0; i < kBoneFigures.size(); ++i) {
+    const double median = MedianOf(rounds.bone[l][i]);
+    fmt::print("    {:<20} {:8.1f} {}\n", kBoneFigures[i].name, median, kBoneFigures[i].unit);
+    row["bone"][kBoneFigures[i].key] = median;
+  }
+  return row;
+}
+
 }  // namespace
 
 int RunBenchConsole(const BenchConsoleOptions& options) {
   base::InstallInterrupt();
   const base::WorkFolder folder("bench_console");
-  std::vector<Leg> legs{Leg::kOff, Leg::kIdle, Leg::kEight};
+  std::vector<Leg> legs{Leg::kOff, Leg::kIdle, Leg::kEight, Leg::kPage, Leg::kBusy};
   if (!options.chromium.empty()) legs.push_back(Leg::kBrowser);
-  std::array<std::array<std::vector<double>, kFigures.size()>, kLegs.size()> seen;
+  Rounds rounds;
   for (int round = 0; round < options.rounds; ++round)
     for (const Leg leg : legs) {
-      const nlohmann::json summary = RunDemoWith(leg, options, folder.path());
+      const DemoFigures demo = RunDemoWith(leg, options, folder.path());
       if (base::Interrupted().load()) return base::InterruptExitCode();
-      if (!summary.is_object())
+      if (!demo.summary.is_object())
         return session::Fail("bench console", "a demo failed:\n" + base::ReadText(folder.path() / "err.txt"),
                              session::kFailed);
-      for (std::size_t i = 0; i < kFigures.size(); ++i)
-        seen[static_cast<std::size_t>(leg)][i].push_back(
-            summary[kFigures[i].key].value(kFigures[i].part, 0.0));
+      rounds.Add(leg, demo);
       fmt::print(stderr, "osteon bench console: round {} of {}: {}\n", round + 1, options.rounds,
                  kLegs[static_cast<std::size_t>(leg)]);
     }
@@ -126,18 +231,7 @@ int RunBenchConsole(const BenchConsoleOptions& options) {
       {"build", session::BuildName()},      {"legs", nlohmann::ordered_json::array()}};
   fmt::print("Osteon bench console: medians of {} rounds of {:g} s, and their ratios to off\n",
              options.rounds, options.seconds);
-  for (const Leg leg : legs) {
-    const auto l = static_cast<std::size_t>(leg);
-    nlohmann::ordered_json row{{"leg", kLegs[l]}};
-    fmt::print("  {}\n", kLegs[l]);
-    for (std::size_t i = 0; i < kFigures.size(); ++i) {
-      const double median = MedianOf(seen[l][i]), off = MedianOf(seen[0][i]);
-      const double ratio = off > 0.0 ? median / off : 0.0;
-      fmt::print("    {:<20} {:8.1f} µs   {:5.2f}\n", kFigures[i].name, median, ratio);
-      row[fmt::format("{}_{}", kFigures[i].key, kFigures[i].part)] = {{"median", median}, {"ratio", ratio}};
-    }
-    json["legs"].push_back(row);
-  }
+  for (const Leg leg : legs) json["legs"].push_back(TellLeg(leg, rounds));
   if (!options.json.empty())
     if (const auto written = base::WriteText(options.json, base::JsonText(json)); !written)
       return session::Fail("bench console", written.error(), session::kFailed);

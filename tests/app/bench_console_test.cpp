@@ -12,7 +12,7 @@ TEST(BenchConsole, MeasuresEveryLegAndItsRatios) {
       folder.path(), {"bench", "console", "--rounds", "1", "--seconds", "1", "--json", "console.json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const nlohmann::json json = ReadJson(folder.path() / "console.json");
-  ASSERT_EQ(json["legs"].size(), 3u);
+  ASSERT_EQ(json["legs"].size(), 5u);
   EXPECT_EQ(json["legs"][0]["leg"], "off");
   for (const auto& leg : json["legs"])
     for (const char* key : {"compute_us_p50", "compute_us_p99", "wakeup_us_p99", "frame_us_p50"}) {
@@ -20,6 +20,9 @@ TEST(BenchConsole, MeasuresEveryLegAndItsRatios) {
       EXPECT_GT(leg[key]["ratio"].get<double>(), 0.0) << key;
     }
   EXPECT_EQ(json["legs"][0]["frame_us_p50"]["ratio"], 1.0);
+  for (std::size_t leg : {2u, 3u, 4u})
+    for (const char* key : {"mesh_per_s", "whole_per_s", "longest_gap_ms", "age_ms_p50", "age_ms_p95"})
+      EXPECT_TRUE(json["legs"][leg]["bone"].contains(key)) << leg << " " << key;
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "console/server/client_message.h"
 
+#include <chrono>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -7,6 +8,8 @@
 #include "console/server/access.h"
 #include "console/server/operator_role.h"
 #include "console/server/shared_live.h"
+#include "console/server/surface_budget.h"
+#include "console/server/surface_reader.h"
 #include "console/server/surface_store.h"
 
 namespace osteon::console {
@@ -111,18 +114,65 @@ TEST(OperatorRole, OneHoldsItUntilItGivesItBack) {
   EXPECT_TRUE(role.Take(2));
 }
 
-TEST(SurfaceStore, AReaderGetsTheNewestOfEachBrickInPieces) {
+TEST(SurfaceReader, GetsTheNewestOfEachBrickInParts) {
   SurfaceStore store;
   for (std::uint64_t brick = 0; brick < 5; ++brick) store.Put({{brick, "old"}});
   store.Put({{2, "new"}});
-  std::uint64_t seen = 0;
-  std::string all;
-  for (std::size_t pieces = 0; pieces < 2; ++pieces)
-    for (const auto& bytes : store.Since(seen, 3)) all += *bytes + ",";
-  EXPECT_EQ(all, "old,old,old,old,new,");
-  EXPECT_TRUE(store.Since(seen, 3).empty());
+  SurfaceReader reader;
+  const auto first = reader.Next(store, 10), last = reader.Next(store, 10);
+  EXPECT_EQ(first.bricks + "|" + last.bricks, "oldoldold|oldnew");
+  EXPECT_TRUE(first.begins && !first.ends && !last.begins && last.ends);
+  EXPECT_TRUE(reader.Next(store, 10).bricks.empty());
   store.Put({{0, "again"}});
-  ASSERT_EQ(store.Since(seen, 3).size(), 1u);
+  EXPECT_EQ(reader.Next(store, 1).bricks, "again") << "a brick is larger than a part";
+}
+
+// Bricks that change in every turn, three times as many as a part takes: the last ones have their turn too.
+TEST(SurfaceReader, ABrickKeepsItsTurnWhileOthersChange) {
+  SurfaceStore store;
+  SurfaceReader reader;
+  int whole = 0;
+  std::string got;
+  for (int turn = 0; turn < 30; ++turn) {
+    const std::string time(1, static_cast<char>('a' + turn));
+    store.Put({{1, "1" + time}, {2, "2" + time}, {3, "3" + time}});
+    const auto part = reader.Next(store, 2);
+    got += part.bricks;
+    if (!part.ends) continue;
+    ++whole;
+    ASSERT_EQ(got.size(), 6u) << got;
+    EXPECT_EQ(got[1], got[3]) << "bricks of two times: " << got;
+    EXPECT_EQ(got[1], got[5]) << "bricks of two times: " << got;
+    got.clear();
+  }
+  EXPECT_EQ(whole, 10);
+}
+
+TEST(SurfaceReader, AnotherGridVoidsWhatWaits) {
+  SurfaceStore store;
+  store.Begin({}, "grid one");
+  store.Put({{1, "1"}, {2, "2"}});
+  SurfaceReader reader;
+  EXPECT_EQ(*reader.Next(store, 1).layout, "grid one");
+  store.Begin({}, "grid two");
+  store.Put({{7, "7"}});
+  const auto part = reader.Next(store, 100);
+  ASSERT_NE(part.layout, nullptr);
+  EXPECT_EQ(*part.layout + ":" + part.bricks, "grid two:7");
+  EXPECT_TRUE(part.ends);
+  reader.Restart();
+  EXPECT_EQ(*reader.Next(store, 100).layout, "grid two");
+}
+
+TEST(SurfaceBudget, FollowsTheLink) {
+  using std::chrono::milliseconds;
+  SurfaceBudget budget;
+  for (int i = 0; i < 20; ++i) budget.AfterMessage(milliseconds(1));
+  EXPECT_EQ(budget.bytes(), SurfaceBudget::kMax_bytes);
+  for (int i = 0; i < 20; ++i) budget.AfterMessage(milliseconds(20));
+  EXPECT_EQ(budget.bytes(), SurfaceBudget::kMax_bytes);
+  for (int i = 0; i < 20; ++i) budget.AfterMessage(milliseconds(100));
+  EXPECT_EQ(budget.bytes(), SurfaceBudget::kMin_bytes);
 }
 
 TEST(SharedLive, PagesAtTheSamePlaceShareAMessage) {

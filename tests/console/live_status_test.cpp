@@ -144,6 +144,16 @@ TEST(LiveStatus, AFaultHasWhatItsRunKnowsOfIt) {
   EXPECT_EQ(StatusOf(w, kContext).faults.at(0).note.seen, "") << "a recording's page";
 }
 
+TEST(LiveStatus, TellsTheAgeOfTheBoneThatFollows) {
+  LiveContext context = kContext;
+  const LiveWindow window = Window(safety::CellState::kCutting);
+  EXPECT_TRUE(nlohmann::json::parse(StatusJson(StatusOf(window, context)))["bone_age_ms"].is_null());
+  context.bone_age_s = [] { return std::optional<double>(); };
+  EXPECT_TRUE(nlohmann::json::parse(StatusJson(StatusOf(window, context)))["bone_age_ms"].is_null());
+  context.bone_age_s = [] { return std::optional<double>(2.5); };
+  EXPECT_EQ(nlohmann::json::parse(StatusJson(StatusOf(window, context)))["bone_age_ms"], 2500.0);
+}
+
 TEST(LiveStatus, APausedCellCanOnlyGoOn) {
   const LiveStatus s = StatusOf(Window(safety::CellState::kPaused), kContext);
   EXPECT_FALSE(s.can_pause);

@@ -143,6 +143,11 @@ async function operatesTheCell() {
 
   await until(page, "osteon.live.status.removed_mm3 > 1000"); // the hand reaches the bone after a while
   await until(page, "osteon.scene.surface.triangles > 10000 && osteon.scene.drawn > 5"); // the bone, as it is carved
+  const whole = await page.evaluate("osteon.scene.surface.whole");
+  await until(page, `osteon.scene.surface.whole > ${whole} + 5`); // whole changes go on arriving while the cut does
+  assert.ok(await page.evaluate("osteon.live.status.bone_age_ms >= 0"));
+  const behind = '(osteon.showBoneAge(2300), document.getElementById("view-behind").textContent)'; // as of a machine too busy
+  assert.equal(await page.evaluate(behind), "▲ bone 2.3 s behind");
   await picture(page, "cutting");
   await zoomsTheCharts(page);
   const now = await status(page);
@@ -278,6 +283,26 @@ async function viewsAProcedure() {
   await until(page, "osteon.scene.surface.triangles > 10000");
   assert.deepEqual(await clipped(page), []);
   await picture(page, "view_procedure");
+  // the bone by its distance to the planned cup: what the reamers have cut is green, blue what they have left
+  const shares = `(() => {
+    const count = { green: 0, blue: 0, all: 0 };
+    for (const { mesh } of osteon.scene.surface.blocks.values()) {
+      const colour = mesh?.geometry.getAttribute("color").array ?? [];
+      for (let i = 0; i < colour.length; i += 3) {
+        ++count.all;
+        if (colour[i + 1] > 2 * colour[i]) ++count[colour[i + 1] > colour[i + 2] ? "green" : "blue"];
+      }
+    }
+    return count;
+  })()`;
+  assert.equal((await page.evaluate(shares)).green, 0, "tissue");
+  await page.keyboard.press("d");
+  await until(page, `${shares}.green > 0`);
+  assert.ok((await page.evaluate('document.getElementById("view-scale").innerText')).includes("still to cut"));
+  assert.deepEqual(await clipped(page), []);
+  await picture(page, "view_procedure_distance");
+  await page.keyboard.press("d");
+  await until(page, `${shares}.green === 0`);
   await page.select("#language", "de");
   await page.setViewport({ width: 400, height: 844 });
   assert.deepEqual(await clipped(page), []);

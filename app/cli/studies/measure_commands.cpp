@@ -256,6 +256,8 @@ CLI::App* AddBenchConsole(CLI::App& bench, studies::BenchConsoleOptions& options
       ->check(CLI::ExistingFile);
   sub->add_option("--json", options.json, "also write the figures there, as JSON")->type_name("FILE");
   sub->footer(
+      "Also tells how often the carved bone reaches a page while the tool cuts, the longest gap, and how\n"
+      "old the bone is then: alone, and while other work keeps every core busy.\n\n"
       "Exit code 1: a demo failed\n\n"
       "Examples:\n  osteon bench console\n  osteon bench console --chromium /usr/bin/chromium --json "
       "console.json");

@@ -9,13 +9,15 @@ import { inLanguage } from "./message_texts";
 import type { Ask, Hello, Live, Message, Role, Status } from "./messages";
 import { GainsCard } from "./gains";
 import { Panels } from "./panels";
+import { planLegend } from "./plan_colours";
 import { ProcedureCard } from "./procedure";
 import { SceneView, type Preset } from "./scene";
 import { Sound } from "./sound";
 import { Timeline } from "./timeline";
-import { getLanguage, setLanguage, t, type Language, type Word } from "./texts";
+import { figure, getLanguage, setLanguage, t, type Language, type Word } from "./texts";
 
 const CUTTING = 5; // safety::CellState
+const BONE_IS_OLD_MS = 1000;
 
 const byId = (id: string): HTMLElement => document.getElementById(id)!;
 
@@ -87,6 +89,7 @@ class Page {
         break;
       case "plan":
         document.body.classList.add("planned");
+        document.body.classList.toggle("planned-cup", message.kind === "cup");
         this.scene.setPlan(message);
         this.procedure.begin(message);
         this.showButtons();
@@ -157,6 +160,14 @@ class Page {
     if (!this.live || !this.hello) return;
     if (this.hello.command === "cell") this.alone.show(this.live.status, this.hello);
     else this.panels.show(this.live.status, this.hello, this.worst);
+    this.showBoneAge(this.live.status.bone_age_ms);
+  }
+
+  /** Says so where the picture's bone is old: the machine, or this page's link, is busy with other things. */
+  private showBoneAge(age_ms: number | null | undefined): void {
+    const behind_ms = typeof age_ms === "number" && this.connected ? age_ms + this.scene.surface.unfinished_ms() : 0;
+    byId("view-behind").textContent =
+      behind_ms > BONE_IS_OLD_MS ? `▲ ${t("boneBehind").replace("{}", figure(behind_ms / 1000, 1))}` : "";
   }
 
   /** A recording and a simulated cell alone take no requests. */
@@ -211,7 +222,9 @@ class Page {
       this.toggle("zones", "zones", "Z", false, (on) => this.scene.toggle("zones", on)),
       this.toggle("follow", "follow", "F", false, (on) => this.scene.setFollowing(on)),
       this.toggle("plan", "plan", "L", true, (on) => this.scene.toggle("plan", on)),
+      this.toggle("plan-distance", "planDistance", "D", false, (on) => this.colourByPlan(on)),
     );
+    byId("view-scale").replaceChildren(...planLegend());
     for (const each of byId("view-buttons").children) each.classList.add("small");
     this.panels.showRole(this.role);
     this.panels.addEvents([]);
@@ -220,6 +233,12 @@ class Page {
     this.timeline.setTexts();
     this.charts.build();
     this.showButtons();
+  }
+
+  /** Colours the bone by its distance to the planned cup, or by tissue. */
+  private colourByPlan(on: boolean): void {
+    byId("view-scale").hidden = !on;
+    this.scene.colourBone(on);
   }
 
   private button(id: string, word: Word, key: string, act: () => void): HTMLButtonElement {

@@ -96,6 +96,7 @@ export interface Status {
   arm_messages_lost: number;
   answers_lost: number;
   disk_left_B: number | null;
+  bone_age_ms?: number | null; // of the carved bone; null, or absent: no bone follows a cut
   frame_us: number;
   rendered_s: number;
   paused_s: number;
@@ -192,11 +193,12 @@ export interface BoneDifference {
   at_mm: Vector; // in the bone's frame
   limit_mm: number; // larger ones are not told apart
 }
-/** The feed begins anew at another time. */
 /** The bricks sent so far are of one time. */
 export interface SurfaceWhole {
   type: "surface_whole";
+  age_ms?: number; // how old the bone was when it was sent
 }
+/** The feed begins anew at another time. */
 export interface Restart {
   type: "restart";
 }

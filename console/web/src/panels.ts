@@ -44,6 +44,7 @@ function healthRows(status: Status, worst: { compute_us: number; wakeup_us: numb
     ...age("plcAge", status.plc_age_ms),
     ...age("modelAge", status.model_age_ms),
     ...age("sensorAge", status.sensor_age_ms),
+    ...age("boneAge", status.bone_age_ms ?? null),
     [t("frame"), `${figure(status.frame_us, 0)} µs`],
     [t("tickMost"), `${figure(status.compute_p99_us, 0)} µs`],
     [t("tick"), `${figure(worst.compute_us, 0)} µs`],

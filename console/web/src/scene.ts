@@ -37,6 +37,8 @@ export class SceneView {
   private arm: Arm | null = null;
   private zones: Object3D | null = null;
   private planView: PlanView | null = null;
+  private plan: PlanNote | null = null;
+  private byPlan = false; // the bone's colours
   private toolIndex = -1; // in Hello.tools: whose balls are shown
   private contacts: Group[] = [];
   private force = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 0.1, 0x5aa9f0, 0.02, 0.012);
@@ -88,6 +90,8 @@ export class SceneView {
     place(this.arm.group, hello.X_WB);
     this.setTool(hello.tool.balls);
     this.planView = null;
+    this.plan = null;
+    this.colourBone(this.byPlan);
     this.toolIndex = -1;
     this.zones = zonesOf(hello.zones);
     this.zones.visible = false;
@@ -120,8 +124,24 @@ export class SceneView {
     const wasVisible = this.planView?.group.visible ?? true;
     if (this.planView) this.lasting.remove(this.planView.group);
     this.planView = new PlanView(plan);
+    this.plan = plan;
+    this.colourBone(this.byPlan);
     this.planView.group.visible = wasVisible;
     this.lasting.add(this.planView.group);
+    this.redraw();
+  }
+
+  /** Colours the bone by its distance to the planned cup, where there is one, or by tissue. */
+  colourBone(byPlan: boolean): void {
+    this.byPlan = byPlan;
+    if (!this.hello) return;
+    const X_GW = matrixOf(this.hello.X_WG).invert();
+    const plan = byPlan && this.plan?.kind === "cup" ? this.plan : null;
+    this.surface.colourByPlan(plan && {
+      centre: vectorOf(plan.cup_centre_m).applyMatrix4(X_GW),
+      axis: vectorOf(plan.axis).transformDirection(X_GW),
+      radius_m: plan.cup_radius_m,
+    });
     this.redraw();
   }
 

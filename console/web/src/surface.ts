@@ -1,10 +1,11 @@
 // The carved bone: bricks of the surface, 4³ of them in one mesh, made anew as the server sends bricks again.
 
-import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, Mesh, MeshStandardMaterial, Plane } from "three";
+import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, Mesh, MeshStandardMaterial, Plane, Vector3 } from "three";
 import { FIRST_DEEPER, NO_DIFFERENCE, SAME, SECOND_DEEPER } from "./difference_colours";
+import { planColour, type PlannedCup } from "./plan_colours";
 import { decodeChunks, placeOf, type Chunk, type Layout } from "./surface_chunk";
 
-const MAX_WAIT_MS = 1000; // for the rest of a change
+const MAX_WAIT_MS = 200; // for the rest of a change; a live one comes whole, in one message
 const GROUP_EDGE = 4; // bricks along a mesh: few enough draw calls, little to make anew
 const MATERIAL = 0x7f, CUT = 0x80;
 
@@ -29,9 +30,13 @@ export class Surface {
   private colours: Color[] = [new Color(OTHER)];
   private layout: Layout | null = null;
   private range_mm = 1; // of the difference's colours
-  private partSince = -MAX_WAIT_MS; // time at which a change that is not whole began
+  private cup: PlannedCup | null = null; // the bone is coloured by its distance to it
+  private waiting: Chunk[] = []; // of a change that is not whole yet
+  private began: number | null = null; // time at which that change began
+  private accepted = 0; // time at which bricks were last handed to the picture
   triangles = 0;
   chunks = 0; // taken so far
+  whole = 0; // changes so far
 
   constructor(private readonly parent: Group) {}
 
@@ -44,7 +49,17 @@ export class Surface {
   setRange(range_mm: number): void {
     if (range_mm === this.range_mm) return;
     this.range_mm = range_mm;
-    if (this.layout?.difference_step_mm !== undefined) for (const key of this.blocks.keys()) this.changed.add(key);
+    if (this.layout?.difference_step_mm !== undefined) this.changeAll();
+  }
+
+  /** Colours the bone by its distance to a planned cup; null: by tissue. */
+  colourByPlan(cup: PlannedCup | null): void {
+    this.cup = cup;
+    this.changeAll();
+  }
+
+  private changeAll(): void {
+    for (const key of this.blocks.keys()) this.changed.add(key);
   }
 
   setClip(plane: Plane | null): void {
@@ -62,15 +77,38 @@ export class Surface {
     for (const block of this.blocks.values()) this.drop(block);
     this.blocks.clear();
     this.changed.clear();
+    this.waiting = [];
+    this.began = null;
     this.triangles = 0;
   }
 
   /** Takes bricks; the picture shows them once the change is whole, or after a while. */
   take(bytes: ArrayBuffer): void {
     if (!this.layout) return;
-    if (this.changed.size === 0) this.partSince = performance.now();
-    for (const chunk of decodeChunks(bytes, this.layout)) {
-      ++this.chunks;
+    const now = performance.now();
+    if (this.began === null) this.began = this.accepted = now;
+    const chunks = decodeChunks(bytes, this.layout);
+    this.chunks += chunks.length;
+    this.waiting.push(...chunks);
+    if (now - this.accepted > MAX_WAIT_MS) this.accept();
+  }
+
+  /** The bricks so far are of one time. */
+  complete(): void {
+    this.accept();
+    this.began = null;
+    ++this.whole;
+  }
+
+  /** For how long the change that is not whole yet has been on its way [ms]; 0: there is none. */
+  unfinished_ms(): number {
+    return this.began === null ? 0 : performance.now() - this.began;
+  }
+
+  private accept(): void {
+    this.accepted = performance.now();
+    if (!this.layout) return;
+    for (const chunk of this.waiting) {
       const key = placeOf(chunk.brick, this.layout).map((b) => Math.floor(b / GROUP_EDGE)).join();
       const block = this.blocks.get(key) ?? { chunks: new Map<number, Chunk>(), mesh: null };
       if (chunk.indices.length === 0) block.chunks.delete(chunk.brick);
@@ -78,16 +116,11 @@ export class Surface {
       this.blocks.set(key, block);
       this.changed.add(key);
     }
+    this.waiting = [];
   }
 
-  /** The bricks so far are of one time. */
-  complete(): void {
-    this.partSince = -MAX_WAIT_MS;
-  }
-
-  /** Makes the meshes that have changed, unless only a part of a change is here. Called before a picture is drawn. */
+  /** Makes the meshes that have changed. Called before a picture is drawn. */
   update(): void {
-    if (performance.now() - this.partSince < MAX_WAIT_MS) return;
     for (const key of this.changed) {
       const block = this.blocks.get(key)!;
       this.drop(block);
@@ -105,7 +138,7 @@ export class Surface {
     for (const chunk of chunks) {
       positions.set(chunk.positions, 3 * vertex);
       normals.set(chunk.normals, 3 * vertex);
-      for (let i = 0; i < chunk.materials.length; ++i) this.colour(chunk.materials[i]).toArray(colours, 3 * (vertex + i));
+      for (let i = 0; i < chunk.materials.length; ++i) this.colour(chunk, i).toArray(colours, 3 * (vertex + i));
       for (let i = 0; i < chunk.indices.length; ++i) indices[index + i] = vertex + chunk.indices[i];
       vertex += chunk.materials.length;
       index += chunk.indices.length;
@@ -121,14 +154,19 @@ export class Surface {
   }
 
   private readonly mixed = new Color();
-  private colour(material: number): Color {
+  private readonly at = new Vector3();
+  private colour(chunk: Chunk, vertex: number): Color {
+    const material = chunk.materials[vertex];
     const step_mm = this.layout?.difference_step_mm;
     if (step_mm !== undefined) {
       const share = (((material & MATERIAL) - NO_DIFFERENCE) * step_mm) / this.range_mm;
       return this.mixed.copy(SAME_COLOUR).lerp(share < 0 ? FIRST_COLOUR : SECOND_COLOUR, Math.min(1, Math.abs(share)));
     }
+    const cut = (material & CUT) !== 0;
+    const planned = this.cup && planColour(this.at.fromArray(chunk.positions, 3 * vertex), cut, this.cup, this.mixed);
+    if (planned) return planned;
     const own = this.colours[Math.min(material & MATERIAL, this.colours.length - 1)];
-    return material & CUT ? this.mixed.copy(own).lerp(CUT_TINT, CUT_SHARE) : own;
+    return cut ? this.mixed.copy(own).lerp(CUT_TINT, CUT_SHARE) : own;
   }
 
   private drop(block: Block): void {

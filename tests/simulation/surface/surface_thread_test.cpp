@@ -1,8 +1,15 @@
 #include "simulation/surface/surface_thread.h"
 
+#include <pthread.h>
+#include <sched.h>
+
+#include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <map>
 #include <mutex>
+#include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -34,7 +41,7 @@ class ChunkKeeper final : public SurfaceSink {
   }
   std::map<BrickIndex, SurfaceChunk> kept;
   BrickIndex bricks{0};
-  std::uint64_t last_frame{0};
+  std::atomic<std::uint64_t> last_frame{0};
 };
 
 std::size_t Quads(const std::map<BrickIndex, SurfaceChunk>& chunks) {
@@ -124,6 +131,44 @@ TEST(SurfaceThread, AppliesAChangeAfterAllThatWasPushed) {
   EXPECT_EQ(Quads(sink.kept), quads) << "published as it was";
   EXPECT_THROW(thread.Apply([](CarvedField&, ToolWays&) { throw std::logic_error("mine"); }),
                std::logic_error);
+}
+
+TEST(SurfaceThread, TellsHowFarItIsBehind) {
+  ChunkKeeper sink;
+  SurfaceThread thread(kBall, Pose::Identity(), {.make_solid = [] { return BallField(9.0F, 0.5F); }}, sink);
+  for (std::uint64_t i = 1; i <= 100; ++i) ASSERT_TRUE(thread.Push(FrameNumber(i)));
+  const rt::Nanoseconds before = rt::MonotonicNow();
+  thread.Apply([](CarvedField&, ToolWays&) {});
+  EXPECT_LE(thread.age().count(), rt::MonotonicNow() - before);
+}
+
+// On one CPU that three others keep busy, for which SCHED_IDLE has next to no time: the mesh follows all the
+// same.
+TEST(SurfaceThread, FollowsOnABusyMachine) {
+  cpu_set_t all, one;
+  ASSERT_EQ(pthread_getaffinity_np(pthread_self(), sizeof all, &all), 0);
+  CPU_ZERO(&one);
+  CPU_SET(static_cast<std::size_t>(sched_getcpu()), &one);
+  pthread_setaffinity_np(pthread_self(), sizeof one, &one);  // the threads made here inherit it
+  std::atomic<bool> done{false};
+  std::vector<std::thread> others;
+  for (int i = 0; i < 3; ++i)
+    others.emplace_back([&] {
+      while (!done.load()) continue;
+    });
+  ChunkKeeper sink;
+  SurfaceThread thread(kBall, Pose::Identity(), {.make_solid = [] { return BallField(9.0F, 0.5F); }}, sink);
+  pthread_setaffinity_np(pthread_self(), sizeof all, &all);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(15);
+  const auto follows_to = [&](std::uint64_t first, std::uint64_t last) {
+    for (std::uint64_t i = first; i <= last; ++i) (void)thread.Push(FrameNumber(i));
+    while (sink.last_frame < last && std::chrono::steady_clock::now() < end)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return sink.last_frame.load();
+  };
+  for (std::uint64_t i = 0; i < 4; ++i) EXPECT_EQ(follows_to(480 * i + 1, 480 * i + 480), 480 * i + 480);
+  done.store(true);
+  for (std::thread& other : others) other.join();
 }
 
 TEST(SurfaceThread, SaysWhyItEnded) {

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+
+namespace osteon::console {
+
+/// Bytes of the surface in one message to a page: as many as its link takes in some milliseconds, so that the
+/// figures between two messages are not late. Grows on a fast link, where a live change then is one message.
+class SurfaceBudget {
+ public:
+  static constexpr std::size_t kMin_bytes = 32u << 10, kMax_bytes = 1u << 20;
+  static constexpr std::chrono::milliseconds kFast{10}, kSlow{30};
+
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
+
+  /// @param took  time that writing a message took
+  void AfterMessage(std::chrono::nanoseconds took) {
+    if (took > kSlow) bytes_ = std::max(bytes_ / 2, kMin_bytes);
+    if (took < kFast) bytes_ = std::min(2 * bytes_, kMax_bytes);
+  }
+
+ private:
+  std::size_t bytes_{256u << 10};
+};
+
+}  // namespace osteon::console

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "console/server/surface_store.h"
+
+namespace osteon::console {
+
+/// One reader's place in a SurfaceStore: takes a change with all its bricks and hands it out in parts.
+///
+///     SurfaceStore ──all that changed──▶ waiting bricks ──part──▶ part ──▶ … ──▶ whole; then the next change
+///
+/// What changes meanwhile is not added to the waiting bricks but is one further change. So every brick has
+/// its turn, however often others change; the bricks of a change are of one time; and a reader holds the
+/// bytes of one surface at most. One thread.
+class SurfaceReader {
+ public:
+  struct Part {
+    SurfaceStore::Bytes layout;  ///< another grid's message, before the bricks; null: the same grid
+    std::string bricks;          ///< one after the other
+    bool begins{false};          ///< it has the first bricks of a change
+    bool ends{false};            ///< it has the last ones
+  };
+
+  /// The next part. @param max_bytes  of the bricks; a single brick may be larger
+  [[nodiscard]] Part Next(const SurfaceStore& store, std::size_t max_bytes) {
+    Part part;
+    if (store.layout_version() > seen_) waiting_.clear();  // bricks of a grid that is void
+    if (waiting_.empty()) {
+      auto [layout, bricks] = store.Since(seen_);
+      part.layout = std::move(layout);
+      part.begins = !bricks.empty();
+      waiting_ = std::move(bricks);
+      next_ = 0;
+    }
+    if (waiting_.empty()) return part;
+    do {
+      part.bricks += *waiting_[next_];
+    } while (++next_ < waiting_.size() && part.bricks.size() + waiting_[next_]->size() <= max_bytes);
+    part.ends = next_ == waiting_.size();
+    if (part.ends) waiting_.clear();
+    return part;
+  }
+
+  /// Begins with the grid and all bricks again.
+  void Restart() {
+    waiting_.clear();
+    seen_ = 0;
+  }
+
+ private:
+  std::uint64_t seen_{0};  // the store's version of the change that is handed out
+  std::vector<SurfaceStore::Bytes> waiting_;
+  std::size_t next_{0};  // in waiting_
+};
+
+}  // namespace osteon::console
