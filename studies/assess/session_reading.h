@@ -53,6 +53,8 @@ struct AssessedSession {
   double guidance_gain{0.0};  ///< the largest of any segment
   /// The passes that count and are not whole in the recordings: "pass 2: …"; empty: all are.
   std::string missing{};
+
+  [[nodiscard]] bool guided() const { return guidance_gain > 0.0; }
 };
 
 /// Reads FOLDER/session.json, plan, recordings and the last state that counts, and measures them.

@@ -21,12 +21,16 @@ AssessCommand::AssessCommand(CLI::App& app) : sub_(AddStudy(app, "assess")) {
   sub_->add_option("--pass-at", options_.pass_at,
                    "exit code 1 below this score, and where the plan is not finished")
       ->check(NumberWithin(0, 100));
-  sub_->add_option("--norms", options_.norms,
-                   "sessions of experts of the same site: their medians stand beside each figure")
+  sub_->add_option(
+          "--norms", options_.norms,
+          "sessions of experts of the same site: their medians stand beside each figure; finished, and with "
+          "guidance or without as this one")
       ->type_name("FOLDER")
       ->check(CLI::ExistingDirectory);
-  sub_->add_option("--against", options_.against,
-                   "another session of the plan, beside this one in compare.html and compare.png")
+  sub_->add_option(
+          "--against", options_.against,
+          "another session of the plan, beside this one in compare.html and compare.png; a guided one is "
+          "marked and not ranked with one that was not")
       ->type_name("FOLDER")
       ->check(CLI::ExistingDirectory);
   sub_->add_option("--json", options_.json, "also write the result there, as JSON")->type_name("FILE");

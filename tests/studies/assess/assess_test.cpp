@@ -96,6 +96,17 @@ class Assess : public testing::Test {
   static void TearDownTestSuite() { folder_.reset(); }
 
   static fs::path Session() { return folder_->path() / "session_1"; }
+  // A copy of the session with another session.json.
+  template <class Change>
+  static fs::path CopyWith(const char* name, const Change& change) {
+    const fs::path copy = folder_->path() / name;
+    fs::copy(Session(), copy);
+    auto file = session::ReadSession(copy);
+    EXPECT_TRUE(file);
+    change(*file);
+    EXPECT_TRUE(session::WriteSession(copy, *file));
+    return copy;
+  }
   static AssessOptions Options() { return {.session = Session(), .rubric = kConfig / "rubrics/rubric.yaml"}; }
 
   static std::unique_ptr<io::test::TemporaryFolder> folder_;
@@ -169,6 +180,50 @@ TEST_F(Assess, TheSameSessionAsItsOwnNormHasItsFiguresAsMedians) {
   EXPECT_EQ(json["norms"]["path"]["sessions"], 1);
   EXPECT_EQ(json["norms"]["path"]["median"], json["process"]["path_mm"]);
   EXPECT_EQ(json["norms"]["coverage"]["median"], json["result"]["coverage"]);
+}
+
+TEST_F(Assess, ANormIsFinishedAndAsGuidedAsTheSession) {
+  const fs::path guided =
+      CopyWith("guided", [](session::SessionFile& file) { file.segments.front().guidance_gain = 0.5; });
+  const fs::path unfinished =
+      CopyWith("unfinished", [](session::SessionFile& file) { file.passes.front().to_go_mm = 1.4; });
+  const auto norms = ReadNorms({Session(), guided}, false);
+  ASSERT_FALSE(norms);
+  EXPECT_EQ(norms.error().find("--norms " + guided.string() +
+                               ": found a session with guidance (gain 0.5), accepted sessions without"),
+            0u)
+      << norms.error();
+  EXPECT_TRUE(ReadNorms({guided}, true));
+  EXPECT_FALSE(ReadNorms({Session()}, true));
+  const auto short_of_it = ReadNorms({unfinished}, false);
+  ASSERT_FALSE(short_of_it);
+  EXPECT_NE(short_of_it.error().find("not finished (its last tool stopped 1.4 mm short"), std::string::npos)
+      << short_of_it.error();
+  AssessOptions options = Options();
+  options.norms = {unfinished};
+  EXPECT_EQ(RunAssess(options), 2);
+  fs::remove_all(guided);
+  fs::remove_all(unfinished);
+}
+
+TEST_F(Assess, AGuidedSessionBesideAnUnguidedOneIsMarkedAndNotRanked) {
+  const fs::path guided =
+      CopyWith("helped", [](session::SessionFile& file) { file.segments.front().guidance_gain = 0.5; });
+  AssessOptions options = Options();
+  options.against = guided;
+  testing::internal::CaptureStdout();
+  ASSERT_EQ(RunAssess(options), 0);
+  const std::string printed = testing::internal::GetCapturedStdout();
+  for (const char* words : {"(without guidance)", "(helped, with guidance (gain 0.5))",
+                            "Not to be ranked: session_1 was reamed "}) {
+    EXPECT_NE(printed.find(words), std::string::npos) << words << "\n" << printed;
+  }
+  const std::string page = ReadAll(Session() / "compare.html");
+  for (const char* words : {"<strong>Not to be ranked: session_1 was reamed without guidance, helped with",
+                            ">with guidance (gain 0.5)</text>", ">without guidance</text>",
+                            "<td>guidance</td><td>without guidance</td><td>with guidance (gain 0.5)</td>"})
+    EXPECT_NE(page.find(words), std::string::npos) << words;
+  fs::remove_all(guided);
 }
 
 TEST_F(Assess, AnEarlierSessionOfThePlanIsItsTrend) {
