@@ -20,6 +20,9 @@ namespace osteon::studies {
 struct SessionTrace {
   std::vector<double> t_s{}, height_mm{}, tilt_deg{}, aside_mm{}, force_N{};
   std::vector<double> proxy_mm{};  ///< height of the simulated head, which bone stops before the handle
+  /// How far the head may be aside at its height, free and before the spindle stops; empty: the plan has no
+  /// corridor.
+  std::vector<double> free_mm{}, stop_mm{};
 };
 inline constexpr double kTraceStep_s = 0.05;
 
