@@ -259,6 +259,31 @@ void PrintComparison(const AssessResult& result, const AssessResult& other, cons
   fmt::print("comparison: {}\n", page.string());
 }
 
+Json PublishedJson(const procedure::Assessment& assessment) {
+  Json rows = Json::array();
+  const auto spread = [](const procedure::MeanAndSpread& s) {
+    return Json{{"mean_mm", 1e3 * s.mean_m}, {"sd_mm", 1e3 * s.sd_m}};
+  };
+  for (const procedure::PublishedShift& shift : procedure::PublishedShifts(assessment))
+    rows.push_back({{"shift", shift.direction},
+                    {"value_mm", 1e3 * shift.value_m},
+                    {"peripheral_reaming", spread(shift.peripheral)},
+                    {"standard_reaming", spread(shift.standard)},
+                    {"source", shift.source}});
+  return rows;
+}
+
+Json TrendJson(const Trend& trend) {
+  Json points = Json::array();
+  for (const TrendPoint& point : trend.points)
+    points.push_back({{"session", point.session},
+                      {"began", point.began.empty() ? Json() : Json(point.began)},
+                      {"score", point.score},
+                      {"guided", point.guided},
+                      {"finished", point.finished ? Json(*point.finished) : Json()}});
+  return points;
+}
+
 }  // namespace
 
 Json AssessJson(const AssessResult& result) {
@@ -274,11 +299,14 @@ Json AssessJson(const AssessResult& result) {
           {"process", ProcessJson(result.session)},
           {"score", ScoreJson(result)},
           {"guided", result.guided},
+          {"began", result.session.file.began.empty() ? Json() : Json(result.session.file.began)},
           {"pass_at", OrNull(result.pass_at)},
           {"finished", result.unfinished.text.empty()},
           {"recordings_whole", result.session.missing.empty()},
           {"passed", result.pass_at ? Json(Passes(result, *result.pass_at)) : Json()},
-          {"norms", norms}};
+          {"norms", norms},
+          {"published", PublishedJson(result.session.assessment)},
+          {"trend", TrendJson(result.trend)}};
 }
 
 const char* CupConePlace(const procedure::SurgicalPlan& plan, const procedure::Assessment& found) {
@@ -295,7 +323,9 @@ int RunAssess(const AssessOptions& options) {
   auto norms = ReadNorms(options.norms, result.guided);
   if (!norms) return session::Fail("assess", norms.error());
   result.norms = std::move(*norms);
-  result.trend = ReadTrend(result);
+  auto trend = ReadTrend(result, options.trend);
+  if (!trend) return session::Fail("assess", trend.error());
+  result.trend = std::move(*trend);
   std::optional<AssessResult> other;
   if (!options.against.empty()) {
     auto measured = Measure(options.against, options);
@@ -314,6 +344,8 @@ int RunAssess(const AssessOptions& options) {
     if (!file.empty())
       if (const auto written = base::WriteText(file, text); !written)
         return session::Fail("assess", written.error(), session::kFailed);
+  if (const auto written = base::WriteText(options.session / kTrendName, TrendCsv(result.trend)); !written)
+    return session::Fail("assess", written.error(), session::kFailed);
   const fs::path page = options.session / "assess.html";
   if (const auto written = WriteAssessPage(result, verdict, options.command_line, page); !written)
     return session::Fail("assess", written.error(), session::kFailed);

@@ -21,6 +21,7 @@ struct AssessOptions {
   std::filesystem::path rubrics{};             ///< folder of the shipped ones
   std::optional<double> pass_at{};             ///< score below which the exit code is 1
   std::vector<std::filesystem::path> norms{};  ///< sessions of a site's own experts, as guided as this one
+  std::vector<std::filesystem::path> trend{};  ///< assessed sessions, beside those that are found
   std::filesystem::path against{};             ///< another session of the plan; empty: none
   std::filesystem::path json{};                ///< a copy of the result; empty: none
   std::string command_line{};
@@ -33,7 +34,7 @@ struct AssessResult {
   procedure::MetricValues values;
   procedure::Score score;
   Norms norms;
-  std::vector<TrendPoint> trend;  ///< by the folders' names, with this session
+  Trend trend;  ///< with this session
   bool guided{false};
   std::optional<double> pass_at{};  ///< as asked
   Unfinished unfinished{};
@@ -47,7 +48,7 @@ struct AssessResult {
 /// JSON of `osteon assess`, schema osteon.assess/1.
 [[nodiscard]] nlohmann::ordered_json AssessJson(const AssessResult& result);
 
-/// Runs `osteon assess`: writes assess.html and assess.json into the session's folder, and prints
+/// Runs `osteon assess`: writes assess.html, assess.json and trend.csv into the session's folder, and prints
 /// the score; with another session compare.html and compare.png as well, where each score says whether it was
 /// guided.
 /// @returns the process's exit code: 0; 1 the score is below `pass_at` or the plan not finished with it, or a

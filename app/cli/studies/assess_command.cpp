@@ -33,10 +33,15 @@ AssessCommand::AssessCommand(CLI::App& app) : sub_(AddStudy(app, "assess")) {
           "marked and not ranked with one that was not")
       ->type_name("FOLDER")
       ->check(CLI::ExistingDirectory);
+  sub_->add_option(
+          "--trend", options_.trend,
+          "further assessed sessions of the plan for the trend, beside those in folders beside this one")
+      ->type_name("FOLDER")
+      ->check(CLI::ExistingDirectory);
   sub_->add_option("--json", options_.json, "also write the result there, as JSON")->type_name("FILE");
   sub_->footer(
-      "Writes assess.html and assess.json into the folder. Results that stand beside it, of the same plan, "
-      "are its trend.\n\n"
+      "Writes assess.html, assess.json and trend.csv into the folder. The trend has the results of the same "
+      "plan and rubric in the folders beside it, in the order in which the sessions began.\n\n"
       "Exit code 1: the score is below --pass-at, or the plan is not finished with it\n\n"
       "Examples:\n  osteon assess session_1\n  osteon assess session_1 --pass-at 70 --norms expert_1 "
       "expert_2\n  osteon assess expert/session --against novice/session");
