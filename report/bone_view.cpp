@@ -103,6 +103,13 @@ CarvedSurface Extract(const surface::CarvedField& field, const MaterialMap& mate
   return out;
 }
 
+/// Carving costs by bricks: few calls with many capsules. A bound, as each brick looks at all of a call.
+void CarveInBatches(surface::CarvedField& field, std::span<const surface::Capsule> capsules) {
+  constexpr std::size_t kBatch = 4096;
+  for (std::size_t at = 0; at < capsules.size(); at += kBatch)
+    field.Carve(capsules.subspan(at, std::min(kBatch, capsules.size() - at)));
+}
+
 std::string DataAddress(const std::vector<std::uint8_t>& bytes) {
   return "data:application/octet-stream;base64," + Base64(bytes);
 }
@@ -125,15 +132,24 @@ double ColorRange_mm(const CavityError& error) {
 
 }  // namespace
 
-void CarveAlong(surface::CarvedField& field, const simulation::ToolPath& path) {
+std::vector<surface::Capsule> CapsulesAlong(const simulation::ToolPath& path) {
   surface::ToolWays ways(*path.tool, Pose::Identity());
+  std::vector<surface::Capsule> capsules;
   std::uint64_t frame = 0;
+  const auto take = [&] {
+    const std::vector<surface::Capsule> swept = ways.TakeCapsules();
+    capsules.insert(capsules.end(), swept.begin(), swept.end());
+  };
   for (const Pose& X : path.X_GP) {
     if (!X.matrix().allFinite()) continue;
-    if (ways.Add({.X_WP = X, .p_WS_m = X.translation(), .cuts = true, .frame = ++frame}))
-      field.Carve(ways.TakeCapsules());
+    if (ways.Add({.X_WP = X, .p_WS_m = X.translation(), .cuts = true, .frame = ++frame})) take();
   }
-  field.Carve(ways.TakeCapsules());
+  take();
+  return capsules;
+}
+
+void CarveAlong(surface::CarvedField& field, const simulation::ToolPath& path) {
+  CarveInBatches(field, CapsulesAlong(path));
 }
 
 CarvedSurface CarveSurface(const CarveInput& input) {
@@ -142,13 +158,18 @@ CarvedSurface CarveSurface(const CarveInput& input) {
   constexpr int kTries = 5;
   constexpr double kCoarser = 1.1;
   float voxel_mm = surface::VoxelFor(*input.paths.back().tool);
+  std::vector<surface::Capsule> capsules;  // of all tools: a field does not know in which order it was swept
+  for (const simulation::ToolPath& path : input.paths) {
+    const std::vector<surface::Capsule> swept = CapsulesAlong(path);
+    capsules.insert(capsules.end(), swept.begin(), swept.end());
+  }
   CarvedSurface carved;
   for (int i = 0; i < kTries; ++i) {
     try {
       const auto uncut = FieldOf(input.bone, input.solid, voxel_mm);
       if (uncut == nullptr) return {};
       surface::CarvedField field(uncut);
-      for (const simulation::ToolPath& path : input.paths) CarveAlong(field, path);
+      CarveInBatches(field, capsules);
       carved = Extract(field, input.materials, distance_m);
       carved.planned = static_cast<bool>(input.planned);
       if (carved.quads <= input.max_quads) return carved;

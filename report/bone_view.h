@@ -9,6 +9,7 @@
 #include "report/bone_shape.h"
 #include "report/render.h"
 #include "report/section.h"
+#include "simulation/surface/capsule.h"
 #include "simulation/surface/carved_field.h"
 #include "simulation/surface/surface_chunk.h"
 
@@ -45,6 +46,10 @@ struct CarveInput {
 /// straight out along the site's axis from its deepest pose.
 /// The grid is made coarser until there are at most `max_quads`. No chunk where nothing has a surface.
 [[nodiscard]] CarvedSurface CarveSurface(const CarveInput& input);
+
+/// What a tool's cutting parts sweep along its path. To carve by the capsules of all paths at once takes a
+/// fraction of the time that frame by frame takes, and leaves the same field.
+[[nodiscard]] std::vector<surface::Capsule> CapsulesAlong(const simulation::ToolPath& path);
 
 /// Carves a field by a tool's path.
 void CarveAlong(surface::CarvedField& field, const simulation::ToolPath& path);

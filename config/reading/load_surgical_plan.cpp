@@ -23,13 +23,18 @@ Vector3 Place(Reader& section, const std::string& key) {
   return section.Triple(key, -kMaxPlace_mm, kMaxPlace_mm);
 }
 
+// A direction of the body, by its word alone or as an axis: "lateral", "lateral_axis".
+Vector3 BodyAxis(Reader& section, const std::string& word) {
+  return section.Direction(section.Has(word) ? word : word + "_axis");
+}
+
 // Reads the landmarks, or the axes themselves, and the tilt. The frame follows after Finish().
 procedure::PelvicFrame ReadPelvis(Reader& section, SurgicalPlan& plan) {
   procedure::PelvicFrame axes;
-  if (section.Has("lateral_axis")) {
-    axes = {.lateral = section.Direction("lateral_axis"),
-            .anterior = section.Direction("anterior_axis"),
-            .superior = section.Direction("superior_axis")};
+  if (section.Has("lateral_axis") || section.Has("lateral")) {
+    axes = {.lateral = BodyAxis(section, "lateral"),
+            .anterior = BodyAxis(section, "anterior"),
+            .superior = BodyAxis(section, "superior")};
   } else {
     plan.landmarks = procedure::PelvicLandmarks{.asis_right_m = Place(section, "asis_right_mm"),
                                                 .asis_left_m = Place(section, "asis_left_mm"),
@@ -178,14 +183,17 @@ void CheckSequence(const std::vector<Reader>& sections, const std::vector<proced
   }
 }
 
-procedure::PelvicFrame MakeFrame(const Reader& pelvis, const procedure::PelvicFrame& axes,
+procedure::PelvicFrame MakeFrame(Reader& pelvis, const procedure::PelvicFrame& axes,
                                  const SurgicalPlan& plan) {
   try {
     if (plan.landmarks) return procedure::FrameOf(*plan.landmarks, plan.side);
     procedure::CheckFrame(axes, plan.side);
     return axes;
   } catch (const std::invalid_argument& error) {
-    pelvis.Refuse(plan.landmarks ? "pubis_mm" : "anterior_axis", error.what());
+    pelvis.Refuse(plan.landmarks           ? "pubis_mm"
+                  : pelvis.Has("anterior") ? "anterior"
+                                           : "anterior_axis",
+                  error.what());
   }
 }
 

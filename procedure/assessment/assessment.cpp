@@ -49,4 +49,12 @@ MetricValues ValuesOf(const SurgicalPlan& plan, const Assessment& assessment) {
   return values;
 }
 
+std::vector<PublishedShift> PublishedShifts(const Assessment& assessment) {
+  constexpr const char* kSource = "PMID 27909120";
+  if (!assessment.cavity.fit) return {};
+  const AnatomicShift& shift = assessment.cavity.from_native;
+  return {{"medial", shift.medial_m, {0.8e-3, 1.4e-3}, {5.0e-3, 3.3e-3}, kSource},
+          {"superior", shift.superior_m, {0.7e-3, 1.3e-3}, {3.7e-3, 2.6e-3}, kSource}};
+}
+
 }  // namespace osteon::procedure

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "procedure/assessment/cavity_result.h"
 #include "procedure/assessment/opening_result.h"
@@ -41,6 +42,22 @@ void AssessBone(const SurgicalPlan& plan, const simulation::Bone& uncut, const s
 
 /// Angle between the planned axis and the reached one [rad].
 [[nodiscard]] std::optional<double> AxisError(const SurgicalPlan& plan, const Assessment& assessment);
+
+/// A published mean with its standard deviation.
+struct MeanAndSpread {
+  double mean_m{0.0}, sd_m{0.0};
+};
+
+/// A shift of the hip's centre from the native one, beside those that two ways of reaming left in patients:
+/// shown, never scored, because a plan may ask for another centre.
+struct PublishedShift {
+  const char* direction;  ///< "medial" or "superior", the positive one
+  double value_m{0.0};    ///< of this session
+  MeanAndSpread peripheral, standard;
+  const char* source;
+};
+/// Empty without a fitted sphere.
+[[nodiscard]] std::vector<PublishedShift> PublishedShifts(const Assessment& assessment);
 
 /// The metrics' values; errors and shifts as magnitudes.
 [[nodiscard]] MetricValues ValuesOf(const SurgicalPlan& plan, const Assessment& assessment);

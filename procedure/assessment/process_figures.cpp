@@ -16,6 +16,14 @@ CorridorExcess ExcessOf(const SurgicalPlan& plan, const PlannedTool& tool, const
           .depth_m = gains.depth.soft_m - h_m};
 }
 
+CorridorWidth WidthAt(const SurgicalPlan& plan, const PlannedTool& tool, const Vector3& head_m) {
+  const GuidanceGains::Lateral& lateral = plan.guidance.lateral;
+  const double h_m = (head_m - plan.CentreOf(tool)).dot(plan.axis_G), psi = lateral.widening_rad;
+  const double free_m = tool.around_m + lateral.free_m + h_m * std::tan(psi);
+  return {.free_m = std::max(0.0, free_m),
+          .stop_m = std::max(0.0, free_m + (lateral.stop_m - lateral.free_m) / std::cos(psi))};
+}
+
 void ProcessSums::Add(const ProcessSample& sample, const PlannedTool& tool) {
   const bool near = (sample.head_m - plan_->centre_m).norm() <= kNearCup_m;
   if (!begun_) first_s_ = sample.t_s;

@@ -38,6 +38,14 @@ struct CorridorExcess {
 [[nodiscard]] CorridorExcess ExcessOf(const SurgicalPlan& plan, const PlannedTool& tool,
                                       const Vector3& head_m, const Vector3& feed);
 
+/// Distance of the head's centre from the axis [m] at which the corridor begins to act, and at which it stops
+/// the spindle, at the height of a place: where CorridorExcess::lateral_m is 0, and stop - free. 0 where the
+/// funnel is closed.
+struct CorridorWidth {
+  double free_m{0.0}, stop_m{0.0};
+};
+[[nodiscard]] CorridorWidth WidthAt(const SurgicalPlan& plan, const PlannedTool& tool, const Vector3& head_m);
+
 /// Figures of a session, of one tool, or of one pass.
 struct ProcessFigures {
   double time_s{0.0};     ///< from the first tick to the last

@@ -13,7 +13,8 @@ double ShareInside(double distance_m, double h_m) { return std::clamp(0.5 - dist
 
 }  // namespace
 
-double BoneInCavity(const simulation::Solid& solid, const PlannedCavity& cavity, double cell_m) {
+double BoneInCavity(const simulation::Solid& solid, const PlannedCavity& cavity, double cell_m,
+                    std::span<const PlannedCavity> cleared) {
   const Eigen::AlignedBox3d box = solid.Bounds();
   const Eigen::Vector3i count = (box.sizes() / cell_m).array().ceil().matrix().cast<int>().cwiseMax(1);
   const double half_diagonal_m = 0.5 * std::sqrt(3.0) * cell_m;
@@ -36,7 +37,10 @@ double BoneInCavity(const simulation::Solid& solid, const PlannedCavity& cavity,
         if (in_cavity_m > half_diagonal_m) continue;
         const double in_bone_m = solid.SignedDistance(p_m);
         if (in_bone_m > half_diagonal_m) continue;
-        cells += ShareInside(in_cavity_m, cell_m) * ShareInside(in_bone_m, cell_m);
+        double gone = 0.0;
+        for (const PlannedCavity& earlier : cleared)
+          gone = std::max(gone, ShareInside(earlier.DistanceTo(p_m), cell_m));
+        cells += std::max(0.0, ShareInside(in_cavity_m, cell_m) - gone) * ShareInside(in_bone_m, cell_m);
       }
   return cells * cell_m * cell_m * cell_m;
 }

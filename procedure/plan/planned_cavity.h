@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "kinematics/spatial.h"
 #include "simulation/bone/bone.h"
@@ -34,9 +35,12 @@ struct PlannedCavity {
   }
 };
 
-/// Volume of a solid's bone inside the cavity [m³]: cells of edge `cell_m`, those that a surface passes
-/// through by the surface's distance. With cells of R/50 the error is below 0.1 % on smooth solids.
-[[nodiscard]] double BoneInCavity(const simulation::Solid& solid, const PlannedCavity& cavity, double cell_m);
+/// Volume of a solid's bone inside the cavity and outside of what is cleared before [m³]: cells of edge
+/// `cell_m`, those that a surface passes through by the surface's distance. With cells of R/50 the error is
+/// below 0.1 % on smooth solids.
+/// @param cleared  cavities of earlier tools
+[[nodiscard]] double BoneInCavity(const simulation::Solid& solid, const PlannedCavity& cavity, double cell_m,
+                                  std::span<const PlannedCavity> cleared = {});
 
 /// Thinnest wall that the cavity leaves, by the scene's watch (simulation/bone/scene_events.h); nothing where
 /// no wall was seen.

@@ -96,10 +96,12 @@ struct SurgicalPlan {
   [[nodiscard]] Vector3 ApexOf(const PlannedTool& tool) const {
     return CentreOf(tool) - 0.5 * tool.diameter_m * axis_G;
   }
-  /// The space that the last tool clears.
-  [[nodiscard]] PlannedCavity cavity() const {
-    return {CentreOf(tools.back()), axis_G, 0.5 * tools.back().diameter_m, tools.back().around_m};
+  /// The space that a tool clears.
+  [[nodiscard]] PlannedCavity CavityOf(const PlannedTool& tool) const {
+    return {CentreOf(tool), axis_G, 0.5 * tool.diameter_m, tool.around_m};
   }
+  /// The space that the last tool clears.
+  [[nodiscard]] PlannedCavity cavity() const { return CavityOf(tools.back()); }
 };
 
 /// Largest angle between the planned axis and the scene's own cup. Beyond it the plan is for the other side,

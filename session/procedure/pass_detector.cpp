@@ -4,16 +4,21 @@
 
 namespace osteon::session {
 
+bool CutDetector::Step(const simulation::ContactModel& model, double spindle_rad_per_s) {
+  if (known_) before_m3_ = removed_m3_;
+  if (model.status != simulation::EngineStatus::kOk) return false;
+  if (!known_) before_m3_ = model.removed_volume_m3;
+  removed_m3_ = model.removed_volume_m3;
+  known_ = true;
+  return spindle_rad_per_s > 0.0 && (removed_m3_ > before_m3_ || model.advance_m_per_s > 0.0);
+}
+
 PassDetector::Change PassDetector::Step(const simulation::ContactModel& model, rt::Nanoseconds stamp,
                                         double spindle_rad_per_s) {
   if (model.status != simulation::EngineStatus::kOk) return Change::kNone;
   const double dt_s = last_ == 0 ? 0.0 : std::clamp(rt::ToSeconds(stamp - last_), 0.0, kMaxFrameGap_s);
-  const double before_m3 = known_ ? removed_m3_ : model.removed_volume_m3;
-  const bool gives_way = model.removed_volume_m3 > before_m3 || model.advance_m_per_s > 0.0;
-  const bool cuts = spindle_rad_per_s > 0.0 && gives_way;
-  known_ = true;
+  const bool cuts = cut_.Step(model, spindle_rad_per_s);
   last_ = stamp;
-  removed_m3_ = model.removed_volume_m3;
   clear_ = model.contact_count == 0;
   if (cuts) {
     const bool begins = !open_;
@@ -21,7 +26,7 @@ PassDetector::Change PassDetector::Step(const simulation::ContactModel& model, r
       open_ = true;
       begin_ = stamp;
       cutting_s_ = 0.0;
-      removed_at_begin_m3_ = before_m3;
+      removed_at_begin_m3_ = cut_.removed_before_m3();
     }
     last_cut_ = stamp;
     cutting_s_ += dt_s;
@@ -40,7 +45,8 @@ PassDetector::Change PassDetector::Step(const simulation::ContactModel& model, r
 }
 
 void PassDetector::Restart() {
-  open_ = known_ = false;
+  open_ = false;
+  cut_.Restart();
   clear_since_ = last_ = 0;
 }
 

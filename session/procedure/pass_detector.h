@@ -12,6 +12,29 @@ inline constexpr rt::Nanoseconds kClearOfPass = rt::kSecond / 2;
 /// simulation, counts as this much.
 inline constexpr double kMaxFrameGap_s = 0.1;
 
+/// Says in which frames bone is removed: the one rule for a session's passes and for its assessment.
+///
+///     spindle turns, and (more volume is gone than in the frame before, or the bone gives way)
+///
+/// Mass points vanish one by one, so a slow cut has frames between two of them, in which the cut face
+/// advances and no volume is counted yet.
+class CutDetector {
+ public:
+  /// Takes the next frame. @param spindle_rad_per_s  of the same command
+  /// @returns whether bone is removed in it; false for a frame with an error
+  bool Step(const simulation::ContactModel& model, double spindle_rad_per_s);
+  /// Takes the next frame as the first of another state of the bone.
+  void Restart() { known_ = false; }
+
+  /// Volume that is gone, after the last frame and before it; the same in the first frame.
+  [[nodiscard]] double removed_m3() const { return removed_m3_; }
+  [[nodiscard]] double removed_before_m3() const { return before_m3_; }
+
+ private:
+  bool known_{false};
+  double removed_m3_{0.0}, before_m3_{0.0};
+};
+
 /// Finds the passes of a reaming: from the first frame in which the turning tool removes bone until the tool
 /// has been clear of bone for kClearOfPass.
 class PassDetector {
@@ -29,13 +52,15 @@ class PassDetector {
   // of the open pass, or of the one that has just ended
   [[nodiscard]] rt::Nanoseconds begin() const { return begin_; }
   [[nodiscard]] rt::Nanoseconds last_cut() const { return last_cut_; }
+  /// Time of the frames in which bone was removed (CutDetector).
   [[nodiscard]] double cutting_s() const { return cutting_s_; }
-  [[nodiscard]] double removed_m3() const { return removed_m3_ - removed_at_begin_m3_; }
+  [[nodiscard]] double removed_m3() const { return cut_.removed_m3() - removed_at_begin_m3_; }
 
  private:
-  bool open_{false}, clear_{true}, known_{false};
+  CutDetector cut_;
+  bool open_{false}, clear_{true};
   rt::Nanoseconds begin_{0}, last_cut_{0}, clear_since_{0}, last_{0};
-  double cutting_s_{0.0}, removed_m3_{0.0}, removed_at_begin_m3_{0.0};
+  double cutting_s_{0.0}, removed_at_begin_m3_{0.0};
 };
 
 }  // namespace osteon::session

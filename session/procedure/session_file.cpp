@@ -104,6 +104,19 @@ std::string ReadName(const json& object, const char* key) {
   return name;
 }
 
+// A time of the calendar, or nothing.
+std::string ReadBegan(const json& all) {
+  constexpr std::string_view kForm = "0000-00-00T00:00:00Z";
+  const auto at = all.find("began");
+  if (at == all.end() || at->is_null()) return "";
+  const std::string text = at->is_string() ? at->get<std::string>() : "";
+  const bool has_form =
+      std::equal(text.begin(), text.end(), kForm.begin(), kForm.end(),
+                 [](char c, char form) { return form == '0' ? c >= '0' && c <= '9' : c == form; });
+  if (!has_form) Refuse("began", &*at, "a time in UTC, such as 2026-11-29T09:30:00Z, or null");
+  return text;
+}
+
 json SegmentJson(const SessionSegment& s, const SessionFile& session) {
   return {{"tool_index", s.tool_index},
           {"tool_diameter_mm", session.diameters_mm.at(static_cast<std::size_t>(s.tool_index))},
@@ -233,6 +246,7 @@ std::string ToJson(const SessionFile& session) {
       {"diameters_mm", session.diameters_mm},
       {"tool_change", session.tool_change},
       {"clock", session.clock},
+      {"began", session.began.empty() ? json(nullptr) : json(session.began)},
       {"gains",
        {{"law", session.gains.law},
         {"stiffness_N_per_mm", session.gains.stiffness_N_per_mm},
@@ -267,6 +281,7 @@ tl::expected<SessionFile, std::string> ParseSession(const std::string& text) {
                         .diameters_mm = {},
                         .tool_change = ReadText(all, "tool_change"),
                         .clock = ReadText(all, "clock"),
+                        .began = ReadBegan(all),
                         .gains = {},
                         .ended = ReadBool(all, "ended"),
                         .segments = {},

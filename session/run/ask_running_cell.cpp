@@ -180,6 +180,17 @@ int TakeAnswer(const std::string& command, const std::string& request, const std
   return 0;
 }
 
+// Says that no cell gave an answer, and keeps that as one. @returns the exit code
+int FailWithoutAnswer(const std::string& command, const std::string& reason,
+                      const std::filesystem::path& json) {
+  if (!json.empty())
+    if (const auto written =
+            base::WriteText(json, base::JsonText(nlohmann::json{{"done", false}, {"reason", reason}}));
+        !written)
+      return Fail(command, written.error(), kFailed);
+  return Fail(command, reason, kFailed);
+}
+
 }  // namespace
 
 int RunTell(const TellOptions& options) {
@@ -191,28 +202,28 @@ int RunTell(const TellOptions& options) {
       named.push_back(socket);
   }
   if (named.empty())
-    return Fail(
+    return FailWithoutAnswer(
         "tell",
         fmt::format("found no running cell of {}, accepted a running session's folder or the name of a "
                     "running cell",
                     options.session),
-        kFailed);
+        options.json);
   if (named.size() > 1)
     return Fail("tell", fmt::format("{}: found {} running cells of this name, accepted a session's folder",
                                     options.session, named.size()));
   const auto text = io::AskLocalServer(named.front(), options.request);
-  if (!text) return Fail("tell", text.error(), kFailed);
+  if (!text) return FailWithoutAnswer("tell", text.error(), options.json);
   return TakeAnswer("tell", options.request, *text, options.json);
 }
 
 int RunAsk(const AskOptions& options) {
   const std::vector<std::filesystem::path> running = io::FindLocalServers();
   if (running.empty())
-    return Fail(
+    return FailWithoutAnswer(
         options.request,
         "no cell runs on this machine under this user, and none as a service that this user may ask (group "
         "osteon)",
-        kFailed);
+        options.json);
   if (options.pid == 0 && running.size() > 1)
     return Fail(options.request,
                 "--pid: found none, and several cells run; accepted one of " + Names(running));
@@ -221,7 +232,7 @@ int RunAsk(const AskOptions& options) {
     return Fail(options.request,
                 fmt::format("--pid: found {}, accepted one of {}", options.pid, Names(running)));
   const auto text = io::AskLocalServer(socket, options.request);
-  if (!text) return Fail(options.request, text.error(), kFailed);
+  if (!text) return FailWithoutAnswer(options.request, text.error(), options.json);
   return TakeAnswer(options.request, options.request, *text, options.json);
 }
 

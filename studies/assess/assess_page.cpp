@@ -120,6 +120,14 @@ std::string ItemsTable(const AssessResult& result) {
             : "",
         has_norm ? report::Escape(scored->item.source) : "");
   }
+  for (const procedure::PublishedShift& published : procedure::PublishedShifts(result.session.assessment))
+    html += fmt::format(
+        "<tr><td>{} shift, as published</td><td>{}</td><td>peripheral reaming {:.1f} ± {:.1f} mm, standard "
+        "{:.1f} "
+        "± {:.1f} mm</td><td>shown only</td><td></td><td>{}</td></tr>\n",
+        published.direction, report::Number(1e3 * published.value_m) + " mm",
+        1e3 * published.peripheral.mean_m, 1e3 * published.peripheral.sd_m, 1e3 * published.standard.mean_m,
+        1e3 * published.standard.sd_m, published.source);
   for (const procedure::Deduction& deduction : result.score.deductions)
     html += fmt::format("<tr><td>{}</td><td></td><td></td><td>-{:g}</td><td></td><td>{}</td></tr>\n",
                         report::Escape(deduction.name), deduction.points, report::Escape(deduction.source));
@@ -173,31 +181,49 @@ std::string Curves(const AssessedSession& session) {
   panels[0].series.push_back({.name = "simulated tool", .x = trace.t_s, .y = trace.proxy_mm});
   panels[0].legend = true;
   panels[1].y = report::Range{0.0, shown_aside_mm};
+  if (!trace.free_mm.empty()) {
+    panels[1].series[0].name = "handle";
+    panels[1].series.push_back(
+        {.name = "corridor, free", .x = trace.t_s, .y = trace.free_mm, .color = report::kPalette[2]});
+    panels[1].series.push_back({.name = "corridor, the spindle stops",
+                                .x = trace.t_s,
+                                .y = trace.stop_mm,
+                                .color = report::kPalette[1],
+                                .dash = "5 4"});
+    panels[1].legend = true;
+  }
+  panels[0].zooms = true;
   panels.back().x_label = "time [s]";
   return report::Figure(
       report::Svg(panels),
       "Height of the head's centre over the planned one, its distance from the axis, the hand's force, "
-      "the tool's tilt. Shaded: the passes, by the tool's diameter in mm.");
+      "the tool's tilt. Shaded: the passes, by the tool's diameter in mm. The corridor widens with the "
+      "height, so its lines move with the tool.");
 }
 
 std::string Trend(const AssessResult& result) {
-  if (result.trend.size() < 2) return "";
+  if (result.trend.points.size() < 2) return "";
   report::Series free{.name = "without guidance", .marker = report::Marker::kCircle},
       guided{.name = "guided", .marker = report::Marker::kCircle};
-  for (std::size_t i = 0; i < result.trend.size(); ++i) {
-    report::Series& series = result.trend[i].guided ? guided : free;
+  for (std::size_t i = 0; i < result.trend.points.size(); ++i) {
+    const TrendPoint& point = result.trend.points[i];
+    report::Series& series = point.guided ? guided : free;
     series.x.push_back(static_cast<double>(i + 1));
-    series.y.push_back(result.trend[i].score);
-    series.labels.push_back(result.trend[i].session);
+    series.y.push_back(point.score);
+    series.labels.push_back(point.session + (point.finished.value_or(true) ? "" : " (not finished)"));
   }
-  report::LineChart chart{.x_label = "session, by the folder's name",
-                          .y_label = "score",
-                          .x = report::Range{0.5, static_cast<double>(result.trend.size()) + 0.5},
-                          .y = report::Range{0.0, 100.0}};
+  report::LineChart chart{
+      .x_label = result.trend.by_time ? "session, by its beginning" : "session, by the folder's name",
+      .y_label = "score",
+      .x = report::Range{0.5, static_cast<double>(result.trend.points.size()) + 0.5},
+      .y = report::Range{0.0, 100.0}};
   for (report::Series* series : {&free, &guided})
     if (!series->x.empty()) chart.series.push_back(std::move(*series));
   return "<h2>Trend</h2>\n" +
-         report::Figure(report::Svg(chart), "Sessions of the same plan in the folders beside this one.");
+         report::Figure(
+             report::Svg(chart),
+             "Sessions of the same plan in the folders beside this one, and those that were named.") +
+         "<p>Table: " + report::FileLink(kTrendName) + "</p>\n";
 }
 
 std::string Assumptions(procedure::PlanKind kind) {
@@ -263,10 +289,7 @@ std::string ValueText(double si, const procedure::Metric& metric) {
   return number + (std::string_view(metric.unit) == "mm3" ? " mm³" : std::string(" ") + metric.unit);
 }
 
-std::string NameOfSession(const AssessedSession& session) {
-  const std::filesystem::path own = std::filesystem::weakly_canonical(session.folder);
-  return own.filename() == "session" ? own.parent_path().filename().string() : own.filename().string();
-}
+std::string NameOfSession(const AssessedSession& session) { return NameOfFolder(session.folder); }
 
 tl::expected<void, std::string> WriteAssessPage(const AssessResult& result, const session::Verdict& verdict,
                                                 const std::string& command_line,

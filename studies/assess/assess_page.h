@@ -13,7 +13,7 @@ namespace osteon::studies {
 /// A metric's value in its unit: "14°", "1.29 mm".
 [[nodiscard]] std::string ValueText(double si, const procedure::Metric& metric);
 
-/// A session's name for people: that of its folder, or of the one above where it is only called "session".
+/// A session's name for people (NameOfFolder).
 [[nodiscard]] std::string NameOfSession(const AssessedSession& session);
 
 /// Writes the page of an assessment: score, sections, map, curves, items, trend, assumptions. The error names

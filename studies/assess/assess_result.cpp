@@ -1,14 +1,11 @@
 #include "studies/assess/assess_result.h"
 
 #include <algorithm>
-#include <fstream>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "base/json_text.h"
-#include "base/json_value.h"
 #include "base/units.h"
 #include "base/write_text.h"
 #include "config/reading/load_rubric.h"
@@ -24,8 +21,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using procedure::CupDefinition;
 
-constexpr const char* kResultName = "assess.json";
-constexpr const char* kSchema = "osteon.assess/1";
 constexpr int kKeyWidth = 40;
 
 Json Triple(const Vector3& v, double scale = 1.0) { return {scale * v.x(), scale * v.y(), scale * v.z()}; }
@@ -181,58 +176,8 @@ Json ScoreJson(const AssessResult& result) {
           {"deductions", deductions}};
 }
 
-// Medians of the metrics over sessions of a site's own experts.
-tl::expected<Norms, std::string> ReadNorms(const std::vector<fs::path>& folders) {
-  std::map<std::string, std::vector<double>> found;
-  for (const fs::path& folder : folders) {
-    const auto session = ReadAssessedSession(folder);
-    if (!session) return tl::make_unexpected("--norms: " + session.error());
-    for (const auto& [name, value] : procedure::ValuesOf(session->plan.plan, session->assessment))
-      found[name].push_back(value);
-  }
-  Norms norms;
-  for (auto& [name, values] : found) {
-    std::ranges::sort(values);
-    const std::size_t n = values.size();
-    norms[name] = {.median = 0.5 * (values[(n - 1) / 2] + values[n / 2]), .sessions = static_cast<int>(n)};
-  }
-  return norms;
-}
-
-}  // namespace
-
-Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan, std::span<const session::SessionPass> passes) {
-  const int last = static_cast<int>(plan.tools.size()) - 1;
-  std::optional<double> to_go_mm;
-  bool by_a_tool = true;
-  for (const session::SessionPass& pass : passes)
-    if (!pass.undone && pass.tool_index == last) {
-      by_a_tool = false;
-      if (pass.to_go_mm) to_go_mm = std::min(to_go_mm.value_or(*pass.to_go_mm), *pass.to_go_mm);
-    }
-  if (by_a_tool)
-    return {
-        .text = fmt::format("no pass of its last tool, {:g} mm, counts", 1e3 * plan.tools.back().diameter_m),
-        .by_a_tool = true};
-  if (!to_go_mm)
-    return {.text = "how far its last tool went is not in session.json (`to_go_mm`; an older session)"};
-  if (*to_go_mm <= kMaxToGo_mm) return {};
-  return {.text = fmt::format("its last tool stopped {:.1f} mm short of its planned depth, accepted {:g} mm",
-                              *to_go_mm, kMaxToGo_mm)};
-}
-
-namespace {
-
-// Below this share of an item's points, or of the planned cavity, a person should look.
+// Below this share of an item's points a person should look.
 constexpr double kFairShare = 0.5;
-
-// Says how much of the planned cavity is left, where that is most of it; empty: it is not.
-std::string LeftOf(const procedure::CavityResult& cavity) {
-  const double whole_m3 = cavity.under_m3 + cavity.removed_m3 - cavity.over_m3;
-  if (!(cavity.under_m3 > kFairShare * whole_m3)) return "";
-  return fmt::format("of the planned cavity {:.0f} of {:.0f} mm³ are left: the last tool is not at its depth",
-                     1e9 * cavity.under_m3, 1e9 * whole_m3);
-}
 
 // Reads, measures and scores a session.
 tl::expected<AssessResult, std::string> Measure(const fs::path& folder, const AssessOptions& options) {
@@ -245,38 +190,10 @@ tl::expected<AssessResult, std::string> Measure(const fs::path& folder, const As
                               : options.rubrics / procedure::RubricOf(result.session.plan.plan.kind));
   result.values = procedure::ValuesOf(result.session.plan.plan, result.session.assessment);
   result.score = procedure::ScoreOf(result.rubric, result.values, result.session.assessment.min_wall_m);
-  result.guided = result.session.guidance_gain > 0.0;
+  result.guided = result.session.guided();
   result.pass_at = options.pass_at;
-  result.unfinished = UnfinishedOf(result.session.plan.plan, result.session.file.passes);
-  if (result.unfinished.text.empty()) result.unfinished.text = LeftOf(result.session.assessment.cavity);
-  auto norms = ReadNorms(options.norms);
-  if (!norms) return tl::make_unexpected(norms.error());
-  result.norms = std::move(*norms);
+  result.unfinished = UnfinishedOf(result.session);
   return result;
-}
-
-// The results of other sessions of the same plan, in folders beside this one, and this one's.
-std::vector<TrendPoint> ReadTrend(const AssessResult& result) {
-  const fs::path own = fs::weakly_canonical(result.session.folder);
-  std::vector<TrendPoint> trend{
-      {.session = own.filename().string(), .score = result.score.total, .guided = result.guided}};
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(own.parent_path(), error)) {
-    if (entry.path() == own) continue;
-    std::ifstream stream(entry.path() / kResultName);
-    if (!stream) continue;
-    const Json json = Json::parse(stream, nullptr, false);
-    const Json &plan = base::ValueAt(json, "plan"), &score = base::ValueAt(json, "score");
-    if (base::TextAt(json, "schema") != kSchema ||
-        base::TextAt(plan, "checksum") != result.session.file.plan_checksum ||
-        base::TextAt(score, "rubric") != result.rubric.name || !base::ValueAt(score, "total").is_number())
-      continue;
-    trend.push_back({.session = entry.path().filename().string(),
-                     .score = base::NumberAt(score, "total"),
-                     .guided = base::FlagAt(json, "guided")});
-  }
-  std::ranges::sort(trend, {}, &TrendPoint::session);
-  return trend;
 }
 
 // The metric's words for people.
@@ -322,7 +239,8 @@ void PrintResult(const AssessResult& result, const session::Verdict& verdict) {
   fmt::print("Osteon assess: {}\n", result.session.folder.string());
   session::PrintVerdict(verdict, kKeyWidth - 1);
   fmt::print("  {:<{}}{:.1f} ({})\n", "Score", kKeyWidth, result.score.total,
-             result.guided ? "guided: not to be ranked with sessions without guidance" : "without guidance");
+             GuidanceText(result.session) +
+                 (result.guided ? ": not to be ranked with sessions without guidance" : ""));
   for (const procedure::ScoredItem& scored : result.score.items) {
     const procedure::Metric& metric = procedure::MetricNamed(scored.item.metric);
     fmt::print(
@@ -334,6 +252,38 @@ void PrintResult(const AssessResult& result, const session::Verdict& verdict) {
     fmt::print("  {:<{}}-{:g} points\n", deduction.name, kKeyWidth, deduction.points);
 }
 
+void PrintComparison(const AssessResult& result, const AssessResult& other, const fs::path& page) {
+  fmt::print("  {:<{}}{:.1f} ({}, {})\n", "Score of the other session", kKeyWidth, other.score.total,
+             NameOfSession(other.session), MarkOf(other));
+  if (const std::string why = WhyNotRanked(result, other); !why.empty()) fmt::print("{}\n", why);
+  fmt::print("comparison: {}\n", page.string());
+}
+
+Json PublishedJson(const procedure::Assessment& assessment) {
+  Json rows = Json::array();
+  const auto spread = [](const procedure::MeanAndSpread& s) {
+    return Json{{"mean_mm", 1e3 * s.mean_m}, {"sd_mm", 1e3 * s.sd_m}};
+  };
+  for (const procedure::PublishedShift& shift : procedure::PublishedShifts(assessment))
+    rows.push_back({{"shift", shift.direction},
+                    {"value_mm", 1e3 * shift.value_m},
+                    {"peripheral_reaming", spread(shift.peripheral)},
+                    {"standard_reaming", spread(shift.standard)},
+                    {"source", shift.source}});
+  return rows;
+}
+
+Json TrendJson(const Trend& trend) {
+  Json points = Json::array();
+  for (const TrendPoint& point : trend.points)
+    points.push_back({{"session", point.session},
+                      {"began", point.began.empty() ? Json() : Json(point.began)},
+                      {"score", point.score},
+                      {"guided", point.guided},
+                      {"finished", point.finished ? Json(*point.finished) : Json()}});
+  return points;
+}
+
 }  // namespace
 
 Json AssessJson(const AssessResult& result) {
@@ -343,17 +293,20 @@ Json AssessJson(const AssessResult& result) {
     norms[name] = {
         {"median", norm.median * metric.to_unit}, {"unit", metric.unit}, {"sessions", norm.sessions}};
   }
-  return {{"schema", kSchema},
+  return {{"schema", kAssessSchema},
           {"plan", PlanJson(result.session)},
           {"result", ResultJson(result.session)},
           {"process", ProcessJson(result.session)},
           {"score", ScoreJson(result)},
           {"guided", result.guided},
+          {"began", result.session.file.began.empty() ? Json() : Json(result.session.file.began)},
           {"pass_at", OrNull(result.pass_at)},
           {"finished", result.unfinished.text.empty()},
           {"recordings_whole", result.session.missing.empty()},
           {"passed", result.pass_at ? Json(Passes(result, *result.pass_at)) : Json()},
-          {"norms", norms}};
+          {"norms", norms},
+          {"published", PublishedJson(result.session.assessment)},
+          {"trend", TrendJson(result.trend)}};
 }
 
 const char* CupConePlace(const procedure::SurgicalPlan& plan, const procedure::Assessment& found) {
@@ -367,7 +320,12 @@ int RunAssess(const AssessOptions& options) {
   auto read = Measure(options.session, options);
   if (!read) return session::Fail("assess", read.error());
   AssessResult& result = *read;
-  result.trend = ReadTrend(result);
+  auto norms = ReadNorms(options.norms, result.guided);
+  if (!norms) return session::Fail("assess", norms.error());
+  result.norms = std::move(*norms);
+  auto trend = ReadTrend(result, options.trend);
+  if (!trend) return session::Fail("assess", trend.error());
+  result.trend = std::move(*trend);
   std::optional<AssessResult> other;
   if (!options.against.empty()) {
     auto measured = Measure(options.against, options);
@@ -386,6 +344,8 @@ int RunAssess(const AssessOptions& options) {
     if (!file.empty())
       if (const auto written = base::WriteText(file, text); !written)
         return session::Fail("assess", written.error(), session::kFailed);
+  if (const auto written = base::WriteText(options.session / kTrendName, TrendCsv(result.trend)); !written)
+    return session::Fail("assess", written.error(), session::kFailed);
   const fs::path page = options.session / "assess.html";
   if (const auto written = WriteAssessPage(result, verdict, options.command_line, page); !written)
     return session::Fail("assess", written.error(), session::kFailed);
@@ -393,11 +353,7 @@ int RunAssess(const AssessOptions& options) {
     if (const auto written = WriteComparison(result, *other, options.command_line, options.session); !written)
       return session::Fail("assess", written.error(), session::kFailed);
   PrintResult(result, verdict);
-  if (other) {
-    fmt::print("  {:<{}}{:.1f} ({})\n", "Score of the other session", kKeyWidth, other->score.total,
-               NameOfSession(other->session));
-    fmt::print("comparison: {}\n", (options.session / "compare.html").string());
-  }
+  if (other) PrintComparison(result, *other, options.session / "compare.html");
   fmt::print("report: {}\n", page.string());
   return options.pass_at && !Passes(result, *options.pass_at) ? session::kFailed : 0;
 }

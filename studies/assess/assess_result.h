@@ -1,16 +1,17 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "procedure/assessment/score.h"
+#include "studies/assess/norms.h"
 #include "studies/assess/session_reading.h"
+#include "studies/assess/trend.h"
+#include "studies/assess/unfinished.h"
 
 namespace osteon::studies {
 
@@ -19,35 +20,12 @@ struct AssessOptions {
   std::filesystem::path rubric;                ///< empty: the shipped one for the plan's kind
   std::filesystem::path rubrics{};             ///< folder of the shipped ones
   std::optional<double> pass_at{};             ///< score below which the exit code is 1
-  std::vector<std::filesystem::path> norms{};  ///< sessions of a site's own experts
+  std::vector<std::filesystem::path> norms{};  ///< sessions of a site's own experts, as guided as this one
+  std::vector<std::filesystem::path> trend{};  ///< assessed sessions, beside those that are found
   std::filesystem::path against{};             ///< another session of the plan; empty: none
   std::filesystem::path json{};                ///< a copy of the result; empty: none
   std::string command_line{};
 };
-
-/// Median of a metric over expert sessions, in SI.
-struct Norm {
-  double median{0.0};
-  int sessions{0};
-};
-using Norms = std::map<std::string, Norm>;
-
-/// An earlier result beside this session: another folder's assess.json, of the same plan.
-struct TrendPoint {
-  std::string session;
-  double score{0.0};
-  bool guided{false};
-};
-
-/// The part of a plan that is left to do. No score says it, because its items measure what was cut.
-struct Unfinished {
-  std::string text{};     ///< empty: nothing
-  bool by_a_tool{false};  ///< the last tool has no pass that counts
-};
-/// A plan's last tool may stop this far above its planned place. Assumed.
-inline constexpr double kMaxToGo_mm = 1.0;
-[[nodiscard]] Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan,
-                                      std::span<const session::SessionPass> passes);
 
 /// All that the page and the JSON say.
 struct AssessResult {
@@ -56,7 +34,7 @@ struct AssessResult {
   procedure::MetricValues values;
   procedure::Score score;
   Norms norms;
-  std::vector<TrendPoint> trend;  ///< by the folders' names, with this session
+  Trend trend;  ///< with this session
   bool guided{false};
   std::optional<double> pass_at{};  ///< as asked
   Unfinished unfinished{};
@@ -70,8 +48,9 @@ struct AssessResult {
 /// JSON of `osteon assess`, schema osteon.assess/1.
 [[nodiscard]] nlohmann::ordered_json AssessJson(const AssessResult& result);
 
-/// Runs `osteon assess`: writes assess.html and assess.json into the session's folder, and prints the score;
-/// with another session compare.html and compare.png as well.
+/// Runs `osteon assess`: writes assess.html, assess.json and trend.csv into the session's folder, and prints
+/// the score; with another session compare.html and compare.png as well, where each score says whether it was
+/// guided.
 /// @returns the process's exit code: 0; 1 the score is below `pass_at` or the plan not finished with it, or a
 /// file cannot be written; 2 wrong input.
 [[nodiscard]] int RunAssess(const AssessOptions& options);

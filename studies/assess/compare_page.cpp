@@ -16,7 +16,7 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kPicturePx = 220.0, kPictureGapPx = 14.0, kPointsPx = 330.0, kHeadPx = 34.0, kFootPx = 34.0;
-constexpr double kSessionPx = 276.0, kBarPx = 130.0, kItemPx = 35.0, kScorePx = 26.0;
+constexpr double kSessionPx = 276.0, kBarPx = 130.0, kItemPx = 35.0, kScorePx = 26.0, kMarkPx = 18.0;
 constexpr double kWidthPx = kPointsPx + 3.0 * (kPicturePx + kPictureGapPx) + kPictureGapPx;
 constexpr double kComparisonScale = 1.5;  // pixels of the PNG per px
 
@@ -57,7 +57,9 @@ tl::expected<std::string, std::string> SessionSvg(double y, const AssessResult& 
                       report::Fit(fmt::format("{}: {:.1f}", NameOfSession(session), result.score.total),
                                   kPointsPx, kScorePx * 0.8),
                       "start", report::kTextColor, kScorePx * 0.8, "font-weight=\"700\"");
-  svg += Points(y + kScorePx + 12.0, result.score);
+  svg += report::SvgText(kPictureGapPx, y + kScorePx + kMarkPx, report::Fit(MarkOf(result), kPointsPx),
+                         "start", result.guided ? report::kPalette[1] : report::kMutedColor);
+  svg += Points(y + kScorePx + kMarkPx + 12.0, result.score);
   double x = kPointsPx + kPictureGapPx;
   for (const CavityPicture& shown : CavityPictures(session)) {
     const auto picture = PictureAt(x, y + 8.0, shown.image);
@@ -73,6 +75,8 @@ std::string FiguresTable(const AssessResult& first, const AssessResult& second) 
       "<div style=\"overflow-x:auto\"><table><thead><tr><th>figure</th><th>{}</th><th>{}</th></tr></thead>"
       "<tbody>\n",
       report::Escape(NameOfSession(first.session)), report::Escape(NameOfSession(second.session)));
+  html += fmt::format("<tr><td>guidance</td><td>{}</td><td>{}</td></tr>\n", report::Escape(MarkOf(first)),
+                      report::Escape(MarkOf(second)));
   const auto value = [](const AssessResult& result, const procedure::Metric& metric) {
     const auto found = result.values.find(metric.name);
     return found != result.values.end() ? report::Escape(ValueText(found->second, metric)) : "not measured";
@@ -87,6 +91,23 @@ std::string FiguresTable(const AssessResult& first, const AssessResult& second) 
 
 }  // namespace
 
+std::string MarkOf(const AssessResult& result) {
+  return GuidanceText(result.session) + (result.unfinished.text.empty() ? "" : ", not finished") +
+         (result.session.missing.empty() ? "" : ", recordings not whole");
+}
+
+std::string WhyNotRanked(const AssessResult& first, const AssessResult& second) {
+  if (first.guided != second.guided)
+    return fmt::format("Not to be ranked: {} was reamed {}, {} {}.", NameOfSession(first.session),
+                       GuidanceText(first.session), NameOfSession(second.session),
+                       GuidanceText(second.session));
+  for (const AssessResult* result : {&first, &second})
+    if (!result->unfinished.text.empty())
+      return fmt::format("Not to be ranked: the plan is not finished in {}: {}.",
+                         NameOfSession(result->session), result->unfinished.text);
+  return "";
+}
+
 tl::expected<std::string, std::string> ComparisonSvg(const AssessResult& first, const AssessResult& second) {
   const bool is_cup = first.session.plan.plan.kind == procedure::PlanKind::kCup;
   const std::array<const char*, 3> titles =
@@ -99,7 +120,8 @@ tl::expected<std::string, std::string> ComparisonSvg(const AssessResult& first, 
         kHeadPx - 12.0, titles[i], "middle", report::kMutedColor);
   double y = kHeadPx;
   for (const AssessResult* result : {&first, &second}) {
-    const double items_px = kScorePx + 12.0 + kItemPx * static_cast<double>(result->score.items.size());
+    const double items_px =
+        kScorePx + kMarkPx + 12.0 + kItemPx * static_cast<double>(result->score.items.size());
     const auto session = SessionSvg(y, *result);
     if (!session) return session;
     body += *session;
@@ -133,6 +155,8 @@ tl::expected<void, std::string> WriteComparison(const AssessResult& first, const
   std::string html = report::PageBegin(
       {.title = fmt::format("Two sessions of {}", first.session.plan.plan.name),
        .subtitle = fmt::format("{} and {}", NameOfSession(first.session), NameOfSession(second.session))});
+  if (const std::string text = WhyNotRanked(first, second); !text.empty())
+    html += "<p><strong>" + report::Escape(text) + "</strong></p>\n";
   html += report::Figure(
       *svg,
       "Sections through the planned centre (superior or anterior is up, lateral to the right), and "

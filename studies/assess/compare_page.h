@@ -9,8 +9,15 @@
 
 namespace osteon::studies {
 
-/// Two sessions of a plan one above the other: score and points, coronal and axial section, map of the
-/// deviation.
+/// The mark beside a session's score: "without guidance", "with guidance (gain 0.5), not finished".
+[[nodiscard]] std::string MarkOf(const AssessResult& result);
+
+/// Says why the scores of two sessions are not to be ranked: one was guided and the other was not, or one is
+/// not finished. Empty: they may be.
+[[nodiscard]] std::string WhyNotRanked(const AssessResult& first, const AssessResult& second);
+
+/// Two sessions of a plan one above the other: score, whether it was guided, points, coronal and axial
+/// section, map of the deviation.
 /// @returns an SVG document; an error where a picture could not be encoded.
 [[nodiscard]] tl::expected<std::string, std::string> ComparisonSvg(const AssessResult& first,
                                                                    const AssessResult& second);

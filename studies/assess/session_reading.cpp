@@ -11,6 +11,7 @@
 #include "base/read_text.h"
 #include "base/units.h"
 #include "io/recording/recording_reader.h"
+#include "session/procedure/pass_detector.h"
 #include "session/procedure/session_bone.h"
 #include "simulation/bone/scene_events.h"
 
@@ -99,10 +100,12 @@ class SessionSums {
     offset_s_ = last_s_ == kNoStamp_s ? 0.0 : last_s_ + period_s_;
     first_stamp_.reset();
     cutting_ = false;
-    removed_m3_.reset();
+    cut_.Restart();
+    spindle_rad_per_s_ = 0.0;
   }
 
   void Add(const control::TickRecord& tick) {
+    spindle_rad_per_s_ = tick.spindle_rad_per_s;
     if (tick.phase != control::Phase::kHaptic) return;
     if (!first_stamp_) first_stamp_ = tick.stamp;
     last_s_ = offset_s_ + rt::ToSeconds(tick.stamp - *first_stamp_);
@@ -128,16 +131,14 @@ class SessionSums {
       pass.end_s = last_s_;
       passes_[i].Add(sample, reamer);
     }
-    Trace(sample, feed);
+    Trace(sample, feed, reamer);
   }
 
   void Add(const simulation::FrameRecord& frame) {
-    const double removed_m3 = frame.model.removed_volume_m3;
-    const double new_m3 = removed_m3_ ? std::max(0.0, removed_m3 - *removed_m3_) : 0.0;
-    removed_m3_ = removed_m3;
-    cutting_ = new_m3 > 0.0;
+    cutting_ = cut_.Step(frame.model, spindle_rad_per_s_);
+    const double new_m3 = std::max(0.0, cut_.removed_m3() - cut_.removed_before_m3());
     const rt::Nanoseconds stamp = frame.model.pose_stamp;
-    for (std::size_t i = 0; cutting_ && i < passes_.size(); ++i)
+    for (std::size_t i = 0; new_m3 > 0.0 && i < passes_.size(); ++i)
       if (IsIn(session_.passes[i].pass, stamp)) removed_mm3_[i] += 1e9 * new_m3;
     const Pose X_GP = X_GW_ * Pose(frame.model.X_WP);
     const Vector3 feed = X_GP.linear().col(2);
@@ -198,7 +199,8 @@ class SessionSums {
   [[nodiscard]] double RadiusOf(int tool) const {
     return 0.5e-3 * session_.file.diameters_mm[static_cast<std::size_t>(tool)];
   }
-  void Trace(const procedure::ProcessSample& sample, const Vector3& feed) {
+  void Trace(const procedure::ProcessSample& sample, const Vector3& feed,
+             const procedure::PlannedTool& reamer) {
     SessionTrace& trace = session_.trace;
     if (!trace.t_s.empty() && sample.t_s < trace.t_s.back() + kTraceStep_s) return;
     const procedure::SurgicalPlan& plan = session_.plan.plan;
@@ -210,6 +212,10 @@ class SessionSums {
     trace.proxy_mm.push_back(1e3 * (proxy_m_ - plan.centre_m).dot(plan.axis_G));
     trace.tilt_deg.push_back(std::acos(std::clamp(-feed.dot(plan.axis_G), -1.0, 1.0)) / kDegree);
     trace.force_N.push_back(sample.F_hand_N.norm());
+    if (!(plan.guidance.lateral.stop_m > 0.0)) return;
+    const procedure::CorridorWidth width = procedure::WidthAt(plan, reamer, sample.head_m);
+    trace.free_mm.push_back(1e3 * width.free_m);
+    trace.stop_mm.push_back(1e3 * width.stop_m);
   }
 
   AssessedSession& session_;
@@ -226,7 +232,8 @@ class SessionSums {
   std::optional<rt::Nanoseconds> first_stamp_;
   bool cutting_{false};
   Vector3 proxy_m_{Vector3::Zero()}, proxy_feed_{Vector3::Zero()};  ///< simulated head in the last frame
-  std::optional<double> removed_m3_;
+  session::CutDetector cut_;
+  double spindle_rad_per_s_{0.0};  // of the last tick
 };
 
 // The first recording that has begun.

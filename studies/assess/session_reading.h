@@ -20,6 +20,9 @@ namespace osteon::studies {
 struct SessionTrace {
   std::vector<double> t_s{}, height_mm{}, tilt_deg{}, aside_mm{}, force_N{};
   std::vector<double> proxy_mm{};  ///< height of the simulated head, which bone stops before the handle
+  /// How far the head may be aside at its height, free and before the spindle stops; empty: the plan has no
+  /// corridor.
+  std::vector<double> free_mm{}, stop_mm{};
 };
 inline constexpr double kTraceStep_s = 0.05;
 
@@ -53,6 +56,8 @@ struct AssessedSession {
   double guidance_gain{0.0};  ///< the largest of any segment
   /// The passes that count and are not whole in the recordings: "pass 2: …"; empty: all are.
   std::string missing{};
+
+  [[nodiscard]] bool guided() const { return guidance_gain > 0.0; }
 };
 
 /// Reads FOLDER/session.json, plan, recordings and the last state that counts, and measures them.

@@ -1,5 +1,6 @@
 #include "studies/assess/surgical_plan_result.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -42,10 +43,34 @@ double CellsPerRadius(procedure::PlanKind kind) { return kind == procedure::Plan
 // What is measured of the plan beside its own data.
 struct PlanFigures {
   std::optional<double> planned_volume_m3{};  // nothing: a plan for a mesh that was not named
+  std::vector<double> tool_volumes_m3{};      // that each tool takes of what the ones before left; likewise
   std::optional<double> wall_m{};
   std::optional<Vector3> axis_W{};
   std::vector<std::string> warnings;
 };
+
+// The bone that each tool takes, the earlier ones having been at their places.
+std::vector<double> ToolVolumes(const SurgicalPlan& plan, const session::CellSetup& setup) {
+  std::vector<procedure::PlannedCavity> cleared;
+  std::vector<double> volumes_m3;
+  for (const procedure::PlannedTool& tool : plan.tools) {
+    const procedure::PlannedCavity cavity = plan.CavityOf(tool);
+    if (setup.solid) {
+      volumes_m3.push_back(procedure::BoneInCavity(
+          *setup.solid, cavity, plan.cavity().opening_radius_m() / CellsPerRadius(plan.kind), cleared));
+    } else {
+      const auto is_gone = [&](const Vector3& p_m) {
+        return std::ranges::any_of(cleared, [&](const auto& c) { return c.DistanceTo(p_m) < 0.0; });
+      };
+      double volume_m3 = 0.0;
+      for (const simulation::MassPoint& point : setup.bone.points)
+        if (cavity.DistanceTo(point.p_m) < 0.0 && !is_gone(point.p_m)) volume_m3 += point.volume_m3;
+      volumes_m3.push_back(volume_m3);
+    }
+    cleared.push_back(cavity);
+  }
+  return volumes_m3;
+}
 
 // Bone and wall of the plan. A packing without its solid has the volume of its mass points, and no wall.
 tl::expected<PlanFigures, std::string> Measure(const config::SurgicalPlanConfig& config,
@@ -58,6 +83,7 @@ tl::expected<PlanFigures, std::string> Measure(const config::SurgicalPlanConfig&
   setup.config.bone = config.bone;
   if (const auto made = session::MakeCellBone(setup, mesh); !made) return tl::make_unexpected(made.error());
   const procedure::PlannedCavity cavity = config.plan.cavity();
+  figures.tool_volumes_m3 = ToolVolumes(config.plan, setup);
   if (!setup.bone_warning.empty()) figures.warnings.push_back("bone: " + setup.bone_warning);
   if (setup.solid) {
     figures.planned_volume_m3 = procedure::BoneInCavity(
@@ -84,6 +110,11 @@ void AddFigures(const PlanFigures& figures, Json& json) {
   json["warnings"] = figures.warnings;
 }
 
+// Volume of the i-th tool; null: not known.
+Json VolumeJson(const PlanFigures& figures, std::size_t i) {
+  return i < figures.tool_volumes_m3.size() ? Json(1e9 * figures.tool_volumes_m3[i]) : Json();
+}
+
 Json OpeningJson(const SurgicalPlan& plan, const PlanFigures& figures) {
   Json json{{"schema", "osteon.surgical_plan/1"},
             {"plan", plan.name},
@@ -92,10 +123,11 @@ Json OpeningJson(const SurgicalPlan& plan, const PlanFigures& figures) {
             {"axis_G", Triple(plan.axis_G)},
             {"width_mm", 2e3 * plan.cavity().opening_radius_m()}};
   if (figures.axis_W) json["axis_W"] = Triple(*figures.axis_W);
-  for (const procedure::PlannedTool& burr : plan.tools)
-    json["burrs"].push_back({{"diameter_mm", 1e3 * burr.diameter_m},
-                             {"width_mm", 1e3 * burr.width_m()},
-                             {"centre_mm", Triple(plan.CentreOf(burr), 1e3)}});
+  for (std::size_t i = 0; i < plan.tools.size(); ++i)
+    json["burrs"].push_back({{"diameter_mm", 1e3 * plan.tools[i].diameter_m},
+                             {"width_mm", 1e3 * plan.tools[i].width_m()},
+                             {"centre_mm", Triple(plan.CentreOf(plan.tools[i]), 1e3)},
+                             {"volume_mm3", VolumeJson(figures, i)}});
   AddFigures(figures, json);
   return json;
 }
@@ -118,9 +150,10 @@ Json PlanJson(const SurgicalPlan& plan, const PlanFigures& figures) {
       json["landmark_noise"][procedure::NameOf(definition)] = AnglesJson(procedure::LandmarkSpread(
           *plan.landmarks, plan.side, plan.tilt_rad, definition, plan.axis_G, kLandmarkNoise_m));
   }
-  for (const procedure::PlannedTool& reamer : plan.tools)
-    json["reamers"].push_back(
-        {{"diameter_mm", 1e3 * reamer.diameter_m}, {"centre_mm", Triple(plan.CentreOf(reamer), 1e3)}});
+  for (std::size_t i = 0; i < plan.tools.size(); ++i)
+    json["reamers"].push_back({{"diameter_mm", 1e3 * plan.tools[i].diameter_m},
+                               {"centre_mm", Triple(plan.CentreOf(plan.tools[i]), 1e3)},
+                               {"volume_mm3", VolumeJson(figures, i)}});
   AddFigures(figures, json);
   return json;
 }
@@ -161,6 +194,12 @@ std::vector<report::SummaryRow> PlanRows(const SurgicalPlan& plan, const PlanFig
   rows.push_back({"Bone in the planned cavity",
                   figures.planned_volume_m3 ? fmt::format("{:.0f} mm³", 1e9 * *figures.planned_volume_m3)
                                             : "not known: name the plan's mesh with --mesh"});
+  std::string volumes;
+  for (const double volume_m3 : figures.tool_volumes_m3)
+    volumes += fmt::format("{}{:.{}f}", volumes.empty() ? "" : ", ", 1e9 * volume_m3, is_opening ? 1 : 0);
+  if (!volumes.empty())
+    rows.push_back(
+        {is_opening ? "Bone that each burr takes" : "Bone that each reamer takes", volumes + " mm³"});
   rows.push_back({"Thinnest wall that it leaves",
                   figures.wall_m ? fmt::format("{:.2f} mm", 1e3 * *figures.wall_m) : "not known"});
   return rows;

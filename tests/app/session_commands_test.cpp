@@ -139,6 +139,7 @@ TEST(MolarPlan, IsOpenedAssessedAndReplayed) {
   EXPECT_EQ(plan["kind"], "opening");
   EXPECT_EQ(plan["burrs"].size(), 2u);
   EXPECT_NEAR(plan["planned_volume_mm3"].get<double>(), 53.0, 2.0);
+  for (const auto& burr : plan["burrs"]) EXPECT_GT(burr["volume_mm3"], 5.0) << plan;
 
   std::map<std::string, double> scores;
   for (const std::string hand : {"expert", "novice"}) {

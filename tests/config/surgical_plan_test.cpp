@@ -108,6 +108,17 @@ TEST_F(SurgicalPlanFiles, LandmarksAndAxesMayBothGiveTheFrame) {
   const SurgicalPlanConfig by_axes = LoadSurgicalPlan(file);
   EXPECT_LT((by_axes.plan.axis_G - by_landmarks.plan.axis_G).norm(), 1e-11);
   EXPECT_FALSE(by_axes.plan.landmarks);
+  const SurgicalPlanConfig by_words = LoadSurgicalPlan(
+      Changed(landmarks, fmt::format("  lateral: {}\n  anterior: {}\n  superior: {}\n", axis(pelvis.lateral),
+                                     axis(pelvis.anterior), axis(pelvis.superior))));
+  EXPECT_EQ(by_words.plan.axis_G, by_axes.plan.axis_G);
+  EXPECT_NE(ErrorOf(Changed(landmarks, fmt::format("  lateral: {}\n  lateral_axis: {}\n  anterior: {}\n"
+                                                   "  superior: {}\n",
+                                                   axis(pelvis.lateral), axis(pelvis.lateral),
+                                                   axis(pelvis.anterior), axis(pelvis.superior))))
+                .find("lateral_axis"),
+            std::string::npos)
+      << "one place, two keys";
 }
 
 TEST_F(SurgicalPlanFiles, ATiltTurnsTheAxisForTheSameAngles) {

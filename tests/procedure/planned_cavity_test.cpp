@@ -23,6 +23,20 @@ TEST(PlannedCavity, ClearsTheVolumeOfBallAndCylinderLessTheCup) {
   EXPECT_NEAR(1e9 * BoneInCavity(block, kDemo, 0.5e-3), expected_mm3, 0.002 * expected_mm3);
 }
 
+// 44 mm first, then 50 mm: each takes what the one before left, and both together as much as the last alone.
+TEST(PlannedCavity, AToolTakesWhatTheOnesBeforeLeft) {
+  const simulation::AcetabulumSolid block({});
+  PlannedCavity wide = kDemo, deep = kDemo;
+  wide.radius_m = 0.0245;
+  const double whole_mm3 = 1e9 * BoneInCavity(block, kDemo, 0.5e-3),
+               first_mm3 = 1e9 * BoneInCavity(block, wide, 0.5e-3),
+               rest_mm3 = 1e9 * BoneInCavity(block, kDemo, 0.5e-3, std::span(&wide, 1));
+  EXPECT_GT(first_mm3, 1000.0);
+  EXPECT_NEAR(first_mm3 + rest_mm3, whole_mm3, 1e-6 * whole_mm3);
+  deep.centre_m.z() -= 0.002;  // an earlier tool that went too deep: 50 mm has nothing left above it
+  EXPECT_LT(1e9 * BoneInCavity(block, kDemo, 0.5e-3, std::span(&deep, 1)), 1e-3 * whole_mm3);
+}
+
 TEST(PlannedCavity, LeavesTheWallBetweenItsBallAndTheBlocksSide) {
   const simulation::AcetabulumSolid block({});
   const auto wall_m = PlannedWall(block, block.cup(), kDemo, 2e-3);

@@ -135,5 +135,24 @@ TEST(ProcessFigures, TheGuidanceHasTakenWhatItsEnergyFell) {
   EXPECT_NEAR(sums.Figures().guidance_J, 0.4, 1e-12);
 }
 
+// At the corridor's edges the excess is 0, and as much as the plan's stop is beyond its free range.
+TEST(CorridorWidth, IsWhereTheExcessIsThatOfFreeAndStop) {
+  SurgicalPlan plan;
+  plan.axis_G = Vector3::UnitZ();
+  plan.tools = {{.diameter_m = 0.044, .height_m = 2e-3, .around_m = 0.5e-3}};
+  plan.guidance.lateral.free_m = 1e-3;
+  plan.guidance.lateral.stop_m = 3e-3;
+  plan.guidance.lateral.widening_rad = 0.2;
+  for (const double height_m : {0.0, 2e-3, 20e-3}) {
+    const Vector3 head_m(0.0, 0.0, height_m);
+    const CorridorWidth width = WidthAt(plan, plan.tools[0], head_m);
+    const auto excess_m = [&](double aside_m) {
+      return ExcessOf(plan, plan.tools[0], head_m + Vector3(aside_m, 0.0, 0.0), -Vector3::UnitZ()).lateral_m;
+    };
+    EXPECT_NEAR(excess_m(width.free_m), 0.0, 1e-15) << height_m;
+    EXPECT_NEAR(excess_m(width.stop_m), 2e-3, 1e-15) << height_m;
+  }
+}
+
 }  // namespace
 }  // namespace osteon::procedure

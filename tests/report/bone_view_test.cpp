@@ -7,6 +7,7 @@
 
 #include "report_markup.h"
 #include "report_synthetic.h"
+#include "simulation/surface/bone_solid.h"
 #include "simulation/surface/chunk_bytes.h"
 
 namespace osteon::report {
@@ -66,6 +67,23 @@ TEST(BoneView, TheGridIsCoarserWhereThereAreTooManyTriangles) {
   EXPECT_LE(coarse.quads, fine.quads / 3);
   EXPECT_GT(coarse.quads, fine.quads / 8);
   EXPECT_GT(coarse.layout.voxel_mm, fine.layout.voxel_mm);
+}
+
+TEST(BoneView, APathCarvedAtOnceLeavesTheFieldOfOneThatIsCarvedFrameByFrame) {
+  const SyntheticRun run = MakeSyntheticRun(kStraight);
+  const std::vector<Pose> path = PathOf(run);
+  constexpr float kVoxel_mm = 0.5F;
+  const auto uncut = surface::UnionOfBalls(run.bone, kVoxel_mm);
+  surface::CarvedField at_once(uncut), by_frames(uncut);
+  CarveAlong(at_once, {.tool = &run.tool, .X_GP = path});
+  for (const surface::Capsule& capsule : CapsulesAlong({.tool = &run.tool, .X_GP = path}))
+    by_frames.Carve({&capsule, 1});
+  std::size_t swept = 0;
+  for (surface::BrickIndex brick = 0; brick < uncut->layout().Count(); ++brick) {
+    EXPECT_TRUE(at_once.swept().SameValues(by_frames.swept(), brick)) << brick;
+    swept += at_once.swept().HasValues(brick) ? 1 : 0;
+  }
+  EXPECT_GT(swept, 10u);
 }
 
 TEST(BoneView, EveryVertexOfACutFaceHasADeviation) {

@@ -21,18 +21,27 @@ AssessCommand::AssessCommand(CLI::App& app) : sub_(AddStudy(app, "assess")) {
   sub_->add_option("--pass-at", options_.pass_at,
                    "exit code 1 below this score, and where the plan is not finished")
       ->check(NumberWithin(0, 100));
-  sub_->add_option("--norms", options_.norms,
-                   "sessions of experts of the same site: their medians stand beside each figure")
+  sub_->add_option(
+          "--norms", options_.norms,
+          "sessions of experts of the same site: their medians stand beside each figure; finished, and with "
+          "guidance or without as this one")
       ->type_name("FOLDER")
       ->check(CLI::ExistingDirectory);
-  sub_->add_option("--against", options_.against,
-                   "another session of the plan, beside this one in compare.html and compare.png")
+  sub_->add_option(
+          "--against", options_.against,
+          "another session of the plan, beside this one in compare.html and compare.png; a guided one is "
+          "marked and not ranked with one that was not")
+      ->type_name("FOLDER")
+      ->check(CLI::ExistingDirectory);
+  sub_->add_option(
+          "--trend", options_.trend,
+          "further assessed sessions of the plan for the trend, beside those in folders beside this one")
       ->type_name("FOLDER")
       ->check(CLI::ExistingDirectory);
   sub_->add_option("--json", options_.json, "also write the result there, as JSON")->type_name("FILE");
   sub_->footer(
-      "Writes assess.html and assess.json into the folder. Results that stand beside it, of the same plan, "
-      "are its trend.\n\n"
+      "Writes assess.html, assess.json and trend.csv into the folder. The trend has the results of the same "
+      "plan and rubric in the folders beside it, in the order in which the sessions began.\n\n"
       "Exit code 1: the score is below --pass-at, or the plan is not finished with it\n\n"
       "Examples:\n  osteon assess session_1\n  osteon assess session_1 --pass-at 70 --norms expert_1 "
       "expert_2\n  osteon assess expert/session --against novice/session");

@@ -62,6 +62,9 @@ constexpr Unit kUnits[] = {
     {"count", 1.0},
     {"points", 1.0},
     {"axis", 1.0},
+    {"lateral", 1.0},  // directions of the body
+    {"anterior", 1.0},
+    {"superior", 1.0},
     {"port", 1.0},
     {"seed", 1.0},
 };

@@ -60,6 +60,29 @@ TEST(PassDetector, BoneThatAStandingSpindleWouldRemoveIsNoPass) {
   EXPECT_EQ(frames.began, 0);
 }
 
+// Mass points vanish one by one: between two of them the cut face advances, and bone is removed all the same.
+TEST(CutDetector, ACutGoesOnBetweenTwoMassPoints) {
+  CutDetector cut;
+  simulation::ContactModel model;
+  model.removed_volume_m3 = 5e-9;
+  EXPECT_FALSE(cut.Step(model, 26.0)) << "a state that was saved";
+  EXPECT_EQ(cut.removed_before_m3(), 5e-9);
+  model.removed_volume_m3 = 6e-9;
+  EXPECT_TRUE(cut.Step(model, 26.0));
+  EXPECT_EQ(cut.removed_before_m3(), 5e-9);
+  EXPECT_FALSE(cut.Step(model, 26.0));
+  model.advance_m_per_s = 1e-5;
+  EXPECT_TRUE(cut.Step(model, 26.0));
+  EXPECT_FALSE(cut.Step(model, 0.0)) << "the spindle stands";
+  model.status = simulation::EngineStatus::kBadInput;
+  EXPECT_FALSE(cut.Step(model, 26.0));
+  EXPECT_EQ(cut.removed_m3(), cut.removed_before_m3());
+  cut.Restart();
+  model = {};
+  model.removed_volume_m3 = 9e-9;
+  EXPECT_FALSE(cut.Step(model, 26.0)) << "another state of the bone";
+}
+
 TEST(PassDetector, AnotherStateOfTheBoneIsNoCut) {
   Frames frames;
   frames.Run(50, 1e-9, 3);

@@ -26,6 +26,18 @@ TEST(SessionFile, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(Pose(*again->cup_X_GT).matrix(), X.matrix());
 }
 
+TEST(SessionFile, TheBeginningIsATimeOfTheCalendarOrNotKnown) {
+  SessionFile session = test::SomeSession();
+  EXPECT_EQ(ParseSession(ToJson(session))->began, "") << "an older session";
+  session.began = "2026-11-29T09:30:00Z";
+  EXPECT_EQ(ParseSession(ToJson(session))->began, session.began);
+  session.began = "yesterday";
+  const auto again = ParseSession(ToJson(session));
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error(),
+            "began: found \"yesterday\", accepted a time in UTC, such as 2026-11-29T09:30:00Z, or null");
+}
+
 TEST(SessionFile, AnUndonePassDoesNotCount) {
   SessionFile session = test::SomeSession();
   EXPECT_EQ(session.PassesLeft(), 1);

@@ -3,9 +3,12 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "io/local/local_server.h"
 #include "session/process/exit_code.h"
@@ -48,6 +51,22 @@ TEST_F(AskRunningCellTest, ValuesOfOtherTypesAreNotTaken) {
 TEST_F(AskRunningCellTest, WhatIsNotDoneOrNoAnswerFails) {
   for (const char* answer : {"", "{", "[]", "7", "{}", R"({"done": 1})", R"({"done": false, "reason": 4})"})
     EXPECT_EQ(Ask("pause", answer), kFailed) << answer;
+}
+
+// A script that reads the JSON finds the reason there too where no cell runs, and no older answer.
+TEST_F(AskRunningCellTest, WithoutARunningCellTheJsonSaysSo) {
+  const std::filesystem::path json = folder_.path() / "status.json";
+  io::test::WriteAll(json, "{\"done\": true}");
+  EXPECT_EQ(RunTell({.session = "first_hip", .request = "status", .json = json}), kFailed);
+  const auto answer = nlohmann::json::parse(std::ifstream(json));
+  EXPECT_EQ(answer.at("done"), false);
+  EXPECT_EQ(
+      answer.at("reason"),
+      "found no running cell of first_hip, accepted a running session's folder or the name of a running "
+      "cell");
+  EXPECT_EQ(RunAsk({.request = "status", .json = json}), kFailed);
+  EXPECT_EQ(nlohmann::json::parse(std::ifstream(json)).at("reason"),
+            "no cell runs on this machine under this user");
 }
 
 }  // namespace

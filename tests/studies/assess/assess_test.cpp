@@ -96,6 +96,17 @@ class Assess : public testing::Test {
   static void TearDownTestSuite() { folder_.reset(); }
 
   static fs::path Session() { return folder_->path() / "session_1"; }
+  // A copy of the session with another session.json.
+  template <class Change>
+  static fs::path CopyWith(const char* name, const Change& change) {
+    const fs::path copy = folder_->path() / name;
+    fs::copy(Session(), copy);
+    auto file = session::ReadSession(copy);
+    EXPECT_TRUE(file);
+    change(*file);
+    EXPECT_TRUE(session::WriteSession(copy, *file));
+    return copy;
+  }
   static AssessOptions Options() { return {.session = Session(), .rubric = kConfig / "rubrics/rubric.yaml"}; }
 
   static std::unique_ptr<io::test::TemporaryFolder> folder_;
@@ -171,6 +182,50 @@ TEST_F(Assess, TheSameSessionAsItsOwnNormHasItsFiguresAsMedians) {
   EXPECT_EQ(json["norms"]["coverage"]["median"], json["result"]["coverage"]);
 }
 
+TEST_F(Assess, ANormIsFinishedAndAsGuidedAsTheSession) {
+  const fs::path guided =
+      CopyWith("guided", [](session::SessionFile& file) { file.segments.front().guidance_gain = 0.5; });
+  const fs::path unfinished =
+      CopyWith("unfinished", [](session::SessionFile& file) { file.passes.front().to_go_mm = 1.4; });
+  const auto norms = ReadNorms({Session(), guided}, false);
+  ASSERT_FALSE(norms);
+  EXPECT_EQ(norms.error().find("--norms " + guided.string() +
+                               ": found a session with guidance (gain 0.5), accepted sessions without"),
+            0u)
+      << norms.error();
+  EXPECT_TRUE(ReadNorms({guided}, true));
+  EXPECT_FALSE(ReadNorms({Session()}, true));
+  const auto short_of_it = ReadNorms({unfinished}, false);
+  ASSERT_FALSE(short_of_it);
+  EXPECT_NE(short_of_it.error().find("not finished (its last tool stopped 1.4 mm short"), std::string::npos)
+      << short_of_it.error();
+  AssessOptions options = Options();
+  options.norms = {unfinished};
+  EXPECT_EQ(RunAssess(options), 2);
+  fs::remove_all(guided);
+  fs::remove_all(unfinished);
+}
+
+TEST_F(Assess, AGuidedSessionBesideAnUnguidedOneIsMarkedAndNotRanked) {
+  const fs::path guided =
+      CopyWith("helped", [](session::SessionFile& file) { file.segments.front().guidance_gain = 0.5; });
+  AssessOptions options = Options();
+  options.against = guided;
+  testing::internal::CaptureStdout();
+  ASSERT_EQ(RunAssess(options), 0);
+  const std::string printed = testing::internal::GetCapturedStdout();
+  for (const char* words : {"(without guidance)", "(helped, with guidance (gain 0.5))",
+                            "Not to be ranked: session_1 was reamed "}) {
+    EXPECT_NE(printed.find(words), std::string::npos) << words << "\n" << printed;
+  }
+  const std::string page = ReadAll(Session() / "compare.html");
+  for (const char* words : {"<strong>Not to be ranked: session_1 was reamed without guidance, helped with",
+                            ">with guidance (gain 0.5)</text>", ">without guidance</text>",
+                            "<td>guidance</td><td>without guidance</td><td>with guidance (gain 0.5)</td>"})
+    EXPECT_NE(page.find(words), std::string::npos) << words;
+  fs::remove_all(guided);
+}
+
 TEST_F(Assess, AnEarlierSessionOfThePlanIsItsTrend) {
   ASSERT_EQ(RunAssess(Options()), 0);
   const fs::path other = folder_->path() / "session_0";
@@ -185,6 +240,65 @@ TEST_F(Assess, AnEarlierSessionOfThePlanIsItsTrend) {
   ASSERT_EQ(RunAssess(Options()), 0);
   EXPECT_EQ(ReadAll(Session() / "assess.html").find("<h2>Trend</h2>"), std::string::npos);
   fs::remove_all(other);
+}
+
+// Finds results in folders beside it, also where each is called "session" as the demo's are, and orders them.
+TEST_F(Assess, TheTrendIsOrderedByTheSessionsBeginningsOrByNumbersInTheirNames) {
+  ASSERT_EQ(RunAssess(Options()), 0);
+  auto json = nlohmann::ordered_json::parse(ReadAll(Session() / "assess.json"));
+  const fs::path around = folder_->path() / "trainee";
+  const auto add = [&](const fs::path& folder, double score, const char* began) {
+    fs::create_directories(folder);
+    auto other = json;
+    other["score"]["total"] = score;
+    other["began"] = *began != '\0' ? nlohmann::ordered_json(began) : nlohmann::ordered_json();
+    std::ofstream(folder / "assess.json") << other;
+  };
+  const fs::path own = around / "try_2" / "session";
+  fs::create_directories(around / "try_2");
+  fs::copy(Session(), own);
+  add(around / "try_10" / "session", 50.0, "");
+  add(around / "try_1" / "session", 40.0, "2026-11-29T09:30:00Z");
+  const auto names = [&](const std::vector<fs::path>& named) {
+    AssessOptions options = Options();
+    options.session = own;
+    options.trend = named;
+    EXPECT_EQ(RunAssess(options), 0);
+    std::string text;
+    for (const auto& point : nlohmann::json::parse(ReadAll(own / "assess.json"))["trend"])
+      text += point["session"].get<std::string>() + " ";
+    return text;
+  };
+  EXPECT_EQ(names({}), "try_1 try_2 try_10 ");
+  const std::string table = ReadAll(own / "trend.csv");
+  EXPECT_EQ(table.find("session,began,score,guided,finished\ntry_1,2026-11-29T09:30:00Z,40.00,false,true\n"),
+            0u)
+      << table;
+  add(around / "try_10" / "session", 50.0, "2026-11-28T09:30:00Z");
+  auto file = session::ReadSession(own);
+  ASSERT_TRUE(file);
+  file->began = "2026-11-30T09:30:00Z";
+  ASSERT_TRUE(session::WriteSession(own, *file));
+  EXPECT_EQ(names({}), "try_10 try_1 try_2 ");
+  add(folder_->path() / "elsewhere" / "a" / "session", 60.0, "2026-12-01T09:30:00Z");
+  EXPECT_EQ(names({folder_->path() / "elsewhere" / "a" / "session"}), "try_10 try_1 try_2 a ");
+  AssessOptions options = Options();
+  options.trend = {folder_->path() / "elsewhere"};
+  EXPECT_EQ(RunAssess(options), 2) << "no result there";
+  fs::remove_all(around);
+  fs::remove_all(folder_->path() / "elsewhere");
+}
+
+TEST_F(Assess, TheCurvesHaveTheCorridorAndTheCursorOfTheRunsReport) {
+  ASSERT_EQ(RunAssess(Options()), 0);
+  const std::string page = ReadAll(Session() / "assess.html");
+  for (const char* words : {"corridor, free", "corridor, the spindle stops", "class=\"panel\" data-area",
+                            "medial shift, as published", "PMID 27909120"})
+    EXPECT_NE(page.find(words), std::string::npos) << words;
+  const auto json = nlohmann::json::parse(ReadAll(Session() / "assess.json"));
+  EXPECT_EQ(json["published"][0]["shift"], "medial");
+  EXPECT_EQ(json["published"][0]["value_mm"], json["result"]["shift_from_native"]["medial_mm"]);
+  EXPECT_EQ(json["published"][0]["standard_reaming"]["mean_mm"], 5.0);
 }
 
 TEST_F(Assess, PutsASecondSessionBesideIt) {

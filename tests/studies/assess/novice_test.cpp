@@ -74,6 +74,10 @@ TEST(NoviceAndExpert, AreToldApart) {
   const AssessedSession expert = SessionOf("expert"), novice = SessionOf("novice");
   EXPECT_GT(score(expert), 85.0);
   EXPECT_LT(score(novice), score(expert) - 30.0);
+  for (const AssessedSession* session : {&expert, &novice})  // by one rule, of the run and of its recording
+    for (const PassFigures& pass : session->passes)
+      EXPECT_NEAR(pass.figures.cutting_s, pass.pass.cutting_s, 0.01 * pass.pass.cutting_s)
+          << pass.pass.number;
   EXPECT_LT(*procedure::AxisError(expert.plan.plan, expert.assessment), 0.5 * kDegree);
   EXPECT_NEAR(*procedure::AxisError(novice.plan.plan, novice.assessment), 14.0 * kDegree, kDegree);
   ASSERT_TRUE(expert.assessment.cavity.fit && novice.assessment.cavity.fit);

@@ -1,0 +1,50 @@
+#include "studies/assess/unfinished.h"
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace osteon::studies {
+namespace {
+
+// Above this share of the planned cavity that is left the plan is not finished.
+constexpr double kMaxShareLeft = 0.5;
+
+// Says how much of the planned cavity is left, where that is most of it; empty: it is not.
+std::string LeftOf(const procedure::CavityResult& cavity) {
+  const double whole_m3 = cavity.under_m3 + cavity.removed_m3 - cavity.over_m3;
+  if (!(cavity.under_m3 > kMaxShareLeft * whole_m3)) return "";
+  return fmt::format("of the planned cavity {:.0f} of {:.0f} mm³ are left: the last tool is not at its depth",
+                     1e9 * cavity.under_m3, 1e9 * whole_m3);
+}
+
+}  // namespace
+
+Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan, std::span<const session::SessionPass> passes) {
+  const int last = static_cast<int>(plan.tools.size()) - 1;
+  std::optional<double> to_go_mm;
+  bool by_a_tool = true;
+  for (const session::SessionPass& pass : passes)
+    if (!pass.undone && pass.tool_index == last) {
+      by_a_tool = false;
+      if (pass.to_go_mm) to_go_mm = std::min(to_go_mm.value_or(*pass.to_go_mm), *pass.to_go_mm);
+    }
+  if (by_a_tool)
+    return {
+        .text = fmt::format("no pass of its last tool, {:g} mm, counts", 1e3 * plan.tools.back().diameter_m),
+        .by_a_tool = true};
+  if (!to_go_mm)
+    return {.text = "how far its last tool went is not in session.json (`to_go_mm`; an older session)"};
+  if (*to_go_mm <= kMaxToGo_mm) return {};
+  return {.text = fmt::format("its last tool stopped {:.1f} mm short of its planned depth, accepted {:g} mm",
+                              *to_go_mm, kMaxToGo_mm)};
+}
+
+Unfinished UnfinishedOf(const AssessedSession& session) {
+  Unfinished unfinished = UnfinishedOf(session.plan.plan, session.file.passes);
+  if (unfinished.text.empty()) unfinished.text = LeftOf(session.assessment.cavity);
+  return unfinished;
+}
+
+}  // namespace osteon::studies
