@@ -111,12 +111,13 @@ std::string TimingHtml(const ReportInput& input) {
          "</div>\n<p class=\"sub\">Counts on a logarithmic axis, so that a single late tick is seen.</p>\n";
 }
 
-/// Lists the material properties that are assumed, because no source was found for them.
-std::string AssumptionsHtml(const simulation::Bone& bone) {
-  const std::vector<std::string> assumptions = simulation::Assumptions(bone.materials);
+/// Lists the figures that are assumed, because no source was found for them.
+std::string AssumptionsHtml(const ReportInput& input) {
+  const std::vector<std::string> assumptions =
+      input.assumptions ? *input.assumptions : simulation::Assumptions(input.bone.materials);
   if (assumptions.empty()) return {};
   std::string out =
-      "<h2>Assumed</h2>\n<p>These figures of the tissues are assumptions, because no source was found; in "
+      "<h2>Assumed</h2>\n<p>These figures are assumptions, because no source was found; in "
       "brackets, what they are based on.</p>\n<ul>\n";
   for (const std::string& line : assumptions) out += "<li>" + Escape(line) + "</li>\n";
   return out + "</ul>\n";
@@ -191,7 +192,7 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
     html += "<h2>What gave way</h2>\n" +
             Figure(chart, "Sizes of the displacements. A level that never moved in this run is not drawn.");
   html += TimingHtml(input);
-  html += AssumptionsHtml(input.bone);
+  html += AssumptionsHtml(input);
   if (!input.command_line.empty())
     html += "<h2>How to repeat it</h2>\n<pre>" + Escape(input.command_line) + "</pre>\n";
   if (!input.config_text.empty())

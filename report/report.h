@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -60,8 +61,10 @@ struct ReportInput {
   std::function<double(const Vector3& p_G_m)> planned{};
   std::vector<FaultRow> faults{};
   std::vector<LimitRow> limits{};  ///< those that acted
-  std::string config_text{};       ///< the configuration as read
-  std::string command_line{};      ///< the command that repeats the run
+  /// Figures without a source, a line each; nothing: those of the bone's materials.
+  std::optional<std::vector<std::string>> assumptions{};
+  std::string config_text{};   ///< the configuration as read
+  std::string command_line{};  ///< the command that repeats the run
   std::string version{};
   RenderParams pictures{};
 };

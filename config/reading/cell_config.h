@@ -111,6 +111,7 @@ struct ComplianceConfig {
   GivesWay layer{GivesWay::kOff}, tool{GivesWay::kOff}, mount{GivesWay::kOff};
   double error_m{0.1e-3};  ///< E: the scene's, or the file's own
   std::optional<control::BoneMountParams> bone_mount{};
+  std::string mount_source{};          ///< of the mount's figures: "assumed", or where they are from
   double lateral_N{0.0}, push_N{0.0};  ///< that act on the tool, and on tissue and mount
 };
 

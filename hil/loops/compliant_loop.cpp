@@ -65,7 +65,7 @@ int DeadTicks(const ServoArmParams& params) { return static_cast<int>(std::lroun
 
 }  // namespace
 
-// State: x_c now and before, x_r, x_r', v, earlier felt forces; e; d, d' and earlier d.
+// State: x_c now and before, x_r, x_r', v, earlier felt forces; e; d, d' and earlier d; x_r' before.
 CompliantLoop::CompliantLoop(const CompliantLoopParams& params)
     : params_(Validated(params)), arm_step_(PromptServo(params.loop.arm, params.loop.period_s)) {
   arm_ = 1 + DeadTicks(params.loop.arm);
@@ -73,14 +73,16 @@ CompliantLoop::CompliantLoop(const CompliantLoopParams& params)
   felt_ = speed_ + 1;
   link_ = felt_ + params.loop.sensor_delay;
   mount_ = link_ + (params.link ? 1 : 0);
-  size_ = mount_ + (params.mount ? 2 + params.mount->late_ticks : 0);
+  before_ = mount_ + (params.mount ? 2 + params.mount->late_ticks : 0);
+  size_ = before_ + (params.mean_acceleration ? 1 : 0);
 }
 
 Eigen::VectorXd CompliantLoop::Step(const Eigen::VectorXd& s) const {
   const AdmittanceLoopParams& p = params_.loop;
   const double T = p.period_s, w = 2.0 * std::numbers::pi * p.arm.bandwidth_hz;
   const double x = s[arm_], v = s[arm_ + 1], target = s[DeadTicks(p.arm)];
-  const double a = w * w * (target - x) - 2.0 * p.arm.damping_ratio * w * v;
+  const double a = params_.mean_acceleration ? (v - s[before_]) / T
+                                             : w * w * (target - x) - 2.0 * p.arm.damping_ratio * w * v;
   const double felt_N = -(p.hand.stiffness_N_per_m * x + p.hand.damping_Ns_per_m * v + p.hand.mass_kg * a);
   const double told_N = p.sensor_delay == 0 ? felt_N : s[felt_ + p.sensor_delay - 1];
 
@@ -103,6 +105,7 @@ Eigen::VectorXd CompliantLoop::Step(const Eigen::VectorXd& s) const {
   next.segment<2>(arm_) = arm_step_ * Eigen::Vector3d(x, v, target);
   next[speed_] = tool.V_WT.v.z();
   for (int i = 0; i < p.sensor_delay; ++i) next[felt_ + i] = i == 0 ? felt_N : s[felt_ + i - 1];
+  if (params_.mean_acceleration) next[before_] = v;
   if (params_.link) {
     using Scalar = Eigen::Matrix<double, 1, 1>;
     next[link_] = control::StepMassless<1>(Scalar(e), Scalar(params_.link->compliance_m_per_N * wall_N), T,

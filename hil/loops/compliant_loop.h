@@ -30,6 +30,9 @@ struct CompliantLoopParams {
   AdmittanceLoopParams loop;  ///< its wall: stiffness alone, on the commanded pose
   std::optional<LoopLink> link{};
   std::optional<LoopMount> mount{};
+  /// The hand's acceleration is the mean of the period that ends, as AdmittanceLoop has it; false: the
+  /// design's own, at the period's beginning.
+  bool mean_acceleration{false};
 };
 
 /// The linear loop around a wall that stays touched:
@@ -40,8 +43,8 @@ struct CompliantLoopParams {
 ///     law     the shipped StepAdmittance;  arm  one step of the shipped ServoArm
 ///     felt    f = -(k_h x_r + b_h x_r' + m_h x_r''),  x_r'' = w^2 (x_c[k-dc] - x_r) - 2 z w x_r', df ticks late
 ///
-/// The dead time dc counts whole periods. The acceleration is the design's, at the period's beginning; that
-/// of AdmittanceLoop may be another.
+/// The dead time dc counts whole periods. With mean_acceleration x_r'' = (x_r'[k] - x_r'[k-1]) / T instead:
+/// the design's adds m_h w^2 T / 2 to the hand's damping just after a command's step.
 class CompliantLoop {
  public:
   /// @throws std::invalid_argument naming the field, what was found and what is accepted.
@@ -54,7 +57,7 @@ class CompliantLoop {
  private:
   CompliantLoopParams params_;
   Eigen::Matrix<double, 2, 3> arm_step_;
-  int arm_, speed_, felt_, link_, mount_, size_;  // first indices in the state
+  int arm_, speed_, felt_, link_, mount_, before_, size_;  // first indices in the state
 };
 
 /// The shortest time constant of the link that is stable, by bisection between 10 us and 1 s.

@@ -68,7 +68,8 @@ std::optional<control::Compliance> MakeCompliance(const OsteonComplianceParams& 
                       "layer_N_per_mm3",
                       bone.bone.name));
   }
-  RefuseBy("", config::CheckMassless(levels, coupling.stiffness_N_per_m, params.period_s));
+  RefuseBy("", config::CheckMassless(levels, coupling.stiffness_N_per_m, params.period_s,
+                                     Vector3(bone.bone.site.center_m)));
   if (params.mount != 0) {
     levels.mount = MountOf(params);
     RefuseBy("mount_", config::CheckMountAlone(*levels.mount, coupling.stiffness_N_per_m, params.period_s));

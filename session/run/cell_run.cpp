@@ -29,6 +29,7 @@
 #include "session/setup/recorded_config.h"
 #include "session/stops/stop_records.h"
 #include "session/summary/chart_files.h"
+#include "session/summary/deflection_events.h"
 #include "session/summary/each_fault.h"
 #include "session/summary/limit_rows.h"
 
@@ -424,11 +425,12 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
     if (std::string wrong = params.make_room(); !wrong.empty())
       return tl::make_unexpected(CellRunError{.what = std::move(wrong)});
   ProcedureSink sink(params);
+  DeflectionSink deflections(sink.sink());
   RecordedTopics topics(
       setup, params.procedure ? std::span(params.procedure->tools()) : std::span<const ProcedureTool>());
   auto recorder = io::Recorder::Open({.path = params.recording,
                                       .writer_thread = !params.virtual_time,
-                                      .live = sink.sink(),
+                                      .live = &deflections,
                                       .topics = &topics},
                                      {.stamp = params.virtual_time ? 0 : rt::MonotonicNow(),
                                       .version = OSTEON_VERSION,
@@ -444,6 +446,7 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
                                       .build = BuildName(),
                                       .machine = MachineName()});
   if (!recorder) return tl::make_unexpected(CellRunError{.what = recorder.error()});
+  deflections.RecordIn(**recorder);
 
   // a refused run leaves no empty recording
   const auto refuse = [&](CellRunError error) {

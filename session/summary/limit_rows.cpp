@@ -82,6 +82,20 @@ std::string Text(const safety::ZoneParams& zone) {
                      kShapes[static_cast<std::size_t>(zone.shape)], PlaceText(zone.p_W_m), size);
 }
 
+// Where what gives way stops the cell.
+void AddDeflectionLimits(const control::ComplianceParams& p, std::vector<EffectiveLimit>& limits) {
+  if (p.tool) {
+    limits.push_back(
+        Tightest("bend of the tool", "mm", {{1e3 * p.tool->max_bend_m, "tenth of its free length"}}));
+    limits.push_back(
+        Tightest("thrust on the tool", "N", {{p.tool->max_thrust_N, "half of its buckling load"}}));
+  }
+  if (p.mount) {
+    limits.push_back(Tightest("shift of the bone's mount", "mm", {{1e3 * p.mount->max_shift_m, "fixed"}}));
+    limits.push_back(Tightest("turn of the bone's mount", "rad", {{p.mount->max_turn_rad, "fixed"}}));
+  }
+}
+
 }  // namespace
 
 std::vector<EffectiveLimit> EffectiveLimits(const control::ServoParams& p, bool reduced) {
@@ -134,6 +148,7 @@ std::vector<EffectiveLimit> EffectiveLimits(const control::ServoParams& p, bool 
                                 {{p.arm_body->joints[static_cast<std::size_t>(i)].limits.torque_Nm,
                                   "arm; gravity's is in it, a message ahead"}}));
   }
+  AddDeflectionLimits(p.compliance, limits);
   if (p.depth.acts)
     limits.push_back(
         Tightest("depth: resistance begins before the bound", "mm", {{1e3 * p.depth.soft_m, "cell"}}));

@@ -63,6 +63,8 @@ void RunAccumulator::Add(const control::TickRecord& tick) {
   drive_faults.Add(tick);
   latency.Add(tick);
   pauses.Add(tick);
+  deflections.Add(tick);
+  deflected.Add(tick.compliance);
   last_input = tick.input;
   if ((tick.faults & ~seen_faults) == 0) return;
   seen_faults |= tick.faults;

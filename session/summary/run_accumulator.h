@@ -15,6 +15,7 @@
 #include "session/procedure/session_cut.h"
 #include "session/setup/cell_setup.h"
 #include "session/stops/stop_records.h"
+#include "session/summary/deflection_events.h"
 #include "session/summary/drive_fault_rows.h"
 #include "session/summary/latency.h"
 #include "session/summary/limit_rows.h"
@@ -66,6 +67,8 @@ struct RunAccumulator {
   DriveFaultRows drive_faults;
   LatencyMeter latency;
   PauseEvents pauses;
+  DeflectionEvents deflections;
+  PeakDeflection deflected;
   std::map<safety::Fault, control::TickRecord> first_with;  ///< the first tick that has each fault
   std::uint32_t seen_faults{0};                             ///< the keys of first_with, as bits
   control::TickInput last_input;

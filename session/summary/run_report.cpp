@@ -53,6 +53,7 @@ tl::expected<report::ReportFigures, std::string> WriteRunReport(
        .planned = std::move(planned),
        .faults = summary.faults,
        .limits = LimitRowsOf(summary),
+       .assumptions = summary.assumptions,
        .config_text = setup.config_text,
        .command_line = command_line,
        .version = OSTEON_VERSION},

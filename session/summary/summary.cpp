@@ -11,6 +11,7 @@
 #include "session/procedure/procedure_session.h"
 #include "session/setup/config_checksum.h"
 #include "session/setup/setup_warnings.h"
+#include "session/summary/assumed_figures.h"
 #include "session/summary/each_fault.h"
 #include "session/summary/fault_seen.h"
 #include "simulation/engine/state_hash.h"
@@ -44,15 +45,16 @@ std::vector<report::FaultRow> FaultRows(safety::FaultSet faults, const RunAccumu
   return rows;
 }
 
-std::vector<EventRow> EventRows(const std::vector<simulation::SceneEvent>& events,
-                                const std::vector<EventRow>& pauses, rt::Nanoseconds start) {
+std::vector<EventRow> EventRows(const std::vector<simulation::SceneEvent>& events, const RunAccumulator& run,
+                                rt::Nanoseconds start) {
   std::vector<EventRow> rows;
   for (const simulation::SceneEvent& event : events)
     rows.push_back({.name = event.name,
                     .time_s = rt::ToSeconds(event.stamp - start),
                     .value = 1e3 * event.value,  // all values are lengths
                     .unit = "mm"});
-  rows.insert(rows.end(), pauses.begin(), pauses.end());
+  for (const auto* others : {&run.pauses.rows(), &run.deflections.rows()})
+    rows.insert(rows.end(), others->begin(), others->end());
   std::ranges::stable_sort(rows, {}, &EventRow::time_s);
   return rows;
 }
@@ -204,11 +206,13 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   const rt::Nanoseconds start = run.curves.first_tick.value_or(0);
   s.faults = FaultRows(result.faults, run, setup.config.servo);
   s.drive_faults = run.drive_faults.rows();
-  s.events = EventRows(result.events, run.pauses.rows(), start);
+  s.events = EventRows(result.events, run, start);
   s.min_wall_m = result.min_wall_m;
   s.planned = setup.planned;
   s.rezoned = RezonedRows(result.rezoned, start);
-  s.assumptions = simulation::Assumptions(setup.bone.materials);
+  s.assumptions = AssumedFigures(setup.config, setup.bone.materials);
+  s.deflected = run.deflected;
+  s.noticed_deflection_m = setup.config.servo.compliance.noticed_m;
   s.cell_report = result.cell_report;
   const nlohmann::json cell = nlohmann::json::parse(result.cell_report, nullptr, false);
   if (cell.is_object() && cell.contains("arm")) s.arm_stop = cell["arm"].value("stop", "");

@@ -100,7 +100,9 @@ struct RunSummary {
   std::vector<RezonedRow> rezoned;             ///< zones that were coarsened
   /// Thinnest wall beside the cut, 0: cut through; nothing: not watched.
   std::optional<double> min_wall_m;
-  std::vector<std::string> assumptions;     ///< material figures that have no source
+  std::vector<std::string> assumptions;     ///< figures without a source: AssumedFigures
+  PeakDeflection deflected;                 ///< of what gives way
+  double noticed_deflection_m{0.0};         ///< E: a larger displacement is an event
   std::vector<WrittenStop> stops;           ///< one page each
   std::optional<WrittenSurface> surface;    ///< nothing: not asked for, or not written
   std::string config_checksum;              ///< of the files that the cell was loaded from

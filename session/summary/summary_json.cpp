@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json_text.h"
+#include "base/units.h"
 #include "session/summary/summary.h"
 
 namespace osteon::session {
@@ -38,6 +39,15 @@ nlohmann::ordered_json EngineProcessJson(const EngineProcessResult& p) {
           {"rejected", p.counters.rejected},
           {"ended", text_or_null(p.ended)},
           {"carved_again", text_or_null(p.unfetched)}};
+}
+
+nlohmann::ordered_json DeflectionJson(const PeakDeflection& peak, double noticed_m) {
+  if (!peak.present) return nullptr;
+  return {{"peak_bend_mm", 1e3 * peak.bend_m},
+          {"peak_layer_mm", 1e3 * peak.layer_m},
+          {"peak_mount_mm", 1e3 * peak.mount_m},
+          {"peak_mount_deg", peak.mount_rad / kDegree},
+          {"error_mm", 1e3 * noticed_m}};
 }
 
 }  // namespace
@@ -141,6 +151,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
       {"recording_error",
        s.recording_error.empty() ? nlohmann::json(nullptr) : nlohmann::json(s.recording_error)}};
   out["events"] = events;
+  out["deflection"] = DeflectionJson(s.deflected, s.noticed_deflection_m);
   out["planned"] = s.planned ? PlannedJson(*s.planned) : nlohmann::json(nullptr);
   out["surface"] = s.surface ? nlohmann::json(SurfaceJson(*s.surface)) : nlohmann::json(nullptr);
   out["rezoned"] = nlohmann::json::array();

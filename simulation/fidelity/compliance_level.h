@@ -10,15 +10,16 @@ inline constexpr double kNoticedProduct = 0.0753;
 
 /// A part of a cell that may give way, and what it meets.
 struct ComplianceFigures {
-  double compliance_m_per_N{0.0};  ///< c at the touching point
+  double compliance_m_per_N{0.0};  ///< c at the touching point, by the tangent
   double force_N{0.0};             ///< that acts on it: lateral for a tool, the push for tissue and mount
+  double gives_m{0.0};             ///< displacement under that force; 0: c F, as of a linear part
   double stiffness_N_per_m{20e3};  ///< K, of the virtual coupling
   double error_m{0.1e-3};          ///< E, of the scene
 };
 
 /// What a part changes when it gives way, against a rigid one.
 struct ComplianceEffect {
-  double gives_m{0.0};       ///< c F
+  double gives_m{0.0};       ///< displacement under the force
   double product{0.0};       ///< K c
   double felt_share{0.0};    ///< change of the felt stiffness: 1 / (1 + K c) - 1, at most 0
   bool is_displaced{false};  ///< it gives more than E
@@ -30,7 +31,7 @@ struct ComplianceEffect {
 /// Whether a scene can notice that a part gives way: its force changes by 7 % or its depth by E.
 [[nodiscard]] constexpr ComplianceEffect EffectOf(const ComplianceFigures& f) {
   ComplianceEffect effect;
-  effect.gives_m = f.compliance_m_per_N * f.force_N;
+  effect.gives_m = f.gives_m > 0.0 ? f.gives_m : f.compliance_m_per_N * f.force_N;
   effect.product = f.compliance_m_per_N * f.stiffness_N_per_m;
   effect.felt_share = 1.0 / (1.0 + effect.product) - 1.0;
   effect.is_displaced = effect.gives_m > f.error_m;

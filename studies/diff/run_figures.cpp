@@ -4,12 +4,15 @@
 #include <cmath>
 
 #include "base/fnv1a.h"
+#include "base/units.h"
 #include "console/stream/live_window.h"
 #include "io/recording/recording_reader.h"
 #include "report/duration_counts.h"
 #include "safety/acting_limits.h"
 #include "safety/cell_state.h"
+#include "session/summary/deflection_events.h"
 #include "session/summary/each_fault.h"
+#include "session/summary/latency.h"
 
 namespace osteon::studies {
 namespace {
@@ -24,6 +27,8 @@ struct Gathered {
   double removed_m3{0.0}, removed_kg{0.0}, work_J{0.0}, depth_m{0.0};
   double period_s{0.0};
   report::DurationCounts compute, frame;
+  session::PeakDeflection deflected;
+  session::LatencyMeter latency;
 };
 
 void Keep(double& peak, double value) { peak = std::max(peak, value); }
@@ -34,6 +39,8 @@ void AddTick(const control::TickRecord& tick, Gathered& all) {
   Keep(all.peak_speed_m_per_s, Length(tick.v_WT_cmd_m_per_s));
   Keep(all.tool_in_bone_m, tick.tool_in_bone_m);
   all.compute.Add(tick.compute_ns);
+  all.deflected.Add(tick.compliance);
+  all.latency.Add(tick);
   if (!safety::Renders(static_cast<safety::CellState>(tick.cell_state))) return;
   ++all.rendering;
   all.force_sum_N += Length(tick.F_coupling_T_W.f);
@@ -56,81 +63,111 @@ double Percentile99_us(const report::DurationCounts& durations) {
   return 1e-3 * static_cast<double>(durations.At((durations.count() - 1) * 99 / 100));
 }
 
+// How far each part that gives way was displaced; 0 where it is rigid.
+void AddDeflections(const session::PeakDeflection& peak, std::vector<RunFigure>& figures) {
+  constexpr double kLeast_mm = 0.02;
+  const auto add_mm = [&](const char* name, const char* key, double value_m) {
+    figures.push_back(
+        {.name = name, .key = key, .unit = "mm", .value = 1e3 * value_m, .least_difference = kLeast_mm});
+  };
+  add_mm("largest bend of the tool", "peak_bend_mm", peak.bend_m);
+  add_mm("largest yield of the surface layer", "peak_layer_mm", peak.layer_m);
+  add_mm("largest shift of the bone's mount", "peak_mount_mm", peak.mount_m);
+  figures.push_back({.name = "largest turn of the bone's mount",
+                     .key = "peak_mount_deg",
+                     .unit = "deg",
+                     .value = peak.mount_rad / kDegree,
+                     .least_difference = 0.02});
+}
+
+// Means over the run; the machine's part is in them.
+void AddLatency(const Gathered& all, std::vector<RunFigure>& figures) {
+  const session::LatencyFigures latency = all.latency.Figures(all.period_s, {});
+  const auto add = [&](const char* name, const char* key, double value_s) {
+    figures.push_back({.name = name, .key = key, .unit = "ms", .value = 1e3 * value_s, .judged = false});
+  };
+  add("latency from hand to arm", "latency_hand_to_arm_ms", latency.hand_to_arm_s);
+  add("latency from bone to hand", "latency_bone_to_hand_ms", latency.bone_to_hand_s);
+}
+
 std::vector<RunFigure> Figures(const Gathered& all) {
   const auto ticks = static_cast<double>(std::max<std::uint64_t>(1, all.rendering));
-  return {{.name = "rendered",
-           .key = "rendered_s",
-           .unit = "s",
-           .value = all.period_s * static_cast<double>(all.rendering),
-           .least_difference = 0.05},
-          {.name = "peak force to the hand",
-           .key = "peak_force_N",
-           .unit = "N",
-           .value = all.peak_force_N,
-           .least_difference = 0.5},
-          {.name = "mean force to the hand",
-           .key = "mean_force_N",
-           .unit = "N",
-           .value = all.force_sum_N / ticks,
-           .least_difference = 0.5},
-          {.name = "peak force of the hand",
-           .key = "peak_sensor_force_N",
-           .unit = "N",
-           .value = all.peak_hand_N,
-           .least_difference = 0.5},
-          {.name = "deepest tool in bone",
-           .key = "peak_tool_in_bone_mm",
-           .unit = "mm",
-           .value = 1e3 * all.tool_in_bone_m,
-           .least_difference = 0.05},
-          {.name = "depth of the cut",
-           .key = "cup_depth_mm",
-           .unit = "mm",
-           .value = 1e3 * all.depth_m,
-           .least_difference = 0.02},
-          {.name = "removed volume",
-           .key = "removed_volume_mm3",
-           .unit = "mm³",
-           .value = 1e9 * all.removed_m3,
-           .least_difference = 5.0},
-          {.name = "removed mass",
-           .key = "removed_mass_g",
-           .unit = "g",
-           .value = 1e3 * all.removed_kg,
-           .least_difference = 0.005},
-          {.name = "cutting work",
-           .key = "cutting_work_J",
-           .unit = "J",
-           .value = all.work_J,
-           .least_difference = 0.05},
-          {.name = "peak tool speed",
-           .key = "peak_tool_speed_mm_per_s",
-           .unit = "mm/s",
-           .value = 1e3 * all.peak_speed_m_per_s,
-           .least_difference = 1.0},
-          {.name = "least share of the coupling that the limits passed",
-           .key = "min_wrench_share",
-           .unit = "",
-           .value = all.least_share,
-           .least_difference = 0.02},
-          {.name = "oldest contact model",
-           .key = "max_model_age_ms",
-           .unit = "ms",
-           .value = 1e3 * all.most_age_s,
-           .least_difference = 0.0,
-           .judged = false},
-          {.name = "tick, 99th percentile",
-           .key = "tick_compute_p99_us",
-           .unit = "µs",
-           .value = Percentile99_us(all.compute),
-           .least_difference = 0.0,
-           .judged = false},
-          {.name = "frame, 99th percentile",
-           .key = "frame_p99_us",
-           .unit = "µs",
-           .value = Percentile99_us(all.frame),
-           .least_difference = 0.0,
-           .judged = false}};
+  std::vector<RunFigure> figures{{.name = "rendered",
+                                  .key = "rendered_s",
+                                  .unit = "s",
+                                  .value = all.period_s * static_cast<double>(all.rendering),
+                                  .least_difference = 0.05},
+                                 {.name = "peak force to the hand",
+                                  .key = "peak_force_N",
+                                  .unit = "N",
+                                  .value = all.peak_force_N,
+                                  .least_difference = 0.5},
+                                 {.name = "mean force to the hand",
+                                  .key = "mean_force_N",
+                                  .unit = "N",
+                                  .value = all.force_sum_N / ticks,
+                                  .least_difference = 0.5},
+                                 {.name = "peak force of the hand",
+                                  .key = "peak_sensor_force_N",
+                                  .unit = "N",
+                                  .value = all.peak_hand_N,
+                                  .least_difference = 0.5},
+                                 {.name = "deepest tool in bone",
+                                  .key = "peak_tool_in_bone_mm",
+                                  .unit = "mm",
+                                  .value = 1e3 * all.tool_in_bone_m,
+                                  .least_difference = 0.05},
+                                 {.name = "depth of the cut",
+                                  .key = "cup_depth_mm",
+                                  .unit = "mm",
+                                  .value = 1e3 * all.depth_m,
+                                  .least_difference = 0.02},
+                                 {.name = "removed volume",
+                                  .key = "removed_volume_mm3",
+                                  .unit = "mm³",
+                                  .value = 1e9 * all.removed_m3,
+                                  .least_difference = 5.0},
+                                 {.name = "removed mass",
+                                  .key = "removed_mass_g",
+                                  .unit = "g",
+                                  .value = 1e3 * all.removed_kg,
+                                  .least_difference = 0.005},
+                                 {.name = "cutting work",
+                                  .key = "cutting_work_J",
+                                  .unit = "J",
+                                  .value = all.work_J,
+                                  .least_difference = 0.05},
+                                 {.name = "peak tool speed",
+                                  .key = "peak_tool_speed_mm_per_s",
+                                  .unit = "mm/s",
+                                  .value = 1e3 * all.peak_speed_m_per_s,
+                                  .least_difference = 1.0},
+                                 {.name = "least share of the coupling that the limits passed",
+                                  .key = "min_wrench_share",
+                                  .unit = "",
+                                  .value = all.least_share,
+                                  .least_difference = 0.02},
+                                 {.name = "oldest contact model",
+                                  .key = "max_model_age_ms",
+                                  .unit = "ms",
+                                  .value = 1e3 * all.most_age_s,
+                                  .least_difference = 0.0,
+                                  .judged = false},
+                                 {.name = "tick, 99th percentile",
+                                  .key = "tick_compute_p99_us",
+                                  .unit = "µs",
+                                  .value = Percentile99_us(all.compute),
+                                  .least_difference = 0.0,
+                                  .judged = false},
+                                 {.name = "frame, 99th percentile",
+                                  .key = "frame_p99_us",
+                                  .unit = "µs",
+                                  .value = Percentile99_us(all.frame),
+                                  .least_difference = 0.0,
+                                  .judged = false}};
+  AddDeflections(all.deflected, figures);
+  AddLatency(all, figures);
+  return figures;
 }
 
 }  // namespace

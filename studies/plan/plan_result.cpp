@@ -82,6 +82,8 @@ nlohmann::json ComplianceJson(const session::PlanScene& scene) {
                    {"coupling_product", part.effect.product},
                    {"felt_change", part.effect.felt_share},
                    {"thrust_ratio", part.thrust_ratio}});
+    if (part.felt_at_N > 0.0)
+      json.update({{"stiffness_at_N", part.felt_at_N}, {"seated_mm2", 1e6 * part.seated_m2}});
     parts.push_back(std::move(json));
   }
   return parts;
@@ -93,9 +95,12 @@ std::string ComplianceText(const config::CompliancePart& part) {
   const simulation::ComplianceEffect& e = part.effect;
   const char* why = e.is_felt ? (e.is_displaced ? "felt, and off by more than the error" : "felt")
                               : (e.is_displaced ? "off by more than the error" : "not noticed");
+  const std::string at = part.felt_at_N > 0.0 ? fmt::format(" at {:.3g} N; on {:.0f} mm² it", part.felt_at_N,
+                                                            1e6 * part.seated_m2)
+                                              : std::string();
   std::string text =
-      fmt::format("{} ({}): {:.4g} N/mm gives {:.3f} mm under {:.3g} N, felt {:+.1f} %, K c {:.3g}",
-                  e.matters() ? "on" : "off", why, 1e-3 * part.stiffness_N_per_m, 1e3 * e.gives_m,
+      fmt::format("{} ({}): {:.4g} N/mm{} gives {:.3f} mm under {:.3g} N, felt {:+.1f} %, K c {:.3g}",
+                  e.matters() ? "on" : "off", why, 1e-3 * part.stiffness_N_per_m, at, 1e3 * e.gives_m,
                   part.force_N, 100.0 * e.felt_share, e.product);
   if (part.thrust_ratio > 0.0) text += fmt::format(", thrust {:.3f} of buckling", part.thrust_ratio);
   return text + fmt::format("; the cell says {}", ChoiceName(part.asked));

@@ -1,9 +1,12 @@
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "config/reading/load.h"
+#include "config/reading/sections/compliance_params.h"
 #include "config/reading/sections/read_compliance.h"
 #include "tests/config/cell_text.h"
 
@@ -56,6 +59,76 @@ TEST(ComplianceKeys, AutoIsOnWhereTheSceneNoticesIt) {
     EXPECT_NEAR(part.effect.product, row.product, 0.01 * row.product);
     EXPECT_NEAR(part.effect.felt_share, row.felt, 0.005);
     EXPECT_NEAR(part.thrust_ratio, row.thrust, 0.0011);
+  }
+}
+
+CompliancePart LayerOf(const std::string& cell) {
+  return CompliancePartsOf(LoadText(WithCompliance(cell, " {layer: auto}")))[1];
+}
+
+// Cartilage is not felt by a reamer, and seated it gives less than the scene's error: 0.05 mm in a run.
+TEST(ComplianceKeys, TheDemosCartilageIsOffByItself) {
+  const CompliancePart part = LayerOf("demo");
+  ASSERT_TRUE(part.known);
+  EXPECT_FALSE(part.on);
+  EXPECT_EQ(part.felt_at_N, 20.0);
+  EXPECT_NEAR(1e-3 * part.stiffness_N_per_m, 329.7, 3.3) << "the tangent, not the secant of 165";
+  EXPECT_NEAR(part.effect.product, 0.0607, 0.0006);
+  EXPECT_NEAR(part.effect.felt_share, -0.057, 0.001);
+  EXPECT_NEAR(1e6 * part.seated_m2, 1963.0, 1.0) << "a head of 25 mm fills a cup of 24";
+  EXPECT_NEAR(1e3 * part.effect.gives_m, 0.0424, 0.0005);
+  EXPECT_EQ(part.force_N, 120.0);
+  EXPECT_FALSE(LoadText(WithCompliance("demo", " {layer: auto}")).servo.compliance.layer);
+  EXPECT_TRUE(LoadText(CellText("cartilage_cup")).servo.compliance.layer) << "on is on";
+  EXPECT_FALSE(LayerOf("femoral_head").known) << "worn off";
+}
+
+// Cells in which a part is on because the scene notices it.
+TEST(ComplianceKeys, ShippedCellsWhosePartsAreFelt) {
+  const CellConfig cup = LoadText(CellText("soft_cup"));
+  ASSERT_TRUE(cup.servo.compliance.layer) << "auto";
+  EXPECT_NEAR(cup.servo.compliance.layer->kappa_N_per_m3[0], 0.5e9, 1.0);
+  const CompliancePart layer = CompliancePartsOf(cup)[1];
+  EXPECT_TRUE(layer.effect.is_felt && layer.effect.is_displaced);
+  EXPECT_NEAR(1e-3 * layer.stiffness_N_per_m, 56.0, 0.6);
+  EXPECT_NEAR(1e3 * layer.effect.gives_m, 0.247, 0.003);
+  EXPECT_TRUE(cup.scene.materials.at(0).layer_source.assumed);
+  const CellConfig drill = LoadText(CellText("femoral_long_drill"));
+  ASSERT_TRUE(drill.servo.compliance.tool) << "auto";
+  EXPECT_TRUE(CompliancePartsOf(drill)[0].effect.is_felt);
+}
+
+// A reamer of 44 mm in the cup of 48 is not seated all over.
+TEST(ComplianceKeys, ALayerYieldsByTheAreaThatTheToolEngages) {
+  const std::string cup = WithCompliance("demo", " {layer: auto}");
+  const CompliancePart narrow =
+      CompliancePartsOf(LoadText(With(cup, "tool_diameter_mm: 50", "tool_diameter_mm: 44")))[1];
+  EXPECT_NEAR(1e6 * narrow.seated_m2, 1e6 * std::numbers::pi * 0.5e-3 / (1.0 / 0.022 - 1.0 / 0.024), 1.0);
+  EXPECT_LT(narrow.seated_m2, LayerOf("demo").seated_m2);
+  EXPECT_GT(narrow.effect.gives_m, LayerOf("demo").effect.gives_m);
+}
+
+// The design's table: a ball of 25 mm on a flat, felt through a coupling of 20 N/mm.
+TEST(ComplianceKeys, LayersOfTheDesignsTable) {
+  struct Row {
+    double kappa_N_per_mm3, thickness_mm, delta_mm[3], k_N_per_mm, felt_N_per_mm;
+  };
+  for (const Row& row : {Row{0.06, 5.0, {1.030, 2.060, 4.607}, 19.42, 9.85},
+                         Row{17.3, 2.0, {0.0607, 0.1213, 0.2713}, 329.7, 18.86},
+                         Row{68.7, 2.0, {0.0304, 0.0609, 0.1361}, 657.0, 19.41}}) {
+    SCOPED_TRACE(row.kappa_N_per_mm3);
+    control::SurfaceLayerParams layer{.thickness_m = 1e-3 * row.thickness_mm};
+    layer.kappa_N_per_m3[0] = 1e9 * row.kappa_N_per_mm3;
+    layer.touch_area_m2 = std::numbers::pi * 0.025 * layer.engaged_layer_m;
+    layer.max_area_m2 = std::numbers::pi * 0.025 * 0.025;
+    const double bound_mm = 0.4 * row.thickness_mm;  // at which the loop's law ends
+    const double forces_N[3] = {5.0, 20.0, 100.0};
+    for (int i = 0; i < 3; ++i)
+      EXPECT_NEAR(1e3 * LayerDeflection_m(layer, forces_N[i], 0.0), std::min(row.delta_mm[i], bound_mm),
+                  0.015 * row.delta_mm[i]);
+    const double k = 1e-3 * LayerTangent_N_per_m(layer, 20.0);
+    EXPECT_NEAR(k, row.k_N_per_mm, 0.015 * row.k_N_per_mm);
+    EXPECT_NEAR(20.0 * k / (20.0 + k), row.felt_N_per_mm, 0.01 * row.felt_N_per_mm);
   }
 }
 
@@ -116,6 +189,38 @@ TEST(ComplianceKeys, WhatWouldNotBeStableIsRefusedWithTheValueThatIsNeeded) {
   stiff = With(stiff, "stiffness_N_per_mm: 60", "stiffness_N_per_mm: 80");
   EXPECT_THAT(Refusal(stiff),
               AllOf(HasSubstr("relaxation_ms"), HasSubstr("found a"), HasSubstr("accepted at least")));
+}
+
+// A mount's swing about each axis keeps the same rules as its motion along it, at the lever of the site.
+TEST(ComplianceKeys, AMountThatSwingsTooFastOrTooFreelyIsRefused) {
+  const auto mounted = [](const std::string& cell, const std::string& inertia, const std::string& stiffness,
+                          const std::string& at) {
+    std::string text = With(WithCompliance(cell, kMount), "[0.12, 0.12, 0.12]", inertia);
+    text = With(text, "[2000, 2000, 2000]", stiffness);
+    return With(text, "at_mm: [620, 0, 130]", at);
+  };
+  const std::string pelvis = "at_mm: [620, 0, 130]";
+  // 80 mm below the cup's centre: (20 N/mm × L² + k_r) T² / 0.16
+  EXPECT_THAT(Refusal(mounted("demo", "[0.12, 0.005, 0.12]", "[2000, 2000, 2000]", pelvis)),
+              AllOf(HasSubstr("inertia_kg_m2"), HasSubstr("found 0.005 about y, accepted at least 0.0133"),
+                    HasSubstr("lever of 80 mm")));
+  EXPECT_EQ(Refusal(mounted("demo", "[0.12, 0.0134, 0.12]", "[2000, 2000, 2000]", pelvis)), "");
+  EXPECT_THAT(Refusal(mounted("demo", "[0.12, 0.12, 0.012]", "[2000, 2000, 2000]", pelvis)),
+              AllOf(HasSubstr("found 0.012 about z, accepted at least 0.0125"), HasSubstr("lever of 0 mm")));
+  EXPECT_THAT(
+      Refusal(mounted("thin_plate_impedance", "[1e-4, 1e-4, 1e-4]", "[100000, 100000, 100000]", pelvis)),
+      AllOf(HasSubstr("inertia_kg_m2"), HasSubstr("found 0.0001 about x, accepted at least 0.6")));
+}
+
+TEST(ComplianceKeys, AStiffHandNeedsDampingOfTheSwingAtItsLever) {
+  std::string text = With(WithCompliance("demo", kMount), "[2000, 2000, 2000]", "[400, 400, 400]");
+  text = With(text, "stiffness_N_per_m: 2000\n  damping_Ns_per_m: 60\n",
+              "stiffness_N_per_m: 3000\n  damping_Ns_per_m: 10\n");
+  EXPECT_EQ(Refusal(text), "") << "80 mm: 108 N s/m of the swing";
+  text = With(text, "at_mm: [620, 0, 130]", "at_mm: [620, 0, 30]");
+  EXPECT_THAT(Refusal(text),
+              AllOf(HasSubstr("damping_ratio"), HasSubstr("found 0.05, accepted at least 0.08"),
+                    HasSubstr("about x at its lever of 180 mm")));
 }
 
 TEST(ComplianceKeys, WordsAndNumbersOutsideTheirRangesAreRefused) {

@@ -62,7 +62,9 @@ TEST(MaterialsConfig, EachShippedListIsSoundAndInTheOrderItsScenesExpect) {
   EXPECT_THAT(Names(LoadMaterials(Shipped("tooth.yaml"))), ElementsAre("enamel", "dentine", "pulp"));
   EXPECT_THAT(Names(LoadMaterials(Shipped("sawbone.yaml"))),
               ElementsAre("foam_10", "foam_15", "foam_20", "foam_40", "shell"));
-  for (const char* name : {"bone.yaml", "tooth.yaml", "sawbone.yaml"})
+  EXPECT_THAT(Names(LoadMaterials(Shipped("soft_bone.yaml"))),
+              ElementsAre("cartilage", "cortical", "cancellous", "marrow", "soft tissue"));
+  for (const char* name : {"bone.yaml", "soft_bone.yaml", "tooth.yaml", "sawbone.yaml"})
     EXPECT_NO_THROW(simulation::CheckMaterials(LoadMaterials(Shipped(name)))) << name;
 }
 

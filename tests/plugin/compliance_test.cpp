@@ -215,6 +215,8 @@ TEST(OsteonCompliance, RefusesWithTheValueThatIsNeeded) {
           [](auto& p) { p.mount = 1, p.mount_damping_ratio = 0.01; });
   refused(session.get(), "mount_mass_kg: found 0.2, accepted at least 0.42",
           [](auto& p) { p.mount = 1, p.mount_mass_kg = 0.2; });
+  refused(session.get(), "mount_inertia_kg_m2: found 0.001 about x, accepted at least 0.01",
+          [](auto& p) { p.mount = 1, p.mount_inertia_kg_m2[0] = 0.001; });
   refused(session.get(), "stiffness_N_per_m",
           [](auto& p) { p.mount = 1, p.mount_stiffness_N_per_m[1] = NAN; });
   const auto drill = Drill(0.0032);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -62,8 +63,29 @@ control::SurfaceLayerParams SurfaceLayerOf(std::span<const simulation::Material>
 bool HasLayer(const control::SurfaceLayerParams& layer) { return SoftestOf(layer) > 0.0; }
 
 double LayerCompliance(const control::SurfaceLayerParams& layer, double force_N) {
-  return control::LayerIndentation(layer, {.kappa_N_per_m3 = SoftestOf(layer), .share = 1.0}, force_N) /
-         force_N;
+  return LayerDeflection_m(layer, force_N, 0.0) / force_N;
+}
+
+double LayerTangent_N_per_m(const control::SurfaceLayerParams& layer, double force_N) {
+  constexpr double kStep = 1e-4;  // of the force, to each side
+  control::SurfaceLayerParams thick = layer;
+  thick.thickness_m = std::numeric_limits<double>::infinity();
+  const double further_m = LayerDeflection_m(thick, (1.0 + kStep) * force_N, 0.0) -
+                           LayerDeflection_m(thick, (1.0 - kStep) * force_N, 0.0);
+  return 2.0 * kStep * force_N / further_m;
+}
+
+double SeatedArea_m2(const control::SurfaceLayerParams& layer, const simulation::Tool& tool,
+                     double cup_radius_m) {
+  if (!(cup_radius_m > 0.0)) return layer.touch_area_m2;
+  const double curvature_1_per_m = 1.0 / HeadRadiusOf(tool) - 1.0 / cup_radius_m;
+  if (!(curvature_1_per_m > 0.0)) return layer.max_area_m2;
+  return std::min(std::numbers::pi * layer.engaged_layer_m / curvature_1_per_m, layer.max_area_m2);
+}
+
+double LayerDeflection_m(const control::SurfaceLayerParams& layer, double force_N, double area_m2) {
+  return control::LayerIndentation(
+      layer, {.kappa_N_per_m3 = SoftestOf(layer), .share = 1.0, .area_m2 = area_m2}, force_N);
 }
 
 std::optional<ComplianceRefusal> CheckToolLink(const simulation::ToolCompliance& tool, double relaxation_s,
@@ -104,18 +126,34 @@ std::optional<ComplianceRefusal> CheckMassless(const control::ComplianceParams& 
                   of_tool + of_layer)};
 }
 
+Vector3 SquaredLevers_m2(const control::BoneMountParams& mount, const Vector3& p_W_m) {
+  const Vector3 r_m = p_W_m - mount.p_WMo_m;
+  return Vector3::Constant(r_m.squaredNorm()) - r_m.cwiseAbs2();
+}
+
 std::optional<ComplianceRefusal> CheckMountAlone(const control::BoneMountParams& mount,
-                                                 double stiffness_N_per_m, double period_s) {
+                                                 double stiffness_N_per_m, double period_s,
+                                                 const Vector3& p_W_m) {
   if (mount.damping_ratio < kMinDampingRatio)
     return ComplianceRefusal{"damping_ratio", fmt::format("found {:g}, accepted at least {:g}",
                                                           mount.damping_ratio, kMinDampingRatio)};
-  const double stiff = mount.stiffness_N_per_m.maxCoeff();
-  const double least_kg =
-      (stiffness_N_per_m + stiff) * period_s * period_s / (kMaxTurnPerTick * kMaxTurnPerTick);
+  const double per_stiffness = period_s * period_s / (kMaxTurnPerTick * kMaxTurnPerTick);
+  const double least_kg = (stiffness_N_per_m + mount.stiffness_N_per_m.maxCoeff()) * per_stiffness;
   if (mount.mass_kg < least_kg)
     return ComplianceRefusal{"mass_kg", fmt::format("found {:g}, accepted at least {:.4g}: with coupling and "
                                                     "mount it would turn further than {:g} rad in a period",
                                                     mount.mass_kg, least_kg, kMaxTurnPerTick)};
+  const Vector3 levers_m2 = SquaredLevers_m2(mount, p_W_m);
+  const Vector3 least_kg_m2 = per_stiffness * (stiffness_N_per_m * levers_m2 + mount.stiffness_Nm_per_rad);
+  for (int axis = 0; axis < 3; ++axis)
+    if (mount.inertia_kg_m2[axis] < least_kg_m2[axis])
+      return ComplianceRefusal{
+          "inertia_kg_m2",
+          fmt::format(
+              "found {:g} about {}, accepted at least {:.4g}: with the coupling at a lever of {:.4g} mm "
+              "and the mount's {:g} N m/rad its swing would turn further than {:g} rad in a period",
+              mount.inertia_kg_m2[axis], "xyz"[axis], least_kg_m2[axis], 1e3 * std::sqrt(levers_m2[axis]),
+              mount.stiffness_Nm_per_rad[axis], kMaxTurnPerTick)};
   return std::nullopt;
 }
 

@@ -37,6 +37,23 @@ struct ComplianceRefusal {
 /// Secant compliance of a layer at a first touch of its softest material [m/N].
 [[nodiscard]] double LayerCompliance(const control::SurfaceLayerParams& layer, double force_N);
 
+/// Tangent stiffness k_t = dF/ddelta of a layer at a first touch of its softest material [N/m]: what a hand
+/// feels of it. Without the bound at 0.4 of the thickness.
+[[nodiscard]] double LayerTangent_N_per_m(const control::SurfaceLayerParams& layer, double force_N);
+
+/// Area that a tool's head engages where it is seated [m²], with R of the head and e the engaged layer:
+///
+///     in a cup      pi e / (1/R - 1/R_cup), at most A_max; A_max where the head is no smaller than the cup
+///     elsewhere     pi e R, a first touch's
+///
+/// @param cup_radius_m  of the cup that the tool goes into; 0: none
+[[nodiscard]] double SeatedArea_m2(const control::SurfaceLayerParams& layer, const simulation::Tool& tool,
+                                   double cup_radius_m);
+
+/// Indentation at rest of a layer's softest material under a force on an engaged area [m].
+[[nodiscard]] double LayerDeflection_m(const control::SurfaceLayerParams& layer, double force_N,
+                                       double area_m2);
+
 /// A tool must not be pushed with more than half of its buckling load, vibrate by itself below 100 Hz, or
 /// have a time constant below 20 ms.
 [[nodiscard]] std::optional<ComplianceRefusal> CheckToolLink(const simulation::ToolCompliance& tool,
@@ -46,9 +63,18 @@ struct ComplianceRefusal {
 [[nodiscard]] std::optional<ComplianceRefusal> CheckMassless(const control::ComplianceParams& params,
                                                              double stiffness_N_per_m, double period_s);
 
-/// A mount's own damping ratio must be at least 0.05 (of rule 2), and sqrt((K + k) / m) T at most 0.4 (rule
-/// 3).
+/// Square of the lever of a point about each axis of a mount [m²]: a turn about the axis by a small angle
+/// moves the point by the lever times that angle.
+[[nodiscard]] Vector3 SquaredLevers_m2(const control::BoneMountParams& mount, const Vector3& p_W_m);
+
+/// A mount's own damping ratio must be at least 0.05 (of rule 2), and w T at most 0.4 for each of its six
+/// modes (rule 3), with the lever L of the site about the mode's axis:
+///
+///     w² = (K + k) / m along an axis,   w² = (K L² + k_r) / I about it
+///
+/// @param p_W_m  the site, in the mount's own frame of coordinates
 [[nodiscard]] std::optional<ComplianceRefusal> CheckMountAlone(const control::BoneMountParams& mount,
-                                                               double stiffness_N_per_m, double period_s);
+                                                               double stiffness_N_per_m, double period_s,
+                                                               const Vector3& p_W_m);
 
 }  // namespace osteon::config

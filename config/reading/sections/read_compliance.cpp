@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -23,9 +25,9 @@ GivesWay ReadLevel(Reader& section, const char* key) {
   return static_cast<GivesWay>(section.Choice(key, {"off", "on", "auto"}));
 }
 
-control::BoneMountParams ReadMount(Reader section, const Pose& X_WG) {
+control::BoneMountParams ReadMount(Reader section, const Pose& X_WG, std::string& source) {
   control::BoneMountParams mount;
-  static_cast<void>(section.Text("source"));
+  source = section.Text("source");
   mount.p_WMo_m = section.Triple("at_mm", -kRoom_mm, kRoom_mm);
   if (IsInBoneFrame(section)) mount.p_WMo_m = X_WG * mount.p_WMo_m;
   mount.mass_kg = section.Number("mass_kg", 0.1, 500);
@@ -40,8 +42,27 @@ control::BoneMountParams ReadMount(Reader section, const Pose& X_WG) {
   return mount;
 }
 
+// Whether the generated bone has no cartilage, though its scene names the material.
+bool IsCartilageWornOff(const CellConfig& cell) {
+  if (cell.bone) return false;
+  if (const auto* cup = std::get_if<simulation::AcetabulumShape>(&cell.scene.shape))
+    return !(cup->cartilage_m > 0.0);
+  const auto* head = std::get_if<simulation::FemoralHeadShape>(&cell.scene.shape);
+  return head && !(head->cartilage_m > 0.0);
+}
+
 control::SurfaceLayerParams LayerOf(const CellConfig& cell) {
-  return SurfaceLayerOf(cell.scene.materials, cell.tool.tool, cell.cutting.engaged_layer_m);
+  std::vector<simulation::Material> materials = cell.scene.materials;
+  if (!materials.empty() && IsCartilageWornOff(cell)) materials.front().layer_N_per_m3 = 0.0;
+  return SurfaceLayerOf(materials, cell.tool.tool, cell.cutting.engaged_layer_m);
+}
+
+// Radius of the cup that the tool goes into; 0: none, or a packing's own, which is not known here.
+double CupRadiusOf(const CellConfig& cell) {
+  if (cell.scene.zone.kind != simulation::ZoneParams::Kind::kCup) return 0.0;
+  if (cell.bone) return cell.bone->cup ? cell.bone->cup->radius_m : 0.0;
+  const auto* shape = std::get_if<simulation::AcetabulumShape>(&cell.scene.shape);
+  return shape ? shape->cup_radius_m : 0.0;
 }
 
 double PushOf(const CellConfig& cell) {
@@ -80,12 +101,35 @@ void CheckMountMass(const Reader& bone_mount, const CellConfig& cell) {
                              1e-3 * rule.stable_up_to_N_per_m));
 }
 
-// Rules 2 and 3, axis by axis. The hand is the simulated operator's, where there is one.
+// Rule 2 of one mode: damping of mount, virtual tool and hand against the hand's stiffness times its age.
+struct MountMode {
+  std::string name;
+  double critical_Ns_per_m;  // the mode's damping at the site where its ratio is 1
+};
+
+std::vector<MountMode> ModesOf(const control::BoneMountParams& mount, const Vector3& p_WC) {
+  std::vector<MountMode> modes;
+  const Vector3 levers_m2 = SquaredLevers_m2(mount, p_WC);
+  for (int axis = 0; axis < 3; ++axis) {
+    modes.push_back({.name = fmt::format("along {}", "xyz"[axis]),
+                     .critical_Ns_per_m = 2.0 * std::sqrt(mount.stiffness_N_per_m[axis] * mount.mass_kg)});
+    if (levers_m2[axis] > 0.0)  // otherwise a turn about the axis does not move the site
+      modes.push_back({.name = fmt::format("about {} at its lever of {:.4g} mm", "xyz"[axis],
+                                           1e3 * std::sqrt(levers_m2[axis])),
+                       .critical_Ns_per_m =
+                           2.0 * std::sqrt(mount.stiffness_Nm_per_rad[axis] * mount.inertia_kg_m2[axis]) /
+                           levers_m2[axis]});
+  }
+  return modes;
+}
+
+// Rules 2 and 3, mode by mode. The hand is the simulated operator's, where there is one.
 void CheckMount(const Reader& section, const CellConfig& cell) {
   const control::BoneMountParams& mount = *cell.servo.compliance.mount;
   const double T = cell.servo.period_s;
   const Reader bone_mount = Reader(section).Section("bone_mount");
-  RefuseBy(bone_mount, CheckMountAlone(mount, cell.servo.coupling.max_stiffness_N_per_m, T));
+  RefuseBy(bone_mount,
+           CheckMountAlone(mount, cell.servo.coupling.max_stiffness_N_per_m, T, cell.X_WG.translation()));
   CheckMountMass(bone_mount, cell);
   if (!cell.has_simulation) return;
   const auto& hand = cell.simulated.hand;
@@ -96,16 +140,14 @@ void CheckMount(const Reader& section, const CellConfig& cell) {
                              ? cell.servo.admittance.damping_Ns_per_m.minCoeff()
                              : cell.servo.impedance.damping_Ns_per_m.minCoeff();
   const double needed = hand.stiffness_N_per_m * age_s;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double k = mount.stiffness_N_per_m[axis];
-    const double own = 2.0 * std::sqrt(k * mount.mass_kg);
-    if (own * mount.damping_ratio + damping + hand.damping_Ns_per_m >= needed) continue;
+  for (const MountMode& mode : ModesOf(mount, cell.X_WG.translation())) {
+    if (mode.critical_Ns_per_m * mount.damping_ratio + damping + hand.damping_Ns_per_m >= needed) continue;
     bone_mount.Refuse(
         "damping_ratio",
-        fmt::format("found {:g}, accepted at least {:.3g}: damping of mount, virtual tool and hand must "
-                    "exceed the hand's {:g} N/m × {:.1f} ms",
-                    mount.damping_ratio, (needed - damping - hand.damping_Ns_per_m) / own,
-                    hand.stiffness_N_per_m, 1e3 * age_s));
+        fmt::format("found {:g}, accepted at least {:.3g}: damping of the mount {}, of virtual tool and hand "
+                    "must exceed the hand's {:g} N/m × {:.1f} ms",
+                    mount.damping_ratio, (needed - damping - hand.damping_Ns_per_m) / mode.critical_Ns_per_m,
+                    mode.name, hand.stiffness_N_per_m, 1e3 * age_s));
   }
 }
 
@@ -129,7 +171,10 @@ CompliancePart LayerPart(const CellConfig& cell) {
   part.known = HasLayer(layer);
   if (!part.known) return part;
   part.force_N = cell.compliance.push_N;
-  part.stiffness_N_per_m = 1.0 / LayerCompliance(layer, std::min(part.force_N, kTableForce_N));
+  part.felt_at_N = std::min(part.force_N, kTableForce_N);
+  part.stiffness_N_per_m = LayerTangent_N_per_m(layer, part.felt_at_N);
+  part.seated_m2 = SeatedArea_m2(layer, cell.tool.tool, CupRadiusOf(cell));
+  part.effect.gives_m = LayerDeflection_m(layer, part.force_N, part.seated_m2);
   return part;
 }
 
@@ -150,6 +195,7 @@ std::array<CompliancePart, 3> CompliancePartsOf(const CellConfig& cell) {
     if (!part.known) continue;
     part.effect = simulation::EffectOf({.compliance_m_per_N = 1.0 / part.stiffness_N_per_m,
                                         .force_N = part.force_N,
+                                        .gives_m = part.effect.gives_m,
                                         .stiffness_N_per_m = cell.servo.coupling.max_stiffness_N_per_m,
                                         .error_m = cell.compliance.error_m});
     part.on = IsOn(part.asked, part.known, part.effect.matters());
@@ -165,7 +211,8 @@ std::optional<Reader> ReadCompliance(Reader& cell_section, CellConfig& cell) {
   compliance.layer = ReadLevel(section, "layer");
   compliance.mount = ReadLevel(section, "mount");
   compliance.error_m = section.Has("error_mm") ? section.Number("error_mm", 0.001, 10) : 0.0;
-  if (section.Has("bone_mount")) compliance.bone_mount = ReadMount(section.Section("bone_mount"), cell.X_WG);
+  if (section.Has("bone_mount"))
+    compliance.bone_mount = ReadMount(section.Section("bone_mount"), cell.X_WG, compliance.mount_source);
   return section;
 }
 

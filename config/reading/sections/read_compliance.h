@@ -27,8 +27,10 @@ struct CompliancePart {
   bool known{false};  ///< false: the cell's files do not say how it gives way
   bool on{false};     ///< it gives way in the loop
   simulation::ComplianceEffect effect{};
-  double stiffness_N_per_m{0.0};  ///< of the part at that force
+  double stiffness_N_per_m{0.0};  ///< of the part; of a layer the tangent's at a first touch, at felt_at_N
   double force_N{0.0};            ///< that acts on it
+  double felt_at_N{0.0};          ///< of a layer: the force at which its stiffness is stated; 0: it is linear
+  double seated_m2{0.0};          ///< of a layer: the area that the tool engages under force_N
   double thrust_ratio{0.0};       ///< of a tool: the push over its buckling load
 };
 

@@ -26,6 +26,9 @@ std::filesystem::path Record(const std::filesystem::path& path, double force_N, 
     tick.F_coupling_T_W.f = {0.0, 0.0, i == 1000 ? force_N : 10.0};
     tick.compute_ns = i % 7;  // the machine's time: not judged
     tick.faults = i == 2000 ? faults : 0;
+    tick.compliance.present = true;
+    tick.compliance.bend_m = {0.0, 1e-5 * force_N, 0.0};
+    tick.compliance.mount_rad = {0.0, 0.0, 0.001};
     tick.limits = force_N > 100.0 ? 1u : 0u;
     (*recorder)->Push(tick);
     (*recorder)->Drain();
@@ -75,6 +78,18 @@ TEST_F(RunDifferenceTest, APeakOfOneTickCounts) {
   EXPECT_TRUE(Of(runs, "removed_volume_mm3").differs());
   EXPECT_FALSE(Of(runs, "mean_force_N").differs());
   EXPECT_EQ(CompareRuns(first, second, 0.10).verdict.level, "good") << "within a tenth they are the same";
+}
+
+TEST_F(RunDifferenceTest, SaysHowFarPartsGaveWayAndTheLatency) {
+  const RunDifference runs = CompareRuns(Read("a.mcap", 60.0), Read("b.mcap", 66.0), 0.01);
+  EXPECT_NEAR(Of(runs, "peak_bend_mm").first.value, 0.60, 1e-9);
+  EXPECT_NEAR(Of(runs, "peak_bend_mm").difference, 0.06, 1e-9);
+  EXPECT_TRUE(Of(runs, "peak_bend_mm").differs());
+  EXPECT_EQ(Of(runs, "peak_layer_mm").second.value, 0.0);
+  EXPECT_FALSE(Of(runs, "peak_mount_mm").differs());
+  EXPECT_NEAR(Of(runs, "peak_mount_deg").first.value, 0.0573, 1e-4);
+  EXPECT_FALSE(Of(runs, "latency_hand_to_arm_ms").first.judged);
+  EXPECT_FALSE(Of(runs, "latency_bone_to_hand_ms").differs()) << "the machine's time is in it";
 }
 
 TEST_F(RunDifferenceTest, AFaultOfTheSecondRunIsBad) {

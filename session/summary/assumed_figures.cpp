@@ -1,0 +1,31 @@
+#include "session/summary/assumed_figures.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace osteon::session {
+
+std::vector<std::string> AssumedFigures(const config::CellConfig& cell,
+                                        std::vector<simulation::Material> materials) {
+  const control::ComplianceParams& gives_way = cell.servo.compliance;
+  if (!gives_way.layer)
+    for (simulation::Material& material : materials) material.layer_N_per_m3 = 0.0;
+  std::vector<std::string> lines = simulation::Assumptions(materials);
+  if (gives_way.tool)
+    lines.push_back(fmt::format("{}: time constant of its bending {:g} ms", cell.tool.tool.name,
+                                1e3 * gives_way.tool->tau_s));
+  if (gives_way.mount && cell.compliance.mount_source.starts_with("assumed")) {
+    const control::BoneMountParams& mount = *gives_way.mount;
+    std::string creep;
+    if (mount.creep_N_per_m > 0.0)
+      creep = fmt::format(", creep {:g} N/mm in {:g} s", 1e-3 * mount.creep_N_per_m, mount.creep_tau_s);
+    lines.push_back(fmt::format(
+        "mount of the bone: {:g} kg, {:g} N/mm, {:g} N m/rad, damping ratio {:g}{} ({})", mount.mass_kg,
+        1e-3 * mount.stiffness_N_per_m.minCoeff(), mount.stiffness_Nm_per_rad.minCoeff(), mount.damping_ratio,
+        creep, cell.compliance.mount_source));
+  }
+  return lines;
+}
+
+}  // namespace osteon::session
