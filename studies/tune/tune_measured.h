@@ -20,6 +20,10 @@ namespace osteon::studies {
 /// go to the loop, the rest to the arm's dead time, where it acts alike.
 void UseIdentified(const config::IdentifiedCell& identified, TuneTask& task);
 
+/// A cell's task, with the lags that are assumed where nothing was measured: one millisecond of the sensor's
+/// delay and of the commands' jitter, in whole ticks; and with `cell.identified`, if there is one.
+[[nodiscard]] TuneTask MeasuredTaskOf(const config::CellConfig& cell);
+
 /// Whether the measured response is stable with all hands and contacts; hand and wall are multiplied by
 /// `gain`.
 [[nodiscard]] bool StandsMeasured(const TuneTask& task, const TuneGains& gains,
@@ -42,6 +46,9 @@ struct TuneMargin {
 
 /// Whether these gains are stable by the response with every hand and contact, to 95 %; true without one.
 [[nodiscard]] bool StandsByMargins(const std::vector<TuneMargin>& margins, const std::string& gains);
+
+/// "stable; least with firm (free): gain …, phase …, |1 + L| …", or that it is unstable.
+[[nodiscard]] std::string MarginText(const TuneMargin& margin);
 
 /// Bad if the recommended gains are unstable by the response, or its discs of 95 % hold -1; to be looked at
 /// if the cell's own are.
