@@ -17,6 +17,7 @@ using Complex = std::complex<double>;
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi, kTwoSd = 2.0;
 constexpr double kResonanceGain = 3.0, kBadChi2 = 3.0;
+constexpr double kExactChi2 = 0.1, kGripGain = 2.0;
 constexpr double kMaxResonance = 1.5;  // of the highest line: beyond it nothing was measured
 
 // Half width of the interval of parameter i, times a factor.
@@ -85,28 +86,79 @@ tl::expected<ToolForceFit, std::string> FitToolForce(std::span<const ResponseLin
   return fit;
 }
 
-tl::expected<HandFit, std::string> FitHand(std::span<const ResponseLine> lines, double tool_mass_kg,
-                                           double max_hz) {
-  std::vector<ResponseLine> used;
-  for (const ResponseLine& line : lines)
-    if (line.hz <= max_hz) used.push_back(line);
-  if (used.size() < 4) return tl::unexpected(fmt::format("found {} lines, accepted 4 or more", used.size()));
-  const auto model = [tool_mass_kg](const Eigen::VectorXd& p, double hz) {
+namespace {
+
+// k, b, m, and what of grip time and delay is free, in this order.
+struct HandModel {
+  double tool_mass_kg{0.0};
+  bool has_grip{false};
+  std::optional<double> delay_s;  // none: a parameter
+
+  [[nodiscard]] Eigen::Index parameters() const { return 3 + (has_grip ? 1 : 0) + (delay_s ? 0 : 1); }
+  [[nodiscard]] double Grip_s(const Eigen::VectorXd& p) const { return has_grip ? p[3] : 0.0; }
+  [[nodiscard]] double Delay_s(const Eigen::VectorXd& p) const {
+    return delay_s ? *delay_s : p[parameters() - 1];
+  }
+  Complex operator()(const Eigen::VectorXd& p, double hz) const {
     const double w = kTwoPi * hz;
-    return (tool_mass_kg * w * w - Complex(p[0] - w * w * p[2], w * p[1])) * std::polar(1.0, -w * p[3]);
-  };
+    const Complex hand = Complex(p[0], w * p[1]) - w * w * p[2] / Complex(1.0, w * Grip_s(p));
+    return (tool_mass_kg * w * w - hand) * std::polar(1.0, -w * Delay_s(p));
+  }
+};
+
+LeastSquaresFit FitHandModel(std::span<const ResponseLine> lines, const HandModel& model) {
   LeastSquaresFit best;
   for (const double k : {300.0, 1000.0, 3000.0, 8000.0}) {
-    const LeastSquaresFit fit = FitResponse(used, model, Eigen::Vector4d(k, 20.0, 1.0, 1e-3));
+    Eigen::VectorXd start = Eigen::VectorXd::Constant(model.parameters(), 1e-3);
+    start.head<3>() << k, 20.0, 1.0;
+    const LeastSquaresFit fit = FitResponse(lines, model, start);
     if (fit.converged && (!best.converged || fit.cost < best.cost)) best = fit;
   }
+  return best;
+}
+
+// RMS of measured less fitted, over the RMS of the measured.
+double ResidualOf(std::span<const ResponseLine> lines, const HandModel& model, const Eigen::VectorXd& p) {
+  double off = 0.0, all = 0.0;
+  for (const ResponseLine& line : lines) {
+    off += std::norm(line.value - model(p, line.hz));
+    all += std::norm(line.value);
+  }
+  return std::sqrt(off / all);
+}
+
+}  // namespace
+
+tl::expected<HandFit, std::string> FitHand(std::span<const ResponseLine> lines, double tool_mass_kg,
+                                           const HandFitOptions& options) {
+  std::vector<ResponseLine> used;
+  for (const ResponseLine& line : lines)
+    if (line.hz <= options.max_hz) {
+      used.push_back(line);
+      used.back().sd = std::hypot(line.sd, options.accuracy * std::abs(line.value));
+    }
+  if (used.size() < 4) return tl::unexpected(fmt::format("found {} lines, accepted 4 or more", used.size()));
+  HandModel model{.tool_mass_kg = tool_mass_kg, .has_grip = false, .delay_s = options.delay_s};
+  LeastSquaresFit best = FitHandModel(used, model);
+  const HandModel with_grip{.tool_mass_kg = tool_mass_kg, .has_grip = true, .delay_s = options.delay_s};
+  if (!best.converged || Chi2Of(best, used.size()) > kExactChi2)
+    if (const LeastSquaresFit grip = FitHandModel(used, with_grip);
+        grip.converged && grip.parameters[3] > 0.0 &&
+        (!best.converged || Chi2Of(grip, used.size()) * kGripGain < Chi2Of(best, used.size()))) {
+      best = grip;
+      model = with_grip;
+    }
   if (!best.converged) return tl::unexpected(std::string("no hand fits the force"));
   const double chi2 = Chi2Of(best, used.size());
-  return HandFit{.stiffness_N_per_m = {best.parameters[0], Width(best, chi2, 0)},
-                 .damping_Ns_per_m = {best.parameters[1], Width(best, chi2, 1)},
-                 .mass_kg = {best.parameters[2], Width(best, chi2, 2)},
-                 .delay_s = {best.parameters[3], Width(best, chi2, 3)},
-                 .chi2 = chi2};
+  HandFit fit{.stiffness_N_per_m = {best.parameters[0], Width(best, chi2, 0)},
+              .damping_Ns_per_m = {best.parameters[1], Width(best, chi2, 1)},
+              .mass_kg = {best.parameters[2], Width(best, chi2, 2)},
+              .chi2 = chi2,
+              .residual = ResidualOf(used, model, best.parameters)};
+  if (model.has_grip) fit.grip_time_s = {best.parameters[3], Width(best, chi2, 3)};
+  fit.delay_s = {model.Delay_s(best.parameters),
+                 options.delay_s ? 0.0 : Width(best, chi2, model.parameters() - 1)};
+  return fit;
 }
 
 }  // namespace osteon::studies

@@ -31,15 +31,32 @@ struct ToolForceFit {
 /// @returns an error with fewer than 4 lines, or where no force is seen: a mass below 3 standard deviations
 [[nodiscard]] tl::expected<ToolForceFit, std::string> FitToolForce(std::span<const ResponseLine> lines);
 
-/// A hand that holds the handle.
-struct HandFit {
-  Estimate stiffness_N_per_m{}, damping_Ns_per_m{}, mass_kg{}, delay_s{};
-  double chi2{0.0};
+/// How a hand is fitted.
+struct HandFitOptions {
+  double max_hz{30.0};  ///< up to which lines count
+  /// A line has no less than this share of its size as its standard deviation: no hand is a spring, a damper
+  /// and a mass to the last digit, and no handle moves exactly as the encoders say.
+  double accuracy{0.01};
+  std::optional<double> delay_s{};  ///< of the sensor, if it is known; none: it is fitted
 };
 
-/// Weighted least squares of a hand, F / x = -(k + i w b - w^2 m) exp(-i w delay), up to a frequency.
+/// A hand that holds the handle.
+struct HandFit {
+  Estimate stiffness_N_per_m{}, damping_Ns_per_m{}, mass_kg{};
+  Estimate grip_time_s{};  ///< time constant with which the hand's mass follows the handle; 0: at once
+  Estimate delay_s{};      ///< of the force sensor
+  double chi2{0.0};        ///< divided by its degrees of freedom
+  double residual{0.0};    ///< RMS of measured less fitted, over the RMS of the measured
+};
+
+/// Weighted least squares of a hand whose mass is coupled to the handle by its grip, up to a frequency:
+///
+///     F / x = -(k + i w b - w^2 m / (1 + i w grip_time)) exp(-i w delay)
+///
+/// The grip's time is in the model where chi^2 falls to less than half with it; else it is 0.
 /// @param tool_mass_kg  on the sensor's tool side, whose inertial force is removed
 [[nodiscard]] tl::expected<HandFit, std::string> FitHand(std::span<const ResponseLine> lines,
-                                                         double tool_mass_kg, double max_hz = 30.0);
+                                                         double tool_mass_kg,
+                                                         const HandFitOptions& options = {});
 
 }  // namespace osteon::studies

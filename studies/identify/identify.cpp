@@ -17,6 +17,7 @@
 #include "session/summary/run_files.h"
 #include "studies/identify/excited_run.h"
 #include "studies/identify/identify_estimate.h"
+#include "studies/identify/identify_margins.h"
 #include "studies/identify/identify_page.h"
 #include "studies/identify/identify_table.h"
 
@@ -35,14 +36,15 @@ struct PlannedRun {
 };
 
 // @param overlay  the cell has the impedance law: a force is laid over the arm's own impedance
-std::vector<PlannedRun> PlanRuns(const IdentifyOptions& options, bool overlay) {
+// @param has_no_tremor  the simulated hand's: there is nothing to measure
+std::vector<PlannedRun> PlanRuns(const IdentifyOptions& options, bool overlay, bool has_no_tremor) {
   std::vector<PlannedRun> runs;
   const auto file = [&](const std::string& kind, char axis, double speed_m_per_s) {
     return options.out / fmt::format("{}_{}_{:g}.mcap", kind, axis, 1e3 * speed_m_per_s);
   };
   if (options.runs.noise)
     runs.push_back({.request = {.rest_s = kRest_s}, .file = options.out / "noise.mcap"});
-  if (options.runs.tremor)
+  if (options.runs.tremor && !has_no_tremor)
     runs.push_back({.request = {.held = true, .rest_s = kTremor_s}, .file = options.out / "tremor.mcap"});
   for (const char axis : options.axes)
     for (const double speed : options.speeds_m_per_s) {
@@ -93,6 +95,13 @@ std::string KeepEarlierFiles(const IdentifyOptions& options) {
   return "";
 }
 
+constexpr const char* kNoTremor =
+    "left out: the simulated hand has no tremor; found operator: tremor_N: 0, accepted more than 0";
+
+bool HasNoTremor(const IdentifyOptions& options, const config::CellConfig& cell) {
+  return options.simulated && cell.simulated.hand.tremor_N == 0.0;
+}
+
 // Moves the arm and records. @returns the recordings, by what they are for
 struct Recordings {
   std::vector<fs::path> fits, validations;
@@ -103,7 +112,9 @@ tl::expected<Recordings, std::string> RecordRuns(const IdentifyOptions& options)
   if (!setup) return tl::unexpected(setup.error());
   session::PackAsScene(*setup);
   Recordings recordings;
-  for (const PlannedRun& run : PlanRuns(options, setup->config.servo.law == control::Law::kImpedance)) {
+  if (options.runs.tremor && HasNoTremor(options, setup->config)) fmt::print("  tremor run, {}\n", kNoTremor);
+  for (const PlannedRun& run : PlanRuns(options, setup->config.servo.law == control::Law::kImpedance,
+                                        HasNoTremor(options, setup->config))) {
     fmt::print("  {}\n", run.request.rest_s > 0.0
                              ? fmt::format("at rest for {:g} s{}", run.request.rest_s,
                                            run.request.held ? ", with a hand at the handle" : "")
@@ -135,16 +146,24 @@ std::string RepeatedFile(const Recordings& recordings) {
 tl::expected<IdentifyResult, std::string> EstimateAll(const IdentifyOptions& options,
                                                       const Recordings& recordings) {
   const config::CellConfig cell = config::LoadCell(options.cell);
+  const bool without_tremor = options.recordings.empty() && options.runs.tremor && HasNoTremor(options, cell);
   if (std::string wrong = RepeatedFile(recordings); !wrong.empty()) return tl::unexpected(std::move(wrong));
   IdentifyResult result = EmptyResult(options.cell.stem().string(), cell);
+  if (without_tremor) result.warnings.push_back({"tremor run", kNoTremor});
   for (const fs::path& file : recordings.fits)
     if (const auto added = AddRecording(file, cell, result); !added) return tl::unexpected(added.error());
   for (const fs::path& file : recordings.validations)
     if (const auto added = AddValidation(file, cell, result); !added) return tl::unexpected(added.error());
-  for (AxisResult& axis : result.axes) JudgeAxis(axis, result);
+  UseFreeRuns(result);
+  for (AxisResult& axis : result.axes) {
+    axis.crossing_hz = CrossingOf(cell, axis);
+    JudgeAxis(axis, result);
+  }
   JudgeSpeeds(result);
   JudgeTremor(result);
-  FillFeltMasses(result, cell.servo.period_s);
+  JudgePassive(result);
+  FillFeltMasses(result);
+  JudgeGains(cell, result);
   return result;
 }
 
@@ -164,8 +183,7 @@ bool SaysAnything(const config::IdentifiedCell& identified) {
 // The same figures as lines of a cell's file, for a user who does not want `identified: FILE`.
 void PrintCellLines(const config::IdentifiedCell& identified) {
   const auto line = [](const std::string& text) { fmt::print("  {:<28} {}\n", "In the cell's file", text); };
-  if (identified.dead_zone_N && *identified.dead_zone_N > 0.0)
-    line(fmt::format("admittance: dead_zone_N: {:.3g}", *identified.dead_zone_N));
+  if (identified.dead_zone_N) line(fmt::format("admittance: dead_zone_N: {:.3g}", *identified.dead_zone_N));
   if (!identified.vibration) return;
   if (identified.vibration->tremor_N > 0.0)
     line(fmt::format("vibration: tremor_N: {:.3g}", identified.vibration->tremor_N));
@@ -188,7 +206,11 @@ tl::expected<void, std::string> Write(const IdentifyOptions& options, const Iden
   fmt::print("  {:<28} {}\n", "Page", (options.out / "identify.html").string());
   const fs::path file = options.out / "identified.yaml";
   const config::IdentifiedCell identified = ToIdentified(result);
-  if (!result.refused.empty() || !SaysAnything(identified)) return {};
+  if (!result.refused.empty()) return {};
+  if (!SaysAnything(identified)) {
+    fmt::print("  {:<28} {}\n", "Written", "no identified.yaml: nothing in it that a cell would take");
+    return {};
+  }
   if (auto written = base::WriteText(
           file, config::WriteIdentified(
                     identified, "Measured, not assumed. Written by\n  " + options.command_line, result.law));
@@ -250,7 +272,7 @@ int RunIdentify(const IdentifyOptions& options) {
     return session::Fail("identify", written.error(), session::kFailed);
   const bool found = !result->axes.empty() || !result->passive.empty() || result->noise.has_value() ||
                      result->tremor.has_value();
-  return result->refused.empty() && found ? 0 : session::kFailed;
+  return result->refused.empty() && found && GainsStand(*result) ? 0 : session::kFailed;
 }
 
 }  // namespace osteon::studies

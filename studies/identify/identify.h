@@ -34,7 +34,7 @@ struct IdentifyOptions {
 
 /// Runs `osteon identify CELL`: moves the arm (or reads recordings), estimates, judges, and writes the page,
 /// the figures, and, if nothing was refused, identified.yaml.
-/// @returns the process's exit code: 0; 1 refused; 2 bad input.
+/// @returns the process's exit code: 0; 1 refused, or the present gains do not stand; 2 bad input.
 [[nodiscard]] int RunIdentify(const IdentifyOptions& options);
 
 }  // namespace osteon::studies

@@ -10,6 +10,7 @@
 #include <Eigen/Cholesky>
 
 #include "base/fnv1a.h"
+#include "control/excitation/multisine.h"
 #include "io/recording/recording_reader.h"
 #include "session/setup/recorded_config.h"
 
@@ -18,6 +19,8 @@ namespace {
 
 constexpr double kMinMotion_s = 10.0, kMoves_m_per_s = 1e-3, kPassiveHand_N = 5.0;
 constexpr double kPosture_rad = 0.02;
+constexpr double kStructureChi2 = 3.0;  // of an arm: above it the handle moves unlike the encoders
+constexpr double kNearModel = 0.01;     // residual of a response of 1
 
 struct ReadRun {
   config::IdentifiedRecording named;
@@ -152,12 +155,13 @@ struct LagSums {
 };
 
 // The mass by which the hand's force of a held run moves the arm of a free run; absent where it does not
-// stand out.
-std::optional<Estimate> FeltMass(const AxisResult& free, const AxisResult& held, double tool_mass_kg,
-                                 double period_s) {
+// stand out. Line by line from what both runs measured, since friction bends P by more than the hand does.
+// @param arm  the model of the commanded arm
+std::optional<Estimate> FeltMass(const ServoModel& arm, const AxisResult& free, const AxisResult& held,
+                                 double tool_mass_kg) {
   constexpr double kMaxHz = 30.0;
   const double delay_s = free.tool ? free.tool->delay_s.value : held.hand->delay_s.value;
-  const double natural = 2.0 * std::numbers::pi * free.fit.model.bandwidth_hz;
+  const double natural = 2.0 * std::numbers::pi * arm.bandwidth_hz;
   double over = 0.0, under = 0.0, squares = 0.0;
   int lines = 0;
   std::vector<std::pair<std::complex<double>, double>> found;  // 1 / M by each line, and its sd
@@ -169,10 +173,8 @@ std::optional<Estimate> FeltMass(const AxisResult& free, const AxisResult& held,
     const std::complex<double> force =
         (held.force_over_position->lines[i].value * std::polar(1.0, w * delay_s) - tool_mass_kg * w * w) *
         line.value;
-    const std::complex<double> spring(natural * natural - w * w,
-                                      2.0 * free.fit.model.damping_ratio * natural * w);
-    const std::complex<double> per_mass =
-        (line.value - SampledResponse(free.fit.model, period_s, line.hz)) / force * spring;
+    const std::complex<double> spring(natural * natural - w * w, 2.0 * arm.damping_ratio * natural * w);
+    const std::complex<double> per_mass = (line.value - free.by_encoders.lines[i].value) / force * spring;
     const double sd = std::hypot(line.sd, free.by_encoders.lines[i].sd) / std::abs(force) * std::abs(spring);
     found.emplace_back(per_mass, sd);
     over += per_mass.real() / (sd * sd);
@@ -203,6 +205,32 @@ std::optional<OverlaidArm> OverlaidArmOf(const config::CellConfig& cell, const E
                      .axis_B = R_BW * axis.hold.axis_W,
                      .nominal_N_per_m = axis.hold.overlay.stiffness_N_per_m,
                      .joint_rms_rad_per_s = joint_rms_rad_per_s};
+}
+
+// The free run of the same axis whose speed is nearest to that of a held run; with_model: of those whose
+// model holds, or is near enough for a mass: friction bends a quiet measurement more than it can be off by
+// noise. Null: there is none.
+const AxisResult* FreeRunBeside(const IdentifyResult& result, const AxisResult& held, bool with_model) {
+  const AxisResult* nearest = nullptr;
+  const auto off = [&](const AxisResult& axis) {
+    return std::abs(axis.rms_speed_m_per_s - held.rms_speed_m_per_s);
+  };
+  for (const AxisResult& axis : result.axes)
+    if (!axis.request.held && axis.request.axis == held.request.axis &&
+        (!with_model || axis.model_holds || axis.fit.residual <= kNearModel) &&
+        (nearest == nullptr || off(axis) < off(*nearest)))
+      nearest = &axis;
+  return nearest;
+}
+
+// The hand in each counted period by itself.
+void FillWindows(const ExcitedRun& run, double tool_mass_kg, AxisResult& axis) {
+  const std::vector<std::vector<ResponseLine>> periods =
+      MeasurePeriods(run, Signal::kPosition, Signal::kForce, *axis.force_over_position);
+  for (std::size_t i = 0; i < periods.size(); ++i)
+    if (const auto hand = FitHand(periods[i], tool_mass_kg, {.delay_s = axis.hand->delay_s.value}))
+      axis.hand_windows.push_back({.from_s = control::Multisine::kPeriod_s * static_cast<double>(i),
+                                   .stiffness_N_per_m = hand->stiffness_N_per_m});
 }
 
 // Reads and pairs an excited run; findings where that is not possible.
@@ -268,6 +296,7 @@ tl::expected<AxisResult, std::string> EstimateAxis(const ExcitedRun& run, const 
   axis.force_over_position = std::move(*force);
   if (request.held) {
     if (const auto hand = FitHand(axis.force_over_position->lines, tool_mass_kg)) axis.hand = *hand;
+    if (axis.hand) FillWindows(run, tool_mass_kg, axis);
     return axis;
   }
   const auto tool = FitToolForce(axis.force_over_position->lines);
@@ -318,16 +347,29 @@ tl::expected<PassiveLag, std::string> EstimatePassiveLag(const std::vector<contr
   return lag;
 }
 
-void FillFeltMasses(IdentifyResult& result, double period_s) {
+void UseFreeRuns(IdentifyResult& result) {
+  const auto is_free = [](const AxisResult& axis) { return !axis.request.held && !axis.request.overlay; };
+  const auto feels = [&](const AxisResult& axis) { return is_free(axis) && axis.tool; };
+  const bool feels_tool =
+      std::ranges::any_of(result.axes, feels) || std::ranges::none_of(result.axes, is_free);
+  for (AxisResult& held : result.axes) {
+    if (!held.hand || !held.force_over_position) continue;
+    HandFitOptions options;
+    const AxisResult* free = FreeRunBeside(result, held, false);
+    if (free != nullptr && !free->request.overlay && free->fit.chi2 > kStructureChi2)
+      options.accuracy = std::max(options.accuracy, free->fit.residual);
+    if (const auto hand =
+            FitHand(held.force_over_position->lines, feels_tool ? result.tool_mass_kg : 0.0, options))
+      held.hand = *hand;
+  }
+}
+
+void FillFeltMasses(IdentifyResult& result) {
   for (AxisResult& held : result.axes) {
     if (!held.request.held || held.request.overlay || !held.hand || !held.force_over_position) continue;
-    const AxisResult* free = nullptr;
-    for (const AxisResult& axis : result.axes)
-      if (!axis.request.held && axis.request.axis == held.request.axis && axis.model_holds &&
-          (free == nullptr || std::abs(axis.rms_speed_m_per_s - held.rms_speed_m_per_s) <
-                                  std::abs(free->rms_speed_m_per_s - held.rms_speed_m_per_s)))
-        free = &axis;
-    if (free != nullptr) held.felt_mass_kg = FeltMass(*free, held, result.tool_mass_kg, period_s);
+    const AxisResult *free = FreeRunBeside(result, held, false), *arm = FreeRunBeside(result, held, true);
+    if (free != nullptr && arm != nullptr)
+      held.felt_mass_kg = FeltMass(arm->fit.model, *free, held, result.tool_mass_kg);
   }
 }
 
@@ -351,6 +393,7 @@ tl::expected<void, std::string> AddRecording(const std::filesystem::path& file,
     return {};
   }
   if (run->request->rest_s > 0.0) {
+    if (run->another_cell.empty()) result.at_rest.push_back(run->named);
     if (run->another_cell.empty() && run->request->held)
       result.tremor = TremorOf(run->recording.ticks, run->cell);
     else if (run->another_cell.empty())

@@ -29,13 +29,18 @@ namespace osteon::studies {
 [[nodiscard]] tl::expected<PassiveLag, std::string> EstimatePassiveLag(
     const std::vector<control::TickRecord>& ticks, double period_s);
 
-/// Computes for each held run the mass by which the hand's force moves the commanded arm, where the free run
-/// of the same axis has a model that holds:
+/// Fits the hand of each held run again with what free runs say: whether the force sensor feels the tool's
+/// inertia, and by how much the arm differs from a model without structure. By so much the handle may move
+/// unlike the encoders.
+void UseFreeRuns(IdentifyResult& result);
+
+/// Computes for each held run the mass by which the hand's force moves the commanded arm, from the free run
+/// of the same axis at the nearest speed, where a free run of the axis has a model that holds:
 ///
 ///     Y/U = P + C F/U,   C = 1 / (M (s^2 + 2 z w s + w^2)),   F the hand's force
 ///
 /// by weighted least squares up to 30 Hz. Absent where the deflection does not stand out, as of a stiff arm.
-void FillFeltMasses(IdentifyResult& result, double period_s);
+void FillFeltMasses(IdentifyResult& result);
 
 /// Hash of a file's bytes: FNV-1a, 16 hexadecimal digits.
 [[nodiscard]] std::string HashOf(const std::filesystem::path& file);

@@ -19,6 +19,7 @@ constexpr double kMinTremor_N = 0.005, kMaxTremor_N = 50.0;
 constexpr double kMaxMassInterval = 0.1, kMaxSpringInterval = 0.15, kMaxDampingInterval = 0.25,
                  kMaxResidual = 0.02;
 constexpr double kMaxLagInterval_s = 0.12e-3, kMinCoherence = 0.5, kMaxLost = 0.10;
+constexpr double kPassiveHand_N = 5.0;
 constexpr double kSamePosture_rad = 0.02, kMinHand_N_per_m = 50.0;
 
 // The line nearest to a frequency.
@@ -54,10 +55,11 @@ void JudgeMass(const AxisResult& axis, const std::string& where, IdentifyResult&
 
 void JudgeLinearity(AxisResult& axis, const std::string& where, IdentifyResult& result) {
   const MeasuredResponse& response = axis.by_encoders;
+  // where the hand moves the arm, a held run's gain is that of the arm's spring beside the hand's: no limits
   const double gain = std::abs(response.lines.front().value);
   // an overlay's gain is that of the arm's own spring, which is to be found
   const double damping = axis.overlay ? axis.overlay->damping_ratio.value : axis.fit.damping_ratio.value;
-  if ((gain < kMinGain && !axis.overlay) || damping > kMaxDamping)
+  if (!axis.request.held && ((gain < kMinGain && !axis.overlay) || damping > kMaxDamping))
     result.refused.push_back(
         {where,
          fmt::format("the joint sticks: found a gain of {:.3f} at {:g} Hz and a damping ratio of {:.2f}, "
@@ -97,6 +99,15 @@ void JudgeAmount(const AxisResult& axis, const std::string& where, IdentifyResul
          fmt::format("too little: found {:g} s with a lag known to ± {:.3f} ms, accepted ± {:g} ms; measure "
                      "longer or faster",
                      seconds, 1e3 * lag_interval_s, 1e3 * kMaxLagInterval_s)});
+}
+
+// A hand's intervals are wider by its misfit; beyond a limit the user should know of it.
+void JudgeHand(const AxisResult& axis, const std::string& where, IdentifyResult& result) {
+  if (!(axis.hand->chi2 > kMaxChi2)) return;
+  result.warnings.push_back(
+      {where, fmt::format("a hand unlike spring, damper and mass: found chi² {:.1f}, {:.1f} % off, accepted "
+                          "{:g}; its intervals are wider by it; hold the handle evenly, and measure again",
+                          axis.hand->chi2, 100.0 * axis.hand->residual, kMaxChi2)});
 }
 
 // A model is written if it fits, and if its spring and damping are known; otherwise the response alone.
@@ -140,13 +151,17 @@ void JudgeAxis(AxisResult& axis, IdentifyResult& result) {
   JudgeMass(axis, where, result);
   JudgeLinearity(axis, where, result);
   JudgeAmount(axis, where, result);
-  if (const ResponseLine& line = LineAt(axis.by_encoders, axis.fit.bandwidth_hz.value);
+  if (const ResponseLine& line =
+          LineAt(axis.by_encoders, axis.crossing_hz.value_or(axis.fit.bandwidth_hz.value));
       line.coherence < kMinCoherence)
     result.refused.push_back(
-        {where, fmt::format("excite higher: found a coherence of {:.2f} at {:g} Hz, where the "
-                            "arm's bandwidth lies, accepted {:g}",
-                            line.coherence, line.hz, kMinCoherence)});
+        {where,
+         fmt::format("excite higher: found a coherence of {:.2f} at {:g} Hz, where {}, accepted {:g}",
+                     line.coherence, line.hz,
+                     axis.crossing_hz ? "the loop's gain is 1" : "the arm's bandwidth lies", kMinCoherence)});
+  if (axis.hand) JudgeHand(axis, where, result);
   if (axis.overlay) return JudgeImpedance(axis, where, result);
+  if (axis.request.held) return;  // the arm beside a hand is no arm: its free run has the model
   const bool validated =
       !axis.validation_chi2 || *axis.validation_chi2 <= kMaxValidation * std::max(1.0, axis.fit.chi2);
   axis.model_holds = axis.fit.chi2 <= kMaxChi2 && validated;
@@ -159,6 +174,35 @@ void JudgeAxis(AxisResult& axis, IdentifyResult& result) {
              axis.fit.chi2,
              axis.validation_chi2 ? fmt::format(" and {:.1f} on other data", *axis.validation_chi2) : "",
              kMaxChi2, validated ? "" : " and twice as much on other data")});
+}
+
+void JudgePassive(IdentifyResult& result) {
+  for (const PassiveLag& passive : result.passive)
+    if (passive.peak_hand_N > kPassiveHand_N)
+      result.warnings.push_back(
+          {passive.recording.file,
+           fmt::format(
+               "no hand is fitted: found a hand's force of {:.0f} N with the law on, where force over "
+               "motion is the robot's impedance; accepted for a hand is a run with --do held",
+               passive.peak_hand_N)});
+}
+
+bool GainsStand(const IdentifyResult& result) {
+  return std::ranges::none_of(result.margins, [](const TuneMargin& margin) {
+    return !margin.margins.stable && margin.contact != TuneContact::kPlanes;
+  });
+}
+
+std::string NextStep(const IdentifyResult& result) {
+  if (!result.refused.empty())
+    return "mend what the first reason names, and measure again; nothing was written";
+  if (!GainsStand(result))
+    return "run no cell with these gains: osteon tune CELL --identified identified.yaml recommends others";
+  if (!result.axes.empty())
+    return "osteon tune CELL --identified identified.yaml recommends gains for what was measured";
+  if (result.noise || result.tremor || !result.passive.empty())
+    return "osteon identify CELL --do free,validate measures the arm, by which gains are judged";
+  return "nothing was measured: osteon identify CELL with another run (--do), or with a recording";
 }
 
 void JudgeTremor(IdentifyResult& result) {
@@ -202,6 +246,10 @@ session::Verdict Judge(const IdentifyResult& result) {
     verdict.Add(session::VerdictLevel::kBad, finding.where + ": " + finding.what);
   for (const Finding& finding : result.warnings)
     verdict.Add(session::VerdictLevel::kWarning, finding.where + ": " + finding.what);
+  if (const TuneMargin* worst = WorstOf(result.margins, "own");
+      worst != nullptr && !StandsByMargins(result.margins, "own"))
+    verdict.Add(GainsStand(result) ? session::VerdictLevel::kWarning : session::VerdictLevel::kBad,
+                "by the measured response the cell's present gains are " + MarginText(*worst));
   if (result.axes.empty())
     verdict.Add(result.passive.empty() && !result.noise && !result.tremor ? session::VerdictLevel::kBad
                                                                           : session::VerdictLevel::kWarning,

@@ -129,13 +129,35 @@ std::string LagSvg(const IdentifyResult& result) {
   return chart.series.empty() ? "" : report::Svg(chart);
 }
 
+std::string HandSvg(const IdentifyResult& result) {
+  report::LineChart chart{
+      .title = "The hand's stiffness over time", .x_label = "counted time [s]", .y_label = "stiffness [N/m]"};
+  for (const AxisResult& axis : result.axes) {
+    if (axis.hand_windows.empty()) continue;
+    report::Series series{.name = NameOf(axis.request),
+                          .color = report::kPalette[chart.series.size() % report::kPalette.size()],
+                          .marker = report::Marker::kCircle};
+    for (const HandWindow& window : axis.hand_windows) {
+      const Estimate& stiffness = window.stiffness_N_per_m;
+      series.x.push_back(window.from_s);
+      series.y.push_back(stiffness.value);
+      series.y_low.push_back(stiffness.value - stiffness.half_width);
+      series.y_high.push_back(stiffness.value + stiffness.half_width);
+    }
+    chart.series.push_back(std::move(series));
+  }
+  return chart.series.empty() ? "" : report::Svg(chart);
+}
+
 }  // namespace
 
 std::string IdentifyPage(const IdentifyResult& result, const std::string& command_line) {
   report::ReportVerdict verdict = Judge(result).ForReport();
-  verdict.text = verdict.level == "good"   ? "measured"
+  verdict.text = !result.refused.empty()   ? "refused: nothing was written"
+                 : !GainsStand(result)     ? "measured: the present gains are unstable"
+                 : verdict.level == "good" ? "measured"
                  : verdict.level == "look" ? "measured, with remarks"
-                                           : "refused: nothing was written";
+                                           : "nothing was measured";
   std::string html = report::PageBegin(
       {.title = "Osteon identify",
        .subtitle = result.cell + ": " + result.valid_for.robot + ", " + result.valid_for.tool,
@@ -147,6 +169,13 @@ std::string IdentifyPage(const IdentifyResult& result, const std::string& comman
   for (const AxisResult& axis : result.axes)
     html += report::Figure(BodeSvg(axis, result.valid_for.period_s),
                            "Bars: two standard deviations, from period to period and from draw to draw.");
+  if (!result.nyquist_svg.empty())
+    html +=
+        report::Figure(result.nyquist_svg,
+                       "The loop of hand, present gains and measured arm, for the hand that is nearest to "
+                       "instability. A curve around -1 is an oscillation that grows.");
+  if (const std::string hands = HandSvg(result); !hands.empty())
+    html += report::Figure(hands, "Each point is 4 s of a held run. Bars: 95 % intervals.");
   html += fmt::format("<footer><code>{}</code></footer>\n", report::Escape(command_line));
   return html + report::PageEnd();
 }

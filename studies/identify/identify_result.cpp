@@ -95,6 +95,34 @@ Json FindingsJson(const std::vector<Finding>& findings) {
   return list;
 }
 
+// The name of a hand, in the file and in JSON.
+std::string HandName(std::size_t hands_before) { return fmt::format("hand {}", hands_before + 1); }
+
+Json WindowsJson(const std::vector<HandWindow>& windows) {
+  Json list = Json::array();
+  for (const HandWindow& window : windows)
+    list.push_back({{"from_s", window.from_s},
+                    {"stiffness_N_per_m", window.stiffness_N_per_m.value},
+                    {"stiffness_interval_N_per_m", ToJson(window.stiffness_N_per_m, 1.0)}});
+  return list;
+}
+
+// Adds the responses of an axis: by the encoders and by the force sensor as of the arm; of a held run by the
+// hand, force over position in N/m.
+void AddFrf(const AxisResult& axis, Json& frf) {
+  const auto add = [&](const MeasuredResponse& response, const char* by) {
+    for (Json& line : LinesJson(response, by)) {
+      line["axis"] = std::string(1, axis.request.axis);
+      line["held"] = axis.request.held;
+      line["speed_mm_per_s"] = 1e3 * axis.rms_speed_m_per_s;
+      frf.push_back(std::move(line));
+    }
+  };
+  add(axis.by_encoders, "encoders");
+  if (axis.by_force) add(*axis.by_force, "force");
+  if (axis.hand && axis.force_over_position) add(*axis.force_over_position, "hand");
+}
+
 // Adds what an axis gives beside itself: sensor, structure, hand, link, validation.
 void AddAxisJson(const AxisResult& axis, Json& json) {
   json["axes"].push_back(AxisJson(axis));
@@ -111,16 +139,25 @@ void AddAxisJson(const AxisResult& axis, Json& json) {
   }
   if (axis.hand)
     json["hands"].push_back(
-        {{"stiffness_N_per_m", axis.hand->stiffness_N_per_m.value},
+        {{"name", HandName(json["hands"].size())},
+         {"axis", std::string(1, axis.request.axis)},
+         {"stiffness_N_per_m", axis.hand->stiffness_N_per_m.value},
          {"stiffness_interval_N_per_m", ToJson(axis.hand->stiffness_N_per_m, 1.0)},
          {"damping_Ns_per_m", axis.hand->damping_Ns_per_m.value},
          {"mass_kg", axis.hand->mass_kg.value},
+         {"interval",
+          {{"damping_Ns_per_m", ToJson(axis.hand->damping_Ns_per_m, 1.0)},
+           {"mass_kg", ToJson(axis.hand->mass_kg, 1.0)}}},
+         {"grip_time_ms", 1e3 * axis.hand->grip_time_s.value},
+         {"residual", axis.hand->residual},
+         {"windows", WindowsJson(axis.hand_windows)},
          {"felt_mass_kg", axis.felt_mass_kg ? Json(axis.felt_mass_kg->value) : Json()},
          {"felt_mass_interval_kg", axis.felt_mass_kg ? ToJson(*axis.felt_mass_kg, 1.0) : Json()},
          {"chi2", axis.hand->chi2}});
   json["link"] = {{"jitter_mean_ms", 1e3 * axis.samples.jitter_mean_s},
                   {"jitter_p99_ms", 1e3 * axis.samples.jitter_p99_s},
                   {"loss_ratio", LossOf(axis.samples)}};
+  AddFrf(axis, json["frf"]);
   if (axis.validation_chi2)
     json["validation"].push_back(
         {{"axis", std::string(1, axis.request.axis)}, {"chi2", *axis.validation_chi2}});
@@ -153,11 +190,14 @@ Json PassiveJson(const PassiveLag& passive) {
                {"spindle", harmonics}});
 }
 
-// Of the held run of an axis.
+// Of the held run of an axis that knows it best.
 std::optional<double> FeltMassOf(char axis, const IdentifyResult& result) {
+  std::optional<Estimate> best;
   for (const AxisResult& held : result.axes)
-    if (held.request.axis == axis && held.felt_mass_kg) return held.felt_mass_kg->value;
-  return {};
+    if (held.request.axis == axis && held.felt_mass_kg &&
+        (!best || held.felt_mass_kg->half_width < best->half_width))
+      best = held.felt_mass_kg;
+  return best ? std::optional(best->value) : std::nullopt;
 }
 
 // What the hand's tremor and the spindle's own forces ask of the vibration index.
@@ -212,7 +252,7 @@ void AddDevices(const AxisResult& axis, config::IdentifiedCell& cell) {
     cell.sensor->delay_s = axis.tool->delay_s.value;
   }
   if (axis.hand)
-    cell.hands.push_back({.name = fmt::format("hand {}", cell.hands.size() + 1),
+    cell.hands.push_back({.name = HandName(cell.hands.size()),
                           .stiffness_N_per_m = axis.hand->stiffness_N_per_m.value,
                           .stiffness_interval_N_per_m = Interval(axis.hand->stiffness_N_per_m),
                           .damping_Ns_per_m = axis.hand->damping_Ns_per_m.value,
@@ -279,11 +319,14 @@ config::IdentifiedCell ToIdentified(const IdentifyResult& result) {
           {.hz = axis.tool->resonance->hz.value, .damping_ratio = axis.tool->resonance->damping_ratio.value});
   }
   for (const AxisResult& axis : result.axes) AddDevices(axis, cell);
+  for (const config::IdentifiedRecording& recording : result.at_rest)
+    cell.valid_for.recordings.push_back(recording);
+  for (const PassiveLag& passive : result.passive) cell.valid_for.recordings.push_back(passive.recording);
   if (result.noise) {
     if (!cell.sensor) cell.sensor.emplace();
     cell.sensor->noise_N = result.noise->white_N;
     cell.sensor->drift_N = result.noise->drift_N;
-    cell.dead_zone_N = result.noise->dead_zone_N();
+    if (result.noise->dead_zone_N() >= kMinDeadZone_N) cell.dead_zone_N = result.noise->dead_zone_N();
   }
   cell.vibration = VibrationOf(result);
   return cell;
@@ -297,11 +340,13 @@ std::string ToJson(const IdentifyResult& result, const std::string& command_line
             {"robot", result.valid_for.robot},
             {"tool", result.valid_for.tool},
             {"axes", Json::array()},
+            {"frf", Json::array()},
             {"sensor", nullptr},
             {"link", nullptr},
             {"structure", Json::array()},
             {"hands", Json::array()},
             {"validation", Json::array()},
+            {"margins", ToJson(result.margins)},
             {"passive", Json::array()},
             {"warnings", FindingsJson(result.warnings)},
             {"refused", FindingsJson(result.refused)}};
@@ -362,10 +407,15 @@ std::vector<report::SummaryRow> Rows(const IdentifyResult& result) {
                    : std::string())});
     if (axis.hand)
       rows.push_back({fmt::format("Hand, {}", axis.request.axis),
-                      fmt::format("{:.0f} ± {:.0f} N/m, {:.1f} ± {:.1f} N s/m, {:.2f} ± {:.2f} kg",
+                      fmt::format("{:.0f} ± {:.0f} N/m, {:.1f} ± {:.1f} N s/m, {:.2f} ± {:.2f} kg{}",
                                   axis.hand->stiffness_N_per_m.value, axis.hand->stiffness_N_per_m.half_width,
                                   axis.hand->damping_Ns_per_m.value, axis.hand->damping_Ns_per_m.half_width,
-                                  axis.hand->mass_kg.value, axis.hand->mass_kg.half_width)});
+                                  axis.hand->mass_kg.value, axis.hand->mass_kg.half_width,
+                                  axis.hand->grip_time_s.value > 0.0
+                                      ? fmt::format(", which follows the handle in {:.1f} ± {:.1f} ms",
+                                                    1e3 * axis.hand->grip_time_s.value,
+                                                    1e3 * axis.hand->grip_time_s.half_width)
+                                      : std::string())});
     if (axis.felt_mass_kg)
       rows.push_back(
           {fmt::format("Hand moves the arm, {}", axis.request.axis),
@@ -377,9 +427,12 @@ std::vector<report::SummaryRow> Rows(const IdentifyResult& result) {
   }
   if (result.noise) {
     rows.push_back(
-        {"Force at rest", fmt::format("noise {:.3f} N, drift {:.3f} N in {:.0f} s; a dead zone of {:.2f} N",
-                                      result.noise->white_N, result.noise->drift_N, result.noise->seconds,
-                                      result.noise->dead_zone_N())});
+        {"Force at rest",
+         fmt::format("noise {:.3f} N, drift {:.3f} N in {:.0f} s; {}", result.noise->white_N,
+                     result.noise->drift_N, result.noise->seconds,
+                     result.noise->dead_zone_N() >= kMinDeadZone_N
+                         ? fmt::format("a dead zone of {:.3g} N", result.noise->dead_zone_N())
+                         : fmt::format("the drift asks for no dead zone (below {:g} N)", kMinDeadZone_N))});
     for (const NoiseLine& line : result.noise->lines)
       rows.push_back({"Line in the force", fmt::format("{:g} Hz, {:.3f} N", line.hz, line.amplitude)});
   }
@@ -405,6 +458,9 @@ std::vector<report::SummaryRow> Rows(const IdentifyResult& result) {
       rows.push_back({"Notch", fmt::format("a width of {:g} Hz holds 95 % of each of the spindle's orders",
                                            passive.notch_hz)});
   }
+  if (const TuneMargin* worst = WorstOf(result.margins, "own"))
+    rows.push_back({"Present gains", MarginText(*worst)});
+  rows.push_back({"Next", NextStep(result)});
   return rows;
 }
 

@@ -15,6 +15,7 @@
 #include "studies/identify/hand_tremor.h"
 #include "studies/identify/impedance_fit.h"
 #include "studies/identify/servo_fit.h"
+#include "studies/tune/tune_measured.h"
 
 namespace osteon::studies {
 
@@ -22,6 +23,12 @@ namespace osteon::studies {
 struct Finding {
   std::string where;  ///< "free run, z at 50 mm/s"
   std::string what;   ///< the value found, the value accepted, and what to do
+};
+
+/// The hand within one counted period of 4 s.
+struct HandWindow {
+  double from_s{0.0};  ///< since the first counted period began, in periods that were counted
+  Estimate stiffness_N_per_m{};
 };
 
 /// One axis at one speed, from one excited recording.
@@ -37,13 +44,15 @@ struct AxisResult {
   std::optional<ToolForceFit> tool{};
   std::string no_tool{};  ///< why there is none
   std::optional<HandFit> hand{};
+  std::vector<HandWindow> hand_windows{};        ///< the hand over time
   std::optional<Estimate> felt_mass_kg{};        ///< of a held run: by which the hand's force moves the arm
   std::optional<OverlaidArm> overlaid{};         ///< of an overlay: the arm, and how it was moved
   std::optional<ImpedanceFit> overlay{};         ///< of an overlay
   std::optional<MeasuredResponse> over_force{};  ///< of an overlay: x / f in m/N
   std::optional<double> validation_chi2{};
-  ExcitedSamples samples{};  ///< counts and jitter; its run may be empty
-  bool model_holds{true};    ///< false: the response alone is to be used
+  std::optional<double> crossing_hz{};  ///< up to which the loop needs the response; none: the bandwidth
+  ExcitedSamples samples{};             ///< counts and jitter; its run may be empty
+  bool model_holds{true};               ///< false: the response alone is to be used
 };
 
 /// Total lag from motion without excitation, with force as second input: x_cmd - x_meas = lag v + c F.
@@ -67,6 +76,9 @@ struct IdentifyResult {
   std::optional<ForceNoise> noise{};
   std::optional<HandTremor> tremor{};
   std::vector<PassiveLag> passive{};
+  std::vector<config::IdentifiedRecording> at_rest{};  ///< recordings of noise and tremor
+  std::vector<TuneMargin> margins{};  ///< of the cell's present gains, by the measured response
+  std::string nyquist_svg{};          ///< of the hand nearest to instability; empty: no margins
   std::vector<Finding> refused{}, warnings{};
 };
 
@@ -80,6 +92,11 @@ inline constexpr double kMaxLagApart = 0.05;
 
 /// Judges one axis: adds to `refused` and `warnings`, and sets model_holds.
 void JudgeAxis(AxisResult& axis, IdentifyResult& result);
+/// Says that no hand is fitted to a motion without excitation, where a hand was felt.
+void JudgePassive(IdentifyResult& result);
+/// Whether the cell's present gains are stable with every hand in free air and at a wall, by the measured
+/// response; true where nothing was judged. Planes as old as `osteon tune` assumes them are warned of alone.
+[[nodiscard]] bool GainsStand(const IdentifyResult& result);
 /// Refuses a tremor of a hand that did not hold the handle.
 void JudgeTremor(IdentifyResult& result);
 /// Judges speeds of one axis against each other: over 5 % of lag apart is friction, and the slower one
@@ -94,6 +111,12 @@ void JudgeSpeeds(IdentifyResult& result);
 
 /// JSON, osteon.identify/1.
 [[nodiscard]] std::string ToJson(const IdentifyResult& result, const std::string& command_line);
+
+/// What the user should do next.
+[[nodiscard]] std::string NextStep(const IdentifyResult& result);
+
+/// A measured dead zone below it is none: the sensor's drift is not felt.
+inline constexpr double kMinDeadZone_N = 0.005;
 
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const IdentifyResult& result);
 

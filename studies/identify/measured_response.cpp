@@ -287,4 +287,23 @@ tl::expected<MeasuredResponse, std::string> MeasureResponse(const ExcitedRun& ru
   return response;
 }
 
+std::vector<std::vector<ResponseLine>> MeasurePeriods(const ExcitedRun& run, Signal input, Signal output,
+                                                      const MeasuredResponse& whole) {
+  const auto ticks = static_cast<std::size_t>(std::lround(Multisine::kPeriod_s / run.period_s));
+  const PeriodFit fit(run, ticks, input, output);
+  std::vector<std::vector<ResponseLine>> list;
+  std::vector<Period> periods = FindPeriods(run, ticks);
+  for (Period& period : periods) {
+    fit.Fit(period, 0.0);
+    std::vector<ResponseLine>& lines = list.emplace_back(whole.lines);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const auto line = static_cast<Eigen::Index>(i);
+      lines[i].value = period.output[line] / period.input[line];
+      lines[i].sd = lines[i].noise_sd =
+          std::sqrt(static_cast<double>(whole.periods)) * whole.lines[i].noise_sd;
+    }
+  }
+  return list;
+}
+
 }  // namespace osteon::studies

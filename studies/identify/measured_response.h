@@ -69,4 +69,10 @@ enum class Signal : std::uint8_t { kCommand, kPosition, kForce };
 [[nodiscard]] tl::expected<MeasuredResponse, std::string> MeasureResponse(const ExcitedRun& run, Signal input,
                                                                           Signal output);
 
+/// The same lines in each counted period alone, in their order: for what changes over time.
+/// @param whole  the response of the run, whose noise is that of each period times sqrt(periods)
+[[nodiscard]] std::vector<std::vector<ResponseLine>> MeasurePeriods(const ExcitedRun& run, Signal input,
+                                                                    Signal output,
+                                                                    const MeasuredResponse& whole);
+
 }  // namespace osteon::studies

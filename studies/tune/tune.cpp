@@ -349,10 +349,7 @@ tl::expected<void, std::string> SetDelays(const TuneOptions& options, TuneTask& 
 }
 
 tl::expected<TuneTask, std::string> TaskOf(const config::CellConfig& cell, const TuneOptions& options) {
-  TuneTask task = TuneTaskOf(cell);
-  const int late = std::max(1, static_cast<int>(std::ceil(1e-3 / task.loop.period_s - 1e-9)));
-  task.command_jitter = task.loop.sensor_delay = late;
-  if (cell.identified) UseIdentified(*cell.identified, task);
+  TuneTask task = MeasuredTaskOf(cell);
   if (const auto set = SetDelays(options, task); !set) return tl::unexpected(set.error());
   if (options.human_grip_N_per_m > options.stiffest_grip_N_per_m)
     return tl::unexpected(fmt::format("--grip: found {:g}, accepted at most --stiffest-grip ({:g})",

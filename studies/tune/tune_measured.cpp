@@ -110,17 +110,6 @@ std::string GainText(const LoopMargins& m) {
   return std::isfinite(m.gain) ? fmt::format("{:.2f} ± {:.2f}", m.gain, m.gain_radius) : std::string("none");
 }
 
-std::string MarginText(const TuneMargin& m) {
-  if (!m.margins.stable)
-    return fmt::format("unstable with {} ({}), which the curve encircles {} times", m.hand.name,
-                       NameOf(m.contact), m.margins.unstable_poles / 2);
-  return fmt::format(
-      "{}; least with {} ({}): gain {}, phase {:.0f} ± {:.0f}°, |1 + L| {:.2f} ± {:.2f} at {:.1f} Hz",
-      m.margins.robust ? "stable" : "stable by the measured values, not within their error", m.hand.name,
-      NameOf(m.contact), GainText(m.margins), m.margins.phase_deg, m.margins.phase_radius_deg,
-      m.margins.modulus, m.margins.modulus_radius, m.margins.modulus_hz);
-}
-
 }  // namespace
 
 void UseHands(const config::IdentifiedCell& identified, TuneTask& task) {
@@ -161,6 +150,25 @@ void UseIdentified(const config::IdentifiedCell& identified, TuneTask& task) {
   UseHands(identified, task);
   UseResponse(identified, *arm, task);
   task.measured_only |= rough.has_value();
+}
+
+std::string MarginText(const TuneMargin& m) {
+  if (!m.margins.stable)
+    return fmt::format("unstable with {} ({}), which the curve encircles {} times", m.hand.name,
+                       NameOf(m.contact), m.margins.unstable_poles / 2);
+  return fmt::format(
+      "{}; least with {} ({}): gain {}, phase {:.0f} ± {:.0f}°, |1 + L| {:.2f} ± {:.2f} at {:.1f} Hz",
+      m.margins.robust ? "stable" : "stable by the measured values, not within their error", m.hand.name,
+      NameOf(m.contact), GainText(m.margins), m.margins.phase_deg, m.margins.phase_radius_deg,
+      m.margins.modulus, m.margins.modulus_radius, m.margins.modulus_hz);
+}
+
+TuneTask MeasuredTaskOf(const config::CellConfig& cell) {
+  TuneTask task = TuneTaskOf(cell);
+  task.command_jitter = task.loop.sensor_delay =
+      std::max(1, static_cast<int>(std::ceil(1e-3 / task.loop.period_s - 1e-9)));
+  if (cell.identified) UseIdentified(*cell.identified, task);
+  return task;
 }
 
 bool StandsMeasured(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands,

@@ -24,6 +24,10 @@ void UseHands(const config::IdentifiedCell& identified, TuneTask& task);
 /// Jitter beyond its mean, which the measured dead time holds already [whole periods].
 [[nodiscard]] int JitterOf(const config::IdentifiedLink& link, double period_s);
 
+/// A cell's task, with the lags that are assumed where nothing was measured: one millisecond of the sensor's
+/// delay and of the commands' jitter, in whole ticks; and with `cell.identified`, if there is one.
+[[nodiscard]] TuneTask MeasuredTaskOf(const config::CellConfig& cell);
+
 /// Whether the measured response is stable with all hands and contacts; hand and wall are multiplied by
 /// `gain`.
 [[nodiscard]] bool StandsMeasured(const TuneTask& task, const TuneGains& gains,
@@ -46,6 +50,9 @@ struct TuneMargin {
 
 /// Whether these gains are stable by the response with every hand and contact, to 95 %; true without one.
 [[nodiscard]] bool StandsByMargins(const std::vector<TuneMargin>& margins, const std::string& gains);
+
+/// "stable; least with firm (free): gain …, phase …, |1 + L| …", or that it is unstable.
+[[nodiscard]] std::string MarginText(const TuneMargin& margin);
 
 /// Bad if the recommended gains are unstable by the response, or its discs of 95 % hold -1; to be looked at
 /// if the cell's own are.

@@ -14,10 +14,12 @@ namespace {
 
 TEST(IdentifyCommand, MeasuresTheSimulatedCellThenTheSameFromItsRecording) {
   const TemporaryFolder folder;
-  const CommandResult run = RunCommand(
-      folder.path(), {"identify", "demo", "--simulated", "--do", "free", "--axes", "z", "--speeds", "50"});
+  const CommandResult run = RunCommand(folder.path(), {"identify", "demo", "--simulated", "--do",
+                                                       "free,tremor", "--axes", "z", "--speeds", "50"});
   ASSERT_EQ(run.exit_code, 0) << run.err << run.out;
   EXPECT_NE(run.out.find("dead time 3.000"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("the simulated hand has no tremor"), std::string::npos)
+      << "the others give their file all the same: " << run.out;
   for (const char* file : {"identified.yaml", "identify.json", "identify.html", "free_z_50.mcap"})
     EXPECT_TRUE(std::filesystem::exists(folder.path() / "identify" / file)) << file;
   const CommandResult again = RunCommand(
@@ -64,6 +66,13 @@ TEST(IdentifyCommand, RefusesWhatItCannotUse) {
   EXPECT_EQ(RunCommand(folder.path(), {"identify", "demo", "--axes", "w"}).exit_code, 2);
   EXPECT_EQ(RunCommand(folder.path(), {"identify", "demo", "--do", "validate"}).exit_code, 2);
   EXPECT_EQ(RunCommand(folder.path(), {"identify", "demo", "--wall-time"}).exit_code, 2);
+  const CommandResult tremor =
+      RunCommand(folder.path(), {"identify", "demo", "--simulated", "--do", "tremor"});
+  EXPECT_EQ(tremor.exit_code, 1);
+  EXPECT_NE(tremor.out.find("the simulated hand has no tremor; found operator: tremor_N: 0"),
+            std::string::npos)
+      << tremor.out;
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "identify/identified.yaml"));
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ IdentifyResult FreeAndHeld(double per_mass, double noise) {
   free.tool = ToolForceFit{.mass_kg = {tool_kg, 0.01}, .delay_s = {1.7e-3, 1e-5}};
   held.hand = *FitHand(held.force_over_position->lines, tool_kg);
   IdentifyResult result{.cell = "demo", .valid_for = {}, .tool_mass_kg = tool_kg, .axes = {free, held}};
-  FillFeltMasses(result, kPeriod_s);
+  FillFeltMasses(result);
   return result;
 }
 
