@@ -76,6 +76,10 @@ CellTrialParams Bending(CellTrialParams cell) {
   cell.set.emplace_back("compliance.tool=on");
   return cell;
 }
+CellTrialParams Yielding(CellTrialParams cell) {
+  cell.set.emplace_back("compliance.layer=on");
+  return cell;
+}
 // The same in pelvis_mount: the demo with its bone on a mount, and a depth limit that rides on the bone.
 CellTrialParams OnMount(CellTrialParams cell) {
   if (cell.cell != "demo")
@@ -88,7 +92,8 @@ struct PartChange {
   CompliantPart part;
   Change change;
 };
-constexpr PartChange kBending{CompliantPart::kTool, Bending}, kOnMount{CompliantPart::kMount, OnMount};
+constexpr PartChange kBending{CompliantPart::kTool, Bending}, kYielding{CompliantPart::kLayer, Yielding},
+    kOnMount{CompliantPart::kMount, OnMount};
 
 // A row's quantity with each part that gives way. A variant without a result leaves the row its own.
 std::vector<ComplianceVariant> Variants(const std::vector<PartChange>& parts,
@@ -139,7 +144,7 @@ Simulated OfDemo(ValidationLab& lab, double (*figure)(const CellTrial&)) {
           .how = "cell demo in virtual time: arm, hand and servo loop, CPU engine",
           .constants = {"cartilage.cutting_energy", "cortical.cutting_energy", "cancellous.cutting_energy",
                         "cortical.cutting_force_ratio"},
-          .compliance = Variants({kBending, kOnMount}, simulate)};
+          .compliance = Variants({kBending, kYielding, kOnMount}, simulate)};
 }
 
 const CellTrial& PressedInFull(const CellTrial& trial) {
@@ -226,7 +231,7 @@ Simulated WideCavity(ValidationLab& lab, const std::string& foam) {
 
 std::vector<CellTrialParams> DemoCells(bool quick) {
   const CellTrialParams demo = DemoCell(quick);
-  return {demo, Bending(demo), OnMount(demo)};
+  return {demo, Bending(demo), Yielding(demo), OnMount(demo)};
 }
 
 std::vector<CellTrialParams> FeedPerTurnCells(bool quick) {

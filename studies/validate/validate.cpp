@@ -153,9 +153,9 @@ std::string KindsText(const ValidationCounts& counts) {
 std::string ValidationTable(std::span<const ValidationRow> rows) {
   std::size_t width = 8;
   for (const ValidationRow& row : rows) width = std::max(width, row.measurement->quantity.size());
-  std::string text = fmt::format("{:<17} {:<{}} {:>9} {:>19} {:>9} {:>10} {:>10} {:<5} {:<10} {}\n", "row",
-                                 "quantity", width, "measured", "spread", "simulated", "tool bends",
-                                 "on a mount", "unit", "use", "verdict");
+  std::string text = fmt::format("{:<17} {:<{}} {:>9} {:>19} {:>9} {:>10} {:>12} {:>10} {:<5} {:<10} {}\n",
+                                 "row", "quantity", width, "measured", "spread", "simulated", "tool bends",
+                                 "layer yields", "on a mount", "unit", "use", "verdict");
   for (const ValidationRow& row : rows) {
     const Measurement& m = *row.measurement;
     // counted in characters: "mm³" has four bytes
@@ -166,11 +166,12 @@ std::string ValidationTable(std::span<const ValidationRow> rows) {
     const auto shown = std::ranges::count_if(quantity, [](char c) { return (c & 0xC0) != 0x80; });
     quantity.append(width - static_cast<std::size_t>(shown), ' ');
     text +=
-        fmt::format("{:<17} {} {:>9.4g} {:>19} {:>9} {:>10} {:>10} {} {:<10} {}\n", m.id, quantity,
+        fmt::format("{:<17} {} {:>9.4g} {:>19} {:>9} {:>10} {:>12} {:>10} {} {:<10} {}\n", m.id, quantity,
                     m.measured, m.judged() ? fmt::format("{:.4g} to {:.4g}", m.low, m.high) : "not stated",
                     row.error.empty() ? fmt::format("{:.4g}", row.simulated.value) : "-",
-                    VariantText(row, CompliantPart::kTool), VariantText(row, CompliantPart::kMount), unit,
-                    NameOf(m.use), row.error.empty() ? std::string(row.verdict()) : row.error);
+                    VariantText(row, CompliantPart::kTool), VariantText(row, CompliantPart::kLayer),
+                    VariantText(row, CompliantPart::kMount), unit, NameOf(m.use),
+                    row.error.empty() ? std::string(row.verdict()) : row.error);
   }
   const ValidationCounts counts = CountRows(rows);
   return text + fmt::format(

@@ -48,8 +48,8 @@ struct ValidationCounts {
 /// "within: levels 2 of 8, trends 5 of 10, ranges 2 of 5, tolerances 2 of 2"
 [[nodiscard]] std::string KindsText(const ValidationCounts& counts);
 
-/// The printed table: each row without a part that gives way, and beside it with a tool that bends and with
-/// the bone on a mount.
+/// The printed table: each row without a part that gives way, and beside it with a tool that bends, with
+/// cartilage that yields, and with the bone on a mount.
 [[nodiscard]] std::string ValidationTable(std::span<const ValidationRow> rows);
 
 /// JSON object, schema osteon.validate/1. Two runs give the same text.

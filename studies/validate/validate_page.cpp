@@ -27,28 +27,42 @@ std::string VerdictCell(const ValidationRow& row) {
 
 // What gives way in a variant, for a reader.
 const char* TextOf(CompliantPart part) {
-  return part == CompliantPart::kTool ? "a tool that bends" : "the bone on the mount of cell pelvis_mount";
+  switch (part) {
+    case CompliantPart::kTool:
+      return "a tool that bends";
+    case CompliantPart::kLayer:
+      return "cartilage that yields";
+    case CompliantPart::kMount:
+      break;
+  }
+  return "the bone on the mount of cell pelvis_mount";
 }
 
-std::string VariantCell(const ValidationRow& row, CompliantPart part) {
-  const ComplianceVariant* variant = row.simulated.With(part);
-  if (variant == nullptr) return "";
-  return variant->simulated ? fmt::format("{:.4g}", *variant->simulated) : "–";
+// The cells of the variants: tool, layer, mount.
+std::string VariantCells(const ValidationRow& row) {
+  std::string html;
+  for (const CompliantPart part : {CompliantPart::kTool, CompliantPart::kLayer, CompliantPart::kMount}) {
+    const ComplianceVariant* variant = row.simulated.With(part);
+    std::string text;
+    if (variant != nullptr) text = variant->simulated ? fmt::format("{:.4g}", *variant->simulated) : "–";
+    html += fmt::format("<td class=\"n\">{}</td>", text);
+  }
+  return html;
 }
 
 std::string Table(std::span<const ValidationRow> rows) {
   std::string html =
       "<table>\n<tr><th>row</th><th>quantity</th><th class=\"n\">measured by others</th><th "
-      "class=\"n\">spread</th><th class=\"n\">simulated here</th><th>use</th><th>verdict</th></tr>\n";
+      "class=\"n\">spread</th><th class=\"n\">simulated here</th><th class=\"n\">tool bends</th><th "
+      "class=\"n\">layer yields</th><th class=\"n\">on a mount</th><th>use</th><th>verdict</th></tr>\n";
   for (const ValidationRow& row : rows) {
     const Measurement& m = *row.measurement;
     html += fmt::format(
         "<tr><td>{}</td><td>{}</td><td class=\"n\">{:.4g}{}</td><td class=\"n\">{}</td><td "
-        "class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td><td>{}</td></tr>\n",
+        "class=\"n\">{}</td>{}<td>{}</td><td>{}</td></tr>\n",
         report::Escape(m.id), report::Escape(m.quantity), m.measured, report::Escape(Unit(m)), SpreadText(m),
         row.error.empty() ? fmt::format("{:.4g}{}", row.simulated.value, report::Escape(Unit(m))) : "–",
-        VariantCell(row, CompliantPart::kTool), VariantCell(row, CompliantPart::kMount), NameOf(m.use),
-        VerdictCell(row));
+        VariantCells(row), NameOf(m.use), VerdictCell(row));
   }
   return html + "</table>\n";
 }
@@ -127,8 +141,8 @@ std::string ValidationPage(std::span<const ValidationRow> rows, const std::strin
   html += report::Figure(
       ValidationPlot(rows),
       "Simulated over measured for each row, beside the measured spread. A row that a constant was "
-      "fitted to shows nothing and is grey. The table has each row beside it with a tool that bends and with "
-      "the bone on a mount.");
+      "fitted to shows nothing and is grey. The table has beside each row the same with a tool that bends, "
+      "with cartilage that yields, and with the bone on a mount.");
   html += "<h2>Rows</h2>\n" + Table(rows) + "<h2>What was fitted to what</h2>\n" + Constants();
   html += "<h2>Published figures that the product uses</h2>\n" + Uses() + "<h2>Row by row</h2>\n";
   for (const ValidationRow& row : rows) html += Details(row);

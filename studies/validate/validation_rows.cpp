@@ -70,7 +70,17 @@ std::span<const ValidationItem> ValidationItems() {
   return items;
 }
 
-std::string_view NameOf(CompliantPart part) { return part == CompliantPart::kTool ? "tool" : "mount"; }
+std::string_view NameOf(CompliantPart part) {
+  switch (part) {
+    case CompliantPart::kTool:
+      return "tool";
+    case CompliantPart::kLayer:
+      return "layer";
+    case CompliantPart::kMount:
+      break;
+  }
+  return "mount";
+}
 
 const ComplianceVariant* Simulated::With(CompliantPart part) const {
   const auto found = std::ranges::find(compliance, part, &ComplianceVariant::part);

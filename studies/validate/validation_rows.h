@@ -22,9 +22,10 @@ struct Ablation {
 /// A part that gives way in a variant of a row, and is rigid in the row's own run.
 enum class CompliantPart : std::uint8_t {
   kTool,   ///< the tool bends, as its file's `bending` says
+  kLayer,  ///< the cartilage yields, as the materials' file says
   kMount,  ///< the bone moves on the mount of cell pelvis_mount
 };
-/// "tool", "mount": the keys of a cell's `compliance`.
+/// "tool", "layer", "mount": the keys of a cell's `compliance`.
 [[nodiscard]] std::string_view NameOf(CompliantPart part);
 
 /// The same quantity where a part gives way.

@@ -42,15 +42,15 @@ struct DocumentedRow {
   std::string use, verdict;
 };
 
-// Columns: row, quantity, measured, spread, simulated, tool bends, on a mount, use, verdict.
+// Columns: row, quantity, measured, spread, simulated, tool bends, layer yields, on a mount, use, verdict.
 std::map<std::string, DocumentedRow> DocumentedRows() {
   std::map<std::string, DocumentedRow> rows;
   std::istringstream text(Document());
   for (std::string line; std::getline(text, line);) {
     const std::vector<std::string> cells = Cells(line);
-    if (cells.size() != 9 || FindMeasurement(cells[0]) == nullptr) continue;
+    if (cells.size() != 10 || FindMeasurement(cells[0]) == nullptr) continue;
     EXPECT_FALSE(rows.contains(cells[0])) << cells[0] << " stands twice";
-    rows[cells[0]] = {.simulated = std::stod(cells[4]), .use = cells[7], .verdict = cells[8]};
+    rows[cells[0]] = {.simulated = std::stod(cells[4]), .use = cells[8], .verdict = cells[9]};
   }
   return rows;
 }

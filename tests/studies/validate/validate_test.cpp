@@ -125,12 +125,17 @@ TEST(Validate, ShowsEachRowWithAndWithoutAPartThatGivesWay) {
   EXPECT_TRUE(json.at("rows")[1].at("compliance")[0].at("within").is_null())
       << "a calibration has no verdict";
   const std::string page = ValidationPage(rows, "osteon validate");
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">61 mm</td><td class=\"n\">60.5</td><td class=\"n\"></td><td "
+                              "class=\"n\">–</td><td>validates</td>"));
+  EXPECT_THAT(page, HasSubstr("<th class=\"n\">tool bends</th><th class=\"n\">layer yields</th><th "
+                              "class=\"n\">on a mount</th><th>use</th>"));
   EXPECT_THAT(page, HasSubstr("60.5 mm: a tool that bends"));
   EXPECT_THAT(page, HasSubstr("no result, cell stopped: mount_beyond: the bone on the mount"));
   EXPECT_EQ(report::MarkupError(page), "");
 }
 
-// The cavities run with a reamer that bends and on a mount, hand-held drill and bur with one that bends.
+// The cavities run with a reamer that bends and on a mount, the demo with cartilage that yields as well, and
+// hand-held drill and bur with one that bends.
 TEST(Validate, RowsOfCellsAreRunWithTheirToolBentAndTheirBoneOnAMount) {
   for (const ValidationItem& item : ValidationItems()) {
     if (!item.cells) continue;
@@ -138,8 +143,14 @@ TEST(Validate, RowsOfCellsAreRunWithTheirToolBentAndTheirBoneOnAMount) {
     const auto bent = std::ranges::count_if(cells, [](const CellTrialParams& cell) {
       return std::ranges::find(cell.set, "compliance.tool=on") != cell.set.end();
     });
+    const auto yielding = std::ranges::count_if(cells, [](const CellTrialParams& cell) {
+      return std::ranges::find(cell.set, "compliance.layer=on") != cell.set.end();
+    });
     const auto mounted = std::ranges::count(cells, "pelvis_mount", &CellTrialParams::cell);
     const bool by_foam = item.id.starts_with("1-") || item.id.starts_with("2-");
+    const bool by_demo =
+        FindMeasurement(item.id)->use != RowUse::kValidates && item.id != "12" && item.id != "15";
+    EXPECT_EQ(yielding, by_demo ? 1 : 0) << item.id;
     EXPECT_EQ(bent, by_foam ? 2 : 1) << item.id;
     EXPECT_EQ(mounted, item.id == "12" || item.id == "15" ? 0 : by_foam ? 2 : 1) << item.id;
   }
@@ -172,7 +183,7 @@ TEST(Validate, TheDemosHandFeelsWhatIsRendered) {
   EXPECT_EQ(rows[0].error, "");
   EXPECT_EQ(rows[0].verdict(), "within") << rows[0].simulated.value;
   EXPECT_GT(rows[0].simulated.value, 0.0);
-  for (const CompliantPart part : {CompliantPart::kTool, CompliantPart::kMount}) {
+  for (const CompliantPart part : {CompliantPart::kTool, CompliantPart::kLayer, CompliantPart::kMount}) {
     const ComplianceVariant* variant = rows[0].simulated.With(part);
     ASSERT_NE(variant, nullptr) << NameOf(part);
     ASSERT_TRUE(variant->simulated) << NameOf(part) << ": " << variant->error;
