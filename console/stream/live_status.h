@@ -105,7 +105,7 @@ struct LiveStatus {
   double compute_p99_us{0.0}, wakeup_p99_us{0.0};       ///< LiveWindow
   std::uint32_t arm_messages_lost{0}, answers_lost{0};  ///< so far, between the arm and the loop
   std::optional<std::uintmax_t> disk_left_B{};          ///< LiveContext
-  std::optional<double> bone_age_ms{};  ///< of the carved bone that pages are shown
+  std::optional<double> bone_age_ms{};                  ///< of the carved bone that pages are shown
   double rendered_s{0.0}, paused_s{0.0};
   LatencyStatus latency{};
 };

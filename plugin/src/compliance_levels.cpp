@@ -68,11 +68,11 @@ std::optional<control::Compliance> MakeCompliance(const OsteonComplianceParams& 
                       "layer_N_per_mm3",
                       bone.bone.name));
   }
-  RefuseBy("", config::CheckMassless(levels, coupling.stiffness_N_per_m, params.period_s,
-                                     Vector3(bone.bone.site.center_m)));
+  RefuseBy("", config::CheckMassless(levels, coupling.stiffness_N_per_m, params.period_s));
   if (params.mount != 0) {
     levels.mount = MountOf(params);
-    RefuseBy("mount_", config::CheckMountAlone(*levels.mount, coupling.stiffness_N_per_m, params.period_s));
+    RefuseBy("mount_", config::CheckMountAlone(*levels.mount, coupling.stiffness_N_per_m, params.period_s,
+                                               Vector3(bone.bone.site.center_m)));
   }
   if (!levels.any()) return std::nullopt;
   return control::Compliance(levels, params.period_s);

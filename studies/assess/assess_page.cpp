@@ -201,7 +201,7 @@ std::string Curves(const AssessedSession& session) {
       "height, so its lines move with the tool.");
 }
 
-std::string Trend(const AssessResult& result) {
+std::string TrendSection(const AssessResult& result) {
   if (result.trend.points.size() < 2) return "";
   report::Series free{.name = "without guidance", .marker = report::Marker::kCircle},
       guided{.name = "guided", .marker = report::Marker::kCircle};
@@ -303,7 +303,7 @@ tl::expected<void, std::string> WriteAssessPage(const AssessResult& result, cons
   html += *pictures;
   html += "<h2>The session</h2>\n" + Curves(result.session) + PassTable(result.session);
   html += fmt::format("<h2>The score: {:.1f}</h2>\n", result.score.total) + ItemsTable(result);
-  html += Trend(result) + Assumptions(result.session.plan.plan.kind);
+  html += TrendSection(result) + Assumptions(result.session.plan.plan.kind);
   if (!command_line.empty())
     html += "<h2>How to repeat it</h2>\n<pre>" + report::Escape(command_line) + "</pre>\n";
   return report::WritePage(html + report::PageEnd(), path);

@@ -117,8 +117,8 @@ TEST(AssumedFigures, AreThoseOfWhatIsOn) {
   simulation::Material soft;
   soft.name = "soft";
   soft.layer_N_per_m3 = 60e6;
-  for (simulation::FigureSource* source : {&soft.density_source, &soft.cutting_energy_source,
-                                           &soft.cutting_force_source, &soft.friction_source})
+  for (simulation::FigureSource* source :
+       {&soft.density_source, &soft.cutting_energy_source, &soft.cutting_force_source, &soft.friction_source})
     source->assumed = false;
   EXPECT_TRUE(AssumedFigures(cell, {soft}).empty()) << "nothing gives way";
   cell.servo.compliance.layer = control::SurfaceLayerParams{};
