@@ -31,7 +31,8 @@ Vector3 BodyAxis(Reader& section, const std::string& word) {
 // Reads the landmarks, or the axes themselves, and the tilt. The frame follows after Finish().
 procedure::PelvicFrame ReadPelvis(Reader& section, SurgicalPlan& plan) {
   procedure::PelvicFrame axes;
-  if (section.Has("lateral_axis") || section.Has("lateral")) {
+  // in this order: what is beside landmarks, and an axis beside its word, is an unknown key
+  if (!section.Has("asis_right_mm") && (section.Has("lateral") || section.Has("lateral_axis"))) {
     axes = {.lateral = BodyAxis(section, "lateral"),
             .anterior = BodyAxis(section, "anterior"),
             .superior = BodyAxis(section, "superior")};

@@ -1,63 +1,27 @@
 #include "session/setup/cell_checks.h"
 
-#include <arpa/inet.h>
-#include <fcntl.h>
-#include <ifaddrs.h>
-#include <net/if.h>
-#include <netinet/in.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
-#include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <optional>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "io/fri/fri_link.h"
+#include "io/net/network_probe.h"
 #include "session/run/arm_connection.h"
 
 namespace osteon::session {
 namespace {
 
-constexpr int kCanHardware = 280;  // ARPHRD_CAN of linux/if_arp.h, as sysfs shows it
+constexpr int kCanHardware = 280;      // ARPHRD_CAN of linux/if_arp.h, as sysfs shows it
+constexpr unsigned kSwitchedOn = 0x1;  // IFF_UP
 
 bool IsLoopback(const std::string& address) { return address.starts_with("127."); }
-
-// A network interface that has an address.
-struct Card {
-  std::string name;
-  bool is_up{false};      // switched on
-  bool has_cable{false};  // a carrier is there
-};
-
-std::optional<Card> CardOf(const std::string& address) {
-  ifaddrs* all = nullptr;
-  if (::getifaddrs(&all) != 0) return std::nullopt;
-  std::optional<Card> found;
-  for (const ifaddrs* each = all; each != nullptr && !found; each = each->ifa_next) {
-    if (each->ifa_addr == nullptr || each->ifa_addr->sa_family != AF_INET) continue;
-    char text[INET_ADDRSTRLEN]{};
-    const auto* in = reinterpret_cast<const sockaddr_in*>(each->ifa_addr);
-    ::inet_ntop(AF_INET, &in->sin_addr, text, sizeof text);
-    if (address == text)
-      found = Card{.name = each->ifa_name,
-                   .is_up = (each->ifa_flags & IFF_UP) != 0,
-                   .has_cable = (each->ifa_flags & IFF_RUNNING) != 0};
-  }
-  ::freeifaddrs(all);
-  return found;
-}
 
 // The card at which the messages of `who` arrive.
 Check CardCheck(const std::string& who, const std::string& address) {
   const std::string name = who + "'s network card";
-  const auto card = CardOf(address);
+  const auto card = io::FindNetworkCard(address);
   if (IsLoopback(address))
     return {name, address + ", the loopback", kCheckUsable,
             "of a simulated arm: for a real one `host` is the address of this PC's card"};
@@ -101,33 +65,11 @@ Check BusCheck(const io::CanBusParams& bus) {
             "correct `interface`: ip -brief link show type can lists what there is"};
   unsigned flags = 0;
   std::ifstream(folder / "flags") >> std::hex >> flags;
-  const bool is_up = (flags & IFF_UP) != 0;
+  const bool is_up = (flags & kSwitchedOn) != 0;
   return {name, bus.interface + (is_up ? ", up" : ", down"), is_up ? kCheckGood : kCheckMissing,
           is_up
               ? ""
               : fmt::format("sudo ip link set {} up type can bitrate 1000000 restart-ms 100", bus.interface)};
-}
-
-// Why nobody accepts a TCP connection there; empty: somebody does. The connection is closed at once.
-std::string WhyNoConnection(const std::string& address, std::uint16_t port, int patience_ms) {
-  sockaddr_in to{};
-  to.sin_family = AF_INET;
-  to.sin_port = htons(port);
-  if (::inet_pton(AF_INET, address.c_str(), &to.sin_addr) != 1) return "no IPv4 address";
-  const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (fd < 0) return std::strerror(errno);
-  int error = ::connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0 ? 0 : errno;
-  if (error == EINPROGRESS) {
-    pollfd ready{.fd = fd, .events = POLLOUT, .revents = 0};
-    socklen_t size = sizeof error;
-    if (::poll(&ready, 1, patience_ms) <= 0)
-      error = ETIMEDOUT;
-    else
-      ::getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
-  }
-  ::close(fd);
-  if (error == ETIMEDOUT) return fmt::format("nobody answers within {} ms", patience_ms);
-  return error == 0 ? "" : std::strerror(error);
 }
 
 Check PlcCheck(const config::CellConfig& cell) {
@@ -135,7 +77,7 @@ Check PlcCheck(const config::CellConfig& cell) {
     return {"PLC", "none: without_plc", kCheckUsable,
             "no enabling switch, pedal or emergency stop is read (docs/set_up.md)"};
   const io::PlcClientParams& plc = *cell.devices.plc;
-  const std::string why = WhyNoConnection(plc.address, plc.port, plc.connect_timeout_ms);
+  const std::string why = io::WhyNoTcpConnection(plc.address, plc.port, plc.connect_timeout_ms);
   const std::string at = fmt::format("{}:{}", plc.address, plc.port);
   if (IsLoopback(plc.address))
     return {"PLC", at + (why.empty() ? ", answers on this machine" : ", simulated: not running"),

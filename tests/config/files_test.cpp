@@ -126,7 +126,8 @@ TEST_F(ConfigFilesTest, EveryNumberHasAUnitIsReadAndIsBounded) {
     std::vector<Scalar> numbers;
     CollectNumbers(YAML::Load(text), "", numbers);
     total += numbers.size();
-    EXPECT_FALSE(numbers.empty()) << file;
+    EXPECT_TRUE(!numbers.empty() || text.find("\nextends:") != std::string::npos)
+        << file;  // a cell may have another's alone
     for (const Scalar& number : numbers) {
       ASSERT_EQ(text.substr(number.begin, number.text.size()), number.text)
           << file << " line " << number.line;

@@ -65,8 +65,10 @@ TEST_F(AskRunningCellTest, WithoutARunningCellTheJsonSaysSo) {
       "found no running cell of first_hip, accepted a running session's folder or the name of a running "
       "cell");
   EXPECT_EQ(RunAsk({.request = "status", .json = json}), kFailed);
-  EXPECT_EQ(nlohmann::json::parse(std::ifstream(json)).at("reason"),
-            "no cell runs on this machine under this user");
+  EXPECT_EQ(
+      nlohmann::json::parse(std::ifstream(json)).at("reason"),
+      "no cell runs on this machine under this user, and none as a service that this user may ask (group "
+      "osteon)");
 }
 
 }  // namespace
