@@ -32,6 +32,7 @@ constexpr double kSeconds = 6.0;
 constexpr int kMaxTicks = 9000;  // a run that stays paused ends here
 constexpr double kForceCeiling_N = 200.0, kRounding = 1.0 + 1e-9;
 constexpr int kTicksToRest = 300;  // of a fault, in which the arm brakes
+constexpr double kStands_rad = 1e-4;
 
 /// How a case begins.
 enum class Begins : std::uint8_t {
@@ -84,7 +85,7 @@ class AskedRun {
       rig_.setup->config.simulated.fri.request_again_after_loss = true;
       rig_.setup->config.injections.injections = {{.from_s = 0.1, .to_s = 0.16, .faults = {.silence = true}}};
       rig_.params.hold_at_fault = true;
-      may_fault_ = true;
+      rig_.may_fault = may_fault_ = true;
       // some requests find the cell held, some come after the recovery
       for (const int after_ticks : {400, 400})
         asked_.insert(asked_.begin() + static_cast<std::ptrdiff_t>(asked_.size() / 2),
@@ -147,9 +148,15 @@ class AskedRun {
     const bool faulted = tick.cell_state == static_cast<std::uint8_t>(CellState::kFault);
     if (!faulted && fault_ticks_ > 0) may_fault_ = tick.faults != 0;
     fault_ticks_ = faulted ? fault_ticks_ + 1 : may_fault_ ? fault_ticks_ : 0;
-    if (faulted && fault_ticks_ == kTicksToRest) ++held;
+    if (faulted && fault_ticks_ == kTicksToRest) {
+      ++held;
+      rest_ = tick.q_meas;
+    }
     if (!faulted || fault_ticks_ <= kTicksToRest) return;
-    if (tick.q_cmd != held_) Complain("the arm that is held at a fault moved");
+    // measured, since the command follows the arm where it takes none
+    for (std::size_t j = 0; j < rest_.size(); ++j)
+      if (!(std::abs(tick.q_meas[j] - rest_[j]) <= kStands_rad))
+        Complain(fmt::format("the arm that is held at a fault moved by {} rad", tick.q_meas[j] - rest_[j]));
     if (tick.input.tool_index != tool_) Complain("the tool changed at a fault");
   }
 
@@ -225,7 +232,7 @@ class AskedRun {
   std::atomic<bool> stop_{false};
   std::string wrong_;
   std::map<std::string, std::string> saved_;  // hash by file
-  control::JointArray held_{};
+  control::JointArray held_{}, rest_{};
   std::uint8_t tool_{0};
   bool was_paused_{false}, undo_is_asked_{false};
   bool may_fault_{false};

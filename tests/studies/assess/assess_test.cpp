@@ -265,8 +265,8 @@ TEST_F(Assess, TheTrendIsOrderedByTheSessionsBeginningsOrByNumbersInTheirNames) 
     options.trend = named;
     EXPECT_EQ(RunAssess(options), 0);
     std::string text;
-    for (const auto& point : nlohmann::json::parse(ReadAll(own / "assess.json"))["trend"])
-      text += point["session"].get<std::string>() + " ";
+    const nlohmann::json written = nlohmann::json::parse(ReadAll(own / "assess.json"));
+    for (const auto& point : written.at("trend")) text += point["session"].get<std::string>() + " ";
     return text;
   };
   EXPECT_EQ(names({}), "try_1 try_2 try_10 ");
