@@ -15,6 +15,7 @@
 #include "session/foxglove/recorded_topics.h"
 #include "session/procedure/procedure_session.h"
 #include "session/run/arm_connection.h"
+#include "session/run/fault_events.h"
 #include "session/run/frame_receiver.h"
 #include "session/run/frame_runner.h"
 #include "session/run/gains_watch.h"
@@ -30,7 +31,6 @@
 #include "session/stops/stop_records.h"
 #include "session/summary/chart_files.h"
 #include "session/summary/deflection_events.h"
-#include "session/summary/each_fault.h"
 #include "session/summary/limit_rows.h"
 
 namespace osteon::session {
@@ -45,20 +45,12 @@ rt::Nanoseconds UtcNow() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970).count();
 }
 
-void RecordFaults(io::Recorder& recorder, rt::Nanoseconds stamp, safety::FaultSet faults,
-                  safety::FaultSet& known) {
-  ForEachFault(faults, [&](safety::Fault fault, const safety::FaultText& text) {
-    if (known.Has(fault)) return;
-    known.Latch(fault);
-    recorder.PushEvent(stamp, std::string("fault: ") + text.name + "; " + text.reaction);
-  });
-}
-
 // The connections of a run in wall time.
 struct CellConnections {
   std::optional<ArmConnection> arm;
   std::unique_ptr<io::WiredDevices> devices;
   std::unique_ptr<CellProcess> cell;  // null: this run did not start it
+  FaultEvents* faults{nullptr};       // of the run's recording
 };
 
 tl::expected<CellConnections, std::string> OpenConnections(const CellSetup& setup) {
@@ -255,8 +247,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
   result.recovered = servo.recovered;
   result.operator_recoveries = servo.operator_recoveries;
   result.cleared = servo.cleared;
-  safety::FaultSet known;
-  RecordFaults(recorder, rt::MonotonicNow(), servo.faults, known);
+  wires.faults->Record(recorder, rt::MonotonicNow(), servo.faults.bits());  // without a tick
   RecordEnd(recorder, rt::MonotonicNow(), result, params.seconds);
   return result;
 }
@@ -294,7 +285,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
   control::ArmCommand command;
   simulation::ContactModel model;
   std::optional<simulation::FrameRecord> pending;
-  safety::FaultSet known;
+  FaultEvents faults;
   bool stopped_by_user = false;
 
   const auto period = static_cast<rt::Nanoseconds>(cell.period_s() * 1e9);
@@ -341,7 +332,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
     const control::TickRecord record = loop.Tick(state, received, readings, model, now, command);
     if (could_recover && record.input.recover) {
       result.cleared.Latch(faults_before);
-      known.Clear();
+      faults.Forget();
       if (!recovering) ++result.operator_recoveries;
     }
     recorder.Push(record);
@@ -351,7 +342,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
     // without a pose there is nothing to render, and a frame would drag the proxy through the bone
     if (tick % frame_ticks == 0 && loop.tool_command().stamp != 0) pending = runner.Run(loop.tool_command());
 
-    RecordFaults(recorder, now, loop.faults(), known);
+    faults.Record(recorder, now, loop.faults().bits());
     if (loop.CanRecover() && result.recovered < params.recoveries &&
         loop.statistics().active_ticks - held_ticks < wanted) {
       ++result.recovered;
@@ -426,27 +417,32 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
       return tl::make_unexpected(CellRunError{.what = std::move(wrong)});
   ProcedureSink sink(params);
   DeflectionSink deflections(sink.sink());
+  FaultEvents faults;
+  FaultSink faults_seen(deflections, faults);
   RecordedTopics topics(
       setup, params.procedure ? std::span(params.procedure->tools()) : std::span<const ProcedureTool>());
-  auto recorder = io::Recorder::Open({.path = params.recording,
-                                      .writer_thread = !params.virtual_time,
-                                      .live = &deflections,
-                                      .topics = &topics},
-                                     {.stamp = params.virtual_time ? 0 : rt::MonotonicNow(),
-                                      .version = OSTEON_VERSION,
-                                      .engine = engine.name(),
-                                      .device = engine.device(),
-                                      .scene = setup.bone.name,
-                                      .tool = setup.config.tool.tool.name,
-                                      .force_limit_N = control::ForceLimit_N(setup.config.servo),
-                                      .limits = LimitLines(setup.config.servo),
-                                      .config_text = setup.config_text,
-                                      .config = setup.config_source,
-                                      .utc = params.virtual_time ? 0 : UtcNow(),
-                                      .build = BuildName(),
-                                      .machine = MachineName()});
+  auto recorder = io::Recorder::Open(
+      {.path = params.recording,
+       .writer_thread = !params.virtual_time,
+       .live = params.virtual_time ? static_cast<io::RecordSink*>(&deflections) : &faults_seen,
+       .topics = &topics},
+      {.stamp = params.virtual_time ? 0 : rt::MonotonicNow(),
+       .version = OSTEON_VERSION,
+       .engine = engine.name(),
+       .device = engine.device(),
+       .scene = setup.bone.name,
+       .tool = setup.config.tool.tool.name,
+       .force_limit_N = control::ForceLimit_N(setup.config.servo),
+       .limits = LimitLines(setup.config.servo),
+       .config_text = setup.config_text,
+       .config = setup.config_source,
+       .utc = params.virtual_time ? 0 : UtcNow(),
+       .build = BuildName(),
+       .machine = MachineName()});
   if (!recorder) return tl::make_unexpected(CellRunError{.what = recorder.error()});
   deflections.RecordIn(**recorder);
+  faults_seen.RecordIn(**recorder);
+  wires.faults = &faults;
 
   // a refused run leaves no empty recording
   const auto refuse = [&](CellRunError error) {

@@ -367,6 +367,7 @@ injections:
   await until(page, 'document.getElementById("recover").textContent.startsWith("Neu anlaufen")');
   await until(page, 'document.getElementById("faults").innerText.includes("Arm hat COMMANDING_ACTIVE verlassen") || document.getElementById("faults").innerText.includes("Nachricht des Arms veraltet")');
   assert.deepEqual(await clipped(page), []);
+  await until(page, 'document.getElementById("events").innerText.includes("Fehler: ")');
   await picture(page, "held_german");
   await page.setViewport({ width: 390, height: 844 });
   assert.deepEqual(await clipped(page), []);

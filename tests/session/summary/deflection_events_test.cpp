@@ -4,6 +4,7 @@
 
 #include "io/recording/recording_reader.h"
 #include "safety/acting_limits.h"
+#include "session/run/fault_events.h"
 #include "session/summary/assumed_figures.h"
 #include "session/summary/limit_rows.h"
 #include "tests/io/temporary_folder.h"
@@ -68,6 +69,38 @@ TEST(DeflectionEvents, AreRecordedOutsideTheTick) {
             "deflection: the tool gives way by 0.200 mm, more than the cell's error");
   EXPECT_EQ(recording->events[0].stamp, kStart + 40 * rt::kMillisecond);
   EXPECT_EQ(recording->ticks.size(), 100u);
+}
+
+// In wall time a fault is an event as it comes, not as the run ends.
+TEST(FaultEvents, AreRecordedOnceAndAsTheyCome) {
+  const io::test::TemporaryFolder folder;
+  DeflectionSink deflections(nullptr);
+  FaultEvents events;
+  FaultSink sink(deflections, events);
+  const auto path = folder.path() / "run.mcap";
+  {
+    auto recorder = io::Recorder::Open({.path = path, .writer_thread = false, .live = &sink}, {});
+    ASSERT_TRUE(recorder) << recorder.error();
+    sink.RecordIn(**recorder);
+    for (int i = 0; i < 100; ++i) {
+      control::TickRecord tick = Bent(i, 0.05);
+      if (i >= 40) tick.faults = static_cast<std::uint32_t>(safety::Fault::kSensorStale);
+      (*recorder)->Push(tick);
+      (*recorder)->Drain();
+    }
+    safety::FaultSet all;
+    all.Latch(safety::Fault::kSensorStale);
+    all.Latch(safety::Fault::kInterlock);
+    events.Record(**recorder, kStart + rt::kSecond, all.bits());
+    ASSERT_TRUE((*recorder)->Close());
+  }
+  const auto recording = io::ReadRecording(path);
+  ASSERT_TRUE(recording) << recording.error();
+  ASSERT_EQ(recording->events.size(), 2u);
+  EXPECT_EQ(recording->events[0].text.rfind("fault: force sensor stale; ", 0), 0u)
+      << recording->events[0].text;
+  EXPECT_EQ(recording->events[0].stamp, kStart + 40 * rt::kMillisecond);
+  EXPECT_EQ(recording->events[1].stamp, kStart + rt::kSecond) << "what no tick had";
 }
 
 TEST(PeakDeflection, KeepsTheLargestOfEachPart) {
