@@ -62,6 +62,7 @@ constexpr std::array<BoneFigure, 5> kBoneFigures{
 struct DemoFigures {
   nlohmann::json summary{};
   std::optional<BoneFigures> bone{};
+  std::string without_page{};  // why a page did not open; such a leg says nothing
 };
 
 // Keeps every core busy at normal priority, as other work would.
@@ -126,7 +127,8 @@ int AwaitPort(base::ChildProcess& demo, const std::filesystem::path& err) {
 DemoFigures RunDemoWith(Leg leg, const BenchConsoleOptions& options, const std::filesystem::path& folder) {
   std::error_code error;
   const std::filesystem::path json = folder / "summary.json", err = folder / "err.txt";
-  std::filesystem::remove(json, error);
+  for (const auto& earlier : {json, err})  // another demo's port would be taken for this one's
+    std::filesystem::remove(earlier, error);
   auto demo =
       base::ChildProcess::Start({.words = {"demo", "--seconds", fmt::format("{:g}", options.seconds), "--out",
                                            (folder / "out").string(), "--overwrite", "--port", "0", "--json",
@@ -144,6 +146,8 @@ DemoFigures RunDemoWith(Leg leg, const BenchConsoleOptions& options, const std::
     for (int i = 0; i < count; ++i)  // of several the last one does not read
       if (auto page = console::PageClient::Open("127.0.0.1", port, i + 1 < kPages))
         pages.push_back(std::move(*page));
+      else
+        return {.without_page = page.error()};
     if (leg == Leg::kBrowser)
       if (auto started = base::ChildProcess::Start(
               {.words = {"--headless", "--no-sandbox", "--remote-debugging-port=0", "--use-gl=angle",
@@ -217,6 +221,8 @@ int RunBenchConsole(const BenchConsoleOptions& options) {
     for (const Leg leg : legs) {
       const DemoFigures demo = RunDemoWith(leg, options, folder.path());
       if (base::Interrupted().load()) return base::InterruptExitCode();
+      if (!demo.without_page.empty())
+        return session::Fail("bench console", "a page did not open: " + demo.without_page, session::kFailed);
       if (!demo.summary.is_object())
         return session::Fail("bench console", "a demo failed:\n" + base::ReadText(folder.path() / "err.txt"),
                              session::kFailed);
