@@ -47,8 +47,8 @@ struct CarveInput {
 /// The grid is made coarser until there are at most `max_quads`. No chunk where nothing has a surface.
 [[nodiscard]] CarvedSurface CarveSurface(const CarveInput& input);
 
-/// What a tool's cutting parts sweep along its path. To carve by the capsules of all paths at once takes a
-/// fraction of the time that frame by frame takes, and leaves the same field.
+/// The room that a tool's cutting parts sweep along its path. To carve by the capsules of all paths at once
+/// takes a fraction of the time that frame by frame takes, and leaves the same field.
 [[nodiscard]] std::vector<surface::Capsule> CapsulesAlong(const simulation::ToolPath& path);
 
 /// Carves a field by a tool's path.

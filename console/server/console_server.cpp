@@ -27,8 +27,7 @@ constexpr const char* kWatches = "this page watches: take the operator's role fi
 
 // A page that was closed since it did not read can't be told so: what it got last may be part of a message.
 // It is told when it opens again, by the key that it got at first.
-constexpr std::chrono::milliseconds kSlow{
-    2000};  // a write that failed later than that has waited for the page
+constexpr std::chrono::milliseconds kSlow{2000};  // a write that fails after longer has waited for the page
 constexpr std::size_t kRememberedPages = 64;
 constexpr int kClosedSlow = 1008;  // RFC 6455: a policy of the server
 constexpr const char* kSlowReason =

@@ -14,8 +14,8 @@ namespace osteon::console {
 ///
 ///     SurfaceStore ──all that changed──▶ waiting bricks ──part──▶ part ──▶ … ──▶ whole; then the next change
 ///
-/// What changes meanwhile is not added to the waiting bricks but is one further change. So every brick has
-/// its turn, however often others change; the bricks of a change are of one time; and a reader holds the
+/// Bricks that change meanwhile are not added to the waiting ones but are one further change. So every brick
+/// has its turn, however often others change; the bricks of a change are of one time; and a reader holds the
 /// bytes of one surface at most. One thread.
 class SurfaceReader {
  public:

@@ -54,7 +54,7 @@ class SurfaceStore {
     }
   }
 
-  /// What a reader of version `seen` lacks.
+  /// All that a reader of version `seen` lacks.
   struct Change {
     Bytes layout;               ///< the grid's message; null: the same grid. What the reader had is void.
     std::vector<Bytes> bricks;  ///< all that changed, the longest unchanged first

@@ -27,7 +27,7 @@ struct LatencyStatus {
   std::vector<LatencyPartStatus> parts{};
 };
 
-/// What a run knows of a latched fault besides its name.
+/// A run's note on a latched fault: all that it knows besides the name.
 struct FaultNote {
   std::string
       seen;  ///< what was measured, and what is accepted: "the reading is 101 ms old, accepted 100 ms"
@@ -46,7 +46,7 @@ struct LiveContext {
   std::function<double(const Pose& X_WP)> depth_m{};
   /// Distance left to the depth limit in a tick [m]; empty: the cell has none.
   std::function<double(const control::TickRecord&)> depth_left_m{};
-  /// What the run knows of a fault (a bit of safety::Fault), callable from any thread; empty: nothing.
+  /// The run's note on a fault (a bit of safety::Fault), callable from any thread; empty: nothing.
   std::function<FaultNote(std::uint32_t fault)> fault{};
   /// Space left where the recording is written, callable from any thread [bytes]; empty: not known.
   std::function<std::optional<std::uintmax_t>()> disk_left_B{};
@@ -88,7 +88,7 @@ struct LiveStatus {
   std::vector<FaultStatus> faults;
   double force_N{0.0}, force_limit_N{0.0}, hand_N{0.0};
   std::string force_limit_from;  ///< LiveContext
-  /// What bounds the force in the last tick: one of the limits that reduced it, which then is the force
+  /// Bound of the force in the last tick: one of the limits that reduced it, which then is the force
   /// itself, or else the cell's.
   double force_limit_now_N{0.0};
   int force_limit_number{-1};  ///< safety::Limit of the one that reduced it; -1: none did

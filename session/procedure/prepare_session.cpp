@@ -172,7 +172,8 @@ tl::expected<Procedure, std::string> OpenProcedure(const ProcedureChoice& choice
     made.file.tool = cell.tool_file.stem().string();
     made.file.diameters_mm = made.tools.diameters_mm;
     made.file.tool_change = made.tools.physical ? "physical" : "virtual";
-    made.file.began = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+    if (!choice.virtual_time)
+      made.file.began = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
   }
   if (std::string wrong = TakeMesh(choice, cell, made); !wrong.empty())
     return tl::make_unexpected(std::move(wrong));

@@ -30,6 +30,8 @@ struct ProcedureChoice {
   std::optional<double> guidance{};
   /// A trainee's sessions: the gain is 1, and a quarter less for each that passed. Empty: `guidance` counts.
   std::filesystem::path gain_from{};
+  /// The run is one in virtual time, which writes nothing that the clock says.
+  bool virtual_time{false};
 };
 
 /// A procedure that is about to run: plan and session are read, nothing is written yet.

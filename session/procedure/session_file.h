@@ -78,7 +78,8 @@ struct SessionFile {
   std::vector<double> diameters_mm;    ///< of the plan's reamers
   std::string tool_change{"virtual"};  ///< "virtual" or "physical"
   std::string clock{"wall"};           ///< "wall" or "virtual"
-  std::string began{};  ///< when the session was opened, UTC: "2026-11-29T09:30:00Z"; empty: an older session
+  std::string began{};  ///< when the session was opened, UTC: "2026-11-29T09:30:00Z"; empty: virtual time, or
+                        ///< an older session
   SessionGains gains;
   bool ended{false};  ///< the last process ended in order; false as well while it runs
   std::vector<SessionSegment> segments;

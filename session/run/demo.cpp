@@ -145,6 +145,7 @@ int RunDemo(const DemoOptions& asked) {
   std::optional<Procedure> procedure;
   if (!options.procedure.plan.empty()) {
     options.procedure.mesh = options.mesh;
+    options.procedure.virtual_time = options.virtual_time;
     if (options.procedure.session.empty()) options.procedure.session = FreshSession(options.out);
     auto opened = OpenProcedure(options.procedure, options.cell, options.tool);
     if (!opened) return Fail("demo", opened.error());

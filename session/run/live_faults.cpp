@@ -33,7 +33,7 @@ void LiveFaults::Look(const control::TickRecord& tick) {
     ++stops_;
     stopped_ = changed_ = true;
   }
-  if (tick.phase == control::Phase::kAligning || tick.phase == control::Phase::kHaptic) stopped_ = false;
+  if (MovesArm(tick.phase)) stopped_ = false;
   if (tick.faults != (begun_ ? before_.faults : 0u)) {
     changed_ = true;
     ForEachFault([&](safety::Fault fault, const safety::FaultText&) {

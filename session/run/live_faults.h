@@ -28,7 +28,7 @@ class LiveFaults final : public io::RecordSink {
   void TakeFrame(const simulation::FrameRecord& frame) override { next_.TakeFrame(frame); }
   void TakeEvent(const io::RecordedEvent& event) override { next_.TakeEvent(event); }
 
-  /// What is known of a latched fault; empty texts: it is not latched, or nothing was measured. Any thread.
+  /// The note of a latched fault; empty texts: it is not latched, or nothing was measured. Any thread.
   [[nodiscard]] console::FaultNote Of(safety::Fault fault) const;
 
  private:

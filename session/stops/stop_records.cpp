@@ -22,7 +22,6 @@ using control::TickRecord;
 
 constexpr rt::Nanoseconds kBefore = 5 * rt::kSecond, kAfter = rt::kSecond / 2;
 
-bool Moves(Phase phase) { return phase == Phase::kAligning || phase == Phase::kHaptic; }
 bool Ends(Phase phase) { return phase == Phase::kStopping || phase == Phase::kStopped; }
 // Whether the arm rests: neither braking nor without control. A stop 0 is over once the arm stands still.
 bool Rests(const TickRecord& tick) {
@@ -110,8 +109,10 @@ const char* StopRecord::Heading() const {
 }
 
 // A slow tool is braked within a tick: then the pause is the first tick without motion.
+bool MovesArm(Phase phase) { return phase == Phase::kAligning || phase == Phase::kHaptic; }
+
 bool BeginsStop(const TickRecord& before, const TickRecord& tick) {
-  return Moves(before.phase) && (Ends(tick.phase) || control::IsPaused(tick));
+  return MovesArm(before.phase) && (Ends(tick.phase) || control::IsPaused(tick));
 }
 
 std::optional<StopRecord> StopFinder::Add(const TickRecord& tick) {
@@ -138,7 +139,7 @@ std::optional<StopRecord> StopFinder::Add(const TickRecord& tick) {
 
 // False if the tick does not belong to the stop in progress.
 bool StopFinder::AppendToStop(const TickRecord& tick) {
-  if (Moves(tick.phase) || (until_ && tick.stamp > *until_)) return false;
+  if (MovesArm(tick.phase) || (until_ && tick.stamp > *until_)) return false;
   if (stop_->ticks.size() - stop_->stop >= kMaxTicks) return false;
   stop_->ticks.push_back(tick);
   if (!until_) {

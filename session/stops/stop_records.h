@@ -37,6 +37,9 @@ struct StopRecord {
   [[nodiscard]] const char* Heading() const;
 };
 
+/// Whether the loop moves the arm in a phase.
+[[nodiscard]] bool MovesArm(control::Phase phase);
+
 /// Whether a stop begins with a tick: the loop moved in the tick before it.
 [[nodiscard]] bool BeginsStop(const control::TickRecord& before, const control::TickRecord& tick);
 

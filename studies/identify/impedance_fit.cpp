@@ -192,11 +192,7 @@ LeastSquaresFit FitSome(std::span<const ResponseLine> lines, const ResponseModel
   Eigen::VectorXd all = start;
   const auto residuals = [&](const Eigen::VectorXd& p, Eigen::VectorXd& r) {
     all(fitted) = p;
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-      const std::complex<double> off = (lines[i].value - model(all, lines[i].hz)) / lines[i].sd;
-      r[2 * static_cast<Eigen::Index>(i)] = off.real();
-      r[2 * static_cast<Eigen::Index>(i) + 1] = off.imag();
-    }
+    FillResiduals(lines, model, all, r);
     for (Eigen::Index i = kRigid; i < start.size(); ++i)
       r[line_rows + i - kRigid] = (all[i] - start[i]) / std::log(kMountFactor);
     if (!r.allFinite()) r.setConstant(kFarOff);  // too long a step: the solver takes a shorter one

@@ -93,8 +93,7 @@ std::vector<report::SummaryRow> Rows(const OverlayTuning& t) {
     rows.push_back(
         {"Measured arm",
          fmt::format("along {}: a force moves {:.2f} kg, with {:.2f} Hz and damping {:.2f} of the arm's own "
-                     "impedance, "
-                     "after {:.2f} ms; {}",
+                     "impedance, after {:.2f} ms; {}",
                      t.measured->axis, *t.measured->felt_mass_kg, t.measured->bandwidth_hz,
                      t.measured->damping_ratio, 1e3 * t.measured->dead_time_s,
                      t.loop.torque

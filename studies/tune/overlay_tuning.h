@@ -32,6 +32,7 @@ struct OverlayCheck {
   std::vector<std::string> grew{};
 };
 
+/// A cell with the impedance law, and all that was found for it.
 struct OverlayTuning {
   std::string cell;
   TuneTask task;
@@ -54,7 +55,9 @@ struct OverlayTuning {
   [[nodiscard]] double own_damping() const { return loop.law.damping_Ns_per_m.z(); }
 };
 
+/// Bad if the gains may not be used; to be looked at with remarks.
 [[nodiscard]] session::Verdict Judge(const OverlayTuning& t);
+/// The result in lines, for terminal and page.
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const OverlayTuning& t);
 /// Writes tune.svg, .csv, .json, .html and, if they may be used, gains.yaml.
 /// @returns an error that names the file

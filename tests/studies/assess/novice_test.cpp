@@ -39,10 +39,16 @@ fs::path LastReamerAlone() {
 // As `osteon demo --plan … --virtual-time` runs it, without a report.
 AssessedSession SessionOf(const std::string& hand) {
   const fs::path cell = kConfig / "cells/demo.yaml";
-  const session::ProcedureChoice choice{
-      .plan = LastReamerAlone(), .session = TemporaryPath("hand_" + hand), .hand = hand};
+  const session::ProcedureChoice choice{.plan = LastReamerAlone(),
+                                        .session = TemporaryPath("hand_" + hand),
+                                        .hand = hand,
+                                        .virtual_time = true};
   const auto procedure = session::OpenProcedure(choice, cell, std::nullopt);
   EXPECT_TRUE(procedure) << procedure.error();
+  EXPECT_EQ(procedure->file.began, "") << "the same session of every run, whatever the clock says";
+  session::ProcedureChoice by_the_clock = choice;
+  by_the_clock.virtual_time = false;
+  EXPECT_EQ(session::OpenProcedure(by_the_clock, cell, std::nullopt)->file.began.size(), 20u);
   auto setup = session::PrepareCell(cell, std::nullopt, procedure->tool);
   EXPECT_TRUE(setup) << setup.error();
   const session::EngineChoice engine_choice{.engine = "cpu"};
