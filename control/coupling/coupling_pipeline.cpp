@@ -39,8 +39,13 @@ const CouplingOutput& CouplingPipeline::Evaluate(const CouplingInput& input, con
   X_ME_ = compliance_ ? compliance_->X_ME(X_WT_) : X_WT_;
   V_ME_ = compliance_ ? compliance_->V_ME(X_WT_, V_WT_) : V_WT_;
   passed_share_ = 1.0;
-  output_ =
-      EvaluateCoupling(params_.coupling, input.model, X_ME_, V_ME_, input.now, input.spindle_turns, state_);
+  output_ = EvaluateCoupling(params_.coupling,
+                             {.model = input.model,
+                              .X_WT = X_ME_,
+                              .V_WT = V_ME_,
+                              .now = input.now,
+                              .spindle_turns = input.spindle_turns},
+                             state_);
   pressed_ = !output_.displacement_W.isZero(0.0);
 
   const Wrench shaped_E = stabilisers_.ScaleCoupling(output_, X_ME_, V_ME_), shaped = OnTool(shaped_E);

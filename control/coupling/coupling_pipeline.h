@@ -19,15 +19,6 @@
 
 namespace osteon::control {
 
-/// Inputs of the coupling in a tick.
-struct CouplingInput {
-  const simulation::ContactModel& model;  ///< newest contact model; must outlive the call
-  Pose X_WT{Pose::Identity()};            ///< tool pose: commanded (admittance) or measured (impedance)
-  Twist V_WT;                             ///< velocity of T at To, in W
-  rt::Nanoseconds now{0};
-  bool spindle_turns{false};
-};
-
 /// Computes, from the contact model, the wrench that a law renders. Both laws use it:
 ///
 ///     contact model → virtual coupling → age governor, energy tank → stored energy, force, torque, arm

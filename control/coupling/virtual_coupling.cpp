@@ -109,13 +109,170 @@ void StorePlanes(const CouplingParams& params, const ContactModel& model, Coupli
   }
 }
 
-// Advances the return of the planes that are held back by one tick.
-void ReleaseHeldPlanes(CouplingState& state, double dt_s, std::array<HalfSpace, kMaxHalfSpaces>& planes) {
-  for (std::size_t i = 0; i < planes.size(); ++i) {
-    const double way_m = std::min(state.held_back_m[i], state.return_m_per_s * dt_s);
-    state.held_back_m[i] -= way_m;
-    planes[i].offset += way_m;
+// A tick's input, and what its parts share of it.
+struct CouplingTick {
+  const CouplingParams& params;
+  const CouplingInput& input;
+  double dt_s{0.0};              // since the last tick
+  bool fresh{false};             // the model is young enough for its planes to recede
+  bool new_frame{false};         // the model's planes replace those of the last tick
+  double cut_since_pose_s{0.0};  // of a new frame: time spent cutting since its pose
+  Wrench F_before_T_W{};         // of a new frame: spring of the previous planes at this pose
+};
+
+// The planes at a tick's pose.
+struct PlacedPlanes {
+  std::array<HalfSpace, kMaxHalfSpaces> half_space;  // of the displacement from the tool to its proxy
+  std::array<Vector3, kMaxContacts> lever_W;         // from To to the contact point
+};
+
+// Checks the model and weighs it by its age. False if nothing is rendered; the contact is then forgotten.
+bool WeighModel(CouplingTick& tick, CouplingState& state, CouplingOutput& out) {
+  const CouplingParams& params = tick.params;
+  const CouplingInput& input = tick.input;
+  out.status = CheckModel(input.model);
+  out.age_s =
+      input.model.frame == 0 ? safety::kNoAge_s : safety::AgeSeconds(input.now, input.model.pose_stamp);
+  const double max_fade =
+      out.status == ModelStatus::kOk ? safety::AgeShare(out.age_s, params.fresh_s, params.gone_s) : 0.0;
+  state.fade = std::min(max_fade, state.fade + tick.dt_s / params.ramp_s);
+  out.fade = state.fade;
+  tick.fresh = out.age_s <= params.fresh_s;
+  if (out.status == ModelStatus::kOk && safety::IsFinite(Vector3(input.X_WT.translation())) &&
+      input.X_WT.linear().allFinite())
+    return true;
+  state.pressed.fill(false);
+  state.has_proxy = false;
+  state.hand_over = {};
+  return false;
+}
+
+// Takes the model's planes if they are of a new frame.
+void TakeFrame(CouplingTick& tick, CouplingState& state) {
+  const ContactModel& model = tick.input.model;
+  tick.new_frame = model.frame != state.frame || model.pose_stamp != state.pose_stamp;
+  if (tick.new_frame)
+    tick.cut_since_pose_s =
+        std::min(state.cut_s - CuttingTimeAt(state, model.pose_stamp), tick.params.fresh_s);
+  state.frame = model.frame;
+  state.pose_stamp = model.pose_stamp;
+  if (!tick.new_frame) return;
+  if (state.has_proxy)
+    tick.F_before_T_W = ApplyHandOver(state.hand_over, SpringOfFrame(state, tick.input.X_WT));
+  StorePlanes(tick.params, model, state);
+  if (!AnyHeldBack(state)) state.return_m_per_s = 0.0;
+  state.held_back_m.fill(0.0);
+}
+
+// Present position of a plane: the frame's, receded and held back.
+// @returns the gap that it leaves to the tool [m]
+double PlacePlane(const CouplingTick& tick, std::size_t i, const Vector3& n_W, const Vector3& lever_W,
+                  CouplingState& state) {
+  const Contact& c = tick.input.model.contacts[i];
+  double gap_m = n_W.dot(lever_W + tick.input.X_WT.translation() - Vector3(c.p_W_m));
+
+  double& recession_m = state.recession_m[i];
+  if (tick.new_frame) recession_m = 0.0;
+  gap_m += state.held_back_m[i];
+  const double since_s =
+      tick.new_frame ? tick.cut_since_pose_s : (state.pressed[i] && tick.fresh ? tick.dt_s : 0.0);
+  const double penetration_m = std::max(0.0, -(gap_m + recession_m));
+  if (tick.input.spindle_turns) recession_m += std::min(c.advance_m_per_s * since_s, penetration_m);
+  gap_m += recession_m;
+  if (!tick.new_frame || !state.has_proxy) return gap_m;
+
+  const double before_m = n_W.dot(state.X_WP * Vector3(c.p_TP_m) - Vector3(c.p_W_m)) + recession_m;
+  const double beyond_m = -before_m - state.violation_m;
+  if (beyond_m > kRounding_m) {
+    state.held_back_m[i] = beyond_m;
+    state.return_m_per_s = std::max(state.return_m_per_s, beyond_m / tick.params.return_s);
+    gap_m += beyond_m;
   }
+  return gap_m;
+}
+
+// Places all planes, and advances the return of those that are held back by one tick.
+void PlacePlanes(const CouplingTick& tick, CouplingState& state, PlacedPlanes& placed, CouplingOutput& out) {
+  const ContactModel& model = tick.input.model;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(model.contact_count); ++i) {
+    const Contact& c = model.contacts[i];
+    const Vector3 n_W = Vector3(c.n_W).normalized();
+    placed.lever_W[i] = tick.input.X_WT.linear() * Vector3(c.p_TP_m);
+    placed.half_space[i] = {.n = n_W, .offset = -PlacePlane(tick, i, n_W, placed.lever_W[i], state)};
+  }
+  out.new_planes = tick.new_frame || AnyHeldBack(state);
+  for (std::size_t i = 0; i < placed.half_space.size(); ++i) {
+    const double way_m = std::min(state.held_back_m[i], state.return_m_per_s * tick.dt_s);
+    state.held_back_m[i] -= way_m;
+    placed.half_space[i].offset += way_m;
+  }
+}
+
+// Finds the constrained proxy. @returns the spring's wrench, on T at To, in W; neither damped nor faded
+Wrench ComputeSpring(const CouplingTick& tick, const PlacedPlanes& placed, CouplingState& state,
+                     CouplingOutput& out) {
+  const ContactModel& model = tick.input.model;
+  const HalfSpaceProjection proxy = ClosestInHalfSpaces(placed.half_space, model.contact_count);
+  out.displacement_W = proxy.point;
+  state.has_proxy = true;
+  state.X_WP = tick.input.X_WT;
+  state.X_WP.translation() += proxy.point;
+  state.violation_m = proxy.violation;
+  Wrench spring;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(model.contact_count); ++i) {
+    const double k = std::min(model.contacts[i].stiffness_N_per_m, tick.params.max_stiffness_N_per_m);
+    out.normal_force_N[i] = k * proxy.multiplier[i];
+    const Vector3 f = out.normal_force_N[i] * placed.half_space[i].n;
+    spring.f += f;
+    spring.t += placed.lever_W[i].cross(f);
+    if (proxy.multiplier[i] > 0.0 && out.active_planes < CouplingOutput::kMaxActive)
+      out.active[static_cast<std::size_t>(out.active_planes++)] = {
+          .n_W = placed.half_space[i].n,
+          .lever_W = placed.lever_W[i],
+          .stiffness_N_per_m = k,
+          .force_N = state.fade * out.normal_force_N[i]};
+  }
+  out.potential_J = 0.5 * state.fade * spring.f.dot(proxy.point);
+  return spring;
+}
+
+// Turns the spring's wrench over several ticks after a change of frame.
+Wrench TurnSpring(const CouplingTick& tick, const Wrench& spring, CouplingState& state, CouplingOutput& out) {
+  if (tick.new_frame)
+    BeginHandOver(state.hand_over,
+                  {.return_s = tick.params.return_s,
+                   .min_turn_N_per_s = tick.params.max_stiffness_N_per_m * tick.params.turn_m_per_s},
+                  tick.F_before_T_W, spring);
+  const Wrench turned = StepHandOver(state.hand_over, spring, tick.dt_s);
+  out.hand_over_s = TimeLeft_s(state.hand_over);
+  return turned;
+}
+
+// Factor on the spring's wrench: damping along the resultant, at most a fraction of the spring; then the
+// fade by age. @param spring_N  |spring.f|
+double DampingScale(const CouplingTick& tick, const Wrench& spring, double spring_N, double fade) {
+  if (!(spring_N > 0.0)) return 0.0;
+  const Twist& V_WT = tick.input.V_WT;
+  const double approach_m_per_s = -(spring.f.dot(V_WT.v) + spring.t.dot(V_WT.w)) / spring_N;
+  const double damping = tick.params.damping_Ns_per_m * approach_m_per_s / spring_N;
+  return fade * (1.0 + (damping > -1.0 ? std::min(damping, tick.params.damping_share) : -1.0));
+}
+
+// Scales the contacts' forces, and notes which of them press.
+void ScaleContacts(double scale, bool spindle_turns, CouplingState& state, CouplingOutput& out) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(kMaxContacts); ++i) {
+    out.normal_force_N[i] *= scale;
+    const bool presses = out.normal_force_N[i] > 0.0;
+    if (presses) ++out.active_count;
+    state.pressed[i] = presses && spindle_turns;
+  }
+}
+
+// Adds the axial torque of the cut, scaled to this tick's force.
+void AddSpindleTorque(const CouplingInput& input, double force_N, Wrench& F_T_W) {
+  const double frame_N = Vector3(input.model.F_T_W.f).norm();
+  if (input.spindle_turns && force_N > 0.0 && frame_N > 0.0)
+    F_T_W.t -= input.model.spindle_torque_Nm * std::min(1.0, force_N / frame_N) * input.X_WT.linear().col(2);
 }
 
 }  // namespace
@@ -136,129 +293,24 @@ void Validate(const CouplingParams& params) {
   require("turn_m_per_s", params.turn_m_per_s, 1e-6, 10.0);
 }
 
-CouplingOutput EvaluateCoupling(const CouplingParams& params, const ContactModel& model, const Pose& X_WT,
-                                const Twist& V_WT, rt::Nanoseconds now, bool spindle_on,
+CouplingOutput EvaluateCoupling(const CouplingParams& params, const CouplingInput& input,
                                 CouplingState& state) OSTEON_RT {
   CouplingOutput out;
-  const double dt_s = AdvanceTime(state, now);
+  CouplingTick tick{.params = params, .input = input, .dt_s = AdvanceTime(state, input.now)};
+  if (!WeighModel(tick, state, out)) return out;
+  TakeFrame(tick, state);
+  PlacedPlanes placed;
+  PlacePlanes(tick, state, placed, out);
 
-  // weight of this model by its age
-  out.status = CheckModel(model);
-  out.age_s = model.frame == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, model.pose_stamp);
-  const double max_fade =
-      out.status == ModelStatus::kOk ? safety::AgeShare(out.age_s, params.fresh_s, params.gone_s) : 0.0;
-  state.fade = std::min(max_fade, state.fade + dt_s / params.ramp_s);
-  out.fade = state.fade;
-  const bool fresh = out.age_s <= params.fresh_s;
-  if (out.status != ModelStatus::kOk || !safety::IsFinite(Vector3(X_WT.translation())) ||
-      !X_WT.linear().allFinite()) {
-    state.pressed.fill(false);
-    state.has_proxy = false;
-    state.hand_over = {};
-    return out;
-  }
-
-  // present positions of the planes: the frame's, receded
-  const bool new_frame = model.frame != state.frame || model.pose_stamp != state.pose_stamp;
-  const double cut_since_pose_s =
-      new_frame ? std::min(state.cut_s - CuttingTimeAt(state, model.pose_stamp), params.fresh_s) : 0.0;
-  state.frame = model.frame;
-  state.pose_stamp = model.pose_stamp;
-  Wrench before;  // spring of the previous planes at this pose
-  if (new_frame) {
-    if (state.has_proxy) before = ApplyHandOver(state.hand_over, SpringOfFrame(state, X_WT));
-    StorePlanes(params, model, state);
-    if (!AnyHeldBack(state)) state.return_m_per_s = 0.0;
-    state.held_back_m.fill(0.0);
-  }
-  std::array<HalfSpace, kMaxHalfSpaces> planes;
-  std::array<Vector3, kMaxContacts> lever_W;  // from To to the contact point
-  for (int j = 0; j < model.contact_count; ++j) {
-    const auto i = static_cast<std::size_t>(j);
-    const Contact& c = model.contacts[i];
-    const Vector3 n_W = Vector3(c.n_W).normalized();
-    lever_W[i] = X_WT.linear() * Vector3(c.p_TP_m);
-    double gap_m = n_W.dot(lever_W[i] + X_WT.translation() - Vector3(c.p_W_m));
-
-    double& recession_m = state.recession_m[i];
-    if (new_frame) recession_m = 0.0;
-    gap_m += state.held_back_m[i];
-    const double since_s = new_frame ? cut_since_pose_s : (state.pressed[i] && fresh ? dt_s : 0.0);
-    const double penetration_m = std::max(0.0, -(gap_m + recession_m));
-    if (spindle_on) recession_m += std::min(c.advance_m_per_s * since_s, penetration_m);
-    gap_m += recession_m;
-    if (new_frame && state.has_proxy) {
-      const double before_m = n_W.dot(state.X_WP * Vector3(c.p_TP_m) - Vector3(c.p_W_m)) + recession_m;
-      const double beyond_m = -before_m - state.violation_m;
-      if (beyond_m > kRounding_m) {
-        state.held_back_m[i] = beyond_m;
-        state.return_m_per_s = std::max(state.return_m_per_s, beyond_m / params.return_s);
-        gap_m += beyond_m;
-      }
-    }
-    planes[i] = {.n = n_W, .offset = -gap_m};
-  }
-  out.new_planes = new_frame || AnyHeldBack(state);
-  ReleaseHeldPlanes(state, dt_s, planes);
-
-  // spring: the constrained proxy
-  const HalfSpaceProjection proxy = ClosestInHalfSpaces(planes, model.contact_count);
-  out.displacement_W = proxy.point;
-  state.has_proxy = true;
-  state.X_WP = X_WT;
-  state.X_WP.translation() += proxy.point;
-  state.violation_m = proxy.violation;
-  Wrench spring;
-  for (int j = 0; j < model.contact_count; ++j) {
-    const auto i = static_cast<std::size_t>(j);
-    const double k = std::min(model.contacts[i].stiffness_N_per_m, params.max_stiffness_N_per_m);
-    out.normal_force_N[i] = k * proxy.multiplier[i];
-    const Vector3 f = out.normal_force_N[i] * planes[i].n;
-    spring.f += f;
-    spring.t += lever_W[i].cross(f);
-    if (proxy.multiplier[i] > 0.0 && out.active_planes < CouplingOutput::kMaxActive)
-      out.active[static_cast<std::size_t>(out.active_planes++)] = {
-          .n_W = planes[i].n,
-          .lever_W = lever_W[i],
-          .stiffness_N_per_m = k,
-          .force_N = state.fade * out.normal_force_N[i]};
-  }
-  out.potential_J = 0.5 * state.fade * spring.f.dot(proxy.point);
-
-  // the planes of a new frame turn the force over several ticks
-  if (new_frame)
-    BeginHandOver(
-        state.hand_over,
-        {.return_s = params.return_s, .min_turn_N_per_s = params.max_stiffness_N_per_m * params.turn_m_per_s},
-        before, spring);
-  const Wrench of_planes = spring;
-  spring = StepHandOver(state.hand_over, of_planes, dt_s);
-  out.hand_over_s = TimeLeft_s(state.hand_over);
-
-  // damping along the resultant, limited to a share of the spring; then the fade by age
+  const Wrench of_planes = ComputeSpring(tick, placed, state, out);
+  const Wrench spring = TurnSpring(tick, of_planes, state, out);
   const double spring_N = spring.f.norm();
-  double scale = 0.0;
-  if (spring_N > 0.0) {
-    const double approach_m_per_s = -(spring.f.dot(V_WT.v) + spring.t.dot(V_WT.w)) / spring_N;
-    const double damping = params.damping_Ns_per_m * approach_m_per_s / spring_N;
-    scale = state.fade * (1.0 + (damping > -1.0 ? std::min(damping, params.damping_share) : -1.0));
-  }
+  const double scale = DampingScale(tick, spring, spring_N, state.fade);
   out.F_T_W = {.f = scale * spring.f, .t = scale * spring.t};
   out.F_contact_T_W = out.F_T_W;
   out.F_hand_over_T_W = {.f = scale * (spring.f - of_planes.f), .t = scale * (spring.t - of_planes.t)};
-  for (int j = 0; j < kMaxContacts; ++j) {
-    const auto i = static_cast<std::size_t>(j);
-    out.normal_force_N[i] *= scale;
-    const bool presses = out.normal_force_N[i] > 0.0;
-    if (presses) ++out.active_count;
-    state.pressed[i] = presses && spindle_on;
-  }
-
-  // axial torque of the cut, scaled to this tick's force
-  const double frame_N = Vector3(model.F_T_W.f).norm();
-  const double force_N = scale * spring_N;
-  if (spindle_on && force_N > 0.0 && frame_N > 0.0)
-    out.F_T_W.t -= model.spindle_torque_Nm * std::min(1.0, force_N / frame_N) * X_WT.linear().col(2);
+  ScaleContacts(scale, input.spindle_turns, state, out);
+  AddSpindleTorque(input, scale * spring_N, out.F_T_W);
   return out;
 }
 

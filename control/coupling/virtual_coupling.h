@@ -61,6 +61,16 @@ struct CouplingState {
   HandOver hand_over;  ///< from the previous frame's planes to these
 };
 
+/// Inputs of the coupling in a tick.
+struct CouplingInput {
+  const simulation::ContactModel& model;  ///< newest contact model; must outlive the call
+  /// Tool pose, commanded (admittance) or measured (impedance); its rotation orthonormal.
+  Pose X_WT{Pose::Identity()};
+  Twist V_WT{};            ///< velocity of T at To, in W
+  rt::Nanoseconds now{0};  ///< on the clock of model.pose_stamp; not decreasing
+  bool spindle_turns{false};
+};
+
 /// Defect of a model; a defective model renders nothing.
 enum class ModelStatus : std::uint8_t {
   kOk,
@@ -145,13 +155,9 @@ struct CouplingOutput {
 /// a turning reamer friction acts along the cutting speed, and is the axial torque. A regularised friction in
 /// the tick would have the gain mu F / v_0, more than a sampled loop can keep passive at 200 N.
 ///
-/// @param X_WT  tool pose; its rotation orthonormal  @param V_WT  velocity of T at To, in W
-/// @param now   on the clock of model.pose_stamp; not decreasing
 /// @returns finite values for every model, with any bit pattern. A model that is not credible renders
 ///   nothing.
-[[nodiscard]] CouplingOutput EvaluateCoupling(const CouplingParams& params,
-                                              const simulation::ContactModel& model, const Pose& X_WT,
-                                              const Twist& V_WT, rt::Nanoseconds now, bool spindle_on,
+[[nodiscard]] CouplingOutput EvaluateCoupling(const CouplingParams& params, const CouplingInput& input,
                                               CouplingState& state) OSTEON_RT;
 
 }  // namespace osteon::control

@@ -32,7 +32,7 @@ safety::MotionPermits EvaluatePermits(const TickInputs& tick, const StartConditi
   CouplingState full;
   full.fade = 1.0;
   const CouplingOutput coupling =
-      EvaluateCoupling(c.params.coupling, model, c.arm.X_WT(), {}, now, false, full);
+      EvaluateCoupling(c.params.coupling, {.model = model, .X_WT = c.arm.X_WT(), .now = now}, full);
   permits.Set(MotionPermit::kModelFresh,
               coupling.status == ModelStatus::kOk && coupling.age_s <= c.params.watchdog.model_stop_s);
   const bool renders_here = c.rendered || c.arm.AtStart();  // on the way to the start nothing is rendered

@@ -26,13 +26,18 @@ Wrench Session::Evaluate(const OsteonPose& pose, const OsteonTwist& twist) noexc
   const Pose X_GT = ToPose(pose);
   const Twist V_GT = ToTwist(twist);
   if (!compliance_) {
-    const control::CouplingOutput output =
-        control::EvaluateCoupling(coupling_, model, X_GT, V_GT, now, spindle_turns, coupling_state_);
+    const control::CouplingOutput output = control::EvaluateCoupling(
+        coupling_, {.model = model, .X_WT = X_GT, .V_WT = V_GT, .now = now, .spindle_turns = spindle_turns},
+        coupling_state_);
     return limiter_.Limit(output.F_T_W).F;
   }
-  const control::CouplingOutput output =
-      control::EvaluateCoupling(coupling_, model, compliance_->X_ME(X_GT), compliance_->V_ME(X_GT, V_GT), now,
-                                spindle_turns, coupling_state_);
+  const control::CouplingOutput output = control::EvaluateCoupling(coupling_,
+                                                                   {.model = model,
+                                                                    .X_WT = compliance_->X_ME(X_GT),
+                                                                    .V_WT = compliance_->V_ME(X_GT, V_GT),
+                                                                    .now = now,
+                                                                    .spindle_turns = spindle_turns},
+                                                                   coupling_state_);
   const safety::LimitedWrench limited = limiter_.Limit(compliance_->OnTool(output.F_T_W, X_GT));
   const Wrench& planes = output.F_contact_T_W;
   compliance_->Step({.f = limited.share * planes.f, .t = limited.share * planes.t}, model, X_GT);

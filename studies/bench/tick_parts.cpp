@@ -41,8 +41,9 @@ std::array<double, TickParts::kCount> TickParts::Time(const TickPartsInput& inpu
   us[0] = MicrosecondsSince(begun);
 
   begun = rt::MonotonicNow();
-  const control::CouplingOutput coupling =
-      control::EvaluateCoupling(servo_.coupling, model, X_WT, input.V_WT, input.now, true, coupling_);
+  const control::CouplingOutput coupling = control::EvaluateCoupling(
+      servo_.coupling,
+      {.model = model, .X_WT = X_WT, .V_WT = input.V_WT, .now = input.now, .spindle_turns = true}, coupling_);
   us[1] = MicrosecondsSince(begun);
   active_contacts_ = coupling.active_count;
 

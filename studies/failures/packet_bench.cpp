@@ -113,8 +113,9 @@ class Controller {
     Wrench F;
     if (planes) {
       ReceiveDue(wall, now, keep, model_);
-      const control::CouplingOutput out = control::EvaluateCoupling(coupling_, model_.model, state_.X_WT,
-                                                                    state_.V_WT, now, false, coupling_state_);
+      const control::CouplingOutput out = control::EvaluateCoupling(
+          coupling_, {.model = model_.model, .X_WT = state_.X_WT, .V_WT = state_.V_WT, .now = now},
+          coupling_state_);
       // as in ServoLoop: age slows the hand's force and the motion by the same factor that fades the coupling
       fade = out.fade;
       const double hand_age_s = safety::AgeSeconds(now, hand_.stamp);

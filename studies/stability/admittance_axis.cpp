@@ -101,8 +101,9 @@ double AdmittanceAxis::WallForce(std::int64_t tick) {
       static_cast<rt::Nanoseconds>(std::llround(1e9 * params_.loop.period_s * static_cast<double>(tick + 1)));
   plane_.pose_stamp = now;
   plane_.frame = static_cast<std::uint64_t>(tick) + 1;
-  return axis_W.dot(
-      control::EvaluateCoupling(coupling_, plane_, X_WT, V_WT, now, false, coupling_state_).F_T_W.f);
+  return axis_W.dot(control::EvaluateCoupling(
+                        coupling_, {.model = plane_, .X_WT = X_WT, .V_WT = V_WT, .now = now}, coupling_state_)
+                        .F_T_W.f);
 }
 
 AxisTick AdmittanceAxis::Step() {

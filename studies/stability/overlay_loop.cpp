@@ -200,7 +200,8 @@ class OverlayRun {
     const auto now = static_cast<rt::Nanoseconds>(std::llround(1e9 * params_.period_s * tick_));
     plane_.pose_stamp = now;
     plane_.frame = static_cast<std::uint64_t>(tick_);
-    return control::EvaluateCoupling(coupling_, plane_, past_.back(), {}, now, false, coupling_state_)
+    return control::EvaluateCoupling(coupling_, {.model = plane_, .X_WT = past_.back(), .now = now},
+                                     coupling_state_)
         .F_T_W.f;
   }
 

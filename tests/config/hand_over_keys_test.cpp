@@ -56,8 +56,8 @@ double WorstShare(const CellConfig& cell, bool hands_over) {
       ++model.frame;
     }
     model.pose_stamp = now - period;
-    const control::CouplingOutput out =
-        control::EvaluateCoupling(coupling, model, X_WT, V_WT, now, true, state);
+    const control::CouplingOutput out = control::EvaluateCoupling(
+        coupling, {.model = model, .X_WT = X_WT, .V_WT = V_WT, .now = now, .spindle_turns = true}, state);
     static_cast<void>(trip.Check(out.F_T_W.f, servo.period_s));
     if (tick > 5) worst = std::max(worst, trip.growth_N() / (trip.max_rate_N_per_s() * servo.period_s));
   }

@@ -232,10 +232,14 @@ TEST(OsteonSession, GivesTheServosOwnWrench) {
     X_GT.translation() = Vector3(pose.position_m[0], pose.position_m[1], pose.position_m[2]);
     const simulation::ContactModel model = engine.Step(
         {.X_WT = X_GT, .spindle_rad_per_s = reamer.spindle_rad_per_s, .dt_s = 0.001, .stamp = now});
-    const Wrench F =
-        control::EvaluateCoupling({}, model, X_GT, {.v = Vector3(0, 0, -0.003), .w = Vector3::Zero()}, now,
-                                  true, state)
-            .F_T_W;
+    const Wrench F = control::EvaluateCoupling({},
+                                               {.model = model,
+                                                .X_WT = X_GT,
+                                                .V_WT = {.v = Vector3(0, 0, -0.003), .w = Vector3::Zero()},
+                                                .now = now,
+                                                .spindle_turns = true},
+                                               state)
+                         .F_T_W;
     for (int i = 0; i < 3; ++i) {
       ASSERT_NEAR(wrench.force_N[i], F.f[i], 1e-12) << ms << " ms";
       ASSERT_NEAR(wrench.torque_Nm[i], F.t[i], 1e-12) << ms << " ms";

@@ -41,8 +41,8 @@ class ComplianceBench {
     const auto now = static_cast<rt::Nanoseconds>(tick_) * rt::kMillisecond;
     simulation::ContactModel model = FreshModel(static_cast<std::uint64_t>(tick_), now, planes);
     model.engaged_area_m2 = 1.0;
-    const control::CouplingOutput out =
-        control::EvaluateCoupling(coupling_, model, compliance_.X_ME(X_WT), {}, now, false, state_);
+    const control::CouplingOutput out = control::EvaluateCoupling(
+        coupling_, {.model = model, .X_WT = compliance_.X_ME(X_WT), .now = now}, state_);
     Wrench F_T_W = compliance_.OnTool(out.F_contact_T_W, X_WT);
     if (!has_arm_) F_T_W.t = compliance_.X_WM().linear() * out.F_contact_T_W.t;
     if (tick_ > 1) {

@@ -68,7 +68,9 @@ Pose SolvedHead(const Scene& scene, const control::CouplingParams& coupling,
   for (int i = 0; i < 60; ++i) {
     control::CouplingState trial = state;
     const Pose X_WE = X_WT * control::BentHead(e);
-    const Wrench F = control::EvaluateCoupling(coupling, model, X_WE, {}, now, true, trial).F_contact_T_W;
+    const Wrench F = control::EvaluateCoupling(
+                         coupling, {.model = model, .X_WT = X_WE, .now = now, .spindle_turns = true}, trial)
+                         .F_contact_T_W;
     control::Vector6 F_T;
     F_T << X_WT.linear().transpose() * F.f, X_WT.linear().transpose() * F.t;
     e += 0.15 * (scene.link.compliance_T * F_T - e);
@@ -103,8 +105,8 @@ Course Drill(const FailureSetting& setting, const Scene& scene, Carrier carrier,
                           : compliance.X_ME(X_WT);
     model = engine->Step(FrameAt(X_ME, kSpindle_rad_per_s, dt_s));
     model.pose_stamp = now;
-    const control::CouplingOutput out =
-        control::EvaluateCoupling(coupling, model, X_ME, {}, now, true, state);
+    const control::CouplingOutput out = control::EvaluateCoupling(
+        coupling, {.model = model, .X_WT = X_ME, .now = now, .spindle_turns = true}, state);
     const Wrench F_T_W = compliance.OnTool(out.F_contact_T_W, X_WT);
     compliance.Step(out.F_contact_T_W, model, X_WT);
     carrier.Step(RisingPush(kPush_N, i * dt_s, kPushRise_s) + feed_W.dot(F_T_W.f), dt_s);

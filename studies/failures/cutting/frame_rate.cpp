@@ -52,7 +52,8 @@ Run Play(simulation::CuttingEngine& engine, double rate_hz) {
       frame.stamp = now;
       model = engine.Step(frame);
     }
-    const auto output = control::EvaluateCoupling(coupling, model, X_WT, {}, now, true, state);
+    const auto output = control::EvaluateCoupling(
+        coupling, {.model = model, .X_WT = X_WT, .now = now, .spindle_turns = true}, state);
     const std::size_t phase = t_s > kPlunge_s + 1e-9 ? 1 : 0;
     const double force_N = output.F_T_W.f.norm();
     run.mean_force_N[phase] += force_N;

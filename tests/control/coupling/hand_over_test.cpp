@@ -59,7 +59,8 @@ struct Bench {
   }
   CouplingOutput Tick(const Pose& X_WT, const Twist& V_WT = {}) {
     now += rt::kMillisecond;
-    const CouplingOutput out = EvaluateCoupling(params, model, X_WT, V_WT, now, true, state);
+    const CouplingOutput out = EvaluateCoupling(
+        params, {.model = model, .X_WT = X_WT, .V_WT = V_WT, .now = now, .spindle_turns = true}, state);
     tripped = trip.Check(out.F_T_W.f, kDt_s);
     return out;
   }

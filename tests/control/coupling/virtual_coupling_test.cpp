@@ -52,7 +52,8 @@ struct Bench {
                       double age_s = 0.0) {
     now += kMillisecond;
     model.pose_stamp = now - std::llround(age_s * 1e9);
-    return EvaluateCoupling(params, model, X_WT, V_WT, now, spindle_on, state);
+    return EvaluateCoupling(
+        params, {.model = model, .X_WT = X_WT, .V_WT = V_WT, .now = now, .spindle_turns = spindle_on}, state);
   }
 };
 
@@ -185,8 +186,11 @@ TEST(VirtualCoupling, APlaneRecedesOnlyUnderForceWithTheSpindleOnAndAFreshModel)
     model.pose_stamp = bench.now;
     CouplingOutput out;
     for (int i = 0; i <= 10; ++i) {
-      out = EvaluateCoupling(bench.params, model, At({0.0, 0.0, -depth_m}), {},
-                             bench.now + static_cast<rt::Nanoseconds>(extra_age_s * 1e9), spindle_on,
+      out = EvaluateCoupling(bench.params,
+                             {.model = model,
+                              .X_WT = At({0.0, 0.0, -depth_m}),
+                              .now = bench.now + static_cast<rt::Nanoseconds>(extra_age_s * 1e9),
+                              .spindle_turns = spindle_on},
                              bench.state);
       bench.now += kMillisecond;
     }
@@ -204,13 +208,15 @@ TEST(VirtualCoupling, WithoutForceAPlaneStays) {
   model.pose_stamp = bench.now;
   for (int i = 0; i < 10; ++i) {  // in free space
     bench.now += kMillisecond;
-    const CouplingOutput hovering =
-        EvaluateCoupling(bench.params, model, At({0.0, 0.0, 1e-3}), {}, bench.now, true, bench.state);
+    const CouplingOutput hovering = EvaluateCoupling(
+        bench.params, {.model = model, .X_WT = At({0.0, 0.0, 1e-3}), .now = bench.now, .spindle_turns = true},
+        bench.state);
     ASSERT_EQ(hovering.active_count, 0);
   }
   bench.now += kMillisecond;
-  const CouplingOutput out =
-      EvaluateCoupling(bench.params, model, At({0.0, 0.0, -1e-3}), {}, bench.now, true, bench.state);
+  const CouplingOutput out = EvaluateCoupling(
+      bench.params, {.model = model, .X_WT = At({0.0, 0.0, -1e-3}), .now = bench.now, .spindle_turns = true},
+      bench.state);
   EXPECT_NEAR(out.F_T_W.f.z(), 20.0, 1e-9);
 }
 
@@ -233,7 +239,8 @@ TEST(VirtualCoupling, FramesHandOverWithoutAStep) {
       model.pose_stamp = stamp;
     }
     const Pose X_WT = At({0.0, 0.0, surface_m(bench.now) - depth_m});
-    const CouplingOutput out = EvaluateCoupling(bench.params, model, X_WT, {}, bench.now, true, bench.state);
+    const CouplingOutput out = EvaluateCoupling(
+        bench.params, {.model = model, .X_WT = X_WT, .now = bench.now, .spindle_turns = true}, bench.state);
     if (i < 70) continue;  // until the history of cutting covers the delay
     low_N = std::min(low_N, out.F_T_W.f.z());
     high_N = std::max(high_N, out.F_T_W.f.z());
@@ -358,8 +365,12 @@ TEST(VirtualCoupling, IsFiniteForModelsOfRandomBits) {
       bytes[random() % sizeof(model.contacts)] = static_cast<unsigned char>(random());
     model.contact_count = static_cast<std::int32_t>(random() % 12) - 2;
     model.pose_stamp = static_cast<rt::Nanoseconds>(random());
-    const CouplingOutput out = EvaluateCoupling({}, model, At({0.0, 0.0, -1e-3}), {},
-                                                static_cast<rt::Nanoseconds>(random() >> 20), true, state);
+    const CouplingOutput out = EvaluateCoupling({},
+                                                {.model = model,
+                                                 .X_WT = At({0.0, 0.0, -1e-3}),
+                                                 .now = static_cast<rt::Nanoseconds>(random() >> 20),
+                                                 .spindle_turns = true},
+                                                state);
     ASSERT_TRUE(safety::IsFinite(out.F_T_W)) << "draw " << i;
     ASSERT_TRUE(out.fade >= 0.0 && out.fade <= 1.0);
   }

@@ -226,7 +226,8 @@ double SwingInABowl(bool governed, double age_s, double hold_s) {
       model.contacts[0].n_W = n;
       model.contacts[0].stiffness_N_per_m = kStiffness;
     }
-    const CouplingOutput coupling = EvaluateCoupling(params, model, tool.X_WT, tool.V_WT, now, false, state);
+    const CouplingOutput coupling =
+        EvaluateCoupling(params, {.model = model, .X_WT = tool.X_WT, .V_WT = tool.V_WT, .now = now}, state);
     governor.Step(coupling, tool.X_WT.linear(),
                   {.Ns_per_m = law.damping_Ns_per_m, .Nms_per_rad = law.damping_Nms_per_rad},
                   {.planes_s = coupling.age_s});

@@ -50,7 +50,8 @@ struct Bench {
   void Tick(double push_N) {
     const rt::Nanoseconds now = ++tick * rt::kMillisecond;
     model.pose_stamp = now;
-    coupling = EvaluateCoupling(params, model, tool.X_WT, tool.V_WT, now, false, state);
+    coupling =
+        EvaluateCoupling(params, {.model = model, .X_WT = tool.X_WT, .V_WT = tool.V_WT, .now = now}, state);
     const double share = tank.Step(coupling, tool.X_WT, tool.V_WT, 1.0);
     const Vector3 f_before_W = f_W, p_before_W = p_W_;
     f_W = share * coupling.F_T_W.f;
@@ -240,7 +241,8 @@ TEST(EnergyTank, PlanesThatRestCostNothing) {
       model.frame = static_cast<std::uint64_t>(i + 1);  // the same planes, but a new frame each time
       const rt::Nanoseconds now = (i + 1000) * rt::kMillisecond;
       model.pose_stamp = now;
-      const CouplingOutput coupling = EvaluateCoupling(params, model, X_WT, {}, now, false, state);
+      const CouplingOutput coupling =
+          EvaluateCoupling(params, {.model = model, .X_WT = X_WT, .now = now}, state);
       ASSERT_EQ(tank.Step(coupling, X_WT, {}, 1.0), 1.0);
       if (i == 0) begun_J = tank.energy_J();  // planes that appear with the tool already in them cost energy
       least_J = std::min(least_J, tank.energy_J());

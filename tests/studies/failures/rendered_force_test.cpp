@@ -69,7 +69,7 @@ Errors Run(const Course& course) {
       under_way.pop_front();
     }
     const control::CouplingOutput out =
-        control::EvaluateCoupling(params, newest, X_WT, {}, now, false, state);
+        control::EvaluateCoupling(params, {.model = newest, .X_WT = X_WT, .now = now}, state);
     const Vector3 ideal_N = course.ideal_N(p);
     const double error = (out.F_T_W.f - ideal_N).norm() / std::max(1.0, ideal_N.norm());
     if (ms == step_ms - 1) errors.rest = error;

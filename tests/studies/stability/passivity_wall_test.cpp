@@ -77,7 +77,8 @@ Ripple Press(const hil::AdmittanceLoopParams& p, bool acts) {
     wall.frame = static_cast<std::uint64_t>(k + 1);
     wall.pose_stamp = now;
     const control::CouplingOutput out = control::EvaluateCoupling(
-        coupling, wall, past.back().X_WT, past.back().V_WT, now, false, coupling_state);
+        coupling, {.model = wall, .X_WT = past.back().X_WT, .V_WT = past.back().V_WT, .now = now},
+        coupling_state);
     const Wrench damping = controller.Step({.F_T_W = out.F_contact_T_W,
                                             .potential_J = out.potential_J,
                                             .contact = out.active_count > 0,
