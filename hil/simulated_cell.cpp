@@ -87,7 +87,8 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
     // acceleration over the past period; unknown in the first
     const Twist& V_before = has_twist_ ? V_WT_before_ : V_WT;
     const Twist A_WT{.v = (V_WT.v - V_before.v) / period_s(), .w = (V_WT.w - V_before.w) / period_s()};
-    state_.F_S = SubtractInertia(sensor_, state_.F_S, X_WT, X_WT * X_TF_, V_WT, A_WT);
+    state_.F_S = SubtractInertia(sensor_, state_.F_S,
+                                 {.X_WT = X_WT, .X_WF = X_WT * X_TF_, .V_WT = V_WT, .A_WT = A_WT});
     V_WT_before_ = V_WT;
     has_twist_ = true;
   }

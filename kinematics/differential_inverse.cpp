@@ -217,8 +217,8 @@ JointVectorN<N> DifferentialInverse<N>::DampedTask(const MotionInput<N>& in, con
       continue;
     }
     const double curvature_m = Scaled(u, params_.turning_length_m).dot(Curvature<N>(in.J, v));
-    const DampedSpeed y =
-        ComputeDampedSpeed(v, sigma, curvature_m, a, length, v.dot(in.qd_before), in.share_before, in.dt_s);
+    const DampedSpeed y = ComputeDampedSpeed(
+        {.v = v, .sigma_m = sigma, .curvature_m = curvature_m, .a_m_per_s = a, .twist_m_per_s = length}, in);
     const double lost = a - (sigma + 0.5 * curvature_m * y.speed * in.dt_s) * y.speed;
     task += y.speed * v;
     lost_squared += lost * lost;
@@ -243,8 +243,9 @@ double DifferentialInverse<N>::LimitedNullSpeed(const JointVectorN<N>& n,
 // Joint speed along the unit direction v for the component a of the twist, where sigma is in the zone.
 template <int N>
 typename DifferentialInverse<N>::DampedSpeed DifferentialInverse<N>::ComputeDampedSpeed(
-    const JointVectorN<N>& v, double sigma_m, double curvature_m, double a_m_per_s, double twist_m_per_s,
-    double before_rad_per_s, double share_before, double dt_s) const OSTEON_RT {
+    const SingularDirection& direction, const MotionInput<N>& in) const OSTEON_RT {
+  const auto& [v, sigma_m, curvature_m, a_m_per_s, twist_m_per_s] = direction;
+  const double share_before = in.share_before, dt_s = in.dt_s;
   double speed = std::numeric_limits<double>::infinity(), acceleration = speed, braking = speed;
   for (int i = 0; i < N; ++i) {
     const double part = std::max(std::abs(v[i]), kTiny);
@@ -273,7 +274,7 @@ typename DifferentialInverse<N>::DampedSpeed DifferentialInverse<N>::ComputeDamp
 
   // bounds: the joints' acceleration, their speed, and the end of the reach
   if (share_before > 0.0) {  // compare with the speed before limits scaled the whole
-    const double before = before_rad_per_s / share_before;
+    const double before = v.dot(in.qd_before) / share_before;
     const double change = acceleration * dt_s / (depth * share_before);
     y = std::clamp(y, before - change, before + change);
   }

@@ -138,10 +138,15 @@ class DifferentialInverse {
   struct DampedSpeed {
     double speed, lambda;
   };
-  [[nodiscard]] DampedSpeed ComputeDampedSpeed(const JointVectorN<N>& v, double sigma_m, double curvature_m,
-                                               double a_m_per_s, double twist_m_per_s,
-                                               double before_rad_per_s, double share_before,
-                                               double dt_s) const OSTEON_RT;
+  // A direction whose singular value is in the zone, and what is asked of it.
+  struct SingularDirection {
+    const JointVectorN<N>& v;  // unit, in joint space
+    double sigma_m{0.0}, curvature_m{0.0};
+    double a_m_per_s{0.0};      // component of the twist along it
+    double twist_m_per_s{0.0};  // length of the whole twist
+  };
+  [[nodiscard]] DampedSpeed ComputeDampedSpeed(const SingularDirection& direction,
+                                               const MotionInput<N>& in) const OSTEON_RT;
   [[nodiscard]] JointVectorN<N> DampedTask(const MotionInput<N>& in, const JacobianSvd<N>& svd,
                                            const Eigen::Matrix<double, 6, 1>& V_scaled,
                                            MotionOutput<N>& out) const OSTEON_RT;

@@ -122,9 +122,14 @@ bool FindActive(const Planes& planes, int count, Set& active) {
   return false;
 }
 
+// The nearest point found so far.
+struct BestPoint {
+  double cost{std::numeric_limits<double>::infinity()};
+  HalfSpaceProjection projection;
+};
+
 // Accepts the nearest point of a set of planes as the answer if no plane pulls and none is violated.
-bool Accept(const Planes& planes, int count, const Set& set, double slack, double& best_cost,
-            HalfSpaceProjection& best) {
+bool AcceptSet(const Planes& planes, int count, const Set& set, double slack, BestPoint& best) {
   SetVector multiplier;
   if (!SolveSet(planes, set, slack, multiplier)) return false;
   if (!(multiplier.minCoeff() >= -kTolerance)) return false;  // a plane would pull
@@ -132,27 +137,27 @@ bool Accept(const Planes& planes, int count, const Set& set, double slack, doubl
   for (int i = 0; i < set.size; ++i) x += multiplier[i] * planes[set.plane[static_cast<std::size_t>(i)]].n;
   const double sum = multiplier.sum(), violation = WorstViolation(planes, count, x);
   const double cost = x.squaredNorm() + slack * sum * sum;
-  if (violation > slack * sum + kFeasible || !(cost < best_cost)) return false;
-  best_cost = cost;
-  best.point = x;
-  best.violation = violation <= kFeasible ? 0.0 : violation;
-  best.multiplier.fill(0.0);
+  if (violation > slack * sum + kFeasible || !(cost < best.cost)) return false;
+  best.cost = cost;
+  best.projection.point = x;
+  best.projection.violation = violation <= kFeasible ? 0.0 : violation;
+  best.projection.multiplier.fill(0.0);
   for (int i = 0; i < set.size; ++i)
-    best.multiplier[set.plane[static_cast<std::size_t>(i)]] = std::max(0.0, multiplier[i]);
+    best.projection.multiplier[set.plane[static_cast<std::size_t>(i)]] = std::max(0.0, multiplier[i]);
   return true;
 }
 
 // Solves   min |x|^2 + s^2 / slack   subject to   n_i·x + s >= offset_i   over every set of at most
 // largest_set planes; with slack = 0 there is no s. False if no set gives a point.
-bool Solve(const Planes& planes, int count, double slack, int largest_set, HalfSpaceProjection& best) {
-  double best_cost = std::numeric_limits<double>::infinity();
+bool Solve(const Planes& planes, int count, double slack, int largest_set, BestPoint& best) {
+  best.cost = std::numeric_limits<double>::infinity();
   // by size, then in index order: next_set counts up like an odometer whose digits only grow to the right
   for (int size = 1; size <= std::min(largest_set, count); ++size) {
     Set set;
     set.size = size;
     for (int i = 0; i < size; ++i) set.plane[static_cast<std::size_t>(i)] = static_cast<std::size_t>(i);
     while (true) {
-      Accept(planes, count, set, slack, best_cost, best);
+      AcceptSet(planes, count, set, slack, best);
       int digit = size - 1;
       while (digit >= 0 &&
              set.plane[static_cast<std::size_t>(digit)] == static_cast<std::size_t>(count - size + digit))
@@ -163,24 +168,24 @@ bool Solve(const Planes& planes, int count, double slack, int largest_set, HalfS
         set.plane[static_cast<std::size_t>(i)] = set.plane[static_cast<std::size_t>(i - 1)] + 1;
     }
   }
-  return best_cost < std::numeric_limits<double>::infinity();
+  return best.cost < std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
 
 HalfSpaceProjection ClosestInHalfSpaces(const Planes& planes, int count) noexcept {
-  HalfSpaceProjection best;
+  BestPoint best;
   const double violation = WorstViolation(planes, count, Vector3::Zero());
-  if (violation <= kTolerance) return best;
+  if (violation <= kTolerance) return best.projection;
   Set active;
-  double cost = std::numeric_limits<double>::infinity();
-  if (FindActive(planes, count, active) && Accept(planes, count, active, 0.0, cost, best)) return best;
+  if (FindActive(planes, count, active) && AcceptSet(planes, count, active, 0.0, best))
+    return best.projection;
   // planes so nearly parallel that rounding decides, or an empty intersection: try every set
-  if (Solve(planes, count, 0.0, 3, best)) return best;
+  if (Solve(planes, count, 0.0, 3, best)) return best.projection;
   // empty (or so nearly parallel that only a distant point would do): share one slack among the planes
-  if (Solve(planes, count, kSlackWeight, kMaxSet, best)) return best;
-  best.violation = violation;
-  return best;
+  if (Solve(planes, count, kSlackWeight, kMaxSet, best)) return best.projection;
+  best.projection.violation = violation;
+  return best.projection;
 }
 
 }  // namespace osteon

@@ -46,8 +46,8 @@ CapabilityLimit HeldLoad(const SerialChain<N>& chain, const LoadTarget<N>& targe
 
 template <int N>
 LoadPreference<N> LoadGradientMotion(const PosturePreferenceParams& params, const SerialChain<N>& chain,
-                                     const LoadTarget<N>& target, const JointVectorN<N>& q,
-                                     const JointVectorN<N>& n, double held) OSTEON_RT {
+                                     const LoadTarget<N>& target, const LoadedPosture<N>& posture) OSTEON_RT {
+  const auto& [q, n, held] = posture;
   constexpr double kReach_rad = 0.02, kFlat_per_rad = 0.2;
   LoadPreference<N> result;
   const bool asked = target.load.axial_N != 0.0 || target.load.lateral_N > 0.0 || target.load.torque_Nm > 0.0;
@@ -80,10 +80,8 @@ template CapabilityLimit HeldLoad<7>(const LoadTarget<7>&, const JacobianN<7>&, 
 template CapabilityLimit HeldLoad<7>(const SerialChain<7>&, const LoadTarget<7>&,
                                      const JointVectorN<7>&) OSTEON_RT;
 template LoadPreference<6> LoadGradientMotion<6>(const PosturePreferenceParams&, const SerialChain<6>&,
-                                                 const LoadTarget<6>&, const JointVectorN<6>&,
-                                                 const JointVectorN<6>&, double) OSTEON_RT;
+                                                 const LoadTarget<6>&, const LoadedPosture<6>&) OSTEON_RT;
 template LoadPreference<7> LoadGradientMotion<7>(const PosturePreferenceParams&, const SerialChain<7>&,
-                                                 const LoadTarget<7>&, const JointVectorN<7>&,
-                                                 const JointVectorN<7>&, double) OSTEON_RT;
+                                                 const LoadTarget<7>&, const LoadedPosture<7>&) OSTEON_RT;
 
 }  // namespace osteon::kinematics

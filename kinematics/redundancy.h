@@ -63,6 +63,14 @@ struct LoadPreference {
   double depth{0.0};  ///< 0: the posture holds the zone's multiple of the load; 1: no more than the load
 };
 
+/// A posture, and the load that it holds.
+template <int N>
+struct LoadedPosture {
+  const JointVectorN<N>& q;  ///< [rad]
+  const JointVectorN<N>& n;  ///< unit null direction at q; zero: none
+  double held{0.0};          ///< HeldLoad at q: in a tick its inputs are known already
+};
+
 /// Leads toward postures that hold more of the load: along the slope of HeldLoad in the unit null direction
 /// n,
 ///
@@ -71,12 +79,10 @@ struct LoadPreference {
 /// k is the minimum over the joints of smooth functions, with edges where the limiting joint changes. k' is
 /// the difference over ±0.02 rad, an average slope, so that the motion ends on an edge instead of alternating
 /// across it.
-/// @param held  HeldLoad at q: in a tick its inputs are known already
 /// @pre chain.params().has_masses
 template <int N>
 [[nodiscard]] LoadPreference<N> LoadGradientMotion(const PosturePreferenceParams& params,
                                                    const SerialChain<N>& chain, const LoadTarget<N>& target,
-                                                   const JointVectorN<N>& q, const JointVectorN<N>& n,
-                                                   double held) OSTEON_RT;
+                                                   const LoadedPosture<N>& posture) OSTEON_RT;
 
 }  // namespace osteon::kinematics

@@ -411,8 +411,8 @@ typename Arm::Joints JointFollower<Arm>::NullSpaceVelocity(
       const double held =
           kinematics::HeldLoad<7>(elbow_.load, Jacobian(), Gravity(), X_BW_.linear() * X_WT_.linear().col(2))
               .value;
-      load = kinematics::LoadGradientMotion<7>(params_.posture, *elbow_.body, elbow_.load, q_,
-                                               null_direction_, held);
+      load = kinematics::LoadGradientMotion<7>(params_.posture, *elbow_.body, elbow_.load,
+                                               {.q = q_, .n = null_direction_, .held = held});
     }
     // an arm angle at which the arm cannot hold the load is not worth holding
     const double worth = 1.0 - load.depth * load.depth;

@@ -88,9 +88,12 @@ Matrix6 DampingMatrix(const AdmittanceParams& params) {
   return AtOrigin(params.damping_Ns_per_m, params.damping_Nms_per_rad, params.centre_T_m);
 }
 
-bool NextTwist(const AdmittanceParams& params, const Pose& X_WT, const Twist& V_WT, const Wrench& F_T_W,
-               double dt_s, Twist& V_next_WT, const Twist& V_held_C) OSTEON_RT {
-  const Matrix3 R_WT = X_WT.linear();
+bool NextTwist(const AdmittanceParams& params, const NextTwistInput& input, Twist& V_next_WT) OSTEON_RT {
+  const Twist& V_WT = input.V_WT;
+  const Wrench& F_T_W = input.F_T_W;
+  const Twist& V_held_C = input.V_held_C;
+  const double dt_s = input.dt_s;
+  const Matrix3 R_WT = input.X_WT.linear();
   const Vector3& c = params.centre_T_m;
   const bool at_origin = c.isZero(0.0);
   Twist V_T{.v = R_WT.transpose() * V_WT.v, .w = R_WT.transpose() * V_WT.w};
@@ -132,7 +135,8 @@ Pose IntegratePose(const Pose& X_WT, const Twist& V_WT, double dt_s) OSTEON_RT {
 bool StepAdmittance(const AdmittanceParams& params, const Wrench& F_T_W, double dt_s,
                     AdmittanceState& state) OSTEON_RT {
   Twist V_next;
-  if (!NextTwist(params, state.X_WT, state.V_WT, F_T_W, dt_s, V_next)) return false;
+  if (!NextTwist(params, {.X_WT = state.X_WT, .V_WT = state.V_WT, .F_T_W = F_T_W, .dt_s = dt_s}, V_next))
+    return false;
   const Pose X_next = IntegratePose(state.X_WT, V_next, dt_s);
   if (!X_next.matrix().allFinite()) return false;
   state = {.X_WT = X_next, .V_WT = V_next};

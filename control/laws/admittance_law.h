@@ -48,6 +48,15 @@ void Validate(const AdmittanceParams& params);
 [[nodiscard]] Twist AfterMassChange(const AdmittanceParams& before, const AdmittanceParams& after,
                                     const Matrix3& R_WT, const Twist& V_WT) OSTEON_RT;
 
+/// Inputs of NextTwist.
+struct NextTwistInput {
+  const Pose& X_WT;  ///< tool pose; must outlive the call
+  Twist V_WT{};      ///< velocity of T at To, in W
+  Wrench F_T_W{};    ///< sum of all wrenches on T at To, in W
+  double dt_s{0.0};  ///< period
+  Twist V_held_C{};  ///< velocity to give to the locked axes, at C, in T
+};
+
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 /// Inertia and drag of the free tool at To, in T: A^T diag A, where A maps the motion of To to that of C,
@@ -76,14 +85,10 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 ///
 /// A locked axis gets the velocity given for it. No force moves it, and it passes none to other axes.
 ///
-/// @param X_WT  tool pose  @param V_WT  velocity of T at To, in W
-/// @param F_T_W  sum of all wrenches on T at To, in W
 /// @param[out] V_next_WT  the new velocity, in W; unchanged if the result would not be finite
-/// @param V_held_C  velocity to give to the locked axes, at C, in T
 /// @returns false if the result would not be finite
-[[nodiscard]] bool NextTwist(const AdmittanceParams& params, const Pose& X_WT, const Twist& V_WT,
-                             const Wrench& F_T_W, double dt_s, Twist& V_next_WT,
-                             const Twist& V_held_C = {}) OSTEON_RT;
+[[nodiscard]] bool NextTwist(const AdmittanceParams& params, const NextTwistInput& input,
+                             Twist& V_next_WT) OSTEON_RT;
 
 /// Moves a pose by one period of a velocity: p + dt v, exp(dt w) R, with R orthonormalised.
 [[nodiscard]] Pose IntegratePose(const Pose& X_WT, const Twist& V_WT, double dt_s) OSTEON_RT;

@@ -71,7 +71,13 @@ bool AdmittanceRenderer::ComputeTwist(const AdmittanceInput& input, const Comman
   const auto next_twist = [&](double coupling_share, Twist& V_WT) OSTEON_RT {
     const Wrench F_T_W{.f = hand_share * F_hand_T_W.f + coupling_share * rendered.F.f,
                        .t = hand_share * F_hand_T_W.t + coupling_share * rendered.F.t};
-    return NextTwist(law, tool.X_WT(), tool.V_WT, F_T_W, params_.period_s, V_WT, V_locked_C);
+    return NextTwist(law,
+                     {.X_WT = tool.X_WT(),
+                      .V_WT = tool.V_WT,
+                      .F_T_W = F_T_W,
+                      .dt_s = params_.period_s,
+                      .V_held_C = V_locked_C},
+                     V_WT);
   };
   if (!next_twist(1.0, V_next_WT)) return false;
 

@@ -31,8 +31,12 @@ TickRecord ReplayTick(ServoLoop& loop, const TickRecord& recorded, const simulat
   if (in.has_gains) loop.RequestGains(in.gains);
   if (in.repeat_differed) loop.ReportDifference();
   if (in.recorder_stalled) loop.ReportRecorder();
-  return loop.Tick(ArmStateOf(recorded), static_cast<ReceiveResult>(in.received), CellReadingsOf(in), model,
-                   in.now, command);
+  return loop.Tick({.state = ArmStateOf(recorded),
+                    .received = static_cast<ReceiveResult>(in.received),
+                    .readings = CellReadingsOf(in),
+                    .model = model,
+                    .now = in.now},
+                   command);
 }
 
 void LoopRepeat::StoreTick(const TickRecord& record, const simulation::ContactModel& model) OSTEON_RT {

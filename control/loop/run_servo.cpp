@@ -31,124 +31,175 @@ void Validate(const RunServoParams& params) {
   rt::Validate(params.thread);
 }
 
-}  // namespace
+// A run from its first tick to its end.
+class ServoRun {
+ public:
+  ServoRun(ServoLoop& loop, const ServoPorts& ports, const RunServoParams& params)
+      : loop_(loop),
+        ports_(ports),
+        params_(params),
+        deadline_(ToNanoseconds(params.deadline_s)),
+        give_up_(ToNanoseconds(params.give_up_s)),
+        rest_(ToNanoseconds(params.at_rest_s)) {
+    if (params.second != nullptr) repeat_.emplace(*params.second);
+  }
 
-RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices, SimulationPort& simulation,
-                        TickRecorder& recorder, const RunServoParams& params) {
-  Validate(params);
-  RunServoResult result;
-  result.thread = rt::SetUpRealtimeThread(params.thread);
+  RunServoResult Run() {
+    result_.thread = rt::SetUpRealtimeThread(params_.thread);
+    give_up_at_ = rt::MonotonicNow() + give_up_;
+    do {
+      if (repeat_ && due_ > 0 && !ports_.link.Await(due_ - kRepeatsBefore) &&
+          rt::MonotonicNow() < due_ - kTooLateBefore)
+        WarmUpTick(loop_, *repeat_, ports_.link, command_);
+      AnswerMessage();
+      ReportStandingArm();
+      MeasureTick();
+      RecordTick();
+    } while (!IsOver());
+    result_.faults = loop_.faults();
+    result_.statistics = loop_.statistics();
+    return result_;
+  }
 
-  const rt::Nanoseconds deadline = ToNanoseconds(params.deadline_s);
-  const rt::Nanoseconds give_up = ToNanoseconds(params.give_up_s);
-  rt::Nanoseconds give_up_at = rt::MonotonicNow() + give_up;
-  rt::Nanoseconds active_since = -1, last_active = -1;
-  bool ending = false, waits_again = false, automatic = false;
-  rt::Nanoseconds held_at = -1;  // time of the previous tick of a hold; -1: nothing is held
-  RestTime rest(ToNanoseconds(params.at_rest_s));
-  const auto end = [&](RunEnd why) {
-    if (ending) return;
-    ending = true;
-    // a stop of a cell that is held at a fault does not turn the fault into an orderly end
-    result.end = why == RunEnd::kStopFlag && loop.faults().Any() ? RunEnd::kFault : why;
-    loop.RequestStop();
-    give_up_at = rt::MonotonicNow() + give_up;
-  };
+ private:
+  [[nodiscard]] bool has_message() const { return received_ == ReceiveResult::kOk; }
 
-  ArmState state;
-  ArmCommand command;
-  std::optional<LoopRepeat> repeat;
-  if (params.second != nullptr) repeat.emplace(*params.second);
-  rt::Nanoseconds due = 0;  // time of the next message; 0: unknown
-  for (;;) {
-    // repeat the tick before
-    if (repeat && due > 0 && !link.Await(due - kRepeatsBefore) && rt::MonotonicNow() < due - kTooLateBefore)
-      WarmUpTick(loop, *repeat, link, command);
-
-    // one tick: receive, compute, answer
-    const ReceiveResult received = link.Receive(state, rt::MonotonicNow() + deadline);
-    const rt::Nanoseconds woken = rt::MonotonicNow();
-    const CellReadings readings = devices.Exchange(loop.cell_commands(), woken);
-    const simulation::ContactModel& model = simulation.Load();
+  // One tick: receives, computes, answers; then hands the tick on to the simulation and to its repetition.
+  void AnswerMessage() {
+    received_ = ports_.link.Receive(state_, rt::MonotonicNow() + deadline_);
+    woken_ = rt::MonotonicNow();
+    const CellReadings readings = ports_.devices.Exchange(loop_.cell_commands(), woken_);
+    const simulation::ContactModel& model = ports_.simulation.Load();
     // after the reading: what comes while this thread stands still (a virtual machine's CPU does) is no value
     // of the future
     const rt::Nanoseconds now = rt::MonotonicNow();
-    const bool could_recover = loop.CanRecover();
-    const safety::FaultSet faults_before = loop.faults();
-    TickRecord record = loop.Tick(state, received, readings, model, now, command);
-    if (could_recover && record.input.recover) {
-      result.cleared.Latch(faults_before);
-      ++(automatic ? result.recovered : result.operator_recoveries);
-      automatic = false;
+    const bool could_recover = loop_.CanRecover();
+    const safety::FaultSet faults_before = loop_.faults();
+    record_ = loop_.Tick(
+        {.state = state_, .received = received_, .readings = readings, .model = model, .now = now}, command_);
+    if (could_recover && record_.input.recover) {
+      result_.cleared.Latch(faults_before);
+      ++(automatic_ ? result_.recovered : result_.operator_recoveries);
+      automatic_ = false;
     }
-    if (received == ReceiveResult::kOk && !link.Send(command)) ++result.unsent;
-    const rt::Nanoseconds answered = rt::MonotonicNow();
-    simulation.Store(loop.tool_command());
-    if (repeat) {
-      ReplayIfDue(loop, *repeat);  // if there was no time before the message
-      repeat->StoreTick(record, model);
+    if (has_message() && !ports_.link.Send(command_)) ++result_.unsent;
+    answered_ = rt::MonotonicNow();
+    ports_.simulation.Store(loop_.tool_command());
+    if (repeat_) {
+      ReplayIfDue(loop_, *repeat_);  // if there was no time before the message
+      repeat_->StoreTick(record_, model);
     }
-    due = received == ReceiveResult::kOk ? state.stamp + ToNanoseconds(state.period_s) : 0;
-
-    if (params.standing && received == ReceiveResult::kOk && loop.phase() == Phase::kWaiting &&
-        state.session != SessionState::kIdle)
-      params.standing->Store({.known = true, .q = state.q_meas});
-
-    // durations; only a message that arrived has a wake-up
-    ++result.ticks;
-    record.compute_ns = answered - woken;
-    if (received == ReceiveResult::kOk) {
-      record.wakeup_ns = woken - state.stamp;
-      result.wakeup.Add(record.wakeup_ns);
-      result.compute.Add(record.compute_ns);
-      const bool active = state.session == SessionState::kCommandingActive &&
-                          loop.phase() != Phase::kWaiting && loop.phase() != Phase::kAligning;
-      if (active && last_active >= 0) result.period.Add(state.stamp - last_active);
-      last_active = active ? state.stamp : -1;
-      if (active && active_since < 0) active_since = state.stamp;
-      if (params.rendered_s && active_since >= 0)
-        params.rendered_s->store(rt::ToSeconds(state.stamp - active_since), std::memory_order_relaxed);
-    }
-    const bool recorded = recorder.Push(record);
-    if (!recorded) ++result.unrecorded;
-    if (!recorded || recorder.Stalled()) loop.ReportRecorder();
-
-    // end conditions; a loop that stopped by itself has a fault
-    if (received == ReceiveResult::kClosed) {
-      end(RunEnd::kLinkClosed);
-      break;
-    }
-    if (params.stop != nullptr && params.stop->load(std::memory_order_relaxed)) end(RunEnd::kStopFlag);
-    if (!ending && loop.CanRecover() && result.recovered < params.recoveries) {
-      automatic = true;
-      loop.RequestRecovery();
-      give_up_at = woken + give_up;
-      waits_again = true;
-      continue;
-    }
-    if (!ending && params.hold_at_fault && safety::AllowsRecovery(loop.faults())) {
-      if (held_at >= 0 && active_since >= 0) active_since += woken - held_at;
-      held_at = woken;
-      give_up_at = woken + give_up;
-      continue;
-    }
-    held_at = -1;
-    if (loop.faults().Any()) end(RunEnd::kFault);
-    if (!ending && (loop.phase() == Phase::kAligning || loop.state() == safety::CellState::kPaused))
-      give_up_at = woken + give_up;  // aligning makes progress, and a pause is intended
-    if (params.seconds > 0.0 && active_since >= 0 && woken - active_since >= ToNanoseconds(params.seconds))
-      end(RunEnd::kSeconds);
-    if (loop.phase() == Phase::kHaptic) waits_again = false;
-    if ((active_since < 0 || waits_again) && woken > give_up_at) end(RunEnd::kNeverActive);
-    if (loop.phase() == Phase::kStopped) {
-      end(RunEnd::kStopFlag);
-      if (rest.IsOver(loop.state(), woken)) break;
-    }
-    if (ending && woken > give_up_at) break;
+    due_ = has_message() ? state_.stamp + ToNanoseconds(state_.period_s) : 0;
   }
-  result.faults = loop.faults();
-  result.statistics = loop.statistics();
-  return result;
+
+  void ReportStandingArm() {
+    if (params_.standing && has_message() && loop_.phase() == Phase::kWaiting &&
+        state_.session != SessionState::kIdle)
+      params_.standing->Store({.known = true, .q = state_.q_meas});
+  }
+
+  // Durations; only a message that arrived has a wake-up.
+  void MeasureTick() {
+    ++result_.ticks;
+    record_.compute_ns = answered_ - woken_;
+    if (!has_message()) return;
+    record_.wakeup_ns = woken_ - state_.stamp;
+    result_.wakeup.Add(record_.wakeup_ns);
+    result_.compute.Add(record_.compute_ns);
+    const bool active = state_.session == SessionState::kCommandingActive &&
+                        loop_.phase() != Phase::kWaiting && loop_.phase() != Phase::kAligning;
+    if (active && last_active_ >= 0) result_.period.Add(state_.stamp - last_active_);
+    last_active_ = active ? state_.stamp : -1;
+    if (active && active_since_ < 0) active_since_ = state_.stamp;
+    if (params_.rendered_s && active_since_ >= 0)
+      params_.rendered_s->store(rt::ToSeconds(state_.stamp - active_since_), std::memory_order_relaxed);
+  }
+
+  void RecordTick() {
+    const bool recorded = ports_.recorder.Push(record_);
+    if (!recorded) ++result_.unrecorded;
+    if (!recorded || ports_.recorder.Stalled()) loop_.ReportRecorder();
+  }
+
+  // Checks the conditions that end the run; a loop that stopped by itself has a fault.
+  [[nodiscard]] bool IsOver() {
+    if (received_ == ReceiveResult::kClosed) {
+      End(RunEnd::kLinkClosed);
+      return true;
+    }
+    if (params_.stop != nullptr && params_.stop->load(std::memory_order_relaxed)) End(RunEnd::kStopFlag);
+    if (RequestsRecovery() || HoldsAtFault()) return false;
+    held_at_ = -1;
+    if (loop_.faults().Any()) End(RunEnd::kFault);
+    if (!ending_ && (loop_.phase() == Phase::kAligning || loop_.state() == safety::CellState::kPaused))
+      give_up_at_ = woken_ + give_up_;  // aligning makes progress, and a pause is intended
+    if (params_.seconds > 0.0 && active_since_ >= 0 &&
+        woken_ - active_since_ >= ToNanoseconds(params_.seconds))
+      End(RunEnd::kSeconds);
+    if (loop_.phase() == Phase::kHaptic) waits_again_ = false;
+    if ((active_since_ < 0 || waits_again_) && woken_ > give_up_at_) End(RunEnd::kNeverActive);
+    if (loop_.phase() == Phase::kStopped) {
+      End(RunEnd::kStopFlag);
+      if (rest_.IsOver(loop_.state(), woken_)) return true;
+    }
+    return ending_ && woken_ > give_up_at_;
+  }
+
+  // Requests an automatic recovery, if one is due.
+  [[nodiscard]] bool RequestsRecovery() {
+    if (ending_ || !loop_.CanRecover() || result_.recovered >= params_.recoveries) return false;
+    automatic_ = true;
+    loop_.RequestRecovery();
+    give_up_at_ = woken_ + give_up_;
+    waits_again_ = true;
+    return true;
+  }
+
+  // Whether a fault holds the loop until somebody requests the recovery. That time does not count.
+  [[nodiscard]] bool HoldsAtFault() {
+    if (ending_ || !params_.hold_at_fault || !safety::AllowsRecovery(loop_.faults())) return false;
+    if (held_at_ >= 0 && active_since_ >= 0) active_since_ += woken_ - held_at_;
+    held_at_ = woken_;
+    give_up_at_ = woken_ + give_up_;
+    return true;
+  }
+
+  void End(RunEnd why) {
+    if (ending_) return;
+    ending_ = true;
+    // a stop of a cell that is held at a fault does not turn the fault into an orderly end
+    result_.end = why == RunEnd::kStopFlag && loop_.faults().Any() ? RunEnd::kFault : why;
+    loop_.RequestStop();
+    give_up_at_ = rt::MonotonicNow() + give_up_;
+  }
+
+  ServoLoop& loop_;
+  const ServoPorts& ports_;
+  const RunServoParams& params_;
+  const rt::Nanoseconds deadline_, give_up_;
+  RestTime rest_;
+  std::optional<LoopRepeat> repeat_;
+  RunServoResult result_;
+
+  // of the present tick
+  ArmState state_;
+  ArmCommand command_;
+  TickRecord record_;
+  ReceiveResult received_{ReceiveResult::kTimeout};
+  rt::Nanoseconds woken_{0}, answered_{0};
+
+  rt::Nanoseconds due_{0};  // time of the next message; 0: unknown
+  rt::Nanoseconds give_up_at_{0}, active_since_{-1}, last_active_{-1};
+  rt::Nanoseconds held_at_{-1};  // time of the previous tick of a hold; -1: nothing is held
+  bool ending_{false}, waits_again_{false};
+  bool automatic_{false};  // the recovery that is requested
+};
+
+}  // namespace
+
+RunServoResult RunServo(ServoLoop& loop, const ServoPorts& ports, const RunServoParams& params) {
+  Validate(params);
+  return ServoRun(loop, ports, params).Run();
 }
 
 }  // namespace osteon::control

@@ -17,6 +17,14 @@ struct StandingArm {
   JointArray q{};  ///< [rad]
 };
 
+/// What the loop exchanges with the outside in wall time. References must outlive the run.
+struct ServoPorts {
+  ArmLink& link;
+  CellDevices& devices;
+  SimulationPort& simulation;
+  TickRecorder& recorder;
+};
+
 struct RunServoParams {
   double deadline_s{0.005};  ///< longest wait for an arm message; later the message counts as missed
   double seconds{10.0};      ///< time of rendering, then an orderly stop; 0: until stopped
@@ -70,8 +78,6 @@ struct RunServoResult {
 ///
 /// The measured wake-up latency depends on who sets ArmState::stamp: a stamp by the kernel includes the
 /// scheduler's delay, a stamp taken in user space does not.
-[[nodiscard]] RunServoResult RunServo(ServoLoop& loop, ArmLink& link, CellDevices& devices,
-                                      SimulationPort& simulation, TickRecorder& recorder,
-                                      const RunServoParams& params);
+[[nodiscard]] RunServoResult RunServo(ServoLoop& loop, const ServoPorts& ports, const RunServoParams& params);
 
 }  // namespace osteon::control

@@ -121,40 +121,38 @@ void ServoLoop::Prefetch() const OSTEON_RT {
   tool_.arm().Prefetch();
 }
 
-TickRecord ServoLoop::Tick(const ArmState& state, ReceiveResult received, const CellReadings& readings,
-                           const simulation::ContactModel& model, rt::Nanoseconds now,
-                           ArmCommand& command) OSTEON_RT {
-  const TickInputs tick{.state = state, .readings = readings, .model = model, .now = now};
-  now_ = now;
+TickRecord ServoLoop::Tick(const TickInputs& tick, ArmCommand& command) OSTEON_RT {
+  const ArmState& state = tick.state;
+  now_ = tick.now;
   acting_ = {};
   reduced_speed_ = state.operation_mode == kT1;
-  TickRecord record = RecordInputs(tick, received);
+  TickRecord record = RecordInputs(tick);
   ApplyToolRequest(record.input);
   StepGains(record.input);
   ApplyRequests(record.input);
   impedance_.ClearWrench();
 
-  if (received != ReceiveResult::kOk) {
-    OnMissedMessage(received);
+  if (tick.received != ReceiveResult::kOk) {
+    OnMissedMessage(tick.received);
   } else if (!HasFiniteJoints(state)) {
     supervisor_.Latch(Fault::kNotFinite);  // the arm's position is unknown: the last command is held
     supervisor_.SetPermits({});
     // Such a message counts as missed: the arm is lost after several in a row, and brakes before that.
     ApplyEvent(session_.OnMissedMessage() ? CellEvent::kArmLost : CellEvent::kFault);
   } else {
-    session_.OnMessage(state, tool_.arm().ToolPose(state.q_meas), now);
+    session_.OnMessage(state, tool_.arm().ToolPose(state.q_meas), tick.now);
     ProcessArmMessage(tick, record);
   }
 
-  if (!cell_commands().motion_requested) withdrawn_at_ = now;
+  if (!cell_commands().motion_requested) withdrawn_at_ = tick.now;
   FillCommand(state, command);
   FinishRecord(command, record);
   return record;
 }
 
 // Records the tick's inputs, among them the requests made since the last tick, which are thereby taken.
-TickRecord ServoLoop::RecordInputs(const TickInputs& tick, ReceiveResult received) OSTEON_RT {
-  const auto& [state, readings, model, now] = tick;
+TickRecord ServoLoop::RecordInputs(const TickInputs& tick) OSTEON_RT {
+  const auto& [state, received, readings, model, now] = tick;
   supervisor_.SetStopRequested(requests_.stop());
   TickRecord record;
   record.tick = tick_++;
@@ -164,7 +162,7 @@ TickRecord ServoLoop::RecordInputs(const TickInputs& tick, ReceiveResult receive
   record.model_frame = model.frame;
   record.model_age_s = model.frame == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, model.pose_stamp);
   record.sensor_age_s = safety::StampAge(now, readings.force.stamp);
-  record.input = MakeTickInput(state, received, readings, model, now, supervisor_.stop_requested());
+  record.input = MakeTickInput(tick, supervisor_.stop_requested());
   record.input.recover = requests_.TakeRecovery();
   record.input.pause = requests_.TakePause();
   record.input.resume = requests_.TakeResume();

@@ -89,12 +89,10 @@ class ServoLoop {
   /// @throws std::invalid_argument naming the entry and what is wrong with it.
   void SetTools(std::vector<LoopTool> tools, int index);
 
-  /// Computes one tick. `state` is used only if `received` is kOk; otherwise the last command is held.
-  /// @param now time of the tick, on the clock of all stamps
+  /// Computes one tick. Without a message of the arm the last command is held.
   /// @param[out] command answer to the arm; always finite after the first message with finite joints
   /// @returns the tick's record
-  TickRecord Tick(const ArmState& state, ReceiveResult received, const CellReadings& readings,
-                  const simulation::ContactModel& model, rt::Nanoseconds now, ArmCommand& command) OSTEON_RT;
+  TickRecord Tick(const TickInputs& tick, ArmCommand& command) OSTEON_RT;
 
   /// Allows or forbids that a waiting arm begins to move; allowed at first. Forbidden e.g. while the path to
   /// the start is being checked. From any thread.
@@ -165,7 +163,7 @@ class ServoLoop {
   ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm, const Pose& X_FT);
 
   // steps of a tick, in order
-  [[nodiscard]] TickRecord RecordInputs(const TickInputs& tick, ReceiveResult received) OSTEON_RT;
+  [[nodiscard]] TickRecord RecordInputs(const TickInputs& tick) OSTEON_RT;
   void ApplyRequests(const TickInput& input) OSTEON_RT;
   void ApplyToolRequest(TickInput& input) OSTEON_RT;
   void StepGains(TickInput& input) OSTEON_RT;

@@ -16,7 +16,7 @@ constexpr rt::Nanoseconds kAnswered = 200 * rt::kMillisecond;
 }  // namespace
 
 safety::MotionPermits EvaluatePermits(const TickInputs& tick, const StartConditions& c) OSTEON_RT {
-  const auto& [state, readings, model, now] = tick;
+  const auto& [state, received, readings, model, now] = tick;
   safety::MotionPermits permits;
   permits.Set(MotionPermit::kArmFresh, true);  // nobody asks where there is no message
   permits.Set(MotionPermit::kHandedOver,

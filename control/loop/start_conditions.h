@@ -5,20 +5,12 @@
 #include "control/coupling/coupling_pipeline.h"
 #include "control/loop/arm_session.h"
 #include "control/loop/safety_checks.h"
+#include "control/loop/tick_input.h"
 #include "control/ports.h"
 #include "control/setup/servo_params.h"
 #include "safety/motion_permit.h"
-#include "simulation/contact/contact_model.h"
 
 namespace osteon::control {
-
-/// Inputs of a tick of the loop.
-struct TickInputs {
-  const ArmState& state;
-  const CellReadings& readings;
-  const simulation::ContactModel& model;
-  rt::Nanoseconds now{0};
-};
 
 /// What the conditions of motion depend on, beside a tick's inputs. References must outlive the call.
 struct StartConditions {

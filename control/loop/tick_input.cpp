@@ -2,8 +2,8 @@
 
 namespace osteon::control {
 
-TickInput MakeTickInput(const ArmState& state, ReceiveResult received, const CellReadings& readings,
-                        const simulation::ContactModel& model, rt::Nanoseconds now, bool stop) OSTEON_RT {
+TickInput MakeTickInput(const TickInputs& tick, bool stop) OSTEON_RT {
+  const auto& [state, received, readings, model, now] = tick;
   return {.now = now,
           .arm_stamp = state.stamp,
           .sequence = state.sequence,

@@ -112,7 +112,8 @@ void DynamicArm::Step(const ArmDrive& drive, const Wrench& F_T_B) OSTEON_RT {
     const Joints v4 = qd_ + h * a3, a4 = rate(q_ + h * v3, v4);
     q_ += h / 6.0 * (qd_ + 2.0 * v2 + 2.0 * v3 + v4);
     qd_ += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
-    if (mount_) mount_->Step(arm_, q_, qd_, F_T_B, arm_.FlangePose(q_) * p_FT_m_, h);
+    if (mount_)
+      mount_->Step(arm_, {.q = q_, .qd = qd_, .F_B = F_T_B, .p_B = arm_.FlangePose(q_) * p_FT_m_}, h);
   }
   qdd_ = Acceleration(told, F_T_B, mount_ ? mount_->Torques(arm_, q_) : Joints::Zero(), q_, qd_);
   tau_ = DriveTorque(told, q_, qd_) - arm_.Friction(qd_);  // the torque sensors sit behind the gears

@@ -70,8 +70,8 @@ FlexibleMount::RigidBodySum FlexibleMount::SumLinks(const kinematics::SerialChai
   return sum;
 }
 
-void FlexibleMount::Step(const kinematics::SerialChain<7>& chain, const Joints& q, const Joints& qd,
-                         const Wrench& F_B, const Vector3& p_B, double dt_s) OSTEON_RT {
+void FlexibleMount::Step(const kinematics::SerialChain<7>& chain, const Input& input, double dt_s) OSTEON_RT {
+  const auto& [q, qd, F_B, p_B] = input;
   const RigidBodySum sum = SumLinks(chain, q, qd);
   Vector6 outside;
   outside << F_B.f, F_B.t + p_B.cross(F_B.f);

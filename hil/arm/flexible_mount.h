@@ -35,9 +35,14 @@ class FlexibleMount {
   FlexibleMount(const FlexibleMountParams& params, const kinematics::ChainParams<7>& chain,
                 const Vector3& gravity_B, const Joints& q_start);
 
-  /// @param F_B  external wrench, its force at p_B [m] of the base's frame
-  void Step(const kinematics::SerialChain<7>& chain, const Joints& q, const Joints& qd, const Wrench& F_B,
-            const Vector3& p_B, double dt_s) OSTEON_RT;
+  /// Motion of the arm on the mount, and the external wrench on it.
+  struct Input {
+    const Joints& q;               ///< [rad]
+    const Joints& qd;              ///< [rad/s]
+    Wrench F_B{};                  ///< its force acts at p_B of the base's frame
+    Vector3 p_B{Vector3::Zero()};  ///< [m]
+  };
+  void Step(const kinematics::SerialChain<7>& chain, const Input& input, double dt_s) OSTEON_RT;
 
   /// Joint torques [N·m] that the drives must add because the base accelerates.
   [[nodiscard]] Joints Torques(const kinematics::SerialChain<7>& chain, const Joints& q) const OSTEON_RT;

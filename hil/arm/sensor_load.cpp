@@ -15,8 +15,9 @@ Wrench SensorLoad(const control::ForceSensorParams& sensor, const Pose& X_WT, co
   return {.f = X_WS.linear().transpose() * F_S_W.f, .t = X_WS.linear().transpose() * F_S_W.t};
 }
 
-Wrench SubtractInertia(const control::ForceSensorParams& sensor, const Wrench& F_S, const Pose& X_WT,
-                       const Pose& X_WF, const Twist& V_WT, const Twist& A_WT) {
+Wrench SubtractInertia(const control::ForceSensorParams& sensor, const Wrench& F_S,
+                       const SensorMotion& motion) {
+  const auto& [X_WT, X_WF, V_WT, A_WT] = motion;
   const Matrix3 R_SW = (X_WF * Pose(sensor.X_FS)).linear().transpose(), R_FW = X_WF.linear().transpose();
   const Vector3 from_T_W = X_WF * Vector3(sensor.tool_center_F_m) - X_WT.translation();
   const Vector3 center_m_per_s2 = A_WT.v + A_WT.w.cross(from_T_W) + V_WT.w.cross(V_WT.w.cross(from_T_W));

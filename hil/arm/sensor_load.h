@@ -11,11 +11,17 @@ namespace osteon::hil {
 [[nodiscard]] Wrench SensorLoad(const control::ForceSensorParams& sensor, const Pose& X_WT, const Pose& X_WF,
                                 const Wrench& F_hand_T_W);
 
+/// Motion of sensor and tool.
+struct SensorMotion {
+  const Pose& X_WT;
+  const Pose& X_WF;
+  Twist V_WT{}, A_WT{};  ///< velocity of T and its rate of change, at To, in W
+};
+
 /// The same load without the wrench that accelerates the tool beyond the sensor: Newton's and Euler's
 /// equations at its centre of mass.
-/// @param F_S  SensorLoad  @param V_WT, A_WT  velocity of T and its rate of change, at To, in W
+/// @param F_S  SensorLoad
 [[nodiscard]] Wrench SubtractInertia(const control::ForceSensorParams& sensor, const Wrench& F_S,
-                                     const Pose& X_WT, const Pose& X_WF, const Twist& V_WT,
-                                     const Twist& A_WT);
+                                     const SensorMotion& motion);
 
 }  // namespace osteon::hil

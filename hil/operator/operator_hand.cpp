@@ -80,7 +80,9 @@ void OperatorHand::Reset() noexcept {
 Wrench OperatorHand::Step(double time_s, double period_s, const Pose& X_WT, const Twist& V_WT) noexcept {
   const HandTarget target = script_.Sample(time_s);
   const IncidentMoment moment = MomentOf(params_.incidents, time_s);
-  const Handle handle = HandleAt(time_s, period_s, moment.grip, target, X_WT, V_WT);
+  Handle handle = HandleAt(target, X_WT, V_WT);
+  handle.tremor_N = tremor_.ForceAt(time_s);
+  handle.F_mass = impedance_.StepMass(period_s, handle.V, moment.grip);
   push_share_ = PushShare(period_s, target, handle.X.translation());
 
   // impedance at the head's centre
@@ -100,9 +102,8 @@ Wrench OperatorHand::Step(double time_s, double period_s, const Pose& X_WT, cons
   return {.f = f, .t = LimitNorm(grip * F.t + handle.p_T_head_W.cross(f), params_.max_torque_Nm)};
 }
 
-OperatorHand::Handle OperatorHand::HandleAt(double time_s, double period_s, double grip,
-                                            const HandTarget& target, const Pose& X_WT,
-                                            const Twist& V_WT) noexcept {
+OperatorHand::Handle OperatorHand::HandleAt(const HandTarget& target, const Pose& X_WT,
+                                            const Twist& V_WT) const noexcept {
   // centre of the head, of the tool and of the target, relative to T's origin
   const Vector3 p_T_head_W = -script_.head_radius_m() * X_WT.linear().col(2);
   const Vector3 p_T_head_target_W = -script_.head_radius_m() * target.X_WT.linear().col(2);
@@ -112,10 +113,9 @@ OperatorHand::Handle OperatorHand::HandleAt(double time_s, double period_s, doub
                 .V = {.v = V_WT.v + V_WT.w.cross(p_T_head_W), .w = V_WT.w},
                 .V_target = {.v = target.V_WT.v + target.V_WT.w.cross(p_T_head_target_W), .w = target.V_WT.w},
                 .F_mass = {},
-                .tremor_N = tremor_.ForceAt(time_s)};
+                .tremor_N = Vector3::Zero()};
   handle.X.translation() += p_T_head_W;
   handle.X_target.translation() += p_T_head_target_W;
-  handle.F_mass = impedance_.StepMass(period_s, handle.V, grip);
   return handle;
 }
 

@@ -119,8 +119,7 @@ class OperatorHand {
     Wrench F_mass;  // the wrench that moves the hand's mass
     Vector3 tremor_N;
   };
-  [[nodiscard]] Handle HandleAt(double time_s, double period_s, double grip, const HandTarget& target,
-                                const Pose& X_WT, const Twist& V_WT) noexcept;
+  [[nodiscard]] Handle HandleAt(const HandTarget& target, const Pose& X_WT, const Twist& V_WT) const noexcept;
   // The share of the script's limit with which the hand still pushes, as its head nears the end of the work.
   [[nodiscard]] double PushShare(double period_s, const HandTarget& target, const Vector3& p_W_head) noexcept;
   // The wrench at the handle: the sum of the spring's (the given incident's; kNone: the hand's own), the

@@ -208,7 +208,12 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
     };
     std::thread servo_thread([&] {
       rt::NameThread("servo");
-      servo = RunServo(loop, wires.arm->link(), *wires.devices, simulation_port, recorder, servo_params);
+      servo = RunServo(loop,
+                       {.link = wires.arm->link(),
+                        .devices = *wires.devices,
+                        .simulation = simulation_port,
+                        .recorder = recorder},
+                       servo_params);
       wires.arm->EndSession();
       // At once, so that the arm does not count our end as a lost client.
       if (wires.cell) wires.cell->AskToEnd();
@@ -329,7 +334,8 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
     const control::CellReadings readings = (*devices)->Exchange(loop.cell_commands(), now);
     const bool could_recover = loop.CanRecover();
     const safety::FaultSet faults_before = loop.faults();
-    const control::TickRecord record = loop.Tick(state, received, readings, model, now, command);
+    const control::TickRecord record = loop.Tick(
+        {.state = state, .received = received, .readings = readings, .model = model, .now = now}, command);
     if (could_recover && record.input.recover) {
       result.cleared.Latch(faults_before);
       faults.Forget();

@@ -191,7 +191,8 @@ struct TickBench::Parts {
     const control::CellReadings readings = devices_->Exchange(loop_.cell_commands(), now);
     at[2] = rt::MonotonicNow();
     const simulation::ContactModel& model = models_.Load();
-    const control::TickRecord record = loop_.Tick(state_, received, readings, model, now, command_);
+    const control::TickRecord record = loop_.Tick(
+        {.state = state_, .received = received, .readings = readings, .model = model, .now = now}, command_);
     at[3] = rt::MonotonicNow();
     const bool answered = link_->Send(command_);
     at[4] = rt::MonotonicNow();

@@ -66,8 +66,8 @@ std::array<double, TickParts::kCount> TickParts::Time(const TickPartsInput& inpu
   const double arm_angle_rad = arm_.ArmAngle(input.q);
   const double held =
       kinematics::HeldLoad<7>(wanted_load_, J_B, gravity_Nm, X_BW_.linear() * X_WT.linear().col(2)).value;
-  const kinematics::LoadPreference<7> load =
-      kinematics::LoadGradientMotion<7>(servo_.posture, body_, wanted_load_, input.q, null_direction_, held);
+  const kinematics::LoadPreference<7> load = kinematics::LoadGradientMotion<7>(
+      servo_.posture, body_, wanted_load_, {.q = input.q, .n = null_direction_, .held = held});
   sink_ = arm_.Inverse(X_BW_ * X_WT * X_FT_.inverse(), arm_angle_rad, input.q, q_there) ? q_there[0] : 0.0;
   us[3] = MicrosecondsSince(begun);
 

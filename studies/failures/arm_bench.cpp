@@ -151,8 +151,12 @@ std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const ArmSce
                 if (scene.sensor) F_S = scene.sensor(i, X_WF, F_S);
                 const control::CellReadings readings{
                     .force = {.stamp = now, .F_S = F_S}, .spindle = {}, .interlock = {}};
-                const control::TickRecord record =
-                    loop.Tick(state, control::ReceiveResult::kOk, readings, model, now, command);
+                const control::TickRecord record = loop.Tick({.state = state,
+                                                              .received = control::ReceiveResult::kOk,
+                                                              .readings = readings,
+                                                              .model = model,
+                                                              .now = now},
+                                                             command);
                 tick.fault = record.faults != 0;
                 tick.f_coupling_N = Vector3(record.F_coupling_T_W.f);
                 tick.wrench_scale = record.wrench_scale;
@@ -178,8 +182,9 @@ std::vector<ArmRideTick> RideMethod(const ArmRideParams& params, const HandPath&
   const auto step = [&](int, const JointVector&, const Wrench& F_T_W, ArmRideTick& tick) -> JointVector {
     // the virtual tool is at the joints' pose, as in the loop
     Twist V_next;
-    tick.fault =
-        !control::NextTwist(same.admittance, arm.FlangePose(q) * params.X_FT, V, F_T_W, kDt_s, V_next);
+    tick.fault = !control::NextTwist(
+        same.admittance, {.X_WT = arm.FlangePose(q) * params.X_FT, .V_WT = V, .F_T_W = F_T_W, .dt_s = kDt_s},
+        V_next);
     if (tick.fault) return q;
     V = safety::LimitTwist(V_next, same.twist).V;
     const JointVector q_step = method(arm.JacobianAt(q, params.X_FT.translation()), q, V, kDt_s);

@@ -132,7 +132,8 @@ class Controller {
     if (hand_.pose_stamp >= 0)
       ride.hand_age_s = std::max(ride.hand_age_s, rt::ToSeconds(now - hand_.pose_stamp));
     F.f += f_hand;
-    if (!control::NextTwist(law_, state_.X_WT, state_.V_WT, F, kDt_s, state_.V_WT))
+    if (!control::NextTwist(law_, {.X_WT = state_.X_WT, .V_WT = state_.V_WT, .F_T_W = F, .dt_s = kDt_s},
+                            state_.V_WT))
       return;  // holds its place
     state_.X_WT =
         control::IntegratePose(state_.X_WT, {.v = fade * state_.V_WT.v, .w = Vector3::Zero()}, kDt_s);

@@ -119,7 +119,9 @@ const control::TickRecord& FaultRig::Tick(const RigInjection& inject, int since)
   time_ += kTick;
   RigInputs in = Inputs();
   if (inject) inject(in, since, *this);
-  last_ = loop_.Tick(in.arm, in.received, in.readings, in.model, in.now, command_);
+  last_ = loop_.Tick(
+      {.state = in.arm, .received = in.received, .readings = in.readings, .model = in.model, .now = in.now},
+      command_);
   recorder_.Push(last_);
   if (recorder_.Stalled()) loop_.ReportRecorder();
   ++ticks_;

@@ -173,7 +173,8 @@ class VirtualRun {
     UpdateModel(tick, now);
     const control::CellReadings readings = devices_->Exchange(loop_.cell_commands(), now);
     const auto received = accepted ? control::ReceiveResult::kOk : control::ReceiveResult::kTimeout;
-    const control::TickRecord record = loop_.Tick(state_, received, readings, model_, now, command_);
+    const control::TickRecord record = loop_.Tick(
+        {.state = state_, .received = received, .readings = readings, .model = model_, .now = now}, command_);
     step_ = hold_.Step(ExcitedTickOf(record));
     begun_ |= step_.excites;
     pause_.Tick(loop_);
@@ -324,7 +325,8 @@ tl::expected<void, std::string> RunConnected(const session::CellSetup& setup, co
   control::RunServoResult servo;
   std::thread thread([&] {
     rt::NameThread("servo");
-    servo = control::RunServo(loop, wires, wires, free_air, recorder,
+    servo = control::RunServo(loop,
+                              {.link = wires, .devices = wires, .simulation = free_air, .recorder = recorder},
                               {.deadline_s = 5.0 * cell.servo.period_s,
                                .seconds = 0.0,
                                .give_up_s = params.wait_s,

@@ -129,7 +129,8 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
     const Load& felt = loads.back();
     Wrench F_S = hil::SensorLoad(servo.sensor, X_WT, X_WF, felt.F_T_W);
     if (params.sensor_feels_inertia)
-      F_S = hil::SubtractInertia(servo.sensor, F_S, X_WT, X_WF, felt.V_WT, felt.A_WT);
+      F_S = hil::SubtractInertia(servo.sensor, F_S,
+                                 {.X_WT = X_WT, .X_WF = X_WF, .V_WT = felt.V_WT, .A_WT = felt.A_WT});
 
     const rt::Nanoseconds now = rt::kSecond + static_cast<rt::Nanoseconds>(i) * period_ns;
     state.stamp = now;
@@ -139,8 +140,12 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
     model.frame = i + 1;
     model.pose_stamp = now;
     const control::CellReadings readings{.force = {.stamp = now, .F_S = F_S}};
-    const control::TickRecord record =
-        loop.Tick(state, control::ReceiveResult::kOk, readings, model, now, command);
+    const control::TickRecord record = loop.Tick({.state = state,
+                                                  .received = control::ReceiveResult::kOk,
+                                                  .readings = readings,
+                                                  .model = model,
+                                                  .now = now},
+                                                 command);
     point.fault |= record.faults != 0;
 
     const Matrix3 R_BW = params.X_WB.linear().transpose();

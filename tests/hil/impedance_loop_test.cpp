@@ -94,7 +94,12 @@ class ImpedanceBench {
       model.contacts[0].p_W_m = plane_W;
       model.contacts[0].n_W = Vector3(-feed_W);
       model.contacts[0].stiffness_N_per_m = 10e3;
-      record = loop.Tick(state, control::ReceiveResult::kOk, readings, model, now, command);
+      record = loop.Tick({.state = state,
+                          .received = control::ReceiveResult::kOk,
+                          .readings = readings,
+                          .model = model,
+                          .now = now},
+                         command);
       drive_.q_cmd = Eigen::Map<const JointVector>(command.q.data());
       drive_.tau_Nm = Eigen::Map<const JointVector>(command.tau.data());
       const Matrix3 R_WT = Tool().linear();
@@ -249,7 +254,12 @@ TEST(ImpedanceLoop, ADeadSimulationFadesAndStops) {
     bench.readings.force.stamp = bench.now;
     simulation::ContactModel stale = bench.model;
     stale.pose_stamp = frozen - i * rt::kMillisecond;
-    bench.loop.Tick(state, control::ReceiveResult::kOk, bench.readings, stale, bench.now, bench.command);
+    bench.loop.Tick({.state = state,
+                     .received = control::ReceiveResult::kOk,
+                     .readings = bench.readings,
+                     .model = stale,
+                     .now = bench.now},
+                    bench.command);
   }
   EXPECT_TRUE(bench.loop.faults().Has(Fault::kModelStale));
   EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
@@ -270,7 +280,11 @@ TEST(ImpedanceLoop, APositionThatIsNoneIsAnsweredWithNoWrenchAndAStop) {
     bench.now += rt::kMillisecond;
     bench.state.stamp = bench.now;
     bench.readings.force.stamp = bench.now;
-    bench.loop.Tick(bench.state, control::ReceiveResult::kOk, bench.readings, bench.model, bench.now,
+    bench.loop.Tick({.state = bench.state,
+                     .received = control::ReceiveResult::kOk,
+                     .readings = bench.readings,
+                     .model = bench.model,
+                     .now = bench.now},
                     bench.command);
     EXPECT_EQ(sent(), 0.0) << "neither what is no number nor the wrench of the tick before";
     EXPECT_TRUE(bench.loop.faults().Has(Fault::kNotFinite));

@@ -108,8 +108,12 @@ TEST_P(WholeTick, NeitherAllocatesNorLocksFromDatagramToRecord) {
     // the tick
     rt::CheckedNoAllocScope no_alloc;
     const control::ReceiveResult received = (*link)->Receive(state, rt::MonotonicNow() + rt::kSecond);
-    const control::TickRecord record =
-        loop.Tick(state, received, {.force = sensor.Load()}, models.Load(), now, command);
+    const control::TickRecord record = loop.Tick({.state = state,
+                                                  .received = received,
+                                                  .readings = {.force = sensor.Load()},
+                                                  .model = models.Load(),
+                                                  .now = now},
+                                                 command);
     const bool answered = (*link)->Send(command);
     commands.Store(loop.tool_command());
     const bool recorded = (*recorder)->Push(record);

@@ -93,7 +93,7 @@ struct Pressing {
 JointVectorN<7> LoadGradientMotion(const PosturePreferenceParams& params, const Pressing& pressing,
                                    const JointVectorN<7>& q, const JointVectorN<7>& n) {
   const double held = HeldLoad<7>(*pressing.chain, pressing.wanted, q).value;
-  return LoadGradientMotion<7>(params, *pressing.chain, pressing.wanted, q, n, held).qd;
+  return LoadGradientMotion<7>(params, *pressing.chain, pressing.wanted, {.q = q, .n = n, .held = held}).qd;
 }
 
 // The flange stands still while the elbow follows the preference: the posture ends where it holds the zone's

@@ -407,7 +407,9 @@ std::string WildCell::Tick(const Op& op) {
   Nominal();
   Disturb(op);
   oracle_.Before(loop_, state_, received_, asked_);
-  const control::TickRecord record = loop_.Tick(state_, received_, readings_, model_, now_, command_);
+  const control::TickRecord record = loop_.Tick(
+      {.state = state_, .received = received_, .readings = readings_, .model = model_, .now = now_},
+      command_);
   ++ticks_;
   if (std::string wrong = oracle_.After(loop_, record, command_); !wrong.empty()) return wrong;
   MoveArm();

@@ -57,7 +57,12 @@ ChangeRide RideChange(const ChangeRideParams& params) {
     control::ForceSensorParams load = params.tools.front().sensor;
     load.tool_mass_kg = carried_kg;
     readings.force = {.stamp = now, .F_S = control::ToolWeight(load, X_WF)};
-    record = loop.Tick(state, control::ReceiveResult::kOk, readings, FreshModel(++frame, now), now, command);
+    record = loop.Tick({.state = state,
+                        .received = control::ReceiveResult::kOk,
+                        .readings = readings,
+                        .model = FreshModel(++frame, now),
+                        .now = now},
+                       command);
   };
   const auto run = [&](int count) {
     for (int i = 0; i < count; ++i) tick();

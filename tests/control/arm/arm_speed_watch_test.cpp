@@ -154,8 +154,12 @@ TEST(ArmSpeedInTheLoop, AnArmThatIsThrownBackIsAStop) {
     thrown.stamp = bench.now += ServoBench::kTick;
     ++thrown.sequence;
     bench.readings.force.stamp = bench.now;
-    const TickRecord record =
-        bench.loop.Tick(thrown, ReceiveResult::kOk, bench.readings, bench.model, bench.now, bench.command);
+    const TickRecord record = bench.loop.Tick({.state = thrown,
+                                               .received = ReceiveResult::kOk,
+                                               .readings = bench.readings,
+                                               .model = bench.model,
+                                               .now = bench.now},
+                                              bench.command);
     EXPECT_EQ(record.faults, static_cast<std::uint32_t>(Fault::kArmSpeed));
     EXPECT_GT(record.tool_speed_meas_m_per_s, 1.0);
     EXPECT_FALSE(safety::IsMotion(bench.loop.state()));

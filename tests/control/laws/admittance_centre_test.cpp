@@ -87,7 +87,7 @@ TEST(AdmittanceCentre, IsTheDenseSolutionOfTheFullMatrices) {
     const Twist V{.v = draw.Box(0.3), .w = draw.Box(2.0)};
     const Wrench F{.f = draw.Box(200.0), .t = draw.Box(20.0)};
     Twist next;
-    ASSERT_TRUE(NextTwist(params, X_WT, V, F, kDt_s, next));
+    ASSERT_TRUE(NextTwist(params, {.X_WT = X_WT, .V_WT = V, .F_T_W = F, .dt_s = kDt_s}, next));
 
     // V belongs to the step before: the velocity of the centre is kept from there
     const Vector3 c_W = R * own.centre_T_m, c_before_W = ExpRotation(-kDt_s * V.w) * c_W;
@@ -112,7 +112,7 @@ TEST(AdmittanceCentre, AtTheOriginIsTheLawByAxisBitForBit) {
     const Twist V{.v = draw.Box(0.3), .w = draw.Box(2.0)};
     const Wrench F{.f = draw.Box(200.0), .t = draw.Box(20.0)};
     Twist next;
-    ASSERT_TRUE(NextTwist(params, X_WT, V, F, kDt_s, next));
+    ASSERT_TRUE(NextTwist(params, {.X_WT = X_WT, .V_WT = V, .F_T_W = F, .dt_s = kDt_s}, next));
     const auto by_axis = [&](const Vector3& v_W, const Vector3& f_W, const Vector3& m,
                              const Vector3& b) -> Vector3 {
       const Vector3 v = R.transpose() * v_W, f = R.transpose() * f_W;
@@ -144,13 +144,15 @@ TEST(AdmittanceCentre, TheHandleFeelsTheAxisMassAndTheApexTheLever) {
     const Vector3 f_W = 10.0 * R.col(axis);
     const Vector3 c_W = R * params.centre_T_m;
     Twist V;
-    ASSERT_TRUE(NextTwist(params, X_WT, {}, {.f = f_W, .t = c_W.cross(f_W)}, kDt_s, V));
+    ASSERT_TRUE(
+        NextTwist(params, {.X_WT = X_WT, .F_T_W = {.f = f_W, .t = c_W.cross(f_W)}, .dt_s = kDt_s}, V));
     EXPECT_LT(V.w.norm(), 1e-15) << axis;
     const double a = R.col(axis).dot(V.v) / kDt_s;
     EXPECT_NEAR(10.0 / a, params.mass_kg[axis], 1e-8 * params.mass_kg[axis]) << axis;
   }
   Twist V;
-  ASSERT_TRUE(NextTwist(params, X_WT, {}, {.f = 10.0 * R.col(0), .t = Vector3::Zero()}, kDt_s, V));
+  ASSERT_TRUE(NextTwist(
+      params, {.X_WT = X_WT, .F_T_W = {.f = 10.0 * R.col(0), .t = Vector3::Zero()}, .dt_s = kDt_s}, V));
   const double felt_kg = 10.0 / (R.col(0).dot(V.v) / kDt_s);
   EXPECT_NEAR(1.0 / felt_kg, 1.0 / 2.0 + 0.25 * 0.25 / 0.3, 1e-8) << "turns about y";
 }
@@ -173,7 +175,7 @@ TEST(AdmittanceCentre, AFreeBodyKeepsItsEnergyAndItsCentreWhileItTurns) {
   for (int i = 0; i < 20'000; ++i) {
     const Matrix3 R = state.X_WT.linear();
     Twist V;
-    ASSERT_TRUE(NextTwist(params, state.X_WT, state.V_WT, {}, kDt_s, V));
+    ASSERT_TRUE(NextTwist(params, {.X_WT = state.X_WT, .V_WT = state.V_WT, .dt_s = kDt_s}, V));
     const double now = Energy(params, R, V);
     ASSERT_LE(now, energy * (1.0 + 1e-14)) << "tick " << i;
     energy = now;
@@ -195,7 +197,7 @@ TEST(AdmittanceCentre, TheEnergyIsBoundedForAnyStep) {
       const Twist V{.v = draw.Box(0.3), .w = Vector3::Zero()};
       const Wrench F{.f = draw.Box(200.0), .t = draw.Box(20.0)};
       Twist next;
-      ASSERT_TRUE(NextTwist(params, X_WT, V, F, dt_s, next));
+      ASSERT_TRUE(NextTwist(params, {.X_WT = X_WT, .V_WT = V, .F_T_W = F, .dt_s = dt_s}, next));
       const Vector3 f_T = R.transpose() * F.f, v_T = R.transpose() * V.v;
       const Vector3 t_C = R.transpose() * F.t - params.centre_T_m.cross(f_T);
       double most = 0.0;
@@ -220,7 +222,7 @@ TEST(AdmittanceCentre, ALockedAxisHasNoVelocityFeelsNoForceAndNoOtherAxisFeelsIt
     const Vector3 along = draw.Within(-100.0, 100.0) * R.col(2);
     const auto next_of = [&](const Wrench& F) {
       Twist next;
-      EXPECT_TRUE(NextTwist(params, X_WT, V, F, kDt_s, next));
+      EXPECT_TRUE(NextTwist(params, {.X_WT = X_WT, .V_WT = V, .F_T_W = F, .dt_s = kDt_s}, next));
       return next;
     };
     // a force across the free axis and any torque change nothing
@@ -241,8 +243,10 @@ TEST(AdmittanceCentre, ALockedAxisMovesAsItIsHeld) {
   params.centre_T_m = {0.0, 0.1, -0.2};
   params.locked = {true, false, false, false, false, true};
   Twist V;
-  ASSERT_TRUE(
-      NextTwist(params, Pose::Identity(), {}, {}, kDt_s, V, {.v = {0.01, 9.0, 9.0}, .w = {9.0, 9.0, 0.05}}));
+  ASSERT_TRUE(NextTwist(
+      params,
+      {.X_WT = Pose::Identity(), .dt_s = kDt_s, .V_held_C = {.v = {0.01, 9.0, 9.0}, .w = {9.0, 9.0, 0.05}}},
+      V));
   const Vector3 v_C = V.v + V.w.cross(params.centre_T_m);
   EXPECT_LT((v_C - Vector3(0.01, 0.0, 0.0)).norm(), 1e-15) << "free axes are not held";
   EXPECT_EQ(V.w, Vector3(0.0, 0.0, 0.05));
@@ -272,8 +276,12 @@ TEST(AdmittanceCentre, DoesNotAllocate) {
   params.locked[0] = true;
   Twist V;
   rt::CheckedNoAllocScope no_alloc;
-  const bool ok = NextTwist(params, Turned({0.1, 0.2, 0.3}), {.v = {0.1, 0.0, 0.0}, .w = {0.0, 1.0, 0.0}},
-                            {.f = {1.0, 2.0, 3.0}, .t = {0.1, 0.2, 0.3}}, kDt_s, V);
+  const bool ok = NextTwist(params,
+                            {.X_WT = Turned({0.1, 0.2, 0.3}),
+                             .V_WT = {.v = {0.1, 0.0, 0.0}, .w = {0.0, 1.0, 0.0}},
+                             .F_T_W = {.f = {1.0, 2.0, 3.0}, .t = {0.1, 0.2, 0.3}},
+                             .dt_s = kDt_s},
+                            V);
   no_alloc.End();
   EXPECT_TRUE(ok);
 }

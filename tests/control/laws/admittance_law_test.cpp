@@ -37,7 +37,9 @@ TEST(AdmittanceLaw, AxesAreTheToolsOwn) {
     Pose X_WT = Pose::Identity();
     X_WT.linear() = R_WT;
     Twist V;
-    ASSERT_TRUE(NextTwist(params, X_WT, {}, {.f = 10.0 * R_WT.col(axis), .t = Vector3::Zero()}, kDt_s, V));
+    ASSERT_TRUE(NextTwist(
+        params, {.X_WT = X_WT, .F_T_W = {.f = 10.0 * R_WT.col(axis), .t = Vector3::Zero()}, .dt_s = kDt_s},
+        V));
     const double m = params.mass_kg[axis];
     const Vector3 expected = kDt_s / m * 10.0 / (1.0 + kDt_s * 20.0 / m) * R_WT.col(axis);
     EXPECT_TRUE(V.v.isApprox(expected, 1e-13)) << "axis " << axis;

@@ -33,8 +33,13 @@ TEST(AxisLock, WhatAddsUpOverALongWayIsDrawnBackToOneLine) {
   for (int i = 0; i < 100'000; ++i) {
     const Twist held_C = lock.Correction(X_WT);
     Twist V;
-    ASSERT_TRUE(NextTwist(params, X_WT, {.v = 0.01 * X_WT.linear().col(2), .w = Vector3::Zero()},
-                          {.f = 0.2 * X_WT.linear().col(2), .t = Vector3::Zero()}, kDt_s, V, held_C));
+    ASSERT_TRUE(NextTwist(params,
+                          {.X_WT = X_WT,
+                           .V_WT = {.v = 0.01 * X_WT.linear().col(2), .w = Vector3::Zero()},
+                           .F_T_W = {.f = 0.2 * X_WT.linear().col(2), .t = Vector3::Zero()},
+                           .dt_s = kDt_s,
+                           .V_held_C = held_C},
+                          V));
     X_WT = IntegratePose(X_WT, V, kDt_s);
     X_WT.translation() += drift_m;
     X_WT.linear() = ExpRotation(turn_rad) * X_WT.linear();
@@ -74,8 +79,13 @@ TEST(AxisLock, ATurnThatIsFreeIsNotDrawnBack) {
   const Vector3 centre = X_WT * params.centre_T_m;
   Twist V;
   for (int i = 0; i < 3000; ++i) {
-    ASSERT_TRUE(NextTwist(params, X_WT, V, {.f = {30.0, 10.0, -40.0}, .t = {0.4, 0.3, 0.2}}, kDt_s, V,
-                          lock.Correction(X_WT)));
+    ASSERT_TRUE(NextTwist(params,
+                          {.X_WT = X_WT,
+                           .V_WT = V,
+                           .F_T_W = {.f = {30.0, 10.0, -40.0}, .t = {0.4, 0.3, 0.2}},
+                           .dt_s = kDt_s,
+                           .V_held_C = lock.Correction(X_WT)},
+                          V));
     X_WT = IntegratePose(X_WT, V, kDt_s);
   }
   EXPECT_GT(LogRotation(X_WT.linear()).norm(), 0.5) << "it pivots about its centre";

@@ -115,7 +115,8 @@ struct Rig {
 
   RunServoResult Run(FakeArm& arm, RunServoParams params) {
     params.thread = {.priority = 0};
-    return RunServo(loop, arm, world, simulation, recorder, params);
+    return RunServo(loop, {.link = arm, .devices = world, .simulation = simulation, .recorder = recorder},
+                    params);
   }
 };
 
@@ -226,8 +227,9 @@ TEST(RunServo, ARecorderThatStandsStillEndsTheRun) {
   Rig rig;
   Stalls recorder;
   FakeArm arm;
-  const RunServoResult result = RunServo(rig.loop, arm, rig.world, rig.simulation, recorder,
-                                         {.seconds = 5.0, .give_up_s = 5.0, .second = &rig.second});
+  const RunServoResult result = RunServo(
+      rig.loop, {.link = arm, .devices = rig.world, .simulation = rig.simulation, .recorder = recorder},
+      {.seconds = 5.0, .give_up_s = 5.0, .second = &rig.second});
   EXPECT_EQ(result.end, RunEnd::kFault);
   EXPECT_EQ(result.faults.bits(), static_cast<std::uint32_t>(safety::Fault::kRecorder));
   EXPECT_EQ(rig.loop.phase(), Phase::kStopped);
@@ -247,8 +249,9 @@ TEST(RunServo, ATickThatIsRefusedEndsTheRun) {
   Rig rig;
   Full recorder;
   FakeArm arm;
-  const RunServoResult result =
-      RunServo(rig.loop, arm, rig.world, rig.simulation, recorder, {.seconds = 5.0, .give_up_s = 5.0});
+  const RunServoResult result = RunServo(
+      rig.loop, {.link = arm, .devices = rig.world, .simulation = rig.simulation, .recorder = recorder},
+      {.seconds = 5.0, .give_up_s = 5.0});
   EXPECT_EQ(result.end, RunEnd::kFault);
   EXPECT_TRUE(result.faults.Has(safety::Fault::kRecorder));
   EXPECT_GT(result.unrecorded, 0u);
@@ -266,8 +269,9 @@ TEST(RunServo, AStopFlagStopsInOrder) {
     }
   } recorder;
   recorder.flag = &stop;
-  const RunServoResult result = RunServo(rig.loop, arm, rig.world, rig.simulation, recorder,
-                                         {.seconds = 0.0, .thread = {.priority = 0}, .stop = &stop});
+  const RunServoResult result = RunServo(
+      rig.loop, {.link = arm, .devices = rig.world, .simulation = rig.simulation, .recorder = recorder},
+      {.seconds = 0.0, .thread = {.priority = 0}, .stop = &stop});
   EXPECT_EQ(result.end, RunEnd::kStopFlag);
   EXPECT_EQ(rig.loop.phase(), Phase::kStopped);
   EXPECT_EQ(result.faults.bits(), 0u);

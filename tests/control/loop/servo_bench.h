@@ -62,7 +62,8 @@ class ServoBench {
           .F_S = OnTheSensor({.f = push_N * feed_W + side_W_N, .t = Vector3::Zero()}, ToolNow())};
     }
     if (simulation_lives && ticks % frame_ticks == 0) Simulate();
-    const TickRecord record = loop.Tick(arm, received, readings, model, now, command);
+    const TickRecord record = loop.Tick(
+        {.state = arm, .received = received, .readings = readings, .model = model, .now = now}, command);
     ++ticks;
     last_command = loop.tool_command();
     return record;

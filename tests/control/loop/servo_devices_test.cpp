@@ -171,8 +171,12 @@ TEST_F(ServoDevices, AnOverloadedSensorIsAStopAndIsNotFelt) {
   readings.force.trusted = false;
   bench.now += ServoBench::kTick;
   readings.force.stamp = readings.spindle.stamp = readings.interlock.stamp = bench.now;
-  const TickRecord record =
-      bench.loop.Tick(bench.arm, ReceiveResult::kOk, readings, bench.model, bench.now, bench.command);
+  const TickRecord record = bench.loop.Tick({.state = bench.arm,
+                                             .received = ReceiveResult::kOk,
+                                             .readings = readings,
+                                             .model = bench.model,
+                                             .now = bench.now},
+                                            bench.command);
   EXPECT_TRUE(bench.loop.faults().Has(Fault::kSensorFault));
   EXPECT_EQ(Vector3(record.F_operator_T_W.f).norm(), 0.0);
   EXPECT_NE(record.phase, Phase::kHaptic);

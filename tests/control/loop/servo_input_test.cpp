@@ -24,7 +24,9 @@ TEST(ServoInput, NoPoseIsToldToTheSimulationBeforeTheArmHasToldOne) {
   EXPECT_EQ(bench.loop.tool_command().stamp, 0) << "idle";
   bench.arm.session = SessionState::kMonitoringReady;
   bench.arm.q_meas = q;
-  const TickRecord record = bench.loop.Tick(bench.arm, ReceiveResult::kOk, {}, {}, bench.now, bench.command);
+  const TickRecord record = bench.loop.Tick(
+      {.state = bench.arm, .received = ReceiveResult::kOk, .readings = {}, .model = {}, .now = bench.now},
+      bench.command);
   EXPECT_EQ(bench.loop.tool_command().stamp, bench.now);
   EXPECT_LT((Pose(record.X_WT_cmd).matrix() - ServoBench::StartPose().matrix()).norm(), 1e-9);
 }
@@ -93,8 +95,12 @@ TEST(ServoInput, AModelOrReadingOfAnotherTimeIsNotFresh) {
     simulation::ContactModel model = bench.model;
     model.pose_stamp = bench.now + offset;
     model.frame += 1000;
-    TickRecord record =
-        bench.loop.Tick(bench.arm, ReceiveResult::kOk, bench.readings, model, bench.now, bench.command);
+    TickRecord record = bench.loop.Tick({.state = bench.arm,
+                                         .received = ReceiveResult::kOk,
+                                         .readings = bench.readings,
+                                         .model = model,
+                                         .now = bench.now},
+                                        bench.command);
     EXPECT_EQ(Vector3(record.F_coupling_T_W.f).norm(), 0.0) << "offset " << offset;
 
     ServoBench other(ServoBench::Params(), 1.0);
@@ -105,7 +111,12 @@ TEST(ServoInput, AModelOrReadingOfAnotherTimeIsNotFresh) {
     readings.force.F_S =
         ServoBench::OnTheSensor({.f = Vector3(0.0, 0.0, 200.0), .t = Vector3::Zero()}, other.ToolNow());
     if (offset == -80 * rt::kMillisecond) continue;  // fades to 0 at 100 ms
-    record = other.loop.Tick(other.arm, ReceiveResult::kOk, readings, other.model, other.now, other.command);
+    record = other.loop.Tick({.state = other.arm,
+                              .received = ReceiveResult::kOk,
+                              .readings = readings,
+                              .model = other.model,
+                              .now = other.now},
+                             other.command);
     EXPECT_TRUE(other.loop.faults().Has(Fault::kSensorStale)) << "offset " << offset;
     EXPECT_EQ(Vector3(record.v_WT_cmd_m_per_s).norm(), 0.0) << "not moved by it";
   }
@@ -127,8 +138,12 @@ TEST(ServoInput, AnOlderFrameAfterANewerOneIsUsedAtItsAge) {
     const bool old = i % 3 == 0;
     model.frame = newest.frame + 100 + static_cast<std::uint64_t>(i) - (old ? 50 : 0);
     model.pose_stamp = bench.now - (old ? 45 : 1) * rt::kMillisecond;
-    const TickRecord record =
-        bench.loop.Tick(bench.arm, ReceiveResult::kOk, bench.readings, model, bench.now, bench.command);
+    const TickRecord record = bench.loop.Tick({.state = bench.arm,
+                                               .received = ReceiveResult::kOk,
+                                               .readings = bench.readings,
+                                               .model = model,
+                                               .now = bench.now},
+                                              bench.command);
     ASSERT_EQ(record.faults, 0u) << "tick " << i;
     const double f_N = Vector3(record.F_coupling_T_W.f).norm();
     ASSERT_LE(f_N, std::max(0.4 * 120.0, before_N) + 2.5) << "falls with the age at once, comes back slowly";

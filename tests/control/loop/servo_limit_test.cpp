@@ -152,8 +152,12 @@ TEST(ServoLimit, MessagesOfRandomBitsNeverMoveTheArmTooFast) {
       if (adversary.Chance(0.2)) arm.q_meas[adversary.Bits() % 7] = adversary.Hostile();
       if (adversary.Chance(0.2)) arm.q_ipo[adversary.Bits() % 7] = adversary.Hostile();
       if (adversary.Chance(0.1)) arm.safety_state = static_cast<std::uint8_t>(adversary.Bits());
-      const TickRecord record = bench.loop.Tick(arm, ReceiveResult::kOk, bench.readings, bench.model,
-                                                bench.now + i * rt::kMillisecond, bench.command);
+      const TickRecord record = bench.loop.Tick({.state = arm,
+                                                 .received = ReceiveResult::kOk,
+                                                 .readings = bench.readings,
+                                                 .model = bench.model,
+                                                 .now = bench.now + i * rt::kMillisecond},
+                                                bench.command);
       for (std::size_t j = 0; j < 7; ++j)
         ASSERT_LE(std::abs(record.q_cmd[j] - before[j]),
                   0.001 * kinematics::Iiwa14().limits[j].velocity_rad_per_s);

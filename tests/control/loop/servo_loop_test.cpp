@@ -60,8 +60,12 @@ TEST(ServoLoop, TurnsToTheWantedArmAngleSlowlyFromAnyOther) {
     ArmState arm = bench.arm;
     arm.q_meas = command.q;
     const auto before = command.q;
-    const TickRecord record =
-        loop.Tick(arm, ReceiveResult::kOk, bench.readings, bench.model, bench.now, command);
+    const TickRecord record = loop.Tick({.state = arm,
+                                         .received = ReceiveResult::kOk,
+                                         .readings = bench.readings,
+                                         .model = bench.model,
+                                         .now = bench.now},
+                                        command);
     ASSERT_EQ(record.faults, 0u);
     ASSERT_LT(JointSpeedShare(before, command.q), 0.2);
   }
@@ -349,7 +353,12 @@ TEST(ServoLoop, AnArmFarFromItsCommandIsAFault) {
   bench.Run(10);
   ArmState arm = bench.arm;
   arm.q_meas[0] += 0.1;  // 6 cm at the tool
-  bench.loop.Tick(arm, ReceiveResult::kOk, bench.readings, bench.model, bench.now, bench.command);
+  bench.loop.Tick({.state = arm,
+                   .received = ReceiveResult::kOk,
+                   .readings = bench.readings,
+                   .model = bench.model,
+                   .now = bench.now},
+                  bench.command);
   EXPECT_TRUE(bench.loop.faults().Has(Fault::kTracking));
 }
 

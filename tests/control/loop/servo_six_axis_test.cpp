@@ -80,7 +80,9 @@ class SixAxisBench {
       model.contacts[0].p_W_m = plane_W;
       model.contacts[0].n_W = Vector3(-feed_W);
       model.contacts[0].stiffness_N_per_m = kStiffness_N_per_m;
-      record = loop.Tick(arm, ReceiveResult::kOk, readings, model, now, command);
+      record = loop.Tick(
+          {.state = arm, .received = ReceiveResult::kOk, .readings = readings, .model = model, .now = now},
+          command);
     }
     return record;
   }

@@ -440,7 +440,11 @@ TEST_F(ServoState, InEveryStateAFaultLeadsToRest) {
     // a measured joint that is NaN, for one tick
     ArmState broken = cell.bench.arm;
     broken.q_meas[3] = std::numeric_limits<double>::quiet_NaN();
-    cell.bench.loop.Tick(broken, ReceiveResult::kOk, cell.bench.readings, cell.bench.model, cell.bench.now,
+    cell.bench.loop.Tick({.state = broken,
+                          .received = ReceiveResult::kOk,
+                          .readings = cell.bench.readings,
+                          .model = cell.bench.model,
+                          .now = cell.bench.now},
                          cell.bench.command);
     EXPECT_TRUE(cell.bench.loop.faults().Has(Fault::kNotFinite)) << name;
     EXPECT_FALSE(safety::IsMotion(cell.state())) << name;

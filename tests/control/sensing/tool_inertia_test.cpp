@@ -124,7 +124,9 @@ TEST(ToolInertia, ALostMessageIsNoJolt) {
     simulation::ContactModel model;
     model.frame = static_cast<std::uint64_t>(i) + 1;
     model.pose_stamp = now;
-    const TickRecord record = loop.Tick(state, ReceiveResult::kOk, readings, model, now, command);
+    const TickRecord record = loop.Tick(
+        {.state = state, .received = ReceiveResult::kOk, .readings = readings, .model = model, .now = now},
+        command);
     ASSERT_EQ(record.faults, 0u) << i;
     if (i > 200) peak_N = std::max(peak_N, Vector3(record.F_operator_T_W.f).norm());
   }

@@ -262,7 +262,7 @@ FreeFlight Fly(double push) {
     const JointVector qdd = chain.ForwardDynamics(q, qd, push * tau - mount.Torques(chain, q));
     qd += kStep_s * qdd;
     q += kStep_s * qd;
-    mount.Step(chain, q, qd, {}, Vector3::Zero(), kStep_s);
+    mount.Step(chain, {.q = q, .qd = qd}, kStep_s);
     flight.base_momentum = std::max(flight.base_momentum, kMass_kg * mount.rate().head<3>().norm());
     if (k == 2500) pushed = energy();
   }

@@ -42,8 +42,8 @@ TEST(ToolInertiaLoad, TheControllerFindsTheHandInIt) {
                    .w = flange.A.w};
   const Wrench hand{.f = {10.0, -20.0, 5.0}, .t = {0.5, 0.3, -0.7}};
 
-  const Wrench F_S =
-      hil::SubtractInertia(sensor, hil::SensorLoad(sensor, X_WT, flange.X, hand), X_WT, flange.X, V_WT, A_WT);
+  const Wrench F_S = hil::SubtractInertia(sensor, hil::SensorLoad(sensor, X_WT, flange.X, hand),
+                                          {.X_WT = X_WT, .X_WF = flange.X, .V_WT = V_WT, .A_WT = A_WT});
   const Wrench without = control::HandWrench(sensor, F_S, flange.X, X_WT.translation());
   const Wrench inertia = control::InertiaWrench(sensor, flange, X_WT.translation());
   EXPECT_GT((without.f - hand.f).norm(), 1.0) << "what moves the tool is in it";
