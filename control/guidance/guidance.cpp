@@ -41,16 +41,16 @@ void Guidance::Accept(double share) OSTEON_RT {
   trips_ = growth_.Check(share * field_.f_spring_W, period_s_);
 }
 
-void Guidance::FillRecord(TickRecord& record) const OSTEON_RT {
-  record.guidance = {.present = true,
-                     .F_T_W = share_.F_T_W(),
-                     .share = share_.share(),
-                     .potential_J = field_.potential_J,
-                     .energy_J = share_.energy_J(),
-                     .cone_rad = field_.excess.cone_rad,
-                     .lateral_m = field_.excess.lateral_m,
-                     .depth_m = field_.excess.depth_m,
-                     .stops_spindle = stops_spindle_};
+GuidanceRecord Guidance::Record() const OSTEON_RT {
+  return {.present = true,
+          .F_T_W = share_.F_T_W(),
+          .share = share_.share(),
+          .potential_J = field_.potential_J,
+          .energy_J = share_.energy_J(),
+          .cone_rad = field_.excess.cone_rad,
+          .lateral_m = field_.excess.lateral_m,
+          .depth_m = field_.excess.depth_m,
+          .stops_spindle = stops_spindle_};
 }
 
 }  // namespace osteon::control

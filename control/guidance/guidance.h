@@ -50,8 +50,8 @@ class Guidance {
   /// Whether the springs' force grew faster than 1.5 sum(k) v_max in this tick: a defect.
   [[nodiscard]] bool trips() const OSTEON_RT { return trips_; }
 
-  /// Writes the guidance's fields of the record.
-  void FillRecord(TickRecord& record) const OSTEON_RT;
+  /// The guidance of this tick as it is recorded.
+  [[nodiscard]] GuidanceRecord Record() const OSTEON_RT;
 
  private:
   GuidanceParams params_;

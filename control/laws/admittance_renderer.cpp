@@ -27,19 +27,19 @@ void AdmittanceRenderer::Reset(const Pose& X_WT) OSTEON_RT {
 }
 
 AdmittanceStep AdmittanceRenderer::Step(const AdmittanceInput& input, CouplingPipeline& coupling,
-                                        CommandedTool& tool, TickRecord& record) OSTEON_RT {
+                                        CommandedTool& tool) OSTEON_RT {
   AdmittanceStep step;
   step.rendered = coupling.Render(tool.arm(), step.acting);
   // vibration in the hand makes the virtual tool heavier and more damped
-  record.vibration_index = vibration_.Step(input.F_hand_T_W, input.spindle_rad_per_s);
-  record.vibration_reference_N = vibration_.reference_N();
+  step.vibration.index = vibration_.Step(input.F_hand_T_W, input.spindle_rad_per_s);
+  step.vibration.reference_N = vibration_.reference_N();
   tool.V_WT = AfterMassChange(tool.V_WT, vibration_.mass_factor() / mass_factor_);
   mass_factor_ = vibration_.mass_factor();
   Twist V_next_WT;
   step.finite = ComputeTwist(input, tool, coupling, step, V_next_WT);
   if (!step.finite) return step;
-  record.mass_factor = mass_factor_;
-  record.damping_factor = vibration_.damping_factor();
+  step.vibration.mass_factor = mass_factor_;
+  step.vibration.damping_factor = vibration_.damping_factor();
 
   const CouplingOutput& output = coupling.output();
   const double max_speed_m_per_s = MaxSpeed_m_per_s(output, tool.V_WT, input.reduced_speed);

@@ -6,7 +6,6 @@
 #include "control/loop/commanded_tool.h"
 #include "control/setup/servo_params.h"
 #include "control/stability/vibration_index.h"
-#include "control/tick_record.h"
 #include "safety/acting_limits.h"
 #include "safety/fault.h"
 
@@ -21,12 +20,21 @@ struct AdmittanceInput {
   bool reduced_speed{false};      ///< the arm is in operation mode T1 or reports no mode
 };
 
+/// Vibration in the hand's wrench, and how it changes the virtual tool.
+struct VibrationRecord {
+  double index{0.0};  ///< 0 … 1
+  /// RMS force up to which vibration counts as the hand's own.
+  double reference_N{0.0};
+  double mass_factor{1.0}, damping_factor{1.0};  ///< on the virtual tool's inertia and drag
+};
+
 /// Result of a tick of the admittance law.
 struct AdmittanceStep {
   bool finite{true};                          ///< false: the result was not finite, and nothing was moved
   safety::Fault fault{safety::Fault::kNone};  ///< the joints could not follow; nothing was moved
   safety::LimitedWrench rendered;             ///< coupling wrench that was integrated
   safety::LimitSet acting;                    ///< limits that acted
+  VibrationRecord vibration;
 };
 
 /// Renders by the admittance law, for an arm in position mode:
@@ -47,9 +55,8 @@ class AdmittanceRenderer {
 
   /// Computes one tick and moves the tool. Call after CouplingPipeline::Evaluate at the commanded pose and
   /// velocity.
-  /// @param[in,out] record  receives the values of law and vibration index
   [[nodiscard]] AdmittanceStep Step(const AdmittanceInput& input, CouplingPipeline& coupling,
-                                    CommandedTool& tool, TickRecord& record) OSTEON_RT;
+                                    CommandedTool& tool) OSTEON_RT;
 
  private:
   [[nodiscard]] bool ComputeTwist(const AdmittanceInput& input, const CommandedTool& tool,

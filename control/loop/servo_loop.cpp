@@ -124,9 +124,11 @@ void ServoLoop::Prefetch() const OSTEON_RT {
 TickRecord ServoLoop::Tick(const TickInputs& tick, ArmCommand& command) OSTEON_RT {
   const ArmState& state = tick.state;
   now_ = tick.now;
-  acting_ = {};
   reduced_speed_ = state.operation_mode == kT1;
   TickRecord record = RecordInputs(tick);
+  result_ = {.ages = {.model_s = tick.model.frame == 0 ? safety::kNoAge_s
+                                                       : safety::AgeSeconds(tick.now, tick.model.pose_stamp),
+                      .sensor_s = safety::StampAge(tick.now, tick.readings.force.stamp)}};
   ApplyToolRequest(record.input);
   StepGains(record.input);
   ApplyRequests(record.input);
@@ -141,11 +143,12 @@ TickRecord ServoLoop::Tick(const TickInputs& tick, ArmCommand& command) OSTEON_R
     ApplyEvent(session_.OnMissedMessage() ? CellEvent::kArmLost : CellEvent::kFault);
   } else {
     session_.OnMessage(state, tool_.arm().ToolPose(state.q_meas), tick.now);
-    ProcessArmMessage(tick, record);
+    ProcessArmMessage(tick);
   }
 
   if (!cell_commands().motion_requested) withdrawn_at_ = tick.now;
   FillCommand(state, command);
+  statistics_.limits.Count(result_.acting);
   FinishRecord(command, record);
   return record;
 }
@@ -160,8 +163,6 @@ TickRecord ServoLoop::RecordInputs(const TickInputs& tick) OSTEON_RT {
   record.session_state = static_cast<std::uint8_t>(state.session);
   record.q_meas = state.q_meas;
   record.model_frame = model.frame;
-  record.model_age_s = model.frame == 0 ? safety::kNoAge_s : safety::AgeSeconds(now, model.pose_stamp);
-  record.sensor_age_s = safety::StampAge(now, readings.force.stamp);
   record.input = MakeTickInput(tick, supervisor_.stop_requested());
   record.input.recover = requests_.TakeRecovery();
   record.input.pause = requests_.TakePause();
@@ -235,7 +236,7 @@ void ServoLoop::OnMissedMessage(ReceiveResult received) OSTEON_RT {
 
 // Processes a message with finite joint positions: checks the arm, applies the events that follow from it,
 // then moves the virtual tool as the cell's state demands.
-void ServoLoop::ProcessArmMessage(const TickInputs& tick, TickRecord& record) OSTEON_RT {
+void ServoLoop::ProcessArmMessage(const TickInputs& tick) OSTEON_RT {
   const ArmState& state = tick.state;
   const bool active = UpdateSession(state);
   arm_overloaded_ = tool_.arm().PredictOverload(state.tau_ext);
@@ -243,12 +244,12 @@ void ServoLoop::ProcessArmMessage(const TickInputs& tick, TickRecord& record) OS
     supervisor_.Latch(Fault::kNotFinite);
     ApplyFault();
   }
-  CheckArmSpeed(state, active, record);
+  CheckArmSpeed(state, active);
 
   StartMotionIfPermitted(tick);
   CheckMotion(state);
-  if (this->state() == CellState::kAligning) CheckOnPath(tick, record);
-  if (this->state() == CellState::kStop1) CheckInStop(tick, record);
+  if (this->state() == CellState::kAligning) CheckOnPath(tick);
+  if (this->state() == CellState::kStop1) CheckInStop(tick);
   if (supervisor_.on_path()) StepStartPath(tick);
 
   const bool waiting = phase() == Phase::kWaiting || phase() == Phase::kAligning;
@@ -256,11 +257,11 @@ void ServoLoop::ProcessArmMessage(const TickInputs& tick, TickRecord& record) OS
   if (safety::Renders(this->state())) {
     UpdateSpindle(tick.readings);
     if (params_.law == Law::kImpedance)
-      RenderImpedance(tick, record);
+      RenderImpedance(tick);
     else
-      RenderAdmittance(tick, record);
+      RenderAdmittance(tick);
   } else if (this->state() == CellState::kStop2) {
-    BrakeForPause(tick, record);
+    BrakeForPause(tick);
   } else if (this->state() == CellState::kStop1 && !supervisor_.on_path()) {
     Brake();
   }
@@ -274,10 +275,9 @@ void ServoLoop::FillCommand(const ArmState& state, ArmCommand& command) const OS
   impedance_.FillWrenchOverlay(state, session_.X_WT(), tool_.arm(), command);
 }
 
-// Records the tick's results.
-void ServoLoop::FinishRecord(const ArmCommand& command, TickRecord& record) OSTEON_RT {
-  statistics_.limits.Count(acting_);
-  record.limits = acting_.bits();
+// Records the results of the tick and of its parts.
+void ServoLoop::FinishRecord(const ArmCommand& command, TickRecord& record) const OSTEON_RT {
+  record.limits = result_.acting.bits();
   record.phase = phase();
   record.cell_state = static_cast<std::uint8_t>(state());
   record.permits = permits().bits();
@@ -291,6 +291,26 @@ void ServoLoop::FinishRecord(const ArmCommand& command, TickRecord& record) OSTE
   record.v_WT_cmd_m_per_s = Vector3(tool_.share * tool_.V_WT.v);
   record.spindle_rad_per_s = tool_command().spindle_rad_per_s;
   record.F_bias_S = hand_.bias();
+  record.model_age_s = result_.ages.model_s;
+  record.sensor_age_s = result_.ages.sensor_s;
+  record.tool_speed_meas_m_per_s = result_.arm_speed_m_per_s;
+  if (safety::IsFinite(result_.F_hand_T_W)) record.F_operator_T_W = result_.F_hand_T_W;
+  record.vibration_index = result_.vibration.index;
+  record.vibration_reference_N = result_.vibration.reference_N;
+  record.mass_factor = result_.vibration.mass_factor;
+  record.damping_factor = result_.vibration.damping_factor;
+  record.F_coupling_T_W = result_.F_coupling_T_W;
+  record.wrench_scale = result_.wrench_scale;
+  record.arm_share = result_.arm_share;
+  if (result_.coupling_evaluated) {
+    record.tool_in_bone_m = coupling_.force_limit_reaction().tool_in_bone_m();
+    record.wrench_step_N = checks_.wrench_growth_N();
+    record.wrench_step_limit_N = checks_.max_wrench_growth_N(CouplingStep_s());
+  }
+  if (result_.rendered) {
+    coupling_.stabilisers().FillRecord(record);
+    if (coupling_.guidance()) record.guidance = coupling_.guidance()->Record();
+  }
   if (const Compliance* compliance = coupling_.compliance()) {
     const bool measured = params_.law == Law::kImpedance && safety::Renders(state());
     compliance->FillRecord(measured ? session_.X_WT() : tool_.X_WT(), record.compliance);

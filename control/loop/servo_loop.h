@@ -19,6 +19,8 @@
 #include "control/loop/safety_checks.h"
 #include "control/loop/servo_statistics.h"
 #include "control/loop/start_conditions.h"
+#include "control/loop/tick_input.h"
+#include "control/loop/tick_result.h"
 #include "control/ports.h"
 #include "control/sensing/hand_force.h"
 #include "control/setup/loop_tool.h"
@@ -168,9 +170,9 @@ class ServoLoop {
   void ApplyToolRequest(TickInput& input) OSTEON_RT;
   void StepGains(TickInput& input) OSTEON_RT;
   void OnMissedMessage(ReceiveResult received) OSTEON_RT;
-  void ProcessArmMessage(const TickInputs& tick, TickRecord& record) OSTEON_RT;
+  void ProcessArmMessage(const TickInputs& tick) OSTEON_RT;
   void FillCommand(const ArmState& state, ArmCommand& command) const OSTEON_RT;
-  void FinishRecord(const ArmCommand& command, TickRecord& record) OSTEON_RT;
+  void FinishRecord(const ArmCommand& command, TickRecord& record) const OSTEON_RT;
 
   // the state, and its effect on the command
   safety::CellAction ApplyEvent(safety::CellEvent event) OSTEON_RT;
@@ -184,30 +186,29 @@ class ServoLoop {
   void StartRendering(const TickInputs& tick) OSTEON_RT;
 
   // checks
-  void CheckArmSpeed(const ArmState& state, bool active, TickRecord& record) OSTEON_RT;
+  void CheckArmSpeed(const ArmState& state, bool active) OSTEON_RT;
   void CheckMotion(const ArmState& state) OSTEON_RT;
-  void CheckOnPath(const TickInputs& tick, TickRecord& record) OSTEON_RT;
-  void CheckInStop(const TickInputs& tick, TickRecord& record) OSTEON_RT;
+  void CheckOnPath(const TickInputs& tick) OSTEON_RT;
+  void CheckInStop(const TickInputs& tick) OSTEON_RT;
   void CheckHand(const Wrench& F_hand_T_W) OSTEON_RT;
 
   // rendering and braking
-  [[nodiscard]] Wrench ComputeHandWrench(const ForceReading& reading, TickRecord& record) OSTEON_RT;
+  [[nodiscard]] Wrench ComputeHandWrench(const ForceReading& reading) OSTEON_RT;
   void UpdateSpindle(const CellReadings& readings) OSTEON_RT;
   /// The tool motion at which the coupling is evaluated: commanded (admittance) or measured (impedance).
   struct ToolMotion {
     const Pose& X_WT;
     Twist V_WT;
   };
-  Wrench EvaluateContact(const TickInputs& tick, const ToolMotion& tool, TickRecord& record) OSTEON_RT;
-  void RenderAdmittance(const TickInputs& tick, TickRecord& record) OSTEON_RT;
-  void RenderImpedance(const TickInputs& tick, TickRecord& record) OSTEON_RT;
-  void StopRendering(TickRecord& record) OSTEON_RT;
+  Wrench EvaluateContact(const TickInputs& tick, const ToolMotion& tool) OSTEON_RT;
+  void RenderAdmittance(const TickInputs& tick) OSTEON_RT;
+  void RenderImpedance(const TickInputs& tick) OSTEON_RT;
+  void StopRendering() OSTEON_RT;
   void CountDepthLeft() OSTEON_RT;
   void CheckGuidance() OSTEON_RT;
   void StepCompliance(const simulation::ContactModel& model) OSTEON_RT;
-  void RecordRendered(const safety::LimitedWrench& rendered, double speed_m_per_s,
-                      TickRecord& record) OSTEON_RT;
-  void BrakeForPause(const TickInputs& tick, TickRecord& record) OSTEON_RT;
+  void StoreRendered(const safety::LimitedWrench& rendered, double speed_m_per_s) OSTEON_RT;
+  void BrakeForPause(const TickInputs& tick) OSTEON_RT;
   void Brake() OSTEON_RT;
   void BrakeJoints() OSTEON_RT;
   /// Time between the tool poses of this and the previous coupling. While messages are lost, a commanded tool
@@ -252,7 +253,7 @@ class ServoLoop {
   double spindle_rad_per_s_{0.0};  ///< actual speed: measured if there is a drive
   bool arm_overloaded_{false};     ///< the joints' load is about to exceed what they can hold
   bool reduced_speed_{false};      ///< the arm is in operation mode T1 or reports no mode
-  safety::LimitSet acting_;        ///< limits that act in this tick
+  TickResult result_;              ///< of this tick
 };
 
 }  // namespace osteon::control

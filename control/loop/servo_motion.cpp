@@ -121,7 +121,7 @@ void ServoLoop::StartRendering(const TickInputs& tick) OSTEON_RT {
 
 // Checks the measured speed of the arm while the loop commands it. The path to the start has a speed limit of
 // its own.
-void ServoLoop::CheckArmSpeed(const ArmState& state, bool active, TickRecord& record) OSTEON_RT {
+void ServoLoop::CheckArmSpeed(const ArmState& state, bool active) OSTEON_RT {
   const bool commanded = supervisor_.MovesOrBrakes() ||
                          (this->state() == CellState::kPaused && session_.IsSameActivation(state));
   if (!active || !commanded) {
@@ -132,9 +132,9 @@ void ServoLoop::CheckArmSpeed(const ArmState& state, bool active, TickRecord& re
                                    ? params_.start->path.tool_speed_m_per_s
                                    : ToolSpeedLimit_m_per_s(params_, false);
   supervisor_.Latch(checks_.CheckArmSpeed(state, session_.X_WT().translation(), limit_m_per_s));
-  record.tool_speed_meas_m_per_s = checks_.arm_speed_m_per_s();
+  result_.arm_speed_m_per_s = checks_.arm_speed_m_per_s();
   double& peak_m_per_s = statistics_.peak_measured_tool_speed_m_per_s;
-  peak_m_per_s = std::max(peak_m_per_s, record.tool_speed_meas_m_per_s);
+  peak_m_per_s = std::max(peak_m_per_s, result_.arm_speed_m_per_s);
 }
 
 // Ends a motion if the arm is too far from its command, has stopped by itself, or has overloaded joints, or
@@ -159,9 +159,9 @@ void ServoLoop::CheckMotion(const ArmState& state) OSTEON_RT {
 
 // Checks sensor, spindle and hand on the path to the start. Nothing is rendered there, so the model's age is
 // not checked; without the PLC's permission the path is paused (StepStartPath).
-void ServoLoop::CheckOnPath(const TickInputs& tick, TickRecord& record) OSTEON_RT {
-  const Wrench F_hand_T_W = ComputeHandWrench(tick.readings.force, record);
-  supervisor_.Latch(checks_.CheckSensor(tick.readings.force, record.sensor_age_s, tick.now));
+void ServoLoop::CheckOnPath(const TickInputs& tick) OSTEON_RT {
+  const Wrench F_hand_T_W = ComputeHandWrench(tick.readings.force);
+  supervisor_.Latch(checks_.CheckSensor(tick.readings.force, result_.ages.sensor_s, tick.now));
   supervisor_.Latch(checks_.CheckSpindle(tick.readings.spindle, tick.now));
   CheckHand(F_hand_T_W);
   if (faults().Any()) ApplyFault();
@@ -169,9 +169,9 @@ void ServoLoop::CheckOnPath(const TickInputs& tick, TickRecord& record) OSTEON_R
 
 // Checks hand and sensor while the arm brakes to rest. Spindle and PLC are not checked: they are stopping as
 // well.
-void ServoLoop::CheckInStop(const TickInputs& tick, TickRecord& record) OSTEON_RT {
-  const Wrench F_hand_T_W = ComputeHandWrench(tick.readings.force, record);
-  supervisor_.Latch(checks_.CheckSensor(tick.readings.force, record.sensor_age_s, tick.now));
+void ServoLoop::CheckInStop(const TickInputs& tick) OSTEON_RT {
+  const Wrench F_hand_T_W = ComputeHandWrench(tick.readings.force);
+  supervisor_.Latch(checks_.CheckSensor(tick.readings.force, result_.ages.sensor_s, tick.now));
   CheckHand(F_hand_T_W);
 }
 

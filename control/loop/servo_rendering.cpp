@@ -26,54 +26,49 @@ void ServoLoop::UpdateSpindle(const CellReadings& readings) OSTEON_RT {
   ApplyEvent(spindle_rad_per_s_ > 0.0 ? CellEvent::kSpindleTurns : CellEvent::kSpindleStill);
 }
 
-// Computes and records the hand's wrench on the tool; zero if no reading can be trusted.
-Wrench ServoLoop::ComputeHandWrench(const ForceReading& reading, TickRecord& record) OSTEON_RT {
-  const Wrench F_hand_T_W =
-      hand_.Compute(reading, record.sensor_age_s, session_.X_WT(), session_.elapsed_s());
-  if (safety::IsFinite(F_hand_T_W)) record.F_operator_T_W = F_hand_T_W;
-  return F_hand_T_W;
+// Computes the hand's wrench on the tool; zero if no reading can be trusted.
+Wrench ServoLoop::ComputeHandWrench(const ForceReading& reading) OSTEON_RT {
+  result_.F_hand_T_W = hand_.Compute(reading, result_.ages.sensor_s, session_.X_WT(), session_.elapsed_s());
+  return result_.F_hand_T_W;
 }
 
 // Computes the hand's and the coupling's wrench, and runs all checks on both. @returns the hand's wrench
-Wrench ServoLoop::EvaluateContact(const TickInputs& tick, const ToolMotion& tool,
-                                  TickRecord& record) OSTEON_RT {
-  const Wrench F_hand_T_W = ComputeHandWrench(tick.readings.force, record);
+Wrench ServoLoop::EvaluateContact(const TickInputs& tick, const ToolMotion& tool) OSTEON_RT {
+  const Wrench F_hand_T_W = ComputeHandWrench(tick.readings.force);
   const CouplingOutput& coupling = coupling_.Evaluate({.model = tick.model,
                                                        .X_WT = tool.X_WT,
                                                        .V_WT = tool.V_WT,
                                                        .now = tick.now,
                                                        .spindle_turns = spindle_rad_per_s_ > 0.0},
-                                                      tool_.arm(), acting_);
+                                                      tool_.arm(), result_.acting);
   const safety::ForceLimitReaction& reaction = coupling_.force_limit_reaction();
-  record.model_age_s = coupling.age_s;
-  record.tool_in_bone_m = reaction.tool_in_bone_m();
+  result_.ages.model_s = coupling.age_s;
+  result_.coupling_evaluated = true;
   statistics_.peak_tool_in_bone_m = std::max(statistics_.peak_tool_in_bone_m, reaction.tool_in_bone_m());
 
-  const InputAges ages{.model_s = coupling.age_s, .sensor_s = record.sensor_age_s};
-  supervisor_.Latch(checks_.CheckDevices(tick.readings, ages, tick.now));
+  supervisor_.Latch(checks_.CheckDevices(tick.readings, result_.ages, tick.now));
   supervisor_.Latch(checks_.CheckCoupling(coupling, CouplingStep_s()));
   if (reaction.too_deep()) supervisor_.Latch(Fault::kToolInBone);
   if (reaction.must_stop()) supervisor_.Latch(Fault::kForceLimit);
   CheckHand(F_hand_T_W);
-  record.wrench_step_N = checks_.wrench_growth_N();
-  record.wrench_step_limit_N = checks_.max_wrench_growth_N(CouplingStep_s());
   return F_hand_T_W;
 }
 
-void ServoLoop::RenderAdmittance(const TickInputs& tick, TickRecord& record) OSTEON_RT {
+void ServoLoop::RenderAdmittance(const TickInputs& tick) OSTEON_RT {
   const Pose X_before = tool_.X_WT();
-  const Wrench F_hand_T_W = EvaluateContact(tick, {.X_WT = X_before, .V_WT = tool_.Velocity()}, record);
+  const Wrench F_hand_T_W = EvaluateContact(tick, {.X_WT = X_before, .V_WT = tool_.Velocity()});
   if (faults().Any()) {
-    StopRendering(record);
+    StopRendering();
     return;
   }
   const AdmittanceStep step = admittance_.Step({.F_hand_T_W = F_hand_T_W,
-                                                .sensor_share = checks_.SensorShare(record.sensor_age_s),
+                                                .sensor_share = checks_.SensorShare(result_.ages.sensor_s),
                                                 .max_hand_N = checks_.max_hand_N(),
                                                 .spindle_rad_per_s = spindle_rad_per_s_,
                                                 .reduced_speed = reduced_speed_},
-                                               coupling_, tool_, record);
-  acting_.Add(step.acting);
+                                               coupling_, tool_);
+  result_.vibration = step.vibration;
+  result_.acting.Add(step.acting);
   CountDepthLeft();
   if (!step.finite) {
     supervisor_.Latch(Fault::kNotFinite);
@@ -96,34 +91,34 @@ void ServoLoop::RenderAdmittance(const TickInputs& tick, TickRecord& record) OST
   if (faults().Any()) ApplyFault();
   const double power_W = Power(step.rendered.F, SmallStep(X_before, X_WT)) / params_.period_s;
   statistics_.peak_power_W = std::max(statistics_.peak_power_W, power_W);
-  RecordRendered(step.rendered, speed_m_per_s, record);
+  StoreRendered(step.rendered, speed_m_per_s);
   StepCompliance(tick.model);
 }
 
-void ServoLoop::RenderImpedance(const TickInputs& tick, TickRecord& record) OSTEON_RT {
+void ServoLoop::RenderImpedance(const TickInputs& tick) OSTEON_RT {
   const Twist V_before_WT = tool_.V_WT;
   tool_.V_WT = session_.V_WT();
   tool_.share = 1.0;
-  EvaluateContact(tick, {.X_WT = session_.X_WT(), .V_WT = tool_.V_WT}, record);
-  const ImpedanceMotion motion = impedance_.FollowHand(session_, record.q_meas, reduced_speed_, tool_);
-  acting_.Add(motion.acting);
+  EvaluateContact(tick, {.X_WT = session_.X_WT(), .V_WT = tool_.V_WT});
+  const ImpedanceMotion motion = impedance_.FollowHand(session_, tick.state.q_meas, reduced_speed_, tool_);
+  result_.acting.Add(motion.acting);
   supervisor_.Latch(motion.faults);
   if (faults().Any()) {
-    StopRendering(record);
+    StopRendering();
     return;
   }
   const ImpedanceStep step = impedance_.Step(session_, V_before_WT, motion, coupling_, tool_);
-  acting_.Add(step.acting);
+  result_.acting.Add(step.acting);
   CheckGuidance();
   if (faults().Any()) ApplyFault();
   CountDepthLeft();
-  RecordRendered(step.rendered, tool_.V_WT.v.norm(), record);
+  StoreRendered(step.rendered, tool_.V_WT.v.norm());
   StepCompliance(tick.model);
 }
 
 // Ends rendering because of a fault that was found before this tick rendered a wrench.
-void ServoLoop::StopRendering(TickRecord& record) OSTEON_RT {
-  record.F_coupling_T_W = coupling_.limited().F;
+void ServoLoop::StopRendering() OSTEON_RT {
+  result_.F_coupling_T_W = coupling_.limited().F;
   ApplyFault();
   Brake();
 }
@@ -140,7 +135,7 @@ void ServoLoop::CheckGuidance() OSTEON_RT {
 
 // Lets tool, tissue and the bone's mount give way to the wrench that was rendered.
 void ServoLoop::StepCompliance(const simulation::ContactModel& model) OSTEON_RT {
-  coupling_.StepCompliance(model, acting_);
+  coupling_.StepCompliance(model, result_.acting);
   const Compliance* compliance = coupling_.compliance();
   const bool bent = compliance != nullptr && compliance->beyond_limit(), deep = coupling_.beyond_depth();
   if (bent) supervisor_.Latch(Fault::kDeflection);
@@ -148,30 +143,27 @@ void ServoLoop::StepCompliance(const simulation::ContactModel& model) OSTEON_RT 
   if (bent || deep) ApplyFault();
 }
 
-// Records the rendered wrench of either law, and updates the statistics. The recorded scales cover all limits
+// Stores the rendered wrench of either law, and updates the statistics. The stored fractions cover all limits
 // from the coupling to the arm.
-void ServoLoop::RecordRendered(const safety::LimitedWrench& rendered, double speed_m_per_s,
-                               TickRecord& record) OSTEON_RT {
-  record.F_coupling_T_W = rendered.F;
-  coupling_.stabilisers().FillRecord(record);
-  if (coupling_.guidance()) coupling_.guidance()->FillRecord(record);
-  record.wrench_scale = std::min(coupling_.limited().share, rendered.share);
-  record.arm_share = std::min(coupling_.limited().arm_share, rendered.arm_share);
+void ServoLoop::StoreRendered(const safety::LimitedWrench& rendered, double speed_m_per_s) OSTEON_RT {
+  result_.rendered = true;
+  result_.F_coupling_T_W = rendered.F;
+  result_.wrench_scale = std::min(coupling_.limited().share, rendered.share);
+  result_.arm_share = std::min(coupling_.limited().arm_share, rendered.arm_share);
   ServoStatistics& s = statistics_;
   s.peak_coupling_force_N = std::max(s.peak_coupling_force_N, rendered.F.f.norm());
   s.peak_coupling_torque_Nm = std::max(s.peak_coupling_torque_Nm, rendered.F.t.norm());
   s.peak_tool_speed_m_per_s = std::max(s.peak_tool_speed_m_per_s, speed_m_per_s);
   s.min_tank_J = std::min(s.min_tank_J, coupling_.stabilisers().tank().energy_J());
-  coupling_.AddActing({.F = rendered.F, .share = record.wrench_scale, .arm_share = record.arm_share},
-                      acting_);
+  coupling_.AddActing({.F = rendered.F, .share = result_.wrench_scale, .arm_share = result_.arm_share},
+                      result_.acting);
 }
 
 // Brakes in stop 2. Until the tool is at rest, any fault that would end rendering turns this stop into a
 // stop 1.
-void ServoLoop::BrakeForPause(const TickInputs& tick, TickRecord& record) OSTEON_RT {
-  const Wrench F_hand_T_W = ComputeHandWrench(tick.readings.force, record);
-  const InputAges ages{.model_s = record.model_age_s, .sensor_s = record.sensor_age_s};
-  supervisor_.Latch(checks_.CheckDevices(tick.readings, ages, tick.now));
+void ServoLoop::BrakeForPause(const TickInputs& tick) OSTEON_RT {
+  const Wrench F_hand_T_W = ComputeHandWrench(tick.readings.force);
+  supervisor_.Latch(checks_.CheckDevices(tick.readings, result_.ages, tick.now));
   CheckHand(F_hand_T_W);
   if (tick.model.status == simulation::EngineStatus::kDeviceLost) supervisor_.Latch(Fault::kDevice);
   if (faults().Any()) ApplyFault();
@@ -184,7 +176,7 @@ void ServoLoop::Brake() OSTEON_RT {
     return;
   }
   const BrakingStep step = tool_.Brake(ElbowSpeedLimit_m_per_s(params_, reduced_speed_));
-  acting_.Add(step.acting);
+  result_.acting.Add(step.acting);
   supervisor_.Latch(step.fault);
   if (step.at_rest) FinishStop();
 }

@@ -256,7 +256,7 @@ TEST(Guidance, AllocatesNothing) {
           tool.guidance.Propose({.X_WT = tool.tool.X_WT, .V_WT = tool.tool.V_WT, .model_share = 1.0}));
       tool.guidance.Accept(1.0);
     }
-    tool.guidance.FillRecord(record);
+    record.guidance = tool.guidance.Record();
     const Guidance prepared = tool.guidance;
     tool.guidance.Reset();
     tool.guidance = prepared;

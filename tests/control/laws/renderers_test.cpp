@@ -35,7 +35,7 @@ struct Bench {
     return admittance.Step({.F_hand_T_W = {.f = push_N * feed_W, .t = Vector3::Zero()},
                             .sensor_share = sensor_share,
                             .max_hand_N = 250.0},
-                           coupling, tool, record);
+                           coupling, tool);
   }
   ImpedanceStep Impedance(double depth_m) {
     now += rt::kMillisecond;
@@ -56,7 +56,6 @@ struct Bench {
   AdmittanceRenderer admittance;
   ImpedanceRenderer impedance;
   ImpedanceMotion motion;
-  TickRecord record;
   LimitSet acting;
   rt::Nanoseconds now{rt::kSecond};
 };

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "control/laws/admittance_renderer.h"
+#include "control/loop/safety_checks.h"
+#include "kinematics/spatial.h"
+#include "safety/acting_limits.h"
+
+namespace osteon::control {
+
+/// Results of a tick that no part of the loop keeps. The loop assembles the tick's record from them and from
+/// its parts.
+struct TickResult {
+  InputAges ages;                 ///< of contact model and force reading
+  Wrench F_hand_T_W{};            ///< the hand's wrench on T at To, in W; zero where it is not computed
+  double arm_speed_m_per_s{0.0};  ///< measured speed of the apex while the loop commands the arm; else 0
+  bool coupling_evaluated{false};
+  bool rendered{false};     ///< a wrench was rendered, not merely evaluated
+  Wrench F_coupling_T_W{};  ///< that wrench; in the tick of a fault, the limited one that would have been
+  double wrench_scale{1.0}, arm_share{1.0};  ///< fractions of it that all limits, and the arm, have passed
+  VibrationRecord vibration{};               ///< of the admittance law
+  safety::LimitSet acting{};                 ///< limits that act
+};
+
+}  // namespace osteon::control
