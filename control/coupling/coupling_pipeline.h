@@ -96,6 +96,8 @@ class CouplingPipeline {
   [[nodiscard]] const Stabilisers& stabilisers() const OSTEON_RT { return stabilisers_; }
   [[nodiscard]] const safety::DepthLimit& depth_limit() const OSTEON_RT { return depth_limit_; }
   [[nodiscard]] const std::optional<Guidance>& guidance() const OSTEON_RT { return guidance_; }
+  /// Whether guidance has grown faster than its springs can make it: a defect.
+  [[nodiscard]] bool guidance_trips() const OSTEON_RT { return guidance_ && guidance_->trips(); }
   /// Whether the spindle must stand: by the depth limit or by the guidance.
   [[nodiscard]] bool stops_spindle() const OSTEON_RT {
     return depth_limit_.stops_spindle() || (guidance_ && guidance_->stops_spindle());

@@ -1,12 +1,10 @@
 // ServoLoop's tick: records the inputs, applies requests and events, fills the command and the record. The
-// motions are in servo_motion.cpp, the rendering in servo_rendering.cpp.
+// checks are in servo_checks.cpp, the rendering in servo_rendering.cpp.
 
 #include "control/loop/servo_loop.h"
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "base/prefetch.h"
@@ -15,7 +13,7 @@
 namespace osteon::control {
 namespace {
 
-using safety::CellAction, safety::CellEvent, safety::CellState, safety::Fault;
+using safety::CellEvent, safety::CellState, safety::Fault;
 
 constexpr std::uint8_t kT1 = 0;  // ArmState::operation_mode
 
@@ -25,13 +23,6 @@ bool AllFinite(const JointArray& q) {
 
 bool HasFiniteJoints(const ArmState& state) {
   return AllFinite(state.q_meas) && (!state.has_ipo || AllFinite(state.q_ipo));
-}
-
-void RequirePose(const Pose& X, const char* name) {
-  const bool rotation = (X.linear() * X.linear().transpose() - Matrix3::Identity()).norm() < 1e-6 &&
-                        X.linear().determinant() > 0.0;
-  if (!X.matrix().allFinite() || !rotation)
-    throw std::invalid_argument(std::string(name) + ": accepted a finite position and a rotation");
 }
 
 const ServoParams& Validated(const ServoParams& params, const Pose& X_WB, const Pose& X_FT) {
@@ -60,34 +51,30 @@ ServoLoop::ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm
       checks_(params_, safety::WrenchLimiter(params.wrench).max_force_N()),
       admittance_(params_),
       impedance_(params_),
-      max_stiffness_N_per_m_(params.coupling.max_stiffness_N_per_m),
-      gain_ramp_(GainsOf(params.admittance, params.coupling), params.period_s) {}
+      gains_(GainsOf(params.admittance, params.coupling), params.period_s),
+      actions_({.params = params_,
+                .supervisor = supervisor_,
+                .session = session_,
+                .tool = tool_,
+                .coupling = coupling_,
+                .impedance = impedance_}),
+      start_({.params = params_,
+              .supervisor = supervisor_,
+              .session = session_,
+              .tool = tool_,
+              .hand = hand_,
+              .checks = checks_,
+              .actions = actions_}) {}
 
 void ServoLoop::SetTools(std::vector<LoopTool> tools, int index) {
-  if (tools.empty() || tools.size() > static_cast<std::size_t>(kMaxLoopTools))
-    throw std::invalid_argument("tools: found " + std::to_string(tools.size()) + ", accepted 1 … " +
-                                std::to_string(kMaxLoopTools));
-  if (index < 0 || index >= static_cast<int>(tools.size()))
-    throw std::invalid_argument("tools: found the index " + std::to_string(index) + ", accepted 0 … " +
-                                std::to_string(tools.size() - 1));
-  for (const LoopTool& tool : tools) {
-    RequirePose(tool.X_FT, "tools: X_FT");
-    control::Validate(tool.sensor);
-    if (tool.bending) control::Validate(*tool.bending);
-  }
-  std::vector<std::optional<Guidance>> guidances(tools.size());
-  for (std::size_t i = 0; i < tools.size(); ++i)
-    if (tools[i].guidance)
-      guidances[i].emplace(*tools[i].guidance, params_.twist.max_speed_m_per_s, params_.period_s);
-  tool_.arm().SetTools(tools);
-  tools_ = std::move(tools);
-  tool_index_ = index;
-  const LoopTool& tool = tools_[static_cast<std::size_t>(index)];
-  params_.sensor = tool.sensor;
-  hand_ = HandForce(params_, tool.X_FT);
-  guidances_ = std::move(guidances);
-  coupling_.SetGuidance(guidances_[static_cast<std::size_t>(index)]);
-  coupling_.SetBending(tool.bending);
+  ToolTable table;
+  table.Set(std::move(tools), index, params_);
+  tool_.arm().SetTools(table.tools());
+  tools_ = std::move(table);
+  params_.sensor = tools_.tool().sensor;
+  hand_ = HandForce(params_, tools_.tool().X_FT);
+  coupling_.SetGuidance(tools_.guidance());
+  coupling_.SetBending(tools_.tool().bending);
   tool_.SelectTool(static_cast<std::size_t>(index));
 }
 
@@ -101,7 +88,7 @@ simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
           .stamp = !tool_.has_pose() ? 0
                    : use_measured    ? session_.measured_at()
                                      : now_,
-          .tool_index = static_cast<std::uint8_t>(tool_index_),
+          .tool_index = static_cast<std::uint8_t>(tools_.index()),
           .paused = state() == CellState::kPaused};
 }
 
@@ -140,7 +127,7 @@ TickRecord ServoLoop::Tick(const TickInputs& tick, ArmCommand& command) OSTEON_R
     supervisor_.Latch(Fault::kNotFinite);  // the arm's position is unknown: the last command is held
     supervisor_.SetPermits({});
     // Such a message counts as missed: the arm is lost after several in a row, and brakes before that.
-    ApplyEvent(session_.OnMissedMessage() ? CellEvent::kArmLost : CellEvent::kFault);
+    actions_.ApplyEvent(session_.OnMissedMessage() ? CellEvent::kArmLost : CellEvent::kFault);
   } else {
     session_.OnMessage(state, tool_.arm().ToolPose(state.q_meas), tick.now);
     ProcessArmMessage(tick);
@@ -179,43 +166,46 @@ TickRecord ServoLoop::RecordInputs(const TickInputs& tick) OSTEON_RT {
 // belongs to the old tool's contact begins anew. The measured pose jumps with the tool, which is no motion.
 void ServoLoop::ApplyToolRequest(TickInput& input) OSTEON_RT {
   const int index = requests_.TakeTool();
-  const bool known = index >= 0 && index < static_cast<int>(tools_.size());
   // before the first rendering the sensor's bias is still estimated, with the load of the tool that is on
   const bool at_rest = state() == CellState::kPaused && supervisor_.rendered();
-  if (known && index != tool_index_ && at_rest) {
-    const Pose X_TN = tools_[static_cast<std::size_t>(tool_index_)].X_FT.inverse() *
-                      tools_[static_cast<std::size_t>(index)].X_FT;
-    const LoopTool& tool = tools_[static_cast<std::size_t>(index)];
-    tool_index_ = index;
-    params_.sensor = tool.sensor;
-    hand_.SetTool(tool.sensor, tool.X_FT);
+  if (tools_.IsOther(index) && at_rest) {
+    const Pose X_TN = tools_.Select(index);
+    params_.sensor = tools_.tool().sensor;
+    hand_.SetTool(tools_.tool().sensor, tools_.tool().X_FT);
     tool_.SelectTool(static_cast<std::size_t>(index));
     session_.ChangeTool(X_TN);
     checks_.ResetArmSpeed();
-    coupling_.SetGuidance(guidances_[static_cast<std::size_t>(index)]);
-    coupling_.SetBending(tool.bending);
+    coupling_.SetGuidance(tools_.guidance());
+    coupling_.SetBending(tools_.tool().bending);
     coupling_.Reset();
     admittance_.Reset(tool_.X_WT());
   }
-  input.tool_index = static_cast<std::uint8_t>(tool_index_);
+  input.tool_index = static_cast<std::uint8_t>(tools_.index());
+}
+
+void ServoLoop::RequestGains(const Gains& gains) { gains_.Request(gains); }
+
+// Takes gains requested since the last tick, and moves all gains by one step of their ramp.
+void ServoLoop::StepGains(TickInput& input) OSTEON_RT {
+  if (!gains_.Step(coupling_.pressed(), input)) return;
+  const AdmittanceParams before = params_.admittance;
+  ApplyGains(gains_.gains(), params_.admittance, params_.coupling);
+  coupling_.OnGainsChanged();
+  if (safety::Renders(state()) && params_.law == Law::kAdmittance)
+    tool_.V_WT = AfterMassChange(before, params_.admittance, tool_.X_WT().linear(), tool_.V_WT);
 }
 
 // Applies the recorded requests. A stop, and a pause of a motion, are applied later in the tick
 // (CheckMotion).
 void ServoLoop::ApplyRequests(const TickInput& input) OSTEON_RT {
-  if (input.recover && CanRecover()) ApplyEvent(CellEvent::kRecover);
-  if (input.resume && !input.stop) ApplyEvent(CellEvent::kResume);
+  if (input.recover && CanRecover()) actions_.ApplyEvent(CellEvent::kRecover);
+  if (input.resume && !input.stop) actions_.ApplyEvent(CellEvent::kResume);
   if (input.has_guidance_gain) coupling_.SetGuidanceGain(input.guidance_gain);
   supervisor_.RequestPause(input.pause);
-  if (safety::Waits(state()) && supervisor_.TakePauseRequest()) ApplyEvent(CellEvent::kPauseRequested);
-  if (input.repeat_differed) {
-    supervisor_.Latch(Fault::kRepeatDiffers);
-    ApplyFault();
-  }
-  if (input.recorder_stalled) {
-    supervisor_.Latch(Fault::kRecorder);
-    ApplyFault();
-  }
+  if (safety::Waits(state()) && supervisor_.TakePauseRequest())
+    actions_.ApplyEvent(CellEvent::kPauseRequested);
+  if (input.repeat_differed) actions_.StopWith(Fault::kRepeatDiffers);
+  if (input.recorder_stalled) actions_.StopWith(Fault::kRecorder);
 }
 
 // Without a message there is nothing to answer: the last command stays, and the virtual tool does not move.
@@ -228,29 +218,32 @@ void ServoLoop::OnMissedMessage(ReceiveResult received) OSTEON_RT {
     const bool lost = session_.OnMissedMessage() || received != ReceiveResult::kTimeout;
     if (lost && phase() != Phase::kStopped) {
       supervisor_.Latch(Fault::kArmStale);
-      ApplyEvent(CellEvent::kArmLost);
+      actions_.ApplyEvent(CellEvent::kArmLost);
     }
   }
-  if (supervisor_.stop_requested() && supervisor_.IsWaitingOrPaused()) ApplyEvent(CellEvent::kStopRequested);
+  if (supervisor_.stop_requested() && supervisor_.IsWaitingOrPaused())
+    actions_.ApplyEvent(CellEvent::kStopRequested);
 }
 
 // Processes a message with finite joint positions: checks the arm, applies the events that follow from it,
 // then moves the virtual tool as the cell's state demands.
 void ServoLoop::ProcessArmMessage(const TickInputs& tick) OSTEON_RT {
   const ArmState& state = tick.state;
-  const bool active = UpdateSession(state);
+  const bool active = start_.UpdateSession(state);
   arm_overloaded_ = tool_.arm().PredictOverload(state.tau_ext);
-  if (!AllFinite(state.tau_ext)) {  // without finite torques an overload would not be detected
-    supervisor_.Latch(Fault::kNotFinite);
-    ApplyFault();
-  }
+  // without finite torques an overload would not be detected
+  if (!AllFinite(state.tau_ext)) actions_.StopWith(Fault::kNotFinite);
   CheckArmSpeed(state, active);
 
-  StartMotionIfPermitted(tick);
+  if (start_.StartIfPermitted(tick, {.max_force_N = max_force_N(),
+                                     .may_start = requests_.may_start(),
+                                     .arm_overloaded = arm_overloaded_,
+                                     .withdrawn_at = withdrawn_at_}))
+    StartRendering(tick);
   CheckMotion(state);
   if (this->state() == CellState::kAligning) CheckOnPath(tick);
   if (this->state() == CellState::kStop1) CheckInStop(tick);
-  if (supervisor_.on_path()) StepStartPath(tick);
+  if (supervisor_.on_path() && start_.StepPath(tick)) StartRendering(tick);
 
   const bool waiting = phase() == Phase::kWaiting || phase() == Phase::kAligning;
   if (active && !waiting) ++statistics_.active_ticks;
@@ -263,10 +256,10 @@ void ServoLoop::ProcessArmMessage(const TickInputs& tick) OSTEON_RT {
   } else if (this->state() == CellState::kStop2) {
     BrakeForPause(tick);
   } else if (this->state() == CellState::kStop1 && !supervisor_.on_path()) {
-    Brake();
+    actions_.Brake(reduced_speed_, result_.acting);
   }
   session_.UpdateStandstill(state.q_meas);
-  if (this->state() == CellState::kStop0 && session_.stands()) FinishStop();
+  if (this->state() == CellState::kStop0 && session_.stands()) actions_.FinishStop();
 }
 
 void ServoLoop::FillCommand(const ArmState& state, ArmCommand& command) const OSTEON_RT {
@@ -294,7 +287,7 @@ void ServoLoop::FinishRecord(const ArmCommand& command, TickRecord& record) cons
   record.model_age_s = result_.ages.model_s;
   record.sensor_age_s = result_.ages.sensor_s;
   record.tool_speed_meas_m_per_s = result_.arm_speed_m_per_s;
-  if (safety::IsFinite(result_.F_hand_T_W)) record.F_operator_T_W = result_.F_hand_T_W;
+  record.F_operator_T_W = result_.F_hand_T_W;
   record.vibration_index = result_.vibration.index;
   record.vibration_reference_N = result_.vibration.reference_N;
   record.mass_factor = result_.vibration.mass_factor;
@@ -315,50 +308,6 @@ void ServoLoop::FinishRecord(const ArmCommand& command, TickRecord& record) cons
     const bool measured = params_.law == Law::kImpedance && safety::Renders(state());
     compliance->FillRecord(measured ? session_.X_WT() : tool_.X_WT(), record.compliance);
   }
-}
-
-// The only place where the cell's state changes. It also starts a hold or a braking; the caller carries out
-// the other actions that the transition returns.
-CellAction ServoLoop::ApplyEvent(CellEvent event) OSTEON_RT {
-  const CellAction action = supervisor_.Apply(event);
-  if (action == CellAction::kHold) tool_.HoldStill();
-  if (action == CellAction::kBrake) {
-    tool_.StartBraking();
-    impedance_.StartBraking();
-  }
-  return action;
-}
-
-// Ends a stop once the commanded motion is at rest (in stop 0: once the arm stands).
-void ServoLoop::FinishStop() OSTEON_RT {
-  ApplyEvent(faults().Any() ? CellEvent::kRestFault : CellEvent::kRest);
-}
-
-void ServoLoop::RequestGains(const Gains& gains) {
-  Validate(gains);
-  if (!(gains.max_stiffness_N_per_m <= max_stiffness_N_per_m_))
-    throw std::invalid_argument("coupling max_stiffness_N_per_m: found " +
-                                std::to_string(gains.max_stiffness_N_per_m) + ", accepted at most " +
-                                std::to_string(max_stiffness_N_per_m_) + ", what the loop was made with");
-  gains_asked_.Store({.number = ++gains_number_, .gains = gains});
-}
-
-// Takes gains requested since the last tick as the new target of the gain ramp, and advances the ramp by one
-// step.
-void ServoLoop::StepGains(TickInput& input) OSTEON_RT {
-  const GainsRequest& asked = gains_asked_.Load();
-  if (asked.number != gains_taken_) {
-    gains_taken_ = asked.number;
-    input.has_gains = true;
-    input.gains = asked.gains;
-    gain_ramp_.SetTarget(asked.gains);
-  }
-  if (!gain_ramp_.Step(coupling_.pressed())) return;
-  const AdmittanceParams before = params_.admittance;
-  ApplyGains(gain_ramp_.now(), params_.admittance, params_.coupling);
-  coupling_.OnGainsChanged();
-  if (safety::Renders(state()) && params_.law == Law::kAdmittance)
-    tool_.V_WT = AfterMassChange(before, params_.admittance, tool_.X_WT().linear(), tool_.V_WT);
 }
 
 }  // namespace osteon::control

@@ -2,25 +2,26 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
-#include "base/latest_value.h"
 #include "base/marker.h"
 #include "control/arm/arm_follower.h"
 #include "control/coupling/coupling_pipeline.h"
 #include "control/laws/admittance_renderer.h"
-#include "control/laws/gain_ramp.h"
 #include "control/laws/impedance_renderer.h"
 #include "control/loop/arm_session.h"
 #include "control/loop/commanded_tool.h"
+#include "control/loop/gain_requests.h"
 #include "control/loop/loop_requests.h"
+#include "control/loop/motion_start.h"
 #include "control/loop/motion_supervisor.h"
 #include "control/loop/safety_checks.h"
 #include "control/loop/servo_statistics.h"
 #include "control/loop/start_conditions.h"
+#include "control/loop/state_actions.h"
 #include "control/loop/tick_input.h"
 #include "control/loop/tick_result.h"
+#include "control/loop/tool_table.h"
 #include "control/ports.h"
 #include "control/sensing/hand_force.h"
 #include "control/setup/loop_tool.h"
@@ -37,13 +38,14 @@ namespace osteon::control {
 /// 4 or 12 ms. The loop uses no socket and no clock. It calls its parts in order and assembles the tick's
 /// record from their outputs:
 ///
-///     ArmState ─▶ ArmSession ─▶ MotionSupervisor ─▶ renderer | start path | braking ─▶ CommandedTool ─▶ ArmCommand
+///     ArmState ─▶ ArmSession ─▶ MotionSupervisor ─▶ renderer | MotionStart | StateActions ─▶ CommandedTool
+///     CommandedTool ─▶ ArmCommand
 ///     CellReadings ─▶ HandForce ─▶ SafetyChecks ─▶ MotionSupervisor
 ///     ContactModel ─▶ CouplingPipeline ─▶ AdmittanceRenderer | ImpedanceRenderer
 ///
 /// **State.** safety::CellState decides what the loop does. One table changes it (safety/cell_state.h,
 /// docs/states.md), and the recorded Phase follows from it. Each tick derives events from its inputs, most
-/// severe first, and applies them (ApplyEvent).
+/// severe first, and applies them (StateActions::ApplyEvent).
 ///
 /// - off, checking, ready and recovery: the command follows the arm's own position. Motion begins only once
 ///   every condition of safety::MotionPermits holds in one tick. The virtual tool then starts from the
@@ -121,7 +123,7 @@ class ServoLoop {
   /// request has no effect. From any thread.
   void RequestTool(int index) OSTEON_RT { requests_.RequestTool(index); }
   /// Index of the tool in use.
-  [[nodiscard]] int tool_index() const OSTEON_RT { return tool_index_; }
+  [[nodiscard]] int tool_index() const OSTEON_RT { return tools_.index(); }
   /// Whether RequestRecovery would have an effect now.
   [[nodiscard]] bool CanRecover() const OSTEON_RT { return supervisor_.CanRecover(); }
 
@@ -166,34 +168,23 @@ class ServoLoop {
 
   // steps of a tick, in order
   [[nodiscard]] TickRecord RecordInputs(const TickInputs& tick) OSTEON_RT;
-  void ApplyRequests(const TickInput& input) OSTEON_RT;
   void ApplyToolRequest(TickInput& input) OSTEON_RT;
   void StepGains(TickInput& input) OSTEON_RT;
+  void ApplyRequests(const TickInput& input) OSTEON_RT;
   void OnMissedMessage(ReceiveResult received) OSTEON_RT;
   void ProcessArmMessage(const TickInputs& tick) OSTEON_RT;
   void FillCommand(const ArmState& state, ArmCommand& command) const OSTEON_RT;
   void FinishRecord(const ArmCommand& command, TickRecord& record) const OSTEON_RT;
-
-  // the state, and its effect on the command
-  safety::CellAction ApplyEvent(safety::CellEvent event) OSTEON_RT;
-  void ApplyFault() OSTEON_RT { ApplyEvent(safety::CellEvent::kFault); }
-  void FinishStop() OSTEON_RT;
-  [[nodiscard]] bool UpdateSession(const ArmState& state) OSTEON_RT;
-  void FollowArm(const ArmState& state) OSTEON_RT;
-  void StartMotionIfPermitted(const TickInputs& tick) OSTEON_RT;
-  void StartPath(const TickInputs& tick) OSTEON_RT;
-  void StepStartPath(const TickInputs& tick) OSTEON_RT;
-  void StartRendering(const TickInputs& tick) OSTEON_RT;
 
   // checks
   void CheckArmSpeed(const ArmState& state, bool active) OSTEON_RT;
   void CheckMotion(const ArmState& state) OSTEON_RT;
   void CheckOnPath(const TickInputs& tick) OSTEON_RT;
   void CheckInStop(const TickInputs& tick) OSTEON_RT;
-  void CheckHand(const Wrench& F_hand_T_W) OSTEON_RT;
+  Wrench MeasureHand(const ForceReading& reading) OSTEON_RT;
 
-  // rendering and braking
-  [[nodiscard]] Wrench ComputeHandWrench(const ForceReading& reading) OSTEON_RT;
+  // rendering, and braking out of it
+  void StartRendering(const TickInputs& tick) OSTEON_RT;
   void UpdateSpindle(const CellReadings& readings) OSTEON_RT;
   /// The tool motion at which the coupling is evaluated: commanded (admittance) or measured (impedance).
   struct ToolMotion {
@@ -204,13 +195,9 @@ class ServoLoop {
   void RenderAdmittance(const TickInputs& tick) OSTEON_RT;
   void RenderImpedance(const TickInputs& tick) OSTEON_RT;
   void StopRendering() OSTEON_RT;
-  void CountDepthLeft() OSTEON_RT;
-  void CheckGuidance() OSTEON_RT;
-  void StepCompliance(const simulation::ContactModel& model) OSTEON_RT;
   void StoreRendered(const safety::LimitedWrench& rendered, double speed_m_per_s) OSTEON_RT;
+  void StepCompliance(const simulation::ContactModel& model) OSTEON_RT;
   void BrakeForPause(const TickInputs& tick) OSTEON_RT;
-  void Brake() OSTEON_RT;
-  void BrakeJoints() OSTEON_RT;
   /// Time between the tool poses of this and the previous coupling. While messages are lost, a commanded tool
   /// stands, whereas a measured tool moves on.
   [[nodiscard]] double CouplingStep_s() const OSTEON_RT {
@@ -228,20 +215,10 @@ class ServoLoop {
   AdmittanceRenderer admittance_;
   ImpedanceRenderer impedance_;
   ServoStatistics statistics_;
-
-  std::vector<LoopTool> tools_;                     ///< empty: the one that the loop was made with
-  std::vector<std::optional<Guidance>> guidances_;  ///< of the tools, by index
-  int tool_index_{0};
-
-  struct GainsRequest {
-    std::uint64_t number{0};  ///< number of the request; 0: none
-    Gains gains;
-  };
-  rt::LatestValue<GainsRequest> gains_asked_;
-  std::uint64_t gains_number_{0};  ///< last request made; belongs to the requesting thread
-  std::uint64_t gains_taken_{0};   ///< last request that a tick has taken
-  double max_stiffness_N_per_m_{0.0};
-  GainRamp gain_ramp_;
+  ToolTable tools_;
+  GainRequests gains_;
+  StateActions actions_;
+  MotionStart start_;
 
   std::uint64_t tick_{0};
   rt::Nanoseconds now_{0};

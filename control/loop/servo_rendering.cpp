@@ -16,6 +16,19 @@ constexpr double kMinSpeedRatio = 0.05;  // a spindle below this fraction of its
 
 }  // namespace
 
+// Begins rendering from the arm's present pose, with all that renders at rest.
+void ServoLoop::StartRendering(const TickInputs& tick) OSTEON_RT {
+  session_.StartCommanding(tick.state);
+  session_.ResetTwist();
+  supervisor_.SetRendered();
+  tool_.arm().StartFollowing();
+  hand_.ResetMotion(session_.X_WT());
+  coupling_.Reset();
+  admittance_.Reset(tool_.X_WT());
+  impedance_.Reset(tick.state.q_meas);
+  checks_.OnRenderingStarted(tick.now);
+}
+
 void ServoLoop::UpdateSpindle(const CellReadings& readings) OSTEON_RT {
   spindle_permitted_ = !params_.has_interlock || readings.interlock.spindle_permitted;
   const double wanted = cell_commands().spindle_rad_per_s;
@@ -23,18 +36,12 @@ void ServoLoop::UpdateSpindle(const CellReadings& readings) OSTEON_RT {
   // only a positive direction counts: the tool's edges cut in no other
   spindle_rad_per_s_ =
       std::isfinite(speed) && speed > kMinSpeedRatio * params_.spindle_rad_per_s ? speed : 0.0;
-  ApplyEvent(spindle_rad_per_s_ > 0.0 ? CellEvent::kSpindleTurns : CellEvent::kSpindleStill);
-}
-
-// Computes the hand's wrench on the tool; zero if no reading can be trusted.
-Wrench ServoLoop::ComputeHandWrench(const ForceReading& reading) OSTEON_RT {
-  result_.F_hand_T_W = hand_.Compute(reading, result_.ages.sensor_s, session_.X_WT(), session_.elapsed_s());
-  return result_.F_hand_T_W;
+  actions_.ApplyEvent(spindle_rad_per_s_ > 0.0 ? CellEvent::kSpindleTurns : CellEvent::kSpindleStill);
 }
 
 // Computes the hand's and the coupling's wrench, and runs all checks on both. @returns the hand's wrench
 Wrench ServoLoop::EvaluateContact(const TickInputs& tick, const ToolMotion& tool) OSTEON_RT {
-  const Wrench F_hand_T_W = ComputeHandWrench(tick.readings.force);
+  const Wrench F_hand_T_W = MeasureHand(tick.readings.force);
   const CouplingOutput& coupling = coupling_.Evaluate({.model = tick.model,
                                                        .X_WT = tool.X_WT,
                                                        .V_WT = tool.V_WT,
@@ -50,7 +57,6 @@ Wrench ServoLoop::EvaluateContact(const TickInputs& tick, const ToolMotion& tool
   supervisor_.Latch(checks_.CheckCoupling(coupling, CouplingStep_s()));
   if (reaction.too_deep()) supervisor_.Latch(Fault::kToolInBone);
   if (reaction.must_stop()) supervisor_.Latch(Fault::kForceLimit);
-  CheckHand(F_hand_T_W);
   return F_hand_T_W;
 }
 
@@ -69,26 +75,24 @@ void ServoLoop::RenderAdmittance(const TickInputs& tick) OSTEON_RT {
                                                coupling_, tool_);
   result_.vibration = step.vibration;
   result_.acting.Add(step.acting);
-  CountDepthLeft();
+  statistics_.CountDepthLeft(coupling_.depth_limit());
   if (!step.finite) {
-    supervisor_.Latch(Fault::kNotFinite);
-    ApplyFault();
-    Brake();
+    actions_.StopWith(Fault::kNotFinite);
+    actions_.Brake(reduced_speed_, result_.acting);
     return;
   }
   if (step.fault != Fault::kNone) {
-    supervisor_.Latch(step.fault);
-    ApplyFault();
-    BrakeJoints();
+    actions_.StopWith(step.fault);
+    actions_.BrakeJoints();
   }
 
   // check and record the resulting motion
   const Pose& X_WT = tool_.X_WT();
   const double speed_m_per_s = (X_WT.translation() - X_before.translation()).norm() / params_.period_s;
   if (speed_m_per_s > ToolSpeedTripLimit_m_per_s(params_)) supervisor_.Latch(Fault::kToolSpeed);
-  CheckGuidance();
+  if (coupling_.guidance_trips()) supervisor_.Latch(Fault::kWrenchRate);
   if (tool_.workspace().Violated(X_WT.translation())) supervisor_.Latch(Fault::kWorkspace);
-  if (faults().Any()) ApplyFault();
+  if (faults().Any()) actions_.ApplyFault();
   const double power_W = Power(step.rendered.F, SmallStep(X_before, X_WT)) / params_.period_s;
   statistics_.peak_power_W = std::max(statistics_.peak_power_W, power_W);
   StoreRendered(step.rendered, speed_m_per_s);
@@ -109,9 +113,9 @@ void ServoLoop::RenderImpedance(const TickInputs& tick) OSTEON_RT {
   }
   const ImpedanceStep step = impedance_.Step(session_, V_before_WT, motion, coupling_, tool_);
   result_.acting.Add(step.acting);
-  CheckGuidance();
-  if (faults().Any()) ApplyFault();
-  CountDepthLeft();
+  if (coupling_.guidance_trips()) supervisor_.Latch(Fault::kWrenchRate);
+  if (faults().Any()) actions_.ApplyFault();
+  statistics_.CountDepthLeft(coupling_.depth_limit());
   StoreRendered(step.rendered, tool_.V_WT.v.norm());
   StepCompliance(tick.model);
 }
@@ -119,18 +123,8 @@ void ServoLoop::RenderImpedance(const TickInputs& tick) OSTEON_RT {
 // Ends rendering because of a fault that was found before this tick rendered a wrench.
 void ServoLoop::StopRendering() OSTEON_RT {
   result_.F_coupling_T_W = coupling_.limited().F;
-  ApplyFault();
-  Brake();
-}
-
-void ServoLoop::CountDepthLeft() OSTEON_RT {
-  const safety::DepthLimit& limit = coupling_.depth_limit();
-  if (limit.acts()) statistics_.min_depth_left_m = std::min(statistics_.min_depth_left_m, limit.distance_m());
-}
-
-// Guidance that grows faster than its springs can make it is a defect.
-void ServoLoop::CheckGuidance() OSTEON_RT {
-  if (coupling_.guidance() && coupling_.guidance()->trips()) supervisor_.Latch(Fault::kWrenchRate);
+  actions_.ApplyFault();
+  actions_.Brake(reduced_speed_, result_.acting);
 }
 
 // Lets tool, tissue and the bone's mount give way to the wrench that was rendered.
@@ -140,7 +134,7 @@ void ServoLoop::StepCompliance(const simulation::ContactModel& model) OSTEON_RT 
   const bool bent = compliance != nullptr && compliance->beyond_limit(), deep = coupling_.beyond_depth();
   if (bent) supervisor_.Latch(Fault::kDeflection);
   if (deep) supervisor_.Latch(Fault::kWorkspace);
-  if (bent || deep) ApplyFault();
+  if (bent || deep) actions_.ApplyFault();
 }
 
 // Stores the rendered wrench of either law, and updates the statistics. The stored fractions cover all limits
@@ -162,27 +156,11 @@ void ServoLoop::StoreRendered(const safety::LimitedWrench& rendered, double spee
 // Brakes in stop 2. Until the tool is at rest, any fault that would end rendering turns this stop into a
 // stop 1.
 void ServoLoop::BrakeForPause(const TickInputs& tick) OSTEON_RT {
-  const Wrench F_hand_T_W = ComputeHandWrench(tick.readings.force);
+  MeasureHand(tick.readings.force);
   supervisor_.Latch(checks_.CheckDevices(tick.readings, result_.ages, tick.now));
-  CheckHand(F_hand_T_W);
   if (tick.model.status == simulation::EngineStatus::kDeviceLost) supervisor_.Latch(Fault::kDevice);
-  if (faults().Any()) ApplyFault();
-  if (!supervisor_.on_path()) Brake();
-}
-
-void ServoLoop::Brake() OSTEON_RT {
-  if (params_.law == Law::kImpedance) {
-    if (impedance_.Brake(session_, coupling_.limiter(), tool_)) FinishStop();
-    return;
-  }
-  const BrakingStep step = tool_.Brake(ElbowSpeedLimit_m_per_s(params_, reduced_speed_));
-  result_.acting.Add(step.acting);
-  supervisor_.Latch(step.fault);
-  if (step.at_rest) FinishStop();
-}
-
-void ServoLoop::BrakeJoints() OSTEON_RT {
-  if (tool_.BrakeJoints()) FinishStop();
+  if (faults().Any()) actions_.ApplyFault();
+  if (!supervisor_.on_path()) actions_.Brake(reduced_speed_, result_.acting);
 }
 
 }  // namespace osteon::control

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 
+#include "base/marker.h"
 #include "safety/acting_limits.h"
+#include "safety/depth_limit.h"
 
 namespace osteon::control {
 
@@ -25,6 +28,11 @@ struct ServoStatistics {
   /// Messages in COMMANDING_ACTIVE, except while waiting or on the path to the start.
   std::uint64_t active_ticks{0};
   std::uint64_t missed_messages{0};  ///< deadlines that passed without a message, except while waiting
+
+  /// Counts the distance that the depth limit has left, in a tick that renders.
+  void CountDepthLeft(const safety::DepthLimit& limit) OSTEON_RT {
+    if (limit.acts()) min_depth_left_m = std::min(min_depth_left_m, limit.distance_m());
+  }
 };
 
 }  // namespace osteon::control

@@ -10,8 +10,9 @@ namespace osteon::control {
 /// Results of a tick that no part of the loop keeps. The loop assembles the tick's record from them and from
 /// its parts.
 struct TickResult {
-  InputAges ages;                 ///< of contact model and force reading
-  Wrench F_hand_T_W{};            ///< the hand's wrench on T at To, in W; zero where it is not computed
+  InputAges ages;  ///< of contact model and force reading
+  Wrench
+      F_hand_T_W{};  ///< the hand's wrench on T at To, in W; zero where there is none, or none that is finite
   double arm_speed_m_per_s{0.0};  ///< measured speed of the apex while the loop commands the arm; else 0
   bool coupling_evaluated{false};
   bool rendered{false};     ///< a wrench was rendered, not merely evaluated

@@ -1,0 +1,111 @@
+#include "control/loop/motion_start.h"
+
+namespace osteon::control {
+
+using safety::CellAction, safety::CellEvent, safety::CellState, safety::Fault;
+
+bool MotionStart::UpdateSession(const ArmState& state) OSTEON_RT {
+  const auto& [params, supervisor, session, tool, hand, checks, actions] = parts_;
+  const bool active = session.TakesCommands(state, supervisor.MovesOrBrakes());
+  if (!active) {
+    FollowArm(state);
+    if (safety::Renders(supervisor.state()) || supervisor.state() == CellState::kStop2)
+      supervisor.Latch(Fault::kSession);
+    actions.ApplyEvent(CellEvent::kArmLeft);
+  } else if (supervisor.state() == CellState::kPaused ||
+             (safety::Waits(supervisor.state()) &&
+              (supervisor.phase() != Phase::kStopped || !tool.has_pose()))) {
+    // if the arm is stopped before its first message, its first measured pose is held
+    if (session.IsSameActivation(state))
+      tool.HoldStill();
+    else
+      FollowArm(state);
+  }
+  if (supervisor.stop_requested() && supervisor.IsWaitingOrPaused())
+    actions.ApplyEvent(CellEvent::kStopRequested);
+  if (active && supervisor.phase() != Phase::kStopped && !session.HasPeriod(state)) {
+    // the tool's speed is wrong if the arm's period differs from the loop's
+    supervisor.Latch(Fault::kPeriod);
+    actions.ApplyEvent(CellEvent::kArmLost);
+  }
+  if (active && supervisor.phase() != Phase::kStopped && !session.HasCommandMode(state.command_mode)) {
+    supervisor.Latch(Fault::kCommandMode);
+    actions.ApplyEvent(CellEvent::kArmLost);
+  }
+  return active;
+}
+
+// Sets the command to the pose that the arm itself commands. Used while the arm rests or moves by itself.
+void MotionStart::FollowArm(const ArmState& state) OSTEON_RT {
+  parts_.tool.ResetToArmPose(state);
+  parts_.session.StopCommanding();
+  parts_.supervisor.SetOnPath(false);
+}
+
+bool MotionStart::StartIfPermitted(const TickInputs& tick, const StartInput& input) OSTEON_RT {
+  const auto& [params, supervisor, session, tool, hand, checks, actions] = parts_;
+  const bool waits = supervisor.IsWaiting(), rendered = supervisor.rendered();
+  if (waits && !rendered) EstimateBias(tick);
+  const CellState state = supervisor.state();
+  if (waits || state == CellState::kPaused || state == CellState::kAligning)
+    supervisor.SetPermits(EvaluatePermits(tick, {.params = params,
+                                                 .session = session,
+                                                 .checks = checks,
+                                                 .arm = tool.arm(),
+                                                 .max_force_N = input.max_force_N,
+                                                 .may_start = input.may_start,
+                                                 .rendered = rendered,
+                                                 .bias_in_doubt = hand.bias_in_doubt(),
+                                                 .arm_overloaded = input.arm_overloaded,
+                                                 .withdrawn_at = input.withdrawn_at}));
+  if (!waits) return false;
+  actions.ApplyEvent(tick.state.session == SessionState::kIdle ? CellEvent::kArmIdle : CellEvent::kArmSeen);
+  actions.ApplyEvent(supervisor.permits().AllButHandedOver() ? CellEvent::kPermitsHold
+                                                             : CellEvent::kPermitsMissing);
+  if (!supervisor.permits().All()) return false;
+  const bool there = rendered || tool.arm().AtStart();
+  const CellAction action =
+      actions.ApplyEvent(there ? CellEvent::kBeginRendering : CellEvent::kBeginAligning);
+  if (action == CellAction::kBeginPath) StartPath(tick);
+  return action == CellAction::kBeginRendering;
+}
+
+// Adds a recent reading to the estimate of the sensor's bias.
+void MotionStart::EstimateBias(const TickInputs& tick) OSTEON_RT {
+  const ForceReading& force = tick.readings.force;
+  if (force.trusted && safety::StampAge(tick.now, force.stamp) <= parts_.params.watchdog.sensor_full_s)
+    parts_.hand.EstimateBias(force, parts_.session.X_WT());
+}
+
+void MotionStart::StartPath(const TickInputs& tick) OSTEON_RT {
+  const auto& [params, supervisor, session, tool, hand, checks, actions] = parts_;
+  session.StartCommanding(tick.state);
+  supervisor.SetOnPath(tool.arm().BeginStartPath());
+  checks.OnMotionStarted(tick.now);
+  hand.ResetMotion(session.X_WT());
+  if (supervisor.on_path()) return;
+  // no path: the arm stands outside the range of positions that may be commanded
+  actions.StopWith(Fault::kJointLimit);
+  actions.FinishStop();
+}
+
+bool MotionStart::StepPath(const TickInputs& tick) OSTEON_RT {
+  const auto& [params, supervisor, session, tool, hand, checks, actions] = parts_;
+  const bool ends = safety::Brakes(supervisor.state());
+  const bool permitted = checks.IsMotionPermitted(tick.readings.interlock, tick.now);
+  const bool free = !params.start || checks.hand_N() <= params.start->pause_force_N;
+  const StartStep step = tool.arm().StepToStart(permitted && free && !ends);
+  if (step.refused != Fault::kNone) {
+    actions.StopWith(step.refused);
+    actions.FinishStop();
+  } else if (ends && step.paused) {
+    actions.FinishStop();
+  } else if (step.at_start && !ends && supervisor.permits().All() &&
+             actions.ApplyEvent(CellEvent::kBeginRendering) == CellAction::kBeginRendering) {
+    supervisor.SetOnPath(false);
+    return true;
+  }
+  return false;
+}
+
+}  // namespace osteon::control

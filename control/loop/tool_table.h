@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "base/marker.h"
+#include "control/guidance/guidance.h"
+#include "control/setup/loop_tool.h"
+#include "control/setup/servo_params.h"
+
+namespace osteon::control {
+
+/// The tools that the loop can change between, each with its guidance. Empty, with index 0, for a loop that
+/// has only the tool that it was made with.
+class ToolTable {
+ public:
+  /// Sets the tools, and the index of the one in use. May allocate.
+  /// @param params  of the loop
+  /// @throws std::invalid_argument naming the entry and what is wrong with it; nothing has changed then.
+  void Set(std::vector<LoopTool> tools, int index, const ServoParams& params);
+
+  /// Whether `index` is another tool of the table than the one in use.
+  [[nodiscard]] bool IsOther(int index) const OSTEON_RT {
+    return index >= 0 && index < static_cast<int>(tools_.size()) && index != index_;
+  }
+  /// Takes another tool into use. @pre IsOther(index)  @returns X_TN, its frame in the frame of the one
+  /// before
+  Pose Select(int index) OSTEON_RT;
+
+  [[nodiscard]] const std::vector<LoopTool>& tools() const { return tools_; }
+  [[nodiscard]] int index() const OSTEON_RT { return index_; }
+  /// The tool in use, and its guidance as freshly made. @pre the table is not empty
+  [[nodiscard]] const LoopTool& tool() const OSTEON_RT { return tools_[static_cast<std::size_t>(index_)]; }
+  [[nodiscard]] const std::optional<Guidance>& guidance() const OSTEON_RT {
+    return guidances_[static_cast<std::size_t>(index_)];
+  }
+
+ private:
+  std::vector<LoopTool> tools_;
+  std::vector<std::optional<Guidance>> guidances_;
+  int index_{0};
+};
+
+/// @throws std::invalid_argument naming the pose, unless it is a finite position and a rotation.
+void RequirePose(const Pose& X, const char* name);
+
+}  // namespace osteon::control
