@@ -33,7 +33,7 @@ void Validate(const EnergyLimitParams& params);
 
 /// Share of a wrench on the tool, 0 … 1, that gives at most this power at this twist; 1 for a wrench that
 /// takes power. @param F_T, V_T of the same point in the same axes
-[[nodiscard]] inline double PowerShare(const Wrench& F_T, const Twist& V_T, double max_power_W) OSTEON_RT {
+[[nodiscard]] inline double PowerScale(const Wrench& F_T, const Twist& V_T, double max_power_W) OSTEON_RT {
   const double power_W = F_T.f.dot(V_T.v) + F_T.t.dot(V_T.w);
   return power_W > max_power_W ? max_power_W / power_W : 1.0;
 }
@@ -42,7 +42,7 @@ void Validate(const EnergyLimitParams& params);
 /// has the power s (p_0 + s (p_1 - p_0)).
 /// @param power_without_W  p_0: power of the whole wrench on the motion without it
 /// @param power_with_W  p_1 >= p_0: power of the whole wrench on the motion with all of it
-[[nodiscard]] inline double PowerShare(double power_without_W, double power_with_W,
+[[nodiscard]] inline double PowerScale(double power_without_W, double power_with_W,
                                        double max_power_W) OSTEON_RT {
   if (!(power_with_W > max_power_W)) return 1.0;
   const double own_W = power_with_W - power_without_W;

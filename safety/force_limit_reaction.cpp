@@ -35,12 +35,12 @@ void ForceLimitReaction::Reset() OSTEON_RT {
 
 void ForceLimitReaction::Step(const ForceLimitInput& input) OSTEON_RT {
   depth_m_ = input.displacement_W.norm();
-  saturated_ = depth_m_ > 0.0 && input.rendered_share < 1.0;
+  saturated_ = depth_m_ > 0.0 && input.rendered_scale < 1.0;
   saturated_s_ = saturated_ ? saturated_s_ + period_s_ : 0.0;
   into_bone_W_ = Vector3::Zero();
   if (!saturated_) return;
   into_bone_W_ = -input.displacement_W / depth_m_;
-  const double beyond_m = depth_m_ * (1.0 - input.rendered_share);
+  const double beyond_m = depth_m_ * (1.0 - input.rendered_scale);
   const double room_m = std::max(0.0, params_.slow_zone_m - beyond_m);
   const double step_m_per_s = deceleration_m_per_s2_ * period_s_;
   const double zones = std::min(2.0, beyond_m / params_.slow_zone_m);

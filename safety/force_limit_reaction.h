@@ -36,7 +36,7 @@ void Validate(const ForceLimitReactionParams& params);
 /// The coupling in a tick.
 struct ForceLimitInput {
   Vector3 displacement_W{Vector3::Zero()};  ///< from the tool to its collision-free pose [m]
-  double rendered_share{1.0};               ///< share of the coupling that every limit passes, 0 … 1
+  double rendered_scale{1.0};               ///< share of the coupling that every limit passes, 0 … 1
   double advance_m_per_s{0.0};              ///< speed at which the bone gives way along it, >= 0
 };
 

@@ -18,7 +18,7 @@ double SafeNorm(const Vector3& v) {
   return largest > 1e100 ? largest * (v / largest).norm() : v.norm();
 }
 
-double ShareWithin(const Vector3& v, double limit) {
+double ScaleWithin(const Vector3& v, double limit) {
   const double size = SafeNorm(v);
   return size > limit ? limit / size * kRoundDown : 1.0;
 }
@@ -39,7 +39,7 @@ bool IsFinite(const Twist& V) OSTEON_RT { return IsFinite(V.v) && IsFinite(V.w);
 
 LimitedWrench ScaleWrench(const Wrench& F, double max_force_N, double max_torque_Nm) OSTEON_RT {
   if (!IsFinite(F)) return {.F = {}, .share = 0.0};
-  const double share = std::min(ShareWithin(F.f, max_force_N), ShareWithin(F.t, max_torque_Nm));
+  const double share = std::min(ScaleWithin(F.f, max_force_N), ScaleWithin(F.t, max_torque_Nm));
   if (share == 1.0) return {.F = F, .share = 1.0};
   return {.F = {.f = share * F.f, .t = share * F.t}, .share = share};
 }
@@ -97,7 +97,7 @@ bool SensorForceTrip::Check(double force_N) OSTEON_RT {
 LimitedTwist LimitTwist(const Twist& V, const TwistLimitParams& params) OSTEON_RT {
   if (!IsFinite(V)) return {.V = {}, .share = 0.0};
   const double share =
-      std::min(ShareWithin(V.v, params.max_speed_m_per_s), ShareWithin(V.w, params.max_turn_rad_per_s));
+      std::min(ScaleWithin(V.v, params.max_speed_m_per_s), ScaleWithin(V.w, params.max_turn_rad_per_s));
   if (share == 1.0) return {.V = V, .share = 1.0};
   return {.V = {.v = share * V.v, .w = share * V.w}, .share = share};
 }

@@ -15,7 +15,7 @@ double StampAge(rt::Nanoseconds now, rt::Nanoseconds stamp) OSTEON_RT {
   return stamp == 0 ? kNoAge_s : AgeSeconds(now, stamp);
 }
 
-double AgeShare(double age_s, double full_s, double gone_s) OSTEON_RT {
+double AgeFade(double age_s, double full_s, double gone_s) OSTEON_RT {
   if (!(age_s < gone_s)) return 0.0;
   return age_s <= full_s ? 1.0 : (gone_s - age_s) / (gone_s - full_s);
 }

@@ -16,7 +16,7 @@ inline constexpr double kNoAge_s = 1e6;
 [[nodiscard]] double StampAge(rt::Nanoseconds now, rt::Nanoseconds stamp) OSTEON_RT;
 
 /// 1 up to full_s, then linearly down to 0 at gone_s.
-[[nodiscard]] double AgeShare(double age_s, double full_s, double gone_s) OSTEON_RT;
+[[nodiscard]] double AgeFade(double age_s, double full_s, double gone_s) OSTEON_RT;
 
 struct WatchdogParams {
   double model_stop_s{0.250};      ///< contact model older: Stop 1
@@ -43,8 +43,8 @@ class Watchdog {
   /// Faults of the ages; call once per rendering tick.
   [[nodiscard]] FaultSet Check(rt::Nanoseconds now, const Ages& ages) const OSTEON_RT;
   /// Share of the operator's force at this age.
-  [[nodiscard]] double SensorShare(double sensor_age_s) const OSTEON_RT {
-    return AgeShare(sensor_age_s, params_.sensor_full_s, params_.sensor_stop_s);
+  [[nodiscard]] double SensorFade(double sensor_age_s) const OSTEON_RT {
+    return AgeFade(sensor_age_s, params_.sensor_full_s, params_.sensor_stop_s);
   }
 
  private:

@@ -126,7 +126,7 @@ class JointFollower final : public ArmFollower {
   }
   void StopJoints() OSTEON_RT override { q_step_.setZero(); }
   void StartFollowing() OSTEON_RT override {
-    motion_share_ = 1.0;
+    motion_scale_ = 1.0;
     moving_ = 0.0;
     if constexpr (kRedundant) elbow_.arrived = false;
   }
@@ -162,7 +162,7 @@ class JointFollower final : public ArmFollower {
     if (!HasZones()) return {};
     const Joints from = ToJoints(q), to = ToJoints(q_next);
     const Points points = PointsOf(to);
-    return {.share = ZoneShare(from, to - from, PointsOf(from), points, kCarried),
+    return {.share = ZoneScale(from, to - from, PointsOf(from), points, kCarried),
             .outside = std::any_of(kCarried.begin(), kCarried.end(), [&](ZonePoint point) {
               return workspace_.Has(point) && workspace_.Violated(At(points, point), point);
             })};
@@ -173,7 +173,7 @@ class JointFollower final : public ArmFollower {
   [[nodiscard]] bool AtStart() const OSTEON_RT override {
     return !path_ || (q_ - Start()).cwiseAbs().maxCoeff() <= params_.start->tolerance_rad;
   }
-  [[nodiscard]] bool BeginStartPath() OSTEON_RT override { return path_->Begin(q_, Start()); }
+  [[nodiscard]] bool BeginStartPath() OSTEON_RT override { return path_->StartPath(q_, Start()); }
   [[nodiscard]] StartStep StepToStart(bool permitted) OSTEON_RT override;
 
   [[nodiscard]] safety::LimitedWrench Limit(const safety::WrenchLimiter& limiter,
@@ -224,9 +224,9 @@ class JointFollower final : public ArmFollower {
     return points.p_W[static_cast<std::size_t>(point)];
   }
   [[nodiscard]] Points PointsOf(const Joints& q) const OSTEON_RT;
-  [[nodiscard]] double ElbowShare(const Points& from, const Points& to,
+  [[nodiscard]] double ElbowScale(const Points& from, const Points& to,
                                   double max_speed_m_per_s) const OSTEON_RT;
-  [[nodiscard]] double ZoneShare(const Joints& q, const Joints& step, const Points& from, const Points& to,
+  [[nodiscard]] double ZoneScale(const Joints& q, const Joints& step, const Points& from, const Points& to,
                                  std::span<const ZonePoint> points) const OSTEON_RT;
   [[nodiscard]] bool HasZones() const OSTEON_RT {
     return workspace_.Has(ZonePoint::kFlange) || workspace_.Has(ZonePoint::kElbow);
@@ -246,7 +246,7 @@ class JointFollower final : public ArmFollower {
   static inline const Joints kNowhere = Joints::Constant(std::numeric_limits<double>::quiet_NaN());
   // of the last tick
   Joints q_step_{Joints::Zero()};
-  double motion_share_{1.0};  // of the task
+  double motion_scale_{1.0};  // of the task
   Points points_{};           // of these joints
   Joints points_q_{kNowhere};
   mutable kinematics::JacobianN<kN> jacobian_{kinematics::JacobianN<kN>::Zero()};
@@ -268,7 +268,7 @@ MotionResult JointFollower<Arm>::Follow(const MotionRequest& request) OSTEON_RT 
   wanted.V_BT = ExpressedIn(X_BW_.linear(), request.V_WT);
   wanted.q = q_;
   wanted.qd_before = q_step_ / dt_s;
-  wanted.share_before = motion_share_;
+  wanted.share_before = motion_scale_;
   wanted.qd_null = NullSpaceVelocity(request);
   wanted.dt_s = dt_s;
   wanted.U_before = directions_;
@@ -284,35 +284,35 @@ MotionResult JointFollower<Arm>::Follow(const MotionRequest& request) OSTEON_RT 
     result.fault = Fault::kJointLimit;
     return result;
   }
-  motion_share_ = moves.share;
+  motion_scale_ = moves.share;
   directions_ = moves.U;
   moving_ = std::min(1.0, moves.V_BT.v.norm() / kMoving_m_per_s + moves.V_BT.w.norm() / kMoving_rad_per_s);
   if (moving_ < kStands) moving_ = 0.0;
   sigma_min_m_ = moves.sigma_min_m;
   sigma_gradient_m_ = moves.sigma_gradient_m;
   null_direction_ = moves.null_direction;
-  double elbow_share = 1.0, zone_share = 1.0;
+  double elbow_scale = 1.0, zone_scale = 1.0;
   if (HasZones() || std::isfinite(request.max_elbow_speed_m_per_s)) {
     if (q_ != points_q_) {
       points_ = PointsOf(q_);
       points_q_ = q_;
     }
     Points to = PointsOf(q_ + guard.step);
-    elbow_share = ElbowShare(points_, to, request.max_elbow_speed_m_per_s);
-    if (elbow_share < 1.0) to = PointsOf(q_ + elbow_share * guard.step);
-    zone_share = ZoneShare(q_, elbow_share * guard.step, points_, to, kCarried);
-    if (elbow_share == 1.0 && zone_share == 1.0) {  // the next tick begins from these points
+    elbow_scale = ElbowScale(points_, to, request.max_elbow_speed_m_per_s);
+    if (elbow_scale < 1.0) to = PointsOf(q_ + elbow_scale * guard.step);
+    zone_scale = ZoneScale(q_, elbow_scale * guard.step, points_, to, kCarried);
+    if (elbow_scale == 1.0 && zone_scale == 1.0) {  // the next tick begins from these points
       points_ = to;
       points_q_ = q_ + guard.step;
     }
   }
-  const double share = elbow_share * zone_share;
+  const double share = elbow_scale * zone_scale;
   q_step_ = share * guard.step;
   q_ += q_step_;
   X_WT_ = points_q_ == q_ ? Pose(X_WB_ * points_.X_BF * X_FT_) : PoseOf(q_);
   result.limited = moves.limit != kinematics::MotionLimit::kNone || guard.share < 1.0;
-  result.zone_acted = zone_share < 1.0;
-  result.elbow_acted = elbow_share < 1.0;
+  result.zone_acted = zone_scale < 1.0;
+  result.elbow_acted = elbow_scale < 1.0;
   if (result.limited || share < 1.0)
     result.V_WT = ExpressedIn(X_WB_.linear(), Scaled(moves.V_BT, guard.share * share));
   return result;
@@ -363,7 +363,7 @@ typename JointFollower<Arm>::Points JointFollower<Arm>::PointsOf(const Joints& q
 }
 
 template <class Arm>
-double JointFollower<Arm>::ElbowShare(const Points& from, const Points& to,
+double JointFollower<Arm>::ElbowScale(const Points& from, const Points& to,
                                       double max_speed_m_per_s) const OSTEON_RT {
   const double way_m = (At(to, ZonePoint::kElbow) - At(from, ZonePoint::kElbow)).norm();
   const double max_m = max_speed_m_per_s * params_.period_s;
@@ -373,7 +373,7 @@ double JointFollower<Arm>::ElbowShare(const Points& from, const Points& to,
 // Share of a joint step that keeps to the zones. Each trial is evaluated, as the points' paths are curved. A
 // step of zero is always allowed.
 template <class Arm>
-double JointFollower<Arm>::ZoneShare(const Joints& q, const Joints& step, const Points& from,
+double JointFollower<Arm>::ZoneScale(const Joints& q, const Joints& step, const Points& from,
                                      const Points& to, std::span<const ZonePoint> points) const OSTEON_RT {
   double share = 1.0;
   Points reached = to;
@@ -398,14 +398,14 @@ typename Arm::Joints JointFollower<Arm>::NullSpaceVelocity(
     const double dt_s = params_.period_s;
     // twist that the limits will leave, estimated from the tick before: an elbow held for a tool that cannot
     // move would itself move
-    const Twist V_likely_WT = Scaled(request.V_WT, motion_share_);
+    const Twist V_likely_WT = Scaled(request.V_WT, motion_scale_);
 
     // the arm angle is held, and turned toward the wanted one
     const double arm_angle_rad = arm_.ArmAngle(q_);
     const double error_rad = WrapAngle(elbow_.arm_angle_rad - arm_angle_rad);
     elbow_.arrived |= std::abs(error_rad) < kElbowThere_rad;
     const double max_rate = params_.arm_angle_rate_rad_per_s;
-    const double share = !request.elbow_moves ? 0.0 : elbow_.arrived ? moving_ : request.elbow_share;
+    const double share = !request.elbow_moves ? 0.0 : elbow_.arrived ? moving_ : request.elbow_scale;
     kinematics::LoadPreference<7> load;
     if (elbow_.body && (share > 0.0 || moving_ > 0.0)) {
       const double held =
@@ -440,7 +440,7 @@ bool JointFollower<Arm>::BrakeJoints() OSTEON_RT {
   q_step_ *= static_cast<double>(stop_ticks_) / (stop_ticks_ + 1);
   q_step_ = guard_.Limit(q_, q_step_, params_.period_s).step;
   // the ramp takes time, and a bound may be nearer
-  q_step_ *= ZoneShare(q_, q_step_, PointsOf(q_), PointsOf(q_ + q_step_), kAll);
+  q_step_ *= ZoneScale(q_, q_step_, PointsOf(q_), PointsOf(q_ + q_step_), kAll);
   q_ += q_step_;
   X_WT_ = PoseOf(q_);
   return stop_ticks_ == 0;

@@ -23,7 +23,7 @@ struct MotionRequest {
   Twist V_WT;  ///< requested velocity of the tool at To, in W
   /// Scales the speed at which the arm angle turns toward the wanted one, 0 … 1; 0 holds the elbow. It counts
   /// until the wanted angle has been reached once; from then on the elbow moves only while the tool does.
-  double elbow_share{0.0};
+  double elbow_scale{0.0};
   double max_elbow_speed_m_per_s{std::numeric_limits<double>::infinity()};
   bool elbow_moves{false};  ///< false: the arm angle is held while the tool moves
 };

@@ -38,7 +38,7 @@ const CouplingOutput& CouplingPipeline::Evaluate(const CouplingInput& input, con
   V_WT_ = input.V_WT;
   X_ME_ = compliance_ ? compliance_->X_ME(X_WT_) : X_WT_;
   V_ME_ = compliance_ ? compliance_->V_ME(X_WT_, V_WT_) : V_WT_;
-  passed_share_ = 1.0;
+  passed_scale_ = 1.0;
   output_ = EvaluateCoupling(params_.coupling,
                              {.model = input.model,
                               .X_WT = X_ME_,
@@ -49,13 +49,13 @@ const CouplingOutput& CouplingPipeline::Evaluate(const CouplingInput& input, con
   pressed_ = !output_.displacement_W.isZero(0.0);
 
   const Wrench shaped_E = stabilisers_.ScaleCoupling(output_, X_ME_, V_ME_), shaped = OnTool(shaped_E);
-  const double spring_share = stored_energy_limit_.Step(output_.displacement_W.norm(), output_.potential_J);
-  if (spring_share == 1.0) {
+  const double spring_scale = stored_energy_limit_.Step(output_.displacement_W.norm(), output_.potential_J);
+  if (spring_scale == 1.0) {
     limited_ = arm.Limit(limiter_, shaped);
   } else {
     acting.Add(Limit::kStoredEnergy);
-    limited_ = arm.Limit(limiter_, {.f = spring_share * shaped.f, .t = spring_share * shaped.t});
-    limited_.share *= spring_share;
+    limited_ = arm.Limit(limiter_, {.f = spring_scale * shaped.f, .t = spring_scale * shaped.t});
+    limited_.share *= spring_scale;
   }
   limited_E_ = limited_;
   Vector3 displacement_W = output_.displacement_W;
@@ -64,7 +64,7 @@ const CouplingOutput& CouplingPipeline::Evaluate(const CouplingInput& input, con
     displacement_W = compliance_->X_WM().linear() * displacement_W;
   }
   force_limit_reaction_.Step({.displacement_W = displacement_W,
-                              .rendered_share = limited_.share,
+                              .rendered_scale = limited_.share,
                               .advance_m_per_s = input.spindle_turns ? input.model.advance_m_per_s : 0.0});
   return output_;
 }
@@ -91,9 +91,9 @@ safety::LimitedWrench CouplingPipeline::Render(const ArmFollower& arm, safety::L
 
 // Adds the guidance to a wrench that is within the limits, with the greatest share that keeps it there.
 void CouplingPipeline::AddGuidance(const ArmFollower& arm, Wrench& F_T_W) OSTEON_RT {
-  const double proposed = guidance_->Propose({.X_WT = X_WT_, .V_WT = V_WT_, .model_share = output_.fade});
+  const double proposed = guidance_->ProposeScale({.X_WT = X_WT_, .V_WT = V_WT_, .model_fade = output_.fade});
   if (guidance_->field().inside) {
-    guidance_->Accept(proposed);
+    guidance_->AcceptScale(proposed);
     return;
   }
   const Wrench& guidance = guidance_->field().F_T_W;
@@ -101,22 +101,22 @@ void CouplingPipeline::AddGuidance(const ArmFollower& arm, Wrench& F_T_W) OSTEON
     return Wrench{.f = F_T_W.f + share * guidance.f, .t = F_T_W.t + share * guidance.t};
   };
   // force and torque by the closed form; mostly the arm holds that as well
-  const double share = GreatestFittingShare(
-      ShareWithin(limiter_, F_T_W, guidance, proposed),
-      [&](double each) OSTEON_RT { return arm.Limit(limiter_, with(each)).share >= 1.0; });
-  guidance_->Accept(share);
+  const double share =
+      MaxFittingScale(ScaleWithin(limiter_, F_T_W, guidance, proposed),
+                      [&](double each) OSTEON_RT { return arm.Limit(limiter_, with(each)).share >= 1.0; });
+  guidance_->AcceptScale(share);
   if (share > 0.0) F_T_W = with(share);
 }
 
-void CouplingPipeline::LimitPower(double power_share, safety::LimitedWrench& rendered,
+void CouplingPipeline::LimitPower(double power_scale, safety::LimitedWrench& rendered,
                                   safety::LimitSet& acting) OSTEON_RT {
-  if (!(power_share < 1.0)) return;
+  if (!(power_scale < 1.0)) return;
   acting.Add(Limit::kPower);
-  rendered.F = {.f = power_share * rendered.F.f, .t = power_share * rendered.F.t};
-  rendered.share *= power_share;
-  passed_share_ *= power_share;
-  stabilisers_.ScaleRendered(power_share);
-  if (guidance_) guidance_->ScaleRendered(power_share);
+  rendered.F = {.f = power_scale * rendered.F.f, .t = power_scale * rendered.F.t};
+  rendered.share *= power_scale;
+  passed_scale_ *= power_scale;
+  stabilisers_.ScaleRendered(power_scale);
+  if (guidance_) guidance_->ScaleRendered(power_scale);
 }
 
 // A wrench on the head, in the bone's world, as a wrench on T in W.
@@ -128,8 +128,8 @@ Wrench CouplingPipeline::OnTool(const Wrench& F_E_M) const OSTEON_RT {
 Wrench CouplingPipeline::RenderedByPlanes() const OSTEON_RT {
   const double shaped = stabilisers_.governor().wrench_share() * stabilisers_.tank().share();
   const double share = shaped * limited_E_.share;
-  return {.f = passed_share_ * limited_E_.F.f,
-          .t = passed_share_ * (limited_E_.F.t - share * (output_.F_T_W.t - output_.F_contact_T_W.t))};
+  return {.f = passed_scale_ * limited_E_.F.f,
+          .t = passed_scale_ * (limited_E_.F.t - share * (output_.F_T_W.t - output_.F_contact_T_W.t))};
 }
 
 void CouplingPipeline::StepCompliance(const simulation::ContactModel& model,

@@ -65,12 +65,12 @@ class CouplingPipeline {
   /// Returns the wrench to render: that of the last Evaluate plus the passivity controller's damping, the
   /// depth limit's resistance and the guidance, within the same limits. Guidance has what the others leave.
   [[nodiscard]] safety::LimitedWrench Render(const ArmFollower& arm, safety::LimitSet& acting) OSTEON_RT;
-  /// Multiplies a rendered wrench by `power_share`, 0 … 1, if that is less than 1.
-  void LimitPower(double power_share, safety::LimitedWrench& rendered, safety::LimitSet& acting) OSTEON_RT;
+  /// Multiplies a rendered wrench by `power_scale`, 0 … 1, if that is less than 1.
+  void LimitPower(double power_scale, safety::LimitedWrench& rendered, safety::LimitSet& acting) OSTEON_RT;
 
   /// Reports that only this share, 0 … 1, of the wrench reached the arm.
   void OnWrenchScaled(double share) OSTEON_RT {
-    passed_share_ *= share;
+    passed_scale_ *= share;
     if (guidance_ && share < 1.0) guidance_->ScaleRendered(share);
   }
 
@@ -131,7 +131,7 @@ class CouplingPipeline {
   CouplingOutput output_;
   safety::LimitedWrench limited_;    // on T, in W
   safety::LimitedWrench limited_E_;  // on the head, in M: the same where the cell is rigid
-  double passed_share_{1.0};         // of the wrench after Render
+  double passed_scale_{1.0};         // of the wrench after Render
   bool pressed_{false};
 };
 

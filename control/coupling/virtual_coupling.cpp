@@ -21,8 +21,8 @@ constexpr double kMaxPosition_m = 10.0;
 constexpr double kMaxStiffness_N_per_m = 1e7;
 constexpr double kMaxAdvance_m_per_s = 1.0;
 constexpr double kMaxTorque_Nm = 100.0;
-constexpr double kRounding_m = 1e-9;      // of a proxy on its plane
-constexpr double kLongestTick_s = 0.005;  // a longer gap between ticks was a stop of the loop, not cutting
+constexpr double kRounding_m = 1e-9;  // of a proxy on its plane
+constexpr double kMaxTick_s = 0.005;  // a longer gap between ticks was a stop of the loop, not cutting
 
 bool Within(double value, double low, double high) { return value >= low && value <= high; }  // false for NaN
 
@@ -64,7 +64,7 @@ double CuttingTimeAt(const CouplingState& state, rt::Nanoseconds stamp) {
 
 // Counts the time since the last tick as cutting or not, and stores it for the frames to come.
 double AdvanceTime(CouplingState& state, rt::Nanoseconds now) {
-  const double dt_s = state.last < 0 ? 0.0 : std::min(safety::AgeSeconds(now, state.last), kLongestTick_s);
+  const double dt_s = state.last < 0 ? 0.0 : std::min(safety::AgeSeconds(now, state.last), kMaxTick_s);
   state.last = now;
   if (std::any_of(state.pressed.begin(), state.pressed.end(), [](bool p) { return p; })) state.cut_s += dt_s;
   state.history[static_cast<std::size_t>(state.next)] = {.stamp = now, .cut_s = state.cut_s};
@@ -134,7 +134,7 @@ bool WeighModel(CouplingTick& tick, CouplingState& state, CouplingOutput& out) {
   out.age_s =
       input.model.frame == 0 ? safety::kNoAge_s : safety::AgeSeconds(input.now, input.model.pose_stamp);
   const double max_fade =
-      out.status == ModelStatus::kOk ? safety::AgeShare(out.age_s, params.fresh_s, params.gone_s) : 0.0;
+      out.status == ModelStatus::kOk ? safety::AgeFade(out.age_s, params.fresh_s, params.gone_s) : 0.0;
   state.fade = std::min(max_fade, state.fade + tick.dt_s / params.ramp_s);
   out.fade = state.fade;
   tick.fresh = out.age_s <= params.fresh_s;
@@ -148,7 +148,7 @@ bool WeighModel(CouplingTick& tick, CouplingState& state, CouplingOutput& out) {
 }
 
 // Takes the model's planes if they are of a new frame.
-void TakeFrame(CouplingTick& tick, CouplingState& state) {
+void AcceptFrame(CouplingTick& tick, CouplingState& state) {
   const ContactModel& model = tick.input.model;
   tick.new_frame = model.frame != state.frame || model.pose_stamp != state.pose_stamp;
   if (tick.new_frame)
@@ -298,7 +298,7 @@ CouplingOutput EvaluateCoupling(const CouplingParams& params, const CouplingInpu
   CouplingOutput out;
   CouplingTick tick{.params = params, .input = input, .dt_s = AdvanceTime(state, input.now)};
   if (!WeighModel(tick, state, out)) return out;
-  TakeFrame(tick, state);
+  AcceptFrame(tick, state);
   PlacedPlanes placed;
   PlacePlanes(tick, state, placed, out);
 

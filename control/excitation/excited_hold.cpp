@@ -71,7 +71,7 @@ ExcitedHold::ExcitedHold(const ExcitedHoldParams& params)
 ExcitedHoldStep ExcitedHold::Step(const ExcitedTick& tick) OSTEON_RT {
   if (!tick.received) return step_;
   if (!has_begun_) {
-    if (tick.active && tick.state == safety::CellState::kPaused) Begin(tick);
+    if (tick.active && tick.state == safety::CellState::kPaused) BeginExcitation(tick);
     sequence_ = tick.sequence;
     return step_;
   }
@@ -125,7 +125,7 @@ double ExcitedHold::OverlayForce(double x_m) OSTEON_RT {
 
 // Waits at rest in the pause, and averages the force meanwhile; the first message with the pause's command
 // begins.
-void ExcitedHold::Begin(const ExcitedTick& tick) OSTEON_RT {
+void ExcitedHold::BeginExcitation(const ExcitedTick& tick) OSTEON_RT {
   if (waited_ > 0 && tick.activation != activation_) waited_ = 0;
   if (waited_ == 0) force_zero_S_N_.setZero();
   activation_ = tick.activation;

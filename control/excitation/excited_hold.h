@@ -101,7 +101,7 @@ class ExcitedHold {
   [[nodiscard]] const ExcitedHoldParams& params() const { return params_; }
 
  private:
-  void Begin(const ExcitedTick& tick) OSTEON_RT;
+  void BeginExcitation(const ExcitedTick& tick) OSTEON_RT;
   [[nodiscard]] ExcitationAbort Check(const ExcitedTick& tick, double x_before_m) OSTEON_RT;
   [[nodiscard]] bool LosesAnswers(const ExcitedTick& tick, int messages) OSTEON_RT;
   [[nodiscard]] bool ForceGrows(const Vector3& force_S_N) OSTEON_RT;

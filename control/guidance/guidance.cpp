@@ -24,29 +24,29 @@ Guidance::Guidance(const GuidanceParams& params, double max_speed_m_per_s, doubl
 void Guidance::Reset() OSTEON_RT {
   growth_.Reset();
   field_ = {};
-  share_.Reset();
+  scale_.Reset();
   stops_spindle_ = trips_ = false;
 }
 
-double Guidance::Propose(const GuidanceInput& input) OSTEON_RT {
+double Guidance::ProposeScale(const GuidanceInput& input) OSTEON_RT {
   field_ = EvaluateGuidance(params_, input.X_WT, input.V_WT);
   if (field_.beyond_stop) stops_spindle_ = params_.stops_spindle && params_.gain > 0.0;
   if (field_.inside || !(params_.gain > 0.0)) stops_spindle_ = false;
-  return share_.Propose(field_, input.X_WT, std::min(params_.gain, input.model_share), period_s_);
+  return scale_.ProposeScale(field_, input.X_WT, std::min(params_.gain, input.model_fade), period_s_);
 }
 
-void Guidance::Accept(double share) OSTEON_RT {
-  share_.Accept(share);
+void Guidance::AcceptScale(double scale) OSTEON_RT {
+  scale_.AcceptScale(scale);
   // of the springs alone: the damping follows the velocity, which a contact may turn within a tick
-  trips_ = growth_.Check(share * field_.f_spring_W, period_s_);
+  trips_ = growth_.Check(scale * field_.f_spring_W, period_s_);
 }
 
 GuidanceRecord Guidance::Record() const OSTEON_RT {
   return {.present = true,
-          .F_T_W = share_.F_T_W(),
-          .share = share_.share(),
+          .F_T_W = scale_.F_T_W(),
+          .share = scale_.scale(),
           .potential_J = field_.potential_J,
-          .energy_J = share_.energy_J(),
+          .energy_J = scale_.energy_J(),
           .cone_rad = field_.excess.cone_rad,
           .lateral_m = field_.excess.lateral_m,
           .depth_m = field_.excess.depth_m,

@@ -2,7 +2,7 @@
 
 #include "base/marker.h"
 #include "control/guidance/guidance_field.h"
-#include "control/guidance/guidance_share.h"
+#include "control/guidance/guidance_scale.h"
 #include "control/tick_record.h"
 #include "safety/limits.h"
 
@@ -12,39 +12,40 @@ namespace osteon::control {
 struct GuidanceInput {
   Pose X_WT{Pose::Identity()};  ///< tool pose: commanded (admittance) or measured (impedance)
   Twist V_WT;                   ///< velocity of T at To, in W
-  double model_share{1.0};      ///< weight of the contact model by its age, 0 … 1
+  double model_fade{1.0};       ///< weight of the contact model by its age, 0 … 1
 };
 
-/// Guidance along a surgical plan (a virtual fixture) in the tick: field, share and energy, for one reamer.
+/// Guidance along a surgical plan (a virtual fixture) in the tick: field, scale and energy, for one reamer.
 ///
-///     pose, velocity → EvaluateGuidance → GuidanceShare: gain, ramp, energy → limits (the caller's) → Accept
+///     pose, velocity → EvaluateGuidance → GuidanceScale: gain, ramp, energy → limits (the caller's)
+///                    → AcceptScale
 ///
-/// Call Propose, then Accept, once per tick. A freshly made object is at rest: at a change of tool, copy a
-/// prepared one over it. Copying does not allocate.
+/// Call ProposeScale, then AcceptScale, once per tick. A freshly made object is at rest: at a change of tool,
+/// copy a prepared one over it. Copying does not allocate.
 class Guidance {
  public:
   /// @param max_speed_m_per_s  of the tool, for the check of the force's growth  @param period_s > 0
   /// @throws std::invalid_argument as Validate.
   Guidance(const GuidanceParams& params, double max_speed_m_per_s, double period_s);
 
-  /// Forgets energy, share and the spindle's stop. Call when rendering begins.
+  /// Forgets energy, scale and the spindle's stop. Call when rendering begins.
   void Reset() OSTEON_RT;
-  /// Sets the gain, 0 … 1. The share falls to it at once and rises to it as the energy allows.
+  /// Sets the gain, 0 … 1. The scale falls to it at once and rises to it as the energy allows.
   void SetGain(double gain) OSTEON_RT { params_.gain = gain; }
 
-  /// @returns the greatest share by gain, age, ramp and energy, before the limits of force and torque
-  [[nodiscard]] double Propose(const GuidanceInput& input) OSTEON_RT;
-  /// Sets the share that the limits leave.
-  void Accept(double share) OSTEON_RT;
-  /// A later limit passed only this share of the rendered wrench.
-  void ScaleRendered(double share) OSTEON_RT { share_.ScaleRendered(share); }
+  /// @returns the greatest scale by gain, age, ramp and energy, before the limits of force and torque
+  [[nodiscard]] double ProposeScale(const GuidanceInput& input) OSTEON_RT;
+  /// Sets the scale that the limits leave.
+  void AcceptScale(double scale) OSTEON_RT;
+  /// A later limit passed only this scale of the rendered wrench.
+  void ScaleRendered(double scale) OSTEON_RT { scale_.ScaleRendered(scale); }
 
   [[nodiscard]] const GuidanceParams& params() const OSTEON_RT { return params_; }
-  /// The guidance at the last pose, before its share.
+  /// The guidance at the last pose, before its scale.
   [[nodiscard]] const GuidanceField& field() const OSTEON_RT { return field_; }
-  [[nodiscard]] const GuidanceShare& share() const OSTEON_RT { return share_; }
+  [[nodiscard]] const GuidanceScale& scale() const OSTEON_RT { return scale_; }
   /// Whether a force or torque is rendered.
-  [[nodiscard]] bool acts() const OSTEON_RT { return share_.share() > 0.0 && !field_.inside; }
+  [[nodiscard]] bool acts() const OSTEON_RT { return scale_.scale() > 0.0 && !field_.inside; }
   /// Whether the spindle must stand: beyond a stop, until the tool is inside the corridor again.
   [[nodiscard]] bool stops_spindle() const OSTEON_RT { return stops_spindle_; }
   /// Whether the springs' force grew faster than 1.5 sum(k) v_max in this tick: a defect.
@@ -58,7 +59,7 @@ class Guidance {
   double period_s_;
   safety::WrenchRateTrip growth_;
   GuidanceField field_;
-  GuidanceShare share_;
+  GuidanceScale scale_;
   bool stops_spindle_{false}, trips_{false};
 };
 

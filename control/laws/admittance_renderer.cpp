@@ -44,13 +44,13 @@ AdmittanceStep AdmittanceRenderer::Step(const AdmittanceInput& input, CouplingPi
   const CouplingOutput& output = coupling.output();
   const double max_speed_m_per_s = MaxSpeed_m_per_s(output, tool.V_WT, input.reduced_speed);
   tool.V_WT = LimitMotion(V_next_WT, max_speed_m_per_s, coupling, tool, step.acting);
-  tool.share = output.fade;
+  tool.fade = output.fade;
   const FollowedTwist followed =
-      tool.Follow(ElbowSpeedLimit_m_per_s(params_, input.reduced_speed), /*elbow_moves=*/true);
+      tool.FollowTwist(ElbowSpeedLimit_m_per_s(params_, input.reduced_speed), /*elbow_moves=*/true);
   step.fault = followed.fault;
   step.acting.Add(followed.acting);
   step.acting.Add(safety::Limit::kJoints, followed.joints_limited);
-  step.acting.Add(safety::Limit::kSensorAge, input.sensor_share < 1.0);
+  step.acting.Add(safety::Limit::kSensorAge, input.sensor_fade < 1.0);
   return step;
 }
 
@@ -60,7 +60,7 @@ bool AdmittanceRenderer::ComputeTwist(const AdmittanceInput& input, const Comman
                                       CouplingPipeline& coupling, AdmittanceStep& step,
                                       Twist& V_next_WT) OSTEON_RT {
   const double fade = coupling.output().fade;
-  const double hand_share = fade * input.sensor_share;
+  const double hand_scale = fade * input.sensor_fade;
   const Wrench F_hand_T_W = SubtractDeadZone(
       params_.admittance, safety::ScaleWrench(input.F_hand_T_W, input.max_hand_N, kMaxHandTorque_Nm).F);
   const double damping_factor =
@@ -68,9 +68,9 @@ bool AdmittanceRenderer::ComputeTwist(const AdmittanceInput& input, const Comman
   const AdmittanceParams law = ScaleLaw(params_.admittance, mass_factor_, damping_factor);
   const Twist V_locked_C = axis_lock_.Correction(tool.X_WT());
   safety::LimitedWrench& rendered = step.rendered;
-  const auto next_twist = [&](double coupling_share, Twist& V_WT) OSTEON_RT {
-    const Wrench F_T_W{.f = hand_share * F_hand_T_W.f + coupling_share * rendered.F.f,
-                       .t = hand_share * F_hand_T_W.t + coupling_share * rendered.F.t};
+  const auto next_twist = [&](double coupling_scale, Twist& V_WT) OSTEON_RT {
+    const Wrench F_T_W{.f = hand_scale * F_hand_T_W.f + coupling_scale * rendered.F.f,
+                       .t = hand_scale * F_hand_T_W.t + coupling_scale * rendered.F.t};
     return NextTwist(law,
                      {.X_WT = tool.X_WT(),
                       .V_WT = tool.V_WT,
@@ -87,7 +87,7 @@ bool AdmittanceRenderer::ComputeTwist(const AdmittanceInput& input, const Comman
   const bool finite = next_twist(0.0, V_free_WT);
   const double max_power_W = params_.energy.max_power_W / fade;  // the tool moves by fade × V
   coupling.LimitPower(
-      safety::PowerShare(Power(rendered.F, V_free_WT), Power(rendered.F, V_next_WT), max_power_W), rendered,
+      safety::PowerScale(Power(rendered.F, V_free_WT), Power(rendered.F, V_next_WT), max_power_W), rendered,
       step.acting);
   return finite && next_twist(1.0, V_next_WT);
 }

@@ -14,7 +14,7 @@ namespace osteon::control {
 /// Inputs of the admittance law in a tick, beside the coupling wrench that CouplingPipeline has evaluated.
 struct AdmittanceInput {
   Wrench F_hand_T_W;              ///< hand's wrench on T at To, in W
-  double sensor_share{1.0};       ///< factor on the hand's wrench by its age, 0 … 1
+  double sensor_fade{1.0};        ///< factor on the hand's wrench by its age, 0 … 1
   double max_hand_N{0.0};         ///< a larger hand force is scaled to this
   double spindle_rad_per_s{0.0};  ///< actual speed
   bool reduced_speed{false};      ///< the arm is in operation mode T1 or reports no mode

@@ -62,8 +62,8 @@ ImpedanceStep ImpedanceRenderer::Step(const ArmSession& arm, const Twist& V_befo
   // the hand moves the arm: the velocity in the next tick is extrapolated from the last two measured ones
   const Twist V_next_WT{.v = 2.0 * V_WT.v - V_before_WT.v, .w = 2.0 * V_WT.w - V_before_WT.w};
   const double max_power_W = params_.energy.max_power_W;
-  coupling.LimitPower(std::min(safety::PowerShare(rendered.F, V_WT, max_power_W),
-                               safety::PowerShare(rendered.F, V_next_WT, max_power_W)),
+  coupling.LimitPower(std::min(safety::PowerScale(rendered.F, V_WT, max_power_W),
+                               safety::PowerScale(rendered.F, V_next_WT, max_power_W)),
                       rendered, step.acting);
   const Wrench damping = DampingWrench(ScaleLaw(params_.impedance, coupling.stabilisers().damping_factor()),
                                        arm.X_WT().linear(), V_WT, motion.V_allowed_WT);

@@ -22,26 +22,26 @@ void CommandedTool::ResetToArmPose(const ArmState& state) OSTEON_RT {
 
 void CommandedTool::HoldStill() OSTEON_RT {
   V_WT = {};
-  share = 0.0;
+  fade = 0.0;
   arm_->StopJoints();
 }
 
 void CommandedTool::StartBraking() OSTEON_RT {
   V_WT = Velocity();
-  share = 1.0;
+  fade = 1.0;
 }
 
-FollowedTwist CommandedTool::Follow(double max_elbow_speed_m_per_s, bool elbow_moves) OSTEON_RT {
+FollowedTwist CommandedTool::FollowTwist(double max_elbow_speed_m_per_s, bool elbow_moves) OSTEON_RT {
   const Twist V_asked_WT = Velocity();
   const MotionResult followed = arm_->Follow({.V_WT = V_asked_WT,
-                                              .elbow_share = share,
+                                              .elbow_scale = fade,
                                               .max_elbow_speed_m_per_s = max_elbow_speed_m_per_s,
                                               .elbow_moves = elbow_moves});
   if (followed.fault != safety::Fault::kNone) return {.fault = followed.fault};
   if (followed.limited || followed.zone_acted || followed.elbow_acted) {
     // the law continues from the motion that the arm made; the correction is faded as the motion is
-    V_WT.v += share * (followed.V_WT.v - V_asked_WT.v);
-    V_WT.w += share * (followed.V_WT.w - V_asked_WT.w);
+    V_WT.v += fade * (followed.V_WT.v - V_asked_WT.v);
+    V_WT.w += fade * (followed.V_WT.w - V_asked_WT.w);
   }
   FollowedTwist result{.joints_limited = followed.limited};
   result.acting.Add(safety::Limit::kZones, followed.zone_acted);
@@ -59,7 +59,7 @@ BrakingStep CommandedTool::Brake(double max_elbow_speed_m_per_s) OSTEON_RT {
   // if the rotation takes longer to stop than the translation, the apex still stops before its bound
   V_WT.v = workspace_.Limit(X_WT().translation(), V_WT.v, dt_s).v_WT;
   if (V_WT.v.norm() < kRest_m_per_s && V_WT.w.norm() < kRest_rad_per_s) return {.at_rest = true};
-  const FollowedTwist followed = Follow(max_elbow_speed_m_per_s, false);
+  const FollowedTwist followed = FollowTwist(max_elbow_speed_m_per_s, false);
   BrakingStep step{.fault = followed.fault, .acting = followed.acting};
   if (step.fault != safety::Fault::kNone) step.at_rest = BrakeJoints();
   return step;

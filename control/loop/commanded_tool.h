@@ -32,7 +32,7 @@ struct BrakingStep {
 /// The commanded state: joint positions, tool pose and tool velocity. The pose is always that of the
 /// commanded joints.
 ///
-/// With the admittance law, V_WT is the law's velocity of T at To, in W, and the tool moves by share × V_WT.
+/// With the admittance law, V_WT is the law's velocity of T at To, in W, and the tool moves by fade × V_WT.
 /// With the impedance law, while the loop renders, V_WT is the measured velocity, and the commanded joints
 /// are the equilibrium of the arm's own spring.
 class CommandedTool {
@@ -49,13 +49,13 @@ class CommandedTool {
     HoldStill();
     arm_->SelectTool(index);
   }
-  /// Begins a stop: V_WT becomes share × V_WT, the velocity at which the tool moves, and share becomes 1.
+  /// Begins a stop: V_WT becomes fade × V_WT, the velocity at which the tool moves, and fade becomes 1.
   void StartBraking() OSTEON_RT;
 
-  /// Moves the tool by one tick along share × V_WT. If the arm's limits reduce the motion, V_WT is reduced as
+  /// Moves the tool by one tick along fade × V_WT. If the arm's limits reduce the motion, V_WT is reduced as
   /// well.
   /// @param max_elbow_speed_m_per_s > 0  @param elbow_moves  false: the arm angle is held
-  [[nodiscard]] FollowedTwist Follow(double max_elbow_speed_m_per_s, bool elbow_moves) OSTEON_RT;
+  [[nodiscard]] FollowedTwist FollowTwist(double max_elbow_speed_m_per_s, bool elbow_moves) OSTEON_RT;
 
   /// One tick of braking at constant deceleration a along the tool's twist: the tool stops within |v|² / 2a.
   /// If the joints cannot follow that path, they are braked along their own last motion (BrakeJoints).
@@ -69,11 +69,11 @@ class CommandedTool {
   [[nodiscard]] const safety::Workspace& workspace() const OSTEON_RT { return workspace_; }
   /// Whether the arm has reported its position.
   [[nodiscard]] bool has_pose() const OSTEON_RT { return has_pose_; }
-  /// Velocity at which the tool moves: share × V_WT.
-  [[nodiscard]] Twist Velocity() const OSTEON_RT { return Scaled(V_WT, share); }
+  /// Velocity at which the tool moves: fade × V_WT.
+  [[nodiscard]] Twist Velocity() const OSTEON_RT { return Scaled(V_WT, fade); }
 
   Twist V_WT;
-  double share{0.0};
+  double fade{0.0};
 
  private:
   const ServoParams& params_;

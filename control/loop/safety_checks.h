@@ -72,7 +72,7 @@ class SafetyChecks {
   [[nodiscard]] bool IsSpindleReady(const SpindleReading& reading, rt::Nanoseconds now) const OSTEON_RT;
 
   /// Factor on the hand's force by the age of its reading, 0 … 1: an old reading is faded out.
-  [[nodiscard]] double SensorShare(double age_s) const OSTEON_RT { return watchdog_.SensorShare(age_s); }
+  [[nodiscard]] double SensorFade(double age_s) const OSTEON_RT { return watchdog_.SensorFade(age_s); }
   /// The hand's force as of the last CheckHand with a finite wrench.
   [[nodiscard]] double hand_N() const OSTEON_RT { return hand_N_; }
   /// Force of the hand beyond which CheckHand finds a fault.

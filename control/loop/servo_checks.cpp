@@ -64,7 +64,7 @@ void ServoLoop::CheckInStop(const TickInputs& tick) OSTEON_RT {
 // Computes the hand's wrench on the tool, zero if no reading can be trusted, and checks it.
 Wrench ServoLoop::MeasureHand(const ForceReading& reading) OSTEON_RT {
   const Wrench F_hand_T_W =
-      hand_.Compute(reading, result_.ages.sensor_s, session_.X_WT(), session_.elapsed_s());
+      hand_.ComputeHandWrench(reading, result_.ages.sensor_s, session_.X_WT(), session_.elapsed_s());
   if (safety::IsFinite(F_hand_T_W)) result_.F_hand_T_W = F_hand_T_W;
   supervisor_.Latch(checks_.CheckHand(F_hand_T_W));
   statistics_.peak_sensor_force_N = std::max(statistics_.peak_sensor_force_N, checks_.hand_N());

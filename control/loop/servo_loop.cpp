@@ -281,7 +281,7 @@ void ServoLoop::FinishRecord(const ArmCommand& command, TickRecord& record) cons
   record.tau_cmd = command.tau;
   record.X_WT_cmd = tool_.X_WT();
   record.X_WT_meas = session_.X_WT();
-  record.v_WT_cmd_m_per_s = Vector3(tool_.share * tool_.V_WT.v);
+  record.v_WT_cmd_m_per_s = Vector3(tool_.fade * tool_.V_WT.v);
   record.spindle_rad_per_s = tool_command().spindle_rad_per_s;
   record.F_bias_S = hand_.bias();
   record.model_age_s = result_.ages.model_s;

@@ -68,7 +68,7 @@ void ServoLoop::RenderAdmittance(const TickInputs& tick) OSTEON_RT {
     return;
   }
   const AdmittanceStep step = admittance_.Step({.F_hand_T_W = F_hand_T_W,
-                                                .sensor_share = checks_.SensorShare(result_.ages.sensor_s),
+                                                .sensor_fade = checks_.SensorFade(result_.ages.sensor_s),
                                                 .max_hand_N = checks_.max_hand_N(),
                                                 .spindle_rad_per_s = spindle_rad_per_s_,
                                                 .reduced_speed = reduced_speed_},
@@ -102,7 +102,7 @@ void ServoLoop::RenderAdmittance(const TickInputs& tick) OSTEON_RT {
 void ServoLoop::RenderImpedance(const TickInputs& tick) OSTEON_RT {
   const Twist V_before_WT = tool_.V_WT;
   tool_.V_WT = session_.V_WT();
-  tool_.share = 1.0;
+  tool_.fade = 1.0;
   EvaluateContact(tick, {.X_WT = session_.X_WT(), .V_WT = tool_.V_WT});
   const ImpedanceMotion motion = impedance_.FollowHand(session_, tick.state.q_meas, reduced_speed_, tool_);
   result_.acting.Add(motion.acting);

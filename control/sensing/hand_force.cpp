@@ -24,8 +24,8 @@ void HandForce::ResetMotion(const Pose& X_WT) OSTEON_RT {
   flange_motion_ = {.X = X_WT * X_TF_, .V = {}, .A = {}};
 }
 
-Wrench HandForce::Compute(const ForceReading& reading, double age_s, const Pose& X_WT,
-                          double elapsed_s) OSTEON_RT {
+Wrench HandForce::ComputeHandWrench(const ForceReading& reading, double age_s, const Pose& X_WT,
+                                    double elapsed_s) OSTEON_RT {
   const Pose X_WF = X_WT * X_TF_;
   const double inertia_share = sensor_.inertia_share;
   if (inertia_share > 0.0) StepMotion(X_WF, sensor_.acceleration_hz, elapsed_s, flange_motion_);

@@ -33,8 +33,8 @@ class HandForce {
   /// @param elapsed_s  time since the previous message, > 0
   /// @returns the hand's wrench on T at To, in W; zero without a valid reading; not finite if the reading is
   /// not finite
-  [[nodiscard]] Wrench Compute(const ForceReading& reading, double age_s, const Pose& X_WT,
-                               double elapsed_s) OSTEON_RT;
+  [[nodiscard]] Wrench ComputeHandWrench(const ForceReading& reading, double age_s, const Pose& X_WT,
+                                         double elapsed_s) OSTEON_RT;
 
   /// Bias that is subtracted from every reading, in S.
   [[nodiscard]] const Wrench& bias() const OSTEON_RT { return bias_.bias(); }

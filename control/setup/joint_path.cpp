@@ -100,7 +100,7 @@ double JointPath<N>::ToolDuration(const Joints& way) const OSTEON_RT {
 }
 
 template <int N>
-bool JointPath<N>::Begin(const Joints& q_from, const Joints& q_goal) OSTEON_RT {
+bool JointPath<N>::StartPath(const Joints& q_from, const Joints& q_goal) OSTEON_RT {
   for (int i = 0; i < N; ++i) {
     const kinematics::JointLimits& limits = chain_.params().joints[static_cast<std::size_t>(i)].limits;
     for (const double q : {q_from[i], q_goal[i]})

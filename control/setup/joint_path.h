@@ -66,10 +66,10 @@ class JointPath {
 
   /// Starts a new path from an arm at rest. Evaluates kSamples postures, some 0.1 ms: not for every tick.
   /// @returns false, with nothing changed, if an end is not finite or beyond the arm's position limits.
-  [[nodiscard]] bool Begin(const Joints& q_from, const Joints& q_goal) OSTEON_RT;
+  [[nodiscard]] bool StartPath(const Joints& q_from, const Joints& q_goal) OSTEON_RT;
 
   /// Advances the path by dt_s. @param permitted  e.g. the enabling switch is held
-  /// @pre Begin has returned true
+  /// @pre StartPath has returned true
   [[nodiscard]] JointPathOutput<N> Step(double dt_s, bool permitted) OSTEON_RT;
 
   /// T [s]. Without a pause the path takes pause_s / 3 longer, because the clock starts from rest.

@@ -6,7 +6,7 @@
 namespace osteon::control {
 
 // Integrates the rate over dt with its second derivative held; updates rate and rate speed.
-double PausableClock::Run(double dt_s, double acceleration_per_s2) OSTEON_RT {
+double PausableClock::Advance(double dt_s, double acceleration_per_s2) OSTEON_RT {
   const double passed_s = dt_s * (rate_ + dt_s * (rate_speed_ / 2.0 + dt_s * acceleration_per_s2 / 6.0));
   rate_ += dt_s * (rate_speed_ + dt_s * acceleration_per_s2 / 2.0);
   rate_speed_ += dt_s * acceleration_per_s2;
@@ -24,8 +24,8 @@ double PausableClock::Step(double dt_s, bool permitted) OSTEON_RT {
   const double w = -std::sqrt(std::max(0.0, A * x + speed * speed / 2.0));
   const double first_s = std::max(0.0, (speed - w) / A), second_s = -w / A;
 
-  double passed_s = Run(std::min(dt_s, first_s), -sign * A);
-  if (dt_s > first_s) passed_s += Run(std::min(dt_s - first_s, second_s), sign * A);
+  double passed_s = Advance(std::min(dt_s, first_s), -sign * A);
+  if (dt_s > first_s) passed_s += Advance(std::min(dt_s - first_s, second_s), sign * A);
   if (dt_s >= first_s + second_s) {
     rate_ = target;
     rate_speed_ = 0.0;

@@ -28,7 +28,7 @@ class PausableClock {
   [[nodiscard]] static double MaxRateSpeed(double pause_s) OSTEON_RT { return 3.0 / pause_s; }
 
  private:
-  [[nodiscard]] double Run(double dt_s, double acceleration_per_s2) OSTEON_RT;
+  [[nodiscard]] double Advance(double dt_s, double acceleration_per_s2) OSTEON_RT;
 
   double rate_change_per_s2_;
   double rate_{0.0};

@@ -104,18 +104,18 @@ GuidanceTick::GuidanceTick(const PlanSource& plan, const OsteonGuidanceParams& p
 OsteonGuidanceOutput GuidanceTick::Evaluate(const Pose& X_GT, const Twist& V_GT,
                                             const Wrench& other) noexcept {
   constexpr control::CouplingParams kCoupling;  // its ages, which no cell changes for guests
-  fade_ = std::min(safety::AgeShare(model_age_s_, kCoupling.fresh_s, kCoupling.gone_s),
+  fade_ = std::min(safety::AgeFade(model_age_s_, kCoupling.fresh_s, kCoupling.gone_s),
                    fade_ + period_s_ / kCoupling.ramp_s);
-  const double proposed = guidance_.Propose({.X_WT = X_GT, .V_WT = V_GT, .model_share = fade_});
+  const double proposed = guidance_.ProposeScale({.X_WT = X_GT, .V_WT = V_GT, .model_fade = fade_});
   const control::GuidanceField& field = guidance_.field();
   const Wrench& F = field.F_T_W;
   // as the servo loop does, whose arm holds the sum as well: to the same rounding at the limit
   const auto fits = [&](double share) {
     return limiter_.Limit({.f = other.f + share * F.f, .t = other.t + share * F.t}).share >= 1.0;
   };
-  guidance_.Accept(
+  guidance_.AcceptScale(
       field.inside ? proposed
-                   : control::GreatestFittingShare(control::ShareWithin(limiter_, other, F, proposed), fits));
+                   : control::MaxFittingScale(control::ScaleWithin(limiter_, other, F, proposed), fits));
   OsteonGuidanceOutput output{};
   output.cone_rad = field.excess.cone_rad;
   output.lateral_m = field.excess.lateral_m;
@@ -128,9 +128,9 @@ OsteonGuidanceOutput GuidanceTick::Evaluate(const Pose& X_GT, const Twist& V_GT,
     output.jumped = 1;
     return output;
   }
-  output.share = guidance_.share().share();
-  output.energy_J = guidance_.share().energy_J();
-  output.wrench = FromWrench(guidance_.share().F_T_W());
+  output.share = guidance_.scale().scale();
+  output.energy_J = guidance_.scale().energy_J();
+  output.wrench = FromWrench(guidance_.scale().F_T_W());
   return output;
 }
 

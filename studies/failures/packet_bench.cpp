@@ -119,7 +119,7 @@ class Controller {
       // as in ServoLoop: age slows the hand's force and the motion by the same factor that fades the coupling
       fade = out.fade;
       const double hand_age_s = safety::AgeSeconds(now, hand_.stamp);
-      f_hand *= fade * safety::AgeShare(hand_age_s, watchdog_.sensor_full_s, watchdog_.sensor_stop_s);
+      f_hand *= fade * safety::AgeFade(hand_age_s, watchdog_.sensor_full_s, watchdog_.sensor_stop_s);
       F.f = out.F_T_W.f;
       RecordForce(now, model_.model.pose_stamp, F.f.norm(), ride);
     } else {

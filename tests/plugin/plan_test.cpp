@@ -223,13 +223,13 @@ TEST(OsteonGuidance, IsTheServosOwn) {
     ASSERT_OK(osteon_guidance_evaluate(guidance.get(), &pose, &twist, &other, &output));
     if (i < 0) continue;
     const control::Guidance& expected = *pipeline.guidance();
-    const Wrench& F = expected.share().F_T_W();
+    const Wrench& F = expected.scale().F_T_W();
     for (int axis = 0; axis < 3; ++axis) {
       ASSERT_NEAR(output.wrench.force_N[axis], F.f[axis], 1e-12) << i;
       ASSERT_NEAR(output.wrench.torque_Nm[axis], F.t[axis], 1e-12) << i;
     }
-    ASSERT_NEAR(output.share, expected.share().share(), 1e-12) << i;
-    ASSERT_NEAR(output.energy_J, expected.share().energy_J(), 1e-12) << i;
+    ASSERT_NEAR(output.share, expected.scale().scale(), 1e-12) << i;
+    ASSERT_NEAR(output.energy_J, expected.scale().energy_J(), 1e-12) << i;
     ASSERT_EQ(output.stop_spindle != 0, expected.stops_spindle()) << i;
     ASSERT_EQ(output.inside != 0, expected.field().inside) << i;
     ASSERT_EQ(output.jumped, 0U) << i;

@@ -21,9 +21,9 @@ TEST(EnergyLimits, AreForcesAndSpeeds) {
 TEST(EnergyLimits, PowerIsTakenFromWhatGivesItAlone) {
   const Wrench F{.f = {100.0, 0, 0}, .t = {0, 0, 2.0}};
   const Twist gives{.v = {0.2, 0, 0}, .w = {0, 0, 1.0}}, takes{.v = {-0.2, 0, 0}, .w = {0, 0, -1.0}};
-  EXPECT_EQ(PowerShare(F, gives, 50.0), 1.0);
-  EXPECT_NEAR(PowerShare(F, gives, 11.0) * (100.0 * 0.2 + 2.0 * 1.0), 11.0, 1e-12);
-  EXPECT_EQ(PowerShare(F, takes, 1.0), 1.0);
+  EXPECT_EQ(PowerScale(F, gives, 50.0), 1.0);
+  EXPECT_NEAR(PowerScale(F, gives, 11.0) * (100.0 * 0.2 + 2.0 * 1.0), 11.0, 1e-12);
+  EXPECT_EQ(PowerScale(F, takes, 1.0), 1.0);
 }
 
 TEST(EnergyLimits, RefuseWhatIsNotPositive) {

@@ -75,7 +75,7 @@ TEST(StoredEnergyLimit, WithoutABoundNothingIsTaken) {
 
 ForceLimitInput At(double depth_m, double share, double advance_m_per_s = 0.0) {
   return {.displacement_W = Vector3(0.0, 0.0, depth_m),
-          .rendered_share = share,
+          .rendered_scale = share,
           .advance_m_per_s = advance_m_per_s};
 }
 

@@ -26,11 +26,11 @@ TEST(AgeSeconds, IsDefinedForEveryPairOfStamps) {
   EXPECT_EQ(AgeSeconds(kMillisecond, kLow), kNoAge_s);
 }
 
-TEST(AgeShare, FallsLinearlyToNothing) {
-  EXPECT_EQ(AgeShare(0.020, 0.020, 0.060), 1.0);
-  EXPECT_NEAR(AgeShare(0.040, 0.020, 0.060), 0.5, 1e-12);
-  EXPECT_EQ(AgeShare(0.060, 0.020, 0.060), 0.0);
-  EXPECT_EQ(AgeShare(std::numeric_limits<double>::quiet_NaN(), 0.020, 0.060), 0.0);
+TEST(AgeFade, FallsLinearlyToNothing) {
+  EXPECT_EQ(AgeFade(0.020, 0.020, 0.060), 1.0);
+  EXPECT_NEAR(AgeFade(0.040, 0.020, 0.060), 0.5, 1e-12);
+  EXPECT_EQ(AgeFade(0.060, 0.020, 0.060), 0.0);
+  EXPECT_EQ(AgeFade(std::numeric_limits<double>::quiet_NaN(), 0.020, 0.060), 0.0);
 }
 
 TEST(Watchdog, GivesEverySourceItsFullTimeAfterTheStart) {

@@ -87,16 +87,16 @@ Wrench GuidanceBench::Render(const Wrench& bone, Wrench& guidance) {
     return Wrench{.f = bone.f + share * F.f, .t = bone.t + share * F.t};
   };
   const auto share_of = [&](const Wrench& F, double max_share) {
-    return control::GreatestFittingShare(
-        control::ShareWithin(limiter_, bone, F, max_share),
-        [&](double share) { return limiter_.Limit(with(F, share)).share >= 1.0; });
+    return control::MaxFittingScale(control::ScaleWithin(limiter_, bone, F, max_share), [&](double share) {
+      return limiter_.Limit(with(F, share)).share >= 1.0;
+    });
   };
   if (params_.method == GuidanceMethod::kOurs) {
-    const double proposed = guidance_.Propose({.X_WT = tool_.X_WT, .V_WT = tool_.V_WT});
+    const double proposed = guidance_.ProposeScale({.X_WT = tool_.X_WT, .V_WT = tool_.V_WT});
     const Wrench F = guidance_.field().F_T_W;
-    guidance_.Accept(share_of(F, proposed));
-    guidance = guidance_.share().F_T_W();
-    return with(F, guidance_.share().share());
+    guidance_.AcceptScale(share_of(F, proposed));
+    guidance = guidance_.scale().F_T_W();
+    return with(F, guidance_.scale().scale());
   }
   const bool measured = params_.method == GuidanceMethod::kMeasuredPose;
   const Wrench F = control::EvaluateGuidance(params_.guidance, measured ? Measured() : tool_.X_WT,

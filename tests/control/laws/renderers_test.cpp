@@ -28,12 +28,12 @@ struct Bench {
         coupling.Evaluate({.model = model, .X_WT = X_WT, .V_WT = V_WT, .now = now, .spindle_turns = false},
                           tool.arm(), acting));
   }
-  AdmittanceStep Admittance(double push_N, double depth_m, double sensor_share = 1.0) {
+  AdmittanceStep Admittance(double push_N, double depth_m, double sensor_fade = 1.0) {
     now += rt::kMillisecond;
     Evaluate(depth_m, tool.X_WT(), tool.Velocity());
     const Vector3 feed_W = ServoBench::StartPose().linear().col(2);
     return admittance.Step({.F_hand_T_W = {.f = push_N * feed_W, .t = Vector3::Zero()},
-                            .sensor_share = sensor_share,
+                            .sensor_fade = sensor_fade,
                             .max_hand_N = 250.0},
                            coupling, tool);
   }
@@ -42,7 +42,7 @@ struct Bench {
     session.OnMessage(state, ServoBench::StartPose(), now);
     const Twist V_before = tool.V_WT;
     tool.V_WT = session.V_WT();
-    tool.share = 1.0;
+    tool.fade = 1.0;
     Evaluate(depth_m, session.X_WT(), tool.V_WT);
     motion = impedance.FollowHand(session, state.q_meas, false, tool);
     return impedance.Step(session, V_before, motion, coupling, tool);

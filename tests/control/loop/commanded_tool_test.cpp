@@ -18,7 +18,7 @@ TEST(CommandedTool, FollowsAnArmThatMovesByItself) {
   tool.ResetToArmPose({});
   EXPECT_FALSE(tool.has_pose()) << "an idle arm does not say where it is";
   tool.V_WT.v = Vector3(0.1, 0.0, 0.0);
-  tool.share = 1.0;
+  tool.fade = 1.0;
   tool.ResetToArmPose(StandingArm());
   EXPECT_TRUE(tool.has_pose());
   EXPECT_EQ(tool.Velocity().v, Vector3::Zero());
@@ -30,8 +30,8 @@ TEST(CommandedTool, MovesByItsShareOfTheLawsVelocity) {
   CommandedTool tool = Tool(params);
   const Vector3 p_before = tool.X_WT().translation();
   tool.V_WT.v = Vector3(0.02, 0.0, 0.0);
-  tool.share = 0.5;
-  const FollowedTwist followed = tool.Follow(1.0, true);
+  tool.fade = 0.5;
+  const FollowedTwist followed = tool.FollowTwist(1.0, true);
   EXPECT_EQ(followed.fault, safety::Fault::kNone);
   EXPECT_FALSE(followed.joints_limited);
   EXPECT_NEAR((tool.X_WT().translation() - p_before).x(), 1e-5, 1e-7);
@@ -42,10 +42,10 @@ TEST(CommandedTool, MovesByItsShareOfTheLawsVelocity) {
 TEST(CommandedTool, BrakesToRestAlongItsDirection) {
   const ServoParams params = ServoBench::Params();
   CommandedTool tool = Tool(params);
-  tool.share = 1.0;
+  tool.fade = 1.0;
   for (int i = 1; i <= 300; ++i) {  // up to speed
     tool.V_WT.v = std::min(1.0, i / 250.0) * Vector3(0.06, 0.08, 0.0);
-    EXPECT_FALSE(tool.Follow(1.0, true).joints_limited) << i;
+    EXPECT_FALSE(tool.FollowTwist(1.0, true).joints_limited) << i;
   }
   const Vector3 p_before = tool.X_WT().translation();
   int ticks = 1;
@@ -65,7 +65,7 @@ TEST(CommandedTool, AStopBeginsWithTheVelocityThatTheToolHas) {
   const ServoParams params = ServoBench::Params();
   CommandedTool tool = Tool(params);
   tool.V_WT.v = Vector3(0.1, 0.0, 0.0);
-  tool.share = 0.25;
+  tool.fade = 0.25;
   tool.StartBraking();
   EXPECT_EQ(tool.Velocity().v, Vector3(0.025, 0.0, 0.0));
   tool.HoldStill();

@@ -239,9 +239,9 @@ TEST_P(GuidedPipeline, NeverRendersMoreThanTheCellsLimit) {
     if (i % 5 == 0) pipeline.LimitPower(0.7, rendered, acting);
     const Guidance& guidance = *pipeline.guidance();
     worst_J = std::max(worst_J,
-                       guidance.share().energy_J() + guidance.share().share() * guidance.field().potential_J);
-    largest_share = std::max(largest_share, guidance.share().share());
-    yielded |= guidance.field().potential_J > 0.0 && guidance.share().share() < 0.01;
+                       guidance.scale().energy_J() + guidance.scale().scale() * guidance.field().potential_J);
+    largest_share = std::max(largest_share, guidance.scale().scale());
+    yielded |= guidance.field().potential_J > 0.0 && guidance.scale().scale() < 0.01;
     if (i % 5 != 0) {
       ASSERT_EQ(acting.Has(safety::Limit::kGuidance), guidance.acts()) << i;
     }

@@ -16,7 +16,7 @@ struct Moving : StartRig {
     actions.ApplyEvent(CellEvent::kPermitsHold);
     EXPECT_EQ(actions.ApplyEvent(CellEvent::kBeginRendering), CellAction::kBeginRendering);
     tool.V_WT.v = Vector3(0.1, 0.0, 0.0);
-    tool.share = 0.5;
+    tool.fade = 0.5;
   }
 };
 

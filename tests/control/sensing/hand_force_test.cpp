@@ -37,7 +37,7 @@ ForceReading Reading(const ServoParams& params, double push_N, const Wrench& bia
 TEST(HandForce, IsTheHandsPushWithoutTheToolsWeight) {
   const ServoParams params = WithATool();
   HandForce hand(params, ServoBench::FlangeToTool());
-  const Wrench F = hand.Compute(Reading(params, 30.0), 0.0, ToolAt(0.0), kPeriod_s);
+  const Wrench F = hand.ComputeHandWrench(Reading(params, 30.0), 0.0, ToolAt(0.0), kPeriod_s);
   EXPECT_NEAR((F.f - Vector3(30.0, 0.0, 0.0)).norm(), 0.0, 1e-9);
   EXPECT_NEAR(F.t.norm(), 0.0, 1e-9) << "it pushes at the tool's apex";
 }
@@ -46,9 +46,9 @@ TEST(HandForce, IsNothingWithoutAReadingThatCanBeTrusted) {
   const ServoParams params = WithATool();
   HandForce hand(params, ServoBench::FlangeToTool());
   ForceReading reading = Reading(params, 30.0);
-  EXPECT_EQ(hand.Compute(reading, safety::kNoAge_s, ToolAt(0.0), kPeriod_s).f, Vector3::Zero());
+  EXPECT_EQ(hand.ComputeHandWrench(reading, safety::kNoAge_s, ToolAt(0.0), kPeriod_s).f, Vector3::Zero());
   reading.trusted = false;
-  EXPECT_EQ(hand.Compute(reading, 0.0, ToolAt(0.0), kPeriod_s).f, Vector3::Zero());
+  EXPECT_EQ(hand.ComputeHandWrench(reading, 0.0, ToolAt(0.0), kPeriod_s).f, Vector3::Zero());
 }
 
 TEST(HandForce, TakesTheBiasOfARestOutOfEveryReading) {
@@ -60,7 +60,7 @@ TEST(HandForce, TakesTheBiasOfARestOutOfEveryReading) {
   for (int i = 0; i < 600; ++i) hand.EstimateBias(Reading(params, 0.0, bias), ToolAt(0.0));
   EXPECT_FALSE(hand.bias_in_doubt());
   EXPECT_NEAR((hand.bias().f - bias.f).norm(), 0.0, 1e-6);
-  const Wrench F = hand.Compute(Reading(params, 30.0, bias), 0.0, ToolAt(0.0), kPeriod_s);
+  const Wrench F = hand.ComputeHandWrench(Reading(params, 30.0, bias), 0.0, ToolAt(0.0), kPeriod_s);
   EXPECT_NEAR((F.f - Vector3(30.0, 0.0, 0.0)).norm(), 0.0, 1e-6);
 }
 
@@ -83,7 +83,7 @@ TEST(HandForce, AShareOfTheToolsInertiaIsTakenOutByTheTimeBetweenMessages) {
     double t_s = 0.0;
     while (t_s < 0.2) {  // 2 m/s²
       t_s += period_s;
-      F = hand.Compute(Reading(params, 0.0), 0.0, ToolAt(t_s * t_s), period_s);
+      F = hand.ComputeHandWrench(Reading(params, 0.0), 0.0, ToolAt(t_s * t_s), period_s);
     }
     return F.f.x();
   };

@@ -50,7 +50,7 @@ void Drive(JointPath<7>& path, const JointPathParams& params, const JointVector&
            const JointVector& goal, Permitted permitted, Peaks& peaks, double dt_s = kDt_s) {
   const kinematics::LbrArm arm(kinematics::Iiwa14());
   const JointVector line = (goal - from).normalized();
-  ASSERT_TRUE(path.Begin(from, goal));
+  ASSERT_TRUE(path.StartPath(from, goal));
   JointVector q = from, step_before = JointVector::Zero(), qd_before = JointVector::Zero();
   Vector3 apex = arm.FlangePose(q) * kTool_F_m, flange = arm.FlangePose(q).translation();
   double progress = 0.0;
@@ -164,7 +164,7 @@ TEST(JointPath, StandsWithinThePauseAndGoesOnFromThere) {
   const JointPathParams params;
   JointPath<7> path = MakePath(params);
   const JointVector from = RandomPosture(random), goal = RandomPosture(random);
-  ASSERT_TRUE(path.Begin(from, goal));
+  ASSERT_TRUE(path.StartPath(from, goal));
   EXPECT_EQ(path.Step(kDt_s, false).q, from) << "it waits for the switch";
   JointPathOutput<7> out;
   for (int i = 0; i < 3000; ++i) out = path.Step(kDt_s, true);
@@ -186,7 +186,7 @@ TEST(JointPath, StandsWithinThePauseAndGoesOnFromThere) {
 TEST(JointPath, WithoutAWayIsDoneAtOnce) {
   JointPath<7> path = MakePath();
   const JointVector q = JointVector::Constant(0.3);
-  ASSERT_TRUE(path.Begin(q, q));
+  ASSERT_TRUE(path.StartPath(q, q));
   EXPECT_EQ(path.duration_s(), 0.0);
   const JointPathOutput<7> out = path.Step(kDt_s, false);
   EXPECT_TRUE(out.done);
@@ -196,14 +196,14 @@ TEST(JointPath, WithoutAWayIsDoneAtOnce) {
 TEST(JointPath, DoesNotBeginWithEndsThatTheArmCanNotHave) {
   JointPath<7> path = MakePath();
   const JointVector q = JointVector::Constant(0.3);
-  ASSERT_TRUE(path.Begin(q, -q));
+  ASSERT_TRUE(path.StartPath(q, -q));
   const double duration_s = path.duration_s();
   JointVector beyond = q, none = q;
   beyond[3] = Limits()[3].upper_rad + 1e-9;
   none[6] = std::numeric_limits<double>::quiet_NaN();
   for (const JointVector& bad : {beyond, none}) {
-    EXPECT_FALSE(path.Begin(q, bad));
-    EXPECT_FALSE(path.Begin(bad, q));
+    EXPECT_FALSE(path.StartPath(q, bad));
+    EXPECT_FALSE(path.StartPath(bad, q));
   }
   EXPECT_EQ(path.duration_s(), duration_s);
   EXPECT_EQ(path.q_goal(), -q) << "and the path before goes on";
@@ -228,7 +228,7 @@ TEST(JointPath, ServesAnArmOfSixJoints) {
   kinematics::JointVectorN<6> from, goal;
   from << 0.5, -1.0, 1.2, 0.1, 0.6, 0.0;
   goal << -0.4, -1.5, 1.0, 1.0, -0.6, 2.0;
-  ASSERT_TRUE(path.Begin(from, goal));
+  ASSERT_TRUE(path.StartPath(from, goal));
   Vector3 apex = arm.FlangePose(from) * kTool_F_m;
   JointPathOutput<6> out;
   int ticks = 0;
@@ -245,9 +245,9 @@ TEST(JointPath, SameInputsGiveTheSameBits) {
   std::mt19937_64 random(24);
   const JointVector from = RandomPosture(random), goal = RandomPosture(random);
   JointPath<7> first = MakePath(), second = MakePath();
-  ASSERT_TRUE(second.Begin(goal, from)) << "what it did before makes no difference";
+  ASSERT_TRUE(second.StartPath(goal, from)) << "what it did before makes no difference";
   for (int i = 0; i < 500; ++i) static_cast<void>(second.Step(kDt_s, true));
-  ASSERT_TRUE(first.Begin(from, goal) && second.Begin(from, goal));
+  ASSERT_TRUE(first.StartPath(from, goal) && second.StartPath(from, goal));
   for (int i = 0; i < 20'000; ++i) {
     const bool held = i % 1700 > 300;
     const JointPathOutput<7> a = first.Step(kDt_s, held), b = second.Step(kDt_s, held);
@@ -260,7 +260,7 @@ TEST(JointPath, DoesNotAllocate) {
   JointPath<7> path = MakePath();
   const JointVector q = JointVector::Constant(0.3);
   rt::CheckedNoAllocScope no_alloc;
-  const bool begun = path.Begin(q, -q);
+  const bool begun = path.StartPath(q, -q);
   const JointPathOutput<7> out = path.Step(kDt_s, true);
   no_alloc.End();
   EXPECT_TRUE(begun);

@@ -1,4 +1,4 @@
-#include "control/guidance/guidance_share.h"
+#include "control/guidance/guidance_scale.h"
 
 #include <gtest/gtest.h>
 
@@ -28,22 +28,21 @@ struct GuidedTool {
   }
 
   // One tick: the bone's wrench counts first. @returns the rendered sum
-  Wrench Tick(const Wrench& F_hand, const Wrench& F_bone, double model_share = 1.0) {
-    const Wrench F_before = guidance.share().F_T_W();
+  Wrench Tick(const Wrench& F_hand, const Wrench& F_bone, double model_fade = 1.0) {
+    const Wrench F_before = guidance.scale().F_T_W();
     const double proposed =
-        guidance.Propose({.X_WT = tool.X_WT, .V_WT = tool.V_WT, .model_share = model_share});
+        guidance.ProposeScale({.X_WT = tool.X_WT, .V_WT = tool.V_WT, .model_fade = model_fade});
     const Wrench& F = guidance.field().F_T_W;
     const Wrench bone = limiter.Limit(F_bone).F;
     const auto with = [&](double share) {
       return Wrench{.f = bone.f + share * F.f, .t = bone.t + share * F.t};
     };
-    const double share = GreatestFittingShare(ShareWithin(limiter, bone, F, proposed), [&](double each) {
-      return limiter.Limit(with(each)).share >= 1.0;
-    });
+    const double share = MaxFittingScale(ScaleWithin(limiter, bone, F, proposed),
+                                         [&](double each) { return limiter.Limit(with(each)).share >= 1.0; });
     limited = limited || share < proposed;
-    guidance.Accept(share);
-    energy_J += 0.5 * Power(guidance.share().F_T_W(), step) + 0.5 * Power(F_before, step);
-    energy_J = std::max(energy_J, -(guidance.share().share() * guidance.field().potential_J + 0.05));
+    guidance.AcceptScale(share);
+    energy_J += 0.5 * Power(guidance.scale().F_T_W(), step) + 0.5 * Power(F_before, step);
+    energy_J = std::max(energy_J, -(guidance.scale().scale() * guidance.field().potential_J + 0.05));
     const Wrench sum = with(share);
     const Pose X_before = tool.X_WT;
     EXPECT_TRUE(StepAdmittance(law, {.f = F_hand.f + sum.f, .t = F_hand.t + sum.t}, kDt_s, tool));
@@ -53,7 +52,7 @@ struct GuidedTool {
     return sum;
   }
   [[nodiscard]] double Balance_J() const {
-    return energy_J + guidance.share().share() * guidance.field().potential_J;
+    return energy_J + guidance.scale().scale() * guidance.field().potential_J;
   }
 
   Guidance guidance;
@@ -120,46 +119,46 @@ void CycleOutAndBack(const GuidanceParams& params) {
   EXPECT_LE(largest_Nm, 20.0);
 }
 
-TEST(GuidanceShare, NeverGivesMoreThanItTook) { CycleOutAndBack(SomeGuidance()); }
-TEST(GuidanceShare, NeverGivesMoreThanItTookWithHardlyAnyDamping) { CycleOutAndBack(HardlyDamped()); }
+TEST(GuidanceScale, NeverGivesMoreThanItTook) { CycleOutAndBack(SomeGuidance()); }
+TEST(GuidanceScale, NeverGivesMoreThanItTookWithHardlyAnyDamping) { CycleOutAndBack(HardlyDamped()); }
 
-TEST(GuidanceShare, SwitchedOnOutsideItWaitsUntilTheToolIsInside) {
+TEST(GuidanceScale, SwitchedOnOutsideItWaitsUntilTheToolIsInside) {
   const GuidanceParams params = SomeGuidance();
   GuidedTool tool(params, PoseAt(params, {.height_m = 2e-3, .aside_m = 10e-3}));
   for (int i = 0; i < 300; ++i) tool.Tick({}, {});
-  EXPECT_EQ(tool.guidance.share().share(), 0.0);
+  EXPECT_EQ(tool.guidance.scale().scale(), 0.0);
   EXPECT_FALSE(tool.guidance.acts());
   tool.tool.X_WT = PoseAt(params, {.height_m = 2e-3});
   tool.Tick({}, {});
-  EXPECT_EQ(tool.guidance.share().share(), 1.0);
+  EXPECT_EQ(tool.guidance.scale().scale(), 1.0);
 }
 
-TEST(GuidanceShare, ResistsAHandThatLeavesTheCorridor) {
+TEST(GuidanceScale, ResistsAHandThatLeavesTheCorridor) {
   const GuidanceParams params = SomeGuidance();
   GuidedTool guided(params, PoseAt(params, {.height_m = 1e-3}));
   const Wrench deeper{.f = -60.0 * params.axis_W};
   for (int i = 0; i < 2000; ++i) guided.Tick(deeper, {});
   // a hand of 60 N against 10 N/mm with 0.5 mm of ease, held at the head and pushed at the apex
   EXPECT_NEAR(guided.guidance.field().excess.depth_m, 6.25e-3, 0.05e-3);
-  EXPECT_EQ(guided.guidance.share().share(), 1.0);
+  EXPECT_EQ(guided.guidance.scale().scale(), 1.0);
   EXPECT_LT(guided.energy_J, 0.0);
 }
 
-TEST(GuidanceShare, GuidanceYieldsToTheBone) {
+TEST(GuidanceScale, GuidanceYieldsToTheBone) {
   const GuidanceParams params = SomeGuidance();
   GuidedTool tool(params, PoseAt(params, {.height_m = 1e-3}));
   for (int i = 0; i < 1000; ++i) tool.Tick({.f = -80.0 * params.axis_W}, {});
-  ASSERT_GT(tool.guidance.share().F_T_W().f.norm(), 70.0);
+  ASSERT_GT(tool.guidance.scale().F_T_W().f.norm(), 70.0);
   // the bone now takes the whole limit, in the same direction
   const Wrench sum = tool.Tick({}, {.f = 250.0 * params.axis_W});
-  EXPECT_LT(tool.guidance.share().F_T_W().f.norm(), 0.01);
+  EXPECT_LT(tool.guidance.scale().F_T_W().f.norm(), 0.01);
   EXPECT_LE(sum.f.norm(), 200.0);
   // and lets go: the share rises within a tenth of a second, not at once
   tool.Tick({}, {});
-  EXPECT_LE(tool.guidance.share().share(), 0.011);
+  EXPECT_LE(tool.guidance.scale().scale(), 0.011);
 }
 
-TEST(GuidanceShare, TheClosedFormFindsTheLimit) {
+TEST(GuidanceScale, TheClosedFormFindsTheLimit) {
   const safety::WrenchLimiter limiter({.max_force_N = 100.0, .max_torque_Nm = 5.0});
   std::mt19937 random(5);
   int by_limit = 0;
@@ -169,30 +168,30 @@ TEST(GuidanceShare, TheClosedFormFindsTheLimit) {
     const auto sum = [&](double share) {
       return Wrench{.f = other.f + share * guidance.f, .t = other.t + share * guidance.t};
     };
-    const double share = ShareWithin(limiter, other, guidance, 1.0);
+    const double share = ScaleWithin(limiter, other, guidance, 1.0);
     EXPECT_EQ(limiter.Limit(sum(std::max(0.0, share - 1e-6))).share, 1.0);
     if (share == 1.0) continue;
     ++by_limit;
     EXPECT_LT(limiter.Limit(sum(share + 1e-6)).share, 1.0) << "a greater share does not fit";
   }
   EXPECT_GT(by_limit, 200);
-  EXPECT_EQ(ShareWithin(limiter, {.f = {150.0, 0.0, 0.0}}, {.f = {-1.0, 0.0, 0.0}}, 1.0), 0.0);
+  EXPECT_EQ(ScaleWithin(limiter, {.f = {150.0, 0.0, 0.0}}, {.f = {-1.0, 0.0, 0.0}}, 1.0), 0.0);
 }
 
-TEST(GuidanceShare, FadesWithTheModelsAge) {
+TEST(GuidanceScale, FadesWithTheModelsAge) {
   const GuidanceParams params = SomeGuidance();
   GuidedTool tool(params, PoseAt(params, {.height_m = 1e-3}));
   const Wrench deeper{.f = -40.0 * params.axis_W};
   for (int i = 0; i < 1000; ++i) tool.Tick(deeper, {});
-  ASSERT_GT(tool.guidance.share().share(), 0.99);
+  ASSERT_GT(tool.guidance.scale().scale(), 0.99);
   tool.Tick(deeper, {}, 0.25);
-  EXPECT_EQ(tool.guidance.share().share(), 0.25);
+  EXPECT_EQ(tool.guidance.scale().scale(), 0.25);
   tool.Tick(deeper, {}, 0.0);
-  EXPECT_EQ(tool.guidance.share().share(), 0.0);
+  EXPECT_EQ(tool.guidance.scale().scale(), 0.0);
   EXPECT_FALSE(tool.guidance.acts());
 }
 
-TEST(GuidanceShare, AToolThatIsLetGoHardlyMoves) {
+TEST(GuidanceScale, AToolThatIsLetGoHardlyMoves) {
   GuidanceParams params = SomeGuidance();
   GuidedTool tool(params, PoseAt(params, {.height_m = 3e-3}));
   const Vector3 aside = PoseAt(params, {.aside_m = 1.0}).translation() - PoseAt(params, {}).translation();
@@ -217,7 +216,7 @@ TEST(Guidance, StopsTheSpindleBeyondAStopUntilTheToolIsInside) {
   GuidanceParams params = SomeGuidance();
   Guidance guidance(params, 0.25, kDt_s);
   const auto at = [&](const CorridorPlace& place) {
-    guidance.Accept(guidance.Propose({.X_WT = PoseAt(params, place)}));
+    guidance.AcceptScale(guidance.ProposeScale({.X_WT = PoseAt(params, place)}));
     return guidance.stops_spindle();
   };
   EXPECT_FALSE(at({.height_m = 1e-3}));
@@ -230,16 +229,16 @@ TEST(Guidance, StopsTheSpindleBeyondAStopUntilTheToolIsInside) {
   EXPECT_FALSE(at({.height_m = 1e-3, .tilt_rad = 0.18})) << "off";
   params.stops_spindle = false;
   Guidance free(params, 0.25, kDt_s);
-  free.Accept(free.Propose({.X_WT = PoseAt(params, {.tilt_rad = 0.3})}));
+  free.AcceptScale(free.ProposeScale({.X_WT = PoseAt(params, {.tilt_rad = 0.3})}));
   EXPECT_FALSE(free.stops_spindle());
 }
 
 TEST(Guidance, TripsWhereItsForceJumps) {
   const GuidanceParams params = SomeGuidance();
   Guidance guidance(params, 0.25, kDt_s);
-  guidance.Accept(guidance.Propose({.X_WT = PoseAt(params, {.height_m = 1e-3})}));
+  guidance.AcceptScale(guidance.ProposeScale({.X_WT = PoseAt(params, {.height_m = 1e-3})}));
   EXPECT_FALSE(guidance.trips());
-  guidance.Accept(guidance.Propose({.X_WT = PoseAt(params, {.height_m = -3e-3})}));
+  guidance.AcceptScale(guidance.ProposeScale({.X_WT = PoseAt(params, {.height_m = -3e-3})}));
   EXPECT_TRUE(guidance.trips()) << "4 mm in a tick";
 }
 
@@ -253,8 +252,8 @@ TEST(Guidance, AllocatesNothing) {
     const rt::CheckedNoAllocScope scope;
     for (int i = 0; i < 200; ++i) {
       static_cast<void>(
-          tool.guidance.Propose({.X_WT = tool.tool.X_WT, .V_WT = tool.tool.V_WT, .model_share = 1.0}));
-      tool.guidance.Accept(1.0);
+          tool.guidance.ProposeScale({.X_WT = tool.tool.X_WT, .V_WT = tool.tool.V_WT, .model_fade = 1.0}));
+      tool.guidance.AcceptScale(1.0);
     }
     record.guidance = tool.guidance.Record();
     const Guidance prepared = tool.guidance;
