@@ -59,7 +59,7 @@ install(FILES ${PROJECT_BINARY_DIR}/osteon-config.cmake ${PROJECT_BINARY_DIR}/os
 file(RELATIVE_PATH prefix_from_pkgconfig /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 configure_file(${packaging}/osteon.pc.in ${PROJECT_BINARY_DIR}/osteon.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/osteon.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
-install(FILES plugin/python/osteon.py DESTINATION lib/python3/dist-packages COMPONENT development)
+install(DIRECTORY plugin/python/osteon DESTINATION lib/python3/dist-packages COMPONENT development PATTERN "__pycache__" EXCLUDE)
 install(DIRECTORY plugin/examples/ DESTINATION share/doc/libosteon-dev/examples COMPONENT development)
 
 # --- what Debian wants of every package
