@@ -92,6 +92,7 @@ namespace UnityEngine
         public Vector3 position, localPosition;
         public Quaternion rotation = new Quaternion(0, 0, 0, 1), localRotation;
         public Vector3 InverseTransformPoint(Vector3 p) { return p; }
+        public Transform GetChild(int index) { return children[index]; }
         public void SetParent(Transform parent, bool worldPositionStays) { parent.children.Add(this); }
     }
     public struct Vector3

@@ -32,6 +32,7 @@ namespace Osteon
 
         readonly Dictionary<uint, Mesh> meshes = new Dictionary<uint, Mesh>();
         readonly double[] pose = new double[7];
+        GameObject bricks; // their parent, which moves on the mount
         Session session;
 
         /// <summary>The session, for a haptic device's own thread: SetToolPose and Evaluate are wait-free. Null: none is open.</summary>
@@ -56,6 +57,7 @@ namespace Osteon
             tool.PoseIn(transform, pose);
             session.SetToolPose(pose, tool.spins ? session.Spindle : 0.0);
             UpdateMeshes();
+            if (GivesWay) FollowMount();
             Native.Event happened;
             while (session.NextEvent(out happened))
                 if (SceneEvent != null) SceneEvent(happened);
@@ -80,7 +82,7 @@ namespace Osteon
                 foreach (var problem in Problems()) throw new InvalidOperationException(problem);
                 session = new Session(scene, tool.toolName, tool.diameter_m, false, configFolder.Length > 0 ? configFolder : null, maxForce_N);
                 if (session.BoneWarning.Length > 0) Debug.LogWarning(session.BoneWarning, this);
-                if (toolBends || layerYields || mountMoves) session.SetCompliance(Compliance());
+                if (GivesWay) session.SetCompliance(Compliance());
                 return true;
             }
             catch (InvalidOperationException error)
@@ -103,6 +105,18 @@ namespace Osteon
             var count = session.TakeBricks();
             for (var i = 0; i < count; ++i) Show(ref session.Surface.Ranges[i]);
         }
+
+        /// <summary>Draws the bone where its mount has let it go by the newest Evaluate; each frame does.</summary>
+        public void FollowMount()
+        {
+            if (bricks == null) return;
+            var place = session.Deflection.bone;
+            var p = place.position_m;
+            bricks.transform.localPosition = new Vector3((float)p.x, (float)p.y, (float)p.z);
+            bricks.transform.localRotation = new Quaternion((float)place.x, (float)place.y, (float)place.z, (float)place.w);
+        }
+
+        bool GivesWay => toolBends || layerYields || mountMoves;
 
         Native.ComplianceParams Compliance()
         {
@@ -139,8 +153,13 @@ namespace Osteon
         {
             Mesh mesh;
             if (meshes.TryGetValue(number, out mesh)) return mesh;
+            if (bricks == null)
+            {
+                bricks = new GameObject("bricks");
+                bricks.transform.SetParent(transform, false);
+            }
             var part = new GameObject("brick " + number);
-            part.transform.SetParent(transform, false);
+            part.transform.SetParent(bricks.transform, false);
             mesh = new Mesh();
             mesh.MarkDynamic();
             part.AddComponent<MeshFilter>().sharedMesh = mesh;

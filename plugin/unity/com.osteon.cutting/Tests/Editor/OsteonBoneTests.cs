@@ -78,6 +78,18 @@ namespace Osteon.Tests
             session.SetToolPose(session.Approach(0.1), 0.0);
             session.Evaluate(session.Approach(0.1), force, torque);
             Assert.AreEqual(1u, session.Deflection.gives_way);
+            session.WaitForSurface();
+            bone.UpdateMeshes();
+            var pressed = session.Approach(-0.0195);
+            for (var i = 0; i < 400; ++i)
+            {
+                session.SetToolPose(pressed, 0.0);
+                session.Evaluate(pressed, force, torque);
+                System.Threading.Thread.Sleep(1);
+            }
+            bone.FollowMount();
+            var drawn = boneObject.transform.GetChild(0).localPosition;
+            Assert.Less(drawn.y, -2e-5f);
         }
     }
 }
