@@ -4,7 +4,7 @@
 #     osteon      osteon           the command, its studies, config/, the console's page, manual page, completions,
 #                                  systemd unit with its user and group, real-time rights
 #     library     libosteon0       libosteon.so.0
-#     development libosteon-dev    osteon.h, osteon_host.h, CMake package, pkg-config file, Python module, examples
+#     development libosteon-dev    osteon.h, osteon_host*.h, CMake package, pkg-config file, Python module, examples
 #     godot       (none)           the add-on as it lies in a project: plugin/godot/CMakeLists.txt
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -50,7 +50,8 @@ install(FILES ${packaging}/60-osteon.rules DESTINATION lib/udev/rules.d COMPONEN
 install(TARGETS osteon_plugin EXPORT osteon-targets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development)
 # scenes, tools and materials stand in the package of the command; the library alone needs a packing, balls or these
-install(FILES plugin/include/osteon.h plugin/include/osteon_host.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+install(FILES plugin/include/osteon.h plugin/include/osteon_host.h plugin/include/osteon_host_axes.h
+  plugin/include/osteon_host_plan.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
 install(EXPORT osteon-targets NAMESPACE osteon:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/osteon COMPONENT development)
 file(WRITE ${PROJECT_BINARY_DIR}/osteon-config.cmake "include(\"\${CMAKE_CURRENT_LIST_DIR}/osteon-targets.cmake\")\n")
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/osteon-config-version.cmake COMPATIBILITY SameMajorVersion)
@@ -59,7 +60,7 @@ install(FILES ${PROJECT_BINARY_DIR}/osteon-config.cmake ${PROJECT_BINARY_DIR}/os
 file(RELATIVE_PATH prefix_from_pkgconfig /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 configure_file(${packaging}/osteon.pc.in ${PROJECT_BINARY_DIR}/osteon.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/osteon.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
-install(FILES plugin/python/osteon.py DESTINATION lib/python3/dist-packages COMPONENT development)
+install(DIRECTORY plugin/python/osteon DESTINATION lib/python3/dist-packages COMPONENT development PATTERN "__pycache__" EXCLUDE)
 install(DIRECTORY plugin/examples/ DESTINATION share/doc/libosteon-dev/examples COMPONENT development)
 
 # --- what Debian wants of every package

@@ -1,155 +1,19 @@
-// osteon_host.h: what a game engine's plug-in in C++ needs beside osteon.h: its axes and units, a session in
-// them, and the carved surface brick by brick. Header alone, C++17, no exception of its own; every failure is
-// an OsteonResult, its text osteon_last_error().
-//
-//     p_host = units_per_m · P · p        places, velocities
-//     d_host = P · d                      directions, forces (N)
-//     a_host = det(P) · P · a             axial: torques (N·m), angular velocities, the vector part of quaternions
-//
-// P exchanges and mirrors axes: row i has `sign[i]` in column `from[i]`.
+// osteon_host.h: what a game engine's plug-in in C++ needs beside osteon.h: a session in its axes and units
+// (osteon_host_axes.h), and the carved surface brick by brick; osteon_host_plan.h has plans and guidance.
+// Header alone, C++17, no exception of its own; every failure is an OsteonResult, its text
+// osteon_last_error().
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
-#include "osteon.h"
+#include "osteon_host_axes.h"
 
 namespace osteon {
 namespace host {
-
-using Vector = std::array<double, 3>;
-
-/// w x y z
-using Quaternion = std::array<double, 4>;
-
-struct Pose {
-  Vector position{0.0, 0.0, 0.0};              ///< in the host's unit
-  Quaternion orientation{1.0, 0.0, 0.0, 0.0};  ///< any length but 0
-};
-
-/// Axes and unit of a host.
-struct Axes {
-  std::array<std::size_t, 3> from;
-  std::array<double, 3> sign;
-  double units_per_m;
-  /// Which way (b - a) × (c - a) of a triangle points, computed by components, that the host shows from
-  /// outside: 1 outward, -1 inward. Osteon's point outward.
-  int front;
-
-  /// 1: right-handed as Osteon; -1: left-handed.
-  constexpr int Determinant() const {
-    const bool is_cyclic = (from[0] + 1) % 3 == from[1] && (from[1] + 1) % 3 == from[2];
-    return (is_cyclic ? 1 : -1) * (sign[0] * sign[1] * sign[2] > 0.0 ? 1 : -1);
-  }
-  /// Whether a triangle's corners go the other way round.
-  constexpr bool TurnsTrianglesOver() const { return Determinant() != front; }
-};
-
-inline constexpr Axes kOsteon{{0, 1, 2}, {1.0, 1.0, 1.0}, 1.0, 1};
-/// Right-handed, +y up, metres; shows triangles that are clockwise.
-inline constexpr Axes kGodot{{0, 2, 1}, {1.0, 1.0, -1.0}, 1.0, -1};
-/// Left-handed, +y up, metres. Its plug-in is in C#; here for comparison.
-inline constexpr Axes kUnity{{0, 2, 1}, {1.0, 1.0, 1.0}, 1.0, 1};
-/// Left-handed, +z up, centimetres; shows triangles that are counter-clockwise.
-inline constexpr Axes kUnreal{{0, 1, 2}, {1.0, -1.0, 1.0}, 100.0, -1};
-
-inline Vector DirectionToHost(const Axes& axes, const Vector& v) {
-  return {axes.sign[0] * v[axes.from[0]], axes.sign[1] * v[axes.from[1]], axes.sign[2] * v[axes.from[2]]};
-}
-
-inline Vector DirectionFromHost(const Axes& axes, const Vector& v) {
-  Vector result{};
-  for (std::size_t i = 0; i < 3; ++i) result[axes.from[i]] = axes.sign[i] * v[i];
-  return result;
-}
-
-inline Vector Scaled(const Vector& v, double scale) { return {scale * v[0], scale * v[1], scale * v[2]}; }
-
-inline Vector PositionToHost(const Axes& axes, const Vector& p_m) {
-  return Scaled(DirectionToHost(axes, p_m), axes.units_per_m);
-}
-
-inline Vector PositionFromHost(const Axes& axes, const Vector& p) {
-  return Scaled(DirectionFromHost(axes, p), 1.0 / axes.units_per_m);
-}
-
-/// Torques and angular velocities.
-inline Vector AxialToHost(const Axes& axes, const Vector& v) {
-  return Scaled(DirectionToHost(axes, v), axes.Determinant());
-}
-
-inline Vector AxialFromHost(const Axes& axes, const Vector& v) {
-  return Scaled(DirectionFromHost(axes, v), axes.Determinant());
-}
-
-inline Quaternion RotationToHost(const Axes& axes, const Quaternion& q) {
-  const Vector v = AxialToHost(axes, {q[1], q[2], q[3]});
-  return {q[0], v[0], v[1], v[2]};
-}
-
-inline Quaternion RotationFromHost(const Axes& axes, const Quaternion& q) {
-  const Vector v = AxialFromHost(axes, {q[1], q[2], q[3]});
-  return {q[0], v[0], v[1], v[2]};
-}
-
-inline Pose PoseToHost(const Axes& axes, const OsteonPose& pose) {
-  const double* p = pose.position_m;
-  const double* q = pose.orientation_wxyz;
-  return {PositionToHost(axes, {p[0], p[1], p[2]}), RotationToHost(axes, {q[0], q[1], q[2], q[3]})};
-}
-
-inline OsteonPose PoseFromHost(const Axes& axes, const Pose& pose) {
-  const Vector p = PositionFromHost(axes, pose.position);
-  const Quaternion q = RotationFromHost(axes, pose.orientation);
-  return {{p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]}};
-}
-
-/// Rotation of a matrix by its rows, which may carry a positive scale; {0, 0, 0, 0}, which every function of
-/// osteon.h refuses, where it cannot be a rotation.
-inline Quaternion RotationOf(const std::array<Vector, 3>& rows) {
-  std::array<Vector, 3> m = rows;
-  for (std::size_t column = 0; column < 3; ++column) {
-    const double length = std::hypot(rows[0][column], rows[1][column], rows[2][column]);
-    if (!(length > 1e-9) || !std::isfinite(length)) return {0.0, 0.0, 0.0, 0.0};
-    for (std::size_t row = 0; row < 3; ++row) m[row][column] /= length;
-  }
-  const double determinant = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
-                             m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-                             m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
-  if (!(determinant > 0.99)) return {0.0, 0.0, 0.0, 0.0};  // sheared, or mirrored
-  // Shepperd's method: divides by the largest component
-  const double trace = m[0][0] + m[1][1] + m[2][2];
-  if (trace > 0.0) {
-    const double s = 2.0 * std::sqrt(1.0 + trace);
-    return {0.25 * s, (m[2][1] - m[1][2]) / s, (m[0][2] - m[2][0]) / s, (m[1][0] - m[0][1]) / s};
-  }
-  const std::size_t i = m[0][0] > m[1][1] ? (m[0][0] > m[2][2] ? 0 : 2) : (m[1][1] > m[2][2] ? 1 : 2);
-  const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-  const double s = 2.0 * std::sqrt(1.0 + m[i][i] - m[j][j] - m[k][k]);
-  Quaternion q{};
-  q[0] = (m[k][j] - m[j][k]) / s;
-  q[1 + i] = 0.25 * s;
-  q[1 + j] = (m[j][i] + m[i][j]) / s;
-  q[1 + k] = (m[k][i] + m[i][k]) / s;
-  return q;
-}
-
-/// Rows of a rotation; q of length 1.
-inline std::array<Vector, 3> RowsOf(const Quaternion& q) {
-  const double w = q[0], x = q[1], y = q[2], z = q[3];
-  return {Vector{1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)},
-          Vector{2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)},
-          Vector{2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)}};
-}
-
-/// Force [N] and torque [N·m] on the tool at its apex, in the host's axes.
-struct Wrench {
-  Vector force_N{0.0, 0.0, 0.0};
-  Vector torque_Nm{0.0, 0.0, 0.0};
-};
 
 /// A brick's mesh in the host's axes and unit; no vertex: the brick has gone.
 struct Brick {
@@ -158,6 +22,62 @@ struct Brick {
   std::vector<std::uint8_t> colors;   ///< red green blue of each vertex, sRGB; a cut face is 0.85 as bright
   std::vector<std::int32_t> indices;  ///< three of each triangle, as the host shows it from outside
 };
+
+/// What gives way, in the host's axes and unit.
+struct Deflection {
+  Pose head;                    ///< of the bent tool in the bone
+  Pose bone;                    ///< where to draw the bone
+  Vector bend{}, bend_rad{};    ///< of the tool's head, along the tool's axes
+  Vector layer{};               ///< of the tissue at the contact
+  Vector mount{}, mount_rad{};  ///< of the bone at the mount's point
+  Vector mount_per_s{}, mount_rad_per_s{};
+  bool gives_way{false};     ///< by the last Evaluate; false: nothing does, and all above is at rest
+  bool noticed{false};       ///< a displacement beyond noticed_m
+  bool beyond_limit{false};  ///< the caller should stop
+};
+
+/// Exchanges the mount's point and triples; stiffness and inertia along an axis have no sign.
+inline OsteonComplianceParams ComplianceToHost(const Axes& axes, const OsteonComplianceParams& params) {
+  OsteonComplianceParams host = params;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t from = axes.from[i];
+    host.mount_point_m[i] = axes.sign[i] * params.mount_point_m[from];
+    host.mount_inertia_kg_m2[i] = params.mount_inertia_kg_m2[from];
+    host.mount_stiffness_N_per_m[i] = params.mount_stiffness_N_per_m[from];
+    host.mount_stiffness_Nm_per_rad[i] = params.mount_stiffness_Nm_per_rad[from];
+  }
+  return host;
+}
+
+inline OsteonComplianceParams ComplianceFromHost(const Axes& axes, const OsteonComplianceParams& host) {
+  OsteonComplianceParams params = host;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t from = axes.from[i];
+    params.mount_point_m[from] = axes.sign[i] * host.mount_point_m[i];
+    params.mount_inertia_kg_m2[from] = host.mount_inertia_kg_m2[i];
+    params.mount_stiffness_N_per_m[from] = host.mount_stiffness_N_per_m[i];
+    params.mount_stiffness_Nm_per_rad[from] = host.mount_stiffness_Nm_per_rad[i];
+  }
+  return params;
+}
+
+inline Deflection DeflectionToHost(const Axes& axes, const OsteonDeflection& found) {
+  const auto vector = [](const double* v) { return Vector{v[0], v[1], v[2]}; };
+  Deflection deflection;
+  deflection.head = PoseToHost(axes, found.head);
+  deflection.bone = PoseToHost(axes, found.bone);
+  deflection.bend = PositionToHost(axes, vector(found.bend_m));
+  deflection.bend_rad = AxialToHost(axes, vector(found.bend_rad));
+  deflection.layer = PositionToHost(axes, vector(found.layer_m));
+  deflection.mount = PositionToHost(axes, vector(found.mount_m));
+  deflection.mount_rad = AxialToHost(axes, vector(found.mount_rad));
+  deflection.mount_per_s = PositionToHost(axes, vector(found.mount_m_per_s));
+  deflection.mount_rad_per_s = AxialToHost(axes, vector(found.mount_rad_per_s));
+  deflection.gives_way = found.gives_way != 0;
+  deflection.noticed = found.noticed != 0;
+  deflection.beyond_limit = found.beyond_limit != 0;
+  return deflection;
+}
 
 struct SessionParams {
   const char* scene = nullptr;          ///< null: "acetabulum"
@@ -200,6 +120,8 @@ class Session {
   const Axes& axes() const { return axes_; }
   /// For all that is not below; null where none is open.
   OsteonSession* session() const { return session_; }
+  /// Null where none is open.
+  const OsteonBone* bone() const { return bone_; }
   /// The tool's usual spindle speed [rad/s].
   double spindle_rad_per_s() const { return osteon_tool_spindle_rad_per_s(tool_); }
 
@@ -223,13 +145,16 @@ class Session {
     return osteon_session_step(session_, &X, spindle_rad_per_s, dt_s);
   }
 
-  /// Wait-free; zero on failure.
-  OsteonResult Evaluate(const Pose& pose, Wrench* wrench) {
+  /// The wrench on a tool at rest. Wait-free; zero on failure.
+  OsteonResult Evaluate(const Pose& pose, Wrench* wrench) { return Evaluate(pose, Twist(), wrench); }
+
+  /// The wrench on a tool that moves: the coupling's damping counts. Wait-free; zero on failure.
+  OsteonResult Evaluate(const Pose& pose, const Twist& twist, Wrench* wrench) {
     const OsteonPose X = PoseFromHost(axes_, pose);
+    const OsteonTwist V = TwistFromHost(axes_, twist);
     OsteonWrench F;
-    const OsteonResult result = osteon_session_evaluate(session_, &X, nullptr, &F);
-    wrench->force_N = DirectionToHost(axes_, {F.force_N[0], F.force_N[1], F.force_N[2]});
-    wrench->torque_Nm = AxialToHost(axes_, {F.torque_Nm[0], F.torque_Nm[1], F.torque_Nm[2]});
+    const OsteonResult result = osteon_session_evaluate(session_, &X, &V, &F);
+    *wrench = WrenchToHost(axes_, F);
     return result;
   }
 
@@ -244,6 +169,51 @@ class Session {
   OsteonResult Undo(const Pose& pose) {
     const OsteonPose X = PoseFromHost(axes_, pose);
     return osteon_session_undo(session_, &X);
+  }
+
+  /// Saves the carved bone as osteon_session_save does.
+  OsteonResult Save(const char* file) { return osteon_session_save(session_, file); }
+
+  /// Returns to a saved bone; the tool, at `pose`, must be free of it.
+  OsteonResult Restore(const char* file, const Pose& pose) {
+    const OsteonPose X = PoseFromHost(axes_, pose);
+    return osteon_session_restore(session_, file, &X);
+  }
+
+  /// Another tool from now on, at `pose`, which must be free of bone; on failure the earlier one stays.
+  /// @param name  null: "reamer"   @param diameter_m  0: the tool's usual one
+  OsteonResult ChangeTool(const char* name, double diameter_m, const char* config_folder, const Pose& pose) {
+    OsteonTool* tool = nullptr;
+    OsteonResult result = CreateTool(name, diameter_m, config_folder, &tool);
+    if (result != OSTEON_OK) return result;
+    const OsteonPose X = PoseFromHost(axes_, pose);
+    result = osteon_session_change_tool(session_, tool, &X);
+    if (result == OSTEON_OK) std::swap(tool_, tool);
+    osteon_tool_destroy(tool);
+    return result;
+  }
+
+  /// As osteon_compliance_params_init, in the host's axes: the mount's point in metres along them, its
+  /// triples along them as well.
+  OsteonResult DefaultCompliance(OsteonComplianceParams* params) const {
+    OsteonComplianceParams defaults;
+    const OsteonResult result = osteon_compliance_params_init(OSTEON_ABI, &defaults);
+    if (result == OSTEON_OK) *params = ComplianceToHost(axes_, defaults);
+    return result;
+  }
+
+  /// From the next Evaluate on these parts give way. @param params  as DefaultCompliance has them
+  OsteonResult SetCompliance(const OsteonComplianceParams& params) {
+    const OsteonComplianceParams given = ComplianceFromHost(axes_, params);
+    return osteon_session_set_compliance(OSTEON_ABI, session_, &given);
+  }
+
+  /// Displacements after the newest Evaluate.
+  OsteonResult GetDeflection(Deflection* deflection) {
+    OsteonDeflection found;
+    const OsteonResult result = osteon_session_deflection(session_, &found);
+    if (result == OSTEON_OK) *deflection = DeflectionToHost(axes_, found);
+    return result;
   }
 
   /// Appends the bricks that changed since the last call, all of them.
@@ -269,22 +239,30 @@ class Session {
   }
 
  private:
+  static OsteonResult CreateTool(const char* name, double diameter_m, const char* config_folder,
+                                 OsteonTool** tool) {
+    OsteonToolParams params;
+    const OsteonResult result = osteon_tool_params_init(OSTEON_ABI, &params);
+    if (result != OSTEON_OK) return result;
+    params.name = name;
+    params.diameter_m = diameter_m;
+    params.config_folder = config_folder;
+    return osteon_tool_create(OSTEON_ABI, &params, tool);
+  }
+
   OsteonResult Create(const SessionParams& params) {
     OsteonBoneParams bone;
-    osteon_bone_params_default(&bone);
+    OsteonResult result = osteon_bone_params_init(OSTEON_ABI, &bone);
+    if (result != OSTEON_OK) return result;
     bone.scene = params.scene;
     bone.config_folder = params.config_folder;
-    OsteonResult result = osteon_bone_create(OSTEON_ABI, &bone, &bone_);
+    result = osteon_bone_create(OSTEON_ABI, &bone, &bone_);
     if (result != OSTEON_OK) return result;
-    OsteonToolParams tool;
-    osteon_tool_params_default(&tool);
-    tool.name = params.tool;
-    tool.diameter_m = params.diameter_m;
-    tool.config_folder = params.config_folder;
-    result = osteon_tool_create(OSTEON_ABI, &tool, &tool_);
+    result = CreateTool(params.tool, params.diameter_m, params.config_folder, &tool_);
     if (result != OSTEON_OK) return result;
     OsteonSettings settings;
-    osteon_settings_default(&settings);
+    result = osteon_settings_init(OSTEON_ABI, &settings);
+    if (result != OSTEON_OK) return result;
     settings.engine = static_cast<std::uint32_t>(params.engine);
     settings.lockstep = params.lockstep ? 1 : 0;
     settings.max_force_N = params.max_force_N;

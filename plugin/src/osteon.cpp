@@ -10,6 +10,7 @@
 
 #include "plugin/src/convert.h"
 #include "plugin/src/handles.h"
+#include "plugin/src/thread_pool.h"
 #include "simulation/bone/material_style.h"
 #include "simulation/solids/cup_frame.h"
 
@@ -82,6 +83,7 @@ OsteonResult osteon_bone_create(uint32_t abi, const OsteonBoneParams* params, Os
     osteon::plugin::CheckAbi(abi);
     CheckPointer(params, "params");
     CheckPointer(bone, "bone");
+    osteon::plugin::KeepThreadPoolMapped();
     auto source = std::make_shared<const BoneSource>(osteon::plugin::MakeBone(*params));
     *bone = new OsteonBone{std::move(source)};
   });

@@ -73,16 +73,16 @@ cat >"$bare/debs/service.sh" <<'EOF'
 set -e
 as() { setpriv --reuid "$1" --regid "$1" --init-groups "${@:2}"; }
 install -d -o osteon -g osteon -m 750 /run/osteon /var/lib/osteon /var/cache/osteon
-useradd --groups osteon operator
+useradd --groups osteon visitor
 cd /var/lib/osteon
 OSTEON_SOCKET_FOLDER=/run/osteon XDG_CACHE_HOME=/var/cache/osteon as osteon osteon run demo --simulated --console off &
 for ((i = 0; i < 60; ++i)); do
-  if as operator osteon status; then break; fi
+  if as visitor osteon status; then break; fi
   sleep 1
 done
-as operator osteon stop
+as visitor osteon stop
 wait
-userdel operator
+userdel visitor
 rm -r /run/osteon /var/lib/osteon /var/cache/osteon
 EOF
 inside 'bash /debs/service.sh' >"$folder/service.log" 2>&1 || { tail -20 "$folder/service.log"; exit 1; }

@@ -55,3 +55,4 @@ python=/usr/bin/python3
 PYTHONPATH=$prefix/lib/python3/dist-packages "$python" "$plugin/examples/python/four_reamers.py" "$work/bone.stl" | tee "$work/reamers"
 [[ $(grep -cE "mm: up to +[1-9]" "$work/reamers") -eq 4 ]]
 PYTHONPATH=$prefix/lib/python3/dist-packages "$python" "$tests/python_test.py"
+PYTHONPATH=$prefix/lib/python3/dist-packages "$python" "$tests/notebook_test.py" "$plugin/examples/python/ream_cup.ipynb"

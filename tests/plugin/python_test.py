@@ -1,7 +1,9 @@
 """The Python module: shapes, round trips and refusals. Run by install_test.sh."""
 
+import ctypes
 import tempfile
 import unittest
+from pathlib import Path
 
 import numpy as np
 
@@ -135,7 +137,24 @@ class Module(unittest.TestCase):
         with self.assertRaises(TypeError):
             self.session.set_compliance(mount={"weight": 3})
 
+    def test_structs_have_the_headers_sizes(self):
+        for line in (Path(__file__).parent / "struct_sizes.txt").read_text().splitlines():
+            name, size = line.split()
+            # numbers in C, and a numpy dtype for whole arrays
+            if name in ("OsteonEngine", "OsteonLogLevel", "OsteonResult"):
+                continue
+            if name == "OsteonVertex":
+                found = osteon.VERTEX.itemsize
+            else:
+                name = {"OsteonSurfaceBuffers": "OsteonBuffers"}.get(name, name)
+                found = ctypes.sizeof(getattr(osteon._library, "_" + name[len("Osteon"):]))
+            self.assertEqual(found, int(size), name)
+
     def test_refusals(self):
+        with self.assertRaises(osteon.Error) as caught:
+            osteon.Bone("no_such")
+        self.assertEqual(caught.exception.code, -2)
+        self.assertGreater(len(caught.exception.meaning), 10)
         with self.assertRaisesRegex(osteon.Error, "max_force_N"):
             osteon.Session(self.bone, self.tool, max_force_N=1000)
         with self.assertRaisesRegex(ValueError, "shape"):

@@ -1,5 +1,6 @@
 /* unload_test LIBRARY CONFIG: loads libosteon.so, cuts for a moment in a session with threads of its own,
  * destroys it and unloads the library; twice in one process, as an editor does that reloads its plug-ins.
+ * Then it exports a large surface and unloads the library, whose mesh library leaves an idle thread behind.
  * Exit code 1: a call fails, a thread or the library stays, or the second time is not as the first. Linked to
  * nothing of Osteon's. */
 #define _GNU_SOURCE
@@ -9,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <osteon.h>
 
@@ -109,6 +111,52 @@ static void load_cut_and_unload(const char* file, const char* config, double* re
   if (dlclose(library) != 0) fail("dlclose", dlerror());
 }
 
+/* The scene's whole surface, 280 000 triangles: Embree starts a thread of its pool for them, which stays. */
+static void export_and_unload(const char* file, const char* config) {
+  void* library = dlopen(file, RTLD_NOW | RTLD_LOCAL);
+  if (!library) fail("dlopen", dlerror());
+  FUNCTION(osteon_last_error);
+  FUNCTION(osteon_bone_params_init);
+  FUNCTION(osteon_bone_create);
+  FUNCTION(osteon_bone_approach);
+  FUNCTION(osteon_bone_destroy);
+  FUNCTION(osteon_tool_params_init);
+  FUNCTION(osteon_tool_create);
+  FUNCTION(osteon_tool_destroy);
+  FUNCTION(osteon_settings_init);
+  FUNCTION(osteon_session_create);
+  FUNCTION(osteon_session_destroy);
+  FUNCTION(osteon_session_step);
+  FUNCTION(osteon_session_surface_export);
+  OsteonBoneParams bone_params;
+  OsteonToolParams tool_params;
+  OsteonSettings settings;
+  CHECK(osteon_bone_params_init_(OSTEON_ABI, &bone_params));
+  CHECK(osteon_tool_params_init_(OSTEON_ABI, &tool_params));
+  CHECK(osteon_settings_init_(OSTEON_ABI, &settings));
+  bone_params.config_folder = tool_params.config_folder = config;
+  settings.engine = OSTEON_ENGINE_CPU, settings.lockstep = 1;
+  OsteonBone* bone = NULL;
+  OsteonTool* tool = NULL;
+  OsteonSession* session = NULL;
+  CHECK(osteon_bone_create_(OSTEON_ABI, &bone_params, &bone));
+  CHECK(osteon_tool_create_(OSTEON_ABI, &tool_params, &tool));
+  CHECK(osteon_session_create_(OSTEON_ABI, bone, tool, &settings, &session));
+  OsteonPose pose;
+  CHECK(osteon_bone_approach_(bone, 0.1, &pose));
+  CHECK(osteon_session_step_(session, &pose, 0.0, 0.001));
+  char surface[] = "unload_test_XXXXXX.stl";
+  const int made = mkstemps(surface, 4);
+  if (made < 0) fail(surface, "cannot be made here");
+  close(made);
+  CHECK(osteon_session_surface_export_(session, surface, NULL));
+  unlink(surface);
+  osteon_session_destroy_(session);
+  osteon_tool_destroy_(tool);
+  osteon_bone_destroy_(bone);
+  if (dlclose(library) != 0) fail("dlclose", dlerror());
+}
+
 int main(int argc, char** argv) {
   if (argc != 3) fail("arguments", "accepted LIBRARY CONFIG");
   const char* name = strrchr(argv[1], '/') ? strrchr(argv[1], '/') + 1 : argv[1];
@@ -119,6 +167,13 @@ int main(int argc, char** argv) {
            is_mapped(name) ? "mapped" : "gone");
     if (!(removed_m3 > 0.0)) fail("removed volume", "found 0, accepted above 0");
     if (thread_count() != 1) fail("threads", "found more than this one after destroy");
+    if (is_mapped(name)) fail("the library", "found mapped after dlclose, accepted gone");
+  }
+  for (int round = 1; round <= 2; ++round) {
+    export_and_unload(argv[1], argv[2]);
+    sleep_ms(200); /* a thread whose code is gone ends the process when it wakes */
+    printf("export %d: threads %d, library %s\n", round, thread_count(), is_mapped(name) ? "mapped" : "gone");
+    if (thread_count() > 2) fail("threads", "found more than the mesh library's idle one after destroy");
     if (is_mapped(name)) fail("the library", "found mapped after dlclose, accepted gone");
   }
   return 0;

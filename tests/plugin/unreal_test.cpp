@@ -1,5 +1,6 @@
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <set>
 #include <string>
 #include <thread>
@@ -7,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "OsteonBoneComponent.h"
+#include "OsteonGuidanceComponent.h"
+#include "OsteonReamCup.h"
 
 // The Unreal component against stubs of Unreal's types: everything but the engine itself runs.
 
@@ -132,6 +135,124 @@ TEST_F(UnrealComponent, SaysWhatIsWrongOnce) {
   EXPECT_EQ(bone.GetForce(FTransform()).Z, 0.0);
   bone.UpdateMesh();
   EXPECT_NE(OsteonCuttingModuleIsImplemented(), nullptr);
+}
+
+TEST_F(UnrealComponent, GivesWayOnItsMountAndFeelsItsVelocity) {
+  bone.Tool = &tool;
+  ASSERT_TRUE(bone.Open()) << refusals.back();
+  FOsteonCompliance compliance;
+  compliance.bMount = true;
+  compliance.MountPoint = FVector(0.0, 0.0, -2.0);
+  ASSERT_TRUE(bone.SetCompliance(compliance)) << refusals.back();
+  const FTransform pose = bone.Approach(-1.95);
+  FVector force, torque;
+  bone.bSpins = false;
+  Show(bone.Approach(0.0));
+  for (int i = 0; i < 600; ++i) {
+    Show(pose);
+    ASSERT_TRUE(bone.GetWrench(pose, FVector(), FVector(), force, torque)) << refusals.back();
+  }
+  EXPECT_GT(force.Z, 5.0);
+  const FOsteonDeflection deflection = bone.GetDeflection();
+  EXPECT_TRUE(deflection.bGivesWay);
+  EXPECT_FALSE(deflection.bBeyondLimit);
+  EXPECT_LT(deflection.Mount.Z, -0.005) << "centimetres, pushed down";
+  EXPECT_NEAR(deflection.Bone.GetLocation().Z, deflection.Mount.Z, 0.02);
+  FVector faster;
+  ASSERT_TRUE(bone.GetWrench(pose, FVector(0.0, 0.0, -5.0), FVector(), faster, torque));
+  EXPECT_GT(faster.Z, force.Z + 1.0) << "damping";
+  compliance.MountMass_kg = -3.0;
+  EXPECT_FALSE(bone.SetCompliance(compliance));
+  EXPECT_NE(refusals.back().find("mass"), std::string::npos) << refusals.back();
+}
+
+TEST_F(UnrealComponent, ChangesToolsSavesAndScores) {
+  bone.Tool = &tool;
+  ASSERT_TRUE(bone.Open()) << refusals.back();
+  EXPECT_FALSE(bone.GetEngine().IsEmpty());
+  EXPECT_TRUE(bone.GetBoneWarning().IsEmpty());
+  EXPECT_STREQ(*UOsteonBoneComponent::GetLibraryVersion(), OSTEON_VERSION);
+  const FTransform free = bone.Approach(1.0);
+  Show(free);
+  const std::string folder = testing::TempDir() + "osteon_unreal";
+  const FString file((folder + ".osp").c_str());
+  EXPECT_TRUE(bone.Save(file));
+  EXPECT_TRUE(bone.ExportSurface((folder + ".stl").c_str()));
+  EXPECT_TRUE(bone.ChangeTool("reamer", 48.0, free)) << refusals.back();
+  EXPECT_FALSE(bone.ChangeTool("reamer", 7.0, free));
+  EXPECT_TRUE(bone.Restore(file, free)) << refusals.back();
+  double score = -1.0;
+  TArray<FOsteonScoreItem> items;
+  ASSERT_TRUE(bone.Assess("acetabulum", "", score, items)) << refusals.back();
+  EXPECT_GE(score, 0.0);
+  ASSERT_GT(items.Num(), 3);
+  EXPECT_STREQ(*items[0].Metric, "axis_error");
+  EXPECT_STREQ(*items[0].Unit, "deg");
+  EXPECT_FALSE(bone.Assess("no_such_plan", "", score, items));
+  EXPECT_EQ(items.Num(), 0);
+  for (const char* end : {".osp", ".osp.swept", ".stl"}) std::remove((folder + end).c_str());
+}
+
+TEST(UnrealGuidance, PushesOutOfWhatIsTooDeep) {
+  UOsteonGuidanceComponent guidance{FObjectInitializer()};
+  std::vector<std::string> refused;
+  guidance.OnRefused.Bound.emplace_back([&](const FString& text) { refused.emplace_back(*text); });
+  guidance.ConfigFolder = ConfigFolder().c_str();
+  guidance.Reamer = 9;
+  guidance.BeginPlay();
+  EXPECT_FALSE(guidance.IsOpen());
+  ASSERT_EQ(refused.size(), 1U);
+  guidance.Reamer = 0;
+  ASSERT_TRUE(guidance.Open()) << refused.back();
+  EXPECT_EQ(guidance.GetReamerCount(), 4);
+  const FVector none;
+  FVector apex, force, torque;
+  double diameter_mm = 0.0;
+  ASSERT_TRUE(guidance.GetReamer(0, apex, diameter_mm));
+  EXPECT_EQ(std::lround(diameter_mm), 44);
+  const FVector axis = guidance.GetCupAxis();
+  EXPECT_NEAR(Dot(axis, axis), 1.0, 1e-12);
+  // half a turn about the axis halfway between the feed and +z: the feed then points into the cup
+  const FVector half(-axis.X, -axis.Y, 1.0 - axis.Z);
+  const double length = std::sqrt(Dot(half, half));
+  const FQuat into(half.X / length, half.Y / length, half.Z / length, 0.0);
+  for (int i = 0; i <= 400; ++i)
+    ASSERT_TRUE(guidance.Evaluate(FTransform(into, apex + axis * (0.1 - 0.001 * i)), axis * -1.0, none, none,
+                                  none, force, torque))
+        << refused.back();
+  EXPECT_NEAR(guidance.GetDepth_mm(), 3.0, 0.05);
+  EXPECT_GT(Dot(force, axis), 20.0) << "out of the cup, in Unreal's axes";
+  EXPECT_TRUE(guidance.SetModelAge(0.1));
+  EXPECT_TRUE(guidance.SetGain(0.5));
+  EXPECT_FALSE(guidance.SetGain(5.0));
+  EXPECT_TRUE(guidance.Reset());
+  EXPECT_FALSE(guidance.MustStopSpindle());
+  guidance.EndPlay(EEndPlayReason::Destroyed);
+  EXPECT_FALSE(guidance.IsOpen());
+  EXPECT_FALSE(guidance.Evaluate(FTransform(), FVector(), FVector(), FVector(), FVector(), force, torque));
+}
+
+// The sample, as a level would tick it.
+TEST(UnrealSample, ReamsTheCup) {
+  AOsteonReamCup sample;
+  EXPECT_TRUE(sample.PrimaryActorTick.bCanEverTick);
+  EXPECT_EQ(sample.Tool->AttachParent, sample.RootComponent);
+  sample.Bone->ConfigFolder = ConfigFolder().c_str();
+  sample.Tick(0.01F);  // before play: nothing is open
+  sample.Bone->BeginPlay();
+  ASSERT_TRUE(sample.Bone->IsOpen());
+  LoggedTexts().clear();
+  sample.Tool->SetRelativeTransform(sample.Bone->Approach(-1.6));
+  for (int i = 0; i < 1100; ++i) {
+    sample.Tick(0.005F);
+    sample.Bone->TickComponent(0.005F, LEVELTICK_All, nullptr);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_GT(sample.GetLargestForce_N(), 5.0);
+  EXPECT_GT(sample.Bone->GetRemovedVolume_mm3(), 50.0);
+  ASSERT_EQ(LoggedTexts().size(), 1U) << "at the turn";
+  EXPECT_NE(LoggedTexts()[0].find("mm3 removed"), std::string::npos) << LoggedTexts()[0];
+  sample.Bone->EndPlay(EEndPlayReason::Destroyed);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "plugin/godot/src/godot_values.h"
 
 #include <array>
+#include <cstdint>
 #include <cstring>
 #include <type_traits>
 
@@ -148,6 +149,72 @@ host::Pose Arguments::PoseAt(int i) const {
   for (int row = 0; row < 3; ++row)
     rows[static_cast<std::size_t>(row)] = FromGodot(api->godot_basis_get_row(&basis, row));
   return {FromGodot(origin), host::RotationOf(rows)};
+}
+
+host::Vector Arguments::VectorAt(int i) const {
+  const godot_vector3 vector = api->godot_variant_as_vector3(values_[i]);
+  return FromGodot(vector);
+}
+
+std::string Arguments::TextAt(int i) const { return ToText(values_[i]); }
+
+namespace {
+
+/// Empty, or the type that is accepted.
+const char* TakeValue(const Field& field, const godot_variant* value) {
+  const godot_variant_type found = api->godot_variant_get_type(value);
+  if (auto* const* text = std::get_if<std::string*>(&field.value)) {
+    if (found != GODOT_VARIANT_TYPE_STRING) return "String";
+    **text = ToText(value);
+  } else if (auto* const* number = std::get_if<double*>(&field.value)) {
+    if (found != GODOT_VARIANT_TYPE_REAL && found != GODOT_VARIANT_TYPE_INT) return "float";
+    **number = api->godot_variant_as_real(value);
+  } else if (auto* const* flag = std::get_if<bool*>(&field.value)) {
+    if (found != GODOT_VARIANT_TYPE_BOOL) return "bool";
+    **flag = api->godot_variant_as_bool(value);
+  } else if (auto* const* index = std::get_if<std::uint32_t*>(&field.value)) {
+    if (found != GODOT_VARIANT_TYPE_INT) return "int";
+    const std::int64_t given = api->godot_variant_as_int(value);
+    // what is out of range is refused by the library as the largest number
+    **index = given < 0 || given > INT32_MAX ? UINT32_MAX : static_cast<std::uint32_t>(given);
+  } else if (auto* const* vector = std::get_if<host::Vector*>(&field.value)) {
+    if (found != GODOT_VARIANT_TYPE_VECTOR3) return "Vector3";
+    **vector = FromGodot(api->godot_variant_as_vector3(value));
+  }
+  return "";
+}
+
+std::string TakeKey(const char* method, const std::string& key, const godot_variant* value,
+                    std::initializer_list<Field> fields) {
+  std::string accepted;
+  for (const Field& field : fields) {
+    if (key == field.key) {
+      const std::string type = TakeValue(field, value);
+      if (type.empty()) return {};
+      return key + ": found " + TypeName(api->godot_variant_get_type(value)) + ", accepted a " + type;
+    }
+    accepted += std::string(accepted.empty() ? "" : ", ") + field.key;
+  }
+  return std::string(method) + ": found the key '" + key + "', accepted " + accepted;
+}
+
+}  // namespace
+
+std::string ReadDictionary(const char* method, const godot_variant* dictionary,
+                           std::initializer_list<Field> fields) {
+  godot_dictionary values = api->godot_variant_as_dictionary(dictionary);
+  godot_array keys = api->godot_dictionary_keys(&values);
+  std::string wrong;
+  for (int i = 0; wrong.empty() && i < api->godot_array_size(&keys); ++i) {
+    godot_variant key = api->godot_array_get(&keys, i);
+    godot_variant value = api->godot_dictionary_get(&values, &key);
+    wrong = TakeKey(method, ToText(&key), &value, fields);
+    api->godot_variant_destroy(&value);
+    api->godot_variant_destroy(&key);
+  }
+  api->godot_array_destroy(&keys);
+  api->godot_dictionary_destroy(&values);
+  return wrong;
 }
 
 const char* TypeName(godot_variant_type type) {

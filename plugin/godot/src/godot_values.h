@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "plugin/include/osteon_host.h"
 
@@ -91,6 +92,9 @@ class Arguments {
                                      std::initializer_list<godot_variant_type> accepted) const;
 
   [[nodiscard]] host::Pose PoseAt(int i) const;
+  [[nodiscard]] host::Vector VectorAt(int i) const;
+  [[nodiscard]] std::string TextAt(int i) const;
+  [[nodiscard]] int count() const { return count_; }
   [[nodiscard]] bool BoolAt(int i) const { return api->godot_variant_as_bool(values_[i]); }
   [[nodiscard]] double RealAt(int i) const { return api->godot_variant_as_real(values_[i]); }
   [[nodiscard]] const godot_variant* at(int i) const { return values_[i]; }
@@ -99,6 +103,17 @@ class Arguments {
   int count_;
   godot_variant** values_;
 };
+
+/// A key of a Dictionary and where its value goes: a String, float, bool, int or Vector3.
+struct Field {
+  const char* key;
+  std::variant<std::string*, double*, bool*, std::uint32_t*, host::Vector*> value;
+};
+
+/// Takes the values of a Dictionary's keys; a key that is absent leaves its value as it is.
+/// @returns empty, or what is wrong: a key that is not among the fields, a value of another type.
+[[nodiscard]] std::string ReadDictionary(const char* method, const godot_variant* dictionary,
+                                         std::initializer_list<Field> fields);
 
 /// "Transform", "bool", …
 [[nodiscard]] const char* TypeName(godot_variant_type type);

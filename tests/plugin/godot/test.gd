@@ -17,6 +17,9 @@ func _idle(delta: float) -> bool:
 	if _scene == null:
 		_check_session()
 		_check_refusals()
+		_check_what_moves()
+		_check_tools_and_files()
+		_check_guidance()
 		_scene = load("res://addons/osteon/sample/ream_cup.tscn").instance()
 		_bricks.clear()
 		_scene.get_node("Bone").connect("failed", self, "_on_failed")
@@ -107,6 +110,73 @@ func _check_session() -> void:
 			force = session.force(aside)[0]
 		_expect(force[axis] < -5.0, "pressed along axis %d: %s" % [axis, force])
 
+# A tool that moves into the bone is damped; a bone on a mount gives way, and is drawn where it has gone.
+func _check_what_moves() -> void:
+	var session := _open()
+	_expect(session.set_compliance({"mount": true, "mount_point_m": Vector3(0, -0.02, 0)}).empty(), session.last_error())
+	_expect(session.step(session.approach(0.0), false, 0.001).empty(), session.last_error())
+	var pose: Transform = session.approach(-0.0195)
+	var force := Vector3.ZERO
+	for _i in 300:
+		_expect(session.step(pose, false, 0.001).empty(), session.last_error())
+		force = session.force(pose)[0]
+	var deflection = session.deflection()
+	_expect(deflection.gives_way and not deflection.beyond_limit, "the mount moves: %s" % deflection)
+	_expect(deflection.mount_m.y < -2e-5, "the bone is pushed down, along -y: %s" % deflection.mount_m)
+	_expect(abs(deflection.bone.origin.y - deflection.mount_m.y) < 1e-4, "it is drawn there: %s" % deflection.bone)
+	var faster: Vector3 = session.force(pose, Vector3(0, -0.05, 0), Vector3.ZERO)[0]
+	_expect(faster.y > force.y + 1.0, "damping: %s, then %s" % [force, faster])
+	_expect("mount_damping_ratio" in session.set_compliance({"mount": true, "mount_damping_ratio": 0.001}), session.last_error())
+	for wrong in [{"mount": 1}, {"weight": 3.0}, {"mount_point_m": 0.1}, {"period_s": "often"}]:
+		_expect(not session.set_compliance(wrong).empty(), "refused: set_compliance(%s)" % wrong)
+	_expect(session.set_compliance({}).empty(), session.last_error())
+	_expect(not session.deflection().gives_way, "nothing gives way any more")
+	_expect(session.force(pose, Vector3.ZERO)[0] == Vector3.ZERO and not session.last_error().empty(), "refused: force of two")
+
+# Tools, files and scores.
+func _check_tools_and_files() -> void:
+	var session := _open()
+	var free: Transform = session.approach(0.01)
+	_expect(session.step(free, false, 0.001).empty(), session.last_error())
+	_expect(session.version().split(".").size() == 3, "the library's version: %s" % session.version())
+	_expect(session.bone_warning() == "", "a shipped bone has no warning")
+	var file := OS.get_user_data_dir() + "/kept.osp"
+	_expect(session.save(file).empty(), session.last_error())
+	_expect(session.export_surface(OS.get_user_data_dir() + "/bone.stl").empty(), session.last_error())
+	_expect(not session.export_surface("/no/such/folder/bone.stl").empty(), "refused: a folder that is not there")
+	_expect(session.change_tool("reamer", 0.048, free).empty(), session.last_error())
+	_expect(not session.change_tool("no_such_tool", 0.0, free).empty(), "refused: a tool that is not there")
+	_expect(session.restore(file, free).empty(), session.last_error())
+	_expect(not session.restore("/no/such/file", free).empty(), "refused: a file that is not there")
+	var found = session.assess("", "")
+	_expect(found != null and found.removed_mm3 == 0.0 and found.items[0].metric == "axis_error", "a score: %s" % found)
+	_expect(session.assess("no_such_plan", "") == null and "no_such_plan" in session.last_error(), session.last_error())
+
+# A plan pushes a reamer out that is deeper than planned.
+func _check_guidance() -> void:
+	var script = load("res://addons/osteon/osteon_guidance.gdns")
+	var guidance = script.new()
+	_expect(guidance.info() == null and guidance.evaluate(Transform(), Vector3(), Vector3(), Vector3(), Vector3()) == null,
+		"nothing there")
+	for wrong in [{"plan": "no_such_plan"}, {"reamer": 9}, {"reamer": -1}, {"reamer": 0.5}, {"gain": "much"}, {"colour": "red"}]:
+		_expect(not guidance.open(wrong).empty() and not guidance.is_open(), "refused: open(%s)" % wrong)
+	_expect(guidance.open({}).empty(), guidance.last_error())
+	var info = guidance.info()
+	_expect(info.reamers.size() == 4 and abs(info.inclination_deg - 40.0) < 1e-6, "the plan: %s" % info)
+	var axis: Vector3 = info.cup_axis
+	var side := axis.cross(Vector3.RIGHT).normalized()
+	var into := Basis(side, -axis, side.cross(-axis))
+	var guided
+	for i in 400:
+		var apex: Vector3 = info.reamers[0].apex + axis * (1e-3 - 1e-5 * i)
+		guided = guidance.evaluate(Transform(into, apex), -0.01 * axis, Vector3.ZERO, Vector3.ZERO, Vector3.ZERO)
+	_expect(abs(guided.depth_m - 0.003) < 5e-5 and guided.force.dot(axis) > 20.0, "pushed out: %s" % guided)
+	_expect(guidance.set_model_age(0.1).empty() and guidance.set_gain(0.5).empty() and guidance.reset().empty(),
+		guidance.last_error())
+	_expect(not guidance.set_gain(5.0).empty(), "refused: a gain of 5")
+	guidance.close()
+	_expect(not guidance.is_open(), "closed")
+
 # What is wrong gives a text, and nothing crashes.
 func _check_refusals() -> void:
 	var script = load("res://addons/osteon/osteon_session.gdns")
@@ -134,6 +204,19 @@ func _check_refusals() -> void:
 	_expect(not session.set_tool_pose(up, true).empty(), "no set_tool_pose in lockstep")
 	_expect(not session.undo(up).empty(), "nothing to undo")
 	_expect(session.step(up, true, 0.001).empty(), session.last_error())
+	# a node that gives way, and one whose figures are refused
+	for compliance in [{"mount": true}, {"mount": true, "mount_mass_kg": -1.0}]:
+		var scene = load("res://addons/osteon/sample/ream_cup.tscn").instance()
+		var bone = scene.get_node("Bone")
+		bone.scene_name = "thin_plate"
+		bone.compliance = compliance
+		root.add_child(scene)
+		_expect((bone.session != null) == (compliance.size() == 1), "compliance of a node: %s" % compliance)
+		if bone.session != null:
+			bone.force()
+			_expect(bone.session.deflection().gives_way, "the node's bone gives way")
+			bone._process(0.0)
+		scene.free()
 	# a node with bad properties warns and stays empty
 	for property in [["scene_name", "no_such_scene"], ["tool_path", NodePath("nowhere")], ["max_force_N", -1.0],
 			["engine", "steam"], ["config_folder", "/no/such/folder"]]:

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cmath>
+#include <cstdarg>
 #include <cstdint>
+#include <cstdio>
 #include <functional>
 #include <map>
 #include <string>
@@ -19,6 +21,7 @@ using TCHAR = char;
 #define UPROPERTY(...)
 #define UFUNCTION(...)
 #define UCLASS(...)
+#define USTRUCT(...)
 #define GENERATED_BODY()
 #define OSTEONCUTTING_API
 
@@ -28,6 +31,7 @@ class TArray {
   void Reserve(int32 count) { values_.reserve(static_cast<std::size_t>(count)); }
   void Add(const T& value) { values_.push_back(value); }
   int32 Num() const { return static_cast<int32>(values_.size()); }
+  void Empty() { values_.clear(); }
   const T& operator[](int32 index) const { return values_.at(static_cast<std::size_t>(index)); }
   auto begin() const { return values_.begin(); }
   auto end() const { return values_.end(); }
@@ -131,7 +135,15 @@ inline std::vector<std::string>& LoggedTexts() {
   static std::vector<std::string> texts;
   return texts;
 }
-#define UE_LOG(category, verbosity, format, text) LoggedTexts().push_back(text)
+inline void LogText(const char* format, ...) {
+  std::va_list values;
+  va_start(values, format);
+  char text[1024];
+  std::vsnprintf(text, sizeof text, format, values);
+  va_end(values);
+  LoggedTexts().emplace_back(text);
+}
+#define UE_LOG(category, verbosity, ...) LogText(__VA_ARGS__)
 
 class FObjectInitializer {};
 
@@ -141,4 +153,12 @@ class FObjectInitializer {};
     void Broadcast(Type value) {                                           \
       for (const auto& call : Bound) call(value);                          \
     }                                                                      \
+  }
+
+#define DECLARE_DYNAMIC_MULTICAST_DELEGATE_ThreeParams(Name, A, a, B, b, C, c) \
+  struct Name {                                                                \
+    std::vector<std::function<void(A, B, C)>> Bound;                           \
+    void Broadcast(A a, B b, C c) {                                            \
+      for (const auto& call : Bound) call(a, b, c);                            \
+    }                                                                          \
   }

@@ -18,6 +18,8 @@ export(float) var max_force_N := 200.0
 # Folder of scenes/, tools/ and materials/; empty: the add-on's own
 export(String) var config_folder := ""
 export(String, "auto", "cpu", "vulkan") var engine := "auto"
+# What gives way, as OsteonSession.set_compliance takes it: {"mount": true, "mount_mass_kg": 12.0}; empty: nothing
+export(Dictionary) var compliance := {}
 # Without one: the vertices' own colours, one for each tissue
 export(Material) var material: Material
 
@@ -39,6 +41,8 @@ func _enter_tree() -> void:
 	var wrong: String = opened.open({
 		"scene": scene_name, "tool": _tool.tool_name, "diameter_m": _tool.diameter_m,
 		"max_force_N": max_force_N, "config_folder": config_folder, "engine": engine})
+	if wrong.empty() and not compliance.empty():
+		wrong = opened.set_compliance(compliance)
 	if wrong.empty():
 		session = opened
 	else:
@@ -61,6 +65,11 @@ func _process(_delta: float) -> void:
 		_fail(wrong)
 	for change in session.surface_changes():
 		_show_brick(change[0], change[1])
+	if not compliance.empty():
+		# the bone is drawn where its mount has let it go by the newest force()
+		var place: Transform = session.deflection().bone
+		for brick in _bricks.values():
+			brick.transform = place
 	var event = session.next_event()
 	while event != null:
 		emit_signal("scene_event", event.name, event.value_m, event.position)
@@ -74,9 +83,10 @@ func tool_pose() -> Transform:
 func approach(height_m: float) -> Transform:
 	return session.approach(height_m)
 
-# The force [N] that the hand should feel now, in the bone's frame.
-func force() -> Vector3:
-	return session.force(tool_pose())[0] if session != null else Vector3.ZERO
+# The force [N] that the hand should feel now, in the bone's frame; velocity of the tool's apex [m/s] and angular
+# velocity [rad/s] in that frame, as a device measures them: zero for a tool at rest.
+func force(linear := Vector3.ZERO, angular := Vector3.ZERO) -> Vector3:
+	return session.force(tool_pose(), linear, angular)[0] if session != null else Vector3.ZERO
 
 func triangle_count() -> int:
 	var count := 0

@@ -12,9 +12,23 @@ namespace Osteon
         /// <summary>Pose in a bone's frame: position x y z [m], rotation w x y z.</summary>
         public double[] PoseIn(Transform bone)
         {
+            var pose = new double[7];
+            PoseIn(bone, pose);
+            return pose;
+        }
+
+        /// <summary>… into an array of 7 that is used again.</summary>
+        public void PoseIn(Transform bone, double[] pose)
+        {
             var p = bone.InverseTransformPoint(transform.position);
             var q = Quaternion.Inverse(bone.rotation) * transform.rotation;
-            return new double[] { p.x, p.y, p.z, q.w, q.x, q.y, q.z };
+            pose[0] = p.x;
+            pose[1] = p.y;
+            pose[2] = p.z;
+            pose[3] = q.w;
+            pose[4] = q.x;
+            pose[5] = q.y;
+            pose[6] = q.z;
         }
     }
 }

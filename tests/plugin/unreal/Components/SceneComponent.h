@@ -17,10 +17,14 @@ class USceneComponent {
   USceneComponent& operator=(const USceneComponent&) = delete;
   virtual ~USceneComponent() = default;
   const FTransform& GetComponentTransform() const { return Transform; }
+  void SetupAttachment(USceneComponent* Parent) { AttachParent = Parent; }
+  /// As if all parents stood at the origin.
+  void SetRelativeTransform(const FTransform& Relative) { Transform = Relative; }
   virtual void BeginPlay() {}
   virtual void EndPlay(const EEndPlayReason::Type) {}
   virtual void TickComponent(float, ELevelTick, FActorComponentTickFunction*) {}
 
   FActorComponentTickFunction PrimaryComponentTick;
+  USceneComponent* AttachParent{nullptr};
   FTransform Transform;  // of tests; the engine computes it from the parents
 };

@@ -13,6 +13,14 @@ inline osteon::host::Pose ToPose(const FTransform& Transform) {
   return {{P.X, P.Y, P.Z}, {Q.W, Q.X, Q.Y, Q.Z}};
 }
 
+inline osteon::host::Twist ToTwist(const FVector& Linear, const FVector& Angular) {
+  return {{Linear.X, Linear.Y, Linear.Z}, {Angular.X, Angular.Y, Angular.Z}};
+}
+
+inline osteon::host::Wrench ToWrench(const FVector& Force, const FVector& Torque) {
+  return {{Force.X, Force.Y, Force.Z}, {Torque.X, Torque.Y, Torque.Z}};
+}
+
 inline FVector ToVector(const osteon::host::Vector& V) { return FVector(V[0], V[1], V[2]); }
 
 inline FTransform ToTransform(const osteon::host::Pose& Pose) {

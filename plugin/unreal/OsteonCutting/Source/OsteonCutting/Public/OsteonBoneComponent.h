@@ -2,12 +2,11 @@
 
 #include "Components/SceneComponent.h"
 #include "CoreMinimal.h"
+#include "OsteonTypes.h"
 #include "ProceduralMeshComponent.h"
 #include "osteon_host.h"
 
 #include "OsteonBoneComponent.generated.h"
-
-DECLARE_DYNAMIC_MULTICAST_DELEGATE_OneParam(FOsteonRefused, const FString&, Text);
 
 /// A bone that a tool cuts: a procedural mesh, one section a brick of the surface, that follows the cut.
 ///
@@ -47,6 +46,10 @@ class OSTEONCUTTING_API UOsteonBoneComponent : public UProceduralMeshComponent {
   UPROPERTY(BlueprintAssignable, Category = "Osteon")
   FOsteonRefused OnRefused;
 
+  /// Something that the scene watches: "breakthrough", "wall too thin", …; each tick looks for it.
+  UPROPERTY(BlueprintAssignable, Category = "Osteon")
+  FOsteonSceneEvent OnSceneEvent;
+
   /// Opens bone, tool and session by the properties; what was open is closed.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   bool Open();
@@ -55,12 +58,47 @@ class OSTEONCUTTING_API UOsteonBoneComponent : public UProceduralMeshComponent {
   UFUNCTION(BlueprintPure, Category = "Osteon")
   bool IsOpen() const { return HostSession.IsOpen(); }
 
+  /// What computes the frames, such as "cpu on one thread, …".
+  UFUNCTION(BlueprintPure, Category = "Osteon")
+  FString GetEngine() const;
+  /// What was assumed to make a solid of the bone's mesh; empty: nothing. It goes to the log as well.
+  UFUNCTION(BlueprintPure, Category = "Osteon")
+  FString GetBoneWarning() const;
+  UFUNCTION(BlueprintPure, Category = "Osteon")
+  static FString GetLibraryVersion();
+
   /// Where the tool is, in this component's frame.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   bool SetToolPose(const FTransform& Pose);
-  /// The force [N] that the hand should feel at this pose.
+  /// The force [N] that the hand should feel at this pose, at rest.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   FVector GetForce(const FTransform& Pose);
+  /// Force [N] and torque [N·m] on a tool that moves: Velocity of its apex [cm/s], AngularVelocity [rad/s].
+  UFUNCTION(BlueprintCallable, Category = "Osteon")
+  bool GetWrench(const FTransform& Pose, const FVector& Velocity, const FVector& AngularVelocity,
+                 FVector& Force_N, FVector& Torque_Nm);
+  /// From the next GetForce or GetWrench on these parts give way.
+  UFUNCTION(BlueprintCallable, Category = "Osteon")
+  bool SetCompliance(const FOsteonCompliance& Compliance);
+  /// Displacements after the newest GetForce or GetWrench.
+  UFUNCTION(BlueprintCallable, Category = "Osteon")
+  FOsteonDeflection GetDeflection();
+  /// Another tool from now on, at this pose, which must be free of bone. 0 mm: its usual diameter.
+  UFUNCTION(BlueprintCallable, Category = "Osteon")
+  bool ChangeTool(const FString& Name, double Diameter_mm, const FTransform& Pose);
+  /// Saves the carved bone.
+  UFUNCTION(BlueprintCallable, Category = "Osteon")
+  bool Save(const FString& File);
+  /// Returns to a saved bone; the tool, at this pose, must be free of it.
+  UFUNCTION(BlueprintCallable, Category = "Osteon")
+  bool Restore(const FString& File, const FTransform& Pose);
+  /// Writes the carved bone as one mesh in millimetres, in Osteon's axes: .stl, .ply or .obj.
+  UFUNCTION(BlueprintCallable, Category = "Osteon")
+  bool ExportSurface(const FString& File);
+  /// Measures the bone as it is, beside a plan ("acetabulum", or a YAML file); 0.1 s. An empty rubric: by the
+  /// plan's kind.
+  UFUNCTION(BlueprintCallable, Category = "Osteon")
+  bool Assess(const FString& Plan, const FString& Rubric, double& Score, TArray<FOsteonScoreItem>& Items);
   /// A pose that points into the site, its apex Height_cm above the site's centre.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   FTransform Approach(double Height_cm);
@@ -85,6 +123,7 @@ class OSTEONCUTTING_API UOsteonBoneComponent : public UProceduralMeshComponent {
 
  private:
   bool Succeeds(OsteonResult Result);
+  void TellEvents();
 
   osteon::host::Session HostSession{osteon::host::kUnreal};
   TMap<uint32, int32> Sections;  // by the brick's number

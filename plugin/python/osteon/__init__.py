@@ -18,384 +18,19 @@ installation that this file belongs to, then by the system.
 """
 
 import ctypes as c
-import ctypes.util
-import os
-from pathlib import Path
 
 import numpy as np
 
-__all__ = ["Bone", "Error", "Guidance", "Plan", "Session", "Tool", "version"]
-
-_ABI = 1
-
-
-class Error(RuntimeError):
-    """A refusal of the library. `code` is its OsteonResult."""
-
-    def __init__(self, code, text):
-        super().__init__(text)
-        self.code = code
-
-
-class _Pose(c.Structure):
-    _fields_ = [("position_m", c.c_double * 3), ("orientation_wxyz", c.c_double * 4)]
-
-
-class _Twist(c.Structure):
-    _fields_ = [("linear_m_per_s", c.c_double * 3), ("angular_rad_per_s", c.c_double * 3)]
-
-
-class _Wrench(c.Structure):
-    _fields_ = [("force_N", c.c_double * 3), ("torque_Nm", c.c_double * 3)]
-
-
-class _BoneParams(c.Structure):
-    _fields_ = [
-        ("scene", c.c_char_p),
-        ("mesh_file", c.c_char_p),
-        ("mesh_scale_mm", c.c_double),
-        ("packing_file", c.c_char_p),
-        ("balls_mm", c.POINTER(c.c_float)),
-        ("ball_count", c.c_size_t),
-        ("material", c.c_char_p),
-        ("site_center_m", c.c_double * 3),
-        ("site_axis", c.c_double * 3),
-        ("site_radius_m", c.c_double),
-        ("config_folder", c.c_char_p),
-    ]
-
-
-class _BoneInfo(c.Structure):
-    _fields_ = [
-        ("balls", c.c_uint64),
-        ("mass_points", c.c_uint64),
-        ("volume_m3", c.c_double),
-        ("mass_kg", c.c_double),
-        ("site_center_m", c.c_double * 3),
-        ("site_axis", c.c_double * 3),
-        ("site_radius_m", c.c_double),
-        ("material_count", c.c_uint32),
-    ]
-
-
-class _ToolParams(c.Structure):
-    _fields_ = [
-        ("name", c.c_char_p),
-        ("diameter_m", c.c_double),
-        ("balls_mm", c.POINTER(c.c_float)),
-        ("cutting", c.POINTER(c.c_uint8)),
-        ("ball_count", c.c_size_t),
-        ("config_folder", c.c_char_p),
-    ]
-
-
-class _Settings(c.Structure):
-    _fields_ = [
-        ("engine", c.c_uint32),
-        ("device", c.c_char_p),
-        ("lockstep", c.c_uint32),
-        ("surface", c.c_uint32),
-        ("max_force_N", c.c_double),
-        ("max_torque_Nm", c.c_double),
-        ("stiffness_N_per_m", c.c_double),
-        ("damping_Ns_per_m", c.c_double),
-    ]
-
-
-class _Figures(c.Structure):
-    _fields_ = [
-        ("frame", c.c_uint64),
-        ("pose_age_s", c.c_double),
-        ("frame_time_s", c.c_double),
-        ("proxy", _Pose),
-        ("wrench", _Wrench),
-        ("removed_volume_m3", c.c_double),
-        ("removed_mass_kg", c.c_double),
-        ("cutting_work_J", c.c_double),
-        ("spindle_torque_Nm", c.c_double),
-        ("engaged_area_m2", c.c_double),
-        ("depth_m", c.c_double),
-        ("contacts", c.c_uint32),
-        ("reserved", c.c_uint32),
-        ("skipped_on_surface", c.c_uint64),
-    ]
-
-
-class _Event(c.Structure):
-    _fields_ = [("name", c.c_char * 48), ("value_m", c.c_double), ("position_m", c.c_double * 3), ("frame", c.c_uint64)]
-
-
-class _PlanParams(c.Structure):
-    _fields_ = [("plan", c.c_char_p), ("rubric", c.c_char_p), ("config_folder", c.c_char_p)]
-
-
-class _CupAngles(c.Structure):
-    _fields_ = [("inclination_rad", c.c_double), ("anteversion_rad", c.c_double)]
-
-
-class _PlanInfo(c.Structure):
-    _fields_ = [
-        ("cup_center_m", c.c_double * 3),
-        ("cup_axis", c.c_double * 3),
-        ("cup_diameter_m", c.c_double),
-        ("native_center_m", c.c_double * 3),
-        ("radiographic", _CupAngles),
-        ("operative", _CupAngles),
-        ("anatomic", _CupAngles),
-        ("reamer_count", c.c_uint32),
-        ("is_left", c.c_uint32),
-        ("has_guidance", c.c_uint32),
-        ("reserved", c.c_uint32),
-    ]
-
-
-class _Reamer(c.Structure):
-    _fields_ = [("diameter_m", c.c_double), ("center_m", c.c_double * 3), ("apex_m", c.c_double * 3)]
-
-
-class _GuidanceParams(c.Structure):
-    _fields_ = [
-        ("reamer", c.c_uint32),
-        ("reserved", c.c_uint32),
-        ("gain", c.c_double),
-        ("max_force_N", c.c_double),
-        ("max_torque_Nm", c.c_double),
-        ("max_speed_m_per_s", c.c_double),
-        ("period_s", c.c_double),
-    ]
-
-
-class _GuidanceOutput(c.Structure):
-    _fields_ = [
-        ("wrench", _Wrench),
-        ("cone_rad", c.c_double),
-        ("lateral_m", c.c_double),
-        ("depth_m", c.c_double),
-        ("share", c.c_double),
-        ("potential_J", c.c_double),
-        ("energy_J", c.c_double),
-        ("inside", c.c_uint32),
-        ("stop_spindle", c.c_uint32),
-        ("jumped", c.c_uint32),
-        ("reserved", c.c_uint32),
-    ]
-
-
-class _Assessment(c.Structure):
-    _fields_ = [
-        ("score", c.c_double),
-        ("axis_error_rad", c.c_double),
-        ("diameter_m", c.c_double),
-        ("diameter_sd_m", c.c_double),
-        ("center_m", c.c_double * 3),
-    ] + [(name, c.c_double) for name in (
-        "form_p95_m", "medial_m", "superior_m", "posterior_m", "native_medial_m", "native_superior_m",
-        "native_posterior_m", "coverage", "removed_m3", "over_m3", "under_m3", "cartilage_left", "rim_preserved",
-        "min_wall_m")]
-
-
-class _ScoreItem(c.Structure):
-    _fields_ = [("metric", c.c_char * 32), ("unit", c.c_char * 8)] + [
-        (name, c.c_double) for name in ("value", "full", "zero", "weight", "points")]
-
-
-class _ComplianceParams(c.Structure):
-    _fields_ = [(name, c.c_uint32) for name in ("tool", "layer", "mount", "reserved")] + [
-        ("period_s", c.c_double),
-        ("push_N", c.c_double),
-        ("noticed_m", c.c_double),
-        ("mount_point_m", c.c_double * 3),
-        ("mount_mass_kg", c.c_double),
-        ("mount_inertia_kg_m2", c.c_double * 3),
-        ("mount_stiffness_N_per_m", c.c_double * 3),
-        ("mount_stiffness_Nm_per_rad", c.c_double * 3),
-        ("mount_damping_ratio", c.c_double),
-        ("mount_creep_N_per_m", c.c_double),
-        ("mount_creep_s", c.c_double),
-    ]
-
-
-class _Deflection(c.Structure):
-    _fields_ = [("head", _Pose), ("bone", _Pose)] + [(name, c.c_double * 3) for name in (
-        "bend_m", "bend_rad", "layer_m", "mount_m", "mount_rad", "mount_m_per_s", "mount_rad_per_s")] + [
-        (name, c.c_uint32) for name in ("gives_way", "noticed", "beyond_limit", "reserved")]
-
-
-class _Chunk(c.Structure):
-    _fields_ = [(name, c.c_uint32) for name in
-                ("brick", "first_vertex", "vertex_count", "first_index", "index_count", "reserved")]
-
-
-class _Buffers(c.Structure):
-    _fields_ = [
-        ("chunks", c.POINTER(_Chunk)),
-        ("vertices", c.c_void_p),
-        ("indices", c.c_void_p),
-        ("chunk_capacity", c.c_size_t),
-        ("vertex_capacity", c.c_size_t),
-        ("index_capacity", c.c_size_t),
-        ("chunk_count", c.c_size_t),
-        ("vertex_count", c.c_size_t),
-        ("index_count", c.c_size_t),
-        ("left", c.c_uint64),
-    ]
-
-
-class _SurfaceInfo(c.Structure):
-    _fields_ = [("triangles", c.c_uint64), ("volume_m3", c.c_double), ("watertight", c.c_uint32), ("reserved", c.c_uint32)]
-
-
-_LogCallback = c.CFUNCTYPE(None, c.c_void_p, c.c_uint32, c.c_char_p)
-
-#: A vertex of the surface: position [mm], unit normal (outward), material, 1 where the tool cut.
-VERTEX = np.dtype([("position_mm", "<f4", 3), ("normal", "<f4", 3), ("material", "u1"), ("cut", "u1"), ("reserved", "u1", 2)])
-
-
-def _load():
-    here = Path(__file__).resolve()
-    names = [os.environ.get("OSTEON_LIBRARY")]
-    for above in here.parents:
-        names += [above / "libosteon.so.0", above / "build/release/plugin/libosteon.so.0"]
-        if above.name == "lib":
-            names += sorted(above.glob("*/libosteon.so.0"))
-    names.append(ctypes.util.find_library("osteon"))
-    for name in names:
-        if name and (os.path.exists(name) or "/" not in str(name)):
-            return c.CDLL(str(name))
-    raise ImportError("osteon: found no libosteon.so.0; accepted: an installation, or its path in $OSTEON_LIBRARY")
-
-
-_lib = _load()
-for _name, _result, _arguments in [
-    ("version", c.c_char_p, []),
-    ("last_error", c.c_char_p, []),
-    ("bone_create", c.c_int, [c.c_uint32, c.POINTER(_BoneParams), c.POINTER(c.c_void_p)]),
-    ("bone_destroy", None, [c.c_void_p]),
-    ("bone_info", c.c_int, [c.c_void_p, c.POINTER(_BoneInfo)]),
-    ("bone_warning", c.c_char_p, [c.c_void_p]),
-    ("bone_material", c.c_char_p, [c.c_void_p, c.c_uint32]),
-    ("bone_material_color", c.c_int, [c.c_void_p, c.c_uint32, c.POINTER(c.c_uint8)]),
-    ("bone_approach", c.c_int, [c.c_void_p, c.c_double, c.POINTER(_Pose)]),
-    ("tool_create", c.c_int, [c.c_uint32, c.POINTER(_ToolParams), c.POINTER(c.c_void_p)]),
-    ("tool_destroy", None, [c.c_void_p]),
-    ("tool_spindle_rad_per_s", c.c_double, [c.c_void_p]),
-    ("settings_init", c.c_int, [c.c_uint32, c.POINTER(_Settings)]),
-    ("session_create", c.c_int, [c.c_uint32, c.c_void_p, c.c_void_p, c.POINTER(_Settings), c.POINTER(c.c_void_p)]),
-    ("session_destroy", None, [c.c_void_p]),
-    ("session_engine", c.c_char_p, [c.c_void_p]),
-    ("session_set_log", c.c_int, [c.c_void_p, _LogCallback, c.c_void_p]),
-    ("session_set_tool_pose", c.c_int, [c.c_void_p, c.POINTER(_Pose), c.c_double]),
-    ("session_step", c.c_int, [c.c_void_p, c.POINTER(_Pose), c.c_double, c.c_double]),
-    ("session_evaluate", c.c_int, [c.c_void_p, c.POINTER(_Pose), c.POINTER(_Twist), c.POINTER(_Wrench)]),
-    ("session_figures", c.c_int, [c.c_void_p, c.POINTER(_Figures)]),
-    ("session_next_event", c.c_int, [c.c_void_p, c.POINTER(_Event)]),
-    ("session_change_tool", c.c_int, [c.c_void_p, c.c_void_p, c.POINTER(_Pose)]),
-    ("compliance_params_init", c.c_int, [c.c_uint32, c.POINTER(_ComplianceParams)]),
-    ("session_set_compliance", c.c_int, [c.c_uint32, c.c_void_p, c.POINTER(_ComplianceParams)]),
-    ("session_deflection", c.c_int, [c.c_void_p, c.POINTER(_Deflection)]),
-    ("session_mark", c.c_int, [c.c_void_p]),
-    ("session_undo", c.c_int, [c.c_void_p, c.POINTER(_Pose)]),
-    ("session_save", c.c_int, [c.c_void_p, c.c_char_p]),
-    ("session_restore", c.c_int, [c.c_void_p, c.c_char_p, c.POINTER(_Pose)]),
-    ("session_surface_changes", c.c_int, [c.c_void_p, c.POINTER(c.c_uint64), c.POINTER(_Buffers)]),
-    ("session_surface_wait", c.c_int, [c.c_void_p]),
-    ("session_surface_export", c.c_int, [c.c_void_p, c.c_char_p, c.POINTER(_SurfaceInfo)]),
-    ("plan_create", c.c_int, [c.c_uint32, c.POINTER(_PlanParams), c.POINTER(c.c_void_p)]),
-    ("plan_destroy", None, [c.c_void_p]),
-    ("plan_info", c.c_int, [c.c_void_p, c.POINTER(_PlanInfo)]),
-    ("plan_reamer", c.c_int, [c.c_void_p, c.c_uint32, c.POINTER(_Reamer)]),
-    ("guidance_params_init", c.c_int, [c.c_uint32, c.POINTER(_GuidanceParams)]),
-    ("guidance_create", c.c_int, [c.c_uint32, c.c_void_p, c.POINTER(_GuidanceParams), c.POINTER(c.c_void_p)]),
-    ("guidance_destroy", None, [c.c_void_p]),
-    ("guidance_evaluate", c.c_int, [c.c_void_p, c.POINTER(_Pose), c.POINTER(_Twist), c.POINTER(_Wrench), c.POINTER(_GuidanceOutput)]),
-    ("guidance_set_gain", c.c_int, [c.c_void_p, c.c_double]),
-    ("guidance_set_model_age", c.c_int, [c.c_void_p, c.c_double]),
-    ("guidance_reset", c.c_int, [c.c_void_p]),
-    ("session_assess", c.c_int, [c.c_void_p, c.c_void_p, c.POINTER(_Assessment), c.POINTER(_ScoreItem), c.c_size_t, c.POINTER(c.c_size_t)]),
-]:
-    _function = getattr(_lib, "osteon_" + _name)
-    _function.restype, _function.argtypes = _result, _arguments
-
-
-def _check(code):
-    if code < 0:
-        raise Error(code, _lib.osteon_last_error().decode())
-    return code
-
-
-def _text(path):
-    return None if path is None else os.fsencode(path)
-
-
-def _to_pose(X_GT):
-    """4 x 4 matrix to position and quaternion (Shepperd's method)."""
-    X = np.asarray(X_GT, float)
-    if X.shape != (4, 4):
-        raise ValueError(f"X_GT: found shape {X.shape}, accepted (4, 4)")
-    R = X[:3, :3]
-    q = np.empty(4)
-    i = int(np.argmax([np.trace(R), R[0, 0], R[1, 1], R[2, 2]]))
-    if i == 0:
-        q[:] = 1 + np.trace(R), R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
-    else:
-        a = i - 1
-        b, d = (a + 1) % 3, (a + 2) % 3
-        q[0] = R[d, b] - R[b, d]
-        q[1 + a] = 1 + R[a, a] - R[b, b] - R[d, d]
-        q[1 + b] = R[a, b] + R[b, a]
-        q[1 + d] = R[a, d] + R[d, a]
-    return _Pose((c.c_double * 3)(*X[:3, 3]), (c.c_double * 4)(*(q / np.linalg.norm(q))))
-
-
-def _from_pose(pose):
-    w, x, y, z = np.array(pose.orientation_wxyz) / np.linalg.norm(pose.orientation_wxyz)
-    X = np.eye(4)
-    X[:3, :3] = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    X[:3, 3] = pose.position_m
-    return X
-
-
-def _wrench(wrench):
-    return np.array([*wrench.force_N, *wrench.torque_Nm])
-
-
-def _twist(twist):
-    if twist is None:
-        return None
-    twist = [float(value) for value in twist]
-    return c.byref(_Twist((c.c_double * 3)(*twist[:3]), (c.c_double * 3)(*twist[3:])))
-
-
-def _values(struct):
-    """The fields of a struct as a dict, arrays of numbers as numpy's."""
-    result = {}
-    for name, kind in struct._fields_:
-        value = getattr(struct, name)
-        if name != "reserved":
-            result[name] = np.array(value) if hasattr(kind, "_length_") and kind._type_ is c.c_double else value
-    return result
-
-
-def _set(who, params, values, known):
-    """Sets fields of a struct by name: numbers, or lists of them. Raises TypeError for a name that is not known."""
-    for name, value in values.items():
-        if name not in known:
-            raise TypeError(f"{who}: found {name!r}, accepted {', '.join(known)}")
-        if isinstance(getattr(params, name), float):
-            setattr(params, name, float(value))
-        else:
-            getattr(params, name)[:] = [float(each) for each in value]
-
-
-def _balls(balls_mm):
-    balls = np.ascontiguousarray(balls_mm, np.float32)
-    if balls.ndim != 2 or balls.shape[1] != 4:
-        raise ValueError(f"balls_mm: found shape {balls.shape}, accepted (n, 4): x y z r")
-    return balls
+from ._library import (
+    Error, VERTEX, _ABI, _Assessment, _BoneInfo, _BoneParams, _Buffers, _Chunk, _ComplianceParams, _Deflection,
+    _Event, _Figures, _GuidanceOutput, _GuidanceParams, _LogCallback, _PlanInfo, _PlanParams, _Pose, _Reamer,
+    _ScoreItem, _Settings, _SurfaceInfo, _ToolParams, _Wrench, _check, _lib,
+)
+from ._values import (
+    _balls, _fields_of, _from_pose, _set, _text, _to_pose, _twist, _wrench,
+)
+
+__all__ = ["Bone", "Error", "Guidance", "Plan", "Session", "Tool", "VERTEX", "version"]
 
 
 def version():
@@ -416,6 +51,7 @@ class Bone:
     def __init__(self, scene=None, *, mesh=None, mesh_scale_mm=1.0, packing=None, balls_mm=None, material=None,
                  site=None, config_folder=None):
         params = _BoneParams()
+        _check(_lib.osteon_bone_params_init(_ABI, c.byref(params)))
         params.scene, params.mesh_file, params.packing_file = _text(scene), _text(mesh), _text(packing)
         params.mesh_scale_mm = mesh_scale_mm
         params.material = None if material is None else material.encode()
@@ -472,6 +108,7 @@ class Tool:
         if diameter_m > 0.5:
             raise ValueError(f"Tool: found a diameter of {diameter_m:g} m, accepted metres, such as 0.05")
         params = _ToolParams()
+        _check(_lib.osteon_tool_params_init(_ABI, c.byref(params)))
         params.name, params.diameter_m, params.config_folder = _text(name), diameter_m, _text(config_folder)
         if balls_mm is not None:
             balls = _balls(balls_mm)
@@ -502,7 +139,9 @@ class Plan:
     """
 
     def __init__(self, plan=None, rubric=None, *, config_folder=None):
-        params = _PlanParams(_text(plan), _text(rubric), _text(config_folder))
+        params = _PlanParams()
+        _check(_lib.osteon_plan_params_init(_ABI, c.byref(params)))
+        params.plan, params.rubric, params.config_folder = _text(plan), _text(rubric), _text(config_folder)
         self._handle = c.c_void_p()
         _check(_lib.osteon_plan_create(_ABI, c.byref(params), c.byref(self._handle)))
 
@@ -516,9 +155,9 @@ class Plan:
         and anatomic (each inclination_rad, anteversion_rad), reamer_count, is_left, has_guidance."""
         info = _PlanInfo()
         _check(_lib.osteon_plan_info(self._handle, c.byref(info)))
-        result = _values(info)
+        result = _fields_of(info)
         for name in ("radiographic", "operative", "anatomic"):
-            result[name] = _values(result[name])
+            result[name] = _fields_of(result[name])
         for name in ("is_left", "has_guidance"):
             result[name] = bool(result[name])
         return result
@@ -530,7 +169,7 @@ class Plan:
         for index in range(self.info["reamer_count"]):
             reamer = _Reamer()
             _check(_lib.osteon_plan_reamer(self._handle, index, c.byref(reamer)))
-            reamers.append(_values(reamer))
+            reamers.append(_fields_of(reamer))
         return reamers
 
 
@@ -564,7 +203,7 @@ class Guidance:
             beside = c.byref(_Wrench((c.c_double * 3)(*other[:3]), (c.c_double * 3)(*other[3:])))
         _check(_lib.osteon_guidance_evaluate(
             self._handle, c.byref(_to_pose(X_GT)), _twist(twist), beside, c.byref(output)))
-        result = _values(output)
+        result = _fields_of(output)
         result["wrench"] = _wrench(output.wrench)
         for name in ("inside", "stop_spindle", "jumped"):
             result[name] = bool(result[name])
@@ -678,7 +317,7 @@ class Session:
         beyond_limit (the caller should stop)."""
         deflection = _Deflection()
         _check(_lib.osteon_session_deflection(self._handle, c.byref(deflection)))
-        result = _values(deflection)
+        result = _fields_of(deflection)
         result["head"], result["bone"] = _from_pose(deflection.head), _from_pose(deflection.bone)
         for name in ("gives_way", "noticed", "beyond_limit"):
             result[name] = bool(result[name])
@@ -731,8 +370,8 @@ class Session:
         found, count, items = _Assessment(), c.c_size_t(), (_ScoreItem * 32)()
         _check(_lib.osteon_session_assess(
             self._handle, plan._handle, c.byref(found), items, len(items), c.byref(count)))
-        result = _values(found)
-        result["items"] = [_values(item) for item in items[: count.value]]
+        result = _fields_of(found)
+        result["items"] = [_fields_of(item) for item in items[: count.value]]
         for item in result["items"]:
             item["metric"], item["unit"] = item["metric"].decode(), item["unit"].decode()
         return result

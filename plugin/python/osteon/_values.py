@@ -1,0 +1,83 @@
+"""Between numpy's arrays and the structs of osteon.h."""
+
+import ctypes as c
+import os
+
+import numpy as np
+
+from ._library import _Pose, _Twist, _Wrench
+
+
+def _text(path):
+    return None if path is None else os.fsencode(path)
+
+
+def _to_pose(X_GT):
+    """4 x 4 matrix to position and quaternion (Shepperd's method)."""
+    X = np.asarray(X_GT, float)
+    if X.shape != (4, 4):
+        raise ValueError(f"X_GT: found shape {X.shape}, accepted (4, 4)")
+    R = X[:3, :3]
+    q = np.empty(4)
+    i = int(np.argmax([np.trace(R), R[0, 0], R[1, 1], R[2, 2]]))
+    if i == 0:
+        q[:] = 1 + np.trace(R), R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
+    else:
+        a = i - 1
+        b, d = (a + 1) % 3, (a + 2) % 3
+        q[0] = R[d, b] - R[b, d]
+        q[1 + a] = 1 + R[a, a] - R[b, b] - R[d, d]
+        q[1 + b] = R[a, b] + R[b, a]
+        q[1 + d] = R[a, d] + R[d, a]
+    return _Pose((c.c_double * 3)(*X[:3, 3]), (c.c_double * 4)(*(q / np.linalg.norm(q))))
+
+
+def _from_pose(pose):
+    w, x, y, z = np.array(pose.orientation_wxyz) / np.linalg.norm(pose.orientation_wxyz)
+    X = np.eye(4)
+    X[:3, :3] = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    X[:3, 3] = pose.position_m
+    return X
+
+
+def _wrench(wrench):
+    return np.array([*wrench.force_N, *wrench.torque_Nm])
+
+
+def _twist(twist):
+    if twist is None:
+        return None
+    twist = [float(value) for value in twist]
+    return c.byref(_Twist((c.c_double * 3)(*twist[:3]), (c.c_double * 3)(*twist[3:])))
+
+
+def _fields_of(struct):
+    """The fields of a struct as a dict, arrays of numbers as numpy's."""
+    result = {}
+    for name, kind in struct._fields_:
+        value = getattr(struct, name)
+        if name != "reserved":
+            result[name] = np.array(value) if hasattr(kind, "_length_") and kind._type_ is c.c_double else value
+    return result
+
+
+def _set(who, params, values, known):
+    """Sets fields of a struct by name: numbers, or lists of them. Raises TypeError for a name that is not known."""
+    for name, value in values.items():
+        if name not in known:
+            raise TypeError(f"{who}: found {name!r}, accepted {', '.join(known)}")
+        if isinstance(getattr(params, name), float):
+            setattr(params, name, float(value))
+        else:
+            getattr(params, name)[:] = [float(each) for each in value]
+
+
+def _balls(balls_mm):
+    balls = np.ascontiguousarray(balls_mm, np.float32)
+    if balls.ndim != 2 or balls.shape[1] != 4:
+        raise ValueError(f"balls_mm: found shape {balls.shape}, accepted (n, 4): x y z r")
+    return balls

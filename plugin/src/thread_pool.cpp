@@ -1,0 +1,20 @@
+#include "plugin/src/thread_pool.h"
+
+#include <dlfcn.h>
+
+#include <array>
+
+namespace osteon::plugin {
+
+void KeepThreadPoolMapped() {
+  // the handle is kept on purpose: RTLD_NODELETE holds the pool until the process ends
+  static const bool kept = [] {
+    constexpr std::array<const char*, 2> kNames{"libtbb.so.12", "libtbb.so.2"};
+    for (const char* name : kNames)
+      if (dlopen(name, RTLD_LAZY | RTLD_NOLOAD | RTLD_NODELETE)) return true;
+    return false;
+  }();
+  static_cast<void>(kept);
+}
+
+}  // namespace osteon::plugin

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "Components/SceneComponent.h"
+#include "CoreMinimal.h"
+
+class AActor {
+ public:
+  using Super = AActor;  // of a class that is derived from this one
+  AActor() = default;
+  AActor(const AActor&) = delete;
+  AActor& operator=(const AActor&) = delete;
+  virtual ~AActor() = default;
+  virtual void Tick(float) {}
+  template <class T>
+  T* CreateDefaultSubobject(const TCHAR*) {
+    auto made = std::make_unique<T>(FObjectInitializer());
+    T* const given = made.get();
+    components_.push_back(std::move(made));
+    return given;
+  }
+
+  FActorComponentTickFunction PrimaryActorTick;
+  USceneComponent* RootComponent{nullptr};
+
+ private:
+  std::vector<std::unique_ptr<USceneComponent>> components_;
+};
