@@ -19,6 +19,7 @@
 #include "session/run/cell_run.h"
 #include "session/run/live_views.h"
 #include "session/run/remote_engine.h"
+#include "session/setup/identified_notice.h"
 #include "session/setup/setup_warnings.h"
 #include "session/stops/stop_records.h"
 #include "session/summary/chart_files.h"
@@ -182,7 +183,7 @@ int RunDemo(const DemoOptions& asked) {
     return Fail("demo", why);
   };
   const std::optional<config::ToolChoice> tool = procedure ? procedure->tool : options.tool;
-  auto setup = PrepareCell(options.cell, options.mesh, tool);
+  auto setup = PrepareCell(options.cell, options.mesh, tool, {}, options.identified);
   if (!setup) return refuse(setup.error());
   const auto first_port = UseSimulated(setup->config, options.port);
   if (!first_port) return refuse(first_port.error());
@@ -211,6 +212,7 @@ int RunDemo(const DemoOptions& asked) {
   // to it
   const auto adaptive_resolution = remote || session ? nullptr : MakeAdaptiveResolution(*setup, choice);
 
+  PrintIdentified(setup->config, "demo");
   if (!setup->solid && setup->config.scene.events.min_wall_m > 0.0)
     fmt::print(stderr, "osteon demo: {}: of a packing the surface is not known: no wall is watched\n",
                setup->bone.name);
@@ -238,6 +240,7 @@ int RunDemo(const DemoOptions& asked) {
       .cpu = options.cpu,
       .cell = CellProcessParams{.cell = options.cell,
                                 .tool = procedure ? procedure->in_use : options.tool,
+                                .identified = options.identified,
                                 .plan = options.procedure.plan,
                                 .hand = options.procedure.hand,
                                 .seconds = options.seconds,

@@ -20,6 +20,7 @@ struct DemoOptions {
   std::filesystem::path cell;  ///< the cell's YAML
   std::optional<MeshChoice> mesh{};
   std::optional<config::ToolChoice> tool{};  ///< replaces the cell's
+  std::filesystem::path identified{};        ///< of `osteon identify`, instead of the cell's own; empty: none
   FidelityChoice fidelity{};                 ///< how fine the bone is
   bool default_seconds{false};  ///< with a plan: 15 s for each reamer (novice: 60) instead of `seconds`
   ProcedureChoice procedure{};  ///< of a plan: its reamers, one after the other
