@@ -32,6 +32,7 @@ namespace osteon::session {
 namespace {
 
 constexpr double kSecondsAReamer = 15.0, kNoviceSecondsAReamer = 60.0, kSecondsABurr = 60.0;
+constexpr double kSecondsOfLastPush = 20.0;  // that an expert dwells with the last reamer
 
 // The folder of a session that was given no name: the first that is free below the demo's.
 std::filesystem::path FreshSession(const std::filesystem::path& out) {
@@ -134,9 +135,9 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
   return wrong.empty() ? ExitCode(result) : Fail("demo", wrong, kFailed);
 }
 
-double SecondsATool(procedure::PlanKind kind, bool novice) {
-  if (kind == procedure::PlanKind::kOpening) return kSecondsABurr;
-  return novice ? kNoviceSecondsAReamer : kSecondsAReamer;
+double SecondsOfPlan(procedure::PlanKind kind, bool novice, double tools) {
+  if (kind == procedure::PlanKind::kOpening) return kSecondsABurr * tools;
+  return novice ? kNoviceSecondsAReamer * tools : kSecondsAReamer * tools + kSecondsOfLastPush;
 }
 
 }  // namespace
@@ -155,8 +156,8 @@ int RunDemo(const DemoOptions& asked) {
     const auto tools =
         procedure->tools.diameters_mm.size() - static_cast<std::size_t>(procedure->tools.first);
     if (options.default_seconds)
-      options.seconds = SecondsATool(procedure->plan.plan.kind, options.procedure.hand == "novice") *
-                        static_cast<double>(tools);
+      options.seconds = SecondsOfPlan(procedure->plan.plan.kind, options.procedure.hand == "novice",
+                                      static_cast<double>(tools));
   }
   if (!(options.seconds >= kMinSeconds && options.seconds <= kMaxSeconds))
     return Fail("demo", fmt::format("--seconds: found {}, accepted {} … {}", options.seconds, kMinSeconds,

@@ -17,9 +17,9 @@ namespace osteon::app {
 
 DemoCommand::DemoCommand(CLI::App& app)
     : sub_(app.add_subcommand("demo", "cuts bone on the simulated cell and leaves a report")) {
-  seconds_option_ = sub_->add_option(
-      "--seconds", options_.seconds,
-      "seconds of rendering (COMMANDING_ACTIVE); with a plan 15 for each reamer, 60 for a novice");
+  seconds_option_ = sub_->add_option("--seconds", options_.seconds,
+                                     "seconds of rendering (COMMANDING_ACTIVE); with a plan 15 for each "
+                                     "reamer and 20 more for the last, 60 each for a novice");
   seconds_option_->check(NumberWithin(session::kMinSeconds, session::kMaxSeconds))->capture_default_str();
   sub_->add_option("--out", options_.out,
                    "folder for summary.json, report.html and recording.mcap; files of an earlier demo move "
