@@ -131,4 +131,31 @@ void ApplyIdentified(const std::filesystem::path& file, CellConfig& cell) {
   if (cell.simulated.kr) cell.simulated.kr->controller.servo = arm;
 }
 
+std::vector<std::string> IdentifiedText(const CellConfig& cell) {
+  if (!cell.identified) return {};
+  const IdentifiedCell& identified = *cell.identified;
+  std::vector<std::string> lines;
+  if (const IdentifiedArm* arm = SlowestArm(identified))
+    lines.push_back(fmt::format(
+        "simulated arm: {:.4g} Hz, damping ratio {:.3g}, dead time {:.3g} ms (axis {} at {:.3g} mm/s, the "
+        "slowest)",
+        arm->bandwidth_hz, arm->damping_ratio, 1e3 * arm->dead_time_s, arm->axis, 1e3 * arm->speed_m_per_s));
+  else
+    lines.emplace_back("simulated arm: as the cell's file assumes it, no model of it was found");
+  if (identified.sensor && identified.sensor->delay_s)
+    lines.push_back(fmt::format("delay of the force sensor: {:.3g} ms, in the figure of the latency",
+                                1e3 * *identified.sensor->delay_s));
+  if (identified.dead_zone_N)
+    lines.push_back(fmt::format("dead zone: {:.3g} N, measured {:.3g}", cell.servo.admittance.dead_zone_N,
+                                *identified.dead_zone_N));
+  if (identified.vibration && identified.vibration->tremor_N > 0.0)
+    lines.push_back(fmt::format("tremor of the hand: {:.3g} N", identified.vibration->tremor_N));
+  if (identified.vibration && !identified.vibration->notch_hz.empty())
+    lines.push_back(fmt::format("width of the spindle's notches: {:.3g} Hz", cell.servo.vibration.notch_hz));
+  if (!identified.hands.empty())
+    lines.push_back(fmt::format("hands: {} measured, for osteon tune; the simulated operator keeps its own",
+                                identified.hands.size()));
+  return lines;
+}
+
 }  // namespace osteon::config

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "config/reading/cell_config.h"
 #include "config/reading/identified_cell.h"
@@ -20,5 +22,9 @@ namespace osteon::config {
 /// simulated
 ///   arm can be: 0 … 32 periods of dead time, a damping ratio of at most 10
 void ApplyIdentified(const std::filesystem::path& file, CellConfig& cell);
+
+/// What a cell has of its file, a line each: the arm's lag, its springs, the dead zone, the tremor, the notch
+/// and the sensor's delay. Empty: nothing was identified.
+[[nodiscard]] std::vector<std::string> IdentifiedText(const CellConfig& cell);
 
 }  // namespace osteon::config

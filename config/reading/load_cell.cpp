@@ -355,8 +355,8 @@ std::optional<SimulationSections> ReadSimulation(Reader& reader, CellConfig& cel
   return SimulationSections{hand, script, ReadSimulatedArm(reader.Section("simulated_arm"), cell)};
 }
 
-CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool,
-                    const std::filesystem::path& gains) {
+CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool, const std::filesystem::path& gains,
+                    const std::filesystem::path& identified_instead) {
   CellConfig cell;
   control::ServoParams& servo = cell.servo;
   const std::filesystem::path robot = reader.File("robot", "robots"),
@@ -369,6 +369,7 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool,
   if (reader.Has("calibration")) calibration = reader.File("calibration");
   std::optional<std::filesystem::path> identified;
   if (reader.Has("identified")) identified = reader.File("identified");
+  if (!identified_instead.empty()) identified = identified_instead;
   if (reader.Has("tool_diameter_mm")) own_tool.diameter_m = reader.Number("tool_diameter_mm", 0.1, 200);
   cell.X_WB = ReadPose(reader.Section("base_in_world"));
   cell.X_WG = ReadPose(reader.Section("bone_in_world"));
@@ -453,10 +454,10 @@ void RequireSimulation(const CellConfig& cell, const std::filesystem::path& path
 }
 
 CellConfig LoadCell(const std::filesystem::path& path, const std::optional<ToolChoice>& tool,
-                    const std::filesystem::path& gains) {
+                    const std::filesystem::path& gains, const std::filesystem::path& identified) {
   const Reader reader = Reader::LoadExtending(path, "cells");
   try {
-    return ReadCell(reader, tool, gains);
+    return ReadCell(reader, tool, gains, identified);
   } catch (const ConfigError& error) {
     if (reader.Extended().empty() || error.file() != reader.Extended().string()) throw;
     throw error.With(fmt::format(" ({} extends it: set the value there)", path.string()));

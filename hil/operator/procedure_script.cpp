@@ -6,6 +6,11 @@
 #include "hil/operator/script_phases.h"
 
 namespace osteon::hil {
+namespace {
+
+constexpr double kPushShare = 0.45;  // of a tool's time
+
+}  // namespace
 
 HandScript MakeProcedureScript(const ProcedureScriptParams& p) {
   RequireCommon(p);
@@ -16,6 +21,8 @@ HandScript MakeProcedureScript(const ProcedureScriptParams& p) {
   RequireInScript(p.approach_m >= 0.0 && p.approach_m <= 0.1, "approach_m", p.approach_m, "0 … 0.1");
   RequireInScript(p.around_m.empty() || p.around_m.size() == p.heights_m.size(), "around_m",
                   static_cast<double>(p.around_m.size()), "none, or one for each tool");
+  RequireInScript(p.last_push_ratio >= 1.0 && p.last_push_ratio <= 20.0, "last_push_ratio", p.last_push_ratio,
+                  "1 … 20");
   RequireInScript(p.coupling_N_per_m > 0.0, "coupling_N_per_m", p.coupling_N_per_m, "> 0");
   for (const double around_m : p.around_m) {
     RequireInScript(around_m >= 0.0 && around_m <= 0.05, "around_m", around_m, "0 … 0.05");
@@ -25,7 +32,9 @@ HandScript MakeProcedureScript(const ProcedureScriptParams& p) {
   ScriptPhases phases(
       {.seconds = p.seconds, .max_target_m_per_s = p.max_target_m_per_s},
       {.height_m = p.start_height_m, .force_limit_N = p.approach_force_N, .tilt_rad = 0.0, .grip = 0.0});
-  const double tool = 1.0 / static_cast<double>(p.heights_m.size());  // share of a tool
+  // share of a tool that is not the last, which also has its longer push
+  const double tool =
+      1.0 / (static_cast<double>(p.heights_m.size()) + kPushShare * (p.last_push_ratio - 1.0));
   double done_height_m = HandKey::kNever_m;
   // who sees the plan presses with the whole force until it is reached
   const double past_plan_m = p.sees_plan ? p.push_force_N / p.hand_stiffness_N_per_m : p.past_plan_m;
@@ -48,8 +57,9 @@ HandScript MakeProcedureScript(const ProcedureScriptParams& p) {
     const double around_m = i < p.around_m.size() ? p.around_m[i] : 0.0, widen = around_m > 0.0 ? 0.05 : 0.0;
     add("approach" + name, 0.15 - widen, height_m + p.approach_m, p.approach_force_N);
     if (widen > 0.0) add("widen" + name, widen, height_m + p.approach_m, p.approach_force_N, around_m);
+    const double longer = i + 1 == p.heights_m.size() ? p.last_push_ratio : 1.0;
     add("push" + name, 0.25, height_m - past_plan_m, p.push_force_N, around_m);
-    add("finish" + name, 0.20, height_m - past_plan_m, p.push_force_N, around_m);
+    add("finish" + name, kPushShare * longer - 0.25, height_m - past_plan_m, p.push_force_N, around_m);
     add("retract" + name, 0.18, p.retract_height_m, p.push_force_N);
     add("change" + name, 0.20, p.retract_height_m, p.approach_force_N);
   }

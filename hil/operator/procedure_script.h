@@ -27,6 +27,9 @@ struct ProcedureScriptParams {
   bool sees_plan{true};
   /// The operator sees the simulated tool, which the coupling's spring lets stand back from the handle.
   double coupling_N_per_m{20'000.0};
+  /// The last tool is pushed this many times as long as each other one, so that it comes to its planned
+  /// place: its whole head cuts, so it is the slowest. >= 1.
+  double last_push_ratio{1.0};
   double push_force_N{60.0};
   double approach_force_N{20.0};
   double tilt_rad{0.0};  ///< of the tool's axis away from the plan's: a tool that is held wrong

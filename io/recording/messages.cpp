@@ -32,6 +32,7 @@ void Encode(const SessionInfo& session, std::string& bytes) {
   message.set_cell_file(base::Utf8(session.config.cell_file));
   message.set_tool_file(base::Utf8(session.config.tool_file));
   message.set_gains_file(base::Utf8(session.config.gains_file));
+  message.set_identified_file(base::Utf8(session.config.identified_file));
   if (session.config.tool_diameter_m) message.set_tool_diameter_m(*session.config.tool_diameter_m);
   message.set_config_folder(base::Utf8(session.config.folder));
   message.set_utc_ns(session.utc);
@@ -56,6 +57,7 @@ std::string Decode(std::span<const char> bytes, SessionInfo& session) {
                         .cell_file = message.cell_file(),
                         .tool_file = message.tool_file(),
                         .gains_file = message.gains_file(),
+                        .identified_file = message.identified_file(),
                         .folder = message.config_folder()},
              .utc = message.utc_ns(),
              .build = message.build(),

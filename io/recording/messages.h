@@ -27,6 +27,7 @@ struct ConfigSource {
   std::string tool_file;                    ///< of a tool that replaces the cell's; empty: the cell's
   std::optional<double> tool_diameter_m{};  ///< requested with the tool; none: the file's default
   std::string gains_file{};                 ///< overrides the cell's gains; empty: none
+  std::string identified_file{};            ///< replaces the cell's own measured figures; empty: none
   std::string folder;  ///< the common folder; empty unless a file names another by its whole path
 };
 

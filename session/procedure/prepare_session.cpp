@@ -48,6 +48,8 @@ struct NoviceBurr {
 // (hil/operator/operator_hand.h). The hand leads the burr a little beyond the planned circle, so that it
 // still presses where that is reached; along the axis an expert lets up there. Both distances are assumed.
 constexpr double kFingerRest = 4.0, kExpertPastPlan_m = 0.1e-3, kLead_m = 0.3e-3;
+// An expert dwells with the last reamer, whose whole head cuts, until it is at the plan (assumed).
+constexpr double kExpertLastPush = 4.0;
 constexpr double kClearOfOpening_m = 3e-3;  // over its rim: a burr is retracted
 
 // The frame of the plan: its centre, +z along its axis, x and y as near to G's as can be.
@@ -248,7 +250,10 @@ void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand,
               cell.simulated.hand);
   script.coupling_N_per_m = cell.servo.coupling.max_stiffness_N_per_m;
   script.sees_plan = hand != "novice" && !is_opening;  // a burr is led to its depth by a stiff hand
-  if (script.sees_plan) script.push_force_N = push_force_N;
+  if (script.sees_plan) {
+    script.push_force_N = push_force_N;
+    script.last_push_ratio = kExpertLastPush;
+  }
   if (hand == "novice" && is_opening) {
     script.tilt_rad = NoviceBurr::kTilt_rad;
     script.aside_m = NoviceBurr::kAside_m;

@@ -41,6 +41,8 @@ tl::expected<std::unique_ptr<CellProcess>, std::string> CellProcess::Start(const
   };
 
   std::vector<std::string> words{"cell", "--json", report, "--console", "off"};  // the run has a page
+  if (!params.identified.empty())
+    words.insert(words.end(), {"--identified", std::filesystem::absolute(params.identified).string()});
   if (!params.plan.empty())
     words.insert(words.end(),
                  {"--plan", std::filesystem::absolute(params.plan).string(), "--operator", params.hand});

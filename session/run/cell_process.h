@@ -18,6 +18,7 @@ namespace osteon::session {
 struct CellProcessParams {
   std::filesystem::path cell;                ///< its YAML
   std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
+  std::filesystem::path identified{};        ///< of `osteon identify`, instead of the cell's own; empty: none
   std::filesystem::path plan{};  ///< whose reamers its operator uses; empty: the cell's own script
   std::string hand{"expert"};    ///< of that operator
   double seconds{0.0};           ///< of the operator's script; 0: as the file says

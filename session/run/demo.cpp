@@ -19,6 +19,7 @@
 #include "session/run/cell_run.h"
 #include "session/run/live_views.h"
 #include "session/run/remote_engine.h"
+#include "session/setup/identified_notice.h"
 #include "session/setup/setup_warnings.h"
 #include "session/stops/stop_records.h"
 #include "session/summary/chart_files.h"
@@ -31,6 +32,7 @@ namespace osteon::session {
 namespace {
 
 constexpr double kSecondsAReamer = 15.0, kNoviceSecondsAReamer = 60.0, kSecondsABurr = 60.0;
+constexpr double kSecondsOfLastPush = 20.0;  // that an expert dwells with the last reamer
 
 // The folder of a session that was given no name: the first that is free below the demo's.
 std::filesystem::path FreshSession(const std::filesystem::path& out) {
@@ -133,9 +135,9 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
   return wrong.empty() ? ExitCode(result) : Fail("demo", wrong, kFailed);
 }
 
-double SecondsATool(procedure::PlanKind kind, bool novice) {
-  if (kind == procedure::PlanKind::kOpening) return kSecondsABurr;
-  return novice ? kNoviceSecondsAReamer : kSecondsAReamer;
+double SecondsOfPlan(procedure::PlanKind kind, bool novice, double tools) {
+  if (kind == procedure::PlanKind::kOpening) return kSecondsABurr * tools;
+  return novice ? kNoviceSecondsAReamer * tools : kSecondsAReamer * tools + kSecondsOfLastPush;
 }
 
 }  // namespace
@@ -154,8 +156,8 @@ int RunDemo(const DemoOptions& asked) {
     const auto tools =
         procedure->tools.diameters_mm.size() - static_cast<std::size_t>(procedure->tools.first);
     if (options.default_seconds)
-      options.seconds = SecondsATool(procedure->plan.plan.kind, options.procedure.hand == "novice") *
-                        static_cast<double>(tools);
+      options.seconds = SecondsOfPlan(procedure->plan.plan.kind, options.procedure.hand == "novice",
+                                      static_cast<double>(tools));
   }
   if (!(options.seconds >= kMinSeconds && options.seconds <= kMaxSeconds))
     return Fail("demo", fmt::format("--seconds: found {}, accepted {} … {}", options.seconds, kMinSeconds,
@@ -182,7 +184,7 @@ int RunDemo(const DemoOptions& asked) {
     return Fail("demo", why);
   };
   const std::optional<config::ToolChoice> tool = procedure ? procedure->tool : options.tool;
-  auto setup = PrepareCell(options.cell, options.mesh, tool);
+  auto setup = PrepareCell(options.cell, options.mesh, tool, {}, options.identified);
   if (!setup) return refuse(setup.error());
   const auto first_port = UseSimulated(setup->config, options.port);
   if (!first_port) return refuse(first_port.error());
@@ -211,6 +213,7 @@ int RunDemo(const DemoOptions& asked) {
   // to it
   const auto adaptive_resolution = remote || session ? nullptr : MakeAdaptiveResolution(*setup, choice);
 
+  PrintIdentified(setup->config, "demo");
   if (!setup->solid && setup->config.scene.events.min_wall_m > 0.0)
     fmt::print(stderr, "osteon demo: {}: of a packing the surface is not known: no wall is watched\n",
                setup->bone.name);
@@ -238,6 +241,7 @@ int RunDemo(const DemoOptions& asked) {
       .cpu = options.cpu,
       .cell = CellProcessParams{.cell = options.cell,
                                 .tool = procedure ? procedure->in_use : options.tool,
+                                .identified = options.identified,
                                 .plan = options.procedure.plan,
                                 .hand = options.procedure.hand,
                                 .seconds = options.seconds,

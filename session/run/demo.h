@@ -20,8 +20,10 @@ struct DemoOptions {
   std::filesystem::path cell;  ///< the cell's YAML
   std::optional<MeshChoice> mesh{};
   std::optional<config::ToolChoice> tool{};  ///< replaces the cell's
+  std::filesystem::path identified{};        ///< of `osteon identify`, instead of the cell's own; empty: none
   FidelityChoice fidelity{};                 ///< how fine the bone is
-  bool default_seconds{false};  ///< with a plan: 15 s for each reamer (novice: 60) instead of `seconds`
+  /// With a plan: 15 s for each reamer and 20 more for the last (novice: 60 each) instead of `seconds`.
+  bool default_seconds{false};
   ProcedureChoice procedure{};  ///< of a plan: its reamers, one after the other
   bool virtual_time{false};
   /// Virtual time: duration of a frame; absent: the default of CellRunParams.

@@ -21,6 +21,7 @@
 #include "session/run/live_views.h"
 #include "session/run/remote_engine.h"
 #include "session/setup/config_checksum.h"
+#include "session/setup/identified_notice.h"
 #include "session/setup/setup_warnings.h"
 #include "session/stops/stop_records.h"
 #include "session/summary/chart_files.h"
@@ -134,7 +135,7 @@ int RunOperate(const OperateOptions& asked) {
   OutputThread output({.watch_stderr = true});
   base::PhaseProgress planning("osteon run", 3, false);
   planning.BeginPhase("load the cell");  // seconds, where a mesh is open
-  auto setup = PrepareCell(options.cell, {}, options.tool, options.gains);
+  auto setup = PrepareCell(options.cell, {}, options.tool, options.gains, options.identified);
   const auto refuse = [&](const std::string& why) {
     planning.Done();
     return Fail("run", why);
@@ -146,6 +147,7 @@ int RunOperate(const OperateOptions& asked) {
     if (!first_port) return refuse(first_port.error());
     cell = CellProcessParams{.cell = options.cell,
                              .tool = procedure ? procedure->in_use : options.tool,
+                             .identified = options.identified,
                              .plan = options.procedure.plan,
                              .hand = options.procedure.hand,
                              .seconds = options.seconds,
@@ -185,6 +187,7 @@ int RunOperate(const OperateOptions& asked) {
   if (remote) fmt::print(stderr, "osteon run: the engine is a process of its own: {}\n", remote->where());
   if (setup->planned) fmt::print(stderr, "osteon run: packing: {}\n", PlannedText(*setup->planned));
   PrintRegistration(setup->config);
+  PrintIdentified(setup->config, "run");
   PrintConnections(setup->config);
   fmt::print(stderr, "osteon run: configuration {}\nosteon run: waits {:g} s for the arm\n", config_checksum,
              options.wait_s);

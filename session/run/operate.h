@@ -26,6 +26,7 @@ struct OperateOptions {
   FidelityChoice fidelity{};                 ///< how fine the bone is
   ProcedureChoice procedure{};               ///< of a plan: its reamers, one after the other
   std::filesystem::path gains{};             ///< overrides the cell's gains; empty: none
+  std::filesystem::path identified{};        ///< of `osteon identify`, instead of the cell's own; empty: none
   std::optional<std::uint16_t> port{};       ///< first port of a simulated cell; none: the cell file's
   int cpu{-1};                          ///< CPU of the servo thread; all other threads stay off it; -1: any
   std::string engine{"auto"};           ///< one of WallTimeEngineNames

@@ -21,6 +21,7 @@
 #include "session/run/cell_screen.h"
 #include "session/run/cell_trace.h"
 #include "session/run/simulated_setup.h"
+#include "session/setup/identified_notice.h"
 
 namespace osteon::session {
 namespace {
@@ -130,12 +131,13 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
   }
   OutputThread output;
   base::InstallInterrupt();
-  config::CellConfig cell = config::LoadCell(options.cell, options.tool);
+  config::CellConfig cell = config::LoadCell(options.cell, options.tool, {}, options.identified);
   if (!options.plan.empty()) {
     const config::SurgicalPlanConfig plan = config::LoadSurgicalPlan(options.plan);
     if (!options.tool)  // a controller begins with the plan's first tool as well
       cell = config::LoadCell(options.cell,
-                              config::ToolChoice{cell.tool_file, plan.plan.tools.front().diameter_m});
+                              config::ToolChoice{cell.tool_file, plan.plan.tools.front().diameter_m}, {},
+                              options.identified);
     UseHandOfPlan(plan.plan, options.hand, config::BoneInWorld(cell, plan.site), plan.site,
                   ReamerOf(plan.plan, cell), cell);
   }
@@ -161,6 +163,7 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
     if (readers.any()) params.arm.cycles = &readers.cycles;
     hil::CellHost host(params, MakeSimulatedCell(cell, options.seconds));
     PrintSimulatedSide(cell);
+    PrintIdentified(cell, "cell");
     CellScreen screen(cell);
     const rt::Nanoseconds begun = rt::MonotonicNow();
     while (!base::Interrupted().load()) {

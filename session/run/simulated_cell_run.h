@@ -15,6 +15,7 @@ struct SimulatedCellOptions {
   std::filesystem::path cell;  ///< its YAML
   /// Replaces the cell's; of a plan the tool that its operator begins with, absent: the plan's first one.
   std::optional<config::ToolChoice> tool{};
+  std::filesystem::path identified{};   ///< of `osteon identify`, instead of the cell's own; empty: none
   std::filesystem::path plan{};         ///< whose tools its operator uses; empty: the cell's own script
   std::string hand{"expert"};           ///< of that operator: expert, novice
   double seconds{0.0};                  ///< of the operator's script; 0: as the file says

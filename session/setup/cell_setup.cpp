@@ -67,13 +67,14 @@ tl::expected<simulation::CutSite, std::string> ParseCup(const std::string& text)
 tl::expected<CellSetup, std::string> PrepareCell(const std::filesystem::path& cell_yaml,
                                                  const std::optional<MeshChoice>& mesh_instead,
                                                  const std::optional<config::ToolChoice>& tool,
-                                                 const std::filesystem::path& gains) {
+                                                 const std::filesystem::path& gains,
+                                                 const std::filesystem::path& identified) {
   CellSetup setup;
   setup.cell_name = cell_yaml.stem().string();
   {
     const config::ConfigFileTracker files;
-    setup.config = config::LoadCell(cell_yaml, tool, gains);
-    auto kept = KeepConfig(files, cell_yaml, tool, gains);
+    setup.config = config::LoadCell(cell_yaml, tool, gains, identified);
+    auto kept = KeepConfig(files, cell_yaml, tool, gains, identified);
     if (!kept) return tl::make_unexpected(kept.error());
     setup.config_source = std::move(*kept);
   }

@@ -49,11 +49,13 @@ struct CellSetup {
 /// drill enters) lies where the scene's would.
 /// @param mesh_instead  of the cell's own `bone` or scene
 /// @param tool  replaces the cell's  @param gains  a file that overrides the cell's gains; empty: none
+/// @param identified  a file of `osteon identify` in the place of the cell's own; empty: its own, if any
 /// @throws config::ConfigError; config::ToolSizeError if `tool` has no such size. Errors of the mesh are
 /// returned as text.
 [[nodiscard]] tl::expected<CellSetup, std::string> PrepareCell(
     const std::filesystem::path& cell_yaml, const std::optional<MeshChoice>& mesh_instead,
-    const std::optional<config::ToolChoice>& tool = {}, const std::filesystem::path& gains = {});
+    const std::optional<config::ToolChoice>& tool = {}, const std::filesystem::path& gains = {},
+    const std::filesystem::path& identified = {});
 
 /// The cell of a recording, from the recording alone, but for a mesh that its configuration names. Without
 /// that mesh, or with another bone than the configuration's (`demo --mesh`), solid is null and bone_warning

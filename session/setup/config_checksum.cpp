@@ -15,7 +15,7 @@ namespace osteon::session {
 std::string ConfigChecksum(const io::ConfigSource& source) {
   std::vector<std::pair<std::string, std::string_view>> files;
   for (const io::ConfigFile& file : source.files)
-    if (file.name != source.gains_file)
+    if (file.name != source.gains_file && file.name != source.identified_file)
       files.emplace_back(std::filesystem::path(file.name).filename().string(), file.content);
   std::sort(files.begin(), files.end());
   base::Fnv1a hash;

@@ -69,7 +69,7 @@ std::string WithoutFolder(std::string text, const fs::path& folder) {
 tl::expected<io::ConfigSource, std::string> KeepConfig(const config::ConfigFileTracker& scope,
                                                        const fs::path& cell_yaml,
                                                        const std::optional<config::ToolChoice>& tool,
-                                                       const fs::path& gains) {
+                                                       const fs::path& gains, const fs::path& identified) {
   const fs::path folder = CommonFolder(scope.files());
   const auto name_of = [&](const fs::path& path) {
     return fs::absolute(path).lexically_normal().lexically_relative(folder).generic_string();
@@ -88,6 +88,7 @@ tl::expected<io::ConfigSource, std::string> KeepConfig(const config::ConfigFileT
     source.tool_diameter_m = tool->diameter_m;
   }
   if (!gains.empty()) source.gains_file = name_of(gains);
+  if (!identified.empty()) source.identified_file = name_of(identified);
   return source;
 }
 
@@ -103,9 +104,9 @@ tl::expected<config::CellConfig, std::string> LoadFromFiles(const io::ConfigSour
                     "than replay)"));
   const auto strays = [](const std::string& name) { return !name.empty() && !StaysInside(name); };
   if (source.cell_file.empty() || strays(source.cell_file) || strays(source.tool_file) ||
-      strays(source.gains_file))
-    return tl::make_unexpected(
-        std::string("the cell's, the tool's or the gains' file has a name that leads elsewhere"));
+      strays(source.gains_file) || strays(source.identified_file))
+    return tl::make_unexpected(std::string(
+        "the cell's, the tool's, the gains' or the identified file has a name that leads elsewhere"));
   const base::WorkFolder folder("replay");
   if (folder.path().empty())
     return tl::make_unexpected(fs::temp_directory_path().string() + ": cannot make a temporary folder");
@@ -117,8 +118,10 @@ tl::expected<config::CellConfig, std::string> LoadFromFiles(const io::ConfigSour
   if (!source.tool_file.empty())
     tool = {.file = folder.path() / source.tool_file, .diameter_m = source.tool_diameter_m};
   const fs::path gains = source.gains_file.empty() ? fs::path() : folder.path() / source.gains_file;
+  const fs::path identified =
+      source.identified_file.empty() ? fs::path() : folder.path() / source.identified_file;
   try {
-    config::CellConfig cell = config::LoadCell(folder.path() / source.cell_file, tool, gains);
+    config::CellConfig cell = config::LoadCell(folder.path() / source.cell_file, tool, gains, identified);
     with(folder.path() / source.cell_file, gains, cell);
     return cell;
   } catch (const std::exception& error) {

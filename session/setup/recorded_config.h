@@ -20,7 +20,8 @@ namespace osteon::session {
 /// The error names a file that can no longer be read.
 [[nodiscard]] tl::expected<io::ConfigSource, std::string> KeepConfig(
     const config::ConfigFileTracker& scope, const std::filesystem::path& cell_yaml,
-    const std::optional<config::ToolChoice>& tool, const std::filesystem::path& gains);
+    const std::optional<config::ToolChoice>& tool, const std::filesystem::path& gains,
+    const std::filesystem::path& identified = {});
 
 /// Loads the cell that a recording was made with, from the recording alone. Its files lie in a temporary
 /// folder during the call. The error says what is missing or wrong: a recording without configuration, a name

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "config/reading/apply_identified.h"
+
 namespace osteon::session {
 
 std::vector<std::string> AssumedFigures(const config::CellConfig& cell,
@@ -25,6 +27,20 @@ std::vector<std::string> AssumedFigures(const config::CellConfig& cell,
         1e-3 * mount.stiffness_N_per_m.minCoeff(), mount.stiffness_Nm_per_rad.minCoeff(), mount.damping_ratio,
         creep, cell.compliance.mount_source));
   }
+  return lines;
+}
+
+std::vector<std::string> AssumedOfSimulation(const config::CellConfig& cell) {
+  std::vector<std::string> lines;
+  const config::IdentifiedCell* identified = cell.identified ? &*cell.identified : nullptr;
+  const hil::ServoArmParams& arm = cell.simulated.servo;
+  if (!(identified && config::SlowestArm(*identified)) &&
+      cell.simulated.level != hil::ArmLevel::kKinematic)
+    lines.push_back(
+        fmt::format("simulated arm: {:g} Hz, damping ratio {:g}, dead time {:g} ms (osteon identify)",
+                    arm.bandwidth_hz, arm.damping_ratio, 1e3 * arm.dead_cycles * cell.servo.period_s));
+  if (!(identified && identified->sensor && identified->sensor->delay_s))
+    lines.emplace_back("own delay of the force sensor: 0 ms (osteon identify)");
   return lines;
 }
 

@@ -14,4 +14,8 @@ namespace osteon::session {
 [[nodiscard]] std::vector<std::string> AssumedFigures(const config::CellConfig& cell,
                                                       std::vector<simulation::Material> materials);
 
+/// The same of a simulated cell's own devices: the arm's lag and the force sensor's delay, each until a file
+/// of `osteon identify` has it.
+[[nodiscard]] std::vector<std::string> AssumedOfSimulation(const config::CellConfig& cell);
+
 }  // namespace osteon::session

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/interrupt.h"
+#include "config/reading/apply_identified.h"
 #include "hil/fri/fri_stop.h"
 #include "session/procedure/procedure_session.h"
 #include "session/setup/config_checksum.h"
@@ -211,6 +212,9 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.planned = setup.planned;
   s.rezoned = RezonedRows(result.rezoned, start);
   s.assumptions = AssumedFigures(setup.config, setup.bone.materials);
+  if (params.cell || params.virtual_time)
+    for (std::string& line : AssumedOfSimulation(setup.config)) s.assumptions.push_back(std::move(line));
+  s.identified = config::IdentifiedText(setup.config);
   s.deflected = run.deflected;
   s.noticed_deflection_m = setup.config.servo.compliance.noticed_m;
   s.cell_report = result.cell_report;

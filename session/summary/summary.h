@@ -100,7 +100,8 @@ struct RunSummary {
   std::vector<RezonedRow> rezoned;             ///< zones that were coarsened
   /// Thinnest wall beside the cut, 0: cut through; nothing: not watched.
   std::optional<double> min_wall_m;
-  std::vector<std::string> assumptions;     ///< figures without a source: AssumedFigures
+  std::vector<std::string> assumptions;     ///< figures without a source: AssumedFigures, AssumedOfSimulation
+  std::vector<std::string> identified;      ///< what the cell has of `osteon identify` (IdentifiedText)
   PeakDeflection deflected;                 ///< of what gives way
   double noticed_deflection_m{0.0};         ///< E: a larger displacement is an event
   std::vector<WrittenStop> stops;           ///< one page each

@@ -147,6 +147,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
       {"faults_seen", faults_seen},
       {"drive_faults", ToJson(s.drive_faults)},
       {"assumptions", s.assumptions},
+      {"identified", s.identified},
       {"recording", s.recording},
       {"recording_error",
        s.recording_error.empty() ? nlohmann::json(nullptr) : nlohmann::json(s.recording_error)}};

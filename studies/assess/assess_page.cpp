@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -11,6 +12,7 @@
 #include "report/svg_plot.h"
 #include "report/svg_text.h"
 #include "studies/assess/assess_pictures.h"
+#include "studies/assess/unfinished.h"
 
 namespace osteon::studies {
 namespace {
@@ -43,6 +45,26 @@ void AddOpening(const procedure::SurgicalPlan& plan, const procedure::Assessment
   if (opening.unroofed)
     rows.push_back({fmt::format("Roof over the {}", plan.target),
                     fmt::format("{:.0f} % of it is open within the plan", 1e2 * *opening.unroofed)});
+}
+
+// Says how much of what the plan would take away is still there, and why.
+std::string BoneLeftText(const AssessedSession& session) {
+  const procedure::SurgicalPlan& plan = session.plan.plan;
+  const procedure::CavityResult& cavity = session.assessment.cavity;
+  const double whole_m3 = cavity.under_m3 + cavity.removed_m3 - cavity.over_m3;
+  std::string text = fmt::format("{:.0f} of {:.0f} mm³ that the plan takes away are still there",
+                                 1e9 * cavity.under_m3, 1e9 * whole_m3);
+  if (!session.assessment.opening) {
+    const double hemisphere_m2 = 2.0 * std::numbers::pi * plan.cavity().radius_m * plan.cavity().radius_m;
+    text += fmt::format(", as much as a layer of {:.2f} mm over the whole planned hemisphere",
+                        1e3 * cavity.under_m3 / hemisphere_m2);
+  }
+  const auto to_go_mm = ToGoOfLastTool_mm(plan, session.file.passes);
+  if (!to_go_mm) return text;
+  const char* tool = session.assessment.opening ? "burr" : "reamer";
+  return *to_go_mm >= 0.05 ? text + fmt::format("; the last {} stopped {:.1f} mm short of its planned depth",
+                                                tool, *to_go_mm)
+                           : text + fmt::format("; the last {} came to its planned depth", tool);
 }
 
 std::vector<report::SummaryRow> Rows(const AssessResult& result) {
@@ -81,9 +103,9 @@ std::vector<report::SummaryRow> Rows(const AssessResult& result) {
   }
   rows.push_back({"Thinnest wall", found.min_wall_m ? fmt::format("{:.1f} mm", 1e3 * *found.min_wall_m)
                                                     : std::string("not watched")});
-  rows.push_back({"Removed", fmt::format("{:.0f} mm³, {:.0f} mm³ outside of the plan; {:.0f} mm³ left within",
-                                         1e9 * found.cavity.removed_m3, 1e9 * found.cavity.over_m3,
-                                         1e9 * found.cavity.under_m3)});
+  rows.push_back({"Removed", fmt::format("{:.0f} mm³, {:.0f} mm³ of it outside of the plan (over-reamed)",
+                                         1e9 * found.cavity.removed_m3, 1e9 * found.cavity.over_m3)});
+  rows.push_back({"Bone left (under-reamed)", BoneLeftText(session)});
   rows.push_back({"Time", fmt::format("{:.1f} s, {:.1f} s cutting, passes: {}", found.process.time_s,
                                       found.process.cutting_s, session.passes.size())});
   return rows;
@@ -113,7 +135,9 @@ std::string ItemsTable(const AssessResult& result) {
         has_norm ? report::Escape(ValueText(scored->item.full, metric) + ", " +
                                   ValueText(scored->item.zero, metric))
                  : "no norm",
-        has_norm ? fmt::format("{:.1f} of {:g}", scored->points, scored->item.weight) : "shown only",
+        has_norm && scored->item.weight > 0.0
+            ? fmt::format("{:.1f} of {:g}", scored->points, scored->item.weight)
+            : "shown only",
         norm != result.norms.end()
             ? fmt::format("{} (median of {})", report::Escape(ValueText(norm->second.median, metric)),
                           norm->second.sessions)

@@ -244,9 +244,10 @@ void PrintResult(const AssessResult& result, const session::Verdict& verdict) {
   for (const procedure::ScoredItem& scored : result.score.items) {
     const procedure::Metric& metric = procedure::MetricNamed(scored.item.metric);
     fmt::print(
-        "  {:<{}}{}  {:.1f} of {:g} points\n", metric.text, kKeyWidth,
+        "  {:<{}}{}  {}\n", metric.text, kKeyWidth,
         scored.value ? fmt::format("{:.3g} {}", *scored.value * metric.to_unit, metric.unit) : "not measured",
-        scored.points, scored.item.weight);
+        scored.item.weight > 0.0 ? fmt::format("{:.1f} of {:g} points", scored.points, scored.item.weight)
+                                 : "shown, not scored");
   }
   for (const procedure::Deduction& deduction : result.score.deductions)
     fmt::print("  {:<{}}-{:g} points\n", deduction.name, kKeyWidth, deduction.points);

@@ -35,10 +35,15 @@ std::string Points(double y, const procedure::Score& score) {
   std::string svg;
   for (const procedure::ScoredItem& scored : score.items) {
     const procedure::Metric& metric = procedure::MetricNamed(scored.item.metric);
-    const double share = scored.item.weight > 0.0 ? scored.points / scored.item.weight : 0.0;
     const std::string value = scored.value ? ValueText(*scored.value, metric) : "not measured";
     svg += report::SvgText(kPictureGapPx, y + 11.0, report::Fit(metric.text, kPointsPx - kPictureGapPx));
+    if (scored.item.weight == 0.0) {  // shown, not scored
+      svg += report::SvgText(kPictureGapPx, y + 26.0, value + ", shown only", "start", report::kMutedColor);
+      y += kItemPx;
+      continue;
+    }
     svg += report::SvgRect(kPictureGapPx, y + 17.0, kBarPx, 9.0, report::kGridColor);
+    const double share = scored.points / scored.item.weight;
     if (share > 0.0)
       svg += report::SvgRect(kPictureGapPx, y + 17.0, kBarPx * share, 9.0,
                              share >= 0.5 ? report::kPalette[2] : report::kPalette[1]);

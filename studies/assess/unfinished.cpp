@@ -11,6 +11,10 @@ namespace {
 // Above this share of the planned cavity that is left the plan is not finished.
 constexpr double kMaxShareLeft = 0.5;
 
+bool IsOfLastTool(const procedure::SurgicalPlan& plan, const session::SessionPass& pass) {
+  return !pass.undone && pass.tool_index == static_cast<int>(plan.tools.size()) - 1;
+}
+
 // Says how much of the planned cavity is left, where that is most of it; empty: it is not.
 std::string LeftOf(const procedure::CavityResult& cavity) {
   const double whole_m3 = cavity.under_m3 + cavity.removed_m3 - cavity.over_m3;
@@ -21,16 +25,18 @@ std::string LeftOf(const procedure::CavityResult& cavity) {
 
 }  // namespace
 
-Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan, std::span<const session::SessionPass> passes) {
-  const int last = static_cast<int>(plan.tools.size()) - 1;
+std::optional<double> ToGoOfLastTool_mm(const procedure::SurgicalPlan& plan,
+                                        std::span<const session::SessionPass> passes) {
   std::optional<double> to_go_mm;
-  bool by_a_tool = true;
   for (const session::SessionPass& pass : passes)
-    if (!pass.undone && pass.tool_index == last) {
-      by_a_tool = false;
-      if (pass.to_go_mm) to_go_mm = std::min(to_go_mm.value_or(*pass.to_go_mm), *pass.to_go_mm);
-    }
-  if (by_a_tool)
+    if (IsOfLastTool(plan, pass) && pass.to_go_mm)
+      to_go_mm = std::min(to_go_mm.value_or(*pass.to_go_mm), *pass.to_go_mm);
+  return to_go_mm;
+}
+
+Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan, std::span<const session::SessionPass> passes) {
+  const std::optional<double> to_go_mm = ToGoOfLastTool_mm(plan, passes);
+  if (std::ranges::none_of(passes, [&](const auto& pass) { return IsOfLastTool(plan, pass); }))
     return {
         .text = fmt::format("no pass of its last tool, {:g} mm, counts", 1e3 * plan.tools.back().diameter_m),
         .by_a_tool = true};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 
@@ -17,6 +18,11 @@ struct Unfinished {
 
 /// A plan's last tool may stop this far above its planned place. Assumed.
 inline constexpr double kMaxToGo_mm = 1.0;
+
+/// How far the plan's last tool stopped above its planned place, in its deepest pass that counts; nothing
+/// where no pass says it. 0 or less: it came there.
+[[nodiscard]] std::optional<double> ToGoOfLastTool_mm(const procedure::SurgicalPlan& plan,
+                                                      std::span<const session::SessionPass> passes);
 
 /// By the passes alone: whether the last tool came to its planned depth.
 [[nodiscard]] Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan,

@@ -47,9 +47,12 @@ int Write(const std::filesystem::path& file, const nlohmann::ordered_json& json)
   return written ? 0 : session::Fail("bench tick", written.error(), session::kFailed);
 }
 
-// The whole tick with each part that may give way, in turn.
+// The whole tick with each part that may give way, or with a plan's guidance, in turn.
 int RunLevels(const BenchTickOptions& options) {
-  const std::vector<LevelCost> levels = TimeLevels(options.config_root, options.ticks);
+  const bool guidance = !options.plan.empty();
+  const std::vector<LevelCost> levels = guidance
+                                            ? TimeGuidance(options.config_root, options.plan, options.ticks)
+                                            : TimeLevels(options.config_root, options.ticks);
   if (base::Interrupted()) return base::kExitInterrupted;
   const std::string machine = session::MachineName();
   fmt::print("Osteon bench tick: {}, {} ticks a level in turn, {}, on {}\n\n", "cells/demo.yaml",
@@ -66,13 +69,18 @@ int RunLevels(const BenchTickOptions& options) {
     rows[level.name] = {{"loop_us", Json(level.loop)},
                         {"tick_us", Json(level.tick)},
                         {"added_us", AddedMedian_us(level, levels.front())},
+                        {"ratio", level.loop.p50_us / levels.front().loop.p50_us},
                         {"mean_force_N", level.force_N},
+                        {"guided", level.guided},
                         {"allocations", Allocations(level.allocations)}};
   }
+  if (guidance) fmt::print("guidance acts in {:.0f} % of the guided ticks\n", 1e2 * levels.back().guided);
   fmt::print("heap calls and locks: {}\n", AllocationText(allocations));
   return Write(options.json, {{"schema", "osteon.bench.tick_levels/1"},
                               {"subcommand", "bench tick"},
                               {"cell", "cells/demo.yaml"},
+                              {"plan", guidance ? nlohmann::ordered_json(options.plan.stem().string())
+                                                : nlohmann::ordered_json(nullptr)},
                               {"ticks", options.ticks},
                               {"levels", rows},
                               {"realtime_priority", levels.front().realtime},
@@ -81,7 +89,7 @@ int RunLevels(const BenchTickOptions& options) {
 
 int Run(const BenchTickOptions& options) {
   base::InstallInterrupt();
-  if (options.compliance) return RunLevels(options);
+  if (options.compliance || !options.plan.empty()) return RunLevels(options);
   const config::CellConfig cell = BenchCell(options.config_root);
   TickBench bench(cell, ScriptSeconds(cell, options.ticks));
   const TickTimes times = std::move(TimeInTurn({&bench, 1}, options.ticks).front());

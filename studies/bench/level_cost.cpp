@@ -6,12 +6,35 @@
 #include <fmt/format.h>
 
 #include "base/interrupt.h"
+#include "config/reading/check_plan_in_cell.h"
+#include "config/reading/load_surgical_plan.h"
 #include "config/reading/sections/compliance_params.h"
+#include "session/procedure/plan_guidance.h"
 
 namespace osteon::studies {
 namespace {
 
 constexpr double kMountBelow_m = 0.08;
+
+// Times benches in turn, each by its name.
+std::vector<LevelCost> TimeNamed(std::span<TickBench> benches, const std::vector<std::string>& names,
+                                 std::size_t ticks) {
+  const std::vector<TickTimes> times = TimeInTurn(benches, ticks);
+  std::vector<LevelCost> costs;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (times[i].tick.size() < ticks && !base::Interrupted())
+      throw std::runtime_error(
+          fmt::format("{}: {}", names[i], TooFewText(times[i].tick.size(), ticks, benches[i])));
+    costs.push_back({.name = names[i],
+                     .tick = simulation::FiguresOf(times[i].tick),
+                     .loop = simulation::FiguresOf(times[i].stages[2]),
+                     .allocations = times[i].allocations,
+                     .force_N = times[i].force_N,
+                     .guided = times[i].guided,
+                     .realtime = times[i].realtime});
+  }
+  return costs;
+}
 
 }  // namespace
 
@@ -36,25 +59,31 @@ std::vector<LevelCost> TimeLevels(const std::filesystem::path& config_root, std:
   const config::CellConfig demo = BenchCell(config_root);
   const std::vector<NamedLevels> levels = LevelsOf(demo);
   std::vector<TickBench> benches;
+  std::vector<std::string> names;
   for (const NamedLevels& level : levels) {
     config::CellConfig cell = demo;
     cell.servo.compliance = level.params;
     benches.emplace_back(cell, ScriptSeconds(cell, ticks));
+    names.push_back(level.name);
   }
-  const std::vector<TickTimes> times = TimeInTurn(benches, ticks);
-  std::vector<LevelCost> costs;
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    if (times[i].tick.size() < ticks && !base::Interrupted())
-      throw std::runtime_error(
-          fmt::format("{}: {}", levels[i].name, TooFewText(times[i].tick.size(), ticks, benches[i])));
-    costs.push_back({.name = levels[i].name,
-                     .tick = simulation::FiguresOf(times[i].tick),
-                     .loop = simulation::FiguresOf(times[i].stages[2]),
-                     .allocations = times[i].allocations,
-                     .force_N = times[i].force_N,
-                     .realtime = times[i].realtime});
-  }
-  return costs;
+  return TimeNamed(benches, names, ticks);
+}
+
+std::vector<LevelCost> TimeGuidance(const std::filesystem::path& config_root,
+                                    const std::filesystem::path& plan, std::size_t ticks) {
+  const config::CellConfig cell = BenchCell(config_root);
+  const config::SurgicalPlanConfig loaded = config::LoadSurgicalPlan(plan);
+  auto guidance = session::GuidanceOf(loaded.plan, cell.tool.tool, config::BoneInWorld(cell, loaded.site));
+  if (!guidance) throw std::invalid_argument(plan.string() + ": found no guidance, accepted a plan with it");
+  const double seconds = ScriptSeconds(cell, ticks);
+  std::vector<TickBench> benches;
+  benches.emplace_back(cell, seconds);
+  const double gain = guidance->gain;
+  guidance->gain = 0.0;
+  benches.emplace_back(cell, seconds, guidance);
+  guidance->gain = gain;
+  benches.emplace_back(cell, seconds, guidance);
+  return TimeNamed(benches, {"none", "gain 0", "guided"}, ticks);
 }
 
 double AddedMedian_us(const LevelCost& level, const LevelCost& off) {

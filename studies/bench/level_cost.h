@@ -28,6 +28,7 @@ struct LevelCost {
   simulation::TimeFigures tick, loop;  ///< the whole tick; the servo loop alone
   int allocations{0};
   double force_N{0.0};  ///< mean coupling force
+  double guided{0.0};   ///< share of the ticks in which guidance acts
   bool realtime{false};
 };
 
@@ -36,6 +37,12 @@ struct LevelCost {
 /// @throws std::runtime_error if a level's tool did not press in so many ticks; std::invalid_argument as
 /// BenchCell.
 [[nodiscard]] std::vector<LevelCost> TimeLevels(const std::filesystem::path& config_root, std::size_t ticks);
+
+/// The same with the guidance of a plan: none, at gain 0, and as the plan has it.
+/// @param plan  its YAML, with guidance and a tool of the cell's size
+/// @throws std::invalid_argument also where it has neither; config::ConfigError
+[[nodiscard]] std::vector<LevelCost> TimeGuidance(const std::filesystem::path& config_root,
+                                                  const std::filesystem::path& plan, std::size_t ticks);
 
 /// By how much the loop's median is above another level's [us].
 [[nodiscard]] double AddedMedian_us(const LevelCost& level, const LevelCost& off);

@@ -128,13 +128,21 @@ class TemporaryFile {
 }  // namespace
 
 struct TickBench::Parts {
-  Parts(const config::CellConfig& cell, double seconds)
+  Parts(const config::CellConfig& cell, double seconds,
+        const std::optional<control::GuidanceParams>& guidance)
       : cell_(cell),
         loop_(session::MakeServoLoop(cell)),
         second_(session::MakeServoLoop(cell)),
         repeat_(second_),
         parts_(cell.servo, cell.robot.lbr()->params, cell.X_WB, cell.tool.X_FT),
         arm_(session::MakeSimulatedCell(cell, seconds)) {
+    if (guidance)
+      for (control::ServoLoop* loop : {&loop_, &second_})
+        loop->SetTools({{.X_FT = cell.tool.X_FT,
+                         .sensor = cell.servo.sensor,
+                         .guidance = guidance,
+                         .bending = cell.servo.compliance.tool}},
+                       0);
     auto clients = io::DeviceClients::Make(cell.devices);
     if (!clients) throw std::runtime_error(clients.error());
     devices_.emplace(cell, std::move(*clients));
@@ -213,6 +221,7 @@ struct TickBench::Parts {
     if (!counts) return;
     times.allocations += calls;
     times.force_N += force_N;
+    times.guided += record.guidance.share > 0.0 && record.guidance.potential_J > 0.0 ? 1.0 : 0.0;
     times.tick.push_back(1e-3 * static_cast<double>(at.back() - at.front()));
     for (std::size_t i = 0; i < TickTimes::kStages.size(); ++i)
       times.stages[i].push_back(1e-3 * static_cast<double>(at[i + 1] - at[i]));
@@ -255,8 +264,9 @@ struct TickBench::Parts {
   std::int64_t tick_{0};
 };
 
-TickBench::TickBench(const config::CellConfig& cell, double seconds)
-    : parts_(std::make_unique<Parts>(cell, seconds)) {}
+TickBench::TickBench(const config::CellConfig& cell, double seconds,
+                     const std::optional<control::GuidanceParams>& guidance)
+    : parts_(std::make_unique<Parts>(cell, seconds, guidance)) {}
 TickBench::~TickBench() = default;
 TickBench::TickBench(TickBench&&) noexcept = default;
 
@@ -310,6 +320,7 @@ std::vector<TickTimes> TimeHere(std::span<TickBench> benches, std::size_t ticks)
     const auto count = static_cast<double>(std::max<std::size_t>(1, times.tick.size()));
     times.force_N /= count;
     times.pressing /= count;
+    times.guided /= count;
   }
   return all;
 }

@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "config/reading/cell_config.h"
+#include "control/guidance/guidance_field.h"
 #include "safety/fault.h"
 #include "studies/bench/tick_parts.h"
 
@@ -26,6 +28,7 @@ struct TickTimes {
   std::vector<double> bare;            ///< of the kernel alone, in some periods
   int allocations{0};                  ///< in the ticks
   double force_N{0.0}, pressing{0.0};  ///< means: coupling force, planes that press
+  double guided{0.0};                  ///< share of the ticks in which guidance acts
   bool realtime{false};
 };
 
@@ -33,9 +36,10 @@ struct TickTimes {
 class TickBench {
  public:
   /// @param cell  with an LBR that has masses, a reaming script, and no PLC or interlock
-  /// @param seconds  of the script
+  /// @param seconds  of the script  @param guidance  along a plan, for the cell's tool; absent: none
   /// @throws std::runtime_error if something can't be opened.
-  TickBench(const config::CellConfig& cell, double seconds);
+  TickBench(const config::CellConfig& cell, double seconds,
+            const std::optional<control::GuidanceParams>& guidance = {});
   ~TickBench();
   TickBench(TickBench&&) noexcept;
   TickBench& operator=(TickBench&&) = delete;

@@ -59,6 +59,7 @@ std::vector<std::string> CompareSessions(const io::SessionInfo& first, const io:
   compare("tool", first.tool, second.tool);
   compare("cell", first.config.cell_file, second.config.cell_file);
   compare("gains", first.config.gains_file, second.config.gains_file);
+  compare("identified", first.config.identified_file, second.config.identified_file);
   return lines;
 }
 

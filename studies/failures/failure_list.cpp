@@ -3,6 +3,7 @@
 #include "studies/failures/compliance/compliance_scenarios.h"
 #include "studies/failures/compliance/depth_on_mount.h"
 #include "studies/failures/compliance/drill_walk.h"
+#include "studies/failures/compliance/swinging_mount.h"
 #include "studies/failures/cutting/breakthrough.h"
 #include "studies/failures/cutting/concave_cup.h"
 #include "studies/failures/cutting/contact_switch.h"
@@ -78,6 +79,7 @@ std::span<const FailureScenario> FailureScenarios() {
       FailureScenario{.id = 39, .name = "late planes", .run = RunLatePlanes},
       FailureScenario{.id = 40, .name = "drill walks", .run = RunDrillWalk},
       FailureScenario{.id = 41, .name = "depth on a mount", .run = RunDepthOnMount},
+      FailureScenario{.id = 42, .name = "swinging mount", .run = RunSwingingMount},
   };
   return scenarios;
 }

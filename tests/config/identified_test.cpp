@@ -234,6 +234,29 @@ TEST(IdentifiedFile, EachSpringComesFromTheAxisThatKnowsItBest) {
             std::string::npos);
 }
 
+TEST(IdentifiedFile, StandsInThePlaceOfTheCellsOwn) {
+  const std::filesystem::path demo = std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml";
+  IdentifiedCell measured = FileFor(LoadCell(demo));
+  measured.arm = Sample().arm;
+  measured.sensor = Sample().sensor;
+  measured.dead_zone_N = 0.9;
+  const std::filesystem::path file = WriteFile("instead.yaml", WriteIdentified(measured, ""));
+  const CellConfig cell = LoadCell(demo, {}, {}, file);
+  EXPECT_EQ(cell.simulated.servo.bandwidth_hz, 16.6);
+  EXPECT_EQ(cell.servo.admittance.dead_zone_N, 0.9);
+  const std::vector<std::string> lines = IdentifiedText(cell);
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(lines[0],
+            "simulated arm: 16.6 Hz, damping ratio 1.24, dead time 4.56 ms (axis z at 8 mm/s, the slowest)");
+  EXPECT_EQ(lines[1], "delay of the force sensor: 1.68 ms, in the figure of the latency");
+  EXPECT_EQ(lines[2], "dead zone: 0.9 N, measured 0.9");
+  EXPECT_TRUE(IdentifiedText(LoadCell(demo)).empty());
+
+  measured.valid_for.tool = "broach";
+  const std::filesystem::path other = WriteFile("other.yaml", WriteIdentified(measured, ""));
+  EXPECT_THROW(static_cast<void>(LoadCell(demo, {}, {}, other)), ConfigError) << "another cell's";
+}
+
 TEST(IdentifiedFile, AnotherCellsFileIsRefused) {
   const CellConfig cell = LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml");
   IdentifiedCell own = Sample();

@@ -20,7 +20,7 @@ TEST(RubricFiles, TheShippedOneHasTheNormsOfTheDesignAndASourceAtEach) {
     EXPECT_FALSE(item.source.empty()) << item.metric;
   }
   EXPECT_DOUBLE_EQ(weights, 100.0);
-  ASSERT_EQ(rubric.items.size(), 6u);
+  ASSERT_EQ(rubric.items.size(), 7u);
   const auto is = [&](std::size_t i, const char* metric, double weight, double full, double zero) {
     EXPECT_EQ(rubric.items[i].metric, metric);
     EXPECT_DOUBLE_EQ(rubric.items[i].weight, weight);
@@ -33,6 +33,9 @@ TEST(RubricFiles, TheShippedOneHasTheNormsOfTheDesignAndASourceAtEach) {
   is(3, "diameter_error", 20.0, 0.3e-3, 1.6e-3);
   is(4, "coverage", 10.0, 0.77, 0.61);
   is(5, "over_reamed", 10.0, 0.0, 2e-6);
+  is(6, "under_reamed", 0.0, 0.0, 2e-6);
+  EXPECT_TRUE(rubric.items[6].source.starts_with("assumed"))
+      << "the design has no such item: shown, not scored";
   EXPECT_DOUBLE_EQ(rubric.breach_points, 20.0);
 }
 

@@ -24,6 +24,11 @@ CellCommands::CellCommands(CLI::App& app)
                    "use this tool instead of the cell's: NAME or NAME:DIAMETER in mm; a name under tools/, "
                    "or a YAML file")
         ->type_name("TOOL");
+    sub.add_option("--identified", identified_,
+                   "a file of `osteon identify` for this cell, instead of the cell's own: the simulated arm, "
+                   "the dead zone and the vibration index have what was measured")
+        ->check(CLI::ExistingFile)
+        ->type_name("FILE");
   };
   common(*cell_);
   cell_procedure_.Add(*cell_, false);
@@ -136,6 +141,7 @@ int CellCommands::Run(const std::filesystem::path& config_root, const std::strin
   }
   simulated_.cell = operate_.cell = *found;
   simulated_.tool = operate_.tool = tool;
+  simulated_.identified = operate_.identified = identified_;
   try {
     return cell_->parsed() ? session::RunSimulatedCell(simulated_) : session::RunOperate(operate_);
   } catch (const config::ToolSizeError& error) {

@@ -17,9 +17,9 @@ namespace osteon::app {
 
 DemoCommand::DemoCommand(CLI::App& app)
     : sub_(app.add_subcommand("demo", "cuts bone on the simulated cell and leaves a report")) {
-  seconds_option_ = sub_->add_option(
-      "--seconds", options_.seconds,
-      "seconds of rendering (COMMANDING_ACTIVE); with a plan 15 for each reamer, 60 for a novice");
+  seconds_option_ = sub_->add_option("--seconds", options_.seconds,
+                                     "seconds of rendering (COMMANDING_ACTIVE); with a plan 15 for each "
+                                     "reamer and 20 more for the last, 60 each for a novice");
   seconds_option_->check(NumberWithin(session::kMinSeconds, session::kMaxSeconds))->capture_default_str();
   sub_->add_option("--out", options_.out,
                    "folder for summary.json, report.html and recording.mcap; files of an earlier demo move "
@@ -57,6 +57,11 @@ DemoCommand::DemoCommand(CLI::App& app)
                                   "use this tool instead of the cell's: NAME or NAME:DIAMETER in mm; a "
                                   "name under tools/, or a YAML file")
                      ->type_name("TOOL");
+  sub_->add_option("--identified", options_.identified,
+                   "a file of `osteon identify` for this cell, instead of the cell's own: the simulated arm, "
+                   "the dead zone and the vibration index have what was measured")
+      ->check(CLI::ExistingFile)
+      ->type_name("FILE");
   sub_->add_option("--port", options_.port,
                    "first of the cell's ports, instead of the one in its file: FRI, PLC, then two for each "
                    "CAN bus; 0: any free ports")

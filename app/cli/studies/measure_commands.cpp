@@ -1,7 +1,9 @@
 #include "app/cli/studies/measure_commands.h"
 
+#include "app/cli/usage/plan_file.h"
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
+#include "session/process/exit_code.h"
 #include "session/run/demo.h"
 #include "studies/bench/bench_workloads.h"
 #include "studies/bench/method_engine.h"
@@ -132,15 +134,23 @@ CLI::App* AddBenchTick(CLI::App& bench, studies::BenchTickOptions& options) {
                   "ticks to time, one each millisecond; the tool presses on eight planes")
       ->check(NumberWithin(100, 3'600'000))
       ->capture_default_str();
-  sub->add_flag("--compliance", options.compliance,
-                "instead, what tool, tissue and mount that give way add: each in turn, so many ticks");
+  CLI::Option* compliance =
+      sub->add_flag("--compliance", options.compliance,
+                    "instead, what tool, tissue and mount that give way add: each in turn, so many ticks");
+  sub->add_option(
+         "--plan", options.plan,
+         "instead, what the guidance of a plan adds: none, at gain 0 and as planned in turn, so many "
+         "ticks; a name under plans/, or a surgical plan's YAML file")
+      ->excludes(compliance)
+      ->type_name("PLAN");
   sub->add_option("--json", options.json, "also write the figures there, as JSON")->type_name("FILE");
   sub->footer(
       "A tick is timed from the waiting message of the arm to the record in the ring, without the wake-up. "
       "FRI runs over the loopback, the CAN devices in memory; the cell is cells/demo.yaml. As in a run, the "
       "previous tick is computed a second time shortly before the message.\n\n"
       "Examples:\n  osteon bench tick\n  osteon bench tick --ticks 60000 --json tick.json\n"
-      "  osteon bench tick --compliance --ticks 2000");
+      "  osteon bench tick --compliance --ticks 2000\n"
+      "  osteon bench tick --plan acetabulum --ticks 2000");
   return sub;
 }
 
@@ -336,6 +346,11 @@ int MeasureCommands::Run(const std::filesystem::path& config_root, const Invocat
   }
   if (tick_->parsed()) {
     tick_options_.config_root = config_root;
+    if (!tick_options_.plan.empty()) {
+      const auto plan = FindPlan(config_root, tick_options_.plan.string());
+      if (!plan) return session::Fail("bench tick", "--plan " + plan.error());
+      tick_options_.plan = *plan;
+    }
     return studies::RunBenchTick(tick_options_);
   }
   if (console_->parsed()) return studies::RunBenchConsole(console_options_);

@@ -104,6 +104,26 @@ void DepthOnMount(SceneSketch& s) {
   s.Text(224, 106, s.ours() ? "which goes with the bone" : "in the world: too shallow", "start", s.color());
 }
 
+void SwingingMount(SceneSketch& s) {
+  s.BoneBlock(70, 84, 170, 130);
+  s.ToolBall(120, 62, 22);
+  s.Arrow({120, 34}, {120, 8});
+  Spring(s, 14, 70, 107, "#59636e");
+  Spring(s, 170, 214, 107, "#59636e");
+  s.Line({{76, 74}, {76, 50}}, kMeantLine);
+  s.Line({{164, 74}, {164, 50}}, kMeantLine);
+  s.Text(224, 30, "a push that turns, and bone");
+  s.Text(224, 46, "that swings on its mount");
+  if (s.ours()) {
+    s.Line({{226, 130}, {392, 130}}, s.Strong());
+    s.Text(226, 96, "the handle stays light", "start", s.color());
+  } else {
+    s.Line({{226, 130}, {262, 130}, {266, 76}, {300, 96}, {304, 74}, {340, 94}, {344, 74}, {392, 98}},
+           s.Strong());
+    s.Text(226, 66, "the drag rises", "start", s.color());
+  }
+}
+
 constexpr std::array kScenes{
     FailureScene{36, TwoSprings,
                  "Each plane has its own stiffness: the force has a curl, and a circle one way gives work.",
@@ -122,6 +142,9 @@ constexpr std::array kScenes{
                  "The drill bends as an element of its own, and walks until its hole holds it."},
     FailureScene{41, DepthOnMount, "The bone gives way under the push, and the limit counts that as depth.",
                  "The limit is fixed to the bone: the hole is as deep as on bone at rest."},
+    FailureScene{42, SwingingMount,
+                 "Where the push turns, the bone's swing is all the index sees: it makes the handle heavy.",
+                 "The index remembers the push for 0.2 s: the swing is a small share, and the drag stays."},
 };
 
 }  // namespace

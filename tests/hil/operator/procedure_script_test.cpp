@@ -45,6 +45,25 @@ TEST(ProcedureScript, AnExpertReachesEachPlannedHeightOnTheAxisAndRetracts) {
   }
 }
 
+TEST(ProcedureScript, TheLastToolIsPushedLonger) {
+  ProcedureScriptParams params = TwoReamers();
+  const auto pushed_s = [&](const std::string& tool) {
+    const HandScript script = MakeProcedureScript(params);
+    int ms = 0;
+    for (int i = 0; i < 30'000; ++i) {
+      const std::string name = script.PhaseName(1e-3 * i);
+      if (name == "push " + tool || name == "finish " + tool) ++ms;
+    }
+    return 1e-3 * ms;
+  };
+  EXPECT_NEAR(pushed_s("1"), pushed_s("2"), 0.01);
+  params.last_push_ratio = 4.0;
+  EXPECT_NEAR(pushed_s("2"), 4.0 * pushed_s("1"), 0.02);
+  EXPECT_NEAR(MakeProcedureScript(params).duration_s(), 30.0, 1e-9) << "within the same time";
+  params.last_push_ratio = 0.5;
+  EXPECT_THROW((void)MakeProcedureScript(params), std::invalid_argument);
+}
+
 TEST(ProcedureScript, ANoviceIsTiltedAndAsideAllTheTime) {
   ProcedureScriptParams params = TwoReamers();
   params.tilt_rad = 14.0 * std::numbers::pi / 180.0;

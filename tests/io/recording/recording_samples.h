@@ -219,6 +219,7 @@ inline SessionInfo SomeSession() {
                      .tool_file = "tools/b.yaml",
                      .tool_diameter_m = 0.05,
                      .gains_file = "gains.yaml",
+                     .identified_file = "identified.yaml",
                      .folder = "/somewhere"},
           .utc = 4,
           .build = "commit 123",

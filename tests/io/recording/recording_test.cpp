@@ -73,6 +73,7 @@ TEST(Recording, ComesBackBitForBit) {
   EXPECT_EQ(config.tool_file, "tools/b.yaml");
   EXPECT_EQ(config.tool_diameter_m, 0.05);
   EXPECT_EQ(config.gains_file, "gains.yaml");
+  EXPECT_EQ(config.identified_file, "identified.yaml");
   EXPECT_EQ(config.folder, "/somewhere");
   EXPECT_EQ(recording->session.utc, 4);
   EXPECT_EQ(recording->session.build, "commit 123");

@@ -168,5 +168,20 @@ TEST(AssumedFigures, AreThoseOfWhatIsOn) {
   EXPECT_EQ(AssumedFigures(cell, {soft}).size(), 2u);
 }
 
+TEST(AssumedFigures, OfASimulatedCellAreFewerOnceItIsIdentified) {
+  config::CellConfig cell;
+  cell.simulated.servo = {.bandwidth_hz = 15.0, .damping_ratio = 1.0, .dead_cycles = 3.0};
+  const auto lines = AssumedOfSimulation(cell);
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[0], "simulated arm: 15 Hz, damping ratio 1, dead time 3 ms (osteon identify)");
+  EXPECT_EQ(lines[1], "own delay of the force sensor: 0 ms (osteon identify)");
+  cell.identified = config::IdentifiedCell{};
+  EXPECT_EQ(AssumedOfSimulation(cell), lines) << "a file without an arm and a sensor changes neither";
+  cell.identified->arm.push_back({.axis = "z", .bandwidth_hz = 16.6});
+  EXPECT_EQ(AssumedOfSimulation(cell).size(), 1u);
+  cell.identified->sensor = config::IdentifiedSensor{.delay_s = 1.7e-3};
+  EXPECT_TRUE(AssumedOfSimulation(cell).empty());
+}
+
 }  // namespace
 }  // namespace osteon::session

@@ -163,7 +163,9 @@ TEST_F(Assess, WritesPageAndResultAndEndsByTheScore) {
   EXPECT_EQ(json["process"]["by_tool"].size(), 4u);
   const std::string page = ReadAll(Session() / "assess.html");
   for (const char* words : {"without guidance", "Coronal section", "Axial section", "The planned hemisphere",
-                            "The session", "Assumptions", "PMC3261258"})
+                            "The session", "Assumptions", "PMC3261258", "Bone left (under-reamed)",
+                            "mm³ that the plan takes away are still there", "as much as a layer of",
+                            "the last reamer came to its planned depth", "shown only"})
     EXPECT_NE(page.find(words), std::string::npos) << words;
 
   options.pass_at = json["score"]["total"].get<double>() + 0.01;

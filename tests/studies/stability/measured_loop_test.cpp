@@ -180,6 +180,41 @@ TEST(MeasuredLoop, AStructureCostsDrag) {
   EXPECT_FALSE(JudgeMeasuredLoop(by_force, params).stable);
 }
 
+// The design's table: encoders miss a resonance that the force sensor sees, and with it drag and wall.
+TEST(MeasuredLoop, EncodersPromiseAWallAndADragThatTheStructureDoesNotAllow) {
+  const ResponseModel arm{.arm = {.bandwidth_hz = 15.0, .damping_ratio = 1.0, .dead_cycles = 4.0}};
+  const auto with = [&](double hz) {
+    ResponseModel model = arm;
+    if (hz > 0.0) model.structure = {{.hz = hz, .damping_ratio = 0.03}};
+    return MeasuredPlant(LinesOf(model), model);
+  };
+  MeasuredLoopParams drag{.loop = {.hand = kGrip, .mass_kg = 3.0, .arm = arm.arm}, .sensor_delay_s = 1.7e-3};
+  const auto least_drag = [&](double hz) {
+    MeasuredLoopParams params = drag;
+    double low = 1.0, high = 3000.0;
+    for (int i = 0; i < 40; ++i) {
+      params.loop.damping_Ns_per_m = std::sqrt(low * high);
+      (JudgeMeasuredLoop(with(hz), params).stable ? high : low) = params.loop.damping_Ns_per_m;
+    }
+    return high;
+  };
+  const auto greatest_wall = [&](double hz) {
+    MeasuredLoopParams params = drag;
+    params.loop.hand = {"firm", 500.0, 20.0, 1.5};
+    params.loop.damping_Ns_per_m = 20.0;
+    double low = 100.0, high = 1e6;
+    for (int i = 0; i < 40; ++i) {
+      params.loop.wall.stiffness_N_per_m = std::sqrt(low * high);
+      (JudgeMeasuredLoop(with(hz), params).stable ? low : high) = params.loop.wall.stiffness_N_per_m;
+    }
+    return low;
+  };
+  // The design has 24 and 949 N s/m, 80.7 and 26.6 kN/m, with its own law and the older hand's acceleration.
+  EXPECT_NEAR(least_drag(0.0), 32.0, 1.0);
+  EXPECT_GT(least_drag(22.0), 20.0 * least_drag(0.0));
+  EXPECT_LT(greatest_wall(35.0), 0.55 * greatest_wall(0.0));
+}
+
 // Noise: the smoothed response is closer to the truth than a line is, and the radius says how far it is off.
 TEST(MeasuredLoop, NoiseHasItsRadius) {
   constexpr double kNoise = 0.02;

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+
+#include "control/stability/vibration_index.h"
+#include "hil/operator/hand_grid.h"
+#include "studies/failures/failure.h"
+
+namespace osteon::studies {
+
+/// A hand presses with up to 100 N on bone of 12 kg and lets go, 0.7 times a second, with a tremor, for 5 s
+/// through the servo loop of an admittance cell on an arm of 15 Hz.
+struct SwingRideParams {
+  hil::GridHand hand;
+  double tremor_N{1.0};              ///< peak along each axis (hil/operator/tremor.h)
+  std::optional<double> mount_hz{};  ///< of the bone's mount; absent: the bone rests
+  control::VibrationParams index{};
+};
+
+struct SwingRide {
+  double mean_drag{0.0};  ///< factor on the law's drag, from the second second on
+  double swing_m{0.0};    ///< from the lowest to the highest place of the tool in that time
+  bool fault{false};
+  FailureSeries drag{};  ///< factor, by the time [s]
+};
+
+/// Simulates the ride. Deterministic.
+[[nodiscard]] SwingRide RideSwingingMount(const SwingRideParams& params);
+
+/// Scenario 42, swinging mount: bone that is pressed and let go swings on its mount, at 4 to 20 Hz, within
+/// the band of the vibration index. Metric: mean drag beyond the same index's on bone that rests. Baseline:
+/// an index that remembers the slow push for 20 ms, so that the swing is all it sees where the push turns.
+/// Bound: 15 %. The impedance law has no vibration index, so nothing there could raise its drag.
+[[nodiscard]] FailureResult RunSwingingMount(const FailureSetting& setting);
+
+}  // namespace osteon::studies

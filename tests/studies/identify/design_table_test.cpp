@@ -1,0 +1,143 @@
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "control/excitation/excitation_path.h"
+#include "hil/arm/servo_arm.h"
+#include "session/setup/cell_setup.h"
+#include "studies/identify/excited_run.h"
+#include "studies/identify/identify.h"
+#include "studies/identify/identify_estimate.h"
+#include "studies/identify/identify_table.h"
+#include "studies/identify/servo_fit.h"
+#include "tests/temporary_path.h"
+
+// Rows of the design's tables of shorter and slower recordings, of jitter, and of an arm with masses and
+// friction. Seeds are fixed, time is virtual.
+
+namespace osteon::studies {
+namespace {
+
+constexpr double kPeriod_s = 1e-3;
+const hil::ServoArmParams kDesignArm{.bandwidth_hz = 15.0, .damping_ratio = 1.0, .dead_cycles = 4.0};
+
+// --- how much is known, by time and speed ---
+
+struct RecordingRow {
+  SyntheticRun run;
+  double lag_two_sd_ms, drag_two_sd, wall_two_sd;  // of the design; shares
+};
+
+class DesignTable : public testing::TestWithParam<RecordingRow> {};
+
+TEST_P(DesignTable, KnowsLagDragAndWallAsWellAsTheDesign) {
+  const RecordingRow& row = GetParam();
+  const TableRow found = IdentifyRow(row.run, {.arm = kDesignArm, .seeds = 6});
+  EXPECT_EQ(found.failed, 0);
+  // the spread of six seeds is known to a factor of about two
+  EXPECT_LT(found.lag_ms.two_sd, 2.0 * row.lag_two_sd_ms);
+  EXPECT_GT(found.lag_ms.two_sd, 0.3 * row.lag_two_sd_ms);
+  EXPECT_NEAR(found.lag_ms.mean, found.lag_ms.truth, row.lag_two_sd_ms);
+  const TableFigure &drag = found.least_drag_Ns_per_m, &wall = found.greatest_wall_N_per_m;
+  EXPECT_NEAR(drag.mean, drag.truth, row.drag_two_sd * drag.truth);
+  EXPECT_LT(drag.two_sd, 2.0 * row.drag_two_sd * drag.truth);
+  EXPECT_NEAR(wall.mean, wall.truth, row.wall_two_sd * wall.truth);
+  EXPECT_LT(wall.two_sd, 2.5 * row.wall_two_sd * wall.truth);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Rows, DesignTable,
+    testing::Values(RecordingRow{{.name = "short_24_s", .draws = 2, .periods = 2}, 0.017, 0.001, 0.05},
+                    RecordingRow{{.name = "slow_20_mm_per_s", .peak_m_per_s = 0.02}, 0.023, 0.002, 0.029},
+                    RecordingRow{{.name = "slow_5_mm_per_s", .peak_m_per_s = 0.005}, 0.09, 0.006, 0.12}),
+    [](const auto& row) { return row.param.run.name; });
+
+// Commands that arrive up to a period late: the dead time grows by their mean.
+TEST(DesignTable, JitterCountsByItsMean) {
+  constexpr int kFine = 8;  // steps of the arm in a period: 4 ms are the most that it takes of them
+  control::ExcitationPath path({.seed = 100, .draws = 4, .periods = 3, .peak_speed_m_per_s = 0.05},
+                               kPeriod_s);
+  std::array<kinematics::JointLimits, 7> limits{};
+  for (kinematics::JointLimits& limit : limits) limit.velocity_rad_per_s = 1e3;
+  hil::ServoArmParams fine = kDesignArm;
+  fine.dead_cycles *= kFine;
+  hil::ServoArm arm(fine, limits, kPeriod_s / kFine, kinematics::JointVector::Zero());
+  std::mt19937_64 random(1);
+  std::uniform_int_distribution<int> late(0, kFine - 1);
+  std::normal_distribution<double> noise(0.0, 10e-6);
+  ExcitedRun run{.period_s = kPeriod_s, .samples = {}};
+  double before_m = 0.0;
+  for (;;) {
+    const control::ExcitationStep step = path.Step(true);
+    if (step.part == control::ExcitationPart::kDone) break;
+    run.samples.push_back({.seen = true,
+                           .u_m = step.x_m,
+                           .y_m = arm.q()[0] + noise(random),
+                           .counted = step.part == control::ExcitationPart::kCounted,
+                           .draw = step.draw,
+                           .period = step.period});
+    const int arrives = late(random);
+    for (int i = 0; i < kFine; ++i)
+      arm.Step(kinematics::JointVector::Constant(i < arrives ? before_m : step.x_m));
+    before_m = step.x_m;
+  }
+  const auto response = MeasureResponse(run, Signal::kCommand, Signal::kPosition);
+  ASSERT_TRUE(response) << response.error();
+  const auto fit = FitServo(response->lines, kPeriod_s);
+  ASSERT_TRUE(fit) << fit.error();
+  const double mean_s = 0.5 * (kFine - 1) * kPeriod_s / kFine;
+  EXPECT_NEAR(fit->dead_time_s.value, 4e-3 + mean_s, 0.06e-3) << "the design: 4.477 ms";
+  EXPECT_NEAR(fit->bandwidth_hz.value, 15.0, 0.1);
+  hil::ServoArmParams found = kDesignArm;
+  found.dead_cycles = fit->dead_time_s.value / kPeriod_s;
+  EXPECT_NEAR(GreatestWall(found, kPeriod_s), 0.85 * GreatestWall(kDesignArm, kPeriod_s),
+              0.05 * GreatestWall(kDesignArm, kPeriod_s))
+      << "the design: -17 %, of half a period";
+}
+
+// --- an arm with masses and friction ---
+
+struct MassesRun {
+  double lag_s{0.0}, bandwidth_hz{0.0}, rms_m_per_s{0.0};
+};
+
+MassesRun IdentifyWithMasses(double peak_m_per_s, bool friction) {
+  const auto cell = std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml";
+  auto setup = session::PrepareCell(cell, std::nullopt);
+  EXPECT_TRUE(setup) << setup.error();
+  setup->config.simulated.level = hil::ArmLevel::kDynamic;
+  setup->config.simulated.dynamic.mount.reset();
+  if (!friction)
+    for (auto& joint : setup->config.simulated.chain.joints) joint.friction = {};
+  const std::filesystem::path file = TemporaryPath(
+      "masses_" + std::to_string(std::lround(1e3 * peak_m_per_s)) + (friction ? "_f" : "_n") + ".mcap");
+  const auto run = RunExcited(
+      *setup,
+      {.request = {.axis = 'z', .peak_speed_m_per_s = peak_m_per_s, .seed = 1, .draws = 2, .periods = 2},
+       .recording = file});
+  EXPECT_TRUE(run) << run.error();
+  IdentifyResult result = EmptyResult("demo", setup->config);
+  const auto added = AddRecording(file, setup->config, result);
+  EXPECT_TRUE(added && result.axes.size() == 1u) << (added ? "" : added.error());
+  const AxisResult& axis = result.axes.front();
+  return {axis.fit.lag_s.value, axis.fit.bandwidth_hz.value, axis.rms_speed_m_per_s};
+}
+
+TEST(ArmWithMasses, SlowMotionLagsMoreByItsFriction) {
+  const MassesRun slow = IdentifyWithMasses(0.01, true), fast = IdentifyWithMasses(0.05, true),
+                  smooth = IdentifyWithMasses(0.05, false);
+  std::printf("rms %.1f, %.1f mm/s: lag %.2f, %.2f ms; without friction %.2f ms, %.2f Hz\n",
+              1e3 * slow.rms_m_per_s, 1e3 * fast.rms_m_per_s, 1e3 * slow.lag_s, 1e3 * fast.lag_s,
+              1e3 * smooth.lag_s, smooth.bandwidth_hz);
+  EXPECT_GT(slow.lag_s, 1.03 * fast.lag_s);
+  EXPECT_GT(fast.lag_s, 1.02 * smooth.lag_s);
+  EXPECT_NEAR(smooth.bandwidth_hz, 15.0, 0.03 * 15.0) << "3 % of error in the controller's masses";
+}
+
+}  // namespace
+}  // namespace osteon::studies
