@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "gpu/context/driver_threads.h"
+#include "gpu/context/fused_fma.h"
 #include "gpu/shaders/layout.h"
 
 namespace osteon::gpu {
@@ -281,6 +282,7 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
   context->device.emplace(*context->physical, create);
   threads.PinWorkers();
   context->queue.emplace(*context->device, context->queue_family, 0);
+  context->fused_fma = context->arithmetic == Arithmetic::kFloats && HasFusedFma(*context);
   return context;
 } catch (const std::exception& error) {
   return tl::make_unexpected(OpeningFailure(error));

@@ -47,6 +47,8 @@ struct Context {
   DeviceInfo info;
   Arithmetic arithmetic{Arithmetic::kInt64};  ///< not kAuto
   Subgroups subgroups;
+  bool fused_fma{
+      false};  ///< products of floats are exact by fma(): HasFusedFma; with Arithmetic::kFloats alone
 };
 
 /// What a device says of itself.

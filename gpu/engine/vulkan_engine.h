@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,7 @@ struct VulkanOverrides {
   std::uint32_t max_workgroups{0};  ///< of a pass, along x; 0: the device's limit
   std::uint32_t bone_ball_bits{0};  ///< of a bone ball's index in keys, 24 … 28; 0: as many as the bone needs
   Arithmetic arithmetic{Arithmetic::kAuto};  ///< a later one than the device allows
+  std::optional<bool> fused_fma{};           ///< in place of what HasFusedFma finds; with Arithmetic::kFloats
 };
 
 struct VulkanParams {

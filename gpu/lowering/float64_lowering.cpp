@@ -76,6 +76,7 @@ enum Glsl : Word {
   kFMin = 37,
   kFMax = 40,
   kFClamp = 43,
+  kFma = 50,
   kPackDouble = 59,
   kUnpackDouble = 65,
   kLength = 66,
@@ -245,6 +246,9 @@ class Lowering {
     CallInto(id, "DsMul", {Component(a, i), Component(b, i)});
   }
   Word Dot(Word a, Word b) {
+    if (SizeOf(a) == 3)
+      return Call("DsDot", {Component(a, 0), Component(a, 1), Component(a, 2), Component(b, 0),
+                            Component(b, 1), Component(b, 2)});
     Word sum = 0;
     for (Word i = 0; i < SizeOf(a); ++i) {
       const Word product = Call("DsMul", {Component(a, i), Component(b, i)});
@@ -327,7 +331,8 @@ class Lowering {
       return;
     }
     if (in_pair_function_) {
-      if (at.op == kFAdd || at.op == kFSub || at.op == kFMul || at.op == kFDiv)
+      if (at.op == kFAdd || at.op == kFSub || at.op == kFMul || at.op == kFDiv ||
+          (at.op == kExtInst && w[3] == kFma))
         decorations_.push_back({kDecorate, {w[1], kNoContraction}});
       out_.push_back(at);
       return;

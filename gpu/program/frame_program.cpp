@@ -105,7 +105,7 @@ FrameProgram::FrameProgram(std::unique_ptr<Context> opened, const ProgramSizes& 
   MakeBuffers();
   NameForLayers(*context_, FrameBuffer(), kFrameBufferName);
   const auto begun = std::chrono::steady_clock::now();
-  MakePipelines();
+  MakePipelines(overrides.fused_fma.value_or(context_->fused_fma));
   pipelines_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   for (const auto& passes : run_passes_) commands_.push_back(Record(passes, nullptr));
 }
@@ -157,7 +157,7 @@ void FrameProgram::Read(uint binding, void* data, std::size_t size) const {
   std::memcpy(data, staging.mapped, size);
 }
 
-void FrameProgram::MakePipelines() {
+void FrameProgram::MakePipelines(bool fused_fma) {
   const vk::raii::Device& device = *context_->device;
   std::vector<vk::DescriptorSetLayoutBinding> bindings;
   for (uint i = 0; i < kBindings; ++i)
@@ -179,6 +179,7 @@ void FrameProgram::MakePipelines() {
     uint tool_rest;
     uint bone_bits;
     VkBool32 lower_words;
+    VkBool32 fused_fma;
   } const constants{.one_cutter = sizes_.cutters == 1 ? VK_TRUE : VK_FALSE,
                     .ball_clusters = static_cast<uint>(sizes_.ball_clusters),
                     .lanes = lanes(),
@@ -188,8 +189,9 @@ void FrameProgram::MakePipelines() {
                     .on_gpu = gpu_ ? VK_TRUE : VK_FALSE,
                     .tool_rest = static_cast<uint>(2 * sizes_.tool_balls),
                     .bone_bits = bone_bits_,
-                    .lower_words = VK_TRUE};
-  const std::array<vk::SpecializationMapEntry, 10> entries{
+                    .lower_words = VK_TRUE,
+                    .fused_fma = fused_fma ? VK_TRUE : VK_FALSE};
+  const std::array<vk::SpecializationMapEntry, 11> entries{
       {{1, offsetof(Constants, one_cutter), sizeof(VkBool32)},
        {2, offsetof(Constants, ball_clusters), sizeof(uint)},
        {3, offsetof(Constants, lanes), sizeof(uint)},
@@ -199,7 +201,8 @@ void FrameProgram::MakePipelines() {
        {7, offsetof(Constants, on_gpu), sizeof(VkBool32)},
        {8, offsetof(Constants, tool_rest), sizeof(uint)},
        {9, offsetof(Constants, bone_bits), sizeof(uint)},
-       {10, offsetof(Constants, lower_words), sizeof(VkBool32)}}};
+       {10, offsetof(Constants, lower_words), sizeof(VkBool32)},
+       {11, offsetof(Constants, fused_fma), sizeof(VkBool32)}}};
   Constants wide = constants;
   if (gpu_) wide.lanes = kWideLanes;
   const bool words = context_->arithmetic != Arithmetic::kInt64;

@@ -113,7 +113,7 @@ class FrameProgram {
   [[nodiscard]] bool RunCommands(FrameMode mode, std::uint64_t timeout_ns);
   void MakeBuffers();
   [[nodiscard]] const Buffer& FrameBuffer() const { return copies_in_ ? buffers_[kBindFrame] : frame_in_; }
-  void MakePipelines();
+  void MakePipelines(bool fused_fma);
   // With `known`, the sizes of dispatches are recorded as constants, which is faster than reading them from
   // device memory.
   [[nodiscard]] vk::raii::CommandBuffer Record(const std::vector<std::size_t>& passes,

@@ -4,6 +4,8 @@
 // Source: Dekker, A Floating-Point Technique for Extending the Available Precision, Numer. Math. 18, 1971; the sums after Joldes,
 // Muller, Popescu, Tight and Rigorous Error Bounds for Basic Building Blocks of Double-Word Arithmetic, ACM TOMS 44, 2017.
 
+layout(constant_id = 11) const bool kFusedFma = false;  // the device's fma() rounds once (context/fused_fma.h)
+
 // The sum of two floats, exactly; of two of which the first is not smaller.
 vec2 DsTwoSum(const in float a, const in float b) {
   float sum = a + b, of_b = sum - a;
@@ -18,9 +20,10 @@ vec2 DsSplit(const in float a) {
   float shifted = 4097.0 * a, upper = shifted - (shifted - a);
   return vec2(upper, a - upper);
 }
-// The product of two floats, exactly. (fma() need not be fused in Vulkan.)
+// The product of two floats, exactly: the same bits in both ways.
 vec2 DsTwoProduct(const in float a, const in float b) {
   float product = a * b;
+  if (kFusedFma) return vec2(product, fma(a, b, -product));
   vec2 p = DsSplit(a), q = DsSplit(b);
   return vec2(product, ((p.x * q.x - product) + p.x * q.y + p.y * q.x) + p.y * q.y);
 }
@@ -43,6 +46,14 @@ vec2 DsAddFloat(const in vec2 a, const in float b) {
 vec2 DsMulFloat(const in vec2 a, const in float b) {
   vec2 p = DsTwoProduct(a.x, b);
   return DsFastTwoSum(p.x, p.y + a.y * b);
+}
+// A scalar product, with one rounding of its remainders: its error is relative to the sum of the products' sizes, as it is where
+// each product and sum is rounded for itself, with twice the operations.
+vec2 DsDot(const in vec2 a, const in vec2 b, const in vec2 c, const in vec2 u, const in vec2 v, const in vec2 w) {
+  vec2 p = DsTwoProduct(a.x, u.x), q = DsTwoProduct(b.x, v.x), r = DsTwoProduct(c.x, w.x);
+  vec2 s = DsTwoSum(p.x, q.x), t = DsTwoSum(s.x, r.x);
+  float mixed = (a.x * u.y + a.y * u.x) + (b.x * v.y + b.y * v.x) + (c.x * w.y + c.y * w.x);
+  return DsTwoSum(t.x, ((p.y + q.y) + (r.y + mixed)) + (s.y + t.y));
 }
 // The quotient of the floats, then that of what it leaves: about 44 bits, since Vulkan allows a division 2.5 units.
 vec2 DsDiv(const in vec2 a, const in vec2 b) {

@@ -254,6 +254,20 @@ TEST(Floats, GiveTheSameBitsOnAGpuAndOnAProcessor) {
   }
 }
 
+// Products are exact with a fused fma() and by splitting. A product by an fma() that rounds twice is not, and
+// shows: so what is found on the device is right, either way.
+TEST(Floats, GiveTheSameBitsWithAFusedFmaAlone) {
+  const auto context = OpenContext("", false, Arithmetic::kFloats);
+  ASSERT_TRUE(context) << context.error();
+  const auto split = Open(LongStrip(), Ball(6e-3), WithFloats({.fused_fma = false})),
+             fused = Open(LongStrip(), Ball(6e-3), WithFloats({.fused_fma = true}));
+  int alike = 0;
+  constexpr int kFrames = 60;
+  for (int i = 0; i < kFrames; ++i)
+    if (Identical(split->Step(StrokeInput(i)), fused->Step(StrokeInput(i)))) ++alike;
+  EXPECT_EQ(alike == kFrames, (*context)->fused_fma) << alike << " frames alike, " << (*context)->info.name;
+}
+
 // ---- subgroup sizes
 
 // llvmpipe reads its vector width from the environment when it is loaded, so each width needs its own
