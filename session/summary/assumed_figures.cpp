@@ -34,8 +34,7 @@ std::vector<std::string> AssumedOfSimulation(const config::CellConfig& cell) {
   std::vector<std::string> lines;
   const config::IdentifiedCell* identified = cell.identified ? &*cell.identified : nullptr;
   const hil::ServoArmParams& arm = cell.simulated.servo;
-  if (!(identified && config::SlowestArm(*identified)) &&
-      cell.simulated.level != hil::ArmLevel::kKinematic)
+  if (!(identified && config::SlowestArm(*identified)) && cell.simulated.level != hil::ArmLevel::kKinematic)
     lines.push_back(
         fmt::format("simulated arm: {:g} Hz, damping ratio {:g}, dead time {:g} ms (osteon identify)",
                     arm.bandwidth_hz, arm.damping_ratio, 1e3 * arm.dead_cycles * cell.servo.period_s));

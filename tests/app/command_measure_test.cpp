@@ -262,6 +262,28 @@ TEST(BenchTick, TimesEachLevelInTurn) {
   }
 }
 
+TEST(BenchTick, TimesAPlansGuidanceInTurn) {
+  const TemporaryFolder folder;
+  const CommandResult run = RunCommand(
+      folder.path(), {"bench", "tick", "--plan", "acetabulum", "--ticks", "2000", "--json", "t.json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json json = ReadJson(folder.path() / "t.json");
+  EXPECT_EQ(json.at("plan"), "acetabulum");
+  const nlohmann::json& levels = json.at("levels");
+  for (const char* level : {"none", "gain 0", "guided"}) {
+    ExpectTimes(levels.at(level).at("loop_us"));
+    EXPECT_GT(levels.at(level).at("ratio").get<double>(), 0.0) << level;
+    EXPECT_EQ(levels.at(level).at("guided").get<double>() > 0.0, level == std::string("guided"));
+    if (!levels.at(level).at("allocations").is_null()) {
+      EXPECT_EQ(levels.at(level).at("allocations"), 0) << level;
+    }
+  }
+  const CommandResult other =
+      RunCommand(folder.path(), {"bench", "tick", "--plan", "molar", "--ticks", "100"});
+  EXPECT_EQ(other.exit_code, 1) << "the demo's reamer is no tool of that plan";
+  EXPECT_EQ(RunCommand(folder.path(), {"bench", "tick", "--plan", "nosuch"}).exit_code, 2);
+}
+
 TEST(BenchFrame, EndsWithOneWhereThereIsNoDevice) {
   const TemporaryFolder folder;
   const CommandResult run =
