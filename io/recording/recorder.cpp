@@ -176,6 +176,7 @@ tl::expected<RecordingCounts, std::string> Recorder::Close() {
       const std::lock_guard sync_lock(sync_mutex_);
       close_error_ = sync_error_;
     }
+    if (topics_) topics_->End(writer_);
     if (const auto bytes = writer_.Finish(to_disk_))
       counts_.bytes = *bytes;
     else

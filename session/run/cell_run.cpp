@@ -420,8 +420,13 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   DeflectionSink deflections(sink.sink());
   FaultEvents faults;
   FaultSink faults_seen(deflections, faults);
+  std::optional<RecordedBoneParams> bone;
+  if (params.bone_state_s > 0.0)
+    bone = {.step = static_cast<rt::Nanoseconds>(1e9 * params.bone_state_s),
+            .own_thread = !params.virtual_time};
   RecordedTopics topics(
-      setup, params.procedure ? std::span(params.procedure->tools()) : std::span<const ProcedureTool>());
+      setup, params.procedure ? std::span(params.procedure->tools()) : std::span<const ProcedureTool>(),
+      bone);
   auto recorder = io::Recorder::Open(
       {.path = params.recording,
        .writer_thread = !params.virtual_time,

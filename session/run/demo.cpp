@@ -263,6 +263,7 @@ int RunDemo(const DemoOptions& asked) {
       .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon demo: {}\n", text); },
       .progress = [&](double at_s) { progress.Show(at_s, live.Line()); },
       .procedure = session.get(),
+      .bone_state_s = options.bone_state_s,
       .adaptive_resolution = adaptive_resolution.get(),
       .surface = live.surface_thread()};
   auto result = RunCell(*setup, **engine, params);

@@ -224,6 +224,7 @@ int RunOperate(const OperateOptions& asked) {
           },
       .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon run: {}\n", text); },
       .progress = [&](double at_s) { progress.Show(at_s, live.Line()); },
+      .bone_state_s = options.bone_state_s,
       .procedure = session.get(),
       .adaptive_resolution = adaptive_resolution.get(),
       .surface = live.surface_thread()};
