@@ -18,6 +18,7 @@
 #include "session/run/arm_connection.h"
 #include "session/run/cell_ports.h"
 #include "session/run/cell_run.h"
+#include "session/run/live_stops.h"
 #include "session/run/live_views.h"
 #include "session/run/remote_engine.h"
 #include "session/setup/config_checksum.h"
@@ -200,6 +201,12 @@ int RunOperate(const OperateOptions& asked) {
                  base::AskedByOperator());
   live.SetSession(session.get());
   live.Open(options.console, options.foxglove);
+  LiveStops stops({.cell = setup->config,
+                   .recording = options.record,
+                   .folder = options.record.parent_path(),
+                   .console_url = live.console_url(),
+                   .force_limit_N = control::ForceLimit_N(setup->config.servo)},
+                  *live.sink());
   const CellRunParams params{
       .seconds = options.seconds,
       .recoveries = options.recoveries,
@@ -213,10 +220,11 @@ int RunOperate(const OperateOptions& asked) {
       .make_room = [&] { return MakeRoom(options); },
       .stop = &base::Interrupted(),
       .requests = &base::AskedByOperator(),
-      .live = live.sink(),
+      .live = &stops,
       .console_url = live.console_url(),
       .gains = options.gains,
       .gains_panel = live.gains_panel(),
+      .bone_state_s = options.bone_state_s,
       .begins =
           [&] {
             live.Announce();
@@ -224,11 +232,11 @@ int RunOperate(const OperateOptions& asked) {
           },
       .notice = [](const std::string& text) { fmt::print(stderr, "\nosteon run: {}\n", text); },
       .progress = [&](double at_s) { progress.Show(at_s, live.Line()); },
-      .bone_state_s = options.bone_state_s,
       .procedure = session.get(),
       .adaptive_resolution = adaptive_resolution.get(),
       .surface = live.surface_thread()};
   auto result = RunCell(*setup, **engine, params);
+  stops.Finish();
   progress.Done();
   if (!result) return Fail("run", result.error().what, result.error().begun ? kFailed : kBadInput);
 
