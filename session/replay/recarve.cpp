@@ -16,6 +16,7 @@ void Recarve::Add(const control::TickRecord& tick) {
                             : measured              ? tick.X_WT_meas
                                                     : tick.X_WT_cmd,
                     .spindle_rad_per_s = tick.spindle_rad_per_s};
+  newest_ = std::max(newest_, places_[next_].stamp);
   next_ = (next_ + 1) % kKept;
 }
 

@@ -25,6 +25,11 @@ class Recarve {
   /// is left out and counted.
   void Add(const simulation::FrameRecord& frame);
 
+  /// Whether the tick of a frame's pose was added, or cannot come any more. In wall time a frame may stand in
+  /// the file before its tick.
+  [[nodiscard]] bool IsDue(const simulation::FrameRecord& frame) const {
+    return frame.model.pose_stamp <= newest_;
+  }
   /// Goes on with another engine, which outlives this.
   void ReplaceEngine(simulation::CuttingEngine& engine) { engine_ = &engine; }
 
@@ -46,6 +51,7 @@ class Recarve {
   std::array<Place, kKept> places_{};
   std::size_t next_{0};
   rt::Nanoseconds last_stamp_{0};
+  rt::Nanoseconds newest_{0};  // of the places
   std::uint64_t frames_{0}, left_out_{0};
 };
 

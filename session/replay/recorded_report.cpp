@@ -1,6 +1,7 @@
 #include "session/replay/recorded_report.h"
 
 #include <algorithm>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -121,9 +122,32 @@ class BoneAgain {
         watch_(setup.solid.get(), setup.bone, setup.config.tool.tool, setup.config.scene.events),
         X_GW_(setup.X_WG.inverse()) {}
 
-  void Add(const control::TickRecord& tick) { recarve_.Add(tick); }
-  /// @returns what is wrong
+  /// @returns what is wrong, as the next two
+  std::string Add(const control::TickRecord& tick, Read& read) {
+    recarve_.Add(tick);
+    return CutDue(read);
+  }
   std::string Add(const simulation::FrameRecord& frame, Read& read) {
+    waiting_.push_back(frame);
+    return CutDue(read);
+  }
+  std::string Finish(Read& read) {
+    for (; !waiting_.empty(); waiting_.pop_front())
+      if (std::string wrong = Cut(waiting_.front(), read); !wrong.empty()) return wrong;
+    read.result.after = engine_->Snapshot();
+    read.result.rezoned = std::move(zones_.rezoned());
+    read.result.min_wall_m = watch_.min_wall_m();
+    read.recut.removed_volume_m3 = read.result.after.removed_volume_m3;
+    return "";
+  }
+
+ private:
+  std::string CutDue(Read& read) {
+    for (; !waiting_.empty() && recarve_.IsDue(waiting_.front()); waiting_.pop_front())
+      if (std::string wrong = Cut(waiting_.front(), read); !wrong.empty()) return wrong;
+    return "";
+  }
+  std::string Cut(const simulation::FrameRecord& frame, Read& read) {
     recarve_.Add(frame);
     if (frame.model.status != simulation::EngineStatus::kOk) return "";
     read.recut.recorded_volume_m3 = frame.model.removed_volume_m3;
@@ -139,15 +163,9 @@ class BoneAgain {
     }
     return "";
   }
-  void Finish(Read& read) {
-    read.result.after = engine_->Snapshot();
-    read.result.rezoned = std::move(zones_.rezoned());
-    read.result.min_wall_m = watch_.min_wall_m();
-    read.recut.removed_volume_m3 = read.result.after.removed_volume_m3;
-  }
 
- private:
   simulation::CuttingEngine* engine_;
+  std::deque<simulation::FrameRecord> waiting_;  // for the ticks of their poses
   Recarve recarve_;
   RecordedZones zones_;
   simulation::SceneWatch watch_;
@@ -192,7 +210,9 @@ tl::expected<Read, std::string> ReadAll(const std::filesystem::path& path, const
     if (*topic == io::RecordedTopic::kTick) {
       read.run.Add(stream->tick);
       stops.Add(stream->session, stream->tick);
-      if (!session) bone.Add(stream->tick);
+      if (!session)
+        if (std::string wrong = bone.Add(stream->tick, read); !wrong.empty())
+          return tl::unexpected(path.string() + ": " + wrong);
       AddTick(stream->tick, read.result.statistics);
       faults = stream->tick.faults;
     } else if (*topic == io::RecordedTopic::kFrame) {
@@ -216,8 +236,8 @@ tl::expected<Read, std::string> ReadAll(const std::filesystem::path& path, const
     read.result.recording_error = path.string() + ": " + wrong;
   if (session)
     read.result.after = engine.Snapshot();
-  else
-    bone.Finish(read);
+  else if (std::string wrong = bone.Finish(read); !wrong.empty())
+    return tl::unexpected(path.string() + ": " + wrong);
   const ActiveTicks& active = read.run.active;
   if (active.first && active.last) read.seconds = rt::ToSeconds(*active.last - *active.first);
   return read;

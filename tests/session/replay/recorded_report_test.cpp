@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "io/recording/recorder.h"
 #include "io/recording/recording_reader.h"
 #include "session/planning/recorded_packing.h"
 #include "session/run/adaptive_resolution.h"
@@ -91,6 +92,35 @@ TEST_F(RecordedReport, CoarsensTheZonesWhereTheRunDid) {
   ASSERT_EQ(report["rezoned"].size(), run->rezoned.size());
   EXPECT_EQ(report["rezoned"][0]["spheres"], run->rezoned[0].bone.balls.size());
   EXPECT_EQ(report["rezoned"][0]["frame_us_before"], 4600.0);
+}
+
+// In wall time frames and ticks come to the file from two rings: a frame may be written before its tick.
+TEST_F(RecordedReport, AFrameMayStandBeforeTheTickOfItsPose) {
+  const CellSetup setup = PlannedCellSetup("thin_plate", 0.14e-3);
+  auto engine = MakeEngine(setup, {.engine = "cpu"});
+  ASSERT_TRUE(engine) << engine.error();
+  const auto run = RunCell(setup, **engine, {.seconds = 3.0, .virtual_time = true, .recording = recording_});
+  ASSERT_TRUE(run) << run.error().what;
+  const auto recording = io::ReadRecording(recording_);
+  ASSERT_TRUE(recording) << recording.error();
+  const auto early = folder_.path() / "early.mcap";
+  auto recorder = io::Recorder::Open({.path = early, .writer_thread = false}, recording->session);
+  ASSERT_TRUE(recorder) << recorder.error();
+  std::size_t frame = 0;
+  for (std::size_t begin = 0; begin < recording->ticks.size(); begin += 20) {
+    const std::size_t end = std::min(begin + 20, recording->ticks.size());
+    for (; frame < recording->frames.size() &&
+           recording->frames[frame].model.pose_stamp <= recording->ticks[end - 1].stamp;
+         ++frame)
+      (*recorder)->PushFrame(recording->frames[frame]);
+    (*recorder)->Drain();  // these frames, then their ticks
+    for (std::size_t i = begin; i < end; ++i) (*recorder)->Push(recording->ticks[i]);
+    (*recorder)->Drain();
+  }
+  ASSERT_TRUE((*recorder)->Close());
+  const nlohmann::json report = ReportOf(early);
+  EXPECT_EQ(report["state_hash"], simulation::HashText(run->after));
+  EXPECT_EQ(report["recut"]["same"], true);
 }
 
 TEST(RecordedPacking, SaysWhichNumberServesNoPacking) {
