@@ -22,6 +22,7 @@ namespace osteon::report {
 namespace {
 
 constexpr double kMaxDeviation_um = 32'767.0;
+constexpr int kTries = 5;  // of a grid, each coarser than the last
 
 std::shared_ptr<const surface::SolidField> FieldOf(const simulation::Bone& bone,
                                                    const simulation::Solid* solid, float voxel_mm) {
@@ -103,11 +104,42 @@ CarvedSurface Extract(const surface::CarvedField& field, const MaterialMap& mate
   return out;
 }
 
+/// The field's surface; at most `max_quads`, else nothing.
+std::optional<BoneMesh> MeshOf(const surface::CarvedField& field, std::size_t max_quads) {
+  BoneMesh mesh;
+  surface::SurfaceChunk chunk;
+  for (surface::BrickIndex brick = 0; brick < field.layout().Count(); ++brick) {
+    surface::ExtractChunk(field, brick, chunk);
+    const auto first = static_cast<std::uint32_t>(mesh.vertices_m.size());
+    for (const surface::SurfaceVertex& vertex : chunk.vertices) {
+      mesh.vertices_m.emplace_back(surface::ToMetres(vertex.p_mm).cast<float>());
+      mesh.normals.emplace_back(vertex.normal.x, vertex.normal.y, vertex.normal.z);
+    }
+    for (std::size_t i = 0; i + 3 < chunk.quads.size(); i += 4) {
+      const auto corner = [&](std::size_t k) { return first + chunk.quads[i + k]; };
+      mesh.triangles.push_back({corner(0), corner(1), corner(2)});
+      mesh.triangles.push_back({corner(0), corner(2), corner(3)});
+    }
+    if (mesh.triangles.size() > 2 * max_quads) return std::nullopt;
+  }
+  return mesh;
+}
+
 /// Carving costs by bricks: few calls with many capsules. A bound, as each brick looks at all of a call.
 void CarveInBatches(surface::CarvedField& field, std::span<const surface::Capsule> capsules) {
   constexpr std::size_t kBatch = 4096;
   for (std::size_t at = 0; at < capsules.size(); at += kBatch)
     field.Carve(capsules.subspan(at, std::min(kBatch, capsules.size() - at)));
+}
+
+/// Of all tools: a field does not know in which order it was swept.
+std::vector<surface::Capsule> CapsulesOf(std::span<const simulation::ToolPath> paths) {
+  std::vector<surface::Capsule> capsules;
+  for (const simulation::ToolPath& path : paths) {
+    const std::vector<surface::Capsule> swept = CapsulesAlong(path);
+    capsules.insert(capsules.end(), swept.begin(), swept.end());
+  }
+  return capsules;
 }
 
 std::string DataAddress(const std::vector<std::uint8_t>& bytes) {
@@ -152,17 +184,32 @@ void CarveAlong(surface::CarvedField& field, const simulation::ToolPath& path) {
   CarveInBatches(field, CapsulesAlong(path));
 }
 
+BoneMeshes MeshBone(const CarveInput& input) {
+  if (input.paths.empty()) return {};
+  const std::vector<surface::Capsule> capsules = CapsulesOf(input.paths);
+  float voxel_mm = surface::VoxelFor(*input.paths.back().tool);
+  for (int i = 0; i < kTries; ++i, voxel_mm *= 1.5F) {
+    try {
+      const auto uncut = FieldOf(input.bone, input.solid, voxel_mm);
+      if (uncut == nullptr) return {};
+      surface::CarvedField field(uncut);
+      auto before = MeshOf(field, input.max_quads);
+      if (!before) continue;
+      CarveInBatches(field, capsules);
+      if (auto after = MeshOf(field, input.max_quads))
+        return {.before = std::move(*before), .after = std::move(*after)};
+    } catch (const std::invalid_argument&) {  // a grid that no memory holds: try a coarser one
+    }
+  }
+  return {};
+}
+
 CarvedSurface CarveSurface(const CarveInput& input) {
   if (input.paths.empty()) return {};
   const DistanceTo distance_m = Compared(input);
-  constexpr int kTries = 5;
   constexpr double kCoarser = 1.1;
   float voxel_mm = surface::VoxelFor(*input.paths.back().tool);
-  std::vector<surface::Capsule> capsules;  // of all tools: a field does not know in which order it was swept
-  for (const simulation::ToolPath& path : input.paths) {
-    const std::vector<surface::Capsule> swept = CapsulesAlong(path);
-    capsules.insert(capsules.end(), swept.begin(), swept.end());
-  }
+  const std::vector<surface::Capsule> capsules = CapsulesOf(input.paths);
   CarvedSurface carved;
   for (int i = 0; i < kTries; ++i) {
     try {

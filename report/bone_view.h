@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "report/bone_shape.h"
+#include "report/depth_buffer.h"
 #include "report/render.h"
 #include "report/section.h"
 #include "simulation/surface/capsule.h"
@@ -46,6 +47,15 @@ struct CarveInput {
 /// straight out along the site's axis from its deepest pose.
 /// The grid is made coarser until there are at most `max_quads`. No chunk where nothing has a surface.
 [[nodiscard]] CarvedSurface CarveSurface(const CarveInput& input);
+
+/// The bone before and after the cut, for pictures.
+struct BoneMeshes {
+  BoneMesh before, after;
+};
+
+/// Carves the bone as CarveSurface does, on the tool's own grid up to `max_quads`. Empty meshes where nothing
+/// has a surface.
+[[nodiscard]] BoneMeshes MeshBone(const CarveInput& input);
 
 /// The room that a tool's cutting parts sweep along its path. To carve by the capsules of all paths at once
 /// takes a fraction of the time that frame by frame takes, and leaves the same field.

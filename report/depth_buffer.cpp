@@ -30,49 +30,59 @@ Camera LookAt(const Vector3& eye, const Vector3& target, const Vector3& up, doub
   return camera;
 }
 
-DepthBuffer RenderDepth(std::span<const simulation::Ball> balls, const Camera& camera) {
+namespace {
+
+/// A vertex in the picture: pixels, and 1 / depth, which is linear over the picture.
+struct Projected {
+  double x, y, inverse_z;
+};
+
+/// Twice the signed area of a, b and a point; its sign says on which side of ab the point lies.
+double Side(const Projected& a, const Projected& b, double x, double y) {
+  return (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
+}
+
+}  // namespace
+
+DepthBuffer RenderDepth(const BoneMesh& mesh, const Camera& camera, std::vector<Eigen::Vector3f>* normals) {
   DepthBuffer buffer{.width = camera.width, .height = camera.height};
   buffer.depth_m.assign(static_cast<std::size_t>(camera.width) * camera.height, DepthBuffer::kNothing);
-
-  // front to back, so that most hidden pixels are rejected before the root is computed
-  std::vector<std::pair<double, std::size_t>> order;
-  for (std::size_t i = 0; i < balls.size(); ++i) {
-    const double nearest_m =
-        (Vector3(balls[i].center_m) - camera.eye).dot(camera.forward) - balls[i].radius_m;
-    if (std::isfinite(nearest_m)) order.emplace_back(nearest_m, i);
+  if (normals) normals->assign(buffer.depth_m.size(), Eigen::Vector3f::Zero());
+  std::vector<Projected> projected;
+  projected.reserve(mesh.vertices_m.size());
+  for (const Eigen::Vector3f& p : mesh.vertices_m) {
+    const Vector3 at = camera.Project(p.cast<double>());
+    projected.push_back({.x = at.x(), .y = at.y(), .inverse_z = at.z() > 0.0 ? 1.0 / at.z() : -1.0});
   }
-  std::sort(order.begin(), order.end());
-  for (const auto& [nearest_m, index] : order) {
-    const simulation::Ball& ball = balls[index];
-    const double r = ball.radius_m;
-    const Vector3 to_center = Vector3(ball.center_m) - camera.eye;
-    const double z = to_center.dot(camera.forward);
-    if (!(r > 0.0) || !(z > 1.01 * r)) continue;
-    const double x = to_center.dot(camera.right), y = to_center.dot(camera.up);
-
-    // the cone that touches the ball, bounded by the ball's box at its nearest depth
-    const double near = z - r, f = camera.focal_px;
-    const auto low = [&](double a) { return f * (a - r) / (a - r < 0.0 ? near : z + r); };
-    const auto high = [&](double a) { return f * (a + r) / (a + r > 0.0 ? near : z + r); };
-    const double x0 = camera.center_x_px + low(x), x1 = camera.center_x_px + high(x);
-    const double y0 = camera.center_y_px - high(y), y1 = camera.center_y_px - low(y);
+  for (const auto& triangle : mesh.triangles) {
+    const Projected &a = projected[triangle[0]], &b = projected[triangle[1]], &c = projected[triangle[2]];
+    if (!(std::min({a.inverse_z, b.inverse_z, c.inverse_z}) > 0.0)) continue;
+    const double area = Side(a, b, c.x, c.y);
+    if (area == 0.0 || !std::isfinite(area)) continue;
+    const auto [x0, x1] = std::minmax({a.x, b.x, c.x});
+    const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
     if (!(x1 >= 0.0 && y1 >= 0.0 && x0 < camera.width && y0 < camera.height)) continue;
     const int i0 = static_cast<int>(std::max(x0 - 0.5, 0.0)), j0 = static_cast<int>(std::max(y0 - 0.5, 0.0));
     const int i1 = static_cast<int>(std::min(x1 + 0.5, camera.width - 1.0));
     const int j1 = static_cast<int>(std::min(y1 + 0.5, camera.height - 1.0));
-
-    // |s d - c|^2 = r^2 with d = (dx, dy, 1) in the camera's axes, so that s is the depth
-    const double c2 = to_center.squaredNorm() - r * r;
     for (int j = j0; j <= j1; ++j) {
-      const double dy = (camera.center_y_px - (j + 0.5)) / f;
-      float* row = buffer.depth_m.data() + static_cast<std::size_t>(j) * camera.width;
       for (int i = i0; i <= i1; ++i) {
-        if (static_cast<double>(row[i]) <= nearest_m) continue;
-        const double dx = (i + 0.5 - camera.center_x_px) / f;
-        const double d2 = dx * dx + dy * dy + 1.0, dc = dx * x + dy * y + z;
-        const double discriminant = dc * dc - d2 * c2;
-        if (discriminant < 0.0) continue;
-        row[i] = std::min(row[i], static_cast<float>((dc - std::sqrt(discriminant)) / d2));
+        const double u = Side(b, c, i + 0.5, j + 0.5) / area, v = Side(c, a, i + 0.5, j + 0.5) / area;
+        const double w = 1.0 - u - v;
+        if (u < 0.0 || v < 0.0 || w < 0.0) continue;
+        const double inverse_z = u * a.inverse_z + v * b.inverse_z + w * c.inverse_z;
+        const std::size_t pixel = static_cast<std::size_t>(j) * camera.width + i;
+        const auto z = static_cast<float>(1.0 / inverse_z);
+        if (z >= buffer.depth_m[pixel]) continue;
+        buffer.depth_m[pixel] = z;
+        if (!normals) continue;
+        const auto share = [&](double s, const Projected& of) {
+          return static_cast<float>(s * of.inverse_z / inverse_z);
+        };
+        (*normals)[pixel] =
+            (share(u, a) * mesh.normals[triangle[0]] + share(v, b) * mesh.normals[triangle[1]] +
+             share(w, c) * mesh.normals[triangle[2]])
+                .normalized();
       }
     }
   }

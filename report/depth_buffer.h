@@ -1,11 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "kinematics/spatial.h"
-#include "simulation/bone/bone.h"
 
 namespace osteon::report {
 
@@ -45,8 +44,15 @@ struct DepthBuffer {
   [[nodiscard]] bool Seen(int x, int y) const { return At(x, y) < kNothing; }
 };
 
-/// Intersects each pixel's ray exactly with each ball (one ball at a time over the pixels it can cover).
-/// Balls that reach behind the camera are left out.
-[[nodiscard]] DepthBuffer RenderDepth(std::span<const simulation::Ball> balls, const Camera& camera);
+/// A surface in G, with a normal of unit length at each vertex.
+struct BoneMesh {
+  std::vector<Eigen::Vector3f> vertices_m{}, normals{};
+  std::vector<std::array<std::uint32_t, 3>> triangles{};  ///< counter-clockwise seen from outside
+};
+
+/// Draws a mesh. A triangle that reaches behind the camera is left out.
+/// @param normals  null, or as many as there are pixels: of the surface that is seen, in G, interpolated
+[[nodiscard]] DepthBuffer RenderDepth(const BoneMesh& mesh, const Camera& camera,
+                                      std::vector<Eigen::Vector3f>* normals = nullptr);
 
 }  // namespace osteon::report

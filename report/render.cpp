@@ -26,47 +26,18 @@ struct LocalPlane {
   float z{DepthBuffer::kNothing}, gx{0.0f}, gy{0.0f};
 };
 
-/// Fits planes by weighted least squares over a window of each pixel's neighbours. A neighbour's weight falls
-/// with its distance from the plane `guess`, so that the fit does not cross an edge.
-Layer<LocalPlane> FitPlanes(const DepthBuffer& depth, const Layer<LocalPlane>& guess, int reach_px,
-                            int stride_px, float tolerance_m) {
-  Layer<LocalPlane> fit(depth.width, depth.height, {});
-  const float inverse = 1.0f / (tolerance_m * tolerance_m),
-              reach2 = 1.3f * static_cast<float>(reach_px * reach_px);
-  for (int y = 0; y < depth.height; ++y) {
-    for (int x = 0; x < depth.width; ++x) {
-      if (!depth.Seen(x, y)) continue;
-      const LocalPlane& here = guess(x, y);
-      float w = 0, sx = 0, sy = 0, sz = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
-      for (int dy = -reach_px; dy <= reach_px; dy += stride_px) {
-        const int v = y + dy;
-        if (v < 0 || v >= depth.height) continue;
-        for (int dx = -reach_px; dx <= reach_px; dx += stride_px) {
-          const int u = x + dx;
-          if (u < 0 || u >= depth.width || !depth.Seen(u, v)) continue;
-          const float fx = static_cast<float>(dx), fy = static_cast<float>(dy);
-          const float z = depth.At(u, v) - here.z, off = z - here.gx * fx - here.gy * fy;
-          const float space = 1.0f - (fx * fx + fy * fy) / reach2;
-          if (space <= 0.0f) continue;
-          const float range = 1.0f / (1.0f + off * off * inverse);
-          const float weight = space * range * range * range;
-          w += weight;
-          sx += weight * fx, sy += weight * fy, sz += weight * z;
-          xx += weight * fx * fx, xy += weight * fx * fy, yy += weight * fy * fy;
-          xz += weight * fx * z, yz += weight * fy * z;
-        }
-      }
-      // normal equations about the weighted mean
-      const float mx = sx / w, my = sy / w, mz = sz / w;
-      const float a = xx / w - mx * mx + 0.05f, b = xy / w - mx * my, c = yy / w - my * my + 0.05f;
-      const float px = xz / w - mx * mz, py = yz / w - my * mz, det = a * c - b * b;
-      LocalPlane& plane = fit(x, y);
-      plane.gx = (c * px - b * py) / det;
-      plane.gy = (a * py - b * px) / det;
-      plane.z = here.z + mz - plane.gx * mx - plane.gy * my;
-    }
-  }
-  return fit;
+/// The plane of a surface that is seen at a pixel. A normal that looks away, as interpolated ones do at an
+/// outline, is taken as seen at a grazing angle.
+LocalPlane PlaneAt(float z, const Vector3f& normal_G, const Camera& camera, int x, int y) {
+  constexpr float kGrazing = -0.05f;
+  const auto along = [&](const Vector3& axis) { return normal_G.dot(axis.cast<float>()); };
+  const Vector3f n(along(camera.right), along(camera.up), -along(camera.forward));
+  const auto f = static_cast<float>(camera.focal_px);
+  const Vector3f ray(static_cast<float>((x + 0.5 - camera.center_x_px) / camera.focal_px),
+                     static_cast<float>((camera.center_y_px - (y + 0.5)) / camera.focal_px), -1.0f);
+  // n p = const along p = z ray
+  const float facing = std::min(n.dot(ray), kGrazing * ray.norm());
+  return {.z = z, .gx = -z * n.x() / (f * facing), .gy = z * n.y() / (f * facing)};
 }
 
 /// Normal in the camera's axes (right, up, towards the viewer).
@@ -98,7 +69,7 @@ float OpenSky(const Layer<LocalPlane>& planes, const Camera& camera, const Vecto
   for (int d = 0; d < kDirections; ++d) {
     const float angle = 2.0f * std::numbers::pi_v<float> * (static_cast<float>(d) + 0.5f) / kDirections;
     const float cx = std::cos(angle), cy = std::sin(angle);
-    float horizon = 0.06f;  // lower neighbours are the fit's own unevenness
+    float horizon = 0.06f;  // lower neighbours are the grid's own unevenness
     for (const float radius : kRadii_m) {
       const int u = x + static_cast<int>(std::lround(cx * radius * px_per_m));
       const int v = y + static_cast<int>(std::lround(cy * radius * px_per_m));
@@ -117,7 +88,7 @@ float OpenSky(const Layer<LocalPlane>& planes, const Camera& camera, const Vecto
   return 1.0f - blocked / kDirections;
 }
 
-/// The light that reaches a point past the balls, 0 … 1, softened over the shadow map's neighbouring pixels.
+/// The light that reaches a point past the bone, 0 … 1, softened over the shadow map's neighbouring pixels.
 float Lit(const DepthBuffer& shadow, const Camera& light, const Vector3& p_G) {
   constexpr int kSoft = 3;
   const Vector3 at = light.Project(p_G);
@@ -217,21 +188,18 @@ Camera CupCamera(const simulation::Bone& bone, const RenderParams& params) {
   return camera;
 }
 
-Image RenderBone(const simulation::Bone& bone, std::span<const Ball> balls, const MaterialMap& materials,
+Image RenderBone(const simulation::Bone& bone, const BoneMesh& mesh, const MaterialMap& materials,
                  const Camera& camera) {
   constexpr int kFine = 2;  // depth samples a pixel, each way, for smooth outlines
-  const DepthBuffer depth = RenderDepth(balls, camera), fine = RenderDepth(balls, camera.Scaled(kFine));
-
-  // surface: first a wide fit, then one that preserves edges
+  std::vector<Vector3f> normals;
+  const DepthBuffer depth = RenderDepth(mesh, camera, &normals),
+                    fine = RenderDepth(mesh, camera.Scaled(kFine));
   Layer<LocalPlane> planes(camera.width, camera.height, {});
   for (int y = 0; y < camera.height; ++y)
-    for (int x = 0; x < camera.width; ++x) planes(x, y).z = depth.At(x, y);
-  const double mean_depth_m = (Vector3(bone.site.center_m) - camera.eye).norm();
-  const double px_per_mm = 1e-3 * camera.focal_px / mean_depth_m;
-  const int reach_px = std::clamp(static_cast<int>(std::lround(1.1 * px_per_mm)), 3, 14);
-  const int stride_px = std::max(1, reach_px / 4);
-  planes = FitPlanes(depth, planes, reach_px, stride_px, 1.2e-3f);
-  planes = FitPlanes(depth, planes, reach_px, stride_px, 0.3e-3f);
+    for (int x = 0; x < camera.width; ++x)
+      if (depth.Seen(x, y))
+        planes(x, y) =
+            PlaneAt(depth.At(x, y), normals[static_cast<std::size_t>(y) * camera.width + x], camera, x, y);
   const Layer<Vector3f> colors = MaterialColors(bone, materials, camera, planes);
 
   // light from the upper left, far enough away to be nearly parallel
@@ -242,7 +210,7 @@ Image RenderBone(const simulation::Bone& bone, std::span<const Ball> balls, cons
   const double reach_m = 1.25 * near_m;
   const Camera light = LookAt(Vector3(bone.site.center_m) + far_m * key_G, bone.site.center_m, camera.up,
                               0.5 * shadow_px * far_m / reach_m, shadow_px, shadow_px);
-  const DepthBuffer shadow = RenderDepth(balls, light);
+  const DepthBuffer shadow = RenderDepth(mesh, light);
 
   Layer<Vector3f> shaded(camera.width, camera.height, Vector3f::Ones());
   for (int y = 0; y < camera.height; ++y) {

@@ -16,11 +16,11 @@ struct RenderParams {
 /// A camera that looks obliquely into the cup, with the bone around it in view.
 [[nodiscard]] Camera CupCamera(const simulation::Bone& bone, const RenderParams& params = {});
 
-/// Draws a shaded picture of the balls as bone. The bumps of the depth buffer are smoothed by fitting a plane
-/// to each pixel's neighbourhood, with edges preserved. Light comes from the upper left with a soft shadow,
-/// crevices are darker (horizon-based), colour follows the material of the nearest mass point. White if there
-/// is no bone.
-[[nodiscard]] Image RenderBone(const simulation::Bone& bone, std::span<const simulation::Ball> balls,
+/// Draws a shaded picture of a bone's surface. Light comes from the upper left with a soft shadow, crevices
+/// are darker (horizon-based), colour follows the material a little below the surface. White if there is no
+/// surface.
+/// @param bone  says where its site is, and the colours of its materials
+[[nodiscard]] Image RenderBone(const simulation::Bone& bone, const BoneMesh& mesh,
                                const MaterialMap& materials, const Camera& camera);
 
 }  // namespace osteon::report

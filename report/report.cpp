@@ -16,6 +16,10 @@
 namespace osteon::report {
 namespace {
 
+// Of the pictures' surfaces, which are not in the page: as fine as the tool's own grid for all bones but the
+// largest.
+constexpr std::size_t kMaxPictureQuads = 2'000'000;
+
 std::string FaultsHtml(const ReportInput& input) {
   if (input.faults.empty()) return {};
   std::string out =
@@ -131,10 +135,14 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
   // pictures
   const MaterialMap materials(input.bone.points, input.solid);
   const Camera camera = CupCamera(input.bone, input.pictures);
-  const auto before = Picture(RenderBone(input.bone, input.bone.balls, materials, camera), "Before");
+  std::vector<simulation::ToolPath> paths = input.earlier;
+  paths.push_back({.tool = &input.tool, .X_GP = input.X_GP});
+  CarveInput carve{.bone = input.bone, .solid = input.solid, .materials = materials, .paths = paths};
+  carve.max_quads = kMaxPictureQuads;
+  const BoneMeshes meshes = MeshBone(carve);
+  const auto before = Picture(RenderBone(input.bone, meshes.before, materials, camera), "Before");
   if (!before) return tl::unexpected(before.error());
-  const auto after =
-      Picture(RenderBone(input.bone, CarvedBalls(input.bone, input.after), materials, camera), "After");
+  const auto after = Picture(RenderBone(input.bone, meshes.after, materials, camera), "After");
   if (!after) return tl::unexpected(after.error());
 
   // section
@@ -144,8 +152,6 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
   report.figures.cavity_direction =
       CavityErrorByDirection(input.bone, input.after, input.tool, input.X_GP, params);
 
-  std::vector<simulation::ToolPath> paths = input.earlier;
-  paths.push_back({.tool = &input.tool, .X_GP = input.X_GP});
   const CarvedSurface carved = CarveSurface({.bone = input.bone,
                                              .solid = input.solid,
                                              .materials = materials,
@@ -165,8 +171,8 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
     tints += (tints.empty() ? "" : ", ") + material.name;
   if (!tints.empty())
     html += fmt::format(
-        "<p class=\"sub\">Coloured by material: {}. The surface is smoothed for the picture; the section "
-        "below shows the balls as they are.</p>\n",
+        "<p class=\"sub\">Coloured by material: {}. The pictures show the bone's solid, and the solid less "
+        "what the tool's cutting parts swept; the section below shows the balls as they are.</p>\n",
         Escape(tints));
   html += "<h2>Section</h2>\n";
   html +=

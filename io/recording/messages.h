@@ -31,6 +31,28 @@ struct ConfigSource {
   std::string folder;  ///< the common folder; empty unless a file names another by its whole path
 };
 
+/// How finely a bone was packed (simulation::PackingLevel), and what it was planned for.
+struct PackingRecord {
+  /// A demand that was given up.
+  struct Unmet {
+    std::string what;  ///< "error" [mm] or "rate" [Hz]
+    double asked{0.0}, predicted{0.0};
+    bool operator==(const Unmet&) const = default;
+  };
+  std::uint32_t kind{0};  ///< simulation::PackingKind
+  double spacing_m{0.0}, radius_m{0.0}, surface_gap_m{0.0};
+  std::uint32_t children{0};
+  double zone_depth_m{0.0}, corner_m{0.0};
+  double error_m{0.0}, rate_hz{0.0};  ///< that were asked for
+  bool timed{false};
+  double expected_error_m{0.0}, promised_error_m{0.0}, expected_frame_us{0.0};
+  double seen_frame_us{0.0};  ///< of zones that were coarsened: the frames that led to it
+  std::vector<Unmet> unmet;
+  std::uint64_t balls{0};      ///< before the cut
+  std::string balls_checksum;  ///< 16 digits, of their numbers
+  bool operator==(const PackingRecord&) const = default;
+};
+
 /// The first message of a recording: which software and cell were run.
 struct SessionInfo {
   rt::Nanoseconds stamp{0};    ///< when the session began, on the clock of the ticks
@@ -41,15 +63,19 @@ struct SessionInfo {
   std::vector<std::string> limits{};  ///< in force at the start, one line each
   std::string config_text;            ///< the configuration as it was read
   ConfigSource config{};
-  rt::Nanoseconds utc{0};  ///< at `stamp`, since 1970; 0 in virtual time
-  std::string build{};     ///< commit, compiler, C library
-  std::string machine{};   ///< processor, cores, system
+  rt::Nanoseconds utc{0};                  ///< at `stamp`, since 1970; 0 in virtual time
+  std::string build{};                     ///< commit, compiler, C library
+  std::string machine{};                   ///< processor, cores, system
+  std::optional<PackingRecord> packing{};  ///< absent: as the scene says, or a loaded packing
 };
 
 /// An event worth a line, e.g. a fault.
 struct RecordedEvent {
   rt::Nanoseconds stamp{0};
   std::string text;
+  /// Absent but where zones were coarsened: in force from the frame after `after_frame` on.
+  std::optional<PackingRecord> packing{};
+  std::uint64_t after_frame{0};
 };
 
 /// Serialised google.protobuf.FileDescriptorSet of recording.proto, as MCAP embeds it.

@@ -17,6 +17,8 @@ class RecordTopics {
   virtual void TakeTick(const control::TickRecord& tick, McapWriter& file) = 0;
   virtual void TakeFrame(const simulation::FrameRecord& frame, McapWriter& file) = 0;
   virtual void TakeEvent(const RecordedEvent& event, McapWriter& file) = 0;
+  /// Writes what is left, after the last message.
+  virtual void End(McapWriter& /*file*/) {}
 };
 
 }  // namespace osteon::io

@@ -58,8 +58,12 @@ bool Recorder::Push(const control::TickRecord& record) OSTEON_RT { return ticks_
 bool Recorder::PushFrame(const simulation::FrameRecord& record) OSTEON_RT { return frames_.Push(record); }
 
 void Recorder::PushEvent(rt::Nanoseconds stamp, std::string text) {
+  PushEvent({.stamp = stamp, .text = std::move(text)});
+}
+
+void Recorder::PushEvent(RecordedEvent event) {
   const std::lock_guard lock(events_mutex_);
-  events_.push_back({.stamp = stamp, .text = std::move(text)});
+  events_.push_back(std::move(event));
 }
 
 bool Recorder::WaitForStop(std::chrono::milliseconds time) {
@@ -172,6 +176,7 @@ tl::expected<RecordingCounts, std::string> Recorder::Close() {
       const std::lock_guard sync_lock(sync_mutex_);
       close_error_ = sync_error_;
     }
+    if (topics_) topics_->End(writer_);
     if (const auto bytes = writer_.Finish(to_disk_))
       counts_.bytes = *bytes;
     else

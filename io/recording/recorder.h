@@ -78,6 +78,7 @@ class Recorder final : public control::TickRecorder {
   bool PushFrame(const simulation::FrameRecord& record) OSTEON_RT;
   /// Any thread but those of the tick: allocates and locks.
   void PushEvent(rt::Nanoseconds stamp, std::string text);
+  void PushEvent(RecordedEvent event);
 
   /// Writes everything pushed so far. Any one thread; meant for virtual time.
   void Drain();

@@ -94,8 +94,7 @@ tl::expected<BoneCopy, std::string> Copy(io::McapReader& reader, io::McapWriter&
       next = last + step;
     }
     if (message.channel->topic == topic.topic && message.channel->schema_name == topic.schema_name)
-      return tl::make_unexpected(reader.path().string() +
-                                 ": found topic bone in it: it has the bone already");
+      continue;  // the run's own states, which the copy's replace
     const auto channel = channels.IdOf(*message.channel);
     if (!channel) return tl::make_unexpected(reader.path().string() + ": " + channel.error());
     writer.Write(*channel, last, {message.bytes.data(), message.bytes.size()});

@@ -4,15 +4,23 @@
 
 namespace osteon::session {
 
+RecordedTopics::RecordedTopics(const CellSetup& setup, std::span<const ProcedureTool> tools,
+                               const std::optional<RecordedBoneParams>& bone)
+    : scene_(setup, tools) {
+  if (bone && tools.empty()) bone_.emplace(setup, scene_, *bone);
+}
+
 void RecordedTopics::Begin(io::McapWriter& file, rt::Nanoseconds stamp) {
   for (const console::FoxgloveChannel& topic : CellTopics())
     channels_.push_back(
-        topic.topic == "bone" ? 0 : file.AddChannel(topic.topic, topic.schema_name, topic.schema));
+        topic.topic == "bone" && !bone_ ? 0 : file.AddChannel(topic.topic, topic.schema_name, topic.schema));
   io::EncodeScene(stamp, scene_.Bodies(tool_), true, bytes_);
   file.Write(channels_[static_cast<std::size_t>(CellTopic::kScene)], stamp, bytes_);
 }
 
 void RecordedTopics::TakeTick(const control::TickRecord& tick, io::McapWriter& file) {
+  spindle_turns_ = tick.spindle_rad_per_s != 0.0;
+  last_stamp_ = tick.stamp;
   if (tick.stamp < next_) return;
   if (tick.input.tool_index != tool_) {
     tool_ = tick.input.tool_index;
@@ -29,15 +37,25 @@ void RecordedTopics::TakeTick(const control::TickRecord& tick, io::McapWriter& f
   write(CellTopic::kForces);
   io::EncodeJoints(tick.stamp, scene_.Joints(tick), bytes_);
   write(CellTopic::kJoints);
+  if (!bone_) return;
+  if (const std::string* state = bone_->Take(tick.stamp))
+    file.Write(channels_[static_cast<std::size_t>(CellTopic::kBone)], tick.stamp, *state);
 }
 
 void RecordedTopics::TakeFrame(const simulation::FrameRecord& frame, io::McapWriter&) {
   model_ = frame.model;
+  if (bone_) bone_->Add(frame.model, spindle_turns_);
 }
 
 void RecordedTopics::TakeEvent(const io::RecordedEvent& event, io::McapWriter& file) {
   io::EncodeLog(event.stamp, LevelOf(event.text), event.text, bytes_);
   file.Write(channels_[static_cast<std::size_t>(CellTopic::kLog)], event.stamp, bytes_);
+}
+
+void RecordedTopics::End(io::McapWriter& file) {
+  if (!bone_) return;
+  while (const std::string* state = bone_->Finish())
+    file.Write(channels_[static_cast<std::size_t>(CellTopic::kBone)], last_stamp_, *state);
 }
 
 }  // namespace osteon::session

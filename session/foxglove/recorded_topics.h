@@ -1,29 +1,33 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "io/recording/record_topics.h"
 #include "session/foxglove/cell_scene.h"
+#include "session/foxglove/recorded_bone.h"
 #include "simulation/engine/frame_record.h"
 
 namespace osteon::session {
 
-/// Adds the topics of CellTopics but the bone to a recording: the bodies once, the tool again when another
-/// one is taken, the rest every kPeriod_ns of log time.
+/// Adds the topics of CellTopics to a recording: the bodies once, the tool again when another one is taken,
+/// the bone's states as far apart as is asked for, the rest every kPeriod_ns of log time.
 class RecordedTopics final : public io::RecordTopics {
  public:
   static constexpr rt::Nanoseconds kPeriod_ns = 33'000'000;
 
   /// @param tools  as for CellScene
-  explicit RecordedTopics(const CellSetup& setup, std::span<const ProcedureTool> tools = {})
-      : scene_(setup, tools) {}
+  /// @param bone   nothing: the bone is left out. A procedure's is, whose passes may be taken back.
+  explicit RecordedTopics(const CellSetup& setup, std::span<const ProcedureTool> tools = {},
+                          const std::optional<RecordedBoneParams>& bone = {});
   void Begin(io::McapWriter& file, rt::Nanoseconds stamp) override;
   void TakeTick(const control::TickRecord& tick, io::McapWriter& file) override;
   void TakeFrame(const simulation::FrameRecord& frame, io::McapWriter& file) override;
   void TakeEvent(const io::RecordedEvent& event, io::McapWriter& file) override;
+  void End(io::McapWriter& file) override;
 
  private:
   CellScene scene_;
@@ -32,6 +36,9 @@ class RecordedTopics final : public io::RecordTopics {
   rt::Nanoseconds next_{0};              // log time of the next messages
   std::size_t tool_{0};                  // that was drawn last
   std::string bytes_;                    // scratch
+  std::optional<RecordedBone> bone_;
+  bool spindle_turns_{false};      // in the last tick
+  rt::Nanoseconds last_stamp_{0};  // of it
 };
 
 }  // namespace osteon::session

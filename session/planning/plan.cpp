@@ -107,12 +107,16 @@ void Time(FidelityPlan& plan, const PlanScene& scene, const Calibration& calibra
 }
 
 ModelChoice WithTool(const PlanScene& scene, double error_m) {
-  ModelChoice model{.tool = simulation::ThinTool(scene.work.tool, kToolShare * error_m), .level = {}};
+  ModelChoice model{.tool = ToolForError(scene, error_m), .level = {}};
   model.tool_gap_m = simulation::MeanCuttingGap(scene.work.tool, model.tool);
   return model;
 }
 
 }  // namespace
+
+simulation::Tool ToolForError(const PlanScene& scene, double error_m) {
+  return simulation::ThinTool(scene.work.tool, kToolShare * error_m);
+}
 
 double RemovalShare(double error_m, double tool_gap_m) { return kRemovalShare * error_m - tool_gap_m; }
 

@@ -65,6 +65,9 @@ struct ModelChoice {
 };
 [[nodiscard]] ModelChoice ChooseModel(const PlanScene& scene, double error_m);
 
+/// The scene's tool with as few balls as an error allows.
+[[nodiscard]] simulation::Tool ToolForError(const PlanScene& scene, double error_m);
+
 /// Returns the part of an error that the balls may take, after the tool's own part [m].
 [[nodiscard]] double RemovalShare(double error_m, double tool_gap_m);
 

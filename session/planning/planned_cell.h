@@ -36,6 +36,9 @@ struct PlannedCell {
     CellSetup& setup, const FidelityChoice& choice, const EngineChoice& engine, bool timed,
     const std::function<void(const std::string&)>& say = {});
 
+/// What the event of a planned bone begins with in a recording.
+inline constexpr const char* kPackingEvent = "packing: ";
+
 /// The plan in one line, for summary and recording.
 [[nodiscard]] std::string PlannedText(const PlannedCell& planned);
 /// The plan as keys of a run's summary.

@@ -11,6 +11,7 @@
 #include "base/write_text.h"
 #include "io/recording/recording_reader.h"
 #include "session/planning/planned_cell.h"
+#include "session/planning/recorded_packing.h"
 #include "session/procedure/session_bone.h"
 #include "session/procedure/session_file.h"
 #include "session/process/exit_code.h"
@@ -50,8 +51,9 @@ tl::expected<Scene, std::string> SetUpScene(const io::Recording& recording, cons
   scene.tools = std::move(cell->tools);
   scene.first_tool = cell->list.first;
   scene.engine = ChooseEngine(recording.session.engine, "");
-  if (const auto packed = PackCell(scene.setup, {}, scene.engine, false); !packed)
-    return tl::make_unexpected(packed.error());
+  const auto packed = recording.session.packing ? PackAsRecorded(scene.setup, recording.session.packing)
+                                                : PackCell(scene.setup, {}, scene.engine, false);
+  if (!packed) return tl::make_unexpected(packed.error());
   return scene;
 }
 

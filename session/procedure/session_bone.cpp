@@ -17,6 +17,7 @@
 #include "config/reading/strict/config_error.h"
 #include "io/recording/recording_reader.h"
 #include "session/planning/planned_cell.h"
+#include "session/planning/recorded_packing.h"
 #include "session/procedure/session_file.h"
 #include "simulation/bone/scenes.h"
 #include "simulation/engine/state_hash.h"
@@ -140,8 +141,9 @@ tl::expected<CellSetup, std::string> SetUpSessionCell(const std::filesystem::pat
     return setup;
   }
   const EngineChoice engine = ChooseEngine(stream->session.engine, "");
-  if (const auto packed = PackCell(*setup, {}, engine, false); !packed)
-    return tl::make_unexpected(recording.string() + ": " + packed.error());
+  const auto packed = stream->session.packing ? PackAsRecorded(*setup, stream->session.packing)
+                                              : PackCell(*setup, {}, engine, false);
+  if (!packed) return tl::make_unexpected(recording.string() + ": " + packed.error());
   return setup;
 }
 

@@ -99,7 +99,8 @@ tl::expected<BoneFiles, std::string> WriteBone(const ExportOptions& options,
   const auto setup = CellOf(options, source);
   if (!setup) return tl::make_unexpected(setup.error());
   if (!options.surface.empty()) {
-    auto written = WriteRecordedSurface(source, *setup, options.at_s, options.surface);
+    auto written =
+        WriteRecordedSurface(source, *setup, options.at_s, options.surface, options.drop_below_mm3);
     if (!written) return tl::make_unexpected(written.error());
     files.surface = std::move(*written);
   }

@@ -16,6 +16,7 @@ void Recarve::Add(const control::TickRecord& tick) {
                             : measured              ? tick.X_WT_meas
                                                     : tick.X_WT_cmd,
                     .spindle_rad_per_s = tick.spindle_rad_per_s};
+  newest_ = std::max(newest_, places_[next_].stamp);
   next_ = (next_ + 1) % kKept;
 }
 
@@ -28,10 +29,10 @@ void Recarve::Add(const simulation::FrameRecord& frame) {
   }
   const double dt_s = last_stamp_ == 0 ? 0.0 : rt::ToSeconds(stamp - last_stamp_);
   last_stamp_ = stamp;
-  (void)engine_.Step({.X_WT = place->X_WT,
-                      .spindle_rad_per_s = place->spindle_rad_per_s,
-                      .dt_s = std::clamp(dt_s, 0.0, dt_limit_s_),
-                      .stamp = stamp});
+  (void)engine_->Step({.X_WT = place->X_WT,
+                       .spindle_rad_per_s = place->spindle_rad_per_s,
+                       .dt_s = std::clamp(dt_s, 0.0, dt_limit_s_),
+                       .stamp = stamp});
   ++frames_;
 }
 

@@ -17,13 +17,21 @@ class Recarve {
   /// @param engine  with the uncut bone; outlives this
   /// @param dt_limit_s  as FrameRunner's
   Recarve(simulation::CuttingEngine& engine, control::Law law, double dt_limit_s = 0.1)
-      : engine_(engine), measured_(law == control::Law::kImpedance), dt_limit_s_(dt_limit_s) {}
+      : engine_(&engine), measured_(law == control::Law::kImpedance), dt_limit_s_(dt_limit_s) {}
 
   /// Keeps the pose of a tick; in the file's order with Add(frame).
   void Add(const control::TickRecord& tick);
   /// Steps the engine to the pose that a frame was made for. A frame whose tick is not among the last kKept
   /// is left out and counted.
   void Add(const simulation::FrameRecord& frame);
+
+  /// Whether the tick of a frame's pose was added, or cannot come any more. In wall time a frame may stand in
+  /// the file before its tick.
+  [[nodiscard]] bool IsDue(const simulation::FrameRecord& frame) const {
+    return frame.model.pose_stamp <= newest_;
+  }
+  /// Goes on with another engine, which outlives this.
+  void ReplaceEngine(simulation::CuttingEngine& engine) { engine_ = &engine; }
 
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
   [[nodiscard]] std::uint64_t left_out() const { return left_out_; }
@@ -37,12 +45,13 @@ class Recarve {
     double spindle_rad_per_s{0.0};
   };
 
-  simulation::CuttingEngine& engine_;
+  simulation::CuttingEngine* engine_;
   bool measured_;
   double dt_limit_s_;
   std::array<Place, kKept> places_{};
   std::size_t next_{0};
   rt::Nanoseconds last_stamp_{0};
+  rt::Nanoseconds newest_{0};  // of the places
   std::uint64_t frames_{0}, left_out_{0};
 };
 

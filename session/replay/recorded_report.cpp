@@ -1,6 +1,7 @@
 #include "session/replay/recorded_report.h"
 
 #include <algorithm>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -14,10 +15,14 @@
 #include "console/stream/live_window.h"
 #include "io/recording/recording_reader.h"
 #include "safety/cell_state.h"
+#include "session/planning/planned_cell.h"
+#include "session/planning/recorded_packing.h"
 #include "session/procedure/session_bone.h"
 #include "session/procedure/session_cut.h"
 #include "session/process/exit_code.h"
 #include "session/replay/recarve.h"
+#include "session/replay/recorded_surface.h"
+#include "session/replay/recorded_zones.h"
 #include "session/run/cell_run.h"
 #include "session/setup/cell_setup.h"
 #include "session/setup/recorded_config.h"
@@ -28,6 +33,7 @@
 #include "session/summary/run_files.h"
 #include "session/summary/run_report.h"
 #include "session/summary/summary.h"
+#include "simulation/bone/scene_events.h"
 #include "simulation/engine/tool_change.h"
 
 namespace osteon::session {
@@ -64,6 +70,8 @@ struct Read {
   RunAccumulator run;
   CellRunResult result;
   double seconds{0.0};  ///< between the first and the last commanded tick
+  RecutFigures recut{};
+  std::unique_ptr<simulation::CuttingEngine> coarser{};  ///< where zones were coarsened: the last engine
 };
 
 /// The session that a recording belongs to, up to the recording's end, with its tools.
@@ -87,6 +95,82 @@ tl::expected<std::optional<RecordedSession>, std::string> FindRecordedSession(
   return RecordedSession{.file = SessionUpTo(std::move(*session), recording.filename().string()),
                          .cell = std::move(*cell)};
 }
+
+// The events that say how zones were coarsened; none where no clock was asked.
+tl::expected<std::vector<io::RecordedEvent>, std::string> FindCoarsenedZones(
+    const std::filesystem::path& path) {
+  auto stream = io::RecordingStream::Open(path);
+  if (!stream) return tl::unexpected(stream.error());
+  std::vector<io::RecordedEvent> changes;
+  while (true) {
+    const auto topic = stream->Next();
+    if (!topic) return tl::unexpected(topic.error());
+    if (*topic == io::RecordedTopic::kOther) return changes;
+    if (*topic == io::RecordedTopic::kSession && !(stream->session.packing && stream->session.packing->timed))
+      return changes;
+    if (*topic == io::RecordedTopic::kEvent && stream->event.packing) changes.push_back(stream->event);
+  }
+}
+
+/// Cuts the bone again, frame by frame, and watches it as the run did.
+class BoneAgain {
+ public:
+  BoneAgain(const CellSetup& setup, simulation::CuttingEngine& engine, std::vector<io::RecordedEvent> changes)
+      : engine_(&engine),
+        recarve_(engine, setup.config.servo.law),
+        zones_(setup, std::move(changes), {.engine = "cpu"}),
+        watch_(setup.solid.get(), setup.bone, setup.config.tool.tool, setup.config.scene.events),
+        X_GW_(setup.X_WG.inverse()) {}
+
+  /// @returns what is wrong, as the next two
+  std::string Add(const control::TickRecord& tick, Read& read) {
+    recarve_.Add(tick);
+    return CutDue(read);
+  }
+  std::string Add(const simulation::FrameRecord& frame, Read& read) {
+    waiting_.push_back(frame);
+    return CutDue(read);
+  }
+  std::string Finish(Read& read) {
+    for (; !waiting_.empty(); waiting_.pop_front())
+      if (std::string wrong = Cut(waiting_.front(), read); !wrong.empty()) return wrong;
+    read.result.after = engine_->Snapshot();
+    read.result.rezoned = std::move(zones_.rezoned());
+    read.result.min_wall_m = watch_.min_wall_m();
+    read.recut.removed_volume_m3 = read.result.after.removed_volume_m3;
+    return "";
+  }
+
+ private:
+  std::string CutDue(Read& read) {
+    for (; !waiting_.empty() && recarve_.IsDue(waiting_.front()); waiting_.pop_front())
+      if (std::string wrong = Cut(waiting_.front(), read); !wrong.empty()) return wrong;
+    return "";
+  }
+  std::string Cut(const simulation::FrameRecord& frame, Read& read) {
+    recarve_.Add(frame);
+    if (frame.model.status != simulation::EngineStatus::kOk) return "";
+    read.recut.recorded_volume_m3 = frame.model.removed_volume_m3;
+    const Pose X_GP = X_GW_ * Pose(frame.model.X_WP);
+    for (simulation::SceneEvent& event : watch_.Step(X_GP, frame.model.removed_volume_m3, frame.stamp))
+      read.result.events.push_back(std::move(event));
+    auto coarser = zones_.Add(frame, *engine_);
+    if (!coarser) return coarser.error();
+    if (*coarser) {
+      recarve_.ReplaceEngine(**coarser);
+      engine_ = coarser->get();
+      read.coarser = std::move(*coarser);
+    }
+    return "";
+  }
+
+  simulation::CuttingEngine* engine_;
+  std::deque<simulation::FrameRecord> waiting_;  // for the ticks of their poses
+  Recarve recarve_;
+  RecordedZones zones_;
+  simulation::SceneWatch watch_;
+  Pose X_GW_;
+};
 
 // Takes the last state that the session has saved, and what its passes have cut. @returns what is wrong
 std::string TakeSession(const std::filesystem::path& folder, const RecordedSession& session,
@@ -114,7 +198,9 @@ tl::expected<Read, std::string> ReadAll(const std::filesystem::path& path, const
     if (std::string wrong = TakeSession(FolderOf(path), *session, setup, engine, read.run); !wrong.empty())
       return tl::unexpected(std::move(wrong));
   }
-  Recarve recarve(engine, setup.config.servo.law);
+  auto changes = FindCoarsenedZones(path);
+  if (!changes) return tl::unexpected(changes.error());
+  BoneAgain bone(setup, engine, std::move(*changes));
   std::uint32_t faults = 0;  // of the last tick
   std::string end;
   while (true) {
@@ -124,15 +210,21 @@ tl::expected<Read, std::string> ReadAll(const std::filesystem::path& path, const
     if (*topic == io::RecordedTopic::kTick) {
       read.run.Add(stream->tick);
       stops.Add(stream->session, stream->tick);
-      if (!session) recarve.Add(stream->tick);
+      if (!session)
+        if (std::string wrong = bone.Add(stream->tick, read); !wrong.empty())
+          return tl::unexpected(path.string() + ": " + wrong);
       AddTick(stream->tick, read.result.statistics);
       faults = stream->tick.faults;
     } else if (*topic == io::RecordedTopic::kFrame) {
       read.run.Add(stream->frame);
-      if (!session) recarve.Add(stream->frame);
+      if (session) continue;
+      if (std::string wrong = bone.Add(stream->frame, read); !wrong.empty())
+        return tl::unexpected(path.string() + ": " + wrong);
     } else if (*topic == io::RecordedTopic::kEvent) {
       stops.Add(stream->event);
       if (stream->event.text.starts_with(kEndEvent)) end = stream->event.text;
+      if (stream->event.text.starts_with(kPackingEvent) && !stream->session.packing)
+        read.recut.packing_unknown = true;
     }
   }
   if (read.run.ticks == 0) return tl::unexpected(path.string() + ": found no tick, accepted at least 1");
@@ -142,7 +234,10 @@ tl::expected<Read, std::string> ReadAll(const std::filesystem::path& path, const
   read.result.end = EndOf(read.result.faults, end, read.result.statistics.active_ticks > 0);
   if (const std::string wrong = stream->EndError(); !wrong.empty())
     read.result.recording_error = path.string() + ": " + wrong;
-  read.result.after = engine.Snapshot();
+  if (session)
+    read.result.after = engine.Snapshot();
+  else if (std::string wrong = bone.Finish(read); !wrong.empty())
+    return tl::unexpected(path.string() + ": " + wrong);
   const ActiveTicks& active = read.run.active;
   if (active.first && active.last) read.seconds = rt::ToSeconds(*active.last - *active.first);
   return read;
@@ -167,10 +262,15 @@ int RunRecordedReport(const RecordedReportOptions& options) {
   if (const auto first = stream->Next(); !first) return refuse(first.error());
   const auto session = FindRecordedSession(options.recording, stream->session);
   if (!session) return refuse(session.error());
-  auto setup = *session ? SetUpSessionCell(options.recording) : SetUpRecorded(stream->session);
+  if (*session && options.mesh) return refuse("--mesh: found with a session's recording, accepted without");
+  auto setup =
+      *session ? SetUpSessionCell(options.recording) : PrepareRecordedCell(stream->session, options.mesh);
   if (!setup) return refuse(*session ? setup.error() : options.recording.string() + ": " + setup.error());
-  if (!setup->solid) return refuse(options.recording.string() + ": " + setup->bone_warning);
-  if (!*session) PackAsScene(*setup);
+  if (!setup->solid && setup->bone.balls.empty())
+    return refuse(options.recording.string() + ": " + setup->bone_warning);
+  if (!*session)
+    if (const auto packed = PackAsRecorded(*setup, stream->session.packing); !packed)
+      return refuse(options.recording.string() + ": " + packed.error());
   const EngineChoice choice{.engine = "cpu"};
   auto engine = MakeEngine(*setup, choice);
   if (!engine) return refuse(engine.error());
@@ -188,7 +288,10 @@ int RunRecordedReport(const RecordedReportOptions& options) {
       .seconds = read->seconds, .virtual_time = WasVirtual(read->run), .recording = options.recording};
   RunSummary summary = Summarise(*setup, **engine, params, read->result, read->run);
   summary.servo_thread.reset();
-  if (*session) {
+  if (!*session) {
+    summary.recut = read->recut;
+    summary.verdict = JudgeRun(summary);
+  } else {
     summary.session = FolderOf(options.recording).string();
     summary.passes = (*session)->file.passes;
     summary.diameters_mm = (*session)->file.diameters_mm;

@@ -57,9 +57,9 @@ tl::expected<io::SessionInfo, std::string> EachMessage(const std::filesystem::pa
 namespace {
 
 tl::expected<WrittenSurface, std::string> WriteField(const std::filesystem::path& file,
-                                                     const surface::CarvedField& field,
+                                                     const surface::CarvedField& field, double drop_below_mm3,
                                                      WrittenSurface written) {
-  const auto figures = surface::WriteSurface(file, field);
+  const auto figures = surface::WriteSurface(file, field, drop_below_mm3);
   if (!figures) return tl::make_unexpected(figures.error().Text());
   written.figures = *figures;
   return written;
@@ -89,7 +89,8 @@ tl::expected<SessionCut, std::string> CutUpTo(const std::filesystem::path& recor
 tl::expected<WrittenSurface, std::string> WriteRecordedSurface(const std::filesystem::path& recording,
                                                                const CellSetup& setup,
                                                                std::optional<double> at_s,
-                                                               const std::filesystem::path& file) {
+                                                               const std::filesystem::path& file,
+                                                               double drop_below_mm3) {
   SpindleTimes spindle;
   const auto session = EachMessage(recording, io::RecordedTopic::kTick,
                                    [&](const io::RecordingStream& stream) { spindle.Add(stream.tick); });
@@ -109,7 +110,7 @@ tl::expected<WrittenSurface, std::string> WriteRecordedSurface(const std::filesy
         surface::FieldOfBone(setup.solid.get(), setup.bone, static_cast<float>(written.voxel_mm)));
     if (cut) {
       for (const simulation::ToolPath& path : cut->paths()) report::CarveAlong(field, path);
-      return WriteField(file, field, std::move(written));
+      return WriteField(file, field, drop_below_mm3, std::move(written));
     }
     surface::ToolWays ways(tool, setup.X_WG);
     const auto carved =
@@ -123,7 +124,7 @@ tl::expected<WrittenSurface, std::string> WriteRecordedSurface(const std::filesy
         });
     if (!carved) return tl::make_unexpected(carved.error());
     field.Carve(ways.TakeCapsules());
-    return WriteField(file, field, std::move(written));
+    return WriteField(file, field, drop_below_mm3, std::move(written));
   } catch (const std::invalid_argument& error) {  // a grid that no memory holds
     return tl::make_unexpected(fmt::format("{}: {}", file.string(), error.what()));
   }
@@ -139,7 +140,8 @@ tl::expected<CellSetup, std::string> PrepareRecordedCell(const io::SessionInfo& 
     return tl::make_unexpected(fmt::format(
         "the bone is of {}, which is not in the recording: found no --mesh, accepted with that file",
         file->file.filename().string()));
-  return tl::make_unexpected(setup->bone_warning);
+  return tl::make_unexpected(setup->bone_warning +
+                             (mesh ? "" : "; a bone of --mesh: accepted with --mesh and --cup"));
 }
 
 std::string ValidateSurfaceFile(const std::filesystem::path& file) {
@@ -156,13 +158,23 @@ nlohmann::ordered_json SurfaceJson(const WrittenSurface& surface) {
           {"watertight", surface.figures.watertight},
           {"voxel_mm", surface.voxel_mm},
           {"time_s", surface.time_s},
-          {"from_balls", surface.from_balls}};
+          {"from_balls", surface.from_balls},
+          {"pieces", surface.figures.pieces.pieces},
+          {"dropped_pieces", surface.figures.pieces.dropped},
+          {"dropped_mm3", surface.figures.pieces.dropped_mm3}};
 }
 
 std::string SurfaceText(const WrittenSurface& surface) {
-  return fmt::format("{}: {} triangles, {:.0f} mm³{}{}", surface.file.string(), surface.figures.triangles,
+  const surface::PieceFigures& pieces = surface.figures.pieces;
+  std::string loose;
+  if (pieces.dropped > 0)
+    loose = fmt::format("; {} of {} pieces dropped, {:.2f} mm³", pieces.dropped, pieces.pieces,
+                        pieces.dropped_mm3);
+  else if (pieces.pieces > 1)
+    loose = fmt::format(", in {} pieces", pieces.pieces);
+  return fmt::format("{}: {} triangles, {:.0f} mm³{}{}{}", surface.file.string(), surface.figures.triangles,
                      surface.figures.volume_mm3,
-                     surface.figures.watertight ? ", watertight" : ", not watertight",
+                     surface.figures.watertight ? ", watertight" : ", not watertight", loose,
                      surface.from_balls ? "; of the packing's balls, since its solid is not known" : "");
 }
 

@@ -28,10 +28,11 @@ struct WrittenSurface {
 /// session's passes that count, up to that time.
 /// @param setup  the cell of the recording: bone, solid, tool and X_WG
 /// @param at_s   up to this time since the recording's start; none: to its end
+/// @param drop_below_mm3  smaller pieces that nothing holds are left out; 0: none
 /// The error names the file and what is wrong.
 [[nodiscard]] tl::expected<WrittenSurface, std::string> WriteRecordedSurface(
     const std::filesystem::path& recording, const CellSetup& setup, std::optional<double> at_s,
-    const std::filesystem::path& file);
+    const std::filesystem::path& file, double drop_below_mm3 = 0.0);
 
 /// Makes the cell of a recording, with its bone, from the recording alone. A bone from a file is not in a
 /// recording: `mesh` gives it.
@@ -42,7 +43,8 @@ struct WrittenSurface {
 /// Checks a surface's file before anything runs. @returns what is wrong, else empty
 [[nodiscard]] std::string ValidateSurfaceFile(const std::filesystem::path& file);
 
-/// {file, triangles, volume_mm3, watertight, voxel_mm, time_s}
+/// {file, triangles, volume_mm3, watertight, voxel_mm, time_s, from_balls, pieces, dropped_pieces,
+/// dropped_mm3}
 [[nodiscard]] nlohmann::ordered_json SurfaceJson(const WrittenSurface& surface);
 /// One line: the file, triangles, volume.
 [[nodiscard]] std::string SurfaceText(const WrittenSurface& surface);

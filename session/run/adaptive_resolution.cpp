@@ -34,7 +34,7 @@ AdaptiveResolution::AdaptiveResolution(const CellSetup& setup, const AdaptiveRes
       X_GW_(setup.X_WG.inverse()),
       lever_m_(simulation::ToolLever(setup.config.tool.tool)),
       level_(setup.planned->plan.packed.level),
-      trail_(lever_m_, kTrailShare * setup.planned->plan.promised_m) {}
+      trail_(MakeProxyTrail(setup)) {}
 
 AdaptiveResolution::~AdaptiveResolution() { End(); }
 
@@ -96,24 +96,16 @@ void AdaptiveResolution::StartCoarsening(double seen_us) {
 }
 
 void AdaptiveResolution::PackCoarser(Making& making) {
-  const PlanScene& scene = setup_.planned->scene;
   const simulation::PackingLevel& level = making.made.rezoned.zones.level;
   simulation::Bone& bone = making.made.rezoned.bone;
-  const auto engine_of = [&](const Pose& X_WG, simulation::RemovalLaw law) {
-    simulation::CuttingParams cutting = simulation::CuttingForLevel(level, scene.cut, setup_.config.cutting);
-    cutting.law = law;
-    return MakeEngine(params_.engine, bone, setup_.config.tool.tool, X_WG, cutting);
-  };
   try {
-    bone = setup_.bone;
-    bone.balls = simulation::PackLevel(level, *scene.work.solid, *scene.work.zone);
-    auto carver = engine_of(Pose::Identity(), simulation::RemovalLaw::kImmediate);
-    auto engine = engine_of(setup_.X_WG, setup_.config.cutting.law);
-    if (!carver || !engine) {
-      making.failed = carver ? engine.error() : carver.error();
+    bone = session::PackCoarser(setup_, level);
+    auto engines = MakeCoarserEngines(setup_, level, bone, params_.engine);
+    if (!engines) {
+      making.failed = engines.error();
     } else {
-      making.carver = std::move(*carver);
-      making.made.engine = std::move(*engine);
+      making.carver = std::move(engines->carver);
+      making.made.engine = std::move(engines->engine);
       // carve along the whole trail, then along the part that was added meanwhile
       std::vector<PlainPose> places;
       do {
@@ -176,6 +168,34 @@ std::unique_ptr<AdaptiveResolution> MakeAdaptiveResolution(const CellSetup& setu
     if (demand.what == "rate") return nullptr;
   return std::make_unique<AdaptiveResolution>(
       setup, AdaptiveResolutionParams{.rate_hz = setup.planned->request.rate_hz, .engine = engine});
+}
+
+simulation::ProxyTrail MakeProxyTrail(const CellSetup& setup) {
+  return {simulation::ToolLever(setup.config.tool.tool), kTrailShare * setup.planned->plan.promised_m};
+}
+
+simulation::Bone PackCoarser(const CellSetup& setup, const simulation::PackingLevel& level) {
+  const PlanScene& scene = setup.planned->scene;
+  simulation::Bone bone = setup.bone;
+  bone.balls = simulation::PackLevel(level, *scene.work.solid, *scene.work.zone);
+  return bone;
+}
+
+tl::expected<CoarserEngines, std::string> MakeCoarserEngines(const CellSetup& setup,
+                                                             const simulation::PackingLevel& level,
+                                                             const simulation::Bone& bone,
+                                                             const EngineChoice& choice) {
+  const auto engine_of = [&](const Pose& X_WG, simulation::RemovalLaw law) {
+    simulation::CuttingParams cutting =
+        simulation::CuttingForLevel(level, setup.planned->scene.cut, setup.config.cutting);
+    cutting.law = law;
+    return MakeEngine(choice, bone, setup.config.tool.tool, X_WG, cutting);
+  };
+  auto carver = engine_of(Pose::Identity(), simulation::RemovalLaw::kImmediate);
+  if (!carver) return tl::make_unexpected(carver.error());
+  auto engine = engine_of(setup.X_WG, setup.config.cutting.law);
+  if (!engine) return tl::make_unexpected(engine.error());
+  return CoarserEngines{.carver = std::move(*carver), .engine = std::move(*engine)};
 }
 
 std::string RezonedText(const Rezoned& rezoned) {

@@ -93,6 +93,19 @@ class AdaptiveResolution {
 [[nodiscard]] std::unique_ptr<AdaptiveResolution> MakeAdaptiveResolution(const CellSetup& setup,
                                                                          const EngineChoice& engine);
 
+/// The trail of a planned cell's proxy, as fine as a coarser packing has to be carved along it.
+[[nodiscard]] simulation::ProxyTrail MakeProxyTrail(const CellSetup& setup);
+/// A planned cell's bone, packed on a coarser level. @throws std::invalid_argument as the packings do
+[[nodiscard]] simulation::Bone PackCoarser(const CellSetup& setup, const simulation::PackingLevel& level);
+/// Makes two engines for a coarser bone: one that carves along a trail, with G as its world frame, and the
+/// one that goes on with the cut.
+struct CoarserEngines {
+  std::unique_ptr<simulation::CuttingEngine> carver, engine;
+};
+[[nodiscard]] tl::expected<CoarserEngines, std::string> MakeCoarserEngines(
+    const CellSetup& setup, const simulation::PackingLevel& level, const simulation::Bone& bone,
+    const EngineChoice& choice);
+
 /// Describes the change in one line.
 [[nodiscard]] std::string RezonedText(const Rezoned& rezoned);
 

@@ -13,6 +13,7 @@
 #include "hil/impaired_cell.h"
 #include "io/devices/wired_devices.h"
 #include "session/foxglove/recorded_topics.h"
+#include "session/planning/recorded_packing.h"
 #include "session/procedure/procedure_session.h"
 #include "session/run/arm_connection.h"
 #include "session/run/fault_events.h"
@@ -425,8 +426,13 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   DeflectionSink deflections(sink.sink());
   FaultEvents faults;
   FaultSink faults_seen(deflections, faults);
+  std::optional<RecordedBoneParams> bone;
+  if (params.bone_state_s > 0.0)
+    bone = {.step = static_cast<rt::Nanoseconds>(1e9 * params.bone_state_s),
+            .own_thread = !params.virtual_time};
   RecordedTopics topics(
-      setup, params.procedure ? std::span(params.procedure->tools()) : std::span<const ProcedureTool>());
+      setup, params.procedure ? std::span(params.procedure->tools()) : std::span<const ProcedureTool>(),
+      bone);
   auto recorder = io::Recorder::Open(
       {.path = params.recording,
        .writer_thread = !params.virtual_time,
@@ -444,7 +450,8 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
        .config = setup.config_source,
        .utc = params.virtual_time ? 0 : UtcNow(),
        .build = BuildName(),
-       .machine = MachineName()});
+       .machine = MachineName(),
+       .packing = setup.planned ? std::optional(MakePackingRecord(setup)) : std::nullopt});
   if (!recorder) return tl::make_unexpected(CellRunError{.what = recorder.error()});
   deflections.RecordIn(**recorder);
   faults_seen.RecordIn(**recorder);
@@ -465,7 +472,7 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   }
   if (setup.planned)
     (*recorder)->PushEvent(params.virtual_time ? 0 : rt::MonotonicNow(),
-                           "packing: " + PlannedText(*setup.planned));
+                           kPackingEvent + PlannedText(*setup.planned));
   if (params.begins) params.begins();
   auto run = params.virtual_time ? RunVirtual(setup, runner, **recorder, params)
                                  : RunWall(setup, runner, wires, **recorder, params);

@@ -53,7 +53,9 @@ struct CellRunParams {
   std::string console_url{};         ///< where the console is served, for the summary; empty: nowhere
   std::filesystem::path gains{};     ///< a file of gains that is read again whenever it is saved; empty: none
   GainsPanel* gains_panel{nullptr};  ///< gains that pages ask for; null: none
-  std::function<void()> begins{};    ///< called once everything is open, before anything moves
+  /// From one state of the carved bone to the next in the recording, for Foxglove; 0: none.
+  double bone_state_s{0.0};
+  std::function<void()> begins{};  ///< called once everything is open, before anything moves
   std::function<void(const std::string&)> notice{};  ///< called with a line of text for each notable event
   std::function<void(double seconds)> progress{};    ///< called now and then with the time run so far
   /// A procedure with its tools and saved states, begun; null: none. It outlives the run.

@@ -17,6 +17,7 @@
 #include "session/replay/recorded_surface.h"
 #include "session/run/cell_ports.h"
 #include "session/run/cell_run.h"
+#include "session/run/live_stops.h"
 #include "session/run/live_views.h"
 #include "session/run/remote_engine.h"
 #include "session/setup/identified_notice.h"
@@ -227,12 +228,22 @@ int RunDemo(const DemoOptions& asked) {
   base::RunProgress progress("osteon demo", options.seconds);
   const std::filesystem::path recording =
       session ? session->folder() / procedure->recording : options.out / "recording.mcap";
-  LiveViews live(*setup, {.command = "demo", .seconds = options.seconds, .recording = recording.string()},
-                 base::AskedByOperator());
+  LiveViews live(
+      *setup,
+      {.command = "demo", .seconds = options.seconds, .recording = recording.string(), .pages = options.out},
+      base::AskedByOperator());
   live.SetSession(session.get());
   ConsoleChoice console = options.console;
   console.on &= !options.virtual_time || console.only_this_port;  // a run of virtual time is over in a moment
   live.Open(console, options.foxglove);
+  std::optional<LiveStops> stops;  // a run of virtual time is over in a moment
+  if (!options.virtual_time)
+    stops.emplace(LiveStopsParams{.cell = setup->config,
+                                  .recording = recording,
+                                  .folder = options.out,
+                                  .console_url = live.console_url(),
+                                  .force_limit_N = control::ForceLimit_N(setup->config.servo)},
+                  *live.sink());
   const CellRunParams params{
       .seconds = options.seconds,
       .virtual_time = options.virtual_time,
@@ -253,9 +264,10 @@ int RunDemo(const DemoOptions& asked) {
       .make_room = [&] { return MakeRoom(options, claim); },
       .stop = &base::Interrupted(),
       .requests = &base::AskedByOperator(),
-      .live = live.sink(),
+      .live = stops ? &*stops : live.sink(),
       .console_url = live.console_url(),
       .gains_panel = live.gains_panel(),
+      .bone_state_s = options.bone_state_s,
       .begins =
           [&] {
             live.Announce();
@@ -270,6 +282,7 @@ int RunDemo(const DemoOptions& asked) {
       .adaptive_resolution = adaptive_resolution.get(),
       .surface = live.surface_thread()};
   auto result = RunCell(*setup, **engine, params);
+  if (stops) stops->Finish();
   progress.Done();
   if (!result) return Fail("demo", result.error().what, result.error().begun ? kFailed : kBadInput);
 

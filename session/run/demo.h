@@ -34,6 +34,8 @@ struct DemoOptions {
   int cpu{-1};  ///< for servo thread and simulated arm; all others stay off it; -1: any
   /// A fault that allows a recovery leaves the cell at rest until it is asked for.
   bool hold_at_fault{false};
+  /// From one state of the carved bone to the next in the recording; 0: none.
+  double bone_state_s{5.0};
   ConsoleChoice console{};              ///< where the console is served
   ConsoleChoice foxglove{.on = false};  ///< where Foxglove and Lichtblick connect to
   std::filesystem::path json{};         ///< a second copy of summary.json

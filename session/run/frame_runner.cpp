@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "session/planning/recorded_packing.h"
+
 namespace osteon::session {
 
 FrameRunner::FrameRunner(simulation::CuttingEngine& engine, const simulation::ApexDepth& depth,
@@ -54,6 +56,8 @@ void FrameRunner::AdaptResolution(const simulation::FrameRecord& record, double 
     engine_ = own_engine_.get();
     made->rezoned.stamp = record.stamp;
     Say(RezonedText(made->rezoned));
+    new_texts_.back().packing = MakePackingRecord(made->rezoned);
+    new_texts_.back().after_frame = record.model.frame;
     rezoned_.push_back(std::move(made->rezoned));
   }
   Say(adaptive_resolution_->TakeNotice());
@@ -76,11 +80,14 @@ void FrameRunner::EndAdaptiveResolution() {
 void FrameRunner::Say(std::string text) {
   if (text.empty()) return;
   if (notice_) notice_(text);
-  new_texts_.push_back(std::move(text));
+  new_texts_.push_back({.text = std::move(text)});
 }
 
 void FrameRunner::RecordEvents(io::Recorder& recorder, rt::Nanoseconds stamp) {
-  for (const std::string& text : new_texts_) recorder.PushEvent(stamp, text);
+  for (io::RecordedEvent& event : new_texts_) {
+    event.stamp = stamp;
+    recorder.PushEvent(std::move(event));
+  }
   new_texts_.clear();
   for (simulation::SceneEvent& event : new_events_) {
     event.stamp = stamp;

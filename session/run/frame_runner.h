@@ -95,7 +95,7 @@ class FrameRunner {
   double dt_limit_s_;
   surface::SurfaceThread* surface_{nullptr};
   std::vector<Rezoned> rezoned_;
-  std::vector<std::string> new_texts_;
+  std::vector<io::RecordedEvent> new_texts_;
   std::function<void(const std::string&)> notice_;
   rt::Nanoseconds last_stamp_{0};
   std::optional<double> deepest_m_;

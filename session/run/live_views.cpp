@@ -118,7 +118,10 @@ LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, base::OperatorR
       gains_(setup.config),
       cell_(setup.cell_name),
       latency_(setup.config, feed_),
-      faults_(setup.config, run.recording, latency_) {
+      faults_(setup.config,
+              run.pages.empty() ? std::filesystem::path(run.recording)
+                                : run.pages / std::filesystem::path(run.recording).filename(),
+              latency_) {
   scene_ = ConsoleScene(setup, run.command, run.seconds, run.recording);
   context_ = LiveContextOf(setup);
   context_.latency = [this] { return latency_.Status(); };

@@ -42,9 +42,10 @@ struct ConsoleChoice {
 
 /// Which run a live view shows.
 struct LiveRun {
-  std::string command;    ///< "demo", "run"
-  double seconds{0.0};    ///< of rendering that were asked for; 0: until stopped
-  std::string recording;  ///< the file
+  std::string command;            ///< "demo", "run"
+  double seconds{0.0};            ///< of rendering that were asked for; 0: until stopped
+  std::string recording;          ///< the file
+  std::filesystem::path pages{};  ///< folder of the stops' pages; empty: the recording's
 };
 
 /// What a page asks of a procedure's session, as the session takes it. The error says what is accepted.

@@ -18,6 +18,7 @@
 #include "session/run/arm_connection.h"
 #include "session/run/cell_ports.h"
 #include "session/run/cell_run.h"
+#include "session/run/live_stops.h"
 #include "session/run/live_views.h"
 #include "session/run/remote_engine.h"
 #include "session/setup/config_checksum.h"
@@ -203,6 +204,12 @@ int RunOperate(const OperateOptions& asked) {
                  base::AskedByOperator());
   live.SetSession(session.get());
   live.Open(options.console, options.foxglove);
+  LiveStops stops({.cell = setup->config,
+                   .recording = options.record,
+                   .folder = options.record.parent_path(),
+                   .console_url = live.console_url(),
+                   .force_limit_N = control::ForceLimit_N(setup->config.servo)},
+                  *live.sink());
   const CellRunParams params{
       .seconds = options.seconds,
       .recoveries = options.recoveries,
@@ -216,10 +223,11 @@ int RunOperate(const OperateOptions& asked) {
       .make_room = [&] { return MakeRoom(options); },
       .stop = &base::Interrupted(),
       .requests = &base::AskedByOperator(),
-      .live = live.sink(),
+      .live = &stops,
       .console_url = live.console_url(),
       .gains = options.gains,
       .gains_panel = live.gains_panel(),
+      .bone_state_s = options.bone_state_s,
       .begins =
           [&] {
             live.Announce();
@@ -231,6 +239,7 @@ int RunOperate(const OperateOptions& asked) {
       .adaptive_resolution = adaptive_resolution.get(),
       .surface = live.surface_thread()};
   auto result = RunCell(*setup, **engine, params);
+  stops.Finish();
   progress.Done();
   if (!result) return Fail("run", result.error().what, result.error().begun ? kFailed : kBadInput);
 

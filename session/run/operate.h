@@ -28,10 +28,12 @@ struct OperateOptions {
   std::filesystem::path gains{};             ///< overrides the cell's gains; empty: none
   std::filesystem::path identified{};        ///< of `osteon identify`, instead of the cell's own; empty: none
   std::optional<std::uint16_t> port{};       ///< first port of a simulated cell; none: the cell file's
-  int cpu{-1};                          ///< CPU of the servo thread; all other threads stay off it; -1: any
-  std::string engine{"auto"};           ///< one of WallTimeEngineNames
-  std::string device{};                 ///< part of a Vulkan device's name
-  std::filesystem::path surface{};      ///< file for the carved bone as a mesh: STL, PLY or OBJ
+  int cpu{-1};                      ///< CPU of the servo thread; all other threads stay off it; -1: any
+  std::string engine{"auto"};       ///< one of WallTimeEngineNames
+  std::string device{};             ///< part of a Vulkan device's name
+  std::filesystem::path surface{};  ///< file for the carved bone as a mesh: STL, PLY or OBJ
+  /// From one state of the carved bone to the next in the recording; 0: none.
+  double bone_state_s{5.0};
   ConsoleChoice console{};              ///< where the console is served
   ConsoleChoice foxglove{.on = false};  ///< where Foxglove and Lichtblick connect to
   std::filesystem::path json{};

@@ -39,6 +39,9 @@ std::string MakeStopPage(const StopPageInput& input) {
   page += fmt::format(
       "<p>{}{}</p>\n", report::Escape(input.where),
       input.ticks_file.empty() ? "" : " Every tick is in " + report::FileLink(input.ticks_file) + ".");
+  if (!input.console_url.empty())
+    page += fmt::format("<p>The cell still runs: <a href=\"{0}\">{0}</a>.</p>\n",
+                        report::Escape(input.console_url));
   if (!input.view_command.empty())
     page += "<p>This command shows the stop in a browser, with the bone:</p>\n<pre>" +
             report::Escape(input.view_command) + "</pre>\n";

@@ -24,6 +24,7 @@ struct StopPageInput {
   std::string where;    ///< the recording, the time, and the part shown: sentences
   std::string ticks_file{};                ///< beside the page: the table of all ticks; empty: none
   std::string view_command{};              ///< shows the recording at the stop; empty: not known where it is
+  std::string console_url{};               ///< the page of the cell, which still runs; empty: it does not
   std::string no_fault_text{"No fault."};  ///< printed if there are no faults
   std::vector<StopFaultRow> faults{};
   std::span<const control::TickRecord> ticks{};

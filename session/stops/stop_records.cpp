@@ -188,20 +188,37 @@ void StopPages::AddStop(std::optional<StopRecord> stop) {
 
 void StopPages::Write(const StopRecord& stop) {
   if (!error_.empty()) return;
-  const std::size_t number = written_.size() + 1;
-  const std::filesystem::path table = StopTable(params_.folder, params_.stem, number);
-  const std::filesystem::path file = StopPage(params_.folder, params_.stem, number);
-  const TripLimits limits = TripLimitsOf(params_.cell, session_stamp_ == 0);
-  StopPageInput page = PageOf(stop, number, end_reason_, force_limit_N_, limits);
-  page.ticks_file = table.filename().string();
-  if (!params_.recording.empty())
+  auto written = WriteStop(stop, written_.size() + 1,
+                           {.folder = params_.folder,
+                            .stem = params_.stem,
+                            .cell = params_.cell,
+                            .recording = params_.recording,
+                            .session_stamp = session_stamp_,
+                            .force_limit_N = force_limit_N_,
+                            .end_reason = end_reason_});
+  if (written)
+    written_.push_back(std::move(*written));
+  else
+    error_ = written.error();
+}
+
+tl::expected<WrittenStop, std::string> WriteStop(const StopRecord& stop, std::size_t number,
+                                                 const StopFiles& files) {
+  WrittenStop written{.page = StopPage(files.folder, files.stem, number),
+                      .heading = stop.Heading(),
+                      .ticks = StopTable(files.folder, files.stem, number)};
+  const TripLimits limits = TripLimitsOf(files.cell, files.session_stamp == 0);
+  StopPageInput page = PageOf(stop, number, files.end_reason, files.force_limit_N, limits);
+  page.ticks_file = written.ticks.filename().string();
+  page.console_url = files.console_url;
+  if (!files.recording.empty())
     page.view_command =
-        ViewCommandOf(params_.recording, rt::ToSeconds(stop.ticks[stop.stop].stamp - session_stamp_));
-  if (auto done = ExportTicks(stop.ticks, session_stamp_, table); !done)
-    error_ = done.error();
-  else if (auto shown = report::WritePage(MakeStopPage(page), file); !shown)
-    error_ = shown.error();
-  written_.push_back({.page = file, .heading = stop.Heading(), .ticks = table});
+        ViewCommandOf(files.recording, rt::ToSeconds(stop.ticks[stop.stop].stamp - files.session_stamp));
+  if (auto done = ExportTicks(stop.ticks, files.session_stamp, written.ticks); !done)
+    return tl::make_unexpected(done.error());
+  if (auto shown = report::WritePage(MakeStopPage(page), written.page); !shown)
+    return tl::make_unexpected(shown.error());
+  return written;
 }
 
 }  // namespace osteon::session

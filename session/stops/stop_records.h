@@ -74,6 +74,22 @@ struct WrittenStop {
   std::filesystem::path ticks;  ///< CSV
 };
 
+/// Where a stop's page and table go, and what the page says of its run.
+struct StopFiles {
+  std::filesystem::path folder;
+  std::string stem;
+  const config::CellConfig& cell;     ///< of the run: its limits are drawn
+  std::filesystem::path recording{};  ///< for the command that shows it; empty: not named
+  rt::Nanoseconds session_stamp{0};   ///< of the recording's beginning; 0: virtual time
+  double force_limit_N{0.0};
+  std::string end_reason{};   ///< of an orderly end
+  std::string console_url{};  ///< the page of the cell, which still runs; empty: it does not
+};
+
+/// Writes the page of a stop and the table of its ticks. The error names the file.
+[[nodiscard]] tl::expected<WrittenStop, std::string> WriteStop(const StopRecord& stop, std::size_t number,
+                                                               const StopFiles& files);
+
 struct StopPagesParams {
   std::filesystem::path folder;
   std::string stem;

@@ -39,6 +39,19 @@ struct RezonedRow {
 /// Says in one to three words how a run ended.
 [[nodiscard]] const char* EndText(control::RunEnd end);
 
+/// The bone of a recording, cut again, beside what its run recorded.
+struct RecutFigures {
+  double removed_volume_m3{0.0}, recorded_volume_m3{0.0};
+  /// The run's packing was planned, and the recording is older than the record of it: the bone is packed as
+  /// its scene says.
+  bool packing_unknown{false};
+  [[nodiscard]] bool SameAsRecorded() const { return removed_volume_m3 == recorded_volume_m3; }
+  /// Other volumes than these belong to another bone. Engines differ by less.
+  [[nodiscard]] bool Differs() const {
+    return std::abs(removed_volume_m3 - recorded_volume_m3) > 1e-3 * recorded_volume_m3;
+  }
+};
+
 /// The figures of a run, as the terminal, summary.json and the report show them.
 struct RunSummary {
   std::string engine, device, scene, tool, recording, ended;
@@ -98,6 +111,7 @@ struct RunSummary {
   std::vector<EventRow> events;                ///< of the scene and of pauses, in their order
   std::shared_ptr<const PlannedCell> planned;  ///< null: packed as the scene says, or loaded
   std::vector<RezonedRow> rezoned;             ///< zones that were coarsened
+  std::optional<RecutFigures> recut;           ///< nothing: the bone is the run's own
   /// Thinnest wall beside the cut, 0: cut through; nothing: not watched.
   std::optional<double> min_wall_m;
   std::vector<std::string> assumptions;     ///< figures without a source: AssumedFigures, AssumedOfSimulation

@@ -163,6 +163,11 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
                               {"promised_error_mm", row.zones.promised_m * 1e3},
                               {"frame_us_before", row.seen_us},
                               {"predicted_frame_us", row.zones.frame_us}});
+  if (s.recut)
+    out["recut"] = {{"removed_volume_mm3", s.recut->removed_volume_m3 * 1e9},
+                    {"recorded_volume_mm3", s.recut->recorded_volume_m3 * 1e9},
+                    {"same", s.recut->SameAsRecorded()},
+                    {"packing_unknown", s.recut->packing_unknown}};
   nlohmann::json stops = nlohmann::json::array();
   nlohmann::json stop_ticks = nlohmann::json::array();
   for (const WrittenStop& stop : s.stops) {

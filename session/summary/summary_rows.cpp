@@ -149,6 +149,12 @@ std::vector<report::SummaryRow> Rows(const RunSummary& s) {
       {"Peak tool speed", fmt::format("{:.0f} mm/s, measured {:.0f} mm/s", s.peak_tool_speed_m_per_s * 1e3,
                                       s.peak_measured_tool_speed_m_per_s * 1e3)});
   if (s.rendered) AddCut(s, rows);
+  if (s.recut)
+    rows.push_back({"Bone cut again",
+                    s.recut->SameAsRecorded()
+                        ? std::string("as in the run")
+                        : fmt::format("{:.2f} mm³ removed, {:.2f} mm³ in the run",
+                                      s.recut->removed_volume_m3 * 1e9, s.recut->recorded_volume_m3 * 1e9)});
   for (const RezonedRow& row : s.rezoned) rows.push_back({fmt::format("At {:.2f} s", row.time_s), row.text});
   std::string events;
   for (const EventRow& event : s.events)

@@ -127,6 +127,15 @@ Verdict JudgeRun(const RunSummary& summary) {
   if (!summary.passes.empty() && std::ranges::all_of(summary.passes, &SessionPass::undone))
     verdict.Add(VerdictLevel::kWarning, "no pass of the session counts: all were undone");
   for (const std::string& warning : summary.warnings) verdict.Add(VerdictLevel::kWarning, warning);
+  if (summary.recut && summary.recut->Differs())
+    verdict.Add(VerdictLevel::kWarning,
+                fmt::format("the bone that was cut again is not the run's: {:.2f} mm³ removed, {:.2f} mm³ in "
+                            "the run",
+                            summary.recut->removed_volume_m3 * 1e9, summary.recut->recorded_volume_m3 * 1e9));
+  if (summary.recut && summary.recut->packing_unknown)
+    verdict.Add(
+        VerdictLevel::kWarning,
+        "the recording does not say how its bone was packed, as older ones: packed as its scene says");
   if (!summary.recording_error.empty())
     verdict.Add(VerdictLevel::kWarning,
                 fmt::format("the recording is not whole: {}", summary.recording_error));

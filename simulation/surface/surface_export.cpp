@@ -108,12 +108,14 @@ std::string ValidateSurfaceName(const std::filesystem::path& path) {
 }
 
 tl::expected<SurfaceFigures, simulation::FileError> WriteSurface(const std::filesystem::path& path,
-                                                                 const CarvedField& field) {
+                                                                 const CarvedField& field,
+                                                                 double drop_below_mm3) {
   const std::string extension = ExtensionOf(path);
   WeldedSurface mesh = WeldSurface(field);
   if (simulation::TriangleMesh checked = ToTriangles(mesh);
       !mesh.quads.empty() && !simulation::CheckMesh(checked, path.string()))
     mesh = WeldSurface(field, {.sharp_rims = false});
+  const PieceFigures pieces = DropPiecesBelow(drop_below_mm3, mesh);
   const std::vector<Triangle> triangles = Triangulate(mesh);
   auto file = simulation::OutputFile::Create(path);
   if (!file) return tl::make_unexpected(file.error());
@@ -124,7 +126,8 @@ tl::expected<SurfaceFigures, simulation::FileError> WriteSurface(const std::file
   const EdgeCounts edges = CountEdges(mesh);
   return SurfaceFigures{.triangles = triangles.size(),
                         .volume_mm3 = VolumeOf(mesh),
-                        .watertight = !mesh.quads.empty() && edges.open == 0 && edges.over_shared == 0};
+                        .watertight = !mesh.quads.empty() && edges.open == 0 && edges.over_shared == 0,
+                        .pieces = pieces};
 }
 
 }  // namespace osteon::surface

@@ -8,6 +8,7 @@
 
 #include "base/file_error.h"
 #include "simulation/mesh/triangle_mesh.h"
+#include "simulation/surface/loose_pieces.h"
 #include "simulation/surface/welded_surface.h"
 
 namespace osteon::surface {
@@ -17,6 +18,7 @@ struct SurfaceFigures {
   std::size_t triangles{0};
   double volume_mm3{0.0};
   bool watertight{false};  ///< every edge has two triangles, of the same winding
+  PieceFigures pieces{};
 };
 
 /// Two triangles for each quad, cut along its shorter diagonal; metres.
@@ -25,8 +27,9 @@ struct SurfaceFigures {
 /// Writes the carved bone, in millimetres and in G: binary STL, binary PLY or OBJ, by the file's extension.
 /// The file appears whole or not at all. Where the sharp rims make the surface fold (CheckMesh), it is made
 /// without them.
+/// @param drop_below_mm3  as DropPiecesBelow
 [[nodiscard]] tl::expected<SurfaceFigures, simulation::FileError> WriteSurface(
-    const std::filesystem::path& path, const CarvedField& field);
+    const std::filesystem::path& path, const CarvedField& field, double drop_below_mm3 = 0.0);
 
 /// Says why a file's name is refused; empty: it isn't.
 [[nodiscard]] std::string ValidateSurfaceName(const std::filesystem::path& path);

@@ -39,6 +39,11 @@ WeldedSurface WeldSurface(const CarvedField& field, const ExtractOptions& option
                             number[chunk.quads[i + 3]]});
   }
   // Cells at the grid's faces belong to several bricks, and one of them may have a vertex without a quad.
+  RemoveUnusedVertices(mesh);
+  return mesh;
+}
+
+void RemoveUnusedVertices(WeldedSurface& mesh) {
   std::vector<std::uint32_t> used(mesh.vertices_mm.size(), 0);
   for (const auto& quad : mesh.quads)
     for (const std::uint32_t v : quad) used[v] = 1;
@@ -51,7 +56,6 @@ WeldedSurface WeldSurface(const CarvedField& field, const ExtractOptions& option
   mesh.vertices_mm.resize(count);
   for (auto& quad : mesh.quads)
     for (std::uint32_t& v : quad) v = used[v];
-  return mesh;
 }
 
 EdgeCounts CountEdges(const WeldedSurface& mesh) {
@@ -70,18 +74,21 @@ EdgeCounts CountEdges(const WeldedSurface& mesh) {
   return counts;
 }
 
-double VolumeOf(const WeldedSurface& mesh) {
-  double sum = 0.0;
+double VolumeUnder(const WeldedSurface& mesh, const std::array<std::uint32_t, 4>& quad) {
   const auto tetrahedron = [](Vec3 a, Vec3 b, Vec3 c) {
     const double ax = a.x, ay = a.y, az = a.z, bx = b.x, by = b.y, bz = b.z, cx = c.x, cy = c.y, cz = c.z;
     return ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx);
   };
-  for (const auto& quad : mesh.quads) {
-    const Vec3 a = mesh.vertices_mm[quad[0]];
-    sum += tetrahedron(a, mesh.vertices_mm[quad[1]], mesh.vertices_mm[quad[2]]) +
-           tetrahedron(a, mesh.vertices_mm[quad[2]], mesh.vertices_mm[quad[3]]);
-  }
-  return sum / 6.0;
+  const Vec3 a = mesh.vertices_mm[quad[0]];
+  return (tetrahedron(a, mesh.vertices_mm[quad[1]], mesh.vertices_mm[quad[2]]) +
+          tetrahedron(a, mesh.vertices_mm[quad[2]], mesh.vertices_mm[quad[3]])) /
+         6.0;
+}
+
+double VolumeOf(const WeldedSurface& mesh) {
+  double sum = 0.0;
+  for (const auto& quad : mesh.quads) sum += VolumeUnder(mesh, quad);
+  return sum;
 }
 
 }  // namespace osteon::surface

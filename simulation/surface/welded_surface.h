@@ -23,6 +23,12 @@ struct EdgeCounts {
 };
 [[nodiscard]] EdgeCounts CountEdges(const WeldedSurface& mesh);
 
+/// Removes vertices that no quad has.
+void RemoveUnusedVertices(WeldedSurface& mesh);
+
+/// Signed volume between a quad and the origin [mm³]: the enclosed volume is its sum over a closed mesh.
+[[nodiscard]] double VolumeUnder(const WeldedSurface& mesh, const std::array<std::uint32_t, 4>& quad);
+
 /// Enclosed volume [mm³], by the divergence theorem, each quad as two triangles.
 [[nodiscard]] double VolumeOf(const WeldedSurface& mesh);
 

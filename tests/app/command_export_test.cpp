@@ -129,14 +129,16 @@ TEST_F(ExportCommandTest, ACopyForFoxgloveHasTheBoneAsItIsCarved) {
   for (std::size_t i = 1; i < states.size(); ++i)
     EXPECT_LT(states[i], states[0] / 2) << "only the bricks that changed";
 
+  // a bone that is in it already, as in every run's own recording, gives way to the copy's
+  const nlohmann::json again = Export({"bone.mcap", "--foxglove", "again.mcap", "--every", "2"});
+  EXPECT_EQ(again.at("foxglove").at("messages"), others);
+  EXPECT_LT(again.at("foxglove").at("bone_states"), states.size());
+
   const auto refused = [&](const std::vector<std::string>& words) {
     const CommandResult run = RunCommand(folder_.path(), words);
     EXPECT_EQ(run.exit_code, 2) << run.err;
     return run.err;
   };
-  EXPECT_NE(refused({"export", "bone.mcap", "--foxglove", "again.mcap"}).find("it has the bone already"),
-            std::string::npos);
-  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "again.mcap"));
   EXPECT_NE(
       refused({"export", "bone.mcap", "--foxglove", "bone.bag"}).find("accepted a name that ends with .mcap"),
       std::string::npos);

@@ -27,6 +27,16 @@ TEST(MeshDemo, ReamsTheHipBone) {
   EXPECT_GT(summary.at("removed_mass_g").get<double>(), 0.0);
   EXPECT_TRUE(summary.at("cup_depth_mm").is_number());
   EXPECT_GT(ReadComplete(folder.path() / "demo_out/recording.mcap").ticks.size(), 3000u);
+
+  // the recording does not have the mesh; with it, its report is of the same bone
+  const CommandResult without = RunCommand(folder.path(), {"report", "demo_out/recording.mcap"});
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_NE(without.err.find("accepted with --mesh and --cup"), std::string::npos) << without.err;
+  const CommandResult with =
+      RunCommand(folder.path(), {"report", "demo_out/recording.mcap", "--json", "again.json", "--mesh",
+                                 mesh.string(), "--cup", "8.8,-131.9,517.9,-0.983,-0.175,0.052,21"});
+  ASSERT_EQ(with.exit_code, 0) << with.err;
+  EXPECT_EQ(ReadJson(folder.path() / "again.json").at("state_hash"), summary.at("state_hash"));
 }
 
 }  // namespace

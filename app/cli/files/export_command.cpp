@@ -30,6 +30,10 @@ ExportCommand::ExportCommand(CLI::App& app)
                    "the end")
       ->check(NumberWithin(0.0, 86'400.0))
       ->needs(surface);
+  sub_->add_option("--drop-pieces", options_.drop_below_mm3,
+                   "leave out pieces of bone smaller than this, in mm³, that nothing holds: chips and pins")
+      ->check(NumberWithin(0.0, 1e6))
+      ->needs(surface);
   CLI::Option* foxglove =
       sub_->add_option("--foxglove", options_.foxglove,
                        "write a copy of the recording there that shows the carved bone in Foxglove and "
@@ -60,6 +64,7 @@ ExportCommand::ExportCommand(CLI::App& app)
       "Examples:\n  osteon export demo_out/recording.mcap\n"
       "  osteon export demo_out/recording.mcap --out tables --json export.json\n"
       "  osteon export demo_out/recording.mcap --surface bone.stl --at 4.5\n"
+      "  osteon export demo_out/recording.mcap --surface bone.stl --drop-pieces 1\n"
       "  osteon export demo_out/recording.mcap --foxglove with_bone.mcap\n"
       "  osteon export torn.mcap --recover\n  osteon export torn.mcap --recover --csv");
 }

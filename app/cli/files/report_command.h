@@ -19,6 +19,8 @@ class ReportCommand {
 
  private:
   session::RecordedReportOptions options_;
+  session::MeshChoice mesh_;
+  std::string cup_;
   CLI::App* sub_;
 };
 

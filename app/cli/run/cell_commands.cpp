@@ -98,6 +98,7 @@ CellCommands::CellCommands(CLI::App& app)
       ->type_name("FILE");
   AddConsoleOption(*run_, operate_.console);
   AddFoxgloveOption(*run_, operate_.foxglove);
+  AddRecordBoneOption(*run_, operate_.bone_state_s);
   AddAtFaultOption(*run_, "hold with --console and no --seconds, else end",
                    [this](bool hold) { operate_.hold_at_fault = hold; });
   run_->add_option("--json", operate_.json, "also write the figures there, as JSON")->type_name("FILE");

@@ -71,6 +71,7 @@ DemoCommand::DemoCommand(CLI::App& app)
       ->check(NumberWithin(0, rt::kMaxCpu));
   AddConsoleOption(*sub_, options_.console);
   AddFoxgloveOption(*sub_, options_.foxglove);
+  AddRecordBoneOption(*sub_, options_.bone_state_s);
   AddAtFaultOption(*sub_, "end", [this](bool hold) { options_.hold_at_fault = hold; });
   sub_->add_option("--json", options_.json, "write a further copy of summary.json there")->type_name("FILE");
   sub_->add_option("--surface", options_.surface,

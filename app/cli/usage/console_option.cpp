@@ -43,6 +43,14 @@ void AddFoxgloveOption(CLI::App& sub, session::ConsoleChoice& foxglove) {
                   console::kFoxglovePort));
 }
 
+void AddRecordBoneOption(CLI::App& sub, double& step_s) {
+  sub.add_option("--record-bone", step_s,
+                 "seconds from one state of the carved bone to the next in the recording, for Foxglove and "
+                 "Lichtblick; 0: the recording is without the bone, as with a plan")
+      ->check(NumberWithin(0.0, 3600.0))
+      ->capture_default_str();
+}
+
 void AddAtFaultOption(CLI::App& sub, const std::string& otherwise, std::function<void(bool hold)> choose) {
   sub.add_option_function<std::string>(
          "--at-fault", [choose = std::move(choose)](const std::string& text) { choose(text == "hold"); },

@@ -12,6 +12,9 @@ namespace osteon::app {
 void AddConsoleOption(CLI::App& sub, session::ConsoleChoice& choice);
 /// Adds `--foxglove`: where viewers connect to.
 void AddFoxgloveOption(CLI::App& sub, session::ConsoleChoice& foxglove);
+
+/// Adds --record-bone: the carved bone's states in the recording.
+void AddRecordBoneOption(CLI::App& sub, double& step_s);
 /// Adds `--at-fault`: whether the cell is held at a fault that allows a recovery. @param otherwise  what
 /// holds without the option, for the help
 void AddAtFaultOption(CLI::App& sub, const std::string& otherwise, std::function<void(bool hold)> choose);

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "session/foxglove/cell_scene.h"
+#include "simulation/surface/carved_field.h"
+#include "simulation/surface/tool_ways.h"
+
+namespace osteon::session {
+
+struct RecordedBoneParams {
+  rt::Nanoseconds step{5'000'000'000};  ///< of log time, from one state of the bone to the next; > 0
+  bool own_thread{true};                ///< false: the caller carves, so that equal runs give equal bytes
+  std::size_t max_quads{30'000};        ///< of the uncut bone: its grid is made coarser until it has no more
+};
+
+/// The carved bone of a run as messages for its recording: the whole surface first, then at each state the
+/// bricks that changed. Coarser than the console's, so that a recording grows little by it.
+///
+///     frame ─▶ ToolWays ─▶ capsules ─┐ state is due            ┌─▶ Take: message for the file
+///                                    └─▶ own thread: carve, mesh ┘
+///
+/// A state that is due while the one before is still being made comes later: nothing waits for it.
+class RecordedBone {
+ public:
+  /// @param scene  outlives this
+  RecordedBone(const CellSetup& setup, const CellScene& scene, RecordedBoneParams params);
+  ~RecordedBone();
+  RecordedBone(const RecordedBone&) = delete;
+  RecordedBone& operator=(const RecordedBone&) = delete;
+
+  /// Adds a frame's way.
+  void Add(const simulation::ContactModel& model, bool spindle_turns);
+  /// Begins the next state where it is due. @param stamp  log time
+  /// @returns the message of a state that is made; nothing: none. Valid until the next call.
+  [[nodiscard]] const std::string* Take(rt::Nanoseconds stamp);
+  /// The last state, of all that was added: waits for it. Nothing: nothing has changed since the last one.
+  [[nodiscard]] const std::string* Finish();
+
+  [[nodiscard]] float voxel_mm() const { return voxel_mm_; }
+
+ private:
+  struct Work {
+    std::vector<surface::Capsule> capsules;
+    rt::Nanoseconds stamp{0};
+  };
+  void Run();
+  void MakeState(const Work& work);
+  [[nodiscard]] std::unique_ptr<surface::CarvedField> MakeField();
+
+  const CellScene& scene_;
+  RecordedBoneParams params_;
+  std::shared_ptr<const simulation::Solid> solid_;
+  simulation::Bone balls_;  // where there is no solid
+  surface::ToolWays ways_;
+  std::vector<surface::Capsule> gathered_;  // since the last state
+  std::optional<rt::Nanoseconds> next_;     // when the next state is due; nothing: at once
+  rt::Nanoseconds last_stamp_{0};
+  std::string taken_;
+
+  // of who makes states: the own thread, or after it has ended the caller
+  std::unique_ptr<surface::CarvedField> field_;
+  bool no_field_{false};  // the bone has no surface that a grid holds
+  bool begun_{false};
+  float voxel_mm_{0.0F};
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::optional<Work> work_;  // guarded by mutex_
+  std::string made_;          // guarded by mutex_: empty: none
+  bool busy_{false}, stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace osteon::session

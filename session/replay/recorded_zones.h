@@ -1,0 +1,43 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "io/recording/messages.h"
+#include "session/run/adaptive_resolution.h"
+#include "simulation/engine/frame_record.h"
+
+namespace osteon::session {
+
+/// Follows a recording whose zones were coarsened during the run: packs them again, carves them along the
+/// proxy's way so far, and gives the engine that goes on, as AdaptiveResolution did.
+class RecordedZones {
+ public:
+  /// @param setup    packed as recorded, with its plan if there are changes; outlives this object
+  /// @param changes  the recording's events with a packing, in their order
+  RecordedZones(const CellSetup& setup, std::vector<io::RecordedEvent> changes, EngineChoice engine);
+
+  /// Takes each recorded frame after `now` has made it.
+  /// @returns the engine that replaces `now`; null: it goes on. The error says why zones cannot be made.
+  [[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> Add(
+      const simulation::FrameRecord& frame, const simulation::CuttingEngine& now);
+
+  /// The changes so far, as the run told them.
+  [[nodiscard]] std::vector<Rezoned>& rezoned() { return rezoned_; }
+
+ private:
+  [[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeZones(
+      const io::RecordedEvent& change, const simulation::FrameRecord& last,
+      const simulation::CuttingEngine& now);
+
+  const CellSetup& setup_;
+  std::vector<io::RecordedEvent> changes_;
+  EngineChoice engine_;
+  Pose X_GW_;
+  std::optional<simulation::ProxyTrail> trail_;  // where there are changes
+  std::vector<Rezoned> rezoned_;
+};
+
+}  // namespace osteon::session

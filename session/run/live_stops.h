@@ -1,0 +1,65 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <filesystem>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "io/recording/record_sink.h"
+#include "session/stops/stop_records.h"
+
+namespace osteon::session {
+
+struct LiveStopsParams {
+  const config::CellConfig& cell;   ///< outlives the writer
+  std::filesystem::path recording;  ///< of the run
+  std::filesystem::path folder;     ///< for the pages
+  std::string console_url{};        ///< where the cell's page is served; empty: nowhere
+  double force_limit_N{0.0};
+};
+
+/// Writes the page of each stop while the cell still runs, half a second after the arm has come to rest, with
+/// a link to the cell's page. The run's end writes the same pages again, of the whole recording.
+///
+///     recorder ──▶ LiveStops ──▶ next
+///                     └─ complete stop ─▶ thread of low priority ─▶ page, table
+///
+/// The recorder's writer never waits for the page. A page that cannot be written is left to the run's end,
+/// which says why.
+class LiveStops final : public io::RecordSink {
+ public:
+  /// @param next  gets everything; outlives this
+  LiveStops(LiveStopsParams params, io::RecordSink& next);
+  ~LiveStops() override;
+  LiveStops(const LiveStops&) = delete;
+  LiveStops& operator=(const LiveStops&) = delete;
+
+  void TakeTick(const control::TickRecord& tick) override;
+  void TakeFrame(const simulation::FrameRecord& frame) override { next_.TakeFrame(frame); }
+  void TakeEvent(const io::RecordedEvent& event) override { next_.TakeEvent(event); }
+
+  /// Writes what is left, and ends the thread. After the last tick.
+  void Finish();
+
+ private:
+  struct Stop {
+    StopRecord record;
+    std::size_t number;
+  };
+  void Run();
+
+  LiveStopsParams params_;
+  io::RecordSink& next_;
+  StopFinder finder_;     // of the recorder's writer
+  std::size_t count_{0};  // of stops: the same
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<Stop> stops_;  // guarded by mutex_
+  bool ended_{false};       // guarded by mutex_
+  std::thread thread_;
+};
+
+}  // namespace osteon::session

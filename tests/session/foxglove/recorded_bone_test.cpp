@@ -1,0 +1,142 @@
+#include "session/foxglove/recorded_bone.h"
+
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <foxglove.pb.h>
+#include <gtest/gtest.h>
+
+#include "io/recording/mcap_reader.h"
+#include "tests/session/run/virtual_ride.h"
+
+namespace osteon::session {
+namespace {
+
+/// The bone's messages of a recording, in their order.
+std::vector<foxglove::SceneUpdate> BoneStates(const std::filesystem::path& recording) {
+  std::vector<foxglove::SceneUpdate> states;
+  auto reader = io::McapReader::Open(recording);
+  EXPECT_TRUE(reader) << reader.error();
+  io::McapMessage message;
+  while (*reader->Next(message)) {
+    if (message.channel->topic != "bone") continue;
+    EXPECT_EQ(message.channel->schema_name, "foxglove.SceneUpdate");
+    EXPECT_TRUE(states.emplace_back().ParseFromString({message.bytes.data(), message.bytes.size()}));
+  }
+  return states;
+}
+
+/// What a viewer shows after a state: the newest of each part.
+using Shown = std::map<std::string, std::string>;
+void Show(const foxglove::SceneUpdate& state, Shown& shown) {
+  for (const auto& deletion : state.deletions())
+    if (deletion.type() == foxglove::SceneEntityDeletion::ALL) shown.clear();
+  for (const auto& entity : state.entities()) {
+    foxglove::SceneEntity part = entity;
+    part.clear_timestamp();
+    shown[part.id()] = part.SerializeAsString();
+  }
+}
+
+class RecordedBoneRun : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    setup_ = new CellSetup(*SetUpCell(OSTEON_SOURCE_DIR "/config/cells/molar.yaml", std::nullopt));
+  }
+  static void TearDownTestSuite() {
+    delete setup_;
+    setup_ = nullptr;
+  }
+  std::filesystem::path Run(const char* name, double bone_state_s) {
+    auto engine = MakeEngine(*setup_, {.engine = "cpu"});
+    EXPECT_TRUE(engine) << engine.error();
+    const CellRunParams params{.seconds = 3.0,
+                               .virtual_time = true,
+                               .recording = folder_.path() / name,
+                               .bone_state_s = bone_state_s};
+    const auto run = RunCell(*setup_, **engine, params);
+    EXPECT_TRUE(run) << run.error().what;
+    EXPECT_GT(run->after.removed_volume_m3, 0.0);
+    return params.recording;
+  }
+  static std::string BytesOf(const std::filesystem::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return text.str();
+  }
+  io::test::TemporaryFolder folder_;
+  static inline CellSetup* setup_{nullptr};
+};
+
+TEST_F(RecordedBoneRun, ARunsRecordingShowsTheWholeBoneThenWhatChanged) {
+  const auto states = BoneStates(Run("a.mcap", 1.0));
+  ASSERT_GE(states.size(), 3u);
+  EXPECT_EQ(states[0].deletions_size(), 1);
+  EXPECT_GT(states[0].entities_size(), 30);
+  for (std::size_t i = 1; i < states.size(); ++i) {
+    EXPECT_EQ(states[i].deletions_size(), 0);
+    EXPECT_LT(states[i].entities_size(), states[0].entities_size() / 2);
+  }
+}
+
+TEST_F(RecordedBoneRun, WithoutItThereIsNone) { EXPECT_TRUE(BoneStates(Run("none.mcap", 0.0)).empty()); }
+
+TEST_F(RecordedBoneRun, EqualRunsGiveEqualBytes) {
+  EXPECT_EQ(BytesOf(Run("a.mcap", 1.0)), BytesOf(Run("b.mcap", 1.0)));
+}
+
+// A thread of its own makes other states, but ends with the same bone.
+TEST_F(RecordedBoneRun, EndsWithTheBoneOfTheWholeRecordingHoweverItIsMade) {
+  const auto recording = io::ReadRecording(Run("a.mcap", 0.0));
+  ASSERT_TRUE(recording);
+  const CellScene scene(*setup_);
+  std::vector<Shown> ends;
+  for (const bool own_thread : {false, true}) {
+    RecordedBone bone(*setup_, scene, {.step = 500'000'000, .own_thread = own_thread});
+    Shown& shown = ends.emplace_back();
+    foxglove::SceneUpdate state;
+    const auto show = [&](const std::string* bytes) {
+      if (!bytes) return false;
+      EXPECT_TRUE(state.ParseFromString(*bytes));
+      Show(state, shown);
+      return true;
+    };
+    std::size_t frame = 0;
+    bool turns = false;
+    for (const control::TickRecord& tick : recording->ticks) {
+      for (; frame < recording->frames.size() && recording->frames[frame].stamp < tick.stamp; ++frame)
+        bone.Add(recording->frames[frame].model, turns);
+      turns = tick.spindle_rad_per_s != 0.0;
+      show(bone.Take(tick.stamp));
+    }
+    while (show(bone.Finish())) {
+    }
+  }
+  ASSERT_GT(ends[0].size(), 30u);
+  EXPECT_EQ(ends[0], ends[1]);
+}
+
+TEST_F(RecordedBoneRun, AGridIsMadeCoarserUntilTheBoneIsSmallEnough) {
+  const CellScene scene(*setup_);
+  RecordedBone fine(*setup_, scene, {.own_thread = false}),
+      coarse(*setup_, scene, {.own_thread = false, .max_quads = 2'000});
+  foxglove::SceneUpdate state;
+  const auto points = [&](RecordedBone& bone) {
+    EXPECT_TRUE(state.ParseFromString(*bone.Take(1)));
+    std::size_t triangles = 0;
+    for (const auto& entity : state.entities())
+      for (const auto& part : entity.triangles())
+        triangles += static_cast<std::size_t>(part.indices_size()) / 3;
+    return triangles;
+  };
+  EXPECT_LE(points(coarse), 4'000u);
+  EXPECT_GT(points(fine), 4'000u);
+  EXPECT_GT(coarse.voxel_mm(), fine.voxel_mm());
+}
+
+}  // namespace
+}  // namespace osteon::session
