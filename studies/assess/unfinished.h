@@ -1,27 +1,16 @@
 #pragma once
 
-#include <span>
-#include <string>
-
-#include "procedure/plan/surgical_plan.h"
-#include "session/procedure/session_file.h"
+#include "session/procedure/unfinished.h"
 #include "studies/assess/session_reading.h"
 
 namespace osteon::studies {
 
-/// The part of a plan that is left to do. No score says it, because its items measure what was cut.
-struct Unfinished {
-  std::string text{};     ///< empty: nothing
-  bool by_a_tool{false};  ///< the last tool has no pass that counts
-};
+using session::Unfinished;
+using session::UnfinishedOf;
 
-/// A plan's last tool may stop this far above its planned place. Assumed.
-inline constexpr double kMaxToGo_mm = 1.0;
-
-/// By the passes alone: whether the last tool came to its planned depth.
-[[nodiscard]] Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan,
-                                      std::span<const session::SessionPass> passes);
 /// By the passes, and by what is left of the planned cavity.
-[[nodiscard]] Unfinished UnfinishedOf(const AssessedSession& session);
+[[nodiscard]] inline Unfinished UnfinishedOf(const AssessedSession& session) {
+  return session::UnfinishedOf(session.plan.plan, session.file.passes, session.assessment.cavity);
+}
 
 }  // namespace osteon::studies

@@ -1,11 +1,11 @@
-#include "studies/assess/unfinished.h"
+#include "session/procedure/unfinished.h"
 
 #include <algorithm>
 #include <optional>
 
 #include <fmt/format.h>
 
-namespace osteon::studies {
+namespace osteon::session {
 namespace {
 
 // Above this share of the planned cavity that is left the plan is not finished.
@@ -21,11 +21,11 @@ std::string LeftOf(const procedure::CavityResult& cavity) {
 
 }  // namespace
 
-Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan, std::span<const session::SessionPass> passes) {
+Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan, std::span<const SessionPass> passes) {
   const int last = static_cast<int>(plan.tools.size()) - 1;
   std::optional<double> to_go_mm;
   bool by_a_tool = true;
-  for (const session::SessionPass& pass : passes)
+  for (const SessionPass& pass : passes)
     if (!pass.undone && pass.tool_index == last) {
       by_a_tool = false;
       if (pass.to_go_mm) to_go_mm = std::min(to_go_mm.value_or(*pass.to_go_mm), *pass.to_go_mm);
@@ -41,10 +41,11 @@ Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan, std::span<const ses
                               *to_go_mm, kMaxToGo_mm)};
 }
 
-Unfinished UnfinishedOf(const AssessedSession& session) {
-  Unfinished unfinished = UnfinishedOf(session.plan.plan, session.file.passes);
-  if (unfinished.text.empty()) unfinished.text = LeftOf(session.assessment.cavity);
+Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan, std::span<const SessionPass> passes,
+                        const procedure::CavityResult& cavity) {
+  Unfinished unfinished = UnfinishedOf(plan, passes);
+  if (unfinished.text.empty()) unfinished.text = LeftOf(cavity);
   return unfinished;
 }
 
-}  // namespace osteon::studies
+}  // namespace osteon::session
