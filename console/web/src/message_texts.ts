@@ -47,6 +47,7 @@ const messages: [string, string][] = [
   ["{} mm from bone, accepted 0.5 mm", "{} mm vom Knochen, erlaubt ab 0.5 mm"],
   // what a fault has measured: session/summary/fault_seen.cpp
   ["the last is {}; {} deadlines in a row{}", "die letzte ist {}; {} Fristen nacheinander{}"],
+  ["{} N asked of the coupling", "{} N von der Kopplung verlangt"],
   ["the model is {}", "das Modell ist {}"],
   ["the reading is {}", "der Messwert ist {}"],
   ["{}; the PLC's word: {}", "{}; das Wort der SPS: {}"],
