@@ -184,6 +184,9 @@ int RunDemo(const DemoOptions& asked) {
   const std::optional<config::ToolChoice> tool = procedure ? procedure->tool : options.tool;
   auto setup = PrepareCell(options.cell, options.mesh, tool);
   if (!setup) return refuse(setup.error());
+  if (!options.tune.empty())
+    if (const auto advice = ReadTuneAdvice(options.tune, setup->config, setup->cell_name); !advice)
+      return refuse("--tune " + advice.error());
   const auto first_port = UseSimulated(setup->config, options.port);
   if (!first_port) return refuse(first_port.error());
   const EngineChoice choice = ChooseEngine(options.engine, options.device);
@@ -224,8 +227,10 @@ int RunDemo(const DemoOptions& asked) {
   base::RunProgress progress("osteon demo", options.seconds);
   const std::filesystem::path recording =
       session ? session->folder() / procedure->recording : options.out / "recording.mcap";
-  LiveViews live(*setup, {.command = "demo", .seconds = options.seconds, .recording = recording.string()},
-                 base::AskedByOperator());
+  LiveViews live(
+      *setup,
+      {.command = "demo", .seconds = options.seconds, .recording = recording.string(), .tune = options.tune},
+      base::AskedByOperator());
   live.SetSession(session.get());
   ConsoleChoice console = options.console;
   console.on &= !options.virtual_time || console.only_this_port;  // a run of virtual time is over in a moment

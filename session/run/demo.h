@@ -33,6 +33,7 @@ struct DemoOptions {
   /// A fault that allows a recovery leaves the cell at rest until it is asked for.
   bool hold_at_fault{false};
   ConsoleChoice console{};              ///< where the console is served
+  std::filesystem::path tune{};         ///< result of `osteon tune` for the console; empty: kTuneFile
   ConsoleChoice foxglove{.on = false};  ///< where Foxglove and Lichtblick connect to
   std::filesystem::path json{};         ///< a second copy of summary.json
   std::filesystem::path save_motion{};  ///< file for the tool's motion, which can be played again

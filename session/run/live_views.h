@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -42,9 +43,10 @@ struct ConsoleChoice {
 
 /// Which run a live view shows.
 struct LiveRun {
-  std::string command;    ///< "demo", "run"
-  double seconds{0.0};    ///< of rendering that were asked for; 0: until stopped
-  std::string recording;  ///< the file
+  std::string command;           ///< "demo", "run"
+  double seconds{0.0};           ///< of rendering that were asked for; 0: until stopped
+  std::string recording;         ///< the file
+  std::filesystem::path tune{};  ///< result of `osteon tune`; empty: kTuneFile, where it is of this cell
 };
 
 /// What a page asks of a procedure's session, as the session takes it. The error says what is accepted.
@@ -94,6 +96,7 @@ class LiveViews {
   void OpenConsole(const ConsoleChoice& choice);
   void OpenFoxglove(const ConsoleChoice& choice);
   [[nodiscard]] console::RequestAnswer Ask(console::OperatorRequest request);
+  void OnOperatorLeft();
   [[nodiscard]] console::RequestAnswer AskSession(const console::ProcedureRequest& request);
 
   const CellSetup& setup_;

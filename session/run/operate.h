@@ -32,6 +32,7 @@ struct OperateOptions {
   std::string device{};                 ///< part of a Vulkan device's name
   std::filesystem::path surface{};      ///< file for the carved bone as a mesh: STL, PLY or OBJ
   ConsoleChoice console{};              ///< where the console is served
+  std::filesystem::path tune{};         ///< result of `osteon tune` for the console; empty: kTuneFile
   ConsoleChoice foxglove{.on = false};  ///< where Foxglove and Lichtblick connect to
   std::filesystem::path json{};
   std::string command_line{};  ///< repeats the run

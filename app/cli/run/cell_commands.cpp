@@ -92,6 +92,7 @@ CellCommands::CellCommands(CLI::App& app)
                    "write the carved bone there as a closed mesh in mm: .stl, .ply or .obj")
       ->type_name("FILE");
   AddConsoleOption(*run_, operate_.console);
+  AddTuneOption(*run_, operate_.tune);
   AddFoxgloveOption(*run_, operate_.foxglove);
   AddAtFaultOption(*run_, "hold with --console and no --seconds, else end",
                    [this](bool hold) { operate_.hold_at_fault = hold; });

@@ -65,6 +65,7 @@ DemoCommand::DemoCommand(CLI::App& app)
                    "CPU of the servo thread and the simulated arm; everything else stays off it")
       ->check(NumberWithin(0, rt::kMaxCpu));
   AddConsoleOption(*sub_, options_.console);
+  AddTuneOption(*sub_, options_.tune);
   AddFoxgloveOption(*sub_, options_.foxglove);
   AddAtFaultOption(*sub_, "end", [this](bool hold) { options_.hold_at_fault = hold; });
   sub_->add_option("--json", options_.json, "write a further copy of summary.json there")->type_name("FILE");
