@@ -130,7 +130,9 @@ struct CellConfig {
   control::Gains own_gains;           ///< from the cell's file, before a gains file overrides them
   simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit
   ArmLinkConfig link;
-  std::optional<GuardConfig> guard;                   ///< absent: the arm sends to the link's address itself
+  std::optional<GuardConfig> guard;  ///< absent: the arm sends to the link's address itself
+  /// A page of the console that has the operator's role and vanishes pauses the cell.
+  bool pause_when_operator_leaves{false};
   std::optional<EngineProcessConfig> engine_process;  ///< absent: the engine is a thread of the run
   io::DeviceParams devices;                           ///< force sensor, reamer drive, PLC: their addresses
   /// Whether the file has `operator`, `script` and `simulated_arm`. A cell for a real arm alone may do

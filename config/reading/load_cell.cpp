@@ -395,6 +395,8 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool, const 
   ReadWatchdog(watchdog, servo.watchdog);
   ReadLaw(reader, cell);
   servo.vibration.acts = false;  // where a cell has no such section: see docs/tuning.md
+  if (reader.Has("console"))
+    cell.pause_when_operator_leaves = reader.Section("console").Bool("pause_when_operator_leaves");
   if (reader.Has("vibration")) ReadVibration(reader.Section("vibration"), servo.vibration);
   ReadStabilisers(reader, servo.law, servo.stabilisers);
   if (reader.Has("sensor_bias")) ReadSensorBias(reader.Section("sensor_bias"), servo.sensor_bias);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kAccepted =
     "accepted {\"ask\": pause, resume, recover, stop, role, watch, all, play, halt, undo_gains, next_tool, "
-    "undo_pass, save, cup; with \"value\": seek, speed, map, stiffness, drag, tool, guidance}";
+    "undo_pass, save, cup, finish; with \"value\": drawn, seek, speed, map, stiffness, drag, tool, guidance}";
 constexpr std::size_t kShown = 30;  // characters of a wrong word in an error
 
 tl::unexpected<std::string> Refuse(const std::string& found) {
@@ -35,8 +35,11 @@ tl::expected<ClientMessage, std::string> ParseClientMessage(std::string_view byt
     return ProcedureRequest{.kind = Procedure::kNext, .value = 0.0, .confirmed = confirmed};
   if (ask == "tool" && has_value && std::isfinite(value))
     return ProcedureRequest{.kind = Procedure::kTool, .value = value, .confirmed = confirmed};
+  if (ask == "finish" && !has_value)
+    return ProcedureRequest{.kind = Procedure::kFinish, .value = 0.0, .confirmed = confirmed};
   if (confirmed) return Refuse("another object");
   if (has_value && std::isfinite(value)) {
+    if (ask == "drawn") return DrawnReport{.stamp_s = value};
     if (ask == "seek") return ViewRequest{.kind = ViewRequest::Kind::kSeek, .value = value};
     if (ask == "stiffness") return GainsRequest{.kind = GainsRequest::Kind::kStiffness, .value = value};
     if (ask == "drag") return GainsRequest{.kind = GainsRequest::Kind::kDrag, .value = value};

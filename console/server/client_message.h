@@ -37,17 +37,23 @@ struct GainsRequest {
 };
 
 /// {"ask": "next_tool"}, {"ask": "tool", "value": diameter in mm}, {"ask": "undo_pass"}, {"ask": "save"},
-/// {"ask": "cup"}, {"ask": "guidance", "value": 0 … 1}: of a procedure's session, by the page with the
-/// operator's role. "confirmed": true beside a change of tool: a person has confirmed what is mounted. The
-/// value is finite.
+/// {"ask": "cup"}, {"ask": "guidance", "value": 0 … 1}, {"ask": "finish"}: of a procedure's session, by the
+/// page with the operator's role. "confirmed": true beside a change of tool: a person has confirmed what is
+/// mounted; beside finish: that the session ends although its plan is not finished. The value is finite.
 struct ProcedureRequest {
-  enum class Kind : std::uint8_t { kNext, kTool, kUndo, kSave, kCup, kGuidance } kind{Kind::kNext};
+  enum class Kind : std::uint8_t { kNext, kTool, kUndo, kSave, kCup, kGuidance, kFinish } kind{Kind::kNext};
   double value{0.0};
   bool confirmed{false};
 };
 
-using ClientMessage =
-    std::variant<OperatorRequest, RoleRequest, ResendRequest, ViewRequest, GainsRequest, ProcedureRequest>;
+/// {"ask": "drawn", "value": seconds}: the page has drawn the figures of the window whose last tick has this
+/// stamp. A measurement: nothing acts on it. The value is finite.
+struct DrawnReport {
+  double stamp_s{0.0};
+};
+
+using ClientMessage = std::variant<OperatorRequest, RoleRequest, ResendRequest, ViewRequest, GainsRequest,
+                                   ProcedureRequest, DrawnReport>;
 
 /// Parses a page's message. The error names what was found and what is accepted; it is at most 300 bytes and
 /// in ASCII apart from the message's own first characters.

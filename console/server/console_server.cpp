@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/clock.h"
 #include "console/server/access.h"
 #include "console/server/operator_role.h"
 #include "console/server/page_sender.h"
@@ -29,7 +30,8 @@ constexpr const char* kWatches = "this page watches: take the operator's role fi
 // It is told when it opens again, by the key that it got at first.
 constexpr std::chrono::milliseconds kSlow{2000};  // a write that fails after longer has waited for the page
 constexpr std::size_t kRememberedPages = 64;
-constexpr int kClosedSlow = 1008;  // RFC 6455: a policy of the server
+constexpr std::size_t kDrawnReports = 512;  // that the median is of
+constexpr int kClosedSlow = 1008;           // RFC 6455: a policy of the server
 constexpr const char* kSlowReason =
     "the page took nothing for three seconds and was closed; it is connected again";
 
@@ -127,6 +129,13 @@ class Server final : public ConsoleServer {
   }
   [[nodiscard]] int port() const override { return web_->port(); }
   [[nodiscard]] std::size_t pages() const override { return pages_open_.load(); }
+  [[nodiscard]] std::optional<double> drawn_ms() const override {
+    const std::lock_guard lock(mutex_);
+    if (drawn_ms_.empty()) return std::nullopt;
+    std::vector<double> ages(drawn_ms_.begin(), drawn_ms_.end());
+    std::ranges::nth_element(ages, ages.begin() + static_cast<std::ptrdiff_t>(ages.size() / 2));
+    return ages[ages.size() / 2];
+  }
   [[nodiscard]] ConsoleCounts counts() const override {
     return {.opened = opened_.load(),
             .refused = refused_.load(),
@@ -218,6 +227,16 @@ class Server final : public ConsoleServer {
     }
   }
 
+  // A stamp that is not of the last minute is of another clock, or of a page that plays tricks.
+  void TakeReport(const DrawnReport& report) {
+    constexpr double kMaxAge_ms = 60e3;
+    const double age_ms = 1e3 * (rt::ToSeconds(rt::MonotonicNow()) - report.stamp_s);
+    if (!(age_ms >= 0.0 && age_ms <= kMaxAge_ms)) return;
+    const std::lock_guard lock(mutex_);
+    if (drawn_ms_.size() == kDrawnReports) drawn_ms_.pop_front();
+    drawn_ms_.push_back(age_ms);
+  }
+
   void Take(Page& page, std::string_view bytes) {
     const auto message = ParseClientMessage(bytes);
     if (!message) {
@@ -226,8 +245,12 @@ class Server final : public ConsoleServer {
       return;
     }
     if (std::holds_alternative<ResendRequest>(*message)) return page.sender().Resend();
+    if (const auto* drawn = std::get_if<DrawnReport>(&*message)) return TakeReport(*drawn);
     if (const auto* role = std::get_if<RoleRequest>(&*message)) {
-      if (*role == RoleRequest::kGiveBack) return role_.GiveBack(page.number());
+      if (*role == RoleRequest::kGiveBack) {
+        role_.GiveBack(page.number());
+        return;
+      }
       const bool mine = role_.Take(page.number());
       return page.sender().Answer(
           AnswerJson("role", {.done = mine, .reason = mine ? "" : "another page has the role"}));
@@ -282,7 +305,8 @@ class Server final : public ConsoleServer {
       if (server.slow_keys_.size() > kRememberedPages) server.slow_keys_.pop_front();
     }
     if (page->closed()) ++server.slow_;
-    server.role_.GiveBack(page->number());
+    const bool operated = server.role_.GiveBack(page->number());
+    if (operated && !server.ending_.load() && server.params_.operator_left) server.params_.operator_left();
     page.reset();  // ends its thread while the connection still exists
     --server.pages_open_;
   }
@@ -303,9 +327,10 @@ class Server final : public ConsoleServer {
   std::atomic<bool> ending_{false};
   std::atomic<std::uint64_t> opened_{0}, refused_{0}, bad_messages_{0}, slow_{0};
 
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::map<const mg_connection*, std::shared_ptr<Page>> pages_;  // guarded by mutex_
   std::deque<std::string> slow_keys_;                            // guarded by mutex_
+  std::deque<double> drawn_ms_;                                  // guarded by mutex_; newest last
 
   std::unique_ptr<WebServer> web_;
 };

@@ -52,6 +52,9 @@ struct ConsoleParams {
   std::function<RequestAnswer(const ProcedureRequest&)> procedure{};
   /// Moves a playback; empty: what is shown is live. Called by a page's thread.
   std::function<void(const ViewRequest&)> view{};
+  /// The page that held the operator's role is closed, killed or out of reach; not one that gave the role
+  /// back. Empty: nobody asks. Called by a thread of the server.
+  std::function<void()> operator_left{};
   std::vector<std::function<std::string()>> notes{};  ///< PageSources::notes
   /// Shown to pages that ask for /live?stream=2: the other one of two recordings.
   std::optional<ConsoleStream> second{};
@@ -90,6 +93,9 @@ class ConsoleServer {
   [[nodiscard]] virtual int port() const = 0;
   [[nodiscard]] virtual ConsoleCounts counts() const = 0;
   [[nodiscard]] virtual std::size_t pages() const = 0;
+  /// Median time from a tick until a page's word that its figures are drawn has come back, of the newest
+  /// reports [ms]: the tick's window, sending, drawing, and the way back. Nothing: no page has said so.
+  [[nodiscard]] virtual std::optional<double> drawn_ms() const = 0;
 
  protected:
   ConsoleServer() = default;

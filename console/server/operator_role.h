@@ -16,9 +16,12 @@ class OperatorRole {
     return holder_ == page;
   }
   /// Gives the role back if the page holds it: by its wish, or because it has gone.
-  void GiveBack(std::uint64_t page) {
+  /// @returns whether it held it
+  bool GiveBack(std::uint64_t page) {
     const std::lock_guard lock(mutex_);
-    if (holder_ == page) holder_ = 0;
+    if (holder_ != page) return false;
+    holder_ = 0;
+    return true;
   }
   /// The page that holds it; 0: nobody.
   [[nodiscard]] std::uint64_t holder() const {

@@ -10,10 +10,13 @@
 #include <string_view>
 #include <thread>
 
+#include "base/clock.h"
+
 namespace osteon::console {
 namespace {
 
 constexpr std::chrono::milliseconds kHangs{20};
+constexpr std::size_t kStampLength = 24;  // characters of a stamp, at most
 
 class Client final : public PageClient {
  public:
@@ -32,6 +35,10 @@ class Client final : public PageClient {
 
   [[nodiscard]] std::uint64_t messages() const override { return messages_.load(); }
   [[nodiscard]] std::uint64_t bytes() const override { return bytes_.load(); }
+  [[nodiscard]] std::vector<double> received_ms() const override {
+    const std::lock_guard lock(mutex_);
+    return received_ms_;
+  }
   [[nodiscard]] Bone bone() const override {
     const std::lock_guard lock(mutex_);
     return bone_;
@@ -43,8 +50,21 @@ class Client final : public PageClient {
     while (!client.reads_ && !client.ending_.load()) std::this_thread::sleep_for(kHangs);
     ++client.messages_;
     client.bytes_ += size;
+    client.TakeLive(std::string_view(data, size));
     client.TakeBone((bits & 0x0F) == MG_WEBSOCKET_OPCODE_BINARY, std::string_view(data, size));
     return 1;
+  }
+
+  // {"type":"live","windows":[[stamp, …], …, [stamp, …]],"status": …: the last window has the newest tick.
+  void TakeLive(std::string_view message) {
+    constexpr std::string_view kLive = R"({"type":"live")", kEnd = R"(]],"status")";
+    if (!message.starts_with(kLive)) return;
+    const std::size_t end = message.find(kEnd);
+    const std::size_t row = end == std::string_view::npos ? end : message.rfind('[', end);
+    if (row == std::string_view::npos) return;
+    const double stamp_s = std::strtod(std::string(message.substr(row + 1, kStampLength)).c_str(), nullptr);
+    const std::lock_guard lock(mutex_);
+    received_ms_.push_back(1e3 * (rt::ToSeconds(rt::MonotonicNow()) - stamp_s));
   }
 
   void TakeBone(bool is_mesh, std::string_view message) {
@@ -72,6 +92,7 @@ class Client final : public PageClient {
   std::atomic<std::uint64_t> messages_{0}, bytes_{0};
   mutable std::mutex mutex_;  // of what follows
   Bone bone_;
+  std::vector<double> received_ms_;
   std::optional<std::chrono::steady_clock::time_point> first_whole_;
   mg_connection* connection_{nullptr};
 };

@@ -32,6 +32,9 @@ class PageClient {
     std::vector<double> age_ms{};         ///< how old the bone was at each of them
   };
   [[nodiscard]] virtual Bone bone() const = 0;
+  /// Time from a tick until its live message was taken here, of each message [ms]: for a cell of this machine
+  /// in wall time, whose clock is this one. A browser draws after that.
+  [[nodiscard]] virtual std::vector<double> received_ms() const = 0;
 
  protected:
   PageClient() = default;

@@ -16,6 +16,8 @@ class ReamedAxis {
  public:
   /// @param feed_G  the tool's +z
   void Add(const Vector3& feed_G, double removed_m3) { sum_ -= removed_m3 * feed_G; }
+  /// Adds what another pass has removed.
+  void Add(const ReamedAxis& other) { sum_ += other.sum_; }
   /// Out of the opening, unit; nothing where nothing was removed.
   [[nodiscard]] std::optional<Vector3> value() const {
     return sum_.norm() > 0.0 ? std::optional<Vector3>(sum_.normalized()) : std::nullopt;

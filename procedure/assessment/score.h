@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <span>
@@ -9,6 +10,13 @@
 
 namespace osteon::procedure {
 
+/// When a session that goes on can say a metric's value.
+enum class MetricKnown : std::uint8_t {
+  kWithLastTool,    ///< the last tool decides it: before, it says what is still to be cut
+  kWithAnyCut,      ///< of bone that is gone, which no later cut brings back
+  kWithRecordings,  ///< of the whole session's ticks
+};
+
 /// A figure that a rubric may score.
 struct Metric {
   const char* name;  ///< as in the rubric: "axis_error"
@@ -16,6 +24,7 @@ struct Metric {
   double to_unit;    ///< factor from SI
   const char* text;  ///< for people: "axis error"
   bool more_is_better{false};
+  MetricKnown known{MetricKnown::kWithLastTool};
 };
 /// All metrics, in the order of the report.
 [[nodiscard]] std::span<const Metric> Metrics();

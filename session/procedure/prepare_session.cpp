@@ -18,6 +18,8 @@
 #include "base/read_text.h"
 #include "base/write_text.h"
 #include "config/reading/check_plan_in_cell.h"
+#include "config/reading/config_file_tracker.h"
+#include "config/reading/load_rubric.h"
 #include "session/procedure/plan_guidance.h"
 #include "session/procedure/session_bone.h"
 #include "session/setup/config_checksum.h"
@@ -330,6 +332,14 @@ tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
     const double rim_m = RimOver(procedure.plan.plan, setup.bone.site);
     heights = {.down_m = 0.5 * rim_m, .retracted_m = rim_m + kClearOfOpening_m};
   }
+  std::optional<procedure::Rubric> rubric;
+  std::string without_rubric;
+  try {
+    rubric = config::LoadRubric(config::ShippedFolder() / "rubrics" /
+                                procedure::RubricOf(procedure.plan.plan.kind));
+  } catch (const config::ConfigError& wrong) {  // the run needs no score
+    without_rubric = wrong.what();
+  }
   auto session = std::make_unique<ProcedureSession>(ProcedureParams{
       .folder = procedure.folder,
       .plan = procedure.plan.plan,
@@ -350,7 +360,10 @@ tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
       .confirm_load = physical && setup.config.servo.law == control::Law::kImpedance,
       .scripted = simulated,
       .scripted_heights = heights,
-      .wall_time = !virtual_time});
+      .wall_time = !virtual_time,
+      .rubric = std::move(rubric),
+      .without_rubric = std::move(without_rubric),
+      .plan_events = procedure.plan.scene.events});
   if (auto begun = session->Begin(*engine); !begun) return tl::make_unexpected(begun.error());
   return session;
 }

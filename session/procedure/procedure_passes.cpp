@@ -1,11 +1,13 @@
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "session/procedure/procedure_session.h"
+#include "session/procedure/unfinished.h"
 #include "simulation/engine/state_hash.h"
 
-// The passes and segments of a procedure's session: what is kept, and when.
+// The passes and segments of a procedure's session: what is kept, and when; its score, and its end.
 
 namespace osteon::session {
 
@@ -34,6 +36,7 @@ void ProcedureSession::EndPass(const simulation::CuttingEngine& engine, rt::Nano
                             .undone = false,
                             .to_go_mm = to_go_m_ ? std::optional(1e3 * *to_go_m_) : std::nullopt});
   }
+  score_.EndPass(static_cast<int>(File().passes.size()));
   to_go_m_.reset();
   saved_ = std::move(state);
   saved_name_ = name;
@@ -62,6 +65,40 @@ void ProcedureSession::OpenSegment(rt::Nanoseconds begin) {
                             .end_state = "",
                             .end_state_hash = "",
                             .guidance_gain = guidance_gain_});
+}
+
+// Beside the run, since measuring the bone takes some tenths of a second; in virtual time when it is asked
+// for.
+void ProcedureSession::RenewScore() {
+  const SessionFile file = File();
+  const bool guided = std::ranges::any_of(
+      file.segments, [](const SessionSegment& segment) { return segment.guidance_gain > 0.0; });
+  const bool is_over = [&] {
+    const std::lock_guard lock(mutex_);
+    return over_;
+  }();
+  if (score_.SetState(saved_, file.passes, file.cup_X_GT, guided, last_stamp_) && !is_over)
+    writer_.RunAfter([this] { score_.Update(); });
+}
+
+std::string ProcedureSession::ScoreJson() {
+  if (!params_.wall_time) score_.Update();
+  return score_.Json(frame_stamp_.load(), in_pass_.load());
+}
+
+// Ends the session in order: what is cut is saved, and the run is asked to end as by an operator's stop.
+SessionAnswer ProcedureSession::Finish(const SessionRequest& request, const simulation::ToolCommand& command,
+                                       FrameRunner& runner) {
+  if (pass_.open() && !pass_.clear()) return Refused("finish: the tool touches bone: retract it first");
+  EndOpenPass(runner.engine(), command.stamp);
+  if (const Unfinished left = UnfinishedOf(params_.plan, File().passes);
+      !left.text.empty() && !request.confirmed)
+    return Refused(fmt::format("finish: the plan is not finished: {}; `finish confirmed` ends the session so",
+                               left.text));
+  WriteFile();
+  runner.Say("finish: the session is saved");
+  finished_.store(true);
+  return {.done = true, .reason = ""};
 }
 
 }  // namespace osteon::session

@@ -21,14 +21,19 @@ constexpr std::chrono::milliseconds kMaxWait{700};  // the local socket answers 
 constexpr double kSameSize_mm = 1e-6;
 constexpr rt::Nanoseconds kRestBeforeWeighing = rt::kSecond;  // longer than PausedReadings needs
 
-SessionAnswer Refused(std::string reason) { return {.done = false, .reason = std::move(reason)}; }
-
 }  // namespace
 
 ProcedureSession::ProcedureSession(ProcedureParams params)
     : params_(std::move(params)),
-      writer_(params_.folder, *params_.bone, params_.wall_time),
       panel_(params_.plan, params_.X_WG, params_.confirm_size || params_.confirm_load),
+      score_({.plan = params_.plan,
+              .rubric = params_.rubric,
+              .without_rubric = params_.without_rubric,
+              .bone = params_.bone,
+              .solid = params_.solid,
+              .walls = params_.plan_events.value_or(params_.events),
+              .X_WG = params_.X_WG}),
+      writer_(params_.folder, *params_.bone, params_.wall_time),
       tool_(params_.tool),
       script_(params_.scripted_heights, params_.confirm_size ? kRestBeforeWeighing : 0),
       file_(params_.file) {
@@ -61,6 +66,7 @@ tl::expected<void, std::string> ProcedureSession::Begin(simulation::CuttingEngin
   file_.ended = false;
   writer_.WriteSession(file_);
   if (std::string wrong = writer_.Flush(); !wrong.empty()) return tl::make_unexpected(std::move(wrong));
+  if (file_.PassesLeft() > 0) RenewScore();
   return {};
 }
 
@@ -164,7 +170,10 @@ void ProcedureSession::BeforeFrame(const ToolCommand& command, FrameRunner& runn
 void ProcedureSession::AfterFrame(const ToolCommand& command, const simulation::FrameRecord& record) {
   panel_.Step(tool_, record.model, command.stamp);
   const auto change = pass_.Step(record.model, command.stamp, command.spindle_rad_per_s);
+  score_.AddFrame(tool_, record.model, command.spindle_rad_per_s, change == PassDetector::Change::kBegan);
   framed_tool_.store(tool_);
+  frame_stamp_.store(command.stamp);
+  in_pass_.store(pass_.open());
   if (change == PassDetector::Change::kBegan) to_go_m_.reset();
   if (pass_.open()) {
     const double to_go_m = PlaceAlongPlan(params_.plan, params_.plan.tools[static_cast<std::size_t>(tool_)],
@@ -190,6 +199,7 @@ void ProcedureSession::HandleRequest(const ToolCommand& command, FrameRunner& ru
     wanted_tool_.store(-1);
     return Answer(Refused("the cell is no longer paused: retract the tool, then pause"));
   }
+  if (finished_.load()) return Answer(Refused("the session is finished: the run ends"));
   using Kind = SessionRequest::Kind;
   bool waits = false;
   SessionAnswer answer;
@@ -203,6 +213,9 @@ void ProcedureSession::HandleRequest(const ToolCommand& command, FrameRunner& ru
       break;
     case Kind::kSave:
       answer = Save(command, runner);
+      break;
+    case Kind::kFinish:
+      answer = Finish(request, command, runner);
       break;
     case Kind::kResume:
       answer = Resume(command, runner);
@@ -442,7 +455,10 @@ SessionAnswer ProcedureSession::SetGuidance(double gain) {
   return {.done = true, .reason = ""};
 }
 
-void ProcedureSession::WriteFile() { writer_.WriteSession(File()); }
+void ProcedureSession::WriteFile() {
+  writer_.WriteSession(File());
+  RenewScore();
+}
 
 std::string ProcedureSession::End(const simulation::CuttingEngine& engine) {
   {

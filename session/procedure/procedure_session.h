@@ -16,6 +16,7 @@
 #include "base/inheriting_mutex.h"
 #include "control/loop/servo_loop.h"
 #include "procedure/plan/surgical_plan.h"
+#include "session/procedure/live_score.h"
 #include "session/procedure/load_step.h"
 #include "session/procedure/pass_detector.h"
 #include "session/procedure/procedure_panel.h"
@@ -60,6 +61,9 @@ struct ProcedureParams {
   bool scripted{false};                         ///< the scripted operator's buttons are pressed as well
   ScriptedChanges::Heights scripted_heights{};  ///< at which they are
   bool wall_time{false};                        ///< states are written on a thread of their own
+  std::optional<procedure::Rubric> rubric{};    ///< of the score that the console shows; absent: none is
+  std::string without_rubric{};                 ///< why it is absent
+  std::optional<simulation::SceneEventParams> plan_events{};  ///< of the plan's scene; absent: `events`
 };
 
 /// The session of a procedure while its cell runs: passes, saved states, undo, change of tool.
@@ -111,6 +115,11 @@ class ProcedureSession final : public FrameObserver {
   /// The console's messages of the plan and of where the session stands (ProcedurePanel). Any thread.
   [[nodiscard]] const std::string& PlanJson() const { return panel_.PlanJson(); }
   [[nodiscard]] std::string PanelJson() const;
+  /// The console's message of the score so far (LiveScore). Any thread but the frames'; in virtual time it
+  /// measures the bone, which is done beside the run in wall time.
+  [[nodiscard]] std::string ScoreJson();
+  /// A person has finished the session: all is saved, and the run is to end. Any thread.
+  [[nodiscard]] bool finished() const { return finished_.load(); }
   /// Thinnest wall that any tool but the first has left; nothing where none was seen.
   [[nodiscard]] std::optional<double> min_wall_m() const;
   /// Why a resume was not passed on; empty: it was. Any thread.
@@ -137,6 +146,9 @@ class ProcedureSession final : public FrameObserver {
   [[nodiscard]] SessionAnswer Undo(const simulation::ToolCommand& command, FrameRunner& runner);
   [[nodiscard]] SessionAnswer SetGuidance(double gain);
   [[nodiscard]] SessionAnswer Save(const simulation::ToolCommand& command, FrameRunner& runner);
+  [[nodiscard]] SessionAnswer Finish(const SessionRequest& request, const simulation::ToolCommand& command,
+                                     FrameRunner& runner);
+  void RenewScore();
   [[nodiscard]] std::string CheckLoad(int tool, const simulation::ToolCommand& command) const;
   void SwitchTool(const simulation::ToolCommand& command, FrameRunner& runner);
   void EndOpenPass(const simulation::CuttingEngine& engine, rt::Nanoseconds stamp);
@@ -149,8 +161,9 @@ class ProcedureSession final : public FrameObserver {
   void WriteFile();
 
   ProcedureParams params_;
-  SessionWriter writer_;
   ProcedurePanel panel_;
+  LiveScore score_;
+  SessionWriter writer_;  // its thread uses the score
 
   // of the frames' thread
   int tool_{0};
@@ -169,7 +182,9 @@ class ProcedureSession final : public FrameObserver {
   std::atomic<int> wanted_tool_{-1}, framed_tool_{0};
   std::atomic<double> wanted_gain_{-1.0};  // of the guidance; negative: none
   double guidance_gain_{0.0};              // in force; under mutex_
-  std::atomic<bool> pause_{false}, resume_{false}, resume_asked_{false};
+  std::atomic<bool> pause_{false}, resume_{false}, resume_asked_{false}, finished_{false};
+  std::atomic<bool> in_pass_{false};             // a pass was open in the newest frame
+  std::atomic<rt::Nanoseconds> frame_stamp_{0};  // of the newest frame's pose
 
   mutable rt::InheritingMutex mutex_;  // of what follows; the frames' thread takes it, and pages' threads
   PausedReadings readings_;

@@ -15,8 +15,8 @@ tl::expected<SessionRequest, std::string> ParseSessionRequest(const std::string&
   for (std::string word; words >> word;) all.push_back(word);
   const auto refuse = [&] {
     return tl::make_unexpected(
-        fmt::format("found \"{}\", accepted next, tool D (mm), undo, save, cup, guidance G (0 … 1), resume; "
-                    "\"confirmed\" may follow a change of tool",
+        fmt::format("found \"{}\", accepted next, tool D (mm), undo, save, cup, guidance G (0 … 1), finish, "
+                    "resume; \"confirmed\" may follow a change of tool, and finish",
                     text.substr(0, 80)));
   };
   if (all.empty()) return refuse();
@@ -24,7 +24,7 @@ tl::expected<SessionRequest, std::string> ParseSessionRequest(const std::string&
   if (all.back() == "confirmed") {
     request.confirmed = true;
     all.pop_back();
-    if (all.empty() || (all[0] != "next" && all[0] != "tool")) return refuse();
+    if (all.empty() || (all[0] != "next" && all[0] != "tool" && all[0] != "finish")) return refuse();
   }
   using Kind = SessionRequest::Kind;
   const auto number = [&](double& value) {
@@ -51,6 +51,8 @@ tl::expected<SessionRequest, std::string> ParseSessionRequest(const std::string&
     request.kind = Kind::kSave;
   else if (all[0] == "cup")
     request.kind = Kind::kCup;
+  else if (all[0] == "finish")
+    request.kind = Kind::kFinish;
   else if (all[0] == "resume")
     request.kind = Kind::kResume;
   else

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include <tl/expected.hpp>
 
@@ -8,18 +9,21 @@ namespace osteon::session {
 
 /// A request to a session: `osteon tell`, the console's buttons.
 struct SessionRequest {
-  enum class Kind { kNext, kTool, kUndo, kSave, kCup, kResume, kGuidance };
+  enum class Kind { kNext, kTool, kUndo, kSave, kCup, kResume, kGuidance, kFinish };
   Kind kind{Kind::kNext};
   double diameter_mm{0.0};  ///< kTool
   double gain{0.0};         ///< kGuidance: 0 … 1
-  bool confirmed{false};    ///< a person has confirmed size (and load)
+  bool confirmed{false};    ///< a person has confirmed size (and load), or that an unfinished plan ends
 };
 struct SessionAnswer {
   bool done{false};
   std::string reason;  ///< if not done: what was found and what to do
 };
-/// Parses "next [confirmed]", "tool D [confirmed]", "undo", "save", "cup", "resume", "guidance G". The error
-/// says what is accepted.
+[[nodiscard]] inline SessionAnswer Refused(std::string reason) {
+  return {.done = false, .reason = std::move(reason)};
+}
+/// Parses "next [confirmed]", "tool D [confirmed]", "undo", "save", "cup", "resume", "guidance G",
+/// "finish [confirmed]". The error says what is accepted.
 [[nodiscard]] tl::expected<SessionRequest, std::string> ParseSessionRequest(const std::string& text);
 
 }  // namespace osteon::session

@@ -29,6 +29,10 @@ void SessionWriter::WriteSession(SessionFile session) {
   Push({.name = {}, .state = nullptr, .session = std::move(session)});
 }
 
+void SessionWriter::RunAfter(std::function<void()> work) {
+  if (thread_.joinable()) Push({.name = {}, .state = nullptr, .session = {}, .work = std::move(work)});
+}
+
 std::string SessionWriter::Flush() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return jobs_.empty() && !busy_; });
@@ -46,6 +50,7 @@ void SessionWriter::Push(Job job) {
 
 // After an error nothing more is written: a session must not name a state that is missing.
 void SessionWriter::Write(const Job& job) {
+  if (job.work) return job.work();
   {
     const std::lock_guard lock(mutex_);
     if (!error_.empty()) return;
@@ -63,6 +68,7 @@ void SessionWriter::Write(const Job& job) {
 
 void SessionWriter::Loop() {
   rt::NameThread("session");
+  rt::LowerPriority();
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] { return stop_ || !jobs_.empty(); });

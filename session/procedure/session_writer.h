@@ -3,6 +3,7 @@
 #include <condition_variable>
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -16,7 +17,7 @@ namespace osteon::session {
 
 /// Writes carved states and session.json, in the order in which they were given: a session never names a
 /// state that is not on the disk yet. In wall time on a thread of its own, as a state takes some 70 ms; else
-/// at once.
+/// at once. That thread has a low normal priority: it measures the bone as well (LiveScore).
 class SessionWriter {
  public:
   /// @param bone  of all states; outlives this
@@ -28,6 +29,8 @@ class SessionWriter {
   /// @param name  of the file, in the folder
   void WriteState(std::string name, std::shared_ptr<const simulation::CarvedState> state);
   void WriteSession(SessionFile session);
+  /// Runs some work after what was given before; without a thread it is left out.
+  void RunAfter(std::function<void()> work);
   /// Waits until all is written. @returns the first error so far; empty: none
   [[nodiscard]] std::string Flush();
 
@@ -36,6 +39,7 @@ class SessionWriter {
     std::string name;  // empty: the session
     std::shared_ptr<const simulation::CarvedState> state;
     SessionFile session;
+    std::function<void()> work{};  // instead of writing; empty: none
   };
   void Push(Job job);
   void Write(const Job& job);

@@ -77,6 +77,18 @@ std::string PlaceLine(const nlohmann::json& procedure) {
                      beyond.empty() ? "" : "; outside the plan's corridor: " + beyond);
 }
 
+// "61.2 of 100 so far, 30 points open; 2 passes, 14 s ago".
+std::string ScoreLine(const nlohmann::json& score) {
+  if (!FlagAt(score, "known")) return "not known before the first pass has ended";
+  std::string text = fmt::format("{:.1f} of {:g} so far, {:g} points open; of {:g} pass{}, {:g} s ago",
+                                 NumberAt(score, "total"), NumberAt(score, "of"),
+                                 NumberAt(score, "open_points"), NumberAt(score, "passes"),
+                                 NumberAt(score, "passes") == 1.0 ? "" : "es", NumberAt(score, "age_s"));
+  if (FlagAt(score, "newer")) text += "; bone was cut since";
+  if (FlagAt(score, "guided")) text += "; guided: not to be ranked with sessions without guidance";
+  return text;
+}
+
 void PrintProcedure(const nlohmann::json& procedure) {
   if (!procedure.is_object()) return;
   PrintRow("Tool", ToolLine(procedure));
@@ -84,6 +96,10 @@ void PrintProcedure(const nlohmann::json& procedure) {
   PrintRow("Place", PlaceLine(procedure));
   if (const auto gain = procedure.find("guidance"); gain != procedure.end() && gain->is_number())
     PrintRow("Guidance", fmt::format("{:g} of the plan's", gain->get<double>()));
+  const nlohmann::json& score = ValueAt(procedure, "score");
+  if (!score.is_object() || !TextAt(score, "why").empty()) return;
+  PrintRow("Score", ScoreLine(score));
+  if (const std::string left = TextAt(score, "unfinished"); !left.empty()) PrintRow("Left of the plan", left);
 }
 
 // Says to the person who asked what a request has done; `procedure` is null without a session.
@@ -97,6 +113,7 @@ std::string DoneText(const std::string& request, const nlohmann::json& procedure
   if (word == "next" || word == "tool") return "tool: " + ToolLine(procedure);
   if (word == "undo") return "the last pass is taken back; passes that count: " + PassesLine(procedure);
   if (word == "save") return "saved; passes that count: " + PassesLine(procedure);
+  if (word == "finish") return "the session is saved, and the run ends in order";
   if (word == "cup") return "the tool's pose is kept as the cup's";
   if (word == "guidance") return "guidance: " + request.substr(request.find(' ') + 1) + " of the plan's";
   return "done";

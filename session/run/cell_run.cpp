@@ -150,6 +150,13 @@ std::string DescribeEnd(const CellRunResult& result, double seconds) {
   return signal.empty() ? "a stop was asked for" : "a signal of another program (" + signal + ")";
 }
 
+// Whether somebody has asked for the run's end; a session that is finished asks as its operator.
+bool IsStopAsked(const CellRunParams& params) {
+  const bool finished = params.procedure && params.procedure->finished();
+  if (finished) base::RequestInterrupt(base::kOperatorsStop);
+  return finished || (params.stop && params.stop->load());
+}
+
 void RecordEnd(io::Recorder& recorder, rt::Nanoseconds stamp, const CellRunResult& result, double seconds) {
   if (result.faults.Any()) return;
   if (result.end == control::RunEnd::kSeconds || result.end == control::RunEnd::kStopFlag)
@@ -204,7 +211,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
       ApplyRequests(params, loop);
       if (params.procedure) params.procedure->Poll(loop);
       if (rendered_s.load() == 0.0) start.Poll();  // a recovery starts from the arm's present position
-      if (cell_died || !start.why_not().empty() || (params.stop && params.stop->load())) stop.store(true);
+      if (cell_died || !start.why_not().empty() || IsStopAsked(params)) stop.store(true);
       if (params.progress) params.progress(rendered_s.load());
     };
     std::thread servo_thread([&] {
@@ -357,7 +364,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
       recovering = true;
       continue;
     }
-    if (loop.phase() != control::Phase::kStopped) stopped_by_user = params.stop && params.stop->load();
+    if (loop.phase() != control::Phase::kStopped) stopped_by_user = IsStopAsked(params);
     if (holds()) held_ticks = loop.statistics().active_ticks - active_before;
     const std::uint64_t active = loop.statistics().active_ticks - held_ticks;
     const bool progress = active > active_before || loop.state() == safety::CellState::kPaused;

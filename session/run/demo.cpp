@@ -187,6 +187,9 @@ int RunDemo(const DemoOptions& asked) {
   const std::optional<config::ToolChoice> tool = procedure ? procedure->tool : options.tool;
   auto setup = PrepareCell(options.cell, options.mesh, tool, {}, options.identified);
   if (!setup) return refuse(setup.error());
+  if (!options.tune.empty())
+    if (const auto advice = ReadTuneAdvice(options.tune, setup->config, setup->cell_name); !advice)
+      return refuse("--tune " + advice.error());
   const auto first_port = UseSimulated(setup->config, options.port);
   if (!first_port) return refuse(first_port.error());
   const EngineChoice choice = ChooseEngine(options.engine, options.device);
@@ -230,7 +233,11 @@ int RunDemo(const DemoOptions& asked) {
       session ? session->folder() / procedure->recording : options.out / "recording.mcap";
   LiveViews live(
       *setup,
-      {.command = "demo", .seconds = options.seconds, .recording = recording.string(), .pages = options.out},
+      {.command = "demo",
+       .seconds = options.seconds,
+       .recording = recording.string(),
+       .pages = options.out,
+       .tune = options.tune},
       base::AskedByOperator());
   live.SetSession(session.get());
   ConsoleChoice console = options.console;

@@ -37,6 +37,7 @@ struct DemoOptions {
   /// From one state of the carved bone to the next in the recording; 0: none.
   double bone_state_s{5.0};
   ConsoleChoice console{};              ///< where the console is served
+  std::filesystem::path tune{};         ///< result of `osteon tune` for the console; empty: kTuneFile
   ConsoleChoice foxglove{.on = false};  ///< where Foxglove and Lichtblick connect to
   std::filesystem::path json{};         ///< a second copy of summary.json
   std::filesystem::path save_motion{};  ///< file for the tool's motion, which can be played again

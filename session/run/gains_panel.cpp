@@ -83,6 +83,42 @@ void GainsPanel::SetPresent(const control::Gains& gains) {
   asked_ = false;
 }
 
+// Whether the present gains are the cell's own, or differ from them only by what keeps their margin.
+bool GainsPanel::KeepsOwnMargin() const {
+  control::Gains as_own = present_;
+  as_own.max_stiffness_N_per_m = own_.max_stiffness_N_per_m;
+  as_own.damping_Ns_per_m = own_.damping_Ns_per_m;
+  std::vector<double> present, unchanged;
+  const auto into = [](std::vector<double>& values) {
+    return [&values](const char*, const char*, const char*, const double& value) { values.push_back(value); };
+  };
+  control::VisitGains(as_own, into(present));
+  control::VisitGains(own_, into(unchanged));
+  const PlainVector3 &d = present_.damping_Ns_per_m, &own = own_.damping_Ns_per_m;
+  return present == unchanged && present_.max_stiffness_N_per_m <= own_.max_stiffness_N_per_m &&
+         d.x >= own.x && d.y >= own.y && d.z >= own.z;
+}
+
+nlohmann::json GainsPanel::TuneJson() const {
+  if (!tune_) return nullptr;
+  const auto or_null = [](const std::optional<double>& value) {
+    return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
+  };
+  nlohmann::json json{
+      {"file", tune_->file},
+      {"asked_margin", tune_->asked_margin},
+      {"margin", KeepsOwnMargin() ? nlohmann::json(tune_->own_margin) : nlohmann::json(nullptr)},
+      {"worst_age_ms", 1e3 * tune_->worst_age_s},
+      {"wall_N_per_m", KeepsOwnMargin() ? or_null(tune_->WallAt(present_.damping_Ns_per_m.z)) : nullptr},
+      {"recommended", nullptr}};
+  if (const auto& recommended = tune_->recommended)
+    json["recommended"] = {{"mass_kg", or_null(recommended->mass_kg)},
+                           {"stiffness_N_per_m", or_null(recommended->stiffness_N_per_m)},
+                           {"drag_Ns_per_m", recommended->drag_Ns_per_m},
+                           {"margin", recommended->margin}};
+  return json;
+}
+
 std::string GainsPanel::Json() const {
   const std::lock_guard lock(mutex_);
   const double drag = Drag(present_), own_drag = Drag(own_);
@@ -96,8 +132,10 @@ std::string GainsPanel::Json() const {
                             {"own_drag_Ns_per_m", own_drag},
                             {"max_drag_Ns_per_m", kMaxDragFactor * own_drag},
                             {"stable_age_ms", 1e3 * drag / turning_N_per_m},
-                            {"can_undo", !former_.empty()}};
-  return json.dump();
+                            {"can_undo", !former_.empty()},
+                            {"tune", TuneJson()},
+                            {"tune_why", tune_ ? "" : tune_.error()}};
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace osteon::session

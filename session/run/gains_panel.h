@@ -3,11 +3,16 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+#include <tl/expected.hpp>
 
 #include "config/reading/cell_config.h"
 #include "console/server/console_server.h"
 #include "control/laws/gains.h"
+#include "session/run/tune_advice.h"
 
 namespace osteon::session {
 
@@ -31,6 +36,8 @@ class GainsPanel {
   /// @param cell  with the gains that the loop is made with
   explicit GainsPanel(const config::CellConfig& cell);
 
+  /// Shows what `osteon tune` found for this cell. Before the pages open. @param advice  or why there is none
+  void SetTune(tl::expected<TuneAdvice, std::string> advice) { tune_ = std::move(advice); }
   /// Accepts or refuses a page's request. The answer names the value found and the values accepted.
   [[nodiscard]] console::RequestAnswer Request(const console::GainsRequest& request);
   /// Returns gains that were accepted since the last call, once.
@@ -43,10 +50,13 @@ class GainsPanel {
 
  private:
   [[nodiscard]] double Drag(const control::Gains& gains) const;
+  [[nodiscard]] bool KeepsOwnMargin() const;
+  [[nodiscard]] nlohmann::json TuneJson() const;
 
   const control::Gains own_;
   const bool has_drag_;          ///< the law has a virtual tool
   const double planes_N_per_m_;  ///< stiffness by which the planes of a frame turn: force limit over radius
+  tl::expected<TuneAdvice, std::string> tune_{tl::unexpect, ""};
   mutable std::mutex mutex_;
   control::Gains present_;              // guarded by mutex_, as the following
   std::vector<control::Gains> former_;  // newest last

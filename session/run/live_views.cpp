@@ -50,10 +50,12 @@ std::optional<std::uintmax_t> SpaceLeft(const std::filesystem::path& folder) {
 }
 
 // The answers' part of a procedure: the panel's figures, and the tool in words that need no plan.
-nlohmann::json ProcedureStatus(const ProcedureSession& session) {
+nlohmann::json ProcedureStatus(ProcedureSession& session) {
   const SessionFile file = session.File();
   const int tool = file.segments.empty() ? session.first_tool() : file.segments.back().tool_index;
   nlohmann::json json = nlohmann::json::parse(session.PanelJson());
+  json["score"] = nlohmann::json::parse(session.ScoreJson());
+  json["score"].erase("type");
   json.erase("type");
   json["tool"] = {{"number", tool + 1},
                   {"of", file.diameters_mm.size()},
@@ -101,6 +103,9 @@ tl::expected<SessionRequest, std::string> SessionRequestOf(const console::Proced
     case Kind::kCup:
       asked.kind = SessionRequest::Kind::kCup;
       break;
+    case Kind::kFinish:
+      asked.kind = SessionRequest::Kind::kFinish;
+      break;
     case Kind::kGuidance:
       if (!(request.value >= 0.0 && request.value <= 1.0))
         return tl::make_unexpected(fmt::format("guidance: found {:g}, accepted 0 … 1", request.value));
@@ -123,6 +128,8 @@ LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, base::OperatorR
                                 : run.pages / std::filesystem::path(run.recording).filename(),
               latency_) {
   scene_ = ConsoleScene(setup, run.command, run.seconds, run.recording);
+  gains_.SetTune(ReadTuneAdvice(run.tune.empty() ? std::filesystem::path(kTuneFile) : run.tune, setup.config,
+                                setup.cell_name));
   context_ = LiveContextOf(setup);
   context_.latency = [this] { return latency_.Status(); };
   context_.fault = [this](std::uint32_t fault) { return faults_.Of(static_cast<safety::Fault>(fault)); };
@@ -181,11 +188,13 @@ void LiveViews::OpenConsole(const ConsoleChoice& choice) {
                                 .context = context_,
                                 .request = [this](auto request) { return Ask(request); },
                                 .gains = [this](const auto& request) { return gains_.Request(request); },
+                                .operator_left = [this] { OnOperatorLeft(); },
                                 .notes = {[this] { return gains_.Json(); }}};
   if (session_) {
     params.procedure = [this](const auto& request) { return AskSession(request); };
     params.notes.emplace_back([this] { return session_->PlanJson(); });
     params.notes.emplace_back([this] { return session_->PanelJson(); });
+    params.notes.emplace_back([this] { return session_->ScoreJson(); });
   }
   auto console = console::ConsoleServer::Start(params, feed_, surface_);
   if (!console) {
@@ -239,6 +248,13 @@ console::RequestAnswer LiveViews::Ask(console::OperatorRequest request) {
   return {.done = true, .reason = ""};
 }
 
+void LiveViews::OnOperatorLeft() {
+  if (!setup_.config.pause_when_operator_leaves) return;
+  const console::RequestAnswer answer = Ask(console::OperatorRequest::kPause);
+  fmt::print(stderr, "\nosteon {}: the operator's page has gone: {}\n", run_.command,
+             answer.done ? "the cell pauses (console: pause_when_operator_leaves)" : answer.reason);
+}
+
 console::RequestAnswer LiveViews::AskSession(const console::ProcedureRequest& request) {
   const auto asked = SessionRequestOf(request);
   if (!asked) return {.done = false, .reason = asked.error()};
@@ -282,7 +298,10 @@ std::string LiveViews::Answer(const std::string& request) {
                  {"recording", run_.recording},
                  {"session", session_ ? nlohmann::json(std::filesystem::absolute(session_->folder()).string())
                                       : nlohmann::json(nullptr)},
-                 {"console", console_ ? nlohmann::json(console_->url()) : nlohmann::json(nullptr)}};
+                 {"console", console_ ? nlohmann::json(console_->url()) : nlohmann::json(nullptr)},
+                 {"drawn_ms", nullptr}};
+  if (console_)
+    if (const auto drawn_ms = console_->drawn_ms()) json["run"]["drawn_ms"] = *drawn_ms;
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

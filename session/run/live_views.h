@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -46,6 +47,7 @@ struct LiveRun {
   double seconds{0.0};            ///< of rendering that were asked for; 0: until stopped
   std::string recording;          ///< the file
   std::filesystem::path pages{};  ///< folder of the stops' pages; empty: the recording's
+  std::filesystem::path tune{};   ///< result of `osteon tune`; empty: kTuneFile, where it is of this cell
 };
 
 /// What a page asks of a procedure's session, as the session takes it. The error says what is accepted.
@@ -95,6 +97,7 @@ class LiveViews {
   void OpenConsole(const ConsoleChoice& choice);
   void OpenFoxglove(const ConsoleChoice& choice);
   [[nodiscard]] console::RequestAnswer Ask(console::OperatorRequest request);
+  void OnOperatorLeft();
   [[nodiscard]] console::RequestAnswer AskSession(const console::ProcedureRequest& request);
 
   const CellSetup& setup_;

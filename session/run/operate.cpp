@@ -142,6 +142,9 @@ int RunOperate(const OperateOptions& asked) {
     return Fail("run", why);
   };
   if (!setup) return refuse(setup.error());
+  if (!options.tune.empty())
+    if (const auto advice = ReadTuneAdvice(options.tune, setup->config, setup->cell_name); !advice)
+      return refuse("--tune " + advice.error());
   std::optional<CellProcessParams> cell;
   if (options.simulated) {
     const auto first_port = UseSimulated(setup->config, options.port);
@@ -200,7 +203,11 @@ int RunOperate(const OperateOptions& asked) {
   base::InstallInterrupt();
   base::InstallPauseSignals();
   base::RunProgress progress("osteon run", options.seconds);
-  LiveViews live(*setup, {.command = "run", .seconds = options.seconds, .recording = options.record.string()},
+  LiveViews live(*setup,
+                 {.command = "run",
+                  .seconds = options.seconds,
+                  .recording = options.record.string(),
+                  .tune = options.tune},
                  base::AskedByOperator());
   live.SetSession(session.get());
   live.Open(options.console, options.foxglove);

@@ -35,6 +35,7 @@ struct OperateOptions {
   /// From one state of the carved bone to the next in the recording; 0: none.
   double bone_state_s{5.0};
   ConsoleChoice console{};              ///< where the console is served
+  std::filesystem::path tune{};         ///< result of `osteon tune` for the console; empty: kTuneFile
   ConsoleChoice foxglove{.on = false};  ///< where Foxglove and Lichtblick connect to
   std::filesystem::path json{};
   std::string command_line{};  ///< repeats the run

@@ -157,6 +157,11 @@ std::string SeenAt(safety::Fault fault, const TickRecord& tick, const control::S
       return Interlock(tick);
     case Fault::kSpindle:
       return Spindle(tick);
+    case Fault::kForceLimit:  // the scale is what the limit left of it
+      if (!(tick.wrench_scale > 0.0)) return "";
+      return fmt::format("{:.0f} N asked of the coupling",
+                         Vector3(tick.F_coupling_T_W.f).norm() / tick.wrench_scale) +
+             accepted("N", [](const Servo& p) { return p.wrench.max_force_N; });
     case Fault::kToolInBone:
       return fmt::format("{:.1f} mm", 1e3 * tick.tool_in_bone_m) +
              accepted("mm", [](const Servo& p) { return 1e3 * p.on_force_limit.max_tool_in_bone_m; });

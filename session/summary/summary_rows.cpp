@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "base/text.h"
+#include "session/summary/each_fault.h"
 #include "session/summary/summary.h"
 
 namespace osteon::session {
@@ -104,6 +106,16 @@ std::string EndedText(const RunSummary& s) {
          (s.arm_stop.empty() ? "" : "; arm: " + s.arm_stop);
 }
 
+// What the cell did at each fault, and how to go on: so that nobody has to look it up.
+void AddCures(const std::vector<report::FaultRow>& faults, std::vector<report::SummaryRow>& rows) {
+  ForEachFault([&](safety::Fault, const safety::FaultText& text) {
+    if (std::ranges::find(faults, text.name, &report::FaultRow::name) == faults.end()) return;
+    const std::string of = faults.size() > 1 ? fmt::format("{}: ", text.name) : "";
+    rows.push_back({"The cell", of + text.reaction});
+    rows.push_back({"How to go on", of + text.clearing});
+  });
+}
+
 }  // namespace
 
 double ToolOfPass(const RunSummary& s, const SessionPass& pass) {
@@ -171,6 +183,7 @@ std::vector<report::SummaryRow> Rows(const RunSummary& s) {
   for (const report::FaultRow& fault : s.faults)
     faults += (faults.empty() ? "" : "; ") + fault.name + (fault.seen.empty() ? "" : " (" + fault.seen + ")");
   rows.push_back({"Faults", faults.empty() ? "none" : faults});
+  AddCures(s.faults, rows);
   if (!s.recovered_from.empty())
     rows.push_back(
         {"Recovered from", fmt::format("{}: {}, {} by an operator", fmt::join(s.recovered_from, ", "),

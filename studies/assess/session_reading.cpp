@@ -13,7 +13,7 @@
 #include "io/recording/recording_reader.h"
 #include "session/procedure/pass_detector.h"
 #include "session/procedure/session_bone.h"
-#include "simulation/bone/scene_events.h"
+#include "session/procedure/wall_watch.h"
 
 namespace osteon::studies {
 namespace {
@@ -21,46 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using procedure::ProcessSums;
 
-constexpr double kWallStep_m = 0.2e-3;  // travel of the head between two looks at the walls
 constexpr double kNoStamp_s = -1.0;
-
-// Watches the walls beside the heads of all tools.
-class WallWatch {
- public:
-  WallWatch(const AssessedSession& session, const simulation::Solid* solid)
-      : session_(session), solid_(solid) {}
-
-  void Add(int tool, double radius_m, const Vector3& head_m) {
-    if (!solid_ || session_.plan.scene.events.min_wall_m <= 0.0) return;
-    auto found = watches_.find(tool);
-    if (found == watches_.end()) {
-      simulation::Tool ball;
-      ball.balls = {{.center_m = Vector3::Zero(), .radius_m = radius_m, .cutting = true}};
-      simulation::SceneEventParams params = session_.plan.scene.events;
-      params.regions.clear();
-      found = watches_.try_emplace(tool, solid_, session_.bone, ball, params).first;
-    } else if ((head_m - last_m_).norm() < kWallStep_m) {
-      return;
-    }
-    last_m_ = head_m;
-    Pose X_GP = Pose::Identity();
-    X_GP.translation() = head_m;
-    static_cast<void>(found->second.Step(X_GP, ++steps_, {}));
-  }
-  [[nodiscard]] std::optional<double> min_wall_m() const {
-    std::optional<double> min_m;
-    for (const auto& [tool, watch] : watches_)
-      if (watch.min_wall_m()) min_m = std::min(min_m.value_or(*watch.min_wall_m()), *watch.min_wall_m());
-    return min_m;
-  }
-
- private:
-  const AssessedSession& session_;
-  const simulation::Solid* solid_;
-  std::map<int, simulation::SceneWatch> watches_;
-  Vector3 last_m_{Vector3::Zero()};
-  double steps_{0.0};
-};
 
 // The carved state of a bone that nothing has touched.
 simulation::CarvedState Uncut(const simulation::Bone& bone) {
@@ -80,7 +41,7 @@ class SessionSums {
         X_GW_(setup.X_WG.inverse()),
         period_s_(period_s),
         total_(session.plan.plan, period_s),
-        walls_(session, setup.solid.get()) {
+        walls_(session.bone, setup.solid.get(), session.plan.scene.events) {
     for (const double diameter_mm : session.file.diameters_mm) {
       session.tools.push_back({.diameter_mm = diameter_mm, .figures = {}});
       tools_.emplace_back(session.plan.plan, period_s);
@@ -224,7 +185,7 @@ class SessionSums {
   ProcessSums total_;
   std::vector<ProcessSums> tools_, passes_;
   std::vector<double> removed_mm3_;  // of each pass, as the recordings hold it
-  WallWatch walls_;
+  session::WallWatch walls_;
   procedure::ReamedAxis axis_;
   int last_tool_{0};
   std::string recording_;

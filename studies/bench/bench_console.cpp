@@ -8,8 +8,8 @@
 #include <chrono>
 #include <memory>
 #include <optional>
-#include <regex>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include <fmt/format.h>
@@ -18,19 +18,25 @@
 #include "base/child_process.h"
 #include "base/interrupt.h"
 #include "base/json_text.h"
+#include "base/json_value.h"
 #include "base/read_text.h"
 #include "base/work_folder.h"
 #include "base/write_text.h"
 #include "console/server/page_client.h"
+#include "io/local/local_client.h"
 #include "session/process/exit_code.h"
 #include "session/setup/build_name.h"
+#include "session/summary/chart_files.h"
+#include "studies/bench/bench_reloads.h"
+#include "studies/bench/page_reloads.h"
 
 namespace osteon::studies {
 namespace {
 
 constexpr int kPages = 8;
-constexpr std::chrono::seconds kPatience{60};
 constexpr std::chrono::milliseconds kLooks{50};
+constexpr int kLooksToAsk = 20;
+constexpr double kMaxLatency_ms = 100.0;  // from a tick to its drawn figure: console.md's bar
 
 enum class Leg : std::uint8_t { kOff, kIdle, kEight, kPage, kBusy, kBrowser };
 constexpr std::array<const char*, 6> kLegs{"off",      "on, no page",          "eight pages, one stuck",
@@ -62,8 +68,21 @@ constexpr std::array<BoneFigure, 5> kBoneFigures{
 struct DemoFigures {
   nlohmann::json summary{};
   std::optional<BoneFigures> bone{};
-  std::string without_page{};  // why a page did not open; such a leg says nothing
+  std::string without_page{};                       // why a page did not open; such a leg says nothing
+  std::optional<double> received_ms{}, drawn_ms{};  // medians, from the tick
 };
+
+// The median time from a tick until a browser's page has drawn it, as the demo's console has it now.
+std::optional<double> AskDrawn(pid_t demo) {
+  for (const std::filesystem::path& socket : io::FindLocalServers()) {
+    if (socket.stem() != fmt::format("run-{}", demo)) continue;
+    const auto text = io::AskLocalServer(socket, "status");
+    const auto answer = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
+    const nlohmann::json& drawn_ms = base::ValueAt(base::ValueAt(answer, "run"), "drawn_ms");
+    if (drawn_ms.is_number()) return drawn_ms.get<double>();
+  }
+  return std::nullopt;
+}
 
 // Keeps every core busy at normal priority, as other work would.
 class BusyCores {
@@ -109,20 +128,6 @@ BoneFigures FiguresOf(const console::PageClient::Bone& bone) {
   return figures;
 }
 
-// Waits for the console's port in a demo's output. 0: the demo has ended.
-int AwaitPort(base::ChildProcess& demo, const std::filesystem::path& err) {
-  static const std::regex kAddress("console: http://127\\.0\\.0\\.1:([0-9]+)/");
-  for (const auto end = std::chrono::steady_clock::now() + kPatience;
-       std::chrono::steady_clock::now() < end;) {
-    std::smatch found;
-    const std::string text = base::ReadText(err);
-    if (std::regex_search(text, found, kAddress)) return std::stoi(found[1]);
-    if (demo.Ended() || base::Interrupted().load()) return 0;
-    std::this_thread::sleep_for(kLooks);
-  }
-  return 0;
-}
-
 // Runs one demo.
 DemoFigures RunDemoWith(Leg leg, const BenchConsoleOptions& options, const std::filesystem::path& folder) {
   std::error_code error;
@@ -141,7 +146,7 @@ DemoFigures RunDemoWith(Leg leg, const BenchConsoleOptions& options, const std::
   if (leg == Leg::kBusy) busy.emplace();
   std::vector<std::unique_ptr<console::PageClient>> pages;
   std::unique_ptr<base::ChildProcess> browser;
-  if (const int port = leg == Leg::kOff ? 0 : AwaitPort(**demo, err); port > 0) {
+  if (const int port = leg == Leg::kOff ? 0 : AwaitConsolePort(**demo, err); port > 0) {
     const int count = leg == Leg::kEight ? kPages : leg == Leg::kPage || leg == Leg::kBusy ? 1 : 0;
     for (int i = 0; i < count; ++i)  // of several the last one does not read
       if (auto page = console::PageClient::Open("127.0.0.1", port, i + 1 < kPages))
@@ -159,10 +164,17 @@ DemoFigures RunDemoWith(Leg leg, const BenchConsoleOptions& options, const std::
                .err = folder / "browser_err.txt"}))
         browser = std::move(*started);
   }
-  while (!(*demo)->Ended() && !base::Interrupted().load()) std::this_thread::sleep_for(kLooks);
-  if (browser) browser->Send(SIGTERM);
   DemoFigures figures;
-  if (!pages.empty()) figures.bone = FiguresOf(pages.front()->bone());
+  for (int look = 0; !(*demo)->Ended() && !base::Interrupted().load(); ++look) {
+    if (browser && look % kLooksToAsk == 0)
+      if (const auto drawn_ms = AskDrawn((*demo)->pid())) figures.drawn_ms = drawn_ms;
+    std::this_thread::sleep_for(kLooks);
+  }
+  if (browser) browser->Send(SIGTERM);
+  if (!pages.empty()) {
+    figures.bone = FiguresOf(pages.front()->bone());
+    figures.received_ms = QuantileOf(pages.front()->received_ms(), 0.5);
+  }
   pages.clear();
   if (!base::Interrupted().load())
     figures.summary = nlohmann::json::parse(base::ReadText(json), nullptr, false);
@@ -178,6 +190,7 @@ double MedianOf(std::vector<double> values) {
 struct Rounds {
   std::array<std::array<std::vector<double>, kFigures.size()>, kLegs.size()> cell;
   std::array<std::array<std::vector<double>, kBoneFigures.size()>, kLegs.size()> bone;
+  std::array<std::vector<double>, kLegs.size()> received_ms, drawn_ms;
 
   void Add(Leg leg, const DemoFigures& demo) {
     const auto l = static_cast<std::size_t>(leg);
@@ -186,6 +199,8 @@ struct Rounds {
           demo.summary.value(kFigures[i].key, nlohmann::json::object()).value(kFigures[i].part, 0.0));
     for (std::size_t i = 0; i < kBoneFigures.size(); ++i)
       if (demo.bone) bone[l][i].push_back((*demo.bone).*kBoneFigures[i].value);
+    if (demo.received_ms) received_ms[l].push_back(*demo.received_ms);
+    if (demo.drawn_ms) drawn_ms[l].push_back(*demo.drawn_ms);
   }
 };
 
@@ -200,6 +215,15 @@ nlohmann::ordered_json TellLeg(Leg leg, const Rounds& rounds) {
     fmt::print("    {:<20} {:8.1f} µs   {:5.2f}\n", kFigures[i].name, median, ratio);
     row[fmt::format("{}_{}", kFigures[i].key, kFigures[i].part)] = {{"median", median}, {"ratio", ratio}};
   }
+  for (const auto& [key, name, values] :
+       {std::tuple("received_ms_p50", "tick to page", &rounds.received_ms[l]),
+        std::tuple("drawn_ms_p50", "tick to drawn figure", &rounds.drawn_ms[l])}) {
+    if (values->empty()) continue;
+    const double median = MedianOf(*values);
+    fmt::print("    {:<20} {:8.1f} ms   {} {:g}\n", name, median, median < kMaxLatency_ms ? "below" : "above",
+               kMaxLatency_ms);
+    row[key] = median;
+  }
   if (rounds.bone[l][0].empty()) return row;
   for (std::size_t i = 0; i < kBoneFigures.size(); ++i) {
     const double median = MedianOf(rounds.bone[l][i]);
@@ -213,6 +237,7 @@ nlohmann::ordered_json TellLeg(Leg leg, const Rounds& rounds) {
 
 int RunBenchConsole(const BenchConsoleOptions& options) {
   base::InstallInterrupt();
+  if (options.reloads > 0) return RunBenchReloads(options);
   const base::WorkFolder folder("bench_console");
   std::vector<Leg> legs{Leg::kOff, Leg::kIdle, Leg::kEight, Leg::kPage, Leg::kBusy};
   if (!options.chromium.empty()) legs.push_back(Leg::kBrowser);

@@ -20,9 +20,22 @@ TEST(BenchConsole, MeasuresEveryLegAndItsRatios) {
       EXPECT_GT(leg[key]["ratio"].get<double>(), 0.0) << key;
     }
   EXPECT_EQ(json["legs"][0]["frame_us_p50"]["ratio"], 1.0);
+  EXPECT_GT(json["legs"][3]["received_ms_p50"].get<double>(), 0.0);
   for (std::size_t leg : {2u, 3u, 4u})
     for (const char* key : {"mesh_per_s", "whole_per_s", "longest_gap_ms", "age_ms_p50", "age_ms_p95"})
       EXPECT_TRUE(json["legs"][leg]["bone"].contains(key)) << leg << " " << key;
+}
+
+// Pages that come and go during a run, some without a word, leave nothing with it.
+TEST(BenchConsole, AHundredReloadsLeaveNothing) {
+  const TemporaryFolder folder;
+  const CommandResult result =
+      RunCommand(folder.path(), {"bench", "console", "--reloads", "100", "--json", "reloads.json"});
+  const nlohmann::json json = ReadJson(folder.path() / "reloads.json");
+  EXPECT_EQ(json["loaded"], 100) << result.out << result.err;
+  EXPECT_EQ(json["killed"], 33);
+  EXPECT_EQ(json["left_nothing"], true) << json;
+  if (json["faults"].empty()) EXPECT_EQ(result.exit_code, 0) << result.out;  // else the machine was late
 }
 
 }  // namespace

@@ -40,6 +40,12 @@ TEST(ClientMessage, TakesWhatAPageMayAsk) {
             Procedure::kUndo);
   EXPECT_EQ(std::get<ProcedureRequest>(*ParseClientMessage(R"({"ask": "guidance", "value": 0.5})")).value,
             0.5);
+  EXPECT_EQ(std::get<DrawnReport>(*ParseClientMessage(R"({"ask": "drawn", "value": 12.5})")).stamp_s, 12.5);
+  const auto finish =
+      std::get<ProcedureRequest>(*ParseClientMessage(R"({"ask": "finish", "confirmed": true})"));
+  EXPECT_EQ(finish.kind, Procedure::kFinish);
+  EXPECT_TRUE(finish.confirmed);
+  EXPECT_FALSE(std::get<ProcedureRequest>(*ParseClientMessage(R"({"ask": "finish"})")).confirmed);
   EXPECT_TRUE(std::holds_alternative<ResendRequest>(*ParseClientMessage(R"({"ask": "all"})")));
 }
 
@@ -61,6 +67,8 @@ TEST(ClientMessage, RefusesEverythingElseWithWhatItAccepts) {
                                    std::string(R"({"ask": "seek", "value": 1e999})"),
                                    std::string(R"({"ask": "seek", "value": "1"})"),
                                    std::string(R"({"ask": "next_tool", "value": 1})"),
+                                   std::string(R"({"ask": "finish", "value": 1})"),
+                                   std::string(R"({"ask": "drawn"})"),
                                    std::string(R"({"ask": "tool"})"),
                                    std::string(R"({"ask": "undo_pass", "confirmed": true})"),
                                    std::string(R"({"ask": "next_tool", "confirmed": false})"),

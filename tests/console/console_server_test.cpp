@@ -129,7 +129,8 @@ class ConsoleServerTest : public testing::Test {
              [this](OperatorRequest request) {
                requests_.fetch_or(1u << static_cast<unsigned>(request));
                return RequestAnswer{.done = true, .reason = ""};
-             }},
+             },
+         .operator_left = [this] { ++left_; }},
         feed_, surface_);
     ASSERT_TRUE(server) << server.error();
     server_ = std::move(*server);
@@ -164,6 +165,7 @@ class ConsoleServerTest : public testing::Test {
   LiveFeed feed_;
   SurfaceStore surface_;
   std::atomic<unsigned> requests_{0};
+  std::atomic<int> left_{0};  // pages that vanished with the operator's role
   std::atomic<bool> done_{false};
   std::unique_ptr<ConsoleServer> server_;
   std::thread feeder_;
@@ -270,6 +272,35 @@ TEST_F(ConsoleServerTest, OnlyTheOperatorsPageSteers) {
   EXPECT_TRUE(two.Await("answer")["done"].get<bool>());
 }
 
+// Whoever gives the role back, or only watched, may go without a word.
+TEST_F(ConsoleServerTest, OnlyAPageThatVanishesWithTheRoleIsToldOf) {
+  {
+    Client watches(server_->port(), origin().c_str()), gives_back(server_->port(), origin().c_str());
+    gives_back.Send(R"({"ask": "role"})");
+    EXPECT_FALSE(gives_back.Await("role", [](const auto& role) { return role["mine"].template get<bool>(); })
+                     .is_null());
+    gives_back.Send(R"({"ask": "watch"})");
+    EXPECT_FALSE(
+        gives_back.Await("role", [](const auto& role) { return !role["taken"].template get<bool>(); })
+            .is_null());
+  }
+  EXPECT_TRUE(Eventually([&] { return server_->pages() == 0; }));
+  EXPECT_EQ(left_.load(), 0);
+  {
+    Client operates(server_->port(), origin().c_str());
+    operates.Send(R"({"ask": "role"})");
+    EXPECT_FALSE(
+        operates.Await("role", [](const auto& role) { return role["mine"].template get<bool>(); }).is_null());
+  }
+  EXPECT_TRUE(Eventually([&] { return left_.load() == 1; }));
+  Client stays(server_->port(), origin().c_str());
+  stays.Send(R"({"ask": "role"})");
+  EXPECT_FALSE(
+      stays.Await("role", [](const auto& role) { return role["mine"].template get<bool>(); }).is_null());
+  server_.reset();  // the run's end is no page that vanishes
+  EXPECT_EQ(left_.load(), 1);
+}
+
 TEST_F(ConsoleServerTest, AnOperatorsPageThatVanishesFreesTheRole) {
   Client stays(server_->port(), origin().c_str());
   {
@@ -282,6 +313,20 @@ TEST_F(ConsoleServerTest, AnOperatorsPageThatVanishesFreesTheRole) {
           .Await("role",
                  [](const auto& role) { return !role["taken"].template get<bool>() && role["pages"] == 1; })
           .is_null());
+}
+
+// What a page says of its drawing is a figure and nothing else; what cannot be is dropped.
+TEST_F(ConsoleServerTest, TheTimeUntilAFigureIsDrawnIsMeasuredByOneClock) {
+  Client page(server_->port(), origin().c_str());
+  EXPECT_FALSE(server_->drawn_ms());
+  const double now_s = rt::ToSeconds(rt::MonotonicNow());
+  for (const double stamp_s : {now_s + 100.0, now_s - 100.0, -1e300})
+    page.Send(nlohmann::json{{"ask", "drawn"}, {"value", stamp_s}}.dump());
+  page.Send(nlohmann::json{{"ask", "drawn"}, {"value", now_s - 0.05}}.dump());
+  ASSERT_TRUE(Eventually([&] { return server_->drawn_ms().has_value(); }));
+  EXPECT_GE(*server_->drawn_ms(), 50.0);
+  EXPECT_LT(*server_->drawn_ms(), 20e3);
+  EXPECT_EQ(server_->counts().bad_messages, 0u);
 }
 
 TEST_F(ConsoleServerTest, StrangersAreRefused) {

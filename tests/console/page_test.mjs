@@ -188,6 +188,8 @@ async function operatesTheCell() {
     await page.evaluate(`document.getElementById("gain-${id}").value = "${value}"`);
     await page.evaluate(`document.getElementById("set-${id}").click()`);
   };
+  // how to get what is not there is said, and no document has to be opened
+  assert.match(await page.evaluate('document.getElementById("gains-tune").textContent'), /osteon tune demo/);
   const [ownDrag, ownStiffness] = [await gains("own_drag_Ns_per_m"), await gains("own_stiffness_N_per_m")];
   await setGain("drag", 2 * ownDrag);
   await until(page, `osteon.gains.note.drag_Ns_per_m === ${2 * ownDrag} && osteon.gains.note.can_undo`);
@@ -252,6 +254,11 @@ async function operatesAProcedure() {
   assert.deepEqual(await clipped(page), []);
   await page.evaluate('document.getElementById("next-tool").click()');
   await until(page, 'document.getElementById("answer").textContent.includes("not paused")');
+  // Finish says what is left of the plan, and ends nothing that is not confirmed
+  const asked = new Promise((resolve) => page.once("dialog", (dialog) => void dialog.dismiss().then(() => resolve(dialog.message()))));
+  await page.evaluate('document.getElementById("finish").click()');
+  assert.match(await asked, /no pass of its last tool, 50 mm, counts/);
+  assert.ok((await page.evaluate('document.getElementById("score").innerText')).includes("known once a pass has ended"));
   await page.evaluate('document.getElementById("undo-pass").click()');
   await until(page, "osteon.procedure.note.to_go_mm < 15 && osteon.scene.surface.triangles > 10000");
   await picture(page, "procedure");

@@ -97,6 +97,7 @@ CellCommands::CellCommands(CLI::App& app)
                    "write the carved bone there as a closed mesh in mm: .stl, .ply or .obj")
       ->type_name("FILE");
   AddConsoleOption(*run_, operate_.console);
+  AddTuneOption(*run_, operate_.tune);
   AddFoxgloveOption(*run_, operate_.foxglove);
   AddRecordBoneOption(*run_, operate_.bone_state_s);
   AddAtFaultOption(*run_, "hold with --console and no --seconds, else end",

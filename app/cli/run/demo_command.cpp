@@ -70,6 +70,7 @@ DemoCommand::DemoCommand(CLI::App& app)
                    "CPU of the servo thread and the simulated arm; everything else stays off it")
       ->check(NumberWithin(0, rt::kMaxCpu));
   AddConsoleOption(*sub_, options_.console);
+  AddTuneOption(*sub_, options_.tune);
   AddFoxgloveOption(*sub_, options_.foxglove);
   AddRecordBoneOption(*sub_, options_.bone_state_s);
   AddAtFaultOption(*sub_, "end", [this](bool hold) { options_.hold_at_fault = hold; });

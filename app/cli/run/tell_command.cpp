@@ -3,15 +3,15 @@
 namespace osteon::app {
 
 TellCommand::TellCommand(CLI::App& app)
-    : sub_(app.add_subcommand("tell",
-                              "asks a running session: next tool, undo, save, and what a cell is asked")) {
+    : sub_(app.add_subcommand(
+          "tell", "asks a running session: next tool, undo, save, finish, and what a cell is asked")) {
   sub_->add_option("session", options_.session, "the session's folder, or the name of the running cell")
       ->type_name("FOLDER|CELL")
       ->required();
   sub_->add_option("request", words_,
-                   "next, tool D (mm), undo, save, cup, guidance G (0 to 1), pause, resume, stop or status; "
-                   "\"confirmed\" after next or "
-                   "tool: a person has mounted this size")
+                   "next, tool D (mm), undo, save, cup, guidance G (0 to 1), finish, pause, resume, stop or "
+                   "status; \"confirmed\" after next or tool: a person has mounted this size; after finish: "
+                   "although the plan is not finished")
       ->type_name("REQUEST")
       ->required()
       ->expected(1, 3);
@@ -21,7 +21,8 @@ TellCommand::TellCommand(CLI::App& app)
       "Exit code 1: refused (the reason is said), or no cell runs this session\n\n"
       "Examples:\n  osteon tell first_hip pause\n  osteon tell first_hip next\n  osteon tell first_hip tool "
       "48\n"
-      "  osteon tell first_hip undo\n  osteon tell demo status --json status.json");
+      "  osteon tell first_hip undo\n  osteon tell first_hip finish\n"
+      "  osteon tell demo status --json status.json");
 }
 
 int TellCommand::Run() {

@@ -261,15 +261,22 @@ CLI::App* AddBenchConsole(CLI::App& bench, studies::BenchConsoleOptions& options
   sub->add_option("--seconds", options.seconds, "seconds of rendering of each demo")
       ->check(NumberWithin(session::kMinSeconds, session::kMaxSeconds))
       ->capture_default_str();
+  sub->add_option("--reloads", options.reloads,
+                  "instead of the rounds: load and leave a page so many times during one demo, every third "
+                  "one as by a kill")
+      ->check(NumberWithin(1, 1'000'000));
   sub->add_option("--chromium", options.chromium, "a Chromium: one more leg, in which it shows the page")
       ->type_name("PROGRAM")
       ->check(CLI::ExistingFile);
   sub->add_option("--json", options.json, "also write the figures there, as JSON")->type_name("FILE");
   sub->footer(
       "Also tells how often the carved bone reaches a page while the tool cuts, the longest gap, and how\n"
-      "old the bone is then: alone, and while other work keeps every core busy.\n\n"
-      "Exit code 1: a demo failed\n\n"
-      "Examples:\n  osteon bench console\n  osteon bench console --chromium /usr/bin/chromium --json "
+      "old the bone is then: alone, and while other work keeps every core busy; and the time from a tick to\n"
+      "its figures, taken by a page without a browser and drawn by the browser (with the way back).\n\n"
+      "--reloads tells what the demo holds before and after: memory, descriptors, threads.\n\n"
+      "Exit code 1: a demo failed, or had a fault for the reloads, or they left something\n\n"
+      "Examples:\n  osteon bench console\n  osteon bench console --reloads 1000\n  osteon bench console "
+      "--chromium /usr/bin/chromium --json "
       "console.json");
   return sub;
 }

@@ -34,6 +34,15 @@ void AddConsoleOption(CLI::App& sub, session::ConsoleChoice& choice) {
                   console::kDefaultPort));
 }
 
+void AddTuneOption(CLI::App& sub, std::filesystem::path& tune) {
+  sub.add_option("--tune", tune,
+                 fmt::format("tune.json of `osteon tune` for this cell and its gains: the page shows what it "
+                             "recommends and the margin. Without it {}, where that is of this cell",
+                             session::kTuneFile))
+      ->type_name("FILE")
+      ->check(CLI::ExistingFile);
+}
+
 void AddFoxgloveOption(CLI::App& sub, session::ConsoleChoice& foxglove) {
   AddServerOption(
       sub, "--foxglove", foxglove,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +11,8 @@ namespace osteon::app {
 
 /// Adds `--console`: where the page that shows the cell is served.
 void AddConsoleOption(CLI::App& sub, session::ConsoleChoice& choice);
+/// Adds `--tune`: the result of `osteon tune` that the page shows beside the gains.
+void AddTuneOption(CLI::App& sub, std::filesystem::path& tune);
 /// Adds `--foxglove`: where viewers connect to.
 void AddFoxgloveOption(CLI::App& sub, session::ConsoleChoice& foxglove);
 

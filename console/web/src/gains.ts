@@ -1,6 +1,7 @@
 // The card of the gains: what acts, what the cell's own are, how far it may be changed, and the change.
 
 import type { GainsNote } from "./messages";
+import { inLanguage } from "./message_texts";
 import { figure, t } from "./texts";
 
 type AskGains = (ask: "stiffness" | "drag" | "undo_gains", value?: number) => void;
@@ -61,9 +62,36 @@ export class GainsCard {
     undo.className = "small";
     undo.textContent = t("undo");
     undo.onclick = () => this.ask("undo_gains");
-    this.card.replaceChildren(heading, ...rows, ...(note.has_drag ? [margin] : []), hint, undo);
+    this.card.replaceChildren(heading, ...rows, ...(note.has_drag ? [margin] : []), this.tuned(note), hint, undo);
     this.enable(this.enabled);
     this.showAge(this.model_age_ms);
+  }
+
+  /** What `osteon tune` found: the margin of the present gains, its map at this point, and what it recommends. */
+  private tuned(note: GainsNote): HTMLElement {
+    const made = Object.assign(document.createElement("div"), { id: "gains-tune", className: "dim" });
+    const line = (text: string): void => made.append(Object.assign(document.createElement("div"), { textContent: text }));
+    const { tune } = note;
+    if (!tune) {
+      line(t("noTune"));
+      if (note.tune_why) line(inLanguage(note.tune_why));
+      return made;
+    }
+    const asked = `${t("askedMargin")} ${figure(tune.asked_margin, 2)}`;
+    if (tune.margin === null) line(`${t("gainMargin")}: ${t("marginUnknown")}`);
+    else if (tune.margin === 0) line(`${t("gainMargin")}: ▲ ${t("notStable")}`);
+    else line(`${t("gainMargin")}: ${t("atLeast")} ${figure(tune.margin, 2)} (${asked}) ${tune.margin >= tune.asked_margin ? "✓" : "▲"}`);
+    if (tune.wall_N_per_m !== null)
+      line(`${t("stableWall")} ${figure(tune.wall_N_per_m * PER_MM, 1)} N/mm; ${t("now")} ${figure(note.stiffness_N_per_m * PER_MM, 1)}`);
+    const best = tune.recommended;
+    if (!best) line(`${t("recommended")}: ▲ ${t("noneStable")}`);
+    else {
+      const parts = [`${figure(best.drag_Ns_per_m, 0)} N·s/m`];
+      if (best.mass_kg !== null) parts.unshift(`${figure(best.mass_kg, 1)} kg`);
+      if (best.stiffness_N_per_m !== null) parts.unshift(`${figure(best.stiffness_N_per_m * PER_MM, 1)} N/mm`);
+      line(`${t("recommended")}: ${parts.join(", ")} (${t("gainMargin")} ${figure(best.margin, 2)})`);
+    }
+    return made;
   }
 
   private row(id: "stiffness" | "drag", name: string, unit: string, scale: number, now: number, own: number, low: number, high: number): HTMLElement {

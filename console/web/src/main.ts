@@ -18,6 +18,7 @@ import { figure, getLanguage, setLanguage, t, type Language, type Word } from ".
 
 const CUTTING = 5; // safety::CellState
 const BONE_IS_OLD_MS = 1000;
+const REPORT_EVERY_MS = 200;
 
 const byId = (id: string): HTMLElement => document.getElementById(id)!;
 
@@ -43,6 +44,7 @@ class Page {
   private role: Role = { type: "role", mine: false, taken: false, pages: 0 };
   private connected = false;
   private gaveRoleBack = false;
+  private reported_ms = 0;
   private readonly worst = { compute_us: 0, wakeup_us: 0 };
 
   constructor() {
@@ -98,6 +100,9 @@ class Page {
         this.scene.showPlan(message);
         this.procedure.show(message);
         break;
+      case "score":
+        this.procedure.showScore(message);
+        break;
       case "bone_difference":
         this.scene.surface.setRange(message.range_mm);
         this.scene.redraw();
@@ -125,6 +130,7 @@ class Page {
         break;
       case "answer":
         if (message.done && message.ask === "role") break; // asked by the page itself: what is said stays
+        if (this.procedure.takeAnswer(message.done, message.reason)) break;
         byId("answer").textContent = message.done ? "" : inLanguage(message.reason);
         break;
       case "closed":
@@ -144,9 +150,21 @@ class Page {
     this.scene.show(live.view);
     this.charts.add(live.windows);
     this.showFigures();
+    this.reportDrawn(live.windows[live.windows.length - 1][0]);
     this.gains.showAge(live.status.model_age_ms);
     this.sound.show(live.status);
     this.showButtons();
+  }
+
+  /**
+   * Tells the server, some times a second, that a tick's figures are drawn: the frame after the one that has them begins.
+   * The server's clock has both ends of that time.
+   */
+  private reportDrawn(stamp_s: number): void {
+    const now_ms = performance.now();
+    if (!this.operable || document.hidden || now_ms - this.reported_ms < REPORT_EVERY_MS) return;
+    this.reported_ms = now_ms;
+    requestAnimationFrame(() => requestAnimationFrame(() => this.connection.ask("drawn", stamp_s)));
   }
 
   private showConnection(connected: boolean): void {

@@ -229,6 +229,16 @@ export interface GainsNote {
   max_drag_Ns_per_m: number;
   stable_age_ms: number;
   can_undo: boolean;
+  /** What `osteon tune` found (session/run/tune_advice.h); null: `tune_why`. */
+  tune?: {
+    file: string;
+    asked_margin: number;
+    margin: number | null; // at least, of the present gains; null: they are not the cell's own, nor softer
+    worst_age_ms: number;
+    wall_N_per_m: number | null; // the stiffest stable wall at the present drag, by tune's map
+    recommended: { mass_kg: number | null; stiffness_N_per_m: number | null; drag_Ns_per_m: number; margin: number } | null;
+  } | null;
+  tune_why?: string;
 }
 /** The plan of a procedure, in the world (session/procedure/procedure_panel.h). */
 export interface PlanNote {
@@ -259,6 +269,22 @@ export interface ProcedureNote {
   guidance: number | null; // gain; null: the plan has none
   cup: boolean;
 }
-export type ProcedureAsk = "next_tool" | "tool" | "undo_pass" | "save" | "cup" | "guidance";
-export type Message = PageKey | Closed | PlanNote | SurfaceWhole | ProcedureNote | GainsNote | CellNote | Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Difference | BoneDifference | Restart;
-export type Ask = ProcedureAsk | "pause" | "resume" | "recover" | "stop" | "role" | "watch" | "all" | "play" | "halt" | "seek" | "speed" | "map" | "stiffness" | "drag" | "undo_gains";
+/** The score of a procedure's session as far as it can be said (session/procedure/live_score.h). */
+export interface ScoreNote {
+  type: "score";
+  known: boolean; // false: no pass has ended yet, or there is no rubric: `why`
+  why: string;
+  total: number; // what follows: where it is known
+  of: number;
+  open_points: number;
+  unfinished: string; // what is left of the plan; empty: nothing
+  guided: boolean;
+  passes: number; // that it is of
+  age_s: number;
+  newer: boolean; // bone was cut since
+  items: { metric: string; text: string; unit: string; value: number | null; points: number; weight: number; open: boolean }[];
+  deductions: { name: string; points: number }[];
+}
+export type ProcedureAsk = "next_tool" | "tool" | "undo_pass" | "save" | "cup" | "guidance" | "finish";
+export type Message = PageKey | Closed | PlanNote | SurfaceWhole | ProcedureNote | ScoreNote | GainsNote | CellNote | Hello | Live | Events | Role | Answer | Layout | PlaybackState | TimelineNews | Difference | BoneDifference | Restart;
+export type Ask = ProcedureAsk | "pause" | "resume" | "recover" | "stop" | "role" | "watch" | "all" | "play" | "halt" | "seek" | "speed" | "map" | "stiffness" | "drag" | "undo_gains" | "drawn";

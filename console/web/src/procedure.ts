@@ -1,8 +1,9 @@
-// The card of the procedure: its tools, where the tool is along the plan, what of the result is known so far, and the
-// requests of `osteon tell` as buttons.
+// The card of the procedure: its tools, where the tool is along the plan, the score so far, and the requests of `osteon
+// tell` as buttons.
 
-import type { PlanNote, ProcedureAsk, ProcedureNote } from "./messages";
-import { figure, t, type Word } from "./texts";
+import { inLanguage } from "./message_texts";
+import type { PlanNote, ProcedureAsk, ProcedureNote, ScoreNote } from "./messages";
+import { figure, metricName, t, type Word } from "./texts";
 
 const sizeOf = ({ diameter_mm: mm }: { diameter_mm: number }): string => `${figure(mm, Math.abs(mm - Math.round(mm)) < 1e-6 ? 0 : 1)} mm`;
 
@@ -11,6 +12,7 @@ type AskProcedure = (ask: ProcedureAsk, value?: number, confirmed?: true) => voi
 export class ProcedureCard {
   private plan: PlanNote | null = null;
   private note: ProcedureNote | null = null;
+  private score: ScoreNote | null = null;
   private enabled = false;
 
   constructor(
@@ -27,6 +29,18 @@ export class ProcedureCard {
   show(note: ProcedureNote): void {
     this.note = note;
     this.update();
+  }
+
+  showScore(score: ScoreNote): void {
+    this.score = score;
+    this.updateScore();
+  }
+
+  /** The cell's answer to Finish: of a plan that is not finished a person confirms the end. True: it was taken. */
+  takeAnswer(done: boolean, reason: string): boolean {
+    if (done || !reason.startsWith("finish: the plan is not finished")) return false;
+    if (confirm(`${inLanguage(reason)}\n\n${t("finishAsk")}`)) this.ask("finish", undefined, true);
+    return true;
   }
 
   setTexts(): void {
@@ -59,10 +73,13 @@ export class ProcedureCard {
       this.button("save-pass", t("save"), () => this.ask("save"), "S"),
     );
     if (this.plan.kind === "cup") buttons.append(this.button("keep-cup", t("keepCup"), () => this.ask("cup")));
-    this.card.replaceChildren(heading, steps, table, buttons);
+    buttons.append(this.button("finish", t("finish"), () => this.ask("finish"), "E"));
+    const score = Object.assign(document.createElement("div"), { id: "score" });
+    this.card.replaceChildren(heading, steps, table, score, buttons);
     if (this.plan.corridor) this.card.append(this.guidance());
     this.enable(this.enabled);
     this.update();
+    this.updateScore();
   }
 
   private guidance(): HTMLElement {
@@ -129,6 +146,33 @@ export class ProcedureCard {
       `${t("aside")} ${figure(note.aside_mm, 1)} mm${mark(note.beyond.aside)}`,
     ];
     this.overlay.replaceChildren(...line.map((text) => Object.assign(document.createElement("span"), { textContent: text })));
+  }
+
+  /** The score of what is saved, its items, what is left of the plan, and how old all that is. */
+  private updateScore(): void {
+    const { score } = this;
+    const place = this.card.querySelector("#score");
+    if (!score || !place) return;
+    const line = (text: string): HTMLElement => Object.assign(document.createElement("div"), { className: "dim", textContent: text });
+    const heading = Object.assign(document.createElement("b"), { textContent: t("scoreSoFar") });
+    if (!score.known) return place.replaceChildren(heading, line(score.why || t("scoreWaits")));
+    const table = document.createElement("table");
+    const row = (name: string, value: string): void => {
+      const [made, left, right] = ["tr", "td", "td"].map((tag) => document.createElement(tag));
+      left.textContent = name;
+      right.textContent = value;
+      made.append(left, right);
+      table.append(made);
+    };
+    row(t("points"), `${figure(score.total, 1)} ${t("of")} ${figure(score.of, 0)}; ${figure(score.open_points, 0)} ${t("open")}`);
+    for (const item of score.items)
+      if (item.weight > 0)
+        row(metricName(item.metric, item.text), item.open ? t("open") : `${figure(item.points, 1)} ${t("of")} ${figure(item.weight, 0)}`);
+    for (const deduction of score.deductions) row(metricName(deduction.name, deduction.name), `−${figure(deduction.points, 0)}`);
+    const notes = [`${t("scoreOf").replace("{}", String(score.passes)).replace("{}", figure(score.age_s, 0))}${score.newer ? `; ${t("cutSince")}` : ""}`];
+    if (score.unfinished) notes.push(`▲ ${t("notFinished")}: ${inLanguage(score.unfinished)}`);
+    if (score.guided) notes.push(`▲ ${t("guidedScore")}`);
+    place.replaceChildren(heading, table, ...notes.map(line));
   }
 
   private button(id: string, text: string, act: () => void, key?: string): HTMLButtonElement {

@@ -74,6 +74,34 @@ const bounds: Record<string, [string, string]> = {
   "stored energy": ["stored energy", "gespeicherte Energie"],
 };
 
+// metrics of a rubric (procedure/assessment/score.cpp); the English words are the server's own
+const metrics: Record<string, string> = {
+  axis_error: "Achsfehler",
+  superior_shift: "Verschiebung des Zentrums nach superior",
+  medial_shift: "Verschiebung des Zentrums nach medial",
+  posterior_shift: "Verschiebung des Zentrums nach posterior",
+  diameter_error: "Durchmesserfehler",
+  form_p95: "Unrundheit, 95. Perzentil",
+  coverage: "Überdachung",
+  opening_shift: "Verschiebung der Öffnung von ihrer Achse",
+  depth_error: "Tiefenfehler",
+  unroofed: "geöffnetes Dach über dem Ziel",
+  over_reamed: "zu viel gefräst",
+  under_reamed: "zu wenig gefräst",
+  cartilage_left: "Knorpelrest im Dach",
+  rim_preserved: "erhaltener Rand",
+  time: "Zeit",
+  cutting_time: "Schnittzeit",
+  path: "Weg des Kopfes nahe der Pfanne",
+  force_mean: "Handkraft beim Schneiden, Mittel",
+  force_peak: "Handkraft beim Schneiden, Spitze",
+  wrong_way: "Anteil des Handimpulses quer zur Achse",
+  outside: "Schnitt außerhalb der Führung",
+  tremor: "Tremor, 6 bis 14 Hz",
+  breach: "Durchbruch",
+  "breach (assumed)": "Durchbruch (angenommen)",
+};
+
 const words = {
   connected: ["connected", "verbunden"],
   lost: ["connection lost: tries again", "Verbindung verloren: neuer Versuch"],
@@ -102,6 +130,15 @@ const words = {
   ownGain: ["the cell's own", "der Zelle eigene"],
   accepted: ["accepted", "erlaubt"],
   margin: ["Planes' age: stable up to", "Alter der Ebenen: stabil bis"],
+  noTune: ["No result of osteon tune: margin and recommended gains are not known", "Kein Ergebnis von osteon tune: Reserve und empfohlene Verstärkungen sind nicht bekannt"],
+  gainMargin: ["gain margin", "Verstärkungsreserve"],
+  askedMargin: ["asked for", "verlangt"],
+  atLeast: ["at least", "mindestens"],
+  marginUnknown: ["not known of these gains", "für diese Verstärkungen nicht bekannt"],
+  notStable: ["not stable with all hands", "nicht mit allen Händen stabil"],
+  noneStable: ["no gains are stable with all hands", "keine Verstärkungen sind mit allen Händen stabil"],
+  stableWall: ["stable wall at this drag, up to", "stabile Wand bei dieser Dämpfung, bis"],
+  recommended: ["recommended", "empfohlen"],
   now: ["now", "jetzt"],
   set: ["Set", "Setzen"],
   undo: ["Undo", "Rückgängig"],
@@ -233,6 +270,16 @@ const words = {
   undone: ["undone", "zurückgenommen"],
   cup: ["Cup", "Pfanne"],
   kept: ["kept", "gemerkt"],
+  finish: ["Finish", "Abschließen"],
+  finishAsk: ["End the session all the same?", "Die Sitzung trotzdem beenden?"],
+  scoreSoFar: ["Score so far", "Punkte bisher"],
+  scoreWaits: ["known once a pass has ended", "bekannt, sobald ein Gang beendet ist"],
+  points: ["points", "Punkte"],
+  open: ["open", "offen"],
+  scoreOf: ["passes: {}; {} s ago", "Gänge: {}; vor {} s"],
+  cutSince: ["cut since", "seitdem geschnitten"],
+  notFinished: ["The plan is not finished", "Der Plan ist nicht fertig"],
+  guidedScore: ["guided: not to be ranked with sessions without guidance", "geführt: nicht mit Sitzungen ohne Führung zu vergleichen"],
   confirmTool: ["Is the tool of {} mounted?", "Ist das Werkzeug mit {} montiert?"],
   hint: [
     "turn: drag or arrows, move: right button or Shift + arrows, zoom: wheel or + −",
@@ -262,6 +309,7 @@ export const permitName = (number: number, otherwise: string): string => pick(pe
 export const germanName = (english: string): string | undefined =>
   [...states, ...limits].find(([name]) => name === english)?.[1];
 export const boundName = (name: string): string => pick(bounds[name], name);
+export const metricName = (metric: string, english: string): string => (language === "de" ? (metrics[metric] ?? english) : english);
 export const limitName = (number: number, otherwise: string): string => pick(limits[number], otherwise);
 
 /** A number with its digits after the point, as the language writes it. */

@@ -54,6 +54,9 @@ TEST(SessionRequest, AcceptsWhatItSaysAndNothingElse) {
   EXPECT_EQ(ParseSessionRequest("tool 46")->diameter_mm, 46.0);
   EXPECT_TRUE(ParseSessionRequest("tool 46.5 confirmed")->confirmed);
   EXPECT_EQ(ParseSessionRequest(" undo ")->kind, Kind::kUndo);
+  EXPECT_EQ(ParseSessionRequest("finish")->kind, Kind::kFinish);
+  EXPECT_FALSE(ParseSessionRequest("finish")->confirmed);
+  EXPECT_TRUE(ParseSessionRequest("finish confirmed")->confirmed);
   for (const char* wrong : {"", "tool", "tool x", "tool 46 47", "tool nan", "undo confirmed", "confirmed",
                             "next now", "NEXT", "save all"})
     EXPECT_FALSE(ParseSessionRequest(wrong)) << wrong;

@@ -1,17 +1,17 @@
-#include "studies/assess/unfinished.h"
+#include "session/procedure/unfinished.h"
 
 #include <algorithm>
 #include <optional>
 
 #include <fmt/format.h>
 
-namespace osteon::studies {
+namespace osteon::session {
 namespace {
 
 // Above this share of the planned cavity that is left the plan is not finished.
 constexpr double kMaxShareLeft = 0.5;
 
-bool IsOfLastTool(const procedure::SurgicalPlan& plan, const session::SessionPass& pass) {
+bool IsOfLastTool(const procedure::SurgicalPlan& plan, const SessionPass& pass) {
   return !pass.undone && pass.tool_index == static_cast<int>(plan.tools.size()) - 1;
 }
 
@@ -26,15 +26,15 @@ std::string LeftOf(const procedure::CavityResult& cavity) {
 }  // namespace
 
 std::optional<double> ToGoOfLastTool_mm(const procedure::SurgicalPlan& plan,
-                                        std::span<const session::SessionPass> passes) {
+                                        std::span<const SessionPass> passes) {
   std::optional<double> to_go_mm;
-  for (const session::SessionPass& pass : passes)
+  for (const SessionPass& pass : passes)
     if (IsOfLastTool(plan, pass) && pass.to_go_mm)
       to_go_mm = std::min(to_go_mm.value_or(*pass.to_go_mm), *pass.to_go_mm);
   return to_go_mm;
 }
 
-Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan, std::span<const session::SessionPass> passes) {
+Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan, std::span<const SessionPass> passes) {
   const std::optional<double> to_go_mm = ToGoOfLastTool_mm(plan, passes);
   if (std::ranges::none_of(passes, [&](const auto& pass) { return IsOfLastTool(plan, pass); }))
     return {
@@ -47,10 +47,11 @@ Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan, std::span<const ses
                               *to_go_mm, kMaxToGo_mm)};
 }
 
-Unfinished UnfinishedOf(const AssessedSession& session) {
-  Unfinished unfinished = UnfinishedOf(session.plan.plan, session.file.passes);
-  if (unfinished.text.empty()) unfinished.text = LeftOf(session.assessment.cavity);
+Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan, std::span<const SessionPass> passes,
+                        const procedure::CavityResult& cavity) {
+  Unfinished unfinished = UnfinishedOf(plan, passes);
+  if (unfinished.text.empty()) unfinished.text = LeftOf(cavity);
   return unfinished;
 }
 
-}  // namespace osteon::studies
+}  // namespace osteon::session

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include <tl/expected.hpp>
+
+namespace osteon::io {
+
+/// A TCP connection to a server on an IPv4 address, for measurements: it can end as a program does that is
+/// killed. Blocks up to a patience; one thread.
+class TcpStream {
+ public:
+  /// @returns the error names address and port.
+  [[nodiscard]] static tl::expected<TcpStream, std::string> Connect(const std::string& address,
+                                                                    std::uint16_t port);
+  TcpStream(TcpStream&& other) noexcept;
+  TcpStream& operator=(TcpStream&&) = delete;
+  ~TcpStream();
+
+  /// Sends all of it. False: the other end has gone.
+  [[nodiscard]] bool Send(std::string_view bytes);
+  /// What has arrived by now, waiting for at least a byte. Empty: nothing came, or the other end has ended.
+  [[nodiscard]] std::string Receive(std::chrono::milliseconds patience);
+  /// Ends the connection as the system does for a process that is killed: what was not read makes it a reset.
+  void Kill();
+
+ private:
+  explicit TcpStream(int socket) : socket_(socket) {}
+  int socket_;
+};
+
+}  // namespace osteon::io

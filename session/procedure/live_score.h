@@ -1,0 +1,107 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/clock.h"
+#include "base/inheriting_mutex.h"
+#include "procedure/assessment/assessment.h"
+#include "procedure/plan/surgical_plan.h"
+#include "session/procedure/pass_detector.h"
+#include "session/procedure/session_file.h"
+#include "simulation/bone/bone.h"
+#include "simulation/bone/scene_events.h"
+#include "simulation/engine/cutting_engine.h"
+#include "simulation/solids/solid.h"
+
+namespace osteon::session {
+
+/// A session's score as far as it can be said before its end.
+struct ScoreSoFar {
+  procedure::Score score;   ///< an open item has no value and no points
+  std::vector<bool> open;   ///< of each of score.items
+  double open_points{0.0};  ///< weights of the open items
+  std::string unfinished;   ///< what is left of the plan; empty: nothing
+};
+
+/// Scores by procedure::ScoreOf what can be said now, and leaves the rest open: items that the last tool
+/// decides, before it has a pass that counts; items of the whole session's recordings; values that could not
+/// be measured. So its total is never above that of `osteon assess` of the same passes and rubric.
+/// @param passes  of the session, undone ones too
+/// @param assessment  of the state after them; its process figures are not used
+/// @param walls_known  false: some pass's walls are not known, and a breach is assumed
+[[nodiscard]] ScoreSoFar ScoreOfNow(const procedure::SurgicalPlan& plan, const procedure::Rubric& rubric,
+                                    std::span<const SessionPass> passes,
+                                    const procedure::Assessment& assessment, bool walls_known);
+
+struct LiveScoreParams {
+  procedure::SurgicalPlan plan;
+  std::optional<procedure::Rubric> rubric{};  ///< absent: no score is given
+  std::string without_rubric{};               ///< why it is absent
+  const simulation::Bone* bone{nullptr};      ///< uncut; outlives this
+  const simulation::Solid* solid{nullptr};    ///< null: walls are not watched
+  simulation::SceneEventParams walls{};       ///< of the plan's scene
+  Pose X_WG{Pose::Identity()};
+};
+
+/// The score of a session that goes on, by the code of `osteon assess`: of the state that the last pass that
+/// counts has left. What was cut since then is not in it; its age says how long that is.
+///
+///     frames' thread ──AddFrame, EndPass, SetState──▶ [newest state] ──Update──▶ message ──Json──▶ pages
+///
+/// AddFrame, EndPass and SetState take some microseconds. Update measures the bone, some tenths of a second:
+/// never the frames' thread.
+class LiveScore {
+ public:
+  explicit LiveScore(LiveScoreParams params) : params_(std::move(params)) {}
+
+  // frames' thread
+  /// Takes a frame of a tool of the plan. @param begins  it is the first one of a pass
+  void AddFrame(int tool, const simulation::ContactModel& model, double spindle_rad_per_s, bool begins);
+  /// The pass that is open gets its number, of SessionPass.
+  void EndPass(int number);
+  /// The state that counts now. @param stamp  of the newest frame  @param guided  some of it was guided
+  /// @returns whether it differs from the one before: an Update is due.
+  bool SetState(std::shared_ptr<const simulation::CarvedState> state, std::vector<SessionPass> passes,
+                const std::optional<PlainPose>& cup_X_GT, bool guided, rt::Nanoseconds stamp);
+
+  /// Scores the newest state, unless that is done. Any thread but the frames'.
+  void Update();
+
+  /// {"type": "score", …}; console/web/src/messages.ts has its fields. Any thread.
+  /// @param now  stamp of the newest frame  @param in_pass  a pass is open, which the score lacks
+  [[nodiscard]] std::string Json(rt::Nanoseconds now, bool in_pass) const;
+
+ private:
+  // What a pass has cut, as its score needs it.
+  struct Trace {
+    procedure::ReamedAxis axis;
+    std::vector<Vector3> heads_m;  // kWallStep_m apart, where bone was removed
+  };
+  struct Input {
+    std::shared_ptr<const simulation::CarvedState> state;
+    std::vector<SessionPass> passes;
+    std::optional<PlainPose> cup_X_GT;
+    bool guided{false};
+    rt::Nanoseconds stamp{0};
+    std::map<int, std::shared_ptr<const Trace>> traces;  // by the passes' numbers
+  };
+  [[nodiscard]] ScoreSoFar Measure(const Input& input) const;
+
+  const LiveScoreParams params_;
+  CutDetector cut_;  // of the frames' thread, as the next two
+  Trace open_;
+  std::map<int, std::shared_ptr<const Trace>> traces_;
+
+  std::mutex measuring_;               // one Update at a time
+  mutable rt::InheritingMutex mutex_;  // of what follows; the frames' thread takes it, and pages' threads
+  std::shared_ptr<const Input> newest_, measured_;
+  ScoreSoFar score_;  // of measured_
+};
+
+}  // namespace osteon::session

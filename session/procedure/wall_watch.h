@@ -1,0 +1,42 @@
+#pragma once
+
+#include <map>
+#include <optional>
+
+#include "kinematics/spatial.h"
+#include "simulation/bone/bone.h"
+#include "simulation/bone/scene_events.h"
+#include "simulation/solids/solid.h"
+
+namespace osteon::session {
+
+/// Travel of a head between two looks at the walls.
+inline constexpr double kWallStep_m = 0.2e-3;
+
+/// Watches the walls beside the heads of a plan's tools: the one rule for a session's assessment and for its
+/// score while it goes on.
+class WallWatch {
+ public:
+  /// @param bone, solid  outlive this; solid null: walls are not watched  @param events  of the plan's scene
+  WallWatch(const simulation::Bone& bone, const simulation::Solid* solid,
+            const simulation::SceneEventParams& events)
+      : bone_(bone), solid_(solid), events_(events) {}
+
+  /// Takes a place in the bone's frame at which a tool's head has removed bone. One within kWallStep_m of the
+  /// last one that was looked at is skipped.
+  void Add(int tool, double radius_m, const Vector3& head_m);
+  /// Thinnest wall [m]; nothing: none was seen.
+  [[nodiscard]] std::optional<double> min_wall_m() const;
+  /// Whether the scene has walls that are watched.
+  [[nodiscard]] bool watches() const { return solid_ && events_.min_wall_m > 0.0; }
+
+ private:
+  const simulation::Bone& bone_;
+  const simulation::Solid* solid_;
+  const simulation::SceneEventParams events_;
+  std::map<int, simulation::SceneWatch> watches_;
+  Vector3 last_m_{Vector3::Zero()};
+  double steps_{0.0};
+};
+
+}  // namespace osteon::session
