@@ -231,14 +231,13 @@ int RunDemo(const DemoOptions& asked) {
   base::RunProgress progress("osteon demo", options.seconds);
   const std::filesystem::path recording =
       session ? session->folder() / procedure->recording : options.out / "recording.mcap";
-  LiveViews live(
-      *setup,
-      {.command = "demo",
-       .seconds = options.seconds,
-       .recording = recording.string(),
-       .pages = options.out,
-       .tune = options.tune},
-      base::AskedByOperator());
+  LiveViews live(*setup,
+                 {.command = "demo",
+                  .seconds = options.seconds,
+                  .recording = recording.string(),
+                  .pages = options.out,
+                  .tune = options.tune},
+                 base::AskedByOperator());
   live.SetSession(session.get());
   ConsoleChoice console = options.console;
   console.on &= !options.virtual_time || console.only_this_port;  // a run of virtual time is over in a moment
