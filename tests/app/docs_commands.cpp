@@ -64,6 +64,7 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon demo --virtual-time", As("demo --virtual-time --seconds 0.5", {"demo_out/report.html"})},
       {"osteon demo --seconds 60", As("demo --virtual-time --seconds 0.5", {"demo_out/report.html"})},
       {"osteon bench console --chromium /usr/bin/chromium", By("BenchConsole.MeasuresEveryLegAndItsRatios")},
+      {"osteon bench console --reloads 1000", By("BenchConsole.AHundredReloadsLeaveNothing")},
       {"osteon status", By("OperatorCommands.PauseResumeAndStopARunningCell")},
       {"osteon pause", By("OperatorCommands.PauseResumeAndStopARunningCell")},
       {"osteon recover", By("OperatorCommands.PauseResumeAndStopARunningCell")},

@@ -31,7 +31,7 @@ ExportCommand::ExportCommand(CLI::App& app)
       ->check(NumberWithin(0.0, 86'400.0))
       ->needs(surface);
   sub_->add_option("--drop-pieces", options_.drop_below_mm3,
-                   "leave out pieces of bone smaller than this, in mm³, that nothing holds: chips and pins")
+                   "leave out pieces of bone of fewer cubic millimetres that nothing holds: chips and pins")
       ->check(NumberWithin(0.0, 1e6))
       ->needs(surface);
   CLI::Option* foxglove =

@@ -100,8 +100,14 @@ TEST_F(OperatorLeaves, LeavesOtherCellsAsTheyAre) {
   io::TcpStream operates = OpenPage(R"({"ask":"role"})");
   ASSERT_TRUE(AwaitText(operates, R"("mine":true)"));
   operates.Kill();
-  io::TcpStream next = OpenPage(R"({"ask":"role"})");
-  ASSERT_TRUE(AwaitText(next, R"("mine":true)")) << "the role is free once the first page has gone";
+  // a page that asks before the server has seen the first one's end is told that another has the role
+  EXPECT_TRUE(Eventually([&] {
+    io::TcpStream next = OpenPage(R"({"ask":"role"})");
+    std::string got;
+    for (int i = 0; i < 40 && got.find(R"("mine":true)") == std::string::npos; ++i)
+      got += next.Receive(std::chrono::milliseconds(5));
+    return got.find(R"("mine":true)") != std::string::npos;
+  })) << "the role is free once the first page has gone";
   EXPECT_FALSE(requests_.pause.load());
 }
 
