@@ -1,5 +1,6 @@
 #include "hil/operator/procedure_script.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -9,6 +10,12 @@ namespace osteon::hil {
 namespace {
 
 constexpr double kPushShare = 0.45;  // of a tool's time
+
+// As asked for, or what leaves each other tool its least time.
+double LastPushRatio(const ProcedureScriptParams& p) {
+  const double of_least = p.seconds / p.min_tool_s - static_cast<double>(p.heights_m.size());
+  return std::clamp(1.0 + of_least / kPushShare, 1.0, p.last_push_ratio);
+}
 
 }  // namespace
 
@@ -23,6 +30,7 @@ HandScript MakeProcedureScript(const ProcedureScriptParams& p) {
                   static_cast<double>(p.around_m.size()), "none, or one for each tool");
   RequireInScript(p.last_push_ratio >= 1.0 && p.last_push_ratio <= 20.0, "last_push_ratio", p.last_push_ratio,
                   "1 … 20");
+  RequireInScript(p.min_tool_s > 0.0, "min_tool_s", p.min_tool_s, "> 0");
   RequireInScript(p.coupling_N_per_m > 0.0, "coupling_N_per_m", p.coupling_N_per_m, "> 0");
   for (const double around_m : p.around_m) {
     RequireInScript(around_m >= 0.0 && around_m <= 0.05, "around_m", around_m, "0 … 0.05");
@@ -32,9 +40,9 @@ HandScript MakeProcedureScript(const ProcedureScriptParams& p) {
   ScriptPhases phases(
       {.seconds = p.seconds, .max_target_m_per_s = p.max_target_m_per_s},
       {.height_m = p.start_height_m, .force_limit_N = p.approach_force_N, .tilt_rad = 0.0, .grip = 0.0});
+  const double last_push_ratio = LastPushRatio(p);
   // share of a tool that is not the last, which also has its longer push
-  const double tool =
-      1.0 / (static_cast<double>(p.heights_m.size()) + kPushShare * (p.last_push_ratio - 1.0));
+  const double tool = 1.0 / (static_cast<double>(p.heights_m.size()) + kPushShare * (last_push_ratio - 1.0));
   double done_height_m = HandKey::kNever_m;
   // who sees the plan presses with the whole force until it is reached
   const double past_plan_m = p.sees_plan ? p.push_force_N / p.hand_stiffness_N_per_m : p.past_plan_m;
@@ -57,7 +65,7 @@ HandScript MakeProcedureScript(const ProcedureScriptParams& p) {
     const double around_m = i < p.around_m.size() ? p.around_m[i] : 0.0, widen = around_m > 0.0 ? 0.05 : 0.0;
     add("approach" + name, 0.15 - widen, height_m + p.approach_m, p.approach_force_N);
     if (widen > 0.0) add("widen" + name, widen, height_m + p.approach_m, p.approach_force_N, around_m);
-    const double longer = i + 1 == p.heights_m.size() ? p.last_push_ratio : 1.0;
+    const double longer = i + 1 == p.heights_m.size() ? last_push_ratio : 1.0;
     add("push" + name, 0.25, height_m - past_plan_m, p.push_force_N, around_m);
     add("finish" + name, kPushShare * longer - 0.25, height_m - past_plan_m, p.push_force_N, around_m);
     add("retract" + name, 0.18, p.retract_height_m, p.push_force_N);

@@ -30,6 +30,9 @@ struct ProcedureScriptParams {
   /// The last tool is pushed this many times as long as each other one, so that it comes to its planned
   /// place: its whole head cuts, so it is the slowest. >= 1.
   double last_push_ratio{1.0};
+  /// The longer push leaves each other tool this time at least [s], which a change at rest needs; a shorter
+  /// script has a smaller ratio.
+  double min_tool_s{5.0};
   double push_force_N{60.0};
   double approach_force_N{20.0};
   double tilt_rad{0.0};  ///< of the tool's axis away from the plan's: a tool that is held wrong

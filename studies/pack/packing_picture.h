@@ -6,6 +6,7 @@
 
 #include "report/depth_buffer.h"
 #include "report/png_file.h"
+#include "simulation/bone/bone.h"
 
 namespace osteon::studies {
 

@@ -60,6 +60,11 @@ TEST(ProcedureScript, TheLastToolIsPushedLonger) {
   params.last_push_ratio = 4.0;
   EXPECT_NEAR(pushed_s("2"), 4.0 * pushed_s("1"), 0.02);
   EXPECT_NEAR(MakeProcedureScript(params).duration_s(), 30.0, 1e-9) << "within the same time";
+  params.seconds = 12.0;  // 5 s for the first tool, 7 s for the last
+  EXPECT_NEAR(pushed_s("1"), 0.45 * 5.0, 0.02);
+  EXPECT_NEAR(pushed_s("2"), 0.45 * 5.0 + 2.0, 0.02);
+  params.seconds = 8.0;  // less than that: the same for both
+  EXPECT_NEAR(pushed_s("1"), pushed_s("2"), 0.01);
   params.last_push_ratio = 0.5;
   EXPECT_THROW((void)MakeProcedureScript(params), std::invalid_argument);
 }
