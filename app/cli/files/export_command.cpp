@@ -1,6 +1,6 @@
 #include "app/cli/files/export_command.h"
 
-#include <fmt/format.h>
+#include <utility>
 
 #include "app/cli/usage/usage.h"
 #include "session/process/exit_code.h"
@@ -44,18 +44,7 @@ ExportCommand::ExportCommand(CLI::App& app)
       ->check(NumberWithin(0.03, 3600.0))
       ->needs(foxglove)
       ->capture_default_str();
-  CLI::Option* mesh =
-      sub_->add_option("--mesh", mesh_.file,
-                       "the bone's file, where the run's bone was of a file: it is not in the recording")
-          ->type_name("FILE")
-          ->check(CLI::ExistingFile);
-  sub_->add_option("--cup", cup_, "the run's --cup: centre, axis out of the bone, radius; mm")
-      ->type_name("X,Y,Z,NX,NY,NZ,R")
-      ->needs(mesh);
-  sub_->add_option("--scale", mesh_.scale, "mm for each unit of the mesh file")
-      ->check(NumberWithin(1e-4, 1e4))
-      ->needs(mesh)
-      ->capture_default_str();
+  mesh_.AddTo(*sub_);
   sub_->add_option("--out", options_.out, "folder for the files; without it the recording's own")
       ->type_name("FOLDER");
   sub_->add_option("--json", options_.json, "also write the figures there, as JSON")->type_name("FILE");
@@ -71,17 +60,12 @@ ExportCommand::ExportCommand(CLI::App& app)
 
 int ExportCommand::Run() const {
   session::ExportOptions options = options_;
-  if (!mesh_.file.empty()) {
-    if (options.surface.empty() && options.foxglove.empty())
-      return session::Fail("export",
-                           "--mesh: found neither --surface nor --foxglove, accepted with one of them");
-    options.mesh = mesh_;
-    if (!cup_.empty()) {
-      const auto cup = session::ParseCup(cup_);
-      if (!cup) return session::Fail("export", cup.error());
-      options.mesh->cup = *cup;
-    }
-  }
+  auto mesh = mesh_.Read();
+  if (!mesh) return session::Fail("export", mesh.error());
+  if (*mesh && options.surface.empty() && options.foxglove.empty())
+    return session::Fail("export",
+                         "--mesh: found neither --surface nor --foxglove, accepted with one of them");
+  options.mesh = std::move(*mesh);
   return session::RunExport(options);
 }
 

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "app/cli/files/recorded_mesh_options.h"
 #include "session/replay/export_recording.h"
 
 namespace osteon::app {
@@ -19,8 +20,7 @@ class ExportCommand {
 
  private:
   session::ExportOptions options_;
-  session::MeshChoice mesh_;
-  std::string cup_;
+  RecordedMeshOptions mesh_;
   CLI::App* sub_;
 };
 

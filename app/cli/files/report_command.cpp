@@ -1,5 +1,7 @@
 #include "app/cli/files/report_command.h"
 
+#include <utility>
+
 #include "app/cli/usage/usage.h"
 #include "session/process/exit_code.h"
 
@@ -14,18 +16,7 @@ ReportCommand::ReportCommand(CLI::App& app)
   sub_->add_option("--out", options_.out, "folder for the pages; without it the recording's own")
       ->type_name("FOLDER");
   sub_->add_option("--json", options_.json, "also write the figures there, as JSON")->type_name("FILE");
-  CLI::Option* mesh =
-      sub_->add_option("--mesh", mesh_.file,
-                       "the bone's file, where the run's bone was of --mesh: it is not in the recording")
-          ->type_name("FILE")
-          ->check(CLI::ExistingFile);
-  sub_->add_option("--cup", cup_, "the run's --cup: centre, axis out of the bone, radius; mm")
-      ->type_name("X,Y,Z,NX,NY,NZ,R")
-      ->needs(mesh);
-  sub_->add_option("--scale", mesh_.scale, "mm for each unit of the mesh file")
-      ->check(NumberWithin(1e-4, 1e4))
-      ->needs(mesh)
-      ->capture_default_str();
+  mesh_.AddTo(*sub_);
   sub_->footer(
       "Writes RECORDING_report.html, and the pages of the stops. The bone is cut again along the recorded "
       "motion, packed as the run packed it; a mesh that the cell names has to lie where it lay.\n\n"
@@ -36,14 +27,9 @@ ReportCommand::ReportCommand(CLI::App& app)
 
 int ReportCommand::Run(const std::string& command_line) {
   options_.command_line = command_line;
-  if (!mesh_.file.empty()) {
-    options_.mesh = mesh_;
-    if (!cup_.empty()) {
-      const auto cup = session::ParseCup(cup_);
-      if (!cup) return session::Fail("report", cup.error());
-      options_.mesh->cup = *cup;
-    }
-  }
+  auto mesh = mesh_.Read();
+  if (!mesh) return session::Fail("report", mesh.error());
+  options_.mesh = std::move(*mesh);
   return session::RunRecordedReport(options_);
 }
 
