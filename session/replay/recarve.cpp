@@ -36,4 +36,12 @@ void Recarve::Add(const simulation::FrameRecord& frame) {
   ++frames_;
 }
 
+std::optional<simulation::FrameRecord> Recarve::NextDue(bool at_end) {
+  if (waiting_.empty()) return std::nullopt;
+  if (!at_end && waiting_.front().model.pose_stamp > newest_) return std::nullopt;
+  const simulation::FrameRecord frame = waiting_.front();
+  waiting_.pop_front();
+  return frame;
+}
+
 }  // namespace osteon::session

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
+#include <optional>
 
 #include "control/setup/servo_params.h"
 #include "control/tick_record.h"
@@ -25,11 +27,11 @@ class Recarve {
   /// is left out and counted.
   void Add(const simulation::FrameRecord& frame);
 
-  /// Whether the tick of a frame's pose was added, or cannot come any more. In wall time a frame may stand in
-  /// the file before its tick.
-  [[nodiscard]] bool IsDue(const simulation::FrameRecord& frame) const {
-    return frame.model.pose_stamp <= newest_;
-  }
+  /// Keeps a frame until it is due. In wall time a frame may stand in the file before the tick of its pose.
+  void Wait(const simulation::FrameRecord& frame) { waiting_.push_back(frame); }
+  /// Removes the next frame that waits, if its tick was added or cannot come any more: for Add(frame).
+  /// @param at_end  no tick comes any more
+  [[nodiscard]] std::optional<simulation::FrameRecord> NextDue(bool at_end = false);
   /// Goes on with another engine, which outlives this.
   void ReplaceEngine(simulation::CuttingEngine& engine) { engine_ = &engine; }
 
@@ -52,6 +54,7 @@ class Recarve {
   std::size_t next_{0};
   rt::Nanoseconds last_stamp_{0};
   rt::Nanoseconds newest_{0};  // of the places
+  std::deque<simulation::FrameRecord> waiting_;
   std::uint64_t frames_{0}, left_out_{0};
 };
 

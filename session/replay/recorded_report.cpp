@@ -1,7 +1,6 @@
 #include "session/replay/recorded_report.h"
 
 #include <algorithm>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -128,12 +127,11 @@ class BoneAgain {
     return CutDue(read);
   }
   std::string Add(const simulation::FrameRecord& frame, Read& read) {
-    waiting_.push_back(frame);
+    recarve_.Wait(frame);
     return CutDue(read);
   }
   std::string Finish(Read& read) {
-    for (; !waiting_.empty(); waiting_.pop_front())
-      if (std::string wrong = Cut(waiting_.front(), read); !wrong.empty()) return wrong;
+    if (std::string wrong = CutDue(read, true); !wrong.empty()) return wrong;
     read.result.after = engine_->Snapshot();
     read.result.rezoned = std::move(zones_.rezoned());
     read.result.min_wall_m = watch_.min_wall_m();
@@ -142,9 +140,9 @@ class BoneAgain {
   }
 
  private:
-  std::string CutDue(Read& read) {
-    for (; !waiting_.empty() && recarve_.IsDue(waiting_.front()); waiting_.pop_front())
-      if (std::string wrong = Cut(waiting_.front(), read); !wrong.empty()) return wrong;
+  std::string CutDue(Read& read, bool at_end = false) {
+    while (const auto frame = recarve_.NextDue(at_end))
+      if (std::string wrong = Cut(*frame, read); !wrong.empty()) return wrong;
     return "";
   }
   std::string Cut(const simulation::FrameRecord& frame, Read& read) {
@@ -165,7 +163,6 @@ class BoneAgain {
   }
 
   simulation::CuttingEngine* engine_;
-  std::deque<simulation::FrameRecord> waiting_;  // for the ticks of their poses
   Recarve recarve_;
   RecordedZones zones_;
   simulation::SceneWatch watch_;

@@ -2,7 +2,6 @@
 
 #include <csignal>
 #include <cstring>
-#include <deque>
 #include <fstream>
 #include <stdexcept>
 #include <utility>
@@ -141,14 +140,12 @@ std::string RemoteEngine::CarveAgain(const std::filesystem::path& recording) {
   auto stream = io::RecordingStream::Open(recording);
   if (!stream) return stream.error();
   Recarve recarve(**engine, setup_.config.servo.law);
-  std::deque<simulation::FrameRecord> waiting;  // for the ticks of their poses
   for (auto topic = stream->Next(); topic && *topic != io::RecordedTopic::kOther; topic = stream->Next()) {
     if (*topic == io::RecordedTopic::kTick) recarve.Add(stream->tick);
-    if (*topic == io::RecordedTopic::kFrame) waiting.push_back(stream->frame);
-    for (; !waiting.empty() && recarve.IsDue(waiting.front()); waiting.pop_front())
-      recarve.Add(waiting.front());
+    if (*topic == io::RecordedTopic::kFrame) recarve.Wait(stream->frame);
+    while (const auto frame = recarve.NextDue()) recarve.Add(*frame);
   }
-  for (const simulation::FrameRecord& frame : waiting) recarve.Add(frame);
+  while (const auto frame = recarve.NextDue(true)) recarve.Add(*frame);
   carved_ = (*engine)->Snapshot();
   return "";
 }

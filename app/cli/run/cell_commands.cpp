@@ -24,11 +24,7 @@ CellCommands::CellCommands(CLI::App& app)
                    "use this tool instead of the cell's: NAME or NAME:DIAMETER in mm; a name under tools/, "
                    "or a YAML file")
         ->type_name("TOOL");
-    sub.add_option("--identified", identified_,
-                   "a file of `osteon identify` for this cell, instead of the cell's own: the simulated arm, "
-                   "the dead zone and the vibration index have what was measured")
-        ->check(CLI::ExistingFile)
-        ->type_name("FILE");
+    AddIdentifiedOption(sub, identified_);
   };
   common(*cell_);
   cell_procedure_.Add(*cell_, false);

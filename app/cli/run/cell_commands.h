@@ -24,7 +24,8 @@ class CellCommands {
   session::SimulatedCellOptions simulated_;
   session::OperateOptions operate_;
   ProcedureOptions procedure_, cell_procedure_;
-  std::string name_, tool_, identified_;
+  std::string name_, tool_;
+  std::filesystem::path identified_;
   CLI::App *cell_, *run_;
 };
 

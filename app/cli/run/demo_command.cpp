@@ -57,11 +57,7 @@ DemoCommand::DemoCommand(CLI::App& app)
                                   "use this tool instead of the cell's: NAME or NAME:DIAMETER in mm; a "
                                   "name under tools/, or a YAML file")
                      ->type_name("TOOL");
-  sub_->add_option("--identified", options_.identified,
-                   "a file of `osteon identify` for this cell, instead of the cell's own: the simulated arm, "
-                   "the dead zone and the vibration index have what was measured")
-      ->check(CLI::ExistingFile)
-      ->type_name("FILE");
+  AddIdentifiedOption(*sub_, options_.identified);
   sub_->add_option("--port", options_.port,
                    "first of the cell's ports, instead of the one in its file: FRI, PLC, then two for each "
                    "CAN bus; 0: any free ports")

@@ -43,6 +43,15 @@ void AddTuneOption(CLI::App& sub, std::filesystem::path& tune) {
       ->check(CLI::ExistingFile);
 }
 
+void AddIdentifiedOption(CLI::App& sub, std::filesystem::path& identified) {
+  sub.add_option(
+         "--identified", identified,
+         "a file of `osteon identify` for this cell, instead of the cell's own: the simulated arm, the "
+         "dead zone and the vibration index have what was measured")
+      ->check(CLI::ExistingFile)
+      ->type_name("FILE");
+}
+
 void AddFoxgloveOption(CLI::App& sub, session::ConsoleChoice& foxglove) {
   AddServerOption(
       sub, "--foxglove", foxglove,

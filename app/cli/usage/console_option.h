@@ -13,6 +13,8 @@ namespace osteon::app {
 void AddConsoleOption(CLI::App& sub, session::ConsoleChoice& choice);
 /// Adds `--tune`: the result of `osteon tune` that the page shows beside the gains.
 void AddTuneOption(CLI::App& sub, std::filesystem::path& tune);
+/// Adds `--identified`: what was measured of the cell, instead of what its file assumes.
+void AddIdentifiedOption(CLI::App& sub, std::filesystem::path& identified);
 /// Adds `--foxglove`: where viewers connect to.
 void AddFoxgloveOption(CLI::App& sub, session::ConsoleChoice& foxglove);
 
