@@ -132,7 +132,7 @@ void CarveInBatches(surface::CarvedField& field, std::span<const surface::Capsul
     field.Carve(capsules.subspan(at, std::min(kBatch, capsules.size() - at)));
 }
 
-/// Of all tools: a field does not know in which order it was swept.
+/// For all tools: a field does not know in which order it was swept.
 std::vector<surface::Capsule> CapsulesOf(std::span<const simulation::ToolPath> paths) {
   std::vector<surface::Capsule> capsules;
   for (const simulation::ToolPath& path : paths) {

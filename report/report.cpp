@@ -16,8 +16,8 @@
 namespace osteon::report {
 namespace {
 
-// Of the pictures' surfaces, which are not in the page: as fine as the tool's own grid for all bones but the
-// largest.
+// Bounds of the pictures' surfaces, which are not in the page: as fine as the tool's own grid for all bones
+// but the largest.
 constexpr std::size_t kMaxPictureQuads = 2'000'000;
 
 std::string FaultsHtml(const ReportInput& input) {

@@ -23,8 +23,8 @@ namespace osteon::config {
 ///   arm can be: 0 … 32 periods of dead time, a damping ratio of at most 10
 void ApplyIdentified(const std::filesystem::path& file, CellConfig& cell);
 
-/// What a cell has of its file, a line each: the arm's lag, its springs, the dead zone, the tremor, the notch
-/// and the sensor's delay. Empty: nothing was identified.
+/// The figures that a cell has of its file, a line each: the arm's lag, its springs, the dead zone, the
+/// tremor, the notch and the sensor's delay. Empty: nothing was identified.
 [[nodiscard]] std::vector<std::string> IdentifiedText(const CellConfig& cell);
 
 }  // namespace osteon::config

@@ -13,7 +13,7 @@
 
 namespace osteon::control {
 
-/// What a start of motion depends on, beside a tick's inputs and the loop's parts.
+/// The values that a start of motion depends on, beside a tick's inputs and the loop's parts.
 struct StartInput {
   double max_force_N{0.0};                                         ///< as StartConditions
   bool may_start{true};                                            ///< as StartConditions

@@ -17,7 +17,7 @@ struct StandingArm {
   JointArray q{};  ///< [rad]
 };
 
-/// What the loop exchanges with the outside in wall time. References must outlive the run.
+/// The ends of the loop's exchange with the outside in wall time. References must outlive the run.
 struct ServoPorts {
   ArmLink& link;
   CellDevices& devices;

@@ -1,5 +1,5 @@
 #version 460
-// What fma() leaves of a product beyond its rounding: context/fused_fma.h compares it with the exact value.
+// The rest that fma() leaves of a product beyond its rounding: context/fused_fma.h compares it with the exact one.
 #extension GL_EXT_scalar_block_layout : require
 
 layout(local_size_x = 64) in;

@@ -22,7 +22,8 @@ class TcpStream {
 
   /// Sends all of it. False: the other end has gone.
   [[nodiscard]] bool Send(std::string_view bytes);
-  /// What has arrived by now, waiting for at least a byte. Empty: nothing came, or the other end has ended.
+  /// Returns what has arrived by now, waiting for at least a byte. Empty: nothing came, or the other end has
+  /// ended.
   [[nodiscard]] std::string Receive(std::chrono::milliseconds patience);
   /// Ends the connection as the system does for a process that is killed: what was not read makes it a reset.
   void Kill();

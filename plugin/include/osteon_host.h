@@ -23,7 +23,7 @@ struct Brick {
   std::vector<std::int32_t> indices;  ///< three of each triangle, as the host shows it from outside
 };
 
-/// What gives way, in the host's axes and unit.
+/// The displacements of what gives way, in the host's axes and unit.
 struct Deflection {
   Pose head;                    ///< of the bent tool in the bone
   Pose bone;                    ///< where to draw the bone

@@ -111,8 +111,8 @@ struct Guided {
   OsteonGuidanceOutput values;  ///< shares, distances, flags; its wrench is in Osteon's axes
 };
 
-/// What holds a hand to a plan with one of its reamers. One thread at a time; wait-free but for Open and
-/// Close.
+/// The guidance that holds a hand to a plan with one of its reamers. One thread at a time; wait-free but for
+/// Open and Close.
 class Guidance {
  public:
   explicit Guidance(const Axes& axes) : axes_(axes) {}

@@ -36,7 +36,7 @@ struct PlannedCell {
     CellSetup& setup, const FidelityChoice& choice, const EngineChoice& engine, bool timed,
     const std::function<void(const std::string&)>& say = {});
 
-/// What the event of a planned bone begins with in a recording.
+/// The beginning of a planned bone's event in a recording.
 inline constexpr const char* kPackingEvent = "packing: ";
 
 /// The plan in one line, for summary and recording.

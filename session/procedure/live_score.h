@@ -78,7 +78,7 @@ class LiveScore {
   [[nodiscard]] std::string Json(rt::Nanoseconds now, bool in_pass) const;
 
  private:
-  // What a pass has cut, as its score needs it.
+  // The cut of a pass, as its score needs it.
   struct Trace {
     procedure::ReamedAxis axis;
     std::vector<Vector3> heads_m;  // kWallStep_m apart, where bone was removed

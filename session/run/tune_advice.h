@@ -12,7 +12,7 @@
 
 namespace osteon::session {
 
-/// What `osteon tune` found for a cell and its gains, as its tune.json says.
+/// The result of `osteon tune` for a cell and its gains, as its tune.json says.
 struct TuneAdvice {
   std::string file;
   double asked_margin{0.0};  ///< gain margin that was asked for

@@ -106,7 +106,7 @@ std::string EndedText(const RunSummary& s) {
          (s.arm_stop.empty() ? "" : "; arm: " + s.arm_stop);
 }
 
-// What the cell did at each fault, and how to go on: so that nobody has to look it up.
+// The rows say what the cell did at each fault, and how to go on: so that nobody has to look it up.
 void AddCures(const std::vector<report::FaultRow>& faults, std::vector<report::SummaryRow>& rows) {
   ForEachFault([&](safety::Fault, const safety::FaultText& text) {
     if (std::ranges::find(faults, text.name, &report::FaultRow::name) == faults.end()) return;

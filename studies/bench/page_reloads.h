@@ -31,14 +31,14 @@ enum class PageEnd : std::uint8_t {
 [[nodiscard]] tl::expected<void, std::string> LoadPageAndLeave(const std::string& address, std::uint16_t port,
                                                                PageEnd end, double patience_s = 20.0);
 
-/// What a process holds, from /proc; zeros where it has gone.
+/// The resources that a process holds, from /proc; zeros where it has gone.
 struct ProcessHolds {
   double resident_MB{0.0};
   int descriptors{0}, threads{0};
 };
 [[nodiscard]] ProcessHolds HoldsOf(pid_t process);
 
-/// What many reloads left with a process that serves the page.
+/// The trace that many reloads left with a process that serves the page.
 struct ReloadFigures {
   int loaded{0}, killed{0};           ///< pages that were loaded; of these, killed
   std::vector<std::string> failed{};  ///< why a page was not

@@ -15,7 +15,7 @@ namespace osteon::studies {
 /// A model of a response, by its parameters and the frequency [Hz].
 using ResponseModel = std::function<std::complex<double>(const Eigen::VectorXd& p, double hz)>;
 
-/// What is left of each line over its standard deviation: real and imaginary parts in turn, the first 2 n of
+/// The rest of each line over its standard deviation: real and imaginary parts in turn, the first 2 n of
 /// r.
 void FillResiduals(std::span<const ResponseLine> lines, const ResponseModel& model, const Eigen::VectorXd& p,
                    Eigen::VectorXd& r);

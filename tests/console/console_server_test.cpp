@@ -315,7 +315,7 @@ TEST_F(ConsoleServerTest, AnOperatorsPageThatVanishesFreesTheRole) {
           .is_null());
 }
 
-// What a page says of its drawing is a figure and nothing else; what cannot be is dropped.
+// A page's word of its drawing is a figure and nothing else; what cannot be is dropped.
 TEST_F(ConsoleServerTest, TheTimeUntilAFigureIsDrawnIsMeasuredByOneClock) {
   Client page(server_->port(), origin().c_str());
   EXPECT_FALSE(server_->drawn_ms());

@@ -199,7 +199,7 @@ class GodotSession {
 
   Value Version(const Arguments& /*arguments*/) { return Value(std::string(osteon_version())); }
 
-  /// What was assumed to make a solid of the bone's mesh; empty: nothing.
+  /// The assumptions that made a solid of the bone's mesh; empty: nothing.
   Value BoneWarning(const Arguments& /*arguments*/) {
     return Value(std::string(osteon_bone_warning(session_.bone())));
   }

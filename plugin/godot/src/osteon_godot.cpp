@@ -1,4 +1,4 @@
-// What Godot finds in the library: its entry points, and the NativeScript classes OsteonSession and
+// The parts of the library that Godot finds: its entry points, and the NativeScript classes OsteonSession and
 // OsteonGuidance.
 #include <exception>
 #include <string>

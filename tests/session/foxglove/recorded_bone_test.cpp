@@ -29,7 +29,7 @@ std::vector<foxglove::SceneUpdate> BoneStates(const std::filesystem::path& recor
   return states;
 }
 
-/// What a viewer shows after a state: the newest of each part.
+/// The parts that a viewer shows after a state: the newest of each.
 using Shown = std::map<std::string, std::string>;
 void Show(const foxglove::SceneUpdate& state, Shown& shown) {
   for (const auto& deletion : state.deletions())

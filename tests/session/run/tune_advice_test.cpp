@@ -10,7 +10,7 @@
 #include "session/run/gains_panel.h"
 #include "tests/temporary_path.h"
 
-// What the console's panel of gains shows of a result of `osteon tune`.
+// The console's panel of gains and what it shows of a result of `osteon tune`.
 
 namespace osteon::session {
 namespace {

@@ -140,7 +140,7 @@ TEST(LiveScore, IsTheAssessmentsOwnAndNeverAboveIt) {
   EXPECT_GT(last.at("total"), 85.0);
 }
 
-// What is not known of a session that is resumed is open, and a breach in the dark is assumed.
+// An item that is not known of a session that is resumed is open, and a breach in the dark is assumed.
 TEST(LiveScore, OfAnotherProcessesPassesTheWallsAreNotTrusted) {
   const procedure::Rubric rubric = config::LoadRubric(kConfig / "rubrics/rubric.yaml");
   procedure::SurgicalPlan plan;

@@ -66,7 +66,7 @@ TEST_F(PageReloads, AHundredOfThemLeaveNothing) {
                                     << " to " << figures.after.resident_MB << " MB";
 }
 
-// What is left is found: a page that stays has a descriptor and a thread.
+// A page that stays is found: it has a descriptor and a thread.
 TEST_F(PageReloads, APageThatStaysIsFound) {
   std::vector<std::unique_ptr<console::PageClient>> stay;
   const ReloadFigures figures = ReloadPages("127.0.0.1", port(), ::getpid(), 10, [&](int done) {

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "OsteonConvert.h"
+#include "OsteonRefusal.h"
 #include "osteon_host_plan.h"
 
 UOsteonBoneComponent::UOsteonBoneComponent(const FObjectInitializer& Initializer) : Super(Initializer) {
@@ -205,12 +206,5 @@ void UOsteonBoneComponent::TellEvents() {
 }
 
 bool UOsteonBoneComponent::Succeeds(OsteonResult Result) {
-  if (Result == OSTEON_OK) return true;
-  const FString Text = UTF8_TO_TCHAR(osteon_last_error());
-  if (Text != LastRefusal) {
-    LastRefusal = Text;
-    UE_LOG(LogTemp, Warning, TEXT("Osteon: %s"), *Text);
-    OnRefused.Broadcast(Text);
-  }
-  return false;
+  return OsteonSucceeds(Result, LastRefusal, OnRefused);
 }

@@ -1,6 +1,7 @@
 #include "OsteonGuidanceComponent.h"
 
 #include "OsteonConvert.h"
+#include "OsteonRefusal.h"
 
 void UOsteonGuidanceComponent::BeginPlay() {
   USceneComponent::BeginPlay();
@@ -68,12 +69,5 @@ bool UOsteonGuidanceComponent::GetReamer(int32 Index, FVector& Apex, double& Dia
 }
 
 bool UOsteonGuidanceComponent::Succeeds(OsteonResult Result) {
-  if (Result == OSTEON_OK) return true;
-  const FString Text = UTF8_TO_TCHAR(osteon_last_error());
-  if (Text != LastRefusal) {
-    LastRefusal = Text;
-    UE_LOG(LogTemp, Warning, TEXT("Osteon: %s"), *Text);
-    OnRefused.Broadcast(Text);
-  }
-  return false;
+  return OsteonSucceeds(Result, LastRefusal, OnRefused);
 }

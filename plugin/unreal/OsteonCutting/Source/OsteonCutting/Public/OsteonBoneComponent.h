@@ -58,10 +58,10 @@ class OSTEONCUTTING_API UOsteonBoneComponent : public UProceduralMeshComponent {
   UFUNCTION(BlueprintPure, Category = "Osteon")
   bool IsOpen() const { return HostSession.IsOpen(); }
 
-  /// What computes the frames, such as "cpu on one thread, …".
+  /// The engine that computes the frames, such as "cpu on one thread, …".
   UFUNCTION(BlueprintPure, Category = "Osteon")
   FString GetEngine() const;
-  /// What was assumed to make a solid of the bone's mesh; empty: nothing. It goes to the log as well.
+  /// The assumptions that made a solid of the bone's mesh; empty: nothing. It goes to the log as well.
   UFUNCTION(BlueprintPure, Category = "Osteon")
   FString GetBoneWarning() const;
   UFUNCTION(BlueprintPure, Category = "Osteon")

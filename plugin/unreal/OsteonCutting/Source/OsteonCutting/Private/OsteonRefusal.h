@@ -1,0 +1,18 @@
+#pragma once
+
+#include "CoreMinimal.h"
+#include "OsteonTypes.h"
+#include "osteon_host.h"
+
+/// Whether a call succeeded. A refusal is logged and told, but not again while it stays the same, as in every
+/// frame.
+inline bool OsteonSucceeds(OsteonResult Result, FString& LastRefusal, FOsteonRefused& OnRefused) {
+  if (Result == OSTEON_OK) return true;
+  const FString Text = UTF8_TO_TCHAR(osteon_last_error());
+  if (Text != LastRefusal) {
+    LastRefusal = Text;
+    UE_LOG(LogTemp, Warning, TEXT("Osteon: %s"), *Text);
+    OnRefused.Broadcast(Text);
+  }
+  return false;
+}
