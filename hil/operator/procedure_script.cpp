@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <string_view>
 
 #include "hil/operator/script_phases.h"
+#include "hil/operator/tool_holds.h"
 
 namespace osteon::hil {
 namespace {
 
 constexpr double kPushShare = 0.45;  // of a tool's time
+constexpr std::string_view kHold = "change";
 
 // As asked for, or what leaves each other tool its least time.
 double LastPushRatio(const ProcedureScriptParams& p) {
@@ -69,12 +72,23 @@ HandScript MakeProcedureScript(const ProcedureScriptParams& p) {
     add("push" + name, 0.25, height_m - past_plan_m, p.push_force_N, around_m);
     add("finish" + name, kPushShare * longer - 0.25, height_m - past_plan_m, p.push_force_N, around_m);
     add("retract" + name, 0.18, p.retract_height_m, p.push_force_N);
-    add("change" + name, 0.20, p.retract_height_m, p.approach_force_N);
+    add(std::string(kHold) + name, 0.20, p.retract_height_m, p.approach_force_N);
   }
   Pose X_WC = p.X_WC;
   X_WC = X_WC * Eigen::Translation3d(p.aside_m, 0.0, 0.0) * Eigen::AngleAxisd(p.tilt_rad, Vector3::UnitX());
   return HandScript(X_WC, p.head_radius_m, p.tool_yaw_rad, 2.0, phases.start(), phases.ReleasePhases(),
                     p.loop_period_s);
+}
+
+std::vector<ToolHold> HoldsForChanges(const HandScript& script) {
+  std::vector<ToolHold> holds;
+  double time_s = 0.0;
+  for (const HandPhase& phase : script.phases()) {
+    if (phase.name.starts_with(kHold)) holds.push_back({.begin_s = time_s, .length_s = phase.duration_s});
+    time_s += phase.duration_s;
+  }
+  if (!holds.empty()) holds.pop_back();  // no tool follows the last one
+  return holds;
 }
 
 }  // namespace osteon::hil

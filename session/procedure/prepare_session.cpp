@@ -50,8 +50,6 @@ struct NoviceBurr {
 // (hil/operator/operator_hand.h). The hand leads the burr a little beyond the planned circle, so that it
 // still presses where that is reached; along the axis an expert lets up there. Both distances are assumed.
 constexpr double kFingerRest = 4.0, kExpertPastPlan_m = 0.1e-3, kLead_m = 0.3e-3;
-// An expert dwells with the last reamer, whose whole head cuts, until it is at the plan (assumed).
-constexpr double kExpertLastPush = 4.0;
 constexpr double kClearOfOpening_m = 3e-3;  // over its rim: a burr is retracted
 
 // The frame of the plan: its centre, +z along its axis, x and y as near to G's as can be.

@@ -69,6 +69,10 @@ struct Procedure {
 /// Height of the bone's site over the plan's centre, along the plan's axis [m].
 [[nodiscard]] double RimOver(const procedure::SurgicalPlan& plan, const simulation::CutSite& site);
 
+/// An expert dwells with the last reamer, whose whole head cuts, until it is at the plan (assumed): its push
+/// is this many times as long as that of each other one.
+inline constexpr double kExpertLastPush = 4.0;
+
 /// Gives a simulated cell the scripted operator of a plan, from the tool `first` on: the expert keeps to it.
 /// The novice at a cup is 14 degrees tilted, aims 6 mm aside toward superior and 5 mm too deep, and presses
 /// with 140 N and an arm four times as stiff; with a burr 10 degrees, 0.8 mm, 1 mm, and half again the force.

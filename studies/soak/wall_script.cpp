@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "hil/operator/procedure_script.h"
+#include "hil/operator/tool_holds.h"
+#include "session/procedure/prepare_session.h"
 #include "studies/soak/seeded_draws.h"
 
 namespace osteon::studies {
@@ -55,13 +58,15 @@ void AddTimes(WallEpisode& episode, SeededDraws& draws) {
     episode.pauses = {{draws.Between(3.0, 6.0), draws.Between(0.5, 2.0)},
                       {draws.Between(9.0, 14.0), draws.Between(0.5, 2.0)}};
   if (episode.event == WallEvent::kTools) {
-    // The operator's script holds each tool where it is changed, in the last fifth of its share; the script
-    // goes on in a pause, which by itself takes about half a second.
-    const double share_s = episode.seconds / kToolsOfPlan;
+    // The expert's script holds each tool where it is changed; it goes on in a pause, which by itself takes
+    // about half a second.
+    const hil::HandScript script = hil::MakeProcedureScript({.seconds = episode.seconds,
+                                                             .heights_m = std::vector<double>(kToolsOfPlan),
+                                                             .last_push_ratio = session::kExpertLastPush});
     double paused_s = 0.0;
-    for (std::size_t tool = 1; tool < kToolsOfPlan; ++tool) {
+    for (const hil::ToolHold& hold : hil::HoldsForChanges(script)) {
       const double length_s = draws.Between(0.3, 1.0);
-      episode.pauses.push_back({.begin_s = share_s * (static_cast<double>(tool) - 0.17) - paused_s,
+      episode.pauses.push_back({.begin_s = hold.begin_s + 0.15 * hold.length_s - paused_s,
                                 .length_s = length_s,
                                 .next_tool = true});
       paused_s += length_s + 0.5;

@@ -4,8 +4,11 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
+
+#include "hil/operator/tool_holds.h"
 
 namespace osteon::hil {
 namespace {
@@ -67,6 +70,17 @@ TEST(ProcedureScript, TheLastToolIsPushedLonger) {
   EXPECT_NEAR(pushed_s("1"), pushed_s("2"), 0.01);
   params.last_push_ratio = 0.5;
   EXPECT_THROW((void)MakeProcedureScript(params), std::invalid_argument);
+}
+
+TEST(ProcedureScript, TellsWhenEachToolButTheLastIsHeldForItsChange) {
+  ProcedureScriptParams params = TwoReamers();
+  params.last_push_ratio = 4.0;
+  const HandScript script = MakeProcedureScript(params);
+  const std::vector<ToolHold> holds = HoldsForChanges(script);
+  ASSERT_EQ(holds.size(), 1u);
+  EXPECT_STREQ(script.PhaseName(holds[0].begin_s + 1e-6), "change 1");
+  EXPECT_STREQ(script.PhaseName(holds[0].begin_s + holds[0].length_s - 1e-6), "change 1");
+  EXPECT_NEAR(holds[0].begin_s, 4.0 * holds[0].length_s, 1e-9) << "0.8 and 0.2 of a tool's time";
 }
 
 TEST(ProcedureScript, ANoviceIsTiltedAndAsideAllTheTime) {

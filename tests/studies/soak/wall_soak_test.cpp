@@ -9,6 +9,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "config/reading/load.h"
+#include "config/reading/load_surgical_plan.h"
+#include "hil/operator/procedure_script.h"
+#include "session/procedure/prepare_session.h"
 #include "tests/report/report_markup.h"
 
 // The soak in wall time: its seeded script, what it judges, what it writes. The processes themselves run in
@@ -45,6 +49,28 @@ TEST(WallScript, IsAFunctionOfTheSeedAndHasEveryEvent) {
   EXPECT_THAT(kills, SizeIs(7)) << "each but the cell's in contact and clear of bone";
   EXPECT_TRUE(differs);
   EXPECT_TRUE(loses);
+}
+
+TEST(WallScript, ToolsAreChangedWhileTheHandHoldsThem) {
+  int index = 0;
+  while (!WallEpisodeAt(3, index).life.plan) ++index;
+  const WallEpisode episode = WallEpisodeAt(3, index);
+  const std::filesystem::path shipped = OSTEON_SOURCE_DIR "/config";
+  config::CellConfig cell = config::LoadCell(shipped / "cells" / "demo.yaml");
+  session::UseHandOfPlan(config::LoadSurgicalPlan(shipped / "plans" / "acetabulum.yaml").plan, "expert",
+                         Pose::Identity(), {}, 0, cell);
+  auto params = std::get<hil::ProcedureScriptParams>(cell.script);
+  params.seconds = episode.seconds;
+  const hil::HandScript script = hil::MakeProcedureScript(params);
+  ASSERT_THAT(episode.pauses, SizeIs(kToolsOfPlan - 1));
+  double paused_s = 0.0;  // the script goes on in a pause
+  for (std::size_t tool = 0; tool < episode.pauses.size(); ++tool) {
+    const WallPause& pause = episode.pauses[tool];
+    const std::string change = fmt::format("change {}", tool + 1);
+    EXPECT_EQ(script.PhaseName(pause.begin_s + paused_s), change);
+    paused_s += pause.length_s + 0.5;
+    EXPECT_EQ(script.PhaseName(pause.begin_s + paused_s), change) << "at the pause's end";
+  }
 }
 
 // An episode of which nothing is wrong.
