@@ -243,11 +243,11 @@ void PrintResult(const AssessResult& result, const session::Verdict& verdict) {
                  (result.guided ? ": not to be ranked with sessions without guidance" : ""));
   for (const procedure::ScoredItem& scored : result.score.items) {
     const procedure::Metric& metric = procedure::MetricNamed(scored.item.metric);
-    fmt::print(
-        "  {:<{}}{}  {}\n", metric.text, kKeyWidth,
-        scored.value ? fmt::format("{:.3g} {}", *scored.value * metric.to_unit, metric.unit) : "not measured",
-        scored.item.weight > 0.0 ? fmt::format("{:.1f} of {:g} points", scored.points, scored.item.weight)
-                                 : "shown, not scored");
+    fmt::print("  {:<{}}{}  {}\n", metric.text, kKeyWidth,
+               scored.value ? ValueText(*scored.value, metric) : "not measured",
+               scored.item.weight > 0.0
+                   ? fmt::format("{:.1f} of {:g} points", scored.points, scored.item.weight)
+                   : "shown, not scored");
   }
   for (const procedure::Deduction& deduction : result.score.deductions)
     fmt::print("  {:<{}}-{:g} points\n", deduction.name, kKeyWidth, deduction.points);
