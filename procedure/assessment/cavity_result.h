@@ -30,6 +30,9 @@ struct CavityResult {
   double removed_m3{0.0};
   double over_m3{0.0};   ///< removed outside the planned cavity, but for the target of an opening
   double under_m3{0.0};  ///< left inside it, likewise
+  /// Volume that the plan takes away [m³]: the bone of the planned cavity before it was cut, and the target's
+  /// bone that an opening removed outside it.
+  [[nodiscard]] double PlannedVolume_m3() const { return under_m3 + removed_m3 - over_m3; }
   /// Share of the cartilage left within the roof arcs; nothing for a bone without cartilage there.
   std::optional<double> cartilage_left;
   /// Share of the bone left within 3 mm beside the plan, in the upper 2 mm; nothing where there was none.

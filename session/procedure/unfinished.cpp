@@ -17,10 +17,10 @@ bool IsOfLastTool(const procedure::SurgicalPlan& plan, const SessionPass& pass) 
 
 // Says how much of the planned cavity is left, where that is most of it; empty: it is not.
 std::string LeftOf(const procedure::CavityResult& cavity) {
-  const double whole_m3 = cavity.under_m3 + cavity.removed_m3 - cavity.over_m3;
-  if (!(cavity.under_m3 > kMaxShareLeft * whole_m3)) return "";
+  const double planned_m3 = cavity.PlannedVolume_m3();
+  if (!(cavity.under_m3 > kMaxShareLeft * planned_m3)) return "";
   return fmt::format("of the planned cavity {:.0f} of {:.0f} mm³ are left: the last tool is not at its depth",
-                     1e9 * cavity.under_m3, 1e9 * whole_m3);
+                     1e9 * cavity.under_m3, 1e9 * planned_m3);
 }
 
 }  // namespace

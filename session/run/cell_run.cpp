@@ -13,14 +13,15 @@
 #include "hil/impaired_cell.h"
 #include "io/devices/wired_devices.h"
 #include "session/foxglove/recorded_topics.h"
+#include "session/gains/gains_watch.h"
 #include "session/planning/recorded_packing.h"
 #include "session/procedure/procedure_session.h"
 #include "session/run/arm_connection.h"
 #include "session/run/fault_events.h"
 #include "session/run/frame_receiver.h"
 #include "session/run/frame_runner.h"
-#include "session/run/gains_watch.h"
 #include "session/run/remote_engine.h"
+#include "session/run/run_end.h"
 #include "session/run/simulated_cell_run.h"
 #include "session/run/simulated_setup.h"
 #include "session/run/simulation_thread.h"
@@ -29,7 +30,6 @@
 #include "session/run/virtual_devices.h"
 #include "session/setup/build_name.h"
 #include "session/setup/recorded_config.h"
-#include "session/stops/stop_records.h"
 #include "session/summary/chart_files.h"
 #include "session/summary/deflection_events.h"
 #include "session/summary/limit_rows.h"
@@ -64,34 +64,6 @@ tl::expected<CellConnections, std::string> OpenConnections(const CellSetup& setu
   if (!devices) return tl::make_unexpected(devices.error());
   wires.devices = std::move(*devices);
   return wires;
-}
-
-// Names the permits that were missing in the loop's last tick, as long as it did not move.
-std::string MissingPermits(safety::MotionPermits permits) {
-  if (!permits.Has(safety::MotionPermit::kArmFresh)) return "";  // no message: the arm's diagnosis says why
-  std::string missing;
-  for (int bit = 0; bit < safety::kMotionPermits; ++bit) {
-    const auto permit = static_cast<safety::MotionPermit>(1u << bit);
-    if (!permits.Has(permit))
-      missing += std::string(missing.empty() ? "" : ", ") + safety::DescribeMissing(permit);
-  }
-  return missing.empty() ? "" : "motion lacked " + missing;
-}
-
-// Says why the arm's messages did not come: a guard that does not run lets none through.
-std::string DescribeMissingArm(const std::string& arm, const std::optional<config::GuardConfig>& guard,
-                               safety::MotionPermits permits) {
-  if (!guard || permits.Has(safety::MotionPermit::kArmFresh)) return arm;
-  return fmt::format("{} The arm is reached through the guard on {}:{}: does `osteon guard` run?", arm,
-                     guard->host, guard->port);
-}
-
-void AddDiagnosis(CellRunResult& result, const std::string& arm, const std::string& devices,
-                  safety::MotionPermits permits) {
-  if (result.end != control::RunEnd::kNeverActive) return;
-  // a PLC that gives no permission puts the arm into its safety stop: the devices' reasons come first
-  for (const std::string& why : {devices, arm, MissingPermits(permits)})
-    if (!why.empty()) result.diagnosis += (result.diagnosis.empty() ? "" : "; ") + why;
 }
 
 void ApplyRequests(const CellRunParams& params, control::ServoLoop& loop) {
@@ -138,29 +110,6 @@ class ProcedureSink final : public io::RecordSink {
 // asked at once, before a PLC switches off its power.
 double AtRest_s(const CellSetup& setup, const CellRunParams& params) {
   return CanRequestStop(setup.config.link) ? 0.0 : params.at_rest_s;
-}
-
-// Says why a run ended that was ended only by its operator or its duration.
-std::string DescribeEnd(const CellRunResult& result, double seconds) {
-  if (result.end == control::RunEnd::kSeconds) return fmt::format("{:g} s of rendering were over", seconds);
-  const std::string signal = base::InterruptName();
-  if (signal == "SIGINT") return "Ctrl-C (SIGINT)";
-  if (signal == "SIGHUP") return "the terminal was closed (SIGHUP)";
-  if (signal == "operator") return "the operator's stop";
-  return signal.empty() ? "a stop was asked for" : "a signal of another program (" + signal + ")";
-}
-
-// Whether somebody has asked for the run's end; a session that is finished asks as its operator.
-bool IsStopAsked(const CellRunParams& params) {
-  const bool finished = params.procedure && params.procedure->finished();
-  if (finished) base::RequestInterrupt(base::kOperatorsStop);
-  return finished || (params.stop && params.stop->load());
-}
-
-void RecordEnd(io::Recorder& recorder, rt::Nanoseconds stamp, const CellRunResult& result, double seconds) {
-  if (result.faults.Any()) return;
-  if (result.end == control::RunEnd::kSeconds || result.end == control::RunEnd::kStopFlag)
-    recorder.PushEvent(stamp, kEndEvent + DescribeEnd(result, seconds));
 }
 
 tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameRunner& runner,

@@ -51,9 +51,9 @@ void AddOpening(const procedure::SurgicalPlan& plan, const procedure::Assessment
 std::string BoneLeftText(const AssessedSession& session) {
   const procedure::SurgicalPlan& plan = session.plan.plan;
   const procedure::CavityResult& cavity = session.assessment.cavity;
-  const double whole_m3 = cavity.under_m3 + cavity.removed_m3 - cavity.over_m3;
+  const double planned_m3 = cavity.PlannedVolume_m3();
   std::string text = fmt::format("{:.0f} of {:.0f} mm³ that the plan takes away are still there",
-                                 1e9 * cavity.under_m3, 1e9 * whole_m3);
+                                 1e9 * cavity.under_m3, 1e9 * planned_m3);
   if (!session.assessment.opening) {
     const double hemisphere_m2 = 2.0 * std::numbers::pi * plan.cavity().radius_m * plan.cavity().radius_m;
     text += fmt::format(", as much as a layer of {:.2f} mm over the whole planned hemisphere",

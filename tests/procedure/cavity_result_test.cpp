@@ -46,6 +46,13 @@ TEST(CavityResult, WhatIsLeftInThePlanIsUnderReamed) {
   EXPECT_NEAR(1e9 * Reamed({1.5, 0.8, -2.5}).under_m3, 1361.0, kVolumes * 1361.0);
 }
 
+TEST(CavityResult, ThePlannedVolumeDoesNotDependOnWhatWasCut) {
+  const double planned_m3 = Reamed({0.0, 0.0, -2.0}).PlannedVolume_m3();
+  EXPECT_NEAR(1e9 * planned_m3, 7699.0, kVolumes * 7699.0);
+  EXPECT_NEAR(Reamed({1.5, 0.8, -2.5}).PlannedVolume_m3(), planned_m3, 1e-9 * planned_m3);
+  EXPECT_NEAR(Reamed({0.0, 0.0, 0.0}).PlannedVolume_m3(), planned_m3, 1e-9 * planned_m3);
+}
+
 TEST(CavityResult, AConcentricReamerLeavesTheCartilageBeyondItsRadius) {
   const auto left = Reamed({0.0, 0.0, 0.0}).cartilage_left;
   ASSERT_TRUE(left);

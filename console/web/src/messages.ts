@@ -217,7 +217,7 @@ export interface CellNote {
   lost: number;
   overruns: number;
 }
-/** The gains that an operator may change, and how far (session/run/gains_panel.h). */
+/** The gains that an operator may change, and how far (session/gains/gains_panel.h). */
 export interface GainsNote {
   type: "gains";
   stiffness_N_per_m: number;
@@ -229,7 +229,7 @@ export interface GainsNote {
   max_drag_Ns_per_m: number;
   stable_age_ms: number;
   can_undo: boolean;
-  /** What `osteon tune` found (session/run/tune_advice.h); null: `tune_why`. */
+  /** What `osteon tune` found (session/gains/tune_advice.h); null: `tune_why`. */
   tune?: {
     file: string;
     asked_margin: number;

@@ -2,14 +2,17 @@
 
 #include <string>
 
+#include "plugin/godot/src/godot_errors.h"
 #include "plugin/godot/src/godot_session.h"
 
 namespace osteon::godot {
 
 /// The NativeScript class OsteonGuidance (base Reference): a surgical plan, and what holds a hand to it, in
 /// Godot's axes. Failures as in OsteonSession.
-class GodotGuidance {
+class GodotGuidance final : public ErrorKeeper {
  public:
+  GodotGuidance() : ErrorKeeper("no plan is open: call open() first") {}
+
   Value Open(const Arguments& arguments) {
     std::string text = arguments.Mismatch("open", {GODOT_VARIANT_TYPE_DICTIONARY});
     if (text.empty()) text = OpenWith(arguments.at(0));
@@ -79,23 +82,19 @@ class GodotGuidance {
   Value SetGain(const Arguments& arguments) {
     if (Succeeds(arguments.Mismatch("set_gain", {GODOT_VARIANT_TYPE_REAL})))
       Succeeds(guidance_.SetGain(arguments.RealAt(0)));
-    return Value(error_);
+    return ErrorText();
   }
 
   Value SetModelAge(const Arguments& arguments) {
     if (Succeeds(arguments.Mismatch("set_model_age", {GODOT_VARIANT_TYPE_REAL})))
       Succeeds(guidance_.SetModelAge(arguments.RealAt(0)));
-    return Value(error_);
+    return ErrorText();
   }
 
   Value Reset(const Arguments& /*arguments*/) {
     Succeeds(guidance_.Reset());
-    return Value(error_);
+    return ErrorText();
   }
-
-  Value LastError(const Arguments& /*arguments*/) { return Value(error_); }
-
-  std::string Keep(const std::string& text) { return error_ = text; }
 
  private:
   void CloseBoth() {
@@ -103,19 +102,7 @@ class GodotGuidance {
     plan_.Close();
   }
 
-  bool Succeeds(const std::string& mismatch) {
-    error_ = mismatch;
-    return mismatch.empty();
-  }
-  bool Succeeds(OsteonResult result) {
-    if (result == OSTEON_OK)
-      error_.clear();
-    else if (!guidance_.IsOpen())
-      error_ = "no plan is open: call open() first";
-    else
-      error_ = osteon_last_error();
-    return result == OSTEON_OK;
-  }
+  [[nodiscard]] bool HasOpened() const override { return guidance_.IsOpen(); }
 
   std::string OpenWith(const godot_variant* given) {
     std::string plan, rubric, config_folder;
@@ -139,7 +126,6 @@ class GodotGuidance {
 
   host::Plan plan_{host::kGodot};
   host::Guidance guidance_{host::kGodot};
-  std::string error_;
 };
 
 }  // namespace osteon::godot

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "plugin/godot/src/godot_errors.h"
 #include "plugin/godot/src/godot_values.h"
 #include "plugin/include/osteon_host_plan.h"
 
@@ -19,8 +20,10 @@ inline host::Vector TripleOf(const double* values) { return {values[0], values[1
 /// A method that can fail returns a String: empty, or what was found and what is accepted. force(),
 /// figures(), deflection(), assess(), surface_changes() and next_event() return zero, null or nothing
 /// instead; last_error() then has the text.
-class GodotSession {
+class GodotSession final : public ErrorKeeper {
  public:
+  GodotSession() : ErrorKeeper("the session is not open: call open() first") {}
+
   Value Open(const Arguments& arguments) {
     std::string text = arguments.Mismatch("open", {GODOT_VARIANT_TYPE_DICTIONARY});
     if (text.empty()) text = OpenWith(arguments.at(0));
@@ -49,14 +52,14 @@ class GodotSession {
     if (Succeeds(
             arguments.Mismatch("set_tool_pose", {GODOT_VARIANT_TYPE_TRANSFORM, GODOT_VARIANT_TYPE_BOOL})))
       Succeeds(session_.SetToolPose(arguments.PoseAt(0), Spindle(arguments.BoolAt(1))));
-    return Value(error_);
+    return ErrorText();
   }
 
   Value Step(const Arguments& arguments) {
     if (Succeeds(arguments.Mismatch(
             "step", {GODOT_VARIANT_TYPE_TRANSFORM, GODOT_VARIANT_TYPE_BOOL, GODOT_VARIANT_TYPE_REAL})))
       Succeeds(session_.Step(arguments.PoseAt(0), Spindle(arguments.BoolAt(1)), arguments.RealAt(2)));
-    return Value(error_);
+    return ErrorText();
   }
 
   /// force(pose) of a tool at rest, force(pose, linear, angular) of one that moves.
@@ -79,10 +82,9 @@ class GodotSession {
   }
 
   Value SetCompliance(const Arguments& arguments) {
-    if (!Succeeds(arguments.Mismatch("set_compliance", {GODOT_VARIANT_TYPE_DICTIONARY})))
-      return Value(error_);
+    if (!Succeeds(arguments.Mismatch("set_compliance", {GODOT_VARIANT_TYPE_DICTIONARY}))) return ErrorText();
     OsteonComplianceParams params;
-    if (!Succeeds(session_.DefaultCompliance(&params))) return Value(error_);
+    if (!Succeeds(session_.DefaultCompliance(&params))) return ErrorText();
     bool tool = false, layer = false, mount = false;
     host::Vector point = TripleOf(params.mount_point_m), inertia = TripleOf(params.mount_inertia_kg_m2),
                  stiffness = TripleOf(params.mount_stiffness_N_per_m),
@@ -111,7 +113,7 @@ class GodotSession {
       std::copy(rotational.begin(), rotational.end(), params.mount_stiffness_Nm_per_rad);
       Succeeds(session_.SetCompliance(params));
     }
-    return Value(error_);
+    return ErrorText();
   }
 
   Value Deflection(const Arguments& /*arguments*/) {
@@ -138,26 +140,26 @@ class GodotSession {
       Succeeds(session_.ChangeTool(OrNull(name), arguments.RealAt(1), OrNull(config_folder_),
                                    arguments.PoseAt(2)));
     }
-    return Value(error_);
+    return ErrorText();
   }
 
   Value Save(const Arguments& arguments) {
     if (Succeeds(arguments.Mismatch("save", {GODOT_VARIANT_TYPE_STRING})))
       Succeeds(session_.Save(arguments.TextAt(0).c_str()));
-    return Value(error_);
+    return ErrorText();
   }
 
   Value Restore(const Arguments& arguments) {
     if (Succeeds(arguments.Mismatch("restore", {GODOT_VARIANT_TYPE_STRING, GODOT_VARIANT_TYPE_TRANSFORM})))
       Succeeds(session_.Restore(arguments.TextAt(0).c_str(), arguments.PoseAt(1)));
-    return Value(error_);
+    return ErrorText();
   }
 
   /// In millimetres and Osteon's axes; the name's end says which format.
   Value ExportSurface(const Arguments& arguments) {
     if (Succeeds(arguments.Mismatch("export_surface", {GODOT_VARIANT_TYPE_STRING})))
       Succeeds(osteon_session_surface_export(session_.session(), arguments.TextAt(0).c_str(), nullptr));
-    return Value(error_);
+    return ErrorText();
   }
 
   /// assess(plan, rubric): names or files; empty: the plan "acetabulum", the rubric of the plan's kind.
@@ -249,40 +251,24 @@ class GodotSession {
 
   Value SurfaceWait(const Arguments& /*arguments*/) {
     Succeeds(osteon_session_surface_wait(session_.session()));
-    return Value(error_);
+    return ErrorText();
   }
 
   Value Mark(const Arguments& /*arguments*/) {
     Succeeds(osteon_session_mark(session_.session()));
-    return Value(error_);
+    return ErrorText();
   }
 
   Value Undo(const Arguments& arguments) {
     if (Succeeds(arguments.Mismatch("undo", {GODOT_VARIANT_TYPE_TRANSFORM})))
       Succeeds(session_.Undo(arguments.PoseAt(0)));
-    return Value(error_);
+    return ErrorText();
   }
-
-  Value LastError(const Arguments& /*arguments*/) { return Value(error_); }
-
-  std::string Keep(const std::string& text) { return error_ = text; }
 
  private:
   double Spindle(bool spins) const { return spins ? session_.spindle_rad_per_s() : 0.0; }
 
-  bool Succeeds(const std::string& mismatch) {
-    error_ = mismatch;
-    return mismatch.empty();
-  }
-  bool Succeeds(OsteonResult result) {
-    if (result == OSTEON_OK)
-      error_.clear();
-    else if (!session_.IsOpen())
-      error_ = "the session is not open: call open() first";
-    else
-      error_ = osteon_last_error();
-    return result == OSTEON_OK;
-  }
+  [[nodiscard]] bool HasOpened() const override { return session_.IsOpen(); }
 
   std::string OpenWith(const godot_variant* given) {
     std::string scene, tool, engine = "auto";
@@ -311,7 +297,6 @@ class GodotSession {
 
   host::Session session_{host::kGodot};
   std::string config_folder_;
-  std::string error_;
 };
 
 }  // namespace osteon::godot

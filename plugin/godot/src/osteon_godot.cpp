@@ -26,7 +26,7 @@ GDCALLINGCONV void Destroy(godot_object* /*instance*/, void* /*data*/, void* obj
 }
 
 /// No exception crosses into Godot.
-template <class Class, Value (Class::*kMethod)(const Arguments&)>
+template <class Class, auto kMethod>
 GDCALLINGCONV godot_variant Call(godot_object* /*instance*/, void* /*data*/, void* object, int count,
                                  godot_variant** values) {
   auto* const self = static_cast<Class*>(object);
@@ -48,7 +48,7 @@ class NativeClass {
         {.create_func = &Create<Class>, .method_data = nullptr, .free_func = nullptr},
         {.destroy_func = &Destroy<Class>, .method_data = nullptr, .free_func = nullptr});
   }
-  template <Value (Class::*kMethod)(const Arguments&)>
+  template <auto kMethod>
   void Add(const char* method) {
     nativescript->godot_nativescript_register_method(
         handle_, name_, method, {GODOT_METHOD_RPC_MODE_DISABLED},

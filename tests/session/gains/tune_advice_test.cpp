@@ -1,4 +1,4 @@
-#include "session/run/tune_advice.h"
+#include "session/gains/tune_advice.h"
 
 #include <fstream>
 
@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "config/reading/load.h"
-#include "session/run/gains_panel.h"
+#include "session/gains/gains_panel.h"
 #include "tests/temporary_path.h"
 
 // The console's panel of gains and what it shows of a result of `osteon tune`.

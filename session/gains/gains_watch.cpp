@@ -1,4 +1,4 @@
-#include "session/run/gains_watch.h"
+#include "session/gains/gains_watch.h"
 
 #include <exception>
 #include <utility>
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "config/reading/sections/read_gains.h"
-#include "session/run/gains_panel.h"
+#include "session/gains/gains_panel.h"
 
 namespace osteon::session {
 namespace {

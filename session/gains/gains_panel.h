@@ -12,7 +12,7 @@
 #include "config/reading/cell_config.h"
 #include "console/server/console_server.h"
 #include "control/laws/gains.h"
-#include "session/run/tune_advice.h"
+#include "session/gains/tune_advice.h"
 
 namespace osteon::session {
 

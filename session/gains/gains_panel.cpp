@@ -1,4 +1,4 @@
-#include "session/run/gains_panel.h"
+#include "session/gains/gains_panel.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "session/run/tune_advice.h"
+#include "session/gains/tune_advice.h"
 
 #include <algorithm>
 #include <cmath>
