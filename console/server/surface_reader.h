@@ -38,9 +38,11 @@ class SurfaceReader {
       next_ = 0;
     }
     if (waiting_.empty()) return part;
-    do {
-      part.bricks += *waiting_[next_];
-    } while (++next_ < waiting_.size() && part.bricks.size() + waiting_[next_]->size() <= max_bytes);
+    std::size_t end = next_ + 1, bytes = waiting_[next_]->size();
+    while (end < waiting_.size() && bytes + waiting_[end]->size() <= max_bytes)
+      bytes += waiting_[end++]->size();
+    part.bricks.reserve(bytes);  // at once: a live change has a quarter of a megabyte
+    while (next_ < end) part.bricks += *waiting_[next_++];
     part.ends = next_ == waiting_.size();
     if (part.ends) waiting_.clear();
     return part;

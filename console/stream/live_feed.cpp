@@ -115,13 +115,24 @@ LiveWindow LiveFeed::Newest() const {
 }
 
 std::vector<LiveWindow> LiveFeed::Since(std::uint64_t& seen) const {
+  // with the lock
+  const auto first = [&] { return std::max(seen + 1, newest_ >= kKept ? newest_ - kKept + 1 : 1); };
   std::vector<LiveWindow> windows;
-  windows.reserve(kKept);
+  std::uint64_t count = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    if (first() > newest_) {  // nothing is new; after a Restart a reader may have seen more than there is
+      seen = std::min(seen, newest_);
+      return windows;
+    }
+    count = newest_ + 1 - first();
+  }
+  // not under the lock, and no more than are new: a window has 3 kB, and each page asks 30 times a second
+  windows.reserve(count);
   const std::lock_guard lock(mutex_);
-  const std::uint64_t oldest = newest_ >= kKept ? newest_ - kKept + 1 : 1;
-  for (std::uint64_t number = std::max(seen + 1, oldest); number <= newest_; ++number)
-    windows.push_back(windows_[number % kKept]);
-  seen = newest_;
+  std::uint64_t number = first();
+  for (; number <= newest_ && windows.size() < count; ++number) windows.push_back(windows_[number % kKept]);
+  seen = std::min(number - 1, newest_);
   return windows;
 }
 

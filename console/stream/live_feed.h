@@ -39,8 +39,8 @@ class LiveFeed final : public io::RecordSink {
 
   /// The newest window; number 0: none yet. Any thread but the recorder's.
   [[nodiscard]] LiveWindow Newest() const;
-  /// The windows after number `seen`, oldest first, at most kKept; `seen` becomes the newest one's. What a
-  /// slow reader has missed beyond that is gone.
+  /// The windows after number `seen`, oldest first, at most kKept; `seen` becomes the last one's. What a slow
+  /// reader has missed beyond that is gone.
   [[nodiscard]] std::vector<LiveWindow> Since(std::uint64_t& seen) const;
   /// Events after the first `seen` of the session, at most the last kKeptEvents; `seen` becomes their count.
   [[nodiscard]] std::vector<io::RecordedEvent> EventsSince(std::uint64_t& seen) const;

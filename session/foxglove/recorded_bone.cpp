@@ -1,7 +1,9 @@
 #include "session/foxglove/recorded_bone.h"
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -48,10 +50,20 @@ RecordedBone::~RecordedBone() {
   if (thread_.joinable()) thread_.join();
 }
 
+void RecordedBone::UseTool(std::size_t tool) {
+  if (tool == tool_ || tool >= params_.tools.size()) return;
+  tool_ = tool;
+  ways_.UseTool(params_.tools[tool], gathered_);
+}
+
 void RecordedBone::Add(const simulation::ContactModel& model, bool spindle_turns) {
-  if (!ways_.Add(surface::MakeToolFrame(model, spindle_turns ? 1.0 : 0.0))) return;
-  const std::vector<surface::Capsule> swept = ways_.TakeCapsules();
-  gathered_.insert(gathered_.end(), swept.begin(), swept.end());
+  ways_.Add(surface::MakeToolFrame(model, spindle_turns ? 1.0 : 0.0), gathered_);
+}
+
+RecordedBone::Work RecordedBone::TakeWork(rt::Nanoseconds stamp) {
+  return {.batches = std::exchange(gathered_, {}),
+          .taken_back = params_.history.taken_back ? params_.history.taken_back() : TakenBackPasses(),
+          .stamp = stamp};
 }
 
 const std::string* RecordedBone::Take(rt::Nanoseconds stamp) {
@@ -59,7 +71,7 @@ const std::string* RecordedBone::Take(rt::Nanoseconds stamp) {
   std::unique_lock lock(mutex_);
   if (!busy_ && made_.empty() && (!next_ || stamp >= *next_)) {
     next_ = stamp + params_.step;
-    Work work{.capsules = std::exchange(gathered_, {}), .stamp = stamp};
+    Work work = TakeWork(stamp);
     if (params_.own_thread) {
       work_ = std::move(work);
       busy_ = true;
@@ -84,15 +96,15 @@ const std::string* RecordedBone::Finish() {
     wake_.notify_all();
     thread_.join();
   }
-  const std::vector<surface::Capsule> rest = ways_.TakeCapsules();
-  gathered_.insert(gathered_.end(), rest.begin(), rest.end());
+  ways_.EndBatch(gathered_);
   std::string before = std::exchange(made_, {});  // a state that nobody took: bricks that the next one lacks
   if (!before.empty()) {
     taken_ = std::move(before);
     return &taken_;
   }
-  if (gathered_.empty() && begun_) return nullptr;
-  MakeState({.capsules = std::exchange(gathered_, {}), .stamp = last_stamp_});
+  const Work rest = TakeWork(last_stamp_);
+  if (begun_ && rest.batches.empty() && rest.taken_back == taken_back_) return nullptr;
+  MakeState(rest);
   if (made_.empty()) return nullptr;
   taken_ = std::exchange(made_, {});
   return &taken_;
@@ -117,13 +129,12 @@ void RecordedBone::Run() {
   }
 }
 
-std::unique_ptr<surface::CarvedField> RecordedBone::MakeField() {
+std::shared_ptr<const surface::SolidField> RecordedBone::MakeSolidField() {
   for (int i = 0; i < kFieldTries; ++i) {
     try {
-      auto field =
-          std::make_unique<surface::CarvedField>(surface::FieldOfBone(solid_.get(), balls_, voxel_mm_));
-      const std::size_t quads = QuadsOf(*field);
-      if (quads <= params_.max_quads) return field;
+      auto solid = surface::FieldOfBone(solid_.get(), balls_, voxel_mm_);
+      const std::size_t quads = QuadsOf(surface::CarvedField(solid));
+      if (quads <= params_.max_quads) return solid;
       voxel_mm_ *= static_cast<float>(
           1.05 * std::sqrt(static_cast<double>(quads) / static_cast<double>(params_.max_quads)));
     } catch (const std::invalid_argument&) {  // a grid that no memory holds
@@ -133,13 +144,34 @@ std::unique_ptr<surface::CarvedField> RecordedBone::MakeField() {
   return nullptr;
 }
 
+void RecordedBone::MakeField() {
+  solid_field_ = MakeSolidField();
+  no_field_ = !solid_field_;
+  if (!no_field_) field_ = std::make_unique<surface::CarvedField>(CarveAnew());
+}
+
+// The field as the session and the kept batches leave it.
+surface::CarvedField RecordedBone::CarveAnew() const {
+  surface::CarvedField field(solid_field_);
+  if (params_.history.carve_earlier) params_.history.carve_earlier(field);
+  field.Carve(CapsulesOf(kept_, taken_back_.here));
+  return field;
+}
+
 void RecordedBone::MakeState(const Work& work) try {
   if (!field_ && !no_field_) {
-    field_ = MakeField();
-    no_field_ = !field_;
+    taken_back_ = work.taken_back;
+    MakeField();
   }
   if (no_field_) return;
-  field_->Carve(work.capsules);
+  if (work.taken_back != taken_back_) {
+    taken_back_ = work.taken_back;
+    field_->SetSwept(CarveAnew().swept());
+  }
+  field_->Carve(CapsulesOf(work.batches, taken_back_.here));
+  if (params_.history.taken_back)
+    std::ranges::copy_if(work.batches, std::back_inserter(kept_),
+                         [](const auto& batch) { return batch->touches; });
   const auto material = [this](surface::Vec3 p_mm) {
     return solid_ ? static_cast<std::uint8_t>(solid_->MaterialAt(surface::ToMetres(p_mm))) : std::uint8_t{0};
   };
@@ -155,8 +187,9 @@ void RecordedBone::MakeState(const Work& work) try {
   io::EncodeScene(work.stamp, parts, !std::exchange(begun_, true), bytes);
   const std::lock_guard lock(mutex_);
   made_ = std::move(bytes);
-} catch (const std::exception&) {  // out of memory: the recording goes on without the bone
+} catch (const std::exception& error) {  // out of memory, say: the recording goes on without the bone
   no_field_ = true;
+  error_ = error.what();
 }
 
 }  // namespace osteon::session

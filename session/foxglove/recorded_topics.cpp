@@ -7,7 +7,10 @@ namespace osteon::session {
 RecordedTopics::RecordedTopics(const CellSetup& setup, std::span<const ProcedureTool> tools,
                                const std::optional<RecordedBoneParams>& bone)
     : scene_(setup, tools) {
-  if (bone && tools.empty()) bone_.emplace(setup, scene_, *bone);
+  if (!bone) return;
+  RecordedBoneParams params = *bone;
+  params.tools = ToolsOf(tools);
+  bone_.emplace(setup, scene_, params);
 }
 
 void RecordedTopics::Begin(io::McapWriter& file, rt::Nanoseconds stamp) {
@@ -21,6 +24,7 @@ void RecordedTopics::Begin(io::McapWriter& file, rt::Nanoseconds stamp) {
 void RecordedTopics::TakeTick(const control::TickRecord& tick, io::McapWriter& file) {
   spindle_turns_ = tick.spindle_rad_per_s != 0.0;
   last_stamp_ = tick.stamp;
+  if (bone_) bone_->UseTool(tick.input.tool_index);
   if (tick.stamp < next_) return;
   if (tick.input.tool_index != tool_) {
     tool_ = tick.input.tool_index;
@@ -56,6 +60,10 @@ void RecordedTopics::End(io::McapWriter& file) {
   if (!bone_) return;
   while (const std::string* state = bone_->Finish())
     file.Write(channels_[static_cast<std::size_t>(CellTopic::kBone)], last_stamp_, *state);
+  if (bone_->error().empty()) return;
+  io::EncodeLog(last_stamp_, io::LogLevel::kWarning, "the bone is not recorded to the end: " + bone_->error(),
+                bytes_);
+  file.Write(channels_[static_cast<std::size_t>(CellTopic::kLog)], last_stamp_, bytes_);
 }
 
 }  // namespace osteon::session

@@ -20,7 +20,7 @@ class RecordedTopics final : public io::RecordTopics {
   static constexpr rt::Nanoseconds kPeriod_ns = 33'000'000;
 
   /// @param tools  as for CellScene
-  /// @param bone   nothing: the bone is left out. A procedure's is, whose passes may be taken back.
+  /// @param bone   nothing: the bone is left out. Its tools are `tools`.
   explicit RecordedTopics(const CellSetup& setup, std::span<const ProcedureTool> tools = {},
                           const std::optional<RecordedBoneParams>& bone = {});
   void Begin(io::McapWriter& file, rt::Nanoseconds stamp) override;

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "session/procedure/bone_history.h"
 #include "session/procedure/session_bone.h"
 #include "simulation/engine/state_hash.h"
 #include "simulation/engine/tool_change.h"
@@ -375,6 +376,8 @@ SessionAnswer ProcedureSession::Undo(const ToolCommand& command, FrameRunner& ru
   saved_ = state;
   saved_name_ = name;
   saved_hash_ = simulation::HashText(*state);
+  if (surface::SurfaceThread* surface = runner.surface())
+    surface->TakeBack(FindTakenBack(after, params_.recording).here);
   changed_ = true;
   pass_.Restart();
   OpenSegment(command.stamp);

@@ -112,6 +112,8 @@ class ProcedureSession final : public FrameObserver {
   /// The session as it is now. Any thread.
   [[nodiscard]] SessionFile File() const;
   [[nodiscard]] const std::filesystem::path& folder() const { return params_.folder; }
+  /// Name of this run's recording in the folder.
+  [[nodiscard]] const std::string& recording() const { return params_.recording; }
   /// The console's messages of the plan and of where the session stands (ProcedurePanel). Any thread.
   [[nodiscard]] const std::string& PlanJson() const { return panel_.PlanJson(); }
   [[nodiscard]] std::string PanelJson() const;

@@ -85,6 +85,19 @@ tl::expected<SessionCut, std::string> ReadSessionCut(const std::filesystem::path
   return cut;
 }
 
+tl::expected<std::optional<SessionCut>, std::string> ReadCutBefore(const std::filesystem::path& folder,
+                                                                   const SessionFile& session,
+                                                                   const std::string& recording,
+                                                                   std::vector<simulation::Tool> tools,
+                                                                   const Pose& X_WG) {
+  const auto first = std::ranges::find(session.segments, recording, &SessionSegment::recording);
+  if (first == session.segments.begin() || first == session.segments.end()) return std::nullopt;
+  auto cut =
+      ReadSessionCut(folder, SessionUpTo(session, std::prev(first)->recording), std::move(tools), X_WG);
+  if (!cut) return tl::make_unexpected(std::move(cut.error()));
+  return std::optional(std::move(*cut));
+}
+
 std::optional<procedure::PlannedCavity> ReadPlannedCavity(const std::filesystem::path& folder,
                                                           const SessionFile& session) {
   try {

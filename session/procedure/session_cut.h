@@ -65,6 +65,12 @@ using CountsFrame = std::function<bool(const std::string& recording, const simul
                                                                    const Pose& X_WG,
                                                                    const CountsFrame& counts = {});
 
+/// Reads what the session's recordings before this one have cut; nothing: it is the first, or the session
+/// does not name it. The error names the file. @param recording  name of its file in the folder
+[[nodiscard]] tl::expected<std::optional<SessionCut>, std::string> ReadCutBefore(
+    const std::filesystem::path& folder, const SessionFile& session, const std::string& recording,
+    std::vector<simulation::Tool> tools, const Pose& X_WG);
+
 /// Reads the plan of a session's folder and its planned cavity; nothing where it cannot be read.
 [[nodiscard]] std::optional<procedure::PlannedCavity> ReadPlannedCavity(const std::filesystem::path& folder,
                                                                         const SessionFile& session);

@@ -15,6 +15,7 @@
 #include "session/foxglove/recorded_topics.h"
 #include "session/gains/gains_watch.h"
 #include "session/planning/recorded_packing.h"
+#include "session/procedure/bone_history.h"
 #include "session/procedure/procedure_session.h"
 #include "session/run/arm_connection.h"
 #include "session/run/fault_events.h"
@@ -385,7 +386,8 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   std::optional<RecordedBoneParams> bone;
   if (params.bone_state_s > 0.0)
     bone = {.step = static_cast<rt::Nanoseconds>(1e9 * params.bone_state_s),
-            .own_thread = !params.virtual_time};
+            .own_thread = !params.virtual_time,
+            .history = params.procedure ? HistoryOf(*params.procedure, setup.X_WG) : BoneHistory()};
   RecordedTopics topics(
       setup, params.procedure ? std::span(params.procedure->tools()) : std::span<const ProcedureTool>(),
       bone);

@@ -139,9 +139,22 @@ LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, base::OperatorR
     };
   context_.bone_age_s = [this]() -> std::optional<double> {
     const surface::SurfaceThread* followed = followed_.load();
-    if (followed == nullptr) return std::nullopt;
+    if (followed == nullptr || !IsWatched()) return std::nullopt;
     return rt::ToSeconds(followed->age().count());
   };
+}
+
+// In this order: each one's threads ask those after it.
+LiveViews::~LiveViews() {
+  if (surface_thread_) surface_thread_->Stop();
+  server_.reset();
+  console_.reset();
+}
+
+bool LiveViews::IsWatched() const {
+  const console::ConsoleServer* console = pages_.load();
+  const console::FoxgloveServer* foxglove = viewers_.load();
+  return (console && console->pages() > 0) || (foxglove && foxglove->viewers() > 0);
 }
 
 void LiveViews::SetSession(ProcedureSession* session) {
@@ -156,7 +169,11 @@ void LiveViews::SetSession(ProcedureSession* session) {
 void LiveViews::Open(const ConsoleChoice& choice, const ConsoleChoice& foxglove) {
   if (choice.on) OpenConsole(choice);
   if (foxglove.on) OpenFoxglove(foxglove);
-  if (console_ || foxglove_) surface_thread_ = StartSurface(setup_, surface_feed_);
+  pages_.store(console_.get());
+  viewers_.store(foxglove_.get());
+  if (console_ || foxglove_)
+    surface_thread_ = StartSurface(
+        setup_, session_, [this] { return IsWatched(); }, surface_feed_);
   followed_.store(surface_thread_.get());
   auto server = io::LocalServer::Start(fmt::format("run-{}", ::getpid()),
                                        [this](const std::string& request) { return Answer(request); });

@@ -65,6 +65,7 @@ class LiveViews {
  public:
   /// @param setup  packed, and outlives this
   LiveViews(const CellSetup& setup, const LiveRun& run, base::OperatorRequests& requests);
+  ~LiveViews();
 
   /// Passes what a procedure's session is asked for to it. Before Open. @param session  null: none
   /// The depth that is shown is then that of the tool in use.
@@ -96,6 +97,7 @@ class LiveViews {
  private:
   void OpenConsole(const ConsoleChoice& choice);
   void OpenFoxglove(const ConsoleChoice& choice);
+  [[nodiscard]] bool IsWatched() const;  // by a page or a viewer
   [[nodiscard]] console::RequestAnswer Ask(console::OperatorRequest request);
   void OnOperatorLeft();
   [[nodiscard]] console::RequestAnswer AskSession(const console::ProcedureRequest& request);
@@ -115,7 +117,10 @@ class LiveViews {
   console::SurfaceStore surface_;
   console::SurfaceFeed surface_feed_{surface_};
   std::unique_ptr<surface::SurfaceThread> surface_thread_;  // before the servers, whose threads ask its age
-  std::atomic<const surface::SurfaceThread*> followed_{nullptr};  // surface_thread_, once it is there
+  // Once they are there, for other threads.
+  std::atomic<const surface::SurfaceThread*> followed_{nullptr};
+  std::atomic<const console::ConsoleServer*> pages_{nullptr};
+  std::atomic<const console::FoxgloveServer*> viewers_{nullptr};
   // Last, because their threads use the others; the socket's answers name the console too.
   std::unique_ptr<console::ConsoleServer> console_;
   std::unique_ptr<LiveTopics> topics_;

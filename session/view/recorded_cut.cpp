@@ -4,12 +4,13 @@
 #include <utility>
 
 #include "report/bone_view.h"
+#include "session/procedure/bone_history.h"
 #include "session/setup/recorded_config.h"
 
 namespace osteon::session {
 
 bool RecordedCut::Counts(rt::Nanoseconds pose_stamp) const {
-  return std::ranges::none_of(taken_back, [pose_stamp](const TakenBack& pass) {
+  return std::ranges::none_of(taken_back, [pose_stamp](const surface::WayTimes& pass) {
     return pose_stamp >= pass.begin && pose_stamp <= pass.end;
   });
 }
@@ -33,13 +34,8 @@ tl::expected<std::shared_ptr<const RecordedCut>, std::string> ReadRecordedCut(
   const auto session = FindSessionOf(recording);
   if (!session) return cut;
   const std::string name = recording.filename().string();
-  for (const SessionPass& pass : session->passes)
-    if (pass.undone && session->segments.at(static_cast<std::size_t>(pass.segment)).recording == name)
-      cut->taken_back.push_back({.begin = pass.begin, .end = pass.end});
-  const auto first = std::ranges::find(session->segments, name, &SessionSegment::recording);
-  if (first == session->segments.begin()) return cut;
-  auto earlier = ReadSessionCut(recording.parent_path(), SessionUpTo(*session, std::prev(first)->recording),
-                                cut->tools, setup.X_WG);
+  cut->taken_back = FindTakenBack(*session, name).here;
+  auto earlier = ReadCutBefore(recording.parent_path(), *session, name, cut->tools, setup.X_WG);
   if (!earlier) return tl::make_unexpected(earlier.error());
   cut->earlier = std::move(*earlier);
   return cut;

@@ -14,6 +14,7 @@
 #include "session/procedure/session_cut.h"
 #include "session/setup/cell_setup.h"
 #include "simulation/surface/carved_field.h"
+#include "simulation/surface/swept_batches.h"
 #include "simulation/tools/tool.h"
 
 namespace osteon::session {
@@ -21,14 +22,9 @@ namespace osteon::session {
 /// The facts that carving a recording's bone needs beside its own messages: every tool, and what the session
 /// around it did before and took back later.
 struct RecordedCut {
-  /// A pass that was taken back: stamps of its frames' poses.
-  struct TakenBack {
-    rt::Nanoseconds begin, end;
-  };
-
   std::vector<simulation::Tool> tools;  ///< by TickInput::tool_index; at least one
   Pose X_WG{Pose::Identity()};
-  std::vector<TakenBack> taken_back{};
+  std::vector<surface::WayTimes> taken_back{};  ///< passes
   std::optional<SessionCut>
       earlier{};  ///< by the session's recordings before this one; empty: it is the first
 

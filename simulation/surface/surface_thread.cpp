@@ -2,15 +2,18 @@
 
 #include <pthread.h>
 #include <sched.h>
+#include <time.h>
 
 #include <algorithm>
 #include <exception>
+#include <iterator>
 #include <limits>
 #include <span>
 #include <stdexcept>
 #include <utility>
 
 #include "base/realtime_thread.h"
+#include "simulation/surface/idle_share.h"
 
 namespace osteon::surface {
 namespace {
@@ -26,6 +29,13 @@ void WaitForIdleCpus() {
   (void)pthread_setschedparam(pthread_self(), SCHED_IDLE, &none);
 }
 
+// CPU time of the calling thread.
+rt::Nanoseconds CpuTime() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return time.tv_sec * rt::kSecond + time.tv_nsec;
+}
+
 }  // namespace
 
 SurfaceThread::SurfaceThread(const simulation::Tool& tool, const Pose& X_WG, SurfaceThreadParams params,
@@ -34,6 +44,7 @@ SurfaceThread::SurfaceThread(const simulation::Tool& tool, const Pose& X_WG, Sur
       sink_(sink),
       ring_(params_.ring_frames),
       shown_ns_(rt::MonotonicNow()),
+      read_ns_(shown_ns_.load()),
       ways_(tool, X_WG),
       thread_([this] { Guard(&SurfaceThread::Run); }),
       idle_thread_([this] { Guard(&SurfaceThread::RunWhenIdle); }) {}
@@ -56,7 +67,38 @@ void SurfaceThread::Apply(const std::function<void(CarvedField&, ToolWays&)>& ch
   if (!error_.empty()) throw std::runtime_error(error_);
   CarveFrames(kAll);
   CarveRest();
-  change(*field_, ways_);
+  change(*field_, ways_.ways());
+  StartPass();
+  ExtractSome(kAll);
+}
+
+void SurfaceThread::TakeBack(std::vector<WayTimes> ways) {
+  const std::lock_guard lock(asked_mutex_);
+  asked_ = std::move(ways);
+}
+
+// Carves beside the field that is shown, so that nobody waits for it; what comes meanwhile is added.
+void SurfaceThread::CarveAnewIfAsked() {
+  std::optional<std::vector<WayTimes>> asked;
+  {
+    const std::lock_guard lock(asked_mutex_);
+    asked = std::exchange(asked_, std::nullopt);
+  }
+  if (!asked) return;
+  SweptBatches batches;
+  {
+    const std::lock_guard lock(mutex_);
+    CarveFrames(kAll);
+    taken_back_ = *asked;
+    batches = kept_;
+  }
+  CarvedField anew(solid_);
+  if (params_.carve_earlier) params_.carve_earlier(anew);
+  anew.Carve(CapsulesOf(batches, *asked));
+  const std::lock_guard lock(mutex_);
+  CarveFrames(kAll);
+  anew.Carve(CapsulesOf({kept_.begin() + static_cast<std::ptrdiff_t>(batches.size()), kept_.end()}, *asked));
+  field_->SetSwept(anew.swept());
   StartPass();
   ExtractSome(kAll);
 }
@@ -67,26 +109,52 @@ void SurfaceThread::Run() {
   MakeField();
   while (!stop_.load()) {
     std::this_thread::sleep_for(params_.period);
-    if (age() < kMaxAge) continue;
+    CarveAnewIfAsked();
+    if (!IsBehind()) continue;
     const std::lock_guard lock(mutex_);
     CarveFrames(kAll);
     ExtractSome(kAll);
   }
+  {
+    const std::lock_guard lock(mutex_);
+    if (!error_.empty()) return;
+  }
+  CarveAnewIfAsked();
   const std::lock_guard lock(mutex_);
-  if (!error_.empty()) return;
   CarveFrames(kAll);
   CarveRest();
   ExtractSome(kAll);
 }
 
+bool SurfaceThread::IsBehind() const {
+  const rt::Nanoseconds since = IsWatched() ? shown_ns_.load() : read_ns_.load();
+  return std::chrono::nanoseconds(rt::MonotonicNow() - since) >= (never_idle_.load() ? kBusyAge : kMaxAge);
+}
+
 void SurfaceThread::RunWhenIdle() {
   rt::NameThread("surface, idle");
   WaitForIdleCpus();
+  IdleShare share;
   for (auto next = std::chrono::steady_clock::now(); !stop_.load();) {
-    PassInSteps();
-    next = std::max(next + params_.period, std::chrono::steady_clock::now() + params_.period / 4);
+    const rt::Nanoseconds began = rt::MonotonicNow(), began_cpu = CpuTime();
+    const IdleShare::Next what = share.At(began);
+    if (what == IdleShare::Next::kTry) TryForIdleCpu();
+    if (what == IdleShare::Next::kWork) PassInSteps();
+    if (what != IdleShare::Next::kRest) {
+      const rt::Nanoseconds now = rt::MonotonicNow();
+      share.Ended(now, now - began, CpuTime() - began_cpu);
+      never_idle_.store(share.At(now) != IdleShare::Next::kWork);
+    }
+    const auto period = IsWatched() ? params_.period : std::max(params_.period, kUnwatchedPeriod);
+    next = std::max(next + period, std::chrono::steady_clock::now() + params_.period / 4);
     std::this_thread::sleep_until(next);
   }
+}
+
+// Computes nothing, without the lock.
+void SurfaceThread::TryForIdleCpu() {
+  const rt::Nanoseconds end = CpuTime() + IdleShare::kTryTime;
+  while (CpuTime() < end && !stop_.load()) continue;
 }
 
 void SurfaceThread::Guard(void (SurfaceThread::*run)()) {
@@ -101,10 +169,13 @@ void SurfaceThread::Guard(void (SurfaceThread::*run)()) {
 }
 
 void SurfaceThread::MakeField() {
-  CarvedField field(params_.make_solid());
+  auto solid = params_.make_solid();
+  CarvedField field(solid);
+  if (params_.carve_earlier) params_.carve_earlier(field);
   const std::lock_guard lock(mutex_);
   sink_.Begin(field.layout());
   tissue_.emplace(field.layout(), params_.material);
+  solid_ = std::move(solid);
   field_ = std::move(field);
   begun_.notify_all();
   CarveFrames(kAll);
@@ -119,7 +190,7 @@ void SurfaceThread::PassInSteps() {
     emptied = CarveFrames(kFramesAStep);
     pass = passes_;
   }
-  for (bool more = true; more && !stop_.load();) {
+  for (bool more = true; more && !stop_.load() && !IsBehind();) {
     const std::lock_guard lock(mutex_);
     more = pass == passes_ && ExtractSome(kBricksAStep);
   }
@@ -127,24 +198,25 @@ void SurfaceThread::PassInSteps() {
 
 bool SurfaceThread::CarveFrames(std::size_t max_frames) {
   const rt::Nanoseconds now = rt::MonotonicNow();
-  capsules_.clear();
   std::size_t count = 0;
-  for (ToolFrame frame; count < max_frames && ring_.Pop(frame); ++count)
-    if (ways_.Add(frame)) {
-      const std::vector<Capsule> swept = ways_.TakeCapsules();
-      capsules_.insert(capsules_.end(), swept.begin(), swept.end());
-    }
+  for (ToolFrame frame; count < max_frames && ring_.Pop(frame); ++count) ways_.Add(frame, fresh_);
   // at once: most of a batch's capsules count at no node beside a later batch's
-  if (!capsules_.empty()) Carve(capsules_);
+  if (!fresh_.empty()) CarveFresh();
   const bool emptied = count < max_frames;
-  if (emptied) read_ns_ = now;
+  if (emptied) read_ns_.store(now);
   return emptied;
 }
 
-void SurfaceThread::CarveRest() { Carve(ways_.TakeCapsules()); }
+void SurfaceThread::CarveRest() {
+  ways_.EndBatch(fresh_);
+  CarveFresh();
+}
 
-void SurfaceThread::Carve(const std::vector<Capsule>& capsules) {
-  field_->Carve(capsules);
+void SurfaceThread::CarveFresh() {
+  field_->Carve(CapsulesOf(fresh_, taken_back_));
+  if (params_.keeps_batches)
+    std::ranges::copy_if(fresh_, std::back_inserter(kept_), [](const auto& batch) { return batch->touches; });
+  fresh_.clear();
   StartPass();
 }
 
@@ -154,6 +226,7 @@ void SurfaceThread::StartPass() {
 }
 
 bool SurfaceThread::ExtractSome(std::size_t max_bricks) {
+  if (published_ && !IsWatched()) return false;
   const auto dirty = field_->Dirty();
   if (chunks_.size() < dirty.size()) chunks_.resize(dirty.size());
   for (; max_bricks > 0 && extracted_ < dirty.size(); --max_bricks, ++extracted_)
@@ -161,8 +234,9 @@ bool SurfaceThread::ExtractSome(std::size_t max_bricks) {
   if (extracted_ < dirty.size()) return true;
   if (!dirty.empty()) sink_.Publish(std::span(chunks_).first(dirty.size()), ways_.frame());
   field_->ClearDirty();
+  published_ = true;
   extracted_ = 0;
-  shown_ns_.store(read_ns_);
+  shown_ns_.store(read_ns_.load());
   return false;
 }
 

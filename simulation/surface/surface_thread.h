@@ -17,8 +17,8 @@
 #include "simulation/surface/carved_field.h"
 #include "simulation/surface/dual_surface.h"
 #include "simulation/surface/surface_sink.h"
+#include "simulation/surface/swept_batches.h"
 #include "simulation/surface/tissue_bricks.h"
-#include "simulation/surface/tool_ways.h"
 
 namespace osteon::surface {
 
@@ -28,11 +28,17 @@ struct SurfaceThreadParams {
   /// Makes the solid's field, on the thread (seconds, for a mesh).
   std::function<std::shared_ptr<const SolidField>()> make_solid{};
   MaterialAt material{};  ///< empty: 0 everywhere
+  /// Carves what was cut before the first frame, on the thread (seconds). Empty: nothing was.
+  std::function<void(CarvedField&)> carve_earlier{};
+  /// Whether somebody looks; any thread. While nobody does, only the field follows, after the first mesh.
+  /// Empty: always.
+  std::function<bool()> is_watched{};
+  bool keeps_batches{false};  ///< what touches bone is kept, so that TakeBack can leave a part of it out
 };
 
 /// Carves and extracts the surface beside the engine, in a thread that the system runs only where a CPU would
 /// be idle (SCHED_IDLE). A second one of low normal priority makes the first mesh, and does the work wherever
-/// the surface is kMaxAge old because no CPU is ever idle.
+/// the surface is kMaxAge old because no CPU is ever idle; where that lasts, every kBusyAge (IdleShare).
 ///
 ///     engine's thread ──ToolFrame, SpscRing──▶ one of two threads ──chunks──▶ SurfaceSink
 ///
@@ -52,6 +58,10 @@ class SurfaceThread {
 
   /// Age at which the surface is made at a low normal priority.
   static constexpr std::chrono::milliseconds kMaxAge{500};
+  /// The same while the idle thread gets no CPU.
+  static constexpr std::chrono::milliseconds kBusyAge{200};
+  /// From one look into the ring to the next while nobody looks.
+  static constexpr std::chrono::milliseconds kUnwatchedPeriod{200};
 
   /// Passes a frame on. Engine's thread only.
   /// @returns false where the ring was full
@@ -62,11 +72,16 @@ class SurfaceThread {
   /// @throws std::runtime_error with error() where the thread has failed; else what `change` throws.
   void Apply(const std::function<void(CarvedField&, ToolWays&)>& change);
 
+  /// Leaves these parts of the way out from now on, and carves the rest anew: soon, on the thread; nobody
+  /// waits. Only with keeps_batches. Any thread.
+  /// @param ways  all of them, with those of earlier calls
+  void TakeBack(std::vector<WayTimes> ways);
+
   /// Carves and publishes what was pushed, and ends the thread. Safe to call twice.
   void Stop();
 
   /// How far the published surface is behind: all frames that were pushed that long ago are in it. Some 40 ms
-  /// where a CPU is idle now and then. Any thread.
+  /// where a CPU is idle now and then; grows while nobody looks. Any thread.
   [[nodiscard]] std::chrono::nanoseconds age() const;
 
   /// Frames that the full ring refused; any thread.
@@ -81,30 +96,41 @@ class SurfaceThread {
   void Guard(void (SurfaceThread::*run)());
   void MakeField();
   void PassInSteps();
+  void TryForIdleCpu();
+  [[nodiscard]] bool IsWatched() const { return !params_.is_watched || params_.is_watched(); }
+  [[nodiscard]] bool IsBehind() const;  // so far that it can't wait for an idle CPU
+  void CarveAnewIfAsked();
 
   // with the lock, as what follows
   bool CarveFrames(std::size_t max_frames);  // returns whether the ring is empty
   void CarveRest();                          // of a batch that is not complete
-  void Carve(const std::vector<Capsule>& capsules);
+  void CarveFresh();                         // the batches that are new
   void StartPass();
-  bool ExtractSome(std::size_t max_bricks);  // publishes once all are there; returns whether some are left
+  // Where somebody looks: publishes once all are there; returns whether some are left.
+  bool ExtractSome(std::size_t max_bricks);
 
   SurfaceThreadParams params_;
   SurfaceSink& sink_;
   rt::SpscRing<ToolFrame> ring_;
   std::atomic<bool> stop_{false};
   std::atomic<rt::Nanoseconds> shown_ns_;  // frames pushed before are published
+  std::atomic<rt::Nanoseconds> read_ns_;   // frames pushed before are carved
+  std::atomic<bool> never_idle_{false};    // the idle thread gets no CPU
   rt::InheritingMutex mutex_;              // of what follows; the engine's thread takes it in Apply alone
   std::condition_variable_any begun_;      // the field is there, or the thread has failed
+  std::shared_ptr<const SolidField> solid_;
   std::optional<CarvedField> field_;
   std::optional<TissueBricks> tissue_;
-  ToolWays ways_;
-  std::vector<Capsule> capsules_;
-  std::vector<SurfaceChunk> chunks_;  // the memory of both is used again
+  BatchedWays ways_;
+  SweptBatches fresh_, kept_;
+  std::vector<WayTimes> taken_back_;
+  std::vector<SurfaceChunk> chunks_;  // its memory is used again
+  bool published_{false};             // the first mesh
   std::size_t extracted_{0};          // of the field's dirty bricks, since the field last changed
   std::uint64_t passes_{0};           // grows as the field changes
-  rt::Nanoseconds read_ns_{0};        // at which the ring was last emptied
   std::string error_;                 // read without the lock once the thread is joined
+  std::mutex asked_mutex_;            // of what follows, and held briefly
+  std::optional<std::vector<WayTimes>> asked_;
   std::thread thread_, idle_thread_;
 };
 

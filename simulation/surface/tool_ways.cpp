@@ -28,7 +28,12 @@ bool IsCovered(const simulation::ToolBall& ball, const std::vector<simulation::T
 
 ToolFrame MakeToolFrame(const simulation::ContactModel& model, double spindle_rad_per_s) {
   if (model.status != simulation::EngineStatus::kOk) return {};
-  return {.X_WP = model.X_WP, .p_WS_m = model.p_WS_m, .cuts = spindle_rad_per_s != 0.0, .frame = model.frame};
+  return {.X_WP = model.X_WP,
+          .p_WS_m = model.p_WS_m,
+          .cuts = spindle_rad_per_s != 0.0,
+          .frame = model.frame,
+          .touches = model.contact_count > 0 || model.engaged_area_m2 > 0.0,
+          .pose_stamp = model.pose_stamp};
 }
 
 ToolWays::ToolWays(const simulation::Tool& tool, const Pose& X_WG)

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/clock.h"
 #include "kinematics/spatial.h"
 #include "simulation/contact/contact_model.h"
 #include "simulation/surface/capsule.h"
@@ -13,10 +14,12 @@ namespace osteon::surface {
 
 /// A frame's way in W, as it goes through the ring. Plain data.
 struct ToolFrame {
-  PlainPose X_WP;          ///< where the proxy ended
-  PlainVector3 p_WS_m;     ///< T's origin after the slide, before the bone gave way
-  bool cuts{false};        ///< the spindle turned
-  std::uint64_t frame{0};  ///< 0: no way
+  PlainPose X_WP;                 ///< where the proxy ended
+  PlainVector3 p_WS_m;            ///< T's origin after the slide, before the bone gave way
+  bool cuts{false};               ///< the spindle turned
+  std::uint64_t frame{0};         ///< 0: no way
+  bool touches{false};            ///< the tool touched or cut bone
+  rt::Nanoseconds pose_stamp{0};  ///< when the frame's pose was commanded
 };
 
 /// The way of a frame's result. A frame with an error has none.

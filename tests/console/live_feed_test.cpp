@@ -126,6 +126,21 @@ TEST(LiveFeed, ALateReaderGetsTheLastWindowsAndEvents) {
   EXPECT_TRUE(feed.EventsSince(seen_events).empty());
 }
 
+// Each page asks thirty times a second.
+TEST(LiveFeed, AReaderHasMemoryForWhatIsNewAlone) {
+  LiveFeed feed;
+  std::uint64_t tick = 0, seen = 0;
+  EXPECT_EQ(feed.Since(seen).capacity(), 0u);
+  for (int i = 0; i < 10; ++i) {
+    for (int j = 0; j < 34; ++j) feed.TakeTick(Tick(++tick, 1.0));
+    const auto windows = feed.Since(seen);
+    EXPECT_EQ(windows.capacity(), windows.size());
+    EXPECT_EQ(seen, feed.Newest().number);
+  }
+  EXPECT_GE(seen, 9u);
+  EXPECT_EQ(feed.Since(seen).capacity(), 0u);
+}
+
 TEST(LiveFeed, AReaderOfBeforeARestartGetsNothingUntilItKnows) {
   LiveFeed feed;
   for (int i = 0; i < 5; ++i) feed.TakeEvent({.stamp = i, .text = "x"});

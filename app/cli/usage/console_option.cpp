@@ -64,7 +64,7 @@ void AddFoxgloveOption(CLI::App& sub, session::ConsoleChoice& foxglove) {
 void AddRecordBoneOption(CLI::App& sub, double& step_s) {
   sub.add_option("--record-bone", step_s,
                  "seconds from one state of the carved bone to the next in the recording, for Foxglove and "
-                 "Lichtblick; 0: the recording is without the bone, as with a plan")
+                 "Lichtblick; 0: the recording is without the bone")
       ->check(NumberWithin(0.0, 3600.0))
       ->capture_default_str();
 }

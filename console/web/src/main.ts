@@ -43,6 +43,7 @@ class Page {
   private live: Live | null = null;
   private role: Role = { type: "role", mine: false, taken: false, pages: 0 };
   private connected = false;
+  private said = ""; // in English
   private gaveRoleBack = false;
   private reported_ms = 0;
   private readonly worst = { compute_us: 0, wakeup_us: 0 };
@@ -77,7 +78,7 @@ class Page {
       case "playback":
         document.body.classList.add("viewing");
         this.timeline.show(message);
-        if (message.error) byId("answer").textContent = message.error;
+        if (message.error) this.say(message.error);
         break;
       case "timeline":
         this.timeline.showNews(message);
@@ -131,12 +132,18 @@ class Page {
       case "answer":
         if (message.done && message.ask === "role") break; // asked by the page itself: what is said stays
         if (this.procedure.takeAnswer(message.done, message.reason)) break;
-        byId("answer").textContent = message.done ? "" : inLanguage(message.reason);
+        this.say(message.done ? "" : message.reason);
         break;
       case "closed":
-        byId("answer").textContent = inLanguage(message.reason);
+        this.say(message.reason);
         break;
     }
+  }
+
+  /** What was refused, or has happened to the page; also in another language that is chosen later. */
+  private say(text: string): void {
+    this.said = text;
+    byId("answer").textContent = inLanguage(text);
   }
 
   private takeLive(live: Live): void {
@@ -215,6 +222,7 @@ class Page {
   /** Makes everything that has a text in the chosen language. */
   private buildTexts(): void {
     document.documentElement.lang = getLanguage();
+    this.say(this.said);
     (byId("language") as HTMLSelectElement).value = getLanguage();
     byId("buttons").replaceChildren(
       this.button("pause", "pause", "P", () => this.ask("pause")),

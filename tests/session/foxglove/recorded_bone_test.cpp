@@ -1,45 +1,17 @@
 #include "session/foxglove/recorded_bone.h"
 
 #include <fstream>
-#include <map>
 #include <sstream>
 #include <string>
 #include <vector>
 
-#include <foxglove.pb.h>
 #include <gtest/gtest.h>
 
-#include "io/recording/mcap_reader.h"
+#include "tests/session/foxglove/shown_bone.h"
 #include "tests/session/run/virtual_ride.h"
 
 namespace osteon::session {
 namespace {
-
-/// The bone's messages of a recording, in their order.
-std::vector<foxglove::SceneUpdate> BoneStates(const std::filesystem::path& recording) {
-  std::vector<foxglove::SceneUpdate> states;
-  auto reader = io::McapReader::Open(recording);
-  EXPECT_TRUE(reader) << reader.error();
-  io::McapMessage message;
-  while (*reader->Next(message)) {
-    if (message.channel->topic != "bone") continue;
-    EXPECT_EQ(message.channel->schema_name, "foxglove.SceneUpdate");
-    EXPECT_TRUE(states.emplace_back().ParseFromString({message.bytes.data(), message.bytes.size()}));
-  }
-  return states;
-}
-
-/// The parts that a viewer shows after a state: the newest of each.
-using Shown = std::map<std::string, std::string>;
-void Show(const foxglove::SceneUpdate& state, Shown& shown) {
-  for (const auto& deletion : state.deletions())
-    if (deletion.type() == foxglove::SceneEntityDeletion::ALL) shown.clear();
-  for (const auto& entity : state.entities()) {
-    foxglove::SceneEntity part = entity;
-    part.clear_timestamp();
-    shown[part.id()] = part.SerializeAsString();
-  }
-}
 
 class RecordedBoneRun : public testing::Test {
  protected:

@@ -133,6 +133,62 @@ TEST(SurfaceThread, AppliesAChangeAfterAllThatWasPushed) {
                std::logic_error);
 }
 
+TEST(SurfaceThread, MeshesNothingWhileNobodyLooksAndThenAllThatHasChanged) {
+  ChunkKeeper sink;
+  std::atomic<bool> watched{false};
+  SurfaceThread thread(
+      kBall, Pose::Identity(),
+      {.make_solid = [] { return BallField(9.0F, 0.5F); }, .is_watched = [&] { return watched.load(); }},
+      sink);
+  thread.Apply([](CarvedField&, ToolWays&) {});
+  const std::size_t uncut = Quads(sink.kept);
+  EXPECT_GT(uncut, 0U) << "the first mesh is ready for who comes";
+  BrickField swept;
+  for (std::uint64_t i = 1; i <= 205; ++i) ASSERT_TRUE(thread.Push(FrameNumber(i)));
+  thread.Apply([&](CarvedField& field, ToolWays&) { swept = field.swept(); });
+  EXPECT_EQ(sink.last_frame, 0U);
+  EXPECT_EQ(Quads(sink.kept), uncut);
+  CarvedField expected(BallField(9.0F, 0.5F));
+  expected.SetSwept(swept);
+  const std::size_t cut = WeldSurface(expected).quads.size();
+  EXPECT_NE(cut, uncut) << "the field follows";
+  watched.store(true);
+  thread.Apply([](CarvedField&, ToolWays&) {});
+  EXPECT_EQ(sink.last_frame, 205U);
+  EXPECT_EQ(Quads(sink.kept), cut);
+}
+
+// Frames 1 … 205 and 206 … 500 as two passes.
+TEST(SurfaceThread, LeavesOutWhatIsTakenBack) {
+  const auto frame = [](std::uint64_t i) {
+    ToolFrame made = FrameNumber(i);
+    made.touches = true;
+    made.pose_stamp = static_cast<rt::Nanoseconds>(i);
+    made.cuts = i != 206;  // between two passes a batch ends
+    return made;
+  };
+  ChunkKeeper sink;
+  SurfaceThread thread(kBall, Pose::Identity(),
+                       {.make_solid = [] { return BallField(9.0F, 0.5F); },
+                        .carve_earlier =
+                            [](CarvedField& field) {
+                              const Capsule hole{.a_mm = {0, 0, -9}, .b_mm = {0, 0, -8}, .radius_mm = 1.0F};
+                              field.Carve({&hole, 1});
+                            },
+                        .keeps_batches = true},
+                       sink);
+  for (std::uint64_t i = 1; i <= 206; ++i) ASSERT_TRUE(thread.Push(frame(i)));
+  thread.Apply([](CarvedField&, ToolWays&) {});
+  const std::size_t first = Quads(sink.kept);
+  for (std::uint64_t i = 207; i <= 500; ++i) ASSERT_TRUE(thread.Push(frame(i)));
+  thread.Apply([](CarvedField&, ToolWays&) {});
+  EXPECT_NE(Quads(sink.kept), first);
+  thread.TakeBack({{.begin = 207, .end = 500}});
+  thread.Stop();
+  EXPECT_EQ(thread.error(), "");
+  EXPECT_EQ(Quads(sink.kept), first) << "with what was cut earlier";
+}
+
 TEST(SurfaceThread, TellsHowFarItIsBehind) {
   ChunkKeeper sink;
   SurfaceThread thread(kBall, Pose::Identity(), {.make_solid = [] { return BallField(9.0F, 0.5F); }}, sink);
