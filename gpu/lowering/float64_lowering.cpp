@@ -10,94 +10,19 @@
 #include <stdexcept>
 #include <string>
 
+#include "gpu/lowering/spirv.h"
+
 namespace osteon::gpu {
 namespace {
 
-using Word = std::uint32_t;
-using Words = std::vector<Word>;
+using namespace spirv;
 
-// Numbers of the SPIR-V specification: instructions, capabilities, decorations, GLSL.std.450.
-enum Op : Word {
-  kName = 5,
-  kExtInst = 12,
-  kCapability = 17,
-  kTypeVoid = 19,
-  kTypeInt = 21,
-  kTypeFloat = 22,
-  kTypeVector = 23,
-  kTypeArray = 28,
-  kTypeRuntimeArray = 29,
-  kTypeStruct = 30,
-  kTypePointer = 32,
-  kTypeFunction = 33,
-  kConstantTrue = 41,
-  kConstant = 43,
-  kConstantComposite = 44,
-  kFunction = 54,
-  kFunctionEnd = 56,
-  kFunctionCall = 57,
-  kVariable = 59,
-  kDecorate = 71,
-  kVectorShuffle = 79,
-  kCompositeConstruct = 80,
-  kCompositeExtract = 81,
-  kCopyObject = 83,
-  kConvertFToU = 109,
-  kConvertFToS = 110,
-  kConvertSToF = 111,
-  kConvertUToF = 112,
-  kFConvert = 115,
-  kBitcast = 124,
-  kFNegate = 127,
-  kFAdd = 129,
-  kFSub = 131,
-  kFMul = 133,
-  kFDiv = 136,
-  kVectorTimesScalar = 142,
-  kDot = 148,
-  kLogicalNot = 168,
-  kSelect = 169,
-  kFOrdEqual = 180,
-  kFOrdNotEqual = 182,
-  kFUnordNotEqual = 183,
-  kFOrdLessThan = 184,
-  kFOrdGreaterThan = 186,
-  kFOrdLessThanEqual = 188,
-  kFOrdGreaterThanEqual = 190,
-  kBroadcast = 337,
-  kGroupFMin = 355,
-  kGroupFMax = 358,
-};
-constexpr Word kCapabilityFloat64 = 10, kArrayStride = 6, kNoContraction = 42;
-enum Glsl : Word {
-  kFAbs = 4,
-  kFloor = 8,
-  kSqrt = 31,
-  kFMin = 37,
-  kFMax = 40,
-  kFClamp = 43,
-  kFma = 50,
-  kPackDouble = 59,
-  kUnpackDouble = 65,
-  kLength = 66,
-  kCross = 68,
-  kNormalize = 69,
-};
 constexpr double kMinConstant = 1e-30;
-
-struct Instruction {
-  Word op;
-  Words words;  // without the first one, which has the instruction's number and length
-};
 
 class Lowering {
  public:
-  explicit Lowering(const Words& module) : header_(module.begin(), module.begin() + 5) {
-    for (std::size_t i = 5; i < module.size(); i += module[i] >> 16)
-      in_.push_back({module[i] & 0xffff,
-                     {module.begin() + static_cast<std::ptrdiff_t>(i) + 1,
-                      module.begin() + static_cast<std::ptrdiff_t>(i + (module[i] >> 16))}});
-  }
+  explicit Lowering(const Words& module)
+      : header_(module.begin(), module.begin() + 5), in_(InstructionsOf(module)) {}
 
   Words Run() {
     FindNames();
@@ -109,17 +34,6 @@ class Lowering {
   }
 
  private:
-  static std::string Text(std::span<const Word> words) {
-    std::string text;
-    for (const Word word : words)
-      for (int byte = 0; byte < 4; ++byte) {
-        const char c = static_cast<char>(word >> 8 * byte & 0xff);
-        if (c == 0) return text;
-        text += c;
-      }
-    return text;
-  }
-
   // True for an instruction whose first two words are a type and its result's id, among those that glslang
   // makes for compute shaders.
   static bool HasTypedResult(Word op) {
@@ -133,7 +47,7 @@ class Lowering {
   void FindNames() {
     for (const Instruction& at : in_)
       if (at.op == kName) {
-        const std::string name = Text(std::span(at.words).subspan(1));
+        const std::string name = TextOf(std::span(at.words).subspan(1));
         if (name.starts_with("Ds") && name.find('(') != name.npos)
           functions_[name.substr(0, name.find('('))] = at.words[0];
       }
