@@ -92,7 +92,7 @@ class Bone:
         return _lib.osteon_bone_warning(self._handle).decode()
 
     def approach(self, height_m):
-        """X_GT of a tool that points into the site, its apex height_m above the site's centre (below: negative)."""
+        """X_GT (4, 4) [m] of a tool that points into the site, its apex height_m above the site's centre (-1 … 1)."""
         pose = _Pose()
         _check(_lib.osteon_bone_approach(self._handle, height_m, c.byref(pose)))
         return _from_pose(pose)
@@ -276,11 +276,11 @@ class Session:
         self._log = told  # alive as long as it may be called
 
     def set_tool_pose(self, X_GT, spindle_rad_per_s=0.0):
-        """Where the tool is. The first pose must be free of bone."""
+        """Where the tool is: X_GT (4, 4) [m], its spindle's speed [rad/s]. The first pose must be free of bone."""
         _check(_lib.osteon_session_set_tool_pose(self._handle, c.byref(_to_pose(X_GT)), spindle_rad_per_s))
 
     def step(self, X_GT, spindle_rad_per_s=0.0, dt_s=0.001):
-        """Lockstep: one frame at this pose, dt_s later."""
+        """Lockstep: one frame at X_GT (4, 4) [m] with the spindle's speed [rad/s], dt_s [s] (0 … 0.1) later."""
         _check(_lib.osteon_session_step(self._handle, c.byref(_to_pose(X_GT)), spindle_rad_per_s, dt_s))
 
     def evaluate(self, X_GT, twist=None):
@@ -338,7 +338,7 @@ class Session:
         return taken
 
     def change_tool(self, tool, X_GT):
-        """Another tool from now on, at a pose that is free of bone."""
+        """Another tool from now on, at X_GT (4, 4) [m], free of bone: else Error, and nothing changes."""
         _check(_lib.osteon_session_change_tool(self._handle, tool._handle, c.byref(_to_pose(X_GT))))
         self.tool = tool
 
@@ -347,7 +347,7 @@ class Session:
         _check(_lib.osteon_session_mark(self._handle))
 
     def undo(self, X_GT):
-        """Returns to the last mark; the tool's pose must be free of the bone that comes back."""
+        """Returns to the last mark; X_GT (4, 4) [m] must be free of the bone that comes back."""
         _check(_lib.osteon_session_undo(self._handle, c.byref(_to_pose(X_GT))))
 
     def save(self, file):
