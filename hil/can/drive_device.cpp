@@ -17,6 +17,11 @@ constexpr double kStep_s = 1e-4;
 constexpr rt::Nanoseconds kLongest = 100 * rt::kMillisecond;  // of one advance: after a longer pause the rest
                                                               // is skipped
 constexpr double kAtRest_rad_per_s = 0.1;
+constexpr int kProfileVelocity = 3;  // modes of 6060
+constexpr int kCyclicVelocity = 9;
+// Option codes of 605A and 605E. 5 and 6 brake as 1 and 2, and stay in quick stop active.
+constexpr int kCoast = 0, kSlowDownRamp = 1, kQuickStopRamp = 2;
+constexpr int kSlowDownAndStay = 5, kQuickStopAndStay = 6;
 
 std::vector<DictionaryEntry> Dictionary(const DriveDeviceParams& params) {
   const auto node = static_cast<std::uint32_t>(params.node);
@@ -40,6 +45,8 @@ std::vector<DictionaryEntry> Dictionary(const DriveDeviceParams& params) {
       {.index = 0x6060, .bytes = 1, .writable = true, .mappable = true, .value = 3},
       {.index = 0x6061, .bytes = 1, .mappable = true, .value = 3},
       {.index = 0x606C, .mappable = true},
+      {.index = 0x606D, .bytes = 2, .writable = true, .value = 10},  // velocity window [rpm]
+      {.index = 0x606E, .bytes = 2, .writable = true, .value = 10},  // velocity window time [ms]
       {.index = 0x6076,
        .value = static_cast<std::uint32_t>(std::lround(1000 * params.motor.rated_torque_Nm))},
       {.index = 0x6077, .bytes = 2, .mappable = true},
@@ -65,6 +72,15 @@ std::vector<DictionaryEntry> Dictionary(const DriveDeviceParams& params) {
           {.index = pdo.mapping, .sub = sub, .writable = true, .value = sub == 1 ? pdo.object : 0});
   }
   return list;
+}
+
+// Whether an object accepts a value; only modes and option codes are restricted.
+bool Accepts(int index, std::uint32_t value) {
+  if (index == 0x6060) return value == kProfileVelocity || value == kCyclicVelocity;
+  if (index == 0x605E) return value <= kQuickStopRamp;
+  if (index == 0x605A)
+    return value <= kQuickStopRamp || value == kSlowDownAndStay || value == kQuickStopAndStay;
+  return true;
 }
 
 }  // namespace
@@ -103,7 +119,7 @@ void DriveDevice::Boot() {
 }
 
 int DriveDevice::statusword() const {
-  constexpr int kVoltage = 0x10, kNoQuickStop = 0x20, kRemote = 0x200;
+  constexpr int kVoltage = 0x10, kNoQuickStop = 0x20, kRemote = 0x200, kTargetReached = 0x400;
   switch (state_) {
     case State::kNotReady:
       return 0;
@@ -114,15 +130,38 @@ int DriveDevice::statusword() const {
     case State::kSwitchedOn:
       return kRemote + kVoltage + kNoQuickStop + 0x03;
     case State::kEnabled:
-      return kRemote + kVoltage + kNoQuickStop + 0x07;
+      return kRemote + kVoltage + kNoQuickStop + 0x07 + (TargetReached() ? kTargetReached : 0);
     case State::kQuickStop:
-      return kRemote + kVoltage + 0x07;
+      return kRemote + kVoltage + 0x07 + (TargetReached() ? kTargetReached : 0);
     case State::kFaultReaction:
       return kRemote + kVoltage + 0x0F;
     case State::kFault:
       break;
   }
   return kRemote + kVoltage + 0x08;
+}
+
+bool DriveDevice::StaysInQuickStop() const noexcept {
+  const int option = objects_.GetSigned(0x605A);
+  return option == kSlowDownAndStay || option == kQuickStopAndStay;
+}
+
+bool DriveDevice::AtRest() const noexcept { return std::abs(motor_.speed_rad_per_s()) < kAtRest_rad_per_s; }
+
+bool DriveDevice::InVelocityWindow() const noexcept {
+  const long difference_rpm = objects_.GetSigned(0x60FF) - std::lround(motor_.speed_rad_per_s() / kRpm);
+  return std::abs(difference_rpm) <= static_cast<long>(objects_.Get(0x606D));
+}
+
+// The window is checked anew, since a target that has just come changes the bit at once.
+bool DriveDevice::TargetReached() const noexcept {
+  if (state_ == State::kQuickStop) return StaysInQuickStop() && AtRest();
+  return state_ == State::kEnabled && objects_.GetSigned(0x6060) == kProfileVelocity && InVelocityWindow() &&
+         in_window_ >= objects_.Get(0x606E) * rt::kMillisecond;
+}
+
+void DriveDevice::StartQuickStop() noexcept {
+  state_ = objects_.GetSigned(0x605A) == kCoast ? State::kDisabled : State::kQuickStop;
 }
 
 void DriveDevice::HandleControlword(int word) noexcept {
@@ -142,7 +181,7 @@ void DriveDevice::HandleControlword(int word) noexcept {
     state_ = State::kDisabled;
   } else if (!no_quick_stop) {
     if (state_ == State::kEnabled)
-      state_ = State::kQuickStop;
+      StartQuickStop();
     else if (state_ != State::kQuickStop)
       state_ = State::kDisabled;
   } else if (!on) {
@@ -151,16 +190,18 @@ void DriveDevice::HandleControlword(int word) noexcept {
     if (state_ == State::kReady || state_ == State::kEnabled) state_ = State::kSwitchedOn;
   } else if (state_ == State::kReady) {
     state_ = State::kSwitchedOn;
-  } else if (state_ == State::kSwitchedOn || state_ == State::kQuickStop) {
+  } else if (state_ == State::kSwitchedOn || (state_ == State::kQuickStop && StaysInQuickStop())) {
     state_ = State::kEnabled;
     ramp_rad_per_s_ = motor_.speed_rad_per_s();
+    in_window_ = 0;
   }
 }
 
 void DriveDevice::Trip(int error_code) noexcept {
   if (state_ == State::kFault || state_ == State::kFaultReaction || state_ == State::kNotReady) return;
-  const bool turning = state_ == State::kEnabled || state_ == State::kQuickStop;
-  state_ = turning ? State::kFaultReaction : State::kFault;
+  const bool powered = state_ == State::kEnabled || state_ == State::kQuickStop;
+  const bool brakes = powered && objects_.GetSigned(0x605E) != kCoast;
+  state_ = brakes ? State::kFaultReaction : State::kFault;
   error_ = error_code;
   SendEmergency(error_code);
 }
@@ -183,7 +224,7 @@ std::uint32_t DriveDevice::ValidateWrite(void* self, const DictionaryEntry& entr
                           kTooLong = 0x06040042;
   auto& drive = *static_cast<DriveDevice*>(self);
   const bool pdo = (entry.index >= 0x1400 && entry.index < 0x1C00);
-  if (!pdo) return entry.index == 0x6060 && value != 3 && value != 9 ? kRange : 0;
+  if (!pdo) return Accepts(entry.index, value) ? 0 : kRange;
   if (drive.nmt_ == kOperational) return kNotNow;
   const bool mapping = entry.index % 0x400 >= 0x200;
   const int communication = mapping ? entry.index - 0x200 : entry.index;
@@ -322,6 +363,12 @@ void DriveDevice::AdvanceTo(rt::Nanoseconds now) noexcept {
   for (; now - time_ >= step; time_ += step) StepMotor(kStep_s);
 }
 
+// The object of the ramp by which the drive comes to rest: 6084 or 6085.
+int DriveDevice::StopRamp() const noexcept {
+  const int option = objects_.GetSigned(state_ == State::kQuickStop ? 0x605A : 0x605E);
+  return option == kSlowDownRamp || option == kSlowDownAndStay ? 0x6084 : 0x6085;
+}
+
 void DriveDevice::StepMotor(double dt_s) noexcept {
   const double load_Nm = cutting_Nm_ / params_.motor.gear_ratio + params_.friction_Nm;
   const bool stopping = state_ == State::kQuickStop || state_ == State::kFaultReaction;
@@ -332,14 +379,16 @@ void DriveDevice::StepMotor(double dt_s) noexcept {
   }
   const double target = stopping ? 0.0 : objects_.GetSigned(0x60FF) * kRpm;
   const bool faster = std::abs(target) > std::abs(ramp_rad_per_s_);
-  const double slope = objects_.Get(stopping ? 0x6085 : faster ? 0x6083 : 0x6084) * kRpm * dt_s;
+  const double slope = objects_.Get(stopping ? StopRamp() : faster ? 0x6083 : 0x6084) * kRpm * dt_s;
   ramp_rad_per_s_ += std::clamp(target - ramp_rad_per_s_, -slope, slope);
   motor_.Step(dt_s, ramp_rad_per_s_, load_Nm);
 
-  const bool at_rest = std::abs(motor_.speed_rad_per_s()) < kAtRest_rad_per_s;
-  stalled_s_ = at_rest && motor_.limited() ? stalled_s_ + dt_s : 0.0;
+  stalled_s_ = AtRest() && motor_.limited() ? stalled_s_ + dt_s : 0.0;
+  in_window_ = InVelocityWindow() ? in_window_ + std::llround(dt_s * 1e9) : 0;
   if (state_ == State::kEnabled && stalled_s_ > params_.stall_s) Trip(kBlocked);
-  if (state_ == State::kFaultReaction && at_rest) state_ = State::kFault;
+  if (!AtRest()) return;
+  if (state_ == State::kFaultReaction) state_ = State::kFault;
+  if (state_ == State::kQuickStop && !StaysInQuickStop()) state_ = State::kDisabled;
 }
 
 }  // namespace osteon::hil

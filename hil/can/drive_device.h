@@ -22,6 +22,12 @@ struct DriveDeviceParams {
 /// off and the drive is pre-operational), NMT, SYNC, heartbeats in both directions, EMCY, the whole state
 /// machine, ramps, quick stop, faults with their reaction.
 ///
+/// Quick stop follows option code 605A: 0 coasts to switch on disabled, 1 and 2 brake (along 6084, 6085) and
+/// end there, 5 and 6 brake likewise and stay in quick stop active. Other codes are refused. 605E, for
+/// faults, accepts 0, 1 and 2. Bit 10 of the statusword, target reached: in mode 3, the velocity (606C) has
+/// been within the window 606D (rpm of the motor) of the target 60FF for the time 606E (ms); with 605A at 5
+/// or 6, the quick stop is finished.
+///
 /// The motor turns in virtual time: each call advances it to the call's time, in steps of 0.1 ms. Frames pass
 /// as for any CanClient: a CanPump runs it over a bus, a VirtualCan in virtual time.
 class DriveDevice final : public io::CanClient {
@@ -70,6 +76,12 @@ class DriveDevice final : public io::CanClient {
   void AdvanceTo(rt::Nanoseconds now) noexcept;
   void StepMotor(double dt_s) noexcept;
   void HandleControlword(int word) noexcept;
+  void StartQuickStop() noexcept;
+  [[nodiscard]] bool StaysInQuickStop() const noexcept;
+  [[nodiscard]] int StopRamp() const noexcept;
+  [[nodiscard]] bool AtRest() const noexcept;
+  [[nodiscard]] bool InVelocityWindow() const noexcept;
+  [[nodiscard]] bool TargetReached() const noexcept;
   void Trip(int error_code) noexcept;
   void HandleRpdo() noexcept;
   void SendTpdo(int number) noexcept;
@@ -88,6 +100,7 @@ class DriveDevice final : public io::CanClient {
   double cutting_Nm_{0.0};
   double ramp_rad_per_s_{0.0};  // set point of the velocity loop
   double stalled_s_{0.0};
+  rt::Nanoseconds in_window_{0};  // since the velocity entered the window of its target
   rt::Nanoseconds time_{-1}, boot_due_{0}, heartbeat_due_{0}, master_heard_{-1};
   io::CanFrame rpdo_;
   bool rpdo_fresh_{false};

@@ -9,7 +9,9 @@
 // w x y z and need not be normalised.
 //
 // Results. Every function that can fail returns an OsteonResult. osteon_last_error() has the text of the
-// calling thread's last failure. No exception, no signal and no output crosses this border.
+// calling thread's last failure: the value, what was found, what is accepted. No exception, no signal and no
+// output crosses this border. A null where the comment does not allow it, or a number that is not finite, is
+// OSTEON_ERROR_ARGUMENT. After a failure nothing has changed but what a comment names.
 //
 // Threads. Functions of one session may be called from any thread, one at a time for each of these two:
 // set_tool_pose (one thread: the writer) and evaluate (one thread: the reader; it may be the writer).
@@ -20,7 +22,9 @@
 // and destroy. Guidances share nothing.
 //
 // Lifetime. Bones and tools may be destroyed while sessions use them, plans while guidances do.
-// osteon_session_destroy joins the session's threads. After fork() the child gets OSTEON_ERROR_FORK.
+// osteon_session_destroy joins the session's threads. Destroying twice, and calling with what is destroyed,
+// are the caller's errors, which nothing finds. Once a process has made anything, the child of a fork() gets
+// OSTEON_ERROR_FORK from each create and each function of a session: it starts a program anew (exec, spawn).
 #pragma once
 
 #include <stddef.h>
@@ -65,8 +69,8 @@ typedef enum OsteonEngine {
 
 /* Pose of T in G. */
 typedef struct OsteonPose {
-  double position_m[3];
-  double orientation_wxyz[4];
+  double position_m[3];       /* each within -1000 … 1000 */
+  double orientation_wxyz[4]; /* of any length but 0; the library's own have length 1 */
 } OsteonPose;
 
 /* Velocity of T at its origin, in G. */
@@ -95,8 +99,8 @@ OSTEON_API const char* osteon_version(void);
 OSTEON_API uint32_t osteon_abi(void);
 /* Meaning of a result, in a few words; valid for ever. */
 OSTEON_API const char* osteon_result_text(OsteonResult result);
-/* Text of the calling thread's last failure, one line, UTF-8; "" where there was none. Valid until this
- * thread's next failure. */
+/* Text of the calling thread's last failure, one line, UTF-8, at most 1023 bytes; "" where there was none.
+ * Valid until this thread's next failure: a success does not clear it. */
 OSTEON_API const char* osteon_last_error(void);
 
 /* --- bone ---------------------------------------------------------------------------------------------- */
@@ -107,16 +111,17 @@ typedef struct OsteonBoneParams {
                         scene whose tissues and fineness it gets. Null: "acetabulum" */
   const char* mesh_file; /* STL, OBJ or PLY; needs the site. A surface that bounds no solid, such as an open
                             one, is remade as one, and osteon_bone_warning says how; what cannot be is
-                            refused. Null: none */
-  double mesh_scale_mm;  /* millimetres per unit of the mesh; 0: 1 */
+                            refused. Its frame is G. Null: none */
+  double mesh_scale_mm;  /* millimetres per unit of the mesh, 1e-6 … 1e6; 0: 1 */
   const char* packing_file; /* as `osteon pack` writes it (.osp). Null: none */
-  const float* balls_mm;    /* x y z r of ball_count overlapping balls [mm]. Null: none. Their mass is sampled
-                               at 0.75 mm, all of the first material */
-  size_t ball_count;
-  const char* material;      /* of balls: name of a shipped material. Null: "cancellous" */
-  double site_center_m[3];   /* where it is cut: centre of the cup, or of the entry on the surface */
-  double site_axis[3];       /* out of the bone; any length */
-  double site_radius_m;      /* 0: the scene's or the packing's own site; a mesh needs one */
+  const float* balls_mm; /* x y z r of ball_count overlapping balls in G [mm], within 10 m. Null: none. Their
+                            mass is sampled at 0.75 mm, all of the first material */
+  size_t ball_count;     /* 1 … 100 000 000; 0 without balls */
+  const char* material;  /* of balls: name of a shipped material. Null: "cancellous" */
+  double site_center_m[3];   /* in G, where it is cut: centre of the cup, or of the entry on the surface; each
+                                within -1000 … 1000 */
+  double site_axis[3];       /* in G, out of the bone; any length but 0 */
+  double site_radius_m;      /* 0: the scene's or the packing's own site; a mesh needs one. At most 10 */
   const char* config_folder; /* folder of scenes/, materials/ and tools/. Null: that of the installation or
                                 checkout that the library lies in, or $OSTEON_ROOT/config */
 } OsteonBoneParams;
@@ -127,8 +132,10 @@ OSTEON_API void osteon_bone_params_default(OsteonBoneParams* params);
  * the library's, returns OSTEON_ERROR_ABI and writes nothing. Any thread. */
 OSTEON_API OsteonResult osteon_bone_params_init(uint32_t abi, OsteonBoneParams* params);
 
-/* Makes a bone; takes 0.1 s (scene) to half a minute (large mesh).
- * abi: OSTEON_ABI. bone: receives the new bone, null on failure. */
+/* Makes a bone; takes 0.1 s (scene) to half a minute (large mesh). Any thread.
+ * abi: OSTEON_ABI. params: not null. bone: not null; receives the new bone, null on failure.
+ * OSTEON_ERROR_FILE: no such scene, mesh, packing or folder, or one with a defect; OSTEON_ERROR_ARGUMENT:
+ * balls, site or scale out of range, or more than one source. */
 OSTEON_API OsteonResult osteon_bone_create(uint32_t abi, const OsteonBoneParams* params, OsteonBone** bone);
 /* Gives the bone up; sessions that were made of it keep what they need. Null is allowed. */
 OSTEON_API void osteon_bone_destroy(OsteonBone* bone);
@@ -142,8 +149,8 @@ typedef struct OsteonBoneInfo {
   uint64_t mass_points;
   double volume_m3; /* sum over the mass points */
   double mass_kg;
-  double site_center_m[3];
-  double site_axis[3]; /* unit, out of the bone */
+  double site_center_m[3]; /* in G */
+  double site_axis[3];     /* unit, out of the bone, in G */
   double site_radius_m;
   uint32_t material_count;
 } OsteonBoneInfo;
@@ -157,8 +164,8 @@ OSTEON_API const char* osteon_bone_material(const OsteonBone* bone, uint32_t ind
 /* Colour of a material in shaded pictures: red, green, blue as sRGB, 0 … 255. The table for a mesh's vertex
  * colours has material_count of them (OsteonBoneInfo). */
 OSTEON_API OsteonResult osteon_bone_material_color(const OsteonBone* bone, uint32_t index, uint8_t rgb[3]);
-/* Pose of a tool that points into the site along its axis, its apex `height_m` above the site's centre (below
- * where negative; -1 … 1). At 0 a reamer that fits the cup is free of bone. */
+/* Pose of T in G of a tool that points into the site along its axis, its apex `height_m` above the site's
+ * centre (below where negative; -1 … 1). At 0 a reamer that fits the cup is free of bone. Any thread. */
 OSTEON_API OsteonResult osteon_bone_approach(const OsteonBone* bone, double height_m, OsteonPose* pose);
 
 /* --- tool ---------------------------------------------------------------------------------------------- */
@@ -169,8 +176,8 @@ typedef struct OsteonToolParams {
   double diameter_m;     /* one of the sizes that the tool comes in; 0: its usual one. Another is refused with
                             OSTEON_ERROR_ARGUMENT and the sizes that there are */
   const float* balls_mm; /* instead of a name: x y z r of ball_count balls in T [mm]. Null: none */
-  const uint8_t* cutting; /* for each ball, 0: it touches only. Null: all cut */
-  size_t ball_count;
+  const uint8_t* cutting;    /* for each ball, 0: it touches only. Null: all cut */
+  size_t ball_count;         /* 1 … 10 000: a session refuses more */
   const char* config_folder; /* as in OsteonBoneParams */
 } OsteonToolParams;
 
@@ -205,13 +212,15 @@ OSTEON_API void osteon_settings_default(OsteonSettings* settings);
 /* Fills settings as osteon_settings_default does; otherwise as osteon_bone_params_init. */
 OSTEON_API OsteonResult osteon_settings_init(uint32_t abi, OsteonSettings* settings);
 
-/* Makes a session with its engine and threads; takes up to some seconds (GPU, large mesh). bone and tool: not
- * null. settings: null for the defaults. session: not null; receives it, null on failure. */
+/* Makes a session with its engine and threads; takes up to some seconds (GPU, large mesh). Any thread.
+ * abi: OSTEON_ABI. bone and tool: not null. settings: null for the defaults. session: not null; receives it,
+ * null on failure. OSTEON_ERROR_DEVICE: no such GPU, or the tool has too many balls; OSTEON_ERROR_ARGUMENT: a
+ * setting out of range. */
 OSTEON_API OsteonResult osteon_session_create(uint32_t abi, const OsteonBone* bone, const OsteonTool* tool,
                                               const OsteonSettings* settings, OsteonSession** session);
 /* Ends and joins its threads. No other call on this session may run. Null is allowed. */
 OSTEON_API void osteon_session_destroy(OsteonSession* session);
-/* "cpu on one thread, AVX-512 (…)": valid as long as the session. */
+/* "cpu on one thread, AVX-512 (…)"; "" for null. Valid as long as the session. */
 OSTEON_API const char* osteon_session_engine(const OsteonSession* session);
 
 typedef enum OsteonLogLevel {
@@ -220,7 +229,7 @@ typedef enum OsteonLogLevel {
   OSTEON_LOG_ERROR = 2
 } OsteonLogLevel;
 /* Receives one line of text, UTF-8, valid during the call. It must return soon, and must call no function of
- * the session. */
+ * the session, which would wait for ever. What it throws (C++) ends in the library. */
 typedef void (*OsteonLogCallback)(void* user, uint32_t level, const char* text);
 
 /* From now on, `callback` is told what happens in the session: at once its engine, and as a warning what
@@ -231,12 +240,17 @@ typedef void (*OsteonLogCallback)(void* user, uint32_t level, const char* text);
 OSTEON_API OsteonResult osteon_session_set_log(OsteonSession* session, OsteonLogCallback callback,
                                                void* user);
 
-/* Where the tool is, and its spindle's speed [rad/s] (0: it does not cut). The first pose of a session must
- * be free of bone. Wait-free. Not in lockstep. */
+/* Where the tool is, and its spindle's speed [rad/s] (0: it does not cut; below 1e6, of either sign). The
+ * first pose of a session must be free of bone: until one is, no frame is computed, osteon_session_figures
+ * returns OSTEON_ERROR_STATE, and the log is told. Frames lag where poses come faster than they take: the
+ * newest pose counts. Wait-free. OSTEON_ERROR_STATE in lockstep. */
 OSTEON_API OsteonResult osteon_session_set_tool_pose(OsteonSession* session, const OsteonPose* pose,
                                                      double spindle_rad_per_s);
 
-/* Lockstep: computes one frame at this pose and moves the session's clock on by dt_s (0 … 0.1). */
+/* Lockstep: computes one frame at this pose and moves the session's clock on by dt_s [s] (0 … 0.1). The
+ * spindle [rad/s] as above. OSTEON_ERROR_STATE: the session has its own thread, or the first pose is in bone;
+ * OSTEON_ERROR_DEVICE: the GPU was lost, or more bone is near than the engine has room for. The clock moves
+ * on all the same. */
 OSTEON_API OsteonResult osteon_session_step(OsteonSession* session, const OsteonPose* pose,
                                             double spindle_rad_per_s, double dt_s);
 
@@ -271,17 +285,18 @@ typedef struct OsteonFigures {
 OSTEON_API OsteonResult osteon_session_figures(OsteonSession* session, OsteonFigures* figures);
 
 typedef struct OsteonEvent {
-  char name[48];  /* "pulp reached", "wall too thin", "breakthrough" */
-  double value_m; /* depth, or thickness of the wall */
-  double position_m[3];
-  uint64_t frame;
+  char name[48];        /* "pulp reached", "wall too thin", "breakthrough" */
+  double value_m;       /* depth, or thickness of the wall */
+  double position_m[3]; /* in G */
+  uint64_t frame;       /* number of the frame in which it happened */
 } OsteonEvent;
 
-/* Takes the oldest event of the scene that was not taken. Returns OSTEON_EMPTY where none waits. */
+/* Takes the oldest event of the scene that was not taken. Returns OSTEON_EMPTY where none waits; event is
+ * left as it was then. At most 256 wait: later ones are told to the log alone. Any thread. */
 OSTEON_API OsteonResult osteon_session_next_event(OsteonSession* session, OsteonEvent* event);
 
-/* Another tool from now on, at `pose`, which must be free of bone: else OSTEON_ERROR_STATE, and nothing
- * changes. */
+/* Another tool from now on, at `pose` (T in G), which must be free of bone: else OSTEON_ERROR_STATE, and
+ * nothing changes. Waits for the surface, and makes a new engine: some ms to a second. */
 OSTEON_API OsteonResult osteon_session_change_tool(OsteonSession* session, const OsteonTool* tool,
                                                    const OsteonPose* pose);
 
@@ -338,20 +353,26 @@ typedef struct OsteonDeflection {
   uint32_t reserved;     /* 0 */
 } OsteonDeflection;
 
-/* Displacements after the newest osteon_session_evaluate. */
+/* Fills deflection with the displacements after the newest osteon_session_evaluate. Neither pointer may be
+ * null. Any thread; waits for the frame that is being computed. */
 OSTEON_API OsteonResult osteon_session_deflection(OsteonSession* session, OsteonDeflection* deflection);
 
 /* --- save, restore, undo ---------------------------------------------------------------------------------
  */
 
-/* Remembers the bone as it is, for osteon_session_undo; the oldest of more than 16 is forgotten. */
+/* Remembers the bone as it is, for osteon_session_undo; the oldest of more than 16 is forgotten. Waits for
+ * the surface. */
 OSTEON_API OsteonResult osteon_session_mark(OsteonSession* session);
 /* Returns to the last mark and forgets it. `pose` is where the tool is: it must be free of the bone that
  * comes back, else OSTEON_ERROR_STATE, and nothing changes. */
 OSTEON_API OsteonResult osteon_session_undo(OsteonSession* session, const OsteonPose* pose);
-/* Saves the carved bone as FILE and, with a surface, FILE.swept. Each file appears whole or not at all. */
+/* Saves the carved bone as FILE and, with a surface, FILE.swept. Each file appears whole or not at all; where
+ * it fails, earlier files of these names stay. OSTEON_ERROR_FILE: the folder is not there or not writable, or
+ * the name is that of a folder, device or pipe. */
 OSTEON_API OsteonResult osteon_session_save(OsteonSession* session, const char* file);
-/* Returns to a saved bone of the same OsteonBone; any tool. `pose` as for undo. */
+/* Returns to a saved bone of the same OsteonBone; any tool. `pose` as for undo. OSTEON_ERROR_FILE: the file
+ * is damaged, or of another bone; with a surface, FILE.swept has to be there as well. Nothing changes then.
+ */
 OSTEON_API OsteonResult osteon_session_restore(OsteonSession* session, const char* file,
                                                const OsteonPose* pose);
 
@@ -359,11 +380,11 @@ OSTEON_API OsteonResult osteon_session_restore(OsteonSession* session, const cha
  */
 
 typedef struct OsteonVertex {
-  float position_mm[3];
-  float normal[3];     /* unit, outward */
-  uint8_t material;    /* index for osteon_bone_material */
-  uint8_t cut;         /* 1: on a face that the tool cut */
-  uint8_t reserved[2]; /* 0 */
+  float position_mm[3]; /* in G */
+  float normal[3];      /* unit, outward, in G */
+  uint8_t material;     /* index for osteon_bone_material */
+  uint8_t cut;          /* 1: on a face that the tool cut */
+  uint8_t reserved[2];  /* 0 */
 } OsteonVertex;
 
 /* The mesh of one brick, replacing the earlier one of the same brick. */
@@ -390,20 +411,28 @@ typedef struct OsteonSurfaceBuffers {
 } OsteonSurfaceBuffers;
 
 /* Copies the chunks that changed after `*generation`, the longest unchanged first, and moves *generation on;
- * begin with 0. A chunk without vertices has gone. Chunks change at most 30 times a second. */
+ * begin with 0. A chunk without vertices has gone. Chunks change at most 30 times a second. Several callers
+ * may each have a generation of their own. No pointer may be null, nor any of the three buffers.
+ * OSTEON_ERROR_BUFFER: less room than for one chunk; OSTEON_ERROR_STATE: a session without a surface, or its
+ * surface could not be made; OSTEON_ERROR_ARGUMENT: a generation of another session. Any thread; no frame
+ * waits for it. */
 OSTEON_API OsteonResult osteon_session_surface_changes(OsteonSession* session, uint64_t* generation,
                                                        OsteonSurfaceBuffers* buffers);
-/* Waits until all frames so far are in the surface (seconds after the start of a large mesh). */
+/* Waits until all frames so far are in the surface (seconds after the start of a large mesh).
+ * OSTEON_ERROR_STATE as for osteon_session_surface_changes. */
 OSTEON_API OsteonResult osteon_session_surface_wait(OsteonSession* session);
 
 typedef struct OsteonSurfaceInfo {
   uint64_t triangles;
-  double volume_m3;
+  double volume_m3;    /* enclosed by the mesh */
   uint32_t watertight; /* 1: every edge has two triangles of the same winding */
   uint32_t reserved;   /* 0 */
 } OsteonSurfaceInfo;
 
-/* Writes the carved bone as one watertight mesh in millimetres: .stl, .ply or .obj. info: may be null. */
+/* Writes the carved bone as one watertight mesh in millimetres, in G: .stl, .ply or .obj by the file's name.
+ * The file appears whole or not at all. info: may be null. Waits for the surface. OSTEON_ERROR_STATE as for
+ * osteon_session_surface_changes; OSTEON_ERROR_ARGUMENT: another ending; OSTEON_ERROR_FILE: cannot be
+ * written. */
 OSTEON_API OsteonResult osteon_session_surface_export(OsteonSession* session, const char* file,
                                                       OsteonSurfaceInfo* info);
 
@@ -421,9 +450,9 @@ OSTEON_API void osteon_plan_params_default(OsteonPlanParams* params);
 /* Fills params as osteon_plan_params_default does; otherwise as osteon_bone_params_init. */
 OSTEON_API OsteonResult osteon_plan_params_init(uint32_t abi, OsteonPlanParams* params);
 /* Reads a plan, which never changes. abi: OSTEON_ABI. params: not null. plan: not null; receives it, null on
- * failure. Any thread. */
+ * failure. OSTEON_ERROR_FILE: no such plan or rubric, or one with a defect. Any thread. */
 OSTEON_API OsteonResult osteon_plan_create(uint32_t abi, const OsteonPlanParams* params, OsteonPlan** plan);
-/* Null is allowed. */
+/* Gives the plan up; guidances that were made of it keep what they need. Null is allowed. */
 OSTEON_API void osteon_plan_destroy(OsteonPlan* plan);
 
 typedef struct OsteonCupAngles {
@@ -455,7 +484,8 @@ typedef struct OsteonReamer {
   double apex_m[3];   /* planned place of T's origin, in G */
 } OsteonReamer;
 
-/* A reamer of the plan's sequence, by its index from 0. */
+/* A reamer of the plan's sequence, by its index: 0 … reamer_count - 1 (OsteonPlanInfo), else
+ * OSTEON_ERROR_ARGUMENT. Any thread. */
 OSTEON_API OsteonResult osteon_plan_reamer(const OsteonPlan* plan, uint32_t index, OsteonReamer* reamer);
 
 /* --- guidance along a plan -------------------------------------------------------------------------------
@@ -480,7 +510,7 @@ OSTEON_API OsteonResult osteon_guidance_params_init(uint32_t abi, OsteonGuidance
  * OSTEON_ERROR_STATE where the plan has none. params: null for the defaults. */
 OSTEON_API OsteonResult osteon_guidance_create(uint32_t abi, const OsteonPlan* plan,
                                                const OsteonGuidanceParams* params, OsteonGuidance** guidance);
-/* Null is allowed. */
+/* Ends a guidance. No other call on it may run. Null is allowed. */
 OSTEON_API void osteon_guidance_destroy(OsteonGuidance* guidance);
 
 typedef struct OsteonGuidanceOutput {

@@ -158,10 +158,11 @@ class Session {
     return result;
   }
 
-  /// Collision-free pose of the tool in the newest frame.
+  /// Collision-free pose of the tool in the newest frame; OSTEON_EMPTY before the first one.
   OsteonResult Proxy(Pose* pose) {
     OsteonFigures figures;
     const OsteonResult result = osteon_session_figures(session_, &figures);
+    if (result == OSTEON_OK && figures.frame == 0) return OSTEON_EMPTY;
     if (result == OSTEON_OK) *pose = PoseToHost(axes_, figures.proxy);
     return result;
   }

@@ -12,8 +12,11 @@
 
 #include <fmt/format.h>
 
+#include "base/text.h"
+#include "base/utf8.h"
 #include "config/reading/load_scene.h"
 #include "config/reading/load_tool.h"
+#include "plugin/src/convert.h"
 #include "plugin/src/result.h"
 #include "plugin/src/shipped_files.h"
 #include "simulation/bone/scenes.h"
@@ -29,6 +32,8 @@ using simulation::MassPoint;
 
 constexpr double kPointSpacing_m = 0.75e-3;  // of the mass points of given balls
 constexpr double kMaxPoints = 50e6;
+constexpr double kMaxSiteRadius_m = 10.0;
+constexpr std::size_t kMaxBalls = 100'000'000;
 
 bool AreFinite(std::initializer_list<double> values) {
   return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
@@ -39,21 +44,24 @@ std::optional<CutSite> SiteOf(const OsteonBoneParams& params) {
   const auto& a = params.site_axis;
   if (params.site_radius_m == 0.0) return std::nullopt;
   const Vector3 axis(a[0], a[1], a[2]);
-  if (!AreFinite({c[0], c[1], c[2], a[0], a[1], a[2], params.site_radius_m}) || params.site_radius_m < 0.0 ||
-      !(axis.norm() > 1e-9))
+  const bool is_near = std::ranges::all_of(c, [](double x) { return std::abs(x) <= kMaxPosition_m; });
+  if (!AreFinite({a[0], a[1], a[2]}) || !is_near || !(axis.stableNorm() > 1e-9) ||
+      !(params.site_radius_m > 0.0 && params.site_radius_m <= kMaxSiteRadius_m))
     throw Failure(
         OSTEON_ERROR_ARGUMENT,
-        fmt::format("site: found centre ({}, {}, {}), axis ({}, {}, {}), radius {} m; accepted finite "
-                    "numbers, an axis of any length but 0, a radius of 0 or more",
+        fmt::format("site: found centre ({}, {}, {}), axis ({}, {}, {}), radius {} m; accepted a centre "
+                    "within 1 km, an axis of any length but 0, a radius of 0 … 10 m",
                     c[0], c[1], c[2], a[0], a[1], a[2], params.site_radius_m));
   return CutSite{.center_m = Vector3(c[0], c[1], c[2]),
-                 .axis = Vector3(axis.normalized()),
+                 .axis = Vector3(axis.stableNormalized()),
                  .radius_m = params.site_radius_m};
 }
 
 /// Balls as a caller gives them, x y z r in mm. @throws Failure naming the ball.
 std::vector<Ball> BallsFrom(const float* balls_mm, std::size_t count) {
-  if (count == 0) throw Failure(OSTEON_ERROR_ARGUMENT, "ball_count: found 0, accepted 1 or more");
+  if (count == 0 || count > kMaxBalls)
+    throw Failure(OSTEON_ERROR_ARGUMENT,
+                  fmt::format("ball_count: found {}, accepted 1 … {}", count, kMaxBalls));
   std::vector<Ball> balls(count);
   for (std::size_t i = 0; i < count; ++i) {
     const float* b = balls_mm + 4 * i;
@@ -160,7 +168,7 @@ BoneSource FromScene(const OsteonBoneParams& params) {
   return {.bone = simulation::PackScene(solid, scene),
           .solid = solid.solid,
           .events = scene.events,
-          .warning = std::move(solid.warning)};
+          .warning = base::Utf8(base::Printable(solid.warning))};
 }
 
 }  // namespace

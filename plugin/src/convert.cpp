@@ -17,6 +17,8 @@ bool AllFinite(const double (&values)[N]) noexcept {
 
 bool IsUsable(const OsteonPose& pose) noexcept {
   if (!AllFinite(pose.position_m) || !AllFinite(pose.orientation_wxyz)) return false;
+  for (const double value : pose.position_m)
+    if (std::abs(value) > kMaxPosition_m) return false;
   double norm2 = 0.0;
   for (const double value : pose.orientation_wxyz) norm2 += value * value;
   return norm2 > 1e-12 && std::isfinite(norm2);
@@ -53,8 +55,8 @@ Pose CheckedPose(const OsteonPose* pose) {
   CheckPointer(pose, "pose");
   if (!IsUsable(*pose))
     throw Failure(OSTEON_ERROR_ARGUMENT,
-                  "pose: found a number that is not finite, or a quaternion of length 0; accepted finite "
-                  "numbers and a quaternion with a direction");
+                  "pose: found a number that is not finite, a position beyond 1 km, or a quaternion of "
+                  "length 0; accepted finite numbers within 1 km, and a quaternion with a direction");
   return ToPose(*pose);
 }
 

@@ -5,7 +5,10 @@
 
 namespace osteon::plugin {
 
-/// Whether every number is finite, and the quaternion has a direction.
+/// Coordinates of a pose and of a site, in G: beyond, the engines' floats tell less than 0.1 mm apart.
+inline constexpr double kMaxPosition_m = 1000.0;
+
+/// Whether every number is finite, each coordinate within kMaxPosition_m, and the quaternion has a direction.
 [[nodiscard]] bool IsUsable(const OsteonPose& pose) noexcept;
 [[nodiscard]] bool IsFinite(const OsteonTwist& twist) noexcept;
 

@@ -81,6 +81,7 @@ OsteonResult osteon_bone_create(uint32_t abi, const OsteonBoneParams* params, Os
   if (bone) *bone = nullptr;
   return Guarded([&] {
     osteon::plugin::CheckAbi(abi);
+    osteon::plugin::CheckProcess();
     CheckPointer(params, "params");
     CheckPointer(bone, "bone");
     osteon::plugin::KeepThreadPoolMapped();
@@ -159,6 +160,7 @@ OsteonResult osteon_tool_create(uint32_t abi, const OsteonToolParams* params, Os
   if (tool) *tool = nullptr;
   return Guarded([&] {
     osteon::plugin::CheckAbi(abi);
+    osteon::plugin::CheckProcess();
     CheckPointer(params, "params");
     CheckPointer(tool, "tool");
     auto source = std::make_shared<const ToolSource>(osteon::plugin::MakeTool(*params));
@@ -193,6 +195,7 @@ OsteonResult osteon_session_create(uint32_t abi, const OsteonBone* bone, const O
   if (session) *session = nullptr;
   return Guarded([&] {
     osteon::plugin::CheckAbi(abi);
+    osteon::plugin::CheckProcess();
     CheckPointer(bone, "bone");
     CheckPointer(tool, "tool");
     CheckPointer(session, "session");
@@ -227,8 +230,8 @@ OsteonResult osteon_session_set_tool_pose(OsteonSession* session, const OsteonPo
   if (!osteon::plugin::IsUsable(*pose) || !(std::abs(spindle_rad_per_s) < 1e6))
     return Fail(
         OSTEON_ERROR_ARGUMENT,
-        "pose or spindle speed: found a number that is not finite or a quaternion of length 0, accepted "
-        "finite numbers");
+        "pose or spindle speed: found a number that is not finite or too large, or a quaternion of length 0, "
+        "accepted finite numbers, positions within 1 km, speeds below 1e6 rad/s");
   session->session.SetToolPose(*pose, spindle_rad_per_s);
   return OSTEON_OK;
 }
@@ -254,8 +257,8 @@ OsteonResult osteon_session_evaluate(OsteonSession* session, const OsteonPose* p
   if (!osteon::plugin::IsUsable(*pose) || !osteon::plugin::IsFinite(moving))
     return Fail(
         OSTEON_ERROR_ARGUMENT,
-        "pose or twist: found a number that is not finite or a quaternion of length 0, accepted finite "
-        "numbers");
+        "pose or twist: found a number that is not finite, a position beyond 1 km, or a quaternion of length "
+        "0, accepted finite numbers, positions within 1 km");
   *wrench = osteon::plugin::FromWrench(session->session.Evaluate(*pose, moving));
   return OSTEON_OK;
 }

@@ -44,6 +44,7 @@ OsteonResult osteon_plan_create(uint32_t abi, const OsteonPlanParams* params, Os
   if (plan) *plan = nullptr;
   return Guarded([&] {
     osteon::plugin::CheckAbi(abi);
+    osteon::plugin::CheckProcess();
     CheckPointer(params, "params");
     CheckPointer(plan, "plan");
     *plan = new OsteonPlan{osteon::plugin::MakePlan(*params)};
@@ -93,6 +94,7 @@ OsteonResult osteon_guidance_create(uint32_t abi, const OsteonPlan* plan, const 
   if (guidance) *guidance = nullptr;
   return Guarded([&] {
     osteon::plugin::CheckAbi(abi);
+    osteon::plugin::CheckProcess();
     CheckPointer(plan, "plan");
     CheckPointer(guidance, "guidance");
     OsteonGuidanceParams chosen;
@@ -116,8 +118,8 @@ OsteonResult osteon_guidance_evaluate(OsteonGuidance* guidance, const OsteonPose
   const OsteonWrench& beside = other ? *other : none;
   if (!osteon::plugin::IsUsable(*pose) || !osteon::plugin::IsFinite(moving) || !AreFinite(beside))
     return Fail(OSTEON_ERROR_ARGUMENT,
-                "pose, twist or other: found a number that is not finite or a quaternion of length 0, "
-                "accepted finite numbers");
+                "pose, twist or other: found a number that is not finite, a position beyond 1 km, or a "
+                "quaternion of length 0, accepted finite numbers, positions within 1 km");
   *output = guidance->tick.Evaluate(osteon::plugin::ToPose(*pose), osteon::plugin::ToTwist(moving),
                                     {.f = VectorOf(beside.force_N), .t = VectorOf(beside.torque_Nm)});
   return OSTEON_OK;

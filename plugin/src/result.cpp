@@ -1,13 +1,17 @@
 #include "plugin/src/result.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstring>
 #include <new>
 #include <system_error>
 
 #include <fmt/format.h>
 
+#include "base/utf8.h"
 #include "config/reading/load_tool.h"
 #include "config/reading/strict/config_error.h"
 
@@ -20,11 +24,25 @@ thread_local std::array<char, kTextSize> last_error{};
 
 }  // namespace
 
+void CopyText(std::span<char> to, std::string_view text) noexcept {
+  std::size_t used = 0;
+  while (!text.empty()) {
+    const std::size_t length = base::Utf8Length(text), taken = std::max<std::size_t>(length, 1);
+    if (used + taken >= to.size()) break;
+    const auto first = static_cast<unsigned char>(text.front());
+    const bool is_control = length == 1 && (first < 0x20 || first == 0x7F);
+    if (length == 0 || is_control)
+      to[used] = first == '\n' ? ' ' : '?';
+    else
+      std::memcpy(&to[used], text.data(), length);
+    used += taken;
+    text.remove_prefix(taken);
+  }
+  to[used] = '\0';
+}
+
 OsteonResult Fail(OsteonResult code, const char* text) noexcept {
-  const std::size_t length = std::min(std::strlen(text), kTextSize - 1);
-  std::memcpy(last_error.data(), text, length);
-  last_error[length] = '\0';
-  std::replace(last_error.begin(), last_error.begin() + static_cast<std::ptrdiff_t>(length), '\n', ' ');
+  CopyText(last_error, text);
   return code;
 }
 
@@ -59,6 +77,16 @@ void CheckAbi(std::uint32_t abi) {
         fmt::format("the program was compiled with a header of ABI {}, this library ({}) has ABI {}: "
                     "compile the program again with the library's own osteon.h",
                     abi, OSTEON_VERSION, OSTEON_ABI));
+}
+
+void CheckProcess() {
+  static std::atomic<pid_t> first_user{0};
+  const pid_t self = getpid();
+  pid_t user = 0;
+  if (!first_user.compare_exchange_strong(user, self) && user != self)
+    throw Failure(OSTEON_ERROR_FORK,
+                  "the process was forked: found a call in the child of a process that uses the library, "
+                  "accepted in that process, or in a program that is started anew");
 }
 
 void CheckPointer(const void* pointer, const char* name) {

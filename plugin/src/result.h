@@ -1,7 +1,9 @@
 #pragma once
 
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "plugin/include/osteon.h"
 
@@ -17,7 +19,12 @@ class Failure : public std::runtime_error {
   OsteonResult code_;
 };
 
-/// Keeps a failure's text for osteon_last_error() of this thread; longer ones are cut. No allocation.
+/// Copies a text as one line of UTF-8 that ends with 0, and cuts it between two characters where it is longer
+/// than `to`: a line's end becomes a space; other control characters and bytes that are not UTF-8 become '?'.
+/// No allocation.
+void CopyText(std::span<char> to, std::string_view text) noexcept;
+
+/// Keeps a failure's text for osteon_last_error() of this thread, as CopyText does. No allocation.
 OsteonResult Fail(OsteonResult code, const char* text) noexcept;
 [[nodiscard]] const char* LastError() noexcept;
 
@@ -37,6 +44,9 @@ OsteonResult Guarded(const Call& call) noexcept {
 
 /// @throws Failure where the caller's header is of another ABI; the text names both.
 void CheckAbi(std::uint32_t abi);
+/// @throws Failure in the forked child of a process that has made anything: the thread pools of the library's
+///   parts are not there, and a call that needs them would wait for ever.
+void CheckProcess();
 /// @throws Failure where a pointer is null.
 void CheckPointer(const void* pointer, const char* name);
 

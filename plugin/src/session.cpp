@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <exception>
 #include <stdexcept>
 #include <utility>
@@ -13,9 +12,11 @@
 #include "base/clock.h"
 #include "base/paced_priority.h"
 #include "base/realtime_thread.h"
+#include "base/utf8.h"
 #include "plugin/src/convert.h"
 #include "plugin/src/engine_lock.h"
 #include "plugin/src/result.h"
+#include "plugin/src/saved_files.h"
 #include "session/setup/engine_choice.h"
 #include "simulation/engine/tool_change.h"
 #include "simulation/files/carved_file.h"
@@ -60,7 +61,7 @@ double Overlap(const CarvedState& state, const simulation::Tool& tool, const Pos
 
 OsteonEvent EventOf(const simulation::SceneEvent& event, std::uint64_t frame) {
   OsteonEvent result{};
-  (void)std::snprintf(result.name, sizeof result.name, "%s", event.name.c_str());
+  CopyText(result.name, event.name);
   result.value_m = event.value;
   result.position_m[0] = event.p_G_m.x;
   result.position_m[1] = event.p_G_m.y;
@@ -76,8 +77,6 @@ const char* FailureText(EngineStatus status) {
     return "more bone within the tool's reach than the engine has room for";
   return nullptr;
 }
-
-std::filesystem::path SweptFileOf(const std::string& file) { return file + ".swept"; }
 
 }  // namespace
 
@@ -214,7 +213,11 @@ void Session::SetLog(OsteonLogCallback callback, void* user) {
 }
 
 void Session::Log(OsteonLogLevel level, const std::string& text) const {
-  if (log_) log_(log_user_, static_cast<std::uint32_t>(level), text.c_str());
+  if (!log_) return;
+  try {
+    log_(log_user_, static_cast<std::uint32_t>(level), base::Utf8(text).c_str());
+  } catch (...) {  // the host's own: it ends neither the call nor the engine's thread
+  }
 }
 
 std::string Session::InBoneText() const {
@@ -250,7 +253,7 @@ OsteonFigures Session::Figures() {
   figures.frame = newest_.frame;
   figures.pose_age_s = newest_.frame == 0 ? 0.0 : rt::ToSeconds(now - newest_.pose_stamp);
   figures.frame_time_s = frame_time_s_;
-  figures.proxy = FromPose(newest_.X_WP);
+  if (newest_.frame > 0) figures.proxy = FromPose(newest_.X_WP);
   figures.wrench = FromWrench(newest_.F_T_W);
   figures.removed_volume_m3 = newest_.removed_volume_m3;
   figures.removed_mass_kg = newest_.removed_mass_kg;
@@ -271,20 +274,31 @@ std::optional<OsteonEvent> Session::NextEvent() {
   return event;
 }
 
+void Session::ApplyToSurface(
+    const std::function<void(surface::CarvedField&, surface::ToolWays&)>& change) try {
+  surface_->Apply(change);
+} catch (const Failure&) {
+  throw;
+} catch (const std::runtime_error& error) {
+  throw Failure(OSTEON_ERROR_STATE,
+                fmt::format("surface: its thread has ended: {}; create the session with settings.surface = 0",
+                            error.what()));
+}
+
 void Session::AwaitField() {
-  if (surface_) surface_->Apply([](surface::CarvedField&, surface::ToolWays&) {});
+  if (surface_) ApplyToSurface([](surface::CarvedField&, surface::ToolWays&) {});
 }
 
 surface::BrickLayout Session::SurfaceLayout() {
   surface::BrickLayout layout;
-  surface_->Apply([&](surface::CarvedField& field, surface::ToolWays&) { layout = field.layout(); });
+  ApplyToSurface([&](surface::CarvedField& field, surface::ToolWays&) { layout = field.layout(); });
   return layout;
 }
 
 Session::Saved Session::Remember() {
   Saved saved{.state = engine_->Snapshot(), .swept = std::nullopt, .axis = axis_, .min_wall_m = MinWall()};
   if (surface_)
-    surface_->Apply([&](surface::CarvedField& field, surface::ToolWays&) { saved.swept = field.swept(); });
+    ApplyToSurface([&](surface::CarvedField& field, surface::ToolWays&) { saved.swept = field.swept(); });
   return saved;
 }
 
@@ -307,7 +321,7 @@ void Session::Continue(std::shared_ptr<const ToolSource> tool, Saved saved, cons
   std::optional<simulation::SceneWatch> watch;
   watch.emplace(bone_->solid.get(), bone_->bone, tool->tool, bone_->events);
   if (surface_)
-    surface_->Apply([&](surface::CarvedField& field, surface::ToolWays& ways) {
+    ApplyToSurface([&](surface::CarvedField& field, surface::ToolWays& ways) {
       if (saved.swept) field.SetSwept(std::move(*saved.swept));
       ways = surface::ToolWays(tool->tool, Pose::Identity());
     });
@@ -374,20 +388,23 @@ void Session::Undo(const Pose& X_GT) {
 }
 
 void Session::Save(const std::string& file) {
+  CheckSaveName(file);
+  if (surface_) CheckSaveName(SweptFileOf(file));
   AwaitField();
   Saved saved;
   {
     const EngineLock lock(*this);
     saved = Remember();
   }
-  // the surface first: a carved state without its surface is never taken for a whole one
+  // the surface gets its name last: where the bone cannot be written, an earlier pair of files stays
+  const SweptPart part(file);
   if (surface_) {
-    if (const auto written = surface::WriteSweptField(SweptFileOf(file), *saved.swept, SurfaceLayout());
-        !written)
+    if (const auto written = surface::WriteSweptField(part.file(), *saved.swept, SurfaceLayout()); !written)
       throw Failure(OSTEON_ERROR_FILE, written.error().Text());
   }
   if (const auto written = simulation::WriteCarvedState(file, saved.state, bone_->bone); !written)
     throw Failure(OSTEON_ERROR_FILE, written.error().Text());
+  if (surface_) part.Commit();
 }
 
 void Session::Restore(const std::string& file, const Pose& X_GT) {
@@ -420,7 +437,7 @@ OsteonSurfaceInfo Session::ExportSurface(const std::string& file) {
   if (const std::string wrong = surface::ValidateSurfaceName(file); !wrong.empty())
     throw Failure(OSTEON_ERROR_ARGUMENT, "file: " + wrong);
   OsteonSurfaceInfo info{};
-  surface_->Apply([&](surface::CarvedField& field, surface::ToolWays&) {
+  ApplyToSurface([&](surface::CarvedField& field, surface::ToolWays&) {
     const auto written = surface::WriteSurface(file, field);
     if (!written) throw Failure(OSTEON_ERROR_FILE, written.error().Text());
     info = {.triangles = written->triangles,

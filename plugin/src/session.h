@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -104,10 +105,13 @@ class Session {
   /// Hands levels to Evaluate, which begins anew. Under the engine's lock.
   void UseLevels(Levels levels) noexcept;
   void CheckDevice() const;
-  /// Under the engine's lock.
+  /// Under the engine's lock. What the callback throws ends here.
   void Log(OsteonLogLevel level, const std::string& text) const;
   [[nodiscard]] std::string InBoneText() const;
   [[nodiscard]] std::unique_ptr<simulation::CuttingEngine> MakeEngine(const ToolSource& tool) const;
+  /// SurfaceThread::Apply. Only with a surface.
+  /// @throws Failure where the surface's thread has failed; else what `change` throws.
+  void ApplyToSurface(const std::function<void(surface::CarvedField&, surface::ToolWays&)>& change);
   /// Waits until the surface has all frames; before the engine's lock, so that no frame waits for the start
   /// of a large mesh.
   void AwaitField();

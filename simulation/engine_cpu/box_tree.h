@@ -41,9 +41,11 @@ class BoxTree {
   template <class Meets, class Visit>
   void Descend(std::size_t level, std::size_t node, const Meets& meets, Visit&& visit) const {
     const unsigned found = meets(levels_[level][node].box);
+    const std::size_t count = level == 0 ? cluster_count_ : levels_[level - 1].size();
     for (unsigned k = 0; k < 8; ++k) {
-      if ((found >> k & 1u) == 0) continue;
       const std::size_t child = node * 8 + k;
+      // a place that is not finite matches empty boxes as well, which have no child
+      if ((found >> k & 1u) == 0 || child >= count) continue;
       if (level == 0)
         visit(static_cast<std::uint32_t>(child));
       else

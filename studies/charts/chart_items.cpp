@@ -49,7 +49,7 @@ json FiguresItem(const simulation::TimeFigures& figures) {
 
 simulation::TimeFigures FiguresFrom(const json& item) {
   simulation::TimeFigures figures;
-  VisitFigures(figures, [&](const char* name, double& value) { value = ExactNumberFrom(item.at(name)); });
+  VisitFigures(figures, [&](const char* name, double& value) { ReadAt(item, name, value); });
   return figures;
 }
 
@@ -61,8 +61,8 @@ json ScoresItem(const simulation::WorkloadScores& scores) {
 
 simulation::WorkloadScores ScoresFrom(const json& item) {
   simulation::WorkloadScores scores;
-  item.at("touched").get_to(scores.force.touched);
-  VisitScores(scores, [&](const char* name, double& value) { value = ExactNumberFrom(item.at(name)); });
+  ReadAt(item, "touched", scores.force.touched);
+  VisitScores(scores, [&](const char* name, double& value) { ReadAt(item, name, value); });
   return scores;
 }
 
@@ -80,13 +80,13 @@ json ScalingPointItem(const ScalingPoint& point) {
 
 ScalingPoint ScalingPointFrom(const json& item) {
   ScalingPoint point;
-  item.at("series").get_to(point.series);
-  item.at("spheres").get_to(point.spheres);
-  point.cut_zone_m = ExactNumberFrom(item.at("cut_zone_m"));
+  ReadAt(item, "series", point.series);
+  ReadAt(item, "spheres", point.spheres);
+  ReadAt(item, "cut_zone_m", point.cut_zone_m);
   FrameTiming& t = point.timing;
-  item.at("method").get_to(t.method);
-  item.at("device").get_to(t.device);
-  item.at("frames").get_to(t.frames);
+  ReadAt(item, "method", t.method);
+  ReadAt(item, "device", t.device);
+  ReadAt(item, "frames", t.frames);
   t.frame_us = FiguresFrom(item.at("frame_us"));
   if (const json& active = item.at("active_spheres_mean"); !active.is_null())
     t.active_spheres_mean = ExactNumberFrom(active);

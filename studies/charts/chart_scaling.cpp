@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -16,6 +19,7 @@
 #include "session/summary/chart_files.h"
 #include "session/summary/summary.h"
 #include "studies/charts/chart_items.h"
+#include "studies/sharding/exact_number.h"
 #include "studies/sharding/study_items.h"
 
 namespace osteon::studies {
@@ -48,7 +52,7 @@ class Scaling {
   tl::expected<ScalingResult, std::string> Measure() {
     for (std::size_t item = 0; item < Items(options_) && !base::Interrupted(); ++item) {
       if (items_.FromParts()) {
-        Restore(items_.At(item));
+        items_.Restore(item, [this](const nlohmann::json& json) { Restore(json); });
       } else if (items_.Computes(item)) {
         const std::size_t points = result_.points.size(), left_out = result_.left_out.size(),
                           ours = result_.ours_left_out;
@@ -77,14 +81,19 @@ class Scaling {
   }
 
   void Restore(const nlohmann::json& item) {
-    AddName(result_.machine, item.at("machine").get<std::string>());
-    result_.ours_left_out += item.at("ours_left_out").get<std::size_t>();
-    for (const nlohmann::json& text : item.at("left_out"))
-      result_.left_out.push_back(text.get<std::string>());
+    std::string machine;
+    std::size_t ours_left_out = 0;
+    std::vector<std::string> left_out;
+    ReadAt(item, "machine", machine);
+    ReadAt(item, "ours_left_out", ours_left_out);
+    ReadAt(item, "left_out", left_out);
+    AddName(result_.machine, machine);
+    result_.ours_left_out += ours_left_out;
+    std::ranges::move(left_out, std::back_inserter(result_.left_out));
     for (const nlohmann::json& point : item.at("points")) {
       result_.points.push_back(ScalingPointFrom(point));
       AddName(result_.device, result_.points.back().timing.device);
-      item.at("tool_spheres").get_to(result_.tool_spheres);
+      ReadAt(item, "tool_spheres", result_.tool_spheres);
     }
   }
 

@@ -57,7 +57,7 @@ class Measurement {
     const std::size_t seeds = Items(options_);
     result_.wanted_seeds = seeds;
     for (std::size_t seed = 0; seed < seeds && !base::Interrupted(); ++seed) {
-      if (items_.FromParts()) Restore(seed);
+      if (items_.FromParts()) items_.Restore(seed, [&](const nlohmann::json& item) { Restore(item, seed); });
       if (!items_.Computes(seed)) continue;
       std::vector<PlacedTask> tasks;
       for (const simulation::CutTask task : simulation::kCutTasks) {
@@ -108,9 +108,10 @@ class Measurement {
     items_.Store(seed, {{"machine", result_.machine}, {"rungs", std::move(rungs)}});
   }
 
-  void Restore(std::size_t seed) {
-    const nlohmann::json& item = items_.At(seed);
-    AddName(result_.machine, item.at("machine").get<std::string>());
+  void Restore(const nlohmann::json& item, std::size_t seed) {
+    std::string machine, device;
+    ReadAt(item, "machine", machine);
+    AddName(result_.machine, machine);
     for (std::size_t i = 0; i < points_.size(); ++i) {
       Rung& rung = points_[i];
       const nlohmann::json& kept = item.at("rungs").at(i);
@@ -122,10 +123,11 @@ class Measurement {
       SpeedAccuracyPoint& point = rung.point;
       point.seeds.push_back(
           {.scores = ScoresFrom(kept.at("scores")), .frame_us = FiguresFrom(kept.at("frame_us"))});
-      NoteDevice(rung, kept.at("device").get<std::string>());
+      ReadAt(kept, "device", device);
+      NoteDevice(rung, device);
       if (seed > 0) continue;
-      kept.at("spheres").get_to(point.spheres);
-      point.r_max_m = ExactNumberFrom(kept.at("r_max_m"));
+      ReadAt(kept, "spheres", point.spheres);
+      ReadAt(kept, "r_max_m", point.r_max_m);
       for (const auto& [task, scores] : kept.at("tasks").items()) point.tasks[task] = ScoresFrom(scores);
     }
   }

@@ -1,7 +1,11 @@
 #include "studies/failures/failure_item.h"
 
+#include <cmath>
+#include <stdexcept>
 #include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "studies/sharding/exact_number.h"
 
@@ -16,12 +20,6 @@ json Numbers(const std::vector<double>& values) {
   return list;
 }
 
-std::vector<double> NumbersFrom(const json& list) {
-  std::vector<double> values;
-  for (const json& value : list) values.push_back(ExactNumberFrom(value));
-  return values;
-}
-
 json Plot(const FailurePlot& plot) {
   json series = json::array();
   for (const FailureSeries& line : plot.series)
@@ -33,16 +31,21 @@ json Plot(const FailurePlot& plot) {
 
 FailurePlot PlotFrom(const json& item) {
   FailurePlot plot;
-  item.at("x_label").get_to(plot.x_label);
-  item.at("y_label").get_to(plot.y_label);
-  item.at("log_x").get_to(plot.log_x);
-  item.at("log_y").get_to(plot.log_y);
-  item.at("bound_is_on_y").get_to(plot.bound_is_on_y);
-  for (const json& line : item.at("series"))
-    plot.series.push_back({.name = line.at("name").get<std::string>(),
-                           .x = NumbersFrom(line.at("x")),
-                           .y = NumbersFrom(line.at("y")),
-                           .ours = line.at("ours").get<bool>()});
+  ReadAt(item, "x_label", plot.x_label);
+  ReadAt(item, "y_label", plot.y_label);
+  ReadAt(item, "log_x", plot.log_x);
+  ReadAt(item, "log_y", plot.log_y);
+  ReadAt(item, "bound_is_on_y", plot.bound_is_on_y);
+  for (const json& line : item.at("series")) {
+    FailureSeries& series = plot.series.emplace_back();
+    ReadAt(line, "name", series.name);
+    ReadAt(line, "x", series.x);
+    ReadAt(line, "y", series.y);
+    ReadAt(line, "ours", series.ours);
+    if (series.x.size() != series.y.size())
+      throw std::invalid_argument(
+          fmt::format("y: found {} numbers, accepted {}, as x has", series.y.size(), series.x.size()));
+  }
   return plot;
 }
 
@@ -69,20 +72,22 @@ json FailureItem(const FailureRun& run) {
 FailureRun FailureRunFrom(const json& item) {
   FailureRun run;
   FailureResult& r = run.result;
-  item.at("id").get_to(r.id);
-  item.at("name").get_to(r.name);
-  item.at("metric").get_to(r.metric);
-  item.at("unit").get_to(r.unit);
-  item.at("baseline_name").get_to(r.baseline_name);
-  r.bound = ExactNumberFrom(item.at("bound"));
-  r.baseline = ExactNumberFrom(item.at("baseline"));
-  r.ours = ExactNumberFrom(item.at("ours"));
-  item.at("baseline_fails").get_to(r.baseline_fails);
-  item.at("ours_passes").get_to(r.ours_passes);
-  item.at("note").get_to(r.note);
+  ReadAt(item, "id", r.id);
+  ReadAt(item, "name", r.name);
+  ReadAt(item, "metric", r.metric);
+  ReadAt(item, "unit", r.unit);
+  ReadAt(item, "baseline_name", r.baseline_name);
+  ReadAt(item, "bound", r.bound);
+  ReadAt(item, "baseline", r.baseline);
+  ReadAt(item, "ours", r.ours);
+  ReadAt(item, "baseline_fails", r.baseline_fails);
+  ReadAt(item, "ours_passes", r.ours_passes);
+  if (r.ours_passes && std::isnan(r.ours))
+    throw std::invalid_argument("ours_passes: found true with ours nan, accepted true with a number alone");
+  ReadAt(item, "note", r.note);
   r.plot = PlotFrom(item.at("plot"));
-  run.seconds = ExactNumberFrom(item.at("seconds"));
-  item.at("error").get_to(run.error);
+  ReadAt(item, "seconds", run.seconds);
+  ReadAt(item, "error", run.error);
   return run;
 }
 

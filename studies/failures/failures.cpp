@@ -20,6 +20,7 @@
 #include "session/summary/summary.h"
 #include "studies/failures/failure_item.h"
 #include "studies/failures/page/failure_page.h"
+#include "studies/sharding/exact_number.h"
 #include "studies/sharding/study_items.h"
 
 namespace osteon::studies {
@@ -162,10 +163,14 @@ tl::expected<Runs, std::string> RunAll(const std::vector<FailureScenario>& scena
 Runs Restore(const StudyItems& items, std::size_t count) {
   Runs runs;
   for (std::size_t i = 0; i < count; ++i) {
-    const nlohmann::json& item = items.At(i);
-    AddName(runs.engine, item.at("engine").get<std::string>());
-    AddName(runs.device, item.at("device").get<std::string>());
-    runs.list.push_back(FailureRunFrom(item.at("scenario")));
+    runs.list.push_back(items.Restore(i, [&](const nlohmann::json& item) {
+      std::string engine, device;
+      ReadAt(item, "engine", engine);
+      ReadAt(item, "device", device);
+      AddName(runs.engine, engine);
+      AddName(runs.device, device);
+      return FailureRunFrom(item.at("scenario"));
+    }));
   }
   return runs;
 }

@@ -137,7 +137,8 @@ std::vector<RegressResult> Restore(const std::vector<config::ScenarioConfig>& sc
                                    const StudyItems& items) {
   std::vector<RegressResult> results;
   for (std::size_t i = 0; i < scenarios.size(); ++i)
-    results.push_back(RegressResultFrom(items.At(i), scenarios[i]));
+    results.push_back(
+        items.Restore(i, [&](const nlohmann::json& item) { return RegressResultFrom(item, scenarios[i]); }));
   return results;
 }
 

@@ -35,13 +35,13 @@ json Trace(const ScenarioTrace& trace, bool with_samples) {
 
 ScenarioTrace TraceFrom(const json& item) {
   ScenarioTrace trace;
-  trace.period_s = ExactNumberFrom(item.at("period_s"));
-  item.at("ticks").get_to(trace.ticks);
-  item.at("hash").get_to(trace.hash);
-  item.at("ended").get_to(trace.ended);
+  ReadAt(item, "period_s", trace.period_s);
+  ReadAt(item, "ticks", trace.ticks);
+  ReadAt(item, "hash", trace.hash);
+  ReadAt(item, "ended", trace.ended);
   for (const json& sample : item.at("samples")) {
     TraceSample& restored = trace.samples.emplace_back();
-    sample.at("tick").get_to(restored.tick);
+    ReadAt(sample, "tick", restored.tick);
     for (const json& value : sample.at("values")) restored.values.push_back(ExactNumberFrom(value));
     if (restored.values.size() != TraceQuantities().size())
       throw std::invalid_argument("found a sample with " + std::to_string(restored.values.size()) +
@@ -70,10 +70,10 @@ json Difference(const TraceDifference& difference) {
 
 TraceDifference DifferenceFrom(const json& item) {
   TraceDifference difference;
-  item.at("identical").get_to(difference.identical);
-  item.at("passed").get_to(difference.passed);
-  item.at("others").get_to(difference.others);
-  item.at("first_tick").get_to(difference.first_tick);
+  ReadAt(item, "identical", difference.identical);
+  ReadAt(item, "passed", difference.passed);
+  ReadAt(item, "others", difference.others);
+  ReadAt(item, "first_tick", difference.first_tick);
   for (const json& part : item.at("parts")) {
     const int number = part.at("part").get<int>();
     if (number < 0 || number >= kTraceParts)
@@ -83,16 +83,16 @@ TraceDifference DifferenceFrom(const json& item) {
   }
   for (const json& d : item.at("quantities")) {
     QuantityDifference& restored = difference.quantities.emplace_back();
-    d.at("quantity").get_to(restored.quantity);
+    ReadAt(d, "quantity", restored.quantity);
     if (restored.quantity >= TraceQuantities().size())
       throw std::invalid_argument("found quantity " + std::to_string(restored.quantity) +
                                   ", accepted below " + std::to_string(TraceQuantities().size()));
-    restored.tolerance = ExactNumberFrom(d.at("tolerance"));
-    restored.worst = ExactNumberFrom(d.at("worst"));
-    d.at("worst_tick").get_to(restored.worst_tick);
-    d.at("between_samples").get_to(restored.between_samples);
-    restored.golden = ExactNumberFrom(d.at("golden"));
-    restored.now = ExactNumberFrom(d.at("now"));
+    ReadAt(d, "tolerance", restored.tolerance);
+    ReadAt(d, "worst", restored.worst);
+    ReadAt(d, "worst_tick", restored.worst_tick);
+    ReadAt(d, "between_samples", restored.between_samples);
+    ReadAt(d, "golden", restored.golden);
+    ReadAt(d, "now", restored.now);
     if (!d.at("left_tick").is_null()) restored.left_tick = d["left_tick"].get<std::uint64_t>();
   }
   return difference;
@@ -116,17 +116,17 @@ json RegressItem(const RegressResult& result) {
 RegressResult RegressResultFrom(const json& item, const config::ScenarioConfig& scenario) {
   RegressResult result;
   result.scenario = scenario;
-  item.at("error").get_to(result.error);
-  item.at("explained").get_to(result.explained);
+  ReadAt(item, "error", result.error);
+  ReadAt(item, "explained", result.explained);
   result.difference = DifferenceFrom(item.at("difference"));
   if (const json& run = item.at("run"); !run.is_null()) {
     ScenarioRun& restored = result.run.emplace();
-    run.at("engine").get_to(restored.engine);
+    ReadAt(run, "engine", restored.engine);
     const json& seconds = run.at("seconds");
-    restored.seconds_simulated = ExactNumberFrom(seconds.at("simulated"));
-    restored.seconds_wall = ExactNumberFrom(seconds.at("wall"));
-    restored.seconds_cpu = ExactNumberFrom(seconds.at("cpu"));
-    restored.seconds_set_up = ExactNumberFrom(seconds.at("set_up"));
+    ReadAt(seconds, "simulated", restored.seconds_simulated);
+    ReadAt(seconds, "wall", restored.seconds_wall);
+    ReadAt(seconds, "cpu", restored.seconds_cpu);
+    ReadAt(seconds, "set_up", restored.seconds_set_up);
     restored.trace = TraceFrom(run.at("trace"));
   }
   if (!item.at("has_golden").get<bool>()) return result;

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <fstream>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/fnv1a.h"
 #include "base/json_text.h"
 #include "base/no_file_text.h"
+#include "studies/sharding/exact_number.h"
 
 namespace osteon::studies {
 namespace {
@@ -34,17 +37,20 @@ tl::expected<Part, std::string> PartFrom(const nlohmann::json& json) {
     return tl::unexpected(fmt::format("found schema {}, accepted {}, which --shard writes",
                                       json.is_object() ? Found(json, "schema") : "nothing", kPartSchema));
   Part part;
-  part.build = json.at("build").get<std::string>();
-  part.checksum = json.at("checksum").get<std::string>();
-  part.words = json.at("command").get<std::vector<std::string>>();
+  std::string digest;
+  ReadAt(json, "build", part.build);
+  ReadAt(json, "checksum", part.checksum);
+  ReadAt(json, "command", part.words);
+  ReadAt(json, "digest", digest);
   const nlohmann::json& shard = json.at("shard");
   const std::string name = fmt::format("{}/{}", shard.at("index").dump(), shard.at("of").dump());
   const auto parsed = ParseShard(name);
   if (!parsed) return tl::unexpected("shard: " + parsed.error());
   part.shard = *parsed;
-  part.items = shard.at("items").get<std::size_t>();
+  ReadAt(shard, "items", part.items);
   for (const nlohmann::json& result : json.at("results")) {
-    const auto item = result.at("item").get<std::size_t>();
+    std::size_t item = 0;
+    ReadAt(result, "item", item);
     if (item >= part.items || !part.shard.Has(item))
       return tl::unexpected(
           fmt::format("found item {}, accepted those of shard {}, below {}", item, name, part.items));
@@ -55,6 +61,11 @@ tl::expected<Part, std::string> PartFrom(const nlohmann::json& json) {
   if (part.results.size() != accepted)
     return tl::unexpected(fmt::format("found {} items, accepted the {} of shard {}: run the shard again",
                                       part.results.size(), accepted, name));
+  if (const std::string now = DigestOf(part); digest != now)
+    return tl::unexpected(
+        fmt::format("digest: found {}, accepted {}, that of what the part says: it was changed "
+                    "after the shard had written it; run the shard again",
+                    digest, now));
   return part;
 }
 
@@ -65,6 +76,9 @@ std::string DifferenceFrom(const Part& first, const Part& part) {
                        found, accepted, first.file.string());
   };
   if (part.words.empty() || first.words.empty() || part.words.front() != first.words.front())
+    return differs("command", fmt::format("{}", fmt::join(part.words, " ")),
+                   fmt::format("{}", fmt::join(first.words, " ")));
+  if (part.checksum != first.checksum && part.words != first.words)
     return differs("command", fmt::format("{}", fmt::join(part.words, " ")),
                    fmt::format("{}", fmt::join(first.words, " ")));
   if (part.checksum != first.checksum)
@@ -79,7 +93,9 @@ std::string DifferenceFrom(const Part& first, const Part& part) {
 
 }  // namespace
 
-std::string PartText(const Part& part) {
+namespace {
+
+nlohmann::ordered_json WithoutDigest(const Part& part) {
   nlohmann::ordered_json json{
       {"schema", kPartSchema},
       {"command", part.words},
@@ -89,6 +105,20 @@ std::string PartText(const Part& part) {
       {"results", nlohmann::ordered_json::array()}};
   for (const auto& [item, result] : part.results)
     json["results"].push_back({{"item", item}, {"result", result}});
+  return json;
+}
+
+}  // namespace
+
+std::string DigestOf(const Part& part) {
+  base::Fnv1a hash;
+  hash.Add(base::JsonText(WithoutDigest(part)));
+  return fmt::format("{:016x}", hash.hash());
+}
+
+std::string PartText(const Part& part) {
+  nlohmann::ordered_json json = WithoutDigest(part);
+  json["digest"] = DigestOf(part);
   return base::JsonText(json);
 }
 
@@ -107,6 +137,8 @@ tl::expected<Part, std::string> ReadPart(const fs::path& file) {
     return part;
   } catch (const nlohmann::json::exception& wrong) {
     return failed(fmt::format("found a damaged part ({}), accepted one as --shard writes it", wrong.what()));
+  } catch (const std::invalid_argument& wrong) {  // a value of another type
+    return failed(wrong.what());
   }
 }
 
@@ -128,6 +160,7 @@ tl::expected<PartSet, std::string> PartSet::From(std::vector<Part> parts) {
     return tl::unexpected(fmt::format("{}: found {} of the {} shards of its run, accepted all; missing: {}",
                                       parts.front().file.string(), files.size(), parts.front().shard.of,
                                       fmt::join(missing, ", ")));
+  for (const auto& [index, file] : files) set.files_.push_back(file);
   set.head_ = std::move(parts.front());
   for (auto part = parts.begin() + 1; part != parts.end(); ++part) set.head_.results.merge(part->results);
   return set;

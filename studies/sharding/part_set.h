@@ -27,6 +27,9 @@ struct Part {
   std::map<std::size_t, nlohmann::json> results{};  ///< by item
 };
 
+/// Checksum of all that a part says, as it stands in its file.
+[[nodiscard]] std::string DigestOf(const Part& part);
+
 /// JSON, schema osteon.part/1.
 [[nodiscard]] std::string PartText(const Part& part);
 /// Reads a part. The file is not trusted. @returns an error that names the file, what was found and what is
@@ -48,9 +51,16 @@ class PartSet {
   [[nodiscard]] std::size_t items() const { return head_.items; }
   /// @param item  below items()
   [[nodiscard]] const nlohmann::json& At(std::size_t item) const { return head_.results.at(item); }
+  /// The part that has an item. @param item  below items()
+  [[nodiscard]] const std::filesystem::path& FileOf(std::size_t item) const {
+    return files_[item % files_.size()];
+  }
+  /// The program that ran the shards.
+  [[nodiscard]] const std::string& build() const { return head_.build; }
 
  private:
-  Part head_;  ///< the first part, with the items of all
+  Part head_;                                 ///< the first part, with the items of all
+  std::vector<std::filesystem::path> files_;  ///< by shard
 };
 
 }  // namespace osteon::studies

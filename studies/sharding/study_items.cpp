@@ -45,6 +45,10 @@ const nlohmann::json& StudyItems::At(std::size_t item) const {
   return sharding_.parts->At(item);
 }
 
+std::string StudyItems::WrongItem(std::size_t item, const char* wrong) const {
+  return fmt::format("{}: item {}: {}", sharding_.parts->FileOf(item).string(), item, wrong);
+}
+
 void StudyItems::Store(std::size_t item, nlohmann::json result) {
   if (!sharding_.shard || !sharding_.shard->Has(item)) return;
   const std::scoped_lock lock(mutex_);

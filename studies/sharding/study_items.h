@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -18,7 +19,7 @@ namespace osteon::studies {
 /// shard, or taken from parts. A study asks for each item and ends in the same way in all three cases, so
 /// that merged parts give what one run gives:
 ///
-///     if (items.FromParts()) result = FromJson(items.At(i));
+///     if (items.FromParts()) result = items.Restore(i, FromJson);
 ///     else if (items.Computes(i)) items.Store(i, ToJson(result = Compute(i)));
 class StudyItems {
  public:
@@ -37,8 +38,19 @@ class StudyItems {
   [[nodiscard]] bool Computes(std::size_t item) const {
     return !FromParts() && (!sharding_.shard || sharding_.shard->Has(item));
   }
-  /// An item's result in the parts.
-  [[nodiscard]] const nlohmann::json& At(std::size_t item) const;
+  /// An item's result in the parts, as `from` reads it from its JSON.
+  /// @throws std::invalid_argument that names the part, the item and what is wrong with it
+  template <class From>
+  auto Restore(std::size_t item, const From& from) const {
+    const nlohmann::json& json = At(item);
+    try {
+      return from(json);
+    } catch (const nlohmann::json::exception& wrong) {
+      throw std::invalid_argument(WrongItem(item, wrong.what()));
+    } catch (const std::invalid_argument& wrong) {
+      throw std::invalid_argument(WrongItem(item, wrong.what()));
+    }
+  }
   /// Keeps the result of an item of the shard for WritePart; other items are ignored. Threads may call it.
   void Store(std::size_t item, nlohmann::json result);
 
@@ -48,6 +60,9 @@ class StudyItems {
                                                           std::size_t items);
 
  private:
+  [[nodiscard]] const nlohmann::json& At(std::size_t item) const;
+  [[nodiscard]] std::string WrongItem(std::size_t item, const char* wrong) const;
+
   Sharding sharding_;
   std::string checksum_;
   std::mutex mutex_;  ///< guards stored_

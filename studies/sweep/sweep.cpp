@@ -142,7 +142,8 @@ int RunSweep(const SweepOptions& options) {
   base::InstallInterrupt();
   if (items.FromParts())
     for (std::size_t i = 0; i < result.config.Runs(); ++i)
-      result.outcomes.push_back(SweepOutcomeFrom(items.At(i), result.config, i));
+      result.outcomes.push_back(items.Restore(
+          i, [&](const nlohmann::json& item) { return SweepOutcomeFrom(item, result.config, i); }));
   else
     result.outcomes = RunAll(result.config, *scenario, options, items);
   if (base::Interrupted()) return base::kExitInterrupted;

@@ -102,12 +102,12 @@ nlohmann::json SweepItem(const SweepOutcome& outcome) {
 SweepOutcome SweepOutcomeFrom(const nlohmann::json& item, const config::SweepConfig& sweep,
                               std::size_t index) {
   SweepOutcome outcome{.run = SweepRunAt(sweep, index)};
-  item.at("error").get_to(outcome.error);
-  item.at("ended").get_to(outcome.ended);
-  item.at("faults").get_to(outcome.faults);
-  item.at("hash").get_to(outcome.hash);
+  ReadAt(item, "error", outcome.error);
+  ReadAt(item, "ended", outcome.ended);
+  ReadAt(item, "faults", outcome.faults);
+  ReadAt(item, "hash", outcome.hash);
   for (const SweepFigure& figure : kSweepFigures)
-    outcome.figures.*figure.value = ExactNumberFrom(item.at("figures").at(std::string(figure.name)));
+    ReadAt(item.at("figures"), std::string(figure.name).c_str(), outcome.figures.*figure.value);
   return outcome;
 }
 

@@ -106,7 +106,7 @@ class Study {
   std::vector<double> Get(std::size_t item, const std::string& what, const Compute& compute) const {
     const std::string from = what + ": " + Text(task_);
     if (items_.FromParts()) {
-      std::vector<double> values = NumbersFrom(items_.At(item));
+      std::vector<double> values = items_.Restore(item, NumbersFrom);
       cache_.Store(from, values);
       return values;
     }
@@ -128,7 +128,7 @@ class Study {
   void Run(std::size_t item, Result& result, const FromJson& from, const ToJson& to,
            const Compute& compute) const {
     if (items_.FromParts()) {
-      result = from(items_.At(item));
+      result = items_.Restore(item, from);
     } else if (items_.Computes(item) && !base::Interrupted()) {
       result = compute();
       items_.Store(item, to(result));

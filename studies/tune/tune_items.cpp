@@ -29,8 +29,10 @@ void VisitNumbers(Carried& c, const Visit& visit) {
 json CheckItem(const TuneCheck& check) { return {{"runs", check.runs}, {"grew", check.grew}}; }
 
 TuneCheck CheckFrom(const json& item) {
-  return {.runs = item.at("runs").get<std::size_t>(),
-          .grew = item.at("grew").get<std::vector<std::string>>()};
+  TuneCheck check;
+  ReadAt(item, "runs", check.runs);
+  ReadAt(item, "grew", check.grew);
+  return check;
 }
 
 json CarriedItem(const std::vector<TuneCarried>& carried) {
@@ -47,10 +49,10 @@ std::vector<TuneCarried> CarriedFrom(const json& list) {
   std::vector<TuneCarried> carried;
   for (const json& item : list) {
     TuneCarried& one = carried.emplace_back();
-    item.at("hand").get_to(one.hand.name);
-    item.at("contact").get_to(one.contact);
-    item.at("valid").get_to(one.run.valid);
-    VisitNumbers(one, [&](const char* name, double& value) { value = ExactNumberFrom(item.at(name)); });
+    ReadAt(item, "hand", one.hand.name);
+    ReadAt(item, "contact", one.contact);
+    ReadAt(item, "valid", one.run.valid);
+    VisitNumbers(one, [&](const char* name, double& value) { ReadAt(item, name, value); });
   }
   return carried;
 }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "studies/sharding/part_set.h"
 #include "tests/app/command.h"
 
 // Runs studies whole, and in shards that are merged, as a user of several machines does. Both must leave the
@@ -20,6 +21,19 @@ nlohmann::json WithoutTimes(nlohmann::json json) {
   if (json.is_structured())
     for (nlohmann::json& value : json) value = WithoutTimes(std::move(value));
   return json;
+}
+
+// A part's file, with the digest of what it says.
+std::string TextOfPart(const nlohmann::json& json) {
+  studies::Part part{.file = {},
+                     .shard = {.index = json.at("shard").at("index"), .of = json.at("shard").at("of")},
+                     .items = json.at("shard").at("items"),
+                     .build = json.at("build"),
+                     .checksum = json.at("checksum"),
+                     .words = json.at("command")};
+  for (const nlohmann::json& result : json.at("results"))
+    part.results[result.at("item")] = result.at("result");
+  return studies::PartText(part);
 }
 
 class Merge : public testing::Test {
@@ -198,13 +212,34 @@ TEST_F(Merge, RefusesPartsOfOtherRunsAndNamesTheFile) {
   ASSERT_EQ(Run({"regress", "wall_reamer", "wall_kr", "--exact", "--shard", "1/2", "--json", "other.json"})
                 .exit_code,
             0);
-  refused({files[0], "other.json"}, "other.json: found options and inputs with checksum");
+  refused({files[0], "other.json"},
+          "other.json: found command regress wall_reamer wall_kr --exact, accepted "
+          "regress wall_reamer wall_kr, as in part_2.json");
   io::test::WriteAll(folder_.path() / "half.json", Text(files[0]).substr(0, Text(files[0]).size() / 2));
   refused({"half.json", files[1]}, "half.json: found no complete JSON");
   nlohmann::json damaged = ReadJson(folder_.path() / files[0]);
-  damaged["results"][0]["result"]["difference"]["parts"] = {{{"part", 99}, {"tick", 1}}};
+  damaged["results"][0]["result"]["difference"]["passed"] = false;
   io::test::WriteAll(folder_.path() / "damaged.json", damaged.dump());
-  refused({"damaged.json", files[1]}, "found part 99");
+  refused({"damaged.json", files[1]}, "damaged.json: digest: found");
+  // a part that another program wrote, with a digest of its own
+  const auto written = [&](const char* key, const nlohmann::json& value, const std::string& text) {
+    nlohmann::json other = ReadJson(folder_.path() / files[0]);
+    other["results"][0]["result"]["difference"][key] = value;
+    io::test::WriteAll(folder_.path() / "damaged.json", TextOfPart(other));
+    refused({"damaged.json", files[1]}, text);
+  };
+  written("parts", {{{"part", 99}, {"tick", 1}}}, "damaged.json: item 1: found part 99");
+  written("passed", 1, "damaged.json: item 1: passed: found 1, accepted true or false");
+  written("first_tick", -1, "damaged.json: item 1: first_tick: found -1, accepted a whole number from 0 on");
+  written("others", {1}, "damaged.json: item 1: others: found [1], accepted a list of texts");
+  // parts of another commit than merge's
+  for (const std::string& name : files) {
+    nlohmann::json other = ReadJson(folder_.path() / name);
+    other["build"] = "commit 0123456";
+    io::test::WriteAll(folder_.path() / ("other_" + name), TextOfPart(other));
+  }
+  refused({"other_" + files[0], "other_" + files[1]},
+          "other_part_2.json: found build commit 0123456, accepted commit ");
   damaged["results"].clear();
   io::test::WriteAll(folder_.path() / "damaged.json", damaged.dump());
   refused({"damaged.json", files[1]}, "damaged.json: found 0 items, accepted the 1 of shard 2/2");

@@ -132,21 +132,32 @@ def check_drive(controller):
                                     (0x0F, 0x6F, 0x27, "operation enabled")):
         check(controller.download(0x6040, 0, "<H", word) is None, "a refusal", what, "controlword 6040h")
         controller.status_becomes(mask, value, what)
+    # target reached (bit 10): within 20 rpm for 50 ms
+    check(controller.download(0x606D, 0, "<H", 20) is None, "a refusal", 20, "velocity window 606Dh")
+    check(controller.download(0x606E, 0, "<H", 50) is None, "a refusal", 50, "velocity window time 606Eh")
     target_rpm = 1000  # of the motor
     check(controller.download(0x60FF, 0, "<i", target_rpm) is None, "a refusal", target_rpm, "target velocity 60FFh")
-    until = time.monotonic() + PATIENCE_S
-    while abs(controller.number(0x606C) - target_rpm) > 20:
-        check(time.monotonic() < until, controller.number(0x606C), target_rpm, "velocity 606Ch [rpm]")
+    status = controller.number(0x6041, 0, "<H")
+    check(status & 0x400 == 0, f"{status:04X}", "bit 10 clear", "statusword just after a new target velocity")
+    controller.status_becomes(0x46F, 0x427, "operation enabled, target reached")
     speed_rpm = controller.number(0x606C)
+    check(abs(speed_rpm - target_rpm) <= 20, speed_rpm, target_rpm, "velocity 606Ch [rpm]")
     # option 6: braked along the quick-stop ramp, then held there until the voltage is disabled
     check(controller.download(0x605A, 0, "<h", 6) is None, "a refusal", 6, "quick stop option 605Ah")
     check(controller.download(0x6040, 0, "<H", 0x02) is None, "a refusal", "quick stop", "controlword 6040h")
-    controller.status_becomes(0x6F, 0x07, "quick stop active")
-    until = time.monotonic() + PATIENCE_S
-    while abs(controller.number(0x606C)) > 5:
-        check(time.monotonic() < until, controller.number(0x606C), "at rest", "velocity 606Ch [rpm] after a quick stop")
+    controller.status_becomes(0x46F, 0x407, "quick stop active, finished")
+    rest_rpm = controller.number(0x606C)
+    check(abs(rest_rpm) <= 5, rest_rpm, "at rest", "velocity 606Ch [rpm] after a quick stop")
     check(controller.download(0x6040, 0, "<H", 0x00) is None, "a refusal", "disable voltage", "controlword 6040h")
     controller.status_becomes(0x4F, 0x40, "switch on disabled")
+    # option 2: braked as well, then switch on disabled; options that it does not have are refused
+    check(controller.download(0x605A, 0, "<h", 2) is None, "a refusal", 2, "quick stop option 605Ah")
+    for option in (4, -1):
+        found = controller.download(0x605A, 0, "<h", option)
+        check(found == ("abort", 0x06090030), found, "abort 06090030", f"quick stop option {option}")
+    for word in (0x06, 0x07, 0x0F, 0x02):
+        check(controller.download(0x6040, 0, "<H", word) is None, "a refusal", f"{word:02X}", "controlword 6040h")
+    controller.status_becomes(0x4F, 0x40, "switch on disabled after quick stop option 2")
     # a controller whose heartbeat stays away: EMCY 8130, life guard or heartbeat error
     watched = controller.download(0x1016, 1, "<I", 0x7F << 16 | 200)
     check(watched is None, watched, "200 ms", "consumer heartbeat 1016h")

@@ -133,7 +133,8 @@ TEST(HostSession, FindsAToolThatMovesAlongEachAxis) {
   for (const auto& [name, axes] : kHosts) {
     host::Session session(axes);
     ASSERT_OK(session.Open(LockstepParams()));
-    Pose up;
+    Pose up, none;
+    EXPECT_EQ(session.Proxy(&none), OSTEON_EMPTY) << "before the first frame";
     ASSERT_OK(session.Approach(0.1, &up));
     ExpectNear(up.position, host::PositionToHost(axes, {0.0, 0.0, 0.1}), 1e-12, name);
     ASSERT_OK(session.Step(up, 0.0, 0.001));

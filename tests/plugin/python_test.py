@@ -1,8 +1,10 @@
 """The Python module: shapes, round trips and refusals. Run by install_test.sh."""
 
 import ctypes
+import os
 import tempfile
 import unittest
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -149,6 +151,40 @@ class Module(unittest.TestCase):
                 name = {"OsteonSurfaceBuffers": "OsteonBuffers"}.get(name, name)
                 found = ctypes.sizeof(getattr(osteon._library, "_" + name[len("Osteon"):]))
             self.assertEqual(found, int(size), name)
+
+    def test_arrays_that_are_no_poses_and_twists_are_refused(self):
+        mirrored, scaled, transposed = (above(4.2) for _ in range(3))
+        mirrored[0, 0] = -1
+        scaled[:3, :3] *= 1000
+        transposed = above(4.2).T
+        for wrong in (mirrored, scaled, transposed, np.zeros((4, 4)), np.full((4, 4), np.nan)):
+            with self.assertRaisesRegex(ValueError, "accepted a rotation"):
+                self.session.step(wrong)
+        for count in (0, 3, 5, 7):
+            with self.assertRaisesRegex(ValueError, f"twist: found {count} numbers, accepted 6"):
+                self.session.evaluate(above(4.2), [0.0] * count)
+        with self.assertRaisesRegex(ValueError, "other: found 3 numbers, accepted 6"):
+            osteon.Guidance(osteon.Plan()).evaluate(above(4.2), other=[0.0] * 3)
+        with self.assertRaisesRegex(ValueError, "without NUL"):
+            osteon.Bone("acetabulum\0molar")
+        with self.assertRaisesRegex(osteon.Error, "within 1 km"):
+            self.session.step(above(1e9))
+
+    def test_a_session_without_a_frame_has_no_proxy(self):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            proxy = osteon.Session(self.bone, self.tool, lockstep=True).figures["proxy"]
+        self.assertTrue(np.isnan(proxy).all())
+
+    def test_a_forked_child_is_refused(self):
+        child = os.fork()
+        if child == 0:
+            try:
+                osteon.Bone("molar")  # needs threads that the child does not have
+            except osteon.Error as error:
+                os._exit(0 if error.code == -7 and "forked" in str(error) else 1)
+            os._exit(2)
+        self.assertEqual(os.waitpid(child, 0)[1], 0)
 
     def test_refusals(self):
         with self.assertRaises(osteon.Error) as caught:

@@ -4,7 +4,6 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "app/cli/studies/failures_command.h"
 #include "app/cli/studies/measure_commands.h"
@@ -14,6 +13,7 @@
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
 #include "session/process/exit_code.h"
+#include "session/setup/build_name.h"
 #include "studies/sharding/part_set.h"
 
 namespace osteon::app {
@@ -42,10 +42,8 @@ int RunStudy(const std::filesystem::path& config_root, std::vector<std::string> 
     if (tune.asked()) return tune.Run(config_root, invocation);
     if (failures.asked()) return failures.Run(config_root, invocation);
     return regress.Run(config_root, invocation);
-  } catch (const nlohmann::json::exception& error) {
-    return session::Fail(
-        "merge",
-        fmt::format("found a damaged part ({}), accepted parts as --shard writes them", error.what()));
+  } catch (const std::invalid_argument& error) {  // an item that the study cannot read
+    return session::Fail("merge", error.what());
   }
 }
 
@@ -71,6 +69,11 @@ MergeCommand::MergeCommand(CLI::App& app) : sub_(AddStudy(app, "merge")) {
 int MergeCommand::Run(const std::filesystem::path& config_root) {
   const auto parts = studies::PartSet::Read(parts_);
   if (!parts) return session::Fail("merge", parts.error());
+  if (const std::string build = session::BuildName(); parts->build() != build)
+    return session::Fail("merge",
+                         fmt::format("{}: found build {}, accepted {}, this program's: merge with the "
+                                     "program that ran the shards",
+                                     parts->first_file().string(), parts->build(), build));
   std::vector<std::string> words = parts->words();
   for (const auto& [name, path] : {std::pair("--out", &out_), std::pair("--json", &json_)})
     if (!path->empty()) words.insert(words.end(), {name, path->string()});

@@ -27,7 +27,7 @@ from ._library import (
     _ScoreItem, _Settings, _SurfaceInfo, _ToolParams, _Wrench, _check, _lib,
 )
 from ._values import (
-    _balls, _fields_of, _from_pose, _set, _text, _to_pose, _twist, _wrench,
+    _balls, _fields_of, _from_pose, _set, _six, _text, _to_pose, _twist, _wrench,
 )
 
 __all__ = ["Bone", "Error", "Guidance", "Plan", "Session", "Tool", "VERTEX", "version"]
@@ -54,7 +54,7 @@ class Bone:
         _check(_lib.osteon_bone_params_init(_ABI, c.byref(params)))
         params.scene, params.mesh_file, params.packing_file = _text(scene), _text(mesh), _text(packing)
         params.mesh_scale_mm = mesh_scale_mm
-        params.material = None if material is None else material.encode()
+        params.material = _text(material)
         params.config_folder = _text(config_folder)
         if balls_mm is not None:
             balls = _balls(balls_mm)
@@ -92,7 +92,7 @@ class Bone:
         return _lib.osteon_bone_warning(self._handle).decode()
 
     def approach(self, height_m):
-        """X_GT of a tool that points into the site, its apex height_m above the site's centre (below: negative)."""
+        """X_GT (4, 4) [m] of a tool that points into the site, its apex height_m above the site's centre (-1 … 1)."""
         pose = _Pose()
         _check(_lib.osteon_bone_approach(self._handle, height_m, c.byref(pose)))
         return _from_pose(pose)
@@ -197,10 +197,7 @@ class Guidance:
         """dict at this pose, once in each period: wrench (6,), cone_rad, lateral_m and depth_m (how far outside; <= 0:
         inside), share, potential_J, energy_J, inside, stop_spindle, jumped. twist (6,) as for Session.evaluate();
         other (6,): the wrench that is rendered beside it and comes first."""
-        output, beside = _GuidanceOutput(), None
-        if other is not None:
-            other = [float(value) for value in other]
-            beside = c.byref(_Wrench((c.c_double * 3)(*other[:3]), (c.c_double * 3)(*other[3:])))
+        output, beside = _GuidanceOutput(), _six("other", other, _Wrench)
         _check(_lib.osteon_guidance_evaluate(
             self._handle, c.byref(_to_pose(X_GT)), _twist(twist), beside, c.byref(output)))
         result = _fields_of(output)
@@ -239,7 +236,7 @@ class Session:
         engines = ["auto", "cpu", "vulkan"]
         if engine not in engines:
             raise ValueError(f"engine: found {engine!r}, accepted one of {engines}")
-        settings.engine, settings.device = engines.index(engine), None if device is None else device.encode()
+        settings.engine, settings.device = engines.index(engine), _text(device)
         settings.lockstep, settings.surface = int(lockstep), int(surface)
         _set("Session", settings, limits, ("max_force_N", "max_torque_Nm", "stiffness_N_per_m", "damping_Ns_per_m"))
         self.bone, self.tool = bone, tool
@@ -279,11 +276,11 @@ class Session:
         self._log = told  # alive as long as it may be called
 
     def set_tool_pose(self, X_GT, spindle_rad_per_s=0.0):
-        """Where the tool is. The first pose must be free of bone."""
+        """Where the tool is: X_GT (4, 4) [m], its spindle's speed [rad/s]. The first pose must be free of bone."""
         _check(_lib.osteon_session_set_tool_pose(self._handle, c.byref(_to_pose(X_GT)), spindle_rad_per_s))
 
     def step(self, X_GT, spindle_rad_per_s=0.0, dt_s=0.001):
-        """Lockstep: one frame at this pose, dt_s later."""
+        """Lockstep: one frame at X_GT (4, 4) [m] with the spindle's speed [rad/s], dt_s [s] (0 … 0.1) later."""
         _check(_lib.osteon_session_step(self._handle, c.byref(_to_pose(X_GT)), spindle_rad_per_s, dt_s))
 
     def evaluate(self, X_GT, twist=None):
@@ -325,7 +322,8 @@ class Session:
 
     @property
     def figures(self):
-        """dict of the newest frame: frame, proxy (X_GP), wrench, removed_volume_m3, depth_m, …"""
+        """dict of the newest frame: frame, proxy (X_GP; NaN before the first frame), wrench (6,), removed_volume_m3,
+        depth_m, …"""
         figures = _Figures()
         _check(_lib.osteon_session_figures(self._handle, c.byref(figures)))
         result = {name: getattr(figures, name) for name, _ in _Figures._fields_ if name != "reserved"}
@@ -340,7 +338,7 @@ class Session:
         return taken
 
     def change_tool(self, tool, X_GT):
-        """Another tool from now on, at a pose that is free of bone."""
+        """Another tool from now on, at X_GT (4, 4) [m], free of bone: else Error, and nothing changes."""
         _check(_lib.osteon_session_change_tool(self._handle, tool._handle, c.byref(_to_pose(X_GT))))
         self.tool = tool
 
@@ -349,7 +347,7 @@ class Session:
         _check(_lib.osteon_session_mark(self._handle))
 
     def undo(self, X_GT):
-        """Returns to the last mark; the tool's pose must be free of the bone that comes back."""
+        """Returns to the last mark; X_GT (4, 4) [m] must be free of the bone that comes back."""
         _check(_lib.osteon_session_undo(self._handle, c.byref(_to_pose(X_GT))))
 
     def save(self, file):

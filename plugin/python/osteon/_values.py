@@ -9,7 +9,12 @@ from ._library import _Pose, _Twist, _Wrench
 
 
 def _text(path):
-    return None if path is None else os.fsencode(path)
+    if path is None:
+        return None
+    text = os.fsencode(path)
+    if b"\0" in text:
+        raise ValueError(f"name: found {path!r}, accepted a text without NUL")
+    return text
 
 
 def _to_pose(X_GT):
@@ -18,6 +23,11 @@ def _to_pose(X_GT):
     if X.shape != (4, 4):
         raise ValueError(f"X_GT: found shape {X.shape}, accepted (4, 4)")
     R = X[:3, :3]
+    # the cross product of two columns is the third: neither scaled, nor sheared, nor mirrored
+    off = max(np.abs(R @ R.T - np.eye(3)).max(), np.abs(np.cross(R[:, 0], R[:, 1]) - R[:, 2]).max())
+    if not off < 1e-3 or tuple(X[3]) != (0.0, 0.0, 0.0, 1.0):
+        raise ValueError(f"X_GT: found {X.tolist()}, accepted a rotation and a position [m] in its last column, last row "
+                         "0 0 0 1")
     q = np.empty(4)
     i = int(np.argmax([np.trace(R), R[0, 0], R[1, 1], R[2, 2]]))
     if i == 0:
@@ -33,7 +43,10 @@ def _to_pose(X_GT):
 
 
 def _from_pose(pose):
-    w, x, y, z = np.array(pose.orientation_wxyz) / np.linalg.norm(pose.orientation_wxyz)
+    length = np.linalg.norm(pose.orientation_wxyz)
+    if length == 0:
+        return np.full((4, 4), np.nan)  # no pose yet
+    w, x, y, z = np.array(pose.orientation_wxyz) / length
     X = np.eye(4)
     X[:3, :3] = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -48,11 +61,18 @@ def _wrench(wrench):
     return np.array([*wrench.force_N, *wrench.torque_Nm])
 
 
-def _twist(twist):
-    if twist is None:
+def _six(name, values, struct):
+    """A twist or a wrench for a call, from six numbers; None stays None."""
+    if values is None:
         return None
-    twist = [float(value) for value in twist]
-    return c.byref(_Twist((c.c_double * 3)(*twist[:3]), (c.c_double * 3)(*twist[3:])))
+    values = [float(value) for value in values]
+    if len(values) != 6:
+        raise ValueError(f"{name}: found {len(values)} numbers, accepted 6")
+    return c.byref(struct((c.c_double * 3)(*values[:3]), (c.c_double * 3)(*values[3:])))
+
+
+def _twist(twist):
+    return _six("twist", twist, _Twist)
 
 
 def _fields_of(struct):

@@ -108,7 +108,8 @@ TEST(DriveDevice, EveryCommandInEveryStateGoesWhereCia402Says) {
       {"ready", 1, {disabled, ready, on, on, disabled, disabled}},
       {"switched on", 2, {disabled, ready, on, enabled, disabled, disabled}},
       {"enabled", 3, {disabled, ready, on, enabled, stop, disabled}},
-      {"quick stop", 4, {disabled, stop, stop, enabled, stop, disabled}},
+      // With option 2, its value at first, nothing but the end of the stop leads out (and off).
+      {"quick stop", 4, {disabled, stop, stop, stop, stop, disabled}},
   };
   const char* commands[]{"00", "06", "07", "0F", "02", "80"};
   for (const Row& row : rows) {
@@ -120,6 +121,109 @@ TEST(DriveDevice, EveryCommandInEveryStateGoesWhereCia402Says) {
       EXPECT_EQ(bench.State(), row.after[c]);
     }
   }
+}
+
+// The device alone, turning at 1000 rpm of the motor, without friction.
+struct TurningBench : Bench {
+  TurningBench() {
+    for (const char* frame : {"610#2B40600006000000", "610#2B40600007000000", "610#2B4060000F000000",
+                              "610#23FF6000E8030000"})  // 60FF: 1000
+      Say(frame);
+    Run(500);
+  }
+  void Run(int milliseconds) {
+    for (int i = 0; i < milliseconds; ++i) static_cast<void>(Sent(device, now += kMs));
+  }
+  [[nodiscard]] double rpm() const { return device.motor().speed_rad_per_s() * 60 / (2 * std::numbers::pi); }
+};
+
+// CiA 402-2, quick stop option code: how it stops, and which state follows.
+TEST(DriveDevice, AQuickStopEndsAsItsOptionCodeSays) {
+  struct Row {
+    int option;
+    const char *during, *after;  // low and high byte of the statusword, 20 ms and 1 s later
+    double ramp_rpm_per_s;       // 0: it coasts
+  };
+  const Row rows[]{
+      {0, "5002", "5002", 0},     {1, "1702", "5002", 2000},
+      {2, "1702", "5002", 20000}, {5, "1702", "1706", 2000},  // stays, with bit 10: the stop is finished
+      {6, "1702", "1706", 20000},
+  };
+  for (const Row& row : rows) {
+    SCOPED_TRACE(row.option);
+    TurningBench bench;
+    bench.Say("610#23846000D0070000");  // 6084: 2000 rpm/s
+    bench.Say("610#23856000204E0000");  // 6085: 20000 rpm/s
+    EXPECT_EQ(bench.Say("610#2B5A60000" + std::to_string(row.option) + "000000"),
+              Frames{"590#605A600000000000"});
+    bench.Say("610#2B40600002000000");
+    bench.Run(20);
+    EXPECT_EQ(bench.State(), row.during);
+    // The velocity loop (20 Hz) lags by 2/w of the ramp, and less at first.
+    EXPECT_NEAR(bench.rpm(), 1000 - 0.020 * row.ramp_rpm_per_s, 0.016 * row.ramp_rpm_per_s + 0.1);
+    bench.Run(1000);
+    EXPECT_EQ(bench.State(), row.after);
+    EXPECT_NEAR(bench.rpm(), row.ramp_rpm_per_s == 0 ? 1000 : 0, 1.0);
+    // Enable operation leads out of a stop that stays, and out of nothing else.
+    bench.Say("610#2B4060000F000000");
+    EXPECT_EQ(bench.State().substr(0, 2), row.option >= 5 ? "37" : "50");
+  }
+}
+
+TEST(DriveDevice, OptionCodesThatItDoesNotHaveAreRefused) {
+  Bench bench;
+  for (const char* value : {"03", "04", "07", "08", "FF"})
+    EXPECT_EQ(bench.Say("610#2B5A6000" + std::string(value) + "000000"), Frames{"590#805A600030000906"});
+  for (const char* value : {"03", "05"})
+    EXPECT_EQ(bench.Say("610#2B5E6000" + std::string(value) + "000000"), Frames{"590#805E600030000906"});
+  EXPECT_EQ(bench.Say("610#405A600000000000"), Frames{"590#4B5A600002000000"}) << "as before";
+}
+
+// Fault reaction option code 605E: 0 coasts, 1 and 2 brake along 6084 and 6085.
+TEST(DriveDevice, AFaultStopsItAsItsOptionCodeSays) {
+  for (const int option : {0, 1, 2}) {
+    SCOPED_TRACE(option);
+    TurningBench bench;
+    bench.Say("610#23846000D0070000");  // 2000 rpm/s
+    bench.Say("610#23856000204E0000");  // 20000 rpm/s
+    bench.Say("610#2B5E60000" + std::to_string(option) + "000000");
+    bench.device.InjectFault(0x4310);
+    bench.Run(200);
+    EXPECT_EQ(bench.device.statusword() & 0x4F, option == 1 ? 0x0F : 0x08);
+    bench.Run(800);
+    EXPECT_EQ(bench.device.statusword() & 0x4F, 0x08);
+    EXPECT_NEAR(bench.rpm(), option == 0 ? 1000 : 0, 1.0);
+  }
+}
+
+// Profile velocity mode: bit 10 once the velocity has been within the window (606D) for its time (606E).
+TEST(DriveDevice, TargetReachedIsTheVelocityWithinItsWindowForItsTime) {
+  TurningBench bench;
+  EXPECT_EQ(bench.State(), "3706") << "in the window";
+  bench.Say("610#2B6D600014000000");  // 20 rpm
+  bench.Say("610#2B6E600064000000");  // 100 ms
+  bench.Say("610#23FF6000D0070000");  // 2000 rpm
+  EXPECT_EQ(bench.State(), "3702") << "a new target is not reached";
+  int inside_ms = 0;  // it overshoots: in, out, and in again
+  for (int i = 0; i < 1000; ++i) {
+    bench.Run(1);
+    inside_ms = std::abs(bench.rpm() - 2000) <= 20 ? inside_ms + 1 : 0;
+    if (inside_ms >= 99 && inside_ms <= 101) continue;
+    EXPECT_EQ(bench.State(), inside_ms > 101 ? "3706" : "3702") << "in the window for " << inside_ms << " ms";
+  }
+  EXPECT_GT(inside_ms, 101);
+  bench.Say("610#23FF6000DA070000");  // 2010 rpm
+  EXPECT_EQ(bench.State(), "3706") << "still in the window";
+  bench.device.SetCuttingTorque(28.0);  // 1.4 of 1.5 N·m at the motor: the speed falls
+  bench.Run(10);
+  EXPECT_EQ(bench.State(), "3702") << "braked by the cut";
+  bench.Run(500);
+  EXPECT_EQ(bench.State(), "3706") << "and caught up";
+  bench.Say("610#2F60600009000000");
+  EXPECT_EQ(bench.State(), "3702") << "cyclic velocity mode has no target reached";
+  bench.Say("610#2F60600003000000");
+  bench.Say("610#2B40600007000000");
+  EXPECT_EQ(bench.State(), "3302") << "nor has switched on";
 }
 
 TEST(DriveDevice, AFaultNeedsARisingEdge) {
@@ -185,6 +289,7 @@ TEST(Drive, StartsTurnsAndReports) {
     EXPECT_NEAR(cell.status().speed_rad_per_s, speed, kSpeedStep);
   }
   EXPECT_EQ(cell.status().faults, 0u);
+  EXPECT_EQ(cell.status().statusword, 0x0637) << "enabled, target reached";
   EXPECT_EQ(cell.status().temperature, 250.0);
   EXPECT_GT(cell.status().stamp, cell.now - 5 * kMs);
 }
@@ -240,6 +345,7 @@ TEST(Drive, QuickStopBrakesAlongItsRampAndStays) {
   cell.Run(200);
   EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 0.0, 0.05);
   EXPECT_EQ(cell.status().state, DriveState::kQuickStop);
+  EXPECT_EQ(cell.status().statusword, 0x0617) << "the stop is finished";
   // Not directly to enabled: through off.
   cell.drive.Command({.goal = DriveGoal::kEnabled, .speed_rad_per_s = 20});
   cell.Run(4);

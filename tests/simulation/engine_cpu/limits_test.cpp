@@ -1,5 +1,8 @@
+#include <numeric>
 #include <stdexcept>
+#include <vector>
 
+#include "simulation/engine_cpu/box_tree.h"
 #include "tests/gpu/engine/contract_bench.h"
 #include "tests/gpu/engine/strip_bench.h"
 #include "tests/simulation/engine_cpu/equal_engines.h"
@@ -18,6 +21,19 @@ std::string RefusalOf(Make&& make) {
     return error.what();
   }
   return {};
+}
+
+// Infinite places match the empty boxes of a node as well.
+TEST(CpuEngineLimits, ASearchVisitsTheClustersThatThereAre) {
+  for (const std::size_t count : {1u, 64u, 65u, 64u * 9u, 64u * 65u}) {
+    const cpu::BoxTree tree(std::vector<cpu::BoxTree::Box>(count, {.low = {0, 0, 0}, .high = {1, 1, 1}}));
+    std::vector<std::uint32_t> visited;
+    tree.Find([](const float(&)[6][8]) { return 0xFFu; },
+              [&](std::uint32_t cluster) { visited.push_back(cluster); });
+    std::vector<std::uint32_t> all(tree.cluster_count());
+    std::iota(all.begin(), all.end(), 0u);
+    EXPECT_EQ(visited, all) << count;
+  }
 }
 
 TEST(CpuEngineLimits, RefusalsNameWhatWasFoundAndWhatIsAccepted) {

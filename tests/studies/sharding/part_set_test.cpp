@@ -3,6 +3,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -62,6 +65,11 @@ TEST(PartSet, NamesWhatDoesNotBelongToTheRun) {
   refused([](auto& parts) { parts.push_back(parts[1]); },
           "part_2.json: found shard 2/3, which part_2.json is");
   refused([](auto& parts) { parts[2].checksum = "f"; }, "part_3.json: found options and inputs");
+  refused(
+      [](auto& parts) {
+        parts[2].checksum = "f", parts[2].words = {"regress", "--exact"};
+      },
+      "part_3.json: found command regress --exact, accepted regress, as in part_1.json");
   refused([](auto& parts) { parts[1].build = "other"; }, "part_2.json: found build other");
   refused([](auto& parts) { parts[1].words = {"tune"}; }, "part_2.json: found command tune");
   refused([](auto& parts) { parts[1].shard.of = 4; }, "part_2.json: found shard 2/4, accepted a shard of 3");
@@ -88,6 +96,75 @@ TEST(PartSet, APartReadsBackAsItWasWritten) {
   part.results[0] = nullptr;
   io::test::WriteAll(part.file, PartText(part));
   EXPECT_FALSE(ReadPart(part.file).has_value());
+}
+
+// Whatever is changed in a file after the shard wrote it, and whatever no shard writes.
+TEST(PartSet, APartThatWasChangedIsRefusedByItsKey) {
+  const io::test::TemporaryFolder folder;
+  Part part = PartOf({.index = 2, .of = 3}, 6);
+  part.file = folder.path() / "part.json";
+  const auto refused = [&](const auto& change, const std::string& text) {
+    auto json = nlohmann::ordered_json::parse(PartText(part));
+    change(json);
+    io::test::WriteAll(part.file, json.dump());
+    const auto read = ReadPart(part.file);
+    ASSERT_FALSE(read.has_value()) << text;
+    EXPECT_EQ(read.error().find(part.file.string()), 0u) << read.error();
+    EXPECT_NE(read.error().find(text), std::string::npos) << read.error();
+  };
+  refused([](auto& json) { json["results"][0]["result"] = 2; }, "digest: found");
+  refused([](auto& json) { json["build"] = "another"; }, "digest: found");
+  refused([](auto& json) { json["command"][0] = "tune"; }, "digest: found");
+  refused([](auto& json) { json["checksum"] = "f"; }, "digest: found");
+  refused([](auto& json) { json.erase("digest"); }, "digest: found nothing, accepted a value");
+  refused([](auto& json) { json["digest"] = 1; }, "digest: found 1, accepted a text");
+  refused(
+      [](auto& json) {
+        json["command"] = {"regress", 1};
+      },
+      R"(command: found ["regress",1], accepted a list of texts)");
+  refused([](auto& json) { json["shard"]["items"] = -6; },
+          "items: found -6, accepted a whole number from 0 on");
+  refused([](auto& json) { json["shard"]["items"] = 6.0; }, "items: found 6.0, accepted a whole number");
+  refused([](auto& json) { json["results"][0]["item"] = true; }, "item: found true, accepted a whole number");
+  refused([](auto& json) { json["shard"]["index"] = 4; }, "shard: found 4/3, accepted I/N");
+}
+
+TEST(PartSet, ValuesAreReadAsTheirTypeAlone) {
+  const nlohmann::json json{{"number", 0.5}, {"nan", "nan"},       {"text", "x"},    {"yes", true},
+                            {"count", 3},    {"minus", -3},        {"list", {1, 2}}, {"null", nullptr},
+                            {"many", 1e300}, {"mixed", {1, "two"}}};
+  double number = 0.0;
+  bool yes = false;
+  std::uint32_t count = 0;
+  std::string text;
+  std::vector<double> list;
+  ReadAt(json, "number", number), ReadAt(json, "yes", yes), ReadAt(json, "count", count);
+  ReadAt(json, "text", text), ReadAt(json, "list", list);
+  EXPECT_EQ(number, 0.5);
+  EXPECT_TRUE(yes);
+  EXPECT_EQ(count, 3u);
+  EXPECT_EQ(text, "x");
+  EXPECT_EQ(list, (std::vector<double>{1, 2}));
+  ReadAt(json, "nan", number);
+  EXPECT_TRUE(std::isnan(number));
+  const auto refused = [&](const char* key, auto value, const std::string& accepted) {
+    try {
+      ReadAt(json, key, value);
+      ADD_FAILURE() << key;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_EQ(std::string(error.what()).find(std::string(key) + ": found "), 0u) << error.what();
+      EXPECT_NE(std::string(error.what()).find("accepted " + accepted), std::string::npos) << error.what();
+    }
+  };
+  for (const char* key : {"text", "yes", "null", "list"}) refused(key, 0.0, "a number");
+  for (const char* key : {"number", "yes", "minus", "many", "nan"})
+    refused(key, count, "a whole number from 0 on");
+  for (const char* key : {"count", "text", "null"}) refused(key, false, "true or false");
+  for (const char* key : {"count", "null"}) refused(key, std::string(), "a text");
+  for (const char* key : {"count", "mixed", "null"}) refused(key, std::vector<double>(), "a list of numbers");
+  refused("list", std::vector<std::string>(), "a list of texts");
+  refused("missing", 0.0, "a value");
 }
 
 TEST(PartSet, NumbersKeepEveryBit) {
