@@ -72,6 +72,9 @@ void AppendView(Text& text, const LiveWindow& w) {
     Append(text, R"(,"X_WE":[)");
     Append(text, PlainPose(Pose(Pose(gives.X_WM) * Pose(gives.X_ME))));
     EndList(text);
+    Append(text, R"(,"layer":[)");
+    Append(text, gives.layer_m);
+    EndList(text);
   }
   Append(text, R"(,"q":[)");
   for (const double q : w.tick.q_meas) Append(text, q);

@@ -67,6 +67,16 @@ void ProcedureSession::OpenSegment(rt::Nanoseconds begin) {
                             .guidance_gain = guidance_gain_});
 }
 
+// The planned tools that no segment has, where the scripted operator was to take them. Under mutex_.
+std::vector<MissedChange> ProcedureSession::MissedChanges() const {
+  std::vector<MissedChange> missed;
+  if (!params_.scripted) return missed;
+  for (int tool = params_.tool + 1; tool < static_cast<int>(params_.tools.size()); ++tool)
+    if (std::ranges::none_of(file_.segments, [tool](const auto& s) { return s.tool_index == tool; }))
+      missed.push_back({.tool_index = tool, .reason = script_.WhyNotChanged()});
+  return missed;
+}
+
 // Beside the run, since measuring the bone takes some tenths of a second; in virtual time when it is asked
 // for.
 void ProcedureSession::RenewScore() {

@@ -65,6 +65,7 @@ tl::expected<void, std::string> ProcedureSession::Begin(simulation::CuttingEngin
   }
   OpenSegment(0);
   file_.ended = false;
+  file_.missed_changes.clear();
   writer_.WriteSession(file_);
   if (std::string wrong = writer_.Flush(); !wrong.empty()) return tl::make_unexpected(std::move(wrong));
   if (file_.PassesLeft() > 0) RenewScore();
@@ -433,8 +434,8 @@ void ProcedureSession::PressButtons(const ToolCommand& command) {
       break;
     case Action::kNext:
       if (!Post({.kind = SessionRequest::Kind::kNext, .diameter_mm = 0.0, .confirmed = true},
-                [this](const SessionAnswer&) { script_.OnNextAnswered(); }))
-        script_.OnNextAnswered();
+                [this](const SessionAnswer& answer) { script_.OnNextAnswered(answer.reason); }))
+        script_.OnNextAnswered("another request was being carried out");
       break;
     case Action::kResume:
       resume_asked_.store(true);
@@ -473,6 +474,7 @@ std::string ProcedureSession::End(const simulation::CuttingEngine& engine) {
   CloseSegment(last_stamp_);
   {
     const std::lock_guard lock(mutex_);
+    file_.missed_changes = MissedChanges();
     file_.ended = true;
   }
   WriteFile();

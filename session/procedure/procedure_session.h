@@ -153,6 +153,7 @@ class ProcedureSession final : public FrameObserver {
   void RenewScore();
   [[nodiscard]] std::string CheckLoad(int tool, const simulation::ToolCommand& command) const;
   void SwitchTool(const simulation::ToolCommand& command, FrameRunner& runner);
+  [[nodiscard]] std::vector<MissedChange> MissedChanges() const;
   void EndOpenPass(const simulation::CuttingEngine& engine, rt::Nanoseconds stamp);
   void EndPass(const simulation::CuttingEngine& engine, rt::Nanoseconds stamp);
   void CloseSegment(rt::Nanoseconds end);

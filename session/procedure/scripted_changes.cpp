@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 namespace osteon::session {
 namespace {
 
@@ -43,6 +45,25 @@ ScriptedChanges::Action ScriptedChanges::Step(rt::Nanoseconds stamp, double heig
       return Action::kNone;
   }
   return Action::kNone;
+}
+
+std::string ScriptedChanges::WhyNotChanged() const {
+  if (!refusal_.empty()) return refusal_;
+  switch (phase_) {
+    case Phase::kReaming:
+      if (!been_down_)
+        return fmt::format("the tool before was not led below {:g} mm over the plan", 1e3 * heights_.down_m);
+      return fmt::format(
+          "the tool before was not retracted to {:g} mm over the plan and held at rest there for {:g} s",
+          1e3 * heights_.retracted_m, rt::ToSeconds(kStillFor));
+    case Phase::kPausing:
+      return "the tool before was retracted and at rest only as the run ended";
+    case Phase::kChanging:
+      return "the run ended before the request for the next tool was answered";
+    case Phase::kResuming:
+      break;
+  }
+  return "the run ended before the cell resumed";
 }
 
 }  // namespace osteon::session

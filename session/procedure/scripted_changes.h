@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <utility>
+
 #include "base/clock.h"
 
 namespace osteon::session {
@@ -24,8 +27,13 @@ class ScriptedChanges {
   /// @returns what to press now; each once
   Action Step(rt::Nanoseconds stamp, double height_m, bool paused, bool next_is_ready);
   /// The request for the next tool was answered. A refused one is given up: the cell resumes with the old
-  /// tool.
-  void OnNextAnswered() { answered_ = true; }
+  /// tool.  @param refusal  why; empty: it was carried out
+  void OnNextAnswered(std::string refusal) {
+    answered_ = true;
+    refusal_ = std::move(refusal);
+  }
+  /// Why a change to a further tool is not made, if the run ends now: the last refusal, or what is missing.
+  [[nodiscard]] std::string WhyNotChanged() const;
 
  private:
   enum class Phase { kReaming, kPausing, kChanging, kResuming };
@@ -33,6 +41,7 @@ class ScriptedChanges {
   rt::Nanoseconds rest_;
   Phase phase_{Phase::kReaming};
   bool been_down_{false}, answered_{false};
+  std::string refusal_;
   double rest_height_m_{0.0};
   rt::Nanoseconds rest_since_{0}, paused_since_{0};
 };

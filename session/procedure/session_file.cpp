@@ -145,6 +145,12 @@ json PassJson(const SessionPass& p, const SessionFile& session) {
           {"to_go_mm", p.to_go_mm ? json(*p.to_go_mm) : json(nullptr)}};
 }
 
+json MissedJson(const MissedChange& missed, const SessionFile& session) {
+  return {{"tool_index", missed.tool_index},
+          {"tool_diameter_mm", session.diameters_mm.at(static_cast<std::size_t>(missed.tool_index))},
+          {"reason", missed.reason}};
+}
+
 int ReadToolIndex(const json& object, const SessionFile& session) {
   return static_cast<int>(
       ReadWhole(object, "tool_index", 0, static_cast<std::int64_t>(session.diameters_mm.size()) - 1));
@@ -228,7 +234,8 @@ std::string SessionFile::LastState() const {
 }
 
 std::string ToJson(const SessionFile& session) {
-  json segments = json::array(), passes = json::array();
+  json segments = json::array(), passes = json::array(), missed = json::array();
+  for (const MissedChange& change : session.missed_changes) missed.push_back(MissedJson(change, session));
   for (const SessionSegment& segment : session.segments) segments.push_back(SegmentJson(segment, session));
   for (const SessionPass& pass : session.passes) passes.push_back(PassJson(pass, session));
   json all{
@@ -256,6 +263,7 @@ std::string ToJson(const SessionFile& session) {
       {"ended", session.ended},
       {"segments", std::move(segments)},
       {"passes", std::move(passes)},
+      {"missed_changes", std::move(missed)},
       {"cup_X_GT", session.cup_X_GT ? PoseJson(*session.cup_X_GT) : json(nullptr)}};
   return base::JsonText(all);
 }
@@ -312,6 +320,10 @@ tl::expected<SessionFile, std::string> ParseSession(const std::string& text) {
       session.passes.push_back(ReadPass(pass, session, static_cast<std::int64_t>(session.passes.size()) + 1));
     }
     place.clear();
+    if (all.contains("missed_changes"))  // not in older sessions
+      for (const json& change : ReadList(all, "missed_changes"))
+        session.missed_changes.push_back(
+            {.tool_index = ReadToolIndex(change, session), .reason = ReadText(change, "reason")});
     if (const json& cup = At(all, "cup_X_GT", "three rows of a pose, or null"); !cup.is_null())
       session.cup_X_GT = ReadPose(cup);
     return session;

@@ -52,6 +52,12 @@ struct SessionPass {
   std::optional<double> to_go_mm{};
 };
 
+/// A change of tool that the scripted operator of a simulated cell had planned, and the run did not make.
+struct MissedChange {
+  int tool_index{0};   ///< of the tool that was not taken
+  std::string reason;  ///< what was missing, or the refusal
+};
+
 /// The gains of the cell at the session's start.
 struct SessionGains {
   std::string law;  ///< "admittance" or "impedance"
@@ -84,7 +90,8 @@ struct SessionFile {
   bool ended{false};  ///< the last process ended in order; false as well while it runs
   std::vector<SessionSegment> segments;
   std::vector<SessionPass> passes;
-  std::optional<PlainPose> cup_X_GT;  ///< `tell cup`: the tool's pose then, in the bone's frame G
+  std::vector<MissedChange> missed_changes{};  ///< of the last run; empty for a person's, and while it runs
+  std::optional<PlainPose> cup_X_GT;           ///< `tell cup`: the tool's pose then, in the bone's frame G
 
   /// The passes that count for the result.
   [[nodiscard]] int PassesLeft() const;

@@ -287,12 +287,13 @@ int RunRecordedReport(const RecordedReportOptions& options) {
   summary.servo_thread.reset();
   if (!*session) {
     summary.recut = read->recut;
-    summary.verdict = JudgeRun(summary);
   } else {
     summary.session = FolderOf(options.recording).string();
     summary.passes = (*session)->file.passes;
+    summary.missed_changes = (*session)->file.missed_changes;
     summary.diameters_mm = (*session)->file.diameters_mm;
   }
+  summary.verdict = JudgeRun(summary);
   summary.engine = stream->session.engine;
   summary.device = stream->session.device;
   std::string wrong;

@@ -170,6 +170,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
     s.session = params.procedure->folder().string();
     const SessionFile file = params.procedure->File();
     s.passes = file.passes;
+    s.missed_changes = file.missed_changes;
     s.diameters_mm = file.diameters_mm;
   }
   s.ended = EndText(result.end);

@@ -127,9 +127,10 @@ struct RunSummary {
   std::string cell_report;                  ///< report of the simulated cell, osteon.cell/1
   std::string session;                      ///< folder of a procedure's session; empty: none
   std::vector<SessionPass> passes;          ///< of the whole session
-  std::vector<double> diameters_mm;         ///< of the session's tools
-  control::TickInput link;                  ///< of the last tick: counts of messages and answers
-  std::string arm_stop;                     ///< why the simulated arm ended the session; empty if it did not
+  std::vector<MissedChange> missed_changes;  ///< of its last run
+  std::vector<double> diameters_mm;          ///< of the session's tools
+  control::TickInput link;                   ///< of the last tick: counts of messages and answers
+  std::string arm_stop;                      ///< why the simulated arm ended the session; empty if it did not
 };
 
 /// Computes the summary from the recording (`run`: ReadRun) and the carved state; the caller fills `section`
@@ -140,6 +141,8 @@ struct RunSummary {
 
 /// The diameter of the tool with which a pass of the run's session was made [mm].
 [[nodiscard]] double ToolOfPass(const RunSummary& summary, const SessionPass& pass);
+/// Likewise of the tool that a planned change would have taken.
+[[nodiscard]] double ToolOfChange(const RunSummary& summary, const MissedChange& missed);
 
 /// Rows for the terminal and the report.
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const RunSummary& summary);

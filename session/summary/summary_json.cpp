@@ -204,6 +204,11 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
            {"state", pass.state},
            {"state_hash", pass.state_hash},
            {"undone", pass.undone}});
+    out["missed_changes"] = nlohmann::json::array();
+    for (const MissedChange& missed : s.missed_changes)
+      out["missed_changes"].push_back({{"tool_index", missed.tool_index},
+                                       {"tool_diameter_mm", ToolOfChange(s, missed)},
+                                       {"reason", missed.reason}});
   }
   return base::JsonText(out);
 }

@@ -122,6 +122,10 @@ double ToolOfPass(const RunSummary& s, const SessionPass& pass) {
   return s.diameters_mm.at(static_cast<std::size_t>(pass.tool_index));
 }
 
+double ToolOfChange(const RunSummary& s, const MissedChange& missed) {
+  return s.diameters_mm.at(static_cast<std::size_t>(missed.tool_index));
+}
+
 std::vector<report::SummaryRow> Rows(const RunSummary& s) {
   std::vector<report::SummaryRow> rows{
       {"Ended", EndedText(s)},
@@ -204,6 +208,9 @@ std::vector<report::SummaryRow> Rows(const RunSummary& s) {
     rows.push_back({"Passes", fmt::format("{}, {} undone", s.passes.size(), undone)});
     for (const SessionPass& pass : s.passes)
       rows.push_back({fmt::format("Pass {}", pass.number), PassText(pass, ToolOfPass(s, pass))});
+    for (const MissedChange& missed : s.missed_changes)
+      rows.push_back(
+          {fmt::format("Change to {:g} mm", ToolOfChange(s, missed)), "not made: " + missed.reason});
   }
   rows.push_back(
       {"Recording", s.recording + (s.recording_error.empty() ? "" : ", not whole: " + s.recording_error)});

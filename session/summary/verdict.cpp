@@ -52,6 +52,20 @@ void JudgeEnd(const RunSummary& s, Verdict& verdict) {
                                 : fmt::format("{} times", s.recovered - s.operator_recoveries)));
 }
 
+void JudgeSession(const RunSummary& s, Verdict& verdict) {
+  if (!s.passes.empty() && std::ranges::all_of(s.passes, &SessionPass::undone))
+    verdict.Add(VerdictLevel::kWarning, "no pass of the session counts: all were undone");
+  if (s.missed_changes.empty()) return;
+  std::string tools;
+  for (const MissedChange& missed : s.missed_changes)
+    tools += fmt::format("{}{:g}", tools.empty() ? "" : ", ", ToolOfChange(s, missed));
+  verdict.Add(
+      VerdictLevel::kWarning,
+      fmt::format("planned changes of tool were not made, to {} mm: {}; a longer run (--seconds) leaves "
+                  "each tool more time",
+                  tools, s.missed_changes.front().reason));
+}
+
 void JudgeForce(const RunSummary& s, Verdict& verdict) {
   const double cut_s = s.period_s * static_cast<double>(s.cut_ticks);
   if (cut_s > kFelt_s)
@@ -124,8 +138,7 @@ Verdict JudgeRun(const RunSummary& summary) {
   Verdict verdict;
   JudgeEnd(summary, verdict);
   JudgeForce(summary, verdict);
-  if (!summary.passes.empty() && std::ranges::all_of(summary.passes, &SessionPass::undone))
-    verdict.Add(VerdictLevel::kWarning, "no pass of the session counts: all were undone");
+  JudgeSession(summary, verdict);
   for (const std::string& warning : summary.warnings) verdict.Add(VerdictLevel::kWarning, warning);
   if (summary.recut && summary.recut->Differs())
     verdict.Add(VerdictLevel::kWarning,

@@ -115,6 +115,7 @@ export interface View {
   X_WP?: PoseRows;
   X_WM?: PoseRows; // where the bone's world has gone with its mount and its tissue; X_WP and contacts are in it
   X_WE?: PoseRows; // the tool's head as it is bent
+  layer?: Vector; // of it the tissue's indentation under the tool, in X_WM [m]: the rest of the bone has not gone there
   q: number[];
   force: Vector;
   hand: Vector;

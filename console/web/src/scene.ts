@@ -31,6 +31,7 @@ export class SceneView {
   private readonly bone = new Group();
   private readonly lasting = new Group(); // made anew with each hello
   private readonly moving = new Group(); // what goes with the bone: it, its marks, proxy and contacts
+  private readonly undented = new Group(); // of it bone and marks: the tissue yields under the tool alone
   private readonly clipPlane = new Plane();
   private tool: Object3D | null = null;
   private proxy: Object3D | null = null;
@@ -66,7 +67,8 @@ export class SceneView {
     const sun = new DirectionalLight(0xffffff, 2.2);
     this.camera.add(sun);
     sun.position.set(0.4, 0.8, 1);
-    this.moving.add(this.bone);
+    this.undented.add(this.bone);
+    this.moving.add(this.undented);
     this.scene.add(this.camera, this.moving, this.lasting, this.force, this.hand);
     this.force.visible = this.hand.visible = false;
     this.camera.up.set(0, 0, 1);
@@ -80,7 +82,9 @@ export class SceneView {
     this.hello = hello;
     this.lasting.clear();
     this.moving.clear();
-    this.moving.add(this.bone);
+    this.undented.clear();
+    this.undented.add(this.bone);
+    this.moving.add(this.undented);
     this.moving.matrixAutoUpdate = false;
     this.moving.matrix.identity();
     this.surface.clear();
@@ -104,7 +108,8 @@ export class SceneView {
     this.limit.visible = false;
     this.contacts = Array.from({ length: MAX_CONTACTS }, () => contactPlane());
     this.lasting.add(this.arm.group, this.zones, this.limit, this.frames(hello));
-    this.moving.add(...this.contacts, this.siteMarks(hello));
+    this.moving.add(...this.contacts);
+    this.undented.add(this.siteMarks(hello));
     this.preset("site");
   }
 
@@ -192,11 +197,28 @@ export class SceneView {
     if (view.X_WM) this.moving.matrix.copy(matrixOf(view.X_WM));
     else this.moving.matrix.identity();
     this.moving.matrixWorldNeedsUpdate = true;
+    this.showIndentation(view);
     const head = headOf(this.tool);
     head.matrixAutoUpdate = false;
     if (view.X_WE) head.matrix.copy(matrixOf(view.X_WT).invert().multiply(matrixOf(view.X_WE)));
     else head.matrix.identity();
     head.matrixWorldNeedsUpdate = true;
+  }
+
+  /** Tissue that yields: a dent to scale where the head presses; how it fades beside the head is drawn, not computed. */
+  private showIndentation(view: View): void {
+    if (!this.hello) return;
+    const layer = vectorOf(view.layer ?? [0, 0, 0]);
+    this.undented.position.copy(layer).negate();
+    const balls = this.hello.tools[this.toolIndex] ?? this.hello.tool.balls;
+    const [head] = balls.filter((ball) => ball[4] === 1).sort((a, b) => b[3] - a[3]);
+    if (!view.X_WP || !head || layer.length() === 0) {
+      this.surface.setDent(null);
+      return;
+    }
+    const X_GW = matrixOf(this.hello.X_WG).invert();
+    const by = layer.clone().transformDirection(X_GW).multiplyScalar(layer.length());
+    this.surface.setDent({ centre: vectorOf(head).applyMatrix4(matrixOf(view.X_WP)).applyMatrix4(X_GW), by, radius_m: head[3] });
   }
 
   toggle(what: "arm" | "zones" | "plan", on: boolean): void {

@@ -23,10 +23,21 @@ interface Block {
   mesh: Mesh | null;
 }
 
+/** Where tissue yields: all within the radius of the centre has gone `by`, in the bone's frame [m]. */
+export interface Dent {
+  centre: Vector3;
+  by: Vector3;
+  radius_m: number;
+}
+const DENT_FADES = 1.3; // radii at which the drawn dent ends
+
 export class Surface {
   private readonly blocks = new Map<string, Block>();
   private readonly changed = new Set<string>();
   private readonly material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.75, side: DoubleSide });
+  private readonly dent = {
+    dentCentre: { value: new Vector3() }, dentBy: { value: new Vector3() }, dentRadius: { value: 1 },
+  };
   private colours: Color[] = [new Color(OTHER)];
   private layout: Layout | null = null;
   private range_mm = 1; // of the difference's colours
@@ -38,7 +49,19 @@ export class Surface {
   chunks = 0; // taken so far
   whole = 0; // changes so far
 
-  constructor(private readonly parent: Group) {}
+  constructor(private readonly parent: Group) {
+    this.material.onBeforeCompile = (shader) => {
+      Object.assign(shader.uniforms, this.dent);
+      shader.vertexShader =
+        "uniform vec3 dentCentre, dentBy;\nuniform float dentRadius;\n" +
+        shader.vertexShader.replace(
+          "#include <begin_vertex>",
+          `#include <begin_vertex>
+          float dentShare = 1.0 - smoothstep(dentRadius, ${DENT_FADES} * dentRadius, distance(position, dentCentre));
+          transformed += dentShare * dentBy;`,
+        );
+    };
+  }
 
   setMaterials(names: string[]): void {
     this.colours = names.map((name) => new Color(COLOURS[name] ?? OTHER));
@@ -60,6 +83,15 @@ export class Surface {
 
   private changeAll(): void {
     for (const key of this.blocks.keys()) this.changed.add(key);
+  }
+
+  /** Presses the surface in; null: nowhere. */
+  setDent(dent: Dent | null): void {
+    this.dent.dentBy.value.set(0, 0, 0);
+    if (!dent) return;
+    this.dent.dentCentre.value.copy(dent.centre);
+    this.dent.dentBy.value.copy(dent.by);
+    this.dent.dentRadius.value = dent.radius_m;
   }
 
   setClip(plane: Plane | null): void {

@@ -117,12 +117,28 @@ TEST(ScriptedChanges, PressesEachButtonOnceAndOnlyForARetractedTool) {
   EXPECT_EQ(run(1000, 0.03, false, true), Action::kPause);
   EXPECT_EQ(run(100, 0.03, true, true), Action::kNext);
   EXPECT_EQ(run(100, 0.03, true, true), Action::kNone) << "not answered yet";
-  script.OnNextAnswered();
+  script.OnNextAnswered("");
   EXPECT_EQ(run(100, 0.03, true, true), Action::kResume);
   EXPECT_EQ(run(1000, 0.03, false, true), Action::kNone) << "the next tool has not been down";
   EXPECT_EQ(run(1000, 0.0, false, false), Action::kNone);
   EXPECT_EQ(run(1000, 0.03, false, false), Action::kNone) << "no further tool";
   EXPECT_EQ(pressed, 3);
+}
+
+TEST(ScriptedChanges, SaysWhyAChangeIsNotMade) {
+  ScriptedChanges script({});
+  rt::Nanoseconds stamp = rt::kSecond;
+  const auto run = [&](double height_m, bool paused) {
+    for (int i = 0; i < 1000; ++i) (void)script.Step(stamp += kFrame, height_m, paused, true);
+    return script.WhyNotChanged();
+  };
+  EXPECT_EQ(run(0.04, false), "the tool before was not led below 15 mm over the plan");
+  EXPECT_EQ(run(0.0, false),
+            "the tool before was not retracted to 25 mm over the plan and held at rest there for 0.3 s");
+  EXPECT_EQ(run(0.03, false), "the tool before was retracted and at rest only as the run ended");
+  EXPECT_EQ(run(0.03, true), "the run ended before the request for the next tool was answered");
+  script.OnNextAnswered("retract 1.0 mm first");
+  EXPECT_EQ(run(0.03, true), "retract 1.0 mm first");
 }
 
 }  // namespace

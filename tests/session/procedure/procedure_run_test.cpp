@@ -95,6 +95,22 @@ TEST_F(ProcedureRun, EachReamerLeavesAPassAndAState) {
   ExpectStatesWhole(rig_->folder, *session, rig_->setup->bone);
 }
 
+TEST_F(ProcedureRun, ARunWhoseChangesWereMadeMissesNone) {
+  EXPECT_TRUE(rig_->session->File().missed_changes.empty());
+}
+
+// Two tools in 5 s: the hand is on its way again before a change at rest could be made.
+TEST(ShortProcedureRun, APlannedChangeThatWasNotMadeIsNamed) {
+  Rig rig("short_of_time", 5.0);
+  rig.Run();
+  const auto session = ReadSession(rig.folder);
+  ASSERT_TRUE(session) << session.error();
+  EXPECT_EQ(session->segments.back().tool_index, 0);
+  ASSERT_EQ(session->missed_changes.size(), 1u);
+  EXPECT_EQ(session->missed_changes[0].tool_index, 1);
+  EXPECT_NE(session->missed_changes[0].reason, "");
+}
+
 // The operator's tool follows the plan's axis, here the bone's own +z, to 2 mm below the cup's centre.
 TEST_F(ProcedureRun, ThePanelTellsWhereTheSessionStands) {
   const auto plan = nlohmann::json::parse(rig_->session->PlanJson());

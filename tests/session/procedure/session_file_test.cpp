@@ -102,6 +102,21 @@ TEST(SessionFile, TheLastNumberIsThatOfTheFilesInTheFolder) {
   EXPECT_EQ(LastNumber(folder, kStatePrefix, kStateEnding), 3);
 }
 
+TEST(SessionFile, MissedChangesComeBackAndAreAbsentInOlderSessions) {
+  SessionFile session = test::SomeSession();
+  session.missed_changes = {{.tool_index = 2, .reason = "retract 1 mm first"}};
+  std::string text = ToJson(session);
+  auto again = ParseSession(text);
+  ASSERT_TRUE(again) << again.error();
+  ASSERT_EQ(again->missed_changes.size(), 1u);
+  EXPECT_EQ(again->missed_changes[0].tool_index, 2);
+  EXPECT_EQ(again->missed_changes[0].reason, "retract 1 mm first");
+  text.replace(text.find("missed_changes"), 14, "of_later_times");
+  again = ParseSession(text);
+  ASSERT_TRUE(again) << again.error();
+  EXPECT_TRUE(again->missed_changes.empty());
+}
+
 TEST(SessionFile, AnotherSchemaIsRefused) {
   std::string text = ToJson(test::SomeSession());
   text.replace(text.find("session/1"), 9, "session/9");

@@ -43,6 +43,15 @@ TEST(RunVerdict, ASessionWhosePassesWereAllUndoneIsToBeLookedAt) {
   EXPECT_TRUE(Says(JudgeRun(s), "all were undone"));
 }
 
+TEST(RunVerdict, AMissedChangeOfToolIsNamedAndNotGood) {
+  RunSummary s = Quiet();
+  s.diameters_mm = {44.0, 46.0, 48.5};
+  s.missed_changes = {{.tool_index = 1, .reason = "the tool before was not retracted"},
+                      {.tool_index = 2, .reason = "the tool before was not retracted"}};
+  EXPECT_EQ(JudgeRun(s).level, VerdictLevel::kWarning);
+  EXPECT_TRUE(Says(JudgeRun(s), "not made, to 46, 48.5 mm: the tool before was not retracted; a longer run"));
+}
+
 TEST(RunVerdict, ACouplingAtItsForceLimitIsToBeLookedAt) {
   RunSummary s = Quiet();
   s.cut_ticks = 20;
