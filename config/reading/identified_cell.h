@@ -65,12 +65,19 @@ struct IdentifiedLine {
 
 /// The plant as the loop meets it: the tool's motion for a commanded motion of 1, both along one axis. The
 /// dead time is included: a tick's command against the measurement in the message that the tick answers.
+/// Under the impedance law the motion for a force that is laid over the arm's own impedance, times a spring.
 struct IdentifiedResponse {
   std::string axis;
   double speed_m_per_s{0.0};
   /// False: by the encoders, q_meas / q_cmd. True: by the force sensor, F / q_cmd / (-m s^2), which includes
   /// the structure beyond the encoders and the sensor's delay.
   bool by_force{false};
+  /// Name of the hand that held the handle meanwhile: the response is then -F / q_cmd / (k + b s + m s^2)
+  /// with the force F on the sensor and the figures of this hand. Empty: free air.
+  std::string hand{};
+  /// Under the impedance law the spring by which x / f is multiplied; none in older files, whose arm's
+  /// felt_mass_kg w^2 it is.
+  std::optional<double> spring_N_per_m{};
   std::vector<IdentifiedLine> lines{};  ///< by rising frequency
 };
 

@@ -67,6 +67,18 @@ void RequireHash(const Reader& section, const std::string& hash) {
   section.Refuse("hash", fmt::format("found {}, accepted 16 hexadecimal digits", hash));
 }
 
+// A response with a hand is that of one of the file's hands.
+void RequireHand(const Reader& section, const std::string& name, const std::vector<IdentifiedHand>& hands) {
+  if (name.empty()) return;
+  std::string names;
+  for (const IdentifiedHand& hand : hands) {
+    if (hand.name == name) return;
+    names += (names.empty() ? "" : ", ") + hand.name;
+  }
+  section.Refuse("hand", fmt::format("found {}, accepted a name of hands: {}", name,
+                                     names.empty() ? "there are none" : names));
+}
+
 constexpr const char* kLaws[] = {"admittance", "impedance"};  // as control::Law
 
 IdentifiedValidity ReadValidity(Reader section, std::optional<control::Law>& law,
@@ -123,7 +135,13 @@ IdentifiedArm ReadArm(Reader& section, std::vector<IntervalCheck>& checks) {
 IdentifiedResponse ReadResponse(Reader& section, std::vector<Reader>& lines) {
   IdentifiedResponse response{.axis = ReadAxis(section)};
   response.speed_m_per_s = section.Number("speed_mm_per_s", 0, kMaxSpeed_mm_per_s);
-  response.by_force = section.Choice("by", {"encoders", "force"}) == 1;
+  const auto by = section.Choice("by", {"encoders", "force", "hand"});
+  response.by_force = by == 1;
+  if (section.Has("hand")) response.hand = section.Text("hand");
+  if ((by == 2) == response.hand.empty())
+    section.Refuse("by", by == 2 ? "found hand without a key hand, accepted the name of one of hands in it"
+                                 : "found a key hand beside it, accepted by: hand");
+  if (section.Has("spring_N_per_m")) response.spring_N_per_m = section.Number("spring_N_per_m", 1, 1e6);
   lines = section.Sections("lines", 2, kMaxLines);
   for (Reader& line : lines)
     response.lines.push_back({.hz = line.Number("hz", 0, kMaxFrequency_hz),
@@ -214,8 +232,11 @@ ReadFile ReadAll(const std::filesystem::path& file) {
     return a.axis == b.axis && a.speed_m_per_s == b.speed_m_per_s;
   });
   RequireOnce(responses, identified.response, [](const IdentifiedResponse& a, const IdentifiedResponse& b) {
-    return a.axis == b.axis && a.speed_m_per_s == b.speed_m_per_s && a.by_force == b.by_force;
+    return a.axis == b.axis && a.speed_m_per_s == b.speed_m_per_s && a.by_force == b.by_force &&
+           a.hand == b.hand;
   });
+  for (std::size_t i = 0; i < responses.size(); ++i)
+    RequireHand(responses[i], identified.response[i].hand, identified.hands);
   for (std::size_t r = 0; r < lines.size(); ++r)
     for (std::size_t i = 1; i < lines[r].size(); ++i) {
       const std::vector<IdentifiedLine>& found = identified.response[r].lines;
@@ -278,9 +299,14 @@ std::string ArmText(const IdentifiedArm& arm) {
 }
 
 std::string ResponseText(const IdentifiedResponse& response) {
+  const char* by = response.by_force ? "force" : "encoders";
   std::string text =
-      fmt::format("    - axis: {}\n      speed_mm_per_s: {:.10g}\n      by: {}\n      lines:\n",
-                  response.axis, response.speed_m_per_s / kMilli, response.by_force ? "force" : "encoders");
+      fmt::format("    - axis: {}\n      speed_mm_per_s: {:.10g}\n      by: {}\n", response.axis,
+                  response.speed_m_per_s / kMilli, response.hand.empty() ? by : "hand");
+  if (!response.hand.empty()) text += fmt::format("      hand: \"{}\"\n", response.hand);
+  if (response.spring_N_per_m)
+    text += fmt::format("      spring_N_per_m: {:.10g}\n", *response.spring_N_per_m);
+  text += "      lines:\n";
   for (const IdentifiedLine& line : response.lines)
     text +=
         fmt::format("        - {{hz: {:.10g}, re_ratio: {:.10g}, im_ratio: {:.10g}, sd_ratio: {:.10g}}}\n",

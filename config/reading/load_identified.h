@@ -18,7 +18,8 @@ namespace osteon::config {
 ///              [felt_mass_kg,] [impedance: {[translation_N_per_m,] [rotation_Nm_per_rad,] [joint_Nm_per_rad,]
 ///              [damping_ratio,] [on_mount]},] chi2_ratio,
 ///              interval: {bandwidth_hz, damping_ratio, dead_time_ms, lag_ms}}, …]
-///       response: [{axis, speed_mm_per_s, by: encoders | force, lines: [{hz, re_ratio, im_ratio, sd_ratio}]}]
+///       response: [{axis, speed_mm_per_s, by: encoders | force | hand, [hand,] [spring_N_per_m,]
+///                   lines: [{hz, re_ratio, im_ratio, sd_ratio}]}]
 ///       [sensor: {[delay_ms,] noise_N, drift_N}]
 ///       [link: {jitter_mean_ms, jitter_p99_ms, loss_ratio}]
 ///       [structure: [{hz, damping_ratio}, …]]

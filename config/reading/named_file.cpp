@@ -22,7 +22,11 @@ std::string YamlNamesIn(const std::filesystem::path& folder) {
   std::string names;
   for (const std::filesystem::path& file : YamlFilesIn(folder))
     names += (names.empty() ? "" : ", ") + file.stem().string();
-  return names.empty() ? "none" : names;
+  if (!names.empty()) return names;
+  std::error_code error;
+  return std::filesystem::is_directory(folder, error) ? "none"
+                                                      : "none, since that folder is not there; OSTEON_ROOT "
+                                                        "names the folder of Osteon, with config/ in it";
 }
 
 tl::expected<std::filesystem::path, std::filesystem::path> FindNamedFile(const std::filesystem::path& folder,

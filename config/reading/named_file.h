@@ -14,7 +14,8 @@ namespace osteon::config {
 /// The YAML files of a folder, sorted by name; none if the folder cannot be read.
 [[nodiscard]] std::vector<std::filesystem::path> YamlFilesIn(const std::filesystem::path& folder);
 
-/// Their names without ".yaml", separated by commas, or "none".
+/// Their names without ".yaml", separated by commas, or "none"; where there is no such folder, how to name
+/// it.
 [[nodiscard]] std::string YamlNamesIn(const std::filesystem::path& folder);
 
 /// Finds a file as a user names it: the path of a YAML file, or its name in `folder`, with ".yaml" or

@@ -7,6 +7,7 @@
 
 #include "config/reading/cell_config.h"
 #include "control/ports.h"
+#include "safety/watchdog.h"
 
 namespace osteon::session {
 namespace {
@@ -32,10 +33,12 @@ void LatencyMeter::Add(const control::TickRecord& tick) {
     kept_ = 0;
     return;
   }
-  sensor_.Add(tick.sensor_age_s);
+  // a reading that has not come yet has no age
+  if (tick.sensor_age_s < safety::kNoAge_s) sensor_.Add(tick.sensor_age_s);
   link_.Add(rt::ToSeconds(tick.wakeup_ns));
   tick_.Add(rt::ToSeconds(tick.compute_ns));
-  if (tick.phase == control::Phase::kHaptic) model_.Add(tick.model_age_s);
+  if (tick.phase == control::Phase::kHaptic && tick.model_age_s < safety::kNoAge_s)
+    model_.Add(tick.model_age_s);
   // with an overlay of wrench or torque the command only follows the arm
   if (tick.input.command_mode == static_cast<std::uint8_t>(control::CommandMode::kPosition)) AddMotion(tick);
 }
@@ -99,14 +102,16 @@ LatencyPart OverlaidArm(const LatencyContext& context) {
 
 LatencyFigures LatencyMeter::Figures(double period_s, const LatencyContext& context) const {
   LatencyFigures latency;
-  if (sensor_.count == 0) return latency;
+  if (link_.count == 0) return latency;
+  const bool felt = sensor_.count > 0;
   const double own_s = context.sensor_delay_s;
   latency.parts.push_back(
       {.name = "sensor",
        .mean_s = sensor_.Value() + own_s,
        .max_s = sensor_.max_s + own_s,
-       .measured = context.sensor_known,
-       .how = context.sensor_known
+       .measured = context.sensor_known && felt,
+       .how = !felt ? "taken as 0: no reading came"
+              : context.sensor_known
                   ? "the reading's stamp, and the sensor's identified delay"
                   : "counted from the stamp of its reading; its own delay is not known and taken as 0"});
   const bool timed = !context.virtual_time;

@@ -82,7 +82,7 @@ tl::expected<ToolForceFit, std::string> FitToolForce(std::span<const ResponseLin
   if (!(fit.mass_kg.value > 1.5 * fit.mass_kg.half_width))
     return tl::unexpected(
         fmt::format("the force sensor shows no inertia of the tool: found {:.3f} ± {:.3f} kg",
-                    fit.mass_kg.value, fit.mass_kg.half_width));
+                    std::max(0.0, fit.mass_kg.value), fit.mass_kg.half_width));
   return fit;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <map>
 #include <system_error>
 
@@ -91,7 +92,7 @@ std::string KeepEarlierFiles(const IdentifyOptions& options) {
   }
   const auto earlier = session::KeepEarlier(options.out, files);
   if (!earlier) return earlier.error();
-  if (!earlier->empty()) fmt::print("  {:<28} {}\n", "Earlier files", "moved to " + earlier->string());
+  if (!earlier->empty()) fmt::print("  {:<30} {}\n", "Earlier files", "moved to " + earlier->string());
   return "";
 }
 
@@ -170,8 +171,9 @@ tl::expected<IdentifyResult, std::string> EstimateAll(const IdentifyOptions& opt
 void Print(const IdentifyResult& result) {
   fmt::print("Osteon identify: {}\n", result.cell);
   for (const report::SummaryRow& row : session::VerdictRows(Judge(result)))
-    fmt::print("  {:<28} {}\n", row.key, row.value);
-  for (const report::SummaryRow& row : Rows(result)) fmt::print("  {:<28} {}\n", row.key, row.value);
+    fmt::print("  {:<30} {}\n", row.key, row.value);
+  for (const report::SummaryRow& row : Rows(result)) fmt::print("  {:<30} {}\n", row.key, row.value);
+  fmt::print("  {:<30} {:.0f} s of data in {:.2g} s\n", "Estimated", result.data_s, result.estimated_s);
 }
 
 // Whether there is something that a cell or a study would take.
@@ -182,7 +184,7 @@ bool SaysAnything(const config::IdentifiedCell& identified) {
 
 // The same figures as lines of a cell's file, for a user who does not want `identified: FILE`.
 void PrintCellLines(const config::IdentifiedCell& identified) {
-  const auto line = [](const std::string& text) { fmt::print("  {:<28} {}\n", "In the cell's file", text); };
+  const auto line = [](const std::string& text) { fmt::print("  {:<30} {}\n", "In the cell's file", text); };
   if (identified.dead_zone_N) line(fmt::format("admittance: dead_zone_N: {:.3g}", *identified.dead_zone_N));
   if (!identified.vibration) return;
   if (identified.vibration->tremor_N > 0.0)
@@ -203,12 +205,12 @@ tl::expected<void, std::string> Write(const IdentifyOptions& options, const Iden
           report::WritePage(IdentifyPage(result, options.command_line), options.out / "identify.html");
       !written)
     return written;
-  fmt::print("  {:<28} {}\n", "Page", (options.out / "identify.html").string());
+  fmt::print("  {:<30} {}\n", "Page", (options.out / "identify.html").string());
   const fs::path file = options.out / "identified.yaml";
   const config::IdentifiedCell identified = ToIdentified(result);
   if (!result.refused.empty()) return {};
   if (!SaysAnything(identified)) {
-    fmt::print("  {:<28} {}\n", "Written", "no identified.yaml: nothing in it that a cell would take");
+    fmt::print("  {:<30} {}\n", "Written", "no identified.yaml: nothing in it that a cell would take");
     return {};
   }
   if (auto written = base::WriteText(
@@ -216,7 +218,7 @@ tl::expected<void, std::string> Write(const IdentifyOptions& options, const Iden
                     identified, "Measured, not assumed. Written by\n  " + options.command_line, result.law));
       !written)
     return written;
-  fmt::print("  {:<28} {}\n", "Written", file.string() + ": osteon tune CELL --identified takes it");
+  fmt::print("  {:<30} {}\n", "Written", file.string() + ": osteon tune CELL --identified takes it");
   PrintCellLines(identified);
   return {};
 }
@@ -262,8 +264,10 @@ int RunIdentify(const IdentifyOptions& options) {
     if (!recorded) return session::Fail("identify", recorded.error(), session::kFailed);
     recordings = std::move(*recorded);
   }
-  const auto result = EstimateAll(options, recordings);
+  const auto begin = std::chrono::steady_clock::now();
+  auto result = EstimateAll(options, recordings);
   if (!result) return session::Fail("identify", result.error());
+  result->estimated_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   Print(*result);
   if (!options.recordings.empty())
     if (const std::string wrong = KeepEarlierFiles(options); !wrong.empty())

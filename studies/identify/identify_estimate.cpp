@@ -233,6 +233,10 @@ void FillWindows(const ExcitedRun& run, double tool_mass_kg, AxisResult& axis) {
                                    .stiffness_N_per_m = hand->stiffness_N_per_m});
 }
 
+double SecondsOf(const ReadRun& run) {
+  return run.cell.servo.period_s * static_cast<double>(run.recording.ticks.size());
+}
+
 // Reads and pairs an excited run; findings where that is not possible.
 std::optional<AxisResult> EstimateRun(const ReadRun& run, IdentifyResult& result) {
   const std::string where = run.named.file;
@@ -297,6 +301,8 @@ tl::expected<AxisResult, std::string> EstimateAxis(const ExcitedRun& run, const 
   if (request.held) {
     if (const auto hand = FitHand(axis.force_over_position->lines, tool_mass_kg)) axis.hand = *hand;
     if (axis.hand) FillWindows(run, tool_mass_kg, axis);
+    if (auto loop = MeasureResponse(run, Signal::kCommand, Signal::kForce); loop && !request.overlay)
+      axis.force_over_command = std::move(*loop);
     return axis;
   }
   const auto tool = FitToolForce(axis.force_over_position->lines);
@@ -377,6 +383,7 @@ tl::expected<void, std::string> AddRecording(const std::filesystem::path& file,
                                              const config::CellConfig& cell, IdentifyResult& result) {
   const auto run = ReadRunOf(file, cell);
   if (!run) return tl::unexpected(run.error());
+  result.data_s += SecondsOf(*run);
   if (!run->request) {
     if (!run->another_cell.empty()) {
       result.refused.push_back({run->named.file, run->another_cell});
@@ -410,6 +417,7 @@ tl::expected<void, std::string> AddValidation(const std::filesystem::path& file,
                                               const config::CellConfig& cell, IdentifyResult& result) {
   const auto run = ReadRunOf(file, cell);
   if (!run) return tl::unexpected(run.error());
+  result.data_s += SecondsOf(*run);
   if (!run->request || run->request->rest_s > 0.0)
     return tl::unexpected(file.string() +
                           ": found a recording without excitation, accepted one of a validation run");

@@ -250,7 +250,7 @@ session::Verdict Judge(const IdentifyResult& result) {
       worst != nullptr && !StandsByMargins(result.margins, "own"))
     verdict.Add(GainsStand(result) ? session::VerdictLevel::kWarning : session::VerdictLevel::kBad,
                 "by the measured response the cell's present gains are " + MarginText(*worst));
-  if (result.axes.empty())
+  if (result.axes.empty() && result.refused.empty())
     verdict.Add(result.passive.empty() && !result.noise && !result.tremor ? session::VerdictLevel::kBad
                                                                           : session::VerdictLevel::kWarning,
                 "no arm was fitted: no recording with excitation");

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -245,6 +247,22 @@ std::optional<config::IdentifiedImpedance> ImpedanceOf(const AxisResult& axis) {
                                      .on_mount = fit.on_mount};
 }
 
+// The plant as the loop of a hand meets it, which the hand makes of the command: F / q_cmd over what the hand
+// makes of a motion.
+config::IdentifiedResponse ResponseWithHand(const AxisResult& axis, const config::IdentifiedHand& hand) {
+  config::IdentifiedResponse response{
+      .axis = std::string(1, axis.request.axis), .speed_m_per_s = axis.rms_speed_m_per_s, .hand = hand.name};
+  for (const ResponseLine& line : axis.force_over_command->lines) {
+    const double w = 2.0 * std::numbers::pi * line.hz;
+    const std::complex<double> per_m(hand.stiffness_N_per_m - w * w * hand.mass_kg,
+                                     w * hand.damping_Ns_per_m);
+    const std::complex<double> value = -line.value / per_m;
+    response.lines.push_back(
+        {.hz = line.hz, .re = value.real(), .im = value.imag(), .sd = line.sd / std::abs(per_m)});
+  }
+  return response;
+}
+
 // Adds what an axis says of sensor, hands and link.
 void AddDevices(const AxisResult& axis, config::IdentifiedCell& cell) {
   if (axis.tool && (!cell.sensor || !cell.sensor->delay_s)) {
@@ -257,6 +275,8 @@ void AddDevices(const AxisResult& axis, config::IdentifiedCell& cell) {
                           .stiffness_interval_N_per_m = Interval(axis.hand->stiffness_N_per_m),
                           .damping_Ns_per_m = axis.hand->damping_Ns_per_m.value,
                           .mass_kg = axis.hand->mass_kg.value});
+  if (axis.hand && axis.force_over_command)
+    cell.response.push_back(ResponseWithHand(axis, cell.hands.back()));
   config::IdentifiedLink& link = cell.link ? *cell.link : cell.link.emplace();
   link.jitter_mean_s = std::max(link.jitter_mean_s, axis.samples.jitter_mean_s);
   link.jitter_p99_s = std::max(link.jitter_p99_s, axis.samples.jitter_p99_s);
@@ -308,6 +328,7 @@ config::IdentifiedCell ToIdentified(const IdentifyResult& result) {
     const auto add = [&](const MeasuredResponse& response, bool by_force) {
       config::IdentifiedResponse& to = cell.response.emplace_back();
       to = {.axis = name, .speed_m_per_s = axis.rms_speed_m_per_s, .by_force = by_force};
+      if (axis.overlay) to.spring_N_per_m = axis.overlay->stiffness_N_per_m.value;
       for (const ResponseLine& line : response.lines)
         to.lines.push_back({.hz = line.hz, .re = line.value.real(), .im = line.value.imag(), .sd = line.sd});
     };
@@ -337,6 +358,7 @@ std::string ToJson(const IdentifyResult& result, const std::string& command_line
             {"subcommand", "identify"},
             {"command_line", command_line},
             {"cell", result.cell},
+            {"estimation", {{"data_s", result.data_s}, {"wall_s", result.estimated_s}}},
             {"robot", result.valid_for.robot},
             {"tool", result.valid_for.tool},
             {"axes", Json::array()},
@@ -377,7 +399,8 @@ report::SummaryRow OverlayRow(const AxisResult& axis) {
 report::SummaryRow ArmRow(const AxisResult& axis) {
   const ServoFit& fit = axis.fit;
   return {
-      fmt::format("Arm, {} at {:.1f} mm/s rms", axis.request.axis, 1e3 * axis.rms_speed_m_per_s),
+      fmt::format("Arm{}, {} at {:.1f} mm/s rms", axis.request.held ? " with the hand" : "",
+                  axis.request.axis, 1e3 * axis.rms_speed_m_per_s),
       fmt::format("{:.2f} ± {:.2f} Hz, damping {:.3f} ± {:.3f}, dead time {:.3f} ± {:.3f} ms, lag "
                   "{:.3f} ± {:.3f} ms; chi² {:.2f}{}",
                   fit.bandwidth_hz.value, fit.bandwidth_hz.half_width, fit.damping_ratio.value,

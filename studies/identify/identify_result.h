@@ -44,7 +44,8 @@ struct AxisResult {
   std::optional<ToolForceFit> tool{};
   std::string no_tool{};  ///< why there is none
   std::optional<HandFit> hand{};
-  std::vector<HandWindow> hand_windows{};        ///< the hand over time
+  std::optional<MeasuredResponse> force_over_command{};  ///< of a held run: F / q_cmd [N/m]
+  std::vector<HandWindow> hand_windows{};                ///< the hand over time
   std::optional<Estimate> felt_mass_kg{};        ///< of a held run: by which the hand's force moves the arm
   std::optional<OverlaidArm> overlaid{};         ///< of an overlay: the arm, and how it was moved
   std::optional<ImpedanceFit> overlay{};         ///< of an overlay
@@ -80,6 +81,8 @@ struct IdentifyResult {
   std::vector<TuneMargin> margins{};  ///< of the cell's present gains, by the measured response
   std::string nyquist_svg{};          ///< of the hand nearest to instability; empty: no margins
   std::vector<Finding> refused{}, warnings{};
+  double data_s{0.0};       ///< length of all recordings that were read, by the cell's period
+  double estimated_s{0.0};  ///< wall time in which they were read and estimated; 0: not timed
 };
 
 /// Name of a run, for findings: "free run, z at 50 mm/s".

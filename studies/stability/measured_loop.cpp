@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -84,6 +85,8 @@ int UnstablePoles(const std::vector<NyquistPoint>& curve, int unstable_law) {
   return unstable_law - static_cast<int>(std::lround(angle / std::numbers::pi));
 }
 
+}  // namespace
+
 void FindMargins(const std::vector<NyquistPoint>& curve, LoopMargins& margins) {
   margins.gain = std::numeric_limits<double>::infinity();
   margins.phase_deg = 180.0;
@@ -122,15 +125,22 @@ void FindMargins(const std::vector<NyquistPoint>& curve, LoopMargins& margins) {
   }
 }
 
-}  // namespace
-
 Complex ModelResponse(const ResponseModel& model, double hz) {
   return ResponseOf(hil::LinearArm(model.arm, model.period_s), model, hz);
 }
 
 MeasuredPlant::MeasuredPlant(const std::vector<PlantLine>& lines, const ResponseModel& model)
-    : model_(model) {
-  const double half_rate_hz = 0.5 / model.period_s;
+    : MeasuredPlant(
+          lines,
+          [model, arm = hil::LinearArm(model.arm, model.period_s)](double hz) {
+            return ResponseOf(arm, model, hz);
+          },
+          model.period_s) {}
+
+MeasuredPlant::MeasuredPlant(const std::vector<PlantLine>& lines, std::function<Complex(double)> model,
+                             double period_s)
+    : model_(std::move(model)), period_s_(period_s) {
+  const double half_rate_hz = 0.5 / period_s;
   if (lines.size() < 2)
     throw std::invalid_argument(
         fmt::format("measured response: found {} lines, accepted 2 and more", lines.size()));
@@ -139,23 +149,27 @@ MeasuredPlant::MeasuredPlant(const std::vector<PlantLine>& lines, const Response
       throw std::invalid_argument(
           fmt::format("measured response: found a line at {:g} Hz, accepted rising frequencies below {:g} Hz",
                       line.hz, half_rate_hz));
-    const Complex expected = ModelResponse(model, line.hz);
+    const Complex expected = model_(line.hz);
     const double share = std::max(line.sd, kMinSd) / std::abs(expected);
     lines_.push_back({.octave = std::log2(line.hz),
                       .hz = line.hz,
                       .value = line.value / expected,
                       .weight = 1.0 / (share * share)});
   }
-  const hil::LoopArm arm = hil::LinearArm(model.arm, model.period_s);
   for (int i = 0; i < kPoints; ++i) {
     const double hz =
         kLowest_hz * std::pow(half_rate_hz / kLowest_hz, static_cast<double>(i) / (kPoints - 1));
-    const Ratio ratio = Smoothed(hz);
+    const RatioAt ratio = RatioToModel(hz);
     grid_.push_back({.hz = hz,
-                     .z = std::polar(1.0, kTwoPi * hz * model.period_s),
-                     .value = ratio.value * ResponseOf(arm, model, hz),
-                     .share = 1.0 / (std::sqrt(ratio.weight) * std::abs(ratio.value))});
+                     .z = std::polar(1.0, kTwoPi * hz * period_s),
+                     .value = ratio.value * model_(hz),
+                     .share = ratio.share});
   }
+}
+
+MeasuredPlant::RatioAt MeasuredPlant::RatioToModel(double hz) const {
+  const Ratio ratio = Smoothed(hz);
+  return {.value = ratio.value, .share = 1.0 / (std::sqrt(ratio.weight) * std::abs(ratio.value))};
 }
 
 MeasuredPlant::Ratio MeasuredPlant::Smoothed(double hz) const {
@@ -176,7 +190,7 @@ MeasuredPlant::Ratio MeasuredPlant::Smoothed(double hz) const {
   return {.octave = octave, .hz = hz, .value = sum / weights, .weight = weights * weights / squares};
 }
 
-Complex MeasuredPlant::At(double hz) const { return Smoothed(hz).value * ModelResponse(model_, hz); }
+Complex MeasuredPlant::At(double hz) const { return Smoothed(hz).value * model_(hz); }
 
 LawResponse::LawResponse(const hil::AdmittanceLoopParams& params) {
   Validate(params);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -45,9 +46,12 @@ class MeasuredPlant {
   /// @param lines  by rising frequency, at least two
   /// @throws std::invalid_argument on lines that are not that
   MeasuredPlant(const std::vector<PlantLine>& lines, const ResponseModel& model);
+  /// The same with any model: its response at a frequency [Hz] up to half of the sampling rate.
+  MeasuredPlant(const std::vector<PlantLine>& lines, std::function<std::complex<double>(double)> model,
+                double period_s);
 
   [[nodiscard]] std::complex<double> At(double hz) const;
-  [[nodiscard]] double period_s() const { return model_.period_s; }
+  [[nodiscard]] double period_s() const { return period_s_; }
   [[nodiscard]] double lowest_hz() const { return lines_.front().hz; }
   [[nodiscard]] double highest_hz() const { return lines_.back().hz; }
 
@@ -57,6 +61,13 @@ class MeasuredPlant {
     std::complex<double> value;  ///< the response
     double share{0.0};           ///< standard deviation of its real and of its imaginary part, over its size
   };
+  /// The measured over the model's response at a frequency, smoothed, and the standard deviation of its real
+  /// and of its imaginary part, over its size.
+  struct RatioAt {
+    std::complex<double> value;
+    double share{0.0};
+  };
+  [[nodiscard]] RatioAt RatioToModel(double hz) const;
   /// From 0.01 Hz to half of the sampling rate, evenly spaced in the logarithm.
   [[nodiscard]] const std::vector<Point>& grid() const { return grid_; }
 
@@ -70,7 +81,8 @@ class MeasuredPlant {
   [[nodiscard]] Ratio Smoothed(double hz) const;  // weight: 1 / variance
 
   std::vector<Ratio> lines_;
-  ResponseModel model_;
+  std::function<std::complex<double>(double)> model_;
+  double period_s_;
   std::vector<Point> grid_;
 };
 
@@ -112,6 +124,9 @@ struct NyquistPoint {
   std::complex<double> loop;  ///< L
   double radius{0.0};         ///< of 95 %
 };
+
+/// Fills gain and phase margin, least distance of -1 and `robust` from a curve. @pre margins.stable is known
+void FindMargins(const std::vector<NyquistPoint>& curve, LoopMargins& margins);
 
 /// A hand's loop. The hand and the virtual tool are those of `params`, whose arm and felt mass are not used.
 struct MeasuredLoopParams {

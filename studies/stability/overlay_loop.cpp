@@ -18,7 +18,7 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Joints = kinematics::JointVectorN<7>;
 using Chain = kinematics::SerialChain<7>;
 
-constexpr double kLever2_m2 = 0.1 * 0.1;  // of a grip, as OperatorWith has it
+constexpr double kLever2_m2 = OverlayLoop::lever2_m2();
 // Some fifty times what the push gives: beyond it the drives' limits would hold the motion, which then grows
 // no more.
 constexpr double kGrown_m_per_s = 0.1;

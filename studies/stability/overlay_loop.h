@@ -40,6 +40,8 @@ class OverlayLoop {
   [[nodiscard]] Eigen::MatrixXd Matrix() const;
   /// Whether no motion grows. The elbow, which nothing holds, may persist.
   [[nodiscard]] bool IsStable() const { return hil::SpectralRadius(Matrix()) < 1.0 + 1e-7; }
+  /// Square of the lever at which a hand holds against rotation, as OperatorWith has it [m^2].
+  [[nodiscard]] static constexpr double lever2_m2() { return 0.1 * 0.1; }
   /// Mass of the tool along its z axis at this posture, without the hand [kg].
   [[nodiscard]] double mass_kg() const { return mass_kg_; }
 

@@ -31,6 +31,7 @@ session::Verdict Judge(const OverlayTuning& t) {
     verdict.Add(session::VerdictLevel::kBad,
                 fmt::format("run in time with the recommended gains, {} of {} runs grew: {}",
                             t.check.grew.size(), t.check.runs, fmt::join(t.check.grew, "; ")));
+  JudgeMargins(t.margins, verdict);
   if (t.recommended_N_per_m < t.task.wall_N_per_m)
     verdict.Add(session::VerdictLevel::kWarning,
                 fmt::format("the cell's coupling of {:g} N/mm stands with no damping, {:.3g} N/mm does",
@@ -104,6 +105,7 @@ std::vector<report::SummaryRow> Rows(const OverlayTuning& t) {
     rows.push_back({"Old planes", fmt::format("{}{:.3g} N/mm at {:g} ms",
                                               t.planes_N_per_m < task.plane_N_per_m ? "" : "at least ",
                                               1e-3 * t.planes_N_per_m, 1e3 * task.worst_age_s)});
+  AddMarginRows(t.margins, rows);
   if (t.check.runs > 0)
     rows.push_back({"Simulated", t.check.grew.empty()
                                      ? fmt::format("{} runs of the arm with masses; none grew", t.check.runs)
@@ -152,6 +154,7 @@ std::string ToJson(const OverlayTuning& t, const std::string& command_line) {
                         {"margin", t.own_margin}}},
                       {"recommended", nullptr},
                       {"boundary", nlohmann::json::array()},
+                      {"margins", ToJson(t.margins)},
                       {"check", {{"runs", t.check.runs}, {"grew", t.check.grew}}}};
   if (t.Stands())
     json["recommended"] = {{"damping_Ns_per_m", t.recommended_Ns_per_m},
@@ -209,8 +212,9 @@ report::ReportVerdict PlainVerdict(const OverlayTuning& t) {
                              1e-3 * t.recommended_N_per_m, t.recommended_Ns_per_m);
     reasons.push_back(fmt::format(
         "Why: the loop stays stable with every hand up to {:g} N/m, free and at the wall, {:.2f} times as "
-        "stiff and heavy. The arm's dead time and its own damping are {}.",
-        t.task.human_grip_N_per_m, t.recommended_margin, t.measured ? "measured" : "assumed, not measured"));
+        "stiff and heavy. The arm's dead time and its own damping are {}.{}",
+        t.task.human_grip_N_per_m, t.recommended_margin, t.measured ? "measured" : "assumed, not measured",
+        t.response.empty() ? "" : " The measured response, without a model of the axis, says so too."));
   }
   for (const std::string& reason : verdict.reasons) reasons.push_back("Remark: " + reason + ".");
   reasons.push_back(t.MayBeUsed()
@@ -245,6 +249,14 @@ tl::expected<void, std::string> Write(const OverlayTuning& t, const TuneOptions&
               svg,
               "The stiffest wall with the worst hand. Damping beyond the line's right end oscillates by its "
               "own delay, whatever the wall.");
+  if (!t.margins.empty())
+    html +=
+        "<h2>By the measured response</h2>\n<p>Along each measured axis the arm's own response is used, and "
+        "its model in the other directions. The loop is stable if its curve does not go around -1. The "
+        "margins "
+        "are those of wall and damping, ± the radius of 95 %. Every command is as late as the "
+        "latest.</p>\n" +
+        report::Figure(t.nyquist_svg, "") + TableOf(t.margins);
   if (t.MayBeUsed())
     html += "<h2>The recommended gains, as a file (gains.yaml)</h2>\n<pre>" +
             report::Escape(GainsYaml(t, options.command_line)) + "</pre>\n";

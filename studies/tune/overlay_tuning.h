@@ -12,6 +12,7 @@
 #include "report/page.h"
 #include "session/summary/verdict.h"
 #include "studies/stability/overlay_loop.h"
+#include "studies/tune/overlay_measured.h"
 #include "studies/tune/tune.h"
 #include "studies/tune/tune_study.h"
 
@@ -49,9 +50,15 @@ struct OverlayTuning {
   double planes_N_per_m{0.0};  // stiffest planes at the task's age, at most the task's
   std::vector<OverlayBoundary> boundary{};
   OverlayCheck check{};
+  std::vector<MeasuredAxis> response{};  // judged beside the model; empty: none was measured
+  std::vector<TuneMargin> margins{};     // by them, of the cell's own and of the recommended gains
+  std::string nyquist_svg{};             // empty: no margins
   [[nodiscard]] bool Stands() const { return recommended_Ns_per_m > 0.0; }
-  /// Whether the recommended gains may be used: run in time, they are stable as well.
-  [[nodiscard]] bool MayBeUsed() const { return Stands() && check.grew.empty(); }
+  /// Whether the recommended gains may be used: run in time, and by the measured response, they are stable as
+  /// well.
+  [[nodiscard]] bool MayBeUsed() const {
+    return Stands() && check.grew.empty() && StandsByMargins(margins, "recommended");
+  }
   [[nodiscard]] double own_damping() const { return loop.law.damping_Ns_per_m.z(); }
 };
 

@@ -48,9 +48,13 @@ std::string Text(const TuneTask& t) {
   if (!t.measured_only) return text;
   // the grid of the response has every line and the model in it
   std::uint64_t hash = 14695981039346656037ull;
-  for (const MeasuredPlant::Point& point : t.response->grid())
-    for (const char c : fmt::format("{} {} ", point.value.real(), point.value.imag()))
-      hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
+  const auto add = [&hash](const MeasuredPlant& response) {
+    for (const MeasuredPlant::Point& point : response.grid())
+      for (const char c : fmt::format("{} {} ", point.value.real(), point.value.imag()))
+        hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
+  };
+  add(*t.response);
+  for (const HeldLoop& held : t.held) add(*held.response);
   return text + fmt::format(" measured {:016x}", hash);
 }
 

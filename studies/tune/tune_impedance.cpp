@@ -47,14 +47,19 @@ OverlayLoopParams With(const OverlayTuning& t, double damping_Ns_per_m, const hi
   return loop;
 }
 
+// How much later than measured a command may be [s].
+double LatestOf(const OverlayTuning& t) { return t.task.command_jitter * t.loop.period_s; }
+
+// By the arm's model, and by the measured response where there is one.
 bool Stable(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand,
             const hil::LoopWall& wall, double gain) {
   OverlayLoopParams loop = With(t, damping_Ns_per_m, hand, gain);
   loop.wall = wall;
   loop.wall.stiffness_N_per_m *= gain;
-  loop.arm.dead_cycles =
+  OverlayLoopParams late = loop;
+  late.arm.dead_cycles =
       std::min(loop.arm.dead_cycles + t.task.command_jitter, hil::DynamicArm::kMaxDeadCycles);
-  return OverlayLoop(loop).IsStable();
+  return OverlayLoop(late).IsStable() && StandsMeasured(t.response, loop, LatestOf(t));
 }
 
 // At a wall of that stiffness, and free: with every hand. False as well if interrupted.
@@ -163,6 +168,33 @@ OverlayCheck CheckInTime(const OverlayTuning& t, int threads) {
   return check;
 }
 
+std::vector<OverlayCase> CasesOf(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_per_m) {
+  TuneTask task = t.task;
+  task.wall_N_per_m = wall_N_per_m;
+  std::vector<OverlayCase> cases;
+  for (const TuneContact contact : {TuneContact::kFree, TuneContact::kWall})
+    for (const hil::GridHand& hand : t.hands) {
+      cases.push_back({.loop = With(t, damping_Ns_per_m, hand, 1.0), .contact = contact});
+      cases.back().loop.wall = WallOf(task, contact, 1.0);
+    }
+  return cases;
+}
+
+// Margins and Nyquist plot of the cell's own and of the recommended gains.
+void JudgeByResponse(OverlayTuning& t) {
+  std::vector<OverlayCase> own = CasesOf(t, t.own_damping(), t.task.wall_N_per_m), recommended;
+  if (t.Stands()) recommended = CasesOf(t, t.recommended_Ns_per_m, t.recommended_N_per_m);
+  for (const auto& [name, cases] : {std::pair{"recommended", &recommended}, {"own", &own}}) {
+    const std::vector<TuneMargin> found = MeasuredMargins(t.response, name, *cases, LatestOf(t));
+    t.margins.insert(t.margins.end(), found.begin(), found.end());
+  }
+  std::vector<NamedCurve> named;
+  for (const auto& [name, cases] : {std::pair{"recommended", &recommended}, {"own", &own}})
+    if (const TuneMargin* worst = WorstOf(t.margins, name))
+      named.push_back({.worst = worst, .curve = WorstCurve(t.response, *worst, *cases, LatestOf(t))});
+  if (!named.empty()) t.nyquist_svg = NyquistSvg(named);
+}
+
 // The cell's own gains if they stand, else the least damping for its own stiffness, else the stiffest of
 // those below that has one.
 void Recommend(OverlayTuning& t) {
@@ -196,6 +228,7 @@ void UseIdentified(const config::IdentifiedCell& identified, const TuneOptions& 
   if (identified.link && !options.jitter_ms)
     t.task.command_jitter = JitterOf(*identified.link, t.loop.period_s);
   UseHands(identified, t.task);
+  t.response = MeasuredAxesOf(identified, t.loop);
 }
 
 void StudyAll(const TuneOptions& options, base::PhaseProgress& progress, OverlayTuning& t) {
@@ -216,6 +249,7 @@ void StudyAll(const TuneOptions& options, base::PhaseProgress& progress, Overlay
       1);
   progress.BeginPhase("the recommended gains, run in time");
   if (t.Stands() && !base::Interrupted()) t.check = CheckInTime(t, options.threads);
+  if (!base::Interrupted()) JudgeByResponse(t);
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ const config::IdentifiedResponse* ResponseFor(const config::IdentifiedCell& iden
   const bool by_force = !identified.structure.empty();
   double best_off = std::numeric_limits<double>::infinity();
   for (const config::IdentifiedResponse& response : identified.response) {
-    if (response.axis != arm.axis || response.by_force != by_force) continue;
+    if (response.axis != arm.axis || response.by_force != by_force || !response.hand.empty()) continue;
     const double off = std::abs(response.speed_m_per_s - arm.speed_m_per_s);
     if (off < best_off) {
       best_off = off;
@@ -37,12 +37,19 @@ const config::IdentifiedResponse* ResponseFor(const config::IdentifiedCell& iden
   return best;
 }
 
+std::vector<PlantLine> LinesOf(const config::IdentifiedResponse& response) {
+  std::vector<PlantLine> lines;
+  for (const config::IdentifiedLine& line : response.lines)
+    lines.push_back({.hz = line.hz, .value = {line.re, line.im}, .sd = line.sd});
+  return lines;
+}
+
 // An arm for the ends of a response that no model fits: below and above its lines something has to be said.
 // The response of the greatest lag counts.
 std::optional<config::IdentifiedArm> RoughArm(const config::IdentifiedCell& identified, double period_s) {
   std::optional<config::IdentifiedArm> slowest;
   for (const config::IdentifiedResponse& response : identified.response) {
-    if (response.by_force != !identified.structure.empty()) continue;
+    if (response.by_force != !identified.structure.empty() || !response.hand.empty()) continue;
     std::vector<ResponseLine> lines;
     for (const config::IdentifiedLine& line : response.lines)
       lines.push_back({.hz = line.hz, .value = {line.re, line.im}, .sd = std::max(line.sd, 1e-9)});
@@ -60,12 +67,20 @@ std::optional<config::IdentifiedArm> RoughArm(const config::IdentifiedCell& iden
   return slowest;
 }
 
+// The hands whose loops were measured. The model matters beyond the measured band alone.
+void UseHeldLoops(const config::IdentifiedCell& identified, ResponseModel model, TuneTask& task) {
+  for (const config::IdentifiedResponse& response : identified.response) {
+    const auto hand = std::ranges::find(identified.hands, response.hand, &config::IdentifiedHand::name);
+    if (response.hand.empty() || hand == identified.hands.end()) continue;
+    task.held.push_back({.hand = {hand->name + ", its own loop as measured", hand->stiffness_N_per_m,
+                                  hand->damping_Ns_per_m, hand->mass_kg},
+                         .response = std::make_shared<MeasuredPlant>(LinesOf(response), model)});
+  }
+}
+
 void UseResponse(const config::IdentifiedCell& identified, const config::IdentifiedArm& arm, TuneTask& task) {
   const config::IdentifiedResponse* found = ResponseFor(identified, arm);
   if (found == nullptr) return;
-  std::vector<PlantLine> lines;
-  for (const config::IdentifiedLine& line : found->lines)
-    lines.push_back({.hz = line.hz, .value = {line.re, line.im}, .sd = line.sd});
   const double period_s = task.loop.period_s;
   ResponseModel model{.arm = {.bandwidth_hz = arm.bandwidth_hz,
                               .damping_ratio = arm.damping_ratio,
@@ -73,12 +88,13 @@ void UseResponse(const config::IdentifiedCell& identified, const config::Identif
                       .period_s = period_s};
   const std::optional<double> delay_s = identified.sensor ? identified.sensor->delay_s : std::nullopt;
   const double sensor_s = delay_s.value_or(task.loop.sensor_delay * period_s);
-  if (found->by_force) {
-    model.delay_s = sensor_s;
-    for (const config::IdentifiedResonance& resonance : identified.structure)
-      model.structure.push_back({.hz = resonance.hz, .damping_ratio = resonance.damping_ratio});
-  }
-  task.response = std::make_shared<MeasuredPlant>(lines, model);
+  ResponseModel by_force = model;
+  by_force.delay_s = sensor_s;
+  for (const config::IdentifiedResonance& resonance : identified.structure)
+    by_force.structure.push_back({.hz = resonance.hz, .damping_ratio = resonance.damping_ratio});
+  UseHeldLoops(identified, by_force, task);
+  if (found->by_force) model = by_force;
+  task.response = std::make_shared<MeasuredPlant>(LinesOf(*found), model);
   task.response_delay_s = found->by_force ? 0.0 : sensor_s;
   task.measured_only = !identified.structure.empty();
 }
@@ -90,6 +106,16 @@ MeasuredLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, TuneCont
   params.loop.mass_kg = gains.mass_kg;
   params.loop.damping_Ns_per_m = gains.damping_Ns_per_m;
   params.loop.wall = WallOf(task, contact, gain);
+  return params;
+}
+
+// The same for a hand whose own loop was measured.
+MeasuredLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, TuneContact contact, double gain,
+                          const hil::GridHand& held) {
+  MeasuredLoopParams params = LoopOf(task, gains, contact, gain);
+  params.sensor_delay_s = task.command_jitter * task.loop.period_s;  // the sensor's own is in the response
+  params.loop.hand = {held.name, gain * held.stiffness_N_per_m, gain * held.damping_Ns_per_m,
+                      gain * held.mass_kg};
   return params;
 }
 
@@ -180,7 +206,11 @@ bool StandsMeasured(const TuneTask& task, const TuneGains& gains, const std::vec
     hand.mass_kg *= gain;
   }
   return std::ranges::all_of(kTuneContacts, [&](TuneContact contact) {
-    return AreAllStable(*task.response, LoopOf(task, gains, contact, gain), stiffer);
+    return AreAllStable(*task.response, LoopOf(task, gains, contact, gain), stiffer) &&
+           std::ranges::all_of(task.held, [&](const HeldLoop& held) {
+             const MeasuredLoopParams loop = LoopOf(task, gains, contact, gain, held.hand);
+             return AreAllStable(*held.response, loop, {{loop.loop.hand}});
+           });
   });
 }
 
@@ -197,6 +227,13 @@ std::vector<TuneMargin> MeasuredMargins(const TuneTask& task, const std::string&
                       .contact = contact,
                       .margins = JudgeMeasuredLoop(*task.response, params)});
     }
+  for (const TuneContact contact : kTuneContacts)
+    for (const HeldLoop& held : task.held)
+      list.push_back(
+          {.gains = name,
+           .hand = held.hand,
+           .contact = contact,
+           .margins = JudgeMeasuredLoop(*held.response, LoopOf(task, gains, contact, 1.0, held.hand))});
   return list;
 }
 
@@ -220,6 +257,12 @@ void JudgeMargins(const std::vector<TuneMargin>& margins, session::Verdict& verd
   judge("own", session::VerdictLevel::kWarning, "the cell's own gains");
 }
 
+void AddMarginRows(const std::vector<TuneMargin>& margins, std::vector<report::SummaryRow>& rows) {
+  for (const auto& [gains, key] :
+       {std::pair{"own", "Measured, the cell's own gains"}, {"recommended", "Measured, recommended gains"}})
+    if (const TuneMargin* worst = WorstOf(margins, gains)) rows.push_back({key, MarginText(*worst)});
+}
+
 std::vector<report::SummaryRow> RowsOfMeasured(const TuneTask& task, const std::vector<TuneMargin>& margins) {
   if (!task.identified) return {};
   std::vector<report::SummaryRow> rows;
@@ -235,9 +278,7 @@ std::vector<report::SummaryRow> RowsOfMeasured(const TuneTask& task, const std::
              1e3 * arm->lag_interval_s.high,
              arm->felt_mass_kg ? fmt::format(", moved by the hand as {:.2f} kg", *arm->felt_mass_kg) : "",
              cell.hands.size())});
-  for (const auto& [gains, key] :
-       {std::pair{"own", "Measured, the cell's own gains"}, {"recommended", "Measured, recommended gains"}})
-    if (const TuneMargin* worst = WorstOf(margins, gains)) rows.push_back({key, MarginText(*worst)});
+  AddMarginRows(margins, rows);
   if (task.measured_only)
     rows.push_back(
         {"Structure",
@@ -287,8 +328,20 @@ std::string TableOf(const std::vector<TuneMargin>& margins) {
   return table + "</table>\n";
 }
 
-std::string NyquistSvg(const TuneTask& task, const TuneGains& own, const TuneGains& recommended,
-                       const std::vector<TuneMargin>& margins) {
+namespace {
+
+std::vector<NyquistPoint> CurveOf(const TuneTask& task, const TuneGains& gains, const TuneMargin& margin) {
+  for (const HeldLoop& held : task.held)
+    if (held.hand.name == margin.hand.name)
+      return NyquistCurve(*held.response, LoopOf(task, gains, margin.contact, 1.0, held.hand));
+  MeasuredLoopParams params = LoopOf(task, gains, margin.contact, 1.0);
+  params.loop.hand = margin.hand;
+  return NyquistCurve(*task.response, params);
+}
+
+}  // namespace
+
+std::string NyquistSvg(const std::vector<NamedCurve>& curves) {
   report::LineChart chart{.title = "Nyquist curves of the worst hands, by the measured response",
                           .x_label = "real part of L",
                           .y_label = "imaginary part of L",
@@ -296,15 +349,12 @@ std::string NyquistSvg(const TuneTask& task, const TuneGains& own, const TuneGai
                           .y = report::Range{-kAxisEnd, kAxisEnd},
                           .y_from_zero = false,
                           .plot_height_px = 480.0};
-  for (const auto& [name, gains] : {std::pair{"recommended", recommended}, {"own", own}}) {
-    const TuneMargin* worst = WorstOf(margins, name);
-    if (worst == nullptr) continue;
-    MeasuredLoopParams params = LoopOf(task, gains, worst->contact, 1.0);
-    params.loop.hand = worst->hand;
-    report::Series curve{.name = fmt::format("{} gains, {} ({})",
-                                             name == std::string("own") ? "the cell's own" : name,
-                                             worst->hand.name, NameOf(worst->contact))};
-    for (const NyquistPoint& point : NyquistCurve(*task.response, params)) {
+  for (const NamedCurve& named : curves) {
+    report::Series curve{.name =
+                             fmt::format("{} gains, {} ({})",
+                                         named.worst->gains == "own" ? "the cell's own" : named.worst->gains,
+                                         named.worst->hand.name, NameOf(named.worst->contact))};
+    for (const NyquistPoint& point : named.curve) {
       const bool seen = std::abs(point.loop.real()) <= kAxisEnd && std::abs(point.loop.imag()) <= kAxisEnd;
       curve.x.push_back(seen ? point.loop.real() : std::numeric_limits<double>::quiet_NaN());
       curve.y.push_back(seen ? point.loop.imag() : std::numeric_limits<double>::quiet_NaN());
@@ -318,6 +368,15 @@ std::string NyquistSvg(const TuneTask& task, const TuneGains& own, const TuneGai
                           .width_px = 0.0,
                           .marker = report::Marker::kCross});
   return report::Svg(chart, 620.0);
+}
+
+std::string NyquistSvg(const TuneTask& task, const TuneGains& own, const TuneGains& recommended,
+                       const std::vector<TuneMargin>& margins) {
+  std::vector<NamedCurve> curves;
+  for (const auto& [name, gains] : {std::pair{"recommended", recommended}, {"own", own}})
+    if (const TuneMargin* worst = WorstOf(margins, name))
+      curves.push_back({.worst = worst, .curve = CurveOf(task, gains, *worst)});
+  return NyquistSvg(curves);
 }
 
 }  // namespace osteon::studies

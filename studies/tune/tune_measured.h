@@ -41,7 +41,7 @@ struct TuneMargin {
   LoopMargins margins;
 };
 
-/// One for each hand and contact; empty without a response.
+/// One for each hand and contact, those whose own loops were measured as well; empty without a response.
 [[nodiscard]] std::vector<TuneMargin> MeasuredMargins(const TuneTask& task, const std::string& name,
                                                       const TuneGains& gains,
                                                       const std::vector<hil::GridHand>& hands);
@@ -59,10 +59,18 @@ struct TuneMargin {
 void JudgeMargins(const std::vector<TuneMargin>& margins, session::Verdict& verdict);
 [[nodiscard]] std::vector<report::SummaryRow> RowsOfMeasured(const TuneTask& task,
                                                              const std::vector<TuneMargin>& margins);
+/// Adds the worst margin of each of the gains.
+void AddMarginRows(const std::vector<TuneMargin>& margins, std::vector<report::SummaryRow>& rows);
 [[nodiscard]] nlohmann::json ToJson(const std::vector<TuneMargin>& margins);
 /// The five nearest to instability for each of the gains, as an HTML table.
 [[nodiscard]] std::string TableOf(const std::vector<TuneMargin>& margins);
-/// Nyquist curves of the worst hand of each of the gains, with the discs of 95 %.
+/// The Nyquist curve of a margin. @pre worst points to it
+struct NamedCurve {
+  const TuneMargin* worst{nullptr};
+  std::vector<NyquistPoint> curve;
+};
+[[nodiscard]] std::string NyquistSvg(const std::vector<NamedCurve>& curves);
+/// Nyquist curves of the worst hand of each of the gains.
 [[nodiscard]] std::string NyquistSvg(const TuneTask& task, const TuneGains& own, const TuneGains& recommended,
                                      const std::vector<TuneMargin>& margins);
 

@@ -113,12 +113,24 @@ session::Verdict Judge(const TuneResult& r) {
   return verdict;
 }
 
+namespace {
+
+// The part of a period of the sensor's measured delay that the dead time has in it.
+std::string SensorPart(const TuneTask& t) {
+  if (!t.identified || !t.identified->sensor || !t.identified->sensor->delay_s) return "";
+  const double part_s = *t.identified->sensor->delay_s - t.loop.sensor_delay * t.loop.period_s;
+  return part_s > 0.0 ? fmt::format(" ({:.2g} ms of it the sensor's)", 1e3 * part_s) : "";
+}
+
+}  // namespace
+
 std::vector<report::SummaryRow> Rows(const TuneResult& r) {
   const TuneTask& t = r.task;
   std::vector<report::SummaryRow> rows{
-      {"Cell", fmt::format("{}: arm of {:g} Hz, {:.3g} ms dead time, sensor {:g} ms late, period {:g} ms",
-                           r.cell, t.loop.arm.bandwidth_hz, 1e3 * t.loop.arm.dead_cycles * t.loop.period_s,
-                           1e3 * t.loop.sensor_delay * t.loop.period_s, 1e3 * t.loop.period_s)},
+      {"Cell",
+       fmt::format("{}: arm of {:g} Hz, {:.3g} ms dead time{}, sensor {:g} ms late, period {:g} ms", r.cell,
+                   t.loop.arm.bandwidth_hz, 1e3 * t.loop.arm.dead_cycles * t.loop.period_s, SensorPart(t),
+                   1e3 * t.loop.sensor_delay * t.loop.period_s, 1e3 * t.loop.period_s)},
       {"Must be stable with",
        fmt::format(
            "hands up to {:g} N/m, free and at a wall of {:g} N/mm; planes that move with {:.1f} N/mm, "
@@ -149,7 +161,8 @@ std::vector<report::SummaryRow> Rows(const TuneResult& r) {
     rows.push_back(
         {"Simulated",
          r.check.grew.empty()
-             ? fmt::format("{} runs with commands lost and late; no oscillation grew", r.check.runs)
+             ? fmt::format("{} runs{}; no oscillation grew", r.check.runs,
+                           t.command_loss > 0.0 || t.command_jitter > 0 ? " with commands lost and late" : "")
              : fmt::format("in {} of {} runs an oscillation grew: {}", r.check.grew.size(), r.check.runs,
                            fmt::join(r.check.grew, "; "))});
   rows.push_back(

@@ -15,6 +15,12 @@
 
 namespace osteon::studies {
 
+/// A hand whose own loop was measured: -F / q_cmd while it held the handle, over the hand's own figures.
+struct HeldLoop {
+  hil::GridHand hand;
+  std::shared_ptr<const MeasuredPlant> response;  ///< with the sensor's delay
+};
+
 /// A cell's loop along one axis of its tool, and the conditions in which its gains must be stable.
 struct TuneTask {
   hil::AdmittanceLoopParams loop;  ///< arm, delays, period and virtual tool of the cell; no hand, no wall
@@ -37,6 +43,7 @@ struct TuneTask {
   std::vector<hil::GridHand> measured_hands{};      ///< must be stable as well, whatever their stiffness
   std::shared_ptr<const MeasuredPlant> response{};  ///< null: no response was measured
   double response_delay_s{0.0};                     ///< of the force, beyond the response
+  std::vector<HeldLoop> held{};                     ///< judged as they were measured
   /// A structure was found that the model of the arm lacks: gains are judged by the response alone.
   bool measured_only{false};
 };

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -56,6 +58,43 @@ TEST(IdentifyCommand, MeasuresTheSimulatedCellThenTheSameFromItsRecording) {
 
   // the loop held still meanwhile, so that the recording replays
   EXPECT_EQ(RunCommand(folder.path(), {"replay", "identify/free_z_50.mcap"}).exit_code, 0);
+}
+
+// The commands of a section of a page, as they are written, each split into its words.
+std::vector<std::vector<std::string>> CommandsOf(const std::string& page, const std::string& heading) {
+  const std::string text = io::test::ReadAll(std::filesystem::path(OSTEON_SOURCE_DIR) / page);
+  std::vector<std::vector<std::string>> commands;
+  std::istringstream section(text.substr(std::min(text.size(), text.find(heading))));
+  std::string line;
+  std::getline(section, line);
+  while (std::getline(section, line) && !line.starts_with("## ")) {
+    if (!line.starts_with("    osteon ")) continue;
+    std::istringstream words(line);
+    std::string word;
+    words >> word;
+    commands.emplace_back();
+    while (words >> word) commands.back().push_back(word);
+  }
+  return commands;
+}
+
+// It begins from a recording: the first command makes one, the second needs the recordings alone.
+TEST(IdentifyCommand, TheWorkedExampleOfTuningRunsAsItIsWritten) {
+  const TemporaryFolder folder;
+  const auto commands = CommandsOf("docs/tuning.md", "## A worked example");
+  ASSERT_GE(commands.size(), 3u);
+  EXPECT_EQ(commands[1][2], "--recording");
+  for (const std::vector<std::string>& command : commands) {
+    const CommandResult run = RunCommand(folder.path(), command);
+    std::string written;
+    for (const std::string& word : command) written += " " + word;
+    ASSERT_EQ(run.exit_code, 0) << "osteon" << written << "\n" << run.err << run.out;
+  }
+  const nlohmann::json tuned = ReadJson(folder.path() / "tune_measured/tune.json");
+  EXPECT_EQ(tuned.at("identified"), true);
+  EXPECT_NEAR(tuned.at("arm").at("bandwidth_hz"), 15.0, 0.05);
+  EXPECT_FALSE(tuned.at("margins").empty());
+  EXPECT_GT(ReadJson(folder.path() / "measured/identify.json").at("estimation").at("data_s"), 60.0);
 }
 
 TEST(IdentifyCommand, RefusesWhatItCannotUse) {

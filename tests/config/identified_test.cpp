@@ -144,6 +144,31 @@ TEST(IdentifiedFile, ErrorsNameLineValueAndWhatIsAccepted) {
   EXPECT_NE(error.find("noise_N: found often"), std::string::npos) << error;
 }
 
+TEST(IdentifiedFile, AResponseWithAHandNamesOneOfTheHands) {
+  IdentifiedCell cell = Sample();
+  cell.response.push_back({.axis = "z",
+                           .speed_m_per_s = 0.008,
+                           .hand = "firm",
+                           .lines = {{.hz = 0.75, .re = 1.0, .im = 0.0, .sd = 1e-3},
+                                     {.hz = 1.25, .re = 0.9, .im = -0.1, .sd = 1e-3}}});
+  cell.response.push_back(
+      {.axis = "x", .speed_m_per_s = 0.008, .spring_N_per_m = 1978.0, .lines = cell.response.back().lines});
+  const std::string good = WriteIdentified(cell, "");
+  const IdentifiedCell read = ReadIdentified(WriteFile("identified.yaml", good));
+  ASSERT_EQ(read.response.size(), 3u);
+  EXPECT_TRUE(read.response[0].hand.empty());
+  EXPECT_EQ(read.response[1].hand, "firm");
+  EXPECT_FALSE(read.response[1].by_force);
+  EXPECT_EQ(read.response[2].spring_N_per_m, 1978.0);
+  EXPECT_EQ(WriteIdentified(read, ""), good);
+  EXPECT_NE(ErrorOf(Replaced(good, "hand: \"firm\"", "hand: \"soft\""))
+                .find("hand: found soft, accepted a name of hands: firm"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(good, "      hand: \"firm\"\n", "")).find("found hand without a key hand"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(good, "by: hand", "by: force")).find("accepted by: hand"), std::string::npos);
+}
+
 // A file of this cell that says nothing yet.
 IdentifiedCell FileFor(const CellConfig& cell) {
   IdentifiedCell own{

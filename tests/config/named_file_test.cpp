@@ -20,7 +20,7 @@ TEST(NamedFile, IsFoundByItsPathAndByItsNameInTheFolder) {
   EXPECT_EQ(FindNamedFile(folder.path(), "b.yaml").value(), b);
   EXPECT_EQ(FindNamedFile("elsewhere", b.string()).value(), b);
   EXPECT_EQ(YamlNamesIn(folder.path()), "a, b");
-  EXPECT_EQ(YamlNamesIn("elsewhere"), "none");
+  EXPECT_NE(YamlNamesIn("elsewhere").find("OSTEON_ROOT"), std::string::npos) << "a program that was moved";
 }
 
 TEST(NamedFile, SaysWhereItLooked) {

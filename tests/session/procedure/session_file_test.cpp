@@ -1,5 +1,6 @@
 #include "session/procedure/session_file.h"
 
+#include <filesystem>
 #include <fstream>
 #include <string>
 
@@ -129,6 +130,12 @@ TEST(SessionFile, AFolderWithoutASessionIsNamed) {
   const auto session = ReadSession(folder);
   ASSERT_FALSE(session);
   EXPECT_NE(session.error().find("session.json"), std::string::npos) << session.error();
+  // the folder of a demo has it one level below
+  std::filesystem::create_directories(folder / "session");
+  std::ofstream(folder / "session/session.json") << "{}";
+  EXPECT_NE(ReadSession(folder).error().find("did you mean " + (folder / "session").string() + "?"),
+            std::string::npos)
+      << ReadSession(folder).error();
 }
 
 }  // namespace

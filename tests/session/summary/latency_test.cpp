@@ -10,6 +10,7 @@
 #include "config/reading/cell_config.h"
 #include "control/ports.h"
 #include "hil/arm/servo_arm.h"
+#include "safety/watchdog.h"
 #include "session/run/live_latency.h"
 
 // The parts of a cell's latency, from ticks whose delays are known.
@@ -109,6 +110,26 @@ TEST(Latency, TheWholeIsTheSumOfItsPartsAndSaysWhatIsAssumed) {
   EXPECT_EQ(json.at("measured"), false);
   EXPECT_EQ(json.at("parts").at("arm").at("measured"), true);
   EXPECT_NEAR(json.at("hand_to_arm").get<double>(), 1e3 * virtual_time.hand_to_arm_s, 1e-9);
+}
+
+// On a busy machine the arm may be commanded before the sensor's first reading.
+TEST(Latency, AReadingThatHasNotComeYetHasNoAge) {
+  LatencyMeter meter;
+  int ticks = 0;
+  RideTo({}, 0.2, control::CommandMode::kPosition, [&](control::TickRecord tick) {
+    if (++ticks <= 130) tick.sensor_age_s = tick.model_age_s = safety::kNoAge_s;
+    meter.Add(tick);
+  });
+  const LatencyFigures figures = meter.Figures(kPeriod_s, {.sensor_delay_s = 1.7e-3, .sensor_known = true});
+  EXPECT_NEAR(figures.parts[0].mean_s, 0.4e-3 + 1.7e-3, 1e-9) << "not hours";
+  EXPECT_NEAR(figures.bone_to_hand_s, 2e-3 + 50e-6 + 20e-6 + figures.parts[3].mean_s, 1e-9);
+  LatencyMeter never;
+  RideTo({}, 0.2, control::CommandMode::kPosition, [&](control::TickRecord tick) {
+    tick.sensor_age_s = safety::kNoAge_s;
+    never.Add(tick);
+  });
+  EXPECT_NE(LatencyText(never.Figures(kPeriod_s, {.sensor_known = true})).find("no reading came"),
+            std::string::npos);
 }
 
 TEST(Latency, OfForcesOverAnArmIsTheirDeadTime) {

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <random>
 #include <string>
@@ -137,6 +139,62 @@ TEST(ArmWithMasses, SlowMotionLagsMoreByItsFriction) {
   EXPECT_GT(slow.lag_s, 1.03 * fast.lag_s);
   EXPECT_GT(fast.lag_s, 1.02 * smooth.lag_s);
   EXPECT_NEAR(smooth.bandwidth_hz, 15.0, 0.03 * 15.0) << "3 % of error in the controller's masses";
+}
+
+// One run of an arm with masses, judged.
+IdentifyResult Judged(session::CellSetup& setup, double peak_m_per_s) {
+  const std::filesystem::path file = TemporaryPath("judged.mcap");
+  const auto run = RunExcited(
+      setup,
+      {.request = {.axis = 'z', .peak_speed_m_per_s = peak_m_per_s, .seed = 1, .draws = 2, .periods = 2},
+       .recording = file});
+  EXPECT_TRUE(run) << run.error();
+  IdentifyResult result = EmptyResult("demo", setup.config);
+  EXPECT_TRUE(AddRecording(file, setup.config, result));
+  for (AxisResult& axis : result.axes) JudgeAxis(axis, result);
+  return result;
+}
+
+session::CellSetup DemoWithMasses() {
+  auto setup =
+      session::PrepareCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml", std::nullopt);
+  EXPECT_TRUE(setup) << setup.error();
+  setup->config.simulated.level = hil::ArmLevel::kDynamic;
+  setup->config.simulated.dynamic.mount.reset();
+  return std::move(*setup);
+}
+
+// The design's joints at 2 % of their speed ("687 Hz, zeta 67"; A5 to A7 unusable): a motion so slow that the
+// joints stick is refused with what to do. Fifteen times the friction, as of those joints beside their load.
+TEST(DesignTable, JointsThatStickAreRefusedAtASlowMotion) {
+  session::CellSetup setup = DemoWithMasses();
+  EXPECT_TRUE(Judged(setup, 0.05).refused.empty()) << "with the cell's friction, at 50 mm/s";
+  for (auto& joint : setup.config.simulated.chain.joints) joint.friction.coulomb_Nm *= 15.0;
+  const IdentifyResult slow = Judged(setup, 0.002);
+  ASSERT_FALSE(slow.refused.empty());
+  const bool told = std::ranges::any_of(slow.refused, [](const Finding& finding) {
+    return finding.what.find("raise the speed") != std::string::npos;
+  });
+  EXPECT_TRUE(told) << slow.refused.front().what;
+}
+
+// The design's pedestal of 2 MN/m: 12.6 Hz with chi^2 14. The mount gives way beside the encoders, so no
+// model is written; the measured response is.
+TEST(DesignTable, APedestalThatGivesWayLeavesTheMeasuredResponseAlone) {
+  session::CellSetup setup = DemoWithMasses();
+  for (auto& joint : setup.config.simulated.chain.joints) joint.friction = {};
+  setup.config.simulated.dynamic.mount = hil::FlexibleMountParams{.stiffness_N_per_m = 2e6};
+  const IdentifyResult result = Judged(setup, 0.05);
+  ASSERT_EQ(result.axes.size(), 1u);
+  const AxisResult& axis = result.axes.front();
+  std::printf("pedestal: %.2f Hz, damping %.2f, chi^2 %.1f\n", axis.fit.bandwidth_hz.value,
+              axis.fit.damping_ratio.value, axis.fit.chi2);
+  EXPECT_LT(axis.fit.bandwidth_hz.value, 14.5) << "the design: 12.6 Hz of 15.2";
+  EXPECT_GT(axis.fit.chi2, 3.0) << "the design: 14";
+  EXPECT_FALSE(axis.model_holds);
+  const config::IdentifiedCell written = ToIdentified(result);
+  EXPECT_TRUE(written.arm.empty());
+  EXPECT_FALSE(written.response.empty());
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "studies/tune/tune_measured.h"
 
+#include <complex>
 #include <fstream>
 #include <numbers>
 
@@ -8,6 +9,7 @@
 
 #include "config/reading/apply_identified.h"
 #include "config/reading/strict/config_error.h"
+#include "studies/tune/overlay_tuning.h"
 #include "studies/tune/tune_page.h"
 #include "tests/studies/tune/identified_sample.h"
 #include "tests/temporary_path.h"
@@ -109,6 +111,61 @@ TEST(TuneMeasured, WithAStructureTheResponseAloneDecides) {
   EXPECT_TRUE(StandsAll(without, {2.4, 80.0}, hands, 1.0));
   EXPECT_FALSE(StandsAll(task, {2.4, 80.0}, hands, 1.0));
   EXPECT_EQ(StandsAll(task, {2.4, 80.0}, hands, 1.0), StandsMeasured(task, {2.4, 80.0}, hands, 1.0));
+}
+
+// A hand's own loop, three times as stiff and 30 ms later than hand and arm apart say: it decides, and the
+// tuning says whose it is.
+TEST(TuneMeasured, AHandIsJudgedByItsOwnLoopAsItWasMeasured) {
+  const config::CellConfig cell = Demo();
+  const auto task_with = [&](double factor, double later_s) {
+    config::IdentifiedCell identified = IdentifiedOf(cell, SlowArm());
+    config::IdentifiedResponse held = identified.response[0];
+    held.hand = "mine";
+    for (config::IdentifiedLine& line : held.lines) {
+      const std::complex<double> value = std::polar(factor, -2.0 * std::numbers::pi * line.hz * later_s) *
+                                         std::complex<double>(line.re, line.im);
+      line.re = value.real();
+      line.im = value.imag();
+    }
+    identified.response.push_back(held);
+    TuneTask task = TuneTaskOf(cell);
+    UseIdentified(identified, task);
+    return task;
+  };
+  const TuneTask alike = task_with(1.0, 1e-3), later = task_with(3.0, 31e-3);
+  ASSERT_EQ(alike.held.size(), 1u);
+  ASSERT_TRUE(alike.response) << "a held run is no arm's";
+  const std::vector<TuneMargin> good = MeasuredMargins(alike, "recommended", {1.7, 60.0}, {}),
+                                bad = MeasuredMargins(later, "recommended", {1.7, 60.0}, {});
+  ASSERT_EQ(good.size(), 3u) << "free, at the wall, on planes";
+  EXPECT_TRUE(good[0].margins.stable);
+  EXPECT_FALSE(bad[0].margins.stable);
+  EXPECT_EQ(bad[0].hand.name, "mine, its own loop as measured");
+  EXPECT_TRUE(StandsMeasured(alike, {1.7, 60.0}, {}, 1.0));
+  EXPECT_FALSE(StandsMeasured(later, {1.7, 60.0}, {}, 1.0));
+  session::Verdict verdict;
+  JudgeMargins(bad, verdict);
+  EXPECT_EQ(verdict.level, session::VerdictLevel::kBad);
+  EXPECT_NE(NyquistSvg(later, {1.7, 60.0}, {1.7, 60.0}, bad).find("its own loop"), std::string::npos);
+}
+
+// Under the impedance law, gains that the measured response does not stand are not to be used.
+TEST(TuneMeasured, AnOverlaysGainsMustStandByTheResponseToo) {
+  OverlayTuning t{.cell = "mine", .task = TuneTaskOf(Demo()), .loop = {}};
+  t.recommended_Ns_per_m = 50.0;
+  t.recommended_N_per_m = t.task.wall_N_per_m;
+  t.planes_N_per_m = t.task.plane_N_per_m;
+  t.own_margin = 1.2;
+  EXPECT_TRUE(t.MayBeUsed());
+  t.margins = {{.gains = "recommended",
+                .hand = {"grip, along z", 3e3, 20.0, 1.5},
+                .contact = TuneContact::kWall,
+                .margins = {.unstable_poles = 2}}};
+  EXPECT_FALSE(t.MayBeUsed());
+  EXPECT_EQ(Judge(t).level, session::VerdictLevel::kBad);
+  bool told = false;
+  for (const report::SummaryRow& row : Rows(t)) told |= row.key == "Measured, recommended gains";
+  EXPECT_TRUE(told);
 }
 
 TEST(TuneMeasured, TheSimulatedCellTakesItsFigures) {

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "studies/stability/measured_loop.h"
+#include "studies/stability/overlay_loop.h"
+
+// The loop of the impedance law judged by a measured response of the arm along one axis.
+
+namespace osteon::studies {
+
+/// What was measured of an arm that a force is laid over.
+struct MeasuredOverlayParams {
+  Vector3 axis_T{Vector3::UnitZ()};  ///< along which force and motion were, of the tool, unit
+  double dead_time_s{0.0};           ///< from a force to its first effect
+  std::vector<PlantLine> lines{};    ///< x / f [m/N], sampled: the dead time is included
+};
+
+/// The arm's seven joints as the model has them, whose response along the measured axis is the measured one:
+///
+///     C' = C + (G / q - a^T C a) (C a a^T C) / (a^T C a)^2
+///
+/// with the model's compliance C of the joints, a = J^T axis, the measured G = x / f and the delay q of a
+/// force that is held. The loop is stable where det(I + C' D) does not go around 0, with the dynamic
+/// stiffness D of hand, law, wall and of the equilibrium that follows. Friction is in it as far as G has it.
+class MeasuredOverlay {
+ public:
+  /// @param model  the arm, its own impedance and the period; hand and wall are not used
+  /// @throws std::invalid_argument on lines that are no response
+  MeasuredOverlay(const OverlayLoopParams& model, const MeasuredOverlayParams& measured);
+
+  /// Judges the loop with the hand, law and wall of `loop`; the wall stands across the measured axis. The
+  /// margins are those of the force that wall and damping lay along the axis, with everything else closed:
+  /// `gain` is a factor on wall and damping.
+  /// @param late_s  by which each command is later than measured
+  [[nodiscard]] LoopMargins Judge(const OverlayLoopParams& loop, double late_s) const;
+  [[nodiscard]] bool IsStable(const OverlayLoopParams& loop, double late_s) const;
+  /// The curve of Judge().
+  [[nodiscard]] std::vector<NyquistPoint> Curve(const OverlayLoopParams& loop, double late_s) const;
+
+ private:
+  using Matrix7c = Eigen::Matrix<std::complex<double>, 7, 7>;
+  struct Point {
+    double hz{0.0};
+    std::complex<double> z;      // e^(j w T)
+    std::complex<double> delay;  // of a force that is sent, with half of the period that it is held
+    Matrix7c compliance;         // C'
+    Matrix7c slope;              // of C' by a relative change of G
+    double share{0.0};           // standard deviation of G, over its size
+  };
+  struct Seen {
+    std::vector<NyquistPoint> curve;
+    int unstable_poles{0};
+  };
+  [[nodiscard]] Seen Evaluate(const OverlayLoopParams& loop, double late_s) const;
+
+  double period_s_;
+  Vector3 axis_T_, axis_B_{Vector3::UnitZ()};
+  Eigen::Matrix<double, 6, 7> J_;
+  Matrix3 R_BT_{Matrix3::Identity()};
+  Eigen::Matrix<double, 7, 1> along_;
+  Eigen::Matrix<double, 7, 7> follow_;  // spring of the equilibrium: the inverse of C' at rest
+  std::vector<Point> points_;
+};
+
+}  // namespace osteon::studies

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "config/reading/identified_cell.h"
+#include "studies/stability/measured_overlay.h"
+#include "studies/tune/tune_measured.h"
+
+// The impedance law's gains judged by what `osteon identify` measured of the arm.
+
+namespace osteon::studies {
+
+/// The measured response of the arm along one axis of the tool.
+struct MeasuredAxis {
+  std::string axis;
+  std::shared_ptr<const MeasuredOverlay> overlay;
+};
+
+/// The measured axes of a cell, each at its slowest speed; empty where no response tells x / f.
+/// @param loop  the cell's arm, for what was not measured: the other directions
+[[nodiscard]] std::vector<MeasuredAxis> MeasuredAxesOf(const config::IdentifiedCell& identified,
+                                                       const OverlayLoopParams& loop);
+
+/// Whether the loop is stable by every measured axis; the wall of `loop` stands across it.
+[[nodiscard]] bool StandsMeasured(const std::vector<MeasuredAxis>& axes, const OverlayLoopParams& loop,
+                                  double late_s);
+
+/// One margin for each loop and axis. @param loops  with their contacts
+struct OverlayCase {
+  OverlayLoopParams loop;
+  TuneContact contact{};
+};
+[[nodiscard]] std::vector<TuneMargin> MeasuredMargins(const std::vector<MeasuredAxis>& axes,
+                                                      const std::string& gains,
+                                                      const std::vector<OverlayCase>& cases, double late_s);
+
+/// The Nyquist curve of the worst of these cases; empty without margins.
+[[nodiscard]] std::vector<NyquistPoint> WorstCurve(const std::vector<MeasuredAxis>& axes,
+                                                   const TuneMargin& worst,
+                                                   const std::vector<OverlayCase>& cases, double late_s);
+
+}  // namespace osteon::studies
