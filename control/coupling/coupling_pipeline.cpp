@@ -126,10 +126,10 @@ Wrench CouplingPipeline::OnTool(const Wrench& F_E_M) const OSTEON_RT {
 
 // The planes' part of the rendered wrench, on the head: without the spindle's torque.
 Wrench CouplingPipeline::RenderedByPlanes() const OSTEON_RT {
-  const double shaped = stabilisers_.governor().wrench_share() * stabilisers_.tank().share();
-  const double share = shaped * limited_E_.share;
+  const double shaped = stabilisers_.governor().wrench_scale() * stabilisers_.tank().scale();
+  const double scale = shaped * limited_E_.share;
   return {.f = passed_scale_ * limited_E_.F.f,
-          .t = passed_scale_ * (limited_E_.F.t - share * (output_.F_T_W.t - output_.F_contact_T_W.t))};
+          .t = passed_scale_ * (limited_E_.F.t - scale * (output_.F_T_W.t - output_.F_contact_T_W.t))};
 }
 
 void CouplingPipeline::StepCompliance(const simulation::ContactModel& model,

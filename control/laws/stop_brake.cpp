@@ -12,9 +12,9 @@ Wrench StopBrake::Step(const ImpedanceParams& params, const Matrix3& R_WT, const
   // a filtered velocity passes zero slowly, so compare with the last velocity that was a motion
   if (V_WT.v.norm() > kStands_m_per_s) V_before_WT_.v = V_WT.v;
   if (V_WT.w.norm() > kStands_rad_per_s) V_before_WT_.w = V_WT.w;
-  if (turned_back) share_ *= 0.5;
+  if (turned_back) gain_scale_ *= 0.5;
   const Wrench F = DampingWrench(params, R_WT, V_WT, {});
-  return {.f = share_ * F.f, .t = share_ * F.t};
+  return {.f = gain_scale_ * F.f, .t = gain_scale_ * F.t};
 }
 
 }  // namespace osteon::control

@@ -7,8 +7,8 @@
 namespace osteon::control {
 
 /// The brake of a stop under the impedance law: damping and brake toward standstill, with their gains
-/// multiplied by a share. The wrench acts through the arm's delay, so gains that suit a tool held by a hand
-/// make a free tool oscillate. The share is therefore halved each time the tool reverses its motion, and does
+/// multiplied by a scale. The wrench acts through the arm's delay, so gains that suit a tool held by a hand
+/// make a free tool oscillate. The scale is therefore halved each time the tool reverses its motion, and does
 /// not grow again until the next stop. The arm's own spring and damping stop the remaining motion.
 class StopBrake {
  public:
@@ -18,12 +18,10 @@ class StopBrake {
   /// in W
   /// @returns the wrench on the tool at To, in W, not yet limited
   [[nodiscard]] Wrench Step(const ImpedanceParams& params, const Matrix3& R_WT, const Twist& V_WT) OSTEON_RT;
-  /// Present share of the gains, 0 … 1.
-  [[nodiscard]] double share() const OSTEON_RT { return share_; }
 
  private:
   Twist V_before_WT_;
-  double share_{1.0};
+  double gain_scale_{1.0};  // of the present tick, 0 … 1
 };
 
 }  // namespace osteon::control

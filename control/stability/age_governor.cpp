@@ -149,7 +149,7 @@ AgeGovernor::AgeGovernor(const AgeGovernorParams& params, double period_s)
 
 void AgeGovernor::Reset() OSTEON_RT {
   damping_factor_ = 1.0;
-  wrench_share_ = 1.0;
+  wrench_scale_ = 1.0;
 }
 
 void AgeGovernor::Step(const CouplingOutput& coupling, const Matrix3& R_WT, const AxisDamping& law,
@@ -161,7 +161,7 @@ void AgeGovernor::Step(const CouplingOutput& coupling, const Matrix3& R_WT, cons
         .Nms_per_rad = factor * law.Nms_per_rad + Vector3::Constant(params_.arm_damping_Nms_per_rad),
         .centre_T_m = law.centre_T_m};
   };
-  double factor = 1.0, share = 1.0;
+  double factor = 1.0, scale = 1.0;
   const AxisDamping D = with_arm(1.0);
   const double ratio = AgeRatio(coupling, R_WT, D, ages, params_.tool_radius_m);
   if (ratio > 1.0) {
@@ -173,7 +173,7 @@ void AgeGovernor::Step(const CouplingOutput& coupling, const Matrix3& R_WT, cons
     factor = std::min(1.0 + (ratio - 1.0) * max_sum_over_law, params_.max_damping_factor);
     if (factor == params_.max_damping_factor) {
       const double left = AgeRatio(coupling, R_WT, with_arm(factor), ages, params_.tool_radius_m);
-      if (left > 1.0) share = 1.0 / left;
+      if (left > 1.0) scale = 1.0 / left;
     }
   }
   // immediate rise, slow release
@@ -182,7 +182,7 @@ void AgeGovernor::Step(const CouplingOutput& coupling, const Matrix3& R_WT, cons
     return std::abs(next - 1.0) < kDone ? 1.0 : next;
   };
   damping_factor_ = std::max(factor, back(damping_factor_));
-  wrench_share_ = std::min(share, back(wrench_share_));
+  wrench_scale_ = std::min(scale, back(wrench_scale_));
 }
 
 }  // namespace osteon::control

@@ -80,13 +80,13 @@ class AgeGovernor {
   void Reset() OSTEON_RT;
 
   [[nodiscard]] double damping_factor() const OSTEON_RT { return damping_factor_; }  ///< >= 1
-  [[nodiscard]] double wrench_share() const OSTEON_RT { return wrench_share_; }      ///< 0 … 1
-  [[nodiscard]] bool acted() const OSTEON_RT { return damping_factor_ > 1.0 || wrench_share_ < 1.0; }
+  [[nodiscard]] double wrench_scale() const OSTEON_RT { return wrench_scale_; }      ///< 0 … 1
+  [[nodiscard]] bool acted() const OSTEON_RT { return damping_factor_ > 1.0 || wrench_scale_ < 1.0; }
 
  private:
   AgeGovernorParams params_;
   double release_;  ///< fraction of the remaining release in a tick
-  double damping_factor_{1.0}, wrench_share_{1.0};
+  double damping_factor_{1.0}, wrench_scale_{1.0};
 };
 
 }  // namespace osteon::control

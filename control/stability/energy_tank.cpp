@@ -82,12 +82,12 @@ EnergyTank::EnergyTank(const EnergyTankParams& params, double period_s)
 
 void EnergyTank::Reset() OSTEON_RT {
   tank_J_ = params_.cap_J;
-  share_ = 1.0;
+  scale_ = 1.0;
   paid_J_ = 0.0;
   begun_ = false;
   active_planes_ = 0;
   potential_J_ = fade_ = gain_ = 0.0;
-  hand_over_share_ = 1.0;
+  hand_over_scale_ = 1.0;
   hand_over_T_W_ = {};
 }
 
@@ -108,27 +108,27 @@ double EnergyTank::Step(const CouplingOutput& coupling, const Pose& X_WT, const 
   }
 
   // available energy, and the energy that this tick's planes would store, each with its own gains
-  const double there_J = gain_ * share_ * (old.potential_J + 0.5 * old.work_J) + tank_J_;
+  const double there_J = gain_ * scale_ * (old.potential_J + 0.5 * old.work_J) + tank_J_;
   const double wanted_J = gain * (coupling.potential_J + 0.5 * work_J);
-  const double share = std::min(1.0, share_ + period_s_ / params_.ramp_s);
+  const double scale = std::min(1.0, scale_ + period_s_ / params_.ramp_s);
   if (coupling.active_planes == 0) {
-    share_ = 1.0;
+    scale_ = 1.0;
     tank_J_ = there_J;
-  } else if (share * wanted_J <= there_J) {
-    share_ = share;
-    tank_J_ = there_J - share * wanted_J;
+  } else if (scale * wanted_J <= there_J) {
+    scale_ = scale;
+    tank_J_ = there_J - scale * wanted_J;
   } else {
-    share_ = wanted_J > 0.0 ? std::clamp(there_J / wanted_J, 0.0, share) : share;
+    scale_ = wanted_J > 0.0 ? std::clamp(there_J / wanted_J, 0.0, scale) : scale;
     tank_J_ = 0.0;
   }
 
   // the force of a hand-over does half of its work in the step before it and half in the step after it
   const Wrench& added = coupling.F_hand_over_T_W;
-  const double added_J = gain * share_ * Power(added, dx);
+  const double added_J = gain * scale_ * Power(added, dx);
   tank_J_ -= 0.5 * Power(hand_over_T_W_, dx);
-  hand_over_share_ = added_J > tank_J_ ? std::max(0.0, tank_J_ / added_J) : 1.0;
-  const double rendered = gain * share_ * hand_over_share_;
-  tank_J_ -= 0.5 * hand_over_share_ * added_J;
+  hand_over_scale_ = added_J > tank_J_ ? std::max(0.0, tank_J_ / added_J) : 1.0;
+  const double rendered = gain * scale_ * hand_over_scale_;
+  tank_J_ -= 0.5 * hand_over_scale_ * added_J;
   hand_over_T_W_ = {.f = rendered * added.f, .t = rendered * added.t};
 
   paid_J_ = std::max(0.0, before_J - std::max(0.0, tank_J_));
@@ -136,7 +136,7 @@ double EnergyTank::Step(const CouplingOutput& coupling, const Pose& X_WT, const 
   // the coupling's damping
   if (coupling.active_planes > 0) {
     const double taken_W = Power(spring, V_WT) + Power(added, V_WT) - Power(coupling.F_contact_T_W, V_WT);
-    tank_J_ += std::max(0.0, share_ * gain * period_s_ * taken_W);
+    tank_J_ += std::max(0.0, scale_ * gain * period_s_ * taken_W);
   }
   tank_J_ = std::clamp(tank_J_, 0.0, params_.cap_J);
 
@@ -147,7 +147,7 @@ double EnergyTank::Step(const CouplingOutput& coupling, const Pose& X_WT, const 
   potential_J_ = coupling.potential_J;
   fade_ = coupling.fade;
   gain_ = gain;
-  return share_;
+  return scale_;
 }
 
 }  // namespace osteon::control

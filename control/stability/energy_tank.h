@@ -10,7 +10,7 @@ namespace osteon::control {
 struct EnergyTankParams {
   bool acts{true};     ///< false: the tank stays full and limits nothing
   double cap_J{1.0};   ///< capacity and initial energy; should hold F_max^2 / 2K (200 N at 20 N/mm: 1 J)
-  double ramp_s{0.1};  ///< shortest time in which the share returns from 0 to 1
+  double ramp_s{0.1};  ///< shortest time in which the scale returns from 0 to 1
 };
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
@@ -21,7 +21,7 @@ void Validate(const EnergyTankParams& params);
 /// previous tick would store at this tick's pose, and U_1 the energy that this tick's planes and gains store:
 ///
 ///     U_1 > U_0:  the tank pays U_1 - U_0;  if it holds less, the coupling is scaled:
-///                 share s = (U_0 + tank) / U_1
+///                 scale s = (U_0 + tank) / U_1
 ///     U_1 < U_0:  the difference goes into the tank, up to the cap; so does the energy that the coupling's
 ///                 damping has dissipated
 ///
@@ -30,12 +30,12 @@ void Validate(const EnergyTankParams& params);
 /// - Motion: a force that rises within a frame is due to the motion and costs nothing. Planes that recede
 /// fill
 ///   the tank.
-/// - Gains: the coupling's fade and the governor's share are gains. Their fall fills the tank, and their rise
+/// - Gains: the coupling's fade and the governor's scale are gains. Their fall fills the tank, and their rise
 ///   costs.
 /// - Hand-over: a hand-over adds a force to that of the planes (hand_over.h). The tank pays for its work, or
-///   receives it, tick by tick. If it cannot pay for the whole hand-over, only hand_over_share() of it may be
+///   receives it, tick by tick. If it cannot pay for the whole hand-over, only hand_over_scale() of it may be
 ///   rendered.
-/// - Share: after s < 1, the share rises as the tank fills, by at most 1/ramp_s. It returns to 1 at once when
+/// - Scale: after s < 1, the scale rises as the tank fills, by at most 1/ramp_s. It returns to 1 at once when
 ///   contact ends, which costs nothing.
 /// - Accuracy: each U includes F·dx / 2 of the last step, the integrator's contribution if the force jumps.
 /// U_0
@@ -52,7 +52,7 @@ class EnergyTank {
   EnergyTank(const EnergyTankParams& params, double period_s);
 
   /// Computes one tick. @param gain  gain on the coupling in addition to its fade, 0 … 1
-  /// @returns the share s of the coupling that may be rendered, 0 … 1
+  /// @returns the scale s with which the coupling may be rendered, 0 … 1
   double Step(const CouplingOutput& coupling, const Pose& X_WT, const Twist& V_WT, double gain) OSTEON_RT;
 
   /// Returns to the state after construction.
@@ -60,21 +60,21 @@ class EnergyTank {
 
   [[nodiscard]] double energy_J() const OSTEON_RT { return tank_J_; }
   [[nodiscard]] double paid_J() const OSTEON_RT { return paid_J_; }  ///< energy paid in the last tick
-  [[nodiscard]] double share() const OSTEON_RT { return share_; }
-  /// Share of CouplingOutput::F_hand_over_T_W that may be rendered, 0 … 1: usually 1.
-  [[nodiscard]] double hand_over_share() const OSTEON_RT { return hand_over_share_; }
-  [[nodiscard]] bool acted() const OSTEON_RT { return share_ < 1.0; }
+  [[nodiscard]] double scale() const OSTEON_RT { return scale_; }
+  /// Scale with which CouplingOutput::F_hand_over_T_W may be rendered, 0 … 1: usually 1.
+  [[nodiscard]] double hand_over_scale() const OSTEON_RT { return hand_over_scale_; }
+  [[nodiscard]] bool acted() const OSTEON_RT { return scale_ < 1.0; }
 
  private:
   EnergyTankParams params_;
-  double period_s_, tank_J_, share_{1.0}, paid_J_{0.0};
+  double period_s_, tank_J_, scale_{1.0}, paid_J_{0.0};
   // of the previous tick
   bool begun_{false};
   Pose X_before_{Pose::Identity()};
   std::array<ActivePlane, CouplingOutput::kMaxActive> active_{};
   int active_planes_{0};
   double potential_J_{0.0}, fade_{0.0}, gain_{0.0};
-  double hand_over_share_{1.0};
+  double hand_over_scale_{1.0};
   Wrench hand_over_T_W_;  // as rendered
 };
 

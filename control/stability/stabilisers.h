@@ -35,11 +35,11 @@ struct StabilisedLaw {
 
 /// The three stabilisers in the order in which they act:
 ///
-///     coupling → age governor: share, damping → energy tank: share → limits → passivity: damping → law
+///     coupling → age governor: scale, damping → energy tank: scale → limits → passivity: damping → law
 ///
-/// The governor comes first, because its share is a gain of the coupling, and the tank pays whenever a gain
+/// The governor comes first, because its scale is a gain of the coupling, and the tank pays whenever a gain
 /// rises. Both act before energy reaches the tool. The passivity controller observes the coupling after the
-/// limits of force, torque and stored energy, and learns the power limit's share through ScaleRendered. It
+/// limits of force, torque and stored energy, and learns the power limit's scale through ScaleRendered. It
 /// does not observe the depth limit's resistance, which is not a force of the planes. The controller is the
 /// last resort: usually the other two leave it nothing to correct.
 class Stabilisers {
@@ -56,7 +56,7 @@ class Stabilisers {
 
   /// Scales the coupling, before the limits. @param X_WT, V_WT  pose and velocity at which the coupling was
   /// evaluated
-  /// @returns the coupling's wrench with both shares; unchanged if they are 1.
+  /// @returns the coupling's wrench with both scales; unchanged if they are 1.
   [[nodiscard]] Wrench ScaleCoupling(const CouplingOutput& coupling, const Pose& X_WT,
                                      const Twist& V_WT) OSTEON_RT;
 

@@ -39,14 +39,26 @@ void ExpectForceWithinLimit(const nlohmann::json& summary, const io::Recording& 
   EXPECT_LE(summary.at("peak_force_N").get<double>(), limit_N * (1.0 + 1e-12));
 }
 
+// A demo of 1.5 s, whose files are in a/b.
+struct ShortRun {
+  TemporaryFolder folder;
+  CommandResult run = RunCommand(
+      folder.path(), {"demo", "--virtual-time", "--seconds", "1.5", "--out", "a/b", "--json", "copy.json"});
+};
+// One for the tests that look at its files alone.
+const ShortRun& TheShortRun() {
+  static const ShortRun made;
+  return made;
+}
+
 TEST(VirtualDemo, TwoRunsGiveEqualBits) {
-  const TemporaryFolder first, second;
-  for (const TemporaryFolder* folder : {&first, &second}) {
-    const CommandResult run = RunCommand(folder->path(), {"demo", "--virtual-time", "--seconds", "1.5"});
+  const ShortRun& first = TheShortRun();
+  const ShortRun second;
+  for (const CommandResult& run : {first.run, second.run}) {
     ASSERT_EQ(run.exit_code, 0) << run.err;
     EXPECT_NE(run.out.find("State hash"), std::string::npos) << run.out;
   }
-  const auto a = first.path() / "demo_out", b = second.path() / "demo_out";
+  const auto a = first.folder.path() / "a/b", b = second.folder.path() / "a/b";
   const std::string bytes = io::test::ReadAll(a / "recording.mcap");
   EXPECT_GT(bytes.size(), 100'000u);
   EXPECT_TRUE(bytes == io::test::ReadAll(b / "recording.mcap"));
@@ -55,9 +67,7 @@ TEST(VirtualDemo, TwoRunsGiveEqualBits) {
 }
 
 TEST(VirtualDemo, LeavesWhatItPromises) {
-  const TemporaryFolder folder;
-  const CommandResult run = RunCommand(
-      folder.path(), {"demo", "--virtual-time", "--seconds", "1.5", "--out", "a/b", "--json", "copy.json"});
+  const auto& [folder, run] = TheShortRun();
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto out = folder.path() / "a/b";
 

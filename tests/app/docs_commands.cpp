@@ -242,9 +242,10 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon replay run_2026-11-26_09-30-00.mcap", By("ReplayCommandTest.IsIdenticalBitForBit")},
 
       {"osteon pack hip.obj -o hip.osp --report hip_report",
-       As("pack hip.obj -o hip.osp --report hip_report", {"hip.osp", "hip_report/report.html"})},
+       As("pack hip.obj -o hip.osp --report hip_report --count 1000 --point-spacing-mm 4",
+          {"hip.osp", "hip_report/report.html"})},
       {"osteon pack hip.obj -o hip.osp --cup 8.8,-131.9,517.9,-0.983,-0.175,0.052,21 --count 25000",
-       As("pack hip.obj -o hip.osp --cup 0,0,30,0,0,1,24 --count 2500", {"hip.osp"})},
+       As("pack hip.obj -o hip.osp --cup 0,0,30,0,0,1,24 --count 2500 --point-spacing-mm 1.2", {"hip.osp"})},
       {"osteon pack tooth.obj -o tooth.osp --scene molar --count 36000",
        As("pack tooth.obj -o tooth.osp --scene molar --count 3600", {"tooth.osp"})},
       {"osteon pack acetabulum -o acetabulum.osp",

@@ -144,8 +144,9 @@ TEST(Output, AMeshWhoseNameIsLatin1IsWrittenAsWhatItIs) {
             "h\xef\xbf\xbd"
             "fte");
   EXPECT_TRUE(ReadComplete(folder.path() / "demo_out/recording.mcap").complete);
-  const CommandResult pack = RunCommand(folder.path(), {"pack", name, "-o", "p.osp", "--count", "500",
-                                                        "--report", "report", "--json", "p.json"});
+  const CommandResult pack =
+      RunCommand(folder.path(), {"pack", name, "-o", "p.osp", "--count", "500", "--point-spacing-mm", "4",
+                                 "--report", "report", "--json", "p.json"});
   EXPECT_EQ(pack.exit_code, 0) << pack.err;
   EXPECT_TRUE(ReadJson(folder.path() / "p.json").is_object());
 }

@@ -219,14 +219,14 @@ TEST(HandOver, TheTankPaysForItsWorkAndAnEmptyTankLetsNothingThrough) {
   double done_J = 0.0, before_N = 0.0;
   for (int tick = 0; tick <= 12; ++tick) {
     EXPECT_EQ(tank.Step(out, At({1e-4 * tick, 0.0, 0.0}), V_WT, 1.0), 1.0) << "the planes' own go on";
-    const double now_N = tank.hand_over_share() * 10.0;
+    const double now_N = tank.hand_over_scale() * 10.0;
     if (tick > 0) done_J += 0.5 * (before_N + now_N) * 1e-4;
     before_N = now_N;
     EXPECT_NEAR(tank.energy_J(), std::max(0.0, kCap_J - done_J), 1e-9) << tick;
   }
   EXPECT_GT(done_J, 0.9 * kCap_J);
   EXPECT_LE(done_J, kCap_J + 1e-9);
-  EXPECT_LT(tank.hand_over_share(), 1e-3);
+  EXPECT_LT(tank.hand_over_scale(), 1e-3);
   // a hand-over force against the motion fills the tank
   out.F_hand_over_T_W.f = out.F_contact_T_W.f = Vector3(-10.0, 0.0, 0.0);
   static_cast<void>(tank.Step(out, At({13e-4, 0.0, 0.0}), V_WT, 1.0));

@@ -95,7 +95,7 @@ Eigen::Matrix<double, 6, 1> GeneralisedEigenvalues(const Matrix6& K, const Matri
 
 TEST(AgeGovernor, DampingLessAgeTimesStiffnessIsPositiveWhateverTheContact) {
   RandomContact random(4711);
-  int by_damping = 0, by_share = 0, idle = 0;
+  int by_damping = 0, by_scale = 0, idle = 0;
   for (int i = 0; i < 3000; ++i) {
     const CouplingOutput coupling = random.Coupling();
     const AxisDamping D = random.Damping();
@@ -106,12 +106,12 @@ TEST(AgeGovernor, DampingLessAgeTimesStiffnessIsPositiveWhateverTheContact) {
     AgeGovernor governor(params, kT);
     governor.Step(coupling, R_WT, D, ages);
 
-    const Matrix6 K = governor.wrench_share() * AgedStiffness(coupling, ages, params.tool_radius_m);
+    const Matrix6 K = governor.wrench_scale() * AgedStiffness(coupling, ages, params.tool_radius_m);
     const double most =
         GeneralisedEigenvalues(1.02 * K, DampingInWorld(D, R_WT, governor.damping_factor()))[5];
     ASSERT_LE(most, 1.0 + 1e-6) << "contact " << i;  // the oracle loses digits by the conditioning of N^T N
-    if (governor.wrench_share() < 1.0)
-      ++by_share;
+    if (governor.wrench_scale() < 1.0)
+      ++by_scale;
     else
       ++(governor.damping_factor() > 1.0 ? by_damping : idle);
     // the bound is at most 9 % above the eigenvalue, and the governor does not act for less
@@ -120,7 +120,7 @@ TEST(AgeGovernor, DampingLessAgeTimesStiffnessIsPositiveWhateverTheContact) {
     }
   }
   EXPECT_GT(by_damping, 300);
-  EXPECT_GT(by_share, 300);
+  EXPECT_GT(by_scale, 300);
   EXPECT_GT(idle, 300);
 }
 
@@ -233,8 +233,8 @@ double SwingInABowl(bool governed, double age_s, double hold_s) {
                   {.planes_s = coupling.age_s});
     Vector3 hand = -50.0 * tool.X_WT.translation() - 2.0 * tool.V_WT.v;
     hand.z() = -kPush_N;
-    const Wrench F{.f = hand + governor.wrench_share() * coupling.F_T_W.f,
-                   .t = governor.wrench_share() * coupling.F_T_W.t};
+    const Wrench F{.f = hand + governor.wrench_scale() * coupling.F_T_W.f,
+                   .t = governor.wrench_scale() * coupling.F_T_W.t};
     if (!StepAdmittance(ScaleLaw(law, 1.0, governor.damping_factor()), F, kT, tool)) return 1.0;
     const double off_m = tool.X_WT.translation().head<2>().norm();
     if (off_m > 0.02) return off_m;  // it climbs the bowl's wall

@@ -52,9 +52,9 @@ struct Bench {
     model.pose_stamp = now;
     coupling =
         EvaluateCoupling(params, {.model = model, .X_WT = tool.X_WT, .V_WT = tool.V_WT, .now = now}, state);
-    const double share = tank.Step(coupling, tool.X_WT, tool.V_WT, 1.0);
+    const double scale = tank.Step(coupling, tool.X_WT, tool.V_WT, 1.0);
     const Vector3 f_before_W = f_W, p_before_W = p_W_;
-    f_W = share * coupling.F_T_W.f;
+    f_W = scale * coupling.F_T_W.f;
     p_W_ = tool.X_WT.translation();
     made_J += 0.5 * (f_W + f_before_W).dot(p_W_ - p_before_W);
     ASSERT_TRUE(StepAdmittance(law, {.f = f_W - push_N * Vector3::UnitZ(), .t = {}}, kT, tool));
@@ -152,7 +152,7 @@ TEST(EnergyTank, AHandOverItCanPayForIsRenderedAtOnceAndTheForceGoesOnWhereItCan
   EXPECT_NEAR(hand_over(0.0), 1.0, 0.01) << "no step";
 }
 
-// The share returns no faster than the trip on the force's rate allows: 1.5 K v_max.
+// The scale returns no faster than the trip on the force's rate allows: 1.5 K v_max.
 TEST(EnergyTank, ReturnsWithoutAStep) {
   Bench bench({.cap_J = 1.0});
   bench.Frame(kSoft);
@@ -174,34 +174,34 @@ TEST(EnergyTank, ReturnsWithoutAStep) {
   for (int i = 0; i < 300; ++i) {
     bench.Tick(bench.f_W.z());
     ASSERT_FALSE(trip.Check(bench.f_W, kT))
-        << i << ": " << bench.f_W.z() << " N, share " << bench.tank.share();
+        << i << ": " << bench.f_W.z() << " N, scale " << bench.tank.scale();
   }
 }
 
 // A wall pressed with 60 N while its frames differ by 20 um, as a real engine's do. A tank of 1 J has no
 // visible effect, one of 0.1 mJ softens a wall that is stable.
 TEST(EnergyTank, TooSmallATankSpoilsAStableWall) {
-  const auto depth_error = [](double cap_J, double* least_share) {
+  const auto depth_error = [](double cap_J, double* min_scale) {
     Bench bench({.cap_J = cap_J});
     bench.law.damping_Ns_per_m.setConstant(200.0);
     std::mt19937_64 bits(5);
     std::uniform_real_distribution<double> ripple(-20e-6, 20e-6);
     double worst_m = 0.0;
-    *least_share = 1.0;
+    *min_scale = 1.0;
     for (int i = 0; i < 4000; ++i) {
       if (i % 4 == 0) bench.Frame(kStiff, ripple(bits));
       bench.Tick(60.0);
-      *least_share = std::min(*least_share, bench.tank.share());
+      *min_scale = std::min(*min_scale, bench.tank.scale());
       if (i > 2000) worst_m = std::max(worst_m, std::abs(bench.z() + 60.0 / kStiff));
     }
     return worst_m;
   };
-  double share = 0.0;
-  const double enough_m = depth_error(1.0, &share);
-  EXPECT_EQ(share, 1.0);
+  double scale = 0.0;
+  const double enough_m = depth_error(1.0, &scale);
+  EXPECT_EQ(scale, 1.0);
   EXPECT_LT(enough_m, 50e-6);
-  const double small_m = depth_error(1e-4, &share);
-  EXPECT_LT(share, 0.9);
+  const double small_m = depth_error(1e-4, &scale);
+  EXPECT_LT(scale, 0.9);
   EXPECT_GT(small_m, 3.0 * enough_m);
   RecordProperty("off_um_at_1_J", std::to_string(1e6 * enough_m));
   RecordProperty("off_um_at_.1_mJ", std::to_string(1e6 * small_m));

@@ -16,7 +16,10 @@ namespace osteon::gpu {
 
 inline constexpr double kSpindle_rad_per_s = 250.0 * 2.0 * M_PI / 60.0;
 
-inline simulation::Bone DefaultBone() { return simulation::MakeAcetabulum({}); }
+inline simulation::Bone DefaultBone() {
+  static const simulation::Bone bone = simulation::MakeAcetabulum({});
+  return bone;
+}
 inline simulation::Tool DefaultReamer() {
   return simulation::MakeReamer(0.025, 0.008, 0.12, 0.9, Vector3::Zero());
 }
