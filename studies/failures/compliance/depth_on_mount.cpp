@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "studies/failures/compliance/carrier.h"
 #include "studies/failures/compliance/law_ride.h"
 #include "studies/failures/scenario_bench.h"
 

@@ -121,6 +121,7 @@ safety::FaultSet RideLaw(const LawRideParams& params, const LawScene& scene) {
     simulated->Step(drive, is_position ? Wrench{} : F_T_W);
     if (scene.seen && !scene.seen(i, {.X_WT = X_WT,
                                       .X_ME = loop.tool_command().X_WT,
+                                      .X_WT_sim = is_position ? Pose(record.X_WT_cmd) : X_WT,
                                       .f_coupling_N = Vector3(record.F_coupling_T_W.f),
                                       .renders = safety::Renders(loop.state())}))
       break;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
 
 #include "control/loop/servo_loop.h"
@@ -22,8 +23,9 @@ struct LawRideParams {
 
 /// The state of one millisecond.
 struct LawRideTick {
-  Pose X_WT{Pose::Identity()};  ///< the tool's true pose
-  Pose X_ME{Pose::Identity()};  ///< of the head in the bone's world, as the simulation gets it
+  Pose X_WT{Pose::Identity()};      ///< the tool's true pose
+  Pose X_ME{Pose::Identity()};      ///< of the head in the bone's world, as the simulation gets it
+  Pose X_WT_sim{Pose::Identity()};  ///< of the rigid tool to which that head belongs
   Vector3 f_coupling_N{Vector3::Zero()};
   bool renders{false};
 };
@@ -45,6 +47,11 @@ struct LawScene {
 [[nodiscard]] Pose StartOfLawRide();
 /// A frame of bone at that place: its origin is the tool's apex, +z against the feed, x the tool's x.
 [[nodiscard]] Pose BoneOfLawRide();
+
+/// A push that rises from zero to its full force.
+[[nodiscard]] inline double RisingPush(double full_N, double time_s, double rise_s) {
+  return full_N * std::min(1.0, time_s / rise_s);
+}
 
 /// A stiff hand (3 N/mm) that leads the tool down from the ride's beginning: it holds the tool across the
 /// feed and against turning, and pushes along the feed.
