@@ -3,6 +3,7 @@
 #include "studies/failures/compliance/compliance_scenarios.h"
 #include "studies/failures/compliance/depth_on_mount.h"
 #include "studies/failures/compliance/drill_walk.h"
+#include "studies/failures/compliance/late_planes.h"
 #include "studies/failures/compliance/swinging_mount.h"
 #include "studies/failures/cutting/breakthrough.h"
 #include "studies/failures/cutting/concave_cup.h"

@@ -10,7 +10,6 @@
 #include "control/compliance/compliance.h"
 #include "control/coupling/virtual_coupling.h"
 #include "control/laws/twist_parts.h"
-#include "hil/loops/compliant_loop.h"
 #include "studies/failures/arm_bench.h"
 
 namespace osteon::studies {
@@ -229,45 +228,6 @@ FailureResult RunBentArm(const FailureSetting& setting) {
   result.note =
       "a drill of 3.2 mm on a plane at 20 deg, 0.8 to 2.2 mm deep, turned by 2.9 deg to either side";
   result.plot = {.x_label = "turn", .y_label = "work given [mJ]", .series = {baseline, ours}};
-  return result;
-}
-
-FailureResult RunLatePlanes(const FailureSetting& setting) {
-  FailureResult result{.id = 39,
-                       .name = "late planes",
-                       .metric = "growth of the motion in a second",
-                       .unit = "1",
-                       .baseline_name = "planes that follow the bone 20 ms late",
-                       .bound = 1.0};
-  const auto run = [&](int late_ticks, FailureSeries& series) {
-    hil::CompliantLoopParams params;
-    params.loop.hand = {"stiff", 3000.0, 60.0, 3.0};
-    params.loop.wall.stiffness_N_per_m = kK_N_per_m;
-    params.mount = hil::LoopMount{.mass_kg = 12.0, .frequency_hz = 15.0, .late_ticks = late_ticks};
-    const hil::CompliantLoop loop(params);
-    Eigen::VectorXd state = Eigen::VectorXd::Zero(loop.size());
-    state[0] = 1e-4;
-    double peaks[2]{};
-    for (int i = 0; i < 2500; ++i) {
-      state = loop.Step(state);
-      if (i >= 1000 && i < 1500) peaks[0] = std::max(peaks[0], std::abs(state[0]));
-      if (i >= 2000) peaks[1] = std::max(peaks[1], std::abs(state[0]));
-      if (i % 5 == 0) {
-        series.x.push_back(kT * i);
-        series.y.push_back(1e3 * state[0]);
-      }
-    }
-    return peaks[1] / peaks[0];
-  };
-  FailureSeries baseline{.name = "20 ms late"}, ours{.name = "ours", .ours = true};
-  result.baseline = run(20, baseline);
-  const bool complete = setting.GoesOn(0.5);
-  result.ours = run(0, ours);
-  for (double& y : baseline.y) y = std::clamp(y, -1.0, 1.0);
-  result.baseline_fails = result.baseline > result.bound;
-  result.ours_passes = complete && result.ours <= result.bound;
-  result.note = "bone of 12 kg on a mount of 15 Hz, coupling 20 N/mm, a hand of 3 kN/m; drawn within 1 mm";
-  result.plot = {.x_label = "time [s]", .y_label = "tool [mm]", .series = {baseline, ours}};
   return result;
 }
 

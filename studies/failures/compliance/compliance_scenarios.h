@@ -20,9 +20,4 @@ namespace osteon::studies {
 /// Baseline: the torque by the rigid tool's arm, as if the head were not aside. Bound: 0.01 mJ.
 [[nodiscard]] FailureResult RunBentArm(const FailureSetting& setting);
 
-/// Scenario 39, late planes: a hand presses on bone of 12 kg on a mount of 15 Hz. Metric: growth of the
-/// motion in a second. Baseline: planes that follow the bone's motion 20 ms late, as an engine would that
-/// moves the bone itself. Bound: 1.
-[[nodiscard]] FailureResult RunLatePlanes(const FailureSetting& setting);
-
 }  // namespace osteon::studies

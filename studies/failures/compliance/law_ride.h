@@ -1,0 +1,72 @@
+#pragma once
+
+#include <algorithm>
+#include <functional>
+
+#include "control/loop/servo_loop.h"
+#include "hil/operator/operator_hand.h"
+#include "kinematics/spatial.h"
+#include "safety/fault.h"
+#include "simulation/contact/contact_model.h"
+#include "simulation/engine/cutting_engine.h"
+
+namespace osteon::studies {
+
+/// A ride of the shipped servo loop on bone that gives way, with either law: the admittance law on an arm
+/// that follows positions (hil/arm/servo_arm.h), the impedance law over a wrench overlay on an arm with
+/// masses (hil/arm/dynamic_arm.h). Laws, limits, depth limit and what gives way are the loop's own.
+struct LawRideParams {
+  /// Law and gains, compliance, depth limit, spindle; the ride sets the arm's limits and a wide workspace.
+  control::ServoParams loop{};
+  double seconds{1.0};  ///< > 0
+};
+
+/// The state of one millisecond.
+struct LawRideTick {
+  Pose X_WT{Pose::Identity()};      ///< the tool's true pose
+  Pose X_ME{Pose::Identity()};      ///< of the head in the bone's world, as the simulation gets it
+  Pose X_WT_sim{Pose::Identity()};  ///< of the rigid tool to which that head belongs
+  Vector3 f_coupling_N{Vector3::Zero()};
+  bool renders{false};
+};
+
+/// The arm's surroundings, evaluated once a millisecond; ticks count from 0.
+struct LawScene {
+  /// Wrench of a hand, or a guide, on the tool at its origin, in W, by the tool's true motion in W.
+  std::function<Wrench(int tick, const Pose& X_WT, const Twist& V_WT)> hand;
+  /// The newest frame, for the command of the tick before; its stamp is set by the ride.
+  std::function<simulation::ContactModel(const simulation::ToolCommand& command)> bone;
+  /// After each tick. May be empty. @returns false: the ride ends
+  std::function<bool(int tick, const LawRideTick& state)> seen{};
+};
+
+/// Gains with which the shipped cells render bone of `stiffness_N_per_m` under a law; nothing gives way.
+[[nodiscard]] control::ServoParams LoopOfLaw(control::Law law, double stiffness_N_per_m);
+
+/// The pose of the tool at which every ride begins, at rest.
+[[nodiscard]] Pose StartOfLawRide();
+/// A frame of bone at that place: its origin is the tool's apex, +z against the feed, x the tool's x.
+[[nodiscard]] Pose BoneOfLawRide();
+
+/// A push that rises from zero to its full force.
+[[nodiscard]] inline double RisingPush(double full_N, double time_s, double rise_s) {
+  return full_N * std::min(1.0, time_s / rise_s);
+}
+
+/// A stiff hand (3 N/mm) that leads the tool down from the ride's beginning: it holds the tool across the
+/// feed and against turning, and pushes along the feed.
+class PushingHand {
+ public:
+  PushingHand();
+  /// One millisecond, by the tool's true motion.  @param push_N  along the feed
+  [[nodiscard]] Wrench Step(double push_N, const Pose& X_WT, const Twist& V_WT);
+
+ private:
+  hil::HandImpedance hand_;
+  Pose X_start_;
+};
+
+/// Deterministic. @returns the faults that the loop has latched
+[[nodiscard]] safety::FaultSet RideLaw(const LawRideParams& params, const LawScene& scene);
+
+}  // namespace osteon::studies
