@@ -115,24 +115,23 @@ LiveWindow LiveFeed::Newest() const {
 }
 
 std::vector<LiveWindow> LiveFeed::Since(std::uint64_t& seen) const {
-  // with the lock
-  const auto first = [&] { return std::max(seen + 1, newest_ >= kKept ? newest_ - kKept + 1 : 1); };
+  const auto first_of = [&](std::uint64_t newest) {
+    return std::max(seen + 1, newest >= kKept ? newest - kKept + 1 : 1);
+  };
   std::vector<LiveWindow> windows;
-  std::uint64_t count = 0;
-  {
-    const std::lock_guard lock(mutex_);
-    if (first() > newest_) {  // nothing is new; after a Restart a reader may have seen more than there is
-      seen = std::min(seen, newest_);
-      return windows;
-    }
-    count = newest_ + 1 - first();
+  const std::uint64_t newest = newest_;
+  if (first_of(newest) >
+      newest) {  // nothing is new; after a Restart a reader may have seen more than there is
+    seen = std::min(seen, newest);
+    return windows;
   }
   // not under the lock, and no more than are new: a window has 3 kB, and each page asks 30 times a second
-  windows.reserve(count);
+  windows.reserve(newest + 1 - first_of(newest));
   const std::lock_guard lock(mutex_);
-  std::uint64_t number = first();
-  for (; number <= newest_ && windows.size() < count; ++number) windows.push_back(windows_[number % kKept]);
-  seen = std::min(number - 1, newest_);
+  std::uint64_t number = first_of(newest_);
+  for (; number <= newest_ && windows.size() < windows.capacity(); ++number)
+    windows.push_back(windows_[number % kKept]);
+  seen = std::min<std::uint64_t>(number - 1, newest_);
   return windows;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <deque>
 #include <mutex>
 #include <string>
@@ -59,7 +60,7 @@ class LiveFeed final : public io::RecordSink {
 
   mutable std::mutex mutex_;  // guards what follows
   std::array<LiveWindow, kKept> windows_{};
-  std::uint64_t newest_{0};
+  std::atomic<std::uint64_t> newest_{0};  // read without the lock by a reader for whom nothing is new
   std::deque<io::RecordedEvent> events_;
   std::uint64_t events_so_far_{0};
   std::uint64_t epoch_{0};

@@ -384,7 +384,7 @@ void DriveDevice::StepMotor(double dt_s) noexcept {
   motor_.Step(dt_s, ramp_rad_per_s_, load_Nm);
 
   stalled_s_ = AtRest() && motor_.limited() ? stalled_s_ + dt_s : 0.0;
-  in_window_ = InVelocityWindow() ? in_window_ + std::llround(dt_s * 1e9) : 0;
+  in_window_ = InVelocityWindow() ? in_window_ + std::lround(dt_s * 1e9) : 0;
   if (state_ == State::kEnabled && stalled_s_ > params_.stall_s) Trip(kBlocked);
   if (!AtRest()) return;
   if (state_ == State::kFaultReaction) state_ = State::kFault;

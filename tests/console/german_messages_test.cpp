@@ -23,7 +23,8 @@ std::string TextOf(const std::filesystem::path& file) {
 // The C++ sources whose messages the page shows, with string literals that go over several lines joined.
 std::string Sources() {
   std::string text;
-  for (const char* folder : {"console/server", "session/run", "session/procedure", "session/summary"})
+  for (const char* folder :
+       {"console/server", "session/gains", "session/run", "session/procedure", "session/summary"})
     for (const auto& entry : std::filesystem::directory_iterator(kSource / folder))
       if (entry.path().extension() == ".cpp") text += TextOf(entry.path());
   for (const char* file : {"hil/plc/plc_logic.cpp", "hil/fri/fri_stop.cpp", "hil/fri/fri_stop.h",

@@ -257,7 +257,8 @@ TEST(LiveJson, HasTheBonesAndTheHeadsPosesWhereSomethingGivesWay) {
   gives.X_ME.p = {0.001, 0.0, 0.3};
   const auto view = nlohmann::json::parse(LiveJson(windows, kContext))["view"];
   EXPECT_EQ(view["X_WM"][11], -0.002);
-  EXPECT_EQ(view["layer"], nlohmann::json({0.0, 0.0, -0.0005})) << "of it the tissue alone, which is drawn as a dent";
+  EXPECT_EQ(view["layer"], nlohmann::json({0.0, 0.0, -0.0005}))
+      << "of it the tissue alone, which is drawn as a dent";
   EXPECT_EQ(view["X_WE"][3], 0.001);
   EXPECT_NEAR(view["X_WE"][11].get<double>(), 0.298, 1e-9);
 }
