@@ -87,7 +87,7 @@ FailureResult RunLatePlanes(const FailureSetting& setting) {
                        .unit = "mm",
                        .baseline_name = "planes that follow the bone 20 ms late",
                        .bound = 0.1};
-  bool complete = true, fault = false;
+  bool complete = true, fault = false, stopped = false;
   double impedance_mm = 0.0;  // of the baseline: the arm's own damping holds it
   for (const control::Law law : {control::Law::kImpedance, control::Law::kAdmittance}) {
     const bool is_admittance = law == control::Law::kAdmittance;
@@ -97,6 +97,7 @@ FailureResult RunLatePlanes(const FailureSetting& setting) {
     complete = complete && setting.GoesOn(is_admittance ? 1.0 : 0.5);
     (is_admittance ? result.baseline : impedance_mm) = 1e3 * late.swing_m;
     if (!is_admittance) continue;
+    stopped = late.fault;
     late.series.name = "20 ms late";
     ours.series.name = "ours";
     ours.series.ours = true;
@@ -108,10 +109,11 @@ FailureResult RunLatePlanes(const FailureSetting& setting) {
   result.note = fmt::format(
       "bone of 12 kg on a mount of 15 Hz, a hand that pushes with {:g} N; the baseline is the admittance "
       "law's, "
-      "whose swing grows; with the impedance law the arm's own damping leaves {:.2f} mm of it; ours with "
+      "whose swing grows{}; with the impedance law the arm's own damping leaves {:.2f} mm of it; ours with "
       "both "
       "laws{}",
-      kHeldPush_N, impedance_mm, fault ? "; a fault ended a ride" : "");
+      kHeldPush_N, stopped ? " until a fault ends the ride" : "", impedance_mm,
+      fault ? "; a fault ended a ride" : "");
   return result;
 }
 
