@@ -20,11 +20,11 @@ double Uniform(std::mt19937_64& random) { return static_cast<double>(random() >>
 
 using Phases = std::array<double, Multisine::kLines>;
 
-// Largest speed over a period for a speed spectrum.
+// Largest speed over a period for a speed spectrum; where it is not below `enough`, a speed that is not.
 double PeakSpeed(const std::array<MultisineLine, Multisine::kLines>& lines,
-                 const std::vector<double>& cosines) {
+                 const std::vector<double>& cosines, double enough) {
   double peak = 0.0;
-  for (int k = 0; k < kSamples; ++k) {
+  for (int k = 0; k < kSamples && peak < enough; ++k) {
     double speed = 0.0;
     for (const MultisineLine& line : lines) {
       // -a w sin(h t + phi) by a table: sin(p) = cos(p - quarter); phases are multiples of the table's step
@@ -72,7 +72,7 @@ Multisine::Multisine(std::uint64_t seed, double peak_speed_m_per_s) {
   Phases best{};
   for (int draw = 0; draw < kDraws; ++draw) {
     for (MultisineLine& line : lines_) line.phase_rad = std::floor(kSamples * Uniform(random));
-    const double peak = PeakSpeed(lines_, cosines);
+    const double peak = PeakSpeed(lines_, cosines, least);
     if (!(peak < least)) continue;
     least = peak;
     for (std::size_t i = 0; i < kLines; ++i) best[i] = lines_[i].phase_rad;
