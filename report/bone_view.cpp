@@ -205,6 +205,10 @@ void CarveAlong(surface::CarvedField& field, const simulation::ToolPath& path) {
   CarveInBatches(field, CapsulesAlong(path));
 }
 
+void CarveAlong(surface::CarvedField& field, std::span<const simulation::ToolPath> paths) {
+  for (const simulation::ToolPath& path : paths) CarveAlong(field, path);
+}
+
 BoneMeshes MeshBone(const CarveInput& input) {
   if (input.paths.empty()) return {};
   const std::vector<surface::Capsule> capsules = CapsulesOf(input.paths);

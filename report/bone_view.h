@@ -61,8 +61,9 @@ struct BoneMeshes {
 /// takes a fraction of the time that frame by frame takes, and leaves the same field.
 [[nodiscard]] std::vector<surface::Capsule> CapsulesAlong(const simulation::ToolPath& path);
 
-/// Carves a field by a tool's path.
+/// Carves a field by a tool's path, or by those of several tools.
 void CarveAlong(surface::CarvedField& field, const simulation::ToolPath& path);
+void CarveAlong(surface::CarvedField& field, std::span<const simulation::ToolPath> paths);
 
 /// How the view begins.
 struct BoneViewStart {

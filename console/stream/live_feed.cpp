@@ -120,8 +120,8 @@ std::vector<LiveWindow> LiveFeed::Since(std::uint64_t& seen) const {
   };
   std::vector<LiveWindow> windows;
   const std::uint64_t newest = newest_;
-  if (first_of(newest) >
-      newest) {  // nothing is new; after a Restart a reader may have seen more than there is
+  // Nothing is new. After a Restart a reader may have seen more than there is.
+  if (first_of(newest) > newest) {
     seen = std::min(seen, newest);
     return windows;
   }

@@ -29,8 +29,7 @@ BoneHistory HistoryOf(const ProcedureSession& session, const Pose& X_WG) {
     const auto cut =
         ReadCutBefore(session.folder(), session.File(), session.recording(), ToolsOf(session.tools()), X_WG);
     if (!cut) throw std::runtime_error(cut.error());
-    if (!*cut) return;
-    for (const simulation::ToolPath& path : (*cut)->paths()) report::CarveAlong(field, path);
+    if (*cut) report::CarveAlong(field, (*cut)->paths());
   };
   return history;
 }

@@ -23,7 +23,7 @@ struct TakenBackPasses {
 /// Counts them. @param recording  name of its file in the session's folder
 [[nodiscard]] TakenBackPasses FindTakenBack(const SessionFile& session, const std::string& recording);
 
-/// What a carved surface needs to know of the session around it. Both functions from any thread.
+/// The session around a carved surface, as far as the surface needs it. Both functions from any thread.
 struct BoneHistory {
   /// Carves what counts of the session's earlier recordings, which it reads (seconds for an hour's). Empty:
   /// there are none. @throws std::runtime_error that names the file and the reason

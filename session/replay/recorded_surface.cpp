@@ -109,7 +109,7 @@ tl::expected<WrittenSurface, std::string> WriteRecordedSurface(const std::filesy
     surface::CarvedField field(
         surface::FieldOfBone(setup.solid.get(), setup.bone, static_cast<float>(written.voxel_mm)));
     if (cut) {
-      for (const simulation::ToolPath& path : cut->paths()) report::CarveAlong(field, path);
+      report::CarveAlong(field, cut->paths());
       return WriteField(file, field, drop_below_mm3, std::move(written));
     }
     surface::ToolWays ways(tool, setup.X_WG);

@@ -16,8 +16,7 @@ bool RecordedCut::Counts(rt::Nanoseconds pose_stamp) const {
 }
 
 void RecordedCut::CarveEarlier(surface::CarvedField& field) const {
-  if (!earlier) return;
-  for (const simulation::ToolPath& path : earlier->paths()) report::CarveAlong(field, path);
+  if (earlier) report::CarveAlong(field, earlier->paths());
 }
 
 tl::expected<std::shared_ptr<const RecordedCut>, std::string> ReadRecordedCut(

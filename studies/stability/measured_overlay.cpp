@@ -56,8 +56,7 @@ MeasuredOverlay::MeasuredOverlay(const OverlayLoopParams& model, const MeasuredO
   const ImpedanceArm arm = ImpedanceArmAt(own);
   J_ = arm.J;
   R_BT_ = (kinematics::SerialChain<7>(own.chain, own.gravity_B).FlangePose(own.q) * own.X_FT).linear();
-  axis_B_ = R_BT_ * axis_T_;
-  along_ = J_.topRows<3>().transpose() * axis_B_;
+  along_ = J_.topRows<3>().transpose() * (R_BT_ * axis_T_);
   const Vector7c a = along_.cast<Complex>();
   const auto model_at = [&](double hz) {
     return HeldDelay(hz, measured.dead_time_s, period_s_) * (a.transpose() * ComplianceOf(arm, hz) * a)(0);
@@ -85,7 +84,6 @@ MeasuredOverlay::MeasuredOverlay(const OverlayLoopParams& model, const MeasuredO
 }
 
 MeasuredOverlay::Seen MeasuredOverlay::Evaluate(const OverlayLoopParams& loop, double late_s) const {
-  constexpr double kStep = 1e-4;
   const double T = period_s_, share = T / (T + loop.law.twist_filter_s), follow = T / (T + loop.law.follow_s);
   const Vector7c a = along_.cast<Complex>();
   const double along_Ns_per_m = loop.law.damping_Ns_per_m.dot(axis_T_.cwiseAbs2());
@@ -111,15 +109,11 @@ MeasuredOverlay::Seen MeasuredOverlay::Evaluate(const OverlayLoopParams& loop, d
                                  along_Ns_per_m * velocity);
     const Matrix7c rest =
         hand * by_hand.cast<Complex>() + delay * (velocity * damping - equilibrium * spring);
-    const auto loop_with = [&](const Matrix7c& compliance, Complex* determinant) {
-      const Eigen::PartialPivLU<Matrix7c> closed(Matrix7c::Identity() + compliance * rest);
-      if (determinant != nullptr) *determinant = closed.determinant();
-      return law * (a.transpose() * closed.solve(compliance * a))(0);
-    };
-    Complex rest_closed;
-    const Complex L = loop_with(at.compliance, &rest_closed),
-                  by_ratio = (loop_with(at.compliance + kStep * at.slope, nullptr) - L) / kStep,
-                  all = rest_closed * (1.0 + L);
+    const Eigen::PartialPivLU<Matrix7c> closed(Matrix7c::Identity() + at.compliance * rest);
+    const Vector7c moved = closed.solve(at.compliance * a);
+    const Complex L = law * (a.transpose() * moved)(0),
+                  by_ratio = law * (a.transpose() * closed.solve(at.slope * (a - rest * moved)))(0),
+                  all = closed.determinant() * (1.0 + L);
     seen.curve.push_back({.hz = at.hz, .loop = L, .radius = k95 * at.share * std::abs(by_ratio)});
     angle += std::arg(seen.curve.size() == 1 ? all : all / before);
     before = all;

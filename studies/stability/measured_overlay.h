@@ -10,7 +10,7 @@
 
 namespace osteon::studies {
 
-/// What was measured of an arm that a force is laid over.
+/// The measured figures of an arm that a force is laid over.
 struct MeasuredOverlayParams {
   Vector3 axis_T{Vector3::UnitZ()};  ///< along which force and motion were, of the tool, unit
   double dead_time_s{0.0};           ///< from a force to its first effect
@@ -56,7 +56,7 @@ class MeasuredOverlay {
   [[nodiscard]] Seen Evaluate(const OverlayLoopParams& loop, double late_s) const;
 
   double period_s_;
-  Vector3 axis_T_, axis_B_{Vector3::UnitZ()};
+  Vector3 axis_T_;
   Eigen::Matrix<double, 6, 7> J_;
   Matrix3 R_BT_{Matrix3::Identity()};
   Eigen::Matrix<double, 7, 1> along_;
