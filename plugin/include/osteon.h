@@ -229,7 +229,7 @@ typedef enum OsteonLogLevel {
   OSTEON_LOG_ERROR = 2
 } OsteonLogLevel;
 /* Receives one line of text, UTF-8, valid during the call. It must return soon, and must call no function of
- * the session, which would wait for ever. What it throws (C++) ends in the library. */
+ * the session, which would wait for ever. Exceptions of it (C++) end in the library. */
 typedef void (*OsteonLogCallback)(void* user, uint32_t level, const char* text);
 
 /* From now on, `callback` is told what happens in the session: at once its engine, and as a warning what

@@ -105,7 +105,7 @@ class Session {
   /// Hands levels to Evaluate, which begins anew. Under the engine's lock.
   void UseLevels(Levels levels) noexcept;
   void CheckDevice() const;
-  /// Under the engine's lock. What the callback throws ends here.
+  /// Under the engine's lock. Exceptions of the callback end here.
   void Log(OsteonLogLevel level, const std::string& text) const;
   [[nodiscard]] std::string InBoneText() const;
   [[nodiscard]] std::unique_ptr<simulation::CuttingEngine> MakeEngine(const ToolSource& tool) const;

@@ -19,7 +19,7 @@ class IdleShare {
   static constexpr rt::Nanoseconds kMinTold = 20 * rt::kMillisecond;  ///< a shorter stretch tells nothing
   static constexpr int kMinShare = 5;  ///< a fifth of the time on a CPU: it was not put off
 
-  /// What to do at a time.
+  /// The step to take at a time.
   [[nodiscard]] Next At(rt::Nanoseconds now) const {
     if (!put_off_) return Next::kWork;
     return now < rests_until_ ? Next::kRest : Next::kTry;

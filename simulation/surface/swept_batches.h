@@ -14,7 +14,7 @@ struct WayTimes {
   friend bool operator==(const WayTimes&, const WayTimes&) = default;
 };
 
-/// What a tool swept in up to ToolWays::kBatchFrames frames. It never changes, so threads may share it.
+/// The sweep of a tool in up to ToolWays::kBatchFrames frames. It never changes, so threads may share it.
 struct SweptBatch {
   WayTimes times;
   bool touches{false};  ///< the tool touched or cut bone in one of the frames
