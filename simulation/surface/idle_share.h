@@ -14,7 +14,7 @@ class IdleShare {
   enum class Next { kWork, kRest, kTry };
 
   static constexpr rt::Nanoseconds kRestTime = rt::kSecond;
-  /// Of CPU time, without the lock: longer than the one turn that a busy machine grants.
+  /// CPU time of a try, without the lock: longer than the one turn that a busy machine grants.
   static constexpr rt::Nanoseconds kTryTime = 15 * rt::kMillisecond;
   static constexpr rt::Nanoseconds kMinTold = 20 * rt::kMillisecond;  ///< a shorter stretch tells nothing
   static constexpr int kMinShare = 5;  ///< a fifth of the time on a CPU: it was not put off
