@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # deb_long.sh BUILD [FOLDER]: the Debian packages on a bare Debian 12, as somebody meets them who has nothing else. Makes
 # the packages of BUILD (osteon_app, osteon_studies and osteon_plugin must be built), lets lintian judge them, installs
-# them in a fresh debootstrap below FOLDER (a temporary one), runs the demo to its summary, and purges them. Needs root,
-# debootstrap, lintian, a mirror of Debian, 2 GB; takes five minutes. Exit code 1: something does not hold.
+# them in a fresh debootstrap below FOLDER (a temporary one), runs the demo to its summary, and purges them. Then the unit
+# runs there under a systemd (service_long.sh). Needs root, debootstrap, lintian, a mirror of Debian, 2 GB; takes eight
+# minutes. Exit code 1: something does not hold.
 set -euo pipefail
 build=$(realpath "$1") folder=${2:-}
 readonly kMaxSeconds=60 # from apt's start to the demo's summary
@@ -94,4 +95,9 @@ packages | diff "$folder/packages_before" - || { echo "packages are left"; exit 
 # what other packages leave is theirs, and what a run leaves for its time in the temporary folder: our own names count
 files | comm -13 "$folder/before" - | grep -i osteon && { echo "files are left"; exit 1; }
 echo "nothing is left"
+
+echo "== the unit under a systemd"
+inside 'apt-get install -y --no-install-recommends systemd dbus iproute2 /debs/*.deb' >"$folder/systemd.log"
+umount -R "$bare/dev" "$bare/proc" # systemd's namespaces have their own
+bash "$(dirname "$0")/service_long.sh" "$bare"
 ((seconds <= kMaxSeconds)) || { echo "the demo's summary came too late; load of this machine: $(cut -d' ' -f1-3 /proc/loadavg)"; exit 1; }
