@@ -263,7 +263,7 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
   const float priority = 1.0f;
   const vk::DeviceQueueCreateInfo queue({}, context->queue_family, 1, &priority);
   context->arithmetic = arithmetic == Arithmetic::kAuto ? context->info.arithmetic : arithmetic;
-  if (context->arithmetic < context->info.arithmetic)
+  if (!Offers(ReportOf(*context->physical), context->arithmetic))
     return tl::make_unexpected(ArithmeticText(context->arithmetic) + ": " + context->info.name +
                                " lacks them: " + RefusalText(context->info.missing));
   DeviceFeatures features = NeededFeatures(context->arithmetic);
@@ -282,7 +282,7 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
   context->device.emplace(*context->physical, create);
   threads.PinWorkers();
   context->queue.emplace(*context->device, context->queue_family, 0);
-  context->fused_fma = context->arithmetic == Arithmetic::kFloats && HasFusedFma(*context);
+  context->fused_fma = !HasDoubles(context->arithmetic) && HasFusedFma(*context);
   return context;
 } catch (const std::exception& error) {
   return tl::make_unexpected(OpeningFailure(error));

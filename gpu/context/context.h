@@ -47,8 +47,7 @@ struct Context {
   DeviceInfo info;
   Arithmetic arithmetic{Arithmetic::kInt64};  ///< not kAuto
   Subgroups subgroups;
-  bool fused_fma{
-      false};  ///< products of floats are exact by fma(): HasFusedFma; with Arithmetic::kFloats alone
+  bool fused_fma{false};  ///< products of floats are exact by fma(): HasFusedFma; without doubles alone
 };
 
 /// What a device says of itself.

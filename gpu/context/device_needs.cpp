@@ -42,17 +42,17 @@ std::vector<DeviceNeed> MakeNeeds() {
        .accepted = "yes",
        .why = "double precision decides what floats can't tell",
        .feature = [](DeviceFeatures& f) { return &f.core.shaderFloat64; },
-       .last = Arithmetic::kWords},
+       .serves = HasDoubles},
       {.name = "shaderInt64",
        .accepted = "yes",
        .why = "keys of pairs and exact sums have 64 bits",
        .feature = [](DeviceFeatures& f) { return &f.core.shaderInt64; },
-       .last = Arithmetic::kInt64},
+       .serves = HasInt64},
       {.name = "shaderBufferInt64Atomics",
        .accepted = "yes",
        .why = "all workgroups find one smallest key and add to one exact sum",
        .feature = [](DeviceFeatures& f) { return &f.vulkan12.shaderBufferInt64Atomics; },
-       .last = Arithmetic::kInt64},
+       .serves = HasInt64},
       {.name = "subgroup operations",
        .accepted = "Basic, Vote, Arithmetic and Ballot in compute shaders",
        .why = "a subgroup combines its results before it writes them",
@@ -145,21 +145,30 @@ std::vector<UnmetNeed> FindUnmet(const DeviceReport& report, bool optional) {
 std::vector<UnmetNeed> UnmetNeeds(const DeviceReport& report) { return FindUnmet(report, false); }
 std::vector<UnmetNeed> MissingOptions(const DeviceReport& report) { return FindUnmet(report, true); }
 
-Arithmetic AvailableArithmetic(const DeviceReport& report) {
-  Arithmetic available = Arithmetic::kInt64;
+bool Offers(const DeviceReport& report, Arithmetic arithmetic) {
   DeviceFeatures features = report.features;
-  for (const DeviceNeed& need : DeviceNeeds())
-    if (need.feature && need.IsOptional() && *need.feature(features) != VK_TRUE)
-      available =
-          std::max(available, need.last == Arithmetic::kInt64 ? Arithmetic::kWords : Arithmetic::kFloats);
-  return available;
+  return std::ranges::all_of(DeviceNeeds(), [&](const DeviceNeed& need) {
+    return !need.IsOptional() || !need.serves(arithmetic) || *need.feature(features) == VK_TRUE;
+  });
+}
+
+Arithmetic AvailableArithmetic(const DeviceReport& report) {
+  for (const Arithmetic arithmetic : {Arithmetic::kInt64, Arithmetic::kWords, Arithmetic::kFloatsInt64})
+    if (Offers(report, arithmetic)) return arithmetic;
+  return Arithmetic::kFloats;
 }
 
 std::string ArithmeticText(Arithmetic arithmetic) {
-  if (arithmetic == Arithmetic::kFloats)
-    return "two floats for each double, two words for each 64-bit integer";
-  if (arithmetic == Arithmetic::kWords) return "doubles, and two words for each 64-bit integer";
-  return "doubles and 64-bit integers";
+  switch (arithmetic) {
+    case Arithmetic::kFloats:
+      return "two floats for each double, two words for each 64-bit integer";
+    case Arithmetic::kFloatsInt64:
+      return "two floats for each double, and 64-bit integers";
+    case Arithmetic::kWords:
+      return "doubles, and two words for each 64-bit integer";
+    default:
+      return "doubles and 64-bit integers";
+  }
 }
 
 std::string NeedNames(std::span<const UnmetNeed> needs) {
@@ -171,7 +180,7 @@ std::string NeedNames(std::span<const UnmetNeed> needs) {
 DeviceFeatures NeededFeatures(Arithmetic arithmetic) {
   DeviceFeatures features;
   for (const DeviceNeed& need : DeviceNeeds())
-    if (need.feature && need.last >= arithmetic) *need.feature(features) = VK_TRUE;
+    if (need.feature && (!need.serves || need.serves(arithmetic))) *need.feature(features) = VK_TRUE;
   return features;
 }
 

@@ -37,9 +37,9 @@ struct DeviceNeed {
   vk::Bool32* (*feature)(DeviceFeatures&){nullptr};    ///< nullptr for another property
   bool (*is_met)(const DeviceReport&){nullptr};        ///< nullptr for a feature
   std::string (*found)(const DeviceReport&){nullptr};  ///< nullptr for a feature
-  Arithmetic last{Arithmetic::kFloats};                ///< later ones do without it
+  bool (*serves)(Arithmetic){nullptr};                 ///< others do without it; nullptr: all need it
 
-  [[nodiscard]] bool IsOptional() const { return last != Arithmetic::kFloats; }
+  [[nodiscard]] bool IsOptional() const { return serves != nullptr; }
 };
 
 /// All needs, in the order of docs/theory/gpu_frames.md#limits. The first one is the API's version: a device
@@ -51,6 +51,9 @@ struct DeviceNeed {
 
 /// The needs that a device does not meet; empty where the engine can use it.
 [[nodiscard]] std::vector<UnmetNeed> UnmetNeeds(const DeviceReport& report);
+
+/// Whether a device has the features of an arithmetic.
+[[nodiscard]] bool Offers(const DeviceReport& report, Arithmetic arithmetic);
 
 /// The first arithmetic for which a device has the features.
 [[nodiscard]] Arithmetic AvailableArithmetic(const DeviceReport& report);

@@ -9,13 +9,21 @@
 
 namespace osteon::gpu {
 
-/// How the passes compute where 32 bits do not suffice: with less of the device from one to the next.
+/// How the passes compute where 32 bits do not suffice. A device takes the first one whose features it has.
 enum class Arithmetic : std::uint8_t {
-  kAuto,    ///< as the device's features allow
-  kInt64,   ///< doubles, and 64-bit integers with atomic operations
-  kWords,   ///< 64-bit integers as two words of 32 bits; the same results, with three more passes
-  kFloats,  ///< doubles as two floats as well; nearly the same results
+  kAuto,   ///< as the device's features allow
+  kInt64,  ///< doubles, and 64-bit integers with atomic operations
+  kWords,  ///< doubles; 64-bit integers as two words of 32 bits: the same results, with three more passes
+  kFloatsInt64,  ///< doubles as two floats: nearly the same results; 64-bit integers
+  kFloats,       ///< doubles as two floats, 64-bit integers as two words
 };
+/// Whether it needs shaderFloat64, and whether it needs shaderInt64 and shaderBufferInt64Atomics.
+[[nodiscard]] constexpr bool HasDoubles(Arithmetic a) {
+  return a == Arithmetic::kInt64 || a == Arithmetic::kWords;
+}
+[[nodiscard]] constexpr bool HasInt64(Arithmetic a) {
+  return a == Arithmetic::kInt64 || a == Arithmetic::kFloatsInt64;
+}
 
 /// A feature or limit that the cutting engine needs and that a device lacks.
 struct UnmetNeed {
@@ -38,7 +46,7 @@ struct DeviceInfo {
   std::vector<UnmetNeed> missing{};           ///< what it would need for kInt64; empty where it has that
 };
 
-/// "doubles and 64-bit integers", "doubles; 64-bit integers as two words" or the like.
+/// "doubles and 64-bit integers", "doubles, and two words for each 64-bit integer" or the like.
 [[nodiscard]] std::string ArithmeticText(Arithmetic arithmetic);
 
 /// "shaderInt64, shaderBufferInt64Atomics".

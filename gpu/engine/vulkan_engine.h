@@ -37,8 +37,8 @@ struct VulkanOverrides {
   std::uint32_t subgroup_size{0};   ///< 0: the device's own; other sizes need VK_EXT_subgroup_size_control
   std::uint32_t max_workgroups{0};  ///< of a pass, along x; 0: the device's limit
   std::uint32_t bone_ball_bits{0};  ///< of a bone ball's index in keys, 24 … 28; 0: as many as the bone needs
-  Arithmetic arithmetic{Arithmetic::kAuto};  ///< a later one than the device allows
-  std::optional<bool> fused_fma{};           ///< in place of what HasFusedFma finds; with Arithmetic::kFloats
+  Arithmetic arithmetic{Arithmetic::kAuto};  ///< of those that the device has the features for
+  std::optional<bool> fused_fma{};           ///< in place of what HasFusedFma finds; without doubles
 };
 
 struct VulkanParams {

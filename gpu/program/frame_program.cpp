@@ -205,14 +205,13 @@ void FrameProgram::MakePipelines(bool fused_fma) {
        {11, offsetof(Constants, fused_fma), sizeof(VkBool32)}}};
   Constants wide = constants;
   if (gpu_) wide.lanes = kWideLanes;
-  const bool words = context_->arithmetic != Arithmetic::kInt64;
+  const bool words = !HasInt64(context_->arithmetic), floats = !HasDoubles(context_->arithmetic);
   const auto add = [&](const char* name, const ShaderCode& code, const Constants& own, std::size_t groups,
                        Then then) {
     const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
                                                 sizeof(Constants), &own);
-    const std::span<const std::uint32_t> spirv = context_->arithmetic == Arithmetic::kFloats ? code.floats
-                                                 : words                                     ? code.words
-                                                                                             : code.int64;
+    const std::span<const std::uint32_t> spirv =
+        floats ? (words ? code.floats : code.floats_int64) : (words ? code.words : code.int64);
     const vk::raii::ShaderModule module(device,
                                         vk::ShaderModuleCreateInfo({}, spirv.size_bytes(), spirv.data()));
     const vk::PipelineShaderStageRequiredSubgroupSizeCreateInfo size(subgroup_size_);
@@ -395,7 +394,7 @@ bool FrameProgram::AwaitReadback(std::uint64_t timeout_ns) {
 }
 
 bool FrameProgram::Run(const Frame& frame, FrameMode mode, std::uint64_t timeout_ns) try {
-  const bool floats = context_->arithmetic == Arithmetic::kFloats;
+  const bool floats = !HasDoubles(context_->arithmetic);
   last_mode_ = mode;
   // Wait for the last frame: its report may have arrived before its fence.
   if (!AwaitFence(timeout_ns)) return false;

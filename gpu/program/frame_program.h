@@ -46,7 +46,7 @@ class FrameProgram {
 
   /// Result of the last Run. Host memory.
   [[nodiscard]] const Frame& result() const {
-    return context_->arithmetic == Arithmetic::kFloats ? decoded_ : raw_result();
+    return !HasDoubles(context_->arithmetic) ? decoded_ : raw_result();
   }
   /// The last Run's events of split balls, in any order. Host memory.
   [[nodiscard]] std::span<const SplitEvent> split_events() const {
@@ -133,7 +133,7 @@ class FrameProgram {
   double pipelines_s_{0.0};         // time for creating the pipelines
   bool copies_in_{false};           ///< the host cannot write to the memory that the passes read
   uint sequence_{0};                ///< number of the last readback
-  Frame decoded_{};                 ///< with Arithmetic::kFloats: the result, with doubles
+  Frame decoded_{};                 ///< without doubles on the device: the result, with doubles
   std::vector<vk::raii::BufferView> views_;
   vk::raii::DescriptorSetLayout set_layout_{nullptr};
   vk::raii::PipelineLayout layout_{nullptr};

@@ -59,8 +59,18 @@ Key64 Smaller(Key64 a, Key64 b) { return min(a, b); }
 Sum64 Plus(Sum64 a, Sum64 b) { return a + b; }
 Sum64 Shifted(int part, uint bits) { return Sum64(part) << bits; }
 int BitsFrom(Sum64 sum, uint first) { return int(sum >> first); }
+#ifdef OSTEON_NO_FLOAT64
+// double_single.glsl converts integers of 32 bits
+const double kHalfWord = 2147483648.0lf;
+Sum64 SumOf(double whole) {
+  double upper = floor(whole * (1.0lf / kHalfWord));
+  return (Sum64(int(upper)) << 31) + Sum64(int(whole - upper * kHalfWord));
+}
+double NumberOf(Sum64 sum) { return double(int(sum >> 32)) * (2.0lf * kHalfWord) + double(uint(sum)); }
+#else
 Sum64 SumOf(double whole) { return Sum64(whole); }
-Sum64 SumOf(uint whole) { return Sum64(whole); }
 double NumberOf(Sum64 sum) { return double(sum); }
+#endif
+Sum64 SumOf(uint whole) { return Sum64(whole); }
 const Sum64 kNoSum = 0L;
 #endif

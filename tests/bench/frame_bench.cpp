@@ -3,7 +3,7 @@
 // so that the executable can be copied to a machine with a GPU; `osteon bench frame` times the same workload.
 //
 //     osteon_frame_bench [FRAMES] [--device NAME] [--spheres N] [--uniform] [--tool-spheres M] [--brute]
-//                        [--scene CELL.yaml --motion FILE.csv] [--rate HZ] [--arithmetic int64|words|floats]
+//                        [--scene CELL.yaml --motion FILE.csv] [--rate HZ] [--arithmetic int64|words|floats|floats_int64]
 //
 // Prints a CSV header and one row. Times are wall time around CuttingEngine::Step; the device's own time by
 // pass comes from a second run (timestamps slow software drivers down).
@@ -33,7 +33,8 @@ struct Options {
 
 const std::map<std::string, gpu::Arithmetic> kArithmetics{{"int64", gpu::Arithmetic::kInt64},
                                                           {"words", gpu::Arithmetic::kWords},
-                                                          {"floats", gpu::Arithmetic::kFloats}};
+                                                          {"floats", gpu::Arithmetic::kFloats},
+                                                          {"floats_int64", gpu::Arithmetic::kFloatsInt64}};
 
 template <typename T>
 bool Read(const std::string& text, T& value, T least, T most) {
@@ -164,7 +165,8 @@ int main(int argc, char** argv) {
         stderr,
         "osteon_frame_bench: %s\nusage: osteon_frame_bench [FRAMES, at least 2] [--device NAME] [--spheres "
         "N, 100 … 20000000] [--uniform]\n           [--tool-spheres M, 1 … 10000] [--brute] [--scene "
-        "CELL.yaml --motion FILE.csv] [--rate HZ, 10 … 10000] [--arithmetic int64|words|floats]\n",
+        "CELL.yaml --motion FILE.csv] [--rate HZ, 10 … 10000] [--arithmetic "
+        "int64|words|floats|floats_int64]\n",
         wrong.c_str());
     return 2;
   }

@@ -88,16 +88,24 @@ TEST(DeviceNeeds, AreToldTogetherWhereSeveralAreMissing) {
 
 TEST(DeviceNeeds, ThatAreMissingChooseTheArithmetic) {
   const DeviceReport usable = OfAUsableDevice();
-  DeviceReport no_atomics = usable, no_integers = usable, no_doubles = usable;
+  DeviceReport no_atomics = usable, no_integers = usable, no_doubles = usable, neither = usable;
   no_atomics.features.vulkan12.shaderBufferInt64Atomics = VK_FALSE;
   no_integers.features.core.shaderInt64 = VK_FALSE;
   no_doubles.features.core.shaderFloat64 = VK_FALSE;
+  neither.features.core.shaderFloat64 = VK_FALSE;
+  neither.features.vulkan12.shaderBufferInt64Atomics = VK_FALSE;
   EXPECT_EQ(AvailableArithmetic(usable), Arithmetic::kInt64);
   EXPECT_EQ(AvailableArithmetic(no_atomics), Arithmetic::kWords);
   EXPECT_EQ(AvailableArithmetic(no_integers), Arithmetic::kWords);
-  EXPECT_EQ(AvailableArithmetic(no_doubles), Arithmetic::kFloats);
+  EXPECT_EQ(AvailableArithmetic(no_doubles), Arithmetic::kFloatsInt64);
+  EXPECT_EQ(AvailableArithmetic(neither), Arithmetic::kFloats);
+  EXPECT_TRUE(Offers(no_doubles, Arithmetic::kFloats));
+  EXPECT_FALSE(Offers(no_doubles, Arithmetic::kWords));
+  EXPECT_FALSE(Offers(no_integers, Arithmetic::kFloatsInt64));
   EXPECT_EQ(NeededFeatures(Arithmetic::kWords).core.shaderFloat64, VK_TRUE);
   EXPECT_EQ(NeededFeatures(Arithmetic::kWords).core.shaderInt64, VK_FALSE);
+  EXPECT_EQ(NeededFeatures(Arithmetic::kFloatsInt64).core.shaderFloat64, VK_FALSE);
+  EXPECT_EQ(NeededFeatures(Arithmetic::kFloatsInt64).vulkan12.shaderBufferInt64Atomics, VK_TRUE);
 }
 
 // An older device reports no features of Vulkan 1.2: that it lacks them all would say nothing.

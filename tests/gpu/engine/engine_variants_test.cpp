@@ -176,8 +176,8 @@ VulkanParams WithWords(VulkanOverrides overrides) {
   overrides.arithmetic = Arithmetic::kWords;
   return With(overrides);
 }
-VulkanParams WithFloats(VulkanOverrides overrides) {
-  overrides.arithmetic = Arithmetic::kFloats;
+VulkanParams WithFloats(VulkanOverrides overrides, Arithmetic arithmetic = Arithmetic::kFloats) {
+  overrides.arithmetic = arithmetic;
   return With(overrides);
 }
 
@@ -228,8 +228,8 @@ TEST(Words, SplitKeysOfTheLargestBoneAsWell) {
 
 // The device opens without the features, so the layers would name a shader that uses them.
 TEST(Arithmetic, HasNothingForTheValidationLayersToSay) {
-  for (VulkanParams params :
-       {WithWords(kForGpu), WithWords(kForProcessor), WithFloats(kForGpu), WithFloats(kForProcessor)}) {
+  for (VulkanParams params : {WithWords(kForGpu), WithWords(kForProcessor), WithFloats(kForGpu),
+                              WithFloats(kForProcessor), WithFloats(kForGpu, Arithmetic::kFloatsInt64)}) {
     params.validation = true;
     auto opened = VulkanEngine::Create(LongStrip(), Shell(60), Pose::Identity(), {}, params);
     if (!opened && opened.error().find("vulkan-validationlayers") != std::string::npos)
@@ -241,15 +241,21 @@ TEST(Arithmetic, HasNothingForTheValidationLayersToSay) {
   }
 }
 
-// Sums of whole numbers and keys do not depend on the order of execution here either.
-// (Few engines, since a software driver takes seconds to compile each.)
-TEST(Floats, GiveTheSameBitsOnAGpuAndOnAProcessor) {
+// Sums of whole numbers and keys do not depend on the order of execution here either, nor on the words of
+// 64-bit integers. (Few engines, since a software driver takes seconds to compile each.)
+TEST(Floats, GiveTheSameBitsOnAGpuAndOnAProcessorInWordsAndIn64BitIntegers) {
   CuttingParams contact_sphere;
   contact_sphere.cutters = simulation::Cutters::kContactSphere;
-  for (const auto& [tool, params] :
-       {std::pair{Ball(6e-3), CuttingParams{}}, std::pair{Shell(60), contact_sphere}}) {
-    const auto gpu = Open(LongStrip(), tool, WithFloats(kForGpu), params),
-               processor = Open(LongStrip(), tool, WithFloats(kForProcessor), params);
+  struct Case {
+    simulation::Tool tool;
+    CuttingParams params;
+    Arithmetic on_gpu, on_processor;
+  };
+  for (const auto& [tool, params, on_gpu, on_processor] :
+       {Case{Ball(6e-3), {}, Arithmetic::kFloats, Arithmetic::kFloatsInt64},
+        Case{Shell(60), contact_sphere, Arithmetic::kFloatsInt64, Arithmetic::kFloats}}) {
+    const auto gpu = Open(LongStrip(), tool, WithFloats(kForGpu, on_gpu), params),
+               processor = Open(LongStrip(), tool, WithFloats(kForProcessor, on_processor), params);
     ExpectSameBits(*gpu, *processor, 100, [](int i, const ContactModel&) { return StrokeInput(i); });
   }
 }
@@ -262,10 +268,11 @@ TEST(Floats, GiveTheSameBitsWithAFusedFmaAlone) {
   const auto split = Open(LongStrip(), Ball(6e-3), WithFloats({.fused_fma = false})),
              fused = Open(LongStrip(), Ball(6e-3), WithFloats({.fused_fma = true}));
   int alike = 0;
-  constexpr int kFrames = 60;
-  for (int i = 0; i < kFrames; ++i)
+  constexpr int kStrokeFrames = 60;
+  for (int i = 0; i < kStrokeFrames; ++i)
     if (Identical(split->Step(StrokeInput(i)), fused->Step(StrokeInput(i)))) ++alike;
-  EXPECT_EQ(alike == kFrames, (*context)->fused_fma) << alike << " frames alike, " << (*context)->info.name;
+  EXPECT_EQ(alike == kStrokeFrames, (*context)->fused_fma)
+      << alike << " frames alike, " << (*context)->info.name;
 }
 
 // ---- subgroup sizes
