@@ -34,7 +34,11 @@ AdaptiveResolution::AdaptiveResolution(const CellSetup& setup, const AdaptiveRes
       X_GW_(setup.X_WG.inverse()),
       lever_m_(simulation::ToolLever(setup.config.tool.tool)),
       level_(setup.planned->plan.packed.level),
-      trail_(MakeProxyTrail(setup)) {}
+      trail_(MakeProxyTrail(setup)) {
+  // a trail that grew would be moved by the simulation's thread, megabytes at a time, and leave holes in the
+  // memory
+  trail_.Reserve(kMaxPlaces);
+}
 
 AdaptiveResolution::~AdaptiveResolution() { End(); }
 

@@ -20,6 +20,8 @@ class ProxyTrail {
   ///   moved them farther
   ProxyTrail(double lever_m, double step_m);
 
+  /// Takes memory for this many places, so that adding up to as many moves none.
+  void Reserve(std::size_t places) { places_.reserve(places); }
   /// Adds a frame's free pose. The last pose is always in the trail.
   void Add(const Pose& X_GP);
   [[nodiscard]] const std::vector<PlainPose>& places() const { return places_; }
