@@ -6,6 +6,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "base/number_text.h"
+
 namespace osteon::kinematics {
 namespace {
 
@@ -59,7 +61,7 @@ void CheckJoint(const RevoluteJoint& joint, int number, bool masses) {
   if (!(limits.lower_rad < limits.upper_rad) || !std::isfinite(limits.lower_rad) ||
       !std::isfinite(limits.upper_rad))
     Refuse(of, "upper limit [rad]", limits.upper_rad,
-           "more than the lower limit of " + std::to_string(limits.lower_rad) + ", both finite");
+           "more than the lower limit of " + base::NumberText(limits.lower_rad) + ", both finite");
   NotNegative(of, "velocity limit [rad/s]", limits.velocity_rad_per_s);
   NotNegative(of, "acceleration limit [rad/s^2]", limits.acceleration_rad_per_s2);
   NotNegative(of, "torque limit [Nm]", limits.torque_Nm);

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "kinematics/braking_speed.h"
 #include "kinematics/jacobi_svd.h"
 
@@ -120,7 +121,7 @@ template <int N>
 DifferentialInverse<N>::DifferentialInverse(const DifferentialInverseParams<N>& params) : params_(params) {
   const auto require = [](const std::string& name, double value, bool accepted, const char* range) {
     if (!accepted || !std::isfinite(value))
-      throw std::invalid_argument(name + ": found " + std::to_string(value) + ", accepted " + range);
+      throw std::invalid_argument(name + ": found " + base::NumberText(value) + ", accepted " + range);
   };
   require("position_margin_rad", params.position_margin_rad, params.position_margin_rad >= 0.0, ">= 0");
   require("speed_share", params.speed_share, params.speed_share > 0.0 && params.speed_share <= 1.0, "0 … 1");

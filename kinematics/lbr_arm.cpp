@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "kinematics/lbr_elbow.h"
 
 namespace osteon::kinematics {
@@ -14,7 +15,8 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 [[noreturn]] void Refuse(const std::string& name, double found, const char* accepted) {
-  throw std::invalid_argument("arm: " + name + ": found " + std::to_string(found) + ", accepted " + accepted);
+  throw std::invalid_argument("arm: " + name + ": found " + base::NumberText(found) + ", accepted " +
+                              accepted);
 }
 
 const LbrParams& Validated(const LbrParams& params) {

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::kinematics {
 namespace {
 
@@ -76,11 +78,11 @@ LbrParams LbrParamsFrom(const ChainParams<7>& chain) {
   if (!(params.shoulder_to_elbow_m > kOff_m))
     throw std::invalid_argument(
         "arm is not spherical-revolute-spherical: A4 is not above A2 at zero, found " +
-        std::to_string(params.shoulder_to_elbow_m) + " m, accepted > 0");
+        base::NumberText(params.shoulder_to_elbow_m) + " m, accepted > 0");
   if (!(params.elbow_to_wrist_m > kOff_m))
     throw std::invalid_argument(
         "arm is not spherical-revolute-spherical: A6 is not above A4 at zero, found " +
-        std::to_string(params.elbow_to_wrist_m) + " m, accepted > 0");
+        base::NumberText(params.elbow_to_wrist_m) + " m, accepted > 0");
   for (std::size_t i = 0; i < 7; ++i) params.limits[i] = chain.joints[i].limits;
   return params;
 }

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "kinematics/two_links.h"
 
 namespace osteon::kinematics {
@@ -15,7 +16,8 @@ namespace {
 constexpr double kPi = std::numbers::pi, kTurn = 2.0 * kPi;
 
 [[noreturn]] void Refuse(const std::string& name, double found, const char* accepted) {
-  throw std::invalid_argument("arm: " + name + ": found " + std::to_string(found) + ", accepted " + accepted);
+  throw std::invalid_argument("arm: " + name + ": found " + base::NumberText(found) + ", accepted " +
+                              accepted);
 }
 
 // A joint value, chosen within the limits if an equivalent is, and how far it is beyond them (<= 0: within).

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::kinematics {
 namespace {
 
@@ -105,8 +107,8 @@ OrthoParallelParams OrthoParallelParamsFrom(const ChainParams<6>& chain) {
   params.a2_m = fore.dot(x_c);
   if (!(params.c2_m > kOff_m) || !(params.c3_m > kOff_m))
     throw std::invalid_argument("arm is not ortho-parallel with a spherical wrist: found " +
-                                std::to_string(params.c2_m) + " m from A2 to A3, " +
-                                std::to_string(params.c3_m) + " m from A3 to the wrist, accepted > 0");
+                                base::NumberText(params.c2_m) + " m from A2 to A3, " +
+                                base::NumberText(params.c3_m) + " m from A3 to the wrist, accepted > 0");
   theta[1] = std::atan2(upper.x(), upper.z());
   theta[2] = std::remainder(std::atan2(z_4.x(), z_4.z()) - theta[1], 2.0 * std::numbers::pi);
 

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::safety {
 namespace {
 
@@ -22,8 +24,8 @@ DepthLimitParams Validated(const DepthLimitParams& params) {
 void Validate(const DepthLimitParams& params) {
   const auto require = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
-      throw std::invalid_argument("depth limit: " + std::string(name) + ": found " + std::to_string(value) +
-                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+      throw std::invalid_argument("depth limit: " + std::string(name) + ": found " + base::NumberText(value) +
+                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
   };
   Validate(params.bound);
   require("soft_m", params.soft_m, 1e-5, 1.0);

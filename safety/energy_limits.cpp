@@ -3,13 +3,15 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::safety {
 
 void Validate(const EnergyLimitParams& params) {
   const auto positive = [](const char* name, double value) {
     if (!(value > 0.0))
-      throw std::invalid_argument("energy limits: " + std::string(name) + ": found " + std::to_string(value) +
-                                  ", accepted > 0");
+      throw std::invalid_argument("energy limits: " + std::string(name) + ": found " +
+                                  base::NumberText(value) + ", accepted > 0");
   };
   positive("max_stored_J", params.max_stored_J);
   positive("max_power_W", params.max_power_W);

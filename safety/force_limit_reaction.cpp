@@ -5,20 +5,23 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::safety {
 
 void Validate(const ForceLimitReactionParams& params) {
   const auto require = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("on force limit ") + name + ": found " + std::to_string(value) +
-                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+      throw std::invalid_argument(std::string("on force limit ") + name + ": found " +
+                                  base::NumberText(value) + ", accepted " + base::NumberText(low) + " … " +
+                                  base::NumberText(high));
   };
   require("advance_factor", params.advance_factor, 1.0, 2.0);
   require("slow_zone_m", params.slow_zone_m, 1e-5, 0.1);
   require("stop_after_s", params.stop_after_s, 1e-3, 10.0);
   if (!(params.max_tool_in_bone_m > 0.0))
     throw std::invalid_argument("on force limit max_tool_in_bone_m: found " +
-                                std::to_string(params.max_tool_in_bone_m) + ", accepted > 0");
+                                base::NumberText(params.max_tool_in_bone_m) + ", accepted > 0");
 }
 
 ForceLimitReaction::ForceLimitReaction(const ForceLimitReactionParams& params, double deceleration_m_per_s2,

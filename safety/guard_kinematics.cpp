@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::safety {
 namespace {
 
@@ -38,7 +40,7 @@ GuardKinematics::GuardKinematics(const kinematics::ChainParams<7>& chain, const 
     RequirePose(joint.X_PJ, name);
     const double length = joint.axis_J.norm();
     if (!(std::abs(length - 1.0) < kUnitTolerance))
-      throw std::invalid_argument("guard: " + name + ": axis: found a length of " + std::to_string(length) +
+      throw std::invalid_argument("guard: " + name + ": axis: found a length of " + base::NumberText(length) +
                                   ", accepted 1");
     p_W += R_W * joint.X_PJ.translation();
     R_W = R_W * joint.X_PJ.linear();

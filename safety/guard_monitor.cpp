@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "safety/guard_zone.h"
 
 namespace osteon::safety {
@@ -27,7 +28,7 @@ GuardMonitor::GuardMonitor(const GuardParams& params)
     : params_(params), arm_(params.arm, params.X_WB, params.X_FT) {
   const auto require = [](bool accepted, const char* name, double found, const char* range) {
     if (!accepted || !std::isfinite(found))
-      throw std::invalid_argument(std::string("guard: ") + name + ": found " + std::to_string(found) +
+      throw std::invalid_argument(std::string("guard: ") + name + ": found " + base::NumberText(found) +
                                   ", accepted " + range);
   };
   const auto positive = [&](const char* name, double value) { require(value > 0.0, name, value, "> 0"); };

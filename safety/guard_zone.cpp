@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::safety {
 namespace {
 
@@ -56,7 +58,7 @@ double GuardZoneMargin_m(const ZoneParams& zone, const Vector3& p_WP) OSTEON_RT 
 void RequireGuardZone(const ZoneParams& zone) {
   const auto require_length = [](const char* name, double found) {
     if (!(found > 0.0) || !std::isfinite(found))
-      throw std::invalid_argument("guard: zone: " + std::string(name) + ": found " + std::to_string(found) +
+      throw std::invalid_argument("guard: zone: " + std::string(name) + ": found " + base::NumberText(found) +
                                   ", accepted > 0");
   };
   const bool rotation =

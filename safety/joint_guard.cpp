@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "safety/limits.h"
 
 namespace osteon::safety {
@@ -18,20 +19,22 @@ JointGuard<N>::JointGuard(const JointGuardParams& params) : params_(params) {
         !(limit.lower_rad < limit.upper_rad) || !positive(limit.velocity_rad_per_s) ||
         !positive(limit.acceleration_rad_per_s2))
       throw std::invalid_argument("joint A" + std::to_string(i + 1) + ": found positions " +
-                                  std::to_string(limit.lower_rad) + " … " + std::to_string(limit.upper_rad) +
-                                  " rad, velocity " + std::to_string(limit.velocity_rad_per_s) +
-                                  " rad/s, acceleration " + std::to_string(limit.acceleration_rad_per_s2) +
+                                  base::NumberText(limit.lower_rad) + " … " +
+                                  base::NumberText(limit.upper_rad) + " rad, velocity " +
+                                  base::NumberText(limit.velocity_rad_per_s) + " rad/s, acceleration " +
+                                  base::NumberText(limit.acceleration_rad_per_s2) +
                                   " rad/s^2, accepted lower < upper and > 0 for the others");
     if (!(params.position_margin_rad >= 0.0 &&
           params.position_margin_rad < 0.5 * (limit.upper_rad - limit.lower_rad)))
-      throw std::invalid_argument("position_margin_rad: found " + std::to_string(params.position_margin_rad) +
+      throw std::invalid_argument("position_margin_rad: found " +
+                                  base::NumberText(params.position_margin_rad) +
                                   ", accepted 0 … below half of every joint's range");
   }
   if (!(params.speed_share > 0.0 && params.speed_share <= 1.0))
-    throw std::invalid_argument("speed_share: found " + std::to_string(params.speed_share) +
+    throw std::invalid_argument("speed_share: found " + base::NumberText(params.speed_share) +
                                 ", accepted 0 … 1");
   if (!positive(params.jump_rad))
-    throw std::invalid_argument("jump_rad: found " + std::to_string(params.jump_rad) + ", accepted > 0");
+    throw std::invalid_argument("jump_rad: found " + base::NumberText(params.jump_rad) + ", accepted > 0");
 }
 
 template <int N>

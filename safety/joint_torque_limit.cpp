@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::safety {
 namespace {
 
@@ -19,7 +21,7 @@ JointTorqueLimit<N>::JointTorqueLimit(const Joints& max_Nm) : max_Nm_(max_Nm) {
   for (int i = 0; i < N; ++i)
     if (!(max_Nm[i] > 0.0) || !std::isfinite(max_Nm[i]))
       throw std::invalid_argument("torque_Nm of joint " + std::to_string(i + 1) + ": found " +
-                                  std::to_string(max_Nm[i]) + ", accepted > 0: what the arm can hold");
+                                  base::NumberText(max_Nm[i]) + ", accepted > 0: what the arm can hold");
 }
 
 template <int N>

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::safety {
 namespace {
 
@@ -25,7 +27,7 @@ double ScaleWithin(const Vector3& v, double limit) {
 
 void RequirePositive(double value, const char* name) {
   if (!(value > 0.0) || !std::isfinite(value))
-    throw std::invalid_argument(std::string(name) + ": found " + std::to_string(value) +
+    throw std::invalid_argument(std::string(name) + ": found " + base::NumberText(value) +
                                 ", accepted > 0 and finite");
 }
 

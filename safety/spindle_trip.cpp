@@ -4,13 +4,15 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::safety {
 
 SpindleTrip::SpindleTrip(const SpindleLimitParams& params) : params_(params) {
   const auto require = [](const char* name, double value, bool ok, const char* accepted) {
     if (!ok)
       throw std::invalid_argument("spindle limits: " + std::string(name) + ": found " +
-                                  std::to_string(value) + ", accepted " + accepted);
+                                  base::NumberText(value) + ", accepted " + accepted);
   };
   require("max_torque_Nm", params.max_torque_Nm, params.max_torque_Nm > 0.0, "> 0");
   require("max_speed_rad_per_s", params.max_speed_rad_per_s, params.max_speed_rad_per_s > 0.0, "> 0");

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "safety/limits.h"
 
 namespace osteon::safety {
@@ -25,14 +26,15 @@ Workspace::Workspace(const WorkspaceParams& params) : params_(params) {
   };
   require(IsFinite(params.sphere_center_W_m), "sphere_center_W_m is not finite");
   require(std::isfinite(params.sphere_radius_m) && params.sphere_radius_m > 0.0,
-          "sphere_radius_m: found " + std::to_string(params.sphere_radius_m) + ", accepted > 0");
+          "sphere_radius_m: found " + base::NumberText(params.sphere_radius_m) + ", accepted > 0");
   require(std::abs(params.plane_normal_W.norm() - 1.0) < 1e-6,
-          "plane_normal_W: found length " + std::to_string(params.plane_normal_W.norm()) + ", accepted 1");
+          "plane_normal_W: found length " + base::NumberText(params.plane_normal_W.norm()) + ", accepted 1");
   require(std::isfinite(params.plane_offset_m), "plane_offset_m is not finite");
-  require(std::isfinite(params.deceleration_m_per_s2) && params.deceleration_m_per_s2 > 0.0,
-          "deceleration_m_per_s2: found " + std::to_string(params.deceleration_m_per_s2) + ", accepted > 0");
+  require(
+      std::isfinite(params.deceleration_m_per_s2) && params.deceleration_m_per_s2 > 0.0,
+      "deceleration_m_per_s2: found " + base::NumberText(params.deceleration_m_per_s2) + ", accepted > 0");
   require(std::isfinite(params.tolerance_m) && params.tolerance_m >= 0.0,
-          "tolerance_m: found " + std::to_string(params.tolerance_m) + ", accepted >= 0");
+          "tolerance_m: found " + base::NumberText(params.tolerance_m) + ", accepted >= 0");
   require(params.zones.size() <= kMaxZones, "zones: found " + std::to_string(params.zones.size()) +
                                                 ", accepted at most " + std::to_string(kMaxZones));
 

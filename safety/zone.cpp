@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "safety/limits.h"
 
 namespace osteon::safety {
@@ -52,7 +53,7 @@ void Validate(const ZoneParams& zone) {
   };
   const auto length = [&](const char* name, double value) {
     require(std::isfinite(value) && value > 0.0,
-            std::string(name) + ": found " + std::to_string(value) + ", accepted > 0");
+            std::string(name) + ": found " + base::NumberText(value) + ", accepted > 0");
   };
   require(IsFinite(zone.p_W_m), "p_W_m: accepted finite numbers");
   const bool rotation =

@@ -73,10 +73,11 @@ struct ConsoleCounts {
 ///     browser ◀─WebSocket /live─▶ a thread for each page: pulls what is new from LiveFeed and SurfaceStore, and sends
 ///
 /// A page that reads slowly gets fewer messages, since its thread asks for the newest only when the last one
-/// is gone; one that reads nothing for some seconds is closed, and told why when it opens again: the socket
-/// may hold half a message, after which no close frame is understood. For that each page gets {"type": "key",
-/// "key"} at first, and opens /live?was=KEY the next time; {"type": "closed", "code", "reason"} answers. No
-/// page can make the feed, the recorder or the tick wait. Everything runs at the lowest normal priority.
+/// is sent. A page that reads nothing for some seconds is closed. It is told why when it connects again,
+/// because its socket may hold half a message, after which no close frame is understood: each page gets
+/// {"type": "key", "key"} at first, connects to /live?was=KEY the next time, and gets {"type": "closed",
+/// "code", "reason"}. No page can make the feed, the recorder or the tick wait. Everything runs at the lowest
+/// normal priority.
 class ConsoleServer {
  public:
   /// @param feed, surface  outlive the server

@@ -3,6 +3,7 @@
 #include <civetweb.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <mutex>
@@ -15,8 +16,8 @@
 namespace osteon::console {
 namespace {
 
-constexpr std::chrono::milliseconds kHangs{20};
-constexpr std::size_t kStampLength = 24;  // characters of a stamp, at most
+constexpr std::chrono::milliseconds kPollInterval{20};  // of a client that does not read, for its end
+constexpr std::size_t kStampLength = 24;                // characters of a stamp, at most
 
 class Client final : public PageClient {
  public:
@@ -47,16 +48,16 @@ class Client final : public PageClient {
  private:
   static int OnData(mg_connection*, int bits, char* data, std::size_t size, void* user) {
     auto& client = *static_cast<Client*>(user);
-    while (!client.reads_ && !client.ending_.load()) std::this_thread::sleep_for(kHangs);
+    while (!client.reads_ && !client.ending_.load()) std::this_thread::sleep_for(kPollInterval);
     ++client.messages_;
     client.bytes_ += size;
-    client.TakeLive(std::string_view(data, size));
-    client.TakeBone((bits & 0x0F) == MG_WEBSOCKET_OPCODE_BINARY, std::string_view(data, size));
+    client.OnLiveMessage(std::string_view(data, size));
+    client.OnBoneMessage((bits & 0x0F) == MG_WEBSOCKET_OPCODE_BINARY, std::string_view(data, size));
     return 1;
   }
 
   // {"type":"live","windows":[[stamp, …], …, [stamp, …]],"status": …: the last window has the newest tick.
-  void TakeLive(std::string_view message) {
+  void OnLiveMessage(std::string_view message) {
     constexpr std::string_view kLive = R"({"type":"live")", kEnd = R"(]],"status")";
     if (!message.starts_with(kLive)) return;
     const std::size_t end = message.find(kEnd);
@@ -67,7 +68,7 @@ class Client final : public PageClient {
     received_ms_.push_back(1e3 * (rt::ToSeconds(rt::MonotonicNow()) - stamp_s));
   }
 
-  void TakeBone(bool is_mesh, std::string_view message) {
+  void OnBoneMessage(bool is_mesh, std::string_view message) {
     constexpr std::string_view kWhole = R"({"type":"surface_whole")", kAge = R"("age_ms":)";
     const bool is_whole = !is_mesh && message.starts_with(kWhole);
     if (!is_mesh && !is_whole) return;
@@ -90,7 +91,7 @@ class Client final : public PageClient {
   const bool reads_;
   std::atomic<bool> ending_{false};
   std::atomic<std::uint64_t> messages_{0}, bytes_{0};
-  mutable std::mutex mutex_;  // of what follows
+  mutable std::mutex mutex_;  // guards bone_, received_ms_ and first_whole_
   Bone bone_;
   std::vector<double> received_ms_;
   std::optional<std::chrono::steady_clock::time_point> first_whole_;

@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::control {
 namespace {
 
@@ -11,7 +13,7 @@ constexpr double kMaxBetween_s = 0.1;  // limits the way allowed after a jump of
 
 void Require(bool accepted, const char* name, double found, const char* range) {
   if (!accepted)
-    throw std::invalid_argument(std::string("arm speed: ") + name + ": found " + std::to_string(found) +
+    throw std::invalid_argument(std::string("arm speed: ") + name + ": found " + base::NumberText(found) +
                                 ", accepted " + range);
 }
 

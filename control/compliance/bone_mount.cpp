@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::control {
 namespace {
 
@@ -29,8 +31,8 @@ Vector3 PlaceOf(const BoneMountParams& p, const BoneMountState& s) OSTEON_RT {
 void Validate(const BoneMountParams& params) {
   const auto require = [](const std::string& name, double value, double low, double high) {
     if (!(value >= low && value <= high))
-      throw std::invalid_argument("compliance mount " + name + ": found " + std::to_string(value) +
-                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+      throw std::invalid_argument("compliance mount " + name + ": found " + base::NumberText(value) +
+                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
   };
   require("mass_kg", params.mass_kg, 0.01, 1000.0);
   for (int i = 0; i < 3; ++i) {

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::control {
 namespace {
 
@@ -26,7 +28,7 @@ void Validate(const ComplianceParams& params) {
   if (params.tool) Validate(*params.tool);
   if (params.mount) Validate(*params.mount);
   if (!(params.noticed_m > 0.0))
-    throw std::invalid_argument("compliance noticed_m: found " + std::to_string(params.noticed_m) +
+    throw std::invalid_argument("compliance noticed_m: found " + base::NumberText(params.noticed_m) +
                                 ", accepted > 0");
 }
 

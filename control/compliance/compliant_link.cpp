@@ -5,6 +5,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "base/number_text.h"
+
 namespace osteon::control {
 
 Pose BentHead(const Vector6& e) OSTEON_RT {
@@ -18,8 +20,8 @@ void Validate(const ToolLinkParams& params) {
   const auto require = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
       throw std::invalid_argument(std::string("compliance tool ") + name + ": found " +
-                                  std::to_string(value) + ", accepted " + std::to_string(low) + " … " +
-                                  std::to_string(high));
+                                  base::NumberText(value) + ", accepted " + base::NumberText(low) + " … " +
+                                  base::NumberText(high));
   };
   require("tau_s", params.tau_s, 1e-3, 10.0);
   require("max_bend_m", params.max_bend_m, 1e-5, 0.1);

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::control {
 namespace {
 
@@ -27,8 +29,8 @@ void Validate(const SurfaceLayerParams& params) {
   const auto require = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
       throw std::invalid_argument(std::string("compliance layer ") + name + ": found " +
-                                  std::to_string(value) + ", accepted " + std::to_string(low) + " … " +
-                                  std::to_string(high));
+                                  base::NumberText(value) + ", accepted " + base::NumberText(low) + " … " +
+                                  base::NumberText(high));
   };
   for (const double kappa : params.kappa_N_per_m3) require("kappa_N_per_m3", kappa, 0.0, 1e13);
   require("thickness_m", params.thickness_m, 1e-5, 0.1);

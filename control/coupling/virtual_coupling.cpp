@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "kinematics/half_spaces.h"
 #include "safety/limits.h"
 #include "safety/watchdog.h"
@@ -280,8 +281,8 @@ void AddSpindleTorque(const CouplingInput& input, double force_N, Wrench& F_T_W)
 void Validate(const CouplingParams& params) {
   const auto require = [](const char* name, double value, double low, double high) {
     if (!Within(value, low, high))
-      throw std::invalid_argument(std::string("coupling ") + name + ": found " + std::to_string(value) +
-                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+      throw std::invalid_argument(std::string("coupling ") + name + ": found " + base::NumberText(value) +
+                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
   };
   require("max_stiffness_N_per_m", params.max_stiffness_N_per_m, 1.0, kMaxStiffness_N_per_m);
   require("damping_Ns_per_m", params.damping_Ns_per_m, 0.0, 1e4);

@@ -5,12 +5,14 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::control {
 namespace {
 
 void Require(bool accepted, const char* name, double found, const char* range) {
   if (!accepted)
-    throw std::invalid_argument(std::string("excitation: ") + name + ": found " + std::to_string(found) +
+    throw std::invalid_argument(std::string("excitation: ") + name + ": found " + base::NumberText(found) +
                                 ", accepted " + range);
 }
 

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::control {
 namespace {
 
@@ -18,7 +20,7 @@ using JointMap = Eigen::Map<const Eigen::Matrix<double, kJoints, 1>>;
 
 void Require(bool accepted, const char* name, double found, const char* range) {
   if (!accepted)
-    throw std::invalid_argument(std::string("excited hold: ") + name + ": found " + std::to_string(found) +
+    throw std::invalid_argument(std::string("excited hold: ") + name + ": found " + base::NumberText(found) +
                                 ", accepted " + range);
 }
 

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "base/number_text.h"
+
 namespace osteon::control {
 namespace {
 
@@ -55,7 +57,7 @@ std::array<int, Multisine::kLines> Multisine::Harmonics() {
 
 Multisine::Multisine(std::uint64_t seed, double peak_speed_m_per_s) {
   if (!(peak_speed_m_per_s > 0.0 && std::isfinite(peak_speed_m_per_s)))
-    throw std::invalid_argument("multisine: peak speed: found " + std::to_string(peak_speed_m_per_s) +
+    throw std::invalid_argument("multisine: peak speed: found " + base::NumberText(peak_speed_m_per_s) +
                                 " m/s, accepted > 0");
   const std::array<int, kLines> harmonics = Harmonics();
   for (std::size_t i = 0; i < kLines; ++i) {

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::control {
 namespace {
 
@@ -14,8 +16,8 @@ constexpr double kPi = std::numbers::pi;
 
 void Require(const char* name, double value, double low, double high) {
   if (!(value >= low && value <= high))
-    throw std::invalid_argument(std::string("guidance ") + name + ": found " + std::to_string(value) +
-                                ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+    throw std::invalid_argument(std::string("guidance ") + name + ": found " + base::NumberText(value) +
+                                ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
 }
 
 void RequireSpring(const std::string& name, const GuidanceSpring& spring, double max_stiffness,

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "control/laws/twist_parts.h"
 #include "safety/limits.h"
 
@@ -28,7 +29,7 @@ Matrix6 AtOrigin(const Vector3& linear, const Vector3& angular, const Vector3& c
 void Validate(const AdmittanceParams& params) {
   const auto require = [](const char* name, double value, bool ok, const char* accepted) {
     if (!ok || !std::isfinite(value))
-      throw std::invalid_argument(std::string("admittance ") + name + ": found " + std::to_string(value) +
+      throw std::invalid_argument(std::string("admittance ") + name + ": found " + base::NumberText(value) +
                                   ", accepted " + accepted);
   };
   const auto each = [&](const char* name, const Vector3& v) {

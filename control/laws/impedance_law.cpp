@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "control/laws/twist_parts.h"
 
 namespace osteon::control {
@@ -10,8 +11,8 @@ namespace osteon::control {
 void Validate(const ImpedanceParams& params) {
   const auto require = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("impedance ") + name + ": found " + std::to_string(value) +
-                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+      throw std::invalid_argument(std::string("impedance ") + name + ": found " + base::NumberText(value) +
+                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
   };
   for (int i = 0; i < 3; ++i) {
     require("damping_Ns_per_m", params.damping_Ns_per_m[i], 0.0, 1000.0);

@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::control {
 
 GainRequests::GainRequests(const Gains& gains, double period_s)
@@ -12,8 +14,8 @@ void GainRequests::Request(const Gains& gains) {
   Validate(gains);
   if (!(gains.max_stiffness_N_per_m <= max_stiffness_N_per_m_))
     throw std::invalid_argument("coupling max_stiffness_N_per_m: found " +
-                                std::to_string(gains.max_stiffness_N_per_m) + ", accepted at most " +
-                                std::to_string(max_stiffness_N_per_m_) + ", what the loop was made with");
+                                base::NumberText(gains.max_stiffness_N_per_m) + ", accepted at most " +
+                                base::NumberText(max_stiffness_N_per_m_) + ", what the loop was made with");
   requested_.Store({.number = ++requests_, .gains = gains});
 }
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "control/loop/loop_repeat.h"
 #include "control/loop/rest_time.h"
 
@@ -21,8 +22,8 @@ rt::Nanoseconds ToNanoseconds(double seconds) {
 void Validate(const RunServoParams& params) {
   const auto require = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string(name) + ": found " + std::to_string(value) + ", accepted " +
-                                  std::to_string(low) + " … " + std::to_string(high));
+      throw std::invalid_argument(std::string(name) + ": found " + base::NumberText(value) + ", accepted " +
+                                  base::NumberText(low) + " … " + base::NumberText(high));
   };
   require("deadline_s", params.deadline_s, 1e-4, 1.0);
   require("seconds", params.seconds, 0.0, 1e6);

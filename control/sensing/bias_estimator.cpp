@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "safety/limits.h"
 
 namespace osteon::control {
@@ -22,8 +23,8 @@ Wrench RemoveKnownLoad(const ForceSensorParams& sensor, const Wrench& F_S, const
 void Validate(const BiasParams& params) {
   const auto require = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("sensor bias ") + name + ": found " + std::to_string(value) +
-                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+      throw std::invalid_argument(std::string("sensor bias ") + name + ": found " + base::NumberText(value) +
+                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
   };
   require("rest_s", params.rest_s, 0.01, 60.0);
   require("spread_N", params.spread_N, 0.01, 100.0);

@@ -3,13 +3,14 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "kinematics/serial_chain.h"
 
 namespace osteon::control {
 
 void Validate(const ForceSensorParams& params) {
   if (!(params.tool_mass_kg >= 0.0 && params.tool_mass_kg <= 100.0))
-    throw std::invalid_argument("force sensor tool_mass_kg: found " + std::to_string(params.tool_mass_kg) +
+    throw std::invalid_argument("force sensor tool_mass_kg: found " + base::NumberText(params.tool_mass_kg) +
                                 ", accepted 0 … 100");
   if (!Vector3(params.tool_center_F_m).allFinite())
     throw std::invalid_argument("force sensor tool_center_F_m: accepted a finite position");
@@ -18,11 +19,11 @@ void Validate(const ForceSensorParams& params) {
   if (!Matrix3(params.tool_inertia_F).allFinite())
     throw std::invalid_argument("force sensor tool_inertia_F: accepted finite values");
   if (!(params.inertia_share >= 0.0 && params.inertia_share <= 1.0))
-    throw std::invalid_argument("force sensor inertia_share: found " + std::to_string(params.inertia_share) +
-                                ", accepted 0 … 1");
+    throw std::invalid_argument("force sensor inertia_share: found " +
+                                base::NumberText(params.inertia_share) + ", accepted 0 … 1");
   if (!(params.acceleration_hz >= 1.0 && params.acceleration_hz <= 200.0))
     throw std::invalid_argument("force sensor acceleration_hz: found " +
-                                std::to_string(params.acceleration_hz) + ", accepted 1 … 200");
+                                base::NumberText(params.acceleration_hz) + ", accepted 1 … 200");
   if (!Pose(params.X_FS).matrix().allFinite())
     throw std::invalid_argument("force sensor X_FS: accepted a finite pose");
 }

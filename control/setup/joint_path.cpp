@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "kinematics/chain_reach.h"
 
 namespace osteon::control {
@@ -24,8 +25,8 @@ double Share(double u) OSTEON_RT {
 JointPathParams Checked(const JointPathParams& params) {
   const auto require = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("joint path ") + name + ": found " + std::to_string(value) +
-                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+      throw std::invalid_argument(std::string("joint path ") + name + ": found " + base::NumberText(value) +
+                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
   };
   require("speed_share", params.speed_share, 0.001, 1.0);
   require("acceleration_share", params.acceleration_share, 0.001, 1.0);
@@ -46,8 +47,8 @@ JointPath<N>::JointPath(const JointPathParams& params, const kinematics::ChainPa
     const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
     if (!positive(limits.velocity_rad_per_s) || !positive(limits.acceleration_rad_per_s2))
       throw std::invalid_argument("joint path A" + std::to_string(i + 1) + ": found velocity " +
-                                  std::to_string(limits.velocity_rad_per_s) + " rad/s, acceleration " +
-                                  std::to_string(limits.acceleration_rad_per_s2) +
+                                  base::NumberText(limits.velocity_rad_per_s) + " rad/s, acceleration " +
+                                  base::NumberText(limits.acceleration_rad_per_s2) +
                                   " rad/s^2, accepted > 0 for both");
   }
   reach_m_ = kinematics::ReachBeyond(chain).array() + p_FT_m.norm();

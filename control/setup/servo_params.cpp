@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::control {
 
 void Validate(const ServoParams& params) {
@@ -22,14 +24,14 @@ void Validate(const ServoParams& params) {
   Validate(params.on_force_limit);
   const auto require = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("servo ") + name + ": found " + std::to_string(value) +
-                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+      throw std::invalid_argument(std::string("servo ") + name + ": found " + base::NumberText(value) +
+                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
   };
   require("max_speed_m_per_s", params.twist.max_speed_m_per_s, 1e-3, 2.0);
   require("max_turn_rad_per_s", params.twist.max_turn_rad_per_s, 1e-3, 10.0);
   if (!(params.max_elbow_speed_m_per_s > 0.0))
     throw std::invalid_argument("servo max_elbow_speed_m_per_s: found " +
-                                std::to_string(params.max_elbow_speed_m_per_s) + ", accepted > 0");
+                                base::NumberText(params.max_elbow_speed_m_per_s) + ", accepted > 0");
   require("spindle_rad_per_s", params.spindle_rad_per_s, 0.0, 50000.0);
   require("stop_deceleration_m_per_s2", params.stop_deceleration_m_per_s2, 0.01, 50.0);
   require("stop_deceleration_rad_per_s2", params.stop_deceleration_rad_per_s2, 0.01, 200.0);

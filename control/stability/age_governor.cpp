@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::control {
 namespace {
 
@@ -87,8 +89,8 @@ double EigenvalueBound(const Rows& rows) OSTEON_RT {
 void Validate(const AgeGovernorParams& params) {
   const auto require = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("age governor ") + name + ": found " + std::to_string(value) +
-                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+      throw std::invalid_argument(std::string("age governor ") + name + ": found " + base::NumberText(value) +
+                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
   };
   require("max_damping_factor", params.max_damping_factor, 1.0, 1000.0);
   require("release_s", params.release_s, 1e-3, 10.0);

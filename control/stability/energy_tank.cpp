@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "control/laws/twist_parts.h"
 
 namespace osteon::control {
@@ -68,8 +69,8 @@ Wrench SpringOf(const CouplingOutput& coupling) OSTEON_RT {
 void Validate(const EnergyTankParams& params) {
   const auto require = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("energy tank ") + name + ": found " + std::to_string(value) +
-                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+      throw std::invalid_argument(std::string("energy tank ") + name + ": found " + base::NumberText(value) +
+                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
   };
   require("cap_J", params.cap_J, 0.0, 1000.0);
   require("ramp_s", params.ramp_s, 0.05, 10.0);

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "control/laws/twist_parts.h"
 
 namespace osteon::control {
@@ -18,8 +19,8 @@ constexpr double kTouch_J = 2e-3;
 void Validate(const PassivityParams& params) {
   const auto require = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("passivity ") + name + ": found " + std::to_string(value) +
-                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+      throw std::invalid_argument(std::string("passivity ") + name + ": found " + base::NumberText(value) +
+                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
   };
   require("allowance_J", params.allowance_J, 0.0, 10.0);
   require("least_speed_m_per_s", params.min_speed_m_per_s, 1e-5, 1.0);

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "kinematics/sin_cos.h"
 #include "safety/limits.h"
 
@@ -40,8 +41,8 @@ double LimitToRate(double hz, double period_s) { return std::min(hz, kMaxOfRate 
 void Validate(const VibrationParams& params) {
   const auto require = [](const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("vibration ") + name + ": found " + std::to_string(value) +
-                                  ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+      throw std::invalid_argument(std::string("vibration ") + name + ": found " + base::NumberText(value) +
+                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
   };
   require("slow_hz", params.slow_hz, 0.05, 20.0);
   require("low_hz", params.low_hz, params.slow_hz + 0.1, 100.0);
@@ -107,7 +108,7 @@ VibrationIndex::VibrationIndex(const VibrationParams& params, double period_s)
       torque_(rest_),
       reference_(params.reference) {
   if (!(period_s > 0.0 && params.low_hz < kMaxOfRate / period_s))
-    throw std::invalid_argument("vibration period_s: found " + std::to_string(period_s) +
+    throw std::invalid_argument("vibration period_s: found " + base::NumberText(period_s) +
                                 ", accepted > 0, and short enough for low_hz");
 }
 

@@ -28,7 +28,7 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
   if (pool) {
     sizes.blocks = pool->block_count();
     sizes.split_events = std::min(ball_count, sizes.live) + sizes.blocks;
-    sizes.uploads = sizes.blocks * SplitPool::kUploadsOfASplit;
+    sizes.uploads = sizes.blocks * SplitPool::kUploadsPerSplit;
     frame_constants.split_event_capacity = static_cast<uint>(sizes.split_events);
   }
   if (std::string refusal = FrameProgram::Refusal(*context, sizes, vulkan.overrides); !refusal.empty())

@@ -10,7 +10,7 @@
 
 namespace osteon::gpu {
 
-/// The host's books of split balls (simulation/removal/ball_removal.h defines the result that they must
+/// The host's record of split balls (simulation/removal/ball_removal.h defines the result that they must
 /// have).
 ///
 ///     device  balls  │ parents, up to a multiple of 64 │ block 0: 64 slots │ block 1 │ …
@@ -36,7 +36,7 @@ class SplitPool {
   [[nodiscard]] const std::vector<uint>& BlocksIn(uint cluster) const { return blocks_of_cluster_[cluster]; }
 
   /// Number of uploads for one ball that is split: the ball, its children and its block.
-  static constexpr std::size_t kUploadsOfASplit = 1 + kGroupSize + 1;
+  static constexpr std::size_t kUploadsPerSplit = 1 + kGroupSize + 1;
 
   /// True where EndFrame has nothing to do in a frame without events.
   [[nodiscard]] bool IsIdle() const { return waiting_.empty() && emptied_.empty(); }
@@ -55,7 +55,7 @@ class SplitPool {
     std::vector<vec4> balls;
     std::vector<Block> blocks;
   };
-  /// Returns the device's lists for a state; clears all books.
+  /// Returns the device's lists for a state; forgets all balls that were split before.
   /// @throws std::invalid_argument where the state belongs to another packing or other parameters.
   [[nodiscard]] DeviceState Load(const simulation::CarvedState& state);
   /// Converts the indices of the contact memory's balls between a state and the device.

@@ -8,6 +8,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "base/number_text.h"
+
 namespace osteon::hil {
 namespace {
 
@@ -29,7 +31,7 @@ const DynamicArmParams& Checked(const DynamicArmParams& params, const kinematics
                                 double period_s) {
   const auto require = [](const std::string& name, double value, bool accepted, const char* range) {
     if (!accepted || !std::isfinite(value))
-      throw std::invalid_argument("simulated arm: " + name + ": found " + std::to_string(value) +
+      throw std::invalid_argument("simulated arm: " + name + ": found " + base::NumberText(value) +
                                   ", accepted " + range);
   };
   require("bandwidth_hz", params.bandwidth_hz, params.bandwidth_hz > 0.0 && params.bandwidth_hz <= 200.0,

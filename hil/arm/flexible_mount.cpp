@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "base/number_text.h"
+
 namespace osteon::hil {
 namespace {
 
@@ -22,7 +24,7 @@ FlexibleMount::FlexibleMount(const FlexibleMountParams& params, const kinematics
     : gravity_B_(gravity_B) {
   const auto require = [](const char* name, double value, bool accepted, const char* range) {
     if (!accepted || !std::isfinite(value))
-      throw std::invalid_argument(std::string("mount ") + name + ": found " + std::to_string(value) +
+      throw std::invalid_argument(std::string("mount ") + name + ": found " + base::NumberText(value) +
                                   ", accepted " + range);
   };
   require("stiffness_N_per_m", params.stiffness_N_per_m, params.stiffness_N_per_m > 0.0, "> 0");

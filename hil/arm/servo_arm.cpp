@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "hil/arm/second_order_step.h"
 
 namespace osteon::hil {
@@ -15,7 +16,7 @@ ServoArm::ServoArm(const ServoArmParams& params, const std::array<kinematics::Jo
       q_(q_start),
       qd_(kinematics::JointVector::Zero()) {
   const auto refuse = [](const char* name, double found, const char* accepted) {
-    throw std::invalid_argument(std::string("simulated arm: ") + name + ": found " + std::to_string(found) +
+    throw std::invalid_argument(std::string("simulated arm: ") + name + ": found " + base::NumberText(found) +
                                 ", accepted " + accepted);
   };
   if (!(params.bandwidth_hz > 0.0 && params.bandwidth_hz <= 1000.0))

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
+
 namespace osteon::hil {
 namespace {
 
@@ -25,7 +27,7 @@ void Validate(const InjectionParams& params) {
     const auto require = [i](bool ok, const char* field, double found, const char* accepted) {
       if (ok) return;
       throw std::invalid_argument("injection " + std::to_string(i + 1) + ": " + field + ": found " +
-                                  std::to_string(found) + ", accepted " + accepted);
+                                  base::NumberText(found) + ", accepted " + accepted);
     };
     const auto share = [&require](const char* field, double found) {
       require(found >= 0.0 && found <= 1.0, field, found, "0 … 1");

@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "hil/operator/script_phases.h"
-#include "hil/operator/tool_holds.h"
 
 namespace osteon::hil {
 namespace {

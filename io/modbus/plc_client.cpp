@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <stdexcept>
 
+#include "base/number_text.h"
 #include "base/realtime_thread.h"
 
 namespace osteon::io {
@@ -17,7 +18,7 @@ constexpr rt::Nanoseconds kSlice = 10 * rt::kMillisecond;  // longest delay unti
 
 void Require(bool accepted, const char* name, double found, const char* range) {
   if (!accepted)
-    throw std::invalid_argument(std::string("PLC: ") + name + ": found " + std::to_string(found) +
+    throw std::invalid_argument(std::string("PLC: ") + name + ": found " + base::NumberText(found) +
                                 ", accepted " + range);
 }
 

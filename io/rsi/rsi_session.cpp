@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "base/units.h"
 
 namespace osteon::io {
@@ -20,7 +21,8 @@ constexpr double kOtherPeriod = 2.0;
 
 void Require(bool accepted, const std::string& name, double found, const char* range) {
   if (!accepted)
-    throw std::invalid_argument("RSI: " + name + ": found " + std::to_string(found) + ", accepted " + range);
+    throw std::invalid_argument("RSI: " + name + ": found " + base::NumberText(found) + ", accepted " +
+                                range);
 }
 
 kinematics::JointVectorN<6> ToRadians(const RsiAxes& axes_deg) OSTEON_RT {

@@ -16,17 +16,17 @@ using base::NumberAt;
 using base::TextAt;
 using base::ValueAt;
 
-// Figures are written with all their digits; what is told apart is another gain.
-constexpr double kSameFigure = 1e-6;
+// Relative difference up to which two figures are the same: the file has them with all digits.
+constexpr double kSameWithin = 1e-6;
 
 bool IsSame(double a, double b) {
-  return std::abs(a - b) <= kSameFigure * std::max(std::abs(a), std::abs(b));
+  return std::abs(a - b) <= kSameWithin * std::max(std::abs(a), std::abs(b));
 }
 
-// A figure that the result must share with the cell.
+// A figure that must be the same in the result and in the cell.
 struct Shared {
   const char *name, *unit;
-  double found, cells;
+  double in_result, in_cell;
 };
 
 std::vector<Shared> SharedFigures(const nlohmann::json& json, const config::CellConfig& cell) {
@@ -82,10 +82,10 @@ tl::expected<TuneAdvice, std::string> ReadTuneAdvice(const std::filesystem::path
         fmt::format("{}: found the {} law, accepted the cell's, {}: run `osteon tune {}` again",
                     file.string(), TextAt(json, "law"), law, name));
   for (const Shared& shared : SharedFigures(json, cell))
-    if (!IsSame(shared.found, shared.cells))
+    if (!IsSame(shared.in_result, shared.in_cell))
       return tl::make_unexpected(
           fmt::format("{}: found a {} of {:g} {}, accepted the cell's, {:g}: run `osteon tune {}` again",
-                      file.string(), shared.name, shared.found, shared.unit, shared.cells, name));
+                      file.string(), shared.name, shared.in_result, shared.unit, shared.in_cell, name));
   const nlohmann::json& own = ValueAt(json, "own");
   TuneAdvice advice{.file = file.string(),
                     .asked_margin = NumberAt(json, "margin"),

@@ -340,10 +340,13 @@ tl::expected<void, std::string> WriteSession(const std::filesystem::path& folder
 tl::expected<SessionFile, std::string> ReadSession(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / kSessionFileName;
   if (std::error_code error; !std::filesystem::is_regular_file(path, error) || !std::ifstream(path)) {
-    const std::filesystem::path inside = folder / "session";  // as in the folder of a demo
-    const bool is_inside = std::filesystem::is_regular_file(inside / kSessionFileName, error);
-    return tl::make_unexpected(path.string() + ": found no readable file, accepted the folder of a session" +
-                               (is_inside ? "; did you mean " + inside.string() + "?" : ""));
+    const bool is_file = std::filesystem::is_regular_file(folder, error);  // a recording of the session
+    const std::filesystem::path meant = is_file ? folder.parent_path() : folder / "session";  // of a demo
+    const bool is_meant = std::filesystem::is_regular_file(meant / kSessionFileName, error);
+    return tl::make_unexpected(
+        (is_file ? folder.string() + ": found a file" : path.string() + ": found no readable file") +
+        ", accepted the folder of a session" +
+        (is_meant ? "; did you mean " + (meant.empty() ? "." : meant.string()) + "?" : ""));
   }
   auto session = ParseSession(base::ReadText(path));
   if (!session) return tl::make_unexpected(path.string() + ": " + session.error());

@@ -25,7 +25,7 @@ namespace osteon::session {
 namespace {
 
 constexpr int kMaxPort = 65535;
-constexpr std::size_t kShownRequest = 60;  // characters
+constexpr std::size_t kShownRequest = 60;  // characters of an unknown request that its answer repeats
 
 std::optional<int> PortOf(std::string_view text) {
   int port = -1;

@@ -139,10 +139,9 @@ struct RunSummary {
                                    const CellRunParams& params, const CellRunResult& result,
                                    const RunAccumulator& run);
 
-/// The diameter of the tool with which a pass of the run's session was made [mm].
-[[nodiscard]] double ToolOfPass(const RunSummary& summary, const SessionPass& pass);
-/// Likewise of the tool that a planned change would have taken.
-[[nodiscard]] double ToolOfChange(const RunSummary& summary, const MissedChange& missed);
+/// Diameter of a tool of the run's session [mm].
+/// @param tool_index  of a pass, or of a change that was missed
+[[nodiscard]] double ToolDiameterMm(const RunSummary& summary, int tool_index);
 
 /// Rows for the terminal and the report.
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const RunSummary& summary);

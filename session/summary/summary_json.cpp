@@ -196,7 +196,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
       out["passes"].push_back(
           {{"number", pass.number},
            {"tool_index", pass.tool_index},
-           {"tool_diameter_mm", ToolOfPass(s, pass)},
+           {"tool_diameter_mm", ToolDiameterMm(s, pass.tool_index)},
            {"time_s", rt::ToSeconds(pass.end - pass.begin)},
            {"to_go_mm", pass.to_go_mm ? nlohmann::json(*pass.to_go_mm) : nlohmann::json()},
            {"cutting_s", pass.cutting_s},
@@ -207,7 +207,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
     out["missed_changes"] = nlohmann::json::array();
     for (const MissedChange& missed : s.missed_changes)
       out["missed_changes"].push_back({{"tool_index", missed.tool_index},
-                                       {"tool_diameter_mm", ToolOfChange(s, missed)},
+                                       {"tool_diameter_mm", ToolDiameterMm(s, missed.tool_index)},
                                        {"reason", missed.reason}});
   }
   return base::JsonText(out);

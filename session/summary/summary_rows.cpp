@@ -118,12 +118,8 @@ void AddCures(const std::vector<report::FaultRow>& faults, std::vector<report::S
 
 }  // namespace
 
-double ToolOfPass(const RunSummary& s, const SessionPass& pass) {
-  return s.diameters_mm.at(static_cast<std::size_t>(pass.tool_index));
-}
-
-double ToolOfChange(const RunSummary& s, const MissedChange& missed) {
-  return s.diameters_mm.at(static_cast<std::size_t>(missed.tool_index));
+double ToolDiameterMm(const RunSummary& s, int tool_index) {
+  return s.diameters_mm.at(static_cast<std::size_t>(tool_index));
 }
 
 std::vector<report::SummaryRow> Rows(const RunSummary& s) {
@@ -207,10 +203,11 @@ std::vector<report::SummaryRow> Rows(const RunSummary& s) {
     rows.push_back({"Session", s.session});
     rows.push_back({"Passes", fmt::format("{}, {} undone", s.passes.size(), undone)});
     for (const SessionPass& pass : s.passes)
-      rows.push_back({fmt::format("Pass {}", pass.number), PassText(pass, ToolOfPass(s, pass))});
-    for (const MissedChange& missed : s.missed_changes)
       rows.push_back(
-          {fmt::format("Change to {:g} mm", ToolOfChange(s, missed)), "not made: " + missed.reason});
+          {fmt::format("Pass {}", pass.number), PassText(pass, ToolDiameterMm(s, pass.tool_index))});
+    for (const MissedChange& missed : s.missed_changes)
+      rows.push_back({fmt::format("Change to {:g} mm", ToolDiameterMm(s, missed.tool_index)),
+                      "not made: " + missed.reason});
   }
   rows.push_back(
       {"Recording", s.recording + (s.recording_error.empty() ? "" : ", not whole: " + s.recording_error)});

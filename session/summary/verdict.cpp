@@ -58,7 +58,7 @@ void JudgeSession(const RunSummary& s, Verdict& verdict) {
   if (s.missed_changes.empty()) return;
   std::string tools;
   for (const MissedChange& missed : s.missed_changes)
-    tools += fmt::format("{}{:g}", tools.empty() ? "" : ", ", ToolOfChange(s, missed));
+    tools += fmt::format("{}{:g}", tools.empty() ? "" : ", ", ToolDiameterMm(s, missed.tool_index));
   verdict.Add(
       VerdictLevel::kWarning,
       fmt::format("planned changes of tool were not made, to {} mm: {}; a longer run (--seconds) leaves "

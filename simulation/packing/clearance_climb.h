@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -32,7 +33,7 @@ class ClearanceClimb {
   ClearanceClimb(const Solid& solid, const DistanceGrid& depths, const BallGrid& balls, const RadiusCap& cap)
       : solid_(solid), depths_(depths), balls_(balls), cap_(cap) {}
 
-  /// Caches the balls whose surfaces come nearer than `reach` to p, and forgets all others.
+  /// Caches the balls whose surfaces come nearer than `reach_m` to p, and forgets all others.
   void CacheNeighbours(const Vector3& p_m, double reach_m);
   /// The balls that the last CacheNeighbours cached.
   [[nodiscard]] std::span<const Ball> cached() const { return cached_; }
@@ -41,7 +42,7 @@ class ClearanceClimb {
   /// exceeds the cap, the climb ends as soon as the ball has room, and the ball settles: it comes to rest
   /// against its three nearest neighbours.
   ///
-  /// The ball overlaps nothing by more than rounding. A climb that cannot reach `least` may be abandoned; the
+  /// The ball overlaps nothing by more than rounding. A climb that cannot reach `min_m` may be abandoned; the
   /// result's radius is then smaller.
   /// @param scale_m  about the expected radius: the first steps' length
   [[nodiscard]] Ball Climb(const Vector3& p_m, double scale_m, double min_m);

@@ -44,7 +44,7 @@ class Packer {
     });
     while (!Full()) {
       if (limit_m_ < dropped_m_ || holes_.empty()) {
-        if (!LookEverywhere() && holes_.empty()) break;
+        if (!SearchEverywhere() && holes_.empty()) break;
       }
       FillLargest();
     }
@@ -56,16 +56,16 @@ class Packer {
  private:
   [[nodiscard]] bool Full() const { return params_.count > 0 && balls_.balls().size() >= params_.count; }
 
-  /// Calls look(search, i, found) for i < count in parallel, and stores the holes found in order of i.
-  template <typename Look>
-  void Search(std::size_t count, const Look& look) {
+  /// Calls find(search, i, found) for i < count in parallel, and stores the holes found in order of i.
+  template <typename Find>
+  void Search(std::size_t count, const Find& find) {
     constexpr std::size_t kChunk = 16;
     std::vector<std::vector<Ball>> found((count + kChunk - 1) / kChunk);
     ParallelFor(
         count, params_.threads,
         [&](std::size_t begin, std::size_t end) {
           HoleSearch search(solid_, depths_, balls_, cap_, params_.seed);
-          for (std::size_t i = begin; i < end; ++i) look(search, i, found[begin / kChunk]);
+          for (std::size_t i = begin; i < end; ++i) find(search, i, found[begin / kChunk]);
         },
         kChunk);
     for (const std::vector<Ball>& some : found)
@@ -137,13 +137,13 @@ class Packer {
       }
     }
 
-    EstimateLeast();
+    EstimateMinRadius();
     Search(balls_.balls().size() - first, [&](HoleSearch& search, std::size_t i, std::vector<Ball>& found) {
       search.AroundBall(first + i, min_m_, limit_m_, found);
     });
     Search(cut.size(), [&](HoleSearch& search, std::size_t i, std::vector<Ball>& found) {
       const Ball& hole = cut[i];
-      // Most of the hole is filled: its rest lies beside the ball that fills it.
+      // Most of this hole is filled: AroundBall finds what remains, beside the ball that fills it.
       if (balls_.Clearance(hole.center_m, hole.radius_m) < -0.5 * hole.radius_m) return;
       found.push_back(search.From(hole.center_m, 0.5 * hole.radius_m, min_m_));
     });
@@ -156,7 +156,7 @@ class Packer {
   /// Estimates the smallest radius needed. Where the number of balls is given, holes much smaller than the
   /// last ball need not be kept. The number of balls larger than r is about proportional to r^-2.4 (measured;
   /// 2.47 for Apollonian packings), which predicts the last radius.
-  void EstimateLeast() {
+  void EstimateMinRadius() {
     if (params_.count == 0) return;
     const double share = static_cast<double>(balls_.balls().size()) / static_cast<double>(params_.count);
     min_m_ = std::max(params_.min_radius_m, 0.5 * limit_m_ * std::pow(share, 1.0 / 2.4));
@@ -165,7 +165,7 @@ class Packer {
 
   /// Searches all of space for missed holes, of the largest sizes that may have been missed.
   /// @returns whether there are any
-  bool LookEverywhere() {
+  bool SearchEverywhere() {
     const Eigen::AlignedBox3d box = solid_.Bounds();
     const double side = 4.0 * depths_.spacing_m();
     std::array<std::size_t, 3> count{};
@@ -202,7 +202,7 @@ class Packer {
   double dropped_m_{0.0};  ///< holes up to this have been dropped
   double limit_m_;         ///< largest radius of the class that was filled last
 
-  std::vector<char> has_holes_;  ///< one for each cube of LookEverywhere, for holes of searched_m_
+  std::vector<char> has_holes_;  ///< one for each cube of SearchEverywhere, for holes of searched_m_
   double searched_m_{0.0};
 };
 

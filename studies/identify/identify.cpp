@@ -182,6 +182,12 @@ bool SaysAnything(const config::IdentifiedCell& identified) {
          identified.vibration || identified.dead_zone_N;
 }
 
+// The command that takes the file: `osteon tune`, or a run where nothing of arm or hand was measured.
+std::string WrittenText(const fs::path& file, const config::IdentifiedCell& identified) {
+  const bool tunes = !identified.arm.empty() || !identified.response.empty() || !identified.hands.empty();
+  return fmt::format("{0}: osteon {1} CELL --identified {0} takes it", file.string(), tunes ? "tune" : "run");
+}
+
 // The same figures as lines of a cell's file, for a user who does not want `identified: FILE`.
 void PrintCellLines(const config::IdentifiedCell& identified) {
   const auto line = [](const std::string& text) { fmt::print("  {:<30} {}\n", "In the cell's file", text); };
@@ -218,7 +224,7 @@ tl::expected<void, std::string> Write(const IdentifyOptions& options, const Iden
                     identified, "Measured, not assumed. Written by\n  " + options.command_line, result.law));
       !written)
     return written;
-  fmt::print("  {:<30} {}\n", "Written", file.string() + ": osteon tune CELL --identified takes it");
+  fmt::print("  {:<30} {}\n", "Written", WrittenText(file, identified));
   PrintCellLines(identified);
   return {};
 }

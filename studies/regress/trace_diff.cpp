@@ -95,10 +95,15 @@ void CompareEvents(const ScenarioTrace& golden, const ScenarioTrace& now, double
   }
 }
 
+// "1.17", "60.9", "4030": three digits that count, and no exponent.
+std::string RatioText(double ratio) {
+  return ratio >= 1000.0 && ratio < 1e15 ? fmt::format("{:.0f}", ratio) : fmt::format("{:.3g}", ratio);
+}
+
 std::string Describe(const QuantityDifference& d, const ScenarioTrace& now) {
   const TraceQuantity& quantity = TraceQuantities()[d.quantity];
   const std::string worst =
-      fmt::format("at most {:.3g} ({:.3g} tolerances){}: golden {}, now {}", d.worst, d.ratio(),
+      fmt::format("at most {:.3g} ({} tolerances){}: golden {}, now {}", d.worst, RatioText(d.ratio()),
                   d.between_samples ? " between two samples" : " at " + At(d.worst_tick, now),
                   Value(d.golden, quantity.kind), Value(d.now, quantity.kind));
   if (!d.beyond()) return fmt::format("{}: {}", quantity.name, worst);

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "hil/operator/procedure_script.h"
-#include "hil/operator/tool_holds.h"
 #include "session/procedure/prepare_session.h"
 #include "studies/soak/seeded_draws.h"
 

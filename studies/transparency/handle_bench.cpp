@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/number_text.h"
 #include "control/loop/servo_loop.h"
 #include "hil/arm/sensor_load.h"
 #include "kinematics/lbr_arm.h"
@@ -20,8 +21,8 @@ constexpr double kTau = 2.0 * std::numbers::pi;
 
 void Require(const char* name, double value, double low, double high) {
   if (!(value >= low && value <= high))
-    throw std::invalid_argument(std::string("handle ") + name + ": found " + std::to_string(value) +
-                                ", accepted " + std::to_string(low) + " … " + std::to_string(high));
+    throw std::invalid_argument(std::string("handle ") + name + ": found " + base::NumberText(value) +
+                                ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
 }
 
 // Least-squares fit of bias, drift, sine and cosine to a uniformly sampled signal, and its residual.

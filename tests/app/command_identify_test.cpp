@@ -27,6 +27,9 @@ TEST(IdentifyCommand, MeasuresTheSimulatedCellThenTheSameFromItsRecording) {
   const CommandResult again = RunCommand(
       folder.path(), {"identify", "demo", "--recording", "identify/free_z_50.mcap", "--out", "again"});
   EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NE(again.out.find("again/identified.yaml: osteon tune CELL --identified again/identified.yaml"),
+            std::string::npos)
+      << "a command to copy: " << again.out;
   const auto without_comment = [&](const char* file) {
     const std::string text = io::test::ReadAll(folder.path() / file);
     return text.substr(text.find("identified:\n"));

@@ -95,6 +95,17 @@ TEST_F(WrongInput, OptionsAndSubcommands) {
   ExpectRefused({"demo", "--engine", "reference"}, {"--engine reference", "--virtual-time"});
 }
 
+TEST_F(WrongInput, PathsThatAreNotThereOrOfAnotherKind) {
+  Write("file.mcap", "x");
+  ExpectRefused({"report", "nosuch.mcap"},
+                {"recording: found no file nosuch.mcap, accepted one that is there"});
+  ExpectRefused({"report", "."}, {"recording: found the folder ., accepted a file"});
+  ExpectRefused({"assess", "nosuch"}, {"nosuch/session.json: found no readable file, accepted the folder"});
+  ExpectRefused({"assess", "s", "--against", "nosuch"},
+                {"found no folder nosuch, accepted one that is there"});
+  ExpectRefused({"assess", "s", "--against", "file.mcap"}, {"found the file file.mcap, accepted a folder"});
+}
+
 TEST_F(WrongInput, GainsOfAVirtualToolForACellThatHasNone) {
   const auto gains = Write("gains.yaml", "admittance:\n  mass_kg: [2, 2, 2]\n");
   ExpectRefused({"run", "thin_plate_impedance", "--gains", gains.string()},

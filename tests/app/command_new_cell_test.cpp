@@ -51,7 +51,7 @@ TEST_F(NewCellTest, LeavesAFileThatIsThere) {
   io::test::WriteAll(folder_.path() / "mine.yaml", "x");
   const CommandResult made = RunCommand(folder_.path(), {"new-cell", "mine"});
   EXPECT_EQ(made.exit_code, 2);
-  EXPECT_NE(made.err.find("mine.yaml: it is there already"), std::string::npos) << made.err;
+  EXPECT_NE(made.err.find("mine.yaml, accepted a name that no file has yet"), std::string::npos) << made.err;
   EXPECT_EQ(io::test::ReadAll(folder_.path() / "mine.yaml"), "x");
   const CommandResult unknown = RunCommand(folder_.path(), {"new-cell", "other", "--from", "nosuch"});
   EXPECT_EQ(unknown.exit_code, 2);

@@ -129,7 +129,7 @@ const std::map<std::string, DocRun>& Runs() {
        By("GainFrom.EachPassedSessionOfThePlanTakesAQuarter")},
       {"osteon report demo_out/session/run_1.mcap",
        By("KilledDemo.ResumesAtItsLastPassAndIsAssessedReportedAndExported")},
-      {"osteon export demo_out/session/run_1.mcap --surface bone.stl",
+      {"osteon export demo_out/session/run_1.mcap --csv --surface bone.stl",
        By("KilledDemo.ResumesAtItsLastPassAndIsAssessedReportedAndExported")},
       {"osteon tune demo --plan acetabulum", As("tune demo --plan acetabulum --nodes 3")},
       {"osteon surgical-plan acetabulum --cell demo --json plan.json",

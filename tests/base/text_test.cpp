@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "base/number_text.h"
+
 namespace osteon::base {
 namespace {
 
@@ -18,6 +20,13 @@ TEST(Printable, ShowsControlCharacters) {
 TEST(Printable, LeavesOtherTexts) {
   for (const std::string_view text : {"", "two\nlines", "µm … 30°", "größer", "caf\xe9", "\xc2"})
     EXPECT_EQ(Printable(text), text);
+}
+
+TEST(NumberText, HasNoTrailingZeros) {
+  EXPECT_EQ(NumberText(0.1), "0.1");
+  EXPECT_EQ(NumberText(200.0), "200");
+  EXPECT_EQ(NumberText(-1e-5), "-1e-05");
+  EXPECT_EQ(NumberText(1.0000001), "1.0000001") << "a value just outside its range is told from the range";
 }
 
 }  // namespace

@@ -75,7 +75,8 @@ int NewCellCommand::Run(const std::filesystem::path& config_root) const {
   const auto refuse = [](const std::string& what) { return session::Fail("new-cell", what); };
   const fs::path file(name_.ends_with(".yaml") ? name_ : name_ + ".yaml");
   std::error_code error;
-  if (fs::exists(file, error)) return refuse(fmt::format("{}: it is there already", file.string()));
+  if (fs::exists(file, error))
+    return refuse(fmt::format("found {}, accepted a name that no file has yet", file.string()));
   const auto from = FindCell(config_root, from_);
   if (!from) return refuse("--from " + from.error());
   const config::CellConfig cell = config::LoadCell(*from);  // throws ConfigError, which main shows

@@ -10,7 +10,7 @@ namespace {
 struct Request {
   const char *name, *help, *footer;
 };
-constexpr double kMaxPid = 4194304;  // of Linux
+constexpr double kMaxPid = 4194304;  // PID_MAX_LIMIT of Linux
 
 constexpr std::array<Request, 5> kRequests{
     Request{"pause", "pauses the running cell: it brakes to rest and stays under power",

@@ -10,10 +10,7 @@
 namespace osteon::app {
 
 AssessCommand::AssessCommand(CLI::App& app) : sub_(AddStudy(app, "assess")) {
-  sub_->add_option("session", options_.session, "the folder of a session")
-      ->type_name("FOLDER")
-      ->required()
-      ->check(CLI::ExistingDirectory);
+  sub_->add_option("session", options_.session, "the folder of a session")->type_name("FOLDER")->required();
   sub_->add_option("--rubric", rubric_,
                    "norms and points: a name under rubrics/, or a YAML file; without it rubric for a cup, "
                    "opening for an opening")

@@ -1,6 +1,7 @@
 #include "app/cli/usage/usage.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdint>
 #include <cstdlib>
@@ -72,8 +73,18 @@ std::string Accepted(const CLI::App& at, const std::string& name) {
   return type + range;
 }
 
-// The parser's words of a value that is of another type, or of a count of values, with what is accepted.
-// Others stay.
+// The parser's words of a path that is not there, or of another kind.
+struct PathWords {
+  std::string_view parser, found, accepted;
+};
+constexpr std::array<PathWords, 4> kPathWords{
+    {{"File does not exist: ", "no file", "one that is there"},
+     {"File is actually a directory: ", "the folder", "a file"},
+     {"Directory does not exist: ", "no folder", "one that is there"},
+     {"Directory is actually a file: ", "the file", "a folder"}}};
+
+// The parser's words of a value that is of another type, of a path, or of a count of values, with what is
+// accepted. Others stay.
 std::string WithAccepted(const CLI::App& at, std::string what) {
   constexpr std::string_view kConvert = "Could not convert: ", kReceived = " required but received ";
   if (what.starts_with(kConvert)) {
@@ -85,7 +96,11 @@ std::string WithAccepted(const CLI::App& at, std::string what) {
   }
   const std::size_t colon = what.find(": ");
   if (colon == std::string::npos) return what;
-  const std::string name = what.substr(0, colon);
+  const std::string name = what.substr(0, colon), after = what.substr(colon + 2);
+  for (const PathWords& words : kPathWords)
+    if (after.starts_with(words.parser))
+      return fmt::format("{}: found {} {}, accepted {}", name, words.found, after.substr(words.parser.size()),
+                         words.accepted);
   const std::size_t received = what.find(kReceived);
   if (received != std::string::npos)
     return fmt::format("{}: found {} values, accepted {} ({})", name,

@@ -6,9 +6,9 @@
 
 import sys
 
-import numpy as np
+import osteon  # before numpy: it says how to get numpy where there is none
 
-import osteon
+import numpy as np
 
 bone = osteon.Bone("acetabulum")
 session = None

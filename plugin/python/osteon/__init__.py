@@ -18,8 +18,17 @@ installation that this file belongs to, then by the system.
 """
 
 import ctypes as c
+import sys
 
-import numpy as np
+try:
+    import numpy as np
+except ModuleNotFoundError as error:
+    if error.name != "numpy":
+        raise
+    raise ModuleNotFoundError(
+        f"osteon: found no numpy for {sys.executable}; accepted: a Python that has it. Debian's /usr/bin/python3 has it"
+        " after `apt install python3-numpy`, another Python after `python3 -m pip install numpy`",
+        name="numpy") from None
 
 from ._library import (
     Error, VERTEX, _ABI, _Assessment, _BoneInfo, _BoneParams, _Buffers, _Chunk, _ComplianceParams, _Deflection,

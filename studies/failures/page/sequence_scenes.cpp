@@ -39,7 +39,7 @@ void ToolInBone(SceneSketch& s) {
   s.Bone(bone);
   s.GhostBall(140, 70, 38);
   if (s.ours()) {
-    s.ToolBall(140, 16, 46);
+    s.ToolBall(140, 25, 46);
     s.Text(200, 24, "retract first", "start", s.color());
   } else {
     s.ToolBall(140, 70, 46);

@@ -277,7 +277,7 @@ TEST(ImpairedWire, SaysWhatIsWrongWithAnInjection) {
     }
     return "";
   };
-  EXPECT_EQ(said({.faults = {.loss = 1.5}}), "injection 2: loss: found 1.500000, accepted 0 … 1");
+  EXPECT_EQ(said({.faults = {.loss = 1.5}}), "injection 2: loss: found 1.5, accepted 0 … 1");
   EXPECT_EQ(said({.faults = {.corrupt = std::nan("")}}), "injection 2: corrupt: found nan, accepted 0 … 1");
   EXPECT_NE(said({.faults = {.burst = 0}}), "");
   EXPECT_NE(said({.faults = {.delay = -1}}), "");

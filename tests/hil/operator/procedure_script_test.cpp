@@ -8,8 +8,6 @@
 
 #include <gtest/gtest.h>
 
-#include "hil/operator/tool_holds.h"
-
 namespace osteon::hil {
 namespace {
 

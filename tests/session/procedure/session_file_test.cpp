@@ -136,6 +136,14 @@ TEST(SessionFile, AFolderWithoutASessionIsNamed) {
   EXPECT_NE(ReadSession(folder).error().find("did you mean " + (folder / "session").string() + "?"),
             std::string::npos)
       << ReadSession(folder).error();
+  // a recording lies in its session's folder
+  std::ofstream(folder / "session/run_1.mcap") << "x";
+  EXPECT_NE(ReadSession(folder / "session/run_1.mcap")
+                .error()
+                .find("run_1.mcap: found a file, accepted the folder of a session; did you mean " +
+                      (folder / "session").string() + "?"),
+            std::string::npos)
+      << ReadSession(folder / "session/run_1.mcap").error();
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include "studies/failures/page/failure_scenes.h"
 
+#include <regex>
 #include <set>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -28,6 +30,19 @@ TEST(FailureScenes, EveryScenarioHasOneWhoseTextsCanBeRead) {
     EXPECT_NE(svg.find(kRightColor), std::string::npos) << scenario.name;
     EXPECT_TRUE(drawn.insert(svg).second) << scenario.name;
   }
+}
+
+// Whether a ball is cut off by the top of the picture.
+bool CutsABallOff(const std::string& svg) {
+  const std::regex circle("<circle cx=\"[^\"]*\" cy=\"([^\"]*)\" r=\"([^\"]*)\"");
+  for (std::sregex_iterator at(svg.begin(), svg.end(), circle), end; at != end; ++at)
+    if (std::stod((*at)[1]) < std::stod((*at)[2])) return true;
+  return false;
+}
+
+TEST(FailureScenes, NoBallIsCutOffAtTheTop) {
+  for (const FailureScenario& scenario : FailureScenarios())
+    EXPECT_FALSE(CutsABallOff(FailureSceneSvg(scenario.id, scenario.name))) << scenario.name;
 }
 
 TEST(FailureScenes, NoNumberIsDrawnTwiceOrForNoScenario) {

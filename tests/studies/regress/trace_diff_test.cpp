@@ -75,6 +75,14 @@ TEST(TraceDifference, SaysWhatLeftItsToleranceFirst) {
   EXPECT_EQ(text.find("the loop itself"), std::string::npos) << "an input differed: " << text;
 }
 
+// A person reads "4030 tolerances", not "4.03e+03".
+TEST(TraceDifference, WritesLargeRatiosWithoutAnExponent) {
+  ScenarioTrace now = SampleTrace();
+  now.samples[2].values[QuantityNamed("coupling_z_N")] -= 40.3;
+  const std::string text = Text(Compare(SampleTrace(), now, kTolerances));
+  EXPECT_NE(text.find("at most 40.3 (4030 tolerances)"), std::string::npos) << text;
+}
+
 // A peak between two samples appears in no sample.
 TEST(TraceDifference, SeesWhatLiesBetweenTheSamples) {
   ScenarioTrace now = SampleTrace();
