@@ -5,11 +5,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/parallel.h"
+
 namespace osteon::report {
 namespace {
 
 using simulation::Ball;
 using Vector3f = Eigen::Vector3f;
+using Vector4f = Eigen::Vector4f;
 
 /// One value a pixel.
 template <typename T>
@@ -20,6 +23,20 @@ struct Layer {
   T& operator()(int x, int y) { return values[static_cast<std::size_t>(y) * width + x]; }
   const T& operator()(int x, int y) const { return values[static_cast<std::size_t>(y) * width + x]; }
 };
+
+/// Calls draw(y) for each row of a picture, on all cores. Each call writes only to its own row.
+template <typename Draw>
+void ForEachRow(int rows, const Draw& draw) {
+  simulation::ParallelFor(
+      static_cast<std::size_t>(rows), 0,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t y = begin; y < end; ++y) draw(static_cast<int>(y));
+      },
+      16);
+}
+
+/// The nearest whole number; inline, where std::lround is a call.
+int RoundToInt(float value) { return static_cast<int>(value + (value < 0.0f ? -0.5f : 0.5f)); }
 
 /// The depth as a plane around each pixel: z(dx, dy) = z + gx dx + gy dy, pixels.
 struct LocalPlane {
@@ -58,30 +75,41 @@ Vector3f NormalOf(const LocalPlane& plane, const Camera& camera, int x, int y) {
 float OpenSky(const Layer<LocalPlane>& planes, const Camera& camera, const Vector3f& normal, int x, int y) {
   constexpr std::array<float, 5> kRadii_m{0.7e-3f, 1.8e-3f, 4e-3f, 8e-3f, 14e-3f};
   constexpr int kDirections = 12;
+  static const std::array<Eigen::Vector2f, kDirections> directions = [] {
+    std::array<Eigen::Vector2f, kDirections> made;
+    for (int d = 0; d < kDirections; ++d) {
+      const float angle = 2.0f * std::numbers::pi_v<float> * (static_cast<float>(d) + 0.5f) / kDirections;
+      made[d] = {std::cos(angle), std::sin(angle)};
+    }
+    return made;
+  }();
   const LocalPlane& here = planes(x, y);
   const float f = static_cast<float>(camera.focal_px), px_per_m = f / here.z;
+  const float center_x = static_cast<float>(camera.center_x_px) - 0.5f,
+              center_y = static_cast<float>(camera.center_y_px) - 0.5f;
   const auto position = [&](int u, int v, float z) {
-    return Vector3f(z * (static_cast<float>(u) + 0.5f - static_cast<float>(camera.center_x_px)) / f,
-                    z * (static_cast<float>(camera.center_y_px) - static_cast<float>(v) - 0.5f) / f, -z);
+    const float m_per_px = z / f;
+    return Vector3f(m_per_px * (static_cast<float>(u) - center_x),
+                    m_per_px * (center_y - static_cast<float>(v)), -z);
   };
   const Vector3f p = position(x, y, here.z);
   float blocked = 0.0f;
-  for (int d = 0; d < kDirections; ++d) {
-    const float angle = 2.0f * std::numbers::pi_v<float> * (static_cast<float>(d) + 0.5f) / kDirections;
-    const float cx = std::cos(angle), cy = std::sin(angle);
+  for (const Eigen::Vector2f& direction : directions) {
     float horizon = 0.06f;  // lower neighbours are the grid's own unevenness
     for (const float radius : kRadii_m) {
-      const int u = x + static_cast<int>(std::lround(cx * radius * px_per_m));
-      const int v = y + static_cast<int>(std::lround(cy * radius * px_per_m));
+      const int u = x + RoundToInt(direction.x() * radius * px_per_m);
+      const int v = y + RoundToInt(direction.y() * radius * px_per_m);
       if (u < 0 || v < 0 || u >= planes.width || v >= planes.height) break;
       const LocalPlane& there = planes(u, v);
       if (there.z >= DepthBuffer::kNothing) continue;
       const Vector3f to = position(u, v, there.z) - p;
-      const float distance = to.norm();
-      if (distance < 1e-6f) continue;
+      const float rise = to.dot(normal), squared = to.squaredNorm();
+      // most neighbours are no higher than the horizon so far: no root
+      if (rise <= 0.0f || rise * rise <= horizon * horizon * squared || squared < 1e-12f) continue;
+      const float distance = std::sqrt(squared);
       // a neighbour much nearer to the viewer than its distance in the picture does not close the sky
       const float fade = std::clamp(2.0f - distance / (2.0f * radius), 0.0f, 1.0f);
-      horizon = std::max(horizon, fade * to.dot(normal) / distance);
+      horizon = std::max(horizon, fade * rise / distance);
     }
     blocked += horizon * horizon;
   }
@@ -121,30 +149,34 @@ Layer<Vector3f> MaterialColors(const simulation::Bone& bone, const MaterialMap& 
     const Vector3 color = MaterialColor(bone, static_cast<simulation::MaterialIndex>(i));
     table[i] = {ToLinear(color.x()), ToLinear(color.y()), ToLinear(color.z())};
   }
-  Layer<Vector3f> raw(planes.width, planes.height, Vector3f(0.6f, 0.57f, 0.5f)), smooth = raw;
-  for (int y = 0; y < planes.height; ++y)
+  // the fourth component is 1: its sum is that of the weights
+  Layer<Vector4f> raw(planes.width, planes.height, Vector4f(0.6f, 0.57f, 0.5f, 1.0f));
+  ForEachRow(planes.height, [&](int y) {
     for (int x = 0; x < planes.width; ++x) {
       if (planes(x, y).z >= DepthBuffer::kNothing) continue;
       const Vector3f n = NormalOf(planes(x, y), camera, x, y);
       const Vector3 n_G = n.x() * camera.right + n.y() * camera.up - n.z() * camera.forward;
       const Vector3 p_G = camera.eye + planes(x, y).z * camera.Ray(x + 0.5, y + 0.5) - kBelow_m * n_G;
-      if (const auto material = materials.At(p_G)) raw(x, y) = table[*material];
+      if (const auto material = materials.At(p_G)) raw(x, y).head<3>() = table[*material];
     }
-  for (int y = 0; y < planes.height; ++y)
+  });
+  Layer<Vector3f> smooth(planes.width, planes.height, Vector3f(0.6f, 0.57f, 0.5f));
+  ForEachRow(planes.height, [&](int y) {
     for (int x = 0; x < planes.width; ++x) {
-      if (planes(x, y).z >= DepthBuffer::kNothing) continue;
-      Vector3f sum = Vector3f::Zero();
-      float total = 0.0f;
+      const float z = planes(x, y).z;
+      if (z >= DepthBuffer::kNothing) continue;
+      const int left = std::max(x - kReach, 0), right = std::min(x + kReach, planes.width - 1);
+      Vector4f sum = Vector4f::Zero();
       for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, planes.height - 1); ++v)
-        for (int u = std::max(x - kReach, 0); u <= std::min(x + kReach, planes.width - 1); ++u) {
-          if (std::abs(planes(u, v).z - planes(x, y).z) > 1.5e-3f) continue;
+        for (int u = left; u <= right; ++u) {
+          if (std::abs(planes(u, v).z - z) > 1.5e-3f) continue;
           const auto weight =
               static_cast<float>((kReach + 1 - std::abs(u - x)) * (kReach + 1 - std::abs(v - y)));
           sum += weight * raw(u, v);
-          total += weight;
         }
-      smooth(x, y) = sum / total;
+      smooth(x, y) = sum.head<3>() / sum.w();
     }
+  });
   return smooth;
 }
 
@@ -213,13 +245,14 @@ Image RenderBone(const simulation::Bone& bone, const BoneMesh& mesh, const Mater
   const DepthBuffer shadow = RenderDepth(mesh, light);
 
   Layer<Vector3f> shaded(camera.width, camera.height, Vector3f::Ones());
-  for (int y = 0; y < camera.height; ++y) {
+  ForEachRow(camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
       if (!depth.Seen(x, y)) continue;
       const Vector3f n = NormalOf(planes(x, y), camera, x, y);
       const float sky = OpenSky(planes, camera, n, x, y);
       const Vector3 p_G = camera.eye + planes(x, y).z * camera.Ray(x + 0.5, y + 0.5);
-      const float direct = std::max(n.dot(key), 0.0f) * Lit(shadow, light, p_G);
+      const float towards = n.dot(key);
+      const float direct = towards > 0.0f ? towards * Lit(shadow, light, p_G) : 0.0f;
       const float fill = 0.5f + 0.5f * n.y();
       const Vector3f half = (key + Vector3f::UnitZ()).normalized();
       const float gloss =
@@ -227,12 +260,12 @@ Image RenderBone(const simulation::Bone& bone, const BoneMesh& mesh, const Mater
       const float strength = 0.60f * direct + sky * sky * (0.26f + 0.12f * fill + 0.30f * n.z());
       shaded(x, y) = colors(x, y) * strength + Vector3f::Constant(gloss * direct);
     }
-  }
+  });
 
   // each fine sample takes the colour of the neighbouring pixel that is nearest to it in depth
   Image image{.width = camera.width, .height = camera.height};
   image.rgb.resize(3 * static_cast<std::size_t>(camera.width) * camera.height);
-  for (int y = 0; y < camera.height; ++y) {
+  ForEachRow(camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
       Vector3f sum = Vector3f::Zero();
       for (int s = 0; s < kFine * kFine; ++s) {
@@ -256,7 +289,7 @@ Image RenderBone(const simulation::Bone& bone, const BoneMesh& mesh, const Mater
         image.rgb[3 * (static_cast<std::size_t>(y) * camera.width + x) + k] =
             ToSrgb(sum[k] / static_cast<float>(kFine * kFine));
     }
-  }
+  });
   return image;
 }
 

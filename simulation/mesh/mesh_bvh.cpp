@@ -98,31 +98,45 @@ TriangleHit MeshBvh::Nearest(const Vector3& p_m) const {
     Vector3 p;
     double slack_m;
     TriangleHit hit;
+
+    /// Takes the triangle if it is nearer than all before; among equally near ones the first of the mesh
+    /// counts.
+    bool Take(std::uint32_t t) {
+      const Feature nearest = NearestOnTriangle(p, impl.Corner(t, 0), impl.Corner(t, 1), impl.Corner(t, 2));
+      const double distance = (p - nearest.p).norm();
+      if (!(distance < hit.distance_m || (distance == hit.distance_m && t < hit.triangle))) return false;
+      hit = {.p_m = nearest.p, .distance_m = distance, .triangle = t, .feature = nearest.feature};
+      return true;
+    }
+    /// Radius [mm] within which Embree finds every triangle that may be nearer.
+    [[nodiscard]] float Radius() const {
+      return static_cast<float>((hit.distance_m + slack_m) * (1.0 + 1e-6) * kMm);
+    }
   };
   // the query point is rounded as well, in proportion to its coordinates
   const double slack =
       impl_->slack_m + 8.0 * std::numeric_limits<float>::epsilon() * p_m.cwiseAbs().maxCoeff();
   Search search{.impl = *impl_, .p = p_m, .slack_m = slack, .hit = {}};
   search.hit.distance_m = std::numeric_limits<double>::infinity();
+  // The triangle that the thread found last bounds the search: most queries are near the one before. Any
+  // triangle gives the same result.
+  thread_local std::uint32_t last = 0;
+  if (last < impl_->mesh.triangles.size()) search.Take(last);
   const auto visit = [](RTCPointQueryFunctionArguments* args) -> bool {
     auto& s = *static_cast<Search*>(args->userPtr);
-    const std::uint32_t t = args->primID;
-    const Feature nearest =
-        NearestOnTriangle(s.p, s.impl.Corner(t, 0), s.impl.Corner(t, 1), s.impl.Corner(t, 2));
-    const double distance = (s.p - nearest.p).norm();
-    if (distance > s.hit.distance_m || (distance == s.hit.distance_m && t > s.hit.triangle)) return false;
-    s.hit = {.p_m = nearest.p, .distance_m = distance, .triangle = t, .feature = nearest.feature};
-    args->query->radius = static_cast<float>((distance + s.slack_m) * (1.0 + 1e-6) * kMm);
+    if (!s.Take(args->primID)) return false;
+    args->query->radius = s.Radius();
     return true;
   };
   alignas(16) RTCPointQuery query{.x = static_cast<float>(p_m.x() * kMm),
                                   .y = static_cast<float>(p_m.y() * kMm),
                                   .z = static_cast<float>(p_m.z() * kMm),
                                   .time = 0.0f,
-                                  .radius = std::numeric_limits<float>::infinity()};
+                                  .radius = search.Radius()};
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   rtcPointQuery(impl_->scene, &query, &context, visit, &search);
+  last = search.hit.triangle;
   return search.hit;
 }
 

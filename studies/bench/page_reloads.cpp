@@ -18,7 +18,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kEveryKilled = 3;              // one of so many
-constexpr std::chrono::seconds kSettles{4};  // until threads and sockets of the last pages have gone
+constexpr std::chrono::seconds kSettles{4};  // at most, until threads and sockets of the last pages have gone
+constexpr std::chrono::milliseconds kSettleLooks{50};
 constexpr std::size_t kMaxRead = 64u << 20;
 
 // Reads until a text has come. False: it did not in time.
@@ -112,6 +113,21 @@ ProcessHolds HoldsOf(pid_t process) {
   return holds;
 }
 
+namespace {
+
+/// What a process holds once it holds no more than before, or after kSettles.
+ProcessHolds SettledHolds(pid_t process, const ProcessHolds& before) {
+  const auto until = Clock::now() + kSettles;
+  ProcessHolds holds = HoldsOf(process);
+  while ((holds.descriptors > before.descriptors || holds.threads > before.threads) && Clock::now() < until) {
+    std::this_thread::sleep_for(kSettleLooks);
+    holds = HoldsOf(process);
+  }
+  return holds;
+}
+
+}  // namespace
+
 ReloadFigures ReloadPages(const std::string& address, std::uint16_t port, pid_t process, int reloads,
                           const std::function<bool(int done)>& goes_on) {
   ReloadFigures figures;
@@ -125,13 +141,9 @@ ReloadFigures ReloadPages(const std::string& address, std::uint16_t port, pid_t 
     }
     ++figures.loaded;
     if (end == PageEnd::kKilled) ++figures.killed;
-    if (i + 1 == (reloads + 9) / 10) {
-      std::this_thread::sleep_for(kSettles);
-      figures.warm = HoldsOf(process);
-    }
+    if (i + 1 == (reloads + 9) / 10) figures.warm = SettledHolds(process, figures.before);
   }
-  std::this_thread::sleep_for(kSettles);
-  figures.after = HoldsOf(process);
+  figures.after = SettledHolds(process, figures.warm);
   figures.seconds = std::chrono::duration<double>(Clock::now() - began).count();
   return figures;
 }

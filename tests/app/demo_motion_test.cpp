@@ -8,7 +8,7 @@
 #include "session/setup/cell_setup.h"
 #include "simulation/tools/motion_player.h"
 #include "tests/app/command.h"
-#include "tests/session/set_up_cell.h"
+#include "tests/app/short_run.h"
 
 // Motions that the demo saves, and the events of a scene: in virtual time, run as a user does.
 
@@ -21,35 +21,19 @@ const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
 
 // Returns the bone's pose in the world, from the cell's file.
 Pose BoneInWorld(const std::string& cell) {
-  auto setup = session::SetUpCell(kConfig / "cells" / (cell + ".yaml"), {});
+  auto setup = session::PrepareCell(kConfig / "cells" / (cell + ".yaml"), std::nullopt);
   if (!setup) throw std::runtime_error(setup.error());
   return setup->X_WG;
 }
 
-TEST(SavedMotion, IsTheSameBytesForTheSameRun) {
-  const TemporaryFolder folder;
-  std::string bytes[2];
-  for (std::string& b : bytes) {
-    const CommandResult run =
-        RunCommand(folder.path(), {"demo", "--virtual-time", "--seconds", "0.2", "--engine", "reference",
-                                   "--save-motion", "motion.csv"});
-    ASSERT_EQ(run.exit_code, 0) << run.err;
-    b = io::test::ReadAll(folder.path() / "motion.csv");
-    fs::remove(folder.path() / "motion.csv");
-  }
-  EXPECT_TRUE(bytes[0] == bytes[1]);
-  EXPECT_TRUE(bytes[0].starts_with("# osteon motion 1\n# made by: osteon "));
-}
-
-TEST(SavedMotion, IsTheCommandedMotionToFiveMicrometres) {
-  const TemporaryFolder folder;
-  const CommandResult run = RunCommand(
-      folder.path(), {"demo", "--virtual-time", "--seconds", "1.5", "--save-motion", "motion.csv"});
+// In the suite whose tests share one run.
+TEST(VirtualDemo, SavesTheCommandedMotionToFiveMicrometres) {
+  const auto& [folder, run] = TheShortRun();
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto motion = simulation::LoadMotion(folder.path() / "motion.csv");
   ASSERT_TRUE(motion) << motion.error();
   const simulation::MotionCurve curve(motion->samples);
-  const io::Recording recording = ReadComplete(folder.path() / "demo_out/recording.mcap");
+  const io::Recording recording = ReadComplete(folder.path() / "a/b/recording.mcap");
   const Pose X_GW = BoneInWorld("demo").inverse();
 
   std::size_t ticks = 0;
@@ -76,7 +60,7 @@ TEST(SavedMotion, IsTheCommandedMotionToFiveMicrometres) {
               worst_lever_m * 1e6);
 
   // no event happened; the wall beside the cup is watched: half the block's width minus the reamer's radius
-  const nlohmann::json summary = ReadJson(folder.path() / "demo_out/summary.json");
+  const nlohmann::json summary = ReadJson(folder.path() / "a/b/summary.json");
   EXPECT_TRUE(summary.at("events").empty());
   EXPECT_NEAR(summary.at("least_wall_mm").get<double>(), 40.0 - 25.0, 1.0);
 

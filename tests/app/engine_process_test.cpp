@@ -11,7 +11,7 @@
 #include "tests/app/machine_lateness.h"
 #include "tests/config/cell_text.h"
 
-// The cutting engine in a process of its own: `osteon simulate`, started by a run or beside it.
+// The cutting engine in a process of its own that a run starts. Beside a run: engine_lockstep_test.cpp.
 
 namespace osteon::app {
 namespace {
@@ -36,10 +36,10 @@ int EngineFolders() {
 
 class EngineProcess : public testing::Test {
  protected:
-  // The demo's cell with its engine in this process.
-  std::string Cell(const std::string& process) {
-    const fs::path file = folder_.path() / (process.substr(0, 5) + ".yaml");
-    std::ofstream(file) << "extends: demo\nsimulation: {process: '" << process << "'}\n";
+  // A shipped cell with its engine in a process of its own.
+  std::string Cell(const std::string& shipped) {
+    const fs::path file = folder_.path() / (shipped + ".yaml");
+    std::ofstream(file) << config::CellText(shipped) << "simulation: {process: local}\n";
     return file.string();
   }
   nlohmann::json Demo(const std::string& cell, const std::string& out) {
@@ -54,7 +54,7 @@ class EngineProcess : public testing::Test {
 // In lockstep each frame crosses, and no bit of what the tool carves may change.
 TEST_F(EngineProcess, CarvesWhatAThreadCarvesBitForBit) {
   const int before = EngineFolders();
-  const nlohmann::json thread = Demo("demo", "thread"), local = Demo(Cell("local"), "local");
+  const nlohmann::json thread = Demo("thin_plate", "thread"), local = Demo(Cell("thin_plate"), "local");
   EXPECT_TRUE(thread.at("engine_process").is_null());
   const nlohmann::json& process = local.at("engine_process");
   ASSERT_TRUE(process.is_object()) << local.dump(2);
@@ -68,32 +68,10 @@ TEST_F(EngineProcess, CarvesWhatAThreadCarvesBitForBit) {
   EXPECT_EQ(EngineFolders(), before) << "nothing is left in shared memory";
 }
 
-TEST_F(EngineProcess, CarvesTheSameOverUdp) {
-  const std::string address = "127.0.0.1:" + Port();
-  Command engine(folder_.path(),
-                 {"simulate", "--listen", address, "--engine", "cpu", "--json", "engine.json"});
-  ASSERT_TRUE(engine.WaitUntil([&] { return engine.Out().find("Ctrl-C ends it") != std::string::npos; }))
-      << engine.Err();
-  const nlohmann::json thread = Demo("demo", "thread");
-  for (const char* out : {"first", "second"}) {  // one run after the other
-    const nlohmann::json udp = Demo(Cell(address), out);
-    ASSERT_TRUE(udp.at("engine_process").is_object());
-    EXPECT_EQ(udp.at("engine_process").at("where"), address);
-    EXPECT_EQ(udp.at("state_hash"), thread.at("state_hash"));
-    EXPECT_EQ(udp.at("peak_force_N"), thread.at("peak_force_N"));
-  }
-  engine.Send(SIGTERM);
-  EXPECT_EQ(engine.Wait().exit_code, 0) << engine.Err();
-  const nlohmann::json report = ReadJson(folder_.path() / "engine.json");
-  EXPECT_EQ(report.at("schema"), "osteon.simulate/1");
-  EXPECT_EQ(report.at("runs"), 2);
-  EXPECT_GT(report.at("frames").get<int>(), 800);
-}
-
 // In wall time, while it renders: the arm comes to rest, and the summary says what happened.
 TEST_F(EngineProcess, OneThatIsKilledStopsTheArmAndIsNamed) {
   constexpr int kAttempts = 3;
-  const std::string cell = Cell("local");
+  const std::string cell = Cell("demo");
   rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const WakeupWatch watch;
@@ -117,25 +95,6 @@ TEST_F(EngineProcess, OneThatIsKilledStopsTheArmAndIsNamed) {
     ASSERT_TRUE(MachineWasLate(result, summary, worst_wakeup)) << summary.at("faults").dump();
   }
   GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
-}
-
-TEST_F(EngineProcess, AnEngineThatIsNotThereIsSaidBeforeAnythingMoves) {
-  const CommandResult run = RunCommand(
-      folder_.path(), {"demo", "--virtual-time", "--cell", Cell("127.0.0.1:" + Port()), "--out", "out"});
-  EXPECT_EQ(run.exit_code, 2);
-  EXPECT_NE(run.err.find("does `osteon simulate --listen` run there"), std::string::npos) << run.err;
-  EXPECT_FALSE(fs::exists(folder_.path() / "out"));
-}
-
-TEST_F(EngineProcess, ListensBeyondTheLoopbackWithATokenOnly) {
-  const CommandResult run = RunCommand(folder_.path(), {"simulate", "--listen", "0.0.0.0:" + Port()});
-  EXPECT_EQ(run.exit_code, 2);
-  EXPECT_NE(run.err.find("found no token"), std::string::npos) << run.err;
-  std::ofstream(folder_.path() / "short") << "abc\n";
-  const CommandResult weak =
-      RunCommand(folder_.path(), {"simulate", "--listen", "0.0.0.0:" + Port(), "--token-file", "short"});
-  EXPECT_EQ(weak.exit_code, 2);
-  EXPECT_NE(weak.err.find("found a first line of 3 characters"), std::string::npos) << weak.err;
 }
 
 // The times themselves are the machine's.

@@ -120,7 +120,9 @@ TEST_F(OperatorCommands, WithoutACellSayThatNoneRuns) {
 }
 
 TEST_F(OperatorCommands, ViewServesARecordingUntilCtrlC) {
-  ASSERT_EQ(RunCommand(folder_.path(), {"demo", "--virtual-time", "--seconds", "0.5"}).exit_code, 0);
+  ASSERT_EQ(RunCommand(folder_.path(), {"demo", "--virtual-time", "--seconds", "0.5", "--cell", "thin_plate"})
+                .exit_code,
+            0);
   Command view(folder_.path(), {"view", "demo_out/recording.mcap", "--port", "0", "--json", "view.json"});
   ASSERT_TRUE(view.WaitUntil([&] { return std::filesystem::exists(folder_.path() / "view.json"); }))
       << view.Err();

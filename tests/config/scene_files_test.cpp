@@ -19,13 +19,6 @@ using simulation::SceneParams;
 
 const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
 
-std::vector<fs::path> FilesOf(const char* folder) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(kConfig / folder)) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
 SceneParams Scene(const char* name) { return LoadScene(kConfig / "scenes" / (std::string(name) + ".yaml")); }
 
 TEST(SceneFiles, EachShapeIsTheLibrarysDefault) {
@@ -74,36 +67,6 @@ TEST(SceneFiles, LayersAndTissuesNameTheirMaterialsOnce) {
   EXPECT_EQ(molar.material_names.at(molar.mesh_tissue.regions[0].tissue.core), "pulp");
   EXPECT_EQ(molar.material_names.at(molar.mesh_tissue.solid.core), "dentine");
   ASSERT_TRUE(Scene("acetabulum").mesh_tissue.lining);
-}
-
-// The cells choose the materials, so this packs each cell's scene.
-TEST(SceneFiles, EachCellsSceneIsPackedWithItsMaterialsWithin40000Balls) {
-  for (const fs::path& file : FilesOf("cells")) {
-    SCOPED_TRACE(file.filename());
-    const CellConfig cell = LoadCell(file);
-    const simulation::SceneSolid solid = simulation::MakeSceneSolid(cell.scene);
-    const simulation::Bone bone = simulation::PackScene(solid, cell.scene);
-    EXPECT_GT(bone.balls.size(), 3'000u);
-    EXPECT_LT(bone.balls.size(), 40'000u);
-    EXPECT_GT(bone.points.size(), 5'000u);
-    EXPECT_LT(bone.points.size(), 120'000u);
-    std::vector<double> volume_m3(bone.materials.size());
-    for (const simulation::MassPoint& point : bone.points) volume_m3.at(point.material) += point.volume_m3;
-    for (std::size_t i = 0; i < volume_m3.size(); ++i) {
-      const std::string& name = bone.materials[i].name;
-      const bool worn_off =  // the femoral head's scene says 0 mm
-          name == "cartilage" && std::holds_alternative<simulation::FemoralHeadShape>(cell.scene.shape);
-      EXPECT_EQ(volume_m3[i] > 0.0, !worn_off) << name;
-    }
-    for (std::size_t i = 0; i < bone.balls.size(); i += 7) {
-      const double outside_m = bone.balls[i].radius_m + solid.solid->SignedDistance(bone.balls[i].center_m);
-      ASSERT_LE(outside_m, 1e-9) << "ball " << i << " leaves the solid";
-    }
-    // the tool goes into bone, and starts outside of it
-    const Vector3 site = bone.site.center_m, axis = bone.site.axis;
-    EXPECT_GT(solid.solid->SignedDistance(site + 1e-3 * axis), 0.0);
-    EXPECT_LT(solid.solid->SignedDistance(site - 1.05 * bone.site.radius_m * axis), 1.1e-3);
-  }
 }
 
 class SceneRefusals : public ::testing::Test {

@@ -1,4 +1,5 @@
-// The console's page in a real Chromium, over a cell that runs: node page_test.mjs OSTEON NODE_MODULES PICTURES.
+// The console's page in a real Chromium: node page_test.mjs OSTEON NODE_MODULES PICTURES STEPS. STEPS: live, over a cell
+// that runs in wall time; or recorded, over recordings.
 // Each step ends as soon as what it waits for is there. Pictures of each state are left for people to look at.
 
 import assert from "node:assert/strict";
@@ -8,7 +9,7 @@ import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
-const [, , osteon, modules, pictures] = process.argv;
+const [, , osteon, modules, pictures, steps] = process.argv;
 const puppeteer = createRequire(join(modules, "x.js"))("puppeteer-core");
 const PATIENCE_MS = 60_000;
 const folder = mkdtempSync(join(tmpdir(), "osteon_page_"));
@@ -408,6 +409,11 @@ injections:
   await page.close();
 }
 
+async function recordsADemo() {
+  const made = start(["demo", "--virtual-time", "--seconds", "6", "--out", join(folder, "out")], { stdio: "ignore" });
+  assert.equal(await new Promise((resolve) => made.on("close", resolve)), 0);
+}
+
 async function viewsARecording() {
   const child = start(["view", join(folder, "out", "recording.mcap"), "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
   const url = await new Promise((resolve) => child.stdout.once("data", (bytes) => resolve(String(bytes).trim())));
@@ -487,15 +493,14 @@ async function showsACellAlone() {
   child.kill("SIGINT");
 }
 
+const STEPS = {
+  live: [showsACellAlone, () => withPatience(operatesTheCell), operatesAProcedure, showsAFault, recoversFromAFault],
+  recorded: [recordsADemo, viewsARecording, comparesTwoRecordings, viewsAProcedure],
+};
+
 try {
-  await showsACellAlone();
-  await withPatience(operatesTheCell);
-  await viewsARecording();
-  await comparesTwoRecordings();
-  await viewsAProcedure();
-  await operatesAProcedure();
-  await showsAFault();
-  await recoversFromAFault();
+  assert.ok(steps in STEPS, `STEPS: found ${steps}, accepted ${Object.keys(STEPS).join(", ")}`);
+  for (const step of STEPS[steps]) await step();
   assert.deepEqual(errors, []);
   console.log("the console's page: all steps done");
 } finally {

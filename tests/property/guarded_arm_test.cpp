@@ -268,7 +268,7 @@ constexpr int kShards = 8;
 class ArmProperty : public testing::TestWithParam<int> {};
 
 TEST_P(ArmProperty, BehindTheGuardNothingPutsItBeyondALimitOnTheFirstLevel) {
-  CheckShard(GetParam(), kShards, 100'000, [] { Holds(hil::ArmLevel::kKinematic, true); });
+  CheckShard(GetParam(), kShards, 25'000, [] { Holds(hil::ArmLevel::kKinematic, true); });
 }
 INSTANTIATE_TEST_SUITE_P(Shard, ArmProperty, testing::Range(0, kShards));
 

@@ -21,7 +21,7 @@ constexpr int kShards = 8;
 class LoopProperty : public testing::TestWithParam<int> {};
 
 TEST_P(LoopProperty, NothingMakesItExceedALimitOnTheFirstLevel) {
-  CheckShard(GetParam(), kShards, 100'000, [] { HoldsAtLevel(hil::ArmLevel::kKinematic); });
+  CheckShard(GetParam(), kShards, 25'000, [] { HoldsAtLevel(hil::ArmLevel::kKinematic); });
 }
 INSTANTIATE_TEST_SUITE_P(Shard, LoopProperty, testing::Range(0, kShards));
 

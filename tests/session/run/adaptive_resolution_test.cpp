@@ -322,7 +322,7 @@ TEST(PackCell, IsPlannedWhereSceneOrChoiceAskForIt) {
 
 // A plan by the closed forms is repeatable, whatever the machine's load.
 TEST(PackCell, WithoutAClockItIsTheSameAgain) {
-  const CellSetup &a = Shipped("molar"), b = Planned("molar");
+  const CellSetup &a = Shipped("thin_plate"), b = Planned("thin_plate");
   ASSERT_EQ(a.bone.balls.size(), b.bone.balls.size());
   for (std::size_t i = 0; i < a.bone.balls.size(); ++i)
     ASSERT_EQ(a.bone.balls[i].radius_m, b.bone.balls[i].radius_m);

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kConfig = OSTEON_SOURCE_DIR "/config";
-constexpr int kSeeds = 20;
+constexpr int kSeeds = 10;  // one for each duration of a frame
 
 struct Tool {
   const char* name;

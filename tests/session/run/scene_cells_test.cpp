@@ -48,12 +48,38 @@ std::optional<CellRunResult> Ride(const CellSetup& setup, const std::string& eng
 /// Runs 0.3 s.
 void ExpectToRun(const CellSetup& setup) { static_cast<void>(Ride(setup, "cpu", 0.3)); }
 
-TEST(SceneCells, EachRunsWithoutAFault) {
+/// Checks that the bone has the scene's materials in at most 40 000 balls, which lie in its solid, and that
+/// the site leads into it.
+void ExpectPackedAsTheSceneSays(const CellSetup& setup) {
+  const simulation::Bone& bone = setup.bone;
+  EXPECT_GT(bone.balls.size(), 3'000u);
+  EXPECT_LT(bone.balls.size(), 40'000u);
+  EXPECT_GT(bone.points.size(), 5'000u);
+  EXPECT_LT(bone.points.size(), 120'000u);
+  std::vector<double> volume_m3(bone.materials.size());
+  for (const simulation::MassPoint& point : bone.points) volume_m3.at(point.material) += point.volume_m3;
+  for (std::size_t i = 0; i < volume_m3.size(); ++i) {
+    const std::string& name = bone.materials[i].name;
+    const bool worn_off =  // the femoral head's scene says 0 mm
+        name == "cartilage" && std::holds_alternative<simulation::FemoralHeadShape>(setup.config.scene.shape);
+    EXPECT_EQ(volume_m3[i] > 0.0, !worn_off) << name;
+  }
+  for (std::size_t i = 0; i < bone.balls.size(); i += 7) {
+    const double outside_m = bone.balls[i].radius_m + setup.solid->SignedDistance(bone.balls[i].center_m);
+    ASSERT_LE(outside_m, 1e-9) << "ball " << i << " leaves the solid";
+  }
+  const Vector3 site = bone.site.center_m, axis = bone.site.axis;
+  EXPECT_GT(setup.solid->SignedDistance(site + 1e-3 * axis), 0.0);
+  EXPECT_LT(setup.solid->SignedDistance(site - 1.05 * bone.site.radius_m * axis), 1.1e-3);
+}
+
+TEST(SceneCells, EachIsPackedAsItsSceneSaysAndRunsWithoutAFault) {
   int cells = 0;
   for (const auto& entry : fs::directory_iterator(kCells)) {
     SCOPED_TRACE(entry.path().filename());
     const auto setup = SetUpCell(entry.path(), std::nullopt);
     ASSERT_TRUE(setup) << setup.error();
+    ExpectPackedAsTheSceneSays(*setup);
     // the tool points at the site along its axis, from outside the bone
     const Pose X_WC = setup->X_WG * simulation::CupPose(setup->bone.site);
     const Pose& X_WT = setup->config.start.X_WT;

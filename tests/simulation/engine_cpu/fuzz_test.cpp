@@ -125,7 +125,7 @@ int FirstDifference(unsigned seed, const std::string& set, RunFacts& facts) {
 }
 
 TEST(CpuEngineFuzz, SmallScenesGiveTheReferencesBits) {
-  const int cases = NumberAsked("--cases=", 3'000);
+  const int cases = NumberAsked("--cases=", 1'500);
   const std::vector<std::string> sets = CpuInstructionSets();
   RunFacts facts;
   int different = 0;

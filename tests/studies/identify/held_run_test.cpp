@@ -159,9 +159,10 @@ TEST(HeldRun, OnAnArmWithMassesGivesTheMassThatTheHandMoves) {
 }
 
 // The simulated hands are what is found of them, within the intervals, whose truth is in the cells' files.
+// In free air the cells that are not listed have arm, tool and hand of one that is.
 TEST(HeldRun, FindsTheHandsOfTheShippedCells) {
-  for (const char* name : {"demo", "cartilage_cup", "femoral_canal", "femoral_head", "kr_16_thin_plate",
-                           "long_drill", "molar", "pelvis_mount", "sawbone_block", "thin_plate"}) {
+  for (const char* name :
+       {"demo", "femoral_canal", "kr_16_thin_plate", "long_drill", "molar", "sawbone_block", "thin_plate"}) {
     SCOPED_TRACE(name);
     const session::CellSetup setup = ShippedCell(name);
     IdentifyResult result = EmptyResult(name, setup.config);

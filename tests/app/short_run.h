@@ -1,0 +1,20 @@
+#pragma once
+
+#include "tests/app/command.h"
+
+namespace osteon::app {
+
+/// A demo of 1.5 s in virtual time. Its files are in a/b, its motion in motion.csv.
+struct ShortRun {
+  TemporaryFolder folder;
+  CommandResult run = RunCommand(folder.path(), {"demo", "--virtual-time", "--seconds", "1.5", "--out", "a/b",
+                                                 "--json", "copy.json", "--save-motion", "motion.csv"});
+};
+/// One for all tests of the suite VirtualDemo that look at its files alone: ctest runs the suite in one
+/// process.
+inline const ShortRun& TheShortRun() {
+  static const ShortRun made;
+  return made;
+}
+
+}  // namespace osteon::app
