@@ -60,6 +60,35 @@ TEST(IdentifyCommand, MeasuresTheSimulatedCellThenTheSameFromItsRecording) {
   EXPECT_EQ(RunCommand(folder.path(), {"replay", "identify/free_z_50.mcap"}).exit_code, 0);
 }
 
+TEST(IdentifyCommand, MovesJointsOneAtATimeThenSaysTheSameFromTheirRecordings) {
+  const TemporaryFolder folder;
+  const CommandResult run =
+      RunCommand(folder.path(), {"identify", "demo", "--simulated", "--do", "joints", "--joints", "7,2"});
+  ASSERT_EQ(run.exit_code, 0) << run.err << run.out;
+  EXPECT_NE(run.out.find("free run, joint A2 at 8.6 deg/s"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("lag 24.221"), std::string::npos) << run.out;
+  const CommandResult again =
+      RunCommand(folder.path(), {"identify", "demo", "--recording", "identify/joint_A2_8.6.mcap",
+                                 "--recording", "identify/joint_A7_8.6.mcap", "--out", "again"});
+  ASSERT_EQ(again.exit_code, 0) << again.err << again.out;
+  const nlohmann::json joints = ReadJson(folder.path() / "identify/identify.json").at("joints");
+  ASSERT_EQ(joints.size(), 2u);
+  EXPECT_EQ(joints.at(0).at("joint"), "A2");
+  EXPECT_EQ(ReadJson(folder.path() / "again/identify.json").at("joints"), joints);
+  EXPECT_EQ(RunCommand(folder.path(), {"replay", "identify/joint_A2_8.6.mcap"}).exit_code, 0);
+
+  const auto refused = [&](std::vector<std::string> words, const std::string& why) {
+    words.insert(words.begin(), "identify");
+    const CommandResult wrong = RunCommand(folder.path(), words);
+    EXPECT_EQ(wrong.exit_code, 2) << wrong.out;
+    EXPECT_NE(wrong.err.find(why), std::string::npos) << wrong.err;
+  };
+  refused({"thin_plate_impedance", "--simulated", "--do", "joints"},
+          "found law: impedance, accepted law: admittance");
+  refused({"kr_16_thin_plate", "--simulated", "--do", "joints", "--joints", "7"}, "found 7, accepted 1 … 6");
+  refused({"demo", "--simulated", "--do", "free", "--joints", "1"}, "without --do joints, accepted both");
+}
+
 // The commands of a section of a page, as they are written, each split into its words.
 std::vector<std::vector<std::string>> CommandsOf(const std::string& page, const std::string& heading) {
   const std::string text = io::test::ReadAll(std::filesystem::path(OSTEON_SOURCE_DIR) / page);
