@@ -41,6 +41,19 @@ TEST(IdentifyCommand, MeasuresTheSimulatedCellThenTheSameFromItsRecording) {
   EXPECT_NE(other.out.find("another cell's recording: found the tool"), std::string::npos) << other.out;
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "again/identified.yaml"));
 
+  // which forces are rendered, by what was measured along z
+  const CommandResult force =
+      RunCommand(folder.path(), {"capability", "demo", "--no-search", "--nodes", "3", "--out", "cap",
+                                 "--identified", "identify/identified.yaml"});
+  ASSERT_EQ(force.exit_code, 0) << force.err;
+  const nlohmann::json axes = ReadJson(folder.path() / "cap/capability.json").at("rendering").at("axes");
+  EXPECT_EQ(axes.at(0).at("lag_ms").at("source"), "assumed");
+  EXPECT_EQ(axes.at(2).at("lag_ms").at("source"), "measured");
+  EXPECT_NEAR(axes.at(2).at("lag_ms").at("value"), 24.22, 0.02);
+  EXPECT_NE(force.out.find("Rendered along z"), std::string::npos) << force.out;
+  EXPECT_NE(io::test::ReadAll(folder.path() / "cap/capability.html").find("Rendered along z"),
+            std::string::npos);
+
   // data that are given twice, or that a fit was made of, are no other data; a torn recording is none
   const std::string file = "identify/free_z_50.mcap";
   const auto refused = [&](std::vector<std::string> words, const std::string& why) {
