@@ -89,6 +89,13 @@ TEST(IdentifyCommand, MovesJointsOneAtATimeThenSaysTheSameFromTheirRecordings) {
   EXPECT_EQ(joints.at(0).at("joint"), "A2");
   EXPECT_EQ(ReadJson(folder.path() / "again/identify.json").at("joints"), joints);
   EXPECT_EQ(RunCommand(folder.path(), {"replay", "identify/joint_A2_8.6.mcap"}).exit_code, 0);
+  const CommandResult compared =
+      RunCommand(folder.path(), {"diff", "identify/joint_A2_8.6.mcap", "identify/joint_A7_8.6.mcap", "--out",
+                                 "compared", "--json", "diff.json"});
+  EXPECT_EQ(compared.exit_code, 1) << "before, no figure differed";
+  EXPECT_NE(compared.out.find("the excitation differs: free run, joint A2 at 8.6 deg/s"), std::string::npos)
+      << compared.out;
+  EXPECT_EQ(ReadJson(folder.path() / "diff.json").at("responses").size(), 27u);
 
   const auto refused = [&](std::vector<std::string> words, const std::string& why) {
     words.insert(words.begin(), "identify");
