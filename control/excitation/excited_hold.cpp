@@ -39,7 +39,7 @@ const char* Describe(ExcitationAbort abort) {
     case ExcitationAbort::kForceGrows:
       return "force between 5 and 40 Hz grew for 0.3 s";
     case ExcitationAbort::kTracking:
-      return "the tool was too far from where it was commanded";
+      return "tool or joint was too far from where it was commanded";
     case ExcitationAbort::kAnswersLost:
       return "over 5 % of the answers were lost within 1 s";
     case ExcitationAbort::kSensor:
@@ -58,6 +58,10 @@ ExcitedHold::ExcitedHold(const ExcitedHoldParams& params)
   Require(params.max_lost_share > 0.0 && params.max_lost_share <= 1.0, "max_lost_share",
           params.max_lost_share, "0 … 1, not 0");
   Require(std::abs(params.axis_W.norm() - 1.0) < 1e-9, "axis_W", params.axis_W.norm(), "a length of 1");
+  Require(params.joint >= -1 && params.joint < kJoints, "joint", params.joint, "-1 … 6");
+  Require(params.joint < 0 || !params.overlay.on, "joint", params.joint, "-1 with an overlay");
+  Require(params.max_joint_tracking_rad > 0.0, "max_joint_tracking_rad", params.max_joint_tracking_rad,
+          "> 0");
   const OverlayExcitation& overlay = params.overlay;
   if (!overlay.on) return;
   Require(overlay.max_force_N > 0.0 && overlay.max_force_N <= 50.0, "overlay.max_force_N",
@@ -100,7 +104,8 @@ ExcitedHoldStep ExcitedHold::Step(const ExcitedTick& tick) OSTEON_RT {
     if (!params_.overlay.on) step_.offset[j] = params_.direction[j] * step_.x_m;
     moved[j] = tick.q_meas[j] - q_hold_[j];
   }
-  step_.y_m = params_.axis_W.dot(params_.J_W * JointMap(moved.data()));
+  step_.y_m = params_.joint < 0 ? params_.axis_W.dot(params_.J_W * JointMap(moved.data()))
+                                : moved[static_cast<std::size_t>(params_.joint)];
   return step_;
 }
 
@@ -149,14 +154,20 @@ ExcitationAbort ExcitedHold::Check(const ExcitedTick& tick, double x_before_m) O
     return ExcitationAbort::kSensor;
   const Vector3 force_S_N = tick.force_S_N - force_zero_S_N_;
   if (!(force_S_N.norm() <= params_.max_force_N)) return ExcitationAbort::kForce;
+  if (!Tracks(tick, x_before_m)) return ExcitationAbort::kTracking;
+  return ForceGrows(force_S_N) ? ExcitationAbort::kForceGrows : ExcitationAbort::kNone;
+}
+
+// Whether tool and joint are near where the last answer commanded them.
+bool ExcitedHold::Tracks(const ExcitedTick& tick, double x_before_m) const OSTEON_RT {
   JointArray off{};
   // an overlay moves the tool from a command that stands
   const double commanded_m = params_.overlay.on ? 0.0 : x_before_m;
   for (std::size_t j = 0; j < off.size(); ++j)
     off[j] = tick.q_meas[j] - q_hold_[j] - params_.direction[j] * commanded_m;
-  if (!((params_.J_W * JointMap(off.data())).norm() <= params_.max_tracking_m))
-    return ExcitationAbort::kTracking;
-  return ForceGrows(force_S_N) ? ExcitationAbort::kForceGrows : ExcitationAbort::kNone;
+  if (!((params_.J_W * JointMap(off.data())).norm() <= params_.max_tracking_m)) return false;
+  return params_.joint < 0 ||
+         std::abs(off[static_cast<std::size_t>(params_.joint)]) <= params_.max_joint_tracking_rad;
 }
 
 // Counts messages and answers that were lost, second by second.

@@ -19,7 +19,7 @@ enum class ExcitationAbort : std::uint8_t {
   kArmLeft,      ///< the arm has left COMMANDING_ACTIVE, or came back in another activation
   kForce,        ///< the force on the sensor has changed by more than max_force_N
   kForceGrows,   ///< force between 5 and 40 Hz has grown for 0.3 s
-  kTracking,     ///< the tool is farther than max_tracking_m from where it was commanded
+  kTracking,     ///< tool or joint is farther than its bound from where it was commanded
   kAnswersLost,  ///< more than max_lost_share of the answers were lost within 1 s
   kSensor,       ///< no force reading that can be used
 };
@@ -48,6 +48,10 @@ struct ExcitedHoldParams {
       Eigen::Matrix<double, 3, kJoints>::Zero()};  ///< of the apex, at the posture
   double max_force_N{30.0};                        ///< 30 with nobody at the handle, 60 with a hand
   double max_tracking_m{0.01};
+  /// 0 … kJoints - 1: this joint alone is excited, and measured by its own encoder. The lengths of path, x_m
+  /// and y_m are then its angle [rad], and its direction is 1. -1: the tool is, along axis_W.
+  int joint{-1};
+  double max_joint_tracking_rad{0.02};  ///< of that joint, beside the tool's bound
   double max_lost_share{0.05};
   double max_sensor_age_s{0.1};
   bool has_interlock{false};  ///< the path goes on only while the PLC permits motion and the switch is held
@@ -74,7 +78,7 @@ struct ExcitedHoldStep {
   JointArray offset{};  ///< to be added to the loop's command [rad]
   double x_m{0.0};      ///< the same along the axis; with an overlay the path that the force is made from
   double f_N{0.0};      ///< force along the axis to be laid over the arm's impedance; offset is zero then
-  double y_m{0.0};      ///< measured offset along the axis
+  double y_m{0.0};      ///< measured offset along the axis, or of the joint
   ExcitationStep path{};
   bool excites{false};  ///< the path has begun and is not done
   ExcitationAbort abort{ExcitationAbort::kNone};
@@ -103,6 +107,7 @@ class ExcitedHold {
  private:
   void BeginExcitation(const ExcitedTick& tick) OSTEON_RT;
   [[nodiscard]] ExcitationAbort Check(const ExcitedTick& tick, double x_before_m) OSTEON_RT;
+  [[nodiscard]] bool Tracks(const ExcitedTick& tick, double x_before_m) const OSTEON_RT;
   [[nodiscard]] bool LosesAnswers(const ExcitedTick& tick, int messages) OSTEON_RT;
   [[nodiscard]] bool ForceGrows(const Vector3& force_S_N) OSTEON_RT;
   void StepPath(bool permitted, int messages) OSTEON_RT;

@@ -18,10 +18,15 @@ constexpr ArmShape kSixAxis{
 }  // namespace
 
 std::string ValidateStartPath(const CellSetup& setup, const kinematics::JointVector& q_from) {
-  const config::CellConfig& cell = setup.config;
-  const control::StartParams& start = *cell.servo.start;
+  const control::StartParams& start = *setup.config.servo.start;
   if ((q_from - start.q).cwiseAbs().maxCoeff() <= start.tolerance_rad) return {};
+  const std::string blocked = ValidatePath(setup, q_from, start.q);
+  return blocked.empty() ? blocked : "the way to the start: " + blocked;
+}
 
+std::string ValidatePath(const CellSetup& setup, const kinematics::JointVector& q_from,
+                         const kinematics::JointVector& q_to) {
+  const config::CellConfig& cell = setup.config;
   const config::SixAxisConfig* six_axis = cell.robot.six_axis();
   const ArmShape& shape = six_axis ? kSixAxis : kLbr;
   control::PathSurroundings around;
@@ -40,9 +45,9 @@ std::string ValidateStartPath(const CellSetup& setup, const kinematics::JointVec
     around.spheres.push_back({.center_W_m = setup.X_WG * Vector3(ball.center_m), .radius_m = ball.radius_m});
   around.position_margin_rad = cell.servo.joints.position_margin_rad;
   const auto found = six_axis
-                         ? control::CheckPath<6>(six_axis->chain, q_from.head<6>(), start.q.head<6>(), around)
-                         : control::CheckPath<7>(cell.robot.lbr()->chain, q_from, start.q, around);
-  return found ? std::string() : "the way to the start: " + found.error();
+                         ? control::CheckPath<6>(six_axis->chain, q_from.head<6>(), q_to.head<6>(), around)
+                         : control::CheckPath<7>(cell.robot.lbr()->chain, q_from, q_to, around);
+  return found ? std::string() : found.error();
 }
 
 }  // namespace osteon::session

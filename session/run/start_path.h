@@ -12,4 +12,10 @@ namespace osteon::session {
 /// @returns a text for the user that names the obstacle; empty if the path is free or not needed.
 [[nodiscard]] std::string ValidateStartPath(const CellSetup& setup, const kinematics::JointVector& q_from);
 
+/// Checks the straight path in joint space between any two positions in the same way, whatever its length.
+/// @param q_from, q_to  [rad]; of six axes the first six
+/// @returns a text that names the obstacle; empty if the path is free
+[[nodiscard]] std::string ValidatePath(const CellSetup& setup, const kinematics::JointVector& q_from,
+                                       const kinematics::JointVector& q_to);
+
 }  // namespace osteon::session

@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "base/phase_progress.h"
 #include "base/write_text.h"
+#include "config/reading/apply_identified.h"
 #include "config/reading/load.h"
 #include "io/recording/recording_reader.h"
 #include "report/page.h"
@@ -241,8 +242,9 @@ tl::expected<void, std::string> Write(const CapabilityResult& result, const Capa
 int Run(const CapabilityOptions& options) {
   if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
     return session::Fail("capability", wrong);
-  const config::CellConfig cell = config::LoadCell(options.cell);
+  config::CellConfig cell = config::LoadCell(options.cell);
   config::RequireSimulation(cell, options.cell);
+  if (!options.identified.empty()) config::ApplyIdentified(options.identified, cell);
   if (!cell.robot.lbr())
     return session::Fail(
         "capability",
@@ -276,7 +278,7 @@ int Run(const CapabilityOptions& options) {
   result.need.torque_Nm = options.torque_Nm;
 
   base::InstallInterrupt();
-  base::PhaseProgress progress("osteon capability", options.search ? 4 : 2);
+  base::PhaseProgress progress("osteon capability", options.search ? 5 : 3);
   const CapabilityMap map(cell, result.task, result.need, options.threads);
   progress.BeginPhase("the task from this base");
   result.best_angle = map.AtBestArmAngle();
@@ -285,6 +287,8 @@ int Run(const CapabilityOptions& options) {
     return session::Fail(
         "capability", "the workspace allows no pose of the task; accepted a workspace that holds the site");
   result.outside = SampledPoses(result.task, TaskFineness{}) - result.best_angle.poses;
+  progress.BeginPhase("what is felt and rendered");
+  result.rendering = RenderingOf(cell);
   progress.BeginPhase("mapping the workspace");
   for (const MapPlane plane : {MapPlane::kVertical, MapPlane::kHorizontal})
     result.maps.push_back(map.Panel(plane, options.nodes, [] { return base::Interrupted().load(); }));

@@ -18,6 +18,7 @@ struct CapabilityOptions {
   std::filesystem::path json{};  ///< a second copy of capability.json
   /// Recording of a run: gives the lateral force that its tool needed; empty: the cell's limits.
   std::filesystem::path recording{};
+  std::filesystem::path identified{};  ///< a file of `osteon identify`; empty: as the cell says
   std::optional<double> axial_N{}, lateral_N{}, radius_mm{};
   double torque_Nm{0.0};
   Mount mount{Mount::kCell};

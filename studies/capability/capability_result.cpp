@@ -110,6 +110,7 @@ session::Verdict Judge(const CapabilityResult& r) {
             "across it, {:.0f} % of what is needed",
             r.base_force.factor * r.need.axial_N, r.base_force.factor * r.need.lateral_N,
             100.0 * r.base_force.factor));
+  if (r.rendering) JudgeRendering(*r.rendering, verdict);
   return verdict;
 }
 
@@ -129,6 +130,9 @@ std::vector<report::SummaryRow> Rows(const CapabilityResult& r) {
            r.need.torque_Nm > 0.0 ? fmt::format(", {:.1f} N·m about any axis", r.need.torque_Nm) : "")},
       {"This base, best arm angles", Forces(r.best_angle)},
       {fmt::format("This base, arm angle {:.0f} deg", r.own_arm_angle_rad * kDegrees), Forces(r.own_angle)}};
+  if (r.rendering)
+    for (report::SummaryRow& row : RenderingRows(*r.rendering, r.own_angle.force.axial_N))
+      rows.push_back(std::move(row));
   if (!r.searched) return rows;
   if (!r.base) {
     rows.push_back({"Best base", "none: the task can be done from nowhere in the ranges"});
@@ -190,6 +194,8 @@ std::string ToJson(const CapabilityResult& r, const std::string& command_line) {
                       {"best_base", nullptr}};
   json["own_arm_angle"]["arm_angle_deg"] = r.own_arm_angle_rad * kDegrees;
   json["searched"] = r.searched;
+  json["rendering"] =
+      r.rendering ? RenderingJson(*r.rendering, Shown(r.own_angle.force.axial_N)) : nlohmann::json();
   if (!r.searched) return session::ResultText(Judge(r), json);
   const auto range = [](const AxisRange& a) { return nlohmann::json{a.from * 1e3, a.to * 1e3}; };
   json["search"] = {{"x_mm", range(r.search.x_m)},

@@ -9,6 +9,7 @@
 #include "session/summary/verdict.h"
 #include "studies/capability/base_placement.h"
 #include "studies/capability/capability_map.h"
+#include "studies/capability/rendering.h"
 
 // The result of `osteon capability` and its forms: rows, JSON, CSV, pictures, an overlay for the cell.
 
@@ -38,11 +39,12 @@ struct CapabilityResult {
   std::optional<BaseFigure> base;  ///< the best; nothing if none was looked for or found
   ToolForce base_force;
   std::vector<BasePanel> base_panels;
+  std::optional<Rendering> rendering{};  ///< forces that are felt and rendered; none: not asked
 };
 
 /// Bad if the arm can't hold both needs over the whole task from the cell's own base at any arm angle. To be
-/// looked at if it can, but not at the cell's arm angle, if a part of the task lies outside the workspace, or
-/// if no better base was found.
+/// looked at if it can, but not at the cell's arm angle, if a part of the task lies outside the workspace, if
+/// no better base was found, or if the measured arm does not stand the cell's gains.
 [[nodiscard]] session::Verdict Judge(const CapabilityResult& result);
 
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const CapabilityResult& result);

@@ -1,5 +1,6 @@
 #include "studies/diff/diff.h"
 
+#include <complex>
 #include <span>
 #include <utility>
 #include <vector>
@@ -40,12 +41,28 @@ nlohmann::json ToJson(const DiffOptions& options, const RunFigures& first, const
       limits.push_back({{"limit", safety::kLimitNames[i]},
                         {"first_ticks", first.limits[i]},
                         {"second_ticks", second.limits[i]}});
+  nlohmann::json responses = nlohmann::json::array();
+  const auto complex = [](const std::complex<double>& value) {
+    return nlohmann::json{{"re", value.real()}, {"im", value.imag()}};
+  };
+  for (const ResponseDifference& response : runs.responses)
+    for (const LineDifference& line : response.lines)
+      responses.push_back({{"by", response.by},
+                           {"hz", line.first.hz},
+                           {"first", complex(line.first.value)},
+                           {"second", complex(line.second.value)},
+                           {"accepted", line.accepted},
+                           {"differs", line.differs()}});
   return {{"schema", "osteon.diff/1"},
           {"recordings", {options.recordings[0].string(), options.recordings[1].string()}},
           {"verdict", {{"level", runs.verdict.level}, {"reasons", runs.verdict.reasons}}},
           {"identical", runs.identical},
           {"ticks", {first.ticks, second.ticks}},
           {"differences", differences},
+          {"responses", responses},
+          {"excitation",
+           {first.excited ? nlohmann::json(first.excited->excitation) : nlohmann::json(),
+            second.excited ? nlohmann::json(second.excited->excitation) : nlohmann::json()}},
           {"limits", limits},
           {"faults_only_first", runs.only_first},
           {"faults_only_second", runs.only_second},
@@ -80,6 +97,36 @@ report::LineChart Chart(const char* title, const char* unit, const report::ThinC
   return chart;
 }
 
+// The gains of the responses of two excited runs.
+std::string ResponseSvg(const RunDifference& runs) {
+  std::vector<report::LineChart> panels;
+  for (const ResponseDifference& response : runs.responses) {
+    report::LineChart& chart = panels.emplace_back();
+    chart = {.title = "Response by " + response.by,
+             .x_label = "frequency [Hz]",
+             .y_label = "gain",
+             .y_from_zero = false,
+             .log_x = true,
+             .log_y = true};
+    const auto add = [&](const char* name, const char* dash, RecordedResponse::Line LineDifference::*of) {
+      report::Series& series = chart.series.emplace_back();
+      series.name = name;
+      series.dash = dash;
+      for (const LineDifference& difference : response.lines) {
+        const RecordedResponse::Line& line = difference.*of;
+        const double gain = std::abs(line.value);
+        series.x.push_back(line.hz);
+        series.y.push_back(gain);
+        series.y_low.push_back(std::max(1e-4 * gain, gain - 2.0 * line.sd));
+        series.y_high.push_back(gain + 2.0 * line.sd);
+      }
+    };
+    add("first", "", &LineDifference::first);
+    add("second", "6 3", &LineDifference::second);
+  }
+  return report::Svg(panels);
+}
+
 std::string Table(const RunDifference& runs) {
   std::string html =
       "<table>\n<tr><th>figure</th><th class=\"n\">first</th><th class=\"n\">second</th><th "
@@ -110,6 +157,7 @@ std::string Page(const DiffOptions& options, const RunFigures& first, const RunF
        .summary = {{.key = "First ended", .value = first.end},
                    {.key = "Second ended", .value = second.end}}});
   html += Table(runs);
+  if (!runs.responses.empty()) html += report::Figure(ResponseSvg(runs), "Bars: two standard deviations.");
   const std::vector<report::LineChart> panels{
       Chart("Force to the hand", "force [N]", first.force_N, first.first, second.force_N, second.first),
       Chart("Depth of the cut", "depth [mm]", first.depth_mm, first.first, second.depth_mm, second.first),
@@ -139,6 +187,9 @@ int RunDiff(const DiffOptions& options) {
     if (!run) return session::Fail("diff", run.error());
     read[i] = std::move(*run);
   }
+  if (const std::string wrong = NotComparable(read[0], read[1]); !wrong.empty())
+    return session::Fail("diff", fmt::format("{}, {}: {}", options.recordings[0].string(),
+                                             options.recordings[1].string(), wrong));
   const RunDifference runs = CompareRuns(read[0], read[1], 0.01 * options.within_percent);
   Print(runs, options.within_percent);
   if (!options.json.empty())

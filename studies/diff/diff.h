@@ -14,9 +14,10 @@ struct DiffOptions {
   std::string command_line{};
 };
 
-/// Runs `osteon diff`: compares two recordings by their figures, faults, limits and configuration.
+/// Runs `osteon diff`: compares two recordings by their figures, faults, limits and configuration; two of
+/// `osteon identify` also by their excitation and by what identify finds in them.
 /// @returns the process's exit code: 0 no figure differs and no fault is new; 1 one does; 2 a recording can't
-/// be read.
+/// be read, or the two are of different kinds.
 [[nodiscard]] int RunDiff(const DiffOptions& options);
 
 }  // namespace osteon::studies

@@ -71,12 +71,58 @@ std::vector<std::string> FaultsOnlyIn(const RunFigures& run, const RunFigures& o
   return names;
 }
 
-report::ReportVerdict Judge(const RunDifference& runs, const RunFigures& first, const RunFigures& second) {
+FigureDifference Compare(const RunFigure& a, const RunFigure& b, double within) {
+  return {.first = a,
+          .second = b,
+          .difference = b.value - a.value,
+          .accepted = std::max({a.least_difference, b.least_difference,
+                                within * std::max(std::abs(a.value), std::abs(b.value))})};
+}
+
+// What identify finds in both. @param only  what only one of them has, a line each
+void CompareExcited(const ExcitedFigures& first, const ExcitedFigures& second, double within,
+                    std::vector<std::string>& only, RunDifference& runs) {
+  const auto has = [](const ExcitedFigures& excited, const std::string& key) {
+    return std::ranges::find(excited.figures, key, &RunFigure::key) != excited.figures.end();
+  };
+  for (const RunFigure& a : first.figures) {
+    const auto b = std::ranges::find(second.figures, a.key, &RunFigure::key);
+    if (b == second.figures.end())
+      only.push_back("only the first run has the " + a.name);
+    else
+      runs.figures.push_back(Compare(a, *b, within));
+  }
+  for (const RunFigure& b : second.figures)
+    if (!has(first, b.key)) only.push_back("only the second run has the " + b.name);
+  runs.responses = CompareResponses(first, second, within, only);
+  if (first.excitation != second.excitation)
+    only.push_back(fmt::format("the excitation differs: {} | {}", first.excitation, second.excitation));
+  for (const auto& [which, run] : {std::pair{"first", &first}, {"second", &second}})
+    if (!run->refused.empty())
+      only.push_back(fmt::format("the {} run was not estimated: {}", which, run->refused));
+}
+
+std::string ResponseText(const ResponseDifference& response) {
+  const LineDifference& worst = response.worst();
+  return fmt::format(
+      "response by {}: {} of {} lines differ, most at {:g} Hz: {:.4g} and {:.4g}, {:.3g} apart where {:.2g} "
+      "is "
+      "accepted",
+      response.by, response.differing(), response.lines.size(), worst.first.hz, std::abs(worst.first.value),
+      std::abs(worst.second.value), std::abs(worst.first.value - worst.second.value), worst.accepted);
+}
+
+// @param only  what only one of two excited runs has
+report::ReportVerdict Judge(const RunDifference& runs, const RunFigures& first, const RunFigures& second,
+                            const std::vector<std::string>& only) {
   report::ReportVerdict verdict;
   const auto say = [&](const char* level, std::string reason) {
     if (verdict.level != "bad") verdict.level = level;
     verdict.reasons.push_back(std::move(reason));
   };
+  for (const std::string& line : only) say("look", line);
+  for (const ResponseDifference& response : runs.responses)
+    if (response.differing() > 0) say("look", ResponseText(response));
   for (const std::string& name : runs.only_second) say("bad", "only the second run has the fault " + name);
   for (const std::string& name : runs.only_first) say("look", "only the first run has the fault " + name);
   for (const FigureDifference& figure : runs.figures)
@@ -102,19 +148,24 @@ RunDifference CompareRuns(const RunFigures& first, const RunFigures& second, dou
   RunDifference runs;
   runs.identical = first.ticks == second.ticks && first.hash == second.hash;
   for (std::size_t i = 0; i < std::min(first.figures.size(), second.figures.size()); ++i) {
-    const RunFigure &a = first.figures[i], &b = second.figures[i];
-    runs.figures.push_back(
-        {.first = a,
-         .second = b,
-         .difference = b.value - a.value,
-         .accepted = std::max(a.least_difference, within * std::max(std::abs(a.value), std::abs(b.value)))});
+    runs.figures.push_back(Compare(first.figures[i], second.figures[i], within));
   }
+  std::vector<std::string> only;
+  if (first.excited && second.excited) CompareExcited(*first.excited, *second.excited, within, only, runs);
   runs.only_first = FaultsOnlyIn(first, second);
   runs.only_second = FaultsOnlyIn(second, first);
   runs.config = CompareConfig(first.session, second.session);
   runs.session = CompareSessions(first.session, second.session);
-  runs.verdict = Judge(runs, first, second);
+  runs.verdict = Judge(runs, first, second, only);
   return runs;
+}
+
+std::string NotComparable(const RunFigures& first, const RunFigures& second) {
+  const auto kind = [](const RunFigures& run) {
+    return run.excited ? run.excited->kind + " of osteon identify" : std::string("an ordinary run");
+  };
+  if (kind(first) == kind(second)) return "";
+  return fmt::format("found {} and {}, accepted two of one kind", kind(first), kind(second));
 }
 
 }  // namespace osteon::studies

@@ -32,8 +32,13 @@ struct RunDifference {
   std::vector<FigureDifference> figures;
   std::vector<std::string> only_first, only_second;  ///< names of faults
   std::vector<ConfigDifference> config;
-  std::vector<std::string> session;  ///< what else differs: version, engine, …, one line each
+  std::vector<std::string> session;           ///< what else differs: version, engine, …, one line each
+  std::vector<ResponseDifference> responses;  ///< of two recordings of `osteon identify`
 };
+
+/// Says why two recordings have nothing that could be compared: one is of `osteon identify` and the other is
+/// not, or of another kind of run. Empty: they have.
+[[nodiscard]] std::string NotComparable(const RunFigures& first, const RunFigures& second);
 
 /// @param within  share of a figure's size, 0 … 1, up to which it counts as the same
 [[nodiscard]] RunDifference CompareRuns(const RunFigures& first, const RunFigures& second, double within);

@@ -179,13 +179,15 @@ tl::expected<RunFigures, std::string> ReadRunFigures(const std::filesystem::path
   run.limits.resize(safety::kLimitCount);
   Gathered all;
   base::Fnv1a hash;
-  std::string bytes;
+  std::string bytes, excitation;
   std::uint32_t faults = 0;
   while (true) {
     const auto topic = stream->Next();
     if (!topic) return tl::unexpected(topic.error());
     if (*topic == io::RecordedTopic::kOther) break;
     if (*topic == io::RecordedTopic::kEvent) run.end = stream->event.text;
+    if (*topic == io::RecordedTopic::kEvent && IsExcitation(stream->event.text))
+      excitation = stream->event.text;
     if (*topic == io::RecordedTopic::kFrame) {
       AddFrame(stream->frame, all);
       run.depth_mm.Add(stream->frame.stamp, 1e3 * stream->frame.cup_depth_m);
@@ -211,6 +213,7 @@ tl::expected<RunFigures, std::string> ReadRunFigures(const std::filesystem::path
   run.hash = hash.hash();
   run.end_error = stream->EndError();
   run.figures = Figures(all);
+  if (!excitation.empty()) run.excited = ReadExcitedFigures(recording, run.session, excitation);
   return run;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,18 +12,10 @@
 #include "io/recording/messages.h"
 #include "report/thin_curve.h"
 #include "safety/fault.h"
+#include "studies/diff/excited_figures.h"
+#include "studies/diff/run_figure.h"
 
 namespace osteon::studies {
-
-/// A figure of a run, with the difference from which two runs count as different.
-struct RunFigure {
-  std::string name;  ///< "peak force to the hand"
-  std::string key;   ///< "peak_force_N": in JSON
-  std::string unit;
-  double value{0.0};
-  double least_difference{0.0};  ///< differences up to this never count
-  bool judged{true};             ///< false: a time that the machine took; shown, not judged
-};
 
 /// What two recordings are compared by, gathered in one pass.
 struct RunFigures {
@@ -36,6 +29,7 @@ struct RunFigures {
   std::string end_error;              ///< io::RecordingStream::EndError
   rt::Nanoseconds first{0};           ///< stamp of the first tick
   report::ThinCurve force_N, depth_mm, removed_mm3;
+  std::optional<ExcitedFigures> excited{};  ///< of a recording of `osteon identify`
 };
 
 /// Reads a recording. The error names file, byte and reason.

@@ -19,6 +19,7 @@ constexpr const char* kEvent = "excitation: ";
 constexpr double kSpeedShare = 0.2, kAccelerationFactor = 2.0;
 constexpr double kFreeForce_N = 30.0, kHeldForce_N = 60.0;
 constexpr double kMinSingular = 0.02;  // of the Jacobian along the axis
+constexpr double kToolSpeed_m_per_s = 0.1, kToolAcceleration_m_per_s2 = 8.0;  // while a joint moves
 
 using Jacobian = Eigen::Matrix<double, 6, control::kJoints>;
 
@@ -83,16 +84,20 @@ int SequenceStep(const config::CellConfig& cell) {
 
 }  // namespace
 
+int JointCount(const config::CellConfig& cell) { return static_cast<int>(LimitsOf(cell).size()); }
+
 std::string EventText(const ExcitationRequest& request) {
-  return kEvent + nlohmann::ordered_json{{"axis", std::string(1, request.axis)},
-                                         {"peak_speed_m_per_s", request.peak_speed_m_per_s},
-                                         {"seed", request.seed},
-                                         {"draws", request.draws},
-                                         {"periods", request.periods},
-                                         {"held", request.held},
-                                         {"overlay", request.overlay},
-                                         {"rest_s", request.rest_s}}
-                      .dump();
+  // without an axis an Osteon that knows no joints does not take a joint for one
+  nlohmann::ordered_json json{{"axis", request.joint > 0 ? std::string() : std::string(1, request.axis)},
+                              {"peak_speed_m_per_s", request.peak_speed_m_per_s},
+                              {"seed", request.seed},
+                              {"draws", request.draws},
+                              {"periods", request.periods},
+                              {"held", request.held},
+                              {"overlay", request.overlay},
+                              {"rest_s", request.rest_s}};
+  if (request.joint > 0) json["joint"] = request.joint;
+  return kEvent + json.dump();
 }
 
 std::optional<ExcitationRequest> ParseEvent(const std::string& text) {
@@ -101,27 +106,27 @@ std::optional<ExcitationRequest> ParseEvent(const std::string& text) {
   if (!json.is_object()) return {};
   try {
     const auto axis = json.at("axis").get<std::string>();
-    if (axis != "x" && axis != "y" && axis != "z") return {};
-    return ExcitationRequest{.axis = axis[0],
+    const int joint = json.value("joint", 0);  // absent of an axis
+    const bool is_axis = axis == "x" || axis == "y" || axis == "z";
+    if (is_axis ? joint != 0 : !axis.empty() || joint < 1 || joint > control::kJoints) return {};
+    return ExcitationRequest{.axis = is_axis ? axis[0] : 'z',
                              .peak_speed_m_per_s = json.at("peak_speed_m_per_s").get<double>(),
                              .seed = json.at("seed").get<std::uint64_t>(),
                              .draws = json.at("draws").get<int>(),
                              .periods = json.at("periods").get<int>(),
                              .held = json.at("held").get<bool>(),
                              .overlay = json.value("overlay", false),  // absent before overlays were excited
-                             .rest_s = json.at("rest_s").get<double>()};
+                             .rest_s = json.at("rest_s").get<double>(),
+                             .joint = joint};
   } catch (const nlohmann::json::exception&) {
     return {};  // a file may say anything
   }
 }
 
-tl::expected<ExcitedAxis, std::string> ExcitedAxisOf(const config::CellConfig& cell,
-                                                     const ExcitationRequest& request) {
-  const Jacobian J = cell.robot.lbr() ? JacobianOf(cell.robot.lbr()->chain, cell)
-                                      : JacobianOf(cell.robot.six_axis()->chain, cell);
-  ExcitedAxis axis;
-  control::ExcitedHoldParams& hold = axis.hold;
-  hold.axis_W = cell.start.X_WT.linear().col(request.axis - 'x');
+namespace {
+
+// The joints' least motion along the axis. @returns an error at a singular posture
+tl::expected<void, std::string> AimAlongAxis(const Jacobian& J, control::ExcitedHoldParams& hold) {
   Eigen::Matrix<double, 6, 1> motion = Eigen::Matrix<double, 6, 1>::Zero();
   motion.head<3>() = hold.axis_W;
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeThinU | Eigen::ComputeThinV);
@@ -131,17 +136,47 @@ tl::expected<ExcitedAxis, std::string> ExcitedAxisOf(const config::CellConfig& c
                     "accepted {:g} m or more",
                     svd.singularValues()[5], kMinSingular));
   const Eigen::VectorXd direction = svd.solve(motion);
-  for (std::size_t j = 0; j < hold.direction.size(); ++j) {
+  for (std::size_t j = 0; j < hold.direction.size(); ++j)
     hold.direction[j] = direction[static_cast<Eigen::Index>(j)];
-    axis.q_start[j] = cell.start.q[static_cast<Eigen::Index>(j)];
-  }
+  return {};
+}
+
+// One joint alone. @param joint  1 … kJoints
+void AimAtJoint(int joint, control::ExcitedHoldParams& hold) {
+  hold.joint = joint - 1;
+  hold.direction[static_cast<std::size_t>(hold.joint)] = 1.0;
+  hold.path.max_travel_m = kMaxJointTravel_rad;
+  // a joint on whose axis the tool lies does not move it
+  const double tool_m_per_rad = std::max(1e-3, hold.J_W.col(hold.joint).norm());
+  hold.path.peak_speed_m_per_s = std::min(hold.path.peak_speed_m_per_s, kToolSpeed_m_per_s / tool_m_per_rad);
+  hold.path.max_acceleration_m_per_s2 = kToolAcceleration_m_per_s2 / tool_m_per_rad;
+}
+
+}  // namespace
+
+tl::expected<ExcitedAxis, std::string> ExcitedAxisOf(const config::CellConfig& cell,
+                                                     const ExcitationRequest& request) {
+  const std::vector<kinematics::JointLimits> limits = LimitsOf(cell);
+  if (request.joint > static_cast<int>(limits.size()))
+    return tl::unexpected(fmt::format("found joint A{}, accepted A1 … A{}", request.joint, limits.size()));
+  const Jacobian J = cell.robot.lbr() ? JacobianOf(cell.robot.lbr()->chain, cell)
+                                      : JacobianOf(cell.robot.six_axis()->chain, cell);
+  ExcitedAxis axis;
+  control::ExcitedHoldParams& hold = axis.hold;
+  hold.axis_W = cell.start.X_WT.linear().col(request.axis - 'x');
   hold.J_W = J.topRows<3>();
   hold.path = {.seed = request.seed,
                .draws = request.draws,
                .periods = request.periods,
                .peak_speed_m_per_s = request.peak_speed_m_per_s,
                .pause_s = cell.start.path.pause_s};
-  LimitPath(LimitsOf(cell), hold);
+  if (request.joint > 0)
+    AimAtJoint(request.joint, hold);
+  else if (auto aimed = AimAlongAxis(J, hold); !aimed)
+    return tl::unexpected(std::move(aimed.error()));
+  for (std::size_t j = 0; j < axis.q_start.size(); ++j)
+    axis.q_start[j] = cell.start.q[static_cast<Eigen::Index>(j)];
+  LimitPath(limits, hold);
   hold.period_s = cell.servo.period_s;
   hold.sequence_step = SequenceStep(cell);
   hold.max_force_N = request.held ? kHeldForce_N : kFreeForce_N;

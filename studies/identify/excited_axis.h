@@ -22,13 +22,21 @@ struct ExcitationRequest {
   bool held{false};     ///< a hand holds the handle
   bool overlay{false};  ///< a force over the arm's impedance, in the place of a motion of its command
   double rest_s{0.0};   ///< above 0: the arm rests so long, and nothing is excited
+  /// 1 … 7: this joint is moved in the place of an axis, and peak_speed_m_per_s is its angle's [rad/s].
+  int joint{0};
 };
 
 /// Text of the event, "excitation: {…}", and back; nothing for another event's text.
 [[nodiscard]] std::string EventText(const ExcitationRequest& request);
 [[nodiscard]] std::optional<ExcitationRequest> ParseEvent(const std::string& text);
 
-/// An axis of a cell at its start.
+/// Travel of a joint that is excited, to either side; less where its speed needs less.
+inline constexpr double kMaxJointTravel_rad = 0.0174532925199433;  // 1 deg
+
+/// Number of joints of a cell's arm: 7 of an LBR, otherwise 6.
+[[nodiscard]] int JointCount(const config::CellConfig& cell);
+
+/// An axis of a cell at its start, or one of its joints.
 struct ExcitedAxis {
   control::ExcitedHoldParams hold;
   Vector3 axis_S{Vector3::UnitZ()};  ///< the same axis in the force sensor's frame
@@ -37,8 +45,9 @@ struct ExcitedAxis {
 };
 
 /// Computes how a cell's joints move along an axis at its start, with speed and acceleration within the
-/// arm's: 20 % of the joints' speed, twice their published acceleration.
-/// @returns an error if the posture is singular along the axis
+/// arm's: 20 % of the joints' speed, twice their published acceleration. A joint moves alone, by up to
+/// kMaxJointTravel_rad, and the tool with it at no more than 100 mm/s and 8 m/s^2.
+/// @returns an error if the posture is singular along the axis, or the arm has no such joint
 [[nodiscard]] tl::expected<ExcitedAxis, std::string> ExcitedAxisOf(const config::CellConfig& cell,
                                                                    const ExcitationRequest& request);
 

@@ -370,11 +370,23 @@ tl::expected<void, std::string> RunOnLoopback(const session::CellSetup& setup, c
   return run;
 }
 
+// Names the obstacle on a joint's way; empty: it is free.
+std::string BlockedWay(const session::CellSetup& setup, int joint) {
+  kinematics::JointVector travel = kinematics::JointVector::Zero();
+  travel[joint - 1] = kMaxJointTravel_rad;
+  const kinematics::JointVector& q = setup.config.start.q;
+  const std::string blocked = session::ValidatePath(setup, q - travel, q + travel);
+  return blocked.empty() ? blocked : fmt::format("the way of joint A{}: {}", joint, blocked);
+}
+
 }  // namespace
 
 tl::expected<void, std::string> RunExcited(const session::CellSetup& setup, const ExcitedRunParams& params) {
   const auto axis = ExcitedAxisOf(setup.config, params.request);
   if (!axis) return tl::unexpected(axis.error());
+  if (params.request.joint > 0)
+    if (std::string blocked = BlockedWay(setup, params.request.joint); !blocked.empty())
+      return tl::unexpected(std::move(blocked));
   auto recorder = OpenRecorder(setup, params);
   if (!recorder) return tl::unexpected(recorder.error());
   (*recorder)->PushEvent(IsVirtual(params) ? 0 : rt::MonotonicNow(), EventText(params.request));

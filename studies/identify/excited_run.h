@@ -33,6 +33,8 @@ struct ExcitedRunParams {
 /// that nobody takes the handle, unless the request says so, and that the sensor carries the tool's inertia,
 /// as a real one does. A recording of a connected arm replays as any other: the loop's own command is the
 /// pause's.
+/// Before a joint is moved its way is checked, as that to the start is, with kMaxJointTravel_rad to either
+/// side.
 /// @returns an error if nothing could be run, or why the run ended early
 [[nodiscard]] tl::expected<void, std::string> RunExcited(const session::CellSetup& setup,
                                                          const ExcitedRunParams& params);

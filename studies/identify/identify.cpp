@@ -18,6 +18,7 @@
 #include "session/summary/run_files.h"
 #include "studies/identify/excited_run.h"
 #include "studies/identify/identify_estimate.h"
+#include "studies/identify/identify_joints.h"
 #include "studies/identify/identify_margins.h"
 #include "studies/identify/identify_page.h"
 #include "studies/identify/identify_table.h"
@@ -30,15 +31,33 @@ namespace fs = std::filesystem;
 constexpr double kRest_s = 60.0, kTremor_s = 30.0;
 constexpr std::uint64_t kSeed = 1, kOtherSeed = 101;
 
+constexpr int kJointDraws = 2, kJointPeriods = 2;  // 24 s
+
 struct PlannedRun {
   ExcitationRequest request;
   fs::path file;
   bool validates{false};
 };
 
+// One joint after another, at each speed.
+void PlanJoints(const IdentifyOptions& options, int joints, std::vector<PlannedRun>& runs) {
+  std::vector<int> moved = options.joints;
+  for (int joint = 1; joint <= joints && options.joints.empty(); ++joint) moved.push_back(joint);
+  for (const int joint : moved)
+    for (const double speed : options.joint_speeds_rad_per_s)
+      runs.push_back({.request = {.peak_speed_m_per_s = speed,
+                                  .seed = kSeed,
+                                  .draws = kJointDraws,
+                                  .periods = kJointPeriods,
+                                  .joint = joint},
+                      .file = options.out / fmt::format("joint_A{}_{:g}.mcap", joint, Degrees(speed))});
+}
+
+// @param joints  of the cell's arm
 // @param overlay  the cell has the impedance law: a force is laid over the arm's own impedance
 // @param has_no_tremor  the simulated hand's: there is nothing to measure
-std::vector<PlannedRun> PlanRuns(const IdentifyOptions& options, bool overlay, bool has_no_tremor) {
+std::vector<PlannedRun> PlanRuns(const IdentifyOptions& options, int joints, bool overlay,
+                                 bool has_no_tremor) {
   std::vector<PlannedRun> runs;
   const auto file = [&](const std::string& kind, char axis, double speed_m_per_s) {
     return options.out / fmt::format("{}_{}_{:g}.mcap", kind, axis, 1e3 * speed_m_per_s);
@@ -68,12 +87,13 @@ std::vector<PlannedRun> PlanRuns(const IdentifyOptions& options, bool overlay, b
                         .file = file("validate", axis, speed),
                         .validates = true});
     }
+  if (options.runs.joints) PlanJoints(options, joints, runs);
   return runs;
 }
 
 // Whether a file of this name is a recording of PlanRuns.
 bool IsRecording(const std::string& name) {
-  constexpr std::array kBegin{"noise.", "tremor.", "free_", "held_", "validate_"};
+  constexpr std::array kBegin{"noise.", "tremor.", "free_", "held_", "validate_", "joint_"};
   return name.ends_with(".mcap") &&
          std::ranges::any_of(kBegin, [&](const char* begin) { return name.starts_with(begin); });
 }
@@ -114,8 +134,9 @@ tl::expected<Recordings, std::string> RecordRuns(const IdentifyOptions& options)
   session::PackAsScene(*setup);
   Recordings recordings;
   if (options.runs.tremor && HasNoTremor(options, setup->config)) fmt::print("  tremor run, {}\n", kNoTremor);
-  for (const PlannedRun& run : PlanRuns(options, setup->config.servo.law == control::Law::kImpedance,
-                                        HasNoTremor(options, setup->config))) {
+  for (const PlannedRun& run :
+       PlanRuns(options, JointCount(setup->config), setup->config.servo.law == control::Law::kImpedance,
+                HasNoTremor(options, setup->config))) {
     fmt::print("  {}\n", run.request.rest_s > 0.0
                              ? fmt::format("at rest for {:g} s{}", run.request.rest_s,
                                            run.request.held ? ", with a hand at the handle" : "")
@@ -160,6 +181,7 @@ tl::expected<IdentifyResult, std::string> EstimateAll(const IdentifyOptions& opt
     axis.crossing_hz = CrossingOf(cell, axis);
     JudgeAxis(axis, result);
   }
+  JudgeJoints(result);
   JudgeSpeeds(result);
   JudgeTremor(result);
   JudgePassive(result);
@@ -252,12 +274,30 @@ int RunTable(const IdentifyOptions& options, const config::CellConfig& cell) {
   return written ? 0 : session::Fail("identify", written.error(), session::kFailed);
 }
 
+// Says why the cell's joints cannot be moved as asked; empty: they can, or are not asked for.
+std::string WrongJoints(const IdentifyOptions& options, const config::CellConfig& cell) {
+  if (!options.runs.joints || !options.recordings.empty()) return "";
+  if (cell.servo.law == control::Law::kImpedance)
+    return fmt::format(
+        "{}: --do joints: found law: impedance, accepted law: admittance: under an impedance a force moves "
+        "all joints at once; --do free,validate finds them",
+        options.cell.string());
+  const int count = JointCount(cell);
+  for (const int joint : options.joints)
+    if (joint > count)
+      return fmt::format("--joints: found {}, accepted 1 … {}: the joints of {}", joint, count,
+                         cell.robot.name);
+  return "";
+}
+
 }  // namespace
 
 int RunIdentify(const IdentifyOptions& options) {
   Recordings recordings{.fits = options.recordings, .validations = options.validations};
   const config::CellConfig cell = config::LoadCell(options.cell);
   if (options.table_seeds > 0) return RunTable(options, cell);
+  if (const std::string wrong = WrongJoints(options, cell); !wrong.empty())
+    return session::Fail("identify", wrong);
   if (recordings.fits.empty()) {
     if (options.simulated) config::RequireSimulation(cell, options.cell);
     fmt::print("Osteon identify: {} runs {}\n", options.cell.stem().string(),
@@ -280,8 +320,8 @@ int RunIdentify(const IdentifyOptions& options) {
       return session::Fail("identify", wrong, session::kFailed);
   if (const auto written = Write(options, *result); !written)
     return session::Fail("identify", written.error(), session::kFailed);
-  const bool found = !result->axes.empty() || !result->passive.empty() || result->noise.has_value() ||
-                     result->tremor.has_value();
+  const bool found = !result->axes.empty() || !result->joints.empty() || !result->passive.empty() ||
+                     result->noise.has_value() || result->tremor.has_value();
   return result->refused.empty() && found && GainsStand(*result) ? 0 : session::kFailed;
 }
 

@@ -12,6 +12,7 @@ struct IdentifyRuns {
   bool noise{true}, free{true}, validate{true};
   bool held{false};    ///< with a hand at the handle
   bool tremor{false};  ///< a hand holds the handle of the arm at rest
+  bool joints{false};  ///< one joint after another, with nobody at the handle
 };
 
 struct IdentifyOptions {
@@ -19,8 +20,10 @@ struct IdentifyOptions {
   bool simulated{false};  ///< moves the simulated cell, in virtual time
   bool wall_time{false};  ///< with `simulated`: in wall time, on its real wires
   IdentifyRuns runs{};
-  std::string axes{"xyz"};                         ///< of the tool's frame
-  std::vector<double> speeds_m_per_s{0.01, 0.05};  ///< peak speeds
+  std::string axes{"xyz"};                           ///< of the tool's frame
+  std::vector<double> speeds_m_per_s{0.01, 0.05};    ///< peak speeds
+  std::vector<int> joints{};                         ///< 1 … 7; empty: all of the arm
+  std::vector<double> joint_speeds_rad_per_s{0.15};  ///< peak speeds of a joint
   /// Recordings to estimate from; empty: the arm is moved and recorded.
   std::vector<std::filesystem::path> recordings{};
   std::vector<std::filesystem::path> validations{};

@@ -287,6 +287,7 @@ tl::expected<AxisResult, std::string> EstimateAxis(const ExcitedRun& run, const 
   auto fit = FitServo(axis.by_encoders.lines, run.period_s);
   if (!fit) return tl::unexpected(fit.error());
   axis.fit = *fit;
+  if (request.joint > 0) return axis;  // the force has all directions, and says nothing of one joint
   if (request.overlay && overlaid != nullptr) {
     axis.overlaid = *overlaid;
     axis.overlaid->has_friction = axis.by_encoders.odd_ratio > kNotLinear;
@@ -409,7 +410,8 @@ tl::expected<void, std::string> AddRecording(const std::filesystem::path& file,
       result.refused.push_back({run->named.file, run->another_cell});
     return {};
   }
-  if (auto axis = EstimateRun(*run, result)) result.axes.push_back(std::move(*axis));
+  if (auto axis = EstimateRun(*run, result))
+    (run->request->joint > 0 ? result.joints : result.axes).push_back(std::move(*axis));
   return {};
 }
 
@@ -424,9 +426,9 @@ tl::expected<void, std::string> AddValidation(const std::filesystem::path& file,
   const auto other = EstimateRun(*run, result);
   if (!other) return {};
   bool used = false;
-  for (AxisResult& axis : result.axes) {
-    if (axis.request.axis != run->request->axis || axis.request.held != run->request->held ||
-        axis.request.overlay != run->request->overlay ||
+  for (AxisResult& axis : run->request->joint > 0 ? result.joints : result.axes) {
+    if (axis.request.joint != run->request->joint || axis.request.axis != run->request->axis ||
+        axis.request.held != run->request->held || axis.request.overlay != run->request->overlay ||
         axis.request.peak_speed_m_per_s != run->request->peak_speed_m_per_s)
       continue;
     const double period_s = run->cell.servo.period_s;
@@ -436,8 +438,9 @@ tl::expected<void, std::string> AddValidation(const std::filesystem::path& file,
     used = true;
   }
   if (!used)
-    return tl::unexpected(fmt::format("{}: found {}, accepted an axis and a speed of the other recordings",
-                                      file.string(), NameOf(*run->request)));
+    return tl::unexpected(
+        fmt::format("{}: found {}, accepted an axis, or a joint, and a speed of the other recordings",
+                    file.string(), NameOf(*run->request)));
   return {};
 }
 

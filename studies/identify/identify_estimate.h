@@ -11,7 +11,7 @@
 namespace osteon::studies {
 
 /// Fits one axis from samples: response by encoders, arm, and in free air tool and sensor; with a hand, the
-/// hand. With an overlay the arm's own impedance.
+/// hand. With an overlay the arm's own impedance; of a joint the response by its encoder alone.
 /// @param tool_mass_kg  on the sensor's tool side, for a hand
 /// @param overlaid  of an overlay: the arm that the force is laid over
 /// @returns an error that says what is missing
@@ -45,8 +45,8 @@ void FillFeltMasses(IdentifyResult& result);
 /// Hash of a file's bytes: FNV-1a, 16 hexadecimal digits.
 [[nodiscard]] std::string HashOf(const std::filesystem::path& file);
 
-/// Reads a recording and adds what it gives to the result, judged: an axis, noise, a tremor, or a total lag.
-/// Bad data are findings in `result.refused`.
+/// Reads a recording and adds what it gives to the result, judged: an axis, a joint, noise, a tremor, or a
+/// total lag. Bad data are findings in `result.refused`.
 /// @returns an error if the file cannot be read
 [[nodiscard]] tl::expected<void, std::string> AddRecording(const std::filesystem::path& file,
                                                            const config::CellConfig& cell,

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "control/excitation/multisine.h"
+#include "studies/identify/identify_joints.h"
 #include "studies/identify/identify_result.h"
 
 // What is refused, and what the user is told: the limits of design and documentation.
@@ -136,6 +137,14 @@ void JudgeImpedance(AxisResult& axis, const std::string& where, IdentifyResult& 
 
 }  // namespace
 
+std::string NameOf(const ExcitationRequest& request) {
+  if (request.joint > 0)
+    return fmt::format("free run, joint A{} at {:g} deg/s", request.joint,
+                       Degrees(request.peak_speed_m_per_s));
+  return fmt::format("{}{} run, {} at {:g} mm/s", request.held ? "held" : "free",
+                     request.overlay ? " overlay" : "", request.axis, 1e3 * request.peak_speed_m_per_s);
+}
+
 void JudgeAxis(AxisResult& axis, IdentifyResult& result) {
   const std::string where = NameOf(axis.request);
   if (const double lost = LossOf(axis.samples); lost > kMaxLost)
@@ -148,7 +157,7 @@ void JudgeAxis(AxisResult& axis, IdentifyResult& result) {
         {where, fmt::format("another posture: found a joint {:.3f} rad from the cell's start, "
                             "accepted {:g} rad",
                             axis.samples.start_error_rad, kSamePosture_rad)});
-  JudgeMass(axis, where, result);
+  if (axis.request.joint == 0) JudgeMass(axis, where, result);
   JudgeLinearity(axis, where, result);
   JudgeAmount(axis, where, result);
   if (const ResponseLine& line =
@@ -169,11 +178,11 @@ void JudgeAxis(AxisResult& axis, IdentifyResult& result) {
     result.warnings.push_back(
         {where,
          fmt::format(
-             "structure that the model lacks: found chi² {:.1f}{}, accepted {:g}{}; margins by the "
-             "measured response only",
-             axis.fit.chi2,
+             "structure that the model lacks: found chi² {:.1f}{}, accepted {:g}{}; {}", axis.fit.chi2,
              axis.validation_chi2 ? fmt::format(" and {:.1f} on other data", *axis.validation_chi2) : "",
-             kMaxChi2, validated ? "" : " and twice as much on other data")});
+             kMaxChi2, validated ? "" : " and twice as much on other data",
+             axis.request.joint > 0 ? "the joint's response counts, not its figures"
+                                    : "margins by the measured response only")});
 }
 
 void JudgePassive(IdentifyResult& result) {
@@ -200,7 +209,7 @@ std::string NextStep(const IdentifyResult& result) {
     return "run no cell with these gains: osteon tune CELL --identified identified.yaml recommends others";
   if (!result.axes.empty())
     return "osteon tune CELL --identified identified.yaml recommends gains for what was measured";
-  if (result.noise || result.tremor || !result.passive.empty())
+  if (result.noise || result.tremor || !result.passive.empty() || !result.joints.empty())
     return "osteon identify CELL --do free,validate measures the arm, by which gains are judged";
   return "nothing was measured: osteon identify CELL with another run (--do), or with a recording";
 }
@@ -225,19 +234,32 @@ void JudgeTremor(IdentifyResult& result) {
                                    tremor.tremor_N, kMaxTremor_N)});
 }
 
-void JudgeSpeeds(IdentifyResult& result) {
-  for (const AxisResult& slow : result.axes)
-    for (const AxisResult& fast : result.axes) {
-      if (slow.request.axis != fast.request.axis || slow.request.held || fast.request.held) continue;
+namespace {
+
+// @param of  axes, or joints, at all their speeds
+void JudgeSpeedsOf(const std::vector<AxisResult>& of, IdentifyResult& result) {
+  for (const AxisResult& slow : of)
+    for (const AxisResult& fast : of) {
+      if (slow.request.axis != fast.request.axis || slow.request.joint != fast.request.joint ||
+          slow.request.held || fast.request.held)
+        continue;
       if (!(slow.rms_speed_m_per_s < fast.rms_speed_m_per_s)) continue;
       const double slow_s = slow.fit.lag_s.value, fast_s = fast.fit.lag_s.value;
       if (std::abs(slow_s - fast_s) > kMaxLagApart * std::abs(slow_s))
         result.warnings.push_back(
             {NameOf(slow.request),
-             fmt::format("friction: found a lag of {:.2f} ms here and {:.2f} ms at {:.1f} mm/s, "
-                         "accepted 5 % apart; the slower one is written",
-                         1e3 * slow_s, 1e3 * fast_s, 1e3 * fast.rms_speed_m_per_s)});
+             fmt::format("friction: found a lag of {:.2f} ms here and {:.2f} ms at {}, accepted 5 % apart; "
+                         "the slower one {}",
+                         1e3 * slow_s, 1e3 * fast_s, SpeedText(fast),
+                         slow.request.joint > 0 ? "counts" : "is written")});
     }
+}
+
+}  // namespace
+
+void JudgeSpeeds(IdentifyResult& result) {
+  JudgeSpeedsOf(result.axes, result);
+  JudgeSpeedsOf(result.joints, result);
 }
 
 session::Verdict Judge(const IdentifyResult& result) {
@@ -250,7 +272,7 @@ session::Verdict Judge(const IdentifyResult& result) {
       worst != nullptr && !StandsByMargins(result.margins, "own"))
     verdict.Add(GainsStand(result) ? session::VerdictLevel::kWarning : session::VerdictLevel::kBad,
                 "by the measured response the cell's present gains are " + MarginText(*worst));
-  if (result.axes.empty() && result.refused.empty())
+  if (result.axes.empty() && result.joints.empty() && result.refused.empty())
     verdict.Add(result.passive.empty() && !result.noise && !result.tremor ? session::VerdictLevel::kBad
                                                                           : session::VerdictLevel::kWarning,
                 "no arm was fitted: no recording with excitation");

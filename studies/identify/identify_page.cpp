@@ -10,6 +10,7 @@
 #include "report/page.h"
 #include "report/svg_plot.h"
 #include "report/svg_text.h"
+#include "studies/identify/identify_joints.h"
 
 namespace osteon::studies {
 namespace {
@@ -103,6 +104,29 @@ std::string BodeSvg(const AxisResult& axis, double period_s) {
   return report::Svg(panels);
 }
 
+// All joints in one figure, at each speed.
+std::string JointsSvg(const IdentifyResult& result) {
+  report::LineChart gain{.title = "The joints, each moved alone",
+                         .x_label = "frequency [Hz]",
+                         .y_label = "gain",
+                         .y_from_zero = false,
+                         .log_x = true,
+                         .log_y = true};
+  report::LineChart phase{
+      .x_label = "frequency [Hz]", .y_label = "phase [deg]", .log_x = true, .legend = false};
+  for (const AxisResult& joint : result.joints) {
+    const std::size_t drawn = gain.series.size();
+    BodeCurves curves =
+        Measured(joint.by_encoders, fmt::format("A{} at {}", joint.request.joint, SpeedText(joint)),
+                 report::kPalette[drawn % report::kPalette.size()],
+                 drawn < report::kPalette.size() ? report::Marker::kCircle : report::Marker::kSquare);
+    gain.series.push_back(std::move(curves.gain));
+    phase.series.push_back(std::move(curves.phase));
+  }
+  const std::vector<report::LineChart> panels{gain, phase};
+  return gain.series.empty() ? "" : report::Svg(panels);
+}
+
 std::string LagSvg(const IdentifyResult& result) {
   report::LineChart chart{.title = "Total lag over speed",
                           .x_label = "RMS speed of the tool [mm/s]",
@@ -169,6 +193,9 @@ std::string IdentifyPage(const IdentifyResult& result, const std::string& comman
   for (const AxisResult& axis : result.axes)
     html += report::Figure(BodeSvg(axis, result.valid_for.period_s),
                            "Bars: two standard deviations, from period to period and from draw to draw.");
+  if (const std::string joints = JointsSvg(result); !joints.empty())
+    html += report::Figure(
+        joints, "Angle by its command, by each joint's own encoder. Bars: two standard deviations.");
   if (!result.nyquist_svg.empty())
     html +=
         report::Figure(result.nyquist_svg,

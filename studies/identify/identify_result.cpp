@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "studies/identify/identify_joints.h"
+
 namespace osteon::studies {
 namespace {
 
@@ -22,19 +24,6 @@ config::IdentifiedInterval Interval(const Estimate& estimate) {
 Json ToJson(const Estimate& estimate, double unit) {
   return Json::array(
       {(estimate.value - estimate.half_width) / unit, (estimate.value + estimate.half_width) / unit});
-}
-
-Json LinesJson(const MeasuredResponse& response, const char* by) {
-  Json lines = Json::array();
-  for (const ResponseLine& line : response.lines)
-    lines.push_back({{"hz", line.hz},
-                     {"re", line.value.real()},
-                     {"im", line.value.imag()},
-                     {"sd", line.sd},
-                     {"coherence", line.coherence},
-                     {"draw_coherence", line.draw_coherence},
-                     {"by", by}});
-  return lines;
 }
 
 Json OverlayJson(const ImpedanceFit& overlay) {
@@ -63,29 +52,13 @@ Json OverlayJson(const ImpedanceFit& overlay) {
 }
 
 Json AxisJson(const AxisResult& axis) {
-  const ServoFit& fit = axis.fit;
   Json json{{"axis", std::string(1, axis.request.axis)},
             {"held", axis.request.held},
             {"speed_mm_per_s", 1e3 * axis.rms_speed_m_per_s},
-            {"peak_speed_mm_per_s", 1e3 * axis.request.peak_speed_m_per_s},
-            {"hz", fit.bandwidth_hz.value},
-            {"damping_ratio", fit.damping_ratio.value},
-            {"dead_time_ms", 1e3 * fit.dead_time_s.value},
-            {"lag_ms", 1e3 * fit.lag_s.value},
-            {"gain", fit.gain.value},
-            {"interval",
-             {{"hz", ToJson(fit.bandwidth_hz, 1.0)},
-              {"damping_ratio", ToJson(fit.damping_ratio, 1.0)},
-              {"dead_time_ms", ToJson(fit.dead_time_s, 1e-3)},
-              {"lag_ms", ToJson(fit.lag_s, 1e-3)}}},
-            {"chi2", fit.chi2},
-            {"residual", fit.residual},
-            {"odd_ratio", axis.by_encoders.odd_ratio},
-            {"even_ratio", axis.by_encoders.even_ratio},
-            {"model_holds", axis.model_holds},
-            {"recording", axis.recording.file},
-            {"overlay", axis.overlay ? OverlayJson(*axis.overlay) : Json()},
-            {"frf", LinesJson(axis.by_encoders, "encoders")}};
+            {"peak_speed_mm_per_s", 1e3 * axis.request.peak_speed_m_per_s}};
+  json.update(FitJson(axis));
+  json["overlay"] = axis.overlay ? OverlayJson(*axis.overlay) : Json();
+  json["frf"] = LinesJson(axis.by_encoders, "encoders");
   if (axis.by_force)
     for (const Json& line : LinesJson(*axis.by_force, "force")) json["frf"].push_back(line);
   return json;
@@ -291,9 +264,37 @@ double LossOf(const ExcitedSamples& samples) {
              : static_cast<double>(samples.lost_messages + samples.lost_answers) / samples.messages;
 }
 
-std::string NameOf(const ExcitationRequest& request) {
-  return fmt::format("{}{} run, {} at {:g} mm/s", request.held ? "held" : "free",
-                     request.overlay ? " overlay" : "", request.axis, 1e3 * request.peak_speed_m_per_s);
+Json LinesJson(const MeasuredResponse& response, const char* by) {
+  Json lines = Json::array();
+  for (const ResponseLine& line : response.lines)
+    lines.push_back({{"hz", line.hz},
+                     {"re", line.value.real()},
+                     {"im", line.value.imag()},
+                     {"sd", line.sd},
+                     {"coherence", line.coherence},
+                     {"draw_coherence", line.draw_coherence},
+                     {"by", by}});
+  return lines;
+}
+
+Json FitJson(const AxisResult& axis) {
+  const ServoFit& fit = axis.fit;
+  return {{"hz", fit.bandwidth_hz.value},
+          {"damping_ratio", fit.damping_ratio.value},
+          {"dead_time_ms", 1e3 * fit.dead_time_s.value},
+          {"lag_ms", 1e3 * fit.lag_s.value},
+          {"gain", fit.gain.value},
+          {"interval",
+           {{"hz", ToJson(fit.bandwidth_hz, 1.0)},
+            {"damping_ratio", ToJson(fit.damping_ratio, 1.0)},
+            {"dead_time_ms", ToJson(fit.dead_time_s, 1e-3)},
+            {"lag_ms", ToJson(fit.lag_s, 1e-3)}}},
+          {"chi2", fit.chi2},
+          {"residual", fit.residual},
+          {"odd_ratio", axis.by_encoders.odd_ratio},
+          {"even_ratio", axis.by_encoders.even_ratio},
+          {"model_holds", axis.model_holds},
+          {"recording", axis.recording.file}};
 }
 
 config::IdentifiedCell ToIdentified(const IdentifyResult& result) {
@@ -362,6 +363,7 @@ std::string ToJson(const IdentifyResult& result, const std::string& command_line
             {"robot", result.valid_for.robot},
             {"tool", result.valid_for.tool},
             {"axes", Json::array()},
+            {"joints", JointsJson(result)},
             {"frf", Json::array()},
             {"sensor", nullptr},
             {"link", nullptr},
@@ -397,20 +399,23 @@ report::SummaryRow OverlayRow(const AxisResult& axis) {
 }
 
 report::SummaryRow ArmRow(const AxisResult& axis) {
-  const ServoFit& fit = axis.fit;
-  return {
-      fmt::format("Arm{}, {} at {:.1f} mm/s rms", axis.request.held ? " with the hand" : "",
-                  axis.request.axis, 1e3 * axis.rms_speed_m_per_s),
-      fmt::format("{:.2f} ± {:.2f} Hz, damping {:.3f} ± {:.3f}, dead time {:.3f} ± {:.3f} ms, lag "
-                  "{:.3f} ± {:.3f} ms; chi² {:.2f}{}",
-                  fit.bandwidth_hz.value, fit.bandwidth_hz.half_width, fit.damping_ratio.value,
-                  fit.damping_ratio.half_width, 1e3 * fit.dead_time_s.value, 1e3 * fit.dead_time_s.half_width,
-                  1e3 * fit.lag_s.value, 1e3 * fit.lag_s.half_width, fit.chi2,
-                  axis.validation_chi2 ? fmt::format(", {:.2f} on other data", *axis.validation_chi2)
-                                       : std::string())};
+  return {fmt::format("Arm{}, {} at {:.1f} mm/s rms", axis.request.held ? " with the hand" : "",
+                      axis.request.axis, 1e3 * axis.rms_speed_m_per_s),
+          FitText(axis)};
 }
 
 }  // namespace
+
+std::string FitText(const AxisResult& axis) {
+  const ServoFit& fit = axis.fit;
+  return fmt::format(
+      "{:.2f} ± {:.2f} Hz, damping {:.3f} ± {:.3f}, dead time {:.3f} ± {:.3f} ms, lag {:.3f} ± {:.3f} ms; "
+      "chi² {:.2f}{}",
+      fit.bandwidth_hz.value, fit.bandwidth_hz.half_width, fit.damping_ratio.value,
+      fit.damping_ratio.half_width, 1e3 * fit.dead_time_s.value, 1e3 * fit.dead_time_s.half_width,
+      1e3 * fit.lag_s.value, 1e3 * fit.lag_s.half_width, fit.chi2,
+      axis.validation_chi2 ? fmt::format(", {:.2f} on other data", *axis.validation_chi2) : std::string());
+}
 
 std::vector<report::SummaryRow> Rows(const IdentifyResult& result) {
   std::vector<report::SummaryRow> rows{
@@ -448,6 +453,7 @@ std::vector<report::SummaryRow> Rows(const IdentifyResult& result) {
                                 100.0 * LossOf(axis.samples), 1e3 * axis.samples.jitter_mean_s,
                                 1e3 * axis.samples.jitter_p99_s)});
   }
+  for (const AxisResult& joint : result.joints) rows.push_back(JointRow(joint));
   if (result.noise) {
     rows.push_back(
         {"Force at rest",

@@ -74,6 +74,7 @@ struct IdentifyResult {
   control::Law law{control::Law::kAdmittance};  ///< of the cell
   double tool_mass_kg{0.0};                     ///< that the cell's file or calibration says
   std::vector<AxisResult> axes;
+  std::vector<AxisResult> joints{};  ///< moved alone; of each the response by its encoder and the fit
   std::optional<ForceNoise> noise{};
   std::optional<HandTremor> tremor{};
   std::vector<PassiveLag> passive{};
@@ -85,7 +86,7 @@ struct IdentifyResult {
   double estimated_s{0.0};  ///< wall time in which they were read and estimated; 0: not timed
 };
 
-/// Name of a run, for findings: "free run, z at 50 mm/s".
+/// Name of a run, for findings: "free run, z at 50 mm/s", "free run, joint A2 at 8.6 deg/s".
 [[nodiscard]] std::string NameOf(const ExcitationRequest& request);
 
 /// Share of the messages that did not come, and of the answers that the arm did not get.
@@ -93,7 +94,7 @@ struct IdentifyResult {
 /// Two speeds whose lags differ by more, relative, have friction.
 inline constexpr double kMaxLagApart = 0.05;
 
-/// Judges one axis: adds to `refused` and `warnings`, and sets model_holds.
+/// Judges one axis, or one joint: adds to `refused` and `warnings`, and sets model_holds.
 void JudgeAxis(AxisResult& axis, IdentifyResult& result);
 /// Says that no hand is fitted to a motion without excitation, where a hand was felt.
 void JudgePassive(IdentifyResult& result);
@@ -102,8 +103,8 @@ void JudgePassive(IdentifyResult& result);
 [[nodiscard]] bool GainsStand(const IdentifyResult& result);
 /// Refuses a tremor of a hand that did not hold the handle.
 void JudgeTremor(IdentifyResult& result);
-/// Judges speeds of one axis against each other: over 5 % of lag apart is friction, and the slower one
-/// counts.
+/// Judges speeds of one axis, or of one joint, against each other: over 5 % of lag apart is friction, and the
+/// slower one counts.
 void JudgeSpeeds(IdentifyResult& result);
 
 /// Bad if something was refused; to be looked at with warnings, or if no axis was excited.
@@ -114,6 +115,12 @@ void JudgeSpeeds(IdentifyResult& result);
 
 /// JSON, osteon.identify/1.
 [[nodiscard]] std::string ToJson(const IdentifyResult& result, const std::string& command_line);
+
+/// Parts of it, also for joints: what the encoders say of an arm, and the lines of a response.
+[[nodiscard]] nlohmann::ordered_json FitJson(const AxisResult& axis);
+[[nodiscard]] nlohmann::ordered_json LinesJson(const MeasuredResponse& response, const char* by);
+/// "15.00 ± 0.02 Hz, damping …": the fit of an axis or of a joint.
+[[nodiscard]] std::string FitText(const AxisResult& axis);
 
 /// What the user should do next.
 [[nodiscard]] std::string NextStep(const IdentifyResult& result);

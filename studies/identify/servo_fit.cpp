@@ -14,6 +14,7 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr int kParameters = 4;
 constexpr double kIntervalSd = 2.0;
+constexpr double kRounding = 1e-8;  // residual of a simulated arm without noise: the search's own tolerance
 
 ServoModel ModelOf(const Eigen::VectorXd& p) {
   return {.bandwidth_hz = std::exp(p[0]), .damping_ratio = std::exp(p[1]), .dead_time_s = p[2], .gain = p[3]};
@@ -52,7 +53,12 @@ tl::expected<ServoFit, std::string> FitServo(std::span<const ResponseLine> lines
 
   ServoFit fit{.model = ModelOf(best.parameters)};
   const double freedom = 2.0 * static_cast<double>(lines.size()) - kParameters;
+  double squares = 0.0;
+  for (const ResponseLine& line : lines)
+    squares += std::norm(line.value - SampledResponse(fit.model, period_s, line.hz));
+  fit.residual = std::sqrt(squares / static_cast<double>(lines.size()));
   fit.chi2 = best.cost / freedom;
+  if (fit.residual <= kRounding) fit.chi2 = std::min(fit.chi2, 1.0);
   const Eigen::MatrixXd covariance = std::max(1.0, fit.chi2) * best.covariance;
   const auto width = [&](const Eigen::Vector4d& gradient) {
     return kIntervalSd * std::sqrt(std::max(0.0, gradient.dot(covariance * gradient)));
@@ -64,10 +70,6 @@ tl::expected<ServoFit, std::string> FitServo(std::span<const ResponseLine> lines
   fit.dead_time_s = {m.dead_time_s, width({0.0, 0.0, 1.0, 0.0})};
   fit.gain = {m.gain, width({0.0, 0.0, 0.0, 1.0})};
   fit.lag_s = {m.lag_s(), width({-inertial_s, inertial_s, 1.0, 0.0})};
-  double squares = 0.0;
-  for (const ResponseLine& line : lines)
-    squares += std::norm(line.value - SampledResponse(m, period_s, line.hz));
-  fit.residual = std::sqrt(squares / static_cast<double>(lines.size()));
   return fit;
 }
 

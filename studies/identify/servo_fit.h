@@ -20,7 +20,7 @@ struct Estimate {
 struct ServoFit {
   ServoModel model{};
   Estimate bandwidth_hz{}, damping_ratio{}, dead_time_s{}, gain{}, lag_s{};
-  double chi2{0.0};      ///< divided by its degrees of freedom
+  double chi2{0.0};      ///< divided by its degrees of freedom; at most 1 where only rounding is left
   double residual{0.0};  ///< RMS of measured - model
 };
 

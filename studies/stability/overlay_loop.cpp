@@ -38,42 +38,37 @@ kinematics::ChainParams<7> WithoutFriction(kinematics::ChainParams<7> chain) {
 
 // The arm without a hand.
 ImpedanceArmParams OwnArm(const OverlayLoopParams& params) {
+  hil::DynamicArmParams arm = params.arm;
+  arm.mass_error = 0.0;
+  arm.mount.reset();
   return {.chain = WithoutFriction(params.chain),
-          .arm = params.arm,
+          .arm = std::move(arm),
           .X_FT = params.X_FT,
           .q = params.q,
           .gravity_B = params.gravity_B,
           .torque = params.torque};
 }
 
-}  // namespace
-
-LoadedArm WithHand(const OverlayLoopParams& params) {
-  ImpedanceArmParams arm = OwnArm(params);
-  const MeanMasses before = MeanMassesOf(arm);
-  if (params.hand.mass_kg > 0.0)
-    arm.chain = kinematics::WithPayload(
-        arm.chain,
-        kinematics::LinkInertia{.mass_kg = params.hand.mass_kg,
-                                .p_LLcm_m = params.X_FT.translation(),
-                                .I_LLcm_kg_m2 = kLever2_m2 * params.hand.mass_kg * Matrix3::Identity()});
-  const MeanMasses with = MeanMassesOf(arm);
-  arm.arm.mass_error = 0.0;
-  arm.arm.mount.reset();
-  arm.arm.cartesian_damping_ratio *= std::sqrt(before.linear_kg / with.linear_kg);
-  return {.chain = std::move(arm.chain), .arm = std::move(arm.arm)};
+// A chain without friction, with the hand's mass at the tool.
+kinematics::ChainParams<7> WithHand(const OverlayLoopParams& params) {
+  kinematics::ChainParams<7> chain = WithoutFriction(params.chain);
+  if (!(params.hand.mass_kg > 0.0)) return chain;
+  return kinematics::WithPayload(
+      chain, kinematics::LinkInertia{.mass_kg = params.hand.mass_kg,
+                                     .p_LLcm_m = params.X_FT.translation(),
+                                     .I_LLcm_kg_m2 = kLever2_m2 * params.hand.mass_kg * Matrix3::Identity()});
 }
 
+}  // namespace
+
 OverlayLoop::OverlayLoop(const OverlayLoopParams& params) : params_(params) {
-  const LoadedArm loaded = WithHand(params);
-  ImpedanceArmParams held = OwnArm(params);
-  const Chain chain(held.chain, params.gravity_B);
+  const ImpedanceArmParams own = OwnArm(params);
+  const Chain chain(own.chain, params.gravity_B);
   const Pose X_BT = chain.FlangePose(params.q) * params.X_FT;
   axis_B_ = X_BT.linear().col(2);
   mass_kg_ = 1.0 / axis_B_.dot(chain.Mobility(params.q, X_BT.translation()).topLeftCorner<3, 3>() * axis_B_);
-  held.chain = loaded.chain;
-  held.arm = loaded.arm;
-  const ImpedanceArm arm = ImpedanceArmAt(held);
+  ImpedanceArm arm = ImpedanceArmAt(own);
+  arm.inertia = Chain(WithHand(params), params.gravity_B).MassMatrix(params.q);
   J_ = arm.J;
   follow_ = arm.stiffness;
   const SampledArm period = Sample(arm, params.period_s);
@@ -84,7 +79,7 @@ OverlayLoop::OverlayLoop(const OverlayLoopParams& params) : params_(params) {
   hand_b_ = DiagonalOfTwist(params.hand.damping_Ns_per_m, kLever2_m2 * params.hand.damping_Ns_per_m);
   // q, qd; equilibrium; pose a tick ago; filtered velocity; torques on their way; depths a tick ago and
   // earlier
-  size_ = 14 + 7 + 6 + 6 + 7 * loaded.arm.dead_cycles + params.wall.age_ticks;
+  size_ = 14 + 7 + 6 + 6 + 7 * params.arm.dead_cycles + params.wall.age_ticks;
 }
 
 Eigen::VectorXd OverlayLoop::Step(const Eigen::VectorXd& s) const {
@@ -129,15 +124,38 @@ Eigen::MatrixXd OverlayLoop::Matrix() const {
 
 namespace {
 
-// The shipped parts in time.
+// A DynamicArm takes its damping from the masses that it is made with, which here are those with the hand.
+// Its Cartesian damping is corrected by its ratio, that of the joints by a torque (see OverlayRun).
+hil::DynamicArmParams LoadedArm(const OverlayLoopParams& params) {
+  ImpedanceArmParams own = OwnArm(params), with = own;
+  with.chain = WithHand(params);
+  hil::DynamicArmParams arm = own.arm;
+  arm.cartesian_damping_ratio *= std::sqrt(MeanMassesOf(own).linear_kg / MeanMassesOf(with).linear_kg);
+  arm.dead_cycles = 0;
+  arm.substeps = 1;
+  return arm;
+}
+
+// The damping of the joints that a chain's masses give, as DynamicArm has it.
+Joints JointDamping(const kinematics::ChainParams<7>& chain, const OverlayLoopParams& params) {
+  const Joints inertia = Chain(chain, params.gravity_B).MassMatrix(params.q).diagonal();
+  return 2.0 * params.arm.joint_damping_ratio *
+         params.arm.stiffness_Nm_per_rad.cwiseProduct(inertia).cwiseSqrt();
+}
+
+// The shipped parts in time. A period has kParts steps of the arm, so that the torque which corrects its
+// joints' damping follows their speed.
 class OverlayRun {
  public:
+  static constexpr int kParts = 10;
+
   explicit OverlayRun(const OverlayLoopParams& params)
       : params_(params),
-        loaded_(WithHand(params)),
-        chain_(loaded_.chain, params.gravity_B),
-        arm_(loaded_.arm, loaded_.chain, params.gravity_B, params.X_FT.translation(), params.period_s,
-             params.q),
+        chain_(WithHand(params), params.gravity_B),
+        arm_(LoadedArm(params), WithHand(params), params.gravity_B, params.X_FT.translation(),
+             params.period_s / kParts, params.q),
+        excess_damping_(JointDamping(WithHand(params), params) -
+                        JointDamping(WithoutFriction(params.chain), params)),
         twist_(params.law.twist_filter_s),
         X_rest_(chain_.FlangePose(params.q) * params.X_FT),
         preload_N_(params.wall.stiffness_N_per_m > 0.0 ? kPreload_N : 0.0) {
@@ -156,8 +174,9 @@ class OverlayRun {
       plane_.contacts[0].p_W_m =
           Vector3(X_rest_.translation() - preload_N_ / params.wall.stiffness_N_per_m * feed_B);
     past_.assign(static_cast<std::size_t>(params.wall.age_ticks) + 1, X_rest_);
+    sent_.assign(static_cast<std::size_t>(params.arm.dead_cycles) + 1, drive_);
     // the arm rests under what the wall gives from the first tick on, whatever the dead time
-    for (int i = 0; i < loaded_.arm.dead_cycles; ++i) Advance(0.0, true);
+    for (int i = 0; i < params.arm.dead_cycles; ++i) Advance(0.0, true);
   }
 
   // Returns the size of the tool's velocity, its rotation at the lever of a grip.
@@ -189,11 +208,22 @@ class OverlayRun {
         .t = -kLever2_m2 * (hand.stiffness_N_per_m * turned + hand.damping_Ns_per_m * moves.tail<3>())};
     pressed.f +=
         (resting ? 0.0 : preload_N_) * feed_B + push_N * (X_rest_.linear() * Vector3::Ones()).normalized();
-    arm_.Step(drive_, pressed);
+    Move(pressed);
     return std::sqrt(moves.head<3>().squaredNorm() + kLever2_m2 * moves.tail<3>().squaredNorm());
   }
 
  private:
+  // A period with the drive of dead_cycles ago.
+  void Move(const Wrench& pressed) {
+    std::rotate(sent_.rbegin(), sent_.rbegin() + 1, sent_.rend());
+    sent_.front() = drive_;
+    for (int part = 0; part < kParts; ++part) {
+      hil::ArmDrive acts = sent_.back();
+      acts.tau_Nm += excess_damping_.cwiseProduct(arm_.qd());
+      arm_.Step(acts, pressed);
+    }
+  }
+
   Vector3 Wall() {
     if (!(params_.wall.stiffness_N_per_m > 0.0)) return Vector3::Zero();
     ++tick_;
@@ -206,9 +236,10 @@ class OverlayRun {
   }
 
   OverlayLoopParams params_;
-  LoadedArm loaded_;
   Chain chain_;
   hil::DynamicArm arm_;
+  Joints excess_damping_;  // of the arm's joints, by the hand's mass
+  std::vector<hil::ArmDrive> sent_;
   control::MeasuredTwist twist_;
   Pose X_rest_;
   double preload_N_;

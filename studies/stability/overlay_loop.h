@@ -30,9 +30,10 @@ struct OverlayLoopParams {
   double period_s{0.001};
 };
 
-/// The linear loop at the posture, without friction. The arm's equations are those that dynamic_arm.h
-/// documents, from the chain's mass matrix and Jacobian; hand and overlay are held for a period, as in the
-/// simulation.
+/// The linear loop at the posture, without friction. The hand's mass moves with the tool; the arm's
+/// controller knows nothing of it, so that its springs and damping are those of the arm without a hand. The
+/// arm's equations are those that dynamic_arm.h documents, from the chain's mass matrix and Jacobian; hand
+/// and overlay are held for a period, as in the simulation.
 class OverlayLoop {
  public:
   explicit OverlayLoop(const OverlayLoopParams& params);
@@ -60,13 +61,6 @@ class OverlayLoop {
   double mass_kg_{0.0};
   int size_{0};
 };
-
-/// The chain with a hand's mass at the tool, and the arm with the own damping that it has without.
-struct LoadedArm {
-  kinematics::ChainParams<7> chain;
-  hil::DynamicArmParams arm;
-};
-[[nodiscard]] LoadedArm WithHand(const OverlayLoopParams& params);
 
 /// The same in time: the shipped DynamicArm, EvaluateCoupling, MeasuredTwist and DampingWrench, pressed on
 /// the wall with 20 N, after a push of 1 N for 10 ms.

@@ -44,6 +44,19 @@ TEST(IdentifyCommand, MeasuresTheSimulatedCellThenTheSameFromItsRecording) {
   EXPECT_NE(other.out.find("another cell's recording: found the tool"), std::string::npos) << other.out;
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "again/identified.yaml"));
 
+  // which forces are rendered, by what was measured along z
+  const CommandResult force =
+      RunCommand(folder.path(), {"capability", "demo", "--no-search", "--nodes", "3", "--out", "cap",
+                                 "--identified", "identify/identified.yaml"});
+  ASSERT_EQ(force.exit_code, 0) << force.err;
+  const nlohmann::json axes = ReadJson(folder.path() / "cap/capability.json").at("rendering").at("axes");
+  EXPECT_EQ(axes.at(0).at("lag_ms").at("source"), "assumed");
+  EXPECT_EQ(axes.at(2).at("lag_ms").at("source"), "measured");
+  EXPECT_NEAR(axes.at(2).at("lag_ms").at("value"), 24.22, 0.02);
+  EXPECT_NE(force.out.find("Rendered along z"), std::string::npos) << force.out;
+  EXPECT_NE(io::test::ReadAll(folder.path() / "cap/capability.html").find("Rendered along z"),
+            std::string::npos);
+
   // data that are given twice, or that a fit was made of, are no other data; a torn recording is none
   const std::string file = "identify/free_z_50.mcap";
   const auto refused = [&](std::vector<std::string> words, const std::string& why) {
@@ -61,6 +74,42 @@ TEST(IdentifyCommand, MeasuresTheSimulatedCellThenTheSameFromItsRecording) {
 
   // the loop held still meanwhile, so that the recording replays
   EXPECT_EQ(RunCommand(folder.path(), {"replay", "identify/free_z_50.mcap"}).exit_code, 0);
+}
+
+TEST(IdentifyCommand, MovesJointsOneAtATimeThenSaysTheSameFromTheirRecordings) {
+  const TemporaryFolder folder;
+  const CommandResult run =
+      RunCommand(folder.path(), {"identify", "demo", "--simulated", "--do", "joints", "--joints", "7,2"});
+  ASSERT_EQ(run.exit_code, 0) << run.err << run.out;
+  EXPECT_NE(run.out.find("free run, joint A2 at 8.6 deg/s"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("lag 24.221"), std::string::npos) << run.out;
+  const CommandResult again =
+      RunCommand(folder.path(), {"identify", "demo", "--recording", "identify/joint_A2_8.6.mcap",
+                                 "--recording", "identify/joint_A7_8.6.mcap", "--out", "again"});
+  ASSERT_EQ(again.exit_code, 0) << again.err << again.out;
+  const nlohmann::json joints = ReadJson(folder.path() / "identify/identify.json").at("joints");
+  ASSERT_EQ(joints.size(), 2u);
+  EXPECT_EQ(joints.at(0).at("joint"), "A2");
+  EXPECT_EQ(ReadJson(folder.path() / "again/identify.json").at("joints"), joints);
+  EXPECT_EQ(RunCommand(folder.path(), {"replay", "identify/joint_A2_8.6.mcap"}).exit_code, 0);
+  const CommandResult compared =
+      RunCommand(folder.path(), {"diff", "identify/joint_A2_8.6.mcap", "identify/joint_A7_8.6.mcap", "--out",
+                                 "compared", "--json", "diff.json"});
+  EXPECT_EQ(compared.exit_code, 1) << "before, no figure differed";
+  EXPECT_NE(compared.out.find("the excitation differs: free run, joint A2 at 8.6 deg/s"), std::string::npos)
+      << compared.out;
+  EXPECT_EQ(ReadJson(folder.path() / "diff.json").at("responses").size(), 27u);
+
+  const auto refused = [&](std::vector<std::string> words, const std::string& why) {
+    words.insert(words.begin(), "identify");
+    const CommandResult wrong = RunCommand(folder.path(), words);
+    EXPECT_EQ(wrong.exit_code, 2) << wrong.out;
+    EXPECT_NE(wrong.err.find(why), std::string::npos) << wrong.err;
+  };
+  refused({"thin_plate_impedance", "--simulated", "--do", "joints"},
+          "found law: impedance, accepted law: admittance");
+  refused({"kr_16_thin_plate", "--simulated", "--do", "joints", "--joints", "7"}, "found 7, accepted 1 … 6");
+  refused({"demo", "--simulated", "--do", "free", "--joints", "1"}, "without --do joints, accepted both");
 }
 
 // The commands of a section of a page, as they are written, each split into its words.

@@ -20,6 +20,10 @@ CapabilityCommand::CapabilityCommand(CLI::App& app) : sub_(AddStudy(app, "capabi
       ->type_name("FOLDER")
       ->capture_default_str();
   sub_->add_option("--json", o.json, "write a further copy of capability.json there")->type_name("FILE");
+  sub_->add_option("--identified", o.identified,
+                   "a file of `osteon identify` for this cell: sensor and arm as they were measured")
+      ->type_name("FILE")
+      ->check(CLI::ExistingFile);
   const auto need = [](CLI::Option* option) { return option->group("What is needed"); };
   need(sub_->add_option("--axial-N", o.axial_N, "force along the tool; without it the cell's force limit")
            ->check(NumberWithin(1, 1000)));
@@ -71,6 +75,7 @@ CapabilityCommand::CapabilityCommand(CLI::App& app) : sub_(AddStudy(app, "capabi
       "Examples:\n  osteon capability config/cells/demo.yaml\n  osteon capability demo --out my_cell "
       "--radius-mm 60\n"
       "  osteon capability demo --recording demo_out/recording.mcap\n"
+      "  osteon capability demo --identified identify/identified.yaml\n"
       "  osteon capability demo --mount ceiling --z-mm 900,1500 --x-mm 0,1200");
 }
 

@@ -1,6 +1,7 @@
 #include "app/cli/studies/identify_command.h"
 
 #include <algorithm>
+#include <numbers>
 #include <set>
 
 #include <fmt/format.h>
@@ -30,10 +31,11 @@ IdentifyCommand::IdentifyCommand(CLI::App& app) : sub_(AddStudy(app, "identify")
       ->check(NumberWithin(2, 1000));
   sub_->add_option("--do", runs_,
                    "runs: noise (60 s at rest), free (64 s for each axis and speed), validate (16 s), held "
-                   "(64 s, with a hand at the handle), tremor (30 s at rest, with a hand at the handle)")
+                   "(64 s, with a hand at the handle), tremor (30 s at rest, with a hand at the handle), "
+                   "joints (24 s for each joint and speed)")
       ->type_name("RUN,…")
       ->delimiter(',')
-      ->check(CLI::IsMember({"noise", "free", "validate", "held", "tremor"}))
+      ->check(CLI::IsMember({"noise", "free", "validate", "held", "tremor", "joints"}))
       ->capture_default_str();
   sub_->add_option("--axes", axes_, "axes of the tool's frame at the start along which the arm is moved")
       ->type_name("AXIS,…")
@@ -44,6 +46,18 @@ IdentifyCommand::IdentifyCommand(CLI::App& app) : sub_(AddStudy(app, "identify")
       ->type_name("SPEED,…")
       ->delimiter(',')
       ->check(NumberWithin(1.0, 100.0))
+      ->capture_default_str();
+  sub_->add_option("--joints", options_.joints,
+                   "with --do joints: the joints that are moved, one after another, by their numbers; "
+                   "without it all of the arm")
+      ->type_name("JOINT,…")
+      ->delimiter(',')
+      ->check(CLI::IsMember({1, 2, 3, 4, 5, 6, 7}));
+  sub_->add_option("--joint-speeds", joint_speeds_deg_per_s_,
+                   "with --do joints: peak speeds of a joint, in deg/s; at most 20 % of its own are used")
+      ->type_name("SPEED,…")
+      ->delimiter(',')
+      ->check(NumberWithin(0.1, 50.0))
       ->capture_default_str();
   sub_->add_option(
           "--recording", options_.recordings,
@@ -60,7 +74,8 @@ IdentifyCommand::IdentifyCommand(CLI::App& app) : sub_(AddStudy(app, "identify")
   sub_->add_option("--json", options_.json, "also write the figures there, as JSON")->type_name("FILE");
   sub_->footer(
       "The arm goes to its start and is held there. Then the tool moves by up to 4 mm along one axis at a "
-      "time. Nobody holds the handle. Release the enabling switch to pause.\n\n"
+      "time, or one joint by up to 1 degree. Nobody holds the handle. Release the enabling switch to "
+      "pause.\n\n"
       "Exit code 1: the data were refused, and identified.yaml was not written\n\n"
       "Examples:\n  osteon identify demo --simulated --axes z --speeds 50\n"
       "  osteon identify my_cell.yaml --out identify\n"
@@ -85,7 +100,8 @@ int IdentifyCommand::Run(const std::filesystem::path& config_root, const std::st
                    .free = has("free"),
                    .validate = has("validate"),
                    .held = has("held"),
-                   .tremor = has("tremor")};
+                   .tremor = has("tremor"),
+                   .joints = has("joints")};
   options_.axes.clear();
   for (const std::string& axis : axes_)
     if (options_.axes.find(axis) == std::string::npos) options_.axes += axis;
@@ -93,6 +109,16 @@ int IdentifyCommand::Run(const std::filesystem::path& config_root, const std::st
   std::set<std::string> names;  // of recordings: each speed once
   for (const double speed : speeds_mm_per_s_)
     if (names.insert(fmt::format("{:g}", speed)).second) options_.speeds_m_per_s.push_back(1e-3 * speed);
+  if ((sub_->count("--joints") > 0 || sub_->count("--joint-speeds") > 0) && !options_.runs.joints)
+    return refuse("found --joints or --joint-speeds without --do joints, accepted both");
+  std::ranges::sort(options_.joints);
+  const auto again = std::ranges::unique(options_.joints);
+  options_.joints.erase(again.begin(), again.end());
+  options_.joint_speeds_rad_per_s.clear();
+  names.clear();
+  for (const double speed : joint_speeds_deg_per_s_)
+    if (names.insert(fmt::format("{:g}", speed)).second)
+      options_.joint_speeds_rad_per_s.push_back(speed * std::numbers::pi / 180.0);
   base::InstallInterrupt();
   options_.stop = &base::Interrupted();
   options_.command_line = command_line;

@@ -23,7 +23,7 @@ class IdentifyCommand {
   studies::IdentifyOptions options_;
   std::string cell_;
   std::vector<std::string> runs_{"noise", "free", "validate"}, axes_{"x", "y", "z"};
-  std::vector<double> speeds_mm_per_s_{10.0, 50.0};
+  std::vector<double> speeds_mm_per_s_{10.0, 50.0}, joint_speeds_deg_per_s_{8.6};
   CLI::App* sub_;
 };
 

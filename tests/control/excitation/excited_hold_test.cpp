@@ -86,6 +86,54 @@ TEST(ExcitedHold, MeasuresTheOffsetAlongTheAxis) {
   EXPECT_NEAR(rig.Tick().y_m, before_m, 1e-15);
 }
 
+ExcitedHoldParams JointParams() {
+  ExcitedHoldParams params{
+      .path = {.draws = 1, .periods = 1, .peak_speed_m_per_s = 0.15, .max_travel_m = 0.017},
+      .joint = 2,
+      .wait_s = 0.1};
+  params.direction[2] = 1.0;
+  params.J_W(0, 2) = 0.1;  // it moves the tool along x, not along the axis
+  return params;
+}
+
+TEST(ExcitedHold, MovesAndMeasuresOneJointAlone) {
+  ExcitedHold hold(JointParams());
+  ExcitedTick tick{.received = true,
+                   .activation = 1,
+                   .active = true,
+                   .permitted = true,
+                   .state = safety::CellState::kPaused};
+  double before_rad = 0.0, greatest_rad = 0.0;
+  for (int k = 0; k < 3000; ++k) {
+    ++tick.sequence;
+    ExcitedHoldStep step;
+    {
+      rt::CheckedNoAllocScope no_alloc;
+      step = hold.Step(tick);
+    }
+    EXPECT_EQ(step.y_m, before_rad);
+    for (std::size_t j = 0; j < step.offset.size(); ++j) EXPECT_EQ(step.offset[j], j == 2 ? step.x_m : 0.0);
+    tick.q_meas = step.offset;
+    before_rad = step.x_m;
+    greatest_rad = std::max(greatest_rad, std::abs(step.x_m));
+  }
+  EXPECT_GT(greatest_rad, 1e-3);
+  EXPECT_LE(greatest_rad, 0.017);
+  // a tool on the joint's axis shows nothing of its error
+  tick.q_meas[2] += 0.021;
+  ++tick.sequence;
+  EXPECT_EQ(hold.Step(tick).abort, ExcitationAbort::kTracking);
+}
+
+TEST(ExcitedHold, RefusesAJointThatThereIsNot) {
+  ExcitedHoldParams params = JointParams();
+  params.joint = 7;
+  EXPECT_THROW(ExcitedHold{params}, std::invalid_argument);
+  params.joint = 2;
+  params.overlay.on = true;
+  EXPECT_THROW(ExcitedHold{params}, std::invalid_argument);
+}
+
 TEST(ExcitedHold, AdvancesOverMessagesThatWereLost) {
   HoldRig rig, gap;
   rig.TicksUntilMoving();

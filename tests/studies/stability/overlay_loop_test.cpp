@@ -47,6 +47,19 @@ TEST(OverlayLoop, TheArmInTimeGrowsWhereTheMatrixSays) {
   }
 }
 
+// The arm's controller does not know the hand: with torques its damping is that of the joints without it.
+// Counted in, a heavy hand and much damping of the law would seem to stand walls that are 7 % stiffer.
+TEST(OverlayLoop, AHeavyHandAddsNothingToTheArmsOwnDamping) {
+  OverlayLoopParams loop = Loop(true);
+  loop.law.damping_Ns_per_m.setConstant(200.0);
+  loop.hand = {"heavy", 500.0, 20.0, 3.0};
+  const double most = Boundary_N_per_m(loop);
+  for (const double share : {0.97, 1.03}) {
+    loop.wall.stiffness_N_per_m = share * most;
+    EXPECT_EQ(OverlayGrows(loop, 4.0), share > 1.0) << share << " of " << most;
+  }
+}
+
 TEST(OverlayLoop, DeadTimeAndAgeEachCostStiffness) {
   const OverlayLoopParams loop = Loop(false);
   const double most = Boundary_N_per_m(loop);

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "config/reading/cell_config.h"
+#include "report/report.h"
+#include "session/summary/verdict.h"
+
+// The forces that a cell renders truthfully: from the smallest that its force sensor tells from its own
+// errors, to the stiffest wall that the loop stands along each axis of the tool. By `identified:` where it
+// was measured, otherwise by the assumptions of the cell's file.
+
+namespace osteon::studies {
+
+/// A figure, and whether it was measured.
+struct SourcedFigure {
+  double value{0.0};
+  bool measured{false};
+};
+/// "measured" or "assumed".
+[[nodiscard]] const char* SourceOf(const SourcedFigure& figure);
+
+/// Rendering along one axis of the tool's frame, at the cell's start.
+struct RenderedAxis {
+  char axis{'z'};
+  /// Of the arm to its command: dead time + 2 z / w; with the impedance law its dead time.
+  SourcedFigure lag_s{};
+  /// Mass by which a force on the tool moves the arm; none for an arm without masses.
+  std::optional<SourcedFigure> felt_mass_kg{};
+  /// With the admittance law. The least drag with which the cell's virtual mass is stable with every hand and
+  /// contact of `osteon tune`; infinite: none is.
+  std::optional<double> least_drag_Ns_per_m{};
+  /// Stiffest wall with the cell's own gains and every hand, up to kMaxWall_N_per_m. None where only the
+  /// measured response may be used, and with the impedance law.
+  std::optional<double> greatest_wall_N_per_m{};
+  double asked_drag_Ns_per_m{0.0}, asked_wall_N_per_m{0.0};  ///< by the cell
+  bool stands{true};  ///< what the cell asks for is stable, by the measured response as well if there is one
+  /// Drag, wall and `stands` follow from a model or a response that was measured along this axis.
+  bool loop_measured{false};
+};
+inline constexpr double kMaxWall_N_per_m = 1e6;
+
+struct Rendering {
+  SourcedFigure dead_zone_N{}, noise_N{}, drift_N{}, sensor_delay_s{};
+  std::vector<RenderedAxis> axes;  ///< x, y, z
+  bool admittance{true};
+
+  /// The smallest force of a hand that is felt and told from the sensor's own errors: the dead zone, or three
+  /// standard deviations of noise and drift.
+  [[nodiscard]] double force_floor_N() const;
+  /// Whether dead zone, noise and drift were all measured.
+  [[nodiscard]] bool floor_measured() const;
+};
+
+/// Computes the rendering of a cell, with `cell.identified` if there is one. Takes some seconds of one core.
+[[nodiscard]] Rendering RenderingOf(const config::CellConfig& cell);
+
+/// Adds a remark for each axis along which what was measured does not stand what the cell asks for.
+void JudgeRendering(const Rendering& rendering, session::Verdict& verdict);
+
+/// @param greatest_N  force that the arm holds along the tool over the task
+[[nodiscard]] std::vector<report::SummaryRow> RenderingRows(const Rendering& rendering, double greatest_N);
+/// `rendering` of osteon.capability/1.
+[[nodiscard]] nlohmann::json RenderingJson(const Rendering& rendering, double greatest_N);
+
+}  // namespace osteon::studies

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <numbers>
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "studies/identify/identify_result.h"
+
+namespace osteon::studies {
+
+/// An angle or its speed in degrees, as users read it.
+[[nodiscard]] inline double Degrees(double rad) { return rad * 180.0 / std::numbers::pi; }
+
+/// RMS speed of an axis or of a joint: "20.5 mm/s", "3.5 deg/s".
+[[nodiscard]] std::string SpeedText(const AxisResult& axis);
+
+/// Judges each joint as an axis is judged, and the joints against each other: over 5 % of lag apart, the lag
+/// along an axis is that of the posture. Adds to `refused` and `warnings`, and sets model_holds.
+void JudgeJoints(IdentifyResult& result);
+
+/// `joints[]` of osteon.identify/1: angles in degrees, times in ms.
+[[nodiscard]] nlohmann::ordered_json JointsJson(const IdentifyResult& result);
+
+/// The line of a joint on page and terminal.
+[[nodiscard]] report::SummaryRow JointRow(const AxisResult& joint);
+
+}  // namespace osteon::studies
