@@ -1,6 +1,6 @@
 // Makes pictures of the console again: node docs/images/console.mjs OSTEON NODE_MODULES [NAME …].
-// Each is of a demo in virtual time, which goes in short turns from `near` on and is halted (SIGSTOP) once it shows what
-// the picture is of, so that it does not depend on the machine. OSTEON: build/release/app/osteon; NODE_MODULES: the console's, with puppeteer-core.
+// Each of a run is of a demo in virtual time, which goes in short turns from `near` on and is halted (SIGSTOP) once it shows
+// what the picture is of, so that it does not depend on the machine. The others are of recordings of such demos. OSTEON: build/release/app/osteon; NODE_MODULES: the console's, with puppeteer-core.
 // OSTEON_PICTURES: another folder than this one.
 
 import { spawn } from "node:child_process";
@@ -43,6 +43,32 @@ const wanted = [
     words: ["--seconds", "60", "--at-fault", "hold", "--cell", silent("arm", 17, 17.06)],
     near: "osteon.live.status.rendered_s > 10",
     ready: '!document.getElementById("recover").disabled',
+  },
+];
+
+/** Of each picture of recordings: the demos' words, the time shown, what the page shows before and after the keys. */
+const side = (number, expression) => `document.getElementById("side-${number}").contentWindow.osteon?.${expression}`;
+const both = (expression) => `${side(1, expression)} && ${side(2, expression)}`;
+const sizes = [["--tool", "reamer:50"], ["--tool", "reamer:52"]];
+const recorded = [
+  {
+    name: "console_distance",
+    demos: [["--plan", "acetabulum"]],
+    recording: "session/run_1.mcap",
+    at_s: 79.9,
+    ready: "osteon.procedure.note?.tool === 3 && osteon.scene.surface.triangles > 10000",
+    keys: "d",
+    after: 'document.getElementById("view-scale").innerText.length > 0',
+  },
+  { name: "console_compare", demos: sizes, recording: "recording.mcap", at_s: 6, ready: both("scene.surface.triangles > 10000"), keys: "", after: "true" },
+  {
+    name: "console_bone_difference",
+    demos: sizes,
+    recording: "recording.mcap",
+    at_s: 6,
+    ready: both("scene.surface.triangles > 10000"),
+    keys: "b",
+    after: both("scene.surface.layout?.difference_step_mm > 0"),
   },
 ];
 
@@ -91,6 +117,28 @@ try {
     await page.screenshot({ path: join(pictures, `${name}.png`) });
     await page.close();
     demo.kill("SIGKILL");
+  }
+  for (const { name, demos, recording, at_s, ready, keys, after } of recorded.filter((one) => names.length === 0 || names.includes(one.name))) {
+    const recordings = [];
+    for (const words of demos) {
+      const out = mkdtempSync(join(folder, name));
+      const made = spawn(resolve(osteon), ["demo", "--virtual-time", "--console", "off", "--overwrite", "--out", out, ...words], { stdio: "ignore" });
+      await new Promise((done) => made.on("exit", done));
+      recordings.push(join(out, recording));
+    }
+    const view = spawn(resolve(osteon), ["view", ...recordings, "--at", String(at_s), "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
+    const url = await new Promise((done) => view.stdout.once("data", (bytes) => done(String(bytes).trim())));
+    const page = await browser.newPage();
+    page.setDefaultTimeout(PATIENCE_MS);
+    await page.setViewport({ width: 1280, height: 720 });
+    await page.goto(url);
+    await page.waitForFunction(ready, { polling: 200 });
+    for (const key of keys) await page.keyboard.press(key);
+    await page.waitForFunction(after, { polling: 200 });
+    await pause(SETTLES_MS);
+    await page.screenshot({ path: join(pictures, `${name}.png`) });
+    await page.close();
+    view.kill("SIGKILL");
   }
 } finally {
   await browser.close();

@@ -302,6 +302,7 @@ async function viewsAProcedure() {
   await page.evaluate('osteon.connection.ask("seek", osteon.timeline.state.duration_s)');
   await until(page, "osteon.procedure.note.tool === 3 && osteon.scene.toolIndex === 3 && osteon.procedure.note.passes > 0");
   assert.ok(await page.evaluate("osteon.hello.tools[3][0][3] > osteon.hello.tools[0][0][3]"), "a larger reamer");
+  assert.ok(!/reamer/.test(await page.evaluate('document.getElementById("title").textContent')), "one of several tools");
   assert.equal(await page.evaluate('getComputedStyle(document.getElementById("next-tool").parentElement).display'), "none");
   await until(page, "osteon.scene.surface.triangles > 10000");
   assert.deepEqual(await clipped(page), []);

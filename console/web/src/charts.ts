@@ -201,7 +201,7 @@ export class Charts {
 }
 
 /** A chart's span: from 0 or below, and one unit at least, below which the axis would repeat its numbers. */
-function padded(low: number | null, high: number | null): [number, number] {
+export function padded(low: number | null, high: number | null): [number, number] {
   const from = Math.min(low ?? 0, 0), to = Math.max(high ?? 1, from + 1);
   return [from - 0.05 * (to - from), to + 0.08 * (to - from)];
 }

@@ -3,6 +3,7 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Difference } from "./messages";
+import { padded } from "./charts";
 import { t, type Word } from "./texts";
 
 const GRID = "#303a45", TEXT = "#a3b1bf", NOW = "#e8edf2", HEIGHT_PX = 150;
@@ -84,7 +85,7 @@ export class DifferenceCharts {
         height: HEIGHT_PX,
         legend: { show: false },
         cursor: { sync: { key: "difference" }, drag: { x: true, y: false } },
-        scales: { x: { time: false } },
+        scales: { x: { time: false }, y: { range: (_, low, high) => padded(low, high) } },
         axes: [{ ...axis, size: 24, values: (_, ticks) => ticks.map((s) => `${s} s`) }, { ...axis, size: 48 }],
         series: [{}, ...def.colours.map((stroke, i) => ({
           stroke, width: 1.3, dash: DASHES[COLOURS.indexOf(def.colours[i])], points: { show: false }, spanGaps: true,

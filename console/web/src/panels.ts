@@ -72,7 +72,8 @@ export class Panels {
     this.events = [];
     this.began_s = null;
     document.title = `Osteon: ${hello.cell}`;
-    byId("title").textContent = `Osteon ${hello.command}: ${hello.scene}, ${hello.tool.name}`;
+    // the tools of a procedure change: its card says which one is in use
+    byId("title").textContent = `Osteon ${hello.command}: ${hello.scene}${hello.tools.length > 1 ? "" : `, ${hello.tool.name}`}`;
   }
 
   /** A playback went to another time. */
