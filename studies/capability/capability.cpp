@@ -286,7 +286,7 @@ int Run(const CapabilityOptions& options) {
   if (result.best_angle.poses == 0)
     return session::Fail(
         "capability", "the workspace allows no pose of the task; accepted a workspace that holds the site");
-  result.outside = SampledPoses(result.task, TaskFineness{}) - result.best_angle.poses;
+  result.outside = SampledPoses(result.task, TaskFineness{}) - static_cast<int>(result.best_angle.poses);
   progress.BeginPhase("what is felt and rendered");
   result.rendering = RenderingOf(cell);
   progress.BeginPhase("mapping the workspace");

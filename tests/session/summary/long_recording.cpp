@@ -109,7 +109,9 @@ CellSetup SetupOfLongRun() {
 }
 
 void WriteLongRecording(const std::filesystem::path& path, double seconds) {
-  auto recorder = io::Recorder::Open({.path = path, .writer_thread = false}, {.version = "long run"});
+  io::SessionInfo session;
+  session.version = "long run";
+  auto recorder = io::Recorder::Open({.path = path, .writer_thread = false}, session);
   if (!recorder) throw std::runtime_error(recorder.error());
   Source source;
   const auto ticks = static_cast<std::uint64_t>(1e3 * seconds);
