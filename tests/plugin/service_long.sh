@@ -59,6 +59,7 @@ cat >"$work/service.sh" <<'EOF'
 set -euo pipefail
 export LC_ALL=C.UTF-8 SYSTEMD_PAGER=cat
 unit=osteon@my_cell
+begin=$(mktemp) threads=$(mktemp) # of the guest's temporary folder, which ends with it
 privileges=0+ # those of the cell's process
 fail() {
   echo "service_long.sh: $1" >&2
@@ -84,7 +85,7 @@ start_cell() {
     --property AmbientCapabilities=CAP_SYS_NICE --working-directory /tmp osteon cell /etc/osteon/my_cell.yaml --seconds 600 --console off
 }
 renders() { as_visitor osteon status | grep -q "cutting"; }
-recordings() { find /var/lib/osteon -name '*.mcap' -newer /tmp/begin | wc -l; }
+recordings() { find /var/lib/osteon -name '*.mcap' -newer "$begin" | wc -l; }
 listens() { ss -Hlun 'sport = :30200' | grep -q .; }
 start() { # the arm's side comes last, as a person starts it: a session that nobody answers is closed after 10 s
   systemctl start "$unit"
@@ -121,7 +122,7 @@ systemctl start osteon@wrong
 until_true "a wrong cell has failed" systemctl is-failed osteon@wrong
 journalctl --no-pager -o cat -u osteon@wrong | grep "max_force_N" || fail "the journal does not name the key"
 
-touch /tmp/begin
+touch "$begin"
 echo "== start: its user, its rights, its folders"
 (cd /tmp && osteon new-cell my_cell --from demo >/dev/null && install -m 644 my_cell.yaml /etc/osteon/my_cell.yaml)
 start
@@ -133,8 +134,8 @@ grep -E "^VmLck:\s+[1-9][0-9]{3,} kB" "/proc/$pid/status" || fail "the cell's me
 # SCHED_FIFO is policy 1; fields 40 and 41 behind the name in parentheses are priority and policy
 for task in /proc/"$pid"/task/*; do
   sed 's/.*) //' "$task/stat" | awk -v name="$(<"$task/comm")" '$39 == 1 {print "real time:", name, "priority", $38}'
-done | tee /tmp/threads
-grep -q "real time: .* priority" /tmp/threads || fail "no thread of the cell has a real-time priority"
+done | tee "$threads"
+grep -q "real time: .* priority" "$threads" || fail "no thread of the cell has a real-time priority"
 [[ $(stat -c '%U:%G %a' /run/osteon) == "osteon:osteon 750" ]] || fail "/run/osteon: $(stat -c '%U:%G %a' /run/osteon)"
 
 echo "== a member of the group asks, a stranger cannot"
@@ -150,7 +151,7 @@ systemctl stop "$unit"
 is ActiveState inactive
 is Result success
 [[ $(recordings) -eq 1 ]] || fail "found $(recordings) recordings after the first run, accepted 1"
-osteon replay "$(find /var/lib/osteon -name '*.mcap' -newer /tmp/begin)" | tail -3
+osteon replay "$(find /var/lib/osteon -name '*.mcap' -newer "$begin")" | tail -3
 
 echo "== killed: it failed, and never starts again by itself"
 systemctl stop simulated_cell
