@@ -172,10 +172,8 @@ tl::expected<IdentifyResult, std::string> EstimateAll(const IdentifyOptions& opt
   if (std::string wrong = RepeatedFile(recordings); !wrong.empty()) return tl::unexpected(std::move(wrong));
   IdentifyResult result = EmptyResult(options.cell.stem().string(), cell);
   if (without_tremor) result.warnings.push_back({"tremor run", kNoTremor});
-  for (const fs::path& file : recordings.fits)
-    if (const auto added = AddRecording(file, cell, result); !added) return tl::unexpected(added.error());
-  for (const fs::path& file : recordings.validations)
-    if (const auto added = AddValidation(file, cell, result); !added) return tl::unexpected(added.error());
+  if (const auto added = AddAll(recordings.fits, recordings.validations, cell, result); !added)
+    return tl::unexpected(added.error());
   UseFreeRuns(result);
   for (AxisResult& axis : result.axes) {
     axis.crossing_hz = CrossingOf(cell, axis);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <fstream>
+#include <future>
 #include <iterator>
 #include <numbers>
 
@@ -380,9 +382,10 @@ void FillFeltMasses(IdentifyResult& result) {
   }
 }
 
-tl::expected<void, std::string> AddRecording(const std::filesystem::path& file,
-                                             const config::CellConfig& cell, IdentifyResult& result) {
-  const auto run = ReadRunOf(file, cell);
+namespace {
+
+tl::expected<void, std::string> AddFit(const tl::expected<ReadRun, std::string>& run,
+                                       IdentifyResult& result) {
   if (!run) return tl::unexpected(run.error());
   result.data_s += SecondsOf(*run);
   if (!run->request) {
@@ -416,8 +419,8 @@ tl::expected<void, std::string> AddRecording(const std::filesystem::path& file,
 }
 
 tl::expected<void, std::string> AddValidation(const std::filesystem::path& file,
-                                              const config::CellConfig& cell, IdentifyResult& result) {
-  const auto run = ReadRunOf(file, cell);
+                                              const tl::expected<ReadRun, std::string>& run,
+                                              IdentifyResult& result) {
   if (!run) return tl::unexpected(run.error());
   result.data_s += SecondsOf(*run);
   if (!run->request || run->request->rest_s > 0.0)
@@ -441,6 +444,32 @@ tl::expected<void, std::string> AddValidation(const std::filesystem::path& file,
     return tl::unexpected(
         fmt::format("{}: found {}, accepted an axis, or a joint, and a speed of the other recordings",
                     file.string(), NameOf(*run->request)));
+  return {};
+}
+
+}  // namespace
+
+tl::expected<void, std::string> AddRecording(const std::filesystem::path& file,
+                                             const config::CellConfig& cell, IdentifyResult& result) {
+  return AddFit(ReadRunOf(file, cell), result);
+}
+
+tl::expected<void, std::string> AddAll(std::span<const std::filesystem::path> fits,
+                                       std::span<const std::filesystem::path> validations,
+                                       const config::CellConfig& cell, IdentifyResult& result) {
+  constexpr std::size_t kAhead = 2;
+  const std::size_t count = fits.size() + validations.size();
+  const auto file = [&](std::size_t i) { return i < fits.size() ? fits[i] : validations[i - fits.size()]; };
+  std::deque<std::future<tl::expected<ReadRun, std::string>>> coming;
+  for (std::size_t i = 0, asked = 0; i < count; ++i) {
+    for (; asked < std::min(count, i + 1 + kAhead); ++asked)
+      coming.push_back(
+          std::async(std::launch::async, [&cell, next = file(asked)] { return ReadRunOf(next, cell); }));
+    const auto run = coming.front().get();
+    coming.pop_front();
+    const auto added = i < fits.size() ? AddFit(run, result) : AddValidation(file(i), run, result);
+    if (!added) return added;
+  }
   return {};
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 
 #include <tl/expected.hpp>
@@ -52,11 +53,12 @@ void FillFeltMasses(IdentifyResult& result);
                                                            const config::CellConfig& cell,
                                                            IdentifyResult& result);
 
-/// Holds a fitted axis against a recording with another seed.
-/// @returns an error if the file cannot be read, or fits no axis of the result
-[[nodiscard]] tl::expected<void, std::string> AddValidation(const std::filesystem::path& file,
-                                                            const config::CellConfig& cell,
-                                                            IdentifyResult& result);
+/// Adds all recordings of `fits`, then holds the fitted axes against those of `validations`, which have other
+/// seeds. The next two files are read while one is estimated; the result is that of one after the other.
+/// @returns an error if a file cannot be read, or a validation fits no axis of the result
+[[nodiscard]] tl::expected<void, std::string> AddAll(std::span<const std::filesystem::path> fits,
+                                                     std::span<const std::filesystem::path> validations,
+                                                     const config::CellConfig& cell, IdentifyResult& result);
 
 /// What a result says of its cell before anything is measured.
 [[nodiscard]] IdentifyResult EmptyResult(const std::string& name, const config::CellConfig& cell);

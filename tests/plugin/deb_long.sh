@@ -2,8 +2,8 @@
 # deb_long.sh BUILD [FOLDER]: the Debian packages on a bare Debian 12, as somebody meets them who has nothing else. Makes
 # the packages of BUILD (osteon_app, osteon_studies and osteon_plugin must be built), lets lintian judge them, installs
 # them in a fresh debootstrap below FOLDER (a temporary one), runs the demo to its summary, and purges them. Then the unit
-# runs there under a systemd (service_long.sh). Needs root, debootstrap, lintian, a mirror of Debian, 2 GB; takes eight
-# minutes. Exit code 1: something does not hold.
+# runs there under a systemd (service_long.sh). Needs root, debootstrap, lintian, a mirror of Debian, 2 GB; takes two
+# minutes on an idle machine. Exit code 1: something does not hold.
 set -euo pipefail
 build=$(realpath "$1") folder=${2:-}
 readonly kMaxSeconds=60 # from apt's start to the demo's summary
