@@ -81,50 +81,48 @@ std::function<std::complex<double>(double hz)> FittedModel(const AxisResult& axi
   };
 }
 
-std::string BodeSvg(const AxisResult& axis, double period_s) {
-  report::LineChart gain{.title = fmt::format("The arm along {}, at {:.1f} mm/s RMS", axis.request.axis,
-                                              1e3 * axis.rms_speed_m_per_s),
-                         .x_label = "frequency [Hz]",
-                         .y_label = "gain",
-                         .y_from_zero = false,
-                         .log_x = true,
-                         .log_y = true};
-  report::LineChart phase{
+// Gain above phase.
+class BodeFigure {
+ public:
+  explicit BodeFigure(const std::string& title) { gain_.title = title; }
+  void Add(BodeCurves curves) {
+    gain_.series.push_back(std::move(curves.gain));
+    phase_.series.push_back(std::move(curves.phase));
+  }
+  [[nodiscard]] std::size_t size() const { return gain_.series.size(); }
+  [[nodiscard]] std::string Svg() const {
+    const std::vector<report::LineChart> panels{gain_, phase_};
+    return report::Svg(panels);
+  }
+
+ private:
+  report::LineChart gain_{
+      .x_label = "frequency [Hz]", .y_label = "gain", .y_from_zero = false, .log_x = true, .log_y = true};
+  report::LineChart phase_{
       .x_label = "frequency [Hz]", .y_label = "phase [deg]", .log_x = true, .legend = false};
-  const auto add = [&](BodeCurves curves) {
-    gain.series.push_back(std::move(curves.gain));
-    phase.series.push_back(std::move(curves.phase));
-  };
+};
+
+std::string BodeSvg(const AxisResult& axis, double period_s) {
+  BodeFigure figure(
+      fmt::format("The arm along {}, at {:.1f} mm/s RMS", axis.request.axis, 1e3 * axis.rms_speed_m_per_s));
   const auto& lines = axis.by_encoders.lines;
-  if (axis.model_holds) add(Fitted(FittedModel(axis, period_s), lines.front().hz, lines.back().hz));
-  add(Measured(axis.by_encoders, "by the encoders", report::kPalette[0], report::Marker::kCircle));
+  if (axis.model_holds) figure.Add(Fitted(FittedModel(axis, period_s), lines.front().hz, lines.back().hz));
+  figure.Add(Measured(axis.by_encoders, "by the encoders", report::kPalette[0], report::Marker::kCircle));
   if (axis.by_force)
-    add(Measured(*axis.by_force, "by the force sensor", report::kPalette[1], report::Marker::kSquare));
-  const std::vector<report::LineChart> panels{gain, phase};
-  return report::Svg(panels);
+    figure.Add(Measured(*axis.by_force, "by the force sensor", report::kPalette[1], report::Marker::kSquare));
+  return figure.Svg();
 }
 
 // All joints in one figure, at each speed.
 std::string JointsSvg(const IdentifyResult& result) {
-  report::LineChart gain{.title = "The joints, each moved alone",
-                         .x_label = "frequency [Hz]",
-                         .y_label = "gain",
-                         .y_from_zero = false,
-                         .log_x = true,
-                         .log_y = true};
-  report::LineChart phase{
-      .x_label = "frequency [Hz]", .y_label = "phase [deg]", .log_x = true, .legend = false};
+  BodeFigure figure("The joints, each moved alone");
   for (const AxisResult& joint : result.joints) {
-    const std::size_t drawn = gain.series.size();
-    BodeCurves curves =
-        Measured(joint.by_encoders, fmt::format("A{} at {}", joint.request.joint, SpeedText(joint)),
-                 report::kPalette[drawn % report::kPalette.size()],
-                 drawn < report::kPalette.size() ? report::Marker::kCircle : report::Marker::kSquare);
-    gain.series.push_back(std::move(curves.gain));
-    phase.series.push_back(std::move(curves.phase));
+    const std::size_t drawn = figure.size();
+    figure.Add(Measured(joint.by_encoders, fmt::format("A{} at {}", joint.request.joint, SpeedText(joint)),
+                        report::kPalette[drawn % report::kPalette.size()],
+                        drawn < report::kPalette.size() ? report::Marker::kCircle : report::Marker::kSquare));
   }
-  const std::vector<report::LineChart> panels{gain, phase};
-  return gain.series.empty() ? "" : report::Svg(panels);
+  return figure.size() == 0 ? "" : figure.Svg();
 }
 
 std::string LagSvg(const IdentifyResult& result) {

@@ -1,39 +1,22 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "tests/app/command.h"
-#include "tests/config/cell_text.h"
+#include "tests/app/engine_cell.h"
 
 // The cutting engine in a process of its own, started beside a run in virtual time: `osteon simulate`.
 
 namespace osteon::app {
 namespace {
 
-class EngineInLockstep : public testing::Test {
- protected:
-  static std::string Port() { return std::to_string(49152 + getpid() % 1500 * 10); }
-  // The plate's cell with its engine at that address.
-  std::string Cell(const std::string& address) {
-    const std::filesystem::path file = folder_.path() / "cell.yaml";
-    std::ofstream(file) << config::CellText("thin_plate") << "simulation: {process: '" << address << "'}\n";
-    return file.string();
-  }
-  nlohmann::json Demo(const std::string& cell, const std::string& out) {
-    const CommandResult run = RunCommand(folder_.path(), {"demo", "--virtual-time", "--seconds", "1",
-                                                          "--engine", "cpu", "--cell", cell, "--out", out});
-    EXPECT_EQ(run.exit_code, 0) << run.err;
-    return ReadJson(folder_.path() / out / "summary.json");
-  }
-  const TemporaryFolder folder_;
-};
+using EngineInLockstep = EngineCellTest;
 
 TEST_F(EngineInLockstep, CarvesTheSameOverUdp) {
-  const std::string address = "127.0.0.1:" + Port();
+  const std::string address = "127.0.0.1:" + EnginePort();
   Command engine(folder_.path(),
                  {"simulate", "--listen", address, "--engine", "cpu", "--json", "engine.json"});
   ASSERT_TRUE(engine.WaitUntil([&] { return engine.Out().find("Ctrl-C ends it") != std::string::npos; }))
@@ -41,7 +24,7 @@ TEST_F(EngineInLockstep, CarvesTheSameOverUdp) {
   const nlohmann::json thread = Demo("thin_plate", "thread");
   EXPECT_GT(thread.at("removed_volume_mm3"), 0.5);
   for (const char* out : {"first", "second"}) {  // one run after the other
-    const nlohmann::json udp = Demo(Cell(address), out);
+    const nlohmann::json udp = Demo(CellWith(address, "thin_plate"), out);
     ASSERT_TRUE(udp.at("engine_process").is_object());
     EXPECT_EQ(udp.at("engine_process").at("where"), address);
     EXPECT_EQ(udp.at("state_hash"), thread.at("state_hash"));
@@ -56,20 +39,21 @@ TEST_F(EngineInLockstep, CarvesTheSameOverUdp) {
 }
 
 TEST_F(EngineInLockstep, AnEngineThatIsNotThereIsSaidBeforeAnythingMoves) {
-  const CommandResult run = RunCommand(
-      folder_.path(), {"demo", "--virtual-time", "--cell", Cell("127.0.0.1:" + Port()), "--out", "out"});
+  const CommandResult run =
+      RunCommand(folder_.path(), {"demo", "--virtual-time", "--cell",
+                                  CellWith("127.0.0.1:" + EnginePort(), "thin_plate"), "--out", "out"});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("does `osteon simulate --listen` run there"), std::string::npos) << run.err;
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out"));
 }
 
 TEST_F(EngineInLockstep, ListensBeyondTheLoopbackWithATokenOnly) {
-  const CommandResult run = RunCommand(folder_.path(), {"simulate", "--listen", "0.0.0.0:" + Port()});
+  const CommandResult run = RunCommand(folder_.path(), {"simulate", "--listen", "0.0.0.0:" + EnginePort()});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("found no token"), std::string::npos) << run.err;
   std::ofstream(folder_.path() / "short") << "abc\n";
-  const CommandResult weak =
-      RunCommand(folder_.path(), {"simulate", "--listen", "0.0.0.0:" + Port(), "--token-file", "short"});
+  const CommandResult weak = RunCommand(
+      folder_.path(), {"simulate", "--listen", "0.0.0.0:" + EnginePort(), "--token-file", "short"});
   EXPECT_EQ(weak.exit_code, 2);
   EXPECT_NE(weak.err.find("found a first line of 3 characters"), std::string::npos) << weak.err;
 }

@@ -2,14 +2,13 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "tests/app/command.h"
+#include "tests/app/engine_cell.h"
 #include "tests/app/machine_lateness.h"
-#include "tests/config/cell_text.h"
 
 // The cutting engine in a process of its own that a run starts. Beside a run: engine_lockstep_test.cpp.
 
@@ -17,8 +16,6 @@ namespace osteon::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string Port() { return std::to_string(49152 + getpid() % 1500 * 10); }
 
 // The engine's process of a run, from "…: local, process 1234"; 0 if it is not said.
 pid_t EnginePid(const std::string& err) {
@@ -34,27 +31,13 @@ int EngineFolders() {
   return count;
 }
 
-class EngineProcess : public testing::Test {
- protected:
-  // A shipped cell with its engine in a process of its own.
-  std::string Cell(const std::string& shipped) {
-    const fs::path file = folder_.path() / (shipped + ".yaml");
-    std::ofstream(file) << config::CellText(shipped) << "simulation: {process: local}\n";
-    return file.string();
-  }
-  nlohmann::json Demo(const std::string& cell, const std::string& out) {
-    const CommandResult run = RunCommand(folder_.path(), {"demo", "--virtual-time", "--seconds", "1",
-                                                          "--engine", "cpu", "--cell", cell, "--out", out});
-    EXPECT_EQ(run.exit_code, 0) << run.err;
-    return ReadJson(folder_.path() / out / "summary.json");
-  }
-  const TemporaryFolder folder_;
-};
+using EngineProcess = EngineCellTest;
 
 // In lockstep each frame crosses, and no bit of what the tool carves may change.
 TEST_F(EngineProcess, CarvesWhatAThreadCarvesBitForBit) {
   const int before = EngineFolders();
-  const nlohmann::json thread = Demo("thin_plate", "thread"), local = Demo(Cell("thin_plate"), "local");
+  const nlohmann::json thread = Demo("thin_plate", "thread"),
+                       local = Demo(CellWith("local", "thin_plate"), "local");
   EXPECT_TRUE(thread.at("engine_process").is_null());
   const nlohmann::json& process = local.at("engine_process");
   ASSERT_TRUE(process.is_object()) << local.dump(2);
@@ -71,12 +54,13 @@ TEST_F(EngineProcess, CarvesWhatAThreadCarvesBitForBit) {
 // In wall time, while it renders: the arm comes to rest, and the summary says what happened.
 TEST_F(EngineProcess, OneThatIsKilledStopsTheArmAndIsNamed) {
   constexpr int kAttempts = 3;
-  const std::string cell = Cell("demo");
+  const std::string cell = CellWith("local", "demo");
   rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const WakeupWatch watch;
-    Command run(folder_.path(), {"run", cell, "--simulated", "--port", Port(), "--engine", "cpu", "--seconds",
-                                 "60", "--record", "r.mcap", "--overwrite", "--json", "run.json"});
+    Command run(folder_.path(),
+                {"run", cell, "--simulated", "--port", EnginePort(), "--engine", "cpu", "--seconds", "60",
+                 "--record", "r.mcap", "--overwrite", "--json", "run.json"});
     ASSERT_TRUE(run.WaitUntil([&] { return EnginePid(run.Err()) > 0; })) << run.Err();
     ASSERT_TRUE(run.WaitUntil([&] { return run.Err().find(" of 60.0 s | ") != std::string::npos; }))
         << run.Err();

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/app/command.h"
+#include "tests/config/cell_text.h"
+
+namespace osteon::app {
+
+/// A port of this process, another than those of tests in other processes.
+inline std::string EnginePort() { return std::to_string(49152 + getpid() % 1500 * 10); }
+
+/// Demos in virtual time of cells whose engine runs in a process of its own.
+class EngineCellTest : public testing::Test {
+ protected:
+  /// @param process  where the engine runs: "local", or HOST:PORT
+  /// @returns the file of a shipped cell whose engine runs there
+  std::string CellWith(const std::string& process, const std::string& shipped) {
+    const std::filesystem::path file = folder_.path() / (shipped + ".yaml");
+    std::ofstream(file) << config::CellText(shipped) << "simulation: {process: '" << process << "'}\n";
+    return file.string();
+  }
+  /// The summary of a second's demo of a cell.
+  nlohmann::json Demo(const std::string& cell, const std::string& out) {
+    const CommandResult run = RunCommand(folder_.path(), {"demo", "--virtual-time", "--seconds", "1",
+                                                          "--engine", "cpu", "--cell", cell, "--out", out});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return ReadJson(folder_.path() / out / "summary.json");
+  }
+  const TemporaryFolder folder_;
+};
+
+}  // namespace osteon::app
