@@ -14,7 +14,7 @@ cleanup() {
   # the end of the first process ends all of its namespaces
   [[ -z ${pid:-} ]] || kill -KILL "$pid" 2>/dev/null || true
   [[ -z ${boot:-} ]] || wait "$boot" 2>/dev/null || true
-  [[ -z ${group:-} ]] || rmdir "$group"/*.slice "$group"/*.scope "$group" 2>/dev/null || true
+  [[ -z ${group:-} ]] || find "$group" -depth -type d -exec rmdir {} + 2>/dev/null || true
   umount "$work/cgroup" 2>/dev/null || true
   rm -rf --one-file-system "$work"
 }
