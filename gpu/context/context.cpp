@@ -263,7 +263,7 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
   const float priority = 1.0f;
   const vk::DeviceQueueCreateInfo queue({}, context->queue_family, 1, &priority);
   context->arithmetic = arithmetic == Arithmetic::kAuto ? context->info.arithmetic : arithmetic;
-  if (!Offers(ReportOf(*context->physical), context->arithmetic))
+  if (arithmetic != Arithmetic::kAuto && !Offers(ReportOf(*context->physical), arithmetic))
     return tl::make_unexpected(ArithmeticText(context->arithmetic) + ": " + context->info.name +
                                " lacks them: " + RefusalText(context->info.missing));
   DeviceFeatures features = NeededFeatures(context->arithmetic);

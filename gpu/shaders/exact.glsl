@@ -6,28 +6,19 @@
 #ifdef OSTEON_NO_FLOAT64
 // A double-single's parts are the bits of its floats. The upper word has the bits of the first, the lower one those of the
 // remainder in an order that counts the sign. All ones, where only the upper word is known yet: a remainder as large as any.
-uvec2 ToKeyWords(double s) {
+Key64 ToKey(double s) {
   uvec2 parts = unpackDouble2x32(s);
-  return uvec2(parts.y >> 31u != 0u ? ~parts.y : parts.y | 0x80000000u, parts.x);
+  return KeyOf(uvec2(parts.y >> 31u != 0u ? ~parts.y : parts.y | 0x80000000u, parts.x));
 }
-double FromKeyWords(uvec2 key) {
-  uint rest = key.x == 0xffffffffu ? floatBitsToUint(uintBitsToFloat(key.y) * 5.9604645e-8)  // 2^-24
-                                   : key.x >> 31u != 0u ? key.x & 0x7fffffffu : ~key.x;
-  return packDouble2x32(uvec2(key.y, rest));
+double FromKey(Key64 key) {
+  uvec2 words = WordsOf(key);
+  uint rest = words.x == 0xffffffffu ? floatBitsToUint(uintBitsToFloat(words.y) * 5.9604645e-8)  // 2^-24
+                                     : words.x >> 31u != 0u ? words.x & 0x7fffffffu : ~words.x;
+  return packDouble2x32(uvec2(words.y, rest));
 }
-#ifdef OSTEON_NO_INT64
-Key64 ToKey(double s) { return ToKeyWords(s); }
-double FromKey(Key64 key) { return FromKeyWords(key); }
 #else
-Key64 ToKey(double s) { return packUint2x32(ToKeyWords(s)); }
-double FromKey(Key64 key) { return FromKeyWords(unpackUint2x32(key)); }
-#endif
-#elif defined(OSTEON_NO_INT64)
-Key64 ToKey(double s) { return unpackDouble2x32(s); }
-double FromKey(Key64 key) { return packDouble2x32(key); }
-#else
-Key64 ToKey(double s) { return packUint2x32(unpackDouble2x32(s)); }
-double FromKey(Key64 key) { return packDouble2x32(unpackUint2x32(key)); }
+Key64 ToKey(double s) { return KeyOf(unpackDouble2x32(s)); }
+double FromKey(Key64 key) { return packDouble2x32(WordsOf(key)); }
 #endif
 
 // A float that is not less than s.

@@ -37,18 +37,11 @@ Sum64 Shifted(int part, uint bits) {
 int BitsFrom(Sum64 sum, uint first) {
   return first == 0u ? int(sum.x) : first < 32u ? int(sum.y << (32u - first) | sum.x >> first) : int(sum.y) >> (first - 32u);
 }
-// An integer below 2^63 as a sum, and a sum as the nearest double.
-// Only signed integers are converted: llvmpipe converts doubles from 2^31 on wrongly to unsigned ones.
-const double kHalfWord = 2147483648.0lf;
-Sum64 SumOf(double whole) {
-  double upper = floor(whole * (1.0lf / kHalfWord));
-  return Plus(Shifted(int(upper), 31u), Shifted(int(whole - upper * kHalfWord), 0u));
-}
 Sum64 SumOf(uint whole) { return Sum64(whole, 0u); }
-double NumberOf(Sum64 sum) {
-  return double(int(sum.y)) * (2.0lf * kHalfWord) + (double(int(sum.x >> 1)) * 2.0lf + double(int(sum.x & 1u)));
-}
 const Sum64 kNoSum = Sum64(0u);
+// The words of a key or a sum, and the key of two words.
+uvec2 WordsOf(uvec2 key) { return key; }
+Key64 KeyOf(uvec2 words) { return words; }
 #else
 const bool kLowerWords = true;
 const Key64 kNoKey = 0xfffffffffffffffful;
@@ -59,18 +52,27 @@ Key64 Smaller(Key64 a, Key64 b) { return min(a, b); }
 Sum64 Plus(Sum64 a, Sum64 b) { return a + b; }
 Sum64 Shifted(int part, uint bits) { return Sum64(part) << bits; }
 int BitsFrom(Sum64 sum, uint first) { return int(sum >> first); }
-#ifdef OSTEON_NO_FLOAT64
-// double_single.glsl converts integers of 32 bits
+Sum64 SumOf(uint whole) { return Sum64(whole); }
+const Sum64 kNoSum = 0L;
+uvec2 WordsOf(Key64 key) { return unpackUint2x32(key); }
+uvec2 WordsOf(Sum64 sum) { return unpackUint2x32(Key64(sum)); }
+Key64 KeyOf(uvec2 words) { return packUint2x32(words); }
+#endif
+
+// An integer below 2^63 as a sum, and a sum as the nearest double.
+#if defined(OSTEON_NO_INT64) || defined(OSTEON_NO_FLOAT64)
+// By integers of 32 bits, as words and double_single.glsl have them. Only signed ones are converted: llvmpipe converts doubles
+// from 2^31 on wrongly to unsigned ones.
 const double kHalfWord = 2147483648.0lf;
 Sum64 SumOf(double whole) {
   double upper = floor(whole * (1.0lf / kHalfWord));
-  return (Sum64(int(upper)) << 31) + Sum64(int(whole - upper * kHalfWord));
+  return Plus(Shifted(int(upper), 31u), Shifted(int(whole - upper * kHalfWord), 0u));
 }
-double NumberOf(Sum64 sum) { return double(int(sum >> 32)) * (2.0lf * kHalfWord) + double(uint(sum)); }
+double NumberOf(Sum64 sum) {
+  uvec2 words = WordsOf(sum);
+  return double(int(words.y)) * (2.0lf * kHalfWord) + (double(int(words.x >> 1)) * 2.0lf + double(int(words.x & 1u)));
+}
 #else
 Sum64 SumOf(double whole) { return Sum64(whole); }
 double NumberOf(Sum64 sum) { return double(sum); }
-#endif
-Sum64 SumOf(uint whole) { return Sum64(whole); }
-const Sum64 kNoSum = 0L;
 #endif
