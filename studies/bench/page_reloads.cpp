@@ -115,7 +115,8 @@ ProcessHolds HoldsOf(pid_t process) {
 
 namespace {
 
-/// What a process holds once it holds no more than before, or after kSettles.
+/// Waits until a process holds no more than before, at most kSettles.
+/// @returns what it holds then
 ProcessHolds SettledHolds(pid_t process, const ProcessHolds& before) {
   const auto until = Clock::now() + kSettles;
   ProcessHolds holds = HoldsOf(process);

@@ -25,7 +25,7 @@ double LagOf(const hil::ServoArmParams& arm, double period_s) {
   return arm.dead_cycles * period_s + arm.damping_ratio / (std::numbers::pi * arm.bandwidth_hz);
 }
 
-// What was measured along one axis: the slowest of its speeds. Null: nothing.
+// Finds what was measured along one axis, at the slowest of its speeds. Null: nothing.
 const config::IdentifiedArm* MeasuredArm(const config::CellConfig& cell, const std::string& axis) {
   const config::IdentifiedArm* slowest = nullptr;
   if (cell.identified)

@@ -28,7 +28,7 @@ struct SourcedFigure {
 /// Rendering along one axis of the tool's frame, at the cell's start.
 struct RenderedAxis {
   char axis{'z'};
-  /// Of the arm to its command: dead time + 2 z / w; with the impedance law its dead time.
+  /// The arm lags its command by this: dead time + 2 z / w; with the impedance law its dead time.
   SourcedFigure lag_s{};
   /// Mass by which a force on the tool moves the arm; none for an arm without masses.
   std::optional<SourcedFigure> felt_mass_kg{};

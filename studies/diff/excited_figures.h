@@ -23,7 +23,8 @@ struct RecordedResponse {
   std::vector<Line> lines;
 };
 
-/// What a recording of `osteon identify` holds beside ticks: the excitation, and what identify finds by it.
+/// A recording of `osteon identify` has these beside its ticks: the excitation, and what identify finds by
+/// it.
 struct ExcitedFigures {
   std::string kind;        ///< "a free run along an axis": runs of different kinds have nothing to compare
   std::string excitation;  ///< axis or joint, speed, seed, draws and periods, as the event has them

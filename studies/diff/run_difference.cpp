@@ -79,7 +79,7 @@ FigureDifference Compare(const RunFigure& a, const RunFigure& b, double within) 
                                 within * std::max(std::abs(a.value), std::abs(b.value))})};
 }
 
-// What identify finds in both. @param only  what only one of them has, a line each
+// Compares what identify finds in both. @param only  gets what only one of them has, a line each
 void CompareExcited(const ExcitedFigures& first, const ExcitedFigures& second, double within,
                     std::vector<std::string>& only, RunDifference& runs) {
   const auto has = [](const ExcitedFigures& excited, const std::string& key) {
