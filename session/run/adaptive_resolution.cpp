@@ -35,8 +35,8 @@ AdaptiveResolution::AdaptiveResolution(const CellSetup& setup, const AdaptiveRes
       lever_m_(simulation::ToolLever(setup.config.tool.tool)),
       level_(setup.planned->plan.packed.level),
       trail_(MakeProxyTrail(setup)) {
-  // a trail that grew would be moved by the simulation's thread, megabytes at a time, and leave holes in the
-  // memory
+  // A trail that grew would be moved by the simulation's thread, megabytes at a time, and would let the
+  // memory of a long run grow with it.
   trail_.Reserve(kMaxPlaces);
 }
 

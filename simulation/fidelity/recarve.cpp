@@ -1,5 +1,6 @@
 #include "simulation/fidelity/recarve.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -17,6 +18,12 @@ double WayBetween(const Pose& a, const Pose& b, double lever_m) {
 }  // namespace
 
 ProxyTrail::ProxyTrail(double lever_m, double step_m) : lever_m_(lever_m), step_m_(step_m) {}
+
+void ProxyTrail::Reserve(std::size_t places) {
+  const std::size_t kept = places_.size();
+  places_.resize(std::max(places, kept));  // writes to the memory
+  places_.resize(kept);
+}
 
 void ProxyTrail::Add(const Pose& X_GP) {
   // the last place is replaced until the tool has moved a step away from the one before

@@ -20,8 +20,9 @@ class ProxyTrail {
   ///   moved them farther
   ProxyTrail(double lever_m, double step_m);
 
-  /// Takes memory for this many places, so that adding up to as many moves none.
-  void Reserve(std::size_t places) { places_.reserve(places); }
+  /// Takes memory for this many places and writes to it, so that adding up to as many moves none and asks the
+  /// system for none.
+  void Reserve(std::size_t places);
   /// Adds a frame's free pose. The last pose is always in the trail.
   void Add(const Pose& X_GP);
   [[nodiscard]] const std::vector<PlainPose>& places() const { return places_; }

@@ -20,6 +20,9 @@ namespace {
 
 // A step of the idle thread: some 0.2 ms of work.
 constexpr std::size_t kFramesAStep = 4 * ToolWays::kBatchFrames, kBricksAStep = 16;
+// Chunks whose memory is kept for the next change. The first one has all bricks of the bone, a live one some
+// dozens.
+constexpr std::size_t kKeptChunks = 256;
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 
 /// Lets the system run the calling thread only on a CPU that nobody else wants. With an ordinary priority,
@@ -234,6 +237,7 @@ bool SurfaceThread::ExtractSome(std::size_t max_bricks) {
   if (extracted_ < dirty.size()) return true;
   if (!dirty.empty()) sink_.Publish(std::span(chunks_).first(dirty.size()), ways_.frame());
   field_->ClearDirty();
+  chunks_.resize(std::min(chunks_.size(), kKeptChunks));
   published_ = true;
   extracted_ = 0;
   shown_ns_.store(read_ns_.load());

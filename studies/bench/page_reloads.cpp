@@ -75,7 +75,7 @@ int AwaitConsolePort(base::ChildProcess& demo, const std::filesystem::path& err)
 }
 
 tl::expected<void, std::string> LoadPageAndLeave(const std::string& address, std::uint16_t port, PageEnd end,
-                                                 double patience_s) {
+                                                 PageStay stay, double patience_s) {
   for (const char* file : {"", "main.js", "main.css"})
     if (auto loaded = LoadFile(address, port, file, patience_s); !loaded) return loaded;
   auto stream = io::TcpStream::Connect(address, port);
@@ -89,6 +89,8 @@ tl::expected<void, std::string> LoadPageAndLeave(const std::string& address, std
     return tl::make_unexpected(fmt::format("/live: found \"{}\"", got.substr(0, got.find('\r'))));
   if (!AwaitText(*stream, got, R"({"type":"live")", patience_s))
     return tl::make_unexpected(std::string("/live: no live message came"));
+  if (stay == PageStay::kWholeBone && !AwaitText(*stream, got, R"({"type":"surface_whole")", patience_s))
+    return tl::make_unexpected(std::string("/live: the bone did not come whole"));
   if (end == PageEnd::kKilled) {
     stream->Kill();
     return {};
@@ -136,13 +138,15 @@ ReloadFigures ReloadPages(const std::string& address, std::uint16_t port, pid_t 
   const auto began = Clock::now();
   for (int i = 0; i < reloads && goes_on(i); ++i) {
     const PageEnd end = i % kEveryKilled == kEveryKilled - 1 ? PageEnd::kKilled : PageEnd::kCloses;
-    if (const auto loaded = LoadPageAndLeave(address, port, end); !loaded) {
+    const bool warms = i + 1 == (reloads + 9) / 10;
+    const PageStay stay = warms ? PageStay::kWholeBone : PageStay::kLiveMessage;
+    if (const auto loaded = LoadPageAndLeave(address, port, end, stay); !loaded) {
       figures.failed.push_back(fmt::format("page {}: {}", i + 1, loaded.error()));
       continue;
     }
     ++figures.loaded;
     if (end == PageEnd::kKilled) ++figures.killed;
-    if (i + 1 == (reloads + 9) / 10) figures.warm = SettledHolds(process, figures.before);
+    if (warms) figures.warm = SettledHolds(process, figures.before);
   }
   figures.after = SettledHolds(process, figures.warm);
   figures.seconds = std::chrono::duration<double>(Clock::now() - began).count();

@@ -24,12 +24,20 @@ enum class PageEnd : std::uint8_t {
   kKilled,  ///< without a word, what was not read included
 };
 
-/// Loads a console's page as a browser does: its three files, then the stream until the first live message;
-/// then it leaves.
+/// Until when a page stays.
+enum class PageStay : std::uint8_t {
+  kLiveMessage,  ///< the first one
+  kWholeBone,    ///< the whole surface of the bone
+};
+
+/// Loads a console's page as a browser does: its three files, then the stream as long as it stays; then it
+/// leaves.
 /// @param patience_s  for each of its parts
 /// @returns the error says what did not come.
 [[nodiscard]] tl::expected<void, std::string> LoadPageAndLeave(const std::string& address, std::uint16_t port,
-                                                               PageEnd end, double patience_s = 20.0);
+                                                               PageEnd end,
+                                                               PageStay stay = PageStay::kLiveMessage,
+                                                               double patience_s = 20.0);
 
 /// The resources that a process holds, from /proc; zeros where it has gone.
 struct ProcessHolds {
@@ -42,8 +50,8 @@ struct ProcessHolds {
 struct ReloadFigures {
   int loaded{0}, killed{0};           ///< pages that were loaded; of these, killed
   std::vector<std::string> failed{};  ///< why a page was not
-  /// Without a page: before the first, after a tenth of them, and after all of them, each once it has
-  /// settled.
+  /// Without a page: before the first, after a tenth of them and one that has had the whole bone, whose
+  /// surface is computed for the first page that looks, and after all of them, each once it has settled.
   ProcessHolds before, warm, after;
   double seconds{0.0};
 };

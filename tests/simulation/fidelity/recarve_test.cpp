@@ -126,6 +126,18 @@ TEST_F(Recarve, WhatTheToolHasNotGoneStays) {
   EXPECT_LT(left.Distance(center(work_.cut_end - 1), 1.0), 0.5 * kHead_m) << "not gone";
 }
 
+TEST(ProxyTrail, MovesNothingWithinWhatItHasReserved) {
+  ProxyTrail trail(10e-3, 0.1e-3);
+  trail.Add(Pose(Eigen::Translation3d(1.0, 0.0, 0.0)));
+  trail.Reserve(1000);
+  ASSERT_EQ(trail.places().size(), 1u);
+  EXPECT_EQ(trail.places().front().p.x, 1.0);
+  const PlainPose* first = trail.places().data();
+  for (int i = 1; i < 1000; ++i) trail.Add(Pose(Eigen::Translation3d(1.0 + i, 0.0, 0.0)));
+  EXPECT_EQ(trail.places().size(), 1000u);
+  EXPECT_EQ(trail.places().data(), first);
+}
+
 TEST(ProxyTrail, KeepsPlacesAStepApartAndAlwaysTheLast) {
   ProxyTrail trail(10e-3, 0.1e-3);
   EXPECT_EQ(trail.settled(), 0u);

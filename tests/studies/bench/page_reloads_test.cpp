@@ -30,6 +30,8 @@ class PageReloads : public testing::Test {
         feed_, surface_);
     ASSERT_TRUE(server) << server.error();
     server_ = std::move(*server);
+    surface_.Begin({}, R"({"type":"surface"})");
+    surface_.Put({{0, "a brick"}});
     feeder_ = std::thread([this] {
       control::TickRecord tick;
       for (; !done_.load(); std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
@@ -80,9 +82,17 @@ TEST_F(PageReloads, APageThatStaysIsFound) {
 TEST_F(PageReloads, AServerThatIsNotThereIsSaid) {
   const int gone = server_->port();
   server_.reset();
-  const auto loaded = LoadPageAndLeave("127.0.0.1", static_cast<std::uint16_t>(gone), PageEnd::kCloses, 1.0);
+  const auto loaded = LoadPageAndLeave("127.0.0.1", static_cast<std::uint16_t>(gone), PageEnd::kCloses,
+                                       PageStay::kLiveMessage, 1.0);
   ASSERT_FALSE(loaded);
   EXPECT_NE(loaded.error().find(std::to_string(gone)), std::string::npos) << loaded.error();
+}
+
+TEST_F(PageReloads, ABoneThatDoesNotComeIsSaid) {
+  surface_.Begin({}, R"({"type":"surface"})");
+  const auto loaded = LoadPageAndLeave("127.0.0.1", port(), PageEnd::kCloses, PageStay::kWholeBone, 0.5);
+  ASSERT_FALSE(loaded);
+  EXPECT_EQ(loaded.error(), "/live: the bone did not come whole");
 }
 
 // The page without a browser tells how long after a tick its message was there, by one clock.
