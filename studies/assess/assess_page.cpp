@@ -307,10 +307,12 @@ tl::expected<std::string, std::string> Pictures(const AssessedSession& session) 
 }  // namespace
 
 std::string ValueText(double si, const procedure::Metric& metric) {
-  const std::string number = report::Number(si * metric.to_unit);
-  if (std::string_view(metric.unit) == "ratio") return number;
-  if (std::string_view(metric.unit) == "deg") return number + "°";
-  return number + (std::string_view(metric.unit) == "mm3" ? " mm³" : std::string(" ") + metric.unit);
+  const std::string_view unit = metric.unit;
+  const double value = si * metric.to_unit;
+  if (unit == "ratio") return report::Number(1e2 * value, 1) + " %";
+  if (unit == "deg") return report::Number(value, 1) + "°";
+  if (unit == "mm3") return report::Number(value, 0) + " mm³";
+  return report::Number(value, unit == "mm" ? 2 : 1) + " " + metric.unit;
 }
 
 std::string NameOfSession(const AssessedSession& session) { return NameOfFolder(session.folder); }

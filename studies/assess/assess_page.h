@@ -10,7 +10,7 @@
 
 namespace osteon::studies {
 
-/// A metric's value in its unit: "14°", "1.29 mm".
+/// A metric's value as a person reads it, no finer than it is known: "14.2°", "1.29 mm", "98.4 %".
 [[nodiscard]] std::string ValueText(double si, const procedure::Metric& metric);
 
 /// A session's name for people (NameOfFolder).

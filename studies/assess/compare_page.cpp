@@ -132,8 +132,10 @@ tl::expected<std::string, std::string> ComparisonSvg(const AssessResult& first, 
     body += *session;
     y += std::max(kSessionPx, items_px + kPictureGapPx);
   }
-  constexpr std::array<std::array<const char*, 2>, 3> kLegend{
-      {{"removed beyond the plan", "#d55e00"}, {"left within it", "#0072b2"}, {"bone", "#decdb0"}}};
+  constexpr std::array<std::array<const char*, 2>, 4> kLegend{{{"removed beyond the plan", "#d55e00"},
+                                                               {"left within it", "#0072b2"},
+                                                               {"bone", "#decdb0"},
+                                                               {"no bone there", "#e4e8ec"}}};
   double x = kPictureGapPx;
   for (const auto& [text, color] : kLegend) {
     body += report::SvgRect(x, y + 4.0, 14.0, 14.0, color);

@@ -13,6 +13,7 @@
 #include "session/procedure/session_bone.h"
 #include "session/run/cell_run.h"
 #include "simulation/files/carved_file.h"
+#include "studies/assess/assess_page.h"
 #include "tests/io/temporary_folder.h"
 
 // `osteon assess` of a session that is made here: the demo's scripted operator reams the demo's cup with the
@@ -112,6 +113,19 @@ class Assess : public testing::Test {
   static std::unique_ptr<io::test::TemporaryFolder> folder_;
 };
 std::unique_ptr<io::test::TemporaryFolder> Assess::folder_;
+
+TEST(ValueText, IsNoFinerThanAPersonReads) {
+  const auto text = [](double si, const char* metric) {
+    return ValueText(si, procedure::MetricNamed(metric));
+  };
+  EXPECT_EQ(text(0.00002, "axis_error"), "0.0°");
+  EXPECT_EQ(text(0.2479, "axis_error"), "14.2°");
+  EXPECT_EQ(text(1.45e-6, "diameter_error"), "0.00 mm");
+  EXPECT_EQ(text(1.363e-3, "superior_shift"), "1.36 mm");
+  EXPECT_EQ(text(0.3323, "coverage"), "33.2 %");
+  EXPECT_EQ(text(309.4e-9, "under_reamed"), "309 mm³");
+  EXPECT_EQ(text(12.34, "time"), "12.3 s");
+}
 
 TEST_F(Assess, MeasuresWhatTheScriptedOperatorReamed) {
   const auto session = ReadAssessedSession(Session());
