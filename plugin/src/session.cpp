@@ -320,13 +320,14 @@ void Session::Continue(std::shared_ptr<const ToolSource> tool, Saved saved, cons
   if (simulation::CuttingHead(tool->tool)) depth.emplace(bone_->bone, tool->tool);
   std::optional<simulation::SceneWatch> watch;
   watch.emplace(bone_->solid.get(), bone_->bone, tool->tool, bone_->events);
-  if (surface_)
-    ApplyToSurface([&](surface::CarvedField& field, surface::ToolWays& ways) {
-      if (saved.swept) field.SetSwept(std::move(*saved.swept));
-      ways = surface::ToolWays(tool->tool, Pose::Identity());
-    });
   const Levels levels = LevelsFor(*tool);
   const std::string text = fmt::format("continues with {} at frame {}", tool->tool.name, first.frame);
+  surface::ToolWays begun(tool->tool, Pose::Identity());
+  if (surface_)  // the last step that can fail: a tool that is refused must not carve the surface
+    ApplyToSurface([&](surface::CarvedField& field, surface::ToolWays& ways) {
+      if (saved.swept) field.SetSwept(std::move(*saved.swept));
+      ways = std::move(begun);
+    });
 
   // from here on nothing throws
   engine_ = std::move(engine);
@@ -337,6 +338,7 @@ void Session::Continue(std::shared_ptr<const ToolSource> tool, Saved saved, cons
   axis_of_tool_before_ = false;
   min_wall_m_ = saved.min_wall_m;
   newest_ = first;
+  in_bone_at_start_m_ = 0.0;  // the session has begun, here
   models_.Store(newest_);
   UseLevels(levels);
   last_stamp_ = continued_ = now;

@@ -8,8 +8,9 @@
 
 namespace osteon::studies {
 
-/// [N], at 120 mm/min with a drill of 3.2 mm
-[[nodiscard]] Simulated Thrust(ValidationLab& lab, const std::string& material, double rpm);
+/// [N], at 120 mm/min with a drill of 3.2 mm. Of the shell with the cutting energy that its torque alone
+/// gives.
+[[nodiscard]] Simulated Thrust(ValidationLab& lab, const std::string& material_name, double rpm);
 /// [N mm], mean at 1000, 1250 and 1500 rpm
 [[nodiscard]] Simulated MeanTorque(ValidationLab& lab, const std::string& material);
 /// At 1500 over 1000 rpm, 120 mm/min
@@ -17,7 +18,7 @@ namespace osteon::studies {
                                          double diameter_m = 0.0032);
 [[nodiscard]] Simulated TorqueSpeedRatio(ValidationLab& lab, const std::string& material,
                                          double diameter_m = 0.0032);
-/// Thrust of the epoxy shell over human cortex, 1000 rpm
+/// Thrust of the epoxy shell, as in Thrust, over human cortex, 1000 rpm
 [[nodiscard]] Simulated SawboneOverCortex(ValidationLab& lab);
 /// Work for each volume, cancellous bone over foam of 240 kg/m³
 [[nodiscard]] Simulated EnergyRatio(ValidationLab& lab);

@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <string>
@@ -232,6 +233,36 @@ TEST(OsteonCompliance, RefusesWithTheValueThatIsNeeded) {
   EXPECT_EQ(osteon_session_set_compliance(OSTEON_ABI + 1, session.get(), nullptr), OSTEON_ERROR_ABI);
   EXPECT_EQ(osteon_session_set_compliance(OSTEON_ABI, nullptr, nullptr), OSTEON_ERROR_ARGUMENT);
   EXPECT_EQ(osteon_session_deflection(session.get(), nullptr), OSTEON_ERROR_ARGUMENT);
+}
+
+// A tool that is refused because nobody knows how it bends: the surface goes on with the one in use.
+TEST(OsteonCompliance, ARefusedToolDoesNotCarveTheSurface) {
+  const auto bone = BlockOfBalls();
+  const auto drill = Drill(0.0032);
+  const auto ball = BallTool();
+  OsteonComplianceParams bends = Rigid();
+  bends.tool = 1;
+  std::array<double, 2> volumes_m3{};
+  for (const bool is_refused : {false, true}) {
+    const auto session = MakeSession(bone.get(), drill.get(), Lockstep(true));
+    ASSERT_OK(osteon_session_set_compliance(OSTEON_ABI, session.get(), &bends));
+    OsteonPose pose = Above(40.0);
+    pose.orientation_wxyz[0] = 0.0;  // +z of the drill points into the block
+    pose.orientation_wxyz[1] = 1.0;
+    if (is_refused) {
+      ASSERT_EQ(osteon_session_change_tool(session.get(), ball.get(), &pose), OSTEON_ERROR_ARGUMENT);
+    }
+    for (double z_mm = 1.5; z_mm > -1.5; z_mm -= 0.002) {
+      pose.position_m[2] = 1e-3 * z_mm;
+      ASSERT_OK(osteon_session_step(session.get(), &pose, 300.0, 0.001));
+    }
+    ASSERT_GT(FiguresOf(session.get()).removed_volume_m3, 1e-9);
+    OsteonSurfaceInfo info{};
+    const std::string file = testing::TempDir() + "osteon_refused_tool.stl";
+    ASSERT_OK(osteon_session_surface_export(session.get(), file.c_str(), &info));
+    volumes_m3[is_refused ? 1 : 0] = info.volume_m3;
+  }
+  EXPECT_EQ(volumes_m3[0], volumes_m3[1]);
 }
 
 TEST(OsteonCompliance, TheWrenchKeepsItsLimitAndNothingAllocates) {
