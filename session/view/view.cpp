@@ -146,8 +146,14 @@ int RunView(const ViewOptions& options) {
   const double duration_s = longest.duration_s;
 
   RecordingScan scan(longest.file);
-  std::vector<std::function<std::string()>> notes{
-      [&] { return StateJson(longest.playback.state(), longest.start); }, [&] { return scan.Json(); }};
+  const auto state = [&] {
+    PlaybackState of_page = longest.playback.state();
+    for (const auto& each : shown)  // the shorter one may be the damaged one
+      if (of_page.error.empty()) of_page.error = each->playback.state().error;
+    return of_page;
+  };
+  std::vector<std::function<std::string()>> notes{[&] { return StateJson(state(), longest.start); },
+                                                  [&] { return scan.Json(); }};
   std::optional<RecordingDifference> difference;
   std::optional<console::ConsoleStream> second;
   if (first.procedure) {

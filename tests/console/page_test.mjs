@@ -441,6 +441,10 @@ async function viewsARecording() {
   await page.keyboard.press(","); // the event before
   await until(page, `osteon.timeline.state.at_s < ${0.6 * duration}`);
   await showsThePastOf(page, await page.evaluate("osteon.timeline.state.at_s"));
+  // a page that connects again shows what its buttons say
+  await page.click("#arm");
+  await page.evaluate("osteon.take(osteon.hello)");
+  assert.equal(await page.evaluate('osteon.scene.arm.group.visible || document.getElementById("arm").getAttribute("aria-pressed") === "true"'), false);
   await page.close();
   child.kill("SIGINT");
 }
