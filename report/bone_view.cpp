@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
-#include <numbers>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -18,7 +17,6 @@
 #include "simulation/surface/dual_surface.h"
 #include "simulation/surface/millimetres.h"
 #include "simulation/surface/tool_ways.h"
-#include "simulation/tools/tool_path.h"
 
 namespace osteon::report {
 namespace {
@@ -134,30 +132,11 @@ void CarveInBatches(surface::CarvedField& field, std::span<const surface::Capsul
     field.Carve(capsules.subspan(at, std::min(kBatch, capsules.size() - at)));
 }
 
-/// The path's poses without those at which no point of the tool is farther than a micrometre from where it
-/// was at the last one kept: a tool that dwells for seconds has thousands of them.
-std::vector<Pose> WithoutDwelling(const simulation::ToolPath& path) {
-  constexpr double kStill_m = 1e-6;
-  const double lever_m = simulation::ToolLever(*path.tool);
-  std::vector<Pose> moving;
-  for (const Pose& X : path.X_GP) {
-    if (!moving.empty()) {
-      const Pose& before = moving.back();
-      // of two rotations an angle of a apart, the matrices differ by a norm of sqrt(8) sin(a / 2)
-      const double turn_rad = (X.linear() - before.linear()).norm() / std::numbers::sqrt2;
-      if ((X.translation() - before.translation()).norm() + lever_m * turn_rad <= kStill_m) continue;
-    }
-    moving.push_back(X);
-  }
-  return moving;
-}
-
 /// For all tools: a field does not know in which order it was swept.
 std::vector<surface::Capsule> CapsulesOf(std::span<const simulation::ToolPath> paths) {
   std::vector<surface::Capsule> capsules;
   for (const simulation::ToolPath& path : paths) {
-    const std::vector<Pose> moving = WithoutDwelling(path);
-    const std::vector<surface::Capsule> swept = CapsulesAlong({.tool = path.tool, .X_GP = moving});
+    const std::vector<surface::Capsule> swept = CapsulesAlong(path);
     capsules.insert(capsules.end(), swept.begin(), swept.end());
   }
   return capsules;

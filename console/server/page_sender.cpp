@@ -105,7 +105,7 @@ bool PageSender::SendSurface() {
 
 bool PageSender::SendNew() {
   if (resend_.exchange(false)) {
-    seen_events_ = 0;
+    seen_windows_ = seen_events_ = 0;
     surface_.Restart();
     shown_holder_ = ~0ull;
     shown_notes_.clear();

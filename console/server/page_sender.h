@@ -55,7 +55,7 @@ class PageSender {
   /// An answer to what the page has asked, before everything else. At most kMaxAnswers wait; later ones are
   /// dropped.
   void Answer(std::string text);
-  /// Sends hello, every event and the whole surface again.
+  /// Sends hello, the windows and events that are kept, and the whole surface again.
   void Resend() { resend_.store(true); }
 
   static constexpr std::size_t kMaxAnswers = 16;

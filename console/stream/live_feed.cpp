@@ -15,7 +15,7 @@ double ToMicroseconds(rt::Nanoseconds time) { return 1e-3 * static_cast<double>(
 
 }  // namespace
 
-LiveFeed::LiveFeed() { waiting_events_.reserve(kKeptEvents); }
+LiveFeed::LiveFeed(std::uint64_t kept) : kept_(kept), windows_(kept) { waiting_events_.reserve(kKeptEvents); }
 
 void LiveFeed::Gather(const control::TickRecord& tick) {
   LiveWindow& w = making_;
@@ -78,13 +78,18 @@ void LiveFeed::Flush() {
   Publish();
 }
 
-void LiveFeed::Restart() {
-  making_ = {};
-  compute_ = wakeup_ = {};
-  waiting_events_.clear();
+void LiveFeed::ShowInstead(LiveFeed& other) {
+  making_ = other.making_;
+  began_ = other.began_;
+  limits_before_ = other.limits_before_;
+  compute_ = other.compute_;
+  wakeup_ = other.wakeup_;
+  waiting_events_.swap(other.waiting_events_);
   const std::lock_guard lock(mutex_);
-  newest_ = events_so_far_ = 0;
-  events_.clear();
+  windows_.swap(other.windows_);
+  newest_ = other.newest_.load();
+  events_.swap(other.events_);
+  events_so_far_ = other.events_so_far_;
   ++epoch_;
 }
 
@@ -105,22 +110,22 @@ void LiveFeed::Publish() {
   making_.compute_p99_us = ToMicroseconds(compute_.Quantile(kShownShare));
   making_.wakeup_p99_us = ToMicroseconds(wakeup_.Quantile(kShownShare));
   making_.number = ++newest_;
-  windows_[newest_ % kKept] = making_;
+  windows_[newest_ % kept_] = making_;
   making_.ticks = 0;
 }
 
 LiveWindow LiveFeed::Newest() const {
   const std::lock_guard lock(mutex_);
-  return newest_ == 0 ? LiveWindow{} : windows_[newest_ % kKept];
+  return newest_ == 0 ? LiveWindow{} : windows_[newest_ % kept_];
 }
 
 std::vector<LiveWindow> LiveFeed::Since(std::uint64_t& seen) const {
   const auto first_of = [&](std::uint64_t newest) {
-    return std::max(seen + 1, newest >= kKept ? newest - kKept + 1 : 1);
+    return std::max(seen + 1, newest >= kept_ ? newest - kept_ + 1 : 1);
   };
   std::vector<LiveWindow> windows;
   const std::uint64_t newest = newest_;
-  // Nothing is new. After a Restart a reader may have seen more than there is.
+  // Nothing is new. After ShowInstead a reader may have seen more than there is.
   if (first_of(newest) > newest) {
     seen = std::min(seen, newest);
     return windows;
@@ -130,7 +135,7 @@ std::vector<LiveWindow> LiveFeed::Since(std::uint64_t& seen) const {
   const std::lock_guard lock(mutex_);
   std::uint64_t number = first_of(newest_);
   for (; number <= newest_ && windows.size() < windows.capacity(); ++number)
-    windows.push_back(windows_[number % kKept]);
+    windows.push_back(windows_[number % kept_]);
   seen = std::min<std::uint64_t>(number - 1, newest_);
   return windows;
 }
@@ -138,7 +143,7 @@ std::vector<LiveWindow> LiveFeed::Since(std::uint64_t& seen) const {
 std::vector<io::RecordedEvent> LiveFeed::EventsSince(std::uint64_t& seen) const {
   const std::lock_guard lock(mutex_);
   const std::uint64_t gone = events_so_far_ - events_.size();
-  // after a Restart a reader may have seen more than there is
+  // after ShowInstead a reader may have seen more than there is
   const auto first =
       static_cast<std::ptrdiff_t>(std::min(std::max(seen, gone) - gone, std::uint64_t{events_.size()}));
   std::vector<io::RecordedEvent> events(events_.begin() + first, events_.end());

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <deque>
 #include <mutex>
@@ -16,32 +15,36 @@ namespace osteon::console {
 /// The live views' source: gathers what is recorded into windows, and keeps the newest for any number of
 /// readers.
 ///
-///     recorder's writer ──TakeTick, TakeFrame, TakeEvent──▶ window in the making ──▶ the last kKept windows ◀── readers
+///     recorder's writer ──TakeTick, TakeFrame, TakeEvent──▶ window in the making ──▶ the last windows ◀── readers
 ///
 /// It never stalls the recorder: the writer only tries the lock. While a reader has it, ticks go on gathering
 /// in the window in the making. A reader copies under the lock and does all else without it.
 class LiveFeed final : public io::RecordSink {
  public:
-  static constexpr std::uint64_t kKept = 128;                ///< windows: 4 s
+  static constexpr std::uint64_t kKept = 128;                ///< windows of a cell that runs: 4 s
   static constexpr rt::Nanoseconds kWindow_ns = 33'000'000;  ///< log time of one window
   static constexpr std::size_t kKeptEvents = 200;
 
-  LiveFeed();
+  /// @param kept  windows for a reader that comes late, at least 1; each has 3 kB
+  explicit LiveFeed(std::uint64_t kept = kKept);
   void TakeTick(const control::TickRecord& tick) override;
   void TakeFrame(const simulation::FrameRecord& frame) override;
   void TakeEvent(const io::RecordedEvent& event) override;
 
   /// Publishes the window in the making at once. For a playback, which has no recorder; waits for readers.
   void Flush();
-  /// Forgets everything: a playback went to another time. A reader sees it by epoch().
-  void Restart();
-  /// Grows with each Restart. Numbers of windows and events begin anew in an epoch.
+  /// Becomes what `other` has gathered, at once for every reader: a playback went to another time. A reader
+  /// sees it by epoch().
+  /// @pre `other` keeps as many windows, and has no reader; it has no use afterwards.
+  void ShowInstead(LiveFeed& other);
+  /// Grows with each ShowInstead. Numbers of windows and events begin anew in an epoch.
   [[nodiscard]] std::uint64_t epoch() const;
+  [[nodiscard]] std::uint64_t kept() const { return kept_; }
 
   /// The newest window; number 0: none yet. Any thread but the recorder's.
   [[nodiscard]] LiveWindow Newest() const;
-  /// The windows after number `seen`, oldest first, at most kKept; `seen` becomes the last one's. What a slow
-  /// reader has missed beyond that is gone.
+  /// The windows after number `seen`, oldest first, at most kept(); `seen` becomes the last one's. What a
+  /// slow reader has missed beyond that is gone.
   [[nodiscard]] std::vector<LiveWindow> Since(std::uint64_t& seen) const;
   /// Events after the first `seen` of the session, at most the last kKeptEvents; `seen` becomes their count.
   [[nodiscard]] std::vector<io::RecordedEvent> EventsSince(std::uint64_t& seen) const;
@@ -51,6 +54,8 @@ class LiveFeed final : public io::RecordSink {
   void TryPublish();
   void Publish();
 
+  const std::uint64_t kept_;
+
   // of the recorder's writer alone
   LiveWindow making_;
   rt::Nanoseconds began_{0};
@@ -58,8 +63,8 @@ class LiveFeed final : public io::RecordSink {
   rt::DurationHistogram compute_, wakeup_;  // of all ticks so far
   std::vector<io::RecordedEvent> waiting_events_;
 
-  mutable std::mutex mutex_;  // guards what follows
-  std::array<LiveWindow, kKept> windows_{};
+  mutable std::mutex mutex_;              // guards what follows
+  std::vector<LiveWindow> windows_;       // kept_ of them
   std::atomic<std::uint64_t> newest_{0};  // read without the lock by a reader for whom nothing is new
   std::deque<io::RecordedEvent> events_;
   std::uint64_t events_so_far_{0};

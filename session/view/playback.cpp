@@ -11,7 +11,7 @@ namespace osteon::session {
 namespace {
 
 constexpr std::chrono::milliseconds kStep{16};  // between pieces of the recording
-constexpr double kShownBefore_s = 0.3;          // of the ticks before a time, when a page goes there
+constexpr double kAtOnce_s = 0.3;               // of the ticks before a place, before more of them is read
 
 }  // namespace
 
@@ -53,6 +53,12 @@ void Playback::Seek(double at_s) {
   changed_.notify_all();
 }
 
+void Playback::Align(double at_s) {
+  if (!std::isfinite(at_s)) return;
+  const std::lock_guard lock(mutex_);
+  if (state_.playing) align_s_ = std::clamp(at_s, 0.0, state_.duration_s);
+}
+
 void Playback::SetSpeed(double speed) {
   if (!std::isfinite(speed)) return;
   const std::lock_guard lock(mutex_);
@@ -62,6 +68,11 @@ void Playback::SetSpeed(double speed) {
 PlaybackState Playback::state() const {
   const std::lock_guard lock(mutex_);
   return state_;
+}
+
+bool Playback::Seeks() const {
+  const std::lock_guard lock(mutex_);
+  return stop_ || seeks_;
 }
 
 void Playback::Run() {
@@ -76,60 +87,75 @@ void Playback::Run() {
       changed_.wait_for(lock, kStep, [this] { return stop_ || seeks_; });
       if (stop_) return;
       jump = std::exchange(seeks_, false);
-      at_s = jump ? seek_s_ : state_.at_s;
+      const auto align_s = std::exchange(align_s_, std::nullopt);
+      at_s = jump ? seek_s_ : align_s.value_or(state_.at_s);
       speed = state_.playing ? state_.speed : 0.0;
     }
     const auto now = Clock::now();
     // a stall is not made up
     const double passed_s = std::min(0.1, std::chrono::duration<double>(now - before).count());
     before = now;
-    if (jump)
-      JumpTo(at_s);
-    else if (speed > 0.0)
-      at_s += speed * passed_s;
-    else
-      continue;
-    const bool more = PassUntil(at_s);
-    if (jump) feed_.Flush();
+    if (!jump && speed == 0.0) continue;
+    if (!jump) at_s += speed * passed_s;
+    const PassedOrError passed = jump               ? JumpTo(at_s)
+                                 : passed_s_ < at_s ? PassUntil(at_s, feed_, false)
+                                                    : Passed::kReached;
     const std::lock_guard lock(mutex_);
+    if (!passed) state_.error = passed.error();
     if (seeks_) continue;
     state_.at_s = std::min(at_s, state_.duration_s);
-    if (!more || state_.at_s >= state_.duration_s) state_.playing = false;
+    if (!passed || *passed == Passed::kEnd || state_.at_s >= state_.duration_s) state_.playing = false;
   }
 }
 
-void Playback::JumpTo(double at_s) {
-  (void)timeline_.Seek(std::max(0.0, at_s - kShownBefore_s));
-  feed_.Restart();
+// The place at once, since a time line that is dragged asks for many; then all that its charts show.
+Playback::PassedOrError Playback::JumpTo(double at_s) {
+  PassedOrError place = Show(at_s, kAtOnce_s, false);
+  if (!place || at_s <= kAtOnce_s) return place;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!seeks_) state_.at_s = std::min(at_s, state_.duration_s);  // the bone need not wait for the charts
+  }
+  // a damaged chunk before the place takes the charts' past, not the place
+  if (Show(at_s, kBefore_s, true)) return place;
+  return Show(at_s, kAtOnce_s, false);
 }
 
-// Passes everything up to a time to the feed. False at the end.
-bool Playback::PassUntil(double at_s) {
+// Shows a time with what was before it, in place of what was shown.
+// @param leaves  whether another Seek ends it; then it shows nothing
+Playback::PassedOrError Playback::Show(double at_s, double before_s, bool leaves) {
+  console::LiveFeed made(feed_.kept());
+  (void)timeline_.Seek(std::max(0.0, at_s - before_s));
+  PassedOrError passed = PassUntil(at_s, made, leaves);
+  if (leaves && (!passed || *passed == Passed::kLeft)) return passed;
+  made.Flush();
+  feed_.ShowInstead(made);
+  return passed;
+}
+
+// Passes everything up to a time to a feed.
+Playback::PassedOrError Playback::PassUntil(double at_s, console::LiveFeed& feed, bool leaves) {
   const io::RecordingStream& message = timeline_.message();
-  io::RecordedTopic topic = io::RecordedTopic::kOther;
   while (true) {
-    const auto next = timeline_.Next();
-    if (!next) {
-      const std::lock_guard lock(mutex_);
-      state_.error = next.error();
-      return false;
-    }
-    topic = *next;
-    switch (topic) {
+    const auto topic = timeline_.Next();
+    if (!topic) return tl::unexpected(topic.error());
+    switch (*topic) {
       case io::RecordedTopic::kTick:
-        feed_.TakeTick(message.tick);
-        if (timeline_.At(message.tick.stamp) >= at_s) return true;
+        feed.TakeTick(message.tick);
+        passed_s_ = timeline_.At(message.tick.stamp);
+        if (passed_s_ >= at_s) return Passed::kReached;
+        if (leaves && Seeks()) return Passed::kLeft;
         break;
       case io::RecordedTopic::kFrame:
-        feed_.TakeFrame(message.frame);
+        feed.TakeFrame(message.frame);
         break;
       case io::RecordedTopic::kEvent:
-        feed_.TakeEvent(message.event);
+        feed.TakeEvent(message.event);
         break;
       case io::RecordedTopic::kSession:
         break;
       case io::RecordedTopic::kOther:
-        return false;
+        return Passed::kEnd;
     }
   }
 }

@@ -33,10 +33,17 @@ namespace {
 constexpr std::chrono::milliseconds kLooksForEnd{50};
 constexpr int kLooksTogether = 20;      // after so many looks two playbacks are brought together
 constexpr double kApartPlaying_s{0.1};  // that is not seen while they play
+constexpr double kApartFar_s{1.0};      // that is not caught up without a break
 
-std::string StateJson(const PlaybackState& state) {
-  return nlohmann::json{{"type", "playback"},       {"at_s", state.at_s},   {"duration_s", state.duration_s},
-                        {"playing", state.playing}, {"speed", state.speed}, {"error", state.error}}
+// @param start  log time of the time line's 0
+std::string StateJson(const PlaybackState& state, rt::Nanoseconds start) {
+  return nlohmann::json{{"type", "playback"},
+                        {"at_s", state.at_s},
+                        {"duration_s", state.duration_s},
+                        {"start_s", rt::ToSeconds(start)},
+                        {"playing", state.playing},
+                        {"speed", state.speed},
+                        {"error", state.error}}
       .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
@@ -60,8 +67,9 @@ void Move(Playback& playback, const console::ViewRequest& request) {
 struct ShownRecording {
   std::filesystem::path file;
   double duration_s;
+  rt::Nanoseconds start;
   CellSetup setup;
-  console::LiveFeed feed{};
+  console::LiveFeed feed{Playback::kFeedWindows};
   console::SurfaceStore surface{};
   Playback playback;
   console::SurfaceFeed chunks;
@@ -74,6 +82,7 @@ struct ShownRecording {
                  std::unique_ptr<DifferenceMap> map)
       : file(std::move(path)),
         duration_s(timeline.duration_s()),
+        start(timeline.start()),
         setup(std::move(cell)),
         playback(std::move(timeline), feed),
         chunks(surface),
@@ -113,7 +122,11 @@ tl::expected<std::unique_ptr<ShownRecording>, std::string> OpenShown(const std::
 void BringTogether(const Playback& first, Playback& other) {
   const PlaybackState leads = first.state(), follows = other.state();
   const double wanted_s = std::min(leads.at_s, follows.duration_s);
-  if (std::abs(follows.at_s - wanted_s) > kApartPlaying_s) other.Seek(wanted_s);
+  const double apart_s = std::abs(follows.at_s - wanted_s);
+  if (apart_s > kApartFar_s)
+    other.Seek(wanted_s);
+  else if (apart_s > kApartPlaying_s)
+    other.Align(wanted_s);
 }
 
 }  // namespace
@@ -133,7 +146,13 @@ int RunView(const ViewOptions& options) {
   const double duration_s = longest.duration_s;
 
   RecordingScan scan(longest.file);
-  std::vector<std::function<std::string()>> notes{[&] { return StateJson(longest.playback.state()); },
+  const auto state = [&] {
+    PlaybackState of_page = longest.playback.state();
+    for (const auto& each : shown)  // the shorter one may be the damaged one
+      if (of_page.error.empty()) of_page.error = each->playback.state().error;
+    return of_page;
+  };
+  std::vector<std::function<std::string()>> notes{[&] { return StateJson(state(), longest.start); },
                                                   [&] { return scan.Json(); }};
   std::optional<RecordingDifference> difference;
   std::optional<console::ConsoleStream> second;

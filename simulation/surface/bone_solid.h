@@ -16,7 +16,7 @@ namespace osteon::surface {
 [[nodiscard]] MaterialAt TissueOf(std::shared_ptr<const simulation::Solid> solid);
 
 /// Makes the union of a bone's balls, where the solid that they were packed from is not known. The surface
-/// shows the balls.
+/// shows the balls: a ball rolled over them would hide true gaps that are narrower than itself as well.
 /// @throws std::invalid_argument where there are none (MakeLayout)
 [[nodiscard]] std::shared_ptr<const SolidField> UnionOfBalls(const simulation::Bone& bone, float voxel_mm);
 

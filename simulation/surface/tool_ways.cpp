@@ -1,6 +1,7 @@
 #include "simulation/surface/tool_ways.h"
 
 #include <algorithm>
+#include <numbers>
 #include <utility>
 
 #include "simulation/surface/millimetres.h"
@@ -22,6 +23,15 @@ bool IsCovered(const simulation::ToolBall& ball, const std::vector<simulation::T
   return std::any_of(kept.begin(), kept.end(), [&](const simulation::ToolBall& other) {
     return (Vector3(ball.center_m) - Vector3(other.center_m)).norm() + ball.radius_m <= other.radius_m;
   });
+}
+
+/// Whether no point of a tool is farther than a micrometre from where it was: what it sweeps then is less
+/// than the thinning leaves out, and a tool that dwells has thousands of such frames.
+bool Dwells(double lever_m, const Pose& before, const Pose& now) {
+  constexpr double kStill_m = 1e-6;
+  // of two rotations an angle of a apart, the matrices differ by a norm of sqrt(8) sin(a / 2)
+  const double turn_rad = (now.linear() - before.linear()).norm() / std::numbers::sqrt2;
+  return (now.translation() - before.translation()).norm() + lever_m * turn_rad <= kStill_m;
 }
 
 }  // namespace
@@ -56,18 +66,22 @@ bool ToolWays::Add(const ToolFrame& frame) {
     X_GP_ = X_GP;
     return !capsules_.empty();
   }
-  if (way_.empty()) way_.push_back(*X_GP_);
   Pose slid = X_GP;
   const Vector3 p_GS = X_GW_ * Vector3(frame.p_WS_m);
   if (p_GS.allFinite()) slid.translation() = p_GS;
+  if (!Dwells(lever_m_, *X_GP_, slid) || !Dwells(lever_m_, *X_GP_, X_GP)) AddWay(slid, X_GP);
+  if (++frames_ < kBatchFrames) return false;
+  EndWay();
+  return true;
+}
+
+void ToolWays::AddWay(const Pose& slid, const Pose& X_GP) {
+  if (way_.empty()) way_.push_back(*X_GP_);
   const int parts = simulation::SubframeCount(lever_m_, *X_GP_, slid);
   for (int k = 1; k < parts; ++k) way_.push_back(simulation::PoseBetween(*X_GP_, slid, k, parts));
   way_.push_back(slid);
   way_.push_back(X_GP);
   X_GP_ = X_GP;
-  if (++frames_ < kBatchFrames) return false;
-  EndWay();
-  return true;
 }
 
 void ToolWays::EndWay() {

@@ -31,7 +31,8 @@ struct ToolFrame {
 ///
 /// The way from the old proxy to the first contact is free of bone, so the corner there is left out. A frame
 /// that turns the tool much has interpolated poses between, as the engine's has. Sixteen frames at a time are
-/// thinned to 5 um; frames that were skipped leave a straight way.
+/// thinned to 5 um; frames that were skipped leave a straight way. A tool that stays within a micrometre of
+/// where it was sweeps nothing more.
 class ToolWays {
  public:
   ToolWays(const simulation::Tool& tool, const Pose& X_WG);
@@ -41,7 +42,7 @@ class ToolWays {
 
   /// Adds a frame. Batches end after fixed numbers of frames, never by the clock, so that a run that is
   /// carved again gives the same capsules.
-  /// @returns whether a batch is complete: TakeCapsules then
+  /// @returns whether a batch is complete: TakeCapsules then, which may have none
   bool Add(const ToolFrame& frame);
 
   /// What was swept since the last call, with an incomplete batch.
@@ -51,13 +52,13 @@ class ToolWays {
   [[nodiscard]] std::uint64_t frame() const { return frame_; }
 
  private:
-  void AddPose(const Pose& X_GP);
+  void AddWay(const Pose& slid, const Pose& X_GP);
   void EndWay();
 
   Pose X_GW_;
   std::vector<simulation::ToolBall> cutters_;
   double lever_m_{0.0};
-  std::optional<Pose> X_GP_;  // where the last frame ended
+  std::optional<Pose> X_GP_;  // where the last frame ended that did not dwell
   std::vector<Pose> way_;     // of consecutive cutting frames
   std::vector<Capsule> capsules_;
   int frames_{0};

@@ -31,7 +31,8 @@ namespace {
 
 using ViewClock = std::chrono::steady_clock;
 constexpr std::chrono::minutes kViewPatience{20};
-constexpr double kTickNear_s = 0.05;  // a window of the feed has 30 ms
+constexpr double kTickNear_s = 0.05;                            // a window of the feed has 30 ms
+constexpr double kStrip_s = 30.0, kMinWindowsPerSecond = 20.0;  // of the page's strip charts
 
 double SecondsSince(ViewClock::time_point begun) {
   return std::chrono::duration<double>(ViewClock::now() - begun).count();
@@ -120,7 +121,7 @@ int RunBenchView(const BenchViewOptions& options) {
   auto cut = session::ReadRecordedCut(file, timeline->session(), *setup);
   if (!cut) return session::Fail("bench view", cut.error());
   const double start_s = rt::ToSeconds(timeline->start());
-  console::LiveFeed feed;
+  console::LiveFeed feed(session::Playback::kFeedWindows);
   console::SurfaceStore store;
   console::SurfaceFeed chunks(store);
   session::Playback playback(std::move(*timeline), feed);
@@ -128,6 +129,10 @@ int RunBenchView(const BenchViewOptions& options) {
   session::ViewSurface bone(file, *setup, std::move(*cut), chunks);
   const auto shows_tick = [&](double at_s) {
     return std::abs(rt::ToSeconds(feed.Newest().tick.stamp) - start_s - at_s) < kTickNear_s;
+  };
+  const auto shows_before = [&](double at_s) {
+    return shows_tick(at_s) &&
+           static_cast<double>(feed.Newest().number) >= kMinWindowsPerSecond * std::min(at_s, kStrip_s);
   };
   const auto shows_bone = [&](double at_s) {
     return bone.shown_s() >= at_s && bone.shown_s() < at_s + kTickNear_s;
@@ -138,7 +143,7 @@ int RunBenchView(const BenchViewOptions& options) {
   const auto keys_s = Await(begun, [&] { return bone.keys_complete(); });
   if (!open_s || !keys_s) return session::Fail("bench view", "the recording did not open", session::kFailed);
 
-  std::vector<double> tick_s, bone_s;
+  std::vector<double> tick_s, before_s, bone_s;
   constexpr double kGolden = 0.6180339887;  // places all over it, forward and backward
   for (int i = 1; i <= options.seeks; ++i) {
     const double at_s = *duration_s * std::fmod(kGolden * i, 1.0);
@@ -146,10 +151,12 @@ int RunBenchView(const BenchViewOptions& options) {
     playback.Seek(at_s);
     bone.GoTo(at_s);
     const auto tick = Await(asked, [&] { return shows_tick(at_s); });
+    const auto before = Await(asked, [&] { return shows_before(at_s); });
     const auto carved = Await(asked, [&] { return shows_bone(at_s); });
-    if (!tick || !carved)
+    if (!tick || !before || !carved)
       return session::Fail("bench view", fmt::format("no picture of {:.1f} s came", at_s), session::kFailed);
     tick_s.push_back(*tick);
+    before_s.push_back(*before);
     bone_s.push_back(std::max(*tick, *carved));
   }
   const nlohmann::json json{{"schema", "osteon.bench.view/1"},
@@ -161,13 +168,15 @@ int RunBenchView(const BenchViewOptions& options) {
                             {"keys_s", *keys_s},
                             {"seeks", options.seeks},
                             {"seek_tick", Figures(tick_s)},
+                            {"seek_before", Figures(before_s)},
                             {"seek_bone", Figures(bone_s)}};
   fmt::print(
       "recording: {:.0f} s, {:.2f} GB\nopens in {:.2f} s, ticks and bone\nkey states of the bone complete "
       "after {:.1f} s\n",
       *duration_s, 1e-9 * bytes, *open_s, *keys_s);
-  for (const auto& [name, figures] :
-       {std::pair("seek, ticks", Figures(tick_s)), std::pair("seek, bone as well", Figures(bone_s))})
+  for (const auto& [name, figures] : {std::pair("seek, ticks", Figures(tick_s)),
+                                      std::pair("seek, half a minute before it as well", Figures(before_s)),
+                                      std::pair("seek, bone as well", Figures(bone_s))})
     fmt::print("{}: median {:.2f} s, most {:.2f} s of {}\n", name, figures["median_s"].get<double>(),
                figures["most_s"].get<double>(), options.seeks);
   if (!options.folder.empty()) std::filesystem::remove(file);

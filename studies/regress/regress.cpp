@@ -247,7 +247,8 @@ RegressResult RunAndCompare(const config::ScenarioConfig& scenario, const Scenar
   // possible causes outside the program
   std::vector<std::string>& lines = result.explained;
   const auto changed = ChangedSources(result.golden->head.sources, result.run->sources);
-  for (const std::string& assignment : params.set) lines.push_back("laid over it: " + assignment);
+  for (const std::string& assignment : params.set)
+    lines.push_back(fmt::format("this run had --set {}, the golden trace has not", assignment));
   if (!changed.empty())
     lines.push_back(fmt::format("files changed since the golden trace: {}", fmt::join(changed, ", ")));
   if (result.golden->head.build != session::BuildName())

@@ -50,7 +50,14 @@ session::Verdict Judge(const OverlayTuning& t) {
         fmt::format("a force was measured to move {:.2f} kg along z, and the arm's masses give {:.2f} "
                     "kg: the tool's mass, or the robot's file, is off",
                     t.along_tool_kg, t.mass_kg));
-  if (t.identified && !t.measured)
+  if (t.task.identified && !t.measured && t.task.identified->response.empty())
+    verdict.Add(
+        session::VerdictLevel::kWarning,
+        fmt::format(
+            "identified: found {}, and no arm: dead time and springs are the cell's, assumed; measure "
+            "them by `osteon identify {}`",
+            FiguresBesideArm(*t.task.identified), t.cell));
+  else if (t.task.identified && !t.measured)
     verdict.Add(session::VerdictLevel::kWarning,
                 "identified: found no model of the arm that holds: dead time and springs are the cell's, "
                 "assumed; measure again, faster");
@@ -146,7 +153,7 @@ std::string ToJson(const OverlayTuning& t, const std::string& command_line) {
                         {"worst_age_ms", 1e3 * task.worst_age_s},
                         {"jitter_ms", 1e3 * task.command_jitter * t.loop.period_s}}},
                       {"margin", task.margin},
-                      {"identified", t.identified},
+                      {"identified", t.task.identified.has_value()},
                       {"arm_measured", t.measured.has_value()},
                       {"own",
                        {{"damping_Ns_per_m", t.own_damping()},

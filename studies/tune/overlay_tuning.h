@@ -40,7 +40,6 @@ struct OverlayTuning {
   OverlayLoopParams loop;
   std::vector<hil::GridHand> hands{};
   double mass_kg{0.0};                              // of the tool along its axis
-  bool identified{false};                           // the cell has a file of `osteon identify`
   std::optional<config::IdentifiedArm> measured{};  // of it, the axis with the longest dead time
   double along_tool_kg{0.0};                        // of it, along z; 0: not measured
   bool on_mount{false};                             // of it, of any axis

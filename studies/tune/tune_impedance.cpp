@@ -218,14 +218,15 @@ void Recommend(OverlayTuning& t) {
 
 // Dead time and springs of the arm are the cell's already (config::ApplyIdentified).
 void UseIdentified(const config::IdentifiedCell& identified, const TuneOptions& options, OverlayTuning& t) {
-  t.identified = true;
+  t.task.identified = identified;
   for (const config::IdentifiedArm& arm : identified.arm) {
     if (!arm.felt_mass_kg) continue;
     if (!t.measured || arm.dead_time_s > t.measured->dead_time_s) t.measured = arm;
     if (arm.axis == "z") t.along_tool_kg = *arm.felt_mass_kg;
     t.on_mount |= arm.impedance && arm.impedance->on_mount;
   }
-  if (identified.link && !options.jitter_ms)
+  // without a measured dead time, which holds the jitter's mean, the jitter stays assumed
+  if (identified.link && t.measured && !options.jitter_ms)
     t.task.command_jitter = JitterOf(*identified.link, t.loop.period_s);
   UseHands(identified, t.task);
   t.response = MeasuredAxesOf(identified, t.loop);

@@ -138,6 +138,19 @@ std::string GainText(const LoopMargins& m) {
 
 }  // namespace
 
+std::string FiguresBesideArm(const config::IdentifiedCell& identified) {
+  std::vector<std::string> figures;
+  if (identified.sensor) figures.emplace_back("the force sensor's noise");
+  if (identified.sensor && identified.sensor->delay_s) figures.emplace_back("its delay");
+  if (identified.link) figures.emplace_back("the link's jitter and losses");
+  if (!identified.structure.empty()) figures.emplace_back("a structure's resonance");
+  if (const std::size_t hands = identified.hands.size(); hands > 0)
+    figures.push_back(hands == 1 ? "a hand" : fmt::format("{} hands", hands));
+  if (identified.vibration) figures.emplace_back("vibration");
+  if (identified.dead_zone_N) figures.emplace_back("a dead zone");
+  return figures.empty() ? "nothing else" : fmt::format("{}", fmt::join(figures, ", "));
+}
+
 void UseHands(const config::IdentifiedCell& identified, TuneTask& task) {
   for (const config::IdentifiedHand& hand : identified.hands)
     for (const double stiffness :
@@ -159,21 +172,24 @@ void UseIdentified(const config::IdentifiedCell& identified, TuneTask& task) {
   const std::optional<config::IdentifiedArm> rough =
       arm == nullptr ? RoughArm(identified, period_s) : std::nullopt;
   if (rough) arm = &*rough;
-  if (arm == nullptr) return;
-  task.loop.arm = {.bandwidth_hz = arm->bandwidth_hz,
-                   .damping_ratio = arm->damping_ratio,
-                   .dead_cycles = std::max(0.0, arm->dead_time_s / period_s)};
-  task.loop.felt_mass_kg = arm->felt_mass_kg.value_or(0.0);
+  task.arm_measured = arm != nullptr;
+  if (arm != nullptr) {
+    task.loop.arm = {.bandwidth_hz = arm->bandwidth_hz,
+                     .damping_ratio = arm->damping_ratio,
+                     .dead_cycles = std::max(0.0, arm->dead_time_s / period_s)};
+    task.loop.felt_mass_kg = arm->felt_mass_kg.value_or(0.0);
+  }
   if (identified.sensor && identified.sensor->delay_s) {
     const double ticks = std::max(0.0, *identified.sensor->delay_s / period_s);
     task.loop.sensor_delay = static_cast<int>(std::floor(ticks + 1e-9));
     task.loop.arm.dead_cycles += std::max(0.0, ticks - task.loop.sensor_delay);
   }
+  UseHands(identified, task);
+  if (arm == nullptr) return;
   if (identified.link) {
     task.command_jitter = JitterOf(*identified.link, period_s);
     task.command_loss = identified.link->loss_ratio;
   }
-  UseHands(identified, task);
   UseResponse(identified, *arm, task);
   task.measured_only |= rough.has_value();
 }

@@ -17,8 +17,12 @@ namespace osteon::studies {
 /// Gives a task what was measured of its cell: the arm of the slowest axis and speed with its dead time as
 /// measured, the mass by which the hand moves it, jitter beyond its mean (which the dead time has in it), the
 /// share of lost answers, the sensor's delay, the hands, and the response. Whole ticks of the sensor's delay
-/// go to the loop, the rest to the arm's dead time, where it acts alike.
+/// go to the loop, the rest to the arm's dead time, where it acts alike. Without a measured arm its lag stays
+/// assumed, and so does the jitter, whose mean no measured dead time holds; sensor and hands are the measured
+/// ones.
 void UseIdentified(const config::IdentifiedCell& identified, TuneTask& task);
+/// What a file has besides the arm's motion, for people: "the force sensor's noise, a dead zone".
+[[nodiscard]] std::string FiguresBesideArm(const config::IdentifiedCell& identified);
 /// Adds the measured hands, each with the ends of its interval.
 void UseHands(const config::IdentifiedCell& identified, TuneTask& task);
 /// Jitter beyond its mean, which the measured dead time holds already [whole periods].

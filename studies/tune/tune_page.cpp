@@ -76,8 +76,8 @@ std::string Page(const TuneResult& r, const TuneOptions& options, const Pictures
 // Why these gains are safe. @param margin  their gain margin
 std::string Why(const TuneResult& r, double margin) {
   const TuneTask& t = r.task;
-  const std::string arm = t.identified ? std::string("the arm's lag is measured")
-                                       : std::string("the arm's lag is assumed, not measured");
+  const std::string arm = t.arm_measured ? std::string("the arm's lag is measured")
+                                         : std::string("the arm's lag is assumed, not measured");
   return fmt::format(
       "Why: the loop stays stable with every hand up to {:g} N/m, free and at a wall of {:g} N/mm, {:.2f} "
       "times as stiff and heavy; {}.",
@@ -97,7 +97,7 @@ std::string Next(const TuneResult& r, bool own_stand) {
                       "run with `osteon run {} --gains gains.yaml`, or write them into the "
                       "cell's file",
                       cell);
-  if (r.task.identified) return "Next: " + run + ".";
+  if (r.task.arm_measured) return "Next: " + run + ".";
   return fmt::format(
       "Next: {}. Before a real arm moves, measure it (`osteon identify {}`) and tune again with "
       "--identified.",

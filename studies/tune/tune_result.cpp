@@ -95,9 +95,17 @@ session::Verdict Judge(const TuneResult& r) {
         fmt::format("hands stiffer than {:g} N/m need the vibration index, which does not act in this cell "
                     "(vibration: acts: false)",
                     r.task.human_grip_N_per_m));
-  if (r.task.identified && !r.task.response)
+  if (r.task.identified && !r.task.arm_measured)
+    verdict.Add(
+        session::VerdictLevel::kWarning,
+        fmt::format("identified: found {}, and no arm: how the arm follows is assumed ({:g} Hz, {:.3g} "
+                    "ms dead time); measure it by `osteon identify {}`",
+                    FiguresBesideArm(*r.task.identified), r.task.loop.arm.bandwidth_hz,
+                    1e3 * r.task.loop.arm.dead_cycles * r.task.loop.period_s, r.cell));
+  else if (r.task.identified && !r.task.response)
     verdict.Add(session::VerdictLevel::kWarning,
-                "no response was measured of this arm's axis and speed: its model alone says how it follows");
+                "identified: found no frequency response along the axis on which the arm is slowest: its "
+                "measured bandwidth, damping and dead time alone say how it follows");
   if (!(r.own_margin >= r.task.margin))
     verdict.Add(
         session::VerdictLevel::kWarning,

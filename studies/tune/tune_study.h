@@ -40,6 +40,7 @@ struct TuneTask {
 
   // From what was measured of the cell (studies/tune/tune_measured.h); without it all lags are assumed.
   std::optional<config::IdentifiedCell> identified{};
+  bool arm_measured{false};                         ///< false: the arm's lag is assumed all the same
   std::vector<hil::GridHand> measured_hands{};      ///< must be stable as well, whatever their stiffness
   std::shared_ptr<const MeasuredPlant> response{};  ///< null: no response was measured
   double response_delay_s{0.0};                     ///< of the force, beyond the response

@@ -155,6 +155,9 @@ TEST_P(RegressSees, AndSaysWhatLeftFirst) {
   EXPECT_EQ(scenario["error"], nullptr);
   EXPECT_FALSE(scenario["quantities"].empty());
   EXPECT_GE(scenario["explained"].size(), 2u);
+  EXPECT_NE(scenario["explained"].dump().find("this run had --set " + std::string(GetParam().set)),
+            std::string::npos)
+      << scenario["explained"];
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -187,6 +187,19 @@ TEST_F(ConsoleServerTest, APageGetsHelloThenTheStreamAndTheSurface) {
   EXPECT_TRUE(page.AwaitBinary(2));
 }
 
+// A page forgets its charts with hello.
+TEST_F(ConsoleServerTest, APageThatAsksForAllGetsTheWindowsThatAreKeptAgain) {
+  Client page(server_->port(), origin().c_str());
+  ASSERT_TRUE(page.open());
+  const double first_s = page.Await("live")["windows"][0][0].get<double>();
+  const auto later = page.Await(
+      "live", [&](const auto& live) { return live["windows"][0][0].template get<double>() > first_s + 0.1; });
+  ASSERT_FALSE(later.is_null());
+  page.Send(R"({"ask": "all"})");
+  EXPECT_FALSE(page.Await("hello").is_null());
+  EXPECT_LE(page.Await("live")["windows"][0][0].get<double>(), first_s);
+}
+
 // A change of more bricks than one message takes is told to be whole only after its last message.
 TEST_F(ConsoleServerTest, ALargeChangeIsToldToBeWholeAtItsEnd) {
   surface_.Begin(surface::BrickLayout{}, R"({"type":"surface"})");

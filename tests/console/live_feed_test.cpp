@@ -68,7 +68,8 @@ TEST(LiveFeed, TellsTheTicksOfTheRunByTheirWorstAndByNinetyNinePercent) {
   EXPECT_EQ(worst_us, 900.0);
   EXPECT_NEAR(feed.Newest().compute_p99_us, 60.0, 0.5);
   EXPECT_NEAR(feed.Newest().wakeup_p99_us, 5.0, 0.05);
-  feed.Restart();
+  LiveFeed other;
+  feed.ShowInstead(other);
   feed.TakeTick(Tick(1, 1.0));
   feed.Flush();
   EXPECT_EQ(feed.Newest().compute_p99_us, 0.0) << "a playback at another time";
@@ -141,13 +142,46 @@ TEST(LiveFeed, AReaderHasMemoryForWhatIsNewAlone) {
   EXPECT_EQ(feed.Since(seen).capacity(), 0u);
 }
 
-TEST(LiveFeed, AReaderOfBeforeARestartGetsNothingUntilItKnows) {
+TEST(LiveFeed, KeepsAsManyWindowsAsAsked) {
+  LiveFeed feed(300);
+  for (std::uint64_t i = 1; i <= 20'000; ++i) feed.TakeTick(Tick(i, 1.0));
+  std::uint64_t seen = 0;
+  const auto windows = feed.Since(seen);
+  ASSERT_EQ(windows.size(), 300u);
+  EXPECT_EQ(windows.front().number + 299, windows.back().number);
+}
+
+// A playback reads half a minute for a place; until it is whole, readers have what was shown before.
+TEST(LiveFeed, ShowsAllOfAnotherFeedAtOnceAndGoesOnFromThere) {
+  LiveFeed feed;
+  for (std::uint64_t i = 1; i <= 100; ++i) feed.TakeTick(Tick(i, 1.0));
+  LiveFeed made(feed.kept());
+  for (std::uint64_t i = 5001; i <= 7000; ++i) made.TakeTick(Tick(i, 2.0));
+  made.TakeEvent({.stamp = 6, .text = "there"});
+  made.Flush();
+  const std::uint64_t newest = made.Newest().number;
+  feed.ShowInstead(made);
+  for (std::uint64_t i = 7001; i <= 7100; ++i) feed.TakeTick(Tick(i, 3.0));
+  feed.Flush();
+  std::uint64_t seen = 0, seen_events = 0;
+  const auto windows = feed.Since(seen);
+  EXPECT_GT(seen, newest);
+  EXPECT_EQ(windows.front().tick.tick, 5034u);
+  EXPECT_EQ(windows.back().tick.tick, 7100u);
+  EXPECT_NEAR(windows.back().rendered_s, 2.1, 1e-9);
+  const auto events = feed.EventsSince(seen_events);
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].text, "there");
+}
+
+TEST(LiveFeed, AReaderOfBeforeAJumpGetsNothingUntilItKnows) {
   LiveFeed feed;
   for (int i = 0; i < 5; ++i) feed.TakeEvent({.stamp = i, .text = "x"});
   std::uint64_t seen_events = 0, seen = 3;
   EXPECT_EQ(feed.EventsSince(seen_events).size(), 5u);
   const std::uint64_t epoch = feed.epoch();
-  feed.Restart();
+  LiveFeed empty;
+  feed.ShowInstead(empty);
   EXPECT_NE(feed.epoch(), epoch);
   EXPECT_TRUE(feed.EventsSince(seen_events).empty());
   EXPECT_TRUE(feed.Since(seen).empty());

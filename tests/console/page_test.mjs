@@ -415,6 +415,13 @@ async function recordsADemo() {
   assert.equal(await new Promise((resolve) => made.on("close", resolve)), 0);
 }
 
+/** The strip charts have all that was before a place of a recording, which does not play. */
+async function showsThePastOf(page, at_s) {
+  const times = "osteon.charts.shown.time_s.map((time) => time - osteon.timeline.state.start_s)";
+  await until(page, `(([first, ...more]) => first < 0.1 && Math.abs(more.at(-1) - ${at_s}) < 0.05)(${times})`);
+  assert.ok(await page.evaluate("osteon.charts.plots.every(({ plot }) => plot.data[0].length === osteon.charts.shown.time_s.length)"));
+}
+
 async function viewsARecording() {
   const child = start(["view", join(folder, "out", "recording.mcap"), "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
   const url = await new Promise((resolve) => child.stdout.once("data", (bytes) => resolve(String(bytes).trim())));
@@ -424,6 +431,7 @@ async function viewsARecording() {
   await page.evaluate(`osteon.connection.ask("seek", ${0.6 * duration})`);
   await until(page, `Math.abs(osteon.timeline.state.at_s - ${0.6 * duration}) < 0.05`);
   await until(page, "osteon.timeline.news?.done && osteon.scene.surface.triangles > 10000");
+  await showsThePastOf(page, 0.6 * duration);
   assert.deepEqual(await clipped(page), []);
   await picture(page, "view");
   await page.click("#play");
@@ -432,6 +440,11 @@ async function viewsARecording() {
   await until(page, "!osteon.timeline.state.playing");
   await page.keyboard.press(","); // the event before
   await until(page, `osteon.timeline.state.at_s < ${0.6 * duration}`);
+  await showsThePastOf(page, await page.evaluate("osteon.timeline.state.at_s"));
+  // a page that connects again shows what its buttons say
+  await page.click("#arm");
+  await page.evaluate("osteon.take(osteon.hello)");
+  assert.equal(await page.evaluate('osteon.scene.arm.group.visible || document.getElementById("arm").getAttribute("aria-pressed") === "true"'), false);
   await page.close();
   child.kill("SIGINT");
 }

@@ -31,12 +31,14 @@ RegressCommand::RegressCommand(CLI::App& app) : sub_(AddStudy(app, "regress")) {
   auto* exact = sub_->add_flag(
       "--exact", o.exact,
       "also fail on a different bit; for the compiler and processor that made the golden traces");
-  auto* set = sub_->add_option("--set", o.set,
-                               "value laid over every scenario's cell, e.g. limits.max_force_N=150; may be "
-                               "given several times")
-                  ->type_name("KEY=VALUE")
-                  ->expected(1)
-                  ->take_all();
+  auto* set =
+      sub_->add_option(
+              "--set", o.set,
+              "value in place of the one in every scenario's cell file, e.g. limits.max_force_N=150; may be "
+              "given several times")
+          ->type_name("KEY=VALUE")
+          ->expected(1)
+          ->take_all();
   auto* update =
       sub_->add_flag("--update", o.update,
                      "replace the golden traces of scenarios that differ, or whose files have changed");

@@ -1,8 +1,8 @@
 // The column of figures for `osteon cell`: the arm's session, who permits, what was sent and answered.
 
 import type { CellNote, Hello, Status } from "./messages";
-import { element, set, table } from "./elements";
-import { listInLanguage } from "./message_texts";
+import { byId, element, set, table } from "./elements";
+import { inLanguage, listInLanguage } from "./message_texts";
 import { figure, t } from "./texts";
 
 export class CellAlone {
@@ -15,10 +15,10 @@ export class CellAlone {
   show(status: Status, hello: Hello): void {
     const note = this.note;
     if (!note) return;
-    const panel = document.getElementById("state")!;
+    const panel = byId("state");
     const level = note.commanded ? "good" : note.stop && note.answered > 0 ? "bad" : "look";
     if (panel.className !== level) panel.className = level;
-    const does = note.commanded ? t("aloneCommanded") : (note.answered > 0 && note.stop) || t("aloneWaits");
+    const does = note.commanded ? t("aloneCommanded") : (note.answered > 0 && inLanguage(note.stop)) || t("aloneWaits");
     const withheld = note.power_on || !note.blocks ? [] : [element("div", "does", `${t("withheld")}: ${listInLanguage(note.blocks)}`)];
     set("state", element("div", "name", note.session), element("div", "does", does), ...withheld);
     set(

@@ -5,6 +5,7 @@ import "uplot/dist/uPlot.min.css";
 import { t, type Word } from "./texts";
 
 const SHOWN_S = 30;
+const DRAW_EVERY_MS = 100;
 const FIELDS = ["time_s", "force_least_N", "force_most_N", "hand_most_N", "depth_mm", "removed_mm3", "compute_most_us"];
 const GRID = "#303a45", TEXT = "#a3b1bf";
 
@@ -43,6 +44,9 @@ class History {
 
   begin(fields: string[]): void {
     this.indices = FIELDS.map((name) => fields.indexOf(name));
+    this.clear();
+  }
+  clear(): void {
     for (const name of FIELDS) this.columns[name] = [];
   }
   add(row: number[]): void {
@@ -62,7 +66,8 @@ export class Charts {
   private events: [number, string][] = [];
   private shown = noColumns(); // what the charts show: frozen ones keep it while the history goes on
   private frozen = false;
-  private drawnAt = 0;
+  private drawnAt = -Infinity;
+  private drawsSoon = 0; // a timer; 0: none
 
   constructor(private readonly parent: HTMLElement) {
     new ResizeObserver(() => this.resize()).observe(parent);
@@ -71,9 +76,16 @@ export class Charts {
   begin(fields: string[]): void {
     this.history.begin(fields);
     this.events = [];
-    this.shown = noColumns();
     this.setFrozen(false);
     this.build();
+  }
+
+  /** A playback went to another time: what follows is drawn at once, in place of what is shown. */
+  restart(): void {
+    this.history.clear();
+    this.events = [];
+    this.drawnAt = -Infinity;
+    if (this.frozen) this.setFrozen(false);
   }
 
   /** Makes the charts anew, for example in another language. */
@@ -94,9 +106,16 @@ export class Charts {
 
   add(rows: number[][]): void {
     for (const row of rows) this.history.add(row);
-    const now = performance.now();
-    if (this.frozen || now - this.drawnAt < 100) return;
-    this.drawnAt = now;
+    const wait = this.drawnAt + DRAW_EVERY_MS - performance.now();
+    if (wait <= 0) this.draw();
+    else if (!this.drawsSoon) this.drawsSoon = setTimeout(() => this.draw(), wait); // the last rows of a playback that halts
+  }
+
+  private draw(): void {
+    clearTimeout(this.drawsSoon);
+    this.drawsSoon = 0;
+    if (this.frozen) return;
+    this.drawnAt = performance.now();
     this.shown = this.history.copy();
     for (const { plot, def } of this.plots) plot.setData(this.dataOf(def), true);
   }
@@ -129,6 +148,7 @@ export class Charts {
   private setFrozen(frozen: boolean): void {
     this.frozen = frozen;
     for (const each of this.parent.querySelectorAll(".freeze")) each.setAttribute("aria-pressed", String(frozen));
+    this.draw();
   }
 
   /** The span of time that a chart shows: of a frozen one what was dragged over, else, and after a double click, all. */

@@ -5,6 +5,7 @@ import "./compare.css";
 import { BoneMap } from "./bone_map";
 import { Connection } from "./connection";
 import { DifferenceCharts, legend } from "./difference";
+import { byId } from "./elements";
 import type { Message } from "./messages";
 import { Timeline } from "./timeline";
 import { figure, t } from "./texts";
@@ -13,7 +14,6 @@ interface Camera {
   pose(): string;
   setPose(pose: string): void;
 }
-const byId = (id: string): HTMLElement => document.getElementById(id)!;
 
 class ComparePage {
   private readonly sides = [1, 2].map((number) => byId(`side-${number}`) as HTMLIFrameElement);
@@ -37,9 +37,16 @@ class ComparePage {
     this.connection = new Connection({ message: (message) => this.take(message), binary: () => {}, state: () => {} });
     this.nameOf(1, "");
     document.addEventListener("keydown", (event) => {
+      if (event.ctrlKey || event.altKey || event.metaKey || event.target instanceof HTMLSelectElement) return;
+      if (event.target instanceof HTMLInputElement) return; // the time line's own keys
+      const buttons = [...document.querySelectorAll<HTMLButtonElement>("#timeline button, #bones button")];
+      const chosen = buttons.find((b) => b.dataset.key === event.key.toLowerCase());
       if (event.key === "ArrowRight") this.timeline.step(1);
       else if (event.key === "ArrowLeft") this.timeline.step(-1);
-      else [...document.querySelectorAll<HTMLButtonElement>("#timeline button, #bones button")].find((b) => b.dataset.key === event.key.toLowerCase())?.click();
+      else if (chosen) {
+        event.preventDefault(); // a space would press the button that has the focus as well
+        chosen.click();
+      }
     });
     const follow = (): void => {
       this.turnTogether();

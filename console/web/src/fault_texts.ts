@@ -1,6 +1,6 @@
 // The faults of safety/fault.cpp in German, by their English names. tests/console asks for one of each.
 
-export interface FaultText {
+interface FaultText {
   name: string;
   cause: string;
   reaction: string;

@@ -3,6 +3,7 @@
 import { CellAlone } from "./cell_alone";
 import { Charts } from "./charts";
 import { Connection } from "./connection";
+import { byId } from "./elements";
 import "./main.css";
 import "./side.css";
 import { inLanguage } from "./message_texts";
@@ -20,7 +21,7 @@ const CUTTING = 5; // safety::CellState
 const BONE_IS_OLD_MS = 1000;
 const REPORT_EVERY_MS = 200;
 
-const byId = (id: string): HTMLElement => document.getElementById(id)!;
+const noTicks = (): { compute_us: number; wakeup_us: number } => ({ compute_us: 0, wakeup_us: 0 });
 
 class Page {
   private readonly scene = new SceneView(byId("scene") as HTMLCanvasElement);
@@ -46,7 +47,7 @@ class Page {
   private said = ""; // in English
   private gaveRoleBack = false;
   private reported_ms = 0;
-  private readonly worst = { compute_us: 0, wakeup_us: 0 };
+  private worst = noTicks();
 
   constructor() {
     if (new URLSearchParams(location.search).has("stream")) document.body.classList.add("side"); // of compare.html
@@ -70,14 +71,17 @@ class Page {
         this.scene.begin(message);
         this.panels.begin(message);
         this.charts.begin(message.fields);
+        this.worst = noTicks();
         break;
       case "restart":
-        this.charts.begin(this.hello?.fields ?? []);
+        this.charts.restart();
+        this.worst = noTicks();
         this.panels.restart();
         break;
       case "playback":
         document.body.classList.add("viewing");
         this.timeline.show(message);
+        this.panels.countFrom(message.start_s);
         if (message.error) this.say(message.error);
         break;
       case "timeline":

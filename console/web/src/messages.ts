@@ -160,6 +160,7 @@ export interface PlaybackState {
   type: "playback";
   at_s: number;
   duration_s: number;
+  start_s: number; // of the time line, in the time of events and windows
   playing: boolean;
   speed: number;
   error: string;

@@ -66,7 +66,7 @@ function forceLimit(status: Status): string {
 export class Panels {
   private events: [number, string][] = [];
   private readonly acknowledged = new Set<string>(); // names of faults that were read; they stay latched
-  private began_s: number | null = null;
+  private began_s: number | null = null; // what the events' times are counted from
 
   begin(hello: Hello): void {
     this.events = [];
@@ -80,6 +80,11 @@ export class Panels {
   restart(): void {
     this.events = [];
     this.addEvents([]);
+  }
+
+  /** Counts the events' times from a recording's start; else from the first event. */
+  countFrom(start_s: number): void {
+    this.began_s = start_s;
   }
 
   show(status: Status, hello: Hello, worst: { compute_us: number; wakeup_us: number }): void {

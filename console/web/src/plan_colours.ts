@@ -17,7 +17,7 @@ export interface PlannedCup {
 }
 
 /** Depth of a place below the planned cup [mm]: negative where bone within the cup is still there. */
-export function beyondPlan_mm(p: Vector3, cup: PlannedCup): number {
+function beyondPlan_mm(p: Vector3, cup: PlannedCup): number {
   return METRES_TO_MM * (p.distanceTo(cup.centre) - cup.radius_m);
 }
 

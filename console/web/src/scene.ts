@@ -16,7 +16,7 @@ import { zonesOf } from "./zones";
 const LIMIT_IN_SITES = 1.8; // the force limit's ring, in radii of the site: arrows are drawn to its scale
 const MIN_SHOWN_N = 0.5;
 const MAX_CONTACTS = 8;
-const LEAST_PAUSE_MS = 16;
+const MIN_PAUSE_MS = 16;
 const KEY_TURN_RAD = Math.PI / 36, KEY_MOVE_PX = 20, KEY_ZOOM = 0.9; // of a key's press
 
 export type Preset = "whole" | "site" | "axis" | "above" | "behind";
@@ -48,13 +48,14 @@ export class SceneView {
   private hello: Hello | null = null;
   private view: View | null = null;
   private alone = false; // the bone without the tool
+  private readonly shown = { arm: true, zones: false, plan: true }; // by the buttons
   private wanted = false;
   private lastRender_ms = 0;
   private begunAt = 0; // of the last picture [ms], and when it was seen to be finished
   private drawnAt = 0;
   private drawing: WebGLSync | null = null; // the picture that is not yet finished
   private followed = new Vector3();
-  following = false;
+  private following = false;
   private metresPerNewton = 0.0005;
   drawn = 0; // pictures so far
 
@@ -91,6 +92,7 @@ export class SceneView {
     this.surface.setMaterials(hello.materials);
     place(this.bone, hello.X_WG);
     this.arm = new Arm(hello.arm);
+    this.arm.group.visible = this.shown.arm;
     place(this.arm.group, hello.X_WB);
     this.setTool(hello.tool.balls);
     this.planView = null;
@@ -98,7 +100,7 @@ export class SceneView {
     this.colourBone(this.byPlan);
     this.toolIndex = -1;
     this.zones = zonesOf(hello.zones);
-    this.zones.visible = false;
+    this.zones.visible = this.shown.zones;
     const ring = LIMIT_IN_SITES * hello.site.radius_m;
     this.metresPerNewton = ring / hello.force_limit_N;
     this.limit = new Mesh(
@@ -126,12 +128,11 @@ export class SceneView {
   }
 
   setPlan(plan: PlanNote): void {
-    const wasVisible = this.planView?.group.visible ?? true;
     if (this.planView) this.lasting.remove(this.planView.group);
     this.planView = new PlanView(plan);
     this.plan = plan;
     this.colourBone(this.byPlan);
-    this.planView.group.visible = wasVisible;
+    this.planView.group.visible = this.shown.plan;
     this.lasting.add(this.planView.group);
     this.redraw();
   }
@@ -222,6 +223,7 @@ export class SceneView {
   }
 
   toggle(what: "arm" | "zones" | "plan", on: boolean): void {
+    this.shown[what] = on;
     if (what === "arm" && this.arm) this.arm.group.visible = on;
     if (what === "zones" && this.zones) this.zones.visible = on;
     if (what === "plan" && this.planView) this.planView.group.visible = on;
@@ -307,8 +309,8 @@ export class SceneView {
   }
 
   private renderSoon(): void {
-    const pause = Math.max(LEAST_PAUSE_MS, 1.2 * this.lastRender_ms - (performance.now() - this.drawnAt));
-    setTimeout(() => requestAnimationFrame(() => this.render()), pause - LEAST_PAUSE_MS);
+    const pause = Math.max(MIN_PAUSE_MS, 1.2 * this.lastRender_ms - (performance.now() - this.drawnAt));
+    setTimeout(() => requestAnimationFrame(() => this.render()), pause - MIN_PAUSE_MS);
   }
 
   /** Waits until the picture is finished; the next one follows. A software rasteriser takes its time, in a process of its
@@ -316,7 +318,7 @@ export class SceneView {
   private waitUntilDrawn(): void {
     if (!this.drawing) return;
     if (this.gl.getSyncParameter(this.drawing, this.gl.SYNC_STATUS) === this.gl.UNSIGNALED) {
-      setTimeout(() => this.waitUntilDrawn(), LEAST_PAUSE_MS);
+      setTimeout(() => this.waitUntilDrawn(), MIN_PAUSE_MS);
       return;
     }
     this.gl.deleteSync(this.drawing);
@@ -324,11 +326,6 @@ export class SceneView {
     this.drawnAt = performance.now();
     this.lastRender_ms = this.drawnAt - this.begunAt;
     if (this.wanted) this.renderSoon();
-  }
-
-  picture(): string {
-    this.render();
-    return this.canvas.toDataURL("image/png");
   }
 
   private render(): void {
@@ -341,7 +338,7 @@ export class SceneView {
     if (this.drawing) this.gl.deleteSync(this.drawing);
     this.drawing = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     this.gl.flush();
-    if (first) setTimeout(() => this.waitUntilDrawn(), LEAST_PAUSE_MS);
+    if (first) setTimeout(() => this.waitUntilDrawn(), MIN_PAUSE_MS);
     ++this.drawn;
   }
 

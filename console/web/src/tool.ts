@@ -4,7 +4,7 @@ import { Group, IcosahedronGeometry, InstancedMesh, Matrix4, MeshStandardMateria
 
 const MANY = 300; // balls from which each is drawn with fewer faces
 
-export interface ToolLook {
+interface ToolLook {
   cutting: number;
   shaft: number;
   opacity: number;

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "console/stream/live_json.h"
 #include "io/recording/recorder.h"
 #include "safety/cell_state.h"
 #include "session/view/recording_scan.h"
@@ -15,7 +16,7 @@
 namespace osteon::session {
 namespace {
 
-constexpr double kSeconds = 20.0;
+constexpr double kSeconds = 40.0;
 constexpr rt::Nanoseconds kStart = 5'000'000'000;
 
 // A recording of kSeconds whose force is the time, with an event each 5 s.
@@ -66,7 +67,7 @@ TEST_F(PlaybackTest, AnyTimeIsReachedByOneChunk) {
   auto timeline = RecordingTimeline::Open(File());
   ASSERT_TRUE(timeline) << timeline.error();
   EXPECT_NEAR(timeline->duration_s(), kSeconds, 1e-6);
-  for (const double at_s : {12.345, 0.0, 19.99, 3.0, -5.0, 1e9}) {
+  for (const double at_s : {12.345, 0.0, 39.99, 3.0, -5.0, 1e9}) {
     const double wanted_s = std::clamp(at_s, 0.0, kSeconds);
     const double begins_s = timeline->Seek(at_s);
     EXPECT_LE(begins_s, wanted_s);
@@ -112,6 +113,124 @@ TEST_F(PlaybackTest, SeeksForwardAndBackAndShowsThatTime) {
   }
 }
 
+// A page's charts and list of events, as a page gets them that opens now.
+struct Past {
+  std::vector<console::LiveWindow> windows;
+  std::vector<io::RecordedEvent> events;
+
+  explicit Past(const console::LiveFeed& feed) {
+    std::uint64_t seen = 0, seen_events = 0;
+    windows = feed.Since(seen);
+    events = feed.EventsSince(seen_events);
+  }
+  [[nodiscard]] double first_s() const {
+    return windows.empty() ? 1e9 : rt::ToSeconds(windows.front().tick.stamp - kStart);
+  }
+  [[nodiscard]] double last_s() const {
+    return windows.empty() ? -1.0 : rt::ToSeconds(windows.back().tick.stamp - kStart);
+  }
+  [[nodiscard]] bool Has(double from_s, double to_s) const {
+    return first_s() <= from_s + 0.05 && std::abs(last_s() - to_s) < 0.002;
+  }
+};
+
+TEST_F(PlaybackTest, ThePastOfEveryPlaceIsThereWithoutPlaying) {
+  auto timeline = RecordingTimeline::Open(File());
+  ASSERT_TRUE(timeline);
+  console::LiveFeed feed(Playback::kFeedWindows);
+  Playback playback(std::move(*timeline), feed);
+  for (const double at_s : {12.0, 38.0, 7.5, 0.2}) {
+    playback.Seek(at_s);
+    const double from_s = std::max(0.0, at_s - 30.0);  // what a strip chart shows
+    ASSERT_TRUE(Eventually([&] { return Past(feed).Has(from_s, at_s); })) << at_s;
+    const Past past(feed);
+    double end_N = past.windows.front().force_N.least;
+    for (const console::LiveWindow& w : past.windows) {
+      EXPECT_NEAR(w.force_N.least, end_N, 1.5e-3) << "no tick is left out: the force is the time";
+      end_N = w.force_N.most;
+    }
+    EXPECT_NEAR(end_N, at_s, 2e-3);
+    std::vector<std::string> events, wanted;
+    for (const io::RecordedEvent& event : past.events)
+      if (event.stamp >= kStart + static_cast<rt::Nanoseconds>(1e9 * from_s)) events.push_back(event.text);
+    for (int i = 1; 5 * i <= at_s; ++i)
+      if (5 * i >= from_s) wanted.push_back("event " + std::to_string(i));
+    EXPECT_EQ(events, wanted) << at_s;
+    EXPECT_FALSE(playback.state().playing);
+    EXPECT_EQ(playback.state().at_s, at_s);
+  }
+}
+
+// The same recording beside itself shows the same, whatever was shown before.
+TEST_F(PlaybackTest, ThePastOfAPlaceIsTheSameHoweverItWasReached) {
+  const auto shown = [](std::initializer_list<double> places) {
+    auto timeline = RecordingTimeline::Open(File());
+    console::LiveFeed feed(Playback::kFeedWindows);
+    Playback playback(std::move(*timeline), feed);
+    double at_s = 0.0;
+    for (const double place : places) {
+      playback.Seek(at_s = place);
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    EXPECT_TRUE(Eventually([&] { return Past(feed).Has(std::max(0.0, at_s - 30.0), at_s); })) << at_s;
+    return console::LiveJson(Past(feed).windows, {});
+  };
+  EXPECT_EQ(shown({33.0}), shown({39.0, 1.0, 33.1, 33.0}));
+}
+
+TEST_F(PlaybackTest, ADamagedChunkBeforeAPlaceTakesItsPastAlone) {
+  const auto damaged = folder_->path() / "damaged.mcap";
+  std::filesystem::copy_file(File(), damaged, std::filesystem::copy_options::overwrite_existing);
+  auto stream = io::RecordingStream::Open(damaged);
+  ASSERT_TRUE(stream && stream->Next());
+  for (const io::McapChunkPlace& chunk : stream->FindChunks()) {
+    if (static_cast<rt::Nanoseconds>(chunk.first_ns) < kStart + 5 * rt::kSecond) continue;
+    std::fstream file(damaged, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(static_cast<std::streamoff>(chunk.offset) + 200);
+    file.write("damage", 6);
+    break;
+  }
+  auto timeline = RecordingTimeline::Open(damaged);
+  ASSERT_TRUE(timeline) << timeline.error();
+  console::LiveFeed feed(Playback::kFeedWindows);
+  Playback playback(std::move(*timeline), feed);
+  playback.Seek(12.0);
+  ASSERT_TRUE(Eventually([&] { return std::abs(Past(feed).last_s() - 12.0) < 0.002; }));
+  playback.Play();
+  EXPECT_TRUE(Eventually([&] { return playback.state().at_s > 12.2; }));
+  EXPECT_EQ(playback.state().error, "");
+  playback.Seek(5.0);  // a little before the damage
+  playback.Play();
+  EXPECT_TRUE(Eventually([&] { return !playback.state().error.empty(); }));
+}
+
+// Two playbacks are brought together by it while they play.
+TEST_F(PlaybackTest, ACorrectionOfTheTimeBreaksNothing) {
+  auto timeline = RecordingTimeline::Open(File());
+  ASSERT_TRUE(timeline);
+  console::LiveFeed feed(Playback::kFeedWindows);
+  Playback playback(std::move(*timeline), feed);
+  playback.Seek(2.0);
+  ASSERT_TRUE(Eventually([&] { return Past(feed).Has(0.0, 2.0); }));
+  const std::uint64_t epoch = feed.epoch();
+  playback.Align(9.0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_EQ(playback.state().at_s, 2.0) << "it does not play";
+  playback.Play();
+  playback.Align(3.0);
+  EXPECT_TRUE(Eventually([&] { return playback.state().at_s >= 3.0; }));
+  playback.Align(2.9);
+  EXPECT_TRUE(Eventually([&] { return playback.state().at_s >= 3.2; }));
+  playback.Halt();
+  EXPECT_EQ(feed.epoch(), epoch);
+  double end_N = 0.0;
+  for (const console::LiveWindow& w : Past(feed).windows) {
+    EXPECT_NEAR(w.force_N.least, end_N, 1.5e-3);
+    end_N = w.force_N.most;
+  }
+  EXPECT_GT(end_N, 3.0);
+}
+
 TEST_F(PlaybackTest, PlaysToTheEndAndFromTheBeginningAgain) {
   auto timeline = RecordingTimeline::Open(File());
   ASSERT_TRUE(timeline);
@@ -137,7 +256,7 @@ TEST_F(PlaybackTest, TheScanFindsEveryEventAndEachSecondsForce) {
     json = nlohmann::json::parse(scan.Json());
     return json["done"].get<bool>();
   }));
-  ASSERT_EQ(json["events"].size(), 4u);
+  ASSERT_EQ(json["events"].size(), 8u);
   EXPECT_NEAR(json["events"][1][0].get<double>(), 10.0, 1e-3);
   EXPECT_EQ(json["events"][1][1], "event 2");
   EXPECT_NEAR(json["force_N"][7].get<double>(), 8.0, 0.05);

@@ -47,6 +47,49 @@ TEST(ToolWays, GoThroughTheSlidPlace) {
   EXPECT_FLOAT_EQ(capsules[1].b_mm.z, -11.0F);
 }
 
+// The hand trembles by half a micrometre, as long as it likes.
+TEST(ToolWays, OfAToolThatDwellsAreNone) {
+  ToolWays ways(kReamer, Pose::Identity());
+  (void)ways.Add(FrameAt({0, 0, 0}, 1));
+  (void)ways.Add(FrameAt({0, 0, -1e-3}, 2));
+  EXPECT_EQ(ways.TakeCapsules().size(), 1U);
+  int batches = 0;
+  for (std::uint64_t i = 3; i < 3 + 100 * ToolWays::kBatchFrames; ++i)
+    batches += ways.Add(FrameAt({(i % 2 ? 5e-7 : -4e-7), 0, -1e-3}, i)) ? 1 : 0;
+  EXPECT_EQ(batches, 100) << "a reader of the batches goes on";
+  EXPECT_TRUE(ways.TakeCapsules().empty());
+}
+
+// However slow: its way is kept, but for the last micrometre.
+TEST(ToolWays, OfAToolThatCreepsAreWhole) {
+  ToolWays ways(kReamer, Pose::Identity());
+  (void)ways.Add(FrameAt({0, 0, 0}, 1));
+  float last_mm = -10.0F;
+  for (std::uint64_t i = 1; i <= 5000; ++i) {
+    if (!ways.Add(FrameAt({0, 0, -1e-7 * static_cast<double>(i)}, 1 + i))) continue;
+    for (const Capsule& capsule : ways.TakeCapsules()) {
+      EXPECT_FLOAT_EQ(capsule.a_mm.z, last_mm);
+      last_mm = capsule.b_mm.z;
+    }
+    EXPECT_NEAR(last_mm, -10.0 - 1e-4 * static_cast<double>(i), 1.1e-3);
+  }
+  for (const Capsule& capsule : ways.TakeCapsules()) last_mm = capsule.b_mm.z;
+  EXPECT_NEAR(last_mm, -10.5, 1.1e-3);
+}
+
+// A point at the end of a long tool moves where its origin does not.
+TEST(ToolWays, OfAToolThatTurnsInPlaceAreKept) {
+  const Tool side{.name = "side", .balls = {{.center_m = Vector3(0.1, 0, 0), .radius_m = 0.001}}};
+  ToolWays ways(side, Pose::Identity());
+  (void)ways.Add(FrameAt(Vector3::Zero(), 1));
+  Pose turned = Pose::Identity();
+  turned.linear() = Eigen::AngleAxisd(5e-5, Vector3::UnitZ()).toRotationMatrix();
+  (void)ways.Add({.X_WP = turned, .p_WS_m = Vector3(0, 0, 0), .cuts = true, .frame = 2});
+  const auto capsules = ways.TakeCapsules();
+  ASSERT_EQ(capsules.size(), 1U);
+  EXPECT_NEAR(capsules[0].b_mm.y, 5e-3F, 1e-4F);
+}
+
 TEST(ToolWays, AreLeftOutWhereTheSpindleStands) {
   ToolWays ways(kReamer, Pose::Identity());
   for (std::uint64_t i = 1; i < 40; ++i)

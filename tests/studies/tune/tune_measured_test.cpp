@@ -1,5 +1,6 @@
 #include "studies/tune/tune_measured.h"
 
+#include <algorithm>
 #include <complex>
 #include <fstream>
 #include <numbers>
@@ -72,6 +73,54 @@ TEST(TuneMeasured, TheSlowestMeasurementCounts) {
   UseIdentified(identified, task);
   EXPECT_DOUBLE_EQ(task.loop.arm.bandwidth_hz, 10.0);
   EXPECT_FALSE(task.response) << "no response was measured along x";
+}
+
+// A file of the force sensor and a hand alone: the arm's lag is the cell's, and every text says so.
+TEST(TuneMeasured, WithoutAnArmTheFileSaysWhatItHasAndWhatIsAssumed) {
+  const config::CellConfig cell = Demo();
+  config::IdentifiedCell identified = IdentifiedOf(cell, SlowArm());
+  identified.arm.clear();
+  identified.response.clear();
+  identified.link->jitter_p99_s = identified.link->jitter_mean_s;
+  identified.sensor->delay_s = 3e-3;
+  TuneTask task = TuneTaskOf(cell);
+  const TuneTask assumed = task;
+  UseIdentified(identified, task);
+  EXPECT_EQ(task.loop.arm.bandwidth_hz, assumed.loop.arm.bandwidth_hz);
+  EXPECT_EQ(task.loop.arm.dead_cycles, assumed.loop.arm.dead_cycles);
+  EXPECT_EQ(task.command_jitter, assumed.command_jitter) << "no measured dead time has its mean";
+  EXPECT_EQ(task.loop.sensor_delay, 3);
+  EXPECT_EQ(task.measured_hands.size(), 3u) << "a measured hand has to be stable in any case";
+
+  TuneResult r;
+  r.cell = "demo";
+  r.task = task;
+  r.recommended = {1.7, 28.0};
+  r.recommended_margin = r.own_margin = 1.2;
+  const auto says = [](const std::vector<std::string>& lines, const std::string& text) {
+    return std::ranges::any_of(lines,
+                               [&](const std::string& line) { return line.find(text) != std::string::npos; });
+  };
+  const std::vector<std::string> reasons = Judge(r).reasons;
+  EXPECT_TRUE(says(reasons,
+                   "found the force sensor's noise, its delay, the link's jitter and losses, a hand, "
+                   "and no arm: how the arm follows is assumed"))
+      << testing::PrintToString(reasons);
+  EXPECT_FALSE(says(reasons, "frequency response"));
+  EXPECT_TRUE(says(PlainVerdict(r).reasons, "the arm's lag is assumed, not measured"));
+  EXPECT_TRUE(says(PlainVerdict(r).reasons, "Before a real arm moves, measure it"));
+
+  OverlayTuning overlay{.cell = "mine", .task = task, .loop = {}};
+  overlay.recommended_Ns_per_m = 50.0;
+  overlay.recommended_N_per_m = task.wall_N_per_m;
+  EXPECT_TRUE(says(Judge(overlay).reasons, "and no arm: dead time and springs are the cell's, assumed"));
+
+  // an arm without the response that it was fitted to
+  identified.arm = IdentifiedOf(cell, SlowArm()).arm;
+  UseIdentified(identified, r.task);
+  EXPECT_TRUE(
+      says(Judge(r).reasons, "found no frequency response along the axis on which the arm is slowest"));
+  EXPECT_TRUE(says(PlainVerdict(r).reasons, "the arm's lag is measured"));
 }
 
 TEST(TuneMeasured, MarginsFollowTheResponseAndTheVerdictSaysSo) {
