@@ -102,13 +102,13 @@ void AddMotion(const control::TickRecord& tick, const LiveContext& context, Live
 }
 
 void AddHealth(const LiveWindow& w, const LiveContext& context, LiveStatus& status) {
-  const auto age_ms = [](const Extremes& age_s) {
-    return age_s.most < safety::kNoAge_s ? std::optional(1e3 * age_s.most) : std::nullopt;
+  const auto age_ms = [](double age_s) {
+    return age_s < safety::kNoAge_s ? std::optional(1e3 * age_s) : std::nullopt;
   };
-  status.arm_age_ms = age_ms(w.arm_age_s);
-  if (context.has_plc) status.plc_age_ms = age_ms(w.interlock_age_s);
-  status.model_age_ms = 1e3 * w.tick.model_age_s;
-  status.sensor_age_ms = 1e3 * w.tick.sensor_age_s;
+  status.arm_age_ms = age_ms(w.arm_age_s.most);
+  if (context.has_plc) status.plc_age_ms = age_ms(w.interlock_age_s.most);
+  status.model_age_ms = age_ms(w.tick.model_age_s);
+  status.sensor_age_ms = age_ms(w.tick.sensor_age_s);
   status.compute_p99_us = w.compute_p99_us;
   status.wakeup_p99_us = w.wakeup_p99_us;
   status.arm_messages_lost = w.tick.input.lost;
@@ -184,7 +184,7 @@ std::string StatusLine(const LiveStatus& s, double wanted_s, std::size_t columns
   std::vector<std::string> parts{s.state, TimeText(s, wanted_s), fmt::format("{:5.1f} N", s.force_N),
                                  fmt::format("depth {:5.2f} mm", s.depth_mm)};
   if (!limit.empty()) parts.push_back("limit: " + limit);
-  parts.push_back(fmt::format("model {:.1f} ms", s.model_age_ms));
+  if (s.model_age_ms) parts.push_back(fmt::format("model {:.1f} ms", *s.model_age_ms));
   std::string line;
   for (const std::string& part : parts) {
     const std::size_t separator = line.empty() ? 0 : 3;
@@ -243,8 +243,8 @@ std::string StatusJson(const LiveStatus& s) {
                             {"bend_mm", s.bend_mm},
                             {"layer_mm", s.layer_mm},
                             {"mount_mm", s.mount_mm},
-                            {"model_age_ms", s.model_age_ms},
-                            {"sensor_age_ms", s.sensor_age_ms},
+                            {"model_age_ms", OrNull(s.model_age_ms)},
+                            {"sensor_age_ms", OrNull(s.sensor_age_ms)},
                             {"bone_age_ms", OrNull(s.bone_age_ms)},
                             {"arm_age_ms", OrNull(s.arm_age_ms)},
                             {"plc_age_ms", OrNull(s.plc_age_ms)},

@@ -98,9 +98,10 @@ struct LiveStatus {
   std::optional<double> feed_mm_per_s{};  ///< of the commanded tool along the site's axis, positive inward
   double speed_mm_per_s{0.0}, spindle_rpm{0.0}, spindle_torque_Nm{0.0};
   double removed_mm3{0.0};
-  bool gives_way{false};                              ///< tool, tissue or mount may give way in this cell
-  double bend_mm{0.0}, layer_mm{0.0}, mount_mm{0.0};  ///< by how much they do
-  double model_age_ms{0.0}, sensor_age_ms{0.0}, frame_us{0.0};
+  bool gives_way{false};                                  ///< tool, tissue or mount may give way in this cell
+  double bend_mm{0.0}, layer_mm{0.0}, mount_mm{0.0};      ///< by how much they do
+  std::optional<double> model_age_ms{}, sensor_age_ms{};  ///< empty: none has come yet
+  double frame_us{0.0};                                   ///< 0: no frame yet
   std::optional<double> arm_age_ms{}, plc_age_ms{};     ///< greatest of the window; empty: no message, no PLC
   double compute_p99_us{0.0}, wakeup_p99_us{0.0};       ///< LiveWindow
   std::uint32_t arm_messages_lost{0}, answers_lost{0};  ///< so far, between the arm and the loop

@@ -139,8 +139,11 @@ void PrintStatus(const nlohmann::json& status, const nlohmann::json& run, const 
   PrintRow("Removed", fmt::format("{:.1f} mm³", NumberAt(status, "removed_mm3")));
   const std::string limits = Joined(ValueAt(status, "limits"));
   PrintRow("Limits acting", limits.empty() ? "none" : limits);
-  PrintRow("Ages", fmt::format("contact model {:.1f} ms, force sensor {:.1f} ms",
-                               NumberAt(status, "model_age_ms"), NumberAt(status, "sensor_age_ms")));
+  const auto age = [&status](const char* key) {
+    return ValueAt(status, key).is_number() ? fmt::format("{:.1f} ms", NumberAt(status, key)) : "none yet";
+  };
+  PrintRow("Ages",
+           fmt::format("contact model {}, force sensor {}", age("model_age_ms"), age("sensor_age_ms")));
   if (const auto latency = status.find("latency_ms"); latency != status.end() && latency->is_object())
     PrintRow("Latency", LatencyLine(*latency));
   const double wanted_s = NumberAt(run, "seconds"), paused_s = NumberAt(status, "paused_s");

@@ -125,7 +125,11 @@ TEST(LiveStatus, SaysHowOldTheArmsAndThePlcsWordsAreAndWhatIsLost) {
   EXPECT_NEAR(json.at("plc_age_ms").get<double>(), 20.0, 1e-9);
   EXPECT_EQ(json.at("disk_left_B"), 7'000'000'000);
   w.arm_age_s.Begin(safety::kNoAge_s);
-  EXPECT_TRUE(nlohmann::json::parse(StatusJson(StatusOf(w, context))).at("arm_age_ms").is_null());
+  w.tick.model_age_s = w.tick.sensor_age_s = safety::kNoAge_s;
+  json = nlohmann::json::parse(StatusJson(StatusOf(w, context)));
+  for (const char* key : {"arm_age_ms", "model_age_ms", "sensor_age_ms"})
+    EXPECT_TRUE(json.at(key).is_null()) << key;
+  EXPECT_EQ(StatusLine(StatusOf(w, context), 0.0, 200).find("model"), std::string::npos);
 }
 
 TEST(LiveStatus, AFaultHasWhatItsRunKnowsOfIt) {

@@ -185,8 +185,11 @@ async function operatesTheCell() {
   const paused = await status(page);
   assert.equal(paused.force_N, 0);
   assert.ok(paused.permits.length === 10);
-  await page.keyboard.press("r");
-  await until(page, "[4, 5].includes(osteon.live.status.state_number)");
+  for (const key of ["r", "p", "r"]) {
+    await page.keyboard.press(key);
+    if (key === "p") await stateIs(page, "paused");
+    else await until(page, "[4, 5].includes(osteon.live.status.state_number)");
+  }
 
   // gains: what is accepted acts, what is not is said, and a change is undone
   const gains = (field) => page.evaluate(`osteon.gains.note.${field}`);

@@ -18,6 +18,7 @@ interface ChartDef {
   title: Word;
   unit: string;
   series: Series[];
+  withoutAny?: Word; // shown in place of the curve where every value is 0
 }
 const CHARTS: ChartDef[] = [
   {
@@ -30,7 +31,7 @@ const CHARTS: ChartDef[] = [
   },
   { title: "depth", unit: "mm", series: [{ field: "depth_mm", colour: "#58d0a0" }] },
   { title: "removedChart", unit: "mm³", series: [{ field: "removed_mm3", colour: "#e0e6a0" }] },
-  { title: "tickChart", unit: "µs", series: [{ field: "compute_most_us", colour: "#e8b23a" }] },
+  { title: "tickChart", unit: "µs", series: [{ field: "compute_most_us", colour: "#e8b23a" }], withoutAny: "virtualTime" },
 ];
 
 type Columns = Record<string, number[]>;
@@ -161,9 +162,9 @@ export class Charts {
   private dataOf(def: ChartDef): uPlot.AlignedData {
     const { shown } = this;
     const last = lastOf(shown);
-    const data: number[][] = [shown.time_s.map((time) => time - last)];
+    const data: (number | null)[][] = [shown.time_s.map((time) => time - last)];
     for (const series of def.series) {
-      data.push(shown[series.field]);
+      data.push(this.hasNone(def) ? shown[series.field].map(() => null) : shown[series.field]);
       if (series.band) data.push(shown[series.band]);
     }
     return data as uPlot.AlignedData;
@@ -191,10 +192,27 @@ export class Charts {
       series,
       bands,
       hooks: {
-        draw: [(plot) => this.drawEvents(plot)],
+        draw: [(plot) => this.drawEvents(plot), (plot) => this.sayWithoutAny(plot, def)],
         setSelect: [(plot) => plot.select.width > 0 && this.setFrozen(true)], // a zoom of what goes on would be gone at once
       },
     };
+  }
+
+  private hasNone(def: ChartDef): boolean {
+    const values = this.shown[def.series[0].field];
+    return def.withoutAny !== undefined && values.length > 0 && values.every((value) => value === 0);
+  }
+
+  private sayWithoutAny(plot: uPlot, def: ChartDef): void {
+    if (!def.withoutAny || !this.hasNone(def)) return;
+    const { left, top, width, height } = plot.bbox;
+    plot.ctx.save();
+    plot.ctx.fillStyle = TEXT;
+    plot.ctx.font = `${12 * devicePixelRatio}px DejaVu Sans, sans-serif`;
+    plot.ctx.textAlign = "center";
+    const words = t(def.withoutAny).split(": ");
+    words.forEach((line, i) => plot.ctx.fillText(line, left + width / 2, top + height / 2 + 16 * devicePixelRatio * (i - 0.5), width));
+    plot.ctx.restore();
   }
 
   private drawEvents(plot: uPlot): void {

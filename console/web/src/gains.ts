@@ -10,7 +10,7 @@ const PER_MM = 1e-3; // N/m to N/mm
 export class GainsCard {
   private note: GainsNote | null = null;
   private enabled = false;
-  private model_age_ms = 0;
+  private model_age_ms: number | null = null;
 
   constructor(
     private readonly card: HTMLElement,
@@ -33,12 +33,13 @@ export class GainsCard {
   }
 
   /** The age of the contact model, beside the greatest one at which the gains are stable. */
-  showAge(model_age_ms: number): void {
+  showAge(model_age_ms: number | null): void {
     this.model_age_ms = model_age_ms;
     const margin = this.card.querySelector("#gains-margin");
     if (!margin || !this.note) return;
     const stable = this.note.stable_age_ms;
-    margin.textContent = `${figure(stable, 1)} ms; ${t("now")} ${figure(model_age_ms, 1)} ms ${model_age_ms <= stable ? "✓" : "!"}`;
+    const now = model_age_ms === null ? "" : `; ${t("now")} ${figure(model_age_ms, 1)} ms ${model_age_ms <= stable ? "✓" : "!"}`;
+    margin.textContent = `${figure(stable, 1)} ms${now}`;
   }
 
   private build(): void {

@@ -87,8 +87,8 @@ export interface Status {
   bend_mm?: number;
   layer_mm?: number;
   mount_mm?: number;
-  model_age_ms: number;
-  sensor_age_ms: number;
+  model_age_ms: number | null; // null: none has come yet
+  sensor_age_ms: number | null;
   arm_age_ms: number | null; // null: no message yet
   plc_age_ms: number | null; // null: no PLC
   compute_p99_us: number;

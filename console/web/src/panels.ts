@@ -34,6 +34,17 @@ function latencies(latency: NonNullable<Status["latency_ms"]>): [string, string]
   ];
 }
 
+/** A tick in virtual time takes none: nothing was measured. */
+function tickRows(status: Status, worst: { compute_us: number; wakeup_us: number }): [string, string][] {
+  if (worst.compute_us === 0) return [[t("tickChart"), t("virtualTime")]];
+  return [
+    [t("tickMost"), `${figure(status.compute_p99_us, 0)} µs`],
+    [t("tick"), `${figure(worst.compute_us, 0)} µs`],
+    [t("wakeupMost"), `${figure(status.wakeup_p99_us, 0)} µs`],
+    [t("wakeup"), `${figure(worst.wakeup_us, 0)} µs`],
+  ];
+}
+
 /** Ages, ticks, losses, space: a row that is not known is left out. */
 function healthRows(status: Status, worst: { compute_us: number; wakeup_us: number }): [string, string][] {
   const age = (word: Word, age_ms: number | null): [string, string][] =>
@@ -45,11 +56,8 @@ function healthRows(status: Status, worst: { compute_us: number; wakeup_us: numb
     ...age("modelAge", status.model_age_ms),
     ...age("sensorAge", status.sensor_age_ms),
     ...age("boneAge", status.bone_age_ms ?? null),
-    [t("frame"), `${figure(status.frame_us, 0)} µs`],
-    [t("tickMost"), `${figure(status.compute_p99_us, 0)} µs`],
-    [t("tick"), `${figure(worst.compute_us, 0)} µs`],
-    [t("wakeupMost"), `${figure(status.wakeup_p99_us, 0)} µs`],
-    [t("wakeup"), `${figure(worst.wakeup_us, 0)} µs`],
+    ...(status.frame_us > 0 ? [[t("frame"), `${figure(status.frame_us, 0)} µs`] as [string, string]] : []),
+    ...tickRows(status, worst),
     [t("lostMessages"), lost],
     ...(status.disk_left_B === null ? [] : [[t("diskLeft"), `${figure(1e-9 * status.disk_left_B, 1)} GB`] as [string, string]]),
     ...(status.latency_ms ? latencies(status.latency_ms) : []),

@@ -8,8 +8,8 @@ export class Sound {
   private context: AudioContext | null = null;
   private spindle: OscillatorNode | null = null;
   private gain: GainNode | null = null;
-  private limits = 0;
-  private faults = 0;
+  private limits: string[] = [];
+  private faults: string[] = [];
 
   get on(): boolean {
     return this.context !== null;
@@ -32,15 +32,17 @@ export class Sound {
   }
 
   show(status: Status): void {
+    const limits = status.limits, faults = status.faults.map((fault) => fault.name);
     if (this.context && this.spindle && this.gain) {
       const turns = Math.abs(status.spindle_rpm) > 5;
       this.gain.gain.setTargetAtTime(turns ? SPINDLE_GAIN : 0, this.context.currentTime, 0.05);
       this.spindle.frequency.setTargetAtTime(FREE_HZ + HZ_PER_NM * status.spindle_torque_Nm, this.context.currentTime, 0.05);
-      if (status.limits.length > this.limits) this.beep(900, 0.04, 0.08);
-      if (status.faults.length > this.faults) this.beep(520, 0.9, 0.2);
+      // one that takes another's place in the same message is heard as well
+      if (limits.some((name) => !this.limits.includes(name))) this.beep(900, 0.04, 0.08);
+      if (faults.some((name) => !this.faults.includes(name))) this.beep(520, 0.9, 0.2);
     }
-    this.limits = status.limits.length;
-    this.faults = status.faults.length;
+    this.limits = limits;
+    this.faults = faults;
   }
 
   private beep(hz: number, seconds: number, volume: number): void {

@@ -227,6 +227,7 @@ const words = {
   forceChart: ["Force", "Kraft"],
   removedChart: ["Volume", "Volumen"],
   tickChart: ["Tick", "Takt"],
+  virtualTime: ["not measured: virtual time", "nicht gemessen: virtuelle Zeit"],
   apart: ["Tools apart", "Abstand der Werkzeuge"],
   turned: ["turned", "verdreht"],
   largest: ["Largest difference", "Größter Unterschied"],
