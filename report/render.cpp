@@ -71,8 +71,9 @@ Vector3f NormalOf(const LocalPlane& plane, const Camera& camera, int x, int y) {
 }
 
 /// The fraction of the sky that neighbours leave open, 0 … 1: in each direction the steepest neighbour above
-/// the tangent plane.
-float OpenSky(const Layer<LocalPlane>& planes, const Camera& camera, const Vector3f& normal, int x, int y) {
+/// the tangent plane. The neighbours' depths alone are read: with their planes they do not fit into the
+/// cache.
+float OpenSky(const DepthBuffer& depth, const Camera& camera, const Vector3f& normal, int x, int y) {
   constexpr std::array<float, 5> kRadii_m{0.7e-3f, 1.8e-3f, 4e-3f, 8e-3f, 14e-3f};
   constexpr int kDirections = 12;
   static const std::array<Eigen::Vector2f, kDirections> directions = [] {
@@ -83,8 +84,8 @@ float OpenSky(const Layer<LocalPlane>& planes, const Camera& camera, const Vecto
     }
     return made;
   }();
-  const LocalPlane& here = planes(x, y);
-  const float f = static_cast<float>(camera.focal_px), px_per_m = f / here.z;
+  const float here = depth.At(x, y);
+  const float f = static_cast<float>(camera.focal_px), px_per_m = f / here;
   const float center_x = static_cast<float>(camera.center_x_px) - 0.5f,
               center_y = static_cast<float>(camera.center_y_px) - 0.5f;
   const auto position = [&](int u, int v, float z) {
@@ -92,17 +93,17 @@ float OpenSky(const Layer<LocalPlane>& planes, const Camera& camera, const Vecto
     return Vector3f(m_per_px * (static_cast<float>(u) - center_x),
                     m_per_px * (center_y - static_cast<float>(v)), -z);
   };
-  const Vector3f p = position(x, y, here.z);
+  const Vector3f p = position(x, y, here);
   float blocked = 0.0f;
   for (const Eigen::Vector2f& direction : directions) {
     float horizon = 0.06f;  // lower neighbours are the grid's own unevenness
     for (const float radius : kRadii_m) {
       const int u = x + RoundToInt(direction.x() * radius * px_per_m);
       const int v = y + RoundToInt(direction.y() * radius * px_per_m);
-      if (u < 0 || v < 0 || u >= planes.width || v >= planes.height) break;
-      const LocalPlane& there = planes(u, v);
-      if (there.z >= DepthBuffer::kNothing) continue;
-      const Vector3f to = position(u, v, there.z) - p;
+      if (u < 0 || v < 0 || u >= depth.width || v >= depth.height) break;
+      const float there = depth.At(u, v);
+      if (there >= DepthBuffer::kNothing) continue;
+      const Vector3f to = position(u, v, there) - p;
       const float rise = to.dot(normal), squared = to.squaredNorm();
       // most neighbours are no higher than the horizon so far: no root
       if (rise <= 0.0f || rise * rise <= horizon * horizon * squared || squared < 1e-12f) continue;
@@ -141,7 +142,8 @@ std::uint8_t ToSrgb(float linear) {
 
 /// Colours by material, smoothed over neighbours of about the same depth.
 Layer<Vector3f> MaterialColors(const simulation::Bone& bone, const MaterialMap& materials,
-                               const Camera& camera, const Layer<LocalPlane>& planes) {
+                               const Camera& camera, const DepthBuffer& depth,
+                               const Layer<LocalPlane>& planes) {
   constexpr double kBelow_m = 0.3e-3;  // look up the material a little below the surface, inside the bone
   constexpr int kReach = 5;
   std::array<Vector3f, 256> table;
@@ -163,13 +165,13 @@ Layer<Vector3f> MaterialColors(const simulation::Bone& bone, const MaterialMap& 
   Layer<Vector3f> smooth(planes.width, planes.height, Vector3f(0.6f, 0.57f, 0.5f));
   ForEachRow(planes.height, [&](int y) {
     for (int x = 0; x < planes.width; ++x) {
-      const float z = planes(x, y).z;
+      const float z = depth.At(x, y);
       if (z >= DepthBuffer::kNothing) continue;
       const int left = std::max(x - kReach, 0), right = std::min(x + kReach, planes.width - 1);
       Vector4f sum = Vector4f::Zero();
       for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, planes.height - 1); ++v)
         for (int u = left; u <= right; ++u) {
-          if (std::abs(planes(u, v).z - z) > 1.5e-3f) continue;
+          if (std::abs(depth.At(u, v) - z) > 1.5e-3f) continue;
           const auto weight =
               static_cast<float>((kReach + 1 - std::abs(u - x)) * (kReach + 1 - std::abs(v - y)));
           sum += weight * raw(u, v);
@@ -232,7 +234,7 @@ Image RenderBone(const simulation::Bone& bone, const BoneMesh& mesh, const Mater
       if (depth.Seen(x, y))
         planes(x, y) =
             PlaneAt(depth.At(x, y), normals[static_cast<std::size_t>(y) * camera.width + x], camera, x, y);
-  const Layer<Vector3f> colors = MaterialColors(bone, materials, camera, planes);
+  const Layer<Vector3f> colors = MaterialColors(bone, materials, camera, depth, planes);
 
   // light from the upper left, far enough away to be nearly parallel
   const Vector3f key = Vector3f(-0.55f, 0.62f, 0.56f).normalized();
@@ -249,7 +251,7 @@ Image RenderBone(const simulation::Bone& bone, const BoneMesh& mesh, const Mater
     for (int x = 0; x < camera.width; ++x) {
       if (!depth.Seen(x, y)) continue;
       const Vector3f n = NormalOf(planes(x, y), camera, x, y);
-      const float sky = OpenSky(planes, camera, n, x, y);
+      const float sky = OpenSky(depth, camera, n, x, y);
       const Vector3 p_G = camera.eye + planes(x, y).z * camera.Ray(x + 0.5, y + 0.5);
       const float towards = n.dot(key);
       const float direct = towards > 0.0f ? towards * Lit(shadow, light, p_G) : 0.0f;

@@ -213,11 +213,12 @@ TEST_F(PackCommand, WrongOptionsAreNamedWithWhatIsAccepted) {
 }
 
 TEST_F(PackCommand, AMeshWithAHoleIsPackedAndTheWarningSaysWhatWasAssumed) {
-  simulation::TriangleMesh open = simulation::MakeBox(Vector3::Constant(-0.01), Vector3::Constant(0.01));
+  // 4 mm: the grid of the remade surface, 0.1 mm at the finest, has a hundredth of the points of a bone's
+  simulation::TriangleMesh open = simulation::MakeBox(Vector3::Constant(-0.002), Vector3::Constant(0.002));
   open.triangles.pop_back();
   io::test::WriteAll(Path("open.obj"), simulation::ObjText(open));
-  const CommandResult run =
-      Pack({"open.obj", "-o", "out.osp", "--count", "200", "--point-spacing-mm", "2", "--json", "out.json"});
+  const CommandResult run = Pack(
+      {"open.obj", "-o", "out.osp", "--count", "200", "--point-spacing-mm", "0.4", "--json", "out.json"});
   EXPECT_NE(run.err.find("osteon pack: warning: open.obj: found 3 open edges"), std::string::npos) << run.err;
   EXPECT_NE(run.err.find("taken as solid where the winding number is above 0.5"), std::string::npos)
       << run.err;

@@ -138,9 +138,9 @@ TEST(Output, AMeshWhoseNameIsLatin1IsWrittenAsWhatItIs) {
   const std::string name =
       "h\xfc"
       "fte.obj";
-  io::test::WriteAll(folder.path() / name, simulation::ObjText(simulation::MakeBox(Vector3::Constant(-0.01),
-                                                                                   Vector3::Constant(0.01))));
-  const CommandResult demo = RunCommand(folder.path(), Demo({"--mesh", name, "--cup", "0,0,10,0,0,1,1.6"}));
+  io::test::WriteAll(folder.path() / name, simulation::ObjText(simulation::MakeBox(
+                                               Vector3::Constant(-0.004), Vector3::Constant(0.004))));
+  const CommandResult demo = RunCommand(folder.path(), Demo({"--mesh", name, "--cup", "0,0,4,0,0,1,1.6"}));
   EXPECT_EQ(demo.exit_code, 0) << demo.err;
   EXPECT_EQ(ReadJson(folder.path() / "j.json").at("scene"),
             "h\xef\xbf\xbd"

@@ -145,7 +145,7 @@ TEST(MolarPlan, IsOpenedAssessedAndReplayed) {
   for (const std::string hand : {"expert", "novice"}) {
     const CommandResult demo =
         ask({"demo", "--cell", "molar", "--plan", "molar", "--virtual-time", "--operator", hand, "--seconds",
-             "30", "--out", hand, "--json", "d.json"});
+             "18", "--out", hand, "--json", "d.json"});
     ASSERT_EQ(demo.exit_code, 0) << demo.err;
     EXPECT_EQ(ReadJson(folder.path() / "d.json")["verdict"]["level"], "good") << demo.out;
     const CommandResult assessed = ask({"assess", hand + "/session", "--json", "a.json"});
@@ -157,7 +157,7 @@ TEST(MolarPlan, IsOpenedAssessedAndReplayed) {
     EXPECT_GT(json["result"]["unroofed"], 0.05);
     scores[hand] = json["score"]["total"];
   }
-  // after 30 s, a quarter of what the demo takes: the roof is not all open yet
+  // after 18 s, a seventh of what the demo takes: the roof is not all open yet
   EXPECT_GT(scores["expert"], scores["novice"] + 20.0);
   EXPECT_LT(scores["novice"], 40.0);
   const CommandResult compared = ask({"assess", "expert/session", "--against", "novice/session"});
