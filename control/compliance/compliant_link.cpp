@@ -29,8 +29,8 @@ void Validate(const ToolLinkParams& params) {
   const Matrix6& C = params.compliance_T;
   if (!C.allFinite() || !C.isApprox(C.transpose(), 1e-9))
     throw std::invalid_argument("compliance tool: accepted a finite symmetric matrix");
-  const double least = Eigen::SelfAdjointEigenSolver<Matrix6>(C).eigenvalues().minCoeff();
-  if (!(least >= -1e-12 * C.cwiseAbs().maxCoeff()))
+  const double min_eigenvalue = Eigen::SelfAdjointEigenSolver<Matrix6>(C).eigenvalues().minCoeff();
+  if (!(min_eigenvalue >= -1e-12 * C.cwiseAbs().maxCoeff()))
     throw std::invalid_argument("compliance tool: found a matrix that yields energy, accepted none");
 }
 

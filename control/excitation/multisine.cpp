@@ -15,24 +15,25 @@ namespace osteon::control {
 namespace {
 
 constexpr int kSamples = 4000;  // a millisecond each
-constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 // Uniform in [0, 1): the generator's output is the same everywhere, a distribution's is not.
 double Uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1.0p-53; }
 
 using Phases = std::array<double, Multisine::kLines>;
 
-// Largest speed over a period for a speed spectrum; where it is not below `enough`, a speed that is not.
+// Peak speed over a period. Phases are steps of the table `cosines`. The search ends early, with the speed
+// found so far, once that is at least `limit`.
 double PeakSpeed(const std::array<MultisineLine, Multisine::kLines>& lines,
-                 const std::vector<double>& cosines, double enough) {
+                 const std::vector<double>& cosines, double limit) {
   double peak = 0.0;
-  for (int k = 0; k < kSamples && peak < enough; ++k) {
+  for (int k = 0; k < kSamples && peak < limit; ++k) {
     double speed = 0.0;
     for (const MultisineLine& line : lines) {
       // -a w sin(h t + phi) by a table: sin(p) = cos(p - quarter); phases are multiples of the table's step
       const auto at = static_cast<std::size_t>(
           (line.harmonic * k + static_cast<int>(line.phase_rad) + kSamples - kSamples / 4) % kSamples);
-      speed -= line.amplitude_m * Multisine::Frequency(line.harmonic) * kTurn * cosines[at];
+      speed -= line.amplitude_m * Multisine::Frequency(line.harmonic) * kTwoPi * cosines[at];
     }
     peak = std::max(peak, std::abs(speed));
   }
@@ -63,23 +64,23 @@ Multisine::Multisine(std::uint64_t seed, double peak_speed_m_per_s) {
   for (std::size_t i = 0; i < kLines; ++i) {
     const double hz = Frequency(harmonics[i]);
     const double speed = hz <= kFlatSpeed_hz ? 1.0 : kFlatSpeed_hz / hz;
-    lines_[i] = {.harmonic = harmonics[i], .amplitude_m = speed / (kTurn * hz)};
+    lines_[i] = {.harmonic = harmonics[i], .amplitude_m = speed / (kTwoPi * hz)};
   }
   std::vector<double> cosines(kSamples);
-  for (int k = 0; k < kSamples; ++k) cosines[static_cast<std::size_t>(k)] = std::cos(kTurn * k / kSamples);
+  for (int k = 0; k < kSamples; ++k) cosines[static_cast<std::size_t>(k)] = std::cos(kTwoPi * k / kSamples);
 
-  // phases as whole steps of the table while drawing
+  // while drawing, phase_rad holds whole steps of the table
   std::mt19937_64 random(seed);
-  double least = std::numeric_limits<double>::infinity();
+  double lowest_peak = std::numeric_limits<double>::infinity();
   Phases best{};
   for (int draw = 0; draw < kDraws; ++draw) {
     for (MultisineLine& line : lines_) line.phase_rad = std::floor(kSamples * Uniform(random));
-    const double peak = PeakSpeed(lines_, cosines, least);
-    if (!(peak < least)) continue;
-    least = peak;
+    const double peak = PeakSpeed(lines_, cosines, lowest_peak);
+    if (!(peak < lowest_peak)) continue;
+    lowest_peak = peak;
     for (std::size_t i = 0; i < kLines; ++i) best[i] = lines_[i].phase_rad;
   }
-  for (std::size_t i = 0; i < kLines; ++i) lines_[i].phase_rad = kTurn * best[i] / kSamples;
+  for (std::size_t i = 0; i < kLines; ++i) lines_[i].phase_rad = kTwoPi * best[i] / kSamples;
   Scale(1.0);
   Scale(peak_speed_m_per_s / peak_.v_m_per_s);
 }
@@ -98,7 +99,7 @@ void Multisine::Scale(double factor) {
 MultisineState Multisine::At(double time_s) const OSTEON_RT {
   MultisineState state;
   for (const MultisineLine& line : lines_) {
-    const double w = kTurn * Frequency(line.harmonic), angle = w * time_s + line.phase_rad;
+    const double w = kTwoPi * Frequency(line.harmonic), angle = w * time_s + line.phase_rad;
     const double c = line.amplitude_m * std::cos(angle), s = line.amplitude_m * std::sin(angle);
     state.x_m += c;
     state.v_m_per_s -= w * s;
@@ -110,7 +111,7 @@ MultisineState Multisine::At(double time_s) const OSTEON_RT {
 double Multisine::rms_speed_m_per_s() const {
   double squares = 0.0;
   for (const MultisineLine& line : lines_) {
-    const double speed = line.amplitude_m * kTurn * Frequency(line.harmonic);
+    const double speed = line.amplitude_m * kTwoPi * Frequency(line.harmonic);
     squares += 0.5 * speed * speed;
   }
   return std::sqrt(squares);

@@ -23,10 +23,10 @@ struct MultisineState {
 ///     x(t) = sum_i a_i cos(2 pi h_i t / P + phi_i)      P = 4 s, h_i / P = 0.75 … 59.25 Hz, evenly in log(f)
 ///     a_i ~ 1 / f up to 20 Hz (speed flat), ~ 1 / f^2 above (acceleration flat)
 ///
-/// Every fourth odd harmonic (7, 15, 23, …) and all even ones stay empty. A plant that is not linear answers
-/// there: on odd harmonics what is symmetric in x, on even ones what is not. Phases are random; of kDraws
-/// draws the one with the least crest factor of the speed counts. Same seed, same bits. Source: Schoukens,
-/// Vaes, Pintelon, IEEE Control Systems Magazine 36(3), 2016.
+/// Every fourth odd harmonic (7, 15, 23, …) and all even ones stay empty. Odd nonlinearities of the plant
+/// show on the empty odd harmonics, even nonlinearities on the even ones. Phases are random: the draw with
+/// the lowest crest factor of the speed among kDraws is used. Same seed, same bits. Source: Schoukens, Vaes,
+/// Pintelon, IEEE Control Systems Magazine 36(3), 2016.
 class Multisine {
  public:
   static constexpr int kLines = 27;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace osteon::control {
 namespace {
@@ -11,8 +12,11 @@ constexpr double kMaxPeriods = 10.0;
 // A slower joint stands: more than an encoder's step, less than a coasting arm.
 constexpr double kStands_rad_per_s = 0.02;
 constexpr double kSamePeriod_s = 1e-6;
+constexpr std::uint8_t kT1 = 0;  // ArmState::operation_mode
 
 }  // namespace
+
+bool HasReducedSpeed(const ArmState& state) OSTEON_RT { return state.operation_mode == kT1; }
 
 double MaxJointDifference(const JointArray& a, const JointArray& b) OSTEON_RT {
   double max_rad = 0.0;

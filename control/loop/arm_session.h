@@ -79,6 +79,9 @@ class ArmSession {
   bool commanded_{false};  // motion began in activation_, and the arm has not been seen to leave it
 };
 
+/// Whether the arm is in operation mode T1, in which it is slow, or reports no mode.
+[[nodiscard]] bool HasReducedSpeed(const ArmState& state) OSTEON_RT;
+
 /// Largest difference between the positions of the same joint in two arrays [rad].
 [[nodiscard]] double MaxJointDifference(const JointArray& a, const JointArray& b) OSTEON_RT;
 

@@ -4,8 +4,10 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/marker.h"
+#include "control/tick_record.h"
 
 namespace osteon::control {
 
@@ -25,17 +27,25 @@ class LoopRequests {
     if (!std::isnan(gain)) guidance_gain_.store(std::clamp(gain, 0.0, 1.0), std::memory_order_relaxed);
   }
 
+  /// As ServoLoop's functions of these names. From the tick's thread.
+  void ReportDifference() OSTEON_RT { differed_ = true; }
+  void ReportRecorder() OSTEON_RT { recorder_stalled_ = true; }
+
   // For the tick. A stop request stays set; each of the other requests is returned once.
   [[nodiscard]] bool may_start() const OSTEON_RT { return may_start_.load(std::memory_order_relaxed); }
   [[nodiscard]] bool stop() const OSTEON_RT { return stop_.load(std::memory_order_relaxed); }
-  [[nodiscard]] bool TakeRecovery() OSTEON_RT { return recovery_.exchange(false, std::memory_order_relaxed); }
-  [[nodiscard]] bool TakePause() OSTEON_RT { return pause_.exchange(false, std::memory_order_relaxed); }
   /// The tool asked for since the last call; -1: none.
   [[nodiscard]] int TakeTool() OSTEON_RT { return tool_.exchange(-1, std::memory_order_relaxed); }
-  [[nodiscard]] bool TakeResume() OSTEON_RT { return resume_.exchange(false, std::memory_order_relaxed); }
-  /// Not a number: none was requested.
-  [[nodiscard]] double TakeGuidanceGain() OSTEON_RT {
-    return guidance_gain_.exchange(kNone, std::memory_order_relaxed);
+  /// Takes all others made since the last call into the tick's input.
+  void TakeInto(TickInput& input) OSTEON_RT {
+    input.recover = recovery_.exchange(false, std::memory_order_relaxed);
+    input.pause = pause_.exchange(false, std::memory_order_relaxed);
+    input.resume = resume_.exchange(false, std::memory_order_relaxed);
+    const double guidance_gain = guidance_gain_.exchange(kNone, std::memory_order_relaxed);
+    input.has_guidance_gain = !std::isnan(guidance_gain);
+    if (input.has_guidance_gain) input.guidance_gain = guidance_gain;
+    input.repeat_differed = std::exchange(differed_, false);
+    input.recorder_stalled = std::exchange(recorder_stalled_, false);
   }
 
  private:
@@ -43,6 +53,7 @@ class LoopRequests {
   std::atomic<bool> may_start_{true}, stop_{false}, recovery_{false}, pause_{false}, resume_{false};
   std::atomic<int> tool_{-1};
   std::atomic<double> guidance_gain_{kNone};
+  bool differed_{false}, recorder_stalled_{false};
   static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
                 std::atomic<double>::is_always_lock_free);
 };

@@ -19,8 +19,8 @@ struct InputAges {
 };
 
 /// Checks for conditions that must stop the cell: in the devices, the hand's force, the coupling and the arm.
-/// Each check returns the faults that it finds and moves nothing. The servo loop decides which checks run in
-/// a state:
+/// Each check returns the faults that it finds and moves nothing. MotionChecks and HapticRendering run
+/// those that a state asks for:
 ///
 /// | the arm | sensor | spindle | interlock, model | hand | coupling | speed |
 /// |---|---|---|---|---|---|---|

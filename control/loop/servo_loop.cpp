@@ -1,6 +1,3 @@
-// ServoLoop's tick: records the inputs, applies requests and events, fills the command and the record. The
-// checks are in servo_checks.cpp, the rendering in servo_rendering.cpp.
-
 #include "control/loop/servo_loop.h"
 
 #include <algorithm>
@@ -14,8 +11,6 @@ namespace osteon::control {
 namespace {
 
 using safety::CellEvent, safety::CellState, safety::Fault;
-
-constexpr std::uint8_t kT1 = 0;  // ArmState::operation_mode
 
 bool AllFinite(const JointArray& q) {
   return std::all_of(q.begin(), q.end(), [](double value) { return std::isfinite(value); });
@@ -49,7 +44,6 @@ ServoLoop::ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm
       hand_(params_, X_FT),
       coupling_(params_),
       checks_(params_, safety::WrenchLimiter(params.wrench).max_force_N()),
-      admittance_(params_),
       impedance_(params_),
       gains_(GainsOf(params.admittance, params.coupling), params.period_s),
       actions_({.params = params_,
@@ -64,7 +58,28 @@ ServoLoop::ServoLoop(const ServoParams& params, std::unique_ptr<ArmFollower> arm
               .tool = tool_,
               .hand = hand_,
               .checks = checks_,
-              .actions = actions_}) {}
+              .actions = actions_}),
+      motion_checks_({.params = params_,
+                      .supervisor = supervisor_,
+                      .session = session_,
+                      .tool = tool_,
+                      .hand = hand_,
+                      .checks = checks_,
+                      .actions = actions_,
+                      .statistics = statistics_,
+                      .result = result_}),
+      rendering_({.params = params_,
+                  .supervisor = supervisor_,
+                  .session = session_,
+                  .tool = tool_,
+                  .hand = hand_,
+                  .coupling = coupling_,
+                  .checks = checks_,
+                  .impedance = impedance_,
+                  .actions = actions_,
+                  .motion_checks = motion_checks_,
+                  .statistics = statistics_,
+                  .result = result_}) {}
 
 void ServoLoop::SetTools(std::vector<LoopTool> tools, int index) {
   ToolTable table;
@@ -84,7 +99,7 @@ simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
   const Pose& X_WT = use_measured ? session_.X_WT() : tool_.X_WT();
   const Compliance* compliance = coupling_.compliance();
   return {.X_WT = compliance != nullptr ? compliance->X_ME(X_WT) : X_WT,
-          .spindle_rad_per_s = renders ? spindle_rad_per_s_ : 0.0,
+          .spindle_rad_per_s = renders ? rendering_.spindle_rad_per_s() : 0.0,
           .stamp = !tool_.has_pose() ? 0
                    : use_measured    ? session_.measured_at()
                                      : now_,
@@ -95,9 +110,8 @@ simulation::ToolCommand ServoLoop::tool_command() const OSTEON_RT {
 CellCommands ServoLoop::cell_commands() const OSTEON_RT {
   const bool stopping = phase() == Phase::kStopped || state() == CellState::kStop1;
   const bool stop_requested = supervisor_.stop_requested();
-  const bool spindle_on = safety::Renders(state()) && spindle_permitted_ && !coupling_.stops_spindle();
   return {.motion_requested = !stopping && !stop_requested,
-          .spindle_rad_per_s = spindle_on ? params_.spindle_rad_per_s : 0.0,
+          .spindle_rad_per_s = rendering_.SpindleCommand_rad_per_s(),
           .quick_stop = stopping && faults().Any(),
           .clear_faults = !stop_requested && (state() == CellState::kRecovery ||
                                               (!supervisor_.moved() && safety::Waits(state())))};
@@ -111,7 +125,6 @@ void ServoLoop::Prefetch() const OSTEON_RT {
 TickRecord ServoLoop::Tick(const TickInputs& tick, ArmCommand& command) OSTEON_RT {
   const ArmState& state = tick.state;
   now_ = tick.now;
-  reduced_speed_ = state.operation_mode == kT1;
   TickRecord record = RecordInputs(tick);
   result_ = {.ages = {.model_s = tick.model.frame == 0 ? safety::kNoAge_s
                                                        : safety::AgeSeconds(tick.now, tick.model.pose_stamp),
@@ -151,14 +164,7 @@ TickRecord ServoLoop::RecordInputs(const TickInputs& tick) OSTEON_RT {
   record.q_meas = state.q_meas;
   record.model_frame = model.frame;
   record.input = MakeTickInput(tick, supervisor_.stop_requested());
-  record.input.recover = requests_.TakeRecovery();
-  record.input.pause = requests_.TakePause();
-  record.input.resume = requests_.TakeResume();
-  const double guidance_gain = requests_.TakeGuidanceGain();
-  record.input.has_guidance_gain = !std::isnan(guidance_gain);
-  if (record.input.has_guidance_gain) record.input.guidance_gain = guidance_gain;
-  record.input.repeat_differed = std::exchange(differed_, false);
-  record.input.recorder_stalled = std::exchange(recorder_stalled_, false);
+  requests_.TakeInto(record.input);
   return record;
 }
 
@@ -177,8 +183,7 @@ void ServoLoop::ApplyToolRequest(TickInput& input) OSTEON_RT {
     checks_.ResetArmSpeed();
     coupling_.SetGuidance(tools_.guidance());
     coupling_.SetBending(tools_.tool().bending);
-    coupling_.Reset();
-    admittance_.Reset(tool_.X_WT());
+    rendering_.OnToolChanged();
   }
   input.tool_index = static_cast<std::uint8_t>(tools_.index());
 }
@@ -196,7 +201,7 @@ void ServoLoop::StepGains(TickInput& input) OSTEON_RT {
 }
 
 // Applies the recorded requests. A stop, and a pause of a motion, are applied later in the tick
-// (CheckMotion).
+// (MotionChecks::CheckMotion).
 void ServoLoop::ApplyRequests(const TickInput& input) OSTEON_RT {
   if (input.recover && CanRecover()) actions_.ApplyEvent(CellEvent::kRecover);
   if (input.resume && !input.stop) actions_.ApplyEvent(CellEvent::kResume);
@@ -230,33 +235,29 @@ void ServoLoop::OnMissedMessage(ReceiveResult received) OSTEON_RT {
 void ServoLoop::ProcessArmMessage(const TickInputs& tick) OSTEON_RT {
   const ArmState& state = tick.state;
   const bool active = start_.UpdateSession(state);
-  arm_overloaded_ = tool_.arm().PredictOverload(state.tau_ext);
+  const bool overloaded = tool_.arm().PredictOverload(state.tau_ext);
   // without finite torques an overload would not be detected
   if (!AllFinite(state.tau_ext)) actions_.StopWith(Fault::kNotFinite);
-  CheckArmSpeed(state, active);
+  motion_checks_.CheckArmSpeed(state, active);
 
   if (start_.StartIfPermitted(tick, {.max_force_N = max_force_N(),
                                      .may_start = requests_.may_start(),
-                                     .arm_overloaded = arm_overloaded_,
+                                     .arm_overloaded = overloaded,
                                      .withdrawn_at = withdrawn_at_}))
-    StartRendering(tick);
-  CheckMotion(state);
-  if (this->state() == CellState::kAligning) CheckOnPath(tick);
-  if (this->state() == CellState::kStop1) CheckInStop(tick);
-  if (supervisor_.on_path() && start_.StepPath(tick)) StartRendering(tick);
+    rendering_.Start(tick);
+  motion_checks_.CheckMotion(state, overloaded);
+  if (this->state() == CellState::kAligning) motion_checks_.CheckOnPath(tick);
+  if (this->state() == CellState::kStop1) motion_checks_.CheckInStop(tick);
+  if (supervisor_.on_path() && start_.StepPath(tick)) rendering_.Start(tick);
 
   const bool waiting = phase() == Phase::kWaiting || phase() == Phase::kAligning;
   if (active && !waiting) ++statistics_.active_ticks;
   if (safety::Renders(this->state())) {
-    UpdateSpindle(tick.readings);
-    if (params_.law == Law::kImpedance)
-      RenderImpedance(tick);
-    else
-      RenderAdmittance(tick);
+    rendering_.Step(tick);
   } else if (this->state() == CellState::kStop2) {
-    BrakeForPause(tick);
+    rendering_.BrakeForPause(tick);
   } else if (this->state() == CellState::kStop1 && !supervisor_.on_path()) {
-    actions_.Brake(reduced_speed_, result_.acting);
+    actions_.Brake(HasReducedSpeed(state), result_.acting);
   }
   session_.UpdateStandstill(state.q_meas);
   if (this->state() == CellState::kStop0 && session_.stands()) actions_.FinishStop();
@@ -295,19 +296,7 @@ void ServoLoop::FinishRecord(const ArmCommand& command, TickRecord& record) cons
   record.F_coupling_T_W = result_.F_coupling_T_W;
   record.wrench_scale = result_.wrench_scale;
   record.arm_share = result_.arm_share;
-  if (result_.coupling_evaluated) {
-    record.tool_in_bone_m = coupling_.force_limit_reaction().tool_in_bone_m();
-    record.wrench_step_N = checks_.wrench_growth_N();
-    record.wrench_step_limit_N = checks_.max_wrench_growth_N(CouplingStep_s());
-  }
-  if (result_.rendered) {
-    coupling_.stabilisers().FillRecord(record);
-    if (coupling_.guidance()) record.guidance = coupling_.guidance()->Record();
-  }
-  if (const Compliance* compliance = coupling_.compliance()) {
-    const bool measured = params_.law == Law::kImpedance && safety::Renders(state());
-    compliance->FillRecord(measured ? session_.X_WT() : tool_.X_WT(), record.compliance);
-  }
+  rendering_.FillRecord(record);
 }
 
 }  // namespace osteon::control

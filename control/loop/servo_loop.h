@@ -7,12 +7,13 @@
 #include "base/marker.h"
 #include "control/arm/arm_follower.h"
 #include "control/coupling/coupling_pipeline.h"
-#include "control/laws/admittance_renderer.h"
 #include "control/laws/impedance_renderer.h"
 #include "control/loop/arm_session.h"
 #include "control/loop/commanded_tool.h"
 #include "control/loop/gain_requests.h"
+#include "control/loop/haptic_rendering.h"
 #include "control/loop/loop_requests.h"
+#include "control/loop/motion_checks.h"
 #include "control/loop/motion_start.h"
 #include "control/loop/motion_supervisor.h"
 #include "control/loop/safety_checks.h"
@@ -38,10 +39,10 @@ namespace osteon::control {
 /// 4 or 12 ms. The loop uses no socket and no clock. It calls its parts in order and assembles the tick's
 /// record from their outputs:
 ///
-///     ArmState ─▶ ArmSession ─▶ MotionSupervisor ─▶ renderer | MotionStart | StateActions ─▶ CommandedTool
-///     CommandedTool ─▶ ArmCommand
-///     CellReadings ─▶ HandForce ─▶ SafetyChecks ─▶ MotionSupervisor
-///     ContactModel ─▶ CouplingPipeline ─▶ AdmittanceRenderer | ImpedanceRenderer
+///     ArmState ─▶ ArmSession ─▶ MotionSupervisor ─▶ HapticRendering | MotionStart | StateActions
+///     HapticRendering | MotionStart | StateActions ─▶ CommandedTool ─▶ ArmCommand
+///     CellReadings ─▶ HandForce ─▶ SafetyChecks ─▶ MotionChecks | HapticRendering ─▶ MotionSupervisor
+///     ContactModel ─▶ CouplingPipeline ─▶ AdmittanceRenderer | ImpedanceRenderer, both in HapticRendering
 ///
 /// **State.** safety::CellState decides what the loop does. One table changes it (safety/cell_state.h,
 /// docs/states.md), and the recorded Phase follows from it. Each tick derives events from its inputs, most
@@ -55,8 +56,7 @@ namespace osteon::control {
 /// - aligning: if the arm was handed over elsewhere, it moves to ServoParams::start along a joint path. The
 ///   path is paused while motion is not permitted. If the arm leaves COMMANDING_ACTIVE, the loop waits for it
 ///   again. Once rendering has begun, the loop takes no path to the start any more.
-/// - haptic and cutting: the loop renders, with the spindle still or turning (AdmittanceRenderer,
-///   ImpedanceRenderer).
+/// - haptic and cutting: the loop renders, with the spindle still or turning (HapticRendering).
 /// - stop 1 and stop 2: the commanded motion is braked, whichever state commanded it (CommandedTool::Brake,
 ///   ImpedanceRenderer::Brake). Nothing is rendered, and the spindle is stopped. On the path to the start,
 ///   the path's clock is braked.
@@ -65,9 +65,9 @@ namespace osteon::control {
 ///   RequestResume(), a recovery or a new loop ends these states. Under the impedance law a hand may displace
 ///   a paused arm: this is no fault, but the arm cannot resume meanwhile.
 ///
-/// **Checks** (SafetyChecks). The sensor's bias is estimated before the first motion, while the tool rests.
-/// Whenever the arm moves or brakes, hand and sensor are checked; on the path to the start and while
-/// rendering, the spindle as well.
+/// **Checks** (SafetyChecks, run by MotionChecks and HapticRendering). The sensor's bias is estimated before
+/// the first motion, while the tool rests. Whenever the arm moves or brakes, hand and sensor are checked; on
+/// the path to the start and while rendering, the spindle as well.
 ///
 /// **Motion.** After limiting, the virtual tool's state is set to the commanded motion, so the integrated
 /// pose never drifts from the commanded one. The joints follow the tool's twist (DifferentialInverse), and
@@ -129,11 +129,11 @@ class ServoLoop {
 
   /// Reports that a repeated tick gave another result (LoopRepeat): the next tick latches
   /// Fault::kRepeatDiffers. From the tick's thread.
-  void ReportDifference() OSTEON_RT { differed_ = true; }
+  void ReportDifference() OSTEON_RT { requests_.ReportDifference(); }
 
   /// Reports that the recorder stalls or refuses ticks: the next tick latches Fault::kRecorder. From the
   /// tick's thread.
-  void ReportRecorder() OSTEON_RT { recorder_stalled_ = true; }
+  void ReportRecorder() OSTEON_RT { requests_.ReportRecorder(); }
 
   /// Loads this loop's data into the processor's cache for the next tick. From the tick's thread.
   void Prefetch() const OSTEON_RT;
@@ -176,34 +176,6 @@ class ServoLoop {
   void FillCommand(const ArmState& state, ArmCommand& command) const OSTEON_RT;
   void FinishRecord(const ArmCommand& command, TickRecord& record) const OSTEON_RT;
 
-  // checks
-  void CheckArmSpeed(const ArmState& state, bool active) OSTEON_RT;
-  void CheckMotion(const ArmState& state) OSTEON_RT;
-  void CheckOnPath(const TickInputs& tick) OSTEON_RT;
-  void CheckInStop(const TickInputs& tick) OSTEON_RT;
-  Wrench MeasureHand(const ForceReading& reading) OSTEON_RT;
-
-  // rendering, and braking out of it
-  void StartRendering(const TickInputs& tick) OSTEON_RT;
-  void UpdateSpindle(const CellReadings& readings) OSTEON_RT;
-  /// The tool motion at which the coupling is evaluated: commanded (admittance) or measured (impedance).
-  struct ToolMotion {
-    const Pose& X_WT;
-    Twist V_WT;
-  };
-  Wrench EvaluateContact(const TickInputs& tick, const ToolMotion& tool) OSTEON_RT;
-  void RenderAdmittance(const TickInputs& tick) OSTEON_RT;
-  void RenderImpedance(const TickInputs& tick) OSTEON_RT;
-  void StopRendering() OSTEON_RT;
-  void StoreRendered(const safety::LimitedWrench& rendered, double speed_m_per_s) OSTEON_RT;
-  void StepCompliance(const simulation::ContactModel& model) OSTEON_RT;
-  void BrakeForPause(const TickInputs& tick) OSTEON_RT;
-  /// Time between the tool poses of this and the previous coupling. While messages are lost, a commanded tool
-  /// stands, whereas a measured tool moves on.
-  [[nodiscard]] double CouplingStep_s() const OSTEON_RT {
-    return params_.law == Law::kImpedance ? session_.elapsed_s() : params_.period_s;
-  }
-
   ServoParams params_;  // the parts refer to these, so StepGains changes theirs as well
   LoopRequests requests_;
   MotionSupervisor supervisor_;
@@ -212,25 +184,20 @@ class ServoLoop {
   HandForce hand_;
   CouplingPipeline coupling_;
   SafetyChecks checks_;
-  AdmittanceRenderer admittance_;
   ImpedanceRenderer impedance_;
   ServoStatistics statistics_;
   ToolTable tools_;
   GainRequests gains_;
+  TickResult result_;  ///< of this tick
   StateActions actions_;
   MotionStart start_;
+  MotionChecks motion_checks_;
+  HapticRendering rendering_;
 
   std::uint64_t tick_{0};
   rt::Nanoseconds now_{0};
   /// Last tick without a motion request.
   rt::Nanoseconds withdrawn_at_{StartConditions::kNeverWithdrawn};
-  bool differed_{false};           ///< ReportDifference since the last tick
-  bool recorder_stalled_{false};   ///< ReportRecorder since the last tick
-  bool spindle_permitted_{true};   ///< the PLC permits the spindle
-  double spindle_rad_per_s_{0.0};  ///< actual speed: measured if there is a drive
-  bool arm_overloaded_{false};     ///< the joints' load is about to exceed what they can hold
-  bool reduced_speed_{false};      ///< the arm is in operation mode T1 or reports no mode
-  TickResult result_;              ///< of this tick
 };
 
 }  // namespace osteon::control

@@ -29,7 +29,7 @@ struct DriveDeviceParams {
 /// or 6, the quick stop is finished.
 ///
 /// The motor turns in virtual time: each call advances it to the call's time, in steps of 0.1 ms. Frames pass
-/// as for any CanClient: a CanPump runs it over a bus, a VirtualCan in virtual time.
+/// as for any CanClient: a CanPump runs it over a bus.
 class DriveDevice final : public io::CanClient {
  public:
   /// @throws std::invalid_argument on a node outside 1 … 127, or from the motor.

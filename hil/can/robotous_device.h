@@ -29,7 +29,7 @@ struct RobotousDeviceFaults {
 /// are heard; rate (200 Hz) and low-pass (off) are kept, bias is not. Commands answered here: set and read
 /// filter, read once, start, stop, set and read rate, bias, overload count.
 ///
-/// Frames pass as for any CanClient: a CanPump runs it over a bus, a VirtualCan in virtual time.
+/// Frames pass as for any CanClient: a CanPump runs it over a bus.
 class RobotousDevice final : public io::CanClient {
  public:
   /// @throws std::invalid_argument from the model.

@@ -286,8 +286,8 @@ EngineEvent LocalEngineServer::Await(EngineCommand& command, rt::Nanoseconds dea
     const SharedState run = shared_->run.load(std::memory_order_acquire);
     if (run == SharedState::kEnding) return EngineEvent::kEnd;
     const rt::Nanoseconds now = rt::MonotonicNow();
-    if (now - looked_ >= kRunCheck) {
-      looked_ = now;
+    if (now - run_checked_at_ >= kRunCheck) {
+      run_checked_at_ = now;
       if (IsRunGone()) return EngineEvent::kGone;
     }
     if (now >= deadline) return EngineEvent::kNothing;

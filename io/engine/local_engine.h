@@ -24,7 +24,7 @@ namespace osteon::io {
 /// The run's end.
 class LocalEngineClient final : public EngineClient {
  public:
-  /// Makes the folder, and removes those that runs left that have ended without doing so.
+  /// Creates the folder. Also removes the folders of runs that ended without removing theirs.
   [[nodiscard]] static tl::expected<std::unique_ptr<LocalEngineClient>, std::string> Create(
       std::span<const std::uint8_t> setup);
   ~LocalEngineClient() override;
@@ -32,10 +32,11 @@ class LocalEngineClient final : public EngineClient {
   LocalEngineClient& operator=(const LocalEngineClient&) = delete;
 
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
-  /// How far the engine is.
+  /// The engine's progress, as the engine itself reports it.
   [[nodiscard]] SharedState state() const { return shared_->engine.load(std::memory_order_acquire); }
-  /// Once it runs: takes its name and device. Once it has failed: why.
+  /// Reads the engine's name and device. Call once state() says that it runs.
   void ReadNames();
+  /// Why the engine failed. Call once state() says that it has.
   [[nodiscard]] std::string ReadError() const;
 
   [[nodiscard]] const simulation::ContactModel& Load() OSTEON_RT override;
@@ -68,7 +69,7 @@ class LocalEngineClient final : public EngineClient {
 /// The engine's end.
 class LocalEngineServer final : public EngineServer {
  public:
-  /// Opens a folder that a run has made. The error says what is wrong with it.
+  /// Opens a folder that a run has created. The error says what is wrong with it.
   [[nodiscard]] static tl::expected<std::unique_ptr<LocalEngineServer>, std::string> Open(
       const std::filesystem::path& folder);
   ~LocalEngineServer() override;
@@ -76,8 +77,9 @@ class LocalEngineServer final : public EngineServer {
   LocalEngineServer& operator=(const LocalEngineServer&) = delete;
 
   [[nodiscard]] tl::expected<std::vector<std::uint8_t>, std::string> ReadSetup() const;
-  /// Says that the engine is there, and what it is; or why there is none.
+  /// Reports to the run that the engine runs, with its name and device.
   void SetRunning(const std::string& engine, const std::string& device);
+  /// Reports to the run why the engine could not start.
   void SetFailed(const std::string& why);
 
   [[nodiscard]] EngineEvent Await(EngineCommand& command, rt::Nanoseconds deadline) override;
@@ -95,7 +97,7 @@ class LocalEngineServer final : public EngineServer {
   SlotWriter models_;
   std::uint64_t session_, made_{0};
   EngineBytes command_bytes_, frame_bytes_;
-  rt::Nanoseconds looked_{0};
+  rt::Nanoseconds run_checked_at_{0};
 };
 
 }  // namespace osteon::io

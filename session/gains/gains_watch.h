@@ -15,8 +15,8 @@ class GainsPanel;
 /// takes what the console's pages ask for (GainsPanel).
 ///
 /// Poll() belongs to the thread that supervises the run, never to the tick. Twice a second it reads the
-/// file's modification time. If the time has changed since the file was read and not since the last look (an
-/// editor may still be writing), the file is read and checked like the cell's own, and the loop ramps to the
+/// file's modification time. Once the file is newer than when it was read, and has not changed for one poll
+/// (an editor may still be writing), it is read and checked like the cell's own, and the loop ramps to the
 /// new gains (GainRamp). An error is reported, and the gains stay.
 class GainsWatch {
  public:
@@ -40,7 +40,7 @@ class GainsWatch {
   GainsPanel* panel_;
   control::Gains asked_;                    ///< the gains last given to the loop
   std::filesystem::file_time_type read_{};  ///< modification time of the file as last read
-  std::filesystem::file_time_type seen_{};  ///< modification time at the last look
+  std::filesystem::file_time_type seen_{};  ///< modification time at the last poll that read it
   double next_s_{0.0};
 };
 

@@ -28,7 +28,6 @@ PassDetector::Change PassDetector::Step(const simulation::ContactModel& model, r
       cutting_s_ = 0.0;
       removed_at_begin_m3_ = cut_.removed_before_m3();
     }
-    last_cut_ = stamp;
     cutting_s_ += dt_s;
     clear_since_ = 0;
     return begins ? Change::kBegan : Change::kNone;

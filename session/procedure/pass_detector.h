@@ -51,7 +51,6 @@ class PassDetector {
   [[nodiscard]] bool clear() const { return clear_; }
   // of the open pass, or of the one that has just ended
   [[nodiscard]] rt::Nanoseconds begin() const { return begin_; }
-  [[nodiscard]] rt::Nanoseconds last_cut() const { return last_cut_; }
   /// Time of the frames in which bone was removed (CutDetector).
   [[nodiscard]] double cutting_s() const { return cutting_s_; }
   [[nodiscard]] double removed_m3() const { return cut_.removed_m3() - removed_at_begin_m3_; }
@@ -59,7 +58,7 @@ class PassDetector {
  private:
   CutDetector cut_;
   bool open_{false}, clear_{true};
-  rt::Nanoseconds begin_{0}, last_cut_{0}, clear_since_{0}, last_{0};
+  rt::Nanoseconds begin_{0}, clear_since_{0}, last_{0};
   double cutting_s_{0.0}, removed_at_begin_m3_{0.0};
 };
 

@@ -77,11 +77,6 @@ SessionFile ProcedureSession::File() const {
   return file_;
 }
 
-std::string ProcedureSession::resume_refusal() const {
-  const std::lock_guard lock(mutex_);
-  return resume_refusal_;
-}
-
 std::string ProcedureSession::PanelJson() const {
   SessionFile file;
   double gain = 0.0;
@@ -402,8 +397,6 @@ SessionAnswer ProcedureSession::Resume(const ToolCommand& command, const FrameRu
   if (changed_)
     why = RetractFirst(runner.engine().Snapshot(), tool_, params_.X_WG.inverse() * Pose(command.X_WT));
   if (why.empty()) resume_.store(true);
-  const std::lock_guard lock(mutex_);
-  resume_refusal_ = why;
   return why.empty() ? SessionAnswer{.done = true, .reason = ""} : Refused(std::move(why));
 }
 

@@ -124,8 +124,6 @@ class ProcedureSession final : public FrameObserver {
   [[nodiscard]] bool finished() const { return finished_.load(); }
   /// Thinnest wall that any tool but the first has left; nothing where none was seen.
   [[nodiscard]] std::optional<double> min_wall_m() const;
-  /// Why a resume was not passed on; empty: it was. Any thread.
-  [[nodiscard]] std::string resume_refusal() const;
 
  private:
   struct Open {
@@ -194,7 +192,6 @@ class ProcedureSession final : public FrameObserver {
   std::optional<Open> open_;
   bool over_{false};  // no further frame comes
   SessionFile file_;
-  std::string resume_refusal_;
 };
 
 }  // namespace osteon::session

@@ -9,11 +9,11 @@
 
 namespace osteon::session {
 
-/// Starts a thread that makes the carved bone's surface while frames are pushed: of the solid, or, where it
-/// is not known, of the balls.
-/// @param setup, sink  outlive the thread
-/// @param session  of a procedure: its first tool, what it has cut before, passes that may be taken back; it
-///   outlives the thread; null: none
+/// Starts the thread that updates the surface of the carved bone: that of the bone's solid or, if the solid
+/// is not known, of its balls.
+/// @param setup, sink  must outlive the thread
+/// @param session  a procedure, whose earlier passes are carved first and can be undone; must outlive the
+///   thread; null: none
 /// @param is_watched  SurfaceThreadParams::is_watched
 [[nodiscard]] std::unique_ptr<surface::SurfaceThread> StartSurface(const CellSetup& setup,
                                                                    const ProcedureSession* session,

@@ -53,7 +53,6 @@ class MeasuredPlant {
   [[nodiscard]] std::complex<double> At(double hz) const;
   [[nodiscard]] double period_s() const { return period_s_; }
   [[nodiscard]] double lowest_hz() const { return lines_.front().hz; }
-  [[nodiscard]] double highest_hz() const { return lines_.back().hz; }
 
   struct Point {
     double hz{0.0};

@@ -7,8 +7,9 @@ namespace osteon::app {
 void RecordedMeshOptions::AddTo(CLI::App& command) {
   CLI::Option* mesh =
       command
-          .add_option("--mesh", mesh_.file,
-                      "the bone's file, where the run's bone was of --mesh: it is not in the recording")
+          .add_option(
+              "--mesh", mesh_.file,
+              "the bone's mesh file, if the run was started with --mesh: a recording does not contain it")
           ->type_name("FILE")
           ->check(CLI::ExistingFile);
   command.add_option("--cup", cup_, "the run's --cup: centre, axis out of the bone, radius; mm")

@@ -5,7 +5,7 @@
 #include "app/cli/help/command_table.h"
 
 // Scripts by which a shell completes the command: subcommands, options, words, files, and names below
-// config/. They are complete in themselves: nothing is started when a key is pressed.
+// config/. A script contains all of its words: completing one starts no process.
 
 namespace osteon::app {
 

@@ -5,10 +5,10 @@
 
 #include "hil/can/drive_device.h"
 #include "hil/can/robotous_device.h"
-#include "hil/can/virtual_can.h"
 #include "io/can/reamer_drive.h"
 #include "io/can/robotous_sensor.h"
 #include "tests/base/checked_no_alloc_scope.h"
+#include "tests/hil/can/virtual_can.h"
 #include "tests/io/can/can_frames.h"
 
 // The drive's client against the simulated drive, and the drive's physics, in virtual time.

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "hil/can/virtual_can.h"
 #include "io/can/wrench_sensor.h"
+#include "tests/hil/can/virtual_can.h"
 #include "tests/io/can/can_frames.h"
 
 namespace osteon::hil {

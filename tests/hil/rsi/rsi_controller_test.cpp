@@ -152,7 +152,7 @@ TEST(RsiController, DelayCountsAllOrThoseInARow) {
   }
 }
 
-TEST(RsiController, CountsWhatAnswersNothing) {
+TEST(RsiController, CountsAnswersThatBelongToNoCycle) {
   RsiController controller(Params());
   EXPECT_FALSE(Send(controller, 1000, {})) << "it has not spoken yet";
   controller.Step();

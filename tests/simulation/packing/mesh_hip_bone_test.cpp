@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "simulation/bone/scenes.h"
-#include "simulation/packing/cover_index.h"
 #include "tests/simulation/bone/cup_bone.h"
+#include "tests/simulation/packing/cover_index.h"
 
 // A real hip bone of 50 000 triangles, where the folder of anatomical meshes is available.
 

@@ -5,10 +5,10 @@
 
 #include <gmock/gmock.h>
 
-#include "simulation/packing/cover_index.h"
 #include "simulation/packing/packing_builder.h"
 #include "simulation/solids/acetabulum_solid.h"
 #include "simulation/solids/mesh_solid.h"
+#include "tests/simulation/packing/cover_index.h"
 
 // Packings with a wanted number of balls.
 

@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "control/compliance/compliant_link.h"
-#include "hil/loops/compliant_loop.h"
 #include "hil/loops/mount_rule.h"
 #include "hil/operator/hand_grid.h"
+#include "tests/studies/stability/compliant_loop.h"
 
 namespace osteon::studies {
 namespace {

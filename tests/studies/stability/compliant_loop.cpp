@@ -1,4 +1,4 @@
-#include "hil/loops/compliant_loop.h"
+#include "tests/studies/stability/compliant_loop.h"
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "hil/can/virtual_can.h"
+#include "tests/hil/can/virtual_can.h"
 
 #include <utility>
 

@@ -1,10 +1,9 @@
-// ServoLoop's rendering by either law, and how it comes to rest.
+#include "control/loop/haptic_rendering.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "control/laws/twist_parts.h"
-#include "control/loop/servo_loop.h"
 #include "control/loop/tool_speed_trip.h"
 
 namespace osteon::control {
@@ -16,8 +15,22 @@ constexpr double kMinSpeedRatio = 0.05;  // a spindle below this fraction of its
 
 }  // namespace
 
-// Begins rendering from the arm's present pose, with all that renders at rest.
-void ServoLoop::StartRendering(const TickInputs& tick) OSTEON_RT {
+HapticRendering::HapticRendering(const Parts& parts)
+    : params_(parts.params),
+      supervisor_(parts.supervisor),
+      session_(parts.session),
+      tool_(parts.tool),
+      hand_(parts.hand),
+      coupling_(parts.coupling),
+      checks_(parts.checks),
+      impedance_(parts.impedance),
+      actions_(parts.actions),
+      motion_checks_(parts.motion_checks),
+      statistics_(parts.statistics),
+      result_(parts.result),
+      admittance_(parts.params) {}
+
+void HapticRendering::Start(const TickInputs& tick) OSTEON_RT {
   session_.StartCommanding(tick.state);
   session_.ResetTwist();
   supervisor_.SetRendered();
@@ -29,9 +42,27 @@ void ServoLoop::StartRendering(const TickInputs& tick) OSTEON_RT {
   checks_.OnRenderingStarted(tick.now);
 }
 
-void ServoLoop::UpdateSpindle(const CellReadings& readings) OSTEON_RT {
+void HapticRendering::OnToolChanged() OSTEON_RT {
+  coupling_.Reset();
+  admittance_.Reset(tool_.X_WT());
+}
+
+double HapticRendering::SpindleCommand_rad_per_s() const OSTEON_RT {
+  const bool on = safety::Renders(supervisor_.state()) && spindle_permitted_ && !coupling_.stops_spindle();
+  return on ? params_.spindle_rad_per_s : 0.0;
+}
+
+void HapticRendering::Step(const TickInputs& tick) OSTEON_RT {
+  UpdateSpindle(tick.readings);
+  if (params_.law == Law::kImpedance)
+    RenderImpedance(tick);
+  else
+    RenderAdmittance(tick);
+}
+
+void HapticRendering::UpdateSpindle(const CellReadings& readings) OSTEON_RT {
   spindle_permitted_ = !params_.has_interlock || readings.interlock.spindle_permitted;
-  const double wanted = cell_commands().spindle_rad_per_s;
+  const double wanted = SpindleCommand_rad_per_s();
   const double speed = params_.has_spindle ? readings.spindle.speed_rad_per_s : wanted;
   // only a positive direction counts: the tool's edges cut in no other
   spindle_rad_per_s_ =
@@ -40,11 +71,11 @@ void ServoLoop::UpdateSpindle(const CellReadings& readings) OSTEON_RT {
 }
 
 // Computes the hand's and the coupling's wrench, and runs all checks on both. @returns the hand's wrench
-Wrench ServoLoop::EvaluateContact(const TickInputs& tick, const ToolMotion& tool) OSTEON_RT {
-  const Wrench F_hand_T_W = MeasureHand(tick.readings.force);
+Wrench HapticRendering::EvaluateContact(const TickInputs& tick, const ToolMotion& motion) OSTEON_RT {
+  const Wrench F_hand_T_W = motion_checks_.MeasureHand(tick.readings.force);
   const CouplingOutput& coupling = coupling_.Evaluate({.model = tick.model,
-                                                       .X_WT = tool.X_WT,
-                                                       .V_WT = tool.V_WT,
+                                                       .X_WT = motion.X_WT,
+                                                       .V_WT = motion.V_WT,
                                                        .now = tick.now,
                                                        .spindle_turns = spindle_rad_per_s_ > 0.0},
                                                       tool_.arm(), result_.acting);
@@ -60,25 +91,25 @@ Wrench ServoLoop::EvaluateContact(const TickInputs& tick, const ToolMotion& tool
   return F_hand_T_W;
 }
 
-void ServoLoop::RenderAdmittance(const TickInputs& tick) OSTEON_RT {
+void HapticRendering::RenderAdmittance(const TickInputs& tick) OSTEON_RT {
   const Pose X_before = tool_.X_WT();
   const Wrench F_hand_T_W = EvaluateContact(tick, {.X_WT = X_before, .V_WT = tool_.Velocity()});
-  if (faults().Any()) {
-    StopRendering();
+  if (supervisor_.faults().Any()) {
+    Stop(tick.state);
     return;
   }
   const AdmittanceStep step = admittance_.Step({.F_hand_T_W = F_hand_T_W,
                                                 .sensor_fade = checks_.SensorFade(result_.ages.sensor_s),
                                                 .max_hand_N = checks_.max_hand_N(),
                                                 .spindle_rad_per_s = spindle_rad_per_s_,
-                                                .reduced_speed = reduced_speed_},
+                                                .reduced_speed = HasReducedSpeed(tick.state)},
                                                coupling_, tool_);
   result_.vibration = step.vibration;
   result_.acting.Add(step.acting);
   statistics_.CountDepthLeft(coupling_.depth_limit());
   if (!step.finite) {
     actions_.StopWith(Fault::kNotFinite);
-    actions_.Brake(reduced_speed_, result_.acting);
+    actions_.Brake(HasReducedSpeed(tick.state), result_.acting);
     return;
   }
   if (step.fault != Fault::kNone) {
@@ -92,43 +123,44 @@ void ServoLoop::RenderAdmittance(const TickInputs& tick) OSTEON_RT {
   if (speed_m_per_s > ToolSpeedTripLimit_m_per_s(params_)) supervisor_.Latch(Fault::kToolSpeed);
   if (coupling_.guidance_trips()) supervisor_.Latch(Fault::kWrenchRate);
   if (tool_.workspace().Violated(X_WT.translation())) supervisor_.Latch(Fault::kWorkspace);
-  if (faults().Any()) actions_.ApplyFault();
+  if (supervisor_.faults().Any()) actions_.ApplyFault();
   const double power_W = Power(step.rendered.F, SmallStep(X_before, X_WT)) / params_.period_s;
   statistics_.peak_power_W = std::max(statistics_.peak_power_W, power_W);
   StoreRendered(step.rendered, speed_m_per_s);
   StepCompliance(tick.model);
 }
 
-void ServoLoop::RenderImpedance(const TickInputs& tick) OSTEON_RT {
+void HapticRendering::RenderImpedance(const TickInputs& tick) OSTEON_RT {
   const Twist V_before_WT = tool_.V_WT;
   tool_.V_WT = session_.V_WT();
   tool_.fade = 1.0;
   EvaluateContact(tick, {.X_WT = session_.X_WT(), .V_WT = tool_.V_WT});
-  const ImpedanceMotion motion = impedance_.FollowHand(session_, tick.state.q_meas, reduced_speed_, tool_);
+  const ImpedanceMotion motion =
+      impedance_.FollowHand(session_, tick.state.q_meas, HasReducedSpeed(tick.state), tool_);
   result_.acting.Add(motion.acting);
   supervisor_.Latch(motion.faults);
-  if (faults().Any()) {
-    StopRendering();
+  if (supervisor_.faults().Any()) {
+    Stop(tick.state);
     return;
   }
   const ImpedanceStep step = impedance_.Step(session_, V_before_WT, motion, coupling_, tool_);
   result_.acting.Add(step.acting);
   if (coupling_.guidance_trips()) supervisor_.Latch(Fault::kWrenchRate);
-  if (faults().Any()) actions_.ApplyFault();
+  if (supervisor_.faults().Any()) actions_.ApplyFault();
   statistics_.CountDepthLeft(coupling_.depth_limit());
   StoreRendered(step.rendered, tool_.V_WT.v.norm());
   StepCompliance(tick.model);
 }
 
 // Ends rendering because of a fault that was found before this tick rendered a wrench.
-void ServoLoop::StopRendering() OSTEON_RT {
+void HapticRendering::Stop(const ArmState& state) OSTEON_RT {
   result_.F_coupling_T_W = coupling_.limited().F;
   actions_.ApplyFault();
-  actions_.Brake(reduced_speed_, result_.acting);
+  actions_.Brake(HasReducedSpeed(state), result_.acting);
 }
 
 // Lets tool, tissue and the bone's mount give way to the wrench that was rendered.
-void ServoLoop::StepCompliance(const simulation::ContactModel& model) OSTEON_RT {
+void HapticRendering::StepCompliance(const simulation::ContactModel& model) OSTEON_RT {
   coupling_.StepCompliance(model, result_.acting);
   const Compliance* compliance = coupling_.compliance();
   const bool bent = compliance != nullptr && compliance->beyond_limit(), deep = coupling_.beyond_depth();
@@ -139,7 +171,7 @@ void ServoLoop::StepCompliance(const simulation::ContactModel& model) OSTEON_RT 
 
 // Stores the rendered wrench of either law, and updates the statistics. The stored fractions cover all limits
 // from the coupling to the arm.
-void ServoLoop::StoreRendered(const safety::LimitedWrench& rendered, double speed_m_per_s) OSTEON_RT {
+void HapticRendering::StoreRendered(const safety::LimitedWrench& rendered, double speed_m_per_s) OSTEON_RT {
   result_.rendered = true;
   result_.F_coupling_T_W = rendered.F;
   result_.wrench_scale = std::min(coupling_.limited().share, rendered.share);
@@ -153,14 +185,28 @@ void ServoLoop::StoreRendered(const safety::LimitedWrench& rendered, double spee
                       result_.acting);
 }
 
-// Brakes in stop 2. Until the tool is at rest, any fault that would end rendering turns this stop into a
-// stop 1.
-void ServoLoop::BrakeForPause(const TickInputs& tick) OSTEON_RT {
-  MeasureHand(tick.readings.force);
+void HapticRendering::BrakeForPause(const TickInputs& tick) OSTEON_RT {
+  motion_checks_.MeasureHand(tick.readings.force);
   supervisor_.Latch(checks_.CheckDevices(tick.readings, result_.ages, tick.now));
   if (tick.model.status == simulation::EngineStatus::kDeviceLost) supervisor_.Latch(Fault::kDevice);
-  if (faults().Any()) actions_.ApplyFault();
-  if (!supervisor_.on_path()) actions_.Brake(reduced_speed_, result_.acting);
+  if (supervisor_.faults().Any()) actions_.ApplyFault();
+  if (!supervisor_.on_path()) actions_.Brake(HasReducedSpeed(tick.state), result_.acting);
+}
+
+void HapticRendering::FillRecord(TickRecord& record) const OSTEON_RT {
+  if (result_.coupling_evaluated) {
+    record.tool_in_bone_m = coupling_.force_limit_reaction().tool_in_bone_m();
+    record.wrench_step_N = checks_.wrench_growth_N();
+    record.wrench_step_limit_N = checks_.max_wrench_growth_N(CouplingStep_s());
+  }
+  if (result_.rendered) {
+    coupling_.stabilisers().FillRecord(record);
+    if (coupling_.guidance()) record.guidance = coupling_.guidance()->Record();
+  }
+  if (const Compliance* compliance = coupling_.compliance()) {
+    const bool measured = params_.law == Law::kImpedance && safety::Renders(supervisor_.state());
+    compliance->FillRecord(measured ? session_.X_WT() : tool_.X_WT(), record.compliance);
+  }
 }
 
 }  // namespace osteon::control
