@@ -311,7 +311,7 @@ std::string ValueText(double si, const procedure::Metric& metric) {
   const double value = si * metric.to_unit;
   if (unit == "ratio") return report::Number(1e2 * value, 1) + " %";
   if (unit == "deg") return report::Number(value, 1) + "°";
-  if (unit == "mm3") return report::Number(value, 0) + " mm³";
+  if (unit == "mm3") return report::Number(value, std::abs(value) < 10.0 ? 1 : 0) + " mm³";
   return report::Number(value, unit == "mm" ? 2 : 1) + " " + metric.unit;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -132,20 +134,16 @@ tl::expected<std::string, std::string> ComparisonSvg(const AssessResult& first, 
     body += *session;
     y += std::max(kSessionPx, items_px + kPictureGapPx);
   }
-  constexpr std::array<std::array<const char*, 2>, 4> kLegend{{{"removed beyond the plan", "#d55e00"},
-                                                               {"left within it", "#0072b2"},
-                                                               {"bone", "#decdb0"},
-                                                               {"no bone there", "#e4e8ec"}}};
+  const procedure::SurgicalPlan& plan = first.session.plan.plan;
+  std::vector<std::array<std::string, 2>> legend{
+      {"removed beyond the plan", "#d55e00"}, {"left within it", "#0072b2"}, {"bone", "#decdb0"}};
+  if (plan.kind == procedure::PlanKind::kCup) legend.push_back({"no bone there", "#e4e8ec"});
+  if (!plan.target.empty()) legend.push_back({plan.target, "#d89696"});
   double x = kPictureGapPx;
-  for (const auto& [text, color] : kLegend) {
+  for (const auto& [text, color] : legend) {
     body += report::SvgRect(x, y + 4.0, 14.0, 14.0, color);
     body += report::SvgText(x + 20.0, y + 16.0, text);
     x += 44.0 + report::TextWidth(text, report::kFontPx);
-  }
-  if (const std::string& target = first.session.plan.plan.target; !target.empty()) {
-    body += report::SvgRect(x, y + 4.0, 14.0, 14.0, "#d89696");
-    body += report::SvgText(x + 20.0, y + 16.0, target);
-    x += 44.0 + report::TextWidth(target, report::kFontPx);
   }
   body += report::SvgText(x, y + 16.0, "line: the plan");
   return report::SvgDocument(kWidthPx, y + kFootPx, "Two sessions of a plan", body);

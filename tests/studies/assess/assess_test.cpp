@@ -124,6 +124,7 @@ TEST(ValueText, IsNoFinerThanAPersonReads) {
   EXPECT_EQ(text(1.363e-3, "superior_shift"), "1.36 mm");
   EXPECT_EQ(text(0.3323, "coverage"), "33.2 %");
   EXPECT_EQ(text(309.4e-9, "under_reamed"), "309 mm³");
+  EXPECT_EQ(text(2.43e-9, "over_reamed"), "2.4 mm³");
   EXPECT_EQ(text(12.34, "time"), "12.3 s");
 }
 
