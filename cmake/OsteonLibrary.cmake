@@ -75,14 +75,13 @@ function(osteon_included HEADER RESULT)
 endfunction()
 
 # What osteon_verify_headers() finds parsed: sets of headers that many others include, the largest first.
-set(OSTEON_VERIFY_SETS commands command cell tick eigen files string)
+set(OSTEON_VERIFY_SETS commands command cell tick eigen files)
 set(OSTEON_VERIFY_commands <CLI/CLI.hpp> config/reading/cell_config.h)
 set(OSTEON_VERIFY_command <CLI/CLI.hpp>)
 set(OSTEON_VERIFY_cell config/reading/cell_config.h)
 set(OSTEON_VERIFY_tick control/tick_record.h)
 set(OSTEON_VERIFY_eigen <Eigen/Geometry>)
 set(OSTEON_VERIFY_files <filesystem>)
-set(OSTEON_VERIFY_string <string>)
 
 # osteon_verify_sets(): the targets that parse those sets. Called once, before the libraries.
 function(osteon_verify_sets)
@@ -113,96 +112,64 @@ function(osteon_verify_set HEADER RESULT)
   endforeach()
 endfunction()
 
-# osteon_verify_headers(LIBRARY a.h …): the target osteon_verify_headers compiles the headers of LIBRARY (or of the
-# folder that it is built from) so that one which does not compile alone is found.
-function(osteon_verify_headers LIBRARY)
+# osteon_verify_headers(TARGET LIBRARIES a.h …): the targets TARGET_<set> compile the headers with LIBRARIES so that one
+# which does not compile alone is found. Most of such a compilation is Eigen and the standard library, so several
+# headers share one file where this hides nothing: a header may stand behind another that it includes itself, for
+# everything that is declared before it, it includes as well. In the same way a header may find a set of headers parsed
+# that it includes. (A header that needs what it does not include, but includes a header that needs it as well, is no
+# exception: there the included one is found.) This holds as long as all #include lines stand before the code.
+function(osteon_verify_headers TARGET LIBRARIES)
   cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE folder)
+  set(sorted)  # by the number of files included: "0012 folder/a.h"
   foreach(header ${ARGN})
-    set_property(GLOBAL APPEND PROPERTY osteon_verified_headers ${folder}/${header})
-    file(APPEND ${CMAKE_BINARY_DIR}/verified_headers.txt "${folder}/${header}\n")
-  endforeach()
-  set_property(GLOBAL APPEND PROPERTY osteon_verified_libraries ${LIBRARY})
-endfunction()
-
-# osteon_verify_files(RESULT): writes the files that compile the headers. Most of such a compilation is Eigen and the
-# standard library, so several headers, of any folder, share one file where this hides nothing: a header may stand
-# behind another that it includes itself, for everything that is declared before it, it includes as well. (A header that
-# needs what it does not include, but includes a header that needs it as well, is no exception: there the included one
-# is found.) This holds as long as all #include lines stand before the code. The headers of a file are of one set
-# (osteon_verify_set), else the later ones would not find theirs parsed. RESULT names each file by its first header.
-function(osteon_verify_files RESULT)
-  get_property(headers GLOBAL PROPERTY osteon_verified_headers)
-  set(sorted)  # by the number of files included: "10012 folder/a.h"
-  foreach(header ${headers})
-    osteon_included(${header} included)
+    osteon_included(${folder}/${header} included)
     list(LENGTH included length)
     math(EXPR length "10000 + ${length}")
-    list(APPEND sorted "${length} ${header}")
+    list(APPEND sorted "${length} ${folder}/${header}")
+    file(APPEND ${CMAKE_BINARY_DIR}/verified_headers.txt "${folder}/${header}\n")
   endforeach()
   list(SORT sorted)
-  list(REMOVE_DUPLICATES sorted)
 
-  set(files)  # text_<file> is its content; file_ending_<header> is the file whose last header that is
+  set(files)  # each is named by its first header; last_<file> is its last entry of `sorted`, text_<file> its content
   foreach(entry ${sorted})
     string(SUBSTRING ${entry} 6 -1 header)
     osteon_included(${header} included)
-    osteon_verify_set(${header} set)
-    set(file ${header})
-    set(last 0)
-    foreach(name ${included})
-      if(DEFINED file_ending_${name} AND length_${name} GREATER last AND set_${name} STREQUAL set)
-        set(file ${file_ending_${name}})
-        set(last ${length_${name}})
-        set(last_header ${name})
+    set(chosen ${header})
+    set(last "")
+    foreach(file ${files})
+      string(SUBSTRING ${last_${file}} 6 -1 last_header)
+      if(last_header IN_LIST included AND last_${file} STRGREATER last)
+        set(chosen ${file})
+        set(last ${last_${file}})
       endif()
     endforeach()
-    if(file STREQUAL header)
+    if(chosen STREQUAL header)
       list(APPEND files ${header})
       set(text_${header} "")
-    else()
-      unset(file_ending_${last_header})
     endif()
-    set(file_ending_${header} ${file})
-    set(set_${header} ${set})
-    string(SUBSTRING ${entry} 0 5 length_${header})
-    string(APPEND text_${file} "#include \"${header}\"\n")
+    set(last_${chosen} ${entry})
+    string(APPEND text_${chosen} "#include \"${header}\"\n")
   endforeach()
-  foreach(file ${files})
-    file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/verified/${file}.cxx CONTENT "${text_${file}}" @ONLY)
-  endforeach()
-  set(${RESULT} ${files} PARENT_SCOPE)
-endfunction()
 
-# osteon_verify_targets(): the targets osteon_verified_<set> compile those files. A file may find a set of headers parsed
-# that its first header includes, for the same reason. Called where all libraries are known.
-function(osteon_verify_targets)
-  osteon_verify_files(files)
   foreach(file ${files})
+    set(source ${CMAKE_CURRENT_BINARY_DIR}/${TARGET}/${file}.cxx)
+    file(CONFIGURE OUTPUT ${source} CONTENT "${text_${file}}" @ONLY)
     osteon_verify_set(${file} set)
-    list(APPEND sources_${set} ${CMAKE_BINARY_DIR}/verified/${file}.cxx)
+    list(APPEND sources_${set} ${source})
   endforeach()
-  get_property(libraries GLOBAL PROPERTY osteon_verified_libraries)
   foreach(set plain ${OSTEON_VERIFY_SETS})
     if(sources_${set})
-      add_library(osteon_verified_${set} OBJECT EXCLUDE_FROM_ALL ${sources_${set}})
-      target_link_libraries(osteon_verified_${set} PRIVATE osteon::options ${libraries})
-      foreach(library ${libraries})  # with what only its own sources find
-        get_target_property(type ${library} TYPE)
-        if(NOT type STREQUAL INTERFACE_LIBRARY)
-          target_include_directories(osteon_verified_${set} PRIVATE $<TARGET_PROPERTY:${library},INCLUDE_DIRECTORIES>)
-        endif()
-      endforeach()
+      add_library(${TARGET}_${set} OBJECT EXCLUDE_FROM_ALL ${sources_${set}})
+      target_link_libraries(${TARGET}_${set} PRIVATE osteon::options ${LIBRARIES})
       # not the folder's own: GCC takes what is precompiled only where all options are the same; nothing of it runs
-      set_target_properties(osteon_verified_${set} PROPERTIES COMPILE_OPTIONS "-O0;-fsyntax-only"
-        CXX_COMPILER_LAUNCHER ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/check_only.sh)
-      add_dependencies(osteon_verify_headers osteon_verified_${set})
+      set_target_properties(${TARGET}_${set} PROPERTIES COMPILE_OPTIONS -O0)
+      add_dependencies(osteon_verify_headers ${TARGET}_${set})
       if(NOT set STREQUAL plain)
-        osteon_precompile(osteon_verified_${set} osteon_verify_${set})
+        osteon_precompile(${TARGET}_${set} osteon_verify_${set})
       endif()
     endif()
   endforeach()
 endfunction()
-cmake_language(DEFER DIRECTORY ${CMAKE_SOURCE_DIR} CALL osteon_verify_targets)
 
 function(osteon_library NAME)
   cmake_parse_arguments(ARG "" "PRECOMPILED" "SOURCES;HEADERS;PRIVATE_HEADERS;LINK;PRIVATE" ${ARGN})
@@ -227,5 +194,6 @@ function(osteon_library NAME)
   add_library(osteon::${NAME} ALIAS osteon_${NAME})
   target_sources(osteon_${NAME} ${scope} FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ARG_HEADERS})
 
-  osteon_verify_headers(osteon_${NAME} ${ARG_HEADERS} ${ARG_PRIVATE_HEADERS})
+  osteon_verify_headers(osteon_${NAME}_verify_headers osteon_${NAME} ${ARG_HEADERS})
+  osteon_verify_headers(osteon_${NAME}_verify_private_headers "osteon_${NAME};${ARG_PRIVATE}" ${ARG_PRIVATE_HEADERS})
 endfunction()
