@@ -68,6 +68,7 @@ export class Timeline {
     this.next.title = this.next.ariaLabel = t("eventNext");
     this.slider.ariaLabel = t("time");
     this.speed.ariaLabel = t("speedOf");
+    if (this.state) this.time.textContent = `${figure(this.state.at_s, 2)} ${t("of")} ${figure(this.state.duration_s, 1)} s`;
     this.play.textContent = this.state?.playing ? `❚❚ ${t("halt")}` : `▶ ${t("play")}`;
   }
 
@@ -76,7 +77,6 @@ export class Timeline {
     this.state = state;
     this.slider.max = String(state.duration_s);
     if (!this.dragging) this.slider.value = String(state.at_s);
-    this.time.textContent = `${figure(state.at_s, 2)} ${t("of")} ${figure(state.duration_s, 1)} s`;
     this.setTexts();
   }
 
