@@ -21,7 +21,7 @@ namespace osteon::studies {
 /// assumed, and so does the jitter, whose mean no measured dead time holds; sensor and hands are the measured
 /// ones.
 void UseIdentified(const config::IdentifiedCell& identified, TuneTask& task);
-/// What a file has besides the arm's motion, for people: "the force sensor's noise, a dead zone".
+/// The figures of a file besides the arm's motion, for people: "the force sensor's noise, a dead zone".
 [[nodiscard]] std::string FiguresBesideArm(const config::IdentifiedCell& identified);
 /// Adds the measured hands, each with the ends of its interval.
 void UseHands(const config::IdentifiedCell& identified, TuneTask& task);

@@ -159,18 +159,6 @@ TEST(OsteonSession, RefusesToBeginInBone) {
   EXPECT_EQ(FiguresOf(session.get()).frame, 1U);
 }
 
-// A first pose in bone is refused; a change of tool at a free pose begins the session all the same.
-TEST(OsteonSession, BeginsWithAChangeOfToolAfterAFirstPoseInBone) {
-  const auto bone = BlockOfBalls();
-  const auto tool = BallTool();
-  const auto session = MakeSession(bone.get(), tool.get(), Lockstep(false));
-  const OsteonPose inside = Above(1.0), free = Above(5.0);
-  ASSERT_EQ(osteon_session_step(session.get(), &inside, 0.0, 0.001), OSTEON_ERROR_STATE);
-  ASSERT_OK(osteon_session_change_tool(session.get(), tool.get(), &free));
-  EXPECT_OK(osteon_session_step(session.get(), &free, 0.0, 0.001));
-  EXPECT_GT(FiguresOf(session.get()).frame, 1U);
-}
-
 TEST(OsteonSession, TellsItsLogWhatHappens) {
   struct Line {
     std::uint32_t level;
