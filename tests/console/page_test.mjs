@@ -164,6 +164,12 @@ async function operatesTheCell() {
   for (const part of ["To the depth limit", "Feed along the axis", "rpm"]) assert.ok(figures.includes(part), figures);
   for (const part of ["arm's message", "PLC's word", "Tick, 99 %", "Messages lost", "Disk left"]) assert.ok(health.includes(part), health);
 
+  // a figure changes in its place: its cell stays, and with it what is selected there
+  const removed = '[...document.querySelectorAll("#figures tr")].find((row) => row.textContent.includes("Bone removed")).lastChild';
+  await page.evaluate(`window.figureCell = ${removed}; window.figureText = figureCell.textContent`);
+  await until(page, "figureCell.textContent !== figureText");
+  assert.ok(await page.evaluate("figureCell.isConnected"));
+
   // a second page watches: it may not steer
   const second = await open(url, 390, 844);
   await stateIs(second, "cutting");

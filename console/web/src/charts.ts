@@ -34,6 +34,23 @@ const CHARTS: ChartDef[] = [
   { title: "tickChart", unit: "µs", series: [{ field: "compute_most_us", colour: "#e8b23a" }], withoutAny: "virtualTime" },
 ];
 
+/**
+ * Makes a chart whose canvas is drawn by the processor: a software driver takes several times as long for lines, and holds
+ * up the figures meanwhile. uPlot has no option for it.
+ */
+function onProcessor(make: () => uPlot): uPlot {
+  const prototype = HTMLCanvasElement.prototype as { getContext: (kind: string, options?: object) => unknown };
+  const own = prototype.getContext;
+  prototype.getContext = function (kind, options) {
+    return own.call(this, kind, kind === "2d" ? { ...options, willReadFrequently: true } : options);
+  };
+  try {
+    return make();
+  } finally {
+    prototype.getContext = own;
+  }
+}
+
 type Columns = Record<string, number[]>;
 const noColumns = (): Columns => Object.fromEntries(FIELDS.map((name) => [name, []]));
 const lastOf = (columns: Columns): number => columns.time_s[columns.time_s.length - 1] ?? 0;
@@ -99,7 +116,7 @@ export class Charts {
       box.className = "chart";
       box.title = t("zoomHint");
       this.parent.append(box);
-      const plot = new uPlot(this.options(def, box), this.dataOf(def), box);
+      const plot = onProcessor(() => new uPlot(this.options(def, box), this.dataOf(def), box));
       this.plots.push({ plot, def, box });
       box.append(this.bar(plot));
     }

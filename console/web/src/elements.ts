@@ -25,10 +25,35 @@ export function list(items: [string, string][]): HTMLElement {
   return made;
 }
 
-/** Replaces a panel's content if it differs, so that a selection or a scroll survives. */
+/** Changes a panel to this content where it differs, so that a selection or a scroll survives. */
 export function set(id: string, ...content: HTMLElement[]): void {
-  const panel = byId(id);
   const made = document.createElement("div");
   made.append(...content);
-  if (panel.innerHTML !== made.innerHTML) panel.replaceChildren(...made.childNodes);
+  adapt(byId(id), made);
+}
+
+/** Gives `shown` the children of `made`. Text that stays is not drawn anew: on a software driver that takes the most time. */
+function adapt(shown: Element, made: Element): void {
+  const before = [...shown.childNodes];
+  [...made.childNodes].forEach((child, i) => {
+    const old = before[i];
+    if (!old) shown.append(child);
+    else if (old.isEqualNode(child)) return;
+    else if (old instanceof Text && child instanceof Text) old.data = child.data;
+    else if (old instanceof Element && child instanceof Element && mayAdapt(old, child)) adaptElement(old, child);
+    else old.replaceWith(child);
+  });
+  for (const old of before.slice(made.childNodes.length)) old.remove();
+}
+
+/** A button acts for the content that it was made with: what has one is replaced as a whole. */
+function mayAdapt(shown: Element, made: Element): boolean {
+  const hasButton = (element: Element): boolean => element.matches("button") || element.querySelector("button") !== null;
+  return shown.nodeName === made.nodeName && !hasButton(shown) && !hasButton(made);
+}
+
+function adaptElement(shown: Element, made: Element): void {
+  for (const { name } of [...shown.attributes]) if (!made.hasAttribute(name)) shown.removeAttribute(name);
+  for (const { name, value } of made.attributes) if (shown.getAttribute(name) !== value) shown.setAttribute(name, value);
+  adapt(shown, made);
 }

@@ -60,7 +60,7 @@ export class SceneView {
   drawn = 0; // pictures so far
 
   constructor(private readonly canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer = new WebGLRenderer({ canvas, antialias: !drawsInSoftware(), preserveDrawingBuffer: true });
     this.gl = this.renderer.getContext() as WebGL2RenderingContext;
     this.renderer.localClippingEnabled = true;
     this.scene.background = new Color(0x0e1114);
@@ -309,7 +309,7 @@ export class SceneView {
   }
 
   private renderSoon(): void {
-    const pause = Math.max(MIN_PAUSE_MS, 1.2 * this.lastRender_ms - (performance.now() - this.drawnAt));
+    const pause = Math.max(MIN_PAUSE_MS, 2 * this.lastRender_ms - (performance.now() - this.drawnAt));
     setTimeout(() => requestAnimationFrame(() => this.render()), pause - MIN_PAUSE_MS);
   }
 
@@ -402,6 +402,16 @@ export class SceneView {
     this.camera.updateProjectionMatrix();
     this.redraw();
   }
+}
+
+/** Whether the browser has no GPU: smooth edges then take as long as the picture. */
+function drawsInSoftware(): boolean {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  if (!gl) return true;
+  const info = gl.getExtension("WEBGL_debug_renderer_info");
+  const name = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+  gl.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|lavapipe|softpipe|software/i.test(name);
 }
 
 function contactPlane(): Group {

@@ -1,6 +1,6 @@
 // The carved bone: bricks of the surface, 4³ of them in one mesh, made anew as the server sends bricks again.
 
-import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, Mesh, MeshStandardMaterial, Plane, Vector3 } from "three";
+import { BufferAttribute, BufferGeometry, Color, DoubleSide, FrontSide, Group, Mesh, MeshStandardMaterial, Plane, Vector3 } from "three";
 import { FIRST_DEEPER, NO_DIFFERENCE, SAME, SECOND_DEEPER } from "./difference_colours";
 import { planColour, type PlannedCup } from "./plan_colours";
 import { decodeChunks, placeOf, type Chunk, type Layout } from "./surface_chunk";
@@ -34,7 +34,7 @@ const DENT_FADES = 1.3; // radii at which the drawn dent ends
 export class Surface {
   private readonly blocks = new Map<string, Block>();
   private readonly changed = new Set<string>();
-  private readonly material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.75, side: DoubleSide });
+  private readonly material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.75 });
   private readonly dent = {
     dentCentre: { value: new Vector3() }, dentBy: { value: new Vector3() }, dentRadius: { value: 1 },
   };
@@ -96,6 +96,7 @@ export class Surface {
 
   setClip(plane: Plane | null): void {
     this.material.clippingPlanes = plane ? [plane] : null;
+    this.material.side = plane ? DoubleSide : FrontSide; // the surface is closed: its inside is seen where it is cut open
     this.material.needsUpdate = true;
   }
 
