@@ -5,13 +5,13 @@
 
 namespace osteon::kinematics {
 
-/// Largest distance of the flange's origin from each joint's axis, over all postures: the sum of the chain's
-/// lengths beyond the joint [m].
+/// Upper bound of the distance of the flange's origin from each joint's axis, for every posture: the sum of
+/// the chain's lengths beyond the joint [m].
 ///
-///     R_i = |p_(i+1)| + … + |p_N| + |p_LF|
+///     R_i = |p_(i+1)| + … + |p_N| + |p_LF|,   p_j: translation of joint j's X_PJ
 ///
-/// A point at a distance c from the flange's origin then moves by at most R_i + c per radian of joint i;
-/// likewise a point on an earlier link at a distance c from that link's origin.
+/// So a point at a distance c from the flange's origin moves by at most R_i + c per radian of joint i. The
+/// same holds for a point on an earlier link at a distance c from that link's origin.
 template <int N>
 [[nodiscard]] JointVectorN<N> ReachBeyond(const ChainParams<N>& chain) OSTEON_RT {
   JointVectorN<N> reach_m;

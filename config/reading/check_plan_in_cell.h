@@ -7,16 +7,20 @@
 
 namespace osteon::config {
 
-/// Refuses a plan that a cell would hinder: its depth limit begins to resist above the planned depth of a
-/// reamer. Also refuses a plan for another scene or bone than the cell's. A plan for a mesh that the command
-/// names is for any cell whose bone that mesh replaces.
-/// @param plan_file, cell_file  for the error
+/// Refuses a plan that cannot be carried out in a cell:
+///
+/// - The plan's cup differs from the cup of the cell's bone, in centre or radius. This is not checked if the
+///   plan is for a mesh of the command line and the cell names no bone: that mesh replaces the cell's.
+/// - The cell's depth limit begins to resist before a reamer reaches its planned depth.
+///
+/// @param plan_file, cell_file  named in the error
 /// @throws ConfigError
 void CheckPlanInCell(const SurgicalPlanConfig& plan, const CellConfig& cell,
                      const std::filesystem::path& plan_file, const std::filesystem::path& cell_file);
 
-/// X_WG of a cell for places of the bone's own frame. (CellConfig::X_WG is the pose of the site's frame C,
-/// which differs from the bone's where that is a mesh.)
+/// Pose of the bone's own frame in the world. CellConfig::X_WG is the pose of the site's frame C instead,
+/// which for a mesh differs from the frame of its file.
+/// @param site  the cup in the bone's own frame
 [[nodiscard]] Pose BoneInWorld(const CellConfig& cell, const simulation::CutSite& site);
 
 }  // namespace osteon::config

@@ -9,7 +9,7 @@
 namespace osteon::console {
 namespace {
 
-constexpr double kShownShare = 0.99;  // of the ticks, in LiveWindow::compute_p99_us
+constexpr double kPercentile = 0.99;  // of LiveWindow::compute_p99_us and wakeup_p99_us
 
 double ToMicroseconds(rt::Nanoseconds time) { return 1e-3 * static_cast<double>(time); }
 
@@ -98,7 +98,7 @@ std::uint64_t LiveFeed::epoch() const {
   return epoch_;
 }
 
-// Needs the lock.
+// The caller holds the lock.
 void LiveFeed::Publish() {
   for (io::RecordedEvent& event : waiting_events_) {
     events_.push_back(std::move(event));
@@ -107,8 +107,8 @@ void LiveFeed::Publish() {
   }
   waiting_events_.clear();
   if (making_.ticks == 0) return;
-  making_.compute_p99_us = ToMicroseconds(compute_.Quantile(kShownShare));
-  making_.wakeup_p99_us = ToMicroseconds(wakeup_.Quantile(kShownShare));
+  making_.compute_p99_us = ToMicroseconds(compute_.Quantile(kPercentile));
+  making_.wakeup_p99_us = ToMicroseconds(wakeup_.Quantile(kPercentile));
   making_.number = ++newest_;
   windows_[newest_ % kept_] = making_;
   making_.ticks = 0;
@@ -130,7 +130,8 @@ std::vector<LiveWindow> LiveFeed::Since(std::uint64_t& seen) const {
     seen = std::min(seen, newest);
     return windows;
   }
-  // not under the lock, and no more than are new: a window has 3 kB, and each page asks 30 times a second
+  // Memory is allocated before the lock is taken, and only for new windows: a window has 3 kB, and each page
+  // asks 30 times a second.
   windows.reserve(newest + 1 - first_of(newest));
   const std::lock_guard lock(mutex_);
   std::uint64_t number = first_of(newest_);

@@ -6,7 +6,8 @@
 namespace osteon::control {
 namespace {
 
-std::array<double, kGainCount> Numbers(const Gains& gains) {
+// The gains' values, in the order of VisitGains.
+std::array<double, kGainCount> GainValues(const Gains& gains) {
   std::array<double, kGainCount> numbers{};
   std::size_t i = 0;
   VisitGains(gains, [&](const char*, const char*, const char*, double value) { numbers[i++] = value; });
@@ -18,20 +19,20 @@ std::array<double, kGainCount> Numbers(const Gains& gains) {
 void GainRamp::SetTarget(const Gains& target) OSTEON_RT {
   target_ = target;
   moves_ = true;
-  const std::array<double, kGainCount> from = Numbers(now_), to = Numbers(target);
+  const std::array<double, kGainCount> from = GainValues(now_), to = GainValues(target);
   for (std::size_t i = 0; i < kGainCount; ++i)
     max_step_[i] = std::abs(to[i] - from[i]) * std::min(1.0, period_s_ / kRampSeconds);
 }
 
 bool GainRamp::Step(bool pressed) OSTEON_RT {
   if (!moves_) return false;
-  const std::array<double, kGainCount> to = Numbers(target_);
+  const std::array<double, kGainCount> to = GainValues(target_);
   bool changed = false, there = true;
   std::size_t i = 0;
   VisitGains(now_, [&](const char*, const char*, const char*, double& value) {
     const bool rising_spring = &value == &now_.max_stiffness_N_per_m && to[i] > value;
     if (value != to[i] && !(rising_spring && pressed)) {
-      // the last step includes the rest left by rounding
+      // the last step may be longer by a rounding error, so that the ramp needs no further step for it
       value = std::abs(to[i] - value) <= (1.0 + 1e-6) * max_step_[i]
                   ? to[i]
                   : value + std::copysign(max_step_[i], to[i] - value);

@@ -11,14 +11,12 @@ namespace osteon::control {
 ///
 /// Each gain moves linearly to its target within kRampSeconds. Two rules apply:
 ///
-/// - The coupling's stiffness **rises only while nothing presses** (no plane is penetrated). A spring
-/// compressed
-///   by d whose stiffness rises by dK stores dK d^2 / 2 more than was put in; at d = 0 this is zero. A spring
-///   that gets softer stores less. So the spring never returns more energy than was put in (test
-///   StiffnessNeverMakesEnergy).
+/// - The coupling's stiffness **rises only while nothing presses** (no plane is penetrated). If the stiffness
+///   of a spring compressed by d rises by dK, the spring stores dK d^2 / 2 more than was put in; at d = 0
+///   this is zero. A spring that gets softer stores less. So the spring never returns more energy than was
+///   put in (test StiffnessNeverMakesEnergy).
 /// - When mass and inertia change, the loop changes the velocity by AfterMassChange, so that kinetic energy
-/// never
-///   grows.
+///   never grows.
 ///
 /// Damping, its share and the dead zones store no energy, so no rule is needed for them.
 class GainRamp {
@@ -30,8 +28,8 @@ class GainRamp {
 
   /// Sets the target gains. @pre valid gains
   void SetTarget(const Gains& target) OSTEON_RT;
-  /// Advances the ramp by one tick. @param pressed  in the previous tick a plane of the coupling was
-  /// penetrated
+  /// Advances the ramp by one tick.
+  /// @param pressed  whether a plane of the coupling was penetrated in the previous tick
   /// @returns whether any gain has changed
   bool Step(bool pressed) OSTEON_RT;
 

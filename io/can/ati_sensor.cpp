@@ -11,6 +11,7 @@
 namespace osteon::io {
 namespace {
 
+// Low four bits of an identifier.
 enum Code : std::uint16_t {
   kReadings = 0x0,
   kReadingsRest = 0x1,
@@ -19,18 +20,18 @@ enum Code : std::uint16_t {
   kCounts = 0x7,
   kUnits = 0x8,
 };
-constexpr int kStepCounts = 6, kStepUnits = 7, kStepRunning = 8;
+constexpr int kStepCounts = 6, kStepUnits = 7, kStepRunning = 8;  // of step_; 0 … 5 request the matrix's rows
 
-// Indexed by the wire's code; code 0 is unused. The pound-force is 4.4482216152605 N by definition, the inch
-// 0.0254 m.
+// Value of each unit, indexed by its code on the wire; code 0 is unused. Force: lbf, N, klbf, kN, kgf, gf.
+// Torque: lbf·in, lbf·ft, N·m, N·mm, kgf·cm, kN·m.
 constexpr double kPound_N = 4.4482216152605, kInch_m = 0.0254, kKilopond_N = 9.80665;
 constexpr std::array<double, 7> kForceUnit_N{0.0,         kPound_N,          1.0, 1e3 * kPound_N, 1e3,
                                              kKilopond_N, 1e-3 * kKilopond_N};
 constexpr std::array<double, 7> kTorqueUnit_Nm{
     0.0, kPound_N* kInch_m, kPound_N * 12 * kInch_m, 1.0, 1e-3, 0.01 * kKilopond_N, 1e3};
 
-// Status bits of the sensor.
-// 1 … 8 converter, ground, supply, calibration, memory; 11, 12 temperature
+// Bits of the sensor's status word. Faults: bits 1 … 8 (converter, ground, supply, calibration, memory), 11
+// and 12 (temperature).
 constexpr std::uint16_t kStatusFault = 0x19FE;
 constexpr std::uint16_t kStatusBus = 0x4000;
 
@@ -38,7 +39,7 @@ std::uint16_t Id(std::uint8_t base, std::uint16_t code) OSTEON_RT {
   return static_cast<std::uint16_t>(base << 4 | code);
 }
 
-double Float(const std::uint8_t* bytes) OSTEON_RT {
+double DecodeFloat(const std::uint8_t* bytes) OSTEON_RT {
   return std::bit_cast<float>(GetBig<std::uint32_t>(bytes));
 }
 
@@ -101,7 +102,7 @@ void AtiSensor::HandleMatrix(const CanFrame& frame, std::size_t part) OSTEON_RT 
     return;
   }
   for (std::size_t i = 0; i < 2; ++i) {
-    const double value = Float(&frame.data[4 * i]);
+    const double value = DecodeFloat(&frame.data[4 * i]);
     if (!std::isfinite(value)) return Fail(Wrong::kMatrix, step_, static_cast<double>(2 * part + i));
     matrix_[6 * static_cast<std::size_t>(step_) + 2 * part + i] = value;
   }
@@ -151,7 +152,7 @@ void AtiSensor::HandleReading() OSTEON_RT {
     ++unexpected_;
     return;
   }
-  if (bias_left_ > 0) {
+  if (bias_left_ > 0) {  // a bias was requested: it is the mean of the next readings
     for (std::size_t i = 0; i < 6; ++i) bias_sum_[i] += wrench[i];
     if (--bias_left_ == 0)
       for (std::size_t i = 0; i < 6; ++i) bias_[i] = bias_sum_[i] / params_.bias_readings;
@@ -204,7 +205,7 @@ bool AtiSensor::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
   if (phase_ == SensorPhase::kFailed || now < due_) return false;
   frame = {.id = Id(params_.base, kReadings)};
   if (step_ == kStepRunning) {
-    joiner_.GiveUp();  // drop half of an earlier answer, so that it never joins this one's
+    joiner_.GiveUp();  // drops half an answer to an earlier request, so that the next answer never joins it
     due_ = now - due_ > params_.period ? now + params_.period : due_ + params_.period;
     return true;
   }

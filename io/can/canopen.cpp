@@ -23,6 +23,7 @@ CanFrame Heartbeat(std::uint8_t node, NmtState state) OSTEON_RT {
 
 CanFrame SdoWrite(std::uint8_t node, const Object& object, std::uint32_t value) OSTEON_RT {
   CanFrame frame{.id = Id(kSdoRequest, node), .size = 8};
+  // expedited download; bits 2 and 3 count the unused bytes of the value
   frame.data[0] = static_cast<std::uint8_t>(0x23 | (4 - object.size) << 2);
   PutLittle(object.index, &frame.data[1]);
   frame.data[3] = object.sub;
@@ -43,11 +44,11 @@ std::optional<SdoAnswer> DecodeSdo(const CanFrame& frame) OSTEON_RT {
   const std::uint8_t command = frame.data[0];
   SdoAnswer answer{.index = GetLittle<std::uint16_t>(&frame.data[1]), .sub = frame.data[3]};
   const auto data = GetLittle<std::uint32_t>(&frame.data[4]);
-  if (command == 0x60) {
+  if (command == 0x60) {  // write confirmed
     answer.kind = SdoAnswer::Kind::kWritten;
-  } else if (command == 0x80) {
+  } else if (command == 0x80) {  // abort: the answer's default kind
     answer.value = data;
-  } else if ((command & 0xE2) == 0x42) {  // the value is in this frame
+  } else if ((command & 0xE2) == 0x42) {  // expedited upload: the value is in this frame
     answer.kind = SdoAnswer::Kind::kValue;
     answer.size = (command & 0x01) != 0 ? static_cast<std::uint8_t>(4 - (command >> 2 & 3)) : std::uint8_t{4};
     answer.value = answer.size == 4 ? data : data & ((1u << 8 * answer.size) - 1);
@@ -88,7 +89,7 @@ const char* DescribeAbort(std::uint32_t code) {
     case 0x08000022:
       return "not in this state of the drive";
     default:
-      return "a code of its maker or none of CiA 301's usual ones";
+      return "a code of the drive's manufacturer, or a rare one of CiA 301";
   }
 }
 

@@ -60,8 +60,8 @@ class UdpPeer {
   [[nodiscard]] int socket() const OSTEON_RT { return bound_.socket; }
   [[nodiscard]] bool has_peer() const OSTEON_RT { return has_peer_; }
 
-  /// Waits for valid messages until `deadline` on CLOCK_MONOTONIC; takes those that have arrived even if it
-  /// has passed. `protocol` judges them, without allocation:
+  /// Waits for valid messages until `deadline` on CLOCK_MONOTONIC. Messages that have arrived are taken even
+  /// if the deadline has passed. `protocol` judges them, without allocation:
   ///
   ///     bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival)   valid?
   ///     bool IsMessage(std::span<const std::uint8_t> datagram)   could be valid; changes nothing
@@ -84,9 +84,9 @@ class UdpPeer {
           if (received) protocol.OnOvertaken();
           received = true;
         }
-        if (taken > 0 && came < asked) break;    // nothing more waits
-        left -= std::max<std::size_t>(came, 1);  // none: the system reports that one of our datagrams was
-                                                 // undeliverable
+        if (taken > 0 && came < asked) break;  // nothing more waits
+        // a call without a message counts too: it reports that one of our datagrams was undeliverable
+        left -= std::max<std::size_t>(came, 1);
       }
       if (received) return control::ReceiveResult::kOk;
       if (rt::MonotonicNow() >= deadline) return control::ReceiveResult::kTimeout;
@@ -94,10 +94,11 @@ class UdpPeer {
     }
   }
 
-  /// The newest valid message; until the next Receive.
+  /// The newest valid message. Valid until the next Receive.
   [[nodiscard]] std::span<const std::uint8_t> newest() const OSTEON_RT { return newest_; }
 
-  /// Sleeps until `time` on CLOCK_MONOTONIC, or until something can be read: true.
+  /// Sleeps until `time` on CLOCK_MONOTONIC, at most. Returns true if something can be read, or the socket is
+  /// closed.
   [[nodiscard]] bool Await(rt::Nanoseconds time) OSTEON_RT {
     return WaitReadable(bound_.socket, time) != Wait::kNothing;
   }

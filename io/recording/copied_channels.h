@@ -12,38 +12,38 @@
 
 namespace osteon::io {
 
-/// The channels of a file that is copied message by message. A damaged file may use one number for two
-/// channels, one after the other.
+/// Maps the channel numbers of a source file to those of its copy, which is written message by message. A
+/// damaged file may use one number for several channels, one after the other.
 class CopiedChannels {
  public:
   /// @param writer  outlives this
   explicit CopiedChannels(McapWriter& writer) : writer_(writer) {}
 
-  /// The copy's number of a channel, which is added when it is first asked for. The error says how many
-  /// channels there are.
+  /// Returns the channel's number in the copy, and adds the channel to the copy on the first call. The error
+  /// says that there are too many channels, in the file or of one number.
   [[nodiscard]] tl::expected<std::uint16_t, std::string> IdOf(const McapChannel& channel) {
-    constexpr std::size_t kMaxMeanings = 64, kMax = 60'000;
-    std::vector<Known>& meanings = known_[channel.id];
-    for (const Known& known : meanings)
-      if (known.channel == channel) return known.id;
-    if (meanings.size() == kMaxMeanings || count_ == kMax)
+    constexpr std::size_t kMaxPerNumber = 64, kMaxChannels = 60'000;
+    std::vector<Copied>& same_number = copied_[channel.id];
+    for (const Copied& copied : same_number)
+      if (copied.channel == channel) return copied.id;
+    if (same_number.size() == kMaxPerNumber || count_ == kMaxChannels)
       return tl::unexpected("channel " + std::to_string(channel.id) + " is one of more than " +
-                            (count_ == kMax ? std::to_string(kMax) + " in the file"
-                                            : std::to_string(kMaxMeanings) + " of that number"));
+                            (count_ == kMaxChannels ? std::to_string(kMaxChannels) + " in the file"
+                                                    : std::to_string(kMaxPerNumber) + " of that number"));
     ++count_;
-    meanings.push_back({channel, writer_.AddChannel(channel.topic, channel.schema_name, channel.schema,
-                                                    channel.schema_encoding, channel.message_encoding)});
-    return meanings.back().id;
+    same_number.push_back({channel, writer_.AddChannel(channel.topic, channel.schema_name, channel.schema,
+                                                       channel.schema_encoding, channel.message_encoding)});
+    return same_number.back().id;
   }
 
  private:
-  struct Known {
+  struct Copied {
     McapChannel channel;
-    std::uint16_t id;
+    std::uint16_t id;  // in the copy
   };
   McapWriter& writer_;
-  std::map<std::uint16_t, std::vector<Known>> known_;
-  std::size_t count_{0};
+  std::map<std::uint16_t, std::vector<Copied>> copied_;  // by the number in the source file
+  std::size_t count_{0};                                 // of channels in the copy
 };
 
 }  // namespace osteon::io

@@ -12,7 +12,7 @@
 namespace osteon::session {
 namespace {
 
-// Tool of the last pass that counts; nothing: none does.
+// Tool of the last pass that was not undone; empty if there is none.
 std::optional<int> LastToolOf(std::span<const SessionPass> passes) {
   std::optional<int> last;
   for (const SessionPass& pass : passes)
@@ -20,6 +20,7 @@ std::optional<int> LastToolOf(std::span<const SessionPass> passes) {
   return last;
 }
 
+// Whether a metric cannot be known yet.
 bool IsOpen(const procedure::Metric& metric, bool last_tool_has_cut) {
   switch (metric.known) {
     case procedure::MetricKnown::kWithAnyCut:
@@ -122,7 +123,7 @@ ScoreSoFar LiveScore::Measure(const Input& input) const {
   for (const SessionPass& pass : input.passes) {
     if (pass.undone) continue;
     const auto trace = input.traces.find(pass.number);
-    if (trace == input.traces.end()) {  // of an earlier process
+    if (trace == input.traces.end()) {  // a pass of an earlier process, whose trace was not saved
       traces_known = false;
       axis_known = axis_known && pass.tool_index != last_tool;
       continue;
@@ -145,10 +146,10 @@ std::string LiveScore::Json(rt::Nanoseconds now, bool in_pass) const {
   nlohmann::json json{{"type", "score"}, {"known", false}, {"why", params_.without_rubric}};
   const std::lock_guard lock(mutex_);
   if (!measured_) return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  double of = 0.0;
+  double max_points = 0.0;
   json["items"] = nlohmann::json::array();
   for (std::size_t i = 0; i < score_.score.items.size(); ++i) {
-    of += score_.score.items[i].item.weight;
+    max_points += score_.score.items[i].item.weight;
     json["items"].push_back(ItemJson(score_.score.items[i], score_.open[i]));
   }
   json["deductions"] = nlohmann::json::array();
@@ -157,13 +158,13 @@ std::string LiveScore::Json(rt::Nanoseconds now, bool in_pass) const {
   json["known"] = true;
   json["rubric"] = params_.rubric->name;
   json["total"] = score_.score.total;
-  json["of"] = of;
+  json["of"] = max_points;
   json["open_points"] = score_.open_points;
   json["unfinished"] = score_.unfinished;
   json["guided"] = measured_->guided;
   json["passes"] = std::ranges::count_if(measured_->passes, [](const auto& pass) { return !pass.undone; });
   json["age_s"] = std::floor(std::max(0.0, rt::ToSeconds(now - measured_->stamp)));
-  json["newer"] = in_pass || newest_ != measured_;  // bone was cut, or a pass ended, that the score lacks
+  json["newer"] = in_pass || newest_ != measured_;  // a pass is open, or a newer state is not measured yet
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

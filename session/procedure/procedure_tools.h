@@ -16,27 +16,29 @@
 
 namespace osteon::session {
 
-/// A tool of a procedure: what the simulation and what the servo loop has to know of it.
+/// A tool of a procedure, with the data that the simulation and the servo loop need.
 struct ProcedureTool {
   double diameter_m{0.0};
   simulation::Tool tool;
   control::LoopTool loop;
 };
 
-/// The simulation's part of each tool.
+/// Returns the `tool` member of each.
 [[nodiscard]] std::vector<simulation::Tool> ToolsOf(std::span<const ProcedureTool> tools);
 
-/// The tools of a procedure, as a recording keeps them.
+/// The tools of a procedure, in the form that a recording stores.
 struct ToolList {
   std::vector<double> diameters_mm;
-  int first{0};          ///< in use at the recording's beginning
-  bool physical{false};  ///< another tool is mounted; false: the handle stays, and with it mass and payload
-  std::vector<control::GuidanceParams> guidance{};  ///< of each tool; empty: the plan has none
+  int first{0};  ///< index of the tool in use at the recording's beginning
+  /// A change mounts another real tool. False: the mounted handle stays, and mass and payload with it.
+  bool physical{false};
+  std::vector<control::GuidanceParams> guidance{};  ///< one for each tool; empty: the plan has none
 };
 
 /// Loads the cell with each of the tools in turn.
 /// @param base  the cell as it runs, with one of these tools
-/// @param tool_file  of all sizes  @param gains  as for LoadCell
+/// @param tool_file  the tool, which comes in each of the list's sizes
+/// @param gains  as for LoadCell
 /// @throws config::ConfigError; config::ToolSizeError if the tool does not come in one of the sizes.
 [[nodiscard]] std::vector<ProcedureTool> LoadProcedureTools(const config::CellConfig& base,
                                                             const std::filesystem::path& cell_yaml,
@@ -44,14 +46,15 @@ struct ToolList {
                                                             const std::filesystem::path& gains,
                                                             const ToolList& list);
 
-/// What the loop's parameters need for all tools of a table: the age governor counts with the largest head.
+/// Prepares the loop's parameters for all tools: the age governor reckons with the largest cutting head.
 void PrepareForTools(const std::vector<ProcedureTool>& tools, config::CellConfig& cell);
-/// Gives a loop the table, with the tool `first` in use.
+/// Gives the loop its table of tools, with the tool `first` in use.
 void SetTools(const std::vector<ProcedureTool>& tools, int first, control::ServoLoop& loop);
 
-/// Keeps the list among a recording's configuration, under a name of its own.
+/// Adds the list to a recording's configuration, as a file of its own.
 void KeepToolList(const ToolList& list, io::ConfigSource& source);
-/// Finds it there; absent: a recording of one tool. The error says what is wrong with it.
+/// Reads the list from a recording's configuration; empty: a recording with one tool. The error says what is
+/// wrong with the list.
 [[nodiscard]] tl::expected<std::optional<ToolList>, std::string> FindToolList(const io::ConfigSource& source);
 
 }  // namespace osteon::session

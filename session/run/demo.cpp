@@ -32,11 +32,12 @@
 namespace osteon::session {
 namespace {
 
-constexpr double kSecondsAReamer = 15.0, kNoviceSecondsAReamer = 60.0, kSecondsABurr = 60.0;
-constexpr double kSecondsOfLastPush = 20.0;  // that an expert dwells with the last reamer
+// Default duration of a demo with a plan [s].
+constexpr double kSecondsPerReamer = 15.0, kNoviceSecondsPerReamer = 60.0, kSecondsPerBurr = 60.0;
+constexpr double kSecondsOfLastPush = 20.0;  // in addition, while an expert dwells with the last reamer
 
-// The folder of a session that was given no name: the first that is free below the demo's.
-std::filesystem::path FreshSession(const std::filesystem::path& out) {
+// Folder of a session without a given name: in `out`, the first of session, session_2, … that does not exist.
+std::filesystem::path UnusedSessionFolder(const std::filesystem::path& out) {
   std::error_code error;
   for (int number = 1;; ++number) {
     std::filesystem::path folder = out / (number == 1 ? "session" : fmt::format("session_{}", number));
@@ -44,9 +45,9 @@ std::filesystem::path FreshSession(const std::filesystem::path& out) {
   }
 }
 
-// Checks the output paths before anything runs. RunCell creates the folder, so that a refused run leaves
-// none.
-std::string WrongPlace(const DemoOptions& options) {
+// Checks the output paths before anything runs: an empty string, or what is wrong. The folders are created
+// later, by RunCell, so that a refused run leaves none.
+std::string CheckOutputs(const DemoOptions& options) {
   if (options.out.empty()) return "--out: found no name, accepted a folder";
   if (std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;
   for (const auto& [name, file] :
@@ -55,9 +56,11 @@ std::string WrongPlace(const DemoOptions& options) {
   return ValidateSurfaceFile(options.surface);
 }
 
-// Claims the folder for this process and moves an earlier demo's files out of the way.
+// Claims the folder for this process, and moves or removes an earlier demo's files: an empty string, or what
+// is wrong.
 std::string MakeRoom(const DemoOptions& options, FolderClaim& claim) {
-  std::error_code error;  // the recording of a session lies elsewhere
+  std::error_code error;
+  // RunCell creates the recording's folder, which is another one if there is a session
   std::filesystem::create_directories(options.out, error);
   if (error) return options.out.string() + ": cannot make the folder: " + error.message();
   if (std::string wrong = claim.Acquire(options.out); !wrong.empty()) return wrong;
@@ -88,7 +91,8 @@ std::string SaveMotion(const DemoOptions& options, const CellSetup& setup, const
   return written ? std::string() : written.error();
 }
 
-// Shows the result; everything shown comes from the recording. @returns the exit code
+// Writes report, summary and the requested files, and prints the summary. The figures of the run are measured
+// on the recording; if it cannot be read, only RunCell's own counts are shown. @returns the exit code
 int PrintResult(const DemoOptions& options, const CellSetup& setup, const simulation::CuttingEngine& engine,
                 const CellRunParams& params, const CellRunResult& result) {
   base::PhaseProgress measuring("osteon demo", options.surface.empty() ? 3 : 4, false);
@@ -99,10 +103,10 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
                    .recording = params.recording});
   auto run = ReadRun(params.recording, setup, stops, params.procedure);
   std::string wrong = DescribeRecordingErrors(result, run ? "" : run.error());
-  if (!run) run = RunAccumulator(setup);  // the run's own counts are shown in any case
+  if (!run) run = RunAccumulator(setup);  // empty: the counts of `result` are shown in any case
   measuring.BeginPhase("measure the cut");
   RunSummary summary = Summarise(setup, engine, params, result, *run);
-  if (auto pages = stops.Finish())  // before the report, which leads to them
+  if (auto pages = stops.Finish())  // before the report, which links to them
     summary.stops = std::move(*pages);
   else
     AddReason(wrong, pages.error());
@@ -136,9 +140,10 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
   return wrong.empty() ? ExitCode(result) : Fail("demo", wrong, kFailed);
 }
 
+// Default duration of a demo with a plan [s]. @param tools  number of tools to be used
 double SecondsOfPlan(procedure::PlanKind kind, bool novice, double tools) {
-  if (kind == procedure::PlanKind::kOpening) return kSecondsABurr * tools;
-  return novice ? kNoviceSecondsAReamer * tools : kSecondsAReamer * tools + kSecondsOfLastPush;
+  if (kind == procedure::PlanKind::kOpening) return kSecondsPerBurr * tools;
+  return novice ? kNoviceSecondsPerReamer * tools : kSecondsPerReamer * tools + kSecondsOfLastPush;
 }
 
 }  // namespace
@@ -149,7 +154,7 @@ int RunDemo(const DemoOptions& asked) {
   if (!options.procedure.plan.empty()) {
     options.procedure.mesh = options.mesh;
     options.procedure.virtual_time = options.virtual_time;
-    if (options.procedure.session.empty()) options.procedure.session = FreshSession(options.out);
+    if (options.procedure.session.empty()) options.procedure.session = UnusedSessionFolder(options.out);
     auto opened = OpenProcedure(options.procedure, options.cell, options.tool);
     if (!opened) return Fail("demo", opened.error());
     procedure = std::move(*opened);
@@ -172,14 +177,14 @@ int RunDemo(const DemoOptions& asked) {
   // before any other thread exists
   if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
     return Fail("demo", "--cpu: " + wrong);
-  if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail("demo", wrong);
+  if (const std::string wrong = CheckOutputs(options); !wrong.empty()) return Fail("demo", wrong);
   FolderClaim claim;
   if (const std::string wrong = claim.Acquire(options.out); !wrong.empty()) return Fail("demo", wrong);
   OutputThread output({.watch_stderr = true});
 
   const bool timed = !options.virtual_time;
   base::PhaseProgress planning("osteon demo", timed ? 3 : 2, false);
-  planning.BeginPhase("load the cell");  // seconds, where a mesh is open
+  planning.BeginPhase("load the cell");  // takes seconds if a mesh is not closed and is remade
   const auto refuse = [&](const std::string& why) {
     planning.Done();
     return Fail("demo", why);
@@ -213,13 +218,14 @@ int RunDemo(const DemoOptions& asked) {
     if (!made) return Fail("demo", made.error());
     session = std::move(*made);
   }
-  // an engine in a process of its own keeps its bone; the packing of a session stays: its saved states belong
-  // to it
+  // The packing must stay in two cases: the engine of another process has a bone of its own, and a session's
+  // saved states fit only the packing that they were made with.
   const auto adaptive_resolution = remote || session ? nullptr : MakeAdaptiveResolution(*setup, choice);
 
   PrintIdentified(setup->config, "demo");
   if (!setup->solid && setup->config.scene.events.min_wall_m > 0.0)
-    fmt::print(stderr, "osteon demo: {}: of a packing the surface is not known: no wall is watched\n",
+    fmt::print(stderr,
+               "osteon demo: {}: the surface of a packing is not known: wall thickness is not watched\n",
                setup->bone.name);
 
   if (!setup->bone_warning.empty()) fmt::print(stderr, "osteon demo: warning: {}\n", setup->bone_warning);

@@ -10,7 +10,7 @@
 // docs/packing.md describes every byte.
 //
 //     0   FileHeader, 64 bytes       magic, version, size of the file, origin, checksum of header and table
-//    64   SectionEntry, 32 bytes     one a section: kind, checksum, offset, bytes, count
+//    64   SectionEntry, 32 bytes     one for each section: kind, checksum, offset, bytes, count
 //         sections                   balls, mass points, their materials, materials, site, provenance
 //
 // Lengths of balls and points are float32 millimetres relative to the origin, as the shaders need them. They
@@ -28,10 +28,10 @@ inline constexpr std::uint32_t kVersion = 1;
 inline constexpr std::size_t kAlignment = 64;
 inline constexpr std::uint32_t kMaxSections = 16;
 
-inline constexpr double kGrid_mm = 0x1p-15;  ///< 31 nm; float32 holds its multiples up to 512 mm
-inline constexpr float kReach_mm = 512.0f;   ///< largest distance from the origin along an axis
-inline constexpr float kMaxVolume_mm3 = 1e9f;
-inline constexpr std::size_t kMaxTextBytes = std::size_t{1} << 20;
+inline constexpr double kGrid_mm = 0x1p-15;    ///< 31 nm; float32 holds its multiples exactly up to 512 mm
+inline constexpr float kReach_mm = 512.0f;     ///< largest distance from the origin along an axis
+inline constexpr float kMaxVolume_mm3 = 1e9f;  ///< of a mass point
+inline constexpr std::size_t kMaxTextBytes = std::size_t{1} << 20;  ///< of materials or provenance
 
 enum SectionKind : std::uint32_t {
   kBalls = 1,           ///< one PackedBall each

@@ -9,16 +9,17 @@ namespace {
 
 using Joints = kinematics::JointVectorN<7>;
 
-Joints Most() {
-  Joints most;
-  most << 320, 320, 176, 176, 110, 40, 40;
-  return most;
+// The arm's largest joint torques [N·m].
+Joints MaxTorques() {
+  Joints max;
+  max << 320, 320, 176, 176, 110, 40, 40;
+  return max;
 }
-// Gravity takes 90 N·m of the second joint, with either sign.
+// The torque of gravity: `sign` times 90 N·m on the second joint.
 Joints Gravity(double sign) { return sign * 90.0 * Joints::Unit(1); }
 
 TEST(JointTorqueLimit, LetsThroughWhatEveryJointHoldsBesideGravityAndScalesTheRestAsAWhole) {
-  const JointTorqueLimit<7> limit(Most());
+  const JointTorqueLimit<7> limit(MaxTorques());
   for (const double sign : {-1.0, 1.0}) {
     Joints tau = Joints::Constant(10.0);
     tau[1] = 230.0;  // 320 - 90, exactly
@@ -36,7 +37,7 @@ TEST(JointTorqueLimit, LetsThroughWhatEveryJointHoldsBesideGravityAndScalesTheRe
 }
 
 TEST(JointTorqueLimit, TripsAMessageBeforeATorqueThatGoesOnAsItCameIsBeyond) {
-  JointTorqueLimit<7> limit(Most());
+  JointTorqueLimit<7> limit(MaxTorques());
   int message = 0;
   for (; message < 100; ++message)  // the sixth joint holds 40
     if (limit.PredictOverload(Joints::Zero(), -3.0 * message * Joints::Unit(5))) break;
@@ -44,14 +45,14 @@ TEST(JointTorqueLimit, TripsAMessageBeforeATorqueThatGoesOnAsItCameIsBeyond) {
 }
 
 TEST(JointTorqueLimit, HoldsAConstantTorqueUpToTheLimit) {
-  JointTorqueLimit<7> limit(Most());
+  JointTorqueLimit<7> limit(MaxTorques());
   for (int message = 0; message < 3; ++message)
     EXPECT_FALSE(limit.PredictOverload(Gravity(1.0), 230.0 * Joints::Unit(1)));
   EXPECT_TRUE(limit.PredictOverload(Gravity(1.0), 230.1 * Joints::Unit(1)));
 }
 
 TEST(JointTorqueLimit, AnEstimateThatIsNotFiniteSaysNothingAndIsForgotten) {
-  JointTorqueLimit<7> limit(Most());
+  JointTorqueLimit<7> limit(MaxTorques());
   EXPECT_FALSE(limit.PredictOverload(Joints::Zero(), Joints::Zero()));
   EXPECT_FALSE(
       limit.PredictOverload(Joints::Zero(), Joints::Constant(std::numeric_limits<double>::infinity())));

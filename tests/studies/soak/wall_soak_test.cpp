@@ -46,7 +46,7 @@ TEST(WallScript, IsAFunctionOfTheSeedAndHasEveryEvent) {
     EXPECT_EQ(episode.life.index != WallEpisodeAt(3, index + 1).life.index, episode.ends_life) << index;
   }
   EXPECT_THAT(events, SizeIs(kWallEvents));
-  EXPECT_THAT(kills, SizeIs(7)) << "each but the cell's in contact and clear of bone";
+  EXPECT_THAT(kills, SizeIs(7)) << "three processes in contact and clear of bone, the cell once";
   EXPECT_TRUE(differs);
   EXPECT_TRUE(loses);
 }
@@ -73,8 +73,8 @@ TEST(WallScript, ToolsAreChangedWhileTheHandHoldsThem) {
   }
 }
 
-// An episode of which nothing is wrong.
-WallResult Good(WallEvent event) {
+// The result of an episode without any defect.
+WallResult FaultlessEpisode(WallEvent event) {
   WallResult result;
   result.episode.event = event;
   result.episode.seconds = 20.0;
@@ -104,9 +104,10 @@ WallResult Good(WallEvent event) {
   return result;
 }
 
+// What the judgement finds wrong with a faultless episode after `change`.
 std::vector<std::string> JudgedWith(WallEvent event, const std::function<void(WallResult&)>& change) {
-  const WallResult first = Good(WallEvent::kReaming);
-  WallResult result = Good(event);
+  const WallResult first = FaultlessEpisode(WallEvent::kReaming);
+  WallResult result = FaultlessEpisode(event);
   change(result);
   return JudgeWallEpisode(result, &first);
 }
@@ -183,7 +184,7 @@ TEST(WallSoak, FindsWhatIsWrongWithAnEpisode) {
 }
 
 TEST(WallSoak, TellsWhatGrowsFromWhatIsFlat) {
-  std::vector<WallResult> results(16, Good(WallEvent::kReaming));
+  std::vector<WallResult> results(16, FaultlessEpisode(WallEvent::kReaming));
   EXPECT_THAT(JudgeGrowth(results), IsEmpty());
   for (std::size_t i = 0; i < results.size(); ++i) {
     results[i].outcome.use[0].memory_MB = 100.0 + 4.0 * static_cast<double>(i);
@@ -192,14 +193,14 @@ TEST(WallSoak, TellsWhatGrowsFromWhatIsFlat) {
   EXPECT_THAT(JudgeGrowth(results), SizeIs(2));
   EXPECT_THAT(JudgeGrowth(results), Contains(HasSubstr("controller: the memory grew")));
   EXPECT_THAT(JudgeGrowth(results), Contains(HasSubstr("cell: 8 open files")));
-  WallResult longest = Good(WallEvent::kLong);
+  WallResult longest = FaultlessEpisode(WallEvent::kLong);
   longest.outcome.use[0].memory_MB = 150.0;
   EXPECT_THAT(JudgeGrowth(std::vector{longest}), Contains(HasSubstr("in its second half")));
 }
 
 TEST(WallSoak, ItsPageAndJsonSayWhatIsWrong) {
   std::vector<WallResult> results;
-  for (int i = 0; i < kWallEvents; ++i) results.push_back(Good(static_cast<WallEvent>(i)));
+  for (int i = 0; i < kWallEvents; ++i) results.push_back(FaultlessEpisode(static_cast<WallEvent>(i)));
   results[3].wrong = {"no fault, injected: arm message stale"};
   SoakOptions options;
   options.command_line = "osteon soak --wall";
