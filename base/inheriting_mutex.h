@@ -6,9 +6,9 @@
 
 namespace osteon::rt {
 
-/// A mutex whose holder runs at the priority of who waits for it (PTHREAD_PRIO_INHERIT). For what a thread
-/// above ordinary ones shares with a thread that gives way to everybody: with a std::mutex, the first would
-/// wait until a busy machine has time for the second.
+/// A mutex with priority inheritance (PTHREAD_PRIO_INHERIT): its holder runs at the priority of the most
+/// urgent thread that waits for it. Use it for data that a thread of high priority shares with one of low
+/// priority. With a std::mutex, the first would wait until a busy machine has time for the second.
 class InheritingMutex {
  public:
   /// @throws std::system_error where the system has no such mutex.
@@ -24,7 +24,7 @@ class InheritingMutex {
   InheritingMutex(const InheritingMutex&) = delete;
   InheritingMutex& operator=(const InheritingMutex&) = delete;
 
-  // as std::mutex, for std::lock_guard
+  // the members of std::mutex that std::lock_guard and std::unique_lock need
   void lock() noexcept { (void)pthread_mutex_lock(&mutex_); }
   void unlock() noexcept { (void)pthread_mutex_unlock(&mutex_); }
   [[nodiscard]] bool try_lock() noexcept { return pthread_mutex_trylock(&mutex_) == 0; }

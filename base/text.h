@@ -9,7 +9,7 @@
 
 namespace osteon::base {
 
-/// In UTF-8 every byte but a character's first has the high bits 1 and 0.
+/// Whether a byte continues a UTF-8 character: every byte but a character's first has the high bits 1 and 0.
 [[nodiscard]] constexpr bool IsTailByte(char c) { return (static_cast<unsigned char>(c) & 0xC0u) == 0x80u; }
 
 /// Columns that a text takes on a terminal, where each of its characters takes one.
@@ -20,8 +20,8 @@ namespace osteon::base {
 /// that is longer stands alone.
 [[nodiscard]] std::string WrapText(std::string_view text, std::size_t indent, std::size_t width);
 
-/// Columns of the terminal that a descriptor leads to (1: standard output); $COLUMNS, where it is set, counts
-/// first. None: no terminal.
+/// Columns of the terminal behind a file descriptor (1: standard output). $COLUMNS takes precedence if it is
+/// set. None: the descriptor is no terminal.
 [[nodiscard]] std::optional<std::size_t> TerminalColumns(int descriptor = 1);
 
 /// WrapText for the terminal that standard output leads to; in a file or a pipe the text stays one line.
@@ -30,8 +30,9 @@ namespace osteon::base {
 /// Wraps a paragraph of Markdown into lines of at most 120 characters, broken at spaces outside `code`.
 [[nodiscard]] std::string WrapMarkdown(std::string_view paragraph);
 
-/// Text of somebody else (a name, a file's words) as a terminal may show it: control characters but a line's
-/// end, which could move the cursor or change colours, stand as "\x1b". What is not UTF-8 stays.
+/// Makes a foreign text (a name, a file's content) safe for a terminal. Control characters could move the
+/// cursor or change colours: each, except a line's end, becomes an escape such as "\x1b". Bytes that are not
+/// UTF-8 stay.
 [[nodiscard]] std::string Printable(std::string_view text);
 
 /// Begins a text with a capital and ends it with a full stop; an empty text stays empty.

@@ -25,7 +25,7 @@ struct Series {
   std::string name{};
   std::vector<double> x{}, y{};  ///< same length; non-finite points leave a gap
   std::string color{};           ///< empty: the palette's next
-  double width_px{1.4};          ///< 0: points alone
+  double width_px{1.4};          ///< of the line; 0: only points
   Marker marker{Marker::kNone};
   std::vector<double> y_low{}, y_high{};  ///< ends of error bars; empty, or as many as x
   std::vector<std::string> labels{};      ///< beside the points; empty, or as many as x
@@ -52,7 +52,7 @@ struct LineChart {
   std::string x_label{}, y_label{};  ///< with unit, e.g. "time [s]"
   std::optional<Range> x{}, y{};     ///< default: from the data
   bool y_from_zero{true};            ///< a y range taken from the data contains 0; not with log_y
-  /// Values that are not positive are left out; the first panel's log_x counts.
+  /// Logarithmic axes. Values that are not positive are left out; the first panel's log_x counts for all.
   bool log_x{false}, log_y{false};
   std::vector<Series> series{};
   std::vector<LimitLine> limits{};
@@ -60,8 +60,9 @@ struct LineChart {
   std::vector<LimitLine> x_limits{};
   std::vector<NamedSpan> spans{};
   bool legend{true};
-  /// The x axis is the page's time: the page's script may move and zoom it with all others of the page. The
-  /// curves then have more points than are seen at first. Of the first panel; without markers.
+  /// The x axis is the page's time: the page's script may move and zoom it together with the page's other
+  /// plots. The curves then keep more points than are visible at first. The first panel's value counts;
+  /// without markers.
   bool zooms{false};
   double plot_height_px{230.0};  ///< of the area between the axes
 };

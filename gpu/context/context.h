@@ -1,6 +1,6 @@
 #pragma once
 
-// Inside gpu only: this header brings vulkan_raii.hpp.
+// For files of gpu/ only: this header includes vulkan_raii.hpp.
 
 #include <atomic>
 #include <cstdint>
@@ -47,10 +47,12 @@ struct Context {
   DeviceInfo info;
   Arithmetic arithmetic{Arithmetic::kInt64};  ///< not kAuto
   Subgroups subgroups;
-  bool fused_fma{false};  ///< products of floats are exact by fma(): HasFusedFma; without doubles alone
+  /// The shaders may use fma() for the rounding error of a float product (HasFusedFma). Only found out, and
+  /// only needed, for arithmetic without doubles.
+  bool fused_fma{false};
 };
 
-/// What a device says of itself.
+/// Reads a device's properties.
 [[nodiscard]] DeviceReport ReportOf(const vk::raii::PhysicalDevice& device);
 
 /// @param name        part of a device's name, in any case; empty: the default device.

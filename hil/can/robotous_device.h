@@ -18,18 +18,19 @@ struct RobotousDeviceParams {
 /// Faults of the device.
 struct RobotousDeviceFaults {
   bool silent{false};           ///< no supply: forgets its settings, answers nothing
-  bool keeps_its_rate{false};   ///< confirms a new rate but keeps the old one, and reads that back
-  bool lies_about_rate{false};  ///< reads back the requested rate but sends at 200 Hz
+  bool keeps_its_rate{false};   ///< confirms a new rate but keeps the old one; a read returns the old one
+  bool lies_about_rate{false};  ///< a read returns the requested rate, but readings are sent at 200 Hz
   int refuse_code{0};           ///< the command that is answered with the error "not supported"
 };
 
 /// Simulates a Robotous RFT force sensor: the sensor's end of the protocol, written independently of io/can.
 ///
-/// Behaviour of the manual: nothing is sent until "start"; while sending, only the commands "stop" and "bias"
-/// are heard; rate (200 Hz) and low-pass (off) are kept, bias is not. Commands answered here: set and read
-/// filter, read once, start, stop, set and read rate, bias, overload count.
+/// Behaviour by the manual: nothing is sent until "start"; while the sensor sends, it hears only the commands
+/// "stop" and "bias"; it keeps rate (at first 200 Hz) and low-pass (at first off), but not the bias. The
+/// fault `silent` clears all three here. Commands of this model: set and read filter, read once, start, stop,
+/// set and read rate, bias, overload count.
 ///
-/// Frames pass as for any CanClient: a CanPump runs it over a bus.
+/// A CanPump runs the device over a bus, as any CanClient.
 class RobotousDevice final : public io::CanClient {
  public:
   /// @throws std::invalid_argument from the model.

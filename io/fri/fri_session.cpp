@@ -10,7 +10,7 @@ using control::CommandMode;
 using control::JointArray;
 using control::SessionState;
 
-constexpr std::int32_t kWindow = 64;  // counters that seen_ remembers
+constexpr std::int32_t kWindow = 64;  // number of counters that seen_ remembers
 
 bool IsFinite(const JointArray& q) OSTEON_RT {
   return std::all_of(q.begin(), q.end(), [](double joint) { return std::isfinite(joint); });
@@ -43,7 +43,7 @@ FriAccept FriSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
       ++counters_.other_version;
       other_family_ = DetectFamily(datagram);
     }
-    // the arm does not know its own posture: the loop must see which joint is concerned, and stops
+    // The arm reports a joint that is not a number: the loop must see which joint, and stop.
     if (const auto q = has_last_ && error == CodecError::kNotFinite ? JointsNotFinite(family_, datagram)
                                                                     : std::nullopt) {
       state.stamp = stamp;
@@ -119,7 +119,7 @@ FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT 
 }
 
 void FriSession::BeginSession() OSTEON_RT {
-  held_.reset();  // it was sent to another arm, or to this one before it moved by itself
+  held_.reset();  // the position was sent to another arm, or to this one before it moved by itself
   first_answer_ = command_sequence_;
   any_reflected_ = active_ = false;
 }
@@ -127,12 +127,13 @@ void FriSession::BeginSession() OSTEON_RT {
 // The arm reflects the newest of this session's answers that it has received.
 void FriSession::CheckReflected(const MonitoringMessage& message) OSTEON_RT {
   const std::uint32_t at = message.reflected_sequence - first_answer_;
-  if (at >= command_sequence_ - first_answer_) {  // none of ours: none received yet, or another client's
+  // no answer of this session: the arm has received none yet, or another client's
+  if (at >= command_sequence_ - first_answer_) {
     if (any_reflected_) ++counters_.answers_foreign;
     return;
   }
   const std::uint32_t step = any_reflected_ ? message.reflected_sequence - reflected_ : at + 1;
-  if (step > at + 1) {  // backwards
+  if (step > at + 1) {  // an older answer than the one reflected before
     ++counters_.answers_foreign;
     return;
   }

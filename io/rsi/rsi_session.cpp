@@ -13,7 +13,7 @@ namespace {
 
 using control::SessionState;
 
-constexpr std::int64_t kWindow = 64;  // messages that seen_ remembers
+constexpr std::int64_t kWindow = 64;  // number of messages that seen_ remembers
 constexpr std::size_t kAxes = kRsiAxes;
 // The period is measured over this many messages; a different period deviates at least by this factor.
 constexpr std::uint32_t kPeriodMessages = 10;
@@ -117,8 +117,8 @@ RsiAccept RsiSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
   return result;
 }
 
-// What an accepted message says of the arm, with what RSI leaves unsaid: it runs only in motion, in position
-// control.
+// Writes an accepted message into `state`. RSI sends no quality, safety state, drive state or mode: as it
+// runs only while the arm is in motion under position control, constants stand for them.
 void RsiSession::PutMessage(const RsiRobotMessage& message, rt::Nanoseconds stamp,
                             control::ArmState& state) OSTEON_RT {
   const bool settling = in_session_ <= static_cast<std::uint32_t>(params_.settle_messages);
@@ -155,7 +155,7 @@ RsiSession::Order RsiSession::CheckSequence(std::uint64_t ipoc, rt::Nanoseconds 
   if (!has_last_ || stamp - last_stamp_ > timeout || steps > params_.timeout_cycles || steps <= -kWindow)
     return Order::kFirst;
   if (apart > 0) {
-    // a leap of less than a step is accepted as newer
+    // a rise of IPOC by less than a step is accepted as one step
     ahead = static_cast<std::uint32_t>(std::max<std::int64_t>(1, steps));
     seen_ = ahead < kWindow ? (seen_ << ahead) | 1u : 1u;
     counters_.lost += ahead - 1;
@@ -198,8 +198,9 @@ void RsiSession::BeginSession(const RsiRobotMessage& message) OSTEON_RT {
   if (!joined_late_) ++status_.sessions;
 }
 
-// Computes the controller's sum after `ahead` cycles from the rise of Delay. Each cycle but the first
-// certainly had no answer, since its message never came; the first had one if ours was in time.
+// Computes the controller's sum of corrections after `ahead` cycles, from the rise of Delay. The first of
+// these cycles had an answer if ours was in time. The others certainly had none, since their messages never
+// came.
 void RsiSession::TrackCorrectionSum(std::uint32_t ahead, std::uint32_t delay) OSTEON_RT {
   // Delay keeps counting, or (on other controllers) restarts after an answer in time.
   const std::uint32_t risen = delay >= status_.delay ? delay - status_.delay : delay;
@@ -216,7 +217,8 @@ void RsiSession::TrackCorrectionSum(std::uint32_t ahead, std::uint32_t delay) OS
   awaiting_ = false;
 }
 
-// Whether the loop's commands are followed: the loop has seen the hand-over, and began at the arm's pose.
+// Whether a command may move the arm: it names the present activation, and the activation's first command was
+// near the start pose.
 bool RsiSession::MayMove(const control::ArmCommand& command) OSTEON_RT {
   if (in_session_ <= static_cast<std::uint32_t>(params_.settle_messages)) return false;
   if (command.activation != activation_) return false;

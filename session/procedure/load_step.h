@@ -21,7 +21,7 @@ inline constexpr double kMaxLoadError_N = 0.5;
 class PausedReadings {
  public:
   void Add(const control::TickRecord& tick);
-  /// Whether both means are known: the pause has lasted for 0.6 s.
+  /// Whether both means are known: the pause has lasted for 600 ticks, 0.6 s at 1 kHz.
   [[nodiscard]] bool known() const { return newest_count_ >= kTicks; }
   [[nodiscard]] Vector3 first_S() const { return first_sum_ / kTicks; }
   [[nodiscard]] Vector3 newest_S() const { return newest_; }

@@ -18,9 +18,9 @@ namespace {
 using simulation::CarvedState;
 using simulation::ToolCommand;
 
-constexpr std::chrono::milliseconds kMaxWait{700};  // the local socket answers within a second
+constexpr std::chrono::milliseconds kMaxWait{700};  // an answer through the local socket has a second
 constexpr double kSameSize_mm = 1e-6;
-constexpr rt::Nanoseconds kRestBeforeWeighing = rt::kSecond;  // longer than PausedReadings needs
+constexpr rt::Nanoseconds kRestBeforeWeighing = rt::kSecond;  // PausedReadings needs 0.6 s at 1 kHz
 
 }  // namespace
 
@@ -40,7 +40,8 @@ ProcedureSession::ProcedureSession(ProcedureParams params)
       file_(params_.file) {
   if (const auto& guidance = params_.tools[static_cast<std::size_t>(tool_)].loop.guidance)
     guidance_gain_ = guidance->gain;
-  // a state for each pass, undone or not; others that lie there are not written over
+  // Every pass has a state file, whether it was undone or not. New numbers follow the largest one in the
+  // folder, so that no file is overwritten.
   states_ =
       std::max(static_cast<int>(file_.passes.size()), LastNumber(params_.folder, kStatePrefix, kStateEnding));
   framed_tool_.store(tool_);
@@ -192,7 +193,7 @@ void ProcedureSession::HandleRequest(const ToolCommand& command, FrameRunner& ru
     if (open_->waits_for_loop && !left_pause) return;
     request = open_->request;
   }
-  if (left_pause) {  // by a fault, or a stop: the loop has not taken the tool
+  if (left_pause) {  // a fault or a stop ended the pause before the loop took the tool
     wanted_tool_.store(-1);
     return Answer(Refused("the cell is no longer paused: retract the tool, then pause"));
   }
@@ -240,7 +241,8 @@ void ProcedureSession::HandleRequest(const ToolCommand& command, FrameRunner& ru
   if (open_) open_->waits_for_loop = true;
 }
 
-// Steps 1 and 2 of a change: everything is checked, then the loop is asked.
+// Steps 1 and 2 of a change of tool: checks everything, then requests the tool from the loop.
+// @param waits  becomes true if the answer follows once the loop has the tool
 SessionAnswer ProcedureSession::StartChange(const SessionRequest& request, const ToolCommand& command,
                                             FrameRunner& runner, bool& waits) {
   const std::vector<double> sizes = File().diameters_mm;
@@ -278,7 +280,8 @@ SessionAnswer ProcedureSession::StartChange(const SessionRequest& request, const
   return {};
 }
 
-// Whether the sensor's reading has changed as the tools' weights differ; empty: it has.
+// Checks that the sensor's reading has changed by the difference of the tools' weights: an empty string, or
+// why not.
 std::string ProcedureSession::CheckLoad(int tool, const ToolCommand& command) const {
   const control::LoopTool& before = params_.tools[static_cast<std::size_t>(tool_)].loop;
   const control::LoopTool& after = params_.tools[static_cast<std::size_t>(tool)].loop;
@@ -293,7 +296,7 @@ std::string ProcedureSession::CheckLoad(int tool, const ToolCommand& command) co
       error_N, kMaxLoadError_N);
 }
 
-// How far the tool must be retracted; empty: it is clear.
+// Checks that a tool is clear of bone: an empty string, or how far it must be retracted.
 std::string ProcedureSession::RetractFirst(const CarvedState& state, int tool, const Pose& X_GT) const {
   const double clear_m =
       simulation::ToolClearance(state, params_.tools[static_cast<std::size_t>(tool)].tool, X_GT);
@@ -305,7 +308,8 @@ std::string ProcedureSession::RetractFirst(const CarvedState& state, int tool, c
                                    : fmt::format("{:.2f} mm from bone, accepted 0.5 mm", 1e3 * clear_m));
 }
 
-// Step 3: the loop has the new tool, so that this command's pose is that tool's.
+// Step 3 of a change of tool: the loop has taken the new tool, and the command's pose is already that of the
+// new tool.
 void ProcedureSession::SwitchTool(const ToolCommand& command, FrameRunner& runner) {
   const int index = command.tool_index;
   const ProcedureTool& tool = params_.tools[static_cast<std::size_t>(index)];
@@ -315,7 +319,7 @@ void ProcedureSession::SwitchTool(const ToolCommand& command, FrameRunner& runne
     runner.Say("tool: " + error_);
     return Answer(Refused(error_));
   }
-  // from the saved state, not from a snapshot of now: a replay begins there as well
+  // The new engine begins with the saved state, not with a snapshot of now, as a replay does.
   CarvedState state = simulation::WithoutContact(*saved_);
   state.frame = runner.engine().Snapshot().frame;
   (*engine)->Restore(state);
@@ -386,11 +390,12 @@ SessionAnswer ProcedureSession::Save(const ToolCommand& command, FrameRunner& ru
   if (pass_.open() && !pass_.clear()) return Refused("save: the tool touches bone: retract it first");
   EndOpenPass(runner.engine(), command.stamp);
   WriteFile();
-  // without a thread all is written; with one, the answer is not kept waiting for a slow disk
+  // In virtual time everything is written now. In wall time a thread writes it: the answer does not wait for
+  // a slow disk.
   return {.done = true, .reason = ""};
 }
 
-// A resume after a change of tool or bone: only with the tool clear.
+// Requests a resume from the loop. After a change of tool or bone, only if the tool is clear of bone.
 SessionAnswer ProcedureSession::Resume(const ToolCommand& command, const FrameRunner& runner) {
   if (!command.paused) return Refused("the cell is not paused");
   std::string why;
@@ -400,18 +405,19 @@ SessionAnswer ProcedureSession::Resume(const ToolCommand& command, const FrameRu
   return why.empty() ? SessionAnswer{.done = true, .reason = ""} : Refused(std::move(why));
 }
 
-// A resume that nobody waits for: a signal, the console, the scripted operator.
+// Carries out RequestResume. Nobody waits for an answer: a refusal goes to the run's notices.
 void ProcedureSession::HandleResume(const ToolCommand& command, FrameRunner& runner) {
   if (!resume_asked_.load()) return;
   {
     const std::lock_guard lock(mutex_);
-    if (open_ && open_->waits_for_loop) return;  // first the tool that was asked for
+    if (open_ && open_->waits_for_loop) return;  // the requested tool comes first
   }
   resume_asked_.store(false);
   if (const SessionAnswer answer = Resume(command, runner); !answer.done)
     runner.Say("resume: " + answer.reason);
 }
 
+// Presses the buttons of the scripted operator.
 void ProcedureSession::PressButtons(const ToolCommand& command) {
   const simulation::ToolBall* head =
       simulation::CuttingHead(params_.tools[static_cast<std::size_t>(tool_)].tool);
@@ -436,8 +442,8 @@ void ProcedureSession::PressButtons(const ToolCommand& command) {
   }
 }
 
-// A segment keeps the greatest gain that was in force: a session that was guided for a while counts as
-// guided.
+// Sets the gain of the guidance. The segment keeps the largest gain that was in force, so that a session that
+// was guided for a while counts as guided.
 SessionAnswer ProcedureSession::SetGuidance(double gain) {
   if (!params_.tools[static_cast<std::size_t>(tool_)].loop.guidance)
     return Refused("the plan has no guidance");

@@ -5,7 +5,7 @@
 namespace osteon::session {
 namespace {
 
-constexpr double kPublish_s = 0.25;
+constexpr double kPublish_s = 0.25;  // time between two updates of the figures
 
 }  // namespace
 
@@ -16,7 +16,7 @@ void LiveLatency::TakeTick(const control::TickRecord& tick) {
   meter_.Add(tick);
   if (++ticks_ >= std::lround(kPublish_s / period_s_))
     if (const std::unique_lock lock(mutex_, std::try_to_lock);
-        lock) {  // else a reader copies: at the next tick
+        lock) {  // otherwise a reader is copying: the next tick tries again
       figures_ = meter_.Figures(period_s_, context_);
       ticks_ = 0;
     }

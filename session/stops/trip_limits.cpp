@@ -14,7 +14,9 @@ namespace {
 
 using control::TickRecord;
 
-// Positions of apex, flange and elbow from the joints. @tparam Arm  kinematics::LbrArm, OrthoParallelArm
+// Returns a function that computes the position of apex, flange or elbow in W from a tick's joints: the
+// measured ones under the impedance law, otherwise the commanded ones. @tparam Arm  kinematics::LbrArm,
+// OrthoParallelArm
 template <class Arm>
 auto PointsOf(std::shared_ptr<const Arm> arm, const config::CellConfig& cell) {
   const bool measured = cell.servo.law == control::Law::kImpedance;

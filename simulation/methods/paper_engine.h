@@ -7,32 +7,33 @@
 namespace osteon::simulation {
 
 /// Kaluschke et al., "A Continuous Material Cutting Model with Haptic Feedback for Medical Simulations", IEEE
-/// VR 2019, on the bone's balls (theirs are disjoint: disjoint_packing.h). They test every pair on a GPU;
-/// here a tree of boxes finds the pairs, with the same result.
+/// VR 2019, on the bone's balls (the paper's balls are disjoint: disjoint_packing.h). The paper tests every
+/// pair on a GPU; here a tree of boxes finds the pairs, with the same result.
 ///
 /// As printed:
-///   1  equation 3, positive roots alone; the least *distance* over all tool spheres. Contact on the path
-///      only (s <= 1: "along the path"). The proxy stops where the path stops.
-///   2  equation 4; the contact sphere enlarged "by its radius": its radius is doubled. Other tool spheres
-///      whose centres lie within it count at their own size. The normal is reported, but no printed equation
-///      uses it. Force: equation 1, k (p_proxy - p_HIP), with ζ = 0 (assumed: no value is given). Torque:
-///      equation 2 at the sphere's centre, about the tool's origin (the cell adds the lever to the centre of
-///      mass).
-///   3  equation 5 with the contact sphere alone, from where it was to where it would have ended, at once.
-///      There is no removal law: CuttingParams::law and ::cutters are ignored. The last free pose is then the
-///      device's.
+///   1  First contact: equation 3, only its positive roots; the least *distance* over all tool spheres. Only
+///      a contact on the path counts (s <= 1: "along the path"). The proxy stops where the path stops.
+///   2  Normal: equation 4, with the contact sphere enlarged "by its radius", which doubles its radius. Other
+///      tool spheres whose centres lie within it count at their own size. The normal is reported, but no
+///      printed equation uses it. Force: equation 1, k (p_proxy - p_HIP), with ζ = 0 (assumed: no value is
+///      given). Torque: equation 2 at the sphere's centre, about the tool's origin (the cell adds the lever
+///      to the centre of mass).
+///   3  Removal: equation 5 with the contact sphere alone, from where it was to where it would have ended, at
+///      once. There is no removal law: CuttingParams::law and ::cutters are ignored. The last free pose is
+///      then the device's.
 ///   Where the printed equations fail: m = 0 and d_c = 0 (division by zero) are no contact and no change. A
 ///   contact at rest has a root of ±0, so the proxy stops 1 µm short (assumed; otherwise every second frame
-///   tunnels at rest). A whole turn of the tool within a frame is a chord. The paper has no books: mass
-///   points in the contact sphere's capsule count as removed.
+///   tunnels at rest). A whole turn of the tool within a frame is treated as a chord. The paper does not say
+///   how removed volume is counted: here the mass points in the contact sphere's capsule count as removed.
 ///
-/// As corrected (cutting.md), structure kept: one contact, one slide.
-///   1  least fraction; overlapping pairs that move inwards are contact at 0; static overlaps do not divide.
-///   2  equation 4 with its squares, enlargement e = CuttingParams::normal_enlargement_m for the contact
-///      sphere and tool spheres that overlap it; density weights stay. Force along the normal only, at the
-///      surface point; the proxy slides once along the contact's plane.
-///   3  equation 5 with the penetration (ShrinkBall), along the proxy's path, by the cutters and the law of
-///      CuttingParams.
+/// As corrected (cutting.md), with the same structure of one contact and one slide:
+///   1  First contact: the least fraction; overlapping pairs that move inwards are contact at 0; pairs that
+///      overlap without moving cause no division by zero.
+///   2  Normal: equation 4 with its squares, with the enlargement e = CuttingParams::normal_enlargement_m for
+///      the contact sphere and tool spheres that overlap it; density weights stay. The force acts only along
+///      the normal, at the surface point; the proxy slides once along the contact's plane.
+///   3  Removal: equation 5 with the penetration (ShrinkBall), along the proxy's path, by the cutters and the
+///      law of CuttingParams.
 class PaperEngine final : public BallMethod {
  public:
   /// @param solid  see MakeMethod. @throws std::invalid_argument as MakeMethod does.

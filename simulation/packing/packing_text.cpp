@@ -13,41 +13,44 @@
 namespace osteon::simulation {
 namespace {
 
+/// How a material's figure is written: its key and value, then its source.
 struct Figure {
   const char* key;
   double Material::*value;
-  const char* source_key;      ///< the figure's source, ...
-  const char* assumption_key;  ///< ... or the reason for its assumed value
+  const char* source_key;      ///< key of the value's source ...
+  const char* assumption_key;  ///< ... or of the reason why the value is assumed
   FigureSource Material::*source;
   bool may_be_zero;  ///< otherwise it must be above 0
-  double greatest;
+  double max_value;
 };
-/// The same limits as in CheckMaterials.
-constexpr double kAny = std::numeric_limits<double>::max();
+constexpr double kNoBound = std::numeric_limits<double>::max();
+/// All figures of a material, with the same bounds as in CheckMaterials.
 constexpr std::array<Figure, 4> kFigures{{
     {"density_kg_per_m3", &Material::density_kg_per_m3, "density_source", "density_assumption",
-     &Material::density_source, false, kAny},
+     &Material::density_source, false, kNoBound},
     {"specific_cutting_energy_J_per_m3", &Material::specific_cutting_energy_J_per_m3, "cutting_energy_source",
-     "cutting_energy_assumption", &Material::cutting_energy_source, false, kAny},
+     "cutting_energy_assumption", &Material::cutting_energy_source, false, kNoBound},
     {"cutting_force_ratio", &Material::cutting_force_ratio, "cutting_force_source",
-     "cutting_force_assumption", &Material::cutting_force_source, false, kAny},
+     "cutting_force_assumption", &Material::cutting_force_source, false, kNoBound},
     {"friction", &Material::friction, "friction_source", "friction_assumption", &Material::friction_source,
      true, 2.0},
 }};
 
-/// Present only where the edge force is known; the chip's thickness follows in a line of its own.
+/// Written only if the edge force is known. The line kChipKey follows: the chip's thickness at which the
+/// cutting energy was measured.
 constexpr Figure kEdgeForce{"edge_force_N_per_m",
                             &Material::edge_force_N_per_m,
                             "edge_force_source",
                             "edge_force_assumption",
                             &Material::edge_force_source,
                             false,
-                            kAny};
+                            kNoBound};
 constexpr const char* kChipKey = "measured_chip_m";
 
 constexpr const char* kCrcKey = "source_crc32";
 constexpr const char* kTextAccepted = "UTF-8 without control characters";
 
+/// Writes a line's end as \n and a backslash as two.
 std::string Escaped(const std::string& value) {
   std::string out;
   for (const char c : value) {
@@ -108,19 +111,19 @@ class LineReader {
     return !error_ && rest.starts_with(key) && rest.substr(key.size()).starts_with('=');
   }
 
-  double ReadNumber(const char* key, double greatest, bool may_be_zero) {
+  double ReadNumber(const char* key, double max_value, bool may_be_zero) {
     const std::string text = Value(key);
     double value = 0.0;
     const auto [rest, wrong] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool in_range = value <= greatest && (may_be_zero ? value >= 0.0 : value > 0.0);
+    const bool in_range = value <= max_value && (may_be_zero ? value >= 0.0 : value > 0.0);
     if (wrong != std::errc{} || rest != text.data() + text.size() || !in_range)
       FailValue(key, Shown(text),
-                greatest == kAny ? "a finite number above 0" : fmt::format("0 … {}", greatest));
+                max_value == kNoBound ? "a finite number above 0" : fmt::format("0 … {}", max_value));
     return value;
   }
 
   void ReadFigure(const Figure& figure, Material& material) {
-    material.*figure.value = ReadNumber(figure.key, figure.greatest, figure.may_be_zero);
+    material.*figure.value = ReadNumber(figure.key, figure.max_value, figure.may_be_zero);
     const std::string accepted = fmt::format("a line {}=… or {}=…", figure.source_key, figure.assumption_key);
     auto [key, source] = Next(accepted);
     if (key != figure.source_key && key != figure.assumption_key) Fail("a line " + Shown(key), accepted);
@@ -152,7 +155,7 @@ class LineReader {
       if (c == '\\') {
         const char next = i + 1 < raw.size() ? raw[i + 1] : '\0';
         if (next != '\\' && next != 'n') {
-          Keep(value_ + i, "", Shown(raw.substr(i, 2)), "\\\\ or \\n behind a backslash's place");
+          Keep(value_ + i, "", Shown(raw.substr(i, 2)), "\\\\ or \\n");
           return {};
         }
         out += next == 'n' ? '\n' : '\\';
@@ -170,16 +173,17 @@ class LineReader {
   std::optional<TextError> error_;
 };
 
-bool GoodKey(const std::string& key) {
+/// Whether a text consists of letters, digits and _.
+bool IsKey(const std::string& key) {
   return !key.empty() && std::ranges::all_of(key, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
   });
 }
 
-// An edge force, and the chip's thickness at which the cutting energy was measured.
+// Reads an edge force, and the chip's thickness at which the cutting energy was measured.
 void ReadEdgeForce(LineReader& reader, Material& material) {
   reader.ReadFigure(kEdgeForce, material);
-  material.measured_chip_m = reader.ReadNumber(kChipKey, kAny, false);
+  material.measured_chip_m = reader.ReadNumber(kChipKey, kNoBound, false);
   const double max_force = material.specific_cutting_energy_J_per_m3 * material.measured_chip_m;
   if (!(material.edge_force_N_per_m < max_force))
     reader.FailValue(kChipKey, fmt::format("{}", material.measured_chip_m),
@@ -202,7 +206,7 @@ tl::expected<std::string, TextError> MaterialsToText(const std::vector<Material>
     if (material.edge_force_N_per_m != 0.0)
       text += fmt::format("{}{}={}\n", FigureText(kEdgeForce, material), kChipKey, material.measured_chip_m);
   }
-  // one set of rules: only a text that can be read is written
+  // The reader has the only set of rules: a text that it refuses is not written.
   if (const auto read = MaterialsFromText(text); !read) return tl::make_unexpected(read.error());
   return text;
 }
@@ -247,7 +251,7 @@ tl::expected<NamedProvenance, TextError> ProvenanceFromText(std::string_view tex
   std::set<std::string> keys{"bone", "program", "source"};
   while (!reader.AtEnd()) {
     auto [key, parameter] = reader.Next("a line key=value");
-    if (!GoodKey(key)) reader.Fail("a key " + Shown(key), "letters, digits and _");
+    if (!IsKey(key)) reader.Fail("a key " + Shown(key), "letters, digits and _");
     if (!keys.insert(key).second) reader.Fail("the key " + key + " a second time", "each key once");
     if (key != kCrcKey) {
       value.provenance.parameters.emplace_back(std::move(key), std::move(parameter));

@@ -47,7 +47,7 @@ struct RoundsParams {
 /// Adds one round's timing of a method to the rounds before it.
 void AddRound(MethodRounds& rounds, FrameTiming&& timing);
 
-/// A range over rounds.
+/// Smallest and largest value of a figure among the rounds.
 struct RoundRange {
   double low{0.0}, high{0.0};
 };

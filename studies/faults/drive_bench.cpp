@@ -6,22 +6,22 @@
 namespace osteon::studies {
 namespace {
 
-// Parameters as a cell's file would give them: the tool of the rig turns at 26 rad/s.
-io::DeviceParams Wires() {
-  io::DeviceParams wires;
-  wires.buses = {{.name = "tool", .interface = "", .port = 1, .device_port = 2}};
-  wires.sensor = io::RobotousParams{};
-  wires.drive = io::ReamerDriveParams{.gear_ratio = hil::DriveMotorParams{}.gear_ratio,
-                                      .rated_torque_Nm = hil::DriveMotorParams{}.rated_torque_Nm,
-                                      .max_speed_rad_per_s = 40.0,
-                                      .acceleration_rad_per_s2 = 50.0};
-  return wires;
+// Parameters as a cell's file would give them, for a tool that turns at 26 rad/s (FaultRig).
+io::DeviceParams BenchDevices() {
+  io::DeviceParams devices;
+  devices.buses = {{.name = "tool", .interface = "", .port = 1, .device_port = 2}};
+  devices.sensor = io::RobotousParams{};
+  devices.drive = io::ReamerDriveParams{.gear_ratio = hil::DriveMotorParams{}.gear_ratio,
+                                        .rated_torque_Nm = hil::DriveMotorParams{}.rated_torque_Nm,
+                                        .max_speed_rad_per_s = 40.0,
+                                        .acceleration_rad_per_s2 = 50.0};
+  return devices;
 }
 
 }  // namespace
 
 DriveBench::DriveBench(rt::Nanoseconds now) : now_(now), device_(hil::DriveDeviceParams{}) {
-  auto made = io::DeviceClients::Make(Wires());
+  auto made = io::DeviceClients::Make(BenchDevices());
   if (!made) throw std::logic_error(made.error());
   clients_ = std::move(*made);
   hil::MemoryCanBus::Join(controller_end_, drive_end_);

@@ -19,7 +19,9 @@ namespace {
 
 using safety::CellState;
 
-constexpr int kColumn = 5;
+constexpr int kColumn = 5;  // width in characters
+
+// Mark of an expected reaction in the table; the legend below the table explains the marks.
 
 char LetterOf(const Expected& expected) {
   switch (expected.reaction) {
@@ -45,8 +47,8 @@ char LetterOf(const Expected& expected) {
   return '?';
 }
 
-// The first four letters of a state's name.
-std::string HeadOf(CellState state) {
+// Heading of a state's column: the first four letters of its name, or "st 1" for "stop 1".
+std::string HeadingOf(CellState state) {
   const std::string name = safety::Describe(state).name;
   return name.find(' ') == std::string::npos ? name.substr(0, 4) : "st " + name.substr(name.size() - 1);
 }
@@ -69,7 +71,7 @@ std::string FaultTableText(std::span<const FaultVerdict> verdicts) {
   }
   std::string text = fmt::format("{:<{}} ", "fault", width);
   for (int s = 0; s < safety::kCellStates; ++s)
-    text += fmt::format("{:>{}}", HeadOf(static_cast<CellState>(s)), kColumn);
+    text += fmt::format("{:>{}}", HeadingOf(static_cast<CellState>(s)), kColumn);
   text += "  noticed   stated     way  stated\n";
   for (auto row = verdicts.begin(); row != verdicts.end();) {
     const auto end =

@@ -12,7 +12,7 @@ namespace osteon::studies {
 /// Options of `osteon failures --kill`: real processes are killed in full contact, in wall time.
 struct KillTableOptions {
   std::filesystem::path config_root;
-  int times{20};                      ///< for each victim
+  int times{20};                      ///< number of trials for each victim
   std::vector<KillVictim> victims{};  ///< empty: all
   std::filesystem::path json{};       ///< empty: none
   std::string engine{"auto"};         ///< one that `osteon run` accepts

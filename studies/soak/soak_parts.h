@@ -15,17 +15,18 @@
 
 namespace osteon::studies {
 
-/// Takes a condition, and the text of what is wrong where it does not hold.
+/// Takes a condition, and the text to report if the condition does not hold.
 using Require = std::function<void(bool holds, const std::string& what)>;
 
-/// Holds a recording to the bounds that every episode has: rendered force, momentum, removed volume.
+/// Requires the bounds that hold for every episode's recording: rendered force, momentum, removed volume.
 void RequireBooks(const EpisodeBooks& books, const Require& require);
 
 /// Appends the figures of a recording to an episode's JSON. @param debt_J  see EpisodeBooks::EnergyResidual
 void AddBooks(nlohmann::ordered_json& json, const EpisodeBooks& books, double debt_J);
 
-/// Growth from the second quarter of the values to the last, by a quantile of each. 0 with fewer than eight.
-/// @param share  0: the least, 0.5: the median
+/// Growth of a quantile from the second quarter of the values to the last quarter. 0 with fewer than 8
+/// values.
+/// @param share  which quantile, below 1; 0: the smallest value, 0.5: the median
 [[nodiscard]] double QuarterGrowth(const std::vector<double>& values, double share);
 
 /// A panel of points over the hours of a soak.
@@ -39,7 +40,7 @@ struct KindCount {
   std::string_view name;
   std::ptrdiff_t episodes{0}, wrong{0};
 };
-/// The table of a page. @param head  of the first column
+/// Makes the table of a page, in HTML. @param head  heading of the first column
 [[nodiscard]] std::string KindTable(const char* head, const std::vector<KindCount>& counts);
 
 /// Checks --out and --json before anything runs. @returns the error, or an empty string

@@ -24,26 +24,26 @@ struct CellTrialParams {
   std::vector<TissueFigures> tissues{};
   double seconds{10.0};
   std::optional<double> error_m{};  ///< of the packing; none: as the cell's scene demands
-  bool as_packed{false};            ///< by the scene's own packing instead
+  bool as_packed{false};            ///< uses the scene's own packing, without a plan for an error
 
-  /// Equal for equal parameters alone.
+  /// A text that is equal only for equal parameters.
   [[nodiscard]] std::string Key() const;
 };
 
 /// The outcome of the run.
 struct CellTrial {
-  std::string ended;                        ///< "completed"
+  std::string ended;                        ///< how the run ended: "completed"
   std::vector<std::string> faults;          ///< names
   std::optional<procedure::SphereFit> fit;  ///< of the cavity; nothing if the bone has no cup or was not cut
   std::string fit_refused;                  ///< why there is none
-  /// How far the fitted centre lies below the cup's, along the axis; not above 0: the head is not seated.
+  /// How far the fitted centre lies below the cup's, along the axis. 0 or less: the head is not seated.
   double seated_m{0.0};
   double centre_shift_m{0.0};  ///< of the fitted centre from the cup's
   double removed_m3{0.0};
   double peak_hand_N{0.0}, peak_rendered_N{0.0};
   double feed_per_turn_m{0.0};   ///< of the head along the site's axis, while the hand presses in full
   double force_difference{0.0};  ///< mean of |hand + rendered| over |rendered|, while pressing in full
-  double pressed_s{0.0};  ///< time in which the hand pressed in full; 0: the two figures before are void
+  double pressed_s{0.0};  ///< time in which the hand pressed in full; 0: the two figures above are not known
   double seconds_wall{0.0};
 };
 

@@ -10,7 +10,7 @@
 #include "config/reading/sections/read_compliance.h"
 #include "tests/config/cell_text.h"
 
-// The section `compliance` of a cell: what gives way, by itself or as the scene notices it, and what is
+// The section `compliance` of a cell: which parts give way, when `auto` turns a part on, and which values are
 // refused.
 
 namespace osteon::config {
@@ -38,7 +38,7 @@ TEST(ComplianceKeys, WithoutTheSectionNothingGivesWay) {
     EXPECT_FALSE(LoadText(CellText(cell)).servo.compliance.any()) << cell;
 }
 
-// The design's table: what the planner decides in the shipped cells, and why.
+// What `auto` decides in the shipped cells, and the figures that decide it (table of the design).
 TEST(ComplianceKeys, AutoIsOnWhereTheSceneNoticesIt) {
   struct Row {
     const char* cell;
@@ -66,7 +66,8 @@ CompliancePart LayerOf(const std::string& cell) {
   return CompliancePartsOf(LoadText(WithCompliance(cell, " {layer: auto}")))[1];
 }
 
-// Cartilage is not felt by a reamer, and seated it gives less than the scene's error: 0.05 mm in a run.
+// A reamer does not feel the demo's cartilage, and below a seated reamer it gives less than the scene's
+// error.
 TEST(ComplianceKeys, TheDemosCartilageIsOffByItself) {
   const CompliancePart part = LayerOf("demo");
   ASSERT_TRUE(part.known);
@@ -83,7 +84,7 @@ TEST(ComplianceKeys, TheDemosCartilageIsOffByItself) {
   EXPECT_FALSE(LayerOf("femoral_head").known) << "worn off";
 }
 
-// Cells in which a part is on because the scene notices it.
+// Cells in which `auto` turns a part on because it is felt.
 TEST(ComplianceKeys, ShippedCellsWhosePartsAreFelt) {
   const CellConfig cup = LoadText(CellText("soft_cup"));
   ASSERT_TRUE(cup.servo.compliance.layer) << "auto";
@@ -98,7 +99,7 @@ TEST(ComplianceKeys, ShippedCellsWhosePartsAreFelt) {
   EXPECT_TRUE(CompliancePartsOf(drill)[0].effect.is_felt);
 }
 
-// A reamer of 44 mm in the cup of 48 is not seated all over.
+// A reamer of 44 mm touches only a part of the cup of 48 mm.
 TEST(ComplianceKeys, ALayerYieldsByTheAreaThatTheToolEngages) {
   const std::string cup = WithCompliance("demo", " {layer: auto}");
   const CompliancePart narrow =
@@ -108,7 +109,7 @@ TEST(ComplianceKeys, ALayerYieldsByTheAreaThatTheToolEngages) {
   EXPECT_GT(narrow.effect.gives_m, LayerOf("demo").effect.gives_m);
 }
 
-// The design's table: a ball of 25 mm on a flat, felt through a coupling of 20 N/mm.
+// A ball of 25 mm radius on a flat layer, felt through a coupling of 20 N/mm (table of the design).
 TEST(ComplianceKeys, LayersOfTheDesignsTable) {
   struct Row {
     double kappa_N_per_mm3, thickness_mm, delta_mm[3], k_N_per_mm, felt_N_per_mm;
@@ -136,7 +137,7 @@ TEST(ComplianceKeys, ReachTheLoop) {
   const CellConfig drill = LoadText(CellText("long_drill"));
   ASSERT_TRUE(drill.servo.compliance.tool);
   const control::ToolLinkParams& tool = *drill.servo.compliance.tool;
-  const double factor = 1.0 / (1.0 - 60.0 / 422.6);  // of the thrust
+  const double factor = 1.0 / (1.0 - 60.0 / 422.6);  // by which the thrust softens the tool
   EXPECT_NEAR(1.0 / tool.compliance_T(0, 0), 8720.0 / factor, 87.2);
   EXPECT_EQ(tool.tau_s, 0.020);
   EXPECT_NEAR(tool.max_bend_m, 6.5e-3, 1e-9);
@@ -173,7 +174,8 @@ TEST(ComplianceKeys, WhatWouldNotBeStableIsRefusedWithTheValueThatIsNeeded) {
                     HasSubstr("at least 0.05")));
   EXPECT_THAT(refusal("mass_kg: 12\n", "mass_kg: 0.2\n"),
               AllOf(HasSubstr("mass_kg"), HasSubstr("found 0.2, accepted at least 0.42")));
-  // a coupling of 100 N/mm and a bone of 2 kg: to the virtual tool a wall of nearly twice the stiffness
+  // With a coupling of 100 N/mm and a bone of 2 kg, the virtual tool meets a wall of nearly twice the
+  // stiffness.
   const std::string stiff_coupling =
       With(WithCompliance("demo", kMount), "coupling:\n  stiffness_N_per_mm: 20\n",
            "coupling:\n  stiffness_N_per_mm: 100\n");
@@ -191,7 +193,8 @@ TEST(ComplianceKeys, WhatWouldNotBeStableIsRefusedWithTheValueThatIsNeeded) {
               AllOf(HasSubstr("relaxation_ms"), HasSubstr("found a"), HasSubstr("accepted at least")));
 }
 
-// A mount's swing about each axis keeps the same rules as its motion along it, at the lever of the site.
+// The rules for a mount's motion along an axis hold for its swing about the axis too, at the site's lever
+// arm.
 TEST(ComplianceKeys, AMountThatSwingsTooFastOrTooFreelyIsRefused) {
   const auto mounted = [](const std::string& cell, const std::string& inertia, const std::string& stiffness,
                           const std::string& at) {

@@ -7,15 +7,16 @@
 #include <ostream>
 #include <vector>
 
-// Generated operations on a cell in a tick: an operation, its target, and a wild value.
+// Generates operations on a cell for property tests, one for each tick: the operation, its target, and a
+// value that may be extreme or not finite.
 
 namespace osteon::property {
 
 inline constexpr int kMaxTicks = 50;
 
 struct Op {
-  int what{0};   ///< 0 does nothing: cases shrink toward it
-  int which{0};  ///< 0 … 6, for example one of seven joints
+  int what{0};   ///< number of the operation; 0 does nothing: failing cases shrink toward it
+  int which{0};  ///< its target, 0 … 6: for example one of seven joints
   double value{0.0};
 };
 inline void showValue(const Op& op, std::ostream& out) {
@@ -38,7 +39,7 @@ inline rc::Gen<double> WildValue() {
 }
 
 /// Generates one operation per tick. Most do nothing or push, so that the wild ones meet a cell in motion.
-/// @param pushes, kinds  of Op::what; those from `pushes` on push
+/// @param pushes, kinds  Op::what is below `kinds`; the operations from `pushes` on push the tool
 inline rc::Gen<std::vector<Op>> WildOps(int pushes, int kinds) {
   const auto among = [](int from, int to) { return rc::gen::resize(100, rc::gen::inRange(from, to)); };
   return rc::gen::container<std::vector<Op>>(

@@ -17,7 +17,7 @@ struct SyntheticRun {
   simulation::CarvedState after;
   std::vector<control::TickRecord> ticks;
   std::vector<simulation::FrameRecord> frames;
-  double cell_m{1e-3};  ///< of the lattice of balls
+  double cell_m{1e-3};  ///< spacing of the lattice of balls
 };
 
 struct SyntheticParams {
@@ -26,22 +26,24 @@ struct SyntheticParams {
   double spacing_m{0.9e-3}, cap_m{0.8e-3};  ///< lattice of balls: radius = min(cap, distance to the surface)
   double point_spacing_m{0.6e-3};
   double depth_m{2.0e-3};  ///< of the tool's apex below the cup's floor
-  double tilt_rad{0.0};    ///< of the whirlwind
+  double tilt_rad{0.0};    ///< of the tool, while it circles after the feed
   int ticks{2000}, frames{1000};
 };
 
 /// Makes a block with a hemispherical cup of radius R around the origin that opens at z = 0: cartilage,
-/// cortical plate and cancellous bone below the cup, cut by the rule of the cutting model (p/2) along a
-/// straight feed and a whirlwind.
+/// cortical plate and cancellous bone below the cup. The tool cuts it as Carve does: along a straight feed,
+/// then tilted and circling.
 [[nodiscard]] SyntheticRun MakeSyntheticRun(const SyntheticParams& params = {});
 
 /// Returns the proxy's path from the run's frames.
 [[nodiscard]] std::vector<Pose> PathOf(const SyntheticRun& run, const Pose& X_WG = Pose::Identity());
 
-/// Shrinks or deletes every ball that a sphere of radius r, moving from a to b, overlaps: the rule p/2.
+/// Cuts balls as the cutting model does, with a sphere of radius r that moves from a to b. A ball that the
+/// sweep overlaps by the depth p loses p/2 of its radius and moves away by p/2; at p >= 2 radii it is gone
+/// (radius 0).
 void Carve(std::vector<simulation::Ball>& balls, const Vector3& a, const Vector3& b, double radius_m);
 
-/// Makes the state as an engine would: floats in mm, r = 0 for removed balls.
+/// Makes the state as an engine would: floats in mm, radius 0 for removed balls.
 [[nodiscard]] simulation::CarvedState StateOf(const std::vector<simulation::Ball>& balls);
 
 }  // namespace osteon::report

@@ -12,12 +12,13 @@ namespace osteon::studies {
 [[nodiscard]] FailureResult RunTwoSprings(const FailureSetting& setting);
 
 /// Scenario 37, stale stiffness: a ball presses into a soft layer by 2 ± 1.5 mm at 8 Hz. Metric: work that
-/// the layer gives in a cycle. Baseline: the layer's secant stiffness by each frame, held until the next.
+/// the layer gives in a cycle. Baseline: each frame sets the layer's secant stiffness until the next frame.
 /// Bound: 0.
 [[nodiscard]] FailureResult RunStaleStiffness(const FailureSetting& setting);
 
 /// Scenario 38, bent arm: a drill slides and turns against an inclined plane. Metric: work given in a turn.
-/// Baseline: the torque by the rigid tool's arm, as if the head were not aside. Bound: 0.01 mJ.
+/// Baseline: the torque is computed with the rigid tool's lever arm, although the head is bent aside. Bound:
+/// 0.01 mJ.
 [[nodiscard]] FailureResult RunBentArm(const FailureSetting& setting);
 
 }  // namespace osteon::studies

@@ -5,6 +5,7 @@
 namespace osteon::studies {
 namespace {
 
+// Change to a reamer of 2 mm larger diameter, whose apex lies further ahead.
 void ToolChange(SceneSketch& s) {
   s.Line({{140, 10}, {140, 60}}, {.color = "#c3cbd2", .width_px = 8.0});
   s.GhostBall(140, 84, 22);
@@ -20,6 +21,7 @@ void ToolChange(SceneSketch& s) {
   s.Text(190, 120, "44 to 46 mm");
 }
 
+// A heavier tool, with nobody at the handle.
 void ToolLoad(SceneSketch& s) {
   s.Line({{140, 10}, {140, 50}}, {.color = "#c3cbd2", .width_px = 8.0});
   s.ToolBall(140, 74, 26);
@@ -32,6 +34,7 @@ void ToolLoad(SceneSketch& s) {
   }
 }
 
+// A larger tool is chosen while it would stand in bone.
 void ToolInBone(SceneSketch& s) {
   std::vector<report::PlotPoint> bone{{20, 156}, {20, 70}};
   for (const report::PlotPoint& p : ArcPoints({140, 70}, 40, 180, 360)) bone.push_back(p);
@@ -48,6 +51,7 @@ void ToolInBone(SceneSketch& s) {
   }
 }
 
+// A pass is undone, and the run resumes.
 void Undo(SceneSketch& s) {
   s.BoneBlock(20, 90, 260, 150);
   s.ToolBall(100, 74, 18);

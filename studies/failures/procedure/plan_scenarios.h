@@ -16,14 +16,14 @@ namespace osteon::studies {
 /// accepted. Bound: 45°, from which on a plan is refused.
 [[nodiscard]] FailureResult RunWrongSide(const FailureSetting& setting);
 
-/// Scenario 25, fit of a small cap: points on a cap of 46° of a sphere of 25 mm, off by 0.3 mm (standard
-/// deviation), many times. Metric: bias of radius or depth, the larger. Baseline: the algebraic fit (least
-/// squares of |p|²). Ours: the geometric fit of procedure/assessment. Bound: 0.02 mm.
+/// Scenario 25, fit of a small cap: points on a cap of 46° of a sphere of 25 mm, with errors of 0.3 mm
+/// (standard deviation), many times. Metric: bias of radius or depth, the larger. Baseline: the algebraic fit
+/// (least squares of |p|²). Ours: the geometric fit of procedure/assessment. Bound: 0.02 mm.
 [[nodiscard]] FailureResult RunSmallCap(const FailureSetting& setting);
 
 /// Scenario 26, fit in a coarse packing: a reamer of 50 mm cuts a cup of large balls. Metric: error of the
-/// fitted diameter. Baseline: a sphere through where rays meet the remaining balls, valleys as well. Ours:
-/// the cut balls' near points. Bound: 0.01 mm.
+/// fitted diameter. Baseline: a sphere through the points where rays meet the remaining balls, also in
+/// the valleys between them. Ours: the cut balls' near points. Bound: 0.01 mm.
 [[nodiscard]] FailureResult RunCoarsePacking(const FailureSetting& setting);
 
 }  // namespace osteon::studies

@@ -33,8 +33,8 @@ class ServoStart : public ::testing::Test {
         .stamp = bench.now + ServoBench::kTick, .permitted = permitted, .enabled = held};
     const JointVector before = Joints();
     const TickRecord record = bench.Tick();
-    if (!before.isZero(0.0))  // nothing was commanded before the first
-      greatest_step_rad = std::max(greatest_step_rad, (Joints() - before).cwiseAbs().maxCoeff());
+    if (!before.isZero(0.0))  // no command came before the first one
+      max_step_rad = std::max(max_step_rad, (Joints() - before).cwiseAbs().maxCoeff());
     return record;
   }
   void Run(int count) {
@@ -44,8 +44,8 @@ class ServoStart : public ::testing::Test {
   double ToGo() const { return (Goal() - Joints()).cwiseAbs().maxCoeff(); }
 
   ServoBench bench{Params(), 10.0};  // no bone near
-  bool permitted{true}, held{true};  // by the PLC; the enabling switch
-  double greatest_step_rad{0.0};
+  bool permitted{true}, held{true};  // motion, by the PLC; the enabling switch
+  double max_step_rad{0.0};
 };
 
 TEST_F(ServoStart, TheArmGoesThereAndRendersFromThere) {
@@ -54,14 +54,14 @@ TEST_F(ServoStart, TheArmGoesThereAndRendersFromThere) {
   Run(2);
   EXPECT_EQ(bench.loop.phase(), Phase::kAligning);
   EXPECT_EQ(bench.loop.tool_command().spindle_rad_per_s, 0.0);
-  greatest_step_rad = 0.0;
+  max_step_rad = 0.0;
   int ticks = 0;
   while (bench.loop.phase() == Phase::kAligning && ++ticks < 20'000) Tick();
   EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
   EXPECT_LT(ToGo(), 1e-9);
   EXPECT_GT(ticks, 500) << "slowly";
-  EXPECT_LT(greatest_step_rad, 1e-3);
-  EXPECT_EQ(bench.loop.statistics().active_ticks, 1u) << "the way is no rendering";
+  EXPECT_LT(max_step_rad, 1e-3);
+  EXPECT_EQ(bench.loop.statistics().active_ticks, 1u) << "the path to the start is no rendering";
   Run(100);
   EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
   EXPECT_FALSE(bench.loop.faults().Any());
@@ -82,7 +82,7 @@ TEST_F(ServoStart, WithTheSwitchReleasedItRestsOnItsWayAndGoesOnLater) {
   held = true;
   for (int i = 0; i < 20'000 && bench.loop.phase() == Phase::kAligning; ++i) Tick();
   EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
-  EXPECT_LT(greatest_step_rad, 1e-3) << "no jump, at the switch neither";
+  EXPECT_LT(max_step_rad, 1e-3) << "no jump, not even when the switch is pressed again";
 }
 
 TEST_F(ServoStart, WithoutThePlcsPermissionItRestsOnItsWayAndGoesOnLater) {
@@ -108,7 +108,7 @@ TEST_F(ServoStart, AStopOnTheWayIsAPauseThatStays) {
   Run(1000);
   EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
   EXPECT_GT(ToGo(), 0.05);
-  EXPECT_LT(greatest_step_rad, 1e-3);
+  EXPECT_LT(max_step_rad, 1e-3);
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 

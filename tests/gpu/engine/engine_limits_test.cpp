@@ -75,7 +75,8 @@ TEST(Devices, AreOpenedAndClosedAnyNumberOfTimesOnOneInstance) {
   EXPECT_FALSE((*first)->shared->messenger.has_value()) << "the layers were not asked for";
 }
 
-// Two workers on one core make every frame of a run nearly twice as long, and Linux does not separate them.
+// Linux may leave two of the driver's worker threads on one core for a whole run, which makes every frame
+// nearly twice as long. So each worker is pinned to its own core.
 TEST(Devices, EachWorkerOfAProcessorHasACoreOfItsOwn) {
   const auto context = OpenContext("", false);
   ASSERT_TRUE(context.has_value()) << context.error();
@@ -155,7 +156,7 @@ TEST(VulkanEngine, CutsWithManyToolBallsAndAsManyMaterialsAsItAccepts) {
     bone.points[i].material = static_cast<simulation::MaterialIndex>(i % 8);
   simulation::ReferenceEngine reference(bone, tool, Pose::Identity(), {});
   const auto vulkan = Open(bone, tool);
-  // off the middle: at a symmetric place two balls touch equally, and rounding would choose
+  // Off the middle: at a symmetric place two balls touch equally, and rounding would decide between them.
   for (int i = 0; i < 60; ++i) {
     const simulation::FrameInput input{.X_WT = Down({0.13e-3, 0.07e-3, 0.3e-3 - 0.05e-3 * i}),
                                        .spindle_rad_per_s = kSpindle_rad_per_s};
@@ -199,7 +200,8 @@ TEST(VulkanEngine, WithBallsAndNoPointsOrPointsAndNoBallsWorks) {
 class Sizes : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(, Sizes, testing::Values(1, 2, 63, 64, 65, 127, 129, 200));
 
-// Workgroups and clusters hold 64: the last one is full, partly filled, lacks one, or holds one.
+// Workgroups and clusters hold 64 balls: in these sizes the last one is full, partly filled, lacks one ball,
+// or holds one.
 TEST_P(Sizes, AgreeWithTheReferenceBallByBall) {
   const simulation::Bone bone = Strip(GetParam());
   simulation::CuttingParams params;
@@ -267,7 +269,7 @@ TEST(VulkanEngine, CutsLikeTheReferenceWithAToolOfThousandsOfBalls) {
   EXPECT_EQ(one.cleared, two.cleared);
 }
 
-// Lists built at one place must not hide bone where the tool has jumped to.
+// Neighbour lists that were built at one place must not hide the bone on the way of a jump.
 TEST(VulkanEngine, AJumpOfAMetreMeetsTheBoneThatLiesBetween) {
   const auto engine = Open(Strip(40), Ball(4e-3));
   engine->Step({.X_WT = Down({0, 0, 0.5})});

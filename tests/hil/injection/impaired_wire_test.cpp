@@ -32,7 +32,7 @@ struct Arrived {
   bool intact;
 };
 
-// Sends one datagram a millisecond, taken as soon as it is due.
+// Sends a datagram each millisecond, and takes each one as soon as it is due.
 std::vector<Arrived> Send(ImpairedWire& wire, int count) {
   std::vector<Arrived> arrived;
   const auto take = [&](rt::Nanoseconds until) {
@@ -62,7 +62,8 @@ ImpairedWire Of(const WireFaults& faults, std::uint64_t seed = 1) {
   return {Always(faults, Wire::kArm, Direction::kBoth, seed), Wire::kArm, Direction::kToController};
 }
 
-// Within five standard deviations of a binomial distribution (exceeded once in two million seeds).
+// Expects a count within five standard deviations of a binomial distribution (exceeded once in two million
+// seeds).
 void ExpectShare(std::uint64_t found, double share, double trials) {
   EXPECT_NEAR(static_cast<double>(found), share * trials, 5.0 * std::sqrt(share * (1.0 - share) * trials));
 }
@@ -100,7 +101,8 @@ TEST(ImpairedWire, EachKindHappensAsOftenAsItIsAskedFor) {
   ExpectShare(damaged.counters().corrupted, 0.01, kMany);
   ExpectShare(short_ones, 0.25, static_cast<double>(not_intact));
 
-  // one that passes a held one is not drawn: of n drawn, p n are held, and p n pass undrawn
+  // The datagram that passes a held one is not drawn itself: n draws hold p n datagrams, and p n others pass
+  // without a draw. So a share of p / (1 + p) is held.
   std::uint64_t behind = 0, newest = 0;
   for (const Arrived& a : Send(swapped, kMany)) {
     behind += a.number < newest ? 1 : 0;
@@ -115,7 +117,7 @@ TEST(ImpairedWire, BurstsAreAsLongAsTheyAreAskedForAndKeepTheShare) {
     ImpairedWire wire = Of({.loss = 0.05, .burst = burst});
     std::vector<bool> came(kMany, false);
     for (const Arrived& a : Send(wire, kMany)) came[a.number] = true;
-    // adjacent bursts count as one run; the last may be cut off
+    // adjacent bursts form one run; the last run may be cut off, and is not checked
     int run = 0;
     std::uint64_t runs = 0;
     for (const bool c : came) {

@@ -10,14 +10,14 @@
 
 namespace osteon::hil {
 
-/// One kind of fault from the very start to the end.
+/// Injects the same faults all the time, even before the schedule starts.
 inline InjectionParams Always(const WireFaults& faults, Wire wire = Wire::kArm,
                               Direction direction = Direction::kBoth, std::uint64_t seed = 1) {
   return {.injections = {{.wire = wire, .direction = direction, .from_s = -1.0, .faults = faults}},
           .seed = seed};
 }
 
-/// Every pushed datagram is accounted for.
+/// Whether the counters account for every pushed datagram.
 inline bool Balances(const ImpairedWire& wire) {
   const WireCounters& n = wire.counters();
   return n.pushed + n.duplicated == n.passed + n.lost + n.silenced + n.overflow + wire.waiting();

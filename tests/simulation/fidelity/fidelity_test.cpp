@@ -111,8 +111,8 @@ TEST(FrameCost, FindsTheLineAndSetsInterruptedFramesApart) {
   EXPECT_GT(cost.tail_ratio, 1.0);
 }
 
-// Threads of one process on few cores wait for each other: frames without a wait are few, and frames that are
-// long for another reason are not calmer than the rest.
+// Threads of one process on few cores wait for each other, so that frames without a wait are few. A frame
+// that is long for another reason waits no less than the others.
 TEST(FrameCost, MedianIsOfAllFramesAndALongFrameMayNotWaitLonger) {
   std::vector<FrameSample> samples;
   for (int k = 0; k < 900; ++k)
@@ -124,7 +124,7 @@ TEST(FrameCost, MedianIsOfAllFramesAndALongFrameMayNotWaitLonger) {
   EXPECT_NEAR(group.p50_us, 205.0, 2.0);
   EXPECT_EQ(group.interrupted, 1000u);
   EXPECT_EQ(group.p999_us, 220.0);
-  // every frame interrupted: all are used
+  // if every frame is interrupted, all are used
   for (FrameSample& sample : samples) sample.waited_us = 100.0;
   EXPECT_EQ(GroupOf(samples).interrupted, samples.size());
   EXPECT_GT(GroupOf(samples).p999_us, 1000.0);

@@ -13,13 +13,14 @@ using testing::HasSubstr;
 
 TriangleMesh Cube() { return MakeBox({0, 0, 0}, {0.02, 0.02, 0.02}); }
 
-/// The refusal of a mesh in memory.
+/// The error of CheckMesh, which must refuse the mesh.
 MeshError Refusal(TriangleMesh mesh) {
   const auto checked = CheckMesh(mesh, "the mesh");
   if (checked) ADD_FAILURE() << "the mesh was accepted";
   return checked ? MeshError{} : checked.error();
 }
 
+/// The error of LoadMesh, which must refuse the file.
 MeshError LoadRefusal(const std::filesystem::path& path) {
   const auto loaded = LoadMesh(path);
   if (loaded) ADD_FAILURE() << "the mesh was accepted";
@@ -107,7 +108,7 @@ TEST(MeshErrors, AMissingTriangleLeavesThreeOpenEdges) {
   mesh.triangles.pop_back();
   const MeshError error = Refusal(mesh);
   EXPECT_EQ(error.kind, MeshErrorKind::kOpen);
-  // corners 3, 5 and 7 are left over; the first edge is that from 3 to 5
+  // the open edges join the corners 3, 5 and 7; the first one goes from 3 to 5
   EXPECT_THAT(
       error.message,
       HasSubstr("the first of 3 from (20.0000, 20.0000, 0.0000) mm to (20.0000, 0.0000, 20.0000) mm"));

@@ -7,7 +7,7 @@
 #include "tests/simulation/bone/cup_bone.h"
 #include "tests/simulation/packing/cover_index.h"
 
-// A real hip bone of 50 000 triangles, where the folder of anatomical meshes is available.
+// A real hip bone of 50 000 triangles. Skipped if OSTEON_DATA_DIR names no folder with anatomical meshes.
 
 namespace osteon::simulation {
 namespace {

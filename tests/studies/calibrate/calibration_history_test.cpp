@@ -48,9 +48,9 @@ TEST(CalibrationHistory, DriftIsWhatBothFitsDoNotExplain) {
   EXPECT_EQ(DriftSince({first}, second).size(), 1u) << "30 g";
   CalibrationEntry unsure = second;
   unsure.payload->mass_sd_kg = 0.02;
-  EXPECT_TRUE(DriftSince({first}, unsure).empty()) << "the fit does not know better";
+  EXPECT_TRUE(DriftSince({first}, unsure).empty()) << "30 g is within the fit's uncertainty";
   const std::vector<std::string> drift = DriftSince({first, second}, Entry("c", 2.53, 3.0, 1.3e-3));
-  ASSERT_EQ(drift.size(), 5u) << "bias and apex twice, the mass since the first";
+  ASSERT_EQ(drift.size(), 5u) << "bias and apex since either entry, the mass since the first";
   EXPECT_NE(drift[0].find("the sensor's bias has drifted by 1.00 N since b"), std::string::npos) << drift[0];
 }
 

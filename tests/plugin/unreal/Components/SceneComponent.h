@@ -2,6 +2,8 @@
 
 #include "CoreMinimal.h"
 
+// Unreal's scene component, as far as the plug-in uses it (see CoreMinimal.h).
+
 namespace EEndPlayReason {
 enum Type { Destroyed };
 }
