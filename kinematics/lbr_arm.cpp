@@ -78,7 +78,7 @@ const LbrSolution* LbrSolutions::Nearest(const JointVector& seed) const OSTEON_R
   return best;
 }
 
-// More than 60 lines: one solution from shoulder to wrist; each joint needs the frames of those before it.
+// One function of more than 60 lines, because each joint needs the frames of all joints before it.
 LbrSolutions LbrArm::Solve(const Pose& X_BF, double arm_angle_rad, const JointVector& seed) const OSTEON_RT {
   LbrSolutions result;
 
@@ -117,7 +117,8 @@ LbrSolutions LbrArm::Solve(const Pose& X_BF, double arm_angle_rad, const JointVe
   const WristAngles wrist = SolveWrist(m.cross(f), m, f, X_BF.linear(), seed[4]);
   q.tail<3>() << wrist.turn, wrist.tilt, wrist.twist;
 
-  // the same joints with a neighbour flipped, and how far each is beyond its limits in both cases
+  // Two values of each joint, as computed and after a flip, and how far each value is beyond the limits. A
+  // flip of A2, A4 or A6 changes the sign of that joint and turns its neighbours by half a turn.
   std::array<JointVector, 2> q_of{q, {}};
   std::array<std::array<double, 7>, 2> beyond_of{};
   for (int i = 0; i < 7; ++i) q_of[1][i] = i % 2 == 1 ? -q[i] : q[i] - std::copysign(kPi, q[i]);

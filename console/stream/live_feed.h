@@ -33,11 +33,11 @@ class LiveFeed final : public io::RecordSink {
 
   /// Publishes the window in the making at once. For a playback, which has no recorder; waits for readers.
   void Flush();
-  /// Becomes what `other` has gathered, at once for every reader: a playback went to another time. A reader
-  /// sees it by epoch().
-  /// @pre `other` keeps as many windows, and has no reader; it has no use afterwards.
+  /// Replaces everything gathered by what `other` has gathered, for all readers at once: a playback went to
+  /// another time. Readers notice the change by epoch().
+  /// @pre `other` keeps as many windows, and has no reader. Its content is void afterwards.
   void ShowInstead(LiveFeed& other);
-  /// Grows with each ShowInstead. Numbers of windows and events begin anew in an epoch.
+  /// Number of calls of ShowInstead. The numbers of windows and events begin anew in each epoch.
   [[nodiscard]] std::uint64_t epoch() const;
   [[nodiscard]] std::uint64_t kept() const { return kept_; }
 

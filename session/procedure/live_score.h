@@ -21,7 +21,7 @@
 
 namespace osteon::session {
 
-/// A session's score as far as it can be said before its end.
+/// A session's score, as far as it is known before the session's end.
 struct ScoreSoFar {
   procedure::Score score;   ///< an open item has no value and no points
   std::vector<bool> open;   ///< of each of score.items
@@ -29,12 +29,12 @@ struct ScoreSoFar {
   std::string unfinished;   ///< what is left of the plan; empty: nothing
 };
 
-/// Scores by procedure::ScoreOf what can be said now, and leaves the rest open: items that the last tool
-/// decides, before it has a pass that counts; items of the whole session's recordings; values that could not
-/// be measured. So its total is never above that of `osteon assess` of the same passes and rubric.
-/// @param passes  of the session, undone ones too
+/// Scores the items that are known now (procedure::ScoreOf), and leaves three kinds open: items that the last
+/// tool decides, until it has a pass that counts; items of the whole session's recordings; values that could
+/// not be measured. So the total is never above that of `osteon assess` for the same passes and rubric.
+/// @param passes  of the session, including undone ones
 /// @param assessment  of the state after them; its process figures are not used
-/// @param walls_known  false: some pass's walls are not known, and a breach is assumed
+/// @param walls_known  false: the walls that some pass left are not known, and a breach is assumed
 [[nodiscard]] ScoreSoFar ScoreOfNow(const procedure::SurgicalPlan& plan, const procedure::Rubric& rubric,
                                     std::span<const SessionPass> passes,
                                     const procedure::Assessment& assessment, bool walls_known);
@@ -49,28 +49,29 @@ struct LiveScoreParams {
   Pose X_WG{Pose::Identity()};
 };
 
-/// The score of a session that goes on, by the code of `osteon assess`: of the state that the last pass that
-/// counts has left. What was cut since then is not in it; its age says how long that is.
+/// The score of a running session, computed as `osteon assess` does. It is that of the bone after the last
+/// pass that counts; bone cut since then is not included. The age in the message is that of this bone.
 ///
 ///     frames' thread ──AddFrame, EndPass, SetState──▶ [newest state] ──Update──▶ message ──Json──▶ pages
 ///
-/// AddFrame, EndPass and SetState take some microseconds. Update measures the bone, some tenths of a second:
-/// never the frames' thread.
+/// AddFrame, EndPass and SetState take some microseconds. Update measures the bone, which takes some tenths
+/// of a second: the frames' thread never calls it.
 class LiveScore {
  public:
   explicit LiveScore(LiveScoreParams params) : params_(std::move(params)) {}
 
   // frames' thread
-  /// Takes a frame of a tool of the plan. @param begins  it is the first one of a pass
+  /// Adds a frame to the open pass.
+  /// @param tool  index in the plan  @param begins  the frame is the first one of a pass
   void AddFrame(int tool, const simulation::ContactModel& model, double spindle_rad_per_s, bool begins);
-  /// The pass that is open gets its number, of SessionPass.
+  /// Ends the open pass. @param number  of its SessionPass
   void EndPass(int number);
-  /// The state that counts now. @param stamp  of the newest frame  @param guided  some of it was guided
-  /// @returns whether it differs from the one before: an Update is due.
+  /// Sets the bone that is to be scored. @param stamp  of the newest frame  @param guided  a part was guided
+  /// @returns whether an Update is due: the input has changed, and there is a rubric
   bool SetState(std::shared_ptr<const simulation::CarvedState> state, std::vector<SessionPass> passes,
                 const std::optional<PlainPose>& cup_X_GT, bool guided, rt::Nanoseconds stamp);
 
-  /// Scores the newest state, unless that is done. Any thread but the frames'.
+  /// Scores the newest bone, unless that is already done. Any thread but the frames'.
   void Update();
 
   /// {"type": "score", …}; console/web/src/messages.ts has its fields. Any thread.

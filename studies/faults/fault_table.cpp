@@ -93,9 +93,9 @@ std::string FaultTableText(std::span<const FaultVerdict> verdicts) {
     row = end;
   }
   text +=
-      "0, 1 stops by that category   F a fault, at rest   w does not begin   b waits anew   p rests on its "
-      "way\na to the start, renders nothing   ~ brakes on   - stays at rest   . goes on   ! not so; noticed "
-      "and way: while cutting\n";
+      "0, 1 stops, of that category   F a fault, at rest   w does not begin   b waits again\n"
+      "p pauses on its path   a goes to the start, renders nothing   ~ brakes on   - stays at rest\n"
+      ". goes on   ! the cell did otherwise   last four columns: while cutting\n";
   for (const FaultVerdict& verdict : verdicts)
     if (!verdict.passed())
       text +=
