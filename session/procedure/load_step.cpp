@@ -13,8 +13,7 @@ double LoadStepError_N(const Vector3& f_before_S, const Vector3& f_after_S,
 
 void PausedReadings::Add(const control::TickRecord& tick) {
   if (tick.cell_state != static_cast<std::uint8_t>(safety::CellState::kPaused)) {
-    first_sum_ = sum_ = Vector3::Zero();
-    first_count_ = count_ = newest_count_ = 0;
+    Restart();
     return;
   }
   const Vector3 f_S = tick.input.F_sensor_S.f;

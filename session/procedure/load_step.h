@@ -21,14 +21,15 @@ inline constexpr double kMaxLoadError_N = 0.5;
 class PausedReadings {
  public:
   void Add(const control::TickRecord& tick);
-  /// Whether both means are known: the pause has lasted for 600 ticks, 0.6 s at 1 kHz.
+  /// Whether both means are known: the pause has lasted for kTicksUntilKnown.
   [[nodiscard]] bool known() const { return newest_count_ >= kTicks; }
   [[nodiscard]] Vector3 first_S() const { return first_sum_ / kTicks; }
   [[nodiscard]] Vector3 newest_S() const { return newest_; }
-  /// Takes the newest reading as the beginning: another tool is on.
-  void Restart() { first_count_ = newest_count_ = 0; }
+  /// Begins anew with the next reading: another tool is on.
+  void Restart() { *this = {}; }
 
-  static constexpr int kTicks = 300;
+  static constexpr int kTicks = 300;  ///< of each mean
+  static constexpr int kTicksUntilKnown = 2 * kTicks;
 
  private:
   Vector3 first_sum_{Vector3::Zero()}, sum_{Vector3::Zero()}, newest_{Vector3::Zero()};

@@ -356,6 +356,7 @@ tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
           },
       .confirm_size = physical,
       .confirm_load = physical && setup.config.servo.law == control::Law::kImpedance,
+      .period_s = setup.config.servo.period_s,
       .scripted = simulated,
       .scripted_heights = heights,
       .wall_time = !virtual_time,

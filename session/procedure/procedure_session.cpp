@@ -20,7 +20,12 @@ using simulation::ToolCommand;
 
 constexpr std::chrono::milliseconds kMaxWait{700};  // an answer through the local socket has a second
 constexpr double kSameSize_mm = 1e-6;
-constexpr rt::Nanoseconds kRestBeforeWeighing = rt::kSecond;  // PausedReadings needs 0.6 s at 1 kHz
+
+/// For how long the scripted operator pauses before a change of tool [ns]: until the sensor's readings are
+/// known (PausedReadings), with two thirds more for what the loop's start of the pause takes.
+rt::Nanoseconds PauseForReadings(double period_s) {
+  return static_cast<rt::Nanoseconds>(1e9 * period_s * (5 * PausedReadings::kTicksUntilKnown / 3));
+}
 
 }  // namespace
 
@@ -36,7 +41,7 @@ ProcedureSession::ProcedureSession(ProcedureParams params)
               .X_WG = params_.X_WG}),
       writer_(params_.folder, *params_.bone, params_.wall_time),
       tool_(params_.tool),
-      script_(params_.scripted_heights, params_.confirm_size ? kRestBeforeWeighing : 0),
+      script_(params_.scripted_heights, params_.confirm_size ? PauseForReadings(params_.period_s) : 0),
       file_(params_.file) {
   if (const auto& guidance = params_.tools[static_cast<std::size_t>(tool_)].loop.guidance)
     guidance_gain_ = guidance->gain;

@@ -58,6 +58,7 @@ struct ProcedureParams {
   bool confirm_size{false};  ///< a physical change: a person confirms the size
   /// An arm in its own impedance control: its controller's load is confirmed as well.
   bool confirm_load{false};
+  double period_s{1e-3};                        ///< the loop's, in which the sensor is read
   bool scripted{false};                         ///< the scripted operator's buttons are pressed as well
   ScriptedChanges::Heights scripted_heights{};  ///< at which they are
   bool wall_time{false};                        ///< states are written on a thread of their own

@@ -44,6 +44,12 @@ TEST(LoadStep, OnlyReadingsOfAPauseCount) {
   ASSERT_TRUE(readings.known());
   EXPECT_NEAR(readings.first_S().z(), 5.0, 1e-12);
   EXPECT_NEAR(readings.newest_S().z(), 6.0, 1e-12);
+  run(safety::CellState::kPaused, 100, 6.0);
+  readings.Restart();  // what was read since the last mean belongs to the old tool
+  run(safety::CellState::kPaused, PausedReadings::kTicksUntilKnown, 7.0);
+  ASSERT_TRUE(readings.known());
+  EXPECT_NEAR(readings.first_S().z(), 7.0, 1e-12);
+  EXPECT_NEAR(readings.newest_S().z(), 7.0, 1e-12);
   run(safety::CellState::kHaptic, 1, 0.0);
   EXPECT_FALSE(readings.known());
 }
