@@ -74,9 +74,4 @@ Twist MountTwistAt(const BoneMountParams& params, const BoneMountState& state, c
   return {.v = state.v.head<3>() + state.creep_m_per_s + w.cross(p_W - PlaceOf(params, state)), .w = w};
 }
 
-double MountEnergy(const BoneMountParams& params, const BoneMountState& state) OSTEON_RT {
-  return 0.5 * (MassOf(params).dot(state.v.cwiseAbs2()) + StiffnessOf(params).dot(state.d.cwiseAbs2()) +
-                params.creep_N_per_m * state.creep_m.squaredNorm());
-}
-
 }  // namespace osteon::control

@@ -182,6 +182,4 @@ DynamicArm::Joints DynamicArm::tau_external_Nm() const OSTEON_RT {
 
 Pose DynamicArm::X_BBnow() const OSTEON_RT { return mount_ ? mount_->X_BBnow() : Pose::Identity(); }
 
-double DynamicArm::kinetic_J() const OSTEON_RT { return 0.5 * qd_.dot(arm_.MassMatrix(q_) * qd_); }
-
 }  // namespace osteon::hil
