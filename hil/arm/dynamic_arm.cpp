@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 #include <string>
 
 #include <Eigen/Cholesky>
 
-#include "base/number_text.h"
+#include "base/parameter_check.h"
 
 namespace osteon::hil {
 namespace {
@@ -29,11 +28,7 @@ kinematics::ChainParams<7> WithMassError(kinematics::ChainParams<7> chain, doubl
 
 const DynamicArmParams& Checked(const DynamicArmParams& params, const kinematics::ChainParams<7>& chain,
                                 double period_s) {
-  const auto require = [](const std::string& name, double value, bool accepted, const char* range) {
-    if (!accepted || !std::isfinite(value))
-      throw std::invalid_argument("simulated arm: " + name + ": found " + base::NumberText(value) +
-                                  ", accepted " + range);
-  };
+  const base::ParameterCheck require("simulated arm: ");
   require("bandwidth_hz", params.bandwidth_hz, params.bandwidth_hz > 0.0 && params.bandwidth_hz <= 200.0,
           "0 … 200, not 0");
   require("damping_ratio", params.damping_ratio, params.damping_ratio >= 0.0 && params.damping_ratio <= 10.0,
