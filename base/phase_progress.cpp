@@ -7,14 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "base/clock.h"
+
 namespace osteon::base {
-namespace {
-
-double Now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-}  // namespace
 
 PhaseProgress::PhaseProgress(std::string command, int phases, bool lines)
     : command_(std::move(command)),
@@ -30,12 +25,13 @@ void PhaseProgress::BeginPhase(const std::string& name) {
   const std::scoped_lock lock(mutex_);
   EndPhase();
   running_ = name;
-  begun_s_ = Now_s();
+  begun_s_ = rt::ToSeconds(rt::MonotonicNow());
   if (lines_) fmt::print(stderr, "{}: {} of {}: {}\n", command_, done_.size() + 1, count_, name);
 }
 
 void PhaseProgress::EndPhase() {
-  if (!running_.empty()) done_.push_back({.name = running_, .seconds = Now_s() - begun_s_});
+  if (!running_.empty())
+    done_.push_back({.name = running_, .seconds = rt::ToSeconds(rt::MonotonicNow()) - begun_s_});
   running_.clear();
 }
 
@@ -57,7 +53,7 @@ void PhaseProgress::Draw(std::stop_token stop) {
     if (!running_.empty()) {
       const int filled = kWidth * static_cast<int>(done_.size()) / count_;
       fmt::print(stderr, "\r\033[K[{:{}}] {}, {:.1f} s", std::string(static_cast<std::size_t>(filled), '#'),
-                 kWidth, running_, Now_s() - begun_s_);
+                 kWidth, running_, rt::ToSeconds(rt::MonotonicNow()) - begun_s_);
       std::fflush(stderr);
     }
     wake_.wait_for(lock, stop, std::chrono::milliseconds(100), [] { return false; });

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <stdexcept>
 #include <string>
 
-#include "base/number_text.h"
+#include "base/parameter_check.h"
 #include "kinematics/braking_speed.h"
 #include "kinematics/jacobi_svd.h"
 
@@ -119,10 +118,7 @@ const char* Name(MotionLimit limit) noexcept {
 
 template <int N>
 DifferentialInverse<N>::DifferentialInverse(const DifferentialInverseParams<N>& params) : params_(params) {
-  const auto require = [](const std::string& name, double value, bool accepted, const char* range) {
-    if (!accepted || !std::isfinite(value))
-      throw std::invalid_argument(name + ": found " + base::NumberText(value) + ", accepted " + range);
-  };
+  const base::ParameterCheck require("");
   require("position_margin_rad", params.position_margin_rad, params.position_margin_rad >= 0.0, ">= 0");
   require("speed_share", params.speed_share, params.speed_share > 0.0 && params.speed_share <= 1.0, "0 … 1");
   require("acceleration_share", params.acceleration_share, params.acceleration_share > 0.0, "> 0");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/percentile.h"
 #include "simulation/bone/material_style.h"
 #include "simulation/removal/cut_metrics.h"
 
@@ -42,9 +43,7 @@ double MedianSpacing(std::span<const MassPoint> points) {
   if (points.empty()) return 1e-3;
   std::vector<double> volumes;
   for (const MassPoint& point : points) volumes.push_back(point.volume_m3);
-  const auto middle = volumes.begin() + static_cast<std::ptrdiff_t>(volumes.size() / 2);
-  std::nth_element(volumes.begin(), middle, volumes.end());
-  return std::cbrt(std::max(*middle, 1e-15));
+  return std::cbrt(std::max(base::Median(volumes), 1e-15));
 }
 
 bool Finite(const Vector3& v) { return v.allFinite(); }

@@ -107,6 +107,10 @@ std::string PageBegin(const PageHead& head) {
 
 std::string ScriptHtml(const char* script) { return fmt::format("<script>\n{}</script>\n", script); }
 
+std::string RepeatSection(const std::string& command_line) {
+  return "<h2>How to repeat it</h2>\n<pre>" + Escape(command_line) + "</pre>\n";
+}
+
 std::string PageEnd() { return "</main>\n" + ScriptHtml(kPlotCursorScript) + "</body>\n</html>\n"; }
 
 std::string FileLink(const std::string& file) {

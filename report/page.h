@@ -39,6 +39,8 @@ struct PageHead {
 [[nodiscard]] std::string PageBegin(const PageHead& head);
 /// The end of a page, with the script that moves one cursor over all its plots that zoom.
 [[nodiscard]] std::string PageEnd();
+/// The section that gives the command which made the page.
+[[nodiscard]] std::string RepeatSection(const std::string& command_line);
 /// A script within the page. @param script  without "</script"
 [[nodiscard]] std::string ScriptHtml(const char* script);
 

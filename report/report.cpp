@@ -199,8 +199,7 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
             Figure(chart, "Sizes of the displacements. A level that never moved in this run is not drawn.");
   html += TimingHtml(input);
   html += AssumptionsHtml(input);
-  if (!input.command_line.empty())
-    html += "<h2>How to repeat it</h2>\n<pre>" + Escape(input.command_line) + "</pre>\n";
+  if (!input.command_line.empty()) html += RepeatSection(input.command_line);
   if (!input.config_text.empty())
     html += "<h2>Configuration</h2>\n<pre>" + Escape(input.config_text) + "</pre>\n";
   if (!input.version.empty()) html += "<footer>Osteon " + Escape(input.version) + "</footer>\n";

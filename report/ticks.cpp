@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -123,14 +122,6 @@ std::vector<std::vector<PlotPoint>> DecimateMinMax(std::span<const double> x, st
   }
   flush_run();
   return runs;
-}
-
-double Percentile(std::span<double> values, double p) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const double rank = std::ceil(std::clamp(p, 0.0, 1.0) * static_cast<double>(values.size()));
-  const auto index = static_cast<std::size_t>(std::max(rank, 1.0)) - 1;
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(index), values.end());
-  return values[index];
 }
 
 }  // namespace osteon::report

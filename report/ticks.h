@@ -42,7 +42,4 @@ struct PlotPoint {
                                                                  std::span<const double> y, Range x_range,
                                                                  int columns);
 
-/// Returns the p quantile of `values`, p in [0, 1] (nearest rank); reorders the values. NaN if empty.
-[[nodiscard]] double Percentile(std::span<double> values, double p);
-
 }  // namespace osteon::report

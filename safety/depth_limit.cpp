@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
-#include <string>
 
-#include "base/number_text.h"
+#include "base/parameter_check.h"
 
 namespace osteon::safety {
 namespace {
@@ -22,11 +20,7 @@ DepthLimitParams Validated(const DepthLimitParams& params) {
 }  // namespace
 
 void Validate(const DepthLimitParams& params) {
-  const auto require = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw std::invalid_argument("depth limit: " + std::string(name) + ": found " + base::NumberText(value) +
-                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
-  };
+  const base::ParameterCheck require("depth limit: ");
   Validate(params.bound);
   require("soft_m", params.soft_m, 1e-5, 1.0);
   require("spindle_stop_m", params.spindle_stop_m, 0.0, params.soft_m);

@@ -3,19 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <string>
 
 #include "base/number_text.h"
+#include "base/parameter_check.h"
 
 namespace osteon::safety {
 
 void Validate(const ForceLimitReactionParams& params) {
-  const auto require = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("on force limit ") + name + ": found " +
-                                  base::NumberText(value) + ", accepted " + base::NumberText(low) + " … " +
-                                  base::NumberText(high));
-  };
+  const base::ParameterCheck require("on force limit ");
   require("advance_factor", params.advance_factor, 1.0, 2.0);
   require("slow_zone_m", params.slow_zone_m, 1e-5, 0.1);
   require("stop_after_s", params.stop_after_s, 1e-3, 10.0);

@@ -3,24 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
-#include "app/cli/files/export_command.h"
-#include "app/cli/files/new_cell_command.h"
-#include "app/cli/files/replay_command.h"
-#include "app/cli/files/report_command.h"
-#include "app/cli/files/schema_command.h"
-#include "app/cli/files/view_command.h"
-#include "app/cli/help/faults_command.h"
-#include "app/cli/help/states_command.h"
-#include "app/cli/run/cell_commands.h"
-#include "app/cli/run/demo_command.h"
-#include "app/cli/run/guard_command.h"
-#include "app/cli/run/operator_commands.h"
-#include "app/cli/run/simulate_command.h"
-#include "app/cli/run/tell_command.h"
-#include "app/cli/usage/study_commands.h"
-#include "session/setup/doctor.h"
+#include "app/cli/usage/subcommand.h"
 
 namespace osteon::app {
 
@@ -39,33 +22,9 @@ class OsteonCommands {
   [[nodiscard]] int Run(const std::string& command_line);
 
  private:
-  [[nodiscard]] int RunDoctor();
-
   std::filesystem::path config_root_;
   CLI::App& app_;
-  session::DoctorOptions doctor_;
-  std::string doctor_cell_;
-  FaultsOptions faults_;
-  StatesOptions states_;
-  // Each constructor adds its subcommands to the help, so the order of these members is the help's order.
-  DemoCommand demo_;
-  AnnouncedStudies pack_and_failures_;
-  CLI::App *doctor_app_, *faults_app_, *states_app_;
-  AnnouncedStudies bench_and_chart_;
-  CellCommands cells_;
-  GuardCommand guard_;
-  SimulateCommand simulate_;
-  OperatorCommands operator_;
-  TellCommand tell_;
-  AnnouncedStudies calibrate_;
-  NewCellCommand new_cell_;
-  SchemaCommand schema_;
-  AnnouncedStudies capability_to_tune_;
-  ExportCommand export_;
-  ReplayCommand replay_;
-  ReportCommand report_;
-  ViewCommand view_;
-  AnnouncedStudies regress_to_completion_;
+  Subcommands all_;
 };
 
 }  // namespace osteon::app

@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/clock.h"
+#include "base/percentile.h"
 #include "console/server/access.h"
 #include "console/server/operator_role.h"
 #include "console/server/page_sender.h"
@@ -133,8 +134,7 @@ class Server final : public ConsoleServer {
     const std::lock_guard lock(mutex_);
     if (drawn_ms_.empty()) return std::nullopt;
     std::vector<double> ages(drawn_ms_.begin(), drawn_ms_.end());
-    std::ranges::nth_element(ages, ages.begin() + static_cast<std::ptrdiff_t>(ages.size() / 2));
-    return ages[ages.size() / 2];
+    return base::Median(ages);
   }
   [[nodiscard]] ConsoleCounts counts() const override {
     return {.opened = opened_.load(),

@@ -1,9 +1,6 @@
 #include "control/compliance/bone_mount.h"
 
-#include <stdexcept>
-#include <string>
-
-#include "base/number_text.h"
+#include "base/parameter_check.h"
 
 namespace osteon::control {
 namespace {
@@ -29,11 +26,7 @@ Vector3 PlaceOf(const BoneMountParams& p, const BoneMountState& s) OSTEON_RT {
 }  // namespace
 
 void Validate(const BoneMountParams& params) {
-  const auto require = [](const std::string& name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw std::invalid_argument("compliance mount " + name + ": found " + base::NumberText(value) +
-                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
-  };
+  const base::ParameterCheck require("compliance mount ");
   require("mass_kg", params.mass_kg, 0.01, 1000.0);
   for (int i = 0; i < 3; ++i) {
     require("p_WMo_m", params.p_WMo_m[i], -10.0, 10.0);
@@ -72,11 +65,6 @@ Pose MountPose(const BoneMountParams& params, const BoneMountState& state) OSTEO
 Twist MountTwistAt(const BoneMountParams& params, const BoneMountState& state, const Vector3& p_W) OSTEON_RT {
   const Vector3 w = state.v.tail<3>();
   return {.v = state.v.head<3>() + state.creep_m_per_s + w.cross(p_W - PlaceOf(params, state)), .w = w};
-}
-
-double MountEnergy(const BoneMountParams& params, const BoneMountState& state) OSTEON_RT {
-  return 0.5 * (MassOf(params).dot(state.v.cwiseAbs2()) + StiffnessOf(params).dot(state.d.cwiseAbs2()) +
-                params.creep_N_per_m * state.creep_m.squaredNorm());
 }
 
 }  // namespace osteon::control

@@ -46,7 +46,5 @@ void StepMount(const BoneMountParams& params, const Wrench& F_Mo_W, double perio
 /// Velocity of that frame's point at p_W, in W.
 [[nodiscard]] Twist MountTwistAt(const BoneMountParams& params, const BoneMountState& state,
                                  const Vector3& p_W) OSTEON_RT;
-/// Energy stored in mass, springs and pads [J].
-[[nodiscard]] double MountEnergy(const BoneMountParams& params, const BoneMountState& state) OSTEON_RT;
 
 }  // namespace osteon::control

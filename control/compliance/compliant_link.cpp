@@ -1,11 +1,10 @@
 #include "control/compliance/compliant_link.h"
 
 #include <stdexcept>
-#include <string>
 
 #include <Eigen/Eigenvalues>
 
-#include "base/number_text.h"
+#include "base/parameter_check.h"
 
 namespace osteon::control {
 
@@ -17,12 +16,7 @@ Pose BentHead(const Vector6& e) OSTEON_RT {
 }
 
 void Validate(const ToolLinkParams& params) {
-  const auto require = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("compliance tool ") + name + ": found " +
-                                  base::NumberText(value) + ", accepted " + base::NumberText(low) + " … " +
-                                  base::NumberText(high));
-  };
+  const base::ParameterCheck require("compliance tool ");
   require("tau_s", params.tau_s, 1e-3, 10.0);
   require("max_bend_m", params.max_bend_m, 1e-5, 0.1);
   require("max_thrust_N", params.max_thrust_N, 0.1, 1e7);

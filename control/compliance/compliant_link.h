@@ -17,7 +17,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 ///
 /// With x_inf = C F, F the force of a contact spring K that the element is in series with, it takes energy in
 /// every closed ride and is stable if and only if tau >= T (K c - 1) / 2, c the largest compliance at a
-/// touching point (MinRelaxation_s).
+/// touching point.
 /// Source: implicit Euler of tau x' + x = x_inf.
 template <int N>
 [[nodiscard]] Eigen::Matrix<double, N, 1> StepMassless(const Eigen::Matrix<double, N, 1>& x,
@@ -25,13 +25,6 @@ template <int N>
                                                        double period_s, double tau_s) OSTEON_RT {
   const double ratio = period_s / tau_s;
   return (x + ratio * x_inf) / (1.0 + ratio);
-}
-
-/// The shortest time constant at which a massless element is passive and stable [s]; at most zero where any
-/// is.
-[[nodiscard]] constexpr double MinRelaxation_s(double period_s, double stiffness_N_per_m,
-                                               double compliance_m_per_N) {
-  return 0.5 * period_s * (stiffness_N_per_m * compliance_m_per_N - 1.0);
 }
 
 /// A tool that bends: a massless element between the rigid tool's frame T and its bent head E. Every field

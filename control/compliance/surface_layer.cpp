@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
-#include "base/number_text.h"
+#include "base/parameter_check.h"
 
 namespace osteon::control {
 namespace {
@@ -26,12 +24,7 @@ double WinklerIndentation(const SurfaceLayerParams& params, const LayerContact& 
 }  // namespace
 
 void Validate(const SurfaceLayerParams& params) {
-  const auto require = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("compliance layer ") + name + ": found " +
-                                  base::NumberText(value) + ", accepted " + base::NumberText(low) + " … " +
-                                  base::NumberText(high));
-  };
+  const base::ParameterCheck require("compliance layer ");
   for (const double kappa : params.kappa_N_per_m3) require("kappa_N_per_m3", kappa, 0.0, 1e13);
   require("thickness_m", params.thickness_m, 1e-5, 0.1);
   require("tau_s", params.tau_s, 1e-3, 100.0);

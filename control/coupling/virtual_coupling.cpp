@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
-#include "base/number_text.h"
+#include "base/parameter_check.h"
 #include "kinematics/half_spaces.h"
 #include "safety/limits.h"
 #include "safety/watchdog.h"
@@ -279,11 +277,7 @@ void AddSpindleTorque(const CouplingInput& input, double force_N, Wrench& F_T_W)
 }  // namespace
 
 void Validate(const CouplingParams& params) {
-  const auto require = [](const char* name, double value, double low, double high) {
-    if (!Within(value, low, high))
-      throw std::invalid_argument(std::string("coupling ") + name + ": found " + base::NumberText(value) +
-                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
-  };
+  const base::ParameterCheck require("coupling ");
   require("max_stiffness_N_per_m", params.max_stiffness_N_per_m, 1.0, kMaxStiffness_N_per_m);
   require("damping_Ns_per_m", params.damping_Ns_per_m, 0.0, 1e4);
   require("damping_share", params.damping_share, 0.0, 0.25);

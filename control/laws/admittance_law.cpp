@@ -1,10 +1,8 @@
 #include "control/laws/admittance_law.h"
 
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
-#include "base/number_text.h"
+#include "base/parameter_check.h"
 #include "control/laws/twist_parts.h"
 #include "safety/limits.h"
 
@@ -27,11 +25,7 @@ Matrix6 AtOrigin(const Vector3& linear, const Vector3& angular, const Vector3& c
 }  // namespace
 
 void Validate(const AdmittanceParams& params) {
-  const auto require = [](const char* name, double value, bool ok, const char* accepted) {
-    if (!ok || !std::isfinite(value))
-      throw std::invalid_argument(std::string("admittance ") + name + ": found " + base::NumberText(value) +
-                                  ", accepted " + accepted);
-  };
+  const base::ParameterCheck require("admittance ");
   const auto each = [&](const char* name, const Vector3& v) {
     for (int i = 0; i < 3; ++i) require(name, v[i], v[i] > 0.0, "> 0 on every axis");
   };

@@ -1,19 +1,12 @@
 #include "control/laws/impedance_law.h"
 
-#include <stdexcept>
-#include <string>
-
-#include "base/number_text.h"
+#include "base/parameter_check.h"
 #include "control/laws/twist_parts.h"
 
 namespace osteon::control {
 
 void Validate(const ImpedanceParams& params) {
-  const auto require = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("impedance ") + name + ": found " + base::NumberText(value) +
-                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
-  };
+  const base::ParameterCheck require("impedance ");
   for (int i = 0; i < 3; ++i) {
     require("damping_Ns_per_m", params.damping_Ns_per_m[i], 0.0, 1000.0);
     require("damping_Nms_per_rad", params.damping_Nms_per_rad[i], 0.0, 100.0);

@@ -2,10 +2,8 @@
 
 #include <cmath>
 #include <optional>
-#include <stdexcept>
-#include <string>
 
-#include "base/number_text.h"
+#include "base/parameter_check.h"
 #include "control/loop/loop_repeat.h"
 #include "control/loop/rest_time.h"
 
@@ -20,11 +18,7 @@ rt::Nanoseconds ToNanoseconds(double seconds) {
 }
 
 void Validate(const RunServoParams& params) {
-  const auto require = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string(name) + ": found " + base::NumberText(value) + ", accepted " +
-                                  base::NumberText(low) + " … " + base::NumberText(high));
-  };
+  const base::ParameterCheck require("");
   require("deadline_s", params.deadline_s, 1e-4, 1.0);
   require("seconds", params.seconds, 0.0, 1e6);
   require("give_up_s", params.give_up_s, 0.01, 1e6);

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
-#include "base/number_text.h"
+#include "base/parameter_check.h"
 #include "safety/limits.h"
 
 namespace osteon::control {
@@ -21,11 +19,7 @@ Wrench RemoveKnownLoad(const ForceSensorParams& sensor, const Wrench& F_S, const
 }  // namespace
 
 void Validate(const BiasParams& params) {
-  const auto require = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("sensor bias ") + name + ": found " + base::NumberText(value) +
-                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
-  };
+  const base::ParameterCheck require("sensor bias ");
   require("rest_s", params.rest_s, 0.01, 60.0);
   require("spread_N", params.spread_N, 0.01, 100.0);
   require("spread_Nm", params.spread_Nm, 0.001, 10.0);

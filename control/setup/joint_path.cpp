@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/number_text.h"
+#include "base/parameter_check.h"
 #include "kinematics/chain_reach.h"
 
 namespace osteon::control {
@@ -23,11 +24,7 @@ double Share(double u) OSTEON_RT {
 }
 
 JointPathParams Checked(const JointPathParams& params) {
-  const auto require = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("joint path ") + name + ": found " + base::NumberText(value) +
-                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
-  };
+  const base::ParameterCheck require("joint path ");
   require("speed_share", params.speed_share, 0.001, 1.0);
   require("acceleration_share", params.acceleration_share, 0.001, 1.0);
   require("tool_speed_m_per_s", params.tool_speed_m_per_s, 0.001, kReducedSpeed_m_per_s);

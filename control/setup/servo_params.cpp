@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/number_text.h"
+#include "base/parameter_check.h"
 
 namespace osteon::control {
 
@@ -22,11 +23,7 @@ void Validate(const ServoParams& params) {
   if (params.compliance.any()) Validate(params.compliance);
   Validate(params.energy);
   Validate(params.on_force_limit);
-  const auto require = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("servo ") + name + ": found " + base::NumberText(value) +
-                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
-  };
+  const base::ParameterCheck require("servo ");
   require("max_speed_m_per_s", params.twist.max_speed_m_per_s, 1e-3, 2.0);
   require("max_turn_rad_per_s", params.twist.max_turn_rad_per_s, 1e-3, 10.0);
   if (!(params.max_elbow_speed_m_per_s > 0.0))

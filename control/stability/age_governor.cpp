@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
-#include "base/number_text.h"
+#include "base/parameter_check.h"
 
 namespace osteon::control {
 namespace {
@@ -87,11 +85,7 @@ double EigenvalueBound(const Rows& rows) OSTEON_RT {
 }  // namespace
 
 void Validate(const AgeGovernorParams& params) {
-  const auto require = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("age governor ") + name + ": found " + base::NumberText(value) +
-                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
-  };
+  const base::ParameterCheck require("age governor ");
   require("max_damping_factor", params.max_damping_factor, 1.0, 1000.0);
   require("release_s", params.release_s, 1e-3, 10.0);
   require("tool_radius_m", params.tool_radius_m, 1e-5, 1.0);

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
-#include "base/number_text.h"
+#include "base/parameter_check.h"
 #include "control/laws/twist_parts.h"
 
 namespace osteon::control {
@@ -67,11 +65,7 @@ Wrench SpringOf(const CouplingOutput& coupling) OSTEON_RT {
 }  // namespace
 
 void Validate(const EnergyTankParams& params) {
-  const auto require = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("energy tank ") + name + ": found " + base::NumberText(value) +
-                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
-  };
+  const base::ParameterCheck require("energy tank ");
   require("cap_J", params.cap_J, 0.0, 1000.0);
   require("ramp_s", params.ramp_s, 0.05, 10.0);
 }

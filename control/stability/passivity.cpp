@@ -1,10 +1,8 @@
 #include "control/stability/passivity.h"
 
 #include <algorithm>
-#include <stdexcept>
-#include <string>
 
-#include "base/number_text.h"
+#include "base/parameter_check.h"
 #include "control/laws/twist_parts.h"
 
 namespace osteon::control {
@@ -17,11 +15,7 @@ constexpr double kTouch_J = 2e-3;
 }  // namespace
 
 void Validate(const PassivityParams& params) {
-  const auto require = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("passivity ") + name + ": found " + base::NumberText(value) +
-                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
-  };
+  const base::ParameterCheck require("passivity ");
   require("allowance_J", params.allowance_J, 0.0, 10.0);
   require("least_speed_m_per_s", params.min_speed_m_per_s, 1e-5, 1.0);
   require("max_damping_Ns_per_m", params.max_damping_Ns_per_m, 0.0, 1e5);

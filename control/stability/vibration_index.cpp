@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
-#include <string>
 
 #include "base/number_text.h"
+#include "base/parameter_check.h"
 #include "kinematics/sin_cos.h"
 #include "safety/limits.h"
 
@@ -39,11 +39,7 @@ double LimitToRate(double hz, double period_s) { return std::min(hz, kMaxOfRate 
 }  // namespace
 
 void Validate(const VibrationParams& params) {
-  const auto require = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("vibration ") + name + ": found " + base::NumberText(value) +
-                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
-  };
+  const base::ParameterCheck require("vibration ");
   require("slow_hz", params.slow_hz, 0.05, 20.0);
   require("low_hz", params.low_hz, params.slow_hz + 0.1, 100.0);
   require("high_hz", params.high_hz, params.low_hz + 1.0, 400.0);

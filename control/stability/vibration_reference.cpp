@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
-#include "base/number_text.h"
+#include "base/parameter_check.h"
 
 namespace osteon::control {
 namespace {
@@ -25,11 +23,7 @@ const ReferenceParams& Validated(const ReferenceParams& params) {
 }  // namespace
 
 void Validate(const ReferenceParams& params) {
-  const auto require = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw std::invalid_argument(std::string("vibration ") + name + ": found " + base::NumberText(value) +
-                                  ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
-  };
+  const base::ParameterCheck require("vibration ");
   require("tremor_N", params.tremor_N, 0.0, 50.0);
   require("margin", params.margin, 1.0, 10.0);
   require("suspect_s", params.suspect_s, 0.01, 5.0);

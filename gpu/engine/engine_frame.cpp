@@ -261,8 +261,7 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
                                         : frame_timeout_ns))
     return false;
   const Frame& done = program->result();
-  stats = {
-      .active_balls = done.live_ball_count, .active_points = done.live_point_count, .lists_made = !keeps};
+  stats = {.active_balls = done.live_ball_count};
   if (keeps) return true;
   if (pool) pool->Uploaded();
   lists.made = done.list_overflow == 0;

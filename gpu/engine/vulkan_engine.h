@@ -57,9 +57,7 @@ struct VulkanParams {
 
 /// Size of the last frame's work.
 struct FrameStats {
-  std::size_t active_balls{0};   ///< bone balls within reach of the tool
-  std::size_t active_points{0};  ///< mass points within reach of its cutting balls
-  bool lists_made{false};        ///< true where the last frame rebuilt the lists
+  std::size_t active_balls{0};  ///< bone balls within reach of the tool
 };
 
 /// Device time of one pass of the last frame.

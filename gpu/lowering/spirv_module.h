@@ -30,7 +30,6 @@ enum Op : Word {
   kConstant = 43,
   kConstantComposite = 44,
   kFunction = 54,
-  kFunctionEnd = 56,
   kFunctionCall = 57,
   kVariable = 59,
   kDecorate = 71,

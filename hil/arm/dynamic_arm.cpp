@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 #include <string>
 
 #include <Eigen/Cholesky>
 
-#include "base/number_text.h"
+#include "base/parameter_check.h"
 
 namespace osteon::hil {
 namespace {
@@ -29,11 +28,7 @@ kinematics::ChainParams<7> WithMassError(kinematics::ChainParams<7> chain, doubl
 
 const DynamicArmParams& Checked(const DynamicArmParams& params, const kinematics::ChainParams<7>& chain,
                                 double period_s) {
-  const auto require = [](const std::string& name, double value, bool accepted, const char* range) {
-    if (!accepted || !std::isfinite(value))
-      throw std::invalid_argument("simulated arm: " + name + ": found " + base::NumberText(value) +
-                                  ", accepted " + range);
-  };
+  const base::ParameterCheck require("simulated arm: ");
   require("bandwidth_hz", params.bandwidth_hz, params.bandwidth_hz > 0.0 && params.bandwidth_hz <= 200.0,
           "0 … 200, not 0");
   require("damping_ratio", params.damping_ratio, params.damping_ratio >= 0.0 && params.damping_ratio <= 10.0,
@@ -181,7 +176,5 @@ DynamicArm::Joints DynamicArm::tau_external_Nm() const OSTEON_RT {
 }
 
 Pose DynamicArm::X_BBnow() const OSTEON_RT { return mount_ ? mount_->X_BBnow() : Pose::Identity(); }
-
-double DynamicArm::kinetic_J() const OSTEON_RT { return 0.5 * qd_.dot(arm_.MassMatrix(q_) * qd_); }
 
 }  // namespace osteon::hil

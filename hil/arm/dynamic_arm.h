@@ -61,9 +61,6 @@ class DynamicArm final : public SimulatedArm {
   [[nodiscard]] kinematics::JointVectorN<7> tau_external_Nm() const OSTEON_RT override;
   [[nodiscard]] Pose X_BBnow() const OSTEON_RT override;
 
-  /// Kinetic energy of the joints' motion [J].
-  [[nodiscard]] double kinetic_J() const OSTEON_RT;
-
  private:
   using Joints = kinematics::JointVectorN<7>;
   using Chain = kinematics::SerialChain<7>;

@@ -1,12 +1,10 @@
 #include "hil/arm/flexible_mount.h"
 
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
 #include <Eigen/Cholesky>
 
-#include "base/number_text.h"
+#include "base/parameter_check.h"
 
 namespace osteon::hil {
 namespace {
@@ -22,11 +20,7 @@ Matrix3 Skew(const Vector3& v) {
 FlexibleMount::FlexibleMount(const FlexibleMountParams& params, const kinematics::ChainParams<7>& chain,
                              const Vector3& gravity_B, const Joints& q_start)
     : gravity_B_(gravity_B) {
-  const auto require = [](const char* name, double value, bool accepted, const char* range) {
-    if (!accepted || !std::isfinite(value))
-      throw std::invalid_argument(std::string("mount ") + name + ": found " + base::NumberText(value) +
-                                  ", accepted " + range);
-  };
+  const base::ParameterCheck require("mount ");
   require("stiffness_N_per_m", params.stiffness_N_per_m, params.stiffness_N_per_m > 0.0, "> 0");
   require("stiffness_Nm_per_rad", params.stiffness_Nm_per_rad, params.stiffness_Nm_per_rad > 0.0, "> 0");
   require("damping_ratio", params.damping_ratio, params.damping_ratio >= 0.0, ">= 0");

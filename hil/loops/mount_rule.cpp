@@ -17,10 +17,6 @@ double InverseMassOfTurning(const control::BoneMountParams& mount, const Vector3
 
 }  // namespace
 
-double EffectiveMass(const control::BoneMountParams& mount, const Vector3& p_W_m) {
-  return 1.0 / (1.0 / mount.mass_kg + InverseMassOfTurning(mount, p_W_m - mount.p_WMo_m));
-}
-
 MassRule CheckMass(AdmittanceLoopParams rigid, double stiffness_N_per_m,
                    const control::BoneMountParams& mount, const Vector3& p_W_m) {
   const double turning = InverseMassOfTurning(mount, p_W_m - mount.p_WMo_m);

@@ -8,14 +8,10 @@
 
 namespace osteon::hil {
 
-/// The least mass that a mount opposes to a force at a point, over all directions [kg]:
+/// Whether a mount keeps the mass rule, and what it needs. m_eff is the least mass that the mount opposes to
+/// a force at a point, over all directions:
 ///
 ///     1/m_eff = 1/m + greatest eigenvalue of [r]^T I^-1 [r],   r from Mo to the point
-///
-/// @param p_W_m  in W
-[[nodiscard]] double EffectiveMass(const control::BoneMountParams& mount, const Vector3& p_W_m);
-
-/// Whether a mount keeps the mass rule, and what it needs.
 struct MassRule {
   double stiffness_N_per_m{0.0};  ///< K (1 + m_v / m_eff): up to it the loop on a rigid bone must be stable
   double stable_up_to_N_per_m{0.0};  ///< the first unstable stiffness from K on; K itself: already that
@@ -25,6 +21,7 @@ struct MassRule {
 };
 
 /// @param rigid  hand, arm and law; its wall is replaced  @param stiffness_N_per_m  K of the coupling
+/// @param p_W_m  the point, in W
 /// Source: docs/theory/compliance.md, rule 2.
 [[nodiscard]] MassRule CheckMass(AdmittanceLoopParams rigid, double stiffness_N_per_m,
                                  const control::BoneMountParams& mount, const Vector3& p_W_m);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/percentile.h"
 #include "base/units.h"
 
 namespace osteon::procedure {
@@ -76,10 +77,8 @@ tl::expected<SphereFit, std::string> FitSphere(std::span<const simulation::Ball>
     return tl::make_unexpected(fmt::format("found a cap of {:.1f}°, accepted at least {:g}°",
                                            fit.cap_rad / kDegree, kMinCap_rad / kDegree));
   const auto n = static_cast<double>(balls.size());
-  const auto p95 = residuals_m.begin() + static_cast<std::ptrdiff_t>(0.95 * (n - 1.0));
-  std::ranges::nth_element(residuals_m, p95);
   fit.balls = balls.size();
-  fit.residual_p95_m = *p95;
+  fit.residual_p95_m = base::LowerPercentile(residuals_m, 0.95);
   fit.residual_sd_m = std::sqrt(squares / n);
   const double c = std::cos(fit.cap_rad), scale_m = fit.residual_sd_m / std::sqrt(n);
   const double lever = (1.0 + c) / (1.0 - c);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/percentile.h"
 #include "base/realtime_thread.h"
 #include "simulation/tools/tool_path.h"
 
@@ -58,9 +59,8 @@ std::optional<double> AdaptiveResolution::SlowMedian(double took_us) {
     times_us_[next_++ % params_.window] = took_us;
   if (times_us_.size() < params_.window) return std::nullopt;
   std::vector<double> sorted = times_us_;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return *middle > 1e6 / params_.rate_hz ? std::optional(*middle) : std::nullopt;
+  const double median_us = base::Median(sorted);
+  return median_us > 1e6 / params_.rate_hz ? std::optional(median_us) : std::nullopt;
 }
 
 void AdaptiveResolution::ObserveFrame(const simulation::FrameRecord& record, double took_us) {

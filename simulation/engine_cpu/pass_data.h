@@ -19,9 +19,8 @@ inline constexpr float kFarAway_mm = 1e15f;
 struct alignas(64) BallBlock {
   float x[kLanes], y[kLanes], z[kLanes], r[kLanes];
 };
-/// A lane's place in an array of blocks, counted in floats from the first block's x. Rises with the ball's
-/// number.
-[[nodiscard]] constexpr std::uint32_t PlaceOfBall(std::uint32_t ball) { return ball / 8 * 32 + ball % 8; }
+/// The ball at a place: its lane in an array of blocks, counted in floats from the first block's x. Places
+/// rise with the balls' numbers.
 [[nodiscard]] constexpr std::uint32_t BallAtPlace(std::uint32_t place) { return place / 32 * 8 + place % 32; }
 
 /// Eight mass points of one material [mm] in G, and their numbers in the bone.
@@ -93,7 +92,8 @@ struct NearFieldPass {
   float* near_score;
   std::uint8_t* near_bin;
 
-  /// Results. A bin's best pair is given by PlaceOfBall and tool ball; without a pair the score is infinite.
+  /// Results. A bin's best pair is given by the ball's place (BallAtPlace) and tool ball; without a pair the
+  /// score is infinite.
   double score[kBinCount];
   std::uint32_t best_place[kBinCount];
   std::uint16_t best_tool[kBinCount];

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/percentile.h"
 #include "simulation/fidelity/frame_workload.h"
 
 namespace osteon::simulation {
@@ -61,8 +62,7 @@ FrameCost FitFrameCost(std::span<const FrameGroup> groups) {
   // at a bound: fit the other coefficient alone
   if (cost.ball_us <= 0.0) cost = {.base_us = a1 / aa, .ball_us = 0.0};
   if (cost.base_us < 0.0) cost = {.base_us = 0.0, .ball_us = b1 / bb};
-  std::ranges::sort(tails);
-  cost.tail_ratio = std::max(1.0, tails[tails.size() / 2]);
+  cost.tail_ratio = std::max(1.0, base::Median(tails));
   return cost;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "base/percentile.h"
 #include "simulation/packing/disjoint_packing.h"
 #include "simulation/solids/cup_frame.h"
 #include "simulation/tools/tool_kinds.h"
@@ -112,16 +113,8 @@ bool RunUntilReady(CuttingEngine& engine, WorkloadPlayer& player, ContactModel& 
 
 TimeFigures FiguresOf(std::vector<double> times_us) {
   if (times_us.empty()) return {};
-  std::sort(times_us.begin(), times_us.end());
-  const auto at = [&](double share) {
-    const double rank = std::ceil(share * static_cast<double>(times_us.size()));
-    return times_us[static_cast<std::size_t>(std::max(1.0, rank)) - 1];
-  };
-  return {.p50_us = at(0.5),
-          .p95_us = at(0.95),
-          .p99_us = at(0.99),
-          .p999_us = at(0.999),
-          .max_us = times_us.back()};
+  const auto at = [&](double share) { return base::Percentile(times_us, share); };
+  return {.p50_us = at(0.5), .p95_us = at(0.95), .p99_us = at(0.99), .p999_us = at(0.999), .max_us = at(1.0)};
 }
 
 double TimedStep(CuttingEngine& engine, const FrameInput& input, ContactModel& model) {

@@ -38,7 +38,6 @@ class PointshellEngine final : public VoxelMethod {
   static constexpr int kLayers = 8, kFullPoints = 10, kNewtonSteps = 2;
   static constexpr double kPointStiffness = 2.0;
 
-  [[nodiscard]] std::size_t PointCount() const { return shell_.points.size(); }
   /// Depth of a voxel's layer in thirds of a voxel; 0 in the air, 3 at the surface, 3 kLayers in the depth.
   [[nodiscard]] int LayerOf(const VoxelIndex& v) const {
     return grid_.IsSolid(v) ? layer_[grid_.SlotOf(v)] : 0;

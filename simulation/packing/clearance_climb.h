@@ -47,9 +47,6 @@ class ClearanceClimb {
   /// @param scale_m  about the expected radius: the first steps' length
   [[nodiscard]] Ball Climb(const Vector3& p_m, double scale_m, double min_m);
 
-  /// Clearance at p, negative outside the solid or within a ball.
-  [[nodiscard]] double ClearanceAt(const Vector3& p_m) { return Measure(p_m, 0.0); }
-
  private:
   struct Plane {
     Vector3 normal;  ///< into the solid

@@ -60,8 +60,6 @@ class PackingFile {
   [[nodiscard]] Vector3 origin_mm() const { return origin_mm_; }
   [[nodiscard]] std::span<const PackedBall> balls() const { return balls_; }
   [[nodiscard]] std::span<const PackedPoint> points() const { return points_; }
-  /// Index into materials() for each mass point.
-  [[nodiscard]] std::span<const MaterialIndex> point_materials() const { return point_materials_; }
   [[nodiscard]] const std::vector<Material>& materials() const { return materials_; }
   /// Where the bone is to be cut; absent where the packing was made for no particular site.
   [[nodiscard]] const std::optional<CutSite>& site() const { return site_; }

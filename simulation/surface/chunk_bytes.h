@@ -22,9 +22,6 @@ namespace osteon::surface {
 inline constexpr std::size_t kChunkHeadBytes = 8;
 inline constexpr std::size_t kVertexBytes = 6;
 inline constexpr int kStepsPerVoxel = 28;
-/// Largest number of bytes of one chunk.
-inline constexpr std::size_t kMaxChunkBytes =
-    kChunkHeadBytes + kVertexBytes * kMaxChunkVertices + 8 * std::size_t{kMaxChunkQuads};
 
 /// Appends a chunk's bytes. Vertices that no quad uses are left out.
 void AppendChunk(const BrickLayout& layout, const SurfaceChunk& chunk, std::vector<std::uint8_t>& bytes);

@@ -330,8 +330,7 @@ tl::expected<void, std::string> WriteAssessPage(const AssessResult& result, cons
   html += "<h2>The session</h2>\n" + Curves(result.session) + PassTable(result.session);
   html += fmt::format("<h2>The score: {:.1f}</h2>\n", result.score.total) + ItemsTable(result);
   html += TrendSection(result) + Assumptions(result.session.plan.plan.kind);
-  if (!command_line.empty())
-    html += "<h2>How to repeat it</h2>\n<pre>" + report::Escape(command_line) + "</pre>\n";
+  if (!command_line.empty()) html += report::RepeatSection(command_line);
   return report::WritePage(html + report::PageEnd(), path);
 }
 

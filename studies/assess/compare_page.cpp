@@ -167,8 +167,7 @@ tl::expected<void, std::string> WriteComparison(const AssessResult& first, const
       "Sections through the planned centre (superior or anterior is up, lateral to the right), and "
       "how much deeper or shallower than planned the bone begins, seen into the opening.");
   html += FiguresTable(first, second);
-  if (!command_line.empty())
-    html += "<h2>How to repeat it</h2>\n<pre>" + report::Escape(command_line) + "</pre>\n";
+  if (!command_line.empty()) html += report::RepeatSection(command_line);
   return report::WritePage(html + report::PageEnd(), folder / "compare.html");
 }
 

@@ -19,6 +19,7 @@
 #include "base/interrupt.h"
 #include "base/json_text.h"
 #include "base/json_value.h"
+#include "base/percentile.h"
 #include "base/read_text.h"
 #include "base/work_folder.h"
 #include "base/write_text.h"
@@ -105,12 +106,6 @@ class BusyCores {
   std::vector<std::thread> threads_;
 };
 
-double QuantileOf(std::vector<double> values, double quantile) {
-  std::ranges::sort(values);
-  return values.empty() ? 0.0
-                        : values[static_cast<std::size_t>(quantile * static_cast<double>(values.size() - 1))];
-}
-
 // The first whole change is the bone as it was, the next one the first of the cut.
 BoneFigures FiguresOf(const console::PageClient::Bone& bone) {
   BoneFigures figures;
@@ -122,9 +117,9 @@ BoneFigures FiguresOf(const console::PageClient::Bone& bone) {
   figures.whole_per_s = static_cast<double>(times.size() - 1) / span_s;
   for (std::size_t i = 1; i < times.size(); ++i)
     figures.longest_gap_ms = std::max(figures.longest_gap_ms, 1e3 * (times[i] - times[i - 1]));
-  const std::vector<double> ages(bone.age_ms.begin() + 1, bone.age_ms.end());
-  figures.age_ms_p50 = QuantileOf(ages, 0.5);
-  figures.age_ms_p95 = QuantileOf(ages, 0.95);
+  std::vector<double> ages(bone.age_ms.begin() + 1, bone.age_ms.end());
+  figures.age_ms_p50 = base::LowerPercentile(ages, 0.5);
+  figures.age_ms_p95 = base::LowerPercentile(ages, 0.95);
   return figures;
 }
 
@@ -173,17 +168,13 @@ DemoFigures RunDemoWith(Leg leg, const BenchConsoleOptions& options, const std::
   if (browser) browser->Send(SIGTERM);
   if (!pages.empty()) {
     figures.bone = FiguresOf(pages.front()->bone());
-    figures.received_ms = QuantileOf(pages.front()->received_ms(), 0.5);
+    std::vector<double> received_ms = pages.front()->received_ms();
+    figures.received_ms = base::LowerPercentile(received_ms, 0.5);
   }
   pages.clear();
   if (!base::Interrupted().load())
     figures.summary = nlohmann::json::parse(base::ReadText(json), nullptr, false);
   return figures;
-}
-
-double MedianOf(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values.empty() ? 0.0 : values[values.size() / 2];
 }
 
 // Figures of all rounds, by leg.
@@ -205,12 +196,12 @@ struct Rounds {
 };
 
 // Prints a leg's medians. @returns them for the JSON
-nlohmann::ordered_json TellLeg(Leg leg, const Rounds& rounds) {
+nlohmann::ordered_json TellLeg(Leg leg, Rounds& rounds) {
   const auto l = static_cast<std::size_t>(leg);
   nlohmann::ordered_json row{{"leg", kLegs[l]}};
   fmt::print("  {}\n", kLegs[l]);
   for (std::size_t i = 0; i < kFigures.size(); ++i) {
-    const double median = MedianOf(rounds.cell[l][i]), off = MedianOf(rounds.cell[0][i]);
+    const double median = base::Median(rounds.cell[l][i]), off = base::Median(rounds.cell[0][i]);
     const double ratio = off > 0.0 ? median / off : 0.0;
     fmt::print("    {:<20} {:8.1f} µs   {:5.2f}\n", kFigures[i].name, median, ratio);
     row[fmt::format("{}_{}", kFigures[i].key, kFigures[i].part)] = {{"median", median}, {"ratio", ratio}};
@@ -219,14 +210,14 @@ nlohmann::ordered_json TellLeg(Leg leg, const Rounds& rounds) {
        {std::tuple("received_ms_p50", "tick to page", &rounds.received_ms[l]),
         std::tuple("drawn_ms_p50", "tick to drawn figure", &rounds.drawn_ms[l])}) {
     if (values->empty()) continue;
-    const double median = MedianOf(*values);
+    const double median = base::Median(*values);
     fmt::print("    {:<20} {:8.1f} ms   {} {:g}\n", name, median, median < kMaxLatency_ms ? "below" : "above",
                kMaxLatency_ms);
     row[key] = median;
   }
   if (rounds.bone[l][0].empty()) return row;
   for (std::size_t i = 0; i < kBoneFigures.size(); ++i) {
-    const double median = MedianOf(rounds.bone[l][i]);
+    const double median = base::Median(rounds.bone[l][i]);
     fmt::print("    {:<20} {:8.1f} {}\n", kBoneFigures[i].name, median, kBoneFigures[i].unit);
     row["bone"][kBoneFigures[i].key] = median;
   }

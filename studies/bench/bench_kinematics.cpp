@@ -23,12 +23,12 @@
 #include "base/interrupt.h"
 #include "base/json_text.h"
 #include "base/no_alloc_scope.h"
+#include "base/percentile.h"
 #include "base/write_text.h"
 #include "config/reading/load_robot.h"
 #include "kinematics/lbr_arm.h"
 #include "kinematics/ortho_parallel_arm.h"
 #include "kinematics/serial_chain.h"
-#include "report/ticks.h"
 #include "session/process/exit_code.h"
 #include "session/summary/chart_files.h"
 
@@ -256,8 +256,8 @@ void Time(std::vector<Pairing>& pairings, std::size_t calls) {
       kdl.push_back(TimeBatch(pairing.kdl, batch * kdl_batch, kdl_batch));
     }
     if (base::Interrupted()) return;
-    pairing.ours_ns = report::Percentile(ours, 0.5);
-    pairing.kdl_ns = report::Percentile(kdl, 0.5);
+    pairing.ours_ns = base::Percentile(ours, 0.5);
+    pairing.kdl_ns = base::Percentile(kdl, 0.5);
   }
 }
 

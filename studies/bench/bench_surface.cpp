@@ -11,6 +11,7 @@
 #include "base/clock.h"
 #include "base/interrupt.h"
 #include "base/json_text.h"
+#include "base/percentile.h"
 #include "base/write_text.h"
 #include "config/reading/load.h"
 #include "session/process/exit_code.h"
@@ -34,13 +35,6 @@ struct SurfaceTimes {
   double field_mb{0.0};
   std::vector<double> carve_ms{}, extract_ms{}, pack_ms{}, chunk_kb{}, bricks{};  // of each step
 };
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
-}
 
 /// Seconds since the last call.
 class StopWatch {
@@ -106,25 +100,25 @@ SurfaceTimes Measure(const session::CellSetup& setup, double voxel_mm, std::size
   return times;
 }
 
-void Print(const SurfaceTimes& t) {
+void Print(SurfaceTimes& t) {
   fmt::print(
       "{:<12} {:>6.3f} {:>8.3f} {:>8.3f} {:>10} {:>7.1f} {:>8.2f} {:>8.2f} {:>7.2f} {:>7.0f} {:>8.1f}\n",
-      t.cell, t.voxel_mm, t.build_s, t.first_mesh_s, t.triangles, t.field_mb, Median(t.carve_ms),
-      Median(t.extract_ms), Median(t.pack_ms), Median(t.bricks), Median(t.chunk_kb));
+      t.cell, t.voxel_mm, t.build_s, t.first_mesh_s, t.triangles, t.field_mb, base::Median(t.carve_ms),
+      base::Median(t.extract_ms), base::Median(t.pack_ms), base::Median(t.bricks), base::Median(t.chunk_kb));
 }
 
-nlohmann::ordered_json Json(const SurfaceTimes& t) {
+nlohmann::ordered_json Json(SurfaceTimes& t) {
   return {{"cell", t.cell},
           {"voxel_mm", t.voxel_mm},
           {"build_s", t.build_s},
           {"first_mesh_s", t.first_mesh_s},
           {"triangles", t.triangles},
           {"field_MB", t.field_mb},
-          {"carve_ms", Median(t.carve_ms)},
-          {"extract_ms", Median(t.extract_ms)},
-          {"pack_ms", Median(t.pack_ms)},
-          {"bricks", Median(t.bricks)},
-          {"chunk_kB", Median(t.chunk_kb)}};
+          {"carve_ms", base::Median(t.carve_ms)},
+          {"extract_ms", base::Median(t.extract_ms)},
+          {"pack_ms", base::Median(t.pack_ms)},
+          {"bricks", base::Median(t.bricks)},
+          {"chunk_kB", base::Median(t.chunk_kb)}};
 }
 
 int Run(const BenchSurfaceOptions& options) {
@@ -146,7 +140,7 @@ int Run(const BenchSurfaceOptions& options) {
     const auto own_mm = static_cast<double>(surface::VoxelFor(setup->config.tool.tool));
     for (const double voxel_mm :
          options.voxels_mm.empty() ? std::vector{2.0 * own_mm, own_mm, 0.5 * own_mm} : options.voxels_mm) {
-      const SurfaceTimes times = Measure(*setup, voxel_mm, options.frames);
+      SurfaceTimes times = Measure(*setup, voxel_mm, options.frames);
       if (base::Interrupted()) return base::kExitInterrupted;
       Print(times);
       json["rows"].push_back(Json(times));

@@ -13,6 +13,7 @@
 #include <tl/expected.hpp>
 
 #include "base/json_text.h"
+#include "base/percentile.h"
 #include "base/work_folder.h"
 #include "base/write_text.h"
 #include "console/server/surface_feed.h"
@@ -97,8 +98,7 @@ tl::expected<double, std::string> WriteRepeated(const std::filesystem::path& fro
 }
 
 nlohmann::json Figures(std::vector<double> seconds) {
-  std::ranges::sort(seconds);
-  return {{"median_s", seconds[seconds.size() / 2]}, {"most_s", seconds.back()}};
+  return {{"median_s", base::Median(seconds)}, {"most_s", base::Percentile(seconds, 1.0)}};
 }
 
 }  // namespace

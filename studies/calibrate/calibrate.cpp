@@ -38,15 +38,11 @@ RestingPose MeanOf(const std::vector<control::TickRecord>& ticks, std::size_t fi
   while (first + 1 < last && Seconds(ticks.front().stamp, ticks[first].stamp) < rest.begin_s + kSettle_s)
     ++first;
   const auto count = static_cast<double>(last - first);
-  Vector3 squares = Vector3::Zero();
   for (std::size_t i = first; i < last; ++i) {
     for (std::size_t j = 0; j < rest.q.size(); ++j) rest.q[j] += ticks[i].q_meas[j] / count;
     rest.F_S.f += Vector3(ticks[i].input.F_sensor_S.f) / count;
     rest.F_S.t += Vector3(ticks[i].input.F_sensor_S.t) / count;
   }
-  for (std::size_t i = first; i < last; ++i)
-    squares += (Vector3(ticks[i].input.F_sensor_S.f) - rest.F_S.f).cwiseAbs2() / count;
-  rest.force_sd_N = std::sqrt(squares.maxCoeff());
   return rest;
 }
 

@@ -25,7 +25,6 @@ struct RestingPose {
   double begin_s{0.0}, seconds{0.0};  ///< since the recording's first tick
   std::array<double, 7> q{};          ///< mean [rad]
   Wrench F_S;                         ///< mean reading of the force sensor
-  double force_sd_N{0.0};             ///< standard deviation of that force, largest component
   int visits{1};                      ///< rests at this posture
   double repeat_N{0.0};               ///< largest difference of the mean force between two of them
 };

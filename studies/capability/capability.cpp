@@ -211,8 +211,7 @@ std::string Page(const CapabilityResult& result, const CapabilityOptions& option
             result.search.joint_margin_rad / kRadian, std::round(result.search.min_bend_rad / kRadian),
             result.search.clearance_m * 1e3);
   if (result.base) html += "<pre>" + report::Escape(BaseYaml(result, options.command_line)) + "</pre>\n";
-  return html + "<h2>How to repeat it</h2>\n<pre>" + report::Escape(options.command_line) + "</pre>\n" +
-         report::PageEnd();
+  return html + report::RepeatSection(options.command_line) + report::PageEnd();
 }
 
 tl::expected<void, std::string> Write(const CapabilityResult& result, const CapabilityOptions& options) {

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/percentile.h"
 #include "report/heat_map.h"
 #include "report/svg_text.h"
 #include "studies/capability/capability_result.h"
@@ -20,7 +21,7 @@ report::HeatScale ScaleOf(const std::vector<const std::vector<double>*>& fields,
   for (const std::vector<double>* field : fields)
     for (const double value : *field)
       if (std::isfinite(value)) values.push_back(value);
-  const double most = values.empty() ? 0.0 : report::Percentile(values, 0.95);
+  const double most = values.empty() ? 0.0 : base::Percentile(values, 0.95);
   // eight to fifteen bands of a round width, two per tick
   const double top = std::clamp(1.1 * std::max(most, need_N), 50.0, 1000.0);
   double tick = 10.0;

@@ -1,7 +1,6 @@
 #include "studies/failures/failures.h"
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <set>
 #include <stdexcept>
@@ -10,6 +9,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "base/clock.h"
 #include "base/interrupt.h"
 #include "base/json_text.h"
 #include "base/phase_progress.h"
@@ -25,10 +25,6 @@
 
 namespace osteon::studies {
 namespace {
-
-double Now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// Makes engines for "ours", and remembers their device.
 class Engines {
@@ -133,7 +129,7 @@ tl::expected<Runs, std::string> RunAll(const std::vector<FailureScenario>& scena
   for (const std::size_t item : mine) {
     const FailureScenario& scenario = scenarios[item];
     progress.BeginPhase(fmt::format("{} {}", scenario.id, scenario.name));
-    const double begun_s = Now_s();
+    const double begun_s = rt::ToSeconds(rt::MonotonicNow());
     FailureRun run;
     try {
       run.result = scenario.run({.make_engine =
@@ -148,7 +144,7 @@ tl::expected<Runs, std::string> RunAll(const std::vector<FailureScenario>& scena
     }
     run.result.id = scenario.id;
     run.result.name = scenario.name;
-    run.seconds = Now_s() - begun_s;
+    run.seconds = rt::ToSeconds(rt::MonotonicNow()) - begun_s;
     if (base::Interrupted()) break;  // an incomplete scenario does not count
     if (items.IsShard())
       items.Store(item,

@@ -20,7 +20,6 @@ enum class Reaction : std::uint8_t {
   kBrakesOn,  ///< brakes on to the end of the stop in progress
   kRests,     ///< stays at rest
 };
-inline constexpr int kReactions = 9;
 /// @returns e.g. "does not begin"
 [[nodiscard]] const char* NameOf(Reaction reaction);
 

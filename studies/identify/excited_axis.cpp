@@ -8,6 +8,7 @@
 #include <Eigen/SVD>
 #include <nlohmann/json.hpp>
 
+#include "base/percentile.h"
 #include "config/reading/tool_mobility.h"
 #include "kinematics/serial_chain.h"
 #include "safety/watchdog.h"
@@ -278,10 +279,7 @@ void FillJitter(std::vector<double> arrivals_s, double period_s, const std::vect
     for (auto at = first; at != last; ++at) late_s.push_back(*at - earliest_s);
   }
   for (const double late : late_s) samples.jitter_mean_s += late / static_cast<double>(late_s.size());
-  const auto p99 =
-      late_s.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(late_s.size() - 1));
-  std::nth_element(late_s.begin(), p99, late_s.end());
-  samples.jitter_p99_s = *p99;
+  samples.jitter_p99_s = base::LowerPercentile(late_s, 0.99);
 }
 
 }  // namespace

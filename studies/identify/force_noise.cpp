@@ -9,6 +9,8 @@
 #include <Eigen/Core>
 #include <unsupported/Eigen/FFT>
 
+#include "base/percentile.h"
+
 namespace osteon::studies {
 namespace {
 
@@ -58,10 +60,7 @@ double MedianAround(const std::vector<double>& power, std::size_t at) {
   const std::size_t begin = at > kAround + kMainLobe ? at - kAround - kMainLobe : 3;
   for (std::size_t i = begin; i < power.size() && i <= at + kAround + kMainLobe; ++i)
     if (i + kMainLobe < at || i > at + kMainLobe) around.push_back(power[i]);
-  if (around.empty()) return 0.0;
-  const auto middle = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
-  std::nth_element(around.begin(), middle, around.end());
-  return *middle;
+  return base::Median(around);
 }
 
 }  // namespace
@@ -125,9 +124,7 @@ double WidthOf(std::vector<double> power, std::size_t reach) {
   constexpr double kHeld = 0.95, kStandsOut = 4.0;
   // the harmonic has most of its power in few of these: the lower fifth is noise
   std::vector<double> sorted(power.begin(), power.begin() + static_cast<std::ptrdiff_t>(reach));
-  const auto fifth = sorted.begin() + static_cast<std::ptrdiff_t>(reach / 5);
-  std::nth_element(sorted.begin(), fifth, sorted.end());
-  const double floor = *fifth;
+  const double floor = base::ValueOfRank(sorted, reach / 5);
   double all = 0.0;
   for (std::size_t i = 0; i < reach; ++i) {
     power[i] = std::max(0.0, power[i] - (i == 0 ? 0.5 : 1.0) * floor);

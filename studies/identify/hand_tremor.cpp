@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/percentile.h"
 #include "control/stability/biquad.h"
 
 namespace osteon::studies {
@@ -56,10 +57,7 @@ HandTremor MeasureTremor(std::span<const Wrench> F_T, const control::VibrationPa
   for (const Wrench& F : F_T) mean_N += F.f / static_cast<double>(F_T.size());
   tremor.push_N = mean_N.norm();
   std::vector<double> effective = EffectiveForce(F_T, period_s);
-  const auto at =
-      effective.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(effective.size() - 1));
-  std::nth_element(effective.begin(), at, effective.end());
-  tremor.p999_N = *at;
+  tremor.p999_N = base::LowerPercentile(effective, kShare);
   tremor.tremor_N = std::max(kLeast_N, tremor.p999_N);
   for (int step = 0; step < kMaxSteps; ++step) {
     tremor.drag_factor = MeanDrag(F_T, params, tremor.tremor_N, period_s);

@@ -1,13 +1,13 @@
 #include "studies/pack/pack.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/clock.h"
 #include "base/interrupt.h"
 #include "base/parallel.h"
 #include "base/phase_progress.h"
@@ -22,10 +22,6 @@
 
 namespace osteon::studies {
 namespace {
-
-double Now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 bool Has(const std::filesystem::path& path, const char* extension) { return path.extension() == extension; }
 
@@ -224,9 +220,9 @@ int Run(const PackOptions& options) {
   result.outputs = options.outputs;
 
   progress.BeginPhase("pack");
-  const double begun_s = Now_s();
+  const double begun_s = rt::ToSeconds(rt::MonotonicNow());
   result.bone.balls = Pack(options, *source);
-  result.seconds = Now_s() - begun_s;
+  result.seconds = rt::ToSeconds(rt::MonotonicNow()) - begun_s;
   if (result.bone.balls.empty()) {
     progress.Done();
     return session::Fail(

@@ -12,7 +12,6 @@
 #include "base/write_text.h"
 #include "report/page.h"
 #include "report/svg_plot.h"
-#include "report/svg_text.h"
 #include "session/process/exit_code.h"
 
 namespace osteon::studies {
@@ -323,8 +322,7 @@ tl::expected<void, std::string> WritePlanPage(const PlanOptions& options, const 
           FrameChart(plan, check),
           "Two other packings of the scene were timed on this machine; the frame time grows with the spheres "
           "that are near the tool.");
-  if (!options.command_line.empty())
-    html += "<h2>How to repeat it</h2>\n<pre>" + report::Escape(options.command_line) + "</pre>\n";
+  if (!options.command_line.empty()) html += report::RepeatSection(options.command_line);
   return report::WritePage(html + report::PageEnd(), options.out / "plan.html");
 }
 

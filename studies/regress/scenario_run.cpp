@@ -2,13 +2,13 @@
 
 #include <time.h>
 
-#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "base/clock.h"
 #include "base/fnv1a.h"
 #include "base/read_text.h"
 #include "base/work_folder.h"
@@ -27,10 +27,6 @@ namespace osteon::studies {
 namespace {
 
 namespace fs = std::filesystem;
-
-double Now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // CPU time of the calling thread.
 double Cpu_s() {
@@ -138,14 +134,14 @@ void CheckScenario(const config::ScenarioConfig& scenario, const ScenarioRunPara
 tl::expected<ScenarioRun, std::string> RunScenario(const config::ScenarioConfig& scenario,
                                                    const ScenarioRunParams& params) {
   ScenarioRun run;
-  const double begun_s = Now_s(), begun_cpu_s = Cpu_s();
+  const double begun_s = rt::ToSeconds(rt::MonotonicNow()), begun_cpu_s = Cpu_s();
   auto setup = SetUp(scenario, params);
   if (!setup) return tl::make_unexpected(setup.error());
   auto engine = EngineOf(scenario, *setup, params.device);
   if (!engine) return tl::make_unexpected(engine.error());
   run.sources = SourcesOf(scenario, *setup);
   run.engine = fmt::format("{} on {}", (*engine)->name(), (*engine)->device());
-  run.seconds_set_up = Now_s() - begun_s;
+  run.seconds_set_up = rt::ToSeconds(rt::MonotonicNow()) - begun_s;
 
   const auto folder = std::make_shared<const base::WorkFolder>("regress");
   if (folder->path().empty())
@@ -183,7 +179,7 @@ tl::expected<ScenarioRun, std::string> RunScenario(const config::ScenarioConfig&
                  .removed_mm3 = cuts ? 1e9 * result->after.removed_volume_m3 : 0.0,
                  .cutting_debt_J = cuts ? result->after.cutting_debt_J : 0.0};
   run.seconds_simulated = period_s * static_cast<double>(run.trace.ticks);
-  run.seconds_wall = Now_s() - begun_s;
+  run.seconds_wall = rt::ToSeconds(rt::MonotonicNow()) - begun_s;
   run.seconds_cpu = Cpu_s() - begun_cpu_s;
   return run;
 }

@@ -7,7 +7,6 @@
 
 #include "report/page.h"
 #include "report/svg_plot.h"
-#include "report/svg_text.h"
 #include "studies/soak/soak_parts.h"
 
 namespace osteon::studies {
@@ -83,8 +82,7 @@ std::string SoakPage(std::span<const EpisodeResult> episodes, const SoakOptions&
            [](const auto& r) { return 100.0 * std::abs(r.energy_residual()); })};
   html += report::Figure(report::Svg(panels), "One point for each episode.") + "<h2>Episodes by kind</h2>\n" +
           Kinds(episodes);
-  return html + "<h2>How to repeat it</h2>\n<pre>" + report::Escape(options.command_line) + "</pre>\n" +
-         report::PageEnd();
+  return html + report::RepeatSection(options.command_line) + report::PageEnd();
 }
 
 }  // namespace osteon::studies

@@ -6,7 +6,6 @@
 
 #include "report/page.h"
 #include "report/svg_plot.h"
-#include "report/svg_text.h"
 #include "studies/soak/soak_parts.h"
 #include "studies/soak/wall_soak.h"
 
@@ -114,8 +113,7 @@ std::string WallSoakPage(std::span<const WallResult> results, const SoakOptions&
                         [](const WallResult& r) { return 100.0 * std::abs(r.energy_residual()); })})};
   html += report::Figure(report::Svg(panels), "One point for each episode; a killed part's last value.") +
           "<h2>Episodes by event</h2>\n" + Events(results);
-  return html + "<h2>How to repeat it</h2>\n<pre>" + report::Escape(options.command_line) + "</pre>\n" +
-         report::PageEnd();
+  return html + report::RepeatSection(options.command_line) + report::PageEnd();
 }
 
 }  // namespace osteon::studies

@@ -136,8 +136,7 @@ std::string SweepPage(const SweepResult& result, const std::string& command_line
       if (const auto chart = OverParameter(result, i, figure))
         html += report::Figure(report::Svg(*chart, 860.0), "");
   }
-  return html + "<h2>How to repeat it</h2>\n<pre>" + report::Escape(command_line) + "</pre>\n" +
-         report::PageEnd();
+  return html + report::RepeatSection(command_line) + report::PageEnd();
 }
 
 }  // namespace osteon::studies

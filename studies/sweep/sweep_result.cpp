@@ -1,13 +1,13 @@
 #include "studies/sweep/sweep_result.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "base/json_text.h"
+#include "base/percentile.h"
 #include "session/setup/build_name.h"
 #include "studies/sharding/exact_number.h"
 
@@ -73,12 +73,8 @@ Json ValuesJson(const SweepResult& result, const SweepRun& run, bool drawn_too) 
 
 Quantiles QuantilesOf(std::vector<double> values) {
   if (values.empty()) return {};
-  std::ranges::sort(values);
-  const auto at = [&](double share) {
-    const double rank = std::ceil(share * static_cast<double>(values.size()));
-    return values[static_cast<std::size_t>(std::max(1.0, rank)) - 1];
-  };
-  return {.min = values.front(), .p05 = at(0.05), .median = at(0.5), .p95 = at(0.95), .max = values.back()};
+  const auto at = [&](double share) { return base::Percentile(values, share); };
+  return {.min = at(0.0), .p05 = at(0.05), .median = at(0.5), .p95 = at(0.95), .max = at(1.0)};
 }
 
 std::vector<double> ValuesOf(std::span<const SweepOutcome> outcomes, const SweepFigure& figure) {

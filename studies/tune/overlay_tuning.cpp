@@ -267,8 +267,7 @@ tl::expected<void, std::string> Write(const OverlayTuning& t, const TuneOptions&
   if (t.MayBeUsed())
     html += "<h2>The recommended gains, as a file (gains.yaml)</h2>\n<pre>" +
             report::Escape(GainsYaml(t, options.command_line)) + "</pre>\n";
-  html += "<h2>How to repeat it</h2>\n<pre>" + report::Escape(options.command_line) + "</pre>\n" +
-          report::PageEnd();
+  html += report::RepeatSection(options.command_line) + report::PageEnd();
   return report::WritePage(html, options.out / "tune.html");
 }
 

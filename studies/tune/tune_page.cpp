@@ -69,8 +69,7 @@ std::string Page(const TuneResult& r, const TuneOptions& options, const Pictures
             "unstable with it. The plan's own gains stand in the middle.</p>\n",
             r.guidance->hands) +
         TableOf(*r.guidance);
-  return html + "<h2>How to repeat it</h2>\n<pre>" + report::Escape(options.command_line) + "</pre>\n" +
-         report::PageEnd();
+  return html + report::RepeatSection(options.command_line) + report::PageEnd();
 }
 
 // Why these gains are safe. @param margin  their gain margin

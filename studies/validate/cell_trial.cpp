@@ -1,7 +1,6 @@
 #include "studies/validate/cell_trial.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -9,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "base/clock.h"
 #include "base/interrupt.h"
 #include "base/work_folder.h"
 #include "config/reading/load.h"
@@ -26,10 +26,6 @@ namespace {
 
 // "In full": the hand's force is at least this share of the script's push.
 constexpr double kFullShare = 0.95;
-
-double Now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // Gives tissues of the scene the figures of materials of sawbone.yaml; a tissue keeps its name.
 tl::expected<void, std::string> ReplaceTissues(const std::filesystem::path& config_root,
@@ -139,7 +135,7 @@ std::string CellTrialParams::Key() const {
 
 tl::expected<CellTrial, std::string> RunCellTrial(const std::filesystem::path& config_root,
                                                   const CellTrialParams& params) {
-  const double begun_s = Now_s();
+  const double begun_s = rt::ToSeconds(rt::MonotonicNow());
   auto setup = SetUp(config_root, params);
   if (!setup) return tl::make_unexpected(setup.error());
   const auto engine = session::MakeEngine(*setup, {.engine = "cpu"});
@@ -169,7 +165,7 @@ tl::expected<CellTrial, std::string> RunCellTrial(const std::filesystem::path& c
   trial.peak_rendered_N = run->statistics.peak_coupling_force_N;
   press.Fill(trial);
   FitCavity(*setup, run->after, trial);
-  trial.seconds_wall = Now_s() - begun_s;
+  trial.seconds_wall = rt::ToSeconds(rt::MonotonicNow()) - begun_s;
   return trial;
 }
 

@@ -28,18 +28,6 @@ double ValueOf(const simulation::Material& material, CutConstant constant) {
   return material.edge_force_N_per_m;
 }
 
-bool IsAssumed(const simulation::Material& material, CutConstant constant) {
-  switch (constant) {
-    case CutConstant::kCuttingEnergy:
-      return material.cutting_energy_source.assumed;
-    case CutConstant::kCuttingForceRatio:
-      return material.cutting_force_source.assumed;
-    case CutConstant::kEdgeForce:
-      break;
-  }
-  return material.edge_force_source.assumed;
-}
-
 std::string FittedConstant::name() const {
   return std::string(material) + "." + std::string(NameOf(constant));
 }

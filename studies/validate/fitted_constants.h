@@ -21,7 +21,6 @@ enum class CutConstant : std::uint8_t {
 /// "cutting_energy", "cutting_force_ratio", "edge_force".
 [[nodiscard]] std::string_view NameOf(CutConstant constant);
 [[nodiscard]] double ValueOf(const simulation::Material& material, CutConstant constant);
-[[nodiscard]] bool IsAssumed(const simulation::Material& material, CutConstant constant);
 
 /// A constant that was fitted to measurements; all other constants are assumed.
 struct FittedConstant {

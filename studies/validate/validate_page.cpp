@@ -146,8 +146,7 @@ std::string ValidationPage(std::span<const ValidationRow> rows, const std::strin
   html += "<h2>Rows</h2>\n" + Table(rows) + "<h2>What was fitted to what</h2>\n" + Constants();
   html += "<h2>Published figures that the product uses</h2>\n" + Uses() + "<h2>Row by row</h2>\n";
   for (const ValidationRow& row : rows) html += Details(row);
-  return html + "<h2>How to repeat it</h2>\n<pre>" + report::Escape(command_line) + "</pre>\n" +
-         report::PageEnd();
+  return html + report::RepeatSection(command_line) + report::PageEnd();
 }
 
 }  // namespace osteon::studies

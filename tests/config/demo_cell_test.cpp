@@ -5,6 +5,7 @@
 #include <Eigen/SVD>
 
 #include "config/reading/load.h"
+#include "control/loop/servo_loop.h"
 #include "tests/kinematics/iiwa14.h"
 
 namespace osteon::config {

@@ -99,16 +99,6 @@ TEST(Decimation, NotFiniteValuesLeaveGaps) {
   EXPECT_EQ(runs[1].size(), 1u);
 }
 
-TEST(Percentile, IsTheNearestRank) {
-  std::vector<double> values;
-  for (int i = 1000; i >= 1; --i) values.push_back(i);
-  EXPECT_EQ(Percentile(values, 0.5), 500.0);
-  EXPECT_EQ(Percentile(values, 0.999), 999.0);
-  EXPECT_EQ(Percentile(values, 1.0), 1000.0);
-  EXPECT_EQ(Percentile(values, 0.0), 1.0);
-  EXPECT_TRUE(std::isnan(Percentile({}, 0.5)));
-}
-
 TEST(Text, IsEscapedAndAlwaysUtf8) {
   EXPECT_EQ(Escape("a<b> & \"c\" 'd'"), "a&lt;b&gt; &amp; &quot;c&quot; &#39;d&#39;");
   EXPECT_EQ(Escape("µ"), "µ");

@@ -1,14 +1,28 @@
-#include "app/cli/files/export_command.h"
+#include "app/cli/subcommands.h"
 
+#include <string>
 #include <utility>
 
+#include "app/cli/files/recorded_mesh_options.h"
 #include "app/cli/usage/usage.h"
 #include "session/process/exit_code.h"
+#include "session/replay/export_recording.h"
 
 namespace osteon::app {
+namespace {
+
+class ExportCommand final : public Subcommand {
+ public:
+  explicit ExportCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation&) override;
+
+ private:
+  session::ExportOptions options_;
+  RecordedMeshOptions mesh_;
+};
 
 ExportCommand::ExportCommand(CLI::App& app)
-    : sub_(app.add_subcommand(
+    : Subcommand(app.add_subcommand(
           "export",
           "writes a recording as tables, its bone as a mesh, a copy that shows the bone in "
           "Foxglove, or recovers a torn one")) {
@@ -58,7 +72,7 @@ ExportCommand::ExportCommand(CLI::App& app)
       "  osteon export torn.mcap --recover\n  osteon export torn.mcap --recover --csv");
 }
 
-int ExportCommand::Run() const {
+int ExportCommand::Run(const Invocation&) {
   session::ExportOptions options = options_;
   auto mesh = mesh_.Read();
   if (!mesh) return session::Fail("export", mesh.error());
@@ -67,6 +81,12 @@ int ExportCommand::Run() const {
                          "--mesh: found neither --surface nor --foxglove, accepted with one of them");
   options.mesh = std::move(*mesh);
   return session::RunExport(options);
+}
+
+}  // namespace
+
+void AddExportCommand(CLI::App& app, Subcommands& all) {
+  all.push_back(std::make_unique<ExportCommand>(app));
 }
 
 }  // namespace osteon::app

@@ -1,7 +1,9 @@
-#include "app/cli/files/new_cell_command.h"
+#include "app/cli/subcommands.h"
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <string>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -55,10 +57,18 @@ std::string CopyOf(const fs::path& file, const std::string& schema) {
   return text;
 }
 
-}  // namespace
+class NewCellCommand final : public Subcommand {
+ public:
+  explicit NewCellCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  std::string name_, from_{"demo"};
+  std::filesystem::path json_;
+};
 
 NewCellCommand::NewCellCommand(CLI::App& app)
-    : sub_(app.add_subcommand("new-cell", "writes a short cell of your own to begin with")) {
+    : Subcommand(app.add_subcommand("new-cell", "writes a short cell of your own to begin with")) {
   sub_->add_option("name", name_, "the file, NAME.yaml; anywhere, with folders if you like")
       ->type_name("FILE")
       ->required();
@@ -71,22 +81,24 @@ NewCellCommand::NewCellCommand(CLI::App& app)
       "Examples:\n  osteon new-cell my_cell\n  osteon new-cell ~/lab/tooth --from molar");
 }
 
-int NewCellCommand::Run(const std::filesystem::path& config_root) const {
+int NewCellCommand::Run(const Invocation& invocation) {
   const auto refuse = [](const std::string& what) { return session::Fail("new-cell", what); };
   const fs::path file(name_.ends_with(".yaml") ? name_ : name_ + ".yaml");
   std::error_code error;
   if (fs::exists(file, error))
     return refuse(fmt::format("found {}, accepted a name that no file has yet", file.string()));
-  const auto from = FindCell(config_root, from_);
+  const auto from = FindCell(invocation.config_root, from_);
   if (!from) return refuse("--from " + from.error());
   const config::CellConfig cell = config::LoadCell(*from);  // throws ConfigError, which main shows
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
 
   const bool is_short = !config::Reader::LoadExtending(*from, "cells").Extended().empty();
-  const bool is_shipped = fs::equivalent(fs::absolute(*from).parent_path(), config_root / "cells", error);
+  const bool is_shipped =
+      fs::equivalent(fs::absolute(*from).parent_path(), invocation.config_root / "cells", error);
   const std::string named =
       is_shipped ? from->stem().string() : fs::absolute(*from).lexically_normal().string();
-  const std::string schema = fs::absolute(config_root / "schemas" / "cell.json").lexically_normal().string();
+  const std::string schema =
+      fs::absolute(invocation.config_root / "schemas" / "cell.json").lexically_normal().string();
   std::ofstream stream(file, std::ios::binary);
   stream << (is_short ? CopyOf(*from, schema) : ShortCell(cell, named, schema));
   stream.close();
@@ -103,6 +115,12 @@ int NewCellCommand::Run(const std::filesystem::path& config_root) const {
       {"schema", "osteon.new_cell/1"}, {"file", file.string()}, {"from", named}, {"copied", is_short}};
   const auto written = base::WriteText(json_, base::JsonText(json));
   return written ? 0 : refuse(written.error());
+}
+
+}  // namespace
+
+void AddNewCellCommand(CLI::App& app, Subcommands& all) {
+  all.push_back(std::make_unique<NewCellCommand>(app));
 }
 
 }  // namespace osteon::app

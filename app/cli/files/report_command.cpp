@@ -1,14 +1,28 @@
-#include "app/cli/files/report_command.h"
+#include "app/cli/subcommands.h"
 
+#include <string>
 #include <utility>
 
+#include "app/cli/files/recorded_mesh_options.h"
 #include "app/cli/usage/usage.h"
 #include "session/process/exit_code.h"
+#include "session/replay/recorded_report.h"
 
 namespace osteon::app {
+namespace {
+
+class ReportCommand final : public Subcommand {
+ public:
+  explicit ReportCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  session::RecordedReportOptions options_;
+  RecordedMeshOptions mesh_;
+};
 
 ReportCommand::ReportCommand(CLI::App& app)
-    : sub_(app.add_subcommand("report", "makes the report of a recording")) {
+    : Subcommand(app.add_subcommand("report", "makes the report of a recording")) {
   sub_->add_option("recording", options_.recording, "the .mcap file of a run")
       ->type_name("FILE")
       ->required()
@@ -25,12 +39,18 @@ ReportCommand::ReportCommand(CLI::App& app)
       "run.json");
 }
 
-int ReportCommand::Run(const std::string& command_line) {
-  options_.command_line = command_line;
+int ReportCommand::Run(const Invocation& invocation) {
+  options_.command_line = invocation.command_line;
   auto mesh = mesh_.Read();
   if (!mesh) return session::Fail("report", mesh.error());
   options_.mesh = std::move(*mesh);
   return session::RunRecordedReport(options_);
+}
+
+}  // namespace
+
+void AddReportCommand(CLI::App& app, Subcommands& all) {
+  all.push_back(std::make_unique<ReportCommand>(app));
 }
 
 }  // namespace osteon::app

@@ -1,7 +1,8 @@
-#include "app/cli/files/schema_command.h"
+#include "app/cli/subcommands.h"
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <string>
@@ -185,10 +186,17 @@ Json SchemaOf(const config::FileKind& kind, const fs::path& config_root) {
   return schema;
 }
 
-}  // namespace
+class SchemaCommand final : public Subcommand {
+ public:
+  explicit SchemaCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  std::filesystem::path out_{"schemas"};
+};
 
 SchemaCommand::SchemaCommand(CLI::App& app)
-    : sub_(app.add_subcommand("schema", "JSON Schema of every kind of YAML file, for editors")) {
+    : Subcommand(app.add_subcommand("schema", "JSON Schema of every kind of YAML file, for editors")) {
   sub_->add_option("--out", out_, "folder for cell.json, robot.json, …")
       ->type_name("FOLDER")
       ->capture_default_str();
@@ -197,18 +205,24 @@ SchemaCommand::SchemaCommand(CLI::App& app)
       "  # yaml-language-server: $schema=PATH/cell.json\n\nExamples:\n  osteon schema --out schemas");
 }
 
-int SchemaCommand::Run(const std::filesystem::path& config_root) const {
+int SchemaCommand::Run(const Invocation& invocation) {
   std::error_code error;
   fs::create_directories(out_, error);
   for (const config::FileKind& kind : config::FileKinds()) {
     const fs::path file = out_ / (kind.name + ".json");
     std::ofstream stream(file, std::ios::binary);
-    stream << SchemaOf(kind, config_root).dump(1) << "\n";
+    stream << SchemaOf(kind, invocation.config_root).dump(1) << "\n";
     stream.close();
     if (!stream) return session::Fail("schema", fmt::format("{}: cannot write it", file.string()));
     fmt::print("{}\n", file.string());
   }
   return 0;
+}
+
+}  // namespace
+
+void AddSchemaCommand(CLI::App& app, Subcommands& all) {
+  all.push_back(std::make_unique<SchemaCommand>(app));
 }
 
 }  // namespace osteon::app

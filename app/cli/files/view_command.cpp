@@ -1,11 +1,22 @@
-#include "app/cli/files/view_command.h"
+#include "app/cli/subcommands.h"
 
 #include "app/cli/usage/usage.h"
+#include "session/view/view.h"
 
 namespace osteon::app {
+namespace {
+
+class ViewCommand final : public Subcommand {
+ public:
+  explicit ViewCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation&) override { return session::RunView(options_); }
+
+ private:
+  session::ViewOptions options_;
+};
 
 ViewCommand::ViewCommand(CLI::App& app)
-    : sub_(app.add_subcommand("view", "shows a recording in a browser, with a time line")) {
+    : Subcommand(app.add_subcommand("view", "shows a recording in a browser, with a time line")) {
   sub_->add_option("recordings", options_.recordings,
                    "the .mcap file of a run; two are shown side by side, with their difference")
       ->type_name("FILE")
@@ -30,5 +41,9 @@ ViewCommand::ViewCommand(CLI::App& app)
       "Examples:\n  osteon view demo_out/recording.mcap\n  osteon view run.mcap --port 9000\n"
       "  osteon view before.mcap after.mcap");
 }
+
+}  // namespace
+
+void AddViewCommand(CLI::App& app, Subcommands& all) { all.push_back(std::make_unique<ViewCommand>(app)); }
 
 }  // namespace osteon::app

@@ -1,7 +1,11 @@
-#include "app/cli/run/cell_commands.h"
+#include "app/cli/subcommands.h"
+
+#include <filesystem>
+#include <string>
 
 #include <fmt/format.h>
 
+#include "app/cli/run/procedure_options.h"
 #include "app/cli/usage/cell_file.h"
 #include "app/cli/usage/console_option.h"
 #include "app/cli/usage/fidelity_options.h"
@@ -9,12 +13,31 @@
 #include "app/cli/usage/usage.h"
 #include "session/process/exit_code.h"
 #include "session/run/demo.h"
+#include "session/run/operate.h"
+#include "session/run/simulated_cell_run.h"
 #include "session/setup/engine_choice.h"
 
 namespace osteon::app {
+namespace {
+
+class CellCommands final : public Subcommand {
+ public:
+  explicit CellCommands(CLI::App& app);
+  [[nodiscard]] bool asked() const override { return sub_->parsed() || run_->parsed(); }
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  session::SimulatedCellOptions simulated_;
+  session::OperateOptions operate_;
+  ProcedureOptions procedure_, cell_procedure_;
+  std::string name_, tool_;
+  std::filesystem::path identified_;
+  CLI::App* run_;
+};
 
 CellCommands::CellCommands(CLI::App& app)
-    : cell_(app.add_subcommand("cell", "runs the simulated cell alone, on its real protocols and ports")),
+    : Subcommand(
+          app.add_subcommand("cell", "runs the simulated cell alone, on its real protocols and ports")),
       run_(app.add_subcommand("run", "operates a cell, real or simulated")) {
   const auto common = [this](CLI::App& sub) {
     sub.add_option("cell", name_, "a name under cells/, or a cell's YAML file")
@@ -26,30 +49,26 @@ CellCommands::CellCommands(CLI::App& app)
         ->type_name("TOOL");
     AddIdentifiedOption(sub, identified_);
   };
-  common(*cell_);
-  cell_procedure_.Add(*cell_, false);
-  cell_
-      ->add_option("--seconds", simulated_.seconds,
+  common(*sub_);
+  cell_procedure_.Add(*sub_, false);
+  sub_->add_option("--seconds", simulated_.seconds,
                    "seconds of the operator's actions; without it as long as the script")
       ->check(NumberWithin(session::kMinSeconds, session::kMaxSeconds));
-  cell_
-      ->add_option(
+  sub_->add_option(
           "--port", simulated_.port,
           "first of the cell's ports, instead of the one in its file: FRI, PLC, then two for each CAN bus")
       ->check(PortNumber());
-  cell_
-      ->add_option("--cpu", simulated_.cpu,
+  sub_->add_option("--cpu", simulated_.cpu,
                    "CPU of the cell's real-time threads; everything else stays off it")
       ->check(NumberWithin(0, rt::kMaxCpu));
-  cell_->add_option("--json", simulated_.json, "write a summary of the cell there at the end, as JSON")
+  sub_->add_option("--json", simulated_.json, "write a summary of the cell there at the end, as JSON")
       ->type_name("FILE");
-  cell_
-      ->add_option("--trace", simulated_.trace,
+  sub_->add_option("--trace", simulated_.trace,
                    "write each cycle of the arm to a CSV file during the run: tool pose and velocity, the "
                    "hand's force")
       ->type_name("FILE");
-  AddConsoleOption(*cell_, simulated_.console);
-  cell_->footer(
+  AddConsoleOption(*sub_, simulated_.console);
+  sub_->footer(
       "Simulates the arm, the force sensor, the reamer drive, the PLC, an operator at the handle and one at "
       "the buttons. The controller at the other end need not be Osteon's.\n\n"
       "Exit code 1: a file could not be written\n\n"
@@ -108,26 +127,26 @@ CellCommands::CellCommands(CLI::App& app)
       "  osteon cell demo &  osteon run demo --seconds 10");
 }
 
-int CellCommands::Run(const std::filesystem::path& config_root, const std::string& command_line) {
-  operate_.command_line = command_line;
-  const char* name = cell_->parsed() ? "cell" : "run";
+int CellCommands::Run(const Invocation& invocation) {
+  operate_.command_line = invocation.command_line;
+  const char* name = sub_->parsed() ? "cell" : "run";
   const auto refuse = [name](const std::string& what) { return session::Fail(name, what); };
-  const auto found = FindCell(config_root, name_);
+  const auto found = FindCell(invocation.config_root, name_);
   if (!found) return refuse(found.error());
   std::optional<config::ToolChoice> tool;
   if (!tool_.empty()) {
-    const auto parsed = ParseTool(tool_, config_root);
+    const auto parsed = ParseTool(tool_, invocation.config_root);
     if (!parsed) return refuse(parsed.error());
     tool = *parsed;
   }
   if (operate_.port == 0 && !operate_.simulated)
     return refuse("--port: found 0, accepted a port, or 0 with --simulated");
   session::ProcedureChoice simulated;
-  if (const std::string wrong = cell_procedure_.Take(config_root, simulated); !wrong.empty())
+  if (const std::string wrong = cell_procedure_.Take(invocation.config_root, simulated); !wrong.empty())
     return refuse(wrong);
   simulated_.plan = simulated.plan;
   simulated_.hand = simulated.hand;
-  if (const std::string wrong = procedure_.Take(config_root, operate_.procedure); !wrong.empty())
+  if (const std::string wrong = procedure_.Take(invocation.config_root, operate_.procedure); !wrong.empty())
     return refuse(wrong);
   if (procedure_.asked()) {
     if (tool && tool->diameter_m) return refuse("--tool " + tool_ + kSizeWithPlan);
@@ -141,10 +160,14 @@ int CellCommands::Run(const std::filesystem::path& config_root, const std::strin
   simulated_.tool = operate_.tool = tool;
   simulated_.identified = operate_.identified = identified_;
   try {
-    return cell_->parsed() ? session::RunSimulatedCell(simulated_) : session::RunOperate(operate_);
+    return sub_->parsed() ? session::RunSimulatedCell(simulated_) : session::RunOperate(operate_);
   } catch (const config::ToolSizeError& error) {
     return refuse(fmt::format("--tool {}: {}", tool_, error.what()));
   }
 }
+
+}  // namespace
+
+void AddCellCommands(CLI::App& app, Subcommands& all) { all.push_back(std::make_unique<CellCommands>(app)); }
 
 }  // namespace osteon::app

@@ -1,7 +1,10 @@
-#include "app/cli/run/demo_command.h"
+#include "app/cli/subcommands.h"
+
+#include <string>
 
 #include <fmt/format.h>
 
+#include "app/cli/run/procedure_options.h"
 #include "app/cli/usage/cell_file.h"
 #include "app/cli/usage/console_option.h"
 #include "app/cli/usage/fidelity_options.h"
@@ -10,13 +13,29 @@
 #include "base/realtime_thread.h"
 #include "config/reading/load.h"
 #include "session/process/exit_code.h"
+#include "session/run/demo.h"
 #include "session/setup/cell_setup.h"
 #include "session/setup/engine_choice.h"
 
 namespace osteon::app {
+namespace {
+
+class DemoCommand final : public Subcommand {
+ public:
+  explicit DemoCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  session::DemoOptions options_;
+  ProcedureOptions procedure_;
+  std::string mesh_, cup_, tool_, cell_{"demo"};
+  double scale_{1.0};
+  CLI::Option* seconds_option_{nullptr};
+  CLI::Option *mesh_option_{nullptr}, *cup_option_{nullptr}, *scale_option_{nullptr}, *tool_option_{nullptr};
+};
 
 DemoCommand::DemoCommand(CLI::App& app)
-    : sub_(app.add_subcommand("demo", "cuts bone on the simulated cell and leaves a report")) {
+    : Subcommand(app.add_subcommand("demo", "cuts bone on the simulated cell and leaves a report")) {
   seconds_option_ = sub_->add_option("--seconds", options_.seconds,
                                      "seconds of rendering (COMMANDING_ACTIVE); with a plan 15 for each "
                                      "reamer and 20 more for the last, 60 each for a novice");
@@ -86,20 +105,20 @@ DemoCommand::DemoCommand(CLI::App& app)
       "  osteon demo --cell molar --mesh tooth.obj --scale 0.041 --cup 0,0.5,8,0,0,1,1.75");
 }
 
-int DemoCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
-  options_.command_line = command_line;
-  const auto found = FindCell(config_root, cell_);
+int DemoCommand::Run(const Invocation& invocation) {
+  options_.command_line = invocation.command_line;
+  const auto found = FindCell(invocation.config_root, cell_);
   if (!found) return session::Fail("demo", fmt::format("--cell {}", found.error()));
   options_.cell = *found;
   if (!options_.virtual_time && !session::KeepsUpWithWallTime(options_.engine))
     return session::Fail("demo", "--engine reference: found wall time, accepted with --virtual-time only");
   if (*tool_option_) {
-    const auto parsed = ParseTool(tool_, config_root);
+    const auto parsed = ParseTool(tool_, invocation.config_root);
     if (!parsed) return session::Fail("demo", parsed.error());
     options_.tool = *parsed;
   }
   if (procedure_.asked()) {
-    std::string wrong = procedure_.Take(config_root, options_.procedure);
+    std::string wrong = procedure_.Take(invocation.config_root, options_.procedure);
     if (wrong.empty() && *cup_option_)
       wrong = "--cup: found with --plan, accepted without: the plan has the cup of its mesh";
     if (wrong.empty() && options_.tool && options_.tool->diameter_m)
@@ -128,5 +147,9 @@ int DemoCommand::Run(const std::filesystem::path& config_root, const std::string
     return session::Fail("demo", fmt::format("--tool {}: {}", tool_, error.what()));
   }
 }
+
+}  // namespace
+
+void AddDemoCommand(CLI::App& app, Subcommands& all) { all.push_back(std::make_unique<DemoCommand>(app)); }
 
 }  // namespace osteon::app

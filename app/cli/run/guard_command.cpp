@@ -1,4 +1,6 @@
-#include "app/cli/run/guard_command.h"
+#include "app/cli/subcommands.h"
+
+#include <string>
 
 #include <fmt/format.h>
 
@@ -6,12 +8,24 @@
 #include "app/cli/usage/tool_choice.h"
 #include "app/cli/usage/usage.h"
 #include "base/realtime_thread.h"
+#include "session/guard/guard.h"
 #include "session/process/exit_code.h"
 
 namespace osteon::app {
+namespace {
+
+class GuardCommand final : public Subcommand {
+ public:
+  explicit GuardCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  session::GuardOptions options_;
+  std::string name_, tool_;
+};
 
 GuardCommand::GuardCommand(CLI::App& app)
-    : sub_(app.add_subcommand("guard", "runs the independent supervisor between arm and controller")) {
+    : Subcommand(app.add_subcommand("guard", "runs the independent supervisor between arm and controller")) {
   sub_->add_option("cell", name_, "a name under cells/, or a cell's YAML file; its file has a section guard")
       ->type_name("CELL")
       ->required();
@@ -29,13 +43,13 @@ GuardCommand::GuardCommand(CLI::App& app)
       "  osteon cell my_cell.yaml &\n  osteon guard my_cell.yaml &\n  osteon run my_cell.yaml --seconds 10");
 }
 
-int GuardCommand::Run(const std::filesystem::path& config_root) {
+int GuardCommand::Run(const Invocation& invocation) {
   const auto refuse = [](const std::string& what) { return session::Fail("guard", what); };
-  const auto found = FindCell(config_root, name_);
+  const auto found = FindCell(invocation.config_root, name_);
   if (!found) return refuse(found.error());
   options_.cell = *found;
   if (!tool_.empty()) {
-    const auto parsed = ParseTool(tool_, config_root);
+    const auto parsed = ParseTool(tool_, invocation.config_root);
     if (!parsed) return refuse(parsed.error());
     options_.tool = *parsed;
   }
@@ -45,5 +59,9 @@ int GuardCommand::Run(const std::filesystem::path& config_root) {
     return refuse(fmt::format("--tool {}: {}", tool_, error.what()));
   }
 }
+
+}  // namespace
+
+void AddGuardCommand(CLI::App& app, Subcommands& all) { all.push_back(std::make_unique<GuardCommand>(app)); }
 
 }  // namespace osteon::app

@@ -1,8 +1,9 @@
-#include "app/cli/run/operator_commands.h"
+#include "app/cli/subcommands.h"
 
-#include <string>
+#include <array>
 
 #include "app/cli/usage/usage.h"
+#include "session/run/ask_running_cell.h"
 
 namespace osteon::app {
 namespace {
@@ -27,29 +28,26 @@ constexpr std::array<Request, 5> kRequests{
     Request{"status", "tells what the running cell does, and what is missing for motion",
             "Exit code 1: no cell runs\n\nExamples:\n  osteon status\n  osteon status --json status.json"}};
 
+class OperatorCommand final : public Subcommand {
+ public:
+  OperatorCommand(CLI::App& app, const Request& request)
+      : Subcommand(app.add_subcommand(request.name, request.help)) {
+    options_.request = request.name;
+    sub_->add_option("--pid", options_.pid, "process number of the run, where several run")
+        ->check(NumberWithin(1.0, kMaxPid));
+    sub_->add_option("--json", options_.json, "also write the answer there, as JSON")->type_name("FILE");
+    sub_->footer(request.footer);
+  }
+  [[nodiscard]] int Run(const Invocation&) override { return session::RunAsk(options_); }
+
+ private:
+  session::AskOptions options_;
+};
+
 }  // namespace
 
-OperatorCommands::OperatorCommands(CLI::App& app) {
-  for (std::size_t i = 0; i < kRequests.size(); ++i) {
-    const Request& request = kRequests[i];
-    CLI::App* sub = subs_[i] = app.add_subcommand(request.name, request.help);
-    sub->add_option("--pid", options_.pid, "process number of the run, where several run")
-        ->check(NumberWithin(1.0, kMaxPid));
-    sub->add_option("--json", options_.json, "also write the answer there, as JSON")->type_name("FILE");
-    sub->footer(request.footer);
-  }
-}
-
-bool OperatorCommands::asked() const {
-  for (const CLI::App* sub : subs_)
-    if (sub->parsed()) return true;
-  return false;
-}
-
-int OperatorCommands::Run() {
-  for (std::size_t i = 0; i < kRequests.size(); ++i)
-    if (subs_[i]->parsed()) options_.request = kRequests[i].name;
-  return session::RunAsk(options_);
+void AddOperatorCommands(CLI::App& app, Subcommands& all) {
+  for (const Request& request : kRequests) all.push_back(std::make_unique<OperatorCommand>(app, request));
 }
 
 }  // namespace osteon::app

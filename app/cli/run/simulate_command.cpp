@@ -1,6 +1,7 @@
-#include "app/cli/run/simulate_command.h"
+#include "app/cli/subcommands.h"
 
 #include <charconv>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -8,6 +9,7 @@
 #include "app/cli/usage/usage.h"
 #include "config/reading/load.h"
 #include "session/process/exit_code.h"
+#include "session/run/simulate.h"
 #include "session/setup/engine_choice.h"
 
 namespace osteon::app {
@@ -23,10 +25,19 @@ bool ParseListen(const std::string& text, session::SimulateOptions& options) {
   return rest == end && error == std::errc{};
 }
 
-}  // namespace
+class SimulateCommand final : public Subcommand {
+ public:
+  explicit SimulateCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  session::SimulateOptions options_;
+  std::string cell_, listen_;
+};
 
 SimulateCommand::SimulateCommand(CLI::App& app)
-    : sub_(app.add_subcommand("simulate", "runs the cutting engine in a process of its own, for runs")) {
+    : Subcommand(
+          app.add_subcommand("simulate", "runs the cutting engine in a process of its own, for runs")) {
   CLI::Option* cell =
       sub_->add_option("cell", cell_,
                        "a name under cells/, or a cell's YAML file: address, port and token of "
@@ -58,10 +69,10 @@ SimulateCommand::SimulateCommand(CLI::App& app)
       "  osteon simulate my_cell.yaml --engine cpu");
 }
 
-int SimulateCommand::Run(const std::filesystem::path& config_root) {
+int SimulateCommand::Run(const Invocation& invocation) {
   const auto refuse = [](const std::string& what) { return session::Fail("simulate", what); };
   if (!cell_.empty()) {
-    const auto found = FindCell(config_root, cell_);
+    const auto found = FindCell(invocation.config_root, cell_);
     if (!found) return refuse(found.error());
     const auto process = config::LoadCell(*found).engine_process;
     if (!process || process->host.empty())
@@ -76,6 +87,12 @@ int SimulateCommand::Run(const std::filesystem::path& config_root) {
     return refuse(fmt::format("--listen: found {}, accepted ADDRESS:PORT such as 127.0.0.1:{}", listen_,
                               session::kSimulatePort));
   return session::RunSimulate(options_);
+}
+
+}  // namespace
+
+void AddSimulateCommand(CLI::App& app, Subcommands& all) {
+  all.push_back(std::make_unique<SimulateCommand>(app));
 }
 
 }  // namespace osteon::app

@@ -1,9 +1,25 @@
-#include "app/cli/run/tell_command.h"
+#include "app/cli/subcommands.h"
+
+#include <string>
+#include <vector>
+
+#include "session/run/ask_running_cell.h"
 
 namespace osteon::app {
+namespace {
+
+class TellCommand final : public Subcommand {
+ public:
+  explicit TellCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation&) override;
+
+ private:
+  session::TellOptions options_;
+  std::vector<std::string> words_;
+};
 
 TellCommand::TellCommand(CLI::App& app)
-    : sub_(app.add_subcommand(
+    : Subcommand(app.add_subcommand(
           "tell", "asks a running session: next tool, undo, save, finish, and what a cell is asked")) {
   sub_->add_option("session", options_.session, "the session's folder, or the name of the running cell")
       ->type_name("FOLDER|CELL")
@@ -25,9 +41,13 @@ TellCommand::TellCommand(CLI::App& app)
       "  osteon tell demo status --json status.json");
 }
 
-int TellCommand::Run() {
+int TellCommand::Run(const Invocation&) {
   for (const std::string& word : words_) options_.request += (options_.request.empty() ? "" : " ") + word;
   return session::RunTell(options_);
 }
+
+}  // namespace
+
+void AddTellCommand(CLI::App& app, Subcommands& all) { all.push_back(std::make_unique<TellCommand>(app)); }
 
 }  // namespace osteon::app

@@ -1,4 +1,6 @@
-#include "app/cli/studies/assess_command.h"
+#include "app/cli/studies/studies.h"
+
+#include <string>
 
 #include <fmt/format.h>
 
@@ -6,10 +8,22 @@
 #include "app/cli/usage/usage.h"
 #include "config/reading/named_file.h"
 #include "session/process/exit_code.h"
+#include "studies/assess/assess_result.h"
 
 namespace osteon::app {
+namespace {
 
-AssessCommand::AssessCommand(CLI::App& app) : sub_(AddStudy(app, "assess")) {
+class AssessCommand final : public Subcommand {
+ public:
+  explicit AssessCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  studies::AssessOptions options_;
+  std::string rubric_;
+};
+
+AssessCommand::AssessCommand(CLI::App& app) : Subcommand(AddStudy(app, "assess")) {
   sub_->add_option("session", options_.session, "the folder of a session")->type_name("FOLDER")->required();
   sub_->add_option("--rubric", rubric_,
                    "norms and points: a name under rubrics/, or a YAML file; without it rubric for a cup, "
@@ -44,8 +58,8 @@ AssessCommand::AssessCommand(CLI::App& app) : sub_(AddStudy(app, "assess")) {
       "expert_2\n  osteon assess expert/session --against novice/session");
 }
 
-int AssessCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
-  const std::filesystem::path rubrics = config_root / "rubrics";
+int AssessCommand::Run(const Invocation& invocation) {
+  const std::filesystem::path rubrics = invocation.config_root / "rubrics";
   options_.rubrics = rubrics;
   if (!rubric_.empty()) {
     const auto rubric = config::FindNamedFile(rubrics, rubric_);
@@ -54,8 +68,14 @@ int AssessCommand::Run(const std::filesystem::path& config_root, const std::stri
                                                  rubric_, rubrics.string(), config::YamlNamesIn(rubrics)));
     options_.rubric = *rubric;
   }
-  options_.command_line = command_line;
+  options_.command_line = invocation.command_line;
   return studies::RunAssess(options_);
+}
+
+}  // namespace
+
+void AddAssessCommand(CLI::App& app, Subcommands& all) {
+  all.push_back(std::make_unique<AssessCommand>(app));
 }
 
 }  // namespace osteon::app

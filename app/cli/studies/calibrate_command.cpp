@@ -1,4 +1,6 @@
-#include "app/cli/studies/calibrate_command.h"
+#include "app/cli/studies/studies.h"
+
+#include <string>
 
 #include <fmt/format.h>
 
@@ -6,10 +8,22 @@
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
 #include "session/process/exit_code.h"
+#include "studies/calibrate/calibrate.h"
 
 namespace osteon::app {
+namespace {
 
-CalibrateCommand::CalibrateCommand(CLI::App& app) : sub_(AddStudy(app, "calibrate")) {
+class CalibrateCommand final : public Subcommand {
+ public:
+  explicit CalibrateCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  studies::CalibrateOptions options_;
+  std::string cell_;
+};
+
+CalibrateCommand::CalibrateCommand(CLI::App& app) : Subcommand(AddStudy(app, "calibrate")) {
   sub_->add_option("cell", cell_, "a name under cells/, or a cell's YAML file")
       ->type_name("CELL")
       ->required();
@@ -34,15 +48,21 @@ CalibrateCommand::CalibrateCommand(CLI::App& app) : sub_(AddStudy(app, "calibrat
       "  osteon calibrate my_cell.yaml --payload weigh.mcap --pivot tip.mcap --out my_calibration.yaml");
 }
 
-int CalibrateCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
+int CalibrateCommand::Run(const Invocation& invocation) {
   const auto refuse = [](const std::string& what) { return session::Fail("calibrate", what); };
   if (options_.payload.empty() && options_.pivot.empty())
     return refuse("found neither --payload nor --pivot, accepted one of them or both");
-  const auto found = FindCell(config_root, cell_);
+  const auto found = FindCell(invocation.config_root, cell_);
   if (!found) return refuse(found.error());
   options_.cell = *found;
-  options_.command_line = command_line;
+  options_.command_line = invocation.command_line;
   return studies::RunCalibrate(options_);
+}
+
+}  // namespace
+
+void AddCalibrateCommand(CLI::App& app, Subcommands& all) {
+  all.push_back(std::make_unique<CalibrateCommand>(app));
 }
 
 }  // namespace osteon::app

@@ -1,6 +1,8 @@
-#include "app/cli/studies/capability_command.h"
+#include "app/cli/studies/studies.h"
 
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -8,10 +10,24 @@
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
 #include "session/process/exit_code.h"
+#include "studies/capability/capability.h"
 
 namespace osteon::app {
+namespace {
 
-CapabilityCommand::CapabilityCommand(CLI::App& app) : sub_(AddStudy(app, "capability")) {
+class CapabilityCommand final : public Subcommand {
+ public:
+  explicit CapabilityCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  studies::CapabilityOptions options_;
+  std::string cell_, mount_{"cell"};
+  std::vector<double> x_mm_, y_mm_, z_mm_;
+  bool no_search_{false};
+};
+
+CapabilityCommand::CapabilityCommand(CLI::App& app) : Subcommand(AddStudy(app, "capability")) {
   studies::CapabilityOptions& o = options_;
   sub_->add_option("cell", cell_, "a name under cells/, or a cell's YAML file")
       ->type_name("CELL")
@@ -79,9 +95,9 @@ CapabilityCommand::CapabilityCommand(CLI::App& app) : sub_(AddStudy(app, "capabi
       "  osteon capability demo --mount ceiling --z-mm 900,1500 --x-mm 0,1200");
 }
 
-int CapabilityCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
+int CapabilityCommand::Run(const Invocation& invocation) {
   studies::CapabilityOptions& o = options_;
-  o.command_line = command_line;
+  o.command_line = invocation.command_line;
   o.search = !no_search_;
   o.mount = mount_ == "floor"     ? studies::Mount::kFloor
             : mount_ == "ceiling" ? studies::Mount::kCeiling
@@ -94,10 +110,16 @@ int CapabilityCommand::Run(const std::filesystem::path& config_root, const std::
                                                      values->front(), values->back()));
     *range = {values->front(), values->back()};
   }
-  const auto found = FindCell(config_root, cell_);
+  const auto found = FindCell(invocation.config_root, cell_);
   if (!found) return session::Fail("capability", found.error());
   o.cell = *found;
   return studies::RunCapability(o);
+}
+
+}  // namespace
+
+void AddCapabilityCommand(CLI::App& app, Subcommands& all) {
+  all.push_back(std::make_unique<CapabilityCommand>(app));
 }
 
 }  // namespace osteon::app

@@ -1,11 +1,26 @@
-#include "app/cli/studies/diff_command.h"
+#include "app/cli/studies/studies.h"
+
+#include <string>
+#include <vector>
 
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
+#include "studies/diff/diff.h"
 
 namespace osteon::app {
+namespace {
 
-DiffCommand::DiffCommand(CLI::App& app) : sub_(AddStudy(app, "diff")) {
+class DiffCommand final : public Subcommand {
+ public:
+  explicit DiffCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  studies::DiffOptions options_;
+  std::vector<std::filesystem::path> recordings_;
+};
+
+DiffCommand::DiffCommand(CLI::App& app) : Subcommand(AddStudy(app, "diff")) {
   sub_->add_option("recordings", recordings_, "the .mcap files of the two runs")
       ->type_name("FILE")
       ->required()
@@ -28,10 +43,14 @@ DiffCommand::DiffCommand(CLI::App& app) : sub_(AddStudy(app, "diff")) {
       "compared");
 }
 
-int DiffCommand::Run(const std::string& command_line) {
+int DiffCommand::Run(const Invocation& invocation) {
   options_.recordings = {recordings_[0], recordings_[1]};
-  options_.command_line = command_line;
+  options_.command_line = invocation.command_line;
   return studies::RunDiff(options_);
 }
+
+}  // namespace
+
+void AddDiffCommand(CLI::App& app, Subcommands& all) { all.push_back(std::make_unique<DiffCommand>(app)); }
 
 }  // namespace osteon::app

@@ -1,13 +1,16 @@
-#include "app/cli/studies/failures_command.h"
+#include "app/cli/studies/studies.h"
 
 #include <algorithm>
+#include <string>
 
 #include <fmt/format.h>
 
+#include "app/cli/studies/shard_option.h"
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
 #include "session/setup/engine_choice.h"
 #include "studies/failures/failure.h"
+#include "studies/failures/failures.h"
 #include "studies/faults/fault_table.h"
 #include "studies/kill/kill_table.h"
 
@@ -33,9 +36,24 @@ std::vector<studies::KillVictim> Victims(const std::vector<std::string>& asked) 
   return victims;
 }
 
-}  // namespace
+class FailuresCommand final : public Subcommand {
+ public:
+  explicit FailuresCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
 
-FailuresCommand::FailuresCommand(CLI::App& app) : sub_(AddStudy(app, "failures")) {
+ private:
+  // The tables that are made instead of running the scenarios.
+  struct Tables {
+    bool faults{false}, kill{false};
+    int times{20};
+    std::vector<std::string> victims{};
+  };
+
+  studies::FailureOptions options_;
+  Tables tables_;
+};
+
+FailuresCommand::FailuresCommand(CLI::App& app) : Subcommand(AddStudy(app, "failures")) {
   auto* ids =
       sub_->add_option("scenarios", options_.ids, "numbers of the scenarios; without any, all of them")
           ->check(NumberWithin(1, 99));
@@ -88,7 +106,7 @@ FailuresCommand::FailuresCommand(CLI::App& app) : sub_(AddStudy(app, "failures")
       "  osteon failures --kill --times 1\n  osteon failures --kill --victims engine,engine-hung");
 }
 
-int FailuresCommand::Run(const std::filesystem::path& config_root, const Invocation& invocation) {
+int FailuresCommand::Run(const Invocation& invocation) {
   if (tables_.faults) return studies::RunFaultTable({.json = options_.json});
   if (tables_.kill) {
     if (!session::KeepsUpWithWallTime(options_.engine)) {
@@ -97,7 +115,7 @@ int FailuresCommand::Run(const std::filesystem::path& config_root, const Invocat
           "osteon failures: --engine reference: found --kill, accepted without it: too slow for wall time\n");
       return 2;
     }
-    return studies::RunKillTable({.config_root = config_root,
+    return studies::RunKillTable({.config_root = invocation.config_root,
                                   .times = tables_.times,
                                   .victims = Victims(tables_.victims),
                                   .json = options_.json,
@@ -107,6 +125,12 @@ int FailuresCommand::Run(const std::filesystem::path& config_root, const Invocat
   options_.command_line = invocation.command_line;
   TakeInvocation(invocation, options_.sharding);
   return studies::RunFailures(options_);
+}
+
+}  // namespace
+
+void AddFailuresCommand(CLI::App& app, Subcommands& all) {
+  all.push_back(std::make_unique<FailuresCommand>(app));
 }
 
 }  // namespace osteon::app

@@ -1,8 +1,10 @@
-#include "app/cli/studies/identify_command.h"
+#include "app/cli/studies/studies.h"
 
 #include <algorithm>
 #include <numbers>
 #include <set>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -11,10 +13,24 @@
 #include "app/cli/usage/usage.h"
 #include "base/interrupt.h"
 #include "session/process/exit_code.h"
+#include "studies/identify/identify.h"
 
 namespace osteon::app {
+namespace {
 
-IdentifyCommand::IdentifyCommand(CLI::App& app) : sub_(AddStudy(app, "identify")) {
+class IdentifyCommand final : public Subcommand {
+ public:
+  explicit IdentifyCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  studies::IdentifyOptions options_;
+  std::string cell_;
+  std::vector<std::string> runs_{"noise", "free", "validate"}, axes_{"x", "y", "z"};
+  std::vector<double> speeds_mm_per_s_{10.0, 50.0}, joint_speeds_deg_per_s_{8.6};
+};
+
+IdentifyCommand::IdentifyCommand(CLI::App& app) : Subcommand(AddStudy(app, "identify")) {
   sub_->add_option("cell", cell_, "a name under cells/, or a cell's YAML file")
       ->type_name("CELL")
       ->required();
@@ -83,7 +99,7 @@ IdentifyCommand::IdentifyCommand(CLI::App& app) : sub_(AddStudy(app, "identify")
       "identify/validate_z_50.mcap");
 }
 
-int IdentifyCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
+int IdentifyCommand::Run(const Invocation& invocation) {
   const auto refuse = [](const std::string& what) { return session::Fail("identify", what); };
   const auto has = [this](const char* run) { return std::ranges::find(runs_, run) != runs_.end(); };
   if (!options_.validations.empty() && options_.recordings.empty())
@@ -93,7 +109,7 @@ int IdentifyCommand::Run(const std::filesystem::path& config_root, const std::st
   if (options_.simulated && !options_.recordings.empty())
     return refuse("found --simulated with --recording, accepted one of them: recordings move nothing");
   if (has("validate") && !has("free")) return refuse("found --do validate without free, accepted both");
-  const auto found = FindCell(config_root, cell_);
+  const auto found = FindCell(invocation.config_root, cell_);
   if (!found) return refuse(found.error());
   options_.cell = *found;
   options_.runs = {.noise = has("noise"),
@@ -121,8 +137,14 @@ int IdentifyCommand::Run(const std::filesystem::path& config_root, const std::st
       options_.joint_speeds_rad_per_s.push_back(speed * std::numbers::pi / 180.0);
   base::InstallInterrupt();
   options_.stop = &base::Interrupted();
-  options_.command_line = command_line;
+  options_.command_line = invocation.command_line;
   return studies::RunIdentify(options_);
+}
+
+}  // namespace
+
+void AddIdentifyCommand(CLI::App& app, Subcommands& all) {
+  all.push_back(std::make_unique<IdentifyCommand>(app));
 }
 
 }  // namespace osteon::app

@@ -1,12 +1,23 @@
-#include "app/cli/studies/measure_commands.h"
+#include "app/cli/studies/studies.h"
 
+#include "app/cli/studies/shard_option.h"
 #include "app/cli/usage/plan_file.h"
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
 #include "session/process/exit_code.h"
 #include "session/run/demo.h"
+#include "studies/bench/bench_console.h"
+#include "studies/bench/bench_frame.h"
+#include "studies/bench/bench_kinematics.h"
+#include "studies/bench/bench_simulate.h"
+#include "studies/bench/bench_surface.h"
+#include "studies/bench/bench_tick.h"
+#include "studies/bench/bench_view.h"
 #include "studies/bench/bench_workloads.h"
 #include "studies/bench/method_engine.h"
+#include "studies/charts/chart_compliance.h"
+#include "studies/charts/chart_scaling.h"
+#include "studies/charts/chart_speed_accuracy.h"
 
 namespace osteon::app {
 namespace {
@@ -306,23 +317,42 @@ CLI::App* AddBenchView(CLI::App& bench, studies::BenchViewOptions& options) {
   return sub;
 }
 
-}  // namespace
+class MeasureCommands final : public Subcommand {
+ public:
+  explicit MeasureCommands(CLI::App& app);
+  [[nodiscard]] bool asked() const override { return sub_->parsed() || chart_->parsed(); }
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  studies::BenchFrameOptions frame_options_;  // before the members that point into it
+  studies::BenchKinematicsOptions kinematics_options_;
+  studies::BenchSurfaceOptions surface_options_;
+  studies::BenchTickOptions tick_options_;
+  studies::BenchConsoleOptions console_options_;
+  studies::BenchViewOptions view_options_;
+  studies::BenchSimulateOptions simulate_options_;
+  studies::ScalingOptions scaling_options_;
+  studies::SpeedAccuracyOptions accuracy_options_;
+  studies::ComplianceChartOptions compliance_options_;
+  CLI::App *frame_, *kinematics_, *surface_, *tick_, *console_, *view_, *simulate_, *chart_, *scaling_,
+      *accuracy_, *compliance_;
+};
 
 MeasureCommands::MeasureCommands(CLI::App& app)
-    : bench_(AddStudy(app, "bench")),
-      frame_(AddBenchFrame(*bench_, frame_options_)),
-      kinematics_(AddBenchKinematics(*bench_, kinematics_options_)),
-      surface_(AddBenchSurface(*bench_, surface_options_)),
-      tick_(AddBenchTick(*bench_, tick_options_)),
-      console_(AddBenchConsole(*bench_, console_options_)),
-      view_(AddBenchView(*bench_, view_options_)),
-      simulate_(AddBenchSimulate(*bench_, simulate_options_)),
+    : Subcommand(AddStudy(app, "bench")),
+      frame_(AddBenchFrame(*sub_, frame_options_)),
+      kinematics_(AddBenchKinematics(*sub_, kinematics_options_)),
+      surface_(AddBenchSurface(*sub_, surface_options_)),
+      tick_(AddBenchTick(*sub_, tick_options_)),
+      console_(AddBenchConsole(*sub_, console_options_)),
+      view_(AddBenchView(*sub_, view_options_)),
+      simulate_(AddBenchSimulate(*sub_, simulate_options_)),
       chart_(AddStudy(app, "chart")),
       scaling_(AddChartScaling(*chart_, scaling_options_)),
       accuracy_(AddChartSpeedAccuracy(*chart_, accuracy_options_)),
       compliance_(AddChartCompliance(*chart_, compliance_options_)) {
-  bench_->require_subcommand(1);
-  bench_->footer(
+  sub_->require_subcommand(1);
+  sub_->footer(
       "Examples:\n  osteon bench frame\n  osteon bench kinematics\n  osteon bench surface\n  osteon bench "
       "tick\n  osteon bench console\n  osteon bench view demo_out/recording.mcap\n  osteon bench frame "
       "--help");
@@ -332,29 +362,27 @@ MeasureCommands::MeasureCommands(CLI::App& app)
       "  osteon chart compliance");
 }
 
-bool MeasureCommands::asked() const { return bench_->parsed() || chart_->parsed(); }
-
-int MeasureCommands::Run(const std::filesystem::path& config_root, const Invocation& invocation) {
+int MeasureCommands::Run(const Invocation& invocation) {
   TakeInvocation(invocation, scaling_options_.sharding);
   TakeInvocation(invocation, accuracy_options_.sharding);
   if (scaling_->parsed()) return studies::RunChartScaling(scaling_options_);
   if (accuracy_->parsed()) return studies::RunChartSpeedAccuracy(accuracy_options_);
   if (compliance_->parsed()) {
-    compliance_options_.config_root = config_root;
+    compliance_options_.config_root = invocation.config_root;
     return studies::RunChartCompliance(compliance_options_);
   }
   if (kinematics_->parsed()) {
-    kinematics_options_.config_root = config_root;
+    kinematics_options_.config_root = invocation.config_root;
     return studies::RunBenchKinematics(kinematics_options_);
   }
   if (surface_->parsed()) {
-    surface_options_.config_root = config_root;
+    surface_options_.config_root = invocation.config_root;
     return studies::RunBenchSurface(surface_options_);
   }
   if (tick_->parsed()) {
-    tick_options_.config_root = config_root;
+    tick_options_.config_root = invocation.config_root;
     if (!tick_options_.plan.empty()) {
-      const auto plan = FindPlan(config_root, tick_options_.plan.string());
+      const auto plan = FindPlan(invocation.config_root, tick_options_.plan.string());
       if (!plan) return session::Fail("bench tick", "--plan " + plan.error());
       tick_options_.plan = *plan;
     }
@@ -363,11 +391,17 @@ int MeasureCommands::Run(const std::filesystem::path& config_root, const Invocat
   if (console_->parsed()) return studies::RunBenchConsole(console_options_);
   if (view_->parsed()) return studies::RunBenchView(view_options_);
   if (simulate_->parsed()) {
-    simulate_options_.config_root = config_root;
+    simulate_options_.config_root = invocation.config_root;
     return studies::RunBenchSimulate(simulate_options_);
   }
-  frame_options_.config_root = config_root;
+  frame_options_.config_root = invocation.config_root;
   return studies::RunBenchFrame(frame_options_);
+}
+
+}  // namespace
+
+void AddMeasureCommands(CLI::App& app, Subcommands& all) {
+  all.push_back(std::make_unique<MeasureCommands>(app));
 }
 
 }  // namespace osteon::app

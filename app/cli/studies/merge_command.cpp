@@ -1,14 +1,13 @@
-#include "app/cli/studies/merge_command.h"
+#include "app/cli/studies/studies.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
-#include "app/cli/studies/failures_command.h"
-#include "app/cli/studies/measure_commands.h"
-#include "app/cli/studies/regress_command.h"
-#include "app/cli/studies/tune_command.h"
 #include "app/cli/usage/command_line.h"
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
@@ -23,12 +22,12 @@ namespace {
 int RunStudy(const std::filesystem::path& config_root, std::vector<std::string> words,
              const studies::PartSet& parts) {
   CLI::App app{"the studies that can be split", "osteon"};
-  FailuresCommand failures(app);
-  MeasureCommands measure(app);
-  TuneCommand tune(app);
-  RegressCommand regress(app);
+  Subcommands all;
+  for (const auto add : {AddFailuresCommand, AddMeasureCommands, AddTuneCommand, AddRegressCommand})
+    add(app, all);
   app.require_subcommand(1);
-  const Invocation invocation{.command_line = CommandLine(words), .words = words, .parts = &parts};
+  const Invocation invocation{
+      .config_root = config_root, .command_line = CommandLine(words), .words = words, .parts = &parts};
   std::ranges::reverse(words);  // as CLI11 takes them
   try {
     app.parse(words);
@@ -38,18 +37,23 @@ int RunStudy(const std::filesystem::path& config_root, std::vector<std::string> 
                              parts.first_file().string(), UsageError(app, error)));
   }
   try {
-    if (measure.asked()) return measure.Run(config_root, invocation);
-    if (tune.asked()) return tune.Run(config_root, invocation);
-    if (failures.asked()) return failures.Run(config_root, invocation);
-    return regress.Run(config_root, invocation);
+    return RunAsked(all, invocation).value();
   } catch (const std::invalid_argument& error) {  // an item that the study cannot read
     return session::Fail("merge", error.what());
   }
 }
 
-}  // namespace
+class MergeCommand final : public Subcommand {
+ public:
+  explicit MergeCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
 
-MergeCommand::MergeCommand(CLI::App& app) : sub_(AddStudy(app, "merge")) {
+ private:
+  std::vector<std::filesystem::path> parts_;
+  std::filesystem::path json_, out_;
+};
+
+MergeCommand::MergeCommand(CLI::App& app) : Subcommand(AddStudy(app, "merge")) {
   sub_->add_option("parts", parts_, "the files of all shards of one run, in any order")
       ->type_name("PART.json")
       ->required();
@@ -66,7 +70,7 @@ MergeCommand::MergeCommand(CLI::App& app) : sub_(AddStudy(app, "merge")) {
       "  osteon merge part_1.json part_2.json --json regress.json");
 }
 
-int MergeCommand::Run(const std::filesystem::path& config_root) {
+int MergeCommand::Run(const Invocation& invocation) {
   const auto parts = studies::PartSet::Read(parts_);
   if (!parts) return session::Fail("merge", parts.error());
   if (const std::string build = session::BuildName(); parts->build() != build)
@@ -77,7 +81,11 @@ int MergeCommand::Run(const std::filesystem::path& config_root) {
   std::vector<std::string> words = parts->words();
   for (const auto& [name, path] : {std::pair("--out", &out_), std::pair("--json", &json_)})
     if (!path->empty()) words.insert(words.end(), {name, path->string()});
-  return RunStudy(config_root, std::move(words), *parts);
+  return RunStudy(invocation.config_root, std::move(words), *parts);
 }
+
+}  // namespace
+
+void AddMergeCommand(CLI::App& app, Subcommands& all) { all.push_back(std::make_unique<MergeCommand>(app)); }
 
 }  // namespace osteon::app

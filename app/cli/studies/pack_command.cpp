@@ -1,4 +1,7 @@
-#include "app/cli/studies/pack_command.h"
+#include "app/cli/studies/studies.h"
+
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -7,10 +10,31 @@
 #include "session/planning/pack_source.h"
 #include "session/process/exit_code.h"
 #include "session/setup/cell_setup.h"
+#include "studies/pack/pack.h"
 
 namespace osteon::app {
+namespace {
 
-PackCommand::PackCommand(CLI::App& app) : sub_(AddStudy(app, "pack")) {
+class PackCommand final : public Subcommand {
+ public:
+  explicit PackCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  // Options that are texts on the command line and other types in PackOptions.
+  struct Texts {
+    std::string mode{"overlap"}, cup, region;
+    std::vector<std::string> path;
+  };
+
+  // Converts the texts. @returns what is wrong with them.
+  [[nodiscard]] std::string Read();
+
+  studies::PackOptions options_;
+  Texts texts_;
+};
+
+PackCommand::PackCommand(CLI::App& app) : Subcommand(AddStudy(app, "pack")) {
   sub_->add_option("input", options_.source.input,
                    "a closed mesh (.stl, .obj, .ply, in mm); a scene, by name or YAML file; ball:R or "
                    "box:X,Y,Z (mm); or a packing (.osp) to convert")
@@ -116,11 +140,15 @@ std::string PackCommand::Read() {
   return "";
 }
 
-int PackCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
-  options_.command_line = command_line;
-  options_.source.config_root = config_root;
+int PackCommand::Run(const Invocation& invocation) {
+  options_.command_line = invocation.command_line;
+  options_.source.config_root = invocation.config_root;
   if (const std::string wrong = Read(); !wrong.empty()) return session::Fail("pack", wrong);
   return studies::RunPack(options_);
 }
+
+}  // namespace
+
+void AddPackCommand(CLI::App& app, Subcommands& all) { all.push_back(std::make_unique<PackCommand>(app)); }
 
 }  // namespace osteon::app

@@ -1,4 +1,6 @@
-#include "app/cli/studies/plan_command.h"
+#include "app/cli/studies/studies.h"
+
+#include <string>
 
 #include <fmt/format.h>
 
@@ -9,9 +11,23 @@
 #include "session/process/exit_code.h"
 #include "session/setup/cell_setup.h"
 #include "session/setup/engine_choice.h"
+#include "studies/plan/plan_result.h"
 
 namespace osteon::app {
-PlanCommand::PlanCommand(CLI::App& app) : sub_(AddStudy(app, "plan")) {
+namespace {
+
+class PlanCommand final : public Subcommand {
+ public:
+  explicit PlanCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  studies::PlanOptions options_;
+  double error_mm_{0.0};
+  std::string cell_, tool_, cup_, engine_{"auto"}, device_;
+};
+
+PlanCommand::PlanCommand(CLI::App& app) : Subcommand(AddStudy(app, "plan")) {
   studies::PlanOptions& o = options_;
   sub_->add_option("scene", o.choice.scene,
                    "a name under scenes/, or a scene's YAML file; or a mesh (.stl, .obj, .ply) with --cup")
@@ -55,9 +71,9 @@ PlanCommand::PlanCommand(CLI::App& app) : sub_(AddStudy(app, "plan")) {
       "  osteon plan config/scenes/femoral_canal.yaml --error-mm 0.2 --rate-hz 2000 --device llvmpipe");
 }
 
-int PlanCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
-  options_.command_line = command_line;
-  options_.choice.config_root = config_root;
+int PlanCommand::Run(const Invocation& invocation) {
+  options_.command_line = invocation.command_line;
+  options_.choice.config_root = invocation.config_root;
   options_.request.error_m = 1e-3 * error_mm_;
   options_.request.engine = session::ChooseEngine(engine_, device_);
   if (!cup_.empty()) {
@@ -66,12 +82,12 @@ int PlanCommand::Run(const std::filesystem::path& config_root, const std::string
     options_.choice.site = *site;
   }
   if (!cell_.empty()) {
-    const auto found = FindCell(config_root, cell_);
+    const auto found = FindCell(invocation.config_root, cell_);
     if (!found) return session::Fail("plan", "--cell " + found.error());
     options_.choice.cell = *found;
   }
   if (!tool_.empty()) {
-    const auto parsed = ParseTool(tool_, config_root);
+    const auto parsed = ParseTool(tool_, invocation.config_root);
     if (!parsed) return session::Fail("plan", parsed.error());
     options_.choice.tool = *parsed;
   }
@@ -83,5 +99,9 @@ int PlanCommand::Run(const std::filesystem::path& config_root, const std::string
     return session::Fail("plan", error.what());
   }
 }
+
+}  // namespace
+
+void AddPlanCommand(CLI::App& app, Subcommands& all) { all.push_back(std::make_unique<PlanCommand>(app)); }
 
 }  // namespace osteon::app

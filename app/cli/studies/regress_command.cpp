@@ -1,12 +1,27 @@
-#include "app/cli/studies/regress_command.h"
+#include "app/cli/studies/studies.h"
 
+#include <string>
+
+#include "app/cli/studies/shard_option.h"
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
+#include "studies/regress/regress.h"
 #include "studies/sweep/sweep.h"
 
 namespace osteon::app {
+namespace {
 
-RegressCommand::RegressCommand(CLI::App& app) : sub_(AddStudy(app, "regress")) {
+class RegressCommand final : public Subcommand {
+ public:
+  explicit RegressCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  studies::RegressOptions options_;
+  std::string sweep_;  ///< empty: scenarios against their golden traces
+};
+
+RegressCommand::RegressCommand(CLI::App& app) : Subcommand(AddStudy(app, "regress")) {
   studies::RegressOptions& o = options_;
   auto* scenarios =
       sub_->add_option(
@@ -68,12 +83,12 @@ RegressCommand::RegressCommand(CLI::App& app) : sub_(AddStudy(app, "regress")) {
       "  osteon regress reaming_lbr --update --reason \"the reamer's mass was weighed anew\"");
 }
 
-int RegressCommand::Run(const std::filesystem::path& config_root, const Invocation& invocation) {
-  options_.config_root = config_root;
+int RegressCommand::Run(const Invocation& invocation) {
+  options_.config_root = invocation.config_root;
   options_.command_line = invocation.command_line;
   TakeInvocation(invocation, options_.sharding);
   if (sweep_.empty()) return studies::RunRegress(options_);
-  return studies::RunSweep({.config_root = config_root,
+  return studies::RunSweep({.config_root = invocation.config_root,
                             .sweep = sweep_,
                             .out = options_.out,
                             .json = options_.json,
@@ -82,6 +97,12 @@ int RegressCommand::Run(const std::filesystem::path& config_root, const Invocati
                             .set = options_.set,
                             .command_line = options_.command_line,
                             .sharding = options_.sharding});
+}
+
+}  // namespace
+
+void AddRegressCommand(CLI::App& app, Subcommands& all) {
+  all.push_back(std::make_unique<RegressCommand>(app));
 }
 
 }  // namespace osteon::app

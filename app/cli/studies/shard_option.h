@@ -1,20 +1,9 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
-#include <CLI/CLI.hpp>
-
+#include "app/cli/usage/subcommand.h"
 #include "studies/sharding/shard.h"
 
 namespace osteon::app {
-
-/// How a study that can be split was called.
-struct Invocation {
-  std::string command_line;                ///< the command that repeats the run
-  std::vector<std::string> words;          ///< of the command line, after the program's name
-  const studies::PartSet* parts{nullptr};  ///< by `osteon merge`: the items of all shards
-};
 
 /// Adds --shard.
 CLI::Option* AddShardOption(CLI::App& sub, studies::Sharding& sharding);

@@ -1,12 +1,28 @@
-#include "app/cli/studies/soak_command.h"
+#include "app/cli/studies/studies.h"
+
+#include <optional>
+#include <string>
 
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
+#include "studies/soak/soak.h"
 #include "studies/soak/wall_soak.h"
 
 namespace osteon::app {
+namespace {
 
-SoakCommand::SoakCommand(CLI::App& app) : sub_(AddStudy(app, "soak")) {
+class SoakCommand final : public Subcommand {
+ public:
+  explicit SoakCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  studies::SoakOptions options_;
+  bool wall_{false};
+  std::optional<double> hours_;
+};
+
+SoakCommand::SoakCommand(CLI::App& app) : Subcommand(AddStudy(app, "soak")) {
   sub_->add_flag("--wall", wall_,
                  "real processes in wall time instead: cell, guard, controller, three pages");
   sub_->add_option("--hours", hours_,
@@ -30,12 +46,16 @@ SoakCommand::SoakCommand(CLI::App& app) : sub_(AddStudy(app, "soak")) {
       "  osteon soak --wall --hours 2 --out soak_wall");
 }
 
-int SoakCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
-  options_.config_root = config_root;
-  options_.command_line = command_line;
+int SoakCommand::Run(const Invocation& invocation) {
+  options_.config_root = invocation.config_root;
+  options_.command_line = invocation.command_line;
   constexpr double kVirtual_h = 8.0, kWall_h = 2.0;
   options_.hours = hours_.value_or(wall_ ? kWall_h : kVirtual_h);
   return wall_ ? studies::RunWallSoak(options_) : studies::RunSoak(options_);
 }
+
+}  // namespace
+
+void AddSoakCommand(CLI::App& app, Subcommands& all) { all.push_back(std::make_unique<SoakCommand>(app)); }
 
 }  // namespace osteon::app

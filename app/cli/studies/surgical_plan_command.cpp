@@ -1,14 +1,29 @@
-#include "app/cli/studies/surgical_plan_command.h"
+#include "app/cli/studies/studies.h"
+
+#include <string>
 
 #include "app/cli/usage/cell_file.h"
 #include "app/cli/usage/plan_file.h"
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
 #include "session/process/exit_code.h"
+#include "studies/assess/surgical_plan_result.h"
 
 namespace osteon::app {
+namespace {
 
-SurgicalPlanCommand::SurgicalPlanCommand(CLI::App& app) : sub_(AddStudy(app, "surgical-plan")) {
+class SurgicalPlanCommand final : public Subcommand {
+ public:
+  explicit SurgicalPlanCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  studies::SurgicalPlanOptions options_;
+  std::string plan_, cell_, mesh_;
+  double scale_{1.0};
+};
+
+SurgicalPlanCommand::SurgicalPlanCommand(CLI::App& app) : Subcommand(AddStudy(app, "surgical-plan")) {
   sub_->add_option("plan", plan_, "a name under plans/, or a plan's YAML file")
       ->type_name("PLAN")
       ->required();
@@ -29,17 +44,23 @@ SurgicalPlanCommand::SurgicalPlanCommand(CLI::App& app) : sub_(AddStudy(app, "su
       "  osteon surgical-plan hip_bone_left --mesh hip_bone_left.obj");
 }
 
-int SurgicalPlanCommand::Run(const std::filesystem::path& config_root) {
-  const auto plan = FindPlan(config_root, plan_);
+int SurgicalPlanCommand::Run(const Invocation& invocation) {
+  const auto plan = FindPlan(invocation.config_root, plan_);
   if (!plan) return session::Fail("surgical-plan", plan.error());
   options_.plan = *plan;
   if (!cell_.empty()) {
-    const auto cell = FindCell(config_root, cell_);
+    const auto cell = FindCell(invocation.config_root, cell_);
     if (!cell) return session::Fail("surgical-plan", "--cell " + cell.error());
     options_.cell = *cell;
   }
   if (!mesh_.empty()) options_.mesh = session::MeshChoice{.file = mesh_, .scale = scale_};
   return studies::RunSurgicalPlan(options_);
+}
+
+}  // namespace
+
+void AddSurgicalPlanCommand(CLI::App& app, Subcommands& all) {
+  all.push_back(std::make_unique<SurgicalPlanCommand>(app));
 }
 
 }  // namespace osteon::app

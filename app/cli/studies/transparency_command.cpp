@@ -1,4 +1,6 @@
-#include "app/cli/studies/transparency_command.h"
+#include "app/cli/studies/studies.h"
+
+#include <string>
 
 #include <fmt/format.h>
 
@@ -6,10 +8,22 @@
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
 #include "session/process/exit_code.h"
+#include "studies/transparency/transparency.h"
 
 namespace osteon::app {
+namespace {
 
-TransparencyCommand::TransparencyCommand(CLI::App& app) : sub_(AddStudy(app, "transparency")) {
+class TransparencyCommand final : public Subcommand {
+ public:
+  explicit TransparencyCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  studies::TransparencyOptions options_;
+  std::string cell_;
+};
+
+TransparencyCommand::TransparencyCommand(CLI::App& app) : Subcommand(AddStudy(app, "transparency")) {
   sub_->add_option("cell", cell_, "a name under cells/, or a cell's YAML file")
       ->type_name("CELL")
       ->required();
@@ -36,12 +50,18 @@ TransparencyCommand::TransparencyCommand(CLI::App& app) : sub_(AddStudy(app, "tr
       "--points 12");
 }
 
-int TransparencyCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
-  const auto found = FindCell(config_root, cell_);
+int TransparencyCommand::Run(const Invocation& invocation) {
+  const auto found = FindCell(invocation.config_root, cell_);
   if (!found) return session::Fail("transparency", found.error());
   options_.cell = *found;
-  options_.command_line = command_line;
+  options_.command_line = invocation.command_line;
   return studies::RunTransparency(options_);
+}
+
+}  // namespace
+
+void AddTransparencyCommand(CLI::App& app, Subcommands& all) {
+  all.push_back(std::make_unique<TransparencyCommand>(app));
 }
 
 }  // namespace osteon::app

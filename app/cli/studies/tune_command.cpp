@@ -1,16 +1,31 @@
-#include "app/cli/studies/tune_command.h"
+#include "app/cli/studies/studies.h"
+
+#include <string>
 
 #include <fmt/format.h>
 
+#include "app/cli/studies/shard_option.h"
 #include "app/cli/usage/cell_file.h"
 #include "app/cli/usage/plan_file.h"
 #include "app/cli/usage/study_commands.h"
 #include "app/cli/usage/usage.h"
 #include "session/process/exit_code.h"
+#include "studies/tune/tune.h"
 
 namespace osteon::app {
+namespace {
 
-TuneCommand::TuneCommand(CLI::App& app) : sub_(AddStudy(app, "tune")) {
+class TuneCommand final : public Subcommand {
+ public:
+  explicit TuneCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  studies::TuneOptions options_;
+  std::string cell_, plan_;
+};
+
+TuneCommand::TuneCommand(CLI::App& app) : Subcommand(AddStudy(app, "tune")) {
   studies::TuneOptions& o = options_;
   sub_->add_option("cell", cell_, "a name under cells/, or a cell's YAML file")
       ->type_name("CELL")
@@ -69,18 +84,22 @@ TuneCommand::TuneCommand(CLI::App& app) : sub_(AddStudy(app, "tune")) {
       "  osteon run demo --simulated --gains tune/gains.yaml");
 }
 
-int TuneCommand::Run(const std::filesystem::path& config_root, const Invocation& invocation) {
+int TuneCommand::Run(const Invocation& invocation) {
   options_.command_line = invocation.command_line;
   TakeInvocation(invocation, options_.sharding);
-  const auto found = FindCell(config_root, cell_);
+  const auto found = FindCell(invocation.config_root, cell_);
   if (!found) return session::Fail("tune", found.error());
   options_.cell = *found;
   if (!plan_.empty()) {
-    const auto plan = FindPlan(config_root, plan_);
+    const auto plan = FindPlan(invocation.config_root, plan_);
     if (!plan) return session::Fail("tune", plan.error());
     options_.plan = *plan;
   }
   return studies::RunTune(options_);
 }
+
+}  // namespace
+
+void AddTuneCommand(CLI::App& app, Subcommands& all) { all.push_back(std::make_unique<TuneCommand>(app)); }
 
 }  // namespace osteon::app

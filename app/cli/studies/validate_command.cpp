@@ -1,10 +1,23 @@
-#include "app/cli/studies/validate_command.h"
+#include "app/cli/studies/studies.h"
+
+#include <string>
 
 #include "app/cli/usage/study_commands.h"
+#include "studies/validate/validate.h"
 
 namespace osteon::app {
+namespace {
 
-ValidateCommand::ValidateCommand(CLI::App& app) : sub_(AddStudy(app, "validate")) {
+class ValidateCommand final : public Subcommand {
+ public:
+  explicit ValidateCommand(CLI::App& app);
+  [[nodiscard]] int Run(const Invocation& invocation) override;
+
+ private:
+  studies::ValidateOptions options_;
+};
+
+ValidateCommand::ValidateCommand(CLI::App& app) : Subcommand(AddStudy(app, "validate")) {
   sub_->add_option("--rows", options_.rows,
                    "rows by number or id, such as 9 or 9-1000; without any, all of them")
       ->type_name("ROW");
@@ -20,10 +33,16 @@ ValidateCommand::ValidateCommand(CLI::App& app) : sub_(AddStudy(app, "validate")
       "  osteon validate --rows 9 14-depth");
 }
 
-int ValidateCommand::Run(const std::filesystem::path& config_root, const std::string& command_line) {
-  options_.config_root = config_root;
-  options_.command_line = command_line;
+int ValidateCommand::Run(const Invocation& invocation) {
+  options_.config_root = invocation.config_root;
+  options_.command_line = invocation.command_line;
   return studies::RunValidate(options_);
+}
+
+}  // namespace
+
+void AddValidateCommand(CLI::App& app, Subcommands& all) {
+  all.push_back(std::make_unique<ValidateCommand>(app));
 }
 
 }  // namespace osteon::app

@@ -49,7 +49,7 @@ CLI::App* AddStudy(CLI::App& app, std::string_view name) {
   return app.add_subcommand(std::string(study->name), std::string(study->what));
 }
 
-AnnouncedStudies::AnnouncedStudies(CLI::App& app, std::initializer_list<std::string_view> names) {
+void AnnounceStudies(CLI::App& app, std::initializer_list<std::string_view> names) {
   for (const std::string_view name : names) AddStudy(app, name);
 }
 

@@ -24,11 +24,8 @@ struct StudyCommand {
 /// `osteon` to be announced. @throws std::out_of_range for a name that is not in the list.
 CLI::App* AddStudy(CLI::App& app, std::string_view name);
 
-/// Announces studies in the help of `osteon`, at the place where it is made.
-class AnnouncedStudies {
- public:
-  AnnouncedStudies(CLI::App& app, std::initializer_list<std::string_view> names);
-};
+/// Announces studies in the help of `osteon`, behind what it has so far.
+void AnnounceStudies(CLI::App& app, std::initializer_list<std::string_view> names);
 
 /// Whether a command line asks for one of them. Options of `osteon` itself may precede its name.
 [[nodiscard]] bool AsksForStudy(int argc, char** argv);

@@ -257,7 +257,6 @@ struct FromBits<Two<H>> {
 };
 HWY_INLINE MD MaskD(unsigned bits) { return FromBits<MD>::Of(bits); }
 HWY_INLINE MF MaskF(unsigned bits) { return FromBits<MF>::Of(bits); }
-HWY_INLINE MU MaskU(unsigned bits) { return FromBits<MU>::Of(bits); }
 
 template <class T, std::size_t N>
 HWY_INLINE One<T, N> Select(OneMask<T, N> m, One<T, N> yes, One<T, N> no) {

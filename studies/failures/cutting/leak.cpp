@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/percentile.h"
 #include "base/scramble.h"
 #include "simulation/packing/disjoint_packing.h"
 #include "simulation/packing/packing_builder.h"
@@ -54,8 +55,7 @@ FailureResult RunLeak(const FailureSetting& setting) {
   inner.balls = simulation::BuildDisjointPacking(block, zone, {.count = whole.balls.size() / 4});
   std::vector<double> radii;
   for (const simulation::Ball& ball : inner.balls) radii.push_back(ball.radius_m);
-  std::nth_element(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2), radii.end());
-  result.bound = 1e3 * radii[radii.size() / 2];
+  result.bound = 1e3 * base::Median(radii);
 
   const simulation::Tool probe = MakeBallTool(kProbe_m);
   const auto engine = setting.make_engine(whole, probe, Pose::Identity(), {});

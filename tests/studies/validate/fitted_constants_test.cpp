@@ -19,6 +19,12 @@ namespace {
 
 const std::filesystem::path kMaterials = std::filesystem::path(OSTEON_SOURCE_DIR) / "config" / "materials";
 
+bool IsAssumed(const simulation::Material& material, CutConstant constant) {
+  if (constant == CutConstant::kCuttingEnergy) return material.cutting_energy_source.assumed;
+  if (constant == CutConstant::kCuttingForceRatio) return material.cutting_force_source.assumed;
+  return material.edge_force_source.assumed;
+}
+
 TEST(FittedConstants, AreExactlyTheShippedConstantsThatAreNotAssumed) {
   std::set<std::string> measured;
   for (const char* file : {"bone.yaml", "sawbone.yaml", "tooth.yaml"})

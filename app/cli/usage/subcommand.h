@@ -1,0 +1,52 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace osteon::studies {
+class PartSet;
+}
+
+namespace osteon::app {
+
+/// How the program was called.
+struct Invocation {
+  std::filesystem::path config_root;
+  std::string command_line;                ///< the command that repeats the run
+  std::vector<std::string> words;          ///< of the command line, after the program's name
+  const studies::PartSet* parts{nullptr};  ///< by `osteon merge`: the items of all shards
+};
+
+/// A subcommand. Its constructor adds it to the help, with its options.
+class Subcommand {
+ public:
+  explicit Subcommand(CLI::App* sub) : sub_(sub) {}
+  Subcommand(const Subcommand&) = delete;
+  Subcommand& operator=(const Subcommand&) = delete;
+  virtual ~Subcommand() = default;
+
+  /// Whether it was on the command line.
+  [[nodiscard]] virtual bool asked() const { return sub_->parsed(); }
+  /// Runs it with the options that were read. @returns the process's exit code.
+  [[nodiscard]] virtual int Run(const Invocation& invocation) = 0;
+
+ protected:
+  CLI::App* const sub_;
+};
+
+/// In the order of the help.
+using Subcommands = std::vector<std::unique_ptr<Subcommand>>;
+
+/// Runs the one that was asked for. @returns its exit code; nothing where none was.
+[[nodiscard]] inline std::optional<int> RunAsked(const Subcommands& all, const Invocation& invocation) {
+  for (const auto& each : all)
+    if (each->asked()) return each->Run(invocation);
+  return {};
+}
+
+}  // namespace osteon::app
