@@ -42,7 +42,7 @@ Feature NearestOnTriangle(const Vector3& p, const Vector3& a, const Vector3& b, 
   return {a + vb / sum * ab + vc / sum * ac, TriangleFeature::kFace};
 }
 
-// What a thread found last in a tree.
+// The last search of a thread in a tree.
 struct Found {
   std::uint64_t tree{0};
   std::uint32_t triangle{0};  ///< in the tree's order
