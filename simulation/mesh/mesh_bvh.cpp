@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <stdexcept>
 
 #include <embree3/rtcore.h>
 
 #include "simulation/mesh/mesh_steps.h"
+#include "simulation/mesh/triangle_tree.h"
 
 namespace osteon::simulation {
 namespace {
@@ -15,130 +17,68 @@ namespace {
 // Embree works in float millimetres: mesh files use them, so their vertices are exact in float.
 constexpr double kMm = 1e3;
 
-struct Feature {
-  Vector3 p;
-  TriangleFeature feature;
-};
+/// The triangles for Embree's rays.
+class EmbreeScene {
+ public:
+  explicit EmbreeScene(const TriangleMesh& mesh) {
+    // one thread: Embree's pool would outlive the set-up and run beside a servo loop
+    device_.reset(rtcNewDevice("threads=1"));
+    if (!device_) throw std::runtime_error("mesh: Embree does not start on this machine");
+    scene_.reset(rtcNewScene(device_.get()));
+    rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+    RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* xyz = static_cast<float*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices_m.size()));
+    auto* corners = static_cast<std::uint32_t*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                3 * sizeof(std::uint32_t), mesh.triangles.size()));
+    if (!xyz || !corners) {
+      rtcReleaseGeometry(geometry);
+      throw std::runtime_error("mesh: Embree has no memory for the triangles");
+    }
+    for (const Vector3& v : mesh.vertices_m)
+      for (int axis = 0; axis < 3; ++axis) *xyz++ = static_cast<float>(v[axis] * kMm);
+    for (const auto& triangle : mesh.triangles)
+      corners = std::copy(triangle.begin(), triangle.end(), corners);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene_.get(), geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene_.get());
+  }
+  [[nodiscard]] RTCScene get() const { return scene_.get(); }
 
-/// Nearest point of a triangle. Source: Ericson, Real-Time Collision Detection, 2005, section 5.1.5.
-Feature NearestOnTriangle(const Vector3& p, const Vector3& a, const Vector3& b, const Vector3& c) {
-  const Vector3 ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0.0 && d2 <= 0.0) return {a, TriangleFeature::kCorner0};
-  const Vector3 bp = p - b;
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0.0 && d4 <= d3) return {b, TriangleFeature::kCorner1};
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return {a + d1 / (d1 - d3) * ab, TriangleFeature::kEdge0};
-  const Vector3 cp = p - c;
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0.0 && d5 <= d6) return {c, TriangleFeature::kCorner2};
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return {a + d2 / (d2 - d6) * ac, TriangleFeature::kEdge2};
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0)
-    return {b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b), TriangleFeature::kEdge1};
-  const double sum = va + vb + vc;
-  if (!(sum > 0.0)) return {a, TriangleFeature::kCorner0};  // a sliver; its neighbours' edges are as near
-  return {a + vb / sum * ab + vc / sum * ac, TriangleFeature::kFace};
-}
+ private:
+  struct Release {
+    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+  };
+  std::unique_ptr<RTCDeviceTy, Release> device_;
+  std::unique_ptr<RTCSceneTy, Release> scene_;
+};
 
 }  // namespace
 
 struct MeshBvh::Impl {
   TriangleMesh mesh;
-  double slack_m{0.0};  ///< bound on a point's displacement by rounding to float, with a margin
-  RTCDevice device{nullptr};
-  RTCScene scene{nullptr};
+  TriangleTree tree;
+  std::once_flag once;
+  std::optional<EmbreeScene> scene;  ///< once it is asked for: few meshes are
 
-  ~Impl() {
-    if (scene) rtcReleaseScene(scene);
-    if (device) rtcReleaseDevice(device);
+  explicit Impl(const TriangleMesh& from) : mesh(from), tree(mesh) {}
+  [[nodiscard]] RTCScene Scene() {
+    std::call_once(once, [this] { scene.emplace(mesh); });
+    return scene->get();
   }
   [[nodiscard]] const Vector3& Corner(std::uint32_t triangle, int k) const {
     return mesh.vertices_m[mesh.triangles[triangle][k]];
   }
 };
 
-MeshBvh::MeshBvh(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>()) {
-  impl_->mesh = mesh;
-  // one thread: Embree's pool would outlive the set-up and run beside a servo loop
-  impl_->device = rtcNewDevice("threads=1");
-  if (!impl_->device) throw std::runtime_error("mesh: Embree does not start on this machine");
-  impl_->scene = rtcNewScene(impl_->device);
-  rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
-  RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* xyz = static_cast<float*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices_m.size()));
-  auto* corners = static_cast<std::uint32_t*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t),
-                              mesh.triangles.size()));
-  if (!xyz || !corners) {
-    rtcReleaseGeometry(geometry);
-    throw std::runtime_error("mesh: Embree has no memory for the triangles");
-  }
-  double largest_m = 0.0;
-  for (const Vector3& v : mesh.vertices_m) {
-    largest_m = std::max(largest_m, v.cwiseAbs().maxCoeff());
-    for (int axis = 0; axis < 3; ++axis) *xyz++ = static_cast<float>(v[axis] * kMm);
-  }
-  for (const auto& triangle : mesh.triangles) corners = std::copy(triangle.begin(), triangle.end(), corners);
-  impl_->slack_m = 8.0 * std::numeric_limits<float>::epsilon() * largest_m;
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(impl_->scene, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(impl_->scene);
-}
+MeshBvh::MeshBvh(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>(mesh)) {}
 
 MeshBvh::~MeshBvh() = default;
 
-TriangleHit MeshBvh::Nearest(const Vector3& p_m) const {
-  struct Search {
-    const Impl& impl;
-    Vector3 p;
-    double slack_m;
-    TriangleHit hit;
-
-    /// Takes the triangle if it is nearer than all before; among equally near ones the first of the mesh
-    /// counts.
-    bool Take(std::uint32_t t) {
-      const Feature nearest = NearestOnTriangle(p, impl.Corner(t, 0), impl.Corner(t, 1), impl.Corner(t, 2));
-      const double distance = (p - nearest.p).norm();
-      if (!(distance < hit.distance_m || (distance == hit.distance_m && t < hit.triangle))) return false;
-      hit = {.p_m = nearest.p, .distance_m = distance, .triangle = t, .feature = nearest.feature};
-      return true;
-    }
-    /// Radius [mm] within which Embree finds every triangle that may be nearer.
-    [[nodiscard]] float Radius() const {
-      return static_cast<float>((hit.distance_m + slack_m) * (1.0 + 1e-6) * kMm);
-    }
-  };
-  // the query point is rounded as well, in proportion to its coordinates
-  const double slack =
-      impl_->slack_m + 8.0 * std::numeric_limits<float>::epsilon() * p_m.cwiseAbs().maxCoeff();
-  Search search{.impl = *impl_, .p = p_m, .slack_m = slack, .hit = {}};
-  search.hit.distance_m = std::numeric_limits<double>::infinity();
-  // The triangle that the thread found last bounds the search: most queries are near the one before. Any
-  // triangle gives the same result.
-  thread_local std::uint32_t last = 0;
-  if (last < impl_->mesh.triangles.size()) search.Take(last);
-  const auto visit = [](RTCPointQueryFunctionArguments* args) -> bool {
-    auto& s = *static_cast<Search*>(args->userPtr);
-    if (!s.Take(args->primID)) return false;
-    args->query->radius = s.Radius();
-    return true;
-  };
-  alignas(16) RTCPointQuery query{.x = static_cast<float>(p_m.x() * kMm),
-                                  .y = static_cast<float>(p_m.y() * kMm),
-                                  .z = static_cast<float>(p_m.z() * kMm),
-                                  .time = 0.0f,
-                                  .radius = search.Radius()};
-  RTCPointQueryContext context;
-  rtcInitPointQueryContext(&context);
-  rtcPointQuery(impl_->scene, &query, &context, visit, &search);
-  last = search.hit.triangle;
-  return search.hit;
-}
+TriangleHit MeshBvh::Nearest(const Vector3& p_m) const { return impl_->tree.Nearest(p_m); }
 
 std::optional<MeshCrossing> MeshBvh::CrossingOf(std::uint32_t triangle,
                                                 const std::array<std::uint32_t, 2>& edge,
@@ -192,7 +132,7 @@ std::optional<MeshCrossing> MeshBvh::CrossingOf(std::uint32_t triangle,
   ray.dir_z = static_cast<float>(way.z());
   ray.tfar = 1.0f;
   ray.mask = ~0u;
-  rtcOccluded1(impl_->scene, &search.context, &ray);
+  rtcOccluded1(impl_->Scene(), &search.context, &ray);
   return search.crossing;
 }
 

@@ -25,27 +25,28 @@ struct MeshCrossing {
   std::uint32_t triangle{0};
 };
 
-/// Spatial index over a mesh (Embree, included only in the .cpp). Distances are computed in double precision.
-/// Embree only selects the triangles to test, with a margin for its rounding, so results do not depend on its
-/// version or instruction set.
+/// Spatial index over a mesh. A tree of boxes selects the triangles to test for nearest points, and Embree
+/// (included only in the .cpp, started where crossings are first asked for) those that an edge may pierce.
+/// Double precision decides, so results do not depend on Embree's version or on an instruction set.
 class MeshBvh {
  public:
   /// Copies the parts of the mesh that it needs.
-  /// @throws std::runtime_error where Embree cannot start.
   /// @pre the mesh has triangles.
   explicit MeshBvh(const TriangleMesh& mesh);
   ~MeshBvh();
   MeshBvh(const MeshBvh&) = delete;
   MeshBvh& operator=(const MeshBvh&) = delete;
 
-  /// Nearest point of the surface; among equally near triangles, the first one's.
+  /// Nearest point of the surface; among equally near triangles, the first one's (TriangleTree::Nearest).
   [[nodiscard]] TriangleHit Nearest(const Vector3& p_m) const;
 
   /// Finds an edge that passes through a triangle with which it shares no corner: the edge's ends lie more
   /// than `tolerance_m` off the triangle's plane on both sides, and the crossing lies more than that inside
   /// its border.
+  /// @throws std::runtime_error where Embree cannot start.
   [[nodiscard]] std::optional<MeshCrossing> FindCrossing(double tolerance_m) const;
   /// How many edges do so. Each edge counts once, however many triangles it has.
+  /// @throws as FindCrossing.
   [[nodiscard]] std::size_t CountCrossings(double tolerance_m) const;
 
  private:

@@ -115,16 +115,23 @@ TEST(VirtualDemo, ReamsTheWholeCup) {
 }
 
 // The same run on each engine: Vulkan within rounding of the reference, the CPU engine to its bits. The tool
-// touches after half a second, and its peak force is reached in the first.
+// touches after half a second, and its peak force is reached in the first. The suite's short run is one of
+// them: it is as long, on the engine that this machine takes by itself.
 TEST(VirtualDemo, AgreesWithTheReferenceEngine) {
   const TemporaryFolder folder;
+  ASSERT_EQ(TheShortRun().run.exit_code, 0) << TheShortRun().run.err;
+  const nlohmann::json short_run = ReadJson(TheShortRun().folder.path() / "a/b/summary.json");
   nlohmann::json of[3];
   for (const int i : {0, 1, 2}) {
     const std::string engine = i == 0 ? "vulkan" : i == 1 ? "reference" : "cpu";
-    const CommandResult run = RunCommand(
-        folder.path(), {"demo", "--virtual-time", "--seconds", "1.5", "--engine", engine, "--out", engine});
-    ASSERT_EQ(run.exit_code, 0) << engine << ": " << run.err;
-    of[i] = ReadJson(folder.path() / engine / "summary.json");
+    if (short_run.at("engine") == engine) {
+      of[i] = short_run;
+    } else {
+      const CommandResult run = RunCommand(
+          folder.path(), {"demo", "--virtual-time", "--seconds", "1.5", "--engine", engine, "--out", engine});
+      ASSERT_EQ(run.exit_code, 0) << engine << ": " << run.err;
+      of[i] = ReadJson(folder.path() / engine / "summary.json");
+    }
     ASSERT_EQ(of[i].at("engine"), engine);
     const double removed_mm3 = of[i].at("removed_volume_mm3"), swept_mm3 = of[i].at("swept_volume_mm3");
     ASSERT_GT(removed_mm3, 200.0) << engine;  // else there is nothing to compare

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "simulation/mesh/triangle_tree.h"
 #include "tests/simulation/bone/cup_bone.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
@@ -91,7 +92,7 @@ class NearestOfAll {
       TriangleMesh one;
       for (const std::uint32_t i : triangle) one.vertices_m.push_back(mesh.vertices_m[i]);
       one.triangles.push_back({0, 1, 2});
-      triangles_.push_back(std::make_unique<MeshBvh>(one));
+      triangles_.push_back(std::make_unique<TriangleTree>(one));
     }
   }
   [[nodiscard]] TriangleHit operator()(const Vector3& p) const {
@@ -106,12 +107,12 @@ class NearestOfAll {
   }
 
  private:
-  std::vector<std::unique_ptr<MeshBvh>> triangles_;
+  std::vector<std::unique_ptr<TriangleTree>> triangles_;
 };
 
-// Embree only proposes triangles, in floats; the ones that it leaves out must not matter to the last bit.
-// Needles have no normal in floats; small meshes have partly filled nodes and leaves.
-TEST(MeshBvh, FindsTheNearestOfAllTrianglesToTheLastBit) {
+// The boxes are in floats; the triangles that they leave out must not matter to the last bit. Needles have no
+// normal in floats; small meshes have partly filled nodes.
+TEST(TriangleTree, FindsTheNearestOfAllTrianglesToTheLastBit) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
   const auto point = [&](double size) -> Vector3 { return size * Vector3(u(random), u(random), u(random)); };
@@ -131,7 +132,7 @@ TEST(MeshBvh, FindsTheNearestOfAllTrianglesToTheLastBit) {
   for (const TriangleMesh& mesh :
        {MakeIcosphere({0.1, -0.2, 0.5}, 0.02, 2), MakeBox({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01}), needles,
         soup, triangle}) {
-    const MeshBvh bvh(mesh);
+    const TriangleTree tree(mesh);
     const NearestOfAll nearest_of_all(mesh);
     Eigen::AlignedBox3d box;
     for (const Vector3& v : mesh.vertices_m) box.extend(v);
@@ -139,15 +140,33 @@ TEST(MeshBvh, FindsTheNearestOfAllTrianglesToTheLastBit) {
       Vector3 p = box.center() + point(box.sizes().maxCoeff());
       // at a corner, on a face, far away; on a box's diagonals many are equally near
       if (i % 5 == 1) p = mesh.vertices_m[random() % mesh.vertices_m.size()];
-      if (i % 5 == 2) p = bvh.Nearest(p).p_m;
+      if (i % 5 == 2) p = tree.Nearest(p).p_m;
       if (i % 25 == 3) p *= 50.0;
       if (i % 25 == 4) p = box.center();
-      const TriangleHit found = bvh.Nearest(p), exact = nearest_of_all(p);
+      const TriangleHit found = tree.Nearest(p), exact = nearest_of_all(p);
       ASSERT_EQ(found.distance_m, exact.distance_m) << p.transpose();
       ASSERT_EQ(found.triangle, exact.triangle);
       ASSERT_EQ(found.feature, exact.feature);
       ASSERT_EQ(found.p_m, exact.p_m);
     }
+  }
+}
+
+// A thread remembers its last search in each tree; what it remembers never answers for another tree, not even
+// for one that is made at the address of one that is gone.
+TEST(TriangleTree, AnswersForItselfWhereAPointIsAskedAgain) {
+  const Vector3 p(0.001, 0.002, 0.003);
+  const auto distance = [&p](double half) { return half - p.z(); };
+  std::vector<std::unique_ptr<TriangleTree>> trees;
+  const auto box = [](double half) { return MakeBox(Vector3::Constant(-half), Vector3::Constant(half)); };
+  for (int i = 0; i < 40; ++i) trees.push_back(std::make_unique<TriangleTree>(box(0.01 + 0.001 * i)));
+  for (int round = 0; round < 2; ++round)
+    for (int i = 0; i < 40; ++i)
+      for (int again = 0; again < 2; ++again)
+        ASSERT_NEAR(trees[i]->Nearest(p).distance_m, distance(0.01 + 0.001 * i), 1e-15) << i;
+  for (int i = 0; i < 40; ++i) {
+    const TriangleTree brief(box(0.01 + 0.001 * i));
+    ASSERT_NEAR(brief.Nearest(p).distance_m, distance(0.01 + 0.001 * i), 1e-15) << i;
   }
 }
 
