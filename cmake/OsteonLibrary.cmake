@@ -75,13 +75,15 @@ function(osteon_included HEADER RESULT)
 endfunction()
 
 # What osteon_verify_headers() finds parsed: sets of headers that many others include, the largest first.
-set(OSTEON_VERIFY_SETS commands command cell tick eigen files)
+set(OSTEON_VERIFY_SETS commands command cell tick scene spatial files string)
 set(OSTEON_VERIFY_commands <CLI/CLI.hpp> config/reading/cell_config.h)
 set(OSTEON_VERIFY_command <CLI/CLI.hpp>)
 set(OSTEON_VERIFY_cell config/reading/cell_config.h)
 set(OSTEON_VERIFY_tick control/tick_record.h)
-set(OSTEON_VERIFY_eigen <Eigen/Geometry>)
+set(OSTEON_VERIFY_scene kinematics/spatial.h <filesystem>)
+set(OSTEON_VERIFY_spatial kinematics/spatial.h)
 set(OSTEON_VERIFY_files <filesystem>)
+set(OSTEON_VERIFY_string <string>)
 
 # osteon_verify_sets(): the targets that parse those sets. Called once, before the libraries.
 function(osteon_verify_sets)
@@ -117,7 +119,11 @@ endfunction()
 # headers share one file where this hides nothing: a header may stand behind another that it includes itself, for
 # everything that is declared before it, it includes as well. In the same way a header may find a set of headers parsed
 # that it includes. (A header that needs what it does not include, but includes a header that needs it as well, is no
-# exception: there the included one is found.) This holds as long as all #include lines stand before the code.
+# exception: there the included one is found.) This holds as long as all #include lines stand before the code. The
+# headers of a file are of one set, else a later one would parse what it could find parsed.
+#
+# The compiler checks only (-fsyntax-only) and writes no object; check_only.sh leaves an empty one for the build.
+set(OSTEON_CHECK_ONLY ${CMAKE_CURRENT_LIST_DIR}/check_only.sh)
 function(osteon_verify_headers TARGET LIBRARIES)
   cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE folder)
   set(sorted)  # by the number of files included: "0012 folder/a.h"
@@ -130,13 +136,14 @@ function(osteon_verify_headers TARGET LIBRARIES)
   endforeach()
   list(SORT sorted)
 
-  set(files)  # each is named by its first header; last_<file> is its last entry of `sorted`, text_<file> its content
+  # files_<set>: each is named by its first header; last_<file> is its last entry of `sorted`, text_<file> its content
   foreach(entry ${sorted})
     string(SUBSTRING ${entry} 6 -1 header)
     osteon_included(${header} included)
+    osteon_verify_set(${header} set)
     set(chosen ${header})
     set(last "")
-    foreach(file ${files})
+    foreach(file ${files_${set}})
       string(SUBSTRING ${last_${file}} 6 -1 last_header)
       if(last_header IN_LIST included AND last_${file} STRGREATER last)
         set(chosen ${file})
@@ -144,25 +151,26 @@ function(osteon_verify_headers TARGET LIBRARIES)
       endif()
     endforeach()
     if(chosen STREQUAL header)
-      list(APPEND files ${header})
+      list(APPEND files_${set} ${header})
       set(text_${header} "")
     endif()
     set(last_${chosen} ${entry})
     string(APPEND text_${chosen} "#include \"${header}\"\n")
   endforeach()
 
-  foreach(file ${files})
-    set(source ${CMAKE_CURRENT_BINARY_DIR}/${TARGET}/${file}.cxx)
-    file(CONFIGURE OUTPUT ${source} CONTENT "${text_${file}}" @ONLY)
-    osteon_verify_set(${file} set)
-    list(APPEND sources_${set} ${source})
-  endforeach()
   foreach(set plain ${OSTEON_VERIFY_SETS})
-    if(sources_${set})
-      add_library(${TARGET}_${set} OBJECT EXCLUDE_FROM_ALL ${sources_${set}})
+    set(sources)
+    foreach(file ${files_${set}})
+      set(source ${CMAKE_CURRENT_BINARY_DIR}/${TARGET}/${file}.cxx)
+      file(CONFIGURE OUTPUT ${source} CONTENT "${text_${file}}" @ONLY)
+      list(APPEND sources ${source})
+    endforeach()
+    if(sources)
+      add_library(${TARGET}_${set} OBJECT EXCLUDE_FROM_ALL ${sources})
       target_link_libraries(${TARGET}_${set} PRIVATE osteon::options ${LIBRARIES})
       # not the folder's own: GCC takes what is precompiled only where all options are the same; nothing of it runs
-      set_target_properties(${TARGET}_${set} PROPERTIES COMPILE_OPTIONS -O0)
+      set_target_properties(${TARGET}_${set} PROPERTIES COMPILE_OPTIONS "-O0;-fsyntax-only"
+        CXX_COMPILER_LAUNCHER ${OSTEON_CHECK_ONLY})
       add_dependencies(osteon_verify_headers ${TARGET}_${set})
       if(NOT set STREQUAL plain)
         osteon_precompile(${TARGET}_${set} osteon_verify_${set})

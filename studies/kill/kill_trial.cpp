@@ -307,8 +307,11 @@ const char* Describe(KillVictim victim) {
 void WriteKillCell(const std::filesystem::path& source, double push_N, double limit_N,
                    const std::filesystem::path& folder) {
   const std::filesystem::path shipped = source.parent_path() / "../scenes/thin_plate.yaml";
-  // 5 mm of cortical bone: at 150 N the drill needs some four seconds to go through
-  config::WriteDerived(shipped, {{"shape.height_mm", "5"}}, folder / "plate.yaml");
+  // 5 mm of cortical bone: at 150 N the drill needs some four seconds to go through. Wide enough for the
+  // drill alone: a smaller plate is packed sooner.
+  config::WriteDerived(shipped,
+                       {{"shape.height_mm", "5"}, {"shape.width_mm", "16"}, {"shape.depth_mm", "16"}},
+                       folder / "plate.yaml");
   const auto number = [](double value) { return fmt::format("{}", value); };
   config::WriteDerived(source,
                        {{"scene", (folder / "plate.yaml").string()},
@@ -319,7 +322,7 @@ void WriteKillCell(const std::filesystem::path& source, double push_N, double li
                         {"operator.max_force_N", number(2.0 * push_N)},
                         {"script.push_force_N", number(push_N)},
                         {"script.full_force_depth_mm", "15"},
-                        {"script.duration_s", "6"}},
+                        {"script.duration_s", "4"}},
                        folder / "cell.yaml");
   config::WriteDerived(folder / "cell.yaml", {{"simulation", "{process: local}"}},
                        EngineCell(folder / "cell.yaml"));

@@ -1,5 +1,6 @@
 #include "studies/soak/wall_script.h"
 
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
@@ -132,6 +133,13 @@ WallEpisode WallEpisodeAt(std::uint64_t seed, int index) {
   }
   AddTimes(episode, draws);
   episode.text = TextOf(episode);
+  return episode;
+}
+
+WallEpisode FirstWallEpisode(std::uint64_t seed, double soak_s) {
+  WallEpisode episode = WallEpisodeAt(seed, 0);
+  episode.seconds = std::clamp(soak_s, kMinWallReaming_s, kWallReaming_s);
+  episode.life.seconds = episode.seconds;
   return episode;
 }
 

@@ -57,11 +57,18 @@ struct WallEpisode {
 /// Seconds of an ordinary episode's reaming.
 inline constexpr double kWallReaming_s = 20.0;
 
+/// Seconds that hand and tool need at least for a reaming.
+inline constexpr double kMinWallReaming_s = 5.0;
+
 inline constexpr std::size_t kToolsOfPlan = 4;  ///< each makes one pass
 
 /// The episode with an index in a soak of this seed: a function of its arguments alone. Five episodes share a
 /// cell, whose last one a kill in contact; every fourth cell has one episode alone, by turns the procedure of
 /// a plan and a long reaming.
 [[nodiscard]] WallEpisode WallEpisodeAt(std::uint64_t seed, int index);
+
+/// The first episode, which is undisturbed, of a soak of this length [s]. A soak that is shorter than an
+/// ordinary episode has this one alone, and it is as long as the soak, but kMinWallReaming_s at least.
+[[nodiscard]] WallEpisode FirstWallEpisode(std::uint64_t seed, double soak_s);
 
 }  // namespace osteon::studies

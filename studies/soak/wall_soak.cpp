@@ -273,7 +273,8 @@ int RunWallSoak(const SoakOptions& options) {
   fmt::print("{:>13}  {:<50} {:>8}  {:>7}  {:>5} {:>4} {:>4} {:>4} MB\n", "episode", "event", "wall", "peak",
              "run", "eng.", "gd.", "cell");
   for (int index = 0; HoursOf(results) < options.hours && !base::Interrupted(); ++index) {
-    WallResult result = RunEpisode(cell, WallEpisodeAt(options.seed, index));
+    WallResult result = RunEpisode(cell, index == 0 ? FirstWallEpisode(options.seed, 3600.0 * options.hours)
+                                                    : WallEpisodeAt(options.seed, index));
     if (base::Interrupted()) break;  // cut short
     for (std::string& wrong : JudgeWallEpisode(result, first ? &*first : nullptr))
       result.wrong.push_back(std::move(wrong));

@@ -70,7 +70,7 @@ TEST(CellProcess, ASecondRunFindsTheSameCell) {
   int completed = 0;
   for (int attempt = 0; attempt < kAttempts && completed < 2; ++attempt) {
     const CommandResult run =
-        RunCommand(folder.path(), {"run", "thin_plate", "--port", Port(), "--seconds", "5", "--overwrite",
+        RunCommand(folder.path(), {"run", "thin_plate", "--port", Port(), "--seconds", "4", "--overwrite",
                                    "--record", "r.mcap", "--json", "run.json"});
     if (run.exit_code == 0)
       ++completed;

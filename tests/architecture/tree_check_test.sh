@@ -52,7 +52,15 @@ cmake -G Ninja -S "$tree" -B "$tree/build" -DCOMMON="$here/../../cmake" >/dev/nu
 expect 0 '' headers
 echo 'inline std::vector<int> Law() { return {}; }' >"$tree/control/law.h"
 expect 1 'law\.h:1:.*std' headers
+# A template that the header's own functions use is checked with its arguments, although no code is written.
+printf '#include <memory>\nstruct Arm;\ninline void Law() { std::unique_ptr<Arm> arm; }\n' >"$tree/control/law.h"
+expect 1 'law\.h:3:' headers
 echo 'inline int Law() { return 1; }' >"$tree/control/law.h"
+expect 0 '' headers
+cmake --build "$tree/build" --target osteon_verify_headers | grep -q 'no work to do' || {
+  echo "headers: a header that has not changed is compiled again"
+  failures=1
+}
 echo 'inline int Gain() { return 1; }' >"$tree/control/gain.h"
 expect 1 'control/gain\.h:1: in neither HEADERS' headers
 # A private header may use the libraries of PRIVATE only.

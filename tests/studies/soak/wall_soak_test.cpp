@@ -51,6 +51,17 @@ TEST(WallScript, IsAFunctionOfTheSeedAndHasEveryEvent) {
   EXPECT_TRUE(loses);
 }
 
+TEST(WallScript, ASoakShorterThanAnEpisodeIsOneReamingOfItsLength) {
+  for (const auto& [soak_s, episode_s] :
+       {std::pair(3.6, kMinWallReaming_s), {12.0, 12.0}, {3600.0, kWallReaming_s}}) {
+    const WallEpisode episode = FirstWallEpisode(3, soak_s);
+    EXPECT_EQ(episode.event, WallEvent::kReaming);
+    EXPECT_EQ(episode.seconds, episode_s);
+    EXPECT_EQ(episode.life.seconds, episode_s) << "the hand's script";
+    EXPECT_TRUE(soak_s >= kWallReaming_s || episode.seconds >= soak_s) << "no other one follows";
+  }
+}
+
 TEST(WallScript, ToolsAreChangedWhileTheHandHoldsThem) {
   int index = 0;
   while (!WallEpisodeAt(3, index).life.plan) ++index;
