@@ -7,7 +7,7 @@
 
 namespace osteon::control {
 
-/// Rows and columns: translation x, y, z, then rotation x, y, z; or force and torque.
+/// Order of rows and columns: translation x, y, z, then rotation x, y, z; or force, then torque.
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
@@ -15,10 +15,9 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 ///
 ///     x+ = (x + (T/tau) x_inf(F)) / (1 + T/tau)
 ///
-/// With x_inf = C F, F the force of a contact spring K that the element is in series with, it takes energy in
-/// every closed ride and is stable if and only if tau >= T (K c - 1) / 2, c the largest compliance at a
-/// touching point (MinRelaxation_s).
-/// Source: implicit Euler of tau x' + x = x_inf.
+/// With x_inf = C F, F the force of a contact spring K in series with the element, the element dissipates
+/// energy over every closed path and is stable if and only if tau >= T (K c - 1) / 2, c the largest
+/// compliance at a touching point (MinRelaxation_s). Source: implicit Euler of tau x' + x = x_inf.
 template <int N>
 [[nodiscard]] Eigen::Matrix<double, N, 1> StepMassless(const Eigen::Matrix<double, N, 1>& x,
                                                        const Eigen::Matrix<double, N, 1>& x_inf,
@@ -27,8 +26,8 @@ template <int N>
   return (x + ratio * x_inf) / (1.0 + ratio);
 }
 
-/// The shortest time constant at which a massless element is passive and stable [s]; at most zero where any
-/// is.
+/// The shortest time constant at which a massless element is passive and stable [s]. Zero or negative if
+/// every time constant is long enough.
 [[nodiscard]] constexpr double MinRelaxation_s(double period_s, double stiffness_N_per_m,
                                                double compliance_m_per_N) {
   return 0.5 * period_s * (stiffness_N_per_m * compliance_m_per_N - 1.0);

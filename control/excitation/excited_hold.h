@@ -26,16 +26,18 @@ enum class ExcitationAbort : std::uint8_t {
 /// "the force on the sensor changed by more than …", for messages.
 [[nodiscard]] const char* Describe(ExcitationAbort abort);
 
-/// An excitation by a force over the arm's own impedance, in the place of a motion of its command.
+/// Excitation by a force that is laid over the arm's own impedance control, instead of a motion of the
+/// command.
 struct OverlayExcitation {
   bool on{false};
-  /// The arm as it is thought to be. The force is the one that would move such an arm along the path:
+  /// Assumed properties of the arm. The force is the one that would move an arm of these along the path:
   ///
   ///     f = mass x'' + damping x' + stiffness x
   ///
-  /// so that force and motion both have power on all lines. What the arm really is follows from the response.
+  /// so that force and motion both have power on all lines. The arm's real properties follow from the
+  /// response.
   double mass_kg{5.0}, damping_Ns_per_m{140.0}, stiffness_N_per_m{2000.0};
-  double max_force_N{50.0};  ///< the motion is made smaller where it would need more; 0 … 50, not 0
+  double max_force_N{50.0};  ///< a motion that would need more force is made smaller; 0 … 50, not 0
 };
 
 struct ExcitedHoldParams {
@@ -46,18 +48,18 @@ struct ExcitedHoldParams {
   Vector3 axis_W{Vector3::UnitZ()};  ///< e, unit
   Eigen::Matrix<double, 3, kJoints> J_W{
       Eigen::Matrix<double, 3, kJoints>::Zero()};  ///< of the apex, at the posture
-  double max_force_N{30.0};                        ///< 30 with nobody at the handle, 60 with a hand
+  double max_force_N{30.0};  ///< change of the sensor's force that aborts; 60 with a hand
   double max_tracking_m{0.01};
   /// 0 … kJoints - 1: this joint alone is excited, and measured by its own encoder. The lengths of path, x_m
-  /// and y_m are then its angle [rad], and its direction is 1. -1: the tool is, along axis_W.
+  /// and y_m are then its angle [rad], and its direction is 1. -1: the tool is excited, along axis_W.
   int joint{-1};
-  double max_joint_tracking_rad{0.02};  ///< of that joint, beside the tool's bound
+  double max_joint_tracking_rad{0.02};  ///< bound for that joint, in addition to the tool's
   double max_lost_share{0.05};
   double max_sensor_age_s{0.1};
   bool has_interlock{false};  ///< the path goes on only while the PLC permits motion and the switch is held
   OverlayExcitation overlay{};
-  double wait_s{1.0};      ///< at rest in the pause before the path begins: the force's zero; > 0
-  bool rests_only{false};  ///< nothing moves: done after wait_s
+  double wait_s{1.0};      ///< rest before the path begins, which gives the force's zero; > 0
+  bool rests_only{false};  ///< nothing moves: the hold is done after wait_s
 };
 
 /// The part of a tick that an excited hold needs: live from the loop and its ports, later from the tick's
@@ -99,7 +101,7 @@ class ExcitedHold {
 
   [[nodiscard]] ExcitedHoldStep Step(const ExcitedTick& tick) OSTEON_RT;
 
-  /// Whether the path is at its end, or an abort has come to rest.
+  /// Whether the path is at its end, or has come to rest after an abort.
   [[nodiscard]] bool done() const OSTEON_RT { return done_; }
   [[nodiscard]] const ExcitationPath& path() const { return path_; }
   [[nodiscard]] const ExcitedHoldParams& params() const { return params_; }

@@ -28,8 +28,7 @@ struct AdmittanceParams {
 };
 
 /// @throws std::invalid_argument naming the field, unless inertias and damping are > 0, dead zones >= 0, and
-/// the
-///   centre is within 10 m of the origin.
+///   the centre is within 10 m of the origin.
 void Validate(const AdmittanceParams& params);
 
 /// Subtracts the dead zone from the operator's wrench. The direction is kept; inside the zone the result is
