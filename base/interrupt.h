@@ -18,8 +18,8 @@ inline constexpr int kOperatorsStop = 1000;  // beyond every signal
 [[nodiscard]] const char* InterruptName();
 
 /// An operator's requests to a running cell: by `osteon pause`, `resume` and `recover`, by the console, and,
-/// after InstallPauseSignals, by SIGUSR1 (a pause) and SIGUSR2 (its end). Whoever acts on a request clears
-/// it.
+/// after InstallPauseSignals, by SIGUSR1 (a pause) and SIGUSR2 (its end). The
+/// code that acts on a request clears it.
 struct OperatorRequests {
   std::atomic<bool> pause{false}, resume{false}, recover{false};
 };

@@ -72,8 +72,9 @@ struct ArmState {
   std::uint32_t rejected{0};       ///< hostile, damaged, of another sender or of another version
   std::uint32_t other_version{0};  ///< part of `rejected`: another version of the protocol
   // Answers so far, as the arm's messages reflect them.
-  std::uint32_t answers_lost{0};     ///< the arm took a later one without having seen this
-  std::uint32_t answers_foreign{0};  ///< reflected by the arm, never sent by us: another client answers it
+  std::uint32_t answers_lost{0};  ///< never seen by the arm, which took a later answer
+  std::uint32_t answers_foreign{
+      0};  ///< reflected by the arm but never sent by the link: there is another client
 };
 
 /// The loop's answer: where the joints should be. In states in which the arm moves by itself, the link
@@ -104,8 +105,8 @@ class ArmLink {
     rt::SleepUntil(time);
     return false;
   }
-  /// Passes the message last received, and an answer to it, once more through the protocol and the system, on
-  /// separate sockets, so that this path is warm for the next message. Nothing goes to the arm.
+  /// Warms the caches for the next message: the message last received, and an answer to it, pass once more
+  /// through the protocol and the system, on separate sockets. Nothing goes to the arm.
   virtual void WarmUp(const ArmCommand& /*command*/) OSTEON_RT {}
 };
 
@@ -133,9 +134,9 @@ struct SpindleReading {
 /// One reading of the cell's PLC.
 struct InterlockReading {
   rt::Nanoseconds stamp{0};       ///< 0: none yet
-  bool permitted{false};          ///< motion; also false while the PLC is silent or stands still
+  bool permitted{false};          ///< the PLC permits motion; false while it is silent or stands still
   bool enabled{false};            ///< the enabling switch is in its middle position
-  bool spindle_permitted{false};  ///< foot pedal, and motion permitted
+  bool spindle_permitted{false};  ///< the foot pedal is pressed, and motion is permitted
   std::uint8_t reason{0};         ///< why not permitted: io::PlcVerdict; 0: permitted
 };
 
@@ -169,7 +170,7 @@ class TickRecorder {
   virtual ~TickRecorder() = default;
   /// Takes a record. False if the recorder is behind; the tick goes on.
   virtual bool Push(const TickRecord& record) OSTEON_RT = 0;
-  /// Whether so many ticks wait in it that some will soon be lost. Called from the tick's thread.
+  /// Whether so many records wait in the recorder that some will soon be lost. Called from the tick's thread.
   [[nodiscard]] virtual bool Stalled() const OSTEON_RT { return false; }
 };
 

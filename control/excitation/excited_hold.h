@@ -30,7 +30,7 @@ enum class ExcitationAbort : std::uint8_t {
 /// command.
 struct OverlayExcitation {
   bool on{false};
-  /// Assumed properties of the arm. The force is the one that would move an arm of these along the path:
+  /// Assumed properties of the arm. The force is the one that would move an arm with them along the path:
   ///
   ///     f = mass x'' + damping x' + stiffness x
   ///
@@ -48,7 +48,7 @@ struct ExcitedHoldParams {
   Vector3 axis_W{Vector3::UnitZ()};  ///< e, unit
   Eigen::Matrix<double, 3, kJoints> J_W{
       Eigen::Matrix<double, 3, kJoints>::Zero()};  ///< of the apex, at the posture
-  double max_force_N{30.0};  ///< change of the sensor's force that aborts; 60 with a hand
+  double max_force_N{30.0};  ///< a larger change of the sensor's force aborts; 30 without a hand, 60 with one
   double max_tracking_m{0.01};
   /// 0 … kJoints - 1: this joint alone is excited, and measured by its own encoder. The lengths of path, x_m
   /// and y_m are then its angle [rad], and its direction is 1. -1: the tool is excited, along axis_W.

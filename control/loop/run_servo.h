@@ -17,7 +17,8 @@ struct StandingArm {
   JointArray q{};  ///< [rad]
 };
 
-/// The ends of the loop's exchange with the outside in wall time. References must outlive the run.
+/// The loop's partners in wall time: it exchanges messages and data with them. References must outlive the
+/// run.
 struct ServoPorts {
   ArmLink& link;
   CellDevices& devices;
@@ -29,7 +30,7 @@ struct RunServoParams {
   double deadline_s{0.005};  ///< longest wait for an arm message; later the message counts as missed
   double seconds{10.0};      ///< time of rendering, then an orderly stop; 0: until stopped
   double give_up_s{30.0};    ///< longest wait until rendering begins, and until the arm rests at the end
-  double at_rest_s{0.0};     ///< how long the arm is still answered and recorded once it rests (RestTime)
+  double at_rest_s{0.0};     ///< time for which the arm at rest is still answered and recorded (RestTime)
   /// Set-up of the calling thread. A tick uses some 20 KiB of stack; the rest is for the functions it calls.
   rt::RealtimeThreadParams thread{
       .priority = 80, .lock_memory = true, .keep_cpus_awake = true, .prefault_stack_bytes = 256 * 1024};

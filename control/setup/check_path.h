@@ -43,7 +43,8 @@ struct PathSurroundings {
   std::string spheres_name{"the bone"};
   double clearance_m{0.01};    ///< > resolution
   double resolution_m{0.001};  ///< how much nearer a ball may come between two checked places; > 0
-  double position_margin_rad{0.0174532925199433};  ///< of the goal from the joints' limits (1 deg)
+  double position_margin_rad{
+      0.0174532925199433};  ///< smallest distance of the goal from joint limits (1 deg)
 };
 
 /// Nearest approach over the checked places. Between two of them a ball may be nearer, but never beyond what

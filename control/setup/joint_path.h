@@ -16,7 +16,7 @@ struct JointPathParams {
   double speed_share{0.2};         ///< of every joint's velocity limit, (0, 1]
   double acceleration_share{0.3};  ///< of every joint's acceleration limit, (0, 1]
   double tool_speed_m_per_s{0.2};  ///< of the tool's apex and of the flange, 0.001 … kReducedSpeed_m_per_s
-  double pause_s{0.5};             ///< from the switch's release to rest, at most; 0.05 … 5
+  double pause_s{0.5};             ///< longest time from the switch's release to rest; 0.05 … 5
 };
 
 template <int N>
