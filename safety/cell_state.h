@@ -10,7 +10,7 @@
 
 namespace osteon::safety {
 
-/// What the cell does. The numbers are recorded.
+/// State of the cell. The numbers are recorded.
 enum class CellState : std::uint8_t {
   kOff = 0,       ///< no arm reports its position, or the run was ended in order
   kChecking = 1,  ///< the arm moves by itself; not every condition of motion holds (motion_permit.h)

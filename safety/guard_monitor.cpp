@@ -16,7 +16,8 @@ constexpr std::int32_t kSessionStep = 64;  // a counter further away belongs to 
 constexpr double kRest_rad_per_s = 1e-3;   // the arm stands if slower than this
 constexpr double kRest_N = 1e-3;           // a smaller added wrench or torque counts as zero
 constexpr double kNormalTolerance = 1e-6;  // tolerance of the length of a direction
-constexpr double kDamping = 1e-4;          // of the hand's force near singular postures, underestimated there
+constexpr double kDamping =
+    1e-4;  // damping of the hand's estimated force, which is too small near singularities
 
 std::int32_t Ahead(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b); }
 
@@ -102,7 +103,7 @@ GuardDecision GuardMonitor::OnArmMessage(const GuardArmMessage& message, rt::Nan
   return GuardDecision::kPass;
 }
 
-// Estimates the force behind these torques on the joints by damped least squares: J^T F = tau.
+// Estimates the hand's force from the external torques on the joints, by damped least squares: J^T F = tau.
 void GuardMonitor::CheckHandForce(const GuardArmMessage& message) OSTEON_RT {
   if (message.session != GuardSession::kActive || !message.tau_ext) {
     hand_force_messages_ = 0;

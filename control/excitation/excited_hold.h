@@ -18,9 +18,9 @@ enum class ExcitationAbort : std::uint8_t {
   kLeftPause,    ///< the loop has left the pause by itself: a fault, a stop, an operator's resume
   kArmLeft,      ///< the arm has left COMMANDING_ACTIVE, or came back in another activation
   kForce,        ///< the force on the sensor has changed by more than max_force_N
-  kForceGrows,   ///< force between 5 and 40 Hz has grown for 0.3 s
+  kForceGrows,   ///< force above 5 Hz has grown for 0.3 s
   kTracking,     ///< tool or joint is farther than its bound from where it was commanded
-  kAnswersLost,  ///< more than max_lost_share of the answers were lost within 1 s
+  kAnswersLost,  ///< messages and answers lost in 1 s: more than max_lost_share of all
   kSensor,       ///< no force reading that can be used
 };
 /// "the force on the sensor changed by more than …", for messages.

@@ -5,7 +5,8 @@
 namespace osteon::control {
 namespace {
 
-// Stiffness that the growth of the force is checked against; not 0, for a guidance by its cone alone.
+// Smallest stiffness for the check of the force's growth. It is used if a guidance has only its cone, which
+// gives no force.
 constexpr double kMinTripStiffness_N_per_m = 100.0;
 
 const GuidanceParams& Validated(const GuidanceParams& params) {

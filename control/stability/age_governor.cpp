@@ -11,7 +11,7 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMargin = 1.02;    // on the bound
+constexpr double kMargin = 1.02;    // factor on the aged stiffness
 constexpr double kMinPivot = 1e-9;  // of the normals' Gram matrix: below it, a normal depends on the others
 constexpr double kDone = 1e-4;      // a factor this near to 1 counts as 1
 constexpr int kMaxRows = 4;         // 3 normals; 1 normal and 2 tangents; 2 normals and 2 times 1 tangent

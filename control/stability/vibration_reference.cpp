@@ -13,7 +13,7 @@ namespace {
 constexpr double kBeats = 2.0;     // a tremor's energy may fall by this factor within a moment
 constexpr double kLightens = 3.0;  // a light tool returns a tremor's energy times this
 constexpr double kTrust_s = 6.0;   // memory of suspicion: oscillation comes and goes
-constexpr double kLight = 0.01;    // index
+constexpr double kLight = 0.01;    // index below which the virtual tool counts as light
 constexpr double kSettle_s = 0.15, kBeat_s = 1.0;
 constexpr double kSure = 0.9;  // of the index' suspicion: more than a damped loop reaches
 
