@@ -19,10 +19,10 @@ template <class V>
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// The first half, in both halves.
+// Returns the first half of a pair in both halves.
 [[gnu::always_inline]] inline Pair Low(Pair v) { return Pair{v[0], v[0]}; }
 
-// The first half in the second; 0 in the first.
+// Returns the first half of a pair in the second half, and 0 in the first.
 [[gnu::always_inline]] inline Pair High(Pair v) { return Pair{0.0, v[0]}; }
 
 }  // namespace

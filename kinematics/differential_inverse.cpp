@@ -17,15 +17,16 @@ namespace {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kFlat = 1e-9;             // joint component of the null direction that counts as zero
-constexpr double kUnresolved = 1e-9;       // of the largest singular value: below it v and n are not distinct
+constexpr double kUnresolved = 1e-9;       // below this share of the largest singular value, v and n mix
 constexpr double kReturning_m = 0.05;      // curvature [m/rad] from which on a direction returns by itself
-constexpr double kDampedUpTo = 4.0;        // times the least damping: a larger singular value is undamped
+constexpr double kDampedUpTo = 4.0;        // times min_damping_m: a larger singular value is undamped
 constexpr double kReturnTicks = 10.0;      // ticks in which an arm too near a singular posture returns
 constexpr double kRelief_rad_per_s = 4.0;  // speed of the yielding null motion per unit of n_i
-constexpr double kMaxRelief_rad_per_s = 100.0;  // above any box's limit
+constexpr double kMaxRelief_rad_per_s = 100.0;  // above any joint's speed limit
 constexpr double kTiny = 1e-12;
-constexpr double kRoundDown = 1.0 - 1e-12;  // on a speed limit: products must not round beyond it
-constexpr double kActs = 1e-9;              // a smaller reduction is rounding
+constexpr double kRoundDown =
+    1.0 - 1e-12;                // factor on a speed limit, so that products do not round beyond it
+constexpr double kActs = 1e-9;  // a smaller reduction is rounding
 
 // Acceleration of the tool at joint velocity y with no joint acceleration, J' y, which is also the second
 // order of its displacement: with w_i, v_i the columns of J and W_i the sum of w_j y_j over the joints before

@@ -7,11 +7,11 @@ namespace osteon {
 namespace {
 
 constexpr int kMaxSet = 4;             // three planes fix a point, a fourth its slack
-constexpr double kTolerance = 1e-12;   // of a plane's offset [m] and of a multiplier [m]
+constexpr double kTolerance = 1e-12;   // tolerance of a plane's offset [m] and of a multiplier [m]
 constexpr double kFeasible = 1e-9;     // a solved point may lie this far outside [m]
 constexpr double kMinVolume = 1e-9;    // Gram determinant of unit normals below which planes are parallel
 constexpr double kFlatShare = 1e-12;   // a smaller remainder of a normal counts as zero
-constexpr int kMaxRounds = 24;         // three planes of eight are found in two to six
+constexpr int kMaxRounds = 24;         // usually two to six rounds find three planes of eight
 constexpr double kSlackWeight = 1e-6;  // square of the slack's compliance over the point's
 
 using Planes = std::array<HalfSpace, kMaxHalfSpaces>;

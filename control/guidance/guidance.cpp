@@ -5,8 +5,8 @@
 namespace osteon::control {
 namespace {
 
-// Smallest stiffness for the check of the force's growth. It is used if a guidance has only its cone, which
-// gives no force.
+// Smallest stiffness for the check of the force's growth: the springs of funnel and depth may be 0, if a
+// guidance has only its cone.
 constexpr double kMinTripStiffness_N_per_m = 100.0;
 
 const GuidanceParams& Validated(const GuidanceParams& params) {

@@ -83,7 +83,7 @@ Frame VulkanEngine::Impl::PrepareFrame(const simulation::FrameInput& input) {
 // Number of list entries for one invocation, each with at most `range` tool balls: one on a GPU. A processor
 // computes shared values once for each workgroup, so it gets few, long workgroups, but some for each core.
 // llvmpipe ends all loops of an invocation after 65 535 iterations together; no pass needs more than thirty
-// iterations a pair.
+// iterations per pair.
 uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t range) const {
   constexpr std::size_t kMaxPairs = 2'000, kMaxEntries = 4096, kWorkgroups = 4;
   const std::size_t lanes = program->lanes();
@@ -157,7 +157,7 @@ void VulkanEngine::Impl::MeasureDisplacement(Frame& f) const {
   f.shaft_measured_goal_mm = MaxDisplacement_mm(lists.measured_m, goal_m, false);
 }
 
-// Largest distance of a tool ball of a kind from its former position [mm].
+// Largest distance from its former position [mm] of any tool ball that cuts, or of any that does not.
 float VulkanEngine::Impl::MaxDisplacement_mm(const std::vector<Vector3>& was_m,
                                              const std::vector<Vector3>& is_m, bool cuts) const {
   double max_m2 = 0.0;

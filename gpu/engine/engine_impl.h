@@ -1,8 +1,8 @@
 #pragma once
 
-// Inside gpu only: shared by the engine's sources. engine_setup.cpp creates the engine, engine_frame.cpp
-// prepares and runs a frame, engine_solution.cpp reads the result, and vulkan_engine.cpp is the public
-// interface.
+// For files of gpu/ only: shared by the engine's sources. engine_setup.cpp creates the engine,
+// engine_frame.cpp prepares and runs a frame, engine_solution.cpp reads the result, and vulkan_engine.cpp is
+// the public interface.
 
 #include <algorithm>
 #include <cstring>
@@ -32,9 +32,9 @@ inline constexpr double kMaxFaceWeight_mm3 =
     simulation::kMaxLensVolume * 1e9 * (1.0 - simulation::kFaceCosine) * (1.0 - simulation::kFaceCosine);
 // Time in which a lost device may finish the work that it was given.
 inline constexpr std::uint64_t kLostTimeout_ns = 20'000'000'000;
-// software drivers compile a pass at its first run
+// Timeout of the warm-up: software drivers compile a pass at its first run.
 inline constexpr std::uint64_t kWarmUpTimeout_ns = 120'000'000'000;
-// every pair in every pass: for measurements only
+// Timeout of brute force, which tests every pair in every pass: for measurements only.
 inline constexpr std::uint64_t kBruteTimeout_ns = 900'000'000'000;
 // Bounds on the rounding of a distance in floats: eight units in the last place of the coordinates and, along
 // a way that is long compared with the balls, of its square over the sum of radii.

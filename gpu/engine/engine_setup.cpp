@@ -91,7 +91,7 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   for (vec4& point : data) point.w = 0.0f;  // a point has no radius
   point_tree = ClusterTree(data);
 
-  // a span of each kind's balls, for brute force
+  // the packed pairs of all tool balls of each kind, for brute force
   std::vector<uint> whole(AllPackedPairs());
   const auto middle = static_cast<std::ptrdiff_t>(tool.cutter_count);
   std::iota(whole.begin(), whole.begin() + middle, 0u);

@@ -21,8 +21,8 @@ namespace osteon::gpu {
 ///                                          ─▶ the next frame's uploads
 ///
 /// A block is a cluster of its own, in the same place as its parent's cluster, so culling and lists treat
-/// children like any cluster. The host makes the children, in a few microseconds a ball, before another frame
-/// can meet the ball. It reads nothing of a frame without events but the number of events.
+/// children like any cluster. The host makes the children, in a few microseconds per ball, before another
+/// frame can meet the ball. It reads nothing of a frame without events but the number of events.
 class SplitPool {
  public:
   /// @throws std::invalid_argument where params are not accepted, or children do not fit a cluster.

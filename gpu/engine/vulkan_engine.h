@@ -17,7 +17,7 @@ namespace osteon::gpu {
 /// How the host detects the end of a frame.
 enum class FencePolicy : std::uint8_t {
   kAuto,    ///< on a GPU kReport, on a processor kWait
-  kReport,  ///< poll the frame's report in memory; only a frame that splits balls waits for the fence, too
+  kReport,  ///< poll the frame's readback in memory; a frame that splits balls also waits for the fence
   kPoll,    ///< poll the fence
   kWait,    ///< wait for the fence
 };
@@ -45,7 +45,7 @@ struct VulkanParams {
   std::string device;       ///< part of a device's name; empty: the default device
   bool validation{false};   ///< run under the validation layers, synchronisation included
   bool time_passes{false};  ///< timestamps between the passes; software drivers wait at each one
-  bool brute_force{false};  ///< every pair in every pass: the baseline for culling
+  bool brute_force{false};  ///< tests every pair in every pass: the baseline for culling
   /// Largest number of balls, or of mass points, within the tool's reach at once. Beyond it a frame is
   /// kOverloaded.
   std::size_t list_capacity{4'000'000};
@@ -55,7 +55,7 @@ struct VulkanParams {
   VulkanOverrides overrides{};
 };
 
-/// Size of the last frame's work.
+/// Amount of work in the last frame.
 struct FrameStats {
   std::size_t active_balls{0};   ///< bone balls within reach of the tool
   std::size_t active_points{0};  ///< mass points within reach of its cutting balls

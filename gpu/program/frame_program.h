@@ -1,6 +1,6 @@
 #pragma once
 
-// Inside gpu only: this header brings vulkan_raii.hpp.
+// For files of gpu/ only: this header includes vulkan_raii.hpp.
 
 #include <algorithm>
 #include <array>
@@ -21,7 +21,7 @@ struct ProgramSizes {
   std::size_t balls{0}, points{0}, ball_clusters{0}, point_clusters{0};
   std::size_t tool_balls{0}, cutters{0}, tool_refs{0}, materials{1};
   std::size_t live{0};  ///< capacity of each list of balls or points near the tool
-  std::size_t split_events{0}, uploads{0}, blocks{0};  ///< of split balls; 0: none is split
+  std::size_t split_events{0}, uploads{0}, blocks{0};  ///< for split balls; 0: no ball is split
   std::size_t packed_pairs{0};                         ///< packed pairs of all list entries together
   bool contact_sphere{false};                          ///< only the tool ball that touches first cuts
 };
@@ -73,7 +73,7 @@ class FrameProgram {
   /// Times of the last run's passes; empty where passes are not timed.
   [[nodiscard]] std::vector<PassTime> PassTimes() const;
   [[nodiscard]] const Context& context() const { return *context_; }
-  /// True where the driver of a GPU has just compiled the passes, judged by the time that it took. NVIDIA's
+  /// Whether the driver of a GPU has just compiled the passes, judged by the time that it took. NVIDIA's
   /// compiler takes seconds, and its first code is three times as slow as that from its cache later. A device
   /// keeps the code that it compiled: only a new device gets the faster code.
   [[nodiscard]] bool compiled() const { return context_->info.kind != "cpu" && pipelines_s_ > kCompiled_s; }

@@ -211,16 +211,16 @@ struct Readback {
   uint sum, sequence;
 };
 
-// What the host's books of split balls need to know of a frame: a touched ball that is large enough to be
-// split, or a block whose last child has gone (its number with kEmptiedBlock added, no balls).
+// An event of a frame for the host's record of split balls: a touched ball that is large enough to be split,
+// or a block whose last child has gone (its number with kEmptiedBlock added, no balls).
 struct SplitEvent {
   uint index;
   vec4 before, after;
 };
 OSTEON_CONST uint kEmptiedBlock = 0x80000000u;
 
-// A ball from the host: a split parent or a child. From index ball_count on a block instead, as (min_mm,
-// live).
+// A ball from the host: a split parent or a child. For an index from ball_count on, it is a block instead,
+// with min_mm and live in `ball`.
 struct SplitUpload {
   uint index;
   vec4 ball;

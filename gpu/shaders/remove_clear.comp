@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Pass 3. Row 0: shrinks each listed ball by every cutting ball's capsules (first contact to slid, slid to end of the advance),
-// one invocation a ball (equation 5, corrected; equivalent to simulation::ShrinkBall). Row 1: clears the mass points in the
+// one invocation per ball (equation 5, corrected; equivalent to simulation::ShrinkBall). Row 1: clears the mass points in the
 // capsules, each once and booked in integer units of volume, so the result does not depend on scheduling. From here on the
 // list's copies are the valid balls, until flush.comp writes them back. On a GPU the last workgroup reports the frame.
 //
@@ -46,7 +46,7 @@ dvec3 Away(Capsule c, dvec3 p) {
 }
 bool Inside(Capsule c, dvec3 p) { return length(Away(c, p)) < c.r; }
 
-// Direction in which a ball moves whose centre lies on the axis; the remainder of rounding must not decide it.
+// Direction in which a ball moves if its centre lies on the axis. The rounding error of `away` must not decide it.
 dvec3 OnAxis(Capsule c, dvec3 p, dvec3 away, double d) {
   dvec3 u = away;
   double along = dot(p - c.a, c.m) * c.per_mm2;
@@ -147,7 +147,7 @@ bool IsSwallowed(SweptPath way, uint slot, dvec4 whole) {
   return swallowed;
 }
 
-// Notes an event for the host's books of split balls.
+// Notes an event for the host's record of split balls.
 void NoteSplit(uint index, vec4 before, vec4 after) {
   uint place = atomicAdd(frame.split_event_count, 1u);
   if (place < frame.split_event_capacity) split_events[place] = SplitEvent(index, before, after);
@@ -246,7 +246,7 @@ void Remove(SweptPath way) {
   uint row = Row();
   bool go = frame.needs_rebuild == 0u && frame.spindle_rad_per_s != 0.0;
   if (kContactSphere) go = go && way.cutter < frame.cutter_count;  // a shaft cuts nothing
-  // the only cutting ball's, where there is one
+  // capsules of the only cutting ball, if there is only one
   CapsulePair only = CapsulesOf(way, 0u);
   CapsulePairF32 only_f32 = CapsulesF32Of(way, 0u);
 
@@ -292,7 +292,7 @@ void Remove(SweptPath way) {
     }
     if (!touched || !Inside(CapsulesOf(way, ToolOf(walk.pair)), dvec3(point.xyz))) continue;
     Clear(walk.slot, point);
-    walk.left = 0u;  // once cleared is enough
+    walk.left = 0u;  // the point is cleared: skip its other pairs
     walk.k = walk.last;
   }
 }
