@@ -24,7 +24,7 @@ class PacedPriority {
 
   /// Adds the CPU time that the calling thread has used since the last call. @param now  not decreasing
   void CountWork(Nanoseconds now) noexcept;
-  /// The same with the thread's CPU time at `now`.
+  /// As above, with the thread's CPU time at `now` given by the caller.
   void CountWork(Nanoseconds now, Nanoseconds cpu_time) noexcept;
   /// Whether the thread is raised, as far as the system grants it.
   [[nodiscard]] bool is_lifted() const noexcept { return is_lifted_; }

@@ -49,7 +49,7 @@ struct ArmState {
   std::uint8_t quality{0};         ///< 0 poor … 3 excellent
   std::uint8_t safety_state{0};    ///< 0 normal, 1 … 3 stop level 0 … 2
   std::uint8_t operation_mode{0};  ///< 0 T1, 1 T2, 2 automatic
-  bool drives_active{false};       ///< of all joints
+  bool drives_active{false};       ///< the drives of all joints are active
   ControlMode control_mode{ControlMode::kPosition};
   CommandMode command_mode{CommandMode::kNone};
   double period_s{0.001};
@@ -67,7 +67,7 @@ struct ArmState {
   // Messages so far.
   std::uint32_t lost{0};           ///< never came
   std::uint32_t duplicate{0};      ///< came twice
-  std::uint32_t late{0};           ///< in order, but not read before the next arrived
+  std::uint32_t late{0};           ///< came in order, but were not read before the next one arrived
   std::uint32_t reordered{0};      ///< overtaken by a newer one in transit
   std::uint32_t rejected{0};       ///< hostile, damaged, of another sender or of another version
   std::uint32_t other_version{0};  ///< part of `rejected`: another version of the protocol
@@ -123,11 +123,11 @@ struct SpindleReading {
   double speed_rad_per_s{0.0};  ///< of the tool
   double torque_Nm{0.0};  ///< at the tool; includes friction and the torque that accelerates the spindle
   bool ready{false};      ///< configured, and its status arrives
-  bool fault{false};      ///< of the drive or of its connection; latched there
+  bool fault{false};      ///< the drive or its connection has a fault; latched by the drive's client
   // Causes of the fault: io::DescribeDriveFaults has the texts.
   std::uint8_t faults{0};           ///< io::DriveFault bits
-  std::uint8_t nmt_state{0};        ///< of its last heartbeat (CiA 301)
-  std::uint16_t emergency_code{0};  ///< of its EMCY (CiA 301); 0: none
+  std::uint8_t nmt_state{0};        ///< NMT state in the drive's last heartbeat (CiA 301)
+  std::uint16_t emergency_code{0};  ///< code of the drive's EMCY message (CiA 301); 0: none
   std::uint16_t error_code{0};      ///< object 603F (CiA 402); 0: none
 };
 
@@ -149,9 +149,9 @@ struct CellReadings {
 
 /// Commands to these devices.
 struct CellCommands {
-  bool motion_requested{false};  ///< from the PLC
+  bool motion_requested{false};  ///< asks the PLC to permit motion
   double spindle_rad_per_s{0.0};
-  bool quick_stop{false};  ///< of the spindle, along its steepest ramp
+  bool quick_stop{false};  ///< stops the spindle along its steepest ramp
   /// Latched faults of the drive may be reset: before the first motion, and in a recovery.
   bool clear_faults{false};
 };

@@ -132,8 +132,8 @@ struct TickRecord {
   std::uint32_t activation_cmd{0};  ///< activation of the arm that the command is for
   PlainWrench F_cmd_T;              ///< wrench overlay, on T at To, in T; zero in position mode
   std::array<double, 7> tau_cmd{};  ///< torque overlay [N·m]
-  rt::Nanoseconds wakeup_ns{0};     ///< from the arm's message to the loop's wake-up; 0 in virtual time
-  rt::Nanoseconds compute_ns{0};    ///< from wake-up to answer; 0 in virtual time
+  rt::Nanoseconds wakeup_ns{0};     ///< time from the arm's message to the loop's wake-up; 0 in virtual time
+  rt::Nanoseconds compute_ns{0};    ///< time from wake-up to answer; 0 in virtual time
   TickInput input;
 };
 

@@ -44,7 +44,7 @@ JointVectorN<N> SerialChain<N>::NewtonEuler(const Joints& q, const Joints& qd, c
       loads;            // force and torque of each link, at its origin
   Triple<Pair> spin{};  // w and wd
   Triple<double> a{a_base.x(), a_base.y(), a_base.z()};
-  Triple<double> x_row{}, y_row{}, z_row{};  // of A
+  Triple<double> x_row{}, y_row{}, z_row{};  // rows of A
   for (std::size_t i = 0; i < N; ++i) {
     const Step& step = steps_[i];
     const FrameTurn T{step.cos_alpha, step.sin_alpha, turn.cos[i], turn.sin[i]};

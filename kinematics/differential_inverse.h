@@ -62,7 +62,7 @@ struct DifferentialInverseParams {
 
 template <int N>
 struct MotionInput {
-  JacobianN<N> J{JacobianN<N>::Zero()};  ///< of the tool's origin, in B: V_BT = J qd
+  JacobianN<N> J{JacobianN<N>::Zero()};  ///< Jacobian of the tool's origin, in B: V_BT = J qd
   Twist V_BT;                            ///< wanted mean velocity of the tool over the tick, in B
   JointVectorN<N> q{JointVectorN<N>::Zero()};
   JointVectorN<N> qd_before{JointVectorN<N>::Zero()};  ///< joint velocity in the previous tick [rad/s]

@@ -65,7 +65,8 @@ class SerialChain {
 
   /// Torques of the drives for a motion: tau = M qdd + C qd + g, without friction [N·m]. By RNEA.
   [[nodiscard]] Joints InverseDynamics(const Joints& q, const Joints& qd, const Joints& qdd) const OSTEON_RT;
-  /// The same less J^T F_ext, while the wrench F_ext acts on the flange from outside, at its origin, in B.
+  /// Torques of the drives as above, less J^T F_ext: the wrench F_ext acts on the flange from outside, at its
+  /// origin, in B.
   [[nodiscard]] Joints InverseDynamics(const Joints& q, const Joints& qd, const Joints& qdd,
                                        const Wrench& F_ext_B) const OSTEON_RT;
   /// Torques that hold the arm at rest: g.

@@ -38,7 +38,7 @@ void Validate(const EnergyLimitParams& params);
   return power_W > max_power_W ? max_power_W / power_W : 1.0;
 }
 
-/// The same for a wrench that itself causes a part of the motion, as in an admittance law: a share s of it
+/// PowerScale for a wrench that itself causes a part of the motion, as in an admittance law: a share s of it
 /// has the power s (p_0 + s (p_1 - p_0)).
 /// @param power_without_W  p_0: power of the whole wrench on the motion without it
 /// @param power_with_W  p_1 >= p_0: power of the whole wrench on the motion with all of it

@@ -29,8 +29,8 @@ struct GuardParams {
   std::optional<std::array<double, 7>> q_start{};
   double tolerance_rad{2e-3};                 ///< > 0
   double max_start_path_speed_m_per_s{0.25};  ///< of the apex; > 0
-  double max_tracking_error_m{0.03};          ///< between commanded and measured apex; > 0
-  double mirror_rad{0.02};           ///< distance from the interpolator's position while the arm waits; > 0
+  double max_tracking_error_m{0.03};          ///< distance of the commanded from the measured apex; > 0
+  double mirror_rad{0.02};           ///< largest distance from the interpolator while the arm waits; > 0
   WorkspaceParams workspace{};       ///< only its sphere and its plane
   double workspace_margin_m{0.002};  ///< tolerance beyond them; >= 0
   double max_force_N{200.0};         ///< of a wrench that the controller adds; > 0
@@ -191,10 +191,10 @@ class GuardMonitor {
   std::optional<rt::Nanoseconds> unanswered_since_;
   bool left_alone_{false};
 
-  Joints q_before_{Joints::Zero()};             // last command
-  std::uint32_t before_message_{0};             // message that the last command answered
-  bool on_start_path_{false};                   // the arm is still on its way to the start
-  bool been_inside_{false};                     // in the workspace's sphere, since the arm was handed over
+  Joints q_before_{Joints::Zero()};  // last command
+  std::uint32_t before_message_{0};  // message that the last command answered
+  bool on_start_path_{false};        // the arm is still on its way to the start
+  bool been_inside_{false};  // the apex has been in the workspace's sphere since the arm was handed over
   std::array<bool, kMaxZones> been_in_zone_{};  // likewise for each zone
 };
 

@@ -46,7 +46,7 @@ class WrenchLimiter {
   explicit WrenchLimiter(const WrenchLimitParams& params);
 
   [[nodiscard]] LimitedWrench Limit(const Wrench& F) const OSTEON_RT;
-  /// The same, limited also to what the arm can hold in its posture:
+  /// Limits a wrench also to the share that the arm can hold in its posture:
   ///
   ///     s = min(arm.HoldableShare(F), max_force_N / |f|, max_torque_Nm / |t|),   F' = s F
   ///

@@ -181,7 +181,8 @@ class JointFollower final : public ArmFollower {
 
  private:
   using ZonePoint = safety::ZonePoint;
-  static constexpr std::array<ZonePoint, 2> kCarried{ZonePoint::kFlange, ZonePoint::kElbow};  // by the joints
+  static constexpr std::array<ZonePoint, 2> kCarried{ZonePoint::kFlange,
+                                                     ZonePoint::kElbow};  // the points that the joints carry
   static constexpr std::array<ZonePoint, 3> kAll{ZonePoint::kApex, ZonePoint::kFlange, ZonePoint::kElbow};
 
   static Joints ToJoints(const JointArray& q) { return Eigen::Map<const Joints>(q.data()); }
@@ -255,7 +256,7 @@ class JointFollower final : public ArmFollower {
   double moving_{0.0};  // 0 … 1: how much the tool moved
   double sigma_min_m_{1.0};
   Joints sigma_gradient_m_{Joints::Zero()}, null_direction_{Joints::Zero()};
-  Eigen::Matrix<double, 6, 6> directions_{Eigen::Matrix<double, 6, 6>::Identity()};  // of the Jacobian
+  Eigen::Matrix<double, 6, 6> directions_{Eigen::Matrix<double, 6, 6>::Identity()};  // MotionOutput::U
   int stop_ticks_{0};  // remaining ticks of a stop along the joints; 0: none is under way
 };
 

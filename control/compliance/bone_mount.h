@@ -18,7 +18,7 @@ struct BoneMountParams {
   double damping_ratio{0.05};                    ///< zeta of each axis by itself; >= 0
   double creep_N_per_m{0.0};                     ///< stiffness of the pads; 0: they do not creep
   double creep_tau_s{20.0};                      ///< time constant of the pads; > 0
-  double max_shift_m{0.010}, max_turn_rad{0.1};  ///< beyond these the cell stops; > 0
+  double max_shift_m{0.010}, max_turn_rad{0.1};  ///< if exceeded, the cell stops; > 0
 };
 
 /// State of a mount between ticks: displacement d, velocity v, and the pads' displacement, of Mo and about

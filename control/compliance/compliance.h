@@ -77,8 +77,8 @@ class Compliance {
  private:
   ComplianceParams params_;
   double period_s_;
-  Vector6 e_{Vector6::Zero()}, e_per_s_{Vector6::Zero()};      // of the tool, in T
-  Vector3 q_m_{Vector3::Zero()}, q_m_per_s_{Vector3::Zero()};  // of the layer, in M
+  Vector6 e_{Vector6::Zero()}, e_per_s_{Vector6::Zero()};      // deflection of the tool, in T
+  Vector3 q_m_{Vector3::Zero()}, q_m_per_s_{Vector3::Zero()};  // shift of the layer, in M
   BoneMountState mount_;
   bool beyond_limit_{false};
 };

@@ -123,8 +123,9 @@ struct CouplingTick {
 
 // The planes at a tick's pose.
 struct PlacedPlanes {
-  std::array<HalfSpace, kMaxHalfSpaces> half_space;  // of the displacement from the tool to its proxy
-  std::array<Vector3, kMaxContacts> lever_W;         // from To to the contact point
+  std::array<HalfSpace, kMaxHalfSpaces>
+      half_space;                             // constraints on the displacement of the proxy from the tool
+  std::array<Vector3, kMaxContacts> lever_W;  // from To to the contact point
 };
 
 // Checks the model and weighs it by its age. False if nothing is rendered; the contact is then forgotten.

@@ -43,11 +43,11 @@ struct OverlayExcitation {
 struct ExcitedHoldParams {
   ExcitationParams path;
   double period_s{0.001};
-  int sequence_step{1};              ///< of ArmState::sequence from message to message
+  int sequence_step{1};              ///< increase of ArmState::sequence from message to message
   JointArray direction{};            ///< joints' motion for 1 m along the axis [rad/m]: J^+ e
   Vector3 axis_W{Vector3::UnitZ()};  ///< e, unit
   Eigen::Matrix<double, 3, kJoints> J_W{
-      Eigen::Matrix<double, 3, kJoints>::Zero()};  ///< of the apex, at the posture
+      Eigen::Matrix<double, 3, kJoints>::Zero()};  ///< Jacobian of the apex, at the posture
   double max_force_N{30.0};  ///< a larger change of the sensor's force aborts; 30 without a hand, 60 with one
   double max_tracking_m{0.01};
   /// 0 … kJoints - 1: this joint alone is excited, and measured by its own encoder. The lengths of path, x_m
@@ -73,12 +73,12 @@ struct ExcitedTick {
   Vector3 force_S_N{Vector3::Zero()};
   double sensor_age_s{0.0};
   bool sensor_trusted{true}, permitted{false};
-  safety::CellState state{safety::CellState::kOff};  ///< of the loop, after the tick
+  safety::CellState state{safety::CellState::kOff};  ///< state of the cell after the tick
 };
 
 struct ExcitedHoldStep {
   JointArray offset{};  ///< to be added to the loop's command [rad]
-  double x_m{0.0};      ///< the same along the axis; with an overlay the path that the force is made from
+  double x_m{0.0};      ///< offset along the axis; with an overlay, the path that the force is computed from
   double f_N{0.0};      ///< force along the axis to be laid over the arm's impedance; offset is zero then
   double y_m{0.0};      ///< measured offset along the axis, or of the joint
   ExcitationStep path{};
@@ -125,7 +125,7 @@ class ExcitedHold {
   Vector3 force_zero_S_N_{Vector3::Zero()};
   ExcitedHoldStep step_;
   double overlay_scale_{1.0};                    // keeps the force within its bound
-  double x_last_m_{0.0}, x_before_last_m_{0.0};  // of the path, in the periods before
+  double x_last_m_{0.0}, x_before_last_m_{0.0};  // the path's x in the last two periods
   // answers lost in the present second
   int second_messages_{0};
   std::uint32_t second_lost_{0};

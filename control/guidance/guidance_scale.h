@@ -16,10 +16,10 @@ namespace osteon::control {
 ///
 /// F_before is the wrench that was rendered in the last tick, dx the tool's motion since then. E is the
 /// trapezoidal energy that the guidance has given; below zero it was taken. So the energy that is stored,
-/// sigma U, was always taken from the hand before, whatever the limits did to sigma in between. What was
-/// taken is forgotten beyond sigma U + 0.05 J, so that it can't be given back much later. At U = 0 nothing is
-/// stored, and sigma may rise at once. Guidance that is switched on outside its corridor stays at sigma = 0
-/// until the tool has been inside.
+/// sigma U, was always taken from the hand before, whatever the limits did to sigma in between. Taken
+/// energy beyond sigma U + 0.05 J is forgotten, so that it can't be given back much later. At U = 0 nothing
+/// is stored, and sigma may rise at once. Guidance that is switched on outside its corridor stays at sigma =
+/// 0 until the tool has been inside.
 class GuidanceScale {
  public:
   /// Forgets energy, scale and motion.

@@ -67,8 +67,8 @@ struct RunServoResult {
   safety::FaultSet cleared;       ///< faults that recoveries have cleared
   std::uint64_t unrecorded{0};    ///< ticks that the recorder refused because it was full
   rt::RealtimeGrant thread;       ///< settings of the thread that the system granted
-  rt::DurationHistogram wakeup;   ///< from ArmState::stamp, the arrival of a message, until the loop runs
-  rt::DurationHistogram compute;  ///< from then on until the answer is sent
+  rt::DurationHistogram wakeup;   ///< time from ArmState::stamp, a message's arrival, until the loop runs
+  rt::DurationHistogram compute;  ///< time from the wake-up until the answer is sent
   /// Time between messages answered in COMMANDING_ACTIVE; 1e9 / median is the servo rate [Hz].
   rt::DurationHistogram period;
 };

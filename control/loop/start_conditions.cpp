@@ -35,7 +35,7 @@ safety::MotionPermits EvaluatePermits(const TickInputs& tick, const StartConditi
       EvaluateCoupling(c.params.coupling, {.model = model, .X_WT = c.arm.X_WT(), .now = now}, full);
   permits.Set(MotionPermit::kModelFresh,
               coupling.status == ModelStatus::kOk && coupling.age_s <= c.params.watchdog.model_stop_s);
-  const bool renders_here = c.rendered || c.arm.AtStart();  // on the way to the start nothing is rendered
+  const bool renders_here = c.rendered || c.arm.AtStart();  // on the path to the start nothing is rendered
   permits.Set(MotionPermit::kNoResidualWrench,
               !c.arm_overloaded && (!renders_here || coupling.F_T_W.f.norm() <= c.max_force_N));
 

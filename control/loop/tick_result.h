@@ -10,7 +10,7 @@ namespace osteon::control {
 /// Results of a tick that no part of the loop keeps. The loop assembles the tick's record from them and from
 /// its parts.
 struct TickResult {
-  InputAges ages;       ///< of contact model and force reading
+  InputAges ages;       ///< ages of contact model and force reading
   Wrench F_hand_T_W{};  ///< the hand's wrench on T at To, in W; zero if there is none or it is not finite
   double arm_speed_m_per_s{0.0};  ///< measured speed of the apex while the loop commands the arm; else 0
   bool coupling_evaluated{false};

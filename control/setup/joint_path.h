@@ -24,7 +24,7 @@ struct JointPathOutput {
   kinematics::JointVectorN<N> q{kinematics::JointVectorN<N>::Zero()};   ///< [rad]
   kinematics::JointVectorN<N> qd{kinematics::JointVectorN<N>::Zero()};  ///< [rad/s]
   double progress{0.0};  ///< 0 … 1, share of the path; never falls
-  double rate{0.0};      ///< of the path's clock, 0 (pausing) … 1
+  double rate{0.0};      ///< rate of the path's clock, 0 (paused) … 1
   bool done{false};      ///< at the goal, at rest
 };
 

@@ -101,7 +101,7 @@ void Validate(const ServoParams& params);
 /// The law's properties that the stabilisers depend on.
 /// @throws std::invalid_argument if the age governor is to act on a law without damping.
 [[nodiscard]] StabilisedLaw LawOf(const ServoParams& params);
-/// The same for an admittance law, whose gains may change in a tick.
+/// The properties of an admittance law, whose gains may change in a tick.
 [[nodiscard]] StabilisedLaw LawOf(const AdmittanceParams& law, const ServoParams& params) OSTEON_RT;
 
 /// The lowest limit of the tool's speed: the cell's, that of the kinetic energy, and kReducedSpeed_m_per_s.

@@ -28,7 +28,8 @@ struct Rows {
   }
 };
 
-// The direction in which a force along u at lever_W works, at the damping's centre and divided by its root.
+// The six-axis direction of a force along u at lever_W, referred to the damping's centre and divided by the
+// damping's square root.
 Vector6 ScaledForceDirection(const Vector3& u_W, const Vector3& lever_W, const Matrix3& R_WT,
                              const AxisDamping& root) OSTEON_RT {
   Vector6 a;
@@ -43,7 +44,7 @@ struct NormalBasis {
   std::array<Vector3, 3> normal;
   std::array<Vector6, 3> e;
   int rank{0};
-  double stiffness_N_per_m{0.0};  // of the stiffest of these planes, as the coupling fades it
+  double stiffness_N_per_m{0.0};  // stiffness of the stiffest of these planes, with the coupling's fade
 };
 
 // Gram-Schmidt of the normals, each with its lever: A (N^T N)^-1 A^T = sum e e^T.

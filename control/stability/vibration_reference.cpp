@@ -12,10 +12,10 @@ namespace {
 
 constexpr double kBeats = 2.0;     // a tremor's energy may fall by this factor within a moment
 constexpr double kLightens = 3.0;  // a light tool returns a tremor's energy times this
-constexpr double kTrust_s = 6.0;   // memory of suspicion: oscillation comes and goes
+constexpr double kTrust_s = 6.0;   // time constant of the memory of suspicion: oscillation comes and goes
 constexpr double kLight = 0.01;    // index below which the virtual tool counts as light
 constexpr double kSettle_s = 0.15, kBeat_s = 1.0;
-constexpr double kSure = 0.9;  // of the index' suspicion: more than a damped loop reaches
+constexpr double kSure = 0.9;  // raw index that starts a test while watchful: a damped loop stays below it
 
 const ReferenceParams& Validated(const ReferenceParams& params) {
   Validate(params);

@@ -107,14 +107,14 @@ struct VulkanEngine::Impl {
   simulation::FrameMemory memory;
   std::size_t ball_count{0}, point_count{0};
   std::optional<SplitPool> pool;  // only where balls are split
-  std::size_t ball_clusters{0};   // with those of the pool
+  std::size_t ball_clusters{0};   // number of clusters of balls, including those of the pool
   double unit_mm3{1.0};
   // largest coordinate of a tool ball that can touch; smallest tool ball's radius
   double extent_m{0.0}, min_radius_m{1.0};
   bool lost{false}, brute_force{false};
   std::uint64_t frame_timeout_ns{0};
   FrameStats stats;
-  simulation::NearField near;  // of the last frame; only its faces are filled
+  simulation::NearField near;  // near field of the last frame; only its faces are filled
   simulation::Candidates candidates;
 
   Frame frame_constants{};  // constant part of every frame
@@ -134,7 +134,7 @@ struct VulkanEngine::Impl {
   bool had_no_contact{true};                  // the last frame had no contact
   Pose X_GT;                                  // pose of the tool in this frame
   std::vector<Vector3> start_m, goal_m;       // positions of the tool's balls in this frame
-  std::vector<vec4> placed;                   // the same for the device: in floats, then their remainders
+  std::vector<vec4> placed;                   // these positions for the device: floats, then their remainders
   std::vector<simulation::Capsule> capsules;  // swept by the cutting balls; only where balls are split
 
   std::string Open(std::unique_ptr<Context> context, const simulation::Bone& bone,

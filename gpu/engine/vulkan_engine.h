@@ -24,7 +24,7 @@ enum class FencePolicy : std::uint8_t {
 
 /// The kind of device that the passes are built for: see "On a GPU" in the README.
 enum class PassVariant : std::uint8_t {
-  kAuto,       ///< for the device's own kind
+  kAuto,       ///< chosen by the device's own kind
   kProcessor,  ///< few lanes and long chunks, the solution in a separate pass, waits for the fence
   kGpu,        ///< many lanes, the last workgroup solves and reports, sums are combined in shared memory
 };
@@ -35,10 +35,10 @@ struct VulkanOverrides {
   PassVariant variant{PassVariant::kAuto};
   FencePolicy fence{FencePolicy::kAuto};
   std::uint32_t subgroup_size{0};   ///< 0: the device's own; other sizes need VK_EXT_subgroup_size_control
-  std::uint32_t max_workgroups{0};  ///< of a pass, along x; 0: the device's limit
-  std::uint32_t bone_ball_bits{0};  ///< of a bone ball's index in keys, 24 … 28; 0: as many as the bone needs
-  Arithmetic arithmetic{Arithmetic::kAuto};  ///< of those that the device has the features for
-  std::optional<bool> fused_fma{};           ///< in place of what HasFusedFma finds; without doubles
+  std::uint32_t max_workgroups{0};  ///< largest number in a pass, along x; 0: the device's limit
+  std::uint32_t bone_ball_bits{0};  ///< bits for a bone ball's index in keys, 24 … 28; 0: as the bone needs
+  Arithmetic arithmetic{Arithmetic::kAuto};  ///< the device must have the features for it
+  std::optional<bool> fused_fma{};           ///< replaces the result of HasFusedFma; only without doubles
 };
 
 struct VulkanParams {

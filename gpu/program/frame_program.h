@@ -28,9 +28,10 @@ struct ProgramSizes {
 
 enum class FrameMode : std::size_t {
   kLists,           ///< uses the lists of an earlier frame
-  kListsRefreshed,  ///< the same, with their packed pairs measured anew at the proxy
+  kListsRefreshed,  ///< uses the lists of an earlier frame, with their packed pairs measured anew at the
+                    ///< proxy
   kListsAtProxy,    ///< builds the lists at the proxy
-  kListsAtContact,  ///< builds the lists at first contact, which is searched on the whole way
+  kListsAtContact,  ///< builds the lists at first contact, which is searched on the whole path
   kFlush,           ///< no frame: writes the lists' balls back to the buffer that they came from
 };
 
@@ -141,7 +142,7 @@ class FrameProgram {
   vk::raii::DescriptorSets sets_{nullptr};
   vk::raii::CommandPool command_pool_{nullptr};
   std::vector<Pass> passes_;
-  std::array<std::vector<std::size_t>, 5> run_passes_;  // by mode
+  std::array<std::vector<std::size_t>, 5> run_passes_;  // indices into passes_ of each FrameMode
   std::vector<vk::raii::CommandBuffer> commands_;
   std::array<DispatchArgs, 3> recorded_{};  // workgroups in the recorded commands of kLists
   FrameMode last_mode_{FrameMode::kLists};

@@ -86,7 +86,7 @@ struct DoublePrecision {
   double slid_share, advance, edge_work;  // slid_share: of the performed slide; the others: of the frame
   OSTEON_ARRAY(dvec3, hold_n, 4);  // normals of the planes that hold the tool, with their multipliers below
   OSTEON_ARRAY(double, hold, 4);
-  dvec3 step;  // of the proxy's advance
+  dvec3 step;  // step of the proxy's advance
   // area and moment by material, in units of 1 / (area_scale kUnitSubdivision) and 1 / (moment_scale
   // kUnitSubdivision)
   OSTEON_ARRAY(Sum64, engaged, 2 * kMaxMaterials);
@@ -159,12 +159,12 @@ struct Frame {
   // displacement since the lists were built of the tool ball that moved most
   float cutting_displacement_start_mm, cutting_displacement_goal_mm, shaft_displacement_start_mm,
       shaft_displacement_goal_mm;
-  // the same since their packed pairs were measured: see refresh.comp
+  // its displacement since the lists' packed pairs were measured: see refresh.comp
   float cutting_measured_start_mm, cutting_measured_goal_mm, shaft_measured_start_mm, shaft_measured_goal_mm;
-  float path_mm;          // of the tool point that moves farthest, from the proxy to the tool's pose
+  float path_mm;          // travel of the tool point that moves farthest, from the proxy to the tool's pose
   uint chunk;             // list entries for one invocation
   uint lists_at_contact;  // 1: the lists are built in this frame, at first contact
-  uint max_workgroups;    // of a pass, along x: further work loops over them
+  uint max_workgroups;    // largest number in a pass, along x: further work loops over them
   uint near_ball_clusters, near_point_clusters;  // clusters that the tool can meet
   uint flush_count;                              // balls of the previous lists, which flush.comp writes back
   uint upload_count;

@@ -30,7 +30,7 @@ float SquaredDistance(CapsuleF32 c, vec3 p) {
   return dot(away, away);
 }
 
-// The same in double precision.
+// One piece of a cutting ball's path in double precision.
 struct Capsule {
   dvec3 a, m;
   double per_mm2, r;
@@ -99,7 +99,7 @@ dvec4 Shrunk(dvec4 ball, CapsulePair capsules, bool all_cases, out bool on_axis)
   return Shrunk(Shrunk(ball, capsules.slide, all_cases, on_axis), capsules.advance, all_cases, on_axis);
 }
 bool Inside(CapsulePair capsules, dvec3 p) { return Inside(capsules.slide, p) || Inside(capsules.advance, p); }
-// The same in floats.
+// Both pieces of a tool ball's way in floats.
 struct CapsulePairF32 {
   CapsuleF32 slide, advance;
   float r;

@@ -48,8 +48,8 @@ struct CorridorWidth {
 
 /// Figures of a session, of one tool, or of one pass.
 struct ProcessFigures {
-  double time_s{0.0};     ///< from the first tick to the last
-  double cutting_s{0.0};  ///< while bone was removed
+  double time_s{0.0};     ///< time from the first tick to the last
+  double cutting_s{0.0};  ///< time in which bone was removed
   double path_m{0.0};     ///< path of the head's centre within kNearCup_m of the planned centre
   double force_mean_N{0.0}, force_peak_N{0.0};  ///< of the hand while cutting
   double wrong_way{0.0};  ///< impulse of the hand across the axis over its whole impulse, while cutting
@@ -82,7 +82,7 @@ class ProcessSums {
   bool was_near_{false};
   double path_m_{0.0}, cutting_s_{0.0}, outside_s_{0.0};
   double impulse_Ns_{0.0}, across_Ns_{0.0}, peak_N_{0.0};
-  std::optional<double> guidance_E_J_{};  // of the sample before
+  std::optional<double> guidance_E_J_{};  // the guidance's energy E in the previous sample
   double guidance_J_{0.0};
 };
 
