@@ -72,9 +72,8 @@ struct ArmState {
   std::uint32_t rejected{0};       ///< hostile, damaged, of another sender or of another version
   std::uint32_t other_version{0};  ///< part of `rejected`: another version of the protocol
   // Answers so far, as the arm's messages reflect them.
-  std::uint32_t answers_lost{0};  ///< never seen by the arm, which took a later answer
-  std::uint32_t answers_foreign{
-      0};  ///< reflected by the arm but never sent by the link: there is another client
+  std::uint32_t answers_lost{0};     ///< never seen by the arm, which took a later answer
+  std::uint32_t answers_foreign{0};  ///< reflected by the arm, but sent by another client
 };
 
 /// The loop's answer: where the joints should be. In states in which the arm moves by itself, the link

@@ -24,9 +24,8 @@ constexpr double kReturnTicks = 10.0;      // ticks in which an arm too near a s
 constexpr double kRelief_rad_per_s = 4.0;  // speed of the yielding null motion per unit of n_i
 constexpr double kMaxRelief_rad_per_s = 100.0;  // above any joint's speed limit
 constexpr double kTiny = 1e-12;
-constexpr double kRoundDown =
-    1.0 - 1e-12;                // factor on a speed limit, so that products do not round beyond it
-constexpr double kActs = 1e-9;  // a smaller reduction is rounding
+constexpr double kRoundDown = 1.0 - 1e-12;  // factor on a speed limit: products must not round beyond it
+constexpr double kActs = 1e-9;              // a smaller reduction is rounding
 
 // Acceleration of the tool at joint velocity y with no joint acceleration, J' y, which is also the second
 // order of its displacement: with w_i, v_i the columns of J and W_i the sum of w_j y_j over the joints before
@@ -176,8 +175,9 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
   out.sigma_min_m = svd.sigma[5];
   out.sigma_gradient_m = SingularValueGradient<N>(in.J, u_min, svd.V.col(5));
 
-  // The tool's path is curved when joints turn, by half a tick of J' qd: correct the twist so that its mean
-  // over the tick is the wanted one, with qd as it will be without limits.
+  // While joints turn, the tool's path curves: its mean velocity over the tick differs from J qd by half a
+  // tick of J' qd. Correct the twist by this, so that its mean is the wanted twist, with qd as it is without
+  // limits.
   JointVectorN<N> qd_free = in.qd_before;
   for (int k = 0; k < 6; ++k) {
     if (svd.sigma[k] < params_.singular_zone_m) continue;
@@ -263,7 +263,8 @@ typename DifferentialInverse<N>::DampedSpeed DifferentialInverse<N>::ComputeDamp
   const double edge = sigma_m / zone_m;
   const double depth = std::max(1.0 - edge * edge, kTiny);  // 0 at the zone's edge, for continuity
 
-  // damped; on the way back less, the more the direction bends, and including its second order
+  // The damped speed. When the direction returns, damping is less the more it bends, and the second order is
+  // included.
   const bool returns = a_m_per_s * curvature_m > 0.0;
   const double deep = std::max(0.0, 1.0 - sigma_m / neutral_m) * params_.min_damping_m;
   const double min_damping2 = deep * deep * (returns ? 1.0 - bends : 1.0);
@@ -275,7 +276,7 @@ typename DifferentialInverse<N>::DampedSpeed DifferentialInverse<N>::ComputeDamp
   }
 
   // bounds: the joints' acceleration, their speed, and the end of the reach
-  if (share_before > 0.0) {  // compare with the speed before limits scaled the whole
+  if (share_before > 0.0) {  // compare with the previous speed as it was before the limits scaled it
     const double before = v.dot(in.qd_before) / share_before;
     const double change = acceleration * dt_s / (depth * share_before);
     y = std::clamp(y, before - change, before + change);

@@ -139,7 +139,7 @@ class DifferentialInverse {
   struct DampedSpeed {
     double speed, lambda;
   };
-  // A direction whose singular value is in the zone, and what is asked of it.
+  // A direction whose singular value is in the zone, and the motion that the twist asks along it.
   struct SingularDirection {
     const JointVectorN<N>& v;  // unit, in joint space
     double sigma_m{0.0}, curvature_m{0.0};

@@ -65,7 +65,7 @@ double WorstViolation(const Planes& planes, int count, const Vector3& x) {
 // The dual active-set method. From the free minimum, x = 0, violated planes are added one at a time, and a
 // plane that would pull is dropped. Each round ends at the nearest point of a set of planes, further out than
 // the round before, so that no set comes twice. On success `active` are the planes that the nearest point
-// lies on. False if no point keeps all planes, or rounding makes it look so.
+// lies on. Returns false if no point satisfies all planes, or if rounding gives this impression.
 // Source: Goldfarb and Idnani, A Numerically Stable Dual Method for Solving Strictly Convex Quadratic
 // Programs, Math. Programming 27, 1983.
 bool FindActive(const Planes& planes, int count, Set& active) {

@@ -16,7 +16,8 @@ struct PosturePreferenceParams {
   double limit_speed_rad_per_s{0.3};     ///< preferred speed at the limit itself; >= 0
   double singular_zone_m{0.07};          ///< smaller singular values than this are increased; > 0
   double singular_speed_rad_per_s{0.3};  ///< preferred speed at a singular value of zero; >= 0
-  /// Factor on the load wanted: a posture that holds less is led to one that holds more; > 1.
+  /// Factor on the wanted load: from a posture that holds less than this multiple, the arm is led to one that
+  /// holds more; > 1.
   double load_zone{1.5};
   double load_speed_rad_per_s{0.3};  ///< preferred speed where no more than the load is held; >= 0
 };

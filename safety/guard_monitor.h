@@ -40,9 +40,8 @@ struct GuardParams {
   /// How far beyond the controller's own limits on motion and hand the guard intervenes, so that a controlled
   /// stop comes first: 0.25 is a quarter. Does not apply to the arm's own limits or to rendered forces.
   double margin{0.25};
-  double answer_age_s{
-      0.005};              ///< longest time from an arm message to its answer; a later one is dropped; > 0
-  double silence_s{0.05};  ///< longest time without an answer, else the motion request is withdrawn; > 0
+  double answer_age_s{0.005};  ///< longest time from an arm message to an answer that is not late; > 0
+  double silence_s{0.05};      ///< longest time without an answer, else the motion request is withdrawn; > 0
 };
 
 enum class GuardSession : std::uint8_t {

@@ -181,8 +181,7 @@ class JointFollower final : public ArmFollower {
 
  private:
   using ZonePoint = safety::ZonePoint;
-  static constexpr std::array<ZonePoint, 2> kCarried{ZonePoint::kFlange,
-                                                     ZonePoint::kElbow};  // the points that the joints carry
+  static constexpr std::array<ZonePoint, 2> kCarried{ZonePoint::kFlange, ZonePoint::kElbow};  // by joints
   static constexpr std::array<ZonePoint, 3> kAll{ZonePoint::kApex, ZonePoint::kFlange, ZonePoint::kElbow};
 
   static Joints ToJoints(const JointArray& q) { return Eigen::Map<const Joints>(q.data()); }

@@ -27,7 +27,7 @@ namespace osteon::control {
 /// Call Evaluate, Render, LimitPower and StepCompliance in this order, each at most once per tick. All
 /// wrenches that they return are within the cell's limits of force and torque.
 ///
-/// Where the cell gives way (control/compliance), coupling and stabilisers see the pose and velocity of the
+/// If the cell is compliant (control/compliance), coupling and stabilisers see the pose and velocity of the
 /// bent head in the bone's world, and the wrench is carried back to T.
 class CouplingPipeline {
  public:

@@ -123,9 +123,8 @@ struct CouplingTick {
 
 // The planes at a tick's pose.
 struct PlacedPlanes {
-  std::array<HalfSpace, kMaxHalfSpaces>
-      half_space;                             // constraints on the displacement of the proxy from the tool
-  std::array<Vector3, kMaxContacts> lever_W;  // from To to the contact point
+  std::array<HalfSpace, kMaxHalfSpaces> half_space;  // bounds on the displacement from tool to proxy
+  std::array<Vector3, kMaxContacts> lever_W;         // from To to the contact point
 };
 
 // Checks the model and weighs it by its age. False if nothing is rendered; the contact is then forgotten.

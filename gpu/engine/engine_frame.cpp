@@ -58,7 +58,7 @@ Frame VulkanEngine::Impl::PrepareFrame(const simulation::FrameInput& input) {
       kMillimetres * (kPlaceRounding * (extent_m + way_m) + kWayRounding * way_m * way_m / min_radius_m));
   f.path_mm = static_cast<float>(way_m * kMillimetres);
   if (lists.made && !brute_force) MeasureDisplacement(f);
-  // slide and advance together: at most max_slide; the immediate law goes all the way
+  // slide and advance together are at most max_slide; the immediate law moves the tool along its whole path
   const double step_m = params.max_slide_m + (params.law == simulation::RemovalLaw::kImmediate ? way_m : 0.0);
   f.ball_reach_mm = static_cast<float>(kMillimetres * std::max(params.normal_enlargement_m, step_m));
   f.point_reach_mm = static_cast<float>(kMillimetres * std::max(params.engaged_layer_m, step_m));
@@ -167,7 +167,7 @@ float VulkanEngine::Impl::MaxDisplacement_mm(const std::vector<Vector3>& was_m,
   return static_cast<float>(kMillimetres * std::sqrt(max_m2));
 }
 
-// Finds the clusters that the tool can meet, within its reach, on its way or at its pose.
+// Finds the clusters that the tool can meet, within its reach, on its path or at its pose.
 void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
   const bool whole_way = mode == FrameMode::kListsAtContact;
   const auto sweep = [&](const Vector3& start, const Vector3& goal, double radius_m, float reach_mm) {
@@ -193,7 +193,7 @@ void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
   };
   work->Clear();
   find(ball_tree, f.ball_reach_mm, false, ball_cluster_pairs);
-  // a block is in its parent's place
+  // a block of children takes the place of its parent ball
   for (std::size_t i = 0, clusters = pool ? ball_cluster_pairs.size() : 0; i < clusters; ++i) {
     const ClusterPairs parents = ball_cluster_pairs[i];
     for (const uint block : pool->BlocksIn(parents.cluster))

@@ -37,12 +37,12 @@ inline constexpr std::uint64_t kWarmUpTimeout_ns = 120'000'000'000;
 // Timeout of brute force, which tests every pair in every pass: for measurements only.
 inline constexpr std::uint64_t kBruteTimeout_ns = 900'000'000'000;
 // Bounds on the rounding of a distance in floats: eight units in the last place of the coordinates and, along
-// a way that is long compared with the balls, of its square over the sum of radii.
+// a path that is long compared with the balls, of the path's square over the sum of radii.
 inline constexpr double kPlaceRounding = 0x1p-21, kWayRounding = 4e-7;
-// kCuttingSkin_m, kShaftSkin_m: largest displacement of the tool until the lists of balls and points are
+// kCuttingSkin_m, kShaftSkin_m: displacement of the tool from which on the lists of balls and points are
 // rebuilt. Balls that do not cut are mostly far from bone, so their wide margin costs nothing.
 // kRemeasureDisplacement_mm: beyond this displacement a software driver measures the lists' packed pairs
-// anew; on a GPU that does not pay.
+// anew; on a GPU that saves no time.
 inline constexpr float kRemeasureDisplacement_mm = 0.03f;
 inline constexpr double kCuttingSkin_m = 0.15e-3, kShaftSkin_m = 0.6e-3;
 // Capacity: tool balls in all list entries together, tool balls of all clusters together.
@@ -123,7 +123,7 @@ struct VulkanEngine::Impl {
   std::vector<ClusterPairs> ball_cluster_pairs, point_cluster_pairs;
   std::vector<BallSweep> group_sweeps, ball_sweeps;
 
-  // the lists on the device, as the last frame that built them left them
+  // The lists on the device, in the state after the last frame that built them.
   struct Lists {
     bool made{false};
     float ball_reach_mm{0.0f}, point_reach_mm{0.0f};

@@ -78,7 +78,7 @@ class SplitPool {
   std::size_t parents_, first_;
   std::vector<std::int32_t> block_;    ///< block of each parent; -1: none
   std::vector<std::uint32_t> parent_;  ///< parent of each block that was ever in use
-  std::set<uint> free_;                ///< those of them that are free now
+  std::set<uint> free_;                ///< blocks that were in use and are free now
   std::set<uint> in_use_;
   std::vector<uint> emptied_;     ///< blocks without children, to be freed at the end of the next frame
   std::vector<Waiting> waiting_;  ///< in ascending order of parents

@@ -74,24 +74,24 @@ struct PassTime {
 ///     path contact ─▶ pick balls, points ─▶ planes ─▶ …                with lists made anew
 ///
 /// Balls and points are in clusters of 64 along a space-filling curve, each with its box at the start. The
-/// host finds the clusters that the tool's way can meet in a tree of those boxes. The device lists the balls
-/// and points in them that the tool can touch, each with the tool balls that can touch it, and the passes run
-/// over these lists alone. Lists have a margin and serve until the tool has moved by it. Boxes stay valid
-/// because bone only shrinks inside itself. Sums are integers (fixed point): equal inputs give equal bits,
-/// whatever the order of execution. simulation::ReferenceEngine, the oracle, documents what every pass
-/// computes.
+/// host finds the clusters that the tool can meet on its path, in a tree of those boxes. The device lists the
+/// balls and points in them that the tool can touch, each with the tool balls that can touch it, and the
+/// passes run over these lists alone. Lists have a margin and serve until the tool has moved by it. Boxes
+/// stay valid because bone only shrinks inside itself. Sums are integers (fixed point): equal inputs give
+/// equal bits, whatever the order of execution. simulation::ReferenceEngine, the oracle, documents what every
+/// pass computes.
 class VulkanEngine final : public simulation::CuttingEngine {
  public:
-  /// Creates the engine. An error text where the device is unknown, memory does not suffice, or bone and tool
-  /// exceed the engine's sizes.
+  /// Creates the engine. Returns an error text if the device is unknown, memory does not suffice, or bone and
+  /// tool exceed the engine's sizes.
   [[nodiscard]] static tl::expected<std::unique_ptr<VulkanEngine>, std::string> Create(
       const simulation::Bone& bone, const simulation::Tool& tool, const Pose& X_WG,
       const simulation::CuttingParams& params, const VulkanParams& vulkan);
   ~VulkanEngine() override;
 
   simulation::ContactModel Step(const simulation::FrameInput& input) override;
-  /// For a lost device only the books, without balls and points, which are lost with it. Where the device is
-  /// lost during this call, the next Step reports it.
+  /// Returns the state of the cut bone. If the device is lost, the state has only the frame memory: balls and
+  /// points are lost with the device. If the device is lost during this call, the next Step reports it.
   [[nodiscard]] simulation::CarvedState Snapshot() const override;
   /// @throws std::invalid_argument where the state belongs to another bone or tool; std::runtime_error where
   ///   the device is lost.

@@ -23,7 +23,7 @@ struct BallSweep {
 ///                                                 for any)
 class WorkList {
  public:
-  /// @param ref_capacity  of the device's buffer of tool refs; at least the number of tool balls
+  /// @param ref_capacity  size of the device's buffer of tool refs; at least the number of tool balls
   WorkList(std::size_t largest_cluster_count, const ToolLayout& tool, std::size_t ref_capacity);
 
   void Clear() { refs_.resize(tool_->balls.size()); }

@@ -2,7 +2,7 @@
 // shrinks. A float test with a margin for its rounding (frame.rounding_mm) comes first and rejects nearly all pairs, so that
 // few are tested twice. Equivalent to simulation/contact/cutting_math.h and reference_engine.cpp.
 
-// Converts fractions of a way to keys and back.
+// Converts fractions of a path to keys and back.
 #ifdef OSTEON_NO_FLOAT64
 // The key of a double-single: the upper word has the bits of its first float, the lower word those of the remainder, in an
 // order that counts the sign. A lower word of all ones means that only the upper word is known yet: a remainder as large as any.

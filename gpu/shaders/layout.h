@@ -69,10 +69,10 @@ struct Sum {
 // Frame values that need double precision. Millimetres, newtons, seconds.
 struct DoublePrecision {
   dvec3 start, goal;  // T's origin at the proxy and at the tool's pose
-  dvec3 axis;         // the spindle's
+  dvec3 axis;         // axis of the spindle
   double enlargement, tolerance, layer, max_slide;
   double stiffness, max_force, spindle_rad_per_s, dt_s;
-  double work_held_back;                                // share of the debt that this frame pays
+  double work_held_back;                                // work of this frame that repays the energy lead
   OSTEON_ARRAY(double, cutting_energy, kMaxMaterials);  // N/mm^2
   OSTEON_ARRAY(double, force_ratio, kMaxMaterials);
   OSTEON_ARRAY(double, edge_force, kMaxMaterials);  // N/mm, of all edges together
@@ -81,7 +81,8 @@ struct DoublePrecision {
   dvec3 delta, shift;  // to the constrained target; straight, from first contact
   dvec3 n;             // direction of the cutting contacts' resultant
   double cutting;      // length of the cutting contacts' share of delta
-  // with the turn and straight: the allowed fraction, and the whole way of the tool point that moves farthest
+  // With the turn and straight: the allowed fraction of the slide, and the travel of the tool point that
+  // moves farthest in the whole slide.
   double slide_limit, straight_limit, way, straight_way;
   double slid_share, advance, edge_work;  // slid_share: of the performed slide; the others: of the frame
   OSTEON_ARRAY(dvec3, hold_n, 4);  // normals of the planes that hold the tool, with their multipliers below

@@ -14,7 +14,7 @@
 const double kPi = 3.14159265358979323846lf;
 const double kMaxLens_mm3 = 1e9 * kMaxLensVolume;
 const double kBinCentreBias_mm = 1e3 * kBinCentreBias_m;
-const float kDirectionRounding = 1e-5;  // of a cosine in floats: this near to a bin's edge they cannot decide the side
+const float kDirectionRounding = 1e-5;  // rounding of a cosine in floats: nearer to a bin's edge, floats cannot decide the side
 
 // Equivalent to simulation::LensVolume, up to the largest volume that counts.
 double LensVolume(double r1, double r2, double d) {
@@ -24,8 +24,8 @@ double LensVolume(double r1, double r2, double d) {
   return over <= 0.0lf ? 0.0lf : min(v, kMaxLens_mm3);
 }
 
-// Equivalent to simulation::FindBin; u in T. In floats, with the approximate distance of the direction from another bin; and in
-// double precision.
+// FindBin and FindExactBin are equivalent to simulation::FindBin; u in T. FindBin computes in floats, and gives the approximate
+// distance of the direction from another bin. FindExactBin computes in double precision.
 struct Bin {
   uint number;
   float off_centre, inside;

@@ -1,7 +1,7 @@
 // Pairs of a ball and a tool ball in the lists. A packed pair has the gap when it was measured. The tool has moved by at most
 // the displacement since, and bone only shrinks, so pairs that are too far are skipped without reading the balls.
 
-// Displacement of the tool balls of a kind since their packed pairs were measured, at fraction s of the frame's way.
+// Displacement of the tool balls of a kind since their packed pairs were measured, at fraction s of the frame's path.
 float Displacement(bool cutting, float s) {
   if (frame.lists_at_contact != 0u) return 0.0;  // only steps after first contact use it
   return cutting ? mix(frame.cutting_measured_start_mm, frame.cutting_measured_goal_mm, s)

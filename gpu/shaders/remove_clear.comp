@@ -72,7 +72,7 @@ dvec4 Shrunk(dvec4 ball, Capsule c, bool all_cases, inout bool on_axis) {
   return gone ? dvec4(ball.xyz, 0.0lf) : dvec4(ball.xyz + half_p * u, ball.w - half_p);
 }
 
-// The frame's way of the tool.
+// The path of the tool in a frame.
 struct SweptPath {
   double at_contact;
   Slide slid_by;
@@ -85,7 +85,7 @@ struct SweptPath {
   vec3 move_f32, step_f32;
 };
 bool IsCutter(SweptPath way, uint t) { return !kContactSphere || t == way.cutter; }
-// Both pieces of tool ball t's way.
+// Both pieces of a tool ball's path: the slide and the advance.
 struct CapsulePair {
   Capsule slide, advance;
 };
@@ -99,7 +99,7 @@ dvec4 Shrunk(dvec4 ball, CapsulePair capsules, bool all_cases, out bool on_axis)
   return Shrunk(Shrunk(ball, capsules.slide, all_cases, on_axis), capsules.advance, all_cases, on_axis);
 }
 bool Inside(CapsulePair capsules, dvec3 p) { return Inside(capsules.slide, p) || Inside(capsules.advance, p); }
-// Both pieces of a tool ball's way in floats.
+// Both pieces of a tool ball's path in floats.
 struct CapsulePairF32 {
   CapsuleF32 slide, advance;
   float r;
@@ -110,13 +110,13 @@ CapsulePairF32 CapsulesF32Of(SweptPath way, uint t) {
        slid = mix(contact.xyz, target, way.share_f32);
   return CapsulePairF32(MakeCapsuleF32(contact.xyz, slid), MakeCapsuleF32(slid, slid + way.step_f32), contact.w);
 }
-// True where they may touch a ball, or a point of radius 0.
+// Whether the capsules may touch a ball, or a point (radius 0).
 bool MayTouch(SweptPath way, CapsulePairF32 capsules, vec3 p, float radius) {
   float reach = capsules.r + radius + way.rounding;
   return min(SquaredDistance(capsules.slide, p), SquaredDistance(capsules.advance, p)) < reach * reach;
 }
 
-// A ball after the frame, by its entry's packed pairs in order: both pieces of one tool ball's way before those of the next.
+// Returns a ball after the frame. The packed pairs of its entry count in order, each with both pieces of the tool ball's path.
 vec4 Shrink(SweptPath way, uint slot, vec4 ball) {
   ListEntry entry = LiveEntry(slot);
   uint last = entry.first + (ball.w > 0.0 && entry.more <= way.farthest ? entry.count : 0u);
@@ -134,7 +134,7 @@ vec4 Shrink(SweptPath way, uint slot, vec4 ball) {
   return ball;
 }
 
-// True where one piece of the way removes the whole original ball.
+// Whether one piece of a tool ball's path removes the whole original ball.
 bool IsSwallowed(SweptPath way, uint slot, dvec4 whole) {
   bool swallowed = false;
   ListEntry entry = LiveEntry(slot);

@@ -24,7 +24,7 @@ shared uint start_plane[4];  // planes that held the tool in the frame before
 // offsets of the planes for the hold with the turn, and for the hold without it
 shared double plane_offset[2][kCandidates + 1];
 
-// ---- where planes hold a point
+// ---- the point at which planes hold the tool
 
 // Up to four planes that hold a point, kNoPlane for none.
 struct ActiveSet {
@@ -157,7 +157,7 @@ ActiveSet FindConstrainedGoal(uint hold, dvec3 shift, bool start) {
     // clamp, since software drivers continue with inactive lanes
     entering = min(subgroupMin(worst == max_violation ? entering : kNoPlane), kNoPlane);
     if (entering == kNoPlane) break;
-    // among the subsets of the holding planes, each with the entering one: the one whose point keeps the others
+    // choose the subset of the holding planes, with the entering plane, whose point violates the other planes least
     float min_violation = 1e30;
     uint chosen = 16u;
     ActiveSet own = held;
@@ -186,8 +186,8 @@ ActiveSet FindConstrainedGoal(uint hold, dvec3 shift, bool start) {
   return held;
 }
 
-// Where planes hold the tool, how far friction takes it back, and how much of the multipliers counts as force (equivalent to
-// simulation::SolveContacts).
+// The planes that hold the tool, the distance by which friction takes it back, and the part of the multipliers that counts as
+// force (equivalent to simulation::SolveContacts).
 struct ContactSolution {
   ActiveSet held;
   double normal, force_multiplier_cap;
