@@ -76,7 +76,7 @@ JointVectorN<N> SerialChain<N>::NewtonEuler(const Joints& q, const Joints& qd, c
   return Gather(turn, loads, qdd);
 }
 
-// Inwards: the load on each joint from all links further out.
+// Goes inwards along the chain, and sums the load on each joint from all links further out.
 template <int N>
 JointVectorN<N> SerialChain<N>::Gather(const SinCosN<kPadded>& turn,
                                        const std::array<Triple<Pair>, static_cast<std::size_t>(N)>& loads,

@@ -84,8 +84,8 @@ void SeparateByCurvature(const JacobianN<N>& J, const Vector6& u_min,
   directions.col(6) = std::cos(angle) * n - std::sin(angle) * v;
 }
 
-// Names the limit that took the largest part of a twist of that length, in `out`: the singularity, or what
-// the limits of the joints have named.
+// Stores in `out` which limit reduced a twist of that length the most: the singularity, or the joints' limit
+// that `out` already names.
 template <int N>
 void NameLimit(double length_m_per_s, MotionOutput<N>& out) {
   const double lost_share = length_m_per_s > 0.0 ? std::min(1.0, out.lost_m_per_s / length_m_per_s) : 0.0;

@@ -194,7 +194,7 @@ class JointFollower final : public ArmFollower {
     }
     return jacobian_;
   }
-  // Torques that hold the arm at q_, cached as well. @pre its masses are known
+  // Torques that hold the arm at q_, cached like the Jacobian. @pre the arm's masses are known
   [[nodiscard]] const Joints& Gravity() const OSTEON_RT {
     if constexpr (kRedundant) {
       if (gravity_q_ != q_) {
@@ -239,7 +239,7 @@ class JointFollower final : public ArmFollower {
   kinematics::DifferentialInverse<kN> motion_;
   safety::JointGuard<kN> guard_;
   safety::Workspace workspace_;
-  std::optional<JointPath<kN>> path_;  // to the start
+  std::optional<JointPath<kN>> path_;  // path to the start
   std::vector<Tool> tools_;
 
   Joints q_{Joints::Zero()};
@@ -439,7 +439,7 @@ bool JointFollower<Arm>::BrakeJoints() OSTEON_RT {
   --stop_ticks_;
   q_step_ *= static_cast<double>(stop_ticks_) / (stop_ticks_ + 1);
   q_step_ = guard_.Limit(q_, q_step_, params_.period_s).step;
-  // the ramp takes time, and a bound may be nearer
+  // braking to rest takes time, and a bound may be nearer than that
   q_step_ *= ZoneScale(q_, q_step_, PointsOf(q_), PointsOf(q_ + q_step_), kAll);
   q_ += q_step_;
   X_WT_ = PoseOf(q_);

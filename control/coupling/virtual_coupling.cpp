@@ -114,7 +114,7 @@ void StorePlanes(const CouplingParams& params, const ContactModel& model, Coupli
 struct CouplingTick {
   const CouplingParams& params;
   const CouplingInput& input;
-  double dt_s{0.0};              // since the last tick
+  double dt_s{0.0};              // time since the last tick
   bool fresh{false};             // the model is young enough for its planes to recede
   bool new_frame{false};         // the model's planes replace those of the last tick
   double cut_since_pose_s{0.0};  // if a new frame: time spent cutting since its pose
@@ -165,7 +165,7 @@ void AcceptFrame(CouplingTick& tick, CouplingState& state) {
   state.held_back_m.fill(0.0);
 }
 
-// Present position of a plane: the frame's, receded and held back.
+// Places a plane for this tick: the frame's plane, receded and held back.
 // @returns the gap that it leaves to the tool [m]
 double PlacePlane(const CouplingTick& tick, std::size_t i, const Vector3& n_W, const Vector3& lever_W,
                   CouplingState& state) {

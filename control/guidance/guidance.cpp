@@ -38,7 +38,7 @@ double Guidance::ProposeScale(const GuidanceInput& input) OSTEON_RT {
 
 void Guidance::AcceptScale(double scale) OSTEON_RT {
   scale_.AcceptScale(scale);
-  // of the springs alone: the damping follows the velocity, which a contact may turn within a tick
+  // Check the springs' force alone: the damping follows the velocity, which a contact may turn within a tick.
   trips_ = growth_.Check(scale * field_.f_spring_W, period_s_);
 }
 

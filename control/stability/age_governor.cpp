@@ -124,7 +124,7 @@ double AgeRatio(const CouplingOutput& coupling, const Matrix3& R_WT, const AxisD
     } else {
       tangent[0] = normal[0].cross(normal[1]);
     }
-    // further planes (walls that press from both sides) count at the levers of these
+    // Planes beyond these (walls that press from both sides) count at the levers of these planes.
     double all_N = 0.0, counted_N = 0.0;
     for (int j = 0; j < coupling.active_planes; ++j) {
       const double force_N = coupling.active[static_cast<std::size_t>(j)].force_N;

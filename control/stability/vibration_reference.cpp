@@ -90,7 +90,7 @@ void VibrationReference::Step(double oscillation_energy, double raw_index, doubl
   } else if (!watchful_) {
     reference2_ = std::max(reference2_, std::min(oscillation_energy, beat_limit2_));
   }
-  // oscillation comes and goes at the threshold
+  // the suspicion decays slowly, because an oscillation at the threshold comes and goes
   const bool suspected = raw_index > (watchful_ ? kSure : 0.0);
   suspected_s_ += suspected ? dt_s : -dt_s / kTrust_s * suspected_s_;
   before2_ = std::max(oscillation_energy, before2_ - dt_s / kTrust_s * before2_);

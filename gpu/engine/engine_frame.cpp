@@ -17,7 +17,8 @@ void VulkanEngine::Impl::PlaceToolBalls(const Pose& pose) {
   const std::size_t count = tool.balls.size();
   start_m.resize(count);
   goal_m.resize(count);
-  // written once and never read back: a device's memory is slow to read, and may return an older value
+  // Each value is written once and never read back: a device's memory is slow to read, and may return an
+  // older value.
   placed.resize(4 * count);
   for (std::size_t t = 0; t < count; ++t) {
     start_m[t] = memory.X_GP * tool.balls[t].center_T_m;
@@ -96,7 +97,7 @@ uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t range) const {
 
 DispatchArgs VulkanEngine::Impl::MakeDispatch(std::size_t entries, uint chunk, uint rows) const {
   const std::size_t share = std::size_t{program->lanes()} * chunk;
-  // the last workgroup continues, so there must be one
+  // on a GPU the last workgroup continues the frame, so there must be at least one
   const std::size_t min_groups = program->for_gpu() ? 1 : 0;
   return {.x = program->WithinLimit(std::max(min_groups, (entries + share - 1) / share)), .y = rows, .z = 1};
 }
@@ -116,7 +117,7 @@ bool VulkanEngine::Impl::Flush() const {
   return program->Run(f, FrameMode::kFlush, frame_timeout_ns);
 }
 
-// Prepares the upload of the children that the frame before has split.
+// Prepares the upload of the children of balls that were split after the previous frame.
 void VulkanEngine::Impl::SetUploads(Frame& f) const {
   if (!pool) return;
   const std::vector<SplitUpload>& uploads = pool->uploads();

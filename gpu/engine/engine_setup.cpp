@@ -139,7 +139,7 @@ void VulkanEngine::Impl::FillFrameConstants(const simulation::Bone& bone) {
   frame_constants.immediate = params.law == simulation::RemovalLaw::kImmediate ? 1 : 0;
 }
 
-// Brute force: lists everything, permanently.
+// For brute force: lists all balls and points once, for all frames.
 void VulkanEngine::Impl::ListEverything() {
   std::vector<vec4> copies(ball_count);
   ReadBalls(*program, copies.data(), ball_count);

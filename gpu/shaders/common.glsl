@@ -28,7 +28,7 @@ layout(constant_id = 8) const uint kToolRemainder = 2;  // index of the first re
 layout(constant_id = 9) const uint kBoneBits = kMinBoneBits;  // bits of a bone ball's index in a key
 
 layout(scalar, binding = kBindFrame) buffer FrameBuffer { Frame frame; };
-layout(scalar, binding = kBindFrame) coherent buffer FreshFrameBuffer { Frame fresh; };  // reads what others wrote in this pass
+layout(scalar, binding = kBindFrame) coherent buffer FreshFrameBuffer { Frame fresh; };  // for reading values that other workgroups wrote in this pass
 layout(scalar, binding = kBindFrame) coherent readonly buffer FrameWordBuffer { uvec4 frame_words[]; };
 layout(scalar, binding = kBindFrame) readonly buffer FrameHalfBuffer { uint frame_halves[]; };
 layout(scalar, binding = kBindReadback) buffer ReadbackBuffer { uvec4 readback_words[]; };

@@ -78,7 +78,7 @@ struct DoublePrecision {
   OSTEON_ARRAY(double, edge_force, kMaxMaterials);  // N/mm, of all edges together
   OSTEON_ARRAY(dvec3, face_n, kFaces);  // directions in which faces pressed in the frame before; zero: none
   // results
-  dvec3 delta, shift;  // to the constrained target; straight, from first contact
+  dvec3 delta, shift;  // delta: to the constrained target; shift: straight to it from first contact
   dvec3 n;             // direction of the cutting contacts' resultant
   double cutting;      // length of the cutting contacts' share of delta
   // With the turn and straight: the allowed fraction of the slide, and the travel of the tool point that

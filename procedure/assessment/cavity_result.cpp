@@ -120,7 +120,7 @@ bool InRoofArcs(const PelvicFrame& pelvis, const Vector3& native_centre_m, const
 }
 
 std::vector<Vector3> HemisphereDirections(const Vector3& axis, int count) {
-  // a Fibonacci lattice: heights are even, and so are areas
+  // a Fibonacci lattice: the heights are evenly spaced, so each direction stands for the same area
   const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0));
   const Matrix3 R = RotationFromZTo(axis);
   std::vector<Vector3> directions;
