@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPollInterval{5};
 
-// Runs between fork and exec: calls only what is permitted there.
+// Runs between fork and exec: calls only functions that are permitted there.
 void Redirect(const char* file, int descriptor) {
   const int opened = open(file, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
   if (opened >= 0) dup2(opened, descriptor);
@@ -39,7 +39,7 @@ pid_t FindChild(pid_t parent, const std::string& word) {
     if (name.find_first_not_of("0123456789") != std::string::npos) continue;
     const std::string status = ReadText(entry.path() / "status");
     if (status.find(fmt::format("\nPPid:\t{}\n", parent)) == std::string::npos) continue;
-    const std::string line = ReadText(entry.path() / "cmdline");  // its words end with a zero each
+    const std::string line = ReadText(entry.path() / "cmdline");  // each of its words ends with a zero
     if (line.find('\0' + word + '\0') != std::string::npos) return std::stoi(name);
   }
   return 0;

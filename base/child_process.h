@@ -14,7 +14,7 @@
 namespace osteon::base {
 
 struct ChildParams {
-  std::vector<std::string> words;   ///< of its command line, after the program's name
+  std::vector<std::string> words;   ///< arguments of the command line, after the program's name
   std::filesystem::path program{};  ///< file of the program; empty: this one
   std::filesystem::path folder{};   ///< its working folder; empty: this process's
   std::filesystem::path out{};      ///< file for its stdout; empty: discarded
@@ -27,22 +27,22 @@ struct ChildParams {
 /// Returns the process that `parent` has started with this word in its command line; 0 if there is none.
 [[nodiscard]] pid_t FindChild(pid_t parent, const std::string& word);
 
-/// This program, or another, as another process. It ends with this one, however this one ends, and gets no
-/// Ctrl-C.
+/// A child process that runs this program or another. It ends with this process, however this process ends,
+/// and gets no Ctrl-C.
 class ChildProcess {
  public:
-  /// Starts it. The error says why that failed.
+  /// Starts the process. The error says why that failed.
   [[nodiscard]] static tl::expected<std::unique_ptr<ChildProcess>, std::string> Start(ChildParams params);
-  /// Kills it if it still runs.
+  /// Kills the process if it still runs.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Whether it has ended. One thread only.
+  /// Whether the process has ended. One thread only.
   [[nodiscard]] bool Ended();
-  /// Sends a signal; does nothing if it has ended. Any thread.
+  /// Sends a signal; does nothing if the process has ended. Any thread.
   void Send(int signal_number) const;
-  /// Waits for its end, and kills it after `patience`.
+  /// Waits for the end of the process, and kills it after `patience`.
   /// @returns the exit code as a shell shows it: 128 + the signal if a signal ended it.
   int End(std::chrono::milliseconds patience);
 

@@ -14,7 +14,7 @@ inline constexpr Nanoseconds kSecond = 1'000'000'000;
 
 [[nodiscard]] constexpr double ToSeconds(Nanoseconds t) OSTEON_RT { return static_cast<double>(t) * 1e-9; }
 
-/// CLOCK_MONOTONIC.
+/// Present time of CLOCK_MONOTONIC.
 [[nodiscard]] Nanoseconds MonotonicNow() OSTEON_RT;
 
 /// Sleeps until the given time of CLOCK_MONOTONIC; returns at once if that time has passed.

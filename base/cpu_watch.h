@@ -8,9 +8,10 @@
 
 namespace osteon::rt {
 
-/// Measures how late each CPU of this machine runs what is due: a thread on each sleeps for a millisecond at
-/// a time. Above every other thread it finds a CPU that stands still, as a virtual machine's does for tens of
-/// milliseconds while its host runs something else; without a priority also one that is busy.
+/// Measures how late each CPU of this machine wakes a thread: on each CPU a thread sleeps for a millisecond
+/// at a time. With a priority above every other thread, the watch finds a CPU that stands still, as a virtual
+/// machine's does for tens of milliseconds while its host runs something else. Without a priority it also
+/// finds a CPU that is busy.
 class CpuWatch {
  public:
   /// @param priority  of the threads, SCHED_FIFO, if it is granted; 0: ordinary threads
@@ -19,9 +20,9 @@ class CpuWatch {
   CpuWatch(const CpuWatch&) = delete;
   CpuWatch& operator=(const CpuWatch&) = delete;
 
-  /// The latest wake-up so far.
+  /// Longest delay of a wake-up so far.
   [[nodiscard]] Nanoseconds longest() const { return longest_.load(); }
-  /// The same since the last call.
+  /// Returns the longest delay since the last call.
   [[nodiscard]] Nanoseconds TakeLongest() { return longest_.exchange(0); }
 
  private:

@@ -10,7 +10,7 @@
 
 namespace osteon::rt {
 
-/// Histogram of durations with log-spaced bins, 128 to an octave: a value read back is within 0.4 % of the
+/// Histogram of durations with log-spaced bins, 128 per octave: a value read back is within 0.4 % of the
 /// value added. Covers 1 ns to 17 s in a fixed size, without allocation. One thread at a time.
 class DurationHistogram {
  public:
@@ -18,7 +18,7 @@ class DurationHistogram {
   static constexpr int kPerOctave = 128;
   static constexpr int kBins = kOctaves * kPerOctave;
 
-  /// Adds a value. Negative values count as 0, values beyond the range as its end; max() stays exact.
+  /// Adds a value. Negative values count as 0, values beyond the range as the range's end; max() stays exact.
   void Add(Nanoseconds value) OSTEON_RT {
     value = std::max<Nanoseconds>(value, 0);
     ++bins_[static_cast<std::size_t>(BinOf(value))];

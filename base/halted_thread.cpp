@@ -13,7 +13,7 @@
 namespace osteon::base {
 namespace {
 
-// Returns the thread's id; 0: there is none.
+// Returns the id of the thread with this name; 0 if there is none.
 pid_t FindThread(pid_t process, const std::string& name) {
   std::error_code error;
   for (const auto& entry :

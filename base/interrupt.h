@@ -13,13 +13,13 @@ void InstallInterrupt();
 /// Sets the flag as if the signal had come: SIGPIPE if nobody reads the output any more, kOperatorsStop for a
 /// stop by `osteon stop` or the console. Any thread.
 void RequestInterrupt(int signal_number) noexcept;
-inline constexpr int kOperatorsStop = 1000;  // beyond every signal
+inline constexpr int kOperatorsStop = 1000;  // larger than the number of any signal
 /// Name of the first request: "SIGINT", "SIGTERM", "SIGHUP", "SIGPIPE", "operator"; empty if there was none.
 [[nodiscard]] const char* InterruptName();
 
 /// An operator's requests to a running cell: by `osteon pause`, `resume` and `recover`, by the console, and,
-/// after InstallPauseSignals, by SIGUSR1 (a pause) and SIGUSR2 (its end). Whoever acts on a request clears
-/// it.
+/// after InstallPauseSignals, by SIGUSR1 (a pause) and SIGUSR2 (its end). The
+/// code that acts on a request clears it.
 struct OperatorRequests {
   std::atomic<bool> pause{false}, resume{false}, recover{false};
 };

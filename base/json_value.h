@@ -4,12 +4,12 @@
 
 #include <nlohmann/json.hpp>
 
-// Values of a JSON text that another program wrote. A key that is missing, or whose value has another type,
-// gives a value of the caller's; nothing throws.
+// Reads values from JSON that another program wrote. If a key is missing, or its value has another type, the
+// functions return `otherwise`, a value that the caller gives. They do not throw.
 
 namespace osteon::base {
 
-/// The value at a key; null where there is none.
+/// Returns the value at a key; a JSON null if there is none.
 template <class Json>
 [[nodiscard]] const Json& ValueAt(const Json& json, const char* key) {
   static const Json kNull;

@@ -6,8 +6,8 @@
 
 namespace osteon::base {
 
-/// Says why a path cannot be read as a file: it does not exist, or it is a folder, a pipe or a device. Empty:
-/// it is a file.
+/// Says why a path cannot be read as a file: it does not exist, or it is a folder, a pipe or a device.
+/// Returns an empty text if the path is a file.
 [[nodiscard]] inline std::string NoFileText(const std::filesystem::path& path) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);

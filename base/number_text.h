@@ -6,7 +6,7 @@
 
 namespace osteon::base {
 
-/// A number as a person reads it in a message: at most ten digits, no trailing zeros ("0.1", "1e-05").
+/// Formats a number for a message to a person: at most ten digits, no trailing zeros ("0.1", "1e-05").
 [[nodiscard]] inline std::string NumberText(double value) { return fmt::format("{:.10g}", value); }
 
 }  // namespace osteon::base

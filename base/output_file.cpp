@@ -34,7 +34,8 @@ std::filesystem::path EndOfLinks(std::filesystem::path path) {
   return path;
 }
 
-// Opens a new temporary file beside another one, with that one's permissions. Negative: see errno.
+// Opens a new temporary file beside `target`, with the permissions of `target`.
+// @returns the file descriptor; negative if that failed, see errno
 int OpenBeside(const std::filesystem::path& target, std::filesystem::path& temporary) {
   static std::atomic<unsigned> count{0};
   int fd = -1;

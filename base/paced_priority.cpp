@@ -39,7 +39,7 @@ void PacedPriority::CountWork(Nanoseconds now, Nanoseconds cpu_time) noexcept {
 void PacedPriority::Set(bool lifted) noexcept {
   is_lifted_ = lifted;
   const sched_param priority{.sched_priority = lifted ? kPriority : 0};
-  // a thread that this one begins, to pack coarser zones, is an ordinary one
+  // a thread that this thread starts (to pack coarser zones) gets an ordinary priority
   (void)sched_setscheduler(0, lifted ? SCHED_FIFO | SCHED_RESET_ON_FORK : SCHED_OTHER, &priority);
 }
 

@@ -4,13 +4,17 @@
 
 namespace osteon::rt {
 
-/// Lifts the calling thread above every ordinary one (SCHED_FIFO 5, below servo and PLC) while it leaves time
-/// to them: for the simulation, whose next frame must not wait for a third of a second behind a browser that
-/// draws by the processor. A thread that has the CPU for more than 80 % of a tenth of a second runs as an
-/// ordinary one until it has had it for less than half of one: it would keep the recorder and the views from
-/// the CPU. Time in which the thread waits, for a lock, a disk or the CPU itself, is no work.
-/// If the system does not grant real-time priorities, nothing changes. Used by one thread, which makes and
-/// destroys it.
+/// Raises the calling thread above every ordinary thread (SCHED_FIFO 5, below servo and PLC), as long as it
+/// leaves them CPU time. Used for the simulation: its next frame must not wait for a third of a second behind
+/// a browser that draws on the processor.
+///
+/// A raised thread that works for more than 80 % of a window of 0.1 s becomes an ordinary thread, because it
+/// would keep the recorder and the views from the CPU. It is raised again after a window in which it worked
+/// for less than half of the time. Time in which the thread waits, for a lock, a disk or the CPU itself, is
+/// no work.
+///
+/// If the system does not grant real-time priorities, nothing changes. One thread creates, uses and destroys
+/// this object.
 class PacedPriority {
  public:
   PacedPriority() noexcept;
@@ -18,11 +22,11 @@ class PacedPriority {
   PacedPriority(const PacedPriority&) = delete;
   PacedPriority& operator=(const PacedPriority&) = delete;
 
-  /// Counts what the calling thread has worked since the last call. @param now  not decreasing
+  /// Adds the CPU time that the calling thread has used since the last call. @param now  not decreasing
   void CountWork(Nanoseconds now) noexcept;
-  /// The same with the thread's CPU time at `now`.
+  /// As above, with the thread's CPU time at `now` given by the caller.
   void CountWork(Nanoseconds now, Nanoseconds cpu_time) noexcept;
-  /// Whether the thread is lifted, as far as the system grants it.
+  /// Whether the thread is raised, as far as the system grants it.
   [[nodiscard]] bool is_lifted() const noexcept { return is_lifted_; }
 
  private:

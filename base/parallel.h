@@ -10,7 +10,7 @@
 
 namespace osteon::simulation {
 
-/// Number of threads: one a core where 0 was asked for.
+/// Number of threads to use: `asked`, or one per core if that is 0.
 [[nodiscard]] inline int ThreadCount(int asked) {
   return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }

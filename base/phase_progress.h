@@ -17,8 +17,8 @@ class PhaseProgress {
     double seconds{0.0};
   };
 
-  /// @param command  begins each line  @param phases  their number  @param lines  false: print nothing if
-  /// stderr is not a terminal
+  /// @param command  text at the beginning of each line  @param phases  number of phases
+  /// @param lines  false: print nothing if stderr is not a terminal
   PhaseProgress(std::string command, int phases, bool lines = true);
   ~PhaseProgress();
   PhaseProgress(const PhaseProgress&) = delete;

@@ -54,7 +54,8 @@ bool LocksWithoutLimit() noexcept {
   return (capabilities >> kCapIpcLock & 1) != 0;
 }
 
-// On fault: the stacks of all threads and a graphics driver's reserves are address space, not used memory.
+// Locks memory on fault, because the stacks of all threads and a graphics driver's reserves are address
+// space, not used memory.
 bool LockMemory() noexcept {
   return LocksWithoutLimit() && mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0;
 }
@@ -75,7 +76,7 @@ std::vector<int> CpusOfThisProcess(const cpu_set_t& present) {
   return cpus;
 }
 
-// "0 … 3, 8"
+// Formats numbers in rising order as "0 … 3, 8".
 std::string Ranges(const std::vector<int>& numbers) {
   std::string text;
   for (std::size_t i = 0; i < numbers.size();) {

@@ -35,8 +35,8 @@ struct RealtimeGrant {
 RealtimeGrant SetUpRealtimeThread(const RealtimeThreadParams& params) noexcept;
 
 /// Keeps every CPU out of slow idle states until the process ends, by the kernel's PM QoS request
-/// /dev/cpu_dma_latency at 0 µs. Leaving a deep idle state takes a core some 100 µs, and a virtual machine's
-/// CPU a turn of its host. The request costs power. Calling it again changes nothing.
+/// /dev/cpu_dma_latency at 0 µs. A core needs some 100 µs to leave a deep idle state; a virtual machine's CPU
+/// has to wait until its host schedules it. The request costs power. Calling it again changes nothing.
 /// @returns whether it was granted: the device belongs to root unless a udev rule says otherwise
 /// @see Linux, Documentation/power/pm_qos_interface.rst
 bool KeepCpusAwake() noexcept;
@@ -45,10 +45,11 @@ bool KeepCpusAwake() noexcept;
 void NameThread(const char* name) noexcept;
 
 /// Lifts the calling thread above every ordinary one (SCHED_FIFO 10, below the servo thread), if the system
-/// grants it: for a watch whose silence stops the cell, and which works some microseconds at a time.
+/// grants it. For a monitoring thread whose silence stops the cell, and which works some microseconds at a
+/// time.
 void RaisePriority() noexcept;
 
-/// Lowers the calling thread's priority (nice 10): what a person watches gives way to what renders.
+/// Lowers the calling thread's priority (nice 10). For displays, which give way to the threads that render.
 void LowerPriority() noexcept;
 
 /// Keeps the calling thread, and every thread that it creates from now on, off a CPU that a real-time thread

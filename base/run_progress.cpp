@@ -14,8 +14,8 @@
 namespace osteon::base {
 namespace {
 
-constexpr double kEverySeconds = 10.0;           // between lines of a run without an end
-constexpr rt::Nanoseconds kEvery = 100'000'000;  // between status lines on a terminal
+constexpr double kEverySeconds = 10.0;           // time between lines of a run without an end
+constexpr rt::Nanoseconds kEvery = 100'000'000;  // time between status lines on a terminal
 
 }  // namespace
 

@@ -7,15 +7,14 @@
 
 namespace osteon::base {
 
-/// Shows a run's progress on stderr: a bar on a terminal, elsewhere a line for each tenth. Without an end:
-/// the time.
+/// Shows a run's progress on stderr: a bar on a terminal, elsewhere a line for each tenth of the run. For a
+/// run without an end, it shows the time; if stderr is no terminal, every 10 s.
 class RunProgress {
  public:
-  /// @param name  the command's  @param seconds  of the run; 0: no end
+  /// @param name  name of the command  @param seconds  duration of the run; 0: it has no end
   RunProgress(std::string name, double seconds);
   void Show(double at_s);
-  /// The same with a line that says more than the time: on a terminal in place of the bar, elsewhere after
-  /// the time.
+  /// Shows the progress with a status line, which takes the place of the bar or of the time.
   void Show(double at_s, std::string_view status);
   /// Columns for a status line on this terminal; 200 elsewhere.
   [[nodiscard]] static std::size_t StatusColumns();

@@ -4,8 +4,8 @@
 
 namespace osteon::simulation {
 
-/// SplitMix64 (Steele, Lea, Flood, OOPSLA 2014): this step advances its state, and MixBits of the state is a
-/// number.
+/// Step of the generator SplitMix64 (Steele, Lea, Flood, OOPSLA 2014). Each draw adds the step to the state,
+/// and MixBits of the state is the random number.
 inline constexpr std::uint64_t kSplitMixStep = 0x9e3779b97f4a7c15ULL;
 [[nodiscard]] constexpr std::uint64_t MixBits(std::uint64_t bits) {
   bits = (bits ^ bits >> 30) * 0xbf58476d1ce4e5b9ULL;

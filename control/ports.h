@@ -49,7 +49,7 @@ struct ArmState {
   std::uint8_t quality{0};         ///< 0 poor … 3 excellent
   std::uint8_t safety_state{0};    ///< 0 normal, 1 … 3 stop level 0 … 2
   std::uint8_t operation_mode{0};  ///< 0 T1, 1 T2, 2 automatic
-  bool drives_active{false};       ///< of all joints
+  bool drives_active{false};       ///< the drives of all joints are active
   ControlMode control_mode{ControlMode::kPosition};
   CommandMode command_mode{CommandMode::kNone};
   double period_s{0.001};
@@ -67,13 +67,13 @@ struct ArmState {
   // Messages so far.
   std::uint32_t lost{0};           ///< never came
   std::uint32_t duplicate{0};      ///< came twice
-  std::uint32_t late{0};           ///< in order, but not read before the next arrived
+  std::uint32_t late{0};           ///< came in order, but were not read before the next one arrived
   std::uint32_t reordered{0};      ///< overtaken by a newer one in transit
   std::uint32_t rejected{0};       ///< hostile, damaged, of another sender or of another version
   std::uint32_t other_version{0};  ///< part of `rejected`: another version of the protocol
   // Answers so far, as the arm's messages reflect them.
-  std::uint32_t answers_lost{0};     ///< the arm took a later one without having seen this
-  std::uint32_t answers_foreign{0};  ///< reflected by the arm, never sent by us: another client answers it
+  std::uint32_t answers_lost{0};     ///< never seen by the arm, which took a later answer
+  std::uint32_t answers_foreign{0};  ///< reflected by the arm, but sent by another client
 };
 
 /// The loop's answer: where the joints should be. In states in which the arm moves by itself, the link
@@ -104,8 +104,8 @@ class ArmLink {
     rt::SleepUntil(time);
     return false;
   }
-  /// Passes the message last received, and an answer to it, once more through the protocol and the system, on
-  /// separate sockets, so that this path is warm for the next message. Nothing goes to the arm.
+  /// Warms the caches for the next message: the message last received, and an answer to it, pass once more
+  /// through the protocol and the system, on separate sockets. Nothing goes to the arm.
   virtual void WarmUp(const ArmCommand& /*command*/) OSTEON_RT {}
 };
 
@@ -122,20 +122,20 @@ struct SpindleReading {
   double speed_rad_per_s{0.0};  ///< of the tool
   double torque_Nm{0.0};  ///< at the tool; includes friction and the torque that accelerates the spindle
   bool ready{false};      ///< configured, and its status arrives
-  bool fault{false};      ///< of the drive or of its connection; latched there
+  bool fault{false};      ///< the drive or its connection has a fault; latched by the drive's client
   // Causes of the fault: io::DescribeDriveFaults has the texts.
   std::uint8_t faults{0};           ///< io::DriveFault bits
-  std::uint8_t nmt_state{0};        ///< of its last heartbeat (CiA 301)
-  std::uint16_t emergency_code{0};  ///< of its EMCY (CiA 301); 0: none
+  std::uint8_t nmt_state{0};        ///< NMT state in the drive's last heartbeat (CiA 301)
+  std::uint16_t emergency_code{0};  ///< code of the drive's EMCY message (CiA 301); 0: none
   std::uint16_t error_code{0};      ///< object 603F (CiA 402); 0: none
 };
 
 /// One reading of the cell's PLC.
 struct InterlockReading {
   rt::Nanoseconds stamp{0};       ///< 0: none yet
-  bool permitted{false};          ///< motion; also false while the PLC is silent or stands still
+  bool permitted{false};          ///< the PLC permits motion; false while it is silent or stands still
   bool enabled{false};            ///< the enabling switch is in its middle position
-  bool spindle_permitted{false};  ///< foot pedal, and motion permitted
+  bool spindle_permitted{false};  ///< the foot pedal is pressed, and motion is permitted
   std::uint8_t reason{0};         ///< why not permitted: io::PlcVerdict; 0: permitted
 };
 
@@ -148,9 +148,9 @@ struct CellReadings {
 
 /// Commands to these devices.
 struct CellCommands {
-  bool motion_requested{false};  ///< from the PLC
+  bool motion_requested{false};  ///< asks the PLC to permit motion
   double spindle_rad_per_s{0.0};
-  bool quick_stop{false};  ///< of the spindle, along its steepest ramp
+  bool quick_stop{false};  ///< stops the spindle along its steepest ramp
   /// Latched faults of the drive may be reset: before the first motion, and in a recovery.
   bool clear_faults{false};
 };
@@ -169,7 +169,7 @@ class TickRecorder {
   virtual ~TickRecorder() = default;
   /// Takes a record. False if the recorder is behind; the tick goes on.
   virtual bool Push(const TickRecord& record) OSTEON_RT = 0;
-  /// Whether so many ticks wait in it that some will soon be lost. Called from the tick's thread.
+  /// Whether so many records wait in the recorder that some will soon be lost. Called from the tick's thread.
   [[nodiscard]] virtual bool Stalled() const OSTEON_RT { return false; }
 };
 

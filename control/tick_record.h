@@ -63,7 +63,7 @@ struct TickInput {
 struct GuidanceRecord {
   bool present{false};      ///< the cell has guidance and rendered in this tick; else all is zero
   PlainWrench F_T_W;        ///< its rendered wrench, on T at To, in W; part of F_coupling_T_W
-  double share{0.0};        ///< sigma: rendered share of the whole guidance, 0 … 1
+  double share{0.0};        ///< sigma: the share of the guidance that was rendered, 0 … 1
   double potential_J{0.0};  ///< U of the whole guidance at this pose; 0 inside the corridor
   double energy_J{0.0};     ///< E: given to the tool; below zero: taken from it
   double cone_rad{0.0}, lateral_m{0.0},
@@ -132,8 +132,8 @@ struct TickRecord {
   std::uint32_t activation_cmd{0};  ///< activation of the arm that the command is for
   PlainWrench F_cmd_T;              ///< wrench overlay, on T at To, in T; zero in position mode
   std::array<double, 7> tau_cmd{};  ///< torque overlay [N·m]
-  rt::Nanoseconds wakeup_ns{0};     ///< from the arm's message to the loop's wake-up; 0 in virtual time
-  rt::Nanoseconds compute_ns{0};    ///< from wake-up to answer; 0 in virtual time
+  rt::Nanoseconds wakeup_ns{0};     ///< time from the arm's message to the loop's wake-up; 0 in virtual time
+  rt::Nanoseconds compute_ns{0};    ///< time from wake-up to answer; 0 in virtual time
   TickInput input;
 };
 

@@ -11,7 +11,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr int kMaxEnds = 2 * ArmAngleIntervals::kMax;
 
-// c cos(psi) + s sin(psi) + k
+// The function c cos(psi) + s sin(psi) + k of the arm angle psi.
 struct Wave {
   double c{0.0}, s{0.0}, k{0.0};
 
@@ -29,7 +29,7 @@ struct TurningVector {
   double a, e, m;
 };
 
-// Its dot product with a fixed vector v: e = cos up + sin side, m = cos side - sin up.
+// Dot product of a turning vector with a fixed vector v: e = cos up + sin side, m = cos side - sin up.
 Wave Dot(const TurningVector& t, const ElbowCircle& circle, const Vector3& v) {
   const double up = circle.up.dot(v), side = circle.side.dot(v);
   return {t.e * up + t.m * side, t.e * side - t.m * up, t.a * circle.axis.dot(v)};

@@ -12,7 +12,7 @@ namespace osteon::kinematics {
 /// Resolution of the search over the elbow's circle.
 struct ArmAngleSearchParams {
   int steps{36};               ///< on the whole circle, >= 4: a maximum narrower than a step may be missed
-  double tolerance_rad{1e-3};  ///< of the refinement of the best angle
+  double tolerance_rad{1e-3};  ///< accuracy to which the best angle is refined
 };
 
 /// The best posture of a self-motion.

@@ -19,10 +19,10 @@ template <class V>
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// The first half, in both halves.
+// Returns the first half of a pair in both halves.
 [[gnu::always_inline]] inline Pair Low(Pair v) { return Pair{v[0], v[0]}; }
 
-// The first half in the second; 0 in the first.
+// Returns the first half of a pair in the second half, and 0 in the first.
 [[gnu::always_inline]] inline Pair High(Pair v) { return Pair{0.0, v[0]}; }
 
 }  // namespace
@@ -44,7 +44,7 @@ JointVectorN<N> SerialChain<N>::NewtonEuler(const Joints& q, const Joints& qd, c
       loads;            // force and torque of each link, at its origin
   Triple<Pair> spin{};  // w and wd
   Triple<double> a{a_base.x(), a_base.y(), a_base.z()};
-  Triple<double> x_row{}, y_row{}, z_row{};  // of A
+  Triple<double> x_row{}, y_row{}, z_row{};  // rows of A
   for (std::size_t i = 0; i < N; ++i) {
     const Step& step = steps_[i];
     const FrameTurn T{step.cos_alpha, step.sin_alpha, turn.cos[i], turn.sin[i]};
@@ -76,7 +76,7 @@ JointVectorN<N> SerialChain<N>::NewtonEuler(const Joints& q, const Joints& qd, c
   return Gather(turn, loads, qdd);
 }
 
-// Inwards: the load on each joint from all links further out.
+// Goes inwards along the chain, and sums the load on each joint from all links further out.
 template <int N>
 JointVectorN<N> SerialChain<N>::Gather(const SinCosN<kPadded>& turn,
                                        const std::array<Triple<Pair>, static_cast<std::size_t>(N)>& loads,

@@ -16,7 +16,7 @@ struct Composite {
   Triple<double> h{};
   Symmetric<double> S;
 
-  // Expresses the body in the frame before: rotated, then moved.
+  // Expresses the body in the previous frame of the chain: rotated, then moved.
   [[gnu::always_inline]] void ToParent(const FrameTurn& T, const Vector3& p) {
     S.ToParent(T);
     const Triple<double> t = T.ToParent(h);

@@ -12,7 +12,7 @@ namespace osteon::kinematics {
 namespace {
 
 constexpr double kUnit = 1e-9;     // tolerance of a unit length or a rotation: far above rounding
-constexpr double kInertia = 1e-6;  // share of the largest moment: published inertias are rounded
+constexpr double kInertia = 1e-6;  // tolerance over the largest moment: published inertias are rounded
 
 template <class Value>
 [[noreturn]] void Refuse(const std::string& of, const std::string& what, const Value& found,

@@ -14,7 +14,7 @@ void CheckJoint(const RevoluteJoint& joint, int number, bool masses);
 
 /// Checks a rigid body: mass not negative; inertia symmetric and physically possible (no principal moment
 /// greater than the sum of the other two).
-/// @param of  owner of the body, at the beginning of the error's text
+/// @param of  name of the body's owner, for the beginning of the error's text
 /// @throws std::invalid_argument naming the value found and what is accepted.
 void CheckInertia(const LinkInertia& body, const std::string& of);
 

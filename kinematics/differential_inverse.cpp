@@ -16,14 +16,14 @@ namespace {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kFlat = 1e-9;             // joint component of the null direction that counts as zero
-constexpr double kUnresolved = 1e-9;       // of the largest singular value: below it v and n are not distinct
+constexpr double kUnresolved = 1e-9;       // below this share of the largest singular value, v and n mix
 constexpr double kReturning_m = 0.05;      // curvature [m/rad] from which on a direction returns by itself
-constexpr double kDampedUpTo = 4.0;        // times the least damping: a larger singular value is undamped
+constexpr double kDampedUpTo = 4.0;        // times min_damping_m: a larger singular value is undamped
 constexpr double kReturnTicks = 10.0;      // ticks in which an arm too near a singular posture returns
 constexpr double kRelief_rad_per_s = 4.0;  // speed of the yielding null motion per unit of n_i
-constexpr double kMaxRelief_rad_per_s = 100.0;  // above any box's limit
+constexpr double kMaxRelief_rad_per_s = 100.0;  // above any joint's speed limit
 constexpr double kTiny = 1e-12;
-constexpr double kRoundDown = 1.0 - 1e-12;  // on a speed limit: products must not round beyond it
+constexpr double kRoundDown = 1.0 - 1e-12;  // factor on a speed limit: products must not round beyond it
 constexpr double kActs = 1e-9;              // a smaller reduction is rounding
 
 // Acceleration of the tool at joint velocity y with no joint acceleration, J' y, which is also the second
@@ -83,8 +83,8 @@ void SeparateByCurvature(const JacobianN<N>& J, const Vector6& u_min,
   directions.col(6) = std::cos(angle) * n - std::sin(angle) * v;
 }
 
-// Names the limit that took the largest part of a twist of that length, in `out`: the singularity, or what
-// the limits of the joints have named.
+// Stores in `out` which limit reduced a twist of that length the most: the singularity, or the joints' limit
+// that `out` already names.
 template <int N>
 void NameLimit(double length_m_per_s, MotionOutput<N>& out) {
   const double lost_share = length_m_per_s > 0.0 ? std::min(1.0, out.lost_m_per_s / length_m_per_s) : 0.0;
@@ -171,8 +171,9 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
   out.sigma_min_m = svd.sigma[5];
   out.sigma_gradient_m = SingularValueGradient<N>(in.J, u_min, svd.V.col(5));
 
-  // The tool's path is curved when joints turn, by half a tick of J' qd: correct the twist so that its mean
-  // over the tick is the wanted one, with qd as it will be without limits.
+  // While joints turn, the tool's path curves: its mean velocity over the tick differs from J qd by half a
+  // tick of J' qd. Correct the twist by this, so that its mean is the wanted twist, with qd as it is without
+  // limits.
   JointVectorN<N> qd_free = in.qd_before;
   for (int k = 0; k < 6; ++k) {
     if (svd.sigma[k] < params_.singular_zone_m) continue;
@@ -258,7 +259,8 @@ typename DifferentialInverse<N>::DampedSpeed DifferentialInverse<N>::ComputeDamp
   const double edge = sigma_m / zone_m;
   const double depth = std::max(1.0 - edge * edge, kTiny);  // 0 at the zone's edge, for continuity
 
-  // damped; on the way back less, the more the direction bends, and including its second order
+  // The damped speed. When the direction returns, damping is less the more it bends, and the second order is
+  // included.
   const bool returns = a_m_per_s * curvature_m > 0.0;
   const double deep = std::max(0.0, 1.0 - sigma_m / neutral_m) * params_.min_damping_m;
   const double min_damping2 = deep * deep * (returns ? 1.0 - bends : 1.0);
@@ -270,7 +272,7 @@ typename DifferentialInverse<N>::DampedSpeed DifferentialInverse<N>::ComputeDamp
   }
 
   // bounds: the joints' acceleration, their speed, and the end of the reach
-  if (share_before > 0.0) {  // compare with the speed before limits scaled the whole
+  if (share_before > 0.0) {  // compare with the previous speed as it was before the limits scaled it
     const double before = v.dot(in.qd_before) / share_before;
     const double change = acceleration * dt_s / (depth * share_before);
     y = std::clamp(y, before - change, before + change);

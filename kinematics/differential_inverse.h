@@ -62,17 +62,18 @@ struct DifferentialInverseParams {
 
 template <int N>
 struct MotionInput {
-  JacobianN<N> J{JacobianN<N>::Zero()};  ///< of the tool's origin, in B: V_BT = J qd
+  JacobianN<N> J{JacobianN<N>::Zero()};  ///< Jacobian of the tool's origin, in B: V_BT = J qd
   Twist V_BT;                            ///< wanted mean velocity of the tool over the tick, in B
   JointVectorN<N> q{JointVectorN<N>::Zero()};
-  JointVectorN<N> qd_before{JointVectorN<N>::Zero()};  ///< of the tick before [rad/s]
-  double share_before{1.0};                            ///< its MotionOutput::share
-  /// Joint velocity that the null space should follow [rad/s], within its parameters. Only its null-space
-  /// part is used, so a gradient will do. Without effect for 6 joints.
+  JointVectorN<N> qd_before{JointVectorN<N>::Zero()};  ///< joint velocity in the previous tick [rad/s]
+  double share_before{1.0};                            ///< MotionOutput::share of the previous tick
+  /// Joint velocity that the null motion should follow [rad/s], within the limits of null_speed_rad_per_s and
+  /// null_acceleration_share. Only its null-space part is used, so a gradient will do. No effect for 6
+  /// joints.
   JointVectorN<N> qd_null{JointVectorN<N>::Zero()};
   double dt_s{0.001};               ///< > 0
-  bool ignore_acceleration{false};  ///< make the whole change, ignoring acceleration limits
-  /// MotionOutput::U of the tick before, or any orthogonal matrix: the closer, the faster.
+  bool ignore_acceleration{false};  ///< true: the velocity changes at once, without acceleration limits
+  /// MotionOutput::U of the previous tick, or any orthogonal matrix: the closer to this tick's U, the faster.
   Eigen::Matrix<double, 6, 6> U_before{Eigen::Matrix<double, 6, 6>::Identity()};
 };
 
@@ -138,7 +139,7 @@ class DifferentialInverse {
   struct DampedSpeed {
     double speed, lambda;
   };
-  // A direction whose singular value is in the zone, and what is asked of it.
+  // A direction whose singular value is in the zone, and the motion that the twist asks along it.
   struct SingularDirection {
     const JointVectorN<N>& v;  // unit, in joint space
     double sigma_m{0.0}, curvature_m{0.0};

@@ -21,7 +21,7 @@ class Least {
   }
 
   [[nodiscard]] CapabilityLimit Result() const {
-    // negative room: the accompanying load alone is too much
+    // negative room means that the accompanying load alone is too large
     if (!(limit_.value > 0.0)) return {.value = 0.0, .joint = limit_.joint};
     return limit_;
   }

@@ -15,8 +15,9 @@
 
 namespace osteon::kinematics {
 
-/// Caps of force and torque, far above what any arm is for. Where no joint torque resists (a singular
-/// posture, along the lost direction) the arm's structure carries the load and this model does not apply.
+/// Caps of force and torque, far above the loads that any arm is made for. Where no joint torque resists (a
+/// singular posture, along the lost direction) the arm's structure carries the load and this model does not
+/// apply.
 inline constexpr double kForceCap_N = 1e4;
 inline constexpr double kTorqueCap_Nm = 1e4;
 

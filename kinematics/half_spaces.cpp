@@ -7,11 +7,11 @@ namespace osteon {
 namespace {
 
 constexpr int kMaxSet = 4;             // three planes fix a point, a fourth its slack
-constexpr double kTolerance = 1e-12;   // of a plane's offset [m] and of a multiplier [m]
+constexpr double kTolerance = 1e-12;   // tolerance of a plane's offset [m] and of a multiplier [m]
 constexpr double kFeasible = 1e-9;     // a solved point may lie this far outside [m]
 constexpr double kMinVolume = 1e-9;    // Gram determinant of unit normals below which planes are parallel
 constexpr double kFlatShare = 1e-12;   // a smaller remainder of a normal counts as zero
-constexpr int kMaxRounds = 24;         // three planes of eight are found in two to six
+constexpr int kMaxRounds = 24;         // usually two to six rounds find three planes of eight
 constexpr double kSlackWeight = 1e-6;  // square of the slack's compliance over the point's
 
 using Planes = std::array<HalfSpace, kMaxHalfSpaces>;
@@ -65,7 +65,7 @@ double WorstViolation(const Planes& planes, int count, const Vector3& x) {
 // The dual active-set method. From the free minimum, x = 0, violated planes are added one at a time, and a
 // plane that would pull is dropped. Each round ends at the nearest point of a set of planes, further out than
 // the round before, so that no set comes twice. On success `active` are the planes that the nearest point
-// lies on. False if no point keeps all planes, or rounding makes it look so.
+// lies on. Returns false if no point satisfies all planes, or if rounding gives this impression.
 // Source: Goldfarb and Idnani, A Numerically Stable Dual Method for Solving Strictly Convex Quadratic
 // Programs, Math. Programming 27, 1983.
 bool FindActive(const Planes& planes, int count, Set& active) {

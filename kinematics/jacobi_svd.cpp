@@ -9,10 +9,10 @@
 namespace osteon::kinematics {
 namespace {
 
-constexpr int kMaxSweeps = 30;                // cold start five or six, warm start one or two
+constexpr int kMaxSweeps = 30;                // a cold start takes five or six, a warm start one or two
 constexpr double kOrthogonal = 4e-15;         // cosine below which two rows count as orthogonal
-constexpr double kSmallTurn = 1e-4;           // tangent: t^4 is below a double's last bit
-constexpr double kNoDirection = 1e-14;        // of the largest singular value
+constexpr double kSmallTurn = 1e-4;           // tangent t below which t^4 is below a double's last bit
+constexpr double kNoDirection = 1e-14;        // share of the largest singular value: no direction below it
 constexpr double kStillOrthogonal = 0x1p-40;  // possible rounding error of `near` after many ticks
 
 // Completes the columns of V from `from` on to an orthonormal basis: each from the unit vector with the

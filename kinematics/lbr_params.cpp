@@ -90,7 +90,7 @@ LbrParams LbrParamsFrom(const ChainParams<7>& chain) {
 ChainParams<7> ChainFrom(const LbrParams& params) {
   const Vector3 y = Vector3::UnitY(), z = Vector3::UnitZ();
   const std::array<Vector3, 7> axes{z, y, z, -y, z, y, z};
-  // heights of shoulder, elbow and wrist: the bending joints there, and the turning ones with them
+  // the heights of shoulder, elbow and wrist, where the bending joints are, and the turning joints with them
   const std::array<double, 7> above_m{0.0, params.base_to_shoulder_m, 0.0, params.shoulder_to_elbow_m,
                                       0.0, params.elbow_to_wrist_m,   0.0};
   ChainParams<7> chain;

@@ -37,9 +37,10 @@ FittedJoint FitToLimits(double q, const JointLimits& limit) {
 // The equivalent of q nearest to seed that the limits allow; q itself is a candidate.
 double NearestEquivalent(double q, const JointLimits& limit, double seed) {
   double best = q;
-  for (const double name : {q - 2.0 * kTurn, q - kTurn, q + kTurn, q + 2.0 * kTurn})
-    if (name >= limit.lower_rad && name <= limit.upper_rad && std::abs(name - seed) < std::abs(best - seed))
-      best = name;
+  for (const double other : {q - 2.0 * kTurn, q - kTurn, q + kTurn, q + 2.0 * kTurn})
+    if (other >= limit.lower_rad && other <= limit.upper_rad &&
+        std::abs(other - seed) < std::abs(best - seed))
+      best = other;
   return best;
 }
 

@@ -12,8 +12,8 @@ namespace osteon::kinematics {
 
 /// One posture for a pose.
 struct OrthoParallelSolution {
-  /// [rad]. Of a joint's equivalent values (2 pi apart), the one within its limits nearest to zero; if none
-  /// is within, the one least beyond.
+  /// Joint positions [rad]. A joint has equivalent values 2 pi apart: this is the value within its limits
+  /// that is nearest to zero, or, if none is within, the value that is least beyond them.
   JointVectorN<6> q{JointVectorN<6>::Zero()};
   double beyond_rad{0.0};  ///< how far the worst joint is outside its limits; 0 if all are within
   int worst_joint{-1};     ///< 0 … 5, the joint with beyond_rad; -1 if all are within

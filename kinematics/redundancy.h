@@ -13,20 +13,21 @@ namespace osteon::kinematics {
 
 struct PosturePreferenceParams {
   double limit_zone_rad{0.35};           ///< width of the zone at each end of a joint's range; > 0
-  double limit_speed_rad_per_s{0.3};     ///< at the limit itself; >= 0
+  double limit_speed_rad_per_s{0.3};     ///< preferred speed at the limit itself; >= 0
   double singular_zone_m{0.07};          ///< smaller singular values than this are increased; > 0
-  double singular_speed_rad_per_s{0.3};  ///< at a singular value of zero; >= 0
-  /// Factor on the load wanted: a posture that holds less is led to one that holds more; > 1.
+  double singular_speed_rad_per_s{0.3};  ///< preferred speed at a singular value of zero; >= 0
+  /// Factor on the wanted load: from a posture that holds less than this multiple, the arm is led to one that
+  /// holds more; > 1.
   double load_zone{1.5};
-  double load_speed_rad_per_s{0.3};  ///< where no more than the load is held; >= 0
+  double load_speed_rad_per_s{0.3};  ///< preferred speed where no more than the load is held; >= 0
 };
 
 /// The load that a posture should be able to hold, and where it acts.
 template <int N>
 struct LoadTarget {
-  ToolLoad load;                                             ///< zero: no preference
-  Vector3 p_F{Vector3::Zero()};                              ///< point of action, in the flange's frame [m]
-  Vector3 axis_F{Vector3::UnitZ()};                          ///< its axis, unit, in the flange's frame
+  ToolLoad load;                     ///< zero: no preference
+  Vector3 p_F{Vector3::Zero()};      ///< point of action, in the flange's frame [m]
+  Vector3 axis_F{Vector3::UnitZ()};  ///< axis of the load, unit, in the flange's frame
   JointVectorN<N> torque_limit_Nm{JointVectorN<N>::Zero()};  ///< of the drives; > 0
 };
 
@@ -52,7 +53,8 @@ template <int N>
 [[nodiscard]] CapabilityLimit HeldLoad(const LoadTarget<N>& target, const JacobianN<N>& J,
                                        const JointVectorN<N>& gravity_Nm, const Vector3& axis) OSTEON_RT;
 
-/// The same at q, with everything computed from the chain. @pre chain.params().has_masses
+/// Largest multiple of the load that the arm holds at q, computed from the chain. @pre
+/// chain.params().has_masses
 template <int N>
 [[nodiscard]] CapabilityLimit HeldLoad(const SerialChain<N>& chain, const LoadTarget<N>& target,
                                        const JointVectorN<N>& q) OSTEON_RT;

@@ -58,14 +58,15 @@ class SerialChain {
   /// Geometric Jacobian of the flange's origin: V_BF = J qd.
   void Jacobian(const Posture& posture, JacobianN<N>& J) const OSTEON_RT;
   [[nodiscard]] JacobianN<N> Jacobian(const Posture& posture) const OSTEON_RT;
-  /// The same for the point of the flange that is now at p_B.
+  /// Geometric Jacobian of the point of the flange that is now at p_B.
   [[nodiscard]] JacobianN<N> JacobianAt(const Posture& posture, const Vector3& p_B) const OSTEON_RT;
 
   // --- dynamics: chain_dynamics.cpp, chain_inertia.cpp; @pre params().has_masses ---
 
   /// Torques of the drives for a motion: tau = M qdd + C qd + g, without friction [N·m]. By RNEA.
   [[nodiscard]] Joints InverseDynamics(const Joints& q, const Joints& qd, const Joints& qdd) const OSTEON_RT;
-  /// The same less J^T F_ext, while the wrench F_ext acts on the flange from outside, at its origin, in B.
+  /// Torques of the drives as above, less J^T F_ext: the wrench F_ext acts on the flange from outside, at its
+  /// origin, in B.
   [[nodiscard]] Joints InverseDynamics(const Joints& q, const Joints& qd, const Joints& qdd,
                                        const Wrench& F_ext_B) const OSTEON_RT;
   /// Torques that hold the arm at rest: g.
@@ -77,7 +78,7 @@ class SerialChain {
 
   /// Joint-space inertia M with the rotors' on its diagonal: symmetric, positive definite. By CRBA.
   [[nodiscard]] JointMatrixN<N> MassMatrix(const Joints& q) const OSTEON_RT;
-  /// qdd of given torques [rad/s^2]: the inverse of InverseDynamics. By ABA.
+  /// Joint accelerations qdd [rad/s^2] for given torques: the inverse of InverseDynamics. By ABA.
   [[nodiscard]] Joints ForwardDynamics(const Joints& q, const Joints& qd, const Joints& tau) const OSTEON_RT;
   [[nodiscard]] Joints ForwardDynamics(const Joints& q, const Joints& qd, const Joints& tau,
                                        const Wrench& F_ext_B) const OSTEON_RT;

@@ -20,9 +20,9 @@
 
 namespace osteon {
 
-// Almost every source includes this header. Its inline functions therefore name coefficients, since each
-// Eigen expression here would be compiled some seventy times; what needs more than that stands in
-// spatial.cpp.
+// Almost every source includes this header. Its inline functions therefore access single coefficients, since
+// each Eigen expression here would be compiled some seventy times. Functions that need such expressions are
+// in spatial.cpp.
 
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;

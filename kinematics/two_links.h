@@ -18,7 +18,7 @@ struct TwoLinks {
   double out_of_reach_m{0.0};  ///< > 0 too far, < 0 too near, else 0 (NaN if the reach is)
   double cos_elbow{1.0},
       sin_elbow{0.0};         ///< how far the elbow is bent, 0 … pi: set where out_of_reach_m is 0
-  double four_areas_m2{0.0};  ///< of the triangle
+  double four_areas_m2{0.0};  ///< four times the triangle's area
 };
 
 /// Solves the triangle by Heron's product, which keeps the sine's relative accuracy if the links are straight

@@ -11,7 +11,7 @@ namespace osteon::safety {
 /// Limits that may reduce the motion or the wrench in a tick. The numbers are recorded.
 enum class Limit : std::uint8_t {
   kWrench = 0,        ///< any bound on the coupling's force or torque
-  kArmTorque = 1,     ///< what the arm's joints can hold, of the coupling or of the wrench that is sent
+  kArmTorque = 1,     ///< the load that the arm's joints can hold: coupling, or the wrench that is sent
   kStoredEnergy = 2,  ///< energy stored by the coupling's spring
   kPower = 3,         ///< power from the coupling to the hand
   kToolSpeed = 4,     ///< any bound on the tool's speed or rotation
@@ -25,7 +25,7 @@ enum class Limit : std::uint8_t {
   kAgeGovernor = 12,
   kPassivity = 13,
   kTank = 14,
-  kBoneEntry = 15,   ///< the coupling at its force limit: the tool's speed into bone
+  kBoneEntry = 15,   ///< the tool's speed into bone, while the coupling is at its force limit
   kGuidance = 16,    ///< guidance along the surgical plan gave a force or torque
   kDeflection = 17,  ///< tool, tissue or the bone's mount gave way by more than the cell's error
 };
@@ -57,7 +57,7 @@ class LimitSet {
 /// How often a limit acted.
 struct LimitCount {
   std::uint64_t ticks{0};
-  std::uint64_t events{0};   ///< runs of consecutive ticks
+  std::uint64_t events{0};   ///< number of runs of consecutive ticks
   std::uint64_t longest{0};  ///< ticks of the longest run
 };
 

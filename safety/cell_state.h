@@ -10,7 +10,7 @@
 
 namespace osteon::safety {
 
-/// What the cell does. The numbers are recorded.
+/// State of the cell. The numbers are recorded.
 enum class CellState : std::uint8_t {
   kOff = 0,       ///< no arm reports its position, or the run was ended in order
   kChecking = 1,  ///< the arm moves by itself; not every condition of motion holds (motion_permit.h)
@@ -27,7 +27,8 @@ enum class CellState : std::uint8_t {
 };
 inline constexpr int kCellStates = 12;
 
-/// Events of the state machine, most severe first: if several occur in a tick, the first one counts first.
+/// Events of the state machine, most severe first: if several occur in a tick, they are applied in this
+/// order.
 enum class CellEvent : std::uint8_t {
   kArmLost,         ///< the arm cannot be commanded: silent, closed, of another period or command mode
   kFault,           ///< a fault is latched, and the arm takes commands
@@ -49,14 +50,14 @@ enum class CellEvent : std::uint8_t {
 };
 inline constexpr int kCellEvents = 17;
 
-/// Action on a transition. Describe has what a state does from tick to tick.
+/// Action of a transition. For the behaviour of a state from tick to tick, see Describe(CellState).
 enum class CellAction : std::uint8_t {
   kNone,            ///< nothing beyond what the state does
   kFollowArm,       ///< commands the arm's own position
   kHold,            ///< keeps the command constant
   kBrake,           ///< brakes the commanded motion to rest
   kBeginPath,       ///< starts the path to the start of rendering, from the commanded joints
-  kBeginRendering,  ///< from the commanded joints, at rest, the coupling faded out
+  kBeginRendering,  ///< starts to render from the commanded joints, at rest, the coupling faded out
   kClearFaults,     ///< clears the latched faults
 };
 
@@ -97,14 +98,14 @@ extern const CellTable kCellTable;
 
 struct CellStateText {
   const char* name;   ///< "stop 1"
-  const char* does;   ///< from tick to tick
+  const char* does;   ///< behaviour from tick to tick
   const char* leave;  ///< how the user leaves this state
 };
 /// Texts for screens, reports and the documentation; not for the tick.
 [[nodiscard]] CellStateText Describe(CellState state);
 struct CellEventText {
   const char* name;     ///< "arm left"
-  const char* meaning;  ///< when it is formed
+  const char* meaning;  ///< when the event occurs
 };
 [[nodiscard]] CellEventText Describe(CellEvent event);
 [[nodiscard]] const char* NameOf(CellAction action);

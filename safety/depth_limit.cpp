@@ -10,7 +10,7 @@ namespace osteon::safety {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMaxDampingShare = 0.25;  // of the spring's force, as for a contact
+constexpr double kMaxDampingShare = 0.25;  // largest damping force over the spring's force, as for a contact
 
 DepthLimitParams Validated(const DepthLimitParams& params) {
   if (params.acts) Validate(params);

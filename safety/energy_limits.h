@@ -14,7 +14,7 @@ struct EnergyLimitParams {
   double max_stored_J{std::numeric_limits<double>::infinity()};   ///< in the coupling's spring; > 0
   double max_power_W{std::numeric_limits<double>::infinity()};    ///< from the coupling to the hand; > 0
   double max_kinetic_J{std::numeric_limits<double>::infinity()};  ///< of the tool in motion; > 0
-  /// Mass that moves with the tool, as a hand in its way feels it, with the arm's inertia at the tool; > 0.
+  /// Moving mass that a hand in the tool's way would feel, including the arm's inertia at the tool; > 0.
   double moving_mass_kg{10.0};
 };
 
@@ -32,13 +32,13 @@ void Validate(const EnergyLimitParams& params);
 }
 
 /// Share of a wrench on the tool, 0 … 1, that gives at most this power at this twist; 1 for a wrench that
-/// takes power. @param F_T, V_T of the same point in the same axes
+/// takes power. @param F_T, V_T  wrench and twist of the same point, in the same axes
 [[nodiscard]] inline double PowerScale(const Wrench& F_T, const Twist& V_T, double max_power_W) OSTEON_RT {
   const double power_W = F_T.f.dot(V_T.v) + F_T.t.dot(V_T.w);
   return power_W > max_power_W ? max_power_W / power_W : 1.0;
 }
 
-/// The same for a wrench that itself causes a part of the motion, as in an admittance law: a share s of it
+/// PowerScale for a wrench that itself causes a part of the motion, as in an admittance law: a share s of it
 /// has the power s (p_0 + s (p_1 - p_0)).
 /// @param power_without_W  p_0: power of the whole wrench on the motion without it
 /// @param power_with_W  p_1 >= p_0: power of the whole wrench on the motion with all of it

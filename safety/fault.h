@@ -10,7 +10,7 @@ enum class Fault : std::uint32_t {
   kArmStale = 1u << 0,           ///< no arm message within its deadline, several times: hold; Stop 0
   kModelStale = 1u << 1,         ///< contact model too old: motion held, then Stop 1
   kSensorStale = 1u << 2,        ///< force sensor too old: Stop 1
-  kWrenchRate = 1u << 3,         ///< coupling wrench changes faster than 1.5 K v_max: Stop 1
+  kWrenchRate = 1u << 3,         ///< coupling force grows or turns faster than 1.5 K v_max: Stop 1
   kSensorForce = 1u << 4,        ///< hand pushes beyond limit + margin: Stop 1
   kToolSpeed = 1u << 5,          ///< commanded tool speed beyond its limit despite scaling: Stop 1
   kWorkspace = 1u << 6,          ///< tool left its workspace: Stop 1
@@ -85,7 +85,7 @@ enum class StopCategory : std::uint8_t { kStop0 = 0, kStop1 = 1, kStop2 = 2 };
 [[nodiscard]] constexpr bool AllowsRecovery(Fault fault) noexcept {
   return fault == Fault::kSession || fault == Fault::kArmStale;
 }
-/// The same for a set: it has a fault, and each of its faults allows recovery.
+/// Whether a recovery may clear a set: it has a fault, and each of its faults allows recovery.
 [[nodiscard]] constexpr bool AllowsRecovery(FaultSet faults) noexcept {
   for (int bit = 0; bit < kFaultCount; ++bit)
     if (const auto fault = static_cast<Fault>(1u << bit); faults.Has(fault) && !AllowsRecovery(fault))

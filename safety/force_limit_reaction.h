@@ -25,7 +25,7 @@ struct ForceLimitReactionParams {
   /// kSlow: the tool slows down to that speed over this distance beyond the displacement at which the limit
   /// was reached [m]; > 0.
   double slow_zone_m{0.5e-3};
-  double stop_after_s{0.05};  ///< kStop; > 0
+  double stop_after_s{0.05};  ///< kStop: time at the limit until the fault; > 0
   /// Distance of the tool from its collision-free pose at which the cell stops, with every reaction; > 0.
   double max_tool_in_bone_m{std::numeric_limits<double>::infinity()};
 };
@@ -37,7 +37,7 @@ void Validate(const ForceLimitReactionParams& params);
 struct ForceLimitInput {
   Vector3 displacement_W{Vector3::Zero()};  ///< from the tool to its collision-free pose [m]
   double rendered_scale{1.0};               ///< share of the coupling that every limit passes, 0 … 1
-  double advance_m_per_s{0.0};              ///< speed at which the bone gives way along it, >= 0
+  double advance_m_per_s{0.0};  ///< speed at which the bone gives way along the displacement, >= 0
 };
 
 /// Reaction while a limit reduces the coupling: measures how deep the tool is in bone, and decides how fast
@@ -59,7 +59,8 @@ class ForceLimitReaction {
 
   /// Removes the part of a velocity that goes into bone faster than allowed. Translation only, and at most to
   /// rest: a tool that turns into bone is not pushed out.
-  /// @param v_before_W  of the tick before: the tool is slowed down at most as hard as by a stop [m/s]
+  /// @param v_before_W  velocity of the previous tick: the tool is slowed down at most as hard as by a stop
+  /// [m/s]
   /// @param[in,out] v_W [m/s] @returns whether v_W was changed
   [[nodiscard]] bool Limit(const Vector3& v_before_W, Vector3& v_W) const OSTEON_RT;
 
@@ -67,7 +68,7 @@ class ForceLimitReaction {
   void Reset() OSTEON_RT;
 
   [[nodiscard]] bool saturated() const OSTEON_RT { return saturated_; }  ///< a limit reduces the coupling
-  /// kStop: the time has passed.
+  /// Whether the cell must stop: kStop, and the coupling was at its limit for stop_after_s.
   [[nodiscard]] bool must_stop() const OSTEON_RT;
   [[nodiscard]] double tool_in_bone_m() const OSTEON_RT { return depth_m_; }
   [[nodiscard]] bool too_deep() const OSTEON_RT { return !(depth_m_ <= params_.max_tool_in_bone_m); }

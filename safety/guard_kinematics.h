@@ -39,14 +39,14 @@ class GuardKinematics {
 
   /// Velocities per rad/s of each joint, in W: of a point that moves with the flange, and of the flange.
   struct JointMotions {
-    std::array<Vector3, kJoints> v;  ///< of the point [m]
+    std::array<Vector3, kJoints> v;  ///< velocity of the point per rad/s [m]
     std::array<Vector3, kJoints> w;  ///< the joint's axis, unit
   };
   /// @param p_WP position of the point at q
   [[nodiscard]] JointMotions ComputeJointMotions(const Joints& q, const Vector3& p_WP) const OSTEON_RT;
 
  private:
-  struct Turn {  // of one joint
+  struct Turn {  // cosine and sine of one joint's position
     double cosine, sine;
   };
   using Turns = std::array<Turn, kJoints>;

@@ -16,7 +16,8 @@ constexpr std::int32_t kSessionStep = 64;  // a counter further away belongs to 
 constexpr double kRest_rad_per_s = 1e-3;   // the arm stands if slower than this
 constexpr double kRest_N = 1e-3;           // a smaller added wrench or torque counts as zero
 constexpr double kNormalTolerance = 1e-6;  // tolerance of the length of a direction
-constexpr double kDamping = 1e-4;          // of the hand's force near singular postures, underestimated there
+// Damping of the least squares for the hand's force. Near singular postures the estimated force is too small.
+constexpr double kDamping = 1e-4;
 
 std::int32_t Ahead(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b); }
 
@@ -102,7 +103,7 @@ GuardDecision GuardMonitor::OnArmMessage(const GuardArmMessage& message, rt::Nan
   return GuardDecision::kPass;
 }
 
-// Estimates the force behind these torques on the joints by damped least squares: J^T F = tau.
+// Estimates the hand's force from the external torques on the joints, by damped least squares: J^T F = tau.
 void GuardMonitor::CheckHandForce(const GuardArmMessage& message) OSTEON_RT {
   if (message.session != GuardSession::kActive || !message.tau_ext) {
     hand_force_messages_ = 0;
@@ -131,7 +132,8 @@ GuardDecision GuardMonitor::OnUnreadable(GuardFinding why) OSTEON_RT {
   return GuardDecision::kWithhold;
 }
 
-// Counts an answer that is not fresh; latches one that the arm cannot have asked for.
+// Whether an answer is fresh. Counts an answer that is not, and latches one that the arm cannot have asked
+// for.
 bool GuardMonitor::IsFresh(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT {
   if (!has_arm_ || arm_message_.session == GuardSession::kIdle) {
     ++counters_.late;

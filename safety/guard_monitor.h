@@ -16,7 +16,7 @@ namespace osteon::safety {
 /// Limits to which the guard holds a controller. Every field has a usable default but the arm and its place.
 struct GuardParams {
   kinematics::ChainParams<7> arm{};  ///< geometry, and the joints' limits
-  Pose X_WB{Pose::Identity()};       ///< its base in world
+  Pose X_WB{Pose::Identity()};       ///< the arm's base in world
   Pose X_FT{Pose::Identity()};       ///< tool in the flange's frame
   double period_s{0.001};            ///< of the arm's messages; > 0
   int receive_multiplier{1};         ///< the controller answers every n-th message; >= 1
@@ -29,19 +29,19 @@ struct GuardParams {
   std::optional<std::array<double, 7>> q_start{};
   double tolerance_rad{2e-3};                 ///< > 0
   double max_start_path_speed_m_per_s{0.25};  ///< of the apex; > 0
-  double max_tracking_error_m{0.03};          ///< between commanded and measured apex; > 0
-  double mirror_rad{0.02};           ///< distance from the interpolator's position while the arm waits; > 0
+  double max_tracking_error_m{0.03};          ///< distance of the commanded from the measured apex; > 0
+  double mirror_rad{0.02};           ///< largest distance from the interpolator while the arm waits; > 0
   WorkspaceParams workspace{};       ///< only its sphere and its plane
   double workspace_margin_m{0.002};  ///< tolerance beyond them; >= 0
   double max_force_N{200.0};         ///< of a wrench that the controller adds; > 0
   double max_torque_Nm{20.0};        ///< > 0
-  double max_hand_force_N{250.0};    ///< by the arm's own estimate of its external torques ...
-  int hand_force_count{5};           ///< ... in so many messages in a row; >= 1
+  double max_hand_force_N{250.0};    ///< of the hand, by the arm's estimate of external torques; > 0
+  int hand_force_count{5};           ///< messages in a row beyond max_hand_force until the finding; >= 1
   /// How far beyond the controller's own limits on motion and hand the guard intervenes, so that a controlled
   /// stop comes first: 0.25 is a quarter. Does not apply to the arm's own limits or to rendered forces.
   double margin{0.25};
-  double answer_age_s{0.005};  ///< an answer to an older message of the arm is late; > 0
-  double silence_s{0.05};      ///< a commanded arm without an answer for so long: withdrawn; > 0
+  double answer_age_s{0.005};  ///< longest time from an arm message to an answer that is not late; > 0
+  double silence_s{0.05};      ///< longest time without an answer, else the motion request is withdrawn; > 0
 };
 
 enum class GuardSession : std::uint8_t {
@@ -74,7 +74,7 @@ struct GuardCommand {
 
 enum class GuardDecision : std::uint8_t {
   kPass,      ///< forward to the other side
-  kDrop,      ///< not fresh: a duplicate, or overtaken. Nothing is latched
+  kDrop,      ///< do not forward: a duplicate, late or overtaken. Nothing is latched
   kWithhold,  ///< the motion request is withdrawn; latched
 };
 
@@ -185,15 +185,15 @@ class GuardMonitor {
   bool answered_{false};  // the newest message of this session or an earlier one has an answer
   std::uint32_t answered_message_{0}, command_sequence_{0};
   bool commanding_{false};  // the last passed answer was to an arm that waits or follows
-  bool rests_{true};        // and told the arm to stand still
-  bool unanswered_{false};  // a message was delivered to the controller
+  bool rests_{true};        // the last passed answer told the arm to stand still
+  bool unanswered_{false};  // a message was delivered to the controller, and no answer has passed since
   std::optional<rt::Nanoseconds> unanswered_since_;
   bool left_alone_{false};
 
-  Joints q_before_{Joints::Zero()};             // last command
-  std::uint32_t before_message_{0};             // message that it answered
-  bool on_start_path_{false};                   // the arm is still on its way to the start
-  bool been_inside_{false};                     // in the workspace's sphere, since the arm was handed over
+  Joints q_before_{Joints::Zero()};  // last command
+  std::uint32_t before_message_{0};  // message that the last command answered
+  bool on_start_path_{false};        // the arm is still on its way to the start
+  bool been_inside_{false};  // the apex has been in the workspace's sphere since the arm was handed over
   std::array<bool, kMaxZones> been_in_zone_{};  // likewise for each zone
 };
 

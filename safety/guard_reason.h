@@ -12,12 +12,12 @@ enum class GuardFinding : std::uint8_t {
   kNone = 0,
   kUnreadable,     ///< a datagram of the controller is not a command of the cell's FRI version
   kChecksum,       ///< as kUnreadable: its CRC-32 does not match its message
-  kNeverSent,      ///< answers a message that the arm has not sent
-  kSequence,       ///< its counter stands still or goes back
+  kNeverSent,      ///< the command answers a message that the arm has not sent
+  kSequence,       ///< the command's counter stands still or goes back
   kNoPosition,     ///< an arm that is commanded gets no joint position
   kCartesian,      ///< a Cartesian pose is commanded
-  kNotFinite,      ///< a joint position, force or torque
-  kNotMirrored,    ///< away from the interpolator's position while the arm waits
+  kNotFinite,      ///< a joint position, force or torque is not finite
+  kNotMirrored,    ///< commanded away from the interpolator's position while the arm waits
   kJointPosition,  ///< beyond a joint's limits
   kJointSpeed,
   kToolSpeed,
@@ -26,18 +26,18 @@ enum class GuardFinding : std::uint8_t {
   kWorkspace,  ///< apex beyond the sphere
   kPlane,      ///< apex beyond the plane
   kZone,       ///< apex, flange or elbow outside one of the zones; `joint`: which zone, from 1
-  kForce,      ///< of the wrench that the controller adds
+  kForce,      ///< force of the wrench that the controller adds
   kTorque,
   kJointTorque,  ///< more than any wrench within the limits needs
-  kHandForce,    ///< by the arm's own estimate
-  kSilence,      ///< of the controller, while the arm moved
+  kHandForce,    ///< the hand pushes too hard, by the arm's own estimate
+  kSilence,      ///< the controller was silent while the arm moved
 };
 inline constexpr int kGuardFindings = 22;
 
 /// A finding, with the figures in SI.
 struct GuardReason {
   GuardFinding finding{GuardFinding::kNone};
-  int joint{0};  ///< 1 … 7 if it concerns one
+  int joint{0};  ///< 1 … 7 if the finding concerns a joint; see kZone
   double found{0.0};
   double min{0.0}, max{0.0};  ///< accepted range, if there is one
 };

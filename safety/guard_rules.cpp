@@ -61,7 +61,8 @@ GuardReason GuardMonitor::CheckTool(const Joints& q, double time_s) OSTEON_RT {
   return CheckAtMost(GuardFinding::kToolTurn, turn_rad / time_s, more * params_.max_turn_rad_per_s);
 }
 
-// Checks the position. Sphere and zones count once the path from elsewhere has led into them.
+// Checks the arm's placement against plane, sphere and zones. Sphere and zones count once the arm has been
+// inside.
 GuardReason GuardMonitor::CheckPlacement(const GuardKinematics::Placement& arm) OSTEON_RT {
   const WorkspaceParams& w = params_.workspace;
   const Vector3& p_WT = arm.p_WT;

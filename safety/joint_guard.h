@@ -8,7 +8,8 @@
 namespace osteon::safety {
 
 struct JointGuardParams {
-  /// The arm's own; lower < upper, velocity, acceleration > 0. Of a six-axis arm the first six count.
+  /// The arm's own limits; lower < upper, velocity and acceleration > 0. For a six-axis arm the first six
+  /// count.
   std::array<kinematics::JointLimits, 7> limits{};
   double position_margin_rad{0.0174532925199433};  ///< distance kept from each position limit (1 deg); >= 0
   double speed_share{0.9};                         ///< usable share of the velocity limit, (0, 1]
@@ -31,7 +32,7 @@ class JointGuard {
 
   struct Result {
     Joints step{Joints::Zero()};  ///< [rad]
-    double share{1.0};            ///< of the wanted step, 0 … 1
+    double share{1.0};            ///< share of the wanted step that is left, 0 … 1
     bool jump{false};      ///< a joint's wanted step was beyond jump_rad, or not finite; step is then zero
     bool violated{false};  ///< q is outside the arm's own position limits
   };

@@ -29,7 +29,8 @@ class JointTorqueLimit {
   ///
   ///     |tau_i| + |tau_i - tau_i before| > room_i
   ///
-  /// Call once per message, with the arm's estimate; an estimate that is not finite is ignored and not kept.
+  /// Call once per message, with the arm's estimate. An estimate that is not finite gives false, and the next
+  /// one counts as the first, without a change.
   [[nodiscard]] bool PredictOverload(const Joints& gravity_Nm, const Joints& tau_external_Nm) OSTEON_RT;
 
  private:

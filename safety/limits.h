@@ -35,7 +35,7 @@ struct LimitedWrench {
 [[nodiscard]] LimitedWrench ScaleWrench(const Wrench& F, double max_force_N, double max_torque_Nm) OSTEON_RT;
 
 struct WrenchLimitParams {
-  double max_force_N{kForceCeiling_N};  ///< > 0; above the ceiling the ceiling holds
+  double max_force_N{kForceCeiling_N};  ///< > 0; a value above kForceCeiling_N counts as that
   double max_torque_Nm{20.0};           ///< > 0
 };
 
@@ -46,14 +46,14 @@ class WrenchLimiter {
   explicit WrenchLimiter(const WrenchLimitParams& params);
 
   [[nodiscard]] LimitedWrench Limit(const Wrench& F) const OSTEON_RT;
-  /// The same, limited also to what the arm can hold in its posture:
+  /// Limits a wrench also to the share that the arm can hold in its posture:
   ///
   ///     s = min(arm.HoldableShare(F), max_force_N / |f|, max_torque_Nm / |t|),   F' = s F
   ///
-  /// @param arm  of the point that F acts on, in F's frame
+  /// @param arm  capability at the point that F acts on, in F's frame
   [[nodiscard]] LimitedWrench Limit(const Wrench& F,
                                     const kinematics::ForceCapability<7>& arm) const OSTEON_RT;
-  /// Lowers the force limit to another bound's, from now on. A cap above the parameter has no effect.
+  /// Caps the force limit from now on, instead of an earlier cap. A cap above the parameter has no effect.
   void LowerForceLimit(double force_N) OSTEON_RT { params_.max_force_N = std::min(force_limit_N_, force_N); }
   /// The limit in force: the smallest of the parameter, kForceCeiling_N and the cap.
   [[nodiscard]] double max_force_N() const OSTEON_RT { return params_.max_force_N; }
@@ -99,8 +99,8 @@ class WrenchRateTrip {
 };
 
 struct SensorForceParams {
-  double margin_N{50.0};  ///< beyond the wrench limit's force; > 0
-  int ticks{5};           ///< in a row until the trip; >= 1
+  double margin_N{50.0};  ///< tolerance beyond the wrench limit's force; > 0
+  int ticks{5};           ///< ticks in a row beyond it until the trip; >= 1
 };
 
 /// Trips if the hand pushes beyond limit + margin for some ticks in a row.

@@ -10,7 +10,8 @@ namespace osteon::safety {
 struct SpindleLimitParams {
   double max_torque_Nm{std::numeric_limits<double>::infinity()};        ///< > 0
   double max_speed_rad_per_s{std::numeric_limits<double>::infinity()};  ///< > 0
-  double trip_s{0.1};  ///< time without a pause until the trip; a start-up exceeds the torque for less; >= 0
+  /// Longest uninterrupted time beyond a limit; then the trip. A start-up exceeds the torque for less; >= 0.
+  double trip_s{0.1};
 };
 
 /// Trips if the spindle's torque or speed, of either sign, exceeds its limit for some time: a jammed tool, or

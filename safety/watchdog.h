@@ -12,19 +12,19 @@ inline constexpr double kNoAge_s = 1e6;
 /// Age of a value [s], 0 … kNoAge_s, which also stands for a stamp < 0 or more than 1 ms ahead of now.
 [[nodiscard]] double AgeSeconds(rt::Nanoseconds now, rt::Nanoseconds stamp) OSTEON_RT;
 
-/// The same for a stamp that is 0 if there is no value.
+/// Age of a value [s], as AgeSeconds; a stamp of 0 also stands for "no value".
 [[nodiscard]] double StampAge(rt::Nanoseconds now, rt::Nanoseconds stamp) OSTEON_RT;
 
-/// 1 up to full_s, then linearly down to 0 at gone_s.
+/// Weight of a value by its age: 1 up to full_s, then linearly down to 0 at gone_s.
 [[nodiscard]] double AgeFade(double age_s, double full_s, double gone_s) OSTEON_RT;
 
 struct WatchdogParams {
-  double model_stop_s{0.250};      ///< contact model older: Stop 1
+  double model_stop_s{0.250};      ///< Stop 1 if the contact model is older
   double sensor_full_s{0.020};     ///< operator's force counts in full up to this age
-  double sensor_stop_s{0.100};     ///< at this age the force is faded out: Stop 1
-  double spindle_stop_s{0.100};    ///< the drive's status is older: Stop 1
-  double interlock_stop_s{0.100};  ///< the PLC's status is older: Stop 1
-  int arm_misses{5};               ///< arm messages missed in a row: Stop 1
+  double sensor_stop_s{0.100};     ///< at this age the force is faded out; Stop 1 if it is older
+  double spindle_stop_s{0.100};    ///< Stop 1 if the drive's status is older
+  double interlock_stop_s{0.100};  ///< Stop 1 if the PLC's status is older
+  int arm_misses{5};               ///< Stop 0 after so many missed arm messages in a row
 };
 
 /// Ages of the loop's inputs [s]; 0 if the cell has no such source.
@@ -38,11 +38,11 @@ class Watchdog {
   /// @throws std::invalid_argument where a time is not positive or in the wrong order.
   explicit Watchdog(const WatchdogParams& params);
 
-  /// To be called when rendering starts.
+  /// To be called when motion or rendering starts.
   void Start(rt::Nanoseconds now) OSTEON_RT { start_ = now; }
-  /// Faults of the ages; call once per rendering tick.
+  /// Returns the faults of inputs that are too old.
   [[nodiscard]] FaultSet Check(rt::Nanoseconds now, const Ages& ages) const OSTEON_RT;
-  /// Share of the operator's force at this age.
+  /// Share of the operator's force that counts at this age of its reading, 0 … 1.
   [[nodiscard]] double SensorFade(double sensor_age_s) const OSTEON_RT {
     return AgeFade(sensor_age_s, params_.sensor_full_s, params_.sensor_stop_s);
   }

@@ -12,8 +12,8 @@
 namespace osteon::safety {
 namespace {
 
-constexpr int kCorrections = 6;      // of a velocity whose stop would end outside; one flat bound needs one
-constexpr double kInside_m = 1e-12;  // how far inside a corrected stop ends: beyond rounding
+constexpr int kCorrections = 6;  // corrections of a velocity whose stop would end outside; a plane needs one
+constexpr double kInside_m = 1e-12;  // distance by which a corrected stop ends inside: above rounding
 constexpr int kHalvings = 12;        // bisections of a stop's time, or of a share if corrections fail
 // Tolerances of a velocity from Limit after its passage through the joints.
 constexpr double kRounding_m_per_s = 1e-8, kRounding_m = 1e-10;

@@ -9,8 +9,8 @@
 
 namespace osteon::safety {
 
-/// Where the tool's apex may be: inside a sphere and on one side of a plane; and zones for the apex, the
-/// flange and the elbow.
+/// Bounds of the tool's apex, which stays inside a sphere and on one side of a plane; and zones for the apex,
+/// the flange and the elbow.
 struct WorkspaceParams {
   Vector3 sphere_center_W_m{Vector3::Zero()};
   double sphere_radius_m{1.5};               ///< > 0

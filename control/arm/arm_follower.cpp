@@ -30,14 +30,14 @@ constexpr double kElbowRate_per_s = 40.0;  // gain toward the wanted arm angle, 
 constexpr double kElbowThere_rad = 1e-6;
 constexpr double kMoving_m_per_s = 0.02,
                  kMoving_rad_per_s = 0.1;  // tool speed from which the elbow has its full speed
-constexpr double kStands = 1e-6;           // as a share of that: rounding
+constexpr double kStands = 1e-6;           // share of that speed below which motion is rounding
 constexpr int kBrakingHalvings = 10;       // bisections when motion is added to the braking
-constexpr int kZoneTries = 4;         // trial shares of a step; the first leaves only the curvature's error
-constexpr double kZoneSlack = 0.999;  // factor so that the next trial holds
+constexpr int kZoneTries = 4;              // trial shares of a step: after the first only curvature is left
+constexpr double kZoneSlack = 0.999;  // factor on a trial share, so that the next trial stays in the zones
 
 double WrapAngle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
-// The additions of an LBR over six axes: an elbow that can move while the tool stays, and known torques.
+// Data of an LBR that a six-axis arm lacks: an elbow that can move while the tool stays, and known torques.
 struct Redundancy {
   Redundancy(const ServoParams& params, const Pose& X_WB, const Pose& X_FT, double wanted_arm_angle_rad)
       : arm_angle_rad(wanted_arm_angle_rad) {
@@ -54,10 +54,10 @@ struct Redundancy {
     body.emplace(*params.arm_body, X_WB.linear().transpose() * kinematics::kGravity_W_m_per_s2);
   }
 
-  double arm_angle_rad;  // wanted
+  double arm_angle_rad;  // wanted arm angle
   std::optional<kinematics::SerialChain<7>> body;
   std::optional<safety::JointTorqueLimit<7>> torques;  // if there is a body
-  kinematics::LoadTarget<7> load;                      // torque limits: of the drives
+  kinematics::LoadTarget<7> load;                      // its torque limits are those of the drives
   bool arrived{false};                                 // the wanted arm angle has been reached once
 };
 struct NoRedundancy {};
@@ -115,7 +115,7 @@ class JointFollower final : public ArmFollower {
       elbow_.load.axis_F = X_FT_.linear().col(2);
       if (tool.body) elbow_.body = tool.body;
     }
-    jacobian_q_ = points_q_ = gravity_q_ = kNowhere;  // what is cached belongs to the tool before
+    jacobian_q_ = points_q_ = gravity_q_ = kNowhere;  // the cached values belong to the previous tool
     X_WT_ = PoseOf(q_);
   }
 
@@ -181,7 +181,7 @@ class JointFollower final : public ArmFollower {
 
  private:
   using ZonePoint = safety::ZonePoint;
-  static constexpr std::array<ZonePoint, 2> kCarried{ZonePoint::kFlange, ZonePoint::kElbow};  // by the joints
+  static constexpr std::array<ZonePoint, 2> kCarried{ZonePoint::kFlange, ZonePoint::kElbow};  // by joints
   static constexpr std::array<ZonePoint, 3> kAll{ZonePoint::kApex, ZonePoint::kFlange, ZonePoint::kElbow};
 
   static Joints ToJoints(const JointArray& q) { return Eigen::Map<const Joints>(q.data()); }
@@ -194,7 +194,7 @@ class JointFollower final : public ArmFollower {
     }
     return jacobian_;
   }
-  // Torques that hold the arm at q_, cached as well. @pre its masses are known
+  // Torques that hold the arm at q_, cached like the Jacobian. @pre the arm's masses are known
   [[nodiscard]] const Joints& Gravity() const OSTEON_RT {
     if constexpr (kRedundant) {
       if (gravity_q_ != q_) {
@@ -239,15 +239,15 @@ class JointFollower final : public ArmFollower {
   kinematics::DifferentialInverse<kN> motion_;
   safety::JointGuard<kN> guard_;
   safety::Workspace workspace_;
-  std::optional<JointPath<kN>> path_;  // to the start
+  std::optional<JointPath<kN>> path_;  // path to the start
   std::vector<Tool> tools_;
 
   Joints q_{Joints::Zero()};
   static inline const Joints kNowhere = Joints::Constant(std::numeric_limits<double>::quiet_NaN());
   // of the last tick
   Joints q_step_{Joints::Zero()};
-  double motion_scale_{1.0};  // of the task
-  Points points_{};           // of these joints
+  double motion_scale_{1.0};  // share of the requested motion that the limits left
+  Points points_{};           // points at the joint positions points_q_
   Joints points_q_{kNowhere};
   mutable kinematics::JacobianN<kN> jacobian_{kinematics::JacobianN<kN>::Zero()};
   mutable Joints jacobian_q_{kNowhere};
@@ -255,8 +255,8 @@ class JointFollower final : public ArmFollower {
   double moving_{0.0};  // 0 … 1: how much the tool moved
   double sigma_min_m_{1.0};
   Joints sigma_gradient_m_{Joints::Zero()}, null_direction_{Joints::Zero()};
-  Eigen::Matrix<double, 6, 6> directions_{Eigen::Matrix<double, 6, 6>::Identity()};  // of the Jacobian
-  int stop_ticks_{0};  // left of a stop along the joints; 0: none under way
+  Eigen::Matrix<double, 6, 6> directions_{Eigen::Matrix<double, 6, 6>::Identity()};  // MotionOutput::U
+  int stop_ticks_{0};  // remaining ticks of a stop along the joints; 0: none is under way
 };
 
 template <class Arm>
@@ -396,8 +396,8 @@ typename Arm::Joints JointFollower<Arm>::NullSpaceVelocity(
   Joints qd = Joints::Zero();
   if constexpr (kRedundant) {
     const double dt_s = params_.period_s;
-    // twist that the limits will leave, estimated from the tick before: an elbow held for a tool that cannot
-    // move would itself move
+    // The twist that the limits will leave, estimated from the previous tick. With the requested twist
+    // instead, an elbow held for a tool that cannot move would itself move.
     const Twist V_likely_WT = Scaled(request.V_WT, motion_scale_);
 
     // the arm angle is held, and turned toward the wanted one
@@ -439,7 +439,7 @@ bool JointFollower<Arm>::BrakeJoints() OSTEON_RT {
   --stop_ticks_;
   q_step_ *= static_cast<double>(stop_ticks_) / (stop_ticks_ + 1);
   q_step_ = guard_.Limit(q_, q_step_, params_.period_s).step;
-  // the ramp takes time, and a bound may be nearer
+  // braking to rest takes time, and a bound may be nearer than that
   q_step_ *= ZoneScale(q_, q_step_, PointsOf(q_), PointsOf(q_ + q_step_), kAll);
   q_ += q_step_;
   X_WT_ = PoseOf(q_);

@@ -21,8 +21,9 @@ namespace osteon::control {
 /// Motion of the tool that is requested in a tick.
 struct MotionRequest {
   Twist V_WT;  ///< requested velocity of the tool at To, in W
-  /// Scales the speed at which the arm angle turns toward the wanted one, 0 … 1; 0 holds the elbow. It counts
-  /// until the wanted angle has been reached once; from then on the elbow moves only while the tool does.
+  /// Scales the speed at which the arm angle turns toward the wanted one, 0 … 1; 0 holds the elbow. It has
+  /// an effect until the wanted angle has been reached once; from then on the elbow moves only while the tool
+  /// does.
   double elbow_scale{0.0};
   double max_elbow_speed_m_per_s{std::numeric_limits<double>::infinity()};
   bool elbow_moves{false};  ///< false: the arm angle is held while the tool moves
@@ -65,10 +66,11 @@ class ArmFollower {
   [[nodiscard]] virtual JointArray q() const OSTEON_RT = 0;
   [[nodiscard]] const Pose& X_WT() const OSTEON_RT { return X_WT_; }
 
-  /// Prepares a table of tools. Before the run; the tool in use stays.
+  /// Sets the table of tools that SelectTool chooses from. Call before the run. The tool in use stays.
   /// @throws std::invalid_argument naming what is wrong with an entry.
   virtual void SetTools(std::span<const LoopTool> tools) = 0;
-  /// Takes the tool of this entry: the joints stay, bit for bit, and X_WT() becomes the tool's pose.
+  /// Changes to the tool of this table entry: the joints stay, bit for bit, and X_WT() becomes the pose of
+  /// the new tool.
   /// @pre index < the table's size
   virtual void SelectTool(std::size_t index) OSTEON_RT = 0;
 
@@ -96,7 +98,7 @@ class ArmFollower {
   [[nodiscard]] virtual bool PredictOverload(const JointArray& tau_external_Nm) OSTEON_RT = 0;
 
   /// One tick of a stop in which the joints' own last motion is scaled down within ServoParams::joint_stop_s.
-  /// Used where the tool's braking path has no joint solution. True at rest.
+  /// Used where the tool's braking path has no joint solution. Returns true once the joints are at rest.
   [[nodiscard]] virtual bool BrakeJoints() OSTEON_RT = 0;
   /// Whether a stop by BrakeJoints is under way.
   [[nodiscard]] virtual bool braking_joints() const OSTEON_RT = 0;
@@ -105,7 +107,7 @@ class ArmFollower {
   [[nodiscard]] virtual ZoneCheck CheckZones(const JointArray& q,
                                              const JointArray& q_next) const OSTEON_RT = 0;
 
-  /// Loads its data into the cache, see ServoLoop::Prefetch.
+  /// Loads the follower's data into the processor's cache, see ServoLoop::Prefetch.
   virtual void Prefetch() const OSTEON_RT = 0;
 
   /// Whether the arm is at ServoParams::start; true as well if no start is set.

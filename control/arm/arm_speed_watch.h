@@ -9,7 +9,7 @@ namespace osteon::control {
 
 struct ArmSpeedParams {
   double margin{1.5};     ///< factor on the tool's speed limit that the measured tool may keep up; >= 1
-  double excess_m{1e-3};  ///< distance beyond that until the trip; > 0
+  double excess_m{1e-3};  ///< largest excess distance e without a trip; > 0
 };
 
 /// Monitors the measured speed of the tool, independently of the command: an arm that jumps by itself is

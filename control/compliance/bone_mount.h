@@ -10,7 +10,7 @@ namespace osteon::control {
 /// of W, in series with pads that creep. Each triple is along x, y, z; rotation is about Mo. Every field has
 /// a usable default: 12 kg at 10 Hz.
 struct BoneMountParams {
-  Vector3 p_WMo_m{Vector3::Zero()};  ///< point at rest that the stiffness is about, in W
+  Vector3 p_WMo_m{Vector3::Zero()};  ///< Mo at rest, in W: the springs act about it
   double mass_kg{12.0};
   Vector3 inertia_kg_m2{Vector3::Constant(0.12)};
   Vector3 stiffness_N_per_m{Vector3::Constant(47.4e3)};
@@ -18,7 +18,7 @@ struct BoneMountParams {
   double damping_ratio{0.05};                    ///< zeta of each axis by itself; >= 0
   double creep_N_per_m{0.0};                     ///< stiffness of the pads; 0: they do not creep
   double creep_tau_s{20.0};                      ///< time constant of the pads; > 0
-  double max_shift_m{0.010}, max_turn_rad{0.1};  ///< beyond these the cell stops; > 0
+  double max_shift_m{0.010}, max_turn_rad{0.1};  ///< if exceeded, the cell stops; > 0
 };
 
 /// State of a mount between ticks: displacement d, velocity v, and the pads' displacement, of Mo and about
@@ -37,13 +37,13 @@ void Validate(const BoneMountParams& params);
 ///
 /// and of the pads, a massless element (StepMassless) with x_inf = -f / k_creep.
 /// Stable alone for w T < 2; with a contact of stiffness K_c in series it needs sqrt((K + K_c) / m) T <= 0.4.
-/// @param F_Mo_W  wrench that the bone exerts on the tool, at Mo, in W: the mount gets its opposite
+/// @param F_Mo_W  wrench that the bone exerts on the tool, at Mo, in W: the opposite wrench acts on the mount
 void StepMount(const BoneMountParams& params, const Wrench& F_Mo_W, double period_s,
                BoneMountState& state) OSTEON_RT;
 
-/// Pose in W of the world that goes with the bone: the identity at rest.
+/// Pose in W of the bone's world M, which moves with the bone; the identity while the mount is undeformed.
 [[nodiscard]] Pose MountPose(const BoneMountParams& params, const BoneMountState& state) OSTEON_RT;
-/// Velocity of that frame's point at p_W, in W.
+/// Velocity of M at the point p_W, in W.
 [[nodiscard]] Twist MountTwistAt(const BoneMountParams& params, const BoneMountState& state,
                                  const Vector3& p_W) OSTEON_RT;
 

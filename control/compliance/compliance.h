@@ -12,7 +12,7 @@
 
 namespace osteon::control {
 
-/// Parts of a cell that give way; each absent: rigid.
+/// Parameters of the compliant parts of a cell. A part that is absent is rigid.
 struct ComplianceParams {
   std::optional<SurfaceLayerParams> layer{};
   std::optional<ToolLinkParams> tool{};
@@ -25,13 +25,13 @@ struct ComplianceParams {
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const ComplianceParams& params);
 
-/// The largest compliance that the coupling's spring can be in series with [m/N]: bounds the energy that all
+/// Largest compliance in series with the coupling's spring [m/N], for a force. It bounds the energy that all
 /// springs together give back (ForceLimit_N). Layer at its first touch, tool across its feed, mount at rest.
 [[nodiscard]] double SeriesCompliance(const ComplianceParams& params, double force_N) OSTEON_RT;
 
-/// What gives way between the rigid tool T and the resting world W: the layer and the mount move the world of
-/// the bone, M; the tool's bending moves its head, E. The cutting engine and the coupling are given the pose
-/// of the head in the moved world, and so never learn of compliance:
+/// The compliant parts between the rigid tool T and the resting world W: the layer and the mount move the
+/// world of the bone, M; the tool's bending moves its head, E. The cutting engine and the coupling are given
+/// the pose of the head in the moved world, and so never learn of compliance:
 ///
 ///     X_ME  = X_WM^-1 X_WT X_TE
 ///     f_T_W = R_WM f_E_M,   t_T_W = R_WM t_E_M + (p_WE - p_WT) × f_T_W
@@ -58,12 +58,11 @@ class Compliance {
   [[nodiscard]] Pose X_WM() const OSTEON_RT;
 
   /// Advances all elements by one tick.
-  /// @param F_E_M  wrench of the planes on the head as rendered: after shares and limits, without depth
-  /// limit,
-  ///   passivity damping and the spindle's torque
+  /// @param F_E_M  wrench of the planes on the head as rendered: after shares and limits, but without depth
+  ///   limit, passivity damping and the spindle's torque
   void Step(const Wrench& F_E_M, const simulation::ContactModel& model, const Pose& X_WT) OSTEON_RT;
 
-  /// Whether the tool bends, is pressed, or the mount has moved beyond its limit: the cell must stop.
+  /// Whether the tool's bend, the thrust on it or the mount's motion is beyond its limit: the cell must stop.
   [[nodiscard]] bool beyond_limit() const OSTEON_RT { return beyond_limit_; }
   /// Whether a displacement is larger than noticed_m.
   [[nodiscard]] bool noticed() const OSTEON_RT;
@@ -78,8 +77,8 @@ class Compliance {
  private:
   ComplianceParams params_;
   double period_s_;
-  Vector6 e_{Vector6::Zero()}, e_per_s_{Vector6::Zero()};      // of the tool, in T
-  Vector3 q_m_{Vector3::Zero()}, q_m_per_s_{Vector3::Zero()};  // of the layer, in M
+  Vector6 e_{Vector6::Zero()}, e_per_s_{Vector6::Zero()};      // deflection of the tool, in T
+  Vector3 q_m_{Vector3::Zero()}, q_m_per_s_{Vector3::Zero()};  // shift of the layer, in M
   BoneMountState mount_;
   bool beyond_limit_{false};
 };

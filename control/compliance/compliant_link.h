@@ -7,7 +7,7 @@
 
 namespace osteon::control {
 
-/// Rows and columns: translation x, y, z, then rotation x, y, z; or force and torque.
+/// Order of rows and columns: translation x, y, z, then rotation x, y, z; or force, then torque.
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
@@ -15,10 +15,9 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 ///
 ///     x+ = (x + (T/tau) x_inf(F)) / (1 + T/tau)
 ///
-/// With x_inf = C F, F the force of a contact spring K that the element is in series with, it takes energy in
-/// every closed ride and is stable if and only if tau >= T (K c - 1) / 2, c the largest compliance at a
-/// touching point.
-/// Source: implicit Euler of tau x' + x = x_inf.
+/// With x_inf = C F, F the force of a contact spring K in series with the element, the element dissipates
+/// energy over every closed path and is stable if and only if tau >= T (K c - 1) / 2, c the largest
+/// compliance at a touching point. Source: implicit Euler of tau x' + x = x_inf.
 template <int N>
 [[nodiscard]] Eigen::Matrix<double, N, 1> StepMassless(const Eigen::Matrix<double, N, 1>& x,
                                                        const Eigen::Matrix<double, N, 1>& x_inf,

@@ -9,7 +9,7 @@ namespace osteon::control {
 namespace {
 
 constexpr double kLinearUpTo_N = 1.0;
-constexpr double kMaxShare = 0.4;  // of the thickness, beyond which a linear layer is no model
+constexpr double kMaxShare = 0.4;  // indentation over thickness up to which a linear layer is a valid model
 
 double WinklerIndentation(const SurfaceLayerParams& params, const LayerContact& contact,
                           double force_N) OSTEON_RT {

@@ -23,9 +23,9 @@ struct SurfaceLayerParams {
 
 /// The layer at a frame's contacts.
 struct LayerContact {
-  double kappa_N_per_m3{0.0};  ///< of the contacts in the layer, by their weights; 0: none
-  double share{0.0};           ///< of the contacts' weight that lies in the layer, 0 … 1
-  double area_m2{0.0};         ///< engaged
+  double kappa_N_per_m3{0.0};  ///< weighted mean over the contacts in the layer; 0: none is in it
+  double share{0.0};           ///< share of the contacts' weight that lies in the layer, 0 … 1
+  double area_m2{0.0};         ///< engaged area
 };
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.

@@ -100,7 +100,7 @@ void CouplingPipeline::AddGuidance(const ArmFollower& arm, Wrench& F_T_W) OSTEON
   const auto with = [&](double share) OSTEON_RT {
     return Wrench{.f = F_T_W.f + share * guidance.f, .t = F_T_W.t + share * guidance.t};
   };
-  // force and torque by the closed form; mostly the arm holds that as well
+  // The largest share within force and torque, by the closed form. Mostly the arm can hold that share too.
   const double share =
       MaxFittingScale(ScaleWithin(limiter_, F_T_W, guidance, proposed),
                       [&](double each) OSTEON_RT { return arm.Limit(limiter_, with(each)).share >= 1.0; });
@@ -119,7 +119,7 @@ void CouplingPipeline::LimitPower(double power_scale, safety::LimitedWrench& ren
   if (guidance_) guidance_->ScaleRendered(power_scale);
 }
 
-// A wrench on the head, in the bone's world, as a wrench on T in W.
+// Returns a wrench on the head, in the bone's world, as the wrench on T in W.
 Wrench CouplingPipeline::OnTool(const Wrench& F_E_M) const OSTEON_RT {
   return compliance_ ? compliance_->OnTool(F_E_M, X_WT_) : F_E_M;
 }

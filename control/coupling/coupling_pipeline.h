@@ -27,7 +27,7 @@ namespace osteon::control {
 /// Call Evaluate, Render, LimitPower and StepCompliance in this order, each at most once per tick. All
 /// wrenches that they return are within the cell's limits of force and torque.
 ///
-/// Where the cell gives way (control/compliance), coupling and stabilisers see the pose and velocity of the
+/// If the cell is compliant (control/compliance), coupling and stabilisers see the pose and velocity of the
 /// bent head in the bone's world, and the wrench is carried back to T.
 class CouplingPipeline {
  public:
@@ -63,7 +63,8 @@ class CouplingPipeline {
   }
 
   /// Returns the wrench to render: that of the last Evaluate plus the passivity controller's damping, the
-  /// depth limit's resistance and the guidance, within the same limits. Guidance has what the others leave.
+  /// depth limit's resistance and the guidance, within the same limits. The guidance
+  /// gets the force and torque that the others leave.
   [[nodiscard]] safety::LimitedWrench Render(const ArmFollower& arm, safety::LimitSet& acting) OSTEON_RT;
   /// Multiplies a rendered wrench by `power_scale`, 0 … 1, if that is less than 1.
   void LimitPower(double power_scale, safety::LimitedWrench& rendered, safety::LimitSet& acting) OSTEON_RT;
@@ -74,19 +75,20 @@ class CouplingPipeline {
     if (guidance_ && share < 1.0) guidance_->ScaleRendered(share);
   }
 
-  /// Advances what gives way by one tick, with the wrench that the planes exerted as rendered.
+  /// Advances the compliant parts by one tick, with the planes' wrench as it was rendered.
   /// @param model  as given to Evaluate
   void StepCompliance(const simulation::ContactModel& model, safety::LimitSet& acting) OSTEON_RT;
-  /// Null where the cell is rigid.
+  /// The cell's compliance; null if the cell is rigid.
   [[nodiscard]] const Compliance* compliance() const OSTEON_RT {
     return compliance_ ? &*compliance_ : nullptr;
   }
-  /// Replaces how the tool bends, at a change of tool; no effect where the cell's tool is rigid.
+  /// Replaces the parameters of the tool's bending, at a change of tool; no effect if the cell's tool is
+  /// rigid.
   void SetBending(const std::optional<ToolLinkParams>& tool) OSTEON_RT {
     if (compliance_ && params_.compliance.tool) compliance_->SetTool(tool);
   }
-  /// Whether the head is beyond a depth bound that rides on the bone. A bound that rests is a zone of the
-  /// workspace.
+  /// Whether the head is more than 1 mm beyond the depth bound, if the bound moves with the bone. A bound
+  /// that rests is a zone of the workspace.
   [[nodiscard]] bool beyond_depth() const OSTEON_RT;
 
   /// Adds the limits that acted on a rendered wrench, as its shares and the stabilisers show.
@@ -96,7 +98,7 @@ class CouplingPipeline {
   [[nodiscard]] const Stabilisers& stabilisers() const OSTEON_RT { return stabilisers_; }
   [[nodiscard]] const safety::DepthLimit& depth_limit() const OSTEON_RT { return depth_limit_; }
   [[nodiscard]] const std::optional<Guidance>& guidance() const OSTEON_RT { return guidance_; }
-  /// Whether guidance has grown faster than its springs can make it: a defect.
+  /// Whether the guidance's force has grown faster than its springs can make it grow: a defect.
   [[nodiscard]] bool guidance_trips() const OSTEON_RT { return guidance_ && guidance_->trips(); }
   /// Whether the spindle must stand: by the depth limit or by the guidance.
   [[nodiscard]] bool stops_spindle() const OSTEON_RT {
@@ -131,7 +133,7 @@ class CouplingPipeline {
   CouplingOutput output_;
   safety::LimitedWrench limited_;    // on T, in W
   safety::LimitedWrench limited_E_;  // on the head, in M: the same where the cell is rigid
-  double passed_scale_{1.0};         // of the wrench after Render
+  double passed_scale_{1.0};         // share of Render's wrench that later limits passed
   bool pressed_{false};
 };
 

@@ -9,7 +9,7 @@ constexpr double kMinForce_N = 1e-9;  // below it a force has no direction
 
 Wrench Scaled(const Wrench& F, double share) OSTEON_RT { return {.f = share * F.f, .t = share * F.t}; }
 
-// Scales a hand-over down with a spring whose planes have since let go.
+// Scales a hand-over down if the spring's force has fallen since it began, as when planes release the tool.
 HandOver AtForce(HandOver hand_over, double spring_N) OSTEON_RT {
   if (spring_N >= hand_over.spring_N) return hand_over;
   hand_over.F_T_W = Scaled(hand_over.F_T_W, spring_N / hand_over.spring_N);
@@ -22,7 +22,7 @@ Wrench WithSizeOf(Wrench before, const Wrench& after) OSTEON_RT {
   const double after_N = after.f.norm();
   const double against_N = std::min(0.0, before.f.dot(after.f) / after_N);
   before.f -=
-      against_N / after_N * after.f;  // by rounding or motion: a force that has turned round is not kept
+      against_N / after_N * after.f;  // removes a component against `after`, due to rounding or motion
   const double before_N = before.f.norm();
   if (before_N <= kMinForce_N) return after;
   const double share = std::min(1.0, after_N / before_N), rest = std::max(0.0, 1.0 - before_N / after_N);

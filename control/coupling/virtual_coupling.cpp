@@ -20,7 +20,7 @@ constexpr double kMaxPosition_m = 10.0;
 constexpr double kMaxStiffness_N_per_m = 1e7;
 constexpr double kMaxAdvance_m_per_s = 1.0;
 constexpr double kMaxTorque_Nm = 100.0;
-constexpr double kRounding_m = 1e-9;  // of a proxy on its plane
+constexpr double kRounding_m = 1e-9;  // rounding of a proxy's distance from a plane that it lies on
 constexpr double kMaxTick_s = 0.005;  // a longer gap between ticks was a stop of the loop, not cutting
 
 bool Within(double value, double low, double high) { return value >= low && value <= high; }  // false for NaN
@@ -108,20 +108,20 @@ void StorePlanes(const CouplingParams& params, const ContactModel& model, Coupli
   }
 }
 
-// A tick's input, and what its parts share of it.
+// A tick's input, and values derived from it that several steps of the tick use.
 struct CouplingTick {
   const CouplingParams& params;
   const CouplingInput& input;
-  double dt_s{0.0};              // since the last tick
+  double dt_s{0.0};              // time since the last tick
   bool fresh{false};             // the model is young enough for its planes to recede
   bool new_frame{false};         // the model's planes replace those of the last tick
-  double cut_since_pose_s{0.0};  // of a new frame: time spent cutting since its pose
-  Wrench F_before_T_W{};         // of a new frame: spring of the previous planes at this pose
+  double cut_since_pose_s{0.0};  // if a new frame: time spent cutting since its pose
+  Wrench F_before_T_W{};         // if a new frame: spring wrench of the previous planes at this pose
 };
 
 // The planes at a tick's pose.
 struct PlacedPlanes {
-  std::array<HalfSpace, kMaxHalfSpaces> half_space;  // of the displacement from the tool to its proxy
+  std::array<HalfSpace, kMaxHalfSpaces> half_space;  // bounds on the displacement from tool to proxy
   std::array<Vector3, kMaxContacts> lever_W;         // from To to the contact point
 };
 
@@ -146,7 +146,7 @@ bool WeighModel(CouplingTick& tick, CouplingState& state, CouplingOutput& out) {
   return false;
 }
 
-// Takes the model's planes if they are of a new frame.
+// Replaces the planes by the model's if the model has a new frame.
 void AcceptFrame(CouplingTick& tick, CouplingState& state) {
   const ContactModel& model = tick.input.model;
   tick.new_frame = model.frame != state.frame || model.pose_stamp != state.pose_stamp;
@@ -163,7 +163,7 @@ void AcceptFrame(CouplingTick& tick, CouplingState& state) {
   state.held_back_m.fill(0.0);
 }
 
-// Present position of a plane: the frame's, receded and held back.
+// Places a plane for this tick: the frame's plane, receded and held back.
 // @returns the gap that it leaves to the tool [m]
 double PlacePlane(const CouplingTick& tick, std::size_t i, const Vector3& n_W, const Vector3& lever_W,
                   CouplingState& state) {

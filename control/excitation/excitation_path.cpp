@@ -16,7 +16,7 @@ void Require(bool accepted, const char* name, double found, const char* range) {
                                 ", accepted " + range);
 }
 
-// 0 … 1 with vanishing velocity and acceleration at both ends.
+// Polynomial from 0 to 1 for u in 0 … 1, with vanishing velocity and acceleration at both ends.
 double Quintic(double u) OSTEON_RT {
   const double v = std::clamp(u, 0.0, 1.0);
   return v * v * v * (10.0 + v * (6.0 * v - 15.0));

@@ -12,16 +12,16 @@ namespace osteon::control {
 struct ExcitationParams {
   std::uint64_t seed{1};            ///< draw d has seed + d
   int draws{4};                     ///< 1 … kMaxDraws; different phases
-  int periods{3};                   ///< counted periods a draw, 1 … 100; one settling period comes before
+  int periods{3};                   ///< counted periods per draw, 1 … 100; one settling period comes before
   double peak_speed_m_per_s{0.05};  ///< > 0
-  double max_travel_m{0.004};       ///< smaller amplitudes if the motion would leave it; > 0
+  double max_travel_m{0.004};       ///< largest offset: if needed, all amplitudes are reduced; > 0
   double max_acceleration_m_per_s2{8.0};  ///< likewise; > 0
-  double pause_s{0.5};                    ///< from the switch's release to rest, at most; 0.05 … 5
+  double pause_s{0.5};                    ///< longest time from the switch's release to rest; 0.05 … 5
 
   static constexpr int kMaxDraws = 16;
 };
 
-/// The effect of an excitation in a tick.
+/// The part of an excitation that a tick belongs to.
 enum class ExcitationPart : std::uint8_t { kSettling, kCounted, kFading, kDone };
 
 struct ExcitationStep {
@@ -32,8 +32,9 @@ struct ExcitationStep {
   bool at_rest{false};  ///< the path is paused, and stands
 };
 
-/// The offset along an axis over time: for each draw a settling period and the counted ones; from draw to
-/// draw cross-faded within kFade_s, at the beginning and the end from and to zero.
+/// The offset along an axis over time. Each draw has a settling period and then the counted periods. The
+/// offset is cross-faded from draw to draw within kFade_s, and likewise from zero at the beginning and to
+/// zero at the end.
 ///
 ///     x(t) = (1 - s) x_before(t) + s x_draw(t)          s = quintic of the draw's first kFade_s
 ///

@@ -12,9 +12,10 @@ namespace osteon::control {
 namespace {
 
 constexpr double kSecond_s = 1.0, kWindow_s = 0.1, kSlow_hz = 5.0;
-constexpr double kGrowth = 1.3, kGrown_N = 5.0;  // from window to window; below it nothing grows
+// A window's force has grown if it is more than kGrowth times that of the window before, and above kGrown_N.
+constexpr double kGrowth = 1.3, kGrown_N = 5.0;
 constexpr int kGrowingWindows = 3;
-constexpr int kMaxGap = 100;  // messages: a longer gap is the loop's to judge
+constexpr int kMaxGap = 100;  // messages; the loop itself reacts to a longer gap
 
 using JointMap = Eigen::Map<const Eigen::Matrix<double, kJoints, 1>>;
 
@@ -118,7 +119,7 @@ void ExcitedHold::StepPath(bool permitted, int messages) OSTEON_RT {
   step_.x_m = step_.path.x_m;
 }
 
-// The force that would move the arm as it is thought to be along the path, which is one period further.
+// The force that would move an arm with the assumed properties along the path, for the path's next period.
 double ExcitedHold::OverlayForce(double x_m) OSTEON_RT {
   const OverlayExcitation& overlay = params_.overlay;
   const double v_m_per_s = (x_m - x_last_m_) / params_.period_s,
@@ -130,8 +131,8 @@ double ExcitedHold::OverlayForce(double x_m) OSTEON_RT {
   return std::clamp(overlay_scale_ * f_N, -overlay.max_force_N, overlay.max_force_N);
 }
 
-// Waits at rest in the pause, and averages the force meanwhile; the first message with the pause's command
-// begins.
+// Waits at rest in the pause, and averages the force meanwhile. Then the excitation begins, about the command
+// that the loop holds.
 void ExcitedHold::BeginExcitation(const ExcitedTick& tick) OSTEON_RT {
   if (waited_ > 0 && tick.activation != activation_) waited_ = 0;
   if (waited_ == 0) force_zero_S_N_.setZero();
@@ -161,7 +162,7 @@ ExcitationAbort ExcitedHold::Check(const ExcitedTick& tick, double x_before_m) O
 // Whether tool and joint are near where the last answer commanded them.
 bool ExcitedHold::Tracks(const ExcitedTick& tick, double x_before_m) const OSTEON_RT {
   JointArray off{};
-  // an overlay moves the tool from a command that stands
+  // with an overlay the command stands still, and the force moves the tool away from it
   const double commanded_m = params_.overlay.on ? 0.0 : x_before_m;
   for (std::size_t j = 0; j < off.size(); ++j)
     off[j] = tick.q_meas[j] - q_hold_[j] - params_.direction[j] * commanded_m;
@@ -170,7 +171,7 @@ bool ExcitedHold::Tracks(const ExcitedTick& tick, double x_before_m) const OSTEO
          std::abs(off[static_cast<std::size_t>(params_.joint)]) <= params_.max_joint_tracking_rad;
 }
 
-// Counts messages and answers that were lost, second by second.
+// Counts the messages and answers that were lost in the present second. @returns whether they are too many
 bool ExcitedHold::LosesAnswers(const ExcitedTick& tick, int messages) OSTEON_RT {
   second_messages_ += messages;
   const double second = kSecond_s / params_.period_s;
@@ -183,8 +184,8 @@ bool ExcitedHold::LosesAnswers(const ExcitedTick& tick, int messages) OSTEON_RT 
   return false;
 }
 
-// The excitation's own force is periodic and its level even: force that grows from window to window is a
-// loop's.
+// Whether the force grows from window to window, which shows an unstable loop: the excitation's own force is
+// periodic, with an even level.
 bool ExcitedHold::ForceGrows(const Vector3& force_S_N) OSTEON_RT {
   const double share = 1.0 - std::exp(-2.0 * std::numbers::pi * kSlow_hz * params_.period_s);
   slow_S_N_ += share * (force_S_N - slow_S_N_);

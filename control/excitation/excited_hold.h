@@ -18,46 +18,48 @@ enum class ExcitationAbort : std::uint8_t {
   kLeftPause,    ///< the loop has left the pause by itself: a fault, a stop, an operator's resume
   kArmLeft,      ///< the arm has left COMMANDING_ACTIVE, or came back in another activation
   kForce,        ///< the force on the sensor has changed by more than max_force_N
-  kForceGrows,   ///< force between 5 and 40 Hz has grown for 0.3 s
+  kForceGrows,   ///< force above 5 Hz has grown for 0.3 s
   kTracking,     ///< tool or joint is farther than its bound from where it was commanded
-  kAnswersLost,  ///< more than max_lost_share of the answers were lost within 1 s
+  kAnswersLost,  ///< messages and answers lost in 1 s: more than max_lost_share of all
   kSensor,       ///< no force reading that can be used
 };
 /// "the force on the sensor changed by more than …", for messages.
 [[nodiscard]] const char* Describe(ExcitationAbort abort);
 
-/// An excitation by a force over the arm's own impedance, in the place of a motion of its command.
+/// Excitation by a force that is laid over the arm's own impedance control, instead of a motion of the
+/// command.
 struct OverlayExcitation {
   bool on{false};
-  /// The arm as it is thought to be. The force is the one that would move such an arm along the path:
+  /// Assumed properties of the arm. The force is the one that would move an arm with them along the path:
   ///
   ///     f = mass x'' + damping x' + stiffness x
   ///
-  /// so that force and motion both have power on all lines. What the arm really is follows from the response.
+  /// so that force and motion both have power on all lines. The arm's real properties follow from the
+  /// response.
   double mass_kg{5.0}, damping_Ns_per_m{140.0}, stiffness_N_per_m{2000.0};
-  double max_force_N{50.0};  ///< the motion is made smaller where it would need more; 0 … 50, not 0
+  double max_force_N{50.0};  ///< a motion that would need more force is made smaller; 0 … 50, not 0
 };
 
 struct ExcitedHoldParams {
   ExcitationParams path;
   double period_s{0.001};
-  int sequence_step{1};              ///< of ArmState::sequence from message to message
+  int sequence_step{1};              ///< increase of ArmState::sequence from message to message
   JointArray direction{};            ///< joints' motion for 1 m along the axis [rad/m]: J^+ e
   Vector3 axis_W{Vector3::UnitZ()};  ///< e, unit
   Eigen::Matrix<double, 3, kJoints> J_W{
-      Eigen::Matrix<double, 3, kJoints>::Zero()};  ///< of the apex, at the posture
-  double max_force_N{30.0};                        ///< 30 with nobody at the handle, 60 with a hand
+      Eigen::Matrix<double, 3, kJoints>::Zero()};  ///< Jacobian of the apex, at the posture
+  double max_force_N{30.0};  ///< a larger change of the sensor's force aborts; 30 without a hand, 60 with one
   double max_tracking_m{0.01};
   /// 0 … kJoints - 1: this joint alone is excited, and measured by its own encoder. The lengths of path, x_m
-  /// and y_m are then its angle [rad], and its direction is 1. -1: the tool is, along axis_W.
+  /// and y_m are then its angle [rad], and its direction is 1. -1: the tool is excited, along axis_W.
   int joint{-1};
-  double max_joint_tracking_rad{0.02};  ///< of that joint, beside the tool's bound
+  double max_joint_tracking_rad{0.02};  ///< bound for that joint, in addition to the tool's
   double max_lost_share{0.05};
   double max_sensor_age_s{0.1};
   bool has_interlock{false};  ///< the path goes on only while the PLC permits motion and the switch is held
   OverlayExcitation overlay{};
-  double wait_s{1.0};      ///< at rest in the pause before the path begins: the force's zero; > 0
-  bool rests_only{false};  ///< nothing moves: done after wait_s
+  double wait_s{1.0};      ///< rest before the path begins, which gives the force's zero; > 0
+  bool rests_only{false};  ///< nothing moves: the hold is done after wait_s
 };
 
 /// The part of a tick that an excited hold needs: live from the loop and its ports, later from the tick's
@@ -71,12 +73,12 @@ struct ExcitedTick {
   Vector3 force_S_N{Vector3::Zero()};
   double sensor_age_s{0.0};
   bool sensor_trusted{true}, permitted{false};
-  safety::CellState state{safety::CellState::kOff};  ///< of the loop, after the tick
+  safety::CellState state{safety::CellState::kOff};  ///< state of the cell after the tick
 };
 
 struct ExcitedHoldStep {
   JointArray offset{};  ///< to be added to the loop's command [rad]
-  double x_m{0.0};      ///< the same along the axis; with an overlay the path that the force is made from
+  double x_m{0.0};      ///< offset along the axis; with an overlay, the path that the force is computed from
   double f_N{0.0};      ///< force along the axis to be laid over the arm's impedance; offset is zero then
   double y_m{0.0};      ///< measured offset along the axis, or of the joint
   ExcitationStep path{};
@@ -99,7 +101,7 @@ class ExcitedHold {
 
   [[nodiscard]] ExcitedHoldStep Step(const ExcitedTick& tick) OSTEON_RT;
 
-  /// Whether the path is at its end, or an abort has come to rest.
+  /// Whether the path is at its end, or has come to rest after an abort.
   [[nodiscard]] bool done() const OSTEON_RT { return done_; }
   [[nodiscard]] const ExcitationPath& path() const { return path_; }
   [[nodiscard]] const ExcitedHoldParams& params() const { return params_; }
@@ -123,7 +125,7 @@ class ExcitedHold {
   Vector3 force_zero_S_N_{Vector3::Zero()};
   ExcitedHoldStep step_;
   double overlay_scale_{1.0};                    // keeps the force within its bound
-  double x_last_m_{0.0}, x_before_last_m_{0.0};  // of the path, in the periods before
+  double x_last_m_{0.0}, x_before_last_m_{0.0};  // the path's x in the last two periods
   // answers lost in the present second
   int second_messages_{0};
   std::uint32_t second_lost_{0};

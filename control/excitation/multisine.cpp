@@ -14,7 +14,7 @@
 namespace osteon::control {
 namespace {
 
-constexpr int kSamples = 4000;  // a millisecond each
+constexpr int kSamples = 4000;  // samples of a period, 1 ms apart
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 // Uniform in [0, 1): the generator's output is the same everywhere, a distribution's is not.

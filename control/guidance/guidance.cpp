@@ -5,7 +5,8 @@
 namespace osteon::control {
 namespace {
 
-// Stiffness that the growth of the force is checked against; not 0, for a guidance by its cone alone.
+// Smallest stiffness for the check of the force's growth: the springs of funnel and depth may be 0, if a
+// guidance has only its cone.
 constexpr double kMinTripStiffness_N_per_m = 100.0;
 
 const GuidanceParams& Validated(const GuidanceParams& params) {
@@ -37,7 +38,7 @@ double Guidance::ProposeScale(const GuidanceInput& input) OSTEON_RT {
 
 void Guidance::AcceptScale(double scale) OSTEON_RT {
   scale_.AcceptScale(scale);
-  // of the springs alone: the damping follows the velocity, which a contact may turn within a tick
+  // Check the springs' force alone: the damping follows the velocity, which a contact may turn within a tick.
   trips_ = growth_.Check(scale * field_.f_spring_W, period_s_);
 }
 

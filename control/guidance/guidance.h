@@ -33,7 +33,7 @@ class Guidance {
   /// Sets the gain, 0 … 1. The scale falls to it at once and rises to it as the energy allows.
   void SetGain(double gain) OSTEON_RT { params_.gain = gain; }
 
-  /// @returns the greatest scale by gain, age, ramp and energy, before the limits of force and torque
+  /// @returns the largest scale that gain, age, ramp and energy allow, before the limits of force and torque
   [[nodiscard]] double ProposeScale(const GuidanceInput& input) OSTEON_RT;
   /// Sets the scale that the limits leave.
   void AcceptScale(double scale) OSTEON_RT;

@@ -11,7 +11,7 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMaxDampingShare = 0.25;  // of the spring's force, as for a contact
+constexpr double kMaxDampingShare = 0.25;  // largest damping force over the spring's force, as for a contact
 constexpr double kPi = std::numbers::pi;
 
 void Require(const char* name, double value, double low, double high) {

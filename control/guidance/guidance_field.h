@@ -30,9 +30,9 @@ struct GuidanceParams {
   GuidanceSpring lateral{.stiffness = 5e3, .ease = 0.5e-3, .cap = 40.0};
   GuidanceSpring depth{.stiffness = 10e3, .ease = 0.5e-3, .cap = 100.0};
   double return_m_per_s{0.05};      ///< speed toward the corridor at which a force has faded to zero; > 0
-  double return_rad_per_s{1.0};     ///< the same of the cone's torque; > 0
-  double damping_Ns_per_m{100.0};   ///< on the way out of the corridor, up to a quarter of the spring's force
-  double damping_Nms_per_rad{1.0};  ///< the same of the cone's torque
+  double return_rad_per_s{1.0};     ///< as return_m_per_s, for the cone's torque; > 0
+  double damping_Ns_per_m{100.0};   ///< acts on the way out, up to a quarter of the spring's force
+  double damping_Nms_per_rad{1.0};  ///< as damping_Ns_per_m, for the cone's torque
 };
 
 /// Accepted gains: half the boundary of the stability map (docs/theory/guidance.md).
@@ -50,7 +50,7 @@ struct GuidanceExcess {
   double depth_m{0.0};    ///< e_d
 };
 
-/// The guidance of a pose, before its share.
+/// The guidance at a pose, before it is scaled.
 struct GuidanceField {
   GuidanceExcess excess;
   Wrench F_T_W;                       ///< on the tool, at To, in W

@@ -9,7 +9,7 @@ namespace osteon::control {
 namespace {
 
 constexpr double kRise_s = 0.1;     // shortest time in which the scale rises from 0 to 1 outside the corridor
-constexpr double kRounding = 1e-9;  // relative, of a scale by the closed form
+constexpr double kRounding = 1e-9;  // relative rounding error of a scale by the closed form
 constexpr double kMaxSurplus_J = 0.05;  // energy taken beyond what is stored that is remembered
 
 // The greatest s in [0, max_scale] with |a + s b| <= limit; 0 if there is none.

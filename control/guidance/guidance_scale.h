@@ -16,10 +16,10 @@ namespace osteon::control {
 ///
 /// F_before is the wrench that was rendered in the last tick, dx the tool's motion since then. E is the
 /// trapezoidal energy that the guidance has given; below zero it was taken. So the energy that is stored,
-/// sigma U, was always taken from the hand before, whatever the limits did to sigma in between. What was
-/// taken is forgotten beyond sigma U + 0.05 J, so that it can't be given back much later. At U = 0 nothing is
-/// stored, and sigma may rise at once. Guidance that is switched on outside its corridor stays at sigma = 0
-/// until the tool has been inside.
+/// sigma U, was always taken from the hand before, whatever the limits did to sigma in between. Taken
+/// energy beyond sigma U + 0.05 J is forgotten, so that it can't be given back much later. At U = 0 nothing
+/// is stored, and sigma may rise at once. Guidance that is switched on outside its corridor stays at sigma =
+/// 0 until the tool has been inside.
 class GuidanceScale {
  public:
   /// Forgets energy, scale and motion.
@@ -51,12 +51,13 @@ class GuidanceScale {
 };
 
 /// The greatest scale in [0, max_scale] with which `guidance` and another wrench stay within a limiter's
-/// force and torque, by the closed form; 0 if the other one does not by itself.
+/// force and torque, by the closed form; 0 if the other wrench alone exceeds them.
 [[nodiscard]] double ScaleWithin(const safety::WrenchLimiter& limiter, const Wrench& other,
                                  const Wrench& guidance, double max_scale) OSTEON_RT;
 
-/// The greatest scale in [0, max_scale] that `fits`, within max_scale / 1024: ten halvings where the whole
-/// does not. The scales that fit must be an interval from 0; if 0 itself does not fit, the result is 0.
+/// The greatest scale in [0, max_scale] that `fits`, to max_scale / 1024: found by ten halvings if max_scale
+/// itself does not fit. The scales that fit must be an interval from 0; if 0 itself does not fit, the result
+/// is 0.
 template <class Fits>
 [[nodiscard]] double MaxFittingScale(double max_scale, const Fits& fits) OSTEON_RT {
   if (!(max_scale > 0.0) || fits(max_scale)) return max_scale;

@@ -28,8 +28,7 @@ struct AdmittanceParams {
 };
 
 /// @throws std::invalid_argument naming the field, unless inertias and damping are > 0, dead zones >= 0, and
-/// the
-///   centre is within 10 m of the origin.
+///   the centre is within 10 m of the origin.
 void Validate(const AdmittanceParams& params);
 
 /// Subtracts the dead zone from the operator's wrench. The direction is kept; inside the zone the result is
@@ -44,7 +43,7 @@ void Validate(const AdmittanceParams& params);
 /// grows: a tool that gets heavier keeps its energy, V / sqrt(ratio); one that gets lighter keeps its
 /// velocity.
 [[nodiscard]] Twist AfterMassChange(const Twist& V_WT, double ratio) OSTEON_RT;
-/// The same, for inertias that change differently for each axis of T. The centre must not change.
+/// Velocity after such a change if each axis of T has its own ratio. The centre must not change.
 [[nodiscard]] Twist AfterMassChange(const AdmittanceParams& before, const AdmittanceParams& after,
                                     const Matrix3& R_WT, const Twist& V_WT) OSTEON_RT;
 

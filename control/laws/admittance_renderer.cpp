@@ -81,7 +81,7 @@ bool AdmittanceRenderer::ComputeTwist(const AdmittanceInput& input, const Comman
   };
   if (!next_twist(1.0, V_next_WT)) return false;
 
-  // the wrench itself changes the velocity, and so its power; the velocity is affine in the wrench
+  // the wrench changes the velocity, and thereby its own power; the velocity is affine in the wrench
   if (!(fade * Power(rendered.F, V_next_WT) > params_.energy.max_power_W)) return true;
   Twist V_free_WT;
   const bool finite = next_twist(0.0, V_free_WT);

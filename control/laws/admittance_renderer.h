@@ -25,7 +25,7 @@ struct VibrationRecord {
   double index{0.0};  ///< 0 … 1
   /// RMS force up to which vibration counts as the hand's own.
   double reference_N{0.0};
-  double mass_factor{1.0}, damping_factor{1.0};  ///< on the virtual tool's inertia and drag
+  double mass_factor{1.0}, damping_factor{1.0};  ///< factors on the virtual tool's inertia and drag
 };
 
 /// Result of a tick of the admittance law.

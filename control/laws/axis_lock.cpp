@@ -32,8 +32,8 @@ Twist AxisLock::Correction(const Pose& X_WT) OSTEON_RT {
   if (!any_) return {};
   const Pose X_WC = X_WT * Eigen::Translation3d(centre_T_m_);
 
-  // the reference stands still on locked axes and follows the tool on free axes
-  // from tool to reference
+  // The reference stands still on locked axes and follows the tool on free axes. turn_C and off_W lead from
+  // the tool to the reference.
   const Vector3 turn_C = turn_.cwiseProduct(LogRotation(X_WC.linear().transpose() * X_WC_.linear()));
   if (!turn_.isOnes(0.0)) X_WC_.linear() = X_WC.linear() * ExpRotation(turn_C);
   const Matrix3 R_W = X_WC_.linear();

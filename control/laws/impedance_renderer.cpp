@@ -11,7 +11,8 @@ namespace {
 
 using safety::Fault, safety::Limit;
 
-// A tool slower than this stands. Its joints may still swing: only the arm's own damping stops that.
+// A tool that is slower than this counts as standing still. Its joints may still swing: only the arm's own
+// damping stops that.
 constexpr double kToolStands_m_per_s = 5e-3, kToolStands_rad_per_s = 0.5;
 
 }  // namespace

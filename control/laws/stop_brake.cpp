@@ -5,7 +5,7 @@ namespace osteon::control {
 void StopBrake::Reset() OSTEON_RT { *this = {}; }
 
 Wrench StopBrake::Step(const ImpedanceParams& params, const Matrix3& R_WT, const Twist& V_WT) OSTEON_RT {
-  // below this a velocity is encoder noise
+  // smaller velocities are encoder noise
   constexpr double kStands_m_per_s = 5e-3, kStands_rad_per_s = 0.05;
   const bool turned_back = V_WT.v.dot(V_before_WT_.v) < -kStands_m_per_s * kStands_m_per_s ||
                            V_WT.w.dot(V_before_WT_.w) < -kStands_rad_per_s * kStands_rad_per_s;

@@ -21,7 +21,7 @@ class StopBrake {
 
  private:
   Twist V_before_WT_;
-  double gain_scale_{1.0};  // of the present tick, 0 … 1
+  double gain_scale_{1.0};  // scale of the gains in the present tick, 0 … 1
 };
 
 }  // namespace osteon::control

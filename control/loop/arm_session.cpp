@@ -9,7 +9,8 @@ namespace {
 
 // Longest gap between two messages that counts in a velocity.
 constexpr double kMaxPeriods = 10.0;
-// A slower joint stands: more than an encoder's step, less than a coasting arm.
+// A joint that is slower counts as standing still. The limit is above an encoder's step per period, and below
+// the speed of a coasting arm.
 constexpr double kStands_rad_per_s = 0.02;
 constexpr double kSamePeriod_s = 1e-6;
 constexpr std::uint8_t kT1 = 0;  // ArmState::operation_mode

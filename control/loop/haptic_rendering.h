@@ -56,7 +56,7 @@ class HapticRendering {
   /// Speed that the spindle is to have in the cell's present state.
   [[nodiscard]] double SpindleCommand_rad_per_s() const OSTEON_RT;
 
-  /// Writes what the coupling, its stabilisers and what gives way leave of this tick.
+  /// Writes the results of coupling, stabilisers and compliant parts into the tick's record.
   void FillRecord(TickRecord& record) const OSTEON_RT;
 
  private:

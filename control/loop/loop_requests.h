@@ -34,9 +34,9 @@ class LoopRequests {
   // For the tick. A stop request stays set; each of the other requests is returned once.
   [[nodiscard]] bool may_start() const OSTEON_RT { return may_start_.load(std::memory_order_relaxed); }
   [[nodiscard]] bool stop() const OSTEON_RT { return stop_.load(std::memory_order_relaxed); }
-  /// The tool asked for since the last call; -1: none.
+  /// Returns the index of the tool that was requested since the last call, and clears the request; -1: none.
   [[nodiscard]] int TakeTool() OSTEON_RT { return tool_.exchange(-1, std::memory_order_relaxed); }
-  /// Takes all others made since the last call into the tick's input.
+  /// Moves all other requests made since the last call into the tick's input.
   void TakeInto(TickInput& input) OSTEON_RT {
     input.recover = recovery_.exchange(false, std::memory_order_relaxed);
     input.pause = pause_.exchange(false, std::memory_order_relaxed);

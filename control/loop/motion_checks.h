@@ -15,7 +15,7 @@
 namespace osteon::control {
 
 /// Runs the checks that the cell's state asks for while the arm moves or brakes, latches the faults that they
-/// find, and ends the motion. What belongs to rendering alone is checked by HapticRendering.
+/// find, and ends the motion. HapticRendering runs the checks that belong to rendering alone.
 class MotionChecks {
  public:
   /// The loop's parts that are checked, and those that keep what was found. References must outlive this

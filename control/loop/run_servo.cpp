@@ -10,7 +10,8 @@
 namespace osteon::control {
 namespace {
 
-// Times before the next message: when the tick before is repeated, and when it is too late for that.
+// Times before the next message [ns]: when the previous tick is repeated, and from when it is too late for
+// that.
 constexpr rt::Nanoseconds kRepeatsBefore = 200'000, kTooLateBefore = 60'000;
 
 rt::Nanoseconds ToNanoseconds(double seconds) {
@@ -65,8 +66,8 @@ class ServoRun {
     woken_ = rt::MonotonicNow();
     const CellReadings readings = ports_.devices.Exchange(loop_.cell_commands(), woken_);
     const simulation::ContactModel& model = ports_.simulation.Load();
-    // after the reading: what comes while this thread stands still (a virtual machine's CPU does) is no value
-    // of the future
+    // The clock is read after the inputs. If this thread stands still meanwhile (a virtual machine's CPU
+    // may), a value that arrives during that time must not have a stamp in the future.
     const rt::Nanoseconds now = rt::MonotonicNow();
     const bool could_recover = loop_.CanRecover();
     const safety::FaultSet faults_before = loop_.faults();
@@ -187,7 +188,7 @@ class ServoRun {
   rt::Nanoseconds give_up_at_{0}, active_since_{-1}, last_active_{-1};
   rt::Nanoseconds held_at_{-1};  // time of the previous tick of a hold; -1: nothing is held
   bool ending_{false}, waits_again_{false};
-  bool automatic_{false};  // the recovery that is requested
+  bool automatic_{false};  // the requested recovery is an automatic one
 };
 
 }  // namespace

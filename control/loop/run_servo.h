@@ -17,7 +17,8 @@ struct StandingArm {
   JointArray q{};  ///< [rad]
 };
 
-/// The ends of the loop's exchange with the outside in wall time. References must outlive the run.
+/// The loop's partners in wall time: it exchanges messages and data with them. References must outlive the
+/// run.
 struct ServoPorts {
   ArmLink& link;
   CellDevices& devices;
@@ -29,7 +30,7 @@ struct RunServoParams {
   double deadline_s{0.005};  ///< longest wait for an arm message; later the message counts as missed
   double seconds{10.0};      ///< time of rendering, then an orderly stop; 0: until stopped
   double give_up_s{30.0};    ///< longest wait until rendering begins, and until the arm rests at the end
-  double at_rest_s{0.0};     ///< how long the arm is still answered and recorded once it rests (RestTime)
+  double at_rest_s{0.0};     ///< time for which the arm at rest is still answered and recorded (RestTime)
   /// Set-up of the calling thread. A tick uses some 20 KiB of stack; the rest is for the functions it calls.
   rt::RealtimeThreadParams thread{
       .priority = 80, .lock_memory = true, .keep_cpus_awake = true, .prefault_stack_bytes = 256 * 1024};
@@ -66,8 +67,8 @@ struct RunServoResult {
   safety::FaultSet cleared;       ///< faults that recoveries have cleared
   std::uint64_t unrecorded{0};    ///< ticks that the recorder refused because it was full
   rt::RealtimeGrant thread;       ///< settings of the thread that the system granted
-  rt::DurationHistogram wakeup;   ///< from ArmState::stamp, the arrival of a message, until the loop runs
-  rt::DurationHistogram compute;  ///< from then on until the answer is sent
+  rt::DurationHistogram wakeup;   ///< time from ArmState::stamp, a message's arrival, until the loop runs
+  rt::DurationHistogram compute;  ///< time from the wake-up until the answer is sent
   /// Time between messages answered in COMMANDING_ACTIVE; 1e9 / median is the servo rate [Hz].
   rt::DurationHistogram period;
 };

@@ -7,12 +7,12 @@
 
 namespace osteon::control {
 
-/// The cutting simulation as the servo loop meets it, in this process or in another. Servo thread only.
+/// The servo loop's interface to the cutting simulation, in this process or in another. Servo thread only.
 class SimulationPort {
  public:
   virtual ~SimulationPort() = default;
-  /// Returns the newest contact model; one of frame 0 while there is none. It stays valid until the next
-  /// call.
+  /// Returns the newest contact model, or a model with frame number 0 while there is none. The reference
+  /// stays valid until the next call.
   [[nodiscard]] virtual const simulation::ContactModel& Load() OSTEON_RT = 0;
   /// Passes the newest command on. Never waits.
   virtual void Store(const simulation::ToolCommand& command) OSTEON_RT = 0;

@@ -7,10 +7,10 @@ namespace {
 
 using safety::MotionPermit;
 
-// Beyond it an arm is not where its command is: lag at hand guiding's speeds is a fifth of it.
+// Largest plausible distance of a joint from its command. The lag at speeds of hand guiding is a fifth of it.
 constexpr double kPlausible_rad = 0.1;
-// Within it a PLC has answered a new request: its program's and the client's cycles, and the age at which a
-// reading still counts.
+// Longest time in which a PLC answers a new request: the cycles of its program and of the client, and the age
+// up to which a reading still counts.
 constexpr rt::Nanoseconds kAnswered = 200 * rt::kMillisecond;
 
 }  // namespace
@@ -18,7 +18,7 @@ constexpr rt::Nanoseconds kAnswered = 200 * rt::kMillisecond;
 safety::MotionPermits EvaluatePermits(const TickInputs& tick, const StartConditions& c) OSTEON_RT {
   const auto& [state, received, readings, model, now] = tick;
   safety::MotionPermits permits;
-  permits.Set(MotionPermit::kArmFresh, true);  // nobody asks where there is no message
+  permits.Set(MotionPermit::kArmFresh, true);  // called only in a tick with a message
   permits.Set(MotionPermit::kHandedOver,
               state.session == SessionState::kCommandingActive && state.safety_state == 0);
   permits.Set(MotionPermit::kRunPermitted,
@@ -28,14 +28,14 @@ safety::MotionPermits EvaluatePermits(const TickInputs& tick, const StartConditi
   permits.Set(MotionPermit::kPathChecked, c.may_start);
   permits.Set(MotionPermit::kHandOff, c.rendered || !c.bias_in_doubt);
 
-  // the coupling as it would be in full: rendering begins with nothing of it
+  // The coupling as if fully faded in, although rendering begins with the coupling faded out.
   CouplingState full;
   full.fade = 1.0;
   const CouplingOutput coupling =
       EvaluateCoupling(c.params.coupling, {.model = model, .X_WT = c.arm.X_WT(), .now = now}, full);
   permits.Set(MotionPermit::kModelFresh,
               coupling.status == ModelStatus::kOk && coupling.age_s <= c.params.watchdog.model_stop_s);
-  const bool renders_here = c.rendered || c.arm.AtStart();  // on the way to the start nothing is rendered
+  const bool renders_here = c.rendered || c.arm.AtStart();  // on the path to the start nothing is rendered
   permits.Set(MotionPermit::kNoResidualWrench,
               !c.arm_overloaded && (!renders_here || coupling.F_T_W.f.norm() <= c.max_force_N));
 

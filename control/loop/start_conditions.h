@@ -12,7 +12,7 @@
 
 namespace osteon::control {
 
-/// What the conditions of motion depend on, beside a tick's inputs. References must outlive the call.
+/// Values that the conditions of motion depend on, beside a tick's inputs. References must outlive the call.
 struct StartConditions {
   const ServoParams& params;
   const ArmSession& session;

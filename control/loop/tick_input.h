@@ -19,7 +19,7 @@ struct TickInputs {
   rt::Nanoseconds now{0};                 ///< time of the tick, on the clock of all stamps
 };
 
-/// Collects those of a tick's inputs that the rest of the record does not hold.
+/// Collects the inputs of a tick that the other fields of its record do not hold.
 /// @param stop  whether an orderly stop was requested
 [[nodiscard]] TickInput MakeTickInput(const TickInputs& tick, bool stop) OSTEON_RT;
 

@@ -10,13 +10,13 @@ namespace osteon::control {
 /// Results of a tick that no part of the loop keeps. The loop assembles the tick's record from them and from
 /// its parts.
 struct TickResult {
-  InputAges ages;  ///< of contact model and force reading
-  Wrench
-      F_hand_T_W{};  ///< the hand's wrench on T at To, in W; zero where there is none, or none that is finite
+  InputAges ages;       ///< ages of contact model and force reading
+  Wrench F_hand_T_W{};  ///< the hand's wrench on T at To, in W; zero if there is none or it is not finite
   double arm_speed_m_per_s{0.0};  ///< measured speed of the apex while the loop commands the arm; else 0
   bool coupling_evaluated{false};
-  bool rendered{false};     ///< a wrench was rendered, not merely evaluated
-  Wrench F_coupling_T_W{};  ///< that wrench; in the tick of a fault, the limited one that would have been
+  bool rendered{false};  ///< a wrench was rendered, not merely evaluated
+  /// The rendered wrench; in the tick of a fault, the limited wrench that would have been rendered.
+  Wrench F_coupling_T_W{};
   double wrench_scale{1.0}, arm_share{1.0};  ///< fractions of it that all limits, and the arm, have passed
   VibrationRecord vibration{};               ///< of the admittance law
   safety::LimitSet acting{};                 ///< limits that act

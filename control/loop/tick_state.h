@@ -4,7 +4,7 @@
 #include "control/tick_record.h"
 #include "safety/cell_state.h"
 
-// What the numbers in a recorded tick mean.
+// Reads states of the cell from the numbers in a recorded tick.
 
 namespace osteon::control {
 

@@ -71,8 +71,8 @@ class BiasEstimator {
   BiasParams params_;
   ForceSensorParams sensor_;
   double period_s_;
-  Wrench bias_;  ///< of the last accepted rest
-  Wrench mean_;  ///< of the present rest
+  Wrench bias_;  ///< bias by the last accepted rest
+  Wrench mean_;  ///< mean over the present rest
   double rested_s_{0.0};
   bool resting_{false}, in_doubt_{false};
   Pose X_WF_{Pose::Identity()};  ///< flange pose at the beginning of the rest

@@ -21,7 +21,7 @@ struct RestPose {
 /// The load on the force sensor, and the sensor's reading without load.
 struct PayloadFit {
   double mass_kg{0.0};
-  Vector3 center_S_m{Vector3::Zero()};  ///< of mass, in S
+  Vector3 center_S_m{Vector3::Zero()};  ///< centre of mass, in S
   Wrench bias_S;
   double residual_N{0.0}, residual_Nm{0.0};  ///< rms over poses and components
   double mass_sd_kg{0.0}, center_sd_m{0.0};  ///< standard deviations that follow from the residuals

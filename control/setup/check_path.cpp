@@ -122,7 +122,7 @@ tl::expected<PathClearance, std::string> CheckPath(const kinematics::ChainParams
     if (goal[i] < 0.0) return tl::unexpected(DescribeViolation(distances, i, 1.0, goal[i], 0.0));
   }
 
-  // bound of any ball's travel over the whole path
+  // upper bound on any ball's travel over the whole path
   double ball_m = 0.0;
   for (const PathBall& ball : around.balls) ball_m = std::max(ball_m, ball.center_m.norm());
   const double travel_m = way.cwiseAbs().dot((kinematics::ReachBeyond(chain).array() + ball_m).matrix());

@@ -16,8 +16,8 @@ namespace osteon::control {
 /// A ball that moves with the arm and encloses a part of it.
 struct PathBall {
   std::string name;                   ///< name in messages, e.g. "the tool's head"
-  int link{-1};                       ///< the joint whose frame carries it, 0 … N-1; -1: the flange
-  Vector3 center_m{Vector3::Zero()};  ///< in that frame
+  int link{-1};                       ///< the joint whose frame carries the ball, 0 … N-1; -1: the flange
+  Vector3 center_m{Vector3::Zero()};  ///< centre of the ball in that frame
   double radius_m{0.0};               ///< >= 0
 };
 
@@ -42,8 +42,9 @@ struct PathSurroundings {
   std::vector<KeepOutSphere> spheres;  ///< together one obstacle to keep clear of, e.g. a bone's balls
   std::string spheres_name{"the bone"};
   double clearance_m{0.01};    ///< > resolution
-  double resolution_m{0.001};  ///< how much nearer a ball may come between two checked places; > 0
-  double position_margin_rad{0.0174532925199433};  ///< of the goal from the joints' limits (1 deg)
+  double resolution_m{0.001};  ///< by how much a ball may come nearer between two checked places; > 0
+  /// Smallest distance of the goal from the joints' limits (1 deg).
+  double position_margin_rad{0.0174532925199433};
 };
 
 /// Nearest approach over the checked places. Between two of them a ball may be nearer, but never beyond what

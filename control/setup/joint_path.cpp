@@ -71,7 +71,7 @@ double JointPath<N>::JointDuration(const Joints& way) const OSTEON_RT {
 
 template <int N>
 double JointPath<N>::ToolDuration(const Joints& way) const OSTEON_RT {
-  double max_m = 0.0;  // of |dp/du|
+  double max_m = 0.0;  // largest |dp/du|
   typename kinematics::SerialChain<N>::Posture posture;
   for (int k = 0; k <= kSamples; ++k) {
     const double u = static_cast<double>(k) / kSamples;
@@ -86,7 +86,7 @@ double JointPath<N>::ToolDuration(const Joints& way) const OSTEON_RT {
     const Vector3 v_flange = v + w.cross(posture.X_BF.translation() - p_BT);
     max_m = std::max(max_m, Slope(u) * std::max(v.norm(), v_flange.norm()));
   }
-  double first_m = 0.0, second_m = 0.0, inner = 0.0;  // bounds of |dp/ds| and of its change
+  double first_m = 0.0, second_m = 0.0, inner = 0.0;  // bounds on |dp/ds| and on its change
   for (int i = 0; i < N; ++i) {
     const double d = std::abs(way[i]);
     first_m += d * reach_m_[i];

@@ -16,7 +16,7 @@ struct JointPathParams {
   double speed_share{0.2};         ///< of every joint's velocity limit, (0, 1]
   double acceleration_share{0.3};  ///< of every joint's acceleration limit, (0, 1]
   double tool_speed_m_per_s{0.2};  ///< of the tool's apex and of the flange, 0.001 … kReducedSpeed_m_per_s
-  double pause_s{0.5};             ///< from the switch's release to rest, at most; 0.05 … 5
+  double pause_s{0.5};             ///< longest time from the switch's release to rest; 0.05 … 5
 };
 
 template <int N>
@@ -24,7 +24,7 @@ struct JointPathOutput {
   kinematics::JointVectorN<N> q{kinematics::JointVectorN<N>::Zero()};   ///< [rad]
   kinematics::JointVectorN<N> qd{kinematics::JointVectorN<N>::Zero()};  ///< [rad/s]
   double progress{0.0};  ///< 0 … 1, share of the path; never falls
-  double rate{0.0};      ///< of the path's clock, 0 (pausing) … 1
+  double rate{0.0};      ///< rate of the path's clock, 0 (paused) … 1
   bool done{false};      ///< at the goal, at rest
 };
 

@@ -15,7 +15,8 @@ namespace osteon::control {
 /// Source of the switching curve: Athans and Falb, Optimal Control, 1966, 7-2 (the double integrator).
 class PausableClock {
  public:
-  /// @param pause_s  from the end of the permission to rest, at most; must be > 0 and finite (checked by the
+  /// @param pause_s  longest time from the end of the permission to rest; must be > 0 and finite (checked by
+  /// the
   ///   caller)
   explicit PausableClock(double pause_s) OSTEON_RT : rate_change_per_s2_(9.0 / (pause_s * pause_s)) {}
 

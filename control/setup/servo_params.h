@@ -57,8 +57,8 @@ struct ServoParams {
   safety::JointGuardParams joints;    ///< limits: the arm's own, no default
   safety::WatchdogParams watchdog;
   safety::DepthLimitParams depth;
-  ComplianceParams compliance;             ///< what gives way; all absent: nothing
-  std::optional<GuidanceParams> guidance;  ///< along a surgical plan, of the tool at hand; absent: none
+  ComplianceParams compliance;             ///< compliant parts; all absent: the cell is rigid
+  std::optional<GuidanceParams> guidance;  ///< along a surgical plan, for the tool in use; absent: none
   safety::EnergyLimitParams energy;
   safety::ForceLimitReactionParams on_force_limit;  ///< kSlow needs the admittance law
   safety::SpindleLimitParams spindle_limits;
@@ -101,16 +101,17 @@ void Validate(const ServoParams& params);
 /// The law's properties that the stabilisers depend on.
 /// @throws std::invalid_argument if the age governor is to act on a law without damping.
 [[nodiscard]] StabilisedLaw LawOf(const ServoParams& params);
-/// The same for an admittance law, whose gains may change in a tick.
+/// The properties of an admittance law, whose gains may change in a tick.
 [[nodiscard]] StabilisedLaw LawOf(const AdmittanceParams& law, const ServoParams& params) OSTEON_RT;
 
 /// The lowest limit of the tool's speed: the cell's, that of the kinetic energy, and kReducedSpeed_m_per_s.
 /// @param reduced the arm is in T1, or does not report its operation mode
 [[nodiscard]] double ToolSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_RT;
-/// The same for the elbow.
+/// The lowest limit of the elbow's speed, likewise.
 [[nodiscard]] double ElbowSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_RT;
-/// Limit of the coupling's force: the cell's, or that of the energy stored at the coupling's stiffness K in
-/// series with what gives way: at 1 / (1/K + c).
+/// Limit of the coupling's force: the cell's, or the lower force at which the bound on stored energy is
+/// reached, with the coupling's stiffness K in series with the compliance c of the compliant parts: 1 / (1/K
+/// + c).
 [[nodiscard]] double ForceLimit_N(const ServoParams& params) OSTEON_RT;
 
 /// joint_stop_s in ticks, at least one.

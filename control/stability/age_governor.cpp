@@ -9,7 +9,7 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMargin = 1.02;    // on the bound
+constexpr double kMargin = 1.02;    // factor on the aged stiffness
 constexpr double kMinPivot = 1e-9;  // of the normals' Gram matrix: below it, a normal depends on the others
 constexpr double kDone = 1e-4;      // a factor this near to 1 counts as 1
 constexpr int kMaxRows = 4;         // 3 normals; 1 normal and 2 tangents; 2 normals and 2 times 1 tangent
@@ -26,7 +26,8 @@ struct Rows {
   }
 };
 
-// The direction in which a force along u at lever_W works, at the damping's centre and divided by its root.
+// The six-axis direction of a force along u at lever_W, referred to the damping's centre and divided by the
+// damping's square root.
 Vector6 ScaledForceDirection(const Vector3& u_W, const Vector3& lever_W, const Matrix3& R_WT,
                              const AxisDamping& root) OSTEON_RT {
   Vector6 a;
@@ -41,7 +42,7 @@ struct NormalBasis {
   std::array<Vector3, 3> normal;
   std::array<Vector6, 3> e;
   int rank{0};
-  double stiffness_N_per_m{0.0};  // of the stiffest of these planes, as the coupling fades it
+  double stiffness_N_per_m{0.0};  // stiffness of the stiffest of these planes, with the coupling's fade
 };
 
 // Gram-Schmidt of the normals, each with its lever: A (N^T N)^-1 A^T = sum e e^T.
@@ -117,7 +118,7 @@ double AgeRatio(const CouplingOutput& coupling, const Matrix3& R_WT, const AxisD
     } else {
       tangent[0] = normal[0].cross(normal[1]);
     }
-    // further planes (walls that press from both sides) count at the levers of these
+    // Planes beyond these (walls that press from both sides) count at the levers of these planes.
     double all_N = 0.0, counted_N = 0.0;
     for (int j = 0; j < coupling.active_planes; ++j) {
       const double force_N = coupling.active[static_cast<std::size_t>(j)].force_N;

@@ -29,8 +29,8 @@ struct AxisDamping {
 
 /// Ages of the inputs of the coupling.
 struct StiffnessAges {
-  double pose_s{0.0};    ///< of the pose at which the planes are evaluated
-  double planes_s{0.0};  ///< of the planes
+  double pose_s{0.0};    ///< age of the pose at which the planes are evaluated
+  double planes_s{0.0};  ///< age of the planes
 };
 
 /// Damping that the coupling's aged stiffness requires, as a multiple of D:

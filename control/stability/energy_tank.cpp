@@ -16,7 +16,7 @@ using Active = std::array<ActivePlane, CouplingOutput::kMaxActive>;
 // Energy of the pressing planes after a small step, if all of them keep pressing.
 struct StoredEnergy {
   double potential_J{0.0};
-  double work_J{0.0};  // of the force after the step, along the step
+  double work_J{0.0};  // work of the force after the step, along the step
 };
 
 //     U' = U - F·dx + s/2,   F'·dx = F·dx - s,   s = k (J dx)^T (N^T N)^-1 (J dx)

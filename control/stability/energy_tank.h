@@ -75,7 +75,7 @@ class EnergyTank {
   int active_planes_{0};
   double potential_J_{0.0}, fade_{0.0}, gain_{0.0};
   double hand_over_scale_{1.0};
-  Wrench hand_over_T_W_;  // as rendered
+  Wrench hand_over_T_W_;  // the hand-over's wrench as it was rendered
 };
 
 }  // namespace osteon::control

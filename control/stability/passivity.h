@@ -29,8 +29,7 @@ enum class PortWork {
   /// generated energy, in both directions, at a stable wall.
   kTrapezoid,
   /// The force at the start of a step counts. For a real arm (impedance law), which holds the force until the
-  /// next
-  /// tick, so that K dx^2 / 2 per tick is really generated.
+  /// next tick, so that K dx^2 / 2 per tick is really generated.
   kHeld,
 };
 

@@ -71,7 +71,7 @@ class Stabilisers {
   /// Reports that a later limit passed only this share of AddPassivityDamping's wrench, 0 … 1.
   void ScaleRendered(double share) OSTEON_RT { passivity_.ScaleRendered(share); }
 
-  /// Writes the stabilisers' fields of the record. They stand side by side there, so no struct holds them.
+  /// Writes the stabilisers' fields of the record. The record has no struct for them.
   void FillRecord(TickRecord& record) const OSTEON_RT;
 
   /// Factor on the law's damping; >= 1.

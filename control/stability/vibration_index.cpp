@@ -16,12 +16,12 @@ namespace {
 constexpr double kMaxOfRate = 0.4;          // largest edge of a filter, as a share of the rate
 constexpr double kQ2 = 0.7071067811865476;  // Butterworth of order 2
 constexpr double kQDead = 0.5;              // critically damped: a jolt does not make it ring
-// share of a half-wave's peak: this much of the other sign begins the next half-wave
+// Share of a half-wave's peak: a value of the other sign, larger than this, begins the next half-wave.
 constexpr double kTurns = 0.15;
-constexpr double kPassed = 0.8;                       // share of a peak: below it the peak has passed
-constexpr double kDies = 0.5, kGrows = 10.0;          // bounds of a peak over the peak before
-constexpr double kAlertFalls = 2.0;                   // times longer than the rise
-constexpr double kSlower = 1.1, kFaster = 1.25;       // tolerance at the band's edges
+constexpr double kPassed = 0.8;                  // share of a peak: below it the peak has passed
+constexpr double kDies = 0.5, kGrows = 10.0;     // bounds of a peak over the peak before
+constexpr double kAlertFalls = 2.0;              // time constant of the alert's fall over that of its rise
+constexpr double kSlower = 1.1, kFaster = 1.25;  // tolerance at the band's edges
 constexpr double kBelowBand = 0.5, kAboveBand = 1.5;  // harmonics this far outside still pass the filters
 
 const VibrationParams& Validated(const VibrationParams& params) {

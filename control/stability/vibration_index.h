@@ -47,10 +47,10 @@ class HalfWaves {
   double Step(double x, double dt_s) OSTEON_RT;
 
  private:
-  double shortest_s_, longest_s_;  ///< of half a period
-  double sign_{1.0};               ///< of this half-wave
+  double shortest_s_, longest_s_;  ///< accepted durations of half a period
+  double sign_{1.0};               ///< sign of this half-wave
   double peak_{0.0}, since_peak_s_{0.0};
-  double last_{0.0}, since_last_s_{0.0};  ///< peak before
+  double last_{0.0}, since_last_s_{0.0};  ///< the previous peak, and the time since it
   bool judged_{false};                    ///< this peak has passed
   double amplitude_{0.0};
 };
@@ -131,7 +131,7 @@ class VibrationIndex {
   double period_s_;
   Channel rest_, force_, torque_;
   bool begun_{false};
-  double angle_rad_{0.0};  ///< of the spindle
+  double angle_rad_{0.0};  ///< angle of the spindle
   int from_{0}, to_{0};    ///< harmonics in the band: from_ … to_ - 1; none where equal
   std::array<double, kHarmonics> cos_{}, sin_{};
   VibrationReference reference_;

@@ -10,10 +10,10 @@ namespace {
 
 constexpr double kBeats = 2.0;     // a tremor's energy may fall by this factor within a moment
 constexpr double kLightens = 3.0;  // a light tool returns a tremor's energy times this
-constexpr double kTrust_s = 6.0;   // memory of suspicion: oscillation comes and goes
-constexpr double kLight = 0.01;    // index
+constexpr double kTrust_s = 6.0;   // time constant of the memory of suspicion: oscillation comes and goes
+constexpr double kLight = 0.01;    // index below which the virtual tool counts as light
 constexpr double kSettle_s = 0.15, kBeat_s = 1.0;
-constexpr double kSure = 0.9;  // of the index' suspicion: more than a damped loop reaches
+constexpr double kSure = 0.9;  // raw index that starts a test while watchful: a damped loop stays below it
 
 const ReferenceParams& Validated(const ReferenceParams& params) {
   Validate(params);
@@ -84,7 +84,7 @@ void VibrationReference::Step(double oscillation_energy, double raw_index, doubl
   } else if (!watchful_) {
     reference2_ = std::max(reference2_, std::min(oscillation_energy, beat_limit2_));
   }
-  // oscillation comes and goes at the threshold
+  // the suspicion decays slowly, because an oscillation at the threshold comes and goes
   const bool suspected = raw_index > (watchful_ ? kSure : 0.0);
   suspected_s_ += suspected ? dt_s : -dt_s / kTrust_s * suspected_s_;
   before2_ = std::max(oscillation_energy, before2_ - dt_s / kTrust_s * before2_);

@@ -39,7 +39,7 @@ int Rank(vk::PhysicalDeviceType type) {
 
 std::optional<std::uint32_t> ComputeFamily(const vk::raii::PhysicalDevice& device) {
   const auto families = device.getQueueFamilyProperties();
-  // a queue family for compute alone takes half the time for a submit
+  // a submit to a queue family for compute alone takes half the time
   std::optional<std::uint32_t> found;
   for (std::uint32_t i = 0; i < families.size(); ++i) {
     const vk::QueueFlags flags = families[i].queueFlags;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Inside gpu only: this header brings vulkan.hpp.
+// For files of gpu/ only: this header includes vulkan.hpp.
 
 #include <cstdint>
 #include <span>
@@ -22,7 +22,7 @@ struct DeviceFeatures {
   vk::PhysicalDeviceVulkan12Features vulkan12;
 };
 
-/// What a device says of itself, as far as the engine's needs go.
+/// The properties of a device that the engine's needs are about.
 struct DeviceReport {
   vk::PhysicalDeviceProperties properties;
   vk::PhysicalDeviceSubgroupProperties subgroups;
@@ -37,16 +37,16 @@ struct DeviceNeed {
   vk::Bool32* (*feature)(DeviceFeatures&){nullptr};    ///< nullptr for another property
   bool (*is_met)(const DeviceReport&){nullptr};        ///< nullptr for a feature
   std::string (*found)(const DeviceReport&){nullptr};  ///< nullptr for a feature
-  bool (*serves)(Arithmetic){nullptr};                 ///< others do without it; nullptr: all need it
+  bool (*serves)(Arithmetic){nullptr};                 ///< whether an arithmetic has this need; nullptr: all
 
   [[nodiscard]] bool IsOptional() const { return serves != nullptr; }
 };
 
-/// All needs, in the order of docs/theory/gpu_frames.md#limits. The first one is the API's version: a device
-/// that does not have it is not asked for the others.
+/// All needs, in the order of docs/theory/gpu_frames.md#limits. The first need is the API's version. If a
+/// device does not meet it, the other needs are not checked.
 [[nodiscard]] std::span<const DeviceNeed> DeviceNeeds();
 
-/// A version that Vulkan packs into one number, as "1.3.239".
+/// Formats a version that Vulkan packs into one number, e.g. "1.3.239".
 [[nodiscard]] std::string ApiVersionText(std::uint32_t version);
 
 /// The needs that a device does not meet; empty where the engine can use it.
@@ -64,7 +64,7 @@ struct DeviceNeed {
 /// The features that the engine asks for.
 [[nodiscard]] DeviceFeatures NeededFeatures(Arithmetic arithmetic);
 
-/// "shaderFloat64: found no, accepted yes; …"; empty where all needs are met.
+/// Formats unmet needs: "shaderFloat64: found no, accepted yes; …"; empty if there are none.
 [[nodiscard]] std::string RefusalText(std::span<const UnmetNeed> unmet);
 
 }  // namespace osteon::gpu

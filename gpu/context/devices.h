@@ -17,7 +17,8 @@ enum class Arithmetic : std::uint8_t {
   kFloatsInt64,  ///< doubles as two floats: nearly the same results; 64-bit integers
   kFloats,       ///< doubles as two floats, 64-bit integers as two words
 };
-/// Whether it needs shaderFloat64, and whether it needs shaderInt64 and shaderBufferInt64Atomics.
+/// HasDoubles: whether an arithmetic needs shaderFloat64. HasInt64: whether it needs shaderInt64 and
+/// shaderBufferInt64Atomics.
 [[nodiscard]] constexpr bool HasDoubles(Arithmetic a) {
   return a == Arithmetic::kInt64 || a == Arithmetic::kWords;
 }
@@ -30,7 +31,7 @@ struct UnmetNeed {
   std::string name;      ///< e.g. "shaderFloat64"
   std::string found;     ///< e.g. "no"
   std::string accepted;  ///< e.g. "yes"
-  std::string why;       ///< what the engine needs it for
+  std::string why;       ///< purpose for which the engine needs it
 };
 
 /// One Vulkan device of this machine.
@@ -40,16 +41,16 @@ struct DeviceInfo {
   std::string api_version;         ///< e.g. "1.3.239"
   std::string driver;              ///< e.g. "llvmpipe Mesa 22.3.6"
   double memory_bytes{0.0};        ///< of its largest device-local heap
-  std::string refusal;             ///< why the cutting engine cannot use it, in one line; empty where it can
-  std::vector<UnmetNeed> unmet{};  ///< the same, each need for itself
-  Arithmetic arithmetic{Arithmetic::kInt64};  ///< what its features allow
-  std::vector<UnmetNeed> missing{};           ///< what it would need for kInt64; empty where it has that
+  std::string refusal;             ///< why the cutting engine cannot use it, in one line; empty if it can
+  std::vector<UnmetNeed> unmet{};  ///< the needs behind `refusal`, one by one
+  Arithmetic arithmetic{Arithmetic::kInt64};  ///< the first one that the device's features allow
+  std::vector<UnmetNeed> missing{};           ///< needs of kInt64 that it lacks; empty if it has kInt64
 };
 
-/// "doubles and 64-bit integers", "doubles, and two words for each 64-bit integer" or the like.
+/// Describes an arithmetic: "doubles and 64-bit integers", "doubles, and two words for each 64-bit integer" …
 [[nodiscard]] std::string ArithmeticText(Arithmetic arithmetic);
 
-/// "shaderInt64, shaderBufferInt64Atomics".
+/// Lists the names of needs: "shaderInt64, shaderBufferInt64Atomics".
 [[nodiscard]] std::string NeedNames(std::span<const UnmetNeed> needs);
 
 /// Lists all Vulkan devices, the default one first (discrete before integrated, virtual and cpu).

@@ -45,7 +45,7 @@ std::string NameOf(int id) {
 DriverThreads::DriverThreads() : before_(Threads()) {}
 
 DriverThreads::Begun DriverThreads::FindWorkers() const {
-  // a thread without its own name has its creator's
+  // a thread without a name of its own has the name of its creator
   const std::string own = NameOf(static_cast<int>(gettid()));
   std::vector<int> ids;
   const std::vector<int> now = Threads();

@@ -26,7 +26,7 @@ class ClusterTree {
   [[nodiscard]] std::size_t cluster_count() const { return levels_.empty() ? 0 : levels_.front().size(); }
 
   /// Calls visit(cluster) in ascending order for every cluster whose box a ball of `radius_mm` may meet on
-  /// its way from a to b. Conservative: boxes that are near the way but not met may be included.
+  /// its path from a to b. Conservative: boxes that are near the path but not met may be included.
   template <class Visit>
   void VisitOverlapping(const Eigen::Vector3f& a, const Eigen::Vector3f& b, float radius_mm,
                         Visit visit) const {
@@ -34,7 +34,7 @@ class ClusterTree {
     Descend(levels_.size() - 1, 0, Sweep(a, b, radius_mm), visit);
   }
 
-  /// A ball on its way from a to b.
+  /// A ball that moves from a to b.
   class Sweep {
    public:
     Sweep(const Eigen::Vector3f& a, const Eigen::Vector3f& b, float radius_mm)
@@ -50,7 +50,7 @@ class ClusterTree {
 
    private:
     static constexpr float kRounding_mm = 1e-3f;  // floats of 100 mm round to 8e-6 mm
-    Eigen::AlignedBox3f box_;                     // of the centre's way
+    Eigen::AlignedBox3f box_;                     // box around the path of the ball's centre
     Eigen::Vector3f middle_;
     float radius_mm_, half_mm_;
   };

@@ -17,7 +17,8 @@ void VulkanEngine::Impl::PlaceToolBalls(const Pose& pose) {
   const std::size_t count = tool.balls.size();
   start_m.resize(count);
   goal_m.resize(count);
-  // written once and never read back: a device's memory is slow to read, and may return an older value
+  // Each value is written once and never read back: a device's memory is slow to read, and may return an
+  // older value.
   placed.resize(4 * count);
   for (std::size_t t = 0; t < count; ++t) {
     start_m[t] = memory.X_GP * tool.balls[t].center_T_m;
@@ -58,7 +59,7 @@ Frame VulkanEngine::Impl::PrepareFrame(const simulation::FrameInput& input) {
       kMillimetres * (kPlaceRounding * (extent_m + way_m) + kWayRounding * way_m * way_m / min_radius_m));
   f.path_mm = static_cast<float>(way_m * kMillimetres);
   if (lists.made && !brute_force) MeasureDisplacement(f);
-  // slide and advance together: at most max_slide; the immediate law goes all the way
+  // slide and advance together are at most max_slide; the immediate law moves the tool along its whole path
   const double step_m = params.max_slide_m + (params.law == simulation::RemovalLaw::kImmediate ? way_m : 0.0);
   f.ball_reach_mm = static_cast<float>(kMillimetres * std::max(params.normal_enlargement_m, step_m));
   f.point_reach_mm = static_cast<float>(kMillimetres * std::max(params.engaged_layer_m, step_m));
@@ -83,7 +84,7 @@ Frame VulkanEngine::Impl::PrepareFrame(const simulation::FrameInput& input) {
 // Number of list entries for one invocation, each with at most `range` tool balls: one on a GPU. A processor
 // computes shared values once for each workgroup, so it gets few, long workgroups, but some for each core.
 // llvmpipe ends all loops of an invocation after 65 535 iterations together; no pass needs more than thirty
-// iterations a pair.
+// iterations per pair.
 uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t range) const {
   constexpr std::size_t kMaxPairs = 2'000, kMaxEntries = 4096, kWorkgroups = 4;
   const std::size_t lanes = program->lanes();
@@ -96,7 +97,7 @@ uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t range) const {
 
 DispatchArgs VulkanEngine::Impl::MakeDispatch(std::size_t entries, uint chunk, uint rows) const {
   const std::size_t share = std::size_t{program->lanes()} * chunk;
-  // the last workgroup continues, so there must be one
+  // on a GPU the last workgroup continues the frame, so there must be at least one
   const std::size_t min_groups = program->for_gpu() ? 1 : 0;
   return {.x = program->WithinLimit(std::max(min_groups, (entries + share - 1) / share)), .y = rows, .z = 1};
 }
@@ -116,7 +117,7 @@ bool VulkanEngine::Impl::Flush() const {
   return program->Run(f, FrameMode::kFlush, frame_timeout_ns);
 }
 
-// Prepares the upload of the children that the frame before has split.
+// Prepares the upload of the children of balls that were split after the previous frame.
 void VulkanEngine::Impl::SetUploads(Frame& f) const {
   if (!pool) return;
   const std::vector<SplitUpload>& uploads = pool->uploads();
@@ -157,7 +158,7 @@ void VulkanEngine::Impl::MeasureDisplacement(Frame& f) const {
   f.shaft_measured_goal_mm = MaxDisplacement_mm(lists.measured_m, goal_m, false);
 }
 
-// Largest distance of a tool ball of a kind from its former position [mm].
+// Largest distance from its former position [mm] of any tool ball that cuts, or of any that does not.
 float VulkanEngine::Impl::MaxDisplacement_mm(const std::vector<Vector3>& was_m,
                                              const std::vector<Vector3>& is_m, bool cuts) const {
   double max_m2 = 0.0;
@@ -167,7 +168,7 @@ float VulkanEngine::Impl::MaxDisplacement_mm(const std::vector<Vector3>& was_m,
   return static_cast<float>(kMillimetres * std::sqrt(max_m2));
 }
 
-// Finds the clusters that the tool can meet, within its reach, on its way or at its pose.
+// Finds the clusters that the tool can meet, within its reach, on its path or at its pose.
 void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
   const bool whole_way = mode == FrameMode::kListsAtContact;
   const auto sweep = [&](const Vector3& start, const Vector3& goal, double radius_m, float reach_mm) {
@@ -193,7 +194,7 @@ void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
   };
   work->Clear();
   find(ball_tree, f.ball_reach_mm, false, ball_cluster_pairs);
-  // a block is in its parent's place
+  // a block of children takes the place of its parent ball
   for (std::size_t i = 0, clusters = pool ? ball_cluster_pairs.size() : 0; i < clusters; ++i) {
     const ClusterPairs parents = ball_cluster_pairs[i];
     for (const uint block : pool->BlocksIn(parents.cluster))

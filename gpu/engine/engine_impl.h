@@ -1,8 +1,8 @@
 #pragma once
 
-// Inside gpu only: shared by the engine's sources. engine_setup.cpp creates the engine, engine_frame.cpp
-// prepares and runs a frame, engine_solution.cpp reads the result, and vulkan_engine.cpp is the public
-// interface.
+// For files of gpu/ only: shared by the engine's sources. engine_setup.cpp creates the engine,
+// engine_frame.cpp prepares and runs a frame, engine_solution.cpp reads the result, and vulkan_engine.cpp is
+// the public interface.
 
 #include <algorithm>
 #include <cstring>
@@ -32,17 +32,17 @@ inline constexpr double kMaxFaceWeight_mm3 =
     simulation::kMaxLensVolume * 1e9 * (1.0 - simulation::kFaceCosine) * (1.0 - simulation::kFaceCosine);
 // Time in which a lost device may finish the work that it was given.
 inline constexpr std::uint64_t kLostTimeout_ns = 20'000'000'000;
-// software drivers compile a pass at its first run
+// Timeout of the warm-up: software drivers compile a pass at its first run.
 inline constexpr std::uint64_t kWarmUpTimeout_ns = 120'000'000'000;
-// every pair in every pass: for measurements only
+// Timeout of brute force, which tests every pair in every pass: for measurements only.
 inline constexpr std::uint64_t kBruteTimeout_ns = 900'000'000'000;
 // Bounds on the rounding of a distance in floats: eight units in the last place of the coordinates and, along
-// a way that is long compared with the balls, of its square over the sum of radii.
+// a path that is long compared with the balls, of the path's square over the sum of radii.
 inline constexpr double kPlaceRounding = 0x1p-21, kWayRounding = 4e-7;
-// kCuttingSkin_m, kShaftSkin_m: largest displacement of the tool until the lists of balls and points are
+// kCuttingSkin_m, kShaftSkin_m: displacement of the tool from which on the lists of balls and points are
 // rebuilt. Balls that do not cut are mostly far from bone, so their wide margin costs nothing.
 // kRemeasureDisplacement_mm: beyond this displacement a software driver measures the lists' packed pairs
-// anew; on a GPU that does not pay.
+// anew; on a GPU that saves no time.
 inline constexpr float kRemeasureDisplacement_mm = 0.03f;
 inline constexpr double kCuttingSkin_m = 0.15e-3, kShaftSkin_m = 0.6e-3;
 // Capacity: tool balls in all list entries together, tool balls of all clusters together.
@@ -107,14 +107,14 @@ struct VulkanEngine::Impl {
   simulation::FrameMemory memory;
   std::size_t ball_count{0}, point_count{0};
   std::optional<SplitPool> pool;  // only where balls are split
-  std::size_t ball_clusters{0};   // with those of the pool
+  std::size_t ball_clusters{0};   // number of clusters of balls, including those of the pool
   double unit_mm3{1.0};
   // largest coordinate of a tool ball that can touch; smallest tool ball's radius
   double extent_m{0.0}, min_radius_m{1.0};
   bool lost{false}, brute_force{false};
   std::uint64_t frame_timeout_ns{0};
   FrameStats stats;
-  simulation::NearField near;  // of the last frame; only its faces are filled
+  simulation::NearField near;  // near field of the last frame; only its faces are filled
   simulation::Candidates candidates;
 
   Frame frame_constants{};  // constant part of every frame
@@ -123,7 +123,7 @@ struct VulkanEngine::Impl {
   std::vector<ClusterPairs> ball_cluster_pairs, point_cluster_pairs;
   std::vector<BallSweep> group_sweeps, ball_sweeps;
 
-  // the lists on the device, as the last frame that built them left them
+  // The lists on the device, in the state after the last frame that built them.
   struct Lists {
     bool made{false};
     float ball_reach_mm{0.0f}, point_reach_mm{0.0f};
@@ -134,7 +134,7 @@ struct VulkanEngine::Impl {
   bool had_no_contact{true};                  // the last frame had no contact
   Pose X_GT;                                  // pose of the tool in this frame
   std::vector<Vector3> start_m, goal_m;       // positions of the tool's balls in this frame
-  std::vector<vec4> placed;                   // the same for the device: in floats, then their remainders
+  std::vector<vec4> placed;                   // these positions for the device: floats, then their remainders
   std::vector<simulation::Capsule> capsules;  // swept by the cutting balls; only where balls are split
 
   std::string Open(std::unique_ptr<Context> context, const simulation::Bone& bone,

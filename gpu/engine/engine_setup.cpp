@@ -91,7 +91,7 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   for (vec4& point : data) point.w = 0.0f;  // a point has no radius
   point_tree = ClusterTree(data);
 
-  // a span of each kind's balls, for brute force
+  // the packed pairs of all tool balls of each kind, for brute force
   std::vector<uint> whole(AllPackedPairs());
   const auto middle = static_cast<std::ptrdiff_t>(tool.cutter_count);
   std::iota(whole.begin(), whole.begin() + middle, 0u);
@@ -139,7 +139,7 @@ void VulkanEngine::Impl::FillFrameConstants(const simulation::Bone& bone) {
   frame_constants.immediate = params.law == simulation::RemovalLaw::kImmediate ? 1 : 0;
 }
 
-// Brute force: lists everything, permanently.
+// For brute force: lists all balls and points once, for all frames.
 void VulkanEngine::Impl::ListEverything() {
   std::vector<vec4> copies(ball_count);
   ReadBalls(*program, copies.data(), ball_count);

@@ -21,8 +21,8 @@ namespace osteon::gpu {
 ///                                          ─▶ the next frame's uploads
 ///
 /// A block is a cluster of its own, in the same place as its parent's cluster, so culling and lists treat
-/// children like any cluster. The host makes the children, in a few microseconds a ball, before another frame
-/// can meet the ball. It reads nothing of a frame without events but the number of events.
+/// children like any cluster. The host makes the children, in a few microseconds per ball, before another
+/// frame can meet the ball. It reads nothing of a frame without events but the number of events.
 class SplitPool {
  public:
   /// @throws std::invalid_argument where params are not accepted, or children do not fit a cluster.
@@ -78,7 +78,7 @@ class SplitPool {
   std::size_t parents_, first_;
   std::vector<std::int32_t> block_;    ///< block of each parent; -1: none
   std::vector<std::uint32_t> parent_;  ///< parent of each block that was ever in use
-  std::set<uint> free_;                ///< those of them that are free now
+  std::set<uint> free_;                ///< blocks that were in use and are free now
   std::set<uint> in_use_;
   std::vector<uint> emptied_;     ///< blocks without children, to be freed at the end of the next frame
   std::vector<Waiting> waiting_;  ///< in ascending order of parents

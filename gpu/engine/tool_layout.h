@@ -8,7 +8,7 @@
 
 namespace osteon::gpu {
 
-inline constexpr std::size_t kToolGroup = 16;  ///< most tool balls in one bounding ball
+inline constexpr std::size_t kToolGroup = 16;  ///< largest number of tool balls in one bounding ball
 
 /// A tool as the device has it: cutting balls first, each kind in the tool's order; and groups of neighbours
 /// with a bounding ball each, for the host's search. Lengths in metres here.

@@ -58,7 +58,7 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
 
 VulkanEngine::VulkanEngine(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 VulkanEngine::~VulkanEngine() {
-  // The last frame's report may come before the frame's end, and a device that did not finish in time may
+  // The last frame's readback may come before the frame's end, and a device that did not finish in time may
   // still be working: the memory that it uses must outlive it.
   if (impl_ && impl_->program && !impl_->program->IsIdle(kLostTimeout_ns)) (void)impl_->program.release();
 }

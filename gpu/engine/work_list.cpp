@@ -28,8 +28,8 @@ void WorkList::Add(const ClusterTree& tree, std::span<const BallSweep> groups,
     if (counts_[cluster].all == 0) clusters_.push_back(cluster);
     ++counts_[cluster].all;
   };
-  // where a group may meet a cluster, each of its balls is tested; in ascending order, so that every
-  // cluster's list ascends
+  // If a group may meet a cluster, each of the group's balls is tested, in ascending order, so that every
+  // cluster's list ascends.
   for (const BallSweep& group : groups) {
     if (group.radius_mm >= 0.0f)
       tree.VisitOverlapping(group.a, group.b, group.radius_mm, [&](uint cluster) {

@@ -9,7 +9,7 @@
 
 namespace osteon::gpu {
 
-/// A ball's way from a to b [mm]; no ball where the radius is negative.
+/// A ball's path from a to b [mm]; a negative radius stands for no ball.
 struct BallSweep {
   Eigen::Vector3f a{Eigen::Vector3f::Zero()}, b{Eigen::Vector3f::Zero()};
   float radius_mm{-1.0f};
@@ -23,7 +23,7 @@ struct BallSweep {
 ///                                                 for any)
 class WorkList {
  public:
-  /// @param ref_capacity  of the device's buffer of tool refs; at least the number of tool balls
+  /// @param ref_capacity  size of the device's buffer of tool refs; at least the number of tool balls
   WorkList(std::size_t largest_cluster_count, const ToolLayout& tool, std::size_t ref_capacity);
 
   void Clear() { refs_.resize(tool_->balls.size()); }
@@ -47,7 +47,7 @@ class WorkList {
   struct Count {
     uint cutters{0}, all{0};
   };
-  std::vector<Count> counts_;   // of hits by cluster; 0 between calls
+  std::vector<Count> counts_;   // number of hits by cluster; 0 between calls
   std::vector<uint> clusters_;  // hit clusters, in the order of their first hit
 };
 

@@ -32,7 +32,7 @@ class Lowering {
   }
 
  private:
-  // The functions of double_single.glsl, whose names end with their parameters: "DsAdd(vf2;vf2;".
+  // Finds the functions of double_single.glsl. Their names end with their parameters: "DsAdd(vf2;vf2;".
   void FindNames() {
     for (const Instruction& at : in_)
       if (at.op == kName) {
@@ -55,7 +55,7 @@ class Lowering {
     if (double_ == 0 || pair_ == 0) throw std::runtime_error("no doubles, or no double_single.glsl");
   }
 
-  // Components of a type of doubles; 0 for another type.
+  // Number of components of a type of doubles; 0 for another type.
   [[nodiscard]] Word Size(Word type) const {
     if (type == double_) return 1;
     const auto found = vectors_.find(type);
@@ -65,7 +65,7 @@ class Lowering {
     const auto found = type_of_.find(value);
     return found == type_of_.end() ? 0 : Size(found->second);
   }
-  // Components of any vector or scalar.
+  // Number of components of any vector or scalar.
   [[nodiscard]] Word AnySize(Word type) const {
     const auto found = vectors_.find(type);
     return found == vectors_.end() ? 1 : found->second.second;
@@ -251,7 +251,7 @@ class Lowering {
     out_.push_back(std::move(lowered));
   }
 
-  // False for an instruction that moves values without looking at them.
+  // Lowers an arithmetic instruction. Returns false for an instruction that only moves values.
   bool LowerArithmetic(const Instruction& at, Word made) {
     const Words& w = at.words;
     switch (at.op) {
@@ -395,11 +395,11 @@ class Lowering {
   std::vector<Instruction> in_, out_;
   std::vector<Instruction> decorations_;  // new decorations
   std::size_t end_of_decorations_{0};
-  std::map<std::string, Word> functions_;          // of double_single.glsl
+  std::map<std::string, Word> functions_;          // ids of the functions of double_single.glsl, by name
   std::map<Word, Word> function_result_;           // type of a function's result
   std::map<Word, std::pair<Word, Word>> vectors_;  // component type and number
-  std::map<Word, Word> type_of_;                   // of a value, in the module as it was
-  std::map<Word, Word> float_of_;                  // of a value that a float was converted to
+  std::map<Word, Word> type_of_;                   // type of a value in the original module
+  std::map<Word, Word> float_of_;                  // the float that was converted to this double
   std::map<Words, Word> signatures_;
   std::map<Word, Word> same_signature_;  // the function type that stands for this one
   std::map<Word, Word> sizes_;           // constants 2, 3, 4

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-// A SPIR-V module as a list of instructions, and the numbers of its specification that the lowering of
-// doubles knows.
+// A SPIR-V module as a list of instructions, and the numbers of the SPIR-V specification that the lowering of
+// doubles uses.
 
 namespace osteon::gpu::spirv {
 

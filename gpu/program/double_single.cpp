@@ -5,7 +5,7 @@
 namespace osteon::gpu {
 namespace {
 
-// All doubles of a frame: what DoublePrecision has before its sums.
+// Applies a change to all doubles of a frame: the members of DoublePrecision before its sums.
 template <class Change>
 void ChangeDoubles(Frame& frame, Change change) {
   constexpr std::size_t kDoubles = offsetof(DoublePrecision, engaged) / sizeof(double);

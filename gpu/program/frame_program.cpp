@@ -125,7 +125,7 @@ void FrameProgram::MakeBuffers() {
     frame_in_ = MakeBuffer(*context_, sizeof(Frame), Placement::kReadBack);
     return;
   }
-  // the host writes to the passes' memory where it can; the report is in memory that the host reads fast
+  // the host writes to the passes' memory where it can; the readback is in memory that the host reads fast
   frame_in_ = MakeBuffer(*context_, sizeof(Frame), Placement::kShared);
   copies_in_ = !frame_in_.device_local;
   if (copies_in_) buffers_[kBindFrame] = MakeBuffer(*context_, sizeof(Frame), Placement::kDevice);
@@ -240,7 +240,7 @@ void FrameProgram::MakePipelines(bool fused_fma) {
   std::vector<std::size_t> rest =
       add_minimum("near_field", "near_field_upper_words", kCode_near_field, wide, pairs);
   if (!gpu_) {
-    // one subgroup computes the solution; on a GPU that of the near field's last workgroup
+    // one subgroup computes the solution; on a GPU it belongs to the near field's last workgroup
     Constants alone = constants;
     alone.lanes = subgroup_size_;
     rest.push_back(add("solve", kCode_solve, alone, kOne, Then::kReads));
@@ -396,7 +396,7 @@ bool FrameProgram::AwaitReadback(std::uint64_t timeout_ns) {
 bool FrameProgram::Run(const Frame& frame, FrameMode mode, std::uint64_t timeout_ns) try {
   const bool floats = !HasDoubles(context_->arithmetic);
   last_mode_ = mode;
-  // Wait for the last frame: its report may have arrived before its fence.
+  // Wait for the last frame: its readback may have arrived before its fence.
   if (!AwaitFence(timeout_ns)) return false;
   Frame asked = frame;
   asked.sequence = ++sequence_;
@@ -418,7 +418,7 @@ bool FrameProgram::RunCommands(FrameMode mode, std::uint64_t timeout_ns) {
   context_->device->resetFences(*fence_);
   context_->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw), *fence_);
   if (policy_ != FencePolicy::kReport || mode == FrameMode::kFlush) return AwaitFence(timeout_ns);
-  // the checksum covers the report alone, not the events that a frame may have beside it
+  // the checksum covers the readback alone, not the events that a frame may have in addition
   return AwaitReadback(timeout_ns) && (raw_result().split_event_count == 0 || AwaitFence(timeout_ns));
 }
 

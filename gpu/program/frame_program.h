@@ -1,6 +1,6 @@
 #pragma once
 
-// Inside gpu only: this header brings vulkan_raii.hpp.
+// For files of gpu/ only: this header includes vulkan_raii.hpp.
 
 #include <algorithm>
 #include <array>
@@ -21,16 +21,17 @@ struct ProgramSizes {
   std::size_t balls{0}, points{0}, ball_clusters{0}, point_clusters{0};
   std::size_t tool_balls{0}, cutters{0}, tool_refs{0}, materials{1};
   std::size_t live{0};  ///< capacity of each list of balls or points near the tool
-  std::size_t split_events{0}, uploads{0}, blocks{0};  ///< of split balls; 0: none is split
+  std::size_t split_events{0}, uploads{0}, blocks{0};  ///< for split balls; 0: no ball is split
   std::size_t packed_pairs{0};                         ///< packed pairs of all list entries together
   bool contact_sphere{false};                          ///< only the tool ball that touches first cuts
 };
 
 enum class FrameMode : std::size_t {
   kLists,           ///< uses the lists of an earlier frame
-  kListsRefreshed,  ///< the same, with their packed pairs measured anew at the proxy
+  kListsRefreshed,  ///< uses the lists of an earlier frame, with their packed pairs measured anew at the
+                    ///< proxy
   kListsAtProxy,    ///< builds the lists at the proxy
-  kListsAtContact,  ///< builds the lists at first contact, which is searched on the whole way
+  kListsAtContact,  ///< builds the lists at first contact, which is searched on the whole path
   kFlush,           ///< no frame: writes the lists' balls back to the buffer that they came from
 };
 
@@ -73,7 +74,7 @@ class FrameProgram {
   /// Times of the last run's passes; empty where passes are not timed.
   [[nodiscard]] std::vector<PassTime> PassTimes() const;
   [[nodiscard]] const Context& context() const { return *context_; }
-  /// True where the driver of a GPU has just compiled the passes, judged by the time that it took. NVIDIA's
+  /// Whether the driver of a GPU has just compiled the passes, judged by the time that it took. NVIDIA's
   /// compiler takes seconds, and its first code is three times as slow as that from its cache later. A device
   /// keeps the code that it compiled: only a new device gets the faster code.
   [[nodiscard]] bool compiled() const { return context_->info.kind != "cpu" && pipelines_s_ > kCompiled_s; }
@@ -141,7 +142,7 @@ class FrameProgram {
   vk::raii::DescriptorSets sets_{nullptr};
   vk::raii::CommandPool command_pool_{nullptr};
   std::vector<Pass> passes_;
-  std::array<std::vector<std::size_t>, 5> run_passes_;  // by mode
+  std::array<std::vector<std::size_t>, 5> run_passes_;  // indices into passes_ of each FrameMode
   std::vector<vk::raii::CommandBuffer> commands_;
   std::array<DispatchArgs, 3> recorded_{};  // workgroups in the recorded commands of kLists
   FrameMode last_mode_{FrameMode::kLists};

@@ -22,9 +22,9 @@ OSTEON_CONST uint kScoreBits = 26, kMinBoneBits = 24, kMaxBoneBits = 28;
 
 // A pair's score (gap plus direction cost) in integer units that increase with it:
 //
-//     -33 … -0.97 mm    2^-15 mm a unit: the tool lies that deep in bone
-//     -0.97 … 0.97 mm   2^-25 mm a unit
-//     0.97 … 33 mm      2^-15 mm a unit: a normal's enlargement may be that large
+//     -33 … -0.97 mm    2^-15 mm per unit: the tool may lie that deep in bone
+//     -0.97 … 0.97 mm   2^-25 mm per unit
+//     0.97 … 33 mm      2^-15 mm per unit: a normal's enlargement may be that large
 #define OSTEON_SCORE_UNITS(Number)                                          \
   OSTEON_FUNCTION uint ScoreUnits(Number score) {                           \
     Number deep = score + Number(32.96875), far = score - Number(0.96875);  \
@@ -38,10 +38,10 @@ OSTEON_SCORE_UNITS(float)
 OSTEON_SCORE_UNITS(double)
 #undef OSTEON_SCORE_UNITS
 
-// The units that remain in a key with `bone_bits` bits for the bone ball.
+// Returns the upper bits of the units that a key with `bone_bits` bits for the bone ball keeps.
 OSTEON_FUNCTION uint KeptUnits(uint units, uint bone_bits) { return units >> (bone_bits - kMinBoneBits); }
 
-// The same units from the upper half of a key's 64 bits.
+// Returns these kept units from the upper half of a key's 64 bits.
 OSTEON_FUNCTION uint UnitsOfHalf(uint upper_half, uint bone_bits) {
   return upper_half >> (bone_bits + kToolBits - 32u);
 }

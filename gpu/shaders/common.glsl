@@ -15,7 +15,7 @@
 #endif
 #include "words.glsl"
 
-// A processor gets few lanes and long chunks, because it reads shared values once for each eight lanes. A GPU gets many lanes
+// A processor gets few lanes and long chunks, because it reads shared values once per eight lanes. A GPU gets many lanes
 // with one entry each.
 layout(local_size_x_id = 3) in;
 layout(constant_id = 3) const uint kLanes = 64;
@@ -28,7 +28,7 @@ layout(constant_id = 8) const uint kToolRemainder = 2;  // index of the first re
 layout(constant_id = 9) const uint kBoneBits = kMinBoneBits;  // bits of a bone ball's index in a key
 
 layout(scalar, binding = kBindFrame) buffer FrameBuffer { Frame frame; };
-layout(scalar, binding = kBindFrame) coherent buffer FreshFrameBuffer { Frame fresh; };  // reads what others wrote in this pass
+layout(scalar, binding = kBindFrame) coherent buffer FreshFrameBuffer { Frame fresh; };  // for reading values that other workgroups wrote in this pass
 layout(scalar, binding = kBindFrame) coherent readonly buffer FrameWordBuffer { uvec4 frame_words[]; };
 layout(scalar, binding = kBindFrame) readonly buffer FrameHalfBuffer { uint frame_halves[]; };
 layout(scalar, binding = kBindReadback) buffer ReadbackBuffer { uvec4 readback_words[]; };
@@ -77,8 +77,8 @@ layout(scalar, binding = kBindPackedPairs) buffer PackedPairBuffer { uint packed
     if (subgroupElect() && all != kNoSum) ADD_SUM(sum, all)                                                  \
   }
 
-// The same on a GPU, at most 2^49 each, for a workgroup: stores each subgroup's share, which GroupTotal adds up after a
-// barrier.
+// Adds an integer of each invocation, at most 2^49 each, for a workgroup on a GPU: stores each subgroup's share, and
+// GroupTotal adds the shares up after a barrier.
 const uint kMaxSums = 16u;
 shared Sum64 group_share[kMaxSums][64];
 #define SHARE(place, whole)                                                                                            \

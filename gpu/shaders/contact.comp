@@ -8,7 +8,7 @@
 
 void main() {
   uint row = Row();
-  // contacts that other invocations found already shorten the way to search
+  // contacts that other invocations have found already shorten the path to search
   double s = FromKey(frame.contact_key);
   float first = AtLeast(s), rounding = frame.rounding_mm;
   if (kOneCutter) {

@@ -6,7 +6,7 @@
 
 layout(constant_id = 11) const bool kFusedFma = false;  // the device's fma() rounds once (context/fused_fma.h)
 
-// The sum of two floats, exactly; of two of which the first is not smaller.
+// The exact sum of two floats. DsFastTwoSum requires that the first one is not smaller in size.
 vec2 DsTwoSum(const in float a, const in float b) {
   float sum = a + b, of_b = sum - a;
   return vec2(sum, (a - (sum - of_b)) + (b - of_b));
@@ -15,12 +15,12 @@ vec2 DsFastTwoSum(const in float a, const in float b) {
   float sum = a + b;
   return vec2(sum, b - (sum - a));
 }
-// A float's upper 12 bits and its lower ones.
+// Splits a float into its upper 12 bits and its lower bits.
 vec2 DsSplit(const in float a) {
   float shifted = 4097.0 * a, upper = shifted - (shifted - a);
   return vec2(upper, a - upper);
 }
-// The product of two floats, exactly: the same bits in both ways.
+// The exact product of two floats. With or without fma(), the result has the same bits.
 vec2 DsTwoProduct(const in float a, const in float b) {
   float product = a * b;
   if (kFusedFma) return vec2(product, fma(a, b, -product));
@@ -38,7 +38,7 @@ vec2 DsMul(const in vec2 a, const in vec2 b) {
   vec2 p = DsTwoProduct(a.x, b.x);
   return DsFastTwoSum(p.x, p.y + (a.x * b.y + a.y * b.x));
 }
-// With a float for the second operand: half the operations.
+// Sum and product with a float as the second operand, which takes half of the operations.
 vec2 DsAddFloat(const in vec2 a, const in float b) {
   vec2 s = DsTwoSum(a.x, b);
   return DsFastTwoSum(s.x, a.y + s.y);
@@ -47,15 +47,16 @@ vec2 DsMulFloat(const in vec2 a, const in float b) {
   vec2 p = DsTwoProduct(a.x, b);
   return DsFastTwoSum(p.x, p.y + a.y * b);
 }
-// A scalar product, with one rounding of its remainders: its error is relative to the sum of the products' sizes, as it is where
-// each product and sum is rounded for itself, with twice the operations.
+// A scalar product whose remainders are rounded once. Its error is relative to the sum of the products' sizes, as if each
+// product and sum were rounded separately, which takes twice the operations.
 vec2 DsDot(const in vec2 a, const in vec2 b, const in vec2 c, const in vec2 u, const in vec2 v, const in vec2 w) {
   vec2 p = DsTwoProduct(a.x, u.x), q = DsTwoProduct(b.x, v.x), r = DsTwoProduct(c.x, w.x);
   vec2 s = DsTwoSum(p.x, q.x), t = DsTwoSum(s.x, r.x);
   float mixed = (a.x * u.y + a.y * u.x) + (b.x * v.y + b.y * v.x) + (c.x * w.y + c.y * w.x);
   return DsTwoSum(t.x, ((p.y + q.y) + (r.y + mixed)) + (s.y + t.y));
 }
-// The quotient of the floats, then that of what it leaves: about 44 bits, since Vulkan allows a division 2.5 units.
+// The quotient of the floats, plus the quotient of its remainder: about 44 bits, since Vulkan allows a division an error of 2.5
+// units in the last place.
 vec2 DsDiv(const in vec2 a, const in vec2 b) {
   float quotient = a.x / b.x;
   vec2 product = DsMulFloat(b, quotient);
@@ -78,7 +79,7 @@ vec2 DsMin(const in vec2 a, const in vec2 b) { return DsLess(b, a) ? b : a; }
 vec2 DsMax(const in vec2 a, const in vec2 b) { return DsLess(a, b) ? b : a; }
 vec2 DsAbs(const in vec2 a) { return a.x < 0.0 || (a.x == 0.0 && a.y < 0.0) ? -a : a; }
 
-// The largest integer that is not larger, and the nearest one.
+// DsFloor: the largest integer that is not larger than a. DsRoundEven: the nearest integer.
 vec2 DsFloor(const in vec2 a) {
   float whole = floor(a.x);
   return whole == a.x ? DsFastTwoSum(whole, floor(a.y)) : vec2(whole, 0.0);
@@ -96,7 +97,7 @@ int DsToInt(const in vec2 a) {
 }
 uint DsToUint(const in vec2 a) { return uint(DsToInt(a)); }
 
-// Over a subgroup: the float decides, then the remainder among those that have it.
+// Minimum over a subgroup: the float decides, then the remainder among the invocations that have this float.
 vec2 DsSubgroupMin(const in vec2 a) {
   float first = subgroupMin(a.x);
   return vec2(first, subgroupMin(a.x == first ? a.y : 1e30));

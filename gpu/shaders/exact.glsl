@@ -2,10 +2,10 @@
 // shrinks. A float test with a margin for its rounding (frame.rounding_mm) comes first and rejects nearly all pairs, so that
 // few are tested twice. Equivalent to simulation/contact/cutting_math.h and reference_engine.cpp.
 
-// Converts fractions of a way to keys and back.
+// Converts fractions of a path to keys and back.
 #ifdef OSTEON_NO_FLOAT64
-// A double-single's parts are the bits of its floats. The upper word has the bits of the first, the lower one those of the
-// remainder in an order that counts the sign. All ones, where only the upper word is known yet: a remainder as large as any.
+// The key of a double-single: the upper word has the bits of its first float, the lower word those of the remainder, in an
+// order that counts the sign. A lower word of all ones means that only the upper word is known yet: a remainder as large as any.
 Key64 ToKey(double s) {
   uvec2 parts = unpackDouble2x32(s);
   return KeyOf(uvec2(parts.y >> 31u != 0u ? ~parts.y : parts.y | 0x80000000u, parts.x));
@@ -21,7 +21,7 @@ Key64 ToKey(double s) { return KeyOf(unpackDouble2x32(s)); }
 double FromKey(Key64 key) { return packDouble2x32(WordsOf(key)); }
 #endif
 
-// A float that is not less than s.
+// Returns a float that is not less than s.
 float AtLeast(double s) { return float(s) * 1.0000003; }
 
 // Converts all four components. In two steps: NVIDIA's driver 580.159 returns the floats' own bits for a single conversion.

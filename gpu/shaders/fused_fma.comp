@@ -1,5 +1,5 @@
 #version 460
-// The rest that fma() leaves of a product beyond its rounding: context/fused_fma.h compares it with the exact one.
+// Computes the rounding error of products by fma(). HasFusedFma (context/fused_fma.cpp) compares it with the exact error.
 #extension GL_EXT_scalar_block_layout : require
 
 layout(local_size_x = 64) in;

@@ -69,24 +69,25 @@ struct Sum {
 // Frame values that need double precision. Millimetres, newtons, seconds.
 struct DoublePrecision {
   dvec3 start, goal;  // T's origin at the proxy and at the tool's pose
-  dvec3 axis;         // the spindle's
+  dvec3 axis;         // axis of the spindle
   double enlargement, tolerance, layer, max_slide;
   double stiffness, max_force, spindle_rad_per_s, dt_s;
-  double work_held_back;                                // share of the debt that this frame pays
+  double work_held_back;                                // work of this frame that repays the energy lead
   OSTEON_ARRAY(double, cutting_energy, kMaxMaterials);  // N/mm^2
   OSTEON_ARRAY(double, force_ratio, kMaxMaterials);
   OSTEON_ARRAY(double, edge_force, kMaxMaterials);  // N/mm, of all edges together
   OSTEON_ARRAY(dvec3, face_n, kFaces);  // directions in which faces pressed in the frame before; zero: none
   // results
-  dvec3 delta, shift;  // to the constrained target; straight, from first contact
+  dvec3 delta, shift;  // delta: to the constrained target; shift: straight to it from first contact
   dvec3 n;             // direction of the cutting contacts' resultant
   double cutting;      // length of the cutting contacts' share of delta
-  // with the turn and straight: the allowed fraction, and the whole way of the tool point that moves farthest
+  // With the turn and straight: the allowed fraction of the slide, and the travel of the tool point that
+  // moves farthest in the whole slide.
   double slide_limit, straight_limit, way, straight_way;
   double slid_share, advance, edge_work;  // slid_share: of the performed slide; the others: of the frame
   OSTEON_ARRAY(dvec3, hold_n, 4);  // normals of the planes that hold the tool, with their multipliers below
   OSTEON_ARRAY(double, hold, 4);
-  dvec3 step;  // of the proxy's advance
+  dvec3 step;  // step of the proxy's advance
   // area and moment by material, in units of 1 / (area_scale kUnitSubdivision) and 1 / (moment_scale
   // kUnitSubdivision)
   OSTEON_ARRAY(Sum64, engaged, 2 * kMaxMaterials);
@@ -159,12 +160,12 @@ struct Frame {
   // displacement since the lists were built of the tool ball that moved most
   float cutting_displacement_start_mm, cutting_displacement_goal_mm, shaft_displacement_start_mm,
       shaft_displacement_goal_mm;
-  // the same since their packed pairs were measured: see refresh.comp
+  // its displacement since the lists' packed pairs were measured: see refresh.comp
   float cutting_measured_start_mm, cutting_measured_goal_mm, shaft_measured_start_mm, shaft_measured_goal_mm;
-  float path_mm;          // of the tool point that moves farthest, from the proxy to the tool's pose
+  float path_mm;          // travel of the tool point that moves farthest, from the proxy to the tool's pose
   uint chunk;             // list entries for one invocation
   uint lists_at_contact;  // 1: the lists are built in this frame, at first contact
-  uint max_workgroups;    // of a pass, along x: further work loops over them
+  uint max_workgroups;    // largest number in a pass, along x: further work loops over them
   uint near_ball_clusters, near_point_clusters;  // clusters that the tool can meet
   uint flush_count;                              // balls of the previous lists, which flush.comp writes back
   uint upload_count;
@@ -211,16 +212,16 @@ struct Readback {
   uint sum, sequence;
 };
 
-// What the host's books of split balls need to know of a frame: a touched ball that is large enough to be
-// split, or a block whose last child has gone (its number with kEmptiedBlock added, no balls).
+// An event of a frame for the host's record of split balls: a touched ball that is large enough to be split,
+// or a block whose last child has gone (its number with kEmptiedBlock added, no balls).
 struct SplitEvent {
   uint index;
   vec4 before, after;
 };
 OSTEON_CONST uint kEmptiedBlock = 0x80000000u;
 
-// A ball from the host: a split parent or a child. From index ball_count on a block instead, as (min_mm,
-// live).
+// A ball from the host: a split parent or a child. For an index from ball_count on, it is a block instead,
+// with min_mm and live in `ball`.
 struct SplitUpload {
   uint index;
   vec4 ball;

@@ -14,7 +14,7 @@
 const double kPi = 3.14159265358979323846lf;
 const double kMaxLens_mm3 = 1e9 * kMaxLensVolume;
 const double kBinCentreBias_mm = 1e3 * kBinCentreBias_m;
-const float kDirectionRounding = 1e-5;  // of a cosine in floats: this near to a bin's edge they cannot decide the side
+const float kDirectionRounding = 1e-5;  // rounding of a cosine in floats: nearer to a bin's edge, floats cannot decide the side
 
 // Equivalent to simulation::LensVolume, up to the largest volume that counts.
 double LensVolume(double r1, double r2, double d) {
@@ -24,8 +24,8 @@ double LensVolume(double r1, double r2, double d) {
   return over <= 0.0lf ? 0.0lf : min(v, kMaxLens_mm3);
 }
 
-// Equivalent to simulation::FindBin; u in T. In floats, with the approximate distance of the direction from another bin; and in
-// double precision.
+// FindBin and FindExactBin are equivalent to simulation::FindBin; u in T. FindBin computes in floats, and gives the approximate
+// distance of the direction from another bin. FindExactBin computes in double precision.
 struct Bin {
   uint number;
   float off_centre, inside;
@@ -99,7 +99,7 @@ Pair TestPair(Near near, vec4 ball, vec4 at, bool cutting) {
               kLowerWords && is_near && max_cosine > float(kFaceCosine) - kDirectionRounding);
 }
 
-// The same pair in double precision.
+// A pair in double precision.
 struct ExactPair {
   dvec3 n;
   double d, gap;
@@ -109,7 +109,7 @@ ExactPair MeasurePair(vec4 ball, dvec4 at) {
   double d = length(from_bone);
   return ExactPair((1.0lf / max(d, 1e-20lf)) * from_bone, d, d - at.w - double(ball.w));
 }
-// Where both sides of a branch are executed, keys are written in a separate loop after the one that finds them.
+// On a processor, where both sides of a branch are executed, keys are written in a loop after the one that finds the pairs.
 const bool kKeysApart = !kOnGpu;
 // On a GPU an invocation keeps its last key until the workgroup combines its keys, since atomic operations on one address are
 // serialised.
@@ -134,7 +134,7 @@ void AtomicMinKey(Near near, ExactPair exact, bool cutting, uint bone, uint t) {
     waiting = Waiting(bin.number, key);
   }
 }
-// Smallest key of a workgroup: the units decide first. Called by all its invocations.
+// Writes the smallest key of a workgroup per bin: the units decide first. Called by all its invocations.
 shared uint min_units[kBins];
 void ReduceKeys() {
   if (gl_LocalInvocationID.x < kBins) min_units[gl_LocalInvocationID.x] = 0xffffffffu;
@@ -159,7 +159,7 @@ struct Parts {
 const Part kNone = Part(dvec4(0.0lf), ivec4(0));
 const Parts kNoParts = Parts(kNone, kNone, kNone, kNone);
 
-// A face that did not press; on a GPU only, where the branch is uniform and can be skipped.
+// Whether a face did not press. Only on a GPU, where the branch is uniform and can be skipped.
 bool IsIdle(vec3 face) { return kOnGpu && face == vec3(0.0); }
 
 // Adds a pair to a face's sums. `lens`: 0 for a pair that does not count; `alone`: the only cutting ball's pair, whose centre
@@ -200,10 +200,10 @@ void AddParts(Parts parts, bool shaft, bool alone) {
   FLUSH(parts.part_3, 3)
 }
 
-// The same on a GPU, called by a whole workgroup. Few of its invocations have a contribution; these are noted in shared memory
-// and added up, so that one atomic addition serves all. (Atomic additions of each subgroup to one address are serialised and
-// take 8 us.)
-const uint kNotes = 64u;  // capacity at a time
+// AddPartsOfGroup adds the parts on a GPU, called by a whole workgroup. Few of its invocations have a contribution; these are
+// noted in shared memory and added up, so that one atomic addition serves all. (Atomic additions of each subgroup to one address
+// are serialised and take 8 us.)
+const uint kNotes = 64u;  // number of contributions that are noted at a time
 shared double part_notes[kNotes][4u * kFaces];
 shared uint note_count;
 shared double part_totals[16][4u * kFaces];

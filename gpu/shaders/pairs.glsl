@@ -1,7 +1,7 @@
 // Pairs of a ball and a tool ball in the lists. A packed pair has the gap when it was measured. The tool has moved by at most
 // the displacement since, and bone only shrinks, so pairs that are too far are skipped without reading the balls.
 
-// Displacement of the tool balls of a kind since their packed pairs were measured, at fraction s of the frame's way.
+// Displacement of the tool balls of a kind since their packed pairs were measured, at fraction s of the frame's path.
 float Displacement(bool cutting, float s) {
   if (frame.lists_at_contact != 0u) return 0.0;  // only steps after first contact use it
   return cutting ? mix(frame.cutting_measured_start_mm, frame.cutting_measured_goal_mm, s)
@@ -17,7 +17,7 @@ uint PackedGapLimit(float gap_mm) {
 // Lists of pairs: of listed balls, of balls near tool balls that do not cut, of listed points. With one cutting ball the first
 // needs no packed pairs.
 const uint kCutting = 0u, kShaft = 1u, kPoint = 2u;
-// Range of the first two lists for a workgroup; row `shaft_row` takes the second.
+// FirstList and LastList: the range of lists that a workgroup's row takes, among the first two; `shaft_row` takes the second.
 uint FirstList(uint row, uint shaft_row) { return kOneCutter || row == shaft_row ? kShaft : kCutting; }
 uint LastList(uint row, uint shaft_row) { return row == shaft_row ? kShaft : kCutting; }
 
@@ -27,9 +27,9 @@ struct Walk {
   uint next, end;  // entries not visited yet
   uint before;  // entries of another list in the same texels
   uint slot;  // slot of the current ball or point
-  uint k, last;  // its packed pairs not read yet
+  uint k, last;  // range of the current ball's or point's packed pairs that are not read yet
   uvec4 pairs;  // the four packed pairs before k
-  uint left;  // bits of those still to come
+  uint left;  // bit i: pair i of `pairs` is still to be visited
   uint pair;  // the current packed pair
 };
 uint EntriesBefore(uint list) { return list == kShaft ? frame.live_capacity : 0u; }

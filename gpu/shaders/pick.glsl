@@ -1,9 +1,8 @@
-// Lists of the balls and points that the tool can meet: built at the proxy, when first contact is then searched in them, or at
-// first contact, when the whole way there has been searched. A list's order depends on scheduling; no result depends on the
-// order.
+// Lists of the balls and points that the tool can meet. They are built at the proxy if first contact is then searched in them,
+// or at first contact if the whole path to it has been searched. A list's order depends on scheduling; no result depends on it.
 
-// Finds the tool balls of tool_refs[first … end - 1] that come within `reach` of a ball (p, r) at first contact: counts them,
-// then writes their packed pairs.
+// Finds the tool balls of tool_refs[first … end - 1] that come within `reach` of a ball (p, r) at fraction s of the path: counts
+// them, then writes their packed pairs.
 struct PairRange {
   uint first, count;
   uint min_gap;  // smallest gap of its packed pairs
@@ -60,5 +59,5 @@ PairRange FindPairRange(uint first, uint end, vec3 p, float r, float reach, floa
     atomicMax(frame.clear_work.x, groups);                 \
   }
 
-// Fraction of the frame's way at which the lists are built.
+// Fraction of the frame's path at which the lists are built.
 float ListFraction() { return frame.lists_at_contact != 0u ? ContactFraction() : 0.0; }

@@ -10,7 +10,7 @@ double OneLessExp(double y) {
   uint doublings = 0u;
   for (; y > 0.01lf && doublings < 13u; ++doublings) y *= 0.5lf;  // for y beyond 40 the result is 1
   y = min(y, 0.01lf);
-  // (multiplied: a division takes as long as the rest)
+  // products by reciprocals, because one division takes as long as the rest
   const double third = 1.0lf / 3.0lf, fifth = 0.2lf, sixth = 1.0lf / 6.0lf;
   double q = y * (1.0lf - y * 0.5lf * (1.0lf - y * third * (1.0lf - y * 0.25lf * (1.0lf - y * fifth * (1.0lf - y * sixth)))));
   for (; doublings > 0u; --doublings) q *= 2.0lf - q;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Pass 3. Row 0: shrinks each listed ball by every cutting ball's capsules (first contact to slid, slid to end of the advance),
-// one invocation a ball (equation 5, corrected; equivalent to simulation::ShrinkBall). Row 1: clears the mass points in the
+// one invocation per ball (equation 5, corrected; equivalent to simulation::ShrinkBall). Row 1: clears the mass points in the
 // capsules, each once and booked in integer units of volume, so the result does not depend on scheduling. From here on the
 // list's copies are the valid balls, until flush.comp writes them back. On a GPU the last workgroup reports the frame.
 //
@@ -30,7 +30,7 @@ float SquaredDistance(CapsuleF32 c, vec3 p) {
   return dot(away, away);
 }
 
-// The same in double precision.
+// One piece of a cutting ball's path in double precision.
 struct Capsule {
   dvec3 a, m;
   double per_mm2, r;
@@ -46,7 +46,7 @@ dvec3 Away(Capsule c, dvec3 p) {
 }
 bool Inside(Capsule c, dvec3 p) { return length(Away(c, p)) < c.r; }
 
-// Direction in which a ball moves whose centre lies on the axis; the remainder of rounding must not decide it.
+// Direction in which a ball moves if its centre lies on the axis. The rounding error of `away` must not decide it.
 dvec3 OnAxis(Capsule c, dvec3 p, dvec3 away, double d) {
   dvec3 u = away;
   double along = dot(p - c.a, c.m) * c.per_mm2;
@@ -72,7 +72,7 @@ dvec4 Shrunk(dvec4 ball, Capsule c, bool all_cases, inout bool on_axis) {
   return gone ? dvec4(ball.xyz, 0.0lf) : dvec4(ball.xyz + half_p * u, ball.w - half_p);
 }
 
-// The frame's way of the tool.
+// The path of the tool in a frame.
 struct SweptPath {
   double at_contact;
   Slide slid_by;
@@ -85,7 +85,7 @@ struct SweptPath {
   vec3 move_f32, step_f32;
 };
 bool IsCutter(SweptPath way, uint t) { return !kContactSphere || t == way.cutter; }
-// Both pieces of tool ball t's way.
+// Both pieces of a tool ball's path: the slide and the advance.
 struct CapsulePair {
   Capsule slide, advance;
 };
@@ -99,7 +99,7 @@ dvec4 Shrunk(dvec4 ball, CapsulePair capsules, bool all_cases, out bool on_axis)
   return Shrunk(Shrunk(ball, capsules.slide, all_cases, on_axis), capsules.advance, all_cases, on_axis);
 }
 bool Inside(CapsulePair capsules, dvec3 p) { return Inside(capsules.slide, p) || Inside(capsules.advance, p); }
-// The same in floats.
+// Both pieces of a tool ball's path in floats.
 struct CapsulePairF32 {
   CapsuleF32 slide, advance;
   float r;
@@ -110,13 +110,13 @@ CapsulePairF32 CapsulesF32Of(SweptPath way, uint t) {
        slid = mix(contact.xyz, target, way.share_f32);
   return CapsulePairF32(MakeCapsuleF32(contact.xyz, slid), MakeCapsuleF32(slid, slid + way.step_f32), contact.w);
 }
-// True where they may touch a ball, or a point of radius 0.
+// Whether the capsules may touch a ball, or a point (radius 0).
 bool MayTouch(SweptPath way, CapsulePairF32 capsules, vec3 p, float radius) {
   float reach = capsules.r + radius + way.rounding;
   return min(SquaredDistance(capsules.slide, p), SquaredDistance(capsules.advance, p)) < reach * reach;
 }
 
-// A ball after the frame, by its entry's packed pairs in order: both pieces of one tool ball's way before those of the next.
+// Returns a ball after the frame. The packed pairs of its entry count in order, each with both pieces of the tool ball's path.
 vec4 Shrink(SweptPath way, uint slot, vec4 ball) {
   ListEntry entry = LiveEntry(slot);
   uint last = entry.first + (ball.w > 0.0 && entry.more <= way.farthest ? entry.count : 0u);
@@ -134,7 +134,7 @@ vec4 Shrink(SweptPath way, uint slot, vec4 ball) {
   return ball;
 }
 
-// True where one piece of the way removes the whole original ball.
+// Whether one piece of a tool ball's path removes the whole original ball.
 bool IsSwallowed(SweptPath way, uint slot, dvec4 whole) {
   bool swallowed = false;
   ListEntry entry = LiveEntry(slot);
@@ -147,7 +147,7 @@ bool IsSwallowed(SweptPath way, uint slot, dvec4 whole) {
   return swallowed;
 }
 
-// Notes an event for the host's books of split balls.
+// Notes an event for the host's record of split balls.
 void NoteSplit(uint index, vec4 before, vec4 after) {
   uint place = atomicAdd(frame.split_event_count, 1u);
   if (place < frame.split_event_capacity) split_events[place] = SplitEvent(index, before, after);
@@ -246,7 +246,7 @@ void Remove(SweptPath way) {
   uint row = Row();
   bool go = frame.needs_rebuild == 0u && frame.spindle_rad_per_s != 0.0;
   if (kContactSphere) go = go && way.cutter < frame.cutter_count;  // a shaft cuts nothing
-  // the only cutting ball's, where there is one
+  // capsules of the only cutting ball, if there is only one
   CapsulePair only = CapsulesOf(way, 0u);
   CapsulePairF32 only_f32 = CapsulesF32Of(way, 0u);
 
@@ -292,7 +292,7 @@ void Remove(SweptPath way) {
     }
     if (!touched || !Inside(CapsulesOf(way, ToolOf(walk.pair)), dvec3(point.xyz))) continue;
     Clear(walk.slot, point);
-    walk.left = 0u;  // once cleared is enough
+    walk.left = 0u;  // the point is cleared: skip its other pairs
     walk.k = walk.last;
   }
 }

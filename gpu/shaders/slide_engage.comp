@@ -48,7 +48,7 @@ void UpdateFirstHit(inout FirstHit hit, vec4 ball, dvec4 at, dvec3 goal) {
     SHARE(2u * number + 1u, SumOf(sum_##number.y)) \
   }
 
-// Rows 0 and 2, the slide.
+// Finds the slide, in rows 0 and 2.
 void FindSlide(uint row, bool go, double exact_s) {
   float at_contact = float(exact_s), rounding = frame.rounding_mm;
   vec4 only = AtContact(0, at_contact);  // the only cutting ball, where there is one

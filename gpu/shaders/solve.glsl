@@ -21,10 +21,10 @@ shared uint bone_ball[kCandidates], tool_ball[kCandidates];
 shared uint bin_of[kRemembered];  // bin with the same pair as a remembered one
 shared double opposite_gap[kLanes];  // smallest gap of the planes opposite to a plane, by the invocations that search them
 shared uint start_plane[4];  // planes that held the tool in the frame before
-// for the hold with the turn, and for that without
+// offsets of the planes for the hold with the turn, and for the hold without it
 shared double plane_offset[2][kCandidates + 1];
 
-// ---- where planes hold a point
+// ---- the point at which planes hold the tool
 
 // Up to four planes that hold a point, kNoPlane for none.
 struct ActiveSet {
@@ -81,7 +81,7 @@ bool SolveSet(uint hold, uvec4 p, dvec3 shift, out ActiveSet set) {
   v.w -= f * v.z;
   good = good && row_3.w > kMinPivot;
   per.w = 1.0lf;
-  if (is.w) per.w = 1.0lf / row_3.w;  // seldom
+  if (is.w) per.w = 1.0lf / row_3.w;  // a fourth plane is rare
   set.m.w = v.w * per.w;
   set.m.z = (v.z - row_2.w * set.m.w) * per.z;
   set.m.y = (v.y - row_1.z * set.m.z - row_1.w * set.m.w) * per.y;
@@ -157,7 +157,7 @@ ActiveSet FindConstrainedGoal(uint hold, dvec3 shift, bool start) {
     // clamp, since software drivers continue with inactive lanes
     entering = min(subgroupMin(worst == max_violation ? entering : kNoPlane), kNoPlane);
     if (entering == kNoPlane) break;
-    // among the subsets of the holding planes, each with the entering one: the one whose point keeps the others
+    // choose the subset of the holding planes, with the entering plane, whose point violates the other planes least
     float min_violation = 1e30;
     uint chosen = 16u;
     ActiveSet own = held;
@@ -186,8 +186,8 @@ ActiveSet FindConstrainedGoal(uint hold, dvec3 shift, bool start) {
   return held;
 }
 
-// Where planes hold the tool, how far friction takes it back, and how much of the multipliers counts as force (equivalent to
-// simulation::SolveContacts).
+// The planes that hold the tool, the distance by which friction takes it back, and the part of the multipliers that counts as
+// force (equivalent to simulation::SolveContacts).
 struct ContactSolution {
   ActiveSet held;
   double normal, force_multiplier_cap;
@@ -266,7 +266,7 @@ void LoadCandidate(uint source, double s, double enlargement) {
 
 shared uint there_bits[3];
 shared dvec3 resultant_of[2 * kFaces];
-shared double longest_of[64];  // one for each subgroup
+shared double longest_of[64];  // longest travel found by each subgroup
 
 // Index of a plane among the existing ones.
 uint IndexOfPlane(uint c) {
@@ -297,10 +297,10 @@ void FindOldFaces() {
   }
 }
 
-// The faces' resultant, along these normals: run by one subgroup, one invocation a face. Never index `held` dynamically: it
-// must stay in registers.
+// Finds the resultant of the faces along these normals. Run by one subgroup, one invocation per face. Never index `held`
+// dynamically: it must stay in registers.
 void FindResultant(ActiveSet held, double normal, double force_multiplier_cap) {
-  // strongest first, so that a new face forms around the plane that solutions most
+  // strongest first, so that a new face forms around the plane that holds most
   uvec4 plane = held.plane;
   dvec4 m = held.m;
   for (uint pass = 0; pass < 3; ++pass) {

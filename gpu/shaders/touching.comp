@@ -9,10 +9,10 @@
 
 const double kTieTolerance_mm = 1e3 * kTieTolerance_m;
 
-// Smallest for the first in the tool's own order.
+// Key of a tool ball that is smallest for the first ball in the tool's own order.
 uint KeyOf(uint t) { return uint(texelFetch(tool_texels, int(2u * t + 1u)).w) << kToolBits | t; }
 
-// Float test: true where the pair may be met at fraction `last` of the way or before.
+// Float test: whether the pair may be met at fraction `last` of the path or before.
 bool MayTouch(vec4 ball, uint t, float last, float rounding) {
   vec4 start = Start(t);
   return ball.w > 0.0 && EarliestContact(ball.xyz - start.xyz, Goal(t) - start.xyz, start.w + ball.w, rounding) <= last;

@@ -2,8 +2,8 @@
 // give the same bits.
 //
 // A minimum over keys of two words takes two dispatches of a pass: the first finds the smallest upper word, the second the
-// smallest lower word among the keys that have it. Below an upper word of zero there is none, so that the first dispatch finds
-// the key of a fraction of zero: the second one's float tests would pass no pair.
+// smallest lower word among the keys that have it. If the upper word is zero, the first dispatch also finds the lower word, for
+// the key of a fraction of zero: in the second dispatch the float tests would pass no pair.
 #ifdef OSTEON_NO_INT64
 layout(constant_id = 10) const bool kLowerWords = true;  // false: the first of the two dispatches
 const Key64 kNoKey = Key64(0xffffffffu);
@@ -17,7 +17,7 @@ const Key64 kNoKey = Key64(0xffffffffu);
   }
 Key64 Smaller(Key64 a, Key64 b) { return a.y < b.y || (a.y == b.y && a.x < b.x) ? a : b; }
 
-// Adds to a buffer's sum: the lower word's old value tells the carry.
+// Adds to a buffer's sum. The carry follows from the old value of the lower word.
 #define ADD_SUM(target, sum)                                            \
   {                                                                     \
     Sum64 own_sum = sum;                                                \
@@ -28,18 +28,18 @@ Sum64 Plus(Sum64 a, Sum64 b) {
   uint carry, lower = uaddCarry(a.x, b.x, carry);
   return Sum64(lower, a.y + b.y + carry);
 }
-// part * 2^bits
+// Returns part * 2^bits.
 Sum64 Shifted(int part, uint bits) {
   return bits == 0u ? Sum64(part, part >> 31)
                     : bits < 32u ? Sum64(part << bits, part >> (32u - bits)) : Sum64(0u, part << (bits - 32u));
 }
-// The bits from `first` on, with the sign; they fit in 32 bits.
+// Returns the bits of a sum from `first` on, with the sign. They must fit in 32 bits.
 int BitsFrom(Sum64 sum, uint first) {
   return first == 0u ? int(sum.x) : first < 32u ? int(sum.y << (32u - first) | sum.x >> first) : int(sum.y) >> (first - 32u);
 }
 Sum64 SumOf(uint whole) { return Sum64(whole, 0u); }
 const Sum64 kNoSum = Sum64(0u);
-// The words of a key or a sum, and the key of two words.
+// WordsOf: the words of a key or a sum. KeyOf: the key that has these words.
 uvec2 WordsOf(uvec2 key) { return key; }
 Key64 KeyOf(uvec2 words) { return words; }
 #else
@@ -59,10 +59,10 @@ uvec2 WordsOf(Sum64 sum) { return unpackUint2x32(Key64(sum)); }
 Key64 KeyOf(uvec2 words) { return packUint2x32(words); }
 #endif
 
-// An integer below 2^63 as a sum, and a sum as the nearest double.
+// SumOf: an integer below 2^63 as a sum. NumberOf: a sum as the nearest double.
 #if defined(OSTEON_NO_INT64) || defined(OSTEON_NO_FLOAT64)
-// By integers of 32 bits, as words and double_single.glsl have them. Only signed ones are converted: llvmpipe converts doubles
-// from 2^31 on wrongly to unsigned ones.
+// Converts by integers of 32 bits, which words and double_single.glsl have. Only signed integers are used: llvmpipe converts
+// doubles from 2^31 on wrongly to unsigned integers.
 const double kHalfWord = 2147483648.0lf;
 Sum64 SumOf(double whole) {
   double upper = floor(whole * (1.0lf / kHalfWord));

@@ -15,9 +15,9 @@ using simulation::Ball;
 
 constexpr int kCoverageDirections = 4000;
 constexpr double kRimWidth_m = 3e-3, kRimDepth_m = 2e-3;
-constexpr double kShrunk_mm = 1e-4;  // rounding of a ball's radius is 1e-6 mm
+constexpr double kShrunk_mm = 1e-4;  // a ball that shrank by more is cut; rounding of a radius is 1e-6 mm
 
-// The balls that reach into a shell around the planned sphere.
+// Returns the balls that reach into a shell of half thickness `reach_m` around the planned sphere.
 std::vector<Ball> NearShell(std::span<const Ball> balls, const PlannedCavity& cavity, double reach_m) {
   std::vector<Ball> near;
   for (const Ball& ball : balls) {
@@ -27,7 +27,7 @@ std::vector<Ball> NearShell(std::span<const Ball> balls, const PlannedCavity& ca
   return near;
 }
 
-// Distance along a ray from `from_m` to where it enters a ball, at least `min_m`; infinity where it misses.
+// Distance along a ray from `from_m` to where the ray enters a ball, at least `min_m`; infinity if it misses.
 double Enters(const Vector3& from_m, const Vector3& direction, const Ball& ball, double min_m) {
   const Vector3 way_m = Vector3(ball.center_m) - from_m;
   const double along_m = way_m.dot(direction);
@@ -38,7 +38,8 @@ double Enters(const Vector3& from_m, const Vector3& direction, const Ball& ball,
   return std::max(along_m - half_m, min_m);
 }
 
-// Balls by their angle to an axis, as seen from a point: a ray meets no ball but those of its own band.
+// Sorts balls into bands of the angle to an axis, as seen from a point. A ray from the point meets only balls
+// of its own band.
 class BallBands {
  public:
   BallBands(std::span<const Ball> balls, const Vector3& from_m, const Vector3& axis)
@@ -54,7 +55,7 @@ class BallBands {
     }
   }
 
-  // Distance along a ray to the first ball, at least `min_m`; infinity where it meets none.
+  // Distance along a ray to the first ball, at least `min_m`; infinity if the ray meets none.
   [[nodiscard]] double FirstBone(const Vector3& direction, double min_m) const {
     double first_m = std::numeric_limits<double>::infinity();
     for (const std::size_t i : bands_[BandAt(AngleOf(direction))])
@@ -64,7 +65,7 @@ class BallBands {
 
  private:
   static constexpr std::size_t kBands = 180;
-  static constexpr double kBandMargin_rad = 1e-6;  // of rounding
+  static constexpr double kBandMargin_rad = 1e-6;  // margin for rounding
 
   [[nodiscard]] double AngleOf(const Vector3& way) const {
     return std::atan2(axis_.cross(way).norm(), axis_.dot(way));
@@ -119,7 +120,7 @@ bool InRoofArcs(const PelvicFrame& pelvis, const Vector3& native_centre_m, const
 }
 
 std::vector<Vector3> HemisphereDirections(const Vector3& axis, int count) {
-  // a Fibonacci lattice: heights are even, and so are areas
+  // a Fibonacci lattice: the heights are evenly spaced, so each direction stands for the same area
   const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0));
   const Matrix3 R = RotationFromZTo(axis);
   std::vector<Vector3> directions;
@@ -178,7 +179,7 @@ CavityResult AssessCavity(const SurgicalPlan& plan, const simulation::Bone& uncu
     const bool left = state.cleared[i] == 0;
     const double outside_m = cavity.DistanceTo(p_m);
     if (!left) result.removed_m3 += point.volume_m3;
-    if (IsTarget(plan, uncut, point)) continue;  // may go wherever it is
+    if (IsTarget(plan, uncut, point)) continue;  // the target may be removed everywhere
     if (!left && outside_m > 0.0) result.over_m3 += point.volume_m3;
     if (left && outside_m < 0.0) result.under_m3 += point.volume_m3;
     if (point.material < uncut.materials.size() && uncut.materials[point.material].name == "cartilage" &&

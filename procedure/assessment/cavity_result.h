@@ -10,12 +10,12 @@
 #include "simulation/bone/bone.h"
 #include "simulation/engine/cutting_engine.h"
 
-// What a session left of the bone, beside the plan. Every figure comes from the final carved state: balls for
-// shape, mass points for volume.
+// The bone that a session left, compared with the plan. Every figure comes from the final carved state: its
+// balls give the shape, its mass points the volume.
 
 namespace osteon::procedure {
 
-/// A displacement in the words of the clinic.
+/// A displacement along the anatomical directions.
 struct AnatomicShift {
   double medial_m{0.0}, superior_m{0.0}, posterior_m{0.0};
 };
@@ -23,13 +23,13 @@ struct AnatomicShift {
 
 struct CavityResult {
   std::optional<SphereFit> fit;
-  std::string fit_refused;               ///< why there is none
+  std::string fit_refused;               ///< why there is no fit
   AnatomicShift from_plan, from_native;  ///< of the fitted centre; zero without a fit
   /// Share of the planned hemisphere that has bone within kCoverageGap_m of it, radially.
   double coverage{0.0};
   double removed_m3{0.0};
-  double over_m3{0.0};   ///< removed outside the planned cavity, but for the target of an opening
-  double under_m3{0.0};  ///< left inside it, likewise
+  double over_m3{0.0};   ///< removed outside the planned cavity, without the target of an opening
+  double under_m3{0.0};  ///< left inside the planned cavity, without the target of an opening
   /// Volume that the plan takes away [m³]: the bone of the planned cavity before it was cut, and the target's
   /// bone that an opening removed outside it.
   [[nodiscard]] double PlannedVolume_m3() const { return under_m3 + removed_m3 - over_m3; }
@@ -41,8 +41,8 @@ struct CavityResult {
 
 inline constexpr double kCoverageGap_m = 0.5e-3;
 
-/// The roof arcs: how far cartilage matters from the highest point of the native hip, medially, anteriorly
-/// and posteriorly; elliptic between, and to the rim laterally.
+/// The roof arcs: angles from the highest point of the native hip up to which cartilage matters, medially,
+/// anteriorly and posteriorly. They are elliptic between these directions, and reach the rim laterally.
 inline constexpr double kRoofMedial_deg = 46.0, kRoofAnterior_deg = 52.0, kRoofPosterior_deg = 62.0;
 
 /// Whether a place lies within the roof arcs of a hip with this native centre.
@@ -57,7 +57,8 @@ inline constexpr double kRoofMedial_deg = 46.0, kRoofAnterior_deg = 52.0, kRoofP
 [[nodiscard]] CavityResult AssessCavity(const SurgicalPlan& plan, const simulation::Bone& uncut,
                                         const simulation::CarvedState& state);
 
-/// How much deeper (positive) or shallower than planned the bone begins along each direction; for a map.
+/// Deviation of the bone's surface from the plan along a direction, for a map. Positive: the bone begins
+/// deeper than planned.
 struct SurfaceDeviation {
   Vector3 direction_G;                ///< unit, from the planned centre
   std::optional<double> deviation_m;  ///< nothing where there is no bone within kMapReach_m of the plan
@@ -67,7 +68,7 @@ inline constexpr double kMapReach_m = 6e-3;
                                                          std::span<const simulation::Ball> live_balls,
                                                          std::span<const Vector3> directions_G);
 
-/// Directions over the hemisphere around -axis, each for the same area.
+/// Returns directions over the hemisphere around -axis, each for the same area.
 [[nodiscard]] std::vector<Vector3> HemisphereDirections(const Vector3& axis, int count);
 
 }  // namespace osteon::procedure

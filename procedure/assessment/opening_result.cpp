@@ -17,7 +17,7 @@ constexpr double kColumn_m = 0.25e-3;
 // is right.
 constexpr double kRim_m = 0.2e-3;
 
-// Sum of volumes and of their places.
+// Centroid of volumes.
 class Centroid {
  public:
   void Add(const Vector3& p_m, double volume_m3) {
@@ -33,14 +33,15 @@ class Centroid {
   double volume_m3_{0.0};
 };
 
-// Within the planned opening: does the column meet the target, was there hard tissue, and is some left?
+// A column within the planned opening: whether it meets the target, had hard tissue, and still has some.
 struct Column {
   bool has_target{false}, had_hard{false}, has_hard_left{false};
   [[nodiscard]] bool is_roof() const { return has_target && had_hard; }
 };
 
-// Height of the lowest place that a tool reached, along the axis from `from_m`. A cut ball touches what the
-// tool swept, so that its top is nowhere below the floor; under the lowest place one touches it with its top.
+// Height of the lowest place that a tool reached, along the axis from `from_m`. A cut ball touches the space
+// that the tool swept, so its top is never below the floor. The ball under the lowest place touches it with
+// its top.
 std::optional<double> FloorHeight(const simulation::Bone& uncut, const simulation::CarvedState& state,
                                   const Vector3& from_m, const Vector3& axis) {
   std::optional<double> floor_m;

@@ -8,8 +8,8 @@
 
 namespace osteon::procedure {
 
-/// The result of a session at an opening, beside the plan. From the final carved state: balls for depth, mass
-/// points for the rest.
+/// The opening that a session made, compared with the plan. The figures come from the final carved state: its
+/// balls give the depth, its mass points the rest.
 struct OpeningResult {
   /// Distance across the axis between the centroid of the hard tissue that was removed and that of the plan
   /// [m]; nothing: none was removed.
@@ -22,7 +22,8 @@ struct OpeningResult {
 };
 
 /// @param plan  for an opening
-/// @param uncut  the bone before the session  @param state  of it, with its mass points in the same order
+/// @param uncut  the bone before the session
+/// @param state  state of the bone after the session, with its mass points in the same order
 [[nodiscard]] OpeningResult AssessOpening(const SurgicalPlan& plan, const simulation::Bone& uncut,
                                           const simulation::CarvedState& state);
 

@@ -7,16 +7,16 @@
 #include "procedure/assessment/tremor.h"
 #include "procedure/plan/surgical_plan.h"
 
-// How a session went, from its ticks: time, way, force, tilt, tremor.
+// Figures of how a session went, computed from its ticks: time, path, force, tilt, tremor.
 
 namespace osteon::procedure {
 
-/// One tick as the figures need it. Poses and forces in the bone's frame G.
+/// The data of one tick that the figures need. Poses and forces in the bone's frame G.
 struct ProcessSample {
   double t_s{0.0};
   Vector3 head_m{Vector3::Zero()};  ///< centre of the head H of the measured tool, which the hand holds
-  /// Centre of the head and +z of the simulated tool, which stands in the bone and cuts. A pressed handle is
-  /// deeper by what the coupling's spring gives: 1.5 mm at 30 N.
+  /// Centre of the head and +z of the simulated tool, which stands in the bone and cuts. If the handle is
+  /// pressed, the measured tool is deeper by the coupling spring's deflection: 1.5 mm at 30 N.
   Vector3 cut_head_m{Vector3::Zero()}, cut_feed{Vector3::Zero()};
   Vector3 F_hand_N{Vector3::Zero()};
   bool cutting{false};  ///< bone was removed
@@ -48,22 +48,22 @@ struct CorridorWidth {
 
 /// Figures of a session, of one tool, or of one pass.
 struct ProcessFigures {
-  double time_s{0.0};     ///< from the first tick to the last
-  double cutting_s{0.0};  ///< while bone was removed
-  double path_m{0.0};     ///< way of the head's centre within kNearCup_m of the planned centre
+  double time_s{0.0};     ///< time from the first tick to the last
+  double cutting_s{0.0};  ///< time in which bone was removed
+  double path_m{0.0};     ///< path of the head's centre within kNearCup_m of the planned centre
   double force_mean_N{0.0}, force_peak_N{0.0};  ///< of the hand while cutting
   double wrong_way{0.0};  ///< impulse of the hand across the axis over its whole impulse, while cutting
-  /// The simulated tool outside of the corridor while cutting, with guidance or without; 0 where the plan has
-  /// no corridor.
+  /// Time in which the simulated tool was outside the corridor while cutting, with guidance or without; 0 if
+  /// the plan has no corridor.
   double outside_s{0.0};
-  double tremor_N{0.0};  ///< effective hand force between 6 and 14 Hz, without the spindle's harmonics
+  double tremor_N{0.0};  ///< RMS hand force between 6 and 14 Hz, without the spindle's harmonics
   /// Energy that the guidance has taken from the hand; 0: it was off, or never needed.
   double guidance_J{0.0};
 };
 
 inline constexpr double kNearCup_m = 30e-3;
 
-/// Sums up samples in the order of their times.
+/// Computes the figures from samples, which come in the order of their times.
 class ProcessSums {
  public:
   ProcessSums(const SurgicalPlan& plan, double period_s)
@@ -82,7 +82,7 @@ class ProcessSums {
   bool was_near_{false};
   double path_m_{0.0}, cutting_s_{0.0}, outside_s_{0.0};
   double impulse_Ns_{0.0}, across_Ns_{0.0}, peak_N_{0.0};
-  std::optional<double> guidance_E_J_{};  // of the sample before
+  std::optional<double> guidance_E_J_{};  // the guidance's energy E in the previous sample
   double guidance_J_{0.0};
 };
 

@@ -10,17 +10,17 @@
 
 namespace osteon::procedure {
 
-/// When a session that goes on can say a metric's value.
+/// When the value of a metric is known in a running session.
 enum class MetricKnown : std::uint8_t {
-  kWithLastTool,    ///< the last tool decides it: before, it says what is still to be cut
-  kWithAnyCut,      ///< of bone that is gone, which no later cut brings back
-  kWithRecordings,  ///< of the whole session's ticks
+  kWithLastTool,    ///< once the last tool has cut: earlier, the value tells what is still to be cut
+  kWithAnyCut,      ///< after any cut: the value is about removed bone, which no later cut brings back
+  kWithRecordings,  ///< after the session: the value needs the ticks of all its recordings
 };
 
 /// A figure that a rubric may score.
 struct Metric {
   const char* name;  ///< as in the rubric: "axis_error"
-  const char* unit;  ///< ending of the rubric's keys: "deg"
+  const char* unit;  ///< unit in the rubric, with which its keys end: "deg"
   double to_unit;    ///< factor from SI
   const char* text;  ///< for people: "axis error"
   bool more_is_better{false};
@@ -31,18 +31,18 @@ struct Metric {
 /// @param name  of one of Metrics()
 [[nodiscard]] const Metric& MetricNamed(std::string_view name);
 
-/// What a rubric says of one metric: `full` and `zero` in SI. Full points at `full` or better, none at `zero`
-/// or worse; between them linear. More is better where full > zero.
+/// The rule of a rubric for one metric, with `full` and `zero` in SI: full points at `full` or better, none
+/// at `zero` or worse, linear between them. If full > zero, a larger value is better.
 struct RubricItem {
   std::string metric;
   double weight{0.0}, full{0.0}, zero{0.0};
-  std::string source;  ///< where the norm comes from
+  std::string source;  ///< source of the norm
 };
 
 struct Rubric {
   std::string name;
   std::vector<RubricItem> items;
-  double breach_points{0.0};  ///< taken off when no wall is left; 0: not judged
+  double breach_points{0.0};  ///< deduction if no wall is left; 0: a breach is not judged
   std::string breach_source;
 };
 
@@ -68,7 +68,7 @@ inline constexpr double kMaxDeduction = 50.0;
 
 /// score = sum of weight clamp((zero - x) / (zero - full), 0, 1), less deductions of at most kMaxDeduction;
 /// never below 0. A value that is absent has no points.
-/// @param min_wall_m  thinnest wall; 0 or less is a breach; nothing: not known
+/// @param min_wall_m  thickness of the thinnest wall; 0 or less is a breach; nothing: it is not known
 [[nodiscard]] Score ScoreOf(const Rubric& rubric, const MetricValues& values,
                             std::optional<double> min_wall_m);
 

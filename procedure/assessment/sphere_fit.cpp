@@ -16,7 +16,7 @@ constexpr std::size_t kMinBalls = 30;
 constexpr int kMaxSteps = 50;
 constexpr double kConverged_m = 1e-9;
 
-// The balls whose near point, seen from the centre, lies below the plane through it.
+// Returns the balls whose near point is below the plane that is perpendicular to the axis at the centre.
 std::vector<simulation::Ball> BelowCentre(std::span<const simulation::Ball> balls, const Vector3& axis,
                                           const Vector3& centre_m) {
   std::vector<simulation::Ball> below;
@@ -25,7 +25,7 @@ std::vector<simulation::Ball> BelowCentre(std::span<const simulation::Ball> ball
   return below;
 }
 
-// One Gauss-Newton step. @returns how far centre and radius moved.
+// One Gauss-Newton step. @returns length of the change of centre and radius
 double Step(std::span<const simulation::Ball> balls, Vector3& centre_m, double& radius_m) {
   Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
   Eigen::Vector4d b = Eigen::Vector4d::Zero();

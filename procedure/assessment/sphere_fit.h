@@ -18,12 +18,13 @@ struct SphereFit {
   double cap_rad{0.0};  ///< largest angle of a ball's near point from the cavity's pole, seen from the centre
   std::size_t balls{0};
   double residual_sd_m{0.0};
-  double residual_p95_m{0.0};  ///< 95th percentile of the residuals' magnitude: how far from round
+  double residual_p95_m{0.0};  ///< 95th percentile of the residuals' magnitude: the error of roundness
   double radius_sd_m{0.0},
       depth_sd_m{0.0};  ///< standard deviations of the radius, and of the centre along the axis
 };
 
-/// Smallest cap from which a sphere is fitted: below it radius and depth can hardly be told apart.
+/// Smallest cap angle to which a sphere is fitted: with a smaller cap, radius and depth can hardly be told
+/// apart.
 inline constexpr double kMinCap_rad = 45.0 * kDegree;
 
 /// Fits centre C and radius R to cut balls, by Gauss-Newton:
@@ -32,14 +33,14 @@ inline constexpr double kMinCap_rad = 45.0 * kDegree;
 ///
 /// A cut ball touches the tool's sweep, so its point nearest to C lies on the reamed surface. Rays that meet
 /// the union of balls would find its valleys as well, and a larger sphere. Balls whose near point is above
-/// the centre, towards the opening, touch the cylinder of the way in and are left out.
+/// the centre, towards the opening, touch the cylinder of the tool's way in and are left out.
 ///
 /// With cap angle t, c = cos t, residual s and N balls, for points spread evenly over the cap:
 ///
 ///     sd(R) = s / sqrt(N) sqrt(1 + 3 ((1 + c) / (1 - c))²)      sd(depth) = s sqrt(12) / (sqrt(N) (1 - c))
 ///
 /// @param axis  unit, out of the opening
-/// @param near_centre_m, near_radius_m  where the fit begins: those of the plan
+/// @param near_centre_m, near_radius_m  start values of the fit: those of the plan
 /// @returns why there is no fit: too few balls, a cap below 45°, or no convergence.
 [[nodiscard]] tl::expected<SphereFit, std::string> FitSphere(std::span<const simulation::Ball> cut_balls,
                                                              const Vector3& axis,

@@ -5,7 +5,7 @@
 
 namespace osteon::procedure {
 
-/// Whether a mass point is of the tissue that a plan's opening leads to. Always false for a cup.
+/// Whether a mass point belongs to the tissue that a plan's opening leads to. Always false for a cup.
 [[nodiscard]] inline bool IsTarget(const SurgicalPlan& plan, const simulation::Bone& bone,
                                    const simulation::MassPoint& point) {
   return !plan.target.empty() && point.material < bone.materials.size() &&

@@ -6,7 +6,7 @@
 
 namespace osteon::procedure {
 
-/// Effective value of a hand's force between 6 and 14 Hz.
+/// Measures the RMS value of a hand's force between 6 and 14 Hz.
 ///
 /// Windows of 2 s, overlapping by half, are weighted by Hann's function and transformed at multiples of 0.5
 /// Hz. Frequencies within 1 Hz of a multiple of the spindle's speed are left out: the cut itself shakes
@@ -16,7 +16,7 @@ class TremorMeter {
   explicit TremorMeter(double period_s);
 
   void Add(const Vector3& force_N, double spindle_rad_per_s);
-  /// 0 before the first whole window.
+  /// RMS force over all windows so far; 0 before the first whole window.
   [[nodiscard]] double value_N() const;
 
   static constexpr double kLow_hz = 6.0, kHigh_hz = 14.0, kWindow_s = 2.0, kNotch_hz = 1.0;
@@ -25,8 +25,8 @@ class TremorMeter {
   void AddWindow();
 
   double period_s_;
-  std::size_t window_;            ///< samples of a window
-  std::vector<Vector3> samples_;  ///< not yet left by every window
+  std::size_t window_;            ///< number of samples in a window
+  std::vector<Vector3> samples_;  ///< samples that a present or later window needs
   std::vector<double> spindle_rad_per_s_;
   double power_N2_{0.0};
   std::size_t windows_{0};

@@ -8,7 +8,7 @@
 namespace osteon::procedure {
 namespace {
 
-// Share of a cell of edge h that lies inside a surface at this signed distance from the cell's centre.
+// Share of a cell of edge h_m that lies inside a surface, by the signed distance of the cell's centre.
 double ShareInside(double distance_m, double h_m) { return std::clamp(0.5 - distance_m / h_m, 0.0, 1.0); }
 
 }  // namespace
@@ -18,7 +18,7 @@ double BoneInCavity(const simulation::Solid& solid, const PlannedCavity& cavity,
   const Eigen::AlignedBox3d box = solid.Bounds();
   const Eigen::Vector3i count = (box.sizes() / cell_m).array().ceil().matrix().cast<int>().cwiseMax(1);
   const double half_diagonal_m = 0.5 * std::sqrt(3.0) * cell_m;
-  // the cells about the cavity, of those of the whole solid
+  // Only the cells near the cavity count, a part of the whole solid's cells.
   Eigen::AlignedBox3d about(cavity.centre_m);
   about.extend(cavity.centre_m +
                (box.diagonal().norm() + (cavity.centre_m - box.center()).norm()) * cavity.axis);
@@ -52,13 +52,13 @@ std::optional<double> PlannedWall(const simulation::Solid& solid, const simulati
   simulation::Tool tool;
   tool.balls = {{.center_m = Vector3::Zero(), .radius_m = cavity.radius_m, .cutting = true}};
   simulation::SceneEventParams params;
-  params.min_wall_m = 0.1;  // every wall counts as an event: only its thickness is asked for
+  params.min_wall_m = 0.1;  // so large that every wall counts as an event: only its thickness is used here
   params.wall_spacing_m = sample_spacing_m;
   simulation::SceneWatch watch(&solid, bone, tool, params);
   Pose X_GP = Pose::Identity();
   X_GP.translation() = cavity.centre_m;
   static_cast<void>(watch.Step(X_GP, 1.0, {}));
-  constexpr int kPlaces = 36;  // of a tool that is led around
+  constexpr int kPlaces = 36;  // sampled positions of a tool that is led around the axis
   const Matrix3 across = RotationFromZTo(cavity.axis);
   for (int i = 0; i < kPlaces && cavity.around_m > 0.0; ++i) {
     const double angle_rad = 2.0 * std::numbers::pi * i / kPlaces;

@@ -12,8 +12,8 @@
 namespace osteon::procedure {
 
 /// The space that a tool clears on its way in to a centre: the ball at the centre, and the cylinder of the
-/// same radius from there out of the opening. A burr that is led around the axis clears the same about each
-/// point of a disc: an opening with a flat floor and a rounded edge. In G.
+/// same radius from there out of the opening. A burr that is led around the axis clears such a space about
+/// each point of a disc: an opening with a flat floor and a rounded edge. In G.
 struct PlannedCavity {
   Vector3 centre_m{Vector3::Zero()};
   Vector3 axis{Vector3::UnitZ()};  ///< unit, out of the opening
@@ -22,8 +22,8 @@ struct PlannedCavity {
 
   /// Radius of the whole opening.
   [[nodiscard]] double opening_radius_m() const { return radius_m + around_m; }
-  /// Signed distance to the cavity's surface; negative inside. Exact, but for points over or within the disc
-  /// of a led tool: those are -radius and more inside, less than they are.
+  /// Signed distance to the cavity's surface; negative inside. Exact, except for points over or within the
+  /// disc of a led tool: for them the result is -radius, although they may lie deeper inside.
   [[nodiscard]] double DistanceTo(const Vector3& p_m) const {
     const Vector3 d_m = p_m - centre_m;
     const double along_m = std::max(0.0, d_m.dot(axis));
@@ -35,16 +35,16 @@ struct PlannedCavity {
   }
 };
 
-/// Volume of a solid's bone inside the cavity and outside of what is cleared before [m³]: cells of edge
-/// `cell_m`, those that a surface passes through by the surface's distance. With cells of R/50 the error is
-/// below 0.1 % on smooth solids.
+/// Volume of a solid's bone that is inside the cavity and not in a space that was cleared before [m³]. It is
+/// the sum over cells of edge `cell_m`; a cell that a surface passes through counts in part, by the surface's
+/// distance. With cells of R/50 the error is below 0.1 % on smooth solids.
 /// @param cleared  cavities of earlier tools
 [[nodiscard]] double BoneInCavity(const simulation::Solid& solid, const PlannedCavity& cavity, double cell_m,
                                   std::span<const PlannedCavity> cleared = {});
 
-/// Thinnest wall that the cavity leaves, by the scene's watch (simulation/bone/scene_events.h); nothing where
-/// no wall was seen.
-/// @param sample_spacing_m  of the solid's surface
+/// Thickness of the thinnest wall that the cavity leaves, measured as in a running scene
+/// (simulation/bone/scene_events.h); nothing if no wall was found.
+/// @param sample_spacing_m  spacing of the samples on the solid's surface
 [[nodiscard]] std::optional<double> PlannedWall(const simulation::Solid& solid,
                                                 const simulation::CutSite& site, const PlannedCavity& cavity,
                                                 double sample_spacing_m);

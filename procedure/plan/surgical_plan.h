@@ -11,9 +11,9 @@
 #include "procedure/plan/pelvic_frame.h"
 #include "procedure/plan/planned_cavity.h"
 
-// The plan of a procedure: where it ends, with which tools, and how a guidance would hold the hand to it. A
-// cup is reamed, or an opening is made down to a tissue that lies deeper. Plain data in SI, in the packing's
-// frame G.
+// The plan of a procedure: the planned cavity, the tools, and the gains by which guidance holds the hand to
+// the plan. A cup is reamed, or an opening is made down to a tissue that lies deeper. Plain data in SI, in
+// the packing's frame G.
 
 namespace osteon::procedure {
 
@@ -27,7 +27,7 @@ enum class PlanKind : std::uint8_t {
 /// centre, along the axis; a burr is led around the axis with its centre up to `around_m` away from it.
 struct PlannedTool {
   double diameter_m{0.0}, height_m{0.0}, around_m{0.0};
-  /// Width of the opening that it leaves.
+  /// Width of the opening that the tool leaves.
   [[nodiscard]] double width_m() const { return diameter_m + 2.0 * around_m; }
 };
 
@@ -55,10 +55,11 @@ struct GuidanceGains {
 
   double gain{0.0};  ///< 0 … 1; 0: off
   Cone cone;         ///< tilt of the feed against the cup axis
-  CupCone cup_cone;  ///< the same while the cup is placed: its free and stop angles; the rest as `cone`
+  CupCone cup_cone;  ///< free and stop angles while the cup is placed; the other values are those of `cone`
   Lateral lateral;   ///< distance of the head's centre from the axis
   Depth depth;       ///< height of the head's centre over its planned centre
-  double return_m_per_s{0.05}, return_rad_per_s{1.0};  ///< speeds at which the force of the way back is gone
+  /// Speeds toward the corridor at which force and torque have faded to 0.
+  double return_m_per_s{0.05}, return_rad_per_s{1.0};
   OutsideSpindle spindle{OutsideSpindle::kStop};
 };
 
@@ -75,14 +76,16 @@ struct SurgicalPlan {
   PlanKind kind{PlanKind::kCup};
   Side side{Side::kRight};
   std::optional<PelvicLandmarks> landmarks;  ///< absent: the axes were given
-  double tilt_rad{0.0};                      ///< of the pelvis, backwards, in the frame where angles count
-  /// Where angles count, with the tilt. Of an opening: `superior` is the axis, the others are across it.
+  double tilt_rad{0.0};                      ///< tilt of the pelvis, backwards, in the frame of the angles
+  /// Frame in which the angles are given, with the tilt. For an opening, `superior` is its axis, and the
+  /// others are across it.
   PelvicFrame pelvis;
   Vector3 native_centre_m{Vector3::Zero()};  ///< of the hip before the operation
-  /// Centre of the cup; of an opening: of the last burr's head at its end, on the axis.
+  /// Centre of the cup; for an opening, the centre of the last burr's head at the end of its path, on the
+  /// axis.
   Vector3 centre_m{Vector3::Zero()};
-  double cup_diameter_m{0.0};  ///< of the implant; of an opening: its width
-  std::string target;          ///< of an opening: the material that it leads to, as "pulp"
+  double cup_diameter_m{0.0};  ///< of the implant; for an opening, its width
+  std::string target;          ///< for an opening, the name of the material that it leads to, e.g. "pulp"
   CupDefinition definition{CupDefinition::kRadiographic};
   CupAngles angles;                  ///< in that definition
   Vector3 axis_G{Vector3::UnitZ()};  ///< unit, out of the cup or the opening
@@ -111,10 +114,10 @@ inline constexpr double kMaxAxisFromSite_rad = 45.0 * kDegree;
 /// @returns why the plan does not fit the bone's site, in the words of an error; empty: it does.
 [[nodiscard]] std::string SiteError(const SurgicalPlan& plan, const simulation::CutSite& site);
 
-/// File name of the shipped rubric for a kind of plan, as "rubric.yaml".
+/// File name of the shipped rubric for a kind of plan, e.g. "rubric.yaml".
 [[nodiscard]] const char* RubricOf(PlanKind kind);
 
-/// What a person should look at before the plan is used; mostly nothing.
+/// Returns warnings that a person should read before the plan is used; mostly none.
 [[nodiscard]] std::vector<std::string> WarningsOf(const SurgicalPlan& plan);
 
 }  // namespace osteon::procedure
