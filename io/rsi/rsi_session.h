@@ -23,7 +23,7 @@ struct RsiSessionParams {
   int cycle_ms{4};     ///< 4 (IPO_FAST) or 12 (IPO)
   int ipoc_step{4};    ///< increase of IPOC in each cycle: 1, or the cycle's milliseconds; >= 1
   int timeout_cycles{100};  ///< the controller's Timeout: RSI ends after this many late answers; >= 1
-  /// The first command of an activation may be so far off q_start, each axis; > 0.
+  /// Largest distance of each axis from q_start in the first command of an activation; > 0.
   double entry_step_deg{1.0};
   int settle_messages{10};  ///< answered without a correction before the loop may move the arm; >= 1
   /// Largest Delay at which RSI counts as just begun, for set-ups in which the first answers are always lost;
