@@ -42,7 +42,7 @@ void Append(ProtoReader& in, FriList<T, N>& list) OSTEON_RT {
   if (!list.Add(part)) in.Fail();
 }
 
-// JointValues and CartesianVector.
+// Reads the messages JointValues and CartesianVector.
 template <std::size_t N>
 bool Read(ProtoReader in, WireArray<double, N>& wire) OSTEON_RT {
   while (in.Next()) {
