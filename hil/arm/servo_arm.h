@@ -8,7 +8,8 @@
 
 namespace osteon::hil {
 
-/// How the simulated arm follows its commands. Assumptions to vary: the lag of no real arm was measured.
+/// How the simulated arm follows its commands. The values are assumptions, to be varied: no real arm's lag
+/// was measured.
 struct ServoArmParams {
   double bandwidth_hz{15.0};  ///< natural frequency of each joint
   double damping_ratio{1.0};  ///< z

@@ -9,7 +9,7 @@
 namespace osteon::hil {
 namespace {
 
-constexpr double kFullScale_counts = 30000.0;  // reading of a gauge at the range on one axis
+constexpr double kFullScale_counts = 30000.0;  // gauge value for a load at the range of its own axis
 
 std::array<int, 4> BigEndian(std::uint32_t value) {
   return {static_cast<int>(value / 16777216), static_cast<int>(value / 65536 % 256),
@@ -43,8 +43,8 @@ AtiDevice::AtiDevice(const AtiDeviceParams& params) : params_(params), model_(Wi
                                 ", accepted 0 … 127");
   if (params.counts_per_N == 0 || params.counts_per_Nm == 0)
     throw std::invalid_argument("ATI sensor: counts a unit: accepted more than 0");
-  // Diagonally dominant, so it can be inverted, and full, so every gauge affects every axis. In float, as it
-  // is sent.
+  // The matrix is diagonally dominant, so it can be inverted, and full, so that every gauge affects every
+  // axis. Its elements are rounded to float, as they are sent.
   for (int row = 0; row < 6; ++row) {
     const double range =
         row < 3 ? params.model.range_N * params.counts_per_N : params.model.range_Nm * params.counts_per_Nm;

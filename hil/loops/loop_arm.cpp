@@ -37,7 +37,8 @@ LoopArm LinearArm(const ServoArmParams& params, double period_s) {
   linear.step.col(0) = first;
   linear.step.col(1) = (second - first[0] * first) / first[1];
   linear.step.col(3) = After(told, 1.0);
-  // an arm that rests where both commands are stays there
+  // An arm at rest at the position of both commands stays there, which gives the column of the earlier
+  // command.
   linear.step.col(2).setZero();
   if (linear.split) linear.step.col(2) = Eigen::Vector2d::UnitX() - first - linear.step.col(3);
   return linear;
