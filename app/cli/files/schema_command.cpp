@@ -26,12 +26,12 @@ using Json = nlohmann::ordered_json;
 using config::KeyInfo;
 using config::KeyTable;
 using Type = config::KeyInfo::Type;
-using Help = std::map<std::string, std::string>;  // by "limits.max_force_N", "zones.at_mm"
+using Help = std::map<std::string, std::string>;  // text by a key's path, e.g. "limits.max_force_N"
 
-// The comments of the shipped files, by key: they are the help on a key wherever it is read.
+// Adds the comments behind the keys of a shipped file: they are the help on these keys in every file.
 void ReadHelp(const fs::path& file, Help& help) {
   std::ifstream stream(file);
-  std::vector<std::pair<std::size_t, std::string>> open;  // keys that enclose a line, with their indentation
+  std::vector<std::pair<std::size_t, std::string>> open;  // indentation and name of the enclosing keys
   for (std::string line; std::getline(stream, line);) {
     const std::size_t indent = line.find_first_not_of(" -");
     const std::size_t colon = line.find(':');
@@ -88,7 +88,7 @@ Json Value(const KeyTable& table, const std::string& key, const KeyInfo& info, c
       value = {{"type", "boolean"}};
       break;
     case Type::kText:
-      value = {{"type", {"string", "number", "boolean"}}};  // any word
+      value = {{"type", {"string", "number", "boolean"}}};  // text, which YAML may read as another type
       break;
     case Type::kChoice:
       value = {{"enum", Enum(info.words)}};
@@ -107,7 +107,7 @@ Json Value(const KeyTable& table, const std::string& key, const KeyInfo& info, c
       break;
     case Type::kList:
       value = {{"type", "array"},
-               {"items", Object(below, path + key + ".", help, config_root, true)},  // replaced as a whole
+               {"items", Object(below, path + key + ".", help, config_root, true)},  // lists are not merged
                {"minItems", info.min},
                {"maxItems", info.max}};
       break;
@@ -159,7 +159,8 @@ Json Object(const KeyTable& table, const std::string& path, const Help& help, co
   return object;
 }
 
-// Sections alone, with the keys that a whole file needs: what a cell that extends another does without.
+// Returns the schema of a kind of file. In a kind that can extend another file, no key is required unless the
+// file extends none.
 Json SchemaOf(const config::FileKind& kind, const fs::path& config_root) {
   const KeyTable table = config::RecordKeys(kind.load);
   Help help;

@@ -41,7 +41,8 @@ std::vector<std::string> Split(const std::string& text, char at) {
   return parts;
 }
 
-// Names in the order of definition; the set is ordered by address, which differs from run to run.
+// Returns the names in the order of the options' definition. CLI11's set is ordered by address, which differs
+// from run to run.
 std::vector<std::string> NamesInOrder(const std::vector<const CLI::Option*>& all,
                                       const std::set<CLI::Option*>& chosen) {
   std::vector<std::string> names;

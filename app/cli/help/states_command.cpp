@@ -54,7 +54,7 @@ std::string Diagram() {
   return text + "```\n";
 }
 
-// Makes a row per event, a column per state; empty: the state does not change.
+// Makes a table with a row per event and a column per state; an empty cell: the state does not change.
 std::string Table() {
   std::string head = "| |", line = "|---|";
   ForEachState([&](CellState state) {

@@ -8,7 +8,7 @@
 
 namespace osteon::app {
 
-/// The subcommands `pause`, `resume`, `recover`, `stop` and `status`, which ask a cell that runs.
+/// The subcommands `pause`, `resume`, `recover`, `stop` and `status`, which send a request to a running cell.
 class OperatorCommands {
  public:
   explicit OperatorCommands(CLI::App& app);

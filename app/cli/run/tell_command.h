@@ -9,7 +9,7 @@
 
 namespace osteon::app {
 
-/// The subcommand `tell` of the command line: asks a procedure's session that runs.
+/// The subcommand `tell` of the command line: sends a request to a running session of a procedure.
 class TellCommand {
  public:
   explicit TellCommand(CLI::App& app);

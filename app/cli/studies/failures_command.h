@@ -20,7 +20,7 @@ class FailuresCommand {
   [[nodiscard]] int Run(const std::filesystem::path& config_root, const Invocation& invocation);
 
  private:
-  // The tables that are made instead of running the scenarios.
+  // Options of the tables that can be made instead of running the scenarios.
   struct Tables {
     bool faults{false}, kill{false};
     int times{20};

@@ -13,7 +13,7 @@ namespace osteon::app {
 struct Invocation {
   std::string command_line;                ///< the command that repeats the run
   std::vector<std::string> words;          ///< of the command line, after the program's name
-  const studies::PartSet* parts{nullptr};  ///< by `osteon merge`: the items of all shards
+  const studies::PartSet* parts{nullptr};  ///< the items of all shards, if `osteon merge` made the call
 };
 
 /// Adds --shard.

@@ -160,7 +160,7 @@ std::string Arguments::TextAt(int i) const { return ToText(values_[i]); }
 
 namespace {
 
-/// Empty, or the type that is accepted.
+/// Stores a value in its field. @returns an empty text, or the type that is accepted.
 const char* TakeValue(const Field& field, const godot_variant* value) {
   const godot_variant_type found = api->godot_variant_get_type(value);
   if (auto* const* text = std::get_if<std::string*>(&field.value)) {
@@ -175,7 +175,7 @@ const char* TakeValue(const Field& field, const godot_variant* value) {
   } else if (auto* const* index = std::get_if<std::uint32_t*>(&field.value)) {
     if (found != GODOT_VARIANT_TYPE_INT) return "int";
     const std::int64_t given = api->godot_variant_as_int(value);
-    // what is out of range is refused by the library as the largest number
+    // A number out of range becomes the largest number, which the library then refuses.
     **index = given < 0 || given > INT32_MAX ? UINT32_MAX : static_cast<std::uint32_t>(given);
   } else if (auto* const* vector = std::get_if<host::Vector*>(&field.value)) {
     if (found != GODOT_VARIANT_TYPE_VECTOR3) return "Vector3";
