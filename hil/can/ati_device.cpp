@@ -23,6 +23,7 @@ std::array<int, 4> BigEndian(float value) {
   return BigEndian(bits);
 }
 
+// A gauge value as it is sent: an i16, clamped to its range, high byte first.
 std::array<int, 2> TwoBytes(double gauge) {
   const int raw = static_cast<int>(std::lround(std::clamp(gauge, -32768.0, 32767.0)));
   const int on_the_wire = raw < 0 ? raw + 65536 : raw;

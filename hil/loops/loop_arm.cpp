@@ -8,6 +8,7 @@
 namespace osteon::hil {
 namespace {
 
+// Makes an arm without speed limits, at rest with all joints at `start` [rad].
 ServoArm Unlimited(const ServoArmParams& params, double period_s, double start) {
   std::array<kinematics::JointLimits, 7> unlimited;
   for (kinematics::JointLimits& limits : unlimited)
@@ -15,6 +16,7 @@ ServoArm Unlimited(const ServoArmParams& params, double period_s, double start) 
   return {params, unlimited, period_s, kinematics::JointVector::Constant(start)};
 }
 
+// Advances the arm by one period with a command. @returns position and speed of the first joint
 Eigen::Vector2d After(ServoArm& arm, double command) {
   arm.Step(kinematics::JointVector::Constant(command));
   return {arm.q()[0], arm.qd()[0]};

@@ -29,6 +29,7 @@ constexpr rt::Nanoseconds kCommandPoll = 50'000;  // commands come once a millis
 constexpr rt::Nanoseconds kFramePoll = 100'000, kStatePoll = 5 * rt::kMillisecond;
 constexpr rt::Nanoseconds kRunCheck = 100 * rt::kMillisecond;
 
+// Returns the system's folder for shared memory, or the one for temporary files if there is none.
 fs::path SharedFolder() {
   std::error_code error;
   return fs::is_directory("/dev/shm", error) ? fs::path("/dev/shm") : fs::temp_directory_path();
@@ -51,6 +52,7 @@ void RemoveStale(const fs::path& parent) {
   }
 }
 
+// Maps the segment into this process; null if the system refuses.
 SharedEngine* Map(int file) {
   void* at = mmap(nullptr, sizeof(SharedEngine), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, file, 0);
   return at == MAP_FAILED ? nullptr : static_cast<SharedEngine*>(at);

@@ -102,7 +102,7 @@ FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT 
     seen_ = step < kWindow ? (seen_ << ahead) | 1u : 1u;
     counters_.lost += ahead - 1;
     due_ += ahead;
-    if (step >= kWindow) active_ = false;  // the arm may have left COMMANDING_ACTIVE and returned unnoticed
+    if (step >= kWindow) active_ = false;  // it may have left COMMANDING_ACTIVE and returned unnoticed
     return FriAccept::kAccepted;
   }
   if (step > -kWindow) {

@@ -46,17 +46,19 @@ void ReadHelp(const fs::path& file, Help& help) {
   }
 }
 
+// Describes the range and unit of a key that takes numbers; empty for any other key.
 std::string UnitText(const std::string& key, const KeyInfo& info) {
   if (info.type != Type::kNumber && info.type != Type::kNumbers && info.type != Type::kWhole) return "";
   return fmt::format("{:.10g} … {:.10g}, in the unit at the key's end ({})", info.min, info.max,
                      config::UnitEnding(key));
 }
 
+// Returns the accepted words; a word that YAML reads as a number is also accepted as that number.
 Json Enum(const std::vector<std::string>& words) {
   Json accepted = Json::array();
   for (const std::string& word : words) {
     accepted.push_back(word);
-    double number = 0.0;  // YAML reads "4" as a number
+    double number = 0.0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
     if (error == std::errc() && end == word.data() + word.size()) accepted.push_back(number);
   }
@@ -66,6 +68,7 @@ Json Enum(const std::vector<std::string>& words) {
 Json Object(const KeyTable& table, const std::string& path, const Help& help, const fs::path& config_root,
             bool required);
 
+// Returns the schema of a key's value. @param path  of the enclosing section, e.g. "limits."
 Json Value(const KeyTable& table, const std::string& key, const KeyInfo& info, const std::string& path,
            const Help& help, const fs::path& config_root, bool required) {
   static const KeyTable kNone;
@@ -121,6 +124,7 @@ Json Value(const KeyTable& table, const std::string& key, const KeyInfo& info, c
   return value;
 }
 
+// Returns the schema of an object that has this key.
 Json Required(const std::string& key) { return {{"required", {key}}}; }
 
 Json Object(const KeyTable& table, const std::string& path, const Help& help, const fs::path& config_root,

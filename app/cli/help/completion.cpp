@@ -26,6 +26,7 @@ struct ValueSource {
   bool folders{false};  // any folder, no files
 };
 
+// Returns the source of completions for an option, by the kind of its value.
 ValueSource SourceOf(const OptionText& option) {
   if (option.value == "FILE" || option.value.starts_with("FILE ")) return {.names = "", .files = true};
   if (option.value == "FOLDER") return {.names = "", .folders = true};

@@ -30,6 +30,7 @@ template <class Each>
 void ForEachEvent(Each&& each) {
   for (int i = 0; i < safety::kCellEvents; ++i) each(static_cast<CellEvent>(i));
 }
+// Whether a transition neither changes the state nor acts.
 bool Stays(CellState state, const CellTransition& next) {
   return next.state == state && next.action == CellAction::kNone;
 }

@@ -59,6 +59,7 @@ const CLI::Option* SameFile(const CLI::App& asked, const CLI::Option& output, co
   return nullptr;
 }
 
+// Returns why the file of an output option must not be written; empty if it may.
 std::string WrongWith(const CLI::App& asked, const CLI::Option& output) {
   const std::string name = output.get_name(), value = output.results().back();
   const fs::path file(value);

@@ -19,6 +19,7 @@
 namespace osteon::app {
 namespace {
 
+// Accepts a number of type T from min to max.
 template <typename T>
 CLI::Validator Within(T min, T max) {
   const std::string range = fmt::format("{} … {}", min, max);

@@ -31,6 +31,7 @@ host::Vector FromGodot(const godot_vector3& v) {
           static_cast<double>(api->godot_vector3_get_axis(&v, GODOT_VECTOR3_AXIS_Z))};
 }
 
+/// Makes a PoolVector3Array of coordinates x y z.
 godot_variant Vectors(const std::vector<float>& xyz) {
   godot_pool_vector3_array array;
   api->godot_pool_vector3_array_new(&array);
@@ -44,6 +45,7 @@ godot_variant Vectors(const std::vector<float>& xyz) {
   return value;
 }
 
+/// Makes a PoolColorArray of bytes red green blue; every colour is opaque.
 godot_variant Colors(const std::vector<std::uint8_t>& rgb) {
   std::vector<float> rgba;
   rgba.reserve(rgb.size() / 3 * 4);
@@ -63,6 +65,7 @@ godot_variant Colors(const std::vector<std::uint8_t>& rgb) {
   return value;
 }
 
+/// Makes a PoolIntArray.
 godot_variant Integers(const std::vector<std::int32_t>& integers) {
   godot_pool_int_array array;
   api->godot_pool_int_array_new(&array);
@@ -184,6 +187,7 @@ const char* TakeValue(const Field& field, const godot_variant* value) {
   return "";
 }
 
+/// Stores the value of a key in the field of that name. @returns an empty text, or the error
 std::string TakeKey(const char* method, const std::string& key, const godot_variant* value,
                     std::initializer_list<Field> fields) {
   std::string accepted;
