@@ -49,7 +49,7 @@ class ServoArm {
   // A stretch of a period in which one command acts.
   struct Part {
     double duration_s{0.0};
-    Eigen::Matrix2d transition{Eigen::Matrix2d::Identity()};  // of (q - q_cmd, q') over the stretch
+    Eigen::Matrix2d transition{Eigen::Matrix2d::Identity()};  // matrix for (q - q_cmd, q')
   };
   void Advance(const Part& part, const kinematics::JointVector& target) OSTEON_RT;
 

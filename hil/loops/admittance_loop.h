@@ -71,7 +71,7 @@ class AdmittanceLoop {
 
  private:
   AdmittanceLoopParams params_;
-  double command_gain_;  // of the arm that the hand moves aside
+  double command_gain_;  // HeldArm::command_gain of the arm that the hand moves aside
   LoopArm linear_arm_;
   int arm_, speed_, felt_, motion_;  // their first indices in the state
 };

@@ -24,7 +24,7 @@ struct ConfigFile {
 struct ConfigSource {
   std::vector<ConfigFile> files;
   std::string cell_file;                    ///< its name among them
-  std::string tool_file;                    ///< of a tool that replaces the cell's; empty: the cell's
+  std::string tool_file;                    ///< of the tool that replaces the cell's; empty: none does
   std::optional<double> tool_diameter_m{};  ///< requested with the tool; none: the file's default
   std::string gains_file{};                 ///< overrides the cell's gains; empty: none
   std::string identified_file{};            ///< replaces the cell's own measured figures; empty: none
@@ -46,7 +46,7 @@ struct PackingRecord {
   double error_m{0.0}, rate_hz{0.0};  ///< requested
   bool timed{false};
   double expected_error_m{0.0}, promised_error_m{0.0}, expected_frame_us{0.0};
-  double seen_frame_us{0.0};  ///< of zones that were coarsened: the frames that led to it
+  double seen_frame_us{0.0};  ///< if zones were coarsened: median of the frames that led to it
   std::vector<Unmet> unmet;
   std::uint64_t balls{0};      ///< before the cut
   std::string balls_checksum;  ///< checksum of the balls' numbers, 16 digits

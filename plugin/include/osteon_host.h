@@ -27,11 +27,11 @@ struct Brick {
 struct Deflection {
   Pose head;                    ///< of the bent tool's head in the bone
   Pose bone;                    ///< where to draw the bone
-  Vector bend{}, bend_rad{};    ///< of the tool's head, along the tool's axes
-  Vector layer{};               ///< of the tissue at the contact
-  Vector mount{}, mount_rad{};  ///< of the bone at the mount's point
+  Vector bend{}, bend_rad{};    ///< displacement of the tool's head, along the tool's axes
+  Vector layer{};               ///< displacement of the tissue at the contact
+  Vector mount{}, mount_rad{};  ///< displacement of the bone at the mount's point
   Vector mount_per_s{}, mount_rad_per_s{};
-  bool gives_way{false};     ///< by the last Evaluate; false: nothing does, and all above is at rest
+  bool gives_way{false};     ///< in the last Evaluate; false: nothing gives way, and all above is at rest
   bool noticed{false};       ///< a displacement beyond noticed_m
   bool beyond_limit{false};  ///< the caller should stop
 };
@@ -312,7 +312,7 @@ class Session {
   OsteonTool* tool_{nullptr};
   OsteonSession* session_{nullptr};
   std::uint64_t generation_{0};
-  std::vector<std::array<std::uint8_t, 3>> colors_;  // by material
+  std::vector<std::array<std::uint8_t, 3>> colors_;  // red green blue of each material
   std::vector<OsteonChunk> chunks_;
   std::vector<OsteonVertex> vertices_;
   std::vector<std::uint16_t> indices_;

@@ -152,9 +152,9 @@ class Session {
   std::optional<simulation::ApexDepth> depth_;
   std::optional<simulation::SceneWatch> watch_;
   simulation::ContactModel newest_;
-  procedure::ReamedAxis axis_;        // of the tool that cut last
+  procedure::ReamedAxis axis_;        // axis of the tool that cut last
   bool axis_of_tool_before_{false};   // the tool in use has cut nothing yet
-  std::optional<double> min_wall_m_;  // that earlier tools have left
+  std::optional<double> min_wall_m_;  // thinnest wall that earlier tools have left
   double frame_time_s_{0.0};
   double in_bone_at_start_m_{0.0};  // depth of the tool in bone at a first pose that is not free
   rt::Nanoseconds last_stamp_{0}, continued_{0};
