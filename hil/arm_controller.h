@@ -25,7 +25,7 @@ struct ArmStatus {
 /// Why the arm ended commanding, in one line with the figures; empty if it did not.
 [[nodiscard]] std::string DescribeStop(const ArmStatus& status);
 
-/// Expresses the same wrench in A.
+/// Expresses in A a wrench that is given in B; the point stays.
 [[nodiscard]] inline Wrench ExpressedIn(const Matrix3& R_AB, const Wrench& F_B) {
   return {.f = R_AB * F_B.f, .t = R_AB * F_B.t};
 }
@@ -35,7 +35,7 @@ struct ArmMotion {
   control::JointArray q_meas{}, q_cmd{};  ///< [rad]; the seventh joint of a six-axis arm is 0
   Pose X_BT{Pose::Identity()};            ///< the tool, from the joints' positions
   Twist V_BT;                             ///< of T in B, expressed in B
-  /// The base's present pose in its pose at rest; the joints are measured from the base.
+  /// Present pose of the base, relative to its pose at rest; joints and X_BT are relative to the present one.
   Pose X_BBnow{Pose::Identity()};
 };
 

@@ -19,9 +19,9 @@ class CellWires {
   /// Records `now` as the time at which COMMANDING_ACTIVE was seen; later calls change nothing.
   void StartSchedule(rt::Nanoseconds now) OSTEON_RT;
 
-  ImpairedWire to_controller;    ///< of the arm
-  ImpairedWire from_controller;  ///< has room for a datagram that is too long, so that the receiver can
-                                 ///< detect it
+  ImpairedWire to_controller;    ///< carries the arm's messages
+  ImpairedWire from_controller;  ///< carries the answers; has room for a datagram that is too long, so that
+                                 ///< the receiver can detect it
 
   [[nodiscard]] CellWireCounters counters() const OSTEON_RT {
     return {to_controller.counters(), from_controller.counters()};

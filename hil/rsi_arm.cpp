@@ -10,6 +10,7 @@
 namespace osteon::hil {
 namespace {
 
+// Sets the start pose in the controller's parameters.
 RsiControllerParams At(RsiControllerParams params, const control::JointArray& q_start) {
   for (std::size_t i = 0; i < 6; ++i) params.start_deg[i] = q_start[i] / kDegree;
   return params;

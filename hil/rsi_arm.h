@@ -51,7 +51,7 @@ class RsiArm final : public ArmController {
   Pose X_FT_;
   RsiController controller_;
   kinematics::OrthoParallelArm arm_;
-  RsiCounters before_;  // of earlier sessions
+  RsiCounters before_;  // counts of the sessions before the present one
   RsiStopReport last_stop_;
   bool power_{true};
   int idle_cycles_{0};

@@ -62,9 +62,10 @@ struct CellState : ArmStatus {
 /// sensor alone. There is no bone here: in admittance the contact is virtual, and the hand feels it as the
 /// arm's motion. A flexible mount moves the tool, but the hand does not feel its speed.
 ///
-/// The hand takes hold when COMMANDING_ACTIVE has begun and the tool is near the script's start (within 30 mm
-/// and 0.3 rad; until then the hand leaves an arm on its start path alone). It lets go when COMMANDING_ACTIVE
-/// ends. After its first hold it takes hold again wherever the tool is.
+/// The hand takes hold when COMMANDING_ACTIVE has begun and the tool has arrived at the script's start: it is
+/// within 3 mm and 0.03 rad of it, or has stood still for 0.3 s within 30 mm and 0.3 rad. Until then the hand
+/// leaves the arm alone, which is on its start path. It lets go when COMMANDING_ACTIVE ends. After its first
+/// hold it takes hold again wherever the tool is.
 class SimulatedCell {
  public:
   /// Opens the session. @throws std::invalid_argument from the parts, on a parameter out of range.

@@ -17,9 +17,9 @@ namespace osteon::hil {
 /// should answer, so the system drops datagrams from anybody else.
 class UdpClient {
  public:
-  static constexpr int kMaxAtOnce = 64;  ///< bounds the time spent on a flood; the rest waits
+  static constexpr int kMaxAtOnce = 64;  ///< datagrams read in one call; the rest of a flood waits
 
-  /// @param who  "simulated arm", @param what  "client": for errors
+  /// @param who, what  names of this side and of the peer in errors: "simulated arm", "client"
   /// @throws std::invalid_argument on the address or port, std::system_error where there is no socket.
   UdpClient(const std::string& who, const std::string& what, const std::string& address, std::uint16_t port) {
     const auto there = io::Ipv4(who + ": " + what, address, port);

@@ -35,7 +35,8 @@ class SimulatedArm {
   /// The controller's estimate of the external joint torques [N·m]: J^T F of the present wrench, plus the
   /// error of the controller's model of the arm.
   [[nodiscard]] virtual kinematics::JointVectorN<7> tau_external_Nm() const OSTEON_RT = 0;
-  /// The base's present pose in its pose at rest; joints and flange are measured from the base.
+  /// Present pose of the base, relative to its pose at rest; joints and flange are relative to the present
+  /// one.
   [[nodiscard]] virtual Pose X_BBnow() const OSTEON_RT { return Pose::Identity(); }
 };
 

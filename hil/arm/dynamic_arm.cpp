@@ -15,8 +15,8 @@ namespace {
 using Joints = kinematics::JointVectorN<7>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kNullShare = 0.1;       // of the joints' stiffness, in the null space
-constexpr double kNullDamping_m = 1e-3;  // of the projection, near singular postures
+constexpr double kNullShare = 0.1;       // stiffness in the null space, as a share of the joints' stiffness
+constexpr double kNullDamping_m = 1e-3;  // damping of the null space's projection, near singular postures
 
 kinematics::ChainParams<7> WithMassError(kinematics::ChainParams<7> chain, double error) {
   for (kinematics::RevoluteJoint& joint : chain.joints) {
@@ -93,7 +93,8 @@ DynamicArm::DynamicArm(const DynamicArmParams& params, const kinematics::ChainPa
 }
 
 void DynamicArm::Step(const ArmDrive& drive, const Wrench& F_T_B) OSTEON_RT {
-  delay_[next_] = drive;  // store the newest command, read the one of dead_cycles ago
+  // Store the newest command, and use the one that came dead_cycles earlier.
+  delay_[next_] = drive;
   next_ = (next_ + 1) % delay_size_;
   const ArmDrive& told = delay_[next_];
 

@@ -9,14 +9,14 @@
 
 namespace osteon::hil {
 
-/// All values are assumed: none was measured on an arm.
+/// Parameters of DynamicArm. All values are assumed: none was measured on an arm.
 struct DynamicArmParams {
   double bandwidth_hz{15.0};  ///< of the position controller; dead time and damping as in ServoArm
   double damping_ratio{1.0};
   int dead_cycles{3};  ///< whole periods from a command to its first effect, 0 … 32
   /// Joint impedance.
   kinematics::JointVectorN<7> stiffness_Nm_per_rad{kinematics::JointVectorN<7>::Constant(500.0)};
-  double joint_damping_ratio{0.7};  ///< of each joint, with its own inertia at the start
+  double joint_damping_ratio{0.7};  ///< of each joint alone, with its inertia in the posture at the start
   /// Cartesian impedance, at the motion's centre; the null space has a tenth of the joints' stiffness.
   double stiffness_N_per_m{2000.0}, stiffness_Nm_per_rad_turn{200.0};
   double cartesian_damping_ratio{0.7};
@@ -24,8 +24,8 @@ struct DynamicArmParams {
   double mass_error{0.0};
   /// Share of the chain's friction that the controller compensates, 0 … 1.
   double friction_compensation{0.0};
-  std::optional<FlexibleMountParams> mount{};  ///< none: rigid
-  int substeps{8};                             ///< of a period, 1 … 1000
+  std::optional<FlexibleMountParams> mount{};  ///< none: the base is fixed
+  int substeps{8};                             ///< integration steps per period, 1 … 1000
 };
 
 /// An arm with masses: M qdd + C qd + g = tau - friction + J^T F, integrated by Runge-Kutta of fourth order.

@@ -22,9 +22,10 @@ struct FlexibleMountParams {
 ///     d/dt ((M_mount + M_arm) d' + H) + D d' + K d = W - W_start
 ///
 /// with M_arm the arm's inertia about B's origin in its present posture, H the momentum of the joints'
-/// motion, W the wrench of gravity and of the outside. The links feel the base's acceleration as a field of
-/// force. The effects of the base's rotation on the links (Coriolis, centrifugal) are left out, and axes are
-/// taken as if B did not rotate. Starts at rest: displacement is zero under the arm's weight at the start.
+/// motion, W the wrench of gravity and external loads. The base's acceleration acts on the links like a
+/// gravity field. The effects of the base's rotation on the links (Coriolis, centrifugal) are left out, and
+/// axes are taken as if B did not rotate. Starts at rest: displacement is zero under the arm's weight at the
+/// start.
 class FlexibleMount {
  public:
   using Joints = kinematics::JointVectorN<7>;

@@ -6,8 +6,11 @@
 
 namespace osteon::hil {
 
-/// Transition of (e, e') over a time for e'' = -w^2 e - 2 z w e'. With a = z w and s^2 = a^2 - w^2 (negative:
-/// an oscillation), C = cosh(s T) and S = sinh(s T) / s:   exp(A T) = e^(-a T) [C + a S, S; -w^2 S, C - a S].
+/// Transition matrix of the state (e, e') over a time T, for e'' = -w^2 e - 2 z w e'. With a = z w and
+/// s^2 = a^2 - w^2 (negative: an oscillation), C = cosh(s T) and S = sinh(s T) / s:
+///
+///     exp(A T) = e^(-a T) [C + a S, S; -w^2 S, C - a S]
+///
 /// @param w  [rad/s], > 0   @param z  damping ratio, >= 0   @param time_s  >= 0
 [[nodiscard]] inline Eigen::Matrix2d SecondOrderStep(double w, double z, double time_s) {
   const double a = z * w, s2 = a * a - w * w, s = std::sqrt(std::abs(s2));

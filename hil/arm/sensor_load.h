@@ -5,9 +5,9 @@
 
 namespace osteon::hil {
 
-/// The load of the sensor between flange and tool, by hand and weight, at S's origin, in S. Written
-/// independently of its inverse, control::HandWrench.
-/// @param F_hand_T_W  on T at To, in W
+/// Returns the load that the hand and the tool's weight put on the sensor between flange and tool: at S's
+/// origin, in S. Written independently of its inverse, control::HandWrench.
+/// @param F_hand_T_W  the hand's wrench on the tool, at To, in W
 [[nodiscard]] Wrench SensorLoad(const control::ForceSensorParams& sensor, const Pose& X_WT, const Pose& X_WF,
                                 const Wrench& F_hand_T_W);
 
@@ -18,9 +18,9 @@ struct SensorMotion {
   Twist V_WT{}, A_WT{};  ///< velocity of T and its rate of change, at To, in W
 };
 
-/// The same load without the wrench that accelerates the tool beyond the sensor: Newton's and Euler's
-/// equations at its centre of mass.
-/// @param F_S  SensorLoad
+/// Subtracts from a load the wrench that accelerates the tool, by Newton's and Euler's equations at the
+/// tool's centre of mass.
+/// @param F_S  result of SensorLoad
 [[nodiscard]] Wrench SubtractInertia(const control::ForceSensorParams& sensor, const Wrench& F_S,
                                      const SensorMotion& motion);
 

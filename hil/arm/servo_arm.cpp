@@ -44,7 +44,7 @@ ServoArm::ServoArm(const ServoArmParams& params, const std::array<kinematics::Jo
 }
 
 void ServoArm::Step(const kinematics::JointVector& q_cmd) OSTEON_RT {
-  // store the newest command, read the one of dead_cycles ago
+  // Store the newest command, and use the one that came dead_cycles earlier.
   delay_[next_] = q_cmd;
   next_ = (next_ + 1) % delay_size_;
   Advance(first_, delay_[next_]);

@@ -8,7 +8,8 @@
 
 namespace osteon::hil {
 
-/// How the simulated arm follows its commands. Assumptions to vary: the lag of no real arm was measured.
+/// How the simulated arm follows its commands. The values are assumptions, to be varied: no real arm's lag
+/// was measured.
 struct ServoArmParams {
   double bandwidth_hz{15.0};  ///< natural frequency of each joint
   double damping_ratio{1.0};  ///< z
@@ -48,7 +49,7 @@ class ServoArm {
   // A stretch of a period in which one command acts.
   struct Part {
     double duration_s{0.0};
-    Eigen::Matrix2d transition{Eigen::Matrix2d::Identity()};  // of (q - q_cmd, q') over the stretch
+    Eigen::Matrix2d transition{Eigen::Matrix2d::Identity()};  // matrix for (q - q_cmd, q')
   };
   void Advance(const Part& part, const kinematics::JointVector& target) OSTEON_RT;
 

@@ -9,7 +9,7 @@
 namespace osteon::hil {
 namespace {
 
-constexpr double kFullScale_counts = 30000.0;  // reading of a gauge at the range on one axis
+constexpr double kFullScale_counts = 30000.0;  // gauge value for a load at the range of its own axis
 
 std::array<int, 4> BigEndian(std::uint32_t value) {
   return {static_cast<int>(value / 16777216), static_cast<int>(value / 65536 % 256),
@@ -23,6 +23,7 @@ std::array<int, 4> BigEndian(float value) {
   return BigEndian(bits);
 }
 
+// A gauge value as it is sent: an i16, clamped to its range, high byte first.
 std::array<int, 2> TwoBytes(double gauge) {
   const int raw = static_cast<int>(std::lround(std::clamp(gauge, -32768.0, 32767.0)));
   const int on_the_wire = raw < 0 ? raw + 65536 : raw;
@@ -43,8 +44,8 @@ AtiDevice::AtiDevice(const AtiDeviceParams& params) : params_(params), model_(Wi
                                 ", accepted 0 … 127");
   if (params.counts_per_N == 0 || params.counts_per_Nm == 0)
     throw std::invalid_argument("ATI sensor: counts a unit: accepted more than 0");
-  // Diagonally dominant, so it can be inverted, and full, so every gauge affects every axis. In float, as it
-  // is sent.
+  // The matrix is diagonally dominant, so it can be inverted, and full, so that every gauge affects every
+  // axis. Its elements are rounded to float, as they are sent.
   for (int row = 0; row < 6; ++row) {
     const double range =
         row < 3 ? params.model.range_N * params.counts_per_N : params.model.range_Nm * params.counts_per_Nm;

@@ -12,7 +12,7 @@
 namespace osteon::hil {
 
 struct AtiDeviceParams {
-  SensorModelParams model{.range_N = 660.0, .range_Nm = 60.0};  ///< a gauge reaches its end 9 % beyond
+  SensorModelParams model{.range_N = 660.0, .range_Nm = 60.0};  ///< gauges saturate 9 % beyond these ranges
   int base{0x20};
   std::uint32_t counts_per_N{1'000'000}, counts_per_Nm{1'000'000};
   int force_unit{2},

@@ -14,8 +14,8 @@ constexpr int kPreOperational = 127, kOperational = 5, kStopped = 4;
 constexpr int kBlocked = 0x7121, kHeartbeatError = 0x8130;
 constexpr int kGenericError = 0x01;  // bit 0 of the error register, which every device has
 constexpr double kStep_s = 1e-4;
-constexpr rt::Nanoseconds kLongest = 100 * rt::kMillisecond;  // of one advance: after a longer pause the rest
-                                                              // is skipped
+// Longest time by which one call advances the motor: after a longer pause the rest is skipped.
+constexpr rt::Nanoseconds kLongest = 100 * rt::kMillisecond;
 constexpr double kAtRest_rad_per_s = 0.1;
 constexpr int kProfileVelocity = 3;  // modes of 6060
 constexpr int kCyclicVelocity = 9;
@@ -153,7 +153,7 @@ bool DriveDevice::InVelocityWindow() const noexcept {
   return std::abs(difference_rpm) <= static_cast<long>(objects_.Get(0x606D));
 }
 
-// The window is checked anew, since a target that has just come changes the bit at once.
+// The window is checked again here, since a new target must change the bit at once.
 bool DriveDevice::TargetReached() const noexcept {
   if (state_ == State::kQuickStop) return StaysInQuickStop() && AtRest();
   return state_ == State::kEnabled && objects_.GetSigned(0x6060) == kProfileVelocity && InVelocityWindow() &&
@@ -313,7 +313,7 @@ void DriveDevice::SendTpdo(int number) noexcept {
     for (std::uint32_t i = 0; i < entry % 256 / 8 && at < 8; ++i, value /= 256)
       bytes[at++] = static_cast<int>(value % 256);
   }
-  // FrameQueue takes initializer lists, so one for each possible size.
+  // FrameQueue::Push takes an initializer list, so each possible size needs a call of its own.
   const auto cob = static_cast<std::uint16_t>(id);
   const auto& b = bytes;
   if (at == 2) queue_.Push(cob, {b[0], b[1]});

@@ -100,7 +100,7 @@ class DriveDevice final : public io::CanClient {
   double cutting_Nm_{0.0};
   double ramp_rad_per_s_{0.0};  // set point of the velocity loop
   double stalled_s_{0.0};
-  rt::Nanoseconds in_window_{0};  // since the velocity entered the window of its target
+  rt::Nanoseconds in_window_{0};  // time for which the velocity has been within the window of its target
   rt::Nanoseconds time_{-1}, boot_due_{0}, heartbeat_due_{0}, master_heard_{-1};
   io::CanFrame rpdo_;
   bool rpdo_fresh_{false};

@@ -9,6 +9,7 @@ namespace {
 constexpr std::uint32_t kNoObject = 0x06020000, kNoSub = 0x06090011, kReadOnly = 0x06010002,
                         kLength = 0x06070010, kCommand = 0x05040001;
 
+// Queues an SDO answer: its command byte, the object, and a value or an abort code.
 void Answer(FrameQueue& out, std::uint16_t id, int command, int index, int sub, std::uint32_t value) {
   out.Push(id, {command, index % 256, index / 256, sub, static_cast<int>(value % 256),
                 static_cast<int>(value / 256 % 256), static_cast<int>(value / 65536 % 256),

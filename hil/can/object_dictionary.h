@@ -22,7 +22,7 @@ class ObjectDictionary {
   explicit ObjectDictionary(std::vector<DictionaryEntry> entries) : entries_(std::move(entries)) {}
 
   [[nodiscard]] DictionaryEntry* Find(int index, int sub) noexcept;
-  /// 0 if there is no such entry.
+  /// Returns the entry's value; 0 if there is no such entry.
   [[nodiscard]] std::uint32_t Get(int index, int sub = 0) const noexcept;
   [[nodiscard]] int GetSigned(int index, int sub = 0) const noexcept;
   void Set(int index, int sub, long value) noexcept;

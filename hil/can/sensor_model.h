@@ -12,8 +12,8 @@ namespace osteon::hil {
 /// Errors between the load on a force sensor and its reading; none by default.
 struct SensorModelParams {
   double noise_N{0.0}, noise_Nm{0.0};              ///< rms, white
-  PlainWrench bias{};                              ///< of the zero
-  PlainVector3 drift_N_per_s{}, drift_Nm_per_s{};  ///< of the zero, since the first sample
+  PlainWrench bias{};                              ///< reading without a load, in N and N·m
+  PlainVector3 drift_N_per_s{}, drift_Nm_per_s{};  ///< change of the bias, from the first sample on
   double range_N{1e9}, range_Nm{1e9};              ///< beyond its range an axis reads the range and is
                                                    ///< flagged as saturated
   std::uint32_t seed{1};

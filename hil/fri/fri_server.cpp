@@ -42,7 +42,7 @@ bool IsCompliant(ControlMode mode) {
   return mode == ControlMode::kCartesianImpedance || mode == ControlMode::kJointImpedance;
 }
 
-// The control mode that a command mode needs; the present one if any will do.
+// The control mode that a command mode requires; the present one if it requires none.
 ControlMode ControlModeFor(CommandMode command, ControlMode present) {
   if (command == CommandMode::kWrench) return ControlMode::kCartesianImpedance;
   if (command == CommandMode::kTorque) return ControlMode::kJointImpedance;

@@ -33,23 +33,23 @@ struct FriServerParams {
   control::CommandMode command_mode{control::CommandMode::kPosition};  ///< kPosition, kWrench or kTorque
   bool torques_zyx{true};  ///< torque order of wrenches on the wire: about z, y, x (KUKA's A, B, C), or x, y,
                            ///< z
-  /// The robot program asks for commanding after so many cycles in MONITORING_READY.
+  /// The robot program asks for commanding after this many cycles in MONITORING_READY.
   int request_after_good_cycles{200};
   int activate_after_mirrored_answers{50};  ///< answers in COMMANDING_WAIT before the motion is handed over
   bool request_again_after_loss{false};  ///< the robot program asks again after losses ended the commanding
   /// A command may move a joint by at most velocity limit × time since the last command × this.
   double step_margin{1.1};
-  /// COMMANDING_WAIT: how far from the interpolator's position an answer may be.
+  /// Largest distance of an answer's joints from the interpolator's position in COMMANDING_WAIT.
   double mirror_tolerance_rad{1e-3};
   /// Largest joint error at which trackingPerformance reads 0; 0 error reads 1.
   double tracking_error_zero_rad{0.1};
-  /// In impedance control: how far from the measured position a joint may be commanded; assumed.
+  /// Largest distance of a commanded joint from its measured position in impedance control; assumed.
   double max_axis_delta_rad{0.1};
   double drive_start_s{0.5};  ///< from the acknowledgement of a stop until the drives are ACTIVE; assumed
   double close_s{5.0};        ///< from Close() to IDLE
   SessionEnd session_end{SessionEnd::kSilence};
   double external_torque_cutoff_hz{0.0};  ///< low pass of the estimated external torque; 0: none
-  /// Reading of the estimate with nobody touching, e.g. a wrong payload.
+  /// The estimate's reading while nobody touches the arm, e.g. because of a wrong payload.
   kinematics::JointVector external_torque_offset_Nm{kinematics::JointVector::Zero()};
 };
 
@@ -57,7 +57,7 @@ struct FriServerParams {
 struct FriCounters {
   std::uint64_t sent{0};
   std::uint64_t answered{0};       ///< due answers that came in time and complete
-  std::uint64_t lost{0};           ///< due answers that did not
+  std::uint64_t lost{0};           ///< due answers that were late, incomplete or missing
   std::uint64_t excused{0};        ///< due answers that did not come because the arm itself was late
   std::uint64_t stale{0};          ///< answers to a message that is no longer the current one
   std::uint64_t duplicate{0};      ///< second answers to one message

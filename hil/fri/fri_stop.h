@@ -26,7 +26,7 @@ enum class StopReason : std::uint8_t {
 /// The reason of a stop, with its figures.
 struct StopReport {
   StopReason reason{StopReason::kNone};
-  std::uint32_t sequence{0};  ///< of the monitoring message whose answer it was
+  std::uint32_t sequence{0};  ///< of the last monitoring message before the stop
   int joint{0};               ///< 1 … 7 if one joint is to blame, otherwise 0
   double found{0.0};          ///< rad, answers, values or a mode's number, by reason
   double accepted{0.0};       ///< the bound, in the same unit

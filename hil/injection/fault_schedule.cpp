@@ -17,6 +17,7 @@ rt::Nanoseconds ToNanoseconds(double time_s) {
   return std::llround(std::clamp(time_s, -kLongest_s, kLongest_s) * 1e9);
 }
 
+// Adds two shares; the sum is at most 1.
 double Sum(double share, double other) OSTEON_RT { return std::min(1.0, share + other); }
 
 }  // namespace

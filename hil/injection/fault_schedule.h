@@ -28,7 +28,7 @@ class FaultSchedule {
 
  private:
   struct Window {
-    rt::Nanoseconds from, to;  ///< since the beginning
+    rt::Nanoseconds from, to;  ///< from the schedule's start
     WireFaults faults;
   };
   std::vector<Window> windows_;

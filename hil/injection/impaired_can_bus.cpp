@@ -9,9 +9,9 @@ namespace {
 
 using io::CanResult;
 
-constexpr int kMaxReads = 128;  // in one call, so that a flood does not block it
+constexpr int kMaxReads = 128;  // frames read in one call, so that a flood does not hold it up
 constexpr std::size_t kIdBytes = 2;
-// a second of a full bus
+// Room for the frames of one second on a full bus.
 constexpr WireRoom kRoom{.datagrams = 8192, .bytes = kIdBytes + 8, .intact = kIdBytes};
 
 using Bytes = std::array<std::uint8_t, kIdBytes + 8>;

@@ -31,8 +31,8 @@ std::uint64_t ImpairedWire::Bits(Draw draw) const OSTEON_RT {
 
 bool ImpairedWire::DrawEvent(Draw draw, double share) const OSTEON_RT { return Uniform(Bits(draw)) < share; }
 
-// Outside a burst, a new one begins with a chance p that makes `loss` the share in the long run: between two
-// bursts (1 - p) / p datagrams pass on average, so loss = b / (b + (1 - p) / p).
+// Outside a burst of b lost datagrams, a new burst begins with probability p. Between two bursts (1 - p) / p
+// datagrams pass on average, so p is chosen such that loss = b / (b + (1 - p) / p) in the long run.
 bool ImpairedWire::IsLost(const WireFaults& faults) OSTEON_RT {
   if (faults.loss <= 0.0) {
     burst_left_ = 0;

@@ -18,7 +18,7 @@ struct WireFaults {
   double duplicate{0.0};      ///< arrive twice
   double reorder{0.0};        ///< swap places with the next datagram, which is not delayed
   double corrupt{0.0};        ///< bits of one byte change, or the end is missing
-  rt::Nanoseconds delay{0};   ///< of each
+  rt::Nanoseconds delay{0};   ///< of each datagram
   rt::Nanoseconds jitter{0};  ///< added to the delay, uniform from 0 to this; the order stays
   bool silence{false};        ///< nothing is accepted; datagrams in transit still arrive
 

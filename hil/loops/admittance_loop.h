@@ -47,11 +47,12 @@ void Validate(const AdmittanceLoopParams& params);
 
 /// The linear loop around its equilibrium:
 ///
-///     arm     x_r'' = w^2 (x_c[k+1-dead] - x_r) - 2 z w x_r'         one step of the shipped ServoArm, told in
-///             tick k what the law computes in it
-///     felt    f = -(k_h x_r + b_h x_r' + (m_h + m_t) (x_r'[k] - x_r'[k-1]) / T),  told df ticks later, and
-///             share m_t x_r'' added by the shipped StepMotion. The acceleration is the mean of the period
-///             that ends: just after a command's step it would add m_h w^2 T / 2 to the hand's damping
+///     arm     x_r'' = w^2 (x_c[k+1-dead] - x_r) - 2 z w x_r'
+///             one step of the shipped ServoArm; its command in tick k is what the law computes in that tick
+///     felt    f = -(k_h x_r + b_h x_r' + (m_h + m_t) (x_r'[k] - x_r'[k-1]) / T)
+///             reaches the law df ticks later; the shipped StepMotion then adds share m_t x_r''. The
+///             acceleration is the mean over the period that ends: its value just after a command's step
+///             would add m_h w^2 T / 2 to the hand's damping
 ///     law     v+ = (v + T/m_v (f + F_wall)) / (1 + T b_v/m_v),  x_c+ = x_c + T v+
 ///             the shipped StepAdmittance
 ///     wall    F_wall = -K x - B x',  x by WallOn
@@ -70,7 +71,7 @@ class AdmittanceLoop {
 
  private:
   AdmittanceLoopParams params_;
-  double command_gain_;  // of the arm that the hand moves aside
+  double command_gain_;  // HeldArm::command_gain of the arm that the hand moves aside
   LoopArm linear_arm_;
   int arm_, speed_, felt_, motion_;  // their first indices in the state
 };

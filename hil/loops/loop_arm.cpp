@@ -8,6 +8,7 @@
 namespace osteon::hil {
 namespace {
 
+// Makes an arm without speed limits, at rest with all joints at `start` [rad].
 ServoArm Unlimited(const ServoArmParams& params, double period_s, double start) {
   std::array<kinematics::JointLimits, 7> unlimited;
   for (kinematics::JointLimits& limits : unlimited)
@@ -15,6 +16,7 @@ ServoArm Unlimited(const ServoArmParams& params, double period_s, double start) 
   return {params, unlimited, period_s, kinematics::JointVector::Constant(start)};
 }
 
+// Advances the arm by one period with a command. @returns position and speed of the first joint
 Eigen::Vector2d After(ServoArm& arm, double command) {
   arm.Step(kinematics::JointVector::Constant(command));
   return {arm.q()[0], arm.qd()[0]};
@@ -37,7 +39,8 @@ LoopArm LinearArm(const ServoArmParams& params, double period_s) {
   linear.step.col(0) = first;
   linear.step.col(1) = (second - first[0] * first) / first[1];
   linear.step.col(3) = After(told, 1.0);
-  // an arm that rests where both commands are stays there
+  // An arm at rest at the position of both commands stays there, which gives the column of the earlier
+  // command.
   linear.step.col(2).setZero();
   if (linear.split) linear.step.col(2) = Eigen::Vector2d::UnitX() - first - linear.step.col(3);
   return linear;

@@ -29,15 +29,15 @@ struct LoopArm {
 /// An arm that the hand's force moves aside, as an arm with other figures.
 struct HeldArm {
   ServoArmParams arm;
-  double command_gain{1.0};  ///< the pose at rest over the command
+  double command_gain{1.0};  ///< ratio of the arm's position at rest to its command
 };
 
 /// The arm with a hand at it, whose force moves it as if it had the mass felt_mass_kg:
 ///
 ///     x'' = w^2 (x_c - x) - 2 z w x' - (k x + b x' + m x'') / M
 ///
-/// is an arm of w_h^2 = (w^2 + k/M) / (1 + m/M), 2 z_h w_h = (2 z w + b/M) / (1 + m/M), told w^2 / (w^2 +
-/// k/M) x_c.
+/// is an arm of w_h^2 = (w^2 + k/M) / (1 + m/M), 2 z_h w_h = (2 z w + b/M) / (1 + m/M), whose command is
+/// w^2 / (w^2 + k/M) x_c.
 /// @param felt_mass_kg  M; 0: the hand does not move the arm
 [[nodiscard]] HeldArm ArmHeldBy(const GridHand& hand, double felt_mass_kg, const ServoArmParams& arm);
 

@@ -3,20 +3,20 @@
 #include "control/compliance/bone_mount.h"
 #include "hil/loops/admittance_loop.h"
 
-// A bone on a mount, seen by the virtual tool: above the mount's own frequency it is a mass of its own, on
-// which the coupling is as stiff as a wall of K (1 + m_v / m_eff).
+// A bone on a mount, as the virtual tool feels it. Above the mount's natural frequency the bone is a free
+// mass m_eff, and the coupling to it acts like a fixed wall of stiffness K (1 + m_v / m_eff).
 
 namespace osteon::hil {
 
-/// Whether a mount keeps the mass rule, and what it needs. m_eff is the least mass that the mount opposes to
-/// a force at a point, over all directions:
+/// Whether a mount keeps the mass rule, and the mass that it needs. m_eff is the smallest effective mass of
+/// the mounted bone at a point, over all directions of the force:
 ///
-///     1/m_eff = 1/m + greatest eigenvalue of [r]^T I^-1 [r],   r from Mo to the point
+///     1/m_eff = 1/m + largest eigenvalue of [r]^T I^-1 [r],   r from Mo to the point
 struct MassRule {
   double stiffness_N_per_m{0.0};  ///< K (1 + m_v / m_eff): up to it the loop on a rigid bone must be stable
-  double stable_up_to_N_per_m{0.0};  ///< the first unstable stiffness from K on; K itself: already that
+  double stable_up_to_N_per_m{0.0};  ///< end of the stable range from K on; K: unstable at K
   bool kept{true};
-  /// The least mass that keeps the rule at this inertia and lever; infinite: none does.
+  /// The smallest mass that keeps the rule at this inertia and lever; infinite: no mass does.
   double min_mass_kg{0.0};
 };
 

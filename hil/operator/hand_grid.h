@@ -29,9 +29,9 @@ struct GridHand {
 /// Stability is not monotone in stiffness, so corners alone are not enough. Always in the same order.
 [[nodiscard]] std::vector<GridHand> HandGrid();
 
-/// An operator with that hand. Stiffness, damping and inertia about the tool follow from those along it with
-/// a lever of 0.1 m, about the width of a grip (assumed). Parameters that the grid does not set are taken
-/// from `rest`.
+/// Parameters of an operator with that hand. Rotational stiffness, damping and inertia follow from the
+/// translational ones with a lever of 0.1 m, about the width of a grip (assumed). Parameters that the grid
+/// does not set are taken from `rest`.
 [[nodiscard]] OperatorHandParams OperatorWith(const GridHand& hand, OperatorHandParams rest = {});
 
 }  // namespace osteon::hil

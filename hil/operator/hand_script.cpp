@@ -10,10 +10,12 @@
 namespace osteon::hil {
 namespace {
 
+/// A value of a key, and its rate of change per second.
 struct Moving {
   double value, rate;
 };
 
+// Interpolates between two keys' values by a blend that takes `duration_s`.
 Moving Between(double from, double to, Blend b, double duration_s) {
   return {from + (to - from) * b.s, (to - from) * b.slope / duration_s};
 }

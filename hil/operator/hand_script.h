@@ -16,10 +16,10 @@ struct HandKey {
   double tilt_rad{0.0};       ///< of the tool's axis away from the cup's
   double grip{1.0};           ///< share of the hand's wrench that reaches the tool, 0 … 1
   double swing_m{0.0};        ///< radius of the circle about the axis that the head's centre follows
-  /// Height at which the operator sees the work done, and pushes no further; kNever_m: it goes on.
+  /// Height at which the operator sees that the work is done, and stops pushing; kNever_m: pushes on.
   double done_height_m{kNever_m};
-  /// The tool that the operator sees cut stands higher than the head, by this much for each newton of the
-  /// push: a coupling's spring.
+  /// The operator watches the tool that cuts. A coupling's spring lets it stand higher than the head, by this
+  /// much per newton of the push.
   double give_m_per_N{0.0};
 
   static constexpr double kNever_m = -1.0;
@@ -33,7 +33,7 @@ struct HandPhase {
 
 /// The hand's target at one moment.
 struct HandTarget {
-  Pose X_WT{Pose::Identity()};  ///< where it pulls the tool
+  Pose X_WT{Pose::Identity()};  ///< toward which the hand pulls the tool
   Twist V_WT;                   ///< of T at that pose, in W
   double height_m{0.0};
   double force_limit_N{0.0};

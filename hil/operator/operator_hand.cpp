@@ -15,10 +15,10 @@ Vector3 LimitNorm(const Vector3& v, double max_size) {
   return size > max_size ? Vector3(v * (max_size / size)) : v;
 }
 
-// Where the work is nearly done, and how long a person takes to see it (both assumed).
+// Remaining height from which the operator lets up, and the lag of a person who looks (both assumed).
 constexpr double kNearlyDone_m = 0.3e-3, kSight_s = 0.25;
 
-// Bounds the part along a unit axis, against it by a share of the bound, and leaves the rest.
+// Bounds the component of a force along a unit axis to -share_against × max_N … max_N, and leaves the others.
 Vector3 LimitAxially(const Vector3& f, const Vector3& axis, double max_N, double share_against) {
   const double axial_N = axis.dot(f);
   return f + (std::clamp(axial_N, -share_against * max_N, max_N) - axial_N) * axis;

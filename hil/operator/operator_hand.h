@@ -135,7 +135,7 @@ class OperatorHand {
   HandImpedance impedance_;  // at the head's centre
   Tremor tremor_;
   double pushed_N_{0.0};                        // along the axis, in the last period
-  double push_share_{1.0};                      // of the script's limit: less where the work is nearly done
+  double push_share_{1.0};                      // share of the script's limit: below 1 near the end of work
   std::size_t holding_{IncidentMoment::kNone};  // the incident whose spring holds the tool
   Wrench kept_;  // added to that spring's wrench, for continuity when the spring changed
   Pose X_W_clamped_{Pose::Identity()};  // where the head was when it was clamped

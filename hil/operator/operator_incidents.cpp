@@ -13,13 +13,15 @@
 namespace osteon::hil {
 namespace {
 
+// Time at which the hand begins to grasp again.
 double EndOf(const StartledRelease& r) { return r.begin_s + r.jerk_s + r.release_s + r.away_s; }
 
-// Progress of an event of this duration, from 0 to 1.
+// Smooth progress, from 0 to 1, of a transition that takes `takes_s` and began `since_s` ago.
 double Progress(double since_s, double takes_s) {
   return std::clamp(Quintic(std::clamp(since_s / takes_s, 0.0, 1.0)).s, 0.0, 1.0);  // rounding: at most 1
 }
 
+// Sets the jerk and the grip of a startled release at a time.
 void Release(const StartledRelease& release, double time_s, IncidentMoment& moment) {
   const double since_s = time_s - release.begin_s;
   if (since_s < release.jerk_s) {

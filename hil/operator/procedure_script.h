@@ -30,8 +30,8 @@ struct ProcedureScriptParams {
   /// The last tool is pushed this many times as long as each other one, so that it comes to its planned
   /// place: its whole head cuts, so it is the slowest. >= 1.
   double last_push_ratio{1.0};
-  /// The longer push leaves each other tool this time at least [s], which a change at rest needs; a shorter
-  /// script has a smaller ratio.
+  /// Least time [s] that the longer push leaves to each other tool, because a change at rest needs it. In a
+  /// script that is too short for last_push_ratio, the ratio is smaller.
   double min_tool_s{5.0};
   double push_force_N{60.0};
   double approach_force_N{20.0};

@@ -2,7 +2,7 @@
 
 namespace osteon::hil {
 
-/// A blend from 0 to 1: its value, and its slope by the elapsed share.
+/// A blend from 0 to 1: its value, and its derivative with respect to the elapsed share u.
 struct Blend {
   double s, slope;
 };

@@ -12,7 +12,7 @@ namespace osteon::hil {
 ///
 ///     silence         the server hangs as long as it lasts
 ///     loss            connections are dropped when it begins, whatever its share
-///     delay, jitter   answers come so much later
+///     delay, jitter   answers come later by this time
 ///
 /// The direction has no effect. One thread at a time.
 class PlcInjection {

@@ -42,7 +42,7 @@ enum class PlcBlock : std::uint16_t {
   kNoMode = 1u << 5,         ///< the selector is at none
   kNotEnabled = 1u << 6,     ///< the enabling switch is not in the middle, or came there from squeezed
   kNotRequested = 1u << 7,   ///< the controller has not requested motion (again)
-  kNotReset = 1u << 8,       ///< since the PLC started
+  kNotReset = 1u << 8,       ///< latched: the reset button was not pressed since the PLC started
   kGuardWithdrew = 1u << 9,  ///< latched: the guard withdrew the request
 };
 

@@ -29,6 +29,7 @@ kinematics::JointVector Seven(const kinematics::JointVectorN<6>& q) {
   return seven;
 }
 
+// Pads the limits of six joints to seven for ServoArm.
 std::array<kinematics::JointLimits, 7> SevenLimits(const kinematics::OrthoParallelParams& arm) {
   std::array<kinematics::JointLimits, 7> limits{};
   std::copy(arm.limits.begin(), arm.limits.end(), limits.begin());
@@ -36,6 +37,7 @@ std::array<kinematics::JointLimits, 7> SevenLimits(const kinematics::OrthoParall
   return limits;
 }
 
+// Rotation of a KUKA frame X Y Z A B C [mm, deg].
 Matrix3 RotationOf(const Six& frame) {
   return (Eigen::AngleAxisd(frame[3] * kDegree, Vector3::UnitZ()) *
           Eigen::AngleAxisd(frame[4] * kDegree, Vector3::UnitY()) *
@@ -43,6 +45,7 @@ Matrix3 RotationOf(const Six& frame) {
       .toRotationMatrix();
 }
 
+// KUKA frame X Y Z A B C [mm, deg] of a pose.
 Six FrameOf(const Pose& X) {
   const Matrix3& R = X.linear();
   const Vector3 p_mm = 1e3 * X.translation();

@@ -84,9 +84,9 @@ struct RsiControllerState {
 ///     Step: was the last message answered?  →  correction in force  →  set point  →  servo  →  next message
 ///
 /// An answer counts if it echoes the IPOC of the message last sent and comes before the next Step. Otherwise
-/// Delay rises, and RSI ends at Timeout. HOLDON decides between the last correction again and none: with
-/// absolute corrections none is a jump back to the start pose, with relative ones the sum stays (HOLDON: it
-/// grows by the last one again).
+/// Delay rises, and RSI ends at Timeout. With HOLDON, such a cycle repeats the last correction: the sum of
+/// relative corrections grows by it again. Without HOLDON, the cycle has no correction: with absolute ones
+/// the set point jumps back to the start pose, with relative ones the sum stays.
 ///
 /// RKorr is about the base's axes at the flange's origin: p = p_start + (X Y Z), R = Rz(A) Ry(B) Rx(C)
 /// R_start; relative ones add up number by number. The program's tool and base are flange and robot root.

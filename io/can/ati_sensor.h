@@ -15,10 +15,10 @@ namespace osteon::io {
 
 struct AtiParams {
   std::uint8_t base{0x20};                   ///< 0 … 0x7F; its ids are base << 4 … base << 4 | 0xF
-  rt::Nanoseconds period{rt::kMillisecond};  ///< of requests: one reading for each
+  rt::Nanoseconds period{rt::kMillisecond};  ///< between requests; each is answered by one reading
   rt::Nanoseconds answer_timeout{50 * rt::kMillisecond};  ///< for each answer of the set-up
-  int attempts{3};                                        ///< of each set-up request
-  int bias_readings{100};                                 ///< averaged for a bias
+  int attempts{3};                                        ///< each set-up request is sent at most this often
+  int bias_readings{100};                                 ///< number of readings averaged for a bias
 };
 
 /// ATI NETCANOEM force sensor: strain gauges with their calibration matrix, read by requests.
@@ -26,8 +26,8 @@ struct AtiParams {
 ///     id = base << 4 | code
 ///     code 0  readings: answers 0 (status u16, gauges 0, 2, 4) and 1 (gauges 1, 3, 5), i16 big-endian
 ///     code 2  row of the matrix, 0 … 5 in one byte: answers 2, 3, 4, two float32 big-endian each
-///     code 7  counts a force unit and a torque unit: two u32 big-endian
-///     code 8  units: a byte each
+///     code 7  counts per force unit and per torque unit: two u32 big-endian
+///     code 8  force unit and torque unit: one byte each
 ///
 ///     F_S = (matrix · gauges) / counts, in N and N·m for any units
 ///

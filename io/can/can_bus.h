@@ -23,9 +23,9 @@ struct CanStatus {
   std::uint64_t received{0}, sent{0};
   std::uint64_t unsent{0};  ///< Send() returned kFull or kDown
   std::uint64_t lost{0};    ///< known losses on the way here: queue overflow, a gap in the tunnel's sequence
-  /// Not a classical data frame with an 11-bit id, or a datagram that is none of ours.
+  /// Not a classical data frame with an 11-bit id, or a datagram that is not in the tunnel's format.
   std::uint64_t rejected{0};
-  std::uint64_t duplicate{0};     ///< tunnel: seen before, or overtaken; not delivered
+  std::uint64_t duplicate{0};     ///< tunnel: received before, or overtaken by a newer frame; not delivered
   std::uint64_t error_frames{0};  ///< SocketCAN: reports of the CAN controller
   bool error_warning{false}, error_passive{false}, bus_off{false};
 };
@@ -44,7 +44,8 @@ class CanBus {
   CanBus(const CanBus&) = delete;
   CanBus& operator=(const CanBus&) = delete;
 
-  /// Sends the frame at once or not at all. A frame beyond 8 bytes or 11 bits is kFull: it never fits.
+  /// Sends the frame at once or not at all. A frame of more than 8 bytes, or with an id of more than 11 bits,
+  /// is never sent: the result is kFull.
   virtual CanResult Send(const CanFrame& frame) OSTEON_RT = 0;
 
   /// Sends as many as it can, in their order; the rest is counted (CanStatus::unsent).

@@ -24,8 +24,8 @@ class CanClient {
 class CanPump {
  public:
   static constexpr std::size_t kMaxClients = 4;
-  static constexpr std::size_t kMaxReads = 128;  ///< in one call, so that a flood does not hold up the tick
-  static constexpr std::size_t kMaxSends = 16;   ///< of one client in one call
+  static constexpr std::size_t kMaxReads = 128;  ///< frames read in one call: a flood cannot hold up the tick
+  static constexpr std::size_t kMaxSends = 16;   ///< frames sent for one client in one call
 
   explicit CanPump(CanBus& bus) : bus_(bus) {}
 

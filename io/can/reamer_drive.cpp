@@ -28,9 +28,10 @@ constexpr std::uint32_t kStopAndStay = 6;      // 605A: brake along the quick-st
                                                // stop
 constexpr std::uint32_t kQuickStopRamp = 2;    // 605E: brake along the quick-stop ramp
 constexpr std::uint32_t kFaultOnLoss = 1;      // 6007: a lost connection is a fault
-constexpr std::uint32_t kPdoOff = 0x80000000;  // in a PDO's identifier
+constexpr std::uint32_t kPdoOff = 0x80000000;  // bit in a PDO's identifier (COB-ID) that switches the PDO off
 constexpr std::uint32_t kAtSync = 1;           // a PDO's transmission type: every SYNC
-constexpr int kResetCycles = 12;
+constexpr int kResetCycles =
+    12;  // controlwords sent for a fault reset: one with bit 7 low, then with it high
 constexpr double kRpmPerRadPerS = 60.0 / (2.0 * std::numbers::pi);
 constexpr double kRatedTorqueTolerance = 0.01;
 constexpr rt::Nanoseconds kSettle = 20 * rt::kMillisecond;
@@ -161,7 +162,7 @@ void ReamerDrive::HandleSdo(const CanFrame& frame) OSTEON_RT {
   }
   if (phase_ != DrivePhase::kStarting || step_ >= steps_.size() || attempts_ == 0) return;
   const Step& step = steps_[step_];
-  if (answer->index != step.object.index || answer->sub != step.object.sub) return;  // of an old attempt
+  if (answer->index != step.object.index || answer->sub != step.object.sub) return;  // answers an old attempt
   if (answer->kind == canopen::SdoAnswer::Kind::kAbort) return Fail(Wrong::kAborted, answer->value);
   if ((step.kind == Step::Kind::kRead) != (answer->kind == canopen::SdoAnswer::Kind::kValue)) return;
   if (step.kind == Step::Kind::kRead) {
@@ -280,7 +281,7 @@ void ReamerDrive::Fail(Wrong wrong, std::uint32_t found) OSTEON_RT {
 }
 
 bool ReamerDrive::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
-  if (phase_ == DrivePhase::kFailed) return false;  // our silence stops a drive that still turns
+  if (phase_ == DrivePhase::kFailed) return false;  // a drive that still turns stops when our heartbeat ends
   if (now >= next_heartbeat_) {
     next_heartbeat_ = now + params_.heartbeat;
     frame = canopen::Heartbeat(params_.master_node, NmtState::kOperational);

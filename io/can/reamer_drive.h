@@ -16,30 +16,30 @@ namespace osteon::io {
 
 struct ReamerDriveParams {
   std::uint8_t node{16};            ///< 1 … 127; at least 16 beside an ATI sensor
-  std::uint8_t master_node{127};    ///< of the controller, for the heartbeat that the drive watches
+  std::uint8_t master_node{127};    ///< the controller's node, whose heartbeat the drive watches
   std::int8_t mode{3};              ///< 3 profile velocity, 9 cyclic synchronous velocity
   double gear_ratio{1.0};           ///< turns of the motor for each turn of the tool
   double rated_torque_Nm{0.0};      ///< of the motor; no default. Must match the drive's 6076 within 1 %
   int direction{1};                 ///< 1 or -1: the motor's direction for a positive tool speed
   double max_speed_rad_per_s{0.0};  ///< of the tool; commands beyond are clamped. No default
-  double acceleration_rad_per_s2{100.0};                   ///< of the tool, both up and down
-  double quick_stop_rad_per_s2{400.0};                     ///< of the tool
-  rt::Nanoseconds cycle{4 * rt::kMillisecond};             ///< of command, SYNC and status
-  rt::Nanoseconds heartbeat{50 * rt::kMillisecond};        ///< requested of the drive, and sent by us; whole
-                                                           ///< ms
-  int missed_heartbeats{3};                                ///< this many in a row are a loss, on both sides
-  int missed_cycles{10};                                   ///< this many missing status PDOs in a row are a
-                                                           ///< loss
-  rt::Nanoseconds answer_timeout{100 * rt::kMillisecond};  ///< of an SDO
-  int attempts{3};                                         ///< of an SDO
-  /// Temperature has no standard object: the maker's, i16. Accepted size 2 bytes.
+  double acceleration_rad_per_s2{100.0};             ///< of the tool, both up and down
+  double quick_stop_rad_per_s2{400.0};               ///< of the tool
+  rt::Nanoseconds cycle{4 * rt::kMillisecond};       ///< of command, SYNC and status
+  rt::Nanoseconds heartbeat{50 * rt::kMillisecond};  ///< period of the drive's heartbeat and of ours, in
+                                                     ///< whole ms
+  int missed_heartbeats{3};                          ///< this many in a row are a loss, on both sides
+  int missed_cycles{10};                             ///< this many missing status PDOs in a row are a
+                                                     ///< loss
+  rt::Nanoseconds answer_timeout{100 * rt::kMillisecond};  ///< for the answer to an SDO
+  int attempts{3};                                         ///< an SDO is sent at most this often
+  /// The maker's object for the temperature, an i16 (CiA 402 has none). Accepted size: 2 bytes.
   canopen::Object temperature{0x3201, 0x01, 2};
 };
 
 /// Faults of the drive; latched until ResetFaults().
 enum DriveFault : std::uint32_t {
-  kDriveHeartbeatLost = 1u << 0,    ///< silent for longer than it may be
-  kDriveStatusLost = 1u << 1,       ///< its PDOs no longer come
+  kDriveHeartbeatLost = 1u << 0,    ///< missed_heartbeats heartbeats in a row did not come
+  kDriveStatusLost = 1u << 1,       ///< missed_cycles status PDOs in a row did not come
   kDriveEmergency = 1u << 2,        ///< it sent an EMCY; DriveStatus::emergency_code
   kDriveInFault = 1u << 3,          ///< its state is fault or fault reaction; DriveStatus::error_code
   kDriveRestarted = 1u << 4,        ///< the drive booted and lost its configuration
@@ -114,8 +114,8 @@ class ReamerDrive final : public CanClient {
   [[nodiscard]] bool IsHeard(rt::Nanoseconds now) const OSTEON_RT {
     return set_up_lost_ || (!HeartbeatIsLost(now) && !StatusIsLost(now));
   }
-  /// Refused, something is latched, or the drive's state is a fault. Also true during a reset, when nothing
-  /// is latched any more.
+  /// Whether the drive was refused, a fault is latched, or the drive's state is a fault. Also true during a
+  /// reset, when nothing is latched any more.
   [[nodiscard]] bool faulty() const OSTEON_RT {
     return phase_ == DrivePhase::kFailed || status_.faults != 0 || status_.state == DriveState::kFault ||
            status_.state == DriveState::kFaultReaction;
@@ -124,7 +124,8 @@ class ReamerDrive final : public CanClient {
   /// Configures the drive again, e.g. after kDriveRestarted.
   void Restart() OSTEON_RT;
 
-  /// kFailed because it never answered or never became operational: it may not be switched on yet.
+  /// Whether the phase is kFailed because the drive never answered or never became operational: it may not be
+  /// switched on yet.
   [[nodiscard]] bool silent() const OSTEON_RT {
     return phase_ == DrivePhase::kFailed && (wrong_ == Wrong::kSilent || wrong_ == Wrong::kNotStarted);
   }

@@ -10,7 +10,7 @@
 
 namespace osteon::io {
 
-/// Meaning of a call that took nothing.
+/// Why a call received no message.
 enum class EmptyReceive : std::uint8_t {
   kNothing,  ///< nothing waits
   kDown,     ///< the bus is down

@@ -69,8 +69,8 @@ const char* ErrorText(int code) {
   }
 }
 
-// A period beyond these shares of the nominal one means another rate: the next lower rate has twice the
-// period.
+// Accepted range of the measured period, as shares of the nominal one. Outside it the sensor sends at another
+// rate: the next lower rate has at least twice the period.
 constexpr double kSlowest = 1.5, kFastest = 0.6;
 
 }  // namespace

@@ -23,7 +23,7 @@ struct SensorReading {
   rt::Nanoseconds stamp{0};  ///< arrival of its first frame; 0: none yet
   PlainWrench F_S;
   std::uint32_t flags{0};   ///< SensorFlag
-  std::uint16_t status{0};  ///< as sent; bits of the make
+  std::uint16_t status{0};  ///< status word as sent; its bits depend on the make
 };
 
 enum class SensorPhase : std::uint8_t {
@@ -55,7 +55,7 @@ class WrenchSensor : public CanClient {
   /// Sets the sensor up again, e.g. after its supply was off.
   virtual void Restart() OSTEON_RT = 0;
 
-  /// kFailed because it never answered: it may not be switched on yet.
+  /// Whether the phase is kFailed because the sensor never answered: it may not be switched on yet.
   [[nodiscard]] virtual bool silent() const OSTEON_RT = 0;
 
   /// Why the sensor was refused: device, value found, what is accepted. Empty unless kFailed. Not for the

@@ -10,11 +10,12 @@
 namespace osteon::io {
 namespace {
 
-constexpr rt::Nanoseconds kGrantedWithin = 400 * rt::kMillisecond;
-constexpr rt::Nanoseconds kWithdrawnFor = 150 * rt::kMillisecond;  // longer than a heartbeat's 100 ms
-constexpr rt::Nanoseconds kAgainAfter = rt::kSecond;
+constexpr rt::Nanoseconds kGrantedWithin = 400 * rt::kMillisecond;  // then the motion request is withdrawn
+constexpr rt::Nanoseconds kWithdrawnFor = 150 * rt::kMillisecond;   // longer than a heartbeat's 100 ms
+constexpr rt::Nanoseconds kAgainAfter = rt::kSecond;                // a silent device is then set up again
 constexpr double kStands_rad_per_s = 0.5;  // below this speed a spindle may be switched off
 
+// Makes a sensor of one make as a WrenchSensor.
 template <class Sensor, class Params>
 tl::expected<std::unique_ptr<WrenchSensor>, std::string> MakeOne(const Params& params) {
   auto made = Sensor::Make(params);

@@ -12,9 +12,9 @@
 
 namespace osteon::io {
 
-/// The loop's view of force sensor and reamer drive, and its request to the PLC, without the wires. Wall time
-/// puts it on buses (WiredDevices), virtual time passes frames in memory. One thread at a time; no allocation
-/// after construction.
+/// The loop's view of force sensor and reamer drive, and its request to the PLC, without the connections. In
+/// wall time WiredDevices connects it to buses; in virtual time frames are passed in memory. One thread at a
+/// time; no allocation after construction.
 class DeviceClients {
  public:
   /// The error names the device, the parameter, the value found and what is accepted.
@@ -24,9 +24,9 @@ class DeviceClients {
   /// Adds the devices of a bus to the pump that moves its frames. @param bus  index in DeviceParams::buses
   void AddToPump(CanPump& pump, std::size_t bus);
 
-  /// Commands the drive: the given speed, or ramp down and then off with speed 0. A drive with a fault is
-  /// reset if the command allows it, at most DriveReset::kAttempts times. A device that never answered is set
-  /// up again each second: it may be switched on later than the controller.
+  /// Commands the speed, or a quick stop, to the drive; at speed 0 it ramps down, then is off. A drive with
+  /// a fault is reset if the command allows it, at most DriveReset::kAttempts times. A device that never
+  /// answered is set up again each second: it may be switched on later than the controller.
   void Command(const control::CellCommands& commands, rt::Nanoseconds now) OSTEON_RT;
 
   /// Returns MOTION_REQUEST for the PLC. Call once per tick. A request that is not granted within 0.4 s is

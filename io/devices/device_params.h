@@ -17,9 +17,9 @@ namespace osteon::io {
 /// A CAN bus of the cell.
 struct CanBusParams {
   std::string name;              ///< name in the cell's file
-  std::string interface;         ///< of SocketCAN, e.g. can0; empty: the tunnel to a simulated cell, below
-  std::uint16_t port{0};         ///< of our end of the tunnel, on the loopback
-  std::uint16_t device_port{0};  ///< of the simulated devices' end
+  std::string interface;         ///< of SocketCAN, e.g. can0; empty: a UDP tunnel to a simulated cell
+  std::uint16_t port{0};         ///< UDP port of our end of the tunnel, on the loopback
+  std::uint16_t device_port{0};  ///< UDP port of the simulated devices' end
 };
 
 using WrenchSensorParams = std::variant<RobotousParams, AtiParams>;
@@ -29,7 +29,7 @@ struct DeviceParams {
   std::vector<CanBusParams> buses;
   WrenchSensorParams sensor;
   std::size_t sensor_bus{0};               ///< in `buses`
-  std::optional<ReamerDriveParams> drive;  ///< absent: a tool without one
+  std::optional<ReamerDriveParams> drive;  ///< absent: the tool has no drive
   std::size_t drive_bus{0};
   std::optional<PlcClientParams> plc;
   rt::Nanoseconds plc_max_age{100 * rt::kMillisecond};  ///< of the PLC's block; twice that for its heartbeat

@@ -5,12 +5,13 @@
 
 namespace osteon::io {
 
-/// When a drive in fault is reset: a few times, with a pause between, and only while it is allowed
-/// (control::CellCommands::clear_faults). A fault that comes back after each reset needs a person.
+/// Decides when a drive in fault is reset: a few times, with a pause between the attempts, and only while
+/// resets are allowed (control::CellCommands::clear_faults). A fault that comes back after each reset needs a
+/// person.
 class DriveReset {
  public:
   static constexpr int kAttempts = 3;
-  /// Longer than a drive takes to boot and answer.
+  /// Pause between two attempts: longer than a drive takes to boot and answer.
   static constexpr rt::Nanoseconds kBetween = rt::kSecond / 2;
 
   /// Call once a tick. True if a reset should be tried now; call Count() after a reset.
@@ -22,7 +23,7 @@ class DriveReset {
     ++attempts_;
     last_ = now;
   }
-  /// Resets since they were allowed.
+  /// Number of resets since they were allowed.
   [[nodiscard]] int attempts() const OSTEON_RT { return attempts_; }
 
  private:

@@ -6,7 +6,7 @@
 namespace osteon::io {
 namespace {
 
-// Either kind of bus as a CanBus.
+// Converts the result of either bus's Open to that of a CanBus.
 template <class Bus>
 tl::expected<std::unique_ptr<CanBus>, std::string> AsBus(
     tl::expected<std::unique_ptr<Bus>, std::string> opened) {

@@ -13,8 +13,8 @@
 #include "io/engine/byte_cursor.h"
 #include "io/engine/codec.h"
 
-// A block of bytes (a set-up, a carved state) over datagrams. Its receiver asks for pieces, again for those
-// that did not come; its sender only answers.
+// Transfers a block of bytes (a set-up, a carved state) in datagrams. The receiver asks for pieces, and asks
+// again for those that did not come; the sender only answers.
 
 namespace osteon::io {
 
@@ -54,7 +54,7 @@ inline EngineBytes EncodeWant(const EngineHeader& header, const EngineWant& want
   return want;
 }
 
-/// Calls `send` with the content of each piece that is wanted and that `bytes` has.
+/// Calls `send` with the content of each requested piece that exists in `bytes`.
 template <class Send>
 void AnswerWant(const EngineWant& want, std::span<const std::uint8_t> bytes, Send send) {
   const std::uint64_t pieces = (bytes.size() + kPieceBytes - 1) / kPieceBytes;
@@ -76,7 +76,7 @@ class BlockReceiver {
   BlockReceiver(EngineBlock block, std::uint64_t size)
       : block_(block), bytes_(size), has_((size + kPieceBytes - 1) / kPieceBytes, false) {}
 
-  /// Takes the content of a kPiece. False if it is no piece of this block.
+  /// Stores the content of a kPiece message. False if it is no piece of this block.
   bool Accept(std::span<const std::uint8_t> content) {
     ByteReader reader(content);
     const auto block = reader.Get<EngineBlock>();
@@ -93,7 +93,7 @@ class BlockReceiver {
   }
   [[nodiscard]] bool complete() const { return missing_ == has_.size(); }
 
-  /// The next question, once the answer to the one before is complete or overdue.
+  /// The next request for pieces, once the answer to the last request is complete or overdue.
   [[nodiscard]] std::optional<EngineWant> NextWant(rt::Nanoseconds now) {
     if (complete() || (missing_ < asked_to_ && now - asked_at_ < kAskAgain)) return std::nullopt;
     asked_at_ = now;

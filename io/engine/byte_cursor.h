@@ -13,8 +13,8 @@ namespace osteon::io {
 
 static_assert(std::endian::native == std::endian::little, "numbers cross as they lie in memory");
 
-/// Appends numbers, little-endian, to a buffer of fixed size. What does not fit is left out, and ok() says
-/// so.
+/// Appends numbers, little-endian, to a buffer of fixed size. From the first value that does not fit, nothing
+/// more is written, and ok() is false.
 class ByteWriter {
  public:
   explicit ByteWriter(std::span<std::uint8_t> room) : room_(room) {}
@@ -39,7 +39,8 @@ class ByteWriter {
   bool ok_{true};
 };
 
-/// Takes numbers, little-endian, from bytes. Beyond their end it gives zeros, and ok() says so.
+/// Reads numbers, little-endian, from bytes. Reading beyond the end gives zeros, and ok() is false from then
+/// on.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -57,7 +58,7 @@ class ByteReader {
     Get(value);
     return value;
   }
-  /// Empty if so many are not left.
+  /// The next `size` bytes; empty if fewer are left.
   [[nodiscard]] std::span<const std::uint8_t> GetBytes(std::size_t size) OSTEON_RT {
     ok_ = ok_ && size <= bytes_.size() - at_;
     if (!ok_) return {};

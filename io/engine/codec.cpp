@@ -10,8 +10,8 @@ namespace osteon::io {
 namespace {
 
 constexpr std::size_t kCrcAt = 12;
-constexpr double kMaxValue = 1e9;           // of any number, in SI: far beyond every cell
-constexpr double kMaxRotationError = 1e-6;  // of R R^T against the identity
+constexpr double kMaxValue = 1e9;           // bound on every number, in SI units: far beyond any cell
+constexpr double kMaxRotationError = 1e-6;  // largest difference of an element of R R^T from the identity's
 constexpr double kMaxDt_s = 1.0;
 
 std::uint32_t Checksum(std::span<const std::uint8_t> message) OSTEON_RT {
@@ -35,8 +35,8 @@ bool IsRotation(const std::array<double, 9>& R) OSTEON_RT {
   return det > 0.0;
 }
 
-// Both directions of a field stand in one list, so that they cannot differ. `Cursor` is a ByteWriter or a
-// Checked reader.
+// Encoding and decoding share one list of a message's fields (Visit), so that they cannot differ. The list
+// calls Field for each value: Checked reads and checks it, Written writes it.
 class Checked {
  public:
   explicit Checked(std::span<const std::uint8_t> content) : reader_(content) {}
@@ -131,7 +131,7 @@ template <class Message>
 void EncodeFields(const EngineHeader& header, const Message& message, EngineBytes& out) OSTEON_RT {
   std::array<std::uint8_t, kEngineMaxMessage - kEngineHeaderBytes> content;
   Written fields(content);
-  Message copy = message;  // the list of fields is one for both directions, so it takes what it could change
+  Message copy = message;  // Visit needs a message that can be changed, since it also decodes
   Visit(fields, copy);
   EncodeEngine(header, {content.data(), fields.writer().size()}, out);
 }

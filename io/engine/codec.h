@@ -38,7 +38,7 @@ bool EncodeEngine(const EngineHeader& header, std::span<const std::uint8_t> cont
 void EncodeEngine(const EngineHeader& header, const EngineCommand& command, EngineBytes& message) OSTEON_RT;
 void EncodeEngine(const EngineHeader& header, const EngineFrame& frame, EngineBytes& message) OSTEON_RT;
 
-/// Checks what surrounds the content. @param[out] content  points into `message`
+/// Checks and decodes the header of a message, and its checksum. @param[out] content  points into `message`
 [[nodiscard]] EngineError DecodeEngine(std::span<const std::uint8_t> message, EngineHeader& header,
                                        std::span<const std::uint8_t>& content) OSTEON_RT;
 /// Decodes a whole message. An error leaves `command` or `frame` unchanged.

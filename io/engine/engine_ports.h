@@ -13,23 +13,23 @@
 
 namespace osteon::io {
 
-/// What came over a connection to an engine, and did not.
+/// Counts of a connection to an engine.
 struct EngineCounters {
-  std::uint64_t frames{0};    ///< taken
+  std::uint64_t frames{0};    ///< frames received
   std::uint64_t lost{0};      ///< frames that the engine made and that never came here
-  std::uint64_t rejected{0};  ///< messages that were refused: damaged, hostile, of a stranger
+  std::uint64_t rejected{0};  ///< messages refused as damaged, hostile or from a stranger
 };
 
-/// A run's end of the connection to an engine in a process of its own. The servo thread has Load and Store;
-/// one other thread has the rest.
+/// A run's end of the connection to an engine in a process of its own. The servo thread calls Load and Store;
+/// one other thread calls the rest.
 class EngineClient : public control::SimulationPort {
  public:
   /// Waits for the next frame, in order, at most until `deadline`. False if none came.
   [[nodiscard]] virtual bool AwaitFrame(EngineFrame& frame, rt::Nanoseconds deadline) = 0;
-  /// Sends one command with its own time, for lockstep. Not together with Store.
+  /// Sends one command with its own dt_s, for lockstep. Not to be mixed with Store.
   virtual void Send(const EngineCommand& command) = 0;
-  /// Ends the frames and takes the bytes of the carved state, as WriteCarvedState writes them. The error says
-  /// why there are none.
+  /// Ends the frames and fetches the bytes of the carved state, as WriteCarvedState writes them. The error
+  /// says why there are none.
   [[nodiscard]] virtual tl::expected<std::vector<std::uint8_t>, std::string> FetchCarved(
       rt::Nanoseconds deadline) = 0;
   [[nodiscard]] virtual EngineCounters counters() const = 0;
@@ -38,9 +38,9 @@ class EngineClient : public control::SimulationPort {
   [[nodiscard]] virtual const std::string& device() const = 0;
 };
 
-/// What an engine's process hears.
+/// The event for which an engine's process has waited.
 enum class EngineEvent : std::uint8_t {
-  kNothing,  ///< until the deadline
+  kNothing,  ///< no event until the deadline
   kCommand,
   kEnd,   ///< the carved state is wanted
   kGone,  ///< the run is over

@@ -14,7 +14,7 @@ namespace osteon::io {
 namespace {
 
 constexpr std::array<std::uint8_t, 8> kMagic{'O', 'S', 'T', 'E', 'N', 'S', 'E', 'T'};
-constexpr std::uint32_t kVersion = 2;                                          // 1: without edges
+constexpr std::uint32_t kVersion = 2;                                          // version 1 had no edges
 constexpr std::size_t kHeadBytes = kMagic.size() + 2 * sizeof(std::uint32_t);  // magic, version, CRC
 constexpr std::size_t kMaxText = 4096;
 constexpr double kMax_m = 1e3;
@@ -46,7 +46,7 @@ class Output {
   std::vector<std::uint8_t> bytes;
 };
 
-// Takes values as long as nothing was wrong; the first fault is kept.
+// Reads values until the first error, and keeps that error.
 class Input {
  public:
   explicit Input(std::span<const std::uint8_t> bytes) : reader_(bytes) {}
@@ -82,7 +82,8 @@ class Input {
     if (!reader_.ok()) Refuse(fmt::format("{}: found the end of the bytes, accepted {} more", what, size));
     return {bytes.begin(), bytes.end()};
   }
-  /// A count of things of so many bytes each, which must still be there: nothing is allocated for more.
+  /// Reads the number of items that follow, each of `bytes_each` bytes. A number for which too few bytes are
+  /// left is refused, so that nothing is allocated for it.
   std::size_t Count(const char* what, std::size_t min, std::size_t bytes_each) {
     const auto count = Take<std::uint64_t>(what);
     if (count < min || count > reader_.left() / bytes_each)

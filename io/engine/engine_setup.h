@@ -13,8 +13,8 @@
 
 namespace osteon::io {
 
-/// What an engine is made of. A run sends it, so that both sides have the same bone to the last bit, however
-/// it was packed.
+/// Everything from which an engine is made. A run sends it, so that both sides have the same bone to the last
+/// bit, however it was packed.
 struct EngineSetup {
   simulation::Bone bone;
   simulation::Tool tool;  ///< its balls; an engine needs no mass

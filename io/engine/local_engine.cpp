@@ -29,12 +29,13 @@ constexpr rt::Nanoseconds kCommandPoll = 50'000;  // commands come once a millis
 constexpr rt::Nanoseconds kFramePoll = 100'000, kStatePoll = 5 * rt::kMillisecond;
 constexpr rt::Nanoseconds kRunCheck = 100 * rt::kMillisecond;
 
+// Returns the system's folder for shared memory, or the one for temporary files if there is none.
 fs::path SharedFolder() {
   std::error_code error;
   return fs::is_directory("/dev/shm", error) ? fs::path("/dev/shm") : fs::temp_directory_path();
 }
 
-// A segment whose lock nobody holds is that of a run that has ended.
+// Removes the folders of runs that have ended: nobody holds the lock of their segment.
 void RemoveStale(const fs::path& parent) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(parent, error)) {
@@ -44,13 +45,14 @@ void RemoveStale(const fs::path& parent) {
       continue;
     const int file = open((entry.path() / "segment").c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
     if (file < 0) continue;
-    struct stat segment {};  // one that is still empty is being made
+    struct stat segment {};  // a segment that is still empty belongs to a run that is just being created
     if (fstat(file, &segment) == 0 && segment.st_size > 0 && flock(file, LOCK_EX | LOCK_NB) == 0)
       fs::remove_all(entry.path(), error);
     close(file);
   }
 }
 
+// Maps the segment into this process; null if the system refuses.
 SharedEngine* Map(int file) {
   void* at = mmap(nullptr, sizeof(SharedEngine), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, file, 0);
   return at == MAP_FAILED ? nullptr : static_cast<SharedEngine*>(at);
@@ -113,7 +115,7 @@ tl::expected<std::unique_ptr<LocalEngineClient>, std::string> LocalEngineClient:
   return client;
 }
 
-// A new file is all zeros: what is not written here begins so.
+// A new file is all zeros, so members that are not written here begin as zero.
 LocalEngineClient::LocalEngineClient(std::filesystem::path folder, int file, SharedEngine* shared)
     : folder_(std::move(folder)),
       file_(file),
@@ -247,7 +249,8 @@ LocalEngineServer::LocalEngineServer(std::filesystem::path folder, int file, Sha
       session_(shared->session) {}
 
 LocalEngineServer::~LocalEngineServer() {
-  std::error_code ignored;  // a run that was killed could not do this
+  std::error_code ignored;
+  // A run that was killed could not remove its folder.
   if (IsRunGone()) fs::remove_all(folder_, ignored);
   munmap(shared_, sizeof(SharedEngine));
   close(file_);
@@ -255,7 +258,7 @@ LocalEngineServer::~LocalEngineServer() {
 
 bool LocalEngineServer::IsRunGone() const {
   if (shared_->run.load(std::memory_order_acquire) == SharedState::kEnded) return true;
-  if (flock(file_, LOCK_SH | LOCK_NB) != 0) return false;  // the run lives and holds it
+  if (flock(file_, LOCK_SH | LOCK_NB) != 0) return false;  // the run lives: it holds the lock
   flock(file_, LOCK_UN);
   return true;
 }
@@ -299,7 +302,8 @@ void LocalEngineServer::Publish(const EngineFrame& frame) {
   EncodeEngine({.kind = EngineMessage::kFrame, .session = session_, .sequence = ++made_}, frame,
                frame_bytes_);
   models_.Store(frame_bytes_);
-  static_cast<void>(shared_->frames.Push(frame_bytes_));  // a gap in the sequence tells the run
+  // If the ring is full, the frame is dropped: a gap in the sequence numbers tells the run.
+  static_cast<void>(shared_->frames.Push(frame_bytes_));
 }
 
 void LocalEngineServer::PutCarved(std::vector<std::uint8_t> bytes) {

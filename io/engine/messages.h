@@ -7,7 +7,7 @@
 #include "simulation/contact/contact_model.h"
 #include "simulation/engine/cutting_engine.h"
 
-// What crosses between a run and a cutting engine in a process of its own. Plain data.
+// Messages between a run and a cutting engine in a process of its own. Plain data.
 
 namespace osteon::io {
 
@@ -27,7 +27,7 @@ enum class EngineMessage : std::uint16_t {
   kGoodbye = 8,  ///< run to engine: the session is over
 };
 
-/// What every message begins with.
+/// The beginning of every message.
 struct EngineHeader {
   EngineMessage kind{EngineMessage::kCommand};
   std::uint64_t session{0};   ///< made anew by the engine for each run
@@ -37,7 +37,7 @@ struct EngineHeader {
 /// The tool pose that a frame ends at.
 struct EngineCommand {
   simulation::ToolCommand command;
-  double dt_s{-1.0};  ///< time in which the bone can give way; negative: since the command before
+  double dt_s{-1.0};  ///< time in which the bone can give way; negative: the time since the command before
 };
 
 /// A frame. `model.pose_stamp` returns the command's stamp, so that the run knows the model's age by its own
@@ -52,7 +52,7 @@ struct EngineFrame {
 enum class EngineError : std::uint8_t {
   kNone,
   kWrongSize,     ///< shorter than its header, longer than accepted, or not as long as it says
-  kNotOurs,       ///< other first bytes
+  kNotOurs,       ///< does not begin with kEngineMagic
   kOtherVersion,  ///< of the protocol
   kChecksum,
   kWrongKind,

@@ -9,7 +9,7 @@
 #include "base/marker.h"
 #include "io/engine/codec.h"
 
-// What a run and its engine share in memory. Nothing in it is believed: each side copies a message out
+// The memory that a run and its engine share. Neither side trusts its content: each copies a message out
 // before it decodes it, and bounds every index that the other side could have written.
 
 namespace osteon::io {
@@ -25,7 +25,8 @@ struct alignas(64) SharedMessage {
 };
 
 /// The shared part of a wait-free hand-over of the newest message, as rt::LatestValue hands over a value: a
-/// triple buffer, whose roles an atomic byte holds. Here the roles of each side are in its own process.
+/// triple buffer. The atomic byte holds the index of the buffer that belongs to neither side; each side keeps
+/// the index of its own buffer in its own process.
 ///
 /// Writer: one SlotWriter; reader: one SlotReader. Memory order: both exchange with acquire and release.
 struct SharedSlot {
@@ -103,7 +104,7 @@ struct SharedRing {
   }
 };
 
-/// How far a side is.
+/// Progress of one side, the run or the engine.
 enum class SharedState : std::uint32_t { kStarting, kRunning, kEnding, kEnded, kFailed };
 
 /// The whole segment.

@@ -16,34 +16,35 @@
 #include "io/engine/block_transfer.h"
 #include "io/engine/engine_ports.h"
 
-// A run and its engine on two machines, or on one, over UDP. The engine serves one run at a time: from its
-// greeting on, nobody else is heard. What is lost is not sent again: a newer pose or model follows. Only
-// blocks (block_transfer.h) are asked for until they are whole.
+// A run and its engine on two machines, or on one, over UDP. The engine serves one run at a time: from that
+// run's greeting on, nobody else is heard. A lost message is not sent again: a newer pose or model follows.
+// Only blocks (block_transfer.h) are requested until they are complete.
 
 namespace osteon::io {
 
 /// The longest token that a greeting may carry.
 inline constexpr std::size_t kMaxToken = 256;
-/// An engine that has not heard its run for so long is free for the next.
+/// After this long without a message from its run, an engine is free for the next run.
 inline constexpr rt::Nanoseconds kRunSilence = 5 * rt::kSecond;
-/// A run greets its engine so often while it has no command to send.
+/// Interval at which a run greets its engine while it has no command to send.
 inline constexpr rt::Nanoseconds kGreetEvery = 100 * rt::kMillisecond;
 
-/// How far an engine is with a run.
+/// The state of an engine toward a run, as its welcome tells it.
 enum class EngineProgress : std::uint8_t { kTakesSetup, kMakes, kRuns, kCarved, kBusy, kRefused };
 
 struct UdpEngineParams {
   std::string address;
   std::uint16_t port{0};
   std::string token{};
-  rt::Nanoseconds answer_within{3 * rt::kSecond};  ///< to the first greeting
-  rt::Nanoseconds ready_within{120 * rt::kSecond};
+  rt::Nanoseconds answer_within{3 * rt::kSecond};   ///< longest wait for an answer to the first greeting
+  rt::Nanoseconds ready_within{120 * rt::kSecond};  ///< longest wait until the engine is made
 };
 
 /// The run's end. Servo thread: Load and Store; the other thread receives.
 class UdpEngineClient final : public EngineClient {
  public:
-  /// Greets the engine, sends the set-up, and waits until it has its engine. The error says what to do.
+  /// Greets the engine's process, sends the set-up, and waits until the engine is made. The error says what
+  /// to do.
   [[nodiscard]] static tl::expected<std::unique_ptr<UdpEngineClient>, std::string> Connect(
       const UdpEngineParams& params, std::span<const std::uint8_t> setup);
   ~UdpEngineClient() override;
@@ -90,7 +91,7 @@ class UdpEngineClient final : public EngineClient {
 struct UdpServerParams {
   std::string address{"127.0.0.1"};
   std::uint16_t port{0};  ///< 0: any free one
-  std::string token{};    ///< empty: none is asked for
+  std::string token{};    ///< that a greeting must carry; empty: any greeting is accepted
 };
 
 /// The engine's end.
@@ -105,14 +106,14 @@ class UdpEngineServer final : public EngineServer {
   [[nodiscard]] std::uint16_t port() const { return port_; }
   /// Waits for a run's set-up, at most until `deadline`; nothing if none came, or only part of it.
   [[nodiscard]] std::optional<std::vector<std::uint8_t>> AwaitSetup(rt::Nanoseconds deadline);
-  /// Says that the engine is there, and what it is; or why there is none.
+  /// Tells the run that the engine is made, with its name and device; or (SetFailed) why there is none.
   void SetRunning(const std::string& engine, const std::string& device);
   void SetFailed(const std::string& why);
 
   [[nodiscard]] EngineEvent Await(EngineCommand& command, rt::Nanoseconds deadline) override;
   void Publish(const EngineFrame& frame) override;
   void PutCarved(std::vector<std::uint8_t> bytes) override;
-  /// Ends with the present run, and is free for the next.
+  /// Ends the session with the present run, and is free for the next.
   void ResetSession();
 
   [[nodiscard]] const EngineCounters& counters() const { return counters_; }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr rt::Nanoseconds kReceiveSlice = 10 * rt::kMillisecond;
 constexpr rt::Nanoseconds kEndEvery = 50 * rt::kMillisecond;
-constexpr int kGoodbyes = 3;  // one may be lost; the engine would wait kRunSilence
+constexpr int kGoodbyes = 3;  // copies of the goodbye: if all are lost, the engine waits for kRunSilence
 
 std::string TakeText(ByteReader& reader) {
   const auto size = reader.Get<std::uint16_t>();
@@ -35,7 +35,7 @@ tl::expected<std::unique_ptr<UdpEngineClient>, std::string> UdpEngineClient::Con
   const auto bound = BindUdp("engine", loopback ? "127.0.0.1" : "0.0.0.0", 0);
   if (!bound) return tl::make_unexpected(bound.error());
   std::unique_ptr<UdpEngineClient> client(new UdpEngineClient(bound->socket, params, setup));
-  // the system then refuses every other sender
+  // A connected socket receives from nobody else.
   if (connect(bound->socket, reinterpret_cast<const sockaddr*>(&*there), sizeof *there) != 0)
     return tl::make_unexpected(
         fmt::format("{}:{}: cannot be reached: {}", params.address, params.port, SystemReason(errno)));
@@ -57,7 +57,7 @@ UdpEngineClient::~UdpEngineClient() {
 }
 
 void UdpEngineClient::SendBytes(const EngineBytes& bytes) OSTEON_RT {
-  // not sent or not delivered: as good as lost
+  // A message that could not be sent counts as lost on its way.
   static_cast<void>(send(socket_, bytes.bytes.data(), bytes.size, MSG_DONTWAIT | MSG_NOSIGNAL));
 }
 
@@ -164,7 +164,7 @@ bool UdpEngineClient::AwaitFrame(EngineFrame& frame, rt::Nanoseconds deadline) {
   EngineHeader header;
   std::span<const std::uint8_t> content;
   for (;;) {
-    if (rt::MonotonicNow() - hello_at_ >= kGreetEvery) SendHello();  // the run lives, even without a command
+    if (rt::MonotonicNow() - hello_at_ >= kGreetEvery) SendHello();  // shows that the run lives
     if (!Receive(deadline, header, content)) return false;
     if (header.kind != EngineMessage::kFrame) continue;
     const std::span<const std::uint8_t> message(in_.data(), kEngineHeaderBytes + content.size());
@@ -172,7 +172,7 @@ bool UdpEngineClient::AwaitFrame(EngineFrame& frame, rt::Nanoseconds deadline) {
       ++counters_.rejected;
       continue;
     }
-    if (header.sequence < next_frame_) continue;  // overtaken on its way, and counted as lost then
+    if (header.sequence < next_frame_) continue;  // was overtaken, and was counted as lost then
     models_.Store(frame.model);
     counters_.lost += header.sequence - next_frame_;
     next_frame_ = header.sequence + 1;

@@ -10,10 +10,10 @@
 namespace osteon::io {
 namespace {
 
-constexpr int kMaxAtOnce = 256;        // bounds the time that a flood can take
-constexpr std::size_t kMaxText = 300;  // of a name or an error, in a welcome
+constexpr int kMaxAtOnce = 256;        // datagrams read in one call, so that a flood cannot hold it up
+constexpr std::size_t kMaxText = 300;  // longest name or error text in a welcome, in bytes
 
-// Takes the same time wherever two texts of equal length differ.
+// Compares two texts. For texts of equal length it takes the same time wherever they differ.
 bool SameText(std::span<const std::uint8_t> a, const std::string& b) {
   unsigned difference = a.size() == b.size() ? 0u : 1u;
   for (std::size_t i = 0; i < a.size() && i < b.size(); ++i)
@@ -60,7 +60,7 @@ bool UdpEngineServer::IsPeer(const sockaddr_in& sender) const {
 }
 
 void UdpEngineServer::SendBytes(const EngineBytes& bytes, const sockaddr_in& to) {
-  // not sent: as good as lost
+  // A message that could not be sent counts as lost on its way.
   static_cast<void>(sendto(socket_, bytes.bytes.data(), bytes.size, MSG_DONTWAIT | MSG_NOSIGNAL,
                            reinterpret_cast<const sockaddr*>(&to), sizeof to));
 }

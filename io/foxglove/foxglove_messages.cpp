@@ -11,7 +11,7 @@ namespace osteon::io {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-// an arrow's head, by the shaft's diameter
+// Width and length of an arrow's head, in diameters of its shaft.
 constexpr double kHeadWidth = 2.0, kHeadLength = 3.0;
 
 void Fill(rt::Nanoseconds stamp, google::protobuf::Timestamp* to) {
@@ -45,7 +45,7 @@ void Fill(const SceneColor& from, foxglove::Color* to) {
   to->set_a(from.a);
 }
 
-// A pose whose z points along a vector; no rotation where it has no length.
+// Returns a pose at `place` whose z axis points along a vector; a vector without length gives no rotation.
 Pose ZAlong(const Vector3& place, const Vector3& along) {
   Pose X = Pose::Identity();
   X.translation() = place;
@@ -53,9 +53,9 @@ Pose ZAlong(const Vector3& place, const Vector3& along) {
   return X;
 }
 
-// The same with x.
+// As ZAlong, but the x axis points along the vector.
 Pose XAlong(const Vector3& place, const Vector3& along) {
-  Matrix3 z_from_x;  // columns: where x, y and z go
+  Matrix3 z_from_x;  // its columns are the images of the axes x, y and z: x becomes z
   z_from_x << 0, 0, -1, 0, 1, 0, 1, 0, 0;
   Pose X = ZAlong(place, along);
   if (along.norm() > 0.0) X.linear() = X.linear() * z_from_x;

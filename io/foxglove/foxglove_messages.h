@@ -12,12 +12,12 @@
 
 namespace osteon::io {
 
-/// Parts of 0 … 1.
+/// A colour; each component is 0 … 1.
 struct SceneColor {
   double r{0.0}, g{0.0}, b{0.0}, a{1.0};
 };
 
-// What an entity is made of, in its frame.
+// The parts of an entity, in its frame.
 struct SceneBall {
   Vector3 center_m{Vector3::Zero()};
   double radius_m{0.0};
@@ -44,7 +44,7 @@ struct SceneMesh {
   std::vector<std::uint32_t> triangles{};  ///< three points each
 };
 
-/// Things that are replaced together: an entity of the same name before it goes.
+/// Parts that are replaced together: an entity replaces the earlier one with the same id.
 struct SceneEntity {
   std::string id;
   std::string frame;  ///< it moves with this frame
@@ -55,7 +55,7 @@ struct SceneEntity {
   SceneMesh mesh{};
 };
 
-/// A frame by its parent.
+/// The pose of a frame in its parent frame.
 struct FramePlace {
   std::string parent, child;
   Pose X_PC{Pose::Identity()};
@@ -70,7 +70,7 @@ enum class LogLevel : std::uint8_t { kInfo = 2, kWarning = 3, kError = 4 };
 
 /// foxglove.FrameTransforms
 void EncodeFrames(rt::Nanoseconds stamp, std::span<const FramePlace> frames, std::string& bytes);
-/// foxglove.SceneUpdate. @param all  everything that the topic showed before goes first
+/// foxglove.SceneUpdate. @param all  first remove everything that the topic showed before
 void EncodeScene(rt::Nanoseconds stamp, std::span<const SceneEntity> entities, bool all, std::string& bytes);
 /// foxglove.JointStates; the joints are joint_1, … @param q_rad  positions
 void EncodeJoints(rt::Nanoseconds stamp, std::span<const double> q_rad, std::string& bytes);

@@ -12,7 +12,7 @@
 namespace osteon::io {
 namespace {
 
-constexpr std::size_t kMaxAtOnce = 64;  // bounds the time that a flood can take
+constexpr std::size_t kMaxAtOnce = 64;  // datagrams read in one call, so that a flood cannot hold it up
 
 safety::GuardSession SessionOf(control::SessionState state) {
   switch (state) {
@@ -42,7 +42,7 @@ struct FriRelay::Judge {
   }
   void Reject() OSTEON_RT { ++relay.counters_.rejected; }
   void ResetSession() OSTEON_RT { relay.monitor_.ResetSession(); }
-  void OnOvertaken() OSTEON_RT {}  // it was relayed as well: the controller counts it
+  void OnOvertaken() OSTEON_RT {}  // an overtaken message was relayed as well: the controller counts it
 };
 
 tl::expected<std::unique_ptr<FriRelay>, std::string> FriRelay::Open(const FriRelayParams& params,

@@ -3,8 +3,8 @@
 namespace osteon::io {
 namespace {
 
-constexpr double kRotationTolerance = 1e-3;  // for products of an orthonormal matrix's columns, for a
-                                             // quaternion's length
+// Largest deviation of an element of R R^T from the identity's, and of a quaternion's length from 1.
+constexpr double kRotationTolerance = 1e-3;
 
 bool IsRotation(const Matrix3& R) OSTEON_RT {
   return (R * R.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff() < kRotationTolerance &&

@@ -7,7 +7,8 @@
 namespace osteon::io {
 namespace {
 
-// One function for each message of fri.proto, by its field numbers; the depth is the schema's.
+// Read has one overload for each message of fri.proto, by its field numbers; calls nest as deep as the
+// schema.
 struct WireChecksum {};
 struct WireEndOf {};
 template <std::size_t N>
@@ -24,6 +25,7 @@ bool Read(ProtoReader in, WireIpo& wire) OSTEON_RT;
 bool Read(ProtoReader in, WireChecksum& wire) OSTEON_RT;
 bool Read(ProtoReader in, WireEndOf& wire) OSTEON_RT;
 
+// Reads a nested message into `part`: a message that comes again is merged with the earlier one.
 template <class T>
 void Merge(ProtoReader& in, T& part) OSTEON_RT {
   if (!Read(ProtoReader(in.Bytes()), part)) in.Fail();
@@ -35,6 +37,7 @@ void Merge(ProtoReader& in, std::optional<T>& part) OSTEON_RT {
   Merge(in, *part);
 }
 
+// Reads a nested message of a repeated field, and adds it to the list.
 template <class T, std::size_t N>
 void Append(ProtoReader& in, FriList<T, N>& list) OSTEON_RT {
   T part;
@@ -42,7 +45,7 @@ void Append(ProtoReader& in, FriList<T, N>& list) OSTEON_RT {
   if (!list.Add(part)) in.Fail();
 }
 
-// JointValues and CartesianVector.
+// Reads the messages JointValues and CartesianVector.
 template <std::size_t N>
 bool Read(ProtoReader in, WireArray<double, N>& wire) OSTEON_RT {
   while (in.Next()) {
@@ -246,7 +249,7 @@ bool Read(ProtoReader in, WireIpo& wire) OSTEON_RT {
   return in.ok();
 }
 
-// The end of a message is not used, but as a known field it must be valid.
+// The last part of a monitoring message (WireEndOf) is not used, but as a known field it must be valid.
 
 bool Read(ProtoReader in, WireChecksum& /*wire*/) OSTEON_RT {
   while (in.Next()) {
@@ -303,7 +306,8 @@ bool Read(ProtoReader in, WireMonitoring& wire) OSTEON_RT {
   return in.ok();
 }
 
-// Whether the required fields are present, checked after all parts: a message may come in parts.
+// Complete tells whether a message's required fields are present. It is called after all parts are read,
+// since a message may come in parts.
 
 bool Complete(const WireHeader& wire) OSTEON_RT { return wire.id && wire.sequence && wire.reflected; }
 bool Complete(const WireTime& wire) OSTEON_RT { return wire.sec && wire.nanosec; }

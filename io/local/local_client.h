@@ -8,8 +8,8 @@
 
 namespace osteon::io {
 
-/// The sockets of LocalSocketFolders() that somebody answers, by path. Those of processes that are gone are
-/// removed.
+/// The paths of the sockets in LocalSocketFolders() that a server answers. Sockets of processes that are gone
+/// are removed.
 [[nodiscard]] std::vector<std::filesystem::path> FindLocalServers();
 
 /// Sends a request, one line, to a local server and returns its answer. The error names the socket.

@@ -30,23 +30,25 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kBacklog = 64;
-constexpr std::size_t kMaxClients = 16;  // served at once; a further one takes the place of the oldest
+constexpr std::size_t kMaxClients = 16;  // clients served at once; a further one replaces the oldest
 
-// A connection whose request has not come yet.
+// A connection whose request is not complete yet.
 struct Client {
   LocalSocket socket;
   std::string received;
   Clock::time_point until;
 };
 
-// Absolute path of an environment variable; empty: none.
+// Returns the absolute path in an environment variable; empty if it is not set, or is no absolute path.
 std::filesystem::path FolderOf(const char* variable) {
   const char* folder = std::getenv(variable);
   return folder != nullptr && folder[0] == '/' ? std::filesystem::path(folder) : std::filesystem::path();
 }
 
-// Makes the folder for this user alone. A folder of that name that somebody else has made is refused.
-// @param[out] group  the group that may ask, of a folder that was named for that and that it may enter
+// Makes the folder for this user alone, unless it exists. A folder of another user, or one that others may
+// enter, is refused.
+// @param[out] group  the group that may send requests: set if $OSTEON_SOCKET_FOLDER names the folder and its
+//   group may enter it  @returns why the folder is refused; empty: it is not
 std::string MakeFolder(const std::filesystem::path& folder, std::optional<gid_t>& group) {
   ::mkdir(folder.c_str(), 0700);
   struct stat status {};
@@ -69,7 +71,7 @@ bool IsMember(int connection, const ucred& peer, gid_t group) {
   return std::find(groups.begin(), end, group) != end;
 }
 
-// Whether the other side is this user, root, or a member of the group that may ask.
+// Whether the other side is this user, root, or a member of the group that may send requests.
 bool MayAsk(int connection, std::optional<gid_t> group) {
   ucred peer{};
   socklen_t size = sizeof peer;
@@ -117,7 +119,7 @@ class Server final : public LocalServer {
     }
   }
 
-  // Time until the first client's patience is over; clients stand in the order in which they came.
+  // Time until the connection of the oldest client, the first in the list, is closed; -1: there are none.
   [[nodiscard]] int Wait_ms() const {
     if (clients_.empty()) return -1;
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(clients_.front().until - Clock::now());
@@ -132,7 +134,8 @@ class Server final : public LocalServer {
         {.socket = std::move(connection), .received = {}, .until = Clock::now() + kLocalPatience});
   }
 
-  // Takes what a client has sent, and answers a whole request. @returns whether the connection is over
+  // Reads the bytes that a client has sent, and answers its request once that is complete.
+  // @returns whether the connection is over
   bool Serve(Client& client) {
     std::array<char, 1024> bytes{};
     const ssize_t count = ::recv(client.socket.fd(), bytes.data(), bytes.size(), MSG_DONTWAIT);
@@ -181,7 +184,7 @@ tl::expected<std::unique_ptr<LocalServer>, std::string> LocalServer::Start(
   if (!address) return tl::unexpected(address.error());
   LocalSocket socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   if (socket.fd() < 0) return refuse("cannot open a socket");
-  ::unlink(path.c_str());  // of an earlier process with this number
+  ::unlink(path.c_str());  // an earlier process with the same number may have left a socket
   if (::bind(socket.fd(), reinterpret_cast<const sockaddr*>(&*address), sizeof *address) != 0)
     return refuse("cannot bind");
   if (::chmod(path.c_str(), group ? 0660 : 0600) != 0) return refuse("cannot set its rights");

@@ -13,19 +13,19 @@ namespace osteon::io {
 /// Longest request that a local server reads.
 inline constexpr std::size_t kMaxLocalRequest = 4096;
 
-/// Names a folder for the local sockets, in which requests find them as well, and no others. The service
-/// (plugin/packaging/osteon@.service) sets it.
+/// Environment variable that names the folder of the local sockets. If it is set, requests look for sockets
+/// in that folder alone. The service (plugin/packaging/osteon@.service) sets it.
 inline constexpr const char* kLocalFolderVariable = "OSTEON_SOCKET_FOLDER";
-/// Folder of the cells that run as a service, whose group may enter it.
+/// Folder of the sockets of cells that run as a service. The service's group may enter it.
 inline constexpr const char* kServiceSocketFolder = "/run/osteon";
 
 /// Folder of this process's local sockets: $OSTEON_SOCKET_FOLDER, else $XDG_RUNTIME_DIR/osteon, else
-/// osteon-UID among the temporary files. Nobody else may enter it, but for the group of a folder that
-/// $OSTEON_SOCKET_FOLDER names and that is open to it (mode 750).
+/// osteon-UID among the temporary files. No other user may enter it, except that a folder which
+/// $OSTEON_SOCKET_FOLDER names may be open to its group (mode 750).
 [[nodiscard]] std::filesystem::path LocalSocketFolder();
 
-/// Folders in which requests look for sockets: the above, and, unless $OSTEON_SOCKET_FOLDER names it, the
-/// services'.
+/// Folders in which requests look for sockets: LocalSocketFolder() and, unless $OSTEON_SOCKET_FOLDER is set,
+/// kServiceSocketFolder.
 [[nodiscard]] std::vector<std::filesystem::path> LocalSocketFolders();
 
 /// Answers requests of other programs of the same user, of root, and of the group that may enter the sockets'

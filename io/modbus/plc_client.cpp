@@ -14,7 +14,7 @@
 namespace osteon::io {
 namespace {
 
-constexpr rt::Nanoseconds kSlice = 10 * rt::kMillisecond;  // longest delay until a pause notices Stop()
+constexpr rt::Nanoseconds kSlice = 10 * rt::kMillisecond;  // Stop() ends a pause after at most this time
 
 void Require(bool accepted, const char* name, double found, const char* range) {
   if (!accepted)
@@ -22,7 +22,7 @@ void Require(bool accepted, const char* name, double found, const char* range) {
                                 ", accepted " + range);
 }
 
-// The next time of something periodic. A time that was missed by more than 1 ms is not made up for.
+// Returns the next time of a periodic action. A time that was missed by more than 1 ms is not made up for.
 rt::Nanoseconds NextDue(rt::Nanoseconds due, rt::Nanoseconds now, int every_ms) {
   return std::max(due, now - rt::kMillisecond) + every_ms * rt::kMillisecond;
 }
@@ -110,7 +110,7 @@ void PlcClient::Run() {
       ++reading_.counters.lost;
       if (has_read) {
         pause_ms = params_.first_pause_ms;
-        if (reading_.link == PlcLink::kConnected) continue;  // at once, as the reading grows older
+        if (reading_.link == PlcLink::kConnected) continue;  // reconnects at once, as the reading grows older
       }
     }
     if (stop_.load(std::memory_order_relaxed)) break;
@@ -123,7 +123,7 @@ void PlcClient::Run() {
 
 bool PlcClient::Exchange(Connection& connection) {
   const auto ends_connection = [this](Answer answer) {
-    if (answer == Answer::kNonsense) Disconnected();  // the reading says so at once
+    if (answer == Answer::kNonsense) Disconnected();  // published at once
     return answer == Answer::kNone || answer == Answer::kNonsense;
   };
   bool has_read = false;
@@ -185,7 +185,7 @@ PlcClient::Answer PlcClient::ReadBlock(Connection& connection) {
   reading_.stamp = asked;
   if (inputs.version != kPlcVersion) {
     reading_.link = PlcLink::kWrongVersion;
-    return Answer::kNonsense;  // nothing may be written; tries again after a pause
+    return Answer::kNonsense;  // nothing may be written to this PLC; Run() connects again after a pause
   }
   if (changed) reading_.heartbeat_changed = asked;
   reading_.link = PlcLink::kConnected;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-// Whether a cell's network is there, for who sets it up: nothing of this is called while a cell runs.
+// Checks of a cell's network, for the person who sets the cell up. None of them is called while a cell runs.
 
 namespace osteon::io {
 
@@ -17,8 +17,8 @@ struct NetworkCard {
 /// The interface that has an IPv4 address; nothing if none has.
 [[nodiscard]] std::optional<NetworkCard> FindNetworkCard(const std::string& address);
 
-/// Why nobody accepts a TCP connection at an IPv4 address; empty: somebody does. The connection is closed at
-/// once. @param patience_ms  how long to wait for an answer
+/// Tries to open a TCP connection to an IPv4 address, and closes it at once.
+/// @param patience_ms  how long to wait for an answer  @returns why it was not accepted; empty: it was
 [[nodiscard]] std::string WhyNoTcpConnection(const std::string& address, std::uint16_t port, int patience_ms);
 
 }  // namespace osteon::io

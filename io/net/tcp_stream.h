@@ -9,8 +9,8 @@
 
 namespace osteon::io {
 
-/// A TCP connection to a server on an IPv4 address, for measurements: it can end as a program does that is
-/// killed. Blocks up to a patience; one thread.
+/// A TCP connection to a server on an IPv4 address, for measurements: it can end like the connection of a
+/// program that is killed. Receive blocks up to its patience; one thread.
 class TcpStream {
  public:
   /// @returns the error names address and port.
@@ -20,12 +20,12 @@ class TcpStream {
   TcpStream& operator=(TcpStream&&) = delete;
   ~TcpStream();
 
-  /// Sends all of it. False: the other end has gone.
+  /// Sends all bytes. False if the other end has gone.
   [[nodiscard]] bool Send(std::string_view bytes);
   /// Returns what has arrived by now, waiting for at least a byte. Empty: nothing came, or the other end has
   /// ended.
   [[nodiscard]] std::string Receive(std::chrono::milliseconds patience);
-  /// Ends the connection as the system does for a process that is killed: what was not read makes it a reset.
+  /// Ends the connection by a reset, as the system does for a killed process that has not read everything.
   void Kill();
 
  private:

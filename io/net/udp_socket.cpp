@@ -107,7 +107,7 @@ tl::expected<BoundUdp, std::string> BindUdp(const std::string& who, const std::s
   socklen_t length = sizeof *here;
   if (getsockname(fd, reinterpret_cast<sockaddr*>(&*here), &length) != 0)
     return give_up(place + ": " + SystemReason(errno));
-  // Refused by some sandboxes; then the time of reading is used.
+  // Some sandboxes refuse this option; the time of reading then serves as the arrival time.
   const int on = 1;
   (void)setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
   return BoundUdp{.socket = fd, .port = ntohs(here->sin_port)};

@@ -20,7 +20,7 @@ namespace osteon::io {
 
 enum class Wait : std::uint8_t {
   kReady,
-  kNothing,  ///< until the deadline
+  kNothing,  ///< nothing came until the deadline
   kGone,     ///< the socket is closed
 };
 
@@ -49,11 +49,11 @@ struct Datagram {
 /// Takes the first waiting datagram; never waits.
 [[nodiscard]] Datagram ReadDatagram(int socket, std::span<std::uint8_t> room) OSTEON_RT;
 
-/// @param what  "FRI: bind": names the caller in the error
+/// Converts a dotted IPv4 address and a port. @param what  names the caller in the error, e.g. "FRI: bind"
 [[nodiscard]] tl::expected<sockaddr_in, std::string> Ipv4(const std::string& what, const std::string& address,
                                                           std::uint16_t port);
 
-/// The address alone. Empty string: none
+/// Converts a dotted IPv4 address alone; an empty string gives no address.
 [[nodiscard]] tl::expected<std::optional<in_addr>, std::string> PeerAddress(const std::string& what,
                                                                             const std::string& address);
 

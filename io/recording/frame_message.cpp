@@ -7,7 +7,8 @@ using simulation::FrameRecord;
 
 namespace {
 
-// Reuses the memory of the last message: a recording of hours has a hundred million.
+// Returns a cleared message that reuses the memory of the last one: a recording of hours has a hundred
+// million messages.
 Frame& ReusedFrame() {
   static thread_local Frame message;
   message.Clear();

@@ -16,7 +16,7 @@ using mcap::Crc;
 using mcap::Cursor;
 
 constexpr std::uint64_t kMaxRecord = 64u << 20;  // [bytes] the largest of ours holds a configuration's files
-// without compression: times, sizes, CRC, no name
+// Bytes of a chunk before its records, without compression: times, sizes, CRC, no name.
 constexpr std::uint64_t kChunkHead = 8 + 8 + 8 + 4 + 4 + 8;
 constexpr std::uint64_t kFooterRecord = mcap::kRecordHead + 8 + 8 + 4;
 
@@ -93,7 +93,7 @@ std::vector<McapChunkPlace> McapReader::FindChunks() {
 
 void McapReader::ReadChannels(std::uint64_t chunk) {
   SeekTo(chunk);
-  if (!ReadRecord().empty()) return;  // damaged: whoever reads it is told
+  if (!ReadRecord().empty()) return;  // a damaged chunk: reading it later reports the error
   McapMessage message;
   bool found = false;
   while (at_ < records_.size() && OnInner(message, found).empty()) {
@@ -127,7 +127,7 @@ std::string McapReader::ReadRecord() {
   const auto opcode = head.Int<std::uint8_t>();
   const auto length = head.Int<std::uint64_t>();
   const bool skip = on_damage_ == OnDamage::kSkip;
-  if (opcode == 0 && IsZeroToTheEnd()) {  // space that the file system had not filled when the power failed
+  if (opcode == 0 && IsZeroToTheEnd()) {  // space that was not yet filled when the power failed
     ended_ = true;
     return {};
   }
@@ -135,7 +135,7 @@ std::string McapReader::ReadRecord() {
   if (length > kMaxRecord) {
     reason = "record of " + std::to_string(length) + " bytes, accepted up to " + std::to_string(kMaxRecord);
   } else if (length > rest - mcap::kRecordHead) {
-    // truncated here, or a damaged length, which sound chunks follow
+    // The file is truncated here, or the length is damaged and sound chunks follow.
     if (skip && Resync("record of " + std::to_string(length) + " bytes, more than the file has")) return {};
     if (opcode == mcap::kChunk) OnTornChunk();
     ended_ = true;
@@ -296,7 +296,7 @@ std::string McapReader::OnChannel(std::span<const char> content) {
   if (!cursor.ok()) return "channel is cut off";
   static const Schema kNoSchema;
   const auto found = schemas_.find(schema);
-  if (found == schemas_.end() && schema != 0)  // 0: a channel without a schema, such as of JSON
+  if (found == schemas_.end() && schema != 0)  // 0: a channel without a schema, e.g. of JSON messages
     return "channel " + std::to_string(id) + " names schema " + std::to_string(schema) +
            ", which is not in the file";
   const Schema& described = schema == 0 ? kNoSchema : found->second;

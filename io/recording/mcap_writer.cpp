@@ -24,14 +24,14 @@ std::string Explain(const std::filesystem::path& path, const char* what, int err
   return path.string() + ": " + what + ": " + std::generic_category().message(error);
 }
 
-// Opens the file emptied and locked by this process. Null: errno gives the reason; EWOULDBLOCK: another
-// process has it.
+// Opens the file, locks it for this process, and empties it. On an error returns null, and errno gives the
+// reason; EWOULDBLOCK: another process has the file.
 std::FILE* OpenLocked(const std::filesystem::path& path) {
   const int descriptor = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor < 0) return nullptr;
   struct stat status;  // NOLINT: filled by the call
   const bool is_file = fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
-  // a file system without locks refuses none
+  // On a file system without locks, flock fails with another errno: the file then counts as free.
   const bool is_taken = is_file && flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   std::FILE* file = nullptr;
   if (!is_taken && (!is_file || ftruncate(descriptor, 0) == 0)) file = fdopen(descriptor, "wb");

@@ -24,14 +24,14 @@ struct ConfigFile {
 struct ConfigSource {
   std::vector<ConfigFile> files;
   std::string cell_file;                    ///< its name among them
-  std::string tool_file;                    ///< of a tool that replaces the cell's; empty: the cell's
+  std::string tool_file;                    ///< of the tool that replaces the cell's; empty: none does
   std::optional<double> tool_diameter_m{};  ///< requested with the tool; none: the file's default
   std::string gains_file{};                 ///< overrides the cell's gains; empty: none
   std::string identified_file{};            ///< replaces the cell's own measured figures; empty: none
   std::string folder;  ///< the common folder; empty unless a file names another by its whole path
 };
 
-/// How finely a bone was packed (simulation::PackingLevel), and what it was planned for.
+/// How finely a bone was packed (simulation::PackingLevel), and the demands that the packing was planned for.
 struct PackingRecord {
   /// A demand that was given up.
   struct Unmet {
@@ -43,13 +43,13 @@ struct PackingRecord {
   double spacing_m{0.0}, radius_m{0.0}, surface_gap_m{0.0};
   std::uint32_t children{0};
   double zone_depth_m{0.0}, corner_m{0.0};
-  double error_m{0.0}, rate_hz{0.0};  ///< that were asked for
+  double error_m{0.0}, rate_hz{0.0};  ///< requested
   bool timed{false};
   double expected_error_m{0.0}, promised_error_m{0.0}, expected_frame_us{0.0};
-  double seen_frame_us{0.0};  ///< of zones that were coarsened: the frames that led to it
+  double seen_frame_us{0.0};  ///< if zones were coarsened: median of the frames that led to it
   std::vector<Unmet> unmet;
   std::uint64_t balls{0};      ///< before the cut
-  std::string balls_checksum;  ///< 16 digits, of their numbers
+  std::string balls_checksum;  ///< checksum of the balls' numbers, 16 digits
   bool operator==(const PackingRecord&) const = default;
 };
 
@@ -73,7 +73,7 @@ struct SessionInfo {
 struct RecordedEvent {
   rt::Nanoseconds stamp{0};
   std::string text;
-  /// Absent but where zones were coarsened: in force from the frame after `after_frame` on.
+  /// Present only if zones were coarsened: the packing in force from the frame after `after_frame` on.
   std::optional<PackingRecord> packing{};
   std::uint64_t after_frame{0};
 };

@@ -6,8 +6,9 @@
 
 namespace osteon::io {
 
-/// Takes the messages of a session beside the file: a view that is live. Called by the recorder's writer, in
-/// the file's order, so an implementation returns at once: it keeps the newest and never waits for a reader.
+/// Receives a session's messages in addition to the file, for a live view. The recorder's writer calls it, in
+/// the file's order, so an implementation must return at once: it keeps the newest messages and never waits
+/// for a reader.
 class RecordSink {
  public:
   virtual ~RecordSink() = default;

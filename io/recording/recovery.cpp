@@ -11,11 +11,12 @@
 namespace osteon::io {
 namespace {
 
-// Counts the messages kept. Returns an empty string, or why a message is invalid.
+// Counts the messages that are kept, and checks them.
 class RecoveryCounts {
  public:
   explicit RecoveryCounts(Recovery& recovery) : recovery_(recovery) {}
 
+  /// @returns an empty string, or why the message is invalid.
   std::string CountMessage(const McapMessage& message) {
     switch (TopicOf(*message.channel)) {
       case RecordedTopic::kSession: {
@@ -84,7 +85,7 @@ tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path
   if (std::filesystem::equivalent(from, to, ignored))
     return tl::unexpected(to.string() + ": found the torn recording itself, accepted another file");
 
-  // write a file beside it, which then replaces it
+  // Write a file beside `to`, which then replaces `to`.
   const std::filesystem::path part = to.string() + ".part";
   auto writer = McapWriter::Create(part, reader->library());
   if (!writer) return tl::unexpected(writer.error());

@@ -18,7 +18,7 @@ struct Recovery {
   std::uint64_t unchecked{0};        ///< part of the messages: from the last, unfinished chunk, which no CRC
                                      ///< covers
   std::uint64_t missing_ticks{0};    ///< missing numbers between the ticks kept
-  std::uint64_t tail_bytes{0};       ///< at the end, of a truncated message; or behind the end
+  std::uint64_t tail_bytes{0};       ///< bytes of a truncated message at the end, or bytes after the end
   bool closed{false};                ///< the file's end was present: tail_bytes follow it
   std::vector<McapDamage> damage;    ///< skipped parts elsewhere
   double first_s{0.0}, last_s{0.0};  ///< log times of the first and last tick kept
@@ -28,8 +28,8 @@ struct Recovery {
 /// Makes a whole recording of a torn one (the process died or the power failed) or a damaged one: every
 /// complete message, its bytes unchanged, with index, statistics and footer. A chunk with a wrong CRC is left
 /// out. `to` appears whole or not at all; an existing file is replaced. Nothing is written if `from` is
-/// whole. The error names the file and the reason: not MCAP, no osteon.Session left, a channel's number with
-/// more than 64 meanings, or `to` cannot be written.
+/// whole. The error names the file and the reason: not MCAP, no osteon.Session left, a channel number that
+/// more than 64 channels use, or `to` cannot be written.
 [[nodiscard]] tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path& from,
                                                                    const std::filesystem::path& to);
 

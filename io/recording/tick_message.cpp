@@ -221,7 +221,8 @@ std::string Get(const osteon::TickInput& from, control::TickInput& to) {
   return to.has_gains ? Get(from.gains(), to.gains) : std::string();
 }
 
-// Reuses the memory of the last message: a recording of hours has a hundred million.
+// Returns a cleared message that reuses the memory of the last one: a recording of hours has a hundred
+// million messages.
 Tick& ReusedTick() {
   static thread_local Tick message;
   message.Clear();

@@ -38,7 +38,7 @@ const ElementName* Find(std::string_view name) OSTEON_RT {
   return nullptr;
 }
 
-// 1 … 6 for an attribute of the element, 0 for any other.
+// Returns the number 1 … 6 of an attribute of the element, 0 for any other name.
 int AttributeNumber(const ElementName& element, std::string_view name) OSTEON_RT {
   if (element.prefix == 'D') return name == "D" ? 1 : 0;
   if (element.prefix == 'X') {

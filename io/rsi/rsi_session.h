@@ -23,7 +23,7 @@ struct RsiSessionParams {
   int cycle_ms{4};     ///< 4 (IPO_FAST) or 12 (IPO)
   int ipoc_step{4};    ///< increase of IPOC in each cycle: 1, or the cycle's milliseconds; >= 1
   int timeout_cycles{100};  ///< the controller's Timeout: RSI ends after this many late answers; >= 1
-  /// The first command of an activation may be so far off q_start, each axis; > 0.
+  /// Largest distance of each axis from q_start in the first command of an activation; > 0.
   double entry_step_deg{1.0};
   int settle_messages{10};  ///< answered without a correction before the loop may move the arm; >= 1
   /// Largest Delay at which RSI counts as just begun, for set-ups in which the first answers are always lost;
@@ -152,7 +152,7 @@ class RsiSession {
   double period_ms_{0.0};                     // of this session's messages
   std::uint64_t seen_{0};                     // bit i: IPOC last_ipoc_ - i steps has arrived
   std::uint32_t in_session_{0};               // messages accepted
-  std::uint32_t activation_{0};               // of control::ArmState
+  std::uint32_t activation_{0};               // number of the present one: ArmState::activation
   bool holding_{false};
   bool has_last_{false};
   bool joined_late_{false};
@@ -160,7 +160,7 @@ class RsiSession {
   bool awaiting_{false};  // an answer was sent; the next message's Delay tells whether it came in time
   bool stop_{false};
   Six total_{};       // last correction sent, from the start pose, rounded
-  Six sent_{};        // as written in that answer
+  Six sent_{};        // correction as written in that answer
   Six applied_{};     // the last correction that the controller received in time
   Six sum_before_{};  // relative: the sum without sent_
   RsiStatus status_;

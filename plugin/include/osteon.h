@@ -139,8 +139,8 @@ OSTEON_API OsteonResult osteon_bone_params_init(uint32_t abi, OsteonBoneParams* 
 OSTEON_API OsteonResult osteon_bone_create(uint32_t abi, const OsteonBoneParams* params, OsteonBone** bone);
 /* Gives the bone up; sessions that were made of it keep what they need. Null is allowed. */
 OSTEON_API void osteon_bone_destroy(OsteonBone* bone);
-/* What was assumed to make a solid of a mesh that bounds none: its defects (open edges, …) and what was done
- * about them, one line, UTF-8; "" where nothing was, and for null. Valid as long as the bone. Show it to a
+/* The assumptions that made a solid of a mesh that bounds none: its defects (open edges, …) and how they were
+ * mended, one line, UTF-8; "" if there were none, and for null. Valid as long as the bone. Show it to a
  * person: a bone that was remade may lack what the file meant. */
 OSTEON_API const char* osteon_bone_warning(const OsteonBone* bone);
 
@@ -264,7 +264,7 @@ OSTEON_API OsteonResult osteon_session_evaluate(OsteonSession* session, const Os
 typedef struct OsteonFigures {
   uint64_t frame;              /* number of frames so far */
   double pose_age_s;           /* age of the newest frame's tool pose */
-  double frame_time_s;         /* that the newest frame took; 0 in lockstep */
+  double frame_time_s;         /* time that the newest frame took; 0 in lockstep */
   OsteonPose proxy;            /* collision-free pose of the tool in the newest frame */
   OsteonWrench wrench;         /* of the newest frame's own pose, before limits */
   double removed_volume_m3;    /* since the start */
@@ -295,7 +295,7 @@ typedef struct OsteonEvent {
  * left as it was then. At most 256 wait: later ones are told to the log alone. Any thread. */
 OSTEON_API OsteonResult osteon_session_next_event(OsteonSession* session, OsteonEvent* event);
 
-/* Another tool from now on, at `pose` (T in G), which must be free of bone: else OSTEON_ERROR_STATE, and
+/* Changes to another tool, at `pose` (T in G), which must be free of bone: else OSTEON_ERROR_STATE, and
  * nothing changes. Waits for the surface, and makes a new engine: some ms to a second. */
 OSTEON_API OsteonResult osteon_session_change_tool(OsteonSession* session, const OsteonTool* tool,
                                                    const OsteonPose* pose);
@@ -313,8 +313,7 @@ typedef struct OsteonComplianceParams {
   double period_s;  /* between two calls of osteon_session_evaluate, which moves these parts: 0.1 … 20 ms */
   double push_N;    /* greatest thrust along the feed, by which a thin tool is softer */
   double noticed_m; /* a displacement beyond it is reported: 1 um … 0.1 m */
-  double
-      mount_point_m[3]; /* that the mount's stiffness is about, in G; the triples below are along G's axes */
+  double mount_point_m[3]; /* centre of the mount's stiffness, in G; the triples below are along G's axes */
   double mount_mass_kg;
   double mount_inertia_kg_m2[3];
   double mount_stiffness_N_per_m[3];
@@ -460,8 +459,8 @@ typedef struct OsteonCupAngles {
   double anteversion_rad;
 } OsteonCupAngles;
 
-/* Of a plan for an opening: centre, axis and width stand for the cup's, a burr for a reamer; native centre
-   and angles are NaN. */
+/* In a plan for an opening, its centre, axis and width stand for the cup's, and burrs for reamers; native
+   centre and angles are NaN. */
 typedef struct OsteonPlanInfo {
   double cup_center_m[3]; /* planned, in G */
   double cup_axis[3];     /* unit, out of the opening, in G */
@@ -519,8 +518,8 @@ typedef struct OsteonGuidanceOutput {
   double lateral_m;      /* outside of the funnel; <= 0: inside */
   double depth_m;        /* deeper than planned; <= 0: not */
   double share;          /* of the guidance that is rendered, 0 … 1 */
-  double potential_J;    /* that it could still give, at share 1 */
-  double energy_J;       /* that it has given; never above -share potential_J (within rounding) */
+  double potential_J;    /* energy that it could still give, at share 1 */
+  double energy_J;       /* energy that it has given; never above -share potential_J (within rounding) */
   uint32_t inside;       /* 1: inside of everything, no wrench */
   uint32_t stop_spindle; /* 1: beyond a stop of the plan; until the tool is inside of everything */
   uint32_t jumped;   /* 1: the force would have grown faster than max_speed_m_per_s explains; the wrench is
@@ -543,13 +542,13 @@ OSTEON_API OsteonResult osteon_guidance_set_gain(OsteonGuidance* guidance, doubl
  * up to 20 ms and not at all from 60 ms on, and comes back within 0.1 s, as the servo loop's. Without this
  * call the model counts as fresh. It holds until the next one. Wait-free. */
 OSTEON_API OsteonResult osteon_guidance_set_model_age(OsteonGuidance* guidance, double age_s);
-/* Begins anew: energy and share are forgotten. After a change of tool or a jump of the pose. Wait-free. */
+/* Restarts it: energy and share are forgotten. Call it after a change of tool or a pose's jump. Wait-free. */
 OSTEON_API OsteonResult osteon_guidance_reset(OsteonGuidance* guidance);
 
 /* --- assessment ------------------------------------------------------------------------------------------
  */
 
-/* What was reamed, beside the plan (docs/procedure.md). A figure that cannot be measured is NaN. */
+/* The reamed bone, compared with the plan (docs/procedure.md). A figure that cannot be measured is NaN. */
 typedef struct OsteonAssessment {
   double score;                             /* 0 … the rubric's points */
   double axis_error_rad;                    /* of the tool, weighted by the volume that it removed

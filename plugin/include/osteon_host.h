@@ -20,23 +20,23 @@ struct Brick {
   std::uint32_t number{0};
   std::vector<float> positions, normals;  ///< x y z of each vertex
   std::vector<std::uint8_t> colors;   ///< red green blue of each vertex, sRGB; a cut face is 0.85 as bright
-  std::vector<std::int32_t> indices;  ///< three of each triangle, as the host shows it from outside
+  std::vector<std::int32_t> indices;  ///< three per triangle, in the order that the host shows from outside
 };
 
-/// The displacements of what gives way, in the host's axes and unit.
+/// The displacements of the parts that give way, in the host's axes and unit.
 struct Deflection {
-  Pose head;                    ///< of the bent tool in the bone
+  Pose head;                    ///< of the bent tool's head in the bone
   Pose bone;                    ///< where to draw the bone
-  Vector bend{}, bend_rad{};    ///< of the tool's head, along the tool's axes
-  Vector layer{};               ///< of the tissue at the contact
-  Vector mount{}, mount_rad{};  ///< of the bone at the mount's point
+  Vector bend{}, bend_rad{};    ///< displacement of the tool's head, along the tool's axes
+  Vector layer{};               ///< displacement of the tissue at the contact
+  Vector mount{}, mount_rad{};  ///< displacement of the bone at the mount's point
   Vector mount_per_s{}, mount_rad_per_s{};
-  bool gives_way{false};     ///< by the last Evaluate; false: nothing does, and all above is at rest
+  bool gives_way{false};     ///< in the last Evaluate; false: nothing gives way, and all above is at rest
   bool noticed{false};       ///< a displacement beyond noticed_m
   bool beyond_limit{false};  ///< the caller should stop
 };
 
-/// Exchanges the mount's point and triples; stiffness and inertia along an axis have no sign.
+/// Converts the mount's point and triples to the host's axes; stiffness and inertia of an axis have no sign.
 inline OsteonComplianceParams ComplianceToHost(const Axes& axes, const OsteonComplianceParams& params) {
   OsteonComplianceParams host = params;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -118,9 +118,9 @@ class Session {
 
   bool IsOpen() const { return session_ != nullptr; }
   const Axes& axes() const { return axes_; }
-  /// For all that is not below; null where none is open.
+  /// For the functions of osteon.h that this class does not have; null while no session is open.
   OsteonSession* session() const { return session_; }
-  /// Null where none is open.
+  /// Null while no session is open.
   const OsteonBone* bone() const { return bone_; }
   /// The tool's usual spindle speed [rad/s].
   double spindle_rad_per_s() const { return osteon_tool_spindle_rad_per_s(tool_); }
@@ -181,7 +181,7 @@ class Session {
     return osteon_session_restore(session_, file, &X);
   }
 
-  /// Another tool from now on, at `pose`, which must be free of bone; on failure the earlier one stays.
+  /// Changes to another tool, at `pose`, which must be free of bone; on failure the earlier tool stays.
   /// @param name  null: "reamer"   @param diameter_m  0: the tool's usual one
   OsteonResult ChangeTool(const char* name, double diameter_m, const char* config_folder, const Pose& pose) {
     OsteonTool* tool = nullptr;
@@ -217,7 +217,7 @@ class Session {
     return result;
   }
 
-  /// Appends the bricks that changed since the last call, all of them.
+  /// Appends all bricks that changed since the last call.
   OsteonResult TakeChangedBricks(std::vector<Brick>* changed) {
     if (chunks_.empty()) {
       chunks_.resize(256);
@@ -312,7 +312,7 @@ class Session {
   OsteonTool* tool_{nullptr};
   OsteonSession* session_{nullptr};
   std::uint64_t generation_{0};
-  std::vector<std::array<std::uint8_t, 3>> colors_;  // by material
+  std::vector<std::array<std::uint8_t, 3>> colors_;  // red green blue of each material
   std::vector<OsteonChunk> chunks_;
   std::vector<OsteonVertex> vertices_;
   std::vector<std::uint16_t> indices_;

@@ -2,7 +2,7 @@
 //
 //     p_host = units_per_m · P · p        places, velocities
 //     d_host = P · d                      directions, forces (N)
-//     a_host = det(P) · P · a             axial: torques (N·m), angular velocities, the vector part of quaternions
+//     a_host = det(P) · P · a             axial: torques (N·m), angular velocities, quaternions' vector part
 //
 // P exchanges and mirrors axes: row i has `sign[i]` in column `from[i]`.
 #pragma once
@@ -32,8 +32,8 @@ struct Axes {
   std::array<std::size_t, 3> from;
   std::array<double, 3> sign;
   double units_per_m;
-  /// Which way (b - a) × (c - a) of a triangle points, computed by components, that the host shows from
-  /// outside: 1 outward, -1 inward. Osteon's point outward.
+  /// Direction of (b - a) × (c - a), computed by components, for a triangle that the host shows from outside:
+  /// 1 outward, -1 inward. Osteon's triangles: 1.
   int front;
 
   /// 1: right-handed as Osteon; -1: left-handed.
@@ -41,7 +41,7 @@ struct Axes {
     const bool is_cyclic = (from[0] + 1) % 3 == from[1] && (from[1] + 1) % 3 == from[2];
     return (is_cyclic ? 1 : -1) * (sign[0] * sign[1] * sign[2] > 0.0 ? 1 : -1);
   }
-  /// Whether a triangle's corners go the other way round.
+  /// Whether the order of a triangle's corners must be reversed for the host.
   constexpr bool TurnsTrianglesOver() const { return Determinant() != front; }
 };
 
@@ -104,8 +104,8 @@ inline OsteonPose PoseFromHost(const Axes& axes, const Pose& pose) {
   return {{p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]}};
 }
 
-/// Rotation of a matrix by its rows, which may carry a positive scale; {0, 0, 0, 0}, which every function of
-/// osteon.h refuses, where it cannot be a rotation.
+/// Returns the rotation of a matrix, given by its rows, which may contain a positive scale. If it cannot be a
+/// rotation, returns {0, 0, 0, 0}, which every function of osteon.h refuses.
 inline Quaternion RotationOf(const std::array<Vector, 3>& rows) {
   std::array<Vector, 3> m = rows;
   for (std::size_t column = 0; column < 3; ++column) {
@@ -134,7 +134,7 @@ inline Quaternion RotationOf(const std::array<Vector, 3>& rows) {
   return q;
 }
 
-/// Rows of a rotation; q of length 1.
+/// Returns the rows of the rotation matrix of q, which must have length 1.
 inline std::array<Vector, 3> RowsOf(const Quaternion& q) {
   const double w = q[0], x = q[1], y = q[2], z = q[3];
   return {Vector{1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)},

@@ -13,15 +13,15 @@ namespace host {
 
 struct PlanParams {
   const char* plan = nullptr;           ///< null: "acetabulum"
-  const char* rubric = nullptr;         ///< null: by the plan's kind
+  const char* rubric = nullptr;         ///< null: the rubric of the plan's kind
   const char* config_folder = nullptr;  ///< as OsteonBoneParams has it
 };
 
 struct PlanInfo {
   Vector cup_center{};     ///< planned, in the host's axes and unit
   Vector cup_axis{};       ///< unit, out of the opening
-  Vector native_center{};  ///< NaN where the plan has none
-  OsteonPlanInfo values;   ///< angles, diameter, numbers; its places are Osteon's
+  Vector native_center{};  ///< NaN if the plan has none
+  OsteonPlanInfo values;   ///< angles, diameter, numbers; its places are in Osteon's axes
 };
 
 struct Reamer {
@@ -31,7 +31,7 @@ struct Reamer {
 };
 
 struct Assessment {
-  OsteonAssessment values;             ///< figures; its centre is Osteon's
+  OsteonAssessment values;             ///< figures; its centre is in Osteon's axes
   Vector center{};                     ///< of the fitted sphere, in the host's axes and unit
   std::vector<OsteonScoreItem> items;  ///< the rubric's rows
 };
@@ -111,8 +111,8 @@ struct Guided {
   OsteonGuidanceOutput values;  ///< shares, distances, flags; its wrench is in Osteon's axes
 };
 
-/// The guidance that holds a hand to a plan with one of its reamers. One thread at a time; wait-free but for
-/// Open and Close.
+/// The guidance that holds a hand to a plan with one of its reamers. One thread at a time; wait-free except
+/// for Open and Close.
 class Guidance {
  public:
   explicit Guidance(const Axes& axes) : axes_(axes) {}
@@ -133,7 +133,8 @@ class Guidance {
 
   bool IsOpen() const { return guidance_ != nullptr; }
 
-  /// Once in each period. @param other  the wrench that is rendered beside it, and comes first
+  /// Call it once per period. @param other  the wrench that is rendered in addition; at the force limit it
+  /// takes precedence over the guidance
   OsteonResult Evaluate(const Pose& pose, const Twist& twist, const Wrench& other, Guided* guided) {
     const OsteonPose X = PoseFromHost(axes_, pose);
     const OsteonTwist V = TwistFromHost(axes_, twist);

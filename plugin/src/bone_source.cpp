@@ -30,7 +30,7 @@ using simulation::Bone;
 using simulation::CutSite;
 using simulation::MassPoint;
 
-constexpr double kPointSpacing_m = 0.75e-3;  // of the mass points of given balls
+constexpr double kPointSpacing_m = 0.75e-3;  // between the mass points of balls that a caller gives
 constexpr double kMaxPoints = 50e6;
 constexpr double kMaxSiteRadius_m = 10.0;
 constexpr std::size_t kMaxBalls = 100'000'000;
@@ -57,7 +57,7 @@ std::optional<CutSite> SiteOf(const OsteonBoneParams& params) {
                  .radius_m = params.site_radius_m};
 }
 
-/// Balls as a caller gives them, x y z r in mm. @throws Failure naming the ball.
+/// Converts a caller's balls, each x y z r in mm. @throws Failure naming the ball that is not accepted.
 std::vector<Ball> BallsFrom(const float* balls_mm, std::size_t count) {
   if (count == 0 || count > kMaxBalls)
     throw Failure(OSTEON_ERROR_ARGUMENT,
@@ -77,7 +77,7 @@ std::vector<Ball> BallsFrom(const float* balls_mm, std::size_t count) {
   return balls;
 }
 
-/// Points of a cubic grid that lie in the union of balls, in the order z, y, x.
+/// Returns the points of a cubic grid that lie within any of the balls, sorted by z, then y, then x.
 std::vector<MassPoint> PointsWithin(std::span<const Ball> balls) {
   double cells = 0.0;
   for (const Ball& ball : balls) cells += std::pow(2.0 * ball.radius_m / kPointSpacing_m + 1.0, 3.0);
@@ -185,7 +185,8 @@ BoneSource MakeBone(const OsteonBoneParams& params) {
 
 namespace {
 
-// A size that the tool does not come in: the error names the caller's field, in the unit of the tool's file.
+// Loads a tool. If it does not come in this size, the error names the caller's field and, as the tool's file
+// does, sizes in mm.
 config::ToolConfig LoadSized(const std::filesystem::path& file, double diameter_m) try {
   return config::LoadTool(file, diameter_m == 0.0 ? std::nullopt : std::optional(diameter_m));
 } catch (const config::ToolSizeError& error) {

@@ -16,9 +16,9 @@ namespace osteon::plugin {
 /// Content of an OsteonBone; never changes.
 struct BoneSource {
   simulation::Bone bone;
-  std::shared_ptr<const simulation::Solid> solid;  ///< that it was packed from; null where it is not known
+  std::shared_ptr<const simulation::Solid> solid;  ///< from which the bone was packed; null: unknown
   simulation::SceneEventParams events;
-  std::string warning{};  ///< what was assumed of a mesh that bounds no solid, one line; empty: nothing
+  std::string warning{};  ///< assumptions made about a mesh that bounds no solid, one line; empty: none
 };
 
 /// Content of an OsteonTool; never changes.
@@ -29,7 +29,7 @@ struct ToolSource {
   double spindle_rad_per_s{0.0};
 };
 
-/// @throws Failure and what Guarded() knows.
+/// @throws Failure, or another exception that Guarded() turns into a code.
 [[nodiscard]] BoneSource MakeBone(const OsteonBoneParams& params);
 [[nodiscard]] ToolSource MakeTool(const OsteonToolParams& params);
 

@@ -12,7 +12,7 @@ namespace osteon::plugin {
 
 /// Displacements after a tick of osteon_session_evaluate. Plain data.
 struct Deflected {
-  std::uint32_t begun{0};  ///< beginning of bone or tool (Session::beginnings_) that it belongs to
+  std::uint32_t begun{0};  ///< value of Session::beginnings_ to which the displacements belong
   bool noticed{false}, beyond_limit{false};
   control::ComplianceRecord record;  ///< present: something gives way
 };
@@ -23,7 +23,7 @@ struct CouplingFigures {
   double engaged_layer_m{0.0};  ///< of the engine's cutting parameters
 };
 
-/// Makes the parts that a caller asked to give way, at rest; absent: it asked for none.
+/// Makes the compliance that a caller asked for, at rest; nothing if the caller asked for none.
 /// @throws Failure naming the value, what was found and what is accepted: a tool whose file has no `bending`,
 /// a bone
 ///   without soft tissue, and what would not be stable (docs/theory/compliance.md, rules 1 and 3).
@@ -32,7 +32,7 @@ struct CouplingFigures {
                                                                 const ToolSource& tool,
                                                                 const CouplingFigures& coupling);
 
-/// Pose of the bent head in the bone's world, for the pose of the rigid tool.
+/// Pose of the bent head relative to the bone on its mount, for the pose X_GT of the rigid tool.
 [[nodiscard]] Pose HeadInBone(const Deflected& deflected, const Pose& X_GT) noexcept;
 
 [[nodiscard]] OsteonDeflection DeflectionOf(const Deflected& deflected) noexcept;

@@ -5,7 +5,7 @@
 
 namespace osteon::plugin {
 
-/// Coordinates of a pose and of a site, in G: beyond, the engines' floats tell less than 0.1 mm apart.
+/// Largest coordinate of a pose and of a site, in G: beyond it the engines' floats do not resolve 0.1 mm.
 inline constexpr double kMaxPosition_m = 1000.0;
 
 /// Whether every number is finite, each coordinate within kMaxPosition_m, and the quaternion has a direction.
@@ -18,7 +18,7 @@ inline constexpr double kMaxPosition_m = 1000.0;
 [[nodiscard]] Twist ToTwist(const OsteonTwist& twist) noexcept;
 [[nodiscard]] OsteonWrench FromWrench(const Wrench& F) noexcept;
 
-/// @throws Failure naming the value where a pose is null or not usable.
+/// Converts a pose. @throws Failure naming the value, if the pose is null or not usable.
 [[nodiscard]] Pose CheckedPose(const OsteonPose* pose);
 
 }  // namespace osteon::plugin

@@ -10,7 +10,7 @@
 #include "plugin/src/result.h"
 #include "plugin/src/session.h"
 
-// What the interface's pointers point to.
+// The objects behind the interface's pointers.
 
 struct OsteonBone {
   std::shared_ptr<const osteon::plugin::BoneSource> source;
@@ -36,7 +36,7 @@ namespace osteon::plugin {
 inline constexpr const char* kForked =
     "the process was forked: found a call in the child, accepted in the process that made the session";
 
-/// Fills a caller's struct, where the caller's header is of this library's ABI.
+/// Fills a caller's struct, if the caller's header is of this library's ABI.
 template <class Params>
 OsteonResult Init(std::uint32_t abi, Params* params, void (*fill)(Params*)) noexcept {
   return Guarded([&] {
@@ -46,7 +46,7 @@ OsteonResult Init(std::uint32_t abi, Params* params, void (*fill)(Params*)) noex
   });
 }
 
-/// Calls `call` with the session; not in a forked child, where it has no threads.
+/// Calls `call` with the session. In a forked child, where the session has no threads, it fails instead.
 template <class Call>
 OsteonResult WithSession(OsteonSession* session, const Call& call) noexcept {
   return Guarded([&] {

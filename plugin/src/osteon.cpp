@@ -14,7 +14,7 @@
 #include "simulation/bone/material_style.h"
 #include "simulation/solids/cup_frame.h"
 
-// The interface's functions: each checks what comes in, and turns exceptions into codes.
+// The interface's functions: each checks its arguments, and turns exceptions into codes.
 
 using osteon::Pose;
 using osteon::Vector3;
@@ -29,8 +29,8 @@ using osteon::plugin::Session;
 using osteon::plugin::ToolSource;
 using osteon::plugin::WithSession;
 
-// osteon_*_default fill what programs of ABI 1 have room for, in every later library. A struct that grows
-// needs its first layout there; osteon_*_init fill the new one, for programs of the new ABI.
+// In every later library, osteon_*_default must fill no more than the structs of ABI 1 hold. A struct that
+// grows needs its first layout there; osteon_*_init fill the new one, for programs of the new ABI.
 static_assert(sizeof(OsteonBoneParams) == 120 && sizeof(OsteonToolParams) == 48 &&
                   sizeof(OsteonSettings) == 56,
               "osteon_*_default fill the structs of ABI 1");
@@ -207,7 +207,7 @@ OsteonResult osteon_session_create(uint32_t abi, const OsteonBone* bone, const O
 }
 
 void osteon_session_destroy(OsteonSession* session) {
-  // in a forked child its threads do not exist, and the memory is the parent's as well
+  // In a forked child the session is not deleted: its threads do not exist there.
   if (session && !session->session.is_forked()) delete session;
 }
 

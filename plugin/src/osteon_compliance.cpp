@@ -1,6 +1,6 @@
 #include "plugin/src/handles.h"
 
-// The interface's functions for what gives way.
+// The interface's functions for the parts that give way (compliance).
 
 using osteon::plugin::CheckPointer;
 using osteon::plugin::Guarded;

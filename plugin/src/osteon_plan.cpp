@@ -18,7 +18,7 @@ using osteon::plugin::Guarded;
 using osteon::plugin::Session;
 using osteon::plugin::WithSession;
 
-// As in osteon.cpp: what programs of ABI 1 have room for.
+// As in osteon.cpp: osteon_*_default must fill no more than the structs of ABI 1 hold.
 static_assert(sizeof(OsteonPlanParams) == 24 && sizeof(OsteonGuidanceParams) == 48,
               "osteon_*_default fill the structs of ABI 1");
 

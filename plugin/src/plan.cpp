@@ -103,13 +103,13 @@ GuidanceTick::GuidanceTick(const PlanSource& plan, const OsteonGuidanceParams& p
 
 OsteonGuidanceOutput GuidanceTick::Evaluate(const Pose& X_GT, const Twist& V_GT,
                                             const Wrench& other) noexcept {
-  constexpr control::CouplingParams kCoupling;  // its ages, which no cell changes for guests
+  constexpr control::CouplingParams kCoupling;  // its default ages: no cell's file changes them here
   fade_ = std::min(safety::AgeFade(model_age_s_, kCoupling.fresh_s, kCoupling.gone_s),
                    fade_ + period_s_ / kCoupling.ramp_s);
   const double proposed = guidance_.ProposeScale({.X_WT = X_GT, .V_WT = V_GT, .model_fade = fade_});
   const control::GuidanceField& field = guidance_.field();
   const Wrench& F = field.F_T_W;
-  // as the servo loop does, whose arm holds the sum as well: to the same rounding at the limit
+  // The sum of both wrenches is compared with the limit exactly as the servo loop does, to the same rounding.
   const auto fits = [&](double share) {
     return limiter_.Limit({.f = other.f + share * F.f, .t = other.t + share * F.t}).share >= 1.0;
   };

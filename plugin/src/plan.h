@@ -18,20 +18,20 @@ struct PlanSource {
   procedure::Rubric rubric;
 };
 
-/// @throws Failure and what Guarded() knows.
+/// @throws Failure, or another exception that Guarded() turns into a code.
 [[nodiscard]] PlanSource MakePlan(const OsteonPlanParams& params);
 [[nodiscard]] OsteonPlanInfo InfoOf(const PlanSource& plan);
-/// @throws Failure where the plan has no such reamer.
+/// @throws Failure if the plan has no reamer of this index.
 [[nodiscard]] const procedure::PlannedTool& ReamerAt(const PlanSource& plan, std::uint32_t index);
 
-/// Content of an OsteonGuidance: the servo loop's own guidance with the bone's frame as the world. Of one
+/// Content of an OsteonGuidance: the servo loop's own guidance, with the bone's frame as the world. One
 /// thread at a time.
 class GuidanceTick {
  public:
   /// @throws Failure where the plan has no guidance, or a value is out of range.
   GuidanceTick(const PlanSource& plan, const OsteonGuidanceParams& params);
 
-  /// One tick. @param other  finite
+  /// Computes one tick. @param other  the wrench that is rendered in addition; finite
   [[nodiscard]] OsteonGuidanceOutput Evaluate(const Pose& X_GT, const Twist& V_GT,
                                               const Wrench& other) noexcept;
   void SetGain(double gain) noexcept { guidance_.SetGain(gain); }
@@ -43,15 +43,15 @@ class GuidanceTick {
   control::Guidance guidance_;
   safety::WrenchLimiter limiter_;
   double period_s_;
-  double model_age_s_{0.0}, fade_{1.0};  // share that the model's age leaves, as VirtualCoupling's
+  double model_age_s_{0.0}, fade_{1.0};  // fade_: factor by the model's age, as that of VirtualCoupling
 };
 
-/// A score as the interface has it.
+/// Converts an assessment and its score to the interface's struct.
 [[nodiscard]] OsteonAssessment AssessmentOf(const procedure::Assessment& assessment, double axis_error_rad,
                                             double score);
 [[nodiscard]] std::vector<OsteonScoreItem> ItemsOf(const procedure::Score& score);
 
-/// The score of what a session can tell: without time, way and hand.
+/// Scores the figures that a session knows: those of the bone, without those of time, path and hand.
 [[nodiscard]] procedure::Score ScoreOfCavity(const PlanSource& plan, const procedure::Assessment& assessment);
 
 }  // namespace osteon::plugin

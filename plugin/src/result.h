@@ -28,7 +28,7 @@ void CopyText(std::span<char> to, std::string_view text) noexcept;
 OsteonResult Fail(OsteonResult code, const char* text) noexcept;
 [[nodiscard]] const char* LastError() noexcept;
 
-/// The code of the exception that is being handled, its text kept. Call in a catch block.
+/// Returns the code of the exception that is being handled, and keeps its text. Call it in a catch block.
 OsteonResult FailByException() noexcept;
 
 /// Runs a function of the interface: its exceptions become codes.
@@ -42,12 +42,12 @@ OsteonResult Guarded(const Call& call) noexcept {
   }
 }
 
-/// @throws Failure where the caller's header is of another ABI; the text names both.
+/// @throws Failure if the caller's header is of another ABI; the text names both.
 void CheckAbi(std::uint32_t abi);
-/// @throws Failure in the forked child of a process that has made anything: the thread pools of the library's
-///   parts are not there, and a call that needs them would wait for ever.
+/// @throws Failure in the forked child of a process that has used the library: the child has none of the
+///   library's thread pools, and a call that needs them would wait for ever.
 void CheckProcess();
-/// @throws Failure where a pointer is null.
+/// @throws Failure if the pointer is null.
 void CheckPointer(const void* pointer, const char* name);
 
 }  // namespace osteon::plugin

@@ -7,14 +7,14 @@
 
 namespace osteon::plugin {
 
-/// FILE.swept.
+/// Returns the name FILE.swept.
 [[nodiscard]] std::filesystem::path SweptFileOf(const std::string& file);
 
-/// @throws Failure where something that is no regular file has this name, or it is empty.
+/// @throws Failure if the name is empty, or is that of something other than a regular file.
 void CheckSaveName(const std::filesystem::path& file);
 
-/// The surface of a saved bone under a name of its own, until Commit; then FILE.swept. Without Commit it is
-/// removed, and an earlier FILE.swept stays.
+/// The file for the surface of a saved bone. It has a temporary name until Commit renames it to FILE.swept.
+/// Without Commit it is removed, and an earlier FILE.swept stays.
 class SweptPart {
  public:
   explicit SweptPart(const std::string& saved);
@@ -23,7 +23,7 @@ class SweptPart {
   SweptPart& operator=(const SweptPart&) = delete;
 
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
-  /// @throws Failure where the system refuses.
+  /// @throws Failure if the system cannot rename the file.
   void Commit() const;
 
  private:

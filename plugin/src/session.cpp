@@ -31,9 +31,9 @@ using simulation::CarvedState;
 using simulation::EngineStatus;
 
 constexpr std::size_t kMaxMarks = 16, kMaxEvents = 256;
-constexpr std::uint64_t kFramesAhead = 2048;  // of the surface, in lockstep: half of its ring
-constexpr double kMaxFrame_s = 0.1;           // the longest time that a single frame may cut for
-constexpr double kMaxOverlap_m = 0.1e-3;      // of a tool that is to begin free of bone
+constexpr std::uint64_t kFramesAhead = 2048;  // lockstep waits for the surface after each: half of its ring
+constexpr double kMaxFrame_s = 0.1;           // longest time for which a single frame may cut
+constexpr double kMaxOverlap_m = 0.1e-3;      // a tool that is less deep in bone counts as free
 
 const char* EngineName(std::uint32_t engine) {
   switch (engine) {
@@ -54,7 +54,7 @@ double Checked(const char* name, double value, double most) {
   return value;
 }
 
-/// How far a tool at this pose is in the balls [m]; 0 where it is free.
+/// How deep a tool at this pose is in the bone's balls [m]; 0: it is free.
 double Overlap(const CarvedState& state, const simulation::Tool& tool, const Pose& X_GT) {
   return std::max(0.0, -simulation::ToolClearance(state, tool, X_GT));
 }
@@ -70,7 +70,7 @@ OsteonEvent EventOf(const simulation::SceneEvent& event, std::uint64_t frame) {
   return result;
 }
 
-/// What keeps the engine from computing a frame; null where nothing does.
+/// Text of the reason why the engine computes no frame; null if it does.
 const char* FailureText(EngineStatus status) {
   if (status == EngineStatus::kDeviceLost) return "the GPU was lost: destroy the session";
   if (status == EngineStatus::kOverloaded)
@@ -154,7 +154,7 @@ void Session::Loop() {
     }
     const std::lock_guard lock(engine_mutex_);
     done = command.stamp;
-    if (command.stamp <= continued_) continue;  // a pose of before the change of tool or bone
+    if (command.stamp <= continued_) continue;  // the pose is older than the change of tool or bone
     const double dt_s = last_stamp_ == 0 ? 0.0 : rt::ToSeconds(command.stamp - last_stamp_);
     ComputeFrame(command, std::clamp(dt_s, 0.0, kMaxFrame_s));
     const rt::Nanoseconds end = rt::MonotonicNow();
@@ -182,7 +182,7 @@ void Session::ComputeFrame(const simulation::ToolCommand& command, double dt_s) 
   models_.Store(newest_);
   if (surface_) {
     (void)surface_->Push(surface::MakeToolFrame(newest_, command.spindle_rad_per_s));
-    // in lockstep nothing keeps the frames from outrunning the surface
+    // In lockstep nothing else keeps the frames from outrunning the surface.
     if (is_lockstep_ && newest_.frame % kFramesAhead == 0) WaitForSurface();
   }
   if (newest_.status != EngineStatus::kOk) {
@@ -216,7 +216,7 @@ void Session::Log(OsteonLogLevel level, const std::string& text) const {
   if (!log_) return;
   try {
     log_(log_user_, static_cast<std::uint32_t>(level), base::Utf8(text).c_str());
-  } catch (...) {  // the host's own: it ends neither the call nor the engine's thread
+  } catch (...) {  // an exception of the host's callback ends neither the call nor the engine's thread
   }
 }
 
@@ -338,7 +338,7 @@ void Session::Continue(std::shared_ptr<const ToolSource> tool, Saved saved, cons
   axis_of_tool_before_ = false;
   min_wall_m_ = saved.min_wall_m;
   newest_ = first;
-  in_bone_at_start_m_ = 0.0;  // the session has begun, here
+  in_bone_at_start_m_ = 0.0;  // the session begins at this pose, which is free
   models_.Store(newest_);
   UseLevels(levels);
   last_stamp_ = continued_ = now;

@@ -37,7 +37,7 @@ namespace osteon::plugin {
 /// engine_mutex_, which the engine's thread holds while it computes a frame.
 class Session {
  public:
-  /// @throws Failure and what Guarded() knows.
+  /// @throws Failure, or another exception that Guarded() turns into a code.
   Session(std::shared_ptr<const BoneSource> bone, std::shared_ptr<const ToolSource> tool,
           const OsteonSettings& settings);
   ~Session();
@@ -66,11 +66,11 @@ class Session {
   void Save(const std::string& file);
   void Restore(const std::string& file, const Pose& X_GT);
 
-  /// Measures the bone as it is beside a plan. Without figures of the process.
-  /// @throws Failure where the plan is for another bone.
+  /// Compares the bone as it is with a plan. The result has no figures of the process.
+  /// @throws Failure if the plan is for another bone.
   [[nodiscard]] procedure::Assessment Assess(const procedure::SurgicalPlan& plan);
 
-  /// @throws Failure where the session has no surface.
+  /// @throws Failure if the session has no surface.
   [[nodiscard]] const SurfaceMailbox& mailbox() const;
   void WaitForSurface();
   [[nodiscard]] OsteonSurfaceInfo ExportSurface(const std::string& file);
@@ -81,44 +81,45 @@ class Session {
   [[nodiscard]] bool is_forked() const noexcept { return getpid() != process_; }
 
  private:
-  /// A remembered cut.
+  /// A state of the carved bone, to return to.
   struct Saved {
     simulation::CarvedState state;
     std::optional<surface::BrickField> swept;
     procedure::ReamedAxis axis;
     std::optional<double> min_wall_m;
   };
-  /// Keeps the engine's thread from its next frame: it steps back from the lock while anybody waits for it.
+  /// Locks the engine between two frames: the engine's thread leaves the lock free while anybody waits for
+  /// it.
   class EngineLock;
 
   void Loop();
   void ComputeFrame(const simulation::ToolCommand& command, double dt_s);
   /// Thinnest wall that any tool has left. Under the engine's lock.
   [[nodiscard]] std::optional<double> MinWall() const;
-  /// The pose that the engine is given: of the bent head, in the bone's world. Writer's thread of poses, or
-  /// that of Step.
+  /// The pose to give to the engine: that of the bent head, relative to the bone on its mount. Called by the
+  /// thread of SetToolPose or of Step.
   [[nodiscard]] Pose InBone(const Pose& X_GT) noexcept;
-  using Levels = const control::Compliance*;  // at rest; null: nothing gives way
-  /// The levels that were asked for, with this tool. Under the engine's lock.
+  using Levels = const control::Compliance*;  // the parts that give way, at rest; null: nothing gives way
+  /// Makes the requested levels for this tool. Under the engine's lock.
   /// @throws Failure as MakeCompliance.
   [[nodiscard]] Levels LevelsFor(const ToolSource& tool);
-  /// Hands levels to Evaluate, which begins anew. Under the engine's lock.
+  /// Hands levels to Evaluate, whose next call starts from rest with them. Under the engine's lock.
   void UseLevels(Levels levels) noexcept;
   void CheckDevice() const;
   /// Under the engine's lock. Exceptions of the callback end here.
   void Log(OsteonLogLevel level, const std::string& text) const;
   [[nodiscard]] std::string InBoneText() const;
   [[nodiscard]] std::unique_ptr<simulation::CuttingEngine> MakeEngine(const ToolSource& tool) const;
-  /// SurfaceThread::Apply. Only with a surface.
-  /// @throws Failure where the surface's thread has failed; else what `change` throws.
+  /// Calls SurfaceThread::Apply. Only with a surface.
+  /// @throws Failure if the surface's thread has failed; otherwise the exceptions of `change`.
   void ApplyToSurface(const std::function<void(surface::CarvedField&, surface::ToolWays&)>& change);
-  /// Waits until the surface has all frames; before the engine's lock, so that no frame waits for the start
-  /// of a large mesh.
+  /// Waits until the surface has all frames. Call it before taking the engine's lock, so that no frame waits
+  /// for the start of a large mesh.
   void AwaitField();
   /// The surface's grid, which does not change. Only with a surface.
   [[nodiscard]] surface::BrickLayout SurfaceLayout();
   [[nodiscard]] Saved Remember();
-  /// Continues at a saved cut with `tool` at X_GT. Under the engine's lock. Strong guarantee.
+  /// Continues at a saved state with `tool` at X_GT. Under the engine's lock. An exception changes nothing.
   void Continue(std::shared_ptr<const ToolSource> tool, Saved saved, const Pose& X_GT);
 
   const std::shared_ptr<const BoneSource> bone_;
@@ -133,8 +134,8 @@ class Session {
   rt::LatestValue<simulation::ToolCommand> commands_;
   rt::LatestValue<simulation::ContactModel> models_;
   std::atomic<bool> spindle_on_{false};
-  std::atomic<rt::Nanoseconds> clock_{1};     // in lockstep
-  std::atomic<std::uint32_t> beginnings_{0};  // of another bone or tool
+  std::atomic<rt::Nanoseconds> clock_{1};     // the time in lockstep
+  std::atomic<std::uint32_t> beginnings_{0};  // counts changes of the bone, the tool and the levels
   // of the thread of Evaluate
   control::CouplingState coupling_state_;
   std::optional<control::Compliance> compliance_;
@@ -151,21 +152,21 @@ class Session {
   std::optional<simulation::ApexDepth> depth_;
   std::optional<simulation::SceneWatch> watch_;
   simulation::ContactModel newest_;
-  procedure::ReamedAxis axis_;        // of the tool that cut last
+  procedure::ReamedAxis axis_;        // axis of the tool that cut last
   bool axis_of_tool_before_{false};   // the tool in use has cut nothing yet
-  std::optional<double> min_wall_m_;  // that earlier tools have left
+  std::optional<double> min_wall_m_;  // thinnest wall that earlier tools have left
   double frame_time_s_{0.0};
-  double in_bone_at_start_m_{0.0};  // of a first pose that is not free
+  double in_bone_at_start_m_{0.0};  // depth of the tool in bone at a first pose that is not free
   rt::Nanoseconds last_stamp_{0}, continued_{0};
   std::deque<OsteonEvent> events_;
   std::deque<Saved> marks_;
-  std::optional<OsteonComplianceParams> asked_;  // to give way
+  std::optional<OsteonComplianceParams> asked_;  // the requested compliance
   // Evaluate may read each of them until the session ends
   std::vector<std::unique_ptr<const control::Compliance>> all_levels_;
   OsteonLogCallback log_{nullptr};
   void* log_user_{nullptr};
   bool has_logged_failure_{false};
-  std::string error_;  // that ended the engine's thread
+  std::string error_;  // text of the exception that ended the engine's thread
 
   SurfaceMailbox mailbox_;
   std::unique_ptr<surface::SurfaceThread> surface_;

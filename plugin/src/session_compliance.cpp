@@ -7,7 +7,8 @@
 #include "plugin/src/engine_lock.h"
 #include "plugin/src/session.h"
 
-// The part of a session that knows what gives way: the wrench, the pose that the engine is given, the levels.
+// The part of a session that handles compliance: the wrench, the pose for the engine, the parts that give
+// way.
 
 namespace osteon::plugin {
 

@@ -12,7 +12,7 @@ namespace osteon::plugin {
 /// folders above this library, the nearest with config/ (a checkout) or share/osteon/config/ (an
 /// installation).
 /// @param given  null: none
-/// @throws Failure where there is none.
+/// @throws Failure if there is none.
 [[nodiscard]] std::filesystem::path ConfigFolder(const char* given);
 
 /// Finds a shipped file by its name, or a file by its path. @param kind  "scenes", "tools"
@@ -20,8 +20,8 @@ namespace osteon::plugin {
 [[nodiscard]] std::filesystem::path FindShipped(const std::filesystem::path& config, const std::string& kind,
                                                 const std::string& name);
 
-/// Materials by their names, of the first file of materials/ that has them all.
-/// @throws Failure where no file has.
+/// Finds materials by their names, in the first file of materials/ that has all of them.
+/// @throws Failure if no file has all of them.
 [[nodiscard]] std::vector<simulation::Material> FindMaterials(const std::filesystem::path& config,
                                                               const std::vector<std::string>& names);
 

@@ -73,7 +73,7 @@ void SurfaceMailbox::Publish(std::span<const SurfaceChunk> chunks, std::uint64_t
   const std::lock_guard lock(mutex_);
   for (const SurfaceChunk& chunk : chunks) {
     Kept& kept = kept_[chunk.brick];
-    if (kept.generation == 0 && chunk.vertices.empty()) continue;  // nobody has seen it, and nothing is there
+    if (kept.generation == 0 && chunk.vertices.empty()) continue;  // an empty brick that was never there
     kept = {.generation = ++generation_, .chunk = chunk};
   }
 }

@@ -16,7 +16,7 @@ class SurfaceMailbox final : public surface::SurfaceSink {
   void Publish(std::span<const surface::SurfaceChunk> chunks, std::uint64_t frame) override;
 
   /// Copies the chunks that changed after `generation`, as osteon_session_surface_changes says.
-  /// @throws Failure where a buffer is null, or has no room for any chunk.
+  /// @throws Failure if a buffer is null, or has no room for a chunk.
   void CopyChanges(std::uint64_t& generation, OsteonSurfaceBuffers& buffers) const;
 
  private:

@@ -10,12 +10,12 @@
 
 namespace osteon::app {
 
-/// The options --mesh, --cup and --scale of a command that reads a run whose bone was of a file.
+/// The options --mesh, --cup and --scale of a command that reads a recorded run: the mesh file of its bone.
 class RecordedMeshOptions {
  public:
   void AddTo(CLI::App& command);
 
-  /// @returns nothing where --mesh is not given; the error says what is wrong with the cup.
+  /// @returns the choice; nothing if --mesh is not given. The error says what is wrong with --cup.
   [[nodiscard]] tl::expected<std::optional<session::MeshChoice>, std::string> Read() const;
 
  private:

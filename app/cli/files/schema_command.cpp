@@ -27,12 +27,12 @@ using Json = nlohmann::ordered_json;
 using config::KeyInfo;
 using config::KeyTable;
 using Type = config::KeyInfo::Type;
-using Help = std::map<std::string, std::string>;  // by "limits.max_force_N", "zones.at_mm"
+using Help = std::map<std::string, std::string>;  // text by a key's path, e.g. "limits.max_force_N"
 
-// The comments of the shipped files, by key: they are the help on a key wherever it is read.
+// Adds the comments behind the keys of a shipped file: they are the help on these keys in every file.
 void ReadHelp(const fs::path& file, Help& help) {
   std::ifstream stream(file);
-  std::vector<std::pair<std::size_t, std::string>> open;  // keys that enclose a line, with their indentation
+  std::vector<std::pair<std::size_t, std::string>> open;  // indentation and name of the enclosing keys
   for (std::string line; std::getline(stream, line);) {
     const std::size_t indent = line.find_first_not_of(" -");
     const std::size_t colon = line.find(':');
@@ -47,17 +47,19 @@ void ReadHelp(const fs::path& file, Help& help) {
   }
 }
 
+// Describes the range and unit of a key that takes numbers; empty for any other key.
 std::string UnitText(const std::string& key, const KeyInfo& info) {
   if (info.type != Type::kNumber && info.type != Type::kNumbers && info.type != Type::kWhole) return "";
   return fmt::format("{:.10g} … {:.10g}, in the unit at the key's end ({})", info.min, info.max,
                      config::UnitEnding(key));
 }
 
+// Returns the accepted words; a word that YAML reads as a number is also accepted as that number.
 Json Enum(const std::vector<std::string>& words) {
   Json accepted = Json::array();
   for (const std::string& word : words) {
     accepted.push_back(word);
-    double number = 0.0;  // YAML reads "4" as a number
+    double number = 0.0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
     if (error == std::errc() && end == word.data() + word.size()) accepted.push_back(number);
   }
@@ -67,6 +69,7 @@ Json Enum(const std::vector<std::string>& words) {
 Json Object(const KeyTable& table, const std::string& path, const Help& help, const fs::path& config_root,
             bool required);
 
+// Returns the schema of a key's value. @param path  of the enclosing section, e.g. "limits."
 Json Value(const KeyTable& table, const std::string& key, const KeyInfo& info, const std::string& path,
            const Help& help, const fs::path& config_root, bool required) {
   static const KeyTable kNone;
@@ -89,7 +92,7 @@ Json Value(const KeyTable& table, const std::string& key, const KeyInfo& info, c
       value = {{"type", "boolean"}};
       break;
     case Type::kText:
-      value = {{"type", {"string", "number", "boolean"}}};  // any word
+      value = {{"type", {"string", "number", "boolean"}}};  // text, which YAML may read as another type
       break;
     case Type::kChoice:
       value = {{"enum", Enum(info.words)}};
@@ -108,7 +111,7 @@ Json Value(const KeyTable& table, const std::string& key, const KeyInfo& info, c
       break;
     case Type::kList:
       value = {{"type", "array"},
-               {"items", Object(below, path + key + ".", help, config_root, true)},  // replaced as a whole
+               {"items", Object(below, path + key + ".", help, config_root, true)},  // lists are not merged
                {"minItems", info.min},
                {"maxItems", info.max}};
       break;
@@ -122,6 +125,7 @@ Json Value(const KeyTable& table, const std::string& key, const KeyInfo& info, c
   return value;
 }
 
+// Returns the schema of an object that has this key.
 Json Required(const std::string& key) { return {{"required", {key}}}; }
 
 Json Object(const KeyTable& table, const std::string& path, const Help& help, const fs::path& config_root,
@@ -160,7 +164,8 @@ Json Object(const KeyTable& table, const std::string& path, const Help& help, co
   return object;
 }
 
-// Sections alone, with the keys that a whole file needs: what a cell that extends another does without.
+// Returns the schema of a kind of file. In a kind that can extend another file, no key is required unless the
+// file extends none.
 Json SchemaOf(const config::FileKind& kind, const fs::path& config_root) {
   const KeyTable table = config::RecordKeys(kind.load);
   Help help;

@@ -24,10 +24,12 @@ constexpr auto kCommonExitCodes = std::to_array<std::pair<int, std::string_view>
     {141, "nobody reads the output any more"},
 });
 
+// Returns the command's full name, e.g. "osteon bench frame".
 std::string NameOf(const CLI::App& app) {
   return app.get_parent() ? NameOf(*app.get_parent()) + " " + app.get_name() : app.get_name();
 }
 
+// Returns the help's word for one of CLI11's types.
 std::string KindOfValue(const std::string& type) {
   if (type == "FLOAT") return "NUMBER";
   if (type == "INT" || type == "UINT") return "N";
@@ -41,7 +43,8 @@ std::vector<std::string> Split(const std::string& text, char at) {
   return parts;
 }
 
-// Names in the order of definition; the set is ordered by address, which differs from run to run.
+// Returns the names in the order of the options' definition. CLI11's set is ordered by address, which differs
+// from run to run.
 std::vector<std::string> NamesInOrder(const std::vector<const CLI::Option*>& all,
                                       const std::set<CLI::Option*>& chosen) {
   std::vector<std::string> names;
@@ -71,7 +74,7 @@ OptionText DescribeOption(const CLI::Option& option, const std::vector<const CLI
   }
   if (option.get_items_expected_max() == 0) return text;  // a flag
   text.default_value = option.get_default_str();
-  // "TEXT:{a,b}", "FLOAT:1 … 100"
+  // The type's name, then what its validators accept: "TEXT:{a,b}", "FLOAT:1 … 100".
   const std::vector<std::string> type = Split(option.get_type_name(), ':');
   if (!type.empty()) text.value = KindOfValue(type[0]);
   for (std::size_t i = 1; i < type.size(); ++i) {

@@ -26,9 +26,9 @@ struct OptionText {
   bool required{false};
   bool repeats{false};              ///< takes several values, or may be given several times
   std::string value;                ///< kind of the value: "FILE", "NUMBER"; empty: a flag
-  std::vector<std::string> words;   ///< the accepted words, where there is a list of them
+  std::vector<std::string> words;   ///< the accepted words; empty: no list of words
   std::string range;                ///< the accepted numbers, "1 … 100"; may be empty
-  std::string help, default_value;  ///< default_value: empty where there is none
+  std::string help, default_value;  ///< default_value: empty if there is none
   std::string group;                ///< heading under which it is listed
   std::vector<std::string> needs, excludes;
 };
@@ -49,15 +49,15 @@ struct CommandText {
   std::map<int, std::string> exit_codes;
   std::vector<CommandText> commands;
 
-  /// The word that its parent is followed by: "frame".
+  /// The last word of the name: "frame".
   [[nodiscard]] std::string word() const { return name.substr(name.rfind(' ') + 1); }
 };
 
 [[nodiscard]] CommandText DescribeCommand(const CLI::App& app);
 
 /// Describes several executables as one command: name, options and texts of the first, subcommands of all.
-/// Where two have a subcommand of the same name, the one with more options counts; the other one only
-/// announces it.
+/// If two of them have a subcommand of the same name, the one with more options is taken; the other one only
+/// announces the subcommand.
 [[nodiscard]] CommandText DescribeCommands(std::span<const CLI::App* const> apps);
 
 /// Splits a footer into its parts. Blocks are separated by blank lines. A block whose first line ends with

@@ -10,7 +10,7 @@
 namespace osteon::app {
 namespace {
 
-// Single quotes, as a shell takes a text literally.
+// Returns a text in single quotes, which a shell takes literally.
 std::string Quoted(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -23,9 +23,10 @@ std::string Joined(const std::vector<std::string>& words) { return fmt::format("
 struct ValueSource {
   std::string names;    // "cells"
   bool files{false};    // any file
-  bool folders{false};  // folders alone
+  bool folders{false};  // any folder, no files
 };
 
+// Returns the source of completions for an option, by the kind of its value.
 ValueSource SourceOf(const OptionText& option) {
   if (option.value == "FILE" || option.value.starts_with("FILE ")) return {.names = "", .files = true};
   if (option.value == "FOLDER") return {.names = "", .folders = true};
@@ -52,7 +53,7 @@ std::vector<std::string> CommandWords(const CommandText& command) {
   return words;
 }
 
-// The commands of the whole, with what the launcher adds at the top.
+// Returns the subcommands of the top command, and the launcher's own.
 std::vector<std::string> TopWords(const CommandText& command) {
   std::vector<std::string> words = CommandWords(command);
   for (const LauncherCommand& launcher : kLauncherCommands) words.emplace_back(launcher.name);
@@ -67,7 +68,7 @@ void ForEachCommand(const CommandText& command, Each&& each) {
 
 // --- bash ---
 
-// Assignments of the script that say how a value is completed.
+// Returns the script's assignments that say how an option's value is completed.
 std::string BashValue(const OptionText& option) {
   const ValueSource source = SourceOf(option);
   if (!option.words.empty()) return "choices=" + Quoted(Joined(option.words));
@@ -85,7 +86,7 @@ std::string BashTable(const CommandText& top) {
                         Quoted(Joined(is_top ? TopWords(command) : CommandWords(command))),
                         Quoted(Joined(OptionNames(command))));
     text += "      case $2 in\n";
-    bool has_argument = false;  // words without an option before them have the first argument's values
+    bool has_argument = false;  // a word that no option precedes is completed as the first argument
     for (const OptionText& option : command.options) {
       if (option.value.empty() || (option.is_argument && std::exchange(has_argument, true))) continue;
       if (option.is_argument)
@@ -183,7 +184,7 @@ complete -F _osteon osteon
 
 // --- fish and zsh ---
 
-// Whether one of the words is the subcommand that was typed; the others, at one level, are not.
+// Returns fish's condition that every word of the command's name was typed.
 std::string FishCondition(const CommandText& command) {
   std::string condition;
   const std::string words = command.name.substr(std::min(command.name.find(' '), command.name.size()));
@@ -232,7 +233,8 @@ std::string ZshCompletion(const CommandText& command) {
   text.insert(text.rfind("complete -F"),
               "(($+functions[compdef])) || { autoload -U compinit && compinit; }\nautoload -U +X "
               "bashcompinit && bashcompinit\n");
-  // read from zsh's folder of completions, the script is itself the function of the first request
+  // If zsh loads the script from its folder of completions, the script runs as the function of the first
+  // request, which it must then answer.
   text += "[[ ${funcstack[1]-} != _osteon ]] || _bash_complete -F _osteon\n";
   return text;
 }

@@ -12,14 +12,14 @@ namespace osteon::app {
 namespace {
 
 constexpr std::size_t kMinWidth = 50, kDefaultWidth = 80, kMaxWidth = 120;
-constexpr std::size_t kTextColumn = 26;      // where explanations begin
-constexpr std::size_t kMaxWordsInHead = 22;  // columns; longer lists of words stand in the explanation
+constexpr std::size_t kTextColumn = 26;      // column at which explanations begin
+constexpr std::size_t kMaxWordsInHead = 22;  // columns of a word list; a longer one is in the explanation
 
 bool ShowsWordsInHead(const OptionText& option) {
   return !option.words.empty() && fmt::format("{}", fmt::join(option.words, "|")).size() <= kMaxWordsInHead;
 }
 
-// A row of two columns; the second begins on the next line where the first is too long.
+// Returns a row of two columns; the second begins on the next line if the first is too long.
 std::string Row(const std::string& head, const std::string& body, std::size_t width) {
   std::string text = "  " + head;
   const std::size_t used = base::ColumnsOf(text);
@@ -29,7 +29,7 @@ std::string Row(const std::string& head, const std::string& body, std::size_t wi
   return text + base::WrapText(body, kTextColumn, width) + "\n";
 }
 
-// An example of osteon that is too long is continued on further lines, as a shell accepts it.
+// Returns an example; one that is too long is continued on further lines, in the form that a shell accepts.
 std::string ExampleLine(const std::string& line, std::size_t width) {
   std::string text;
   std::string rest = "  " + line;

@@ -8,7 +8,7 @@
 
 #include "app/cli/help/command_table.h"
 
-// The text of --help. CLI11's own does not break lines; this one fits the terminal.
+// The text of --help. CLI11's own text does not break lines; this text fits the terminal.
 
 namespace osteon::app {
 
@@ -21,10 +21,11 @@ namespace osteon::app {
 
 [[nodiscard]] std::string HelpText(const CommandText& command, std::size_t width);
 
-/// Columns of the terminal that stdout is, at most 120; COLUMNS if that is set; 80 otherwise.
+/// Columns for the help: those of the terminal behind stdout, or $COLUMNS if that is set, but at least 50 and
+/// at most 120; 80 if there is no terminal.
 [[nodiscard]] std::size_t HelpWidth();
 
-/// Makes CLI11 print HelpText. Given to the top App before its subcommands are added, which take it over.
+/// Makes CLI11 print HelpText. Set it in the top App before subcommands are added, since they copy it.
 class HelpFormatter : public CLI::FormatterBase {
  public:
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;

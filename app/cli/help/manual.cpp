@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::size_t kPageWidth = 116;  // columns of a Markdown line
 
-// The commands that do something by themselves, in order: `bench` is only the name that `bench frame` stands
-// under.
+// Returns the commands that do something by themselves, in order: `bench frame`, but not `bench`, which only
+// groups subcommands.
 std::vector<const CommandText*> Leaves(const CommandText& command) {
   std::vector<const CommandText*> leaves;
   for (const CommandText& sub : command.commands) {
@@ -56,8 +56,8 @@ std::uint32_t NextCharacter(std::string_view& text) {
   return code;
 }
 
-// A line of text in which nothing is a request, an escape, or a hyphen that would be typeset as another
-// character.
+// Returns a line of text as roff in which no character acts as a request or an escape, and a hyphen stays a
+// hyphen.
 std::string Roff(std::string_view text) {
   std::string out;
   if (text.starts_with('.') || text.starts_with('\'')) out = "\\&";
@@ -84,7 +84,7 @@ std::string Roff(std::string_view text) {
 std::string RoffOptions(const CommandText& command) {
   std::string text;
   for (const OptionText& option : command.options) {
-    if (option.names.back() == "--help") continue;  // every command has it; said once
+    if (option.names.back() == "--help") continue;  // every command has this option: it is described once
     const std::string names = fmt::format("{}", fmt::join(option.names, ", "));
     text += fmt::format(".TP\n\\fB{}\\fR{}\n{}\n", Roff(names), Roff(OptionHead(option).substr(names.size())),
                         Roff(OptionBody(option)));
@@ -107,7 +107,7 @@ std::string RoffTexts(const CommandText& command) {
 
 // --- Markdown ---
 
-// A cell of a table, in which a bar would end it.
+// Returns the text of a table's cell; a bar is escaped, since it would end the cell.
 std::string Cell(std::string text) {
   for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
   return text;
@@ -150,7 +150,7 @@ std::string MarkdownTexts(const CommandText& command) {
   return text;
 }
 
-// A heading's anchor, by GitHub's rule.
+// Returns a heading's anchor, by GitHub's rule.
 std::string Anchor(const std::string& heading) {
   std::string anchor = heading;
   std::ranges::replace(anchor, ' ', '-');

@@ -11,10 +11,10 @@ namespace osteon::app {
 /// The manual page osteon(1) as roff, for man, groff and mandoc. ASCII only; other characters become escapes.
 [[nodiscard]] std::string ManPage(const CommandText& command, const std::string& version);
 
-/// docs/commands.md: a section for each subcommand.
+/// The page docs/commands.md: a section for each subcommand.
 [[nodiscard]] std::string CommandsPage(const CommandText& command);
 
-/// osteon.manual/1.
+/// The command line as JSON, of the schema osteon.manual/1.
 [[nodiscard]] std::string ManualJson(const CommandText& command);
 
 }  // namespace osteon::app

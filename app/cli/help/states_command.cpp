@@ -30,6 +30,7 @@ template <class Each>
 void ForEachEvent(Each&& each) {
   for (int i = 0; i < safety::kCellEvents; ++i) each(static_cast<CellEvent>(i));
 }
+// Whether a transition neither changes the state nor acts.
 bool Stays(CellState state, const CellTransition& next) {
   return next.state == state && next.action == CellAction::kNone;
 }
@@ -54,7 +55,7 @@ std::string Diagram() {
   return text + "```\n";
 }
 
-// Makes a row per event, a column per state; empty: the state does not change.
+// Makes a table with a row per event and a column per state; an empty cell: the state does not change.
 std::string Table() {
   std::string head = "| |", line = "|---|";
   ForEachState([&](CellState state) {

@@ -10,15 +10,15 @@
 
 namespace osteon::app {
 
-/// The refusal of `--tool KIND:D` beside `--plan`, where the session chooses the size.
+/// The refusal of a size in `--tool KIND:D` together with `--plan`, whose session chooses the size.
 inline constexpr const char* kSizeWithPlan =
     ": found a size with --plan, accepted a kind alone: the plan has the sizes, from the first one on";
 
 /// The options of a procedure: `--plan`, `--session`, `--resume`, `--guidance`, `--gain-from`, `--operator`.
 class ProcedureOptions {
  public:
-  /// @param with_session  for what runs the session; without it `--plan` and `--operator` alone, for a
-  /// simulated cell
+  /// @param with_session  true: all options, for a command that runs the session; false: `--plan` and
+  ///   `--operator` alone, for a simulated cell
   void Add(CLI::App& sub, bool with_session);
   [[nodiscard]] bool asked() const { return !plan_.empty(); }
   /// Finds the plan. @returns what is wrong; empty: nothing

@@ -17,7 +17,7 @@
 namespace osteon::app {
 namespace {
 
-// The victims' names as words of the command line: "engine-hung".
+// Returns the names of the kill trials' victims in the form of the command line: "engine-hung".
 std::vector<std::string> VictimWords() {
   std::vector<std::string> words;
   for (int v = 0; v < studies::kKillVictims; ++v) {

@@ -24,7 +24,7 @@ namespace {
 
 constexpr double kMaxSpheres = 20e6;
 
-// Reads "A,B" into words that are each one of `accepted`.
+// Adds an option that reads "A,B" into words, each of which must be one of `accepted`.
 CLI::Option* AddWords(CLI::App& sub, const std::string& name, std::vector<std::string>& words,
                       const std::vector<std::string>& accepted, const std::string& help) {
   return sub.add_option(name, words, help)->check(OneOf(accepted))->delimiter(',')->expected(1)->take_all();
@@ -84,7 +84,7 @@ CLI::App* AddBenchFrame(CLI::App& bench, studies::BenchFrameOptions& options) {
       "  osteon bench frame --scene molar --spheres 36000 --tool-spheres 200\n"
       "  osteon bench frame --engines cpu,vulkan --rounds 5 --json engines.json\n"
       "  osteon bench frame --engines cpu,vulkan --spheres 300000 --compare");
-  // callbacks run after all options are read
+  // A callback, since these run after all options are read.
   sub->callback([sub, &options] {
     if (sub->count("--compare") > 0 && (options.compare.empty() || options.compare.front().empty()))
       options.compare = studies::PlainVoxelNames();

@@ -18,7 +18,7 @@
 namespace osteon::app {
 namespace {
 
-// Reads a study's words and runs it on the parts' items.
+// Parses a study's command line, given as words, and runs the study on the items of the parts.
 int RunStudy(const std::filesystem::path& config_root, std::vector<std::string> words,
              const studies::PartSet& parts) {
   CLI::App app{"the studies that can be split", "osteon"};
@@ -28,7 +28,7 @@ int RunStudy(const std::filesystem::path& config_root, std::vector<std::string> 
   app.require_subcommand(1);
   const Invocation invocation{
       .config_root = config_root, .command_line = CommandLine(words), .words = words, .parts = &parts};
-  std::ranges::reverse(words);  // as CLI11 takes them
+  std::ranges::reverse(words);  // CLI11 takes the words in reverse order
   try {
     app.parse(words);
   } catch (const CLI::ParseError& error) {

@@ -8,20 +8,20 @@
 
 #include <CLI/CLI.hpp>
 
-// What both executables need besides their subcommands.
+// Functions that both executables need besides their subcommands.
 
 namespace osteon::app {
 
-/// The command line that repeats a run.
+/// Returns the command line that repeats a run.
 [[nodiscard]] std::string CommandLine(int argc, char** argv);
-/// The same of the words after the program's name.
+/// Returns the same, from the words after the program's name.
 [[nodiscard]] std::string CommandLine(std::span<const std::string> words);
 
 /// Prepares the top of a tree of subcommands: form of the help, --version, --config-root (by default
 /// config::FindShippedFolder).
 void PrepareTop(CLI::App& app, std::filesystem::path& config_root);
 
-/// Reads a command line. @returns the exit code where nothing is left to do: help, version, a wrong word.
+/// Parses a command line. @returns the exit code if nothing is left to do: help, version, a wrong word.
 [[nodiscard]] std::optional<int> ParseCommandLine(CLI::App& app, int argc, char** argv);
 
 /// The body of a main function: installs the output, and turns exceptions into a message and an exit code.

@@ -11,6 +11,7 @@ namespace osteon::app {
 
 namespace {
 
+// Adds an option that says at which port, or whether at all, something is served.
 void AddServerOption(CLI::App& sub, const char* name, session::ConsoleChoice& choice,
                      const std::string& help) {
   sub.add_option_function<std::string>(

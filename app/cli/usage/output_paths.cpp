@@ -20,19 +20,18 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 3> kOutputs{"--json", "--save-motion", "--surface"};
-// Endings of files that are never JSON, and that people keep.
+// Endings of files that are never JSON, and that people keep and must not lose.
 constexpr std::array<std::string_view, 8> kOtherKinds{".mcap", ".carved", ".packed", ".yaml",
                                                       ".yml",  ".stl",    ".ply",    ".obj"};
 
-// "file" or "folder": what an option names; empty: neither.
+// Returns "file" or "folder" for an option that names one; empty for any other option.
 std::string NamedKind(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   if (type.find("FOLDER") != std::string::npos || type.find("DIR") != std::string::npos) return "folder";
   return type.find("FILE") != std::string::npos ? "file" : "";
 }
 
-// Names the kind of an existing file that nothing may be written over, by its first bytes; empty: another
-// kind.
+// Returns the kind of an existing file, by its first bytes, if it must not be overwritten; otherwise empty.
 std::string_view Evidence(const fs::path& file) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return "";
@@ -49,7 +48,7 @@ std::string_view Evidence(const fs::path& file) {
   return "";
 }
 
-// The argument that names the same file; null: none does.
+// Returns another argument that names the same file; null if there is none.
 const CLI::Option* SameFile(const CLI::App& asked, const CLI::Option& output, const fs::path& file) {
   std::error_code error;
   if (!fs::exists(file, error)) return nullptr;
@@ -60,6 +59,7 @@ const CLI::Option* SameFile(const CLI::App& asked, const CLI::Option& output, co
   return nullptr;
 }
 
+// Returns why the file of an output option must not be written; empty if it may.
 std::string WrongWith(const CLI::App& asked, const CLI::Option& output) {
   const std::string name = output.get_name(), value = output.results().back();
   const fs::path file(value);

@@ -6,9 +6,11 @@
 
 namespace osteon::app {
 
-/// Says which file a subcommand's option would write over that must not be: one that another argument names,
-/// a recording, a carved state, a session. Also an empty name, and a name of another kind of file. Empty:
-/// none. Looks at `--json`, `--save-motion` and `--surface`. @param asked  the subcommand, parsed
+/// Checks the files that `--json`, `--save-motion` and `--surface` would write. Refused are a file that
+/// another argument names, a recording, a carved state, a session, and a name with the ending of another kind
+/// of file; also an empty name in any option for a file or folder.
+/// @param asked  the subcommand, parsed  @returns what was found and what is accepted; empty: nothing is
+/// wrong
 [[nodiscard]] std::string ValidateOutputPaths(const CLI::App& asked);
 
 }  // namespace osteon::app

@@ -17,17 +17,17 @@ struct StudyCommand {
   std::string_view name, what;
 };
 
-/// The only list of them: help, hand-over and launcher go by it.
+/// The only list of these subcommands: help, hand-over and launcher use it.
 [[nodiscard]] std::span<const StudyCommand> StudyCommands();
 
-/// Adds a subcommand of the list, with its line of help: in osteon-studies to be given its options, in
-/// `osteon` to be announced. @throws std::out_of_range for a name that is not in the list.
+/// Adds a subcommand of the list, with its line of help: osteon-studies then adds its options; `osteon` only
+/// announces it. @throws std::out_of_range for a name that is not in the list.
 CLI::App* AddStudy(CLI::App& app, std::string_view name);
 
 /// Announces studies in the help of `osteon`, behind what it has so far.
 void AnnounceStudies(CLI::App& app, std::initializer_list<std::string_view> names);
 
-/// Whether a command line asks for one of them. Options of `osteon` itself may precede its name.
+/// Whether a command line names one of the StudyCommands(). Options of `osteon` itself may precede the name.
 [[nodiscard]] bool AsksForStudy(int argc, char** argv);
 
 /// Replaces this process by osteon-studies, which lies beside this program, with the same command line.

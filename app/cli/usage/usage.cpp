@@ -19,6 +19,7 @@
 namespace osteon::app {
 namespace {
 
+// Accepts a number of type T from min to max.
 template <typename T>
 CLI::Validator Within(T min, T max) {
   const std::string range = fmt::format("{} … {}", min, max);
@@ -61,11 +62,11 @@ void AddEngineOption(CLI::App& sub, std::string& engine, const std::vector<std::
 
 namespace {
 
-// An option's accepted values in words: "a whole number, 3 … 100", "FROM,TO".
+// Returns an option's accepted values in words: "a whole number, 3 … 100", "FROM,TO".
 std::string Accepted(const CLI::App& at, const std::string& name) {
   const CLI::Option* option = at.get_option_no_throw(name);
   std::string type = option ? option->get_type_name() : "";
-  const std::size_t colon = type.find(':');  // before its range
+  const std::size_t colon = type.find(':');  // the type's name stands before the colon, the range after it
   std::string range = colon == std::string::npos ? "" : ", " + type.substr(colon + 1);
   type = type.substr(0, colon);
   if (type == "INT" || type == "UINT") type = "a whole number";
@@ -73,7 +74,7 @@ std::string Accepted(const CLI::App& at, const std::string& name) {
   return type + range;
 }
 
-// The parser's words of a path that is not there, or of another kind.
+// The beginning of CLI11's error on a path that is missing or of another kind, and our words for it.
 struct PathWords {
   std::string_view parser, found, accepted;
 };
@@ -83,8 +84,8 @@ constexpr std::array<PathWords, 4> kPathWords{
      {"Directory does not exist: ", "no folder", "one that is there"},
      {"Directory is actually a file: ", "the file", "a folder"}}};
 
-// The parser's words of a value that is of another type, of a path, or of a count of values, with what is
-// accepted. Others stay.
+// Rewrites CLI11's error on a value's type, a path or a number of values, so that it says what is accepted.
+// Other errors stay.
 std::string WithAccepted(const CLI::App& at, std::string what) {
   constexpr std::string_view kConvert = "Could not convert: ", kReceived = " required but received ";
   if (what.starts_with(kConvert)) {

@@ -20,16 +20,17 @@ namespace osteon::app {
 /// Adds `--device`.
 void AddDeviceOption(CLI::App& sub, std::string& device);
 /// Adds `--engine`. @param names  the accepted ones, "auto" among them
-/// @param use  what the engine is for; @param rest  what is said after the explanation of "auto"
+/// @param use  what the engine is for; @param rest  text after the explanation of "auto"
 void AddEngineOption(CLI::App& sub, std::string& engine, const std::vector<std::string>& names,
                      const std::string& use, const std::string& rest = "");
 
-/// Explains the error, after the name of the requested subcommand; an unknown word with the nearest known
-/// one.
+/// Explains the error, after the name of the requested subcommand. For an unknown word it names the nearest
+/// known one.
 [[nodiscard]] std::string UsageError(const CLI::App& app, const CLI::ParseError& error);
 
-/// Says what prevents any subcommand from working (`--json -`, an output that would be written over evidence,
-/// a missing folder for temporary files), after the name of the requested one. Empty: nothing does.
+/// Says why no subcommand could work with this command line (`--json -`, an output that would overwrite a
+/// file to be kept, a missing folder for temporary files), after the name of the requested subcommand. Empty:
+/// it can.
 [[nodiscard]] std::string ValidateEnvironment(const CLI::App& app);
 
 }  // namespace osteon::app

@@ -19,13 +19,13 @@ class ErrorKeeper {
   std::string Keep(const std::string& text) { return error_ = text; }
 
  protected:
-  /// @param closed  what a call finds, and what has to be done, while nothing is open
+  /// @param closed  error text of a call while nothing is open: what is missing, and what to do
   explicit ErrorKeeper(const char* closed) : closed_(closed) {}
   virtual ~ErrorKeeper() = default;
 
-  /// Keeps what is wrong with the arguments of a call. @returns whether nothing is
+  /// Keeps the error in the arguments of a call. @param mismatch  empty: none  @returns whether there is none
   bool Succeeds(const std::string& mismatch) { return Keep(mismatch).empty(); }
-  /// Keeps why a function of osteon.h has failed. @returns whether it has not
+  /// Keeps the text of the error with which a function of osteon.h failed. @returns whether it succeeded
   bool Succeeds(OsteonResult result) {
     if (result == OSTEON_OK)
       error_.clear();

@@ -7,8 +7,8 @@
 
 namespace osteon::godot {
 
-/// The NativeScript class OsteonGuidance (base Reference): a surgical plan, and what holds a hand to it, in
-/// Godot's axes. Failures as in OsteonSession.
+/// The NativeScript class OsteonGuidance (base Reference): a surgical plan, and the guidance that holds a
+/// hand to it, in Godot's axes. Failures as in OsteonSession.
 class GodotGuidance final : public ErrorKeeper {
  public:
   GodotGuidance() : ErrorKeeper("no plan is open: call open() first") {}
@@ -54,8 +54,8 @@ class GodotGuidance final : public ErrorKeeper {
     return result.ToValue();
   }
 
-  /// evaluate(pose, linear, angular, other_force, other_torque): once in each period; the other wrench, that
-  /// of OsteonSession.force, comes first.
+  /// evaluate(pose, linear, angular, other_force, other_torque): call it once per period. The other wrench,
+  /// that of OsteonSession.force, takes precedence at the force limit.
   Value Evaluate(const Arguments& arguments) {
     constexpr auto kVector = GODOT_VARIANT_TYPE_VECTOR3;
     if (!Succeeds(arguments.Mismatch("evaluate",

@@ -10,7 +10,7 @@
 
 namespace osteon::godot {
 
-/// Null where a name is not given.
+/// Returns null for a name that is not given.
 inline const char* OrNull(const std::string& text) { return text.empty() ? nullptr : text.c_str(); }
 
 inline host::Vector TripleOf(const double* values) { return {values[0], values[1], values[2]}; }
@@ -62,7 +62,7 @@ class GodotSession final : public ErrorKeeper {
     return ErrorText();
   }
 
-  /// force(pose) of a tool at rest, force(pose, linear, angular) of one that moves.
+  /// force(pose) is for a tool at rest, force(pose, linear, angular) for a tool that moves.
   Value Force(const Arguments& arguments) {
     host::Wrench wrench;
     const std::string mismatch =
@@ -155,14 +155,15 @@ class GodotSession final : public ErrorKeeper {
     return ErrorText();
   }
 
-  /// In millimetres and Osteon's axes; the name's end says which format.
+  /// Writes the surface in millimetres and Osteon's axes; the file name's ending selects the format.
   Value ExportSurface(const Arguments& arguments) {
     if (Succeeds(arguments.Mismatch("export_surface", {GODOT_VARIANT_TYPE_STRING})))
       Succeeds(osteon_session_surface_export(session_.session(), arguments.TextAt(0).c_str(), nullptr));
     return ErrorText();
   }
 
-  /// assess(plan, rubric): names or files; empty: the plan "acetabulum", the rubric of the plan's kind.
+  /// assess(plan, rubric): each a name or a file. Empty: the plan "acetabulum", the rubric of the plan's
+  /// kind.
   Value Assess(const Arguments& arguments) {
     if (!Succeeds(arguments.Mismatch("assess", {GODOT_VARIANT_TYPE_STRING, GODOT_VARIANT_TYPE_STRING})))
       return {};
@@ -201,7 +202,7 @@ class GodotSession final : public ErrorKeeper {
 
   Value Version(const Arguments& /*arguments*/) { return Value(std::string(osteon_version())); }
 
-  /// The assumptions that made a solid of the bone's mesh; empty: nothing.
+  /// The assumptions that made a solid of the bone's mesh; empty: there were none.
   Value BoneWarning(const Arguments& /*arguments*/) {
     return Value(std::string(osteon_bone_warning(session_.bone())));
   }

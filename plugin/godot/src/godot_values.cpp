@@ -31,6 +31,7 @@ host::Vector FromGodot(const godot_vector3& v) {
           static_cast<double>(api->godot_vector3_get_axis(&v, GODOT_VECTOR3_AXIS_Z))};
 }
 
+/// Makes a PoolVector3Array of coordinates x y z.
 godot_variant Vectors(const std::vector<float>& xyz) {
   godot_pool_vector3_array array;
   api->godot_pool_vector3_array_new(&array);
@@ -44,6 +45,7 @@ godot_variant Vectors(const std::vector<float>& xyz) {
   return value;
 }
 
+/// Makes a PoolColorArray of bytes red green blue; every colour is opaque.
 godot_variant Colors(const std::vector<std::uint8_t>& rgb) {
   std::vector<float> rgba;
   rgba.reserve(rgb.size() / 3 * 4);
@@ -63,6 +65,7 @@ godot_variant Colors(const std::vector<std::uint8_t>& rgb) {
   return value;
 }
 
+/// Makes a PoolIntArray.
 godot_variant Integers(const std::vector<std::int32_t>& integers) {
   godot_pool_int_array array;
   api->godot_pool_int_array_new(&array);
@@ -160,7 +163,7 @@ std::string Arguments::TextAt(int i) const { return ToText(values_[i]); }
 
 namespace {
 
-/// Empty, or the type that is accepted.
+/// Stores a value in its field. @returns an empty text, or the type that is accepted.
 const char* TakeValue(const Field& field, const godot_variant* value) {
   const godot_variant_type found = api->godot_variant_get_type(value);
   if (auto* const* text = std::get_if<std::string*>(&field.value)) {
@@ -175,7 +178,7 @@ const char* TakeValue(const Field& field, const godot_variant* value) {
   } else if (auto* const* index = std::get_if<std::uint32_t*>(&field.value)) {
     if (found != GODOT_VARIANT_TYPE_INT) return "int";
     const std::int64_t given = api->godot_variant_as_int(value);
-    // what is out of range is refused by the library as the largest number
+    // A number out of range becomes the largest number, which the library then refuses.
     **index = given < 0 || given > INT32_MAX ? UINT32_MAX : static_cast<std::uint32_t>(given);
   } else if (auto* const* vector = std::get_if<host::Vector*>(&field.value)) {
     if (found != GODOT_VARIANT_TYPE_VECTOR3) return "Vector3";
@@ -184,6 +187,7 @@ const char* TakeValue(const Field& field, const godot_variant* value) {
   return "";
 }
 
+/// Stores the value of a key in the field of that name. @returns an empty text, or the error
 std::string TakeKey(const char* method, const std::string& key, const godot_variant* value,
                     std::initializer_list<Field> fields) {
   std::string accepted;

@@ -15,7 +15,7 @@ namespace osteon::godot {
 /// Godot's functions; set while the library is loaded.
 extern const godot_gdnative_core_api_struct* api;
 
-/// A value of Godot's, destroyed unless it is given back to Godot.
+/// A godot_variant, destroyed with this object unless it was handed to Godot.
 class Value {
  public:
   Value() { api->godot_variant_new_nil(&value_); }
@@ -33,7 +33,7 @@ class Value {
   ~Value() { api->godot_variant_destroy(&value_); }
 
   [[nodiscard]] const godot_variant* get() const { return &value_; }
-  /// For Godot, which destroys it.
+  /// Hands the value to Godot, which destroys it.
   [[nodiscard]] godot_variant Release() noexcept {
     const godot_variant given = value_;
     api->godot_variant_new_nil(&value_);
@@ -45,7 +45,7 @@ class Value {
     api->godot_variant_new_bool(&result.value_, value);
     return result;
   }
-  /// A brick as ArrayMesh.add_surface_from_arrays takes it; empty where the brick has gone.
+  /// A brick as ArrayMesh.add_surface_from_arrays takes it; empty if the brick has gone.
   static Value MeshArrays(const host::Brick& brick);
 
  private:
@@ -82,7 +82,7 @@ class DictionaryBuilder {
   godot_dictionary values_{};
 };
 
-/// Arguments of a call, whose types are those that the method accepts.
+/// The arguments of a call. Mismatch checks their number and types; read them only after that.
 class Arguments {
  public:
   Arguments(int count, godot_variant** values) : count_(count), values_(values) {}
@@ -110,7 +110,7 @@ struct Field {
   std::variant<std::string*, double*, bool*, std::uint32_t*, host::Vector*> value;
 };
 
-/// Takes the values of a Dictionary's keys; a key that is absent leaves its value as it is.
+/// Reads the values of a Dictionary's keys into the fields; an absent key leaves its field unchanged.
 /// @returns empty, or what is wrong: a key that is not among the fields, a value of another type.
 [[nodiscard]] std::string ReadDictionary(const char* method, const godot_variant* dictionary,
                                          std::initializer_list<Field> fields);

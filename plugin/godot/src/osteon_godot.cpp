@@ -25,7 +25,7 @@ GDCALLINGCONV void Destroy(godot_object* /*instance*/, void* /*data*/, void* obj
   delete static_cast<Class*>(object);
 }
 
-/// No exception crosses into Godot.
+/// Calls a method for Godot: an exception, which must not reach Godot, becomes a returned text.
 template <class Class, auto kMethod>
 GDCALLINGCONV godot_variant Call(godot_object* /*instance*/, void* /*data*/, void* object, int count,
                                  godot_variant** values) {
@@ -38,7 +38,7 @@ GDCALLINGCONV godot_variant Call(godot_object* /*instance*/, void* /*data*/, voi
   }
 }
 
-/// A class of Godot's that is being registered.
+/// Registers a NativeScript class and its methods.
 template <class Class>
 class NativeClass {
  public:

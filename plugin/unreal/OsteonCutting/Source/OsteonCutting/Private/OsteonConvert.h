@@ -3,7 +3,7 @@
 #include "CoreMinimal.h"
 #include "osteon_host.h"
 
-// Between Unreal's types and those of osteon_host.h, both in Unreal's axes and centimetres.
+// Conversions between Unreal's types and those of osteon_host.h, both in Unreal's axes and centimetres.
 
 namespace OsteonConvert {
 

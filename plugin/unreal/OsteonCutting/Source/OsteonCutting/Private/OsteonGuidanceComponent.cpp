@@ -23,7 +23,7 @@ bool UOsteonGuidanceComponent::Open() {
   if (!Succeeds(HostPlan.Open(Params)) || !Succeeds(HostPlan.GetInfo(&Info)) ||
       !Succeeds(osteon_guidance_params_init(OSTEON_ABI, &GuidanceParams)))
     return false;
-  GuidanceParams.reamer = static_cast<uint32>(Reamer);  // a negative one is out of range as well
+  GuidanceParams.reamer = static_cast<uint32>(Reamer);  // a negative index is out of range as well
   GuidanceParams.gain = Gain;
   GuidanceParams.max_force_N = MaxForce_N;
   return Succeeds(HostGuidance.Open(HostPlan, GuidanceParams));

@@ -8,7 +8,8 @@
 
 #include "OsteonBoneComponent.generated.h"
 
-/// A bone that a tool cuts: a procedural mesh, one section a brick of the surface, that follows the cut.
+/// A bone that a tool cuts: a procedural mesh that follows the cut, with one section per brick of the
+/// surface.
 ///
 /// Lengths and places are Unreal's, in centimetres, in this component's own frame; forces are newtons. Set
 /// the properties, name the tool's component, and the bone is opened when play begins. A haptic device's own
@@ -26,7 +27,7 @@ class OSTEONCUTTING_API UOsteonBoneComponent : public UProceduralMeshComponent {
   /// A shipped tool: reamer, twist_drill, round_burr, …
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Osteon")
   FString ToolName = TEXT("reamer");
-  /// In millimetres; 0: the tool's usual one.
+  /// Diameter in millimetres; 0: the tool's usual one.
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Osteon")
   double ToolDiameter_mm = 0.0;
   /// Largest force of the hand: above 0, at most 200.
@@ -38,19 +39,19 @@ class OSTEONCUTTING_API UOsteonBoneComponent : public UProceduralMeshComponent {
   /// Whether the spindle turns.
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Osteon")
   bool bSpins = true;
-  /// Its origin is the tool's apex, its +z the feed. None: poses come by SetToolPose.
+  /// Component whose origin is the tool's apex and whose +z is the feed. None: poses come by SetToolPose.
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Osteon")
   USceneComponent* Tool = nullptr;
 
-  /// Something was refused; the text says what was found and what is accepted. Each text once in a row.
+  /// A call was refused; the text says what was found and what is accepted. A text that repeats is sent once.
   UPROPERTY(BlueprintAssignable, Category = "Osteon")
   FOsteonRefused OnRefused;
 
-  /// Something that the scene watches: "breakthrough", "wall too thin", …; each tick looks for it.
+  /// An event that the scene watches for has occurred: "breakthrough", "wall too thin", … Checked each tick.
   UPROPERTY(BlueprintAssignable, Category = "Osteon")
   FOsteonSceneEvent OnSceneEvent;
 
-  /// Opens bone, tool and session by the properties; what was open is closed.
+  /// Opens bone, tool and session with the values of the properties; closes an open session first.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   bool Open();
   UFUNCTION(BlueprintCallable, Category = "Osteon")
@@ -61,29 +62,29 @@ class OSTEONCUTTING_API UOsteonBoneComponent : public UProceduralMeshComponent {
   /// The engine that computes the frames, such as "cpu on one thread, …".
   UFUNCTION(BlueprintPure, Category = "Osteon")
   FString GetEngine() const;
-  /// The assumptions that made a solid of the bone's mesh; empty: nothing. It goes to the log as well.
+  /// The assumptions that made a solid of the bone's mesh; empty: there were none. They are logged as well.
   UFUNCTION(BlueprintPure, Category = "Osteon")
   FString GetBoneWarning() const;
   UFUNCTION(BlueprintPure, Category = "Osteon")
   static FString GetLibraryVersion();
 
-  /// Where the tool is, in this component's frame.
+  /// Sets the tool's pose, in this component's frame.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   bool SetToolPose(const FTransform& Pose);
-  /// The force [N] that the hand should feel at this pose, at rest.
+  /// The force [N] that the hand should feel from a tool at rest at this pose.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   FVector GetForce(const FTransform& Pose);
   /// Force [N] and torque [N·m] on a tool that moves: Velocity of its apex [cm/s], AngularVelocity [rad/s].
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   bool GetWrench(const FTransform& Pose, const FVector& Velocity, const FVector& AngularVelocity,
                  FVector& Force_N, FVector& Torque_Nm);
-  /// From the next GetForce or GetWrench on these parts give way.
+  /// Makes these parts give way, from the next GetForce or GetWrench on.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   bool SetCompliance(const FOsteonCompliance& Compliance);
   /// Displacements after the newest GetForce or GetWrench.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   FOsteonDeflection GetDeflection();
-  /// Another tool from now on, at this pose, which must be free of bone. 0 mm: its usual diameter.
+  /// Changes to another tool, at this pose, which must be free of bone. 0 mm: its usual diameter.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   bool ChangeTool(const FString& Name, double Diameter_mm, const FTransform& Pose);
   /// Saves the carved bone.
@@ -95,11 +96,11 @@ class OSTEONCUTTING_API UOsteonBoneComponent : public UProceduralMeshComponent {
   /// Writes the carved bone as one mesh in millimetres, in Osteon's axes: .stl, .ply or .obj.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   bool ExportSurface(const FString& File);
-  /// Measures the bone as it is, beside a plan ("acetabulum", or a YAML file); 0.1 s. An empty rubric: by the
-  /// plan's kind.
+  /// Compares the bone as it is with a plan ("acetabulum", or a YAML file); takes 0.1 s. An empty rubric:
+  /// that of the plan's kind.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   bool Assess(const FString& Plan, const FString& Rubric, double& Score, TArray<FOsteonScoreItem>& Items);
-  /// A pose that points into the site, its apex Height_cm above the site's centre.
+  /// Returns a pose of the tool that points into the site, with the apex Height_cm above the site's centre.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   FTransform Approach(double Height_cm);
   UFUNCTION(BlueprintCallable, Category = "Osteon")
@@ -110,7 +111,7 @@ class OSTEONCUTTING_API UOsteonBoneComponent : public UProceduralMeshComponent {
   /// Returns to the last mark; the tool, at this pose, must be free of the bone that comes back.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   bool Undo(const FTransform& Pose);
-  /// Brings the mesh up to date; each tick does.
+  /// Updates the mesh from the newest surface; each tick calls it.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   void UpdateMesh();
 

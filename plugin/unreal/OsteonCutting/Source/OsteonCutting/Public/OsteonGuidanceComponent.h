@@ -28,18 +28,18 @@ class OSTEONCUTTING_API UOsteonGuidanceComponent : public USceneComponent {
   /// Index of the plan's reamer that is in use.
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Osteon")
   int32 Reamer = 0;
-  /// 0 … 1; negative: the plan's own.
+  /// Gain of the guidance, 0 … 1; negative: that of the plan.
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Osteon")
   double Gain = -1.0;
-  /// Of guidance and the bone's force together: above 0, at most 200.
+  /// Largest force of the guidance and the bone together: above 0, at most 200.
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Osteon")
   double MaxForce_N = 200.0;
 
-  /// Something was refused; the text says what was found and what is accepted. Each text once in a row.
+  /// A call was refused; the text says what was found and what is accepted. A text that repeats is sent once.
   UPROPERTY(BlueprintAssignable, Category = "Osteon")
   FOsteonRefused OnRefused;
 
-  /// Opens the plan and its guidance by the properties; what was open is closed.
+  /// Opens the plan and its guidance with the values of the properties; closes an open plan first.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   bool Open();
   UFUNCTION(BlueprintCallable, Category = "Osteon")
@@ -47,34 +47,36 @@ class OSTEONCUTTING_API UOsteonGuidanceComponent : public USceneComponent {
   UFUNCTION(BlueprintPure, Category = "Osteon")
   bool IsOpen() const { return HostGuidance.IsOpen(); }
 
-  /// The guidance [N, N·m] to add to the other force and torque, which come first; once in each period.
+  /// Computes the guidance [N, N·m] to add to the other force and torque, which take precedence at the
+  /// limits. Call it once per period.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   bool Evaluate(const FTransform& Pose, const FVector& Velocity, const FVector& AngularVelocity,
                 const FVector& OtherForce_N, const FVector& OtherTorque_Nm, FVector& Force_N,
                 FVector& Torque_Nm);
-  /// How much deeper than planned the last Evaluate's tool was [mm]; at most 0: not.
+  /// How much deeper than planned the tool of the last Evaluate was [mm]; 0 or negative: not deeper.
   UFUNCTION(BlueprintPure, Category = "Osteon")
   double GetDepth_mm() const { return 1e3 * Last.depth_m; }
-  /// Whether the last Evaluate's tool was beyond a stop of the plan: the caller should stop the spindle.
+  /// Whether the tool of the last Evaluate was beyond a stop of the plan: the caller should stop the spindle.
   UFUNCTION(BlueprintPure, Category = "Osteon")
   bool MustStopSpindle() const { return Last.stop_spindle != 0; }
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   bool SetGain(double NewGain);
-  /// Age of the contact model that the other force is made of [s]: the guidance fades with it.
+  /// Sets the age [s] of the contact model from which the other force was computed: the guidance fades with
+  /// it.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   bool SetModelAge(double Age_s);
-  /// Begins anew, after a change of tool or a jump of the pose.
+  /// Restarts the guidance, after a change of tool or a jump of the pose.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   bool Reset();
 
   UFUNCTION(BlueprintPure, Category = "Osteon")
   int32 GetReamerCount() const { return static_cast<int32>(Info.values.reamer_count); }
-  /// Out of the opening, of length 1.
+  /// The axis of the cup, out of the opening; of length 1.
   UFUNCTION(BlueprintPure, Category = "Osteon")
   FVector GetCupAxis() const;
   UFUNCTION(BlueprintPure, Category = "Osteon")
   FVector GetCupCenter() const;
-  /// Planned place of the tool's origin with a reamer of the sequence, and the reamer's diameter.
+  /// Planned place of the tool's origin for a reamer of the plan, and the reamer's diameter.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   bool GetReamer(int32 Index, FVector& Apex, double& Diameter_mm);
 

@@ -17,10 +17,10 @@ class OSTEONCUTTING_API AOsteonReamCup : public AActor {
 
   UPROPERTY(VisibleAnywhere, BlueprintReadOnly, Category = "Osteon")
   UOsteonBoneComponent* Bone = nullptr;
-  /// Its origin is the reamer's apex; attach a mesh to see it.
+  /// Component whose origin is the reamer's apex; attach a mesh to see the reamer.
   UPROPERTY(VisibleAnywhere, BlueprintReadOnly, Category = "Osteon")
   USceneComponent* Tool = nullptr;
-  /// Of the feed.
+  /// Speed of the feed.
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Osteon")
   double Feed_mm_per_s = 2.0;
 

@@ -11,7 +11,8 @@ DECLARE_DYNAMIC_MULTICAST_DELEGATE_OneParam(FOsteonRefused, const FString&, Text
 DECLARE_DYNAMIC_MULTICAST_DELEGATE_ThreeParams(FOsteonSceneEvent, const FString&, Name, double, Value_mm,
                                                const FVector&, Position);
 
-/// Which parts give way, each by itself. A figure of 0 is the library's own: a mount of 12 kg and 10 Hz.
+/// Which parts give way, each by itself. For a figure of 0 the library's default is used: a mount of 12 kg
+/// and 10 Hz.
 USTRUCT(BlueprintType)
 struct FOsteonCompliance {
   GENERATED_BODY()
@@ -25,18 +26,18 @@ struct FOsteonCompliance {
   /// The bone moves on its mount.
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Osteon")
   bool bMount = false;
-  /// Between two calls of GetWrench, in milliseconds.
+  /// Time between two calls of GetWrench, in milliseconds.
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Osteon")
   double Period_ms = 0.0;
-  /// That the mount's stiffness is about.
+  /// Point about which the mount's stiffness acts.
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Osteon")
   FVector MountPoint = FVector(0.0, 0.0, 0.0);
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Osteon")
   double MountMass_kg = 0.0;
-  /// Along the bone's axes.
+  /// Stiffness along the bone's axes.
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Osteon")
   FVector MountStiffness_N_per_m = FVector(0.0, 0.0, 0.0);
-  /// About the bone's axes.
+  /// Stiffness about the bone's axes.
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Osteon")
   FVector MountStiffness_Nm_per_rad = FVector(0.0, 0.0, 0.0);
 };
@@ -46,21 +47,21 @@ USTRUCT(BlueprintType)
 struct FOsteonDeflection {
   GENERATED_BODY()
 
-  /// Where to draw the bone.
+  /// The pose at which to draw the bone.
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
   FTransform Bone;
-  /// Of the tool's head, along the tool's axes.
+  /// Displacement of the tool's head, along the tool's axes.
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
   FVector Bend = FVector(0.0, 0.0, 0.0);
-  /// Of the tissue at the contact.
+  /// Displacement of the tissue at the contact.
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
   FVector Layer = FVector(0.0, 0.0, 0.0);
-  /// Of the bone at the mount's point.
+  /// Displacement of the bone at the mount's point.
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
   FVector Mount = FVector(0.0, 0.0, 0.0);
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
   bool bGivesWay = false;
-  /// The caller should stop.
+  /// Whether a displacement is beyond its limit: the caller should stop.
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
   bool bBeyondLimit = false;
 };
@@ -72,13 +73,13 @@ struct FOsteonScoreItem {
 
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
   FString Metric;
-  /// Of Value: "deg", "mm", "mm3", "ratio".
+  /// Unit of Value: "deg", "mm", "mm3", "ratio".
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
   FString Unit;
   /// NaN: not measured.
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
   double Value = 0.0;
-  /// At most as many points.
+  /// Largest number of points.
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
   double Weight = 0.0;
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
