@@ -30,7 +30,7 @@ std::vector<CountedValue> SortedCounts(const Histogram& histogram) {
   return counted;
 }
 
-/// The quantile, as Percentile (ticks.h); `values` must not be empty.
+/// Returns the p quantile, as Percentile (ticks.h) does; `values` must not be empty.
 double PercentileOf(const std::vector<CountedValue>& values, double p) {
   std::uint64_t total = 0, before = 0;
   for (const CountedValue& each : values) total += each.times;
