@@ -253,8 +253,8 @@ void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand,
               cell.simulated.hand);
   script.coupling_N_per_m = cell.servo.coupling.max_stiffness_N_per_m;
   // at an opening, a stiff hand leads the burr to its depth
-  script.sees_plan = hand != \"novice\" && !is_opening;
-                     if (script.sees_plan) {
+  script.sees_plan = hand != "novice" && !is_opening;
+  if (script.sees_plan) {
     script.push_force_N = push_force_N;
     script.last_push_ratio = kExpertLastPush;
   }
