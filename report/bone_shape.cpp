@@ -38,7 +38,7 @@ double MeanRadius(std::span<const Ball> balls) {
   return balls.empty() ? 1e-3 : sum / static_cast<double>(balls.size());
 }
 
-/// Edge of a cube with the median point's volume.
+/// Edge of a cube with the median of the points' volumes [m].
 double MedianSpacing(std::span<const MassPoint> points) {
   if (points.empty()) return 1e-3;
   std::vector<double> volumes;
@@ -69,11 +69,11 @@ double BallField::Depth(const Vector3& p_G) const {
   return depth_m;
 }
 
-// Source of the walk: Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics
-// 1987.
+// Walks through the grid's cells along the ray. Source: Amanatides and Woo, A Fast Voxel Traversal Algorithm
+// for Ray Tracing, Eurographics 1987.
 std::optional<double> BallField::FirstHit(const Vector3& o_G, const Vector3& d_G, double max_m) const {
   if (balls_.empty()) return std::nullopt;
-  // the ray's part in the grid's box
+  // the part of the ray inside the grid's box
   double from = 0.0, to = max_m;
   for (int k = 0; k < 3; ++k) {
     const double low = grid_.min()[k], high = low + grid_.cell_m() * grid_.size()[k];

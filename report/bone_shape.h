@@ -18,11 +18,11 @@ class BallField {
   explicit BallField(std::vector<simulation::Ball> balls);
 
   [[nodiscard]] const std::vector<simulation::Ball>& balls() const { return balls_; }
-  /// Depth [m] of p below the surface of the ball in which p lies deepest: a lower bound of the depth below
-  /// the union's surface. Negative infinity outside.
+  /// Returns the depth [m] of p below the surface of the ball in which p lies deepest: a lower bound of the
+  /// depth below the union's surface. Negative infinity if p is in no ball.
   [[nodiscard]] double Depth(const Vector3& p_G) const;
-  /// Distance [m] along the ray from o in direction d (unit) to the first ball; none within max_m. A ray that
-  /// starts inside a ball hits at 0.
+  /// Returns the distance [m] along the ray from o in direction d (unit vector) to the first ball; nothing if
+  /// there is no ball within max_m. A ray that starts inside a ball hits at 0.
   [[nodiscard]] std::optional<double> FirstHit(const Vector3& o_G, const Vector3& d_G, double max_m) const;
 
  private:
@@ -30,24 +30,25 @@ class BallField {
   CellGrid grid_;
 };
 
-/// The balls of a bone in a carved state, without the removed ones. All of the bone's balls if the state
-/// holds none (nothing was simulated). A state of another bone gives no balls.
+/// Returns the balls of a bone in a carved state, without the removed ones. If the state holds no balls
+/// (nothing was simulated), returns all balls of the bone. A state of another bone gives no balls.
 [[nodiscard]] std::vector<simulation::Ball> CarvedBalls(const simulation::Bone& bone,
                                                         const simulation::CarvedState& state);
 
-/// How much of a bone a picture shows around its site [m]: `radii` times the site's radius, but for each 3.2
-/// radii at least 25 mm (or the whole bone), so that a small opening still shows the bone around it.
+/// Returns the distance from the site up to which a picture shows the bone [m]: `radii` times the site's
+/// radius. The distance is at least 25 mm for each 3.2 `radii`, or as far as the bone reaches, so that a
+/// small opening is shown with the bone around it.
 [[nodiscard]] double SiteReach(const simulation::Bone& bone, double radii);
 
-/// The material by position: from the solid if there is one, else from the nearest mass point, cleared or
-/// not.
+/// Finds the material at a position: from the solid if there is one, else from the nearest mass point,
+/// cleared or not.
 class MaterialMap {
  public:
-  /// @param solid  what the bone was packed from, or null; must outlive this
+  /// @param solid  the solid from which the bone was packed, or null; must outlive this
   explicit MaterialMap(std::span<const simulation::MassPoint> points,
                        const simulation::Solid* solid = nullptr);
 
-  /// Without a solid: none if no mass point lies within reach (eight cells).
+  /// Without a solid, returns nothing if no mass point lies within eight cells.
   [[nodiscard]] std::optional<simulation::MaterialIndex> At(const Vector3& p_G) const;
 
  private:
@@ -56,11 +57,11 @@ class MaterialMap {
   CellGrid grid_;
 };
 
-/// "#rrggbb" for a material in drawings, pale: by name cartilage bluish, cortical bone ivory, cancellous bone
-/// reddish-yellow; other materials by index.
+/// Returns a pale colour "#rrggbb" for a material in drawings: cartilage bluish, cortical bone ivory,
+/// cancellous bone reddish-yellow, each by its name; other materials by index.
 [[nodiscard]] const char* MaterialTint(const simulation::Bone& bone, simulation::MaterialIndex material);
 
-/// sRGB 0 … 1 for a material in shaded pictures.
+/// Returns the colour of a material in shaded pictures, sRGB 0 … 1.
 [[nodiscard]] Vector3 MaterialColor(const simulation::Bone& bone, simulation::MaterialIndex material);
 
 }  // namespace osteon::report

@@ -22,19 +22,20 @@ namespace osteon::report {
 namespace {
 
 constexpr double kMaxDeviation_um = 32'767.0;
-constexpr int kTries = 5;  // of a grid, each coarser than the last
+constexpr int kTries = 5;  // number of grids that are tried, each coarser than the last
 
 std::shared_ptr<const surface::SolidField> FieldOf(const simulation::Bone& bone,
                                                    const simulation::Solid* solid, float voxel_mm) {
   if (solid != nullptr) return surface::SampleSolid(*solid, voxel_mm);
-  simulation::Bone finite;  // balls alone
+  simulation::Bone finite;  // has only balls, all finite
   for (const simulation::Ball& ball : bone.balls)
     if (Vector3(ball.center_m).allFinite() && ball.radius_m > 0.0) finite.balls.push_back(ball);
   if (finite.balls.empty()) return nullptr;
   return surface::UnionOfBalls(finite, voxel_mm);
 }
 
-/// The deepest pose of a tool's path, and one straight out from there; empty: it never cuts.
+/// Returns the deepest pose of a tool's path, and a pose straight out from there; empty: the tool cannot cut,
+/// or its path is empty.
 std::vector<Pose> DeepestAndOut(const simulation::Bone& bone, const simulation::ToolPath& path) {
   const simulation::ToolBall* head = simulation::CuttingHead(*path.tool);
   const Vector3 axis = Vector3(bone.site.axis).normalized();
@@ -66,7 +67,7 @@ simulation::SweptTool IdealCavity(const simulation::Bone& bone, std::span<const 
   return simulation::SweptTool(straight);
 }
 
-/// Distance of a cut face from what it is compared with; empty: nothing to compare with.
+/// Signed distance of a point from the planned or ideal cavity [m]; empty: there is neither.
 using DistanceTo = std::function<double(const Vector3&)>;
 DistanceTo Compared(const CarveInput& input) {
   auto ideal = std::make_shared<const simulation::SweptTool>(IdealCavity(input.bone, input.paths));
@@ -90,7 +91,7 @@ CarvedSurface Extract(const surface::CarvedField& field, const MaterialMap& mate
     const std::size_t begin = out.chunks.size();
     surface::AppendChunk(out.layout, chunk, out.chunks);
     if (!distance_m) continue;
-    // as the page will read it: with the vertices that were sent
+    // read the chunk back as the page will: deviations belong to the vertices in the bytes
     if (!surface::ReadChunk(out.layout, std::span(out.chunks).subspan(begin), sent)) continue;
     for (const surface::SurfaceVertex& vertex : sent.vertices) {
       if (!vertex.cut) continue;
@@ -104,7 +105,7 @@ CarvedSurface Extract(const surface::CarvedField& field, const MaterialMap& mate
   return out;
 }
 
-/// The field's surface; at most `max_quads`, else nothing.
+/// Extracts the field's surface; nothing if it has more than `max_quads` quads.
 std::optional<BoneMesh> MeshOf(const surface::CarvedField& field, std::size_t max_quads) {
   BoneMesh mesh;
   surface::SurfaceChunk chunk;
@@ -125,14 +126,15 @@ std::optional<BoneMesh> MeshOf(const surface::CarvedField& field, std::size_t ma
   return mesh;
 }
 
-/// Carving costs by bricks: few calls with many capsules. A bound, as each brick looks at all of a call.
+/// Carves with many capsules per call, because each call goes over the bricks. A batch is bounded, because
+/// each brick is checked against all capsules of a call.
 void CarveInBatches(surface::CarvedField& field, std::span<const surface::Capsule> capsules) {
   constexpr std::size_t kBatch = 4096;
   for (std::size_t at = 0; at < capsules.size(); at += kBatch)
     field.Carve(capsules.subspan(at, std::min(kBatch, capsules.size() - at)));
 }
 
-/// For all tools: a field does not know in which order it was swept.
+/// Collects the capsules of all tools; the order in which they carve a field does not matter.
 std::vector<surface::Capsule> CapsulesOf(std::span<const simulation::ToolPath> paths) {
   std::vector<surface::Capsule> capsules;
   for (const simulation::ToolPath& path : paths) {
@@ -156,7 +158,7 @@ std::string ShowButton(const char* what, const char* text, bool pressed) {
                      pressed, text);
 }
 
-/// Distance at which the deviation's colour is full: round, and at least a tenth of a millimetre.
+/// Deviation at the end of the colour scale: rounded, and at least 0.1 mm.
 double ColorRange_mm(const CavityError& error) {
   constexpr double kLeast_mm = 0.1;
   return NiceRange({0.0, std::max(kLeast_mm, 1e3 * error.p95_m)}, 3).max;
@@ -202,7 +204,7 @@ BoneMeshes MeshBone(const CarveInput& input) {
       CarveInBatches(field, capsules);
       if (auto after = MeshOf(field, input.max_quads))
         return {.before = std::move(*before), .after = std::move(*after)};
-    } catch (const std::invalid_argument&) {  // a grid that no memory holds: try a coarser one
+    } catch (const std::invalid_argument&) {  // the grid is too large for the memory: try a coarser one
     }
   }
   return {};
@@ -226,7 +228,7 @@ CarvedSurface CarveSurface(const CarveInput& input) {
       if (carved.quads <= input.max_quads) return carved;
       voxel_mm *= static_cast<float>(
           kCoarser * std::sqrt(static_cast<double>(carved.quads) / static_cast<double>(input.max_quads)));
-    } catch (const std::invalid_argument&) {  // a grid that no memory holds
+    } catch (const std::invalid_argument&) {  // the grid is too large for the memory
       voxel_mm *= 2.0F;
     }
   }

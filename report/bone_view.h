@@ -14,20 +14,21 @@
 #include "simulation/surface/carved_field.h"
 #include "simulation/surface/surface_chunk.h"
 
-// The carved bone that can be turned: its surface as bytes within the page, drawn by the page's own script.
+// The carved bone as a view that a reader of the page can turn: its surface as bytes within the page, drawn
+// by the page's own script.
 
 namespace osteon::report {
 
-/// The carved surface of a run, as small as a page should carry.
+/// The carved surface of a run, coarse enough to be part of a page.
 struct CarvedSurface {
   surface::BrickLayout layout{};
   std::vector<std::uint8_t> chunks{};  ///< simulation/surface/chunk_bytes.h
-  /// Distance of each vertex on a cut face from the cavity that it is compared with [µm], in the chunks'
-  /// order; positive: too much was removed. Empty: no tool that cuts, or no path.
+  /// Distance of each vertex on a cut face from the ideal or planned cavity [µm], in the chunks' order;
+  /// positive: too much was removed. Empty: no tool cuts, or there is no path.
   std::vector<std::int16_t> deviation_um{};
   std::size_t quads{0};
   CavityError error{};  ///< over the cut faces' vertices
-  bool planned{false};  ///< compared with the planned cavity; false: with the tools' ideal one
+  bool planned{false};  ///< deviations are from the planned cavity; false: from the tools' ideal cavity
 };
 
 /// Bone and tool paths to carve, and the cavity with which the cut faces are compared. Views must outlive the
@@ -45,7 +46,8 @@ struct CarveInput {
 /// Carves the bone by the tools' paths, and measures the cut faces against the planned cavity. Without a plan
 /// they are measured against the ideal cavity: what the cutting balls of each tool sweep if it is drawn
 /// straight out along the site's axis from its deepest pose.
-/// The grid is made coarser until there are at most `max_quads`. No chunk where nothing has a surface.
+/// The grid is made coarser until the surface has at most `max_quads` quads. No chunks if nothing has a
+/// surface, or if five grids were not coarse enough.
 [[nodiscard]] CarvedSurface CarveSurface(const CarveInput& input);
 
 /// The bone before and after the cut, for pictures.
@@ -53,12 +55,12 @@ struct BoneMeshes {
   BoneMesh before, after;
 };
 
-/// Carves the bone as CarveSurface does, on the tool's own grid up to `max_quads`. Empty meshes where nothing
-/// has a surface.
+/// Carves the bone as CarveSurface does, on the grid of the last tool; coarser if a mesh has more than
+/// `max_quads` quads. Empty meshes if nothing has a surface, or if five grids were not coarse enough.
 [[nodiscard]] BoneMeshes MeshBone(const CarveInput& input);
 
-/// The room that a tool's cutting parts sweep along its path. To carve by the capsules of all paths at once
-/// takes a fraction of the time that frame by frame takes, and leaves the same field.
+/// Returns the space that a tool's cutting parts sweep along its path, as capsules. Carving with the capsules
+/// of all paths at once takes a fraction of the time of carving frame by frame, and leaves the same field.
 [[nodiscard]] std::vector<surface::Capsule> CapsulesAlong(const simulation::ToolPath& path);
 
 /// Carves a field by a tool's path, or by those of several tools.
@@ -67,11 +69,11 @@ void CarveAlong(surface::CarvedField& field, std::span<const simulation::ToolPat
 
 /// How the view begins.
 struct BoneViewStart {
-  bool shows_deviation{false};  ///< false: the tissues' colours
-  double range_mm{0.0};  ///< deviation at which the colour is full; 0: a round one by the 95th percentile
+  bool shows_deviation{false};  ///< false: shows the tissues' colours
+  double range_mm{0.0};  ///< deviation at the end of the colour scale; 0: by the 95th percentile, rounded
 };
 
-/// Markup of the view: hidden until the script draws it. Empty text without a chunk.
+/// Makes the view's markup, which is hidden until the script draws it. Empty text if there are no chunks.
 [[nodiscard]] std::string BoneViewHtml(const CarvedSurface& carved, const simulation::Bone& bone,
                                        const RenderParams& params, const BoneViewStart& start = {});
 

@@ -34,7 +34,7 @@ void PlanarGrid::CloseBorder(float value) {
 }
 
 std::vector<Polyline> Contour(const PlanarGrid& grid) {
-  // An edge of the grid is named by its lower node and its direction. Each crossed edge has at most one
+  // An edge of the grid is identified by its lower node and its direction. Each crossed edge has at most one
   // successor, since segments are directed with the inside on their left.
   using Edge = std::uint64_t;
   std::unordered_map<Edge, Edge> next;
@@ -43,7 +43,7 @@ std::vector<Polyline> Contour(const PlanarGrid& grid) {
     return 2 * (static_cast<Edge>(j) * static_cast<Edge>(grid.nx) + static_cast<Edge>(i)) +
            (vertical ? 1u : 0u);
   };
-  std::vector<Edge> order;  // of discovery, so that the result does not depend on hashing
+  std::vector<Edge> order;  // edges as they were found, so that the result does not depend on hashing
   const auto link = [&](Edge from, Edge to) {
     next[from] = to;
     has_previous[to] = 1;
@@ -128,7 +128,7 @@ std::vector<Polyline> Contour(const PlanarGrid& grid) {
     if (!line.closed) line.points.push_back(crossing(at));
     if (line.points.size() > 1) lines.push_back(std::move(line));
   };
-  // open lines from their beginnings, then the loops that remain
+  // first the open lines, each from its beginning; then the loops that remain
   for (const Edge e : order)
     if (!has_previous.contains(e) && next.contains(e)) walk(e);
   for (const Edge e : order)

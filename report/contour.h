@@ -28,11 +28,12 @@ struct Polyline {
   bool closed{false};
 };
 
-/// The lines on which the field is zero, linear between nodes (marching squares), the negative side on their
-/// left. Lines that leave the grid stay open. An ambiguous cell is decided by the mean of its corners.
+/// Returns the lines on which the field is zero, linear between nodes (marching squares), with the negative
+/// side on their left. Lines that leave the grid stay open. An ambiguous cell is decided by the mean of its
+/// corners.
 [[nodiscard]] std::vector<Polyline> Contour(const PlanarGrid& grid);
 
-/// Removes points that lie within `tolerance` of a chord.
+/// Removes points of a line that lie within `tolerance` of a chord between points that stay.
 [[nodiscard]] Polyline Simplify(const Polyline& line, double tolerance);
 
 }  // namespace osteon::report

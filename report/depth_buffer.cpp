@@ -32,7 +32,7 @@ Camera LookAt(const Vector3& eye, const Vector3& target, const Vector3& up, doub
 
 namespace {
 
-/// A vertex in the picture: pixels, and 1 / depth, which is linear over the picture.
+/// A vertex projected into the picture: pixels, and 1 / depth, which is linear over the picture.
 struct Projected {
   double x, y, inverse_z;
 };

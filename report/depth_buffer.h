@@ -15,22 +15,22 @@ struct Camera {
   double center_x_px{450.0}, center_y_px{350.0};
   int width{900}, height{700};
 
-  /// The ray's direction through a point of the picture, scaled to length 1 along `forward`.
+  /// Returns the direction of the ray through a point of the picture, scaled to length 1 along `forward`.
   [[nodiscard]] Vector3 Ray(double x_px, double y_px) const {
     return forward + (x_px - center_x_px) / focal_px * right - (y_px - center_y_px) / focal_px * up;
   }
-  /// The picture coordinates of p, and its depth along `forward`.
+  /// Returns the picture coordinates of p [px], and its depth along `forward` [m].
   [[nodiscard]] Vector3 Project(const Vector3& p_G) const {
     const Vector3 p = p_G - eye;
     const double z = p.dot(forward);
     return {center_x_px + focal_px * p.dot(right) / z, center_y_px - focal_px * p.dot(up) / z, z};
   }
-  /// The same view with `factor` times as many pixels in each direction.
+  /// Returns the same view with `factor` times as many pixels in each direction.
   [[nodiscard]] Camera Scaled(int factor) const;
 };
 
-/// A camera at `eye` that looks at `target`; the picture's vertical axis follows `up`, which must not be
-/// parallel to the view.
+/// Makes a camera at `eye` that looks at `target`; the picture's vertical axis follows `up`, which must not
+/// be parallel to the view.
 [[nodiscard]] Camera LookAt(const Vector3& eye, const Vector3& target, const Vector3& up, double focal_px,
                             int width, int height);
 
@@ -51,7 +51,7 @@ struct BoneMesh {
 };
 
 /// Draws a mesh. A triangle that reaches behind the camera is left out.
-/// @param normals  null, or as many as there are pixels: of the surface that is seen, in G, interpolated
+/// @param normals  null, or gets a normal for each pixel: that of the visible surface, in G, interpolated
 [[nodiscard]] DepthBuffer RenderDepth(const BoneMesh& mesh, const Camera& camera,
                                       std::vector<Eigen::Vector3f>* normals = nullptr);
 

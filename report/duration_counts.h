@@ -14,14 +14,14 @@ namespace osteon::report {
 /// Counts how often each duration occurred, to the nanosecond: exact percentiles of a run of any length
 /// without a list of its durations.
 ///
-/// Memory depends on how much the durations differ, not on their number: 4 KiB for each microsecond
-/// below 16.8 ms in which one lies (at most 64 MiB), 48 bytes for each different longer one.
+/// Memory depends on how much the durations differ, not on their number: 4 KiB for each interval of 1024 ns
+/// below 16.8 ms that contains a duration (at most 64 MiB), and 48 bytes for each different longer duration.
 class DurationCounts {
  public:
   void Add(rt::Nanoseconds duration);
 
   [[nodiscard]] std::uint64_t count() const { return count_; }
-  /// The duration at a position of the sorted list. @param rank  below count()
+  /// Returns the duration at a position of the sorted list. @param rank  the position, below count()
   [[nodiscard]] rt::Nanoseconds At(std::uint64_t rank) const;
 
   /// Calls visit(duration, how often), from the shortest to the longest.

@@ -38,7 +38,8 @@ std::array<double, 3> Viridis(double share) {
   return rgb;
 }
 
-// The colour of a value as a fraction of the scale, in bands, so that values can be read off the map.
+// The colour of a value as a fraction 0 … 1 of the colour scale. All values of a band have the same colour,
+// so that values can be read off the map.
 double BandShare(const HeatScale& scale, double value) {
   const double bands = std::round((scale.max - scale.min) / scale.step);
   const double band = std::clamp(std::floor((value - scale.min) / scale.step), 0.0, bands - 1.0);
@@ -88,7 +89,8 @@ std::string Field(const HeatMap& map, const HeatScale& scale, const PlotArea& ar
       Pixels(area.left), Pixels(area.top), Pixels(area.width), Pixels(area.height), Base64(*png));
 }
 
-// Fills nodes without a value with their neighbours' mean, ring by ring, so that lines run on to the edge.
+// Fills nodes without a value with their neighbours' mean, ring by ring, so that contour lines reach the edge
+// of the region that has values.
 PlanarGrid Filled(const HeatMap& map, double level) {
   PlanarGrid grid({0.0, 0.0}, {0.0, 0.0}, 1.0, 0.0F);
   grid.nx = map.nx;
@@ -150,7 +152,7 @@ bool Overlaps(const OccupiedBoxes& taken, const OccupiedBox& box) {
   return std::ranges::any_of(taken, [&box](const OccupiedBox& other) { return other.Overlaps(box); });
 }
 
-/// The area of a contour's number, about its middle.
+/// The area that a contour's number occupies around its middle.
 OccupiedBox NumberBox(const std::string& text, const PlotPoint& at) {
   const double half = 0.5 * TextWidth(text, kLabelPx) + 3.0;
   return {.left = at.x - half, .top = at.y - 8.0, .right = at.x + half, .bottom = at.y + 8.0};
@@ -198,7 +200,7 @@ std::string ContourLines(const HeatMap& map, const PlotArea& area, OccupiedBoxes
       at = k;
     }
     const OccupiedBox box = NumberBox(number, place(at));
-    if (Overlaps(taken, box)) continue;  // no free place: the line alone
+    if (Overlaps(taken, box)) continue;  // no free place: the line has no number
     taken.push_back(box);
     out += SvgText(place(at).x, place(at).y + 4.0, number, "middle", "#ffffff", kLabelPx,
                    R"(font-weight="600" stroke="#1b1f24" stroke-width="2.6" paint-order="stroke")");
@@ -219,8 +221,8 @@ std::string OverlayLines(const HeatMap& map, const PlotArea& area) {
   return out;
 }
 
-/// Draws marks, each with its label right, left, above or below, where the panel has room and nothing else
-/// is. @param taken  marks and labels are added to it
+/// Draws marks, each with its label right, left, above or below: at the first of these places that is inside
+/// the panel and free. @param taken  marks and labels are added to it
 std::string Marks(const HeatMap& map, const PlotArea& area, OccupiedBoxes& taken) {
   std::string out;
   const auto inside = [&map](const MapMark& mark) {

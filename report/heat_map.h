@@ -35,9 +35,9 @@ struct MapMark {
 struct HeatMap {
   std::string title{};
   std::string x_label{}, y_label{};  ///< with unit
-  Range x{}, y{};                    ///< equal units: drawn with equal axes
+  Range x{}, y{};                    ///< in the same unit: drawn with equal scales
   int nx{0}, ny{0};                  ///< >= 2
-  std::vector<double> values{};      ///< nx ny, rows of x; NaN: no value, drawn grey
+  std::vector<double> values{};      ///< nx times ny values, x runs fastest; NaN: no value, drawn grey
   std::vector<double> contours{};    ///< levels that get a line with a number
   std::vector<MapLine> lines{};
   std::vector<MapMark> marks{};
@@ -50,11 +50,11 @@ struct HeatScale {
   double tick_step{100.0};
 };
 
-/// The colour of a value: viridis (van der Walt and Smith, 2015), "#rrggbb".
+/// The colour of a fraction 0 … 1 of a scale: viridis (van der Walt and Smith, 2015), "#rrggbb".
 [[nodiscard]] std::string ViridisColor(double share);
 /// The colour of one of a scale's bands, numbered from its low end.
 [[nodiscard]] std::string BandColor(int band, int bands);
-/// The bands of a scale, one above the other, the low end below.
+/// Draws the bands of a scale, one above the other, the low end at the bottom.
 [[nodiscard]] std::string ViridisBands(double left, double top, double width, double height, int bands);
 
 /// Draws panels in rows, under one title and one legend, each row with its scale at the right.

@@ -16,8 +16,8 @@ struct LevelMap {
   std::string x_label{}, y_label{};  ///< with unit
   Range x{1.0, 10.0}, y{1.0, 10.0};  ///< > 0
   int nx{0}, ny{0};                  ///< >= 1
-  std::vector<double> values{};      ///< nx ny; NaN, or below the scale's min: drawn grey
-  std::vector<Series> curves{};      ///< values that are not positive, or outside, are left out
+  std::vector<double> values{};      ///< nx times ny values; NaN, or below the scale's min: drawn grey
+  std::vector<Series> curves{};      ///< points that are not positive, or outside the panel, are left out
 };
 
 /// Bands of colour (viridis) of equal width from min to max; values above max get the last band's colour.

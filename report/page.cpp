@@ -74,7 +74,7 @@ footer { margin-top: 44px; color: #59636e; font-size: 13px; }
   .verdict { border: 1px solid currentColor; } pre { font-size: 8pt; } }
 )";
 
-// A file's name as a part of a URL: all but letters, digits and -._~ as %XX.
+// Makes a file's name a part of a URL: every byte except letters, digits and -._~ becomes %XX.
 std::string PercentEncoded(const std::string& name) {
   std::string out;
   for (const char c : name) {

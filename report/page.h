@@ -9,12 +9,12 @@
 
 #include "report/png_file.h"
 
-// The parts of every page: one HTML file that opens anywhere, without the network. Its scripts are within it;
-// without them it says the same.
+// The parts of every page. A page is one HTML file that opens anywhere, without the network. It contains its
+// scripts; a browser that does not run scripts shows the same facts.
 
 namespace osteon::report {
 
-/// How good a result was, worst reason first.
+/// The verdict on a result, with its reasons.
 struct ReportVerdict {
   std::string level{"good"};  ///< "good", "look" or "bad"
   std::vector<std::string> reasons{};
@@ -24,39 +24,39 @@ struct ReportVerdict {
 /// A row of the summary: a name, and a value with its unit.
 struct SummaryRow {
   std::string key, value;
-  std::string file{};  ///< name of a file beside the page, which the value leads to; empty: none
+  std::string file{};  ///< name of a file beside the page, to which the value is a link; empty: none
 };
 
-/// What every page begins with.
+/// The head of every page.
 struct PageHead {
   std::string title;
   std::string subtitle{};                  ///< e.g. engine, device, date
-  std::optional<ReportVerdict> verdict{};  ///< nothing: the page judges nothing
+  std::optional<ReportVerdict> verdict{};  ///< nothing: the page has no verdict
   std::vector<SummaryRow> summary{};
 };
 
-/// The page from <!DOCTYPE on: style sheet, title, verdict, summary.
+/// Makes the beginning of a page from <!DOCTYPE on: style sheet, title, verdict, summary.
 [[nodiscard]] std::string PageBegin(const PageHead& head);
-/// The end of a page, with the script that moves one cursor over all its plots that zoom.
+/// Makes the end of a page, with the script that moves one cursor over all plots that can zoom.
 [[nodiscard]] std::string PageEnd();
-/// The section that gives the command which made the page.
+/// Makes the section that gives the command which made the page.
 [[nodiscard]] std::string RepeatSection(const std::string& command_line);
-/// A script within the page. @param script  without "</script"
+/// Makes the markup of a script within the page. @param script  must not contain "</script"
 [[nodiscard]] std::string ScriptHtml(const char* script);
 
-/// @param content  markup;  @param caption  text, or empty
+/// Makes a <figure>. @param content  markup  @param caption  text, or empty
 [[nodiscard]] std::string Figure(const std::string& content, const std::string& caption);
 
-/// A link to a file in the page's own folder. @param file  its name
+/// Makes a link to a file in the page's own folder. @param file  the file's name
 [[nodiscard]] std::string FileLink(const std::string& file);
 
-/// The level as a badge, the reasons below it.
+/// Makes the markup of a verdict: the level as a badge, the reasons below it.
 [[nodiscard]] std::string VerdictBadge(const ReportVerdict& verdict);
 
-/// A picture embedded in the page. @returns libpng's message if it fails.
+/// Makes the markup of a picture, which is embedded as PNG. The error is libpng's message.
 [[nodiscard]] tl::expected<std::string, std::string> Picture(const Image& image, const std::string& caption);
 
-/// Writes a file that appears complete or not at all. The error names it.
+/// Writes a page's file, which appears complete or not at all. The error names the file.
 [[nodiscard]] tl::expected<void, std::string> WritePage(const std::string& html,
                                                         const std::filesystem::path& path);
 

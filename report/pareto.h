@@ -7,13 +7,13 @@
 
 namespace osteon::report {
 
-/// A point with two costs; the less of each the better.
+/// A point with two costs; smaller costs are better.
 struct CostPoint {
   double x{0.0}, y{0.0};
 };
 
-/// Tells for each point whether it is on the front: no other point is as good in both costs and better in
-/// one. Points that are not finite are not on it.
+/// Says for each point whether it is on the Pareto front: no other point is at least as good in both costs
+/// and better in one. Points that are not finite are not on the front.
 [[nodiscard]] inline std::vector<bool> OnParetoFront(std::span<const CostPoint> points) {
   const auto finite = [](const CostPoint& p) { return std::isfinite(p.x) && std::isfinite(p.y); };
   std::vector<bool> front(points.size(), false);

@@ -7,11 +7,12 @@
 
 #include "report/svg_frame.h"
 
-// Single points of a plot: their markers, and places for their names.
+// Single points of a plot: draws their markers and finds places for their names.
 
 namespace osteon::report {
 
-/// Draws one marker of about 9 px. Shapes differ as well as colours, so that a grey print tells them apart.
+/// Draws one marker of about 9 px. Series differ in shape as well as in colour, so that a grey print tells
+/// them apart.
 [[nodiscard]] std::string DrawMarker(double x, double y, Marker marker, std::string_view color,
                                      double opacity = 1.0);
 
@@ -26,10 +27,11 @@ class LabelPlacer {
 
   /// Reserves a rectangle that names must not cover.
   void Block(double left, double top, double width, double height);
-  /// Reserves a line, in short pieces.
+  /// Reserves a line, as a row of small rectangles.
   void BlockLine(double x1, double y1, double x2, double y2);
-  /// Places a name beside the point and reserves its place; empty if no place is free.
-  /// @param far  allow places with a line to the point
+  /// Places a name beside the point and reserves its place.
+  /// @param far  allow places farther out, with a line to the point
+  /// @returns the markup; empty if no place is free
   [[nodiscard]] std::string Place(double x, double y, std::string_view text, std::string_view color,
                                   bool far);
 

@@ -14,7 +14,7 @@ using simulation::Ball;
 using Vector3f = Eigen::Vector3f;
 using Vector4f = Eigen::Vector4f;
 
-/// One value a pixel.
+/// One value per pixel.
 template <typename T>
 struct Layer {
   int width, height;
@@ -35,16 +35,16 @@ void ForEachRow(int rows, const Draw& draw) {
       16);
 }
 
-/// The nearest whole number; inline, where std::lround is a call.
+/// Rounds to the nearest integer; inline, because std::lround is a function call.
 int RoundToInt(float value) { return static_cast<int>(value + (value < 0.0f ? -0.5f : 0.5f)); }
 
-/// The depth as a plane around each pixel: z(dx, dy) = z + gx dx + gy dy, pixels.
+/// A plane that approximates the depth around a pixel: z(dx, dy) = z + gx dx + gy dy, with dx, dy in pixels.
 struct LocalPlane {
   float z{DepthBuffer::kNothing}, gx{0.0f}, gy{0.0f};
 };
 
-/// The plane of a surface that is seen at a pixel. A normal that looks away, as interpolated ones do at an
-/// outline, is taken as seen at a grazing angle.
+/// Makes the plane of the surface that is visible at a pixel. A normal that points away from the camera, as
+/// interpolated normals may at an outline, is treated as one at a grazing angle.
 LocalPlane PlaneAt(float z, const Vector3f& normal_G, const Camera& camera, int x, int y) {
   constexpr float kGrazing = -0.05f;
   const auto along = [&](const Vector3& axis) { return normal_G.dot(axis.cast<float>()); };
@@ -57,7 +57,7 @@ LocalPlane PlaneAt(float z, const Vector3f& normal_G, const Camera& camera, int 
   return {.z = z, .gx = -z * n.x() / (f * facing), .gy = z * n.y() / (f * facing)};
 }
 
-/// Normal in the camera's axes (right, up, towards the viewer).
+/// Returns the normal in the camera's axes (right, up, towards the viewer).
 Vector3f NormalOf(const LocalPlane& plane, const Camera& camera, int x, int y) {
   const float f = static_cast<float>(camera.focal_px);
   const float rx = static_cast<float>((x + 0.5 - camera.center_x_px) / camera.focal_px);
@@ -70,9 +70,9 @@ Vector3f NormalOf(const LocalPlane& plane, const Camera& camera, int x, int y) {
   return size > 0.0f ? Vector3f(normal / size) : Vector3f::UnitZ();
 }
 
-/// The fraction of the sky that neighbours leave open, 0 … 1: in each direction the steepest neighbour above
-/// the tangent plane. The neighbours' depths alone are read: with their planes they do not fit into the
-/// cache.
+/// Returns the fraction of the sky that neighbours leave open, 0 … 1: in each direction, the steepest
+/// neighbour above the tangent plane counts. Only the neighbours' depths are read, because their planes as
+/// well would not fit into the cache.
 float OpenSky(const DepthBuffer& depth, const Camera& camera, const Vector3f& normal, int x, int y) {
   constexpr std::array<float, 5> kRadii_m{0.7e-3f, 1.8e-3f, 4e-3f, 8e-3f, 14e-3f};
   constexpr int kDirections = 12;
@@ -96,7 +96,7 @@ float OpenSky(const DepthBuffer& depth, const Camera& camera, const Vector3f& no
   const Vector3f p = position(x, y, here);
   float blocked = 0.0f;
   for (const Eigen::Vector2f& direction : directions) {
-    float horizon = 0.06f;  // lower neighbours are the grid's own unevenness
+    float horizon = 0.06f;  // a lower neighbour is only unevenness of the surface's grid
     for (const float radius : kRadii_m) {
       const int u = x + RoundToInt(direction.x() * radius * px_per_m);
       const int v = y + RoundToInt(direction.y() * radius * px_per_m);
@@ -105,7 +105,7 @@ float OpenSky(const DepthBuffer& depth, const Camera& camera, const Vector3f& no
       if (there >= DepthBuffer::kNothing) continue;
       const Vector3f to = position(u, v, there) - p;
       const float rise = to.dot(normal), squared = to.squaredNorm();
-      // most neighbours are no higher than the horizon so far: no root
+      // most neighbours are no higher than the horizon so far: skip the square root
       if (rise <= 0.0f || rise * rise <= horizon * horizon * squared || squared < 1e-12f) continue;
       const float distance = std::sqrt(squared);
       // a neighbour much nearer to the viewer than its distance in the picture does not close the sky
@@ -117,7 +117,8 @@ float OpenSky(const DepthBuffer& depth, const Camera& camera, const Vector3f& no
   return 1.0f - blocked / kDirections;
 }
 
-/// The light that reaches a point past the bone, 0 … 1, softened over the shadow map's neighbouring pixels.
+/// Returns the fraction of light that reaches a point, 0 … 1: bone between light and point casts a shadow,
+/// whose edge is softened over neighbouring pixels of the shadow map.
 float Lit(const DepthBuffer& shadow, const Camera& light, const Vector3& p_G) {
   constexpr int kSoft = 3;
   const Vector3 at = light.Project(p_G);
@@ -151,7 +152,7 @@ Layer<Vector3f> MaterialColors(const simulation::Bone& bone, const MaterialMap& 
     const Vector3 color = MaterialColor(bone, static_cast<simulation::MaterialIndex>(i));
     table[i] = {ToLinear(color.x()), ToLinear(color.y()), ToLinear(color.z())};
   }
-  // the fourth component is 1: its sum is that of the weights
+  // the fourth component is 1: after a weighted sum it is the sum of the weights
   Layer<Vector4f> raw(planes.width, planes.height, Vector4f(0.6f, 0.57f, 0.5f, 1.0f));
   ForEachRow(planes.height, [&](int y) {
     for (int x = 0; x < planes.width; ++x) {
@@ -224,7 +225,7 @@ Camera CupCamera(const simulation::Bone& bone, const RenderParams& params) {
 
 Image RenderBone(const simulation::Bone& bone, const BoneMesh& mesh, const MaterialMap& materials,
                  const Camera& camera) {
-  constexpr int kFine = 2;  // depth samples a pixel, each way, for smooth outlines
+  constexpr int kFine = 2;  // depth samples per pixel in each direction, for smooth outlines
   std::vector<Vector3f> normals;
   const DepthBuffer depth = RenderDepth(mesh, camera, &normals),
                     fine = RenderDepth(mesh, camera.Scaled(kFine));

@@ -8,18 +8,18 @@ namespace osteon::report {
 
 struct RenderParams {
   int width{860}, height{700};
-  double tilt_rad{0.62};           ///< angle of the view to the cup's axis
-  double turn_rad{0.45};           ///< turn of the view about the cup's axis
+  double tilt_rad{0.62};           ///< angle between the line of sight and the cup's axis
+  double turn_rad{0.45};           ///< rotation of the line of sight about the cup's axis
   double reach_in_cup_radii{3.2};  ///< parts farther from the cup's centre may lie outside the picture
 };
 
-/// A camera that looks obliquely into the cup, with the bone around it in view.
+/// Makes a camera that looks obliquely into the cup, with the bone around it in view.
 [[nodiscard]] Camera CupCamera(const simulation::Bone& bone, const RenderParams& params = {});
 
 /// Draws a shaded picture of a bone's surface. Light comes from the upper left with a soft shadow, crevices
 /// are darker (horizon-based), colour follows the material a little below the surface. White if there is no
 /// surface.
-/// @param bone  says where its site is, and the colours of its materials
+/// @param bone  gives the place of its site and the colours of its materials
 [[nodiscard]] Image RenderBone(const simulation::Bone& bone, const BoneMesh& mesh,
                                const MaterialMap& materials, const Camera& camera);
 

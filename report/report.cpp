@@ -16,8 +16,8 @@
 namespace osteon::report {
 namespace {
 
-// Bounds of the pictures' surfaces, which are not in the page: as fine as the tool's own grid for all bones
-// but the largest.
+// Limit for the surfaces of which the pictures are made. They are not in the page, so the grid can be as fine
+// as the tool's own, except for the largest bones.
 constexpr std::size_t kMaxPictureQuads = 2'000'000;
 
 std::string FaultsHtml(const ReportInput& input) {
@@ -32,7 +32,7 @@ std::string FaultsHtml(const ReportInput& input) {
   return out + "</table>\n";
 }
 
-/// Which limits acted, the longest first.
+/// Makes a table of the limits that acted, the one that acted longest first.
 std::string LimitsHtml(std::vector<LimitRow> limits) {
   if (limits.empty()) return {};
   std::stable_sort(limits.begin(), limits.end(),
@@ -70,7 +70,7 @@ std::string ErrorTable(const ReportFigures& figures, bool planned) {
   return out + "</table>\n";
 }
 
-/// Error of the cut surface over the angle about the head's centre.
+/// Plots the error of the cut surface over the angle about the head's centre.
 std::string ErrorChart(const Section& section) {
   Series series{.color = "#0072b2", .width_px = 1.1};
   for (const ErrorSample& sample : section.samples) {
@@ -88,8 +88,8 @@ std::string ErrorChart(const Section& section) {
                   .y_label = "error [mm]",
                   .series = {std::move(series)},
                   .plot_height_px = 150.0};
-  // at the rim whole balls are removed, which gives an error of their size: such a peak must not flatten the
-  // rest
+  // At the rim whole balls are removed, which gives an error of the balls' size. Such a peak must not make
+  // the rest of the curve flat.
   const CavityError& error = section.error;
   const double shown_m = 4.0 * error.p95_m;
   if (shown_m > 0.0 && std::max(error.max_over_m, -error.max_under_m) > 1.5 * shown_m) {

@@ -32,11 +32,11 @@ struct FaultRow {
 
 /// A limit that acted in a run.
 struct LimitRow {
-  std::string name;     ///< in words
-  double first_s{0.0};  ///< since the first tick
-  double total_s{0.0};
-  double longest_s{0.0};  ///< without a pause
-  std::uint64_t times{0};
+  std::string name;        ///< in words
+  double first_s{0.0};     ///< when it first acted, since the first tick
+  double total_s{0.0};     ///< time for which it acted
+  double longest_s{0.0};   ///< longest time without an interruption
+  std::uint64_t times{0};  ///< number of times that it began to act
 };
 
 /// The contents of a report. Views must outlive the call.
@@ -50,7 +50,7 @@ struct ReportInput {
   const simulation::Bone& bone;       ///< the bone before the run
   const simulation::CarvedState& after;
   const simulation::Tool& tool;
-  /// The bone was packed from it; gives sharp material boundaries; may be null.
+  /// The solid from which the bone was packed, which gives sharp material boundaries; may be null.
   const simulation::Solid* solid{nullptr};
   double force_limit_N{200.0};
   double tool_speed_limit_m_per_s{0.0};                                ///< 0: no line drawn
@@ -61,7 +61,8 @@ struct ReportInput {
   std::function<double(const Vector3& p_G_m)> planned{};
   std::vector<FaultRow> faults{};
   std::vector<LimitRow> limits{};  ///< those that acted
-  /// Figures without a source, a line each; nothing: those of the bone's materials.
+  /// Figures that are assumed because they have no source, one line each; nothing: those of the bone's
+  /// materials.
   std::optional<std::vector<std::string>> assumptions{};
   std::string config_text{};   ///< the configuration as read
   std::string command_line{};  ///< the command that repeats the run
@@ -71,14 +72,14 @@ struct ReportInput {
 
 /// The figures that the report computes itself.
 struct ReportFigures {
-  CavityError cavity_section;    ///< along the section's outline
-  CavityError cavity_direction;  ///< over directions in space
+  CavityError cavity_section;    ///< measured along the section's outline
+  CavityError cavity_direction;  ///< measured over directions in space
   /// Errors of the carved surface against the planned cavity; without a plan, against the tools' ideal cavity
   /// (CarveSurface).
   CavityError cavity_ideal;
 };
 
-/// The report as one HTML page: no reference to anything outside the file.
+/// The report as one HTML page, without references to anything outside the file.
 struct Report {
   std::string html;
   ReportFigures figures;

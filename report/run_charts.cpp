@@ -41,7 +41,7 @@ std::vector<NamedSpan> PhaseSpans(const RunCurves& run, const TimeAxis& time) {
   return spans;
 }
 
-/// A copy of the series' style, filled with a curve.
+/// Returns a series of the given style with the points of a curve.
 Series Filled(Series series, const ThinCurve& curve, const TimeAxis& time) {
   std::tie(series.x, series.y) = curve.Columns(time.zero);
   return series;

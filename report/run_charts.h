@@ -35,7 +35,7 @@ namespace osteon::report {
 }
 
 /// Plots how far the tool bends, its surface layer gives way and the bone moves on its mount, one above the
-/// other; without what never moved. Empty text: nothing did.
+/// other; a part that never moved has no plot. Empty text: nothing moved.
 [[nodiscard]] std::string ComplianceChart(const RunCurves& run);
 
 /// Histograms; empty text if nothing was measured (virtual time).

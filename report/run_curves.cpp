@@ -19,7 +19,7 @@ void RunCurves::Add(const control::TickRecord& tick) {
   if (phases.empty() || phases.back().phase != tick.phase || phases.back().paused != paused)
     phases.push_back({.phase = tick.phase, .paused = paused, .begin = tick.stamp, .end = tick.stamp});
 
-  // without a message of the arm nothing is computed and nothing sent: its zeros are no force
+  // in a tick without a message of the arm nothing is computed or sent: the record's zeros are no forces
   const bool computed = tick.phase == control::Phase::kWaiting || control::HasMessage(tick);
   const Wrench F_T_W = tick.F_coupling_T_W;
   const Vector3 feed_W = Pose(tick.X_WT_cmd).linear().col(2);

@@ -15,15 +15,16 @@ namespace osteon::report {
 struct PhaseStretch {
   control::Phase phase{control::Phase::kWaiting};
   bool paused{false};  ///< by the operator
-  /// Stamps of its first tick and of the tick after it; of the run's last tick if it is the last part.
+  /// Stamps of the part's first tick, and of the first tick after the part; for the last part, of the run's
+  /// last tick.
   rt::Nanoseconds begin{0}, end{0};
 };
 
 /// The data for a run's charts (run_charts.h), collected tick by tick and frame by frame. Memory stays at
 /// some 20 MB, also for a run of hours.
 struct RunCurves {
-  /// Depth of the tool's apex below the site's first floor [m], of X_WT; empty: the commanded depth is not
-  /// drawn.
+  /// Computes the depth of the tool's apex below the site's first floor [m] from X_WT; empty: the commanded
+  /// depth is not drawn.
   std::function<double(const Pose&)> depth_of{};
 
   void Add(const control::TickRecord& tick);
@@ -36,23 +37,23 @@ struct RunCurves {
   std::optional<rt::Nanoseconds> first_tick, last_tick;  ///< stamps
   std::vector<PhaseStretch> phases;
   ThinCurve coupling_N, axial_N, hand_N;  ///< NaN if nothing was computed
-  /// The parts of the coupling's wrench that are rendered, and that the arm can hold.
+  /// The fractions of the coupling's wrench that are rendered, and that the arm's torques can hold.
   ThinCurve rendered_percent, arm_percent;
   ThinCurve speed_mm_per_s, in_bone_mm, model_age_ms;
-  /// Depth of the commanded tool's apex below the first floor, while bone holds the proxy back; else NaN.
+  /// Depth of the commanded tool's apex below the first floor, while the tool is in bone; else NaN.
   ThinCurve commanded_depth_mm;
   /// How far the tool bends, its surface layer gives way, and the bone moves on its mount. Empty curves: the
-  /// cell is rigid. A level that is off stays at zero.
+  /// cell is rigid. A part whose compliance is off stays at zero.
   ThinCurve bend_mm, layer_mm, mount_mm;
   bool bends{false}, has_layer{false}, mount_moves{false};  ///< in any tick
-  bool wrench_cut{false};  ///< in any tick; if not, rendered_percent has no meaning
+  bool wrench_cut{false};  ///< limits reduced the wrench in some tick; if not, rendered_percent stays 100
   DurationCounts wakeup, compute;
 
   // of the frames
   std::optional<rt::Nanoseconds> first_frame;  ///< stamp
   ThinCurve depth_mm, volume_mm3;              ///< depth: NaN before the first touch
   bool touched{false};
-  DurationCounts frame;  ///< time to compute one
+  DurationCounts frame;  ///< time to compute a frame
 
  private:
   void AddCompliance(const control::TickRecord& tick);

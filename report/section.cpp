@@ -60,7 +60,7 @@ PlanarGrid SweptField(const SweptTool& swept, const SectionPlane& plane, const V
   return grid;
 }
 
-/// Finds the region of each material in the plane from the nearest mass points, by majority in a
+/// Finds the region of each material in the plane from the solid or the nearest mass points, by majority in a
 /// neighbourhood of 5×5 nodes, so that the outline does not follow single points.
 std::vector<MaterialRegion> MaterialRegions(const Bone& bone, const SectionPlane& plane, const Vector2& min,
                                             const Vector2& max, double step_m,
@@ -122,13 +122,14 @@ Vector3 DeepestHead(const Bone& bone, const simulation::ToolBall& head, std::spa
   return deepest;
 }
 
-/// Samples the middles of the pieces of `lines` that the cut has laid bare: they lay in the bone before, and
-/// are visible from the swept volume. (A ball that reaches through to another face of the bone shrinks there
-/// as well when it is cut; that face is not the cavity's surface.)
+/// Samples the middles of those pieces of `lines` that the cut has exposed: they lay in the bone before, and
+/// are visible from the swept volume. (A ball that is cut may extend to another face of the bone, which then
+/// moves as well; that face is not the cavity's surface.)
 std::vector<ErrorSample> MeasureOutline(const std::vector<Polyline>& lines, const SectionPlane& plane,
                                         const BallField& before, const BallField& left,
                                         const SweptTool& swept, const Vector2& head, double cut_depth_m) {
-  constexpr double kClear_m = 20e-6;  // off the outline's own ball: its chords lie some micrometres inside
+  // The ray starts this far off the outline: the outline's chords lie some micrometres inside their own ball.
+  constexpr double kClear_m = 20e-6;
   std::vector<ErrorSample> samples;
   for (const Polyline& line : lines) {
     const std::size_t pieces = line.closed ? line.points.size() : line.points.size() - 1;
@@ -240,7 +241,7 @@ Section ComputeSection(const Bone& bone, const simulation::CarvedState& after, c
   const simulation::ToolBall* head = CuttingHead(tool);
   const SweptTool swept = SweptByAll(tool, X_GP, params.earlier);
   const bool is_cut = head != nullptr && !swept.empty();
-  if (is_cut) {  // a deep hole shows its floor
+  if (is_cut) {  // extend the window so that the floor of a deep hole is in it
     section.head_center = plane.Project(DeepestHead(bone, *head, X_GP));
     section.head_radius_m = head->radius_m;
     down_m = std::max(down_m, head->radius_m - section.head_center.y());

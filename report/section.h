@@ -40,14 +40,14 @@ struct CavityError {
   double max_over_m{0.0};   ///< greatest over-cut, >= 0
   double max_under_m{0.0};  ///< greatest under-cut, <= 0
   int samples{0};           ///< 0: nothing was cut, and the other figures have no meaning
-  int open{0};              ///< directions in which the cut went through the bone: no surface, not counted
+  int open{0};  ///< directions in which the cut went through the bone: there is no surface, and no sample
 };
 
 /// The error at one place of the cut surface.
 struct ErrorSample {
   double angle_rad{0.0};  ///< about the head's deepest centre, from -v, positive towards u
   double error_m{0.0};
-  double weight{1.0};                ///< length of surface that it represents (section), or 1 (directions)
+  double weight{1.0};  ///< length of outline that the sample stands for (section), 1 (directions)
   Vector2 place_m{Vector2::Zero()};  ///< in the plane (section)
 };
 
@@ -62,14 +62,14 @@ struct MaterialRegion {
 struct SectionParams {
   double step_m{0.1e-3};
   double margin_m{6e-3};  ///< around the bone
-  /// Greatest distance from the cup's centre, sideways and down, so that a whole hip still shows its cup;
-  /// farther down only if the tool came deeper.
+  /// The drawing's window reaches at most this far from the cup's centre, sideways and down, so that the cup
+  /// of a whole hip is not small; farther down only if the tool came deeper.
   double reach_in_cup_radii{2.2}, depth_in_cup_radii{1.7};
   double cut_depth_m{0.05e-3};  ///< a place was cut if it lay this deep in the bone before
-  /// A surface farther behind the sweep is another one: the bone is cut through.
+  /// A surface that lies more than this behind the swept volume is not the cavity's: the bone is cut through.
   double open_gap_m{5e-3};
-  const simulation::Solid* solid{nullptr};          ///< for the materials; null: from the mass points
-  int directions{4000};                             ///< of CavityErrorByDirection over the hemisphere
+  const simulation::Solid* solid{nullptr};          ///< gives the materials; null: the mass points give them
+  int directions{4000};                             ///< number of directions of CavityErrorByDirection
   std::span<const simulation::ToolPath> earlier{};  ///< tools that cut before this one
 };
 
@@ -80,7 +80,7 @@ struct Section {
   std::vector<Polyline> swept;                         ///< bounds of the swept volume, which is on the left
   std::vector<Polyline> solid;                         ///< closed: the bone in the window after the cut
   std::vector<MaterialRegion> materials;               ///< of the bone after the cut
-  Vector2 head_center{Vector2::Zero()};                ///< at its deepest, in the plane
+  Vector2 head_center{Vector2::Zero()};                ///< at the head's deepest place, in the plane
   double head_radius_m{0.0};                           ///< 0: no cutting ball, or no path
   CavityError error;                                   ///< measured along `after`
   std::vector<ErrorSample> samples;                    ///< sorted by angle
@@ -92,15 +92,15 @@ struct Section {
                                               std::span<const Pose> X_GP);
 
 /// Computes the outlines by marching squares on the signed distance to the slices' circles (error below
-/// step^2 / (8 r)), the swept outline on the distance to the swept tool, and the materials from the mass
-/// points.
+/// step^2 / (8 r)), the swept outline on the distance to the swept tool, and the materials from the solid or,
+/// without one, from the mass points.
 [[nodiscard]] Section ComputeSection(const simulation::Bone& bone, const simulation::CarvedState& after,
                                      const simulation::Tool& tool, std::span<const Pose> X_GP,
                                      const SectionParams& params = {});
 
-/// Computes the cavity error over directions in space: along rays from the head's deepest centre over the
-/// hemisphere into the cup, the first remaining ball minus the end of the swept volume, if that end lay in
-/// the bone before.
+/// Computes the cavity error over directions in space, along rays from the head's deepest centre over the
+/// hemisphere into the cup. The error of a ray is the distance to the first remaining ball minus the distance
+/// to the end of the swept volume. A ray counts only if that end lay in the bone before.
 [[nodiscard]] CavityError CavityErrorByDirection(const simulation::Bone& bone,
                                                  const simulation::CarvedState& after,
                                                  const simulation::Tool& tool, std::span<const Pose> X_GP,

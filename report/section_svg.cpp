@@ -120,7 +120,7 @@ std::string SectionSvg(const Section& section, const simulation::Bone& bone, dou
 
 std::string SectionDetailSvg(const Section& section, const simulation::Bone& bone, double width_px) {
   if (!(section.head_radius_m > 0.0)) return {};
-  // the place of the head's apex, or, if that was in the air, the middle of the cut
+  // the centre is the place of the head's apex or, if the apex was in the air, the middle of the cut
   if (section.samples.empty()) return {};
   constexpr double kUnderTheApex_rad = 0.08;
   const bool at_apex =

@@ -16,18 +16,18 @@ inline constexpr double kLegendRowPx = 20.0;
 /// Height of the strip for the names of spans; also the width of a turned axis label.
 inline constexpr double kLabelStripPx = 19.0;
 
-/// One <text> element. `anchor` is start, middle or end; `extra` further attributes.
+/// Makes a <text> element. `anchor` is start, middle or end; `extra` is further attributes.
 [[nodiscard]] std::string SvgText(double x, double y, std::string_view text,
                                   std::string_view anchor = "start", std::string_view color = "#1b1f24",
                                   double size_px = kFontPx, std::string_view extra = {});
-/// The same, turned to run upward from (x, y).
+/// Makes the same, turned so that it runs upward from (x, y).
 [[nodiscard]] std::string SvgTurnedText(double x, double y, std::string_view text, std::string_view anchor,
                                         std::string_view color, double size_px = kFontPx);
 [[nodiscard]] std::string SvgLine(double x1, double y1, double x2, double y2, std::string_view color,
                                   double width_px = 1.0, std::string_view dash = {});
 [[nodiscard]] std::string SvgRect(double x, double y, double width, double height, std::string_view fill,
                                   std::string_view extra = {});
-/// <svg …> body </svg>, on white.
+/// Makes <svg …> body </svg> with a white background.
 [[nodiscard]] std::string SvgDocument(double width, double height, std::string_view title,
                                       std::string_view body);
 

@@ -30,7 +30,7 @@ std::vector<CountedValue> SortedCounts(const Histogram& histogram) {
   return counted;
 }
 
-/// The quantile, as base::Percentile; `values` must not be empty.
+/// Returns the p quantile, as base::Percentile does; `values` must not be empty.
 double PercentileOf(const std::vector<CountedValue>& values, double p) {
   std::uint64_t total = 0, before = 0;
   for (const CountedValue& each : values) total += each.times;

@@ -13,7 +13,7 @@
 namespace osteon::report {
 namespace {
 
-/// Columns a pixel for which the curves of a plot that zooms keep their points.
+/// Number of columns per pixel in which the curves of a plot that can zoom keep their points.
 constexpr int kZoomDetail = 4;
 
 struct Extent {
@@ -26,7 +26,7 @@ struct Extent {
   [[nodiscard]] bool Any() const { return min <= max; }
 };
 
-/// A range a little larger than the data, which are positive.
+/// Returns a range a little larger than that of the data, which must be positive.
 Range LogRange(const Extent& extent) {
   constexpr double kMargin = 1.15;
   if (!extent.Any()) return {1.0, 10.0};
@@ -52,7 +52,7 @@ Range CommonXRange(std::span<const LineChart> panels) {
           nice.max - extent.max < near ? nice.max : extent.max};
 }
 
-/// The y range, extended to tick marks.
+/// Returns the y range: the panel's own, or that of the data, extended to tick marks.
 Range YRange(const LineChart& panel, int max_ticks) {
   if (panel.y) return *panel.y;
   Extent extent;
@@ -238,8 +238,8 @@ struct PanelPlan {
 
 // A panel that the page's script (scripts/plot_cursor.js) can zoom is <g class="panel"> with the pixels of
 // its area and the values at its edges. Its curves are in an <svg class="data"> of their own, which clips
-// them and whose viewBox the script changes; it makes the lines of .x-grid and the texts of .x-texts anew,
-// and hides .x-names.
+// them. To zoom, the script changes the viewBox of this <svg>, makes new lines of .x-grid and new texts of
+// .x-texts, and hides .x-names.
 
 std::string BeginZoomPanel(const PlotArea& area) {
   return fmt::format(
@@ -255,7 +255,7 @@ std::string BeginZoomData(const PlotArea& area) {
       area.left, area.top, area.width, area.height);
 }
 
-/// Draws panels one above the other. @returns elements without a document, and their height.
+/// Draws panels one above the other. @returns the elements, without the <svg> around them, and their height.
 LegendBlock DrawPanels(std::span<const LineChart> panels, double width_px) {
   const Range x = CommonXRange(panels);
   std::vector<PanelPlan> plans;

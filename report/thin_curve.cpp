@@ -38,7 +38,7 @@ void AppendExtremes(std::span<const Point> bucket, std::vector<Point>& kept) {
 void ThinCurve::Add(rt::Nanoseconds stamp, double value) {
   points_.push_back({stamp, value});
   if (points_.size() < kMaxPoints) return;
-  // a wider bucket is two of the former ones, so points that were thinned before can be thinned again
+  // a wider bucket is exactly two of the former buckets, so that thinned points can be thinned again
   for (Thin(); points_.size() > kMaxPoints / 2; Thin()) ++shift_;
 }
 

@@ -9,9 +9,10 @@
 namespace osteon::report {
 
 /// A curve over time for a chart, for runs of any length. It keeps every point while there are fewer than
-/// kMaxPoints. Beyond that it keeps in each bucket of time the first, least, greatest and last point and the
-/// first that is not finite (a gap), so that no peak is lost. Buckets double in width when too many points
-/// are kept: at least kMaxPoints / 20 of them remain, several for each pixel of a chart.
+/// kMaxPoints. Beyond that it divides time into buckets, and keeps in each bucket the first, smallest,
+/// largest and last point and the first point that is not finite (a gap), so that no peak is lost. Buckets
+/// double in width when too many points are kept: at least kMaxPoints / 20 buckets remain, several for each
+/// pixel of a chart.
 class ThinCurve {
  public:
   static constexpr std::size_t kMaxPoints = std::size_t{1} << 16;  ///< 65 s at 1 kHz; 1 MiB

@@ -8,7 +8,7 @@
 namespace osteon::console {
 namespace {
 
-// "127.0.0.1:8470" -> "127.0.0.1"; "[::1]:8470" -> "::1".
+// Removes the port: "127.0.0.1:8470" -> "127.0.0.1"; "[::1]:8470" -> "::1".
 std::string_view NameOf(std::string_view host) {
   if (host.starts_with('[')) {
     const std::size_t end = host.find(']');
@@ -19,7 +19,7 @@ std::string_view NameOf(std::string_view host) {
 
 constexpr std::string_view kOwnAddress = "the address in the browser is not the console's own";
 
-// Whether the header Host names this machine, or the address that is listened on.
+// Whether the header Host names this machine, or the address on which the server listens.
 bool NamesThisServer(std::string_view host, std::string_view address) {
   const std::string_view name = NameOf(host);
   return IsLoopback(name) || name == address || address == "0.0.0.0" || address == "::";
@@ -34,7 +34,8 @@ bool SameText(std::string_view a, std::string_view b) {
   return differ == 0;
 }
 
-// @param token  empty: none is asked for
+// @param token  the server's; empty: none is needed
+// @returns the reason of a refusal; empty: accepted
 std::string CheckToken(std::string_view found, std::string_view token) {
   return token.empty() || SameText(found, token) ? "" : "the token is missing or wrong";
 }

@@ -10,31 +10,32 @@ namespace osteon::console {
 /// Whether an address is this machine's own: 127.0.0.1, ::1, localhost.
 [[nodiscard]] bool IsLoopback(std::string_view address);
 
-/// What a request to open says of itself. Hostile: the headers are a stranger's.
+/// The parts of a request to open that access depends on. They are not to be trusted: anybody may send any.
 struct OpenRequest {
   std::string_view host;    ///< header Host; empty: absent
   std::string_view origin;  ///< header Origin; empty: absent
-  std::string_view token;   ///< of the query; empty: absent
+  std::string_view token;   ///< from the query; empty: absent
 };
 
-/// Checks a request to open. A page of another origin (a site in the same browser) is refused always, and so
-/// is a Host that names neither the loopback nor `address` (a name that was bent to this machine). Where
-/// `token` is not empty, the request must have it.
-/// @param address  that the server listens on  @returns why it is refused; empty: accepted
+/// Checks a request to open. A page of another origin (a site in the same browser) is always refused. So is a
+/// Host that names neither the loopback nor `address`, because a foreign name can be made to lead to this
+/// machine (DNS rebinding); with `address` 0.0.0.0 or :: any Host is accepted. If `token` is not empty, the
+/// request must have it.
+/// @param address  on which the server listens  @returns the reason of a refusal; empty: accepted
 [[nodiscard]] std::string CheckAccess(const OpenRequest& request, std::string_view address,
                                       std::string_view token);
 
-/// The same for a viewer of Foxglove's protocol, which may only look: besides a program without an origin,
-/// the viewers themselves are accepted (Foxglove's page and application, Lichtblick's application, a page of
-/// this machine).
+/// Checks the same for a viewer of Foxglove's protocol, which may only look. A program without an origin is
+/// accepted, and so are the viewers themselves: Foxglove's page and application, Lichtblick's application, a
+/// page of this machine.
 [[nodiscard]] std::string CheckViewerAccess(const OpenRequest& request, std::string_view address,
                                             std::string_view token);
 
-/// Value of a name in a query; what is asked for has digits and letters alone, so nothing is decoded.
-/// @param name  with its "="  @returns empty: absent
+/// Finds the value of a name in a query. Nothing is decoded: the values in use have only digits and letters.
+/// @param name  with its "="  @returns the value; empty: absent
 [[nodiscard]] std::string_view QueryValue(std::string_view query, std::string_view name);
 
-/// A random token of 32 hexadecimal digits.
+/// Makes a random token of 32 hexadecimal digits.
 [[nodiscard]] std::string NewToken();
 
 }  // namespace osteon::console

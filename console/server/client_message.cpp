@@ -11,7 +11,7 @@ namespace {
 constexpr const char* kAccepted =
     "accepted {\"ask\": pause, resume, recover, stop, role, watch, all, play, halt, undo_gains, next_tool, "
     "undo_pass, save, cup, finish; with \"value\": drawn, seek, speed, map, stiffness, drag, tool, guidance}";
-constexpr std::size_t kShown = 30;  // characters of a wrong word in an error
+constexpr std::size_t kShown = 30;  // number of characters of a wrong word that an error repeats
 
 tl::unexpected<std::string> Refuse(const std::string& found) {
   return tl::unexpected(fmt::format("message: found {}, {}", found, kAccepted));

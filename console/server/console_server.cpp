@@ -27,16 +27,16 @@ namespace {
 
 constexpr const char* kWatches = "this page watches: take the operator's role first";
 
-// A page that was closed since it did not read can't be told so: what it got last may be part of a message.
-// It is told when it opens again, by the key that it got at first.
+// A page that was closed because it did not read cannot be told the reason at once: the last bytes that it
+// got may be half a message. It is told when it opens again, with the key that it got at first.
 constexpr std::chrono::milliseconds kSlow{2000};  // a write that fails after longer has waited for the page
-constexpr std::size_t kRememberedPages = 64;
-constexpr std::size_t kDrawnReports = 512;  // that the median is of
-constexpr int kClosedSlow = 1008;           // RFC 6455: a policy of the server
+constexpr std::size_t kRememberedPages = 64;      // number of keys of pages that were closed as slow
+constexpr std::size_t kDrawnReports = 512;        // number of reports of which drawn_ms() is the median
+constexpr int kClosedSlow = 1008;                 // close code of RFC 6455: policy violation
 constexpr const char* kSlowReason =
     "the page took nothing for three seconds and was closed; it is connected again";
 
-// A page takes one of the server's threads as long as it is open; the others serve files.
+// Each page keeps one of the server's threads as long as it is open; the others serve files.
 constexpr int kThreads = static_cast<int>(kMaxPages) + 8;
 
 // Sent with every file: nothing may be loaded from, or sent to, another machine, and no page of another
@@ -59,11 +59,11 @@ class Page final : public PageWriter {
 
   bool WriteText(const std::string& text) override { return Write(MG_WEBSOCKET_OPCODE_TEXT, text); }
   bool WriteBinary(const std::string& bytes) override { return Write(MG_WEBSOCKET_OPCODE_BINARY, bytes); }
-  // Nothing more can be said to a page that takes nothing. The server's thread closes the connection once the
-  // pings are not answered, or the page has gone.
+  // Only marks the page as closed: a page that does not read takes no close frame. The server's thread ends
+  // the connection once the page does not answer pings, or has gone.
   void Close() override { closed_.store(true); }
 
-  /// Names this page when it opens again.
+  /// The key by which the page is recognised when it opens again.
   [[nodiscard]] const std::string& key() const { return key_; }
   /// Whether the last write waited for the page in vain.
   [[nodiscard]] bool slow() const { return slow_.load(); }
@@ -146,7 +146,7 @@ class Server final : public ConsoleServer {
  private:
   static Server& Of(void* user) { return *static_cast<Server*>(user); }
 
-  // Before any file is served: only GET, only to those who may.
+  // Checks each request before a file is served: only GET, and only for a Host that may have access.
   static int OnRequest(mg_connection* connection) {
     const mg_request_info* info = mg_get_request_info(connection);
     Server& server = Of(info->user_data);
@@ -154,7 +154,7 @@ class Server final : public ConsoleServer {
     if (method != "GET" && method != "HEAD")
       return Refuse(connection, 405, "found another method, accepted GET");
     if (path == "/live") return 0;  // OnOpen checks
-    // the files are no secret, yet a stranger's machine has no business here
+    // the files are no secret, yet a foreign name is refused here as well
     const std::string_view host = OrEmpty(mg_get_header(connection, "Host"));
     if (const std::string wrong =
             CheckAccess({.host = host, .origin = {}, .token = {}}, server.params_.address, "");
@@ -221,13 +221,13 @@ class Server final : public ConsoleServer {
       case MG_WEBSOCKET_OPCODE_TEXT:
         server.Take(*page, std::string_view(data, size));
         return 1;
-      default:  // a page sends text, whole
+      default:  // a page may send only text, each message in one frame
         ++server.bad_messages_;
         return 0;
     }
   }
 
-  // A stamp that is not of the last minute is of another clock, or of a page that plays tricks.
+  // Ignores a stamp that is not of the last minute: it is of another clock, or forged.
   void TakeReport(const DrawnReport& report) {
     constexpr double kMaxAge_ms = 60e3;
     const double age_ms = 1e3 * (rt::ToSeconds(rt::MonotonicNow()) - report.stamp_s);

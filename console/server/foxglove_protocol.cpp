@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kShownWord = 30;  // characters of a wrong word in an error
+constexpr std::size_t kShownWord = 30;  // number of characters of a wrong word that an error repeats
 constexpr char kMessageData = 1;        // opcode of a topic's message
 
 tl::unexpected<std::string> RefuseMessage(const std::string& found) {
@@ -22,7 +22,7 @@ tl::unexpected<std::string> RefuseMessage(const std::string& found) {
       found));
 }
 
-// A whole number of 32 bits under a name of an object.
+// The unsigned 32-bit number that an object has under a name; nothing: it has none.
 std::optional<std::uint32_t> NumberOf(const json& object, const char* name) {
   if (!object.is_object()) return std::nullopt;
   const auto found = object.find(name);
@@ -32,7 +32,7 @@ std::optional<std::uint32_t> NumberOf(const json& object, const char* name) {
   return static_cast<std::uint32_t>(value);
 }
 
-// RFC 4648, with padding.
+// Encodes by RFC 4648, with padding.
 std::string Base64(std::string_view bytes) {
   constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;

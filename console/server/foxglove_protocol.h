@@ -11,12 +11,12 @@
 
 #include "base/clock.h"
 
-// Foxglove's live connection: https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md, as far as a
-// source that only shows needs it. Text is JSON; a message of a topic is binary.
+// Foxglove's live connection (https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md): the part that
+// a server needs that only publishes. Text frames are JSON; a message of a topic is a binary frame.
 
 namespace osteon::console {
 
-/// Names of the connection that viewers ask for; the messages used here are the same in both.
+/// WebSocket subprotocols that viewers ask for; the messages used here are the same in both.
 inline constexpr const char* kFoxgloveSubprotocols[] = {"foxglove.sdk.v1", "foxglove.websocket.v1"};
 
 /// A topic with the schema of its messages, which are protobuf.
@@ -27,13 +27,13 @@ struct FoxgloveChannel {
 };
 
 inline constexpr std::size_t kMaxFoxgloveMessage = 8192;  ///< bytes of a viewer's message
-inline constexpr std::size_t kMaxSubscriptions = 64;      ///< of one viewer
+inline constexpr std::size_t kMaxSubscriptions = 64;      ///< number of subscriptions of one viewer
 
-/// What a viewer asks for. Channels are counted as they were advertised, from 0.
+/// A viewer's request for topics.
 struct FoxgloveSubscribe {
   struct One {
-    std::uint32_t id{0};  ///< the viewer's own
-    std::size_t channel{0};
+    std::uint32_t id{0};     ///< chosen by the viewer
+    std::size_t channel{0};  ///< number in the order in which the channels were advertised, from 0
   };
   std::vector<One> subscriptions;
 };
@@ -42,17 +42,17 @@ struct FoxgloveUnsubscribe {
 };
 using FoxgloveRequest = std::variant<FoxgloveSubscribe, FoxgloveUnsubscribe>;
 
-/// Reads a viewer's text message, which is hostile. The error names what was found and what is accepted.
+/// Parses a viewer's text message, which may be hostile. The error names what was found and what is accepted.
 /// @param channels  number of channels that are advertised
 [[nodiscard]] tl::expected<FoxgloveRequest, std::string> ParseFoxgloveRequest(std::string_view bytes,
                                                                               std::size_t channels);
 
-/// The first message to a viewer. @param session  differs from run to run
+/// Makes the first message to a viewer. @param session  differs from run to run
 [[nodiscard]] std::string FoxgloveServerInfo(const std::string& name, const std::string& session);
 [[nodiscard]] std::string FoxgloveAdvertise(std::span<const FoxgloveChannel> channels);
-/// A line for a person: why a message was refused.
+/// Makes a message that tells a person why a viewer's message was refused.
 [[nodiscard]] std::string FoxgloveWarning(const std::string& text);
-/// Overwrites `bytes` with a topic's message for a subscription.
+/// Writes a topic's message for a subscription into `bytes`, whose old content is lost.
 void FoxgloveMessageData(std::uint32_t subscription, rt::Nanoseconds stamp, std::string_view payload,
                          std::string& bytes);
 

@@ -21,10 +21,10 @@
 namespace osteon::console {
 namespace {
 
-constexpr std::chrono::milliseconds kTopicPeriod{33};  // between messages of a topic
-constexpr std::size_t kMaxWarnings = 16;               // that wait for a viewer
+constexpr std::chrono::milliseconds kTopicPeriod{33};  // time between messages of a topic
+constexpr std::size_t kMaxWarnings = 16;               // number of warnings that wait for a viewer
 
-// One connected viewer: a thread sends what is new of its subscriptions.
+// One connected viewer: a thread of its own sends the new messages of its subscriptions.
 class Viewer {
  public:
   Viewer(mg_connection* connection, const FoxgloveSource& source, std::string greeting)
@@ -63,7 +63,7 @@ class Viewer {
     changed_.notify_all();
   }
 
-  // A viewer that sends another kind of message: told so.
+  // Sends the viewer a warning about its message.
   void Warned(const std::string& text) {
     const std::lock_guard lock(mutex_);
     Warn(text);
@@ -74,7 +74,7 @@ class Viewer {
  private:
   struct Subscription {
     std::size_t channel{0};
-    std::uint64_t number{0};  // a later subscription of the same id is another one
+    std::uint64_t number{0};  // differs for each subscription, also if an id is used again
     FoxgloveCursor cursor;
   };
 

@@ -13,8 +13,8 @@
 
 namespace osteon::console {
 
-inline constexpr int kFoxglovePort = 8765;             ///< that viewers propose
-inline constexpr std::size_t kMaxFoxgloveViewers = 8;  ///< that are served at a time
+inline constexpr int kFoxglovePort = 8765;             ///< the port that viewers propose
+inline constexpr std::size_t kMaxFoxgloveViewers = 8;  ///< number of viewers served at the same time
 
 /// A message of a topic.
 struct FoxgloveMessage {
@@ -22,7 +22,7 @@ struct FoxgloveMessage {
   std::string bytes;
 };
 
-/// How far a subscription is: numbers of what it got last. For the source alone.
+/// The progress of one subscription: numbers of the newest data that it got. Only the source uses it.
 struct FoxgloveCursor {
   bool begun{false};
   std::uint64_t epoch{0}, window{0}, events{0};
@@ -30,25 +30,25 @@ struct FoxgloveCursor {
   std::shared_ptr<SurfaceReader> bone{};  ///< made by the source that has a bone
 };
 
-/// What viewers are shown. Any number of threads.
+/// The source of the messages for viewers. Any number of threads may call it.
 class FoxgloveSource {
  public:
   virtual ~FoxgloveSource() = default;
   [[nodiscard]] virtual const std::vector<FoxgloveChannel>& channels() const = 0;
-  /// Appends a channel's messages since the cursor, which moves on. The first time: all that a viewer needs
-  /// to begin with. Of what changes all the time the newest alone.
+  /// Appends a channel's messages since the cursor, and moves the cursor on. The first call appends all that
+  /// a viewer needs to begin with. A value that changes all the time gives only its newest message.
   virtual void New(std::size_t channel, FoxgloveCursor& cursor, std::vector<FoxgloveMessage>& out) const = 0;
 };
 
 struct FoxgloveParams {
   std::string name;                  ///< of the cell, shown by the viewer
-  std::string address{"127.0.0.1"};  ///< any but the loopback's needs a token, which the server makes
+  std::string address{"127.0.0.1"};  ///< any but a loopback address needs a token, which the server makes
   int port{kFoxglovePort};           ///< 0: any free one
 };
 
-/// Shows a cell to Foxglove, Lichtblick and other viewers of the same protocol. It takes nothing but
-/// subscriptions, so no viewer can do anything to the cell. A viewer that reads slowly gets fewer messages;
-/// one that reads nothing for some seconds is closed.
+/// Shows a cell to Foxglove, Lichtblick and other viewers of the same protocol. It accepts only
+/// subscriptions, so no viewer can act on the cell. A viewer that reads slowly gets fewer messages; the
+/// connection to a viewer that reads nothing for some seconds is closed.
 class FoxgloveServer {
  public:
   /// @param source  outlives the server
@@ -60,7 +60,7 @@ class FoxgloveServer {
   FoxgloveServer(const FoxgloveServer&) = delete;
   FoxgloveServer& operator=(const FoxgloveServer&) = delete;
 
-  /// What a person enters in the viewer: "ws://127.0.0.1:8765/", with the token where one is needed.
+  /// The address that a person enters in the viewer: "ws://127.0.0.1:8765/", with the token if one is needed.
   [[nodiscard]] virtual std::string url() const = 0;
   [[nodiscard]] virtual int port() const = 0;
   [[nodiscard]] virtual std::size_t viewers() const = 0;

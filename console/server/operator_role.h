@@ -5,7 +5,7 @@
 
 namespace osteon::console {
 
-/// Who holds the operator's role: at most one page, the first that asks. All others watch. Any thread.
+/// The operator's role, which at most one page holds: the first that asks. All others watch. Any thread.
 class OperatorRole {
  public:
   /// Takes the role for a page if nobody holds it. @param page  its number, above 0
@@ -15,15 +15,15 @@ class OperatorRole {
     if (holder_ == 0) holder_ = page;
     return holder_ == page;
   }
-  /// Gives the role back if the page holds it: by its wish, or because it has gone.
-  /// @returns whether it held it
+  /// Takes the role from the page if the page holds it: it has asked for that, or has gone.
+  /// @returns whether the page held the role
   bool GiveBack(std::uint64_t page) {
     const std::lock_guard lock(mutex_);
     if (holder_ != page) return false;
     holder_ = 0;
     return true;
   }
-  /// The page that holds it; 0: nobody.
+  /// The number of the page that holds the role; 0: none does.
   [[nodiscard]] std::uint64_t holder() const {
     const std::lock_guard lock(mutex_);
     return holder_;

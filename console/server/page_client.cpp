@@ -16,8 +16,9 @@
 namespace osteon::console {
 namespace {
 
-constexpr std::chrono::milliseconds kPollInterval{20};  // of a client that does not read, for its end
-constexpr std::size_t kStampLength = 24;                // characters of a stamp, at most
+// How often a client that does not read checks whether it is to end.
+constexpr std::chrono::milliseconds kPollInterval{20};
+constexpr std::size_t kStampLength = 24;  // maximum number of characters of a stamp
 
 class Client final : public PageClient {
  public:
@@ -56,7 +57,8 @@ class Client final : public PageClient {
     return 1;
   }
 
-  // {"type":"live","windows":[[stamp, …], …, [stamp, …]],"status": …: the last window has the newest tick.
+  // Reads the newest tick's stamp, which is the last window's, from
+  // {"type":"live","windows":[[stamp, …], …, [stamp, …]],"status": …
   void OnLiveMessage(std::string_view message) {
     constexpr std::string_view kLive = R"({"type":"live")", kEnd = R"(]],"status")";
     if (!message.starts_with(kLive)) return;

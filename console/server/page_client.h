@@ -10,30 +10,31 @@
 
 namespace osteon::console {
 
-/// A page without a browser: opens a console's WebSocket and takes all that it sends, or stops reading. For
-/// measurements.
+/// A console's page without a browser, for measurements: opens the WebSocket and reads every message, or
+/// reads none.
 class PageClient {
  public:
-  /// @param reads  false: takes nothing, as a page that hangs
-  /// @returns the error says why the console refused.
+  /// @param reads  false: reads nothing, as a page that hangs
+  /// The error says why the console refused.
   [[nodiscard]] static tl::expected<std::unique_ptr<PageClient>, std::string> Open(const std::string& host,
                                                                                    int port, bool reads);
   virtual ~PageClient() = default;
   PageClient(const PageClient&) = delete;
   PageClient& operator=(const PageClient&) = delete;
 
-  [[nodiscard]] virtual std::uint64_t messages() const = 0;
-  [[nodiscard]] virtual std::uint64_t bytes() const = 0;
+  [[nodiscard]] virtual std::uint64_t messages() const = 0;  ///< number of messages received
+  [[nodiscard]] virtual std::uint64_t bytes() const = 0;     ///< number of bytes received
 
-  /// How the carved bone reached the page, from its first whole change on, which is the bone as it was.
+  /// How the carved bone reached the page. A change is a set of bricks of one time, in one message or
+  /// several; the first change is the whole bone as it was when the page opened.
   struct Bone {
-    std::uint64_t messages{0}, bytes{0};  ///< of its mesh
-    std::vector<double> whole_s{};        ///< times at which a change was whole, from the first one on [s]
-    std::vector<double> age_ms{};         ///< how old the bone was at each of them
+    std::uint64_t messages{0}, bytes{0};  ///< of the mesh, after the first change
+    std::vector<double> whole_s{};        ///< times at which a change was complete; the first one's is 0 [s]
+    std::vector<double> age_ms{};         ///< age of the bone at each of these times
   };
   [[nodiscard]] virtual Bone bone() const = 0;
-  /// Time from a tick until its live message was taken here, of each message [ms]: for a cell of this machine
-  /// in wall time, whose clock is this one. A browser draws after that.
+  /// For each live message, the time from its newest tick until the message was read here [ms]. It is valid
+  /// for a cell on this machine in wall time, which has the same clock. A browser would still have to draw.
   [[nodiscard]] virtual std::vector<double> received_ms() const = 0;
 
  protected:

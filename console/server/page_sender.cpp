@@ -12,7 +12,7 @@
 namespace osteon::console {
 namespace {
 
-constexpr std::chrono::milliseconds kPagePeriod{33};  // between messages to a page
+constexpr std::chrono::milliseconds kPagePeriod{33};  // time between messages to a page
 
 }  // namespace
 

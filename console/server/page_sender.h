@@ -22,7 +22,7 @@
 
 namespace osteon::console {
 
-/// What every page's thread reads.
+/// The data that every page's thread reads.
 struct PageSources {
   const LiveFeed& feed;
   const SurfaceStore& surface;
@@ -30,12 +30,13 @@ struct PageSources {
   const std::string& hello;
   const LiveContext& context;
   const std::atomic<std::size_t>& pages;
-  /// Messages that a page gets whenever they differ from what it got last: a playback's place, say.
+  /// Functions that make a message each, such as a playback's position. A page gets a message whenever it
+  /// differs from the last one that this function made.
   const std::vector<std::function<std::string()>>& notes;
-  SharedLive& live;  ///< of the feed's pages
+  SharedLive& live;  ///< shared by all pages of the feed
 };
 
-/// Writes to one page. False if it does not read, or has gone.
+/// Writes to one page. The functions return false if the page does not read, or has gone.
 class PageWriter {
  public:
   virtual ~PageWriter() = default;
@@ -44,7 +45,7 @@ class PageWriter {
   virtual void Close() = 0;  ///< ends the connection; the page may open another
 };
 
-/// Sends one page what is new, in a thread of its own, until the page no longer reads.
+/// Sends one page all new data, in a thread of its own, until the page no longer reads.
 class PageSender {
  public:
   PageSender(std::uint64_t page, const PageSources& sources, PageWriter& writer);
@@ -52,8 +53,8 @@ class PageSender {
   PageSender(const PageSender&) = delete;
   PageSender& operator=(const PageSender&) = delete;
 
-  /// An answer to what the page has asked, before everything else. At most kMaxAnswers wait; later ones are
-  /// dropped.
+  /// Sends an answer to a request of the page, before all other data. At most kMaxAnswers answers wait; later
+  /// ones are dropped.
   void Answer(std::string text);
   /// Sends hello, the windows and events that are kept, and the whole surface again.
   void Resend() { resend_.store(true); }
@@ -73,10 +74,10 @@ class PageSender {
   PageWriter& writer_;
 
   std::atomic<bool> resend_{true};
-  std::uint64_t seen_windows_{0}, seen_events_{0};  // of the thread, as what follows
+  std::uint64_t seen_windows_{0}, seen_events_{0};  // used by the thread only, as the members down to mutex_
   SurfaceReader surface_;
   SurfaceBudget surface_budget_;
-  std::chrono::steady_clock::time_point surface_time_{};  // of the bone in the change that is handed out
+  std::chrono::steady_clock::time_point surface_time_{};  // time of the bone in the change that is being sent
   std::uint64_t shown_holder_{~0ull};
   std::size_t shown_pages_{0};
   std::uint64_t shown_epoch_{0};

@@ -8,17 +8,17 @@
 
 namespace osteon::console {
 
-/// The newest live message, so that pages which are at the same place of the feed share its making. Any
-/// thread.
+/// Keeps the newest live message, so that it is made only once for all pages that have got the same windows
+/// so far. Any thread.
 class SharedLive {
  public:
-  /// Windows after number `from` up to `to`, of an epoch of the feed.
+  /// The windows after number `from`, up to and including `to`, in one epoch of the feed.
   struct Span {
     std::uint64_t epoch{0}, from{0}, to{0};
     bool operator==(const Span&) const = default;
   };
 
-  /// The message of these windows; made where it is not the newest one.
+  /// Returns the message of these windows; makes it unless it is the one that is kept.
   /// @param make  () → std::string, called without the lock
   template <class Make>
   [[nodiscard]] std::shared_ptr<const std::string> Get(const Span& span, const Make& make) {

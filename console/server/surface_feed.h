@@ -7,15 +7,16 @@
 
 namespace osteon::console {
 
-/// Puts the chunks of a surface that changes into the pages' store, as bytes.
+/// Puts the chunks of a changing surface into the pages' store, as bytes.
 class SurfaceFeed final : public surface::SurfaceSink {
  public:
   /// @param store  outlives this
   explicit SurfaceFeed(SurfaceStore& store) : store_(store) {}
 
-  /// {"type": "surface", "origin_mm", "voxel_mm", "bricks"}
+  /// Begins a surface on a new grid. Pages get {"type": "surface", "origin_mm", "voxel_mm", "bricks"}.
   void Begin(const surface::BrickLayout& layout) override;
-  /// The same with "difference_step_mm": the vertices' materials are steps of a difference then, 64 for none.
+  /// Begins the same with "difference_step_mm" in the message: each vertex's material is then a number of
+  /// such steps by which two bones differ; 64 is no difference.
   void BeginDifference(const surface::BrickLayout& layout, float step_mm);
   void Publish(std::span<const surface::SurfaceChunk> chunks, std::uint64_t frame) override;
 

@@ -10,23 +10,24 @@
 
 namespace osteon::console {
 
-/// One reader's place in a SurfaceStore: takes a change with all its bricks and hands it out in parts.
+/// One reader's progress in a SurfaceStore: takes a change with all its bricks and hands it out in parts.
 ///
 ///     SurfaceStore ──all that changed──▶ waiting bricks ──part──▶ part ──▶ … ──▶ whole; then the next change
 ///
-/// Bricks that change meanwhile are not added to the waiting ones but are one further change. So every brick
-/// has its turn, however often others change; the bricks of a change are of one time; and a reader holds the
-/// bytes of one surface at most. One thread.
+/// Bricks that change meanwhile are not added to the waiting bricks: together they are the next change. So
+/// every brick is sent, however often others change; all bricks of a change are of one time; and a reader
+/// holds the bytes of one surface at most. One thread.
 class SurfaceReader {
  public:
   struct Part {
-    SurfaceStore::Bytes layout;  ///< another grid's message, before the bricks; null: the same grid
+    SurfaceStore::Bytes layout;  ///< the message of a new grid, to be sent first; null: the grid is the same
     std::string bricks;          ///< one after the other
-    bool begins{false};          ///< it has the first bricks of a change
-    bool ends{false};            ///< it has the last ones
+    bool begins{false};          ///< the part has the first bricks of a change
+    bool ends{false};            ///< the part has the last bricks of a change
   };
 
-  /// The next part. @param max_bytes  of the bricks; a single brick may be larger
+  /// Returns the next part; empty: nothing has changed. @param max_bytes  of the bricks; a single brick may
+  /// be larger
   [[nodiscard]] Part Next(const SurfaceStore& store, std::size_t max_bytes) {
     Part part;
     if (store.layout_version() > seen_) waiting_.clear();  // bricks of a grid that is void
@@ -55,7 +56,7 @@ class SurfaceReader {
   }
 
  private:
-  std::uint64_t seen_{0};  // the store's version of the change that is handed out
+  std::uint64_t seen_{0};  // the store's version of the change that is being handed out
   std::vector<SurfaceStore::Bytes> waiting_;
   std::size_t next_{0};  // in waiting_
 };

@@ -13,13 +13,14 @@
 
 namespace osteon::console {
 
-/// The carved surface as bytes for the pages, brick by brick: the newest version of each, and the grid they
-/// lie in. Any thread. A writer only swaps pointers under the lock, a reader copies them (surface_reader.h).
+/// The carved surface as bytes for the pages, brick by brick: the newest version of each brick, and the grid
+/// in which they lie. Any thread. Under the lock, a writer only swaps pointers and a reader only copies them
+/// (surface_reader.h).
 class SurfaceStore {
  public:
   using Bytes = std::shared_ptr<const std::string>;
 
-  /// Begins anew on another grid. @param message  that describes it to a page
+  /// Begins again on another grid, without bricks. @param message  describes the grid to a page
   void Begin(const surface::BrickLayout& grid, std::string message) {
     auto shared = std::make_shared<const std::string>(std::move(message));
     const std::lock_guard lock(mutex_);
@@ -30,17 +31,17 @@ class SurfaceStore {
     order_.clear();
   }
 
-  /// The grid that the bricks lie in.
+  /// The grid in which the bricks lie.
   [[nodiscard]] surface::BrickLayout Layout() const {
     const std::lock_guard lock(mutex_);
     return grid_;
   }
 
-  /// Version at which the present grid began; 0: there is none.
+  /// Version at which the present grid began; 0: there is no grid.
   [[nodiscard]] std::uint64_t layout_version() const { return layout_version_.load(); }
 
-  /// Replaces the bricks of one change: a reader has all of them, or none. @param change  bricks, each with
-  /// its bytes of chunk_bytes.h, ready to be sent
+  /// Replaces the bricks of one change: a reader gets all of them, or none. @param change  the bricks, each
+  /// with its bytes (chunk_bytes.h), ready to be sent
   void Put(std::vector<std::pair<std::uint64_t, std::string>> change) {
     std::vector<Bytes> shared;
     for (auto& [brick, bytes] : change)
@@ -54,15 +55,15 @@ class SurfaceStore {
     }
   }
 
-  /// All that a reader of version `seen` lacks.
+  /// The data that a reader of an older version lacks.
   struct Change {
-    Bytes layout;               ///< the grid's message; null: the same grid. What the reader had is void.
-    std::vector<Bytes> bricks;  ///< all that changed, the longest unchanged first
+    Bytes layout;               ///< message of a new grid: all earlier bricks are void; null: the same grid
+    std::vector<Bytes> bricks;  ///< all bricks that changed, the one with the oldest change first
   };
 
-  /// All that changed after version `seen`, which becomes the newest version. Nothing, and `seen` as it was,
-  /// while another thread is in the store: a reader never waits for a thread that a busy machine does not
-  /// run.
+  /// Returns all that changed after version `seen`, and sets `seen` to the newest version. While another
+  /// thread holds the lock, it returns nothing and leaves `seen`: a reader never waits for a thread that a
+  /// busy machine does not run.
   [[nodiscard]] Change Since(std::uint64_t& seen) const {
     Change change;
     const std::unique_lock lock(mutex_, std::try_to_lock);

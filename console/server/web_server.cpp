@@ -16,7 +16,7 @@
 namespace osteon::console {
 namespace {
 
-constexpr std::chrono::milliseconds kKnock{20};  // between connections that wake a server that is to end
+constexpr std::chrono::milliseconds kKnock{20};  // time between the connections of KnockUntilStopped
 
 std::string Place(const std::string& address, int port) {
   return fmt::format("{}:{}", address.find(':') == std::string::npos ? address : "[" + address + "]", port);
@@ -54,7 +54,8 @@ class ListeningServer final : public WebServer {
   [[nodiscard]] std::string place() const override { return Place(params_.address, port_); }
 
  private:
-  // The server looks for its end only when a connection comes, or after two seconds.
+  // Connects until the server has ended: it notices that it should end only at a connection, or after two
+  // seconds.
   void KnockUntilStopped() const {
     const std::string host =
         params_.address == "0.0.0.0" || params_.address == "::" ? "127.0.0.1" : params_.address;
@@ -93,7 +94,7 @@ class ListeningServer final : public WebServer {
     callbacks.begin_request = params_.on_request;
     callbacks.log_message = [](const mg_connection*, const char*) {
       return 1;
-    };  // our lines are the terminal's
+    };  // civetweb prints nothing: the terminal is for our own lines
     callbacks.init_thread = [](const mg_context*, int) -> void* {
       rt::NameThread("console");
       rt::LowerPriority();

@@ -12,21 +12,22 @@ struct mg_context;
 
 namespace osteon::console {
 
-/// civetweb's texts, which are null where there is none.
+/// Makes an empty text of the null pointer that civetweb gives for an absent text.
 [[nodiscard]] inline std::string_view OrEmpty(const char* text) { return text == nullptr ? "" : text; }
 
 struct WebServerParams {
   std::string name;               ///< in errors: "console"
-  std::string option;             ///< that names another address: "--console"
+  std::string option;             ///< in errors, the option that sets another address: "--console"
   std::string address;            ///< to listen on
   int port{0};                    ///< 0: any free one
-  int ports_tried{1};             ///< from `port` on
-  int threads{8};                 ///< of connections that are open at a time
+  int ports_tried{1};             ///< number of ports that are tried, from `port` on
+  int threads{8};                 ///< number of threads, each for one open connection
   std::filesystem::path files{};  ///< folder that is served; empty: none
   std::string headers{};          ///< sent with every file
-  /// Before any file is served. @returns 0: goes on, else the status that was sent
+  /// Called before a file is served; null: not called. @returns 0 to serve the file, else the HTTP status
+  /// that the function has sent
   int (*on_request)(mg_connection*){nullptr};
-  void* user{nullptr};  ///< mg_request_info::user_data
+  void* user{nullptr};  ///< becomes mg_request_info::user_data
 };
 
 /// A civetweb server that ends at once when it is destroyed. Its threads have the lowest normal priority.
@@ -42,7 +43,7 @@ class WebServer {
 
   [[nodiscard]] virtual mg_context* context() const = 0;
   [[nodiscard]] virtual int port() const = 0;
-  /// "127.0.0.1:8470", "[::1]:8470".
+  /// Address and port: "127.0.0.1:8470", "[::1]:8470".
   [[nodiscard]] virtual std::string place() const = 0;
 
  protected:

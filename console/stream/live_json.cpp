@@ -30,7 +30,7 @@ void Append(Text& text, const PlainPose& X) {
 
 void Append(Text& text, std::string_view part) { text.append(part); }
 
-// Ends a list: its last comma becomes the bracket.
+// Ends a list: replaces the comma at its end by the bracket.
 void EndList(Text& text) {
   if (text.size() > 0 && text[text.size() - 1] == ',') text.resize(text.size() - 1);
   text.push_back(']');

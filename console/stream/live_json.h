@@ -6,14 +6,14 @@
 #include "console/stream/live_status.h"
 #include "io/recording/messages.h"
 
-// The stream as JSON messages for a page. Lengths in m and poses as rows of [R | p], 12 numbers, in W;
-// figures for people in the units of their names.
+// The stream as JSON messages for a page. Lengths are in m, poses are rows of [R | p], 12 numbers, in W.
+// Figures for people have the units that their names state.
 
 namespace osteon::console {
 
-/// {"type": "live", "windows": […], "status": …, "view": …} of the windows since the last message, oldest
-/// first: a row for each window's place in the strip charts (kStripFields), and status and poses of the last
-/// one.
+/// Makes {"type": "live", "windows": […], "status": …, "view": …} from the windows since the last message,
+/// oldest first. "windows" has a row for each window, for the strip charts (kStripFields); status and poses
+/// are those of the last window.
 /// @pre windows is not empty
 [[nodiscard]] std::string LiveJson(std::span<const LiveWindow> windows, const LiveContext& context);
 
@@ -22,7 +22,7 @@ inline constexpr const char* kStripFields[] = {
     "time_s",      "force_least_N",   "force_most_N",   "hand_most_N", "depth_mm",
     "removed_mm3", "compute_most_us", "wakeup_most_us", "frame_us",    "speed_most_mm_per_s"};
 
-/// {"type": "events", "events": [[time_s, text], …]}; time of log, as in the windows' rows.
+/// Makes {"type": "events", "events": [[time_s, text], …]}; the times are log times, as in the windows' rows.
 [[nodiscard]] std::string EventsJson(std::span<const io::RecordedEvent> events);
 
 }  // namespace osteon::console

@@ -35,7 +35,7 @@ void AddPermits(const control::TickRecord& tick, LiveStatus& status) {
   if (tick.cell_state >= safety::kCellStates) return;
   const auto state = static_cast<safety::CellState>(tick.cell_state);
   status.moves = safety::IsMotion(state);
-  // an arm that says nothing has no conditions yet: nobody looks at them
+  // while the arm sends nothing, the conditions of motion are not evaluated
   status.permits_known = status.moves || state == safety::CellState::kPaused ||
                          (safety::Waits(state) && state != safety::CellState::kOff);
   const safety::MotionPermits permits(status.moves ? safety::MotionPermits::kAll : tick.permits);
@@ -72,7 +72,7 @@ void AddLimits(const LiveWindow& w, LiveStatus& status) {
     }
 }
 
-// Those that reduce the rendered wrench, the one that an operator can do most about first.
+// The limits that reduce the rendered wrench; the one on which an operator has most influence comes first.
 constexpr std::array kForceLimits{safety::Limit::kArmTorque,    safety::Limit::kPower,
                                   safety::Limit::kStoredEnergy, safety::Limit::kTank,
                                   safety::Limit::kAgeGovernor,  safety::Limit::kWrench};
@@ -179,7 +179,7 @@ LiveStatus StatusOf(const LiveWindow& w, const LiveContext& context) {
 
 std::string StatusLine(const LiveStatus& s, double wanted_s, std::size_t columns) {
   if (!s.known) return "waits for the first message";
-  // the most needed first: a narrow terminal loses the end
+  // the most needed parts first: those that do not fit on a narrow terminal are left out
   const std::string limit = s.limits.empty() ? "" : fmt::format("{}", fmt::join(s.limits, ", "));
   std::vector<std::string> parts{s.state, TimeText(s, wanted_s), fmt::format("{:5.1f} N", s.force_N),
                                  fmt::format("depth {:5.2f} mm", s.depth_mm)};

@@ -21,25 +21,24 @@ struct LatencyPartStatus {
 /// The cell's latency: from the hand's force to the arm's motion, and from the bone's contact to the hand.
 struct LatencyStatus {
   bool known{false};           ///< false: the arm was not commanded yet
-  bool measured{false};        ///< every part is
-  bool hand_moves_arm{false};  ///< without the loop, under the impedance law: hand_to_arm_ms is none
+  bool measured{false};        ///< every part is measured
+  bool hand_moves_arm{false};  ///< impedance law: the hand moves the arm without the loop; no hand_to_arm_ms
   double hand_to_arm_ms{0.0}, bone_to_hand_ms{0.0};
   std::vector<LatencyPartStatus> parts{};
 };
 
-/// A run's note on a latched fault: all that it knows besides the name.
+/// A run's note on a latched fault: all that the run knows besides the name.
 struct FaultNote {
-  std::string
-      seen;  ///< what was measured, and what is accepted: "the reading is 101 ms old, accepted 100 ms"
+  std::string seen;  ///< the measured and the accepted value: "the reading is 101 ms old, accepted 100 ms"
   std::string page;  ///< path of the stop's page, which is written when the run has ended; empty: none
 };
 
-/// What a live view needs of the cell besides the stream.
+/// The facts of a cell that a live view needs besides the stream.
 struct LiveContext {
   double force_limit_N{0.0};       ///< the cell's, on the coupling
-  std::string force_limit_from{};  ///< which bound that is: "cell", "ceiling", "stored energy"
+  std::string force_limit_from{};  ///< where this limit comes from: "cell", "ceiling", "stored energy"
   double torque_limit_Nm{0.0};     ///< the cell's, on the coupling; 0: not known
-  /// Unit vector in W, out of the site's opening: the feed is counted against it. Empty: not known.
+  /// Unit vector in W that points out of the site's opening; a positive feed is against it. Empty: not known.
   std::optional<PlainVector3> axis_W{};
   bool has_plc{false};  ///< motion needs a PLC's permission
   /// Depth of the tool's apex at a proxy pose in W, below the cup's first floor [m]; empty: not known.
@@ -52,21 +51,21 @@ struct LiveContext {
   std::function<std::optional<std::uintmax_t>()> disk_left_B{};
   /// Latency of the run so far, callable from any thread; empty: not known.
   std::function<LatencyStatus()> latency{};
-  /// How far the carved bone that pages are shown is behind the engine [s], callable from any thread; empty,
-  /// or nothing returned: there is no bone that follows.
+  /// Time by which the carved bone on the pages is behind the engine [s], callable from any thread; empty, or
+  /// nothing returned: no bone is shown that follows the cut.
   std::function<std::optional<double>()> bone_age_s{};
 };
 
 /// A condition of motion.
 struct PermitStatus {
-  std::string text;  ///< what has to hold
+  std::string text;  ///< the condition in words
   bool holds{false};
 };
 
 /// A latched fault, in the catalogue's words.
 struct FaultStatus {
   std::string name, cause, reaction, clearing;
-  bool allows_recovery{false};  ///< a recovery may clear it within the run
+  bool allows_recovery{false};  ///< a recovery may clear the fault within the run
   FaultNote note{};
 };
 
@@ -74,24 +73,24 @@ struct FaultStatus {
 struct LiveStatus {
   bool known{false};               ///< false: nothing was recorded yet
   int state_number{-1};            ///< safety::CellState; -1: unknown
-  std::string state, does, leave;  ///< of the state machine (safety::Describe)
+  std::string state, does, leave;  ///< name, action and ways out of the state (safety::Describe)
   bool can_pause{false}, can_resume{false};
   bool can_recover{false};  ///< at rest with faults that all allow a recovery, and the run does not end
   /// The conditions of motion: as they are now, or, while the arm moves, as they were when motion began; from
   /// then on a condition that ends is a fault.
   std::vector<PermitStatus> permits;
   bool moves{false};
-  bool permits_known{false};         ///< false: in this state nobody looks at them (a stop, a fault)
-  std::vector<std::string> limits;   ///< names of those that acted in the window
+  bool permits_known{false};         ///< false: they are not evaluated in this state (a stop, a fault)
+  std::vector<std::string> limits;   ///< names of the limits that acted in the window
   std::vector<int> limit_numbers;    ///< their numbers (safety::Limit)
   std::vector<double> limits_for_s;  ///< how long each has acted so far
   std::vector<FaultStatus> faults;
   double force_N{0.0}, force_limit_N{0.0}, hand_N{0.0};
-  std::string force_limit_from;  ///< LiveContext
-  /// Bound of the force in the last tick: one of the limits that reduced it, which then is the force
-  /// itself, or else the cell's.
+  std::string force_limit_from;  ///< as in LiveContext
+  /// Bound of the force in the last tick: the force itself, at most force_limit_N, if a limit reduced it in
+  /// this tick; else force_limit_N.
   double force_limit_now_N{0.0};
-  int force_limit_number{-1};  ///< safety::Limit of the one that reduced it; -1: none did
+  int force_limit_number{-1};  ///< safety::Limit that reduced the force; -1: none did
   double torque_Nm{0.0}, torque_limit_Nm{0.0};
   double depth_mm{0.0}, deepest_mm{0.0};
   double depth_left_mm{std::numeric_limits<double>::infinity()};  ///< to the depth limit; infinite: none
@@ -99,14 +98,14 @@ struct LiveStatus {
   double speed_mm_per_s{0.0}, spindle_rpm{0.0}, spindle_torque_Nm{0.0};
   double removed_mm3{0.0};
   bool gives_way{false};                                  ///< tool, tissue or mount may give way in this cell
-  double bend_mm{0.0}, layer_mm{0.0}, mount_mm{0.0};      ///< by how much they do
+  double bend_mm{0.0}, layer_mm{0.0}, mount_mm{0.0};      ///< displacement of tool, surface layer, mount
   std::optional<double> model_age_ms{}, sensor_age_ms{};  ///< empty: none has come yet
   double frame_us{0.0};                                   ///< 0: no frame yet
-  std::optional<double> arm_age_ms{}, plc_age_ms{};     ///< greatest of the window; empty: no message, no PLC
-  double compute_p99_us{0.0}, wakeup_p99_us{0.0};       ///< LiveWindow
+  std::optional<double> arm_age_ms{}, plc_age_ms{};     ///< maximum in the window; empty: no message, no PLC
+  double compute_p99_us{0.0}, wakeup_p99_us{0.0};       ///< as in LiveWindow
   std::uint32_t arm_messages_lost{0}, answers_lost{0};  ///< so far, between the arm and the loop
-  std::optional<std::uintmax_t> disk_left_B{};          ///< LiveContext
-  std::optional<double> bone_age_ms{};                  ///< of the carved bone that pages are shown
+  std::optional<std::uintmax_t> disk_left_B{};          ///< as in LiveContext
+  std::optional<double> bone_age_ms{};                  ///< of the carved bone on the pages
   double rendered_s{0.0}, paused_s{0.0};
   LatencyStatus latency{};
 };
@@ -120,7 +119,7 @@ struct LiveStatus {
 /// The status as a JSON object (osteon.status/1), in one line.
 [[nodiscard]] std::string StatusJson(const LiveStatus& status);
 
-/// Name of a limit for people: "tool speed".
+/// Returns the name of a limit for people: "tool speed". @param number  of safety::Limit
 [[nodiscard]] std::string LimitName(int number);
 
 }  // namespace osteon::console

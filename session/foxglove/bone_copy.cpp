@@ -38,7 +38,8 @@ class BoneMessages {
     return {};
   }
 
-  // Writes the bricks that changed since the last call, all of them the first time. False: none did.
+  // Encodes the bricks that changed since the last call; in the first call, all bricks.
+  // @returns false if no brick has changed
   bool Encode(rt::Nanoseconds stamp, std::string& bytes) {
     const auto material = [this](surface::Vec3 p_mm) {
       return setup_.solid ? setup_.solid->MaterialAt(1e-3 * Vector3(p_mm.x, p_mm.y, p_mm.z))
@@ -48,7 +49,7 @@ class BoneMessages {
     surface::SurfaceChunk chunk;
     for (const surface::BrickIndex brick : bone_.field.Dirty()) {
       surface::ExtractChunk(bone_.field, brick, chunk, {}, material);
-      triangles_ += chunk.quads.size() / 2;  // four places for two triangles
+      triangles_ += chunk.quads.size() / 2;  // four indices are a quad, which is two triangles
       parts.push_back(scene_.BonePart(fmt::format("brick_{}", chunk.brick), {&chunk, 1}));
     }
     bone_.field.ClearDirty();
@@ -67,7 +68,7 @@ class BoneMessages {
   std::uint64_t triangles_{0};
 };
 
-// Copies the messages, and the bone's between them.
+// Copies the recording's messages, and writes the bone's messages between them.
 tl::expected<BoneCopy, std::string> Copy(io::McapReader& reader, io::McapWriter& writer, BoneMessages& bone,
                                          rt::Nanoseconds step) {
   const console::FoxgloveChannel& topic = CellTopics().at(static_cast<std::size_t>(CellTopic::kBone));
@@ -94,7 +95,7 @@ tl::expected<BoneCopy, std::string> Copy(io::McapReader& reader, io::McapWriter&
       next = last + step;
     }
     if (message.channel->topic == topic.topic && message.channel->schema_name == topic.schema_name)
-      continue;  // the run's own states, which the copy's replace
+      continue;  // the copy's states of the bone replace the run's own
     const auto channel = channels.IdOf(*message.channel);
     if (!channel) return tl::make_unexpected(reader.path().string() + ": " + channel.error());
     writer.Write(*channel, last, {message.bytes.data(), message.bytes.size()});
@@ -121,7 +122,7 @@ tl::expected<BoneCopy, std::string> CopyWithBone(const std::filesystem::path& re
   auto cut = ReadRecordedCut(recording, timeline->session(), setup);
   if (!cut) return tl::make_unexpected(cut.error());
 
-  // write a file beside it, which then takes its name
+  // write a file beside the final one, and rename it at the end
   const std::filesystem::path part = file.string() + ".part";
   auto writer = io::McapWriter::Create(part, reader->library());
   if (!writer) return tl::make_unexpected(writer.error());
@@ -141,7 +142,7 @@ tl::expected<BoneCopy, std::string> CopyWithBone(const std::filesystem::path& re
     std::filesystem::rename(part, file, error);
     if (error) return discard(file.string() + ": cannot write: " + error.message());
     return *copy;
-  } catch (const std::invalid_argument& error) {  // a grid that no memory holds
+  } catch (const std::invalid_argument& error) {  // the grid is too large for the memory
     return discard(fmt::format("{}: {}", file.string(), error.what()));
   }
 }

@@ -13,17 +13,18 @@ namespace osteon::session {
 /// A copy of a recording with the carved bone in it.
 struct BoneCopy {
   std::filesystem::path file;
-  std::uint64_t messages{0};   ///< of the recording
-  int states{0};               ///< of the bone
-  std::uint64_t triangles{0};  ///< in all of these states
-  std::uint64_t bytes{0};      ///< of the file
+  std::uint64_t messages{0};   ///< number of messages copied from the recording
+  int states{0};               ///< number of states of the bone that were added
+  std::uint64_t triangles{0};  ///< number of triangles in all of these states
+  std::uint64_t bytes{0};      ///< size of the file
 };
 
-/// Copies a recording, every message as it is, and adds topic `bone` for Foxglove and Lichtblick, in place of
-/// the run's coarser one: the whole surface at the start, then the bricks that changed, `step_s` apart by log
-/// time. One state of the bone is in memory at a time. `file` appears whole or not at all.
+/// Copies a recording, and adds the topic `bone` for Foxglove and Lichtblick in place of the run's coarser
+/// one. All other messages are copied unchanged. The topic has the whole surface at the start, then the
+/// bricks that changed, every `step_s` of log time. One state of the bone is in memory at a time. `file`
+/// appears complete or not at all.
 /// @param setup  the cell of the recording, with its solid or balls   @param step_s  > 0
-/// @returns the error names the file and the reason
+/// The error names the file and the reason.
 [[nodiscard]] tl::expected<BoneCopy, std::string> CopyWithBone(const std::filesystem::path& recording,
                                                                const CellSetup& setup, double step_s,
                                                                const std::filesystem::path& file);

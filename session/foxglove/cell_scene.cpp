@@ -10,7 +10,7 @@
 namespace osteon::session {
 namespace {
 
-// simple bodies of our own, as the console's page has them
+// The arm is drawn as simple bodies, as on the console's page, not as the manufacturer's meshes.
 constexpr double kBodyRadius_m = 0.055, kJointRadius_m = 0.068, kRodRadius_m = 0.008;
 constexpr io::SceneColor kBody{.r = 0.79, .g = 0.81, .b = 0.84};
 constexpr io::SceneColor kJoint{.r = 0.85, .g = 0.51, .b = 0.17};
@@ -23,7 +23,7 @@ constexpr double kProxyOpacity = 0.35;
 constexpr double kArrow_m_per_N = 1e-3, kArrowDiameter_m = 4e-3;
 constexpr double kMinForce_N = 0.5;  // a smaller force has no arrow
 constexpr double kPlaneEdge_m = 0.02, kPlaneThickness_m = 4e-4;
-constexpr std::size_t kMaxBalls = 2000;  // of a tool that are drawn
+constexpr std::size_t kMaxBalls = 2000;  // number of a tool's balls that are drawn
 
 io::SceneColor Of(const Vector3& rgb) { return {.r = rgb.x(), .g = rgb.y(), .b = rgb.z()}; }
 
@@ -32,7 +32,7 @@ io::SceneColor Faded(io::SceneColor color, double opacity) {
   return color;
 }
 
-// A face that the tool made, of a tissue: towards red.
+// Returns the colour of a cut face: the tissue's colour, shifted towards red.
 io::SceneColor CutFace(const io::SceneColor& tissue) {
   constexpr double kShare = 0.45;
   return {.r = (1.0 - kShare) * tissue.r + kShare * 0.75,
@@ -58,7 +58,7 @@ io::SceneEntity ZoneBody(const safety::ZoneParams& zone, std::size_t number) {
       entity.rods.push_back(
           {.from_m = zone.p_W_m - end, .to_m = zone.p_W_m + end, .radius_m = zone.radius_m, .color = kZone});
       break;
-    case safety::ZoneShape::kHalfSpace:  // without an end
+    case safety::ZoneShape::kHalfSpace:  // infinite: not drawn
       break;
   }
   return entity;

@@ -14,30 +14,34 @@
 
 namespace osteon::session {
 
-/// What Foxglove draws of a cell: its frames, and the things in them.
+/// The parts of a cell that Foxglove draws: its frames, and the bodies in them.
 ///
 ///     world ─▶ base ─▶ link_1 ─▶ … ─▶ flange (as measured)
 ///       ├─▶ tool (as commanded), tool_measured, proxy (where the bone lets the tool be)
 ///       └─▶ bone
 class CellScene {
  public:
-  /// @param tools  of a procedure, by the index that the ticks name; empty: the cell's own alone
+  /// @param tools  of a procedure, in the order of TickInput::tool_index; empty: only the cell's own tool
   explicit CellScene(const CellSetup& setup, std::span<const ProcedureTool> tools = {});
 
-  /// Where the frames are at a tick. @param model  frame 0: none yet, and the proxy is left out
+  /// Returns the frames' poses at a tick. @param model  if its frame is 0, there is no model yet, and the
+  /// proxy is left out
   [[nodiscard]] std::vector<io::FramePlace> Frames(const control::TickRecord& tick,
                                                    const simulation::ContactModel& model) const;
-  /// The arm's bodies, Tools and the zones: they change with the tool alone.
+  /// Returns the bodies of arm, tool (Tools) and zones. They change only when another tool is taken.
   [[nodiscard]] std::vector<io::SceneEntity> Bodies(std::size_t tool) const;
-  /// The tool in use in `tool` and, transparent, in `proxy`. @param tool  TickInput::tool_index
+  /// Returns the tool in use twice: in the frame `tool` and, transparent, in the frame `proxy`.
+  /// @param tool  TickInput::tool_index
   [[nodiscard]] std::vector<io::SceneEntity> Tools(std::size_t tool) const;
-  /// The coupling's and the hand's force as arrows (1 mm for 1 N), the planes that hold the tool.
+  /// Returns the coupling's and the hand's force as arrows (1 mm per newton), and the planes that hold the
+  /// tool.
   [[nodiscard]] std::vector<io::SceneEntity> Forces(const control::TickRecord& tick,
                                                     const simulation::ContactModel& model) const;
-  /// A part of the carved bone, coloured by tissue, what was cut redder. Without faces it is empty.
+  /// Returns a part of the carved bone, coloured by tissue; cut faces are redder. Its mesh is empty if the
+  /// chunks have no faces.
   [[nodiscard]] io::SceneEntity BonePart(const std::string& id,
                                          std::span<const surface::SurfaceChunk> chunks) const;
-  /// The arm's joints of a tick.
+  /// Returns the arm's measured joint angles of a tick [rad].
   [[nodiscard]] std::span<const double> Joints(const control::TickRecord& tick) const {
     return {tick.q_meas.data(), links_.size()};
   }

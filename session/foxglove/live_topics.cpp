@@ -11,9 +11,9 @@
 namespace osteon::session {
 namespace {
 
-// channels after those of CellTopics
+// numbers of the channels that follow those of CellTopics
 constexpr std::size_t kTick = 6, kFrame = 7;
-constexpr std::size_t kBoneBytes = 128u << 10;  // of the bricks in a message, which is larger
+constexpr std::size_t kBoneBytes = 128u << 10;  // size of the bricks for one message, which becomes larger
 
 }  // namespace
 

@@ -10,18 +10,19 @@
 
 namespace osteon::session {
 
-/// The topics of a cell or of a recording: those of Foxglove's schemas, in this order.
+/// The topics with Foxglove's schemas that a cell or a recording has, in this order:
 ///
 ///     tf       frames               scene    bodies, once      forces   arrows and planes
 ///     joints   the arm's joints     log      events            bone     the carved surface
 [[nodiscard]] const std::vector<console::FoxgloveChannel>& CellTopics();
 enum class CellTopic : std::size_t { kFrames, kScene, kForces, kJoints, kLog, kBone };
 
-/// How severe an event is: a fault is an error.
+/// Returns how severe an event is: a fault is an error, all others are information.
 [[nodiscard]] io::LogLevel LevelOf(const std::string& event);
 
-/// A running cell for Foxglove's viewers: the newest of what is recorded, some 30 times a second, and the
-/// bricks of the carved surface that changed. Beside CellTopics the newest tick and frame, as in a recording.
+/// Shows a running cell to Foxglove's viewers: the newest recorded data, some 30 times a second, and the
+/// bricks of the carved surface that changed. Besides CellTopics it has the topics `tick` and `frame`, as a
+/// recording has.
 class LiveTopics final : public console::FoxgloveSource {
  public:
   /// @param feed, surface  outlive this  @param tools  as for CellScene

@@ -97,7 +97,8 @@ const std::string* RecordedBone::Finish() {
     thread_.join();
   }
   ways_.EndBatch(gathered_);
-  std::string before = std::exchange(made_, {});  // a state that nobody took: bricks that the next one lacks
+  // A state that is ready but was not taken comes first: its bricks are not in the next one.
+  std::string before = std::exchange(made_, {});
   if (!before.empty()) {
     taken_ = std::move(before);
     return &taken_;
@@ -137,7 +138,7 @@ std::shared_ptr<const surface::SolidField> RecordedBone::MakeSolidField() {
       if (quads <= params_.max_quads) return solid;
       voxel_mm_ *= static_cast<float>(
           1.05 * std::sqrt(static_cast<double>(quads) / static_cast<double>(params_.max_quads)));
-    } catch (const std::invalid_argument&) {  // a grid that no memory holds
+    } catch (const std::invalid_argument&) {  // the grid is too large for the memory
       voxel_mm_ *= 2.0F;
     }
   }
@@ -150,7 +151,7 @@ void RecordedBone::MakeField() {
   if (!no_field_) field_ = std::make_unique<surface::CarvedField>(CarveAnew());
 }
 
-// The field as the session and the kept batches leave it.
+// Carves the bone again: the session's earlier recordings, then the kept batches that still count.
 surface::CarvedField RecordedBone::CarveAnew() const {
   surface::CarvedField field(solid_field_);
   if (params_.history.carve_earlier) params_.history.carve_earlier(field);
@@ -187,7 +188,7 @@ void RecordedBone::MakeState(const Work& work) try {
   io::EncodeScene(work.stamp, parts, !std::exchange(begun_, true), bytes);
   const std::lock_guard lock(mutex_);
   made_ = std::move(bytes);
-} catch (const std::exception& error) {  // out of memory, say: the recording goes on without the bone
+} catch (const std::exception& error) {  // for example, out of memory: the recording goes on without the bone
   no_field_ = true;
   error_ = error.what();
 }

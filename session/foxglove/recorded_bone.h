@@ -18,22 +18,23 @@
 namespace osteon::session {
 
 struct RecordedBoneParams {
-  rt::Nanoseconds step{5'000'000'000};  ///< of log time, from one state of the bone to the next; > 0
-  bool own_thread{true};                ///< false: the caller carves, so that equal runs give equal bytes
-  std::size_t max_quads{30'000};        ///< of the uncut bone: its grid is made coarser until it has no more
+  rt::Nanoseconds step{5'000'000'000};    ///< log time from one state of the bone to the next; > 0
+  bool own_thread{true};                  ///< false: the caller carves, so that equal runs give equal bytes
+  std::size_t max_quads{30'000};          ///< the grid is made coarser until the uncut bone has no more quads
   std::vector<simulation::Tool> tools{};  ///< of a procedure, by TickInput::tool_index; empty: the cell's own
   BoneHistory history{};                  ///< of the procedure's session
 };
 
-/// The carved bone of a run as messages for its recording: the whole surface first, then at each state the
-/// bricks that changed. Coarser than the console's, so that a recording grows little by it.
+/// Makes messages of a run's carved bone for the recording: the first has the whole surface, each later one
+/// the bricks that have changed. The surface is coarser than the console's, so that it adds little to a
+/// recording.
 ///
 ///     frame ─▶ BatchedWays ─▶ batches ─┐ state is due              ┌─▶ Take: message for the file
 ///                                      └─▶ own thread: carve, mesh ┘
 ///
-/// A state that is due while the one before is still being made comes later: nothing waits for it. In a
-/// session the batches that touched bone are kept (some 3 MB for an hour of reaming). When a pass is taken
-/// back, the next state is carved anew from those that count.
+/// If a state is due while the previous one is still being made, it is begun later: nothing waits for it. In
+/// a session the batches that touched bone are kept (some 3 MB for an hour of reaming). When a pass is taken
+/// back, the next state is carved again from the batches that still count.
 class RecordedBone {
  public:
   /// @param scene  outlives this
@@ -42,24 +43,25 @@ class RecordedBone {
   RecordedBone(const RecordedBone&) = delete;
   RecordedBone& operator=(const RecordedBone&) = delete;
 
-  /// Goes on with another tool of the procedure.
+  /// Continues with another tool of the procedure.
   void UseTool(std::size_t tool);
-  /// Adds a frame's way.
+  /// Adds the path that the tool has travelled in a frame.
   void Add(const simulation::ContactModel& model, bool spindle_turns);
-  /// Begins the next state where it is due. @param stamp  log time
-  /// @returns the message of a state that is made; nothing: none. Valid until the next call.
+  /// Begins the next state if it is due. @param stamp  log time
+  /// @returns the message of a state that has become ready, valid until the next call; null: there is none
   [[nodiscard]] const std::string* Take(rt::Nanoseconds stamp);
-  /// The last state, of all that was added: waits for it. Nothing: nothing has changed since the last one.
+  /// Ends the thread, and returns the messages that are left, one per call: call it until it returns null.
+  /// The last message has all that was added.
   [[nodiscard]] const std::string* Finish();
 
   [[nodiscard]] float voxel_mm() const { return voxel_mm_; }
-  /// After Finish has returned nothing: why there is no bone from some state on; empty: there is.
+  /// After Finish has returned null: the reason why states of the bone are missing; empty: none is missing.
   [[nodiscard]] const std::string& error() const { return error_; }
 
  private:
   struct Work {
     surface::SweptBatches batches;  // since the last state
-    TakenBackPasses taken_back;     // up to now
+    TakenBackPasses taken_back;     // as known when the state was begun
     rt::Nanoseconds stamp{0};
   };
   [[nodiscard]] Work TakeWork(rt::Nanoseconds stamp);
@@ -72,7 +74,7 @@ class RecordedBone {
   const CellScene& scene_;
   RecordedBoneParams params_;
   std::shared_ptr<const simulation::Solid> solid_;
-  simulation::Bone balls_;  // where there is no solid
+  simulation::Bone balls_;  // used if there is no solid
   surface::BatchedWays ways_;
   std::size_t tool_{0};
   surface::SweptBatches gathered_;       // since the last state
@@ -80,12 +82,12 @@ class RecordedBone {
   rt::Nanoseconds last_stamp_{0};
   std::string taken_;
 
-  // of who makes states: the own thread, or after it has ended the caller
+  // used only where states are made: in the own thread or, after its end, in the caller's
   std::shared_ptr<const surface::SolidField> solid_field_;
   std::unique_ptr<surface::CarvedField> field_;
-  surface::SweptBatches kept_;  // that touched bone, of a session
-  TakenBackPasses taken_back_;  // that the field is without
-  bool no_field_{false};        // the bone has no surface that a grid holds
+  surface::SweptBatches kept_;  // in a session: the batches that touched bone
+  TakenBackPasses taken_back_;  // passes that are not carved in field_
+  bool no_field_{false};        // no grid was coarse enough for the bone, or carving has failed
   bool begun_{false};
   float voxel_mm_{0.0F};
   std::string error_;
@@ -93,7 +95,7 @@ class RecordedBone {
   std::mutex mutex_;
   std::condition_variable wake_;
   std::optional<Work> work_;  // guarded by mutex_
-  std::string made_;          // guarded by mutex_: empty: none
+  std::string made_;          // the message that is ready; guarded by mutex_; empty: none
   bool busy_{false}, stop_{false};
   std::thread thread_;
 };

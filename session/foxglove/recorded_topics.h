@@ -13,8 +13,9 @@
 
 namespace osteon::session {
 
-/// Adds the topics of CellTopics to a recording: the bodies once, the tool again when another one is taken,
-/// the bone's states as far apart as is asked for, the rest every kPeriod_ns of log time.
+/// Adds the topics of CellTopics to a recording: the bodies once, the tool again whenever another tool is
+/// taken, events as they come, the bone's states at the intervals of RecordedBoneParams, the rest every
+/// kPeriod_ns of log time.
 class RecordedTopics final : public io::RecordTopics {
  public:
   static constexpr rt::Nanoseconds kPeriod_ns = 33'000'000;
@@ -31,14 +32,14 @@ class RecordedTopics final : public io::RecordTopics {
 
  private:
   CellScene scene_;
-  std::vector<std::uint16_t> channels_;  // of CellTopics
+  std::vector<std::uint16_t> channels_;  // in the order of CellTopics
   simulation::ContactModel model_;       // the newest
   rt::Nanoseconds next_{0};              // log time of the next messages
-  std::size_t tool_{0};                  // that was drawn last
-  std::string bytes_;                    // scratch
+  std::size_t tool_{0};                  // the tool that was drawn last
+  std::string bytes_;                    // buffer for one message
   std::optional<RecordedBone> bone_;
   bool spindle_turns_{false};      // in the last tick
-  rt::Nanoseconds last_stamp_{0};  // of it
+  rt::Nanoseconds last_stamp_{0};  // of the last tick
 };
 
 }  // namespace osteon::session

@@ -11,7 +11,7 @@ namespace osteon::session {
 namespace {
 
 constexpr std::size_t kMaxFormer = 100;
-// A value as a page shows it, rounded, still counts as inside.
+// Relative tolerance of the bounds: a page rounds the bounds that it shows, and may send them back.
 constexpr double kRounding = 1e-6;
 
 bool IsWithin(double value, double low, double high) {
@@ -26,7 +26,7 @@ GainsPanel::GainsPanel(const config::CellConfig& cell)
       planes_N_per_m_(control::ForceLimit_N(cell.servo) / cell.servo.stabilisers.age_governor.tool_radius_m),
       present_(own_) {}
 
-// The least of the three axes: the one that decides about stability.
+// Returns the smallest drag of the three axes, which decides about stability.
 double GainsPanel::Drag(const control::Gains& gains) const {
   const PlainVector3& d = gains.damping_Ns_per_m;
   return std::min({d.x, d.y, d.z});
@@ -83,7 +83,8 @@ void GainsPanel::SetPresent(const control::Gains& gains) {
   asked_ = false;
 }
 
-// Whether the present gains are the cell's own, or differ from them only by what keeps their margin.
+// Whether the present gains have at least the stability margin of the cell's own: they differ from these only
+// by a softer coupling or a larger drag.
 bool GainsPanel::KeepsOwnMargin() const {
   control::Gains as_own = present_;
   as_own.max_stiffness_N_per_m = own_.max_stiffness_N_per_m;

@@ -16,17 +16,17 @@
 
 namespace osteon::session {
 
-/// The gains that an operator may change from the console, and how far.
+/// The gains that an operator may change from the console, and their bounds.
 ///
-/// A page asks for the coupling's stiffness, the virtual tool's drag, or the gains before. What is accepted
-/// goes to the loop as a saved gains file does (ServoLoop::RequestGains): it ramps without making energy, and
-/// is recorded.
+/// A page asks for the coupling's stiffness, for the virtual tool's drag, or to undo the last change.
+/// Accepted gains go to the loop as those of a saved gains file do (ServoLoop::RequestGains): the loop ramps
+/// to them without making energy, and records them.
 ///
-/// **Bounds.** The cell's own gains are what `osteon tune` was asked about. A softer coupling and a larger
-/// drag keep that margin: both boundaries of tune's map are the first crossings of a scan, upward in
+/// **Bounds.** `osteon tune` computes the stability margin of the cell's own gains. A softer coupling and a
+/// larger drag keep that margin: both boundaries of tune's map are the first crossings of a scan, upward in
 /// stiffness and downward in drag. So the stiffness is accepted from kMinStiffnessShare of the cell's own up
-/// to it, and the drag from the cell's own up to kMaxDragFactor times. No limit of force, torque or speed can
-/// be asked for.
+/// to the cell's own, and the drag from the cell's own up to kMaxDragFactor times the cell's own. Limits of
+/// force, torque or speed cannot be changed here.
 ///
 /// Request and Json belong to the pages' threads, Take and SetPresent to the thread that supervises the run.
 class GainsPanel {
@@ -36,16 +36,17 @@ class GainsPanel {
   /// @param cell  with the gains that the loop is made with
   explicit GainsPanel(const config::CellConfig& cell);
 
-  /// Shows what `osteon tune` found for this cell. Before the pages open. @param advice  or why there is none
+  /// Sets the result of `osteon tune` for this cell, for the pages to show. Call it before the pages open.
+  /// @param advice  the error is why there is none
   void SetTune(tl::expected<TuneAdvice, std::string> advice) { tune_ = std::move(advice); }
   /// Accepts or refuses a page's request. The answer names the value found and the values accepted.
   [[nodiscard]] console::RequestAnswer Request(const console::GainsRequest& request);
   /// Returns gains that were accepted since the last call, once.
   [[nodiscard]] std::optional<control::Gains> Take();
-  /// Takes gains that came another way, from a gains file: what is shown and what the next request starts
-  /// from.
+  /// Sets the present gains after a change from elsewhere (a gains file): they are shown, and the next
+  /// request starts from them. Changes before them cannot be undone any more.
   void SetPresent(const control::Gains& gains);
-  /// The message for the pages: {"type": "gains", …}; console/web/src/messages.ts has its fields.
+  /// Makes the message for the pages, {"type": "gains", …}; console/web/src/messages.ts has its fields.
   [[nodiscard]] std::string Json() const;
 
  private:
@@ -55,12 +56,12 @@ class GainsPanel {
 
   const control::Gains own_;
   const bool has_drag_;          ///< the law has a virtual tool
-  const double planes_N_per_m_;  ///< stiffness by which the planes of a frame turn: force limit over radius
+  const double planes_N_per_m_;  ///< force limit over tool radius: a stiffness from the planes' rotation
   tl::expected<TuneAdvice, std::string> tune_{tl::unexpect, ""};
   mutable std::mutex mutex_;
   control::Gains present_;              // guarded by mutex_, as the following
-  std::vector<control::Gains> former_;  // newest last
-  bool asked_{false};
+  std::vector<control::Gains> former_;  // gains before each change that can be undone, newest last
+  bool asked_{false};                   // gains were accepted that Take has not returned yet
 };
 
 }  // namespace osteon::session

@@ -11,22 +11,22 @@ namespace osteon::session {
 
 class GainsPanel;
 
-/// Watches a file of gains that may be saved again while the loop runs with it: `osteon run --gains`; and
-/// takes what the console's pages ask for (GainsPanel).
+/// Watches the gains file of `osteon run --gains`, which may be saved again during the run, and takes the
+/// gains that the console's pages ask for (GainsPanel).
 ///
 /// Poll() belongs to the thread that supervises the run, never to the tick. Twice a second it reads the
-/// file's modification time. Once the file is newer than when it was read, and has not changed for one poll
-/// (an editor may still be writing), it is read and checked like the cell's own, and the loop ramps to the
-/// new gains (GainRamp). An error is reported, and the gains stay.
+/// file's modification time. Once that time differs from the one at the last read, and has not changed for
+/// one poll (an editor may still be writing), the file is read and checked like the cell's own gains, and the
+/// loop ramps to the new gains (GainRamp). An error is reported, and the gains stay.
 class GainsWatch {
  public:
-  /// @param file  as read at the start; empty: nothing to watch
+  /// @param file  the one that was read at the start; empty: there is no file to watch
   /// @param notice  called with one line about a change or an error; may be empty
-  /// @param panel  what pages ask for; null: none
+  /// @param panel  has the gains that pages ask for; null: pages cannot ask
   GainsWatch(std::filesystem::path file, const config::CellConfig& cell, control::ServoLoop& loop,
              std::function<void(const std::string&)> notice, GainsPanel* panel = nullptr);
 
-  /// @param at_s  of any clock that does not go back
+  /// Looks for new gains. @param at_s  time of any clock that does not go back
   void Poll(double at_s);
 
  private:

@@ -16,14 +16,14 @@ using base::NumberAt;
 using base::TextAt;
 using base::ValueAt;
 
-// Relative difference up to which two figures are the same: the file has them with all digits.
+// Relative difference up to which two figures count as the same; the file has them with all digits.
 constexpr double kSameWithin = 1e-6;
 
 bool IsSame(double a, double b) {
   return std::abs(a - b) <= kSameWithin * std::max(std::abs(a), std::abs(b));
 }
 
-// A figure that must be the same in the result and in the cell.
+// A figure that tune's result and the cell must agree on.
 struct Shared {
   const char *name, *unit;
   double in_result, in_cell;

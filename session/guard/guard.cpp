@@ -24,11 +24,11 @@ namespace {
 
 // how often PLC, silence and Ctrl-C are checked
 constexpr rt::Nanoseconds kPollInterval = 5 * rt::kMillisecond;
-constexpr int kBeatEvery_ms = 10;  // longest time that a withdrawal waits for its heartbeat
-// time for the arm to rest after the guard was asked to end
+constexpr int kBeatEvery_ms = 10;  // heartbeat's period: a withdrawal waits at most this long to be sent
+// longest time for the arm to come to rest after the guard was asked to end
 constexpr rt::Nanoseconds kEndWithin = 3 * rt::kSecond;
 constexpr std::uint32_t kLastWrites = 2;  // heartbeats that carry the withdrawal before they stop
-// Number of answers for which a slow arm's controller may be silent.
+// The controller may be silent for at least this many periods of its answers, also if these periods are long.
 constexpr double kMinSilenceAnswers = 10.0;
 
 void Say(const std::string& text) {
@@ -56,7 +56,7 @@ io::PlcClientParams OfGuard(io::PlcClientParams params) {
   return params;
 }
 
-// Writes the relay's heartbeat to the PLC. It stops a little after the request was withdrawn.
+// Writes the guard's heartbeat to the PLC. After a latched withdrawal, kLastWrites more heartbeats follow.
 class PlcBeat {
  public:
   explicit PlcBeat(const io::PlcClientParams& params) : client_(OfGuard(params)) {}
@@ -100,13 +100,14 @@ void PrintEnd(const GuardReport& r) {
                   DelayText(r.answer_delay)));
 }
 
-// Ends a guard with a PLC: the guard first withdraws the request, and relays on while this makes the
-// controller bring the arm to rest. An arm that misses its answers would stop less gently.
+// Decides when a guard that was asked to end may end. With a PLC, the guard first withdraws the motion
+// request and goes on relaying, so that the controller can bring the arm to rest. An arm that misses its
+// answers would stop less gently.
 class OrderlyEnd {
  public:
   explicit OrderlyEnd(bool has_plc) : has_plc_(has_plc) {}
 
-  /// Whether it was asked for.
+  /// Whether the guard was asked to end.
   [[nodiscard]] bool began() const { return began_; }
   [[nodiscard]] bool IsReached(const safety::GuardMonitor& monitor, rt::Nanoseconds now) {
     if (!base::Interrupted().load()) return false;
@@ -120,7 +121,7 @@ class OrderlyEnd {
   rt::Nanoseconds began_at_{0};
 };
 
-// Prints each change once.
+// Prints each change of the guard's state once.
 class Changes {
  public:
   void PrintChanges(const safety::GuardMonitor& monitor) {
@@ -171,7 +172,7 @@ safety::GuardParams GuardParamsOf(const config::CellConfig& cell) {
       .silence_s = std::max(guard.silence_s, kMinSilenceAnswers * multiplier * servo.period_s)};
   Eigen::Map<kinematics::JointVector>(params.q_start.emplace().data()) = start.q;
   params.tolerance_rad = start.tolerance_rad;
-  // the path to the start is bounded by joint limits, not by the tool's turn
+  // on the path to the start, joint limits bound the tool's rotation, not max_turn_rad_per_s
   double turn_rad_per_s = 0.0;
   for (const kinematics::RevoluteJoint& joint : params.arm.joints)
     turn_rad_per_s += start.path.speed_share * joint.limits.velocity_rad_per_s;
@@ -214,10 +215,10 @@ std::string ToJson(const GuardReport& r) {
 int RunGuard(const GuardOptions& options) {
   if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
     return Fail("guard", "--cpu: " + wrong);
-  OutputThread output;  // the relay's thread waits for no terminal
+  OutputThread output;  // so that the relay's thread never waits for the terminal
   base::InstallInterrupt();
 
-  // the guard reads the files itself
+  // the guard does not rely on what the controller has read: it reads the cell's files itself
   config::CellConfig cell;
   GuardReport report;
   {

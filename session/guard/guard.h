@@ -15,14 +15,14 @@
 namespace osteon::session {
 
 struct GuardOptions {
-  std::filesystem::path cell;                ///< its YAML
-  std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
+  std::filesystem::path cell;                ///< the cell's YAML file
+  std::optional<config::ToolChoice> tool{};  ///< replaces the cell's tool
   std::optional<std::uint16_t> port{};       ///< for a simulated cell: the first of its ports
   int cpu{-1};                               ///< the relay is pinned to it; -1: any
   std::filesystem::path json{};
 };
 
-/// Derives from the cell's file what the guard enforces on the cell's controller.
+/// Derives from the cell's file the limits that the guard enforces on the cell's controller.
 /// @pre the cell has an LBR and a guard; the loader checks this
 [[nodiscard]] safety::GuardParams GuardParamsOf(const config::CellConfig& cell);
 
@@ -38,13 +38,14 @@ struct GuardReport {
   std::optional<io::PlcReading> plc;  ///< absent: the cell has none
 };
 
-/// One JSON object, schema osteon.guard/1.
+/// Makes one JSON object, schema osteon.guard/1.
 [[nodiscard]] std::string ToJson(const GuardReport& report);
 
 /// Runs `osteon guard`: stands between arm and controller until Ctrl-C. It then withdraws the motion request
 /// and keeps relaying until the arm is no longer commanded, at most 3 s; without a PLC it ends at once.
-/// @returns the process's exit code: 0 nothing was withheld; 1 a datagram was withheld, and the motion
-/// request was withdrawn; 2 wrong input; 129 its terminal was closed, 141 nobody reads its stdout.
+/// @returns the process's exit code: 0 nothing was withheld; 1 a datagram was withheld and the motion request
+/// was withdrawn, or a socket was closed, or the report could not be written; 2 wrong input; 129 its terminal
+/// was closed, 141 nobody reads its stdout.
 [[nodiscard]] int RunGuard(const GuardOptions& options);
 
 }  // namespace osteon::session

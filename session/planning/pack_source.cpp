@@ -24,7 +24,8 @@ namespace {
 constexpr double kEvenDensity_kg_per_m3 = 1000.0;
 constexpr double kFarthest_mm = 10'000.0;
 
-/// Finds the materials of these names in one file, or in the first file of the configuration that has them.
+/// Finds the materials of these names in the given file or, without one, in the files of the configuration:
+/// each material in the first file that has it.
 tl::expected<std::vector<simulation::Material>, std::string> SelectMaterials(
     const SourceOptions& options, const std::vector<std::string>& names) {
   std::vector<simulation::Material> found;
@@ -74,7 +75,7 @@ tl::expected<std::vector<Vector3>, std::string> ReadPath(const std::filesystem::
   constexpr std::size_t kMaxPoints = 100'000;
   for (int number = 1; std::getline(lines, line); ++number) {
     if (line.ends_with('\r')) line.pop_back();
-    if (line.empty() || (number == 1 && line.find_first_of("xX") != line.npos)) continue;  // the header
+    if (line.empty() || (number == 1 && line.find_first_of("xX") != line.npos)) continue;  // empty, or header
     const auto values = ParseNumbers(line, 3, fmt::format("--path {}:{}", file.string(), number));
     if (!values) return tl::make_unexpected(values.error());
     if (points.size() == kMaxPoints)

@@ -21,18 +21,18 @@ struct PathChoice {
   double radius_m{0.0};  ///< of the tool
 };
 
-/// The object to pack, as stated on the command line.
+/// The options of a command line that choose the object to pack.
 struct SourceOptions {
   std::string input;        ///< mesh file, scene's YAML or name, ball:R or box:X,Y,Z (mm)
   bool scenes_only{false};  ///< the input can only be a scene
   std::filesystem::path config_root;
-  std::string scene;                ///< the scene whose place a mesh takes; empty: the acetabulum's
+  std::string scene;                ///< the scene that a mesh replaces; empty: the acetabulum's
   std::optional<double> scale{};    ///< millimetres per unit of a mesh file
-  std::filesystem::path materials;  ///< empty: those of config_root
+  std::filesystem::path materials;  ///< file of materials; empty: those of config_root
   std::optional<simulation::CutSite> cup{};
   std::optional<simulation::Ball> region{};
   std::optional<PathChoice> path{};
-  /// The packing grows coarser with depth: below the whole surface if nothing else is named.
+  /// The packing grows coarser with depth: with the depth below the whole surface, unless a zone is named.
   bool graded{false};
 };
 
@@ -50,11 +50,11 @@ struct PackSource {
   std::size_t triangles{0};                    ///< of a mesh
   /// Mass properties of the solid filled evenly with 1000 kg/m³, in closed form; absent if there is none.
   std::optional<simulation::MassProperties> even;
-  std::string warning;  ///< what was assumed of a mesh that bounds no solid; empty: nothing
+  std::string warning;  ///< the assumption made for a mesh that bounds no solid; empty: none
   simulation::PackingProvenance provenance;  ///< source, and the parameters that are known here
 };
 
-/// @returns an error that names the option or file, what was found and what is accepted.
+/// Loads the object to pack. The error names the option or file, what was found and what is accepted.
 /// @throws config::ConfigError, std::invalid_argument
 [[nodiscard]] tl::expected<PackSource, std::string> LoadPackSource(const SourceOptions& options);
 

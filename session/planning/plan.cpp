@@ -17,20 +17,21 @@ namespace {
 using simulation::PackingKind;
 using simulation::PackingLevel;
 
-// Fractions of the demanded error. The closed forms are accurate to a fifth; the tool's part is added.
+// Fractions of the demanded error: for removal and tool together, and for the tool's part of that. The closed
+// forms are accurate to a fifth.
 constexpr double kRemovalShare = 0.8, kToolShare = 0.1;
 constexpr double kCoarser = 1.2;  // factor on the error if a frame takes too long
 constexpr double kMaxError_m = 5e-3;
 constexpr double kMaxBalls = 20e6;
-// For the same error a frame of split balls takes 1.2 to 44 times as long as a frame of graded balls
-// (packing_kinds.csv). Having a tenth of the balls is no advantage by itself, except if it decides whether a
-// bone can be packed at all.
+// Number of balls from which on splitting is considered. For the same error a frame of split balls takes 1.2
+// to 44 times as long as a frame of graded balls (packing_kinds.csv). A tenth of the balls is an advantage
+// only where a bone could not be packed otherwise.
 constexpr double kManyBalls = 500e3;
 
-/// Chooses, among the kinds that can reach the error, the one with the shortest frames: of those without
-/// splitting the one with fewer balls. Beyond `kManyBalls`, and in a thin wall, it chooses the kind with the
-/// fewest balls after the cut, children included: at the rims of a hole through a wall, graded balls leave
-/// more than the closed forms predict.
+/// Chooses, among the kinds that can reach the error, the one that is expected to have the shortest frames:
+/// of the two kinds without splitting, the one with fewer balls. Beyond `kManyBalls`, and in a thin wall, it
+/// chooses among all kinds the one with the fewest balls after the cut, children included: at the rims of a
+/// hole through a wall, graded balls leave more bone than the closed forms predict.
 std::optional<PackingLevel> ChooseLevel(const PlanScene& scene, const simulation::DepthVolumes& volumes,
                                         double error_m) {
   std::optional<PackingLevel> best;

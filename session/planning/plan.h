@@ -16,13 +16,14 @@ namespace osteon::session {
 struct PlanRequest {
   double error_m{0.1e-3};  ///< mean depth by which a cut may differ from its sweep
   double rate_hz{1000.0};
-  EngineChoice engine;  ///< that is timed
+  EngineChoice engine;  ///< the engine whose frames are timed
   int rounds{3};        ///< number of times that the scene's cut is timed
-  /// False: plan by the closed forms alone, alike on any machine; no frame times, the rate is ignored.
+  /// False: only the closed forms decide, with the same result on every machine. There are no frame times,
+  /// and the rate is ignored.
   bool timed{true};
 };
 
-/// A demand that could not be met together with the other.
+/// A demand, on error or rate, that could not be met together with the other one.
 struct UnmetDemand {
   std::string what;  ///< "error" [mm] or "rate" [Hz]
   double asked{0.0}, predicted{0.0};
@@ -30,7 +31,7 @@ struct UnmetDemand {
 
 /// The coarsest model that meets the demands, and its predicted figures.
 struct FidelityPlan {
-  std::string engine, device;  ///< that was timed; empty where none was
+  std::string engine, device;  ///< the ones that were timed; empty: none was
   PackedLevel packed;
   simulation::Tool tool;
   double tool_gap_m{0.0};  ///< mean gap between its cutting surface and the scene tool's
@@ -38,12 +39,12 @@ struct FidelityPlan {
   int turn_parts{1};  ///< parts of a frame, at the fastest turn that the cell allows
 
   simulation::RemovalError removal;
-  double error_m{0.0};  ///< of the cut's depth: removal and tool together
-  /// Error that the cut keeps: the demanded one, or if the error was given up, a larger one instead.
+  double error_m{0.0};  ///< predicted error of the cut's depth, from removal and tool together
+  /// Bound of the error that the plan promises: the demanded error or, if that cannot be met, a larger one.
   double promised_m{0.0};
   double arm_error_m{0.0};    ///< of the tool's pose
   double leak_m{0.0};         ///< mean depth to which a probe sinks between the remaining balls
-  double leak_probe_m{0.0};   ///< its radius
+  double leak_probe_m{0.0};   ///< radius of that probe
   double cogging{0.0};        ///< tangential over normal force, rms
   double uniform_balls{0.0};  ///< balls that the whole bone, packed uniformly, would need for the same error
   /// Number of disjoint balls for the same error, as in the cutting paper
@@ -57,7 +58,7 @@ struct FidelityPlan {
   std::vector<UnmetDemand> unmet;  ///< empty: both demands are met
 };
 
-/// The coarsest model of tool and bone that meets an error, by the closed forms alone.
+/// The coarsest model of tool and bone that meets an error, chosen by the closed forms only.
 struct ModelChoice {
   simulation::Tool tool;
   double tool_gap_m{0.0};  ///< mean gap between its cutting surface and the scene tool's
@@ -65,17 +66,17 @@ struct ModelChoice {
 };
 [[nodiscard]] ModelChoice ChooseModel(const PlanScene& scene, double error_m);
 
-/// The scene's tool with as few balls as an error allows.
+/// Returns the scene's tool with as few balls as an error allows.
 [[nodiscard]] simulation::Tool ToolForError(const PlanScene& scene, double error_m);
 
-/// Returns the part of an error that the balls may take, after the tool's own part [m].
+/// Returns the part of an error that the bone's balls may cause, after the tool's own part [m].
 [[nodiscard]] double RemovalShare(double error_m, double tool_gap_m);
 
 /// A coarser packing of a plan's kind, and its predicted figures.
 struct CoarserZones {
   simulation::PackingLevel level;
-  double promised_m{0.0};  ///< what a cut keeps
-  double frame_us{0.0};    ///< expected
+  double promised_m{0.0};  ///< bound of a cut's error
+  double frame_us{0.0};    ///< expected frame time
 };
 
 /// Finds the finest packing that is coarser than `level` by at least a fifth of its spacing, and whose frames
@@ -93,13 +94,14 @@ struct CoarserZones {
     const PlanScene& scene, const PlanRequest& request,
     const std::function<void(const std::string&)>& say = {});
 
-/// A plan's predictions as measured.
+/// The measured values of a plan's predictions.
 struct PlanCheck {
-  double error_m{0.0}, standard_error_m{0.0};  ///< as measured
-  double lost_m{0.0}, left_m{0.0};             ///< its two parts
+  double error_m{0.0}, standard_error_m{0.0};  ///< error of the cut's depth, and its statistical uncertainty
+  double lost_m{0.0}, left_m{0.0};             ///< the two parts of error_m
   double leak_m{0.0};
   simulation::FrameGroup frames;
-  /// Frame time fitted to the other packings, timed in turn with the plan: excludes the machine's variation.
+  /// Frame time that a fit to the other packings gives for the plan's. They are timed in turn with the plan,
+  /// so that variations of the machine affect all alike.
   double same_time_us{0.0};
   std::vector<std::string> missed;  ///< promises that were not kept
 };

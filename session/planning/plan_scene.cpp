@@ -17,17 +17,17 @@
 namespace osteon::session {
 namespace {
 
-// Number of frames in an engine's turn, and of those at its start that are not counted: an H100 takes another
-// 100 us after a frame of another engine.
+// Number of frames in an engine's turn, and of frames at its start that do not count: on an H100, a frame
+// takes 100 us longer after one of another engine.
 constexpr std::size_t kTurn = 25, kSettle = 3;
-constexpr double kFeed_m_per_s = 5e-3;  // assumed for a cutting tool
+constexpr double kFeed_m_per_s = 5e-3;  // feed of a cutting tool, assumed
 
 bool IsMesh(const std::string& input) {
   const std::string extension = base::Lower(std::filesystem::path(input).extension().string());
   return extension == ".stl" || extension == ".obj" || extension == ".ply";
 }
 
-/// The scene that is cut, or that the mesh replaces.
+/// Returns the scene that is cut, or that the mesh replaces.
 std::string SceneOf(const PlanChoice& choice) {
   if (!IsMesh(choice.scene)) return choice.scene;
   return choice.mesh_scene.empty() ? "acetabulum" : choice.mesh_scene;
@@ -174,7 +174,7 @@ double BallsInReach(const PlanScene& scene, const std::vector<simulation::Ball>&
       for (std::size_t t = 0; t < centers.size(); ++t)
         gap_m = std::min(gap_m, (Vector3(ball.center_m) - centers[t]).norm() -
                                     scene.work.tool.balls[t].radius_m - ball.radius_m);
-      // balls wholly within the tool have been cut away
+      // a ball that lies wholly within the tool does not count: it has been cut away
       if (gap_m < reach_m && gap_m > -2.0 * ball.radius_m) sum += 1.0;
     }
   }

@@ -26,7 +26,8 @@ struct PlanChoice {
   std::string mesh_scene{};  ///< the scene that a mesh replaces; empty: the acetabulum's
   std::optional<simulation::CutSite> site{};  ///< of a mesh, in its frame
   std::optional<double> scale{};              ///< of a mesh: millimetres per unit of the file
-  std::filesystem::path cell;  ///< tool, coupling and arm; empty: cells/SCENE.yaml, or else cells/demo.yaml
+  /// The file of the cell with tool, coupling and arm; empty: cells/SCENE.yaml, or else cells/demo.yaml.
+  std::filesystem::path cell;
   std::optional<config::ToolChoice> tool{};  ///< replaces the cell's tool
   std::filesystem::path config_root;
 };
@@ -40,7 +41,7 @@ struct PlanScene {
   double zone_depth_m{0.0};
   simulation::ArmFigures arm;
   double max_turn_rad_per_s{0.0};
-  std::array<config::CompliancePart, 3> gives_way;  ///< what tool, layer and mount would change
+  std::array<config::CompliancePart, 3> gives_way;  ///< the compliance of tool, layer and mount
 };
 
 /// Makes the scene to plan for from a cell's own cut of a solid.
@@ -54,13 +55,13 @@ struct PlanScene {
 /// @throws config::ConfigError, config::ToolSizeError, std::invalid_argument
 [[nodiscard]] tl::expected<PlanScene, std::string> LoadPlanScene(const PlanChoice& choice);
 
-/// A fineness and its balls.
+/// A level of fineness of a packing, with its balls.
 struct PackedLevel {
   simulation::PackingLevel level;
   std::vector<simulation::Ball> balls;
 };
 
-/// The frames of an engine that carved one fineness along the scene's cut.
+/// The frames of an engine that carved one level along the scene's cut.
 struct LevelRun {
   std::string engine, device;
   std::vector<simulation::FrameSample> frames;  ///< only frames of the cut in which the tool touched
@@ -69,11 +70,11 @@ struct LevelRun {
   std::vector<simulation::Ball> left;
 };
 
-/// Runs the scene's cut on one engine at several finenesses. The CPUs are kept awake as in a run
-/// (rt::KeepCpusAwake). Frames of the finenesses alternate in short turns, so that other load on the machine
-/// affects all alike; the first frames of a turn, with another engine's data in the caches, do not count.
+/// Runs the scene's cut on one engine at several levels. The CPUs are kept awake as in a run
+/// (rt::KeepCpusAwake). The levels take short turns, so that other load on the machine affects all alike. The
+/// first frames of a turn do not count, since the caches still hold another level's data.
 /// @param tool    replaces the scene's own
-/// @param choice  which engine; one engine object is made for each fineness
+/// @param choice  which engine; one engine object is made for each level
 /// @param rounds  number of times that the whole cut runs; forces and remaining balls are those of the last
 /// @returns an error if an engine can't be made, a frame was refused, or Ctrl-C came.
 [[nodiscard]] tl::expected<std::vector<LevelRun>, std::string> RunLevels(

@@ -83,7 +83,7 @@ nlohmann::json PlannedJson(const PlannedCell& planned) {
                       {"given_up", nlohmann::json::array()}};
   if (planned.request.timed) json["predicted_frame_us"] = plan.frame_us;
   for (const UnmetDemand& demand : plan.unmet) json["given_up"].push_back(demand.what);
-  json["unmet"] = json["given_up"];  // the older key, kept for programs that read it
+  json["unmet"] = json["given_up"];  // given_up is the older key, kept for programs that read it
   return json;
 }
 

@@ -12,10 +12,10 @@
 
 namespace osteon::session {
 
-/// How fine a run's bone is, as stated on the command line.
+/// The options of a command line that say how fine a run's bone is packed.
 struct FidelityChoice {
   bool as_packed{false};                   ///< pack by the scene's own `packing`
-  std::optional<double> error_m, rate_hz;  ///< replaces the scene's `fidelity`
+  std::optional<double> error_m, rate_hz;  ///< replace those of the scene's `fidelity`
 };
 
 /// The demands that a cell's bone was planned for, and the plan.
@@ -28,20 +28,20 @@ struct PlannedCell {
 /// Packs the bone of a prepared cell as coarsely as its error and rate allow (plan.h), and sets the cell's
 /// tool and cutting to the plan's. Uses the scene's own packing if the choice says so, or if neither scene
 /// nor choice demands anything. A loaded bone stays.
-/// @param timed  measure frame times of the engine first; false: the closed forms alone decide, alike on any
-/// machine
+/// @param timed  measure frame times of the engine first; false: only the closed forms decide, with the same
+/// result on every machine
 /// @returns an error if the plan fails, or if an error or a rate is demanded of a loaded bone or of a scene
 /// that is cut along neither cup nor path.
 [[nodiscard]] tl::expected<void, std::string> PackCell(
     CellSetup& setup, const FidelityChoice& choice, const EngineChoice& engine, bool timed,
     const std::function<void(const std::string&)>& say = {});
 
-/// The beginning of a planned bone's event in a recording.
+/// A recording's event that describes a planned bone begins with this.
 inline constexpr const char* kPackingEvent = "packing: ";
 
-/// The plan in one line, for summary and recording.
+/// Describes the plan in one line, for summary and recording.
 [[nodiscard]] std::string PlannedText(const PlannedCell& planned);
-/// The plan as keys of a run's summary.
+/// Returns the plan as keys of a run's summary.
 [[nodiscard]] nlohmann::json PlannedJson(const PlannedCell& planned);
 
 }  // namespace osteon::session

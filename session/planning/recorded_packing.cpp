@@ -11,12 +11,12 @@
 namespace osteon::session {
 namespace {
 
-// Bounds of the numbers that a recording may say; wider than any plan's.
+// Bounds of the numbers that are accepted from a recording; no plan exceeds them.
 constexpr double kFinest_m = 0.01e-3, kCoarsest_m = 40e-3, kDeepest_m = 1.0, kMaxDemand_m = 5e-3;
 constexpr std::uint32_t kMaxChildren = 1000;
 
 std::string BallsChecksum(const std::vector<simulation::Ball>& balls) {
-  static_assert(sizeof(simulation::Ball) == 4 * sizeof(double));  // no gaps between the numbers
+  static_assert(sizeof(simulation::Ball) == 4 * sizeof(double));  // no padding between the numbers
   return TextChecksum(
       std::string(reinterpret_cast<const char*>(balls.data()), balls.size() * sizeof(simulation::Ball)));
 }

@@ -12,22 +12,22 @@
 
 namespace osteon::session {
 
-/// The packing of a planned cell, for its recording. @param setup  with a plan
+/// Makes the record of a planned cell's packing. @param setup  has a plan
 [[nodiscard]] io::PackingRecord MakePackingRecord(const CellSetup& setup);
-/// The packing that replaced the cell's, for its recording.
+/// Makes the record of a coarser packing that has replaced the cell's during the run.
 [[nodiscard]] io::PackingRecord MakePackingRecord(const Rezoned& rezoned);
 
-/// Returns how fine a recorded packing is. The error names the number, what was found and what is accepted.
+/// Returns the level of a recorded packing. The error names the number, what was found and what is accepted.
 [[nodiscard]] tl::expected<simulation::PackingLevel, std::string> LevelOf(const io::PackingRecord& packing);
 
-/// Says where balls are not those of the recorded packing, as with another version of the packing; empty:
-/// they are.
+/// Says how a bone's balls differ from the recorded packing's, as they do after a change of the packing's
+/// code; empty: they are the same.
 [[nodiscard]] std::string DescribeOtherBalls(const io::PackingRecord& packing, const simulation::Bone& bone);
 
 /// Packs the bone of a recorded cell as its run did, and sets tool, cutting and plan to the run's. Without a
-/// packing the scene's own is used. A loaded bone stays. Other balls than the run's are told by
-/// `setup.bone_warning`.
-/// @returns an error if the recorded numbers serve no packing.
+/// recorded packing the scene's own is used. A loaded bone stays. If the balls differ from the run's,
+/// `setup.bone_warning` says so.
+/// @returns an error if no packing can be made from the recorded numbers.
 [[nodiscard]] tl::expected<void, std::string> PackAsRecorded(CellSetup& setup,
                                                              const std::optional<io::PackingRecord>& packing);
 

@@ -13,7 +13,7 @@
 namespace osteon::session {
 namespace {
 
-/// The second of the file's three numbers; 0 if there is none.
+/// Reads the second of the file's three numbers, the time waited [ns]; 0 if there is none.
 long long WaitedNs(int file) {
   std::array<char, 96> text{};
   const ssize_t read = ::pread(file, text.data(), text.size(), 0);

@@ -5,10 +5,10 @@
 
 namespace osteon::session {
 
-/// Measures how long the machine kept processors from this process's threads: the time that they were ready
-/// to run and did not, by the kernel's own count (/proc/self/task/*/schedstat), over the threads that exist
-/// when it is constructed. Time that a hypervisor takes is not visible. If the kernel does not count,
-/// involuntary context switches stand in.
+/// Measures the time that this process's threads waited for a processor: they were ready to run, but did not.
+/// The kernel counts this time (/proc/self/task/*/schedstat). The threads that exist at construction are
+/// watched. Time that a hypervisor takes is not visible. If the kernel does not count, involuntary context
+/// switches are used instead.
 class RunQueueWatch {
  public:
   RunQueueWatch();

@@ -16,14 +16,14 @@ using surface::BrickLayout;
 using surface::CarvedField;
 using surface::Vec3;
 
-constexpr double kMinRange_mm = 0.05;         // less is the fields' own error
-constexpr std::size_t kMaxChanged = 1 << 16;  // told apart; beyond, all are new
+constexpr double kMinRange_mm = 0.05;         // smaller differences are errors of the fields
+constexpr std::size_t kMaxChanged = 1 << 16;  // number of changed bricks; beyond it, all count as changed
 
 bool IsLarger(const LargestDifference& a, const LargestDifference& b) {
   return std::abs(a.depth_mm) > std::abs(b.depth_mm);
 }
 
-// Bricks of a grid that touch a box.
+// Calls visit(brick) for each brick of a grid that touches a box.
 template <class Visit>
 void EachBrickIn(const BrickLayout& layout, Vec3 min_mm, Vec3 max_mm, const Visit& visit) {
   const float edge_mm = layout.voxel_mm * surface::kBrickEdge;
@@ -96,7 +96,8 @@ void DifferenceMap::Restart() {
   restarted_ = true;
 }
 
-// Adds the shown bricks whose distance to the other bone may have changed: within the fields' limit.
+// Adds the shown bricks whose distance to the other bone may have changed: those that lie within the fields'
+// limit of a brick that has changed there.
 void DifferenceMap::AddNear(const CarvedField& field, const BoneDifference::News& news,
                             std::set<BrickIndex>& bricks) const {
   if (news.all) {
@@ -140,7 +141,7 @@ void DifferenceMap::Colour(const CarvedField& field, surface::SurfaceChunk& chun
     if (!known) continue;
     const float distance_mm = surface::CarvedDistance(other_.solid->layout(), other_.solid->distances(),
                                                       *other_.swept, vertex.p_mm);
-    // in the other's air: the other one has cut deeper
+    // a positive distance: the vertex is outside the other bone, so the other one is cut deeper here
     const float depth_mm = side_ == 0 ? distance_mm : -distance_mm;
     if (const LargestDifference here{depth_mm, vertex.p_mm}; IsLarger(here, largest)) largest = here;
     const long steps = std::lround(depth_mm / step_mm);

@@ -15,21 +15,21 @@
 
 namespace osteon::session {
 
-/// Where a difference is largest.
+/// The largest difference of two bones, and its place.
 struct LargestDifference {
   double depth_mm{0.0};  ///< positive where the second recording's bone is cut deeper
   surface::Vec3 p_mm{};  ///< in the bone's frame G
 };
 
-/// What the two sides of a comparison know of each other's bone, for a map of the difference on both.
+/// Exchanges the bones of a comparison's two sides, so that each side can show a map of the difference.
 ///
 ///     side 0 carves ──Tell──▶ newest bone of each ──Take──▶ side 1 colours its surface, and the reverse
 ///
 /// Any thread. Nothing is copied while the map is off.
 class BoneDifference {
  public:
-  /// A vertex's material is a number of steps then, kZero for none; 3 voxels, the fields' limit, are kZero
-  /// - 1.
+  /// While the map is on, a vertex's material is kZero plus the difference in steps. The limit of the fields,
+  /// 3 voxels, is kZero - 1 steps.
   static constexpr int kZero = 64;
   [[nodiscard]] static float StepFor(float voxel_mm) {
     return surface::kBandVoxels * voxel_mm / static_cast<float>(kZero - 1);
@@ -38,28 +38,31 @@ class BoneDifference {
   void Show(bool on) { on_.store(on); }
   [[nodiscard]] bool on() const { return on_.load(); }
 
-  /// What a side learns of the other one.
+  /// The news of one side for the other.
   struct News {
     surface::CarvedSnapshot bone;
-    std::vector<surface::BrickIndex> changed{};  ///< of the other's grid, since the last Take
+    std::vector<surface::BrickIndex> changed{};  ///< bricks of that side's grid, since the last Take
     bool all{false};                             ///< every brick may have changed
   };
+  /// Stores a side's newest bone for the other side.
   /// @param side  0 or 1: whose bone this is  @param changed  bricks whose surface has changed; ignored if
   /// `all`
   void Tell(std::size_t side, surface::CarvedSnapshot bone, std::span<const surface::BrickIndex> changed,
             bool all);
-  /// @param side  0 or 1: who asks
+  /// Returns the other side's news since the last call. @param side  0 or 1: who asks
   [[nodiscard]] News Take(std::size_t side);
+  /// Stores the largest difference that a side has found.
   void TellLargest(std::size_t side, LargestDifference largest);
 
-  /// {"type": "bone_difference", "on", "range_mm": of the colours, "largest_mm": signed, positive where the
-  /// second is deeper, "at_mm": [x, y, z] in G, "limit_mm": larger ones are not told apart}
+  /// Makes {"type": "bone_difference", "on", "range_mm": end of the colour scale, "largest_mm": signed,
+  /// positive where the second is deeper, "at_mm": [x, y, z] in G, "limit_mm": larger differences are not
+  /// distinguished}.
   [[nodiscard]] std::string Json() const;
 
  private:
   std::atomic<bool> on_{false};
   mutable std::mutex mutex_;  // of what follows
-  std::array<News, 2> told_;  // by each side, for the other
+  std::array<News, 2> told_;  // [side] is told by that side, for the other one
   std::array<LargestDifference, 2> largest_;
 };
 
@@ -75,15 +78,15 @@ class DifferenceMap {
 
   /// Forgets what was shown, since the side's bone has jumped to another time.
   void Restart();
-  /// Tells the other side what has changed, and finds out what has changed there.
+  /// Tells the other side which bricks have changed here, and asks which have changed there.
   /// @param dirty  bricks of `field` that have changed
-  /// @returns the bricks to extract: these, and those whose colour has changed
+  /// @returns the bricks to extract: the dirty ones, and those whose colour may have changed
   [[nodiscard]] std::vector<surface::BrickIndex> Update(
       const surface::CarvedField& field, const std::shared_ptr<const surface::SolidField>& solid,
       std::span<const surface::BrickIndex> dirty);
-  /// Replaces the materials of a chunk by steps of difference, where the map is on.
+  /// If the map is on, replaces the materials of a chunk by steps of difference (BoneDifference::kZero).
   void Colour(const surface::CarvedField& field, surface::SurfaceChunk& chunk);
-  /// Tells the largest difference of all chunks that were coloured.
+  /// Stores the largest difference of all chunks that were coloured in the shared BoneDifference.
   void TellLargest();
 
  private:

@@ -13,7 +13,8 @@ CarvedBone::CarvedBone(std::shared_ptr<const surface::SolidField> solid,
   cut_->CarveEarlier(field);
 }
 
-// Another tool's way begins anew: nothing is swept between the places of two tools.
+// Begins a new path for another tool: nothing is swept between the last place of one tool and the first of
+// the next.
 void CarvedBone::Use(std::size_t tool) {
   if (tool == tool_ || tool >= cut_->tools.size()) return;
   Gather();

@@ -15,40 +15,41 @@
 
 namespace osteon::session {
 
-/// The carving of a recording's bone, message by message. What the tool swept is gathered and carved at once:
-/// many capsules cost little more than a few, since most of them count at no node, and the bits are the same.
+/// Carves a recording's bone, message by message. The capsules that the tool has swept are gathered and
+/// carved together: many capsules cost little more than a few, since most of them affect no node, and the
+/// resulting bits are the same.
 struct CarvedBone {
   surface::CarvedField field;
   surface::ToolWays ways;
-  bool turns{false};             ///< the spindle, in the last tick
-  double at_s{0.0};              ///< of the last tick
-  rt::Nanoseconds last_tick{0};  ///< its stamp; 0: none yet
+  bool turns{false};             ///< whether the spindle turned in the last tick
+  double at_s{0.0};              ///< time of the last tick on the time line
+  rt::Nanoseconds last_tick{0};  ///< stamp of the last tick; 0: there was none yet
 
-  /// The bone as it was when the recording began.
+  /// Makes the bone as it was when the recording began.
   CarvedBone(std::shared_ptr<const surface::SolidField> solid, std::shared_ptr<const RecordedCut> cut);
 
-  /// Takes the message that the time line has read. `field` follows with Carve.
+  /// Takes the message that the time line has read. Carve applies it to `field`.
   void Take(io::RecordedTopic topic, const RecordingTimeline& timeline);
-  /// Carves what was taken, up to the last complete batch of frames.
+  /// Carves the messages taken so far, up to the last complete batch of frames.
   void Carve();
-  /// Becomes another state of the same recording's bone; only bricks that differ are dirty then.
+  /// Copies another state of the same recording's bone; only bricks that differ are dirty then.
   void JumpTo(const CarvedBone& other);
-  /// Carves what was taken, with the batch that is not complete.
+  /// Carves the messages taken so far, including the batch that is not complete.
   void CarveAll();
 
-  static constexpr std::size_t kMaxGathered = 4096;  ///< capsules: some ten seconds of a reamer's
+  static constexpr std::size_t kMaxGathered = 4096;  ///< number of capsules: some ten seconds of reaming
 
  private:
   void Use(std::size_t tool);
   void Gather();
 
   std::shared_ptr<const RecordedCut> cut_;
-  std::size_t tool_{0};  // that `ways` is of
+  std::size_t tool_{0};  // the tool whose path is in `ways`
   std::vector<surface::Capsule> gathered_;
 };
 
-/// States of the carved bone all along a recording, gathered in the background, so that the bone at any time
-/// is one of them and a few seconds of carving.
+/// States of the carved bone at times all along a recording, made in the background. The bone at any time is
+/// then found by carving a few seconds on from one of them.
 ///
 ///     0 ──────key──────key──────key─ ─ ─ ─▶ end      at most kMaxKeys, and kMaxBytes; else every second one is
 ///                        └──carve on──▶ wanted        dropped, and the next ones are twice as far apart
@@ -64,7 +65,7 @@ class CarvedKeys {
   CarvedKeys(const CarvedKeys&) = delete;
   CarvedKeys& operator=(const CarvedKeys&) = delete;
 
-  /// The last state at or before a time; null: none yet.
+  /// Returns the last state at or before a time; null: there is none yet.
   [[nodiscard]] std::shared_ptr<const CarvedBone> Before(double at_s) const;
   /// Whether the whole recording was read.
   [[nodiscard]] bool complete() const { return complete_.load(); }
@@ -80,7 +81,8 @@ class CarvedKeys {
   std::thread thread_;
 };
 
-/// Moves a time line to just after the tick at which a state was kept. False: the tick is not there.
+/// Moves a time line to just after the tick at which a state was kept.
+/// @returns false if the recording does not have this tick
 [[nodiscard]] bool GoOnFrom(const CarvedBone& bone, RecordingTimeline& timeline);
 
 }  // namespace osteon::session

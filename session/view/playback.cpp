@@ -10,8 +10,8 @@
 namespace osteon::session {
 namespace {
 
-constexpr std::chrono::milliseconds kStep{16};  // between pieces of the recording
-constexpr double kAtOnce_s = 0.3;               // of the ticks before a place, before more of them is read
+constexpr std::chrono::milliseconds kStep{16};  // time between two steps of the playback
+constexpr double kAtOnce_s = 0.3;               // time before the wanted one that a Seek shows at once
 
 }  // namespace
 
@@ -32,7 +32,7 @@ Playback::~Playback() {
 
 void Playback::Play() {
   const std::lock_guard lock(mutex_);
-  if (state_.at_s >= state_.duration_s) {  // from the beginning
+  if (state_.at_s >= state_.duration_s) {  // at the end: play from the beginning
     seek_s_ = 0.0;
     seeks_ = true;
   }
@@ -92,7 +92,7 @@ void Playback::Run() {
       speed = state_.playing ? state_.speed : 0.0;
     }
     const auto now = Clock::now();
-    // a stall is not made up
+    // after a stall the playback does not catch up
     const double passed_s = std::min(0.1, std::chrono::duration<double>(now - before).count());
     before = now;
     if (!jump && speed == 0.0) continue;
@@ -108,7 +108,7 @@ void Playback::Run() {
   }
 }
 
-// The place at once, since a time line that is dragged asks for many; then all that its charts show.
+// Shows the new time at once, since dragging the time line asks for many; then the whole time of the charts.
 Playback::PassedOrError Playback::JumpTo(double at_s) {
   PassedOrError place = Show(at_s, kAtOnce_s, false);
   if (!place || at_s <= kAtOnce_s) return place;
@@ -116,13 +116,13 @@ Playback::PassedOrError Playback::JumpTo(double at_s) {
     const std::lock_guard lock(mutex_);
     if (!seeks_) state_.at_s = std::min(at_s, state_.duration_s);  // the bone need not wait for the charts
   }
-  // a damaged chunk before the place takes the charts' past, not the place
+  // if a chunk before the new time is damaged, the charts lack their past, but the new time is shown
   if (Show(at_s, kBefore_s, true)) return place;
   return Show(at_s, kAtOnce_s, false);
 }
 
-// Shows a time with what was before it, in place of what was shown.
-// @param leaves  whether another Seek ends it; then it shows nothing
+// Replaces the feed's content by a time and the `before_s` before it.
+// @param leaves  whether another Seek ends this one; the feed then keeps its content
 Playback::PassedOrError Playback::Show(double at_s, double before_s, bool leaves) {
   console::LiveFeed made(feed_.kept());
   (void)timeline_.Seek(std::max(0.0, at_s - before_s));
@@ -133,7 +133,7 @@ Playback::PassedOrError Playback::Show(double at_s, double before_s, bool leaves
   return passed;
 }
 
-// Passes everything up to a time to a feed.
+// Passes all messages up to a time to a feed.
 Playback::PassedOrError Playback::PassUntil(double at_s, console::LiveFeed& feed, bool leaves) {
   const io::RecordingStream& message = timeline_.message();
   while (true) {

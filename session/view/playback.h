@@ -14,25 +14,25 @@
 
 namespace osteon::session {
 
-/// Where a playback stands.
+/// The state of a playback.
 struct PlaybackState {
-  double at_s{0.0};  ///< on the time line
+  double at_s{0.0};  ///< present time on the time line
   double duration_s{0.0};
   bool playing{false};
   double speed{1.0};
-  std::string error;  ///< why it ended early: a damaged chunk; empty: it did not
+  std::string error;  ///< why the playback ended early, such as a damaged chunk; empty: it did not
 };
 
 /// Plays a recording into a feed, in a thread of its own: the pages then show it as they show a cell that
 /// runs.
 ///
-///     Seek ──▶ the place alone, at once ──▶ the kBefore_s before it as well, unless another Seek came
+///     Seek ──▶ at once: only the new time ──▶ then: the kBefore_s before it as well, unless another Seek came
 class Playback {
  public:
   static constexpr double kMinSpeed = 0.1, kMaxSpeed = 20.0;
-  /// Time before a place that is shown with it: the half minute of a page's strip charts, and a chunk.
+  /// Time that is shown before the present one: the half minute of a page's strip charts, and a chunk.
   static constexpr double kBefore_s = 30.5;
-  /// Windows that the feed should keep, so that a page has all of that time.
+  /// Number of windows that the feed should keep, so that a page gets all of kBefore_s.
   static constexpr std::uint64_t kFeedWindows = 1000;
 
   /// @param feed  outlives this
@@ -44,10 +44,10 @@ class Playback {
   void Play();
   void Halt();
   void Seek(double at_s);
-  /// Corrects the time by a little while it plays, without a break: goes on to a later one, or waits for an
-  /// earlier one.
+  /// Moves to a time close to the present one without a break, while the recording plays: plays on to a later
+  /// time at once, or waits at an earlier time.
   void Align(double at_s);
-  /// Clamped to kMinSpeed … kMaxSpeed; a value that is not finite is ignored.
+  /// Sets the speed, clamped to kMinSpeed … kMaxSpeed; a value that is not finite is ignored.
   void SetSpeed(double speed);
   [[nodiscard]] PlaybackState state() const;
 
@@ -61,7 +61,7 @@ class Playback {
   [[nodiscard]] PassedOrError Show(double at_s, double before_s, bool leaves);
   [[nodiscard]] PassedOrError JumpTo(double at_s);
 
-  RecordingTimeline timeline_;  // of the thread alone, once it runs, as passed_s_
+  RecordingTimeline timeline_;  // used only by the thread once it runs, as passed_s_
   double passed_s_{0.0};        // time of the last tick that was passed on
   console::LiveFeed& feed_;
 
@@ -70,7 +70,7 @@ class Playback {
   PlaybackState state_;
   double seek_s_{0.0};
   std::optional<double> align_s_;
-  bool seeks_{true};  // shows the beginning at first
+  bool seeks_{true};  // a Seek is to be done; at first, one to the beginning
   bool stop_{false};
   std::thread thread_;
 };

@@ -24,19 +24,19 @@ namespace osteon::session {
 struct RecordedCut {
   std::vector<simulation::Tool> tools;  ///< by TickInput::tool_index; at least one
   Pose X_WG{Pose::Identity()};
-  std::vector<surface::WayTimes> taken_back{};  ///< passes
+  std::vector<surface::WayTimes> taken_back{};  ///< times of the passes that were taken back later
   std::optional<SessionCut>
-      earlier{};  ///< by the session's recordings before this one; empty: it is the first
+      earlier{};  ///< cut by the session's recordings before this one; empty: this is the first
 
   /// Whether what a frame cuts stays cut. @param pose_stamp  ContactModel::pose_stamp
   [[nodiscard]] bool Counts(rt::Nanoseconds pose_stamp) const;
-  /// Carves what was cut before the recording begins.
+  /// Carves the bone that was cut before the recording begins.
   void CarveEarlier(surface::CarvedField& field) const;
 };
 
-/// Reads it from a recording and the session.json beside it. Without a session the cell's tool is the only
-/// one. The error names the file and the reason.
-/// @param info  the recording's  @param setup  of the recording
+/// Reads a RecordedCut from a recording and the session.json beside it. Without a session the cell's tool is
+/// the only tool. The error names the file and the reason.
+/// @param info  from the recording  @param setup  of the recording
 [[nodiscard]] tl::expected<std::shared_ptr<const RecordedCut>, std::string> ReadRecordedCut(
     const std::filesystem::path& recording, const io::SessionInfo& info, const CellSetup& setup);
 

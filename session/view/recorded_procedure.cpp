@@ -25,7 +25,7 @@ std::unique_ptr<RecordedProcedure> RecordedProcedure::Open(const std::filesystem
     if (loaded.plan.tools.size() != cell->tools.size()) return nullptr;
     return std::unique_ptr<RecordedProcedure>(
         new RecordedProcedure(recording, std::move(*session), loaded.plan, X_WG));
-  } catch (const config::ConfigError&) {  // its scene is not here
+  } catch (const config::ConfigError&) {  // the plan's scene cannot be read on this machine
     return nullptr;
   }
 }
@@ -53,7 +53,7 @@ std::string RecordedProcedure::JsonAt(rt::Nanoseconds stamp) const {
   SessionFile until;
   until.cup_X_GT = session_.cup_X_GT;
   double gain = 0.0;
-  bool before = true;  // segments of the session's earlier recordings
+  bool before = true;  // true while the segments belong to earlier recordings of the session
   for (std::size_t i = 0; i < session_.segments.size(); ++i) {
     const SessionSegment& segment = session_.segments[i];
     const bool is_own = segment.recording == name_;

@@ -15,12 +15,13 @@
 
 namespace osteon::session {
 
-/// The page's messages of a procedure along a recording of its session: the plan, and where the session stood
-/// at a time. The recording is read once in the background, since the panel counts from the tool's first cut.
+/// The page's messages of a procedure along a recording of its session: the plan, and the state of the
+/// session at a time. The recording is read once in the background, since the panel needs all frames from the
+/// tool's first cut on.
 class RecordedProcedure {
  public:
-  /// Null: the recording is of no session, or its plan is not beside it.
-  /// @param info  the recording's  @param X_WG  bone in the world
+  /// Starts reading. @param info  from the recording  @param X_WG  bone in the world
+  /// @returns null if the recording belongs to no session, or the plan is not beside it
   [[nodiscard]] static std::unique_ptr<RecordedProcedure> Open(const std::filesystem::path& recording,
                                                                const io::SessionInfo& info, const Pose& X_WG);
   ~RecordedProcedure();
@@ -29,7 +30,8 @@ class RecordedProcedure {
 
   /// The messages of ProcedurePanel. Any thread.
   [[nodiscard]] const std::string& PlanJson() const { return panel_.PlanJson(); }
-  /// At a time of the recording [s]; at a later time than was read yet: the newest one.
+  /// Returns the message for a time of the recording [s]; for a time that was not read yet, the newest
+  /// message.
   [[nodiscard]] std::string Json(double at_s) const;
 
  private:
@@ -38,14 +40,15 @@ class RecordedProcedure {
   RecordedProcedure(const std::filesystem::path& recording, SessionFile session,
                     const procedure::SurgicalPlan& plan, const Pose& X_WG);
   void Run(const std::filesystem::path& recording);
-  // The session as it was at a stamp of the recording: passes that had ended, and the guidance's gain.
+  // Makes the message of the session as it was at a stamp: with the passes that had ended, and the guidance's
+  // gain.
   [[nodiscard]] std::string JsonAt(rt::Nanoseconds stamp) const;
 
-  const std::string name_;  // of the recording
+  const std::string name_;  // name of the recording's file
   const SessionFile session_;
   ProcedurePanel panel_;
   mutable std::mutex mutex_;
-  std::vector<std::string> steps_;  // of each kStep_s; guarded by mutex_, never empty
+  std::vector<std::string> steps_;  // a message for each kStep_s; guarded by mutex_, never empty
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

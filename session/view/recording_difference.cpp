@@ -19,9 +19,9 @@ namespace {
 constexpr std::chrono::seconds kNewsPeriod{1};
 constexpr double kMinStep_s = 0.01;
 constexpr double kNoTick = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSame_s = 0.5e-3;  // ticks of the same period: half of the shortest
+constexpr double kSame_s = 0.5e-3;  // ticks count as simultaneous within this: half of the shortest period
 
-// Values over the bins of the time line. nlohmann writes NaN as null.
+// One value per bin of the time line. nlohmann writes NaN as null.
 using Column = std::vector<double>;
 
 void KeepMost(double& kept, double value) {
@@ -34,7 +34,7 @@ nlohmann::json Rounded(const Column& column) {
   return out;
 }
 
-// The largest difference so far, and when it was.
+// The largest difference so far, and its time.
 struct Most {
   double value{0.0}, at_s{0.0};
 
@@ -46,16 +46,16 @@ struct Most {
   [[nodiscard]] nlohmann::json ToJson() const { return {value, at_s}; }
 };
 
-// What was read of one recording up to now.
+// One recording, read up to some tick.
 struct Reader {
   RecordingTimeline timeline;
-  std::optional<control::TickRecord> tick{}, next{};  // the newest that was passed, and the one after it
+  std::optional<control::TickRecord> tick{}, next{};  // the newest tick passed, and the tick after it
   double next_s{0.0};
-  // of the newest frame before each
+  // figures of the newest frame before `tick`, and before `next`
   double removed_mm3{0.0}, next_removed_mm3{0.0}, depth_mm{kNoTick}, next_depth_mm{kNoTick};
   bool ended{false};
 
-  // Makes `next` the tick, and reads up to the one after it.
+  // Moves `next` to `tick`, and reads on to the following tick.
   void Advance() {
     tick = next;
     removed_mm3 = next_removed_mm3;
@@ -130,7 +130,7 @@ TickDifference Compare(const control::TickRecord& first, const control::TickReco
   return {
       .force_N = (Vector3(second.F_coupling_T_W.f) - Vector3(first.F_coupling_T_W.f)).norm(),
       .apart_mm = 1e3 * (X_2.translation() - X_1.translation()).norm(),
-      // by the sine, which is exact for equal orientations
+      // from the sine, which is accurate for nearly equal orientations
       .turn_deg =
           180.0 / std::numbers::pi *
           std::atan2(
@@ -183,7 +183,7 @@ void RecordingDifference::Run(const std::array<std::filesystem::path, 2>& record
       compared.depth_mm[i][bin] = readers[i].depth_mm;
       compared.removed_mm3[i][bin] = readers[i].removed_mm3;
     }
-    // beyond the shorter one's end there is nothing to compare
+    // beyond the end of the shorter recording there is nothing to compare
     const bool both = std::isfinite(next_s[0]) && std::isfinite(next_s[1]);
     if (both && readers[0].tick && readers[1].tick) {
       const TickDifference apart = Compare(*readers[0].tick, *readers[1].tick);

@@ -13,32 +13,32 @@
 
 namespace osteon::session {
 
-/// How two runs differ at one time. Both are taken at the same time since their session's start.
+/// The differences of two runs at the same time since their session's start.
 struct TickDifference {
   double force_N{0.0};   ///< size of the difference of the rendered forces
-  double apart_mm{0.0};  ///< from one commanded tool's origin to the other's
-  double turn_deg{0.0};  ///< between the commanded tools' orientations
+  double apart_mm{0.0};  ///< distance between the origins of the commanded tools
+  double turn_deg{0.0};  ///< angle between the orientations of the commanded tools
 };
 
 [[nodiscard]] TickDifference Compare(const control::TickRecord& first, const control::TickRecord& second);
 
 /// Reads two recordings in the background and compares them tick by tick along their common time.
 ///
-///     first   ──tick──tick──tick──▶   each tick with the other recording's newest one that is not later
+///     first   ──tick──tick──tick──▶   each tick with the other recording's newest tick that is not later
 ///     second  ──tick──────tick────▶
 class RecordingDifference {
  public:
-  static constexpr std::size_t kMaxBins = 2000;  ///< of the time line: a page's width in pixels
+  static constexpr std::size_t kMaxBins = 2000;  ///< bins of the time line: about a page's width in pixels
 
   explicit RecordingDifference(const std::array<std::filesystem::path, 2>& recordings);
   ~RecordingDifference();
   RecordingDifference(const RecordingDifference&) = delete;
   RecordingDifference& operator=(const RecordingDifference&) = delete;
 
-  /// {"type": "difference", "step_s", "force_N": [[of each bin, the largest], [of the second]], "depth_mm":
-  /// [[of the proxy, the deepest so far], …], "removed_mm3": [[…], …], "force_apart_N", "apart_mm",
-  /// "turn_deg": [the largest], "most": {"force_N": [value, at_s], "depth_mm", "removed_mm3": second minus
-  /// first, "apart_mm", "turn_deg"}, "ticks": compared, "done"}; null where a bin has no tick.
+  /// Makes {"type": "difference", "step_s", "force_N": [[largest of each bin, first], [second recording]],
+  /// "depth_mm": [[deepest of the proxy so far], …], "removed_mm3": [[…], …], "force_apart_N", "apart_mm",
+  /// "turn_deg": [largest of each bin], "most": {"force_N": [value, at_s], "depth_mm", "removed_mm3": second
+  /// minus first, "apart_mm", "turn_deg"}, "ticks": number compared, "done"}; null if a bin has no tick.
   [[nodiscard]] std::string Json() const;
 
  private:

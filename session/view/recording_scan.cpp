@@ -18,7 +18,7 @@ constexpr std::chrono::seconds kBetweenNews{1};
 
 struct Seen {
   nlohmann::json events = nlohmann::json::array();
-  std::vector<double> force_N;  // the largest of each second
+  std::vector<double> force_N;  // the largest force of each second
 
   [[nodiscard]] std::string ToJson(bool done) const {
     nlohmann::json force = nlohmann::json::array();

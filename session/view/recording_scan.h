@@ -18,8 +18,8 @@ class RecordingScan {
   RecordingScan(const RecordingScan&) = delete;
   RecordingScan& operator=(const RecordingScan&) = delete;
 
-  /// {"type": "timeline", "events": [[at_s, text], …], "force_N": [of each second], "done": …}, of what was
-  /// read so far.
+  /// Makes {"type": "timeline", "events": [[at_s, text], …], "force_N": [largest of each second], "done": …}
+  /// from the messages read so far.
   [[nodiscard]] std::string Json() const;
 
  private:

@@ -8,7 +8,7 @@ namespace osteon::session {
 tl::expected<RecordingTimeline, std::string> RecordingTimeline::Open(const std::filesystem::path& path) {
   auto stream = io::RecordingStream::Open(path);
   if (!stream) return tl::unexpected(stream.error());
-  // the session is the first message
+  // the first message is the session
   const auto first = stream->Next();
   if (!first) return tl::unexpected(first.error());
   if (*first != io::RecordedTopic::kSession)

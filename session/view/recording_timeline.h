@@ -11,8 +11,8 @@
 
 namespace osteon::session {
 
-/// A recording as a time line: opened by its chunks' heads alone, so an hour opens as fast as a second, and
-/// any time is reached by unpacking one chunk.
+/// A recording as a time line. To open it, only the heads of its chunks are read, so that an hour opens as
+/// fast as a second. To reach any time, one chunk is unpacked.
 class RecordingTimeline {
  public:
   /// The error names the file and the reason: no recording, no tick in it.
@@ -23,8 +23,8 @@ class RecordingTimeline {
   /// Log time of the time line's 0.
   [[nodiscard]] rt::Nanoseconds start() const { return start_; }
 
-  /// Goes to the beginning of the chunk with the time `at_s` (clamped to the recording), and says where that
-  /// is [s].
+  /// Goes to the beginning of the chunk that contains the time `at_s` (clamped to the recording).
+  /// @returns the time of that beginning [s]
   double Seek(double at_s);
   /// Reads the next message, as RecordingStream::Next does.
   [[nodiscard]] tl::expected<io::RecordedTopic, std::string> Next() { return stream_.Next(); }

@@ -31,9 +31,9 @@ namespace osteon::session {
 namespace {
 
 constexpr std::chrono::milliseconds kLooksForEnd{50};
-constexpr int kLooksTogether = 20;      // after so many looks two playbacks are brought together
-constexpr double kApartPlaying_s{0.1};  // that is not seen while they play
-constexpr double kApartFar_s{1.0};      // that is not caught up without a break
+constexpr int kLooksTogether = 20;      // two playbacks are brought together every so many looks for the end
+constexpr double kApartPlaying_s{0.1};  // a smaller time difference of two playbacks is not visible
+constexpr double kApartFar_s{1.0};      // a larger time difference is removed by a Seek, with a break
 
 // @param start  log time of the time line's 0
 std::string StateJson(const PlaybackState& state, rt::Nanoseconds start) {
@@ -58,12 +58,12 @@ void Move(Playback& playback, const console::ViewRequest& request) {
       return playback.Seek(request.value);
     case Kind::kSpeed:
       return playback.SetSpeed(request.value);
-    case Kind::kMap:  // of both bones
+    case Kind::kMap:  // concerns both bones, no single playback
       return;
   }
 }
 
-// One recording as it is shown.
+// One recording, with all that is needed to show it.
 struct ShownRecording {
   std::filesystem::path file;
   double duration_s;
@@ -75,7 +75,7 @@ struct ShownRecording {
   console::SurfaceFeed chunks;
   ViewSurface bone;
   std::shared_ptr<const RecordedCut> cut;
-  std::unique_ptr<RecordedProcedure> procedure;  // null: the recording is of none
+  std::unique_ptr<RecordedProcedure> procedure;  // null: no procedure is shown
 
   ShownRecording(std::filesystem::path path, RecordingTimeline timeline, CellSetup cell,
                  std::shared_ptr<const RecordedCut> of, std::unique_ptr<RecordedProcedure> plan,
@@ -96,7 +96,7 @@ struct ShownRecording {
   }
 };
 
-// A file's name; with its folder where the other one has the same name.
+// Returns a file's name; with its folder's name if the other file has the same name.
 std::string NameBeside(const std::filesystem::path& file, const std::filesystem::path& other) {
   if (file.filename() != other.filename()) return file.filename().string();
   const std::filesystem::path whole = std::filesystem::absolute(file);
@@ -118,7 +118,8 @@ tl::expected<std::unique_ptr<ShownRecording>, std::string> OpenShown(const std::
                                           std::move(procedure), std::move(map));
 }
 
-// Brings the other playback to the first one's time: each keeps time by itself, and a stall is not made up.
+// Brings the other playback to the first one's time, since each keeps its own time and does not catch up
+// after a stall.
 void BringTogether(const Playback& first, Playback& other) {
   const PlaybackState leads = first.state(), follows = other.state();
   const double wanted_s = std::min(leads.at_s, follows.duration_s);
@@ -132,7 +133,7 @@ void BringTogether(const Playback& first, Playback& other) {
 }  // namespace
 
 int RunView(const ViewOptions& options) {
-  // the longest first: its time line is the page's
+  // the longest recording comes first: its time line is the page's
   const bool two = options.recordings.size() == 2;
   BoneDifference bones;
   std::vector<std::unique_ptr<ShownRecording>> shown;

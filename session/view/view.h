@@ -9,9 +9,9 @@
 namespace osteon::session {
 
 struct ViewOptions {
-  /// One, or two that are shown side by side.
+  /// One recording, or two that are shown side by side.
   std::vector<std::filesystem::path> recordings;
-  double at_s{0.0};  ///< shown at first
+  double at_s{0.0};  ///< the time that is shown at first
   ConsoleChoice console{};
   /// Written once the page is served: {"url", "recording", "duration_s", "second"}; empty: none.
   std::filesystem::path json{};

@@ -13,9 +13,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kPeriod{40};  // between looks at the wanted time
-constexpr std::chrono::milliseconds kSlice{250};  // of carving before the bone is shown
-constexpr int kMessagesPerLook = 500;             // at the clock
+constexpr std::chrono::milliseconds kPeriod{40};  // how often the wanted time is checked
+constexpr std::chrono::milliseconds kSlice{250};  // longest time of carving until the bone is shown again
+constexpr int kMessagesPerLook = 500;             // number of messages between two looks at the clock
 
 }  // namespace
 
@@ -57,7 +57,7 @@ void ViewSurface::Run() {
       Publish();
       if (!more) std::this_thread::sleep_for(kPeriod);
     }
-  } catch (const std::exception&) {  // a grid that no memory holds: the page stays without the bone
+  } catch (const std::exception&) {  // the grid is too large for the memory: the page stays without the bone
   }
 }
 
@@ -66,7 +66,7 @@ void ViewSurface::Begin(const CarvedBone& from) {
     if (auto timeline = RecordingTimeline::Open(recording_))
       timeline_ = std::make_unique<RecordingTimeline>(std::move(*timeline));
   ended_ = !timeline_ || !GoOnFrom(from, *timeline_);
-  if (bone_) return bone_->JumpTo(from);  // a page keeps the bricks that are the same
+  if (bone_) return bone_->JumpTo(from);  // bricks that are the same need not be sent again
   bone_.emplace(from);
   BeginFeed();
 }
@@ -80,7 +80,8 @@ void ViewSurface::BeginFeed() {
     feed_.Begin(layout);
 }
 
-// Goes back, or on to a key state that is much nearer to a time than what is shown.
+// Jumps to a key state or to the beginning if the wanted time lies back, or to a later key state that is much
+// nearer to the wanted time than the bone shown.
 void ViewSurface::GoNear(double wanted_s) {
   const bool back = wanted_s < bone_->at_s;
   const std::shared_ptr<const CarvedBone> key = keys_->Before(wanted_s);
@@ -90,7 +91,7 @@ void ViewSurface::GoNear(double wanted_s) {
     Begin(*begin_);
 }
 
-// Carves up to a time, or for kSlice. True if it has not got there.
+// Reads on to a time, for at most kSlice. @returns whether more is to be read
 bool ViewSurface::CarveOn(double wanted_s) {
   const auto until = Clock::now() + kSlice;
   for (int messages = 1; bone_->at_s < wanted_s && !stop_.load(); ++messages) {

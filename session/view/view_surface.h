@@ -19,14 +19,14 @@
 
 namespace osteon::session {
 
-/// Shows the carved bone of a recording at the time that a playback has reached, in a thread of its own.
-/// It carves on from where it is, or from the last key state (CarvedKeys) before the time, whichever is
-/// nearer.
+/// Shows the carved bone of a recording at the time that a playback has reached, in a thread of its own. To
+/// get there, it carves on from the bone that is shown, or from the last key state (CarvedKeys) before that
+/// time, whichever is nearer.
 class ViewSurface {
  public:
   /// @param setup, feed  outlive this; without a solid and without balls nothing is shown
   /// @param cut  of the recording, not null
-  /// @param map  of the difference to another recording's bone; null: none is compared
+  /// @param map  map of the difference to another recording's bone; null: there is no other recording
   ViewSurface(const std::filesystem::path& recording, const CellSetup& setup,
               std::shared_ptr<const RecordedCut> cut, console::SurfaceFeed& feed,
               std::unique_ptr<DifferenceMap> map = nullptr);
@@ -34,11 +34,11 @@ class ViewSurface {
   ViewSurface(const ViewSurface&) = delete;
   ViewSurface& operator=(const ViewSurface&) = delete;
 
-  /// Any thread.
+  /// Sets the time to show [s]. Any thread.
   void GoTo(double at_s) { wanted_s_.store(at_s); }
-  /// Whether key states of the whole recording are there, and any time is one of them and some carving.
+  /// Whether the key states of the whole recording are ready, so that any time is reached quickly.
   [[nodiscard]] bool keys_complete() const { return keys_complete_.load(); }
-  /// Time up to which the bone that was shown is carved [s].
+  /// Time up to which the bone shown is carved [s].
   [[nodiscard]] double shown_s() const { return shown_s_.load(); }
 
  private:
@@ -59,7 +59,7 @@ class ViewSurface {
   // of the thread
   std::shared_ptr<const surface::SolidField> solid_;
   std::optional<surface::TissueBricks> tissue_;
-  std::optional<CarvedBone> begin_, bone_;  // as the recording begins, and as it is shown
+  std::optional<CarvedBone> begin_, bone_;  // the bone as the recording begins, and as it is shown
   std::unique_ptr<RecordingTimeline> timeline_;
   std::unique_ptr<DifferenceMap> map_;
   std::vector<surface::SurfaceChunk> chunks_;
