@@ -27,7 +27,7 @@ struct RestingPose {
   Wrench F_S;                         ///< mean reading of the force sensor
   double force_sd_N{0.0};             ///< standard deviation of that force, largest component
   int visits{1};                      ///< rests at this posture
-  double repeat_N{0.0};               ///< largest difference of the mean force between two of them
+  double repeat_N{0.0};               ///< largest difference of the mean force between two of these rests
 };
 
 /// Finds the periods in which no joint moves by more than 0.5 mrad for half a second; the first 0.2 s of each
