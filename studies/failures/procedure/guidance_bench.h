@@ -9,13 +9,13 @@
 #include "hil/operator/hand_grid.h"
 #include "safety/limits.h"
 
-// What the scenarios of guidance share: a hand that leads the handle of an arm along a surgical plan. All
-// parts but the hand are the shipped ones, without joints: the arm's lag and dead time act on position and
-// turn.
+// Test bench of the guidance scenarios: a hand leads the handle of an arm along a surgical plan. All parts
+// but the hand are the shipped ones, without joints: the arm's lag and dead time act on position and
+// rotation.
 
 namespace osteon::studies {
 
-/// What renders the guidance: ours, or a method that fails.
+/// The method that renders the guidance: ours, or one that fails.
 enum class GuidanceMethod {
   kOurs,
   kMeasuredPose,  ///< the same springs at the measured pose, always at full share
