@@ -7,11 +7,12 @@
 #include "hil/arm/servo_arm.h"
 #include "studies/identify/measured_response.h"
 
-// How well an arm like a cell's would be identified: synthetic recordings of a known ServoArm, many seeds.
+// Tests how well an arm like a cell's would be identified, with synthetic recordings of a known ServoArm and
+// many seeds.
 
 namespace osteon::studies {
 
-/// A synthetic recording: an excited ServoArm of one joint, measured with noise, over a link that loses.
+/// A synthetic recording: an excited ServoArm of one joint, measured with noise, over a link with losses.
 struct SyntheticRun {
   std::string name{};
   int draws{4}, periods{3};

@@ -16,24 +16,24 @@
 #include "studies/tune/tune.h"
 #include "studies/tune/tune_study.h"
 
-// What `osteon tune` finds for a cell with the impedance law, and how it is told.
+// The result of `osteon tune` for a cell with the impedance law, and its forms.
 
 namespace osteon::studies {
 
-/// The stiffest wall that stands with a damping of the law, with the worst hand.
+/// The stiffest wall that is stable with one damping of the law and the worst hand.
 struct OverlayBoundary {
   double damping_Ns_per_m{0.0};
   double predicted_N_per_m{0.0}, simulated_N_per_m{0.0};  // 0: unstable without a wall
   std::size_t hand{0};
 };
 
-/// The recommended gains, run in time.
+/// Simulations in time with the recommended gains.
 struct OverlayCheck {
   std::size_t runs{0};
   std::vector<std::string> grew{};
 };
 
-/// A cell with the impedance law, and all that was found for it.
+/// A cell with the impedance law, and all results for it.
 struct OverlayTuning {
   std::string cell;
   TuneTask task;
@@ -53,8 +53,8 @@ struct OverlayTuning {
   std::vector<TuneMargin> margins{};     // by them, of the cell's own and of the recommended gains
   std::string nyquist_svg{};             // empty: no margins
   [[nodiscard]] bool Stands() const { return recommended_Ns_per_m > 0.0; }
-  /// Whether the recommended gains may be used: run in time, and by the measured response, they are stable as
-  /// well.
+  /// Whether the recommended gains may be used: they are also stable in the simulations in time, and by the
+  /// measured response.
   [[nodiscard]] bool MayBeUsed() const {
     return Stands() && check.grew.empty() && StandsByMargins(margins, "recommended");
   }
@@ -63,7 +63,7 @@ struct OverlayTuning {
 
 /// Bad if the gains may not be used; to be looked at with remarks.
 [[nodiscard]] session::Verdict Judge(const OverlayTuning& t);
-/// The result in lines, for terminal and page.
+/// The result as rows for terminal and page.
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const OverlayTuning& t);
 /// Writes tune.svg, .csv, .json, .html and, if they may be used, gains.yaml.
 /// @returns an error that names the file

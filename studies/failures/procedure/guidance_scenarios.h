@@ -19,7 +19,7 @@ namespace osteon::studies {
 
 /// Scenario 29, guidance at the ceiling: cycles in which the bone takes the cell's whole force while the tool
 /// leaves the corridor, and little while it returns. Metric: energy that the guidance has given. Baseline:
-/// its share follows what the bone leaves, at once. Bound: 0.
+/// the guidance takes at once the share of the force limit that the bone leaves. Bound: 0.
 [[nodiscard]] FailureResult RunGuidanceAtCeiling(const FailureSetting& setting);
 
 /// Scenario 30, firm hand at the edge: a firm hand rests against the funnel. Metric: RMS value of its force
