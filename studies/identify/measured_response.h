@@ -58,8 +58,8 @@ enum class Signal : std::uint8_t { kCommand, kPosition, kForce };
 /// Computes the response `output` / `input` at the lines of control::Multisine, from complete counted
 /// periods:
 ///
-///     each period   least squares of a constant and all lines, over the samples that were seen; before that the
-///                   drift of the output is removed by a line through the means of whole periods
+///     each period   least squares of a constant and all lines, over the samples that were seen; before that
+///                   the drift of the output is removed by a line through the means of whole periods
 ///     each draw     H_d = sum Y conj(U) / sum |U|^2;   noise from Y - H_d U
 ///     all draws     H = mean of H_d;   what differs beyond the noise is nonlinearity
 ///

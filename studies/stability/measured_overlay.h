@@ -6,7 +6,7 @@
 #include "studies/stability/measured_loop.h"
 #include "studies/stability/overlay_loop.h"
 
-// The loop of the impedance law judged by a measured response of the arm along one axis.
+// Judges the loop of the impedance law by a measured response of the arm along one axis.
 
 namespace osteon::studies {
 

@@ -40,17 +40,17 @@ struct OverlayTuning {
   OverlayLoopParams loop;
   std::vector<hil::GridHand> hands{};
   double mass_kg{0.0};                              // of the tool along its axis
-  std::optional<config::IdentifiedArm> measured{};  // of it, the axis with the longest dead time
-  double along_tool_kg{0.0};                        // of it, along z; 0: not measured
-  bool on_mount{false};                             // of it, of any axis
-  double own_margin{0.0};                           // 0: not stable with all
-  double recommended_Ns_per_m{0.0};                 // 0: none
+  std::optional<config::IdentifiedArm> measured{};  // the measured axis with the longest dead time
+  double along_tool_kg{0.0};                        // measured mass along z; 0: not measured
+  bool on_mount{false};                             // by any measured axis, the arm's mount gives way
+  double own_margin{0.0};                           // of the cell's gains; 0: not stable with all hands
+  double recommended_Ns_per_m{0.0};                 // damping; 0: none is recommended
   double recommended_N_per_m{0.0}, recommended_margin{0.0};
   double planes_N_per_m{0.0};  // stiffest planes at the task's age, at most the task's
   std::vector<OverlayBoundary> boundary{};
   OverlayCheck check{};
-  std::vector<MeasuredAxis> response{};  // judged beside the model; empty: none was measured
-  std::vector<TuneMargin> margins{};     // by them, of the cell's own and of the recommended gains
+  std::vector<MeasuredAxis> response{};  // judged in addition to the model; empty: none was measured
+  std::vector<TuneMargin> margins{};     // by `response`, of the cell's own and of the recommended gains
   std::string nyquist_svg{};             // empty: no margins
   [[nodiscard]] bool Stands() const { return recommended_Ns_per_m > 0.0; }
   /// Whether the recommended gains may be used: they are also stable in the simulations in time, and by the

@@ -11,11 +11,11 @@
 #include "studies/stability/grip_run.h"
 #include "studies/stability/measured_loop.h"
 
-// The questions of `osteon tune` to the loop (which hands, which contacts, which delays) and the answers.
+// The stability computations of `osteon tune`: hands, contacts and delays, and the results for them.
 
 namespace osteon::studies {
 
-/// A hand whose own loop was measured: -F / q_cmd while it held the handle, over the hand's own figures.
+/// A hand whose own loop was measured: -F / q_cmd while it held the handle, divided by the hand's impedance.
 struct HeldLoop {
   hil::GridHand hand;
   std::shared_ptr<const MeasuredPlant> response;  ///< with the sensor's delay
@@ -35,10 +35,10 @@ struct TuneTask {
   double human_grip_N_per_m{3e3};                    ///< up to this grip the tool has to stay light ...
   double stiffest_grip_N_per_m{10e3};                ///< ... and up to this grip it has to be stable
   double max_mass_kg{5.0}, max_drag_Ns_per_m{30.0};  ///< what counts as light
-  control::VibrationParams vibration{};              ///< the cell's, and acting
-  bool index_acts{true};                             ///< whether it acts in the cell as well
+  control::VibrationParams vibration{};              ///< the cell's index, made to act in this study
+  bool index_acts{true};                             ///< whether the index also acts in the cell itself
 
-  // From what was measured of the cell (studies/tune/tune_measured.h); without it all lags are assumed.
+  // From the cell's measurements (studies/tune/tune_measured.h); without them all lags are assumed.
   std::optional<config::IdentifiedCell> identified{};
   bool arm_measured{false};                         ///< false: the arm's lag is assumed in spite of them
   std::vector<hil::GridHand> measured_hands{};      ///< the loop must be stable with them, however stiff
