@@ -176,7 +176,7 @@ class Trial {
 
   void JudgeDistance() {
     if (stops_ == 0) return;
-    // The sum ends when the virtual tool follows the arm, as it is not commanded then.
+    // The measurement ends when the virtual tool follows the arm, as it is not commanded then.
     double max_m = 0.0;
     for (std::size_t i = stops_; i < records().size() && safety::Brakes(StateAt(i)); ++i)
       max_m = std::max(max_m, (Apex(records()[i]) - Apex(records()[stops_ - 1])).norm());
