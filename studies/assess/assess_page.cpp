@@ -47,7 +47,7 @@ void AddOpening(const procedure::SurgicalPlan& plan, const procedure::Assessment
                     fmt::format("{:.0f} % of it is open within the plan", 1e2 * *opening.unroofed)});
 }
 
-// Says how much of what the plan would take away is still there, and why.
+// Says how much of the bone that the plan would remove is still there, and why.
 std::string BoneLeftText(const AssessedSession& session) {
   const procedure::SurgicalPlan& plan = session.plan.plan;
   const procedure::CavityResult& cavity = session.assessment.cavity;
@@ -111,7 +111,7 @@ std::vector<report::SummaryRow> Rows(const AssessResult& result) {
   return rows;
 }
 
-// A table cell's worth of markup. Wide tables scroll by themselves on a narrow screen.
+// Begins a table with its heading. Wide tables scroll by themselves on a narrow screen.
 std::string TableHead(std::initializer_list<const char*> names) {
   std::string html = "<div style=\"overflow-x:auto\"><table><thead><tr>";
   for (const char* name : names) html += fmt::format("<th>{}</th>", name);
@@ -127,7 +127,7 @@ std::string ItemsTable(const AssessResult& result) {
     });
     const bool has_norm = scored != result.score.items.end();
     const auto norm = result.norms.find(metric.name);
-    if (value == result.values.end() && !has_norm) continue;  // of the other kind of plan
+    if (value == result.values.end() && !has_norm) continue;  // a metric of the other kind of plan
     html += fmt::format(
         "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
         report::Escape(metric.text),
@@ -197,7 +197,7 @@ std::string Curves(const AssessedSession& session) {
                                         panel("aside [mm]", trace.aside_mm, {}),
                                         panel("hand's force [N]", trace.force_N, {}),
                                         panel("tilt [°]", trace.tilt_deg, std::move(tilts))};
-  // far retractions would flatten the rest
+  // Limit the drawn range: far retractions would flatten the rest of the curve.
   const bool is_cup = session.plan.plan.kind == procedure::PlanKind::kCup;
   const double shown_aside_mm = is_cup ? 15.0 : 4.0;
   panels[0].y = is_cup ? report::Range{-10.0, 40.0} : report::Range{-2.0, 14.0};

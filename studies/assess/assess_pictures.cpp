@@ -46,8 +46,8 @@ std::vector<bool> Filled(std::span<const simulation::Ball> balls, const Vector3&
   return filled;
 }
 
-// The balls that were cut or are gone, as they were before. A session keeps its bone's balls rounded: those
-// that differ by that alone are not cut.
+// The balls that were cut or are gone, as they were before. A session saves its bone's balls rounded: a ball
+// that differs only by rounding is not cut.
 std::vector<simulation::Ball> TouchedBalls(const AssessedSession& session) {
   constexpr double kKept_mm = 1e-2;
   std::vector<simulation::Ball> touched;

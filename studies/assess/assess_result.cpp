@@ -196,7 +196,7 @@ tl::expected<AssessResult, std::string> Measure(const fs::path& folder, const As
   return result;
 }
 
-// The metric's words for people.
+// The metric's name for people.
 std::string TextOf(const std::string& metric) {
   for (const procedure::Metric& known : procedure::Metrics())
     if (metric == known.name) return known.text;

@@ -20,9 +20,9 @@ struct AssessOptions {
   std::filesystem::path rubric;                ///< empty: the shipped one for the plan's kind
   std::filesystem::path rubrics{};             ///< folder of the shipped ones
   std::optional<double> pass_at{};             ///< score below which the exit code is 1
-  std::vector<std::filesystem::path> norms{};  ///< sessions of a site's own experts, as guided as this one
+  std::vector<std::filesystem::path> norms{};  ///< sessions of a site's own experts; guided if this one is
   std::vector<std::filesystem::path> trend{};  ///< assessed sessions, beside those that are found
-  std::filesystem::path against{};             ///< another session of the plan; empty: none
+  std::filesystem::path against{};             ///< session of the same plan to compare with; empty: none
   std::filesystem::path json{};                ///< a copy of the result; empty: none
   std::string command_line{};
 };
@@ -34,14 +34,14 @@ struct AssessResult {
   procedure::MetricValues values;
   procedure::Score score;
   Norms norms;
-  Trend trend;  ///< with this session
+  Trend trend;  ///< includes this session
   bool guided{false};
-  std::optional<double> pass_at{};  ///< as asked
+  std::optional<double> pass_at{};  ///< AssessOptions::pass_at
   Unfinished unfinished{};
 };
 
-/// Where the cup of `tell cup` stands in the plan's cup_cone: "free", "within stop", "beyond stop"; empty: no
-/// cup was kept, or the plan has no such cone.
+/// Says where the cup that `tell cup` kept stands in the plan's cup_cone: "free", "within stop", "beyond
+/// stop". Empty if no cup was kept, or the plan has no cup_cone.
 [[nodiscard]] const char* CupConePlace(const procedure::SurgicalPlan& plan,
                                        const procedure::Assessment& found);
 
@@ -49,10 +49,10 @@ struct AssessResult {
 [[nodiscard]] nlohmann::ordered_json AssessJson(const AssessResult& result);
 
 /// Runs `osteon assess`: writes assess.html, assess.json and trend.csv into the session's folder, and prints
-/// the score; with another session compare.html and compare.png as well, where each score says whether it was
-/// guided.
-/// @returns the process's exit code: 0; 1 the score is below `pass_at` or the plan not finished with it, or a
-/// file cannot be written; 2 wrong input.
+/// the score. If another session is given, it also writes compare.html and compare.png, where each score says
+/// whether its session was guided.
+/// @returns the process's exit code: 0; 1 a file cannot be written, or `pass_at` is given and the score is
+/// below it, the plan is not finished or a recording is not whole; 2 wrong input.
 [[nodiscard]] int RunAssess(const AssessOptions& options);
 
 }  // namespace osteon::studies

@@ -16,13 +16,13 @@ namespace osteon::studies {
 /// not finished. Empty: they may be.
 [[nodiscard]] std::string WhyNotRanked(const AssessResult& first, const AssessResult& second);
 
-/// Two sessions of a plan one above the other: score, whether it was guided, points, coronal and axial
-/// section, map of the deviation.
-/// @returns an SVG document; an error where a picture could not be encoded.
+/// Draws two sessions of the same plan, one above the other: score, whether the session was guided, points,
+/// coronal and axial section, map of the deviation.
+/// @returns an SVG document, or an error if a picture could not be encoded.
 [[nodiscard]] tl::expected<std::string, std::string> ComparisonSvg(const AssessResult& first,
                                                                    const AssessResult& second);
 
-/// Writes FOLDER/compare.html, with a table of all figures, and FOLDER/compare.png, the picture alone. The
+/// Writes FOLDER/compare.html, with a table of all figures, and FOLDER/compare.png, only the picture. The
 /// error names the file.
 [[nodiscard]] tl::expected<void, std::string> WriteComparison(const AssessResult& first,
                                                               const AssessResult& second,

@@ -10,7 +10,7 @@
 namespace osteon::studies {
 namespace {
 
-// Says why a session gives no norm; empty: it does.
+// Says why a session cannot be used for a norm; empty: it can.
 std::string WhyNoNorm(const AssessedSession& session, bool guided) {
   if (session.guided() != guided)
     return fmt::format(

@@ -21,10 +21,10 @@ using Norms = std::map<std::string, Norm>;
 /// "with guidance (gain 0.5)" or "without guidance".
 [[nodiscard]] std::string GuidanceText(const AssessedSession& session);
 
-/// Medians of the metrics over sessions of a site's own experts.
-/// @param guided  whether the session that they stand beside was guided
-/// @returns an error that names the folder: it cannot be read, is not finished or not whole, or was guided
-/// where the other was not, or the other way round.
+/// Computes the medians of the metrics over sessions of a site's own experts.
+/// @param guided  whether the assessed session, which the medians are compared with, was guided
+/// @returns the medians; or an error that names a folder that cannot be read, whose session is not finished
+/// or not whole, or whose session was guided although the assessed one was not, or the other way round.
 [[nodiscard]] tl::expected<Norms, std::string> ReadNorms(const std::vector<std::filesystem::path>& folders,
                                                          bool guided);
 

@@ -146,7 +146,7 @@ class SessionSums {
     }
     return text;
   }
-  // The tool of a time: that of the last segment of this recording that has begun.
+  // The tool in use at a time: that of this recording's last segment that has begun by then.
   [[nodiscard]] int ToolAt(rt::Nanoseconds stamp) const {
     int tool = 0;
     bool found = false;
@@ -203,7 +203,7 @@ std::string FirstRecording(const AssessedSession& session) {
   return begun.empty() ? session.file.segments.front().recording : begun.front();
 }
 
-// What cuts of the plan's reamers: a ball, half its diameter behind T's origin.
+// The cutting heads of the plan's reamers: each a ball, half its diameter behind T's origin.
 std::vector<simulation::Tool> CuttingHeads(const std::vector<double>& diameters_mm) {
   std::vector<simulation::Tool> heads;
   for (const double diameter_mm : diameters_mm) {

@@ -16,12 +16,12 @@
 
 namespace osteon::studies {
 
-/// Curves of a session, one value for kTraceStep_s; for the page.
+/// Curves of a session for the page, with one value per kTraceStep_s.
 struct SessionTrace {
   std::vector<double> t_s{}, height_mm{}, tilt_deg{}, aside_mm{}, force_N{};
-  std::vector<double> proxy_mm{};  ///< height of the simulated head, which bone stops before the handle
-  /// How far the head may be aside at its height, free and before the spindle stops; empty: the plan has no
-  /// corridor.
+  std::vector<double> proxy_mm{};  ///< height of the simulated head: where bone stops it, above the handle's
+  /// Width of the corridor at the head's height: how far aside the head moves freely, and how far before the
+  /// spindle stops. Empty if the plan has no corridor.
   std::vector<double> free_mm{}, stop_mm{};
 };
 inline constexpr double kTraceStep_s = 0.05;
@@ -35,7 +35,7 @@ struct PassFigures {
 
 struct ToolFigures {
   double diameter_mm{0.0};
-  int passes{0};  ///< that count for the result
+  int passes{0};  ///< number of passes that count for the result
   procedure::ProcessFigures figures{};
 };
 
@@ -45,23 +45,23 @@ struct AssessedSession {
   session::SessionFile file{};
   config::SurgicalPlanConfig plan{};
   simulation::Bone bone{};                           ///< uncut
-  std::shared_ptr<const simulation::Solid> solid{};  ///< of which it was packed; null: not known
-  /// Cut of the passes that count; always there once it is read.
+  std::shared_ptr<const simulation::Solid> solid{};  ///< from which the bone was packed; null: not known
+  /// Cut of the passes that count. It has a value once the session is read.
   std::optional<session::SessionCut> cut{};
-  simulation::CarvedState state{};  ///< the last one that counts
+  simulation::CarvedState state{};  ///< the last carved state that counts
   procedure::Assessment assessment{};
   std::vector<ToolFigures> tools{};
   std::vector<PassFigures> passes{};
   SessionTrace trace{};
-  double guidance_gain{0.0};  ///< the largest of any segment
-  /// The passes that count and are not whole in the recordings: "pass 2: …"; empty: all are.
+  double guidance_gain{0.0};  ///< the largest gain of any segment
+  /// Names the passes that count and are not whole in the recordings: "pass 2: …". Empty if all are whole.
   std::string missing{};
 
   [[nodiscard]] bool guided() const { return guidance_gain > 0.0; }
 };
 
 /// Reads FOLDER/session.json, plan, recordings and the last state that counts, and measures them.
-/// The error names the file and what is wrong: it cannot be read, or is not the one of the session.
+/// The error names the file and what is wrong: the file cannot be read, or does not belong to the session.
 /// @throws config::ConfigError for the plan
 [[nodiscard]] tl::expected<AssessedSession, std::string> ReadAssessedSession(
     const std::filesystem::path& folder);

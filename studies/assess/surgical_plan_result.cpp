@@ -37,19 +37,20 @@ Json AnglesJson(const CupAngles& angles) {
           {"anteversion_deg", angles.anteversion_rad / kDegree}};
 }
 
-// Cells of the planned volume: an opening is mostly inside a solid of a mesh, where a distance takes longer.
+// Number of cells per radius for the planned volume. An opening gets fewer: it is mostly inside a solid made
+// from a mesh, where a distance takes longer.
 double CellsPerRadius(procedure::PlanKind kind) { return kind == procedure::PlanKind::kCup ? 50.0 : 25.0; }
 
-// What is measured of the plan beside its own data.
+// Figures that are measured for the plan, in addition to its own data.
 struct PlanFigures {
-  std::optional<double> planned_volume_m3{};  // nothing: a plan for a mesh that was not named
+  std::optional<double> planned_volume_m3{};  // nothing: the plan is for a mesh, and no mesh was named
   std::vector<double> tool_volumes_m3{};      // that each tool takes of what the ones before left; likewise
   std::optional<double> wall_m{};
   std::optional<Vector3> axis_W{};
   std::vector<std::string> warnings;
 };
 
-// The bone that each tool takes, the earlier ones having been at their places.
+// The volume of bone that each tool removes after the earlier tools have cut at their planned places.
 std::vector<double> ToolVolumes(const SurgicalPlan& plan, const session::CellSetup& setup) {
   std::vector<procedure::PlannedCavity> cleared;
   std::vector<double> volumes_m3;

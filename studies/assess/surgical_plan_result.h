@@ -10,8 +10,8 @@ namespace osteon::studies {
 
 struct SurgicalPlanOptions {
   std::filesystem::path plan;
-  std::filesystem::path cell;                 ///< the plan is also held against this cell; empty: none
-  std::optional<session::MeshChoice> mesh{};  ///< of a plan that has the cup of a mesh alone
+  std::filesystem::path cell;                 ///< the plan is also checked against this cell; empty: none
+  std::optional<session::MeshChoice> mesh{};  ///< mesh of a plan that states only the cup in a mesh
   std::filesystem::path json;
 };
 

@@ -26,7 +26,7 @@ fs::path WholePath(const fs::path& folder) {
 
 bool IsDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
-// Digits without leading zeros, from a place on, which moves behind them.
+// Reads digits from position `at` on, and moves `at` behind them. Returns them without leading zeros.
 std::string TakeNumber(const std::string& text, std::size_t& at) {
   while (at < text.size() && text[at] == '0') ++at;
   const std::size_t begin = at;
@@ -34,7 +34,7 @@ std::string TakeNumber(const std::string& text, std::size_t& at) {
   return text.substr(begin, at - begin);
 }
 
-// By letters, and by numbers where both have digits: session_2 before session_10.
+// Compares names letter by letter, and as numbers where both have digits: session_2 before session_10.
 bool NaturalLess(const std::string& a, const std::string& b) {
   std::size_t i = 0, j = 0;
   while (i < a.size() && j < b.size()) {
@@ -74,7 +74,7 @@ tl::expected<TrendPoint, std::string> PointOf(const fs::path& folder, const Asse
                     .finished = finished.is_boolean() ? std::optional(finished.get<bool>()) : std::nullopt};
 }
 
-// Where results beside a session may lie.
+// The folders beside a session in which results may lie.
 std::vector<fs::path> FoldersBeside(const fs::path& own) {
   std::vector<fs::path> around{own.parent_path()}, folders;
   if (own.filename() == kInnerFolder) around.push_back(own.parent_path().parent_path());
@@ -86,7 +86,7 @@ std::vector<fs::path> FoldersBeside(const fs::path& own) {
   return folders;
 }
 
-// A field of a table, in quotes where it must be.
+// A field of a CSV table, in quotes if it needs them.
 std::string CsvField(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string field = "\"";

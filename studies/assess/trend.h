@@ -11,7 +11,8 @@ namespace osteon::studies {
 
 struct AssessResult;
 
-/// File of a result within a session's folder, and its schema; the trend's table beside it.
+/// Name of the result's file in a session's folder, schema of that file, and name of the trend's table in the
+/// same folder.
 inline constexpr const char* kResultName = "assess.json";
 inline constexpr const char* kAssessSchema = "osteon.assess/1";
 inline constexpr const char* kTrendName = "trend.csv";
@@ -25,20 +26,23 @@ struct TrendPoint {
   std::optional<bool> finished{};  ///< nothing: an older result does not say
 };
 
-/// Results of one plan by one rubric, with this session's, in the order in which the sessions began; by the
-/// folders' names, numbers in them as numbers, where a beginning is not known.
+/// Results of one plan by one rubric, this session's included, in the order in which the sessions began. If
+/// the beginning of any session is not known, all are sorted by their folders' names, session_2 before
+/// session_10.
 struct Trend {
   std::vector<TrendPoint> points{};
-  bool by_time{false};
+  bool by_time{false};  ///< sorted by the beginnings; false: by the folders' names
 };
 
-/// A session's name for people: that of its folder, or of the one above where it is only called "session".
+/// A session's name for people: that of its folder, or of the folder above if the folder is only called
+/// "session".
 [[nodiscard]] std::string NameOfFolder(const std::filesystem::path& folder);
 
 /// Finds the results beside a session: in the folders beside its own, and in their folders "session". A
-/// folder that is itself called "session", as in what the demo writes, counts as the folder that it lies in.
-/// @param named  further sessions' folders
-/// @returns an error that names a further folder without a result of this plan and rubric.
+/// folder that is itself called "session", as the demo writes it, counts as the folder that it lies in.
+/// @param named  folders of further sessions
+/// @returns the trend; or an error that names one of the `named` folders that has no result of this plan and
+/// rubric.
 [[nodiscard]] tl::expected<Trend, std::string> ReadTrend(const AssessResult& result,
                                                          const std::vector<std::filesystem::path>& named);
 

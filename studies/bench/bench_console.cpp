@@ -37,7 +37,7 @@ namespace {
 constexpr int kPages = 8;
 constexpr std::chrono::milliseconds kLooks{50};
 constexpr int kLooksToAsk = 20;
-constexpr double kMaxLatency_ms = 100.0;  // from a tick to its drawn figure: console.md's bar
+constexpr double kMaxLatency_ms = 100.0;  // from a tick to its drawn figure: the limit of console.md
 
 enum class Leg : std::uint8_t { kOff, kIdle, kEight, kPage, kBusy, kBrowser };
 constexpr std::array<const char*, 6> kLegs{"off",      "on, no page",          "eight pages, one stuck",
@@ -65,7 +65,7 @@ constexpr std::array<BoneFigure, 5> kBoneFigures{
     BoneFigure{"age_ms_p50", "bone: age p50", "ms", &BoneFigures::age_ms_p50},
     BoneFigure{"age_ms_p95", "bone: age p95", "ms", &BoneFigures::age_ms_p95}};
 
-// A demo's summary, null if it failed, and what a page has seen of its bone.
+// A demo's summary (null if the demo failed), and how its bone reached a page.
 struct DemoFigures {
   nlohmann::json summary{};
   std::optional<BoneFigures> bone{};
@@ -127,7 +127,7 @@ BoneFigures FiguresOf(const console::PageClient::Bone& bone) {
 DemoFigures RunDemoWith(Leg leg, const BenchConsoleOptions& options, const std::filesystem::path& folder) {
   std::error_code error;
   const std::filesystem::path json = folder / "summary.json", err = folder / "err.txt";
-  for (const auto& earlier : {json, err})  // another demo's port would be taken for this one's
+  for (const auto& earlier : {json, err})  // the port of an earlier demo would be taken for this demo's
     std::filesystem::remove(earlier, error);
   auto demo =
       base::ChildProcess::Start({.words = {"demo", "--seconds", fmt::format("{:g}", options.seconds), "--out",
@@ -143,7 +143,7 @@ DemoFigures RunDemoWith(Leg leg, const BenchConsoleOptions& options, const std::
   std::unique_ptr<base::ChildProcess> browser;
   if (const int port = leg == Leg::kOff ? 0 : AwaitConsolePort(**demo, err); port > 0) {
     const int count = leg == Leg::kEight ? kPages : leg == Leg::kPage || leg == Leg::kBusy ? 1 : 0;
-    for (int i = 0; i < count; ++i)  // of several the last one does not read
+    for (int i = 0; i < count; ++i)  // the last of several pages does not read
       if (auto page = console::PageClient::Open("127.0.0.1", port, i + 1 < kPages))
         pages.push_back(std::move(*page));
       else

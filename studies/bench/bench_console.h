@@ -15,14 +15,15 @@ struct BenchConsoleOptions {
   std::filesystem::path json{};
 };
 
-/// Measures what the console costs a cell that runs: the demo without it, with eight pages of which one does
-/// not read, with one page, with one page while other work keeps every core busy, and with a page in a
-/// browser, in turn; the tick's compute and wake-up and the frame, as medians over rounds. Also how often the
-/// carved bone reaches a page while it is cut, how old it is then, and the time from a tick to its figures:
-/// taken by a page without a browser, and drawn by the browser.
+/// Measures how much the console costs a running cell. It runs the demo in turn without the console, with
+/// eight pages of which one does not read, with one page, with one page while other work keeps every core
+/// busy, and with a page in a browser. The figures are medians over rounds: the tick's compute time and
+/// wake-up, and the frame. It also measures how often the carved bone reaches a page while it is cut, how old
+/// it is then, and the time from a tick until a page without a browser has received the tick's figures, and
+/// until the browser has drawn them.
 ///
-/// With `reloads` a page is loaded and left so often during a demo, every third of them as by a kill: the
-/// demo must have no fault for it, and hold neither descriptors, threads nor memory afterwards.
+/// With `reloads`, a page is loaded and left that many times during one demo, every third time as if it were
+/// killed. The demo must have no fault from this, and keep no descriptors, threads or memory afterwards.
 /// @returns the process's exit code: 0; 1 a demo failed, reloads left something, or the figures can't be
 /// written; 130 ended by Ctrl-C.
 [[nodiscard]] int RunBenchConsole(const BenchConsoleOptions& options);

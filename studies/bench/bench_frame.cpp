@@ -41,7 +41,7 @@ nlohmann::json TimingJson(const FrameTiming& timing) {
   return json;
 }
 
-// The engine's name of a method; other methods keep theirs.
+// Converts a method's name to the engine's name, and back; other methods keep their names.
 std::string EngineOfMethod(const std::string& method) { return method == "ours" ? "vulkan" : method; }
 std::string MethodOfEngine(const std::string& engine) { return engine == "vulkan" ? "ours" : engine; }
 
@@ -82,7 +82,7 @@ std::vector<std::string> MethodsOf(const BenchFrameOptions& options) {
   return methods;
 }
 
-// @returns what of `--compare` is not accepted; empty: nothing
+// @returns an error if a value of `--compare` is not accepted; otherwise an empty string
 std::string CompareError(const BenchFrameOptions& options) {
   const std::vector<std::string> methods = MethodsOf(options);
   for (const std::string& compare : options.compare) {
@@ -95,7 +95,7 @@ std::string CompareError(const BenchFrameOptions& options) {
   return {};
 }
 
-// A workload's figures: method by method, beside the first and the last of the methods that are its engines.
+// A workload's figures for each method, compared with the first method and with the last that is an engine.
 class WorkloadFigures {
  public:
   WorkloadFigures(const RoundWorkload& workload, const WantedWorkload& wanted, const WorkloadRounds& rounds,
@@ -175,7 +175,7 @@ class WorkloadFigures {
                        timing.active_spheres_mean ? fmt::format("{:.0f}", *timing.active_spheres_mean) : "-");
   }
 
-  // How many times as long as the first method a method takes.
+  // Prints the ratio of a method's time to that of the first method.
   void PrintRatio(const MethodRounds& method) const {
     const TimeRatio ratio = RatioOf(method, first());
     const auto range = [&](const RoundRange& of) {

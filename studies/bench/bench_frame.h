@@ -20,12 +20,13 @@ struct BenchFrameOptions {
   std::vector<std::string> compare{};  ///< further methods, timed in the same run; empty: none
   /// Engines that are timed in turn instead of methods: "vulkan", "cpu", "reference"; empty: none.
   std::vector<std::string> engines{};
-  /// BenchWorkloadNames(), in place of `scene` and `tool_spheres`; `spheres` then replaces each one's number.
+  /// Values of BenchWorkloadNames(), in place of `scene` and `tool_spheres`; `spheres` then replaces the
+  /// number of each workload.
   std::vector<std::string> workloads{};
-  std::size_t rounds{1};  ///< over all workloads
+  std::size_t rounds{1};  ///< number of rounds over all workloads
   std::string device{};
-  std::size_t frames{2000};  ///< of a round, on each workload
-  double max_seconds{60.0};  ///< likewise
+  std::size_t frames{2000};  ///< timed per round and workload
+  double max_seconds{60.0};  ///< of timing per round and workload
   double voxel_mm{0.25};
   std::filesystem::path json{};
 };

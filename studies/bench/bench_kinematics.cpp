@@ -199,7 +199,8 @@ std::vector<Pairing> DynamicsPairings(const std::shared_ptr<Workload<N>>& work) 
            })}};
 }
 
-// Compares all closed-form solutions, limits checked, with KDL's solver, which finds one from zero, or none.
+// Compares our inverse, which finds all closed-form solutions and checks the limits, with KDL's solver, which
+// finds one solution or none, starting from zero.
 template <int N, class Solve>
 Pairing InversePairing(const std::shared_ptr<Workload<N>>& work, Solve solve) {
   Workload<N>& w = *work;
@@ -261,7 +262,7 @@ void Time(std::vector<Pairing>& pairings, std::size_t calls) {
   }
 }
 
-// The measured chain is the bare arm's.
+// Lists the pairs of functions. The measured chain is that of the bare arm.
 template <int N>
 std::vector<Pairing> PairingsOf(const config::RobotModel& model, const ChainParams<N>& params) {
   const auto work = std::make_shared<Workload<N>>(params);

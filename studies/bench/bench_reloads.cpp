@@ -23,7 +23,7 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kLongest_s = 3600.0;  // of the demo, which is ended once the reloads are done
+constexpr double kLongest_s = 3600.0;  // longest duration of the demo, which is ended after the reloads
 constexpr std::chrono::seconds kEnds{120};
 constexpr int kTellEvery = 100;
 

@@ -32,8 +32,8 @@ constexpr std::array<std::string_view, 3> kWays{"thread", "shared memory", "UDP"
 constexpr rt::Nanoseconds kTick = rt::kMillisecond, kPoll = 50'000;
 constexpr rt::Nanoseconds kUdpPatience = 30 * rt::kSecond;  // until the engine's process listens
 constexpr int kWarmUp = 200;                                // ticks of a round that do not count
-constexpr rt::Nanoseconds kLook = 10'000;                   // from one look for a model to the next
-constexpr rt::Nanoseconds kLeftForTick = 50'000;            // no look so shortly before a tick
+constexpr rt::Nanoseconds kLook = 10'000;                   // from one poll for a model to the next
+constexpr rt::Nanoseconds kLeftForTick = 50'000;            // before a tick, in which there is no poll
 constexpr double kPressed_m = 1e-3;                         // the head's depth beyond the cup's floor
 constexpr double kDrift_m_per_s = 1e-4;                     // so that no two poses are alike
 
@@ -95,10 +95,10 @@ struct Times {
   std::vector<double> back_us;  ///< from a tick's command until its model can be taken
 };
 
-// Ticks at 1 kHz, and looks for the model in between.
+// Ticks at 1 kHz, and polls for the model between the ticks.
 Times Tick(control::SimulationPort& port, const Pose& X_WT, double spindle_rad_per_s, int ticks) {
   Times times;
-  std::thread loop([&] {  // so that this process does not keep the priority
+  std::thread loop([&] {  // a thread, so that the process does not keep the real-time priority
     rt::SetUpRealtimeThread({.priority = 80});
     rt::Nanoseconds next = rt::MonotonicNow();
     for (int tick = -kWarmUp; tick < ticks && !base::Interrupted().load(); ++tick) {
@@ -134,7 +134,7 @@ Times TickRemote(session::RemoteEngine& engine, const Pose& X_WT, double spindle
   return times;
 }
 
-// The times of one way in one round; `wrong` says why there are none.
+// Measures the times of one connection in one round; `wrong` says why there are none.
 Times Measure(std::size_t way, session::CellSetup& setup, const session::EngineChoice& choice, int ticks,
               std::string& wrong) {
   const Pose X_WT = PressedPose(setup);

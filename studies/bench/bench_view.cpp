@@ -33,13 +33,13 @@ namespace {
 using ViewClock = std::chrono::steady_clock;
 constexpr std::chrono::minutes kViewPatience{20};
 constexpr double kTickNear_s = 0.05;                            // a window of the feed has 30 ms
-constexpr double kStrip_s = 30.0, kMinWindowsPerSecond = 20.0;  // of the page's strip charts
+constexpr double kStrip_s = 30.0, kMinWindowsPerSecond = 20.0;  // length and windows of the page's charts
 
 double SecondsSince(ViewClock::time_point begun) {
   return std::chrono::duration<double>(ViewClock::now() - begun).count();
 }
 
-// Waits until something holds. @returns seconds; nothing: it did not come
+// Waits until `holds` returns true. @returns the seconds that passed; nothing: it did not in time
 std::optional<double> Await(ViewClock::time_point begun, const std::function<bool()>& holds) {
   while (!holds()) {
     if (ViewClock::now() - begun > kViewPatience) return std::nullopt;
@@ -48,7 +48,7 @@ std::optional<double> Await(ViewClock::time_point begun, const std::function<boo
   return SecondsSince(begun);
 }
 
-// Writes a recording's ticks, frames and events one time after the other, with stamps that go on.
+// Writes a recording's ticks, frames and events again and again, with stamps that continue.
 tl::expected<double, std::string> WriteRepeated(const std::filesystem::path& from, double seconds,
                                                 const std::filesystem::path& to) {
   std::unique_ptr<io::Recorder> recorder;
@@ -144,7 +144,7 @@ int RunBenchView(const BenchViewOptions& options) {
   if (!open_s || !keys_s) return session::Fail("bench view", "the recording did not open", session::kFailed);
 
   std::vector<double> tick_s, before_s, bone_s;
-  constexpr double kGolden = 0.6180339887;  // places all over it, forward and backward
+  constexpr double kGolden = 0.6180339887;  // golden ratio: spreads the seeks forward and backward
   for (int i = 1; i <= options.seeks; ++i) {
     const double at_s = *duration_s * std::fmod(kGolden * i, 1.0);
     const auto asked = ViewClock::now();

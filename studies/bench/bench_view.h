@@ -14,10 +14,11 @@ struct BenchViewOptions {
   std::filesystem::path json{};
 };
 
-/// Repeats a recording until it has the length, opens it as `osteon view` does, and times: until ticks and
-/// bone are there, until the bone's key states are complete, and seeks to places all over it, each until its
-/// tick and its bone are shown.
-/// @returns the process's exit code: 0; 1 if something could not be written or did not come; 2 bad input.
+/// Repeats a recording until it is `hours` long, opens it as `osteon view` does, and measures three times:
+/// until ticks and bone are there, until the bone's key states are complete, and for seeks to places all over
+/// the recording, each until its tick and its bone are shown.
+/// @returns the process's exit code: 0; 1 if a file could not be written, or one of these never happened; 2
+/// bad input.
 [[nodiscard]] int RunBenchView(const BenchViewOptions& options);
 
 }  // namespace osteon::studies

@@ -14,7 +14,8 @@ struct BenchWorkload {
   std::size_t spheres, tool_spheres;
 };
 
-/// What engines are compared on: bones of growing size under one analytic head, then heads of many spheres.
+/// The workloads on which engines are compared: bones of growing size under one analytic head, then heads of
+/// many spheres.
 inline constexpr std::array<BenchWorkload, 6> kBenchWorkloads{{{"reamer-30k", "acetabulum", 30'000, 1},
                                                                {"reamer-300k", "acetabulum", 300'000, 1},
                                                                {"reamer-1m", "acetabulum", 1'000'000, 1},
@@ -25,7 +26,7 @@ inline constexpr std::array<BenchWorkload, 6> kBenchWorkloads{{{"reamer-30k", "a
 /// The values of `--workloads`: "all", then the workloads' names.
 [[nodiscard]] const std::vector<std::string>& BenchWorkloadNames();
 
-/// Returns the named workloads in the order of kBenchWorkloads, each once; all where the names have "all".
+/// Returns the named workloads in the order of kBenchWorkloads, each once; all if "all" is among the names.
 [[nodiscard]] std::vector<BenchWorkload> SelectWorkloads(const std::vector<std::string>& names);
 
 }  // namespace osteon::studies

@@ -23,7 +23,7 @@ using simulation::WorkloadPlayer;
 
 constexpr std::size_t kMinFrames = 20;
 
-// A restored engine makes its lists anew in the first frame: these frames are not timed.
+// A restored engine makes its neighbour lists anew in the first frame: these frames are not timed.
 constexpr std::size_t kWarmUpFrames = 20;
 constexpr double kMaxWarmUp_s = 0.5;
 
@@ -96,7 +96,7 @@ void AddPassTimes(const CuttingEngine& engine, std::map<std::string, std::vector
   }
 }
 
-// Measures the time by pass, from the same start.
+// Measures the time of each pass or stage, from the same start.
 tl::expected<std::map<std::string, double>, std::string> TimePasses(const FrameWorkload& work,
                                                                     const FrameTimingParams& params,
                                                                     const std::string& method,

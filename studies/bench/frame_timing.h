@@ -49,15 +49,15 @@ struct SeatedStart {
   simulation::WorkloadPlayer player;
   simulation::ContactModel last;
 };
-/// The start of all methods that share their state (SharesState): the CPU engine carves it where it is timed,
-/// and "ours" elsewhere.
+/// Makes the start of all methods that share their state (SharesState). The CPU engine carves it if "cpu" is
+/// among the timed methods, otherwise "ours" does.
 [[nodiscard]] tl::expected<SeatedStart, std::string> Seat(const simulation::FrameWorkload& work,
                                                           const FrameTimingParams& params);
-/// The start that one method carves.
+/// Makes the start with one method: it carves until the tool is seated.
 [[nodiscard]] tl::expected<SeatedStart, std::string> SeatMethod(const simulation::FrameWorkload& work,
                                                                 const FrameTimingParams& params,
                                                                 const std::string& method);
-/// The starts of methods that carve their own, by method.
+/// The starts of methods that carve their own start, by the method's name.
 using OwnStarts = std::map<std::string, SeatedStart>;
 
 /// Times the methods' frames on one workload, in this process and alternating frame by frame, so that other

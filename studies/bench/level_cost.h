@@ -11,18 +11,18 @@
 
 namespace osteon::studies {
 
-/// What gives way in a timed cell, by a name.
+/// A level of compliance: which parts of a timed cell give way, with a name.
 struct NamedLevels {
   std::string name;
   control::ComplianceParams params;
 };
 
-/// off, tool, layer, mount, all: of the demo's cell with its reamer, its cartilage, and a mount of 12 kg and
-/// 10 Hz that is 80 mm below the cup.
-/// @throws std::invalid_argument where the cell's tool or scene does not say how it gives way.
+/// Returns the levels off, tool, layer, mount and all for the demo's cell: its reamer bends, its cartilage
+/// yields, and the bone is on a mount of 12 kg and 10 Hz that is 80 mm below the cup.
+/// @throws std::invalid_argument if the cell's tool or scene does not say how it gives way.
 [[nodiscard]] std::vector<NamedLevels> LevelsOf(const config::CellConfig& cell);
 
-/// What a tick takes while a level gives way.
+/// The times of a tick with one level of compliance.
 struct LevelCost {
   std::string name;
   simulation::TimeFigures tick, loop;  ///< the whole tick; the servo loop alone
@@ -32,19 +32,19 @@ struct LevelCost {
   bool realtime{false};
 };
 
-/// Times the tick of cells/demo.yaml with each of LevelsOf, tick by tick in turn in one run. On Ctrl-C the
-/// figures are of the ticks so far.
-/// @throws std::runtime_error if a level's tool did not press in so many ticks; std::invalid_argument as
-/// BenchCell.
+/// Times the tick of cells/demo.yaml with each level of LevelsOf, tick by tick in turn in one run. On Ctrl-C
+/// the figures are of the ticks so far.
+/// @throws std::runtime_error if the tool pressed in fewer than `ticks` ticks with one of the levels;
+/// std::invalid_argument as BenchCell does.
 [[nodiscard]] std::vector<LevelCost> TimeLevels(const std::filesystem::path& config_root, std::size_t ticks);
 
-/// The same with the guidance of a plan: none, at gain 0, and as the plan has it.
-/// @param plan  its YAML, with guidance and a tool of the cell's size
-/// @throws std::invalid_argument also where it has neither; config::ConfigError
+/// Times the same tick without guidance, with the plan's guidance at gain 0, and as planned, in turn.
+/// @param plan  the plan's YAML file, with guidance and a tool of the cell's size
+/// @throws as TimeLevels; std::invalid_argument also if the plan lacks one of these; config::ConfigError
 [[nodiscard]] std::vector<LevelCost> TimeGuidance(const std::filesystem::path& config_root,
                                                   const std::filesystem::path& plan, std::size_t ticks);
 
-/// By how much the loop's median is above another level's [us].
+/// The median time of the loop with `level` less that with `off` [us].
 [[nodiscard]] double AddedMedian_us(const LevelCost& level, const LevelCost& off);
 
 /// Says in how many ticks the tool pressed, and whether the loop stopped itself.

@@ -9,7 +9,7 @@
 namespace osteon::studies {
 
 /// Measures the kernel's own time for a tick's datagrams over loopback: one call receives a message that has
-/// arrived, one sends an answer, with nothing between them. No loop on this machine can be faster.
+/// arrived, and one sends an answer, with nothing between them. No loop on this machine can be faster.
 class LoopbackBaseline {
  public:
   /// @throws std::runtime_error if a socket can't be opened.

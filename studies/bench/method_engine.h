@@ -18,8 +18,8 @@ namespace osteon::studies {
 /// of the processor), reference (double precision), the methods of comparison (simulation/methods/method.h),
 /// and PlainVoxelNames().
 [[nodiscard]] const std::vector<std::string>& MethodNames();
-/// "voxel-128", "voxel-256", "voxel-512": the method "voxel" with so many voxels along the longest side of
-/// the solid's box.
+/// "voxel-128", "voxel-256", "voxel-512": the method "voxel" with that number of voxels along the longest
+/// side of the solid's box.
 [[nodiscard]] const std::vector<std::string>& PlainVoxelNames();
 /// Whether the method works on our packings and their state: it can continue another such method's carving.
 [[nodiscard]] bool SharesState(const std::string& method);
@@ -36,7 +36,7 @@ struct MethodChoice {
 };
 
 /// Makes an engine by its method's name, with the bone's frame G in W.
-/// @param solid  what a voxel method fills, and the box of PlainVoxelNames(); read only here
+/// @param solid  filled by a voxel method; its box is divided for PlainVoxelNames(). Used only in this call
 /// @returns an error that names the method and says why it can't be made.
 [[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeMethodEngine(
     const simulation::Bone& bone, const simulation::Solid* solid, const simulation::Tool& tool,

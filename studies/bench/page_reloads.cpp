@@ -17,12 +17,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kEveryKilled = 3;              // one of so many
-constexpr std::chrono::seconds kSettles{4};  // at most, until threads and sockets of the last pages have gone
+constexpr int kEveryKilled = 3;  // every third page is killed
+constexpr std::chrono::seconds kSettles{
+    4};  // longest wait until the last pages' threads and sockets are gone
 constexpr std::chrono::milliseconds kSettleLooks{50};
 constexpr std::size_t kMaxRead = 64u << 20;
 
-// Reads until a text has come. False: it did not in time.
+// Reads until a text has arrived. @returns false if it did not arrive in time
 bool AwaitText(io::TcpStream& stream, std::string& got, std::string_view text, double patience_s) {
   const auto end =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(patience_s));
@@ -117,8 +118,8 @@ ProcessHolds HoldsOf(pid_t process) {
 
 namespace {
 
-/// Waits until a process holds no more than before, at most kSettles.
-/// @returns what it holds then
+/// Waits until a process holds no more resources than before, at most kSettles.
+/// @returns the resources that it holds then
 ProcessHolds SettledHolds(pid_t process, const ProcessHolds& before) {
   const auto until = Clock::now() + kSettles;
   ProcessHolds holds = HoldsOf(process);

@@ -14,57 +14,59 @@
 
 namespace osteon::studies {
 
-/// Waits for the console's port in a demo's messages. @param err  file of them
-/// @returns 0: the demo has ended, or none came within a minute
+/// Waits until a demo's messages name the console's port. @param err  the file of these messages
+/// @returns the port; 0 if the demo has ended, on Ctrl-C, or if no port was named within a minute
 [[nodiscard]] int AwaitConsolePort(base::ChildProcess& demo, const std::filesystem::path& err);
 
 /// How a page leaves.
 enum class PageEnd : std::uint8_t {
   kCloses,  ///< by the close frame that a browser sends
-  kKilled,  ///< without a word, what was not read included
+  kKilled,  ///< without a close frame and with unread data, as a killed browser does
 };
 
-/// Until when a page stays.
+/// The message after which a page leaves.
 enum class PageStay : std::uint8_t {
-  kLiveMessage,  ///< the first one
-  kWholeBone,    ///< the whole surface of the bone
+  kLiveMessage,  ///< the first live message
+  kWholeBone,    ///< the message with the whole surface of the bone
 };
 
 /// Loads a console's page as a browser does: its three files, then the stream as long as it stays; then it
 /// leaves.
-/// @param patience_s  for each of its parts
-/// @returns the error says what did not come.
+/// @param patience_s  time limit for each file and for the stream
+/// @returns an error that says which part did not come.
 [[nodiscard]] tl::expected<void, std::string> LoadPageAndLeave(const std::string& address, std::uint16_t port,
                                                                PageEnd end,
                                                                PageStay stay = PageStay::kLiveMessage,
                                                                double patience_s = 20.0);
 
-/// The resources that a process holds, from /proc; zeros where it has gone.
+/// The resources that a process holds, from /proc; zeros if the process has ended.
 struct ProcessHolds {
   double resident_MB{0.0};
   int descriptors{0}, threads{0};
 };
 [[nodiscard]] ProcessHolds HoldsOf(pid_t process);
 
-/// The trace that many reloads left with a process that serves the page.
+/// The effect of many reloads on the process that serves the page.
 struct ReloadFigures {
   int loaded{0}, killed{0};           ///< pages that were loaded; of these, killed
-  std::vector<std::string> failed{};  ///< why a page was not
-  /// Without a page: before the first, after a tenth of them and one that has had the whole bone, whose
-  /// surface is computed for the first page that looks, and after all of them, each once it has settled.
+  std::vector<std::string> failed{};  ///< for each page that was not loaded, why
+  /// The process's resources while no page is open. `before`: before the first page. `warm`: after a tenth of
+  /// the pages, the last of which received the whole bone, as the surface is computed for the first page that
+  /// wants it. `after`: after all pages. `warm` and `after` are measured once the resources have settled.
   ProcessHolds before, warm, after;
   double seconds{0.0};
 };
 
-/// Loads a page so many times in turn, every third of which is killed.
-/// @param goes_on  false: ends
+/// Loads a page `reloads` times, one after the other; every third page is killed.
+/// @param goes_on  called before each page; returns false to end early
 [[nodiscard]] ReloadFigures ReloadPages(const std::string& address, std::uint16_t port, pid_t process,
                                         int reloads, const std::function<bool(int done)>& goes_on);
 
-/// Growth of the resident memory from a tenth of the reloads on that counts as flat [MB]. A run's own memory
-/// moves by some MB, whoever looks. Assumed.
+/// Largest growth of the resident memory from a tenth of the reloads to their end that counts as flat [MB]. A
+/// run's memory varies by some MB even without pages. Assumed.
 inline constexpr double kFlat_MB = 16.0;
-/// Whether nothing was left: no descriptor and no thread more, and memory that is flat.
+/// Whether the reloads left nothing: `after` has no more descriptors and threads than `warm`, and the memory
+/// is flat.
 [[nodiscard]] bool LeftNothing(const ReloadFigures& figures);
 
 }  // namespace osteon::studies

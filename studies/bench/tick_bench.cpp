@@ -187,7 +187,7 @@ struct TickBench::Parts {
     }
     const kinematics::JointVector q = Eigen::Map<const kinematics::JointVector>(command_.q.data());
 
-    // rehearse as RunServo does before a message is due
+    // warm the caches, as RunServo does before a message is due
     control::WarmUpTick(loop_, repeat_, *link_, command_);
     if (!wire_->Send(message)) throw std::runtime_error("the loopback took no message");
 
@@ -287,7 +287,7 @@ std::vector<TickTimes> TimeHere(std::span<TickBench> benches, std::size_t ticks)
     for (auto& each : times.parts) each.reserve(ticks);
     times.bare.reserve(ticks / kBaselineEvery + 1);
   }
-  // to the bone without a pace
+  // Run the ticks until the tools press as fast as possible.
   for (std::size_t i = 0; i < benches.size(); ++i)
     while (all[i].tick.empty() && !benches[i].parts().ended() && !base::Interrupted())
       benches[i].parts().RunNext(all[i]);
@@ -308,7 +308,7 @@ std::vector<TickTimes> TimeHere(std::span<TickBench> benches, std::size_t ticks)
       over = false;
       TickBench::Parts& bench = benches[i].parts();
       wait(bench);
-      if (all[i].tick.size() / kBaselineEvery > all[i].bare.size()) {  // also with cold caches
+      if (all[i].tick.size() / kBaselineEvery > all[i].bare.size()) {  // as a tick, with cold caches
         bench.TimeKernel(all[i]);
         wait(bench);
       }

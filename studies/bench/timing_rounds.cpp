@@ -10,7 +10,7 @@
 namespace osteon::studies {
 namespace {
 
-// What all rounds of a workload begin with.
+// The starting states of all rounds of a workload.
 struct Starts {
   std::vector<std::string> methods;  // that can be timed
   std::optional<SeatedStart> shared;

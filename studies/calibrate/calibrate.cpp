@@ -142,7 +142,7 @@ std::vector<PostureResidual> PivotResiduals(const control::PivotFit& fit,
   return list;
 }
 
-// Largest difference between two rests at one posture; nothing if none was visited again.
+// Largest difference of force between two rests at one posture [N]; nothing if no posture was visited again.
 std::optional<double> Repeatability_N(const std::vector<PostureResidual>& residuals) {
   std::optional<double> most;
   for (const PostureResidual& at : residuals)
@@ -230,7 +230,7 @@ nlohmann::ordered_json ToJson(const Result& result, const CalibrateOptions& opti
   return json;
 }
 
-// "0.01 N at 0.0 s, 0.02 N at 1.2 s": each posture by the time of its rest.
+// "0.01 N at 0.0 s, 0.02 N at 1.2 s": the residual of each posture at the time of its rest.
 std::string ByPosture(const std::vector<PostureResidual>& residuals, const char* unit, double scale) {
   std::string text;
   for (const PostureResidual& at : residuals)
@@ -324,7 +324,7 @@ int RunCalibrate(const CalibrateOptions& options) {
     result.pivot_poses = poses.size();
     result.pivot_residuals = PivotResiduals(*fit, *rests, poses);
   }
-  // a history that can't be read is told before anything is written
+  // Report a history that can't be read before anything is written.
   const auto history = ReadHistory(HistoryFile(options.out));
   if (!history) return session::Fail("calibrate", history.error());
   const CalibrationEntry entry = EntryOf(result);

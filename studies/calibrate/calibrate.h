@@ -26,7 +26,7 @@ struct RestingPose {
   std::array<double, 7> q{};          ///< mean [rad]
   Wrench F_S;                         ///< mean reading of the force sensor
   int visits{1};                      ///< rests at this posture
-  double repeat_N{0.0};               ///< largest difference of the mean force between two of them
+  double repeat_N{0.0};               ///< largest difference of the mean force between two of these rests
 };
 
 /// Finds the periods in which no joint moves by more than 0.5 mrad for half a second; the first 0.2 s of each

@@ -34,8 +34,8 @@ struct CalibrationEntry {
 /// The history's file beside an overlay: my_calibration.yaml has my_calibration.history.jsonl.
 [[nodiscard]] std::filesystem::path HistoryFile(const std::filesystem::path& overlay);
 
-/// Reads a history, one JSON object a line; empty if there is no file. The error names file, line and what is
-/// accepted.
+/// Reads a history with one JSON object per line; empty if there is no file. The error names file, line and
+/// what is accepted.
 [[nodiscard]] tl::expected<std::vector<CalibrationEntry>, std::string> ReadHistory(
     const std::filesystem::path& file);
 
@@ -43,13 +43,13 @@ struct CalibrationEntry {
 [[nodiscard]] tl::expected<void, std::string> AppendHistory(const std::filesystem::path& file,
                                                             const CalibrationEntry& entry);
 
-/// Sentences on what differs from the latest and from the first earlier calibration of the same quantity by
-/// more than both fits explain: over three standard deviations, and over 20 g, 1 mm of the centre, 0.5 N of
-/// bias or 0.1 mm of the apex.
+/// Describes in sentences each quantity that differs from its latest or from its first earlier calibration by
+/// more than both fits explain: over three standard deviations, and over 20 g of mass, 1 mm of the centre,
+/// 0.5 N of bias or 0.1 mm of the apex.
 [[nodiscard]] std::vector<std::string> DriftSince(const std::vector<CalibrationEntry>& history,
                                                   const CalibrationEntry& now);
 
-/// The present time as CalibrationEntry has it.
+/// The present time in the form of CalibrationEntry::time.
 [[nodiscard]] std::string UtcNow();
 
 }  // namespace osteon::studies

@@ -9,8 +9,8 @@
 
 namespace osteon::studies {
 
-/// The forces at the tool's apex that an arm can hold in one posture, or the least over several [N]. Help
-/// from gravity counts only in axial_exact_N; the others are what the servo loop's limiter permits.
+/// The forces at the tool's apex that an arm can hold in one posture, or the smallest over several postures
+/// [N]. Help from gravity counts only in axial_exact_N; the others are permitted by the servo loop's limiter.
 struct ToolForce {
   double axial_N{std::numeric_limits<double>::infinity()};  ///< along the tool, no other load
   double lateral_N{
@@ -27,7 +27,7 @@ struct ToolForce {
       std::numeric_limits<double>::infinity()};  ///< distance to the arm's nearest own position limit
   int room_joint{-1};
 
-  /// Lowers each figure to the other's where the other's is less.
+  /// Lowers each figure to that of `other` if `other` has a smaller one.
   void LowerTo(const ToolForce& other);
 };
 
@@ -42,7 +42,7 @@ class ArmForce {
   /// Computes all figures at joint positions q. @param base_turn_rad  turn of the base about its own axis,
   /// from R_WB
   [[nodiscard]] ToolForce ForceAt(const kinematics::JointVector& q, double base_turn_rad = 0.0) const;
-  /// Computes ForceAt(q).factor alone; faster.
+  /// Computes only ForceAt(q).factor, which is faster.
   [[nodiscard]] double NeedFactor(const kinematics::JointVector& q, double base_turn_rad = 0.0) const;
   /// The centres of elbow and wrist, in B.
   struct ElbowAndWrist {

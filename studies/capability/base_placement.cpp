@@ -171,7 +171,7 @@ std::optional<BaseFigure> BasePlacement::Best(const std::function<bool()>& stop)
             step_m *= 0.5;
             step_rad *= 0.5;
           }
-          // rounded as the file states it
+          // rounded, as the file will state the result
           const Vector3 rounded = (1e3 * best.X_WB.translation()).array().round() * 1e-3;
           refined[i] = Judge(rounded, kDegree * std::round(best.arm_angle_rad / kDegree));
         }

@@ -29,7 +29,7 @@ struct BasePlacementParams {
   double clearance_m{0.35};  ///< least distance of the site's centre from the base's axis, across that axis
   double joint_margin_rad{0.0872664625997165};  ///< distance kept from the position limits (5 deg)
   double min_bend_rad{0.261799387799149};       ///< of A4 and A6 from straight (15 deg)
-  Vector3 now_W_m{Vector3::Zero()};  ///< where the base stands now; of equally good places the nearest wins
+  Vector3 now_W_m{Vector3::Zero()};  ///< the base's present place: among equally good ones the nearest wins
   double moving_share_per_m{0.01};   ///< relative gain that a place must bring per metre of distance
   double step_m{0.05};               ///< of the first grid
   double final_step_m{0.005};
@@ -43,7 +43,7 @@ struct BaseFigure {
   Pose X_WB{Pose::Identity()};
   double arm_angle_rad{0.0};
   unsigned configurations{0};  ///< bit c: configuration c does the whole task; 0: none does
-  double factor{0.0};          ///< of the whole need at once, least over the task
+  double factor{0.0};          ///< share of the whole need that the arm holds, least over the task
 };
 
 class BasePlacement {
@@ -54,7 +54,7 @@ class BasePlacement {
 
   /// Judges a base at a place, turned so that A1 faces the site, at the best of the sampled arm angles.
   [[nodiscard]] BaseFigure Judge(const Vector3& p_WB) const;
-  /// Judges it at a given arm angle, with the task sampled finely.
+  /// Judges the base at a given arm angle, with the task sampled finely.
   [[nodiscard]] BaseFigure Judge(const Vector3& p_WB, double arm_angle_rad) const;
 
   /// Searches a grid, then refines its best places by compass search over x, y, z and the arm angle, with the

@@ -32,8 +32,8 @@ struct CapabilityOptions {
 };
 
 /// Runs `osteon capability CELL.yaml`: maps the force that the arm can hold over the cell's task, and
-/// searches for the base from which it holds most. Writes capability.json, .csv, .html, pictures, and
-/// base.yaml into a folder.
+/// searches for the base from which the arm holds the largest force. Writes capability.json, .csv, .html,
+/// pictures, and base.yaml into a folder.
 /// @returns the process's exit code: 0, whatever the verdict; 1 if a file can't be written; 2 bad input;
 /// 130 ended by Ctrl-C.
 [[nodiscard]] int RunCapability(const CapabilityOptions& options);

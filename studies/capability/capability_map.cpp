@@ -8,7 +8,7 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kMargin = 1.04;  // of a map around the workspace
+constexpr double kMargin = 1.04;  // size of a map over that of the workspace
 
 }  // namespace
 

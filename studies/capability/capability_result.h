@@ -32,14 +32,14 @@ struct CapabilityResult {
   Pose X_WB{Pose::Identity()};
   double own_arm_angle_rad{0.0};
   CapabilityMap::Task best_angle, own_angle;
-  int outside{0};  ///< poses of the task outside the cell's workspace: they are not judged
+  int outside{0};  ///< number of the task's poses outside the cell's workspace, which are not judged
   std::vector<MapPanel> maps;
   BasePlacementParams search;
   bool searched{false};
-  std::optional<BaseFigure> base;  ///< the best; nothing if none was looked for or found
+  std::optional<BaseFigure> base;  ///< the best base; nothing if none was searched for or found
   ToolForce base_force;
   std::vector<BasePanel> base_panels;
-  std::optional<Rendering> rendering{};  ///< forces that are felt and rendered; none: not asked
+  std::optional<Rendering> rendering{};  ///< forces that are felt and rendered; none: not computed
 };
 
 /// Bad if the arm can't hold both needs over the whole task from the cell's own base at any arm angle. To be
@@ -50,7 +50,7 @@ struct CapabilityResult {
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const CapabilityResult& result);
 /// JSON, schema osteon.capability/1.
 [[nodiscard]] std::string ToJson(const CapabilityResult& result, const std::string& command_line);
-/// The map's nodes as CSV, one a line.
+/// The map's nodes as CSV, one node per line.
 [[nodiscard]] std::string MapCsv(const CapabilityResult& result);
 /// YAML that replaces the corresponding lines of the cell's file.
 [[nodiscard]] std::string BaseYaml(const CapabilityResult& result, const std::string& command_line);

@@ -28,8 +28,8 @@ struct CapabilityNeed {
   std::string lateral_from;  ///< source of lateral_N
 };
 
-/// The working volume and the tilt cone, in the site's frame C. Without poses whose apex lies outside the
-/// workspace.
+/// The working volume and the tilt cone, in the site's frame C. Poses whose apex lies outside the workspace
+/// do not belong to it.
 struct TaskVolume {
   Pose X_WC{Pose::Identity()};
   double radius_m{0.0};
@@ -71,7 +71,8 @@ inline constexpr TaskFineness kCoarseTask{.heights = 2, .around = 4, .azimuths =
 [[nodiscard]] std::vector<Pose> TaskPoses(const TaskVolume& task, const TaskFineness& fineness,
                                           double first_rad);
 
-/// Number of poses that TaskPoses samples, those outside the workspace included, which it leaves out.
+/// Number of poses in the sampling of TaskPoses, including those outside the workspace, which TaskPoses then
+/// leaves out.
 [[nodiscard]] int SampledPoses(const TaskVolume& task, const TaskFineness& fineness);
 
 }  // namespace osteon::studies

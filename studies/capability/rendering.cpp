@@ -17,7 +17,7 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kDeviations = 3.0;
-constexpr double kNoFloor_N = 1e-3;  // a floor below it is that of a simulated sensor without errors
+constexpr double kNoFloor_N = 1e-3;  // only a simulated sensor without errors has a smaller floor
 constexpr double kMinWall_N_per_m = 100.0, kWallFactor = 1.1;
 constexpr std::array<const char*, 3> kAxisNames{"x", "y", "z"};
 
@@ -25,7 +25,7 @@ double LagOf(const hil::ServoArmParams& arm, double period_s) {
   return arm.dead_cycles * period_s + arm.damping_ratio / (std::numbers::pi * arm.bandwidth_hz);
 }
 
-// Finds what was measured along one axis, at the slowest of its speeds. Null: nothing.
+// Finds the arm that was measured along one axis at its slowest speed; null if there is none.
 const config::IdentifiedArm* MeasuredArm(const config::CellConfig& cell, const std::string& axis) {
   const config::IdentifiedArm* slowest = nullptr;
   if (cell.identified)
@@ -34,7 +34,7 @@ const config::IdentifiedArm* MeasuredArm(const config::CellConfig& cell, const s
   return slowest;
 }
 
-// Whether the arm was measured along an axis, at least its response.
+// Whether the arm, or at least its response, was measured along an axis.
 bool IsMeasured(const config::CellConfig& cell, const std::string& axis) {
   if (MeasuredArm(cell, axis) != nullptr) return true;
   return cell.identified && std::ranges::any_of(cell.identified->response, [&](const auto& response) {
@@ -42,8 +42,8 @@ bool IsMeasured(const config::CellConfig& cell, const std::string& axis) {
          });
 }
 
-// The cell's loop along one axis: its gains, and of `identified:` what was measured along that axis, if
-// anything was; else the slowest axis counts for it.
+// The cell's loop along one axis: its gains, and the measurements of `identified:` along that axis. If the
+// axis was not measured, the slowest measured axis counts for it.
 TuneTask TaskAlong(const config::CellConfig& cell, std::size_t axis) {
   config::CellConfig own = cell;
   const std::string name = kAxisNames[axis];
@@ -59,7 +59,7 @@ TuneTask TaskAlong(const config::CellConfig& cell, std::size_t axis) {
   return task;
 }
 
-// The stiffest wall that all hands stand, with the latest command.
+// The stiffest wall with which the loop is stable with all hands, at the greatest delay of a command.
 double GreatestWallOf(const TuneTask& task, const std::vector<hil::GridHand>& hands) {
   double least = kMaxWall_N_per_m;
   for (const hil::GridHand& hand : hands) {
@@ -88,7 +88,7 @@ void FillLoop(const TuneTask& task, RenderedAxis& axis) {
                 StandsByMargins(MeasuredMargins(task, "own", own, hands), "own");
 }
 
-// Two tasks that have the same answers; nothing that was measured is compared.
+// Whether two tasks have the same results; tasks with measurements are never alike.
 bool IsAlike(const TuneTask& a, const TuneTask& b) {
   return !a.identified && !b.identified && a.loop.mass_kg == b.loop.mass_kg &&
          a.loop.damping_Ns_per_m == b.loop.damping_Ns_per_m;
@@ -110,7 +110,7 @@ void FillForces(const config::CellConfig& cell, Rendering& rendering) {
   const auto& identified = cell.identified;
   const bool at_rest = identified && identified->sensor &&
                        (identified->sensor->noise_N > 0.0 || identified->sensor->drift_N > 0.0);
-  // a drift that asks for no dead zone was measured all the same
+  // A drift so small that it needs no dead zone also counts as measured.
   rendering.dead_zone_N = {.value = cell.servo.admittance.dead_zone_N,
                            .measured = at_rest || (identified && identified->dead_zone_N)};
   rendering.noise_N = {.value = std::visit([](const auto& device) { return device.model.noise_N; },

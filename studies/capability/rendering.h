@@ -11,9 +11,9 @@
 #include "report/report.h"
 #include "session/summary/verdict.h"
 
-// The forces that a cell renders truthfully: from the smallest that its force sensor tells from its own
-// errors, to the stiffest wall that the loop stands along each axis of the tool. By `identified:` where it
-// was measured, otherwise by the assumptions of the cell's file.
+// The forces that a cell renders truthfully: from the smallest force that the sensor distinguishes from its
+// own errors, to the stiffest wall with which the loop is stable along each axis of the tool. The figures
+// follow from `identified:` where they were measured, otherwise from the assumptions of the cell's file.
 
 namespace osteon::studies {
 
@@ -28,18 +28,18 @@ struct SourcedFigure {
 /// Rendering along one axis of the tool's frame, at the cell's start.
 struct RenderedAxis {
   char axis{'z'};
-  /// The arm lags its command by this: dead time + 2 z / w; with the impedance law its dead time.
+  /// Lag of the arm behind its command: dead time + 2 z / w; with the impedance law only the dead time.
   SourcedFigure lag_s{};
   /// Mass by which a force on the tool moves the arm; none for an arm without masses.
   std::optional<SourcedFigure> felt_mass_kg{};
-  /// With the admittance law. The least drag with which the cell's virtual mass is stable with every hand and
-  /// contact of `osteon tune`; infinite: none is.
+  /// Only with the admittance law: the least drag with which the cell's virtual mass is stable with every
+  /// hand and contact of `osteon tune`; infinite if no drag is enough.
   std::optional<double> least_drag_Ns_per_m{};
   /// Stiffest wall with the cell's own gains and every hand, up to kMaxWall_N_per_m. None where only the
   /// measured response may be used, and with the impedance law.
   std::optional<double> greatest_wall_N_per_m{};
-  double asked_drag_Ns_per_m{0.0}, asked_wall_N_per_m{0.0};  ///< by the cell
-  bool stands{true};  ///< what the cell asks for is stable, by the measured response as well if there is one
+  double asked_drag_Ns_per_m{0.0}, asked_wall_N_per_m{0.0};  ///< drag and wall that the cell's file states
+  bool stands{true};  ///< these are stable, also by the measured response if there is one
   /// Drag, wall and `stands` follow from a model or a response that was measured along this axis.
   bool loop_measured{false};
 };
@@ -50,8 +50,8 @@ struct Rendering {
   std::vector<RenderedAxis> axes;  ///< x, y, z
   bool admittance{true};
 
-  /// The smallest force of a hand that is felt and told from the sensor's own errors: the dead zone, or three
-  /// standard deviations of noise and drift.
+  /// The smallest force of a hand that is felt and distinguished from the sensor's own errors: the dead zone,
+  /// or three standard deviations of noise and drift.
   [[nodiscard]] double force_floor_N() const;
   /// Whether dead zone, noise and drift were all measured.
   [[nodiscard]] bool floor_measured() const;
@@ -60,7 +60,8 @@ struct Rendering {
 /// Computes the rendering of a cell, with `cell.identified` if there is one. Takes some seconds of one core.
 [[nodiscard]] Rendering RenderingOf(const config::CellConfig& cell);
 
-/// Adds a remark for each axis along which what was measured does not stand what the cell asks for.
+/// Adds a remark for each axis along which the drag and wall of the cell's file are not stable by the
+/// measured figures.
 void JudgeRendering(const Rendering& rendering, session::Verdict& verdict);
 
 /// @param greatest_N  force that the arm holds along the tool over the task

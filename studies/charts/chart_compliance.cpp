@@ -25,11 +25,11 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kMaxAdded_us = 3.0;    // of the loop's median with all levels
+constexpr double kMaxAdded_us = 3.0;    // accepted addition to the loop's median with all levels
 constexpr double kNoticedShare = 0.07;  // of the force
-constexpr double kPush_N = 20.0;        // about which the small motion is
+constexpr double kPush_N = 20.0;        // mean force of the small motion
 constexpr double kSettle_s = 4.0;
-constexpr double kDecadeStep = 0.02;  // of the frequencies: a mount's resonance is narrow
+constexpr double kDecadeStep = 0.02;  // between frequencies [decades]: a mount's resonance is narrow
 constexpr std::array<std::pair<const char*, const char*>, 3> kCells{
     {{"tool", "long_drill"}, {"layer", "cartilage_cup"}, {"mount", "pelvis_mount"}}};
 
@@ -48,7 +48,7 @@ class PressedLevel {
         if (params.layer->kappa_N_per_m3[i] > 0.0)
           model_.contacts[0].material = static_cast<simulation::MaterialIndex>(i);
   }
-  // By how much the head has gone along the force, out of the bone.
+  // Displacement of the head along the force, out of the bone.
   [[nodiscard]] double Given_m() const {
     const Vector3 moved = compliance_.X_ME(X_WT_).translation() - X_WT_.translation();
     return direction_.dot(moved);
@@ -65,7 +65,7 @@ class PressedLevel {
   simulation::ContactModel model_;
 };
 
-// Displacement at rest: the elements' own steps, until they have settled. Nothing where the cell would stop.
+// Displacement at rest: steps the elements until they have settled. Nothing if the cell would stop.
 std::optional<double> GivenAtRest(const config::CellConfig& cell, const control::ComplianceParams& params,
                                   double force_N) {
   PressedLevel level(cell, params);
@@ -74,7 +74,8 @@ std::optional<double> GivenAtRest(const config::CellConfig& cell, const control:
   return level.Given_m();
 }
 
-// Amplitude of the force over that of the hand's motion, over the coupling's stiffness.
+// Felt stiffness (amplitude of the force over that of the hand's motion), divided by the coupling's
+// stiffness.
 // @param at_rest_m  displacement at rest under kPush_N
 double FeltRatio(const config::CellConfig& cell, const control::ComplianceParams& params, double at_rest_m,
                  double hz) {
@@ -105,7 +106,7 @@ std::vector<std::vector<std::string>> CostTable(const ComplianceChart& chart) {
   return rows;
 }
 
-// The value of a curve at x, between its points.
+// The value of a curve at `at`, interpolated between its points.
 double ValueAt(const std::vector<double>& x, const std::vector<double>& y, double at) {
   for (std::size_t i = 1; i < x.size(); ++i)
     if (x[i] >= at) return y[i - 1] + (y[i] - y[i - 1]) * (at - x[i - 1]) / (x[i] - x[i - 1]);

@@ -10,7 +10,8 @@
 
 namespace osteon::studies {
 
-/// Options of `osteon chart compliance`: what each part that gives way costs and changes.
+/// Options of `osteon chart compliance`, which shows for each part that gives way how much time it costs and
+/// how it changes the feel.
 struct ComplianceChartOptions {
   std::filesystem::path config_root;
   std::filesystem::path out{"compliance"};
@@ -18,7 +19,7 @@ struct ComplianceChartOptions {
   std::filesystem::path json{};  ///< a second copy
 };
 
-/// What a level changes in a shipped cell, by the cell's own coupling and elements.
+/// The effect of one level in a shipped cell, computed with the cell's own coupling and elements.
 struct LevelChange {
   std::string name, cell;
   double stiffness_N_per_m{0.0};  ///< of the coupling
@@ -29,8 +30,8 @@ struct LevelChange {
       felt_ratio{};  ///< felt stiffness over the coupling's, of a small motion about a push
 };
 
-/// Tool across its feed, layer and mount along it.
-/// @throws std::invalid_argument where the cell has not exactly one level on
+/// Computes the effect of the cell's level: of a tool across its feed, of a layer or mount along the feed.
+/// @throws std::invalid_argument unless exactly one level of the cell is on
 [[nodiscard]] LevelChange ChangeOf(const config::CellConfig& cell, const std::string& name);
 
 /// The result of `osteon chart compliance`.

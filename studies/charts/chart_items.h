@@ -5,8 +5,9 @@
 #include "studies/charts/chart_scaling.h"
 #include "studies/charts/chart_speed_accuracy.h"
 
-// What charts measure, as items of a part: everything that picture, table, page and JSON show, to the bit.
-// Reading throws nlohmann::json::exception or std::invalid_argument if an item is damaged.
+// Converts the measurements of charts to items of a part and back: everything that picture, table, page and
+// JSON show, exact to the bit. Reading throws nlohmann::json::exception or std::invalid_argument if an item
+// is damaged.
 
 namespace osteon::studies {
 

@@ -42,7 +42,8 @@ class Scaling {
     result_.frames = options.frames;
   }
 
-  // An item is a number of spheres in one of our series; without culling it comes with the first.
+  // An item is one number of spheres in one of our series; the series without culling belongs to the items of
+  // the first series.
   static std::size_t Items(const ScalingOptions& options) {
     return 2 * static_cast<std::size_t>(std::ranges::count_if(
                    kCounts, [&](std::size_t count) { return count <= options.max_spheres; }));

@@ -125,7 +125,7 @@ LadderBone PackForStep(const MethodStep& step, const simulation::CutWorkload& wo
   made.bone.balls = Splits(step)                 ? ForSplitting(work, length_m, seed)
                     : WantsDisjoint(step.method) ? Disjoint(work, length_m, seed)
                                                  : Overlapping(work, length_m, seed);
-  // among the balls that a cut can meet: deeper ones may be larger
+  // Only balls that a cut can meet count: deeper balls may be larger.
   for (const simulation::Ball& ball : made.bone.balls)
     if (work.zone->DepthAt(Vector3(ball.center_m)) - ball.radius_m < 3e-3)
       made.r_max_m = std::max(made.r_max_m, ball.radius_m);

@@ -35,8 +35,8 @@ struct MethodStep {
 /// without.
 [[nodiscard]] bool IsOurs(const std::string& method);
 
-/// Returns the engine for a step (MethodNames()): "cpu-split" is "cpu" with other parameters, "split" is
-/// "ours".
+/// Returns the engine for a step (MethodNames()): "cpu-split" is "cpu" with other parameters, and "split" is
+/// "ours" with other parameters.
 [[nodiscard]] std::string EngineOfStep(const MethodStep& step);
 
 /// Returns a workload's parameters with the step's splitting.

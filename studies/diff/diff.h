@@ -8,7 +8,7 @@ namespace osteon::studies {
 
 struct DiffOptions {
   std::array<std::filesystem::path, 2> recordings{};
-  double within_percent{1.0};    ///< of a figure's size, up to which it counts as the same
+  double within_percent{1.0};    ///< difference, in % of a figure's size, up to which it counts as the same
   std::filesystem::path out{};   ///< folder for diff.html; empty: no page
   std::filesystem::path json{};  ///< osteon.diff/1; empty: none
   std::string command_line{};
@@ -16,8 +16,8 @@ struct DiffOptions {
 
 /// Runs `osteon diff`: compares two recordings by their figures, faults, limits and configuration; two of
 /// `osteon identify` also by their excitation and by what identify finds in them.
-/// @returns the process's exit code: 0 no figure differs and no fault is new; 1 one does; 2 a recording can't
-/// be read, or the two are of different kinds.
+/// @returns the process's exit code: 0 no figure differs and no fault is new; 1 a figure differs or a fault
+/// is new; 2 a recording can't be read, or the two are of different kinds.
 [[nodiscard]] int RunDiff(const DiffOptions& options);
 
 }  // namespace osteon::studies

@@ -28,7 +28,7 @@ std::string ExcitationOf(const ExcitationRequest& request) {
                      request.periods);
 }
 
-// Adds an estimate, the same within its interval.
+// Adds an estimate as a figure; two runs count as the same within the estimate's interval.
 void Add(const char* name, const char* key, const char* unit, const Estimate& estimate, double in,
          ExcitedFigures& excited) {
   excited.figures.push_back({.name = name,

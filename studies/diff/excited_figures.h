@@ -14,7 +14,7 @@ namespace osteon::studies {
 
 /// A measured response at its lines.
 struct RecordedResponse {
-  std::string by;  ///< "encoders", "force" or "hand"
+  std::string by;  ///< the signal that it was measured by: "encoders", "force" or "hand"
   struct Line {
     double hz{0.0};
     std::complex<double> value{};
@@ -23,11 +23,11 @@ struct RecordedResponse {
   std::vector<Line> lines;
 };
 
-/// A recording of `osteon identify` has these beside its ticks: the excitation, and what identify finds by
-/// it.
+/// The data of a recording of `osteon identify` beside its ticks: the excitation, and the results that
+/// identify estimates from it.
 struct ExcitedFigures {
   std::string kind;        ///< "a free run along an axis": runs of different kinds have nothing to compare
-  std::string excitation;  ///< axis or joint, speed, seed, draws and periods, as the event has them
+  std::string excitation;  ///< axis or joint, speed, seed, draws and periods, as the event states them
   std::vector<RunFigure> figures{};
   std::vector<RecordedResponse> responses{};
   std::string refused{};  ///< why nothing was found; empty: something was
@@ -51,12 +51,13 @@ struct ResponseDifference {
   std::string by;
   std::vector<LineDifference> lines;
   [[nodiscard]] std::size_t differing() const;
-  /// The line that differs most, by what is accepted. @pre there are lines
+  /// The line whose difference is largest relative to the accepted one. @pre there are lines
   [[nodiscard]] const LineDifference& worst() const;
 };
 
-/// Compares responses line by line: the same within a share of their size, or two standard deviations of the
-/// difference. @param only  what only one of them has, a line each, is added
+/// Compares responses line by line. Two lines count as the same if they differ by at most the share `within`
+/// of their size, or two standard deviations of the difference.
+/// @param only  receives a text for each response that only one of the runs has
 [[nodiscard]] std::vector<ResponseDifference> CompareResponses(const ExcitedFigures& first,
                                                                const ExcitedFigures& second, double within,
                                                                std::vector<std::string>& only);

@@ -79,7 +79,8 @@ FigureDifference Compare(const RunFigure& a, const RunFigure& b, double within) 
                                 within * std::max(std::abs(a.value), std::abs(b.value))})};
 }
 
-// Compares what identify finds in both. @param only  gets what only one of them has, a line each
+// Compares the results of identify for both runs.
+// @param only  receives a line for each result that only one of the runs has
 void CompareExcited(const ExcitedFigures& first, const ExcitedFigures& second, double within,
                     std::vector<std::string>& only, RunDifference& runs) {
   const auto has = [](const ExcitedFigures& excited, const std::string& key) {
@@ -112,7 +113,7 @@ std::string ResponseText(const ResponseDifference& response) {
       std::abs(worst.second.value), std::abs(worst.first.value - worst.second.value), worst.accepted);
 }
 
-// @param only  what only one of two excited runs has
+// @param only  results that only one of two excited runs has
 report::ReportVerdict Judge(const RunDifference& runs, const RunFigures& first, const RunFigures& second,
                             const std::vector<std::string>& only) {
   report::ReportVerdict verdict;

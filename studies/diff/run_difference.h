@@ -28,16 +28,16 @@ struct RunDifference {
   /// good: no figure differs; look: one does, or the configuration; bad: the second run has a fault that the
   /// first has not.
   report::ReportVerdict verdict;
-  bool identical{false};  ///< every tick, to the bit, but the times that the machine took
+  bool identical{false};  ///< every tick is equal to the bit, except for the times that the machine took
   std::vector<FigureDifference> figures;
-  std::vector<std::string> only_first, only_second;  ///< names of faults
+  std::vector<std::string> only_first, only_second;  ///< names of faults that only one of the runs has
   std::vector<ConfigDifference> config;
   std::vector<std::string> session;           ///< what else differs: version, engine, …, one line each
   std::vector<ResponseDifference> responses;  ///< of two recordings of `osteon identify`
 };
 
-/// Says why two recordings have nothing that could be compared: one is of `osteon identify` and the other is
-/// not, or of another kind of run. Empty: they have.
+/// Says why two recordings cannot be compared: only one is of `osteon identify`, or the two are of different
+/// kinds of run. Empty if they can.
 [[nodiscard]] std::string NotComparable(const RunFigures& first, const RunFigures& second);
 
 /// @param within  share of a figure's size, 0 … 1, up to which it counts as the same

@@ -19,7 +19,7 @@ namespace {
 
 using console::Length;
 
-// What is gathered tick by tick and frame by frame.
+// Sums and maxima, gathered tick by tick and frame by frame.
 struct Gathered {
   std::uint64_t rendering{0}, frames{0};
   double force_sum_N{0.0}, peak_force_N{0.0}, peak_hand_N{0.0}, peak_speed_m_per_s{0.0}, tool_in_bone_m{0.0};
@@ -63,7 +63,7 @@ double Percentile99_us(const report::DurationCounts& durations) {
   return 1e-3 * static_cast<double>(durations.At((durations.count() - 1) * 99 / 100));
 }
 
-// How far each part that gives way was displaced; 0 where it is rigid.
+// Adds the largest displacement of each part that gives way; 0 if the part is rigid.
 void AddDeflections(const session::PeakDeflection& peak, std::vector<RunFigure>& figures) {
   constexpr double kLeast_mm = 0.02;
   const auto add_mm = [&](const char* name, const char* key, double value_m) {
@@ -80,7 +80,7 @@ void AddDeflections(const session::PeakDeflection& peak, std::vector<RunFigure>&
                      .least_difference = 0.02});
 }
 
-// Means over the run; the machine's part is in them.
+// Adds the mean latencies of the run; they include the time that the machine took.
 void AddLatency(const Gathered& all, std::vector<RunFigure>& figures) {
   const session::LatencyFigures latency = all.latency.Figures(all.period_s, {});
   const auto add = [&](const char* name, const char* key, double value_s) {

@@ -17,12 +17,12 @@
 
 namespace osteon::studies {
 
-/// What two recordings are compared by, gathered in one pass.
+/// The data of one recording by which it is compared with another, gathered in one pass.
 struct RunFigures {
   io::SessionInfo session;
   std::vector<RunFigure> figures;
-  safety::FaultSet faults;            ///< of any tick
-  std::vector<std::uint64_t> limits;  ///< ticks in which each limit acted (safety::Limit)
+  safety::FaultSet faults;            ///< faults of any tick
+  std::vector<std::uint64_t> limits;  ///< number of ticks in which each limit acted (safety::Limit)
   std::string end;                    ///< the last event: how the run ended
   std::uint64_t ticks{0};             ///< number of ticks
   std::uint64_t hash{0};              ///< over all ticks, without the times that the machine took

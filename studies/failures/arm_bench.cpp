@@ -12,7 +12,7 @@ namespace {
 using kinematics::JointVector;
 
 constexpr double kDt_s = 1e-3;
-constexpr rt::Nanoseconds kHandOver = 10 * rt::kSecond;  // the waiting before it has time stamps, too
+constexpr rt::Nanoseconds kHandOver = 10 * rt::kSecond;  // above 0: ticks before it need time stamps, too
 
 // Simulates arm and scene around any source of joint commands. `command` receives the tick (below 0: the arm
 // waits), the measured joints and the wrench on the tool, and fills in its part of the tick.

@@ -12,8 +12,8 @@
 #include "simulation/tools/tool.h"
 
 // Scenarios in which methods fail. Each has a generator, a baseline that fails in it, and a bound that ours
-// must keep. One file a scenario, `FailureResult Run<Name>(const FailureSetting&)`; failure_list.cpp lists
-// them all.
+// must keep. Each scenario is one file with `FailureResult Run<Name>(const FailureSetting&)`;
+// failure_list.cpp lists them all.
 
 namespace osteon::studies {
 

@@ -88,7 +88,7 @@ void PrintTable(const std::vector<FailureRun>& runs) {
   fmt::print("{} of {} kept, with their baselines seen to fail\n", passed, runs.size());
 }
 
-/// The scenarios that were run, and what "ours" ran on.
+/// The scenarios that were run, and the engine and device of "ours".
 struct Runs {
   std::vector<FailureRun> list{};
   std::string engine{}, device{};

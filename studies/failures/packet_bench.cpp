@@ -29,8 +29,8 @@ struct ForceDatagram {
   PlainVector3 f_W{};
 };
 
-// Takes the messages that have come; true if there were any. Clients that use the stamps keep the newest
-// message, a naive client the last one received.
+// The message that a client keeps of those received: one that uses the stamps keeps the newest message, a
+// naive client the last one received. ReceiveDue returns whether any message arrived.
 enum class Keep { kNewest, kLast };
 template <class T>
 bool ReceiveDue(hil::ImpairedWire& wire, rt::Nanoseconds now, Keep keep, T& value) {
@@ -134,7 +134,7 @@ class Controller {
     F.f += f_hand;
     if (!control::NextTwist(law_, {.X_WT = state_.X_WT, .V_WT = state_.V_WT, .F_T_W = F, .dt_s = kDt_s},
                             state_.V_WT))
-      return;  // holds its place
+      return;  // the tool holds its place
     state_.X_WT =
         control::IntegratePose(state_.X_WT, {.v = fade * state_.V_WT.v, .w = Vector3::Zero()}, kDt_s);
   }

@@ -14,14 +14,15 @@ using safety::CellState;
 using safety::Fault;
 
 constexpr int kUnderVoltage = 0x3220, kTooHot = 0x4310;
-constexpr rt::Nanoseconds kRunsBefore = 900 * rt::kMillisecond;  // configured, and at its speed
+constexpr rt::Nanoseconds kRunsBefore =
+    900 * rt::kMillisecond;  // time to configure the drive and reach speed
 constexpr std::uint16_t kHeartbeat = 0x710;
 constexpr std::uint8_t kPreOperational = 0x7F;
 
 // Ticks to detection.
 constexpr int kAtOnce = 1;
-constexpr int kStatusLost = 46;      // ten cycles of 4 ms
-constexpr int kHeartbeatLost = 152;  // three of 50 ms
+constexpr int kStatusLost = 46;      // ten cycles of 4 ms, and some ticks
+constexpr int kHeartbeatLost = 152;  // three heartbeats of 50 ms, and some ticks
 constexpr int kLong = 500;           // ticks that a fault lasts
 constexpr int kAllResets = 2400;     // half a second between resets
 

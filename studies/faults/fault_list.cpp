@@ -1,4 +1,4 @@
-// The faults of the matrix. Ticks of detection: the watchdogs' ages (WatchdogParams) and a tick.
+// The faults of the matrix. The ticks to detection follow from the watchdogs' ages (WatchdogParams).
 
 #include <algorithm>
 #include <initializer_list>
@@ -29,7 +29,7 @@ constexpr int kSilentSimulation = 254;  // 250 ms after the newest pose
 constexpr int kPushed = 5;              // SensorForceParams::ticks
 constexpr int kMissed = 5;              // WatchdogParams::arm_misses
 constexpr int kSpindleBeyond = 52;      // the rig's trip_s
-constexpr int kDrifted = 450;           // max_tracking_error at the speed along the plane
+constexpr int kDrifted = 450;           // until max_tracking_error is reached at the speed along the plane
 constexpr int kDriftedOnItsWay = 800;   // the same at the start path's speed
 constexpr int kLong = 500;              // ticks that such a fault lasts
 constexpr int kThrownAgain = 40;        // ticks from one jump to the next
@@ -76,7 +76,8 @@ FaultCase Device(const char* name, const char* injected, safety::FaultSet faults
           .stop1 = sensor && ticks <= kPushed ? Stops(faults, ticks) : kBrakesOn,
           .stop2 = ticks <= kPushed ? Stops(faults, ticks) : kBrakesOn};
 }
-// The same for an input that only rendering uses: during a stop 2 only its age is checked.
+// Expected reactions to a fault of an input that only rendering uses: during a stop 2 only its age is
+// checked.
 FaultCase Model(const char* name, const char* injected, safety::FaultSet faults, int ticks,
                 RigInjection inject) {
   FaultCase made = Device(name, injected, faults, ticks, std::move(inject));
@@ -120,7 +121,7 @@ FaultCase Left(const char* name, SessionState session) {
           .stop1 = ends,
           .stop2 = stops};
 }
-// Noticed in the same tick in every state: nothing may go on.
+// A fault that is noticed in the same tick in every state: nothing may go on.
 FaultCase AtOnce(const char* name, const char* injected, safety::FaultSet faults, RigInjection inject,
                  int ticks = kAtOnce) {
   return {.name = name,

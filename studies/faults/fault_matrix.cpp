@@ -16,8 +16,8 @@ using safety::CellState;
 using Records = std::vector<TickRecord>;
 
 constexpr int kBefore = 300;   // ticks of a fault before a waiting cell may begin
-constexpr int kAfter = 300;    // ticks until it begins after the fault; 200 are for the answer to its request
-constexpr int kSettles = 200;  // until everything is at rest
+constexpr int kAfter = 300;    // ticks until it begins after the fault, 200 of them for the request's answer
+constexpr int kSettles = 200;  // ticks until everything is at rest
 constexpr int kRefused = 20;   // ticks for which a forbidden recovery is attempted
 constexpr double kSlack = 1.0 + 1e-9;
 constexpr double kStands_rad_per_s = 1e-3;
@@ -176,7 +176,7 @@ class Trial {
 
   void JudgeDistance() {
     if (stops_ == 0) return;
-    // ends where the tool follows the arm, as it is not commanded there
+    // The measurement ends when the virtual tool follows the arm, as it is not commanded then.
     double max_m = 0.0;
     for (std::size_t i = stops_; i < records().size() && safety::Brakes(StateAt(i)); ++i)
       max_m = std::max(max_m, (Apex(records()[i]) - Apex(records()[stops_ - 1])).norm());

@@ -9,14 +9,14 @@
 
 namespace osteon::studies {
 
-/// Result of a fault in a state.
+/// Result of one fault, injected in one state of the cell.
 struct FaultVerdict {
   std::string fault;  ///< FaultCase::name
   safety::CellState state{safety::CellState::kOff};
   Expected expected{};
   safety::FaultSet latched{};
   int ticks{-1};           ///< from the injection (if the cell waited: from the hand-over) to the latching
-  double distance_m{0.0};  ///< travel of the commanded tool from there to rest
+  double distance_m{0.0};  ///< travel of the commanded tool from the latching to rest
   double max_distance_m{0.0};  ///< its bound: v^2 / 2a and a tick's travel; on the start path that of the
                                ///< path's clock
   double peak_force_N{0.0};    ///< rendered, over the whole run

@@ -59,7 +59,7 @@ class FaultRig {
   /// Runs one tick and returns its record.
   const control::TickRecord& Tick(const RigInjection& inject = {}, int since = 0);
   void Run(int ticks);
-  /// Hands the arm over, from another session state; a new activation.
+  /// Hands the arm over, from another session state; this begins a new activation.
   void HandOver();
   /// Takes the arm back.
   void TakeBack() { session_ = control::SessionState::kCommandingWait; }
@@ -75,8 +75,8 @@ class FaultRig {
   [[nodiscard]] control::ArmCommand command() const { return command_; }
 
   bool permitted{true};              ///< by the PLC
-  double spindle_rad_per_s{25.0};    ///< while it is asked to turn
-  double push_N{40.0}, side_N{3.0};  ///< the hand, along the feed and across it
+  double spindle_rad_per_s{25.0};    ///< speed while the spindle is commanded to turn
+  double push_N{40.0}, side_N{3.0};  ///< force of the hand along the feed and across it
   rt::Nanoseconds clock_offset{0};   ///< added to the loop's clock, from now on
 
  private:

@@ -19,7 +19,7 @@ namespace {
 constexpr const char* kEvent = "excitation: ";
 constexpr double kSpeedShare = 0.2, kAccelerationFactor = 2.0;
 constexpr double kFreeForce_N = 30.0, kHeldForce_N = 60.0;
-constexpr double kMinSingular = 0.02;  // of the Jacobian along the axis
+constexpr double kMinSingular = 0.02;  // least singular value of the Jacobian along the axis
 constexpr double kToolSpeed_m_per_s = 0.1, kToolAcceleration_m_per_s2 = 8.0;  // while a joint moves
 
 using Jacobian = Eigen::Matrix<double, 6, control::kJoints>;
@@ -65,7 +65,7 @@ void LimitPath(const std::vector<kinematics::JointLimits>& limits, control::Exci
   }
 }
 
-// The arm's impedance along the axis as the cell's file has it, which shapes the force of an overlay.
+// The arm's impedance along the axis by the cell's file; it shapes the force of an overlay.
 control::OverlayExcitation OverlayOf(const config::CellConfig& cell, const Vector3& axis_W) {
   const hil::DynamicArmParams& arm = cell.simulated.dynamic;
   control::OverlayExcitation overlay{.on = true, .stiffness_N_per_m = std::max(200.0, arm.stiffness_N_per_m)};
@@ -88,7 +88,8 @@ int SequenceStep(const config::CellConfig& cell) {
 int JointCount(const config::CellConfig& cell) { return static_cast<int>(LimitsOf(cell).size()); }
 
 std::string EventText(const ExcitationRequest& request) {
-  // without an axis an Osteon that knows no joints does not take a joint for one
+  // The axis of a joint's event is empty, so that an older Osteon without joints does not take it for an
+  // axis.
   nlohmann::ordered_json json{{"axis", request.joint > 0 ? std::string() : std::string(1, request.axis)},
                               {"peak_speed_m_per_s", request.peak_speed_m_per_s},
                               {"seed", request.seed},
@@ -107,7 +108,7 @@ std::optional<ExcitationRequest> ParseEvent(const std::string& text) {
   if (!json.is_object()) return {};
   try {
     const auto axis = json.at("axis").get<std::string>();
-    const int joint = json.value("joint", 0);  // absent of an axis
+    const int joint = json.value("joint", 0);  // absent if an axis is excited
     const bool is_axis = axis == "x" || axis == "y" || axis == "z";
     if (is_axis ? joint != 0 : !axis.empty() || joint < 1 || joint > control::kJoints) return {};
     return ExcitationRequest{.axis = is_axis ? axis[0] : 'z',
@@ -142,12 +143,12 @@ tl::expected<void, std::string> AimAlongAxis(const Jacobian& J, control::Excited
   return {};
 }
 
-// One joint alone. @param joint  1 … kJoints
+// Sets the motion to that of one joint. @param joint  1 … kJoints
 void AimAtJoint(int joint, control::ExcitedHoldParams& hold) {
   hold.joint = joint - 1;
   hold.direction[static_cast<std::size_t>(hold.joint)] = 1.0;
   hold.path.max_travel_m = kMaxJointTravel_rad;
-  // a joint on whose axis the tool lies does not move it
+  // A joint does not move a tool that lies on the joint's axis: the division needs a minimum.
   const double tool_m_per_rad = std::max(1e-3, hold.J_W.col(hold.joint).norm());
   hold.path.peak_speed_m_per_s = std::min(hold.path.peak_speed_m_per_s, kToolSpeed_m_per_s / tool_m_per_rad);
   hold.path.max_acceleration_m_per_s2 = kToolAcceleration_m_per_s2 / tool_m_per_rad;
@@ -225,7 +226,7 @@ control::ExcitedTick ExcitedTickOf(const control::TickRecord& record) {
 
 namespace {
 
-// The answers to messages, in order, with what the arm says of them.
+// The answers to messages, in order, and the losses that the arm reports.
 class AnswerLog {
  public:
   explicit AnswerLog(ExcitedRun& run) : run_(run) {}
@@ -240,7 +241,7 @@ class AnswerLog {
     answered_.push_back(run_.samples.size() - 1);
   }
 
-  // Replaces what never arrived by what the arm held.
+  // Replaces each command that never arrived by the command that the arm held.
   void HoldLost() {
     std::vector<bool> is_lost(run_.samples.size(), true);  // without a message there is no answer
     for (const std::size_t at : answered_) is_lost[at] = false;
@@ -268,7 +269,7 @@ void FillJitter(std::vector<double> arrivals_s, double period_s, const std::vect
                 ExcitedSamples& samples) {
   if (arrivals_s.empty()) return;
   for (std::size_t i = 0; i < arrivals_s.size(); ++i) arrivals_s[i] -= period_s * steps[i];
-  // clocks of arm and host run apart slowly: what counts is lateness within 1000 messages
+  // The clocks of arm and host drift apart slowly, so lateness is measured within blocks of 1000 messages.
   constexpr std::size_t kBlock = 1000;
   std::vector<double> late_s;
   for (std::size_t begin = 0; begin < arrivals_s.size(); begin += kBlock) {

@@ -32,10 +32,10 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kGiveUp_s = 60.0;  // virtual time, until the path begins
-constexpr double kFrame_s = 0.02;   // between the models of free air
-constexpr double kRenders_s = 0.1;  // before the pause is asked for
-constexpr double kAfter_s = 0.5;    // recorded after the end
+constexpr double kGiveUp_s = 60.0;  // longest virtual time until the path begins
+constexpr double kFrame_s = 0.02;   // time between the models of free air
+constexpr double kRenders_s = 0.1;  // time of rendering before the pause is requested
+constexpr double kAfter_s = 0.5;    // time that is recorded after the end
 constexpr double kFarAway_m = 10.0;
 constexpr double kStands_s = 36000.0, kHeldBound_N = 100.0;  // of the hand that holds
 
@@ -49,8 +49,8 @@ config::CellConfig Quiet(const config::CellConfig& cell) {
   return quiet;
 }
 
-// The arm with its hand: one that holds the handle at the start with its full grip, or one that waits where
-// no tool comes.
+// The arm with its hand. The hand holds the handle at the start with its full grip, or it waits at a place
+// that the tool never reaches.
 hil::SimulatedCell MakeArm(const config::CellConfig& cell, bool held) {
   hil::SimulatedCellParams params = cell.simulated;
   params.hand.incidents = {};
@@ -139,7 +139,7 @@ class VirtualRun {
         period_(static_cast<rt::Nanoseconds>(arm_.period_s() * 1e9)),
         period_s_(arm_.period_s()) {}
 
-  // @returns why it ended early; empty: it did not
+  // @returns why the run ended early; empty: it did not
   std::string Run(const std::atomic<bool>* stop) {
     const double rest_s = hold_.params().wait_s,
                  limit_s = kGiveUp_s + rest_s + 2.0 * hold_.path().duration_s();
@@ -226,8 +226,8 @@ tl::expected<void, std::string> RunVirtual(const session::CellSetup& setup, cons
   return {};
 }
 
-// The wires of a connected cell, with the excitation between loop and arm: each answer gets the hold's
-// offset, by the same values that the tick's record has.
+// The connections of a connected cell, with the excitation between loop and arm: each answer gets the offset
+// of the hold, which is computed from the same values that the tick's record has.
 class ExcitedWires final : public control::ArmLink, public control::CellDevices {
  public:
   ExcitedWires(control::ArmLink& link, control::CellDevices& devices, control::ServoLoop& loop,
@@ -356,7 +356,7 @@ tl::expected<void, std::string> RunConnected(const session::CellSetup& setup, co
   return tl::unexpected(link.empty() ? why : why + "; " + link);
 }
 
-// The same with a simulated cell at the other end of the wires, in this process.
+// Runs in wall time with a simulated cell at the other end of the wires, in this process.
 tl::expected<void, std::string> RunOnLoopback(const session::CellSetup& setup, const ExcitedAxis& axis,
                                               io::Recorder& recorder, const ExcitedRunParams& params) {
   if (setup.config.guard)
@@ -370,7 +370,7 @@ tl::expected<void, std::string> RunOnLoopback(const session::CellSetup& setup, c
   return run;
 }
 
-// Names the obstacle on a joint's way; empty: it is free.
+// Names the obstacle within a joint's travel; empty: there is none.
 std::string BlockedWay(const session::CellSetup& setup, int joint) {
   kinematics::JointVector travel = kinematics::JointVector::Zero();
   travel[joint - 1] = kMaxJointTravel_rad;

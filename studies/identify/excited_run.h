@@ -16,10 +16,10 @@ struct ExcitedRunParams {
   ExcitationRequest request;
   std::filesystem::path recording;  ///< the MCAP file to write
   bool simulated{true};             ///< the simulated cell, in virtual time; false: the connected arm
-  /// With `simulated`: in wall time, the simulated arm and devices behind their real wires on loopback, as a
-  /// connected cell.
+  /// With `simulated`: the run is in wall time, and the simulated arm and devices are reached by their real
+  /// protocols on loopback, as those of a connected cell.
   bool wall_time{false};
-  double wait_s{60.0};  ///< real arm: until it is handed over
+  double wait_s{60.0};  ///< real arm: longest wait until it is handed over
   const std::atomic<bool>* stop{nullptr};
   std::function<void(const std::string&)> notice{};  ///< called with a line for the user
 };
@@ -32,10 +32,9 @@ struct ExcitedRunParams {
 /// A simulated cell runs in virtual time: arm, wires, devices, PLC as in `osteon demo --virtual-time`, except
 /// that nobody takes the handle, unless the request says so, and that the sensor carries the tool's inertia,
 /// as a real one does. A recording of a connected arm replays as any other: the loop's own command is the
-/// pause's.
-/// Before a joint is moved its way is checked, as that to the start is, with kMaxJointTravel_rad to either
-/// side.
-/// @returns an error if nothing could be run, or why the run ended early
+/// pause's. Before a joint is moved, its travel of kMaxJointTravel_rad to either side is checked for
+/// obstacles, as the path to the start is.
+/// @returns an error if nothing could be run, or a text that says why the run ended early
 [[nodiscard]] tl::expected<void, std::string> RunExcited(const session::CellSetup& setup,
                                                          const ExcitedRunParams& params);
 

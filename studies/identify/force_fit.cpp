@@ -18,7 +18,7 @@ using Complex = std::complex<double>;
 constexpr double kTwoPi = 2.0 * std::numbers::pi, kTwoSd = 2.0;
 constexpr double kResonanceGain = 3.0, kBadChi2 = 3.0;
 constexpr double kExactChi2 = 0.1, kGripGain = 2.0;
-constexpr double kMaxResonance = 1.5;  // of the highest line: beyond it nothing was measured
+constexpr double kMaxResonance = 1.5;  // factor on the highest line: beyond it nothing was measured
 
 // Half width of the interval of parameter i, times a factor.
 double Width(const LeastSquaresFit& fit, double chi2, Eigen::Index i, double factor = 1.0) {
@@ -53,7 +53,7 @@ LeastSquaresFit FitResonance(std::span<const ResponseLine> lines, const Eigen::V
 tl::expected<ToolForceFit, std::string> FitToolForce(std::span<const ResponseLine> lines) {
   if (lines.size() < 4)
     return tl::unexpected(fmt::format("found {} lines, accepted 4 or more", lines.size()));
-  // where to begin: the weighted mean of F / (x w^2)
+  // start of the fit: the weighted mean of F / (x w^2)
   double over = 0.0, under = 0.0;
   for (const ResponseLine& line : lines) {
     const double w2 = kTwoPi * line.hz * kTwoPi * line.hz, weight = w2 * w2 / (line.sd * line.sd);
@@ -88,7 +88,7 @@ tl::expected<ToolForceFit, std::string> FitToolForce(std::span<const ResponseLin
 
 namespace {
 
-// k, b, m, and what of grip time and delay is free, in this order.
+// A hand with the parameters k, b, m, then grip time and delay if they are fitted, in this order.
 struct HandModel {
   double tool_mass_kg{0.0};
   bool has_grip{false};

@@ -11,7 +11,7 @@
 
 namespace osteon::studies {
 
-/// A resonance beyond the encoders.
+/// A resonance between the encoders and the tool.
 struct ResonanceFit {
   Estimate hz{}, damping_ratio{};
 };
@@ -28,14 +28,14 @@ struct ToolForceFit {
 ///     F / x = m w^2 exp(-i w delay) R(w),   R = 1 or w_r^2 / (w_r^2 - w^2 + 2 i z_r w_r w)
 ///
 /// A resonance is added if chi^2 falls by more than kResonanceGain and the fit without it is worse than 3.
-/// @returns an error with fewer than 4 lines, or where no force is seen: a mass below 3 standard deviations
+/// @returns an error with fewer than 4 lines, or if no force is visible: a mass below 3 standard deviations
 [[nodiscard]] tl::expected<ToolForceFit, std::string> FitToolForce(std::span<const ResponseLine> lines);
 
 /// How a hand is fitted.
 struct HandFitOptions {
   double max_hz{30.0};  ///< up to which lines count
-  /// A line has no less than this share of its size as its standard deviation: no hand is a spring, a damper
-  /// and a mass to the last digit, and no handle moves exactly as the encoders say.
+  /// Least standard deviation of a line, as a share of its size: no hand is exactly a spring, a damper and a
+  /// mass, and no handle moves exactly as the encoders say.
   double accuracy{0.01};
   std::optional<double> delay_s{};  ///< of the sensor, if it is known; none: it is fitted
 };
@@ -46,15 +46,15 @@ struct HandFit {
   Estimate grip_time_s{};  ///< time constant with which the hand's mass follows the handle; 0: at once
   Estimate delay_s{};      ///< of the force sensor
   double chi2{0.0};        ///< divided by its degrees of freedom
-  double residual{0.0};    ///< RMS of measured less fitted, over the RMS of the measured
+  double residual{0.0};    ///< RMS of the measured response less the fitted one, over that of the measured
 };
 
 /// Weighted least squares of a hand whose mass is coupled to the handle by its grip, up to a frequency:
 ///
 ///     F / x = -(k + i w b - w^2 m / (1 + i w grip_time)) exp(-i w delay)
 ///
-/// The grip's time is in the model where chi^2 falls to less than half with it; else it is 0.
-/// @param tool_mass_kg  on the sensor's tool side, whose inertial force is removed
+/// The grip's time is fitted if chi^2 falls to less than half with it; otherwise it is 0.
+/// @param tool_mass_kg  mass on the sensor's tool side, whose inertial force is removed
 [[nodiscard]] tl::expected<HandFit, std::string> FitHand(std::span<const ResponseLine> lines,
                                                          double tool_mass_kg,
                                                          const HandFitOptions& options = {});

@@ -15,8 +15,8 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kWindow_s = 1.0, kMinSeconds = 10.0;
-constexpr double kLineRatio = 10.0;   // of power: 10 dB
-constexpr double kMinLine_N = 1e-3;   // smaller ones are the reading's last digit
+constexpr double kLineRatio = 10.0;   // ratio of power: 10 dB
+constexpr double kMinLine_N = 1e-3;   // smaller lines come from the last digit of the reading
 constexpr std::size_t kAround = 10;   // frequencies on each side
 constexpr std::size_t kMainLobe = 2;  // of a Hann window
 
@@ -27,7 +27,7 @@ double SdOf(const std::vector<double>& values) {
   return values.size() > 1 ? std::sqrt(squares / static_cast<double>(values.size() - 1)) : 0.0;
 }
 
-// Hann window of so many samples.
+// Value i of a Hann window of `window` samples.
 double Hann(std::size_t i, std::size_t window) {
   return 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(window));
 }
@@ -89,7 +89,7 @@ ForceNoise MeasureNoise(std::span<const double> force_N, double period_s) {
     variance -= 0.5 * power[i];
   }
   noise.white_N = std::sqrt(std::max(0.0, variance));
-  // means of white noise differ by themselves
+  // White noise alone makes the means differ: its part is removed.
   const double drift_N = SdOf(means), by_noise_N = noise.white_N / std::sqrt(static_cast<double>(window));
   noise.drift_N = std::sqrt(std::max(0.0, drift_N * drift_N - by_noise_N * by_noise_N));
   return noise;
@@ -118,11 +118,11 @@ std::vector<double> PowerAround(std::span<const double> force_N, std::span<const
   return power;
 }
 
-// Width around zero that holds 95 % of the power up to `reach`, less the noise beyond it; 0: it does not
-// stand out.
+// Width around zero offset that contains 95 % of the power up to `reach`, after the noise was subtracted; 0
+// if the harmonic does not stand out.
 double WidthOf(std::vector<double> power, std::size_t reach) {
   constexpr double kHeld = 0.95, kStandsOut = 4.0;
-  // the harmonic has most of its power in few of these: the lower fifth is noise
+  // The harmonic has most of its power in few of these frequencies: the lower fifth is noise.
   std::vector<double> sorted(power.begin(), power.begin() + static_cast<std::ptrdiff_t>(reach));
   const double floor = base::ValueOfRank(sorted, reach / 5);
   double all = 0.0;

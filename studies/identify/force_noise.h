@@ -11,20 +11,21 @@ struct NoiseLine {
   double amplitude{0.0};  ///< of the sine, in the signal's unit
 };
 
-/// What a force sensor reads at rest, along one direction.
+/// The noise and drift of a force sensor at rest, along one direction.
 struct ForceNoise {
   double white_N{0.0};  ///< standard deviation within a second, without the lines
   double drift_N{0.0};  ///< standard deviation of means over 1 s
   std::vector<NoiseLine> lines{};
   double seconds{0.0};
 
-  /// A dead zone that the drift does not pass: 3 drift_N.
+  /// A dead zone that the drift does not exceed: 3 drift_N.
   [[nodiscard]] double dead_zone_N() const { return 3.0 * drift_N; }
 };
 
 /// Measures a signal at rest: drift from means over 1 s, noise and lines from spectra of 1 s windows (Hann),
 /// where a line stands 10 dB above the median of the 20 frequencies around it.
-/// @param force_N  one value a period, 10 s or more; shorter: zeros
+/// @param force_N  one value per period, 10 s or more
+/// @returns zeros if the signal is shorter
 [[nodiscard]] ForceNoise MeasureNoise(std::span<const double> force_N, double period_s);
 
 /// One harmonic of a turning tool in the force.
@@ -34,16 +35,16 @@ struct SpindleHarmonic {
   double half_width_N{0.0};  ///< of its 95 % interval
 };
 
-/// Least squares of the harmonics 1 … orders of the spindle's turn in a force, on the integrated measured
-/// speed: wander of the speed does not blur them, as it does at a nominal speed.
-/// @param speed_rad_per_s  measured, one value a period  @pre both of one length
+/// Fits the harmonics 1 … `orders` of the spindle's rotation to a force, by least squares over the integral
+/// of the measured speed: a wandering speed does not blur them, as it would with a nominal speed.
+/// @param speed_rad_per_s  measured, one value per period  @pre force and speed have the same length
 [[nodiscard]] std::vector<SpindleHarmonic> FitSpindleHarmonics(std::span<const double> force_N,
                                                                std::span<const double> speed_rad_per_s,
                                                                double period_s, int orders = 8);
 
-/// Width in Hz of a notch around a harmonic of the spindle's measured turn that holds 95 % of that harmonic's
-/// power, without the noise beside it; the widest of the harmonics 1 … 8 between 5 and 40 Hz that stand out
-/// of their noise. A resolution of 0.25 Hz.
+/// Width in Hz of a notch around a harmonic of the spindle's measured rotation that contains 95 % of that
+/// harmonic's power, without the noise beside it: the largest width over the harmonics 1 … 8 that lie between
+/// 5 and 40 Hz and stand out of their noise. The resolution is 0.25 Hz.
 /// @returns 0 if no harmonic stands out, or with less than 8 s
 [[nodiscard]] double MeasureNotchWidth(std::span<const double> force_N,
                                        std::span<const double> speed_rad_per_s, double period_s);

@@ -39,7 +39,7 @@ struct PlannedRun {
   bool validates{false};
 };
 
-// One joint after another, at each speed.
+// Plans the runs that move one joint after another, at each speed.
 void PlanJoints(const IdentifyOptions& options, int joints, std::vector<PlannedRun>& runs) {
   std::vector<int> moved = options.joints;
   for (int joint = 1; joint <= joints && options.joints.empty(); ++joint) moved.push_back(joint);
@@ -55,7 +55,7 @@ void PlanJoints(const IdentifyOptions& options, int joints, std::vector<PlannedR
 
 // @param joints  of the cell's arm
 // @param overlay  the cell has the impedance law: a force is laid over the arm's own impedance
-// @param has_no_tremor  the simulated hand's: there is nothing to measure
+// @param has_no_tremor  the simulated hand has no tremor that could be measured
 std::vector<PlannedRun> PlanRuns(const IdentifyOptions& options, int joints, bool overlay,
                                  bool has_no_tremor) {
   std::vector<PlannedRun> runs;
@@ -123,7 +123,7 @@ bool HasNoTremor(const IdentifyOptions& options, const config::CellConfig& cell)
   return options.simulated && cell.simulated.hand.tremor_N == 0.0;
 }
 
-// Moves the arm and records. @returns the recordings, by what they are for
+// The recordings of an identification, by their use.
 struct Recordings {
   std::vector<fs::path> fits, validations;
 };
@@ -196,13 +196,13 @@ void Print(const IdentifyResult& result) {
   fmt::print("  {:<30} {:.0f} s of data in {:.2g} s\n", "Estimated", result.data_s, result.estimated_s);
 }
 
-// Whether there is something that a cell or a study would take.
+// Whether the result contains anything that a cell or a study uses.
 bool SaysAnything(const config::IdentifiedCell& identified) {
   return !identified.arm.empty() || !identified.response.empty() || !identified.hands.empty() ||
          identified.vibration || identified.dead_zone_N;
 }
 
-// The command that takes the file: `osteon tune`, or a run where nothing of arm or hand was measured.
+// Names the command that uses the file: `osteon tune`, or a run if neither arm nor hand was measured.
 std::string WrittenText(const fs::path& file, const config::IdentifiedCell& identified) {
   const bool tunes = !identified.arm.empty() || !identified.response.empty() || !identified.hands.empty();
   return fmt::format("{0}: osteon {1} CELL --identified {0} takes it", file.string(), tunes ? "tune" : "run");
@@ -249,7 +249,7 @@ tl::expected<void, std::string> Write(const IdentifyOptions& options, const Iden
   return {};
 }
 
-// Synthetic recordings of the cell's simulated arm: what an identification of such an arm is worth.
+// Makes the table of synthetic recordings of the cell's simulated arm: the accuracy of its identification.
 int RunTable(const IdentifyOptions& options, const config::CellConfig& cell) {
   config::RequireSimulation(cell, options.cell);
   const auto& kr = cell.simulated.kr;

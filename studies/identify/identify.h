@@ -31,13 +31,14 @@ struct IdentifyOptions {
       "identify"};               ///< folder for recordings, identified.yaml, identify.json, identify.html
   std::filesystem::path json{};  ///< also write the figures there; empty: nowhere else
   const std::atomic<bool>* stop{nullptr};
-  int table_seeds{0};  ///< above 0: nothing is moved or read; the table of synthetic recordings instead
+  int table_seeds{0};  ///< above 0: only the table of synthetic recordings is made, with this many seeds
   std::string command_line{};
 };
 
 /// Runs `osteon identify CELL`: moves the arm (or reads recordings), estimates, judges, and writes the page,
 /// the figures, and, if nothing was refused, identified.yaml.
-/// @returns the process's exit code: 0; 1 refused, or the present gains do not stand; 2 bad input.
+/// @returns the process's exit code: 0; 1 a result was refused, or the present gains are not stable; 2 bad
+/// input.
 [[nodiscard]] int RunIdentify(const IdentifyOptions& options);
 
 }  // namespace osteon::studies

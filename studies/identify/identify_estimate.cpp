@@ -28,8 +28,8 @@ struct ReadRun {
   config::IdentifiedRecording named;
   io::Recording recording;
   std::optional<ExcitationRequest> request;
-  std::string another_cell;  // why it is not this cell's; empty: it is
-  config::CellConfig cell;   // that it was recorded with
+  std::string another_cell;  // why the recording is not of this cell; empty: it is
+  config::CellConfig cell;   // the cell with which it was recorded
 };
 
 std::string DifferenceOf(const config::CellConfig& found, const config::CellConfig& accepted) {
@@ -69,7 +69,7 @@ tl::expected<ReadRun, std::string> ReadRunOf(const std::filesystem::path& file,
   return run;
 }
 
-// The force's direction that is noisiest, over the ticks at rest in the pause.
+// The noise along the noisiest direction of the force, over the ticks at rest in the pause.
 ForceNoise NoiseOf(const std::vector<control::TickRecord>& ticks, double period_s) {
   std::array<std::vector<double>, 3> force_N;
   for (const control::TickRecord& tick : ticks) {
@@ -128,7 +128,7 @@ void FillHarmonics(const std::vector<control::TickRecord>& ticks, double period_
   }
 }
 
-// The plant by force: F / q_cmd over what the tool's inertia makes of a motion.
+// The plant by force: F / q_cmd divided by the tool's inertial force per motion, m w^2.
 MeasuredResponse ByForce(MeasuredResponse response, double mass_kg) {
   for (ResponseLine& line : response.lines) {
     const double w = 2.0 * std::numbers::pi * line.hz, per_m = mass_kg * w * w;
@@ -139,7 +139,7 @@ MeasuredResponse ByForce(MeasuredResponse response, double mass_kg) {
   return response;
 }
 
-// One part of a motion: sums of its normal equations.
+// Sums of the normal equations for one part of a motion.
 struct LagSums {
   Eigen::Matrix2d normal{Eigen::Matrix2d::Zero()};
   Eigen::Vector2d right{Eigen::Vector2d::Zero()};
@@ -156,8 +156,8 @@ struct LagSums {
   }
 };
 
-// The mass by which the hand's force of a held run moves the arm of a free run; absent where it does not
-// stand out. Line by line from what both runs measured, since friction bends P by more than the hand does.
+// The mass by which the hand's force of a held run moves the arm of a free run; absent if it does not stand
+// out. It is estimated line by line from both runs' measurements: friction changes P by more than the hand.
 // @param arm  the model of the commanded arm
 std::optional<Estimate> FeltMass(const ServoModel& arm, const AxisResult& free, const AxisResult& held,
                                  double tool_mass_kg) {
@@ -171,7 +171,7 @@ std::optional<Estimate> FeltMass(const ServoModel& arm, const AxisResult& free, 
     const ResponseLine& line = held.by_encoders.lines[i];
     const double w = 2.0 * std::numbers::pi * line.hz;
     if (line.hz > kMaxHz) break;
-    // the sensor's force, on time, and with the inertia of what hangs on it
+    // the hand's force: the sensor's, without its delay, and with the inertial force of the tool
     const std::complex<double> force =
         (held.force_over_position->lines[i].value * std::polar(1.0, w * delay_s) - tool_mass_kg * w * w) *
         line.value;
@@ -192,7 +192,7 @@ std::optional<Estimate> FeltMass(const ServoModel& arm, const AxisResult& free, 
   return Estimate{.value = 1.0 / inverse, .half_width = half_width / (inverse * inverse)};
 }
 
-// The arm of a cell that a force was laid over; nothing without an LBR's masses.
+// The arm of a cell that a force was laid over; nothing if the cell has no LBR with masses.
 std::optional<OverlaidArm> OverlaidArmOf(const config::CellConfig& cell, const ExcitedAxis& axis,
                                          const kinematics::JointVectorN<7>& joint_rms_rad_per_s) {
   const config::LbrConfig* lbr = cell.robot.lbr();
@@ -209,9 +209,9 @@ std::optional<OverlaidArm> OverlaidArmOf(const config::CellConfig& cell, const E
                      .joint_rms_rad_per_s = joint_rms_rad_per_s};
 }
 
-// The free run of the same axis whose speed is nearest to that of a held run; with_model: of those whose
-// model holds, or is near enough for a mass: friction bends a quiet measurement more than it can be off by
-// noise. Null: there is none.
+// The free run of the same axis whose speed is nearest to that of a held run; null if there is none.
+// @param with_model  only runs whose model holds, or is near enough for a mass: in a measurement with little
+// noise, friction can make a usable model fail
 const AxisResult* FreeRunBeside(const IdentifyResult& result, const AxisResult& held, bool with_model) {
   const AxisResult* nearest = nullptr;
   const auto off = [&](const AxisResult& axis) {
@@ -225,7 +225,7 @@ const AxisResult* FreeRunBeside(const IdentifyResult& result, const AxisResult& 
   return nearest;
 }
 
-// The hand in each counted period by itself.
+// Fits the hand in each counted period by itself.
 void FillWindows(const ExcitedRun& run, double tool_mass_kg, AxisResult& axis) {
   const std::vector<std::vector<ResponseLine>> periods =
       MeasurePeriods(run, Signal::kPosition, Signal::kForce, *axis.force_over_position);
@@ -239,7 +239,7 @@ double SecondsOf(const ReadRun& run) {
   return run.cell.servo.period_s * static_cast<double>(run.recording.ticks.size());
 }
 
-// Reads and pairs an excited run; findings where that is not possible.
+// Pairs and estimates an excited run; adds findings if that is not possible.
 std::optional<AxisResult> EstimateRun(const ReadRun& run, IdentifyResult& result) {
   const std::string where = run.named.file;
   const auto refuse = [&](const std::string& what) {
@@ -289,7 +289,7 @@ tl::expected<AxisResult, std::string> EstimateAxis(const ExcitedRun& run, const 
   auto fit = FitServo(axis.by_encoders.lines, run.period_s);
   if (!fit) return tl::unexpected(fit.error());
   axis.fit = *fit;
-  if (request.joint > 0) return axis;  // the force has all directions, and says nothing of one joint
+  if (request.joint > 0) return axis;  // the force has all directions, and does not describe one joint
   if (request.overlay && overlaid != nullptr) {
     axis.overlaid = *overlaid;
     axis.overlaid->has_friction = axis.by_encoders.odd_ratio > kNotLinear;

@@ -15,8 +15,8 @@ namespace osteon::studies {
 /// RMS speed of an axis or of a joint: "20.5 mm/s", "3.5 deg/s".
 [[nodiscard]] std::string SpeedText(const AxisResult& axis);
 
-/// Judges each joint as an axis is judged, and the joints against each other: over 5 % of lag apart, the lag
-/// along an axis is that of the posture. Adds to `refused` and `warnings`, and sets model_holds.
+/// Judges each joint as an axis is judged, and compares the joints: if their lags differ by more than 5 %,
+/// the lag along an axis holds only for its posture. Adds to `refused` and `warnings`, and sets model_holds.
 void JudgeJoints(IdentifyResult& result);
 
 /// `joints[]` of osteon.identify/1: angles in degrees, times in ms.

@@ -7,16 +7,16 @@
 #include "studies/identify/identify_joints.h"
 #include "studies/identify/identify_result.h"
 
-// What is refused, and what the user is told: the limits of design and documentation.
+// Decides which results are refused, and what the user is told, by the limits of design and documentation.
 
 namespace osteon::studies {
 namespace {
 
-constexpr double kHeldFactor = 1.5;  // of the tool's mass, with a hand at it
+constexpr double kHeldFactor = 1.5;  // factor on the tool's mass above which a hand holds it
 constexpr double kMaxMassOff = 0.05, kMinGain = 0.98, kMaxDamping = 3.0;
 constexpr double kOddOverEven = 3.0, kVeryOdd = 0.1, kMaxChi2 = 3.0, kMaxValidation = 2.0;
 constexpr double kMinTremor_N = 0.005, kMaxTremor_N = 50.0;
-// of an overlay; friction hides a part of the damping
+// Limits of an overlay's fit; damping has a wider one, as friction hides a part of it.
 constexpr double kMaxMassInterval = 0.1, kMaxSpringInterval = 0.15, kMaxDampingInterval = 0.25,
                  kMaxResidual = 0.02;
 constexpr double kMaxLagInterval_s = 0.12e-3, kMinCoherence = 0.5, kMaxLost = 0.10;
@@ -56,7 +56,7 @@ void JudgeMass(const AxisResult& axis, const std::string& where, IdentifyResult&
 
 void JudgeLinearity(AxisResult& axis, const std::string& where, IdentifyResult& result) {
   const MeasuredResponse& response = axis.by_encoders;
-  // where the hand moves the arm, a held run's gain is that of the arm's spring beside the hand's: no limits
+  // If the hand moves the arm, a held run's gain depends on the springs of arm and hand: it has no limits.
   const double gain = std::abs(response.lines.front().value);
   // an overlay's gain is that of the arm's own spring, which is to be found
   const double damping = axis.overlay ? axis.overlay->damping_ratio.value : axis.fit.damping_ratio.value;
@@ -78,8 +78,8 @@ void JudgeLinearity(AxisResult& axis, const std::string& where, IdentifyResult& 
     result.warnings.push_back({where, found + ": friction; the figures hold near this speed alone"});
 }
 
-// Whether the data are enough: by the part of the interval that more data make smaller, since a model that
-// does not fit has its own finding.
+// Judges whether there are enough data, by the part of the interval that more data would make smaller: a
+// model that does not fit has its own finding.
 void JudgeAmount(const AxisResult& axis, const std::string& where, IdentifyResult& result) {
   const double fitted = std::sqrt(std::max(1.0, axis.overlay ? axis.overlay->chi2 : axis.fit.chi2));
   const double seconds = control::Multisine::kPeriod_s * axis.by_encoders.periods;
@@ -170,7 +170,7 @@ void JudgeAxis(AxisResult& axis, IdentifyResult& result) {
                      axis.crossing_hz ? "the loop's gain is 1" : "the arm's bandwidth lies", kMinCoherence)});
   if (axis.hand) JudgeHand(axis, where, result);
   if (axis.overlay) return JudgeImpedance(axis, where, result);
-  if (axis.request.held) return;  // the arm beside a hand is no arm: its free run has the model
+  if (axis.request.held) return;  // with a hand, the arm alone is not seen: its free run has the model
   const bool validated =
       !axis.validation_chi2 || *axis.validation_chi2 <= kMaxValidation * std::max(1.0, axis.fit.chi2);
   axis.model_holds = axis.fit.chi2 <= kMaxChi2 && validated;

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMaxNotch_hz = 20.0;  // that a cell takes
+constexpr double kMaxNotch_hz = 20.0;  // largest width that a cell's file may have
 
 config::IdentifiedInterval Interval(const Estimate& estimate) {
   return {.low = estimate.value - estimate.half_width, .high = estimate.value + estimate.half_width};
@@ -82,8 +82,8 @@ Json WindowsJson(const std::vector<HandWindow>& windows) {
   return list;
 }
 
-// Adds the responses of an axis: by the encoders and by the force sensor as of the arm; of a held run by the
-// hand, force over position in N/m.
+// Adds the responses of an axis: the arm's by the encoders and by the force sensor; for a held run also the
+// hand's, force over position in N/m.
 void AddFrf(const AxisResult& axis, Json& frf) {
   const auto add = [&](const MeasuredResponse& response, const char* by) {
     for (Json& line : LinesJson(response, by)) {
@@ -98,7 +98,7 @@ void AddFrf(const AxisResult& axis, Json& frf) {
   if (axis.hand && axis.force_over_position) add(*axis.force_over_position, "hand");
 }
 
-// Adds what an axis gives beside itself: sensor, structure, hand, link, validation.
+// Adds an axis and the results from its recording: sensor, structure, hand, link, validation.
 void AddAxisJson(const AxisResult& axis, Json& json) {
   json["axes"].push_back(AxisJson(axis));
   if (axis.tool) {
@@ -165,7 +165,7 @@ Json PassiveJson(const PassiveLag& passive) {
                {"spindle", harmonics}});
 }
 
-// Of the held run of an axis that knows it best.
+// The felt mass of an axis, from the held run that knows it best.
 std::optional<double> FeltMassOf(char axis, const IdentifyResult& result) {
   std::optional<Estimate> best;
   for (const AxisResult& held : result.axes)
@@ -175,7 +175,7 @@ std::optional<double> FeltMassOf(char axis, const IdentifyResult& result) {
   return best ? std::optional(best->value) : std::nullopt;
 }
 
-// What the hand's tremor and the spindle's own forces ask of the vibration index.
+// Settings of the vibration index that the hand's tremor and the spindle's own forces require.
 std::optional<config::IdentifiedVibration> VibrationOf(const IdentifyResult& result) {
   config::IdentifiedVibration vibration;
   if (result.tremor) vibration.tremor_N = result.tremor->tremor_N;
@@ -203,7 +203,7 @@ ServoFit AsArm(const ImpedanceFit& overlay, ServoFit fit) {
   return fit;
 }
 
-// A spring is written where it is known to a quarter.
+// A spring's value if it is known to a quarter; otherwise it is not written.
 std::optional<double> IfKnown(const Estimate& estimate) {
   constexpr double kMaxInterval = 0.25;
   if (!(estimate.value > 0.0 && estimate.half_width <= kMaxInterval * estimate.value)) return {};
@@ -220,8 +220,8 @@ std::optional<config::IdentifiedImpedance> ImpedanceOf(const AxisResult& axis) {
                                      .on_mount = fit.on_mount};
 }
 
-// The plant as the loop of a hand meets it, which the hand makes of the command: F / q_cmd over what the hand
-// makes of a motion.
+// The plant in the loop of a hand, from command to motion: F / q_cmd divided by the hand's impedance, force
+// over motion.
 config::IdentifiedResponse ResponseWithHand(const AxisResult& axis, const config::IdentifiedHand& hand) {
   config::IdentifiedResponse response{
       .axis = std::string(1, axis.request.axis), .speed_m_per_s = axis.rms_speed_m_per_s, .hand = hand.name};
@@ -236,7 +236,7 @@ config::IdentifiedResponse ResponseWithHand(const AxisResult& axis, const config
   return response;
 }
 
-// Adds what an axis says of sensor, hands and link.
+// Adds the results of an axis for sensor, hands and link.
 void AddDevices(const AxisResult& axis, config::IdentifiedCell& cell) {
   if (axis.tool && (!cell.sensor || !cell.sensor->delay_s)) {
     if (!cell.sensor) cell.sensor.emplace();

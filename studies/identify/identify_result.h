@@ -27,7 +27,7 @@ struct Finding {
 
 /// The hand within one counted period of 4 s.
 struct HandWindow {
-  double from_s{0.0};  ///< since the first counted period began, in periods that were counted
+  double from_s{0.0};  ///< begin, since the first counted period; only counted periods add to this time
   Estimate stiffness_N_per_m{};
 };
 
@@ -36,24 +36,24 @@ struct AxisResult {
   ExcitationRequest request;
   config::IdentifiedRecording recording;
   double rms_speed_m_per_s{0.0};
-  /// q_meas / q_cmd; of an overlay x / f times the stiffness that the arm is thought to have.
+  /// q_meas / q_cmd; of an overlay x / f times the arm's nominal stiffness.
   MeasuredResponse by_encoders;
   ServoFit fit;
   std::optional<MeasuredResponse> by_force{};  ///< F / q_cmd / (m w^2): the plant with structure and sensor
   std::optional<MeasuredResponse> force_over_position{};
   std::optional<ToolForceFit> tool{};
-  std::string no_tool{};  ///< why there is none
+  std::string no_tool{};  ///< why `tool` has no value
   std::optional<HandFit> hand{};
   std::optional<MeasuredResponse> force_over_command{};  ///< of a held run: F / q_cmd [N/m]
   std::vector<HandWindow> hand_windows{};                ///< the hand over time
-  std::optional<Estimate> felt_mass_kg{};        ///< of a held run: by which the hand's force moves the arm
+  std::optional<Estimate> felt_mass_kg{};        ///< of a held run: mass by which the hand moves the arm
   std::optional<OverlaidArm> overlaid{};         ///< of an overlay: the arm, and how it was moved
   std::optional<ImpedanceFit> overlay{};         ///< of an overlay
   std::optional<MeasuredResponse> over_force{};  ///< of an overlay: x / f in m/N
   std::optional<double> validation_chi2{};
-  std::optional<double> crossing_hz{};  ///< up to which the loop needs the response; none: the bandwidth
+  std::optional<double> crossing_hz{};  ///< the loop needs the response up to here; none: up to the bandwidth
   ExcitedSamples samples{};             ///< counts and jitter; its run may be empty
-  bool model_holds{true};               ///< false: the response alone is to be used
+  bool model_holds{true};               ///< false: only the response is to be used, not the fitted model
 };
 
 /// Total lag from motion without excitation, with force as second input: x_cmd - x_meas = lag v + c F.
@@ -62,19 +62,20 @@ struct PassiveLag {
   Estimate lag_s;
   double compliance_m_per_N{0.0};
   double seconds{0.0}, peak_hand_N{0.0};
-  /// Spindle's orders in the force, along the sensor's worst direction; empty: it turned for less than 2 s.
+  /// Harmonics of the spindle in the force, along the sensor's worst direction; empty: the spindle turned for
+  /// less than 2 s.
   std::vector<SpindleHarmonic> harmonics{};
   double spindle_hz{0.0};  ///< mean turns per second
-  double notch_hz{0.0};    ///< width that holds the widest of its orders; 0: none stands out
+  double notch_hz{0.0};    ///< width of the widest harmonic (MeasureNotchWidth); 0: none stands out
 };
 
 struct IdentifyResult {
   std::string cell;
   config::IdentifiedValidity valid_for;
   control::Law law{control::Law::kAdmittance};  ///< of the cell
-  double tool_mass_kg{0.0};                     ///< that the cell's file or calibration says
+  double tool_mass_kg{0.0};                     ///< as the cell's file or calibration says
   std::vector<AxisResult> axes;
-  std::vector<AxisResult> joints{};  ///< moved alone; of each the response by its encoder and the fit
+  std::vector<AxisResult> joints{};  ///< joints moved alone: response by the joint's encoder, and the fit
   std::optional<ForceNoise> noise{};
   std::optional<HandTremor> tremor{};
   std::vector<PassiveLag> passive{};
@@ -91,32 +92,34 @@ struct IdentifyResult {
 
 /// Share of the messages that did not come, and of the answers that the arm did not get.
 [[nodiscard]] double LossOf(const ExcitedSamples& samples);
-/// Two speeds whose lags differ by more, relative, have friction.
+/// Relative difference between the lags at two speeds above which friction is the cause.
 inline constexpr double kMaxLagApart = 0.05;
 
 /// Judges one axis, or one joint: adds to `refused` and `warnings`, and sets model_holds.
 void JudgeAxis(AxisResult& axis, IdentifyResult& result);
-/// Says that no hand is fitted to a motion without excitation, where a hand was felt.
+/// Warns, if a hand was felt in a motion without excitation, that no hand is fitted to such a motion.
 void JudgePassive(IdentifyResult& result);
 /// Whether the cell's present gains are stable with every hand in free air and at a wall, by the measured
-/// response; true where nothing was judged. Planes as old as `osteon tune` assumes them are warned of alone.
+/// response; true if nothing was judged. Gains unstable on planes as old as `osteon tune` assumes do not
+/// count here: they only give a warning.
 [[nodiscard]] bool GainsStand(const IdentifyResult& result);
-/// Refuses a tremor of a hand that did not hold the handle.
+/// Refuses the tremor if the recording is too short, or if no hand held the handle.
 void JudgeTremor(IdentifyResult& result);
-/// Judges speeds of one axis, or of one joint, against each other: over 5 % of lag apart is friction, and the
-/// slower one counts.
+/// Compares the speeds of one axis, or of one joint: lags that differ by more than 5 % show friction, and the
+/// slower speed counts.
 void JudgeSpeeds(IdentifyResult& result);
 
 /// Bad if something was refused; to be looked at with warnings, or if no axis was excited.
 [[nodiscard]] session::Verdict Judge(const IdentifyResult& result);
 
-/// The file for `tune` and others. @pre nothing was refused, and an axis was measured
+/// Makes the content of identified.yaml, for `tune` and others.
+/// @pre nothing was refused, and an axis was measured
 [[nodiscard]] config::IdentifiedCell ToIdentified(const IdentifyResult& result);
 
 /// JSON, osteon.identify/1.
 [[nodiscard]] std::string ToJson(const IdentifyResult& result, const std::string& command_line);
 
-/// Parts of it, also for joints: what the encoders say of an arm, and the lines of a response.
+/// Parts of that JSON, also for joints: the arm's fit by the encoders, and the lines of a response.
 [[nodiscard]] nlohmann::ordered_json FitJson(const AxisResult& axis);
 [[nodiscard]] nlohmann::ordered_json LinesJson(const MeasuredResponse& response, const char* by);
 /// "15.00 ± 0.02 Hz, damping …": the fit of an axis or of a joint.
@@ -125,7 +128,7 @@ void JudgeSpeeds(IdentifyResult& result);
 /// What the user should do next.
 [[nodiscard]] std::string NextStep(const IdentifyResult& result);
 
-/// A measured dead zone below it is none: the sensor's drift is not felt.
+/// A smaller measured dead zone counts as none: the sensor's drift is not felt.
 inline constexpr double kMinDeadZone_N = 0.005;
 
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const IdentifyResult& result);

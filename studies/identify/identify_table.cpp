@@ -23,11 +23,11 @@ namespace {
 
 constexpr hil::BoundaryScan kWalls{.from = 100.0, .to = 1e6, .factor = 1.05, .tolerance = 1e-4};
 constexpr hil::BoundaryScan kDrags{.from = 1.0, .to = 3000.0, .factor = 1.1, .tolerance = 1e-7};
-// what the design's table predicts
+// hands, mass and drag of the predictions in the design's table
 const hil::GridHand kStiffHand{"3 kN/m", 3000.0, 20.0, 1.5}, kFirmHand{"firm", 500.0, 20.0, 1.5};
 constexpr double kMass_kg = 3.0, kDrag_Ns_per_m = 20.0;
 
-// What one seed gives.
+// The result of one seed.
 struct Found {
   ServoFit fit;
   double least_drag{0.0}, greatest_wall{0.0};

@@ -7,11 +7,12 @@
 #include "hil/arm/servo_arm.h"
 #include "studies/identify/measured_response.h"
 
-// How well an arm like a cell's would be identified: synthetic recordings of a known ServoArm, many seeds.
+// Tests how well an arm like a cell's would be identified, with synthetic recordings of a known ServoArm and
+// many seeds.
 
 namespace osteon::studies {
 
-/// A synthetic recording: an excited ServoArm of one joint, measured with noise, over a link that loses.
+/// A synthetic recording: an excited ServoArm of one joint, measured with noise, over a link with losses.
 struct SyntheticRun {
   std::string name{};
   int draws{4}, periods{3};
@@ -23,7 +24,7 @@ struct SyntheticRun {
   bool as_sent{false};        ///< lost answers are not taken into account: a planted error
 };
 
-/// The excitation of a run through the arm. @param seed  of phases, noise and losses
+/// Simulates the arm with the excitation of a run. @param seed  of phases, noise and losses
 [[nodiscard]] ExcitedRun Synthesize(const SyntheticRun& run, const hil::ServoArmParams& arm, double period_s,
                                     std::uint64_t seed);
 
@@ -31,7 +32,7 @@ struct IdentifyTableParams {
   hil::ServoArmParams arm;  ///< the truth
   double period_s{0.001};
   int seeds{30};
-  int threads{0};  ///< 0: one a core
+  int threads{0};  ///< 0: one per core
 };
 
 /// A figure over all seeds.
@@ -40,14 +41,14 @@ struct TableFigure {
   double inside{0.0};  ///< share of seeds whose 95 % interval holds the truth; NaN: there is no interval
 };
 
-/// A row: what was recorded, and how what was found differs from the truth.
+/// A row of the table: the recording's settings, and the estimates compared with the truth.
 struct TableRow {
   SyntheticRun run;
   double seconds{0.0};
   TableFigure hz{}, damping_ratio{}, dead_time_ms{}, lag_ms{};
-  /// Predicted with the arm that was found, for a virtual tool of 3 kg: the least drag for a hand of 3 kN/m,
-  /// and the greatest wall with a firm hand (500 N/m) and 20 N s/m; 1e6: at least. A drag that is infinite:
-  /// none up to 3000 N s/m is stable.
+  /// Predicted with the estimated arm for a virtual tool of 3 kg: the least drag for a hand of 3 kN/m, and
+  /// the greatest wall with a firm hand (500 N/m) and 20 N s/m. A wall of 1e6 means at least 1e6; a drag is
+  /// infinite if none up to 3000 N s/m is stable.
   TableFigure least_drag_Ns_per_m{}, greatest_wall_N_per_m{};
   int failed{0};  ///< seeds without a fit
 };
@@ -55,7 +56,7 @@ struct TableRow {
 /// The rows of design and documentation: 64 s at 50, 20 and 5 mm/s, 24 s, lost messages and lost answers.
 [[nodiscard]] std::vector<SyntheticRun> TableRuns();
 
-/// What a row predicts with an arm: see TableRow.
+/// The predictions of a row with a given arm: see TableRow.
 [[nodiscard]] double LeastDrag(const hil::ServoArmParams& arm, double period_s);
 [[nodiscard]] double GreatestWall(const hil::ServoArmParams& arm, double period_s);
 

@@ -20,11 +20,11 @@ constexpr double kHalfWidthSd = 2.0, kTurn = 2.0 * std::numbers::pi, kMaxDeadTim
 constexpr double kMaxRigidChi2 = 3.0, kFalls = 3.0, kStartFriction = 0.003;
 constexpr std::size_t kMinLines = 6;
 constexpr int kMaxAgain = 5;
-constexpr double kWentOn = 0.95;  // of the cost before
+constexpr double kWentOn = 0.95;  // the fit has progressed if the cost is below this share of that before
 constexpr double kMountFactor = 3.0, kFarOff = 1e6;
 
-// What is fitted, by index. Joint impedance has no spring that turns; with a mount the last five are there as
-// well.
+// The fitted parameters by index. Joint impedance has no rotational spring. The last five exist only with a
+// mount.
 enum Parameter : Eigen::Index {
   kLogMassRatio,
   kLogSpring,  // Cartesian: N/m; joints: N m/rad
@@ -63,7 +63,7 @@ Joints FrictionDamping(const OverlaidArm& arm) {
   return damping;
 }
 
-// The arm with what is fitted, and what friction adds.
+// The arm with the fitted parameters, and the damping that friction adds.
 class FittedArm {
  public:
   explicit FittedArm(const OverlaidArm& overlaid)
@@ -125,12 +125,12 @@ class ArmModel {
   std::optional<OverlayResponse> response_;
 };
 
-// What a force along an axis meets of an arm's mass, damping or spring.
+// The arm's mass, damping or stiffness that acts against a force along an axis.
 double Along(const Eigen::Matrix<double, 7, 7>& of, const Joints& along) {
   return 1.0 / along.dot(of.partialPivLu().solve(along));
 }
 
-// All that is reported, by the parameters.
+// The reported values, which follow from the parameters.
 enum Reported : Eigen::Index {
   kMassRatio,
   kSpring,
@@ -167,7 +167,7 @@ Eigen::VectorXd Report(const FittedArm& fitted, const Eigen::VectorXd& p) {
   return r;
 }
 
-// Half widths of what is reported, by the parameters' covariance.
+// Half widths of the reported values, from the parameters' covariance.
 Eigen::VectorXd HalfWidths(const FittedArm& fitted, const Eigen::VectorXd& p,
                            const Eigen::MatrixXd& covariance) {
   constexpr double kStep = 1e-6;
@@ -181,8 +181,8 @@ Eigen::VectorXd HalfWidths(const FittedArm& fitted, const Eigen::VectorXd& p,
   return kHalfWidthSd * (gradient * covariance * gradient.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt();
 }
 
-// The fit of some of the parameters, all others as they start. The lines alone do not hold each of a mount's
-// parameters, so that these keep near what they start with, by a factor of kMountFactor or so.
+// Fits some of the parameters; all others keep their start values. The lines alone do not determine each of a
+// mount's parameters, so these are kept near their start values, within a factor of about kMountFactor.
 LeastSquaresFit FitSome(std::span<const ResponseLine> lines, const ResponseModel& model,
                         const Eigen::VectorXd& start, const std::vector<Eigen::Index>& left_alone) {
   std::vector<Eigen::Index> fitted;
@@ -201,7 +201,7 @@ LeastSquaresFit FitSome(std::span<const ResponseLine> lines, const ResponseModel
                              .residuals = static_cast<int>(line_rows + start.size() - kRigid),
                              .evaluate = residuals};
   LeastSquaresFit fit = Solve(problem, start(fitted));
-  // in a narrow valley the solver stops early; begun again from there it goes on
+  // In a narrow valley the solver stops early; restarted from there, it continues.
   for (int again = 0; again < kMaxAgain && fit.converged; ++again) {
     const LeastSquaresFit next = Solve(problem, fit.parameters);
     const bool went_on = next.converged && next.cost < kWentOn * fit.cost;
@@ -221,7 +221,7 @@ void KeepBetter(const LeastSquaresFit& fit, LeastSquaresFit& best, double by = 1
   if (fit.converged && (!best.converged || by * fit.cost < best.cost)) best = fit;
 }
 
-// Where the fits begin: the arm as its file has it, its spring multiplied.
+// Start values of a fit: the arm of its file, its spring multiplied by `spring`.
 Eigen::VectorXd RigidStart(const OverlaidArm& overlaid, double spring, double dead_time_s) {
   const hil::DynamicArmParams& arm = overlaid.arm.arm;
   const bool torque = overlaid.arm.torque;
@@ -245,8 +245,8 @@ Eigen::VectorXd MountedStart(const OverlaidArm& overlaid, const Eigen::VectorXd&
   return start;
 }
 
-// The arm on the floor, from springs of its file's, half and twice that; then on a mount, which is kept if it
-// lowers the cost threefold.
+// Fits the arm on the floor, starting from its file's springs, half of them and twice of them; then the arm
+// on a mount, which is kept if it lowers the cost threefold.
 LeastSquaresFit BestFit(std::span<const ResponseLine> lines, const OverlaidArm& overlaid,
                         const ResponseModel& model, double dead_time_s) {
   std::vector<Eigen::Index> left_alone;

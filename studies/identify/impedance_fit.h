@@ -12,22 +12,22 @@
 
 namespace osteon::studies {
 
-/// The arm that a force is laid over, as its file has it, and how it was moved.
+/// The arm that a force is laid over, as its file describes it, and how it was moved.
 struct OverlaidArm {
   ImpedanceArmParams arm;
-  Vector3 axis_B{Vector3::UnitZ()};  ///< along which force and motion are, unit
-  double nominal_N_per_m{1.0};       ///< by which the forces of the measured response were divided
+  Vector3 axis_B{Vector3::UnitZ()};  ///< direction of force and motion, unit
+  double nominal_N_per_m{1.0};       ///< stiffness by which the forces of the response were divided
   bool has_friction{false};          ///< whether friction is fitted as well: where the motion is not linear
-  /// RMS speeds of the joints while they were measured, by which friction damps them.
+  /// RMS speeds of the joints during the measurement; the damping by friction follows from them.
   kinematics::JointVectorN<7> joint_rms_rad_per_s{kinematics::JointVectorN<7>::Zero()};
 };
 
 /// An arm's own impedance, fitted with its seven joints.
 struct ImpedanceFit {
-  /// What a force along the measured axis meets: mass x'' + damping x' + stiffness x = f(t - dead time), with
-  /// all other directions free.
+  /// The impedance along the measured axis: mass x'' + damping x' + stiffness x = f(t - dead time), with all
+  /// other directions free.
   Estimate stiffness_N_per_m{}, damping_Ns_per_m{}, mass_kg{}, dead_time_s{};
-  Estimate bandwidth_hz{}, damping_ratio{}, lag_s{};  ///< the same as an arm that follows its command
+  Estimate bandwidth_hz{}, damping_ratio{}, lag_s{};  ///< the same, as an arm that follows its command
 
   /// The arm's own parameters, as hil::DynamicArmParams has them. Cartesian impedance: along and about each
   /// direction. Joint impedance: of all joints alike.
@@ -41,28 +41,28 @@ struct ImpedanceFit {
   Eigen::VectorXd parameters{};  ///< for FittedResponse()
 };
 
-/// Weighted least squares of an arm's impedance: an arm's axes are coupled, so that a force along one turns
-/// the tool as well, which a model of one axis lacks. The arm's file gives its masses but for a ratio. With
-/// Cartesian impedance both springs, one damping ratio and the dead time are fitted besides, with joint
-/// impedance one spring of all joints. Friction damps each joint as it does on average at its speeds.
-/// Where chi^2 exceeds 3 and falls threefold with it, the arm stands on a mount that gives way: two springs,
-/// a damping ratio, mass and inertia.
-/// @param lines  of x / (f / nominal stiffness)  @param start_dead_time_s  to begin with
+/// Fits an arm's impedance by weighted least squares. The arm's axes are coupled: a force along one axis
+/// turns the tool as well, which a model of one axis lacks. The masses are those of the arm's file, times a
+/// fitted ratio. A damping ratio and the dead time are fitted as well, and with Cartesian impedance both
+/// springs, with joint impedance one spring for all joints. Friction damps each joint as it does on average
+/// at its speeds. If chi^2 exceeds 3 and falls threefold with a mount that gives way, the arm stands on such
+/// a mount: two springs, a damping ratio, mass and inertia.
+/// @param lines  of x / (f / nominal stiffness)  @param start_dead_time_s  dead time at which the fit begins
 /// @returns an error with fewer than 6 lines, or if nothing converges
 [[nodiscard]] tl::expected<ImpedanceFit, std::string> FitImpedance(std::span<const ResponseLine> lines,
                                                                    const OverlaidArm& arm, double period_s,
                                                                    double start_dead_time_s = 0.003);
 
-/// The response x / f [m/N] of what was fitted.
+/// The response x / f [m/N] of the fitted arm.
 [[nodiscard]] OverlayResponse FittedResponse(const ImpedanceFit& fit, const OverlaidArm& arm,
                                              double period_s);
 
-/// Chi^2 of what was fitted against lines of x / (f / nominal stiffness) that it was not fitted to, divided
+/// Chi^2 of the fitted arm against lines of x / (f / nominal stiffness) to which it was not fitted, divided
 /// by their number (real and imaginary parts).
 [[nodiscard]] double ValidationChi2(const ImpedanceFit& fit, const OverlaidArm& arm,
                                     std::span<const ResponseLine> lines, double period_s);
 
-/// The response x / f in m/N. @param response  of x / (f / nominal stiffness)
+/// Converts a response to x / f [m/N]. @param response  of x / (f / nominal stiffness)
 [[nodiscard]] MeasuredResponse PerForce(MeasuredResponse response, double nominal_N_per_m);
 
 }  // namespace osteon::studies

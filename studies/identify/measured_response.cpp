@@ -22,8 +22,8 @@ using Complex = std::complex<double>;
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr int kMinDraws = 2, kMinPeriods = 2;
 constexpr double kMinSeen = 0.5;   // share of a period's samples
-constexpr double kMinSd = 1e-9;    // of a response of 1: below it rounding decides
-constexpr int kMaxDetection = 80;  // harmonic, 20 Hz
+constexpr double kMinSd = 1e-9;    // for a response of 1: smaller deviations are rounding
+constexpr int kMaxDetection = 80;  // number of the harmonic at 20 Hz
 
 double ValueOf(const ExcitedSample& sample, Signal signal) {
   return signal == Signal::kCommand ? sample.u_m : signal == Signal::kPosition ? sample.y_m : sample.f_N;
@@ -78,8 +78,8 @@ Eigen::VectorXcd Amplitudes(const Eigen::VectorXd& fitted) {
   return amplitudes;
 }
 
-// The harmonics that are looked at for what is not linear, up to 20 Hz: empty odd ones, and even ones beside
-// them.
+// The harmonics up to 20 Hz at which nonlinearity is measured: those without excitation, odd ones, and even
+// ones beside them.
 struct Detection {
   std::vector<int> odd, even;
 };
@@ -189,7 +189,7 @@ class PeriodFit {
   Eigen::MatrixXd basis_, all_;
 };
 
-// What a draw says of one line.
+// The result of one draw at one line.
 struct DrawLine {
   Complex H;
   double output_variance{0.0};  // of a period's output, real or imaginary part
@@ -210,7 +210,7 @@ DrawLine LineOf(const std::vector<const Period*>& periods, Eigen::Index line) {
   return result;
 }
 
-// Means over up to five lines around each.
+// Moving mean over up to five lines around each line.
 std::vector<double> Smoothed(const std::vector<double>& values) {
   std::vector<double> smooth(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {

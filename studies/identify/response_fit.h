@@ -15,8 +15,8 @@ namespace osteon::studies {
 /// A model of a response, by its parameters and the frequency [Hz].
 using ResponseModel = std::function<std::complex<double>(const Eigen::VectorXd& p, double hz)>;
 
-/// The rest of each line over its standard deviation: real and imaginary parts in turn, the first 2 n of
-/// r.
+/// Fills the first 2 n elements of r with each line's residual divided by its standard deviation, real and
+/// imaginary parts in turn.
 void FillResiduals(std::span<const ResponseLine> lines, const ResponseModel& model, const Eigen::VectorXd& p,
                    Eigen::VectorXd& r);
 
@@ -24,7 +24,7 @@ void FillResiduals(std::span<const ResponseLine> lines, const ResponseModel& mod
 [[nodiscard]] LeastSquaresFit FitResponse(std::span<const ResponseLine> lines, const ResponseModel& model,
                                           const Eigen::VectorXd& start);
 
-/// Chi^2 of such a fit over its degrees of freedom: about 1 where the model and the deviations are right.
+/// Chi^2 of a fit over its degrees of freedom: about 1 if the model and the standard deviations are right.
 [[nodiscard]] double Chi2Of(const LeastSquaresFit& fit, std::size_t lines);
 
 }  // namespace osteon::studies

@@ -14,13 +14,14 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr int kParameters = 4;
 constexpr double kIntervalSd = 2.0;
-constexpr double kRounding = 1e-8;  // residual of a simulated arm without noise: the search's own tolerance
+constexpr double kRounding =
+    1e-8;  // residual for a simulated arm without noise, due to the search's tolerance
 
 ServoModel ModelOf(const Eigen::VectorXd& p) {
   return {.bandwidth_hz = std::exp(p[0]), .damping_ratio = std::exp(p[1]), .dead_time_s = p[2], .gain = p[3]};
 }
 
-// Delay of the lowest lines: where to begin.
+// Delay at one of the lowest lines: the start of the fit.
 double LagOf(std::span<const ResponseLine> lines) {
   const ResponseLine& line = lines[std::min<std::size_t>(2, lines.size() - 1)];
   return -std::arg(line.value) / (kTurn * line.hz);

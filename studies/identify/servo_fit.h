@@ -16,7 +16,7 @@ struct Estimate {
   double value{0.0}, half_width{0.0};
 };
 
-/// Arm fitted to a measured response.
+/// An arm fitted to a measured response.
 struct ServoFit {
   ServoModel model{};
   Estimate bandwidth_hz{}, damping_ratio{}, dead_time_s{}, gain{}, lag_s{};
@@ -26,7 +26,7 @@ struct ServoFit {
 
 /// Weighted least squares of bandwidth, damping, dead time and gain, with the exact sampled response; by
 /// Levenberg-Marquardt from several starts. Intervals are twice the standard deviation, which follows from
-/// the lines' sd, and grows by sqrt(chi2) where the model fits worse than these say.
+/// the lines' sd, and is multiplied by sqrt(chi2) if the model fits worse than the lines' sd explain.
 /// @returns an error with fewer than 4 lines, or if no start converges.
 [[nodiscard]] tl::expected<ServoFit, std::string> FitServo(std::span<const ResponseLine> lines,
                                                            double period_s);

@@ -25,15 +25,15 @@ using std::chrono::milliseconds, std::chrono::seconds;
 
 constexpr int kAttempts = 3;
 constexpr milliseconds kPollInterval{5};
-// Generous: a busy machine must not decide.
-constexpr seconds kContact{120}, kRest{10}, kEnd{90};  // the end writes report and pages
+// Time limits are generous, so that a busy machine does not decide the outcome.
+constexpr seconds kContact{120}, kRest{10}, kEnd{90};  // kEnd: the processes then write report and pages
 // Full contact: for this long, the hand's whole push meets a tool that hardly moves.
 constexpr double kFullShare = 0.97, kPressedIn_m_per_s = 0.01;
 constexpr rt::Nanoseconds kFullFor = 100 * rt::kMillisecond;
 constexpr double kRest_m_per_s = 0.002;  // speed of a commanded tool at rest
 // Time for which the rest is watched; within it the PLC misses the heartbeats (0.25 s).
 constexpr rt::Nanoseconds kRestFor = 800 * rt::kMillisecond;
-constexpr milliseconds kEngineHalt{300};  // of a late engine: a model then is beyond every limit of its age
+constexpr milliseconds kEngineHalt{300};  // halt of a late engine: its model is then beyond every age limit
 
 double MetresPerSecond(const PlainVector3& v) { return Vector3(v).norm(); }
 
@@ -42,7 +42,7 @@ bool IsEngine(KillVictim victim) {
          victim == KillVictim::kEngineLate;
 }
 
-// The fault in which the victim's death must end; empty: any watchdog may be first.
+// The fault that the victim's death must cause; empty: any watchdog may act first.
 std::string OwnFault(KillVictim victim) {
   if (victim == KillVictim::kSimulation || IsEngine(victim))
     return safety::Describe(safety::Fault::kModelStale).name;

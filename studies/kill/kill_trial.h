@@ -46,24 +46,25 @@ struct KillResult {
   bool at_rest{false};
   double rest_ms{0.0};     ///< from the kill until the tool last moved faster than at rest
   double distance_m{0.0};  ///< greatest distance of the apex from its place at the kill
-  double hand_N{0.0};      ///< the hand's greatest force, before and after
+  double hand_N{0.0};      ///< the hand's greatest force, before and after the kill
   /// The controller's greatest rendered force, as far as its recording goes.
   double coupling_N{0.0};
   std::optional<bool> permitted{};    ///< by the PLC at the end; nothing: the PLC was killed
   std::string blocks{};               ///< why the PLC does not permit
   double spindle_rad_per_s{0.0};      ///< at the end, as the drive reports
-  std::optional<int> run_exit{};      ///< nothing: it was killed
+  std::optional<int> run_exit{};      ///< exit code of `osteon run`; nothing: it was killed
   std::vector<std::string> faults{};  ///< named by the controller
   std::string guard{};                ///< why the guard withheld, if it did
-  /// Earlier ones never reached full contact, or another fault stopped them first: a busy machine.
+  /// Number of attempts. The earlier ones never reached full contact, or another fault stopped them first,
+  /// because the machine was busy.
   int attempts{1};
   std::string wrong{};  ///< empty: as required
 
   [[nodiscard]] bool passed() const { return wrong.empty(); }
 };
 
-/// Whether the arm was stopped in order, but for another fault than that of the victim's watchdog: a busy
-/// machine is late in other ways too.
+/// Whether the arm was stopped in order, but because of another fault than that of the victim's watchdog: on
+/// a busy machine, another watchdog may act first.
 [[nodiscard]] bool AnotherFaultFirst(const KillResult& result);
 
 /// Writes the cell of the trial, derived from a shipped one: a guard, a plate of cortical bone that lasts, a

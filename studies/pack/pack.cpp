@@ -25,7 +25,7 @@ namespace {
 
 bool Has(const std::filesystem::path& path, const char* extension) { return path.extension() == extension; }
 
-// Checks the output paths before anything is done.
+// Checks the output paths before any work is done. @returns the error; empty if the paths are usable
 std::string WrongPlace(const PackOptions& options) {
   std::error_code error;
   if (options.outputs.empty()) return "-o: found no file, accepted FILE.osp, FILE.ply or FILE.csv";
@@ -44,7 +44,8 @@ std::string WrongPlace(const PackOptions& options) {
   return session::ValidateParentFolder("--json", options.json);
 }
 
-/// Default spacing of the mass points: some 200 000 if even; below a zone the finest is at most 0.75 mm.
+/// Default spacing of the mass points: evenly spaced, there are some 200 000 points; below a cut zone the
+/// finest spacing is at most 0.75 mm.
 simulation::MassPointParams PointParams(const PackOptions& options, const session::PackSource& source,
                                         double volume_m3) {
   constexpr double kPoints = 200'000.0, kFinest_m = 0.1e-3, kCoarsest_m = 3e-3, kMaxAtZone_m = 0.75e-3;
@@ -91,7 +92,7 @@ std::vector<simulation::Ball> Pack(const PackOptions& options, const session::Pa
                                                                 .threads = options.threads}));
 }
 
-/// The parameters that decided the result, and its quality, as the file's provenance.
+/// The parameters that determined the result, and the result's quality, as the file's provenance.
 simulation::PackingProvenance Provenance(const PackOptions& options, const session::PackSource& source,
                                          const PackResult& result) {
   simulation::PackingProvenance provenance = source.provenance;

@@ -16,7 +16,7 @@ struct PackOptions {
   std::optional<std::size_t> count{};
   std::optional<double> r_min_mm{}, r_max_mm{}, grade{};
   std::uint64_t seed{0};
-  int threads{0};  ///< 0: one a core
+  int threads{0};  ///< 0: one per core
   bool points{true};
   std::optional<double> point_spacing_mm{};
   std::filesystem::path report{};  ///< folder; empty: none

@@ -76,7 +76,7 @@ tl::expected<std::string, std::string> Pictures(const PackReportInput& input) {
 
 /// The outline of the spheres' union in the plane, with the solid's materials below it.
 std::string SectionFigure(const PackReportInput& input) {
-  // the section follows a site: use one in the middle, as wide as the bone
+  // The section follows a cut site: use a site in the middle, as wide as the bone.
   Bone bone = input.bone;
   const CutAway plane = MiddlePlane(bone);
   const Eigen::AlignedBox3d box = input.solid.Bounds();

@@ -36,9 +36,9 @@ struct PackReportInput {
   int threads{0};
 };
 
-/// Makes the report as one HTML page: figures, pictures of the outside and of a half, a section, radii, gaps,
-/// the mass points' spectrum, mass and inertia compared with the solid's, materials with their sources and
-/// assumptions.
+/// Makes the report as one HTML page: figures, pictures of the whole packing and of a half, a section, radii,
+/// gaps, the mass points' spectrum, mass and inertia compared with the solid's, materials with their sources
+/// and assumptions.
 [[nodiscard]] tl::expected<std::string, std::string> MakePackReport(const PackReportInput& input);
 
 /// Writes MakePackReport's page to a file, complete or not at all; creates its folder. The error names the

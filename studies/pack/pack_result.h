@@ -18,7 +18,7 @@ namespace osteon::studies {
 /// The result of `osteon pack` with its quality, as terminal, JSON and report show it.
 struct PackResult {
   simulation::Bone bone{};
-  std::string mode{};     ///< overlap, disjoint; of a packing file: as stored there
+  std::string mode{};     ///< "overlap" or "disjoint"; for a packing file: as stored there
   bool converted{false};  ///< read from a packing file: nothing was packed, and some figures are unknown
   simulation::PackingQuality quality{};
   simulation::PackingProvenance provenance{};
@@ -30,8 +30,8 @@ struct PackResult {
   simulation::MassProperties mass{};  ///< of the mass points, with their materials
   /// The same points with every material at 1000 kg/m³.
   std::optional<simulation::MassProperties> even_points{};
-  std::optional<simulation::MassProperties> even_solid{};  ///< in closed form
-  double seconds{0.0};                                     ///< of the packing itself
+  std::optional<simulation::MassProperties> even_solid{};  ///< of the solid at 1000 kg/m³, in closed form
+  double seconds{0.0};                                     ///< time of the packing itself
   std::vector<base::PhaseProgress::Phase> phases{};
   std::vector<std::filesystem::path> outputs{};
 };

@@ -12,7 +12,7 @@ namespace {
 
 using simulation::Ball;
 
-constexpr int kFine = 2;  ///< samples for each pixel, in each direction
+constexpr int kFine = 2;  ///< samples per pixel in each direction
 
 /// The first surface that a ray meets.
 struct Hit {
@@ -214,7 +214,7 @@ report::Image RenderPacking(std::span<const Ball> balls, const report::Camera& c
   const auto draw_row = [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
       Vector3 sum = Vector3::Zero(), base = Vector3::Ones();
-      const Hit* colored = nullptr;  // finding a colour may be slow: once for all samples of a ball
+      const Hit* colored = nullptr;  // a colour may be slow to find: once for a ball's samples in a row
       for (int s = 0; s < kFine * kFine; ++s) {
         const int u = kFine * x + s % kFine, v = kFine * y + s / kFine;
         const Hit& hit = tracer.At(u, v);

@@ -10,7 +10,7 @@
 
 namespace osteon::studies {
 
-/// The half-space that a picture leaves out, (p - point)·normal > 0. In G, the geometry's frame.
+/// The half-space (p - point)·normal > 0 that a picture leaves out, in G, the geometry's frame.
 struct CutAway {
   Vector3 point{Vector3::Zero()}, normal{Vector3::UnitZ()};
 };
@@ -19,8 +19,8 @@ struct CutAway {
 /// extent. If the bone has a cut site, the plane passes through the site's axis.
 [[nodiscard]] CutAway MiddlePlane(const simulation::Bone& bone);
 
-/// A camera that looks at that plane from the side that is left out, from a little above, with the whole
-/// packing in view.
+/// A camera that looks at the plane of a CutAway from the side that is left out, from a little above, with
+/// the whole packing in view.
 [[nodiscard]] report::Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane, int width,
                                            int height);
 

@@ -88,7 +88,7 @@ nlohmann::json ComplianceJson(const session::PlanScene& scene) {
   return parts;
 }
 
-// Whether a part should give way in this scene, and why.
+// Says whether a part should give way in this scene, and why.
 std::string ComplianceText(const config::CompliancePart& part) {
   if (!part.known) return fmt::format("rigid: no file of the cell says how the {} gives way", part.name);
   const simulation::ComplianceEffect& e = part.effect;
@@ -277,7 +277,8 @@ std::string PlanText(const session::PlanScene& scene, const session::PlanRequest
 
 namespace {
 
-// Frame time over active spheres: what was timed, the line that it gives, and what the plan predicts on it.
+// Draws the frame time over active spheres: timed packings, the line fitted to them, and the plan's
+// prediction on that line.
 std::string FrameChart(const session::FidelityPlan& plan, const std::optional<session::PlanCheck>& check) {
   report::Series timed{.name = "other packings, timed", .width_px = 0.0, .marker = report::Marker::kCircle};
   double most = plan.active_balls;

@@ -11,8 +11,8 @@
 
 namespace osteon::studies {
 
-/// Bad if a check measured something else than was promised. To be looked at if error or rate were given up,
-/// or if threads waited for a processor in frames that the predicted times come from.
+/// Bad if a check measured something else than was promised. To be looked at if the requested error or rate
+/// was given up, or if threads waited for a processor in the frames from which the times are predicted.
 [[nodiscard]] session::Verdict Judge(const session::FidelityPlan& plan,
                                      const std::optional<session::PlanCheck>& check);
 

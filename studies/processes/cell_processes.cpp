@@ -12,7 +12,7 @@
 namespace osteon::studies {
 namespace {
 
-// Generous: a busy machine must not decide.
+// Generous, so that a busy machine does not decide the outcome.
 constexpr std::chrono::seconds kReady{60};
 constexpr std::chrono::milliseconds kLooks{20};
 

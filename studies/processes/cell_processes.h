@@ -20,28 +20,29 @@ struct CellReport {
   double spindle_rad_per_s{0.0};
 };
 
-/// A spindle that is slower stands.
+/// A spindle slower than this counts as standing.
 inline constexpr double kSpindleStands_rad_per_s = 0.5;
 
 /// Starts the parts of a simulated cell as a user starts them: `osteon cell`, `osteon guard` and `osteon
 /// run`, on free ports, each in a folder of its own that has its output and its report (`cell.json`).
 class CellProcesses {
  public:
-  /// @param folder  existing, or made with the first part
+  /// @param folder  exists already, or is made when the first part starts
   /// @param stop  polled while a part is waited for; true gives up. May be empty.
   CellProcesses(std::filesystem::path folder, std::function<bool()> stop)
       : folder_(std::move(folder)), stop_(std::move(stop)) {}
 
-  /// Takes a cell's file, and ports that are free for it.
-  /// @throws std::exception, with what is wrong with the file, or that no port is free.
+  /// Sets the cell's file, and chooses free ports for the cell.
+  /// @throws std::exception that says what is wrong with the file, or that no port is free.
   void UseCell(const std::filesystem::path& file);
 
   /// Starts a part in its emptied folder. @param part  "cell", "guard" or "run"
-  /// @param more  words after the cell's name and port
-  /// @throws std::runtime_error saying why it does not start.
+  /// @param more  further arguments, after the cell's name and port
+  /// @throws std::runtime_error saying why the part does not start.
   [[nodiscard]] std::unique_ptr<base::ChildProcess> Start(const std::string& part,
                                                           const std::vector<std::string>& more) const;
-  /// Waits until cell or guard say that they are ready. @returns false if it ends before, or takes a minute
+  /// Waits until the cell or the guard says that it is ready. @returns false if it ends before, or is not
+  /// ready within a minute
   [[nodiscard]] bool AwaitReady(const std::string& part, base::ChildProcess& process) const;
 
   [[nodiscard]] std::filesystem::path Folder(const std::string& part) const { return folder_ / part; }

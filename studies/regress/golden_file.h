@@ -21,7 +21,7 @@ struct GoldenSource {
 /// The origin of a golden trace.
 struct GoldenHead {
   std::string scenario;
-  /// "2026-11-23 commit 0123: why", one for each time that it was accepted, the oldest first.
+  /// "2026-11-23 commit 0123: why", one for each time that the trace was accepted, the oldest first.
   std::vector<std::string> reasons;
   std::string build, machine, engine;
   std::vector<GoldenSource> sources;
@@ -43,11 +43,11 @@ struct Golden {
 ///     columns q_cmd_1_rad …
 ///     sample 1020 -0.1132003 …
 ///     digests 1003
-///     AbCdEfGhIjKlMn …           seven parts of two characters (base64) a tick, eight ticks a line
+///     AbCdEfGhIjKlMn …           seven parts of two characters (base64) per tick, eight ticks per line
 ///     end
 [[nodiscard]] std::string GoldenText(const Golden& golden);
 
-/// Parses such a text. The text is not trusted: every count, number and name is checked, all sizes too.
+/// Parses the text of a golden file. The text is not trusted: every count, number, name and size is checked.
 /// @param name  the file's name, for errors
 /// @returns an error "file:line: what was found, what is accepted".
 [[nodiscard]] tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std::string& name);
@@ -55,7 +55,7 @@ struct Golden {
 /// @returns an error that names the file. A file larger than 8 MiB is not read.
 [[nodiscard]] tl::expected<Golden, std::string> ReadGolden(const std::filesystem::path& file);
 
-/// Reads the reasons alone, even from a golden trace of another version; none if there is no file.
+/// Reads only the reasons, even from a golden trace of another version; none if there is no file.
 [[nodiscard]] std::vector<std::string> ReadReasons(const std::filesystem::path& file);
 
 }  // namespace osteon::studies

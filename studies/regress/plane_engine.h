@@ -23,7 +23,7 @@ class PlaneEngine final : public simulation::CuttingEngine {
               const simulation::CuttingParams& params);
 
   simulation::ContactModel Step(const simulation::FrameInput& input) override;
-  /// The count of frames: a frame changes nothing else.
+  /// Returns a state that holds only the number of frames: a frame changes nothing else.
   [[nodiscard]] simulation::CarvedState Snapshot() const override;
   void Restore(const simulation::CarvedState& state) override { frame_ = state.frame; }
   [[nodiscard]] std::string name() const override { return "plane"; }

@@ -32,7 +32,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Checks the options before anything runs.
+// Checks the options before any scenario runs. @returns the error; empty if the options are right
 std::string WrongOptions(const RegressOptions& options) {
   if (options.update && options.scenarios.empty() && !options.all)
     return "--update: found no scenario, accepted with the names of those that are to be accepted, or --all";
@@ -49,13 +49,13 @@ std::string WrongOptions(const RegressOptions& options) {
   return "";
 }
 
-// Whether all bits are the same although a source file has changed since: later differences would be blamed
-// on it.
+// Whether all bits are the same although a source file has changed since the golden trace was made: later
+// differences would be blamed on that change.
 bool IsOfOtherFiles(const RegressResult& result) {
   return result.identical() && !ChangedSources(result.golden->head.sources, result.run->sources).empty();
 }
 
-// Makes the run the golden trace of later ones. @returns what is wrong.
+// Makes the run the golden trace for later runs. @returns an error; empty if the trace was written
 std::string Accept(const RegressOptions& options, RegressResult& result) {
   const auto now = std::chrono::system_clock::now();
   Golden golden{.head = {.scenario = result.scenario.name,
@@ -156,7 +156,7 @@ std::string InputsOf(const std::vector<config::ScenarioConfig>& scenarios,
   return text;
 }
 
-// Writes what was asked for. @returns an error that names the file.
+// Writes the requested files. @returns an error that names the file.
 tl::expected<void, std::string> WriteResults(const RegressSummary& summary) {
   for (const auto& [file, text] : {std::pair(summary.options.json, RegressJson(summary)),
                                    std::pair(summary.options.junit, RegressJunit(summary))})
@@ -238,13 +238,13 @@ RegressResult RunAndCompare(const config::ScenarioConfig& scenario, const Scenar
   if (result.identical()) {
     result.run->folder.reset();
     if (!params.keep_in.empty())
-      fs::remove(KeptRecording(result, params.keep_in), error);  // an earlier run's
+      fs::remove(KeptRecording(result, params.keep_in), error);  // the recording of an earlier run
     return result;
   }
 
   if (!params.keep_in.empty()) KeepRecording(result, params.keep_in);
 
-  // possible causes outside the program
+  // Add possible causes outside the program.
   std::vector<std::string>& lines = result.explained;
   const auto changed = ChangedSources(result.golden->head.sources, result.run->sources);
   for (const std::string& assignment : params.set)
@@ -262,7 +262,7 @@ RegressResult RunAndCompare(const config::ScenarioConfig& scenario, const Scenar
   return result;
 }
 
-// Wall time of the scenarios, one after the other: of parts, which ran elsewhere, nothing else is known.
+// Sum of the scenarios' wall times: nothing else is known of parts, which ran elsewhere.
 double SecondsOf(std::span<const RegressResult> results) {
   double seconds = 0.0;
   for (const RegressResult& result : results) seconds += result.run ? result.run->seconds_wall : 0.0;

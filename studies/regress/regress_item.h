@@ -8,7 +8,7 @@ namespace osteon::studies {
 
 /// A scenario's outcome as an item of a part: everything that table, page, JSON and JUnit show, to the bit.
 [[nodiscard]] nlohmann::json RegressItem(const RegressResult& result);
-/// Restores it; the golden trace is read from its file again.
+/// Restores a result from its item; the golden trace is read from its file again.
 /// @throws nlohmann::json::exception or std::invalid_argument if the item is damaged.
 [[nodiscard]] RegressResult RegressResultFrom(const nlohmann::json& item,
                                               const config::ScenarioConfig& scenario);

@@ -14,7 +14,7 @@ namespace osteon::studies {
 struct RegressSummary {
   std::span<const RegressResult> results;
   const RegressOptions& options;
-  double seconds{0.0};  ///< wall time of all of them together; of merged parts, the sum of theirs
+  double seconds{0.0};  ///< wall time of the whole run; for merged parts, the sum of the scenarios' times
 };
 
 /// Table with a line per scenario; those that are not bit-identical are explained below it.

@@ -56,7 +56,7 @@ tl::expected<session::CellSetup, std::string> SetUp(const config::ScenarioConfig
   auto setup = session::PrepareCell(scenario.cell, std::nullopt);
   overlay.Finish();
   if (!setup) return setup;
-  // by the closed forms alone, whose results are the same on any machine
+  // Uses only the closed forms, whose results are the same on every machine.
   if (const auto packed = session::PackCell(
           *setup, {.as_packed = !scenario.planned, .error_m = {}, .rate_hz = {}}, {}, false);
       !packed)
@@ -67,7 +67,7 @@ tl::expected<session::CellSetup, std::string> SetUp(const config::ScenarioConfig
 
 tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> EngineOf(
     const config::ScenarioConfig& scenario, const session::CellSetup& setup, const std::string& device) {
-  const Pose& X_WC = setup.config.X_WG;  // of the site
+  const Pose& X_WC = setup.config.X_WG;  // pose of the site
   switch (scenario.engine) {
     case config::ScenarioEngine::kPlane:
       return std::make_unique<PlaneEngine>(setup.config.tool.tool, X_WC.translation(), X_WC.linear().col(2),

@@ -19,11 +19,11 @@ struct ScenarioRunParams {
   std::string device{};            ///< part of a Vulkan device's name
   std::vector<std::string> set{};  ///< KEY=VALUE each, overrides every scenario's cell (Overlay::Set)
   const std::atomic<bool>* stop{nullptr};
-  /// Time for which an arm that has come to rest is still recorded; 0: a trace ends with the last motion that
-  /// is commanded, which a measured arm follows some 0.1 s later.
+  /// Time for which an arm that has come to rest is still recorded; 0: a trace ends with the last commanded
+  /// motion, which the measured arm completes some 0.1 s later.
   double at_rest_s{0.0};
-  /// Where the recording of a run stays that is not bit-identical with its golden trace, as NAME.mcap; empty:
-  /// nowhere.
+  /// Folder for the recordings, as NAME.mcap, of runs that are not bit-identical with their golden traces;
+  /// empty: they are not kept.
   std::filesystem::path keep_in{};
 };
 
@@ -43,7 +43,7 @@ struct ScenarioRun {
   RunFigures figures{};
   std::vector<GoldenSource> sources;  ///< the files that the run was made from
   std::string engine;                 ///< "reference on CPU, double precision"
-  /// Holds the recording; removed with the last copy of this.
+  /// Temporary folder of the recording; it is removed with the last copy of this pointer.
   std::shared_ptr<const base::WorkFolder> folder;
   std::filesystem::path recording;
   double seconds_simulated{0.0};  ///< virtual time in all

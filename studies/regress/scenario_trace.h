@@ -16,12 +16,12 @@ namespace osteon::studies {
 /// The parts of a tick, in the order in which each follows from those before: the first three are the loop's
 /// inputs, the others its results. A digest of each part in every tick shows where a difference began.
 enum class TracePart : std::uint8_t {
-  kArm,       ///< its message, and what became of earlier answers
+  kArm,       ///< the arm's message, and what became of earlier answers
   kDevices,   ///< force sensor, drive, PLC; requests
   kBone,      ///< the contact model
   kHand,      ///< the loop's estimate of the hand's wrench, and the vibration in it
   kCoupling,  ///< what is rendered, and what limited it
-  kState,     ///< of the cell; faults, limits
+  kState,     ///< state of the cell, faults, limits
   kCommand,   ///< the commands to arm and spindle
 };
 inline constexpr int kTraceParts = 7;
@@ -29,7 +29,7 @@ inline constexpr int kTraceInputs = 3;  ///< the number of inputs, which come fi
 /// Names a part: "arm's message".
 [[nodiscard]] const char* NameOf(TracePart part);
 
-/// 12 bits for each part.
+/// The digests of a tick: 12 bits for each part.
 using TickDigest = std::array<std::uint16_t, kTraceParts>;
 
 /// The tolerance that applies to a quantity.
@@ -73,8 +73,8 @@ struct TraceEvent {
 /// A scenario's run, reduced to what is compared.
 struct ScenarioTrace {
   double period_s{0.0};     ///< of a tick
-  std::uint64_t ticks{0};   ///< of the run
-  std::uint64_t active{0};  ///< those that rendered
+  std::uint64_t ticks{0};   ///< number of ticks of the run
+  std::uint64_t active{0};  ///< number of ticks that rendered
   /// Hash over every bit of every tick's record, of the models that ticks saw and of the carved bone.
   std::uint64_t hash{0};
   std::string ended;  ///< how it ended: "completed", or what never came

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kShownQuantities = 4, kShownEvents = 4;
 
-// A file's values are rounded: a smaller difference does not count.
+// Difference that the rounding of a file's values explains: a smaller one does not count.
 double Rounding(QuantityKind kind) { return 0.51 * std::pow(10.0, -DecimalsOf(kind)); }
 
 std::string Value(double value, QuantityKind kind) { return fmt::format("{:.{}f}", value, DecimalsOf(kind)); }
@@ -59,7 +59,7 @@ std::vector<QuantityDifference> CompareSamples(const ScenarioTrace& golden, cons
     for (std::size_t i = 0; i < all.size(); ++i)
       UpdateWorst(all[i], was.values[i], is.values[i], is.tick, false);
   });
-  // and the extremes, for what lies between samples
+  // Compare the extremes as well, for differences between samples.
   if (!golden.least.empty() && !now.least.empty())
     for (std::size_t i = 0; i < all.size(); ++i) {
       UpdateWorst(all[i], golden.least[i], now.least[i], 0, true);
@@ -91,11 +91,11 @@ void CompareEvents(const ScenarioTrace& golden, const ScenarioTrace& now, double
                    : std::string("none more");
     };
     lines.push_back(fmt::format("event: golden {}, now {}", shown(g, golden), shown(n, now)));
-    if (!same) return;  // the following events are out of step
+    if (!same) return;  // the later events no longer correspond to each other
   }
 }
 
-// "1.17", "60.9", "4030": three digits that count, and no exponent.
+// "1.17", "60.9", "4030": three significant digits, and no exponent.
 std::string RatioText(double ratio) {
   return ratio >= 1000.0 && ratio < 1e15 ? fmt::format("{:.0f}", ratio) : fmt::format("{:.3g}", ratio);
 }

@@ -21,7 +21,7 @@ struct PartDifference {
 struct QuantityDifference {
   std::size_t quantity{0};  ///< of TraceQuantities
   double tolerance{0.0};
-  double worst{0.0};             ///< greatest |now - golden| of a sample, or of the extremes over all ticks
+  double worst{0.0};             ///< greatest |now - golden| of a sample, or of the extremes of all ticks
   std::uint64_t worst_tick{0};   ///< of the sample with that difference
   bool between_samples{false};   ///< `worst` is of the extremes; no sample shows it
   double golden{0.0}, now{0.0};  ///< at `worst`
@@ -35,7 +35,7 @@ struct QuantityDifference {
 struct TraceDifference {
   bool identical{false};  ///< in every bit of every tick
   bool passed{false};     ///< every quantity and event within its tolerance
-  /// Those that differ, the earliest first; in their own order at equal ticks.
+  /// The parts that differ, the earliest first; at equal ticks in the order of TracePart.
   std::vector<PartDifference> parts;
   std::vector<QuantityDifference> quantities;  ///< all that differ: first those beyond their tolerance by the
                                                ///< time they left it; then by size

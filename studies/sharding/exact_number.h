@@ -20,7 +20,7 @@ namespace osteon::studies {
   return std::isnan(value) ? "nan" : value > 0.0 ? "inf" : "-inf";
 }
 
-/// Reads it back. @throws std::invalid_argument
+/// Reads a number that ExactNumber made. @throws std::invalid_argument
 [[nodiscard]] inline double ExactNumberFrom(const nlohmann::json& json) {
   if (json.is_number()) return json.get<double>();
   if (json == "nan") return std::numeric_limits<double>::quiet_NaN();
@@ -33,8 +33,8 @@ namespace osteon::studies {
   return json.is_number() || json == "nan" || json == "inf" || json == "-inf";
 }
 
-/// Reads `json[key]` into `to`, and nothing but what its type holds: true or false, a whole number from 0 on,
-/// a number, a text, a list of numbers or texts.
+/// Reads `json[key]` into `to`. Accepts only a value that the type of `to` holds: true or false, a whole
+/// number (from 0 on if the type is unsigned), a number, a text, a list of numbers or texts.
 /// @throws std::invalid_argument naming key, value and what is accepted
 template <class T>
 void ReadAt(const nlohmann::json& json, const char* key, T& to) {

@@ -18,12 +18,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What a part has at a key, as "found" in a message.
+// The value of a part at a key, as text for a message's "found".
 std::string Found(const nlohmann::json& json, const char* key) {
   return json.contains(key) ? json[key].dump().substr(0, 60) : "nothing";
 }
 
-// How many of the items a shard has.
+// Number of items that a shard has.
 std::size_t CountOf(const Shard& shard, std::size_t items) {
   const auto before = static_cast<std::size_t>(shard.index - 1);
   return items <= before ? 0 : (items - before - 1) / static_cast<std::size_t>(shard.of) + 1;
@@ -69,7 +69,7 @@ tl::expected<Part, std::string> PartFrom(const nlohmann::json& json) {
   return part;
 }
 
-// Why a part cannot stand beside the first one; empty: it can.
+// Says why a part does not belong to the same run as the first part; empty: it does.
 std::string DifferenceFrom(const Part& first, const Part& part) {
   const auto differs = [&](const std::string& what, const std::string& found, const std::string& accepted) {
     return fmt::format("{}: found {} {}, accepted {}, as in {}: parts of one run", part.file.string(), what,

@@ -20,14 +20,14 @@ inline constexpr const char* kPartSchema = "osteon.part/1";
 struct Part {
   std::filesystem::path file{};
   Shard shard{};
-  std::size_t items{0};                             ///< of the whole study
+  std::size_t items{0};                             ///< number of items of the whole study
   std::string build{};                              ///< the program's version and commit
   std::string checksum{};                           ///< of the options and inputs that items depend on
-  std::vector<std::string> words{};                 ///< of the command, without --shard, --json and --out
+  std::vector<std::string> words{};                 ///< the command's, without --shard, --json and --out
   std::map<std::size_t, nlohmann::json> results{};  ///< by item
 };
 
-/// Checksum of all that a part says, as it stands in its file.
+/// Checksum of a part's whole content, as it stands in the part's file.
 [[nodiscard]] std::string DigestOf(const Part& part);
 
 /// JSON, schema osteon.part/1.
@@ -39,10 +39,10 @@ struct Part {
 /// All parts of one run.
 class PartSet {
  public:
-  /// @returns an error that names the file of another run, or one that is there twice, or the shards that are
-  /// missing.
+  /// Puts parts together.
+  /// @returns an error that names a part of another run, a part that is given twice, or the missing shards.
   [[nodiscard]] static tl::expected<PartSet, std::string> From(std::vector<Part> parts);
-  /// Reads the files and puts them together.
+  /// Reads the files and puts their parts together.
   [[nodiscard]] static tl::expected<PartSet, std::string> Read(std::span<const std::filesystem::path> files);
 
   [[nodiscard]] const std::vector<std::string>& words() const { return head_.words; }

@@ -30,16 +30,16 @@ inline constexpr int kMaxShards = 10'000;
 
 /// How a study's items are shared out; by default this process computes all of them.
 struct Sharding {
-  std::optional<Shard> shard{};      ///< only its items are computed, and written as a part
-  const PartSet* parts{nullptr};     ///< the items come from these parts, and none is computed
-  std::vector<std::string> words{};  ///< of the command line, after the program's name: a part keeps them
+  std::optional<Shard> shard{};      ///< if set, only its items are computed, and written as a part
+  const PartSet* parts{nullptr};     ///< if not null, the items come from these parts; none is computed
+  std::vector<std::string> words{};  ///< the command line after the program's name, which a part keeps
 };
 
 /// Removes options that have one value each, "--json FILE" or "--json=FILE", from a command line's words.
 [[nodiscard]] std::vector<std::string> WithoutOptions(const std::vector<std::string>& words,
                                                       const std::vector<std::string>& options);
 
-/// Adds a name to a list "one; another" of what parts ran on, unless the list has it.
+/// Adds a name, as of a device that a part ran on, to a list "one; another", unless the list has it.
 void AddName(std::string& list, const std::string& name);
 
 }  // namespace osteon::studies

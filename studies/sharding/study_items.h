@@ -26,11 +26,11 @@ class StudyItems {
   /// @param inputs  everything that items depend on, as text: options, contents of files
   StudyItems(const Sharding& sharding, std::string_view inputs);
 
-  /// Whether parts are of other inputs than there are now: an error that names the first part. Empty: they
-  /// are not, or there are none.
+  /// Checks that the parts were made from the present inputs. @returns an error that names the first part;
+  /// empty if they were, or if there are no parts.
   [[nodiscard]] std::string ValidateInputs() const;
-  /// Whether parts are of other inputs or of another number of items than there are now: an error that names
-  /// the first part. Empty: they are not, or there are none.
+  /// Checks that the parts were made from the present inputs and have the present number of items.
+  /// @returns an error that names the first part; empty if both hold, or if there are no parts.
   [[nodiscard]] std::string Validate(std::size_t items) const;
 
   [[nodiscard]] bool FromParts() const { return sharding_.parts != nullptr; }
@@ -38,8 +38,8 @@ class StudyItems {
   [[nodiscard]] bool Computes(std::size_t item) const {
     return !FromParts() && (!sharding_.shard || sharding_.shard->Has(item));
   }
-  /// An item's result in the parts, as `from` reads it from its JSON.
-  /// @throws std::invalid_argument that names the part, the item and what is wrong with it
+  /// Returns an item's result from the parts, read from its JSON by `from`.
+  /// @throws std::invalid_argument that names the part, the item and the error
   template <class From>
   auto Restore(std::size_t item, const From& from) const {
     const nlohmann::json& json = At(item);
@@ -69,7 +69,8 @@ class StudyItems {
   std::map<std::size_t, nlohmann::json> stored_;
 };
 
-/// The part's file is what --json names. @returns what is wrong; empty: nothing.
+/// Checks the options of a sharded run: `json`, the file of --json, is the part's file.
+/// @returns an error; empty if nothing is wrong
 [[nodiscard]] std::string ValidateSharding(const Sharding& sharding, const std::filesystem::path& json);
 
 }  // namespace osteon::studies

@@ -10,7 +10,7 @@
 
 namespace osteon::studies {
 
-/// What a recording says of its run: is it whole, and do its books close?
+/// The books of a run from its recording: whether the recording is whole, and the sums that must balance.
 struct EpisodeBooks {
   bool complete{false};  ///< the file has its end
   std::uint64_t ticks{0}, frames{0};
@@ -20,15 +20,15 @@ struct EpisodeBooks {
   double peak_rendered_N{0.0};
   double max_tracking_m{0.0};  ///< between commanded and measured apex, while rendering
   double rest_error_m{0.0};    ///< the same in the last tick
-  /// Momentum of the virtual tool: what is left of M v' = F_hand + F_rendered - D v, over the hand's impulse,
-  /// summed over ticks in which no limit acted.
+  /// Momentum of the virtual tool: residual of M v' = F_hand + F_rendered - D v divided by the hand's
+  /// impulse, summed over ticks in which no limit acted.
   double momentum_residual{0.0};
   double edge_work_J{0.0};                      ///< spindle torque × angle
-  double cutting_work_J{0.0}, removed_m3{0.0};  ///< of the last frame
-  bool removed_falls{false};                    ///< the removed volume was smaller than in a frame before
+  double cutting_work_J{0.0}, removed_m3{0.0};  ///< totals, as of the last frame
+  bool removed_falls{false};                    ///< the removed volume once fell from a frame to the next
   double min_tank_J{0.0};
 
-  /// Work of the edge less the energy of the cleared bone, over the latter; 0 where nothing was cut.
+  /// Work of the edge less the energy of the cleared bone, divided by that energy; 0 if nothing was cut.
   /// @param debt_J  work of cleared bone that the edge has not yet done; negative: of bone not cleared yet
   [[nodiscard]] double EnergyResidual(double debt_J) const {
     return cutting_work_J > 0.0 ? (edge_work_J - cutting_work_J + debt_J) / cutting_work_J : 0.0;

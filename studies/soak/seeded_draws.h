@@ -6,8 +6,8 @@
 
 namespace osteon::studies {
 
-/// Draws of one episode: a function of seed and index. It takes raw bits rather than a distribution, so that
-/// every standard library draws the same.
+/// Random numbers of one episode, determined by seed and index. They are made of raw bits, not by a standard
+/// distribution, so that every standard library gives the same.
 class SeededDraws {
  public:
   SeededDraws(std::uint64_t seed, int index) : bits_(seed * 1'000'003u + static_cast<std::uint64_t>(index)) {}

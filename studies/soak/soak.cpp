@@ -122,11 +122,11 @@ std::vector<std::string> JudgeEpisode(const EpisodeResult& r, std::uint64_t refe
           fmt::format("the recording misses {} ticks{}", r.books.missing_ticks,
                       r.books.complete ? "" : " and its end"));
   RequireBooks(r.books, require);
-  // an arm that fell silent is not measured any more
+  // An arm that fell silent is no longer measured.
   require(r.episode.kind == EpisodeKind::kArmSilent || r.books.rest_error_m <= kMaxRestError_m,
           fmt::format("at rest {:.3f} mm from the command", 1e3 * r.books.rest_error_m));
   require(EnergyCloses(r.books, r.cutting_debt_J), EnergyText(r.books, r.cutting_debt_J));
-  // an arm that fell silent ends the run at once: its last frame was never seen, nor recorded
+  // An arm that fell silent ends the run at once: the last frame was neither used by the loop nor recorded.
   const double unseen_m3 = r.episode.kind == EpisodeKind::kArmSilent ? kMaxUnseenFrame_m3 : 0.0;
   const double slack_m3 = kMaxVolumeResidual * r.carved_m3;
   const double more_m3 = r.carved_m3 - r.books.removed_m3;
@@ -153,7 +153,7 @@ tl::expected<std::vector<EpisodeResult>, std::string> RunEpisodes(
   for (int index = 0; simulated_s < 3600.0 * options.hours && !(stop && stop->load()); ++index) {
     auto result = RunEpisode(options, EpisodeAt(options.seed, index), stop);
     if (!result) return tl::make_unexpected(fmt::format("episode {}: {}", index, result.error()));
-    if (stop && stop->load()) break;  // cut short
+    if (stop && stop->load()) break;  // the episode was cut short: it does not count
     for (std::string& wrong : JudgeEpisode(*result, reference)) result->wrong.push_back(std::move(wrong));
     if (index == 0) reference = result->hash;
     result->memory_MB = ResidentMemory_MB();

@@ -32,36 +32,39 @@ struct EpisodeResult {
   /// Work of cleared bone that the edge has not yet done, at the end; negative: of bone not cleared yet.
   double cutting_debt_J{0.0};
   double seconds_simulated{0.0}, seconds_wall{0.0};
-  double memory_MB{0.0};             ///< resident after it
+  double memory_MB{0.0};             ///< resident memory after the episode
   std::vector<std::string> wrong{};  ///< what is not as it should be; empty: nothing
 
   /// See EpisodeBooks::EnergyResidual.
   [[nodiscard]] double energy_residual() const { return books.EnergyResidual(cutting_debt_J); }
 };
 
-/// Bounds that every episode is held to.
+/// Bounds that every episode must keep.
 inline constexpr double kMaxMomentumResidual = 0.02, kMaxEnergyResidual = 0.01, kMaxRestError_m = 0.5e-3,
                         kMaxForce_N = 200.0, kMaxVolumeResidual = 1e-9;
-/// A spindle that starts or stops has other speeds between two ticks than in them.
+/// Accepted difference between the edge's work and the cleared energy: while the spindle starts or stops, its
+/// speed between two ticks is not that of the ticks.
 inline constexpr double kMaxEnergyOpen_J = 1.0;
-/// Six mass points of this cell: what one frame can clear.
+/// Largest volume that one frame can clear: six mass points of this cell.
 inline constexpr double kMaxUnseenFrame_m3 = 20e-9;
-/// Growth of the memory from the second quarter of the episodes to the last: their medians.
+/// Accepted growth of the memory, from the median over the second quarter of the episodes to that over the
+/// last quarter.
 inline constexpr double kMaxMemoryGrowth_MB = 20.0;
 
-/// Whether the edge's work is that of the cleared bone, but for what is still to be done.
+/// Whether the edge's work equals the energy of the cleared bone, except for the work that is still to be
+/// done.
 /// @param debt_J  see EpisodeBooks::EnergyResidual
 [[nodiscard]] bool EnergyCloses(const EpisodeBooks& books, double debt_J);
 [[nodiscard]] std::string EnergyText(const EpisodeBooks& books, double debt_J);
 
-/// What is wrong with an episode. @param reference_hash  of the first reference; 0: this is the first
+/// Lists the errors of an episode. @param reference_hash  of the first reference; 0: this is the first
 [[nodiscard]] std::vector<std::string> JudgeEpisode(const EpisodeResult& result,
                                                     std::uint64_t reference_hash);
 
 /// Growth of the memory [MB]; 0 with fewer than eight episodes.
 [[nodiscard]] double MemoryGrowth_MB(std::span<const EpisodeResult> episodes);
 
-/// Runs episodes until they have simulated that long. @param done  called after each
+/// Runs episodes until they have simulated options.hours. @param done  called after each episode
 /// @returns an error if an episode could not be run at all.
 [[nodiscard]] tl::expected<std::vector<EpisodeResult>, std::string> RunEpisodes(
     const SoakOptions& options, const std::atomic<bool>* stop,
@@ -71,8 +74,8 @@ inline constexpr double kMaxMemoryGrowth_MB = 20.0;
 [[nodiscard]] std::string SoakJson(std::span<const EpisodeResult> episodes, const SoakOptions& options);
 
 /// Runs `osteon soak`.
-/// @returns the process's exit code: 0; 1 something was wrong in an episode or grew, or a file could not be
-/// written; 2 bad input; 130 ended by Ctrl-C, with what was done written.
+/// @returns the process's exit code: 0; 1 an episode had an error, the memory grew, or a file could not be
+/// written; 2 bad input; 130 ended by Ctrl-C, with the finished episodes written.
 [[nodiscard]] int RunSoak(const SoakOptions& options);
 
 }  // namespace osteon::studies

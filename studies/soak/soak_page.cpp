@@ -12,7 +12,7 @@
 namespace osteon::studies {
 namespace {
 
-// A figure of each episode over the simulated hours.
+// A chart of one figure of each episode over the simulated hours.
 report::LineChart Over(std::span<const EpisodeResult> episodes, const char* title, const char* unit,
                        const std::function<double(const EpisodeResult&)>& value) {
   report::Series series = SoakPoints("");

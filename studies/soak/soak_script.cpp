@@ -7,7 +7,8 @@
 namespace osteon::studies {
 namespace {
 
-// Out of every 24 drawn episodes about: 8 reaming, 4 loss, 4 pause, 4 recovery, 1 of each part that dies.
+// Converts a draw 0 … 23 to a kind. Out of 24 drawn episodes, about 8 are reaming, 4 loss, 4 pause, 4
+// recovery, and 1 is for each part that dies.
 EpisodeKind KindOf(int drawn) {
   if (drawn < 8) return EpisodeKind::kReaming;
   if (drawn < 12) return EpisodeKind::kLoss;
@@ -26,7 +27,7 @@ void AddFaults(Episode& episode, SeededDraws& draws) {
   const double at_s = draws.Between(2.0, 0.6 * episode.seconds);
   switch (episode.kind) {
     case EpisodeKind::kLoss:
-      // five messages lost in a row stop the cell: so many in a row hardly ever are
+      // Five messages lost in a row stop the cell, which hardly ever happens at these ratios.
       episode.set.push_back(
           fmt::format("injections=[{{wire: arm, direction: both, from_s: 0.5, to_s: {}, loss_ratio: {}, "
                       "burst_count: 3}}, {{wire: arm, direction: to_controller, from_s: {}, to_s: {}, "

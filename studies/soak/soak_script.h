@@ -30,14 +30,14 @@ struct Episode {
   int index{0};
   EpisodeKind kind{EpisodeKind::kReference};
   double seconds{10.0};                ///< of rendering
-  double pause_s{0.0}, resume_s{0.0};  ///< of a pause, after rendering began
+  double pause_s{0.0}, resume_s{0.0};  ///< begin and end of a pause, after rendering began
   std::vector<std::string> set{};      ///< KEY=VALUE each, overrides the cell
 
   /// "reaming, 51 mm, 23 s"
   std::string text{};
 };
 
-/// Seconds of a reference episode, and from one to the next at least.
+/// Length of a reference episode [s], and number of episodes from one reference to the next.
 inline constexpr double kReference_s = 8.0;
 inline constexpr int kEpisodesPerReference = 10;
 

@@ -25,12 +25,12 @@ namespace {
 
 using std::chrono::milliseconds, std::chrono::seconds, std::chrono::steady_clock;
 
-// Generous: a busy machine must not decide.
+// Time limits are generous, so that a busy machine does not decide the outcome.
 constexpr seconds kEnd{90};
-constexpr double kPatienceRatio = 3.0, kPatience_s = 120.0;  // of an episode, over its rendering
+constexpr double kPatienceRatio = 3.0, kPatience_s = 120.0;  // limit: ratio × the rendering time + seconds
 constexpr milliseconds kLooks{50};
 constexpr double kUseEvery_s = 0.5, kPageStays_s = 1.0;
-// A PLC misses a heartbeat for 0.25 s until it takes the permission back.
+// Time in which the PLC notices a missing heartbeat: it takes the permission back after 0.25 s.
 constexpr milliseconds kPlcNotices{800};
 constexpr const char* kPlan = "acetabulum";
 
@@ -45,7 +45,7 @@ int CountEntries(const std::filesystem::path& folder) {
   return count;
 }
 
-// The console's port in what a controller has printed; 0: none yet.
+// The console's port in a controller's output; 0: not printed yet.
 int ConsolePort(const std::string& printed) {
   static const std::regex kAddress("console: http://127\\.0\\.0\\.1:([0-9]+)/");
   std::smatch found;
@@ -64,7 +64,7 @@ ProcessUse UseOf(pid_t process) {
           .threads = CountEntries(folder / "task")};
 }
 
-// The pages of one controller: they come, and where the script says so, leave and come again.
+// The pages of one controller: they connect, and if the script says so, they leave and connect again.
 class WallCell::Pages {
  public:
   void Open(int port) {
@@ -162,7 +162,7 @@ void WallCell::Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outc
       const nlohmann::json json = nlohmann::json::parse(*answer, nullptr, false);
       const double rendered_s = base::NumberAt(base::ValueAt(json, "status"), "rendered_s");
       if (rendered_s > 0.0) Act(episode, rendered_s, outcome);
-      // While time is rendered: a controller that has come to its end reads its recording, for the report.
+      // Only while the controller renders: at its end it reads its recording for the report.
       if (rendered_s > last_rendered_s && now_s - use_s > kUseEvery_s) {
         outcome.use = Uses();
         use_s = now_s;
@@ -248,7 +248,7 @@ void WallCell::EndParts(const WallEpisode& episode, WallOutcome& outcome) {
       episode.life.plan ? parts_.Folder("run") / "session" / "run_1.mcap" : parts_.Folder("run") / "run.mcap";
   if (IsKill(episode.event)) std::this_thread::sleep_for(kPlcNotices);
   if (episode.ends_life) EndCell(outcome);
-  if (IsKill(episode.event)) EndGuard(outcome);  // one that has withheld, or has died, begins anew
+  if (IsKill(episode.event)) EndGuard(outcome);  // a guard that has withheld, or was killed, is started anew
 }
 
 void WallCell::EndCell(WallOutcome& outcome) {

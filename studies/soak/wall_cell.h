@@ -23,7 +23,7 @@ struct ProcessUse {
   double memory_MB{0.0};  ///< resident
   int files{0}, threads{0};
 };
-/// Reads it from /proc; zeros if there is no such process.
+/// Reads a process's use from /proc; zeros if there is no such process.
 [[nodiscard]] ProcessUse UseOf(pid_t process);
 
 /// The processes that a soak watches.
@@ -31,27 +31,28 @@ enum class WallPart : std::uint8_t { kController, kEngine, kGuard, kCell, kSoak 
 inline constexpr std::array<const char*, 5> kWallParts{"controller", "engine", "guard", "cell", "soak"};
 using PartUses = std::array<ProcessUse, kWallParts.size()>;
 
-inline constexpr int kWallPages = 3;  // the last one takes nothing, as a page that hangs
+inline constexpr int kWallPages = 3;  // the last one reads nothing, as a page that hangs
 
-/// The remains of an episode, before anybody judges it.
+/// The data that an episode leaves, before it is judged.
 struct WallOutcome {
   std::string error{};        ///< why there was no episode; empty: there was one
   std::optional<int> exit{};  ///< of the controller, as a shell shows it
   bool event_done{false};     ///< the pauses, the halt, or the kill took place
   std::string refused{};      ///< what the controller answered to a request that it refused
   std::filesystem::path recording{}, summary{};
-  PartUses use{};                                    ///< the last ones
-  ProcessUse half{};                                 ///< of the controller, after half of its time
-  std::array<std::uint64_t, kWallPages> messages{};  ///< that each page got
-  /// At the end of the cell; absent: it goes on, or was killed.
+  PartUses use{};                                    ///< last measured use of each process
+  ProcessUse half{};                                 ///< use of the controller after half of its time
+  std::array<std::uint64_t, kWallPages> messages{};  ///< number of messages that each page got
+  /// The cell's report at its end; absent: the cell goes on, or was killed.
   std::optional<CellReport> cell{};
   std::string guard_reason{};  ///< why it withheld; empty: it did not, or goes on
   double seconds_wall{0.0};
-  rt::Nanoseconds cpu_stood_still{0};  ///< longest time in which a CPU of this machine did (rt::CpuWatch)
+  rt::Nanoseconds cpu_stood_still{0};  ///< longest time for which a CPU of this machine stood still
 };
 
 /// The processes of a cell in wall time: `osteon cell` and `osteon guard`, which live through several
-/// episodes, and `osteon run` with its console for each. What was killed, or stands latched, is started anew.
+/// episodes, and `osteon run` with its console for each episode. A process that was killed, or that has a
+/// latched fault, is started anew.
 class WallCell {
  public:
   /// @param config_root  folder of the shipped configuration
@@ -64,7 +65,7 @@ class WallCell {
 
   /// File of the cell that the last episode ran.
   [[nodiscard]] std::filesystem::path cell_file() const { return folder_ / "cell.yaml"; }
-  /// The next episode begins with a new cell, because nobody knows how this one stands.
+  /// Makes the next episode begin with a new cell, because the state of this one is not known.
   void Distrust() { distrusted_ = true; }
 
  private:
@@ -76,9 +77,10 @@ class WallCell {
   // Watches the controller until it has ended, and does what the script says.
   void Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outcome);
   [[nodiscard]] PartUses Uses() const;
-  // Does what is due. @param rendered_s  by the controller's clock
+  // Carries out the script's actions that are due. @param rendered_s  by the controller's clock
   void Act(const WallEpisode& episode, double rendered_s, WallOutcome& outcome);
-  // Asks the controller. A refusal is kept, and asked again at the next look. @returns whether it is done
+  // Sends a request to the controller. A refusal is kept in `outcome`, and the request is repeated at the
+  // next poll. @returns whether the request was carried out
   bool Request(const char* request, WallOutcome& outcome);
   void EndParts(const WallEpisode& episode, WallOutcome& outcome);
   void EndCell(WallOutcome& outcome);

@@ -14,7 +14,7 @@ namespace {
 
 using Value = std::function<double(const WallResult&)>;
 
-// A figure of each episode that has it, over the hours.
+// A curve of one figure over the hours, of each episode that has the figure.
 report::Series SeriesOf(std::span<const WallResult> results, const char* name,
                         const std::function<bool(const WallResult&)>& has, const Value& value) {
   report::Series series = SoakPoints(name);
@@ -39,7 +39,7 @@ report::LineChart Over(std::span<const WallResult> results, const char* title, c
                      results, "", [](const WallResult& r) { return r.outcome.error.empty(); }, value)});
 }
 
-// A use of each process, one colour for each.
+// A chart of one kind of use, with one curve and colour for each process.
 report::LineChart UseChart(std::span<const WallResult> results, const char* title, const char* unit,
                            const std::function<double(const ProcessUse&)>& value) {
   std::vector<report::Series> series;

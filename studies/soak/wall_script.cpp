@@ -16,10 +16,10 @@ constexpr int kEpisodesPerLife = 5, kLivesPerGroup = 4;
 // Three lives of five episodes, and one of a single episode.
 constexpr int kEpisodesPerGroup = (kLivesPerGroup - 1) * kEpisodesPerLife + 1;
 constexpr double kTools_s = 120.0, kLong_s = 240.0;
-// The hand needs about a second from its hold to the bone.
+// Times of a kill clear of bone and in bone, after rendering began: the hand needs about 1 s to the bone.
 constexpr double kClearOfBone_s = 0.3, kInBone_s = 4.0;
 
-// Lives and episodes draw from numbers of their own.
+// Offset of the lives' draws, so that lives and episodes use different random numbers.
 constexpr int kLifeDraws = 1 << 20;
 
 CellLife LifeAt(std::uint64_t seed, int index) {
@@ -34,7 +34,7 @@ CellLife LifeAt(std::uint64_t seed, int index) {
   return life;
 }
 
-// The event of the episode at a place within its life.
+// The event of the episode with number `place` within its life.
 WallEvent EventAt(int place, const CellLife& life, SeededDraws& draws) {
   if (place == 0) return WallEvent::kReaming;
   const WallEvent kill = life.engine_process ? WallEvent::kEngineKill : WallEvent::kControllerKill;
@@ -58,8 +58,8 @@ void AddTimes(WallEpisode& episode, SeededDraws& draws) {
     episode.pauses = {{draws.Between(3.0, 6.0), draws.Between(0.5, 2.0)},
                       {draws.Between(9.0, 14.0), draws.Between(0.5, 2.0)}};
   if (episode.event == WallEvent::kTools) {
-    // The expert's script holds each tool where it is changed; it goes on in a pause, which by itself takes
-    // about half a second.
+    // The expert's script holds each tool at the place where it is changed. The script goes on during a
+    // pause, and the pause itself takes about half a second.
     const hil::HandScript script = hil::MakeProcedureScript({.seconds = episode.seconds,
                                                              .heights_m = std::vector<double>(kToolsOfPlan),
                                                              .last_push_ratio = session::kExpertLastPush});

@@ -30,10 +30,10 @@ struct CellLife {
   double loss_ratio{0.0};      ///< of the arm's datagrams, both ways
   bool engine_process{false};  ///< the engine is a process of its own
   bool plan{false};            ///< the operator's hand follows the plan
-  double seconds{0.0};         ///< of the operator's script
+  double seconds{0.0};         ///< length of the operator's script
 };
 
-/// A pause, by the time rendered.
+/// A pause; its begin counts from the begin of rendering.
 struct WallPause {
   double begin_s{0.0}, length_s{0.0};
   bool next_tool{false};  ///< the plan's next tool is taken in it
@@ -43,8 +43,8 @@ struct WallEpisode {
   int index{0};
   CellLife life;
   WallEvent event{WallEvent::kReaming};
-  double seconds{0.0};              ///< of rendering
-  double at_s{0.0};                 ///< of a kill or a halt, by the time rendered
+  double seconds{0.0};              ///< length of rendering
+  double at_s{0.0};                 ///< rendered time at which a kill or a halt takes place
   double halt_s{0.0};               ///< length of a halt
   bool in_contact{false};           ///< a kill: the tool is in the bone
   std::vector<WallPause> pauses{};  ///< in their order
@@ -63,8 +63,8 @@ inline constexpr double kMinWallReaming_s = 5.0;
 inline constexpr std::size_t kToolsOfPlan = 4;  ///< each makes one pass
 
 /// The episode with an index in a soak of this seed: a function of its arguments alone. Five episodes share a
-/// cell, whose last one a kill in contact; every fourth cell has one episode alone, by turns the procedure of
-/// a plan and a long reaming.
+/// cell, and the last of them is a kill in contact. Every fourth cell has only one episode: in turn the
+/// procedure of a plan and a long reaming.
 [[nodiscard]] WallEpisode WallEpisodeAt(std::uint64_t seed, int index);
 
 /// The first episode, which is undisturbed, of a soak of this length [s]. A soak that is shorter than an

@@ -20,12 +20,13 @@
 namespace osteon::studies {
 namespace {
 
-// Whether nothing of the script disturbs the reaming itself.
+// Whether the reaming itself is not disturbed by the script's event.
 bool IsUndisturbed(const WallEpisode& episode) {
   return episode.event == WallEvent::kReaming || episode.event == WallEvent::kPages;
 }
 
-// Whether the controller of an ordinary length ended by itself: its memory compares with others'.
+// Whether the episode has the ordinary length and its controller ended by itself, so that its memory is
+// comparable with that of other episodes.
 bool IsOrdinary(const WallResult& r) {
   return !IsKill(r.episode.event) && r.episode.event != WallEvent::kTools &&
          r.episode.event != WallEvent::kLong && r.outcome.error.empty();
@@ -214,7 +215,7 @@ UseGrowth GrowthOf(WallPart part, std::span<const WallResult> results) {
     for (const ProcessUse& use : uses) values.push_back(static_cast<double>(value(use)));
     return QuarterGrowth(values, share);
   };
-  // an episode whose pages come and go has more files and threads for a moment: the least tells what stays
+  // An episode whose pages come and go has more files and threads for a moment: the minimum shows what stays.
   return {.memory_MB = growth([](const ProcessUse& u) { return u.memory_MB; }, 0.5),
           .files = static_cast<int>(growth([](const ProcessUse& u) { return u.files; }, 0.0)),
           .threads = static_cast<int>(growth([](const ProcessUse& u) { return u.threads; }, 0.0))};
@@ -275,7 +276,7 @@ int RunWallSoak(const SoakOptions& options) {
   for (int index = 0; HoursOf(results) < options.hours && !base::Interrupted(); ++index) {
     WallResult result = RunEpisode(cell, index == 0 ? FirstWallEpisode(options.seed, 3600.0 * options.hours)
                                                     : WallEpisodeAt(options.seed, index));
-    if (base::Interrupted()) break;  // cut short
+    if (base::Interrupted()) break;  // the episode was cut short: it does not count
     for (std::string& wrong : JudgeWallEpisode(result, first ? &*first : nullptr))
       result.wrong.push_back(std::move(wrong));
     if (!result.wrong.empty()) cell.Distrust();
@@ -283,7 +284,7 @@ int RunWallSoak(const SoakOptions& options) {
     KeepEvidence(work.path(), options.out, result);
     results.push_back(std::move(result));
     Print(results.back(), HoursOf(results));
-    if (!results.back().outcome.error.empty()) break;  // it would be the same for hours
+    if (!results.back().outcome.error.empty()) break;  // the same error would repeat for hours
   }
   const auto wrong = std::ranges::count_if(results, [](const WallResult& r) { return !r.wrong.empty(); });
   const std::vector<std::string> grows = JudgeGrowth(results);

@@ -17,7 +17,7 @@ struct WallResult {
   WallOutcome outcome;
   std::string ended{};                ///< by the controller's summary; empty: it was killed
   std::vector<std::string> faults{};  ///< names, in their order
-  std::string late_text{};            ///< what was seen at the faults, and how late the loop was woken
+  std::string late_text{};            ///< the values at the faults, and how late the loop was woken
   std::uint64_t ticks{0};             ///< by the summary
   std::uint64_t dropped_records{0};
   double removed_mm3{0.0};     ///< by the summary
@@ -27,22 +27,24 @@ struct WallResult {
   EpisodeBooks books{};
   std::vector<std::string> wrong{};  ///< what is not as it should be; empty: nothing
 
-  /// See EpisodeBooks::EnergyResidual. Of an episode that ended by itself.
+  /// See EpisodeBooks::EnergyResidual; valid for an episode that ended by itself.
   [[nodiscard]] double energy_residual() const { return books.EnergyResidual(cutting_debt_J); }
 };
 
 /// Bounds of a soak in wall time, beside those of an episode in virtual time (soak.h).
-/// Between the removed volumes of the same reaming: hand and loop meet at other times in each.
+/// Relative difference between the removed volumes of the same reaming: hand and loop are not in step, and
+/// differently so in each run.
 inline constexpr double kMaxVolumeDrift = 0.01;
 inline constexpr double kMaxDepthDrift_mm = 0.1;
-/// A watchdog acts in the tick that finds the age beyond its bound.
+/// Bounds of the watchdogs and a tick or two: a watchdog acts in the tick that finds the age beyond its
+/// bound.
 inline constexpr double kMaxModelAge_s = 0.252, kMaxSensorAge_s = 0.102;
 
-/// Names all that is wrong with an episode. @param first  the first undisturbed reaming; null: this is it
+/// Lists the errors of an episode. @param first  the first undisturbed reaming; null: this one is the first
 [[nodiscard]] std::vector<std::string> JudgeWallEpisode(const WallResult& result, const WallResult* first);
 
-/// Growth of a part's use from the second quarter of the episodes of ordinary length to the last: memory [MB]
-/// by their medians, open files and threads by their least; zeros with fewer than eight episodes.
+/// Growth of a process's use from the second to the last quarter of the episodes of ordinary length: memory
+/// [MB] by the medians, open files and threads by the minima; zeros with fewer than eight episodes.
 struct UseGrowth {
   double memory_MB{0.0};
   int files{0}, threads{0};

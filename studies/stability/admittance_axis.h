@@ -65,11 +65,11 @@ class AdmittanceAxis {
   [[nodiscard]] double Uniform();
 
   AdmittanceRunParams params_;
-  double preload_N_, rest_m_;  ///< rest_m_: x in equilibrium
+  double preload_N_, rest_m_;  ///< rest_m_: equilibrium position x
   Matrix3 R_WT_;               ///< the axis is z of a rotated tool, so the law's changes of frame are
                                ///< exercised
   hil::ServoArm arm_;
-  double command_gain_;      ///< of an arm that the hand moves aside
+  double command_gain_;      ///< gain of an arm that the hand moves aside
   double arm_m_per_s_{0.0};  ///< the arm's velocity a tick ago
   History felt_, poses_, speeds_, commands_;
   double x_c_m_{0.0}, v_c_m_per_s_, told_arm_m_{0.0};

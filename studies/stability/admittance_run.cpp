@@ -9,8 +9,8 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kDied = 1e-9;      // share of the largest motion, below which only rounding is left
-constexpr double kOutgrown = 0.5;   // share of the preload, from which on the wall is no longer a linear
+constexpr double kDied = 1e-9;      // share of the largest motion below which only rounding is left
+constexpr double kOutgrown = 0.5;   // share of the preload above which the wall is no longer a linear
                                     // spring
 constexpr double kFarFree_m = 0.1;  // without a wall: the size that a kick of 0.1 mm/s has grown to
 

@@ -44,7 +44,7 @@ Eigen::Matrix2d StiffnessOf(control::GuidanceParams guidance) {
 
 }  // namespace
 
-// State: poses aside now and earlier, the arm's x, x' and x' a period ago, the tool's v; the same of the
+// State: lateral poses now and earlier, the arm's x, x' and x' a period ago, the tool's v; the same for the
 // tilt; earlier felt forces of the hand.
 GuidedLoop::GuidedLoop(const GuidedLoopParams& params)
     : params_(params),

@@ -34,9 +34,9 @@ struct GuidedLoopParams {
   GuidanceOn on{GuidanceOn::kCommanded};
 };
 
-/// The loop linear around a tool in the linear part of funnel and cone, without the guidance's damping, which
-/// is bounded by a share of the force. The guidance's stiffness is the slope of the shipped
-/// EvaluateGuidance, the law the shipped StepAdmittance, the arm the shipped ServoArm.
+/// The loop, linearised for a tool in the linear part of funnel and cone, without the guidance's damping,
+/// which is bounded by a share of the force. The guidance's stiffness is the slope of the shipped
+/// EvaluateGuidance, the law is the shipped StepAdmittance, and the arm is the shipped ServoArm.
 class GuidedLoop {
  public:
   explicit GuidedLoop(const GuidedLoopParams& params);
@@ -46,7 +46,8 @@ class GuidedLoop {
   [[nodiscard]] double SpectralRadius() const;
   /// Whether no motion grows. A motion that nothing holds, such as a turn about the hand, may persist.
   [[nodiscard]] bool IsStable() const { return SpectralRadius() < 1.0 + 1e-7; }
-  /// Slope of the guidance's (force aside, torque) by (way aside, tilt), with the sign of a spring.
+  /// Derivative of the guidance's (lateral force, torque) by (lateral displacement, tilt), with the sign of a
+  /// spring.
   [[nodiscard]] const Eigen::Matrix2d& stiffness() const { return stiffness_; }
 
  private:
@@ -67,7 +68,7 @@ struct HeldHand {
 
 /// The hands of the grid less fixture and clamp, each at each lever.
 [[nodiscard]] std::vector<HeldHand> GuidanceHands();
-/// Those with which the loop is stable without guidance.
+/// The hands of GuidanceHands with which the loop is stable without guidance.
 [[nodiscard]] std::vector<HeldHand> HandsStableWithoutGuidance(GuidedLoopParams params);
 
 /// The hands among `hands` that guidance makes unstable, at any stiffness of an n × n grid of lateral and
@@ -76,8 +77,8 @@ struct HeldHand {
                                                                       const std::vector<HeldHand>& hands,
                                                                       int n = 5);
 
-/// The first factor on both stiffnesses whose grid has a hand that guidance makes unstable, scanned from 0.1
-/// up to `most`; 0: it is below 0.1.
+/// The first factor on both stiffnesses with which guidance makes a hand of the grid unstable, scanned from
+/// 0.1 up to `most`; 0: the factor is below 0.1.
 [[nodiscard]] hil::Boundary GuidanceBoundary(GuidedLoopParams params, const std::vector<HeldHand>& hands,
                                              double most = 4.0);
 

@@ -13,9 +13,9 @@ using Matrix7 = Eigen::Matrix<double, 7, 7>;
 using Joints = kinematics::JointVectorN<7>;
 using Chain = kinematics::SerialChain<7>;
 
-constexpr double kNullShare = 0.1, kNullDamping_m = 1e-3;  // of DynamicArm
+constexpr double kNullShare = 0.1, kNullDamping_m = 1e-3;  // as in DynamicArm
 
-// exp(A t), by its series of a small step, squared.
+// exp(A t), by the series of a small step, which is then squared repeatedly.
 Eigen::MatrixXd Exponential(const Eigen::MatrixXd& A, double t) {
   constexpr int kHalvings = 12, kTerms = 6;
   const Eigen::MatrixXd step = A * (t / (1 << kHalvings));
@@ -88,8 +88,8 @@ SampledArm Sample(const ImpedanceArm& arm, double seconds) {
 
 namespace {
 
-// Momentum of the base's and the joints' velocities about B's origin: links' inertia (6 × 6), and theirs by
-// the joints (6 × 7).
+// Momentum of all links about B's origin: by the base's twist (6 × 6, the links' inertia), and by the joints'
+// velocities (6 × 7).
 struct BaseMomentum {
   Matrix6 by_base{Matrix6::Zero()};
   Eigen::Matrix<double, 6, 7> by_joints{Eigen::Matrix<double, 6, 7>::Zero()};
@@ -176,7 +176,7 @@ void OverlayResponse::AddModes(const Eigen::MatrixXd& inertia, const Eigen::Matr
     const std::complex<double> pole = eigen.eigenvalues()[i];
     const std::complex<double> gain =
         (seen.cast<std::complex<double>>().array() * V.col(i).array()).sum() * driven[i];
-    // what a force of 1 that is held so long leaves of a mode
+    // state of a mode after a force of 1 was held for this time
     const auto held = [pole](double seconds) {
       return std::abs(pole) * seconds < 1e-9 ? std::complex<double>(seconds)
                                              : (std::exp(pole * seconds) - 1.0) / pole;

@@ -12,8 +12,8 @@ namespace osteon::studies {
 
 /// An arm that carries itself and holds its own impedance, while a wrench or torques are laid over it.
 struct ImpedanceArmParams {
-  kinematics::ChainParams<7> chain;  ///< with what hangs on the flange; its friction is left out
-  hil::DynamicArmParams arm;         ///< a mass error and a mount are left out
+  kinematics::ChainParams<7> chain;  ///< including the load on the flange; its friction is ignored
+  hil::DynamicArmParams arm;         ///< its mass error and mount are ignored
   Pose X_FT{Pose::Identity()};
   kinematics::JointVectorN<7> q{kinematics::JointVectorN<7>::Zero()};  ///< the posture
   Vector3 gravity_B{kinematics::kGravity_W_m_per_s2};
@@ -50,7 +50,7 @@ struct MeanMasses {
 };
 [[nodiscard]] MeanMasses MeanMassesOf(const ImpedanceArmParams& params, double mass_ratio = 1.0);
 
-/// (q, qd) after a time, by itself and by a torque that is held meanwhile.
+/// Matrices that give (q, qd) after a time: from (q, qd) before, and from a torque that is held meanwhile.
 struct SampledArm {
   Eigen::Matrix<double, 14, 14> free;
   Eigen::Matrix<double, 14, 7> forced;
@@ -58,8 +58,8 @@ struct SampledArm {
 [[nodiscard]] SampledArm Sample(const ImpedanceArm& arm, double seconds);
 
 /// Response x / f [m/N] of the tool's motion along an axis to a force along it, sampled: the forces f[k] are
-/// held for a period, x[k] is the position in the message that f[k] answers, as in SampledResponse(). It is
-/// the exact one, by the modes of the equation.
+/// held for a period, x[k] is the position in the message that f[k] answers, as in SampledResponse(). The
+/// response is exact, computed from the modes of the equation.
 class OverlayResponse {
  public:
   /// @param along  J^T of the axis: torques of the joints by a force along it

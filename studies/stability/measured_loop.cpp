@@ -19,7 +19,7 @@ using Complex = std::complex<double>;
 constexpr double kSmooth_octave = 0.35, kLowest_hz = 0.01;
 constexpr int kPoints = 1500;
 constexpr double k95 = 2.4477468306808161;  // radius that holds 95 % of a plane's normal distribution of sd 1
-constexpr double kMinSd = 1e-9;             // of a line: weights stay finite where nothing was noisy
+constexpr double kMinSd = 1e-9;             // least sd of a line: weights stay finite without noise
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 Complex ResponseOf(const hil::LoopArm& arm, const ResponseModel& model, double hz) {
@@ -63,7 +63,7 @@ Complex HandAt(const hil::GridHand& hand, double hz) {
   return {hand.stiffness_N_per_m - w * w * hand.mass_kg, w * hand.damping_Ns_per_m};
 }
 
-// Everything of a loop but the hand.
+// The loop without the hand: law × response, with the sensor's delay.
 std::vector<NyquistPoint> WithoutHand(const MeasuredPlant& response, const MeasuredLoopParams& params,
                                       const LawResponse& law) {
   std::vector<NyquistPoint> curve;
@@ -180,7 +180,7 @@ MeasuredPlant::Ratio MeasuredPlant::Smoothed(double hz) const {
   double weights = 0.0, squares = 0.0, nearest = std::numeric_limits<double>::infinity();
   for (const Ratio& line : lines_) nearest = std::min(nearest, std::abs(line.octave - octave));
   for (const Ratio& line : lines_) {
-    // between sparse lines the bell is as far away as the nearest, so that one always counts
+    // Between sparse lines, distances count from the nearest line, so that one line always has weight.
     const double away = (std::abs(line.octave - octave) - std::max(0.0, nearest - spread)) / spread;
     const double bell = std::exp(-0.5 * away * away), weight = bell * line.weight;
     sum += weight * line.value;
@@ -200,7 +200,7 @@ LawResponse::LawResponse(const hil::AdmittanceLoopParams& params) {
   const auto step = [&](const Eigen::VectorXd& s) { return StepLaw(params, s, 0.0); };
   state_ = hil::LoopMatrix(step, size);
   input_ = StepLaw(params, Eigen::VectorXd::Zero(size), 1.0);
-  // what a tick sends is the new x_c
+  // A tick sends the new x_c.
   output_ = state_.row(0).transpose();
   direct_ = input_[0];
   const bool integrates = !(params.wall.stiffness_N_per_m > 0.0);

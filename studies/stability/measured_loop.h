@@ -9,7 +9,8 @@
 
 #include "hil/loops/admittance_loop.h"
 
-// The loop of hand, arm and law judged by a frequency response of the arm, without a model of it: Nyquist.
+// Judges the loop of hand, arm and law by Nyquist's criterion, from a measured frequency response of the arm
+// instead of a model.
 
 namespace osteon::studies {
 
@@ -34,17 +35,17 @@ struct ResponseModel {
   double period_s{0.001};
 };
 
-/// The pose of a ServoArm as it is measured, over the command of the tick that answers the measurement, exact
-/// for a held command: the dead time is in it. `hz` in (0, 1 / 2 T].
+/// The measured pose of a ServoArm over the command of the tick that answers this measurement. It is exact
+/// for a held command and includes the dead time. `hz` in (0, 1 / 2 T].
 [[nodiscard]] std::complex<double> ModelResponse(const ResponseModel& model, double hz);
 
-/// A response that is known at lines, between them and beyond: the measured over the model's response,
-/// smoothed over 0.35 octave with weights 1 / sd^2, times the model's. Beyond the lines the ratio of the
-/// nearest counts.
+/// A response measured at lines, and interpolated with a model: the ratio of the measured to the model's
+/// response is smoothed over 0.35 octave with weights 1 / sd^2, and multiplied by the model's response.
+/// Beyond the lines, the ratio at the nearest line counts.
 class MeasuredPlant {
  public:
   /// @param lines  by rising frequency, at least two
-  /// @throws std::invalid_argument on lines that are not that
+  /// @throws std::invalid_argument if the lines are fewer or not in this order
   MeasuredPlant(const std::vector<PlantLine>& lines, const ResponseModel& model);
   /// The same with any model: its response at a frequency [Hz] up to half of the sampling rate.
   MeasuredPlant(const std::vector<PlantLine>& lines, std::function<std::complex<double>(double)> model,
@@ -60,8 +61,8 @@ class MeasuredPlant {
     std::complex<double> value;  ///< the response
     double share{0.0};           ///< standard deviation of its real and of its imaginary part, over its size
   };
-  /// The measured over the model's response at a frequency, smoothed, and the standard deviation of its real
-  /// and of its imaginary part, over its size.
+  /// Smoothed ratio of the measured to the model's response at a frequency, and the standard deviation of the
+  /// ratio's real and of its imaginary part, divided by the ratio's size.
   struct RatioAt {
     std::complex<double> value;
     double share{0.0};
@@ -85,14 +86,15 @@ class MeasuredPlant {
   std::vector<Point> grid_;
 };
 
-/// What the law makes of a force: commands by force, in z. The shipped StepAdmittance with the wall of
+/// Transfer function of the law from force to command, in z: the shipped StepAdmittance with the wall of
 /// `params`, which must be evaluated on commanded poses.
 class LawResponse {
  public:
   explicit LawResponse(const hil::AdmittanceLoopParams& params);
   /// The command that a tick sends, over the force that it reads, at z (m/N).
   [[nodiscard]] std::complex<double> At(std::complex<double> z) const;
-  /// Eigenvalues of law and wall alone on or outside the unit circle, without the integrator at 1.
+  /// Number of eigenvalues of law and wall alone that lie on or outside the unit circle, without the
+  /// integrator at 1.
   [[nodiscard]] int unstable() const { return unstable_; }
 
  private:
@@ -102,26 +104,26 @@ class LawResponse {
   int unstable_{0};
 };
 
-/// The judgement of a loop by its measured response. Each margin has the radius within which it lies with 95
-/// %.
+/// The judgement of a loop by its measured response. Each margin lies with 95 % probability within its
+/// radius.
 struct LoopMargins {
   bool stable{false};
   int unstable_poles{0};  ///< of the closed loop, by the encirclements of -1
-  double gain{0.0};       ///< factor on the loop at which it becomes unstable; infinite: none
+  double gain{0.0};       ///< gain margin: factor at which the loop becomes unstable; infinite: none
   double gain_radius{0.0};
   double phase_deg{0.0};  ///< at the crossings of |L| = 1; 180: none
   double phase_radius_deg{0.0};
   double modulus{0.0};  ///< least |1 + L|
   double modulus_radius{0.0};
-  double modulus_hz{0.0};  ///< where it is
-  bool robust{false};      ///< stable, and no disc of 95 % holds -1
+  double modulus_hz{0.0};  ///< frequency of `modulus`
+  bool robust{false};      ///< stable, and no 95 % disc of the curve contains -1
 };
 
 /// A point of the Nyquist curve.
 struct NyquistPoint {
   double hz{0.0};
   std::complex<double> loop;  ///< L
-  double radius{0.0};         ///< of 95 %
+  double radius{0.0};         ///< of the disc that contains L with 95 % probability
 };
 
 /// Fills gain and phase margin, least distance of -1 and `robust` from a curve. @pre margins.stable is known
@@ -130,8 +132,7 @@ void FindMargins(const std::vector<NyquistPoint>& curve, LoopMargins& margins);
 /// A hand's loop. The hand and the virtual tool are those of `params`, whose arm and felt mass are not used.
 struct MeasuredLoopParams {
   hil::AdmittanceLoopParams loop;
-  /// From the pose as measured to the force as read [s]; 0 where the response was measured by the force
-  /// sensor.
+  /// Delay from the measured pose to the read force [s]; 0 if the response was measured by the force sensor.
   double sensor_delay_s{0.0};
 };
 
@@ -143,7 +144,7 @@ struct MeasuredLoopParams {
 
 /// Judges the loop: encirclements first, then the margins.
 [[nodiscard]] LoopMargins JudgeMeasuredLoop(const MeasuredPlant& response, const MeasuredLoopParams& params);
-/// Whether it is stable with each of these hands in the place of that of `params`.
+/// Whether the loop is stable with each of these hands instead of that of `params`.
 [[nodiscard]] bool AreAllStable(const MeasuredPlant& response, const MeasuredLoopParams& params,
                                 std::span<const hil::GridHand> hands);
 

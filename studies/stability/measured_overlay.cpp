@@ -17,7 +17,7 @@ using Vector7c = Eigen::Matrix<Complex, 7, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr int kPoints = 500;
-constexpr double kLowest_hz = 1e-4;  // there every factor of the determinant is close to the real axis
+constexpr double kLowest_hz = 1e-4;  // here every factor of the determinant is close to the real axis
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double k95 = 2.4477468306808161;  // radius that holds 95 % of a plane's normal distribution of sd 1
 
@@ -67,7 +67,7 @@ MeasuredOverlay::MeasuredOverlay(const OverlayLoopParams& model, const MeasuredO
     const double hz =
         kLowest_hz * std::pow(0.5 / (period_s_ * kLowest_hz), static_cast<double>(i) / (kPoints - 1));
     const MeasuredPlant::RatioAt ratio = plant.RatioToModel(hz);
-    // a response to a force that rests is real: below the lines the phase of the lowest goes to 0
+    // The response to a constant force is real: below the lowest line its phase goes to 0.
     const Complex factor =
         std::polar(std::abs(ratio.value), std::arg(ratio.value) * std::min(1.0, hz / plant.lowest_hz()));
     const Matrix7c C = ComplianceOf(arm, hz);

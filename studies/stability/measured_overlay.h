@@ -6,34 +6,36 @@
 #include "studies/stability/measured_loop.h"
 #include "studies/stability/overlay_loop.h"
 
-// The loop of the impedance law judged by a measured response of the arm along one axis.
+// Judges the loop of the impedance law by a measured response of the arm along one axis.
 
 namespace osteon::studies {
 
 /// The measured figures of an arm that a force is laid over.
 struct MeasuredOverlayParams {
-  Vector3 axis_T{Vector3::UnitZ()};  ///< along which force and motion were, of the tool, unit
+  Vector3 axis_T{Vector3::UnitZ()};  ///< direction of force and motion in the tool's frame, unit
   double dead_time_s{0.0};           ///< from a force to its first effect
   std::vector<PlantLine> lines{};    ///< x / f [m/N], sampled: the dead time is included
 };
 
-/// The arm's seven joints as the model has them, whose response along the measured axis is the measured one:
+/// The arm's seven joints as in the model, corrected so that the response along the measured axis is the
+/// measured one:
 ///
 ///     C' = C + (G / q - a^T C a) (C a a^T C) / (a^T C a)^2
 ///
 /// with the model's compliance C of the joints, a = J^T axis, the measured G = x / f and the delay q of a
 /// force that is held. The loop is stable where det(I + C' D) does not go around 0, with the dynamic
-/// stiffness D of hand, law, wall and of the equilibrium that follows. Friction is in it as far as G has it.
+/// stiffness D of hand, law, wall and of the equilibrium that follows. Friction is included as far as it is
+/// in the measured G.
 class MeasuredOverlay {
  public:
   /// @param model  the arm, its own impedance and the period; hand and wall are not used
-  /// @throws std::invalid_argument on lines that are no response
+  /// @throws std::invalid_argument if the lines are not a valid response
   MeasuredOverlay(const OverlayLoopParams& model, const MeasuredOverlayParams& measured);
 
   /// Judges the loop with the hand, law and wall of `loop`; the wall stands across the measured axis. The
-  /// margins are those of the force that wall and damping lay along the axis, with everything else closed:
+  /// margins are those of the force that wall and damping exert along the axis, with all other loops closed:
   /// `gain` is a factor on wall and damping.
-  /// @param late_s  by which each command is later than measured
+  /// @param late_s  additional delay of each command beyond the measured one
   [[nodiscard]] LoopMargins Judge(const OverlayLoopParams& loop, double late_s) const;
   [[nodiscard]] bool IsStable(const OverlayLoopParams& loop, double late_s) const;
   /// The curve of Judge().

@@ -19,8 +19,8 @@ using Joints = kinematics::JointVectorN<7>;
 using Chain = kinematics::SerialChain<7>;
 
 constexpr double kLever2_m2 = OverlayLoop::lever2_m2();
-// Some fifty times what the push gives: beyond it the drives' limits would hold the motion, which then grows
-// no more.
+// Speed above which the motion counts as grown: some fifty times that of the push. Beyond it, the drives'
+// limits would keep the motion from growing.
 constexpr double kGrown_m_per_s = 0.1;
 constexpr double kPreload_N = 20.0, kPush_N = 1.0, kPush_s = 0.01;
 
@@ -36,7 +36,7 @@ kinematics::ChainParams<7> WithoutFriction(kinematics::ChainParams<7> chain) {
   return chain;
 }
 
-// The arm without a hand.
+// The parameters of the arm without a hand.
 ImpedanceArmParams OwnArm(const OverlayLoopParams& params) {
   hil::DynamicArmParams arm = params.arm;
   arm.mass_error = 0.0;
@@ -124,8 +124,8 @@ Eigen::MatrixXd OverlayLoop::Matrix() const {
 
 namespace {
 
-// A DynamicArm takes its damping from the masses that it is made with, which here are those with the hand.
-// Its Cartesian damping is corrected by its ratio, that of the joints by a torque (see OverlayRun).
+// A DynamicArm derives its damping from its masses, which here include the hand. The Cartesian damping is
+// corrected through its ratio, the joints' damping by a torque (see OverlayRun).
 hil::DynamicArmParams LoadedArm(const OverlayLoopParams& params) {
   ImpedanceArmParams own = OwnArm(params), with = own;
   with.chain = WithHand(params);
@@ -136,15 +136,15 @@ hil::DynamicArmParams LoadedArm(const OverlayLoopParams& params) {
   return arm;
 }
 
-// The damping of the joints that a chain's masses give, as DynamicArm has it.
+// The joints' damping that DynamicArm derives from a chain's masses.
 Joints JointDamping(const kinematics::ChainParams<7>& chain, const OverlayLoopParams& params) {
   const Joints inertia = Chain(chain, params.gravity_B).MassMatrix(params.q).diagonal();
   return 2.0 * params.arm.joint_damping_ratio *
          params.arm.stiffness_Nm_per_rad.cwiseProduct(inertia).cwiseSqrt();
 }
 
-// The shipped parts in time. A period has kParts steps of the arm, so that the torque which corrects its
-// joints' damping follows their speed.
+// Simulates the shipped parts in time. A period has kParts steps of the arm, so that the torque that corrects
+// the joints' damping follows the joints' speed.
 class OverlayRun {
  public:
   static constexpr int kParts = 10;
@@ -175,7 +175,7 @@ class OverlayRun {
           Vector3(X_rest_.translation() - preload_N_ / params.wall.stiffness_N_per_m * feed_B);
     past_.assign(static_cast<std::size_t>(params.wall.age_ticks) + 1, X_rest_);
     sent_.assign(static_cast<std::size_t>(params.arm.dead_cycles) + 1, drive_);
-    // the arm rests under what the wall gives from the first tick on, whatever the dead time
+    // The arm rests under the wall's force from the first tick on, whatever the dead time.
     for (int i = 0; i < params.arm.dead_cycles; ++i) Advance(0.0, true);
   }
 
@@ -213,7 +213,7 @@ class OverlayRun {
   }
 
  private:
-  // A period with the drive of dead_cycles ago.
+  // Moves the arm by a period with the command of dead_cycles ago.
   void Move(const Wrench& pressed) {
     std::rotate(sent_.rbegin(), sent_.rbegin() + 1, sent_.rend());
     sent_.front() = drive_;
@@ -238,7 +238,7 @@ class OverlayRun {
   OverlayLoopParams params_;
   Chain chain_;
   hil::DynamicArm arm_;
-  Joints excess_damping_;  // of the arm's joints, by the hand's mass
+  Joints excess_damping_;  // of the arm's joints, due to the hand's mass
   std::vector<hil::ArmDrive> sent_;
   control::MeasuredTwist twist_;
   Pose X_rest_;

@@ -16,8 +16,8 @@
 namespace osteon::studies {
 
 struct OverlayLoopParams {
-  kinematics::ChainParams<7> chain;  ///< with what hangs on the flange; its friction is left out
-  hil::DynamicArmParams arm;         ///< a mass error is left out
+  kinematics::ChainParams<7> chain;  ///< including the load on the flange; its friction is ignored
+  hil::DynamicArmParams arm;         ///< its mass error is ignored
   Pose X_FT{Pose::Identity()};
   kinematics::JointVectorN<7> q{kinematics::JointVectorN<7>::Zero()};  ///< the posture
   Vector3 gravity_B{kinematics::kGravity_W_m_per_s2};
@@ -30,10 +30,10 @@ struct OverlayLoopParams {
   double period_s{0.001};
 };
 
-/// The linear loop at the posture, without friction. The hand's mass moves with the tool; the arm's
-/// controller knows nothing of it, so that its springs and damping are those of the arm without a hand. The
-/// arm's equations are those that dynamic_arm.h documents, from the chain's mass matrix and Jacobian; hand
-/// and overlay are held for a period, as in the simulation.
+/// The linear loop at the posture, without friction. The hand's mass moves with the tool, but the arm's
+/// controller does not take it into account: its springs and damping are those of the arm without a hand. The
+/// arm's equations are those of dynamic_arm.h, from the chain's mass matrix and Jacobian; hand and overlay
+/// are held for a period, as in the simulation.
 class OverlayLoop {
  public:
   explicit OverlayLoop(const OverlayLoopParams& params);
@@ -41,7 +41,7 @@ class OverlayLoop {
   [[nodiscard]] Eigen::MatrixXd Matrix() const;
   /// Whether no motion grows. The elbow, which nothing holds, may persist.
   [[nodiscard]] bool IsStable() const { return hil::SpectralRadius(Matrix()) < 1.0 + 1e-7; }
-  /// Square of the lever at which a hand holds against rotation, as OperatorWith has it [m^2].
+  /// Square of the lever at which a hand resists rotation, as in OperatorWith [m^2].
   [[nodiscard]] static constexpr double lever2_m2() { return 0.1 * 0.1; }
   /// Mass of the tool along its z axis at this posture, without the hand [kg].
   [[nodiscard]] double mass_kg() const { return mass_kg_; }
@@ -62,8 +62,8 @@ class OverlayLoop {
   int size_{0};
 };
 
-/// The same in time: the shipped DynamicArm, EvaluateCoupling, MeasuredTwist and DampingWrench, pressed on
-/// the wall with 20 N, after a push of 1 N for 10 ms.
+/// Simulates the same loop in time with the shipped DynamicArm, EvaluateCoupling, MeasuredTwist and
+/// DampingWrench: the tool is pressed on the wall with 20 N, and pushed with 1 N for 10 ms.
 /// @returns whether the tool's motion grows
 [[nodiscard]] bool OverlayGrows(const OverlayLoopParams& params, double seconds = 1.5);
 

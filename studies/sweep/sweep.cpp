@@ -59,7 +59,7 @@ SweepOutcome RunOne(const config::SweepConfig& sweep, const config::ScenarioConf
   return outcome;
 }
 
-// Runs those that are computed here, several at a time. @returns them by index.
+// Makes the runs that are computed here, several at a time. @returns their outcomes by index.
 std::vector<SweepOutcome> RunAll(const config::SweepConfig& sweep, const config::ScenarioConfig& scenario,
                                  const SweepOptions& options, StudyItems& items) {
   std::vector<std::size_t> mine;

@@ -29,7 +29,7 @@ bool Varies(const SweepResult& result, const SweepFigure& figure) {
   return q.max > q.min;
 }
 
-// The share of runs at or below each value, a curve for each combination.
+// Draws the share of runs at or below each value, one curve for each combination.
 report::LineChart Distribution(const SweepResult& result, const SweepFigure& figure) {
   report::LineChart chart{.title = fmt::format("Distribution of the {}", figure.label),
                           .x_label = std::string(figure.label),
@@ -52,7 +52,7 @@ report::LineChart Distribution(const SweepResult& result, const SweepFigure& fig
   return chart;
 }
 
-// A figure of every run over one parameter's value; with medians where values are listed.
+// Draws a figure of every run over one parameter's value, with medians if the values are listed.
 std::optional<report::LineChart> OverParameter(const SweepResult& result, std::size_t parameter,
                                                const SweepFigure& figure) {
   const config::SweepParameter& p = result.config.parameters[parameter];

@@ -27,7 +27,7 @@ Json QuantilesJson(std::span<const SweepOutcome> outcomes) {
   return json;
 }
 
-// How many runs had each fault.
+// The number of runs that had each fault.
 Json FaultsJson(std::span<const SweepOutcome> outcomes) {
   std::map<std::string, std::size_t> counts;
   for (const SweepOutcome& outcome : outcomes)

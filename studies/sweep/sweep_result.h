@@ -14,10 +14,10 @@
 
 namespace osteon::studies {
 
-/// What a run came to.
+/// The outcome of a run.
 struct SweepOutcome {
   SweepRun run{};
-  std::string error{};  ///< why there are no figures; empty if there are
+  std::string error{};  ///< why there are no figures; empty if there are some
   std::string ended{};
   std::vector<std::string> faults{};  ///< names, in their order
   std::string hash{};                 ///< over every bit of every tick
@@ -49,7 +49,7 @@ struct Quantiles {
 /// @returns zeros if there is no value.
 [[nodiscard]] Quantiles QuantilesOf(std::vector<double> values);
 
-/// The figure's values over those of the outcomes that have figures.
+/// The figure's values, of all outcomes that have figures.
 [[nodiscard]] std::vector<double> ValuesOf(std::span<const SweepOutcome> outcomes, const SweepFigure& figure);
 
 /// An outcome as an item of a part.
@@ -65,7 +65,7 @@ struct Quantiles {
 /// A line for each run.
 [[nodiscard]] std::string SweepCsv(const SweepResult& result);
 
-/// The outcomes of each combination, in their order; of a whole sweep.
+/// The outcomes of a whole sweep, one span for each combination, in the order of the combinations.
 [[nodiscard]] std::vector<std::span<const SweepOutcome>> ByCombination(const SweepResult& result);
 /// "stiffness_N_per_mm 10, tremor_N drawn": the values by which a combination differs.
 [[nodiscard]] std::string NameOfCombination(const SweepResult& result, const SweepOutcome& outcome);

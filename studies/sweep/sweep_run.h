@@ -11,7 +11,7 @@ namespace osteon::studies {
 /// One run of a sweep.
 struct SweepRun {
   std::size_t index{0};
-  std::size_t combination{0};         ///< of listed values
+  std::size_t combination{0};         ///< index of the combination of listed values
   int seed{1};                        ///< 1 … SweepConfig::seeds
   std::vector<std::string> values{};  ///< one for each parameter
 };
@@ -21,10 +21,11 @@ struct SweepRun {
 /// combinations are compared on the same draws.
 [[nodiscard]] SweepRun SweepRunAt(const config::SweepConfig& sweep, std::size_t index);
 
-/// "coupling.stiffness_N_per_mm=10" and so on, as regress --set takes it.
+/// The run's values as assignments "coupling.stiffness_N_per_mm=10", as `regress --set` accepts them.
 [[nodiscard]] std::vector<std::string> AssignmentsOf(const config::SweepConfig& sweep, const SweepRun& run);
 
-/// Runs that together have each listed value once or more: what has to be checked before anything runs.
+/// Returns runs that together contain each listed value at least once. They are checked before any run
+/// begins.
 [[nodiscard]] std::vector<std::size_t> RunsWithEachValue(const config::SweepConfig& sweep);
 
 }  // namespace osteon::studies

@@ -74,9 +74,9 @@ struct HandleSweep {
 [[nodiscard]] std::vector<HandlePoint> SweepFree(const HandleBenchParams& params, const HandleSweep& sweep,
                                                  const std::function<void(double)>& progress = {});
 
-/// The impedance that the law asks for along an axis of T when it is pushed at To alone: m i w + b if the
-/// virtual tool's centre is there; otherwise 1 / (the axis' element of (i w M + D)^-1), as the tool turns as
-/// well. Without the dead zone.
+/// The impedance that the law requests along an axis of T if the tool is pushed only at To: m i w + b if the
+/// virtual tool's centre is at To; otherwise 1 / (the axis' element of (i w M + D)^-1), as the tool turns as
+/// well. The dead zone is ignored.
 [[nodiscard]] std::complex<double> AskedImpedance(const control::AdmittanceParams& law, int axis,
                                                   double frequency_hz);
 

@@ -15,9 +15,10 @@ namespace osteon::studies {
 struct TransparencyOptions {
   std::filesystem::path cell;
   std::filesystem::path out{"transparency"};
-  std::filesystem::path json{};        ///< a second copy of transparency.json
-  std::filesystem::path identified{};  ///< a file of `osteon identify`; empty: as the cell says
-  int points{25};                      ///< from kMinHz to kMaxHz, log-spaced
+  std::filesystem::path json{};  ///< a second copy of transparency.json
+  std::filesystem::path
+      identified{};  ///< a file of `osteon identify`; empty: that of the cell's file, if any
+  int points{25};    ///< from kMinHz to kMaxHz, log-spaced
   int sensor_delay_ticks{1};
   std::string command_line{};
 };
@@ -41,9 +42,9 @@ struct TransparencyResult {
   std::vector<TransparencyAxis> axes;   ///< six
   std::vector<HandlePoint> contact;     ///< along z, against a plane across z
   double asked_stiffness_N_per_m{0.0};  ///< of the plane
-  /// The coupling's damping, as long as it adds less than its share of the force.
+  /// The coupling's damping, which applies as long as it adds less than its permitted share of the force.
   double asked_damping_Ns_per_m{0.0};
-  double stiffness_N_per_m{0.0};  ///< as felt at the lowest frequency
+  double stiffness_N_per_m{0.0};  ///< felt stiffness at the lowest frequency
   double preload_N{0.0}, contact_amplitude_N{0.0};
   /// The headline figure: the worst residual of the three directions along which the tool is led.
   [[nodiscard]] double free_residual() const;

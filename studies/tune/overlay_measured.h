@@ -8,7 +8,7 @@
 #include "studies/stability/measured_overlay.h"
 #include "studies/tune/tune_measured.h"
 
-// The impedance law's gains judged by what `osteon identify` measured of the arm.
+// Judges the impedance law's gains by the responses of the arm that `osteon identify` measured.
 
 namespace osteon::studies {
 
@@ -18,20 +18,21 @@ struct MeasuredAxis {
   std::shared_ptr<const MeasuredOverlay> overlay;
 };
 
-/// The measured axes of a cell, each at its slowest speed; empty where no response tells x / f.
-/// @param loop  the cell's arm, for what was not measured: the other directions
+/// The measured axes of a cell, each at its slowest speed; empty if no response gives x / f.
+/// @param loop  the cell's arm, for the directions that were not measured
 [[nodiscard]] std::vector<MeasuredAxis> MeasuredAxesOf(const config::IdentifiedCell& identified,
                                                        const OverlayLoopParams& loop);
 
-/// Whether the loop is stable by every measured axis; the wall of `loop` stands across it.
+/// Whether the loop is stable by every measured axis; the wall of `loop` stands across that axis.
 [[nodiscard]] bool StandsMeasured(const std::vector<MeasuredAxis>& axes, const OverlayLoopParams& loop,
                                   double late_s);
 
-/// One margin for each loop and axis. @param loops  with their contacts
+/// A loop to be judged, and its contact.
 struct OverlayCase {
   OverlayLoopParams loop;
   TuneContact contact{};
 };
+/// Computes one margin for each case and axis.
 [[nodiscard]] std::vector<TuneMargin> MeasuredMargins(const std::vector<MeasuredAxis>& axes,
                                                       const std::string& gains,
                                                       const std::vector<OverlayCase>& cases, double late_s);

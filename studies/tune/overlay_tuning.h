@@ -16,45 +16,45 @@
 #include "studies/tune/tune.h"
 #include "studies/tune/tune_study.h"
 
-// What `osteon tune` finds for a cell with the impedance law, and how it is told.
+// The result of `osteon tune` for a cell with the impedance law, and its forms.
 
 namespace osteon::studies {
 
-/// The stiffest wall that stands with a damping of the law, with the worst hand.
+/// The stiffest wall that is stable with one damping of the law and the worst hand.
 struct OverlayBoundary {
   double damping_Ns_per_m{0.0};
   double predicted_N_per_m{0.0}, simulated_N_per_m{0.0};  // 0: unstable without a wall
   std::size_t hand{0};
 };
 
-/// The recommended gains, run in time.
+/// Simulations in time with the recommended gains.
 struct OverlayCheck {
   std::size_t runs{0};
   std::vector<std::string> grew{};
 };
 
-/// A cell with the impedance law, and all that was found for it.
+/// A cell with the impedance law, and all results for it.
 struct OverlayTuning {
   std::string cell;
   TuneTask task;
   OverlayLoopParams loop;
   std::vector<hil::GridHand> hands{};
   double mass_kg{0.0};                              // of the tool along its axis
-  std::optional<config::IdentifiedArm> measured{};  // of it, the axis with the longest dead time
-  double along_tool_kg{0.0};                        // of it, along z; 0: not measured
-  bool on_mount{false};                             // of it, of any axis
-  double own_margin{0.0};                           // 0: not stable with all
-  double recommended_Ns_per_m{0.0};                 // 0: none
+  std::optional<config::IdentifiedArm> measured{};  // the measured axis with the longest dead time
+  double along_tool_kg{0.0};                        // measured mass along z; 0: not measured
+  bool on_mount{false};                             // by any measured axis, the arm's mount gives way
+  double own_margin{0.0};                           // of the cell's gains; 0: not stable with all hands
+  double recommended_Ns_per_m{0.0};                 // damping; 0: none is recommended
   double recommended_N_per_m{0.0}, recommended_margin{0.0};
   double planes_N_per_m{0.0};  // stiffest planes at the task's age, at most the task's
   std::vector<OverlayBoundary> boundary{};
   OverlayCheck check{};
-  std::vector<MeasuredAxis> response{};  // judged beside the model; empty: none was measured
-  std::vector<TuneMargin> margins{};     // by them, of the cell's own and of the recommended gains
+  std::vector<MeasuredAxis> response{};  // judged in addition to the model; empty: none was measured
+  std::vector<TuneMargin> margins{};     // by `response`, of the cell's own and of the recommended gains
   std::string nyquist_svg{};             // empty: no margins
   [[nodiscard]] bool Stands() const { return recommended_Ns_per_m > 0.0; }
-  /// Whether the recommended gains may be used: run in time, and by the measured response, they are stable as
-  /// well.
+  /// Whether the recommended gains may be used: they are also stable in the simulations in time, and by the
+  /// measured response.
   [[nodiscard]] bool MayBeUsed() const {
     return Stands() && check.grew.empty() && StandsByMargins(margins, "recommended");
   }
@@ -63,7 +63,7 @@ struct OverlayTuning {
 
 /// Bad if the gains may not be used; to be looked at with remarks.
 [[nodiscard]] session::Verdict Judge(const OverlayTuning& t);
-/// The result in lines, for terminal and page.
+/// The result as rows for terminal and page.
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const OverlayTuning& t);
 /// Writes tune.svg, .csv, .json, .html and, if they may be used, gains.yaml.
 /// @returns an error that names the file

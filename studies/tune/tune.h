@@ -15,13 +15,13 @@ struct TuneOptions {
   /// A file of `osteon identify` for this cell; empty: the cell's own, if it names one.
   std::filesystem::path identified{};
   std::filesystem::path plan{};  ///< surgical plan whose guidance is judged as well; empty: none
-  double worst_age_ms{2.0};      ///< of a contact model's pose
+  double worst_age_ms{2.0};      ///< largest age of a contact model's pose
   double margin{1.1};
   std::optional<double> loss{};  ///< default: as identified, else 0.01
   /// In whole periods of the cell; default: as identified, else one period, at least 1 ms.
   std::optional<double> jitter_ms{}, sensor_delay_ms{};
   double human_grip_N_per_m{3e3}, stiffest_grip_N_per_m{10e3};
-  int dampings{16};  ///< of the map, from 5 to 500 N s/m
+  int dampings{16};  ///< number of dampings in the map, from 5 to 500 N s/m
   int threads{2};
   std::string command_line{};
   Sharding sharding{};
@@ -31,8 +31,8 @@ struct TuneOptions {
 /// virtual tool, and the gains that are stable with every hand of the grid. Writes tune.json, .csv, .html,
 /// pictures and gains.yaml into a folder, and caches the computed numbers there for the next call with the
 /// same parameters.
-/// @returns the process's exit code: 0; 1 if a file can't be written or no gains are stable with all; 2 bad
-/// input; 130 ended by Ctrl-C.
+/// @returns the process's exit code: 0; 1 if a file can't be written or no gains are stable with all hands; 2
+/// bad input; 130 ended by Ctrl-C.
 [[nodiscard]] int RunTune(const TuneOptions& options);
 
 }  // namespace osteon::studies

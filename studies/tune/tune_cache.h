@@ -11,13 +11,14 @@
 
 namespace osteon::studies {
 
-/// Cache of computed numbers in a file. The key of an entry is the inputs that it was computed from.
+/// Cache of computed numbers in a file. The key of an entry is made from the inputs of its computation.
 class TuneCache {
  public:
   /// A file that can't be read, or is of another version, counts as empty: its numbers are computed again.
   explicit TuneCache(std::filesystem::path file);
 
-  /// Finds the numbers. @param from  everything that they depend on, as text
+  /// Finds the numbers that were computed from these inputs. @param from  everything that they depend on, as
+  /// text
   [[nodiscard]] std::optional<std::vector<double>> Find(const std::string& from);
   void Store(const std::string& from, const std::vector<double>& values);
   /// Saves only the entries that were found or stored since construction. The error names the file.

@@ -16,16 +16,16 @@ namespace osteon::studies {
 
 /// The stability of a cell's loop with the guidance of a plan (studies/stability/guided_loop.h).
 struct GuidanceMap {
-  static constexpr double kMargin = 2.0;  ///< gains may be at most the boundary over this
-  static constexpr int kNodes = 5;        ///< of each stiffness
+  static constexpr double kMargin = 2.0;  ///< gains may be at most the boundary divided by this
+  static constexpr int kNodes = 5;        ///< number of values of each stiffness
 
   control::GuidanceParams guidance;
-  std::size_t hands{0};                 ///< hands and levers that are stable without guidance
-  std::vector<std::string> unstable{};  ///< those that the plan's guidance makes unstable
+  std::size_t hands{0};                 ///< number of hands with lever that are stable without guidance
+  std::vector<std::string> unstable{};  ///< the hands that the plan's guidance makes unstable
   hil::Boundary factor{};         ///< boundary on funnel and cone, as a factor on the plan's stiffnesses
   hil::Boundary depth_N_per_m{};  ///< boundary of the depth's spring
-  /// Hands that become unstable, by lateral (rows) and cone stiffness (columns), from 0 to kMargin times the
-  /// plan's.
+  /// Number of hands that become unstable, by lateral (rows) and cone stiffness (columns), from 0 to kMargin
+  /// times the plan's.
   std::vector<std::vector<int>> counts{};
 
   [[nodiscard]] bool Accepted() const {
@@ -34,8 +34,8 @@ struct GuidanceMap {
   }
 };
 
-/// Computes the map: the cell's arm, delays and virtual tool, at full gain.
-/// @param stopped  asked now and then: true ends early
+/// Computes the map with the cell's arm, delays and virtual tool, at full gain of the guidance.
+/// @param stopped  polled; returns true to end early
 [[nodiscard]] GuidanceMap MapGuidance(const TuneTask& task, const control::AdmittanceParams& law,
                                       const control::GuidanceParams& guidance, bool (*stopped)());
 

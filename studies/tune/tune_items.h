@@ -6,8 +6,8 @@
 
 #include "studies/tune/tune_study.h"
 
-// Runs in time as items of a part, to the bit. Reading throws nlohmann::json::exception or
-// std::invalid_argument if an item is damaged.
+// Converts simulations in time to items of a part and back, exact to the bit. Reading throws
+// nlohmann::json::exception or std::invalid_argument if an item is damaged.
 
 namespace osteon::studies {
 

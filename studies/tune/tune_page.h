@@ -15,8 +15,8 @@ namespace osteon::studies {
 /// reasons of Judge.
 [[nodiscard]] report::ReportVerdict PlainVerdict(const TuneResult& result);
 
-/// Writes gains.yaml into a folder. An empty text: there are no gains to use, and those of an earlier call,
-/// which would be taken for this call's, are removed. @returns an error that names the file.
+/// Writes gains.yaml into a folder. If the text is empty, there are no gains to use, and the file of an
+/// earlier call is removed, as it would be taken for this call's. @returns an error that names the file.
 [[nodiscard]] tl::expected<void, std::string> WriteGains(const std::filesystem::path& folder,
                                                          const std::string& yaml);
 

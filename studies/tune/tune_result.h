@@ -14,7 +14,7 @@
 
 namespace osteon::studies {
 
-/// The least drag for one virtual mass that is stable with every hand at the margin; infinite if none.
+/// The least drag that is stable with one virtual mass and every hand at the margin; infinite if no drag is.
 struct TuneTrade {
   double mass_kg{0.0};
   double human_Ns_per_m{0.0}, stiffest_Ns_per_m{0.0};
@@ -37,9 +37,9 @@ struct TuneResult {
   TuneGains recommended;  ///< zero: no gains are stable with all
   double recommended_margin{0.0};
   double own_margin{0.0};  ///< of the cell's own gains
-  TuneGains within_bar;    ///< of all gains that count as light, those with the greatest margin
+  TuneGains within_bar;    ///< the gains with the greatest margin among those that count as light
   double within_bar_margin{0.0};
-  double stiffest_Ns_per_m{0.0}, clamp_Ns_per_m{0.0};  ///< drag that these need at the recommended mass
+  double stiffest_Ns_per_m{0.0}, clamp_Ns_per_m{0.0};  ///< drag for stiffest grip and clamp, recommended mass
   double age_bound_Ns_per_m{0.0};                      ///< a_max K of the planes: by itself enough at any age
   std::vector<TuneBoundary> human, stiffest, firm;     ///< at the recommended mass
   std::vector<TuneMap> maps;
@@ -51,7 +51,8 @@ struct TuneResult {
   int found{0}, computed{0};
 
   [[nodiscard]] bool Stands() const { return recommended.mass_kg > 0.0; }
-  /// Whether the recommended gains may be used: by the measured response, and run in time, they are stable.
+  /// Whether the recommended gains may be used: they are stable by the measured response, and in the
+  /// simulations in time.
   [[nodiscard]] bool MayBeUsed() const;
   /// Whether the cell's own gains have the margin, by the measured response as well.
   [[nodiscard]] bool OwnStand() const;
@@ -63,16 +64,16 @@ struct TuneResult {
   }
 };
 
-/// Bad if a plan's guidance is beyond half of its boundary, if no gains are stable with what was asked for,
-/// if the loop grew in simulation, or if a stiff hand keeps oscillating. To be looked at if the cell's own
-/// gains are stable with less, if the tool is not light, or if hands depend on a vibration index that does
-/// not act.
+/// Bad if a plan's guidance is beyond half of its boundary, if no gains are stable with the requested margin,
+/// if the motion grew in a simulation, or if a stiff hand keeps oscillating. To be looked at if the cell's
+/// own gains are stable only with less margin, if the tool is not light, or if hands depend on a vibration
+/// index that does not act.
 [[nodiscard]] session::Verdict Judge(const TuneResult& result);
 
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const TuneResult& result);
 /// JSON, schema osteon.tune/1.
 [[nodiscard]] std::string ToJson(const TuneResult& result, const std::string& command_line);
-/// The boundaries as CSV, one damping a line.
+/// The boundaries as CSV, one damping per line.
 [[nodiscard]] std::string BoundaryCsv(const TuneResult& result);
 /// The hands that the index stabilises, as rows of an HTML table.
 [[nodiscard]] std::string CarriedTable(const TuneResult& result);

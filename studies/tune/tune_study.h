@@ -11,11 +11,11 @@
 #include "studies/stability/grip_run.h"
 #include "studies/stability/measured_loop.h"
 
-// The questions of `osteon tune` to the loop (which hands, which contacts, which delays) and the answers.
+// The stability computations of `osteon tune`: hands, contacts and delays, and the results for them.
 
 namespace osteon::studies {
 
-/// A hand whose own loop was measured: -F / q_cmd while it held the handle, over the hand's own figures.
+/// A hand whose own loop was measured: -F / q_cmd while it held the handle, divided by the hand's impedance.
 struct HeldLoop {
   hil::GridHand hand;
   std::shared_ptr<const MeasuredPlant> response;  ///< with the sensor's delay
@@ -35,16 +35,16 @@ struct TuneTask {
   double human_grip_N_per_m{3e3};                    ///< up to this grip the tool has to stay light ...
   double stiffest_grip_N_per_m{10e3};                ///< ... and up to this grip it has to be stable
   double max_mass_kg{5.0}, max_drag_Ns_per_m{30.0};  ///< what counts as light
-  control::VibrationParams vibration{};              ///< the cell's, and acting
-  bool index_acts{true};                             ///< whether it acts in the cell as well
+  control::VibrationParams vibration{};              ///< the cell's index, made to act in this study
+  bool index_acts{true};                             ///< whether the index also acts in the cell itself
 
-  // From what was measured of the cell (studies/tune/tune_measured.h); without it all lags are assumed.
+  // From the cell's measurements (studies/tune/tune_measured.h); without them all lags are assumed.
   std::optional<config::IdentifiedCell> identified{};
-  bool arm_measured{false};                         ///< false: the arm's lag is assumed all the same
-  std::vector<hil::GridHand> measured_hands{};      ///< must be stable as well, whatever their stiffness
+  bool arm_measured{false};                         ///< false: the arm's lag is assumed in spite of them
+  std::vector<hil::GridHand> measured_hands{};      ///< the loop must be stable with them, however stiff
   std::shared_ptr<const MeasuredPlant> response{};  ///< null: no response was measured
-  double response_delay_s{0.0};                     ///< of the force, beyond the response
-  std::vector<HeldLoop> held{};                     ///< judged as they were measured
+  double response_delay_s{0.0};                     ///< delay of the force that the response does not include
+  std::vector<HeldLoop> held{};                     ///< each is judged by its own measured response
   /// A structure was found that the model of the arm lacks: gains are judged by the response alone.
   bool measured_only{false};
 };
@@ -54,7 +54,7 @@ struct TuneTask {
 /// Returns every hand of the grid up to a stiffness, and one of exactly that stiffness with a firm hand's
 /// damping and mass.
 [[nodiscard]] std::vector<hil::GridHand> HandsUpTo(double stiffness_N_per_m);
-/// The same, and the task's measured hands.
+/// Returns the same hands and the task's measured hands.
 [[nodiscard]] std::vector<hil::GridHand> HandsUpTo(const TuneTask& task, double stiffness_N_per_m);
 
 /// The contacts of a task: free, a wall evaluated in the tick, planes at their greatest age.
@@ -79,11 +79,11 @@ struct TuneGains {
 [[nodiscard]] bool StandsAll(const TuneTask& task, const TuneGains& gains,
                              const std::vector<hil::GridHand>& hands);
 
-/// The greatest gain at which all are stable; 0: not even at gain 1. At most `most`.
+/// The greatest gain, up to `most`, at which all hands and contacts are stable; 0: not even at gain 1.
 [[nodiscard]] double GainMargin(const TuneTask& task, const TuneGains& gains,
                                 const std::vector<hil::GridHand>& hands, double most = 5.0);
 
-/// The least drag with which a virtual mass is stable with all; infinity if 3000 N s/m are not enough.
+/// The least drag with which a virtual mass is stable with all hands; infinity if 3000 N s/m are not enough.
 [[nodiscard]] double MinDragFor(const TuneTask& task, double mass_kg,
                                 const std::vector<hil::GridHand>& hands);
 
@@ -93,9 +93,9 @@ struct TuneBoundary {
   double predicted_N_per_m{0.0};  ///< 0: unstable without a wall
   double simulated_N_per_m{0.0};  ///< with the hand that the prediction finds worst
   double degraded_N_per_m{0.0};   ///< the same, with commands lost and late
-  std::size_t hand{0};            ///< the worst
+  std::size_t hand{0};            ///< index of the worst hand
 };
-/// Searches walls up to `max_N_per_m`: that value means "at least".
+/// Searches walls up to `max_N_per_m`; this value as a result means "at least".
 [[nodiscard]] TuneBoundary BoundaryAt(const TuneTask& task, const TuneGains& gains,
                                       const std::vector<hil::GridHand>& hands, double max_N_per_m);
 

@@ -15,7 +15,7 @@ enum class Technique : std::uint8_t {
   kStraight,   ///< the hand presses along the axis: tilt of 0
 };
 
-/// Mean over both densities of how far the cavity's diameter is from the reamer's [mm].
+/// Difference between the diameters of cavity and reamer, mean over both densities of foam [mm].
 [[nodiscard]] Simulated DiameterError(ValidationLab& lab, Technique technique);
 [[nodiscard]] std::vector<CellTrialParams> DiameterErrorCells(Technique technique, bool quick);
 
@@ -23,7 +23,7 @@ enum class Technique : std::uint8_t {
 [[nodiscard]] Simulated WideCavity(ValidationLab& lab, const std::string& foam);
 [[nodiscard]] std::vector<CellTrialParams> WideCavityCells(const std::string& foam, bool quick);
 
-// The demo's own run in bone.
+// Rows that the demo's own run in bone simulates, and the cells of these rows.
 [[nodiscard]] std::vector<CellTrialParams> DemoCells(bool quick);
 [[nodiscard]] Simulated CentreShift(ValidationLab& lab);    ///< [mm]
 [[nodiscard]] Simulated RemovedVolume(ValidationLab& lab);  ///< [mm³]
@@ -38,7 +38,7 @@ enum class Technique : std::uint8_t {
 [[nodiscard]] Simulated BurForce(ValidationLab& lab);
 [[nodiscard]] std::vector<CellTrialParams> BurForceCells(bool quick);
 
-/// Greatest difference of the drag at the demo's handle from the drag asked for [%].
+/// Greatest difference between the drag felt at the demo's handle and the requested drag [%].
 [[nodiscard]] Simulated DragDifference(ValidationLab& lab);
 
 }  // namespace osteon::studies

@@ -8,23 +8,23 @@
 
 namespace osteon::studies {
 
-/// [N], at 120 mm/min with a drill of 3.2 mm. Of the shell with the cutting energy that its torque alone
-/// gives.
+/// Thrust [N] at 120 mm/min with a drill of 3.2 mm. The epoxy shell has here the cutting energy that follows
+/// from its torque alone.
 [[nodiscard]] Simulated Thrust(ValidationLab& lab, const std::string& material_name, double rpm);
-/// [N mm], mean at 1000, 1250 and 1500 rpm
+/// Mean of the torques at 1000, 1250 and 1500 rpm [N mm].
 [[nodiscard]] Simulated MeanTorque(ValidationLab& lab, const std::string& material);
-/// At 1500 over 1000 rpm, 120 mm/min
+/// Ratio of the thrust, or of the torque, at 1500 rpm to that at 1000 rpm, at 120 mm/min.
 [[nodiscard]] Simulated ThrustSpeedRatio(ValidationLab& lab, const std::string& material,
                                          double diameter_m = 0.0032);
 [[nodiscard]] Simulated TorqueSpeedRatio(ValidationLab& lab, const std::string& material,
                                          double diameter_m = 0.0032);
-/// Thrust of the epoxy shell, as in Thrust, over human cortex, 1000 rpm
+/// Ratio of the epoxy shell's thrust, as in Thrust, to that of human cortex at 1000 rpm.
 [[nodiscard]] Simulated SawboneOverCortex(ValidationLab& lab);
-/// Work for each volume, cancellous bone over foam of 240 kg/m³
+/// Ratio of the work per volume in cancellous bone to that in foam of 240 kg/m³.
 [[nodiscard]] Simulated EnergyRatio(ValidationLab& lab);
-/// Thrust at 10 µm over 2 µm of depth of cut
+/// Ratio of the thrust at 10 µm depth of cut to that at 2 µm.
 [[nodiscard]] Simulated DepthOfCutRatio(ValidationLab& lab);
-/// Thrust at four times the cutting speed and the same depth of cut
+/// Ratio of the thrust at 2000 rpm to that at 500 rpm, at the same depth of cut.
 [[nodiscard]] Simulated CuttingSpeedRatio(ValidationLab& lab);
 
 }  // namespace osteon::studies

@@ -12,11 +12,11 @@
 
 namespace osteon::studies {
 
-/// A figure of a material that decides the force of a cut.
+/// A constant of a material that determines the force of a cut.
 enum class CutConstant : std::uint8_t {
   kCuttingEnergy,      ///< specific cutting energy [J/m³]
   kCuttingForceRatio,  ///< cutting force over normal force
-  kEdgeForce,          ///< of an edge that takes no chip [N/m]; a material without one has none to be fitted
+  kEdgeForce,          ///< force of an edge that takes no chip [N/m]; some materials have none
 };
 /// "cutting_energy", "cutting_force_ratio", "edge_force".
 [[nodiscard]] std::string_view NameOf(CutConstant constant);
@@ -30,7 +30,7 @@ struct FittedConstant {
   double value{0.0};  ///< SI, as in the file
   std::string_view how;
   std::vector<std::string_view> fitted_to;  ///< ids of measurements
-  /// Ids of measurements that enter the value by less than `minor_share` of it.
+  /// Ids of measurements that change the value by less than `minor_share` of it.
   std::vector<std::string_view> minor{};
   double minor_share{0.0};
 

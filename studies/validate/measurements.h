@@ -23,14 +23,14 @@ inline constexpr double kNotStated = std::numeric_limits<double>::quiet_NaN();
 
 /// A quantity that others have measured.
 struct Measurement {
-  std::string_view id;  ///< number of the source's row and what of it: "9-1000"
+  std::string_view id;  ///< number of the source's row and the case in that row: "9-1000"
   std::string_view quantity, unit;
   RowUse use{RowUse::kValidates};
   double measured{0.0};                      ///< in `unit`
-  double low{kNotStated}, high{kNotStated};  ///< what counts as within; not stated: the row is not judged
-  std::string_view spread;                   ///< where low and high come from
+  double low{kNotStated}, high{kNotStated};  ///< accepted range; not stated: the row is not judged
+  std::string_view spread;                   ///< origin of low and high
   std::string_view source, conditions;       ///< of the measurement
-  std::string_view leaves_out;               ///< what the simulation of the row does not have
+  std::string_view leaves_out;               ///< effects that the row's simulation leaves out
   /// Last stated digit, to which a simulated value is rounded before it is compared; 0: not rounded.
   double resolution{0.0};
 
@@ -38,11 +38,11 @@ struct Measurement {
   [[nodiscard]] bool Contains(double value) const;
 };
 
-/// All measurements, in the order of the table. Most sources were read as abstracts or first pages; a
-/// condition that they do not state is said to be not stated.
+/// All measurements, in the order of the table. Most sources were read as abstracts or first pages; if they
+/// do not state a condition, the row says "not stated".
 [[nodiscard]] std::span<const Measurement> Measurements();
 
-/// Null if there is no measurement with this id.
+/// Finds the measurement with an id; null if there is none.
 [[nodiscard]] const Measurement* FindMeasurement(std::string_view id);
 
 }  // namespace osteon::studies

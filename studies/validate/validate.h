@@ -22,8 +22,9 @@ struct ValidateOptions {
   std::string command_line{};
 };
 
-/// The ids that these words choose: an id itself, or a number for all ids that begin with it ("9": "9-1000"
-/// and others). @returns as error, the word, and what is accepted.
+/// Returns the ids that these words choose: a word is an id itself, or a number for all ids that begin with
+/// it
+/// ("9": "9-1000" and others). The error names the wrong word and what is accepted.
 [[nodiscard]] tl::expected<std::vector<std::string>, std::string> ChooseRows(
     std::span<const std::string> words);
 
@@ -34,7 +35,7 @@ struct KindCount {
   std::size_t judged{0}, within{0};
 };
 
-/// How many rows came to what.
+/// Numbers of rows by their outcome.
 struct ValidationCounts {
   std::size_t rows{0}, judged{0}, within{0}, missed{0}, calibrates{0}, not_judged{0}, failed{0};
   std::size_t levels_and_trends{0}, levels_and_trends_within{0};  ///< of the judged ones

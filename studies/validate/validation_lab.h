@@ -12,14 +12,14 @@
 
 namespace osteon::studies {
 
-/// How long and how fine the runs of `osteon validate` are.
+/// Length and fineness of the runs of `osteon validate`.
 struct LabParams {
   std::filesystem::path config_root;
   bool quick{false};  ///< coarse bones and short runs, as in the tests: seconds instead of minutes
-  int jobs{0};        ///< cells that run at a time; 0: one a core
+  int jobs{0};        ///< number of cells that run at a time; 0: one per core
 };
 
-/// Runs what rows need, each run once.
+/// Makes the runs that rows need, each run only once.
 class ValidationLab {
  public:
   explicit ValidationLab(LabParams params) : params_(std::move(params)) {}
@@ -28,11 +28,13 @@ class ValidationLab {
   /// @throws std::invalid_argument naming it if there is none.
   [[nodiscard]] const simulation::Material& MaterialOf(const std::string& name);
 
-  /// @param params  its config_root and packing_scale are the lab's
+  /// Returns the result of a drill at constant feed. @param params  the lab sets config_root and
+  /// packing_scale
   [[nodiscard]] const ConstantFeedResult& Drill(ConstantFeedParams params);
 
   /// Runs cells at the same time, so that Cell() has them ready.
   void Prepare(std::span<const CellTrialParams> cells);
+  /// Returns a cell's run, which Prepare() may have made already.
   /// @throws std::runtime_error with the reason if the cell cannot be run, or stopped with a fault.
   [[nodiscard]] const CellTrial& Cell(const CellTrialParams& params);
 

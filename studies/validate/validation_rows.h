@@ -13,7 +13,7 @@
 
 namespace osteon::studies {
 
-/// The same quantity with one thing changed, to show why a row misses or that it does not.
+/// A row's quantity with one thing changed, to show the cause of the row's error.
 struct Ablation {
   std::string what;
   double simulated{0.0};  ///< in the row's unit
@@ -28,11 +28,11 @@ enum class CompliantPart : std::uint8_t {
 /// "tool", "layer", "mount": the keys of a cell's `compliance`.
 [[nodiscard]] std::string_view NameOf(CompliantPart part);
 
-/// The same quantity where a part gives way.
+/// A row's quantity if a part gives way.
 struct ComplianceVariant {
   CompliantPart part{CompliantPart::kTool};
   std::optional<double> simulated{};  ///< in the row's unit; nothing: the run had no result
-  std::string error{};                ///< why it had none
+  std::string error{};                ///< why the run had no result
 };
 
 /// The outcome of a row's runs.
@@ -42,8 +42,8 @@ struct Simulated {
   /// Constants of materials on which the value depends: "cortical.cutting_energy".
   std::vector<std::string> constants{};
   std::vector<Ablation> ablations{};
-  std::string reason{};  ///< why it misses, if it does, as the ablations show
-  /// With a part that gives way, where the cell has one; `value` is without.
+  std::string reason{};  ///< why the value misses the range, if it does, as the ablations show
+  /// Variants with a part that gives way, if the cell has such a part; `value` is without any.
   std::vector<ComplianceVariant> compliance{};
 
   /// Null if the row has no variant with this part.
@@ -54,7 +54,7 @@ struct Simulated {
 struct ValidationItem {
   std::string_view id;  ///< of the measurement
   std::function<Simulated(ValidationLab&)> simulate;
-  /// The cells that it runs, so that they can run at the same time as others'.
+  /// The cells that the item runs, so that they can run at the same time as those of other items.
   std::function<std::vector<CellTrialParams>(bool quick)> cells{};
 };
 
@@ -67,7 +67,7 @@ struct ValidationRow {
   Simulated simulated;
   std::string error{};  ///< why there is no result; empty if there is one
 
-  /// Whether a constant on which it depends was fitted to its own measurement.
+  /// Whether a constant on which the value depends was fitted to the row's own measurement.
   [[nodiscard]] bool fitted() const;
   /// Nothing if the source states no spread, or there is no result.
   [[nodiscard]] std::optional<bool> within() const;

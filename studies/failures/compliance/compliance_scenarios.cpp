@@ -25,7 +25,7 @@ simulation::Contact Plane(const Vector3& p_W, const Vector3& n_W, double stiffne
   return plane;
 }
 
-// The shipped coupling on planes that every tick sees afresh, with what gives way; sums the work at the tool.
+// The shipped coupling with compliance, on planes that are fresh in every tick; sums the work at the tool.
 class ComplianceBench {
  public:
   explicit ComplianceBench(const control::ComplianceParams& params, bool has_arm = true)
@@ -34,7 +34,7 @@ class ComplianceBench {
     coupling_.damping_Ns_per_m = 0.0;
     state_.fade = 1.0;
   }
-  /// One tick. @returns the force on the tool, in W
+  /// Steps by one tick. @returns the force on the tool, in W
   Vector3 Step(const Pose& X_WT, std::span<const simulation::Contact> planes) {
     ++tick_;
     const auto now = static_cast<rt::Nanoseconds>(tick_) * rt::kMillisecond;
@@ -67,7 +67,7 @@ class ComplianceBench {
   int tick_{0};
 };
 
-// A layer that is linear: the whole area engaged at once.
+// A linear layer: its whole area is engaged at once.
 control::SurfaceLayerParams LinearLayer(double stiffness_N_per_m) {
   control::SurfaceLayerParams layer;
   layer.engaged_layer_m = 1e-6;
@@ -78,7 +78,7 @@ control::SurfaceLayerParams LinearLayer(double stiffness_N_per_m) {
   return layer;
 }
 
-// Work given in the last of some turns, for a path by the share of a turn.
+// Work that the planes give in the last of several turns along a path; the path takes the share of a turn.
 template <class Path>
 double GivenInATurn_J(ComplianceBench& bench, std::span<const simulation::Contact> planes, double turn_s,
                       const Path& path, FailureSeries& series) {
@@ -116,7 +116,7 @@ FailureResult RunTwoSprings(const FailureSetting& setting) {
   const double third = std::numbers::pi / 3.0;
   const Vector3 n_1 = Vector3::UnitZ(), n_2(std::sin(third), 0.0, std::cos(third));
   const Vector3 centre = -3e-3 * (n_1 + n_2).normalized();
-  // the sense of the turn in which the curl gives work
+  // turn in the direction in which the force field's curl gives work
   const auto circle = [&](double turn) {
     return At(centre + 1e-3 * Vector3(std::cos(kTwoPi * turn), 0.0, std::sin(kTwoPi * turn)));
   };
@@ -211,11 +211,12 @@ FailureResult RunBentArm(const FailureSetting& setting) {
   const double tilt = std::numbers::pi / 9.0;
   const Vector3 n(std::sin(tilt), 0.0, std::cos(tilt));
   const simulation::Contact plane[]{Plane(Vector3::Zero(), n, 60e3)};
-  // deeper and less deep, and turned about the plane's slope a quarter of a turn later
+  // The depth oscillates, and the rotation about the plane's slope follows a quarter of a turn later.
   const auto path = [&](double turn) {
     return At((-1.5e-3 + 0.7e-3 * std::sin(kTwoPi * turn)) * n, {0.0, 0.05 * std::cos(kTwoPi * turn), 0.0});
   };
-  // as slow as a hand: the element's own loss fades with the speed, the missing arm's work does not
+  // As slow as a hand: the element's own loss fades with the speed; the work of the missing lever arm does
+  // not.
   const double turn_s = setting.full() ? 200.0 : 100.0;
   FailureSeries baseline{.name = "rigid arm"}, ours{.name = "ours", .ours = true};
   ComplianceBench rigid({.tool = drill}, false);

@@ -16,10 +16,10 @@ constexpr double kTick_s = 1e-3, kPush_N = 120.0, kPushRise_s = 1.0;
 constexpr double kPlanned_m = 2e-3;      // depth of the hole
 constexpr double kSpindleStop_m = 1e-3;  // the spindle stops that far before the bound
 constexpr double kSoft_m = 3e-3;
-constexpr double kImpedance_N_per_m = 10e3;  // what an overlay of 4 ms may render with 40 N s/m of damping
-constexpr int kMaxTicks = 20'000, kAfter = 300;  // ticks; observed after the spindle stopped
+constexpr double kImpedance_N_per_m = 10e3;      // stable for an overlay of 4 ms with 40 N s/m of damping
+constexpr int kMaxTicks = 20'000, kAfter = 300;  // ticks in all, and ticks after the spindle stopped
 
-constexpr double kAbove_m = 0.05e-3;  // of the apex over the bone, at the beginning
+constexpr double kAbove_m = 0.05e-3;  // height of the apex over the bone at the beginning
 
 struct Course {
   double depth_m{0.0};  ///< of the hole

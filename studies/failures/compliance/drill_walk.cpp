@@ -24,8 +24,9 @@ constexpr int kFine = 5;                      // ticks in a millisecond of the r
 constexpr double kSeen_s = 1.5;               // when the hole's place is taken
 constexpr double kCutting_J_per_m3 = 1.3e9;   // human femoral cortex (config/materials)
 
-constexpr double kAbove_m = 0.2e-3;  // of the apex over the place that it is aimed at, along the axis
-// A pressed drill is ahead of its proxy by the push over this; the impedance law's overlay allows less.
+constexpr double kAbove_m = 0.2e-3;  // distance along the axis between the apex and the place it is aimed at
+// Stiffnesses of the coupling: a pressed drill is ahead of its proxy by the push over this. The impedance
+// law's overlay allows less.
 constexpr double kAdmittance_N_per_m = 60e3, kImpedance_N_per_m = 10e3;
 
 enum class Bending : std::uint8_t { kSolvedWithPlanes, kElement };
@@ -58,7 +59,7 @@ Scene MakeScene(bool full, double stiffness_N_per_m) {
 }
 
 struct Course {
-  double aside_m{0.0};  ///< of the head, from the axis that it was aimed along, at kSeen_s
+  double aside_m{0.0};  ///< distance of the head from the axis that it was aimed along, at kSeen_s
   bool fault{false};
   std::vector<Pose> handle{};  ///< of the rigid tool, each millisecond
   FailureSeries series;
@@ -89,8 +90,8 @@ Pose SolvedHead(const Scene& scene, const control::CouplingParams& coupling,
   return X_WT * control::BentHead(e);
 }
 
-// The handle's way of a ride, again at a finer period or with another bending. @param ticks_in_ms  periods of
-// tick and frame in a millisecond
+// Repeats the handle's path of a ride at a finer period or with another bending. @param ticks_in_ms  number
+// of ticks and frames per millisecond
 Course DrillAlong(const FailureSetting& setting, const Scene& scene, const std::vector<Pose>& handle,
                   Bending bending, int ticks_in_ms) {
   const double dt_s = kTick_s / ticks_in_ms;
@@ -102,7 +103,7 @@ Course DrillAlong(const FailureSetting& setting, const Scene& scene, const std::
   control::Compliance compliance(parts, dt_s);
   control::CouplingParams coupling;
   coupling.max_stiffness_N_per_m = scene.cutting.stiffness_N_per_m;
-  coupling.damping_Ns_per_m = 0.0;  // the rate of bending takes the energy
+  coupling.damping_Ns_per_m = 0.0;  // the drill's rate of bending dissipates the energy
   control::CouplingState state;
   state.fade = 1.0;
   Course course;

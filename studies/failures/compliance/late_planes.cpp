@@ -20,7 +20,7 @@ constexpr double kPeriod_s = 1e-3, kMount_hz = 15.0, kHeldPush_N = 60.0, kRise_s
 constexpr int kLateTicks = 20, kRideTicks = 2500, kJudgedTicks = 500;
 
 struct Swing {
-  double swing_m{0.0};  // of the tool along its feed, in the last half second
+  double swing_m{0.0};  // range of the tool's motion along its feed, in the last half second
   bool fault{false};
   FailureSeries series;
 };
@@ -40,7 +40,7 @@ Swing Press(control::Law law, bool late) {
   const control::BoneMountParams mount = Mount();
   LawRideParams params{.loop = LoopOfLaw(law, wall_N_per_m), .seconds = kPeriod_s * kRideTicks};
   params.loop.spindle_rad_per_s = 0.0;
-  params.loop.coupling.damping_Ns_per_m = 0.0;  // is capped: no analysis counts on it
+  params.loop.coupling.damping_Ns_per_m = 0.0;  // this damping is capped: no analysis relies on it
   if (!late) params.loop.compliance.mount = mount;
   control::BoneMountState bone;
   std::array<Vector3, kLateTicks> moved{};
@@ -88,7 +88,7 @@ FailureResult RunLatePlanes(const FailureSetting& setting) {
                        .baseline_name = "planes that follow the bone 20 ms late",
                        .bound = 0.1};
   bool complete = true, fault = false, stopped = false;
-  double impedance_mm = 0.0;  // of the baseline: the arm's own damping holds it
+  double impedance_mm = 0.0;  // swing of the baseline: the arm's own damping limits it
   for (const control::Law law : {control::Law::kImpedance, control::Law::kAdmittance}) {
     const bool is_admittance = law == control::Law::kAdmittance;
     Swing late = Press(law, true), ours = Press(law, false);

@@ -32,7 +32,7 @@ std::unique_ptr<hil::SimulatedArm> ArmOf(Law law) {
   params.p_FT_m = ScenarioTool().translation();
   if (law == Law::kImpedance) {
     params.level = hil::ArmLevel::kDynamic;
-    params.dynamic.stiffness_N_per_m = 500.0;  // little of its own: the hand holds the tool
+    params.dynamic.stiffness_N_per_m = 500.0;  // a soft arm: the hand holds the tool
     params.dynamic.stiffness_Nm_per_rad_turn = 50.0;
   }
   return hil::MakeSimulatedArm(params, kPeriod_s);
@@ -63,7 +63,7 @@ PushingHand::PushingHand()
 
 Wrench PushingHand::Step(double push_N, const Pose& X_WT, const Twist& V_WT) {
   const Vector3 feed_W = X_start_.linear().col(2);
-  Pose X_goal = X_start_;  // as deep as the tool: the hand does not pull it along the feed
+  Pose X_goal = X_start_;  // then set as deep as the tool: the hand's spring does not act along the feed
   X_goal.translation() += feed_W.dot(X_WT.translation() - X_start_.translation()) * feed_W;
   Wrench F_T_W = hand_.Step(kPeriod_s, X_WT, V_WT, X_goal, {});
   F_T_W.f += push_N * feed_W;

@@ -36,16 +36,18 @@ struct LawScene {
   std::function<Wrench(int tick, const Pose& X_WT, const Twist& V_WT)> hand;
   /// The newest frame, for the command of the tick before; its stamp is set by the ride.
   std::function<simulation::ContactModel(const simulation::ToolCommand& command)> bone;
-  /// After each tick. May be empty. @returns false: the ride ends
+  /// Called after each tick; may be empty. Returns false to end the ride.
   std::function<bool(int tick, const LawRideTick& state)> seen{};
 };
 
-/// Gains with which the shipped cells render bone of `stiffness_N_per_m` under a law; nothing gives way.
+/// Returns the gains with which the shipped cells render bone of `stiffness_N_per_m` under a law, without
+/// compliance.
 [[nodiscard]] control::ServoParams LoopOfLaw(control::Law law, double stiffness_N_per_m);
 
 /// The pose of the tool at which every ride begins, at rest.
 [[nodiscard]] Pose StartOfLawRide();
-/// A frame of bone at that place: its origin is the tool's apex, +z against the feed, x the tool's x.
+/// The bone's frame G at StartOfLawRide: its origin is the tool's apex, +z points against the feed, x along
+/// the tool's x.
 [[nodiscard]] Pose BoneOfLawRide();
 
 /// A push that rises from zero to its full force.
@@ -58,7 +60,8 @@ struct LawScene {
 class PushingHand {
  public:
   PushingHand();
-  /// One millisecond, by the tool's true motion.  @param push_N  along the feed
+  /// Steps by a millisecond and returns the hand's wrench for the tool's true motion.
+  /// @param push_N  along the feed
   [[nodiscard]] Wrench Step(double push_N, const Pose& X_WT, const Twist& V_WT);
 
  private:
@@ -66,7 +69,7 @@ class PushingHand {
   Pose X_start_;
 };
 
-/// Deterministic. @returns the faults that the loop has latched
+/// Simulates the ride. Deterministic. @returns the faults that the loop has latched
 [[nodiscard]] safety::FaultSet RideLaw(const LawRideParams& params, const LawScene& scene);
 
 }  // namespace osteon::studies

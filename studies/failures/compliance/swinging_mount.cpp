@@ -81,13 +81,13 @@ SwingRide RideSwingingMount(const SwingRideParams& params) {
 namespace {
 
 struct Swings {
-  double ratio{0.0};                    // largest mean drag over that on bone at rest
-  double drag_at_rest{0.0}, drag{0.0};  // where that is
+  double ratio{0.0};                    // largest mean drag on a mount, over that on bone at rest
+  double drag_at_rest{0.0}, drag{0.0};  // the two mean drags of that ratio
   double most_at_rest{0.0};
   bool fault{false}, swung{true};
 };
 
-// One hand and tremor on bone at rest and on every mount.
+// Compares one hand and tremor on bone at rest with the same on every mount.
 void Compare(SwingRideParams params, Swings& swings) {
   params.mount_hz.reset();
   const SwingRide rest = RideSwingingMount(params);
@@ -149,7 +149,7 @@ FailureResult RunSwingingMount(const FailureSetting& setting) {
   result.baseline = 100.0 * (baseline.ratio - 1.0);
   result.ours = 100.0 * (ours.ratio - 1.0);
   result.baseline_fails = result.baseline > 5.0 * result.bound;
-  // without any drag on bone at rest the index would not act in this scene
+  // If there were no added drag on bone at rest, the index would not act in this scene.
   result.ours_passes =
       complete && !ours.fault && ours.swung && ours.most_at_rest > 1.5 && result.ours <= result.bound;
   result.note = fmt::format(

@@ -18,8 +18,8 @@ struct SwingRideParams {
 };
 
 struct SwingRide {
-  double mean_drag{0.0};  ///< factor on the law's drag, from the second second on
-  double swing_m{0.0};    ///< from the lowest to the highest place of the tool in that time
+  double mean_drag{0.0};  ///< mean factor on the law's drag, from 1 s on
+  double swing_m{0.0};    ///< distance between the tool's lowest and highest place in that time
   bool fault{false};
   FailureSeries drag{};  ///< factor, by the time [s]
 };
@@ -28,8 +28,9 @@ struct SwingRide {
 [[nodiscard]] SwingRide RideSwingingMount(const SwingRideParams& params);
 
 /// Scenario 42, swinging mount: bone that is pressed and let go swings on its mount, at 4 to 20 Hz, within
-/// the band of the vibration index. Metric: mean drag beyond the same index's on bone that rests. Baseline:
-/// an index that remembers the slow push for 20 ms, so that the swing is all it sees where the push turns.
+/// the band of the vibration index. Metric: mean drag beyond that of the same index on bone that rests.
+/// Baseline: an index that remembers the slow push for 20 ms only: when the push turns, the index measures
+/// nothing but the swing.
 /// Bound: 15 %. The impedance law has no vibration index, so nothing there could raise its drag.
 [[nodiscard]] FailureResult RunSwingingMount(const FailureSetting& setting);
 

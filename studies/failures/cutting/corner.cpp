@@ -35,7 +35,7 @@ FailureResult RunCorner(const FailureSetting& setting) {
   const std::size_t cases = setting.full() ? kIntoWall_m.size() : 3;
 
   FailureSeries of_ours{.name = "ours", .ours = true}, of_baseline{.name = "first contact"};
-  std::vector<std::array<double, 3>> points;  // angle of the push, errors of ours and of the baseline
+  std::vector<std::array<double, 3>> points;  // angle of the push, error of ours, error of the baseline
   double wander_m = 0.0;
   bool complete = true;
   for (std::size_t c = 0; c < cases && complete; ++c) {

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kRadius_m = 4e-3;
 
-/// Down, then along a figure of eight.
+/// The hand's pose: down, then along a figure of eight.
 Pose HandAt(int frame, int frames) {
   const double share = static_cast<double>(frame) / frames, phase = 4.0 * M_PI * share;
   return Downwards({1.5e-3 * std::sin(phase), 0.8e-3 * std::sin(2.0 * phase),

@@ -13,7 +13,7 @@ namespace osteon::studies {
 namespace {
 
 constexpr std::array kRates_hz{250.0, 500.0, 1000.0, 2000.0};
-constexpr std::size_t kNominal = 2;  // 1 kHz
+constexpr std::size_t kNominal = 2;  // index of the rate 1 kHz
 constexpr double kServo_hz = 4000.0;
 constexpr int kPlotEvery = 8;  // ticks
 constexpr double kRun_s = 1.0, kPlunge_s = 0.4;

@@ -13,7 +13,7 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kLength_m = 24e-3;    // of the block, along x
-constexpr double kMinDrawn_mm = 1e-7;  // smaller values, or none, are drawn here
+constexpr double kMinDrawn_mm = 1e-7;  // smaller values, and zero, are drawn at this height
 
 struct Case {
   double radius_m, speed_m_per_s, rate_hz;

@@ -22,10 +22,10 @@ struct GripRideParams {
 
 struct GripRide {
   static constexpr double kWindow_s = 0.2, kEvery_s = 0.02;
-  double calm_N{0.0};    ///< largest RMS value of a window, from 0.5 s after the step on
+  double calm_N{0.0};    ///< largest RMS force of a window, from 0.5 s after the step on
   double max_N{0.0};     ///< the same at any time
   double tremor_N{0.0};  ///< the same for the tremor alone, at any time
-  double index{0.0};     ///< largest
+  double index{0.0};     ///< largest vibration index
   double heavy_s{0.0};   ///< time with more than twice the law's drag
   bool fault{false};
   std::vector<double> window_N;               ///< RMS value of the hand's force between 5 and 40 Hz,

@@ -17,8 +17,8 @@ namespace {
 
 using kinematics::JointVector;
 
-// Allowed reversals: a joint may turn back at the limit, where the hand turns, and after the elbow has made
-// way. A chattering joint reverses hundreds of times.
+// Allowed reversals: a joint may turn back at the limit, where the hand turns back, and after the elbow has
+// moved aside. A chattering joint reverses hundreds of times.
 constexpr int kMaxReversals = 12;
 constexpr double kSpeed_m_per_s = 0.1, kRamp_s = 0.1, kRest_s = 0.3;
 

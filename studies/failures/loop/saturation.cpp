@@ -21,7 +21,7 @@ using kinematics::JointVector;
 constexpr double kDt_s = 1e-3, kWall_N_per_m = 20e3, kPush_N = 200.0, kCeiling_N = 200.0;
 constexpr double kPress_s = 0.5, kDrawBack_s = 0.7, kEnd_s = 1.6;
 constexpr double kDeepest_m = 12e-3, kSoft_m = 7e-3;  // of the depth limit, from the wall's face
-constexpr double kWhole = 0.99;                       // share of the force from which it counts as back
+constexpr double kWhole = 0.99;                       // share from which the whole force counts as back
 constexpr double kMaxRecovery_s = 0.05;
 constexpr double kCounts_N = 1.0;      // smallest force whose direction counts
 constexpr double kSlack = 1.0 + 1e-9;  // on a torque limit, for rounding
@@ -96,7 +96,7 @@ Saturated Press(double tool_m, double side_rad, bool depth_limited) {
   for (std::size_t i = 1; i < ride.size(); ++i) {
     const ArmRideTick& tick = ride[i];
     result.fault |= tick.fault;
-    // the wanted force: of the planes at the pose commanded before
+    // the wanted force: that of the planes at the pose commanded in the tick before
     const double depth_m = -n.dot(ride[i - 1].X_WT.translation() - X_start.translation());
     double wanted_N = kWall_N_per_m * std::max(0.0, depth_m);
     if (depth_limited) wanted_N += kWall_N_per_m * std::max(0.0, depth_m - (kDeepest_m - kSoft_m));

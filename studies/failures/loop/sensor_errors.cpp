@@ -19,9 +19,9 @@ constexpr double kTurn_rad = std::numbers::pi / 6.0, kLever_m = 0.1, kPayload_kg
 constexpr double kDeadZone_N = 5.0, kDeadZone_Nm = 1.0, kPush_N = 10.0, kPushes_s = 1.0;
 
 struct Drifted {
-  double speed_m_per_s{0.0};  // of the released tool
-  double way_m{0.0};          // travel of its origin, until the push
-  double push_m_per_s{0.0};   // under the push at the end
+  double speed_m_per_s{0.0};  // speed of the released tool
+  double way_m{0.0};          // travel of the tool's origin until the push
+  double push_m_per_s{0.0};   // speed under the push at the end
   bool fault{false};
   std::vector<double> way_mm;  // by time since the release
 };
@@ -34,7 +34,7 @@ Drifted Release(double bias_N, int axis, bool ours, double seconds) {
   params.waiting_s = kWaiting_s;
   params.seconds = kReleases_s + seconds + kPushes_s;
   params.loop.sensor_bias.acts = ours;
-  // nobody holds the tool while the arm waits, and the payload's error looks like a bias as well
+  // Nobody holds the tool while the arm waits, so the payload's error counts as bias as well.
   params.loop.sensor_bias.max_creep_m_per_s = 0.3;
   params.loop.sensor_bias.max_creep_rad_per_s = 1.0;
   if (ours) {

@@ -52,7 +52,7 @@ Stalled Ride(const Case& c, double stall_s, bool held) {
   const Vector3 down = X_start.linear().col(2), along = X_start.linear().col(0);
   const Vector3 center = X_start.translation() - kBowl_m * down;
 
-  // pressed, the motion, a rest, and out of the bone: every cycle ends without contact
+  // A cycle: press, the motion, a rest, and out of the bone, so that every cycle ends without contact.
   const double pressed_m = kPush_N * (1.0 / params.hand.stiffness_N_per_m + 1.0 / kWall_N_per_m);
   const auto led = [](double t_s, double takes_s) {
     return hil::Quintic(std::clamp(t_s / takes_s, 0.0, 1.0)).s;

@@ -33,7 +33,8 @@ Blend Smooth(double t_s, double duration_s) {
   return {u * u * u * (10.0 + u * (-15.0 + 6.0 * u)), 30.0 * u * u * (1.0 - u) * (1.0 - u) / duration_s};
 }
 
-// Out by `out_m` along a direction and back with the given peak speed, and sideways during the whole path.
+// A path out by `out_m` along a direction and back with the given peak speed, with a sideways motion by
+// `side_m` that takes the whole time.
 HandPath OutAndBack(const Pose& X_start, const Vector3& direction, double out_m, double speed_m_per_s,
                     const Vector3& side_m) {
   const double leg_s = 1.875 * std::abs(out_m) / speed_m_per_s, rest_s = 0.5;

@@ -52,7 +52,7 @@ void ConcaveCup(SceneSketch& s) {
   for (const report::PlotPoint& p : ArcPoints({150, 16}, 92, 180, 0)) bone.push_back(p);
   bone.insert(bone.end(), {{280, 16}, {280, 146}});
   s.Bone(bone);
-  // the head touches where the line of the centres meets the wall, 35 deg from the axis
+  // The head touches the wall on the line through both centres, 35 deg from the axis.
   s.Tool(ArcPoints({156, 24}, 82, 180, 0));
   s.Line({{156, 24}, {156, 2}}, {.color = "#59636e", .width_px = 6.0});
   s.Arrow({202.8, 91.4}, {171, 46}, kMeantLine);

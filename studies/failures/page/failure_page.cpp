@@ -23,7 +23,8 @@ std::string FileName(const FailureResult& result, const char* what = "") {
   return name;
 }
 
-// Two digits tell a pass from a failure; no exponent if it can be avoided.
+// Formats a value with two digits, which distinguish a pass from a failure, and without an exponent if
+// possible.
 std::string ShortValue(double value, const std::string& unit) {
   const std::string number =
       std::abs(value) >= 100.0 ? fmt::format("{:.0f}", value) : fmt::format("{:.2g}", value);

@@ -81,7 +81,7 @@ Pose GuidanceBench::Measured() const {
   return X;
 }
 
-// The sum of bone and guidance within the limits, by the method.
+// Sums the wrenches of bone and guidance and limits the sum, as the method does.
 Wrench GuidanceBench::Render(const Wrench& bone, Wrench& guidance) {
   const auto with = [&](const Wrench& F, double share) {
     return Wrench{.f = bone.f + share * F.f, .t = bone.t + share * F.t};

@@ -9,13 +9,13 @@
 #include "hil/operator/hand_grid.h"
 #include "safety/limits.h"
 
-// What the scenarios of guidance share: a hand that leads the handle of an arm along a surgical plan. All
-// parts but the hand are the shipped ones, without joints: the arm's lag and dead time act on position and
-// turn.
+// Test bench of the guidance scenarios: a hand leads the handle of an arm along a surgical plan. All parts
+// but the hand are the shipped ones, without joints: the arm's lag and dead time act on position and
+// rotation.
 
 namespace osteon::studies {
 
-/// What renders the guidance: ours, or a method that fails.
+/// The method that renders the guidance: ours, or one that fails.
 enum class GuidanceMethod {
   kOurs,
   kMeasuredPose,  ///< the same springs at the measured pose, always at full share
@@ -32,9 +32,9 @@ struct GuidanceBenchParams {
   double lever_m{0.1};  ///< of the hand above the apex
 };
 
-/// Where a hand wants the tool, and what it adds.
+/// The place to which a hand leads the tool, and a force that it adds.
 struct LedTo {
-  Vector3 p_W{0.0, 0.0, 0.0};     ///< of its point on the handle, from the place over the plan's centre [m]
+  Vector3 p_W{0.0, 0.0, 0.0};     ///< goal of the hand's point, from its place over the plan's centre [m]
   Vector3 push_W{0.0, 0.0, 0.0};  ///< added force [N]
   bool holds{true};               ///< false: it has let go
 };
@@ -42,10 +42,10 @@ struct LedTo {
 /// State of a tick.
 struct GuidanceTick {
   Wrench F_guidance_T_W;  ///< rendered
-  double hand_N{0.0};     ///< of the hand on the handle
+  double hand_N{0.0};     ///< force of the hand on the handle
   Vector3 hand_W{0.0, 0.0, 0.0};
   double speed_m_per_s{0.0};  ///< of the commanded apex
-  double excess_m{0.0};       ///< over the funnel
+  double excess_m{0.0};       ///< distance beyond the funnel
 };
 
 class GuidanceBench {
@@ -57,7 +57,7 @@ class GuidanceBench {
 
   GuidanceTick Step(const LedTo& led, const Wrench& F_bone_T_W = {});
 
-  /// Energy that the guidance has given to the virtual tool; < 0: taken.
+  /// Energy that the guidance has given to the virtual tool; negative: taken from it.
   [[nodiscard]] double energy_J() const { return energy_J_; }
   /// Puts the tool aside, at rest, and switches the guidance on there.
   void SwitchOnAside(double aside_m);

@@ -18,7 +18,7 @@ constexpr int kEvery = 20;  // ticks from one point of a picture to the next
 
 int Ticks(double seconds) { return static_cast<int>(std::lround(seconds / kT)); }
 
-// A hand that goes aside and back, 0 … 2 × half_m, once in 2 s.
+// A hand that moves aside by 2 × half_m and back once in 2 s.
 LedTo Aside(int tick, double half_m) {
   return {.p_W = {half_m * (1.0 - std::cos(0.5 * kTwoPi * kT * tick)), 0.0, 0.0}};
 }

@@ -2,7 +2,8 @@
 
 #include "studies/failures/failure.h"
 
-// Guidance along a surgical plan: funnel and cone, on the shipped parts with an arm of 15 Hz and 3 ms.
+// Guidance along a surgical plan: funnel and cone, on the shipped parts with an arm of 15 Hz bandwidth and
+// 3 ms dead time.
 
 namespace osteon::studies {
 
@@ -18,11 +19,11 @@ namespace osteon::studies {
 
 /// Scenario 29, guidance at the ceiling: cycles in which the bone takes the cell's whole force while the tool
 /// leaves the corridor, and little while it returns. Metric: energy that the guidance has given. Baseline:
-/// its share follows what the bone leaves, at once. Bound: 0.
+/// the guidance takes at once the share of the force limit that the bone leaves. Bound: 0.
 [[nodiscard]] FailureResult RunGuidanceAtCeiling(const FailureSetting& setting);
 
-/// Scenario 30, firm hand at the edge: a firm hand rests against the funnel. Metric: its force between 5 and
-/// 40 Hz, effective over the last second. Baseline: 20 N/mm at the measured pose. Bound: 0.05 N.
+/// Scenario 30, firm hand at the edge: a firm hand rests against the funnel. Metric: RMS value of its force
+/// between 5 and 40 Hz over the last second. Baseline: 20 N/mm at the measured pose. Bound: 0.05 N.
 [[nodiscard]] FailureResult RunFirmHandAtEdge(const FailureSetting& setting);
 
 /// Scenario 31, let go aside: the hand leads the tool 17 mm aside and lets go. Metric: largest speed of the

@@ -23,7 +23,8 @@ FailureSeries Drawn(const char* name, const ChangeRide& ride, bool ours) {
 
 }  // namespace
 
-// What is mounted weighs more than what the loop takes from the sensor's reading: the tool sinks.
+// Baseline: the mounted tool weighs more than the weight that the loop subtracts from the sensor's reading,
+// so the tool sinks.
 FailureResult RunToolLoad(const FailureSetting& setting) {
   FailureResult result{.id = 33,
                        .name = "tool load",

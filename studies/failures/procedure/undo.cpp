@@ -28,9 +28,9 @@ void Continue(simulation::CuttingEngine& engine, const simulation::CarvedState& 
 
 }  // namespace
 
-// Two passes in a row, against: two passes, the second taken back and done again; and: one pass, saved,
-// resumed by another engine, and the second. The same inputs must leave the same bone. The baseline does not
-// restore.
+// Compares two passes in a row with two other sequences: two passes of which the second is taken back and
+// done again; and one pass that is saved, resumed by another engine, and followed by the second pass. The
+// same inputs must leave the same bone. The baseline does not restore the bone when a pass is taken back.
 FailureResult RunUndo(const FailureSetting& setting) {
   FailureResult result{.id = 35,
                        .name = "undo",
@@ -54,7 +54,7 @@ FailureResult RunUndo(const FailureSetting& setting) {
   const std::uint64_t hash = HashState(plain->Snapshot());
   bool complete = setting.GoesOn(0.3);
 
-  // a wrong second pass, taken back or not, and the right one
+  // after a wrong second pass, which is taken back or not, the right one
   const auto ways = [&](bool restores) {
     int different = 0;
     const auto undone = make();
