@@ -72,8 +72,8 @@ class CpuEngine final : public CuttingEngine {
 
   /// @param X_WG  pose of the bone in the world
   /// @throws std::invalid_argument where the bone has more than kMaxMaterials materials, the tool has no ball
-  /// or more
-  ///   than kMaxToolBalls, params.split is not accepted, or the processor does not have the instruction set.
+  ///   or more than kMaxToolBalls, params.split is not accepted, or the processor does not have the
+  ///   instruction set.
   CpuEngine(const Bone& bone, const Tool& tool, const Pose& X_WG, const CuttingParams& params,
             const CpuParams& cpu = {});
   ~CpuEngine() override;

@@ -10,7 +10,7 @@ namespace osteon::simulation {
 
 /// Finds the holes of a packing: the balls at local maxima of the clearance.
 ///
-/// One object a thread; nothing may be inserted into the balls while it works.
+/// Use one object per thread; nothing may be inserted into the balls while it works.
 class HoleSearch {
  public:
   HoleSearch(const Solid& solid, const DistanceGrid& depths, const BallGrid& balls, const RadiusCap& cap,

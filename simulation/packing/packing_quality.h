@@ -15,7 +15,7 @@ struct QualityParams {
   std::size_t samples{200'000};         ///< approximate number in the solid's volume; 1000 … 100 million
   std::size_t surface_samples{50'000};  ///< approximate number on its surface; 1000 … 10 million
   std::uint64_t seed{1};                ///< of the samples' jitter
-  int threads{0};                       ///< 0: one a core. The result does not depend on it.
+  int threads{0};                       ///< 0: one per core. The result does not depend on it.
 };
 
 /// Balls with from <= radius < to.
@@ -28,7 +28,7 @@ struct RadiusBin {
 struct PackingQuality {
   std::size_t spheres{0};
   double r_min_m{0.0}, r_max_m{0.0};
-  /// Eight bins an octave, [2^(k/8), 2^((k+1)/8)) m, from the smallest ball's radius to the largest's.
+  /// Eight bins per octave, [2^(k/8), 2^((k+1)/8)) m, from the smallest ball's radius to the largest's.
   std::vector<RadiusBin> radius_histogram;
 
   double coverage{0.0};                 ///< share of the solid's volume that lies in some ball

@@ -27,8 +27,8 @@ struct CellCase {
 
 /// Finds the patches of a cell.
 /// @param inside  bit k is set if corner k is inside
-/// @param flip    bit f is set to pair the cut edges of face f around the outside corners, not the inside
-/// ones
+/// @param flip    bit f is set to pair the cut edges of face f around the outside corners instead of the
+///   inside corners
 [[nodiscard]] CellCase TraceCell(unsigned inside, unsigned flip);
 
 /// Results of TraceCell(inside, 0) for all 256 values of `inside`.

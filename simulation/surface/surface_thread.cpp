@@ -19,7 +19,7 @@ namespace osteon::surface {
 namespace {
 
 // Frames and bricks in one step of the idle thread: some 0.2 ms of work.
-constexpr std::size_t kFramesAStep = 4 * ToolWays::kBatchFrames, kBricksAStep = 16;
+constexpr std::size_t kFramesPerStep = 4 * ToolWays::kBatchFrames, kBricksPerStep = 16;
 // Number of chunks whose memory is kept for the next change. The first mesh has all bricks of the bone, a
 // later change some dozens.
 constexpr std::size_t kKeptChunks = 256;
@@ -191,12 +191,12 @@ void SurfaceThread::PassInSteps() {
   for (bool emptied = false; !emptied;) {
     const std::lock_guard lock(mutex_);
     if (!field_) return;
-    emptied = CarveFrames(kFramesAStep);
+    emptied = CarveFrames(kFramesPerStep);
     pass = passes_;
   }
   for (bool more = true; more && !stop_.load() && !IsBehind();) {
     const std::lock_guard lock(mutex_);
-    more = pass == passes_ && ExtractSome(kBricksAStep);
+    more = pass == passes_ && ExtractSome(kBricksPerStep);
   }
 }
 

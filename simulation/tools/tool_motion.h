@@ -39,7 +39,7 @@ struct ToolMotion {
 inline constexpr std::size_t kMaxMotionRows = 200'000;
 
 /// Text of a motion file: a first line "# osteon motion 1", the origin in comment lines "# key: value", a
-/// line that names the columns, and a row a sample:
+/// line that names the columns, and one row per sample:
 ///
 ///     time_s,x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z,spindle_rpm
 ///

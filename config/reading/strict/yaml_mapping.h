@@ -38,7 +38,7 @@ struct YamlMapping {
   std::optional<std::string> place;  ///< key prefix within an overlay; empty: no overlay concerns it
   bool absent{false};
   int line{0};
-  YAML::Node document;  ///< that the own entries come from
+  YAML::Node document;  ///< the source of this file's own entries
   std::vector<Entry> entries;
   std::vector<std::string> known;
   std::vector<Missing> missing;
@@ -54,7 +54,7 @@ struct YamlMapping {
   YamlMapping(std::filesystem::path file_in, KeyRecorder& recorder_in, std::string place_in)
       : file(std::move(file_in)), absent(true), recorder(&recorder_in), recorded_place(std::move(place_in)) {}
 
-  /// Records a key, if this is what is done. @returns whether
+  /// Records a key if this mapping is being recorded (RecordKeys). @returns whether it did
   bool Record(const std::string& key, KeyInfo info) const;
 
   [[noreturn]] void Fail(int at, const std::string& what) const;
