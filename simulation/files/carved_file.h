@@ -23,7 +23,7 @@
 
 namespace osteon::simulation {
 
-/// The first bytes of such a file.
+/// The first bytes of a file with a carved state.
 inline constexpr std::string_view kCarvedMagic{"OSTCARVE"};
 
 /// Saves a state. The file appears whole or not at all; its bytes depend on the arguments alone.

@@ -10,7 +10,8 @@
 
 namespace osteon::simulation {
 
-inline constexpr std::size_t kMaxBalls = 100'000'000;  ///< of any packing: 7 GB where each ball has its foot
+/// Largest number of balls of a packing: 7 GB if each ball is kept with its foot on the surface.
+inline constexpr std::size_t kMaxBalls = 100'000'000;
 
 /// Fineness of a packing. The defaults give about 30 000 balls in the default acetabulum.
 struct PackingParams {
