@@ -34,7 +34,7 @@ struct StartConfig {
   double height_m{0.0};           ///< of the head's centre above the cup's, along the cup's axis
   double tool_yaw_rad{0.0};       ///< turns the tool about its axis: R_CT = Rx(pi) Rz(yaw)
   Pose X_WT{Pose::Identity()};    ///< follows from the two
-  double arm_angle_rad{0.0};      ///< of an LBR
+  double arm_angle_rad{0.0};      ///< only for an LBR
   control::JointPathParams path;  ///< from another posture of the arm to the start
   double pause_force_N{40.0};     ///< a hand that pushes harder than this pauses the path
   /// The start as joints [rad]: the arm's solution nearest to zero, with six axes nearest to their usual
@@ -111,7 +111,7 @@ struct ComplianceConfig {
   GivesWay layer{GivesWay::kOff}, tool{GivesWay::kOff}, mount{GivesWay::kOff};
   double error_m{0.1e-3};  ///< accepted error E of the scene (fidelity), or the file's own
   std::optional<control::BoneMountParams> bone_mount{};
-  std::string mount_source{};          ///< of the mount's figures: "assumed", or where they are from
+  std::string mount_source{};          ///< source of the mount's figures, or "assumed"
   double lateral_N{0.0}, push_N{0.0};  ///< force on the tool, and force on tissue and mount
 };
 

@@ -33,7 +33,7 @@ struct TraceTolerances {
 struct ScenarioConfig {
   std::filesystem::path file;
   std::string name;   ///< of the file, without its extension
-  std::string shows;  ///< in one line
+  std::string shows;  ///< what the scenario shows, in one line
   std::filesystem::path cell;
   ScenarioEngine engine{ScenarioEngine::kReference};
   double seconds{1.0};    ///< in COMMANDING_ACTIVE

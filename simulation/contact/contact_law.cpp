@@ -22,7 +22,7 @@ struct Face {
   Vector3 hold{Vector3::Zero()};          ///< sum of multiplier n
   double multiplier{0.0};                 ///< the sum of multipliers
   double cutting{0.0};                    ///< the cutting balls' part of it
-  Vector3 raw_center_T{Vector3::Zero()};  ///< of the holding pairs themselves, weighted by multiplier
+  Vector3 raw_center_T{Vector3::Zero()};  ///< sum of the holding pairs' centres, weighted by multiplier
   double raw_radius{0.0}, lens{0.0};
   int known{-1};  ///< number in the memory; -1: new
 };

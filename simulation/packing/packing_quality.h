@@ -32,7 +32,7 @@ struct PackingQuality {
   std::vector<RadiusBin> radius_histogram;
 
   double coverage{0.0};                 ///< share of the solid's volume that lies in some ball
-  double coverage_standard_error{0.0};  ///< of independent samples; that of the stratified samples is smaller
+  double coverage_standard_error{0.0};  ///< as of independent samples; stratified samples have a smaller one
   std::size_t volume_samples{0};        ///< number of samples that fell into the solid
   double solid_volume_m3{0.0};          ///< by these samples
 

@@ -21,7 +21,7 @@ struct YamlMapping {
     std::string key;
     int line{0};  ///< of the key
     YAML::Node value;
-    std::filesystem::path file;        ///< that contains the entry; an overlay's is another file
+    std::filesystem::path file;        ///< the file that contains the entry; an overlay's is another file
     std::optional<YAML::Node> base{};  ///< the mapping of the extended file below this one
   };
   struct Missing {
@@ -34,7 +34,7 @@ struct YamlMapping {
   };
 
   std::filesystem::path file;
-  std::filesystem::path base_file;   ///< that this file extends; empty: none
+  std::filesystem::path base_file;   ///< the file that this one extends; empty: none
   std::optional<std::string> place;  ///< key prefix within an overlay; empty: no overlay concerns it
   bool absent{false};
   int line{0};
