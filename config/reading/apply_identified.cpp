@@ -17,7 +17,7 @@ namespace osteon::config {
 namespace {
 
 constexpr double kMaxDampingRatio = 10.0;  // of the simulated arm
-constexpr double kSameCycle = 0.05;        // of a period: a measured dead time is not exact
+constexpr double kSameCycle = 0.05;        // share of a period: the error that a measured dead time may have
 
 hil::ServoArmParams ArmFrom(const IdentifiedArm& arm, double period_s, const std::string& file) {
   const auto require = [&](const char* key, double found, double max, const char* unit) {
@@ -42,8 +42,8 @@ const IdentifiedArm* SlowestArm(const IdentifiedCell& identified) {
 
 namespace {
 
-// Takes the measured dead zone, which the sensor's drift does not pass, and the tremor and notches that the
-// vibration index tolerates.
+// Applies the measured dead zone, which the sensor's drift does not exceed, and the tremor and notches that
+// the vibration index tolerates.
 void ApplyForces(const IdentifiedCell& identified, CellConfig& cell) {
   if (identified.dead_zone_N) {
     double& dead_zone_N = cell.servo.admittance.dead_zone_N;
@@ -57,7 +57,7 @@ void ApplyForces(const IdentifiedCell& identified, CellConfig& cell) {
     vibration.notch_hz = std::ranges::max(identified.vibration->notch_hz);
 }
 
-// The first of these that is known.
+// Returns the first measured value among the axes.
 std::optional<double> FirstKnown(const std::vector<IdentifiedArm>& arms,
                                  std::optional<double> IdentifiedImpedance::*value) {
   for (const IdentifiedArm& axis : arms)
@@ -65,7 +65,7 @@ std::optional<double> FirstKnown(const std::vector<IdentifiedArm>& arms,
   return {};
 }
 
-// The springs that were found, and their damping: each from the axis that knows its own best.
+// Applies the measured springs and their damping, each from the axis with the narrowest relative interval.
 void ApplySprings(std::vector<IdentifiedArm> arms, bool torque, hil::DynamicArmParams& arm) {
   const auto width = [](const IdentifiedInterval& interval) { return interval.high - interval.low; };
   std::ranges::stable_sort(arms, {}, [&](const IdentifiedArm& axis) {
@@ -83,8 +83,8 @@ void ApplySprings(std::vector<IdentifiedArm> arms, bool torque, hil::DynamicArmP
   ratio = FirstKnown(arms, &IdentifiedImpedance::damping_ratio).value_or(ratio);
 }
 
-// The impedance that a force over it meets. The arm with masses has whole periods of dead time; the latest
-// axis, and the later period.
+// Applies to the dynamic arm the measured impedance, which an overlaid force meets, and the dead time of the
+// slowest axis, rounded up: this arm has whole periods of dead time.
 void ApplyImpedance(const std::vector<IdentifiedArm>& arms, const std::string& file, CellConfig& cell) {
   const IdentifiedArm& measured = *std::ranges::max_element(arms, {}, &IdentifiedArm::dead_time_s);
   hil::DynamicArmParams& arm = cell.simulated.dynamic;
@@ -98,7 +98,7 @@ void ApplyImpedance(const std::vector<IdentifiedArm>& arms, const std::string& f
   arm.dead_cycles = static_cast<int>(cycles);
   if (std::ranges::any_of(arms, [](const IdentifiedArm& axis) { return axis.impedance.has_value(); }))
     return ApplySprings(arms, torque, arm);
-  // a file from before the springs were written: what the one axis gives
+  // an older file without springs: derive the spring from this axis
   if (!measured.felt_mass_kg || torque) return;
   const auto mobility = ToolMobility(cell);
   if (!mobility) return;

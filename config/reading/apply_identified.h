@@ -9,22 +9,24 @@
 
 namespace osteon::config {
 
-/// The measurement of the arm that counts: of all axes and speeds the one with the greatest total lag, since
-/// the slowest motion decides the stability. Null: none was measured.
+/// Returns the measurement, among all axes and speeds, with the largest total lag: the slowest motion decides
+/// the stability. Null if no arm was measured.
 [[nodiscard]] const IdentifiedArm* SlowestArm(const IdentifiedCell& identified);
 
-/// Reads a file of `osteon identify` for this cell (ReadIdentifiedFor), keeps it as cell.identified, and
-/// gives the simulated arm the bandwidth, damping ratio and dead time of SlowestArm. The dynamic arm rounds
-/// the dead time to whole periods, upward with the impedance law, where an overlay of wrenches also has its
-/// spring and damping. A dead zone becomes at least the measured one; `vibration` has its tremor_N and
-/// notch_hz. Without an arm's model, but with a response or forces, the simulated arm stays as it is.
-/// @throws ConfigError naming the file: another cell's, without any measurement, or beyond what the
-/// simulated
-///   arm can be: 0 … 32 periods of dead time, a damping ratio of at most 10
+/// Reads a file of `osteon identify` for this cell (ReadIdentifiedFor), and keeps it as cell.identified.
+///
+/// The simulated arm gets the bandwidth, damping ratio and dead time of SlowestArm; the dynamic arm rounds
+/// the dead time to whole periods. With the impedance law and a measured mass, only the dynamic arm changes:
+/// it gets the longest measured dead time, rounded up to whole periods, and the measured springs and damping
+/// (an older file has no springs: they follow from the mass if wrenches are overlaid). Without a model of the
+/// arm, but with a response or forces, the simulated arm stays as it is. The dead zone becomes at least the
+/// measured one; `vibration` gets the measured tremor_N and notch_hz.
+/// @throws ConfigError naming the file if it belongs to another cell, has no measurement, or is beyond what
+///   the simulated arm can be: 0 … 32 periods of dead time, a damping ratio of at most 10.
 void ApplyIdentified(const std::filesystem::path& file, CellConfig& cell);
 
-/// The figures that a cell has of its file, a line each: the arm's lag, its springs, the dead zone, the
-/// tremor, the notch and the sensor's delay. Empty: nothing was identified.
+/// Describes cell.identified, one line for each figure: SlowestArm, the sensor's delay, the dead zone, the
+/// tremor, the notches' width and the number of hands. Empty if the cell has no identified figures.
 [[nodiscard]] std::vector<std::string> IdentifiedText(const CellConfig& cell);
 
 }  // namespace osteon::config

@@ -13,7 +13,7 @@ struct BoneConfig {
   std::filesystem::path file;  ///< a closed mesh, or a packing (.osp)
   /// The site, in the file's frame after scaling; a packing may have its own.
   std::optional<simulation::CutSite> cup{};
-  double scale{1.0};    ///< millimetres to a unit of a mesh
+  double scale{1.0};    ///< millimetres per unit of the mesh
   std::string place{};  ///< where the cell names cup or file, "my.yaml:12": for errors of the mesh
 };
 

@@ -35,9 +35,9 @@ struct StartConfig {
   double height_m{0.0};           ///< of the head's centre above the cup's, along the cup's axis
   double tool_yaw_rad{0.0};       ///< turns the tool about its axis: R_CT = Rx(pi) Rz(yaw)
   Pose X_WT{Pose::Identity()};    ///< follows from the two
-  double arm_angle_rad{0.0};      ///< of an LBR
+  double arm_angle_rad{0.0};      ///< only for an LBR
   control::JointPathParams path;  ///< from another posture of the arm to the start
-  double pause_force_N{40.0};     ///< a hand that pushes harder pauses this path
+  double pause_force_N{40.0};     ///< a hand that pushes harder than this pauses the path
   /// The start as joints [rad]: the arm's solution nearest to zero, with six axes nearest to their usual
   /// posture, 0 -90 90 0 90 0 deg. The seventh joint of a six-axis arm is 0.
   kinematics::JointVector q{kinematics::JointVector::Zero()};
@@ -69,7 +69,7 @@ struct RobotConfig {
 /// arm of six axes RSI.
 struct ArmLinkConfig {
   std::string host;  ///< dotted IPv4, of this machine
-  /// Dotted IPv4, of the arm: nobody else is heard. Empty: the first that speaks is it.
+  /// Address of the arm, dotted IPv4: datagrams from others are ignored. Empty: the first sender is the arm.
   std::string arm_host{};
   std::uint16_t port{0};
   std::variant<io::FriSessionParams, io::RsiSessionParams> session;
@@ -107,13 +107,13 @@ enum class GivesWay : std::uint8_t {
   kAuto,  ///< where the scene can notice it (simulation/fidelity/compliance_level.h)
 };
 
-/// The parts that may give way, as the file says it, and what each changes in this cell.
+/// The parts of the cell that may give way, as its file states them.
 struct ComplianceConfig {
   GivesWay layer{GivesWay::kOff}, tool{GivesWay::kOff}, mount{GivesWay::kOff};
-  double error_m{0.1e-3};  ///< E: the scene's, or the file's own
+  double error_m{0.1e-3};  ///< accepted error E of the scene (fidelity), or the file's own
   std::optional<control::BoneMountParams> bone_mount{};
-  std::string mount_source{};          ///< of the mount's figures: "assumed", or where they are from
-  double lateral_N{0.0}, push_N{0.0};  ///< that act on the tool, and on tissue and mount
+  std::string mount_source{};          ///< source of the mount's figures, or "assumed"
+  double lateral_N{0.0}, push_N{0.0};  ///< force on the tool, and force on tissue and mount
 };
 
 /// A cell, with the contents of the files that it names.
@@ -132,12 +132,12 @@ struct CellConfig {
   simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit
   ArmLinkConfig link;
   std::optional<GuardConfig> guard;  ///< absent: the arm sends to the link's address itself
-  /// A page of the console that has the operator's role and vanishes pauses the cell.
+  /// Pauses the cell if the console page with the operator's role vanishes.
   bool pause_when_operator_leaves{false};
   std::optional<EngineProcessConfig> engine_process;  ///< absent: the engine is a thread of the run
   io::DeviceParams devices;                           ///< force sensor, reamer drive, PLC: their addresses
-  /// Whether the file has `operator`, `script` and `simulated_arm`. A cell for a real arm alone may do
-  /// without; what simulates it refuses it then (RequireSimulation).
+  /// Whether the file has `operator`, `script` and `simulated_arm`. A cell for a real arm alone needs none of
+  /// them; commands that simulate a cell then refuse it (RequireSimulation).
   bool has_simulation{true};
   hil::SimulatedCellParams simulated;  ///< arm, operator and force sensor that replace the real ones
   hil::SimulatedDeviceParams simulated_devices;  ///< simulation of the same devices

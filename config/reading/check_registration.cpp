@@ -18,7 +18,7 @@ namespace {
 constexpr double kFoot_mm = 150.0;  // half of an arm's foot, and half of a small bone beside it
 constexpr double kLongestTool_mm = 600.0;
 constexpr double kInMetres_mm = 5.0;    // a cell is smaller than 5 m and larger than 5 mm
-constexpr double kSteepest_deg = 60.0;  // tilt of the tool into the bone
+constexpr double kSteepest_deg = 60.0;  // largest angle between the tool's axis and the site's axis
 constexpr double kUpright_deg = 0.1;    // a smaller tilt is due to levelling
 constexpr double kRotation = 1e-6;
 constexpr const char* kLooksLikeMetres = "looks like metres where millimetres are expected";

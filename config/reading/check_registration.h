@@ -25,7 +25,7 @@ struct RegistrationRow {
   std::string hint;          ///< likely cause of a failure; may be empty
   std::string note;          ///< remark if the row holds; may be empty
 
-  /// To rounding.
+  /// Whether the value is in the accepted range, up to rounding.
   [[nodiscard]] bool holds() const noexcept { return value >= low - 1e-9 && value <= high + 1e-9; }
   /// "150.0 … 1126.0 mm", "at least 1.0 deg"; "any" if nothing is refused.
   [[nodiscard]] std::string accepted() const;
@@ -62,10 +62,10 @@ struct RegistrationReport {
 /// @param reader  of the cell's file
 /// @throws ConfigError at the first row that does not hold: file:line, key, found and accepted.
 void CheckFrames(const CellConfig& cell, const Reader& reader);
-/// Refuses the key that is to blame for an impossible start (the arm does not get there, or the apex would be
+/// Refuses the key that is to blame for an impossible start (the arm cannot reach it, or the apex would be
 /// outside the workspace). A pose of the registration is to blame if its correction alone, to millimetres or
 /// turned over, makes the start possible, or if no height above the site does; otherwise start.height_mm.
-/// @param is_possible  whether the arm can be placed in a cell, which the function may change
+/// @param is_possible  returns whether the arm can be placed at the start of a cell, and may change this cell
 /// @param what  the error at the start
 /// @throws ConfigError always.
 [[noreturn]] void RefuseStart(const CellConfig& cell, const Reader& reader, const std::string& what,

@@ -34,7 +34,7 @@ bool IsFile(const std::filesystem::path& path) {
   return std::filesystem::is_regular_file(path, error);
 }
 
-// The first file of that name in a folder of that name anywhere below the root, in the order of the paths.
+// Finds the first file of this name, in the order of the paths, in any folder named `kind` below the root.
 std::filesystem::path FindBelow(const std::filesystem::path& root, const std::string& kind,
                                 const std::string& file) {
   std::filesystem::path found;

@@ -30,7 +30,8 @@ struct IdentifiedValidity {
   std::vector<IdentifiedRecording> recordings{};
 };
 
-/// The springs of an arm that holds its own impedance, as the simulated arm has them (dynamic level).
+/// The springs of an arm with an impedance controller of its own, as parameters of the simulated arm (level
+/// dynamic).
 struct IdentifiedImpedance {
   std::optional<double> translation_N_per_m{}, rotation_Nm_per_rad{};  ///< of Cartesian impedance
   std::optional<double> joint_Nm_per_rad{};  ///< of joint impedance, all joints alike
@@ -48,11 +49,11 @@ struct IdentifiedArm {
   double damping_ratio{0.0};  ///< z
   /// From the tick that commands to its first effect; not a whole number of periods.
   double dead_time_s{0.0};
-  double gain{1.0};                                ///< of the response at the lowest frequency
+  double gain{1.0};                                ///< gain of the response at the lowest frequency
   double lag_s{0.0};                               ///< dead time + 2 z / w: total delay of slow motion
-  std::optional<double> felt_mass_kg{};            ///< M_e, by which a force moves the commanded arm
+  std::optional<double> felt_mass_kg{};            ///< M, by which a force F accelerates the commanded arm
   std::optional<IdentifiedImpedance> impedance{};  ///< under the impedance law
-  double chi2{0.0};                                ///< of the fit, divided by its degrees of freedom
+  double chi2{0.0};                                ///< chi-squared of the fit over its degrees of freedom
   IdentifiedInterval bandwidth_interval_hz{}, damping_interval{}, dead_time_interval_s{}, lag_interval_s{};
 };
 
@@ -65,7 +66,8 @@ struct IdentifiedLine {
 
 /// The plant as the loop meets it: the tool's motion for a commanded motion of 1, both along one axis. The
 /// dead time is included: a tick's command against the measurement in the message that the tick answers.
-/// Under the impedance law the motion for a force that is laid over the arm's own impedance, times a spring.
+/// Under the impedance law it is the motion for a force that is laid over the arm's own impedance, times a
+/// spring.
 struct IdentifiedResponse {
   std::string axis;
   double speed_m_per_s{0.0};
@@ -75,8 +77,8 @@ struct IdentifiedResponse {
   /// Name of the hand that held the handle meanwhile: the response is then -F / q_cmd / (k + b s + m s^2)
   /// with the force F on the sensor and the figures of this hand. Empty: free air.
   std::string hand{};
-  /// Under the impedance law the spring by which x / f is multiplied; none in older files, whose arm's
-  /// felt_mass_kg w^2 it is.
+  /// Under the impedance law, the spring by which x / f is multiplied. Older files do not have it; the spring
+  /// is then felt_mass_kg w^2 of the arm.
   std::optional<double> spring_N_per_m{};
   std::vector<IdentifiedLine> lines{};  ///< by rising frequency
 };
@@ -88,9 +90,9 @@ struct IdentifiedSensor {
 };
 
 struct IdentifiedLink {
-  double jitter_mean_s{0.0};  ///< of the messages' arrival, beyond the earliest
+  double jitter_mean_s{0.0};  ///< mean delay of the messages' arrival beyond the earliest
   double jitter_p99_s{0.0};
-  double loss_ratio{0.0};  ///< share of answers that the arm did not take, 0 … 1
+  double loss_ratio{0.0};  ///< share of the answers that the arm did not use, 0 … 1
 };
 
 /// A resonance between encoders and tool.
@@ -110,7 +112,7 @@ struct IdentifiedHand {
 
 struct IdentifiedVibration {
   double tremor_N{0.0};  ///< RMS force between 5 and 40 Hz of the hand at working push; 0: not measured
-  /// Width of a notch that holds the spindle's own forces; empty: not measured.
+  /// Widths of notches that contain the spindle's own forces; empty: not measured.
   std::vector<double> notch_hz{};
 };
 

@@ -22,8 +22,8 @@ struct ToolChoice {
 };
 /// Loads a cell and the robot, tool, scene and materials that it names.
 /// @param gains  a file with gains that override the cell's (ApplyGainsFile); empty: none
-/// @param identified  a file of `osteon identify` in the place of the cell's own (ApplyIdentified); empty:
-/// its own, if it names one
+/// @param identified  a file of `osteon identify` in place of the cell's own (ApplyIdentified); empty: the
+///   cell's own file, if it names one
 /// @throws ToolSizeError if `tool` does not come in the requested size.
 [[nodiscard]] CellConfig LoadCell(const std::filesystem::path& path,
                                   const std::optional<ToolChoice>& tool = {},

@@ -13,7 +13,7 @@ namespace osteon::config {
 namespace {
 
 constexpr double kMaxSpeed_mm_per_s = 250.0, kMaxFrequency_hz = 1000.0, kMaxTime_ms = 1000.0;
-// an estimate of a delay that is next to nothing may lie below zero
+// the estimate of a delay near zero may be negative
 constexpr double kMinDelay_ms = -10.0, kMaxDeadTime_ms = 200.0, kMaxSensorDelay_ms = 50.0;
 constexpr double kLagTolerance = 0.1, kLagTolerance_s = 0.5e-3, kTurn_rad = 2.0 * std::numbers::pi;
 constexpr double kMaxLoss = 0.99;
@@ -23,7 +23,7 @@ constexpr const char* kAxes[] = {"x", "y", "z"};
 
 std::string ReadAxis(Reader& section) { return kAxes[section.Choice("axis", {"x", "y", "z"})]; }
 
-// A key with its interval: refused later unless the interval holds the value.
+// A key and its interval. RequireInterval refuses an interval that does not contain the value.
 struct IntervalCheck {
   Reader section;
   std::string key;
@@ -44,7 +44,8 @@ void RequireInterval(const IntervalCheck& check) {
                              check.interval.low / unit, check.interval.high / unit, check.value / unit));
 }
 
-// A lag is dead time and 2 z / w together: of another one, model and response are of two arms.
+// Requires a lag of dead time plus 2 z / w: with another one, model and response belong to two different
+// arms.
 void RequireLag(const Reader& section, const IdentifiedArm& arm) {
   const double lag_s = arm.dead_time_s + 2.0 * arm.damping_ratio / (kTurn_rad * arm.bandwidth_hz);
   if (std::abs(arm.lag_s - lag_s) <= kLagTolerance_s + kLagTolerance * std::abs(lag_s)) return;
@@ -53,7 +54,7 @@ void RequireLag(const Reader& section, const IdentifiedArm& arm) {
                                        1e3 * arm.lag_s, 1e3 * lag_s, 100.0 * kLagTolerance));
 }
 
-// No two items of one axis, speed and kind.
+// Refuses two items of the same axis, speed and kind.
 template <class Item, class Same>
 void RequireOnce(const std::vector<Reader>& sections, const std::vector<Item>& items, const Same& same) {
   for (std::size_t i = 0; i < items.size(); ++i)
@@ -67,7 +68,7 @@ void RequireHash(const Reader& section, const std::string& hash) {
   section.Refuse("hash", fmt::format("found {}, accepted 16 hexadecimal digits", hash));
 }
 
-// A response with a hand is that of one of the file's hands.
+// Requires that a response with a hand names one of the file's hands.
 void RequireHand(const Reader& section, const std::string& name, const std::vector<IdentifiedHand>& hands) {
   if (name.empty()) return;
   std::string names;

@@ -7,7 +7,8 @@
 namespace osteon::config {
 namespace {
 
-// The cutting energy was measured with the edge's force in it, which had only a share of it.
+// Reads the edge's force. The measured cutting energy includes the work of this force, which can only be a
+// part of it (CheckEdgeForce).
 void ReadEdgeForce(Reader& tissue, simulation::Material& material) {
   material.edge_force_N_per_m = tissue.Number("edge_force_N_per_mm", 1e-3, 1e3);
   material.measured_chip_m = tissue.Number("measured_chip_um", 0.1, 1e4);

@@ -14,7 +14,7 @@ namespace osteon::config {
 ///     recovery_count: 1          # this and the following keys are optional
 ///     pause_s: 0.8
 ///     resume_s: 1.2
-///     plan: acetabulum           # of which the loop has the guidance
+///     plan: acetabulum           # the loop uses this plan's guidance
 ///     guidance_ratio: 0.5
 ///     tolerances: {force_N: 0.05}
 ///     overrides:

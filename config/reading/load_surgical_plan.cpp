@@ -23,7 +23,8 @@ Vector3 Place(Reader& section, const std::string& key) {
   return section.Triple(key, -kMaxPlace_mm, kMaxPlace_mm);
 }
 
-// A direction of the body, by its word alone or as an axis: "lateral", "lateral_axis".
+// Reads a direction of the body, whose key is its word alone or the word with "_axis": "lateral",
+// "lateral_axis".
 Vector3 BodyAxis(Reader& section, const std::string& word) {
   return section.Direction(section.Has(word) ? word : word + "_axis");
 }
@@ -31,7 +32,7 @@ Vector3 BodyAxis(Reader& section, const std::string& word) {
 // Reads the landmarks, or the axes themselves, and the tilt. The frame follows after Finish().
 procedure::PelvicFrame ReadPelvis(Reader& section, SurgicalPlan& plan) {
   procedure::PelvicFrame axes;
-  // in this order: what is beside landmarks, and an axis beside its word, is an unknown key
+  // In this order, axes beside landmarks, and "lateral_axis" beside "lateral", are refused as unknown keys.
   if (!section.Has("asis_right_mm") && (section.Has("lateral") || section.Has("lateral_axis"))) {
     axes = {.lateral = BodyAxis(section, "lateral"),
             .anterior = BodyAxis(section, "anterior"),
@@ -45,7 +46,7 @@ procedure::PelvicFrame ReadPelvis(Reader& section, SurgicalPlan& plan) {
   return axes;
 }
 
-// Where the cup goes, and with which reamers. @returns the sections of these
+// Reads the cup's place and angles, and the reamers. @returns the reamers' sections
 std::vector<Reader> ReadCup(Reader& reader, Reader& section, SurgicalPlan& plan) {
   plan.centre_m = Place(section, "centre_mm");
   plan.cup_diameter_m = section.Number("diameter_mm", 20, 90);
@@ -62,7 +63,7 @@ std::vector<Reader> ReadCup(Reader& reader, Reader& section, SurgicalPlan& plan)
   return reamers;
 }
 
-// Where the opening ends, to which tissue it leads, and with which burrs. @returns the sections of these
+// Reads the opening's end and axis, its target tissue, and the burrs. @returns the burrs' sections
 std::vector<Reader> ReadOpening(Reader& reader, Reader& section, SurgicalPlan& plan) {
   plan.kind = procedure::PlanKind::kOpening;
   plan.centre_m = Place(section, "centre_mm");
@@ -80,13 +81,14 @@ std::vector<Reader> ReadOpening(Reader& reader, Reader& section, SurgicalPlan& p
   return burrs;
 }
 
-// The frame of an opening: up along its axis, the others across it, as near to G's x and y as can be.
+// Makes the frame of an opening: superior along its axis, the other two across it, as near to G's x and y as
+// possible.
 procedure::PelvicFrame FrameOfOpening(const Vector3& axis_G) {
   const Matrix3 R_GC = RotationFromZTo(axis_G);
   return {.lateral = R_GC.col(0), .anterior = R_GC.col(1), .superior = axis_G};
 }
 
-// The material of the region that the plan names.
+// Returns the material of the scene's region that the plan names.
 std::string TargetMaterial(const Reader& opening, const std::string& target,
                            const simulation::SceneParams& scene) {
   std::string accepted;
@@ -131,10 +133,10 @@ void CheckStop(const Reader& section, const char* key, double free, double stop,
                                   stop * unit, free * unit));
 }
 
-// The sections of the guidance in which a stop lies behind a free range.
+// The sections of the guidance that have a stop, which must lie beyond the section's free range.
 struct GuidanceSections {
   Reader cone, lateral;
-  std::optional<Reader> cup_cone;  // of a cup
+  std::optional<Reader> cup_cone;  // only in the plan of a cup
 };
 
 GuidanceSections ReadGuidance(Reader section, bool is_opening, GuidanceGains& gains) {
@@ -164,7 +166,7 @@ void CheckStops(const GuidanceSections& sections, const GuidanceGains& gains) {
   CheckStop(sections.lateral, "stop_mm", gains.lateral.free_m, gains.lateral.stop_m, 1e3);
 }
 
-// Diameters rise, and widths do not fall.
+// Checks that the tools' diameters rise and that their widths do not fall.
 void CheckSequence(const std::vector<Reader>& sections, const std::vector<procedure::PlannedTool>& tools) {
   for (std::size_t i = 0; i < tools.size(); ++i) {
     const procedure::PlannedTool& tool = tools[i];
@@ -211,7 +213,8 @@ void ReadPlannedBone(Reader bone, std::filesystem::path& scene, SurgicalPlanConf
     config.mesh_cup = ReadMeshCup(bone.Section("cup"));
 }
 
-// The site of the plan's bone, without packing it. A packing file knows its own site only once it is read.
+// Returns the site of the plan's bone without packing it. The site in a packing file is only known once that
+// file is read.
 simulation::CutSite SiteOf(const Reader& reader, const SurgicalPlanConfig& config) {
   if (!config.bone && !config.mesh_cup) return simulation::MakeSceneSolid(config.scene).site;
   if (config.bone && !config.bone->cup)

@@ -14,9 +14,10 @@ struct SurgicalPlanConfig {
   procedure::SurgicalPlan plan;
   simulation::SceneParams scene;   ///< without its materials
   std::optional<BoneConfig> bone;  ///< absent: the scene's own solid
-  /// The cup of a mesh that the plan is for and does not name: the command does. Absent: another bone.
+  /// The cup, if the plan is for a mesh that the command names instead of the plan. Absent: the bone is that
+  /// of `bone` or `scene`.
   std::optional<simulation::CutSite> mesh_cup;
-  simulation::CutSite site;  ///< of that bone, in G
+  simulation::CutSite site;  ///< site of the plan's bone, in G
 };
 
 /// Loads a plan and the scene that it names. Refuses an axis that is more than 45 degrees off the scene's

@@ -24,7 +24,7 @@ constexpr double kSameSize_m = 1e-9;
 struct Sizes {
   std::vector<double> diameters_m;
   double default_m{0.0};
-  std::string accepted;      // in words
+  std::string accepted;      // the accepted sizes as a text
   std::vector<Reader> rows;  // one for each size, if the file lists them
 };
 

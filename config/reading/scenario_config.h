@@ -33,16 +33,16 @@ struct TraceTolerances {
 struct ScenarioConfig {
   std::filesystem::path file;
   std::string name;   ///< of the file, without its extension
-  std::string shows;  ///< in one line
+  std::string shows;  ///< what the scenario shows, in one line
   std::filesystem::path cell;
   ScenarioEngine engine{ScenarioEngine::kReference};
   double seconds{1.0};    ///< in COMMANDING_ACTIVE
   double frame_s{0.002};  ///< from one frame of the simulation to the next, and from its pose to its model
   bool planned{false};    ///< the bone is packed as `osteon demo` plans it, not as the scene's `packing` says
-  double sample_s{0.02};  ///< from one sample of the golden trace to the next
+  double sample_s{0.02};  ///< time between two samples of the golden trace
   int recoveries{0};      ///< number of restarts of the loop after a stop by the connection to the arm
   std::optional<double> pause_s, resume_s;  ///< an operator's pause and its end, after rendering began
-  std::filesystem::path plan;               ///< surgical plan whose guidance the loop has; empty: none
+  std::filesystem::path plan;               ///< surgical plan whose guidance the loop uses; empty: none
   std::optional<double> guidance;           ///< gain, 0 … 1; absent: the plan's
   TraceTolerances tolerances;
 

@@ -20,9 +20,9 @@ enum class SweepDraw : std::uint8_t {
 struct SweepParameter {
   std::string key;  ///< as in a scenario's overrides: coupling.stiffness_N_per_mm
   SweepDraw draw{SweepDraw::kListed};
-  std::vector<std::string> values{};  ///< of kListed
-  double low{0.0}, high{0.0};         ///< of kUniform
-  double mean{0.0}, sd{0.0};          ///< of kNormal
+  std::vector<std::string> values{};  ///< only for kListed
+  double low{0.0}, high{0.0};         ///< only for kUniform
+  double mean{0.0}, sd{0.0};          ///< only for kNormal
 };
 
 inline constexpr std::size_t kMaxSweepRuns = 1'000'000;

@@ -36,8 +36,8 @@ struct Material {
   double measured_chip_m{0.0};
   FigureSource edge_force_source{};
 
-  /// As a layer on the surface that gives way (control/compliance): pressure by indentation [N/m³],
-  /// thickness, and time constant. 0: the tissue counts as hard.
+  /// Figures of the tissue as a layer on the surface that gives way (control/compliance): pressure per
+  /// indentation [N/m³], thickness, and time constant. 0: the tissue counts as hard.
   double layer_N_per_m3{0.0}, layer_thickness_m{0.0}, layer_relaxation_s{0.0};
   FigureSource layer_source{};
 };

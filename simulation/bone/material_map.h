@@ -11,7 +11,7 @@ namespace osteon::simulation {
 /// Material at a place of a bone: that of the nearest mass point of the uncut bone, whether cleared or not.
 /// Both engines look up their contacts here, so that they agree.
 ///
-/// A uniform grid over the points, four to a cell on average, 16 bytes a point. Where all points have one
+/// A uniform grid over the points, four to a cell on average, 16 bytes per point. Where all points have one
 /// material, the grid stores none. A look-up on the bone's surface visits 27 cells.
 class MaterialMap {
  public:

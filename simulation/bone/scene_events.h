@@ -55,7 +55,7 @@ struct SceneEvent {
 /// `opening_widening` radii from the axis it is all surface but what faces the other way (within 60 degrees:
 /// a floor). Beyond that it also includes what faces out and towards the axis, such as a cusp's inner slope.
 ///
-/// One or two queries of the solid a frame: call it from the simulation's thread, not in the tick.
+/// One or two queries of the solid per frame: call it from the simulation's thread, not in the tick.
 class SceneWatch {
  public:
   /// @param solid  the solid that the bone was packed from; must outlive the watch. Null where it is not

@@ -63,10 +63,10 @@ struct MeshSceneTissue {
 /// (docs/planning.md).
 struct FidelityRequest {
   double error_m{0.1e-3};  ///< mean depth error of a cut against its sweep
-  double rate_hz{250.0};   ///< frames a second
+  double rate_hz{250.0};   ///< frames per second
 };
 
-/// A scene: which solid, of which materials, and how fine.
+/// A scene: its solid, its materials, and how finely it is packed.
 struct SceneParams {
   std::string name{"block"};  ///< name of a block; the other shapes have their own
   SceneShape shape;
@@ -86,7 +86,7 @@ struct SceneSolid {
   std::string name;
   std::shared_ptr<const Solid> solid;
   CutSite site;           ///< in G
-  std::string warning{};  ///< what was assumed of a mesh that bounds no solid; empty: nothing
+  std::string warning{};  ///< assumptions about a mesh that bounds no solid; empty: nothing was assumed
 };
 
 /// Makes the scene's generated solid. The site's centre is where its vertical line first meets the solid from

@@ -22,7 +22,7 @@ struct Face {
   Vector3 hold{Vector3::Zero()};          ///< sum of multiplier n
   double multiplier{0.0};                 ///< the sum of multipliers
   double cutting{0.0};                    ///< the cutting balls' part of it
-  Vector3 raw_center_T{Vector3::Zero()};  ///< of the holding pairs themselves, weighted by multiplier
+  Vector3 raw_center_T{Vector3::Zero()};  ///< sum of the holding pairs' centres, weighted by multiplier
   double raw_radius{0.0}, lens{0.0};
   int known{-1};  ///< number in the memory; -1: new
 };
@@ -188,7 +188,7 @@ void FillContacts(const CuttingParams& params, const NearField& near, const Cand
       solution.shaft[static_cast<std::size_t>(solution.shaft_count++)] = {.n = pair.n, .gap_m = pair.gap_m};
   }
 
-  // faces: what holds the tool, along the mean normal of the balls around
+  // faces: the planes that hold the tool, each along the mean normal of the balls around
   const Faces faces = FindFaces(params, candidates, hold, memory);
   // Each face takes its share of the friction: its direction tilts, and both vanish together.
   Vector3 cutting = Vector3::Zero(), at = Vector3::Zero();  // at: displacement from the tool's pose
@@ -259,12 +259,13 @@ void FillContacts(const CuttingParams& params, const NearField& near, const Cand
     const NearPair& pair = candidates.pairs[i];
     bool covered = false;
     for (int c = 0; c < solution.contact_count; ++c) {
-      // but keep a shaft's plane: bone at the cutting edge gives way, bone at the shaft does not
+      // A contact covers a pair in its direction, except that a cutting contact does not cover a shaft's
+      // pair: bone at the cutting edge gives way, bone at the shaft does not.
       const SolvedContact& contact = solution.contacts[static_cast<std::size_t>(c)];
       covered = covered || (contact.n.dot(pair.n) > kFaceCosine && (pair.cutting || !contact.cutting));
     }
     if (covered) continue;
-    // never in the way to where the contacts hold the tool
+    // the plane must not keep the tool from the pose at which the contacts hold it
     solution.contacts[static_cast<std::size_t>(solution.contact_count++)] = {
         .n = pair.n,
         .p_T_m = pair.center_T_m - pair.tool_radius_m * (input.R_GT.transpose() * pair.n),

@@ -29,7 +29,7 @@ struct ContactBin {
   int number;
   double off_centre;
 };
-/// @param u_T  unit, from bone to tool, in T.
+/// Finds the bin of a direction. @param u_T  the direction: unit, from bone to tool, in T
 [[nodiscard]] ContactBin FindBin(const Vector3& u_T, bool cutting);
 
 /// A pair near the tool at first contact, in G.
@@ -38,22 +38,22 @@ struct NearPair {
   bool present{false}, cutting{true};
   Vector3 n{Vector3::Zero()};  ///< unit, from bone to tool
   double gap_m{std::numeric_limits<double>::infinity()};
-  double score_m{std::numeric_limits<double>::infinity()};  ///< gap plus the direction's cost
+  double score_m{std::numeric_limits<double>::infinity()};  ///< gap plus kBinCentreBias_m × (1 - cosine)
   Vector3 motion_m{Vector3::Zero()};    ///< of the tool ball's centre, from first contact to the tool's pose
   Vector3 center_T_m{Vector3::Zero()};  ///< tool ball, in T
   double tool_radius_m{0.0};
 };
 
-/// True where a has the lower score. Equal scores are decided by the smaller indices, so that the order of
-/// visits does not matter.
+/// True if a has the lower score, or an equal score and the smaller indices: the order of visits then does
+/// not matter.
 [[nodiscard]] bool Nearer(const NearPair& a, const NearPair& b);
 
 /// Lens-weighted sums over the pairs in the cone around a face's normal.
 struct FaceSums {
   double weight{0.0};
   Vector3 n{Vector3::Zero()};
-  Vector3 center_T{Vector3::Zero()};  ///< of the tool balls' centres
-  double radius{0.0};                 ///< of the tool balls' radii
+  Vector3 center_T{Vector3::Zero()};  ///< sum of the tool balls' centres
+  double radius{0.0};                 ///< sum of the tool balls' radii
 
   /// @param lens_m3  weight of the pair; @param face_n  the face's direction in the frame before
   void Add(double lens_m3, const Vector3& face_n, const NearPair& pair);

@@ -49,7 +49,7 @@ struct ContactModel {
   double removed_volume_m3{0.0};  ///< since the start, from mass points
   double removed_mass_kg{0.0};    ///< since the start
   double cutting_work_J{0.0};     ///< since the start: the sum of u_c V over cleared points, and ploughing
-  /// Since the start, counted once a ball and frame: balls that should have been split, but the pool was
+  /// Since the start, counted once per ball and frame: balls that should have been split, but the pool was
   /// exhausted. They shrink whole, which removes more than was cut.
   std::uint64_t balls_not_split{0};
   rt::Nanoseconds pose_stamp{0};  ///< when the tool pose of this frame was commanded

@@ -54,7 +54,8 @@ OSTEON_CONST int kMaxHoldRounds = 200;
 /// A turn counts as this length of travel: a resting tool then turns with the hand, whatever its micrometres
 /// of slide.
 OSTEON_CONST double kRotationBias_m = OSTEON_DECIMAL(5, 1000000);
-/// Share of the contact tolerance that a turn may use: the rest is for going along whatever holds it.
+/// Share of the contact tolerance that a turn may use: the rest is left for sliding along the bone that holds
+/// the tool.
 OSTEON_CONST double kTurnToleranceShare = OSTEON_DECIMAL(35, 100);
 
 /// Share of a frame's allowed travel (max_slide_m) that the slide may take while the rate law cuts. The

@@ -16,7 +16,7 @@ namespace osteon::simulation {
 /// Marks a path without contact: larger than any fraction.
 inline constexpr double kNoContact = 2.0;
 
-/// The matrix as floats hold it, again in double precision: what a device is given.
+/// Rounds a matrix to floats, as a device gets it, and returns it in double precision.
 /// The float is volatile because GCC 12 otherwise drops both conversions where it vectorises the product that
 /// follows, from -O2 on with Eigen's cast<float>().cast<double>(), at -O3 with a plain loop as well.
 [[nodiscard]] inline Matrix3 RoundToFloat(const Matrix3& m) {

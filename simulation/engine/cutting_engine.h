@@ -14,7 +14,7 @@ struct ToolCommand {
   PlainPose X_WT;  ///< the commanded tool pose (admittance) or the measured one (impedance)
   double spindle_rad_per_s{0.0};
   rt::Nanoseconds stamp{0};
-  std::uint8_t tool_index{0};  ///< of the loop's table of tools: whose pose X_WT is
+  std::uint8_t tool_index{0};  ///< index in the loop's table of tools of the tool at X_WT
   bool paused{false};          ///< the loop is paused: at rest, under power
 };
 
@@ -84,7 +84,7 @@ struct CarvedState {
   bool has_proxy{false};
   double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0};
   double cutting_debt_J{0.0};  ///< work of cleared points that the edge has not yet done
-  ContactMemory contact;       ///< what held the tool
+  ContactMemory contact;       ///< the pairs that held the tool
   std::uint64_t frame{0};
 };
 

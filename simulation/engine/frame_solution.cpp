@@ -14,7 +14,8 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kMaxNormError = 1e-12;  // of a proxy's squared quaternion: beyond, it is normalised
+// A proxy's quaternion whose squared norm is wrong by more than this is normalised.
+constexpr double kMaxNormError = 1e-12;
 
 double Sum(const std::array<double, kMaxMaterials>& values) {
   double sum = 0.0;
@@ -59,7 +60,8 @@ void AddContacts(const CuttingParams& params, const std::vector<Material>& mater
     const Vector3 n_W = X_WG.linear() * from.n, lever_W = X_WT.linear() * from.p_T_m;
     if (cutting && from.cutting)
       contact.advance_m_per_s = model.advance_m_per_s * std::max(0.0, from.n.dot(solution.n));
-    // the bone cut in this frame is already gone, but never more than stood in the way
+    // the bone that was cut in this frame is gone, so the plane recedes, but at most until it no longer
+    // overlaps
     contact.gap_m = from.gap_m;
     if (from.gap_m < 0.0 && cutting)
       contact.gap_m = std::min(0.0, from.gap_m + contact.advance_m_per_s * dt_s);
@@ -158,7 +160,7 @@ FrameAdvance ComputeAdvance(const CuttingParams& params, const std::vector<Mater
     work_per_m += materials[i].specific_cutting_energy_J_per_m3 * solution.engaged_area_m2[i];
   const double available_J = AvailableWork(params, materials, solution, spindle_rad_per_s, dt_s);
   if (params.law == RemovalLaw::kImmediate) return {.advance_m = x, .edge_work_J = available_J};
-  // remnants without mass do not hold the tool
+  // bone balls without mass points around them do not hold the tool
   const double max_m = std::max(0.0, params.max_slide_m - solution.slide_m);
   if (work_per_m <= 0.0) return {.advance_m = std::min(x, max_m), .edge_work_J = 0.0};
   const double ploughing_J = PloughingWork(params, materials, solution, spindle_rad_per_s, dt_s);
@@ -166,7 +168,7 @@ FrameAdvance ComputeAdvance(const CuttingParams& params, const std::vector<Mater
   const double paid_J = std::max(0.0, work_J - energy_lead_J * std::min(1.0, dt_s / kEnergyLeadSeconds));
   const double linear_m = paid_J / work_per_m;
   if (linear_m <= 0.0) return {.advance_m = 0.0, .edge_work_J = work_J, .ploughing_work_J = ploughing_J};
-  // penetration beyond the one at which the coupling's force is that of the edges
+  // part of the penetration that exceeds the one at which the coupling's force equals the edges' force
   const double beyond_m = ploughing_J > 0.0 ? x * (work_J / available_J) : x;
   const double advance_m = std::min(beyond_m * -std::expm1(-linear_m / beyond_m), max_m);
   return {
@@ -198,8 +200,8 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
       solution.contact_fraction + (1.0 - solution.contact_fraction) * solution.turn_fraction;
   Eigen::Quaterniond q_P(memory.X_GP.linear());
   const Eigen::Quaterniond q_T(X_GT.linear());
-  // The way from matrix to quaternion and back enlarges what is off in the matrix, frame after frame, where
-  // the tool is held without turning.
+  // Conversion from matrix to quaternion and back enlarges the matrix's error in every frame while the tool
+  // is held without turning.
   if (std::abs(q_P.squaredNorm() - 1.0) > kMaxNormError) q_P.normalize();
   memory.X_GP.linear() = q_P.slerp(turned, q_T).toRotationMatrix();
   memory.X_GP.translation() = solution.origin_end;

@@ -80,7 +80,7 @@ struct FrameSolution {
 ///
 ///     w dt / (2 pi) sum(edge_force dA)      at most F w dt sum(mu_c r dA) / sum(dA)
 ///
-/// The second is all the work that the spindle can do on an edge pressed with F: below the edge's force the
+/// The bound is all the work that the spindle can do on an edge pressed with F: below the edge's force the
 /// edge rubs and takes no chip. 0 with the immediate law.
 /// @param materials  of MaterialsUnderTool
 [[nodiscard]] double PloughingWork(const CuttingParams& params, const std::vector<Material>& materials,

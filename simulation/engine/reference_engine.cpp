@@ -135,7 +135,8 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
   return model;
 }
 
-// Finds what the passes of this frame can meet on a way. What splits has other balls in each frame.
+// Finds the balls and points that the passes of this frame can meet on a way. With splitting, the list of
+// balls differs from frame to frame, so the near items are always found anew.
 void ReferenceEngine::FindNear(const ToolPoints& from, const ToolPoints& to, double farther_m,
                                ToolReach& near) const {
   if (params_.split.on) near.Forget();

@@ -47,8 +47,8 @@ class ReferenceEngine final : public CuttingEngine {
                       double tolerance_m) const;
   /// The part of a way that contacts and max_slide_m allow.
   struct Slid {
-    double fraction, way_m;  ///< way_m: of the point that moves farthest
-    bool stopped;            ///< by a ball
+    double fraction, way_m;  ///< way_m: path length of the point that moves farthest
+    bool stopped;            ///< a ball stopped the slide
   };
   Slid Slide(const ToolPoints& from, const ToolPoints& to, double tolerance_m, double max_m) const;
   NearField FindNearField(const ToolPoints& at, const ToolPoints& goal, const Matrix3& R_GT) const;
@@ -58,7 +58,7 @@ class ReferenceEngine final : public CuttingEngine {
   /// The volumes that a frame's cutting balls sweep.
   struct Swept {
     std::vector<Capsule> capsules;
-    std::vector<std::size_t> first;  ///< where a tool ball's capsules begin, and the last one's end
+    std::vector<std::size_t> first;  ///< index of each tool ball's first capsule, then the number of capsules
     [[nodiscard]] std::span<const Capsule> Of(std::size_t t) const {
       return std::span(capsules).subspan(first[t], first[t + 1] - first[t]);
     }

@@ -4,8 +4,8 @@
 #include "simulation/engine/cutting_engine.h"
 #include "simulation/tools/tool.h"
 
-// What a change of tool on a carved bone needs: whether the tool is clear, and the state that another tool's
-// engine continues from.
+// For a change of tool on a carved bone: whether the tool is clear of bone, and the state from which another
+// tool's engine continues.
 
 namespace osteon::simulation {
 
@@ -13,8 +13,8 @@ namespace osteon::simulation {
 /// Infinite where no bone is left.
 [[nodiscard]] double ToolClearance(const CarvedState& state, const Tool& tool, const Pose& X_GT);
 
-/// A carved state without proxy and contact memory, which index the balls of the tool before: an engine with
-/// another tool, or at another place, begins where its first frame finds the tool.
+/// Returns a carved state without proxy and contact memory, which refer to the former tool. An engine with
+/// another tool, or at another place, then begins at the tool pose of its first frame.
 [[nodiscard]] CarvedState WithoutContact(CarvedState state);
 
 }  // namespace osteon::simulation

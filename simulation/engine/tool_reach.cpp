@@ -6,9 +6,10 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kSpare_m = 1e-3;  // lists serve as long as each ball of the tool stays within this
-constexpr double kRounding_m =
-    10e-6;  // of balls that are rounded whenever they shrink, and of the tests here
+// The spheres are larger by this than a frame needs, so that the lists serve later frames as well.
+constexpr double kSpare_m = 1e-3;
+// Allowance for the rounding of balls, which are rounded whenever they shrink, and of the tests here.
+constexpr double kRounding_m = 10e-6;
 
 }  // namespace
 

@@ -15,8 +15,8 @@ namespace osteon::simulation {
 
 /// Balls or mass points of a bone, each with the balls of the tool that can meet it.
 struct NearItems {
-  std::vector<std::size_t> items;  ///< their numbers, ascending
-  std::vector<std::size_t> first;  ///< of each, where its tool balls begin in `tool`; and the end of the last
+  std::vector<std::size_t> items;     ///< numbers of the balls or points, ascending
+  std::vector<std::size_t> first;     ///< for each item, where its tool balls begin in `tool`; then the end
   std::vector<std::uint32_t> tool{};  ///< numbers of tool balls, ascending for each item
 
   [[nodiscard]] std::span<const std::uint32_t> ToolBallsOf(std::size_t place) const {
@@ -24,17 +24,17 @@ struct NearItems {
   }
 };
 
-/// The balls and points that a tool can meet in a frame: all that lie within a sphere around the way of one
-/// of its balls. The rest changes no bit of a frame. The lists serve the frames after as well, until a ball
-/// of the tool leaves its sphere.
+/// The balls and points that a tool can meet in a frame: those that lie within a sphere around the way of one
+/// of the tool's balls. All others cannot change a bit of the frame. The lists also serve later frames, until
+/// a ball of the tool leaves its sphere.
 class ToolReach {
  public:
   /// Finds what the tool can meet.
-  /// @param from, to  the straight way that is asked for
+  /// @param from, to  ends of the tool's straight way
   /// @param farther_m  how far beyond that way a ball of the tool may get, and its surface reach
   void Update(const Tool& tool, const ToolPoints& from, const ToolPoints& to, double farther_m,
               const std::vector<BallState>& balls, const std::vector<MassPoint>& points);
-  /// Lists are made anew in the next frame: balls have grown, or have other numbers.
+  /// Lets the next Update find everything anew. Call if balls have grown, or have other numbers.
   void Forget() { spheres_.clear(); }
 
   /// Whether each ball of the tool at these places lies within its sphere.
@@ -49,8 +49,8 @@ class ToolReach {
   };
   void AddNear(std::size_t item, const Vector3& p_m, double radius_m, NearItems& near) const;
 
-  std::vector<Sphere> spheres_;  // of each ball of the tool; empty: the lists do not serve
-  Sphere all_{};                 // around these
+  std::vector<Sphere> spheres_;  // one for each ball of the tool; empty: the lists are not valid
+  Sphere all_{};                 // encloses all spheres_
   NearItems balls_, points_;
 };
 

@@ -7,7 +7,7 @@
 namespace osteon::simulation::cpu {
 namespace {
 
-// As RoundToStored() rounds.
+// Converts a length as RoundToStored() does.
 float ToMillimetres(double metres) { return static_cast<float>(metres * 1e3); }
 
 BoxTree::Box BoxAround(const float (&center)[3], float radius_mm) {

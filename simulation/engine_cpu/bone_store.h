@@ -15,8 +15,8 @@ namespace osteon::simulation::cpu {
 /// balls), mass points, and a box tree over each.
 class BoneStore {
  public:
-  /// @param layer_m  depth of the engaged layer;  @param max_child_blocks  largest number of blocks of
-  /// children
+  /// @param layer_m  depth of the engaged layer
+  /// @param max_child_blocks  largest number of blocks of children
   BoneStore(const Bone& bone, double layer_m, std::size_t max_child_blocks);
 
   // ---- balls; a ball's number is 8 · block + lane

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint32_t kNoHit = ~0u;
 
-// A set of numbers as bits: calls visit for each, ascending, and empties it.
+// Calls visit(number) for each number in a set of bits, ascending, and empties the set.
 template <class Visit>
 void Drain(std::vector<std::uint64_t>& bits, Visit&& visit) {
   for (std::size_t word = 0; word < bits.size(); ++word) {

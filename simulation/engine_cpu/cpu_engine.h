@@ -19,7 +19,7 @@ struct CpuParams {
   bool look_ahead{true};    ///< build the next list in slices while the present one is in use
   bool time_stages{false};  ///< fills CpuFrameStats::stage_s
   /// Largest number of listed pairs of a block (eight balls, or points of a material) and a tool ball. A
-  /// frame that needs more is kOverloaded and changes nothing. A pair takes twice six bytes.
+  /// frame that needs more is kOverloaded and changes nothing. A pair takes six bytes in each of two lists.
   std::size_t list_capacity{4'000'000};
 };
 
@@ -72,8 +72,8 @@ class CpuEngine final : public CuttingEngine {
 
   /// @param X_WG  pose of the bone in the world
   /// @throws std::invalid_argument where the bone has more than kMaxMaterials materials, the tool has no ball
-  /// or more
-  ///   than kMaxToolBalls, params.split is not accepted, or the processor does not have the instruction set.
+  ///   or more than kMaxToolBalls, params.split is not accepted, or the processor does not have the
+  ///   instruction set.
   CpuEngine(const Bone& bone, const Tool& tool, const Pose& X_WG, const CuttingParams& params,
             const CpuParams& cpu = {});
   ~CpuEngine() override;

@@ -4,7 +4,7 @@
 #include "simulation/contact/cutting_math.h"
 #include "simulation/engine_cpu/engine_impl.h"
 
-// A frame, pass by pass as ReferenceEngine::Frame does it.
+// Computes a frame pass by pass, as ReferenceEngine::StepPart does.
 
 namespace osteon::simulation {
 namespace {
@@ -64,18 +64,19 @@ ContactModel CpuEngine::Impl::ComputeFrame(const FrameInput& input) {
   return model;
 }
 
-// @returns the way of the tool point that goes farthest [m].
+// Places the tool's balls at the proxy and at the pose, and finds how far from the tool this frame needs
+// balls and points. @returns the path of the tool point that moves farthest [m].
 double CpuEngine::Impl::PlaceTool(const Pose& X_GT) {
   SetPlaces(memory.X_GP, start);
   SetPlaces(X_GT, goal);
   const double path_m = LongestWay(start, goal);
-  // A rate law's way from first contact is at most max_slide. An immediate one goes on to the pose: as far as
-  // the origin is from there, which the slide may have led away.
+  // With the rate law, the way from first contact is at most max_slide. With the immediate law, the tool goes
+  // on to its pose: at most path_m, plus max_slide for the slide, and max_slide for the way back from it.
   const bool goes_on = params.law == RemovalLaw::kImmediate;
   const double way_mm = 1e3 * (goes_on ? 2.0 * params.max_slide_m + path_m : params.max_slide_m);
   const double ball_mm = std::max(1e3 * params.normal_enlargement_m, way_mm),
                point_mm = std::max(1e3 * params.engaged_layer_m, way_mm);
-  // lists see some more, so that a way a little longer than the last one does not ask for others
+  // lists reach a little farther, so that a way slightly longer than the last one needs no new lists
   const double more_mm = goes_on ? 500.0 * path_m + 0.1 : 0.0;
   const double farthest_mm = std::max(ball_mm, point_mm) + more_mm + lists.max_skin_mm();
   rounding_mm = balls.UpdateRounding(start, goal, static_cast<float>(bone.max_radius_mm()),
@@ -88,10 +89,10 @@ double CpuEngine::Impl::PlaceTool(const Pose& X_GT) {
   return path_m;
 }
 
-// Pass 1. The list that served so far tells first contact where that lies within its skin: until the tool
-// leaves the skin, the list holds every pair that touches. Beyond, the tree of boxes is asked, and a list
-// made at first contact.
-// @returns false where there are more pairs than there is room for; the bone is as it was then.
+// Pass 1: first contact. If it lies within the skin of the present list, this list finds it: until the tool
+// leaves the skin, the list holds every pair that touches. Otherwise the tree of boxes finds it, and a list
+// is made at first contact.
+// @returns false if there are more pairs than there is room for; the bone is unchanged then.
 bool CpuEngine::Impl::FindContact(double path_m, FrameSolution& solution) {
   if (!lists.Serves(start, reach) && !lists.MakeAt(start, list_reach)) return false;
   EndStage(CpuStage::kLists);
@@ -145,7 +146,7 @@ bool CpuEngine::Impl::SolveContacts(const FrameInput& input, const Matrix3& R_GT
   return turning;
 }
 
-// @returns the slide's way [m].
+// Slides the tool towards the target of the contact law. @returns the length of the slide [m].
 double CpuEngine::Impl::SlideTool(const FrameInput& input, bool turning, FrameSolution& solution) {
   const auto shift = [this](const cpu::ToolPlacement& from, const Vector3& by, cpu::ToolPlacement& to) {
     const double v[3] = {by.x(), by.y(), by.z()};
@@ -157,7 +158,7 @@ double CpuEngine::Impl::SlideTool(const FrameInput& input, bool turning, FrameSo
   const Slid full =
       SlideTo(target, (turning ? kTurnToleranceShare : 1.0) * params.contact_tolerance_m, max_m);
   const Slid unturned = turning ? SlideTo(straight, params.contact_tolerance_m, max_m) : full;
-  // where bone keeps the tool from turning, it still goes along
+  // if bone keeps the tool from turning, the tool still moves without turning
   const bool turns = SlidesTurning(full.stopped, full.way_m, unturned.way_m, kRotationBias_m);
   const Slid& chosen = turns ? full : unturned;
   solution.slide_fraction = chosen.fraction;

@@ -6,7 +6,7 @@
 #include "simulation/engine_cpu/engine_impl.h"
 #include "simulation/engine_cpu/rounding.h"
 
-// What a frame asks of the kernels.
+// The passes of a frame that call the kernels.
 
 namespace osteon::simulation {
 namespace {
@@ -45,7 +45,7 @@ cpu::ContactPass CpuEngine::Impl::MakeContactPass(const cpu::ToolPlacement& from
           .every_row = cpu.brute_force};
 }
 
-// With every ball on the way, not only those of the list.
+// First contact with all balls on the way, not only with those of the list.
 double CpuEngine::Impl::FirstContactOnWay(const cpu::ContactPass& pass) const {
   double first = kNoContact;
   const cpu::Places &a = pass.from, &b = pass.to;
@@ -75,7 +75,7 @@ CpuEngine::Impl::Slid CpuEngine::Impl::SlideTo(const cpu::ToolPlacement& to, dou
   const double longest = LongestWay(contact, to);
   const double limit = longest > max_m ? max_m / longest : 1.0;
   const cpu::ContactPass pass = MakeContactPass(contact, to, tolerance_m, longest);
-  // what is met beyond the limit plays no part
+  // contacts beyond the limit do not matter
   const double met = kernels.first_contact(pass, std::nextafter(limit, 2.0));
   const double fraction = std::min(limit, met);
   return {.fraction = fraction, .way_m = fraction * longest, .stopped = met < limit};
@@ -99,7 +99,7 @@ NearPair CpuEngine::Impl::PairOf(std::size_t ball, std::size_t tool_ball) const 
 
 void CpuEngine::Impl::FindNearField(const Matrix3& R_GT) {
   const ContactMemory& known = memory.contact;
-  const Matrix3 bin_axes = RoundToFloat(R_GT);  // as a device has them
+  const Matrix3 bin_axes = RoundToFloat(R_GT);  // in the device's precision
   cpu::NearFieldPass pass{};
   pass.balls = bone.blocks(), pass.rows = lists.ball_rows(), pass.tool = balls.view(),
   pass.at = contact.places();
@@ -124,7 +124,7 @@ void CpuEngine::Impl::FindNearField(const Matrix3& R_GT) {
   StoreNearField(pass);
 }
 
-// What the pass has found, and what held the tool the frame before.
+// Stores the pairs that the pass has found, and the pairs that held the tool in the frame before.
 void CpuEngine::Impl::StoreNearField(const cpu::NearFieldPass& pass) {
   likely_count = 0;
   for (std::size_t bin = 0; bin < near.nearest.size(); ++bin) {
@@ -135,7 +135,7 @@ void CpuEngine::Impl::StoreNearField(const cpu::NearFieldPass& pass) {
     nearest.score_m = pass.score[bin];
     likely_place[likely_count] = pass.best_place[bin], likely_tool[likely_count++] = pass.best_tool[bin];
   }
-  // kernels read eight at a time
+  // fill up to a multiple of eight, because kernels read eight pairs at a time
   for (std::size_t i = likely_count; i % cpu::kLanes != 0; ++i)
     likely_place[i] = likely_place[0], likely_tool[i] = likely_tool[0];
   for (std::size_t f = 0; f < near.faces.size(); ++f) {
@@ -151,7 +151,7 @@ void CpuEngine::Impl::StoreNearField(const cpu::NearFieldPass& pass) {
   for (std::size_t k = 0; k < static_cast<std::size_t>(known.pair_count); ++k) {
     NearPair& pair = near.remembered[k];
     pair = PairOf(known.pairs[k].bone_ball, known.pairs[k].tool_ball);
-    // what was left behind holds no more
+    // a remembered pair that the tool has left behind no longer holds it
     pair.present = pair.present && pair.gap_m < params.normal_enlargement_m;
   }
 }
@@ -175,7 +175,8 @@ void CpuEngine::Impl::MeasureEngagement(const Vector3& spindle_axis_G, FrameSolu
   }
 }
 
-// ReferenceEngine::FirstTouchingBall. Where the list was made at first contact, what touches there is in it.
+// As ReferenceEngine::FirstTouchingBall. The list is valid at first contact, so it holds all pairs that touch
+// there.
 std::size_t CpuEngine::Impl::TouchingBall(double first) {
   const double longest_m = LongestWay(start, goal), last = std::min(1.0, first + kTieTolerance_m / longest_m);
   const cpu::ContactPass pass = MakeContactPass(start, goal, 0.0, longest_m);
@@ -236,7 +237,7 @@ void CpuEngine::Impl::FindCapsules(std::int32_t only) {
 void CpuEngine::Impl::BeginSplits(const cpu::SweepView& sweep) {
   cpu::LargeBallPass pass{};
   pass.sweep = sweep, pass.balls = bone.blocks(), pass.rows = lists.ball_rows();
-  // a little below, for its own rounding: BallSplitter decides
+  // slightly smaller, to allow for the rounding of this value: BallSplitter decides exactly
   pass.larger_than_mm = std::nextafter(ToMillimetres(split->params().min_radius_m), 0.0f);
   pass.end_block = bone.first_child_block();
   pass.ball = scratch.large.data();

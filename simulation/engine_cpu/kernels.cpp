@@ -1,7 +1,7 @@
 #include "simulation/engine_cpu/kernels.h"
 
-// One text for every instruction set: Highway includes this file once for each (foreach_target.h). Of x86's
-// sets those that differ much are built; AVX3 is AVX-512.
+// The source for every instruction set: Highway includes this file once for each (foreach_target.h). Only x86
+// sets that differ much from each other are built; AVX3 is AVX-512.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simulation/engine_cpu/kernels.cpp"
@@ -53,7 +53,8 @@ namespace {
 
 HWY_EXPORT(KernelsOfTarget);
 
-// Of every set that the processor has, best first: Highway's bits fall with a set's worth.
+// Finds the kernels for every set that the processor has, best first: in Highway, better sets have lower
+// bits.
 std::vector<const Kernels*> FindKernels() {
   std::vector<const Kernels*> found;
   const std::int64_t plain = HWY_SCALAR | HWY_EMU128;
@@ -61,7 +62,7 @@ std::vector<const Kernels*> FindKernels() {
     hwy::GetChosenTarget().Update(sets & -sets);
     found.push_back(HWY_DYNAMIC_DISPATCH(KernelsOfTarget)());
   }
-  hwy::GetChosenTarget().DeInit();  // as it was: the best
+  hwy::GetChosenTarget().DeInit();  // Highway chooses the best set again
   return found;
 }
 

@@ -9,12 +9,13 @@ namespace {
 
 constexpr double kEverything_mm = 1e9;
 constexpr std::size_t kMaxSlices = 32;
-// A tool that moves to and fro within the skin adds up displacement, and floats would tell less and less of
-// it.
-constexpr double kMaxDisplacement = 8.0;  // skins
+// Largest displacement of a list's tool, over the widest skin. A tool that moves to and fro within the skin
+// adds up displacement, and the larger the sum, the coarser its float.
+constexpr double kMaxDisplacement = 8.0;
 
-// A wide skin costs a single ball next to nothing, for far blocks are passed over by their bounds. Shaft
-// balls go farther when the tool turns, and are mostly far from bone.
+// For a single cutting ball, a wide skin costs next to nothing, because far blocks are skipped by their
+// bounds. (Shaft balls have a wider skin: they move farther when the tool turns, and are mostly far from
+// bone.)
 double CuttingSkin(const ToolBalls& tool) {
   if (tool.cutting_count() != 1) return 0.25e-3;
   return std::clamp(0.1e-3 * tool.max_radius_mm(), 0.2e-3, 1.0e-3);
@@ -76,7 +77,7 @@ void ListKeeper::MakeAhead(const ToolPlacement& at, const FrameReach& reach) {
   if (!next().is_begun()) {
     if (used < 0.5) return;
     Begin(1 - serving_, at, reach);
-    // done when three quarters of the rest are used
+    // the next list should be done when three quarters of the remaining skin are used
     const double frames = used_per_frame_ > 0.0 ? 0.75 * (1.0 - used) / used_per_frame_ : kMaxSlices;
     slices_ = static_cast<std::size_t>(std::clamp<double>(frames, 1.0, kMaxSlices));
     return;

@@ -11,7 +11,7 @@
 
 namespace osteon::simulation::cpu {
 
-/// What a neighbour list is built from.
+/// The sources from which a neighbour list is built.
 struct ListSources {
   const Kernels& kernels;
   const ToolBalls& tool;

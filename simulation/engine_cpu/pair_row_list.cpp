@@ -6,7 +6,8 @@
 namespace osteon::simulation::cpu {
 namespace {
 
-// So much of each array is written at set-up, so that frames find their pages there.
+// Number of elements of each array that are written at set-up, so that their memory pages exist before the
+// first frame.
 constexpr std::size_t kTouched = 1u << 18;
 
 template <class T>

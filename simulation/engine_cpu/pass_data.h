@@ -82,7 +82,7 @@ struct NearFieldPass {
   double enlargement_m, middle_worth_m, face_cosine, max_lens_m3;
   float enlargement_mm, displacement_mm, rounding_mm;
   bool every_row;
-  double axes[9];  ///< T's axes in G as floats have them, by columns
+  double axes[9];  ///< T's axes in G, rounded to floats, by columns
   double face_n[kFaceCount][3];
   std::int32_t face_count;
 
@@ -128,7 +128,7 @@ using ShrinkOnAxis = void (*)(double* center, double* radius, const double* a, c
 
 /// A block being processed, and a tool ball that may touch some of its balls.
 struct TouchingRow {
-  std::uint32_t slot, tool, lanes;  // words: narrower parts of one are slow to put together
+  std::uint32_t slot, tool, lanes;  // full words, because narrower fields are slow to combine
 };
 
 struct RemovalPass {

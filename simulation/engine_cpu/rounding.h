@@ -23,8 +23,8 @@
 // taken from it are rounded some times more, by u (|g| + displacement) each; lists are made anew before the
 // displacement exceeds ten times `reach` (ListKeeper).
 //
-// A direction is from / d, so what is off in it is √3 u E / d for the place, and a few u for difference,
-// distance, quotient and the turn into T: below RoundingOfGap() / d + kDirectionRounding (2^-20 is 16 u).
+// A direction is from / d, so its error is √3 u E / d for the place, plus a few u for difference, distance,
+// quotient and the turn into T: below RoundingOfGap() / d + kDirectionRounding (2^-20 is 16 u).
 
 namespace osteon::simulation::cpu {
 

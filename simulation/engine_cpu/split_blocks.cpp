@@ -55,8 +55,8 @@ void SplitBlocks::AddNumber(std::uint32_t number, std::uint32_t parent) {
   first = static_cast<std::int32_t>(number);
 }
 
-// The least free number, as BallRemoval takes it: it decides nothing but the order of balls that are equally
-// near.
+// Takes the smallest free number, as BallRemoval does. The number affects only the order of balls that are
+// equally near.
 void SplitBlocks::TakeNumber(std::uint32_t parent) {
   std::uint32_t number = 0;
   if (free_.empty()) {
@@ -112,7 +112,7 @@ void SplitBlocks::Begin(std::span<const std::uint32_t> large, std::span<const Ca
   for (const auto& [ball, state] : set_aside_) bone_.Remove(ball);
 }
 
-// A ball that has a number but no children: they are made now, or it waits.
+// Visits a ball that has a number but no children: makes the children now, or lets the ball wait.
 void SplitBlocks::Visit(std::uint32_t parent, WaitingBall waiting, std::span<const Capsule> capsules,
                         std::size_t& may_split) {
   if (may_split > 0) {

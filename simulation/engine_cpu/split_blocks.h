@@ -11,7 +11,7 @@
 namespace osteon::simulation::cpu {
 
 /// Keeps track of split balls and the blocks of their children. Assigns the same blocks in the same order as
-/// BallRemoval (simulation/ball_removal.h), but finds split balls by lists instead of visiting all parents.
+/// BallRemoval (removal/ball_removal.h), but finds split balls by lists instead of visiting all parents.
 ///
 ///     large balls that the sweep may touch ─▶ Begin: assigns blocks, makes children or waiting balls, and keeps
 ///                                             them apart

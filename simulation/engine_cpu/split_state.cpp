@@ -3,7 +3,7 @@
 
 #include "simulation/engine_cpu/split_blocks.h"
 
-// Split balls to and from a carved state.
+// Saves split balls to a carved state, and loads them from it.
 
 namespace osteon::simulation::cpu {
 
@@ -58,7 +58,7 @@ void SplitBlocks::ToSaved(ContactMemory& contact) const {
     if (pair.bone_ball >= first_child) {
       const std::uint32_t child = pair.bone_ball - first_child, number = child / (8 * stride_);
       const std::uint32_t parent = parent_[number];
-      if (number_of_[parent] != static_cast<std::int32_t>(number)) continue;  // of a block that is free
+      if (number_of_[parent] != static_cast<std::int32_t>(number)) continue;  // the block is free now
       const auto before = std::count_if(number_of_.begin(), number_of_.begin() + parent,
                                         [](std::int32_t other) { return other >= 0; });
       pair.bone_ball = static_cast<std::uint32_t>(

@@ -61,7 +61,8 @@ ToolBalls::ToolBalls(const Tool& tool) {
   AddGroups(tool, std::move(shaft), false);
 }
 
-// Halves along the longest side until a group is small, and not much wider than its largest ball.
+// Halves the members along their box's longest side until a group has few balls and its box is not larger
+// than its largest ball.
 void ToolBalls::AddGroups(const Tool& tool, std::vector<std::uint16_t> members, bool cutting) {
   if (members.empty()) return;
   Eigen::AlignedBox3d box;

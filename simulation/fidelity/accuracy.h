@@ -18,7 +18,7 @@ struct AccuracyParams {
   std::size_t probe_samples{6'000};  ///< most places for each probe
   double deepest_gap_m{3e-3};        ///< a probe that finds nothing stops this far below the cut
   std::uint64_t seed{0};             ///< of the samples
-  int threads{0};                    ///< 0: one a core; the result does not depend on it
+  int threads{0};                    ///< 0: one per core; the result does not depend on it
 };
 
 /// Gap that a probe ball meets on the exact cut: its further travel into the bone, along the cut's normal,

@@ -10,14 +10,14 @@ inline constexpr double kNoticedProduct = 0.0753;
 
 /// A part of a cell that may give way, and what it meets.
 struct ComplianceFigures {
-  double compliance_m_per_N{0.0};  ///< c at the touching point, by the tangent
-  double force_N{0.0};             ///< that acts on it: lateral for a tool, the push for tissue and mount
-  double gives_m{0.0};             ///< displacement under that force; 0: c F, as of a linear part
-  double stiffness_N_per_m{20e3};  ///< K, of the virtual coupling
-  double error_m{0.1e-3};          ///< E, of the scene
+  double compliance_m_per_N{0.0};  ///< c, the tangent compliance at the touching point
+  double force_N{0.0};             ///< F on the part: lateral for a tool, the push for tissue and mount
+  double gives_m{0.0};             ///< displacement under F; 0: c F, as for a linear part
+  double stiffness_N_per_m{20e3};  ///< K, stiffness of the virtual coupling
+  double error_m{0.1e-3};          ///< E, accepted error of the scene
 };
 
-/// What a part changes when it gives way, against a rigid one.
+/// Effect of a part that gives way, compared with a rigid one.
 struct ComplianceEffect {
   double gives_m{0.0};       ///< displacement under the force
   double product{0.0};       ///< K c

@@ -18,8 +18,8 @@ struct FrameGroup {
   std::size_t frames{0};
   std::size_t interrupted{0};  ///< frames that waited for more than 20 us and 5 % of the median frame
   double active_balls{0.0};    ///< median
-  double p50_us{0.0};          ///< of all frames
-  double p999_us{0.0};         ///< of frames that were not interrupted, or of all where there are none
+  double p50_us{0.0};          ///< median of all frames
+  double p999_us{0.0};         ///< 99.9th percentile of uninterrupted frames; of all if all were interrupted
 };
 
 /// Computes median and 99.9th percentile (by nearest rank) of frames. The median is over all frames: the

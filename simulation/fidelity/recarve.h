@@ -20,8 +20,8 @@ class ProxyTrail {
   ///   moved them farther
   ProxyTrail(double lever_m, double step_m);
 
-  /// Takes memory for this many places and writes to it, so that adding up to as many moves none and asks the
-  /// system for none.
+  /// Allocates memory for this many places and writes to it. Up to this number, adding a place then neither
+  /// allocates nor moves memory, nor causes a page fault.
   void Reserve(std::size_t places);
   /// Adds a frame's free pose. The last pose is always in the trail.
   void Add(const Pose& X_GP);

@@ -66,7 +66,7 @@ struct CutWorkloadParams {
 
 /// Result of a workload's run on an engine.
 struct WorkloadRun {
-  std::vector<double> frame_us;   ///< of frames in which the tool touched
+  std::vector<double> frame_us;   ///< wall times of the frames in which the tool touched
   std::vector<FeltForce> felt;    ///< from feel_begin on
   double removed_volume_m3{0.0};  ///< as the engine itself counts it, at the cut's end
   bool complete{false};           ///< false: a frame was refused, or `stop` ended the run

@@ -17,13 +17,13 @@
 //                mass points    1 byte each: 1 where it is gone; then zeros up to a multiple of 4
 //                split balls    4 bytes each: which ball
 //                               4 bytes each: 0 children, 1 + n waits with n capsules
-//                               16 bytes a slot, as CarvedState says
+//                               16 bytes per slot, as CarvedState says
 //
 // Little-endian. Versions are not converted: a state is short-lived, a bone is not.
 
 namespace osteon::simulation {
 
-/// The first bytes of such a file.
+/// The first bytes of a file with a carved state.
 inline constexpr std::string_view kCarvedMagic{"OSTCARVE"};
 
 /// Saves a state. The file appears whole or not at all; its bytes depend on the arguments alone.

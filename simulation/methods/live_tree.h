@@ -14,8 +14,8 @@ namespace osteon::simulation {
 /// Spatial index of a bone's items (balls, or points as balls without a radius), from which cut items are
 /// removed one by one.
 ///
-/// A tree of boxes, eight children a node, over the items' order along a Morton curve. Boxes stay as built: a
-/// ball only shrinks inside itself, so they remain valid. A node counts its remaining items.
+/// A tree of boxes, eight children per node, over the items' order along a Morton curve. Boxes stay as built:
+/// a ball only shrinks inside itself, so they remain valid. A node counts its remaining items.
 class LiveTree {
  public:
   explicit LiveTree(std::span<const Ball> items);

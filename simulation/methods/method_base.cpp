@@ -33,7 +33,7 @@ ContactModel MethodBase::Step(const FrameInput& input) {
   if (!memory_.has_proxy) memory_.X_GP = X_GT;
   const MethodFrame frame = Solve(memory_.X_GP, X_GT, input);
 
-  // books
+  // keep the proxy, and book the removed volumes
   memory_.X_GP = frame.X_GP;
   memory_.has_proxy = true;
   ++memory_.frame;

@@ -60,8 +60,8 @@ class MethodBase : public MethodEngine {
 
   /// Adds one item to the engaged area of the tool placed at `at`.
   /// @param layer_m   depth of the layer of bone that measures the area
-  /// @param found_by  the cutting ball in whose layer the item was found; among several, the first counts the
-  ///   item
+  /// @param found_by  the cutting ball in whose layer the item was found; an item that is found by several
+  ///   balls is counted for the first of them
   void AddEngaged(const EngagedItem& item, double layer_m, std::size_t found_by, const ToolPoints& at,
                   const Vector3& spindle_axis, MethodFrame& frame) const;
   /// Sets advance and edge work of a frame that cuts, by the law of `params` (ComputeAdvance).

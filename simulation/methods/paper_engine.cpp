@@ -126,7 +126,7 @@ MethodFrame PaperEngine::SolveCorrected(const Pose& X_GP, const Pose& X_GT, cons
 
 // ---- as printed
 
-// Uses the least distance, not the least fraction.
+// Finds the pair with the smallest distance, not with the smallest fraction.
 std::optional<PaperEngine::FirstTouch> PaperEngine::FindPrintedTouch(const ToolPoints& from,
                                                                      const ToolPoints& to) const {
   FirstTouch first{.fraction = kNoContact, .tool_ball = 0};

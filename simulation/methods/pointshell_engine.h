@@ -20,10 +20,10 @@ namespace osteon::simulation {
 ///
 /// With more than kFullPoints such points, the sum is divided by their number over kFullPoints (section 5.3
 /// there). Coupling: at the proxy, K (tool - proxy), at most the force limit, balances the penalty;
-/// kNewtonSteps Newton steps a frame from the previous frame's proxy. The coupling's force is rendered.
+/// kNewtonSteps Newton steps per frame from the previous frame's proxy. The coupling's force is rendered.
 /// Rotation follows the hand (assumed: this cell's coupling has no rotational spring); the torque is that of
 /// the points.
-/// Removal: voxels inside the cutting balls at one pose a frame. kImmediate: at the tool's pose. kRate: at
+/// Removal: voxels inside the cutting balls at one pose per frame. kImmediate: at the tool's pose. kRate: at
 /// the proxy moved along -n by the law's advance, with the balls' radii reduced by the deepest point's depth.
 ///
 /// Parameters: voxel edge (MethodParams::voxel_m), points (::point_spacing_m; VPS: one voxel); k_p =

@@ -10,7 +10,7 @@ namespace osteon::simulation {
 /// Contact: at the tool's pose, without a path. The deepest pair pushes the tool out along the lens-weighted
 /// normal, up to kPushes times (assumed), until nothing overlaps by more than kFree_m; then kHalvings
 /// halvings bring it back to where it just touches. The distance moved out is the penalty's depth, and K
-/// times it the force. Rotation follows the hand. Removal: one stamp a frame by every cutting ball
+/// times it the force. Rotation follows the hand. Removal: one stamp per frame by every cutting ball
 /// (ShrinkBall with a capsule of no length): kImmediate at the tool's pose, kRate at the pushed-out pose
 /// moved along -n by the law's advance.
 class StampsEngine final : public BallMethod {

@@ -88,7 +88,7 @@ MethodFrame VoxelEngine::Solve(const Pose& X_GP, const Pose& X_GT, const FrameIn
   const ToolPoints goal = PlaceTool(tool_, X_GT);
   ToolPoints proxy = PlaceTool(tool_, X_GP);
 
-  // first constraint
+  // march to the first constraint
   const March first = MarchTowards(proxy, goal);
   proxy = InterpolatePoints(proxy, goal, first.fraction);
   double turned = first.fraction;

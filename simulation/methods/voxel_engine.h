@@ -17,7 +17,7 @@ namespace osteon::simulation {
 ///
 /// Parameters: voxel edge (MethodParams::voxel_m); step 1 voxel (CHAI3D marches voxel by voxel); gradient
 /// over two voxels (assumed: CHAI3D's central differences of binary voxels give only 26 directions);
-/// stand-off 1/8 voxel off a plane before sliding (assumed; CHAI3D's epsilon); kMaxSteps steps a march,
+/// stand-off 1/8 voxel off a plane before sliding (assumed; CHAI3D's epsilon); kMaxSteps steps per march,
 /// after which the proxy lags behind. Improvements on the original: empty bricks of voxels are skipped, so
 /// that a large tool's cost grows with its surface and not its volume; voxels are binary instead of 8 bits of
 /// density. The tool turns along with the march.

@@ -19,10 +19,10 @@ struct VoxelIndex {
   std::int32_t x, y, z;
 };
 
-/// Bone as voxels: one bit each, in bricks of 8 voxels a side, which are in blocks of 8 bricks a side. Bricks
-/// and blocks count their solid voxels, so a search around a tool visits only what lies near its surface,
-/// neither the air in its cavity nor the rest of the bone. A voxel is solid where its centre is in the bone.
-/// In G.
+/// Bone as voxels: one bit each, in bricks of 8 voxels per side, which are in blocks of 8 bricks per side.
+/// Bricks and blocks count their solid voxels, so a search around a tool visits only what lies near its
+/// surface, neither the air in its cavity nor the rest of the bone. A voxel is solid where its centre is in
+/// the bone. In G.
 ///
 /// An 80 mm block of 0.1 mm voxels, 512 million of them, takes 64 MB for the voxels and as much again for the
 /// materials and for the initial voxels.
@@ -80,7 +80,7 @@ class VoxelGrid {
   void Load(const CarvedState& state);
 
  private:
-  static constexpr std::int32_t kBrick = 8, kBlock = 64;  ///< voxels a side
+  static constexpr std::int32_t kBrick = 8, kBlock = 64;  ///< voxels per side
 
   [[nodiscard]] std::size_t BrickOf(std::int32_t bx, std::int32_t by, std::int32_t bz) const {
     return (static_cast<std::size_t>(bz) * bricks_[1] + by) * bricks_[0] + bx;

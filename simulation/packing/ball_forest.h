@@ -18,7 +18,7 @@ namespace osteon::simulation {
 ///     around centres        /\/\                  /\/\             /\/\         stores its largest radius
 ///     leaves             runs of 8 balls along a Morton curve
 ///
-/// With one tree an octave, a box's distance less its largest radius bounds every ball in it within a factor
+/// With one tree per octave, a box's distance less its largest radius bounds every ball in it within a factor
 /// of two, however unlike the packing's balls are. Searches are branch and bound, so they are exact. Heavy
 /// overlap costs only the few boxes that could hold a larger value than the largest so far.
 class BallForest {

@@ -11,7 +11,7 @@
 
 namespace osteon::simulation {
 
-/// Finds the cells of a graded division by place: for each level a dense table of bricks, 8 cells a side;
+/// Finds the cells of a graded division by place: for each level a dense table of bricks, 8 cells per side;
 /// only bricks that hold a cell are stored.
 class CellLookup {
  public:

@@ -17,7 +17,7 @@ void ClearanceClimb::CacheNeighbours(const Vector3& p_m, double reach_m) {
   cached_reach_m_ = reach_m;
 }
 
-/// Clearance at p; leaves in bounds_ the obstacles within `window` of it.
+/// Returns the clearance at p, and stores in bounds_ the obstacles that are at most `window_m` farther.
 double ClearanceClimb::Measure(const Vector3& p_m, double window_m) {
   std::optional<SurfacePoint> surface;
   const double depth = depths_.LowerBound(p_m);
@@ -88,7 +88,7 @@ Ball ClearanceClimb::Climb(const Vector3& p_m, double scale_m, double min_m) {
       p += step;
       clearance = there;
       if (!inner) most *= 2.0;
-      // An optimum within reach that falls far short of `least`: only curvature is left to gain.
+      // The optimum lies within reach and falls far short of `min_m`: only curvature is left to gain.
       if (inner && there < 0.6 * min_m && gain < 0.1 * min_m) break;
     } else {
       std::swap(bounds_, last_bounds_);

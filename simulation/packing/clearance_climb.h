@@ -26,8 +26,8 @@ struct RadiusCap {
 /// Climbs to local maxima of the clearance: the distance to the surface or to the nearest ball, whichever is
 /// less.
 ///
-/// One object a thread. It caches a neighbourhood's balls between climbs, so nothing may be inserted into the
-/// balls meanwhile.
+/// Use one object per thread. It caches a neighbourhood's balls between climbs, so nothing may be inserted
+/// into the balls meanwhile.
 class ClearanceClimb {
  public:
   ClearanceClimb(const Solid& solid, const DistanceGrid& depths, const BallGrid& balls, const RadiusCap& cap)

@@ -41,7 +41,7 @@ std::vector<Item> DescendLattice(const Solid& solid, const CutZone& zone, const 
 
 // Finds the spacing whose packing has nearly the wanted number. Where a face is parallel to the lattice,
 // counts jump by a plane of balls. Guesses outside the known bracket are therefore replaced by its middle,
-// and the best guess is returned. `count_at` is called once a guess.
+// and the best guess is returned. `count_at` is called once per guess.
 double FindSpacing(double first_m, std::size_t wanted, const std::function<std::size_t(double)>& count_at) {
   constexpr int kMaxRounds = 12;
   constexpr double kTolerance = 0.004, kExponent = 2.8;  // exponent: 3 within the solid, 2 along its surface
@@ -96,7 +96,7 @@ std::vector<Ball> FixedZone(const Solid& solid, const CutZone& zone, const Packi
   const std::size_t wanted = count - balls.size();
   const double first =
       std::cbrt(2.0 * VolumeBelow(solid, zone, rule.min_depth_m, base.threads) / static_cast<double>(wanted));
-  // one byte a ball is enough to count them
+  // one byte per ball is enough to count them
   const double spacing = FindSpacing(first, wanted, [&](double spacing_m) {
     return DescendLattice<char>(solid, zone, with_spacing(spacing_m), base.threads,
                                 [](const Ball&, std::vector<char>& items) { items.push_back(1); })

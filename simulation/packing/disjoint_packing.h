@@ -18,7 +18,7 @@ struct DisjointParams {
   /// Growth of the largest radius per depth of the ball's centre below the cut zone [m/m]; 0: no growth.
   double grade{0.0};
   std::uint64_t seed{0};  ///< selects one of many equally good packings
-  int threads{0};         ///< 0: one a core; the result does not depend on it
+  int threads{0};         ///< 0: one per core; the result does not depend on it
 };
 
 /// Fills a solid with disjoint balls, the largest that fits first. This is the cutting paper's packing: it

@@ -128,7 +128,7 @@ bool HoleSearch::BoundByCap(const Ball& ball, double max_m) {
   const Vector3 center = ball.center_m;
   const double cap = cap_.At(center), r = ball.radius_m;
   if (cap - cap_.grade * (r + max_m) > max_m) return false;
-  // of the cap; the zone's depth is not smooth everywhere, but suffices as a start
+  // gradient of the cap; the zone's depth is not smooth everywhere, but this suffices as a start
   Vector3 slope = Vector3::Zero();
   if (cap_.grade > 0.0)
     for (int axis = 0; axis < 3; ++axis)

@@ -10,7 +10,7 @@ namespace osteon::simulation {
 
 /// Finds the holes of a packing: the balls at local maxima of the clearance.
 ///
-/// One object a thread; nothing may be inserted into the balls while it works.
+/// Use one object per thread; nothing may be inserted into the balls while it works.
 class HoleSearch {
  public:
   HoleSearch(const Solid& solid, const DistanceGrid& depths, const BallGrid& balls, const RadiusCap& cap,
@@ -22,7 +22,7 @@ class HoleSearch {
         seed_(seed),
         climb_(solid, depths, balls, cap) {}
 
-  /// Appends the holes beside a ball that have room for a radius of `least` or more.
+  /// Appends the holes beside a ball that have room for a radius of `min_m` or more.
   ///
   /// A new ball creates only local maxima that touch it, because the clearance elsewhere is unchanged. The
   /// holes found beside each new ball, with the holes left before, are therefore all that exist. The radius
@@ -34,7 +34,7 @@ class HoleSearch {
   /// Climbs from p.
   [[nodiscard]] Ball From(const Vector3& p_m, double scale_m, double min_m);
 
-  /// Appends holes in a cube that have room for a radius of `least` or more. Where it finds none, no ball of
+  /// Appends holes in a cube that have room for a radius of `min_m` or more. If it finds none, no ball of
   /// kSure times that radius fits with its centre in the cube.
   void InCube(const Vector3& center_m, double side_m, double min_m, std::vector<Ball>& found);
   static constexpr double kSure = 1.02;

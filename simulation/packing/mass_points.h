@@ -13,7 +13,7 @@ struct MassPointParams {
   /// Samples along each axis of a cell: candidate places of points, and elements by which volume is
   /// distributed.
   int samples_along_axis{4};
-  int threads{0};  ///< 0: one a core. The result does not depend on it.
+  int threads{0};  ///< 0: one per core. The result does not depend on it.
 };
 
 /// Smallest distance of two points, over the mean of their cells' sides.

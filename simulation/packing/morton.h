@@ -11,7 +11,7 @@
 
 namespace osteon::simulation {
 
-/// Position of p on the Morton (Z-order) curve through `box`, 21 bits an axis; points outside are moved to
+/// Position of p on the Morton (Z-order) curve through `box`, 21 bits per axis; points outside are moved to
 /// its border.
 [[nodiscard]] inline std::uint64_t MortonCode(const Vector3& p, const Eigen::AlignedBox3d& box) {
   constexpr double kCells = 2097152.0;  // 2^21

@@ -12,8 +12,8 @@ constexpr double kLatticeShare = 0.38;  // initial share of a wanted count
 /// Area and volume of a solid that determine the numbers of samples and balls, counted coarsely.
 struct Demand {
   double area_m2{0.0}, volume_m3{0.0};
-  double sampled_area_m2{0.0};    ///< of the surface, a quarter for each coarser level of the samples
-  double lattice_volume_m3{0.0};  ///< deeper than the cap, an eighth for each coarser level of the lattice
+  double sampled_area_m2{0.0};  ///< the surface's area; counts a quarter at each coarser level of the samples
+  double lattice_volume_m3{0.0};  ///< volume deeper than the cap; counts an eighth at each coarser level
 };
 
 double CoarserBy(const std::vector<double>& from_m, double depth_m, double factor) {
@@ -21,8 +21,8 @@ double CoarserBy(const std::vector<double>& from_m, double depth_m, double facto
   return std::pow(factor, static_cast<double>(level));
 }
 
-/// Measures the demand to about 5 %, in cells of a fortieth of the solid. On average, within half a cell's
-/// diagonal of a surface lie as many centres as this layer has room for.
+/// Measures the demand to about 5 %, in cells of a fortieth of the solid's size. On average, the number of
+/// centres within half a cell's diagonal of the surface is the volume of this layer over that of a cell.
 Demand Measure(const Solid& solid, const CutZone& zone, const PackingParams& params) {
   const double side = solid.Bounds().sizes().maxCoeff() / 40.0, volume = side * side * side;
   Demand demand;

@@ -10,7 +10,8 @@
 
 namespace osteon::simulation {
 
-inline constexpr std::size_t kMaxBalls = 100'000'000;  ///< of any packing: 7 GB where each ball has its foot
+/// Largest number of balls of a packing: 7 GB if each ball is kept with its foot on the surface.
+inline constexpr std::size_t kMaxBalls = 100'000'000;
 
 /// Fineness of a packing. The defaults give about 30 000 balls in the default acetabulum.
 struct PackingParams {
@@ -35,7 +36,7 @@ struct PackingParams {
 
   std::size_t count{0};   ///< wanted number of balls, placed as well as possible; 0: set by the tolerances
   std::uint64_t seed{0};  ///< moves the surface samples
-  int threads{0};         ///< 0: one a core; the result does not depend on it
+  int threads{0};         ///< 0: one per core; the result does not depend on it
 
   /// Spacing of the lattice at this depth below the cut zone.
   [[nodiscard]] double SpacingAt(double depth_m) const;
@@ -52,7 +53,7 @@ struct OverlapOptions {
   double max_radius_m{0.0};  ///< r0: cap on the radius at the cut zone; 0: as large as fits
   double grade{0.0};         ///< a: the cap is r0 + a·depth below the cut zone; 0: uniform
   std::uint64_t seed{0};     ///< moves the surface samples
-  int threads{0};            ///< 0: one a core; the result does not depend on it
+  int threads{0};            ///< 0: one per core; the result does not depend on it
 };
 
 /// Parameters for BuildPacking that meet the options on this solid. The spacings of lattice and samples

@@ -16,8 +16,8 @@ namespace osteon::simulation {
 [[nodiscard]] tl::expected<void, FileError> WritePly(const std::filesystem::path& path,
                                                      std::span<const Ball> balls);
 
-/// Writes a CSV file: a header line "x_mm,y_mm,z_mm,r_mm", then a line a ball; numbers as short as a float32
-/// allows.
+/// Writes a CSV file: a header line "x_mm,y_mm,z_mm,r_mm", then one line per ball; numbers as short as a
+/// float32 allows.
 [[nodiscard]] tl::expected<void, FileError> WriteCsv(const std::filesystem::path& path,
                                                      std::span<const Ball> balls);
 

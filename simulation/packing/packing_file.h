@@ -52,7 +52,7 @@ struct PackingProvenance {
 class PackingFile {
  public:
   /// Opens a file and verifies everything before use: sizes, sections, checksums, values. Allocates at most
-  /// in proportion to the file's size. Threads 0: one a core.
+  /// in proportion to the file's size. Threads 0: one per core.
   [[nodiscard]] static tl::expected<PackingFile, FileError> Open(const std::filesystem::path& path,
                                                                  int threads = 0);
 

@@ -15,7 +15,7 @@ struct QualityParams {
   std::size_t samples{200'000};         ///< approximate number in the solid's volume; 1000 … 100 million
   std::size_t surface_samples{50'000};  ///< approximate number on its surface; 1000 … 10 million
   std::uint64_t seed{1};                ///< of the samples' jitter
-  int threads{0};                       ///< 0: one a core. The result does not depend on it.
+  int threads{0};                       ///< 0: one per core. The result does not depend on it.
 };
 
 /// Balls with from <= radius < to.
@@ -28,11 +28,11 @@ struct RadiusBin {
 struct PackingQuality {
   std::size_t spheres{0};
   double r_min_m{0.0}, r_max_m{0.0};
-  /// Eight bins an octave, [2^(k/8), 2^((k+1)/8)) m, from the smallest ball's radius to the largest's.
+  /// Eight bins per octave, [2^(k/8), 2^((k+1)/8)) m, from the smallest ball's radius to the largest's.
   std::vector<RadiusBin> radius_histogram;
 
   double coverage{0.0};                 ///< share of the solid's volume that lies in some ball
-  double coverage_standard_error{0.0};  ///< of independent samples; that of the stratified samples is smaller
+  double coverage_standard_error{0.0};  ///< as of independent samples; stratified samples have a smaller one
   std::size_t volume_samples{0};        ///< number of samples that fell into the solid
   double solid_volume_m3{0.0};          ///< by these samples
 

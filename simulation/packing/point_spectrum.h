@@ -23,7 +23,7 @@ struct SpectrumParams {
   int bins{60};               ///< 1 … 1000
   int waves_per_bin{48};      ///< wave vectors drawn in each bin and window; 1 … 10 000
   std::uint64_t seed{1};      ///< of their directions
-  int threads{0};             ///< 0: one a core. The result does not depend on it.
+  int threads{0};             ///< 0: one per core. The result does not depend on it.
 };
 
 /// Radially averaged power spectrum of the points in each window, averaged over the windows with their number

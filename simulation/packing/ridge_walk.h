@@ -17,7 +17,7 @@ struct RidgeWalk {
   double clearance_m{0.0};  ///< at the step's end, to first order
 };
 
-/// Computes the step |δ| <= most to the largest clearance t <= value + gradient·δ for every bound.
+/// Computes the step |δ| <= max_m to the largest clearance t <= value + gradient·δ for every bound.
 ///
 /// The walk leads straight away from the nearest obstacle until a second one is as near, then along the ridge
 /// between these two until a third one is, then between the three. Its direction is always that of steepest

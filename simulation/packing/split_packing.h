@@ -21,7 +21,7 @@ struct SplitPackingParams {
   double surface_radius_m{1.2e-3};  ///< of the balls that touch the surface in the zone
   double surface_gap_m{0.2e-3};     ///< largest gap between the surface and the balls, in the zone
   std::uint64_t seed{0};            ///< moves the surface samples
-  int threads{0};                   ///< 0: one a core; the result does not depend on it
+  int threads{0};                   ///< 0: one per core; the result does not depend on it
 };
 
 /// Builds a graded body-centred lattice of balls, and balls that touch the surface from inside. The latter

@@ -54,7 +54,7 @@ class Search {
     return low;
   }
 
-  /// The largest ball at the foot with at most this radius, to within a slack; none below the least radius.
+  /// The largest ball at the foot with at most this radius, to within a slack; none below min_radius_m.
   ///
   /// Shrinking ball (Ma, Bae, Choi, The Visual Computer 28, 2012): through the foot and the surface point
   /// nearest to the centre there is one ball tangent at the foot, and no larger one is empty. From a guess

@@ -43,7 +43,7 @@ class BallRemoval {
   /// @pre `balls` is the list that the previous frames left; it grows as blocks come into use.
   void Remove(std::span<const Capsule> capsules, std::vector<BallState>& balls);
 
-  /// Number of requests for a block that found none, one a frame and ball. Such balls shrank whole although
+  /// Number of requests for a block that found none, one per frame and ball. Such balls shrank whole although
   /// they should have been split.
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
   [[nodiscard]] std::size_t blocks_in_use() const { return blocks_ - free_.size(); }

@@ -82,7 +82,7 @@ class BallSplitter {
   SplitParams params_;
   SplitTemplate template_;
   std::vector<Ball> uncut_;
-  std::vector<std::uint16_t> shape_;  ///< shape of each ball, an index into the template
+  std::vector<std::uint16_t> shape_;  ///< for each ball, the index of its shape in the template
 };
 
 }  // namespace osteon::simulation

@@ -53,7 +53,7 @@ class SplitTemplate {
 /// Computes the shape of each ball of a packing: the pole nearest to the mean direction in which no other
 /// ball covers its surface, or a rotation by its index where there is no such direction. Balls smaller than
 /// min_radius_m are never split and get rotations without a search. The same for any number of threads (0:
-/// one a core).
+/// one per core).
 [[nodiscard]] std::vector<std::uint16_t> SplitShapes(std::span<const Ball> balls, double min_radius_m,
                                                      int threads = 0);
 

@@ -7,7 +7,7 @@
 
 namespace osteon::surface {
 
-/// Nodes -2 … 9 along a brick: its cells -1 … 7 and what their central differences reach.
+/// Number of nodes -2 … 9 along a brick: those of its cells -1 … 7 and of the cells' central differences.
 inline constexpr int kPatchEdge = 12;
 inline constexpr int kPatchNodes = kPatchEdge * kPatchEdge * kPatchEdge;
 inline constexpr int kRow = kPatchEdge, kLayer = kPatchEdge * kPatchEdge;  ///< steps along y and z
@@ -25,8 +25,8 @@ struct BrickPatch {
   }
 };
 
-/// Fills the patch of a brick. False where no surface can pass: all of it and of its neighbours is bone, or
-/// all is air.
+/// Fills the patch of a brick. @returns false if no surface can pass: the brick and all its neighbours are
+/// bone, or all are air
 [[nodiscard]] bool GatherPatch(const CarvedField& field, BrickIndex brick, BrickPatch& patch);
 
 }  // namespace osteon::surface

@@ -5,7 +5,7 @@
 
 #include "simulation/surface/brick_field.h"
 
-// A square root that sets errno would keep GCC from making vectors of the loop.
+// A square root that sets errno would keep GCC from vectorising the loop.
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC push_options
 #pragma GCC optimize("O3", "no-math-errno")
@@ -27,7 +27,7 @@ void SweepBrick(std::int16_t* values, Vec3 first, float voxel_mm, const Capsule&
       const float pz = (first.z - capsule.a_mm.z) + voxel_mm * static_cast<float>(z);
       const float dot_yz = py * along.y + pz * along.z;
       std::int16_t* row = values + (z * kBrickEdge + y) * kBrickEdge;
-      // Without branches, so that compilers make vectors of it.
+      // This loop has no branches, so that compilers vectorise it.
       std::array<float, kBrickEdge> depth{};
       for (std::size_t x = 0; x < kBrickEdge; ++x) {
         const float px = from_a[x];
@@ -61,12 +61,13 @@ float DepthIn(const Capsule& capsule, Vec3 point) {
   return capsule.radius_mm - Norm(from_a - t * along);
 }
 
-// The directions in which a brick's nodes see two axes differ by the distance of the axes over their distance
-// from the brick. Times half the brick's diagonal, that is what one capsule can gain on the other within it.
+// The directions from a brick's node to two axes differ by at most the distance between the axes over their
+// distance from the brick. This difference, times half the brick's diagonal, bounds how much deeper one
+// capsule can become than the other between the brick's centre and its nodes.
 void SelectCapsules(std::span<const Capsule> capsules, std::span<const float> depths, float reach_mm,
                     float half_mm, std::vector<std::uint32_t>& kept) {
   constexpr float kRoundingMargin = 1.01F;
-  constexpr float kMaxGain = 2.0F;  // directions that are opposite
+  constexpr float kMaxGain = 2.0F;  // where the directions are opposite
   kept.clear();
   const std::size_t top =
       static_cast<std::size_t>(std::max_element(depths.begin(), depths.end()) - depths.begin());

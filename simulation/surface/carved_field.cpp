@@ -13,14 +13,15 @@ namespace {
 /// (1.74 voxels) of the surface, and central differences reach one node further.
 constexpr auto kVisible = static_cast<std::int16_t>(11 * kStepsOfVoxel / 4);
 
-/// What a sweep changed in a brick.
+/// The changes that a sweep made in a brick.
 struct BrickChange {
   bool is_visible{false}, is_full{false};
   /// Rows of nodes with a visible change along x, y and z: bit i for coordinate i.
   std::array<unsigned, 3> rows{};
 };
 
-/// @param solid  the solid's values there; null: inside the solid everywhere
+/// Compares a brick's swept values before and after a sweep.
+/// @param solid  the solid's values at the nodes; null: the brick is uniform, and inside the solid
 BrickChange CompareBrick(const std::int16_t* before, const std::int16_t* after, const std::int16_t* solid) {
   BrickChange change{.is_full = true};
   const auto seen = [](std::int16_t v) {

@@ -8,9 +8,9 @@
 
 namespace osteon::surface {
 
-/// The carved bone as two distance fields: max(solid, swept), the solid less what the tool's cutting balls
-/// swept. The swept field only grows. One thread at a time carves; any number of threads may extract
-/// (dual_surface.h) meanwhile nobody carves.
+/// The carved bone as two distance fields: max(solid, swept) is the solid without the volume that the tool's
+/// cutting balls swept. Carve only lets the swept field grow. One thread at a time carves; while nobody
+/// carves, any number of threads may extract (dual_surface.h).
 class CarvedField {
  public:
   explicit CarvedField(std::shared_ptr<const SolidField> solid);
@@ -18,7 +18,7 @@ class CarvedField {
   /// Removes capsules. The result does not depend on their order or on how they are divided into calls.
   void Carve(std::span<const Capsule> capsules);
 
-  /// Replaces what was swept, by that of an earlier state of this field: an undo, or a saved cut.
+  /// Replaces the swept field by that of another state of this field: an undo, or a saved cut.
   /// @throws std::invalid_argument where the other field has another number of bricks.
   void SetSwept(BrickField swept);
 
@@ -26,7 +26,7 @@ class CarvedField {
   /// it is every brick that may have a surface.
   [[nodiscard]] std::span<const BrickIndex> Dirty() const { return dirty_list_; }
   void ClearDirty();
-  /// Marks every brick that may have a surface: for who begins to show the bone anew.
+  /// Marks every brick that may have a surface as dirty, for a viewer that begins to show the bone.
   void MarkAllDirty();
 
   [[nodiscard]] const BrickLayout& layout() const { return solid_->layout(); }

@@ -5,9 +5,9 @@
 namespace osteon::surface {
 namespace {
 
-/// Rims less than 10 degrees apart are no rims: sin² 10°.
+/// Two faces less than 10 degrees apart form no rim: sin² 10°.
 constexpr float kMinSine2 = 0.03F;
-/// How far outside its cell a rim's place is still used, clamped to the cell.
+/// A rim's place up to this distance outside the cell is used, clamped to the cell [voxels].
 constexpr float kRimSlack = 0.25F;
 constexpr float kMinGradient2 = 0.05F;
 
@@ -20,7 +20,7 @@ bool IsWithin(Vec3 p, float slack) {
   return p.x > low && p.y > low && p.z > low && p.x < high && p.y < high && p.z < high;
 }
 
-/// A field's linear model at the nearest place of the cell, read at `place`.
+/// Evaluates at `place` the field's linear model around the cell's place nearest to `place`.
 FieldSample LinearAt(const CornerValues& corners, Vec3 place) {
   const Vec3 inside = ClampToCell(place);
   FieldSample sample = Interpolate(corners, inside);
@@ -28,7 +28,8 @@ FieldSample LinearAt(const CornerValues& corners, Vec3 place) {
   return sample;
 }
 
-/// The shortest step that takes both linear models to zero.
+/// Moves `place` by the shortest step that takes both linear models to zero. False if the faces are too
+/// nearly parallel.
 bool StepOntoBoth(const CornerValues& solid, const CornerValues& swept, Vec3& place) {
   const FieldSample a = LinearAt(solid, place), b = LinearAt(swept, place);
   const float aa = Dot(a.gradient, a.gradient), ab = Dot(a.gradient, b.gradient),
@@ -40,7 +41,8 @@ bool StepOntoBoth(const CornerValues& solid, const CornerValues& swept, Vec3& pl
   return true;
 }
 
-/// The middle of the part of the line (place, direction) that is in the cell; unchanged where there is none.
+/// Moves `place` along the line (place, direction) to the middle of the line's part in the cell. False, with
+/// `place` unchanged, if the line misses the cell.
 bool SlideIntoCell(Vec3& place, Vec3 direction) {
   constexpr float kFar = 4.0F, kParallel = 1e-6F;
   float from = -kFar, to = kFar;
@@ -100,7 +102,8 @@ Vec3 SmoothGradient(const std::int16_t* field, int at, Vec3 p) {
 }
 
 EdgeCut CutEdge(float solid_low, float solid_high, float swept_low, float swept_high) {
-  constexpr float kBehind = 2.0F, kBefore = -1.0F;  // fields that don't cross are met last
+  // a field without a crossing counts as the last one met from inside
+  constexpr float kBehind = 2.0F, kBefore = -1.0F;
   const bool low_inside = solid_low < 0.0F && swept_low < 0.0F;
   const auto crossing = [low_inside](float low, float high) {
     if ((low < 0.0F) != (high < 0.0F)) return low / (low - high);

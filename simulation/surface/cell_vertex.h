@@ -5,7 +5,8 @@
 
 #include "simulation/surface/brick_patch.h"
 
-// Where a cell's vertex lies. Places are within the cell, 0 … 1 along each axis; values are in voxels.
+// Computes where a cell's vertex lies. Places are within the cell, 0 … 1 along each axis; values of the field
+// are in voxels.
 
 namespace osteon::surface {
 
@@ -21,25 +22,27 @@ struct FieldSample {
   float value{0.0F};
   Vec3 gradient;
 };
-/// The trilinear interpolant of the corners.
+/// Interpolates the corners' values trilinearly.
 [[nodiscard]] FieldSample Interpolate(const CornerValues& corners, Vec3 place);
 
-/// Interpolated central differences of a patch's field: along the outward normal.
+/// Interpolates the central differences of a patch's field. The result points along the outward normal.
 [[nodiscard]] Vec3 SmoothGradient(const std::int16_t* field, int at, Vec3 place);
 
-/// Where a grid edge leaves the bone, and by which of the two fields.
+/// The point at which a grid edge leaves the bone, and the field whose surface it crosses there.
 struct EdgeCut {
   float t{0.0F};  ///< from the lower end, 0 … 1
   bool by_swept{false};
 };
-/// Of the two fields' crossings, the one that is met first from inside. @pre max(solid, swept) changes sign
+/// Returns the first crossing of the two fields, seen from the edge's end in bone.
+/// @pre max(solid, swept) changes sign along the edge
 [[nodiscard]] EdgeCut CutEdge(float solid_low, float solid_high, float swept_low, float swept_high);
 
-/// One Newton step onto the zero of the interpolant, kept within the cell.
+/// Takes one Newton step towards the zero of the interpolated field, and stays within the cell.
 [[nodiscard]] Vec3 ProjectOnto(const CornerValues& corners, Vec3 place);
 
-/// The place near `place` where both fields are zero: a sharp rim between old surface and cut. False where
-/// the two are less than 10 degrees apart, or meet outside the cell.
+/// Moves `place` to the nearest place where both fields are zero: a sharp rim between old surface and cut.
+/// @returns false, with `place` unchanged, if the two faces are less than 10 degrees apart, or meet outside
+///   the cell.
 [[nodiscard]] bool FindRim(const CornerValues& solid, const CornerValues& swept, Vec3& place);
 
 }  // namespace osteon::surface

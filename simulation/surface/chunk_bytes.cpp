@@ -7,7 +7,7 @@ namespace osteon::surface {
 namespace {
 
 constexpr int kMaxPlace = kStepsPerVoxel * kCellEdge;  // 252
-constexpr std::size_t kMaxByteIndices = 256;           // vertices that one byte can number
+constexpr std::size_t kMaxByteIndices = 256;           // number of vertices that one byte can index
 constexpr std::uint8_t kMaterialMask = 0x7f;
 
 void AppendU16(std::vector<std::uint8_t>& bytes, std::size_t value) {

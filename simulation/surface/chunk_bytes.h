@@ -8,14 +8,14 @@
 
 #include "simulation/surface/surface_chunk.h"
 
-// A chunk as it is sent. Little endian; chunks follow each other without a gap.
+// The bytes of a chunk as it is sent. Little endian; chunks follow each other without a gap.
 //
 //     head      8 bytes     u32 brick, u16 vertices, u16 quads
 //     vertex    6 bytes     3 × u8 place, 2 × u8 octahedral normal, u8 material | cut << 7
 //     quad      4 × u8      indices of vertices; 4 × u16 in a chunk of more than 256 vertices
 //
-// A place counts steps of voxel / 28 from the low corner of the brick's cell -1. The lattice is one for all
-// bricks (28 steps a voxel, 8 voxels a brick), so neighbouring chunks still meet without a gap.
+// A place counts steps of voxel / 28 from the low corner of the brick's cell -1. All bricks share one lattice
+// (28 steps per voxel, 8 voxels per brick), so neighbouring chunks still meet without a gap.
 
 namespace osteon::surface {
 

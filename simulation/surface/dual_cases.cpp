@@ -3,7 +3,7 @@
 namespace osteon::surface {
 namespace {
 
-/// Cut edges as nodes of loops: each is linked to one other across each of its two faces.
+/// The loops of cut edges: each edge is linked to one other edge across each of its two faces.
 struct Links {
   std::array<std::array<int, 2>, kCellEdges> next{};
 
@@ -22,7 +22,7 @@ struct Links {
   }
 };
 
-/// A face with four cut edges: one edge of each pair.
+/// A face with four cut edges, which form two pairs, and one edge of each pair.
 struct AmbiguousFace {
   int face, first, second;
 };
@@ -46,7 +46,8 @@ CellCase TraceCell(unsigned inside, unsigned flip) {
     }
     if (count == 2) links.Join(cut[0], cut[1]);
     if (count != 4) continue;
-    // Corner i lies between the edges i - 1 and i. Pair them around the inside corners, or the other two.
+    // Corner i lies between the edges i - 1 and i. Pair the edges around the two inside corners, or, with
+    // `flip`, around the two outside corners.
     const bool around_first = ((inside >> corner[0] & 1) != 0) != ((flip >> face & 1) != 0);
     const std::size_t first = around_first ? 0 : 1;
     links.Join(cut[(first + 3) % 4], cut[first]);

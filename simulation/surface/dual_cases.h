@@ -5,10 +5,10 @@
 
 #include "simulation/surface/surface_chunk.h"
 
-// Cells of the dual surface. Corners: bit 0 x, bit 1 y, bit 2 z. Edges: 4 axis + the other two bits. Faces:
-// 2 axis + side. A corner is inside the bone where its value is negative; an edge is cut where one of its
-// corners is inside. The cut edges of a cell form closed loops over its faces: the patches. Each has a
-// vertex.
+// Cells of the dual surface. A corner's number has bit 0 for x, bit 1 for y, bit 2 for z; an edge's number is
+// 4 axis + the other two bits; a face's number is 2 axis + side. A corner is inside the bone if its value is
+// negative; an edge is cut if exactly one of its corners is inside. The cut edges of a cell form closed loops
+// over its faces: the patches. Each patch has a vertex.
 
 namespace osteon::surface {
 
@@ -17,18 +17,21 @@ inline constexpr std::uint8_t kNotCut = 0xff;
 
 /// The patches of a cell with a given set of inside corners.
 struct CellCase {
-  std::array<std::uint8_t, kCellEdges> patch{};  ///< of each edge; kNotCut
-  std::uint8_t patches{0};
-  /// Faces with four cut edges that belong to one patch: bit f. Where the cell across such a face has it as
-  /// well, four quads would meet in one edge; both cells then pair the face's edges the other way (`flip`).
+  std::array<std::uint8_t, kCellEdges> patch{};  ///< patch of each edge; kNotCut: the edge is not cut
+  std::uint8_t patches{0};                       ///< number of patches
+  /// Bit f is set if face f has four cut edges that all belong to one patch. If the cell across the face has
+  /// the same, four quads would meet in one edge; both cells then pair the face's edges the other way
+  /// (`flip`).
   std::uint8_t joined_faces{0};
 };
 
-/// @param inside  bit k: corner k is inside
-/// @param flip    bit f: pairs the cut edges of face f around the outside corners, not the inside ones
+/// Finds the patches of a cell.
+/// @param inside  bit k is set if corner k is inside
+/// @param flip    bit f is set to pair the cut edges of face f around the outside corners instead of the
+///   inside corners
 [[nodiscard]] CellCase TraceCell(unsigned inside, unsigned flip);
 
-/// TraceCell(inside, 0) of all 256 sets.
+/// Results of TraceCell(inside, 0) for all 256 values of `inside`.
 [[nodiscard]] const std::array<CellCase, 256>& CellCases();
 
 /// The corner at the lower (0) or upper (1) end of an edge.
@@ -45,7 +48,7 @@ struct CellCase {
   return axis * 4 + (low >> first & 1) + ((low >> second & 1) << 1);
 }
 
-/// The axes across an edge, so that (across, across, along) turn right.
+/// The two axes across an edge, in the order in which (across, across, along) is right-handed.
 [[nodiscard]] constexpr std::array<int, 2> AxesAcross(int axis) { return {(axis + 1) % 3, (axis + 2) % 3}; }
 
 /// Numbers that one grid edge has in the four cells around it, counter-clockwise seen from its upper end.

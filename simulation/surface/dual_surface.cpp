@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kCells = kCellEdge * kCellEdge * kCellEdge;
 constexpr int kFieldSolid = 0, kFieldSwept = 1;
-/// Steps between neighbours along each axis: of a patch's nodes, of a brick's cells.
+/// Steps of the index between neighbours along each axis: for a patch's nodes, and for a brick's cells.
 constexpr std::array<int, 3> kNodeStep{1, kRow, kLayer}, kCellStep{1, kCellEdge, kCellEdge*kCellEdge};
 
 unsigned InsideMask(const std::int16_t* carved, int at) {
@@ -41,7 +41,7 @@ class Extractor {
     FindInsideRows();
     for (int z = -1; z < kBrickEdge; ++z)
       for (int y = -1; y < kBrickEdge; ++y) {
-        // Cells whose eight corners are not alike.
+        // Make the cells that have corners both inside and outside.
         const unsigned a = Row(y, z), b = Row(y + 1, z), c = Row(y, z + 1), d = Row(y + 1, z + 1);
         const unsigned all = a & b & c & d, any = a | b | c | d;
         EachBit((any | any >> 1) & ~(all & all >> 1) & kCellBits,
@@ -58,7 +58,7 @@ class Extractor {
   }
 
  private:
-  /// A cell's patches, and the vertices of each by the field whose face they are on.
+  /// A cell's patches, and for each patch its vertex on the solid's face and its vertex on the swept face.
   struct Cell {
     std::array<std::uint8_t, kCellEdges> patch;
     std::array<std::array<std::uint16_t, 2>, kMaxPatches> vertex;
@@ -67,7 +67,7 @@ class Extractor {
   /// Bits of a row of a patch's nodes: bit 2 is the brick's node 0. Its cells begin at the nodes -1 … 7.
   static constexpr unsigned kNodeBits = 0xffU << 2, kCellBits = 0x1ffU << 1;
 
-  /// Notes which nodes are inside, a word for each row along x.
+  /// Stores which nodes are inside, as one word of bits for each row along x.
   void FindInsideRows() {
     for (std::size_t row = 0; row < rows_.size(); ++row) {
       const std::int16_t* values = carved_ + row * kPatchEdge;
@@ -89,7 +89,8 @@ class Extractor {
     return ((z + 1) * kCellEdge + y + 1) * kCellEdge + x + 1;
   }
 
-  /// The cell's patches. A face that joins two pairs of edges on both of its sides is paired the other way.
+  /// Finds the cell's patches. If a face's four cut edges belong to one patch in both of its cells, the edges
+  /// are paired the other way.
   [[nodiscard]] CellCase CaseOf(unsigned inside, int at) const {
     const CellCase& plain = CellCases()[inside];
     unsigned flip = 0;
@@ -120,7 +121,7 @@ class Extractor {
     cell.patch = cell_case.patch;
     std::array<Vec3, kMaxPatches> sum{};
     std::array<int, kMaxPatches> count{};
-    std::array<unsigned, kMaxPatches> fields{};  // of the patch's crossings: bit of each field
+    std::array<unsigned, kMaxPatches> fields{};  // for each patch, a bit for each field that its edges cross
     for (int edge = 0; edge < kCellEdges; ++edge) {
       const std::size_t k = cell_case.patch[static_cast<std::size_t>(edge)];
       if (k == kNotCut) continue;
@@ -152,7 +153,7 @@ class Extractor {
     const auto along = [](int brick, int node, float offset) {
       return static_cast<float>(brick * kBrickEdge + node) + offset;
     };
-    // From the cell's place in the whole grid, so that every brick that has this cell gets the same bits.
+    // Compute from the cell's place in the whole grid: every brick that has this cell gets the same bits.
     const Vec3 p_mm = layout_.origin_mm + layout_.voxel_mm * Vec3{along(place_[0], x, in_cell.x),
                                                                   along(place_[1], y, in_cell.y),
                                                                   along(place_[2], z, in_cell.z)};
@@ -200,7 +201,7 @@ class Extractor {
   std::array<int, 3> place_;
   SurfaceChunk& chunk_;
   std::array<std::uint16_t, std::size_t{kPatchEdge} * kPatchEdge> rows_;
-  std::array<Cell, kCells> cells_;  // filled in where cut
+  std::array<Cell, kCells> cells_;  // only those with cut edges are filled in
 };
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 namespace osteon::surface {
 
-/// What a carved bone was at one time, for threads that do not carve it.
+/// State of a carved bone at one time, for threads that do not carve it.
 struct CarvedSnapshot {
   std::shared_ptr<const SolidField> solid;  ///< null: nothing is known
   std::shared_ptr<const BrickField> swept;
@@ -16,8 +16,8 @@ struct CarvedSnapshot {
 ///
 ///     max(solid, swept), each interpolated between its eight nodes: a rim stays sharp
 ///
-/// Off by at most h²/8 (1/R1 + 1/R2) beside a face of radii R1 and R2, for voxels of h. Beyond the grid there
-/// is air.
+/// The error is at most h²/8 (1/R1 + 1/R2) beside a face with radii of curvature R1 and R2, for voxels of
+/// edge h. Beyond the grid there is air.
 [[nodiscard]] float CarvedDistance(const BrickLayout& layout, const BrickField& solid,
                                    const BrickField& swept, Vec3 p_mm);
 

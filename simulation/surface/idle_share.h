@@ -4,27 +4,30 @@
 
 namespace osteon::surface {
 
-/// Decides when a thread of SCHED_IDLE may work with a lock that other threads want. Where every CPU is busy,
-/// the system puts such a thread off for a second or more in the middle of a step, and who wants the lock
-/// waits as long: the priority that a mutex inherits counts for nothing between ordinary threads. So a thread
-/// that was put off rests, and then tries without the lock whether a CPU is idle again. Times are given, so
-/// that it can be tested without a clock.
+/// Decides when a thread of SCHED_IDLE may work while it holds a lock that other threads want. If every CPU
+/// is busy, the system suspends such a thread for a second or more in the middle of a step, and a thread that
+/// wants the lock waits as long: between ordinary threads, a mutex's priority inheritance has no effect. So
+/// a thread that was suspended rests, and then tries, without the lock, whether a CPU is idle again. The
+/// caller passes all times, so that tests need no clock.
 class IdleShare {
  public:
   enum class Next { kWork, kRest, kTry };
 
   static constexpr rt::Nanoseconds kRestTime = rt::kSecond;
-  /// CPU time of a try, without the lock: longer than the one turn that a busy machine grants.
+  /// CPU time that a try uses, without the lock: longer than the one turn on a CPU that a busy machine
+  /// grants.
   static constexpr rt::Nanoseconds kTryTime = 15 * rt::kMillisecond;
-  static constexpr rt::Nanoseconds kMinTold = 20 * rt::kMillisecond;  ///< a shorter stretch tells nothing
-  static constexpr int kMinShare = 5;  ///< a fifth of the time on a CPU: it was not put off
+  /// A shorter stretch of work does not show whether the thread was suspended.
+  static constexpr rt::Nanoseconds kMinTold = 20 * rt::kMillisecond;
+  static constexpr int kMinShare = 5;  ///< a thread that had a CPU for 1/5 of the time was not suspended
 
-  /// The step to take at a time.
+  /// Returns what the thread is to do next, at the time `now`.
   [[nodiscard]] Next At(rt::Nanoseconds now) const {
     if (!put_off_) return Next::kWork;
     return now < rests_until_ ? Next::kRest : Next::kTry;
   }
-  /// After a stretch of work, or a try, that ended at `now`. @param on_cpu  its CPU time
+  /// Call after a stretch of work, or a try, that ended at `now`.
+  /// @param took  its wall time  @param on_cpu  its CPU time
   void Ended(rt::Nanoseconds now, rt::Nanoseconds took, rt::Nanoseconds on_cpu) {
     put_off_ = took >= kMinTold && on_cpu < took / kMinShare;
     if (put_off_) rests_until_ = now + kRestTime;

@@ -8,7 +8,7 @@
 namespace osteon::surface {
 namespace {
 
-/// Vertices that quads join, as a forest: each leads to a vertex of its piece.
+/// Sets of vertices that quads join (union-find): each vertex leads to the root of its shell.
 class Joined {
  public:
   explicit Joined(std::size_t vertices) : towards_(vertices) {
@@ -78,7 +78,7 @@ void KeepOnly(const std::vector<bool>& kept_quad, WeldedSurface& mesh) {
 }  // namespace
 
 PieceFigures DropPiecesBelow(double min_mm3, WeldedSurface& mesh) {
-  std::vector<std::uint32_t> shell_of;  // of each quad
+  std::vector<std::uint32_t> shell_of;  // the shell of each quad
   std::vector<Shell> shells = ShellsOf(mesh, shell_of);
   PieceFigures figures;
   const auto largest = std::max_element(shells.begin(), shells.end(), [](const Shell& a, const Shell& b) {

@@ -8,7 +8,7 @@
 namespace osteon::surface {
 namespace {
 
-/// Blocks of 4³ bricks are passed over where their centre is far from the surface.
+/// A block of 4³ bricks is not sampled further if its centre is far from the surface.
 constexpr int kBlockEdge = 4;
 
 Vec3 CentreOf(const BrickLayout& layout, const std::array<int, 3>& brick, int bricks) {
@@ -17,7 +17,8 @@ Vec3 CentreOf(const BrickLayout& layout, const std::array<int, 3>& brick, int br
          half_mm * Vec3{1.0F, 1.0F, 1.0F};
 }
 
-/// Half of the diagonal of so many bricks and the band, with room for rounding [mm].
+/// Half the diagonal of a cube of `bricks`³ bricks plus the width of the band, with a margin for rounding
+/// [mm].
 float ReachOf(const BrickLayout& layout, int bricks) {
   constexpr float kRounding = 0.01F;
   return layout.voxel_mm *
@@ -31,15 +32,15 @@ void EachBrick(const std::array<int, 3>& from, const std::array<int, 3>& to, int
       for (int x = from[0]; x < to[0]; x += step) visit(std::array<int, 3>{x, y, z});
 }
 
-/// A brick's part of the field, before it has a place in it.
+/// The field in one brick, before it is stored in the whole field.
 struct SampledBrick {
   BrickIndex brick{0};
   std::int32_t state{BrickField::kAllHigh};  ///< of a uniform brick
   std::vector<std::int16_t> values;          ///< empty: uniform
 };
 
-/// Samples a row of eight nodes. A distance changes by no more than the way, so the nodes after one that is
-/// far from the surface are known.
+/// Samples a row of eight nodes. A distance changes no faster than the place, so the limited values of the
+/// nodes after one that is far from the surface are known.
 void SampleRow(const BrickLayout& layout, const DistanceAt& distance, const std::array<int, 3>& first,
                std::int16_t* values) {
   int known = 0;
@@ -121,7 +122,7 @@ SolidField::SolidField(const BrickLayout& layout, const DistanceAt& distance)
 SolidField::SolidField(const BrickLayout& layout, std::span<const Capsule> balls)
     : layout_(layout), distances_(layout.Count(), BrickField::kAllLow) {
   const float edge_mm = layout.voxel_mm * kBrickEdge, reach_mm = ReachOf(layout, 1);
-  // Depths first, as if the balls were cut; distances are their negatives.
+  // Compute depths first, as if the balls were cut; the distances are their negatives.
   for (const Capsule& ball : balls) {
     const float around_mm = ball.radius_mm + kBandVoxels * layout.voxel_mm;
     const Vec3 offset = ball.a_mm - layout.origin_mm;

@@ -34,11 +34,11 @@ inline constexpr int kBrickEdge = 8;                                      ///< n
 inline constexpr int kBrickNodes = kBrickEdge * kBrickEdge * kBrickEdge;  ///< nodes of a brick
 inline constexpr int kCellEdge = kBrickEdge + 1;  ///< cells along a brick that its chunk may use: -1 … 7
 inline constexpr int kMaxChunkQuads = 3 * kBrickNodes;
-inline constexpr int kMaxPatches = 4;  ///< vertices of one cell
+inline constexpr int kMaxPatches = 4;  ///< largest number of patches of one cell
 /// Every vertex may be doubled: one for the old surface, one for the cut.
 inline constexpr int kMaxChunkVertices = kCellEdge * kCellEdge * kCellEdge * kMaxPatches * 2;
 
-/// Number of a brick: x + nx (y + ny z).
+/// Number of a brick (x, y, z): x + nx (y + ny z), with nx and ny bricks along x and y.
 using BrickIndex = std::uint32_t;
 
 /// Place and size of the grid. Node (0, 0, 0) lies at the origin.

@@ -15,7 +15,7 @@ namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// Two triangles a quad, along the shorter diagonal.
+/// Cuts each quad into two triangles along the shorter diagonal.
 std::vector<Triangle> Triangulate(const WeldedSurface& mesh) {
   std::vector<Triangle> triangles;
   triangles.reserve(2 * mesh.quads.size());
@@ -39,7 +39,7 @@ std::string ExtensionOf(const std::filesystem::path& path) {
   return extension;
 }
 
-/// Appends a number as the machine has it, which is little endian on every machine that this is built for.
+/// Appends a number's bytes as they are in memory: little endian on every machine that this is built for.
 template <class T>
 void Append(std::string& bytes, T value) {
   std::array<char, sizeof(T)> raw{};

@@ -13,7 +13,7 @@
 
 namespace osteon::surface {
 
-/// What was written.
+/// Figures of a written surface.
 struct SurfaceFigures {
   std::size_t triangles{0};
   double volume_mm3{0.0};
@@ -21,7 +21,7 @@ struct SurfaceFigures {
   PieceFigures pieces{};
 };
 
-/// Two triangles for each quad, cut along its shorter diagonal; metres.
+/// Makes two triangles of each quad, cut along its shorter diagonal. Converts millimetres to metres.
 [[nodiscard]] simulation::TriangleMesh ToTriangles(const WeldedSurface& mesh);
 
 /// Writes the carved bone, in millimetres and in G: binary STL, binary PLY or OBJ, by the file's extension.
@@ -31,7 +31,7 @@ struct SurfaceFigures {
 [[nodiscard]] tl::expected<SurfaceFigures, simulation::FileError> WriteSurface(
     const std::filesystem::path& path, const CarvedField& field, double drop_below_mm3 = 0.0);
 
-/// Says why a file's name is refused; empty: it isn't.
+/// Says why a file's name is refused; empty if it is accepted.
 [[nodiscard]] std::string ValidateSurfaceName(const std::filesystem::path& path);
 
 }  // namespace osteon::surface

@@ -7,7 +7,7 @@
 
 namespace osteon::surface {
 
-/// Receives the mesh while it changes. Called by one thread at a time, never by the engine's but in
+/// Receives the mesh while it changes. Called by one thread at a time; by the engine's thread only within
 /// SurfaceThread::Apply.
 class SurfaceSink {
  public:
@@ -18,9 +18,10 @@ class SurfaceSink {
 
   /// The grid of all chunks. Called once, before the first Publish.
   virtual void Begin(const BrickLayout& layout) = 0;
-  /// Chunks that replace those of the same bricks. The first call has every brick with a surface.
+  /// Publishes chunks that replace those of the same bricks. The first call has every brick with a surface.
   /// @param chunks  valid during the call only
-  /// @param frame   the last frame whose way is carved
+  /// @param frame   the last frame that was read (ToolWays::frame); those of an incomplete batch are not
+  ///   carved yet
   virtual void Publish(std::span<const SurfaceChunk> chunks, std::uint64_t frame) = 0;
 };
 

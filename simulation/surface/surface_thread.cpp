@@ -18,10 +18,10 @@
 namespace osteon::surface {
 namespace {
 
-// A step of the idle thread: some 0.2 ms of work.
-constexpr std::size_t kFramesAStep = 4 * ToolWays::kBatchFrames, kBricksAStep = 16;
-// Chunks whose memory is kept for the next change. The first one has all bricks of the bone, a live one some
-// dozens.
+// Frames and bricks in one step of the idle thread: some 0.2 ms of work.
+constexpr std::size_t kFramesPerStep = 4 * ToolWays::kBatchFrames, kBricksPerStep = 16;
+// Number of chunks whose memory is kept for the next change. The first mesh has all bricks of the bone, a
+// later change some dozens.
 constexpr std::size_t kKeptChunks = 256;
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 
@@ -80,7 +80,8 @@ void SurfaceThread::TakeBack(std::vector<WayTimes> ways) {
   asked_ = std::move(ways);
 }
 
-// Carves beside the field that is shown, so that nobody waits for it; what comes meanwhile is added.
+// Carves a second field beside the shown one, so that nobody waits for it, and adds the batches that arrive
+// meanwhile.
 void SurfaceThread::CarveAnewIfAsked() {
   std::optional<std::vector<WayTimes>> asked;
   {
@@ -154,7 +155,7 @@ void SurfaceThread::RunWhenIdle() {
   }
 }
 
-// Computes nothing, without the lock.
+// Spends CPU time without the lock; RunWhenIdle then measures whether the thread got a CPU.
 void SurfaceThread::TryForIdleCpu() {
   const rt::Nanoseconds end = CpuTime() + IdleShare::kTryTime;
   while (CpuTime() < end && !stop_.load()) continue;
@@ -190,12 +191,12 @@ void SurfaceThread::PassInSteps() {
   for (bool emptied = false; !emptied;) {
     const std::lock_guard lock(mutex_);
     if (!field_) return;
-    emptied = CarveFrames(kFramesAStep);
+    emptied = CarveFrames(kFramesPerStep);
     pass = passes_;
   }
   for (bool more = true; more && !stop_.load() && !IsBehind();) {
     const std::lock_guard lock(mutex_);
-    more = pass == passes_ && ExtractSome(kBricksAStep);
+    more = pass == passes_ && ExtractSome(kBricksPerStep);
   }
 }
 
@@ -203,7 +204,7 @@ bool SurfaceThread::CarveFrames(std::size_t max_frames) {
   const rt::Nanoseconds now = rt::MonotonicNow();
   std::size_t count = 0;
   for (ToolFrame frame; count < max_frames && ring_.Pop(frame); ++count) ways_.Add(frame, fresh_);
-  // at once: most of a batch's capsules count at no node beside a later batch's
+  // all new batches at once: at most nodes, a later batch's capsules make those of an earlier one irrelevant
   if (!fresh_.empty()) CarveFresh();
   const bool emptied = count < max_frames;
   if (emptied) read_ns_.store(now);

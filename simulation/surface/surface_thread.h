@@ -23,30 +23,34 @@
 namespace osteon::surface {
 
 struct SurfaceThreadParams {
-  std::size_t ring_frames{4096};         ///< 8 s at 500 frames/s: a start with a large mesh is behind so long
-  std::chrono::milliseconds period{33};  ///< from one look into the ring to the next; chunks come no faster
-  /// Makes the solid's field, on the thread (seconds, for a mesh).
+  /// Room for 8 s at 500 frames/s: the start with a large mesh takes as long, and nothing is carved
+  /// meanwhile.
+  std::size_t ring_frames{4096};
+  std::chrono::milliseconds period{33};  ///< time between two looks into the ring; chunks come no faster
+  /// Makes the solid's field. Called on the thread; takes seconds for a mesh.
   std::function<std::shared_ptr<const SolidField>()> make_solid{};
   MaterialAt material{};  ///< empty: 0 everywhere
-  /// Carves what was cut before the first frame, on the thread (seconds). Empty: nothing was.
+  /// Carves the bone that was cut before the first frame. Called on the thread; takes seconds. Empty: no bone
+  /// was cut before.
   std::function<void(CarvedField&)> carve_earlier{};
-  /// Whether somebody looks; any thread. While nobody does, only the field follows, after the first mesh.
-  /// Empty: always.
+  /// Returns whether somebody looks at the surface. Called from any thread. While nobody looks, after the
+  /// first mesh, frames are carved but no mesh is made. Empty: somebody always looks.
   std::function<bool()> is_watched{};
-  bool keeps_batches{false};  ///< what touches bone is kept, so that TakeBack can leave a part of it out
+  bool keeps_batches{false};  ///< keeps the batches that touch bone, so that TakeBack can leave some out
 };
 
 /// Carves and extracts the surface beside the engine, in a thread that the system runs only where a CPU would
-/// be idle (SCHED_IDLE). A second one of low normal priority makes the first mesh, and does the work wherever
-/// the surface is kMaxAge old because no CPU is ever idle; where that lasts, every kBusyAge (IdleShare).
+/// be idle (SCHED_IDLE). A second thread, of low normal priority, makes the first mesh. It also does the work
+/// if the surface has become kMaxAge old because no CPU is ever idle; while that lasts, every kBusyAge
+/// (IdleShare).
 ///
 ///     engine's thread ──ToolFrame, SpscRing──▶ one of two threads ──chunks──▶ SurfaceSink
 ///
 /// The engine never waits: a full ring refuses a frame, and the next way then starts where the last pushed
-/// one ended. Writer of the ring is the engine's thread; its reader is who holds the lock: one of the two
-/// threads, or who calls Apply; memory order by SpscRing. The idle one holds the lock for a step of some 0.2
-/// ms of work at a time, and gives its work up where another one has taken the lock meanwhile. (Two threads,
-/// since the system lets none leave SCHED_IDLE without a privilege.)
+/// one ended. The ring's writer is the engine's thread. Its reader is the thread that holds the lock: one of
+/// the two threads, or a caller of Apply. SpscRing orders the memory. The idle thread holds the lock for a
+/// step of some 0.2 ms of work at a time, and drops its mesh if another thread has carved meanwhile. (There
+/// are two threads because a thread needs a privilege to leave SCHED_IDLE.)
 class SurfaceThread {
  public:
   /// @param sink  must outlive the thread; called by one thread at a time
@@ -56,11 +60,11 @@ class SurfaceThread {
   SurfaceThread(const SurfaceThread&) = delete;
   SurfaceThread& operator=(const SurfaceThread&) = delete;
 
-  /// Age at which the surface is made at a low normal priority.
+  /// Age of the surface at which the thread of low normal priority makes it.
   static constexpr std::chrono::milliseconds kMaxAge{500};
-  /// The same while the idle thread gets no CPU.
+  /// This age while the idle thread gets no CPU.
   static constexpr std::chrono::milliseconds kBusyAge{200};
-  /// From one look into the ring to the next while nobody looks.
+  /// Time between two looks of the idle thread into the ring while nobody looks at the surface.
   static constexpr std::chrono::milliseconds kUnwatchedPeriod{200};
 
   /// Passes a frame on. Engine's thread only.
@@ -72,16 +76,17 @@ class SurfaceThread {
   /// @throws std::runtime_error with error() where the thread has failed; else what `change` throws.
   void Apply(const std::function<void(CarvedField&, ToolWays&)>& change);
 
-  /// Leaves these parts of the way out from now on, and carves the rest anew: soon, on the thread; nobody
-  /// waits. Only with keeps_batches. Any thread.
-  /// @param ways  all of them, with those of earlier calls
+  /// Leaves these parts of the way out from now on. The thread soon carves the rest anew; the caller does not
+  /// wait. Needs keeps_batches. Any thread.
+  /// @param ways  all parts to leave out, including those of earlier calls
   void TakeBack(std::vector<WayTimes> ways);
 
   /// Carves and publishes what was pushed, and ends the thread. Safe to call twice.
   void Stop();
 
-  /// How far the published surface is behind: all frames that were pushed that long ago are in it. Some 40 ms
-  /// where a CPU is idle now and then; grows while nobody looks. Any thread.
+  /// How far the published surface is behind: it contains all frames that were pushed that long ago, except
+  /// those of a batch that is not complete yet (ToolWays::kBatchFrames). Some 40 ms if a CPU is idle now and
+  /// then; grows while nobody looks. Any thread.
   [[nodiscard]] std::chrono::nanoseconds age() const;
 
   /// Frames that the full ring refused; any thread.
@@ -92,32 +97,33 @@ class SurfaceThread {
  private:
   void Run();
   void RunWhenIdle();
-  /// Runs one of both, and notes the exception that ends it.
+  /// Runs Run or RunWhenIdle, and stores the exception that ends it.
   void Guard(void (SurfaceThread::*run)());
   void MakeField();
   void PassInSteps();
   void TryForIdleCpu();
   [[nodiscard]] bool IsWatched() const { return !params_.is_watched || params_.is_watched(); }
-  [[nodiscard]] bool IsBehind() const;  // so far that it can't wait for an idle CPU
+  [[nodiscard]] bool IsBehind() const;  // whether the surface is too old to wait for an idle CPU
   void CarveAnewIfAsked();
 
-  // with the lock, as what follows
+  // The functions from here on are called with the lock held.
   bool CarveFrames(std::size_t max_frames);  // returns whether the ring is empty
-  void CarveRest();                          // of a batch that is not complete
-  void CarveFresh();                         // the batches that are new
+  void CarveRest();                          // carves the incomplete batch, too
+  void CarveFresh();                         // carves the new batches
   void StartPass();
-  // Where somebody looks: publishes once all are there; returns whether some are left.
+  // Extracts dirty bricks if somebody looks, and publishes once all are done. Returns whether some are left.
   bool ExtractSome(std::size_t max_bricks);
 
   SurfaceThreadParams params_;
   SurfaceSink& sink_;
   rt::SpscRing<ToolFrame> ring_;
   std::atomic<bool> stop_{false};
-  std::atomic<rt::Nanoseconds> shown_ns_;  // frames pushed before are published
-  std::atomic<rt::Nanoseconds> read_ns_;   // frames pushed before are carved
+  std::atomic<rt::Nanoseconds> shown_ns_;  // value of read_ns_ for the published surface
+  std::atomic<rt::Nanoseconds> read_ns_;   // all frames pushed before this time were read from the ring
   std::atomic<bool> never_idle_{false};    // the idle thread gets no CPU
-  rt::InheritingMutex mutex_;              // of what follows; the engine's thread takes it in Apply alone
-  std::condition_variable_any begun_;      // the field is there, or the thread has failed
+  // Guards the members from here to error_; the engine's thread locks it only in Apply.
+  rt::InheritingMutex mutex_;
+  std::condition_variable_any begun_;  // the field is there, or the thread has failed
   std::shared_ptr<const SolidField> solid_;
   std::optional<CarvedField> field_;
   std::optional<TissueBricks> tissue_;
@@ -126,10 +132,10 @@ class SurfaceThread {
   std::vector<WayTimes> taken_back_;
   std::vector<SurfaceChunk> chunks_;  // its memory is used again
   bool published_{false};             // the first mesh
-  std::size_t extracted_{0};          // of the field's dirty bricks, since the field last changed
-  std::uint64_t passes_{0};           // grows as the field changes
+  std::size_t extracted_{0};          // dirty bricks that were extracted since the field last changed
+  std::uint64_t passes_{0};           // number of changes of the field
   std::string error_;                 // read without the lock once the thread is joined
-  std::mutex asked_mutex_;            // of what follows, and held briefly
+  std::mutex asked_mutex_;            // guards asked_, and is held briefly
   std::optional<std::vector<WayTimes>> asked_;
   std::thread thread_, idle_thread_;
 };

@@ -8,7 +8,7 @@
 
 namespace osteon::surface {
 
-/// A stretch of the tool's way: stamps of its frames' poses, both ends in it.
+/// A stretch of the tool's way, by the time stamps of the poses of its first and last frame.
 struct WayTimes {
   rt::Nanoseconds begin{0}, end{0};
   friend bool operator==(const WayTimes&, const WayTimes&) = default;
@@ -20,7 +20,7 @@ struct SweptBatch {
   bool touches{false};  ///< the tool touched or cut bone in one of the frames
   std::vector<Capsule> capsules;
 
-  /// Whether what was swept stays swept. A batch is taken back whole.
+  /// Whether the batch stays swept: no stretch that was taken back overlaps it. A batch is taken back whole.
   [[nodiscard]] bool Counts(const std::vector<WayTimes>& taken_back) const;
 };
 using SweptBatches = std::vector<std::shared_ptr<const SweptBatch>>;
@@ -29,20 +29,21 @@ using SweptBatches = std::vector<std::shared_ptr<const SweptBatch>>;
 [[nodiscard]] std::vector<Capsule> CapsulesOf(const SweptBatches& batches,
                                               const std::vector<WayTimes>& taken_back);
 
-/// ToolWays whose capsules come in batches that know when they were swept, so that a pass can be taken back.
-/// The tool may change; nothing is swept between the places of two tools.
+/// ToolWays whose capsules come in batches with the times of their frames, so that a pass can be taken back.
+/// The tool may change; nothing is swept on the way from the last place of one tool to the first place of the
+/// next.
 class BatchedWays {
  public:
   BatchedWays(const simulation::Tool& tool, const Pose& X_WG) : X_WG_(X_WG), ways_(tool, X_WG) {}
 
   /// Adds a frame, as ToolWays does. A batch that is complete is appended to `out`.
   void Add(const ToolFrame& frame, SweptBatches& out);
-  /// Appends what was swept since the last batch.
+  /// Appends the sweep since the last batch as a batch.
   void EndBatch(SweptBatches& out);
   /// Goes on with another tool.
   void UseTool(const simulation::Tool& tool, SweptBatches& out);
 
-  /// The ways of the tool in use, for who replaces them.
+  /// The ways of the tool in use, for a caller that replaces them.
   [[nodiscard]] ToolWays& ways() { return ways_; }
   /// Number of the last frame that was added.
   [[nodiscard]] std::uint64_t frame() const { return ways_.frame(); }
@@ -50,7 +51,7 @@ class BatchedWays {
  private:
   Pose X_WG_;
   ToolWays ways_;
-  SweptBatch open_;  // of the frames since the last batch; times.begin 0: none of them cuts
+  SweptBatch open_;  // the frames since the last batch; times.begin is 0 while none of them cuts
 };
 
 }  // namespace osteon::surface

@@ -112,7 +112,7 @@ tl::expected<BrickField, FileError> ReadSweptField(const std::filesystem::path& 
   if (const std::uint32_t crc = Crc(bytes.subspan(sizeof header)); crc != header.payload_crc)
     return refuse(12, "checksum", fmt::format("{:08x}", header.payload_crc), fmt::format("{:08x}", crc));
 
-  // the bricks, each by its content
+  // read the bricks, each by its kind of content
   BrickField swept(layout.Count(), BrickField::kAllLow);
   std::size_t at = sizeof header + count;
   for (BrickIndex brick = 0; brick < layout.Count(); ++brick) {

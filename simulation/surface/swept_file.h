@@ -10,8 +10,8 @@
 // The swept field on disk, so that a saved cut keeps its surface.
 //
 //     byte  0   SweptHeader   swept_file.cpp: magic, version, the grid, CRC of all that follows
-//     byte 48   1 byte a brick: 0 nothing swept, 1 all of it, 2 it has values
-//               1024 bytes a brick with values, in their order: 512 values, int16
+//     byte 48   1 byte per brick: 0 nothing swept, 1 all of it, 2 it has values
+//               1024 bytes per brick with values, in the bricks' order: 512 values, int16
 //
 // Little-endian. Versions are not converted.
 

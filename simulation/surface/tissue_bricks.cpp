@@ -13,7 +13,7 @@ std::uint8_t TissueBricks::At(BrickIndex brick, Vec3 p_mm) {
   return tissue == kMixed ? at_(p_mm) : tissue;
 }
 
-// A chunk's vertices lie in the cells -1 … 7, so the places reach from node -1 to node 8.
+// A chunk's vertices lie in the cells -1 … 7, so the sampled places reach from node -1 to node 8.
 std::uint8_t TissueBricks::Sample(BrickIndex brick) const {
   constexpr int kStep = kCellEdge / 3;
   const auto [x, y, z] = layout_.PlaceOf(brick);

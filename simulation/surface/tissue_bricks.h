@@ -7,18 +7,18 @@
 
 namespace osteon::surface {
 
-/// The tissue at vertices, brick by brick: most bricks have one tissue, which 4³ places of the brick tell
-/// when it is asked for first. Only in bricks of several tissues is the solid asked at each vertex (a
-/// microsecond or two, for a mesh). A layer thinner than a third of a brick may be missed where it ends. One
-/// thread.
+/// The tissue at vertices, brick by brick. At the first query of a brick, 4³ places in it are sampled: most
+/// bricks have a single tissue. Only in bricks of several tissues is the solid queried at each vertex (a
+/// microsecond or two, for a mesh). A layer thinner than a third of a brick may be missed where it ends. Used
+/// by one thread.
 class TissueBricks {
  public:
-  /// @param at  of the solid; empty: tissue 0 everywhere
+  /// @param at  the solid's tissue at a place; empty: tissue 0 everywhere
   TissueBricks(const BrickLayout& layout, MaterialAt at);
 
-  /// @param p_mm  within a voxel of the brick
+  /// Returns the tissue at a place. @param p_mm  in the brick, or at most a voxel outside
   [[nodiscard]] std::uint8_t At(BrickIndex brick, Vec3 p_mm);
-  /// At of a brick, for ExtractChunk; valid as long as this.
+  /// At() of a brick as a function, for ExtractChunk; valid as long as this object.
   [[nodiscard]] MaterialAt OfBrick(BrickIndex brick) {
     return [this, brick](Vec3 p_mm) { return At(brick, p_mm); };
   }

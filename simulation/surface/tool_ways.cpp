@@ -25,11 +25,11 @@ bool IsCovered(const simulation::ToolBall& ball, const std::vector<simulation::T
   });
 }
 
-/// Whether no point of a tool is farther than a micrometre from where it was: what it sweeps then is less
-/// than the thinning leaves out, and a tool that dwells has thousands of such frames.
+/// Whether no point of a tool is farther than a micrometre from its earlier place. Such a frame sweeps less
+/// than the thinning leaves out, and a tool that stands still has thousands of these frames.
 bool Dwells(double lever_m, const Pose& before, const Pose& now) {
   constexpr double kStill_m = 1e-6;
-  // of two rotations an angle of a apart, the matrices differ by a norm of sqrt(8) sin(a / 2)
+  // the difference of two rotation matrices that are an angle a apart has the norm sqrt(8) sin(a / 2)
   const double turn_rad = (now.linear() - before.linear()).norm() / std::numbers::sqrt2;
   return (now.translation() - before.translation()).norm() + lever_m * turn_rad <= kStill_m;
 }

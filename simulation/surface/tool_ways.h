@@ -22,17 +22,17 @@ struct ToolFrame {
   rt::Nanoseconds pose_stamp{0};  ///< when the frame's pose was commanded
 };
 
-/// The way of a frame's result. A frame with an error has none.
+/// Makes the way of a frame from its result. A frame with an error has no way.
 [[nodiscard]] ToolFrame MakeToolFrame(const simulation::ContactModel& model, double spindle_rad_per_s);
 
-/// Turns the tool's way into what its cutting balls sweep, in G:
+/// Turns the tool's way into the capsules that its cutting balls sweep, in G:
 ///
 ///     old proxy ─▶ slid ─▶ new proxy        in every frame in which the spindle turns
 ///
-/// The way from the old proxy to the first contact is free of bone, so the corner there is left out. A frame
-/// that turns the tool much has interpolated poses between, as the engine's has. Sixteen frames at a time are
-/// thinned to 5 um; frames that were skipped leave a straight way. A tool that stays within a micrometre of
-/// where it was sweeps nothing more.
+/// The way from the old proxy to the first contact is free of bone, so the corner there is left out. If a
+/// frame turns the tool much, interpolated poses are added, as in the engine. The ways of sixteen frames at a
+/// time are thinned to 5 um; skipped frames are replaced by a straight way. A tool that moves by less than a
+/// micrometre sweeps nothing more.
 class ToolWays {
  public:
   ToolWays(const simulation::Tool& tool, const Pose& X_WG);
@@ -42,10 +42,10 @@ class ToolWays {
 
   /// Adds a frame. Batches end after fixed numbers of frames, never by the clock, so that a run that is
   /// carved again gives the same capsules.
-  /// @returns whether a batch is complete: TakeCapsules then, which may have none
+  /// @returns whether a batch is complete: call TakeCapsules then, which may return none
   bool Add(const ToolFrame& frame);
 
-  /// What was swept since the last call, with an incomplete batch.
+  /// Returns all capsules since the last call, including those of an incomplete batch.
   [[nodiscard]] std::vector<Capsule> TakeCapsules();
 
   /// Number of the last frame that was added.
@@ -58,14 +58,14 @@ class ToolWays {
   Pose X_GW_;
   std::vector<simulation::ToolBall> cutters_;
   double lever_m_{0.0};
-  std::optional<Pose> X_GP_;  // where the last frame ended that did not dwell
-  std::vector<Pose> way_;     // of consecutive cutting frames
+  std::optional<Pose> X_GP_;  // end of the last frame that moved the tool
+  std::vector<Pose> way_;     // poses of consecutive cutting frames
   std::vector<Capsule> capsules_;
   int frames_{0};
   std::uint64_t frame_{0};
 };
 
-/// The voxel for a tool [mm]: a quarter of its head's radius, 0.1 to 0.5 mm.
+/// Edge of a voxel that suits a tool [mm]: a quarter of its head's radius, at least 0.1 and at most 0.5 mm.
 [[nodiscard]] float VoxelFor(const simulation::Tool& tool);
 
 }  // namespace osteon::surface

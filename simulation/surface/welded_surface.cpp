@@ -6,7 +6,7 @@
 namespace osteon::surface {
 namespace {
 
-/// A number for the vertex's cell in the whole grid, and its patch.
+/// A number that identifies the vertex's cell in the whole grid, and its patch.
 std::uint64_t GlobalKey(const BrickLayout& layout, const SurfaceChunk& chunk, const SurfaceVertex& vertex) {
   const auto brick = layout.PlaceOf(chunk.brick);
   const int cell = vertex.key / kMaxPatches;

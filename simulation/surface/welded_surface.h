@@ -16,7 +16,8 @@ struct WeldedSurface {
 /// Extracts every brick and joins vertices of the same cell and patch.
 [[nodiscard]] WeldedSurface WeldSurface(const CarvedField& field, const ExtractOptions& options = {});
 
-/// How edges are shared. All 0: the mesh is watertight and manifold.
+/// Counts of half edges that are not shared by exactly two quads. Both 0: the mesh is watertight and
+/// manifold.
 struct EdgeCounts {
   std::size_t open{0};         ///< half edges without an opposite one
   std::size_t over_shared{0};  ///< half edges that occur more than once

@@ -13,15 +13,15 @@ struct ToolBall {
   PlainVector3 center_m;
   double radius_m{0.0};
   bool cutting{true};
-  /// Of a cutting ball: edges that pass each place of its surface in one turn (a twist drill's two lips).
-  /// 0: not known; the work of edges then counts as part of the cutting energy.
+  /// For a cutting ball: number of edges that pass each place of its surface in one turn (a twist drill:
+  /// two). 0: not known; the work of edges then counts as part of the cutting energy.
   std::uint8_t edges{0};
 };
 
 /// A tool. T has its origin at the apex and +z along the feed; the spindle turns about T's z axis.
 ///
-/// The balls are what meets bone; the first ball of a tool that cuts is its head (CuttingHead). Mass, centre
-/// of mass and inertia are those of the real tool with its holder, which the balls do not include
+/// Only the balls meet bone; the head of a tool that cuts is its largest cutting ball (CuttingHead). Mass,
+/// centre of mass and inertia are those of the real tool with its holder, which the balls do not include
 /// (tool_mass.h).
 struct Tool {
   std::string name;

@@ -13,8 +13,8 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr int kSlices = 256;               // of a piece
-constexpr double kVibratingShare = 0.236;  // of a uniform cantilever's mass, as seen at its end
+constexpr int kSlices = 256;               // number of slices of a piece
+constexpr double kVibratingShare = 0.236;  // share of a uniform cantilever's mass, as seen at its end
 
 /// A slice of the free length.
 struct Slice {

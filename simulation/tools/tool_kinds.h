@@ -33,8 +33,9 @@ struct BallParams {
 struct BuiltTool {
   Tool tool;
   double length_m{0.0};                          ///< from the apex to the holder's back
-  std::shared_ptr<const ToolProfile> profile{};  ///< of the fitted balls; null where balls are exact
-  /// What bends between apex and holder (CantileverCompliance); empty where it is not known: a mesh.
+  std::shared_ptr<const ToolProfile> profile{};  ///< outline that the balls are fitted to; null: exact balls
+  /// The pieces that bend between apex and holder (CantileverCompliance); empty for a mesh, whose pieces are
+  /// not known.
   std::vector<BeamPiece> beam{};
   double load_point_m{0.0};  ///< distance behind the apex where bone pushes the tool aside: its head's centre
   double head_mass_kg{0.0};  ///< of the beam's rigid pieces
@@ -48,7 +49,7 @@ struct ReamerParams {
   double shell_m{0.002};
   double shaft_radius_m{0.008};
   double shaft_length_m{0.130};     ///< from the dome's base plane to the holder
-  double touching_length_m{0.120};  ///< of the shaft's part with balls, from one diameter behind the apex
+  double touching_length_m{0.120};  ///< length of the part with balls, from one diameter behind the apex
   double density_kg_per_m3{7900.0};
   HolderParams holder{};
 };

@@ -23,10 +23,10 @@ struct MotionSample {
 struct MotionOrigin {
   std::string made_by;  ///< person or program that held the tool
   std::string scene, cell, tool;
-  std::string engine;   ///< engine whose force the hand felt
+  std::string engine;   ///< engine that computed the force on the hand
   std::string clock;    ///< virtual or wall time
   std::string command;  ///< command that makes the file again
-  std::string error;    ///< of the curve through the samples against the recording
+  std::string error;    ///< error of the curve through the samples against the recording
 };
 
 /// A recorded motion of a tool; motion_player.h plays it.
@@ -39,7 +39,7 @@ struct ToolMotion {
 inline constexpr std::size_t kMaxMotionRows = 200'000;
 
 /// Text of a motion file: a first line "# osteon motion 1", the origin in comment lines "# key: value", a
-/// line that names the columns, and a row a sample:
+/// line that names the columns, and one row per sample:
 ///
 ///     time_s,x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z,spindle_rpm
 ///

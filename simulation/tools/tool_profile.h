@@ -37,7 +37,7 @@ class ToolProfile final : public Solid {
   ///   its sphere, or enclose nothing.
   explicit ToolProfile(std::vector<ProfilePiece> pieces);
 
-  /// Exact inside and outside.
+  /// The distance is exact inside and outside.
   [[nodiscard]] SurfacePoint NearestSurface(const Vector3& p_m) const override;
   [[nodiscard]] MaterialIndex MaterialAt(const Vector3&) const override { return 0; }
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const override;
@@ -48,7 +48,7 @@ class ToolProfile final : public Solid {
   [[nodiscard]] double RadiusAt(double z_m) const;
 
   /// Evenly spread points of the pieces (a low-discrepancy sequence on each, and rings where they meet).
-  /// `count` in all, more on pieces with a finer gap; at least an eighth of it on each.
+  /// At least `count` in all; more on pieces with a finer gap, and at least an eighth of `count` on each.
   /// @param seed  selects the points
   [[nodiscard]] std::vector<SurfaceSample> Sample(std::size_t count, std::uint64_t seed) const;
 

@@ -39,7 +39,7 @@ import com.kuka.roboticsAPI.uiModel.userKeys.UserKeyEvent;
  * User keys: "Begin" hands the arm over, "End" takes it back and ends the application.
  */
 public class OsteonHaptics extends RoboticsAPIApplication {
-  // What has to agree with the cell's YAML on the PC.
+  // These values must agree with the cell's YAML on the PC.
   /** The PC's network card toward the controller; the cell's fri: host. KONI's own address is 192.170.10.2. */
   private static final String CLIENT_ADDRESS = "192.170.10.10";
   /** 30200 to 30209; the cell's fri: port. */
@@ -51,7 +51,7 @@ public class OsteonHaptics extends RoboticsAPIApplication {
   /** POSITION (admittance), or WRENCH or TORQUE (impedance). */
   private static final ClientCommandMode MODE = ClientCommandMode.POSITION;
 
-  // What hangs on the flange: sensor and tool. The template carries load data and a default motion frame at the tool's
+  // The load on the flange: sensor and tool. The template carries load data and a default motion frame at the tool's
   // apex; its mass is checked, as an arm with a wrong load drifts in impedance control.
   private static final String TOOL_TEMPLATE = "OsteonReamer";
   private static final double PAYLOAD_KG = 1.38;

@@ -21,14 +21,14 @@ struct ComplianceRefusal {
 };
 
 /// How a tool bends in the loop. Its compliance grows with the thrust: 1 / (1 - P / P_cr).
-/// @param relaxation_s  time constant of the bending  @param push_N  greatest thrust along the feed; below
-/// the
-///   buckling load
+/// @param relaxation_s  time constant of the bending
+/// @param push_N  largest thrust along the feed, below the buckling load
 [[nodiscard]] control::ToolLinkParams ToolLinkOf(const simulation::ToolCompliance& tool, double relaxation_s,
                                                  double push_N);
 
-/// The layer that the softest of the materials makes. Without one, HasLayer is false.
-/// @param engaged_layer_m  of the engine's cutting parameters
+/// Makes the loop's layer: the stiffness of each material, and thickness and time constant of the softest
+/// layer. If no material has a layer, HasLayer is false.
+/// @param engaged_layer_m  as in the engine's cutting parameters
 [[nodiscard]] control::SurfaceLayerParams SurfaceLayerOf(std::span<const simulation::Material> materials,
                                                          const simulation::Tool& tool,
                                                          double engaged_layer_m);

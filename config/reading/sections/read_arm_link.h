@@ -13,7 +13,7 @@ namespace osteon::config {
 struct ArmLinkSections {
   Reader link;                      ///< `fri` or `rsi`
   std::optional<Reader> quality{};  ///< `link_quality`, beside fri
-  bool jump_accepted{false};        ///< of `rsi`: accept_jump_after_lost_answers
+  bool jump_accepted{false};        ///< value of accept_jump_after_lost_answers in `rsi`
 };
 
 /// Reads section `fri`, with `link_quality`, or `rsi`: both ends of the wire to the arm. A cell has one of

@@ -57,7 +57,8 @@ control::SurfaceLayerParams LayerOf(const CellConfig& cell) {
   return SurfaceLayerOf(materials, cell.tool.tool, cell.cutting.engaged_layer_m);
 }
 
-// Radius of the cup that the tool goes into; 0: none, or a packing's own, which is not known here.
+// Radius of the cup that the tool goes into; 0 if there is none, or if the cup comes from a packing file,
+// which is not read here.
 double CupRadiusOf(const CellConfig& cell) {
   if (cell.scene.zone.kind != simulation::ZoneParams::Kind::kCup) return 0.0;
   if (cell.bone) return cell.bone->cup ? cell.bone->cup->radius_m : 0.0;
@@ -101,7 +102,8 @@ void CheckMountMass(const Reader& bone_mount, const CellConfig& cell) {
                              1e-3 * rule.stable_up_to_N_per_m));
 }
 
-// Rule 2 of one mode: damping of mount, virtual tool and hand against the hand's stiffness times its age.
+// A mode of the mount, for rule 2: damping of mount, virtual tool and hand against the hand's stiffness times
+// its age.
 struct MountMode {
   std::string name;
   double critical_Ns_per_m;  // the mode's damping at the site where its ratio is 1

@@ -14,8 +14,8 @@ namespace osteon::config {
 /// @returns the section, for CompleteCompliance
 std::optional<Reader> ReadCompliance(Reader& cell_section, CellConfig& cell);
 
-/// Decides what `auto` says, makes the loop's parameters (ServoParams::compliance), and refuses what would
-/// not be stable. After robot, tool, scene, materials and script are known.
+/// Decides which parts with `auto` give way, makes the loop's parameters (ServoParams::compliance), and
+/// refuses a loop that would be unstable. Call after robot, tool, scene, materials and script are known.
 /// @param section  what ReadCompliance returned; absent: nothing gives way
 /// @throws ConfigError naming the value, and the value that is needed.
 void CompleteCompliance(const std::optional<Reader>& section, CellConfig& cell);
@@ -27,11 +27,11 @@ struct CompliancePart {
   bool known{false};  ///< false: the cell's files do not say how it gives way
   bool on{false};     ///< it gives way in the loop
   simulation::ComplianceEffect effect{};
-  double stiffness_N_per_m{0.0};  ///< of the part; of a layer the tangent's at a first touch, at felt_at_N
-  double force_N{0.0};            ///< that acts on it
-  double felt_at_N{0.0};          ///< of a layer: the force at which its stiffness is stated; 0: it is linear
-  double seated_m2{0.0};          ///< of a layer: the area that the tool engages under force_N
-  double thrust_ratio{0.0};       ///< of a tool: the push over its buckling load
+  double stiffness_N_per_m{0.0};  ///< of the part; for a layer, the tangent at a first touch under felt_at_N
+  double force_N{0.0};            ///< force on the part
+  double felt_at_N{0.0};          ///< for a layer: force at which its stiffness is stated; 0: it is linear
+  double seated_m2{0.0};          ///< for a layer: area that the tool engages under force_N
+  double thrust_ratio{0.0};       ///< for a tool: the push over its buckling load
 };
 
 /// The three parts of a cell: tool, layer, mount.

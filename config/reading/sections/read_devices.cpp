@@ -12,7 +12,7 @@ namespace osteon::config {
 namespace {
 
 constexpr double kOverspeed = 1.2;  // largest speed command of a drive, over the spindle's nominal speed
-constexpr double kQuickStop = 4.0;  // times as steep as the usual ramp
+constexpr double kQuickStop = 4.0;  // slope of a quick stop, over that of the usual ramp
 
 rt::Nanoseconds ToNanoseconds(double seconds) {
   return static_cast<rt::Nanoseconds>(std::llround(seconds * 1e9));

@@ -11,14 +11,14 @@ namespace {
 
 constexpr int kMinPort = 1024, kMaxPort = 65535;
 
-// A whole number of [begin, end), 0 … max; -1 if it is none.
+// Parses [begin, end) as a whole number 0 … max. @returns -1 if it is none
 int WholeNumber(const char* begin, const char* end, int max) {
   int value = -1;
   const auto [rest, error] = std::from_chars(begin, end, value);
   return rest == end && error == std::errc{} && *begin != '-' && value <= max ? value : -1;
 }
 
-// Four numbers 0 … 255 with points between them.
+// Whether a text is four numbers 0 … 255 with points between them.
 bool IsIpv4(const std::string& address) {
   int numbers = 0;
   for (std::size_t begin = 0; begin <= address.size(); ++numbers) {

@@ -16,10 +16,10 @@ struct EngineProcessSection {
 };
 [[nodiscard]] EngineProcessSection ReadEngineProcess(Reader section);
 
-/// `process` is `inside` (none), `local`, or "HOST:PORT" of an `osteon simulate` that listens there.
-/// @throws ConfigError for another one, and if an engine beyond the loopback has no `token_file`, or any
-/// other
-///   has one.
+/// Converts the section. `process` is `inside` (no process of its own), `local`, or "HOST:PORT" of an
+/// `osteon simulate` that listens there.
+/// @throws ConfigError for any other `process`, for an engine beyond the loopback without `token_file`, and
+///   for any other engine with one.
 [[nodiscard]] std::optional<EngineProcessConfig> CheckEngineProcess(const EngineProcessSection& read);
 
 }  // namespace osteon::config

@@ -45,7 +45,7 @@ void ReadShapeKeys(Reader& section, safety::ZoneParams& zone) {
   }
 }
 
-// The same in W, whatever frame the keys are in.
+// Reads a shape and converts it to W, in whichever frame its keys are.
 void ReadShape(Reader& section, const Pose& X_WG, safety::ZoneParams& zone) {
   ReadShapeKeys(section, zone);
   if (!IsInBoneFrame(section)) return;

@@ -9,8 +9,8 @@ namespace osteon::config {
 struct SimulatedArmSection {
   Reader section;
   hil::ArmLevel level{};
-  double coulomb_share{0.0};  ///< friction, as a share of a drive's torque limit
-  double viscous_share{0.0};  ///< as a share of the torque limit, at the velocity limit
+  double coulomb_share{0.0};  ///< Coulomb friction, as a share of a drive's torque limit
+  double viscous_share{0.0};  ///< viscous friction at the velocity limit, as a share of the torque limit
 };
 
 /// Reads section `simulated_arm`, after the link's (ReadArmLink):

@@ -8,7 +8,7 @@ namespace YAML {
 class Node;
 }
 
-// Keys that have a better name now. A file with the older name is read as before: a key is a contract.
+// Keys that were renamed. A file with the older name is still read, because a key is a contract.
 
 namespace osteon::config {
 

@@ -89,19 +89,19 @@ Keys NeededIn(const KeyRecorder::Mapping& mapping) {
   return needed;
 }
 
-// Adds the keys of a run's mappings to the table, as needed by every run.
+// Adds the keys of a run's mappings to the table, and keeps in `required` only keys that every run requires.
 void AddKeys(const KeyRecorder::Run& run, std::map<std::string, Keys>& required, KeyTable& table) {
   for (const auto& [place, mapping] : run.mappings) {
     KeyTable& at = At(table, place);
     for (const auto& [key, info] : mapping.keys) {
       KeyInfo& known = at.keys.try_emplace(key, info).first->second;
       if (known.type == KeyInfo::Type::kAny) known = info;
-      known.min = std::min(known.min, info.min);  // another range after another answer: the wider one
+      known.min = std::min(known.min, info.min);  // ranges differ between runs: the table has the widest
       known.max = std::max(known.max, info.max);
       if (known.size != info.size) known.size = 0;
     }
     if (!mapping.finished) continue;
-    for (const auto& [key, is_there] : mapping.optional)  // known, and read elsewhere
+    for (const auto& [key, is_there] : mapping.optional)  // optional keys that are read elsewhere
       if (is_there) at.keys.try_emplace(key, KeyInfo{.type = KeyInfo::Type::kAny});
     const Keys needed = NeededIn(mapping);
     const auto [all, is_first] = required.try_emplace(place, needed);
@@ -109,7 +109,8 @@ void AddKeys(const KeyRecorder::Run& run, std::map<std::string, Keys>& required,
   }
 }
 
-// Adds what the words of one key decide on: runs that differ in this one answer.
+// Adds the cases of one key: the keys that depend on its word.
+// @param runs  the mapping in runs that differ only in the answer for this key
 void AddCases(const std::string& place, const std::string& key,
               const std::vector<const KeyRecorder::Mapping*>& runs, KeyTable& table) {
   Keys somewhere, everywhere = KnownIn(*runs.front()), always = NeededIn(*runs.front());
@@ -142,21 +143,22 @@ KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& loa
     try {
       load("recorded.yaml");
     } catch (const KeyRecorder::Ended&) {
-    } catch (const std::exception&) {  // these answers do not go together
+    } catch (const std::exception&) {  // these answers contradict each other
     }
     present_recorder = nullptr;
     runs.push_back(std::move(recorder.run_));
     return std::move(recorder.asked_);
   };
   constexpr std::string_view kChoice = "choice ";
-  std::map<std::string, std::pair<Answers, std::size_t>> choices;  // of runs that ended, with their answers
+  // the questions about words in runs that ended: the run's answers, and the number of words
+  std::map<std::string, std::pair<Answers, std::size_t>> choices;
   while (!waiting.empty()) {
     if (runs.size() == kMaxRuns) throw std::logic_error("config: a loader asks without end");
     const Answers answers = std::move(waiting.front());
     waiting.pop_front();
     const auto asked = record(answers);
     const bool ended = runs.back().mappings.contains("") && runs.back().mappings.at("").finished;
-    // the last question of a run without end is likely to have the answer that the others do not go with
+    // If a run did not end, the answer to its last question probably contradicts the others: try all answers.
     if (!ended && !asked.empty())
       for (std::size_t answer = 0; answer < asked.back().second; ++answer) {
         Answers other = answers;
@@ -195,7 +197,7 @@ KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& loa
   for (const KeyRecorder::Run& run : runs)
     for (const auto& [place, ignored] : run.mappings)
       for (auto& [key, info] : At(table, place).keys)
-        info.required = required[place].contains(key);  // none where no answers go together to the end
+        info.required = required[place].contains(key);  // false if no run reached the end of the mapping
   return table;
 }
 

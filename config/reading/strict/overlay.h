@@ -17,7 +17,7 @@ struct OverlaidValue {
   const std::string& key;
   int line{0};  ///< of the key
   const YAML::Node& value;
-  const std::filesystem::path& file;  ///< that contains the value
+  const std::filesystem::path& file;  ///< the file that contains the value
   bool only_where_missing{false};     ///< a section created for values inside it: the mapping's own stays
 };
 
@@ -29,8 +29,8 @@ struct OverlaidValue {
 ///       injections: [{wire: arm, …}]       # a whole section or list
 ///       scene.packing.spacing_mm: 3        # of the file that the key `scene` names
 ///
-/// Relative files in an override start from the folder of the file that contains it. At most one in a thread
-/// at a time.
+/// Relative paths in an override start from the folder of the file that contains it. A thread may have one
+/// object at a time.
 class Overlay {
  public:
   /// @param root  the file in which keys begin

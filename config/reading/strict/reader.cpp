@@ -54,7 +54,8 @@ Reader Reader::LoadExtending(const std::filesystem::path& path, const std::strin
   if (same(base_file, path))
     own.Refuse("extends",
                fmt::format("found {}, which is this file, accepted another one", base_file.string()));
-  // its own reader, for its own errors: a mapping of different keys
+  // the extended file has a reader of its own, whose errors name that file: it must be a mapping of unique
+  // keys
   Reader base = Load(base_file);
   if (base.Has("extends")) {
     const std::string next = base.mapping_->Find("extends", "")->value.as<std::string>("");

@@ -84,7 +84,7 @@ class Reader {
   /// Refuses a key for a reason that only the caller can check, such as one value against another. @throws
   /// ConfigError at the key's line, with the key and `what`.
   [[noreturn]] void Refuse(const std::string& key, const std::string& what) const;
-  /// Where a key stands, "my.yaml:12", for what is found out later than while reading.
+  /// The place of a key, "my.yaml:12", for errors that are found after reading.
   [[nodiscard]] std::string PlaceOf(const std::string& key) const;
 
  private:

@@ -10,7 +10,7 @@ namespace osteon::config {
 /// whole key.
 [[nodiscard]] std::optional<double> UnitOf(std::string_view key);
 
-/// That ending itself: "mm" for "radius_mm". Empty if the key ends in no known unit.
+/// The unit at the end of a key: "mm" for "radius_mm". Empty if the key ends in no known unit.
 [[nodiscard]] std::string_view UnitEnding(std::string_view key);
 
 }  // namespace osteon::config

@@ -7,7 +7,7 @@ namespace YAML {
 class Node;
 }
 
-// A YAML file as one document, and what an error says of a place in it.
+// Reads a YAML file as one document, and describes places in it for errors.
 
 namespace osteon::config {
 

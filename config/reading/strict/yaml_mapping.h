@@ -21,7 +21,7 @@ struct YamlMapping {
     std::string key;
     int line{0};  ///< of the key
     YAML::Node value;
-    std::filesystem::path file;        ///< that contains the entry; an overlay's is another file
+    std::filesystem::path file;        ///< the file that contains the entry; an overlay's is another file
     std::optional<YAML::Node> base{};  ///< the mapping of the extended file below this one
   };
   struct Missing {
@@ -34,11 +34,11 @@ struct YamlMapping {
   };
 
   std::filesystem::path file;
-  std::filesystem::path base_file;   ///< that this file extends; empty: none
+  std::filesystem::path base_file;   ///< the file that this one extends; empty: none
   std::optional<std::string> place;  ///< key prefix within an overlay; empty: no overlay concerns it
   bool absent{false};
   int line{0};
-  YAML::Node document;  ///< that the own entries come from
+  YAML::Node document;  ///< the source of this file's own entries
   std::vector<Entry> entries;
   std::vector<std::string> known;
   std::vector<Missing> missing;
@@ -54,7 +54,7 @@ struct YamlMapping {
   YamlMapping(std::filesystem::path file_in, KeyRecorder& recorder_in, std::string place_in)
       : file(std::move(file_in)), absent(true), recorder(&recorder_in), recorded_place(std::move(place_in)) {}
 
-  /// Records a key, if this is what is done. @returns whether
+  /// Records a key if this mapping is being recorded (RecordKeys). @returns whether it did
   bool Record(const std::string& key, KeyInfo info) const;
 
   [[noreturn]] void Fail(int at, const std::string& what) const;

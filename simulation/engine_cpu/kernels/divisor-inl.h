@@ -1,4 +1,4 @@
-// Quotients by one divisor, without a division each.
+// Quotients by one common divisor, without a division for each.
 #if defined(OSTEON_CPU_DIVISOR_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_DIVISOR_INL_H
 #undef OSTEON_CPU_DIVISOR_INL_H
@@ -12,17 +12,18 @@ HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-// Correctly rounded quotients by one divisor b > 0, without a division each.
+// Computes correctly rounded quotients by one common divisor b > 0, without a division for each.
 //
 // With y = RN(1/b) and q = RN(a y): |q - a/b| <= 1.5 ulp. One correction q - y RN(b q - a) leaves less than
 // an ulp (its own error is 2^-51 of the first one's), so q is then a faithful quotient. For such a one
 // Markstein's theorem holds (Muller et al., Handbook of Floating-Point Arithmetic, section 4.7): b q - a is
 // exact in one fused operation, and the next correction gives RN(a/b). The sign is a's, also where a is a
 // zero: b q - a is +0 then, and q - y 0 is q, while q + y RN(a - b q) would turn -0 to +0. Operands of this
-// model are far from overflow, and from where their quotients' rests would be subnormal.
+// model are far from overflow, and so large that the remainders b q - a are not subnormal.
 //
-// Functions of vectors and no class that holds them: GCC 12 copies a member of two vectors by halves of one,
-// and the load of a whole one, which follows, waits for both stores (AVX2, removal: 164 us, not 117).
+// These are free functions, not a class with vectors as members: GCC 12 copies a member of two vectors in
+// halves of a vector, and the following load of a whole vector waits for both stores (with AVX2, the removal
+// then takes 164 us instead of 117).
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_NEON
 template <std::size_t N>
 HWY_INLINE One<double, N> Corrected(One<double, N> q, One<double, N> a, One<double, N> b,
@@ -42,8 +43,8 @@ HWY_INLINE Three<V> Quotients(const Three<V>& a, const V& b) {
   const V reciprocal = Make<V>::Of(1.0) / b;
   return {Quotient(a.x, b, reciprocal), Quotient(a.y, b, reciprocal), Quotient(a.z, b, reciprocal)};
 }
-#else  // without fused multiply-adds; and with AVX-512, whose quotients take less on Zen 4 (removal 78 us,
-       // not 85)
+#else  // without fused multiply-adds; and with AVX-512, whose divisions are faster on Zen 4 (removal 78 us
+       // instead of 85)
 template <class V>
 HWY_INLINE Three<V> Quotients(const Three<V>& a, const V& b) {
   return {a.x / b, a.y / b, a.z / b};

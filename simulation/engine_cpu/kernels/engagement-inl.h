@@ -15,8 +15,8 @@ HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-// Points that may be engaged, each with its nearest cutting ball, moved together and summed exactly:
-// ReferenceEngine::MeasureEngagement, to the same bits.
+// Collects the points that may be engaged, each with its nearest cutting ball, and sums them exactly, to the
+// bits of ReferenceEngine::MeasureEngagement.
 class EngagedPoints {
  public:
   explicit EngagedPoints(EngagementPass& pass) : e_(pass) {}
@@ -42,7 +42,8 @@ class EngagedPoints {
       tool_[kChunk + kLanes];  // place_: of the area, from the first block's
 };
 
-// Area and moment of eight points; zero for those that are not engaged, which changes no sum.
+// Computes area and moment of eight points; both are zero for a point that is not engaged, which changes no
+// sum.
 HWY_INLINE void EngagedPoints::Measure(std::uint32_t i, bool one_tool) {
   const D3 p = Metres({Load(x_ + i), Load(y_ + i), Load(z_ + i)});
   const std::uint32_t* t = tool_ + i;
@@ -62,7 +63,7 @@ HWY_INLINE void EngagedPoints::Measure(std::uint32_t i, bool one_tool) {
   Store(moment_m3_ + i, Select(counts, area * Sqrt(Dot(cross, cross)), zero));
 }
 
-// One after the other: the sums' bits hang on the order.
+// Adds up the points one after the other, because the bits of a sum depend on the order.
 inline void EngagedPoints::AddUp() {
   if (count_ == 0) return;
   Store(place_ + count_, U(place_[0])), Store(tool_ + count_, U(tool_[0]));
@@ -76,7 +77,8 @@ inline void EngagedPoints::AddUp() {
   count_ = 0;
 }
 
-// The nearest tool ball of one point where floats do not tell; -1: none within the layer.
+// Finds in doubles the nearest cutting ball of one point, where floats cannot tell it.
+// @returns -1 if no ball is within the layer
 inline std::int32_t ExactlyNearest(const EngagementPass& e, const PointBlock& block, unsigned k,
                                    std::uint32_t b) {
   const double x = 1e-3 * block.x[k], y = 1e-3 * block.y[k], z = 1e-3 * block.z[k];
@@ -93,14 +95,14 @@ inline std::int32_t ExactlyNearest(const EngagementPass& e, const PointBlock& bl
   return of;
 }
 
-// Whether floats do not tell that the surface faces away at a point: -n · out > 0 is off by the place, and by
-// some u |out| for n, products and sums.
+// Whether the tool's surface may face the bone at a point, -n · out > 0. False only if floats are certain:
+// the product's error is that of the tool ball's place, plus a few u |out| for n, products and sums.
 HWY_INLINE MF MayFace(const EngagementPass& e, const F3& out, const F8& distance) {
   const F3 n{F(static_cast<float>(e.n[0])), F(static_cast<float>(e.n[1])), F(static_cast<float>(e.n[2]))};
   return Dot(n, out) < MulAdd(distance, F(kDirectionRounding), F(e.rounding_mm));
 }
 
-// A block with one row: its points have one tool ball.
+// Examines a block with one row: all its points have the same tool ball.
 HWY_INLINE void EngageOneRow(const EngagementPass& e, std::uint32_t b, EngagedPoints& engaged) {
   const PointBlock& block = e.points[e.rows.block[b]];
   const std::uint32_t row = e.rows.first[b];
@@ -112,8 +114,8 @@ HWY_INLINE void EngageOneRow(const EngagementPass& e, std::uint32_t b, EngagedPo
   if (Bits(candidates) != 0) engaged.Add(e.rows.block[b], p, U(t), candidates);
 }
 
-// Floats find each point's nearest tool ball, and where the next one is too near to tell, or the layer's
-// inner border, doubles decide.
+// Examines a block with several rows. Floats find each point's nearest tool ball; doubles decide if the
+// second nearest ball, or the layer's inner border, is too close for floats to tell.
 HWY_INLINE void EngageRows(const EngagementPass& e, std::uint32_t b, float limit, EngagedPoints& engaged) {
   const PointBlock& block = e.points[e.rows.block[b]];
   const F3 p = CentersOf(block);
@@ -152,7 +154,8 @@ HWY_INLINE void EngageRows(const EngagementPass& e, std::uint32_t b, float limit
 }
 
 inline void MeasureEngagement(EngagementPass& pass) {
-  const EngagementPass e = pass;  // a copy stays in registers: for the compiler, stores of vectors change it
+  // this copy stays in registers; the compiler assumes that stores of vectors may change `pass`
+  const EngagementPass e = pass;
   EngagedPoints engaged(pass);
   const float limit = LimitOf(e.every_row, e.displacement_mm + e.layer_mm + e.rounding_mm);
   std::uint32_t b = 0;

@@ -1,4 +1,4 @@
-// Pass 2, the nearest pair in each bin of direction: the few pairs that floats leave, exactly.
+// Pass 2, the nearest pair in each bin of direction: computes exactly the few pairs that floats leave.
 #if defined(OSTEON_CPU_EXACT_PAIRS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_EXACT_PAIRS_INL_H
 #undef OSTEON_CPU_EXACT_PAIRS_INL_H
@@ -17,7 +17,7 @@ namespace HWY_NAMESPACE {
 
 // The result of FindBin for eight directions: axis, sign, and thirds of the cube's face.
 struct ExactBins {
-  D8 cutting_off, shaft_off;  // of a bin's middle, for balls that cut and that do not
+  D8 cutting_off, shaft_off;  // 1 - cosine to the bin's middle, for balls that cut, and for the others
   unsigned x, y, negative, low1, high1, low2, high2;
 
   HWY_INLINE unsigned Number(unsigned k, bool cutting) const {
@@ -63,7 +63,7 @@ HWY_INLINE D8 AlongAxis(const NearFieldPass& p, int c, const D3& n) {
   return (D(p.axes[3 * c]) * n.x + D(p.axes[3 * c + 1]) * n.y) + D(p.axes[3 * c + 2]) * n.z;
 }
 
-// FindBin and Nearer of contact_law.h, to the same bits.
+// Finds the nearest pair of each bin by FindBin and Nearer of contact_law.h, to the same bits.
 inline void FindNearestPairs(NearFieldPass& p, std::size_t count) {
   for (std::size_t i = 0; i < count; i += 8) {
     const unsigned valid = FirstBits(count - i);

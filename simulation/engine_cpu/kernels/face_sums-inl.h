@@ -18,7 +18,7 @@ HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-// LensVolume of contact_law.h, to the same bits.
+// LensVolume of cutting_math.h, at most max_lens_m3, to the same bits.
 HWY_INLINE D8 LensOf(const NearFieldPass& p, const D8& r1, const D8& r2, const D8& d) {
   const D8 dr = r1 - r2, sum = r1 + r2, over = sum - d;
   D8 v = D(std::numbers::pi) * over * over * (d * d + D(2.0) * d * sum - D(3.0) * dr * dr) / (D(12.0) * d);
@@ -36,14 +36,15 @@ HWY_INLINE D8 LensOf(const NearFieldPass& p, const D8& r1, const D8& r2, const D
   return Select(D(p.max_lens_m3) < v, D(p.max_lens_m3), v);
 }
 
-// The list of pairs that may lie in a cone. The sums' bits hang on the order: by rising ball, then tool ball.
+// The list of pairs that may lie in a cone, and their sums. The bits of a sum depend on the order of its
+// pairs, which is by rising ball, then tool ball.
 class FaceSums {
  public:
   explicit FaceSums(NearFieldPass& pass)
       : p_(pass), in_order_(pass.rows.first[pass.rows.block_count] == pass.rows.block_count) {
     for (std::size_t f = 0; f < kFaceCount; ++f) sums_[f] = Load(p_.sums[f]);
   }
-  // Pairs of sixteen lanes; they come by rising block, then tool ball, then ball.
+  // Adds the pairs of sixteen lanes. Pairs arrive by rising block, then tool ball, then ball.
   HWY_INLINE void Add(const std::uint32_t* place, const std::uint32_t* tool, unsigned lanes) {
     using V = Vector<std::uint32_t, 16>;
     if (count_ >= kConeCapacity) AddUp(SortBlocks(BeginOfLastBlock()));
@@ -57,7 +58,7 @@ class FaceSums {
   }
 
  private:
-  // Eight pairs between two steps.
+  // Eight pairs, with the results that one step of AddUp hands to the next.
   struct alignas(64) Group {
     double x[8], y[8], z[8], d[8], r[8], R[8];  // from bone to tool, then unit; distance; radii
     double center_x[8], center_y[8], center_z[8], lens[8], weight[kFaceCount][8];
@@ -74,7 +75,7 @@ class FaceSums {
   void Sum(const Group& g);
 
   NearFieldPass& p_;
-  bool in_order_;  // a ball has one tool ball
+  bool in_order_;  // every block has a single row, so its pairs arrive in order
   std::size_t count_{0};
   D8 sums_[kFaceCount];  // weight, n, centre in T, radius
 };
@@ -85,7 +86,7 @@ inline std::size_t FaceSums::BeginOfLastBlock() const {
   return begin;
 }
 
-// @returns end
+// Sorts the pairs before `end` by ball, then tool ball. @returns end
 inline std::size_t FaceSums::SortBlocks(std::size_t end) {
   if (in_order_) return end;
   for (std::size_t begin = 0, next = 0; begin < end; begin = next) {
@@ -96,7 +97,7 @@ inline std::size_t FaceSums::SortBlocks(std::size_t end) {
   return end;
 }
 
-// A block's pairs come by rising tool ball, then ball.
+// Sorts a block's pairs by ball. They arrive by rising tool ball, and pairs of one ball keep that order.
 inline void FaceSums::SortBlock(std::size_t begin, std::size_t end) {
   std::size_t at[8] = {}, next = 0;
   for (std::size_t i = begin; i < end; ++i) ++at[p_.cone_place[i] % 32];
@@ -112,7 +113,7 @@ inline void FaceSums::SortBlock(std::size_t begin, std::size_t end) {
   std::copy(p_.block_tool, p_.block_tool + (end - begin), p_.cone_tool + begin);
 }
 
-// The pairs before `end`; those behind it stay in the list. Each step is a loop of its own: roots and
+// Adds up the pairs before `end`; those behind it stay in the list. Each step is a loop of its own: roots and
 // quotients of several groups then hide each other's latency.
 inline void FaceSums::AddUp(std::size_t end) {
   Group groups[kGroups];

@@ -35,13 +35,13 @@ inline double PairContact(const ContactPass& p, std::uint32_t ball, std::uint32_
   return s <= 1.0 ? s : kNoContactFraction;
 }
 
-// Lanes that may be met before the fraction `first` of the way m. The distance |D - s m| is a convex function
-// of s, so it stays above its tangent at 0: it can reach R + r only where
+// Returns the lanes whose balls may be met before the fraction `first` of the way m. The distance |D - s m|
+// is a convex function of s, so it stays above its tangent at 0: it can reach R + r only where
 //
 //     gap d <= s (D·m)          with gap = d - R - r
 //
-// gap is off by the tool ball's rounding at most; D·m by that times |m|, and by 5 u d |m| for m, products and
-// sums, for which 1e-5 d |m| leaves room, as it does for the product on the left.
+// The error of gap is at most the tool ball's rounding error. The error of D·m is at most that times |m|,
+// plus 5 u d |m| for m, products and sums; the margin 1e-5 d |m| covers the latter and the rounding of gap d.
 HWY_INLINE unsigned MayMeet(const ContactPass& p, const BallBlock& b, unsigned t, double first) {
   const F3 from = CentersOf(b) - At(p.from, t);
   const F3 m{F(p.way_x_mm[t]), F(p.way_y_mm[t]), F(p.way_z_mm[t])};
@@ -62,8 +62,8 @@ inline double BlockContact(const ContactPass& p, std::uint32_t block, std::uint3
   return first;
 }
 
-// The gap that the tool can close before the fraction `first` of its way, and what it has moved since the
-// bounds.
+// Returns the limit for the rows' bounds: the gap that the tool can close before the fraction `first` of its
+// way, plus the displacement since the list was built.
 HWY_INLINE float ContactLimit(const ContactPass& p, double first) {
   const float fraction = static_cast<float>(first > 1.0 ? 1.0 : first) * 1.000001f;
   return LimitOf(p.every_row,

@@ -1,4 +1,4 @@
-// Bins of direction in floats, and how sure of them floats are.
+// Computes bins of direction in floats, and how certain they are.
 #if defined(OSTEON_CPU_FLOAT_BINS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_FLOAT_BINS_INL_H
 #undef OSTEON_CPU_FLOAT_BINS_INL_H
@@ -13,12 +13,12 @@ HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-// FindBin of contact_law.h in floats, of as many directions as V has lanes.
+// Result of FindBin (contact_law.h) in floats, for as many directions as V has lanes.
 template <class V>
 struct FloatBins {
   V number;      // a whole number
   V off_centre;  // 1 - cosine
-  V inside;      // how far the direction is from where another bin begins: what comparisons differ by
+  V inside;      // distance to the border of another bin: the smallest difference in the comparisons
 };
 
 template <class V>
@@ -43,8 +43,8 @@ HWY_INLINE FloatBins<V> FindFloatBins(V ux, V uy, V uz, bool cutting) {
   return {number, one - along * per_length, Min(to_face, Min(Abs(three1 - edge), Abs(three2 - edge)))};
 }
 
-// A float for each of 64 bins, looked up by numbers of bins. In registers where they are wide enough: a
-// gather of sixteen takes as long as finding the bins (Zen 4).
+// Holds a float for each of 64 bins, which At looks up by the bins' numbers. The table is kept in registers
+// if they are wide enough: a gather of sixteen floats takes as long as finding the bins (Zen 4).
 class BinTable {
  public:
 #if HWY_TARGET == HWY_AVX3
@@ -87,10 +87,10 @@ class BinTable {
 #endif
 };
 
-// Comparisons of bins are of components, and of three times a component with another: off by four times what
-// is off in a direction (rounding.h), and by their own rounding.
+// FindFloatBins compares components with each other, and three times a component with another one. A
+// difference is wrong by at most four times a direction's error (rounding.h), plus its own rounding.
 constexpr float kBinRounding = 4.0f * kDirectionRounding + 0x1p-21f;
-// A cosine of two unit vectors: both are off in length and direction, the face's normal by √3 u.
+// Error of the cosine of two unit vectors: both have errors in length and direction, the face's normal √3 u.
 constexpr float kConeRounding = 2.0f * kDirectionRounding;
 
 }  // namespace HWY_NAMESPACE

@@ -1,5 +1,5 @@
-// Eight floats or eight doubles and their masks, of Highway's vectors: one vector with AVX-512, two or four
-// where vectors are narrower. Compiled once for each instruction set (kernels.cpp).
+// Eight floats or eight doubles and their masks, made of Highway's vectors: one vector with AVX-512, two or
+// four if vectors are narrower. Compiled once for each instruction set (kernels.cpp).
 #if defined(OSTEON_CPU_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_LANES_INL_H
 #undef OSTEON_CPU_LANES_INL_H
@@ -85,7 +85,7 @@ struct MaskTraits<Two<H>> {
   static constexpr std::size_t kSize = 2 * MaskTraits<H>::kSize;
 };
 
-// ---- what makes a vector, and what it is written to
+// ---- making, loading and storing vectors
 
 template <class V>
 struct Make;
@@ -103,7 +103,7 @@ struct Make<Two<H>> {
     return {Make<H>::From(p), Make<H>::From(p + Traits<H>::kSize)};
   }
 };
-// One vector of those that a wider one consists of.
+// Type of the single vectors that a wider one consists of.
 template <class V>
 struct PieceOf {
   using Type = V;
@@ -119,7 +119,7 @@ HWY_INLINE U8 U(std::uint32_t x) { return Make<U8>::Of(x); }
 HWY_INLINE F8 Load(const float* p) { return Make<F8>::From(p); }
 HWY_INLINE D8 Load(const double* p) { return Make<D8>::From(p); }
 HWY_INLINE U8 Load(const std::uint32_t* p) { return Make<U8>::From(p); }
-// As many lanes as another vector has.
+// Makes a vector with as many lanes as another one.
 template <class V>
 HWY_INLINE V Like(V, float x) {
   return Make<V>::Of(x);
@@ -134,7 +134,7 @@ HWY_INLINE void Store(typename Traits<H>::Scalar* p, Two<H> a) {
   Store(p, a.a), Store(p + Traits<H>::kSize, a.b);
 }
 
-// ---- arithmetic, one operation one rounding
+// ---- arithmetic: each operation rounds once
 
 #define OSTEON_BINARY(name, highway)                    \
   template <class T, std::size_t N>                     \
@@ -167,7 +167,8 @@ OSTEON_UNARY(Abs, Abs)
 OSTEON_UNARY(Negative, Neg)
 #undef OSTEON_UNARY
 
-// Fused where the processor can: for floats, which only exclude, and for quotients that are exact either way.
+// Fused multiply-add, if the processor has it: for floats, which only exclude pairs, and for quotients, which
+// are exact either way.
 #define OSTEON_FUSED(name, highway)                                  \
   template <class T, std::size_t N>                                  \
   HWY_INLINE One<T, N> name(One<T, N> a, One<T, N> b, One<T, N> c) { \
@@ -317,10 +318,11 @@ struct Convert<Two<H>> {
 HWY_INLINE D8 ToD(F8 a) { return Convert<D8>::Of(a); }
 HWY_INLINE F8 ToF(D8 a) { return Convert<F8>::Of(a); }
 
-// ---- lanes of a table, and lanes moved together
+// ---- gathering lanes from a table, and packing lanes
 
-// base[index[k]] for each lane. A load for each lane where the compiler has a type for the vector: gathers of
-// the processor take longer (on Zen 4 the near field of a seated reamer 133 us with them, 117 without).
+// Loads base[index[k]] into each lane k. With AVX2 and AVX-512, each lane is loaded by itself: the
+// processor's gather instructions take longer (on Zen 4, the near field of a seated reamer takes 133 us with
+// them, 117 us without).
 template <class T, std::size_t N>
 HWY_INLINE void GatherInto(One<T, N>& to, const T* base, const std::uint32_t* index) {
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
@@ -365,7 +367,7 @@ HWY_INLINE U8 LaneNumbers(std::uint32_t first) {
   return Load(kNumbers) + U(first);
 }
 
-// Of each mask of N lanes, the numbers of its lanes one after the other. Highway's own tables are local to
+// For each mask of N lanes, the numbers of its lanes one after the other. Highway's own tables are local to
 // its functions (1.0.3), and GCC 12 copies such a table to the stack at every use: 1 KiB with AVX2.
 #if HWY_TARGET == HWY_AVX2
 struct PackedLanes {  // four bits each
@@ -411,7 +413,7 @@ HWY_INLINE One<T, N> Packed(One<T, N> a, OneMask<T, N> m) {
 #endif
 }
 
-// Writes the lanes of a mask, moved together; places behind them are written, too (eight in all).
+// Writes the lanes of a mask one behind the other; places behind them are written, too (eight in all).
 template <class T, class M, std::size_t N>
 HWY_INLINE std::size_t Pack(T* to, One<T, N> a, OneMask<M, N> m) {
   const hn::CappedTag<T, N> tag;
@@ -425,7 +427,7 @@ HWY_INLINE std::size_t Pack(typename Traits<H>::Scalar* to, Two<H> a, Two<M> m) 
   return first + Pack(to + first, a.b, m.b);
 }
 
-// ---- three of them
+// ---- vectors for the three coordinates x, y, z
 
 template <class V>
 struct Three {
@@ -438,7 +440,7 @@ HWY_INLINE Three<V> operator-(const Three<V>& a, const Three<V>& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
 HWY_INLINE F8 Dot(const F3& a, const F3& b) { return MulAdd(a.z, b.z, MulAdd(a.y, b.y, a.x * b.x)); }
-// in the order in which Eigen adds up a Vector3
+// Dot product, added up in the order in which Eigen does it for a Vector3.
 template <class V>
 HWY_INLINE V ExactDot(const Three<V>& a, const Three<V>& b) {
   return (a.x * b.x + a.y * b.y) + a.z * b.z;

@@ -1,4 +1,4 @@
-// Making lists: which tool balls come near a block, a point or a box.
+// Makes the rows of lists: finds the tool balls that come near a block, a point or a box.
 #if defined(OSTEON_CPU_LIST_ROWS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_LIST_ROWS_INL_H
 #undef OSTEON_CPU_LIST_ROWS_INL_H

@@ -20,7 +20,7 @@ namespace HWY_NAMESPACE {
 constexpr std::uint32_t kChunk = 512, kWide = 16;
 constexpr std::uint8_t kUnsureBin = 255;
 
-// Near pairs, moved together so that every lane has one; of one kind, those that cut or those that do not.
+// Near pairs, packed so that every lane has one. They are all of tool balls that cut, or all of others.
 struct NearChunk {
   alignas(64) float x[kChunk + kWide], y[kChunk + kWide], z[kChunk + kWide];  // from bone to tool
   alignas(64) float gap[kChunk + kWide];
@@ -34,7 +34,7 @@ struct NearChunk {
 class NearFieldSearch {
  public:
   explicit NearFieldSearch(NearFieldPass& pass);
-  // Scores of pairs that are probably near bound those of all others.
+  // Lowers the bounds of the bins by the scores of pairs that are probably near.
   void BoundBy(const std::uint32_t* place, const std::uint32_t* tool, std::size_t count);
   void Run();
 
@@ -59,7 +59,7 @@ class NearFieldSearch {
   NearFieldPass& p_;
   float axes_[9], faces_[kFaceCount][3];
   float worth_mm_, face_cosine_;
-  alignas(64) float best_[64];  // no pair of a bin that is nearest has a higher score
+  alignas(64) float best_[64];  // for each bin, an upper bound of the nearest pair's score
   std::size_t near_count_{0};
   FaceSums face_sums_;
   NearChunk chunk_;
@@ -110,7 +110,8 @@ inline void NearFieldSearch::BoundBy(const std::uint32_t* place, const std::uint
 }
 
 inline void NearFieldSearch::Run() {
-  const NearFieldPass p = p_;  // a copy stays in registers: for the compiler, stores of vectors change p_
+  // this copy stays in registers; the compiler assumes that stores of vectors may change p_
+  const NearFieldPass p = p_;
   const float limit = LimitOf(p.every_row, p.displacement_mm + p.enlargement_mm + p.rounding_mm);
   std::uint32_t b = 0, row = 0;
   for (BoundCursor blocks = BlocksOf(p.rows); blocks.Next(limit, b);) {
@@ -140,7 +141,7 @@ HWY_INLINE void NearFieldSearch::ExamineRow(const NearFieldPass& p, std::uint32_
   p.rows.bound[row] = Least(Select(live, gap, F(kNever))) + (p.displacement_mm - p.rounding_mm);
   const float rounding_mm = p.tool.rounding_mm[t];
   const MF near = live & (gap < F(p.enlargement_mm + rounding_mm));
-  // without a branch on it: whether a row has a near pair is hard to predict
+  // no branch here, because it is hard to predict whether a row has a near pair
   NearChunk& to = chunk_;
   const bool cutting = p.tool.cutting[t] != 0;
   if (to.count > kChunk - kLanes || to.cutting != cutting) {
@@ -178,7 +179,7 @@ HWY_INLINE void NearFieldSearch::TakeLanes(std::uint32_t i) {
   const V score = MulAdd(Like(x, worth_mm_), bins.off_centre, Make<V>::From(c.gap + i));
   const V error = ScoreError(per, c.rounding_mm),
           edge = MulAdd(Like(x, 4.0f * c.rounding_mm), per, Like(x, kBinRounding));
-  // where floats do not tell which bin it is, doubles have to look
+  // doubles also have to examine a pair whose bin floats cannot tell
   unsigned bits = valid & Bits((score - error <= BinTable(best_).At(bins.number)) | (bins.inside <= edge));
   if (bits == 0) return;
   float scores[kWide], numbers[kWide], inside[kWide], errors[kWide], edges[kWide];
@@ -204,7 +205,7 @@ inline void NearFieldSearch::AddNear(std::uint32_t place, std::uint32_t tool, fl
   if (sure && score < p_.enlargement_mm - 2.0f * error) best_[bin] = LesserOf(best_[bin], score + error);
 }
 
-// Exactly, those that later pairs have not excluded.
+// Computes exactly those listed pairs that later pairs have not excluded.
 inline void NearFieldSearch::SumNear() {
   std::size_t few = 0;
   for (std::size_t i = 0; i < near_count_; ++i) {

@@ -1,4 +1,4 @@
-// The tool's balls at a pose and on straight ways.
+// Places the tool's balls at a pose and on straight ways.
 #if defined(OSTEON_CPU_PLACING_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_PLACING_INL_H
 #undef OSTEON_CPU_PLACING_INL_H
@@ -51,7 +51,7 @@ inline void Shifted(Places a, const double v[3], std::uint32_t count, Places to)
   }
 }
 
-// The largest norm: the root rises with its argument, so that of the largest square is it.
+// Returns the largest distance [m]: the root of the largest square, because roots rise with their argument.
 inline double Farthest(Places a, Places b, std::uint32_t first, std::uint32_t last) {
   D8 largest = D(0.0);
   for (std::uint32_t i = first & ~7u; i < last; i += 8) {

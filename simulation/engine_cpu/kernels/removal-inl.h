@@ -1,4 +1,4 @@
-// Pass 3: balls shrink out of what was swept.
+// Pass 3: shrinks the balls that the sweep touches.
 #if defined(OSTEON_CPU_REMOVAL_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_REMOVAL_INL_H
 #undef OSTEON_CPU_REMOVAL_INL_H
@@ -17,8 +17,8 @@ namespace HWY_NAMESPACE {
 
 constexpr std::uint32_t kWorkBlocks = 24;
 
-// Blocks in work, as doubles. A seated reamer touches thousands of balls in every frame: roots and quotients
-// of several blocks at once hide each other's latency.
+// Shrinks the balls of several blocks at a time, in doubles. A seated reamer touches thousands of balls in
+// every frame: roots and quotients of several blocks at once hide each other's latency.
 class BallShrinking {
  public:
   explicit BallShrinking(RemovalPass& pass) : p_(pass) {}
@@ -61,7 +61,7 @@ HWY_INLINE void BallShrinking::AddBlock(std::uint32_t b, float limit) {
   if (rows_ + (last - first) > p_.scratch_capacity) FinishWork();
   std::uint32_t rounds = 0;
   if (last == first + 1) {
-    // the bound is this frame's: nearly every such block is touched, so doubles examine it at once
+    // the bound was updated in this frame, so nearly every such block is touched: doubles examine it at once
     const unsigned t = p_.rows.tool[first];
     if (!Cuts(p_.sweep, t)) return;
     p_.scratch[rows_++] = {.slot = count_, .tool = t, .lanes = 0xffu};
@@ -101,8 +101,8 @@ inline void BallShrinking::FinishWork() {
   count_ = rows_ = max_rounds_ = 0;
 }
 
-// A ball meets the tool balls in their order, each on both pieces of its way. Rows lie block after block: in
-// each round every block takes its next one.
+// Shrinks each ball by the tool balls in their order, each on both pieces of its way. The rows are stored
+// block after block; in each round, every block takes its next row.
 inline void BallShrinking::ShrinkByRounds() {
   TouchingRow round[kWorkBlocks];
   std::uint32_t next[kWorkBlocks], end[kWorkBlocks];
@@ -121,7 +121,8 @@ inline void BallShrinking::ShrinkByRounds() {
   }
 }
 
-// One capsule of each row; the rows are of different blocks.
+// Applies to each row's block the capsule of the row's tool ball from a to b. The rows are of different
+// blocks.
 inline void BallShrinking::Shrink(const TouchingRow* rows, std::uint32_t count, const Places& a,
                                   const Places& b) {
   Away away[kWorkBlocks];
@@ -158,7 +159,7 @@ HWY_INLINE void BallShrinking::ShrinkTouched(const TouchingRow& row, unsigned fi
   const DPiece half = Load::Of(0.5) * penetration, left = r - half;
   // a penetration of 2 r or more leaves nothing, which is below the smallest radius, too
   const auto gone = hit & (left < Load::Of(p_.min_radius_m));
-  // so close to the axis the direction needs care
+  // this close to the axis, shrink_on_axis determines the direction
   const auto close = hit & (!gone) & (d < Load::Of(p_.on_axis_share * tool_radius));
   const auto moved = hit & (!gone) & (!close);
   for (unsigned bits = Bits(close); bits != 0; bits &= bits - 1) {
@@ -188,7 +189,7 @@ inline void BallShrinking::DropSmallChildren() {
   }
 }
 
-// As RoundToStored() rounds: balls that nothing has touched keep their floats.
+// Stores the balls, rounded as by RoundToStored(); a ball that was not touched keeps its floats.
 inline void BallShrinking::WriteBack() {
   for (std::uint32_t slot = 0; slot < count_; ++slot) {
     const Work& w = work_[slot];

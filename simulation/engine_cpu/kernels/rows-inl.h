@@ -27,7 +27,7 @@ HWY_INLINE F3 CentersOf(const PointBlock& b) { return {Load(b.x), Load(b.y), Loa
 HWY_INLINE F3 At(const Places& p, unsigned t) { return {F(p.x_mm[t]), F(p.y_mm[t]), F(p.z_mm[t])}; }
 HWY_INLINE D3 ExactlyAt(const Places& p, unsigned t) { return {D(p.x[t]), D(p.y[t]), D(p.z[t])}; }
 
-// Those of a run of bounds that are at most a limit, one after the other. The limit may fall meanwhile.
+// Iterates over the bounds of a range that are at most a limit. The limit may fall during the iteration.
 class BoundCursor {
  public:
   HWY_INLINE BoundCursor(const float* bound, std::uint32_t first, std::uint32_t last)
@@ -54,7 +54,7 @@ HWY_INLINE BoundCursor RowsOf(const PairRows& rows, std::uint32_t b) {
   return {rows.bound, rows.first[b], rows.first[b + 1]};
 }
 
-// Asks for a block that comes some iterations later: listed blocks lie apart in memory.
+// Prefetches a block that is needed some iterations later: listed blocks lie apart in memory.
 template <class Block>
 HWY_INLINE void PrefetchAhead(const PairRows& rows, const Block* blocks, std::uint32_t b) {
   constexpr std::uint32_t kAhead = 16;
@@ -62,7 +62,7 @@ HWY_INLINE void PrefetchAhead(const PairRows& rows, const Block* blocks, std::ui
   hwy::Prefetch(&later), hwy::Prefetch(&later.z);
 }
 
-// The block's bound from those of its rows.
+// Sets the block's bound to the smallest bound of its rows.
 HWY_INLINE void UpdateBlockBound(const PairRows& rows, std::uint32_t b) {
   const std::uint32_t first = rows.first[b], last = rows.first[b + 1];
   if (last == first + 1) {

@@ -1,4 +1,4 @@
-// Pass 3: what the cutting balls sweep.
+// Pass 3: finds the large balls and the points in the volume that the cutting balls sweep.
 #if defined(OSTEON_CPU_SWEEP_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_SWEEP_INL_H
 #undef OSTEON_CPU_SWEEP_INL_H
@@ -12,10 +12,10 @@ HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-// A piece of one tool ball's way, as ClosestOnSegment has it.
+// A straight piece of one tool ball's way, with the values that ClosestOnSegment computes from its ends.
 template <class V>
 struct Segment {
-  Three<V> a, m, end;  // end: a + m, which is not always the other end
+  Three<V> a, m, end;  // end: a + m, which may differ from the other end by rounding
   V mm;
   bool moves;
 };
@@ -25,15 +25,15 @@ HWY_INLINE Segment<V> SegmentOf(const Places& a, const Places& b, unsigned t) {
   const double x = b.x[t] - a.x[t], y = b.y[t] - a.y[t], z = b.z[t] - a.z[t], mm = (x * x + y * y) + z * z;
   const Three<V> none{all(0.0), all(0.0), all(0.0)};
   if (mm == 0.0) return {{all(a.x[t]), all(a.y[t]), all(a.z[t])}, none, none, all(0.0), false};
-  // a + 0 m: a zero may have another sign than in a
+  // a + 0 m, as ClosestOnSegment computes it: a zero may have another sign than in a
   return {{all(a.x[t] + 0.0 * x), all(a.y[t] + 0.0 * y), all(a.z[t] + 0.0 * z)},
           {all(x), all(y), all(z)},
           {all(a.x[t] + x), all(a.y[t] + y), all(a.z[t] + z)},
           all(mm),
           true};
 }
-// From the segment's closest point to p, to the bits of p - ClosestOnSegment(p, a, b). Most points lie before
-// or past a way of micrometres: the closest point is a + 0 m or a + 1 m then.
+// Returns the vector from the segment's closest point to p, to the bits of p - ClosestOnSegment(p, a, b).
+// Most points lie before or past a way of micrometres: the closest point is then a + 0 m or a + 1 m.
 template <class V>
 HWY_INLINE Three<V> AwayFrom(const Segment<V>& s, const Three<V>& p) {
   const Three<V> out = p - s.a;
@@ -51,8 +51,8 @@ HWY_INLINE Three<V> AwayFrom(const Segment<V>& s, const Three<V>& p) {
 HWY_INLINE bool Cuts(const SweepView& s, unsigned t) {
   return s.tool.cutting[t] != 0 && (s.only < 0 || s.only == static_cast<std::int32_t>(t));
 }
-// Every place on a ball's way is within way_mm of where it begins: farther than that from there, nothing is
-// swept.
+// Every place on a ball's way is within way_mm of the way's beginning, so nothing with a larger gap to the
+// ball there is swept.
 HWY_INLINE float ReachOf(const SweepView& s) { return s.way_mm + s.rounding_mm; }
 HWY_INLINE float SweepLimit(const SweepView& s) {
   return LimitOf(s.every_row, s.displacement_mm + ReachOf(s));
@@ -62,7 +62,7 @@ HWY_INLINE F8 GapAtContact(const SweepView& s, unsigned t, const F3& center, con
   return Sqrt(Dot(from, from)) - F(s.tool.r_mm[t]) - r;
 }
 
-// Balls above a size that the sweep may touch: those that may have to be split.
+// Finds the balls above a size that the sweep may touch: those that may have to be split.
 inline void FindLargeBalls(LargeBallPass& p) {
   const float limit = SweepLimit(p.sweep);
   const F8 reach = F(ReachOf(p.sweep));
@@ -83,7 +83,7 @@ inline void FindLargeBalls(LargeBallPass& p) {
   }
 }
 
-// Points within the sweep, as ReferenceEngine::Remove clears them.
+// Finds the points within the sweep, as ReferenceEngine::Remove does.
 inline void FindCleared(ClearingPass& p) {
   const SweepView& s = p.sweep;
   const float limit = SweepLimit(s);

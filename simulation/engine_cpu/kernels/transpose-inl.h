@@ -1,4 +1,4 @@
-// Eight vectors of eight doubles, columns for rows.
+// Transposes eight vectors of eight doubles.
 #if defined(OSTEON_CPU_TRANSPOSE_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_TRANSPOSE_INL_H
 #undef OSTEON_CPU_TRANSPOSE_INL_H
@@ -15,7 +15,7 @@ namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
 #if HWY_TARGET != HWY_SCALAR
-// N vectors of N doubles: pairs of lanes first, then pairs of 128-bit blocks, then halves.
+// Transposes N vectors of N doubles: pairs of lanes first, then pairs of 128-bit blocks, then halves.
 template <std::size_t N>
 HWY_INLINE void TransposeSquare(One<double, N>* const (&r)[N]) {
   const hn::CappedTag<double, N> tag;
@@ -52,7 +52,8 @@ HWY_INLINE void Transpose(One<double, N>* const (&r)[N]) {
 #else
 HWY_INLINE void Transpose(One<double, 1>* const (&)[1]) {}
 #endif
-// Rows wider than a vector: each quarter of the matrix for itself, then the two that change places.
+// Transposes rows that are wider than a vector: each quarter of the matrix by itself, then swaps the two
+// quarters off the diagonal.
 template <class H>
 HWY_INLINE void Transpose(Two<H>* const (&r)[2 * Traits<H>::kSize]) {
   constexpr std::size_t kHalf = Traits<H>::kSize;
