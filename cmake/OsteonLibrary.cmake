@@ -45,8 +45,8 @@ function(osteon_precompiled_headers HOLDER)
   endif()
 endfunction()
 
-# What most sources include. They are parsed twice: for the folders of the tick, which have options of their own, and for
-# the others.
+# What most sources include. They are parsed three times: for the folders of the tick, for those around the loop, which
+# both have options of their own, and for the others.
 set(OSTEON_COMMON_HEADERS <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <memory> <numbers> <optional>
   <span> <string> <variant> <vector> <Eigen/Geometry>)
 
@@ -193,6 +193,8 @@ function(osteon_library NAME)
       osteon_precompile(osteon_${NAME} osteon_library_headers)
     elseif(own_options STREQUAL OSTEON_TICK_OPTIONS)
       osteon_precompile(osteon_${NAME} osteon_tick_headers)
+    elseif(own_options STREQUAL OSTEON_OUTER_OPTIONS)
+      osteon_precompile(osteon_${NAME} osteon_outer_headers)
     endif()
   else()
     add_library(osteon_${NAME} INTERFACE)
