@@ -55,7 +55,7 @@ bool RsiArm::StartsAgain() const {
 
 void RsiArm::Restart() {
   before_ = Sum(before_, controller_.state().counters);
-  // A session without any answer had no client, so its end is not reported as a stop.
+  // A session without any answer had no client, so its end does not replace the last stop.
   if (controller_.state().counters.answered > 0) last_stop_ = controller_.state().stop;
   controller_.Restart();
   idle_cycles_ = 0;
