@@ -42,7 +42,7 @@ struct ArmMotion {
 /// The arm and its controller as the cell sees them, independent of the protocol. No socket and no clock. A
 /// period is
 ///
-///     Receive() for each datagram that came  →  Move()  →  motion(), what the hand does with it  → Message()
+///     Receive() for each datagram that came  →  Move()  →  motion(), which the hand answers  →  Message()
 ///
 /// Two objects with the same input give the same bytes. One thread at a time.
 class ArmController {

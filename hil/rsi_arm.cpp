@@ -55,7 +55,7 @@ bool RsiArm::StartsAgain() const {
 
 void RsiArm::Restart() {
   before_ = Sum(before_, controller_.state().counters);
-  // without any answer there was no client to blame
+  // A session without any answer had no client, so its end does not replace the last stop.
   if (controller_.state().counters.answered > 0) last_stop_ = controller_.state().stop;
   controller_.Restart();
   idle_cycles_ = 0;
@@ -66,7 +66,7 @@ void RsiArm::SetPower(bool on) {
   power_ = on;
   if (!on) return controller_.PowerOff();
   Restart();
-  last_stop_ = {};  // acknowledged
+  last_stop_ = {};  // the return of power acknowledges the stop
 }
 
 ArmMotion RsiArm::motion() const {

@@ -27,8 +27,8 @@ void SimulatedCellThread::Run() {
 
   const auto period = static_cast<rt::Nanoseconds>(cell_.period_s() * 1e9 + 0.5);
   const rt::Nanoseconds tolerance = period / 2;
-  rt::Nanoseconds due = rt::MonotonicNow() + period;  // of the next message
-  rt::Nanoseconds sent = due - period;                // the last message
+  rt::Nanoseconds due = rt::MonotonicNow() + period;  // when the next message is to be sent
+  rt::Nanoseconds sent = due - period;                // when the last message was sent
   for (bool ends = false;;) {
     if (!ends && stop_.load(std::memory_order_relaxed)) {
       if (!cell_.EndSession()) break;

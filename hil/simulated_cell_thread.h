@@ -17,7 +17,7 @@ namespace osteon::hil {
 
 struct CellThreadParams {
   std::string client_address{
-      "127.0.0.1"};                  ///< dotted IPv4; the loopback unless the client really is elsewhere
+      "127.0.0.1"};                  ///< dotted IPv4; the loopback unless the client is on another machine
   std::uint16_t client_port{30200};  ///< where the client listens
   rt::RealtimeThreadParams thread{.priority = 80};
   InjectionParams injections{};              ///< only those of the arm's wire are used

@@ -94,7 +94,7 @@ class DriveDevice final : public io::CanClient {
   ObjectDictionary objects_;
   FrameQueue queue_;
   State state_{State::kNotReady};
-  int nmt_{0};  // 0 booting, 127 pre-operational, 5 operational, 4 stopped
+  int nmt_{0};  // NMT state: 0 booting, 127 pre-operational, 5 operational, 4 stopped
   bool power_{true};
   int last_control_{0}, error_{0}, broken_{0}, boot_error_{0}, resets_{0};
   double cutting_Nm_{0.0};

@@ -53,7 +53,7 @@ struct FriServerParams {
   kinematics::JointVector external_torque_offset_Nm{kinematics::JointVector::Zero()};
 };
 
-/// Datagrams so far.
+/// Numbers of datagrams so far.
 struct FriCounters {
   std::uint64_t sent{0};
   std::uint64_t answered{0};       ///< due answers that came in time and complete

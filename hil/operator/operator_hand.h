@@ -39,15 +39,14 @@ class HandImpedance {
   /// Sets the hand's mass to rest.
   void Reset() noexcept { V_mass_ = {}; }
 
-  /// One period. Poses at the point, velocities of the point, all in W. @param period_s > 0
-  /// @returns what the hand exerts, at the point, in W.
+  /// Advances by one period. Poses at the point, velocities of the point, all in W. @param period_s > 0
+  /// @returns the wrench that the hand exerts, at the point, in W.
   [[nodiscard]] Wrench Step(double period_s, const Pose& X, const Twist& V, const Pose& X_target,
                             const Twist& V_target) noexcept;
 
   /// Advances the mass alone by one period.
-  /// @param grip  0 … 1; scales the damper between mass and handle. At 0 the mass is set to rest: it loses
-  /// its
-  ///   energy and returns none to the handle.
+  /// @param grip  0 … 1; scales the damper between mass and handle. At 0 the mass is set to rest: its energy
+  ///   is lost, and none returns to the handle.
   /// @returns the wrench that moves the mass: the negative of what the mass exerts.
   [[nodiscard]] Wrench StepMass(double period_s, const Twist& V, double grip) noexcept;
 

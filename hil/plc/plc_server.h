@@ -90,7 +90,7 @@ class PlcServer {
       guard_permits_{0};  // as written
   PlcPanel shown_;        // the panel of the program's last step
   ModbusRegisters registers_;
-  mutable std::mutex mutex_;  // panel_, outputs_, counters_
+  mutable std::mutex mutex_;  // guards panel_, outputs_ and counters_
   PlcPanel panel_;
   PlcLogicOutputs outputs_;
   PlcServerCounters counters_;

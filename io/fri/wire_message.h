@@ -92,9 +92,8 @@ struct WireMonitoring {
 /// Reads a protobuf as its specification says: unknown fields are skipped, the last value of a repeated
 /// occurrence counts, and a nested message that comes again is merged. Stricter than libprotobuf:
 ///
-///   - a known field of another wire type is an error, not unknown; groups are errors (proto_reader.h, with
-///   its
-///     bounds of numbers)
+///   - a known field of another wire type is an error, not an unknown field; groups are errors; numbers are
+///     bounded as in proto_reader.h
 ///   - integers and enums of 32 bits must fit 32 bits
 ///   - more repeated elements than there is room for, and names of more than 63 bytes, are errors, even if a
 ///     later value replaces them

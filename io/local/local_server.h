@@ -30,7 +30,7 @@ inline constexpr const char* kServiceSocketFolder = "/run/osteon";
 
 /// Answers requests of other programs of the same user, of root, and of the group that may enter the sockets'
 /// folder, by a Unix socket: a connection sends one line and gets the answer's line, at most kMaxLocalRequest
-/// bytes and within a second; then the server closes it. A thread of its own serves one connection after the
+/// bytes and within a second; then the server closes it. A thread of its own answers one request after the
 /// other, so a request may take a lock, and never meets the tick.
 class LocalServer {
  public:

@@ -70,7 +70,7 @@ std::vector<McapChunkPlace> McapReader::FindChunks() {
   constexpr std::uint64_t kTimes = 16;  // first and last time, at the beginning of a chunk
   const std::uint64_t start = mcap::kMagic.size();
   std::vector<McapChunkPlace> chunks;
-  std::set<std::uint16_t> used;  // channels
+  std::set<std::uint16_t> used;  // channels found so far
   std::string head;
   for (std::uint64_t at = start; size_ - at >= mcap::kRecordHead + kTimes;) {
     if (!Read(at, mcap::kRecordHead + kTimes, head)) break;

@@ -53,7 +53,7 @@ struct RecordingCounts {
 /// In wall time a thread drains every 20 ms; in virtual time the owner does, and two equal runs give equal
 /// bytes. Order among equal stamps: tick, frame, event.
 ///
-/// A kill -9 loses what was pushed in the last 0.3 s: a chunk is passed to the system once it has 64 KiB or
+/// A kill -9 loses what was pushed in the last 0.3 s: a chunk is passed to the system once it has 256 KiB or
 /// is 0.25 s old. In wall time a second thread brings it to the disk itself (fdatasync) every second, so that
 /// neither the tick nor the writer waits for the disk; a power cut loses about that second more. In virtual
 /// time nothing is synchronised, as such a run can be repeated.

@@ -24,9 +24,9 @@ struct CouplingFigures {
 };
 
 /// Makes the compliance that a caller asked for, at rest; nothing if the caller asked for none.
-/// @throws Failure naming the value, what was found and what is accepted: a tool whose file has no `bending`,
-/// a bone
-///   without soft tissue, and what would not be stable (docs/theory/compliance.md, rules 1 and 3).
+/// @throws Failure naming the value, what was found and what is accepted, for a tool whose file has no
+///   `bending`, a bone without soft tissue, and figures that would not be stable (docs/theory/compliance.md,
+///   rules 1 and 3).
 [[nodiscard]] std::optional<control::Compliance> MakeCompliance(const OsteonComplianceParams& params,
                                                                 const BoneSource& bone,
                                                                 const ToolSource& tool,

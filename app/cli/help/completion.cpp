@@ -21,7 +21,7 @@ std::string Joined(const std::vector<std::string>& words) { return fmt::format("
 
 // Source of a value's completions: YAML files of a folder below config/ by name, any files, folders, or none.
 struct ValueSource {
-  std::string names;    // "cells"
+  std::string names;    // folder below config/, e.g. "cells"
   bool files{false};    // any file
   bool folders{false};  // any folder, no files
 };

@@ -76,7 +76,7 @@ struct FOsteonScoreItem {
   /// Unit of Value: "deg", "mm", "mm3", "ratio".
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
   FString Unit;
-  /// NaN: not measured.
+  /// The measured value; NaN: not measured.
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
   double Value = 0.0;
   /// Largest number of points.
