@@ -20,7 +20,7 @@ namespace osteon::simulation {
 /// find both. In G.
 class BallBone {
  public:
-  /// @param solid  gives each ball's density; null: the nearest mass point gives it
+  /// @param solid  gives each ball's density; null: the nearest mass point gives the density
   BallBone(const Bone& bone, const Solid* solid);
 
   struct LiveBall {
