@@ -78,7 +78,7 @@ class LineReader {
   [[nodiscard]] bool AtEnd() const { return error_ || at_ == text_.size(); }
   [[nodiscard]] const std::optional<TextError>& error() const { return error_; }
 
-  /// Reads the next line. @returns its key and unescaped value
+  /// The next line's key and unescaped value.
   std::pair<std::string, std::string> Next(const std::string& expected) {
     if (error_) return {};
     line_ = at_;
@@ -130,9 +130,9 @@ class LineReader {
     material.*figure.source = {.text = source, .assumed = key == figure.assumption_key};
   }
 
-  /// Keeps an error at the beginning of the last line.
+  /// An error at the beginning of the last line.
   void Fail(const std::string& found, const std::string& accepted) { Keep(line_, "", found, accepted); }
-  /// Keeps an error at the last line's value.
+  /// An error at the last line's value.
   void FailValue(const std::string& key, const std::string& found, const std::string& accepted) {
     Keep(value_, key, found, accepted);
   }
