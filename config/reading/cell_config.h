@@ -88,7 +88,7 @@ struct ArmLinkConfig {
 struct GuardConfig {
   std::string host;  ///< dotted IPv4, of this machine, where the arm's messages arrive
   std::uint16_t port{0};
-  double margin{0.25};     ///< beyond the controller's own limits, as a share of them
+  double margin{0.25};     ///< excess over the controller's own limits that is allowed, as a share of them
   double silence_s{0.05};  ///< largest silence of the controller
 };
 

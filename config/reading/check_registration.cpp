@@ -240,8 +240,8 @@ bool LooksLikeMetres(const Pose& X) {
   return from_origin_mm > 0.0 && from_origin_mm < kInMetres_mm;
 }
 
-// Refuses a base written in metres, if all rows hold with millimetres. (A bone in metres lies in the arm's
-// foot, which has a row of its own.)
+// Refuses a base written in metres, if all rows hold with millimetres. (A bone written in metres would lie in
+// the arm's foot, which the row from base to site refuses.)
 void RefuseBaseInMetres(const CellConfig& cell, const Reader& reader) {
   if (!LooksLikeMetres(cell.X_WB)) return;
   CellConfig other = cell;

@@ -32,7 +32,8 @@
 namespace osteon::config {
 namespace {
 
-// With six axes there is no redundant elbow: keys about it belong to an LBR.
+// Reads the start. @param lbr  reads the keys about the redundant elbow, which an arm of six axes does not
+// have
 void ReadStart(Reader section, bool lbr, StartConfig& start) {
   start.height_m = section.Number("height_mm", 0, 500);
   start.tool_yaw_rad = section.Number("tool_yaw_deg", -360, 360);
@@ -88,7 +89,7 @@ void ReadImpedance(Reader section, CellConfig& cell) {
   impedance.brake_Nms_per_rad = section.Number("brake_Nms_per_rad", 0, 100);
   impedance.twist_filter_s = section.Number("twist_filter_ms", 0, 100);
   impedance.follow_s = section.Number("follow_ms", 1, 10000);
-  // the set-up of the arm's program, also of the simulated one
+  // the modes that the arm's program sets, in the simulated arm as well
   hil::FriServerParams& arm = cell.simulated.fri;
   const bool wrench = section.Choice("overlay", {"wrench", "torque"}) == 0;
   arm.command_mode = wrench ? control::CommandMode::kWrench : control::CommandMode::kTorque;
@@ -122,7 +123,7 @@ void ReadSensorBias(Reader section, control::BiasParams& bias) {
     bias.max_creep_rad_per_s = section.Number("max_creep_deg_per_s", 0.1, 360);
 }
 
-// Reads the one section of the law.
+// Reads the section of the cell's law: exactly one of `admittance` and `impedance`.
 void ReadLaw(Reader& reader, CellConfig& cell) {
   const Reader section = reader.OneSection({"admittance", "impedance"});
   if (!reader.Has("impedance")) {
@@ -316,7 +317,7 @@ void PropagateSharedValues(CellConfig& cell) {
   servo.posture_load.axial_N = servo.wrench.max_force_N;
   servo.workspace.deceleration_m_per_s2 = servo.stop_deceleration_m_per_s2;
   servo.spindle_rad_per_s = cell.tool.spindle_rad_per_s;
-  // ratios so far, since a cell accepts other tools as well
+  // the file has these limits as ratios, because a cell accepts other tools as well
   if (const double rated_Nm = cell.tool.drive.rated_torque_Nm * cell.tool.drive.gear_ratio; rated_Nm > 0.0) {
     servo.spindle_limits.max_torque_Nm *= rated_Nm;
     servo.spindle_limits.max_speed_rad_per_s *= cell.tool.spindle_rad_per_s;
@@ -341,7 +342,7 @@ void PropagateSharedValues(CellConfig& cell) {
       cell.script);
 }
 
-// The sections that a cell for a real arm alone may do without, all three.
+// The three sections that a cell for a real arm alone may omit, all together.
 struct SimulationSections {
   Reader hand, script;
   SimulatedArmSection arm;
@@ -394,7 +395,7 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool, const 
   const Reader watchdog = reader.Section("watchdog"), coupling = reader.Section("coupling");
   ReadWatchdog(watchdog, servo.watchdog);
   ReadLaw(reader, cell);
-  servo.vibration.acts = false;  // where a cell has no such section: see docs/tuning.md
+  servo.vibration.acts = false;  // in a cell without section `vibration`: see docs/tuning.md
   if (reader.Has("console"))
     cell.pause_when_operator_leaves = reader.Section("console").Bool("pause_when_operator_leaves");
   if (reader.Has("vibration")) ReadVibration(reader.Section("vibration"), servo.vibration);
@@ -428,7 +429,7 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool, const 
   CompleteArmLink(reader, cell);
   cell.tool = ChooseTool(reader, own_tool, tool);
   cell.tool_file = tool ? tool->file : own_tool.file;
-  cell.simulated.X_FT = cell.tool.X_FT;  // from the file, whatever was measured
+  cell.simulated.X_FT = cell.tool.X_FT;  // the tool's file, even if a calibration has measured another apex
   servo.stabilisers.age_governor.tool_radius_m = HeadRadius(cell.tool.tool);
   CarryPayload(sensor_F, cell);
   CompleteDevices(devices, cell);

@@ -31,14 +31,14 @@ namespace osteon::config {
 /// @throws ConfigError naming file, line, key, what was found and what is accepted.
 [[nodiscard]] IdentifiedCell ReadIdentified(const std::filesystem::path& file);
 
-/// The same, for a cell: refuses a file of another robot, tool, period, posture or law.
+/// Reads the file for a cell: refuses a file of another robot, tool, period, posture or law.
 /// @throws ConfigError at the line of the key that differs.
 [[nodiscard]] IdentifiedCell ReadIdentifiedFor(const std::filesystem::path& file, const CellConfig& cell);
 
-/// Returns the file's text, with 10 significant digits. ReadIdentified of it gives the same values to 1e-9,
-/// and WriteIdentified of those gives the same text.
-/// @param comment  lines for the file's head, without "# "  @param law  of the cell; absent: not written, and
-/// the file is any law's
+/// Returns the file's text, with 10 significant digits. Read again by ReadIdentified, the values differ by
+/// less than 1e-9, and WriteIdentified then gives the same text.
+/// @param comment  lines for the file's head, without "# "
+/// @param law  the cell's law; absent: the file names no law and suits any
 [[nodiscard]] std::string WriteIdentified(const IdentifiedCell& identified, const std::string& comment,
                                           std::optional<control::Law> law = {});
 

@@ -32,7 +32,7 @@ JointLimits ReadLimits(Reader section) {
   return limits;
 }
 
-// One joint of a file and where its parts stand in it.
+// One joint of a file: its name and its sections.
 struct JointSections {
   Reader joint, limits;
   std::string name;

@@ -12,7 +12,7 @@ namespace osteon::config {
 
 namespace {
 
-// No item gains by a larger error, and all items together have at most 100 points.
+// Checks that no item gains by a larger error, and that all items together have at most 100 points.
 void CheckNorms(const procedure::Rubric& rubric,
                 const std::vector<std::pair<Reader, std::string>>& sections) {
   constexpr double kAllPoints = 100.0, kRounding = 1e-9;

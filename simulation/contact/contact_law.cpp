@@ -190,7 +190,7 @@ void FillContacts(const CuttingParams& params, const NearField& near, const Cand
 
   // faces: the planes that hold the tool, each along the mean normal of the balls around
   const Faces faces = FindFaces(params, candidates, hold, memory);
-  // Each face takes its share of the friction: its direction tilts, and both vanish together.
+  // Each face takes its share of the friction, which tilts its direction; force and friction vanish together.
   Vector3 cutting = Vector3::Zero(), at = Vector3::Zero();  // at: displacement from the tool's pose
   solution.contact_count = 0;
   ContactMemory next;

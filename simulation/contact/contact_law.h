@@ -115,7 +115,7 @@ void ComputeForceCap(ContactSolution& held);
 
 /// Fills contacts, delta, shift, n, cutting_m and the shaft planes of the solution, and the memory for the
 /// next frame.
-/// @param held  with the tool's turn;  @param unturned  without it
+/// @param held  solution with the tool's turn;  @param unturned  solution without the turn
 void FillContacts(const CuttingParams& params, const NearField& near, const Candidates& candidates,
                   const ContactSolution& held, const ContactSolution& unturned, const ContactInput& input,
                   ContactMemory& memory, FrameSolution& solution);

@@ -90,7 +90,7 @@ struct FrameSolution {
 struct FrameAdvance {
   double advance_m{0.0};
   double edge_work_J{0.0};       ///< work of the cutting edge on chips in this frame
-  double ploughing_work_J{0.0};  ///< PloughingWork
+  double ploughing_work_J{0.0};  ///< result of PloughingWork for this frame
 };
 /// Computes how far the bone gives way in a frame, by energy balance:
 ///

@@ -24,7 +24,7 @@ struct Kernels {
   double (*block_contact)(const ContactPass& pass, std::uint32_t block, std::uint32_t tool, double first);
   double (*pair_contact)(const ContactPass& pass, std::uint32_t ball, std::uint32_t tool);
 
-  /// @param likely_place, likely_tool  pairs that are likely to be near; a multiple of eight is read
+  /// @param likely_place, likely_tool  pairs that are likely to be near; read in groups of eight
   void (*near_field)(NearFieldPass& pass, const std::uint32_t* likely_place, const std::uint32_t* likely_tool,
                      std::size_t likely_count);
   void (*engagement)(EngagementPass& pass);

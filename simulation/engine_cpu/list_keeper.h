@@ -22,7 +22,7 @@ class ListKeeper {
   [[nodiscard]] double max_skin_mm() const { return 1e3 * std::max(cutting_skin_m_, shaft_skin_m_); }
   /// Whether the list holds every pair within this reach while the tool is at this placement.
   [[nodiscard]] bool Serves(const ToolPlacement& at, const FrameReach& reach) const;
-  /// The same for a reach that was checked before.
+  /// The same, for a reach that Serves or MakeAt has accepted before.
   [[nodiscard]] bool Serves(const ToolPlacement& at) const { return brute_force_ || SkinUsed(at) <= 1.0; }
   /// Builds the list at once. @returns false if there are more pairs than there is room for
   [[nodiscard]] bool MakeAt(const ToolPlacement& at, const FrameReach& reach);

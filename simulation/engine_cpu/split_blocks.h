@@ -83,8 +83,8 @@ class SplitBlocks {
   std::vector<std::uint32_t> free_;  // a heap, smallest number on top
   std::vector<WaitingBall> waiting_, waited_;
   std::uint64_t refused_{0};
-  // Children that rounding to floats has left too small: dropped when bone is next removed. And numbers that
-  // were empty when loaded.
+  // small_: children that rounding to floats has left too small, which are dropped when bone is next removed.
+  // empty_at_load_: numbers whose children were all gone when a state was loaded.
   std::vector<std::uint32_t> small_, small_before_, empty_at_load_;
   // scratch of a frame
   std::vector<std::pair<std::size_t, BallState>> set_aside_;

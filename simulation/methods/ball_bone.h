@@ -20,7 +20,7 @@ namespace osteon::simulation {
 /// find both. In G.
 class BallBone {
  public:
-  /// @param solid  gives each ball's density; null: the nearest mass point gives it
+  /// @param solid  gives each ball's density; null: the nearest mass point gives the density
   BallBone(const Bone& bone, const Solid* solid);
 
   struct LiveBall {
@@ -30,6 +30,7 @@ class BallBone {
   };
 
   [[nodiscard]] const std::vector<LiveBall>& balls() const { return balls_; }
+  /// The remaining balls.
   [[nodiscard]] std::vector<Ball> Left() const;
 
   /// Calls visit(index, ball) for each remaining ball that may come nearer than `reach_m` to the segment from
@@ -40,7 +41,8 @@ class BallBone {
                            [&](std::uint32_t i) { visit(i, balls_[i]); });
   }
 
-  /// Calls visit(point) for each remaining mass point between the two distances from p, and for some others.
+  /// Calls visit(point) for each remaining mass point between the two distances from p, and for some points
+  /// nearby.
   template <typename Visit>
   void ForEachPointInShell(const Vector3& p_m, double inner_m, double outer_m, const Visit& visit) const {
     point_tree_.ForEachNear(p_m, outer_m, inner_m, [&](std::uint32_t i) { visit(points_[i]); });

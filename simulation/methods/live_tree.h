@@ -21,6 +21,7 @@ class LiveTree {
   explicit LiveTree(std::span<const Ball> items);
 
   void Remove(std::uint32_t item);
+  /// Sets which items remain. @param left  by item
   void Restore(const std::vector<bool>& left);
   [[nodiscard]] std::size_t size() const { return order_.size(); }
 

@@ -425,7 +425,7 @@ class Builder {
   int samples_;
   std::vector<std::uint32_t> crossed_;     ///< for each cell, its index among the crossed ones; kNone: all
                                            ///< inside
-  std::vector<char> inside_;               ///< for each sample of the crossed cells
+  std::vector<char> inside_;               ///< for each sample of the crossed cells: 1 inside
   std::vector<DepthPlane> planes_;         ///< for each cell
   std::vector<std::uint32_t> first_site_;  ///< for each cell
   std::vector<Site> sites_;

@@ -116,7 +116,7 @@ SplitTemplate::SplitTemplate(int children) : children_(children) {
 std::vector<std::uint16_t> SplitShapes(std::span<const Ball> balls, double min_radius_m, int threads) {
   constexpr std::uint32_t kLooks = 48;
   constexpr double kJustOutside = 1.001, kTouch_m = 1e-9;
-  // below this mean length of the bare directions' sum, they point everywhere
+  // if the mean of the bare directions is shorter than this, they point everywhere
   constexpr double kOneSided = 0.3;
   std::vector<Ball> solid;
   std::copy_if(balls.begin(), balls.end(), std::back_inserter(solid),

@@ -3,7 +3,7 @@
 namespace osteon::surface {
 namespace {
 
-/// One field's part of one of the 27 bricks.
+/// The values of one field in one of the 27 bricks around a patch.
 struct Part {
   const std::int16_t* values{nullptr};  // null: uniform
   std::int16_t uniform{0};

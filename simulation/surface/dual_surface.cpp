@@ -24,7 +24,7 @@ unsigned InsideMask(const std::int16_t* carved, int at) {
 /// Node (-1, -1, -1) of a brick is node (1, 1, 1) of its patch.
 int PatchNode(int x, int y, int z) { return (z + 2) * kLayer + (y + 2) * kRow + x + 2; }
 
-/// Extraction of one brick.
+/// Extracts the mesh of one brick.
 class Extractor {
  public:
   Extractor(const CarvedField& field, const ExtractOptions& options, const MaterialAt& material,

@@ -7,7 +7,7 @@
 namespace osteon::surface {
 namespace {
 
-// A node's value, in voxels. Nodes beyond the grid have the value `beyond`.
+// Returns a node's value [voxels]. Nodes beyond the grid have the value `beyond`.
 float NodeValue(const BrickLayout& layout, const BrickField& field, std::array<int, 3> node, float beyond) {
   for (const int along : node)
     if (along < 0) return beyond;
@@ -21,7 +21,7 @@ float NodeValue(const BrickLayout& layout, const BrickField& field, std::array<i
   return static_cast<float>(values[in_brick]) / static_cast<float>(kStepsOfVoxel);
 }
 
-// The field between the eight nodes around a place.
+// Interpolates the field between the eight nodes around a place [voxels].
 float Interpolate(const BrickLayout& layout, const BrickField& field, std::array<int, 3> low, Vec3 part,
                   float beyond) {
   float sum = 0.0F;

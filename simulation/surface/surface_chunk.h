@@ -79,8 +79,8 @@ struct SurfaceVertex {
   Vec3 normal;               ///< outward, of unit length
   std::uint8_t material{0};  ///< index into Bone::materials; below 128
   bool cut{false};           ///< on a face that the tool cut, not on the bone's own surface
-  /// Cell and patch within the brick, 4 (x + 9 (y + 9 z)) + patch: vertices of neighbouring chunks, and the
-  /// two of a rim, are one vertex of the welded mesh where cell and patch are the same. ReadChunk leaves 0.
+  /// Cell (x, y, z) and patch within the brick: 4 (x + 9 (y + 9 z)) + patch. The welded mesh joins vertices
+  /// of the same cell and patch: those of neighbouring chunks, and the two of a rim. ReadChunk leaves 0.
   std::uint16_t key{0};
 };
 

@@ -52,7 +52,7 @@ struct FitParams {
 /// @pre at least two samples, whose times ascend strictly; the first at 0
 [[nodiscard]] FittedMotion FitMotion(std::span<const MotionSample> recorded, const FitParams& params = {});
 
-/// A motion as frames at any rate, as input of a cutting engine.
+/// Plays a motion as frames at any rate: the inputs of a cutting engine.
 class MotionPlayer {
  public:
   /// @param X_WG  pose of the bone

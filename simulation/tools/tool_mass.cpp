@@ -20,7 +20,7 @@ double SquaredRadius(const ProfilePiece& p, double z) {
 MassProperties RevolvedMassProperties(std::span<const ProfilePiece> pieces, double density_kg_per_m3) {
   const std::array<double, 3> kAt{-std::sqrt(0.6), 0.0, std::sqrt(0.6)};
   constexpr std::array<double, 3> kWeight{5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0};
-  // one body for each piece, about its own centre: no cancellation
+  // one body for each piece, with its inertia about its own centre, to avoid cancellation
   std::vector<MassProperties> bodies;
   for (const ProfilePiece& piece : pieces) {
     const double middle = 0.5 * (piece.front_z_m + piece.back_z_m);

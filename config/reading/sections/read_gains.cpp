@@ -7,7 +7,7 @@
 namespace osteon::config {
 namespace {
 
-// Which keys must be present: all in a cell's file, any in a file that overrides it.
+// The keys that must be present: all in a cell's file; any choice of them in a file that overrides it.
 enum class Keys { kAll, kAny };
 
 bool ShouldRead(Reader& section, Keys keys, const char* key) {

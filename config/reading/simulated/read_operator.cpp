@@ -7,7 +7,8 @@
 namespace osteon::config {
 namespace {
 
-// Reads the keys that grip step and clamp share. @param stiffest  largest factor over a hand's stiffness
+// Reads the keys that grip step and clamp share. @param stiffest  factor on the upper bounds of a hand's
+// values
 template <typename Held>
 Held ReadHeld(Reader& section, double stiffest) {
   Held held;

@@ -31,7 +31,7 @@ void Merge(const YAML::Node& values, YAML::Node node) {
   }
 }
 
-// Names files by whole paths.
+// Replaces the names of files in a mapping by whole paths.
 void UseWholePaths(YAML::Node file, const std::filesystem::path& source) {
   const std::filesystem::path folder = std::filesystem::absolute(source).parent_path();
   for (auto entry : file) {
@@ -53,7 +53,7 @@ YAML::Node LoadWhole(const std::filesystem::path& source) {
   UseWholePaths(file, source);
   if (!file["extends"]) return file;
   const std::string base_name = file["extends"].Scalar();
-  std::filesystem::path base_file = base_name;  // whole by now, if it is a path
+  std::filesystem::path base_file = base_name;  // a whole path by now, unless it is a name alone
   if (!base_name.ends_with(".yaml")) base_file = ConfigFileTracker::FindByName(source, "cells", base_name);
   YAML::Node base = YAML::LoadFile(base_file.string());
   UseWholePaths(base, base_file);

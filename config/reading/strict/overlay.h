@@ -12,7 +12,7 @@ class Node;
 
 namespace osteon::config {
 
-/// For Reader: a value that overrides a mapping's.
+/// For Reader: a value that overrides one of a mapping.
 struct OverlaidValue {
   const std::string& key;
   int line{0};  ///< of the key
@@ -33,7 +33,7 @@ struct OverlaidValue {
 /// object at a time.
 class Overlay {
  public:
-  /// @param root  the file in which keys begin
+  /// @param root  the file to whose keys overrides refer
   explicit Overlay(const std::filesystem::path& root);
   ~Overlay();
   Overlay(const Overlay&) = delete;
