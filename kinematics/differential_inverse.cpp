@@ -123,9 +123,9 @@ DifferentialInverse<N>::DifferentialInverse(const DifferentialInverseParams<N>& 
   require("speed_share", params.speed_share, params.speed_share > 0.0 && params.speed_share <= 1.0, "0 … 1");
   require("acceleration_share", params.acceleration_share, params.acceleration_share > 0.0, "> 0");
   require("turning_length_m", params.turning_length_m, params.turning_length_m > 0.0, "> 0");
-  require("least_damping_m", params.min_damping_m, params.min_damping_m > 0.0, "> 0");
+  require("min_damping_m", params.min_damping_m, params.min_damping_m > 0.0, "> 0");
   require("singular_zone_m", params.singular_zone_m,
-          params.singular_zone_m >= kDampedUpTo * params.min_damping_m, ">= 4 least_damping_m");
+          params.singular_zone_m >= kDampedUpTo * params.min_damping_m, ">= 4 min_damping_m");
   require("singular_margin_rad", params.singular_margin_rad, params.singular_margin_rad >= 0.0, ">= 0");
   require("singular_speed_share", params.singular_speed_share,
           params.singular_speed_share > 0.0 && params.singular_speed_share <= 1.0, "0 … 1");

@@ -36,8 +36,8 @@ GuardMonitor::GuardMonitor(const GuardParams& params)
   positive("period_s", params.period_s);
   positive("max_speed_m_per_s", params.max_speed_m_per_s);
   positive("max_turn_rad_per_s", params.max_turn_rad_per_s);
-  positive("there_rad", params.tolerance_rad);
-  positive("max_way_in_m_per_s", params.max_start_path_speed_m_per_s);
+  positive("tolerance_rad", params.tolerance_rad);
+  positive("max_start_path_speed_m_per_s", params.max_start_path_speed_m_per_s);
   positive("max_tracking_error_m", params.max_tracking_error_m);
   positive("mirror_rad", params.mirror_rad);
   positive("max_force_N", params.max_force_N);

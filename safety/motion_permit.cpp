@@ -21,7 +21,7 @@ const char* DescribeMissing(MotionPermit permit) {
     case MotionPermit::kSpindleReady:
       return "the spindle's drive, ready and without a fault";
     case MotionPermit::kPathChecked:
-      return "the look along the way to the start, which is under way";
+      return "a checked path to the start; the check is under way";
     case MotionPermit::kHandOff:
       return "a hand off the handle before the first motion: the force sensor reads a steady push at rest "
              "(let go, or calibrate its zero: `osteon calibrate`)";

@@ -38,11 +38,11 @@ const char* Describe(ExcitationAbort abort) {
     case ExcitationAbort::kForce:
       return "the force on the sensor passed its limit";
     case ExcitationAbort::kForceGrows:
-      return "force between 5 and 40 Hz grew for 0.3 s";
+      return "the force above 5 Hz grew for 0.3 s";
     case ExcitationAbort::kTracking:
       return "tool or joint was too far from where it was commanded";
     case ExcitationAbort::kAnswersLost:
-      return "over 5 % of the answers were lost within 1 s";
+      return "more messages and answers were lost within 1 s than accepted";
     case ExcitationAbort::kSensor:
       return "the force sensor gave no reading that can be used";
   }

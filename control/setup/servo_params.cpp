@@ -50,7 +50,7 @@ void Validate(const ServoParams& params) {
   require("max_tracking_error_m", params.max_tracking_error_m, 1e-4, 1.0);
   require("period_s", params.period_s, 1e-4, 0.02);
   if (params.start) {
-    require("start there_rad", params.start->tolerance_rad, 1e-6, 0.1);
+    require("start tolerance_rad", params.start->tolerance_rad, 1e-6, 0.1);
     require("start pause_force_N", params.start->pause_force_N, 1.0, 500.0);
   }
 }
