@@ -12,7 +12,6 @@ using MaterialAt = std::function<std::uint8_t(Vec3)>;
 struct ExtractOptions {
   /// Places vertices on the rim between old surface and cut. False: on the interpolated field, as elsewhere.
   bool sharp_rims{true};
-};  ///< places vertices on the rim between old surface and cut; false: the rim is rounded
 };
 
 /// Makes the mesh of one brick: the dual surface of the cells -1 … 7.
