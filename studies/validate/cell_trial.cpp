@@ -31,7 +31,7 @@ double Now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// Gives tissues of the scene the figures of materials of sawbone.yaml; a tissue keeps its name.
+// Replaces the figures of the scene's tissues by those of materials in sawbone.yaml; a tissue keeps its name.
 tl::expected<void, std::string> ReplaceTissues(const std::filesystem::path& config_root,
                                                const std::vector<TissueFigures>& tissues,
                                                simulation::SceneParams& scene) {
@@ -51,7 +51,7 @@ tl::expected<void, std::string> ReplaceTissues(const std::filesystem::path& conf
   return {};
 }
 
-// What the ticks of a run say about its press.
+// Figures of the press, gathered from the ticks of a run.
 class PressFigures {
  public:
   explicit PressFigures(const session::CellSetup& setup)
@@ -120,7 +120,7 @@ tl::expected<session::CellSetup, std::string> SetUp(const std::filesystem::path&
   if (!setup) return setup;
   if (auto replaced = ReplaceTissues(config_root, params.tissues, setup->config.scene); !replaced)
     return tl::make_unexpected(replaced.error());
-  // by the closed forms alone, whose results are the same on any machine
+  // Uses only the closed forms, whose results are the same on every machine.
   if (const auto packed = session::PackCell(
           *setup, {.as_packed = params.as_packed, .error_m = params.error_m, .rate_hz = {}}, {}, false);
       !packed)
