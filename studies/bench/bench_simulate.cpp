@@ -30,7 +30,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kWays{"thread", "shared memory", "UDP"};
 constexpr rt::Nanoseconds kTick = rt::kMillisecond, kPoll = 50'000;
-constexpr rt::Nanoseconds kUdpPatience = 30 * rt::kSecond;  // until the engine's process listens
+constexpr rt::Nanoseconds kUdpPatience = 30 * rt::kSecond;  // longest wait until the engine's process listens
 constexpr int kWarmUp = 200;                                // ticks of a round that do not count
 constexpr rt::Nanoseconds kLook = 10'000;                   // from one poll for a model to the next
 constexpr rt::Nanoseconds kLeftForTick = 50'000;            // before a tick, in which there is no poll
@@ -91,8 +91,8 @@ Pose PressedPose(const session::CellSetup& setup) {
 }
 
 struct Times {
-  std::vector<double> age_us;   ///< of the model that a tick takes
-  std::vector<double> back_us;  ///< from a tick's command until its model can be taken
+  std::vector<double> age_us;   ///< age of the model that a tick takes
+  std::vector<double> back_us;  ///< time from a tick's command until its model can be taken
 };
 
 // Ticks at 1 kHz, and polls for the model between the ticks.

@@ -22,7 +22,7 @@ struct ComplianceChartOptions {
 /// The effect of one level in a shipped cell, computed with the cell's own coupling and elements.
 struct LevelChange {
   std::string name, cell;
-  double stiffness_N_per_m{0.0};  ///< of the coupling
+  double stiffness_N_per_m{0.0};  ///< stiffness of the coupling
   double error_m{0.0};            ///< displacement that the cell reports
   std::vector<double> force_N{},
       gives_m{};  ///< displacement at rest under a force, up to where the cell stops

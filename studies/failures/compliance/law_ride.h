@@ -24,8 +24,8 @@ struct LawRideParams {
 /// The state of one millisecond.
 struct LawRideTick {
   Pose X_WT{Pose::Identity()};      ///< the tool's true pose
-  Pose X_ME{Pose::Identity()};      ///< of the head in the bone's world, as the simulation gets it
-  Pose X_WT_sim{Pose::Identity()};  ///< of the rigid tool to which that head belongs
+  Pose X_ME{Pose::Identity()};      ///< pose of the head in the bone's world, as the simulation gets it
+  Pose X_WT_sim{Pose::Identity()};  ///< pose of the rigid tool to which that head belongs
   Vector3 f_coupling_N{Vector3::Zero()};
   bool renders{false};
 };

@@ -128,7 +128,7 @@ Saturated Press(double tool_m, double side_rad, bool depth_limited) {
       result.angle_deg.push_back(0.0);
       result.clipped_deg.push_back(0.0);
     }
-    // and the time until the whole force is back
+    // Measure the time until the whole force is back.
     result.saturates |= !can;
     if (!can) could_since_s = static_cast<double>(i + 1) * kDt_s;
     if (can && result.saturates && f.norm() < kWhole * wanted_N)
