@@ -14,7 +14,7 @@ namespace osteon::studies {
 
 struct SoakOptions {
   std::filesystem::path config_root;
-  double hours{8.0};  ///< of virtual time; with --wall of wall time
+  double hours{8.0};  ///< duration in virtual time; with --wall in wall time
   std::uint64_t seed{1};
   std::filesystem::path out{};   ///< folder for soak.html; empty: none
   std::filesystem::path json{};  ///< empty: none

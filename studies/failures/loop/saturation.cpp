@@ -29,7 +29,7 @@ constexpr double kSlack = 1.0 + 1e-9;  // on a torque limit, for rounding
 struct Saturated {
   double angle_rad{0.0}, clipped_angle_rad{0.0};
   double torque_share{0.0};  // largest (|J^T F| + |g|) / limit
-  double min_share{1.0};     // of the wanted force that passed the limiter
+  double min_share{1.0};     // least share of the wanted force that passed the limiter
   double max_N{0.0}, max_wanted_N{0.0};
   double recovery_s{0.0};
   bool saturates{false}, recovers{false}, fault{false};
