@@ -42,7 +42,7 @@ struct ComplianceChart {
   std::vector<LevelChange> changes;
 };
 
-/// Bad where a tick allocated. To be looked at if the loop's median with all levels is more than 3 us above.
+/// Bad if a tick allocated. To be looked at if all levels add more than 3 us to the loop's median.
 [[nodiscard]] session::Verdict Judge(const ComplianceChart& chart);
 
 /// @returns the process's exit code: 0; 1 if it can't run here; 2 bad input; 130 ended by Ctrl-C.

@@ -19,7 +19,7 @@
 
 namespace osteon::studies {
 
-/// One finding that keeps a result from being written, or that the user should know.
+/// One finding: a reason why a result is not written, or a warning for the user.
 struct Finding {
   std::string where;  ///< "free run, z at 50 mm/s"
   std::string what;   ///< the value found, the value accepted, and what to do

@@ -70,9 +70,9 @@ struct TraceEvent {
   std::string what;  ///< "state haptic", "fault sensor_silent", "scene pulp reached"
 };
 
-/// A scenario's run, reduced to what is compared.
+/// A scenario's run, reduced to the data that are compared.
 struct ScenarioTrace {
-  double period_s{0.0};     ///< of a tick
+  double period_s{0.0};     ///< period of a tick
   std::uint64_t ticks{0};   ///< number of ticks of the run
   std::uint64_t active{0};  ///< number of ticks that rendered
   /// Hash over every bit of every tick's record, of the models that ticks saw and of the carved bone.

@@ -33,7 +33,7 @@ struct EpisodeResult {
   double cutting_debt_J{0.0};
   double seconds_simulated{0.0}, seconds_wall{0.0};
   double memory_MB{0.0};             ///< resident memory after the episode
-  std::vector<std::string> wrong{};  ///< what is not as it should be; empty: nothing
+  std::vector<std::string> wrong{};  ///< errors of the episode; empty: none
 
   /// See EpisodeBooks::EnergyResidual.
   [[nodiscard]] double energy_residual() const { return books.EnergyResidual(cutting_debt_J); }

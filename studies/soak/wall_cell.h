@@ -74,7 +74,7 @@ class WallCell {
   std::string StartCell(const CellLife& life);
   std::string StartGuard();
   void StartController(const WallEpisode& episode);
-  // Watches the controller until it has ended, and does what the script says.
+  // Watches the controller until it has ended, and carries out the script's actions.
   void Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outcome);
   [[nodiscard]] PartUses Uses() const;
   // Carries out the script's actions that are due. @param rendered_s  by the controller's clock

@@ -33,7 +33,7 @@ struct TransparencyAxis {
   std::vector<HandlePoint> points;
   HandleFit fit;
   double asked_mass{0.0}, asked_drag{0.0};  ///< [kg, N s/m], about an axis [kg m^2, N m s/rad]
-  /// rms over the band of |Z - asked| / |asked|: felt, but not asked for by the law.
+  /// rms over the band of |Z - asked| / |asked|: the part of the impedance that the law does not request.
   double residual{0.0};
 };
 

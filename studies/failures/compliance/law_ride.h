@@ -14,7 +14,7 @@ namespace osteon::studies {
 
 /// A ride of the shipped servo loop on bone that gives way, with either law: the admittance law on an arm
 /// that follows positions (hil/arm/servo_arm.h), the impedance law over a wrench overlay on an arm with
-/// masses (hil/arm/dynamic_arm.h). Laws, limits, depth limit and what gives way are the loop's own.
+/// masses (hil/arm/dynamic_arm.h). Laws, limits, depth limit and compliance are the loop's own.
 struct LawRideParams {
   /// Law and gains, compliance, depth limit, spindle; the ride sets the arm's limits and a wide workspace.
   control::ServoParams loop{};
