@@ -184,7 +184,7 @@ class SessionSums {
   double period_s_;
   ProcessSums total_;
   std::vector<ProcessSums> tools_, passes_;
-  std::vector<double> removed_mm3_;  // of each pass, as the recordings hold it
+  std::vector<double> removed_mm3_;  // volume that each pass removed, by the recordings
   session::WallWatch walls_;
   procedure::ReamedAxis axis_;
   int last_tool_{0};

@@ -44,7 +44,7 @@ double CellsPerRadius(procedure::PlanKind kind) { return kind == procedure::Plan
 // Figures that are measured for the plan, in addition to its own data.
 struct PlanFigures {
   std::optional<double> planned_volume_m3{};  // nothing: the plan is for a mesh, and no mesh was named
-  std::vector<double> tool_volumes_m3{};      // that each tool takes of what the ones before left; likewise
+  std::vector<double> tool_volumes_m3{};      // removed by each tool after the earlier ones; empty: not known
   std::optional<double> wall_m{};
   std::optional<Vector3> axis_W{};
   std::vector<std::string> warnings;

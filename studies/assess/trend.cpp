@@ -50,7 +50,7 @@ bool NaturalLess(const std::string& a, const std::string& b) {
   return a.size() - i < b.size() - j;
 }
 
-// The result in a folder; the error says what was found there.
+// Reads the result in a folder; the error says what was found there instead.
 tl::expected<TrendPoint, std::string> PointOf(const fs::path& folder, const AssessResult& result) {
   std::ifstream stream(folder / kResultName);
   if (!stream)

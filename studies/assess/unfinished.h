@@ -9,7 +9,7 @@ using session::ToGoOfLastTool_mm;
 using session::Unfinished;
 using session::UnfinishedOf;
 
-/// By the passes, and by what is left of the planned cavity.
+/// Says what is unfinished in a session, by its passes and by the bone left in the planned cavity.
 [[nodiscard]] inline Unfinished UnfinishedOf(const AssessedSession& session) {
   return session::UnfinishedOf(session.plan.plan, session.file.passes, session.assessment.cavity);
 }

@@ -9,7 +9,7 @@ namespace osteon::studies {
 /// Options of `osteon bench console`.
 struct BenchConsoleOptions {
   int rounds{5};
-  double seconds{12.0};    ///< of each demo
+  double seconds{12.0};    ///< length of each demo
   int reloads{0};          ///< above 0: pages that are loaded and left during one demo, instead of the rounds
   std::string chromium{};  ///< program that opens the page; empty: no leg with a browser
   std::filesystem::path json{};

@@ -73,7 +73,7 @@ std::vector<WantedWorkload> WantedWorkloads(const BenchFrameOptions& options) {
   return wanted;
 }
 
-// The methods in the order of their timing: engines or the method, then what these are compared with.
+// The methods in the order of their timing: first the engines or the method, then the methods of `--compare`.
 std::vector<std::string> MethodsOf(const BenchFrameOptions& options) {
   std::vector<std::string> methods;
   for (const std::string& engine : options.engines) methods.push_back(MethodOfEngine(engine));

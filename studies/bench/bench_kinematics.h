@@ -9,7 +9,7 @@ namespace osteon::studies {
 struct BenchKinematicsOptions {
   std::filesystem::path config_root;
   std::filesystem::path robot{};  ///< a file of config/robots; empty: the LBR iiwa 14
-  std::size_t calls{100'000};     ///< of each function; the numerical inverse gets a hundredth of them
+  std::size_t calls{100'000};     ///< number of calls of each function; a hundredth for the numerical inverse
   std::filesystem::path json{};
 };
 

@@ -30,9 +30,9 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kWays{"thread", "shared memory", "UDP"};
 constexpr rt::Nanoseconds kTick = rt::kMillisecond, kPoll = 50'000;
-constexpr rt::Nanoseconds kUdpPatience = 30 * rt::kSecond;  // until the engine's process listens
+constexpr rt::Nanoseconds kUdpPatience = 30 * rt::kSecond;  // longest wait until the engine's process listens
 constexpr int kWarmUp = 200;                                // ticks of a round that do not count
-constexpr rt::Nanoseconds kLook = 10'000;                   // from one poll for a model to the next
+constexpr rt::Nanoseconds kModelPollInterval = 10'000;      // from one poll for a model to the next
 constexpr rt::Nanoseconds kLeftForTick = 50'000;            // before a tick, in which there is no poll
 constexpr double kPressed_m = 1e-3;                         // the head's depth beyond the cup's floor
 constexpr double kDrift_m_per_s = 1e-4;                     // so that no two poses are alike
@@ -91,8 +91,8 @@ Pose PressedPose(const session::CellSetup& setup) {
 }
 
 struct Times {
-  std::vector<double> age_us;   ///< of the model that a tick takes
-  std::vector<double> back_us;  ///< from a tick's command until its model can be taken
+  std::vector<double> age_us;   ///< age of the model that a tick takes
+  std::vector<double> back_us;  ///< time from a tick's command until its model can be taken
 };
 
 // Ticks at 1 kHz, and polls for the model between the ticks.
@@ -110,7 +110,7 @@ Times Tick(control::SimulationPort& port, const Pose& X_WT, double spindle_rad_p
       X.translation().x() += kDrift_m_per_s * rt::ToSeconds(tick * kTick);
       port.Store({.X_WT = X, .spindle_rad_per_s = spindle_rad_per_s, .stamp = now});
       for (rt::Nanoseconds at = now; at < next + kTick - kLeftForTick;) {
-        rt::SleepUntil(at += kLook);
+        rt::SleepUntil(at += kModelPollInterval);
         if (port.Load().pose_stamp < now) continue;
         if (tick >= 0) times.back_us.push_back(Microseconds(rt::MonotonicNow() - now));
         break;

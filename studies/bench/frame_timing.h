@@ -19,10 +19,10 @@ struct FrameTimingParams {
   std::vector<std::string> methods{"ours"};
   std::string device;              ///< part of a Vulkan device's name
   std::size_t frames{2000};        ///< to time
-  double max_seconds{60.0};        ///< of timing; at least 20 frames
+  double max_seconds{60.0};        ///< time limit of the timing, which has at least 20 frames
   double max_seat_seconds{600.0};  ///< limit for seating the tool; beyond it, seating fails
   std::size_t pass_frames{200};    ///< frames of a second run that measures each pass or stage; 0: none
-  double voxel_m{0.25e-3};         ///< of the methods that have voxels
+  double voxel_m{0.25e-3};         ///< edge of a voxel, for the methods that have voxels
   /// Receives progress text; may be empty.
   std::function<void(const std::string&)> progress;
 };
@@ -43,7 +43,7 @@ struct FrameTiming {
   [[nodiscard]] double rate_hz() const { return frame_us.p50_us > 0.0 ? 1e6 / frame_us.p50_us : 0.0; }
 };
 
-/// Where the timing begins: the bone as a method has carved it until the tool was seated.
+/// The state at which the timing begins: the bone as a method has carved it until the tool was seated.
 struct SeatedStart {
   simulation::CarvedState state;
   simulation::WorkloadPlayer player;

@@ -20,7 +20,7 @@ namespace osteon::studies {
 
 /// How a page leaves.
 enum class PageEnd : std::uint8_t {
-  kCloses,  ///< by the close frame that a browser sends
+  kCloses,  ///< with the close frame that a browser sends
   kKilled,  ///< without a close frame and with unread data, as a killed browser does
 };
 

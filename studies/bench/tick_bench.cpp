@@ -36,7 +36,7 @@ namespace {
 using control::ReceiveResult;
 
 constexpr const char* kLoopback = "127.0.0.1";
-constexpr int kFrameTicks = 2;         // for a 500 Hz simulation
+constexpr int kFrameTicks = 2;         // ticks per frame, for a simulation at 500 Hz
 constexpr double kPlaneTilt_rad = .6;  // angle between the planes' normals and the feed axis
 // Height of the planes above the place where the tool would meet the cup.
 constexpr double kEarly_m = 0.01;

@@ -12,7 +12,7 @@ namespace {
 
 // The starting states of all rounds of a workload.
 struct Starts {
-  std::vector<std::string> methods;  // that can be timed
+  std::vector<std::string> methods;  // the methods that can be timed
   std::optional<SeatedStart> shared;
   OwnStarts own;
 };

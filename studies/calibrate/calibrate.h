@@ -34,7 +34,7 @@ struct RestingPose {
 /// A tick without a fresh sensor reading (20 ms) ends a rest.
 [[nodiscard]] std::vector<RestingPose> FindRestingPoses(const std::vector<control::TickRecord>& ticks);
 
-/// Runs `osteon calibrate CELL.yaml`: identifies what hangs on the flange from recorded poses. Prints a table
+/// Runs `osteon calibrate CELL.yaml`: identifies the load on the flange from recorded poses. Prints a table
 /// and writes `out`, which the cell's file names as its `calibration`. States the residual of each posture
 /// and the repeatability of postures that were visited again, appends the result to the history beside `out`
 /// (calibration_history.h), and warns of drift.

@@ -9,7 +9,7 @@
 
 #include "kinematics/spatial.h"
 
-// Every calibration of a cell, in the order in which they were made, and what has drifted.
+// The history of a cell's calibrations, in the order in which they were made, and the drift between them.
 
 namespace osteon::studies {
 

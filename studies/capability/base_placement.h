@@ -28,10 +28,10 @@ struct BasePlacementParams {
   AxisRange x_m, y_m, z_m;   ///< ranges of the base's origin, in W
   double clearance_m{0.35};  ///< least distance of the site's centre from the base's axis, across that axis
   double joint_margin_rad{0.0872664625997165};  ///< distance kept from the position limits (5 deg)
-  double min_bend_rad{0.261799387799149};       ///< of A4 and A6 from straight (15 deg)
+  double min_bend_rad{0.261799387799149};       ///< least bend of A4 and A6 from straight (15 deg)
   Vector3 now_W_m{Vector3::Zero()};  ///< the base's present place: among equally good ones the nearest wins
   double moving_share_per_m{0.01};   ///< relative gain that a place must bring per metre of distance
-  double step_m{0.05};               ///< of the first grid
+  double step_m{0.05};               ///< spacing of the first grid
   double final_step_m{0.005};
   int arm_angles{36};  ///< samples of the elbow's circle
   int starts{6};       ///< grid places that are refined

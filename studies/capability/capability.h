@@ -22,10 +22,10 @@ struct CapabilityOptions {
   std::optional<double> axial_N{}, lateral_N{}, radius_mm{};
   double torque_Nm{0.0};
   Mount mount{Mount::kCell};
-  std::optional<std::array<double, 2>> x_mm{}, y_mm{}, z_mm{};  ///< where the base may stand, in W
+  std::optional<std::array<double, 2>> x_mm{}, y_mm{}, z_mm{};  ///< ranges in which the base may stand, in W
   double clearance_mm{350.0};
   double joint_margin_deg{5.0};
-  int nodes{61};      ///< of a map, across the workspace
+  int nodes{61};      ///< number of a map's nodes across the workspace
   bool search{true};  ///< look for a better base
   int threads{2};
   std::string command_line{};

@@ -44,7 +44,7 @@ struct CapabilityResult {
 
 /// Bad if the arm can't hold both needs over the whole task from the cell's own base at any arm angle. To be
 /// looked at if it can, but not at the cell's arm angle, if a part of the task lies outside the workspace, if
-/// no better base was found, or if the measured arm does not stand the cell's gains.
+/// no better base was found, or if the measured arm is not stable with the cell's gains.
 [[nodiscard]] session::Verdict Judge(const CapabilityResult& result);
 
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const CapabilityResult& result);

@@ -6,8 +6,8 @@
 
 #include "config/reading/cell_config.h"
 
-// Where the tool of a cell goes and what it must be able to press: the demand of a capability study on the
-// arm.
+// The demand of a capability study on the arm: the poses to which a cell's tool goes, and the forces that the
+// arm must hold there.
 //
 //        ┆ tilt cone ┆     the tool's axis, within `tilt` of the site's
 //         ╲    │    ╱

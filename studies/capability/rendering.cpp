@@ -119,7 +119,7 @@ void FillForces(const config::CellConfig& cell, Rendering& rendering) {
     rendering.noise_N = {.value = identified->sensor->noise_N, .measured = true};
     rendering.drift_N = {.value = identified->sensor->drift_N, .measured = true};
   }
-  // as `osteon tune` assumes it
+  // the same assumption as in `osteon tune`
   rendering.sensor_delay_s = {.value = std::max(1e-3, cell.servo.period_s)};
   if (identified && identified->sensor && identified->sensor->delay_s)
     rendering.sensor_delay_s = {.value = *identified->sensor->delay_s, .measured = true};

@@ -26,7 +26,7 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kMaxAdded_us = 3.0;    // accepted addition to the loop's median with all levels
-constexpr double kNoticedShare = 0.07;  // of the force
+constexpr double kNoticedShare = 0.07;  // smallest relative change of the force that is noticed
 constexpr double kPush_N = 20.0;        // mean force of the small motion
 constexpr double kSettle_s = 4.0;
 constexpr double kDecadeStep = 0.02;  // between frequencies [decades]: a mount's resonance is narrow

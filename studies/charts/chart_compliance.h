@@ -22,7 +22,7 @@ struct ComplianceChartOptions {
 /// The effect of one level in a shipped cell, computed with the cell's own coupling and elements.
 struct LevelChange {
   std::string name, cell;
-  double stiffness_N_per_m{0.0};  ///< of the coupling
+  double stiffness_N_per_m{0.0};  ///< stiffness of the coupling
   double error_m{0.0};            ///< displacement that the cell reports
   std::vector<double> force_N{},
       gives_m{};  ///< displacement at rest under a force, up to where the cell stops
@@ -42,7 +42,7 @@ struct ComplianceChart {
   std::vector<LevelChange> changes;
 };
 
-/// Bad where a tick allocated. To be looked at if the loop's median with all levels is more than 3 us above.
+/// Bad if a tick allocated. To be looked at if all levels add more than 3 us to the loop's median.
 [[nodiscard]] session::Verdict Judge(const ComplianceChart& chart);
 
 /// @returns the process's exit code: 0; 1 if it can't run here; 2 bad input; 130 ended by Ctrl-C.

@@ -35,7 +35,7 @@ struct ScalingResult {
   std::size_t tool_spheres{0};
   std::vector<ScalingPoint> points;
   std::vector<std::string> left_out;  ///< points that were not measured, and why
-  std::size_t ours_left_out{0};       ///< of these, points of our own series
+  std::size_t ours_left_out{0};       ///< number of these that belong to our own series
   std::size_t max_spheres{0};         ///< largest number that was asked for
   std::size_t frames{0};              ///< asked for at each of our points
   bool interrupted{false};            ///< a signal ended it before all was measured

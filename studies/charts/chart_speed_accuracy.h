@@ -21,7 +21,7 @@ struct SpeedAccuracyOptions {
   bool quick{false};  ///< fewer resolutions, 2 seeds
   std::string device{};
   std::size_t seeds{5};
-  double max_seconds{60.0};  ///< for a method's frames in one task; slower ones are left out and listed
+  double max_seconds{60.0};  ///< limit for a method's frames in a task; slower ones are left out, and listed
   std::vector<std::string> methods{};  ///< empty: all
   std::filesystem::path json{};
   Sharding sharding{};
@@ -36,18 +36,18 @@ struct SeedScores {
 /// One point of the chart.
 struct SpeedAccuracyPoint {
   std::string method, device;
-  double length_m{0.0};    ///< of its MethodStep
-  std::size_t spheres{0};  ///< or voxels, of the four bones together, seed 0
-  double r_max_m{0.0};     ///< at the reamer; for voxels half the edge
+  double length_m{0.0};    ///< length_m of its MethodStep
+  std::size_t spheres{0};  ///< number of spheres or voxels of all four bones, seed 0
+  double r_max_m{0.0};     ///< largest radius in the reamer's bone; for voxels half the edge
   std::vector<SeedScores> seeds{};
-  std::map<std::string, simulation::WorkloadScores> tasks{};  ///< of the first seed
+  std::map<std::string, simulation::WorkloadScores> tasks{};  ///< scores by task, of the first seed
 };
 
 struct SpeedAccuracyResult {
   std::string machine, device;
   std::vector<SpeedAccuracyPoint> points;
   std::vector<std::string> left_out;  ///< points that were not measured, and why
-  std::size_t wanted_seeds{0};        ///< for each point
+  std::size_t wanted_seeds{0};        ///< requested number of seeds for each point
   bool interrupted{false};            ///< a signal ended it before all was measured
 };
 

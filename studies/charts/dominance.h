@@ -20,7 +20,7 @@ struct BeatenPoint {
   std::vector<std::size_t> by{};
 };
 
-/// Where other methods' points stand against ours; indices of the points, in their order.
+/// Compares other methods' points with ours. All values are indices of points, in the points' order.
 ///
 ///     error │   o   ours: o            a  ahead: within its time none of ours is as exact
 ///           │ f   a                    f  faster than every one of ours

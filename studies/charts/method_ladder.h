@@ -49,7 +49,7 @@ struct MethodStep {
 /// A workload's bone in the form that a method needs.
 struct LadderBone {
   simulation::Bone bone;
-  double r_max_m{0.0};  ///< of its balls; for voxels half the edge
+  double r_max_m{0.0};  ///< largest radius of its balls; for voxels half the edge
 };
 
 /// Packs a bone for a step; its mass points are `points`, the same for every method.

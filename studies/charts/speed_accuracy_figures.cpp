@@ -279,7 +279,7 @@ std::vector<std::vector<std::string>> DominanceTable(const SpeedAccuracyResult& 
       if (!found.ours_measured) return std::string("ours was not measured");
       return texts.empty() ? std::string("none") : fmt::format("{}", fmt::join(texts, ", "));
     };
-    std::vector<std::size_t> beating;  // at least one of ours
+    std::vector<std::size_t> beating;  // points that beat at least one of ours
     for (std::size_t i = 0; i < result.points.size(); ++i)
       if (std::ranges::any_of(found.beaten,
                               [&](const BeatenPoint& p) { return std::ranges::count(p.by, i) > 0; }))

@@ -18,7 +18,7 @@ struct RecordedResponse {
   struct Line {
     double hz{0.0};
     std::complex<double> value{};
-    double sd{0.0};  ///< of real and imaginary part each
+    double sd{0.0};  ///< standard deviation of the real and of the imaginary part
   };
   std::vector<Line> lines;
 };

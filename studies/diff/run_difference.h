@@ -32,7 +32,7 @@ struct RunDifference {
   std::vector<FigureDifference> figures;
   std::vector<std::string> only_first, only_second;  ///< names of faults that only one of the runs has
   std::vector<ConfigDifference> config;
-  std::vector<std::string> session;           ///< what else differs: version, engine, …, one line each
+  std::vector<std::string> session;           ///< other differences: version, engine, …, one line each
   std::vector<ResponseDifference> responses;  ///< of two recordings of `osteon identify`
 };
 

@@ -59,14 +59,14 @@ struct ArmRideTick {
   kinematics::JointVector q, qd;  ///< commanded [rad], [rad/s]
   Pose X_WT{Pose::Identity()};    ///< of the commanded joints
   HandGoal goal;
-  Vector3 f_hand_N{Vector3::Zero()};  ///< of the hand, on the tool
+  Vector3 f_hand_N{Vector3::Zero()};  ///< force of the hand on the tool
   bool fault{false};
   Pose X_WT_meas{Pose::Identity()};       ///< the tool's true pose, which the hand feels
   Vector3 f_coupling_N{Vector3::Zero()};  ///< rendered by the servo loop
   double wrench_scale{1.0};               ///< the limits' factor on this force
   double vibration_index{0.0};            ///< of the servo loop
   double vibration_reference_N{0.0};      ///< of the same index
-  double damping_factor{1.0};             ///< of the law, set by the index
+  double damping_factor{1.0};             ///< factor on the law's damping, set by the index
 };
 
 /// The iiwa 14 R820 (design: lengths of lbr_description, limits of KUKA's data sheet, accelerations as Drake

@@ -12,7 +12,7 @@ namespace osteon::studies {
 enum class WallMethod : std::uint8_t {
   kPlanes,  ///< ours: contact planes come over the wire, and every tick evaluates them
   kHeld,    ///< the force comes over the wire and is held until the next one
-  kZeroed,  ///< the same, but zero in a tick in which nothing came
+  kZeroed,  ///< the force comes over the wire, and is zero in a tick in which none came
 };
 
 /// A hand presses an admittance-controlled tool into a cup. The cup's simulation and the arm are each behind
@@ -33,14 +33,14 @@ struct PacketRideParams {
   double step_s{2.0}, seconds{6.0};
   double mass_kg{3.0}, damping_Ns_per_m{80.0};
   double wall_N_per_m{20e3}, hand_N_per_m{500.0};
-  double clearance_m{0.05};  ///< of the cup: how far the tool's centre can move sideways in it
+  double clearance_m{0.05};  ///< distance by which the tool's centre can move sideways in the cup
   double push_N{30.0};
 };
 
 /// Result of a ride. The hand taps the tool a second before the step, and at the step: 2 N down and sideways
 /// for 20 ms.
 struct PacketRide {
-  std::vector<Vector3> p_W_m;  ///< of the tool, one for each tick
+  std::vector<Vector3> p_W_m;  ///< position of the tool in each tick
   double tap_m{0.0};           ///< swing in the half second after the first tap
   double end_m{0.0};           ///< swing in the last half second
   double wall_age_s{0.0};      ///< largest age of the pose that the wall's answer was computed from

@@ -25,7 +25,7 @@ enum class Reaction : std::uint8_t {
 
 struct Expected {
   Reaction reaction{Reaction::kGoesOn};
-  safety::FaultSet faults{};  ///< at least one of these is latched, and no other
+  safety::FaultSet faults{};  ///< at least one of these faults is latched, and no other
   int ticks{0};               ///< largest number of ticks from the injection to the latching
   safety::StopCategory stop{safety::StopCategory::kStop1};
 };

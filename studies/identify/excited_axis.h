@@ -41,7 +41,7 @@ inline constexpr double kMaxJointTravel_rad = 0.0174532925199433;  // 1 deg
 struct ExcitedAxis {
   control::ExcitedHoldParams hold;
   Vector3 axis_S{Vector3::UnitZ()};  ///< the same axis in the force sensor's frame
-  Vector3 axis_T{Vector3::UnitZ()};  ///< and in the tool's
+  Vector3 axis_T{Vector3::UnitZ()};  ///< the same axis in the tool's frame
   control::JointArray q_start{};
 };
 

@@ -37,7 +37,7 @@ constexpr double kFrame_s = 0.02;   // time between the models of free air
 constexpr double kRenders_s = 0.1;  // time of rendering before the pause is requested
 constexpr double kAfter_s = 0.5;    // time that is recorded after the end
 constexpr double kFarAway_m = 10.0;
-constexpr double kStands_s = 36000.0, kHeldBound_N = 100.0;  // of the hand that holds
+constexpr double kStands_s = 36000.0, kHeldBound_N = 100.0;  // duration and force limit of a holding hand
 
 bool IsVirtual(const ExcitedRunParams& params) { return params.simulated && !params.wall_time; }
 

@@ -92,7 +92,7 @@ namespace {
 struct HandModel {
   double tool_mass_kg{0.0};
   bool has_grip{false};
-  std::optional<double> delay_s;  // none: a parameter
+  std::optional<double> delay_s;  // none: the delay is fitted
 
   [[nodiscard]] Eigen::Index parameters() const { return 3 + (has_grip ? 1 : 0) + (delay_s ? 0 : 1); }
   [[nodiscard]] double Grip_s(const Eigen::VectorXd& p) const { return has_grip ? p[3] : 0.0; }

@@ -33,11 +33,11 @@ struct ToolForceFit {
 
 /// How a hand is fitted.
 struct HandFitOptions {
-  double max_hz{30.0};  ///< up to which lines count
+  double max_hz{30.0};  ///< highest frequency of the lines that count
   /// Least standard deviation of a line, as a share of its size: no hand is exactly a spring, a damper and a
   /// mass, and no handle moves exactly as the encoders say.
   double accuracy{0.01};
-  std::optional<double> delay_s{};  ///< of the sensor, if it is known; none: it is fitted
+  std::optional<double> delay_s{};  ///< delay of the sensor, if known; none: it is fitted
 };
 
 /// A hand that holds the handle.

@@ -272,7 +272,7 @@ int RunTable(const IdentifyOptions& options, const config::CellConfig& cell) {
   return written ? 0 : session::Fail("identify", written.error(), session::kFailed);
 }
 
-// Says why the cell's joints cannot be moved as asked; empty: they can, or are not asked for.
+// Says why the cell's joints cannot be moved as requested; empty: they can, or no joint run is requested.
 std::string WrongJoints(const IdentifyOptions& options, const config::CellConfig& cell) {
   if (!options.runs.joints || !options.recordings.empty()) return "";
   if (cell.servo.law == control::Law::kImpedance)

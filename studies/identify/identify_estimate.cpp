@@ -21,8 +21,8 @@ namespace {
 
 constexpr double kMinMotion_s = 10.0, kMoves_m_per_s = 1e-3, kPassiveHand_N = 5.0;
 constexpr double kPosture_rad = 0.02;
-constexpr double kStructureChi2 = 3.0;  // of an arm: above it the handle moves unlike the encoders
-constexpr double kNearModel = 0.01;     // residual of a response of 1
+constexpr double kStructureChi2 = 3.0;  // of an arm's fit: above it the handle moves unlike the encoders
+constexpr double kNearModel = 0.01;     // largest residual of a usable model, for a response of 1
 
 struct ReadRun {
   config::IdentifiedRecording named;

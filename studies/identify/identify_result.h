@@ -19,7 +19,7 @@
 
 namespace osteon::studies {
 
-/// One finding that keeps a result from being written, or that the user should know.
+/// One finding: a reason why a result is not written, or a warning for the user.
 struct Finding {
   std::string where;  ///< "free run, z at 50 mm/s"
   std::string what;   ///< the value found, the value accepted, and what to do
@@ -47,7 +47,7 @@ struct AxisResult {
   std::optional<MeasuredResponse> force_over_command{};  ///< of a held run: F / q_cmd [N/m]
   std::vector<HandWindow> hand_windows{};                ///< the hand over time
   std::optional<Estimate> felt_mass_kg{};        ///< of a held run: mass by which the hand moves the arm
-  std::optional<OverlaidArm> overlaid{};         ///< of an overlay: the arm, and how it was moved
+  std::optional<OverlaidArm> overlaid{};         ///< of an overlay: the arm, and its motion
   std::optional<ImpedanceFit> overlay{};         ///< of an overlay
   std::optional<MeasuredResponse> over_force{};  ///< of an overlay: x / f in m/N
   std::optional<double> validation_chi2{};
@@ -125,7 +125,7 @@ void JudgeSpeeds(IdentifyResult& result);
 /// "15.00 ± 0.02 Hz, damping …": the fit of an axis or of a joint.
 [[nodiscard]] std::string FitText(const AxisResult& axis);
 
-/// What the user should do next.
+/// Says what the user should do next.
 [[nodiscard]] std::string NextStep(const IdentifyResult& result);
 
 /// A smaller measured dead zone counts as none: the sensor's drift is not felt.

@@ -17,8 +17,8 @@ struct SyntheticRun {
   std::string name{};
   int draws{4}, periods{3};
   double peak_m_per_s{0.05};
-  double noise_m{10e-6};      ///< of the encoders, at the tool
-  double drift_m_per_s{0.0};  ///< of the encoders
+  double noise_m{10e-6};      ///< noise of the encoders, at the tool
+  double drift_m_per_s{0.0};  ///< drift of the encoders
   double lost{0.0};           ///< share of the messages that do not come
   double lost_answers{0.0};   ///< share of the answers that the arm does not get
   bool as_sent{false};        ///< lost answers are not taken into account: a planted error

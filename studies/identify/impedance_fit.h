@@ -32,7 +32,7 @@ struct ImpedanceFit {
   /// The arm's own parameters, as hil::DynamicArmParams has them. Cartesian impedance: along and about each
   /// direction. Joint impedance: of all joints alike.
   Estimate translation_N_per_m{}, rotation_Nm_per_rad{}, joint_Nm_per_rad{}, own_damping_ratio{};
-  Estimate mass_ratio{};      ///< of the arm's masses to those of its file
+  Estimate mass_ratio{};      ///< ratio of the arm's masses to those of its file
   Estimate friction_ratio{};  ///< Coulomb friction that nothing compensates, to each drive's torque limit
   bool on_mount{false};       ///< the arm stands on a mount that gives way
 

@@ -19,8 +19,8 @@ enum class KillVictim {
   kGuard,       ///< `osteon guard`, by SIGKILL
   kCell,        ///< `osteon cell`, by SIGKILL: arm, sensor, drive and PLC fall silent at once
   kEngine,      ///< `osteon simulate`, the engine in its own process, by SIGKILL
-  kEngineHung,  ///< the same, halted by SIGSTOP
-  kEngineLate,  ///< the same, halted for 0.3 s; then it goes on
+  kEngineHung,  ///< `osteon simulate`, halted by SIGSTOP
+  kEngineLate,  ///< `osteon simulate`, halted for 0.3 s; then it goes on
 };
 inline constexpr int kKillVictims = 9;
 /// @returns e.g. "controller"

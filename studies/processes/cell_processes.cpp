@@ -14,7 +14,7 @@ namespace {
 
 // Generous, so that a busy machine does not decide the outcome.
 constexpr std::chrono::seconds kReady{60};
-constexpr std::chrono::milliseconds kLooks{20};
+constexpr std::chrono::milliseconds kPollInterval{20};
 
 }  // namespace
 
@@ -46,7 +46,7 @@ bool CellProcesses::AwaitReady(const std::string& part, base::ChildProcess& proc
   while (std::chrono::steady_clock::now() < end && !(stop_ && stop_())) {
     if (base::ReadText(Folder(part) / "stdout").find("Ctrl-C ends it") != std::string::npos) return true;
     if (process.Ended()) return false;
-    std::this_thread::sleep_for(kLooks);
+    std::this_thread::sleep_for(kPollInterval);
   }
   return false;
 }

@@ -19,7 +19,7 @@ struct RegressOptions {
   std::filesystem::path out{"regress_out"};  ///< for the page of differences
   std::filesystem::path json, junit;
   bool update{false};
-  std::string reason;            ///< for accepting new traces
+  std::string reason;            ///< why new traces are accepted
   bool all{false};               ///< permits an update without named scenarios: all are updated
   bool exact{false};             ///< fail if any bit differs
   int jobs{0};                   ///< scenarios in parallel; 0: one per core

@@ -33,7 +33,7 @@ struct RunFigures {
   double peak_hand_force_N{0.0};         ///< from the sensor
   double peak_tool_in_bone_mm{0.0};      ///< distance from the tool to its collision-free pose
   double peak_tool_speed_mm_per_s{0.0};  ///< commanded
-  double removed_mm3{0.0};               ///< of bone, in all
+  double removed_mm3{0.0};               ///< volume of bone removed in the whole run
   /// Work of cleared bone that the edge has not yet done, at the end; negative: of bone not cleared yet.
   double cutting_debt_J{0.0};
 };

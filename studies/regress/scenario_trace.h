@@ -20,7 +20,7 @@ enum class TracePart : std::uint8_t {
   kDevices,   ///< force sensor, drive, PLC; requests
   kBone,      ///< the contact model
   kHand,      ///< the loop's estimate of the hand's wrench, and the vibration in it
-  kCoupling,  ///< what is rendered, and what limited it
+  kCoupling,  ///< the rendered wrench, and the limits that acted on it
   kState,     ///< state of the cell, faults, limits
   kCommand,   ///< the commands to arm and spindle
 };
@@ -70,9 +70,9 @@ struct TraceEvent {
   std::string what;  ///< "state haptic", "fault sensor_silent", "scene pulp reached"
 };
 
-/// A scenario's run, reduced to what is compared.
+/// A scenario's run, reduced to the data that are compared.
 struct ScenarioTrace {
-  double period_s{0.0};     ///< of a tick
+  double period_s{0.0};     ///< period of a tick
   std::uint64_t ticks{0};   ///< number of ticks of the run
   std::uint64_t active{0};  ///< number of ticks that rendered
   /// Hash over every bit of every tick's record, of the models that ticks saw and of the carved bone.
@@ -80,9 +80,9 @@ struct ScenarioTrace {
   std::string ended;  ///< how it ended: "completed", or what never came
   std::vector<TraceEvent> events;
   std::vector<TraceSample> samples;     ///< at multiples of the interval, from the arm's first motion on
-  std::vector<double> least, greatest;  ///< of each quantity, over all ticks from then on
-  std::uint64_t first_tick{0};          ///< of the digests
-  std::vector<TickDigest> digests;      ///< of every tick from first_tick on
+  std::vector<double> least, greatest;  ///< extremes of each quantity, over all ticks from that motion on
+  std::uint64_t first_tick{0};          ///< tick of the first digest
+  std::vector<TickDigest> digests;      ///< digests of every tick from first_tick on
 
   /// Returns a tick's time; the first tick is at one period.
   [[nodiscard]] double TimeOf_s(std::uint64_t tick) const { return period_s * static_cast<double>(tick + 1); }

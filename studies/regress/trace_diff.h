@@ -19,10 +19,10 @@ struct PartDifference {
 
 /// The difference of one quantity between two traces.
 struct QuantityDifference {
-  std::size_t quantity{0};  ///< of TraceQuantities
+  std::size_t quantity{0};  ///< index in TraceQuantities
   double tolerance{0.0};
   double worst{0.0};             ///< greatest |now - golden| of a sample, or of the extremes of all ticks
-  std::uint64_t worst_tick{0};   ///< of the sample with that difference
+  std::uint64_t worst_tick{0};   ///< tick of the sample with that difference
   bool between_samples{false};   ///< `worst` is of the extremes; no sample shows it
   double golden{0.0}, now{0.0};  ///< at `worst`
   std::optional<std::uint64_t> left_tick{};  ///< the first sample beyond the tolerance
@@ -40,7 +40,7 @@ struct TraceDifference {
   std::vector<QuantityDifference> quantities;  ///< all that differ: first those beyond their tolerance by the
                                                ///< time they left it; then by size
   std::vector<std::string> others;             ///< other differences, one line each: events, the end
-  std::uint64_t first_tick{0};                 ///< of the golden digests
+  std::uint64_t first_tick{0};                 ///< tick of the first golden digest
 
   /// Number of quantities beyond their tolerance.
   [[nodiscard]] std::size_t Beyond() const;

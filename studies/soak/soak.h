@@ -14,7 +14,7 @@ namespace osteon::studies {
 
 struct SoakOptions {
   std::filesystem::path config_root;
-  double hours{8.0};  ///< of virtual time; with --wall of wall time
+  double hours{8.0};  ///< duration in virtual time; with --wall in wall time
   std::uint64_t seed{1};
   std::filesystem::path out{};   ///< folder for soak.html; empty: none
   std::filesystem::path json{};  ///< empty: none
@@ -33,7 +33,7 @@ struct EpisodeResult {
   double cutting_debt_J{0.0};
   double seconds_simulated{0.0}, seconds_wall{0.0};
   double memory_MB{0.0};             ///< resident memory after the episode
-  std::vector<std::string> wrong{};  ///< what is not as it should be; empty: nothing
+  std::vector<std::string> wrong{};  ///< errors of the episode; empty: none
 
   /// See EpisodeBooks::EnergyResidual.
   [[nodiscard]] double energy_residual() const { return books.EnergyResidual(cutting_debt_J); }

@@ -29,7 +29,7 @@ inline constexpr int kEpisodeKinds = 9;
 struct Episode {
   int index{0};
   EpisodeKind kind{EpisodeKind::kReference};
-  double seconds{10.0};                ///< of rendering
+  double seconds{10.0};                ///< length of rendering
   double pause_s{0.0}, resume_s{0.0};  ///< begin and end of a pause, after rendering began
   std::vector<std::string> set{};      ///< KEY=VALUE each, overrides the cell
 

@@ -28,7 +28,7 @@ using std::chrono::milliseconds, std::chrono::seconds, std::chrono::steady_clock
 // Time limits are generous, so that a busy machine does not decide the outcome.
 constexpr seconds kEnd{90};
 constexpr double kPatienceRatio = 3.0, kPatience_s = 120.0;  // limit: ratio × the rendering time + seconds
-constexpr milliseconds kLooks{50};
+constexpr milliseconds kPollInterval{50};
 constexpr double kUseEvery_s = 0.5, kPageStays_s = 1.0;
 // Time in which the PLC notices a missing heartbeat: it takes the permission back after 0.25 s.
 constexpr milliseconds kPlcNotices{800};
@@ -173,7 +173,7 @@ void WallCell::Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outc
         half = true;
       }
     }
-    std::this_thread::sleep_for(kLooks);
+    std::this_thread::sleep_for(kPollInterval);
   }
 }
 

@@ -38,7 +38,7 @@ struct WallOutcome {
   std::string error{};        ///< why there was no episode; empty: there was one
   std::optional<int> exit{};  ///< of the controller, as a shell shows it
   bool event_done{false};     ///< the pauses, the halt, or the kill took place
-  std::string refused{};      ///< what the controller answered to a request that it refused
+  std::string refused{};      ///< the controller's answer to a request that it refused
   std::filesystem::path recording{}, summary{};
   PartUses use{};                                    ///< last measured use of each process
   ProcessUse half{};                                 ///< use of the controller after half of its time
@@ -74,7 +74,7 @@ class WallCell {
   std::string StartCell(const CellLife& life);
   std::string StartGuard();
   void StartController(const WallEpisode& episode);
-  // Watches the controller until it has ended, and does what the script says.
+  // Watches the controller until it has ended, and carries out the script's actions.
   void Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outcome);
   [[nodiscard]] PartUses Uses() const;
   // Carries out the script's actions that are due. @param rendered_s  by the controller's clock

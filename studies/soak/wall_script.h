@@ -27,7 +27,7 @@ inline constexpr int kWallEvents = 10;
 /// One cell's process and its guard, which live through several episodes.
 struct CellLife {
   int index{0};
-  double loss_ratio{0.0};      ///< of the arm's datagrams, both ways
+  double loss_ratio{0.0};      ///< share of the arm's datagrams that are lost, in both directions
   bool engine_process{false};  ///< the engine is a process of its own
   bool plan{false};            ///< the operator's hand follows the plan
   double seconds{0.0};         ///< length of the operator's script

@@ -25,7 +25,7 @@ struct WallResult {
   double cutting_debt_J{0.0};  ///< by the summary
   std::size_t passes{0};       ///< of a procedure, by the summary
   EpisodeBooks books{};
-  std::vector<std::string> wrong{};  ///< what is not as it should be; empty: nothing
+  std::vector<std::string> wrong{};  ///< errors of the episode; empty: none
 
   /// See EpisodeBooks::EnergyResidual; valid for an episode that ended by itself.
   [[nodiscard]] double energy_residual() const { return books.EnergyResidual(cutting_debt_J); }

@@ -28,7 +28,7 @@ struct AdmittanceRunParams {
 
 /// State of the axis in a tick.
 struct AxisTick {
-  double x_m{0.0};     ///< of the virtual tool, from its rest position
+  double x_m{0.0};     ///< position of the virtual tool, from its rest position
   double hand_N{0.0};  ///< force of the hand, less its preload
   double wall_N{0.0};
   double index{0.0}, damping_factor{1.0}, reference_N{0.0};  ///< of the vibration index

@@ -32,8 +32,8 @@ struct ImpedanceArm {
 /// @param mass_ratio  by which all masses of the chain are multiplied; > 0
 [[nodiscard]] ImpedanceArm ImpedanceArmAt(const ImpedanceArmParams& params, double mass_ratio = 1.0);
 
-/// The same arm on a mount that gives way, by flexible_mount.h's equations: the joints (7), then the base's
-/// motion in B (3 + 3). The drives' torques act on the joints alone.
+/// The matrices of the arm on a mount that gives way, by the equations of flexible_mount.h: the joints (7),
+/// then the base's motion in B (3 + 3). The drives' torques act only on the joints.
 struct MountedArm {
   using Matrix = Eigen::Matrix<double, 13, 13>;
   Matrix inertia, damping, stiffness;

@@ -47,7 +47,7 @@ class MeasuredPlant {
   /// @param lines  by rising frequency, at least two
   /// @throws std::invalid_argument if the lines are fewer or not in this order
   MeasuredPlant(const std::vector<PlantLine>& lines, const ResponseModel& model);
-  /// The same with any model: its response at a frequency [Hz] up to half of the sampling rate.
+  /// Makes the plant with any model, a function of the frequency [Hz] up to half of the sampling rate.
   MeasuredPlant(const std::vector<PlantLine>& lines, std::function<std::complex<double>(double)> model,
                 double period_s);
 
@@ -68,7 +68,7 @@ class MeasuredPlant {
     double share{0.0};
   };
   [[nodiscard]] RatioAt RatioToModel(double hz) const;
-  /// From 0.01 Hz to half of the sampling rate, evenly spaced in the logarithm.
+  /// The response from 0.01 Hz to half of the sampling rate, evenly spaced in the logarithm.
   [[nodiscard]] const std::vector<Point>& grid() const { return grid_; }
 
  private:
@@ -108,10 +108,10 @@ class LawResponse {
 /// radius.
 struct LoopMargins {
   bool stable{false};
-  int unstable_poles{0};  ///< of the closed loop, by the encirclements of -1
+  int unstable_poles{0};  ///< number of the closed loop's, by the encirclements of -1
   double gain{0.0};       ///< gain margin: factor at which the loop becomes unstable; infinite: none
   double gain_radius{0.0};
-  double phase_deg{0.0};  ///< at the crossings of |L| = 1; 180: none
+  double phase_deg{0.0};  ///< phase margin at the crossings of |L| = 1; 180: none
   double phase_radius_deg{0.0};
   double modulus{0.0};  ///< least |1 + L|
   double modulus_radius{0.0};

@@ -46,9 +46,9 @@ class MeasuredOverlay {
   struct Point {
     double hz{0.0};
     std::complex<double> z;      // e^(j w T)
-    std::complex<double> delay;  // of a force that is sent, with half of the period that it is held
+    std::complex<double> delay;  // of a sent force, including half of the period for which it is held
     Matrix7c compliance;         // C'
-    Matrix7c slope;              // of C' by a relative change of G
+    Matrix7c slope;              // change of C' by a relative change of G
     double share{0.0};           // standard deviation of G, over its size
   };
   struct Seen {

@@ -48,7 +48,7 @@ struct HandlePoint {
   /// in contact.
   std::complex<double> impedance;
   double travel{0.0};  ///< amplitude of the tool's motion [m, rad]
-  /// Share of the motion that is not at this frequency: what the linear figure leaves out.
+  /// Share of the motion at other frequencies, which the linear figure leaves out.
   double harmonics{0.0};
   bool fault{false};  ///< the loop stopped: the result is invalid
 };

@@ -18,7 +18,7 @@ struct TransparencyOptions {
   std::filesystem::path json{};  ///< a second copy of transparency.json
   std::filesystem::path
       identified{};  ///< a file of `osteon identify`; empty: that of the cell's file, if any
-  int points{25};    ///< from kMinHz to kMaxHz, log-spaced
+  int points{25};    ///< number of frequencies, evenly spaced in the logarithm
   int sensor_delay_ticks{1};
   std::string command_line{};
 };
@@ -33,7 +33,7 @@ struct TransparencyAxis {
   std::vector<HandlePoint> points;
   HandleFit fit;
   double asked_mass{0.0}, asked_drag{0.0};  ///< [kg, N s/m], about an axis [kg m^2, N m s/rad]
-  /// rms over the band of |Z - asked| / |asked|: felt, but not asked for by the law.
+  /// rms over the band of |Z - asked| / |asked|: the part of the impedance that the law does not request.
   double residual{0.0};
 };
 
@@ -41,7 +41,7 @@ struct TransparencyResult {
   std::string cell;
   std::vector<TransparencyAxis> axes;   ///< six
   std::vector<HandlePoint> contact;     ///< along z, against a plane across z
-  double asked_stiffness_N_per_m{0.0};  ///< of the plane
+  double asked_stiffness_N_per_m{0.0};  ///< stiffness of the plane
   /// The coupling's damping, which applies as long as it adds less than its permitted share of the force.
   double asked_damping_Ns_per_m{0.0};
   double stiffness_N_per_m{0.0};  ///< felt stiffness at the lowest frequency
@@ -49,7 +49,7 @@ struct TransparencyResult {
   /// The headline figure: the worst residual of the three directions along which the tool is led.
   [[nodiscard]] double free_residual() const;
   [[nodiscard]] double apparent_mass_kg() const;  ///< the largest of the three
-  [[nodiscard]] double drag_Ns_per_m() const;     ///< likewise
+  [[nodiscard]] double drag_Ns_per_m() const;     ///< the largest of the three
   [[nodiscard]] bool fault() const;
 };
 

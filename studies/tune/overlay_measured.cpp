@@ -8,7 +8,7 @@
 namespace osteon::studies {
 namespace {
 
-// The arm of the same axis whose speed is nearest; null: none was fitted.
+// The fitted arm of the response's axis whose speed is nearest to the response's; null: none was fitted.
 const config::IdentifiedArm* ArmBeside(const config::IdentifiedCell& identified,
                                        const config::IdentifiedResponse& response) {
   const config::IdentifiedArm* nearest = nullptr;
@@ -20,7 +20,7 @@ const config::IdentifiedArm* ArmBeside(const config::IdentifiedCell& identified,
   return nearest;
 }
 
-// The spring by which x / f was multiplied.
+// The spring's stiffness by which x / f was multiplied.
 std::optional<double> SpringOf(const config::IdentifiedResponse& response, const config::IdentifiedArm* arm) {
   if (response.spring_N_per_m) return response.spring_N_per_m;
   if (arm == nullptr || !arm->felt_mass_kg) return {};

@@ -34,19 +34,19 @@ namespace {
 
 // Below 1 kg a hand's own mass dominates; above 5 kg the tool is no longer light.
 constexpr std::array kMasses_kg{1.0, 1.4, 1.7, 2.0, 2.4, 2.8, 3.4, 4.0, 5.0, 7.0};
-constexpr int kWalls = 32;  // of the map
+constexpr int kWalls = 32;  // number of walls in the map
 constexpr double kMinDamping = 5.0, kMaxDamping = 500.0;
-constexpr double kTie = 1.05;  // drags within this ratio count as equal: the lighter tool then wins
+constexpr double kTie = 1.05;  // drags within this ratio count as equal, and the lighter tool is then chosen
 
-// Everything that a result depends on, besides its own parameters. The number in front changes with the
-// method.
+// Everything that a result depends on, besides its own parameters, as text. The number at the text's begin
+// changes with the method.
 std::string Text(const TuneTask& t) {
   std::string text =
       fmt::format("2 {} {} {} {} {} {} {} {} {} {} {} {}", t.loop.arm.bandwidth_hz, t.loop.arm.damping_ratio,
                   t.loop.arm.dead_cycles, t.loop.felt_mass_kg, t.loop.sensor_delay, t.loop.period_s,
                   t.wall_N_per_m, t.plane_N_per_m, t.worst_age_s, t.margin, t.command_loss, t.command_jitter);
   if (!t.measured_only) return text;
-  // the grid of the response has every line and the model in it
+  // The response's grid depends on every line and on the model.
   std::uint64_t hash = 14695981039346656037ull;
   const auto add = [&hash](const MeasuredPlant& response) {
     for (const MeasuredPlant::Point& point : response.grid())
@@ -67,21 +67,21 @@ std::string Text(const std::vector<hil::GridHand>& hands) {
 
 std::string Text(const TuneGains& g) { return fmt::format(" {} {}", g.mass_kg, g.damping_Ns_per_m); }
 
-// The study's results, each with a number: first those by which gains are recommended, which every shard
-// computes for itself, then those at the recommended gains.
+// Numbers of the study's results: first the results from which gains are recommended, which every shard
+// computes for itself, then the results at the recommended gains.
 struct Items {
   static constexpr std::size_t kOwnMargin = 0, kDrags = 1, kMargins = kDrags + 2 * kMasses_kg.size(),
                                kRecommended = kMargins + kMasses_kg.size();
   static constexpr std::size_t kRecommendedMargin = kRecommended, kStiffestDrag = kRecommended + 1,
                                kClampDrag = kRecommended + 2, kBoundaries = kRecommended + 3;
-  /// @param dampings  of the map
+  /// @param dampings  number of dampings in the map
   static std::size_t Boundaries(std::size_t hands, int dampings) {
     return kBoundaries + hands * static_cast<std::size_t>(dampings + 1);
   }
   static std::size_t Rows(std::size_t map, int dampings) {
     return Boundaries(3, dampings) + map * static_cast<std::size_t>(kWalls);
   }
-  // Runs in time: 0 the check, 1 stiff hands, 2 the index.
+  // Simulations in time: `which` is 0 for the check, 1 for stiff hands, 2 for the index.
   static std::size_t InTime(std::size_t which, int dampings) { return Rows(2, dampings) + which; }
   static std::size_t Count(const TuneResult& r, int dampings) {
     return r.Stands() ? InTime(3, dampings) : kRecommended;
@@ -127,7 +127,7 @@ class Study {
     const std::vector<double> values = Get(item, what, [&] { return std::vector<double>{compute()}; });
     return values.size() == 1 ? values[0] : 0.0;
   }
-  // An item that is not cached: the result as it is computed here, or as it is in the parts.
+  // Gets the result of an item that is not cached: it is computed here, or read from the parts.
   template <typename Result, typename FromJson, typename ToJson, typename Compute>
   void Run(std::size_t item, Result& result, const FromJson& from, const ToJson& to,
            const Compute& compute) const {
@@ -138,7 +138,7 @@ class Study {
       items_.Store(item, to(result));
     }
   }
-  // An item that this study does not need.
+  // Marks an item that this study does not need.
   void Skip(std::size_t item) const { items_.Store(item, nlohmann::json::array()); }
   template <typename Each>
   void ForEach(std::size_t count, const Each& each) const {
@@ -220,8 +220,8 @@ class Study {
   int threads_;
 };
 
-// Chooses the mass that needs least drag; among masses that need about the same, the lightest, of those that
-// count as light if there are any.
+// Chooses the lightest of the masses that need about the least drag; of these, only those that count as light
+// together with their drag, if there are any.
 void Recommend(const Study& study, TuneResult& r) {
   r.trade.resize(kMasses_kg.size());
   for (std::size_t i = 0; i < kMasses_kg.size(); ++i) r.trade[i].mass_kg = kMasses_kg[i];
@@ -270,7 +270,7 @@ void StudyAll(const Study& study, const TuneOptions& options, base::PhaseProgres
   for (const hil::GridHand& hand : hil::NamedHands())
     if (hand.name == "clamp") r.clamp_Ns_per_m = study.Drag(Items::kClampDrag, r.recommended.mass_kg, {hand});
 
-  if (r.task.measured_only) return;  // what follows is of the arm's model
+  if (r.task.measured_only) return;  // the following results need a model of the arm
 
   progress.BeginPhase("boundaries, predicted and simulated");
   std::vector<double> dampings{r.recommended.damping_Ns_per_m};
@@ -301,7 +301,7 @@ void StudyAll(const Study& study, const TuneOptions& options, base::PhaseProgres
             [&] { return IndexWith(r.task, r.recommended, r.human_hands); });
 }
 
-// The guidance of a plan's first reamer: all of its reamers have the same gains. Judged at full gain.
+// Maps the guidance of a plan's first reamer at full gain: all reamers of a plan have the same gains.
 tl::expected<std::optional<GuidanceMap>, std::string> MapPlan(const TuneOptions& options,
                                                               const TuneTask& task,
                                                               const config::CellConfig& cell) {
@@ -315,7 +315,7 @@ tl::expected<std::optional<GuidanceMap>, std::string> MapPlan(const TuneOptions&
       MapGuidance(task, cell.servo.admittance, *guidance, [] { return base::Interrupted().load(); }));
 }
 
-// Converts to whole ticks; an error names the option.
+// Converts a time to whole ticks; the error names the option.
 tl::expected<int, std::string> Ticks(const char* option, double ms, double period_s) {
   const double ticks = 1e-3 * ms / period_s;
   if (std::abs(ticks - std::round(ticks)) > 1e-6)
@@ -324,7 +324,7 @@ tl::expected<int, std::string> Ticks(const char* option, double ms, double perio
   return static_cast<int>(std::lround(ticks));
 }
 
-// Delays of commands and of the sensor: those that the user asked for, else those of the task.
+// Sets the delays of commands and of the sensor that the user gave; the task keeps the others.
 tl::expected<void, std::string> SetDelays(const TuneOptions& options, TuneTask& task) {
   const double period_s = task.loop.period_s;
   if (options.jitter_ms) {
@@ -370,7 +370,7 @@ tl::expected<TuneTask, std::string> TaskOf(const config::CellConfig& cell, const
   return task;
 }
 
-// The judgement by the measured response, of the cell's own gains and of those recommended.
+// Judges the cell's own gains and the recommended gains by the measured response.
 void AddMargins(TuneResult& r) {
   const TuneGains own{r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m};
   r.margins = MeasuredMargins(r.task, "own", own, r.human_hands);
@@ -409,7 +409,7 @@ int Run(const TuneOptions& options) {
   result.age_bound_Ns_per_m = task->worst_age_s * task->plane_N_per_m;
 
   StudyItems items(options.sharding, InputsOf(result, options));
-  // the parts are asked whether they are of this study before their items are used
+  // Check that the parts belong to this study before their items are used.
   if (const std::string wrong = items.ValidateInputs(); !wrong.empty()) return session::Fail("tune", wrong);
   if (!items.IsShard()) {
     std::error_code error;
@@ -431,7 +431,7 @@ int Run(const TuneOptions& options) {
   auto guidance = MapPlan(options, result.task, cell);
   if (!guidance) return session::Fail("tune", guidance.error());
   result.guidance = std::move(*guidance);
-  // computed numbers are kept, even if the user did not wait for the rest
+  // Keep the computed numbers, even if the user interrupted the study.
   if (const auto saved = cache.Save(); !saved) return session::Fail("tune", saved.error(), session::kFailed);
   if (base::Interrupted()) return base::kExitInterrupted;
   result.found = cache.found();

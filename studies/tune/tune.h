@@ -18,7 +18,7 @@ struct TuneOptions {
   double worst_age_ms{2.0};      ///< largest age of a contact model's pose
   double margin{1.1};
   std::optional<double> loss{};  ///< default: as identified, else 0.01
-  /// In whole periods of the cell; default: as identified, else one period, at least 1 ms.
+  /// Whole periods of the cell. Default: as identified; otherwise one period, but at least 1 ms.
   std::optional<double> jitter_ms{}, sensor_delay_ms{};
   double human_grip_N_per_m{3e3}, stiffest_grip_N_per_m{10e3};
   int dampings{16};  ///< number of dampings in the map, from 5 to 500 N s/m

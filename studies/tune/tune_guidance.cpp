@@ -11,7 +11,7 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kMaxFactor = 4.0;  // boundaries are searched up to this times the plan's gains
+constexpr double kMaxFactor = 4.0;  // boundaries are searched up to this factor on the plan's gains
 
 GuidedLoopParams LoopOf(const TuneTask& task, const control::AdmittanceParams& law,
                         const control::GuidanceParams& guidance) {
@@ -19,7 +19,7 @@ GuidedLoopParams LoopOf(const TuneTask& task, const control::AdmittanceParams& l
                         .sensor_delay = task.loop.sensor_delay,
                         .period_s = task.loop.period_s,
                         .guidance = guidance};
-  // the plane across y: the lighter of the two axes aside, and of the two turns
+  // The loop is planar: use the lighter of the two lateral axes, and of the two rotations.
   loop.mass_kg = std::min(law.mass_kg.x(), law.mass_kg.y());
   loop.damping_Ns_per_m = std::min(law.damping_Ns_per_m.x(), law.damping_Ns_per_m.y());
   loop.inertia_kg_m2 = std::min(law.inertia_kg_m2.x(), law.inertia_kg_m2.y());
@@ -28,7 +28,7 @@ GuidedLoopParams LoopOf(const TuneTask& task, const control::AdmittanceParams& l
   return loop;
 }
 
-// The stiffest spring along the axis, with every hand that is stable without it.
+// The stiffest spring along the axis that is stable with every hand that is stable without it.
 hil::Boundary DepthBoundary(const TuneTask& task, double most_N_per_m) {
   hil::Boundary least{.value = most_N_per_m, .crossed = false};
   hil::AdmittanceLoopParams loop = task.loop;

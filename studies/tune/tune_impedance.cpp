@@ -38,7 +38,7 @@ OverlayLoopParams LoopOf(const config::CellConfig& cell) {
 OverlayLoopParams With(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand,
                        double gain) {
   OverlayLoopParams loop = t.loop;
-  // all three axes alike, as their ratio in the cell is
+  // Scale all three axes, so that they keep the ratio of the cell's file.
   if (t.own_damping() > 0.0)
     loop.law.damping_Ns_per_m *= damping_Ns_per_m / t.own_damping();
   else
@@ -47,10 +47,10 @@ OverlayLoopParams With(const OverlayTuning& t, double damping_Ns_per_m, const hi
   return loop;
 }
 
-// How much later than measured a command may be [s].
+// Largest additional delay of a command beyond the measured one [s].
 double LatestOf(const OverlayTuning& t) { return t.task.command_jitter * t.loop.period_s; }
 
-// By the arm's model, and by the measured response where there is one.
+// Whether the loop is stable by the arm's model, and by the measured response if there is one.
 bool Stable(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand,
             const hil::LoopWall& wall, double gain) {
   OverlayLoopParams loop = With(t, damping_Ns_per_m, hand, gain);
@@ -62,7 +62,8 @@ bool Stable(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand
   return OverlayLoop(late).IsStable() && StandsMeasured(t.response, loop, LatestOf(t));
 }
 
-// At a wall of that stiffness, and free: with every hand. False as well if interrupted.
+// Whether the loop is stable with every hand, at a wall of this stiffness and free. False also if
+// interrupted.
 bool StandsAll(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_per_m, double gain) {
   return std::ranges::all_of(t.hands, [&](const hil::GridHand& hand) {
     return !base::Interrupted() &&
@@ -95,8 +96,8 @@ double MarginOf(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_p
       .value;
 }
 
-// The least damping with which a wall stands at gain 1 and at the margin; 0: none. Scanned upward: too much
-// damping is unstable by its own delay.
+// The least damping with which a wall is stable at gain 1 and at the margin; 0: none. The damping is scanned
+// upward, because too much damping is unstable by its own delay.
 double LeastDamping(const OverlayTuning& t, double wall_N_per_m) {
   const auto stands = [&](double damping) {
     return StandsAll(t, damping, wall_N_per_m, t.task.margin) && StandsAll(t, damping, wall_N_per_m, 1.0);
@@ -180,7 +181,7 @@ std::vector<OverlayCase> CasesOf(const OverlayTuning& t, double damping_Ns_per_m
   return cases;
 }
 
-// Margins and Nyquist plot of the cell's own and of the recommended gains.
+// Computes margins and Nyquist plot of the cell's own and of the recommended gains.
 void JudgeByResponse(OverlayTuning& t) {
   std::vector<OverlayCase> own = CasesOf(t, t.own_damping(), t.task.wall_N_per_m), recommended;
   if (t.Stands()) recommended = CasesOf(t, t.recommended_Ns_per_m, t.recommended_N_per_m);
@@ -195,8 +196,8 @@ void JudgeByResponse(OverlayTuning& t) {
   if (!named.empty()) t.nyquist_svg = NyquistSvg(named);
 }
 
-// The cell's own gains if they stand, else the least damping for its own stiffness, else the stiffest of
-// those below that has one.
+// Recommends the cell's own gains if they have the margin; otherwise the least damping for the cell's own
+// stiffness; otherwise the stiffest smaller stiffness for which there is a damping.
 void Recommend(OverlayTuning& t) {
   if (t.own_margin >= t.task.margin && t.own_damping() > 0.0) {
     t.recommended_N_per_m = t.task.wall_N_per_m;
@@ -216,7 +217,8 @@ void Recommend(OverlayTuning& t) {
   }
 }
 
-// Dead time and springs of the arm are the cell's already (config::ApplyIdentified).
+// Takes the measurements over, except the arm's dead time and springs, which the cell already has
+// (config::ApplyIdentified).
 void UseIdentified(const config::IdentifiedCell& identified, const TuneOptions& options, OverlayTuning& t) {
   t.task.identified = identified;
   for (const config::IdentifiedArm& arm : identified.arm) {
@@ -225,7 +227,7 @@ void UseIdentified(const config::IdentifiedCell& identified, const TuneOptions& 
     if (arm.axis == "z") t.along_tool_kg = *arm.felt_mass_kg;
     t.on_mount |= arm.impedance && arm.impedance->on_mount;
   }
-  // without a measured dead time, which holds the jitter's mean, the jitter stays assumed
+  // A measured dead time includes the jitter's mean; without a measured one, the jitter stays assumed.
   if (identified.link && t.measured && !options.jitter_ms)
     t.task.command_jitter = JitterOf(*identified.link, t.loop.period_s);
   UseHands(identified, t.task);

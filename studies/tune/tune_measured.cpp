@@ -16,11 +16,11 @@
 namespace osteon::studies {
 namespace {
 
-constexpr std::size_t kTableRows = 5;  // of each of the gains
-constexpr double kAxisEnd = 2.0;       // of the Nyquist plot
+constexpr std::size_t kTableRows = 5;  // for own and for recommended gains each
+constexpr double kAxisEnd = 2.0;       // end of the Nyquist plot's axes
 
-// The response that decides: by the force sensor where a structure lies beyond the encoders, else by the
-// encoders; of the axis and speed whose arm is in the task, else of the same axis.
+// The response by which gains are judged: measured by the force sensor if there is a structure beyond the
+// encoders, otherwise by the encoders; of the axis and speed of the task's arm, otherwise of the same axis.
 const config::IdentifiedResponse* ResponseFor(const config::IdentifiedCell& identified,
                                               const config::IdentifiedArm& arm) {
   const config::IdentifiedResponse* best = nullptr;
@@ -44,8 +44,8 @@ std::vector<PlantLine> LinesOf(const config::IdentifiedResponse& response) {
   return lines;
 }
 
-// An arm for the ends of a response that no model fits: below and above its lines something has to be said.
-// The response of the greatest lag counts.
+// An arm for a response that no model fits: it supplies the values below and above the measured lines. The
+// response with the greatest lag counts.
 std::optional<config::IdentifiedArm> RoughArm(const config::IdentifiedCell& identified, double period_s) {
   std::optional<config::IdentifiedArm> slowest;
   for (const config::IdentifiedResponse& response : identified.response) {
@@ -67,7 +67,7 @@ std::optional<config::IdentifiedArm> RoughArm(const config::IdentifiedCell& iden
   return slowest;
 }
 
-// The hands whose loops were measured. The model matters beyond the measured band alone.
+// Adds the hands whose loops were measured. The model matters only beyond the measured band.
 void UseHeldLoops(const config::IdentifiedCell& identified, ResponseModel model, TuneTask& task) {
   for (const config::IdentifiedResponse& response : identified.response) {
     const auto hand = std::ranges::find(identified.hands, response.hand, &config::IdentifiedHand::name);
@@ -101,7 +101,7 @@ void UseResponse(const config::IdentifiedCell& identified, const config::Identif
 
 MeasuredLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, TuneContact contact, double gain) {
   MeasuredLoopParams params{.loop = task.loop, .sensor_delay_s = task.response_delay_s};
-  // a command as late as the latest
+  // a command with the greatest delay
   params.sensor_delay_s += task.command_jitter * task.loop.period_s;
   params.loop.mass_kg = gains.mass_kg;
   params.loop.damping_Ns_per_m = gains.damping_Ns_per_m;
@@ -109,7 +109,7 @@ MeasuredLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, TuneCont
   return params;
 }
 
-// The same for a hand whose own loop was measured.
+// The loop's parameters for a hand whose own loop was measured.
 MeasuredLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, TuneContact contact, double gain,
                           const hil::GridHand& held) {
   MeasuredLoopParams params = LoopOf(task, gains, contact, gain);

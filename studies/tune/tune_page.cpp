@@ -72,7 +72,7 @@ std::string Page(const TuneResult& r, const TuneOptions& options, const Pictures
   return html + report::RepeatSection(options.command_line) + report::PageEnd();
 }
 
-// Why these gains are safe. @param margin  their gain margin
+// Says why these gains are safe. @param margin  their gain margin
 std::string Why(const TuneResult& r, double margin) {
   const TuneTask& t = r.task;
   const std::string arm = t.arm_measured ? std::string("the arm's lag is measured")

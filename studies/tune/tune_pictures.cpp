@@ -16,8 +16,8 @@ constexpr double kFastest_per_s = 8.0;  // decay rate above which a hand feels n
 constexpr const char* kPredictedColor = "#1b1f24";
 constexpr const char* kChosenColor = "#d55e00";
 
-// The measured boundary. Zero (unstable without a wall) and the stiffest wall that was tried (no boundary
-// found) give no point.
+// Draws a boundary. Zero (unstable without a wall) and the stiffest wall that was tried (no boundary found)
+// give no point.
 report::Series Curve(const std::vector<TuneBoundary>& boundaries, double TuneBoundary::*what, double unit,
                      const std::string& name, const std::string& color, report::Marker marker, double below) {
   report::Series series{.name = name,
@@ -44,7 +44,7 @@ report::Series AtLeast(const std::vector<TuneBoundary>& boundaries, double max_N
   return series;
 }
 
-// An entry for the legend alone.
+// A series that appears only in the legend.
 report::Series LegendOnly(const std::string& name, report::Marker marker) {
   return {.name = name, .color = report::kMutedColor, .width_px = 0.0, .marker = marker};
 }

@@ -123,7 +123,8 @@ session::Verdict Judge(const TuneResult& r) {
 
 namespace {
 
-// The part of a period of the sensor's measured delay that the dead time has in it.
+// Says which part of the dead time is the sensor's: the part of its measured delay beyond the whole ticks of
+// the loop's sensor_delay. Empty if there is none.
 std::string SensorPart(const TuneTask& t) {
   if (!t.identified || !t.identified->sensor || !t.identified->sensor->delay_s) return "";
   const double part_s = *t.identified->sensor->delay_s - t.loop.sensor_delay * t.loop.period_s;

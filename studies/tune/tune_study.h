@@ -34,7 +34,7 @@ struct TuneTask {
   int command_jitter{1};                             ///< [ticks]
   double human_grip_N_per_m{3e3};                    ///< up to this grip the tool has to stay light ...
   double stiffest_grip_N_per_m{10e3};                ///< ... and up to this grip it has to be stable
-  double max_mass_kg{5.0}, max_drag_Ns_per_m{30.0};  ///< what counts as light
+  double max_mass_kg{5.0}, max_drag_Ns_per_m{30.0};  ///< limits up to which a tool counts as light
   control::VibrationParams vibration{};              ///< the cell's index, made to act in this study
   bool index_acts{true};                             ///< whether the index also acts in the cell itself
 

@@ -19,7 +19,7 @@ void AddAll(const std::vector<std::string>& more, std::vector<std::string>& to) 
   to.insert(to.end(), more.begin(), more.end());
 }
 
-// Coarse bone and a short run, as in the tests.
+// Makes the bone coarse and the run short, as in the tests, if `quick`.
 CellTrialParams Hastened(CellTrialParams cell, bool quick) {
   if (!quick) return cell;
   cell.seconds = 3.0;
@@ -38,8 +38,8 @@ CellTrialParams Hastened(CellTrialParams cell, bool quick) {
   return cell;
 }
 
-// An acetabulum of foam alone: its epoxy shell is reamed away. Twice the demo's time, so that the head is
-// seated in the denser foam as well.
+// An acetabulum of foam only, since its epoxy shell is reamed away. The run takes twice the demo's time, so
+// that the head is also seated in the denser foam.
 CellTrialParams FoamCup(const std::string& foam, bool quick, std::vector<std::string> set) {
   AddAll({"scene.shape.cartilage_mm=0", "scene.shape.subchondral_mm=0"}, set);
   CellTrialParams cell = Hastened(
@@ -68,7 +68,7 @@ double ErrorOf_mm(ValidationLab& lab, const CellTrialParams& cell) {
   return std::abs(DiameterOf_mm(lab, cell) - 1e3 * kReamer_m);
 }
 
-// What changes a cell into one of which a part gives way.
+// Changes a cell so that one of its parts gives way.
 using Change = CellTrialParams (*)(CellTrialParams);
 
 CellTrialParams Rigid(CellTrialParams cell) { return cell; }
@@ -80,7 +80,7 @@ CellTrialParams Yielding(CellTrialParams cell) {
   cell.set.emplace_back("compliance.layer=on");
   return cell;
 }
-// The same in pelvis_mount: the demo with its bone on a mount, and a depth limit that rides on the bone.
+// Changes the demo to pelvis_mount: its bone is on a mount, and the depth limit rides on the bone.
 CellTrialParams OnMount(CellTrialParams cell) {
   if (cell.cell != "demo")
     throw std::invalid_argument("a mount: found cell " + cell.cell + ", accepted demo");
@@ -95,7 +95,7 @@ struct PartChange {
 constexpr PartChange kBending{CompliantPart::kTool, Bending}, kYielding{CompliantPart::kLayer, Yielding},
     kOnMount{CompliantPart::kMount, OnMount};
 
-// A row's quantity with each part that gives way. A variant without a result leaves the row its own.
+// A row's quantity with each part that gives way. A variant without a result does not affect the row's value.
 std::vector<ComplianceVariant> Variants(const std::vector<PartChange>& parts,
                                         const std::function<double(Change)>& simulate) {
   std::vector<ComplianceVariant> variants;
@@ -116,7 +116,7 @@ double MeanError_mm(ValidationLab& lab, const std::vector<std::string>& set, Cha
                 ErrorOf_mm(lab, change(FoamCup("foam_20", lab.quick(), set))));
 }
 
-// A hand that trembles as much as the shipped sweep's most, and an arm with masses, friction and a flexible
+// A hand whose tremor is the largest of the shipped sweep, and an arm with masses, friction and a flexible
 // mount.
 const std::vector<std::string> kTremor{"operator.tremor_N=4"};
 const std::vector<std::string> kDynamic{"simulated_arm.level=dynamic"};
@@ -159,7 +159,7 @@ CellTrialParams Pressing(const char* cell, bool quick, const std::string& push_N
   return Hastened(std::move(trial), quick);
 }
 
-// The greatest force of a shipped script's hand; as ablation with the published force.
+// The greatest force of a shipped script's hand; the ablation uses the published force.
 Simulated ScriptForce(ValidationLab& lab, const std::vector<CellTrialParams>& cells,
                       const std::string& published) {
   const CellTrial &shipped = lab.Cell(cells[0]), &gentle = lab.Cell(cells[1]);

@@ -47,7 +47,7 @@ tl::expected<void, std::string> ReplaceTissues(const std::filesystem::path& conf
   return {};
 }
 
-// What the ticks of a run say about its press.
+// Figures of the press, gathered from the ticks of a run.
 class PressFigures {
  public:
   explicit PressFigures(const session::CellSetup& setup)
@@ -116,7 +116,7 @@ tl::expected<session::CellSetup, std::string> SetUp(const std::filesystem::path&
   if (!setup) return setup;
   if (auto replaced = ReplaceTissues(config_root, params.tissues, setup->config.scene); !replaced)
     return tl::make_unexpected(replaced.error());
-  // by the closed forms alone, whose results are the same on any machine
+  // Uses only the closed forms, whose results are the same on every machine.
   if (const auto packed = session::PackCell(
           *setup, {.as_packed = params.as_packed, .error_m = params.error_m, .rate_hz = {}}, {}, false);
       !packed)

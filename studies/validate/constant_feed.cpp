@@ -16,7 +16,7 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kPeriod_s = 1e-3, kMachine_N_per_m = 1e6, kNoBound_N = 1e5;
-constexpr double kClear_m = 0.2e-3;  // between tip and surface at the start
+constexpr double kClear_m = 0.2e-3;  // distance between tip and surface at the start
 
 void Check(const ConstantFeedParams& params) {
   double depth_m = 0.0;
@@ -32,7 +32,7 @@ void Check(const ConstantFeedParams& params) {
     throw std::invalid_argument("constant feed: found no step, accepted one at least");
 }
 
-// A block of the material around the drill's way, packed as the shipped plate is.
+// A block of the material around the drill's path, packed as the shipped plate is.
 simulation::Bone MakeFeedBlock(const ConstantFeedParams& params) {
   simulation::SceneParams scene = config::LoadScene(params.config_root / "scenes" / "thin_plate.yaml");
   const double width_m = 3.0 * params.diameter_m;
@@ -57,8 +57,8 @@ struct Sums {
   int frames{0};
 };
 
-// A drill that bends: its point's place in the chuck's frame T follows the wrench on it. Rigid without a
-// link.
+// A drill that bends: the place of its point in the chuck's frame T follows the wrench on the point. Without
+// a link, the drill is rigid.
 class BentPoint {
  public:
   BentPoint(const config::ToolConfig& drill, bool bends) {
@@ -97,7 +97,7 @@ ConstantFeedResult DrillAtConstantFeed(const ConstantFeedParams& params) {
   simulation::CuttingParams cutting;
   cutting.stiffness_N_per_m = kMachine_N_per_m;
   cutting.max_force_N = kNoBound_N;
-  cutting.engaged_layer_m = 0.25e-3;  // as the drilling cells
+  cutting.engaged_layer_m = 0.25e-3;  // as in the drilling cells
   cutting.edge_force = params.edge_force;
   simulation::CpuEngine engine(block, drill.tool, Pose::Identity(), cutting);
 

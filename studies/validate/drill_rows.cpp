@@ -12,8 +12,8 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kFeed_m_per_s = 0.120 / 60.0;  // 120 mm/min
-constexpr int kLips = 2;                        // of a twist drill
-constexpr double kRadius_m = 0.0016;            // of MacAvelia's drill
+constexpr int kLips = 2;                        // number of lips of a twist drill
+constexpr double kRadius_m = 0.0016;            // radius of MacAvelia's drill
 constexpr double kRate_m3_per_s = std::numbers::pi * kRadius_m * kRadius_m * kFeed_m_per_s;
 
 constexpr const char* kWithoutEdge = "without the edges' own force";
@@ -21,7 +21,7 @@ constexpr const char* kWithoutEdge = "without the edges' own force";
 std::vector<std::string> ConstantsOf(const std::string& material) {
   return {material + ".cutting_energy", material + ".cutting_force_ratio", material + ".edge_force"};
 }
-// A ratio of two forces has the edge's share in it: edge force over cutting energy.
+// The constants on which a ratio of two forces depends: the ratio varies with edge force over cutting energy.
 std::vector<std::string> RatioConstants(const std::string& material) {
   return {material + ".cutting_energy", material + ".edge_force"};
 }
@@ -45,7 +45,7 @@ const ConstantFeedResult& Drilled(ValidationLab& lab, const simulation::Material
                     .edge_force = run.edge_force,
                     .bends = run.bends});
 }
-// In a shipped material.
+// Returns the result of a drill run in a shipped material.
 const ConstantFeedResult& Drilled(ValidationLab& lab, const std::string& material, const DrillRun& run) {
   return Drilled(lab, lab.MaterialOf(material), run);
 }
@@ -60,7 +60,7 @@ std::vector<ComplianceVariant> WithBending(double simulated) {
 
 using Figure = double ConstantFeedResult::*;
 
-// Ratio of a figure between two speeds at the same feed a second; as ablation at the same feed a turn.
+// Ratio of a figure between two speeds at the same feed per second; the ablation has the same feed per turn.
 Simulated SpeedRatio(ValidationLab& lab, const std::string& material, Figure figure, double diameter_m) {
   const auto at = [&](double rpm, double feed_m_per_s, bool edge_force, bool bends = false) {
     return Drilled(lab, material,
@@ -85,10 +85,10 @@ Simulated SpeedRatio(ValidationLab& lab, const std::string& material, Figure fig
       .compliance = WithBending(at(1500, kFeed_m_per_s, true, true) / at(1000, kFeed_m_per_s, true, true))};
 }
 
-// Depth of cut of one lip to feed.
+// Converts the depth of cut of one lip to the feed [m/s].
 double FeedOf(double depth_of_cut_m, double rpm) { return depth_of_cut_m * kLips * rpm / 60.0; }
 
-// Thrust at a small depth of cut: first fast until the whole point is in, then at the wanted feed.
+// Thrust at a small depth of cut: the drill is fed fast until the whole point is in, then at the wanted feed.
 double ThrustAt(ValidationLab& lab, double depth_of_cut_m, double rpm, bool edge_force = true) {
   const double in_m = 0.0022, way_m = lab.quick() ? 0.0002 : 0.0004;
   return lab
@@ -102,12 +102,12 @@ double ThrustAt(ValidationLab& lab, double depth_of_cut_m, double rpm, bool edge
       .thrust_N;
 }
 
-// Cortical bone with constants that MacAvelia's figures at 1000 rpm alone give, as no shipped file has it:
-// then the thrusts at 1250 and 1500 rpm are free.
+// Cortical bone whose constants follow from MacAvelia's figures at 1000 rpm alone, unlike in any shipped
+// file: nothing is then fitted to the thrusts at 1250 and 1500 rpm.
 simulation::Material FittedAtOneSpeed(ValidationLab& lab) {
   constexpr double kTorque_Nm = 0.1863, kThrust_N = 198.4;
   simulation::Material bone = lab.MaterialOf("cortical");
-  // where chip and edge take the same force: of James's saw (14-depth), so it stays
+  // The thickness at which chip and edge take the same force stays, as it is that of James's saw (14-depth).
   const double chip_energy =
       bone.specific_cutting_energy_J_per_m3 - bone.edge_force_N_per_m / bone.measured_chip_m;
   const double edge_depth_m = bone.edge_force_N_per_m / chip_energy;
@@ -123,8 +123,8 @@ simulation::Material FittedAtOneSpeed(ValidationLab& lab) {
 
 constexpr const char* kShellByTorque = "shell.cutting_energy of the torque alone";
 
-// The shell with the cutting energy of Sawbones' torques (row 10) alone: the thrusts of row 9 have a part of
-// 2 % in the shipped one, which therefore is none to judge them by. The edge's force is scaled by the energy.
+// The shell with a cutting energy from Sawbones' torques (row 10) alone. The shipped energy cannot be used to
+// judge the thrusts of row 9, which changed it by 2 %. The edge's force is scaled with the energy.
 simulation::Material ShellByTorque(ValidationLab& lab) {
   double energy_J_per_m3 = 0.0;
   for (const auto& [rpm, torque_Nm] :
@@ -213,7 +213,7 @@ Simulated EnergyRatio(ValidationLab& lab) {
   };
   const double foam = energy("foam_15");
   simulation::Material dense = lab.MaterialOf("cancellous");
-  dense.specific_cutting_energy_J_per_m3 = 0.21e9;  // the upper end of what bone.yaml says it lies between
+  dense.specific_cutting_energy_J_per_m3 = 0.21e9;  // the upper end of the range in bone.yaml
   dense.name = "cancellous at the upper end of its assumed range";
   const double dense_J = Drilled(lab, dense, {.rpm = 200, .feed_m_per_s = 0.0005}).energy_J_per_m3;
   return {

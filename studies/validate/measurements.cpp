@@ -31,7 +31,7 @@ constexpr std::string_view kCavityLeavesOut =
     "it "
     "stand a reamer that bends and a bone on a mount";
 
-// Accepted values not written out: 198.4 ± 14.2 N is 7.16 %; a ratio of two such values 10.1 %.
+// Standard deviations relative to the value: 198.4 ± 14.2 N gives 7.16 %, a ratio of two such values 10.1 %.
 constexpr double kSd = 14.2 / 198.4, kRatioSd = 1.4142135623730951 * kSd;
 
 constexpr auto kMeasurements = std::to_array<Measurement>({
@@ -417,7 +417,7 @@ std::string_view NameOf(RowUse use) {
 std::span<const Measurement> Measurements() { return kMeasurements; }
 
 bool Measurement::Contains(double value) const {
-  // half a billionth of the value: bounds are decimal fractions
+  // A slack of half a billionth of the value, as the bounds are decimal fractions that floats round.
   const double slack = 5e-10 * std::abs(measured);
   const double compared = resolution > 0.0 ? resolution * std::round(value / resolution) : value;
   return compared >= low - slack && compared <= high + slack;

@@ -7,7 +7,7 @@
 
 namespace osteon::studies {
 
-/// What a row of `osteon validate` may show.
+/// The kind of evidence that a row of `osteon validate` gives.
 enum class RowUse : std::uint8_t {
   kValidates,   ///< a measured level, which nothing in the model was fitted to
   kTrend,       ///< how a measured quantity changes with a condition, as a ratio

@@ -73,7 +73,7 @@ Json ConstantsJson() {
   return constants;
 }
 
-// Accepted words for an error: the numbers of the source's rows.
+// Lists the numbers of the source's rows, as the accepted words in an error.
 std::string Numbers() {
   std::vector<std::string> numbers;
   for (const Measurement& m : Measurements()) {
@@ -83,7 +83,7 @@ std::string Numbers() {
   return fmt::format("{}", fmt::join(numbers, ", "));
 }
 
-// A variant's value, "-" if its run had no result, nothing if the row has none.
+// A variant's value as text; "-" if its run had no result; empty if the row has no such variant.
 std::string VariantText(const ValidationRow& row, CompliantPart part) {
   const ComplianceVariant* variant = row.simulated.With(part);
   if (variant == nullptr) return "";

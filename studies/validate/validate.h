@@ -38,7 +38,7 @@ struct KindCount {
 /// Numbers of rows by their outcome.
 struct ValidationCounts {
   std::size_t rows{0}, judged{0}, within{0}, missed{0}, calibrates{0}, not_judged{0}, failed{0};
-  std::size_t levels_and_trends{0}, levels_and_trends_within{0};  ///< of the judged ones
+  std::size_t levels_and_trends{0}, levels_and_trends_within{0};  ///< judged rows of these kinds
   std::array<KindCount, 4> kinds{{{RowUse::kValidates, "levels"},
                                   {RowUse::kTrend, "trends"},
                                   {RowUse::kRange, "ranges"},

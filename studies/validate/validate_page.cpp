@@ -25,7 +25,7 @@ std::string VerdictCell(const ValidationRow& row) {
   return fmt::format("<span class=\"verdict {}\">{}</span>", level, verdict);
 }
 
-// What gives way in a variant, for a reader.
+// Names the part that gives way in a variant, for a reader.
 const char* TextOf(CompliantPart part) {
   switch (part) {
     case CompliantPart::kTool:
@@ -38,7 +38,7 @@ const char* TextOf(CompliantPart part) {
   return "the bone on the mount of cell pelvis_mount";
 }
 
-// The cells of the variants: tool, layer, mount.
+// The table cells of the variants: tool, layer, mount.
 std::string VariantCells(const ValidationRow& row) {
   std::string html;
   for (const CompliantPart part : {CompliantPart::kTool, CompliantPart::kLayer, CompliantPart::kMount}) {

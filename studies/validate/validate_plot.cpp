@@ -14,7 +14,7 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kWidth_px = 920.0, kRow_px = 22.0, kMargin_px = 14.0, kAxis_px = 44.0;
-constexpr double kMin = 0.1, kMax = 10.0;  // ends of the axis: simulated over measured
+constexpr double kMin = 0.1, kMax = 10.0;  // ends of the axis of the ratio simulated / measured
 constexpr std::array kTicks{0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0};
 constexpr const char* kSpreadColor = "#c9d3dd";
 
@@ -29,7 +29,7 @@ Look LookOf(std::string_view verdict) {
   return {report::kMutedColor, report::Marker::kRing};
 }
 
-// A ratio's place; beyond the axis at its end.
+// Position of a ratio on the axis; a ratio beyond the axis is at its end.
 double Place(double ratio, double left, double width) {
   const double share = std::log(std::clamp(ratio, kMin, kMax) / kMin) / std::log(kMax / kMin);
   return left + share * width;

@@ -14,7 +14,7 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kQuickScale = 2.0;  // of packings
+constexpr double kQuickScale = 2.0;  // factor on the spacings of packings in a quick run
 
 std::string KeyOf(const ConstantFeedParams& p) {
   std::string key =

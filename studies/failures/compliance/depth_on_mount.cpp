@@ -22,7 +22,7 @@ constexpr int kMaxTicks = 20'000, kAfter = 300;  // ticks in all, and ticks afte
 constexpr double kAbove_m = 0.05e-3;  // height of the apex over the bone at the beginning
 
 struct Course {
-  double depth_m{0.0};  ///< of the hole
+  double depth_m{0.0};  ///< depth of the hole
   bool stopped{false};  ///< the limit has stopped the spindle
   bool fault{false};
   FailureSeries series;

@@ -33,7 +33,8 @@ control::BoneMountParams Mount() {
   return mount;
 }
 
-// @param late  the planes move with the bone, 20 ms late; otherwise the loop knows the mount
+// @param late  the planes move with the bone, 20 ms late; otherwise the loop itself computes the mount's
+// motion
 Swing Press(control::Law law, bool late) {
   const double wall_N_per_m = law == control::Law::kAdmittance ? 20e3 : 10e3;
   const Vector3 feed_W = StartOfLawRide().linear().col(2), p_W = StartOfLawRide().translation();

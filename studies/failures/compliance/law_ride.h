@@ -14,7 +14,7 @@ namespace osteon::studies {
 
 /// A ride of the shipped servo loop on bone that gives way, with either law: the admittance law on an arm
 /// that follows positions (hil/arm/servo_arm.h), the impedance law over a wrench overlay on an arm with
-/// masses (hil/arm/dynamic_arm.h). Laws, limits, depth limit and what gives way are the loop's own.
+/// masses (hil/arm/dynamic_arm.h). Laws, limits, depth limit and compliance are the loop's own.
 struct LawRideParams {
   /// Law and gains, compliance, depth limit, spindle; the ride sets the arm's limits and a wide workspace.
   control::ServoParams loop{};
@@ -24,8 +24,8 @@ struct LawRideParams {
 /// The state of one millisecond.
 struct LawRideTick {
   Pose X_WT{Pose::Identity()};      ///< the tool's true pose
-  Pose X_ME{Pose::Identity()};      ///< of the head in the bone's world, as the simulation gets it
-  Pose X_WT_sim{Pose::Identity()};  ///< of the rigid tool to which that head belongs
+  Pose X_ME{Pose::Identity()};      ///< pose of the head in the bone's world, as the simulation gets it
+  Pose X_WT_sim{Pose::Identity()};  ///< pose of the rigid tool to which that head belongs
   Vector3 f_coupling_N{Vector3::Zero()};
   bool renders{false};
 };

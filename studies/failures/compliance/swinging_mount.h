@@ -13,7 +13,7 @@ namespace osteon::studies {
 struct SwingRideParams {
   hil::GridHand hand;
   double tremor_N{1.0};              ///< peak along each axis (hil/operator/tremor.h)
-  std::optional<double> mount_hz{};  ///< of the bone's mount; absent: the bone rests
+  std::optional<double> mount_hz{};  ///< frequency of the bone's mount; absent: the bone rests
   control::VibrationParams index{};
 };
 

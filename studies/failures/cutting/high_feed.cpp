@@ -12,7 +12,7 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kLength_m = 24e-3;    // of the block, along x
+constexpr double kLength_m = 24e-3;    // length of the block along x
 constexpr double kMinDrawn_mm = 1e-7;  // smaller values, and zero, are drawn at this height
 
 struct Case {

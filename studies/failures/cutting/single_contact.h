@@ -23,7 +23,7 @@ struct SingleContactFrame {
   bool touching{false};
 };
 
-/// Baseline of the contact scenarios: the force of a god-object that knows one pair of balls at a time.
+/// Baseline of the contact scenarios: the force of a god-object that considers one pair of balls at a time.
 ///
 ///     P' = first contact on the way P ──▶ T (equation 3)      n = from bone ball to tool ball of that pair
 ///     F = k (P' - T)    (1)                                   tau = (p_s - p_COM) x F    (2)

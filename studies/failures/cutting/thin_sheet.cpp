@@ -29,7 +29,7 @@ double HalfWidth(double tool_radius_m) {
 
 struct Shot {
   double speed_m_per_s;
-  Vector3 start_m, way_m;  ///< of the apex
+  Vector3 start_m, way_m;  ///< start and displacement of the apex
 };
 
 /// The n-th shot of a tool, the same for every engine.

@@ -29,7 +29,7 @@ constexpr double kSlack = 1.0 + 1e-9;  // on a torque limit, for rounding
 struct Saturated {
   double angle_rad{0.0}, clipped_angle_rad{0.0};
   double torque_share{0.0};  // largest (|J^T F| + |g|) / limit
-  double min_share{1.0};     // of the wanted force that passed the limiter
+  double min_share{1.0};     // least share of the wanted force that passed the limiter
   double max_N{0.0}, max_wanted_N{0.0};
   double recovery_s{0.0};
   bool saturates{false}, recovers{false}, fault{false};
@@ -128,7 +128,7 @@ Saturated Press(double tool_m, double side_rad, bool depth_limited) {
       result.angle_deg.push_back(0.0);
       result.clipped_deg.push_back(0.0);
     }
-    // and the time until the whole force is back
+    // Measure the time until the whole force is back.
     result.saturates |= !can;
     if (!can) could_since_s = static_cast<double>(i + 1) * kDt_s;
     if (can && result.saturates && f.norm() < kWhole * wanted_N)

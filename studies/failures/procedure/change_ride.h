@@ -13,7 +13,7 @@ namespace osteon::studies {
 struct ChangeRideParams {
   std::vector<control::LoopTool> tools;  ///< two
   bool changes_entry{true};              ///< false: the loop keeps the first entry, whatever is mounted
-  double mounted_kg{0.0};  ///< what the sensor carries after the change beyond what it carried before
+  double mounted_kg{0.0};                ///< mass that the change adds to the sensor's load
   double seconds_after{2.0};
 };
 
@@ -21,7 +21,7 @@ struct ChangeRide {
   kinematics::JointVector q_before{kinematics::JointVector::Zero()}, q_after{kinematics::JointVector::Zero()};
   Pose X_before{Pose::Identity()},
       X_after{Pose::Identity()};       ///< commanded tool in the ticks about the change
-  std::vector<double> speed_mm_per_s;  ///< of the apex, each tick after the resume
+  std::vector<double> speed_mm_per_s;  ///< speed of the apex in each tick after the resume
   bool fault{false};
 };
 

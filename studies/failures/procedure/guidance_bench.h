@@ -18,8 +18,8 @@ namespace osteon::studies {
 /// The method that renders the guidance: ours, or one that fails.
 enum class GuidanceMethod {
   kOurs,
-  kMeasuredPose,  ///< the same springs at the measured pose, always at full share
-  kAtOnce,  ///< at the commanded pose; the limits set the share, which returns at once, energy uncounted
+  kMeasuredPose,  ///< the same springs at the measured pose, scaled as with kAtOnce
+  kAtOnce,        ///< at the commanded pose; only the limits scale it, at once and without regard to energy
 };
 
 /// The plan of all scenarios: straight down, the head's centre at the world's origin.
@@ -29,14 +29,14 @@ struct GuidanceBenchParams {
   control::GuidanceParams guidance{ScenarioGuidance()};
   GuidanceMethod method{GuidanceMethod::kOurs};
   hil::GridHand hand{"firm", 500.0, 20.0, 1.5};
-  double lever_m{0.1};  ///< of the hand above the apex
+  double lever_m{0.1};  ///< height of the hand above the apex
 };
 
 /// The place to which a hand leads the tool, and a force that it adds.
 struct LedTo {
   Vector3 p_W{0.0, 0.0, 0.0};     ///< goal of the hand's point, from its place over the plan's centre [m]
   Vector3 push_W{0.0, 0.0, 0.0};  ///< added force [N]
-  bool holds{true};               ///< false: it has let go
+  bool holds{true};               ///< false: the hand has let go
 };
 
 /// State of a tick.
@@ -44,7 +44,7 @@ struct GuidanceTick {
   Wrench F_guidance_T_W;  ///< rendered
   double hand_N{0.0};     ///< force of the hand on the handle
   Vector3 hand_W{0.0, 0.0, 0.0};
-  double speed_m_per_s{0.0};  ///< of the commanded apex
+  double speed_m_per_s{0.0};  ///< speed of the commanded apex
   double excess_m{0.0};       ///< distance beyond the funnel
 };
 

@@ -4,7 +4,7 @@
 
 namespace osteon::studies {
 
-/// Scenario 32: another reamer is put on: the apex jumps, the joints must not.
+/// Scenario 32, tool change: when another reamer is mounted, the apex jumps, but the joints must not.
 [[nodiscard]] FailureResult RunToolChange(const FailureSetting& setting);
 
 }  // namespace osteon::studies

@@ -17,8 +17,8 @@ constexpr int kFrames = 200;
 
 }  // namespace
 
-// The baseline takes the larger tool where the smaller one stands: it begins in bone, and the coupling pushes
-// it out as soon as motion resumes. Ours refuses, and says how far to retract; from there it is clear.
+// The baseline mounts the larger tool where the smaller one stands: it begins in bone, and the coupling
+// pushes it out as soon as motion resumes. Ours refuses, and says how far to retract; from there it is clear.
 FailureResult RunToolInBone(const FailureSetting& setting) {
   FailureResult result{.id = 34,
                        .name = "tool in bone",

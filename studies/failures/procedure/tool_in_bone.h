@@ -4,7 +4,7 @@
 
 namespace osteon::studies {
 
-/// Scenario 34: a larger reamer is taken where the smaller one stands.
+/// Scenario 34, tool in bone: a larger reamer is mounted at the place where the smaller one stands.
 [[nodiscard]] FailureResult RunToolInBone(const FailureSetting& setting);
 
 }  // namespace osteon::studies
