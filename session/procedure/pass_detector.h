@@ -8,25 +8,25 @@ namespace osteon::session {
 /// A tool that has touched no bone for this long has ended its pass.
 inline constexpr rt::Nanoseconds kClearOfPass = rt::kSecond / 2;
 
-/// Time from one frame to the next in which bone may have been cut [s]: a longer gap, a stall of the
-/// simulation, counts as this much.
+/// Longest time from one frame to the next that counts as cutting time [s]: a longer gap, which is a stall of
+/// the simulation, counts as this much.
 inline constexpr double kMaxFrameGap_s = 0.1;
 
-/// Says in which frames bone is removed: the one rule for a session's passes and for its assessment.
+/// Decides in which frames bone is removed, by one rule for a session's passes and for its assessment:
 ///
 ///     spindle turns, and (more volume is gone than in the frame before, or the bone gives way)
 ///
-/// Mass points vanish one by one, so a slow cut has frames between two of them, in which the cut face
-/// advances and no volume is counted yet.
+/// Mass points vanish one by one. In a slow cut, frames between two such points count as well: the cut face
+/// advances, though no volume is gone yet.
 class CutDetector {
  public:
-  /// Takes the next frame. @param spindle_rad_per_s  of the same command
-  /// @returns whether bone is removed in it; false for a frame with an error
+  /// Takes the next frame. @param spindle_rad_per_s  of the command for this frame
+  /// @returns whether bone is removed in this frame; false for a frame with an error
   bool Step(const simulation::ContactModel& model, double spindle_rad_per_s);
-  /// Takes the next frame as the first of another state of the bone.
+  /// Begins again: the next frame is the first of another state of the bone.
   void Restart() { known_ = false; }
 
-  /// Volume that is gone, after the last frame and before it; the same in the first frame.
+  /// Removed volume after the last frame, and before it; both are equal in the first frame.
   [[nodiscard]] double removed_m3() const { return removed_m3_; }
   [[nodiscard]] double removed_before_m3() const { return before_m3_; }
 
@@ -41,9 +41,10 @@ class PassDetector {
  public:
   enum class Change { kNone, kBegan, kEnded };
 
-  /// Takes one frame. @param stamp  of its pose  @param spindle_rad_per_s  of the same command
+  /// Takes the next frame. @param stamp  of its pose  @param spindle_rad_per_s  of the command for this frame
+  /// @returns whether a pass has begun or ended
   Change Step(const simulation::ContactModel& model, rt::Nanoseconds stamp, double spindle_rad_per_s);
-  /// Ends the pass now, and takes the next frame as the first of another state of the bone.
+  /// Ends the pass now. The next frame is the first of another state of the bone.
   void Restart();
 
   [[nodiscard]] bool open() const { return open_; }

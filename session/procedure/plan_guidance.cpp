@@ -14,7 +14,7 @@ using procedure::GuidanceCeilings;
 
 constexpr double kSameDiameter_m = 1e-6;
 
-// A plan's reader refuses what the loop would refuse.
+// The reader of a plan has the same bounds as the loop.
 static_assert(GuidanceCeilings::kConeStiffness_Nm_per_rad == control::kMaxConeStiffness_Nm_per_rad);
 static_assert(GuidanceCeilings::kConeCap_Nm == control::kMaxConeTorque_Nm);
 static_assert(GuidanceCeilings::kLateralStiffness_N_per_m == control::kMaxLateralStiffness_N_per_m);

@@ -13,19 +13,19 @@
 
 namespace osteon::session {
 
-/// The guidance of one tool of a plan, as the loop needs it; absent: the plan has none.
+/// Makes the guidance of one tool of a plan for the loop; nothing if the plan has no guidance.
 /// @param X_WG  the bone's frame in the world
 /// @throws std::invalid_argument if a gain is beyond what is accepted (control::Validate).
 [[nodiscard]] std::optional<control::GuidanceParams> GuidanceOf(const procedure::SurgicalPlan& plan,
                                                                 const procedure::PlannedTool& tool,
                                                                 const Pose& X_WG);
-/// The guidance of the plan's reamer that a tool is, by the diameter of its cutting head.
+/// Makes the guidance of the plan's reamer whose diameter is that of the tool's cutting head.
 /// @throws std::invalid_argument if the plan has no such reamer.
 [[nodiscard]] std::optional<control::GuidanceParams> GuidanceOf(const procedure::SurgicalPlan& plan,
                                                                 const simulation::Tool& tool,
                                                                 const Pose& X_WG);
 
-/// As a recording keeps it; GuidanceFromJson returns the same bits.
+/// Makes the JSON that a recording keeps; GuidanceFromJson returns the same bits.
 [[nodiscard]] nlohmann::json ToJson(const control::GuidanceParams& guidance);
 /// @throws nlohmann::json::exception, std::invalid_argument
 [[nodiscard]] control::GuidanceParams GuidanceFromJson(const nlohmann::json& json);

@@ -31,28 +31,31 @@ namespace fs = std::filesystem;
 
 constexpr double kSameSize_m = 1e-6;
 
-// The novice. The axis is 14 ± 7 degrees off (PMC6494316). Reaming without guidance moves the centre by 3.7
-// ± 2.6 mm superiorly and 5.0 ± 3.3 mm medially (PMID 27909120): the hand aims 6 mm aside, of which the cup's
-// walls leave about 4, and takes a floor 5 mm deeper for the end. An arm that is unsure stiffens: 8 N/mm,
-// where up to 10 were published (hil/operator/operator_hand.h). It presses with 140 N, near the hand's own
-// limit, until it gives up (assumed).
+// The hand of a novice. Its axis is 14 ± 7 degrees off (PMC6494316). Reaming without guidance moves the
+// centre by 3.7 ± 2.6 mm superiorly and 5.0 ± 3.3 mm medially (PMID 27909120). So the hand aims 6 mm aside,
+// of which the cup's walls leave about 4 mm, and takes a floor 5 mm too deep for the end. The arm of an
+// unsure person stiffens: 8 N/mm, where up to 10 N/mm were published (hil/operator/operator_hand.h). The hand
+// presses with 140 N, near its own limit, until it gives up (assumed).
 struct NoviceHand {
   static constexpr double kTilt_rad = 14.0 * std::numbers::pi / 180.0, kAside_m = 0.006, kTooDeep_m = 0.005;
   static constexpr double kStiffer = 4.0, kPush_N = 140.0, kPastPlan_m = 0.020;
 };
 
-// A novice with a burr, all assumed: in a tooth the errors of free hands are of the size of the burr.
+// A novice with a burr. All figures are assumed: in a tooth, the errors of unguided hands are of the size of
+// the burr.
 struct NoviceBurr {
   static constexpr double kTilt_rad = 10.0 * std::numbers::pi / 180.0, kAside_m = 0.0008, kTooDeep_m = 0.001;
   static constexpr double kHarder = 1.5, kPastPlan_m = 0.001;
 };
-// A hand that leads a burr rests its fingers on the teeth: an arm of 8 N/mm, where up to 10 were published
-// (hil/operator/operator_hand.h). The hand leads the burr a little beyond the planned circle, so that it
-// still presses where that is reached; along the axis an expert lets up there. Both distances are assumed.
+// A hand that leads a burr rests its fingers on the teeth, as stiff as an arm of 8 N/mm, where up to 10 N/mm
+// were published (hil/operator/operator_hand.h). The hand leads the burr a little beyond the planned circle,
+// so that it still presses when the burr has reached the circle; along the axis an expert stops pressing a
+// little beyond the plan. Both distances are assumed.
 constexpr double kFingerRest = 4.0, kExpertPastPlan_m = 0.1e-3, kLead_m = 0.3e-3;
-constexpr double kClearOfOpening_m = 3e-3;  // over its rim: a burr is retracted
+constexpr double kClearOfOpening_m = 3e-3;  // a burr this far over the opening's rim counts as retracted
 
-// The frame of the plan: its centre, +z along its axis, x and y as near to G's as can be.
+// Returns the frame of the plan in G: origin at the plan's centre, +z along its axis, x and y as near to G's
+// as possible.
 Pose PlanFrame(const procedure::SurgicalPlan& plan) {
   Pose X_GC = Pose::Identity();
   X_GC.linear() = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), plan.axis_G).toRotationMatrix();
@@ -72,8 +75,8 @@ SessionGains GainsOfCell(const control::ServoParams& servo) {
   return gains;
 }
 
-// The mesh that the plan is for, with the plan's cup; of a session that is resumed, its own. @returns what is
-// wrong
+// Sets the mesh of the procedure, with the plan's cup; a session that is resumed keeps its own mesh.
+// @returns what is wrong; empty: nothing
 std::string TakeMesh(const ProcedureChoice& choice, const config::CellConfig& cell, Procedure& made) {
   const auto& cup = made.plan.mesh_cup;
   if (choice.resume && !made.mesh && !made.file.mesh_file.empty())
@@ -181,7 +184,7 @@ tl::expected<Procedure, std::string> OpenProcedure(const ProcedureChoice& choice
     return tl::make_unexpected(std::move(wrong));
   std::set<std::string> recordings;
   for (const SessionSegment& segment : made.file.segments) recordings.insert(segment.recording);
-  // also beyond what session.json does not name: nothing is written over
+  // count also recordings that session.json does not name, so that none is overwritten
   const int last = std::max(static_cast<int>(recordings.size()),
                             LastNumber(choice.session, kRecordingPrefix, kRecordingEnding));
   made.recording = fmt::format("{}{}{}", kRecordingPrefix, last + 1, kRecordingEnding);
@@ -249,7 +252,8 @@ void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand,
     LeadBurrs(plan, static_cast<std::size_t>(first), RimOver(plan, site), push_force_N, script,
               cell.simulated.hand);
   script.coupling_N_per_m = cell.servo.coupling.max_stiffness_N_per_m;
-  script.sees_plan = hand != "novice" && !is_opening;  // a burr is led to its depth by a stiff hand
+  // at an opening, a stiff hand leads the burr to its depth
+  script.sees_plan = hand != "novice" && !is_opening;
   if (script.sees_plan) {
     script.push_force_N = push_force_N;
     script.last_push_ratio = kExpertLastPush;
@@ -335,7 +339,7 @@ tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
   try {
     rubric = config::LoadRubric(config::ShippedFolder() / "rubrics" /
                                 procedure::RubricOf(procedure.plan.plan.kind));
-  } catch (const config::ConfigError& wrong) {  // the run needs no score
+  } catch (const config::ConfigError& wrong) {  // the run goes on without a score
     without_rubric = wrong.what();
   }
   auto session = std::make_unique<ProcedureSession>(ProcedureParams{

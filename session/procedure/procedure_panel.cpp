@@ -14,7 +14,7 @@ namespace {
 
 nlohmann::json Triple(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
-// What changes by less is not sent again.
+// Rounds a figure of the message: a change below the step does not make a new message.
 double Rounded(double value, double step) { return step * std::round(value / step); }
 
 std::string PlanMessage(const procedure::SurgicalPlan& plan, const Pose& X_WG, bool confirms) {

@@ -14,19 +14,20 @@
 
 namespace osteon::session {
 
-/// Where a tool is along its plan.
+/// The place of a tool relative to its plan.
 struct PlanPlace {
   double to_go_m{0.0};   ///< height of the head's centre over its planned place, along the plan's axis
   double aside_m{0.0};   ///< distance of the head's centre from that axis
   double tilt_rad{0.0};  ///< angle between the feed and the axis into the bone
   bool beyond_tilt{false}, beyond_aside{false}, beyond_depth{false};  ///< outside of the plan's corridor
 };
-/// @param X_GT  of a tool whose head's centre lies half its diameter behind T's origin
+/// Computes the place of a tool relative to its plan.
+/// @param X_GT  of a tool whose head has its centre half the head's diameter behind T's origin
 [[nodiscard]] PlanPlace PlaceAlongPlan(const procedure::SurgicalPlan& plan,
                                        const procedure::PlannedTool& tool, const Pose& X_GT);
 
-/// What the console shows of a procedure, as two messages for the pages: the plan, which stays, and where the
-/// session stands. console/web/src/messages.ts has their fields.
+/// Makes the two messages with which the console shows a procedure: the plan, which does not change, and the
+/// state of the session. console/web/src/messages.ts has their fields.
 ///
 /// Step belongs to the frames' thread, the messages to any.
 class ProcedurePanel {
@@ -34,13 +35,14 @@ class ProcedurePanel {
   /// @param X_WG  bone in the world  @param confirms  a person confirms each change of tool
   ProcedurePanel(procedure::SurgicalPlan plan, const Pose& X_WG, bool confirms);
 
-  /// Takes a frame of a tool of the plan. What is shown is the place of the simulated tool, as it cuts.
-  /// @param stamp  of its pose
+  /// Takes a frame. The place shown is that of the simulated tool, which cuts.
+  /// @param tool  index in the plan  @param stamp  of the frame's pose
   void Step(int tool, const simulation::ContactModel& model, rt::Nanoseconds stamp);
 
   /// {"type": "plan", …}
   [[nodiscard]] const std::string& PlanJson() const { return plan_json_; }
-  /// {"type": "procedure", …}: step, depth to go, tilt, and what of the score can be said before the end.
+  /// Makes {"type": "procedure", …}: step, depth to go, tilt, and the parts of the score that are known
+  /// before the end.
   /// @param gain  of the guidance in force
   [[nodiscard]] std::string Json(const SessionFile& session, double gain) const;
 
@@ -50,7 +52,7 @@ class ProcedurePanel {
   const bool has_guidance_;
   std::string plan_json_;
 
-  mutable rt::InheritingMutex mutex_;  // of what follows; the frames' thread takes it, and pages' threads
+  mutable rt::InheritingMutex mutex_;  // guards the following, for the frames' and pages' threads
   int tool_{-1};
   rt::Nanoseconds stamp_{0};  // of the last frame
   PlanPlace place_;

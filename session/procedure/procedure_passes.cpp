@@ -7,11 +7,11 @@
 #include "session/procedure/unfinished.h"
 #include "simulation/engine/state_hash.h"
 
-// The passes and segments of a procedure's session: what is kept, and when; its score, and its end.
+// The passes and segments of a procedure's session: which states are saved, and when; the score; the end.
 
 namespace osteon::session {
 
-// Also where a touch has changed the bone without being a pass: what is cut is never lost.
+// Ends the pass. Also saves the bone if a touch that was no pass has changed it, so that no cut is ever lost.
 void ProcedureSession::EndOpenPass(const simulation::CuttingEngine& engine, rt::Nanoseconds stamp) {
   if (pass_.open() || std::exchange(end_pass_, false) ||
       simulation::HashText(engine.Snapshot()) != saved_hash_)
@@ -67,7 +67,8 @@ void ProcedureSession::OpenSegment(rt::Nanoseconds begin) {
                             .guidance_gain = guidance_gain_});
 }
 
-// The planned tools that no segment has, where the scripted operator was to take them. Under mutex_.
+// Lists the planned tools that the scripted operator has not taken: no segment has them. Call it under
+// mutex_.
 std::vector<MissedChange> ProcedureSession::MissedChanges() const {
   std::vector<MissedChange> missed;
   if (!params_.scripted) return missed;
@@ -77,8 +78,8 @@ std::vector<MissedChange> ProcedureSession::MissedChanges() const {
   return missed;
 }
 
-// Beside the run, since measuring the bone takes some tenths of a second; in virtual time when it is asked
-// for.
+// Scores the new state in the writer's thread, since measuring the bone takes some tenths of a second. In
+// virtual time the bone is measured when the score is asked for.
 void ProcedureSession::RenewScore() {
   const SessionFile file = File();
   const bool guided = std::ranges::any_of(
@@ -96,7 +97,7 @@ std::string ProcedureSession::ScoreJson() {
   return score_.Json(frame_stamp_.load(), in_pass_.load());
 }
 
-// Ends the session in order: what is cut is saved, and the run is asked to end as by an operator's stop.
+// Ends the session in order: saves the bone, and asks the run to end as an operator's stop does.
 SessionAnswer ProcedureSession::Finish(const SessionRequest& request, const simulation::ToolCommand& command,
                                        FrameRunner& runner) {
   if (pass_.open() && !pass_.clear()) return Refused("finish: the tool touches bone: retract it first");

@@ -42,7 +42,7 @@ inline constexpr double kClearToResume_m = 0.5e-3;
 struct ProcedureParams {
   std::filesystem::path folder;
   procedure::SurgicalPlan plan;
-  SessionFile file;                  ///< of a new session without segments, or of the one that is resumed
+  SessionFile file;  ///< of a new session, without segments, or of the session that is resumed
   std::vector<ProcedureTool> tools;  ///< one for each of file.diameters_mm
   int tool{0};                       ///< in use at the start
   std::string recording;             ///< name of this run's recording in the folder
@@ -55,14 +55,14 @@ struct ProcedureParams {
   std::function<tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string>(
       const simulation::Tool&)>
       make_engine;
-  bool confirm_size{false};  ///< a physical change: a person confirms the size
-  /// An arm in its own impedance control: its controller's load is confirmed as well.
+  bool confirm_size{false};  ///< a person changes the physical tool, and must confirm its size
+  /// The arm is in its own impedance control: a person must also confirm the load set in its controller.
   bool confirm_load{false};
-  bool scripted{false};                         ///< the scripted operator's buttons are pressed as well
-  ScriptedChanges::Heights scripted_heights{};  ///< at which they are
+  bool scripted{false};                         ///< a script presses the buttons (ScriptedChanges)
+  ScriptedChanges::Heights scripted_heights{};  ///< heights at which it presses them
   bool wall_time{false};                        ///< states are written on a thread of their own
-  std::optional<procedure::Rubric> rubric{};    ///< of the score that the console shows; absent: none is
-  std::string without_rubric{};                 ///< why it is absent
+  std::optional<procedure::Rubric> rubric{};    ///< for the score on the console; absent: no score is shown
+  std::string without_rubric{};                 ///< why the rubric is absent
   std::optional<simulation::SceneEventParams> plan_events{};  ///< of the plan's scene; absent: `events`
 };
 
@@ -71,12 +71,13 @@ struct ProcedureParams {
 ///     osteon tell, console ──Ask──▶ [request] ◀─BeforeFrame── frames' thread: engine, states, passes
 ///                                       └─Poll──▶ ServoLoop::RequestTool, RequestPause, RequestResume
 ///
-/// **Change of tool.** Asked for while the loop is paused. (1) The frames' thread checks that every ball of
-/// the new tool would be 0.5 mm clear where it stands. (2) The loop takes the prepared entry; its joints
-/// stay. (3) The command then names the new tool, and the frames' thread continues from the last saved state
-/// with an engine of that tool. Nothing moves until a resume, which is checked again.
+/// **Change of tool.** It is requested while the loop is paused. (1) The frames' thread checks that every
+/// ball of the new tool, at the present pose, would be 0.5 mm clear of bone. (2) The loop takes the new
+/// tool's prepared parameters; the joints stay. (3) The command then names the new tool, and the frames'
+/// thread continues from the last saved state with an engine for that tool. Nothing moves until a resume,
+/// before which the clearance is checked again.
 ///
-/// No request moves the arm, but for a resume, which asks the loop as `osteon resume` does.
+/// No request moves the arm, except a resume, which asks the loop as `osteon resume` does.
 class ProcedureSession final : public FrameObserver {
  public:
   explicit ProcedureSession(ProcedureParams params);
@@ -93,15 +94,16 @@ class ProcedureSession final : public FrameObserver {
 
   /// Takes each recorded tick, for the sensor's reading at rest. From one thread.
   void OnTick(const control::TickRecord& tick);
-  /// Passes what was decided to the loop. From the thread that passes an operator's requests on.
+  /// Passes the decided requests to the loop. Called by the thread that passes an operator's requests on.
   void Poll(control::ServoLoop& loop);
-  /// The operator asks to resume: passed to the loop by a later Poll, once the tool is clear. Any thread.
+  /// Requests a resume for the operator; a later Poll passes it to the loop, once the tool is clear. Any
+  /// thread.
   void RequestResume() { resume_asked_.store(true); }
 
-  /// Asks, and waits up to 0.7 s for the answer. Not from the frames' thread.
+  /// Makes a request, and waits up to 0.7 s for the answer. Not from the frames' thread.
   [[nodiscard]] SessionAnswer Ask(const SessionRequest& request);
-  /// Asks without waiting; `answered` is called on the frames' thread. False: another request is open, or the
-  /// run is over.
+  /// Makes a request without waiting; `answered` is called on the frames' thread.
+  /// @returns false if another request is open, or the run is over
   bool Post(const SessionRequest& request, std::function<void(const SessionAnswer&)> answered);
 
   [[nodiscard]] const std::vector<ProcedureTool>& tools() const { return params_.tools; }
@@ -114,15 +116,15 @@ class ProcedureSession final : public FrameObserver {
   [[nodiscard]] const std::filesystem::path& folder() const { return params_.folder; }
   /// Name of this run's recording in the folder.
   [[nodiscard]] const std::string& recording() const { return params_.recording; }
-  /// The console's messages of the plan and of where the session stands (ProcedurePanel). Any thread.
+  /// The console's messages of the plan and of the session's state (ProcedurePanel). Any thread.
   [[nodiscard]] const std::string& PlanJson() const { return panel_.PlanJson(); }
   [[nodiscard]] std::string PanelJson() const;
-  /// The console's message of the score so far (LiveScore). Any thread but the frames'; in virtual time it
-  /// measures the bone, which is done beside the run in wall time.
+  /// The console's message of the score so far (LiveScore). Any thread but the frames'. In virtual time this
+  /// call measures the bone; in wall time the writer's thread does.
   [[nodiscard]] std::string ScoreJson();
-  /// A person has finished the session: all is saved, and the run is to end. Any thread.
+  /// Whether a person has finished the session: all is saved, and the run is to end. Any thread.
   [[nodiscard]] bool finished() const { return finished_.load(); }
-  /// Thinnest wall that any tool but the first has left; nothing where none was seen.
+  /// Thinnest wall that any tool but the first has left [m]; nothing: no wall was seen.
   [[nodiscard]] std::optional<double> min_wall_m() const;
 
  private:
@@ -175,19 +177,19 @@ class ProcedureSession final : public FrameObserver {
   int states_{0};
   bool changed_{false};            // tool or bone have changed in this pause: a resume is checked
   bool end_pass_{false};           // the pass has ended with the last frame
-  std::optional<double> to_go_m_;  // least of the open pass
+  std::optional<double> to_go_m_;  // smallest height over the planned place in the open pass
   rt::Nanoseconds last_stamp_{0};
   std::map<int, Watched> watched_;
   std::string error_;
 
   std::atomic<int> wanted_tool_{-1}, framed_tool_{0};
-  std::atomic<double> wanted_gain_{-1.0};  // of the guidance; negative: none
-  double guidance_gain_{0.0};              // in force; under mutex_
+  std::atomic<double> wanted_gain_{-1.0};  // guidance gain for the next Poll; negative: none
+  double guidance_gain_{0.0};              // the gain in force; guarded by mutex_
   std::atomic<bool> pause_{false}, resume_{false}, resume_asked_{false}, finished_{false};
   std::atomic<bool> in_pass_{false};             // a pass was open in the newest frame
   std::atomic<rt::Nanoseconds> frame_stamp_{0};  // of the newest frame's pose
 
-  mutable rt::InheritingMutex mutex_;  // of what follows; the frames' thread takes it, and pages' threads
+  mutable rt::InheritingMutex mutex_;  // guards the following, for the frames' and pages' threads
   PausedReadings readings_;
   std::optional<Open> open_;
   bool over_{false};  // no further frame comes

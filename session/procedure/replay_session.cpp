@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What a recording's cell is made of again.
+// The parts of a recording's cell that are made again for the replay.
 struct Scene {
   CellSetup setup;
   std::vector<ProcedureTool> tools;
@@ -67,7 +67,8 @@ void CompareState(const std::string& name, const std::string& expected,
     replay.first_different = fmt::format("{}: found {}, recorded {}", name, found, expected);
 }
 
-// Cuts a segment's frames again, from the state that it began with. @returns why that was not possible
+// Cuts a segment's frames again, from the state with which it began. @returns why that was not possible;
+// empty: it was
 std::string CutAgain(const io::Recording& recording, const SessionFile& session, int index,
                      const fs::path& folder, const Scene& scene, SessionReplay& replay) {
   const SessionSegment& segment = session.segments[static_cast<std::size_t>(index)];

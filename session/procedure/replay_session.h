@@ -12,10 +12,10 @@ namespace osteon::session {
 /// A recording of a session, run again.
 struct SessionReplay {
   std::string recording;
-  ReplayResult loop;        ///< the servo loop, tick by tick
-  std::uint64_t frames{0};  ///< cut again, each segment from its saved state
+  ReplayResult loop;        ///< result of the servo loop, tick by tick
+  std::uint64_t frames{0};  ///< number of frames cut again, each segment from its saved state
   int states{0},
-      different_states{0};      ///< saved states that were reached again: all, and those with another hash
+      different_states{0};      ///< number of saved states that were reached again, and with another hash
   std::string first_different;  ///< "state_2.carved: found …, accepted …"; empty: none
 };
 
@@ -24,8 +24,8 @@ struct SessionReplayOptions {
   std::filesystem::path json{};
 };
 
-/// Runs `osteon replay DIR`: for each recording of the session the loop again, bit for bit, and for each
-/// segment the bone again, from the state that it began with.
+/// Runs `osteon replay DIR`: runs the loop of each recording of the session again and compares it bit for
+/// bit, and cuts the bone of each segment again, from the state with which the segment began.
 /// @returns the process's exit code: 0 all bits are the same; 1 one differs, or something could not be run
 /// again; 2 wrong input.
 [[nodiscard]] int RunReplaySession(const SessionReplayOptions& options);

@@ -7,9 +7,9 @@
 
 namespace osteon::session {
 
-/// Presses the buttons of a session for the scripted operator, who only moves the hand: once a tool has been
-/// down and is retracted and at rest, pauses, takes the next tool, and resumes. It looks at the tool alone,
-/// so that it works in both clocks.
+/// Presses the buttons of a session for the scripted operator, who only moves the hand. Once a tool has been
+/// down and is retracted and at rest, it pauses, takes the next tool, and resumes. It depends only on the
+/// tool's motion, so that it works in wall time and in virtual time.
 class ScriptedChanges {
  public:
   enum class Action { kNone, kPause, kNext, kResume };
@@ -24,15 +24,15 @@ class ScriptedChanges {
 
   /// @param height_m  of the head's centre over the plan's centre, along its axis
   /// @param paused  the loop is at rest  @param next_is_ready  a further tool is planned
-  /// @returns what to press now; each once
+  /// @returns the button to press now; each is returned once
   Action Step(rt::Nanoseconds stamp, double height_m, bool paused, bool next_is_ready);
-  /// The request for the next tool was answered. A refused one is given up: the cell resumes with the old
-  /// tool.  @param refusal  why; empty: it was carried out
+  /// Takes the answer to the request for the next tool. If it was refused, the change is given up: the cell
+  /// resumes with the old tool.  @param refusal  the reason; empty: the request was carried out
   void OnNextAnswered(std::string refusal) {
     answered_ = true;
     refusal_ = std::move(refusal);
   }
-  /// Why a change to a further tool is not made, if the run ends now: the last refusal, or what is missing.
+  /// Says why the next change of tool is not made if the run ends now: the last refusal, or what is missing.
   [[nodiscard]] std::string WhyNotChanged() const;
 
  private:

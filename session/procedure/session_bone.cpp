@@ -29,10 +29,10 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::array<char, 8> kBoneMagic{'O', 'S', 'T', 'B', 'O', 'N', 'E', '1'};
-constexpr std::size_t kBallNumbers = 4, kPointNumbers = 5;  // doubles of a ball, of a mass point
+constexpr std::size_t kBallNumbers = 4, kPointNumbers = 5;  // number of doubles of a ball, of a mass point
 constexpr std::uint64_t kMaxItems = 1ull << 32;
 
-// Followed by the doubles of the balls and of the mass points.
+// The head of the file. The doubles of the balls and of the mass points follow.
 struct BoneHeader {
   std::array<char, 8> magic{kBoneMagic};
   std::array<char, 16> checksum{};  // of the doubles, as TextChecksum writes it

@@ -102,7 +102,7 @@ std::optional<procedure::PlannedCavity> ReadPlannedCavity(const std::filesystem:
                                                           const SessionFile& session) {
   try {
     return config::LoadSurgicalPlan(folder / session.plan_file).plan.cavity();
-  } catch (const config::ConfigError&) {  // its scene is not here
+  } catch (const config::ConfigError&) {  // the plan, or its scene, cannot be read on this machine
     return std::nullopt;
   }
 }

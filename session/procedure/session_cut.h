@@ -19,7 +19,7 @@
 
 namespace osteon::session {
 
-/// Tool and path of each pass of a session that counts; the path is the simulated tool's, in the bone's
+/// Tool and path of each pass of a session that counts. The path is that of the simulated tool, in the bone's
 /// frame. Passes that were taken back are left out.
 class SessionCut {
  public:
@@ -29,9 +29,9 @@ class SessionCut {
   /// Takes a frame of a recording of the session; it counts if it belongs to a pass.
   void Add(const std::string& recording, const simulation::FrameRecord& frame);
 
-  /// The passes' paths in their order. Views of this object.
+  /// The paths of the passes, in their order. They are views of this object.
   [[nodiscard]] std::vector<simulation::ToolPath> paths() const;
-  /// Largest distance of a path from the frames' own (ProxyPath::tolerance_m).
+  /// Largest distance by which a thinned path differs from the frames' poses (ProxyPath::tolerance_m).
   [[nodiscard]] double tolerance_m() const;
   [[nodiscard]] const std::vector<simulation::Tool>& tools() const { return tools_; }
 
@@ -48,35 +48,35 @@ class SessionCut {
   std::vector<Pass> passes_;
 };
 
-/// The session that a recording belongs to, by the session.json beside it; nothing: none, or it does not name
-/// the recording.
+/// Finds the session to which a recording belongs, by the session.json beside it. Nothing if there is no such
+/// file, or it does not name the recording.
 [[nodiscard]] std::optional<SessionFile> FindSessionOf(const std::filesystem::path& recording);
-/// The session as it was at a recording's end: segments and passes up to its last one.
+/// Returns the session as it was at a recording's end: with segments and passes up to the recording's last.
 [[nodiscard]] SessionFile SessionUpTo(SessionFile session, const std::string& recording);
 
-/// Whether a frame of a recording, known by its name, counts.
+/// Says whether a frame counts. @param recording  name of the frame's recording
 using CountsFrame = std::function<bool(const std::string& recording, const simulation::FrameRecord& frame)>;
 
 /// Reads the frames of all recordings of a session. The error names the file.
-/// @param counts  empty: each frame does
+/// @param counts  empty: each frame counts
 [[nodiscard]] tl::expected<SessionCut, std::string> ReadSessionCut(const std::filesystem::path& folder,
                                                                    const SessionFile& session,
                                                                    std::vector<simulation::Tool> tools,
                                                                    const Pose& X_WG,
                                                                    const CountsFrame& counts = {});
 
-/// Reads what the session's recordings before this one have cut; nothing: it is the first, or the session
-/// does not name it. The error names the file. @param recording  name of its file in the folder
+/// Reads the passes of the session's recordings before this one. Nothing if this one is the first, or the
+/// session does not name it. The error names the file. @param recording  name of its file in the folder
 [[nodiscard]] tl::expected<std::optional<SessionCut>, std::string> ReadCutBefore(
     const std::filesystem::path& folder, const SessionFile& session, const std::string& recording,
     std::vector<simulation::Tool> tools, const Pose& X_WG);
 
-/// Reads the plan of a session's folder and its planned cavity; nothing where it cannot be read.
+/// Reads the planned cavity from the plan in a session's folder; nothing if the plan cannot be read.
 [[nodiscard]] std::optional<procedure::PlannedCavity> ReadPlannedCavity(const std::filesystem::path& folder,
                                                                         const SessionFile& session);
 
 /// Writes the passes of a recording's session as a table, one pass a row: `<stem>_passes.csv` in `folder`.
-/// @param start  stamp of the recording's start, where its times count from
+/// @param start  stamp of the recording's start, at which the table's times are 0
 /// The error names the path.
 [[nodiscard]] tl::expected<std::filesystem::path, std::string> WritePassTable(
     const SessionFile& session, const std::filesystem::path& recording, rt::Nanoseconds start,

@@ -23,7 +23,7 @@ using nlohmann::json;
 constexpr std::int64_t kMaxStamp = std::int64_t{1} << 62;
 constexpr double kMaxFigure = 1e9, kMaxToGo_mm = 1e4, kMaxDiameter_mm = 500.0;
 
-// A state's or a recording's file lies in the session's folder itself.
+// Checks that a state's or a recording's name is a plain file name: these files lie in the session's folder.
 void RequireName(const std::string& key, const std::string& name) {
   if (name.empty()) return;
   const std::filesystem::path path(name);
@@ -104,7 +104,7 @@ std::string ReadName(const json& object, const char* key) {
   return name;
 }
 
-// A time of the calendar, or nothing.
+// Reads the time at which the session began; empty: there is none.
 std::string ReadBegan(const json& all) {
   constexpr std::string_view kForm = "0000-00-00T00:00:00Z";
   const auto at = all.find("began");
@@ -172,7 +172,7 @@ SessionSegment ReadSegment(const json& object, const SessionFile& session) {
   return segment;
 }
 
-// @param number  that the pass must have
+// @param number  the number that the pass must have
 SessionPass ReadPass(const json& object, const SessionFile& session, std::int64_t number) {
   SessionPass pass{.number = static_cast<int>(ReadWhole(object, "number", number, number)),
                    .segment = static_cast<int>(ReadWhole(
@@ -269,7 +269,7 @@ std::string ToJson(const SessionFile& session) {
 }
 
 tl::expected<SessionFile, std::string> ParseSession(const std::string& text) {
-  std::string place;  // of what is read: "passes[2]: "
+  std::string place;  // the part that is being read, for the error: "passes[2]: "
   try {
     const json all = json::parse(text);
     if (const std::string schema = ReadText(all, "schema"); schema != kSessionSchema)

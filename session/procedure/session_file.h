@@ -12,8 +12,8 @@
 #include "base/clock.h"
 #include "kinematics/spatial.h"
 
-// The file `session.json` of a procedure's folder (osteon.session/1): which plan, cell and bone, which tool
-// cut in which part of which recording, from which carved state to which, and the passes.
+// The file `session.json` in a procedure's folder (osteon.session/1). It names the plan, the cell and the
+// bone; for each part of a recording, the tool and the carved states before and after; and the passes.
 //
 //     DIR/session.json   this file, replaced as a whole whenever one of its facts becomes known
 //         plan.yaml      the plan as it was read
@@ -25,15 +25,17 @@ namespace osteon::session {
 /// A part of a recording in which one tool cut, from one saved state on. A change of tool and an undo begin
 /// another.
 struct SessionSegment {
-  int tool_index{0};         ///< of SessionFile::diameters_mm
+  int tool_index{0};         ///< index in SessionFile::diameters_mm
   std::string recording;     ///< file in the session's folder
-  rt::Nanoseconds begin{0};  ///< first stamp of a frame's pose that belongs to it, on the recording's clock
-  rt::Nanoseconds end{0};    ///< last one; 0: not known, as the process was killed: the recording's end
-  std::string begin_state;   ///< file of the carved state at its beginning; empty: the uncut bone
-  std::string begin_state_hash;  ///< HashState of it, 16 hexadecimal digits
-  std::string end_state;         ///< likewise at its end; empty: as begin_state (no pass was finished)
-  std::string end_state_hash;    ///< empty as long as the segment is open
-  double guidance_gain{0.0};     ///< the plan's gains times this; 0: without guidance
+  rt::Nanoseconds begin{0};  ///< stamp of the first frame's pose, on the recording's clock
+  /// Stamp of the last frame's pose; 0: not known, because the process was killed: the recording's end
+  /// counts.
+  rt::Nanoseconds end{0};
+  std::string begin_state;       ///< file of the carved state at its beginning; empty: the uncut bone
+  std::string begin_state_hash;  ///< HashState of that state, 16 hexadecimal digits
+  std::string end_state;       ///< file of the state at its end; empty: as begin_state, no pass was finished
+  std::string end_state_hash;  ///< empty as long as the segment is open
+  double guidance_gain{0.0};   ///< factor on the plan's guidance gains; 0: without guidance
 };
 
 /// One pass: from the first bone that the turning tool removes until the tool has been clear for 0.5 s.
@@ -44,15 +46,15 @@ struct SessionPass {
   rt::Nanoseconds begin{0}, end{0};  ///< stamps of frames' poses, on the recording's clock
   double cutting_s{0.0};             ///< time in which bone was removed
   double removed_mm3{0.0};
-  std::string state;       ///< file of the carved state after it
-  std::string state_hash;  ///< HashState of it
+  std::string state;       ///< file of the carved state after the pass
+  std::string state_hash;  ///< HashState of that state
   bool undone{false};      ///< taken back: counts for time, not for the result
-  /// Least height of the simulated head's centre over its planned place; negative: deeper. Absent: a session
-  /// older than this figure.
+  /// Smallest height of the simulated head's centre over its planned place; negative: deeper. Absent: the
+  /// session was made before this figure existed.
   std::optional<double> to_go_mm{};
 };
 
-/// A change of tool that the scripted operator of a simulated cell had planned, and the run did not make.
+/// A change of tool that the scripted operator of a simulated cell was to make, but did not.
 struct MissedChange {
   int tool_index{0};   ///< of the tool that was not taken
   std::string reason;  ///< what was missing, or the refusal
@@ -65,64 +67,64 @@ struct SessionGains {
   std::array<double, 3> mass_kg{}, drag_Ns_per_m{};  ///< of the virtual tool; zero under the impedance law
 };
 
-/// The largest number N of the files PREFIX N EXTENSION in a folder, such as run_2.mcap; 0: there is none.
+/// Returns the largest number N of the files PREFIX N EXTENSION in a folder, such as run_2.mcap; 0: no file.
 [[nodiscard]] int LastNumber(const std::filesystem::path& folder, const std::string& prefix,
                              const std::string& extension);
 
 /// The content of session.json.
 struct SessionFile {
   std::string cell;       ///< name of the cell's file, without its ending
-  std::string cell_file;  ///< as it was given
+  std::string cell_file;  ///< path of the cell's file, as it was given
   std::string plan_file{"plan.yaml"};
-  std::string plan_name;                     ///< of the file that was copied; empty in sessions of before
+  std::string plan_name;                     ///< name of the plan's file before copying; empty: older session
   std::string plan_checksum, cell_checksum;  ///< FNV-1a of 64 bits, 16 hexadecimal digits
   std::string bone_checksum;                 ///< HashState of the uncut bone
   std::string scene;
-  std::string mesh_file;   ///< the mesh that took the cell's bone's place, as a whole path; empty: none
-  double mesh_scale{1.0};  ///< millimetres per unit of it
-  std::string tool;        ///< name of the tool's kind, such as "reamer"
-  std::vector<double> diameters_mm;    ///< of the plan's reamers
+  std::string mesh_file;             ///< absolute path of the mesh that replaced the cell's bone; empty: none
+  double mesh_scale{1.0};            ///< millimetres per unit of the mesh
+  std::string tool;                  ///< name of the tool's kind, such as "reamer"
+  std::vector<double> diameters_mm;  ///< of the plan's reamers
   std::string tool_change{"virtual"};  ///< "virtual" or "physical"
   std::string clock{"wall"};           ///< "wall" or "virtual"
   std::string began{};  ///< when the session was opened, UTC: "2026-11-29T09:30:00Z"; empty: virtual time, or
                         ///< an older session
   SessionGains gains;
-  bool ended{false};  ///< the last process ended in order; false as well while it runs
+  bool ended{false};  ///< the last process ended in order; also false while it runs
   std::vector<SessionSegment> segments;
   std::vector<SessionPass> passes;
-  std::vector<MissedChange> missed_changes{};  ///< of the last run; empty for a person's, and while it runs
-  std::optional<PlainPose> cup_X_GT;           ///< `tell cup`: the tool's pose then, in the bone's frame G
+  std::vector<MissedChange> missed_changes{};  ///< of the last run; empty with a person, and while it runs
+  std::optional<PlainPose> cup_X_GT;           ///< the tool's pose at `tell cup`, in the bone's frame G
 
-  /// The passes that count for the result.
+  /// Returns the number of passes that count for the result.
   [[nodiscard]] int PassesLeft() const;
-  /// File of the last state that counts; empty: the uncut bone.
+  /// Returns the file of the last state that counts; empty: the uncut bone.
   [[nodiscard]] std::string LastState() const;
 };
 
 inline constexpr const char* kSessionFileName = "session.json";
 inline constexpr std::string_view kSessionSchema{"osteon.session/1"};
-/// Names of recordings and states, around their numbers: run_2.mcap, state_1.carved.
+/// The names of recordings and states before and after their numbers: run_2.mcap, state_1.carved.
 inline constexpr const char *kRecordingPrefix = "run_", *kRecordingEnding = ".mcap", *kStatePrefix = "state_",
                             *kStateEnding = ".carved";
 
 [[nodiscard]] std::string ToJson(const SessionFile& session);
-/// The error names the key, what was found and what is accepted.
+/// Parses the text of session.json. The error names the key, what was found and what is accepted.
 [[nodiscard]] tl::expected<SessionFile, std::string> ParseSession(const std::string& text);
 
-/// Writes FOLDER/session.json; it appears whole or not at all.
+/// Writes FOLDER/session.json, which appears complete or not at all.
 [[nodiscard]] tl::expected<void, std::string> WriteSession(const std::filesystem::path& folder,
                                                            const SessionFile& session);
 /// Reads FOLDER/session.json. The error names the file.
 [[nodiscard]] tl::expected<SessionFile, std::string> ReadSession(const std::filesystem::path& folder);
 
-/// Whether a segment's recording has begun: a process that was killed at once has left no file, or one
-/// without the format's eight bytes at its head.
+/// Whether a segment's recording has begun. A process that was killed at once leaves no file, or a file that
+/// does not start with the format's eight bytes.
 [[nodiscard]] bool HasBegun(const std::filesystem::path& recording);
-/// The names of a session's recordings that have begun, each once, in their order.
+/// Returns the names of a session's recordings that have begun, each once, in their order.
 [[nodiscard]] std::vector<std::string> BegunRecordings(const SessionFile& session,
                                                        const std::filesystem::path& folder);
 
-/// Checksum of a file's bytes, as the session keeps it.
+/// Computes the checksum of a file's bytes that session.json keeps.
 [[nodiscard]] std::string TextChecksum(const std::string& text);
 
 }  // namespace osteon::session

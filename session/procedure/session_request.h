@@ -7,13 +7,13 @@
 
 namespace osteon::session {
 
-/// A request to a session: `osteon tell`, the console's buttons.
+/// A request to a session, from `osteon tell` or the console's buttons.
 struct SessionRequest {
   enum class Kind { kNext, kTool, kUndo, kSave, kCup, kResume, kGuidance, kFinish };
   Kind kind{Kind::kNext};
-  double diameter_mm{0.0};  ///< kTool
-  double gain{0.0};         ///< kGuidance: 0 … 1
-  bool confirmed{false};    ///< a person has confirmed size (and load), or that an unfinished plan ends
+  double diameter_mm{0.0};  ///< of kTool
+  double gain{0.0};         ///< of kGuidance, 0 … 1
+  bool confirmed{false};    ///< a person has confirmed size (and load), or the end of an unfinished plan
 };
 struct SessionAnswer {
   bool done{false};

@@ -72,7 +72,7 @@ void SessionWriter::Loop() {
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] { return stop_ || !jobs_.empty(); });
-    if (jobs_.empty()) return;  // what was given is written even at the end
+    if (jobs_.empty()) return;  // at the end, all jobs that were given are still done
     const Job job = std::move(jobs_.front());
     jobs_.pop_front();
     busy_ = true;

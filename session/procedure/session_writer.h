@@ -15,9 +15,10 @@
 
 namespace osteon::session {
 
-/// Writes carved states and session.json, in the order in which they were given: a session never names a
-/// state that is not on the disk yet. In wall time on a thread of its own, as a state takes some 70 ms; else
-/// at once. That thread has a low normal priority: it measures the bone as well (LiveScore).
+/// Writes carved states and session.json in the order in which they were given, so that a session never names
+/// a state that is not on the disk yet. In wall time a thread of its own writes, since a state takes some 70
+/// ms; in virtual time the caller writes. The thread has a low normal priority, because it also measures the
+/// bone (LiveScore).
 class SessionWriter {
  public:
   /// @param bone  of all states; outlives this
@@ -26,20 +27,20 @@ class SessionWriter {
   SessionWriter(const SessionWriter&) = delete;
   SessionWriter& operator=(const SessionWriter&) = delete;
 
-  /// @param name  of the file, in the folder
+  /// Writes a state, or gives it to the thread. @param name  of the file in the folder
   void WriteState(std::string name, std::shared_ptr<const simulation::CarvedState> state);
   void WriteSession(SessionFile session);
-  /// Runs some work after what was given before; without a thread it is left out.
+  /// Runs some work after everything that was given before; without a thread the work is not done.
   void RunAfter(std::function<void()> work);
   /// Waits until all is written. @returns the first error so far; empty: none
   [[nodiscard]] std::string Flush();
 
  private:
   struct Job {
-    std::string name;  // empty: the session
+    std::string name;  // of the state's file; empty: the session is written
     std::shared_ptr<const simulation::CarvedState> state;
     SessionFile session;
-    std::function<void()> work{};  // instead of writing; empty: none
+    std::function<void()> work{};  // done instead of writing; empty: the job is to write
   };
   void Push(Job job);
   void Write(const Job& job);
@@ -47,7 +48,7 @@ class SessionWriter {
 
   const std::filesystem::path folder_;
   const simulation::Bone& bone_;
-  std::mutex mutex_;  // of what follows, down to error_
+  std::mutex mutex_;  // guards the following members, down to error_
   std::condition_variable changed_;
   std::deque<Job> jobs_;
   bool busy_{false}, stop_{false};

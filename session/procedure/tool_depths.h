@@ -10,12 +10,13 @@
 
 namespace osteon::session {
 
-/// Depth of the apex of each of a procedure's tools below the cup's first floor.
+/// Computes the depth of the apex of each of a procedure's tools below the cup's first floor.
 class ToolDepths {
  public:
   /// @param bone  uncut, with balls  @param tools  at least one  @param X_WG  the bone in the world
   ToolDepths(const simulation::Bone& bone, std::span<const ProcedureTool> tools, const Pose& X_WG);
-  /// Depth of a tool, by its index in `tools`, at its pose X_WT or its proxy's [m]; negative above the floor.
+  /// Returns the depth of a tool at its pose or its proxy's pose [m]; negative above the floor.
+  /// @param tool  index in `tools`
   [[nodiscard]] double At(int tool, const Pose& X_WT) const;
 
  private:

@@ -8,14 +8,14 @@
 namespace osteon::session {
 namespace {
 
-// Above this share of the planned cavity that is left the plan is not finished.
+// If more than this fraction of the planned cavity is left, the plan is not finished.
 constexpr double kMaxShareLeft = 0.5;
 
 bool IsOfLastTool(const procedure::SurgicalPlan& plan, const SessionPass& pass) {
   return !pass.undone && pass.tool_index == static_cast<int>(plan.tools.size()) - 1;
 }
 
-// Says how much of the planned cavity is left, where that is most of it; empty: it is not.
+// Says how much of the planned cavity is left, if that is more than kMaxShareLeft; else empty.
 std::string LeftOf(const procedure::CavityResult& cavity) {
   const double planned_m3 = cavity.PlannedVolume_m3();
   if (!(cavity.under_m3 > kMaxShareLeft * planned_m3)) return "";

@@ -10,24 +10,24 @@
 
 namespace osteon::session {
 
-/// The part of a plan that is left to do. No score says it, because its items measure what was cut.
+/// The part of a plan that is left to do. A score does not show it, because its items measure the cut bone.
 struct Unfinished {
-  std::string text{};     ///< empty: nothing
+  std::string text{};     ///< the part that is left, in words; empty: nothing is left
   bool by_a_tool{false};  ///< the last tool has no pass that counts
 };
 
-/// A plan's last tool may stop this far above its planned place. Assumed.
+/// A plan's last tool may stop this far above its planned place (assumed).
 inline constexpr double kMaxToGo_mm = 1.0;
 
-/// How far the plan's last tool stopped above its planned place, in its deepest pass that counts; nothing
-/// where no pass says it. 0 or less: it came there.
+/// Returns how far the plan's last tool stopped above its planned place, in its deepest pass that counts; 0
+/// or less if it reached the place. Nothing if no pass states it.
 [[nodiscard]] std::optional<double> ToGoOfLastTool_mm(const procedure::SurgicalPlan& plan,
                                                       std::span<const SessionPass> passes);
 
-/// By the passes alone: whether the last tool came to its planned depth.
+/// Finds the part that is left by the passes only: whether the last tool has reached its planned depth.
 [[nodiscard]] Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan,
                                       std::span<const SessionPass> passes);
-/// By the passes, and by what is left of the planned cavity.
+/// Finds the part that is left by the passes, and by the bone that is left in the planned cavity.
 [[nodiscard]] Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan,
                                       std::span<const SessionPass> passes,
                                       const procedure::CavityResult& cavity);

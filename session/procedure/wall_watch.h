@@ -10,11 +10,11 @@
 
 namespace osteon::session {
 
-/// Travel of a head between two looks at the walls.
+/// Distance that a head travels between two measurements of the walls.
 inline constexpr double kWallStep_m = 0.2e-3;
 
-/// Watches the walls beside the heads of a plan's tools: the one rule for a session's assessment and for its
-/// score while it goes on.
+/// Measures the walls beside the heads of a plan's tools, by one rule for a session's assessment and for the
+/// score of a running session.
 class WallWatch {
  public:
   /// @param bone, solid  outlive this; solid null: walls are not watched  @param events  of the plan's scene
@@ -22,10 +22,10 @@ class WallWatch {
             const simulation::SceneEventParams& events)
       : bone_(bone), solid_(solid), events_(events) {}
 
-  /// Takes a place in the bone's frame at which a tool's head has removed bone. One within kWallStep_m of the
-  /// last one that was looked at is skipped.
+  /// Measures the walls at a place in the bone's frame at which a tool's head has removed bone. A place
+  /// within kWallStep_m of the last measured one is skipped.
   void Add(int tool, double radius_m, const Vector3& head_m);
-  /// Thinnest wall [m]; nothing: none was seen.
+  /// Thinnest wall so far [m]; nothing: no wall was seen.
   [[nodiscard]] std::optional<double> min_wall_m() const;
   /// Whether the scene has walls that are watched.
   [[nodiscard]] bool watches() const { return solid_ && events_.min_wall_m > 0.0; }
