@@ -30,7 +30,7 @@ struct LatencyStatus {
 /// A run's note on a latched fault: all that the run knows besides the name.
 struct FaultNote {
   std::string seen;  ///< the measured and the accepted value: "the reading is 101 ms old, accepted 100 ms"
-  std::string page;  ///< path of the stop's page, which is written when the run has ended; empty: none
+  std::string page;  ///< path of the stop's page, which is written once the arm has come to rest; empty: none
 };
 
 /// The facts of a cell that a live view needs besides the stream.

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-// Exit codes of a subcommand's process. 0: done.
+// Exit codes of a subcommand's process; 0 means done.
 
 namespace osteon::session {
 
@@ -15,17 +15,17 @@ constexpr int kInternalError = 70;
 constexpr int kNoMemory = 71;  // sysexits.h: EX_OSERR
 
 /// Prints "osteon COMMAND: MESSAGE", one line, to stderr, with control characters made
-/// visible. @returns code.
+/// visible. @returns `code`
 int Fail(std::string_view command, std::string_view message, int code = kBadInput);
 
-/// The exit code and message for an exception that nobody handled.
+/// The exit code and the message for an exception that was not handled.
 struct Failure {
   int code{kInternalError};
   std::string text;
 };
 
-/// Translates an exception. Errors of configuration, parameter or path: bad input. Out of memory: kNoMemory.
-/// Others: an internal error, and the text says so.
+/// Translates an exception. Errors of configuration, parameter or path give kBadInput; lack of memory gives
+/// kNoMemory; all others give kInternalError, and the text says so.
 [[nodiscard]] Failure Explain(const std::exception& error);
 
 }  // namespace osteon::session

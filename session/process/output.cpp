@@ -53,7 +53,7 @@ struct Output {
     }
   }
 
-  // Whether nobody reads it any more: the other end of a pipe, or its terminal, is closed.
+  // Whether nobody reads the output any more: the other end of its pipe, or its terminal, is closed.
   [[nodiscard]] bool IsClosed() const {
     pollfd look{.fd = descriptor, .events = 0, .revents = 0};
     return poll(&look, 1, 0) == 1 && (look.revents & (POLLERR | POLLHUP)) != 0;
@@ -166,7 +166,7 @@ void InstallOutput() {
   for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor)
     if (fcntl(descriptor, F_GETFD) < 0 && errno == EBADF)
       static_cast<void>(
-          open("/dev/null", descriptor == STDIN_FILENO ? O_RDONLY : O_WRONLY));  // gets the lowest free
+          open("/dev/null", descriptor == STDIN_FILENO ? O_RDONLY : O_WRONLY));  // takes its number
   if (std::FILE* out = Stream(g_out, isatty(STDOUT_FILENO) != 0 ? _IOLBF : _IOFBF)) stdout = out;
   if (std::FILE* err = Stream(g_err, _IONBF)) stderr = err;
 }
@@ -184,7 +184,7 @@ int OutputExitCode(int code) {
 OutputThread::OutputThread(const OutputThreadParams& params)
     : queue_(std::make_unique<OutputQueue>(params.watch_stderr)) {
   std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);  // a file-size limit then is an error of the write, as a full disk is
+  std::signal(SIGXFSZ, SIG_IGN);  // so that a file-size limit makes the write fail, as a full disk does
   g_queue.store(queue_.get());
 }
 

@@ -18,13 +18,13 @@ void InstallOutput();
 class OutputQueue;
 
 struct OutputThreadParams {
-  /// Treat a reader that closed stderr as one that went away, too. Not if stderr is the parent's.
+  /// Also treat a closed stderr as a reader that has gone away. Not to be used if stderr is the parent's.
   bool watch_stderr{false};
 };
 
-/// While it lives, a thread of its own writes what this process prints: a print never waits, even if the
-/// terminal is stopped (Ctrl-S) or the reader of a pipe is slow. Output to stderr while 64 KiB wait is
-/// dropped and counted; output to stdout is kept.
+/// While the object lives, a thread of its own writes what this process prints. So a print never waits, even
+/// if the terminal is stopped (Ctrl-S) or the reader of a pipe is slow. While 64 KiB of output wait, output
+/// to stderr is dropped and counted; output to stdout is kept.
 ///
 /// A reader that goes away (`| head`, a terminal that was closed) does not end the process: SIGPIPE (and
 /// SIGXFSZ, a file that may not grow) is ignored from here on, and Interrupted() becomes true within 0.1 s,

@@ -23,7 +23,7 @@
 namespace osteon::session {
 namespace {
 
-// Shows a bar on a terminal; nothing elsewhere, where it would be one line among many.
+// Shows a progress bar if the output is a terminal; elsewhere it would fill the output with lines.
 void ShowProgress(double share) {
   constexpr int kWidth = 40;
   static const bool terminal = isatty(STDERR_FILENO) != 0;
@@ -63,7 +63,7 @@ nlohmann::ordered_json ToJson(const io::Recovery& recovery) {
   return json;
 }
 
-// Checks the paths before anything is done. An empty string, or what is wrong.
+// Checks the paths before anything is done. @returns what is wrong; empty: nothing
 std::string WrongPlace(const ExportOptions& options, const std::filesystem::path& folder) {
   if (std::string wrong = ValidateOutputFolder("--out", folder); !wrong.empty()) return wrong;
   if (std::string wrong = ValidateSurfaceFile(options.surface); !wrong.empty()) return wrong;
@@ -76,7 +76,7 @@ std::string WrongPlace(const ExportOptions& options, const std::filesystem::path
   return ValidateParentFolder("--json", options.json);
 }
 
-// The cell of the recording, with its bone.
+// Makes the cell of the recording, with its bone.
 tl::expected<CellSetup, std::string> CellOf(const ExportOptions& options,
                                             const std::filesystem::path& source) {
   auto stream = io::RecordingStream::Open(source);
@@ -112,7 +112,7 @@ tl::expected<BoneFiles, std::string> WriteBone(const ExportOptions& options,
   return files;
 }
 
-// The passes of the recording, as one more table.
+// Writes the passes of the recording's session, as one more table.
 tl::expected<std::filesystem::path, std::string> WritePassesOf(const ExportOptions& options,
                                                                const std::filesystem::path& source,
                                                                const SessionFile& session,

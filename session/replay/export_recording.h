@@ -9,15 +9,15 @@ namespace osteon::session {
 
 struct ExportOptions {
   std::filesystem::path recording;
-  bool csv{false};                 ///< tables; also if nothing else is asked for
+  bool csv{false};                 ///< write tables; they are also written if nothing else is asked for
   bool recover{false};             ///< rebuild a complete recording from a torn one
   std::filesystem::path out;       ///< folder for the results; empty: the recording's own
   std::filesystem::path surface;   ///< file for the carved bone as a mesh
   std::optional<double> at_s;      ///< surface: time since the recording's start; none: its end
-  double drop_below_mm3{0.0};      ///< surface: smaller pieces that nothing holds are left out
+  double drop_below_mm3{0.0};      ///< surface: smaller loose pieces are left out
   std::filesystem::path foxglove;  ///< file for a copy with the carved bone; empty: none
-  double every_s{0.5};             ///< foxglove: from one state of the bone to the next
-  std::optional<MeshChoice> mesh;  ///< surface, foxglove: the bone, where it was of a file
+  double every_s{0.5};             ///< foxglove: log time from one state of the bone to the next
+  std::optional<MeshChoice> mesh;  ///< surface, foxglove: the bone, if the run's bone was from a file
   std::filesystem::path json;
 };
 

@@ -19,7 +19,7 @@ using control::TickRecord;
 using simulation::FrameRecord;
 
 constexpr std::size_t kBuffer = 1u << 18;       // rows are written in blocks of this many bytes
-constexpr std::uint64_t kProgressEvery = 1000;  // messages
+constexpr std::uint64_t kProgressEvery = 1000;  // number of messages between two reports of progress
 
 // A table that is being written. After the first failure nothing more is written.
 class Table {
@@ -43,7 +43,7 @@ class Table {
     row_starts_ = true;
     if (row_.size() > kBuffer) Flush();
   }
-  /// An empty string, or the first error.
+  /// Completes the file. @returns the first error; empty: none
   std::string Close() {
     Flush();
     if (file_ && std::fclose(file_.release()) != 0) Fail();
@@ -76,7 +76,7 @@ double Seconds(rt::Nanoseconds stamp, rt::Nanoseconds start) {
   return 1e-9 * static_cast<double>(stamp - start);
 }
 
-// Quotes a text as RFC 4180 does.
+// Quotes a text by RFC 4180.
 std::string Quoted(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);

@@ -17,8 +17,8 @@ struct ExportedTables {
   std::uint64_t ticks{0}, frames{0}, events{0};  ///< rows
   std::vector<std::filesystem::path> files;
   bool complete{false};         ///< whether the recording has its end; false: it ends early
-  std::uint64_t tail_bytes{0};  ///< bytes of a cut-off message at its end, or bytes after its end
-  bool closed{false};           ///< its end is present: tail_bytes follow it
+  std::uint64_t tail_bytes{0};  ///< bytes of a cut-off message at the end, or after the recording's end
+  bool closed{false};           ///< the recording's end is present, and tail_bytes follow it
 };
 
 /// Writes a recording as tables, one message a row: `<stem>_ticks.csv`, `<stem>_frames.csv` and
@@ -26,12 +26,13 @@ struct ExportedTables {
 /// the session's start. Numbers have enough digits to restore their bits. Only one message at a time is in
 /// memory.
 /// @param progress  called now and then with the fraction of the file that is done
-/// The error names file, byte and reason (the recording), or the path (a table).
+/// The error names file, byte and reason if the recording cannot be read, or the path of a table that cannot
+/// be written.
 [[nodiscard]] tl::expected<ExportedTables, std::string> ExportTables(
     const std::filesystem::path& recording, const std::filesystem::path& folder, const std::string& stem,
     const std::function<void(double share)>& progress = {});
 
-/// Writes some ticks of a recording as such a table. @param start  stamp at which `time_s` is 0
+/// Writes some ticks of a recording as a table of ticks. @param start  stamp at which `time_s` is 0
 /// The error names the path.
 [[nodiscard]] tl::expected<void, std::string> ExportTicks(std::span<const control::TickRecord> ticks,
                                                           rt::Nanoseconds start,

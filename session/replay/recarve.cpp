@@ -6,8 +6,8 @@
 
 namespace osteon::session {
 
-// As ServoLoop::tool_command: the commanded pose at the tick's time, or, where an arm in its own impedance
-// control renders, the measured one at its message's.
+// Takes the same pose as ServoLoop::tool_command: the commanded pose at the tick's time or, if an arm in its
+// own impedance control renders, the measured pose at the time of the arm's message.
 void Recarve::Add(const control::TickRecord& tick) {
   const bool renders = safety::Renders(static_cast<safety::CellState>(tick.cell_state));
   const bool measured = measured_ && renders;

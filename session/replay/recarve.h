@@ -13,15 +13,15 @@
 namespace osteon::session {
 
 /// Cuts a recording's bone again: gives an engine the poses of the recorded frames, in their order. With the
-/// bone and the engine of the run, the carved state is the run's, bit for bit.
+/// run's bone and engine, the result is the run's carved state, bit for bit.
 class Recarve {
  public:
   /// @param engine  with the uncut bone; outlives this
-  /// @param dt_limit_s  as FrameRunner's
+  /// @param dt_limit_s  as in FrameRunner
   Recarve(simulation::CuttingEngine& engine, control::Law law, double dt_limit_s = 0.1)
       : engine_(&engine), measured_(law == control::Law::kImpedance), dt_limit_s_(dt_limit_s) {}
 
-  /// Keeps the pose of a tick; in the file's order with Add(frame).
+  /// Keeps the pose of a tick. Call both functions Add in the order of the file.
   void Add(const control::TickRecord& tick);
   /// Steps the engine to the pose that a frame was made for. A frame whose tick is not among the last kKept
   /// is left out and counted.
@@ -29,16 +29,17 @@ class Recarve {
 
   /// Keeps a frame until it is due. In wall time a frame may stand in the file before the tick of its pose.
   void Wait(const simulation::FrameRecord& frame) { waiting_.push_back(frame); }
-  /// Removes the next frame that waits, if its tick was added or cannot come any more: for Add(frame).
-  /// @param at_end  no tick comes any more
+  /// Removes and returns the next waiting frame if it is due: its tick was added, or cannot follow any more.
+  /// The caller passes the frame to Add.
+  /// @param at_end  no further tick follows
   [[nodiscard]] std::optional<simulation::FrameRecord> NextDue(bool at_end = false);
-  /// Goes on with another engine, which outlives this.
+  /// Continues with another engine, which must outlive this.
   void ReplaceEngine(simulation::CuttingEngine& engine) { engine_ = &engine; }
 
-  [[nodiscard]] std::uint64_t frames() const { return frames_; }
-  [[nodiscard]] std::uint64_t left_out() const { return left_out_; }
+  [[nodiscard]] std::uint64_t frames() const { return frames_; }      ///< number of frames cut again
+  [[nodiscard]] std::uint64_t left_out() const { return left_out_; }  ///< number of frames left out
 
-  static constexpr std::size_t kKept = 2048;  ///< ticks: 2 s at 1 kHz; no frame is that old
+  static constexpr std::size_t kKept = 2048;  ///< number of ticks: 2 s at 1 kHz; no frame is that old
 
  private:
   struct Place {
@@ -53,7 +54,7 @@ class Recarve {
   std::array<Place, kKept> places_{};
   std::size_t next_{0};
   rt::Nanoseconds last_stamp_{0};
-  rt::Nanoseconds newest_{0};  // of the places
+  rt::Nanoseconds newest_{0};  // newest stamp in places_
   std::deque<simulation::FrameRecord> waiting_;
   std::uint64_t frames_{0}, left_out_{0};
 };

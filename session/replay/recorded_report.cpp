@@ -38,7 +38,7 @@
 namespace osteon::session {
 namespace {
 
-// The loop's peaks, of what is recorded of each tick. The power into the hand is not.
+// Adds a tick to the loop's peak values. The peak power into the hand is missing: it is not recorded.
 void AddTick(const control::TickRecord& tick, control::ServoStatistics& peaks) {
   const auto keep = [](double& peak, double value) { peak = std::max(peak, value); };
   if (tick.session_state != static_cast<std::uint8_t>(control::SessionState::kCommandingActive)) return;
@@ -53,7 +53,7 @@ void AddTick(const control::TickRecord& tick, control::ServoStatistics& peaks) {
     peaks.min_tank_J = std::min(peaks.min_tank_J, tick.tank_J);
 }
 
-// How a run ended, by its faults and its last event.
+// Finds how a run ended, from its faults and its last event.
 control::RunEnd EndOf(safety::FaultSet faults, const std::string& end, bool rendered) {
   if (faults.Any()) return control::RunEnd::kFault;
   if (!rendered) return control::RunEnd::kNeverActive;
@@ -70,7 +70,7 @@ struct Read {
   CellRunResult result;
   double seconds{0.0};  ///< between the first and the last commanded tick
   RecutFigures recut{};
-  std::unique_ptr<simulation::CuttingEngine> coarser{};  ///< where zones were coarsened: the last engine
+  std::unique_ptr<simulation::CuttingEngine> coarser{};  ///< the last engine; null: no zones were coarsened
 };
 
 /// The session that a recording belongs to, up to the recording's end, with its tools.
@@ -79,7 +79,8 @@ struct RecordedSession {
   RecordedCell cell;
 };
 
-// Nothing: a recording of one tool. A recording of several needs its session's saved states.
+// Finds the session of a recording of several tools, since such a recording needs the session's saved states.
+// Nothing: the recording is of one tool.
 tl::expected<std::optional<RecordedSession>, std::string> FindRecordedSession(
     const std::filesystem::path& recording, const io::SessionInfo& info) {
   auto cell = LoadRecordedTools(info.config);
@@ -95,7 +96,7 @@ tl::expected<std::optional<RecordedSession>, std::string> FindRecordedSession(
                          .cell = std::move(*cell)};
 }
 
-// The events that say how zones were coarsened; none where no clock was asked.
+// Finds the events that say how zones were coarsened; there are none if the plan did not time frames.
 tl::expected<std::vector<io::RecordedEvent>, std::string> FindCoarsenedZones(
     const std::filesystem::path& path) {
   auto stream = io::RecordingStream::Open(path);
@@ -121,7 +122,7 @@ class BoneAgain {
         watch_(setup.solid.get(), setup.bone, setup.config.tool.tool, setup.config.scene.events),
         X_GW_(setup.X_WG.inverse()) {}
 
-  /// @returns what is wrong, as the next two
+  /// @returns what is wrong, as the next two functions; empty: nothing
   std::string Add(const control::TickRecord& tick, Read& read) {
     recarve_.Add(tick);
     return CutDue(read);
@@ -169,7 +170,8 @@ class BoneAgain {
   Pose X_GW_;
 };
 
-// Takes the last state that the session has saved, and what its passes have cut. @returns what is wrong
+// Reads the last state that the session has saved, and the paths of its passes. @returns what is wrong;
+// empty: nothing
 std::string TakeSession(const std::filesystem::path& folder, const RecordedSession& session,
                         const CellSetup& setup, simulation::CuttingEngine& engine, RunAccumulator& run) {
   auto cut = ReadSessionCut(folder, session.file, ToolsOf(session.cell.tools), setup.X_WG);
@@ -240,7 +242,7 @@ tl::expected<Read, std::string> ReadAll(const std::filesystem::path& path, const
   return read;
 }
 
-// A virtual run measures no times.
+// Whether a run was in virtual time: such a run measures no durations.
 bool WasVirtual(const RunAccumulator& run) {
   return run.active.compute.count() == 0 || run.active.compute.At(run.active.compute.count() - 1) == 0;
 }

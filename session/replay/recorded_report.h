@@ -12,7 +12,7 @@ struct RecordedReportOptions {
   std::filesystem::path recording;
   std::filesystem::path out{};       ///< folder for the pages; empty: the recording's own
   std::filesystem::path json{};      ///< the summary, as `osteon run` writes it; empty: none
-  std::optional<MeshChoice> mesh{};  ///< the bone, where it was of a file that the recording does not name
+  std::optional<MeshChoice> mesh{};  ///< the bone, if it was from a file that the recording does not name
   std::string command_line{};
 };
 

@@ -19,8 +19,8 @@
 namespace osteon::session {
 namespace {
 
-/// When the spindle began or ceased to turn. A frame may stand in the file before the tick of its pose, so
-/// these are gathered first.
+/// The times at which the spindle began or ceased to turn. They are gathered before the frames are read,
+/// since a frame may stand in the file before the tick of its pose.
 class SpindleTimes {
  public:
   void Add(const control::TickRecord& tick) {
@@ -65,7 +65,7 @@ tl::expected<WrittenSurface, std::string> WriteField(const std::filesystem::path
   return written;
 }
 
-// The paths of a session's tools up to a time of one of its recordings.
+// Reads the paths of a session's tools, up to a time of one of its recordings.
 tl::expected<SessionCut, std::string> CutUpTo(const std::filesystem::path& recording,
                                               const SessionFile& session, const CellSetup& setup,
                                               std::optional<double> at_s, WrittenSurface& written) {
@@ -125,7 +125,7 @@ tl::expected<WrittenSurface, std::string> WriteRecordedSurface(const std::filesy
     if (!carved) return tl::make_unexpected(carved.error());
     field.Carve(ways.TakeCapsules());
     return WriteField(file, field, drop_below_mm3, std::move(written));
-  } catch (const std::invalid_argument& error) {  // a grid that no memory holds
+  } catch (const std::invalid_argument& error) {  // the grid is too large for the memory
     return tl::make_unexpected(fmt::format("{}: {}", file.string(), error.what()));
   }
 }

@@ -18,17 +18,18 @@ struct WrittenSurface {
   std::filesystem::path file;
   surface::SurfaceFigures figures{};
   double voxel_mm{0.0};
-  double time_s{0.0};  ///< since the recording's start, of the last frame that is carved; 0: none
-  /// The bone's balls are shown, since the solid that they were packed from is not known (.osp).
+  double time_s{0.0};  ///< time of the last carved frame, since the recording's start; 0: no frame was carved
+  /// The surface is that of the bone's balls, since the solid from which they were packed is not known
+  /// (.osp).
   bool from_balls{false};
 };
 
-/// Carves the bone's solid by the frames of a recording, and writes its surface. Frames give the proxy's way,
-/// ticks the times in which the spindle turned. A recording of a session is carved by all tools of the
-/// session's passes that count, up to that time.
+/// Carves the bone's solid along the frames of a recording, and writes its surface. Frames give the proxy's
+/// path, ticks the times in which the spindle turned. For a recording of a session, the solid is carved by
+/// the tools of all passes of the session that count, up to that time.
 /// @param setup  the cell of the recording: bone, solid, tool and X_WG
 /// @param at_s   up to this time since the recording's start; none: to its end
-/// @param drop_below_mm3  smaller pieces that nothing holds are left out; 0: none
+/// @param drop_below_mm3  smaller loose pieces are left out; 0: none is left out
 /// The error names the file and what is wrong.
 [[nodiscard]] tl::expected<WrittenSurface, std::string> WriteRecordedSurface(
     const std::filesystem::path& recording, const CellSetup& setup, std::optional<double> at_s,
@@ -40,10 +41,10 @@ struct WrittenSurface {
 [[nodiscard]] tl::expected<CellSetup, std::string> PrepareRecordedCell(const io::SessionInfo& session,
                                                                        const std::optional<MeshChoice>& mesh);
 
-/// Checks a surface's file before anything runs. @returns what is wrong, else empty
+/// Checks a surface's file before anything runs. @returns what is wrong; empty: nothing
 [[nodiscard]] std::string ValidateSurfaceFile(const std::filesystem::path& file);
 
-/// {file, triangles, volume_mm3, watertight, voxel_mm, time_s, from_balls, pieces, dropped_pieces,
+/// Makes {file, triangles, volume_mm3, watertight, voxel_mm, time_s, from_balls, pieces, dropped_pieces,
 /// dropped_mm3}
 [[nodiscard]] nlohmann::ordered_json SurfaceJson(const WrittenSurface& surface);
 /// One line: the file, triangles, volume.

@@ -11,20 +11,21 @@
 
 namespace osteon::session {
 
-/// Follows a recording whose zones were coarsened during the run: packs them again, carves them along the
-/// proxy's way so far, and gives the engine that goes on, as AdaptiveResolution did.
+/// Follows a recording whose zones were coarsened during the run. As AdaptiveResolution did in the run, it
+/// packs the coarser zones, carves them along the proxy's path so far, and provides the engine that
+/// continues.
 class RecordedZones {
  public:
   /// @param setup    packed as recorded, with its plan if there are changes; outlives this object
   /// @param changes  the recording's events with a packing, in their order
   RecordedZones(const CellSetup& setup, std::vector<io::RecordedEvent> changes, EngineChoice engine);
 
-  /// Takes each recorded frame after `now` has made it.
-  /// @returns the engine that replaces `now`; null: it goes on. The error says why zones cannot be made.
+  /// Takes each recorded frame after the engine `now` has made it again.
+  /// @returns the engine that replaces `now`; null: `now` goes on. The error says why zones cannot be made.
   [[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> Add(
       const simulation::FrameRecord& frame, const simulation::CuttingEngine& now);
 
-  /// The changes so far, as the run told them.
+  /// The changes so far, in the form in which the run reported them.
   [[nodiscard]] std::vector<Rezoned>& rezoned() { return rezoned_; }
 
  private:
@@ -36,7 +37,7 @@ class RecordedZones {
   std::vector<io::RecordedEvent> changes_;
   EngineChoice engine_;
   Pose X_GW_;
-  std::optional<simulation::ProxyTrail> trail_;  // where there are changes
+  std::optional<simulation::ProxyTrail> trail_;  // absent if there are no changes
   std::vector<Rezoned> rezoned_;
 };
 

@@ -20,11 +20,11 @@ struct ReplayDifference {
 };
 
 struct ReplayResult {
-  std::uint64_t ticks{0};            ///< replayed
-  std::uint64_t different_ticks{0};  ///< of them
+  std::uint64_t ticks{0};            ///< number of ticks replayed
+  std::uint64_t different_ticks{0};  ///< number of replayed ticks in which a value differs
   std::optional<ReplayDifference> first_difference;
-  std::uint64_t not_run{0};  ///< ticks at the end that could not be replayed
-  std::string why_not;       ///< why they could not
+  std::uint64_t not_run{0};  ///< number of ticks at the end that could not be replayed
+  std::string why_not;       ///< why these ticks could not be replayed
   /// True if every tick that could be replayed gave the same bits and the only ticks that could not be
   /// replayed are those of the last second that saw a frame newer than the last recorded one: the end of a
   /// run that was killed.

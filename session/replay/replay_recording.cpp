@@ -19,7 +19,7 @@
 namespace osteon::session {
 namespace {
 
-// A JSON number if JSON has it; nan and inf as text.
+// Makes a JSON number of a text; nan and inf, which JSON does not have, stay text.
 nlohmann::ordered_json Number(const std::string& text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -55,7 +55,7 @@ nlohmann::ordered_json ToJson(const ReplayOptions& options, const io::Recording&
   return json;
 }
 
-// Returns a text of the file as a terminal may show it.
+// Returns a text of the file in a form that is safe for a terminal.
 std::string Shown(std::string_view text) { return base::Printable(text.substr(0, 200)); }
 
 void Print(const ReplayOptions& options, const io::Recording& recording, const ReplayResult& result) {

@@ -56,7 +56,8 @@ void ForceTorque(const char* name, const PlainWrench& F, Visit& visit) {
   Vector(name, F.t, "Nm", visit);
 }
 
-/// What gave way. A rigid cell has zeros, as older recordings do: in the poses as well.
+/// Visits the fields of compliance. A rigid cell has only zeros, in the poses as well; so have older
+/// recordings.
 template <class Visit>
 void Compliance(const control::ComplianceRecord& r, Visit& visit) {
   PlainPose nothing;

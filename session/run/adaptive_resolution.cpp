@@ -12,9 +12,9 @@
 namespace osteon::session {
 namespace {
 
-constexpr double kTrailShare = 0.2;          // of the error: tolerance of the thinned trail
-constexpr std::size_t kMaxPlaces = 200'000;  // of the trail: minutes of carving
-constexpr std::size_t kCaughtUp = 4;         // places that the simulation's thread may carve itself
+constexpr double kTrailShare = 0.2;          // tolerance of the thinned trail, as a fraction of the error
+constexpr std::size_t kMaxPlaces = 200'000;  // number of places in the trail, which take minutes to carve
+constexpr std::size_t kCaughtUp = 4;         // number of places that the simulation's thread may carve itself
 constexpr double kArrived_m = 0.05e-3;
 
 }  // namespace
@@ -23,7 +23,7 @@ constexpr double kArrived_m = 0.05e-3;
 struct AdaptiveResolution::Making {
   Made made;
   std::unique_ptr<simulation::CuttingEngine> carver;  // cuts along the whole trail with the immediate law
-  std::size_t carved{0};                              // places of the trail
+  std::size_t carved{0};                              // number of the trail's places that are carved
   std::string failed;
   std::atomic<bool> ready{false}, stop{false};
 };
@@ -35,8 +35,8 @@ AdaptiveResolution::AdaptiveResolution(const CellSetup& setup, const AdaptiveRes
       lever_m_(simulation::ToolLever(setup.config.tool.tool)),
       level_(setup.planned->plan.packed.level),
       trail_(MakeProxyTrail(setup)) {
-  // A trail that grew would be moved by the simulation's thread, megabytes at a time, and would let the
-  // memory of a long run grow with it.
+  // Without this, the simulation's thread would copy megabytes whenever the trail outgrew its memory, and the
+  // memory would grow during a long run.
   trail_.Reserve(kMaxPlaces);
 }
 
@@ -73,7 +73,7 @@ void AdaptiveResolution::ObserveFrame(const simulation::FrameRecord& record, dou
 }
 
 void AdaptiveResolution::StartCoarsening(double seen_us) {
-  times_us_.clear();  // the following frames are judged anew
+  times_us_.clear();  // the next median is taken of new frames only
   next_ = 0;
   const double max_us = params_.within_ratio * 1e6 / params_.rate_hz;
   const auto zones = CoarserFor(setup_.planned->scene, setup_.planned->plan, level_, seen_us, max_us);

@@ -16,10 +16,10 @@
 namespace osteon::session {
 
 struct AdaptiveResolutionParams {
-  double rate_hz{250.0};     ///< to be kept by the median frame
-  std::size_t window{200};   ///< frames in contact for the median
+  double rate_hz{250.0};     ///< frame rate that the median frame must keep
+  std::size_t window{200};   ///< number of frames in contact of which the median is taken
   double within_ratio{0.9};  ///< part of the permitted frame time that a coarser packing may take
-  EngineChoice engine;       ///< of the coarser packing
+  EngineChoice engine;       ///< engine for the coarser packing
   /// Make the new packing in the calling thread, between two frames: for virtual time.
   bool at_once{false};
 };
@@ -27,7 +27,7 @@ struct AdaptiveResolutionParams {
 /// A coarser packing that replaced a run's packing.
 struct Rezoned {
   CoarserZones zones;
-  double seen_us{0.0};       ///< median of the frames that led to it
+  double seen_us{0.0};       ///< median frame time that led to it
   simulation::Bone bone;     ///< as packed, before it was carved
   rt::Nanoseconds stamp{0};  ///< of the last frame before the change
 };
@@ -38,7 +38,7 @@ struct Rezoned {
 /// work continue. Earlier cuts were made with the earlier error; from here on the coarser error holds, for
 /// the existing face as well.
 ///
-/// One thread calls it, the simulation's; the packing is made meanwhile in a thread of its own.
+/// Only the simulation's thread calls it; a packing is made in a thread of its own.
 class AdaptiveResolution {
  public:
   /// @param setup  with a timed plan; must outlive this object
@@ -93,9 +93,9 @@ class AdaptiveResolution {
 [[nodiscard]] std::unique_ptr<AdaptiveResolution> MakeAdaptiveResolution(const CellSetup& setup,
                                                                          const EngineChoice& engine);
 
-/// The trail of a planned cell's proxy, as fine as a coarser packing has to be carved along it.
+/// Makes the trail of a planned cell's proxy, fine enough to carve a coarser packing along it.
 [[nodiscard]] simulation::ProxyTrail MakeProxyTrail(const CellSetup& setup);
-/// A planned cell's bone, packed on a coarser level. @throws std::invalid_argument as the packings do
+/// Packs a planned cell's bone on a coarser level. @throws std::invalid_argument as the packings do
 [[nodiscard]] simulation::Bone PackCoarser(const CellSetup& setup, const simulation::PackingLevel& level);
 /// Makes two engines for a coarser bone: one that carves along a trail, with G as its world frame, and the
 /// one that goes on with the cut.

@@ -32,7 +32,7 @@ std::string Describe(const config::ArmLinkConfig& link) {
           : "");
 }
 
-// Only KROSHU's message layout has a <Stop>.
+// On RSI, only KROSHU's message layout has a <Stop> to ask the arm's program to end.
 bool CanRequestStop(const config::ArmLinkConfig& link) {
   return link.rsi() && link.rsi()->layout == io::RsiLayout::kKroshu;
 }

@@ -22,7 +22,7 @@ using base::NumberAt;
 using base::TextAt;
 using base::ValueAt;
 
-constexpr std::size_t kName = 20;  // columns of a row's name
+constexpr std::size_t kName = 20;  // width of a row's name [columns]
 
 void PrintRow(const char* name, const std::string& value) {
   fmt::print("  {:<{}} {}\n", name, kName - 3, base::WrapForTerminal(base::Printable(value), kName));
@@ -183,7 +183,7 @@ bool IsNamed(const nlohmann::json& run, const std::string& name) {
   return std::filesystem::equivalent(session->get<std::string>(), name, error);
 }
 
-// Shows an answer and keeps it. @returns the exit code
+// Shows an answer, and writes it to the JSON file if one is named. @returns the exit code
 int TakeAnswer(const std::string& command, const std::string& request, const std::string& text,
                const std::filesystem::path& json) {
   const auto answer = nlohmann::json::parse(text, nullptr, false);
@@ -200,7 +200,7 @@ int TakeAnswer(const std::string& command, const std::string& request, const std
   return 0;
 }
 
-// Says that no cell gave an answer, and keeps that as one. @returns the exit code
+// Says that no cell gave an answer, and writes that as the answer to the JSON file. @returns the exit code
 int FailWithoutAnswer(const std::string& command, const std::string& reason,
                       const std::filesystem::path& json) {
   if (!json.empty())

@@ -7,7 +7,7 @@ namespace osteon::session {
 
 struct AskOptions {
   std::string request;           ///< "pause", "resume", "recover", "stop", "status"
-  int pid{0};                    ///< of the run, where several run; 0: the only one
+  int pid{0};                    ///< process of the run, if several run; 0: the only run
   std::filesystem::path json{};  ///< for the answer; empty: none
 };
 
@@ -17,12 +17,12 @@ struct TellOptions {
   std::filesystem::path json{};  ///< for the answer; empty: none
 };
 
-/// Runs `osteon tell`: asks the cell that runs this session.
+/// Runs `osteon tell`: sends the request to the cell that runs this session.
 /// @returns the process's exit code: 0 done; 1 refused, or no cell runs this session; 2 several do.
 [[nodiscard]] int RunTell(const TellOptions& options);
 
-/// Runs `osteon pause`, `resume`, `recover`, `stop`, `status`: asks the cell that runs on this machine, under
-/// this user.
+/// Runs `osteon pause`, `resume`, `recover`, `stop`, `status`: sends the request to the cell that runs on
+/// this machine, under this user.
 /// @returns the process's exit code: 0 done; 1 refused, or no cell runs; 2 several run and none was named.
 [[nodiscard]] int RunAsk(const AskOptions& options);
 

@@ -12,22 +12,22 @@
 
 namespace osteon::session {
 
-/// The page of `osteon cell`: the simulated arm as it really moves, its operator's hand, its spindle, and
-/// what PLC and arm permit. It shows neither bone nor coupling, which are the controller's; the controller's
-/// run has a page of its own. The page can ask this cell for nothing: buttons are pressed by the cell's
-/// script.
+/// The page of `osteon cell`: the true motion of the simulated arm, its operator's hand, its spindle, and the
+/// permissions of PLC and arm. It shows neither bone nor coupling, which belong to the controller; the
+/// controller's run has a page of its own. The page accepts no requests: the cell's script presses the
+/// buttons.
 ///
 ///     cycles of the arm ──TakeCycle──▶ LiveFeed ──▶ pages
 ///     state of the cell ──Show───────▶ a note, sent when it changes
 class CellConsole {
  public:
-  /// @param cell  its name   @returns the error names address and port, and what to do
+  /// @param cell  the cell's name. The error names address and port, and says what to do.
   [[nodiscard]] static tl::expected<std::unique_ptr<CellConsole>, std::string> Open(
       const ConsoleChoice& choice, const config::CellConfig& config, const std::string& cell, double seconds);
 
   /// Takes a cycle of the arm, in order. One thread.
   void TakeCycle(const hil::CellState& cycle);
-  /// Takes the newest state, and what the screen prints of it. The same thread.
+  /// Takes the newest state, and the lines that the screen prints about it. The same thread.
   void Show(const hil::CellHostState& state, const std::vector<std::string>& lines);
   [[nodiscard]] std::string url() const { return server_->url(); }
 
@@ -45,12 +45,12 @@ class CellConsole {
   std::unique_ptr<console::ConsoleServer> server_;  // last: its threads use the others
 };
 
-/// The message for the pages: {"type": "cell", …}; console/web/src/messages.ts has its fields.
-/// @param rsi  the arm speaks RSI, not FRI
+/// Makes the message for the pages, {"type": "cell", …}; console/web/src/messages.ts has its fields.
+/// @param rsi  the arm is connected by RSI, not by FRI
 [[nodiscard]] std::string CellNote(const hil::CellHostState& state, bool rsi);
 
-/// A cycle of the simulated arm as a record of the stream: the true pose stands for the commanded one, and
-/// what belongs to a controller (state, coupling, limits) is absent. @param spindle_rad_per_s  measured
+/// Makes a record of the stream from a cycle of the simulated arm: the true pose stands for the commanded
+/// one, and a controller's fields (state, coupling, limits) are absent. @param spindle_rad_per_s  measured
 [[nodiscard]] control::TickRecord RecordOf(const hil::CellState& cycle, double spindle_rad_per_s);
 
 }  // namespace osteon::session

@@ -12,7 +12,7 @@ namespace osteon::session {
 namespace {
 
 constexpr const char* kLoopback = "127.0.0.1";
-constexpr std::uint16_t kFirstTunnel = 29536;  // for a bus whose file names a real interface
+constexpr std::uint16_t kFirstTunnel = 29536;  // first port for buses whose file names a real interface
 
 // The guard's place among the ports: after the arm, the PLC, and two per bus.
 int GuardPlace(const config::CellConfig& cell) { return 2 + 2 * static_cast<int>(cell.devices.buses.size()); }

@@ -40,7 +40,8 @@ tl::expected<std::unique_ptr<CellProcess>, std::string> CellProcess::Start(const
     return base::ChildProcess::Start({.words = std::move(words)});
   };
 
-  std::vector<std::string> words{"cell", "--json", report, "--console", "off"};  // the run has a page
+  // no page for the cell's process: the run has one
+  std::vector<std::string> words{"cell", "--json", report, "--console", "off"};
   if (!params.identified.empty())
     words.insert(words.end(), {"--identified", std::filesystem::absolute(params.identified).string()});
   if (!params.plan.empty())

@@ -16,14 +16,14 @@
 namespace osteon::session {
 
 struct CellProcessParams {
-  std::filesystem::path cell;                ///< its YAML
-  std::optional<config::ToolChoice> tool{};  ///< instead of the cell's
+  std::filesystem::path cell;                ///< the cell's YAML file
+  std::optional<config::ToolChoice> tool{};  ///< replaces the cell's tool
   std::filesystem::path identified{};        ///< of `osteon identify`, instead of the cell's own; empty: none
-  std::filesystem::path plan{};  ///< whose reamers its operator uses; empty: the cell's own script
-  std::string hand{"expert"};    ///< of that operator
-  double seconds{0.0};           ///< of the operator's script; 0: as the file says
+  std::filesystem::path plan{};  ///< plan that its simulated operator follows; empty: the cell's own script
+  std::string hand{"expert"};    ///< that operator's hand
+  double seconds{0.0};           ///< duration of the operator's script; 0: as the file says
   std::uint16_t first_port{0};   ///< see UseSimulatedWires; 0: the file's
-  int cpu{-1};                   ///< for its real-time threads; -1: any
+  int cpu{-1};                   ///< CPU for its real-time threads; -1: any
   bool guard{false};             ///< start the cell's guard as well
 };
 
@@ -34,19 +34,19 @@ class CellProcess {
   /// Starts the processes. The error says why that failed.
   [[nodiscard]] static tl::expected<std::unique_ptr<CellProcess>, std::string> Start(
       const CellProcessParams& params);
-  /// Ends it.
+  /// Ends the processes.
   ~CellProcess();
   CellProcess(const CellProcess&) = delete;
   CellProcess& operator=(const CellProcess&) = delete;
 
-  /// Whether it has ended by itself; it has then said why on stderr.
+  /// Whether the cell's process has ended by itself; it has then said why on stderr.
   [[nodiscard]] bool Ended() { return process_->Ended(); }
 
-  /// Asks it to end at once. Callable from any thread.
+  /// Asks the cell's process to end at once. Callable from any thread.
   void AskToEnd() const { process_->Send(SIGTERM); }
 
-  /// Waits for its end, and kills it after 5 s; then ends the guard. @returns its own report, as `osteon cell
-  /// --json` writes it; empty if it could not write one.
+  /// Waits until the cell's process has ended, and kills it after 5 s; then ends the guard.
+  /// @returns the report of the cell's process, as `osteon cell --json` writes it; empty if it wrote none
   [[nodiscard]] std::string End();
 
  private:

@@ -38,7 +38,7 @@
 namespace osteon::session {
 namespace {
 
-constexpr double kVirtualGiveUp_s = 30.0;  // without COMMANDING_ACTIVE, or without rest after the end
+constexpr double kVirtualGiveUp_s = 30.0;  // longest wait for COMMANDING_ACTIVE, or for rest after the end
 
 constexpr std::chrono::milliseconds kSupervisionPeriod{10};  // how often a run is supervised
 
@@ -73,7 +73,7 @@ void ApplyRequests(const CellRunParams& params, control::ServoLoop& loop) {
              recover = params.requests->recover.exchange(false);
   if (recover) loop.RequestRecovery();
   if (resume && params.procedure)
-    params.procedure->RequestResume();  // which first looks whether the tool is clear
+    params.procedure->RequestResume();  // the session first checks that the tool is clear of bone
   else if (resume)
     loop.RequestResume();
   if (pause) loop.RequestPause();
@@ -85,11 +85,11 @@ void SetTools(const CellRunParams& params, control::ServoLoop& loop) {
   if (params.procedure) SetTools(params.procedure->tools(), params.procedure->first_tool(), loop);
 }
 
-// Shows the recorded ticks to a procedure as well, beside the live view.
+// Passes the recorded ticks to a procedure's session as well as to the live view.
 class ProcedureSink final : public io::RecordSink {
  public:
   explicit ProcedureSink(const CellRunParams& params) : live_(params.live), procedure_(params.procedure) {}
-  /// For the recorder; null: nobody looks.
+  /// The sink for the recorder; null: there is neither session nor live view.
   [[nodiscard]] io::RecordSink* sink() { return procedure_ ? this : live_; }
   void TakeTick(const control::TickRecord& tick) override {
     procedure_->OnTick(tick);
@@ -107,8 +107,8 @@ class ProcedureSink final : public io::RecordSink {
   ProcedureSession* procedure_;
 };
 
-// Time for which an arm is still answered and recorded at rest. An arm whose program can be asked to end is
-// asked at once, before a PLC switches off its power.
+// Time for which the arm is still answered and recorded after it has come to rest [s]. If its program can be
+// asked to end, it is asked at once, before a PLC switches off the arm's power.
 double AtRest_s(const CellSetup& setup, const CellRunParams& params) {
   return CanRequestStop(setup.config.link) ? 0.0 : params.at_rest_s;
 }
@@ -173,7 +173,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
                         .recorder = recorder},
                        servo_params);
       wires.arm->EndSession();
-      // At once, so that the arm does not count our end as a lost client.
+      // Ask at once, so that the arm does not count the end of this process as a lost client.
       if (wires.cell) wires.cell->AskToEnd();
       done.store(true);
     });
@@ -210,7 +210,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
   result.recovered = servo.recovered;
   result.operator_recoveries = servo.operator_recoveries;
   result.cleared = servo.cleared;
-  wires.faults->Record(recorder, rt::MonotonicNow(), servo.faults.bits());  // without a tick
+  wires.faults->Record(recorder, rt::MonotonicNow(), servo.faults.bits());  // also faults that no tick has
   RecordEnd(recorder, rt::MonotonicNow(), result, params.seconds);
   return result;
 }

@@ -29,7 +29,7 @@ struct CellRunParams {
   double seconds{10.0};  ///< of rendering; 0: until stopped (wall time)
   bool virtual_time{false};
   double frame_s{0.002};  ///< virtual time: interval of frames, and delay from a frame's pose to its model
-  int recoveries{0};      ///< restarts of the loop after the connection to the arm has ended rendering
+  int recoveries{0};  ///< number of restarts of the loop after a lost connection to the arm ended rendering
   /// After a fault that allows a recovery the arm stays at rest until `requests` has one, or a stop. False:
   /// the fault ends the run.
   bool hold_at_fault{false};
@@ -49,11 +49,11 @@ struct CellRunParams {
   std::function<std::string()> make_room{};
   const std::atomic<bool>* stop{nullptr};
   base::OperatorRequests* requests{nullptr};  ///< an operator's pause, its end, a recovery; null: none
-  io::RecordSink* live{nullptr};              ///< a live view, which gets all that is recorded; null: none
+  io::RecordSink* live{nullptr};              ///< a live view, which gets all records; null: none
   std::string console_url{};         ///< where the console is served, for the summary; empty: nowhere
   std::filesystem::path gains{};     ///< a file of gains that is read again whenever it is saved; empty: none
   GainsPanel* gains_panel{nullptr};  ///< gains that pages ask for; null: none
-  /// From one state of the carved bone to the next in the recording, for Foxglove; 0: none.
+  /// Log time from one state of the carved bone to the next in the recording, for Foxglove; 0: no states.
   double bone_state_s{0.0};
   std::function<void()> begins{};  ///< called once everything is open, before anything moves
   std::function<void(const std::string&)> notice{};  ///< called with a line of text for each notable event
@@ -62,7 +62,7 @@ struct CellRunParams {
   ProcedureSession* procedure{nullptr};
   /// May coarsen the zones during the run; null: they stay.
   AdaptiveResolution* adaptive_resolution{nullptr};
-  /// Follows the cut and shows it to its sink, on a thread of its own; null: nobody does.
+  /// Updates the carved surface and passes it to its sink, on a thread of its own; null: no surface is shown.
   surface::SurfaceThread* surface{nullptr};
   /// Virtual time: a frame's assumed time [us], for the adaptive resolution; empty: none.
   std::function<double(const simulation::FrameRecord&)> frame_us{};
@@ -73,12 +73,12 @@ struct CellRunParams {
 /// Wall time: a message of the arm counts as missed after this many of its periods. Virtual time: after one.
 inline constexpr double kArmDeadlinePeriods = 5.0;
 
-/// What became of an engine in a process of its own.
+/// The end of an engine in a process of its own.
 struct EngineProcessResult {
   std::string where;  ///< "local, process 1234" or "127.0.0.1:30300"
   io::EngineCounters counters;
   std::string ended{};      ///< why it ended during the run, "signal 9 (Killed)"; empty: it did not
-  std::string unfetched{};  ///< why its carved state is not known: it was cut again; empty: it is its own
+  std::string unfetched{};  ///< why its carved state could not be read, and was cut again; empty: it was read
 };
 
 /// The result of a run besides its recording.
@@ -87,7 +87,7 @@ struct CellRunResult {
   std::string diagnosis;  ///< if rendering never began: what kept arm or devices from it
   safety::FaultSet faults;
   control::ServoStatistics statistics;
-  int recovered{0};                ///< number of restarts, without an operator's
+  int recovered{0};                ///< number of automatic restarts, without those by an operator
   int operator_recoveries{0};      ///< number of restarts that an operator requested at a fault
   safety::FaultSet cleared;        ///< faults that these restarts have cleared
   rt::RealtimeGrant servo_thread;  ///< wall time: scheduling that the system granted
@@ -103,10 +103,10 @@ struct CellRunResult {
   std::string cell_report;  ///< the simulated cell's, osteon.cell/1; empty if this run did not start it
 };
 
-/// Why there is no result.
+/// The reason why there is no result.
 struct CellRunError {
   std::string what;
-  bool begun{false};  ///< false: it was refused before it ran, and there is no recording
+  bool begun{false};  ///< false: the run was refused before it began, and there is no recording
 };
 
 /// Operates a cell: servo loop, cutting engine, and the devices that are connected.

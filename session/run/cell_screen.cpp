@@ -42,7 +42,7 @@ std::vector<std::string> CellScreen::Lines(const hil::CellHostState& state, doub
   std::vector<std::string> lines;
   const hil::CellState& arm = state.arm.cell;
   if (arm.session != session_) {
-    // a program that restarts repeatedly because nobody answers is reported once
+    // the arm's program restarts again and again while nobody answers: report that only once
     if (arm.counters.answered > 0 || !told_) lines.push_back(SessionLine(state));
     told_ = true;
     session_ = arm.session;

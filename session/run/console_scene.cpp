@@ -76,7 +76,8 @@ const EffectiveLimit& LimitOf(const std::vector<EffectiveLimit>& limits, std::st
   return *std::ranges::find(limits, name, &EffectiveLimit::name);
 }
 
-// Distance to the depth limit as the loop measured it: of the bent head where the bound rides on the bone.
+// Makes the function for the distance left to the depth limit, as the loop measured it: from the bent head if
+// the bound moves with the bone.
 std::function<double(const control::TickRecord&)> DepthLeft(const safety::DepthLimitParams& params) {
   if (!params.acts) return {};
   return [bound = safety::ZoneOf(params), rides = params.rides_on_bone](const control::TickRecord& tick) {

@@ -10,19 +10,19 @@
 
 namespace osteon::session {
 
-/// What the console shows that does not change in a run, as JSON (osteon.scene/1): bone, site, tool, arm,
-/// zones, limits. Lengths in m, poses as rows of [R | p].
+/// Makes the JSON (osteon.scene/1) of all that the console shows and that does not change in a run: bone,
+/// site, tool, arm, zones, limits. Lengths are in m, poses are rows of [R | p].
 /// @param command, seconds, recording  of the run
-/// @param tools  by the index that the ticks name; empty: the cell's own alone
+/// @param tools  in the order of TickInput::tool_index; empty: only the cell's own tool
 [[nodiscard]] std::string ConsoleScene(const CellSetup& setup, const std::string& command, double seconds,
                                        const std::string& recording,
                                        std::span<const simulation::Tool> tools = {});
 
-/// The cell's force limit, and the depth at a proxy pose where the bone has balls.
+/// Makes the context of a cell's live views: its limits, and the depth at a proxy pose if the bone has balls.
 [[nodiscard]] console::LiveContext LiveContextOf(const CellSetup& setup);
 
-/// Folder of the console's built page: $OSTEON_CONSOLE, else beside this program (a build folder, an
-/// installed package). It may not exist.
+/// Returns the folder of the console's built page: $OSTEON_CONSOLE or, without it, a folder beside this
+/// program (in a build folder or an installed package). The folder may not exist.
 [[nodiscard]] std::filesystem::path ConsolePageFolder();
 
 }  // namespace osteon::session

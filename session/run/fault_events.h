@@ -11,20 +11,21 @@ namespace osteon::session {
 /// Records each fault of a run once, as an event "fault: NAME; what the cell does". Any thread.
 class FaultEvents {
  public:
-  /// @param stamp  of the events  @param faults  bits of safety::Fault
+  /// Records those of the faults that are new. @param stamp  of the events  @param faults  bits of
+  /// safety::Fault
   void Record(io::Recorder& recorder, rt::Nanoseconds stamp, std::uint32_t faults);
-  /// After a recovery each fault is new.
+  /// Forgets the recorded faults after a recovery: each fault is then new again.
   void Forget() { known_.store(0); }
 
  private:
   std::atomic<std::uint32_t> known_{0};
 };
 
-/// Stands before a recorder's other sink, and records the faults of ticks as they come. In the writer's
-/// thread, never in the tick's.
+/// Is put before a recorder's other sink, and records the faults of ticks as they come. It runs in the
+/// recorder's thread, never in the tick's.
 class FaultSink final : public io::RecordSink {
  public:
-  /// @param next  sees the same. Both must outlive this.
+  /// @param next  gets the same records. Both must outlive this.
   FaultSink(io::RecordSink& next, FaultEvents& events) : next_(next), events_(events) {}
   /// @param recorder  gets the events; must outlive the last tick
   void RecordIn(io::Recorder& recorder) { recorder_ = &recorder; }

@@ -8,7 +8,7 @@
 namespace osteon::session {
 namespace {
 
-constexpr rt::Nanoseconds kWait = 5 * rt::kMillisecond;  // for a frame, until Stop is looked at
+constexpr rt::Nanoseconds kWait = 5 * rt::kMillisecond;  // longest wait for a frame before Stop is checked
 
 }  // namespace
 

@@ -10,8 +10,8 @@
 
 namespace osteon::session {
 
-/// Takes the frames of an engine in a process of its own, in wall time, in a thread of this one: events,
-/// surface and recording are made from them here, as SimulationThread does with frames of this process.
+/// Takes the frames of an engine in another process, in wall time. A thread of this process makes events,
+/// surface and recording from them, as SimulationThread does with frames of this process.
 class FrameReceiver {
  public:
   FrameReceiver(FrameRunner& runner, io::EngineClient& client, io::Recorder& recorder);
@@ -21,7 +21,7 @@ class FrameReceiver {
 
   /// Ends the thread after the frames that have come. Safe to call twice.
   void Stop();
-  /// After Stop: the exception that ended the thread before; empty if there was none.
+  /// After Stop: the exception that ended the thread early; empty if there was none.
   [[nodiscard]] const std::string& error() const { return error_; }
 
  private:

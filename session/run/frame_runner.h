@@ -19,7 +19,7 @@ namespace osteon::session {
 
 class FrameRunner;
 
-/// Sees each frame, on the frames' thread, and may change engine and tool before one.
+/// Is called for each frame on the frames' thread, and may change engine and tool before the frame.
 class FrameObserver {
  public:
   virtual ~FrameObserver() = default;
@@ -32,8 +32,8 @@ class FrameRunner {
  public:
   /// @param watch  examines every frame's proxy
   /// @param adaptive_resolution  coarsens zones when frames take too long; null: none
-  /// @param dt_limit_s  the longest time that a single frame may cut for: a stall's cutting is not made up
-  /// for
+  /// @param dt_limit_s  longest time for which a single frame may cut: cutting missed in a stall is not made
+  /// up
   FrameRunner(simulation::CuttingEngine& engine, const simulation::ApexDepth& depth,
               simulation::SceneWatch& watch, const Pose& X_WG,
               AdaptiveResolution* adaptive_resolution = nullptr, double dt_limit_s = 0.1);
@@ -55,19 +55,19 @@ class FrameRunner {
   /// abandoned, which may take seconds.
   void EndAdaptiveResolution();
 
-  /// @param notice  called for coarser zones, on the frames' thread; may be empty
+  /// @param notice  called with the text of each event of Say, on the frames' thread; may be empty
   void SetNotice(std::function<void(const std::string&)> notice) { notice_ = std::move(notice); }
 
-  /// @param surface  gets each frame's way; null: nobody does. It outlives the last frame.
+  /// @param surface  gets the path of each frame; null: no surface is made. It outlives the last frame.
   void SetSurface(surface::SurfaceThread* surface) { surface_ = surface; }
 
-  /// @param observer  null: nobody. It outlives the last frame.
+  /// @param observer  called for each frame; null: none. It outlives the last frame.
   void SetObserver(FrameObserver* observer) { observer_ = observer; }
   /// Continues with another engine, which has another tool. The engine before is given up.
   /// @param depth, watch  of that tool; they outlive the last frame
   void ReplaceEngine(std::unique_ptr<simulation::CuttingEngine> engine, const simulation::ApexDepth& depth,
                      simulation::SceneWatch& watch);
-  /// Notes an event: told at once, recorded with the frame's.
+  /// Adds an event: the notice is called at once, and the event is recorded with those of the frame.
   void Say(std::string text);
 
   /// The engine that makes the frames now.

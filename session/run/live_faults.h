@@ -12,7 +12,8 @@
 
 namespace osteon::session {
 
-/// Keeps what was measured when each fault of a running cell was latched, and passes what is recorded on:
+/// Keeps the measured values of the tick in which each fault of a running cell was latched, and passes all
+/// records on:
 ///
 ///     recorder ──▶ LiveFaults ──▶ LiveLatency
 ///                      └── Of(fault) ◀── page, local socket
@@ -20,8 +21,8 @@ namespace osteon::session {
 /// The recorder's writer never waits: it only tries the lock.
 class LiveFaults final : public io::RecordSink {
  public:
-  /// @param cell  outlives this  @param recording  whose name the stops' pages have  @param next  gets
-  /// everything; outlives this
+  /// @param cell  outlives this  @param recording  names the pages of the stops  @param next  gets all
+  /// records; outlives this
   LiveFaults(const config::CellConfig& cell, std::filesystem::path recording, io::RecordSink& next);
 
   void TakeTick(const control::TickRecord& tick) override;
@@ -40,10 +41,10 @@ class LiveFaults final : public io::RecordSink {
   io::RecordSink& next_;
   control::TickRecord before_;
   bool begun_{false};
-  std::size_t stops_{0};  // so far, as their pages are numbered
-  bool stopped_{false};   // since the arm moved last
+  std::size_t stops_{0};  // number of stops so far: the number of the last one's page
+  bool stopped_{false};   // a stop has begun since the arm moved last
   std::map<safety::Fault, std::string> seen_;
-  bool changed_{false};  // and not yet published
+  bool changed_{false};  // the notes have changed and are not yet published
 
   mutable std::mutex mutex_;  // guards what follows
   std::map<safety::Fault, console::FaultNote> notes_;

@@ -9,7 +9,7 @@
 
 namespace osteon::session {
 
-/// Measures a run's latency while it runs, as the summary does at its end, and passes what is recorded on:
+/// Measures a run's latency during the run, as the summary does at its end, and passes all records on:
 ///
 ///     recorder ──▶ LiveLatency ──▶ LiveFeed
 ///                      └── Status() ◀── status line, page, local socket
@@ -33,7 +33,7 @@ class LiveLatency final : public io::RecordSink {
   LatencyMeter meter_;
   LatencyContext context_;
   double period_s_;
-  int ticks_{0};  // since the figures were published
+  int ticks_{0};  // number of ticks since the figures were published
 
   mutable std::mutex mutex_;  // guards what follows
   LatencyFigures figures_;

@@ -21,7 +21,7 @@ struct LiveStopsParams {
 };
 
 /// Writes the page of each stop while the cell still runs, half a second after the arm has come to rest, with
-/// a link to the cell's page. The run's end writes the same pages again, of the whole recording.
+/// a link to the cell's page. At the run's end the same pages are written again, from the whole recording.
 ///
 ///     recorder ──▶ LiveStops ──▶ next
 ///                     └─ complete stop ─▶ thread of low priority ─▶ page, table
@@ -52,8 +52,8 @@ class LiveStops final : public io::RecordSink {
 
   LiveStopsParams params_;
   io::RecordSink& next_;
-  StopFinder finder_;     // of the recorder's writer
-  std::size_t count_{0};  // of stops: the same
+  StopFinder finder_;     // used only by the recorder's writer, as count_
+  std::size_t count_{0};  // number of stops so far
 
   std::mutex mutex_;
   std::condition_variable wake_;

@@ -25,7 +25,7 @@ namespace osteon::session {
 namespace {
 
 constexpr int kMaxPort = 65535;
-constexpr std::size_t kShownRequest = 60;  // characters of an unknown request that its answer repeats
+constexpr std::size_t kShownRequest = 60;  // number of characters of an unknown request in its answer
 
 std::optional<int> PortOf(std::string_view text) {
   int port = -1;
@@ -49,7 +49,8 @@ std::optional<std::uintmax_t> SpaceLeft(const std::filesystem::path& folder) {
   return error ? std::nullopt : std::optional(space.available);
 }
 
-// The answers' part of a procedure: the panel's figures, and the tool in words that need no plan.
+// Makes the part of an answer about a procedure: the panel's figures, and the tool in words that need no
+// plan.
 nlohmann::json ProcedureStatus(ProcedureSession& session) {
   const SessionFile file = session.File();
   const int tool = file.segments.empty() ? session.first_tool() : file.segments.back().tool_index;
@@ -144,7 +145,7 @@ LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, base::OperatorR
   };
 }
 
-// In this order: each one's threads ask those after it.
+// Ends the servers in this order, because the threads of each use the members that are ended after it.
 LiveViews::~LiveViews() {
   if (surface_thread_) surface_thread_->Stop();
   server_.reset();

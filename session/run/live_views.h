@@ -34,28 +34,29 @@ struct ConsoleChoice {
   bool on{true};
   std::string address{"127.0.0.1"};  ///< any but the loopback's asks pages for a token
   int port{console::kDefaultPort};
-  bool only_this_port{false};  ///< false: the next free one
+  bool only_this_port{false};  ///< false: the next free port if this one is taken
 
   /// Parses `--console` and `--foxglove`: "PORT", "ADDRESS:PORT", "off". The error says what was found and
   /// what is accepted.
   [[nodiscard]] static tl::expected<ConsoleChoice, std::string> Parse(const std::string& text);
 };
 
-/// Which run a live view shows.
+/// The facts about a run that its live views show.
 struct LiveRun {
   std::string command;            ///< "demo", "run"
-  double seconds{0.0};            ///< of rendering that were asked for; 0: until stopped
-  std::string recording;          ///< the file
+  double seconds{0.0};            ///< time of rendering that was asked for; 0: until stopped
+  std::string recording;          ///< the recording's file
   std::filesystem::path pages{};  ///< folder of the stops' pages; empty: the recording's
   std::filesystem::path tune{};   ///< result of `osteon tune`; empty: kTuneFile, where it is of this cell
 };
 
-/// What a page asks of a procedure's session, as the session takes it. The error says what is accepted.
+/// Translates a page's request into a request to a procedure's session. The error says what is accepted.
 [[nodiscard]] tl::expected<SessionRequest, std::string> SessionRequestOf(
     const console::ProcedureRequest& request);
 
-/// What a person sees of a running cell and may ask of it: the status line on the terminal, and `osteon
-/// status`, `pause`, `resume`, `recover`, `stop` through the local socket.
+/// The views of a running cell, and the ways to make requests to it: the console, the server for Foxglove,
+/// the status line on the terminal, and `osteon status`, `pause`, `resume`, `recover`, `stop` through the
+/// local socket.
 ///
 ///     recorder ──▶ LiveFaults ──▶ LiveLatency ──▶ LiveFeed ◀── status line, local socket
 ///                                                                   └──▶ OperatorRequests ──▶ the state machine, as from any other side
@@ -67,25 +68,25 @@ class LiveViews {
   LiveViews(const CellSetup& setup, const LiveRun& run, base::OperatorRequests& requests);
   ~LiveViews();
 
-  /// Passes what a procedure's session is asked for to it. Before Open. @param session  null: none
-  /// The depth that is shown is then that of the tool in use.
+  /// Passes requests to a procedure's session, and shows the depth of the tool in use. Call it before Open.
+  /// @param session  null: there is none
   void SetSession(ProcedureSession* session);
 
-  /// Opens the console, the server for Foxglove, and the local socket. The run goes on without what could not
-  /// be opened.
+  /// Opens the console, the server for Foxglove, and the local socket. If one of them cannot be opened, the
+  /// run goes on without it.
   void Open(const ConsoleChoice& choice, const ConsoleChoice& foxglove);
-  /// Prints on stderr where the console is, and what could not be opened. Once the run begins: a refusal
-  /// stays one line.
+  /// Prints on stderr the console's address, and what could not be opened. Called once the run begins, so
+  /// that the message of a run that is refused stays one line.
   void Announce() const;
   /// Address of the console; empty: it is not served.
   [[nodiscard]] std::string console_url() const { return console_ ? console_->url() : ""; }
 
-  /// Takes what is recorded.
+  /// The sink that gets all records.
   [[nodiscard]] io::RecordSink* sink() { return &faults_; }
-  /// Follows the cut for the console's picture; null where no console is served. Writer of its ring: the
-  /// engine's thread.
+  /// The thread that updates the carved surface for console and Foxglove; null if neither is served. The
+  /// engine's thread writes its ring.
   [[nodiscard]] surface::SurfaceThread* surface_thread() { return surface_thread_.get(); }
-  /// What the pages ask of the gains.
+  /// The gains that pages may change.
   [[nodiscard]] GainsPanel* gains_panel() { return &gains_; }
   [[nodiscard]] console::LiveStatus Status() const;
   /// The status as a line for the progress on stderr; empty before the first message.
@@ -117,7 +118,7 @@ class LiveViews {
   console::SurfaceStore surface_;
   console::SurfaceFeed surface_feed_{surface_};
   std::unique_ptr<surface::SurfaceThread> surface_thread_;  // before the servers, whose threads ask its age
-  // Once they are there, for other threads.
+  // Set once the objects exist, for other threads.
   std::atomic<const surface::SurfaceThread*> followed_{nullptr};
   std::atomic<const console::ConsoleServer*> pages_{nullptr};
   std::atomic<const console::FoxgloveServer*> viewers_{nullptr};

@@ -94,7 +94,7 @@ int PrintResult(const OperateOptions& options, const CellSetup& setup,
     else
       AddReason(wrong, surface.error());
   }
-  if (auto pages = stops.Finish())  // before the report, which leads to them
+  if (auto pages = stops.Finish())  // before the report, which has links to them
     summary.stops = std::move(*pages);
   else
     AddReason(wrong, pages.error());
@@ -184,8 +184,8 @@ int RunOperate(const OperateOptions& asked) {
     if (!made) return Fail("run", made.error());
     session = std::move(*made);
   }
-  // an engine in a process of its own keeps its bone; the packing of a session stays: its saved states belong
-  // to it
+  // No coarser packing for an engine in a process of its own, which keeps its bone, nor for a session, whose
+  // saved states belong to its packing.
   const auto adaptive_resolution = remote || session ? nullptr : MakeAdaptiveResolution(*setup, choice);
   fmt::print(stderr, "osteon run: engine: {}\n", EngineText(choice, (*engine)->device()));
   if (remote) fmt::print(stderr, "osteon run: the engine is a process of its own: {}\n", remote->where());

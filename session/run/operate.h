@@ -32,13 +32,13 @@ struct OperateOptions {
   std::string engine{"auto"};       ///< one of WallTimeEngineNames
   std::string device{};             ///< part of a Vulkan device's name
   std::filesystem::path surface{};  ///< file for the carved bone as a mesh: STL, PLY or OBJ
-  /// From one state of the carved bone to the next in the recording; 0: none.
+  /// Log time from one state of the carved bone to the next in the recording; 0: no states.
   double bone_state_s{5.0};
   ConsoleChoice console{};              ///< where the console is served
   std::filesystem::path tune{};         ///< result of `osteon tune` for the console; empty: kTuneFile
   ConsoleChoice foxglove{.on = false};  ///< where Foxglove and Lichtblick connect to
   std::filesystem::path json{};
-  std::string command_line{};  ///< repeats the run
+  std::string command_line{};  ///< the command that repeats the run
 };
 
 /// Runs `osteon run`: operates a cell, real or simulated, by the connections that its file names. Leaves the

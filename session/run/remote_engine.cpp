@@ -21,7 +21,7 @@
 namespace osteon::session {
 namespace {
 
-constexpr rt::Nanoseconds kEngineReady = 120 * rt::kSecond;  // a driver that compiles shaders anew
+constexpr rt::Nanoseconds kEngineReady = 120 * rt::kSecond;  // a driver may have to compile all shaders
 constexpr rt::Nanoseconds kCarvedPatience = 10 * rt::kSecond;
 constexpr rt::Nanoseconds kPoll = 5 * rt::kMillisecond;
 constexpr std::chrono::seconds kEndPatience{5};
@@ -51,7 +51,7 @@ tl::expected<std::unique_ptr<RemoteEngine>, std::string> RemoteEngine::Open(
 
 RemoteEngine::~RemoteEngine() {
   if (!child_) return;
-  child_->Send(SIGCONT);  // one that was halted could not end
+  child_->Send(SIGCONT);  // a halted process could not end
   child_->Send(SIGTERM);
   child_->End(kEndPatience);
 }

@@ -16,17 +16,17 @@
 
 namespace osteon::session {
 
-/// An engine in a process of its own, as this one sees it. In lockstep it is an engine like any other; in
-/// wall time the servo loop and a FrameReceiver use its client().
+/// The client of an engine in another process. In lockstep it is an engine like any other; in wall time the
+/// servo loop and a FrameReceiver use its client().
 class RemoteEngine final : public simulation::CuttingEngine {
  public:
-  /// Starts `osteon simulate` as a child, or connects to the one that the cell names, and waits until it has
-  /// its engine. The error says what failed, there or here.
+  /// Starts `osteon simulate` as a child process, or connects to the one that the cell's file names, and
+  /// waits until it has made its engine. The error says what failed, in that process or in this one.
   [[nodiscard]] static tl::expected<std::unique_ptr<RemoteEngine>, std::string> Open(
       const CellSetup& setup, const EngineChoice& choice, const std::filesystem::path& cell_yaml);
   ~RemoteEngine() override;
 
-  /// Steps it in lockstep. The device counts as lost once a frame has taken kLockstepPatience.
+  /// Steps the engine in lockstep. The device counts as lost once a frame has taken kLockstepPatience.
   simulation::ContactModel Step(const simulation::FrameInput& input) override;
   /// The carved state, after Finish.
   [[nodiscard]] simulation::CarvedState Snapshot() const override { return carved_; }
@@ -36,11 +36,11 @@ class RemoteEngine final : public simulation::CuttingEngine {
   [[nodiscard]] std::string device() const override { return client_->device(); }
 
   [[nodiscard]] io::EngineClient& client() { return *client_; }
-  /// Says why the process has ended by itself; empty while it runs, or where this run did not start it.
+  /// Says why the process has ended by itself; empty while it runs, or if this run did not start it.
   [[nodiscard]] std::string DescribeEnd();
-  /// Ends the frames and takes the carved state from the process. If the process is gone, an engine of this
-  /// one cuts the recorded frames again. Then ends the process, if this run started it.
-  /// @param recording  closed
+  /// Ends the frames and takes the carved state from the process. If that process is gone, an engine in this
+  /// process cuts the recorded frames again. Then ends that process, if this run started it.
+  /// @param recording  the run's recording, which must be closed
   [[nodiscard]] EngineProcessResult Finish(const std::filesystem::path& recording);
   [[nodiscard]] const std::string& where() const { return where_; }
 
@@ -61,10 +61,10 @@ class RemoteEngine final : public simulation::CuttingEngine {
   simulation::CarvedState carved_;
 };
 
-/// The file of the command `osteon`, beside this program: osteon-studies has no `simulate`.
+/// Returns the path of the program `osteon`, which lies beside this one: osteon-studies has no `simulate`.
 [[nodiscard]] std::filesystem::path OsteonProgram();
 
-/// Makes the engine of a run: in this process, or, as the cell's `simulation` says, in one of its own; then
+/// Makes the engine of a run in this process or, if the cell's `simulation` says so, in another process; then
 /// `remote` points to it.
 [[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeRunEngine(
     const CellSetup& setup, const EngineChoice& choice, const std::filesystem::path& cell_yaml,

@@ -21,7 +21,7 @@ std::string MissingPermits(safety::MotionPermits permits) {
   return missing.empty() ? "" : "motion lacked " + missing;
 }
 
-// Says why a run ended that was ended only by its operator or its duration.
+// Says why a run ended that had no fault: its duration, a signal, or its operator.
 std::string DescribeEnd(const CellRunResult& result, double seconds) {
   if (result.end == control::RunEnd::kSeconds) return fmt::format("{:g} s of rendering were over", seconds);
   const std::string signal = base::InterruptName();

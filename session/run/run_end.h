@@ -9,18 +9,20 @@
 #include "safety/motion_permit.h"
 #include "session/run/cell_run.h"
 
-// The end of a run: when it is asked for, what the recording says of it, and why a run never began.
+// The end of a run: whether it is asked for, how it is recorded, and why a run never began.
 
 namespace osteon::session {
 
-/// Whether somebody has asked for the run's end. A session that is finished asks as its operator.
+/// Whether the run's end is asked for, by its stop flag or by a session that a person has finished. A
+/// finished session also counts as an operator's stop from then on (base::RequestInterrupt).
 [[nodiscard]] bool IsStopAsked(const CellRunParams& params);
 
-/// Records why a run has ended that was ended only by its operator or its duration; nothing after a fault.
-/// @param seconds  of rendering that were asked for
+/// Records why a run has ended, if only its operator or its duration ended it; after a fault, records
+/// nothing.
+/// @param seconds  time of rendering that was asked for
 void RecordEnd(io::Recorder& recorder, rt::Nanoseconds stamp, const CellRunResult& result, double seconds);
 
-/// Says why the arm's messages did not come: a guard that does not run lets none through.
+/// Says why the arm's messages did not arrive, for example because the cell's guard does not run.
 /// @param arm  the connection's own diagnosis
 [[nodiscard]] std::string DescribeMissingArm(const std::string& arm,
                                              const std::optional<config::GuardConfig>& guard,

@@ -27,15 +27,15 @@
 namespace osteon::session {
 namespace {
 
-constexpr rt::Nanoseconds kCommandWait = 50 * rt::kMillisecond;  // for a command, until Ctrl-C is looked at
-constexpr double kMaxDt_s = 0.1;  // as FrameRunner: a stall's cutting is not made up for
+constexpr rt::Nanoseconds kCommandWait = 50 * rt::kMillisecond;  // longest wait before Ctrl-C is checked
+constexpr double kMaxDt_s = 0.1;  // as in FrameRunner: cutting missed in a stall is not made up
 
 struct Served {
   std::string engine, device;
   std::uint64_t frames{0}, runs{0};
 };
 
-// The carved state in the bytes of its file.
+// Returns the carved state as the bytes of its file.
 tl::expected<std::vector<std::uint8_t>, std::string> CarvedBytes(const simulation::CuttingEngine& engine,
                                                                  const simulation::Bone& bone) {
   const base::WorkFolder folder("simulate");

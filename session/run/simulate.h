@@ -6,14 +6,14 @@
 
 namespace osteon::session {
 
-/// The port of `osteon simulate` unless it is told another.
+/// The default port of `osteon simulate`.
 inline constexpr std::uint16_t kSimulatePort = 30300;
 
 struct SimulateOptions {
   std::filesystem::path local{};  ///< the folder of a run on this machine; empty: listens on UDP
   std::string address{"127.0.0.1"};
   std::uint16_t port{kSimulatePort};
-  std::filesystem::path token_file{};  ///< needed beyond the loopback
+  std::filesystem::path token_file{};  ///< needed unless the address is a loopback address
   std::string engine{"auto"};          ///< one of WallTimeEngineNames
   std::string device{};                ///< part of a Vulkan device's name
   std::filesystem::path json{};        ///< report, written at its end

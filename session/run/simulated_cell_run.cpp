@@ -26,7 +26,8 @@
 namespace osteon::session {
 namespace {
 
-// Short, since the arm's state must be read soon after its client has gone: see "stop" in ToJson.
+// How often the cell's state is read. Short, since the arm's state must be read soon after its client has
+// gone: see "stop" in ToJson.
 constexpr std::chrono::milliseconds kStateInterval{2};
 
 nlohmann::ordered_json WireJson(const hil::WireCounters& n) {
@@ -48,7 +49,7 @@ void PrintSimulatedSide(const config::CellConfig& cell) {
   std::fflush(stdout);
 }
 
-// Opens the page. A cell without one runs all the same.
+// Opens the page. If it cannot be opened, the cell runs without it.
 std::unique_ptr<CellConsole> OpenPage(const SimulatedCellOptions& options, const config::CellConfig& cell) {
   if (!options.console.on) return nullptr;
   auto page = CellConsole::Open(options.console, cell, options.cell.stem().string(), options.seconds);
@@ -158,7 +159,8 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
   try {
     hil::CellHostParams params = HostParams(cell);
     params.arm.thread.cpu = params.device_thread.cpu = options.cpu;
-    params.arm.thread.lock_memory = true;  // of the whole process: a page that is read back stops the arm
+    // for the whole process: the delay of reading a memory page back from disk would stop the arm
+    params.arm.thread.lock_memory = true;
     readers.page = OpenPage(options, cell);
     if (readers.any()) params.arm.cycles = &readers.cycles;
     hil::CellHost host(params, MakeSimulatedCell(cell, options.seconds));

@@ -12,15 +12,16 @@
 namespace osteon::session {
 
 struct SimulatedCellOptions {
-  std::filesystem::path cell;  ///< its YAML
-  /// Replaces the cell's; of a plan the tool that its operator begins with, absent: the plan's first one.
+  std::filesystem::path cell;  ///< the cell's YAML file
+  /// Replaces the cell's tool. With a plan: the tool with which its operator begins; absent: the plan's
+  /// first.
   std::optional<config::ToolChoice> tool{};
   std::filesystem::path identified{};   ///< of `osteon identify`, instead of the cell's own; empty: none
-  std::filesystem::path plan{};         ///< whose tools its operator uses; empty: the cell's own script
-  std::string hand{"expert"};           ///< of that operator: expert, novice
-  double seconds{0.0};                  ///< of the operator's script; 0: as the file says
+  std::filesystem::path plan{};         ///< plan that its operator follows; empty: the cell's own script
+  std::string hand{"expert"};           ///< that operator's hand: expert, novice
+  double seconds{0.0};                  ///< duration of the operator's script; 0: as the file says
   std::optional<std::uint16_t> port{};  ///< the first of its ports; replaces the file's
-  /// Its real-time threads are pinned to it, all others stay off it; -1: any.
+  /// CPU to which its real-time threads are pinned, and which all others do not use; -1: any.
   int cpu{-1};
   std::filesystem::path json{};   ///< report, written at its end
   std::filesystem::path trace{};  ///< CSV file of each of its cycles, written while it runs; empty: none

@@ -6,10 +6,12 @@
 
 namespace osteon::session {
 
-/// Makes a cell's arm and operator. @param seconds  of the operator's script; 0: as its file says
+/// Makes a cell's simulated arm and operator.
+/// @param seconds  duration of the operator's script; 0: as the cell's file says
 [[nodiscard]] hil::SimulatedCell MakeSimulatedCell(const config::CellConfig& cell, double seconds);
 
-/// Parameters of the process that plays a cell in wall time, on the connections that the configuration names.
+/// Makes the parameters of the process that simulates a cell in wall time, on the connections that the
+/// configuration names.
 [[nodiscard]] hil::CellHostParams HostParams(const config::CellConfig& cell);
 
 }  // namespace osteon::session

@@ -22,8 +22,8 @@ class SimulationThread {
 
   /// Ends the thread after the present frame. Safe to call twice.
   void Stop();
-  /// After Stop: the exception that ended the thread before; empty if there was none. Its models then grow
-  /// old.
+  /// After Stop: the exception that ended the thread early; empty if there was none. After such an end no new
+  /// models come.
   [[nodiscard]] const std::string& error() const { return error_; }
 
  private:
