@@ -4,10 +4,11 @@
 
 namespace osteon::session {
 
-/// Commit of the sources that this program was built from, with "-dirty" appended if they were not committed.
+/// Returns the commit from whose sources this program was built, with "-dirty" if they had uncommitted
+/// changes.
 [[nodiscard]] std::string CommitName();
 
-/// Commit, compiler and C library of this program, in one line.
+/// Returns commit, compiler and C library of this program, in one line.
 [[nodiscard]] std::string BuildName();
 
 }  // namespace osteon::session

@@ -18,7 +18,7 @@ constexpr unsigned kSwitchedOn = 0x1;  // IFF_UP
 
 bool IsLoopback(const std::string& address) { return address.starts_with("127."); }
 
-// The card at which the messages of `who` arrive.
+// Checks the network card at which the messages of `who` arrive.
 Check CardCheck(const std::string& who, const std::string& address) {
   const std::string name = who + "'s network card";
   const auto card = io::FindNetworkCard(address);

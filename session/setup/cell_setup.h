@@ -39,7 +39,7 @@ struct CellSetup {
   Pose X_WG{Pose::Identity()};
   std::string config_text;                     ///< the YAML files as read, one after the other
   io::ConfigSource config_source;              ///< every file that was read, for the recording
-  std::string cell_name;                       ///< the YAML file's
+  std::string cell_name;                       ///< name of the cell's YAML file
   std::shared_ptr<const PlannedCell> planned;  ///< null: packed as the scene says, or loaded
   std::string bone_warning;                    ///< of the mesh (SceneSolid); empty: none
 };
@@ -47,9 +47,9 @@ struct CellSetup {
 /// Loads the cell's YAML and the solid of its bone. The bone has no balls yet (PackAsScene, or PackCell of
 /// planned_cell.h), unless they were loaded. A mesh is placed so that its site (a cup, or the circle where a
 /// drill enters) lies where the scene's would.
-/// @param mesh_instead  of the cell's own `bone` or scene
-/// @param tool  replaces the cell's  @param gains  a file that overrides the cell's gains; empty: none
-/// @param identified  a file of `osteon identify` in the place of the cell's own; empty: its own, if any
+/// @param mesh_instead  replaces the cell's own `bone` or scene
+/// @param tool  replaces the cell's tool  @param gains  a file that overrides the cell's gains; empty: none
+/// @param identified  a file of `osteon identify` that replaces the cell's own; empty: the cell's own, if any
 /// @throws config::ConfigError; config::ToolSizeError if `tool` has no such size. Errors of the mesh are
 /// returned as text.
 [[nodiscard]] tl::expected<CellSetup, std::string> PrepareCell(
@@ -57,9 +57,10 @@ struct CellSetup {
     const std::optional<config::ToolChoice>& tool = {}, const std::filesystem::path& gains = {},
     const std::filesystem::path& identified = {});
 
-/// The cell of a recording, from the recording alone, but for a mesh that its configuration names. Without
-/// that mesh, or with another bone than the configuration's (`demo --mesh`), solid is null and bone_warning
-/// says why; the site is then the scene's. The error says what of the configuration is missing or wrong.
+/// Makes the cell of a recording from the recording only, except for a mesh that its configuration names. If
+/// that mesh is missing, or the run had another bone than the configuration's (`demo --mesh`), solid is null
+/// and bone_warning says why; the site is then the scene's. The error names the part of the configuration
+/// that is missing or wrong.
 [[nodiscard]] tl::expected<CellSetup, std::string> SetUpRecorded(const io::SessionInfo& session,
                                                                  const std::optional<MeshChoice>& mesh = {});
 

@@ -72,7 +72,7 @@ void ExamineNetwork(std::vector<Check>& checks, std::uint16_t fri_port) {
 }  // namespace
 
 std::vector<Check> Examine(const DoctorOptions& options, const std::function<void(double at_s)>& progress) {
-  // before the timers' seconds: a file that cannot be read ends it
+  // load the cell before the timer tests, which take seconds: a file that cannot be read ends the command
   const auto cell = options.cell.empty() ? std::nullopt : std::optional(config::LoadCell(options.cell));
   std::vector<Check> checks;
   utsname system{};

@@ -16,7 +16,7 @@ inline constexpr const char* kCheckMissing = "missing";
 /// One examined property of the machine and its verdict.
 struct Check {
   std::string name, value, verdict, advice;
-  bool is_required{false};  ///< without it the demo, or the cell that was named, cannot run
+  bool is_required{false};  ///< without this property the demo, or the named cell, cannot run
 };
 
 struct DoctorOptions {

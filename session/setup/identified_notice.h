@@ -4,7 +4,8 @@
 
 namespace osteon::session {
 
-/// Prints on stderr what a cell has of a file of `osteon identify` (IdentifiedText); nothing without one.
+/// Prints on stderr the figures that a cell has from a file of `osteon identify` (IdentifiedText). Prints
+/// nothing if the cell has no such file.
 /// @param command  "run"
 void PrintIdentified(const config::CellConfig& cell, const char* command);
 

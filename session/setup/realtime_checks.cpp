@@ -43,7 +43,7 @@ std::string LimitText(int resource, double unit) {
                                          : fmt::format("{:.0f}", static_cast<double>(limit.rlim_cur) / unit);
 }
 
-// How this user gets a right that the group "osteon" has.
+// Says how this user gets a right that the group "osteon" has.
 std::string RightsAdvice(const std::string& right) {
   constexpr const char* kGroup = "osteon";
   const group* found = ::getgrnam(kGroup);
@@ -179,7 +179,7 @@ DurationFigures TimerLatency(double seconds, bool& realtime,
                              const std::function<void(double at_s)>& progress) {
   const auto wakeups = static_cast<std::size_t>(std::max(1.0, std::round(seconds * 1e3)));
   std::vector<rt::Nanoseconds> late;
-  late.reserve(wakeups);  // the sleeper has no counters, since a counter allocates
+  late.reserve(wakeups);  // the thread fills a list, since DurationCounts would allocate in it
   std::atomic<bool> done{false};
   std::thread sleeper([&] {
     realtime = rt::SetUpRealtimeThread({.priority = realtime ? 80 : 0, .keep_cpus_awake = true}).realtime;

@@ -23,9 +23,9 @@ namespace osteon::session {
 [[nodiscard]] DurationFigures TimerLatency(double seconds, bool& realtime,
                                            const std::function<void(double at_s)>& progress = {});
 
-/// Examines what a 1 kHz loop needs of a machine: timer latency under this user's rights with and without
-/// SCHED_FIFO, each for `seconds` with the CPUs awake as in a run, and the periods that this latency can
-/// serve; priority and memory rights, idle states, kernel, isolated cores, governor.
+/// Examines the properties of a machine that a 1 kHz loop depends on: timer latency under this user's rights
+/// with and without SCHED_FIFO, each for `seconds` with the CPUs awake as in a run, and the periods that this
+/// latency can serve; priority and memory rights, idle states, kernel, isolated cores, governor.
 /// @param progress  called now and then with the time spent, out of 2 `seconds`; may be empty
 void ExamineRealtime(std::vector<Check>& checks, double seconds,
                      const std::function<void(double at_s)>& progress);

@@ -38,7 +38,7 @@ bool StaysInside(const std::string& name) {
          path == path.lexically_normal() && path.has_filename() && *path.begin() != "..";
 }
 
-// Writes the files. An empty string, or what is wrong.
+// Writes the files into the folder. @returns what is wrong; empty: nothing
 std::string WriteFiles(const io::ConfigSource& source, const fs::path& folder) {
   if (source.files.size() > kMaxFiles)
     return fmt::format("found {} configuration files, accepted up to {}", source.files.size(), kMaxFiles);
@@ -57,7 +57,7 @@ std::string WriteFiles(const io::ConfigSource& source, const fs::path& folder) {
   return {};
 }
 
-// Replaces names in the temporary folder by the files' own names.
+// Removes the temporary folder's path from a text, so that files have their own names in it.
 std::string WithoutFolder(std::string text, const fs::path& folder) {
   const std::string prefix = folder.string() + '/';
   for (std::size_t at = 0; (at = text.find(prefix, at)) != std::string::npos;) text.erase(at, prefix.size());

@@ -16,14 +16,14 @@
 namespace osteon::session {
 
 /// Reads the files that a cell was just loaded from, in their present state, for its recording.
-/// @param scope  must have lived while the cell was loaded
+/// @param scope  must have existed while the cell was loaded
 /// The error names a file that can no longer be read.
 [[nodiscard]] tl::expected<io::ConfigSource, std::string> KeepConfig(
     const config::ConfigFileTracker& scope, const std::filesystem::path& cell_yaml,
     const std::optional<config::ToolChoice>& tool, const std::filesystem::path& gains,
     const std::filesystem::path& identified = {});
 
-/// Loads the cell that a recording was made with, from the recording alone. Its files lie in a temporary
+/// Loads the cell with which a recording was made, from the recording only. Its files lie in a temporary
 /// folder during the call. The error says what is missing or wrong: a recording without configuration, a name
 /// that leads out of the folder, a file that this version does not accept.
 [[nodiscard]] tl::expected<config::CellConfig, std::string> LoadRecordedCell(const io::ConfigSource& source);
@@ -34,7 +34,7 @@ struct RecordedCell {
   ToolList list;              ///< empty: one tool
   std::vector<ProcedureTool> tools;
 };
-/// As LoadRecordedCell, with the table of tools of a procedure.
+/// Loads the cell as LoadRecordedCell does, and a procedure's table of tools.
 [[nodiscard]] tl::expected<RecordedCell, std::string> LoadRecordedTools(const io::ConfigSource& source);
 
 /// Makes a cell's servo loop, as a run and its replay need it.

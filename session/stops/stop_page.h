@@ -21,10 +21,11 @@ struct StopFaultRow {
 struct StopPageInput {
   std::string title;    ///< "Stop no. 1: force sensor stale"
   std::string heading;  ///< of the part that gives the reason: "What led to the stop", "How the run ended"
-  std::string where;    ///< the recording, the time, and the part shown: sentences
-  std::string ticks_file{};                ///< beside the page: the table of all ticks; empty: none
-  std::string view_command{};              ///< shows the recording at the stop; empty: not known where it is
-  std::string console_url{};               ///< the page of the cell, which still runs; empty: it does not
+  std::string where;    ///< sentences about the recording, the time, and the part shown
+  std::string ticks_file{};  ///< file beside the page with the table of all ticks; empty: none
+  std::string
+      view_command{};         ///< command that shows the recording at the stop; empty: its place is not known
+  std::string console_url{};  ///< address of the page of the cell, which still runs; empty: it does not run
   std::string no_fault_text{"No fault."};  ///< printed if there are no faults
   std::vector<StopFaultRow> faults{};
   std::span<const control::TickRecord> ticks{};
@@ -33,7 +34,8 @@ struct StopPageInput {
   const TripLimits& limits;
 };
 
-/// Makes one HTML page: the faults, the quantity that tripped each of them with its limit, forces and motion.
+/// Makes one HTML page with the faults, for each fault the quantity that caused it and its limit, the forces
+/// and the motion.
 [[nodiscard]] std::string MakeStopPage(const StopPageInput& input);
 
 }  // namespace osteon::session

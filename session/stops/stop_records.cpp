@@ -85,9 +85,9 @@ StopPageInput PageOf(const StopRecord& stop, std::size_t number, const std::stri
       .limits = limits};
 }
 
-// @param stop_s  on the recording's time line
+// Makes the command that shows the recording at a stop. @param stop_s  on the recording's time line
 std::string ViewCommandOf(const std::filesystem::path& recording, double stop_s) {
-  constexpr double kBefore_s = 1.0;  // so that what led to it is seen
+  constexpr double kBefore_s = 1.0;  // the view begins this long before the stop, to show what led to it
   return fmt::format("osteon view {} --at {:.1f}", recording.string(), std::max(0.0, stop_s - kBefore_s));
 }
 
@@ -108,7 +108,7 @@ const char* StopRecord::Heading() const {
   return IsOrderly() ? "How the run ended" : "What led to the stop";
 }
 
-// A slow tool is braked within a tick: then the pause is the first tick without motion.
+// A slow tool comes to rest within a tick: its stop then begins with the first tick that is paused.
 bool MovesArm(Phase phase) { return phase == Phase::kAligning || phase == Phase::kHaptic; }
 
 bool BeginsStop(const TickRecord& before, const TickRecord& tick) {
@@ -137,7 +137,7 @@ std::optional<StopRecord> StopFinder::Add(const TickRecord& tick) {
   return ended;
 }
 
-// False if the tick does not belong to the stop in progress.
+// @returns false if the tick does not belong to the stop in progress, which is then complete
 bool StopFinder::AppendToStop(const TickRecord& tick) {
   if (MovesArm(tick.phase) || (until_ && tick.stamp > *until_)) return false;
   if (stop_->ticks.size() - stop_->stop >= kMaxTicks) return false;

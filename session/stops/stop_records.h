@@ -26,14 +26,15 @@ struct StopRecord {
   rt::Nanoseconds first_stamp{0};  ///< of the recording's first tick
   bool cut_off{false};             ///< the recording ends before the stop is complete
   safety::FaultSet faults;
-  bool asked{false};   ///< for by the run's end or Ctrl-C
-  bool paused{false};  ///< by the operator
+  bool asked{false};   ///< the stop was asked for, by the run's end or Ctrl-C
+  bool paused{false};  ///< the operator has paused the cell
 
   [[nodiscard]] bool IsOrderly() const { return asked && !faults.Any(); }
   [[nodiscard]] bool IsPause() const { return paused && !asked && !faults.Any(); }
-  /// Reason of the stop: "arm message stale; motion not permitted", "asked for" or "a pause was asked for".
+  /// Names the reason of the stop: its faults ("arm message stale; motion not permitted"), "asked for", "a
+  /// pause was asked for" or "the arm ended the session".
   [[nodiscard]] std::string DescribeCause() const;
-  /// "What led to the stop"; for a stop without a fault "How the run ended" or "How the pause began".
+  /// Returns "What led to the stop"; for a stop without a fault "How the run ended" or "How the pause began".
   [[nodiscard]] const char* Heading() const;
 };
 
@@ -50,31 +51,31 @@ class StopFinder {
  public:
   static constexpr std::size_t kMaxTicks = 20'000;  ///< 20 s at 1 kHz
 
-  /// @returns the stop that ended before this tick.
+  /// Takes the next tick. @returns the stop that was complete before this tick; nothing: none was
   [[nodiscard]] std::optional<StopRecord> Add(const control::TickRecord& tick);
-  /// Ends the recording. @returns the stop that is not complete. Call it once.
+  /// Ends the recording. @returns a stop that is not complete; nothing: there is none. Call it once.
   [[nodiscard]] std::optional<StopRecord> Finish();
 
  private:
   bool AppendToStop(const control::TickRecord& tick);
 
-  std::deque<control::TickRecord> last_;  // five seconds
+  std::deque<control::TickRecord> last_;  // ticks of the last five seconds
   std::optional<rt::Nanoseconds> first_stamp_;
-  std::optional<StopRecord> stop_;        // in progress
+  std::optional<StopRecord> stop_;        // the stop in progress
   std::optional<rt::Nanoseconds> until_;  // set at rest: ticks are collected until then
 };
 
 /// The recording's event of an orderly end begins with this; the reason follows.
 inline constexpr const char* kEndEvent = "end: ";
 
-/// The page of a stop with its heading, and the table of its ticks.
+/// The files of a stop: its page, with the page's heading, and the table of its ticks.
 struct WrittenStop {
   std::filesystem::path page;
   std::string heading;          ///< StopRecord::Heading
   std::filesystem::path ticks;  ///< CSV
 };
 
-/// Where a stop's page and table go, and what the page says of its run.
+/// The place for a stop's page and table, and the facts about the run that the page shows.
 struct StopFiles {
   std::filesystem::path folder;
   std::string stem;
@@ -82,8 +83,8 @@ struct StopFiles {
   std::filesystem::path recording{};  ///< for the command that shows it; empty: not named
   rt::Nanoseconds session_stamp{0};   ///< of the recording's beginning; 0: virtual time
   double force_limit_N{0.0};
-  std::string end_reason{};   ///< of an orderly end
-  std::string console_url{};  ///< the page of the cell, which still runs; empty: it does not
+  std::string end_reason{};   ///< why the run ended in order
+  std::string console_url{};  ///< address of the page of the cell, which still runs; empty: it does not run
 };
 
 /// Writes the page of a stop and the table of its ticks. The error names the file.

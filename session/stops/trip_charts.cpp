@@ -81,7 +81,7 @@ report::LimitLine Limit(double value, const char* unit) {
   return {value, fmt::format("limit {:.4g} {}", value, unit)};
 }
 
-// [ms]; NaN if there is no value yet.
+// Converts an age to ms; NaN if there is no value yet.
 double Age_ms(double age_s) { return age_s < safety::kNoAge_s ? 1e3 * age_s : kNothing; }
 
 void AddAges(Fault fault, const TripLimits& limits, Panels& panels) {
@@ -130,7 +130,7 @@ void AddSpindleLimits(const safety::SpindleLimitParams& most, Panels& panels) {
              [&](std::size_t i) { return std::abs(panels[i].input.spindle_meas_rad_per_s) / kRpm; });
 }
 
-// Admittance: the commanded tool's speed from tick to tick, which the trip checks.
+// Plots, for the admittance law, the commanded tool's speed from tick to tick, which is the checked quantity.
 void AddToolSpeed(const control::ServoParams& servo, Panels& panels) {
   const bool measured = servo.law == control::Law::kImpedance;
   panels.BeginPanel(measured ? "Speed of the tool's apex, measured" : "Speed of the commanded apex",
@@ -154,7 +154,7 @@ void AddArmSpeed(const TripLimits& limits, Panels& panels) {
              [&](std::size_t i) { return 1e3 * panels[i].tool_speed_meas_m_per_s; });
 }
 
-// A panel with a curve per joint, in percent of the accepted value.
+// Adds a panel with a curve per joint, in percent of the accepted value.
 template <class Percent>
 void AddJoints(std::string title, bool both_ways, const control::ServoParams& servo, const Percent& percent,
                Panels& panels) {
@@ -187,7 +187,7 @@ void AddJointLimits(const TripLimits& limits, Panels& panels) {
       },
       panels);
   if (!limits.gravity_Nm || !limits.servo.arm_body) return;
-  std::vector<control::JointArray> gravity_Nm;  // once a tick, for all joints
+  std::vector<control::JointArray> gravity_Nm;  // computed once per tick, for all joints
   for (std::size_t i = 0; i < panels.size(); ++i) gravity_Nm.push_back(limits.gravity_Nm(panels[i].q_cmd));
   AddJoints(
       "Joint torques from outside, as they would be a message later: of what gravity leaves", false,
@@ -241,7 +241,8 @@ void AddPeriod(double period_s, Panels& panels) {
   });
 }
 
-// The time at the force limit without interruption, in ticks of the run's own period.
+// Plots the time for which limits have reduced the force without interruption; each tick counts as one
+// period.
 void AddForceLimitTime(const control::ServoParams& servo, Panels& panels) {
   double at_limit_s = 0.0;
   panels.One("Time that the coupling stayed at its force limit", "time [ms]",
@@ -259,7 +260,7 @@ void AddWrenchRate(Panels& panels) {
   });
 }
 
-// The lateral bend of the tool and the shift of the bone's mount. A chart without limits where the cell is
+// Plots the lateral bend of the tool and the shift of the bone's mount. Without limit lines if the cell is
 // rigid.
 void AddDeflection(const control::ComplianceParams& params, Panels& panels) {
   const double bend_mm = params.tool ? 1e3 * params.tool->max_bend_m : 0.0;

@@ -8,14 +8,15 @@
 
 namespace osteon::session {
 
-/// One line for each figure of a run that has no source: of its tissues, and of what gives way. A figure of a
-/// part that is off does not count.
+/// Lists, one per line, the figures of a run that are assumed because they have no source: those of its
+/// tissues, and those of tool, surface layer and mount if they give way. A figure of a part that is off does
+/// not count.
 /// @param materials  of the run's bone
 [[nodiscard]] std::vector<std::string> AssumedFigures(const config::CellConfig& cell,
                                                       std::vector<simulation::Material> materials);
 
-/// The same of a simulated cell's own devices: the arm's lag and the force sensor's delay, each until a file
-/// of `osteon identify` has it.
+/// Lists the same for a simulated cell's own devices: the arm's lag and the force sensor's delay, each unless
+/// a file of `osteon identify` has measured it.
 [[nodiscard]] std::vector<std::string> AssumedOfSimulation(const config::CellConfig& cell);
 
 }  // namespace osteon::session

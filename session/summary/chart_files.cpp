@@ -24,7 +24,8 @@ std::string Processor() {
   return "unknown processor";
 }
 
-// Whether a column's cells below its head begin as numbers do; words may wrap, numbers stand at the right.
+// Whether all cells of a column below its head begin as numbers do. Such a column is aligned to the right;
+// words may wrap.
 bool HasNumbers(const std::vector<std::vector<std::string>>& rows, std::size_t column) {
   for (std::size_t i = 1; i < rows.size(); ++i) {
     if (column >= rows[i].size() || rows[i][column].empty()) continue;

@@ -10,7 +10,7 @@
 
 namespace osteon::session {
 
-/// A machine's name in a chart: processor, cores, system.
+/// Returns the machine's name for a chart: processor, cores, system.
 [[nodiscard]] std::string MachineName();
 
 /// Returns "OPTION FOLDER: found a file, accepted a folder"; empty if the name is free or is a folder's.

@@ -11,9 +11,9 @@
 namespace osteon::session {
 namespace {
 
-constexpr rt::Nanoseconds kOver = rt::kSecond / 2;  // within the error for so long, it is over
+constexpr rt::Nanoseconds kOver = rt::kSecond / 2;  // an event ends after so long within the error
 
-// The part that is displaced furthest, and how far [m].
+// Returns the part with the largest displacement, and this displacement [m].
 std::pair<const char*, double> FurthestPart(const control::ComplianceRecord& record) {
   const std::array<std::pair<const char*, double>, 3> parts{
       {{"the tool", Vector3(record.bend_m).norm()},

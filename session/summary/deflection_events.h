@@ -13,20 +13,20 @@ namespace osteon::session {
 
 inline constexpr const char* kDeflectionEvent = "deflection";
 
-/// The largest displacements of what gives way in a run. All 0: nothing does.
+/// The largest displacements of tool, surface layer and mount in a run; all are 0 in a rigid cell.
 struct PeakDeflection {
   void Add(const control::ComplianceRecord& record);
 
   bool present{false};                  ///< something gives way
-  double bend_m{0.0}, layer_m{0.0};     ///< of the tool's apex, and of the surface layer
+  double bend_m{0.0}, layer_m{0.0};     ///< of the tool's apex by its bend, and of the surface layer
   double mount_m{0.0}, mount_rad{0.0};  ///< of the bone at its mount's point
 };
 
 /// Finds in a run's ticks where a displacement grew beyond the cell's error, as rows among the run's events:
 ///
-///     "deflection"   at the first such tick, with the largest displacement until it is over [mm]
+///     "deflection"   at the first such tick, with the largest displacement of this event [mm]
 ///
-/// A displacement that was within the error for less than half a second makes no new row.
+/// An event ends when the displacement has been within the error for half a second.
 class DeflectionEvents {
  public:
   /// Takes the next tick of a run. @returns whether an event begins in it
@@ -40,15 +40,15 @@ class DeflectionEvents {
   std::optional<rt::Nanoseconds> start_, last_;  // of the run; the last tick beyond the error
 };
 
-/// What is recorded where such an event begins: "deflection: the tool gives way by 0.052 mm, more than the
-/// cell's error".
+/// Makes the text that is recorded when such an event begins: "deflection: the tool gives way by 0.052 mm,
+/// more than the cell's error".
 [[nodiscard]] std::string DescribeDeflection(const control::ComplianceRecord& record);
 
-/// Stands before a recorder's other sink, and records an event at each beginning. In the writer's thread,
-/// never in the tick's.
+/// Is put before a recorder's other sink, and records when such an event begins. It runs in the recorder's
+/// thread, never in the tick's.
 class DeflectionSink final : public io::RecordSink {
  public:
-  /// @param next  sees the same; null: nobody does. Must outlive this.
+  /// @param next  gets the same records; null: there is no other sink. Must outlive this.
   explicit DeflectionSink(io::RecordSink* next) : next_(next) {}
   /// @param recorder  gets the events; must outlive the last tick
   void RecordIn(io::Recorder& recorder) { recorder_ = &recorder; }

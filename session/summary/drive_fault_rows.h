@@ -13,13 +13,14 @@ namespace osteon::session {
 struct DriveFaultRow {
   double time_s{0.0};
   std::uint8_t latched{0};          ///< io::DriveFault bits; 0: the drive was reset
-  std::uint8_t nmt_state{0};        ///< CiA 301
-  std::uint16_t emergency_code{0};  ///< CiA 301; 0: none
-  std::uint16_t error_code{0};      ///< 603F, CiA 402; 0: none
-  std::string text;                 ///< with the codes' meaning
+  std::uint8_t nmt_state{0};        ///< state by CiA 301
+  std::uint16_t emergency_code{0};  ///< by CiA 301; 0: none
+  std::uint16_t error_code{0};      ///< object 603F of CiA 402; 0: none
+  std::string text;                 ///< the report in words, with the codes' meaning
 };
 
-/// Collects the rows from the ticks: one per further latched fault, and one when they were cleared.
+/// Collects the rows from the ticks: one whenever a further fault is latched, and one when the faults are
+/// cleared.
 class DriveFaultRows {
  public:
   void Add(const control::TickRecord& tick);

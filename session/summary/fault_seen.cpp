@@ -25,8 +25,8 @@ std::string Age(const TickRecord& tick, rt::Nanoseconds stamp, const char* never
   return Age(safety::StampAge(tick.input.now, stamp), never);
 }
 
-// The PLC's verdict without its consequence ("…: Stop 1"), the enabling switch, and the age of the PLC's
-// word.
+// Describes the PLC's permission: its reason without the consequence ("…: Stop 1"), the enabling switch, and
+// the age of the PLC's message.
 std::string Interlock(const TickRecord& tick) {
   const std::string age = Age(tick, tick.input.interlock_stamp, "none yet");
   if (tick.input.permitted)
@@ -36,7 +36,7 @@ std::string Interlock(const TickRecord& tick) {
   return verdict.substr(0, verdict.rfind(':')) + "; the PLC's word: " + age;
 }
 
-// The drive's state by its own names and numbers, as far as it has any.
+// Describes the drive's state, with the names and numbers that the drive has reported.
 std::string Spindle(const TickRecord& tick) {
   const control::TickInput& in = tick.input;
   const std::string why = io::DescribeDriveFaults(
@@ -57,7 +57,7 @@ std::string Place(const PlainPose& X_WT) {
   return fmt::format("the apex at ({:.1f}, {:.1f}, {:.1f}) mm in W", p_mm.x(), p_mm.y(), p_mm.z());
 }
 
-// "joint A3 measured nan", or empty if all are finite.
+// Returns "joint A3 measured nan" for the first value that is not finite; empty if all are finite.
 std::string FirstNotFinite(const std::array<double, 7>& values, const char* what) {
   for (std::size_t i = 0; i < values.size(); ++i)
     if (!std::isfinite(values[i])) return fmt::format("joint A{} {} {}", i + 1, what, values[i]);
@@ -94,7 +94,7 @@ class Accepted {
   const control::ServoParams* servo_;
 };
 
-// The number of the arm's messages that were rejected, as a suffix.
+// Formats the number of the arm's messages that were rejected, as a suffix.
 std::string Rejected(const TickRecord& tick) {
   return tick.input.rejected == 0
              ? std::string()

@@ -12,7 +12,7 @@
 namespace osteon::session {
 namespace {
 
-constexpr double kMoves_rad2 = 1e-6;  // less motion than this in a whole run tells no delay
+constexpr double kMoves_rad2 = 1e-6;  // a run with less motion than this does not show the delay
 
 double PartOf(const LatencyFigures& latency, const char* name) {
   for (const LatencyPart& part : latency.parts)
@@ -69,7 +69,7 @@ double LatencyMeter::ArmDelay_ticks() const {
   if (moved_ < kMoves_rad2) return -1.0;
   const auto best = static_cast<std::size_t>(std::ranges::min_element(error_) - error_.begin());
   if (best == 0) return 0.0;
-  if (best + 1 == kTicks) return -1.0;  // beyond what is looked at
+  if (best + 1 == kTicks) return -1.0;  // the delay may be longer than kTicks
   // the sum of squares is a parabola around its minimum
   const double left = error_[best - 1], middle = error_[best], right = error_[best + 1];
   const double curvature = left - 2.0 * middle + right;

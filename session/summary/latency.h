@@ -31,23 +31,23 @@ struct LatencyFigures {
   std::vector<LatencyPart> parts;  ///< empty: the arm was never commanded
   double hand_to_arm_s{0.0};       ///< sensor + link + tick + arm; 0 if the hand moves the arm itself
   double bone_to_hand_s{0.0};      ///< model + link + tick + arm
-  bool hand_moves_arm{false};      ///< under the impedance law: no part of the loop stands between them
+  bool hand_moves_arm{false};      ///< impedance law: the hand moves the arm directly, without the loop
   [[nodiscard]] bool Measured() const;
 };
 
-/// What a run's recording does not tell.
+/// The facts for a run's latency that its recording does not have.
 struct LatencyContext {
   bool virtual_time{false};    ///< scheduling takes no time
   double sensor_delay_s{0.0};  ///< of the sensor itself, identified; 0 and not known: assumed
   bool sensor_known{false};
-  /// Under the impedance law forces are laid over an arm that carries itself: its part is the dead time until
-  /// they act.
+  /// Impedance law: the arm controls itself, and the loop's forces are added. The arm's part of the latency
+  /// is then the dead time until these forces act.
   bool overlay{false};
-  double arm_dead_time_s{0.0};  ///< of an overlay
-  bool arm_known{false};        ///< it was identified; else assumed
+  double arm_dead_time_s{0.0};  ///< the dead time of added forces
+  bool arm_known{false};        ///< this dead time was identified; false: assumed
 };
 
-/// What the cell and its identification tell of sensor and arm. @param virtual_time  of the run
+/// Makes the context from the cell and its identification of sensor and arm. @param virtual_time  of the run
 [[nodiscard]] LatencyContext LatencyContextOf(const config::CellConfig& cell, bool virtual_time);
 
 /// Measures the parts from recorded ticks, one by one. Memory does not grow.
@@ -67,7 +67,7 @@ class LatencyMeter {
   [[nodiscard]] LatencyFigures Figures(double period_s, const LatencyContext& context) const;
 
  private:
-  static constexpr std::size_t kTicks = 128;  // the greatest delay, 128 ms at 1 kHz
+  static constexpr std::size_t kTicks = 128;  // longest delay in ticks: 128 ms at 1 kHz
   struct Mean {
     void Add(double value_s);
     [[nodiscard]] double Value() const { return count == 0 ? 0.0 : sum_s / static_cast<double>(count); }
@@ -75,7 +75,7 @@ class LatencyMeter {
     double sum_s{0.0}, max_s{0.0};
   };
   void AddMotion(const control::TickRecord& tick);
-  [[nodiscard]] double ArmDelay_ticks() const;  // negative: nothing moved
+  [[nodiscard]] double ArmDelay_ticks() const;  // negative: not known, as when nothing moved
 
   Mean sensor_, link_, tick_, model_;
   std::array<std::array<double, 7>, kTicks> sent_{};  // commands, in a ring

@@ -64,7 +64,7 @@ std::string PlaceText(const Vector3& p_m) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g}) mm", 1e3 * p_m.x(), 1e3 * p_m.y(), 1e3 * p_m.z());
 }
 
-// Describes where something may or may not be, in the world's frame.
+// Describes the zone in which a point of tool or arm must or must not be, in the world's frame.
 std::string Text(const safety::ZoneParams& zone) {
   constexpr std::array<const char*, 5> kShapes{"half-space", "sphere", "box", "cylinder", "capsule"};
   constexpr std::array<const char*, 3> kPoints{"apex", "flange", "elbow"};
@@ -82,7 +82,7 @@ std::string Text(const safety::ZoneParams& zone) {
                      kShapes[static_cast<std::size_t>(zone.shape)], PlaceText(zone.p_W_m), size);
 }
 
-// Where what gives way stops the cell.
+// Adds the limits at which a displacement of tool or mount stops the cell.
 void AddDeflectionLimits(const control::ComplianceParams& p, std::vector<EffectiveLimit>& limits) {
   if (p.tool) {
     limits.push_back(

@@ -19,7 +19,7 @@ struct EffectiveLimit {
   std::string name;   ///< "force", "tool speed" …
   double value{0.0};  ///< infinite: none
   std::string unit;
-  std::string from;  ///< which bound it is, and which others there are
+  std::string from;  ///< the bound that gives the value, and the others
 };
 
 /// Collects every limit in force, trips and ages included. @param reduced  the arm is in T1
@@ -32,7 +32,7 @@ struct EffectiveLimit {
 /// The actions of one limit in a run.
 struct ActedLimit {
   std::string name;  ///< safety::kLimitNames
-  std::string text;  ///< the same in words
+  std::string text;  ///< the limit in words
   std::uint64_t ticks{0}, events{0};
   double first_s{0.0};    ///< since the first tick
   double longest_s{0.0};  ///< of one event

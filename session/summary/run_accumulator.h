@@ -44,7 +44,7 @@ struct ActiveTicks {
   std::uint64_t age_governor{0}, passivity{0}, tank{0};
   double max_age_damping{1.0}, min_age_share{1.0};
   std::uint64_t rendering{0}, stale{0},
-      sensor_late{0};  ///< ticks: all, with an older model, with an older sensor reading
+      sensor_late{0};  ///< number of rendering ticks: all, with an old model, with an old sensor reading
 };
 
 /// Gathers everything that a run's summary needs from its recording, in one pass over ticks and frames.
@@ -52,7 +52,8 @@ struct ActiveTicks {
 /// (DurationCounts), thinned (RunCurves, ProxyPath), or only their first and last values are kept.
 struct RunAccumulator {
   explicit RunAccumulator(const CellSetup& setup);
-  /// Of a procedure: the tool's depth is that of the tool in use. @param first  in use at the beginning
+  /// Sets a procedure's tools: the tool's depth is then that of the tool in use.
+  /// @param first  the tool that is in use at the beginning
   void UseTools(const CellSetup& setup, std::span<const ProcedureTool> tools, int first);
   void Add(const control::TickRecord& tick);
   void Add(const simulation::FrameRecord& frame);
@@ -80,12 +81,11 @@ struct RunAccumulator {
   simulation::ReamedDepth reamed;
   double cup_depth_m{0.0};  ///< of the last frame
 
-  /// What the passes of a procedure have cut, with all its tools; null: a run of one tool, whose `path` it
-  /// is.
+  /// Tools and paths of a procedure's passes; null: a run of one tool, which has cut along `path`.
   std::shared_ptr<const SessionCut> session_cut{};
 
  private:
-  std::shared_ptr<int> tool_in_use_{};  // which curves.depth_of reads; null: one tool
+  std::shared_ptr<int> tool_in_use_{};  // read by curves.depth_of; null: there is only one tool
 };
 
 /// Reads a recording in one pass; its ticks and events go to `stops` as well.

@@ -31,7 +31,8 @@ std::string FirstFree(const std::string& name, const IsFree& is_free) {
   return free;
 }
 
-// "run_2_stop_1.html": of a session's recording, which itself lies in the session's folder.
+// Whether a file such as "run_2_stop_1.html" belongs to a session's recording, which lies in the session's
+// folder.
 bool IsOfSessionsRecording(const std::string& name) {
   if (!name.starts_with("run_")) return false;
   const std::size_t end = name.find_first_not_of("0123456789", 4);
@@ -105,7 +106,7 @@ FolderClaim::~FolderClaim() {
 std::string FolderClaim::Acquire(const fs::path& folder) {
   if (descriptor_ >= 0) return "";
   const int opened = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (opened < 0) return "";  // whoever creates or fills it reports the error
+  if (opened < 0) return "";  // the code that creates or fills the folder reports the error
   if (flock(opened, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     close(opened);
     return fmt::format("--out {}: found a folder that another osteon writes into, accepted another one",

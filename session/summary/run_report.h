@@ -14,8 +14,8 @@
 namespace osteon::session {
 
 /// Writes the report of a run: one page with verdict, figures, pictures of the bone and charts.
-/// @param run  what was read of its recording  @param command  "demo", "run"
-/// @param command_line  repeats the run
+/// @param run  read from the run's recording  @param command  "demo", "run"
+/// @param command_line  the command that repeats the run
 /// @returns the figures of the section; the error names the file.
 [[nodiscard]] tl::expected<report::ReportFigures, std::string> WriteRunReport(
     const CellSetup& setup, const CellRunResult& result, const RunAccumulator& run, const RunSummary& summary,

@@ -32,21 +32,21 @@ struct RezonedRow {
   double time_s{0.0};
   std::size_t balls{0};
   CoarserZones zones;
-  double seen_us{0.0};  ///< frame time that led to it
+  double seen_us{0.0};  ///< frame time that led to the coarsening
   std::string text;
 };
 
 /// Says in one to three words how a run ended.
 [[nodiscard]] const char* EndText(control::RunEnd end);
 
-/// The bone of a recording, cut again, beside what its run recorded.
+/// The removed volume of a recording's bone that was cut again, and the volume that the run recorded.
 struct RecutFigures {
   double removed_volume_m3{0.0}, recorded_volume_m3{0.0};
   /// The run's packing was planned, and the recording is older than the record of it: the bone is packed as
   /// its scene says.
   bool packing_unknown{false};
   [[nodiscard]] bool SameAsRecorded() const { return removed_volume_m3 == recorded_volume_m3; }
-  /// Other volumes than these belong to another bone. Engines differ by less.
+  /// Whether the volumes differ by so much that the bone is another one. Different engines differ by less.
   [[nodiscard]] bool Differs() const {
     return std::abs(removed_volume_m3 - recorded_volume_m3) > 1e-3 * recorded_volume_m3;
   }
@@ -63,10 +63,10 @@ struct RunSummary {
   std::vector<std::string> warnings;  ///< of the set-up: figures of the cell that contradict each other
   bool virtual_time{false};
   control::RunEnd end{control::RunEnd::kSeconds};
-  double wanted_s{0.0};     ///< asked for; 0: until it is stopped
+  double wanted_s{0.0};     ///< time of rendering that was asked for; 0: until the run is stopped
   double period_s{0.0};     ///< of a tick
   bool without_plc{false};  ///< the cell has no PLC that would have to permit motion
-  /// Wall time: scheduling that the system granted; absent where nobody knows, for a recording.
+  /// Wall time: scheduling that the system granted; absent for a recording, which does not state it.
   std::optional<rt::RealtimeGrant> servo_thread{rt::RealtimeGrant{}};
   std::size_t balls{0}, points{0};
   double seconds{0.0};  ///< in COMMANDING_ACTIVE, without the rest at the end
@@ -76,9 +76,9 @@ struct RunSummary {
   double peak_force_N{0.0}, peak_torque_Nm{0.0}, peak_sensor_force_N{0.0}, force_limit_N{0.0};
   double peak_tool_in_bone_m{0.0};  ///< from the commanded tool to its collision-free pose
   double peak_power_W{0.0};         ///< from the coupling to the hand
-  /// Part of the rendering time in which the contact model was too old to count in full.
+  /// Fraction of the rendering time in which the contact model was too old to count in full.
   double stale_share{0.0};
-  /// Part of the rendering time in which the sensor's reading was too old to count in full.
+  /// Fraction of the rendering time in which the sensor's reading was too old to count in full.
   double sensor_late_share{0.0};
   double peak_tool_speed_m_per_s{0.0};           ///< commanded, while it rendered
   double peak_measured_tool_speed_m_per_s{0.0};  ///< measured, while the arm was commanded
@@ -117,7 +117,7 @@ struct RunSummary {
   std::vector<std::string> assumptions;     ///< figures without a source: AssumedFigures, AssumedOfSimulation
   std::vector<std::string> identified;      ///< what the cell has of `osteon identify` (IdentifiedText)
   PeakDeflection deflected;                 ///< of what gives way
-  double noticed_deflection_m{0.0};         ///< E: a larger displacement is an event
+  double noticed_deflection_m{0.0};         ///< the cell's error: a larger displacement is an event
   std::vector<WrittenStop> stops;           ///< one page each
   std::optional<WrittenSurface> surface;    ///< nothing: not asked for, or not written
   std::string config_checksum;              ///< of the files that the cell was loaded from
@@ -139,18 +139,18 @@ struct RunSummary {
                                    const CellRunParams& params, const CellRunResult& result,
                                    const RunAccumulator& run);
 
-/// Diameter of a tool of the run's session [mm].
+/// Returns the diameter of a tool of the run's session [mm].
 /// @param tool_index  of a pass, or of a change that was missed
 [[nodiscard]] double ToolDiameterMm(const RunSummary& summary, int tool_index);
 
-/// Rows for the terminal and the report.
+/// Makes the rows for the terminal and the report.
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const RunSummary& summary);
 
 /// Prints the rows on the terminal, under `title`, scene and tool.
 void PrintTable(const RunSummary& summary, const std::string& title);
 
-/// Exit code of a process that ran: 0 done; 1 ended by a fault, recovered from one by an operator, or never
-/// begun; InterruptExitCode() by a signal.
+/// Returns the exit code of a process that ran a cell: 0 done; 1 the run ended by a fault, an operator
+/// recovered it from one, or it never began; InterruptExitCode() after a signal.
 [[nodiscard]] int ExitCode(const CellRunResult& result);
 
 /// Says why a run has no complete recording: the recorder's reason, and the reader's. Empty: it has one.
@@ -158,7 +158,7 @@ void PrintTable(const RunSummary& summary, const std::string& title);
 /// Appends a reason: "before; reason", or the reason alone.
 void AddReason(std::string& reasons, const std::string& reason);
 
-/// JSON object by the contract of docs/commands.md, with `schema`.
+/// Makes the JSON object that docs/commands.md specifies, with `schema`.
 [[nodiscard]] std::string ToJson(const RunSummary& summary, const std::string& schema);
 
 }  // namespace osteon::session

@@ -100,13 +100,14 @@ std::string ToolsText(const RunSummary& s) {
   return fmt::format("the plan's tools of {:g} mm", fmt::join(s.diameters_mm, ", "));
 }
 
-// "interrupted by SIGHUP; arm: …". Without the reasons of a run that never began: its verdict has them.
+// Makes "interrupted by SIGHUP; arm: …". The reasons of a run that never began are not in it: the verdict has
+// them.
 std::string EndedText(const RunSummary& s) {
   return s.ended.substr(0, s.ended.find(": ")) + (s.ended_by.empty() ? "" : " by " + s.ended_by) +
          (s.arm_stop.empty() ? "" : "; arm: " + s.arm_stop);
 }
 
-// The rows say what the cell did at each fault, and how to go on: so that nobody has to look it up.
+// Adds rows that say what the cell did at each fault and how to go on, so that a user need not look it up.
 void AddCures(const std::vector<report::FaultRow>& faults, std::vector<report::SummaryRow>& rows) {
   ForEachFault([&](safety::Fault, const safety::FaultText& text) {
     if (std::ranges::find(faults, text.name, &report::FaultRow::name) == faults.end()) return;

@@ -18,10 +18,10 @@
 namespace osteon::session {
 namespace {
 
-// A shorter action is not felt: a limit that acts for a few ticks.
+// A limit that acts for a shorter time, a few ticks, is not felt by the hand.
 constexpr double kFelt_s = 0.02;
-// Fractions of the rendering time in which an old model may fade the force: the first is what a shared
-// machine costs now and then; from the second on, the force is mostly missing.
+// Fractions of the rendering time in which an old model reduces the force. Up to the first, it is the
+// occasional delay of a shared machine; from the second on, the force counts as mostly missing.
 constexpr double kSomeStale = 0.02, kOftenStale = 0.2;
 
 void JudgeEnd(const RunSummary& s, Verdict& verdict) {

@@ -11,7 +11,7 @@ namespace osteon::session {
 
 struct RunSummary;
 
-/// How good a result is, for users and programs. Never better than what happened.
+/// The verdict on a result, for users and programs.
 enum class VerdictLevel {
   kGood,     ///< nothing to look at
   kWarning,  ///< ended as it should, but with reductions; the reasons name them
@@ -33,14 +33,14 @@ struct Verdict {
   }
 };
 
-/// Table rows of the level and its reasons, for the top of a table.
+/// Makes the rows of the level and its reasons, for the top of a table.
 [[nodiscard]] std::vector<report::SummaryRow> VerdictRows(const Verdict& verdict);
 
 /// Prints VerdictRows on stdout, keys `key_width` wide; a level other than good is coloured on a terminal
 /// with colours (unless NO_COLOR is set).
 void PrintVerdict(const Verdict& verdict, int key_width);
 
-/// A command's result as a JSON file's text: `verdict: {level, reasons}` first, then the fields of `result`.
+/// Makes the JSON text of a command's result: `verdict: {level, reasons}` first, then the fields of `result`.
 [[nodiscard]] std::string ResultText(const Verdict& verdict, const nlohmann::ordered_json& result);
 
 /// Judges a run by its figures: how it ended, its faults, how long a limit or an old model kept force from
