@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-// Who may open the console's WebSocket.
+// Decides which requests may open the console's WebSocket.
 
 namespace osteon::console {
 

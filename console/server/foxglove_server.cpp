@@ -137,7 +137,7 @@ class Viewer {
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::map<std::uint32_t, Subscription> subscriptions_;  // guarded by mutex_, as what follows
+  std::map<std::uint32_t, Subscription> subscriptions_;  // guarded by mutex_, as the following
   std::uint64_t made_{0};
   std::deque<std::string> warnings_;
   bool stop_{false};

@@ -61,7 +61,7 @@ class BoneDifference {
 
  private:
   std::atomic<bool> on_{false};
-  mutable std::mutex mutex_;  // of what follows
+  mutable std::mutex mutex_;  // guards the following members
   std::array<News, 2> told_;  // [side] is told by that side, for the other one
   std::array<LargestDifference, 2> largest_;
 };

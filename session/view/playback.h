@@ -26,7 +26,7 @@ struct PlaybackState {
 /// Plays a recording into a feed, in a thread of its own: the pages then show it as they show a cell that
 /// runs.
 ///
-///     Seek ──▶ at once: only the new time ──▶ then: the kBefore_s before it as well, unless another Seek came
+///     Seek ──▶ at once only the new time ──▶ then also the kBefore_s before it, unless another Seek came
 class Playback {
  public:
   static constexpr double kMinSpeed = 0.1, kMaxSpeed = 20.0;
