@@ -23,25 +23,31 @@ Wave operator-(const Wave& a) { return {-a.c, -a.s, -a.k}; }
 Wave operator+(const Wave& a, const Wave& b) { return {a.c + b.c, a.s + b.s, a.k + b.k}; }
 Wave operator*(double factor, const Wave& a) { return {factor * a.c, factor * a.s, factor * a.k}; }
 
-// A vector of the elbow's plane, as a function of the arm angle: components along the axis a, the elbow's
-// direction e and the normal m.
+// A vector that turns with the elbow: its components along the axis a, the elbow's direction e and the normal
+// m (lbr_elbow.h).
 struct TurningVector {
   double a, e, m;
 };
 
-// Dot product of a turning vector with a fixed vector v: e = cos up + sin side, m = cos side - sin up.
+// Dot product of a turning vector with a fixed vector v, as a function of the arm angle psi:
+// e = cos(psi) up + sin(psi) side, m = cos(psi) side - sin(psi) up.
 Wave Dot(const TurningVector& t, const ElbowCircle& circle, const Vector3& v) {
   const double up = circle.up.dot(v), side = circle.side.dot(v);
   return {t.e * up + t.m * side, t.e * side - t.m * up, t.a * circle.axis.dot(v)};
 }
 
-// The joints of configuration 0 as functions of the arm angle: q = atan2(y, x), or acos(z), or fixed.
+// A joint of configuration 0 as a function of the arm angle: q = atan2(y, x) if it turns, acos(x) if it
+// bends, or fixed_rad.
 struct MovingJoint {
   enum class Kind { kTurning, kBending, kFixed } kind{Kind::kFixed};
   Wave x, y;  // turning: direction; bending: x is the cosine
   double fixed_rad{0.0};
 };
 
+// Finds the seven joints of configuration 0. The vectors u, d, m and f are those of lbr_elbow.h; x_4 is
+// normal to f in the elbow's plane.
+// @param upper_to_fore  length of the upper arm over that of the forearm
+// @param seed  value of a joint that is free at every arm angle
 std::array<MovingJoint, 7> JointsOf(const ElbowTriangle& t, const ElbowCircle& circle, double upper_to_fore,
                                     const Matrix3& R_BF, const JointVector& seed) {
   using enum MovingJoint::Kind;
@@ -70,7 +76,8 @@ std::array<MovingJoint, 7> JointsOf(const ElbowTriangle& t, const ElbowCircle& c
   joint[4] = turning(dot(x_4, R_BF.col(2)), dot(m, R_BF.col(2)));
   joint[5] = bending(dot(f, R_BF.col(2)));
   joint[6] = turning(-dot(f, R_BF.col(0)), dot(f, R_BF.col(1)));
-  // upper arm vertical, or wrist straight, at every arm angle: the next turning joint takes the rotation
+  // If the upper arm is vertical at every arm angle, A1 is free: it keeps the seed's value, and A3 takes the
+  // rotation. If the wrist is straight at every arm angle, the same holds for A5 and A7.
   if (joint[0].x.Vanishes() && joint[0].y.Vanishes()) {
     const Vector3 y_2(-std::sin(seed[0]), std::cos(seed[0]), 0.0);
     joint[0] = fixed(seed[0]);
@@ -85,11 +92,12 @@ std::array<MovingJoint, 7> JointsOf(const ElbowTriangle& t, const ElbowCircle& c
   return joint;
 }
 
-// Arm angles at which some joint meets a limit, sorted, each in [-pi, pi).
+// Arm angles at which a joint meets a limit, from -pi to pi. The caller sorts them.
 struct Ends {
   std::array<double, kMaxEnds> at;
   int count{0};
 
+  // Adds the arm angles at which the wave is 0: none or two.
   void AddRootsOf(const Wave& wave) {
     const double size = std::hypot(wave.c, wave.s);
     if (!(size > 0.0 && std::abs(wave.k) <= size)) return;
@@ -102,6 +110,8 @@ struct Ends {
   }
 };
 
+// Whether every joint is within its limits at the arm angle psi. @param sign  of the configuration, by joint;
+// -1: the joint takes its second solution, opposite in sign if it bends, turned by pi if it turns
 bool Within(const std::array<MovingJoint, 7>& joints, const std::array<double, 7>& sign,
             const std::array<JointLimits, 7>& limits, double psi_rad) {
   using enum MovingJoint::Kind;

@@ -65,12 +65,13 @@ std::filesystem::path FolderOf(const std::filesystem::path& recording) {
   return recording.has_parent_path() ? recording.parent_path() : std::filesystem::path(".");
 }
 
-struct Read {
+// What a recording holds for the report. Without a session it includes the results of cutting the bone again.
+struct RecordedRunData {
   RunAccumulator run;
   CellRunResult result;
   double seconds{0.0};  ///< between the first and the last commanded tick
   RecutFigures recut{};
-  std::unique_ptr<simulation::CuttingEngine> coarser{};  ///< the last engine; null: no zones were coarsened
+  std::unique_ptr<simulation::CuttingEngine> coarser{};  ///< engine of the last coarsened zones; null: none
 };
 
 /// The session that a recording belongs to, up to the recording's end, with its tools.
@@ -79,8 +80,8 @@ struct RecordedSession {
   RecordedCell cell;
 };
 
-// Finds the session of a recording of several tools, since such a recording needs the session's saved states.
-// Nothing: the recording is of one tool.
+// Finds the session of a recording of several tools, because its report needs the session's saved states.
+// @returns nothing if the recording is of one tool
 tl::expected<std::optional<RecordedSession>, std::string> FindRecordedSession(
     const std::filesystem::path& recording, const io::SessionInfo& info) {
   auto cell = LoadRecordedTools(info.config);
@@ -112,26 +113,28 @@ tl::expected<std::vector<io::RecordedEvent>, std::string> FindCoarsenedZones(
   }
 }
 
-/// Cuts the bone again, frame by frame, and watches it as the run did.
-class BoneAgain {
+/// Cuts the bone again, frame by frame. As in the run, it finds the scene's events and coarsens zones.
+class BoneRecutter {
  public:
-  BoneAgain(const CellSetup& setup, simulation::CuttingEngine& engine, std::vector<io::RecordedEvent> changes)
+  BoneRecutter(const CellSetup& setup, simulation::CuttingEngine& engine,
+               std::vector<io::RecordedEvent> changes)
       : engine_(&engine),
         recarve_(engine, setup.config.servo.law),
         zones_(setup, std::move(changes), {.engine = "cpu"}),
         watch_(setup.solid.get(), setup.bone, setup.config.tool.tool, setup.config.scene.events),
         X_GW_(setup.X_WG.inverse()) {}
 
-  /// @returns what is wrong, as the next two functions; empty: nothing
-  std::string Add(const control::TickRecord& tick, Read& read) {
+  /// Adds a tick or a frame, in the order of the file. @returns what is wrong; empty: nothing
+  std::string Add(const control::TickRecord& tick, RecordedRunData& read) {
     recarve_.Add(tick);
     return CutDue(read);
   }
-  std::string Add(const simulation::FrameRecord& frame, Read& read) {
+  std::string Add(const simulation::FrameRecord& frame, RecordedRunData& read) {
     recarve_.Wait(frame);
     return CutDue(read);
   }
-  std::string Finish(Read& read) {
+  /// Cuts the frames that still wait, and stores the results. @returns what is wrong; empty: nothing
+  std::string Finish(RecordedRunData& read) {
     if (std::string wrong = CutDue(read, true); !wrong.empty()) return wrong;
     read.result.after = engine_->Snapshot();
     read.result.rezoned = std::move(zones_.rezoned());
@@ -141,12 +144,13 @@ class BoneAgain {
   }
 
  private:
-  std::string CutDue(Read& read, bool at_end = false) {
+  // Cuts the waiting frames that are due. @param at_end  no further tick follows
+  std::string CutDue(RecordedRunData& read, bool at_end = false) {
     while (const auto frame = recarve_.NextDue(at_end))
       if (std::string wrong = Cut(*frame, read); !wrong.empty()) return wrong;
     return "";
   }
-  std::string Cut(const simulation::FrameRecord& frame, Read& read) {
+  std::string Cut(const simulation::FrameRecord& frame, RecordedRunData& read) {
     recarve_.Add(frame);
     if (frame.model.status != simulation::EngineStatus::kOk) return "";
     read.recut.recorded_volume_m3 = frame.model.removed_volume_m3;
@@ -170,10 +174,10 @@ class BoneAgain {
   Pose X_GW_;
 };
 
-// Reads the last state that the session has saved, and the paths of its passes. @returns what is wrong;
-// empty: nothing
-std::string TakeSession(const std::filesystem::path& folder, const RecordedSession& session,
-                        const CellSetup& setup, simulation::CuttingEngine& engine, RunAccumulator& run) {
+// Reads the paths of the session's passes into `run`, and restores the engine to the last saved state.
+// @returns what is wrong; empty: nothing
+std::string RestoreSession(const std::filesystem::path& folder, const RecordedSession& session,
+                           const CellSetup& setup, simulation::CuttingEngine& engine, RunAccumulator& run) {
   auto cut = ReadSessionCut(folder, session.file, ToolsOf(session.cell.tools), setup.X_WG);
   if (!cut) return cut.error();
   cut->planned = ReadPlannedCavity(folder, session.file);
@@ -186,20 +190,22 @@ std::string TakeSession(const std::filesystem::path& folder, const RecordedSessi
   return "";
 }
 
-tl::expected<Read, std::string> ReadAll(const std::filesystem::path& path, const CellSetup& setup,
-                                        const std::optional<RecordedSession>& session,
-                                        simulation::CuttingEngine& engine, StopPages& stops) {
+tl::expected<RecordedRunData, std::string> ReadRecordedRunData(const std::filesystem::path& path,
+                                                               const CellSetup& setup,
+                                                               const std::optional<RecordedSession>& session,
+                                                               simulation::CuttingEngine& engine,
+                                                               StopPages& stops) {
   auto stream = io::RecordingStream::Open(path);
   if (!stream) return tl::unexpected(stream.error());
-  Read read{.run = RunAccumulator(setup), .result = {}};
+  RecordedRunData read{.run = RunAccumulator(setup), .result = {}};
   if (session) {
     read.run.UseTools(setup, session->cell.tools, session->cell.list.first);
-    if (std::string wrong = TakeSession(FolderOf(path), *session, setup, engine, read.run); !wrong.empty())
+    if (std::string wrong = RestoreSession(FolderOf(path), *session, setup, engine, read.run); !wrong.empty())
       return tl::unexpected(std::move(wrong));
   }
   auto changes = FindCoarsenedZones(path);
   if (!changes) return tl::unexpected(changes.error());
-  BoneAgain bone(setup, engine, std::move(*changes));
+  BoneRecutter bone(setup, engine, std::move(*changes));
   std::uint32_t faults = 0;  // of the last tick
   std::string end;
   while (true) {
@@ -280,7 +286,7 @@ int RunRecordedReport(const RecordedReportOptions& options) {
   if (!folder.empty()) std::filesystem::create_directories(folder, error);
   const std::string stem = options.recording.stem().string();
   StopPages stops({.folder = folder, .stem = stem, .cell = setup->config, .recording = options.recording});
-  auto read = ReadAll(options.recording, *setup, *session, **engine, stops);
+  auto read = ReadRecordedRunData(options.recording, *setup, *session, **engine, stops);
   if (!read) return refuse(read.error());
   progress.BeginPhase("measure the cut");
   const CellRunParams params{

@@ -38,7 +38,7 @@ class SpindleTimes {
   std::vector<std::pair<rt::Nanoseconds, bool>> changes_;
 };
 
-/// Calls visit(stream) for each message of a topic.
+/// Calls visit(stream) for each message of a topic. @returns the recording's session information
 template <class Visit>
 tl::expected<io::SessionInfo, std::string> EachMessage(const std::filesystem::path& recording,
                                                        io::RecordedTopic wanted, const Visit& visit) {
@@ -65,10 +65,12 @@ tl::expected<WrittenSurface, std::string> WriteField(const std::filesystem::path
   return written;
 }
 
-// Reads the paths of a session's tools, up to a time of one of its recordings.
-tl::expected<SessionCut, std::string> CutUpTo(const std::filesystem::path& recording,
-                                              const SessionFile& session, const CellSetup& setup,
-                                              std::optional<double> at_s, WrittenSurface& written) {
+// Reads the paths along which a session's tools have cut, with this recording only up to at_s. Sets
+// written.time_s to the time of the recording's last frame that counts.
+tl::expected<SessionCut, std::string> ReadSessionCutUpTo(const std::filesystem::path& recording,
+                                                         const SessionFile& session, const CellSetup& setup,
+                                                         std::optional<double> at_s,
+                                                         WrittenSurface& written) {
   auto info = EachMessage(recording, io::RecordedTopic::kEvent, [](const io::RecordingStream&) {});
   if (!info) return tl::make_unexpected(info.error());
   const auto cell = LoadRecordedTools(info->config);
@@ -101,7 +103,8 @@ tl::expected<WrittenSurface, std::string> WriteRecordedSurface(const std::filesy
                          .from_balls = setup.solid == nullptr};
   std::optional<SessionCut> cut;
   if (const auto found = FindSessionOf(recording)) {
-    auto read = CutUpTo(recording, SessionUpTo(*found, recording.filename().string()), setup, at_s, written);
+    auto read = ReadSessionCutUpTo(recording, SessionUpTo(*found, recording.filename().string()), setup, at_s,
+                                   written);
     if (!read) return tl::make_unexpected(read.error());
     cut = std::move(*read);
   }

@@ -6,7 +6,7 @@
 namespace osteon::surface {
 namespace {
 
-constexpr int kMaxPlace = kStepsPerVoxel * kCellEdge;  // 252
+constexpr int kMaxPlace = kStepsPerVoxel * kCellEdge;  // 252: the far end of a brick's cells
 constexpr std::size_t kMaxByteIndices = 256;           // number of vertices that one byte can index
 constexpr std::uint8_t kMaterialMask = 0x7f;
 
@@ -50,12 +50,13 @@ Vec3 DecodeNormal(std::uint8_t a, std::uint8_t b) {
   return (1.0F / Norm(n)) * n;
 }
 
-/// The node of the brick's cell -1 from which places are counted.
+/// Low corner of the brick's cell -1 [mm], from which vertex coordinates are counted in steps.
 Vec3 LowCorner(const BrickLayout& layout, BrickIndex brick) {
   const auto [x, y, z] = layout.PlaceOf(brick);
   return layout.Node(x * kBrickEdge - 1, y * kBrickEdge - 1, z * kBrickEdge - 1);
 }
 
+/// Rounds a vertex coordinate, measured from the low corner, to steps: a "place" of the format.
 std::uint8_t ToPlace(float offset_mm, float voxel_mm) {
   const long steps = std::lround(offset_mm * static_cast<float>(kStepsPerVoxel) / voxel_mm);
   return static_cast<std::uint8_t>(std::clamp<long>(steps, 0, kMaxPlace));

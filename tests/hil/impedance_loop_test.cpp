@@ -1,5 +1,5 @@
-// The servo loop's impedance law with an arm with masses, in Cartesian and joint impedance: the rendered
-// force equals the hand's force.
+// The servo loop's impedance law on a simulated arm with masses, in Cartesian and in joint impedance control:
+// the rendered force equals the hand's force, and limits and stops hold.
 
 #include <cmath>
 #include <string>
@@ -71,7 +71,7 @@ class ImpedanceBench {
     plane_W = Tool().translation() + 0.002 * feed_W;
   }
 
-  // Little stiffness and damping of its own: only the overlay holds the joints.
+  // The arm's own impedance has little stiffness, and so little damping: only the overlay holds the joints.
   static DynamicArmParams Dynamics(int dead_cycles) {
     return {.dead_cycles = dead_cycles,
             .stiffness_Nm_per_rad = JointVector::Constant(50.0),
@@ -138,7 +138,8 @@ TEST(ImpedanceLoop, AHandThatPushesOnAWallIsHeldByItsSpringWithEitherOverlay) {
     bench.Run(4000);
     ASSERT_FALSE(bench.loop.faults().Any()) << bench.loop.faults().bits();
     const control::TickRecord record = bench.Run(1);
-    // the arm's own equilibrium follows, so the coupling alone carries the hand, to 1 %
+    // The equilibrium of the arm's own spring follows the measured position, so the coupling alone carries
+    // the hand's force, within 1 %.
     EXPECT_NEAR(Vector3(record.F_coupling_T_W.f).dot(-bench.feed_W), 40.0, 0.4);
     EXPECT_NEAR(bench.Depth(), 40.0 / 10e3, 4e-5);
     EXPECT_LT(bench.arm.qd().norm(), 1e-3) << "at rest: it does not buzz";
@@ -173,8 +174,8 @@ TEST(ImpedanceLoop, BeyondTheToolsSpeedItIsBrakedAndAtHalfAsMuchAgainItStops) {
   bench.push_W_N = -8.0 * bench.feed_W;
   bench.Run(600);
   EXPECT_FALSE(bench.loop.faults().Any());
-  // 8 N = 10 v + 250 (v - 0.05) + the arm's own losses: at most 0.08 m/s without those; at that speed it
-  // would stop
+  // The force balance is 8 N = 10 v + 250 (v - 0.05) + the arm's own losses. Without losses, v would be
+  // 0.079 m/s, above the 0.075 m/s (1.5 times the limit) at which the cell stops.
   EXPECT_LT(bench.loop.statistics().peak_tool_speed_m_per_s, 0.075);
   EXPECT_GT(bench.loop.statistics().limits.Of(safety::Limit::kToolSpeed).ticks, 100u);
 
@@ -201,8 +202,8 @@ TEST(ImpedanceLoop, AStopTakesTheWrenchAwayAndTheArmsOwnSpringHoldsIt) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-// With a brake of 250 N·s/m and four cycles of dead time the wrist would swing up to four times its speed,
-// and keep swinging, if the brake kept its gain.
+// If the brake kept its gain of 250 N·s/m, then with four cycles of dead time the wrist would reach four
+// times its initial speed and keep swinging.
 TEST(ImpedanceLoop, AStopDoesNotShakeAToolThatNobodyHolds) {
   for (const CommandMode mode : {CommandMode::kWrench, CommandMode::kTorque}) {
     ImpedanceBench bench(Params(), mode, 4);
@@ -266,6 +267,7 @@ TEST(ImpedanceLoop, ADeadSimulationFadesAndStops) {
   EXPECT_EQ(Vector3(bench.command.F.f).norm(), 0.0);
 }
 
+// The measured position of a joint is NaN.
 TEST(ImpedanceLoop, APositionThatIsNoneIsAnsweredWithNoWrenchAndAStop) {
   for (const CommandMode mode : {CommandMode::kWrench, CommandMode::kTorque}) {
     ImpedanceBench bench(Params(), mode);

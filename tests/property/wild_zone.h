@@ -8,33 +8,36 @@
 #include "safety/zone.h"
 #include "tests/property/loop_oracle.h"
 
-// Generated zones: any shape, on either side, in any orientation, with the surface some millimetres from the
-// start of a point of the arm; and their geometry, computed independently of safety::ZoneBounds.
+// Generated zones of any shape, side and orientation, whose surface is some millimetres from where a point of
+// the arm starts; and their geometry, computed independently of safety::ZoneBounds.
 
 namespace osteon::property {
 
-/// One zone, each field a choice; 0 is the simplest.
+/// Integers from which ZoneOf makes one zone. 0 is the simplest value of each.
 struct ZoneChoice {
-  int shape{0};      ///< safety::ZoneShape
-  int side{0};       ///< safety::ZoneSide
-  int point{0};      ///< safety::ZonePoint
-  int size{0};       ///< 0 … 9: from 6 mm, each 1.5 times the one before
-  int offset_mm{0};  ///< of the surface beyond where the point begins, and half a millimetre more: negative,
-                     ///< and it begins outside
-  std::array<int, 3> toward{};  ///< -9 … 9: direction of its centre, in the zone's frame
-  std::array<int, 3> turn{};    ///< tenths of a radian about its axes
+  int shape{0};  ///< safety::ZoneShape
+  int side{0};   ///< safety::ZoneSide
+  int point{0};  ///< safety::ZonePoint
+  int size{0};   ///< 0 … 9: the size is 6 mm × 1.5^size
+  /// The point starts offset_mm + 0.5 mm from the surface, on the permitted side; negative: on the forbidden
+  /// side.
+  int offset_mm{0};
+  /// -9 … 9: direction from the zone's centre to the point, in the zone's frame; not used for a half-space.
+  std::array<int, 3> toward{};
+  std::array<int, 3> turn{};  ///< tenths of a radian about the fixed axes x, y, z, in this order
 };
 void showValue(const ZoneChoice& zone, std::ostream& out);
-/// @param least_mm, most_mm  of offset_mm
+/// @param least_mm, most_mm  smallest and largest offset_mm
 [[nodiscard]] rc::Gen<ZoneChoice> AnyZone(int least_mm, int most_mm);
 
-/// Makes the zone for an arm that begins with these points.
+/// Makes the zone for an arm whose points start there.
 [[nodiscard]] safety::ZoneParams ZoneOf(const ZoneChoice& choice, const ArmPoints& start);
 
-/// Selects that point of the arm.
+/// Selects the arm's point that a zone bounds.
 [[nodiscard]] const Vector3& PointOf(const ArmPoints& points, safety::ZonePoint point);
 
-/// Distance of p beyond the zone's bound [m], negative within it: by the face that p is farthest beyond.
+/// Distance of p beyond the zone's bound [m]; negative on the permitted side. The signed distance from a box
+/// or cylinder is the largest of those from its faces.
 [[nodiscard]] double PastBound_m(const safety::ZoneParams& zone, const Vector3& p);
 
 }  // namespace osteon::property

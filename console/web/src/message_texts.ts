@@ -1,6 +1,7 @@
-// The cell's own messages in German: refusals, what a fault has measured, events, what a PLC withholds. Each line has
-// the words of a message in the C++ sources with {} for every value; tests/console looks for them there, so that a
-// message that is worded anew there is found here. What no line knows stays in English.
+// The cell's own messages in German: refusals, what a fault has measured, events, why a PLC withholds power. Each entry
+// repeats a message of the C++ sources, with {} for every value, and its translation. A test in tests/console searches
+// the sources for each entry, so it fails if a message is changed there and not here. A message without an entry stays
+// in English.
 
 import { germanFault } from "./fault_texts";
 import { germanName, getLanguage } from "./texts";
@@ -61,7 +62,8 @@ const messages: [string, string][] = [
   ["{}: found a result of the cell {}, accepted one of `osteon tune {}`", "{}: Ergebnis der Zelle {} gefunden, erlaubt eines von `osteon tune {}`"],
   ["{}: found a {} of {} {}, accepted the cell's, {}: run `osteon tune {}` again",
     "{}: {} von {} {} gefunden, erlaubt wie in der Zelle {}: `osteon tune {}` noch einmal ausführen"],
-  // why the arm went back: hil/fri/fri_stop.cpp; before what they would be taken for
+  // why the arm ended commanding or did not begin it: hil/fri/fri_stop.cpp. The first entry that matches is used, so
+  // these stand before more general entries that match them too.
   ["timeout before quality GOOD: session closed after {} s", "Verbindung nicht rechtzeitig GOOD: Sitzung nach {} s geschlossen"],
   ["control mode: {} control, the program's command mode needs {} control",
     "Regelungsart: {} gefunden, die Befehlsart des Programms braucht {}"],
@@ -144,12 +146,12 @@ const patterns: [RegExp, string][] = messages.map(([english, german]) => [
   german,
 ]);
 
-/** A message of the cell in the page's language; its values are messages too. */
+/** Translates a message of the cell into the page's language, and the values in it, which may be messages too. */
 export function inLanguage(text: string): string {
   return getLanguage() === "de" ? german(text) : text;
 }
 
-/** The same for several, "a, b". */
+/** Translates a list of messages that are separated by ", ". */
 export function listInLanguage(text: string): string {
   return getLanguage() === "de" ? germanList(text) : text;
 }

@@ -8,7 +8,8 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/compliance/compliant_ride.h"
 
-// All elements together: frames, wrench, limits, and the energy of a thousand random rides.
+// The compliance of tool, surface layer and bone mount together: frames, wrench, limits, and the energy of a
+// thousand random motions of the tool against elastic planes (rides).
 
 namespace osteon::control {
 namespace {
@@ -50,6 +51,7 @@ simulation::ContactModel Frame() {
   return model;
 }
 
+// The elements that give way in a case.
 struct Level {
   const char* name;
   bool layer, tool, mount;
@@ -64,7 +66,7 @@ ComplianceParams ParamsOf(const Level& level) {
   return params;
 }
 
-// Of mass, springs and pads.
+// Energy [J] of the mount's moving mass, its springs and its pads.
 double MountEnergy(const BoneMountParams& mount, const BoneMountState& state) {
   Vector6 mass, stiffness;
   mass << Vector3::Constant(mount.mass_kg), mount.inertia_kg_m2;
@@ -73,7 +75,8 @@ double MountEnergy(const BoneMountParams& mount, const BoneMountState& state) {
                 mount.creep_N_per_m * state.creep_m.squaredNorm());
 }
 
-// Energy that tool and mount store. The layer's is left out, which makes the claim about it weaker.
+// Energy [J] that tool and mount store. The surface layer's energy is not counted, so the test claims less
+// about the layer than about the others.
 double StoredIn(const Compliance& c) {
   double stored_J = 0.0;
   if (c.params().tool) stored_J += 0.5 * c.bend().dot(c.params().tool->compliance_T.ldlt().solve(c.bend()));
@@ -108,7 +111,8 @@ INSTANTIATE_TEST_SUITE_P(Each, EnergyOfLevels,
                                          Level{"mount", false, false, true}, Level{"all", true, true, true}),
                          [](const auto& test) { return test.param.name; });
 
-// Below the least time constant the same rides do give energy: the property can fail.
+// Counter-example: if the tool's time constant is below the smallest that is passive, rides do take energy
+// out. So the test above can fail.
 TEST(Compliance, AToolThatIsTooFastDoesGiveEnergy) {
   ComplianceParams params;
   params.tool = Drill();
@@ -130,6 +134,7 @@ TEST(Compliance, AToolThatIsTooFastDoesGiveEnergy) {
   EXPECT_GT(least_J(1.05), -1e-6);
 }
 
+// With a rigid tool, and mount and layer at rest, the head's pose, velocity and wrench are those of the tool.
 TEST(Compliance, AtRestEverythingIsTheRigidTools) {
   ComplianceParams params = ParamsOf({"all", true, true, true});
   params.tool->compliance_T.setZero();
@@ -144,7 +149,8 @@ TEST(Compliance, AtRestEverythingIsTheRigidTools) {
   EXPECT_LT((compliance.OnTool(F, X_WT).t - F.t).norm(), 1e-12);
 }
 
-// Virtual work: the wrench carried back does on T what it does on the head.
+// Virtual work: in a small motion, the wrench that OnTool computes for T does the same work on T as the given
+// wrench does on the head.
 TEST(Compliance, TheWrenchCarriedBackDoesTheSameWork) {
   Compliance compliance(ParamsOf({"all", true, true, true}), kT_s);
   Pose X_WT = Pose::Identity();
@@ -167,7 +173,7 @@ TEST(Compliance, TheWrenchCarriedBackDoesTheSameWork) {
   }
 }
 
-// The velocity of the head is the difference of its poses, while everything moves.
+// While tool, layer and mount all move, the head's velocity is the difference of its poses over the period.
 TEST(Compliance, TheHeadsVelocityIsItsPosesDerivative) {
   Compliance compliance(ParamsOf({"all", true, true, true}), kT_s);
   Pose X_WT = Pose::Identity();

@@ -1,5 +1,5 @@
-// Whatever is asked of a session, by `osteon tell` or by the console's pages, in any order and state: a
-// paused arm holds, every limit is kept, and no saved state of the bone is lost.
+// Random sequences of requests to a session, by `osteon tell` or the console's pages, in any state of the
+// cell. A paused arm stays where it is, every limit is kept, and no saved state of the bone is lost.
 
 #include "tests/property/property_check.h"
 
@@ -31,21 +31,21 @@ using safety::CellState;
 constexpr double kSeconds = 6.0;
 constexpr int kMaxTicks = 9000;  // a run that stays paused ends here
 constexpr double kForceCeiling_N = 200.0, kRounding = 1.0 + 1e-9;
-constexpr int kTicksToRest = 300;  // of a fault, in which the arm brakes
-constexpr double kStands_rad = 1e-4;
+constexpr int kTicksToRest = 300;            // number of ticks after a fault in which the arm may still brake
+constexpr double kMaxRestMotion_rad = 1e-4;  // largest motion of a joint that counts as standstill
 
 /// How a case begins.
 enum class Begins : std::uint8_t {
   kInOrder,
-  kAtAFault,  ///< the arm falls silent as rendering begins; the cell is held until a recovery is asked
+  kAtAFault,  ///< the arm sends nothing as rendering begins; the fault holds the cell until a recovery
 };
 
-/// Something that is asked, some ticks after what was asked before.
-struct Asked {
+/// A request, with the number of ticks after the previous one at which it is sent.
+struct TimedRequest {
   int after_ticks{0};
   std::string text;
 };
-void showValue(const Asked& asked, std::ostream& out) {
+void showValue(const TimedRequest& asked, std::ostream& out) {
   out << "+" << asked.after_ticks << " \"" << asked.text << "\"";
 }
 
@@ -67,17 +67,17 @@ rc::Gen<std::string> AnyText() {
        {1, rc::gen::arbitrary<std::string>()}});
 }
 
-rc::Gen<std::vector<Asked>> AnyRequests() {
+rc::Gen<std::vector<TimedRequest>> AnyRequests() {
   return rc::gen::resize(
-      30, rc::gen::container<std::vector<Asked>>(rc::gen::build<Asked>(
-              rc::gen::set(&Asked::after_ticks, rc::gen::resize(100, rc::gen::inRange(0, 250))),
-              rc::gen::set(&Asked::text, AnyText()))));
+      30, rc::gen::container<std::vector<TimedRequest>>(rc::gen::build<TimedRequest>(
+              rc::gen::set(&TimedRequest::after_ticks, rc::gen::resize(100, rc::gen::inRange(0, 250))),
+              rc::gen::set(&TimedRequest::text, AnyText()))));
 }
 
-/// A run in which the requests are asked, and what it did that it must not do.
+/// A run in which the requests are sent. It keeps the first violation of what the tests claim.
 class AskedRun {
  public:
-  explicit AskedRun(std::vector<Asked> asked, Begins begins = Begins::kInOrder)
+  explicit AskedRun(std::vector<TimedRequest> asked, Begins begins = Begins::kInOrder)
       : rig_("asked_" + std::to_string(count_++), {.seconds = kSeconds, .guided = true}),
         asked_(std::move(asked)),
         speed_limit_m_per_s_(rig_.setup->config.servo.twist.max_speed_m_per_s) {
@@ -86,12 +86,12 @@ class AskedRun {
       rig_.setup->config.injections.injections = {{.from_s = 0.1, .to_s = 0.16, .faults = {.silence = true}}};
       rig_.params.hold_at_fault = true;
       rig_.may_fault = may_fault_ = true;
-      // some requests find the cell held, some come after the recovery
+      // Recoveries amid the requests: some requests reach the cell while the fault holds it, some afterwards.
       for (const int after_ticks : {400, 400})
         asked_.insert(asked_.begin() + static_cast<std::ptrdiff_t>(asked_.size() / 2),
                       {after_ticks, R"({"ask":"recover"})"});
     }
-    // at the end of each case, so that every one reaches it
+    // The requests of each case end with these, whatever the random ones are.
     for (const auto& [after_ticks, text] :
          {std::pair(150, "pause"), {600, "save"}, {50, "resume"}, {500, "guidance 1"}, {1000, "status"}})
       asked_.push_back({after_ticks, text});
@@ -106,7 +106,7 @@ class AskedRun {
   AskedRun(const AskedRun&) = delete;
   AskedRun& operator=(const AskedRun&) = delete;
 
-  // Empty: nothing was wrong.
+  // Runs the case. @returns the first violation; empty: none
   [[nodiscard]] std::string Run() {
     rig_.Run();
     CheckFolder();
@@ -114,7 +114,7 @@ class AskedRun {
     return wrong_;
   }
 
-  static inline int changes = 0, passes = 0, undone = 0, refused = 0, held = 0;  // of all cases
+  static inline int changes = 0, passes = 0, undone = 0, refused = 0, held = 0;  // sums over all cases
 
  private:
   void Complain(const std::string& what) {
@@ -141,8 +141,8 @@ class AskedRun {
     if (ticks_ >= kMaxTicks) stop_.store(true);
   }
 
-  // A cell that is held at a fault stands still and keeps its tool, and has no further fault once it was
-  // recovered.
+  // Checks that a cell which a fault holds stands still and keeps its tool, and that no fault follows its
+  // recovery.
   void CheckHeldFault(const control::TickRecord& tick) {
     if (!may_fault_) return;
     const bool faulted = tick.cell_state == static_cast<std::uint8_t>(CellState::kFault);
@@ -153,13 +153,14 @@ class AskedRun {
       rest_ = tick.q_meas;
     }
     if (!faulted || fault_ticks_ <= kTicksToRest) return;
-    // measured, since the command follows the arm where it takes none
+    // Compare measured positions: while the arm takes no commands, the command follows the measured arm.
     for (std::size_t j = 0; j < rest_.size(); ++j)
-      if (!(std::abs(tick.q_meas[j] - rest_[j]) <= kStands_rad))
+      if (!(std::abs(tick.q_meas[j] - rest_[j]) <= kMaxRestMotion_rad))
         Complain(fmt::format("the arm that is held at a fault moved by {} rad", tick.q_meas[j] - rest_[j]));
     if (tick.input.tool_index != tool_) Complain("the tool changed at a fault");
   }
 
+  // Sends the next request if it is due. Checks that no saved state was replaced.
   void Ask() {
     if (next_ >= asked_.size() || ++waited_ < asked_[next_].after_ticks) return;
     waited_ = 0;
@@ -172,10 +173,10 @@ class AskedRun {
     if (!all.empty() && !std::exchange(undo_is_asked_, true)) AskUndo();
   }
 
-  // A pass ends once the tool has been clear of bone: here an undo is not refused, unless what follows is
-  // random.
+  // Inserts a pause, an undo and a resume before the remaining requests. A pass ends once the tool has been
+  // clear of bone, so this undo is accepted; an undo after random requests might be refused.
   void AskUndo() {
-    const std::vector<Asked> undo{{0, "pause"}, {400, "undo"}, {50, "resume"}};
+    const std::vector<TimedRequest> undo{{0, "pause"}, {400, "undo"}, {50, "resume"}};
     asked_.insert(asked_.begin() + static_cast<std::ptrdiff_t>(next_), undo.begin(), undo.end());
   }
 
@@ -200,6 +201,7 @@ class AskedRun {
     });
   }
 
+  // Checks that the session ended in order, and that every state that it ever saved is still there.
   void CheckFolder() {
     const auto session = ReadSession(rig_.folder);
     if (!session) return Complain(session.error());
@@ -226,7 +228,7 @@ class AskedRun {
 
   static inline int count_ = 0;
   Rig rig_;
-  std::vector<Asked> asked_;
+  std::vector<TimedRequest> asked_;
   double speed_limit_m_per_s_;
   base::OperatorRequests buttons_;
   std::atomic<bool> stop_{false};
@@ -243,7 +245,7 @@ class AskedRun {
 TEST(ProcedureRequests, NoSequenceOfThemMovesThePausedArmPassesALimitOrLosesAState) {
   constexpr long long kCases = 3;
   property::CheckShard(0, 1, kCases, [] {
-    const std::vector<Asked> asked = *AnyRequests();
+    const std::vector<TimedRequest> asked = *AnyRequests();
     const std::string wrong = AskedRun(asked).Run();
     if (!wrong.empty()) RC_FAIL(wrong);
   });
@@ -253,13 +255,13 @@ TEST(ProcedureRequests, NoSequenceOfThemMovesThePausedArmPassesALimitOrLosesASta
   EXPECT_GT(AskedRun::refused, 5);
 }
 
-// The cell is held at a fault from the beginning: a request does not move it either, and the session goes on
-// after the recovery.
+// A fault holds the cell soon after its start: no request but a recovery moves the arm, and the session goes
+// on after the recovery.
 TEST(ProcedureRequests, NoSequenceOfThemMovesACellThatIsHeldAtAFault) {
   constexpr long long kCases = 2;
   const int held_before = AskedRun::held;
   property::CheckShard(0, 1, kCases, [] {
-    const std::vector<Asked> asked = *AnyRequests();
+    const std::vector<TimedRequest> asked = *AnyRequests();
     const std::string wrong = AskedRun(asked, Begins::kAtAFault).Run();
     if (!wrong.empty()) RC_FAIL(wrong);
   });
