@@ -120,7 +120,9 @@ struct Rig {
     const auto run = RunCell(*setup, *engine, params);
     ASSERT_TRUE(run) << run.error().what;
     result = *run;
-    if (!may_fault) EXPECT_FALSE(result.faults.Any());
+    if (!may_fault) {
+      EXPECT_FALSE(result.faults.Any());
+    }
     EXPECT_EQ(result.session_error, "");
   }
 
