@@ -207,3 +207,14 @@ function(osteon_library NAME)
   osteon_verify_headers(osteon_${NAME}_verify_headers osteon_${NAME} ${ARG_HEADERS})
   osteon_verify_headers(osteon_${NAME}_verify_private_headers "osteon_${NAME};${ARG_PRIVATE}" ${ARG_PRIVATE_HEADERS})
 endfunction()
+
+# osteon_tick_first(TARGET): TARGET's tick runs the inline functions and templates that the tick's folders compiled. Of the
+# equal ones that several sources have, the linker keeps the first, so that those of sources with lesser optimisation,
+# which may call more, must come later.
+function(osteon_tick_first TARGET)
+  set(archives)
+  foreach(library control kinematics safety guard cpu_engine io_net io_can io_fri io_rsi io_devices)
+    list(APPEND archives $<TARGET_FILE:osteon_${library}>)
+  endforeach()
+  target_link_options(${TARGET} PRIVATE -Wl,--whole-archive ${archives} -Wl,--no-whole-archive)
+endfunction()
