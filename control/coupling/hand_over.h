@@ -36,9 +36,8 @@ struct HandOver {
 /// - |f| <= |f_2| in every tick: the force never exceeds that of the new planes.
 /// - A falling force falls at once, because E shrinks with |f_2| and vanishes when the new planes release the
 ///   tool.
-/// - The force never pulls the tool into a plane: since the old proxy satisfies the new planes, f_1 pushes
-/// the
-///   tool out of each of them.
+/// - The force never pulls the tool into a plane: because the old proxy satisfies the new planes, f_1 pushes
+///   the tool out of each of them.
 /// - The energy tank pays for the work of w E.
 ///
 /// Begins a hand-over. Call in the tick in which a frame's planes replace the previous ones.
@@ -47,8 +46,8 @@ struct HandOver {
 void BeginHandOver(HandOver& hand_over, const HandOverRate& rate, const Wrench& before,
                    const Wrench& after) OSTEON_RT;
 
-/// Advances the hand-over by one tick; the first tick counts too. @param after  spring wrench by the present
-/// planes
+/// Advances the hand-over by one tick. Call in every tick, including the one of BeginHandOver.
+/// @param after  spring wrench by the present planes
 /// @returns the spring wrench to render; equals `after` once the hand-over has ended.
 [[nodiscard]] Wrench StepHandOver(HandOver& hand_over, const Wrench& after, double dt_s) OSTEON_RT;
 
