@@ -22,7 +22,7 @@ constexpr std::chrono::milliseconds kMaxWait{700};  // an answer through the loc
 constexpr double kSameSize_mm = 1e-6;
 
 /// For how long the scripted operator pauses before a change of tool [ns]: until the sensor's readings are
-/// known (PausedReadings), with two thirds more for what the loop's start of the pause takes.
+/// known (PausedReadings), and two thirds longer, since the loop needs time to begin the pause.
 rt::Nanoseconds PauseForReadings(double period_s) {
   return static_cast<rt::Nanoseconds>(1e9 * period_s * (5 * PausedReadings::kTicksUntilKnown / 3));
 }

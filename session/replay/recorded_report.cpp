@@ -65,7 +65,7 @@ std::filesystem::path FolderOf(const std::filesystem::path& recording) {
   return recording.has_parent_path() ? recording.parent_path() : std::filesystem::path(".");
 }
 
-// What a recording holds for the report. Without a session it includes the results of cutting the bone again.
+// Contents of a recording for the report; without a session with the results of cutting the bone again.
 struct RecordedRunData {
   RunAccumulator run;
   CellRunResult result;

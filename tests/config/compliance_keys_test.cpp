@@ -38,7 +38,7 @@ TEST(ComplianceKeys, WithoutTheSectionNothingGivesWay) {
     EXPECT_FALSE(LoadText(CellText(cell)).servo.compliance.any()) << cell;
 }
 
-// What `auto` decides in the shipped cells, and the figures that decide it (table of the design).
+// Decisions of `auto` in the shipped cells, and the figures that decide it (table of the design).
 TEST(ComplianceKeys, AutoIsOnWhereTheSceneNoticesIt) {
   struct Row {
     const char* cell;

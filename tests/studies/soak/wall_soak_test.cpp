@@ -115,7 +115,7 @@ WallResult FaultlessEpisode(WallEvent event) {
   return result;
 }
 
-// What the judgement finds wrong with a faultless episode after `change`.
+// Findings of the judgement on a faultless episode after `change`.
 std::vector<std::string> JudgedWith(WallEvent event, const std::function<void(WallResult&)>& change) {
   const WallResult first = FaultlessEpisode(WallEvent::kReaming);
   WallResult result = FaultlessEpisode(event);
