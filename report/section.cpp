@@ -66,7 +66,7 @@ std::vector<MaterialRegion> MaterialRegions(const Bone& bone, const SectionPlane
                                             const Vector2& max, double step_m,
                                             const simulation::Solid* solid) {
   std::vector<MaterialRegion> regions;
-  if (bone.points.empty()) return regions;
+  if (bone.points.empty() && solid == nullptr) return regions;
   const MaterialMap map(bone.points, solid);
   const PlanarGrid shape(min, max, step_m, 0.0f);
   std::vector<int> label(shape.values.size(), -1);

@@ -131,11 +131,32 @@ void ApplyIdentified(const std::filesystem::path& file, CellConfig& cell) {
   if (cell.simulated.kr) cell.simulated.kr->controller.servo = arm;
 }
 
+namespace {
+
+// Describes the springs and the dead time of the arm that an overlaid force meets (ApplyImpedance).
+std::string ImpedanceText(const CellConfig& cell) {
+  const hil::DynamicArmParams& arm = cell.simulated.dynamic;
+  const bool torque = cell.simulated.fri.command_mode == control::CommandMode::kTorque;
+  const std::string springs =
+      torque
+          ? fmt::format("joints of {:.4g} N·m/rad", arm.stiffness_Nm_per_rad.mean())
+          : fmt::format("{:.4g} N/m, {:.4g} N·m/rad", arm.stiffness_N_per_m, arm.stiffness_Nm_per_rad_turn);
+  return fmt::format(
+      "simulated arm: {}, damping ratio {:.3g}, dead time {:.3g} ms (rounded up to whole periods)", springs,
+      torque ? arm.joint_damping_ratio : arm.cartesian_damping_ratio,
+      1e3 * cell.servo.period_s * arm.dead_cycles);
+}
+
+}  // namespace
+
 std::vector<std::string> IdentifiedText(const CellConfig& cell) {
   if (!cell.identified) return {};
   const IdentifiedCell& identified = *cell.identified;
   std::vector<std::string> lines;
-  if (const IdentifiedArm* arm = SlowestArm(identified))
+  const IdentifiedArm* arm = SlowestArm(identified);
+  if (arm != nullptr && cell.servo.law == control::Law::kImpedance && arm->felt_mass_kg)
+    lines.push_back(ImpedanceText(cell));
+  else if (arm != nullptr)
     lines.push_back(fmt::format(
         "simulated arm: {:.4g} Hz, damping ratio {:.3g}, dead time {:.3g} ms (axis {} at {:.3g} mm/s, the "
         "slowest)",

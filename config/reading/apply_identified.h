@@ -25,8 +25,8 @@ namespace osteon::config {
 ///   the simulated arm can be: 0 … 32 periods of dead time, a damping ratio of at most 10.
 void ApplyIdentified(const std::filesystem::path& file, CellConfig& cell);
 
-/// Describes cell.identified, one line for each figure: SlowestArm, the sensor's delay, the dead zone, the
-/// tremor, the notches' width and the number of hands. Empty if the cell has no identified figures.
+/// Describes cell.identified, one line for each figure: the simulated arm, the sensor's delay, the dead zone,
+/// the tremor, the notches' width and the number of hands. Empty if the cell has no identified figures.
 [[nodiscard]] std::vector<std::string> IdentifiedText(const CellConfig& cell);
 
 }  // namespace osteon::config

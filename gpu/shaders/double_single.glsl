@@ -79,12 +79,11 @@ vec2 DsMin(const in vec2 a, const in vec2 b) { return DsLess(b, a) ? b : a; }
 vec2 DsMax(const in vec2 a, const in vec2 b) { return DsLess(a, b) ? b : a; }
 vec2 DsAbs(const in vec2 a) { return a.x < 0.0 || (a.x == 0.0 && a.y < 0.0) ? -a : a; }
 
-// DsFloor: the largest integer that is not larger than a. DsRoundEven: the nearest integer.
+// DsFloor: the largest integer that is not larger than a.
 vec2 DsFloor(const in vec2 a) {
   float whole = floor(a.x);
   return whole == a.x ? DsFastTwoSum(whole, floor(a.y)) : vec2(whole, 0.0);
 }
-vec2 DsRoundEven(const in vec2 a) { return DsFloor(DsAdd(a, vec2(0.5, 0.0))); }
 
 // Integers in two halves, since a float holds 24 bits. Conversions back drop the fraction.
 vec2 DsFromInt(const in int i) { return DsFastTwoSum(float(i >> 16) * 65536.0, float(i & 0xffff)); }

@@ -94,7 +94,11 @@ tl::expected<RobotousSensor, std::string> RobotousSensor::Make(const RobotousPar
     return refuse(fmt::format("counts: found {} a N and {} a N·m, accepted: more than 0", params.counts_per_N,
                               params.counts_per_Nm));
   if (params.answer_timeout <= 0 || params.settle < 0 || params.attempts < 1 || params.rate_readings < 2)
-    return refuse("answer_timeout, attempts and settle must be positive, rate_readings at least 2");
+    return refuse(
+        fmt::format("found answer_timeout {} ns, settle {} ns, attempts {}, rate_readings {}; accepted: "
+                    "answer_timeout and "
+                    "attempts more than 0, settle at least 0, rate_readings at least 2",
+                    params.answer_timeout, params.settle, params.attempts, params.rate_readings));
   return RobotousSensor(params);
 }
 

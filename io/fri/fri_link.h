@@ -59,7 +59,7 @@ class FriLink final : public control::ArmLink {
   FriLink(const BoundUdp& bound, std::optional<in_addr> arm, const FriLinkParams& params)
       : peer_(bound, arm),
         session_(params.session),
-        warmup_(CacheWarmup<FriSession, kRoom>::Make("rehearsal", session_)) {}
+        warmup_(CacheWarmup<FriSession, kRoom>::Make("cache warm-up", session_)) {}
 
   UdpPeer<kRoom> peer_;
   FriSession session_;

@@ -54,7 +54,7 @@ class CacheWarmup {
   static constexpr const char* kLoopback = "127.0.0.1";
 
   static bool ConnectTo(std::uint16_t port, int socket) {
-    const auto there = Ipv4("rehearsal", kLoopback, port);
+    const auto there = Ipv4("cache warm-up", kLoopback, port);
     return there && connect(socket, reinterpret_cast<const sockaddr*>(&*there), sizeof *there) == 0;
   }
 

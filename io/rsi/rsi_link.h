@@ -57,7 +57,7 @@ class RsiLink final : public control::ArmLink {
   RsiLink(const BoundUdp& bound, std::optional<in_addr> arm, const RsiLinkParams& params)
       : peer_(bound, arm),
         session_(params.session),
-        warmup_(CacheWarmup<RsiSession, kRoom>::Make("rehearsal", session_)) {}
+        warmup_(CacheWarmup<RsiSession, kRoom>::Make("cache warm-up", session_)) {}
 
   UdpPeer<kRoom> peer_;
   RsiSession session_;

@@ -143,15 +143,15 @@ std::vector<Ball> CutBalls(const simulation::Bone& uncut, const simulation::Carv
   return cut;
 }
 
-std::vector<SurfaceDeviation> DeviationMap(const SurgicalPlan& plan, std::span<const Ball> live_balls,
-                                           std::span<const Vector3> directions_G) {
+std::vector<std::optional<double>> DeviationMap(const SurgicalPlan& plan, std::span<const Ball> live_balls,
+                                                std::span<const Vector3> directions_G) {
   const PlannedCavity cavity = plan.cavity();
   const std::vector<Ball> near = NearShell(live_balls, cavity, kMapReach_m);
-  std::vector<SurfaceDeviation> map;
+  std::vector<std::optional<double>> map;
   const BallBands bands(near, cavity.centre_m, cavity.axis);
   for (const Vector3& direction : directions_G) {
     const double first_m = bands.FirstBone(direction, cavity.radius_m - kMapReach_m) - cavity.radius_m;
-    map.push_back({direction, first_m <= kMapReach_m ? std::optional(first_m) : std::nullopt});
+    map.push_back(first_m <= kMapReach_m ? std::optional(first_m) : std::nullopt);
   }
   return map;
 }

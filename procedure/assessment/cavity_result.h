@@ -57,16 +57,15 @@ inline constexpr double kRoofMedial_deg = 46.0, kRoofAnterior_deg = 52.0, kRoofP
 [[nodiscard]] CavityResult AssessCavity(const SurgicalPlan& plan, const simulation::Bone& uncut,
                                         const simulation::CarvedState& state);
 
-/// Deviation of the bone's surface from the plan along a direction, for a map. Positive: the bone begins
-/// deeper than planned.
-struct SurfaceDeviation {
-  Vector3 direction_G;                ///< unit, from the planned centre
-  std::optional<double> deviation_m;  ///< nothing where there is no bone within kMapReach_m of the plan
-};
+/// Distance from the plan within which DeviationMap looks for bone.
 inline constexpr double kMapReach_m = 6e-3;
-[[nodiscard]] std::vector<SurfaceDeviation> DeviationMap(const SurgicalPlan& plan,
-                                                         std::span<const simulation::Ball> live_balls,
-                                                         std::span<const Vector3> directions_G);
+
+/// Returns the deviation [m] of the bone's surface from the plan along each direction, for a map. Positive:
+/// the bone begins deeper than planned. Nothing where there is no bone within kMapReach_m of the plan.
+/// @param directions_G  unit vectors, from the planned centre
+[[nodiscard]] std::vector<std::optional<double>> DeviationMap(const SurgicalPlan& plan,
+                                                              std::span<const simulation::Ball> live_balls,
+                                                              std::span<const Vector3> directions_G);
 
 /// Returns directions over the hemisphere around -axis, each for the same area.
 [[nodiscard]] std::vector<Vector3> HemisphereDirections(const Vector3& axis, int count);

@@ -161,7 +161,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
       ApplyRequests(params, loop);
       if (params.procedure) params.procedure->Poll(loop);
       if (rendered_s.load() == 0.0) start.Poll();  // a recovery starts from the arm's present position
-      if (cell_died || !start.why_not().empty() || IsStopAsked(params)) stop.store(true);
+      if (cell_died || !start.why_not().empty() || PollStop(params)) stop.store(true);
       if (params.progress) params.progress(rendered_s.load());
     };
     std::thread servo_thread([&] {
@@ -314,7 +314,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
       recovering = true;
       continue;
     }
-    if (loop.phase() != control::Phase::kStopped) stopped_by_user = IsStopAsked(params);
+    if (loop.phase() != control::Phase::kStopped) stopped_by_user = PollStop(params);
     if (holds()) held_ticks = loop.statistics().active_ticks - active_before;
     const std::uint64_t active = loop.statistics().active_ticks - held_ticks;
     const bool progress = active > active_before || loop.state() == safety::CellState::kPaused;

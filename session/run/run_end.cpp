@@ -33,7 +33,7 @@ std::string DescribeEnd(const CellRunResult& result, double seconds) {
 
 }  // namespace
 
-bool IsStopAsked(const CellRunParams& params) {
+bool PollStop(const CellRunParams& params) {
   const bool finished = params.procedure && params.procedure->finished();
   if (finished) base::RequestInterrupt(base::kOperatorsStop);
   return finished || (params.stop && params.stop->load());

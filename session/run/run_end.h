@@ -13,9 +13,10 @@
 
 namespace osteon::session {
 
-/// Whether the run's end is asked for, by its stop flag or by a session that a person has finished. A
-/// finished session also counts as an operator's stop from then on (base::RequestInterrupt).
-[[nodiscard]] bool IsStopAsked(const CellRunParams& params);
+/// Looks whether the run's end is asked for, by its stop flag or by a session that a person has finished.
+/// Turns a finished session into an operator's stop (base::RequestInterrupt), so that the run's end is told
+/// as that.
+[[nodiscard]] bool PollStop(const CellRunParams& params);
 
 /// Records why a run has ended, if only its operator or its duration ended it; after a fault, records
 /// nothing.

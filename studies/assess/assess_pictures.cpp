@@ -130,8 +130,8 @@ report::Image DeviationImage(const AssessedSession& session) {
   image.rgb.assign(static_cast<std::size_t>(3 * kMapPixels * kMapPixels), 255);
   for (std::size_t i = 0; i < map.size(); ++i) {
     Color color = kNoBone;
-    if (map[i].deviation_m) {
-      const double share = std::clamp(1e3 * *map[i].deviation_m / DeviationScale_mm(plan.kind), -1.0, 1.0);
+    if (map[i]) {
+      const double share = std::clamp(1e3 * *map[i] / DeviationScale_mm(plan.kind), -1.0, 1.0);
       color = Mix(kRemoved, share > 0.0 ? kOver : kUnder, std::abs(share));
     }
     for (int y = 0; y < kCellPixels; ++y)

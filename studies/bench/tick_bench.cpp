@@ -329,15 +329,15 @@ std::vector<TickTimes> TimeHere(std::span<TickBench> benches, std::size_t ticks)
 
 std::vector<TickTimes> TimeInTurn(std::span<TickBench> benches, std::size_t ticks) {
   std::vector<TickTimes> times;
-  std::string wrong;
+  std::exception_ptr failure;
   std::thread([&] {
     try {
       times = TimeHere(benches, ticks);
-    } catch (const std::runtime_error& error) {
-      wrong = error.what();
+    } catch (...) {
+      failure = std::current_exception();
     }
   }).join();
-  if (!wrong.empty()) throw std::runtime_error(wrong);
+  if (failure) std::rethrow_exception(failure);
   return times;
 }
 

@@ -38,9 +38,9 @@ constexpr double kPreload = 0.3, kSwing = 0.1;
 
 std::vector<double> Frequencies(int count) {
   std::vector<double> hz;
-  const double ratio = kTransparencyMost_hz / kTransparencyLeast_hz;
+  const double ratio = kTransparencyMax_hz / kTransparencyMin_hz;
   for (int i = 0; i < count; ++i)
-    hz.push_back(kTransparencyLeast_hz * std::pow(ratio, static_cast<double>(i) / (count - 1)));
+    hz.push_back(kTransparencyMin_hz * std::pow(ratio, static_cast<double>(i) / (count - 1)));
   return hz;
 }
 
@@ -219,7 +219,7 @@ void Print(const TransparencyResult& result) {
   fmt::print("  In contact   {:.2f} N/mm felt, {:.2f} N/mm asked for\n", 1e-3 * result.stiffness_N_per_m,
              1e-3 * result.asked_stiffness_N_per_m);
   fmt::print("  Residual     {:.1f} % of the impedance asked for, {:g} … {:g} Hz, worst of x y z\n",
-             100.0 * result.free_residual(), kTransparencyLeast_hz, kTransparencyFit_hz);
+             100.0 * result.free_residual(), kTransparencyMin_hz, kTransparencyFit_hz);
 }
 
 }  // namespace

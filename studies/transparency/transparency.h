@@ -23,7 +23,7 @@ struct TransparencyOptions {
   std::string command_line{};
 };
 
-inline constexpr double kTransparencyLeast_hz = 0.1, kTransparencyMost_hz = 30.0;
+inline constexpr double kTransparencyMin_hz = 0.1, kTransparencyMax_hz = 30.0;
 /// Mass and drag are fitted, and the residual is computed, up to this frequency: the band of hand motion.
 inline constexpr double kTransparencyFit_hz = 3.0;
 

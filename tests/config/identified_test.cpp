@@ -254,6 +254,10 @@ TEST(IdentifiedFile, EachSpringComesFromTheAxisThatKnowsItBest) {
   EXPECT_EQ(arm.cartesian_damping_ratio, 0.7);
   EXPECT_EQ(arm.joint_damping_ratio, cell.simulated.dynamic.joint_damping_ratio) << "of another overlay";
   EXPECT_TRUE(applied.identified->arm.at(1).impedance->on_mount);
+  EXPECT_EQ(
+      IdentifiedText(applied).at(0),
+      "simulated arm: 1980 N/m, 204 N·m/rad, damping ratio 0.7, dead time 5 ms (rounded up to whole periods)")
+      << "the arm's springs, not the lag that the admittance law meets";
   EXPECT_NE(ErrorOf(Replaced(text, "rotation_Nm_per_rad: 204", "rotation_Nm_per_rad: -204"))
                 .find("rotation_Nm_per_rad: found -204, accepted"),
             std::string::npos);

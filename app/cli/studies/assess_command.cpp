@@ -34,8 +34,8 @@ AssessCommand::AssessCommand(CLI::App& app) : Subcommand(AddStudy(app, "assess")
       ->check(NumberWithin(0, 100));
   sub_->add_option(
           "--norms", options_.norms,
-          "sessions of experts of the same site: their medians stand beside each figure; finished, and with "
-          "guidance or without as this one")
+          "finished sessions of experts at the same site, with guidance if this one has it, without if not: "
+          "their medians stand beside each figure")
       ->type_name("FOLDER")
       ->check(CLI::ExistingDirectory);
   sub_->add_option(
