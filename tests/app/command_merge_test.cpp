@@ -6,13 +6,13 @@
 #include "studies/sharding/part_set.h"
 #include "tests/app/command.h"
 
-// Runs studies whole, and in shards that are merged, as a user of several machines does. Both must leave the
-// same.
+// Runs studies whole, and in shards that `osteon merge` puts together, as a user of several machines does.
+// Both ways must give the same files, except for measured times.
 
 namespace osteon::app {
 namespace {
 
-// Removes what a clock gave.
+// Removes all measured times, which differ between runs.
 nlohmann::json WithoutTimes(nlohmann::json json) {
   static const std::vector<std::string> times{"seconds",        "seconds_wall",    "seconds_cpu",
                                               "seconds_set_up", "times_real_time", "frame_us"};
@@ -23,7 +23,7 @@ nlohmann::json WithoutTimes(nlohmann::json json) {
   return json;
 }
 
-// A part's file, with the digest of what it says.
+// The text of a shard's file, with the digest that fits this content.
 std::string TextOfPart(const nlohmann::json& json) {
   studies::Part part{.file = {},
                      .shard = {.index = json.at("shard").at("index"), .of = json.at("shard").at("of")},
@@ -41,7 +41,7 @@ class Merge : public testing::Test {
   CommandResult Run(const std::vector<std::string>& arguments) {
     return RunCommand(folder_.path(), arguments);
   }
-  /// Runs all shards. @returns the names of their files, the last one first.
+  /// Runs all shards, which may end with 0 or the exit code. @returns their files, the last first.
   std::vector<std::string> RunShards(const std::vector<std::string>& command, int of, int exit_code) {
     std::vector<std::string> files;
     for (int index = of; index >= 1; --index) {
@@ -66,9 +66,9 @@ class Merge : public testing::Test {
   TemporaryFolder folder_;
 };
 
-// Two scenarios differ from their golden traces, so the page has their plots, which come from the parts'
-// samples.
-TEST_F(Merge, RegressIsThatOfOneRun) {
+// Some scenarios differ from their golden traces, so the page has their plots, drawn from samples in the
+// shards' files.
+TEST_F(Merge, MergedRegressEqualsOneRun) {
   const std::vector<std::string> command{"regress", "wall_reamer",           "wall_kr", "pause",
                                          "--set",   "limits.max_force_N=50", "--junit", "out/junit.xml"};
   std::filesystem::create_directories(folder_.path() / "out");
@@ -91,7 +91,7 @@ TEST_F(Merge, RegressIsThatOfOneRun) {
   EXPECT_EQ(merged.exit_code, 1) << merged.out << merged.err;
   const nlohmann::json merged_json = ReadJson(folder_.path() / "r.json");
   EXPECT_EQ(WithoutTimes(merged_json).dump(), WithoutTimes(json).dump());
-  double seconds = 0.0;  // what the scenarios took, not what putting their files together took
+  double seconds = 0.0;  // of the scenarios, without the time of the merge
   for (const nlohmann::json& scenario : merged_json.at("scenarios"))
     seconds += scenario.at("seconds_wall").get<double>();
   EXPECT_GT(seconds, 0.0);
@@ -101,7 +101,7 @@ TEST_F(Merge, RegressIsThatOfOneRun) {
   EXPECT_EQ(std::regex_replace(Text("out/junit.xml"), time, ""), junit);
 }
 
-TEST_F(Merge, FailuresAreThoseOfOneRun) {
+TEST_F(Merge, MergedFailuresEqualOneRun) {
   const std::vector<std::string> command{"failures", "18", "19", "--quick", "--engine", "cpu"};
   std::vector<std::string> whole = command;
   whole.insert(whole.end(), {"--out", "one", "--json", "f.json"});
@@ -121,8 +121,8 @@ TEST_F(Merge, FailuresAreThoseOfOneRun) {
   EXPECT_EQ(pictures, 4u);
 }
 
-// Two tunes of one cell: every file that a tune leaves is the same, to the byte.
-TEST_F(Merge, TuneIsThatOfOneRun) {
+// Every file that a tune writes is the same to the byte.
+TEST_F(Merge, MergedTuneEqualsOneRun) {
   const std::vector<std::string> command{"tune",      "demo", "--nodes",         "3",
                                          "--threads", "2",    "--stiffest-grip", "4000"};
   std::vector<std::string> whole = command;
@@ -139,8 +139,8 @@ TEST_F(Merge, TuneIsThatOfOneRun) {
     EXPECT_EQ(Text(std::string("tuned/") + name), Text(std::string("one/") + name)) << name;
 }
 
-// Two shards of one seed: all that was measured is in the first part, and the second is empty.
-TEST_F(Merge, ChartsHaveThePointsOfTheirShards) {
+// One seed in two shards: the first shard's file has all measurements, and the second's has none.
+TEST_F(Merge, MergedChartsHaveThePointsOfTheirShards) {
   const auto parts =
       RunShards({"chart", "speed-accuracy", "--quick", "--seeds", "1", "--method", "cpu"}, 2, 0);
   CommandResult merged = MergeFiles(parts, {"--out", "merged", "--json", "c.json"});
@@ -165,7 +165,7 @@ TEST_F(Merge, ChartsHaveThePointsOfTheirShards) {
   EXPECT_EQ(ReadJson(folder_.path() / "scaled/scaling.json")["points"].size(), 3u);
 }
 
-TEST_F(Merge, ASweepIsThatOfOneRun) {
+TEST_F(Merge, MergedSweepEqualsOneRun) {
   io::test::WriteAll(folder_.path() / "sweep.yaml",
                      "shows: x\nscenario: tremor\nseed_count: 2\nparameters:\n"
                      "  - {key: coupling.damping_Ns_per_m, takes: \"50, 200\"}\n"
@@ -194,12 +194,12 @@ TEST_F(Merge, ASweepIsThatOfOneRun) {
     EXPECT_GT(run["peak_force_N"], 1.0);
     hashes.insert(run["hash"].get<std::string>());
   }
-  EXPECT_EQ(hashes.size(), 4u);  // each run is another
+  EXPECT_EQ(hashes.size(), 4u);  // no two runs are alike
   ASSERT_EQ(sweep["combinations"].size(), 2u);
   EXPECT_EQ(sweep["combinations"][1]["values"]["coupling.damping_Ns_per_m"], "200");
 }
 
-TEST_F(Merge, RefusesPartsOfOtherRunsAndNamesTheFile) {
+TEST_F(Merge, RefusesShardsOfOtherRunsAndNamesTheFile) {
   const auto refused = [&](const std::vector<std::string>& files, const std::string& text) {
     const CommandResult run = MergeFiles(files);
     EXPECT_EQ(run.exit_code, 2) << text;
@@ -221,18 +221,19 @@ TEST_F(Merge, RefusesPartsOfOtherRunsAndNamesTheFile) {
   damaged["results"][0]["result"]["difference"]["passed"] = false;
   io::test::WriteAll(folder_.path() / "damaged.json", damaged.dump());
   refused({"damaged.json", files[1]}, "damaged.json: digest: found");
-  // a part that another program wrote, with a digest of its own
-  const auto written = [&](const char* key, const nlohmann::json& value, const std::string& text) {
+  // a wrong value in a file whose digest is right
+  const auto refuse_value = [&](const char* key, const nlohmann::json& value, const std::string& text) {
     nlohmann::json other = ReadJson(folder_.path() / files[0]);
     other["results"][0]["result"]["difference"][key] = value;
     io::test::WriteAll(folder_.path() / "damaged.json", TextOfPart(other));
     refused({"damaged.json", files[1]}, text);
   };
-  written("parts", {{{"part", 99}, {"tick", 1}}}, "damaged.json: item 1: found part 99");
-  written("passed", 1, "damaged.json: item 1: passed: found 1, accepted true or false");
-  written("first_tick", -1, "damaged.json: item 1: first_tick: found -1, accepted a whole number from 0 on");
-  written("others", {1}, "damaged.json: item 1: others: found [1], accepted a list of texts");
-  // parts of another commit than merge's
+  refuse_value("parts", {{{"part", 99}, {"tick", 1}}}, "damaged.json: item 1: found part 99");
+  refuse_value("passed", 1, "damaged.json: item 1: passed: found 1, accepted true or false");
+  refuse_value("first_tick", -1,
+               "damaged.json: item 1: first_tick: found -1, accepted a whole number from 0 on");
+  refuse_value("others", {1}, "damaged.json: item 1: others: found [1], accepted a list of texts");
+  // shards that were run with another commit than the merge
   for (const std::string& name : files) {
     nlohmann::json other = ReadJson(folder_.path() / name);
     other["build"] = "commit 0123456";
@@ -245,7 +246,7 @@ TEST_F(Merge, RefusesPartsOfOtherRunsAndNamesTheFile) {
   refused({"damaged.json", files[1]}, "damaged.json: found 0 items, accepted the 1 of shard 2/2");
 }
 
-TEST_F(Merge, ShardsNeedAFileAndANumber) {
+TEST_F(Merge, AShardNeedsAJsonFileAndAValidNumber) {
   const auto refused = [&](std::vector<std::string> arguments, const std::string& text) {
     arguments.insert(arguments.begin(), {"regress", "wall_reamer"});
     const CommandResult run = Run(arguments);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-// Reads the project's Markdown pages, as far as tests need: links, headings, commands, differences.
+// Reads the project's Markdown pages, as far as tests need: links, headings, commands, blocks marked `diff`.
 
 namespace osteon::app {
 
@@ -49,7 +49,7 @@ struct DocCommand {
 /// The user pages with lines to be typed: the README and docs/.
 [[nodiscard]] std::vector<std::string> PagesWithCommands(const std::filesystem::path& root);
 
-/// Texts of one file, and their replacements.
+/// A `diff` block: parts of one file's text, and their replacements.
 struct DocDifference {
   struct Part {
     std::string before, after;

@@ -6,6 +6,8 @@
 
 #include "base/realtime_thread.h"
 
+// Tests which failed runs a late machine excuses, and how its lateness is measured.
+
 namespace osteon::app {
 namespace {
 

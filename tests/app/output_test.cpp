@@ -10,14 +10,14 @@
 #include "tests/app/command.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
-// A command's two outputs, and the files of earlier runs: none loses data to another.
+// No output of a command damages another: standard output, standard error, its files, files of earlier runs.
 
 namespace osteon::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-// A plate is packed and drawn in half the time of the demo's own bone.
+// A short demo on a plate, which is packed and drawn in half the time of the demo's own bone.
 const std::vector<std::string> kDemo{"demo",   "--virtual-time", "--seconds", "0.3",
                                      "--cell", "thin_plate",     "--json",    "j.json"};
 
@@ -27,7 +27,7 @@ std::vector<std::string> Demo(const std::vector<std::string>& more) {
   return words;
 }
 
-int Open(const char* path) { return open(path, O_WRONLY | O_CLOEXEC); }
+int OpenForWriting(const char* path) { return open(path, O_WRONLY | O_CLOEXEC); }
 
 // A soft limit on the size of files that this process and its children may write; stands in for a full disk.
 class FileSizeLimit {
@@ -46,7 +46,7 @@ class FileSizeLimit {
   rlimit before_{};
 };
 
-TEST(Output, ClosedDescriptorsKeepWhatIsPrintedOutOfTheRecording) {
+TEST(Output, ClosedDescriptorsLetNoPrintedTextIntoTheRecording) {
   const TemporaryFolder folder;
   Command demo(folder.path(), kDemo, {}, {.out = CommandStreams::kClosed, .err = CommandStreams::kClosed});
   EXPECT_EQ(demo.Wait().exit_code, 0);
@@ -56,10 +56,10 @@ TEST(Output, ClosedDescriptorsKeepWhatIsPrintedOutOfTheRecording) {
   EXPECT_EQ(io::test::ReadAll(recording).find("Osteon demo:"), std::string::npos);
 }
 
-TEST(Output, AFullStdoutIsToldAndLosesNoFile) {
+TEST(Output, AFullStdoutIsReportedAndLosesNoFile) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "skipped, no /dev/full";
   const TemporaryFolder folder;
-  const int full = Open("/dev/full");
+  const int full = OpenForWriting("/dev/full");
   Command demo(folder.path(), kDemo, {}, {.out = full});
   const CommandResult run = demo.Wait();
   EXPECT_EQ(run.exit_code, 1);
@@ -74,7 +74,7 @@ TEST(Output, AFullStdoutIsToldAndLosesNoFile) {
   close(full);
 }
 
-// The limit stands in for a full disk under the recording; the small files fit.
+// The limit is below the size of the recording; the small files fit.
 TEST(Output, ARecordingThatDoesNotFitLosesNeitherSummaryNorJson) {
   const TemporaryFolder folder;
   CommandResult run;
@@ -132,8 +132,8 @@ TEST(Output, TwoDemosDoNotWriteIntoOneFolder) {
   EXPECT_TRUE(ReadComplete(recording).complete);
 }
 
-// A file name may have any bytes; a file's text is UTF-8.
-TEST(Output, AMeshWhoseNameIsLatin1IsWrittenAsWhatItIs) {
+// A file name may have any bytes, but the files that osteon writes are UTF-8: U+FFFD replaces the byte FC.
+TEST(Output, ALatin1FileNameIsWrittenAsValidUtf8) {
   const TemporaryFolder folder;
   const std::string name =
       "h\xfc"
@@ -153,7 +153,7 @@ TEST(Output, AMeshWhoseNameIsLatin1IsWrittenAsWhatItIs) {
   EXPECT_TRUE(ReadJson(folder.path() / "p.json").is_object());
 }
 
-TEST(Output, WhatCanNotBeRightIsRefusedAtOnce) {
+TEST(Output, InvalidOutputsAndPortsAreRefusedAtOnce) {
   const TemporaryFolder folder;
   const auto expect = [&](const std::vector<std::string>& words, const std::string& text,
                           const std::vector<std::string>& environment = {}) {

@@ -28,7 +28,7 @@ class CallGraph {
 /// A symbol in C++ notation: "osteon::rt::MonotonicNow()". Other symbols are returned unchanged.
 std::string Demangled(const std::string& symbol);
 
-/// A function that a tick may call although it is not ours, or that is not followed.
+/// A function outside the program that a tick may call, or one of the program whose calls are not followed.
 struct CallRule {
   std::string pattern;  ///< a qualified name (QualifiedName) or a signature, or its beginning and a '*'
   std::string reason;

@@ -19,6 +19,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
+// A bone on a mount that gives way, for the section `compliance` of the demo cell.
 constexpr const char* kMount =
     "\n  mount: on\n  bone_mount:\n    source: assumed\n    at_mm: [620, 0, 130]\n    mass_kg: 12\n"
     "    inertia_kg_m2: [0.12, 0.12, 0.12]\n    stiffness_N_per_mm: [47.4, 47.4, 47.4]\n"
@@ -29,6 +30,7 @@ std::string WithCompliance(const std::string& cell, const std::string& section) 
   return CellText(cell) + "\ncompliance:" + section + "\n";
 }
 
+// The tool's compliance in a shipped cell, with the decision of `auto`.
 CompliancePart ToolOf(const std::string& cell) {
   return CompliancePartsOf(LoadText(WithCompliance(cell, " {tool: auto}")))[0];
 }
@@ -39,10 +41,11 @@ TEST(ComplianceKeys, WithoutTheSectionNothingGivesWay) {
 }
 
 // Decisions of `auto` in the shipped cells, and the figures that decide it (table of the design).
-TEST(ComplianceKeys, AutoIsOnWhereTheSceneNoticesIt) {
+TEST(ComplianceKeys, AutoTurnsTheToolOnWhereItsBendingIsNoticed) {
   struct Row {
     const char* cell;
-    double k_N_per_mm, bends_mm, product, felt, thrust;
+    double k_N_per_mm, bends_mm;   // stiffness at the apex, displacement under the push
+    double product, felt, thrust;  // coupling stiffness × compliance, change felt, push / buckling load
     bool on;
   };
   for (const Row& row : {Row{"demo", 847.8, 0.041, 0.0236, -0.023, 0.002, false},
@@ -62,13 +65,14 @@ TEST(ComplianceKeys, AutoIsOnWhereTheSceneNoticesIt) {
   }
 }
 
+// The surface layer's compliance in a shipped cell, with the decision of `auto`.
 CompliancePart LayerOf(const std::string& cell) {
   return CompliancePartsOf(LoadText(WithCompliance(cell, " {layer: auto}")))[1];
 }
 
 // A reamer does not feel the demo's cartilage, and below a seated reamer it gives less than the scene's
 // error.
-TEST(ComplianceKeys, TheDemosCartilageIsOffByItself) {
+TEST(ComplianceKeys, AutoLeavesTheDemosCartilageOff) {
   const CompliancePart part = LayerOf("demo");
   ASSERT_TRUE(part.known);
   EXPECT_FALSE(part.on);
@@ -85,7 +89,7 @@ TEST(ComplianceKeys, TheDemosCartilageIsOffByItself) {
 }
 
 // Cells in which `auto` turns a part on because it is felt.
-TEST(ComplianceKeys, ShippedCellsWhosePartsAreFelt) {
+TEST(ComplianceKeys, AutoTurnsOnPartsThatAreFelt) {
   const CellConfig cup = LoadText(CellText("soft_cup"));
   ASSERT_TRUE(cup.servo.compliance.layer) << "auto";
   EXPECT_NEAR(cup.servo.compliance.layer->kappa_N_per_m3[0], 0.5e9, 1.0);
@@ -110,7 +114,7 @@ TEST(ComplianceKeys, ALayerYieldsByTheAreaThatTheToolEngages) {
 }
 
 // A ball of 25 mm radius on a flat layer, felt through a coupling of 20 N/mm (table of the design).
-TEST(ComplianceKeys, LayersOfTheDesignsTable) {
+TEST(ComplianceKeys, TheLayersLawGivesTheFiguresOfTheDesign) {
   struct Row {
     double kappa_N_per_mm3, thickness_mm, delta_mm[3], k_N_per_mm, felt_N_per_mm;
   };
@@ -133,7 +137,7 @@ TEST(ComplianceKeys, LayersOfTheDesignsTable) {
   }
 }
 
-TEST(ComplianceKeys, ReachTheLoop) {
+TEST(ComplianceKeys, ValuesOfTheSectionReachTheLoop) {
   const CellConfig drill = LoadText(CellText("long_drill"));
   ASSERT_TRUE(drill.servo.compliance.tool);
   const control::ToolLinkParams& tool = *drill.servo.compliance.tool;
@@ -157,14 +161,14 @@ TEST(ComplianceKeys, ReachTheLoop) {
   EXPECT_EQ(cup.servo.compliance.layer->kappa_N_per_m3[1], 0.0) << "cortical bone is hard";
 }
 
-TEST(ComplianceKeys, AMountBesideTheBoneMovesWithItsRegistration) {
+TEST(ComplianceKeys, AMountInTheBonesFrameMovesWithTheBone) {
   std::string text = WithCompliance("demo", kMount);
   text = With(text, "at_mm: [620, 0, 130]", "frame: bone\n    at_mm: [0, 0, -80]");
   const CellConfig cell = LoadText(text);
   EXPECT_LT((cell.servo.compliance.mount->p_WMo_m - Vector3(0.62, 0.0, 0.13)).norm(), 1e-9);
 }
 
-TEST(ComplianceKeys, WhatWouldNotBeStableIsRefusedWithTheValueThatIsNeeded) {
+TEST(ComplianceKeys, AnUnstablePartIsRefusedWithTheNeededValue) {
   EXPECT_EQ(Refusal(WithCompliance("demo", kMount)), "");
   const auto refusal = [](const std::string& from, const std::string& to) {
     return Refusal(With(WithCompliance("demo", kMount), from, to));
