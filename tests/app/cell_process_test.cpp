@@ -23,6 +23,7 @@ bool Says(const Command& command, const std::string& words) {
   return command.Out().find(words) != std::string::npos;
 }
 
+// Arm, interlock and spindle drive must all work over the network until the run completes.
 TEST(CellProcess, ARunConnectsToACellInAnotherProcess) {
   constexpr int kAttempts = 3;
   rt::Nanoseconds worst_wakeup = 0;
@@ -98,6 +99,7 @@ TEST(CellProcess, AThirdProcessChangesThePlansToolDuringARun) {
                                 "--seconds", "10", "--json", "run.json"});
     ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "COMMANDING_ACTIVE"); })) << run.Err();
     usleep(4'200'000);
+    // repeats a request until the session accepts it, at most 40 times
     const auto ask = [&](const char* request) {
       for (int times = 0; times < 40; ++times) {
         if (RunCommand(folder.path(), {"tell", "hip", request}).exit_code == 0) return true;

@@ -19,6 +19,7 @@ namespace osteon::app {
 
 using io::test::TemporaryFolder;
 
+/// How a command ended, and what it printed.
 struct CommandResult {
   int exit_code{-1};  ///< as a shell shows it: 128 + the signal if a signal ended the process
   std::string out, err;

@@ -32,6 +32,7 @@ struct Truth {
   Vector3 p_FT_m{Vector3::Zero()};
 };
 
+// Records simulated measurements of a cell whose payload and apex differ a little from those in its file.
 class CalibrateTest : public ::testing::Test {
  protected:
   CalibrateTest() {

@@ -32,7 +32,7 @@ TEST(Capability, PosesOutsideTheWorkspacePreventAGoodVerdict) {
   EXPECT_NE(run.out.find("outside the cell's workspace and were not judged"), std::string::npos) << run.out;
 }
 
-TEST(Capability, WritesTheKeysOfItsContractAndABaseThatTheCellAccepts) {
+TEST(Capability, WritesTheDocumentedKeysAndABaseThatTheCellAccepts) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"capability", "demo", "--out", "cap", "--json", "copy.json", "--nodes", "7",

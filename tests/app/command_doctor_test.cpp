@@ -8,6 +8,8 @@
 #include "session/setup/realtime_checks.h"
 #include "tests/app/command.h"
 
+// Runs `osteon doctor` as a user does, and tests the measurement behind its verdicts.
+
 namespace osteon::app {
 namespace {
 

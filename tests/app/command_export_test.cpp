@@ -135,16 +135,17 @@ TEST_F(ExportCommandTest, ACopyForFoxgloveShowsTheBoneBeingCarved) {
   EXPECT_EQ(again.at("foxglove").at("messages"), others);
   EXPECT_LT(again.at("foxglove").at("bone_states"), states.size());
 
-  const auto refused = [&](const std::vector<std::string>& words) {
+  const auto refusal_of = [&](const std::vector<std::string>& words) {
     const CommandResult run = RunCommand(folder_.path(), words);
     EXPECT_EQ(run.exit_code, 2) << run.err;
     return run.err;
   };
-  EXPECT_NE(
-      refused({"export", "bone.mcap", "--foxglove", "bone.bag"}).find("accepted a name that ends with .mcap"),
-      std::string::npos);
-  EXPECT_NE(refused({"export", "bone.mcap", "--mesh", "bone.mcap"}).find("neither --surface nor --foxglove"),
+  EXPECT_NE(refusal_of({"export", "bone.mcap", "--foxglove", "bone.bag"})
+                .find("accepted a name that ends with .mcap"),
             std::string::npos);
+  EXPECT_NE(
+      refusal_of({"export", "bone.mcap", "--mesh", "bone.mcap"}).find("neither --surface nor --foxglove"),
+      std::string::npos);
 }
 
 // Each column's name ends with a unit, or is listed as one without a unit (`bare`), and never both.

@@ -64,22 +64,22 @@ TEST(FailuresCommand, WritesTableJsonPageAndPictures) {
 
 TEST(FailuresCommand, RefusesInvalidArguments) {
   const TemporaryFolder folder;
-  const auto refused = [&](std::vector<std::string> arguments, const std::string& text) {
+  const auto expect_refused = [&](std::vector<std::string> arguments, const std::string& text) {
     arguments.insert(arguments.begin(), "failures");
     const CommandResult run = RunCommand(folder.path(), arguments);
     EXPECT_EQ(run.exit_code, 2) << run.out << run.err;
     EXPECT_NE(run.err.find(text), std::string::npos) << run.err;
     EXPECT_EQ(run.out, "");
   };
-  refused({"98"}, "found 98, accepted 1,");
-  refused({"one"}, "found one, accepted 1");
-  refused({"1", "--engine", "abacus"}, "found abacus, accepted auto, vulkan, cpu, reference");
-  refused({"1", "--device", "no such device"}, "no such device");
-  refused({"1", "--json", "nowhere/f.json"}, "no folder nowhere");
-  refused({"1", "--out", "report", "--markdown", "nowhere/page.md"}, "no folder nowhere");
-  refused({"1", "--markdown", "page.md"}, "--out");
+  expect_refused({"98"}, "found 98, accepted 1,");
+  expect_refused({"one"}, "found one, accepted 1");
+  expect_refused({"1", "--engine", "abacus"}, "found abacus, accepted auto, vulkan, cpu, reference");
+  expect_refused({"1", "--device", "no such device"}, "no such device");
+  expect_refused({"1", "--json", "nowhere/f.json"}, "no folder nowhere");
+  expect_refused({"1", "--out", "report", "--markdown", "nowhere/page.md"}, "no folder nowhere");
+  expect_refused({"1", "--markdown", "page.md"}, "--out");
   std::ofstream(folder.path() / "taken") << "a file";
-  refused({"1", "--out", "taken"}, "found a file, accepted a folder");
+  expect_refused({"1", "--out", "taken"}, "found a file, accepted a folder");
 }
 
 TEST(FailuresCommand, FailsIfItsJsonCannotBeWritten) {

@@ -37,7 +37,7 @@ TEST(IdentifyCommand, FindsTheSameInARunAndInItsRecording) {
   EXPECT_EQ(without_comment("again/identified.yaml"), without_comment("identify/identified.yaml"))
       << "a recording says the same as the run";
 
-  // a recording of another cell is refused, and the earlier result is removed
+  // a recording of another cell is expect_refused, and the earlier result is removed
   const CommandResult other = RunCommand(folder.path(), {"identify", "sawbone_block", "--recording",
                                                          "identify/free_z_50.mcap", "--out", "again"});
   EXPECT_EQ(other.exit_code, 1);
@@ -57,20 +57,20 @@ TEST(IdentifyCommand, FindsTheSameInARunAndInItsRecording) {
   EXPECT_NE(io::test::ReadAll(folder.path() / "cap/capability.html").find("Rendered along z"),
             std::string::npos);
 
-  // refused: a recording given twice, validation with the data of the fit, a torn recording
+  // expect_refused: a recording given twice, validation with the data of the fit, a torn recording
   const std::string file = "identify/free_z_50.mcap";
-  const auto refused = [&](std::vector<std::string> words, const std::string& why) {
+  const auto expect_refused = [&](std::vector<std::string> words, const std::string& why) {
     words.insert(words.begin(), {"identify", "demo", "--out", "none", "--recording", file});
     const CommandResult wrong = RunCommand(folder.path(), words);
     EXPECT_EQ(wrong.exit_code, 2);
     EXPECT_NE(wrong.err.find(why), std::string::npos) << wrong.err;
   };
-  refused({"--recording", file}, "again, accepted each once");
-  refused({"--validate", file}, "accepted each once, and other data to validate with");
-  refused({"--simulated"}, "--simulated with --recording, accepted one of them");
+  expect_refused({"--recording", file}, "again, accepted each once");
+  expect_refused({"--validate", file}, "accepted each once, and other data to validate with");
+  expect_refused({"--simulated"}, "--simulated with --recording, accepted one of them");
   const std::string whole = io::test::ReadAll(folder.path() / file);
   io::test::WriteAll(folder.path() / "torn.mcap", whole.substr(0, whole.size() / 2));
-  refused({"--recording", "torn.mcap"}, "torn.mcap: it ends early, at byte ");
+  expect_refused({"--recording", "torn.mcap"}, "torn.mcap: it ends early, at byte ");
 
   // the recording of the measurement replays
   EXPECT_EQ(RunCommand(folder.path(), {"replay", "identify/free_z_50.mcap"}).exit_code, 0);
@@ -100,16 +100,18 @@ TEST(IdentifyCommand, FindsTheSameForEachJointInARunAndInItsRecording) {
       << compared.out;
   EXPECT_EQ(ReadJson(folder.path() / "diff.json").at("responses").size(), 27u);
 
-  const auto refused = [&](std::vector<std::string> words, const std::string& why) {
+  const auto expect_refused = [&](std::vector<std::string> words, const std::string& why) {
     words.insert(words.begin(), "identify");
     const CommandResult wrong = RunCommand(folder.path(), words);
     EXPECT_EQ(wrong.exit_code, 2) << wrong.out;
     EXPECT_NE(wrong.err.find(why), std::string::npos) << wrong.err;
   };
-  refused({"thin_plate_impedance", "--simulated", "--do", "joints"},
-          "found law: impedance, accepted law: admittance");
-  refused({"kr_16_thin_plate", "--simulated", "--do", "joints", "--joints", "7"}, "found 7, accepted 1 … 6");
-  refused({"demo", "--simulated", "--do", "free", "--joints", "1"}, "without --do joints, accepted both");
+  expect_refused({"thin_plate_impedance", "--simulated", "--do", "joints"},
+                 "found law: impedance, accepted law: admittance");
+  expect_refused({"kr_16_thin_plate", "--simulated", "--do", "joints", "--joints", "7"},
+                 "found 7, accepted 1 … 6");
+  expect_refused({"demo", "--simulated", "--do", "free", "--joints", "1"},
+                 "without --do joints, accepted both");
 }
 
 // The `osteon` commands in a section of a page, each split into its words after `osteon`.

@@ -20,7 +20,7 @@ void ExpectTimes(const nlohmann::json& times) {
   EXPECT_LE(times.at("p999"), times.at("max"));
 }
 
-TEST(BenchFrame, WritesTheKeysOfItsContract) {
+TEST(BenchFrame, WritesTheDocumentedKeys) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(
       folder.path(),
@@ -166,7 +166,7 @@ TEST(BenchFrame, RefusesInvalidArguments) {
   EXPECT_NE(wrong.err.find("unknown subcommand frme; did you mean frame?"), std::string::npos) << wrong.err;
 }
 
-TEST(BenchKinematics, WritesTheKeysOfItsContract) {
+TEST(BenchKinematics, WritesTheDocumentedKeys) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"bench", "kinematics", "--calls", "1000", "--json", "k.json"});
@@ -217,7 +217,7 @@ TEST(BenchKinematics, RefusesInvalidArguments) {
       << none.err;
 }
 
-TEST(BenchTick, WritesTheKeysOfItsContract) {
+TEST(BenchTick, WritesTheDocumentedKeys) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"bench", "tick", "--ticks", "200", "--json", "t.json"});

@@ -36,6 +36,7 @@ std::string TextOfPart(const nlohmann::json& json) {
   return studies::PartText(part);
 }
 
+// Runs commands of `osteon` in one folder.
 class Merge : public testing::Test {
  protected:
   CommandResult Run(const std::vector<std::string>& arguments) {
@@ -200,33 +201,33 @@ TEST_F(Merge, MergedSweepEqualsOneRun) {
 }
 
 TEST_F(Merge, RefusesShardsOfOtherRunsAndNamesTheFile) {
-  const auto refused = [&](const std::vector<std::string>& files, const std::string& text) {
+  const auto expect_refused = [&](const std::vector<std::string>& files, const std::string& text) {
     const CommandResult run = MergeFiles(files);
     EXPECT_EQ(run.exit_code, 2) << text;
     EXPECT_NE(run.err.find(text), std::string::npos) << run.err;
   };
   const auto files = RunShards({"regress", "wall_reamer", "wall_kr"}, 2, 0);
-  refused({files[0]}, "missing: 1/2");
-  refused({files[0], files[0], files[1]}, "found shard 2/2, which part_2.json is too");
-  refused({"none.json"}, "none.json: no such file");
+  expect_refused({files[0]}, "missing: 1/2");
+  expect_refused({files[0], files[0], files[1]}, "found shard 2/2, which part_2.json is too");
+  expect_refused({"none.json"}, "none.json: no such file");
   ASSERT_EQ(Run({"regress", "wall_reamer", "wall_kr", "--exact", "--shard", "1/2", "--json", "other.json"})
                 .exit_code,
             0);
-  refused({files[0], "other.json"},
-          "other.json: found command regress wall_reamer wall_kr --exact, accepted "
-          "regress wall_reamer wall_kr, as in part_2.json");
+  expect_refused({files[0], "other.json"},
+                 "other.json: found command regress wall_reamer wall_kr --exact, accepted "
+                 "regress wall_reamer wall_kr, as in part_2.json");
   io::test::WriteAll(folder_.path() / "half.json", Text(files[0]).substr(0, Text(files[0]).size() / 2));
-  refused({"half.json", files[1]}, "half.json: found no complete JSON");
+  expect_refused({"half.json", files[1]}, "half.json: found no complete JSON");
   nlohmann::json damaged = ReadJson(folder_.path() / files[0]);
   damaged["results"][0]["result"]["difference"]["passed"] = false;
   io::test::WriteAll(folder_.path() / "damaged.json", damaged.dump());
-  refused({"damaged.json", files[1]}, "damaged.json: digest: found");
+  expect_refused({"damaged.json", files[1]}, "damaged.json: digest: found");
   // a wrong value in a file whose digest is right
   const auto refuse_value = [&](const char* key, const nlohmann::json& value, const std::string& text) {
     nlohmann::json other = ReadJson(folder_.path() / files[0]);
     other["results"][0]["result"]["difference"][key] = value;
     io::test::WriteAll(folder_.path() / "damaged.json", TextOfPart(other));
-    refused({"damaged.json", files[1]}, text);
+    expect_refused({"damaged.json", files[1]}, text);
   };
   refuse_value("parts", {{{"part", 99}, {"tick", 1}}}, "damaged.json: item 1: found part 99");
   refuse_value("passed", 1, "damaged.json: item 1: passed: found 1, accepted true or false");
@@ -239,25 +240,25 @@ TEST_F(Merge, RefusesShardsOfOtherRunsAndNamesTheFile) {
     other["build"] = "commit 0123456";
     io::test::WriteAll(folder_.path() / ("other_" + name), TextOfPart(other));
   }
-  refused({"other_" + files[0], "other_" + files[1]},
-          "other_part_2.json: found build commit 0123456, accepted commit ");
+  expect_refused({"other_" + files[0], "other_" + files[1]},
+                 "other_part_2.json: found build commit 0123456, accepted commit ");
   damaged["results"].clear();
   io::test::WriteAll(folder_.path() / "damaged.json", damaged.dump());
-  refused({"damaged.json", files[1]}, "damaged.json: found 0 items, accepted the 1 of shard 2/2");
+  expect_refused({"damaged.json", files[1]}, "damaged.json: found 0 items, accepted the 1 of shard 2/2");
 }
 
 TEST_F(Merge, AShardNeedsAJsonFileAndAValidNumber) {
-  const auto refused = [&](std::vector<std::string> arguments, const std::string& text) {
+  const auto expect_refused = [&](std::vector<std::string> arguments, const std::string& text) {
     arguments.insert(arguments.begin(), {"regress", "wall_reamer"});
     const CommandResult run = Run(arguments);
     EXPECT_EQ(run.exit_code, 2) << text;
     EXPECT_NE(run.err.find(text), std::string::npos) << run.err;
   };
-  refused({"--shard", "1/2"}, "--shard: found without --json");
+  expect_refused({"--shard", "1/2"}, "--shard: found without --json");
   for (const char* wrong : {"0/2", "3/2", "1", "1/2/3", "1/", "/2", "a/b", "1/-2", "1/10001"})
-    refused({"--shard", wrong, "--json", "p.json"}, "found " + std::string(wrong) + ", accepted I/N");
-  refused({"--shard", "1/2", "--json", "p.json", "--update", "--reason", "none"},
-          "--update excludes --shard");
+    expect_refused({"--shard", wrong, "--json", "p.json"}, "found " + std::string(wrong) + ", accepted I/N");
+  expect_refused({"--shard", "1/2", "--json", "p.json", "--update", "--reason", "none"},
+                 "--update excludes --shard");
 }
 
 }  // namespace

@@ -60,6 +60,7 @@ TEST_F(NewCellTest, DoesNotOverwriteAFile) {
   EXPECT_NE(unknown.err.find("--from nosuch"), std::string::npos) << unknown.err;
 }
 
+// `--cell mine` without an ending means config/cells/mine.yaml, which does not exist.
 TEST_F(NewCellTest, ABareNameMeansAShippedCellAndTheOwnFileIsSuggested) {
   ASSERT_EQ(RunCommand(folder_.path(), {"new-cell", "mine"}).exit_code, 0);
   const CommandResult run = RunCommand(folder_.path(), {"demo", "--cell", "mine", "--virtual-time"});

@@ -8,7 +8,7 @@
 namespace osteon::app {
 namespace {
 
-TEST(Plan, WritesTheKeysOfItsContractAndKeepsThePredictedError) {
+TEST(Plan, WritesTheDocumentedKeysAndKeepsThePredictedError) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"plan", "thin_plate", "--error-mm", "0.08", "--rate-hz", "1", "--check",

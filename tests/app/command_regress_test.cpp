@@ -10,6 +10,7 @@ namespace {
 
 const std::filesystem::path kShipped = std::filesystem::path(OSTEON_SOURCE_DIR) / "config/scenarios";
 
+// Runs `osteon regress` in a folder of its own.
 class Regress : public testing::Test {
  protected:
   CommandResult Run(std::vector<std::string> arguments) {
@@ -33,6 +34,7 @@ class Regress : public testing::Test {
                            more);
     return "own.yaml";
   }
+  /// The golden trace of that scenario.
   [[nodiscard]] std::filesystem::path OwnGolden() const { return folder_.path() / "golden/own.txt"; }
 
   TemporaryFolder folder_;
@@ -54,6 +56,7 @@ TEST_F(Regress, AllShippedScenariosPass) {
 
 TEST_F(Regress, ARunIsBitIdenticalWhateverRunsBesideIt) {
   const std::vector<std::string> some{"wall_reamer", "packet_loss", "drilling_lbr", "wall_kr"};
+  // the scenarios' hashes, with this number of them at once
   const auto hashes = [&](const std::string& jobs) {
     std::vector<std::string> arguments = some;
     arguments.insert(arguments.end(), {"--jobs", jobs});
@@ -185,34 +188,35 @@ INSTANTIATE_TEST_SUITE_P(
         Mutation{"reaming_lbr", "scene.packing.cup_radius_cap_mm=2.97"}));
 
 TEST_F(Regress, WrongInputIsRefusedBeforeAnythingRuns) {
-  const auto expect = [&](const std::vector<std::string>& arguments, const std::vector<std::string>& texts) {
+  const auto expect_refused = [&](const std::vector<std::string>& arguments,
+                                  const std::vector<std::string>& texts) {
     const CommandResult run = Run(arguments);
     EXPECT_EQ(run.exit_code, 2) << run.err;
     EXPECT_EQ(run.out, "");
     for (const std::string& text : texts) EXPECT_NE(run.err.find(text), std::string::npos) << run.err;
   };
-  expect({"nothing"}, {"nothing", "wall_reamer"});
-  expect({"wall_reamer", (kShipped / "wall_reamer.yaml").string()}, {"found twice"});
-  expect({"wall_reamer", "--update"}, {"--reason"});
-  expect({"wall_reamer", "--reason", "x"}, {"--update"});
-  expect({"wall_reamer", "--update", "--reason", " "}, {"found no reason", "--reason"});
-  expect({"wall_reamer", "--update", "--reason", ""}, {"found no reason", "--reason"});
-  expect({"--update", "--reason", "x"}, {"--update: found no scenario", "--all"});
-  expect({"wall_reamer", "--all"}, {"--update"});
-  expect({"wall_reamer", "--update", "--reason", "x", "--set", "a.b=1"}, {"--set"});
-  expect({"wall_reamer", "--set", "limits.max_force_N=900"},
-         {"--set limits.max_force_N=900: max_force_N: found 900"});
-  expect({"wall_reamer", "--set", "nothing"}, {"KEY=VALUE"});
+  expect_refused({"nothing"}, {"nothing", "wall_reamer"});
+  expect_refused({"wall_reamer", (kShipped / "wall_reamer.yaml").string()}, {"found twice"});
+  expect_refused({"wall_reamer", "--update"}, {"--reason"});
+  expect_refused({"wall_reamer", "--reason", "x"}, {"--update"});
+  expect_refused({"wall_reamer", "--update", "--reason", " "}, {"found no reason", "--reason"});
+  expect_refused({"wall_reamer", "--update", "--reason", ""}, {"found no reason", "--reason"});
+  expect_refused({"--update", "--reason", "x"}, {"--update: found no scenario", "--all"});
+  expect_refused({"wall_reamer", "--all"}, {"--update"});
+  expect_refused({"wall_reamer", "--update", "--reason", "x", "--set", "a.b=1"}, {"--set"});
+  expect_refused({"wall_reamer", "--set", "limits.max_force_N=900"},
+                 {"--set limits.max_force_N=900: max_force_N: found 900"});
+  expect_refused({"wall_reamer", "--set", "nothing"}, {"KEY=VALUE"});
   // a value that the cell's own lines forbid is reported together with the overrides
-  expect({"wall_reamer", "--set", "script.push_force_N=300"},
-         {"demo.yaml:", "max_force_N: found 150", "(with --set script.push_force_N=300)"});
-  expect({"wall_reamer", "--jobs", "-1"}, {"--jobs"});
-  expect({"wall_reamer", "--json", "nowhere/r.json"}, {"--json", "nowhere"});
-  expect({"wall_reamer", "--junit", "."}, {"--junit", "folder"});
+  expect_refused({"wall_reamer", "--set", "script.push_force_N=300"},
+                 {"demo.yaml:", "max_force_N: found 150", "(with --set script.push_force_N=300)"});
+  expect_refused({"wall_reamer", "--jobs", "-1"}, {"--jobs"});
+  expect_refused({"wall_reamer", "--json", "nowhere/r.json"}, {"--json", "nowhere"});
+  expect_refused({"wall_reamer", "--junit", "."}, {"--junit", "folder"});
   WriteScenario("  limits.max_forc_N: 5\n");
-  expect({"own.yaml"}, {"own.yaml:13", "max_forc_N", "max_force_N"});
+  expect_refused({"own.yaml"}, {"own.yaml:13", "max_forc_N", "max_force_N"});
   io::test::WriteAll(folder_.path() / "own.yaml", "shows: x\n");
-  expect({"own.yaml"}, {"own.yaml", "missing key"});
+  expect_refused({"own.yaml"}, {"own.yaml", "missing key"});
 }
 
 }  // namespace

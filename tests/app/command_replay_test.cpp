@@ -54,6 +54,7 @@ TEST_F(ReplayCommandTest, ReplayIsIdenticalBitForBit) {
   EXPECT_NE(out_.find("identical, bit for bit"), std::string::npos) << out_;
 }
 
+// The tests below change a copy of the recording; an unchanged copy must replay as the recording does.
 TEST_F(ReplayCommandTest, ARewrittenRecordingReplaysIdentically) {
   Replay(Write(*recording_));
   EXPECT_EQ(code_, 0) << "else the tests below would show nothing";
@@ -77,6 +78,7 @@ TEST_F(ReplayCommandTest, DetectsOneChangedBitOfOneReading) {
   EXPECT_NE(out_.find(difference.at("field").get<std::string>()), std::string::npos) << out_;
 }
 
+// Shifts all contacts of one model by 1 um: the first ticks that used this model must differ.
 TEST_F(ReplayCommandTest, DetectsAShiftedContact) {
   io::Recording changed = *recording_;
   const control::TickRecord& seen = changed.ticks[BusyTick()];
@@ -120,6 +122,7 @@ TEST_F(ReplayCommandTest, DetectsAChangedGain) {
   EXPECT_GT(json.at("different_ticks").get<std::uint64_t>(), 1000u);
 }
 
+// The recorded cell is molar, so a replay with the demo cell must differ.
 TEST_F(ReplayCommandTest, ReplaysWithAGivenCellInsteadOfTheRecordedOne) {
   Replay(Original(), {"--cell", OSTEON_SOURCE_DIR "/config/cells/molar.yaml"});
   EXPECT_EQ(code_, 0);

@@ -9,7 +9,7 @@
 namespace osteon::app {
 namespace {
 
-TEST(Transparency, WritesTheKeysOfItsContractAndFindsMoreMassThanTheLaws) {
+TEST(Transparency, WritesTheDocumentedKeysAndFindsMoreMassThanTheLaws) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(
       folder.path(), {"transparency", "demo", "--out", "felt", "--json", "copy.json", "--points", "6"});

@@ -16,6 +16,7 @@ namespace {
 
 using control::Phase;
 
+// Commanded speed of the tool's apex, in m/s.
 double SpeedOf(const control::TickRecord& tick) { return Vector3(tick.v_WT_cmd_m_per_s).norm(); }
 
 // Expects that the commanded speed only falls after the request to stop, until the recording ends at rest.

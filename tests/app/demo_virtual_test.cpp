@@ -14,10 +14,11 @@
 namespace osteon::app {
 namespace {
 
+// Size of the rendered force on the tool, in N.
 double ForceOf(const control::TickRecord& tick) { return Vector3(tick.F_coupling_T_W.f).norm(); }
 
-// Every key that the documents promise for the demo, with its type.
-void ExpectContract(const nlohmann::json& summary) {
+// Expects every key that the documents promise for the demo's summary, with its type.
+void ExpectDocumentedKeys(const nlohmann::json& summary) {
   EXPECT_EQ(summary.at("schema"), "osteon.demo/1");
   for (const char* key : {"engine", "device", "recording", "scene", "tool", "state_hash", "ended", "version"})
     EXPECT_TRUE(summary.at(key).is_string() && !summary.at(key).get<std::string>().empty()) << key;
@@ -29,6 +30,7 @@ void ExpectContract(const nlohmann::json& summary) {
   EXPECT_TRUE(summary.at("faults").is_array());
 }
 
+// Expects that no tick exceeds the force limit, and that the summary's peak is the recording's.
 void ExpectForceWithinLimit(const nlohmann::json& summary, const io::Recording& recording) {
   const double limit_N = summary.at("force_limit_N");
   EXPECT_EQ(limit_N, recording.session.force_limit_N);
@@ -64,7 +66,7 @@ TEST(VirtualDemo, WritesSummaryRecordingAndReportThatAgree) {
   const auto out = folder.path() / "a/b";
 
   const nlohmann::json summary = ReadJson(out / "summary.json");
-  ExpectContract(summary);
+  ExpectDocumentedKeys(summary);
   EXPECT_EQ(summary.at("ended"), "completed");
   EXPECT_TRUE(summary.at("faults").empty());
   EXPECT_NEAR(summary.at("servo_rate_hz").get<double>(), 1000.0, 1e-3);

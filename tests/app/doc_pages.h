@@ -10,12 +10,14 @@
 
 namespace osteon::app {
 
+/// A line of a page.
 struct DocLine {
   std::string text;
   bool code{false};      ///< in a fenced or indented block
   std::string language;  ///< of the fence
 };
 
+/// A Markdown page, as lines.
 struct DocPage {
   std::string path;  ///< from the root
   std::vector<DocLine> lines;
@@ -26,6 +28,7 @@ struct DocPage {
 /// Reads all pages except those made by a build or a run, sorted.
 [[nodiscard]] std::vector<DocPage> DocPages(const std::filesystem::path& root);
 
+/// A link in a page to a file or a heading of this tree.
 struct DocLink {
   std::size_t line{0};  ///< from 1
   std::string file;     ///< empty: the same page
@@ -37,6 +40,7 @@ struct DocLink {
 /// The headings' anchors as links name them: lower case, without punctuation, hyphens for spaces.
 [[nodiscard]] std::set<std::string> Headings(const DocPage& page);
 
+/// A command of osteon that a page shows.
 struct DocCommand {
   std::size_t line{0};
   std::string text;                ///< "osteon demo --virtual-time": without "./" and comment

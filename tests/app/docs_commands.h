@@ -11,6 +11,7 @@
 
 namespace osteon::app {
 
+/// How a test runs a command that a page shows.
 struct DocRun {
   std::vector<std::string> arguments;  ///< after "osteon"
   std::vector<std::string> leaves;     ///< files that must exist afterwards

@@ -53,6 +53,7 @@ TEST(Docs, EveryLinkHasATarget) {
 // The output of `osteon … --help`, requested once for each subcommand.
 class Helps {
  public:
+  // Empty if there is no such subcommand.
   const std::string& Of(const std::vector<std::string>& subcommand) {
     auto [at, is_new] = texts_.try_emplace(subcommand);
     if (!is_new) return at->second;

@@ -83,6 +83,7 @@ RunOutcome RunWithException(int throws_at, std::function<void(double)> progress)
   return outcome;
 }
 
+// Expects that the arm had rendered, came to rest and got no further motion, all in a complete recording.
 void ExpectAnOrderlyStop(const RunOutcome& outcome) {
   ASSERT_FALSE(outcome.recording.ticks.empty());
   EXPECT_TRUE(outcome.recording.complete);

@@ -29,6 +29,7 @@ class GuardProcess : public testing::Test {
     std::ofstream(file()) << config::With(config::CellText("thin_plate"), "  guard: false", "  guard: true ")
                           << "\nguard:\n  port: 30209\n  silence_ms: 200\n";
   }
+  // The cell thin_plate with a guard.
   [[nodiscard]] std::string file() const { return (folder_.path() / "guarded.yaml").string(); }
 
   void StartCellAndGuard() {

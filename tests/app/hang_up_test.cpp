@@ -64,6 +64,7 @@ bool InContact(const std::filesystem::path& recording) {
 // The event that ends the observed process.
 enum class End { kHangUp, kTwoHangUps, kStdoutClosed, kStderrClosed };
 
+// The output that the event closes goes into the pipe, the others into files.
 CommandStreams StreamsOf(End end, const Pipe& pipe) {
   if (end == End::kStdoutClosed) return {.out = pipe.writer()};
   if (end == End::kStderrClosed) return {.err = pipe.writer()};
@@ -79,6 +80,7 @@ void CauseEnd(End end, Command& process, Pipe& pipe) {
   process.Send(SIGHUP);
 }
 
+// Runs that an event ends while the tool is in bone.
 class HangUp : public testing::Test {
  protected:
   // Causes the event while the tool is in bone, and checks the run's exit code, its cause's name in the
@@ -122,6 +124,7 @@ class HangUp : public testing::Test {
   rt::Nanoseconds worst_{0};
 };
 
+// Exit codes are 128 plus the number of the signal.
 TEST_F(HangUp, AClosedTerminalEndsARunInOrder) { ExpectRunEnds(End::kHangUp, 129, "SIGHUP"); }
 
 // Shell, system and service manager may each send a SIGHUP.

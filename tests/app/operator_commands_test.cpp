@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kAttempts = 3;  // a run is repeated if the machine was late
 
+// A running cell and the commands that an operator gives it, in one folder.
 class OperatorCommands : public testing::Test {
  protected:
   // Sockets of this test alone: another cell may run on this machine.

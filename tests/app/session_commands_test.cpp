@@ -25,9 +25,10 @@ std::string ReadText(const fs::path& path) {
   return text.str();
 }
 
+// A demo with a plan of two reamers, which is killed and resumed.
 class KilledDemo : public testing::Test {
  protected:
-  KilledDemo() {  // the demo's plan with its last two reamers
+  KilledDemo() {  // writes the demo's plan without its first two reamers
     std::string plan = ReadText(OSTEON_SOURCE_DIR "/config/plans/acetabulum.yaml");
     for (const char* reamer : {"  - {diameter_mm: 44", "  - {diameter_mm: 46"}) {
       const std::size_t line = plan.find(reamer);

@@ -41,6 +41,7 @@ void AddTicks(std::vector<TickRecord>& ticks, int count, Phase phase, std::uint3
   }
 }
 
+// All stops in the ticks of a whole run.
 std::vector<session::StopRecord> FindStops(const std::vector<TickRecord>& ticks) {
   session::StopFinder finder;
   std::vector<session::StopRecord> stops;

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+// Checks the includes of the whole tree, and what the rules of include_rules.txt allow and forbid.
+
 namespace osteon::architecture {
 namespace {
 

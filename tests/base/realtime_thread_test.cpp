@@ -21,6 +21,7 @@
 namespace osteon::rt {
 namespace {
 
+// The CPUs on which the calling thread may run, in ascending order.
 std::vector<int> AllowedCpus() {
   cpu_set_t mask;
   CPU_ZERO(&mask);
@@ -137,6 +138,7 @@ TEST(RealtimeThread, ATouchedStackHasNoPageFaultsLeft) {
   GTEST_SKIP() << "under a sanitizer: its shadow memory has faults of its own";
 #endif
   constexpr std::size_t kStack = 512 * 1024;
+  // page faults of the call if so many bytes of stack were touched before
   const auto faults_of = [](std::size_t prefault) {
     long faults = 0;
     InThread([&] {
@@ -154,6 +156,7 @@ TEST(RealtimeThread, LocksMemoryOnlyOnRequest) {
 #if defined(OSTEON_SANITIZED)
   GTEST_SKIP() << "under a sanitizer: it takes mlockall and locks nothing";
 #endif
+  // locked memory of this process; -1 if the system does not tell
   const auto locked_kib = [] {
     std::ifstream status("/proc/self/status");
     for (std::string word; status >> word;)
@@ -174,6 +177,7 @@ TEST(RealtimeThread, LocksMemoryOnlyOnRequest) {
 
 // A granted request keeps /dev/cpu_dma_latency open, and a second request does not open it again.
 TEST(RealtimeThread, KeepsTheCpusAwakeIfItReportsSo) {
+  // number of descriptors that are open on that file
   const auto held = [] {
     int count = 0;
     for (const auto& file : std::filesystem::directory_iterator("/proc/self/fd")) {

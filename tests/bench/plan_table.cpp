@@ -19,6 +19,7 @@
 namespace osteon::app {
 namespace {
 
+// A request to plan.
 struct Row {
   const char* scene;
   double error_mm, rate_hz;

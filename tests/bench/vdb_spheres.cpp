@@ -7,6 +7,8 @@
 #include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/VolumeToSpheres.h>
 
+// Spheres by OpenVDB, for a build that has this library.
+
 namespace osteon::bench {
 
 std::string VdbVersion() { return OPENVDB_LIBRARY_VERSION_STRING; }

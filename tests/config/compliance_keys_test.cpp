@@ -141,7 +141,9 @@ TEST(ComplianceKeys, ValuesOfTheSectionReachTheLoop) {
   const CellConfig drill = LoadText(CellText("long_drill"));
   ASSERT_TRUE(drill.servo.compliance.tool);
   const control::ToolLinkParams& tool = *drill.servo.compliance.tool;
-  const double factor = 1.0 / (1.0 - 60.0 / 422.6);  // by which the thrust softens the tool
+  // the stiffness at the apex, 8720 N/m without thrust, falls by the thrust of 60 N at a buckling load of
+  // 422.6 N
+  const double factor = 1.0 / (1.0 - 60.0 / 422.6);
   EXPECT_NEAR(1.0 / tool.compliance_T(0, 0), 8720.0 / factor, 87.2);
   EXPECT_EQ(tool.tau_s, 0.020);
   EXPECT_NEAR(tool.max_bend_m, 6.5e-3, 1e-9);

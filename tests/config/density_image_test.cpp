@@ -62,6 +62,7 @@ void WriteText(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
+// The text with the first `from` replaced, which must be there.
 std::string Replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << "the test is out of date: no " << from;
@@ -98,6 +99,7 @@ class DensityImages : public ::testing::Test {
   [[nodiscard]] fs::path picture() const { return folder_ / "profile.png"; }
   [[nodiscard]] fs::path scene() const { return folder_ / "plate.yaml"; }
 
+  /// Writes the scene thin_plate with this section about its image.
   void WriteScene(const std::string& image) const {
     WriteText(scene(), Replaced(ReadText(kConfig / "scenes/thin_plate.yaml"),
                                 "\n  layers: []\n  core: cortical\n  regions",
@@ -114,6 +116,7 @@ class DensityImages : public ::testing::Test {
     }
     return "accepted";
   }
+  /// The error of the scene with another image.
   std::string RefusalOf(const Picture& changed) {
     WritePng(picture(), changed);
     return Refusal();
