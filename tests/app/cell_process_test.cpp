@@ -56,7 +56,7 @@ TEST(CellProcess, ARunConnectsToACellInAnotherProcess) {
     EXPECT_GT(turns, 50.0) << "the drill turned, as its drive said";
     const nlohmann::json report = ReadJson(cell_folder.path() / "cell.json");
     EXPECT_EQ(report.at("schema"), "osteon.cell/1");
-    EXPECT_GT(report.at("arm").at("answered").get<int>(), 2000);
+    EXPECT_GT(report.at("arm").at("answered").get<int>(), 2000);  // 2 s at 1 kHz
     EXPECT_GT(report.at("plc").at("requests").get<int>(), 100);
     return;
   }
@@ -98,7 +98,7 @@ TEST(CellProcess, AThirdProcessChangesThePlansToolDuringARun) {
     Command run(folder.path(), {"run", "demo", "--plan", "acetabulum", "--session", "hip", "--port", Port(),
                                 "--seconds", "10", "--json", "run.json"});
     ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "COMMANDING_ACTIVE"); })) << run.Err();
-    usleep(4'200'000);
+    usleep(4'200'000);  // into the last second of the first tool
     // repeats a request until the session accepts it, at most 40 times
     const auto ask = [&](const char* request) {
       for (int times = 0; times < 40; ++times) {
@@ -158,9 +158,9 @@ TEST(CellProcess, ARunConnectsToAKrOverRsiInAnotherProcess) {
     }
     EXPECT_TRUE(saw_active) << cell.Out();
     EXPECT_EQ(summary.at("ended"), "completed");
-    EXPECT_EQ(ReadComplete(folder.path() / "r.mcap").ticks.back().q_cmd[6], 0.0);
+    EXPECT_EQ(ReadComplete(folder.path() / "r.mcap").ticks.back().q_cmd[6], 0.0);  // a KR has six joints
     const nlohmann::json report = ReadJson(cell_folder.path() / "cell.json");
-    EXPECT_GT(report.at("arm").at("answered").get<int>(), 500);
+    EXPECT_GT(report.at("arm").at("answered").get<int>(), 500);  // 2 s at 250 Hz
     EXPECT_EQ(report.at("arm").at("malformed").get<int>(), 0);
     return;
   }

@@ -13,8 +13,7 @@
 namespace osteon::app {
 namespace {
 
-// Expects a value and a known verdict of each check, and advice unless it is good. @returns the checks'
-// names.
+// Expects of each check a value, a known verdict and, unless it is good, advice. @returns their names.
 std::set<std::string> ExpectChecks(const nlohmann::json& doctor) {
   std::set<std::string> names;
   EXPECT_EQ(doctor.at("schema"), "osteon.doctor/1");

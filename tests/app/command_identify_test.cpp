@@ -37,7 +37,7 @@ TEST(IdentifyCommand, FindsTheSameInARunAndInItsRecording) {
   EXPECT_EQ(without_comment("again/identified.yaml"), without_comment("identify/identified.yaml"))
       << "a recording says the same as the run";
 
-  // a recording of another cell is expect_refused, and the earlier result is removed
+  // a recording of another cell is refused, and the earlier result is removed
   const CommandResult other = RunCommand(folder.path(), {"identify", "sawbone_block", "--recording",
                                                          "identify/free_z_50.mcap", "--out", "again"});
   EXPECT_EQ(other.exit_code, 1);
@@ -57,7 +57,7 @@ TEST(IdentifyCommand, FindsTheSameInARunAndInItsRecording) {
   EXPECT_NE(io::test::ReadAll(folder.path() / "cap/capability.html").find("Rendered along z"),
             std::string::npos);
 
-  // expect_refused: a recording given twice, validation with the data of the fit, a torn recording
+  // refused: a recording given twice, validation with the data of the fit, a torn recording
   const std::string file = "identify/free_z_50.mcap";
   const auto expect_refused = [&](std::vector<std::string> words, const std::string& why) {
     words.insert(words.begin(), {"identify", "demo", "--out", "none", "--recording", file});

@@ -10,7 +10,7 @@
 #include "tests/app/command.h"
 #include "tests/app/short_run.h"
 
-// Motions that the demo saves, and the events of a scene: in virtual time, run as a user does.
+// Tests the motion that a demo saves, and the events of a scene, with demos in virtual time.
 
 namespace osteon::app {
 namespace {
@@ -51,7 +51,7 @@ TEST(VirtualDemo, SavesTheCommandedMotionToFiveMicrometres) {
     last = X_GT.translation();
     EXPECT_NEAR(curve.SpindleAt(rt::ToSeconds(tick.stamp - start)), tick.spindle_rad_per_s, 1e-4);
   }
-  EXPECT_GE(ticks, 1500u);
+  EXPECT_GE(ticks, 1500u);  // 1.5 s at 1 kHz
   EXPECT_GT(path_m, 0.02) << "the hand did nothing";
   EXPECT_LT(worst_m, 5e-6);
   EXPECT_LT(worst_lever_m, 10e-6);
@@ -59,7 +59,7 @@ TEST(VirtualDemo, SavesTheCommandedMotionToFiveMicrometres) {
               motion->samples.size(), io::test::ReadAll(folder.path() / "motion.csv").size(), worst_m * 1e6,
               worst_lever_m * 1e6);
 
-  // no event happened; the wall beside the cup is watched: half the block's width minus the reamer's radius
+  // no event happened; the thinnest wall is half the block's width, 40 mm, minus the reamer's radius
   const nlohmann::json summary = ReadJson(folder.path() / "a/b/summary.json");
   EXPECT_TRUE(summary.at("events").empty());
   EXPECT_NEAR(summary.at("least_wall_mm").get<double>(), 40.0 - 25.0, 1.0);

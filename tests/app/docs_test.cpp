@@ -14,8 +14,8 @@
 #include "tests/app/doc_pages.h"
 #include "tests/app/docs_commands.h"
 
-// Checks the pages' promises: links lead somewhere, commands and options exist and do what they are shown
-// for, differences apply to the tree.
+// Checks the documents: each link has a target, each command and option exists, the commands run, and the
+// blocks marked `diff` apply to the tree.
 
 namespace osteon::app {
 namespace {

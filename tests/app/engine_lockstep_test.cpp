@@ -36,7 +36,7 @@ TEST_F(EngineInLockstep, CarvesTheSameOverUdp) {
   const nlohmann::json report = ReadJson(folder_.path() / "engine.json");
   EXPECT_EQ(report.at("schema"), "osteon.simulate/1");
   EXPECT_EQ(report.at("runs"), 2);
-  EXPECT_GT(report.at("frames").get<int>(), 800);
+  EXPECT_GT(report.at("frames").get<int>(), 800);  // two runs of 1 s at 500 Hz
 }
 
 TEST_F(EngineInLockstep, AMissingEngineIsReportedBeforeAnythingMoves) {

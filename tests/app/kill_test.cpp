@@ -4,8 +4,7 @@
 #include "tests/app/machine_lateness.h"
 
 // Runs `osteon failures --kill`: controller, loop, simulation, recorder, guard, cell and the engine's
-// process are killed in full contact, once each. The documented measurement has
-// `--times 20`.
+// process are killed in full contact, once each. The documented measurement kills each 20 times.
 
 namespace osteon::app {
 namespace {

@@ -48,7 +48,7 @@ struct CallCheck {
   std::size_t reached{0};      ///< functions of the program that were followed
 };
 
-/// Follows every call from the marked functions (qualified names) to the edge of the program.
+/// Follows every call from the marked functions (qualified names) up to a rule or a function of a library.
 CallCheck CheckCalls(const CallGraph& graph, const std::set<std::string>& marked,
                      const std::vector<CallRule>& rules);
 

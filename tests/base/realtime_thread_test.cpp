@@ -76,8 +76,7 @@ TEST(RealtimeThread, RunsOnItsReservedCpuAndOtherThreadsDoNot) {
     EXPECT_FALSE(other_ran_on.contains(cpu));
     EXPECT_EQ(other_allowed, std::vector<int>(cpus.begin(), cpus.end() - 1));
     EXPECT_FALSE(CpusRunOn().contains(cpu)) << "nor does the thread that reserved it run there";
-    // a thread that was kept off the CPU still gets it on request: a child process inherits this thread's
-    // mask
+    // a thread that was kept off the CPU still gets it on request: child processes inherit that mask
     ASSERT_EQ(ReserveCpu(cpu), "");
     EXPECT_EQ(SetUpRealtimeThread({.priority = 0, .cpu = cpu}).cpu, cpu);
   });

@@ -70,8 +70,7 @@ CompliancePart LayerOf(const std::string& cell) {
   return CompliancePartsOf(LoadText(WithCompliance(cell, " {layer: auto}")))[1];
 }
 
-// A reamer does not feel the demo's cartilage, and below a seated reamer it gives less than the scene's
-// error.
+// A reamer does not feel the demo's cartilage, which yields less than the scene's error below it.
 TEST(ComplianceKeys, AutoLeavesTheDemosCartilageOff) {
   const CompliancePart part = LayerOf("demo");
   ASSERT_TRUE(part.known);
@@ -141,8 +140,7 @@ TEST(ComplianceKeys, ValuesOfTheSectionReachTheLoop) {
   const CellConfig drill = LoadText(CellText("long_drill"));
   ASSERT_TRUE(drill.servo.compliance.tool);
   const control::ToolLinkParams& tool = *drill.servo.compliance.tool;
-  // the stiffness at the apex, 8720 N/m without thrust, falls by the thrust of 60 N at a buckling load of
-  // 422.6 N
+  // the thrust of 60 N, at a buckling load of 422.6 N, lowers the stiffness of 8720 N/m at the apex
   const double factor = 1.0 / (1.0 - 60.0 / 422.6);
   EXPECT_NEAR(1.0 / tool.compliance_T(0, 0), 8720.0 / factor, 87.2);
   EXPECT_EQ(tool.tau_s, 0.020);
@@ -192,7 +190,7 @@ TEST(ComplianceKeys, AnUnstablePartIsRefusedWithTheNeededValue) {
   EXPECT_THAT(Refusal(WithCompliance("demo", " {mount: on}")),
               HasSubstr("accepted with `bone_mount` beside it"));
   EXPECT_THAT(Refusal(WithCompliance("sawbone_block", " {layer: on}")), HasSubstr("layer_N_per_mm3"));
-  // 80 N/mm on a drill of 3.2 mm needs more than 20 ms
+  // a coupling of 80 N/mm on a drill of 3.2 mm needs a relaxation of more than 20 ms
   std::string stiff = CellText("long_drill");
   stiff = With(stiff, "stiffness_N_per_mm: 60", "stiffness_N_per_mm: 80");
   EXPECT_THAT(Refusal(stiff),
@@ -209,7 +207,7 @@ TEST(ComplianceKeys, AMountThatSwingsTooFastOrTooFreelyIsRefused) {
     return With(text, "at_mm: [620, 0, 130]", at);
   };
   const std::string pelvis = "at_mm: [620, 0, 130]";
-  // 80 mm below the cup's centre: (20 N/mm × L² + k_r) T² / 0.16
+  // least inertia (20 N/mm · L² + k_r) T² / 0.16, with L = 80 mm below the cup's centre and a period T = 1 ms
   EXPECT_THAT(Refusal(mounted("demo", "[0.12, 0.005, 0.12]", "[2000, 2000, 2000]", pelvis)),
               AllOf(HasSubstr("inertia_kg_m2"), HasSubstr("found 0.005 about y, accepted at least 0.0133"),
                     HasSubstr("lever of 80 mm")));

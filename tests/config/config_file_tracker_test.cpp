@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
 
-// The recorded files, from config/ and sorted.
+// The recorded files, relative to config/ and sorted.
 std::vector<std::string> NamesOf(const ConfigFileTracker& scope) {
   std::vector<std::string> names;
   for (const ConfigFileTracker::File& file : scope.files())

@@ -132,7 +132,7 @@ TEST_F(DensityImages, PixelsOf8BitsBecomeDensities) {
   const simulation::DensityImage& image = *tissue.solid.image;
   EXPECT_EQ(image.rows, 2);
   EXPECT_EQ(image.columns, 3);
-  constexpr double kRounding = 1e-3;  // of floats up to 2550
+  constexpr double kRounding = 1e-3;  // of floats up to 2550 kg/m³
   EXPECT_NEAR(image.DensityAt(0.000, 0.005), 0.0, kRounding);
   EXPECT_NEAR(image.DensityAt(0.000, 0.015), 510.0, kRounding);
   EXPECT_NEAR(image.DensityAt(0.002, 0.005), 1020.0, kRounding);
@@ -279,7 +279,7 @@ TEST_F(DensityImages, TheMaterialInAMeshFollowsTheImage) {
   EXPECT_EQ(at(0.0039, 0.0100), "cancellous");
   EXPECT_EQ(at(0.0041, 0.0100), "cortical") << "the core";
 
-  // when packed, every material of the image has its share
+  // packed: every material of the image has a share of the volume
   const auto materials = LoadMaterials(kConfig / "materials/bone.yaml");
   for (const std::string& name : params.material_names)
     params.materials.push_back(*std::ranges::find(materials, name, &simulation::Material::name));

@@ -33,7 +33,7 @@ std::string ReadText(const fs::path& path) {
   return text.str();
 }
 
-// Loads a file of config/ according to its folder, as its user would.
+// Loads a file of config/ with the reader for its folder.
 void LoadAny(const fs::path& path) {
   const std::string folder = path.parent_path().filename().string();
   if (folder == "robots") return static_cast<void>(LoadRobot(path));
@@ -112,7 +112,7 @@ class ConfigFilesTest : public ::testing::Test {
   void TearDown() override { fs::remove_all(root_); }
 
   static void Write(const fs::path& path, const std::string& text) {
-    fs::remove(path);  // a file that is truncated and written again is flushed by ext4: milliseconds
+    fs::remove(path);  // truncating and rewriting a file costs milliseconds on ext4
     std::ofstream(path, std::ios::binary) << text;
   }
 
@@ -142,7 +142,7 @@ TEST_F(ConfigFilesTest, EveryNumberHasAUnitIsReadAndIsBounded) {
     CollectNumbers(YAML::Load(text), "", "", numbers);
     total += numbers.size();
     EXPECT_TRUE(!numbers.empty() || text.find("\nextends:") != std::string::npos)
-        << file;  // a cell may have another's alone
+        << file;  // a file that extends another may have no number of its own
     for (const Scalar& number : numbers) {
       ASSERT_EQ(text.substr(number.begin, number.text.size()), number.text)
           << file << " line " << number.line;
