@@ -2,11 +2,13 @@
 
 #include "tests/app/command.h"
 
+// Runs `osteon bench view` as a user does. No time is judged.
+
 namespace osteon::app {
 namespace {
 
-// A second of cutting, repeated until it has a minute and a half: every time of it is shown.
-TEST(BenchView, OpensARepeatedRecordingAndGoesToItsTimes) {
+// Repeats a recording of 1 s until it lasts 0.025 h, which is 90 s, and shows it at four times.
+TEST(BenchView, OpensARepeatedRecordingAndSeeksInIt) {
   const TemporaryFolder folder;
   const CommandResult demo =
       RunCommand(folder.path(), {"demo", "--virtual-time", "--seconds", "1", "--out", "out"});

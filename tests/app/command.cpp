@@ -27,6 +27,7 @@ std::vector<std::string> Environment(const std::vector<std::string>& added) {
   return all;
 }
 
+// Null-terminated list for posix_spawn, which points into the texts.
 std::vector<char*> Pointers(std::vector<std::string>& texts) {
   std::vector<char*> pointers;
   for (std::string& text : texts) pointers.push_back(text.data());
@@ -59,7 +60,7 @@ Command::Command(const std::filesystem::path& folder, std::vector<std::string> a
   };
   redirect(STDOUT_FILENO, streams.out, out_);
   redirect(STDERR_FILENO, streams.err, err_);
-  // signals as in a shell, whatever started the tests
+  // the default reaction to these signals, as in a shell, even if this process ignores them
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t defaults;

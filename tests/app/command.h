@@ -19,6 +19,7 @@ namespace osteon::app {
 
 using io::test::TemporaryFolder;
 
+/// How a command ended, and what it printed.
 struct CommandResult {
   int exit_code{-1};  ///< as a shell shows it: 128 + the signal if a signal ended the process
   std::string out, err;
@@ -41,7 +42,7 @@ struct CommandStreams {
 class Command {
  public:
   /// @param environment  "NAME=value", added to this process's or replacing its values
-  /// @param streams  where it prints to
+  /// @param streams  where the process prints to
   Command(const std::filesystem::path& folder, std::vector<std::string> arguments,
           const std::vector<std::string>& environment = {}, const CommandStreams& streams = {});
   /// Kills a process that still runs.
@@ -50,13 +51,13 @@ class Command {
   Command& operator=(const Command&) = delete;
 
   void Send(int signal_number) const;
-  /// Its output so far.
+  /// Standard output and standard error so far, if they go to files.
   [[nodiscard]] std::string Out() const;
   [[nodiscard]] std::string Err() const;
   /// Polls the condition until it holds. False if the process ended or the time limit passed first.
   [[nodiscard]] bool WaitUntil(const std::function<bool()>& condition,
                                std::chrono::seconds limit = kRunLimit / 5);
-  /// Waits for its end; kills it at the limit, then with exit code 137.
+  /// Waits for the end of the process. Kills the process at the limit; its exit code is then 137.
   CommandResult Wait(std::chrono::seconds limit = kRunLimit);
 
  private:

@@ -23,6 +23,8 @@ using kinematics::JointVector;
 
 const std::filesystem::path kCell = std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml";
 
+// Values of the simulated sensor and tool that the calibration must find: the payload's mass and centre in
+// the flange frame F, the sensor's bias, the tool's apex T in F.
 struct Truth {
   double mass_kg{0.0};
   Vector3 center_F_m{Vector3::Zero()};
@@ -30,6 +32,7 @@ struct Truth {
   Vector3 p_FT_m{Vector3::Zero()};
 };
 
+// Records simulated measurements of a cell whose payload and apex differ a little from those in its file.
 class CalibrateTest : public ::testing::Test {
  protected:
   CalibrateTest() {
@@ -46,12 +49,13 @@ class CalibrateTest : public ::testing::Test {
     ASSERT_TRUE(recorder) << recorder.error();
     control::TickRecord tick;
     tick.stamp = rt::kSecond;
-    tick.session_state = 4;
+    tick.session_state = 4;  // COMMANDING_ACTIVE
     tick.sensor_age_s = 0.001;
     std::normal_distribution<double> normal;
     const auto noise = [&](double size) {
       return Vector3(size * normal(random_), size * normal(random_), size * normal(random_));
     };
+    // appends a tick with the arm at q: the sensor feels bias, weight and noise
     const auto push = [&](const JointVector& q) {
       tick.stamp += rt::kMillisecond;
       std::copy_n(q.data(), 7, tick.q_meas.begin());
@@ -81,7 +85,7 @@ class CalibrateTest : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(CalibrateTest, FindsPayloadBiasAndApexAndTheCellTakesThem) {
+TEST_F(CalibrateTest, FindsPayloadBiasAndApexAndTheCellUsesThem) {
   std::vector<JointVector> weigh, tip;
   for (const auto& [a4, a5, a6] : {std::array{0.0, 0.0, 0.0},
                                    {0.3, 0.0, 0.5},
@@ -96,7 +100,7 @@ TEST_F(CalibrateTest, FindsPayloadBiasAndApexAndTheCellTakesThem) {
     weigh.push_back(q);
   }
   Record(folder_.path() / "weigh.mcap", weigh);
-  // the apex on one point, the flange turned about it
+  // the apex of the tool stays on one point while the flange turns about it
   const Pose X_WF = cell_.X_WB * arm_.FlangePose(Start());
   const Vector3 point_W = X_WF * truth_.p_FT_m;
   for (const auto& [x, y] :
@@ -131,7 +135,7 @@ TEST_F(CalibrateTest, FindsPayloadBiasAndApexAndTheCellTakesThem) {
   EXPECT_LT(json.at("residual").at("payload_N").get<double>(), 0.02);
   EXPECT_LT(json.at("residual").at("tcp_mm").get<double>(), 1e-3);
 
-  // each posture has its residual; none was visited twice
+  // one residual for each posture; repeatability needs a posture that was visited twice
   ASSERT_EQ(payload.at("postures").size(), 6u);
   for (const nlohmann::json& posture : payload.at("postures")) EXPECT_LT(posture.at("residual_N"), 0.1);
   EXPECT_EQ(json.at("tcp").at("postures").size(), 6u);
@@ -186,14 +190,14 @@ TEST_F(CalibrateTest, KeepsAHistoryAndWarnsOfDrift) {
   EXPECT_NE(run.out.find("the payload's mass has drifted"), std::string::npos) << run.out;
   EXPECT_NE(run.out.find("the sensor's bias has drifted by 2.0"), std::string::npos) << run.out;
 
-  // a line that is none is named, and nothing is overwritten
+  // a damaged line of the history is named, and the calibration's file is not overwritten
   std::ofstream(folder_.path() / "found.history.jsonl", std::ios::app) << "no json\n";
   const CommandResult refused = calibrate();
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.err.find("found.history.jsonl:4"), std::string::npos) << refused.err;
 }
 
-TEST_F(CalibrateTest, SaysWhatIsMissing) {
+TEST_F(CalibrateTest, RefusesTooFewPosesAndAPayloadThatIsNotThisTools) {
   EXPECT_EQ(RunCommand(folder_.path(), {"calibrate", "demo"}).exit_code, 2);
   Record(folder_.path() / "still.mcap", {Start()});
   const CommandResult run = RunCommand(folder_.path(), {"calibrate", "demo", "--payload", "still.mcap"});

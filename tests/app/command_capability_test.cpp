@@ -17,8 +17,9 @@ std::string ReadText(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// A volume that is larger than the workspace is not judged as a whole, and says so.
-TEST(Capability, PosesOutsideTheWorkspaceMakeNoGoodVerdict) {
+// The task's volume is larger than the workspace: poses outside are counted and not judged, and the verdict
+// is not good. 243 poses: 3 heights, each with 9 places of 9 tilts.
+TEST(Capability, PosesOutsideTheWorkspacePreventAGoodVerdict) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"capability", "demo", "--no-search", "--nodes", "3",
                                                        "--radius-mm", "200", "--out", "cap"});
@@ -31,7 +32,7 @@ TEST(Capability, PosesOutsideTheWorkspaceMakeNoGoodVerdict) {
   EXPECT_NE(run.out.find("outside the cell's workspace and were not judged"), std::string::npos) << run.out;
 }
 
-TEST(Capability, WritesTheKeysOfItsContractAndABaseThatTheCellAccepts) {
+TEST(Capability, WritesTheDocumentedKeysAndABaseThatTheCellAccepts) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"capability", "demo", "--out", "cap", "--json", "copy.json", "--nodes", "7",
@@ -64,6 +65,7 @@ TEST(Capability, WritesTheKeysOfItsContractAndABaseThatTheCellAccepts) {
   std::vector<double> from_site;
   for (std::size_t site = svg.find(">site<"), best = svg.find(">best<"); best != std::string::npos;
        site = svg.find(">site<", site + 1), best = svg.find(">best<", best + 1)) {
+    // x of the last label that begins before a place in the text
     const auto left = [&svg](std::size_t end) {
       return std::stod(svg.substr(svg.rfind("<text x=", end) + 9));
     };
@@ -73,9 +75,10 @@ TEST(Capability, WritesTheKeysOfItsContractAndABaseThatTheCellAccepts) {
   EXPECT_LT(from_site[0], 0.0);
   EXPECT_LT(from_site[1], 0.0);
 
-  // with this base in its file the cell loads, and the arm begins there
+  // a cell with this base in its file loads
   std::string cell = config::CellText("demo");
   const std::string yaml = ReadText(folder.path() / "cap" / "base.yaml");
+  // gives a key of the cell the line that it has in another text
   const auto replace = [&](const std::string& key, const std::string& in) {
     const std::string value = in.substr(in.find(key), in.find('\n', in.find(key)) - in.find(key));
     cell.replace(cell.find(key), cell.find('\n', cell.find(key)) - cell.find(key), value);
@@ -87,7 +90,7 @@ TEST(Capability, WritesTheKeysOfItsContractAndABaseThatTheCellAccepts) {
   const config::CellConfig moved = config::LoadCell(folder.path() / "moved.yaml");
   EXPECT_NEAR(1e3 * moved.X_WB.translation().x(), base.at("position_mm")[0].get<double>(), 1e-6);
 
-  // and the arm has the promised force there
+  // a second study, at the new base, finds the promised force
   const CommandResult again = RunCommand(
       folder.path(), {"capability", "moved.yaml", "--no-search", "--nodes", "5", "--out", "moved"});
   ASSERT_EQ(again.exit_code, 0) << again.err;
@@ -98,7 +101,7 @@ TEST(Capability, WritesTheKeysOfItsContractAndABaseThatTheCellAccepts) {
               base.at("need_factor_min").get<double>(), 0.01 * base.at("need_factor_min").get<double>());
 }
 
-TEST(Capability, SaysWhatIsTheMostWhereTheNeedIsTooMuch) {
+TEST(Capability, NamesTheLimitingJointIfTheForceIsTooHigh) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"capability", "demo", "--out", "cap", "--lateral-N", "180", "--nodes", "3",
@@ -112,7 +115,7 @@ TEST(Capability, SaysWhatIsTheMostWhereTheNeedIsTooMuch) {
       ReadJson(folder.path() / "cap" / "capability.json").at("best_base").at("sufficient").get<bool>());
 }
 
-TEST(Capability, SaysWhereNoBaseWillDo) {
+TEST(Capability, SaysThatNoBaseInTheRangesReachesTheTask) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"capability", "demo", "--out", "cap", "--nodes", "3", "--x-mm", "3000,3100",
@@ -122,7 +125,7 @@ TEST(Capability, SaysWhereNoBaseWillDo) {
   EXPECT_TRUE(ReadJson(folder.path() / "cap" / "capability.json").at("best_base").is_null());
 }
 
-TEST(Capability, SaysWhatItDoesNotTake) {
+TEST(Capability, RefusesInvalidArguments) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "file") << "x";
   struct Case {

@@ -8,10 +8,12 @@
 #include "session/setup/realtime_checks.h"
 #include "tests/app/command.h"
 
+// Runs `osteon doctor` as a user does, and tests the measurement behind its verdicts.
+
 namespace osteon::app {
 namespace {
 
-// Every check has four texts, a known verdict, and advice if something could be better.
+// Expects of each check a value, a known verdict and, unless it is good, advice. @returns their names.
 std::set<std::string> ExpectChecks(const nlohmann::json& doctor) {
   std::set<std::string> names;
   EXPECT_EQ(doctor.at("schema"), "osteon.doctor/1");
@@ -48,20 +50,20 @@ TEST(Doctor, GivesAVerdictForEachCheck) {
   EXPECT_EQ(VerdictOf(doctor, "FRI port"), "good");
 }
 
-const nlohmann::json* Find(const nlohmann::json& doctor, const std::string& name) {
+const nlohmann::json* FindCheck(const nlohmann::json& doctor, const std::string& name) {
   for (const nlohmann::json& check : doctor.at("checks"))
     if (check.at("name") == name) return &check;
   return nullptr;
 }
 
-// Value and advice of a check.
+// Value and advice of a check, in one text.
 std::string TextOf(const nlohmann::json& doctor, const std::string& name) {
-  const nlohmann::json* check = Find(doctor, name);
+  const nlohmann::json* check = FindCheck(doctor, name);
   return check ? check->at("value").get<std::string>() + "; " + check->at("advice").get<std::string>()
                : "no such check";
 }
 
-// Runs `osteon doctor` with a cell that has these lines beside the demo's.
+// Runs `osteon doctor` on a cell that extends the demo's with these lines.
 struct CellDoctor {
   explicit CellDoctor(const std::string& lines) {
     io::test::WriteAll(folder.path() / "mine.yaml", "extends: demo\n" + lines);
@@ -75,10 +77,11 @@ struct CellDoctor {
   nlohmann::json json;
 };
 
-TEST(Doctor, OfASimulatedCellSaysThatItsWiresAreSimulated) {
-  const auto free = io::FriLink::Open({.port = 0});
-  ASSERT_TRUE(free) << free.error();
-  const std::string port = std::to_string((*free)->port());
+TEST(Doctor, SaysThatASimulatedCellsConnectionsAreSimulated) {
+  // this link occupies the arm's port, which must be reported as missing
+  const auto occupant = io::FriLink::Open({.port = 0});
+  ASSERT_TRUE(occupant) << occupant.error();
+  const std::string port = std::to_string((*occupant)->port());
   const std::string lines = "fri: {port: " + port + "}\n";
   const CellDoctor taken(lines);
   EXPECT_EQ(taken.run.exit_code, 1) << taken.run.out << taken.run.err;
@@ -98,8 +101,8 @@ TEST(Doctor, OfASimulatedCellSaysThatItsWiresAreSimulated) {
   EXPECT_GT(buses, 0u);
 }
 
-// Addresses of RFC 5737, which no network has; nothing is sent to an arm or a bus.
-TEST(Doctor, OfARealCellNamesEachThingThatItsFileNamesAndThatIsMissing) {
+// RFC 5737 reserves these addresses for documentation, so no network has them.
+TEST(Doctor, NamesEachMissingConnectionOfARealCell) {
   const CellDoctor doctor(
       "fri: {host: 192.0.2.10, arm_host: 192.0.2.2, port: 30200}\n"
       "can: [{name: tool, interface: nocan7}]\n"
@@ -122,14 +125,14 @@ TEST(Doctor, RefusesAnInterfaceThatIsNoCanBus) {
   EXPECT_NE(TextOf(doctor.json, "CAN bus tool").find("no CAN interface"), std::string::npos);
 }
 
-TEST(Doctor, NamesACellThatIsNotThere) {
+TEST(Doctor, RefusesAnUnknownCell) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"doctor", "no_such_cell"});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("no_such_cell"), std::string::npos) << run.err;
 }
 
-TEST(Doctor, TakesTheCpuEngineWithoutAVulkanDriver) {
+TEST(Doctor, ReportsTheCpuEngineWithoutAVulkanDriver) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"doctor", "--seconds", "0.2", "--port", "0", "--json", "doctor.json"},
@@ -142,7 +145,7 @@ TEST(Doctor, TakesTheCpuEngineWithoutAVulkanDriver) {
   EXPECT_NE(run.out.find("mesa-vulkan-drivers"), std::string::npos) << run.out;
 }
 
-TEST(Doctor, FailsWhereThePortIsTaken) {
+TEST(Doctor, FailsIfThePortIsTaken) {
   const auto other = io::FriLink::Open({.port = 0});
   ASSERT_TRUE(other) << other.error();
   const TemporaryFolder folder;
@@ -152,7 +155,7 @@ TEST(Doctor, FailsWhereThePortIsTaken) {
   EXPECT_NE(run.out.find("127.0.0.1:" + port), std::string::npos) << run.out;
 }
 
-TEST(Doctor, SaysWhereItsJsonCanNotBeWritten) {
+TEST(Doctor, NamesAJsonFileThatCannotBeWritten) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"doctor", "--seconds", "0.2", "--port", "0", "--json", "nowhere/d.json"});
@@ -160,8 +163,8 @@ TEST(Doctor, SaysWhereItsJsonCanNotBeWritten) {
   EXPECT_NE(run.err.find("nowhere/d.json"), std::string::npos) << run.err;
 }
 
-// The verdict's rule at its limits, on given figures instead of this machine's.
-TEST(Doctor, APeriodIsServedByP999BelowATenthAndMaxBelowHalfOfIt) {
+// Latencies just below and above the limits for a period of 1 ms, which are 0.1 ms and 0.5 ms.
+TEST(Doctor, APeriodNeedsItsP999LatencyBelowATenthAndItsMaximumBelowHalf) {
   const session::DurationFigures late{
       .count = 10'000, .p50_s = 5e-6, .p99_s = 40e-6, .p999_s = 99e-6, .max_s = 499e-6};
   EXPECT_TRUE(session::Serves(late, 1e-3));
@@ -175,7 +178,7 @@ TEST(Doctor, APeriodIsServedByP999BelowATenthAndMaxBelowHalfOfIt) {
   EXPECT_FALSE(session::Serves({}, 5e-3)) << "nothing measured is nothing promised";
 }
 
-TEST(Doctor, MeasuresAWakeUpAMillisecond) {
+TEST(Doctor, MeasuresOneWakeupEveryMillisecond) {
   bool realtime = false;
   const session::DurationFigures late = session::TimerLatency(0.1, realtime);
   EXPECT_FALSE(realtime) << "not asked for";
@@ -185,7 +188,7 @@ TEST(Doctor, MeasuresAWakeUpAMillisecond) {
   EXPECT_LE(late.p999_s, late.max_s);
 }
 
-TEST(Help, ShowsExamplesForEverySubcommand) {
+TEST(Help, ShowsExamplesAndIsPrintedWithoutArguments) {
   const TemporaryFolder folder;
   const std::vector<std::vector<std::string>> asked{{"demo", "--help"}, {"doctor", "--help"}, {"--help"}};
   for (const auto& arguments : asked) {
@@ -200,7 +203,7 @@ TEST(Help, ShowsExamplesForEverySubcommand) {
   EXPECT_EQ(bare.out, RunCommand(folder.path(), {"--help"}).out);
 }
 
-TEST(Version, NamesTheProjectsAndTheCommit) {
+TEST(Version, PrintsVersionAndCommit) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"--version"});
   EXPECT_EQ(run.exit_code, 0);

@@ -13,7 +13,7 @@
 namespace osteon::app {
 namespace {
 
-// A parsed table without quoted fields.
+// Header and rows of a CSV file, split at commas. Quoted fields are not supported.
 struct Csv {
   explicit Csv(const std::filesystem::path& file) {
     std::istringstream text(io::test::ReadAll(file));
@@ -41,6 +41,7 @@ struct Csv {
 
 class ExportCommandTest : public RecordedRun {
  protected:
+  /// Runs `osteon export`, which must succeed. @returns the JSON of --json; `out_` is the printed text.
   nlohmann::json Export(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "export");
     arguments.insert(arguments.end(), {"--json", "export.json"});
@@ -52,7 +53,7 @@ class ExportCommandTest : public RecordedRun {
   std::string out_;
 };
 
-TEST_F(ExportCommandTest, TablesHoldEveryValueToItsBits) {
+TEST_F(ExportCommandTest, TablesHoldEveryValueBitForBit) {
   const nlohmann::json json = Export({Original().string(), "--csv", "--out", "tables"});
   const auto tables = folder_.path() / "tables";
   EXPECT_EQ(json.at("schema"), "osteon.export/1");
@@ -63,7 +64,7 @@ TEST_F(ExportCommandTest, TablesHoldEveryValueToItsBits) {
 
   const Csv ticks(tables / "recording_ticks.csv");
   ASSERT_EQ(ticks.rows.size(), recording_->ticks.size());
-  for (std::size_t row = 0; row < ticks.rows.size(); row += 37) {
+  for (std::size_t row = 0; row < ticks.rows.size(); row += 37) {  // a sample of the rows
     const control::TickRecord& tick = recording_->ticks[row];
     ASSERT_EQ(ticks.rows[row].size(), ticks.columns.size());
     EXPECT_EQ(ticks.Number(row, "time_s"), 1e-9 * static_cast<double>(tick.stamp));
@@ -94,8 +95,8 @@ TEST_F(ExportCommandTest, TablesHoldEveryValueToItsBits) {
   EXPECT_TRUE(touched);
 }
 
-// Every message stays as it is; the bone comes in states, the whole first, then what changed.
-TEST_F(ExportCommandTest, ACopyForFoxgloveHasTheBoneAsItIsCarved) {
+// The copy keeps every message and adds the bone: first the whole bone, then the bricks that changed.
+TEST_F(ExportCommandTest, ACopyForFoxgloveShowsTheBoneBeingCarved) {
   const nlohmann::json json = Export({Original().string(), "--foxglove", "bone.mcap", "--every", "1"});
   EXPECT_TRUE(json.at("tables").empty()) << "nobody asked for tables";
   const auto copy = folder_.path() / "bone.mcap";
@@ -129,24 +130,25 @@ TEST_F(ExportCommandTest, ACopyForFoxgloveHasTheBoneAsItIsCarved) {
   for (std::size_t i = 1; i < states.size(); ++i)
     EXPECT_LT(states[i], states[0] / 2) << "only the bricks that changed";
 
-  // a bone that is in it already, as in every run's own recording, gives way to the copy's
+  // bone states that a recording already has are replaced by the copy's
   const nlohmann::json again = Export({"bone.mcap", "--foxglove", "again.mcap", "--every", "2"});
   EXPECT_EQ(again.at("foxglove").at("messages"), others);
   EXPECT_LT(again.at("foxglove").at("bone_states"), states.size());
 
-  const auto refused = [&](const std::vector<std::string>& words) {
+  const auto refusal_of = [&](const std::vector<std::string>& words) {
     const CommandResult run = RunCommand(folder_.path(), words);
     EXPECT_EQ(run.exit_code, 2) << run.err;
     return run.err;
   };
-  EXPECT_NE(
-      refused({"export", "bone.mcap", "--foxglove", "bone.bag"}).find("accepted a name that ends with .mcap"),
-      std::string::npos);
-  EXPECT_NE(refused({"export", "bone.mcap", "--mesh", "bone.mcap"}).find("neither --surface nor --foxglove"),
+  EXPECT_NE(refusal_of({"export", "bone.mcap", "--foxglove", "bone.bag"})
+                .find("accepted a name that ends with .mcap"),
             std::string::npos);
+  EXPECT_NE(
+      refusal_of({"export", "bone.mcap", "--mesh", "bone.mcap"}).find("neither --surface nor --foxglove"),
+      std::string::npos);
 }
 
-// A name without a unit is a pure number; all others name their unit.
+// Each column's name ends with a unit, or is listed as one without a unit (`bare`), and never both.
 TEST_F(ExportCommandTest, ColumnsNameTheirUnits) {
   Export({Original().string(), "--out", "."});
   const std::vector<std::string> units{"_s",       "_ns",        "_m",       "_rad",      "_N",
@@ -237,7 +239,7 @@ TEST_F(ExportCommandTest, ColumnsNameTheirUnits) {
   }
 }
 
-TEST_F(ExportCommandTest, EventsAreQuoted) {
+TEST_F(ExportCommandTest, EventTextsAreQuoted) {
   io::Recording changed = *recording_;
   changed.events = {{.stamp = 2'000'000'000, .text = "a \"fault\", with\na line"}};
   Export({Write(changed).string()});
@@ -272,7 +274,7 @@ TEST_F(ExportCommandTest, RecoversATornRecording) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path() / "whole"));
 }
 
-TEST_F(ExportCommandTest, NamesTheByteOfDamageAndWhatHelps) {
+TEST_F(ExportCommandTest, NamesTheDamagedByteAndSuggestsRecover) {
   std::string bytes = io::test::ReadAll(Original());
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
   const auto damaged = folder_.path() / "damaged.mcap";
@@ -292,7 +294,7 @@ TEST_F(ExportCommandTest, NamesTheByteOfDamageAndWhatHelps) {
             recording_->ticks.size() - 1);
 }
 
-TEST_F(ExportCommandTest, SaysWhatItDoesNotTake) {
+TEST_F(ExportCommandTest, RefusesInvalidArguments) {
   io::test::WriteAll(folder_.path() / "file", "x");
   for (const auto& [arguments, said] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{}, "recording is required"},

@@ -62,27 +62,27 @@ TEST(FailuresCommand, WritesTableJsonPageAndPictures) {
   EXPECT_NE(markdown.find("](report/19_breakthrough_scene.svg)"), std::string::npos) << markdown;
 }
 
-TEST(FailuresCommand, SaysWhatItDoesNotTake) {
+TEST(FailuresCommand, RefusesInvalidArguments) {
   const TemporaryFolder folder;
-  const auto refused = [&](std::vector<std::string> arguments, const std::string& text) {
+  const auto expect_refused = [&](std::vector<std::string> arguments, const std::string& text) {
     arguments.insert(arguments.begin(), "failures");
     const CommandResult run = RunCommand(folder.path(), arguments);
     EXPECT_EQ(run.exit_code, 2) << run.out << run.err;
     EXPECT_NE(run.err.find(text), std::string::npos) << run.err;
     EXPECT_EQ(run.out, "");
   };
-  refused({"98"}, "found 98, accepted 1,");
-  refused({"one"}, "found one, accepted 1");
-  refused({"1", "--engine", "abacus"}, "found abacus, accepted auto, vulkan, cpu, reference");
-  refused({"1", "--device", "no such device"}, "no such device");
-  refused({"1", "--json", "nowhere/f.json"}, "no folder nowhere");
-  refused({"1", "--out", "report", "--markdown", "nowhere/page.md"}, "no folder nowhere");
-  refused({"1", "--markdown", "page.md"}, "--out");
+  expect_refused({"98"}, "found 98, accepted 1,");
+  expect_refused({"one"}, "found one, accepted 1");
+  expect_refused({"1", "--engine", "abacus"}, "found abacus, accepted auto, vulkan, cpu, reference");
+  expect_refused({"1", "--device", "no such device"}, "no such device");
+  expect_refused({"1", "--json", "nowhere/f.json"}, "no folder nowhere");
+  expect_refused({"1", "--out", "report", "--markdown", "nowhere/page.md"}, "no folder nowhere");
+  expect_refused({"1", "--markdown", "page.md"}, "--out");
   std::ofstream(folder.path() / "taken") << "a file";
-  refused({"1", "--out", "taken"}, "found a file, accepted a folder");
+  expect_refused({"1", "--out", "taken"}, "found a file, accepted a folder");
 }
 
-TEST(FailuresCommand, FailsWhereItCannotWrite) {
+TEST(FailuresCommand, FailsIfItsJsonCannotBeWritten) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder.path() / "f.json");
   const CommandResult run =
@@ -91,7 +91,7 @@ TEST(FailuresCommand, FailsWhereItCannotWrite) {
   EXPECT_NE(run.err.find("f.json"), std::string::npos) << run.err;
 }
 
-TEST(FailuresJson, OneBoundThatIsNotKeptIsAFailure) {
+TEST(FailuresJson, OneFailedScenarioFailsTheWholeReport) {
   studies::FailureRun good{.result = {.id = 1, .name = "a", .baseline_fails = true, .ours_passes = true}};
   studies::FailureRun kept_by_both{
       .result = {.id = 2, .name = "b", .baseline_fails = false, .ours_passes = true}};
@@ -120,8 +120,8 @@ TEST(FailuresCommand, RunsEveryFaultInEveryState) {
   EXPECT_EQ(RunCommand(folder.path(), {"failures", "--faults", "9"}).exit_code, 2);
 }
 
-// A case with another outcome than stated appears in table, list and JSON.
-TEST(FaultTable, ShowsWhatIsNotAsStated) {
+// A fault after which the cell does not react as expected is marked in the table, the list and the JSON.
+TEST(FaultTable, MarksAReactionThatDiffersFromTheExpected) {
   studies::FaultVerdict good, bad;
   good.fault = bad.fault = "drive's fault";
   good.state = safety::CellState::kHaptic;

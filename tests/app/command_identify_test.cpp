@@ -9,12 +9,12 @@
 
 #include "tests/app/command.h"
 
-// Runs `osteon identify` as a user does. What it finds: tests/studies/identify.
+// Runs `osteon identify` as a user does. The tests in tests/studies/identify check the identified values.
 
 namespace osteon::app {
 namespace {
 
-TEST(IdentifyCommand, MeasuresTheSimulatedCellThenTheSameFromItsRecording) {
+TEST(IdentifyCommand, FindsTheSameInARunAndInItsRecording) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"identify", "demo", "--simulated", "--do",
                                                        "free,tremor", "--axes", "z", "--speeds", "50"});
@@ -37,14 +37,14 @@ TEST(IdentifyCommand, MeasuresTheSimulatedCellThenTheSameFromItsRecording) {
   EXPECT_EQ(without_comment("again/identified.yaml"), without_comment("identify/identified.yaml"))
       << "a recording says the same as the run";
 
-  // the recording of one cell is none of another's, and takes the file of before away
+  // a recording of another cell is refused, and the earlier result is removed
   const CommandResult other = RunCommand(folder.path(), {"identify", "sawbone_block", "--recording",
                                                          "identify/free_z_50.mcap", "--out", "again"});
   EXPECT_EQ(other.exit_code, 1);
   EXPECT_NE(other.out.find("another cell's recording: found the tool"), std::string::npos) << other.out;
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "again/identified.yaml"));
 
-  // which forces are rendered, by what was measured along z
+  // `osteon capability` uses the lag that was measured along z, and assumes the others
   const CommandResult force =
       RunCommand(folder.path(), {"capability", "demo", "--no-search", "--nodes", "3", "--out", "cap",
                                  "--identified", "identify/identified.yaml"});
@@ -57,26 +57,26 @@ TEST(IdentifyCommand, MeasuresTheSimulatedCellThenTheSameFromItsRecording) {
   EXPECT_NE(io::test::ReadAll(folder.path() / "cap/capability.html").find("Rendered along z"),
             std::string::npos);
 
-  // data that are given twice, or that a fit was made of, are no other data; a torn recording is none
+  // refused: a recording given twice, validation with the data of the fit, a torn recording
   const std::string file = "identify/free_z_50.mcap";
-  const auto refused = [&](std::vector<std::string> words, const std::string& why) {
+  const auto expect_refused = [&](std::vector<std::string> words, const std::string& why) {
     words.insert(words.begin(), {"identify", "demo", "--out", "none", "--recording", file});
     const CommandResult wrong = RunCommand(folder.path(), words);
     EXPECT_EQ(wrong.exit_code, 2);
     EXPECT_NE(wrong.err.find(why), std::string::npos) << wrong.err;
   };
-  refused({"--recording", file}, "again, accepted each once");
-  refused({"--validate", file}, "accepted each once, and other data to validate with");
-  refused({"--simulated"}, "--simulated with --recording, accepted one of them");
+  expect_refused({"--recording", file}, "again, accepted each once");
+  expect_refused({"--validate", file}, "accepted each once, and other data to validate with");
+  expect_refused({"--simulated"}, "--simulated with --recording, accepted one of them");
   const std::string whole = io::test::ReadAll(folder.path() / file);
   io::test::WriteAll(folder.path() / "torn.mcap", whole.substr(0, whole.size() / 2));
-  refused({"--recording", "torn.mcap"}, "torn.mcap: it ends early, at byte ");
+  expect_refused({"--recording", "torn.mcap"}, "torn.mcap: it ends early, at byte ");
 
-  // the loop held still meanwhile, so that the recording replays
+  // the recording of the measurement replays
   EXPECT_EQ(RunCommand(folder.path(), {"replay", "identify/free_z_50.mcap"}).exit_code, 0);
 }
 
-TEST(IdentifyCommand, MovesJointsOneAtATimeThenSaysTheSameFromTheirRecordings) {
+TEST(IdentifyCommand, FindsTheSameForEachJointInARunAndInItsRecording) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"identify", "demo", "--simulated", "--do", "joints", "--joints", "7,2"});
@@ -100,19 +100,21 @@ TEST(IdentifyCommand, MovesJointsOneAtATimeThenSaysTheSameFromTheirRecordings) {
       << compared.out;
   EXPECT_EQ(ReadJson(folder.path() / "diff.json").at("responses").size(), 27u);
 
-  const auto refused = [&](std::vector<std::string> words, const std::string& why) {
+  const auto expect_refused = [&](std::vector<std::string> words, const std::string& why) {
     words.insert(words.begin(), "identify");
     const CommandResult wrong = RunCommand(folder.path(), words);
     EXPECT_EQ(wrong.exit_code, 2) << wrong.out;
     EXPECT_NE(wrong.err.find(why), std::string::npos) << wrong.err;
   };
-  refused({"thin_plate_impedance", "--simulated", "--do", "joints"},
-          "found law: impedance, accepted law: admittance");
-  refused({"kr_16_thin_plate", "--simulated", "--do", "joints", "--joints", "7"}, "found 7, accepted 1 … 6");
-  refused({"demo", "--simulated", "--do", "free", "--joints", "1"}, "without --do joints, accepted both");
+  expect_refused({"thin_plate_impedance", "--simulated", "--do", "joints"},
+                 "found law: impedance, accepted law: admittance");
+  expect_refused({"kr_16_thin_plate", "--simulated", "--do", "joints", "--joints", "7"},
+                 "found 7, accepted 1 … 6");
+  expect_refused({"demo", "--simulated", "--do", "free", "--joints", "1"},
+                 "without --do joints, accepted both");
 }
 
-// The commands of a section of a page, as they are written, each split into its words.
+// The `osteon` commands in a section of a page, each split into its words after `osteon`.
 std::vector<std::vector<std::string>> CommandsOf(const std::string& page, const std::string& heading) {
   const std::string text = io::test::ReadAll(std::filesystem::path(OSTEON_SOURCE_DIR) / page);
   std::vector<std::vector<std::string>> commands;
@@ -130,8 +132,8 @@ std::vector<std::vector<std::string>> CommandsOf(const std::string& page, const 
   return commands;
 }
 
-// It begins from a recording: the first command makes one, the second needs the recordings alone.
-TEST(IdentifyCommand, TheWorkedExampleOfTuningRunsAsItIsWritten) {
+// The first command of the page's example makes recordings; the second must need nothing but these.
+TEST(IdentifyCommand, TheWorkedExampleOfTheTuningPageRunsAsWritten) {
   const TemporaryFolder folder;
   const auto commands = CommandsOf("docs/tuning.md", "## A worked example");
   ASSERT_GE(commands.size(), 3u);
@@ -149,7 +151,7 @@ TEST(IdentifyCommand, TheWorkedExampleOfTuningRunsAsItIsWritten) {
   EXPECT_GT(ReadJson(folder.path() / "measured/identify.json").at("estimation").at("data_s"), 60.0);
 }
 
-TEST(IdentifyCommand, RefusesWhatItCannotUse) {
+TEST(IdentifyCommand, RefusesUnusableRecordingsAndOptions) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "no.mcap") << "no recording";
   EXPECT_EQ(RunCommand(folder.path(), {"identify", "demo", "--recording", "no.mcap"}).exit_code, 2);

@@ -6,11 +6,13 @@
 #include "tests/app/command.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
-// Wrong input: exit code 2, one line on stderr with the found and the accepted value, nothing done.
+// Wrong input to `osteon`: the command must do nothing but print one line with the found and the accepted
+// value, and exit with code 2.
 
 namespace osteon::app {
 namespace {
 
+// A valid --cup: X,Y,Z,NX,NY,NZ,R, the lengths in mm.
 const std::string kGoodCup = "0,0,0,0,0,1,24";
 
 class WrongInput : public testing::Test {
@@ -32,12 +34,13 @@ class WrongInput : public testing::Test {
     EXPECT_FALSE(std::filesystem::exists(folder_.path() / "demo_out")) << "a refused run leaves nothing";
   }
 
+  /// Writes a file into the test's folder. @returns its path.
   std::filesystem::path Write(const std::string& name, const std::string& text) {
     io::test::WriteAll(folder_.path() / name, text);
     return folder_.path() / name;
   }
 
-  /// A copy of config/ with one text of one file replaced.
+  /// Makes a copy of config/ with one text of one file replaced. @returns its path.
   std::string ConfigWith(const std::string& file, const std::string& text, const std::string& replacement) {
     const auto root = folder_.path() / "config";
     std::filesystem::remove_all(root);
@@ -51,10 +54,10 @@ class WrongInput : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  bool one_line_{true};
+  bool one_line_{true};  ///< whether the error must be a single line
 };
 
-TEST_F(WrongInput, ErrorAndRateOfAPlan) {
+TEST_F(WrongInput, AnErrorOrRateOfAPlanOutsideItsRangeIsRefused) {
   for (const char* value : {"0", "-1", "nan", "inf", "6", "abc"})
     ExpectRefused({"plan", "molar", "--rate-hz", "1000", "--error-mm", value},
                   {"--error-mm", value, "0.001 … 5"});
@@ -63,7 +66,7 @@ TEST_F(WrongInput, ErrorAndRateOfAPlan) {
                   {"--rate-hz", value, "1 … 100000"});
 }
 
-TEST_F(WrongInput, Seconds) {
+TEST_F(WrongInput, AnInvalidNumberIsRefused) {
   for (const char* value : {"0", "-1", "nan", "inf", "3601"})
     ExpectRefused({"demo", "--virtual-time", "--seconds", value}, {"--seconds", value, "0.1 … 3600"});
   ExpectRefused({"demo", "--seconds", "abc"}, {"--seconds", "abc", "0.1 … 3600"});
@@ -73,7 +76,7 @@ TEST_F(WrongInput, Seconds) {
   ExpectRefused({"status", "--pid", "x"}, {"--pid: found x, accepted 1 … 4194304"});
 }
 
-TEST_F(WrongInput, OptionsAndSubcommands) {
+TEST_F(WrongInput, UnknownAndContradictoryOptionsAreRefused) {
   ExpectRefused({"demo", "--secnods", "3"}, {"--secnods", "--seconds", "--help"});
   ExpectRefused({"dmeo"}, {"dmeo", "did you mean demo?"});
   ExpectRefused({"frobnicate"},
@@ -95,7 +98,7 @@ TEST_F(WrongInput, OptionsAndSubcommands) {
   ExpectRefused({"demo", "--engine", "reference"}, {"--engine reference", "--virtual-time"});
 }
 
-TEST_F(WrongInput, PathsThatAreNotThereOrOfAnotherKind) {
+TEST_F(WrongInput, MissingPathsAndPathsOfAnotherKindAreRefused) {
   Write("file.mcap", "x");
   ExpectRefused({"report", "nosuch.mcap"},
                 {"recording: found no file nosuch.mcap, accepted one that is there"});
@@ -106,13 +109,13 @@ TEST_F(WrongInput, PathsThatAreNotThereOrOfAnotherKind) {
   ExpectRefused({"assess", "s", "--against", "file.mcap"}, {"found the file file.mcap, accepted a folder"});
 }
 
-TEST_F(WrongInput, GainsOfAVirtualToolForACellThatHasNone) {
+TEST_F(WrongInput, AdmittanceGainsForACellWithTheImpedanceLawAreRefused) {
   const auto gains = Write("gains.yaml", "admittance:\n  mass_kg: [2, 2, 2]\n");
   ExpectRefused({"run", "thin_plate_impedance", "--gains", gains.string()},
                 {gains.string() + ":1: admittance", "impedance law", "accepted coupling alone"});
 }
 
-TEST_F(WrongInput, Cup) {
+TEST_F(WrongInput, AnInvalidCupIsRefused) {
   const auto mesh = Write(
       "box.obj", simulation::ObjText(simulation::MakeBox(Vector3::Constant(-0.03), Vector3::Constant(0.03))));
   ExpectRefused({"demo", "--mesh", mesh.string()}, {"--mesh", "--cup"});
@@ -131,7 +134,7 @@ TEST_F(WrongInput, Cup) {
   }
 }
 
-TEST_F(WrongInput, ACupOfACellOffItsMesh) {
+TEST_F(WrongInput, ACellsCupAwayFromItsMeshIsRefused) {
   Write("box.obj",
         simulation::ObjText(simulation::MakeBox(Vector3::Constant(-0.03), Vector3::Constant(0.03))));
   const auto cell = Write("my.yaml",
@@ -141,18 +144,18 @@ TEST_F(WrongInput, ACupOfACellOffItsMesh) {
                 {cell.string() + ":4: ", "box.obj", "cup at (300, 300, 300) mm", "accepted"});
 }
 
-TEST_F(WrongInput, AFolderAsACell) {
+TEST_F(WrongInput, AFolderAsACellIsRefused) {
   ExpectRefused({"demo", "--cell", folder_.path().string()},
                 {folder_.path().string(), "found a folder", "demo"});
 }
 
-TEST_F(WrongInput, AScaleOfAPacking) {
+TEST_F(WrongInput, AScaleForAPackingIsRefused) {
   const auto packing = Write("bone.osp", "");
   ExpectRefused({"demo", "--mesh", packing.string(), "--scale", "2"},
                 {"--scale", "bone.osp", "accepted with a mesh"});
 }
 
-TEST_F(WrongInput, Mesh) {
+TEST_F(WrongInput, AnUnusableMeshIsRefused) {
   ExpectRefused({"demo", "--mesh", "missing.obj", "--cup", kGoodCup}, {"missing.obj"});
   ExpectRefused({"demo", "--mesh", "", "--cup", kGoodCup}, {"--mesh"});
   ExpectRefused({"demo", "--mesh", folder_.path().string(), "--cup", kGoodCup}, {folder_.path().string()});
@@ -172,7 +175,7 @@ TEST_F(WrongInput, Mesh) {
                 {sheet.string(), "open edges", "accepted 2", "no solid can be made of it"});
 }
 
-TEST_F(WrongInput, CellAndConfiguration) {
+TEST_F(WrongInput, InvalidCellsAndConfigurationsAreRefused) {
   ExpectRefused({"demo", "--cell", "nosuch"}, {"nosuch", "accepted", "demo"});
   ExpectRefused({"demo", "--cell", "nosuch.yaml"}, {"nosuch.yaml"});
   ExpectRefused({"--config-root", "/nonexistent", "demo"}, {"/nonexistent"});
@@ -195,7 +198,7 @@ TEST_F(WrongInput, CellAndConfiguration) {
                 {root + "/cells/demo.yaml:", "tool: found rimmer, accepted a file"});
 }
 
-TEST_F(WrongInput, Tool) {
+TEST_F(WrongInput, AnUnknownToolOrDiameterIsRefused) {
   ExpectRefused({"demo", "--tool", "nosuch"}, {"--tool nosuch", "accepted", "reamer", "twist_drill"});
   ExpectRefused({"demo", "--tool", "nosuch.yaml"},
                 {"no file nosuch.yaml", "accepted", "reamer", "twist_drill"});
@@ -208,24 +211,24 @@ TEST_F(WrongInput, Tool) {
   ExpectRefused({"demo", "--tool", "raemer:54"}, {"did you mean \"reamer:54\"?"});
 }
 
-TEST_F(WrongInput, Device) {
+TEST_F(WrongInput, AnUnknownDeviceIsRefused) {
   one_line_ = false;  // the devices follow, one a line
   ExpectRefused({"demo", "--device", "nosuch"}, {"\"nosuch\"", "found:\n  "});
 }
 
-TEST_F(WrongInput, NoVulkanDriver) {
+TEST_F(WrongInput, AMissingVulkanDriverIsReported) {
   ExpectRefused({"demo", "--engine", "vulkan"}, {"no Vulkan driver", "install", "mesa-vulkan-drivers"},
                 {"VK_DRIVER_FILES=/nonexistent", "VK_ICD_FILENAMES=/nonexistent"});
 }
 
-TEST_F(WrongInput, PortTaken) {
+TEST_F(WrongInput, ATakenPortIsReported) {
   const auto other = io::FriLink::Open({.port = 0});
   ASSERT_TRUE(other) << other.error();
   const std::string port = std::to_string((*other)->port());
   ExpectRefused({"demo", "--port", port}, {"127.0.0.1:" + port, "taken", "another port"});
 }
 
-TEST_F(WrongInput, APortTakenLeavesAnEarlierRunAlone) {
+TEST_F(WrongInput, ATakenPortLeavesTheFilesOfAnEarlierRun) {
   const auto out = folder_.path() / "kept";
   std::filesystem::create_directory(out);
   io::test::WriteAll(out / "recording.mcap", "an earlier run's");
@@ -237,7 +240,7 @@ TEST_F(WrongInput, APortTakenLeavesAnEarlierRunAlone) {
   EXPECT_EQ(io::test::ReadAll(out / "summary.json"), "an earlier run's");
 }
 
-TEST_F(WrongInput, Out) {
+TEST_F(WrongInput, AnUnusableOutputFolderIsRefused) {
   const auto file = Write("taken", "a file");
   ExpectRefused({"demo", "--virtual-time", "--out", file.string()}, {"--out", file.string(), "folder"});
   EXPECT_EQ(io::test::ReadAll(file), "a file");
@@ -248,13 +251,13 @@ TEST_F(WrongInput, Out) {
   ExpectRefused({"demo", "--virtual-time", "--out", "odd"}, {"odd/recording.mcap"});
 }
 
-TEST_F(WrongInput, Json) {
+TEST_F(WrongInput, AJsonFileInAMissingFolderIsRefused) {
   ExpectRefused({"demo", "--virtual-time", "--seconds", "3600", "--json", "nowhere/summary.json"},
                 {"--json", "nowhere/summary.json", "no folder"});
 }
 
 // Nobody can create a file in /proc, not even root.
-TEST_F(WrongInput, UnwritableOut) {
+TEST_F(WrongInput, AnUnwritableOutputFolderIsRefused) {
   ExpectRefused({"demo", "--virtual-time", "--out", "/proc"}, {"/proc"});
   ExpectRefused({"demo", "--virtual-time", "--out", "/proc/osteon_out"}, {"/proc/osteon_out"});
 }

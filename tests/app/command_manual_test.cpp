@@ -45,6 +45,7 @@ std::vector<std::string> Lines(const std::string& text) {
 
 class Manual : public testing::Test {
  protected:
+  // Runs `osteon …`, which must succeed. @returns its standard output.
   std::string Output(const std::vector<std::string>& arguments,
                      const std::vector<std::string>& environment = {}) {
     const CommandResult run = RunCommand(folder_.path(), arguments, environment);
@@ -56,6 +57,7 @@ class Manual : public testing::Test {
     Output({"manual", "--json", "manual.json"});
     return ReadJson(folder_.path() / "manual.json");
   }
+  // Calls `each` with a command and with all its subcommands, recursively.
   static void ForEachCommand(const nlohmann::json& command,
                              const std::function<void(const nlohmann::json&)>& each) {
     each(command);
@@ -65,14 +67,14 @@ class Manual : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(Manual, ThePageInTheTreeIsWhatTheCommandWrites) {
+TEST_F(Manual, DocsCommandsPageIsWhatTheCommandWrites) {
   Output({"manual", "--markdown", "commands.md"});
   EXPECT_TRUE(ReadAll(folder_.path() / "commands.md") ==
               ReadAll(std::filesystem::path(OSTEON_SOURCE_DIR) / "docs/commands.md"))
       << "write it anew: osteon manual --markdown docs/commands.md";
 }
 
-TEST_F(Manual, ThePageIsCleanRoff) {
+TEST_F(Manual, TheManPageGivesNoRoffWarnings) {
   const bool mandoc = IsProgram("mandoc"), groff = IsProgram("groff");
   if (!mandoc && !groff) GTEST_SKIP() << "neither mandoc nor groff is here (packages.txt: groff-base)";
   const std::string page = (folder_.path() / "osteon.1").string();
@@ -90,7 +92,7 @@ TEST_F(Manual, ThePageIsCleanRoff) {
   }
 }
 
-TEST_F(Manual, EveryOptionHasAHelpAndAKindOfValue) {
+TEST_F(Manual, EveryOptionHasHelpAndAKindOfValue) {
   const nlohmann::json table = Table();
   EXPECT_EQ(table.at("schema"), "osteon.manual/1");
   int options = 0;
@@ -99,7 +101,7 @@ TEST_F(Manual, EveryOptionHasAHelpAndAKindOfValue) {
       SCOPED_TRACE(command.at("name").get<std::string>() + " " +
                    option.at("names").back().get<std::string>());
       EXPECT_NE(option.at("help"), "");
-      // what a value looks like is said by Option::type_name, or by the accepted words
+      // Option::type_name or the accepted words say what a value looks like; only --reason takes any text
       if (option.at("names").back() != "--reason") {
         EXPECT_NE(option.at("value"), "TEXT");
       }
@@ -125,7 +127,7 @@ TEST_F(Manual, HelpFitsTheTerminal) {
   });
 }
 
-// Bash's offers for the last of the words.
+// Asks bash, with the completion script loaded, how it completes the last word of a command line.
 class BashCompletionTest : public Manual {
  protected:
   BashCompletionTest() { WriteAll(script_, Output({"completion", "bash"})); }
@@ -138,7 +140,7 @@ class BashCompletionTest : public Manual {
     return Lines(Shell("cd '" + folder_.path().string() +
                        "' && OSTEON_ROOT='" OSTEON_SOURCE_DIR "' bash --norc ask.sh"));
   }
-  bool Has(const std::string& words, const std::string& offer) {
+  bool IsOffered(const std::string& words, const std::string& offer) {
     const std::vector<std::string> all = Offers(words);
     return std::find(all.begin(), all.end(), offer) != all.end();
   }
@@ -159,9 +161,9 @@ TEST_F(BashCompletionTest, CompletesOptionsAndTheirWords) {
   EXPECT_EQ(Offers("osteon demo --engine ''"),
             (std::vector<std::string>{"auto", "vulkan", "cpu", "reference"}));
   EXPECT_EQ(Offers("osteon demo --engine = r"), std::vector<std::string>{"reference"});
-  EXPECT_TRUE(Has("osteon bench frame --method ''", "voxel"));
-  EXPECT_TRUE(Has("osteon faults ''", "--markdown")) << "nothing but options can stand here";
-  EXPECT_FALSE(Has("osteon doctor --s", "--engine"));
+  EXPECT_TRUE(IsOffered("osteon bench frame --method ''", "voxel"));
+  EXPECT_TRUE(IsOffered("osteon faults ''", "--markdown")) << "nothing but options can stand here";
+  EXPECT_FALSE(IsOffered("osteon doctor --s", "--engine"));
   EXPECT_EQ(Offers("osteon completion ''"), (std::vector<std::string>{"bash", "zsh", "fish"}));
 }
 
@@ -188,7 +190,7 @@ TEST_F(BashCompletionTest, CompletesNamesOfAnInstallation) {
   EXPECT_EQ(Offers("usr/bin/osteon run el"), std::vector<std::string>{"elbow"});
 }
 
-TEST_F(Manual, TheScriptsAreReadWithoutError) {
+TEST_F(Manual, CompletionScriptsHaveNoSyntaxErrors) {
   for (const std::string shell : {"bash", "zsh", "fish"}) {
     WriteAll(folder_.path() / shell, Output({"completion", shell}));
     if (IsProgram(shell)) {
@@ -200,7 +202,7 @@ TEST_F(Manual, TheScriptsAreReadWithoutError) {
   }
 }
 
-TEST_F(Manual, AnotherShellIsRefused) {
+TEST_F(Manual, CompletionForAnUnknownShellIsRefused) {
   const CommandResult run = RunCommand(folder_.path(), {"completion", "tcsh"});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("found tcsh, accepted bash, zsh, fish"), std::string::npos) << run.err;

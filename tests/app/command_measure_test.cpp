@@ -12,6 +12,7 @@
 namespace osteon::app {
 namespace {
 
+// Expects the percentiles of a duration to be above 0 and in ascending order.
 void ExpectTimes(const nlohmann::json& times) {
   for (const char* key : {"p50", "p95", "p99", "p999", "max"})
     EXPECT_GT(times.at(key).get<double>(), 0.0) << key;
@@ -19,7 +20,7 @@ void ExpectTimes(const nlohmann::json& times) {
   EXPECT_LE(times.at("p999"), times.at("max"));
 }
 
-TEST(BenchFrame, WritesTheKeysOfItsContract) {
+TEST(BenchFrame, WritesTheDocumentedKeys) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(
       folder.path(),
@@ -43,7 +44,7 @@ TEST(BenchFrame, WritesTheKeysOfItsContract) {
   EXPECT_GT(json.at("removed_mm3").get<double>(), 0.0);
 }
 
-TEST(BenchFrame, ComparesAMethodFrameByFrame) {
+TEST(BenchFrame, ComparesTwoMethodsFrameByFrame) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"bench", "frame", "--spheres", "1000", "--frames",
                                                        "20", "--compare", "reference", "--json", "f.json"});
@@ -52,13 +53,13 @@ TEST(BenchFrame, ComparesAMethodFrameByFrame) {
   EXPECT_EQ(other.at("method"), "reference");
   EXPECT_EQ(other.at("frames"), 20);
   EXPECT_EQ(other.at("active_spheres_mean"), 1000);
-  // from the same state, each with its own hand: the same work
+  // both methods start from the same state, each pressed by its own simulated hand: both remove the same
   EXPECT_NEAR(other.at("removed_mm3").get<double>(), json.at("removed_mm3").get<double>(),
               0.02 * json.at("removed_mm3").get<double>() + 1.0);
   EXPECT_NE(run.out.find("times as long as"), std::string::npos);
 }
 
-TEST(BenchFrame, TimesEnginesInTurn) {
+TEST(BenchFrame, TimesSeveralEnginesInTurn) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"bench", "frame", "--spheres", "1000", "--frames", "20", "--engines",
@@ -115,7 +116,7 @@ TEST(BenchFrame, TimesEnginesOnNamedWorkloadsInRounds) {
   EXPECT_NE(run.out.find("reamer-30k: acetabulum, 1000 spheres"), std::string::npos) << run.out;
 }
 
-TEST(BenchFrame, SetsPlainVoxelsBesideOurs) {
+TEST(BenchFrame, ComparesWithPlainVoxels) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"bench", "frame", "--method", "cpu", "--compare", "voxel-128,reference",
@@ -127,13 +128,13 @@ TEST(BenchFrame, SetsPlainVoxelsBesideOurs) {
   EXPECT_EQ(json.at("compare").at("method"), "voxel-128");
   EXPECT_EQ(methods[1].at("method"), "voxel-128");
   EXPECT_GT(methods[1].at("ratio").get<double>(), 0.0);
-  // each with its own hand, which presses with 100 N
+  // each method has its own simulated hand, which presses with 100 N
   for (const nlohmann::json& method : methods)
     EXPECT_NEAR(method.at("mean_force_N").get<double>(), 100.0, 5.0) << method.at("method");
   EXPECT_EQ(methods[0].at("removed_mm3"), methods[2].at("removed_mm3")) << "the same bits";
 }
 
-TEST(BenchFrame, SaysWhatItDoesNotTake) {
+TEST(BenchFrame, RefusesInvalidArguments) {
   const TemporaryFolder folder;
   struct Case {
     std::vector<std::string> arguments;
@@ -165,7 +166,7 @@ TEST(BenchFrame, SaysWhatItDoesNotTake) {
   EXPECT_NE(wrong.err.find("unknown subcommand frme; did you mean frame?"), std::string::npos) << wrong.err;
 }
 
-TEST(BenchKinematics, WritesTheKeysOfItsContract) {
+TEST(BenchKinematics, WritesTheDocumentedKeys) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"bench", "kinematics", "--calls", "1000", "--json", "k.json"});
@@ -190,7 +191,7 @@ TEST(BenchKinematics, WritesTheKeysOfItsContract) {
   }
 }
 
-TEST(BenchKinematics, HasNoDynamicsWithoutMasses) {
+TEST(BenchKinematics, ReportsNoDynamicsForARobotWithoutMasses) {
   const TemporaryFolder folder;
   const std::string robot = std::string(OSTEON_SOURCE_DIR) + "/config/robots/kr_6_r900_2.yaml";
   const CommandResult run = RunCommand(
@@ -205,7 +206,7 @@ TEST(BenchKinematics, HasNoDynamicsWithoutMasses) {
   EXPECT_TRUE(json.at("kdl").at("mass_matrix_ns").is_null());
 }
 
-TEST(BenchKinematics, SaysWhatItDoesNotTake) {
+TEST(BenchKinematics, RefusesInvalidArguments) {
   const TemporaryFolder folder;
   const CommandResult few = RunCommand(folder.path(), {"bench", "kinematics", "--calls", "3"});
   EXPECT_EQ(few.exit_code, 2);
@@ -216,7 +217,7 @@ TEST(BenchKinematics, SaysWhatItDoesNotTake) {
       << none.err;
 }
 
-TEST(BenchTick, WritesTheKeysOfItsContract) {
+TEST(BenchTick, WritesTheDocumentedKeys) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"bench", "tick", "--ticks", "200", "--json", "t.json"});
@@ -244,7 +245,7 @@ TEST(BenchTick, WritesTheKeysOfItsContract) {
   EXPECT_NE(few.err.find("--ticks: found 3, accepted 100"), std::string::npos) << few.err;
 }
 
-TEST(BenchTick, TimesEachLevelInTurn) {
+TEST(BenchTick, TimesEachComplianceLevel) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"bench", "tick", "--compliance", "--ticks", "100", "--json", "t.json"});
@@ -262,7 +263,7 @@ TEST(BenchTick, TimesEachLevelInTurn) {
   }
 }
 
-TEST(BenchTick, TimesAPlansGuidanceInTurn) {
+TEST(BenchTick, TimesTheTickWithAndWithoutGuidance) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(
       folder.path(), {"bench", "tick", "--plan", "acetabulum", "--ticks", "2000", "--json", "t.json"});
@@ -284,7 +285,7 @@ TEST(BenchTick, TimesAPlansGuidanceInTurn) {
   EXPECT_EQ(RunCommand(folder.path(), {"bench", "tick", "--plan", "nosuch"}).exit_code, 2);
 }
 
-TEST(BenchFrame, EndsWithOneWhereThereIsNoDevice) {
+TEST(BenchFrame, ExitsWithOneIfThereIsNoSuchDevice) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"bench", "frame", "--spheres", "500", "--device", "no such device"});
@@ -292,6 +293,7 @@ TEST(BenchFrame, EndsWithOneWhereThereIsNoDevice) {
   EXPECT_NE(run.err.find("no such device"), std::string::npos) << run.err;
 }
 
+// Expects a chart's pictures, data and page in the folder; 100 bytes exclude empty files.
 void ExpectFiles(const std::filesystem::path& folder, const std::string& name) {
   for (const char* extension : {".svg", ".png", ".csv", ".json", ".html"}) {
     const std::filesystem::path file = folder / (name + extension);
@@ -331,7 +333,8 @@ TEST(ChartCompliance, WritesItsFilesAndFigures) {
   EXPECT_EQ(json.at("schema"), "osteon.chart.compliance/1");
   EXPECT_EQ(json.at("costs").size(), 5u);
   ASSERT_EQ(json.at("changes").size(), 3u);
-  // coupling and part in series at a slow motion: the drill's 60 and 7.48 N/mm, the mount's 20 and 47.4
+  // two springs in series at a slow motion, the coupling and the part: 60 and 7.48 N/mm for the drill, 20 and
+  // 47.4 N/mm for the mount
   EXPECT_NEAR(json.at("changes")[0].at("felt_ratio")[0].get<double>(), 7.48 / (7.48 + 60.0), 0.005);
   EXPECT_NEAR(json.at("changes")[2].at("felt_ratio")[0].get<double>(), 47.4 / (47.4 + 20.0), 0.005);
   EXPECT_NEAR(json.at("changes")[2].at("gives_m")[7].get<double>(), 2.53e-3, 0.03e-3) << "under 120 N";
@@ -356,7 +359,8 @@ TEST(ChartSpeedAccuracy, WritesItsFilesAndPoints) {
       EXPECT_GE(point.at(key).get<double>(), 0.0) << key;
     EXPECT_EQ(point.at("tasks").size(), 4u);
   }
-  // coarse to fine: each method's cut approaches the exact one, and ours leaves no bone in the tool's path
+  // two points for each method, coarse then fine: the fine cut is closer to the exact one, and
+  // that of the method `cpu` leaves no bone in the tool's path
   const nlohmann::json& points = json.at("points");
   const auto depth = [&](std::size_t i) { return points[i].at("depth_error_mm").get<double>(); };
   for (const std::size_t coarse : {0u, 2u, 4u}) EXPECT_LT(depth(coarse + 1), depth(coarse));

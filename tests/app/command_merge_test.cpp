@@ -6,13 +6,13 @@
 #include "studies/sharding/part_set.h"
 #include "tests/app/command.h"
 
-// Runs studies whole, and in shards that are merged, as a user of several machines does. Both must leave the
-// same.
+// Runs studies whole, and in shards that `osteon merge` puts together, as a user of several machines does.
+// Both ways must give the same files, except for measured times.
 
 namespace osteon::app {
 namespace {
 
-// Removes what a clock gave.
+// Removes all measured times, which differ between runs.
 nlohmann::json WithoutTimes(nlohmann::json json) {
   static const std::vector<std::string> times{"seconds",        "seconds_wall",    "seconds_cpu",
                                               "seconds_set_up", "times_real_time", "frame_us"};
@@ -23,7 +23,7 @@ nlohmann::json WithoutTimes(nlohmann::json json) {
   return json;
 }
 
-// A part's file, with the digest of what it says.
+// The text of a shard's file, with the digest that fits this content.
 std::string TextOfPart(const nlohmann::json& json) {
   studies::Part part{.file = {},
                      .shard = {.index = json.at("shard").at("index"), .of = json.at("shard").at("of")},
@@ -36,12 +36,13 @@ std::string TextOfPart(const nlohmann::json& json) {
   return studies::PartText(part);
 }
 
+// Runs commands of `osteon` in one folder.
 class Merge : public testing::Test {
  protected:
   CommandResult Run(const std::vector<std::string>& arguments) {
     return RunCommand(folder_.path(), arguments);
   }
-  /// Runs all shards. @returns the names of their files, the last one first.
+  /// Runs all shards, which may end with 0 or the exit code. @returns their files, the last first.
   std::vector<std::string> RunShards(const std::vector<std::string>& command, int of, int exit_code) {
     std::vector<std::string> files;
     for (int index = of; index >= 1; --index) {
@@ -66,9 +67,9 @@ class Merge : public testing::Test {
   TemporaryFolder folder_;
 };
 
-// Two scenarios differ from their golden traces, so the page has their plots, which come from the parts'
-// samples.
-TEST_F(Merge, RegressIsThatOfOneRun) {
+// Some scenarios differ from their golden traces, so the page has their plots, drawn from samples in the
+// shards' files.
+TEST_F(Merge, MergedRegressEqualsOneRun) {
   const std::vector<std::string> command{"regress", "wall_reamer",           "wall_kr", "pause",
                                          "--set",   "limits.max_force_N=50", "--junit", "out/junit.xml"};
   std::filesystem::create_directories(folder_.path() / "out");
@@ -91,7 +92,7 @@ TEST_F(Merge, RegressIsThatOfOneRun) {
   EXPECT_EQ(merged.exit_code, 1) << merged.out << merged.err;
   const nlohmann::json merged_json = ReadJson(folder_.path() / "r.json");
   EXPECT_EQ(WithoutTimes(merged_json).dump(), WithoutTimes(json).dump());
-  double seconds = 0.0;  // what the scenarios took, not what putting their files together took
+  double seconds = 0.0;  // of the scenarios, without the time of the merge
   for (const nlohmann::json& scenario : merged_json.at("scenarios"))
     seconds += scenario.at("seconds_wall").get<double>();
   EXPECT_GT(seconds, 0.0);
@@ -101,7 +102,7 @@ TEST_F(Merge, RegressIsThatOfOneRun) {
   EXPECT_EQ(std::regex_replace(Text("out/junit.xml"), time, ""), junit);
 }
 
-TEST_F(Merge, FailuresAreThoseOfOneRun) {
+TEST_F(Merge, MergedFailuresEqualOneRun) {
   const std::vector<std::string> command{"failures", "18", "19", "--quick", "--engine", "cpu"};
   std::vector<std::string> whole = command;
   whole.insert(whole.end(), {"--out", "one", "--json", "f.json"});
@@ -121,8 +122,8 @@ TEST_F(Merge, FailuresAreThoseOfOneRun) {
   EXPECT_EQ(pictures, 4u);
 }
 
-// Two tunes of one cell: every file that a tune leaves is the same, to the byte.
-TEST_F(Merge, TuneIsThatOfOneRun) {
+// Every file that a tune writes is the same to the byte.
+TEST_F(Merge, MergedTuneEqualsOneRun) {
   const std::vector<std::string> command{"tune",      "demo", "--nodes",         "3",
                                          "--threads", "2",    "--stiffest-grip", "4000"};
   std::vector<std::string> whole = command;
@@ -139,8 +140,8 @@ TEST_F(Merge, TuneIsThatOfOneRun) {
     EXPECT_EQ(Text(std::string("tuned/") + name), Text(std::string("one/") + name)) << name;
 }
 
-// Two shards of one seed: all that was measured is in the first part, and the second is empty.
-TEST_F(Merge, ChartsHaveThePointsOfTheirShards) {
+// One seed in two shards: the first shard's file has all measurements, and the second's has none.
+TEST_F(Merge, MergedChartsHaveThePointsOfTheirShards) {
   const auto parts =
       RunShards({"chart", "speed-accuracy", "--quick", "--seeds", "1", "--method", "cpu"}, 2, 0);
   CommandResult merged = MergeFiles(parts, {"--out", "merged", "--json", "c.json"});
@@ -165,7 +166,7 @@ TEST_F(Merge, ChartsHaveThePointsOfTheirShards) {
   EXPECT_EQ(ReadJson(folder_.path() / "scaled/scaling.json")["points"].size(), 3u);
 }
 
-TEST_F(Merge, ASweepIsThatOfOneRun) {
+TEST_F(Merge, MergedSweepEqualsOneRun) {
   io::test::WriteAll(folder_.path() / "sweep.yaml",
                      "shows: x\nscenario: tremor\nseed_count: 2\nparameters:\n"
                      "  - {key: coupling.damping_Ns_per_m, takes: \"50, 200\"}\n"
@@ -194,69 +195,70 @@ TEST_F(Merge, ASweepIsThatOfOneRun) {
     EXPECT_GT(run["peak_force_N"], 1.0);
     hashes.insert(run["hash"].get<std::string>());
   }
-  EXPECT_EQ(hashes.size(), 4u);  // each run is another
+  EXPECT_EQ(hashes.size(), 4u);  // no two runs are alike
   ASSERT_EQ(sweep["combinations"].size(), 2u);
   EXPECT_EQ(sweep["combinations"][1]["values"]["coupling.damping_Ns_per_m"], "200");
 }
 
-TEST_F(Merge, RefusesPartsOfOtherRunsAndNamesTheFile) {
-  const auto refused = [&](const std::vector<std::string>& files, const std::string& text) {
+TEST_F(Merge, RefusesShardsOfOtherRunsAndNamesTheFile) {
+  const auto expect_refused = [&](const std::vector<std::string>& files, const std::string& text) {
     const CommandResult run = MergeFiles(files);
     EXPECT_EQ(run.exit_code, 2) << text;
     EXPECT_NE(run.err.find(text), std::string::npos) << run.err;
   };
   const auto files = RunShards({"regress", "wall_reamer", "wall_kr"}, 2, 0);
-  refused({files[0]}, "missing: 1/2");
-  refused({files[0], files[0], files[1]}, "found shard 2/2, which part_2.json is too");
-  refused({"none.json"}, "none.json: no such file");
+  expect_refused({files[0]}, "missing: 1/2");
+  expect_refused({files[0], files[0], files[1]}, "found shard 2/2, which part_2.json is too");
+  expect_refused({"none.json"}, "none.json: no such file");
   ASSERT_EQ(Run({"regress", "wall_reamer", "wall_kr", "--exact", "--shard", "1/2", "--json", "other.json"})
                 .exit_code,
             0);
-  refused({files[0], "other.json"},
-          "other.json: found command regress wall_reamer wall_kr --exact, accepted "
-          "regress wall_reamer wall_kr, as in part_2.json");
+  expect_refused({files[0], "other.json"},
+                 "other.json: found command regress wall_reamer wall_kr --exact, accepted "
+                 "regress wall_reamer wall_kr, as in part_2.json");
   io::test::WriteAll(folder_.path() / "half.json", Text(files[0]).substr(0, Text(files[0]).size() / 2));
-  refused({"half.json", files[1]}, "half.json: found no complete JSON");
+  expect_refused({"half.json", files[1]}, "half.json: found no complete JSON");
   nlohmann::json damaged = ReadJson(folder_.path() / files[0]);
   damaged["results"][0]["result"]["difference"]["passed"] = false;
   io::test::WriteAll(folder_.path() / "damaged.json", damaged.dump());
-  refused({"damaged.json", files[1]}, "damaged.json: digest: found");
-  // a part that another program wrote, with a digest of its own
-  const auto written = [&](const char* key, const nlohmann::json& value, const std::string& text) {
+  expect_refused({"damaged.json", files[1]}, "damaged.json: digest: found");
+  // a wrong value in a file whose digest is right
+  const auto refuse_value = [&](const char* key, const nlohmann::json& value, const std::string& text) {
     nlohmann::json other = ReadJson(folder_.path() / files[0]);
     other["results"][0]["result"]["difference"][key] = value;
     io::test::WriteAll(folder_.path() / "damaged.json", TextOfPart(other));
-    refused({"damaged.json", files[1]}, text);
+    expect_refused({"damaged.json", files[1]}, text);
   };
-  written("parts", {{{"part", 99}, {"tick", 1}}}, "damaged.json: item 1: found part 99");
-  written("passed", 1, "damaged.json: item 1: passed: found 1, accepted true or false");
-  written("first_tick", -1, "damaged.json: item 1: first_tick: found -1, accepted a whole number from 0 on");
-  written("others", {1}, "damaged.json: item 1: others: found [1], accepted a list of texts");
-  // parts of another commit than merge's
+  refuse_value("parts", {{{"part", 99}, {"tick", 1}}}, "damaged.json: item 1: found part 99");
+  refuse_value("passed", 1, "damaged.json: item 1: passed: found 1, accepted true or false");
+  refuse_value("first_tick", -1,
+               "damaged.json: item 1: first_tick: found -1, accepted a whole number from 0 on");
+  refuse_value("others", {1}, "damaged.json: item 1: others: found [1], accepted a list of texts");
+  // shards that were run with another commit than the merge
   for (const std::string& name : files) {
     nlohmann::json other = ReadJson(folder_.path() / name);
     other["build"] = "commit 0123456";
     io::test::WriteAll(folder_.path() / ("other_" + name), TextOfPart(other));
   }
-  refused({"other_" + files[0], "other_" + files[1]},
-          "other_part_2.json: found build commit 0123456, accepted commit ");
+  expect_refused({"other_" + files[0], "other_" + files[1]},
+                 "other_part_2.json: found build commit 0123456, accepted commit ");
   damaged["results"].clear();
   io::test::WriteAll(folder_.path() / "damaged.json", damaged.dump());
-  refused({"damaged.json", files[1]}, "damaged.json: found 0 items, accepted the 1 of shard 2/2");
+  expect_refused({"damaged.json", files[1]}, "damaged.json: found 0 items, accepted the 1 of shard 2/2");
 }
 
-TEST_F(Merge, ShardsNeedAFileAndANumber) {
-  const auto refused = [&](std::vector<std::string> arguments, const std::string& text) {
+TEST_F(Merge, AShardNeedsAJsonFileAndAValidNumber) {
+  const auto expect_refused = [&](std::vector<std::string> arguments, const std::string& text) {
     arguments.insert(arguments.begin(), {"regress", "wall_reamer"});
     const CommandResult run = Run(arguments);
     EXPECT_EQ(run.exit_code, 2) << text;
     EXPECT_NE(run.err.find(text), std::string::npos) << run.err;
   };
-  refused({"--shard", "1/2"}, "--shard: found without --json");
+  expect_refused({"--shard", "1/2"}, "--shard: found without --json");
   for (const char* wrong : {"0/2", "3/2", "1", "1/2/3", "1/", "/2", "a/b", "1/-2", "1/10001"})
-    refused({"--shard", wrong, "--json", "p.json"}, "found " + std::string(wrong) + ", accepted I/N");
-  refused({"--shard", "1/2", "--json", "p.json", "--update", "--reason", "none"},
-          "--update excludes --shard");
+    expect_refused({"--shard", wrong, "--json", "p.json"}, "found " + std::string(wrong) + ", accepted I/N");
+  expect_refused({"--shard", "1/2", "--json", "p.json", "--update", "--reason", "none"},
+                 "--update excludes --shard");
 }
 
 }  // namespace

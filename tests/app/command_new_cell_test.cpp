@@ -7,6 +7,8 @@
 #include "config/reading/load.h"
 #include "tests/app/command.h"
 
+// Runs `osteon new-cell` as a user does, and loads the cells that it writes.
+
 namespace osteon::app {
 namespace {
 
@@ -36,7 +38,7 @@ TEST_F(NewCellTest, CopiesACellThatExtendsAnother) {
   EXPECT_EQ(config::LoadCell(folder_.path() / "tooth.yaml").scene.name, "molar");
 }
 
-TEST_F(NewCellTest, WritesItsFileAsJson) {
+TEST_F(NewCellTest, ReportsTheNewFileAsJson) {
   const CommandResult made =
       RunCommand(folder_.path(), {"new-cell", "lab/tooth", "--from", "molar", "--json", "made.json"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
@@ -47,7 +49,7 @@ TEST_F(NewCellTest, WritesItsFileAsJson) {
   EXPECT_EQ(json.at("copied"), true);
 }
 
-TEST_F(NewCellTest, LeavesAFileThatIsThere) {
+TEST_F(NewCellTest, DoesNotOverwriteAFile) {
   io::test::WriteAll(folder_.path() / "mine.yaml", "x");
   const CommandResult made = RunCommand(folder_.path(), {"new-cell", "mine"});
   EXPECT_EQ(made.exit_code, 2);
@@ -58,7 +60,8 @@ TEST_F(NewCellTest, LeavesAFileThatIsThere) {
   EXPECT_NE(unknown.err.find("--from nosuch"), std::string::npos) << unknown.err;
 }
 
-TEST_F(NewCellTest, ABareNameIsAShippedCellsAndTheFilesIsProposed) {
+// `--cell mine` without an ending means config/cells/mine.yaml, which does not exist.
+TEST_F(NewCellTest, ABareNameMeansAShippedCellAndTheOwnFileIsSuggested) {
   ASSERT_EQ(RunCommand(folder_.path(), {"new-cell", "mine"}).exit_code, 0);
   const CommandResult run = RunCommand(folder_.path(), {"demo", "--cell", "mine", "--virtual-time"});
   EXPECT_EQ(run.exit_code, 2);

@@ -35,7 +35,7 @@ class PackCommand : public testing::Test {
     return run;
   }
 
-  /// Exit code 2, one line on stderr with each of the texts, nothing written.
+  /// Expects exit code 2, a last line on stderr with each of the texts, nothing written.
   void ExpectRefused(std::vector<std::string> arguments, const std::vector<std::string>& texts) {
     std::string line;
     for (const std::string& argument : arguments) line += argument + " ";
@@ -53,6 +53,7 @@ class PackCommand : public testing::Test {
     ExpectNoPart();
   }
 
+  /// Writes a cube of this edge length. @returns the name.
   std::string WriteBox(const std::string& name, double size_m) {
     io::test::WriteAll(Path(name), simulation::ObjText(simulation::MakeBox(Vector3::Constant(-0.5 * size_m),
                                                                            Vector3::Constant(0.5 * size_m))));
@@ -83,7 +84,7 @@ TEST_F(PackCommand, ABallIsPackedWithItsVolumeMassAndInertia) {
   for (const simulation::MassPoint& point : bone.points) volume_m3 += point.volume_m3;
   for (const Ball& ball : bone.balls)
     farthest_m = std::max(farthest_m, Vector3(ball.center_m).norm() + ball.radius_m);
-  // 4 mm³ of 4189: sampling by the points; the balls exceed the ball by at most the protrusion tolerance
+  // 0.5 % of 4189 mm³, because points sample the solid; spheres exceed it by the protrusion tolerance at most
   EXPECT_NEAR(volume_m3 * 1e9, 4.0 / 3.0 * std::numbers::pi * 1000.0, 0.005 * 4189.0);
   EXPECT_LE(farthest_m, 10.05e-3);
   // closed form of the solid ball: m = ρ V, I = 2/5 m r²
@@ -92,7 +93,7 @@ TEST_F(PackCommand, ABallIsPackedWithItsVolumeMassAndInertia) {
   EXPECT_NEAR(solid["inertia_g_mm2"][1][1].get<double>(), 0.4 * 4.18879 * 100.0, 1e-2);
   EXPECT_LT(std::abs(json["against_solid"]["volume_error"].get<double>()), 0.005);
 
-  // the exports contain the same number
+  // the exported tables have a line for each sphere
   const std::string csv = io::test::ReadAll(Path("out.csv"));
   EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(csv, '\n')), bone.balls.size() + 1);
   EXPECT_NE(
@@ -123,7 +124,7 @@ TEST_F(PackCommand, DisjointSpheresDoNotOverlap) {
   ASSERT_EQ(balls.size(), 500u);
   for (std::size_t i = 0; i < balls.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      // also after saving: 1e-3 mm
+      // 1e-3 mm for the rounding of the saved file
       ASSERT_LE(balls[i].radius_m + balls[j].radius_m -
                     (Vector3(balls[i].center_m) - Vector3(balls[j].center_m)).norm(),
                 1e-6);
@@ -144,8 +145,8 @@ TEST_F(PackCommand, AMeshIsPackedInItsOwnFrameAndScale) {
   EXPECT_EQ(file->name(), "box");
 }
 
-TEST_F(PackCommand, AGradeMakesTheInsideCoarser) {
-  const auto greatest = [this](const char* grade) {
+TEST_F(PackCommand, AGradeMakesTheInnerSpheresLarger) {
+  const auto max_radius_mm = [this](const char* grade) {
     Pack({"box:40,40,40", "-o", "out.osp", "--no-points", "--r-max-mm", "2", "--count", "3000", "--grade",
           grade});
     const auto file = PackingFile::Open(Path("out.osp"));
@@ -153,14 +154,14 @@ TEST_F(PackCommand, AGradeMakesTheInsideCoarser) {
     for (const auto& ball : file->balls()) radius_mm = std::max(radius_mm, ball.radius_mm);
     return radius_mm;
   };
-  EXPECT_LE(greatest("0"), 2.0f);
-  // r(d) = r0 + a d with the middle 20 mm deep
-  const float graded = greatest("0.2");
+  EXPECT_LE(max_radius_mm("0"), 2.0f);
+  // the radius grows by 0.2 mm per mm of depth, from 2 mm to at most 6 mm in the middle, 20 mm deep
+  const float graded = max_radius_mm("0.2");
   EXPECT_GT(graded, 3.0f);
   EXPECT_LE(graded, 6.0f);
 }
 
-TEST_F(PackCommand, APackingIsConvertedWithWhatIsKnownOfIt) {
+TEST_F(PackCommand, AConvertedPackingKeepsItsFigures) {
   Pack({"ball:10", "-o", "out.osp", "--count", "300", "--point-spacing-mm", "0.7", "--json", "out.json"});
   const std::string before = io::test::ReadAll(Path("out.osp"));
   Pack({"out.osp", "-o", "again.osp", "-o", "again.ply", "--json", "again.json"});
@@ -168,12 +169,12 @@ TEST_F(PackCommand, APackingIsConvertedWithWhatIsKnownOfIt) {
   const nlohmann::json made = ReadJson(Path("out.json")), read = ReadJson(Path("again.json"));
   EXPECT_EQ(read["converted"], true);
   for (const char* key : {"spheres", "points", "mode"}) EXPECT_EQ(made[key], read[key]) << key;
-  // converted to metres and back
+  // lengths were converted to metres and back
   for (const char* key : {"coverage", "surface_gap_mean_mm", "protrusion_max_mm"})
     EXPECT_NEAR(made[key].get<double>(), read[key].get<double>(), 1e-12) << key;
 }
 
-TEST_F(PackCommand, TheReportHoldsEverythingInOneFile) {
+TEST_F(PackCommand, TheReportIsOneFileWithoutExternalParts) {
   Pack({"box:12,10,8", "-o", "out.osp", "--count", "200", "--point-spacing-mm", "0.5", "--report", "report"});
   const std::string html = io::test::ReadAll(Path("report/report.html"));
   for (const char* text :
@@ -184,7 +185,7 @@ TEST_F(PackCommand, TheReportHoldsEverythingInOneFile) {
     EXPECT_EQ(html.find(text), std::string::npos) << text;
 }
 
-TEST_F(PackCommand, WrongOptionsAreNamedWithWhatIsAccepted) {
+TEST_F(PackCommand, AWrongOptionIsNamedWithTheAcceptedValues) {
   ExpectRefused({"ball:10"}, {"-o", "--help"});
   ExpectRefused({"-o", "out.osp"}, {"input"});
   ExpectRefused({"ball:10", "-o", "out.step"}, {"-o out.step", "\".step\"", ".osp", ".ply", ".csv"});
@@ -212,8 +213,8 @@ TEST_F(PackCommand, WrongOptionsAreNamedWithWhatIsAccepted) {
   ExpectRefused({"ball:10", "-o", "out.osp", "--path", "path.csv", "3"}, {"path.csv:3", "found \"zero\""});
 }
 
-TEST_F(PackCommand, AMeshWithAHoleIsPackedAndTheWarningSaysWhatWasAssumed) {
-  // 4 mm: the grid of the remade surface, 0.1 mm at the finest, has a hundredth of the points of a bone's
+TEST_F(PackCommand, AMeshWithAHoleIsPackedWithAWarning) {
+  // a cube of only 4 mm keeps the test fast: the surface is rebuilt on a grid of 0.1 mm
   simulation::TriangleMesh open = simulation::MakeBox(Vector3::Constant(-0.002), Vector3::Constant(0.002));
   open.triangles.pop_back();
   io::test::WriteAll(Path("open.obj"), simulation::ObjText(open));
@@ -224,7 +225,7 @@ TEST_F(PackCommand, AMeshWithAHoleIsPackedAndTheWarningSaysWhatWasAssumed) {
       << run.err;
 }
 
-TEST_F(PackCommand, WrongFilesAreNamedWithWhatIsAccepted) {
+TEST_F(PackCommand, AWrongFileIsNamedWithTheAcceptedKind) {
   ExpectRefused({"none.obj", "-o", "out.osp"}, {"none.obj: no such file"});
   ExpectRefused({"none.osp", "-o", "out.ply"}, {"none.osp: found no such file"});
   io::test::WriteAll(Path("bad.osp"), "solid cube");
@@ -238,7 +239,7 @@ TEST_F(PackCommand, WrongFilesAreNamedWithWhatIsAccepted) {
   ExpectRefused({"good.osp", "-o", "good.osp"}, {"-o good.osp: found the input, accepted another file"});
 }
 
-TEST_F(PackCommand, AFullDiskIsAFailureThatIsSaid) {
+TEST_F(PackCommand, AFullDiskIsReportedAsAFailure) {
   std::filesystem::create_symlink("/dev/full", Path("full.osp"));
   const CommandResult run =
       RunCommand(folder_.path(), {"pack", "ball:10", "-o", "full.osp", "--count", "50", "--no-points"});
@@ -248,7 +249,7 @@ TEST_F(PackCommand, AFullDiskIsAFailureThatIsSaid) {
       << run.err;
 }
 
-TEST_F(PackCommand, CtrlCLeavesNoHalfFile) {
+TEST_F(PackCommand, CtrlCLeavesNoPartlyWrittenFile) {
   Command command(folder_.path(), {"pack", "box:100,100,100", "-o", "out.osp", "--mode", "disjoint",
                                    "--count", "500000", "--r-min-mm", "0.05"});
   ASSERT_TRUE(command.WaitUntil([&] { return command.Err().find("2 of 5: pack") != std::string::npos; }));

@@ -8,7 +8,7 @@
 namespace osteon::app {
 namespace {
 
-TEST(Plan, WritesTheKeysOfItsContractAndKeepsTheErrorThatItPromises) {
+TEST(Plan, WritesTheDocumentedKeysAndKeepsThePredictedError) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"plan", "thin_plate", "--error-mm", "0.08", "--rate-hz", "1", "--check",
@@ -38,9 +38,9 @@ TEST(Plan, WritesTheKeysOfItsContractAndKeepsTheErrorThatItPromises) {
   EXPECT_NE(run.out.find("given up           nothing"), std::string::npos) << run.out;
 }
 
-// The bar for a 25 mm reamer at 0.1 mm: a twentieth of the balls of a whole bone packed uniformly with
-// disjoint balls, as in the cutting paper. (With overlapping balls it would take a seventh.)
-TEST(Plan, TakesATwentiethOfABoneThatIsPackedWholeAndAlike) {
+// The goal for a 25 mm reamer at 0.1 mm: a twentieth of the spheres of a bone that is packed uniformly with
+// disjoint spheres, as in the cutting paper.
+TEST(Plan, NeedsATwentiethOfTheSpheresOfAUniformPacking) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(
       folder.path(), {"plan", "acetabulum", "--error-mm", "0.1", "--rate-hz", "1", "--json", "plan.json"});
@@ -52,8 +52,8 @@ TEST(Plan, TakesATwentiethOfABoneThatIsPackedWholeAndAlike) {
   EXPECT_NE(run.out.find("and disjoint"), std::string::npos) << run.out;
 }
 
-// No machine makes 100 000 frames a second: the rate is given up, the error is kept, and both are announced.
-TEST(Plan, SaysWhatItGivesUp) {
+// No machine computes 100 000 frames a second: the plan keeps the error and says that it misses the rate.
+TEST(Plan, SaysThatItMissesTheRate) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"plan", "thin_plate", "--error-mm", "0.08",
                                                        "--rate-hz", "100000", "--json", "plan.json"});
@@ -68,7 +68,7 @@ TEST(Plan, SaysWhatItGivesUp) {
   EXPECT_NE(run.out.find("given up           rate: "), std::string::npos) << run.out;
 }
 
-// A mesh in a scene's place: the same block as thin_plate's solid needs about as many spheres.
+// A mesh in place of a scene; its block has the size of the one in the scene thin_plate.
 TEST(Plan, PlansAMesh) {
   const TemporaryFolder folder;
   io::test::WriteAll(folder.path() / "plate.stl",
@@ -83,7 +83,7 @@ TEST(Plan, PlansAMesh) {
   EXPECT_NE(run.out.find("Osteon plan: plate, "), std::string::npos) << run.out;
 }
 
-TEST(Plan, SaysWhatItDoesNotTake) {
+TEST(Plan, RefusesInvalidArguments) {
   const TemporaryFolder folder;
   const std::vector<std::string> asked{"--error-mm", "0.1", "--rate-hz", "1000"};
   for (const auto& [arguments, said] : std::vector<std::pair<std::vector<std::string>, std::string>>{

@@ -3,13 +3,14 @@
 #include "studies/regress/golden_file.h"
 #include "tests/app/command.h"
 
-// Runs the command as a CI server does.
+// Runs `osteon regress` as a CI server does: compares scenarios with their golden traces.
 
 namespace osteon::app {
 namespace {
 
 const std::filesystem::path kShipped = std::filesystem::path(OSTEON_SOURCE_DIR) / "config/scenarios";
 
+// Runs `osteon regress` in a folder of its own.
 class Regress : public testing::Test {
  protected:
   CommandResult Run(std::vector<std::string> arguments) {
@@ -22,8 +23,8 @@ class Regress : public testing::Test {
     EXPECT_EQ(run.exit_code, exit_code) << run.out << run.err;
     return ReadJson(folder_.path() / "r.json");
   }
-  /// Writes a short scenario into this test's folder.
-  std::string Own(const std::string& more = "") {
+  /// Writes a short scenario, with more lines at its end, into this test's folder. @returns its name.
+  std::string WriteScenario(const std::string& more = "") {
     io::test::WriteAll(folder_.path() / "own.yaml",
                        "shows: a short push\ncell: " OSTEON_SOURCE_DIR
                        "/config/cells/demo.yaml\nengine: plane\nduration_s: 0.2\nsample_ms: 20\n"
@@ -33,13 +34,14 @@ class Regress : public testing::Test {
                            more);
     return "own.yaml";
   }
+  /// The golden trace of that scenario.
   [[nodiscard]] std::filesystem::path OwnGolden() const { return folder_.path() / "golden/own.txt"; }
 
   TemporaryFolder folder_;
 };
 
 // Runs all shipped scenarios on all cores.
-TEST_F(Regress, TheWholeSuitePasses) {
+TEST_F(Regress, AllShippedScenariosPass) {
   const auto json = RunWithJson({"--junit", "r.xml"}, 0);
   EXPECT_EQ(json["schema"], "osteon.regress/1");
   EXPECT_GE(json["scenarios"].size(), 20u);
@@ -52,9 +54,9 @@ TEST_F(Regress, TheWholeSuitePasses) {
             std::string::npos);
 }
 
-// The bits are the same, whatever runs beside a scenario and however often it runs.
-TEST_F(Regress, TwoRunsAreBitIdenticalWhateverRunsBesideThem) {
+TEST_F(Regress, ARunIsBitIdenticalWhateverRunsBesideIt) {
   const std::vector<std::string> some{"wall_reamer", "packet_loss", "drilling_lbr", "wall_kr"};
+  // the scenarios' hashes, with this number of them at once
   const auto hashes = [&](const std::string& jobs) {
     std::vector<std::string> arguments = some;
     arguments.insert(arguments.end(), {"--jobs", jobs});
@@ -68,9 +70,9 @@ TEST_F(Regress, TwoRunsAreBitIdenticalWhateverRunsBesideThem) {
   EXPECT_EQ(alone, together);
 }
 
-// The life of a scenario: no golden trace yet, accepted with a reason, the same, changed, accepted again.
+// Follows one scenario: without a golden trace, accepted with a reason, unchanged, changed, accepted again.
 TEST_F(Regress, AChangeIsAcceptedWithAReason) {
-  Own();
+  WriteScenario();
   const CommandResult none = Run({"own.yaml"});
   EXPECT_EQ(none.exit_code, 1);
   EXPECT_NE(none.out.find("no golden trace"), std::string::npos) << none.out;
@@ -88,7 +90,7 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
   EXPECT_NE(first->head.reasons[0].find(": the first"), std::string::npos);
   EXPECT_NE(first->head.reasons[0].find(" commit "), std::string::npos);
   EXPECT_TRUE(first->head.reasons[0].starts_with("20"));
-  std::filesystem::remove_all(folder_.path() / "regress_out");  // the page of the missing trace
+  std::filesystem::remove_all(folder_.path() / "regress_out");  // the page about the missing trace
   EXPECT_EQ(RunWithJson({"own.yaml", "--exact"}, 0)["scenarios"][0]["identical"], true);
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "regress_out")) << "nothing to show";
 
@@ -96,7 +98,7 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
   EXPECT_EQ(Run({"own.yaml", "--update", "--reason", "in vain"}).exit_code, 0);
   EXPECT_EQ(studies::ReadGolden(OwnGolden())->head.reasons.size(), 1u);
 
-  Own("  operator.stiffness_N_per_m: 1900\n");
+  WriteScenario("  operator.stiffness_N_per_m: 1900\n");
   const auto differs = RunWithJson({"own.yaml", "--junit", "r.xml"}, 1);
   EXPECT_EQ(differs["scenarios"][0]["passed"], false);
   EXPECT_TRUE(std::filesystem::exists(folder_.path() / "regress_out/regress.html"));
@@ -104,7 +106,7 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
       differs["scenarios"][0]["explained"].dump().find("files changed since the golden trace: own.yaml"),
       std::string::npos);
   EXPECT_NE(io::test::ReadAll(folder_.path() / "r.xml").find("<failure"), std::string::npos);
-  // what differs can be watched
+  // a recording of the differing run can be watched
   EXPECT_TRUE(std::filesystem::exists(folder_.path() / "regress_out/own.mcap"));
   EXPECT_NE(differs["scenarios"][0]["explained"].dump().find("osteon view regress_out/own.mcap"),
             std::string::npos);
@@ -132,23 +134,23 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
   EXPECT_EQ(studies::ReadGolden(OwnGolden())->head.reasons.size(), 3u);
 }
 
-// In virtual time the run does not wait for it for ever.
-TEST_F(Regress, AnArmThatNeverComesBackEndsTheRun) {
-  Own("  injections: [{wire: arm, direction: both, from_s: 0.1, to_s: 9999, silence: true}]\nrecovery_count: "
+// In virtual time a run ends before 40 s if the arm stays silent from 0.1 s on.
+TEST_F(Regress, AnArmThatStaysSilentEndsTheRun) {
+  WriteScenario(
+      "  injections: [{wire: arm, direction: both, from_s: 0.1, to_s: 9999, silence: true}]\nrecovery_count: "
       "1\n");
   const auto json = RunWithJson({"own.yaml"}, 1);
   EXPECT_EQ(json["scenarios"][0]["ended"], "arm never ready");
   EXPECT_LT(json["scenarios"][0]["seconds_simulated"], 40.0);
 }
 
-// Every effect of a change in a cell's file must be seen, however small: the golden traces have none of
-// these.
+// A small change in a cell's file, which the comparison with the golden trace must detect.
 struct Mutation {
   const char *scenario, *set;
 };
 class RegressSees : public Regress, public testing::WithParamInterface<Mutation> {};
 
-TEST_P(RegressSees, AndSaysWhatLeftFirst) {
+TEST_P(RegressSees, ASmallChangeAndExplainsIt) {
   const auto json = RunWithJson({GetParam().scenario, "--set", GetParam().set}, 1);
   const auto& scenario = json["scenarios"][0];
   EXPECT_EQ(scenario["passed"], false);
@@ -163,57 +165,58 @@ TEST_P(RegressSees, AndSaysWhatLeftFirst) {
 INSTANTIATE_TEST_SUITE_P(
     Mutations, RegressSees,
     testing::Values(
-        // 1 %
+        // stiffness or damping by 1 %
         Mutation{"wall_reamer", "coupling.stiffness_N_per_mm=20.2"},
         Mutation{"wall_drill", "coupling.stiffness_N_per_mm=20.2"},
         Mutation{"wall_impedance_wrench", "coupling.stiffness_N_per_mm=10.1"},
         Mutation{"wall_impedance_torque", "coupling.stiffness_N_per_mm=10.1"},
         Mutation{"wall_kr", "coupling.stiffness_N_per_mm=40.4"},
         Mutation{"wall_reamer", "admittance.damping_Ns_per_m=[30, 30, 30.3]"},
-        // a frame
+        // a frame by 0.1° or 0.1 mm
         Mutation{"wall_reamer", "base_in_world.rpy_deg=[0, 0, 0.1]"},
         Mutation{"wall_kr", "tool.mounting.position_mm=[0, 0, 0.1]"},
-        // a tick
+        // a delay by one tick
         Mutation{"wall_reamer", "simulated_arm.dead_time_ms=4"},
         Mutation{"wall_kr", "simulated_arm.dead_time_ms=12"},
         Mutation{
             "wall_reamer",
             "injections=[{wire: force_sensor, direction: to_controller, from_s: 0, to_s: 9, delay_ms: 1}]"},
         Mutation{"sensor_silent", "watchdog.sensor_stop_ms=101"},
-        // a radius of the tool, and of the bone
+        // the tool's diameter by 1 mm, the spheres' largest radius by 1 %
         Mutation{"wall_reamer", "tool_diameter_mm=51"},
         Mutation{"molar", "scene.packing.cup_radius_cap_mm=0.4545"},
         Mutation{"reaming_lbr", "scene.packing.cup_radius_cap_mm=2.97"}));
 
 TEST_F(Regress, WrongInputIsRefusedBeforeAnythingRuns) {
-  const auto expect = [&](const std::vector<std::string>& arguments, const std::vector<std::string>& texts) {
+  const auto expect_refused = [&](const std::vector<std::string>& arguments,
+                                  const std::vector<std::string>& texts) {
     const CommandResult run = Run(arguments);
     EXPECT_EQ(run.exit_code, 2) << run.err;
     EXPECT_EQ(run.out, "");
     for (const std::string& text : texts) EXPECT_NE(run.err.find(text), std::string::npos) << run.err;
   };
-  expect({"nothing"}, {"nothing", "wall_reamer"});
-  expect({"wall_reamer", (kShipped / "wall_reamer.yaml").string()}, {"found twice"});
-  expect({"wall_reamer", "--update"}, {"--reason"});
-  expect({"wall_reamer", "--reason", "x"}, {"--update"});
-  expect({"wall_reamer", "--update", "--reason", " "}, {"found no reason", "--reason"});
-  expect({"wall_reamer", "--update", "--reason", ""}, {"found no reason", "--reason"});
-  expect({"--update", "--reason", "x"}, {"--update: found no scenario", "--all"});
-  expect({"wall_reamer", "--all"}, {"--update"});
-  expect({"wall_reamer", "--update", "--reason", "x", "--set", "a.b=1"}, {"--set"});
-  expect({"wall_reamer", "--set", "limits.max_force_N=900"},
-         {"--set limits.max_force_N=900: max_force_N: found 900"});
-  expect({"wall_reamer", "--set", "nothing"}, {"KEY=VALUE"});
+  expect_refused({"nothing"}, {"nothing", "wall_reamer"});
+  expect_refused({"wall_reamer", (kShipped / "wall_reamer.yaml").string()}, {"found twice"});
+  expect_refused({"wall_reamer", "--update"}, {"--reason"});
+  expect_refused({"wall_reamer", "--reason", "x"}, {"--update"});
+  expect_refused({"wall_reamer", "--update", "--reason", " "}, {"found no reason", "--reason"});
+  expect_refused({"wall_reamer", "--update", "--reason", ""}, {"found no reason", "--reason"});
+  expect_refused({"--update", "--reason", "x"}, {"--update: found no scenario", "--all"});
+  expect_refused({"wall_reamer", "--all"}, {"--update"});
+  expect_refused({"wall_reamer", "--update", "--reason", "x", "--set", "a.b=1"}, {"--set"});
+  expect_refused({"wall_reamer", "--set", "limits.max_force_N=900"},
+                 {"--set limits.max_force_N=900: max_force_N: found 900"});
+  expect_refused({"wall_reamer", "--set", "nothing"}, {"KEY=VALUE"});
   // a value that the cell's own lines forbid is reported together with the overrides
-  expect({"wall_reamer", "--set", "script.push_force_N=300"},
-         {"demo.yaml:", "max_force_N: found 150", "(with --set script.push_force_N=300)"});
-  expect({"wall_reamer", "--jobs", "-1"}, {"--jobs"});
-  expect({"wall_reamer", "--json", "nowhere/r.json"}, {"--json", "nowhere"});
-  expect({"wall_reamer", "--junit", "."}, {"--junit", "folder"});
-  Own("  limits.max_forc_N: 5\n");
-  expect({"own.yaml"}, {"own.yaml:13", "max_forc_N", "max_force_N"});
+  expect_refused({"wall_reamer", "--set", "script.push_force_N=300"},
+                 {"demo.yaml:", "max_force_N: found 150", "(with --set script.push_force_N=300)"});
+  expect_refused({"wall_reamer", "--jobs", "-1"}, {"--jobs"});
+  expect_refused({"wall_reamer", "--json", "nowhere/r.json"}, {"--json", "nowhere"});
+  expect_refused({"wall_reamer", "--junit", "."}, {"--junit", "folder"});
+  WriteScenario("  limits.max_forc_N: 5\n");
+  expect_refused({"own.yaml"}, {"own.yaml:13", "max_forc_N", "max_force_N"});
   io::test::WriteAll(folder_.path() / "own.yaml", "shows: x\n");
-  expect({"own.yaml"}, {"own.yaml", "missing key"});
+  expect_refused({"own.yaml"}, {"own.yaml", "missing key"});
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 
 class ReplayCommandTest : public RecordedRun {
  protected:
-  /// Replays and returns the JSON of --json; `code_` is the exit code.
+  /// Replays a recording. @returns the JSON of --json; `code_` is the exit code, `out_` the printed text.
   nlohmann::json Replay(const std::filesystem::path& recording, std::vector<std::string> more = {}) {
     std::vector<std::string> arguments{"replay", recording.string(), "--json", "replay.json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -23,6 +23,7 @@ class ReplayCommandTest : public RecordedRun {
     EXPECT_LE(code_, 1) << run.err;
     return code_ <= 1 ? ReadJson(folder_.path() / "replay.json") : nlohmann::json();
   }
+  // The size of a file in bytes, 0 if it does not exist.
   static std::uintmax_t SizeOf(const std::filesystem::path& path) {
     std::error_code none;
     const std::uintmax_t size = std::filesystem::file_size(path, none);
@@ -39,7 +40,7 @@ class ReplayCommandTest : public RecordedRun {
   std::string out_;
 };
 
-TEST_F(ReplayCommandTest, IsIdenticalBitForBit) {
+TEST_F(ReplayCommandTest, ReplayIsIdenticalBitForBit) {
   ASSERT_GT(BusyTick(), 0u);
   const nlohmann::json json = Replay(Original());
   EXPECT_EQ(code_, 0);
@@ -53,12 +54,13 @@ TEST_F(ReplayCommandTest, IsIdenticalBitForBit) {
   EXPECT_NE(out_.find("identical, bit for bit"), std::string::npos) << out_;
 }
 
-TEST_F(ReplayCommandTest, WritingItAgainChangesNothing) {
+// The tests below change a copy of the recording; an unchanged copy must replay as the recording does.
+TEST_F(ReplayCommandTest, ARewrittenRecordingReplaysIdentically) {
   Replay(Write(*recording_));
   EXPECT_EQ(code_, 0) << "else the tests below would show nothing";
 }
 
-TEST_F(ReplayCommandTest, SeesOneBitOfOneReading) {
+TEST_F(ReplayCommandTest, DetectsOneChangedBitOfOneReading) {
   io::Recording changed = *recording_;
   const std::size_t at = BusyTick();
   double& force_N = changed.ticks[at].input.F_sensor_S.f.x;
@@ -76,7 +78,8 @@ TEST_F(ReplayCommandTest, SeesOneBitOfOneReading) {
   EXPECT_NE(out_.find(difference.at("field").get<std::string>()), std::string::npos) << out_;
 }
 
-TEST_F(ReplayCommandTest, SeesAnotherContactModel) {
+// Shifts all contacts of one model by 1 um: the first ticks that used this model must differ.
+TEST_F(ReplayCommandTest, DetectsAShiftedContact) {
   io::Recording changed = *recording_;
   const control::TickRecord& seen = changed.ticks[BusyTick()];
   bool found = false;
@@ -92,7 +95,7 @@ TEST_F(ReplayCommandTest, SeesAnotherContactModel) {
   EXPECT_GE(json.at("first_difference").at("tick").get<std::uint64_t>() + 5, seen.tick);
 }
 
-TEST_F(ReplayCommandTest, SeesAStopThatWasNotAskedFor) {
+TEST_F(ReplayCommandTest, DetectsARemovedStopRequest) {
   io::Recording changed = *recording_;
   std::uint64_t first_stop = 0;
   for (control::TickRecord& tick : changed.ticks) {
@@ -106,20 +109,21 @@ TEST_F(ReplayCommandTest, SeesAStopThatWasNotAskedFor) {
   EXPECT_EQ(json.at("first_difference").at("field"), "phase");
 }
 
-TEST_F(ReplayCommandTest, SeesAnotherGain) {
+TEST_F(ReplayCommandTest, DetectsAChangedGain) {
   io::Recording changed = *recording_;
   for (io::ConfigFile& file : changed.session.config.files) {
     const std::size_t at = file.content.find("\nadmittance:\n");
     if (at == std::string::npos) continue;
     const std::size_t value = file.content.find("mass_kg: [", at) + 10;
-    file.content.insert(value, "1");  // 3 kg become 13
+    file.content.insert(value, "1");  // 3 kg become 13 kg
   }
   const nlohmann::json json = Replay(Write(changed));
   EXPECT_EQ(code_, 1);
   EXPECT_GT(json.at("different_ticks").get<std::uint64_t>(), 1000u);
 }
 
-TEST_F(ReplayCommandTest, AnotherCellInsteadOfTheRecordedOne) {
+// The recorded cell is molar, so a replay with the demo cell must differ.
+TEST_F(ReplayCommandTest, ReplaysWithAGivenCellInsteadOfTheRecordedOne) {
   Replay(Original(), {"--cell", OSTEON_SOURCE_DIR "/config/cells/molar.yaml"});
   EXPECT_EQ(code_, 0);
   Replay(Original(), {"--cell", "molar"});
@@ -128,7 +132,7 @@ TEST_F(ReplayCommandTest, AnotherCellInsteadOfTheRecordedOne) {
   EXPECT_EQ(code_, 1);
 }
 
-TEST_F(ReplayCommandTest, SaysWhatCouldNotBeRunAgain) {
+TEST_F(ReplayCommandTest, SaysWhyTicksWereNotReplayed) {
   const std::size_t at = BusyTick();
   io::Recording changed = *recording_;
   changed.ticks.erase(changed.ticks.begin() + static_cast<std::ptrdiff_t>(at));
@@ -155,11 +159,11 @@ TEST_F(ReplayCommandTest, SaysWhatCouldNotBeRunAgain) {
   EXPECT_NE(json.at("not_run_reason").get<std::string>().find("not recorded yet"), std::string::npos);
 }
 
-// It does not matter where the configuration files lie and whether they still exist.
+// The recording contains its configuration files: it replays after their folder was deleted.
 TEST_F(ReplayCommandTest, NeedsNothingButTheRecording) {
   const auto root = folder_.path() / "config";
   std::filesystem::copy(OSTEON_SOURCE_DIR "/config", root, std::filesystem::copy_options::recursive);
-  // a cell that names its robot by an absolute path, with a tool from a mesh, and a scene with a picture
+  // a cell with its robot by an absolute path, a tool that is a mesh and a scene with a density image
   std::string cell = io::test::ReadAll(root / "cells/demo.yaml");
   const auto replace = [&](const std::string& from, const std::string& to) {
     ASSERT_NE(cell.find(from), std::string::npos) << from;
@@ -185,7 +189,7 @@ TEST_F(ReplayCommandTest, NeedsNothingButTheRecording) {
   }
 }
 
-TEST_F(ReplayCommandTest, RefusesAConfigurationThatLeadsElsewhere) {
+TEST_F(ReplayCommandTest, RefusesInvalidRecordedConfigurations) {
   for (const std::string name :
        {"../outside.yaml", "/outside.yaml", "cells/../../outside.yaml", "", "cells/"}) {
     io::Recording changed = *recording_;
@@ -209,9 +213,9 @@ TEST_F(ReplayCommandTest, RefusesAConfigurationThatLeadsElsewhere) {
       << unknown.err;
 }
 
-// In wall time, with threads, sockets and a stop by Ctrl-C. On a busy machine the run may end earlier with a
-// fault; that is a valid recording too.
-TEST_F(ReplayCommandTest, ARunInWallTimeIsIdenticalToo) {
+// The run has threads and sockets and is stopped by Ctrl-C. On a busy machine it may end earlier with a
+// fault; the recording must replay in this case too.
+TEST_F(ReplayCommandTest, ARunInWallTimeReplaysIdentically) {
   Command demo(folder_.path(), {"demo", "--seconds", "60", "--port", "0", "--out", "wall"});
   const auto path = folder_.path() / "wall/recording.mcap";
   static_cast<void>(demo.WaitUntil([&] { return SizeOf(path) > 1'000'000; }));
@@ -225,7 +229,7 @@ TEST_F(ReplayCommandTest, ARunInWallTimeIsIdenticalToo) {
 }
 
 // A recording of a killed run replays, both as it is and after its recovery.
-TEST_F(ReplayCommandTest, AKilledRunIsIdenticalAsFarAsItGot) {
+TEST_F(ReplayCommandTest, AKilledRunReplaysIdenticallyUpToItsEnd) {
   Command demo(folder_.path(), {"demo", "--virtual-time", "--seconds", "3600", "--out", "killed"});
   const auto path = folder_.path() / "killed/recording.mcap";
   ASSERT_TRUE(demo.WaitUntil([&] { return SizeOf(path) > 1'000'000; })) << demo.Err();
@@ -244,7 +248,7 @@ TEST_F(ReplayCommandTest, AKilledRunIsIdenticalAsFarAsItGot) {
   EXPECT_EQ(json.at("identical"), true) << out_;
 }
 
-TEST_F(ReplayCommandTest, SaysWhatItDoesNotTake) {
+TEST_F(ReplayCommandTest, RefusesInvalidArguments) {
   io::test::WriteAll(folder_.path() / "file", "x");
   for (const auto& [arguments, said] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{}, "recording is required"},

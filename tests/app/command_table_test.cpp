@@ -11,7 +11,7 @@
 #include "app/cli/usage/usage.h"
 #include "base/text.h"
 
-// The texts that are read from a CLI::App, on one that is made for it.
+// Tests help, manual and synopsis, which are generated from a CLI::App, on a small application.
 
 namespace osteon::app {
 namespace {
@@ -41,6 +41,7 @@ class CommandTable : public testing::Test {
   double number_{0.0};
 };
 
+// The option with this (long) name, which must exist.
 const OptionText& Named(const CommandText& command, const std::string& name) {
   const auto at =
       std::ranges::find(command.options, name, [](const OptionText& o) { return o.names.back(); });
@@ -48,7 +49,7 @@ const OptionText& Named(const CommandText& command, const std::string& name) {
   return *at;
 }
 
-TEST_F(CommandTable, HoldsNamesKindsWordsRangesAndDefaults) {
+TEST_F(CommandTable, DescribesNamesKindsWordsRangesAndDefaults) {
   const CommandText cut = DescribeCommand(app_).commands.at(0);
   EXPECT_EQ(cut.name, "osteon cut");
   EXPECT_EQ(cut.word(), "cut");
@@ -108,7 +109,7 @@ TEST(WrapText, KeepsWordsWholeAndCountsCharactersNotBytes) {
   EXPECT_EQ(base::WrapText("incomprehensibilities a", 0, 5), "incomprehensibilities\na");
 }
 
-TEST_F(CommandTable, HelpShowsFewWordsAtTheOption) {
+TEST_F(CommandTable, HelpListsTheAcceptedWordsAtTheOption) {
   const std::string help = HelpText(DescribeCommand(app_).commands[0], 80);
   EXPECT_NE(help.find("--mode fast|exact"), std::string::npos) << help;
   EXPECT_NE(help.find("how [default fast; not with --dry]"), std::string::npos) << help;

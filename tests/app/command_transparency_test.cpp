@@ -9,7 +9,7 @@
 namespace osteon::app {
 namespace {
 
-TEST(Transparency, WritesTheKeysOfItsContractAndFeelsMoreThanTheLawAsksFor) {
+TEST(Transparency, WritesTheDocumentedKeysAndFindsMoreMassThanTheLaws) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(
       folder.path(), {"transparency", "demo", "--out", "felt", "--json", "copy.json", "--points", "6"});
@@ -31,7 +31,7 @@ TEST(Transparency, WritesTheKeysOfItsContractAndFeelsMoreThanTheLawAsksFor) {
   EXPECT_NE(run.out.find("Residual"), std::string::npos);
 }
 
-TEST(Transparency, RefusesWhatIsNoCellAndAFileAsItsFolder) {
+TEST(Transparency, RefusesUnsuitableCellsAndTooFewPoints) {
   const TemporaryFolder folder;
   EXPECT_EQ(RunCommand(folder.path(), {"transparency", "no_such_cell"}).exit_code, 2);
   EXPECT_EQ(RunCommand(folder.path(), {"transparency", "demo", "--points", "2"}).exit_code, 2);

@@ -14,9 +14,10 @@
 namespace osteon::app {
 namespace {
 
+// A tune with three damping values, the smallest number that is accepted.
 const std::vector<std::string> kSmall{"tune", "demo", "--out", "t", "--nodes", "3", "--json", "copy.json"};
 
-TEST(Tune, WritesTheKeysOfItsContractAndGainsThatTheCellAccepts) {
+TEST(Tune, WritesTheDocumentedKeysAndGainsThatTheCellAccepts) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), kSmall);
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -26,7 +27,7 @@ TEST(Tune, WritesTheKeysOfItsContractAndGainsThatTheCellAccepts) {
     ASSERT_TRUE(std::filesystem::is_regular_file(out / name)) << name;
     EXPECT_GT(std::filesystem::file_size(out / name), 100u) << name;
   }
-  // the legend of the walls has each name once, and says what was not looked at
+  // the legend has each name once, also that of walls of which only a lower bound is known
   const std::string svg = io::test::ReadAll(out / "tune_width.svg");
   for (const std::string name : {">simulated<", ">with commands lost and late<", ">at least so much:"}) {
     const std::size_t at = svg.find(name);
@@ -60,7 +61,7 @@ TEST(Tune, WritesTheKeysOfItsContractAndGainsThatTheCellAccepts) {
   EXPECT_EQ(cell.servo.admittance.mass_kg.z(), recommended.at("mass_kg").get<double>());
   EXPECT_EQ(cell.servo.admittance.damping_Ns_per_m.x(), recommended.at("damping_Ns_per_m").get<double>());
 
-  // again: nothing is computed, and the result is the same
+  // the second time nothing is computed anew, and the result is the same
   const CommandResult again = RunCommand(folder.path(), kSmall);
   ASSERT_EQ(again.exit_code, 0) << again.err;
   nlohmann::json same = ReadJson(out / "tune.json"), before = json;
@@ -71,7 +72,8 @@ TEST(Tune, WritesTheKeysOfItsContractAndGainsThatTheCellAccepts) {
   EXPECT_EQ(same, before);
 }
 
-TEST(Tune, SaysThatNothingStandsWhatIsTooMuch) {
+// With a margin of 4, a jitter of 28 ms and hands of 50 N/mm no gains are stable.
+TEST(Tune, RecommendsNothingIfNoGainsAreStable) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(
       folder.path(), {"tune", "demo", "--out", "t", "--nodes", "3", "--margin", "4", "--jitter-ms", "28",
@@ -82,16 +84,17 @@ TEST(Tune, SaysThatNothingStandsWhatIsTooMuch) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "t/gains.yaml"));
 }
 
-// Delays without a given value are one period of the cell: 4 ms. (A cell's name may have its file's ending.)
-TEST(Tune, TakesACellOverRsiAsItStands) {
+// Without --jitter-ms, the assumed jitter is one period of the cell: here 4 ms, over RSI. The name of a
+// cell may end with .yaml.
+TEST(Tune, AssumesAJitterOfOnePeriodOfTheCell) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"tune", "kr_16_thin_plate.yaml", "--nodes", "4"});
   ASSERT_NE(run.exit_code, 2) << run.err;
   EXPECT_EQ(ReadJson(folder.path() / "tune/tune.json").at("stands").at("jitter_ms"), 4.0);
 }
 
-// A file as `osteon identify` writes it: figures, response and hands take the place of what is assumed.
-TEST(Tune, TakesWhatWasMeasuredAndRefusesAnotherCells) {
+// Figures, response and hands from a file of `osteon identify` replace the assumed ones.
+TEST(Tune, UsesMeasuredFiguresAndRefusesThoseOfAnotherCell) {
   const TemporaryFolder folder;
   const config::CellConfig demo =
       config::LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml");
@@ -115,7 +118,7 @@ TEST(Tune, TakesWhatWasMeasuredAndRefusesAnotherCells) {
   }
   EXPECT_GT(recommended, 60) << "each hand and contact";
   EXPECT_TRUE(std::filesystem::is_regular_file(folder.path() / "t/tune_nyquist.svg"));
-  // the cell's key does the same
+  // the key `identified` of a cell does the same
   std::ofstream(folder.path() / "mine.yaml") << "identified: identified.yaml\n" << config::CellText("demo");
   const config::CellConfig mine = config::LoadCell(folder.path() / "mine.yaml");
   EXPECT_EQ(mine.simulated.servo.bandwidth_hz, 14.0);
@@ -127,7 +130,7 @@ TEST(Tune, TakesWhatWasMeasuredAndRefusesAnotherCells) {
   EXPECT_NE(other.err.find("this is another cell's file"), std::string::npos) << other.err;
 }
 
-TEST(Tune, ServesTheImpedanceLaw) {
+TEST(Tune, TunesACellWithTheImpedanceLaw) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(
       folder.path(), {"tune", "thin_plate_impedance", "--out", "t", "--nodes", "3", "--grip", "500"});
@@ -145,7 +148,7 @@ TEST(Tune, ServesTheImpedanceLaw) {
     EXPECT_TRUE(std::filesystem::is_regular_file(folder.path() / "t" / name)) << name;
 }
 
-TEST(Tune, SaysWhatItDoesNotTake) {
+TEST(Tune, RefusesInvalidArguments) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "file") << "x";
   for (const auto& [arguments, said] : std::vector<std::pair<std::vector<std::string>, std::string>>{

@@ -4,6 +4,8 @@
 
 #include "tests/app/command.h"
 
+// The demo on a scanned hip bone, if the anatomical meshes are installed (OSTEON_DATA_DIR).
+
 namespace osteon::app {
 namespace {
 
@@ -28,7 +30,7 @@ TEST(MeshDemo, ReamsTheHipBone) {
   EXPECT_TRUE(summary.at("cup_depth_mm").is_number());
   EXPECT_GT(ReadComplete(folder.path() / "demo_out/recording.mcap").ticks.size(), 3000u);
 
-  // the recording does not have the mesh; with it, its report is of the same bone
+  // the recording does not contain the mesh: a report needs the mesh, and then finds the same bone
   const CommandResult without = RunCommand(folder.path(), {"report", "demo_out/recording.mcap"});
   EXPECT_EQ(without.exit_code, 2);
   EXPECT_NE(without.err.find("accepted with --mesh and --cup"), std::string::npos) << without.err;

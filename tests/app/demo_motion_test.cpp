@@ -10,7 +10,7 @@
 #include "tests/app/command.h"
 #include "tests/app/short_run.h"
 
-// Motions that the demo saves, and the events of a scene: in virtual time, run as a user does.
+// Tests the motion that a demo saves, and the events of a scene, with demos in virtual time.
 
 namespace osteon::app {
 namespace {
@@ -26,7 +26,7 @@ Pose BoneInWorld(const std::string& cell) {
   return setup->X_WG;
 }
 
-// In the suite whose tests share one run.
+// Belongs to the suite VirtualDemo because its tests share one run, TheShortRun.
 TEST(VirtualDemo, SavesTheCommandedMotionToFiveMicrometres) {
   const auto& [folder, run] = TheShortRun();
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -38,28 +38,28 @@ TEST(VirtualDemo, SavesTheCommandedMotionToFiveMicrometres) {
 
   std::size_t ticks = 0;
   rt::Nanoseconds start = 0;
-  double worst_m = 0.0, worst_lever_m = 0.0, way_m = 0.0;
+  double worst_m = 0.0, worst_lever_m = 0.0, path_m = 0.0;
   Vector3 last = Vector3::Zero();
   for (const control::TickRecord& tick : recording.ticks) {
     if (tick.phase != control::Phase::kHaptic) continue;
     if (ticks++ == 0) start = tick.stamp;
     const Pose X_GT = X_GW * Pose(tick.X_WT_cmd), found = curve.X_GT(rt::ToSeconds(tick.stamp - start));
-    const Vector3 lever(0, 0, -0.1);  // shows the effect of a turn 100 mm from the apex
+    const Vector3 lever(0, 0, -0.1);  // a point 100 mm from the apex, where a wrong rotation shows
     worst_m = std::max(worst_m, (found.translation() - X_GT.translation()).norm());
     worst_lever_m = std::max(worst_lever_m, (found * lever - X_GT * lever).norm());
-    if (ticks > 1) way_m += (X_GT.translation() - last).norm();
+    if (ticks > 1) path_m += (X_GT.translation() - last).norm();
     last = X_GT.translation();
     EXPECT_NEAR(curve.SpindleAt(rt::ToSeconds(tick.stamp - start)), tick.spindle_rad_per_s, 1e-4);
   }
-  EXPECT_GE(ticks, 1500u);
-  EXPECT_GT(way_m, 0.02) << "the hand did nothing";
+  EXPECT_GE(ticks, 1500u);  // 1.5 s at 1 kHz
+  EXPECT_GT(path_m, 0.02) << "the hand did nothing";
   EXPECT_LT(worst_m, 5e-6);
   EXPECT_LT(worst_lever_m, 10e-6);
   std::printf("[ MEASURED ] %zu ticks, %zu samples, %zu bytes: %.2f um, %.2f um at 100 mm\n", ticks,
               motion->samples.size(), io::test::ReadAll(folder.path() / "motion.csv").size(), worst_m * 1e6,
               worst_lever_m * 1e6);
 
-  // no event happened; the wall beside the cup is watched: half the block's width minus the reamer's radius
+  // no event happened; the thinnest wall is half the block's width, 40 mm, minus the reamer's radius
   const nlohmann::json summary = ReadJson(folder.path() / "a/b/summary.json");
   EXPECT_TRUE(summary.at("events").empty());
   EXPECT_NEAR(summary.at("least_wall_mm").get<double>(), 40.0 - 25.0, 1.0);
@@ -72,7 +72,7 @@ TEST(VirtualDemo, SavesTheCommandedMotionToFiveMicrometres) {
   EXPECT_NE(motion->origin.error.find("recorded at 1000 Hz"), std::string::npos) << motion->origin.error;
 }
 
-TEST(SavedMotion, NamesThePlaceThatItCanNotBeWrittenTo) {
+TEST(SavedMotion, NamesAFolderThatDoesNotExist) {
   const TemporaryFolder folder;
   const CommandResult run =
       RunCommand(folder.path(), {"demo", "--virtual-time", "--save-motion", "none/m.csv"});
@@ -81,7 +81,7 @@ TEST(SavedMotion, NamesThePlaceThatItCanNotBeWrittenTo) {
   EXPECT_FALSE(fs::exists(folder.path() / "demo_out"));
 }
 
-// Copies the configuration with another wall limit in one scene.
+// Copies config/ and replaces a text, which must be there, in one scene's file.
 void CopyConfig(const fs::path& to, const std::string& scene, const std::string& from_text,
                 const std::string& to_text) {
   fs::copy(kConfig, to, fs::copy_options::recursive);
@@ -92,11 +92,11 @@ void CopyConfig(const fs::path& to, const std::string& scene, const std::string&
   io::test::WriteAll(file, text.replace(at, from_text.size(), to_text));
 }
 
-TEST(DemoEvents, BothEnginesSeeTheSame) {
+TEST(DemoEvents, BothEnginesReportTheSameEvent) {
   const TemporaryFolder folder;
   // a limit above the thickness beside the cup: an event at the first cut
   CopyConfig(folder.path() / "config", "acetabulum", "min_wall_mm: 2 ", "min_wall_mm: 20 ");
-  nlohmann::json of[2];
+  nlohmann::json summaries[2];
   for (const int i : {0, 1}) {
     const std::string engine = i == 0 ? "vulkan" : "reference";
     const CommandResult run =
@@ -104,29 +104,30 @@ TEST(DemoEvents, BothEnginesSeeTheSame) {
                                    "--engine", engine, "--out", engine});
     ASSERT_EQ(run.exit_code, 0) << run.err;
     EXPECT_NE(run.out.find("wall too thin at "), std::string::npos) << run.out;
-    of[i] = ReadJson(folder.path() / engine / "summary.json");
+    summaries[i] = ReadJson(folder.path() / engine / "summary.json");
 
-    // in the recording and in the report as well
+    // the event is in the recording and in the report as well
     const io::Recording recording = ReadComplete(folder.path() / engine / "recording.mcap");
     const auto event = std::ranges::find_if(
         recording.events, [](const io::RecordedEvent& e) { return e.text.starts_with("wall too thin: "); });
     ASSERT_NE(event, recording.events.end());
-    EXPECT_NEAR(of[i].at("events")[0].at("time_s").get<double>(),
+    EXPECT_NEAR(summaries[i].at("events")[0].at("time_s").get<double>(),
                 rt::ToSeconds(event->stamp - recording.ticks.front().stamp), 1e-12);
     EXPECT_NE(io::test::ReadAll(folder.path() / engine / "report.html").find("wall too thin"),
               std::string::npos);
   }
-  for (const nlohmann::json& summary : of) {
+  for (const nlohmann::json& summary : summaries) {
     ASSERT_EQ(summary.at("events").size(), 1u) << summary.at("events");
     EXPECT_EQ(summary.at("events")[0].at("name"), "wall too thin");
     EXPECT_EQ(summary.at("events")[0].at("unit"), "mm");
   }
   // tolerances: one frame of 2 ms, and the proxy's place in single precision
-  EXPECT_NEAR(of[0].at("events")[0].at("time_s").get<double>(),
-              of[1].at("events")[0].at("time_s").get<double>(), 0.010);
-  EXPECT_NEAR(of[0].at("events")[0].at("value").get<double>(),
-              of[1].at("events")[0].at("value").get<double>(), 0.05);
-  EXPECT_NEAR(of[0].at("least_wall_mm").get<double>(), of[1].at("least_wall_mm").get<double>(), 0.05);
+  EXPECT_NEAR(summaries[0].at("events")[0].at("time_s").get<double>(),
+              summaries[1].at("events")[0].at("time_s").get<double>(), 0.010);
+  EXPECT_NEAR(summaries[0].at("events")[0].at("value").get<double>(),
+              summaries[1].at("events")[0].at("value").get<double>(), 0.05);
+  EXPECT_NEAR(summaries[0].at("least_wall_mm").get<double>(), summaries[1].at("least_wall_mm").get<double>(),
+              0.05);
 }
 
 }  // namespace

@@ -9,16 +9,17 @@
 #include "tests/app/command.h"
 #include "tests/app/machine_lateness.h"
 
-// Wall time and Ctrl-C. No test asserts how fast this machine is.
+// The demo in wall time, and its stop by Ctrl-C. No test asserts how fast this machine is.
 
 namespace osteon::app {
 namespace {
 
 using control::Phase;
 
+// Commanded speed of the tool's apex, in m/s.
 double SpeedOf(const control::TickRecord& tick) { return Vector3(tick.v_WT_cmd_m_per_s).norm(); }
 
-// After the request the commanded speed only falls, down to rest; and the recording contains all of it.
+// Expects that the commanded speed only falls after the request to stop, until the recording ends at rest.
 void ExpectOrderlyStop(const io::Recording& recording) {
   ASSERT_FALSE(recording.ticks.empty());
   const auto is_stopping = [](const control::TickRecord& t) { return t.phase == Phase::kStopping; };
@@ -35,6 +36,7 @@ void ExpectOrderlyStop(const io::Recording& recording) {
   EXPECT_LT(speed, 1e-6);
 }
 
+// Expects exit code 130, and a summary, recording and report of an orderly stop without faults.
 void ExpectInterrupted(const CommandResult& run, const std::filesystem::path& out) {
   EXPECT_EQ(run.exit_code, 130) << run.err;
   const nlohmann::json summary = ReadJson(out / "summary.json");
@@ -47,23 +49,23 @@ void ExpectInterrupted(const CommandResult& run, const std::filesystem::path& ou
   EXPECT_NE(io::test::ReadAll(out / "report.html").find("</html>"), std::string::npos);
 }
 
-// About 0.75 kB per tick with its frame: a second after the session's start, the tool moves.
+// Bytes of a recording in which the tool already moves: 1 s of ticks, each about 0.75 kB with its frame.
 constexpr std::uintmax_t kSomeBytes = 750'000;
 
 // Size of a running demo's recording so far.
-std::uintmax_t Recorded(const std::filesystem::path& folder) {
+std::uintmax_t RecordedBytes(const std::filesystem::path& folder) {
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(folder / "demo_out/recording.mcap", error);
   return error ? 0 : bytes;
 }
 
-TEST(WallDemo, RunsOverUdpAndNamesWhateverStoppedIt) {
+TEST(WallDemo, RunsOverUdpToItsEndOrReportsAStall) {
   const TemporaryFolder folder;
   const WakeupWatch watch;
   const CommandResult run = RunCommand(folder.path(), {"demo", "--seconds", "1", "--port", "0"});
   const nlohmann::json summary = ReadJson(folder.path() / "demo_out/summary.json");
   EXPECT_EQ(summary.at("virtual_time"), false);
-  // a busy machine may stall the loop: then the loop reports it
+  // a busy machine may stall the loop, which must then report that as a fault
   if (run.exit_code == 0) {
     EXPECT_TRUE(summary.at("faults").empty()) << summary.dump(2);
   } else {
@@ -93,7 +95,7 @@ TEST(WallDemo, StopsInOrderAtCtrlC) {
     const TemporaryFolder folder;
     const WakeupWatch watch;
     Command demo(folder.path(), {"demo", "--seconds", "30", "--port", "0"});
-    const bool runs = demo.WaitUntil([&] { return Recorded(folder.path()) > kSomeBytes; });
+    const bool runs = demo.WaitUntil([&] { return RecordedBytes(folder.path()) > kSomeBytes; });
     if (runs) demo.Send(SIGINT);
     const CommandResult run = demo.Wait();
     if (run.exit_code == 1) {
@@ -111,7 +113,7 @@ TEST(WallDemo, StopsInOrderAtCtrlC) {
 TEST(VirtualDemo, StopsInOrderAtCtrlC) {
   const TemporaryFolder folder;
   Command demo(folder.path(), {"demo", "--virtual-time", "--seconds", "600"});
-  ASSERT_TRUE(demo.WaitUntil([&] { return Recorded(folder.path()) > kSomeBytes; })) << demo.Err();
+  ASSERT_TRUE(demo.WaitUntil([&] { return RecordedBytes(folder.path()) > kSomeBytes; })) << demo.Err();
   demo.Send(SIGTERM);  // a service manager's signal counts as Ctrl-C
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
   demo.Send(SIGTERM);  // `timeout` sends it twice

@@ -9,15 +9,16 @@
 #include "tests/app/command.h"
 #include "tests/app/short_run.h"
 
-// The demo in virtual time: its files, and whether their content is true.
+// The demo in virtual time: its files, and whether their contents agree with each other.
 
 namespace osteon::app {
 namespace {
 
+// Size of the rendered force on the tool, in N.
 double ForceOf(const control::TickRecord& tick) { return Vector3(tick.F_coupling_T_W.f).norm(); }
 
-// Every key that the documents promise for the demo, with its type.
-void ExpectContract(const nlohmann::json& summary) {
+// Expects every key that the documents promise for the demo's summary, with its type.
+void ExpectDocumentedKeys(const nlohmann::json& summary) {
   EXPECT_EQ(summary.at("schema"), "osteon.demo/1");
   for (const char* key : {"engine", "device", "recording", "scene", "tool", "state_hash", "ended", "version"})
     EXPECT_TRUE(summary.at(key).is_string() && !summary.at(key).get<std::string>().empty()) << key;
@@ -29,6 +30,7 @@ void ExpectContract(const nlohmann::json& summary) {
   EXPECT_TRUE(summary.at("faults").is_array());
 }
 
+// Expects that no tick exceeds the force limit, and that the summary's peak is the recording's.
 void ExpectForceWithinLimit(const nlohmann::json& summary, const io::Recording& recording) {
   const double limit_N = summary.at("force_limit_N");
   EXPECT_EQ(limit_N, recording.session.force_limit_N);
@@ -58,13 +60,13 @@ TEST(VirtualDemo, TwoRunsGiveEqualBits) {
   EXPECT_TRUE(motion.starts_with("# osteon motion 1\n# made by: osteon "));
 }
 
-TEST(VirtualDemo, LeavesWhatItPromises) {
+TEST(VirtualDemo, WritesSummaryRecordingAndReportThatAgree) {
   const auto& [folder, run] = TheShortRun();
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto out = folder.path() / "a/b";
 
   const nlohmann::json summary = ReadJson(out / "summary.json");
-  ExpectContract(summary);
+  ExpectDocumentedKeys(summary);
   EXPECT_EQ(summary.at("ended"), "completed");
   EXPECT_TRUE(summary.at("faults").empty());
   EXPECT_NEAR(summary.at("servo_rate_hz").get<double>(), 1000.0, 1e-3);
@@ -91,7 +93,7 @@ TEST(VirtualDemo, LeavesWhatItPromises) {
   EXPECT_EQ(files, 5u) << "beside these a page and a table of the run's end, and nothing else";
 }
 
-// The acceptance bars of the first cut, on the engine that this machine takes by itself.
+// Acceptance limits of the whole demo, on the engine that `--engine auto` selects on this machine.
 TEST(VirtualDemo, ReamsTheWholeCup) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"demo", "--virtual-time"});
@@ -107,49 +109,52 @@ TEST(VirtualDemo, ReamsTheWholeCup) {
   EXPECT_LE(summary.at("cavity_error_mean_mm").get<double>(), 0.3);
   // lockstep: a frame in every second tick, whatever the machine
   EXPECT_NEAR(summary.at("simulation_rate_hz").get<double>(), 500.0, 1e-6);
-  // mass: bone is between cancellous and cortical
+  // the density of bone is between that of cancellous and cortical bone
   const double density_g_per_cm3 = summary.at("removed_mass_g").get<double>() / removed_mm3 * 1e3;
   EXPECT_GT(density_g_per_cm3, 0.3);
   EXPECT_LT(density_g_per_cm3, 1.85);
   ExpectForceWithinLimit(summary, ReadComplete(folder.path() / "demo_out/recording.mcap"));
 }
 
-// The same run on each engine: Vulkan within rounding of the reference, the CPU engine to its bits. The tool
-// touches after half a second, and its peak force is reached in the first. The suite's short run is one of
-// them: it is as long, on the engine that this machine takes by itself.
-TEST(VirtualDemo, AgreesWithTheReferenceEngine) {
+// The same run on each engine: Vulkan agrees with the reference engine within rounding, the CPU engine to the
+// bit. 1.5 s are enough: the tool touches after 0.5 s and reaches its peak force in the first second. The
+// suite's short run is reused for its engine.
+TEST(VirtualDemo, EachEngineAgreesWithTheReferenceEngine) {
   const TemporaryFolder folder;
   ASSERT_EQ(TheShortRun().run.exit_code, 0) << TheShortRun().run.err;
   const nlohmann::json short_run = ReadJson(TheShortRun().folder.path() / "a/b/summary.json");
-  nlohmann::json of[3];
+  nlohmann::json summaries[3];
   for (const int i : {0, 1, 2}) {
     const std::string engine = i == 0 ? "vulkan" : i == 1 ? "reference" : "cpu";
     if (short_run.at("engine") == engine) {
-      of[i] = short_run;
+      summaries[i] = short_run;
     } else {
       const CommandResult run = RunCommand(
           folder.path(), {"demo", "--virtual-time", "--seconds", "1.5", "--engine", engine, "--out", engine});
       ASSERT_EQ(run.exit_code, 0) << engine << ": " << run.err;
-      of[i] = ReadJson(folder.path() / engine / "summary.json");
+      summaries[i] = ReadJson(folder.path() / engine / "summary.json");
     }
-    ASSERT_EQ(of[i].at("engine"), engine);
-    const double removed_mm3 = of[i].at("removed_volume_mm3"), swept_mm3 = of[i].at("swept_volume_mm3");
-    ASSERT_GT(removed_mm3, 200.0) << engine;  // else there is nothing to compare
+    ASSERT_EQ(summaries[i].at("engine"), engine);
+    const double removed_mm3 = summaries[i].at("removed_volume_mm3"),
+                 swept_mm3 = summaries[i].at("swept_volume_mm3");
+    ASSERT_GT(removed_mm3, 200.0) << engine;  // otherwise there is nothing to compare
     EXPECT_NEAR(removed_mm3, swept_mm3, 0.05 * swept_mm3) << engine;
-    EXPECT_LE(of[i].at("cavity_error_mean_mm").get<double>(), 0.3) << engine;
+    EXPECT_LE(summaries[i].at("cavity_error_mean_mm").get<double>(), 0.3) << engine;
   }
-  const double reference_mm3 = of[1].at("removed_volume_mm3");
-  EXPECT_NEAR(of[0].at("removed_volume_mm3").get<double>(), reference_mm3, 0.05 * reference_mm3);
-  EXPECT_NEAR(of[0].at("cup_depth_mm").get<double>(), of[1].at("cup_depth_mm").get<double>(), 0.05);
+  const double reference_mm3 = summaries[1].at("removed_volume_mm3");
+  EXPECT_NEAR(summaries[0].at("removed_volume_mm3").get<double>(), reference_mm3, 0.05 * reference_mm3);
+  EXPECT_NEAR(summaries[0].at("cup_depth_mm").get<double>(), summaries[1].at("cup_depth_mm").get<double>(),
+              0.05);
   // arm and hand are the same, so the forces agree, up to single precision in the contact
-  EXPECT_NEAR(of[0].at("peak_force_N").get<double>(), of[1].at("peak_force_N").get<double>(), 5.0);
+  EXPECT_NEAR(summaries[0].at("peak_force_N").get<double>(), summaries[1].at("peak_force_N").get<double>(),
+              5.0);
   for (const char* key : {"state_hash", "removed_volume_mm3", "peak_force_N", "cup_depth_mm"})
-    EXPECT_EQ(of[2].at(key), of[1].at(key)) << key;
+    EXPECT_EQ(summaries[2].at(key), summaries[1].at(key)) << key;
 }
 
 // A file-size limit, which the program inherits, stands in for a full disk. The command must fail, but not by
 // blaming its input.
-TEST(VirtualDemo, OnAFullDiskHasFailed) {
+TEST(VirtualDemo, FailsOnAFullDisk) {
   const TemporaryFolder folder;
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);

@@ -10,6 +10,7 @@
 namespace osteon::app {
 namespace {
 
+// Whether a folder holds hidden files, a build or the output of a run instead of pages.
 bool Skipped(const std::filesystem::path& folder) {
   const std::string name = folder.filename().string();
   return name.starts_with(".") || name == "build" || name.ends_with("out");
@@ -20,18 +21,20 @@ std::string Trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
-// Returns "osteon …" of a text that begins with the command, with any path of the launcher; else empty.
+// The command "osteon …" at the beginning of a text, without the launcher's path and a comment; empty if the
+// text begins otherwise or is output of osteon ("osteon run: …").
 std::string CommandOf(std::string text) {
   text = Trimmed(text);
   for (const std::string place : {"./", "osteon/"})
     if (text.starts_with(place)) text.erase(0, place.size());
   if (!text.starts_with("osteon ")) return {};
-  static const std::regex remark(R"((\s+#.*|\s{2,}\S.*)$)");
-  text = Trimmed(std::regex_replace(text, remark, ""));
-  static const std::regex printed(R"(^osteon [a-z]+:.*)");
-  return std::regex_match(text, printed) ? std::string() : text;
+  static const std::regex comment(R"((\s+#.*|\s{2,}\S.*)$)");
+  text = Trimmed(std::regex_replace(text, comment, ""));
+  static const std::regex output(R"(^osteon [a-z]+:.*)");
+  return std::regex_match(text, output) ? std::string() : text;
 }
 
+// Appends the text's command, if it is one that names a subcommand.
 void AddCommand(std::vector<DocCommand>& commands, std::size_t line, const std::string& text, bool own_line) {
   DocCommand command{.line = line, .text = CommandOf(text), .words = {}, .own_line = own_line};
   if (command.text.empty()) return;

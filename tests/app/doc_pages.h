@@ -6,16 +6,18 @@
 #include <string>
 #include <vector>
 
-// Reads the project's Markdown pages, as far as tests need: links, headings, commands, differences.
+// Reads the project's Markdown pages, as far as tests need: links, headings, commands, blocks marked `diff`.
 
 namespace osteon::app {
 
+/// A line of a page.
 struct DocLine {
   std::string text;
   bool code{false};      ///< in a fenced or indented block
   std::string language;  ///< of the fence
 };
 
+/// A Markdown page, as lines.
 struct DocPage {
   std::string path;  ///< from the root
   std::vector<DocLine> lines;
@@ -26,6 +28,7 @@ struct DocPage {
 /// Reads all pages except those made by a build or a run, sorted.
 [[nodiscard]] std::vector<DocPage> DocPages(const std::filesystem::path& root);
 
+/// A link in a page to a file or a heading of this tree.
 struct DocLink {
   std::size_t line{0};  ///< from 1
   std::string file;     ///< empty: the same page
@@ -37,6 +40,7 @@ struct DocLink {
 /// The headings' anchors as links name them: lower case, without punctuation, hyphens for spaces.
 [[nodiscard]] std::set<std::string> Headings(const DocPage& page);
 
+/// A command of osteon that a page shows.
 struct DocCommand {
   std::size_t line{0};
   std::string text;                ///< "osteon demo --virtual-time": without "./" and comment
@@ -49,7 +53,7 @@ struct DocCommand {
 /// The user pages with lines to be typed: the README and docs/.
 [[nodiscard]] std::vector<std::string> PagesWithCommands(const std::filesystem::path& root);
 
-/// Texts of one file, and their replacements.
+/// A `diff` block: parts of one file's text, and their replacements.
 struct DocDifference {
   struct Part {
     std::string before, after;

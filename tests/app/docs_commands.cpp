@@ -19,17 +19,20 @@ std::vector<std::string> Words(const std::string& text) {
   return all;
 }
 
+// A run with arguments that are usually shorter than those on the page, and the files that it must leave.
 DocRun As(const std::string& arguments, std::vector<std::string> leaves = {}) {
   return {.arguments = Words(arguments), .leaves = std::move(leaves), .elsewhere = ""};
 }
+// No run here: the test "Suite.Name" runs the command.
 DocRun By(const std::string& test) { return {.arguments = {}, .leaves = {}, .elsewhere = test}; }
 
-// Makes the recording of a run cut short: the first half of a complete one.
+// Writes torn.mcap, the first half of the demo's recording, as a run that was cut short leaves it.
 void Tear(const std::filesystem::path& folder) {
   const std::string whole = ReadAll(folder / "demo_out/recording.mcap");
   WriteAll(folder / "torn.mcap", whole.substr(0, whole.size() / 2));
 }
 
+// Recovers torn.mcap, which is written first.
 DocRun Torn() {
   DocRun run = As("export torn.mcap --recover", {"torn_recovered.mcap"});
   run.before = Tear;
@@ -46,7 +49,8 @@ DocRun OwnCell() {
   return run;
 }
 
-// The worked example of tuning: each command needs what those before it leave.
+// A command of the tuning page's example. First runs the example's earlier commands: the measurement, and if
+// `from_recording` the identification from its recordings.
 DocRun Tuned(const std::string& arguments, std::vector<std::string> leaves, bool from_recording) {
   DocRun run = As(arguments, std::move(leaves));
   run.before = [from_recording](const std::filesystem::path& folder) {
@@ -58,13 +62,14 @@ DocRun Tuned(const std::string& arguments, std::vector<std::string> leaves, bool
   return run;
 }
 
+// How to run each command, by its text on the page.
 const std::map<std::string, DocRun>& Runs() {
   static const std::map<std::string, DocRun> runs{
       {"osteon demo", As("demo --virtual-time --seconds 0.5", {"demo_out/report.html"})},
       {"osteon demo --virtual-time", As("demo --virtual-time --seconds 0.5", {"demo_out/report.html"})},
       {"osteon demo --seconds 60", As("demo --virtual-time --seconds 0.5", {"demo_out/report.html"})},
       {"osteon bench console --chromium /usr/bin/chromium", By("BenchConsole.MeasuresEveryLegAndItsRatios")},
-      {"osteon bench console --reloads 1000", By("BenchConsole.AHundredReloadsLeaveNothing")},
+      {"osteon bench console --reloads 1000", By("BenchConsole.AHundredReloadsLeaveNoResourceBehind")},
       {"osteon status", By("OperatorCommands.PauseResumeAndStopARunningCell")},
       {"osteon pause", By("OperatorCommands.PauseResumeAndStopARunningCell")},
       {"osteon recover", By("OperatorCommands.PauseResumeAndStopARunningCell")},
@@ -73,17 +78,17 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon view demo_out/recording.mcap", By("OperatorCommands.ViewServesARecordingUntilCtrlC")},
       {"osteon view before.mcap after.mcap", By("RecordingDifferenceTest.TwoEqualRunsDifferInNothing")},
       {"osteon bench view demo_out/recording.mcap --hours 1",
-       By("BenchView.OpensARepeatedRecordingAndGoesToItsTimes")},
+       By("BenchView.OpensARepeatedRecordingAndSeeksInIt")},
       {"osteon demo --virtual-time --cell my_cell.yaml --tool reamer:54 --out my_out", OwnCell()},
       {"osteon demo --virtual-time --cell silent.yaml --out silent_out",
-       By("Regress.TheWholeSuitePasses")},  // its scenario sensor_silent
+       By("Regress.AllShippedScenariosPass")},  // its scenario sensor_silent
 
       {"osteon bench frame --spheres 300000 --tool-spheres 1000 --compare brute --frames 50",
        As("bench frame --spheres 20000 --tool-spheres 20 --compare brute --frames 20")},
       {"osteon bench frame --engines cpu,vulkan --rounds 5 --json engines.json",
        By("BenchFrame.TimesEnginesOnNamedWorkloadsInRounds")},
       {"osteon bench frame --method cpu --compare --rounds 3 --json voxels.json",
-       By("BenchFrame.SetsPlainVoxelsBesideOurs")},
+       By("BenchFrame.ComparesWithPlainVoxels")},
       {"osteon bench kinematics", As("bench kinematics --calls 1000")},
       {"osteon bench kinematics --robot config/robots/kr_6_r900_2.yaml --json kr.json",
        As("bench kinematics --robot config/robots/kr_6_r900_2.yaml --json kr.json --calls 1000",
@@ -92,7 +97,7 @@ const std::map<std::string, DocRun>& Runs() {
        As("capability config/cells/demo.yaml --nodes 11 --no-search", {"capability/capability.html"})},
       {"osteon chart scaling --out scaling", By("ChartScaling.WritesItsFilesAndPoints")},
       {"osteon chart compliance", By("ChartCompliance.WritesItsFilesAndFigures")},
-      {"osteon bench tick --compliance --ticks 2000", By("BenchTick.TimesEachLevelInTurn")},
+      {"osteon bench tick --compliance --ticks 2000", By("BenchTick.TimesEachComplianceLevel")},
       {"osteon chart speed-accuracy --out speed_accuracy", By("ChartSpeedAccuracy.WritesItsFilesAndPoints")},
       {"osteon failures --out failures", As("failures 2 --quick --out failures", {"failures/failures.html"})},
       {"osteon validate --json validate.json --out validate",
@@ -101,12 +106,12 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon soak --hours 8 --out soak --json soak.json",
        As("soak --hours 0.001 --out soak --json soak.json", {"soak.json", "soak/soak.html"})},
       {"osteon soak --wall --hours 2 --out soak_wall --json soak_wall.json",
-       By("SoakWall.RunsTheCellsProcessesAndReadsWhatTheyLeave")},
+       By("SoakWall.RunsTheCellsProcessesAndReportsTheirFigures")},
       {"osteon transparency demo", As("transparency demo --points 3", {"transparency/transparency.html"})},
       {"osteon tune config/cells/demo.yaml",
        As("tune config/cells/demo.yaml --nodes 4", {"tune/tune.html", "tune/gains.yaml"})},
       {"osteon tune my_cell.yaml --identified identify/identified.yaml",
-       By("Tune.TakesWhatWasMeasuredAndRefusesAnotherCells")},
+       By("Tune.UsesMeasuredFiguresAndRefusesThoseOfAnotherCell")},
       {"osteon run demo --simulated --seconds 10 --gains tune/gains.yaml",
        By("GainsRun.SavedAgainTheyAreReadCheckedAndRampedAndTheRunReplaysBitForBit")},
 
@@ -135,7 +140,7 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon surgical-plan acetabulum --cell demo --json plan.json",
        As("surgical-plan acetabulum --cell demo --json plan.json", {"plan.json"})},
       {"osteon plan acetabulum --error-mm 0.1 --rate-hz 1000",
-       By("Plan.WritesTheKeysOfItsContractAndKeepsTheErrorThatItPromises")},
+       By("Plan.WritesTheDocumentedKeysAndKeepsThePredictedError")},
       {"osteon plan sawbone_block --error-mm 0.05 --rate-hz 1000",
        As("plan sawbone_block --error-mm 0.05 --rate-hz 1000")},
       {"osteon demo --cell pelvis_mount --virtual-time",
@@ -147,21 +152,22 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon demo --cell soft_cup --virtual-time",
        As("demo --cell soft_cup --virtual-time --seconds 0.5", {"demo_out/report.html"})},
       {"osteon plan molar --error-mm 0.02 --rate-hz 1000 --check --json plan.json",
-       By("Plan.WritesTheKeysOfItsContractAndKeepsTheErrorThatItPromises")},
+       By("Plan.WritesTheDocumentedKeysAndKeepsThePredictedError")},
       {"osteon run demo --simulated --seconds 25 --rate-hz 1200",
-       By("GuardProcess.ARunOfASimulatedCellBringsItsGuard")},
-      {"osteon regress --junit regress.xml", By("Regress.TheWholeSuitePasses")},
-      {"osteon regress scenarios --junit regress.xml --json regress.json", By("Regress.TheWholeSuitePasses")},
+       By("GuardProcess.ARunOfASimulatedCellStartsAndEndsItsGuard")},
+      {"osteon regress --junit regress.xml", By("Regress.AllShippedScenariosPass")},
+      {"osteon regress scenarios --junit regress.xml --json regress.json",
+       By("Regress.AllShippedScenariosPass")},
       {"osteon regress reaming_lbr --update --reason \"the reamer's mass was weighed anew\"",
        By("Regress.AChangeIsAcceptedWithAReason")},
 
-      {"osteon regress --shard 1/2 --json part_1.json", By("Merge.RegressIsThatOfOneRun")},
-      {"osteon regress --shard 2/2 --json part_2.json", By("Merge.RegressIsThatOfOneRun")},
-      {"osteon merge part_1.json part_2.json --json regress.json", By("Merge.RegressIsThatOfOneRun")},
-      {"osteon merge part_*.json --json sweep.json", By("Merge.ASweepIsThatOfOneRun")},
-      {"osteon regress --sweep trembling_hand --json sweep.json", By("Merge.ASweepIsThatOfOneRun")},
+      {"osteon regress --shard 1/2 --json part_1.json", By("Merge.MergedRegressEqualsOneRun")},
+      {"osteon regress --shard 2/2 --json part_2.json", By("Merge.MergedRegressEqualsOneRun")},
+      {"osteon merge part_1.json part_2.json --json regress.json", By("Merge.MergedRegressEqualsOneRun")},
+      {"osteon merge part_*.json --json sweep.json", By("Merge.MergedSweepEqualsOneRun")},
+      {"osteon regress --sweep trembling_hand --json sweep.json", By("Merge.MergedSweepEqualsOneRun")},
       {"osteon regress --sweep trembling_hand --shard {}/64 --json part_{}.json ::: $(seq 64)",
-       By("Merge.ASweepIsThatOfOneRun")},
+       By("Merge.MergedSweepEqualsOneRun")},
       {"osteon demo --plan acetabulum --virtual-time", By("ProcedureRun.EachReamerLeavesAPassAndAState")},
       {"osteon demo --plan acetabulum --virtual-time --out expert", By("NoviceAndExpert.AreToldApart")},
       {"osteon demo --plan acetabulum --virtual-time --operator novice --out novice",
@@ -171,34 +177,35 @@ const std::map<std::string, DocRun>& Runs() {
        By("ProcedureRun.EachReamerLeavesAPassAndAState")},
       {"osteon tell first_hip status", By("SessionRequest.AcceptsWhatItSaysAndNothingElse")},
       {"osteon cell demo --plan acetabulum --seconds 120",
-       By("CellProcess.APlansToolsAreTakenInAnotherProcessThanTheHands")},
+       By("CellProcess.AThirdProcessChangesThePlansToolDuringARun")},
       {"osteon run demo --plan acetabulum --session second_hip --seconds 120",
-       By("CellProcess.APlansToolsAreTakenInAnotherProcessThanTheHands")},
-      {"osteon tell second_hip pause", By("CellProcess.APlansToolsAreTakenInAnotherProcessThanTheHands")},
-      {"osteon tell second_hip next", By("CellProcess.APlansToolsAreTakenInAnotherProcessThanTheHands")},
-      {"osteon tell second_hip resume", By("CellProcess.APlansToolsAreTakenInAnotherProcessThanTheHands")},
+       By("CellProcess.AThirdProcessChangesThePlansToolDuringARun")},
+      {"osteon tell second_hip pause", By("CellProcess.AThirdProcessChangesThePlansToolDuringARun")},
+      {"osteon tell second_hip next", By("CellProcess.AThirdProcessChangesThePlansToolDuringARun")},
+      {"osteon tell second_hip resume", By("CellProcess.AThirdProcessChangesThePlansToolDuringARun")},
       {"osteon replay demo_out/session", By("ProcedureRun.TheLoopReplaysToTheBit")},
 
       {"osteon new-cell my_cell", As("new-cell my_cell", {"my_cell.yaml"})},
       {"osteon doctor", As("doctor --seconds 0.2")},
-      {"osteon doctor demo", By("Doctor.OfASimulatedCellSaysThatItsWiresAreSimulated")},
-      {"osteon doctor my_cell.yaml", By("Doctor.OfARealCellNamesEachThingThatItsFileNamesAndThatIsMissing")},
-      {"osteon cell demo", By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},
-      {"osteon run demo", By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},
-      {"osteon cell my_cell.yaml", By("GuardProcess.ARunThroughTheGuardEndsAsOneWithout")},
-      {"osteon guard my_cell.yaml", By("GuardProcess.ARunThroughTheGuardEndsAsOneWithout")},
-      {"osteon guard my_cell.yaml --json guard.json", By("GuardProcess.ARunThroughTheGuardEndsAsOneWithout")},
+      {"osteon doctor demo", By("Doctor.SaysThatASimulatedCellsConnectionsAreSimulated")},
+      {"osteon doctor my_cell.yaml", By("Doctor.NamesEachMissingConnectionOfARealCell")},
+      {"osteon cell demo", By("CellProcess.ARunConnectsToACellInAnotherProcess")},
+      {"osteon run demo", By("CellProcess.ARunConnectsToACellInAnotherProcess")},
+      {"osteon cell my_cell.yaml", By("GuardProcess.ARunThroughTheGuardCompletes")},
+      {"osteon guard my_cell.yaml", By("GuardProcess.ARunThroughTheGuardCompletes")},
+      {"osteon guard my_cell.yaml --json guard.json", By("GuardProcess.ARunThroughTheGuardCompletes")},
       {"osteon demo --cell my_cell.yaml", By("EngineProcess.CarvesWhatAThreadCarvesBitForBit")},
       {"osteon simulate", By("EngineInLockstep.CarvesTheSameOverUdp")},
       {"osteon simulate --listen 192.168.1.7:30300 --token-file engine_token.txt",
-       By("EngineInLockstep.ListensBeyondTheLoopbackWithATokenOnly")},
-      {"osteon bench simulate --ticks 3000 --json simulate.json", By("BenchSimulate.TimesEachWay")},
-      {"osteon run my_cell.yaml --seconds 10", By("GuardProcess.ARunThroughTheGuardEndsAsOneWithout")},
+       By("EngineInLockstep.ListensBeyondTheLoopbackOnlyWithAToken")},
+      {"osteon bench simulate --ticks 3000 --json simulate.json",
+       By("BenchSimulate.TimesEachWayToRunTheEngine")},
+      {"osteon run my_cell.yaml --seconds 10", By("GuardProcess.ARunThroughTheGuardCompletes")},
       {"osteon run my_cell.yaml --simulated --seconds 5",
-       By("GuardProcess.ARunOfASimulatedCellBringsItsGuard")},
-      {"osteon run my_cell.yaml", By("CellProcess.ARunFindsACellThatStandsInAnotherProcess")},
+       By("GuardProcess.ARunOfASimulatedCellStartsAndEndsItsGuard")},
+      {"osteon run my_cell.yaml", By("CellProcess.ARunConnectsToACellInAnotherProcess")},
       {"osteon identify demo --simulated --do joints --joints 1,4,7",
-       By("IdentifyCommand.MovesJointsOneAtATimeThenSaysTheSameFromTheirRecordings")},
+       By("IdentifyCommand.FindsTheSameForEachJointInARunAndInItsRecording")},
       {"osteon identify demo --simulated --do noise,free --axes z --speeds 50",
        As("identify demo --simulated --do noise,free --axes z --speeds 50", {"identify/identified.yaml"})},
       {"osteon capability demo --identified identify/identified.yaml",
@@ -228,12 +235,13 @@ const std::map<std::string, DocRun>& Runs() {
        By("ExcitedRun.FindsTheImpedanceThatAWrenchMeets")},
       {"osteon identify demo --table 30",
        By("IdentifyTable.BoundariesFromAnIdentifiedArmAreThoseOfTheTrueOne")},
-      {"osteon demo --virtual-time --seconds 13 --out long", By("VirtualDemo.LeavesWhatItPromises")},
+      {"osteon demo --virtual-time --seconds 13 --out long",
+       By("VirtualDemo.WritesSummaryRecordingAndReportThatAgree")},
       {"osteon identify demo --recording long/recording.mcap --out ordinary",
        By("PassiveLag.IsFoundBesideAHandsForce")},
       {"osteon calibrate my_cell.yaml --payload weigh.mcap --pivot tip.mcap --out "
        "config/cells/my_calibration.yaml",
-       By("CalibrateTest.FindsPayloadBiasAndApexAndTheCellTakesThem")},
+       By("CalibrateTest.FindsPayloadBiasAndApexAndTheCellUsesThem")},
 
       {"osteon export demo_out/recording.mcap",
        As("export demo_out/recording.mcap", {"demo_out/recording_ticks.csv"})},
@@ -245,8 +253,8 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon diff before.mcap after.mcap --out compared",
        As("diff demo_out/recording.mcap demo_out/recording.mcap --out compared", {"compared/diff.html"})},
       {"osteon replay demo_out/recording.mcap", As("replay demo_out/recording.mcap")},
-      {"osteon export run_2026-11-26_09-30-00.mcap", By("ExportCommandTest.TablesHoldEveryValueToItsBits")},
-      {"osteon replay run_2026-11-26_09-30-00.mcap", By("ReplayCommandTest.IsIdenticalBitForBit")},
+      {"osteon export run_2026-11-26_09-30-00.mcap", By("ExportCommandTest.TablesHoldEveryValueBitForBit")},
+      {"osteon replay run_2026-11-26_09-30-00.mcap", By("ReplayCommandTest.ReplayIsIdenticalBitForBit")},
 
       {"osteon pack hip.obj -o hip.osp --report hip_report",
        As("pack hip.obj -o hip.osp --report hip_report --count 1000 --point-spacing-mm 4",
@@ -264,9 +272,9 @@ const std::map<std::string, DocRun>& Runs() {
       {"osteon demo --mesh hip.osp", As("demo --mesh hip.osp --virtual-time --seconds 0.3")},
 
       {"osteon demo --cell molar --tool round_burr:1.6 --virtual-time",
-       By("Docs.DifferencesFitTheTreeAndThoseOfConfigRun")},
+       By("Docs.DiffBlocksApplyToTheTreeAndTheChangedCellsRun")},
       {"osteon demo --cell sawbone_block --virtual-time",
-       By("Docs.DifferencesFitTheTreeAndThoseOfConfigRun")},
+       By("Docs.DiffBlocksApplyToTheTreeAndTheChangedCellsRun")},
       {"osteon demo --mesh hip.obj --cup 8.8,-131.9,517.9,-0.983,-0.175,0.052,21",
        By("MeshDemo.ReamsTheHipBone")},
   };
@@ -280,7 +288,7 @@ std::optional<DocRun> HowToRun(const std::string& command) {
   return at == Runs().end() ? std::nullopt : std::optional(at->second);
 }
 
-std::vector<std::string> CommandsKept() {
+std::vector<std::string> KnownCommands() {
   std::vector<std::string> all;
   for (const auto& [command, run] : Runs()) all.push_back(command);
   return all;

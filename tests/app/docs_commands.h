@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
-// How a test runs the pages' commands: unchanged if that is fast, smaller or shorter if not, and in a test of
-// their own if they need several processes or minutes.
+// How tests run the commands of the pages: unchanged if a command is fast, with smaller arguments if it is
+// not, and in a test of its own if it needs several processes or minutes.
 
 namespace osteon::app {
 
+/// How a test runs a command that a page shows.
 struct DocRun {
   std::vector<std::string> arguments;  ///< after "osteon"
   std::vector<std::string> leaves;     ///< files that must exist afterwards
@@ -22,7 +23,7 @@ struct DocRun {
 /// Returns how to run a command; nothing if the command is not known here.
 [[nodiscard]] std::optional<DocRun> HowToRun(const std::string& command);
 /// Lists all known commands.
-[[nodiscard]] std::vector<std::string> CommandsKept();
+[[nodiscard]] std::vector<std::string> KnownCommands();
 
 /// Puts config/ and meshes, under the names that the pages use, into the folder.
 void PutInputs(const std::filesystem::path& root, const std::filesystem::path& folder);

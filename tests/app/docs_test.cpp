@@ -14,8 +14,8 @@
 #include "tests/app/doc_pages.h"
 #include "tests/app/docs_commands.h"
 
-// Checks the pages' promises: links lead somewhere, commands and options exist and do what they are shown
-// for, differences apply to the tree.
+// Checks the documents: each link has a target, each command and option exists, the commands run, and the
+// blocks marked `diff` apply to the tree.
 
 namespace osteon::app {
 namespace {
@@ -25,9 +25,10 @@ using io::test::WriteAll;
 
 const std::filesystem::path kRoot = OSTEON_SOURCE_DIR;
 
+// "PAGE:LINE", for messages.
 std::string Where(const DocPage& page, std::size_t line) { return page.path + ":" + std::to_string(line); }
 
-TEST(Docs, EveryLinkLeadsSomewhere) {
+TEST(Docs, EveryLinkHasATarget) {
   std::map<std::string, std::set<std::string>> headings;
   const std::vector<DocPage> pages = DocPages(kRoot);
   ASSERT_GT(pages.size(), 20u);
@@ -52,6 +53,7 @@ TEST(Docs, EveryLinkLeadsSomewhere) {
 // The output of `osteon … --help`, requested once for each subcommand.
 class Helps {
  public:
+  // Empty if there is no such subcommand.
   const std::string& Of(const std::vector<std::string>& subcommand) {
     auto [at, is_new] = texts_.try_emplace(subcommand);
     if (!is_new) return at->second;
@@ -93,10 +95,10 @@ TEST(Docs, EveryCommandAndOptionExists) {
   EXPECT_GT(commands, 60);
 }
 
-// Runs the commands of every page with lines to be typed, in order, in one folder.
+// Runs a page's commands in their order in one folder.
 class DocsRun : public testing::TestWithParam<std::string> {};
 
-TEST_P(DocsRun, ItsCommandsDoWhatTheyAreShownFor) {
+TEST_P(DocsRun, CommandsOfAPageSucceedAndLeaveTheirFiles) {
   const TemporaryFolder folder;
   PutInputs(kRoot, folder.path());
   const DocPage page = ReadPage(kRoot, GetParam());
@@ -124,8 +126,8 @@ INSTANTIATE_TEST_SUITE_P(, DocsRun, testing::ValuesIn(PagesWithCommands(kRoot)),
   return name;
 });
 
-// The link check covers its pictures.
-TEST(Docs, EveryFailureHasItsPicture) {
+// Docs.EveryLinkHasATarget checks the pictures.
+TEST(Docs, EveryFailureScenarioHasItsSection) {
   const std::string page = ReadAll(kRoot / "docs/failures.md");
   const auto scenarios = studies::FailureScenarios();
   for (const studies::FailureScenario& scenario : scenarios)
@@ -136,14 +138,14 @@ TEST(Docs, EveryFailureHasItsPicture) {
   EXPECT_NE(page.find(all + " of " + all + " kept"), std::string::npos);
 }
 
-TEST(Docs, NoCommandIsKeptThatNoPageHas) {
+TEST(Docs, EveryKnownCommandIsOnAPage) {
   std::set<std::string> shown;
   for (const DocPage& page : DocPages(kRoot))
     for (const DocCommand& command : Commands(page)) shown.insert(command.text);
-  for (const std::string& kept : CommandsKept()) EXPECT_TRUE(shown.contains(kept)) << kept;
+  for (const std::string& command : KnownCommands()) EXPECT_TRUE(shown.contains(command)) << command;
 }
 
-TEST(Docs, DifferencesFitTheTreeAndThoseOfConfigRun) {
+TEST(Docs, DiffBlocksApplyToTheTreeAndTheChangedCellsRun) {
   const TemporaryFolder folder;
   std::filesystem::copy(kRoot / "config", folder.path() / "config", std::filesystem::copy_options::recursive);
   int changed = 0;

@@ -14,7 +14,7 @@
 
 namespace osteon::app {
 
-/// A port of this process, another than those of tests in other processes.
+/// A port for this test process; the process id makes a collision with other tests unlikely.
 inline std::string EnginePort() { return std::to_string(49152 + getpid() % 1500 * 10); }
 
 /// Demos in virtual time of cells whose engine runs in a process of its own.
@@ -27,7 +27,7 @@ class EngineCellTest : public testing::Test {
     std::ofstream(file) << config::CellText(shipped) << "simulation: {process: '" << process << "'}\n";
     return file.string();
   }
-  /// The summary of a second's demo of a cell.
+  /// Runs a demo of 1 s in a cell. @returns its summary.
   nlohmann::json Demo(const std::string& cell, const std::string& out) {
     const CommandResult run = RunCommand(folder_.path(), {"demo", "--virtual-time", "--seconds", "1",
                                                           "--engine", "cpu", "--cell", cell, "--out", out});

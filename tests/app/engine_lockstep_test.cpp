@@ -21,6 +21,7 @@ TEST_F(EngineInLockstep, CarvesTheSameOverUdp) {
                  {"simulate", "--listen", address, "--engine", "cpu", "--json", "engine.json"});
   ASSERT_TRUE(engine.WaitUntil([&] { return engine.Out().find("Ctrl-C ends it") != std::string::npos; }))
       << engine.Err();
+  // the same demo with the engine as a thread of its process
   const nlohmann::json thread = Demo("thin_plate", "thread");
   EXPECT_GT(thread.at("removed_volume_mm3"), 0.5);
   for (const char* out : {"first", "second"}) {  // one run after the other
@@ -35,10 +36,10 @@ TEST_F(EngineInLockstep, CarvesTheSameOverUdp) {
   const nlohmann::json report = ReadJson(folder_.path() / "engine.json");
   EXPECT_EQ(report.at("schema"), "osteon.simulate/1");
   EXPECT_EQ(report.at("runs"), 2);
-  EXPECT_GT(report.at("frames").get<int>(), 800);
+  EXPECT_GT(report.at("frames").get<int>(), 800);  // two runs of 1 s at 500 Hz
 }
 
-TEST_F(EngineInLockstep, AnEngineThatIsNotThereIsSaidBeforeAnythingMoves) {
+TEST_F(EngineInLockstep, AMissingEngineIsReportedBeforeAnythingMoves) {
   const CommandResult run =
       RunCommand(folder_.path(), {"demo", "--virtual-time", "--cell",
                                   CellWith("127.0.0.1:" + EnginePort(), "thin_plate"), "--out", "out"});
@@ -47,7 +48,7 @@ TEST_F(EngineInLockstep, AnEngineThatIsNotThereIsSaidBeforeAnythingMoves) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out"));
 }
 
-TEST_F(EngineInLockstep, ListensBeyondTheLoopbackWithATokenOnly) {
+TEST_F(EngineInLockstep, ListensBeyondTheLoopbackOnlyWithAToken) {
   const CommandResult run = RunCommand(folder_.path(), {"simulate", "--listen", "0.0.0.0:" + EnginePort()});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("found no token"), std::string::npos) << run.err;

@@ -10,20 +10,22 @@
 #include "tests/app/engine_cell.h"
 #include "tests/app/machine_lateness.h"
 
-// The cutting engine in a process of its own that a run starts. Beside a run: engine_lockstep_test.cpp.
+// The cutting engine in a process that the run starts by itself. engine_lockstep_test.cpp has an engine that
+// the user starts.
 
 namespace osteon::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-// The engine's process of a run, from "…: local, process 1234"; 0 if it is not said.
+// The process id of a run's engine, from "…: local, process 1234" in its output; 0 if that is missing.
 pid_t EnginePid(const std::string& err) {
   const std::string words = "local, process ";
   const std::size_t at = err.find(words);
   return at == std::string::npos ? 0 : std::stoi(err.substr(at + words.size()));
 }
 
+// Number of folders that engines have in shared memory.
 int EngineFolders() {
   int count = 0;
   for (const fs::directory_entry& entry : fs::directory_iterator("/dev/shm"))
@@ -33,7 +35,7 @@ int EngineFolders() {
 
 using EngineProcess = EngineCellTest;
 
-// In lockstep each frame crosses, and no bit of what the tool carves may change.
+// Every frame goes to the other process and back, and the result must be the same to the bit.
 TEST_F(EngineProcess, CarvesWhatAThreadCarvesBitForBit) {
   const int before = EngineFolders();
   const nlohmann::json thread = Demo("thin_plate", "thread"),
@@ -41,7 +43,7 @@ TEST_F(EngineProcess, CarvesWhatAThreadCarvesBitForBit) {
   EXPECT_TRUE(thread.at("engine_process").is_null());
   const nlohmann::json& process = local.at("engine_process");
   ASSERT_TRUE(process.is_object()) << local.dump(2);
-  EXPECT_GT(process.at("frames").get<int>(), 400);
+  EXPECT_GT(process.at("frames").get<int>(), 400);  // 1 s at 500 Hz
   EXPECT_EQ(process.at("lost"), 0);
   EXPECT_EQ(process.at("rejected"), 0);
   EXPECT_TRUE(process.at("ended").is_null());
@@ -51,8 +53,8 @@ TEST_F(EngineProcess, CarvesWhatAThreadCarvesBitForBit) {
   EXPECT_EQ(EngineFolders(), before) << "nothing is left in shared memory";
 }
 
-// In wall time, while it renders: the arm comes to rest, and the summary says what happened.
-TEST_F(EngineProcess, OneThatIsKilledStopsTheArmAndIsNamed) {
+// Kills the engine in wall time, while the loop renders contact: the arm must come to rest.
+TEST_F(EngineProcess, KillingTheEngineStopsTheArmAndIsReported) {
   constexpr int kAttempts = 3;
   const std::string cell = CellWith("local", "demo");
   rt::Nanoseconds worst_wakeup = 0;
@@ -81,8 +83,8 @@ TEST_F(EngineProcess, OneThatIsKilledStopsTheArmAndIsNamed) {
   GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
 }
 
-// The times themselves are the machine's.
-TEST(BenchSimulate, TimesEachWay) {
+// The three ways: engine as a thread, over shared memory, over UDP. No time is judged.
+TEST(BenchSimulate, TimesEachWayToRunTheEngine) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"bench", "simulate", "--ticks", "300", "--rounds", "1",
                                                        "--engine", "cpu", "--json", "simulate.json"});

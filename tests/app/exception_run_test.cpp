@@ -1,5 +1,5 @@
-// An exception in a run, after its threads have started: the arm moves and still has to come to rest in
-// order. A whole cell on its real protocols, in this process.
+// An exception is thrown in a run whose arm already moves: the arm must still come to rest in order. Runs a
+// whole simulated cell with its real protocols in this process.
 
 #include <gtest/gtest.h>
 
@@ -24,13 +24,13 @@ using control::Phase;
 void MakePatient(config::CellConfig& cell) {
   hil::QualityPolicyParams& quality = cell.simulated.fri.quality;
   quality.end_after_lost_in_a_row = quality.end_after_lost_per_s = quality.good_max_lost_per_s = 1'000'000;
-  safety::WatchdogParams& most = cell.servo.watchdog;
-  most.arm_misses = 1000;
-  most.sensor_stop_s = most.spindle_stop_s = most.interlock_stop_s = 3.0;
+  safety::WatchdogParams& watchdog = cell.servo.watchdog;
+  watchdog.arm_misses = 1000;
+  watchdog.sensor_stop_s = watchdog.spindle_stop_s = watchdog.interlock_stop_s = 3.0;
 }
 
-// An engine with one plane that throws after a number of frames with a turning spindle: before the loop
-// renders, the spindle stands, however long the arm takes on a busy machine.
+// An engine with one plane that throws in its n-th frame with a turning spindle. The spindle turns only while
+// the loop renders, so the time until the arm is ready does not count.
 class ThrowingEngine : public simulation::CuttingEngine {
  public:
   ThrowingEngine(const config::CellConfig& cell, int throws_at)
@@ -51,15 +51,17 @@ class ThrowingEngine : public simulation::CuttingEngine {
   int throws_at_, steps_{0};
 };
 
-struct Ride {
+// What one run leaves: its result, its recording and the last state of the simulated cell.
+struct RunOutcome {
   session::CellRunResult result;
   io::Recording recording;
   hil::CellHostState cell;
 };
 
-// @param throws_at  frame of rendering that throws; -1: none
-Ride RideWith(int throws_at, std::function<void(double)> progress) {
-  Ride ride;
+// Runs a cell for at most 30 s.
+// @param throws_at  frame with a turning spindle in which the engine throws; -1: none
+RunOutcome RunWithException(int throws_at, std::function<void(double)> progress) {
+  RunOutcome outcome;
   auto setup = session::SetUpCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate.yaml", std::nullopt);
   EXPECT_TRUE(setup) << setup.error();
   EXPECT_TRUE(session::UseSimulated(setup->config, 0));
@@ -72,57 +74,58 @@ Ride RideWith(int throws_at, std::function<void(double)> progress) {
   auto result = session::RunCell(*setup, engine, params);
   EXPECT_TRUE(result) << result.error().what;
   host.Stop();
-  ride.cell = host.State();
+  outcome.cell = host.State();
   auto recording = io::ReadRecording(params.recording);
   EXPECT_TRUE(recording) << recording.error();
-  if (!result || !recording) return ride;
-  ride.result = std::move(*result);
-  ride.recording = std::move(*recording);
-  return ride;
+  if (!result || !recording) return outcome;
+  outcome.result = std::move(*result);
+  outcome.recording = std::move(*recording);
+  return outcome;
 }
 
-void ExpectAnOrderlyStop(const Ride& ride) {
-  ASSERT_FALSE(ride.recording.ticks.empty());
-  EXPECT_TRUE(ride.recording.complete);
-  EXPECT_EQ(ride.recording.ticks.back().phase, Phase::kStopped);
-  const auto in = [&](Phase phase) {
-    return std::count_if(ride.recording.ticks.begin(), ride.recording.ticks.end(),
+// Expects that the arm had rendered, came to rest and got no further motion, all in a complete recording.
+void ExpectAnOrderlyStop(const RunOutcome& outcome) {
+  ASSERT_FALSE(outcome.recording.ticks.empty());
+  EXPECT_TRUE(outcome.recording.complete);
+  EXPECT_EQ(outcome.recording.ticks.back().phase, Phase::kStopped);
+  const auto ticks_in = [&](Phase phase) {
+    return std::count_if(outcome.recording.ticks.begin(), outcome.recording.ticks.end(),
                          [phase](const control::TickRecord& tick) { return tick.phase == phase; });
   };
-  EXPECT_GT(in(Phase::kHaptic), 100) << "it had begun";
-  ASSERT_GT(in(Phase::kStopped), 100) << "and was recorded at rest";
-  // a slow tool is braked within a tick: it counts that no further motion was commanded
-  const auto& ticks = ride.recording.ticks;
+  EXPECT_GT(ticks_in(Phase::kHaptic), 100) << "it had begun";
+  ASSERT_GT(ticks_in(Phase::kStopped), 100) << "and was recorded at rest";
+  // a slow tool stops within a tick, so check that no further motion was commanded
+  const auto& ticks = outcome.recording.ticks;
   const auto stopped = std::ranges::find(ticks, Phase::kStopped, &control::TickRecord::phase);
-  const auto following = [](const control::TickRecord& tick) {
+  const auto follows_commands = [](const control::TickRecord& tick) {
     return tick.session_state == static_cast<std::uint8_t>(control::SessionState::kCommandingActive);
   };
-  for (auto tick = stopped; tick != ticks.end() && following(*tick); ++tick)
+  for (auto tick = stopped; tick != ticks.end() && follows_commands(*tick); ++tick)
     ASSERT_EQ(tick->q_cmd, stopped->q_cmd) << "held, tick " << tick->tick;
-  EXPECT_LT(Vector3(ride.cell.arm.cell.v_WT_meas_m_per_s).norm(), 5e-3);
-  EXPECT_LT(ride.recording.ticks.back().tick, 20'000u) << "it did not wait for its seconds";
+  EXPECT_LT(Vector3(outcome.cell.arm.cell.v_WT_meas_m_per_s).norm(), 5e-3);
+  EXPECT_LT(outcome.recording.ticks.back().tick, 20'000u) << "it did not wait for its seconds";
 }
 
-TEST(ExceptionRun, OneOfTheThreadThatWatchesStopsTheArmInOrder) {
+TEST(ExceptionRun, AnExceptionOfTheProgressCallbackStopsTheArmInOrder) {
   int thrown = 0;
-  const Ride ride = RideWith(-1, [&](double rendered_s) {
+  const RunOutcome outcome = RunWithException(-1, [&](double rendered_s) {
     if (rendered_s < 0.5) return;
     ++thrown;
     throw std::runtime_error("nobody draws this");
   });
-  EXPECT_EQ(ride.result.internal_error, "nobody draws this");
+  EXPECT_EQ(outcome.result.internal_error, "nobody draws this");
   EXPECT_EQ(thrown, 1) << "who has thrown is not asked again";
-  EXPECT_EQ(ride.result.end, control::RunEnd::kStopFlag);
-  EXPECT_EQ(ride.result.faults.bits(), 0u);
-  ExpectAnOrderlyStop(ride);
+  EXPECT_EQ(outcome.result.end, control::RunEnd::kStopFlag);
+  EXPECT_EQ(outcome.result.faults.bits(), 0u);
+  ExpectAnOrderlyStop(outcome);
 }
 
-TEST(ExceptionRun, OneOfTheSimulationLetsItsModelGrowOldAndStopsTheArm) {
-  const Ride ride = RideWith(300, {});
-  EXPECT_EQ(ride.result.internal_error, "simulation: the engine's own defect");
-  EXPECT_EQ(ride.result.end, control::RunEnd::kFault);
-  EXPECT_TRUE(ride.result.faults.Has(safety::Fault::kModelStale));
-  ExpectAnOrderlyStop(ride);
+TEST(ExceptionRun, AnExceptionOfTheSimulationStopsTheArmByAStaleModel) {
+  const RunOutcome outcome = RunWithException(300, {});
+  EXPECT_EQ(outcome.result.internal_error, "simulation: the engine's own defect");
+  EXPECT_EQ(outcome.result.end, control::RunEnd::kFault);
+  EXPECT_TRUE(outcome.result.faults.Has(safety::Fault::kModelStale));
+  ExpectAnOrderlyStop(outcome);
 }
 
 }  // namespace

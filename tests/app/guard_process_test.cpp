@@ -14,9 +14,10 @@
 namespace osteon::app {
 namespace {
 
-// A first port that other tests of this machine are unlikely to use.
+// First of ten ports of this test process; the process id makes a collision with other tests unlikely.
 std::string Port() { return std::to_string(49152 + getpid() % 1500 * 10); }
 
+// Whether the command has printed the words to standard output.
 bool Says(const Command& command, const std::string& words) {
   return command.Out().find(words) != std::string::npos;
 }
@@ -28,6 +29,7 @@ class GuardProcess : public testing::Test {
     std::ofstream(file()) << config::With(config::CellText("thin_plate"), "  guard: false", "  guard: true ")
                           << "\nguard:\n  port: 30209\n  silence_ms: 200\n";
   }
+  // The cell thin_plate with a guard.
   [[nodiscard]] std::string file() const { return (folder_.path() / "guarded.yaml").string(); }
 
   void StartCellAndGuard() {
@@ -38,16 +40,18 @@ class GuardProcess : public testing::Test {
                    std::vector<std::string>{"guard", file(), "--port", Port(), "--json", "guard.json"});
     ASSERT_TRUE(guard_->WaitUntil([&] { return Says(*guard_, "Ctrl-C ends it"); })) << guard_->Err();
   }
-  [[nodiscard]] std::vector<std::string> Run() const {
+  // Arguments of `osteon run` for this cell, without a time limit.
+  [[nodiscard]] std::vector<std::string> RunArguments() const {
     return {"run", file(), "--port", Port(), "--record", "r.mcap", "--overwrite", "--json", "run.json"};
   }
   [[nodiscard]] nlohmann::json GuardReport() const { return ReadJson(guard_folder_.path() / "guard.json"); }
+  // Ends the cell. @returns its report.
   [[nodiscard]] nlohmann::json EndCell() {
     cell_->Send(SIGTERM);
     EXPECT_EQ(cell_->Wait().exit_code, 0);
     return ReadJson(cell_folder_.path() / "cell.json");
   }
-  // Whether the arm has left COMMANDING_ACTIVE.
+  // Waits until the arm has left COMMANDING_ACTIVE. False: it has not, within the time limit.
   [[nodiscard]] bool ArmLeft() {
     return cell_->WaitUntil([&] {
       const std::string out = cell_->Out();
@@ -60,12 +64,12 @@ class GuardProcess : public testing::Test {
   std::optional<Command> cell_, guard_;
 };
 
-TEST_F(GuardProcess, ARunThroughTheGuardEndsAsOneWithout) {
+TEST_F(GuardProcess, ARunThroughTheGuardCompletes) {
   constexpr int kAttempts = 3;
   rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     StartCellAndGuard();
-    std::vector<std::string> words = Run();
+    std::vector<std::string> words = RunArguments();
     words.insert(words.end(), {"--seconds", "2"});
     const WakeupWatch watch;
     const CommandResult run = RunCommand(run_folder_.path(), words);
@@ -75,7 +79,7 @@ TEST_F(GuardProcess, ARunThroughTheGuardEndsAsOneWithout) {
     const nlohmann::json report = GuardReport(), summary = ReadJson(run_folder_.path() / "run.json");
     EXPECT_EQ(report.at("schema"), "osteon.guard/1");
     EXPECT_EQ(report.at("config_checksum"), summary.at("config_checksum")) << "both read the same files";
-    if (run.exit_code != 0) {  // as without a guard
+    if (run.exit_code != 0) {  // only a late machine may fail the run, as without a guard
       worst_wakeup = watch.worst();
       ASSERT_TRUE(MachineWasLate(run, summary, worst_wakeup)) << report.dump(2);
       continue;
@@ -83,7 +87,7 @@ TEST_F(GuardProcess, ARunThroughTheGuardEndsAsOneWithout) {
     EXPECT_EQ(guard.exit_code, 0) << guard.err << report.dump(2);
     EXPECT_EQ(report.at("withheld"), 0);
     EXPECT_EQ(report.at("reason"), nullptr);
-    EXPECT_GT(report.at("relayed").at("to_arm").get<int>(), 2000);
+    EXPECT_GT(report.at("relayed").at("to_arm").get<int>(), 2000);  // 2 s at 1 kHz
     EXPECT_GE(report.at("relayed").at("to_arm").get<int>(), cell.at("arm").at("answered").get<int>());
     for (const char* way : {"to_controller", "to_arm"}) {
       const nlohmann::json& delay = report.at("added_latency_us").at(way);
@@ -98,7 +102,7 @@ TEST_F(GuardProcess, ARunThroughTheGuardEndsAsOneWithout) {
 }
 
 // A run that starts its simulated cell also starts and ends the cell's guard.
-TEST_F(GuardProcess, ARunOfASimulatedCellBringsItsGuard) {
+TEST_F(GuardProcess, ARunOfASimulatedCellStartsAndEndsItsGuard) {
   constexpr int kAttempts = 3;
   rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -116,7 +120,7 @@ TEST_F(GuardProcess, ARunOfASimulatedCellBringsItsGuard) {
     EXPECT_EQ(summary.at("ended"), "completed");
     EXPECT_TRUE(summary.at("faults").empty());
     EXPECT_EQ(summary.at("planned").at("rate_hz"), 150.0);
-    // the same port again: it is free
+    // the guard's port is free again
     guard_.emplace(guard_folder_.path(), std::vector<std::string>{"guard", file(), "--port", Port()});
     EXPECT_TRUE(guard_->WaitUntil([&] { return Says(*guard_, "Ctrl-C ends it"); })) << guard_->Err();
     return;
@@ -124,9 +128,9 @@ TEST_F(GuardProcess, ARunOfASimulatedCellBringsItsGuard) {
   GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
 }
 
-TEST_F(GuardProcess, AGuardThatIsKilledStopsArmAndRun) {
+TEST_F(GuardProcess, KillingTheGuardStopsArmAndRun) {
   StartCellAndGuard();
-  Command run(run_folder_.path(), Run());
+  Command run(run_folder_.path(), RunArguments());
   ASSERT_TRUE(cell_->WaitUntil([&] { return Says(*cell_, "COMMANDING_ACTIVE"); }))
       << run.Err() << guard_->Err();
   usleep(300'000);
@@ -142,9 +146,9 @@ TEST_F(GuardProcess, AGuardThatIsKilledStopsArmAndRun) {
       << report.dump(2);
 }
 
-TEST_F(GuardProcess, AControllerThatIsKilledIsWithdrawnAtThePlc) {
+TEST_F(GuardProcess, KillingTheControllerWithdrawsItsRequestAtThePlc) {
   StartCellAndGuard();
-  Command run(run_folder_.path(), Run());
+  Command run(run_folder_.path(), RunArguments());
   ASSERT_TRUE(cell_->WaitUntil([&] { return Says(*cell_, "COMMANDING_ACTIVE"); }))
       << run.Err() << guard_->Err();
   usleep(1'000'000);  // the hand has moved the tool by then
@@ -166,8 +170,8 @@ TEST_F(GuardProcess, AControllerThatIsKilledIsWithdrawnAtThePlc) {
   EXPECT_EQ(guard.exit_code, report.at("latched").get<bool>() ? 1 : 0);
 }
 
-TEST_F(GuardProcess, ARunWhoseGuardIsNotThereSaysSo) {
-  std::vector<std::string> run = Run();
+TEST_F(GuardProcess, ARunWithoutItsGuardFailsAndAsksForIt) {
+  std::vector<std::string> run = RunArguments();
   run.insert(run.end(), {"--wait", "1"});
   const CommandResult alone = RunCommand(run_folder_.path(), run);
   EXPECT_EQ(alone.exit_code, 1) << alone.err;

@@ -22,7 +22,7 @@
 namespace osteon::app {
 namespace {
 
-constexpr int kAttempts = 3;  // for runs that a busy machine spoilt
+constexpr int kAttempts = 3;  // a run is repeated if the machine was late
 
 // A pipe whose reader can be closed.
 class Pipe {
@@ -61,16 +61,18 @@ bool InContact(const std::filesystem::path& recording) {
   }
 }
 
-// The event that the observed process experiences.
+// The event that ends the observed process.
 enum class End { kHangUp, kTwoHangUps, kStdoutClosed, kStderrClosed };
 
+// The output that the event closes goes into the pipe, the others into files.
 CommandStreams StreamsOf(End end, const Pipe& pipe) {
   if (end == End::kStdoutClosed) return {.out = pipe.writer()};
   if (end == End::kStderrClosed) return {.err = pipe.writer()};
   return {};
 }
 
-void Cause(End end, Command& process, Pipe& pipe) {
+// Sends one or two SIGHUP to the process, or closes the reader of its output.
+void CauseEnd(End end, Command& process, Pipe& pipe) {
   if (end == End::kStdoutClosed || end == End::kStderrClosed) return pipe.CloseReader();
   process.Send(SIGHUP);
   if (end == End::kHangUp) return;
@@ -78,9 +80,11 @@ void Cause(End end, Command& process, Pipe& pipe) {
   process.Send(SIGHUP);
 }
 
+// Runs that an event ends while the tool is in bone.
 class HangUp : public testing::Test {
  protected:
-  // Ends a run in contact by that event and checks its exit code. False: the machine was late.
+  // Causes the event while the tool is in bone, and checks the run's exit code, its cause's name in the
+  // summary and its recording. False: the machine was late.
   bool RunEnds(End end, int exit_code, const char* name) {
     const TemporaryFolder folder;
     Pipe pipe;
@@ -90,7 +94,7 @@ class HangUp : public testing::Test {
         {"run", "thin_plate", "--simulated", "--port", "0", "--record", "r.mcap", "--json", "run.json"}, {},
         StreamsOf(end, pipe));
     const bool contact = run.WaitUntil([&] { return InContact(folder.path() / "r.mcap"); });
-    if (contact) Cause(end, run, pipe);
+    if (contact) CauseEnd(end, run, pipe);
     const CommandResult result = run.Wait();
     if (result.exit_code == 1) {
       EXPECT_TRUE(MachineWasLate(result, ReadJson(folder.path() / "run.json"), worst_ = watch.worst()));
@@ -120,23 +124,20 @@ class HangUp : public testing::Test {
   rt::Nanoseconds worst_{0};
 };
 
-TEST_F(HangUp, ATerminalThatIsClosedEndsARunInOrder) { ExpectRunEnds(End::kHangUp, 129, "SIGHUP"); }
+// Exit codes are 128 plus the number of the signal.
+TEST_F(HangUp, AClosedTerminalEndsARunInOrder) { ExpectRunEnds(End::kHangUp, 129, "SIGHUP"); }
 
-// Shell, system and service manager may each send one.
+// Shell, system and service manager may each send a SIGHUP.
 TEST_F(HangUp, ASecondSighupDoesNotEndTheProcessBeforeTheArmRests) {
   ExpectRunEnds(End::kTwoHangUps, 129, "SIGHUP");
 }
 
-TEST_F(HangUp, AReaderOfItsStdoutThatGoesAwayEndsARunInOrder) {
-  ExpectRunEnds(End::kStdoutClosed, 141, "SIGPIPE");
-}
+TEST_F(HangUp, AClosedReaderOfStdoutEndsARunInOrder) { ExpectRunEnds(End::kStdoutClosed, 141, "SIGPIPE"); }
 
-TEST_F(HangUp, AReaderOfItsStderrThatGoesAwayEndsARunInOrder) {
-  ExpectRunEnds(End::kStderrClosed, 141, "SIGPIPE");
-}
+TEST_F(HangUp, AClosedReaderOfStderrEndsARunInOrder) { ExpectRunEnds(End::kStderrClosed, 141, "SIGPIPE"); }
 
-// As after Ctrl-S on its terminal: nobody reads, and nobody goes away.
-TEST_F(HangUp, AReaderThatStandsStillDelaysNoCtrlC) {
+// As after Ctrl-S on a terminal: the pipe is full, and its reader stays open without reading.
+TEST_F(HangUp, AReaderThatDoesNotReadDoesNotDelayCtrlC) {
   Pipe pipe;
   fcntl(pipe.writer(), F_SETPIPE_SZ, 4096);
   const std::string full(1 << 20, '.');
@@ -167,8 +168,8 @@ class GuardHangUp : public HangUp {
   }
   [[nodiscard]] std::string file() const { return (folder_.path() / "guarded.yaml").string(); }
 
-  // The PLC makes the controller stop, and the arm keeps getting answers until it rests. False: a late
-  // machine.
+  // Causes the event at the guard while the tool is in bone. The PLC must first withdraw the permission to
+  // move, so that the controller stops the arm while the guard still relays. False: the machine was late.
   bool GuardEnds(End end, int exit_code) {
     Pipe pipe;
     const TemporaryFolder cell_folder, guard_folder, run_folder;
@@ -182,7 +183,7 @@ class GuardHangUp : public HangUp {
     Command run(run_folder.path(),
                 {"run", file(), "--port", port, "--record", "r.mcap", "--json", "run.json"});
     const bool contact = run.WaitUntil([&] { return InContact(run_folder.path() / "r.mcap"); });
-    if (contact) Cause(end, guard, pipe);
+    if (contact) CauseEnd(end, guard, pipe);
     const CommandResult result = run.Wait();
     if (!contact) guard.Send(SIGTERM);
     const CommandResult guarded = guard.Wait();
@@ -211,9 +212,9 @@ class GuardHangUp : public HangUp {
   const TemporaryFolder folder_;
 };
 
-TEST_F(GuardHangUp, ATerminalThatIsClosedStopsTheArmInOrderFirst) { ExpectGuardEnds(End::kHangUp, 129); }
+TEST_F(GuardHangUp, AClosedTerminalStopsTheArmBeforeTheGuardEnds) { ExpectGuardEnds(End::kHangUp, 129); }
 
-TEST_F(GuardHangUp, AReaderThatGoesAwayStopsTheArmInOrderFirst) { ExpectGuardEnds(End::kStdoutClosed, 141); }
+TEST_F(GuardHangUp, AClosedReaderStopsTheArmBeforeTheGuardEnds) { ExpectGuardEnds(End::kStdoutClosed, 141); }
 
 }  // namespace
 }  // namespace osteon::app

@@ -4,12 +4,12 @@
 #include "tests/app/machine_lateness.h"
 
 // Runs `osteon failures --kill`: controller, loop, simulation, recorder, guard, cell and the engine's
-// process are killed in full contact, once each. `--times 20` is the measurement.
+// process are killed in full contact, once each. The documented measurement kills each 20 times.
 
 namespace osteon::app {
 namespace {
 
-TEST(Kill, LeavesTheArmAtRestWhoeverDies) {
+TEST(Kill, LeavesTheArmAtRestWhicheverPartDies) {
   const TemporaryFolder folder;
   const WakeupWatch watch;
   const CommandResult run =
@@ -59,7 +59,7 @@ TEST(Kill, LeavesTheArmAtRestWhoeverDies) {
   if (skipped) GTEST_SKIP() << "skipped in part: " << run.out;
 }
 
-TEST(Kill, TakesNoScenario) {
+TEST(Kill, RefusesContradictoryOptions) {
   const TemporaryFolder folder;
   EXPECT_EQ(RunCommand(folder.path(), {"failures", "--kill", "3"}).exit_code, 2);
   EXPECT_EQ(RunCommand(folder.path(), {"failures", "--kill", "--faults"}).exit_code, 2);

@@ -9,6 +9,7 @@ namespace {
 
 std::string Milliseconds(rt::Nanoseconds t) { return std::to_string(t / 1'000'000) + " ms"; }
 
+// Whether a fault reports a message or contact model that came too late.
 bool SaysTooLate(std::string_view fault) {
   return fault.ends_with(" stale") || fault == "arm left COMMANDING_ACTIVE";
 }

@@ -12,11 +12,11 @@
 
 namespace osteon::app {
 
-/// Measures from its construction on how late this machine wakes threads on each CPU. Like the simulation and
-/// the simulated devices, they have no real-time rights.
+/// Measures from its construction on how late this machine wakes a thread on each CPU. The threads have no
+/// real-time priority, like those of the simulation and the simulated devices.
 class WakeupWatch {
  public:
-  /// The latest wake-up so far.
+  /// How late the latest wake-up so far was.
   [[nodiscard]] rt::Nanoseconds worst() const { return watch_.longest(); }
 
  private:
@@ -26,7 +26,7 @@ class WakeupWatch {
 /// A wake-up this late loses ten messages of an arm: twice what the loop and the simulated arms tolerate.
 inline constexpr rt::Nanoseconds kLateWakeup = 10 * rt::kMillisecond;
 
-/// Whether all faults of a summary report lateness, or follow from it.
+/// Whether a fault of the summary reports lateness, and all others report it too or may follow from it.
 [[nodiscard]] bool IsStall(const nlohmann::json& summary);
 
 /// Whether this machine's lateness explains that a run ended with exit code 1: its faults are those of a

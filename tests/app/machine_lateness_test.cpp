@@ -6,6 +6,8 @@
 
 #include "base/realtime_thread.h"
 
+// Tests which failed runs a late machine excuses, and how its lateness is measured.
+
 namespace osteon::app {
 namespace {
 
@@ -36,6 +38,7 @@ TEST(MachineLateness, ExcusesNeitherACrashNorAnotherFaultHoweverLateTheMachineWa
   EXPECT_FALSE(MachineWasLate(EndedWith(1), Faults({"arm message stale", "hand force"}), rt::kSecond));
 }
 
+// A real-time thread occupies one CPU for 30 ms, so the watch on this CPU must report a late wake-up.
 TEST(WakeupWatch, MeasuresAThreadThatIsKeptFromItsCpu) {
   // the watch's thread inherits this affinity: on another CPU it would be punctual
   cpu_set_t all, one;

@@ -8,13 +8,14 @@
 #include "tests/app/command.h"
 #include "tests/app/machine_lateness.h"
 
-// A running cell is asked from another terminal, and a recording is served, each as processes.
+// Asks a running cell from another process, as an operator does in a second terminal, and serves a recording.
 
 namespace osteon::app {
 namespace {
 
-constexpr int kAttempts = 3;  // for runs that a busy machine spoilt
+constexpr int kAttempts = 3;  // a run is repeated if the machine was late
 
+// A running cell and the commands that an operator gives it, in one folder.
 class OperatorCommands : public testing::Test {
  protected:
   // Sockets of this test alone: another cell may run on this machine.
@@ -24,13 +25,13 @@ class OperatorCommands : public testing::Test {
   CommandResult Ask(const std::vector<std::string>& words) {
     return RunCommand(folder_.path(), words, Environment());
   }
-  // The state of the running cell; empty: none.
+  // The state of the running cell; empty if no cell runs.
   std::string State() {
     if (Ask({"status", "--json", "status.json"}).exit_code != 0) return "";
     return ReadJson(folder_.path() / "status.json")["status"].value("state", "");
   }
 
-  // False: the machine was late.
+  // Starts a run, pauses, resumes and stops it. False: the machine was late.
   bool PausesResumesAndStops() {
     const WakeupWatch watch;
     Command run(folder_.path(),
@@ -77,13 +78,14 @@ TEST_F(OperatorCommands, PauseResumeAndStopARunningCell) {
   GTEST_SKIP() << "skipped: this machine was late " << kAttempts << " times";
 }
 
-// Pages and socket are closed one after the other while somebody still asks; a page that hangs makes that
-// long.
-TEST_F(OperatorCommands, AskARunUntilItIsGone) {
+// Asks a run for its status until its process has ended. A page that never reads makes the end of the run
+// slow, so that requests arrive while page server and socket close.
+TEST_F(OperatorCommands, AskARunUntilItsProcessHasEnded) {
   Command run(folder_.path(),
               {"run", "thin_plate", "--simulated", "--port", "0", "--seconds", "2", "--console", "0",
                "--overwrite", "--record", "r.mcap", "--json", "run.json"},
               Environment());
+  // the run's status; null without an answer
   const auto answer = [&] {
     setenv("OSTEON_SOCKET_FOLDER", (folder_.path() / "sockets").c_str(), 1);
     const auto running = io::FindLocalServers();
@@ -111,7 +113,7 @@ TEST_F(OperatorCommands, AskARunUntilItIsGone) {
   EXPECT_FALSE(ReadJson(folder_.path() / "run.json").is_null());
 }
 
-TEST_F(OperatorCommands, WithoutACellSayThatNoneRuns) {
+TEST_F(OperatorCommands, SayThatNoCellRuns) {
   for (const char* name : {"pause", "resume", "recover", "stop", "status"}) {
     const CommandResult result = Ask({name});
     EXPECT_EQ(result.exit_code, 1);

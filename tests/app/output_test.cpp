@@ -10,24 +10,25 @@
 #include "tests/app/command.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
-// A command's two outputs, and the files of earlier runs: none loses data to another.
+// No output of a command damages another: standard output, standard error, its files, files of earlier runs.
 
 namespace osteon::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-// A plate is packed and drawn in half the time of the demo's own bone.
+// A short demo on a plate, which is packed and drawn in half the time of the demo's own bone.
 const std::vector<std::string> kDemo{"demo",   "--virtual-time", "--seconds", "0.3",
                                      "--cell", "thin_plate",     "--json",    "j.json"};
 
+// The short demo's arguments and more.
 std::vector<std::string> Demo(const std::vector<std::string>& more) {
   std::vector<std::string> words = kDemo;
   words.insert(words.end(), more.begin(), more.end());
   return words;
 }
 
-int Open(const char* path) { return open(path, O_WRONLY | O_CLOEXEC); }
+int OpenForWriting(const char* path) { return open(path, O_WRONLY | O_CLOEXEC); }
 
 // A soft limit on the size of files that this process and its children may write; stands in for a full disk.
 class FileSizeLimit {
@@ -46,7 +47,7 @@ class FileSizeLimit {
   rlimit before_{};
 };
 
-TEST(Output, ClosedDescriptorsKeepWhatIsPrintedOutOfTheRecording) {
+TEST(Output, ClosedDescriptorsLetNoPrintedTextIntoTheRecording) {
   const TemporaryFolder folder;
   Command demo(folder.path(), kDemo, {}, {.out = CommandStreams::kClosed, .err = CommandStreams::kClosed});
   EXPECT_EQ(demo.Wait().exit_code, 0);
@@ -56,10 +57,10 @@ TEST(Output, ClosedDescriptorsKeepWhatIsPrintedOutOfTheRecording) {
   EXPECT_EQ(io::test::ReadAll(recording).find("Osteon demo:"), std::string::npos);
 }
 
-TEST(Output, AFullStdoutIsToldAndLosesNoFile) {
+TEST(Output, AFullStdoutIsReportedAndLosesNoFile) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "skipped, no /dev/full";
   const TemporaryFolder folder;
-  const int full = Open("/dev/full");
+  const int full = OpenForWriting("/dev/full");
   Command demo(folder.path(), kDemo, {}, {.out = full});
   const CommandResult run = demo.Wait();
   EXPECT_EQ(run.exit_code, 1);
@@ -74,7 +75,7 @@ TEST(Output, AFullStdoutIsToldAndLosesNoFile) {
   close(full);
 }
 
-// The limit stands in for a full disk under the recording; the small files fit.
+// The limit is below the size of the recording; the small files fit.
 TEST(Output, ARecordingThatDoesNotFitLosesNeitherSummaryNorJson) {
   const TemporaryFolder folder;
   CommandResult run;
@@ -132,8 +133,8 @@ TEST(Output, TwoDemosDoNotWriteIntoOneFolder) {
   EXPECT_TRUE(ReadComplete(recording).complete);
 }
 
-// A file name may have any bytes; a file's text is UTF-8.
-TEST(Output, AMeshWhoseNameIsLatin1IsWrittenAsWhatItIs) {
+// A file name may have any bytes, but the files that osteon writes are UTF-8: U+FFFD replaces the byte FC.
+TEST(Output, ALatin1FileNameIsWrittenAsValidUtf8) {
   const TemporaryFolder folder;
   const std::string name =
       "h\xfc"
@@ -153,31 +154,33 @@ TEST(Output, AMeshWhoseNameIsLatin1IsWrittenAsWhatItIs) {
   EXPECT_TRUE(ReadJson(folder.path() / "p.json").is_object());
 }
 
-TEST(Output, WhatCanNotBeRightIsRefusedAtOnce) {
+TEST(Output, InvalidOutputsAndPortsAreRefusedAtOnce) {
   const TemporaryFolder folder;
-  const auto expect = [&](const std::vector<std::string>& words, const std::string& text,
-                          const std::vector<std::string>& environment = {}) {
+  const auto expect_refused = [&](const std::vector<std::string>& words, const std::string& text,
+                                  const std::vector<std::string>& environment = {}) {
     const CommandResult run = RunCommand(folder.path(), words, environment);
     EXPECT_EQ(run.exit_code, 2) << run.err;
     EXPECT_NE(run.err.find(text), std::string::npos) << run.err;
     EXPECT_EQ(run.out, "");
   };
-  expect({"demo", "--json", "-"}, "osteon demo: --json: found -, accepted a file's name");
-  expect({"bench", "kinematics", "--json", "-"}, "osteon bench kinematics: --json: found -");
+  expect_refused({"demo", "--json", "-"}, "osteon demo: --json: found -, accepted a file's name");
+  expect_refused({"bench", "kinematics", "--json", "-"}, "osteon bench kinematics: --json: found -");
   for (const char* command : {"demo", "run", "cell"}) {
     std::vector<std::string> words{command};
     if (words[0] != "demo") words.emplace_back("demo");
     words.insert(words.end(), {"--port", "65534"});
     if (words[0] == "run") words.emplace_back("--simulated");
-    expect(words, "--port: found 65534, accepted 0 … 655");
+    expect_refused(words, "--port: found 65534, accepted 0 … 655");
   }
-  expect({"demo", "--virtual-time"}, "TMPDIR: found /nowhere, which is no folder", {"TMPDIR=/nowhere"});
+  expect_refused({"demo", "--virtual-time"}, "TMPDIR: found /nowhere, which is no folder",
+                 {"TMPDIR=/nowhere"});
   EXPECT_EQ(RunCommand(folder.path(), {"--help"}, {"TMPDIR=/nowhere"}).exit_code, 0);
 
   io::test::WriteAll(folder.path() / "today.mcap", "evidence");
-  expect({"run", "thin_plate", "--simulated", "--record", "today.mcap"},
-         "--record today.mcap: found a recording, of an earlier run; accepted a name that is free, or "
-         "--overwrite");
+  expect_refused(
+      {"run", "thin_plate", "--simulated", "--record", "today.mcap"},
+      "--record today.mcap: found a recording, of an earlier run; accepted a name that is free, or "
+      "--overwrite");
   EXPECT_EQ(io::test::ReadAll(folder.path() / "today.mcap"), "evidence");
   const std::string mcap = "\x89MCAP0\r\n and more", session = R"({"schema": "osteon.session/1"})";
   for (const auto& [name, content] :
@@ -186,22 +189,27 @@ TEST(Output, WhatCanNotBeRightIsRefusedAtOnce) {
         std::pair("p.yaml", std::string("scene: x")), std::pair("part", session)})
     io::test::WriteAll(folder.path() / name, content);
   std::filesystem::create_symlink("a.mcap", folder.path() / "link");
-  expect({"replay", "a.mcap", "--json", "a.mcap"}, "--json: found a.mcap, which recording names as well");
-  expect({"replay", "a.mcap", "--json", "./link"}, "--json: found ./link, which recording names as well");
-  expect({"export", "a.stl", "--surface", "a.stl"}, "--surface: found a.stl, which recording names as well");
-  expect({"export", "a.mcap", "--surface", "a.stl"}, "--surface: found a.stl, which is a recording");
-  expect({"doctor", "--json", "link"}, "--json: found link, which is a recording, accepted another file");
-  expect({"doctor", "--json", "kept"}, "--json: found kept, which is a carved state");
-  expect({"doctor", "--json", "s"}, "--json: found s, which is a session");
-  expect({"surgical-plan", "./p.yaml", "--json", "p.yaml"}, "--json: found p.yaml, which plan names as well");
-  expect({"demo", "--json", "new.mcap"},
-         "--json: found new.mcap, accepted a name that does not end with .mcap");
-  expect({"demo", "--json", ""}, "--json: found no name, accepted a file");
-  expect({"demo", "--out", ""}, "--out: found no name, accepted a folder");
+  expect_refused({"replay", "a.mcap", "--json", "a.mcap"},
+                 "--json: found a.mcap, which recording names as well");
+  expect_refused({"replay", "a.mcap", "--json", "./link"},
+                 "--json: found ./link, which recording names as well");
+  expect_refused({"export", "a.stl", "--surface", "a.stl"},
+                 "--surface: found a.stl, which recording names as well");
+  expect_refused({"export", "a.mcap", "--surface", "a.stl"}, "--surface: found a.stl, which is a recording");
+  expect_refused({"doctor", "--json", "link"},
+                 "--json: found link, which is a recording, accepted another file");
+  expect_refused({"doctor", "--json", "kept"}, "--json: found kept, which is a carved state");
+  expect_refused({"doctor", "--json", "s"}, "--json: found s, which is a session");
+  expect_refused({"surgical-plan", "./p.yaml", "--json", "p.yaml"},
+                 "--json: found p.yaml, which plan names as well");
+  expect_refused({"demo", "--json", "new.mcap"},
+                 "--json: found new.mcap, accepted a name that does not end with .mcap");
+  expect_refused({"demo", "--json", ""}, "--json: found no name, accepted a file");
+  expect_refused({"demo", "--out", ""}, "--out: found no name, accepted a folder");
   EXPECT_EQ(io::test::ReadAll(folder.path() / "a.mcap"), mcap);
   EXPECT_EQ(io::test::ReadAll(folder.path() / "p.yaml"), "scene: x");
-  expect({"run", "thin_plate", "--simulated", "--json", "nowhere/run.json"},
-         "--json nowhere/run.json: no folder");
+  expect_refused({"run", "thin_plate", "--simulated", "--json", "nowhere/run.json"},
+                 "--json nowhere/run.json: no folder");
 }
 
 }  // namespace

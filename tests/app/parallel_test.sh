@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# parallel_test.sh OSTEON SOURCES: a sweep in shards by GNU parallel, as docs/sharding.md has it, merged and compared with
-# one run. Exit code 77, with the reason: there is no GNU parallel here.
+# parallel_test.sh OSTEON SOURCES: runs a sweep in shards by GNU parallel, as docs/sharding.md shows, merges
+# them and compares with one run. Exit code 77: GNU parallel is not installed.
 set -euo pipefail
 osteon=$(realpath "$1") sources=$(realpath "$2")
 export OSTEON_ROOT=$sources
@@ -20,7 +20,7 @@ parameters:
   - {key: operator.tremor_seed, takes: seed}
 YAML
 "$osteon" regress --sweep sweep.yaml --out out --json one.json
-# ":" is this machine; another one is named beside it
+# "2/:" means two jobs at a time on this machine; other machines would follow after a comma
 parallel --will-cite --sshlogin 2/: "$osteon" regress --sweep sweep.yaml --shard {}/3 --json part_{}.json ::: 1 2 3
 "$osteon" merge part_*.json --out merged --json merged.json
 cmp one.json merged.json

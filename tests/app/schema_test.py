@@ -1,4 +1,4 @@
-"""Shipped YAML against the schemas that `osteon schema` makes, by a validator that is not ours.
+"""Shipped YAML against the schemas that `osteon schema` makes, by the package jsonschema.
 
 schema_test.py OSTEON SOURCES: the built command, the checkout.
 """
@@ -15,27 +15,31 @@ import yaml
 
 command, sources = sys.argv[1], pathlib.Path(sys.argv[2])
 config = sources / "config"
+# folders below config/, and the schema of their files
 kinds = {"cells": "cell", "robots": "robot", "tools": "tool", "scenes": "scene", "materials": "materials",
          "scenarios": "scenario", "sweeps": "sweep", "plans": "plan", "rubrics": "rubric"}
 wrong = []
 
 
 def errors(schema, value):
+    """Lists the violations of a schema, each with its key."""
     return [f"{'.'.join(map(str, e.absolute_path))}: {e.message[:200]}"
             for e in jsonschema.Draft7Validator(schema).iter_errors(value)]
 
 
 def expect(condition, text):
+    """Remembers the text as a failure unless the condition holds."""
     if not condition:
         wrong.append(text)
 
 
-with tempfile.TemporaryDirectory() as made:
-    subprocess.run([command, "--config-root", config, "schema", "--out", made], check=True, stdout=subprocess.DEVNULL)
-    schemas = {file.stem: file.read_text() for file in pathlib.Path(made).iterdir()}
+with tempfile.TemporaryDirectory() as schema_folder:
+    subprocess.run([command, "--config-root", config, "schema", "--out", schema_folder], check=True,
+                   stdout=subprocess.DEVNULL)
+    schemas = {file.stem: file.read_text() for file in pathlib.Path(schema_folder).iterdir()}
 for name, text in schemas.items():
-    kept = config / "schemas" / f"{name}.json"
-    expect(kept.is_file() and kept.read_text() == text,
+    shipped = config / "schemas" / f"{name}.json"
+    expect(shipped.is_file() and shipped.read_text() == text,
            f"config/schemas/{name}.json is not what the readers say: osteon schema --out config/schemas")
 schemas = {name: json.loads(text) for name, text in schemas.items()}
 for schema in schemas.values():
@@ -52,11 +56,12 @@ for folder, kind in kinds.items():
         count += 1
 expect(count > 60, f"only {count} files")
 
-# what a reader refuses, its schema refuses
+# values that the program refuses must fail the schema too
 demo = yaml.safe_load((config / "cells/demo.yaml").read_text())
 
 
 def refused(change, schema="cell", of=demo):
+    """The schema's errors in a copy of a valid file to which the change was applied."""
     value = copy.deepcopy(of)
     change(value)
     return errors(schemas[schema], value)

@@ -10,8 +10,8 @@
 #include "session/procedure/session_file.h"
 #include "tests/app/command.h"
 
-// A demo with a plan is killed, goes on from its last pass, and what came of it is assessed, reported and
-// exported.
+// Demos with a plan, as a user runs them. One is killed and resumed at its last pass. The sessions are then
+// assessed, reported, exported and replayed.
 
 namespace osteon::app {
 namespace {
@@ -25,9 +25,10 @@ std::string ReadText(const fs::path& path) {
   return text.str();
 }
 
+// A demo with a plan of two reamers, which is killed and resumed.
 class KilledDemo : public testing::Test {
  protected:
-  KilledDemo() {  // the demo's plan with its last two reamers
+  KilledDemo() {  // writes the demo's plan without its first two reamers
     std::string plan = ReadText(OSTEON_SOURCE_DIR "/config/plans/acetabulum.yaml");
     for (const char* reamer : {"  - {diameter_mm: 44", "  - {diameter_mm: 46"}) {
       const std::size_t line = plan.find(reamer);
@@ -43,14 +44,14 @@ class KilledDemo : public testing::Test {
     if (resume) words.emplace_back("--resume");
     return words;
   }
-  // Nothing: there is no session yet.
+  // The session's file; nothing if there is none yet.
   [[nodiscard]] std::optional<session::SessionFile> Session() const {
     auto session = session::ReadSession(folder_.path() / "s");
     return session ? std::optional(std::move(*session)) : std::nullopt;
   }
   // Runs the demo and kills it as soon as the session fulfils the condition.
   template <class Condition>
-  void KillOnce(bool resume, const Condition& condition) {
+  void RunAndKillOnce(bool resume, const Condition& condition) {
     Command demo(folder_.path(), Demo("8", resume));
     ASSERT_TRUE(demo.WaitUntil([&] {
       const auto session = Session();
@@ -65,9 +66,11 @@ class KilledDemo : public testing::Test {
 };
 
 TEST_F(KilledDemo, ResumesAtItsLastPassAndIsAssessedReportedAndExported) {
-  ASSERT_NO_FATAL_FAILURE(KillOnce(false, [](const session::SessionFile&) { return true; }));
+  // killed before its first pass ends, then after it, and then resumed to the end
+  ASSERT_NO_FATAL_FAILURE(RunAndKillOnce(false, [](const session::SessionFile&) { return true; }));
   ASSERT_TRUE(Session()->passes.empty());
-  ASSERT_NO_FATAL_FAILURE(KillOnce(true, [](const session::SessionFile& s) { return !s.passes.empty(); }));
+  ASSERT_NO_FATAL_FAILURE(
+      RunAndKillOnce(true, [](const session::SessionFile& s) { return !s.passes.empty(); }));
   const auto killed = Session();
   ASSERT_FALSE(killed->ended);
   const CommandResult resumed = Ask(Demo("1", true));
@@ -103,7 +106,7 @@ TEST_F(KilledDemo, ResumesAtItsLastPassAndIsAssessedReportedAndExported) {
   EXPECT_NE(exported.out.find("watertight"), std::string::npos) << exported.out;
 }
 
-// The plan for a mesh that is no part of the repository.
+// The plan for a scanned hip bone, whose mesh is not in the repository.
 TEST(HipBonePlan, IsReamedAssessedAndReplayed) {
   const char* data = std::getenv("OSTEON_DATA_DIR");
   const fs::path mesh = fs::path(data ? data : ".") / "hip_bone_left.obj";
@@ -129,7 +132,7 @@ TEST(HipBonePlan, IsReamedAssessedAndReplayed) {
   EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
 }
 
-// The molar's plan: two burrs, with the figures of an opening; a novice is told from an expert.
+// The plan for the molar is an opening with two burrs. Its score must tell a novice from an expert.
 TEST(MolarPlan, IsOpenedAssessedAndReplayed) {
   const TemporaryFolder folder;
   const auto ask = [&](const std::vector<std::string>& words) { return RunCommand(folder.path(), words); };
@@ -157,7 +160,7 @@ TEST(MolarPlan, IsOpenedAssessedAndReplayed) {
     EXPECT_GT(json["result"]["unroofed"], 0.05);
     scores[hand] = json["score"]["total"];
   }
-  // after 18 s, a seventh of what the demo takes: the roof is not all open yet
+  // 18 s are a seventh of the whole demo, so the roof is only partly open
   EXPECT_GT(scores["expert"], scores["novice"] + 20.0);
   EXPECT_LT(scores["novice"], 40.0);
   const CommandResult compared = ask({"assess", "expert/session", "--against", "novice/session"});

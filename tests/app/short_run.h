@@ -10,8 +10,7 @@ struct ShortRun {
   CommandResult run = RunCommand(folder.path(), {"demo", "--virtual-time", "--seconds", "1.5", "--out", "a/b",
                                                  "--json", "copy.json", "--save-motion", "motion.csv"});
 };
-/// One for all tests of the suite VirtualDemo that look at its files alone: ctest runs the suite in one
-/// process.
+/// The short run that the tests of the suite VirtualDemo share; ctest runs this suite in one process.
 inline const ShortRun& TheShortRun() {
   static const ShortRun made;
   return made;

@@ -2,14 +2,14 @@
 
 #include "tests/app/command.h"
 
-// `osteon soak --wall` with its first episode, a reaming by three processes with three pages. Hours of it are
-// the measurement; its script, its books and its judge have tests of their own (tests/studies/soak).
+// `osteon soak --wall` with its first episode, a reaming by three processes with three pages. As a
+// measurement it runs for hours. tests/studies/soak tests its script, its records and its verdict.
 
 namespace osteon::app {
 namespace {
 
-// A machine that is late may stop the cell, and the soak then says so; what it read is there all the same.
-TEST(SoakWall, RunsTheCellsProcessesAndReadsWhatTheyLeave) {
+// A late machine may stop the cell, and the soak then fails; its figures are reported nevertheless.
+TEST(SoakWall, RunsTheCellsProcessesAndReportsTheirFigures) {
   const TemporaryFolder folder;
   const CommandResult result = RunCommand(
       folder.path(), {"soak", "--wall", "--hours", "0.001", "--out", "out", "--json", "soak.json"});

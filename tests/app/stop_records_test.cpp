@@ -12,6 +12,8 @@
 #include "tests/app/command.h"
 #include "tests/report/report_markup.h"
 
+// Tests the records of stops (pages and tables) on made-up ticks, and the tables of faults and states.
+
 namespace osteon::app {
 namespace {
 
@@ -25,9 +27,9 @@ config::CellConfig Cell() {
 
 constexpr std::uint32_t Bit(Fault fault) { return static_cast<std::uint32_t>(fault); }
 
-// Appends ticks of one millisecond.
-void Add(std::vector<TickRecord>& ticks, int count, Phase phase, std::uint32_t faults = 0,
-         bool asked = false) {
+// Appends ticks, 1 ms apart. @param asked  whether a stop is requested in them
+void AddTicks(std::vector<TickRecord>& ticks, int count, Phase phase, std::uint32_t faults = 0,
+              bool asked = false) {
   for (int i = 0; i < count; ++i) {
     TickRecord tick;
     tick.tick = ticks.size();
@@ -39,6 +41,7 @@ void Add(std::vector<TickRecord>& ticks, int count, Phase phase, std::uint32_t f
   }
 }
 
+// All stops in the ticks of a whole run.
 std::vector<session::StopRecord> FindStops(const std::vector<TickRecord>& ticks) {
   session::StopFinder finder;
   std::vector<session::StopRecord> stops;
@@ -50,6 +53,7 @@ std::vector<session::StopRecord> FindStops(const std::vector<TickRecord>& ticks)
   return stops;
 }
 
+// Writes page and table of each stop into the folder.
 tl::expected<std::vector<session::WrittenStop>, std::string> WriteStops(
     const std::vector<TickRecord>& ticks, const std::filesystem::path& folder,
     const std::vector<io::RecordedEvent>& events = {}) {
@@ -62,18 +66,18 @@ tl::expected<std::vector<session::WrittenStop>, std::string> WriteStops(
   return pages.Finish();
 }
 
-// A fault after eight seconds, a recovery, a short ride, and the run's end.
+// Ticks of a fault after 8 s of contact, a recovery, 1 s of contact, and the end of the run.
 std::vector<TickRecord> TwoStops() {
   std::vector<TickRecord> ticks;
-  Add(ticks, 500, Phase::kWaiting);
-  Add(ticks, 8000, Phase::kHaptic);
-  Add(ticks, 100, Phase::kStopping, Bit(Fault::kInterlock));
-  Add(ticks, 100, Phase::kStopped, Bit(Fault::kInterlock) | Bit(Fault::kSession));
-  Add(ticks, 900, Phase::kStopped, Bit(Fault::kInterlock) | Bit(Fault::kSession));
-  Add(ticks, 300, Phase::kWaiting);
-  Add(ticks, 1000, Phase::kHaptic);
-  Add(ticks, 50, Phase::kStopping, 0, true);
-  Add(ticks, 10, Phase::kStopped, 0, true);
+  AddTicks(ticks, 500, Phase::kWaiting);
+  AddTicks(ticks, 8000, Phase::kHaptic);
+  AddTicks(ticks, 100, Phase::kStopping, Bit(Fault::kInterlock));
+  AddTicks(ticks, 100, Phase::kStopped, Bit(Fault::kInterlock) | Bit(Fault::kSession));
+  AddTicks(ticks, 900, Phase::kStopped, Bit(Fault::kInterlock) | Bit(Fault::kSession));
+  AddTicks(ticks, 300, Phase::kWaiting);
+  AddTicks(ticks, 1000, Phase::kHaptic);
+  AddTicks(ticks, 50, Phase::kStopping, 0, true);
+  AddTicks(ticks, 10, Phase::kStopped, 0, true);
   return ticks;
 }
 
@@ -99,14 +103,14 @@ TEST(StopRecords, HoldFiveSecondsBeforeAndHalfASecondAtRest) {
   EXPECT_STREQ(stops[1].Heading(), "How the run ended");
 }
 
-// A pause holds in a waiting phase: that is rest too, until the resume.
-TEST(StopRecords, APauseIsShownAtRestForHalfASecond) {
+// During a pause the phase is kWaiting. The record counts that as rest, until the resume.
+TEST(StopRecords, ShowAPauseForHalfASecondAtRest) {
   for (const int paused : {2000, 300}) {
     std::vector<TickRecord> ticks;
-    Add(ticks, 1000, Phase::kHaptic);
-    Add(ticks, 80, Phase::kStopping);
-    Add(ticks, paused, Phase::kWaiting);
-    Add(ticks, 1000, Phase::kHaptic);
+    AddTicks(ticks, 1000, Phase::kHaptic);
+    AddTicks(ticks, 80, Phase::kStopping);
+    AddTicks(ticks, paused, Phase::kWaiting);
+    AddTicks(ticks, 1000, Phase::kHaptic);
     ticks[1000].input.pause = true;
     const std::vector<session::StopRecord> stops = FindStops(ticks);
     ASSERT_EQ(stops.size(), 1u);
@@ -117,11 +121,12 @@ TEST(StopRecords, APauseIsShownAtRestForHalfASecond) {
   }
 }
 
-// An arm that is not under control is at rest once it is measured to stand still.
-TEST(StopRecords, AStopZeroIsOverWhereTheArmStands) {
+// In stop category 0 the controller does not move the arm, so the record counts as rest only what follows
+// this state.
+TEST(StopRecords, AfterStopCategoryZeroRestBeginsWhenTheArmStands) {
   std::vector<TickRecord> ticks;
-  Add(ticks, 1000, Phase::kHaptic);
-  Add(ticks, 1500, Phase::kStopped, Bit(Fault::kSession));
+  AddTicks(ticks, 1000, Phase::kHaptic);
+  AddTicks(ticks, 1500, Phase::kStopped, Bit(Fault::kSession));
   for (std::size_t i = 1000; i < 1400; ++i)
     ticks[i].cell_state = static_cast<std::uint8_t>(safety::CellState::kStop0);
   const std::vector<session::StopRecord> stops = FindStops(ticks);
@@ -131,31 +136,31 @@ TEST(StopRecords, AStopZeroIsOverWhereTheArmStands) {
 }
 
 // A loop that never comes to rest must not use unbounded memory.
-TEST(StopRecords, HoldNoMoreTicksThanTheyMay) {
+TEST(StopRecords, HoldALimitedNumberOfTicks) {
   std::vector<TickRecord> ticks;
-  Add(ticks, 30'000, Phase::kHaptic);
+  AddTicks(ticks, 30'000, Phase::kHaptic);
   for (TickRecord& tick : ticks) tick.stamp = 0;  // all within five seconds
-  Add(ticks, 30'000, Phase::kStopping);
+  AddTicks(ticks, 30'000, Phase::kStopping);
   const std::vector<session::StopRecord> stops = FindStops(ticks);
   ASSERT_EQ(stops.size(), 1u);
   EXPECT_EQ(stops[0].ticks[stops[0].stop].tick, 30'000u);
   EXPECT_LE(stops[0].ticks.size(), 2 * session::StopFinder::kMaxTicks);
 }
 
-TEST(StopRecords, APauseIsSaidToBeOne) {
+TEST(StopRecords, NameAPauseAsTheCause) {
   std::vector<TickRecord> ticks;
-  Add(ticks, 100, Phase::kHaptic);
-  Add(ticks, 50, Phase::kStopping);
+  AddTicks(ticks, 100, Phase::kHaptic);
+  AddTicks(ticks, 50, Phase::kStopping);
   EXPECT_EQ(FindStops(ticks).at(0).DescribeCause(), "the arm ended the session");
   ticks[100].input.pause = true;
   EXPECT_EQ(FindStops(ticks).at(0).DescribeCause(), "a pause was asked for");
 }
 
-// A motion braked within a tick: no tick is in the phase of stopping.
-TEST(StopRecords, APauseOfAToolThatHardlyMovesIsOneAsWell) {
+// A slow tool stops within one tick, so no tick has the phase kStopping.
+TEST(StopRecords, FindThePauseOfASlowTool) {
   std::vector<TickRecord> ticks;
-  Add(ticks, 100, Phase::kHaptic);
-  Add(ticks, 700, Phase::kWaiting);
+  AddTicks(ticks, 100, Phase::kHaptic);
+  AddTicks(ticks, 700, Phase::kWaiting);
   EXPECT_TRUE(FindStops(ticks).empty());
   for (std::size_t i = 100; i < ticks.size(); ++i)
     ticks[i].cell_state = static_cast<std::uint8_t>(safety::CellState::kPaused);
@@ -166,15 +171,15 @@ TEST(StopRecords, APauseOfAToolThatHardlyMovesIsOneAsWell) {
   EXPECT_EQ(stops[0].ticks.back().tick, 600u);
 }
 
-TEST(StopRecords, ARunThatNeverMovedHasNone) {
+TEST(StopRecords, ARunThatNeverMovedHasNoStops) {
   std::vector<TickRecord> ticks;
   EXPECT_TRUE(FindStops(ticks).empty());
-  Add(ticks, 100, Phase::kWaiting);
-  Add(ticks, 100, Phase::kStopped, Bit(Fault::kPeriod));
+  AddTicks(ticks, 100, Phase::kWaiting);
+  AddTicks(ticks, 100, Phase::kStopped, Bit(Fault::kPeriod));
   EXPECT_TRUE(FindStops(ticks).empty());
 }
 
-TEST(StopRecords, AreAPageAndATableEachAndReplaceAnEarlierRuns) {
+TEST(StopRecords, AreEachAPageAndATableThatReplaceAnEarlierRuns) {
   const TemporaryFolder folder;
   std::vector<TickRecord> ticks = TwoStops();
   const auto pages =
@@ -197,7 +202,7 @@ TEST(StopRecords, AreAPageAndATableEachAndReplaceAnEarlierRuns) {
   EXPECT_EQ(pages->front().ticks, folder.path() / "ride_stop_1_ticks.csv");
   EXPECT_EQ(report::MarkupError(page), "");
 
-  // the run's own end is no stop of that kind
+  // the second page is about the end of the run, which is no fault
   const std::string end = io::test::ReadAll(pages->back().page);
   for (const char* part : {"<h1>How the run ended: 4 s of rendering were over</h1>",
                            "<h2>How the run ended</h2>", "No fault: 4 s of rendering were over.",
@@ -215,41 +220,41 @@ TEST(StopRecords, AreAPageAndATableEachAndReplaceAnEarlierRuns) {
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "ride_stop_2_ticks.csv"));
 }
 
-// Missing parts are stated, with the reason.
-TEST(StopRecords, AnArmThatIsNotSeenAtRestIsSaidToBe) {
+// The page says which part of the stop the recording does not show, and why.
+TEST(StopRecords, SayWhyTheArmIsNotShownAtRest) {
   const TemporaryFolder folder;
   const auto page_of = [&](const std::vector<TickRecord>& ticks) {
     const auto pages = WriteStops(ticks, folder.path());
     return pages && pages->size() == 1 ? io::test::ReadAll(pages->front().page) : std::string();
   };
   std::vector<TickRecord> ticks;
-  Add(ticks, 100, Phase::kHaptic);
-  Add(ticks, 50, Phase::kStopping, Bit(Fault::kWorkspace));
+  AddTicks(ticks, 100, Phase::kHaptic);
+  AddTicks(ticks, 50, Phase::kStopping, Bit(Fault::kWorkspace));
   EXPECT_NE(page_of(ticks).find("ends while the arm was not at rest yet"), std::string::npos);
   ticks.back().input.received = static_cast<std::uint8_t>(control::ReceiveResult::kTimeout);
   EXPECT_NE(page_of(ticks).find("it sent no message any more"), std::string::npos);
-  Add(ticks, 200, Phase::kStopped, Bit(Fault::kWorkspace));
+  AddTicks(ticks, 200, Phase::kStopped, Bit(Fault::kWorkspace));
   EXPECT_NE(page_of(ticks).find("0.2 s of that are shown: there the recording ends"), std::string::npos);
 }
 
-TEST(StopRecords, AFolderThatIsNotThereIsNamed) {
+TEST(StopRecords, AMissingFolderIsNamed) {
   const auto pages = WriteStops(TwoStops(), "/nowhere");
   ASSERT_FALSE(pages);
   EXPECT_NE(pages.error().find("/nowhere/ride_stop_1_ticks.csv"), std::string::npos) << pages.error();
 }
 
-// The documents' table equals the code's.
-TEST(FaultCatalogue, IsTheDocumentationsPage) {
+// The documented table equals the one that the code prints.
+TEST(FaultCatalogue, EqualsTheDocumentedPage) {
   EXPECT_EQ(io::test::ReadAll(std::filesystem::path(OSTEON_SOURCE_DIR) / "docs/faults.md"), FaultsPage())
       << "osteon faults --markdown docs/faults.md";
 }
 
-TEST(StateMachine, IsTheDocumentationsPage) {
+TEST(StateMachine, EqualsTheDocumentedPage) {
   EXPECT_EQ(io::test::ReadAll(std::filesystem::path(OSTEON_SOURCE_DIR) / "docs/states.md"), StatesPage())
       << "osteon states --markdown docs/states.md";
 }
 
-TEST(StateMachine, IsPrintedAndWritten) {
+TEST(StateMachine, IsPrintedAndWrittenAsJson) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"states", "--json", "s.json"});
   EXPECT_EQ(run.exit_code, 0) << run.out;
@@ -260,7 +265,7 @@ TEST(StateMachine, IsPrintedAndWritten) {
   EXPECT_NE(run.out.find("pause asked    -> stop 2: brakes"), std::string::npos) << run.out;
 }
 
-TEST(FaultCatalogue, IsPrintedAndWritten) {
+TEST(FaultCatalogue, IsPrintedAndWrittenAsJson) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"faults", "--json", "f.json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;

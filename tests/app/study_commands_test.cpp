@@ -6,11 +6,12 @@
 
 #include "app/cli/usage/study_commands.h"
 
-// Which of the two executables a command line is for.
+// Tests which of the two executables a command line is for: osteon itself or the one with the studies.
 
 namespace osteon::app {
 namespace {
 
+// AsksForStudy for a command line of these words.
 bool Asks(std::vector<std::string> words) {
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -23,7 +24,7 @@ TEST(StudyCommands, AreKnownByTheFirstWordThatIsNoOption) {
   EXPECT_TRUE(Asks({"osteon", "--config-root=demo", "--help", "bench"}));
 }
 
-TEST(StudyCommands, AreNotAskedForByWhatRunsACell) {
+TEST(StudyCommands, AreNotAskedForByOtherCommandLines) {
   EXPECT_FALSE(Asks({"osteon"}));
   EXPECT_FALSE(Asks({"osteon", "--help"}));
   EXPECT_FALSE(Asks({"osteon", "demo", "tune"}));
@@ -31,7 +32,7 @@ TEST(StudyCommands, AreNotAskedForByWhatRunsACell) {
   EXPECT_FALSE(Asks({"osteon", "tun"})) << "the command explains the wrong word";
 }
 
-TEST(StudyCommands, HaveOneLineOfHelpInBothPrograms) {
+TEST(StudyCommands, HaveOneDescriptionForBothExecutables) {
   CLI::App app;
   EXPECT_EQ(AddStudy(app, "tune")->get_description(), "maps where the loop is stable, and recommends gains");
   EXPECT_THROW(AddStudy(app, "demo"), std::out_of_range);

@@ -18,8 +18,9 @@ namespace {
 // The symbol of an operand, without "+0x…", "@plt" and a version.
 std::string SymbolOf(const std::string& operand) { return operand.substr(0, operand.find_first_of("+@")); }
 
-// Finds the rule for a symbol: `skip` for functions of the program, `allow` for others.
-const CallRule* Find(const std::vector<CallRule>& rules, const std::string& symbol, bool of_program) {
+// The first rule that matches a symbol: a `skip` rule for a function of the program, an `allow` rule for
+// others. Null if there is none.
+const CallRule* FindRule(const std::vector<CallRule>& rules, const std::string& symbol, bool of_program) {
   static constexpr std::string_view kUnnamed = "(anonymous namespace)::";
   std::string signature = Demangled(symbol);
   for (std::size_t at; (at = signature.find(kUnnamed)) != std::string::npos;)
@@ -27,9 +28,10 @@ const CallRule* Find(const std::vector<CallRule>& rules, const std::string& symb
   const std::string name = QualifiedName(signature);
   for (const CallRule& rule : rules) {
     if (rule.opaque != of_program) continue;
-    const std::string& p = rule.pattern;
-    const std::string& text = p.find('(') == std::string::npos ? name : signature;
-    if (p.ends_with('*') ? text.starts_with(std::string_view(p).substr(0, p.size() - 1)) : text == p)
+    const std::string& pattern = rule.pattern;
+    const std::string& text = pattern.find('(') == std::string::npos ? name : signature;
+    if (pattern.ends_with('*') ? text.starts_with(std::string_view(pattern).substr(0, pattern.size() - 1))
+                               : text == pattern)
       return &rule;
   }
   return nullptr;
@@ -54,8 +56,8 @@ CallGraph CallGraph::Read(std::istream& disassembly) {
     const std::size_t begin = line.rfind('<') + 1;
     const std::string operand = line.substr(begin, line.size() - 1 - begin), symbol = SymbolOf(operand);
     if (symbol == name) continue;
-    // a symbol with a version of ours belongs to the program; the standard library's vtables and types are
-    // data
+    // "@@Base" is the version of the program's own symbols; "_ZT…" are vtables and type information of the
+    // standard library, which are data
     if (operand.find('@') != std::string::npos && operand.find("@@Base") == std::string::npos &&
         !symbol.starts_with("_ZT"))
       external.insert(symbol);
@@ -106,20 +108,20 @@ CallCheck CheckCalls(const CallGraph& graph, const std::set<std::string>& marked
                      const std::vector<CallRule>& rules) {
   CallCheck check;
   std::map<std::string, std::string> caller_of;  // of each reached symbol; empty for a root
-  std::deque<std::string> open;
+  std::deque<std::string> to_follow;
   for (const auto& [symbol, callees] : graph.functions()) {
     const std::string name = QualifiedName(Demangled(symbol));
     if (!marked.contains(name)) continue;
     check.roots.insert(name);
     caller_of[symbol];
-    open.push_back(symbol);
+    to_follow.push_back(symbol);
   }
-  while (!open.empty()) {
-    const std::string symbol = open.front();
-    open.pop_front();
+  while (!to_follow.empty()) {
+    const std::string symbol = to_follow.front();
+    to_follow.pop_front();
     const std::set<std::string>* callees = graph.Callees(symbol);
     if (callees) ++check.reached;
-    if (const CallRule* rule = Find(rules, symbol, callees != nullptr)) {
+    if (const CallRule* rule = FindRule(rules, symbol, callees != nullptr)) {
       check.used.insert(rule->pattern);
       continue;
     }
@@ -131,7 +133,7 @@ CallCheck CheckCalls(const CallGraph& graph, const std::set<std::string>& marked
       continue;
     }
     for (const std::string& callee : *callees)
-      if (caller_of.try_emplace(callee, symbol).second) open.push_back(callee);
+      if (caller_of.try_emplace(callee, symbol).second) to_follow.push_back(callee);
   }
   return check;
 }

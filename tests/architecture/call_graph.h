@@ -28,7 +28,7 @@ class CallGraph {
 /// A symbol in C++ notation: "osteon::rt::MonotonicNow()". Other symbols are returned unchanged.
 std::string Demangled(const std::string& symbol);
 
-/// A function that a tick may call although it is not ours, or that is not followed.
+/// A function outside the program that a tick may call, or one of the program whose calls are not followed.
 struct CallRule {
   std::string pattern;  ///< a qualified name (QualifiedName) or a signature, or its beginning and a '*'
   std::string reason;
@@ -48,7 +48,7 @@ struct CallCheck {
   std::size_t reached{0};      ///< functions of the program that were followed
 };
 
-/// Follows every call from the marked functions (qualified names) to the edge of the program.
+/// Follows every call from the marked functions (qualified names) up to a rule or a function of a library.
 CallCheck CheckCalls(const CallGraph& graph, const std::set<std::string>& marked,
                      const std::vector<CallRule>& rules);
 

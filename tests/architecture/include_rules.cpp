@@ -22,6 +22,7 @@ bool Matches(std::string_view name, std::string_view path) {
   return path == name || (path.starts_with(name) && path[name.size()] == '/');
 }
 
+/// Whether the path matches one of the names; "all" matches every path.
 bool MatchesAny(const std::vector<std::string>& names, std::string_view path) {
   return std::any_of(names.begin(), names.end(),
                      [&](const std::string& name) { return name == "all" || Matches(name, path); });
@@ -32,6 +33,7 @@ struct Match {
   std::string name;  // the longest of the rule's names that the path matches
 };
 
+/// The rule of a kind whose name matches the path with the most characters; null if none does.
 Match FindRule(const std::vector<Rule>& rules, Rule::Kind kind, std::string_view path) {
   Match best;
   for (const Rule& rule : rules) {

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+// Checks the includes of the whole tree, and what the rules of include_rules.txt allow and forbid.
+
 namespace osteon::architecture {
 namespace {
 
@@ -31,7 +33,7 @@ std::string Verdict(const std::string& path, const std::string& line) {
   return violations.empty() ? "" : violations.front().text;
 }
 
-TEST(IncludeRules, TheTreeKeepsToThem) {
+TEST(IncludeRules, AreKeptByTheWholeTree) {
   const std::vector<Rule> rules = ReadRules(kRulesFile);
   const std::vector<std::string> files = SourceFiles(kRoot);
   // Far more files exist: fewer mean that the search is broken, not that the tree is clean.
@@ -67,7 +69,7 @@ TEST(IncludeRules, NameFoldersAndHeadersThatExist) {
   }
 }
 
-TEST(IncludeRules, FindABackEdge) {
+TEST(IncludeRules, ForbidIncludesOfHigherLayers) {
   EXPECT_NE(Verdict("kinematics/x.h", "#include \"control/ports.h\""), "");
   EXPECT_NE(Verdict("safety/x.h", "#include \"control/ports.h\""), "");
   EXPECT_NE(Verdict("io/fri/x.cpp", "#include \"hil/arm.h\""), "");
@@ -75,14 +77,14 @@ TEST(IncludeRules, FindABackEdge) {
   EXPECT_NE(Verdict("gpu/x.cpp", "  #  include \"app/main.h\"  // spaced"), "");
 }
 
-TEST(IncludeRules, OpenSingleHeadersOnly) {
+TEST(IncludeRules, AllowSingleHeadersOfOtherFolders) {
   EXPECT_EQ(Verdict("control/loop/x.h", "#include \"simulation/contact/contact_model.h\""), "");
   EXPECT_NE(Verdict("control/x.h", "#include \"simulation/bone/material.h\""), "");
   EXPECT_EQ(Verdict("io/x.h", "#include \"control/ports.h\""), "");
   EXPECT_NE(Verdict("io/x.h", "#include \"control/ports.hpp\""), "");
 }
 
-TEST(IncludeRules, LetTheGuardSeeParametersAlone) {
+TEST(IncludeRules, LetTheGuardIncludeParametersOnly) {
   for (const char* file : {"guard_kinematics.cpp", "guard_zone.cpp", "guard_monitor.h", "guard_rules.cpp"}) {
     const std::string path = std::string("safety/") + file;
     EXPECT_EQ(Verdict(path, "#include \"kinematics/chain_params.h\""), "") << file;
@@ -111,7 +113,7 @@ TEST(IncludeRules, KeepVulkanYamlAndSocketsInTheirFolders) {
   EXPECT_NE(Verdict("kinematics/x.cpp", "#include <fmt/format.h>"), "");
 }
 
-TEST(IncludeRules, RefuseWhatNobodyDecided) {
+TEST(IncludeRules, RefuseFoldersAndLibrariesWithoutARule) {
   EXPECT_NE(Verdict("control/x.cpp", "#include <boost/asio.hpp>"), "");
   EXPECT_NE(Verdict("control/x.cpp", "#include <curl.h>"), "");
   EXPECT_NE(Verdict("utils/x.cpp", ""), "") << "a folder without a rule";
@@ -119,7 +121,7 @@ TEST(IncludeRules, RefuseWhatNobodyDecided) {
   EXPECT_EQ(Verdict("control/x.cpp", "#include <vector>"), "");
 }
 
-TEST(IncludeRules, NameFileLineAndReason) {
+TEST(IncludeRules, NameFileLineAndReasonOfAViolation) {
   const std::vector<Violation> violations =
       CheckText(ReadRules(kRulesFile), "safety/x.h", "#pragma once\n\n#include \"control/ports.h\"\n");
   ASSERT_EQ(violations.size(), 1u);

@@ -28,6 +28,7 @@ echo "build.sh" >>"$FAKES/page"
 F
 chmod +x "$checkout/console/web/build.sh"
 
+# fake NAME: makes the stand-in for a program, from a script on stdin.
 fake() { cat >"$fakes/$1"; chmod +x "$fakes/$1"; }
 fake npm <<'F'
 #!/usr/bin/env bash

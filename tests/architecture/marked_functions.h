@@ -9,7 +9,7 @@ namespace osteon::architecture {
 /// Finds the functions that a C++ text marks OSTEON_RT, by their qualified names without parameters and
 /// template arguments: "osteon::control::ServoLoop::Tick". Lambdas have no name and are left out. It reads
 /// the style of this project and is no C++ parser: it skips preprocessor lines, comments and literals, and
-/// tracks namespaces and classes by their braces. namespaces and classes followed by their braces.
+/// tracks namespaces and classes by their braces.
 std::set<std::string> MarkedFunctions(std::string_view text);
 
 /// Brings a demangled symbol to the same form: without return type, parameters, template arguments and

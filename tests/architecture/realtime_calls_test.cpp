@@ -20,7 +20,8 @@
 
 namespace osteon::architecture {
 
-// Violations, planted in this test program: the check must find each of them in its machine code.
+// Marked functions with planted violations, compiled into this test program: the check must find each
+// violation in the machine code.
 class Planted {
  public:
   virtual ~Planted() = default;
@@ -68,9 +69,9 @@ std::string ReadText(const fs::path& file) {
   return text.str();
 }
 
-// Whether the machine code is as shipped. A sanitizer calls its own library everywhere, and an unoptimised
-// build keeps code that never runs.
-bool IsReadable() {
+// Whether the machine code can be checked: it is optimised and without a sanitizer, as shipped. A sanitizer
+// calls its own library everywhere, and an unoptimised build keeps code that never runs.
+bool CanCheckThisBuild() {
 #if defined(OSTEON_SANITIZED) || !defined(__OPTIMIZE__)
   return false;
 #else
@@ -78,6 +79,7 @@ bool IsReadable() {
 #endif
 }
 
+// Disassembles a program and reads the references between its functions.
 CallGraph GraphOf(const fs::path& program) {
   const fs::path text = TemporaryPath("osteon_disassembly_" + program.filename().string() + ".txt");
   const std::string command =
@@ -96,7 +98,7 @@ std::string Join(const std::vector<std::string>& lines) {
 }
 
 TEST(RealtimeCalls, NothingMarkedReachesHeapLockOrExceptionInTheBuiltCommands) {
-  if (!IsReadable()) GTEST_SKIP() << "skipped, this build's machine code is not what is shipped";
+  if (!CanCheckThisBuild()) GTEST_SKIP() << "skipped, this build's machine code is not what is shipped";
   std::set<std::string> marked;
   for (const std::string& file : SourceFiles(kRoot))
     if (!file.starts_with("tests/")) marked.merge(MarkedFunctions(ReadText(kRoot / file)));
@@ -116,7 +118,7 @@ TEST(RealtimeCalls, NothingMarkedReachesHeapLockOrExceptionInTheBuiltCommands) {
         "osteon::io::RsiLink::Send", "osteon::safety::GuardMonitor::OnCommand",
         "osteon::control::EvaluateCoupling"})
     EXPECT_TRUE(check.roots.contains(name)) << name << " is not found in the program";
-  // of both programs together
+  // each rule must be needed by at least one of the programs
   check.roots.insert(studies.roots.begin(), studies.roots.end());
   check.used.insert(studies.used.begin(), studies.used.end());
   EXPECT_GT(check.roots.size(), 350u);
@@ -129,12 +131,12 @@ TEST(RealtimeCalls, NothingMarkedReachesHeapLockOrExceptionInTheBuiltCommands) {
 class PlantedCalls : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    if (!IsReadable()) return;
+    if (!CanCheckThisBuild()) return;
     check_ = CheckCalls(GraphOf(fs::read_symlink("/proc/self/exe")), MarkedFunctions(ReadText(__FILE__)),
                         ReadCallRules(kRulesFile));
   }
   void SetUp() override {
-    if (!IsReadable()) GTEST_SKIP() << "skipped, this build's machine code is not what is shipped";
+    if (!CanCheckThisBuild()) GTEST_SKIP() << "skipped, this build's machine code is not what is shipped";
     ASSERT_TRUE(check_.roots.contains("osteon::architecture::Planted::" + marked_)) << marked_;
   }
   // Whether a chain from the function to the callee is among the forbidden calls.
@@ -149,20 +151,20 @@ class PlantedCalls : public testing::Test {
   const std::string marked_ = "Grow";
 };
 
-TEST_F(PlantedCalls, OfTheHeapAreFoundBehindAFunctionThatIsNotMarked) {
+TEST_F(PlantedCalls, ToTheHeapAreFoundThroughAnUnmarkedFunction) {
   EXPECT_TRUE(Finds("Planted::Grow() > osteon::architecture::Planted::Append()", "operator new"))
       << Join(check_.forbidden);
 }
 
-TEST_F(PlantedCalls, OfAMutexAreFound) {
+TEST_F(PlantedCalls, ToAMutexAreFound) {
   EXPECT_TRUE(Finds("Planted::Lock()", "pthread_mutex_lock")) << Join(check_.forbidden);
 }
 
-TEST_F(PlantedCalls, ThatThrowAreFound) {
+TEST_F(PlantedCalls, ToAThrowingFunctionAreFound) {
   EXPECT_TRUE(Finds("Planted::Refuse(int)", "__cxa_throw")) << Join(check_.forbidden);
 }
 
-TEST_F(PlantedCalls, BehindAVirtualFunctionAreFoundByTheOverridesOwnMark) {
+TEST_F(PlantedCalls, OfAnOverrideAreFoundByItsOwnMark) {
   EXPECT_TRUE(Finds("PlantedPrinter::PrintsWhereItIsOverridden()", "puts")) << Join(check_.forbidden);
 }
 
@@ -201,7 +203,7 @@ void Global() OSTEON_RT;
                                    "osteon::a::Of", "osteon::a::Law::Share", "Global"}));
 }
 
-TEST(MarkedFunctions, HaveTheNamesThatSymbolsHave) {
+TEST(MarkedFunctions, HaveTheQualifiedNamesOfTheirSymbols) {
   EXPECT_EQ(QualifiedName("void osteon::rt::Prefetch<int>(int const&)"), "osteon::rt::Prefetch");
   EXPECT_EQ(QualifiedName("osteon::a::(anonymous namespace)::Same<double>(double const&) [clone .part.0]"),
             "osteon::a::Same");

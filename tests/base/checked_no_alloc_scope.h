@@ -10,8 +10,8 @@ namespace osteon::rt {
 
 /// A NoAllocScope that fails the test at its end if this thread has called the heap or locked a mutex
 /// meanwhile, so that no test can forget the check. Tests use this class, never NoAllocScope itself
-/// (architecture.NoAllocScopes). The executable links osteon::base_guard; under a sanitizer nothing is
-/// counted.
+/// (IncludeRules.TestsCountAllocationsInACheckedScopeOnly). The executable links osteon::base_guard; under a
+/// sanitizer nothing is counted.
 class CheckedNoAllocScope {
  public:
   CheckedNoAllocScope() {

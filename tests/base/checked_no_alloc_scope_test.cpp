@@ -12,7 +12,7 @@ namespace {
 // A new-expression may be optimised away; a call of the function may not.
 void CallTheHeap() { ::operator delete(::operator new(8)); }
 
-TEST(CheckedNoAllocScope, ItsEndFailsTheTestWhereTheHeapWasCalled) {
+TEST(CheckedNoAllocScope, FailsTheTestIfTheHeapWasCalled) {
   if (!NoAllocScope::Counts()) GTEST_SKIP() << "skipped, under a sanitizer: it has a heap of its own";
   EXPECT_NONFATAL_FAILURE(
       {
@@ -22,7 +22,7 @@ TEST(CheckedNoAllocScope, ItsEndFailsTheTestWhereTheHeapWasCalled) {
       "heap calls in a scope that allows none");
 }
 
-TEST(CheckedNoAllocScope, ItsEndFailsTheTestWhereAMutexWasLocked) {
+TEST(CheckedNoAllocScope, FailsTheTestIfAMutexWasLocked) {
   if (!NoAllocScope::Counts()) GTEST_SKIP() << "skipped, under a sanitizer: nothing is counted";
   std::mutex mutex;
   EXPECT_NONFATAL_FAILURE(
@@ -33,7 +33,7 @@ TEST(CheckedNoAllocScope, ItsEndFailsTheTestWhereAMutexWasLocked) {
       "mutex locks in a scope that allows none");
 }
 
-TEST(CheckedNoAllocScope, WhatFollowsItsEndIsNotCounted) {
+TEST(CheckedNoAllocScope, CountsNothingAfterEnd) {
   CheckedNoAllocScope no_alloc;
   no_alloc.End();
   CallTheHeap();

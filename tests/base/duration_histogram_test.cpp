@@ -41,7 +41,7 @@ TEST(DurationHistogram, QuantilesAreWithinHalfAPercentOfTheSortedValues) {
   EXPECT_EQ(histogram.count(), 50'000u);
 }
 
-TEST(DurationHistogram, TheEndsAreKept) {
+TEST(DurationHistogram, ValuesBeyondTheBinsCountInTheFirstAndLastBin) {
   DurationHistogram histogram;
   EXPECT_EQ(histogram.Quantile(0.5), 0) << "empty";
   histogram.Add(-5);

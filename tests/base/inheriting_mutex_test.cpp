@@ -16,11 +16,11 @@
 namespace osteon::rt {
 namespace {
 
-constexpr int kPriority = 5;
+constexpr int kPriority = 5;  // SCHED_FIFO, of the waiting thread
 
 /// The priority at which the system runs the calling thread: below 0 for a real-time one.
 /// @see proc(5), field 18 of stat
-int RunsAt() {
+int CurrentPriority() {
   std::ifstream file("/proc/thread-self/stat");
   std::string text;
   std::getline(file, text);
@@ -32,7 +32,7 @@ int RunsAt() {
   return value;
 }
 
-TEST(InheritingMutex, OneThreadAtATimeHasIt) {
+TEST(InheritingMutex, OnlyOneThreadHoldsIt) {
   InheritingMutex mutex;
   long sum = 0;
   const auto add = [&] {
@@ -51,11 +51,11 @@ TEST(InheritingMutex, OneThreadAtATimeHasIt) {
   EXPECT_FALSE(taken);
 }
 
-// The holder is an ordinary thread until a real-time one waits.
-TEST(InheritingMutex, TheHolderRunsAtThePriorityOfWhoWaits) {
+// While a real-time thread waits for the mutex, its holder, an ordinary thread, must run at that priority.
+TEST(InheritingMutex, TheHolderInheritsThePriorityOfTheWaiter) {
   InheritingMutex mutex;
   std::unique_lock lock(mutex);
-  if (RunsAt() < 0) GTEST_SKIP() << "the tests themselves are real-time";
+  if (CurrentPriority() < 0) GTEST_SKIP() << "the tests themselves are real-time";
   std::atomic<bool> granted{false}, ended{false};
   std::thread waiter([&] {
     const sched_param priority{.sched_priority = kPriority};
@@ -63,16 +63,16 @@ TEST(InheritingMutex, TheHolderRunsAtThePriorityOfWhoWaits) {
     ended = !granted;
     const std::lock_guard waits(mutex);
   });
-  // generous: it comes at once where the machine has time
+  // 60 s for a busy machine: with an idle CPU the higher priority comes at once
   for (const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-       RunsAt() >= 0 && !ended && std::chrono::steady_clock::now() < end;)
+       CurrentPriority() >= 0 && !ended && std::chrono::steady_clock::now() < end;)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  const int boosted = RunsAt();
+  const int boosted = CurrentPriority();
   lock.unlock();
   waiter.join();
   if (!granted) GTEST_SKIP() << "no real-time priorities for this process";
   EXPECT_EQ(boosted, -1 - kPriority);
-  EXPECT_GE(RunsAt(), 0) << "afterwards it is an ordinary thread again";
+  EXPECT_GE(CurrentPriority(), 0) << "afterwards it is an ordinary thread again";
 }
 
 }  // namespace

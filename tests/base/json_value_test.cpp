@@ -15,7 +15,7 @@ TEST(JsonValue, GivesTheValueOfItsType) {
   EXPECT_EQ(ValueAt(object, "list").size(), 2u);
 }
 
-TEST(JsonValue, GivesTheOtherValueForAnotherTypeOrNone) {
+TEST(JsonValue, GivesTheFallbackForAnotherTypeOrAMissingKey) {
   for (const json& value : {json(), json(3), json("text"), json::array({1}), json{{"key", {}}}}) {
     EXPECT_EQ(TextAt(value, "key", "none"), "none") << value;
     EXPECT_EQ(NumberAt(value, "key", 7.0), 7.0) << value;

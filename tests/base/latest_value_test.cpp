@@ -35,7 +35,7 @@ TEST(LatestValue, ReturnsTheInitialValueThenTheNewest) {
   EXPECT_EQ(value.Load(), 4);
 }
 
-TEST(LatestValue, WhatIsReadIsWholeNeverOlderAndInTheEndTheLast) {
+TEST(LatestValue, ReadsAreNeverTornNeverGoBackAndEndWithTheLastValue) {
   constexpr std::uint64_t kLast = 100'000;
   LatestValue<Large> value;
   std::atomic<bool> done{false};
@@ -58,7 +58,7 @@ TEST(LatestValue, WhatIsReadIsWholeNeverOlderAndInTheEndTheLast) {
 }
 
 // A small value, so that the two threads meet in the hand-over instead of in copies.
-TEST(LatestValue, TenMillionExchangesTearNothingAndNoneGoesBack) {
+TEST(LatestValue, TenMillionSmallReadsAreNeverTornAndNeverGoBack) {
 #if defined(OSTEON_SANITIZED)
   constexpr std::uint64_t kLast = 500'000;  // each access is ten times slower there
 #else
@@ -89,7 +89,7 @@ TEST(LatestValue, TenMillionExchangesTearNothingAndNoneGoesBack) {
   EXPECT_GT(fresh, 0u);
 }
 
-TEST(LatestValue, NeitherEndAllocatesOrLocks) {
+TEST(LatestValue, NeitherWriterNorReaderAllocatesOrLocks) {
   LatestValue<Large> value;
   const Large large = Filled(3);
   CheckedNoAllocScope no_alloc;

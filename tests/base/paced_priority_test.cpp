@@ -22,12 +22,12 @@ bool IsGranted() {
   return policy == SCHED_FIFO;
 }
 
-/// Times that are made up.
+/// Made-up clock and CPU time of the thread.
 struct Times {
   Nanoseconds now{1}, cpu{0};
 };
 
-/// Counts `share` of work a millisecond for `ms` milliseconds.
+/// Advances the clock by `ms` milliseconds, in which the thread uses this share of a CPU.
 void Work(PacedPriority& priority, Times& times, double share, int ms) {
   for (int i = 0; i < ms; ++i) {
     times.now += kMillisecond;
@@ -36,7 +36,8 @@ void Work(PacedPriority& priority, Times& times, double share, int ms) {
   }
 }
 
-TEST(PacedPriority, GivesWayWhereItLeavesNoTimeAndComesBack) {
+// The thread loses its priority if it works for more than 80 % of 0.1 s, and regains it below 50 %.
+TEST(PacedPriority, DropsIfTheThreadUsesTheWholeCpuAndReturnsLater) {
   const int at_first = Policy();
   const bool is_granted = IsGranted();
   std::thread([&] {
@@ -56,7 +57,7 @@ TEST(PacedPriority, GivesWayWhereItLeavesNoTimeAndComesBack) {
   EXPECT_EQ(Policy(), at_first) << "of other threads";
 }
 
-TEST(PacedPriority, AThreadThatWaitsDoesNotWork) {
+TEST(PacedPriority, TimeSpentWaitingDoesNotCountAsWork) {
   std::thread([] {
     PacedPriority priority;
     Times times;

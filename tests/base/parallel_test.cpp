@@ -18,7 +18,7 @@ TEST(ParallelFor, VisitsEveryElementOnceForAnyNumberOfThreads) {
     }
 }
 
-TEST(ParallelFor, PassesAnErrorOnAndEnds) {
+TEST(ParallelFor, RethrowsAnExceptionOfItsBody) {
   EXPECT_THROW(ParallelFor(100000, 4,
                            [](std::size_t begin, std::size_t) {
                              if (begin > 1000) throw std::runtime_error("no");

@@ -13,6 +13,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
+// The message with which a check refuses; empty if it accepts.
 template <class Check>
 std::string Refusal(Check&& check) {
   try {
@@ -23,7 +24,7 @@ std::string Refusal(Check&& check) {
   return "";
 }
 
-TEST(ParameterCheck, NamesSetParameterValueAndRange) {
+TEST(ParameterCheck, NamesStructParameterValueAndRange) {
   constexpr ParameterCheck require("energy tank ");
   EXPECT_EQ(Refusal([&] { require("cap_J", 1000.5, 0.0, 1000.0); }),
             "energy tank cap_J: found 1000.5, accepted 0 … 1000");
@@ -31,14 +32,14 @@ TEST(ParameterCheck, NamesSetParameterValueAndRange) {
             "energy tank cap_J: found -1, accepted > 0");
 }
 
-TEST(ParameterCheck, TakesTheRangesEndsAndNoNaN) {
+TEST(ParameterCheck, AcceptsTheEndsOfTheRangeAndRefusesNaN) {
   constexpr ParameterCheck require("");
   for (const double end : {-1.0, 1.0}) EXPECT_EQ(Refusal([&] { require("x", end, -1.0, 1.0); }), "");
   EXPECT_NE(Refusal([&] { require("x", kNaN, -1.0, 1.0); }), "");
   for (const double value : {kNaN, kInf}) EXPECT_NE(Refusal([&] { require("x", value, true, ">= 0"); }), "");
 }
 
-TEST(ParameterCheck, AllocatesNothingWhereItAccepts) {
+TEST(ParameterCheck, AllocatesNothingIfItAccepts) {
   const rt::CheckedNoAllocScope scope;
   constexpr ParameterCheck require("a set with a name that is longer than a small string: ");
   require("a parameter with a name that is longer than a small string", 0.5, 0.0, 1.0);

@@ -21,6 +21,7 @@
 namespace osteon::rt {
 namespace {
 
+// The CPUs on which the calling thread may run, in ascending order.
 std::vector<int> AllowedCpus() {
   cpu_set_t mask;
   CPU_ZERO(&mask);
@@ -32,7 +33,7 @@ std::vector<int> AllowedCpus() {
 }
 
 // The CPUs on which the calling thread is seen while it yields now and then.
-std::set<int> SeenOn() {
+std::set<int> CpusRunOn() {
   std::set<int> seen;
   for (int i = 0; i < 50; ++i) {
     seen.insert(sched_getcpu());
@@ -47,41 +48,41 @@ void InThread(Body body) {
   std::thread(body).join();
 }
 
-TEST(RealtimeThread, RunsOnItsCpuAloneAndTheOthersStayOff) {
+TEST(RealtimeThread, RunsOnItsReservedCpuAndOtherThreadsDoNot) {
   InThread([] {
     const std::vector<int> cpus = AllowedCpus();
     const int cpu = cpus.back();
     ASSERT_EQ(ReserveCpu(cpu), "");
     RealtimeGrant grant;
-    std::set<int> pinned, other;
-    std::vector<int> pinned_may, other_may;
+    std::set<int> pinned_ran_on, other_ran_on;
+    std::vector<int> pinned_allowed, other_allowed;
     {
       std::thread servo([&] {
         grant = SetUpRealtimeThread({.priority = 0, .cpu = cpu});
-        pinned = SeenOn();
-        pinned_may = AllowedCpus();
+        pinned_ran_on = CpusRunOn();
+        pinned_allowed = AllowedCpus();
       });
       std::thread worker([&] {
-        other = SeenOn();
-        other_may = AllowedCpus();
+        other_ran_on = CpusRunOn();
+        other_allowed = AllowedCpus();
       });
       servo.join();
       worker.join();
     }
     EXPECT_EQ(grant.cpu, cpu);
-    EXPECT_EQ(pinned, std::set<int>{cpu});
-    EXPECT_EQ(pinned_may, std::vector<int>{cpu});
+    EXPECT_EQ(pinned_ran_on, std::set<int>{cpu});
+    EXPECT_EQ(pinned_allowed, std::vector<int>{cpu});
     if (cpus.size() == 1) GTEST_SKIP() << "one CPU: all share it";
-    EXPECT_FALSE(other.contains(cpu));
-    EXPECT_EQ(other_may, std::vector<int>(cpus.begin(), cpus.end() - 1));
-    EXPECT_FALSE(SeenOn().contains(cpu)) << "nor does the thread that reserved it run there";
-    // a thread that was kept off still gets the CPU on request: the cell's process inherits our mask
+    EXPECT_FALSE(other_ran_on.contains(cpu));
+    EXPECT_EQ(other_allowed, std::vector<int>(cpus.begin(), cpus.end() - 1));
+    EXPECT_FALSE(CpusRunOn().contains(cpu)) << "nor does the thread that reserved it run there";
+    // a thread that was kept off the CPU still gets it on request: child processes inherit that mask
     ASSERT_EQ(ReserveCpu(cpu), "");
     EXPECT_EQ(SetUpRealtimeThread({.priority = 0, .cpu = cpu}).cpu, cpu);
   });
 }
 
-TEST(RealtimeThread, SharesTheOnlyCpuThatThereIs) {
+TEST(RealtimeThread, SharesTheCpuIfThereIsOnlyOne) {
   InThread([] {
     const int cpu = AllowedCpus().front();
     ASSERT_EQ(SetUpRealtimeThread({.priority = 0, .cpu = cpu}).cpu, cpu);
@@ -90,7 +91,7 @@ TEST(RealtimeThread, SharesTheOnlyCpuThatThereIs) {
   });
 }
 
-TEST(RealtimeThread, NamesTheCpusThatThereAreWhereOneIsNot) {
+TEST(RealtimeThread, NamesTheAvailableCpusIfTheGivenOneIsMissing) {
   InThread([] {
     const std::vector<int> before = AllowedCpus();
     const std::string wrong = ReserveCpu(kMaxCpu);
@@ -104,7 +105,7 @@ TEST(RealtimeThread, NamesTheCpusThatThereAreWhereOneIsNot) {
   });
 }
 
-TEST(RealtimeThread, HasThePriorityThatItWasGrantedAndNoOther) {
+TEST(RealtimeThread, HasExactlyThePriorityThatItWasGranted) {
   InThread([] {
     EXPECT_FALSE(SetUpRealtimeThread({.priority = 0}).realtime);
     EXPECT_EQ(sched_getscheduler(0), SCHED_OTHER);
@@ -117,40 +118,44 @@ TEST(RealtimeThread, HasThePriorityThatItWasGrantedAndNoOther) {
   });
 }
 
-long Faults() {
+// Page faults of this thread so far that needed no disk.
+long PageFaults() {
   rusage usage{};
   getrusage(RUSAGE_THREAD, &usage);
   return usage.ru_minflt;
 }
 
+// Writes to the next `bytes` of the stack.
 [[gnu::noinline]] void UseStack(std::size_t bytes) {
   auto* const room = static_cast<volatile char*>(alloca(bytes));
   for (std::size_t i = 0; i < bytes; i += 1024) room[i] = 1;
 }
 
-// Page faults of a thread's first deep call, with its stack touched and without.
+// Counts the page faults of a thread's first deep call, after its stack was touched in advance.
 TEST(RealtimeThread, ATouchedStackHasNoPageFaultsLeft) {
 #if defined(OSTEON_SANITIZED)
   GTEST_SKIP() << "under a sanitizer: its shadow memory has faults of its own";
 #endif
   constexpr std::size_t kStack = 512 * 1024;
+  // page faults of the call if so many bytes of stack were touched before
   const auto faults_of = [](std::size_t prefault) {
     long faults = 0;
     InThread([&] {
       SetUpRealtimeThread({.priority = 0, .prefault_stack_bytes = prefault});
-      const long before = Faults();
+      const long before = PageFaults();
       UseStack(kStack - 16 * 1024);
-      faults = Faults() - before;
+      faults = PageFaults() - before;
     });
     return faults;
   };
   EXPECT_EQ(faults_of(kStack), 0);
 }
 
-TEST(RealtimeThread, LocksMemoryOnlyWhereNothingCanFailOfIt) {
+TEST(RealtimeThread, LocksMemoryOnlyOnRequest) {
 #if defined(OSTEON_SANITIZED)
   GTEST_SKIP() << "under a sanitizer: it takes mlockall and locks nothing";
 #endif
+  // locked memory of this process; -1 if the system does not tell
   const auto locked_kib = [] {
     std::ifstream status("/proc/self/status");
     for (std::string word; status >> word;)
@@ -169,8 +174,9 @@ TEST(RealtimeThread, LocksMemoryOnlyWhereNothingCanFailOfIt) {
   munlockall();
 }
 
-// A granted request is held: a file stays open for the kernel's request, opened only once.
-TEST(RealtimeThread, KeepsTheCpusAwakeWhereItSaysSo) {
+// A granted request keeps /dev/cpu_dma_latency open, and a second request does not open it again.
+TEST(RealtimeThread, KeepsTheCpusAwakeIfItReportsSo) {
+  // number of descriptors that are open on that file
   const auto held = [] {
     int count = 0;
     for (const auto& file : std::filesystem::directory_iterator("/proc/self/fd")) {
@@ -190,7 +196,7 @@ TEST(RealtimeThread, KeepsTheCpusAwakeWhereItSaysSo) {
   EXPECT_EQ(held(), grant.cpus_awake ? 1 : 0);
 }
 
-TEST(RealtimeThread, RefusesParametersThatAreNone) {
+TEST(RealtimeThread, RefusesParametersOutsideTheirRange) {
   const auto says = [](const RealtimeThreadParams& params, const std::string& text) {
     try {
       Validate(params);

@@ -12,7 +12,7 @@
 namespace osteon::rt {
 namespace {
 
-TEST(SpscRing, KeepsTheOrderOverManyTurns) {
+TEST(SpscRing, KeepsTheOrderAcrossManyWrapArounds) {
   SpscRing<int> ring(3);
   int out = 0;
   EXPECT_FALSE(ring.Pop(out)) << "empty";
@@ -27,7 +27,7 @@ TEST(SpscRing, KeepsTheOrderOverManyTurns) {
   EXPECT_EQ(ring.dropped(), 0u);
 }
 
-TEST(SpscRing, AFullOneRefusesCountsAndKeepsWhatItHas) {
+TEST(SpscRing, AFullRingRefusesValuesCountsThemAndKeepsItsOwn) {
   SpscRing<int> ring(3);
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(ring.Push(i)) << "holds its capacity";
   EXPECT_FALSE(ring.Push(3));
@@ -42,7 +42,7 @@ TEST(SpscRing, AFullOneRefusesCountsAndKeepsWhatItHas) {
   EXPECT_TRUE(ring.Push(5)) << "and goes on";
 }
 
-TEST(SpscRing, AcrossThreadsValuesAreWholeInOrderAndNoneIsLostUncounted) {
+TEST(SpscRing, AcrossThreadsValuesAreWholeInOrderAndLossesAreCounted) {
   struct Item {
     std::uint64_t number{0};
     std::array<std::uint64_t, 31> copies{};
@@ -79,7 +79,7 @@ TEST(SpscRing, AcrossThreadsValuesAreWholeInOrderAndNoneIsLostUncounted) {
   EXPECT_GT(received, 0u);
 }
 
-TEST(SpscRing, NeitherEndAllocatesOrLocks) {
+TEST(SpscRing, NeitherWriterNorReaderAllocatesOrLocks) {
   SpscRing<int> ring(4);
   int out = 0;
   CheckedNoAllocScope no_alloc;

@@ -7,7 +7,8 @@
 namespace osteon::base {
 namespace {
 
-// A file's name with the bytes that clear a terminal, or its 8-bit form of them, shows them instead.
+// A file name may contain the control sequence that clears a terminal, after ESC or in its 8-bit form: its
+// bytes must be shown and not reach the terminal.
 TEST(Printable, ShowsControlCharacters) {
   EXPECT_EQ(Printable("a\x1b[2Jb"), "a\\x1b[2Jb");
   EXPECT_EQ(Printable("bell\a tab\t return\r delete\x7f"), "bell\\x07 tab\\x09 return\\x0d delete\\x7f");

@@ -6,7 +6,7 @@ namespace osteon::base {
 namespace {
 
 // The sequences of the Unicode Standard, table 3-7, at the limits of each row, and just beyond.
-TEST(Utf8, KnowsWhereASequenceEnds) {
+TEST(Utf8, FindsTheLengthOfEachValidSequence) {
   const std::pair<const char*, std::size_t> kSequences[] = {
       {"\x7f", 1},         {"\xc2\x80", 2},     {"\xdf\xbf", 2},         {"\xe0\xa0\x80", 3},
       {"\xed\x9f\xbf", 3}, {"\xef\xbf\xbf", 3}, {"\xf0\x90\x80\x80", 4}, {"\xf4\x8f\xbf\xbf", 4}};
@@ -17,7 +17,7 @@ TEST(Utf8, KnowsWhereASequenceEnds) {
     EXPECT_EQ(Utf8Length(text), 0u);
 }
 
-TEST(Utf8, ReplacesWhatIsNoneAndLeavesTheRest) {
+TEST(Utf8, ReplacesInvalidBytesAndKeepsTheRest) {
   EXPECT_EQ(Utf8("K\xc3\xb6nig, \xce\xbc"), "K\xc3\xb6nig, \xce\xbc");
   EXPECT_EQ(Utf8("K\xf6nig \xb5m\n"), "K\xef\xbf\xbdnig \xef\xbf\xbdm\n");
   EXPECT_EQ(Utf8(std::string("\xe1\x80\0", 3)), std::string("\xef\xbf\xbd\xef\xbf\xbd\0", 7));

@@ -19,7 +19,7 @@ namespace {
 
 using namespace osteon;
 
-constexpr int kArrive = 5, kLeave = 4;  // frames of a tick that includes the drive's cycle
+constexpr int kFramesReceived = 5, kFramesSent = 4;  // frames of a tick that includes the drive's cycle
 
 // The same bus with one system call per frame: CanBus' own loops instead of the tunnel's.
 class OneByOne final : public io::CanBus {
@@ -36,6 +36,7 @@ class OneByOne final : public io::CanBus {
   io::CanBus& bus_;
 };
 
+// A device that accepts all frames and sends as many in a tick as it is told to.
 class Client final : public io::CanClient {
  public:
   void Accept(const io::CanArrival& arrival) OSTEON_RT override { seen_ += arrival.frame.data[0]; }
@@ -44,7 +45,7 @@ class Client final : public io::CanClient {
     frame = {.id = 0x210, .size = 8};
     return --left_ >= 0;
   }
-  void Owe(int frames) { left_ = frames; }
+  void SetFramesToSend(int frames) { left_ = frames; }
 
  private:
   int left_{0};
@@ -75,20 +76,20 @@ int main(int argc, char** argv) {
   rt::Nanoseconds next = rt::MonotonicNow();
   const auto ticks = static_cast<long>(seconds * 1e3);
   for (long tick = 0; tick < ticks; ++tick) {
-    for (int i = 0; i < kArrive; ++i) devices.Send({.id = 0x101, .size = 8});
-    client.Owe(kLeave);
+    for (int i = 0; i < kFramesReceived; ++i) devices.Send({.id = 0x101, .size = 8});
+    client.SetFramesToSend(kFramesSent);
     rt::SleepUntil(next = std::max(next + rt::kMillisecond, rt::MonotonicNow()));
     const bool all_at_once = tick % 2 == 0;
     const rt::Nanoseconds begun = rt::MonotonicNow();
     (void)(all_at_once ? batched : single).Pump(begun);
     (all_at_once ? batched_ns : single_ns).push_back(rt::MonotonicNow() - begun);
-    std::vector<io::CanArrival> room(kLeave);
+    std::vector<io::CanArrival> room(kFramesSent);
     (void)devices.Drain(room);
   }
   std::printf("what,ns_p50,ns_p99,ns_max\n");
   PrintQuantiles("a call a frame", single_ns);
   PrintQuantiles("a call for all", batched_ns);
-  std::printf("# %d frames come and %d go a tick, %s\n", kArrive, kLeave,
+  std::printf("# %d frames come and %d go a tick, %s\n", kFramesReceived, kFramesSent,
               realtime ? "SCHED_FIFO" : "no SCHED_FIFO");
   return 0;
 }

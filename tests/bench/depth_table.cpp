@@ -16,6 +16,7 @@
 namespace osteon::simulation {
 namespace {
 
+// Measures a scene with one method and one length of the tool's steps, and prints the row of the table.
 void Print(const DepthScene& scene, const DepthMethod& method, double step_m) {
   const DepthRow row = MeasureDepth(scene, method, step_m, {.surface_cells = 60'000, .probe_samples = 6000});
   const CutAccuracy& a = row.accuracy;
@@ -33,6 +34,7 @@ int Main() {
       "left_in_path_mm,swept_mm3,cut_mm2\n");
   const DepthScene block = MakeBlockScene(), cup = MakeCupScene();
   constexpr double kStep_m = 0.1e-3;
+  // numbers of balls and largest radii
   for (const auto& [count, radius_m] : {std::pair{560ul, 2e-3}, {4000ul, 0.9e-3}, {16105ul, 0.5e-3}})
     Print(block, DisjointMethod(block, count, radius_m), kStep_m);
   DepthMethod ours = RecommendedMethod(block);

@@ -3,7 +3,8 @@
 // so that the executable can be copied to a machine with a GPU; `osteon bench frame` times the same workload.
 //
 //     osteon_frame_bench [FRAMES] [--device NAME] [--spheres N] [--uniform] [--tool-spheres M] [--brute]
-//                        [--scene CELL.yaml --motion FILE.csv] [--rate HZ] [--arithmetic int64|words|floats|floats_int64]
+//                        [--scene CELL.yaml --motion FILE.csv] [--rate HZ]
+//                        [--arithmetic int64|words|floats|floats_int64]
 //
 // Prints a CSV header and one row. Times are wall time around CuttingEngine::Step; the device's own time by
 // pass comes from a second run (timestamps slow software drivers down).
@@ -36,13 +37,14 @@ const std::map<std::string, gpu::Arithmetic> kArithmetics{{"int64", gpu::Arithme
                                                           {"floats", gpu::Arithmetic::kFloats},
                                                           {"floats_int64", gpu::Arithmetic::kFloatsInt64}};
 
+// Reads a number that is the whole text and within the bounds. False otherwise.
 template <typename T>
-bool Read(const std::string& text, T& value, T least, T most) {
+bool Read(const std::string& text, T& value, T min_value, T max_value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size() && value >= least && value <= most;
+  return error == std::errc{} && end == text.data() + text.size() && value >= min_value && value <= max_value;
 }
 
-// An empty string, or what is wrong.
+// @returns an empty string, or what is wrong with the arguments
 std::string ReadOptions(const std::vector<std::string>& words, Options& options) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
@@ -79,7 +81,7 @@ std::string ReadOptions(const std::vector<std::string>& words, Options& options)
   return "";
 }
 
-simulation::FrameWorkload MakeWork(const Options& options) {
+simulation::FrameWorkload MakeWorkload(const Options& options) {
   simulation::FrameWorkloadParams params = simulation::CupWorkload();
   if (!options.scene.empty()) {
     const config::CellConfig cell = config::LoadCell(options.scene);
@@ -99,7 +101,7 @@ simulation::FrameWorkload MakeWork(const Options& options) {
 }
 
 int Run(const Options& options) {
-  const simulation::FrameWorkload work = MakeWork(options);
+  const simulation::FrameWorkload work = MakeWorkload(options);
   const auto make = [&](bool time_passes, bool brute) {
     gpu::VulkanParams vulkan;
     vulkan.device = options.device;
@@ -163,7 +165,8 @@ int main(int argc, char** argv) {
   if (const std::string wrong = ReadOptions({argv + 1, argv + argc}, options); !wrong.empty()) {
     std::fprintf(
         stderr,
-        "osteon_frame_bench: %s\nusage: osteon_frame_bench [FRAMES, at least 2] [--device NAME] [--spheres "
+        "osteon_frame_bench: %s\nusage: osteon_frame_bench [FRAMES, at least 2] [--device NAME] "
+        "[--spheres "
         "N, 100 … 20000000] [--uniform]\n           [--tool-spheres M, 1 … 10000] [--brute] [--scene "
         "CELL.yaml --motion FILE.csv] [--rate HZ, 10 … 10000] [--arithmetic "
         "int64|words|floats|floats_int64]\n",

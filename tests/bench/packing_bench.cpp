@@ -32,6 +32,7 @@ double WallSeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+// Random spheres and mass points in a cube of 0.2 m.
 Bone Synthetic(std::size_t balls, std::size_t points) {
   std::uint64_t state = 1;
   const auto uniform = [&state](double low, double high) {
@@ -58,6 +59,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "osteon_packing_bench FILE [BALLS [POINTS]]\n");
     return 2;
   }
+  // the i-th argument, or a default if it is missing
   const auto number = [&](int i, std::size_t otherwise) {
     return argc > i ? static_cast<std::size_t>(std::strtoull(argv[i], nullptr, 10)) : otherwise;
   };

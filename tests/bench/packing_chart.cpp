@@ -45,16 +45,18 @@ struct Options {
 constexpr const char* kUsage =
     "usage: osteon_packing_chart MESH… --out DIR [--counts N,N…] [--full] [--samples N] [--threads N]";
 
-std::size_t ToCount(const std::string& option, const std::string& text, std::size_t least, std::size_t most) {
+/// Reads an option's whole number. @throws std::invalid_argument if it is none or outside the bounds
+std::size_t ToCount(const std::string& option, const std::string& text, std::size_t min_value,
+                    std::size_t max_value) {
   std::size_t end = 0, value = 0;
   try {
     value = std::stoul(text, &end);
   } catch (const std::exception&) {
     end = 0;
   }
-  if (end == 0 || end != text.size() || text[0] == '-' || value < least || value > most)
+  if (end == 0 || end != text.size() || text[0] == '-' || value < min_value || value > max_value)
     throw std::invalid_argument(
-        fmt::format("{}: found '{}', accepted a whole number, {} … {}", option, text, least, most));
+        fmt::format("{}: found '{}', accepted a whole number, {} … {}", option, text, min_value, max_value));
   return value;
 }
 
@@ -95,9 +97,10 @@ Options Parse(const std::vector<std::string>& words) {
   return options;
 }
 
+/// One packing of one mesh.
 struct Row {
   std::string method;
-  std::size_t asked;
+  std::size_t asked;  ///< number of spheres that was requested
   double seconds;
   simulation::PackingQuality quality;
 };
@@ -108,8 +111,10 @@ struct Method {
   std::function<std::vector<simulation::Ball>(std::size_t count, double& seconds)> pack;
 };
 
+/// Osteon's methods, and OpenVDB's beside them if this executable was built with it.
 std::vector<Method> Methods(const simulation::LoadedMesh& loaded, int threads) {
   using Clock = std::chrono::steady_clock;
+  // adds the time of the search tree to that of one of Osteon's packings
   const auto ours = [&loaded](const auto& pack) {
     return [&loaded, pack](std::size_t count, double& seconds) {
       const auto start = Clock::now();
@@ -143,6 +148,7 @@ std::vector<Method> Methods(const simulation::LoadedMesh& loaded, int threads) {
   return methods;
 }
 
+/// Packs a mesh with each method for each number of spheres, measures the packings and prints them.
 std::vector<Row> Run(const std::filesystem::path& mesh, const Options& options) {
   const auto loaded = simulation::LoadMesh(mesh);
   if (!loaded) throw std::invalid_argument(loaded.error().message);

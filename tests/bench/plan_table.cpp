@@ -19,6 +19,7 @@
 namespace osteon::app {
 namespace {
 
+// A request to plan.
 struct Row {
   const char* scene;
   double error_mm, rate_hz;
@@ -30,6 +31,7 @@ constexpr Row kRows[] = {
     {"thin_plate", 0.1, 500},     {"thin_plate", 0.04, 500},   {"sawbone_block", 0.08, 500},
     {"sawbone_block", 0.03, 500}, {"femoral_canal", 0.2, 500}, {"femoral_canal", 0.06, 500}};
 
+// Loads the scene of a request, below OSTEON_ROOT or the current folder.
 session::PlanScene Load(const Row& row) {
   const char* root = std::getenv("OSTEON_ROOT");
   auto scene = session::LoadPlanScene(
@@ -38,6 +40,7 @@ session::PlanScene Load(const Row& row) {
   return std::move(*scene);
 }
 
+// Times graded and split spheres in turn for each request. Returns the exit code 0.
 int CompareKinds(const session::EngineChoice& engine) {
   std::printf("scene,error_mm,packing,zone_spacing_mm,spheres,active_spheres,frame_us,frames\n");
   for (const Row& row : kRows) {
@@ -64,6 +67,7 @@ int CompareKinds(const session::EngineChoice& engine) {
   return 0;
 }
 
+// Plans and checks each request. Returns the exit code: 1 if a plan misses what it predicted.
 int PlanAll(const session::EngineChoice& engine) {
   std::printf(
       "scene,error_mm,rate_hz,packing,spheres,tool_spheres,arm_level,predicted_error_mm,measured_error_mm,"

@@ -1,6 +1,6 @@
-// Times the two calls of a haptic device's loop through the C interface, beside an engine that reams. Beside
-// them it times a computation without memory that takes about as long: its longest is what the machine itself
-// does to a thread.
+// Times the two calls of a haptic device's loop through the C interface, while an engine reams in another
+// thread. For comparison it times a computation of about the same length that uses no memory: its longest
+// time shows how much the machine itself delays a thread.
 //
 //     osteon_plugin_bench [SECONDS] > plugin.json
 
@@ -20,6 +20,7 @@
 
 namespace {
 
+// Prints the library's last error and exits with 1 if a call has failed.
 void Check(OsteonResult result) {
   if (result >= OSTEON_OK) return;
   (void)std::fprintf(stderr, "%s\n", osteon_last_error());
@@ -31,9 +32,9 @@ double Quantile(const std::vector<double>& sorted, double share) {
                          static_cast<std::size_t>(share * static_cast<double>(sorted.size())))];
 }
 
-constexpr int kRoots = 400;  // some 2 us
+constexpr int kRoots = 400;  // about 2 us of computation
 
-// A chain of roots: nothing of it is in memory, and nobody waits for anybody.
+// A chain of square roots, each of the result before. It uses neither memory nor another thread.
 double ChainOfRoots(double x) {
   for (int i = 0; i < kRoots; ++i) x = std::sqrt(x + 1.0);
   return x;
@@ -65,7 +66,7 @@ int main(int argc, char** argv) {
   OsteonPose pose;
   Check(osteon_bone_approach(bone, -0.016, &pose));
   OsteonFigures figures{};
-  while (figures.frame == 0) {  // until the engine has begun
+  while (figures.frame == 0) {  // until the engine has computed a frame
     Check(osteon_session_set_tool_pose(session, &pose, spindle));
     osteon::rt::SleepUntil(osteon::rt::MonotonicNow() + 1'000'000);
     Check(osteon_session_figures(session, &figures));
@@ -79,7 +80,7 @@ int main(int argc, char** argv) {
   osteon::rt::Nanoseconds due = osteon::rt::MonotonicNow();
   for (std::size_t i = 0; i < ticks; ++i) {
     osteon::rt::SleepUntil(due += 1'000'000);
-    // down to the cup's floor within the time, and a millimetre into it
+    // within the time down to the cup's floor and 1 mm into it
     Check(osteon_bone_approach(bone, -0.016 - 0.009 * static_cast<double>(i) / static_cast<double>(ticks),
                                &pose));
     OsteonWrench wrench;

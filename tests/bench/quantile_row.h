@@ -8,7 +8,7 @@
 
 namespace osteon {
 
-/// Prints "what,p50,p99,max" [ns]; sorts.
+/// Sorts the times and prints a CSV row: what, median, 99th percentile, maximum, in ns.
 inline void PrintQuantiles(const char* what, std::vector<rt::Nanoseconds>& ns) {
   std::sort(ns.begin(), ns.end());
   const auto at = [&](double share) {

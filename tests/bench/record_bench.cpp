@@ -43,9 +43,11 @@ int main(int argc, char** argv) {
     control::TickInput given = tick.input;
     rt::SleepUntil(next += rt::kMillisecond);
     tick.stamp = given.now = rt::MonotonicNow();
+    // t0 to t1: the clock alone; t1 to t2: the copy of the inputs; t2 to t3: Push
     const rt::Nanoseconds t0 = rt::MonotonicNow();
     const rt::Nanoseconds t1 = rt::MonotonicNow();
     tick.input = given;
+    // completes the copy before the clock is read
     asm volatile("" ::"g"(&tick) : "memory");
     const rt::Nanoseconds t2 = rt::MonotonicNow();
     (void)(*recorder)->Push(tick);

@@ -7,6 +7,8 @@
 #include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/VolumeToSpheres.h>
 
+// Spheres by OpenVDB, for a build that has this library.
+
 namespace osteon::bench {
 
 std::string VdbVersion() { return OPENVDB_LIBRARY_VERSION_STRING; }
@@ -16,7 +18,7 @@ VdbSpheres FillWithVdb(const simulation::TriangleMesh& mesh, std::size_t count, 
   constexpr float kBand_voxels = 3.0f, kMinRadius_voxels = 0.1f;
   // Number of candidate places for spheres. Too few reduce coverage (0.776 with 1 M against 0.717 with 100 k,
   // for 10 000 disjoint spheres in a hip bone); each candidate costs time for each sphere.
-  constexpr int kFewestInstances = 100'000, kMaxInstances = 1'000'000;
+  constexpr int kMinInstances = 100'000, kMaxInstances = 1'000'000;
   openvdb::initialize();
   using Clock = std::chrono::steady_clock;
   const auto seconds = [](Clock::duration d) { return std::chrono::duration<double>(d).count(); };
@@ -34,10 +36,10 @@ VdbSpheres FillWithVdb(const simulation::TriangleMesh& mesh, std::size_t count, 
   result.level_set_s = seconds(filled_from - start);
 
   std::vector<openvdb::Vec4s> spheres;
-  const int most = static_cast<int>(count);
-  openvdb::tools::fillWithSpheres(*grid, spheres, openvdb::Vec2i(1, most), overlapping, kMinRadius_voxels,
-                                  std::numeric_limits<float>::max(), 0.0f,
-                                  std::clamp(100 * most, kFewestInstances, kMaxInstances));
+  const int max_spheres = static_cast<int>(count);
+  openvdb::tools::fillWithSpheres(*grid, spheres, openvdb::Vec2i(1, max_spheres), overlapping,
+                                  kMinRadius_voxels, std::numeric_limits<float>::max(), 0.0f,
+                                  std::clamp(100 * max_spheres, kMinInstances, kMaxInstances));
   result.fill_s = seconds(Clock::now() - filled_from);
   for (const openvdb::Vec4s& s : spheres)
     result.balls.push_back({.center_m = Vector3(s[0] / kMm, s[1] / kMm, s[2] / kMm), .radius_m = s[3] / kMm});

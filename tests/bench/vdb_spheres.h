@@ -20,8 +20,8 @@ struct VdbSpheres {
 [[nodiscard]] std::string VdbVersion();
 
 /// Makes a level set of 0.5 mm voxels, three to each side of the surface, then calls fillWithSpheres: no
-/// sphere below 0.05 mm, and as many candidate centres as spheres, at least 100 000 (the cost is their
-/// product).
+/// sphere below 0.05 mm, and 100 candidate centres for each sphere, but at least 100 000 and at most a
+/// million (the cost is the product of centres and spheres).
 /// @pre VdbVersion() is not empty.
 [[nodiscard]] VdbSpheres FillWithVdb(const simulation::TriangleMesh& mesh, std::size_t count,
                                      bool overlapping);

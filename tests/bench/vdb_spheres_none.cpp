@@ -1,3 +1,5 @@
+// Replaces vdb_spheres.cpp in a build without OpenVDB.
+
 #include <stdexcept>
 
 #include "tests/bench/vdb_spheres.h"

@@ -10,7 +10,8 @@
 #include "config/reading/sections/read_gains.h"
 #include "tests/config/cell_text.h"
 
-// The virtual tool's centre, its locked axes, the tool's inertia, and gains that are read again during a run.
+// Tests a cell's keys for the virtual tool's centre and locked axes and for the compensation of the tool's
+// inertia, and gains that are read again during a run.
 
 namespace osteon::config {
 namespace {
@@ -25,12 +26,14 @@ class AdmittanceKeys : public testing::Test {
     fs::remove(cell_);
     fs::remove(gains_);
   }
+  // Loads a cell from its text, with a file of gains unless that text is empty.
   CellConfig LoadText(const std::string& yaml, const std::string& gains = "") const {
     std::ofstream(cell_) << yaml;
     if (gains.empty()) return LoadCell(cell_);
     std::ofstream(gains_) << gains;
     return LoadCell(cell_, {}, gains_);
   }
+  // The error of such a cell; "nothing" if it is accepted.
   std::string Refusal(const std::string& yaml, const std::string& gains = "") const {
     try {
       static_cast<void>(LoadText(yaml, gains));
@@ -39,18 +42,20 @@ class AdmittanceKeys : public testing::Test {
     }
     return "nothing";
   }
-  control::Gains Again(const CellConfig& cell, const std::string& text) const {
+  // Reads the file of gains with a new text, as in a running cell.
+  control::Gains ReadGains(const CellConfig& cell, const std::string& text) const {
     std::ofstream(gains_) << text;
     return ReadGainsAgain(gains_, cell.servo.law, cell.own_gains, cell.servo.coupling.max_stiffness_N_per_m);
   }
-  std::string AgainRefusal(const CellConfig& cell, const std::string& text) const {
+  std::string ReadGainsRefusal(const CellConfig& cell, const std::string& text) const {
     try {
-      static_cast<void>(Again(cell, text));
+      static_cast<void>(ReadGains(cell, text));
     } catch (const ConfigError& error) {
       return error.what();
     }
     return "nothing";
   }
+  // The text of a shipped cell with a line added to one of its sections.
   static std::string With(const std::string& section, const std::string& line,
                           const char* name = "thin_plate") {
     std::string yaml = CellText(name);
@@ -58,12 +63,13 @@ class AdmittanceKeys : public testing::Test {
     if (at == std::string::npos) throw std::logic_error("the cell has changed: " + section);
     return yaml.insert(at + section.size() + 3, "  " + line + "\n");
   }
-  static std::string Unique(const char* what) {
+  // The name of a temporary file that no other test or process uses.
+  static std::string UniqueName(const char* what) {
     return std::string("osteon_") + what + "_" + std::to_string(::getpid()) + "_" +
            testing::UnitTest::GetInstance()->current_test_info()->name() + ".yaml";
   }
-  const fs::path cell_ = fs::temp_directory_path() / Unique("keys");
-  const fs::path gains_ = fs::temp_directory_path() / Unique("laid");
+  const fs::path cell_ = fs::temp_directory_path() / UniqueName("keys");
+  const fs::path gains_ = fs::temp_directory_path() / UniqueName("laid");
 };
 
 TEST_F(AdmittanceKeys, CentreAndLockedAxesReachTheLaw) {
@@ -75,7 +81,7 @@ TEST_F(AdmittanceKeys, CentreAndLockedAxesReachTheLaw) {
   EXPECT_EQ(plain.servo.admittance.locked, (std::array<bool, 6>{}));
 }
 
-TEST_F(AdmittanceKeys, AnAxisThatThereIsNotIsRefusedWithThoseThatThereAre) {
+TEST_F(AdmittanceKeys, AnUnknownAxisIsRefusedWithTheKnownOnes) {
   EXPECT_THAT(
       Refusal(With("admittance", "locked: [x, yaw]")),
       AllOf(HasSubstr("locked: found yaw"), HasSubstr("accepted a list of any of x, y, z, rx, ry, rz")));
@@ -84,12 +90,12 @@ TEST_F(AdmittanceKeys, AnAxisThatThereIsNotIsRefusedWithThoseThatThereAre) {
   EXPECT_THAT(Refusal(With("admittance", "centre_m: [0, 3, 0]")), HasSubstr("centre_m: found 3"));
 }
 
-TEST_F(AdmittanceKeys, TheImpedanceLawLocksNothing) {
+TEST_F(AdmittanceKeys, LockedAxesAreRefusedForTheImpedanceLaw) {
   EXPECT_THAT(Refusal(With("impedance", "locked: [x]", "thin_plate_impedance")),
               AllOf(HasSubstr("locked: found with the impedance law"), HasSubstr("accepted in admittance")));
 }
 
-TEST_F(AdmittanceKeys, GainsOfAVirtualToolAreRefusedWhereThereIsNone) {
+TEST_F(AdmittanceKeys, AdmittanceGainsAreRefusedForTheImpedanceLaw) {
   const std::string cell = CellText("thin_plate_impedance");
   EXPECT_THAT(Refusal(cell, "admittance:\n  mass_kg: [2, 2, 2]\n"),
               AllOf(HasSubstr(gains_.string() + ":1: admittance"), HasSubstr("impedance law"),
@@ -97,13 +103,13 @@ TEST_F(AdmittanceKeys, GainsOfAVirtualToolAreRefusedWhereThereIsNone) {
   EXPECT_EQ(LoadText(cell, "coupling: {damping_share_ratio: 0.1}\n").servo.coupling.damping_share, 0.1);
 }
 
-TEST_F(AdmittanceKeys, WhereTheAxesHoldAndWhichAreLockedIsNoGain) {
+TEST_F(AdmittanceKeys, CentreAndLockedAxesAreNoGains) {
   const std::string cell = CellText("thin_plate");
   EXPECT_THAT(Refusal(cell, "admittance:\n  locked: [x]\n"), HasSubstr("unknown key \"locked\""));
   EXPECT_THAT(Refusal(cell, "admittance:\n  centre_m: [0, 0, 0]\n"), HasSubstr("unknown key \"centre_m\""));
 }
 
-TEST_F(AdmittanceKeys, TheToolsInertiaIsMadeUpForWhereTheCellSaysSo) {
+TEST_F(AdmittanceKeys, TheToolsInertiaIsCompensatedOnlyOnRequest) {
   const CellConfig cell = LoadText(With("force_sensor", "inertia_share_ratio: 0.6\n  acceleration_hz: 20"));
   EXPECT_EQ(cell.servo.sensor.inertia_share, 0.6);
   EXPECT_EQ(cell.servo.sensor.acceleration_hz, 20.0);
@@ -122,13 +128,14 @@ TEST_F(AdmittanceKeys, GainsReadAgainStartFromTheCellsOwn) {
                                    "admittance:\n  mass_kg: [2, 2, 2]\ncoupling:\n"
                                    "  stiffness_N_per_mm: 40\n");
   EXPECT_EQ(cell.own_gains.max_stiffness_N_per_m, 80e3);
-  const control::Gains softer = Again(cell, "coupling:\n  stiffness_N_per_mm: 10\n");
+  const control::Gains softer = ReadGains(cell, "coupling:\n  stiffness_N_per_mm: 10\n");
   EXPECT_EQ(softer.max_stiffness_N_per_m, 10e3);
   EXPECT_EQ(softer.mass_kg.x, 3.0) << "the file does not say it any more";
-  EXPECT_EQ(Again(cell, "admittance: {dead_zone_N: 1}\n").max_stiffness_N_per_m, 40e3) << "as far as it goes";
-  EXPECT_THAT(AgainRefusal(cell, "coupling:\n  stiffness_N_per_mm: 41\n"),
+  EXPECT_EQ(ReadGains(cell, "admittance: {dead_zone_N: 1}\n").max_stiffness_N_per_m, 40e3)
+      << "as far as it goes";
+  EXPECT_THAT(ReadGainsRefusal(cell, "coupling:\n  stiffness_N_per_mm: 41\n"),
               HasSubstr(":2: stiffness_N_per_mm: found 41, accepted at most 40 while it runs"));
-  EXPECT_THAT(AgainRefusal(cell, "admittance:\n  mass_kg: [2, 2]\n"),
+  EXPECT_THAT(ReadGainsRefusal(cell, "admittance:\n  mass_kg: [2, 2]\n"),
               HasSubstr("accepted a list of 3 numbers"));
 }
 

@@ -8,7 +8,7 @@
 #include "config/reading/load.h"
 #include "tests/io/temporary_folder.h"
 
-// A cell's own bone, bounds that follow it, and a cell for a real arm alone.
+// Tests the keys for a cell's own bone and for bounds in the bone's frame, and a cell without a simulation.
 
 namespace osteon::config {
 namespace {
@@ -19,10 +19,12 @@ using testing::HasSubstr;
 class BoneKeys : public testing::Test {
  protected:
   BoneKeys() { SetShippedFolder(fs::path(OSTEON_SOURCE_DIR) / "config"); }
+  // Loads a cell of this text.
   CellConfig Load(const std::string& text) const {
     io::test::WriteAll(folder_.path() / "my.yaml", text);
     return LoadCell(folder_.path() / "my.yaml");
   }
+  // The error of a cell of this text; empty if it is accepted.
   std::string Refusal(const std::string& text) const {
     try {
       static_cast<void>(Load(text));
@@ -36,7 +38,7 @@ class BoneKeys : public testing::Test {
 
 constexpr const char* kCup = "cup: {center_mm: [8.8, -131.9, 517.9], outward_axis: [0, 0, 1], radius_mm: 21}";
 
-TEST_F(BoneKeys, AMeshIsNamedFromTheCellsFileWithItsCup) {
+TEST_F(BoneKeys, AMeshIsFoundFromTheCellsFolderAndHasItsCup) {
   io::test::WriteAll(folder_.path() / "hip.obj", "");
   const CellConfig cell =
       Load(std::string("extends: demo\nbone:\n  mesh: hip.obj\n  scale_ratio: 2\n  ") + kCup + "\n");
@@ -61,14 +63,14 @@ TEST_F(BoneKeys, APackingMayHaveItsOwnSiteAndAMeshMayNot) {
               HasSubstr("my.yaml:2: mesh: found none.obj, accepted an existing file"));
 }
 
-TEST_F(BoneKeys, ASceneMayBeNamedThere) {
+TEST_F(BoneKeys, TheBoneMayBeAScene) {
   const CellConfig cell = Load("extends: demo\nbone: {scene: acetabulum_density}\n");
   EXPECT_FALSE(cell.bone);
   EXPECT_TRUE(cell.scene.mesh_tissue.solid.image);
 }
 
-// The same bounds in both frames; and a bone that is moved takes those in its own frame along.
-TEST_F(BoneKeys, BoundsInTheBonesFrameFollowIt) {
+// The demo's bounds, given in the bone's frame, equal those in the world, and they move with the bone.
+TEST_F(BoneKeys, BoundsInTheBonesFrameMoveWithTheBone) {
   const std::string bounds =
       "workspace: {frame: bone, sphere_center_mm: [0, 0, 50], sphere_radius_mm: 150, plane_normal_axis: [0, "
       "0, 1], plane_offset_mm: -70}\n"
@@ -76,11 +78,11 @@ TEST_F(BoneKeys, BoundsInTheBonesFrameFollowIt) {
       "140]}]\n"
       "depth_limit: {frame: bone, at_mm: [0, 0, -38]}\n";
   const CellConfig demo = Load("extends: demo\n"), same = Load("extends: demo\n" + bounds);
-  const auto& a = demo.servo.workspace;
-  const auto& b = same.servo.workspace;
-  EXPECT_LT((Vector3(a.sphere_center_W_m) - Vector3(b.sphere_center_W_m)).norm(), 1e-12);
-  EXPECT_NEAR(a.plane_offset_m, b.plane_offset_m, 1e-12);
-  EXPECT_LT((Vector3(a.zones[0].p_W_m) - Vector3(b.zones[0].p_W_m)).norm(), 1e-12);
+  const auto& in_world = demo.servo.workspace;
+  const auto& in_bone = same.servo.workspace;
+  EXPECT_LT((Vector3(in_world.sphere_center_W_m) - Vector3(in_bone.sphere_center_W_m)).norm(), 1e-12);
+  EXPECT_NEAR(in_world.plane_offset_m, in_bone.plane_offset_m, 1e-12);
+  EXPECT_LT((Vector3(in_world.zones[0].p_W_m) - Vector3(in_bone.zones[0].p_W_m)).norm(), 1e-12);
   EXPECT_LT((Vector3(demo.servo.depth.bound.p_W_m) - Vector3(same.servo.depth.bound.p_W_m)).norm(), 1e-12);
 
   const CellConfig moved =

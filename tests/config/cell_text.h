@@ -13,7 +13,7 @@
 
 namespace osteon::config {
 
-/// Text of a shipped cell with all values of the cell that it extends, and with whole paths for the files
+/// Text of a shipped cell with all values of the cell that it extends, and with absolute paths for the files
 /// that it names, so that it can be read from any folder. The demo's own text has its comments, the others'
 /// have none.
 /// @param name  under config/cells

@@ -19,6 +19,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
+// A bone on a mount that gives way, for the section `compliance` of the demo cell.
 constexpr const char* kMount =
     "\n  mount: on\n  bone_mount:\n    source: assumed\n    at_mm: [620, 0, 130]\n    mass_kg: 12\n"
     "    inertia_kg_m2: [0.12, 0.12, 0.12]\n    stiffness_N_per_mm: [47.4, 47.4, 47.4]\n"
@@ -29,6 +30,7 @@ std::string WithCompliance(const std::string& cell, const std::string& section) 
   return CellText(cell) + "\ncompliance:" + section + "\n";
 }
 
+// The tool's compliance in a shipped cell, with the decision of `auto`.
 CompliancePart ToolOf(const std::string& cell) {
   return CompliancePartsOf(LoadText(WithCompliance(cell, " {tool: auto}")))[0];
 }
@@ -39,10 +41,11 @@ TEST(ComplianceKeys, WithoutTheSectionNothingGivesWay) {
 }
 
 // Decisions of `auto` in the shipped cells, and the figures that decide it (table of the design).
-TEST(ComplianceKeys, AutoIsOnWhereTheSceneNoticesIt) {
+TEST(ComplianceKeys, AutoTurnsTheToolOnWhereItsBendingIsNoticed) {
   struct Row {
     const char* cell;
-    double k_N_per_mm, bends_mm, product, felt, thrust;
+    double k_N_per_mm, bends_mm;   // stiffness at the apex, displacement under the push
+    double product, felt, thrust;  // coupling stiffness × compliance, change felt, push / buckling load
     bool on;
   };
   for (const Row& row : {Row{"demo", 847.8, 0.041, 0.0236, -0.023, 0.002, false},
@@ -62,13 +65,13 @@ TEST(ComplianceKeys, AutoIsOnWhereTheSceneNoticesIt) {
   }
 }
 
+// The surface layer's compliance in a shipped cell, with the decision of `auto`.
 CompliancePart LayerOf(const std::string& cell) {
   return CompliancePartsOf(LoadText(WithCompliance(cell, " {layer: auto}")))[1];
 }
 
-// A reamer does not feel the demo's cartilage, and below a seated reamer it gives less than the scene's
-// error.
-TEST(ComplianceKeys, TheDemosCartilageIsOffByItself) {
+// A reamer does not feel the demo's cartilage, which yields less than the scene's error below it.
+TEST(ComplianceKeys, AutoLeavesTheDemosCartilageOff) {
   const CompliancePart part = LayerOf("demo");
   ASSERT_TRUE(part.known);
   EXPECT_FALSE(part.on);
@@ -85,7 +88,7 @@ TEST(ComplianceKeys, TheDemosCartilageIsOffByItself) {
 }
 
 // Cells in which `auto` turns a part on because it is felt.
-TEST(ComplianceKeys, ShippedCellsWhosePartsAreFelt) {
+TEST(ComplianceKeys, AutoTurnsOnPartsThatAreFelt) {
   const CellConfig cup = LoadText(CellText("soft_cup"));
   ASSERT_TRUE(cup.servo.compliance.layer) << "auto";
   EXPECT_NEAR(cup.servo.compliance.layer->kappa_N_per_m3[0], 0.5e9, 1.0);
@@ -110,7 +113,7 @@ TEST(ComplianceKeys, ALayerYieldsByTheAreaThatTheToolEngages) {
 }
 
 // A ball of 25 mm radius on a flat layer, felt through a coupling of 20 N/mm (table of the design).
-TEST(ComplianceKeys, LayersOfTheDesignsTable) {
+TEST(ComplianceKeys, TheLayersLawGivesTheFiguresOfTheDesign) {
   struct Row {
     double kappa_N_per_mm3, thickness_mm, delta_mm[3], k_N_per_mm, felt_N_per_mm;
   };
@@ -133,11 +136,12 @@ TEST(ComplianceKeys, LayersOfTheDesignsTable) {
   }
 }
 
-TEST(ComplianceKeys, ReachTheLoop) {
+TEST(ComplianceKeys, ValuesOfTheSectionReachTheLoop) {
   const CellConfig drill = LoadText(CellText("long_drill"));
   ASSERT_TRUE(drill.servo.compliance.tool);
   const control::ToolLinkParams& tool = *drill.servo.compliance.tool;
-  const double factor = 1.0 / (1.0 - 60.0 / 422.6);  // by which the thrust softens the tool
+  // the thrust of 60 N, at a buckling load of 422.6 N, lowers the stiffness of 8720 N/m at the apex
+  const double factor = 1.0 / (1.0 - 60.0 / 422.6);
   EXPECT_NEAR(1.0 / tool.compliance_T(0, 0), 8720.0 / factor, 87.2);
   EXPECT_EQ(tool.tau_s, 0.020);
   EXPECT_NEAR(tool.max_bend_m, 6.5e-3, 1e-9);
@@ -157,14 +161,14 @@ TEST(ComplianceKeys, ReachTheLoop) {
   EXPECT_EQ(cup.servo.compliance.layer->kappa_N_per_m3[1], 0.0) << "cortical bone is hard";
 }
 
-TEST(ComplianceKeys, AMountBesideTheBoneMovesWithItsRegistration) {
+TEST(ComplianceKeys, AMountInTheBonesFrameMovesWithTheBone) {
   std::string text = WithCompliance("demo", kMount);
   text = With(text, "at_mm: [620, 0, 130]", "frame: bone\n    at_mm: [0, 0, -80]");
   const CellConfig cell = LoadText(text);
   EXPECT_LT((cell.servo.compliance.mount->p_WMo_m - Vector3(0.62, 0.0, 0.13)).norm(), 1e-9);
 }
 
-TEST(ComplianceKeys, WhatWouldNotBeStableIsRefusedWithTheValueThatIsNeeded) {
+TEST(ComplianceKeys, AnUnstablePartIsRefusedWithTheNeededValue) {
   EXPECT_EQ(Refusal(WithCompliance("demo", kMount)), "");
   const auto refusal = [](const std::string& from, const std::string& to) {
     return Refusal(With(WithCompliance("demo", kMount), from, to));
@@ -186,7 +190,7 @@ TEST(ComplianceKeys, WhatWouldNotBeStableIsRefusedWithTheValueThatIsNeeded) {
   EXPECT_THAT(Refusal(WithCompliance("demo", " {mount: on}")),
               HasSubstr("accepted with `bone_mount` beside it"));
   EXPECT_THAT(Refusal(WithCompliance("sawbone_block", " {layer: on}")), HasSubstr("layer_N_per_mm3"));
-  // 80 N/mm on a drill of 3.2 mm needs more than 20 ms
+  // a coupling of 80 N/mm on a drill of 3.2 mm needs a relaxation of more than 20 ms
   std::string stiff = CellText("long_drill");
   stiff = With(stiff, "stiffness_N_per_mm: 60", "stiffness_N_per_mm: 80");
   EXPECT_THAT(Refusal(stiff),
@@ -203,7 +207,7 @@ TEST(ComplianceKeys, AMountThatSwingsTooFastOrTooFreelyIsRefused) {
     return With(text, "at_mm: [620, 0, 130]", at);
   };
   const std::string pelvis = "at_mm: [620, 0, 130]";
-  // 80 mm below the cup's centre: (20 N/mm × L² + k_r) T² / 0.16
+  // least inertia (20 N/mm · L² + k_r) T² / 0.16, with L = 80 mm below the cup's centre and a period T = 1 ms
   EXPECT_THAT(Refusal(mounted("demo", "[0.12, 0.005, 0.12]", "[2000, 2000, 2000]", pelvis)),
               AllOf(HasSubstr("inertia_kg_m2"), HasSubstr("found 0.005 about y, accepted at least 0.0133"),
                     HasSubstr("lever of 80 mm")));

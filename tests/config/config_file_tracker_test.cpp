@@ -7,7 +7,7 @@
 #include "config/reading/load.h"
 #include "tests/io/temporary_folder.h"
 
-// Records which files a configuration is read from, and restricts it to one folder.
+// Tests the record of the files that a configuration is read from, and its restriction to one folder.
 
 namespace osteon::config {
 namespace {
@@ -15,6 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
 
+// The recorded files, relative to config/ and sorted.
 std::vector<std::string> NamesOf(const ConfigFileTracker& scope) {
   std::vector<std::string> names;
   for (const ConfigFileTracker::File& file : scope.files())
@@ -23,7 +24,7 @@ std::vector<std::string> NamesOf(const ConfigFileTracker& scope) {
   return names;
 }
 
-TEST(ShippedFolder, IsThatOfTheVariableOfHereOrAboveTheProgram) {
+TEST(ShippedFolder, IsThatOfTheVariableOrBelowTheCurrentFolderOrAboveTheProgram) {
   const io::test::TemporaryFolder folder;
   const fs::path checkout = folder.path() / "checkout", program = checkout / "build/release/app/osteon",
                  elsewhere = folder.path() / "elsewhere";
@@ -41,7 +42,7 @@ TEST(ShippedFolder, IsThatOfTheVariableOfHereOrAboveTheProgram) {
             installed / "share/osteon/config");
 }
 
-TEST(ConfigFileTracker, NotesEveryFileOnce) {
+TEST(ConfigFileTracker, RecordsEveryFileOnce) {
   const ConfigFileTracker scope;
   static_cast<void>(LoadCell(kConfig / "cells/demo.yaml"));
   EXPECT_EQ(NamesOf(scope), (std::vector<std::string>{"cells/demo.yaml", "materials/bone.yaml",
@@ -50,7 +51,7 @@ TEST(ConfigFileTracker, NotesEveryFileOnce) {
   for (const ConfigFileTracker::File& file : scope.files()) EXPECT_FALSE(file.by_whole_path);
 }
 
-TEST(ConfigFileTracker, NotesMeshesAndPictures) {
+TEST(ConfigFileTracker, RecordsMeshesAndImages) {
   const ConfigFileTracker scope;
   static_cast<void>(LoadTool(kConfig / "tools/broach.yaml"));
   static_cast<void>(LoadScene(kConfig / "scenes/acetabulum_density.yaml"));
@@ -59,13 +60,14 @@ TEST(ConfigFileTracker, NotesMeshesAndPictures) {
                                       "tools/broach.obj", "tools/broach.yaml"}));
 }
 
-TEST(ConfigFileTracker, NotesNothingOutsideIt) {
+TEST(ConfigFileTracker, RecordsNothingOutsideItsLifetime) {
   { const ConfigFileTracker scope; }
   static_cast<void>(LoadTool(kConfig / "tools/reamer.yaml"));
   const ConfigFileTracker scope;
   EXPECT_TRUE(scope.files().empty());
 }
 
+// A copy of config/, from which cells are loaded with a tracker that may allow only files below one folder.
 class HeldToAFolder : public testing::Test {
  protected:
   HeldToAFolder() {
@@ -119,7 +121,7 @@ TEST_F(HeldToAFolder, ANameIsFoundBesideTheCellsThenAmongTheShippedFiles) {
   EXPECT_EQ(Load("lbr_iiwa_14_r820", held), "");
 }
 
-TEST_F(HeldToAFolder, AWholePathIsFoundWhereItsFilesAreNow) {
+TEST_F(HeldToAFolder, AnAbsolutePathIsFoundInTheFolderThatReplacesIts) {
   const ConfigFileTracker::Params held{.root = folder_.path() / "in", .once_at = "/once/was/here"};
   EXPECT_EQ(Load("/once/was/here/robots/lbr_iiwa_14_r820.yaml", held), "");
   EXPECT_NE(Load("/once/was/../robots/lbr_iiwa_14_r820.yaml", held), "");

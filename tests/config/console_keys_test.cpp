@@ -3,7 +3,7 @@
 
 #include "cell_text.h"
 
-// The key of a cell's console.
+// Tests the key of a cell's section `console`.
 
 namespace osteon::config {
 namespace {
@@ -14,7 +14,7 @@ std::string WithConsole(const std::string& key) {
   return CellText("thin_plate") + "\nconsole:\n  " + key + "\n";
 }
 
-TEST(ConsoleKeys, APageThatVanishesPausesTheCellOnlyWhereItSaysSo) {
+TEST(ConsoleKeys, AnOperatorsPageThatClosesPausesTheCellOnlyOnRequest) {
   EXPECT_FALSE(LoadText(CellText("thin_plate")).pause_when_operator_leaves);
   EXPECT_FALSE(LoadText(WithConsole("pause_when_operator_leaves: false")).pause_when_operator_leaves);
   EXPECT_TRUE(LoadText(WithConsole("pause_when_operator_leaves: true")).pause_when_operator_leaves);

@@ -8,6 +8,8 @@
 #include "control/loop/servo_loop.h"
 #include "tests/kinematics/iiwa14.h"
 
+// Checks the shipped demo cell: against the sources of its figures, in the loop, and for what reaming needs.
+
 namespace osteon::config {
 namespace {
 
@@ -18,7 +20,7 @@ class DemoCellTest : public ::testing::Test {
   const CellConfig cell_ = LoadCell(std::string(OSTEON_SOURCE_DIR) + "/config/cells/demo.yaml");
 };
 
-TEST_F(DemoCellTest, FilesGiveTheFiguresOfTheirSources) {
+TEST_F(DemoCellTest, FilesHaveTheFiguresOfTheirSources) {
   const kinematics::LbrParams sources = kinematics::Iiwa14();
   EXPECT_DOUBLE_EQ(cell_.robot.lbr()->params.base_to_shoulder_m, sources.base_to_shoulder_m);
   EXPECT_DOUBLE_EQ(cell_.robot.lbr()->params.shoulder_to_elbow_m, sources.shoulder_to_elbow_m);
@@ -61,7 +63,7 @@ TEST_F(DemoCellTest, FilesGiveTheFiguresOfTheirSources) {
                    cell_.simulated.hand.stiffness_N_per_m);
 }
 
-TEST_F(DemoCellTest, MaterialsAndSceneAreThoseOfTheLibrary) {
+TEST_F(DemoCellTest, MaterialsAndSceneEqualTheDefaultsInTheCode) {
   const simulation::AcetabulumParams sources;
   ASSERT_LE(cell_.scene.materials.size(), sources.materials.size());
   for (std::size_t i = 0; i < cell_.scene.materials.size(); ++i) {
@@ -113,11 +115,11 @@ TEST_F(DemoCellTest, ToolStartsAboveTheCupPointingIntoIt) {
   EXPECT_LT((X_WT.matrix() - cell_.start.X_WT.matrix()).cwiseAbs().maxCoeff(), 1e-12);
 }
 
-// Where reaming happens: the head's centre from 100 mm above the cup's to 40 mm below it and 20 mm to each
-// side, tilted about that centre by up to 15 deg in any direction. Everywhere the arm must have room in its
-// joints, and move the tool in every direction: the smallest singular value of the apex's Jacobian, with
-// rotation weighted at the head's radius of 0.1 m/rad.
-TEST_F(DemoCellTest, ArmReachesAllThatReamingNeedsFarFromLimitsAndSingularities) {
+// Reaming needs these poses: the head's centre from 100 mm above the cup's to 40 mm below it and 20 mm to
+// each side, tilted about that centre by up to 15 deg in any direction. In each the joints must be far from
+// their limits, and the arm must move the tool in every direction, which the smallest singular value of the
+// apex's Jacobian shows, with rotation weighted by 0.1 m/rad.
+TEST_F(DemoCellTest, ArmReachesAllReamingPosesFarFromLimitsAndSingularities) {
   const kinematics::LbrArm arm(cell_.robot.lbr()->params);
   const double head_m = cell_.tool.tool.balls.front().radius_m;
   double least_margin_rad = 10.0, least_singular = 10.0;

@@ -15,6 +15,9 @@
 #include "config/reading/load.h"
 #include "simulation/bone/scenes.h"
 
+// Tests scenes whose density, and thereby material, comes from a grey PNG: columns are heights, rows are
+// depths.
+
 namespace osteon::config {
 namespace {
 
@@ -23,6 +26,7 @@ using testing::HasSubstr;
 
 const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
 
+// A PNG file that a test writes.
 struct Picture {
   std::uint32_t width{1}, height{2};
   int depth{8};  // bits
@@ -58,13 +62,15 @@ void WriteText(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
+// The text with the first `from` replaced, which must be there.
 std::string Replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << "the test is out of date: no " << from;
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
 }
 
-// A scene's section about its image; the picture is 2 × 3: black to half dense below, denser to the right.
+// A scene's section about its image: 3 rows at depths of 0, 2 and 4 mm, 2 columns at heights of 5 and 15 mm.
+// A grey level is 0.01 g/cm³.
 constexpr const char* kImage =
     "\n  density_image:\n"
     "    file: profile.png\n"
@@ -93,12 +99,13 @@ class DensityImages : public ::testing::Test {
   [[nodiscard]] fs::path picture() const { return folder_ / "profile.png"; }
   [[nodiscard]] fs::path scene() const { return folder_ / "plate.yaml"; }
 
+  /// Writes the scene thin_plate with this section about its image.
   void WriteScene(const std::string& image) const {
     WriteText(scene(), Replaced(ReadText(kConfig / "scenes/thin_plate.yaml"),
                                 "\n  layers: []\n  core: cortical\n  regions",
                                 "\n  layers: []\n  core: cortical" + image + "  regions"));
   }
-  /// The scene's error, from its line on.
+  /// The error of the scene, which must have a line; "accepted" if there is none.
   std::string Refusal() {
     try {
       static_cast<void>(LoadScene(scene()));
@@ -109,6 +116,7 @@ class DensityImages : public ::testing::Test {
     }
     return "accepted";
   }
+  /// The error of the scene with another image.
   std::string RefusalOf(const Picture& changed) {
     WritePng(picture(), changed);
     return Refusal();
@@ -117,14 +125,14 @@ class DensityImages : public ::testing::Test {
   fs::path folder_;
 };
 
-TEST_F(DensityImages, CornersOf8BitsAreTheirDensities) {
+TEST_F(DensityImages, PixelsOf8BitsBecomeDensities) {
   WritePng(picture(), {.width = 3, .height = 2, .bytes = {0, 7, 51, 102, 7, 255}});
   const auto tissue = LoadScene(scene()).mesh_tissue;
   ASSERT_TRUE(tissue.solid.image);
   const simulation::DensityImage& image = *tissue.solid.image;
   EXPECT_EQ(image.rows, 2);
   EXPECT_EQ(image.columns, 3);
-  constexpr double kRounding = 1e-3;  // of floats up to 2550
+  constexpr double kRounding = 1e-3;  // of floats up to 2550 kg/m³
   EXPECT_NEAR(image.DensityAt(0.000, 0.005), 0.0, kRounding);
   EXPECT_NEAR(image.DensityAt(0.000, 0.015), 510.0, kRounding);
   EXPECT_NEAR(image.DensityAt(0.002, 0.005), 1020.0, kRounding);
@@ -132,8 +140,8 @@ TEST_F(DensityImages, CornersOf8BitsAreTheirDensities) {
   EXPECT_NEAR(image.DensityAt(0.001, 0.010), 70.0, kRounding);
 }
 
-// A picture's gamma is for display: 0x8000 is half, whatever gamma the file contains.
-TEST_F(DensityImages, SamplesOf16BitsAreNotTurnedIntoLight) {
+// A PNG's gamma is for display only: 0x8000 is half of the range, whatever gamma the file has.
+TEST_F(DensityImages, TheGammaOfAPngChangesNoLevel) {
   for (const double gamma : {0.0, 0.45455, 1.0}) {
     WritePng(picture(), {.width = 2,
                          .height = 2,
@@ -150,7 +158,7 @@ TEST_F(DensityImages, SamplesOf16BitsAreNotTurnedIntoLight) {
   }
 }
 
-TEST_F(DensityImages, ARegionMayHaveOne) {
+TEST_F(DensityImages, ARegionMayHaveAnImage) {
   std::string image = kImage;
   for (std::size_t at = 0; (at = image.find("\n  ", at)) != std::string::npos; at += 5)
     image.replace(at, 3, "\n      ");
@@ -164,7 +172,7 @@ TEST_F(DensityImages, ARegionMayHaveOne) {
   EXPECT_EQ(tissue.regions[0].tissue.image->rows, 3);
 }
 
-TEST_F(DensityImages, PicturesThatAreNoneAreRefused) {
+TEST_F(DensityImages, DamagedAndUnsuitablePngsAreRefused) {
   const std::string accepted = ", accepted a grey PNG without transparency";
   EXPECT_EQ(Refusal(), "accepted");
   const std::string whole = ReadText(picture());
@@ -175,7 +183,7 @@ TEST_F(DensityImages, PicturesThatAreNoneAreRefused) {
                                 (size < 8 ? std::string("no PNG") : std::string("a PNG cut off after "))));
     ASSERT_THAT(what, HasSubstr(accepted));
   }
-  // change each byte except those of the last checksum, which is behind everything that is read
+  // change each byte except those of the last checksum, which nothing reads
   for (std::size_t at = 0; at + 4 < whole.size(); ++at) {
     std::string changed = whole;
     changed[at] = static_cast<char>(changed[at] ^ 0x11);
@@ -197,7 +205,7 @@ TEST_F(DensityImages, PicturesThatAreNoneAreRefused) {
   EXPECT_THAT(Refusal(), HasSubstr("file: found profile.png, accepted an existing file"));
 }
 
-TEST_F(DensityImages, ValuesAreRefusedWithLineKeyAndWhatIsAccepted) {
+TEST_F(DensityImages, InvalidValuesAreRefusedWithLineKeyAndAcceptedValues) {
   struct Case {
     const char *from, *to, *expected;
   };
@@ -248,7 +256,7 @@ constexpr const char* kBox =
     "f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 "
     "5 8\n";
 
-TEST_F(DensityImages, AMeshsMaterialFollowsItWithDepthAndHeight) {
+TEST_F(DensityImages, TheMaterialInAMeshFollowsTheImage) {
   WriteText(folder_ / "box.obj", kBox);
   simulation::SceneParams params = LoadScene(scene());
   const auto solid = simulation::LoadSceneSolid(
@@ -271,7 +279,7 @@ TEST_F(DensityImages, AMeshsMaterialFollowsItWithDepthAndHeight) {
   EXPECT_EQ(at(0.0039, 0.0100), "cancellous");
   EXPECT_EQ(at(0.0041, 0.0100), "cortical") << "the core";
 
-  // when packed, every material of the image has its share
+  // packed: every material of the image has a share of the volume
   const auto materials = LoadMaterials(kConfig / "materials/bone.yaml");
   for (const std::string& name : params.material_names)
     params.materials.push_back(*std::ranges::find(materials, name, &simulation::Material::name));

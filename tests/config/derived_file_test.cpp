@@ -5,13 +5,15 @@
 #include "tests/config/cell_text.h"
 #include "tests/io/temporary_folder.h"
 
+// Tests WriteDerived, which writes a cell with some changed values into one file.
+
 namespace osteon::config {
 namespace {
 
 const std::filesystem::path kCells = OSTEON_SOURCE_DIR "/config/cells";
 
-// The whole cell is read from another folder: the edited values differ, and nothing else.
-TEST(DerivedFile, SaysOtherwiseWhatIsAskedForAndNothingElse) {
+// The file lies in another folder than the cell, and loads there.
+TEST(DerivedFile, ChangesTheGivenValuesAndNothingElse) {
   const io::test::TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "derived.yaml";
   WriteDerived(

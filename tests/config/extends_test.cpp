@@ -10,7 +10,7 @@
 #include "config/reading/strict/reader.h"
 #include "tests/io/temporary_folder.h"
 
-// A file says what differs from another one, which it extends.
+// Tests `extends`: a file names another one, its base, and has only the values that differ.
 
 namespace osteon::config {
 namespace {
@@ -38,7 +38,7 @@ class Extends : public testing::Test {
   io::test::TemporaryFolder folder_;
 };
 
-TEST_F(Extends, AShortCellAnywhereIsTheBaseWithWhatDiffers) {
+TEST_F(Extends, AShortCellHasItsOwnValuesAndThoseOfItsBase) {
   const fs::path mine =
       Write("my.yaml",
             "extends: demo\ntool_diameter_mm: 54\nlimits: {max_force_N: 80, max_stored_J: 0.5}\n"
@@ -55,7 +55,7 @@ TEST_F(Extends, AShortCellAnywhereIsTheBaseWithWhatDiffers) {
   EXPECT_EQ(cell.robot.name, demo.robot.name);
 }
 
-TEST_F(Extends, APathLeadsFromTheFileAndANameToACellBesideIt) {
+TEST_F(Extends, APathStartsAtTheFileAndANameMeansACellBesideIt) {
   Write("base.yaml", io::test::ReadAll(ShippedFolder() / "cells/demo.yaml"));
   EXPECT_EQ(Refusal("extends: base.yaml\n"), "");
   EXPECT_EQ(Refusal("extends: base\n"), "");
@@ -77,7 +77,7 @@ TEST_F(Extends, KeysOfTheBaseCanBeRemoved) {
   EXPECT_THAT(Refusal("remove: [script]\n"), HasSubstr("my.yaml:1: remove: found without extends"));
 }
 
-TEST_F(Extends, OneLevelOnly) {
+TEST_F(Extends, ABaseThatExtendsAnotherFileIsRefused) {
   EXPECT_THAT(Refusal("extends: molar\n"),
               AllOf(HasSubstr("my.yaml:1: extends: found "),
                     HasSubstr("cells/molar.yaml, which extends demo itself ("),
@@ -92,7 +92,7 @@ TEST_F(Extends, CyclesAreRefusedWithTheNamesOfBothFiles) {
               AllOf(HasSubstr("my.yaml:1: extends: found "), HasSubstr("other.yaml:1")));
 }
 
-TEST_F(Extends, ABaseThatIsNotThereIsRefusedWithTheOnesThatAre) {
+TEST_F(Extends, AMissingBaseIsRefusedWithTheExistingOnes) {
   EXPECT_THAT(Refusal("extends: dmeo\n"),
               AllOf(HasSubstr("my.yaml:1: extends: found dmeo, accepted a file's path, or "
                               "one of "),
@@ -110,7 +110,7 @@ TEST_F(Extends, ErrorsNameTheFileOfTheValueAndTheOneThatExtendsIt) {
             HasSubstr("my.yaml extends it: set the value there)")));
 }
 
-TEST_F(Extends, AScenariosOverridesLieAboveBoth) {
+TEST_F(Extends, AScenariosOverridesWinOverBothFiles) {
   const fs::path mine = Write("my.yaml", "extends: demo\nlimits: {max_force_N: 80, max_stored_J: 0.5}\n");
   Overlay overlay(mine);
   overlay.Set("limits.max_force_N=90", "--set");

@@ -20,6 +20,8 @@
 #include "config/reading/strict/overlay.h"
 #include "config/reading/strict/units.h"
 
+// Tests that hold for every file in config/, each with a copy of the folder whose files it may change.
+
 namespace osteon::config {
 namespace {
 
@@ -31,7 +33,7 @@ std::string ReadText(const fs::path& path) {
   return text.str();
 }
 
-// Loads a file of config/ according to its folder, as its user would.
+// Loads a file of config/ with the reader for its folder.
 void LoadAny(const fs::path& path) {
   const std::string folder = path.parent_path().filename().string();
   if (folder == "robots") return static_cast<void>(LoadRobot(path));
@@ -52,10 +54,11 @@ void LoadAny(const fs::path& path) {
   FAIL() << path << ": no loader for this folder";
 }
 
-// An overlay's key is a path: it is read, and refused, part by part.
+// Parts of an overlay's key, a path such as "limits.max_force_N". An error names only one of them.
 std::string FirstPart(const std::string& key) { return key.substr(0, key.find('.')); }
 std::string LastPart(const std::string& key) { return key.substr(key.rfind('.') + 1); }
 
+// A number or a key in a YAML text.
 struct Scalar {
   std::string key;  // of the nearest mapping
   std::size_t begin;
@@ -109,7 +112,7 @@ class ConfigFilesTest : public ::testing::Test {
   void TearDown() override { fs::remove_all(root_); }
 
   static void Write(const fs::path& path, const std::string& text) {
-    fs::remove(path);  // a file that is truncated and written again is flushed by ext4: milliseconds
+    fs::remove(path);  // truncating and rewriting a file costs milliseconds on ext4
     std::ofstream(path, std::ios::binary) << text;
   }
 
@@ -128,7 +131,8 @@ TEST_F(ConfigFilesTest, EveryFileLoads) {
   }
 }
 
-// A folder's files are read by one reader: a number is made absurd in the first file that has its place.
+// Replaces each number by ±1e12, which must be refused with file, line and key. One reader reads all files of
+// a folder, so each place is tried only in the first file that has it.
 TEST_F(ConfigFilesTest, EveryNumberHasAUnitIsReadAndIsBounded) {
   std::size_t total = 0;
   std::set<std::string> tried;
@@ -138,7 +142,7 @@ TEST_F(ConfigFilesTest, EveryNumberHasAUnitIsReadAndIsBounded) {
     CollectNumbers(YAML::Load(text), "", "", numbers);
     total += numbers.size();
     EXPECT_TRUE(!numbers.empty() || text.find("\nextends:") != std::string::npos)
-        << file;  // a cell may have another's alone
+        << file;  // a file that extends another may have no number of its own
     for (const Scalar& number : numbers) {
       ASSERT_EQ(text.substr(number.begin, number.text.size()), number.text)
           << file << " line " << number.line;
@@ -165,8 +169,8 @@ TEST_F(ConfigFilesTest, EveryNumberHasAUnitIsReadAndIsBounded) {
   EXPECT_GT(tried.size(), 1000u);
 }
 
-// No key can be left out: each is read, and none has a silent default.
-TEST_F(ConfigFilesTest, EveryKeyIsNeeded) {
+// Misspells each key. The file must be refused with a hint, so no key is ignored or has a silent default.
+TEST_F(ConfigFilesTest, EveryMisspelledKeyIsRefused) {
   for (const fs::path& file : files_) {
     const std::string text = ReadText(file);
     std::vector<Scalar> keys;
@@ -191,9 +195,8 @@ TEST_F(ConfigFilesTest, EveryKeyIsNeeded) {
         LoadAny(file);
         ADD_FAILURE() << expected << " was not said";
       } catch (const ConfigError& error) {
-        // a scenario's keys are checked against each other before unknown keys: a list's length by its kind;
-        // a key that is no longer removed
-        // stands beside the one that replaces it, and remove needs extends
+        // two errors precede that of an unknown key: a list's length that depends on a kind, and what follows
+        // from a misspelled `remove` or `extends`
         if (std::string(error.what()).find("_deg: found a list of") == std::string::npos &&
             key.text != "remove" && key.text != "extends") {
           EXPECT_EQ(error.what(), expected);
@@ -204,7 +207,7 @@ TEST_F(ConfigFilesTest, EveryKeyIsNeeded) {
   }
 }
 
-TEST_F(ConfigFilesTest, NegativeRadiusIsAnsweredWithFileLineAndRange) {
+TEST_F(ConfigFilesTest, ANegativeRadiusIsRefusedWithFileLineAndRange) {
   const fs::path file = root_ / "config/tools/reamer.yaml";
   std::string text = ReadText(file);
   text.replace(text.find("radius_mm: 8"), 12, "radius_mm: -8");
@@ -297,10 +300,11 @@ TEST_F(ConfigFilesTest, ValuesThatContradictEachOtherAreRefused) {
 
 // Cut, flipped, doubled and shuffled bytes: a file loads or is refused with a ConfigError, and nothing else
 // happens.
-TEST_F(ConfigFilesTest, DamagedFilesAreRefusedInOrder) {
+TEST_F(ConfigFilesTest, DamagedFilesLoadOrAreRefusedWithAnError) {
   std::mt19937 random{99};
+  // a random number below n
   const auto below = [&](std::size_t n) { return n == 0 ? 0 : random() % n; };
-  const std::string spice = "{}[]&*!|>'\"%@`-:#,? \n\t~<=\\0x1e.";
+  const std::string yaml_characters = "{}[]&*!|>'\"%@`-:#,? \n\t~<=\\0x1e.";
   int refused = 0, loaded = 0;
   for (const fs::path& file : files_) {
     const std::string text = ReadText(file);
@@ -315,7 +319,7 @@ TEST_F(ConfigFilesTest, DamagedFilesAreRefusedInOrder) {
             changed.resize(at);
             break;
           case 1:
-            changed.insert(at, 1, spice[below(spice.size())]);
+            changed.insert(at, 1, yaml_characters[below(yaml_characters.size())]);
             break;
           case 2:
             if (!changed.empty()) changed[at] = static_cast<char>(below(256));
