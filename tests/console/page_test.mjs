@@ -372,7 +372,7 @@ async function showsAFault() {
   await page.close();
 }
 
-/** The fault's card has the measured value and the name of the stop's report. Acknowledging folds the card, and clears nothing. */
+/** The fault's card has the measured value and the stop's report. Acknowledging folds the card, and clears nothing. */
 async function acknowledgesAFault(page) {
   const card = () => page.evaluate('document.getElementById("faults").innerText');
   const [fault] = (await status(page)).faults;
