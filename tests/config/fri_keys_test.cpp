@@ -69,7 +69,7 @@ TEST_F(FriKeys, ReachLinkAndSimulatedArm) {
   EXPECT_EQ(cell.simulated.fri.receive_multiplier, 2);
 }
 
-TEST_F(FriKeys, SayHowTheSimulatedArmEndsItsSession) {
+TEST_F(FriKeys, SessionEndIsSilenceByDefaultAndCanBeChosen) {
   const std::string text = CellText("thin_plate"), key = "  good_timeout_s: 10";
   EXPECT_EQ(LoadText(text).simulated.fri.session_end, hil::SessionEnd::kSilence);
   const auto with_session_end = [&](const std::string& value) {

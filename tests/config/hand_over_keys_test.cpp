@@ -65,7 +65,7 @@ double MaxForceStepRatio(const CellConfig& cell, bool hands_over) {
   return worst;
 }
 
-// Without the hand-over at least 4 shipped cells would trip: the trip is not set too wide to matter.
+// Without the hand-over at least 4 shipped cells would trip, which shows that they need it.
 TEST(HandOverKeys, NoShippedCellTripsByItsOwnLargestSlide) {
   int trips_without_hand_over = 0;
   for (const auto& entry : std::filesystem::directory_iterator(OSTEON_SOURCE_DIR "/config/cells")) {

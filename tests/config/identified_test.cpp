@@ -59,6 +59,7 @@ IdentifiedCell Sample() {
   return cell;
 }
 
+// Writes a temporary file of this name, and returns its path.
 std::filesystem::path WriteFile(const std::string& name, const std::string& text) {
   const std::filesystem::path file = TemporaryPath(name);
   std::ofstream(file) << text;

@@ -32,7 +32,7 @@ class KeyAliases : public testing::Test {
   io::test::TemporaryFolder folder_;
 };
 
-TEST_F(KeyAliases, AnOlderNameInAFileMeansTheSame) {
+TEST_F(KeyAliases, AnOldNameInAFileSetsTheSameValue) {
   const CellConfig cell = LoadCell(Write("extends: demo\npassivity: {least_speed_mm_per_s: 7}\n"));
   EXPECT_DOUBLE_EQ(cell.servo.stabilisers.passivity.min_speed_m_per_s, 7e-3);
 }

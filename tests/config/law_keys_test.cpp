@@ -32,6 +32,7 @@ TEST(LawKeys, ImpedanceReachesLoopAndSimulatedArm) {
   EXPECT_EQ(LoadCell(kCells / "demo.yaml").servo.law, control::Law::kAdmittance);
 }
 
+// Refused are a second law, a simulation level without impedance control, an overlay of positions, and RSI.
 TEST(LawKeys, ACellHasOneLawThatItsArmSupports) {
   const std::string cell = CellText("thin_plate_impedance"), admittance = CellText("thin_plate");
   // position of the line break after a section that begins at `section`

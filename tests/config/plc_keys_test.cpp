@@ -31,7 +31,7 @@ TEST(PlcKeys, ACellThatAcceptsToHaveNoPlcHasNoInterlock) {
   EXPECT_TRUE(LoadText(CellText("demo")).servo.has_interlock);
 }
 
-TEST(PlcKeys, WithoutPlcAcceptsOneWordAndNoSectionBesideIt) {
+TEST(PlcKeys, WithoutPlcAcceptsOnlyItsWordAndNoSectionPlcBesideIt) {
   EXPECT_THAT(Refusal(DemoWithoutPlc() + "\nwithout_plc: true\n"),
               AllOf(HasSubstr("without_plc: found"), HasSubstr("accepted")));
   EXPECT_THAT(Refusal(CellText("demo") + "\nwithout_plc: accepted\n"),

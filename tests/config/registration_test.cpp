@@ -204,7 +204,7 @@ TEST(RegistrationRows, TheStartIsCheckedByItsJointAngles) {
               HasSubstr(": height_mm: found -"));
   EXPECT_THAT(ErrorOf(CheckStart, [](CellConfig& cell) { cell.start.q[5] = 2.094; }),
               HasSubstr(": arm_angle_deg: found 0.0"));
-  // the wrist turned away from the bone, with the apex in its place
+  // the bone turned by 1.1 rad, so that the tool's axis does not point into it
   EXPECT_THAT(
       ErrorOf(CheckStart,
               [](CellConfig& cell) {

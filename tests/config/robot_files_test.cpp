@@ -28,6 +28,7 @@ fs::path RobotFile(const std::string& name) {
   return fs::path(OSTEON_SOURCE_DIR) / "config" / "robots" / (name + ".yaml");
 }
 
+// The kinematic chain in a shipped robot's file.
 template <int N>
 ChainParams<N> ChainOf(const std::string& name) {
   return std::get<ChainParams<N>>(LoadRobot(RobotFile(name)).chain);

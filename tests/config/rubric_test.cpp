@@ -24,7 +24,7 @@ TEST(RubricFiles, TheShippedRubricHasTheDesignsNormsAndASourceForEach) {
   }
   EXPECT_DOUBLE_EQ(weights, 100.0);
   ASSERT_EQ(rubric.items.size(), 7u);
-  // SI units: rad, m, ratio, m³
+  // full and zero are in SI units: rad, m, m³
   const auto expect_item = [&](std::size_t i, const char* metric, double weight, double full, double zero) {
     EXPECT_EQ(rubric.items[i].metric, metric);
     EXPECT_DOUBLE_EQ(rubric.items[i].weight, weight);

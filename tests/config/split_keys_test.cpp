@@ -77,7 +77,7 @@ TEST_F(SplitKeys, EdgeForceNeedsAToolWithEdges) {
   }
 }
 
-TEST_F(SplitKeys, AreRefusedOutOfRangeWithWhatIsAccepted) {
+TEST_F(SplitKeys, RefusalOutOfRangeNamesWhatIsAccepted) {
   try {
     static_cast<void>(LoadWith("  split: {min_radius_mm: 0.3, child_count: 65, pool_count: 500}\n"));
     ADD_FAILURE() << "accepted";

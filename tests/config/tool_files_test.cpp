@@ -124,7 +124,7 @@ TEST(DemoCell, CanUseABurrADrillOrABroachInPlaceOfItsReamer) {
   EXPECT_THROW(static_cast<void>(LoadCell(kDemo, ToolChoice{kTools + "reamer.yaml", 0.080})), ToolSizeError);
 }
 
-TEST(DemoCell, NeedsNoDiameter) {
+TEST(DemoCell, LoadsWithoutAToolDiameter) {
   std::string text = CellText("demo");
   const std::size_t at = text.find("tool_diameter_mm");
   ASSERT_NE(at, std::string::npos);

@@ -22,6 +22,7 @@ ToolLinkParams SoftTool() {
   return tool;
 }
 
+// A mount of this stiffness along each axis, with its pivot at the bench's start pose.
 BoneMountParams Mount(double stiffness_N_per_m) {
   BoneMountParams mount;
   mount.p_WMo_m = ServoBench::StartPose().translation();

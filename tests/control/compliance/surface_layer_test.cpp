@@ -15,6 +15,7 @@ constexpr double kT_s = 1e-3, kRadius_m = 25e-3;  // the tick; the ball of a 50 
 constexpr double kE_m = 0.5e-3;                   // thickness of the engaged layer
 const double kTouch_m2 = std::numbers::pi * kRadius_m * kE_m;
 
+// A layer touched by the reamer's ball.
 SurfaceLayerParams Layer(double kappa_N_per_m3, double thickness_m = 0.02, double tau_s = 0.2) {
   SurfaceLayerParams params;
   params.kappa_N_per_m3[0] = kappa_N_per_m3;

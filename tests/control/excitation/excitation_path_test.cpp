@@ -53,7 +53,7 @@ TEST(Multisine, HasPowerOnlyOnItsOwnHarmonics) {
 TEST(Multisine, SpeedIsFlatUpTo20HzAndAccelerationAbove) {
   const Multisine motion(1, 0.05);
   for (const MultisineLine& line : motion.lines()) {
-    const double hz = Multisine::Frequency(line.harmonic), speed = line.amplitude_m * hz;  // speed / 2 pi
+    const double hz = Multisine::Frequency(line.harmonic), speed = line.amplitude_m * hz;  // the speed / 2 pi
     const double first_speed = motion.lines()[0].amplitude_m * Multisine::Frequency(3);
     EXPECT_NEAR(speed, first_speed * std::min(1.0, 20.0 / hz), 1e-12) << hz;
   }

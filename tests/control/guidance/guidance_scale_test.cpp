@@ -70,6 +70,7 @@ struct GuidedTool {
   bool limited{false};
 };
 
+// A wrench whose components are uniform up to max_N and max_Nm.
 Wrench RandomWrench(std::mt19937& random, double max_N, double max_Nm) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   const auto vector = [&] { return Vector3(unit(random), unit(random), unit(random)); };

@@ -6,7 +6,8 @@
 
 #include "tests/control/loop/servo_parts.h"
 
-// Tests of the commanded tool: its pose, how the command follows the law's velocity, and how it brakes.
+// Tests of the commanded tool: its pose, how it moves by fade × the law's velocity (fade: 0 … 1), and how it
+// brakes.
 
 namespace osteon::control {
 namespace {
@@ -28,7 +29,7 @@ TEST(CommandedTool, ResetToArmPoseTakesTheMeasuredPoseAtRest) {
   EXPECT_LT((tool.X_WT().translation() - ServoBench::StartPose().translation()).norm(), 1e-12);
 }
 
-TEST(CommandedTool, MovesByTheFadedPartOfTheLawsVelocity) {
+TEST(CommandedTool, MovesByFadeTimesTheLawsVelocity) {
   const ServoParams params = ServoBench::Params();
   CommandedTool tool = Tool(params);
   const Vector3 p_before = tool.X_WT().translation();
@@ -64,7 +65,7 @@ TEST(CommandedTool, BrakesToRestAlongItsDirection) {
   EXPECT_NEAR(ticks, 1e3 * 0.1 / params.stop_deceleration_m_per_s2, 5.0);
 }
 
-TEST(CommandedTool, AStopBeginsWithTheFadedVelocity) {
+TEST(CommandedTool, AStopBeginsWithFadeTimesTheLawsVelocity) {
   const ServoParams params = ServoBench::Params();
   CommandedTool tool = Tool(params);
   tool.V_WT.v = Vector3(0.1, 0.0, 0.0);

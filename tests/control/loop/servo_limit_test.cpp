@@ -145,7 +145,7 @@ TEST(ServoLimit, AHandStrongerThanTheLimitMeetsTheLimitInItsDirection) {
   EXPECT_GT(bench.loop.statistics().limits.Of(safety::Limit::kWrench).events, 0u);
 }
 
-TEST(ServoLimit, MessagesOfRandomBitsNeverMoveTheArmTooFast) {
+TEST(ServoLimit, MessagesWithHostileValuesNeverMoveTheArmTooFast) {
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Adversary adversary(seed);
