@@ -227,8 +227,8 @@ TEST(RunServo, ATickWhoseRepetitionDiffersEndsTheRun) {
   EXPECT_EQ(rig.loop.phase(), Phase::kStopped);
 }
 
-// A recorder that no longer takes ticks to the disk stops the cell in the next tick. The second loop repeats
-// the ticks with the same inputs, so it finds no difference.
+// When so many records wait in the recorder that some will soon be lost, the cell stops in the next tick. The
+// second loop repeats the ticks with the same inputs, so it finds no difference.
 TEST(RunServo, AStalledRecorderEndsTheRun) {
   constexpr std::size_t kSeen = 300;
   struct Stalls : FakeRecorder {
@@ -249,7 +249,7 @@ TEST(RunServo, AStalledRecorderEndsTheRun) {
   EXPECT_EQ(recorder.records[kSeen].faults, static_cast<std::uint32_t>(safety::Fault::kRecorder));
 }
 
-// A recorder that refuses ticks because it is full stops the cell too.
+// A recorder that refuses a tick stops the cell too.
 TEST(RunServo, AFullRecorderEndsTheRun) {
   struct Full : FakeRecorder {
     bool Push(const TickRecord& record) OSTEON_RT override {
