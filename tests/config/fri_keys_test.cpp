@@ -10,7 +10,7 @@
 #include "config/reading/load.h"
 #include "tests/config/cell_text.h"
 
-// Keys of a cell's link, which apply to both ends.
+// Tests of the keys in a cell's section fri: they set up both the controller's link and the simulated arm.
 
 namespace osteon::config {
 namespace {
@@ -24,10 +24,11 @@ class FriKeys : public testing::Test {
     fs::copy(fs::path(OSTEON_SOURCE_DIR) / "config", folder_, fs::copy_options::recursive);
   }
   void TearDown() override { fs::remove_all(folder_); }
+  // Loads the thin plate's cell without its own key `version`, and with these lines added to section fri.
   CellConfig LoadWith(const std::string& keys) const {
     const fs::path cell = folder_ / "cells/thin_plate.yaml";
     std::string edited = CellText("thin_plate");
-    const std::size_t version = edited.find("  version:");  // the base's, which is the library's as well
+    const std::size_t version = edited.find("  version:");  // equals the library's default
     edited.erase(version, edited.find('\n', version) + 1 - version);
     const std::string before = "  period_ms: 1\n";
     const std::size_t at = edited.find(before);
@@ -36,6 +37,7 @@ class FriKeys : public testing::Test {
     std::ofstream(cell) << edited;
     return LoadCell(cell);
   }
+  // The error of LoadWith; empty if the cell is accepted.
   std::string Refusal(const std::string& keys) const {
     try {
       (void)LoadWith(keys);
@@ -49,7 +51,7 @@ class FriKeys : public testing::Test {
                                    testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
-TEST_F(FriKeys, AreTheLibrarysWhereTheCellSaysNothing) {
+TEST_F(FriKeys, HaveTheLibrarysDefaultsWhereTheCellOmitsThem) {
   const CellConfig cell = LoadWith("");
   EXPECT_EQ(cell.link.fri()->version, io::FriVersion::k1_15);
   EXPECT_EQ(cell.simulated.fri.version, io::FriVersion::k1_15);
@@ -67,28 +69,29 @@ TEST_F(FriKeys, ReachLinkAndSimulatedArm) {
   EXPECT_EQ(cell.simulated.fri.receive_multiplier, 2);
 }
 
-TEST_F(FriKeys, SayHowTheSimulatedArmEndsItsSession) {
+TEST_F(FriKeys, SessionEndIsSilenceByDefaultAndCanBeChosen) {
   const std::string text = CellText("thin_plate"), key = "  good_timeout_s: 10";
   EXPECT_EQ(LoadText(text).simulated.fri.session_end, hil::SessionEnd::kSilence);
-  const auto with = [&](const std::string& value) {
+  const auto with_session_end = [&](const std::string& value) {
     return With(text, key, "  session_end: " + value + "\n" + key);
   };
-  EXPECT_EQ(LoadText(with("silence")).simulated.fri.session_end, hil::SessionEnd::kSilence);
-  EXPECT_EQ(LoadText(with("idle_messages")).simulated.fri.session_end, hil::SessionEnd::kIdleMessages);
-  EXPECT_THROW(LoadText(with("wave")), ConfigError);
+  EXPECT_EQ(LoadText(with_session_end("silence")).simulated.fri.session_end, hil::SessionEnd::kSilence);
+  EXPECT_EQ(LoadText(with_session_end("idle_messages")).simulated.fri.session_end,
+            hil::SessionEnd::kIdleMessages);
+  EXPECT_THROW(LoadText(with_session_end("wave")), ConfigError);
 }
 
-TEST_F(FriKeys, EveryVersionHasItsName) {
-  const fs::path fresh = folder_ / "cells/thin_plate.yaml";
-  const fs::path kept = folder_ / "kept.yaml";
-  fs::copy_file(fresh, kept);
+TEST_F(FriKeys, AcceptEveryVersionByItsName) {
+  const fs::path cell = folder_ / "cells/thin_plate.yaml";
+  const fs::path original = folder_ / "kept.yaml";
+  fs::copy_file(cell, original);
   for (const io::FriVersion version : io::kFriVersions) {
-    fs::copy_file(kept, fresh, fs::copy_options::overwrite_existing);
+    fs::copy_file(original, cell, fs::copy_options::overwrite_existing);
     EXPECT_EQ(LoadWith(std::string("  version: ") + Name(version) + "\n").link.fri()->version, version);
   }
 }
 
-TEST_F(FriKeys, RefusesAVersionThatIsNotSpoken) {
+TEST_F(FriKeys, RefuseAnUnsupportedVersion) {
   const std::string text = Refusal("  version: 2.6\n");
   EXPECT_THAT(text, HasSubstr("thin_plate.yaml:"));
   EXPECT_THAT(text, HasSubstr("version: found 2.6, accepted 1.11"));

@@ -8,7 +8,7 @@
 
 #include "config/reading/load.h"
 
-// Gains in a file of their own that overrides a cell's.
+// Tests of a gains file: its values replace the gains of the cell that is loaded with it.
 
 namespace osteon::config {
 namespace {
@@ -19,11 +19,13 @@ using testing::HasSubstr;
 class Gains : public testing::Test {
  protected:
   void TearDown() override { fs::remove(file_); }
+  // Loads the demo cell together with a gains file of this text.
   CellConfig LoadWith(const std::string& text) const {
     std::ofstream(file_) << text;
     return LoadCell(kDemo, {}, file_);
   }
-  std::string WhatIsWrongWith(const std::string& text) const {
+  // The error of LoadWith, which must name the gains file; "nothing" if the file is accepted.
+  std::string ErrorOf(const std::string& text) const {
     try {
       static_cast<void>(LoadWith(text));
     } catch (const ConfigError& error) {
@@ -38,7 +40,7 @@ class Gains : public testing::Test {
                                    testing::UnitTest::GetInstance()->current_test_info()->name() + ".yaml");
 };
 
-TEST_F(Gains, ChangeWhatTheyNameAndNothingElse) {
+TEST_F(Gains, ReplaceOnlyTheValuesThatTheFileNames) {
   const CellConfig own = LoadCell(kDemo);
   const CellConfig cell = LoadWith(
       "admittance:\n  mass_kg: [2, 2, 2.5]\n  damping_Ns_per_m: [34, 34, 35]\ncoupling:\n"
@@ -53,22 +55,22 @@ TEST_F(Gains, ChangeWhatTheyNameAndNothingElse) {
   EXPECT_EQ(cell.servo.coupling.fresh_s, own.servo.coupling.fresh_s);
 }
 
-TEST_F(Gains, MayNameOneSectionAlone) {
+TEST_F(Gains, FileMayHoldOneSectionAlone) {
   EXPECT_DOUBLE_EQ(LoadWith("coupling: {damping_share_ratio: 0.1}\n").servo.coupling.damping_share, 0.1);
   EXPECT_DOUBLE_EQ(LoadWith("admittance: {dead_zone_N: 1}\n").servo.admittance.dead_zone_N, 1.0);
 }
 
 TEST_F(Gains, ErrorsNameFileLineValueAndWhatIsAccepted) {
-  EXPECT_THAT(WhatIsWrongWith("admittance:\n  mass_kg: [2, 2, 0.05]\n"),
+  EXPECT_THAT(ErrorOf("admittance:\n  mass_kg: [2, 2, 0.05]\n"),
               HasSubstr(file_.string() + ":2: mass_kg: found 0.05, accepted 0.1 … 50"));
-  EXPECT_THAT(WhatIsWrongWith("admittance:\n  mass_kg: 2\n"),
+  EXPECT_THAT(ErrorOf("admittance:\n  mass_kg: 2\n"),
               HasSubstr(":2: mass_kg: found 2, accepted a list of 3 numbers 0.1 … 50"));
-  EXPECT_THAT(WhatIsWrongWith("\nadmittance:\n  mas_kg: [2, 2, 2]\n"),
+  EXPECT_THAT(ErrorOf("\nadmittance:\n  mas_kg: [2, 2, 2]\n"),
               HasSubstr(":3: unknown key \"mas_kg\"; did you mean \"mass_kg\"?"));
-  EXPECT_THAT(WhatIsWrongWith("admitance: {}\n"), HasSubstr(":1: unknown key \"admitance\""));
-  EXPECT_THAT(WhatIsWrongWith("coupling:\n  fresh_ms: 30\n"), HasSubstr("unknown key \"fresh_ms\""))
+  EXPECT_THAT(ErrorOf("admitance: {}\n"), HasSubstr(":1: unknown key \"admitance\""));
+  EXPECT_THAT(ErrorOf("coupling:\n  fresh_ms: 30\n"), HasSubstr("unknown key \"fresh_ms\""))
       << "how old a model may be is no gain";
-  EXPECT_THAT(WhatIsWrongWith("coupling: 3\n"), HasSubstr("found 3, accepted a mapping"));
+  EXPECT_THAT(ErrorOf("coupling: 3\n"), HasSubstr("found 3, accepted a mapping"));
   EXPECT_THROW(static_cast<void>(LoadCell(kDemo, {}, "missing.yaml")), ConfigError);
 }
 

@@ -7,15 +7,15 @@
 #include "control/coupling/virtual_coupling.h"
 #include "tests/config/cell_text.h"
 
-// A cell's own values against each other: how far a frame may move the proxy, and the trip on the wrench's
-// rate.
+// Tests that a cell's values fit each other: the largest step of the proxy within one frame (max_slide) must
+// not raise the force so fast that the trip on the wrench's rate stops the cell.
 
 namespace osteon::config {
 namespace {
 
 using ::testing::HasSubstr;
 
-TEST(HandOverKeys, ASlideThatAHandOverCanNotTakeIsRefusedAtItsLine) {
+TEST(HandOverKeys, AMaxSlideTooLongForTheHandOverIsRefusedAtItsLine) {
   const std::string text = CellText("sawbone_block");
   EXPECT_EQ(Refusal(With(text, "max_slide_um: 400", "max_slide_um: 1439")), "");
   const std::string refusal = Refusal(With(text, "max_slide_um: 400", "max_slide_um: 1441"));
@@ -27,12 +27,13 @@ TEST(HandOverKeys, ASlideThatAHandOverCanNotTakeIsRefusedAtItsLine) {
       << "the other figure of the two";
 }
 
-/// Largest step of the force, relative to the trip's limit: the tool presses with the cell's largest force,
-/// and a frame moves its proxy by max_slide across that, with the coupling's full damping share.
-double WorstShare(const CellConfig& cell, bool hands_over) {
+/// Largest force step within a tick, as a ratio to the trip's limit. The tool presses with the cell's largest
+/// force, and a frame moves the proxy sideways by max_slide.
+/// @param hands_over  spread the proxy's step over ticks, as the loop does; false: apply the step in one tick
+double MaxForceStepRatio(const CellConfig& cell, bool hands_over) {
   const control::ServoParams& servo = cell.servo;
   control::CouplingParams coupling = servo.coupling;
-  if (!hands_over) coupling.turn_m_per_s = 10.0;  // all within the tick
+  if (!hands_over) coupling.turn_m_per_s = 10.0;  // the whole step in one tick
   const double K = coupling.max_stiffness_N_per_m, depth_m = servo.wrench.max_force_N / K;
   const double lean_rad = std::asin(std::min(0.9, cell.cutting.max_slide_m / depth_m));
   safety::WrenchRateTrip trip(K, servo.twist.max_speed_m_per_s);
@@ -50,7 +51,7 @@ double WorstShare(const CellConfig& cell, bool hands_over) {
   const auto period = static_cast<rt::Nanoseconds>(servo.period_s * 1e9);
   for (int tick = 0; tick < 60; ++tick) {
     const rt::Nanoseconds now = rt::kSecond + tick * period;
-    if (tick % 20 == 10) {  // leans to one side and then to the other
+    if (tick % 20 == 10) {  // a new frame: the contact's normal leans to the side, and later back
       const double lean = tick < 20 ? lean_rad : 0.0;
       model.contacts[0].n_W = Vector3(std::sin(lean), 0.0, std::cos(lean));
       ++model.frame;
@@ -64,15 +65,16 @@ double WorstShare(const CellConfig& cell, bool hands_over) {
   return worst;
 }
 
-TEST(HandOverKeys, NoShippedCellsFramesTripItsOwnWatch) {
-  int beyond_without = 0;
+// Without the hand-over at least 4 shipped cells would trip, which shows that they need it.
+TEST(HandOverKeys, NoShippedCellTripsByItsOwnLargestSlide) {
+  int trips_without_hand_over = 0;
   for (const auto& entry : std::filesystem::directory_iterator(OSTEON_SOURCE_DIR "/config/cells")) {
     SCOPED_TRACE(entry.path().filename());
     const CellConfig cell = LoadCell(entry.path());
-    EXPECT_LT(WorstShare(cell, true), 1.0);
-    beyond_without += WorstShare(cell, false) > 1.0 ? 1 : 0;
+    EXPECT_LT(MaxForceStepRatio(cell, true), 1.0);
+    trips_without_hand_over += MaxForceStepRatio(cell, false) > 1.0 ? 1 : 0;
   }
-  EXPECT_GE(beyond_without, 4) << "24 N against 13.5 and 18, 10 against 6";
+  EXPECT_GE(trips_without_hand_over, 4) << "24 N against 13.5 and 18, 10 against 6";
 }
 
 }  // namespace

@@ -14,9 +14,13 @@
 #include "config/reading/strict/config_error.h"
 #include "tests/temporary_path.h"
 
+// Tests of the file of identified values (measured arm, sensor, link and hands): how it is written, read,
+// checked, and applied to a cell.
+
 namespace osteon::config {
 namespace {
 
+// Identified values with every section present.
 IdentifiedCell Sample() {
   IdentifiedCell cell;
   cell.valid_for = {.robot = "LBR iiwa 14 R820",
@@ -55,12 +59,14 @@ IdentifiedCell Sample() {
   return cell;
 }
 
+// Writes a temporary file of this name, and returns its path.
 std::filesystem::path WriteFile(const std::string& name, const std::string& text) {
   const std::filesystem::path file = TemporaryPath(name);
   std::ofstream(file) << text;
   return file;
 }
 
+// The error of reading a file of this text; empty if it is accepted.
 std::string ErrorOf(const std::string& text) {
   try {
     static_cast<void>(ReadIdentified(WriteFile("identified.yaml", text)));
@@ -70,6 +76,7 @@ std::string ErrorOf(const std::string& text) {
   return "";
 }
 
+// The text with the first `from` replaced.
 std::string Replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
@@ -101,7 +108,7 @@ TEST(IdentifiedFile, ReadsBackWhatWasWritten) {
   EXPECT_EQ(read.dead_zone_N, 0.21);
 }
 
-TEST(IdentifiedFile, WhatWasNotMeasuredStaysAbsent) {
+TEST(IdentifiedFile, SectionsThatWereNotMeasuredStayAbsent) {
   IdentifiedCell sample = Sample();
   sample = {.valid_for = sample.valid_for, .arm = {}, .response = {}};
   const IdentifiedCell read = ReadIdentified(WriteFile("identified.yaml", WriteIdentified(sample, "")));
@@ -120,7 +127,7 @@ TEST(IdentifiedFile, ErrorsNameLineValueAndWhatIsAccepted) {
   EXPECT_NE(ErrorOf(Replaced(good, "lag_ms: [28.2, 28.4]", "lag_ms: [28.35, 28.4]"))
                 .find("found 28.35 … 28.4, accepted an interval around the value beside it, 28.3"),
             std::string::npos);
-  // what contradicts the rest of the file
+  // values in their ranges that contradict other values of the file
   EXPECT_NE(ErrorOf(Replaced(Replaced(good, "bandwidth_hz: 16.6", "bandwidth_hz: 900"),
                              "bandwidth_hz: [15.6, 17.6]", "bandwidth_hz: [800, 1000]"))
                 .find("lag_ms: found 28.3, accepted dead_time_ms + 2 damping_ratio"),
@@ -144,7 +151,7 @@ TEST(IdentifiedFile, ErrorsNameLineValueAndWhatIsAccepted) {
   EXPECT_NE(error.find("noise_N: found often"), std::string::npos) << error;
 }
 
-TEST(IdentifiedFile, AResponseWithAHandNamesOneOfTheHands) {
+TEST(IdentifiedFile, AResponseMeasuredWithAHandMustNameAListedHand) {
   IdentifiedCell cell = Sample();
   cell.response.push_back({.axis = "z",
                            .speed_m_per_s = 0.008,
@@ -169,17 +176,17 @@ TEST(IdentifiedFile, AResponseWithAHandNamesOneOfTheHands) {
   EXPECT_NE(ErrorOf(Replaced(good, "by: hand", "by: force")).find("accepted by: hand"), std::string::npos);
 }
 
-// A file of this cell that says nothing yet.
-IdentifiedCell FileFor(const CellConfig& cell) {
+// Identified values for this robot, tool, period and start, with no measurement yet.
+IdentifiedCell EmptyIdentifiedFor(const CellConfig& cell) {
   IdentifiedCell own{
       .valid_for = {.robot = cell.robot.name, .tool = cell.tool.tool.name, .period_s = cell.servo.period_s}};
   for (std::size_t i = 0; i < 7; ++i) own.valid_for.start_rad[i] = cell.start.q[static_cast<int>(i)];
   return own;
 }
 
-TEST(IdentifiedFile, ForcesOfHandAndSensorReachTheLoop) {
+TEST(IdentifiedFile, TremorNotchAndDeadZoneReachTheLoop) {
   CellConfig cell = LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml");
-  IdentifiedCell own = FileFor(cell);
+  IdentifiedCell own = EmptyIdentifiedFor(cell);
   const auto apply = [&](const IdentifiedCell& identified) {
     CellConfig applied = cell;
     ApplyIdentified(WriteFile("identified.yaml", WriteIdentified(identified, "")), applied);
@@ -198,10 +205,10 @@ TEST(IdentifiedFile, ForcesOfHandAndSensorReachTheLoop) {
   EXPECT_EQ(apply(own).servo.admittance.dead_zone_N, 2.0) << "a measured drift makes no dead zone smaller";
 }
 
-TEST(IdentifiedFile, AnImpedanceReachesTheSimulatedArm) {
+TEST(IdentifiedFile, UnderImpedanceDeadTimeAndStiffnessReachTheSimulatedArm) {
   const CellConfig cell =
       LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/thin_plate_impedance.yaml");
-  IdentifiedCell own = FileFor(cell);
+  IdentifiedCell own = EmptyIdentifiedFor(cell);
   own.arm = Sample().arm;
   own.arm[0].bandwidth_hz = 3.0;
   own.arm[0].bandwidth_interval_hz = {.low = 2.9, .high = 3.1};
@@ -233,10 +240,10 @@ TEST(IdentifiedFile, AnImpedanceReachesTheSimulatedArm) {
   }
 }
 
-TEST(IdentifiedFile, EachSpringComesFromTheAxisThatKnowsItBest) {
+TEST(IdentifiedFile, EachSpringComesFromTheAxisWithTheSmallestUncertainty) {
   const CellConfig cell =
       LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/thin_plate_impedance.yaml");
-  IdentifiedCell own = FileFor(cell);
+  IdentifiedCell own = EmptyIdentifiedFor(cell);
   own.arm = {Sample().arm[0], Sample().arm[0]};
   IdentifiedArm &x = own.arm[0], &z = own.arm[1];
   x.axis = "x";
@@ -263,9 +270,9 @@ TEST(IdentifiedFile, EachSpringComesFromTheAxisThatKnowsItBest) {
             std::string::npos);
 }
 
-TEST(IdentifiedFile, StandsInThePlaceOfTheCellsOwn) {
+TEST(IdentifiedFile, AFileGivenAtLoadReplacesTheCellsValues) {
   const std::filesystem::path demo = std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml";
-  IdentifiedCell measured = FileFor(LoadCell(demo));
+  IdentifiedCell measured = EmptyIdentifiedFor(LoadCell(demo));
   measured.arm = Sample().arm;
   measured.sensor = Sample().sensor;
   measured.dead_zone_N = 0.9;
@@ -286,7 +293,7 @@ TEST(IdentifiedFile, StandsInThePlaceOfTheCellsOwn) {
   EXPECT_THROW(static_cast<void>(LoadCell(demo, {}, {}, other)), ConfigError) << "another cell's";
 }
 
-TEST(IdentifiedFile, AnotherCellsFileIsRefused) {
+TEST(IdentifiedFile, AFileOfAnotherCellIsRefused) {
   const CellConfig cell = LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml");
   IdentifiedCell own = Sample();
   own.valid_for.robot = cell.robot.name;

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-// Faults on wires in a cell's file.
+// Tests of a cell's list `injections`: faults (loss, delay, …) that are injected on the simulated wires.
 
 namespace osteon::config {
 namespace {
@@ -14,6 +14,7 @@ using hil::Direction;
 using hil::Wire;
 using testing::HasSubstr;
 
+// Injections read from the text of a cell.
 hil::InjectionParams Read(const std::string& text) {
   Reader reader = Reader::Parse(text, "cell.yaml");
   const hil::InjectionParams params = ReadInjections(reader);
@@ -21,6 +22,7 @@ hil::InjectionParams Read(const std::string& text) {
   return params;
 }
 
+// The error of Read; "accepted" if there is none.
 std::string Refusal(const std::string& text) {
   try {
     static_cast<void>(Read(text));
@@ -30,19 +32,19 @@ std::string Refusal(const std::string& text) {
   return "accepted";
 }
 
-// One injection with these keys in addition to its wire and direction.
-std::string One(const std::string& keys, const std::string& wire = "arm",
-                const std::string& direction = "both") {
+// Text of a list with one injection from 1 s to 2 s, with these keys added.
+std::string OneInjection(const std::string& keys, const std::string& wire = "arm",
+                         const std::string& direction = "both") {
   return "injections:\n  - {wire: " + wire + ", direction: " + direction + ", from_s: 1, to_s: 2, " + keys +
          "}\n";
 }
 
-TEST(Injections, ThereAreNoneWhereACellNamesNone) {
+TEST(Injections, AreEmptyWhereACellNamesNone) {
   EXPECT_TRUE(Read("{}").injections.empty());
   EXPECT_TRUE(Read("injections: []").injections.empty());
 }
 
-TEST(Injections, EveryKeyArrivesInSi) {
+TEST(Injections, EveryKeyIsReadAndConvertedToSi) {
   const hil::InjectionParams params = Read(R"(
 injection_seed: 77
 injections:
@@ -85,15 +87,16 @@ injections:
   EXPECT_NO_THROW(hil::Validate(params));
 }
 
-TEST(Injections, RefusalsSayWhereAndWhatIsAccepted) {
-  EXPECT_THAT(Refusal(One("loss_ratio: 1.5")),
+TEST(Injections, RefusalsNameTheKeyAndWhatIsAccepted) {
+  EXPECT_THAT(Refusal(OneInjection("loss_ratio: 1.5")),
               HasSubstr("cell.yaml:2: loss_ratio: found 1.5, accepted 0 … 1"));
-  EXPECT_THAT(Refusal(One("delay_ms: 201")), HasSubstr("delay_ms: found 201, accepted 0 … 200"));
-  EXPECT_THAT(Refusal(One("loss_ratio: 0.1", "radio")),
+  EXPECT_THAT(Refusal(OneInjection("delay_ms: 201")), HasSubstr("delay_ms: found 201, accepted 0 … 200"));
+  EXPECT_THAT(Refusal(OneInjection("loss_ratio: 0.1", "radio")),
               HasSubstr("wire: found radio, accepted arm, force_sensor, drive, plc"));
-  EXPECT_THAT(Refusal(One("los_ratio: 0.1")), HasSubstr("did you mean \"loss_ratio\"?"));
-  EXPECT_THAT(Refusal(One("burst_count: 5, delay_ms: 1")), HasSubstr("burst_count: needs a loss_ratio"));
-  EXPECT_THAT(Refusal(One("silence: false")),
+  EXPECT_THAT(Refusal(OneInjection("los_ratio: 0.1")), HasSubstr("did you mean \"loss_ratio\"?"));
+  EXPECT_THAT(Refusal(OneInjection("burst_count: 5, delay_ms: 1")),
+              HasSubstr("burst_count: needs a loss_ratio"));
+  EXPECT_THAT(Refusal(OneInjection("silence: false")),
               HasSubstr("an injection of nothing; accepted at least one of "));
   EXPECT_THAT(Refusal("injections: [{wire: arm, direction: both, from_s: 2, to_s: 2, silence: true}]"),
               HasSubstr("to_s: found 2, accepted more than from_s (2)"));
@@ -102,11 +105,11 @@ TEST(Injections, RefusalsSayWhereAndWhatIsAccepted) {
   EXPECT_THAT(Refusal("injection_seed: -1"), HasSubstr("injection_seed: found -1"));
 }
 
-TEST(Injections, APlcsWireIsTcp) {
+TEST(Injections, OnThePlcsWireOnlyFaultsOfTcpAreAccepted) {
   for (const char* key : {"duplicate_ratio: 0.1", "reorder_ratio: 0.1", "corrupt_ratio: 0.1"})
-    EXPECT_THAT(Refusal(One(key, "plc")), HasSubstr("which is TCP"));
-  EXPECT_THAT(Refusal(One("silence: true", "plc", "to_controller")), HasSubstr("accepted both"));
-  EXPECT_EQ(Refusal(One("loss_ratio: 1", "plc")), "accepted");
+    EXPECT_THAT(Refusal(OneInjection(key, "plc")), HasSubstr("which is TCP"));
+  EXPECT_THAT(Refusal(OneInjection("silence: true", "plc", "to_controller")), HasSubstr("accepted both"));
+  EXPECT_EQ(Refusal(OneInjection("loss_ratio: 1", "plc")), "accepted");
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include "config/reading/strict/overlay.h"
 #include "tests/io/temporary_folder.h"
 
-// A key that has a better name now is still read by its older one, wherever a key may stand.
+// Tests of renamed keys: the old name is still accepted in files and in overrides.
 
 namespace osteon::config {
 namespace {
@@ -24,6 +24,7 @@ using testing::HasSubstr;
 class KeyAliases : public testing::Test {
  protected:
   KeyAliases() { SetShippedFolder(fs::path(OSTEON_SOURCE_DIR) / "config"); }
+  // Writes my.yaml with this text, and returns its path.
   fs::path Write(const std::string& text) const {
     io::test::WriteAll(folder_.path() / "my.yaml", text);
     return folder_.path() / "my.yaml";
@@ -31,7 +32,7 @@ class KeyAliases : public testing::Test {
   io::test::TemporaryFolder folder_;
 };
 
-TEST_F(KeyAliases, AnOlderNameInAFileMeansTheSame) {
+TEST_F(KeyAliases, AnOldNameInAFileSetsTheSameValue) {
   const CellConfig cell = LoadCell(Write("extends: demo\npassivity: {least_speed_mm_per_s: 7}\n"));
   EXPECT_DOUBLE_EQ(cell.servo.stabilisers.passivity.min_speed_m_per_s, 7e-3);
 }
@@ -57,7 +58,7 @@ TEST_F(KeyAliases, BothNamesInOneMappingAreRefused) {
   }
 }
 
-TEST_F(KeyAliases, AFileWrittenFromTwoOthersHasTheKeyOnce) {
+TEST_F(KeyAliases, AFileDerivedWithBothNamesHasTheKeyOnce) {
   const fs::path written = folder_.path() / "written.yaml";
   WriteDerived(Write("extends: demo\nsensor_bias: {most_N: 8}\n"), {{"sensor_bias.most_Nm", "1.5"}}, written);
   const CellConfig cell = LoadCell(written);
@@ -65,7 +66,7 @@ TEST_F(KeyAliases, AFileWrittenFromTwoOthersHasTheKeyOnce) {
   EXPECT_DOUBLE_EQ(cell.servo.sensor_bias.max_bias_Nm, 1.5);
 }
 
-TEST(KeyAlias, NoNameIsOldAndNewAtOnce) {
+TEST(KeyAlias, AnOldNameMapsToItsNewOneAndANewNameToItself) {
   for (const KeyAlias& alias : config::KeyAliases()) {
     EXPECT_EQ(CurrentKey(std::string(alias.old_name)), alias.name);
     EXPECT_EQ(CurrentKey(std::string(alias.name)), alias.name);

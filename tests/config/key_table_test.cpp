@@ -3,13 +3,15 @@
 
 #include <gtest/gtest.h>
 
-// What the readers ask for. That shipped files pass the schemas made of it: tests/app/schema_test.py.
+// Tests of the table of keys that the readers of a kind of file ask for. tests/app/schema_test.py checks the
+// shipped files against the schemas that are made of this table.
 
 namespace osteon::config {
 namespace {
 
 using Type = KeyInfo::Type;
 
+// Table of a kind of file, e.g. "cell".
 KeyTable TableOf(const std::string& name) {
   for (const FileKind& kind : FileKinds())
     if (kind.name == name) return RecordKeys(kind.load);
@@ -30,13 +32,13 @@ TEST(KeyTable, HasTypeRangeAndWordsOfAKey) {
   EXPECT_EQ(cell.inner.at("zones").keys.at("at_mm").size, 3u);
 }
 
-// Keys that only one answer to another key brings are there as well, as not required.
-TEST(KeyTable, FollowsEveryAnswer) {
+// Keys that depend on another key's value ("kind: drilling") are listed too, as not required.
+TEST(KeyTable, ListsTheKeysOfEveryChoice) {
   const KeyTable cell = TableOf("cell");
-  for (const char* law :
+  for (const char* key :
        {"admittance", "impedance", "fri", "rsi", "bone", "calibration", "injections", "extends", "remove"}) {
-    ASSERT_TRUE(cell.keys.contains(law)) << law;
-    EXPECT_FALSE(cell.keys.at(law).required) << law;
+    ASSERT_TRUE(cell.keys.contains(key)) << key;
+    EXPECT_FALSE(cell.keys.at(key).required) << key;
   }
   const KeyTable& script = cell.inner.at("script");
   for (const char* key : {"whirl_period_s", "peck_count", "turn_count"})
@@ -46,14 +48,14 @@ TEST(KeyTable, FollowsEveryAnswer) {
   EXPECT_TRUE(robot.inner.at("joints").keys.contains("origin"));
 }
 
-TEST(KeyTable, KnowsWhatAWordDecidesOn) {
+TEST(KeyTable, KnowsWhichKeysAChoiceRequiresAndExcludes) {
   const KeyTable cell = TableOf("cell");
   bool found = false;
-  for (const KeyCase& one : cell.inner.at("script").cases)
-    if (one.key == "kind" && one.word == "drilling") {
+  for (const KeyCase& key_case : cell.inner.at("script").cases)
+    if (key_case.key == "kind" && key_case.word == "drilling") {
       found = true;
-      EXPECT_TRUE(one.required.contains("peck_count"));
-      EXPECT_TRUE(one.excluded.contains("whirl_period_s"));
+      EXPECT_TRUE(key_case.required.contains("peck_count"));
+      EXPECT_TRUE(key_case.excluded.contains("whirl_period_s"));
     }
   EXPECT_TRUE(found);
 }

@@ -6,7 +6,8 @@
 #include "config/reading/load.h"
 #include "tests/config/cell_text.h"
 
-// A cell names one law, and its simulated arm is set up for it.
+// Tests of the choice of the control law: a cell names one law (admittance or impedance), and its simulated
+// arm is set up for that law.
 
 namespace osteon::config {
 namespace {
@@ -31,8 +32,10 @@ TEST(LawKeys, ImpedanceReachesLoopAndSimulatedArm) {
   EXPECT_EQ(LoadCell(kCells / "demo.yaml").servo.law, control::Law::kAdmittance);
 }
 
-TEST(LawKeys, OneLawAndAnArmThatHasIt) {
+// Refused are a second law, a simulation level without impedance control, an overlay of positions, and RSI.
+TEST(LawKeys, ACellHasOneLawThatItsArmSupports) {
   const std::string cell = CellText("thin_plate_impedance"), admittance = CellText("thin_plate");
+  // position of the line break after a section that begins at `section`
   const auto end_of = [](const std::string& text, std::size_t section) {
     std::size_t at = section;
     do at = text.find('\n', at + 1);

@@ -5,6 +5,8 @@
 
 #include "tests/config/cell_text.h"
 
+// Tests of a cell's limits: section limits, the zones and the depth limit.
+
 namespace osteon::config {
 namespace {
 
@@ -13,7 +15,7 @@ using safety::ZoneShape;
 using safety::ZoneSide;
 using ::testing::HasSubstr;
 
-TEST(Limits, OfTheDemoCellAreReadAndMadeTheTools) {
+TEST(Limits, AreReadAndScaledToTheTool) {
   const CellConfig cell = LoadText(CellText("demo"));
   const control::ServoParams& servo = cell.servo;
   EXPECT_EQ(servo.max_elbow_speed_m_per_s, 0.25);
@@ -29,8 +31,9 @@ TEST(Limits, OfTheDemoCellAreReadAndMadeTheTools) {
   EXPECT_EQ(servo.depth.soft_m, 4e-3);
 }
 
-TEST(Limits, AreNotThereWhereACellDoesNotNameThem) {
+TEST(Limits, AreUnlimitedWhereACellDoesNotNameThem) {
   std::string text = CellText("demo");
+  // removes the text from `from` to before `to`
   const auto cut = [&](const std::string& from, const std::string& to) {
     const std::size_t at = text.find(from);
     text.erase(at, text.find(to, at) - at);
@@ -64,8 +67,8 @@ TEST(Limits, ZonesOfEveryShapeAreRead) {
   EXPECT_EQ(read[3].half_edge_m, Vector3(0.005, 0.01, 0.015));
 }
 
-TEST(Limits, WhatHappensAtTheForceLimitIsTheCellsChoice) {
-  const auto with = [](const std::string& cell, const std::string& line) {
+TEST(Limits, ACellChoosesTheReactionAtTheForceLimit) {
+  const auto with_limit = [](const std::string& cell, const std::string& line) {
     return With(CellText(cell), "limits:\n", "limits:\n  " + line + "\n");
   };
   const auto reaction = [](const std::string& text) { return LoadText(text).servo.on_force_limit; };
@@ -74,11 +77,11 @@ TEST(Limits, WhatHappensAtTheForceLimitIsTheCellsChoice) {
             OnForceLimit::kYield);
   EXPECT_EQ(reaction(With(CellText("demo"), "on_force_limit: slow", "on_force_limit: stop")).reaction,
             OnForceLimit::kStop);
-  // default: twice 200 N / 20 N/mm, and 3 mm
+  // default of max_tool_in_bone_mm: 2 × 200 N / (20 N/mm) + 3 mm = 23 mm
   EXPECT_EQ(reaction(CellText("demo")).reaction, OnForceLimit::kSlow);
   EXPECT_NEAR(reaction(CellText("demo")).max_tool_in_bone_m, 0.023, 1e-12);
-  EXPECT_NEAR(reaction(with("demo", "max_tool_in_bone_mm: 11")).max_tool_in_bone_m, 0.011, 1e-15);
-  EXPECT_THAT(Refusal(with("demo", "max_tool_in_bone_mm: 9.9")),
+  EXPECT_NEAR(reaction(with_limit("demo", "max_tool_in_bone_mm: 11")).max_tool_in_bone_m, 0.011, 1e-15);
+  EXPECT_THAT(Refusal(with_limit("demo", "max_tool_in_bone_mm: 9.9")),
               AllOf(HasSubstr("max_tool_in_bone_mm"), HasSubstr("found 9.9"), HasSubstr("more than 10"),
                     HasSubstr("20 N/mm"), HasSubstr("200 N")));
   EXPECT_EQ(reaction(CellText("thin_plate_impedance")).reaction, OnForceLimit::kYield);
@@ -89,15 +92,15 @@ TEST(Limits, WhatHappensAtTheForceLimitIsTheCellsChoice) {
               AllOf(HasSubstr("on_force_limit"), HasSubstr("never"), HasSubstr("yield")));
 }
 
-TEST(Limits, WhatContradictsItselfIsRefusedAtItsLine) {
-  const auto with = [](const std::string& from, const std::string& to) {
+TEST(Limits, ContradictoryValuesAreRefused) {
+  const auto refusal_with = [](const std::string& from, const std::string& to) {
     return Refusal(With(CellText("demo"), from, to));
   };
-  EXPECT_THAT(with("spindle_stop_mm: 1", "spindle_stop_mm: 5"),
+  EXPECT_THAT(refusal_with("spindle_stop_mm: 1", "spindle_stop_mm: 5"),
               HasSubstr("spindle_stop_mm: found 5, accepted at most soft_mm (4)"));
-  EXPECT_THAT(with("stiffness_N_per_mm: 20\n  damping_Ns", "stiffness_N_per_mm: 25\n  damping_Ns"),
+  EXPECT_THAT(refusal_with("stiffness_N_per_mm: 20\n  damping_Ns", "stiffness_N_per_mm: 25\n  damping_Ns"),
               HasSubstr("stiffness_N_per_mm: found 25, accepted at most the coupling's 20"));
-  EXPECT_THAT(with("at_mm: [0, 0, 400]", "at_mm: [0, 0, 4000]"),
+  EXPECT_THAT(refusal_with("at_mm: [0, 0, 400]", "at_mm: [0, 0, 4000]"),
               HasSubstr("from the elbow at the start to its zones' bounds"));
   const std::string text = CellText("demo");
   const std::size_t depth = text.find("depth_limit:"), at = text.find("at_mm:", depth);
@@ -105,7 +108,8 @@ TEST(Limits, WhatContradictsItselfIsRefusedAtItsLine) {
   above.replace(at, text.find(']', at) + 1 - at, "at_mm: [620, 0, 4000]");
   EXPECT_THAT(Refusal(above),
               HasSubstr("from the apex at the start to the depth limit's bound, accepted at least 0 mm"));
-  EXPECT_THAT(with("shape: box", "shape: cone"), HasSubstr("half_space, sphere, box, cylinder, capsule"));
+  EXPECT_THAT(refusal_with("shape: box", "shape: cone"),
+              HasSubstr("half_space, sphere, box, cylinder, capsule"));
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include "config/reading/load.h"
 #include "tests/temporary_path.h"
 
+// Tests of the lists of materials (config/materials): the shipped ones, and the errors of wrong ones.
+
 namespace osteon::config {
 namespace {
 
@@ -21,7 +23,7 @@ std::vector<std::string> Names(const std::vector<simulation::Material>& material
   return names;
 }
 
-/// Error of a file of one material with one line replaced.
+/// Error of a file with one material in which the first `from` is replaced; empty if it is accepted.
 std::string Refusal(const std::string& from, const std::string& to) {
   std::string text =
       "materials:\n"
@@ -55,7 +57,7 @@ std::string Refusal(const std::string& from, const std::string& to) {
   return what.starts_with(folder) ? what.substr(folder.size() + 1) : what;
 }
 
-TEST(MaterialsConfig, EachShippedListIsSoundAndInTheOrderItsScenesExpect) {
+TEST(MaterialsConfig, EachShippedListIsValidAndInTheOrderItsScenesExpect) {
   using testing::ElementsAre;
   EXPECT_THAT(Names(LoadMaterials(Shipped("bone.yaml"))),
               ElementsAre("cartilage", "cortical", "cancellous", "marrow"));
@@ -68,7 +70,7 @@ TEST(MaterialsConfig, EachShippedListIsSoundAndInTheOrderItsScenesExpect) {
     EXPECT_NO_THROW(simulation::CheckMaterials(LoadMaterials(Shipped(name)))) << name;
 }
 
-// A pound per cubic foot is 16.018 kg/m^3; the file gives three digits.
+// The grade is the density in pounds per cubic foot: 1 lb/ft³ = 16.018 kg/m³. The file gives three digits.
 TEST(MaterialsConfig, FoamsHaveTheDensityOfTheirGrade) {
   const std::vector<simulation::Material> foams = LoadMaterials(Shipped("sawbone.yaml"));
   for (int i = 0; i < 4; ++i) {
@@ -79,7 +81,7 @@ TEST(MaterialsConfig, FoamsHaveTheDensityOfTheirGrade) {
   EXPECT_FALSE(foams[4].cutting_energy_source.assumed);
 }
 
-TEST(MaterialsConfig, WhatHasNoSourceIsMarkedAndListed) {
+TEST(MaterialsConfig, AssumedValuesAreMarkedAndListed) {
   const std::vector<simulation::Material> bone = LoadMaterials(Shipped("bone.yaml"));
   EXPECT_FALSE(bone[1].cutting_energy_source.assumed);
   EXPECT_THAT(bone[1].cutting_energy_source.text, HasSubstr("MacAvelia"));
@@ -89,7 +91,7 @@ TEST(MaterialsConfig, WhatHasNoSourceIsMarkedAndListed) {
   EXPECT_THAT(assumed, testing::Not(testing::Contains(HasSubstr("cortical: cutting energy"))));
 }
 
-TEST(MaterialsConfig, MistakesAreAnsweredWithLineAndWhatIsAccepted) {
+TEST(MaterialsConfig, ErrorsNameTheLineAndWhatIsAccepted) {
   EXPECT_EQ(Refusal("foam", "foam"), "");
   EXPECT_THAT(Refusal("0.32", "320"), HasSubstr(".yaml:3: density_g_per_cm3: found 320, accepted 0.01 … 10"));
   EXPECT_THAT(Refusal("density_assumed: false", "density_assumed: perhaps"),
@@ -99,13 +101,13 @@ TEST(MaterialsConfig, MistakesAreAnsweredWithLineAndWhatIsAccepted) {
   EXPECT_THAT(Refusal("name: foam", "name:"), HasSubstr(".yaml:2: name: found nothing, accepted a text"));
   EXPECT_THAT(Refusal("materials:\n", "tissues:\n"), HasSubstr("unknown key \"tissues\""));
   EXPECT_THAT(Refusal("materials:\n", "materials:\n  - {}\n"), HasSubstr("missing key \"name\""));
-  std::string nine = "materials:\n";
-  for (int i = 0; i < 8; ++i) nine += "  - {}\n";
-  EXPECT_THAT(Refusal("materials:\n", nine),
+  std::string eight_more = "materials:\n";
+  for (int i = 0; i < 8; ++i) eight_more += "  - {}\n";
+  EXPECT_THAT(Refusal("materials:\n", eight_more),
               HasSubstr("materials: found a list of 9, accepted a list of 1 … 8 mappings"));
 }
 
-TEST(MaterialsConfig, AnEdgeForceStatesTheChipAtWhichTheEnergyWasMeasured) {
+TEST(MaterialsConfig, AnEdgeForceNeedsTheChipThicknessOfTheMeasuredEnergy) {
   const simulation::Material cortical = LoadMaterials(Shipped("bone.yaml"))[1];
   EXPECT_DOUBLE_EQ(cortical.edge_force_N_per_m, 21e3);
   EXPECT_DOUBLE_EQ(cortical.measured_chip_m, 48e-6);
@@ -123,7 +125,7 @@ TEST(MaterialsConfig, AnEdgeForceStatesTheChipAtWhichTheEnergyWasMeasured) {
               HasSubstr("unknown key \"measured_chip_um\""));
 }
 
-TEST(MaterialsConfig, ANameIsUsedOnce) {
+TEST(MaterialsConfig, ARepeatedNameIsRefused) {
   std::ifstream file(Shipped("tooth.yaml"));
   std::string text((std::istreambuf_iterator<char>(file)), {});
   text.replace(text.find("name: pulp"), 10, "name: enamel");

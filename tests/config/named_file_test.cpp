@@ -4,6 +4,8 @@
 
 #include "tests/io/temporary_folder.h"
 
+// Tests of finding a file by its path or by its bare name in a folder ("demo" for config/cells/demo.yaml).
+
 namespace osteon::config {
 namespace {
 
@@ -23,7 +25,9 @@ TEST(NamedFile, IsFoundByItsPathAndByItsNameInTheFolder) {
   EXPECT_NE(YamlNamesIn("elsewhere").find("OSTEON_ROOT"), std::string::npos) << "a program that was moved";
 }
 
-TEST(NamedFile, SaysWhereItLooked) {
+// The error of a bare name is its path in the folder, with ".yaml"; the error of a name with an ending is the
+// name itself.
+TEST(NamedFile, ErrorIsThePathThatWasTried) {
   const TemporaryFolder folder;
   EXPECT_EQ(FindNamedFile(folder.path(), "c").error(), folder.path() / "c.yaml");
   EXPECT_EQ(FindNamedFile(folder.path(), "c.yaml").error(), "c.yaml");

@@ -7,6 +7,8 @@
 
 #include "config/reading/simulated/read_operator.h"
 
+// Tests of a cell's section operator: the simulated hand and its incidents (sudden grip, release, clamp).
+
 namespace osteon::config {
 namespace {
 
@@ -25,7 +27,8 @@ const std::string kIncidents =
     "    - kind: clamp\n      at_s: 6\n      stiffness_N_per_m: 50000\n      damping_Ns_per_m: 50\n"
     "      stiffness_Nm_per_rad: 500\n      damping_Nms_per_rad: 0.5\n      return_ms: 100\n";
 
-hil::OperatorHandParams Operator(const std::string& text) {
+// The hand read from the text of a cell.
+hil::OperatorHandParams ReadHand(const std::string& text) {
   Reader reader = Reader::Parse(text, "cell.yaml");
   hil::OperatorHandParams hand;
   ReadOperator(reader.Section("operator"), hand);
@@ -33,30 +36,32 @@ hil::OperatorHandParams Operator(const std::string& text) {
   return hand;
 }
 
+// The error of ReadHand; "accepted" if there is none.
 std::string ErrorOf(const std::string& text) {
   try {
-    (void)Operator(text);
+    (void)ReadHand(text);
   } catch (const ConfigError& error) {
     return error.what();
   }
   return "accepted";
 }
 
+// The text with the first `from` replaced.
 std::string Changed(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   return text.replace(at, from.size(), to);
 }
 
-TEST(OperatorSection, NeedsNoIncidents) {
-  const hil::OperatorHandParams hand = Operator(kHand);
+TEST(OperatorSection, IncidentsAreOptional) {
+  const hil::OperatorHandParams hand = ReadHand(kHand);
   EXPECT_EQ(hand.stiffness_N_per_m, 300.0);
   EXPECT_EQ(hand.grip_time_s, 0.005);
   EXPECT_EQ(hand.incidents.count, 0u);
 }
 
-TEST(OperatorSection, IncidentsComeInSI) {
-  const hil::OperatorHandParams hand = Operator(kHand + kIncidents);
+TEST(OperatorSection, IncidentsAreConvertedToSi) {
+  const hil::OperatorHandParams hand = ReadHand(kHand + kIncidents);
   ASSERT_EQ(hand.incidents.count, 3u);
   const auto& step = std::get<hil::GripStep>(hand.incidents.list[0]);
   EXPECT_DOUBLE_EQ(step.begin_s, 3.0);
@@ -78,15 +83,15 @@ TEST(OperatorSection, IncidentsComeInSI) {
   EXPECT_DOUBLE_EQ(clamp.begin_s, 6.0);
   EXPECT_TRUE(std::isinf(clamp.end_s)) << "never ends";
   EXPECT_DOUBLE_EQ(clamp.spring.stiffness_N_per_m, 50000.0);
-  // a hand accepts the values read
+  // a hand accepts the values that were read
   EXPECT_NO_THROW(hil::CheckIncidents(hand.incidents));
   const std::string first_two = kIncidents.substr(0, kIncidents.find("    - kind: clamp"));
-  const auto forever = Operator(kHand + Changed(first_two, "      away_ms: 200\n", ""));
+  const auto forever = ReadHand(kHand + Changed(first_two, "      away_ms: 200\n", ""));
   EXPECT_TRUE(std::isinf(std::get<hil::StartledRelease>(forever.incidents.list[1]).away_s));
 }
 
-// Every line of the list that contains a number: absurd values are refused at their line.
-TEST(OperatorSection, EveryNumberOfAnIncidentIsBounded) {
+// Each number in turn is replaced by ±1e12, which must be refused at its line.
+TEST(OperatorSection, EveryNumberHasARange) {
   std::istringstream stream(kHand + kIncidents);
   std::vector<std::string> lines;
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
@@ -110,7 +115,7 @@ TEST(OperatorSection, EveryNumberOfAnIncidentIsBounded) {
     }
     ++numbers;
   }
-  EXPECT_EQ(numbers, 11 + 8 - 1 + 7 + 6);
+  EXPECT_EQ(numbers, 11 + 8 - 1 + 7 + 6);  // every line with a number was tried
 }
 
 TEST(OperatorSection, IncidentsThatContradictEachOtherAreRefused) {
@@ -129,7 +134,7 @@ TEST(OperatorSection, IncidentsThatContradictEachOtherAreRefused) {
             "cell.yaml:26: jerk_axis: found a length of 0.8, accepted 1");
 }
 
-TEST(OperatorSection, TyposAreNamed) {
+TEST(OperatorSection, MisspeltMissingAndForeignKeysAreNamed) {
   const std::string all = kHand + kIncidents;
   EXPECT_EQ(ErrorOf(Changed(all, "kind: clamp", "kind: vice")),
             "cell.yaml:30: kind: found vice, accepted grip_step, clamp, startled_release");

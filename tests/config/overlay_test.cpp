@@ -5,7 +5,8 @@
 #include "config/reading/load.h"
 #include "tests/io/temporary_folder.h"
 
-// Overridden values are read, nothing else changes, and errors name the source of the value.
+// Tests of the overlay, which replaces single values of a cell's files by dotted names
+// ("limits.max_force_N"): only these values change, and errors name the source of the value.
 
 namespace osteon::config {
 namespace {
@@ -16,7 +17,7 @@ const fs::path kCell = kConfig / "cells/demo.yaml";
 
 class OverlayTest : public testing::Test {
  protected:
-  /// Loads the cell with a file of overrides.
+  /// Loads the demo cell with a file of overrides.
   CellConfig Load(const std::string& overrides) {
     io::test::WriteAll(File(), "shows: a test\n" + overrides);
     Overlay overlay(kCell);
@@ -25,7 +26,7 @@ class OverlayTest : public testing::Test {
     overlay.Finish();
     return cell;
   }
-  /// The error of these overrides.
+  /// The error of these overrides; "taken" if they are accepted.
   std::string Refusal(const std::string& overrides) {
     try {
       static_cast<void>(Load(overrides));
@@ -34,6 +35,7 @@ class OverlayTest : public testing::Test {
     }
     return "taken";
   }
+  /// Expects an error at this line of the overrides' file that contains all the texts. Line 1 is `shows`.
   void ExpectRefused(const std::string& overrides, int line, const std::vector<std::string>& texts) {
     const std::string refusal = Refusal(overrides);
     EXPECT_TRUE(refusal.starts_with(File().string() + ":" + std::to_string(line) + ": ")) << refusal;
@@ -44,7 +46,7 @@ class OverlayTest : public testing::Test {
   io::test::TemporaryFolder folder_;
 };
 
-TEST_F(OverlayTest, OneAssignmentReplacesOneValueOfAFileAndLeavesTheOthers) {
+TEST_F(OverlayTest, AnAssignmentReplacesOneOverrideOfTheFileAndLeavesTheOthers) {
   io::test::WriteAll(
       File(), "overrides:\n  operator.tremor_N: 3\n  tool.spindle_rpm: 300\n  limits.max_force_N: 150\n");
   Overlay overlay(kCell);
@@ -56,7 +58,7 @@ TEST_F(OverlayTest, OneAssignmentReplacesOneValueOfAFileAndLeavesTheOthers) {
   EXPECT_DOUBLE_EQ(cell.servo.wrench.max_force_N, 150.0);
 }
 
-TEST_F(OverlayTest, SaysOtherwiseInTheCellAndInTheFilesThatItNames) {
+TEST_F(OverlayTest, ReplacesValuesInTheCellAndInTheFilesThatTheCellNames) {
   const CellConfig cell = Load(
       "overrides:\n"
       "  limits.max_force_N: 150\n"
@@ -80,13 +82,13 @@ TEST_F(OverlayTest, SaysOtherwiseInTheCellAndInTheFilesThatItNames) {
   EXPECT_EQ(cell.servo.wrench.max_torque_Nm, shipped.servo.wrench.max_torque_Nm);
 }
 
-TEST_F(OverlayTest, FilesAreNamedFromTheFolderOfWhoSaysThem) {
+TEST_F(OverlayTest, ARelativePathStartsAtTheFolderOfTheOverridesFile) {
   fs::copy_file(kConfig / "tools/reamer.yaml", folder_.path() / "own.yaml");
   EXPECT_EQ(Load("overrides:\n  tool: own.yaml\n  tool.spindle_rpm: 100\n").tool.tool.name.empty(), false);
   ExpectRefused("overrides:\n  tool: nowhere.yaml\n", 3, {"tool", "nowhere.yaml", "existing file"});
 }
 
-TEST_F(OverlayTest, ErrorsNameFileAndLineThatSayIt) {
+TEST_F(OverlayTest, ErrorsNameFileAndLineOfTheOverride) {
   ExpectRefused("overrides:\n  limits.max_torque_Nm: 15\n  limits.max_force_N: 999\n", 4,
                 {"max_force_N: found 999, accepted", "200"});
   ExpectRefused("overrides:\n  limits.max_forc_N: 150\n", 3, {"unknown key \"max_forc_N\"", "max_force_N"});
@@ -100,15 +102,15 @@ TEST_F(OverlayTest, ErrorsNameFileAndLineThatSayIt) {
   ExpectRefused("overrides: 5\n", 2, {"overrides", "no mapping"});
 }
 
-// A check of one key against another blames the file of the key that it names.
-TEST_F(OverlayTest, ARefusalOfTheCellsOwnKeyNamesTheCell) {
+// A check that compares two keys names one of them: the error names the file that holds this key.
+TEST_F(OverlayTest, AnErrorAtAKeyOfTheCellNamesTheCell) {
   const std::string refusal = Refusal("overrides:\n  start.height_mm: 499\n");
   EXPECT_TRUE(refusal.starts_with(File().string() + ":3: height_mm")) << refusal;
   const std::string other = Refusal("overrides:\n  limits.max_tool_speed_mm_per_s: 20\n");
   EXPECT_NE(other.find("demo.yaml"), std::string::npos) << other;
 }
 
-TEST_F(OverlayTest, OneValueByCommand) {
+TEST_F(OverlayTest, ACommandLineAssignmentReplacesOneValue) {
   Overlay overlay(kCell);
   overlay.Set("limits.max_force_N=120", "--set");
   EXPECT_DOUBLE_EQ(LoadCell(kCell).servo.wrench.max_force_N, 120.0);
@@ -125,7 +127,7 @@ TEST_F(OverlayTest, OneValueByCommand) {
     EXPECT_THROW(overlay.Set(wrong, "--set"), ConfigError) << wrong;
 }
 
-TEST_F(OverlayTest, OneAtATime) {
+TEST_F(OverlayTest, ASecondOverlayInOneThreadIsRefused) {
   const Overlay overlay(kCell);
   EXPECT_THROW(const Overlay second(kCell), std::logic_error);
 }

@@ -3,13 +3,15 @@
 
 #include "cell_text.h"
 
+// Tests of the section plc: a cell must either have it or say that it has no PLC (without_plc: accepted).
+
 namespace osteon::config {
 namespace {
 
 using testing::AllOf, testing::HasSubstr;
 
 // The demo cell without its section plc.
-std::string WithoutSection() {
+std::string DemoWithoutPlc() {
   const std::string yaml = CellText("demo");
   const std::size_t from = yaml.find("\nplc:") + 1;
   std::size_t to = yaml.find('\n', from) + 1;
@@ -17,20 +19,20 @@ std::string WithoutSection() {
   return yaml.substr(0, from) + yaml.substr(to);
 }
 
-TEST(PlcKeys, ACellWithoutAPlcHasToSaySo) {
-  EXPECT_THAT(Refusal(WithoutSection()),
+TEST(PlcKeys, ACellWithoutPlcMustSaySo) {
+  EXPECT_THAT(Refusal(DemoWithoutPlc()),
               AllOf(HasSubstr("plc: found none"), HasSubstr("without_plc: accepted")));
 }
 
-TEST(PlcKeys, ACellThatSaysSoMovesWithoutAPlc) {
-  const CellConfig cell = LoadText(WithoutSection() + "\nwithout_plc: accepted\n");
+TEST(PlcKeys, ACellThatAcceptsToHaveNoPlcHasNoInterlock) {
+  const CellConfig cell = LoadText(DemoWithoutPlc() + "\nwithout_plc: accepted\n");
   EXPECT_FALSE(cell.devices.plc);
   EXPECT_FALSE(cell.servo.has_interlock);
   EXPECT_TRUE(LoadText(CellText("demo")).servo.has_interlock);
 }
 
-TEST(PlcKeys, NothingElseIsTakenForIt) {
-  EXPECT_THAT(Refusal(WithoutSection() + "\nwithout_plc: true\n"),
+TEST(PlcKeys, WithoutPlcAcceptsOnlyItsWordAndNoSectionPlcBesideIt) {
+  EXPECT_THAT(Refusal(DemoWithoutPlc() + "\nwithout_plc: true\n"),
               AllOf(HasSubstr("without_plc: found"), HasSubstr("accepted")));
   EXPECT_THAT(Refusal(CellText("demo") + "\nwithout_plc: accepted\n"),
               HasSubstr("without_plc: found beside plc"));

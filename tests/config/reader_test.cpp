@@ -7,16 +7,19 @@
 #include "config/reading/strict/nearest_key.h"
 #include "config/reading/strict/units.h"
 
+// Tests of the strict YAML reader: units from the keys' endings, ranges, unknown and missing keys, and the
+// text of each error (file, line, value found, values accepted).
+
 namespace osteon::config {
 namespace {
 
-constexpr const char* kName = "config/tools/reamer.yaml";
+constexpr const char* kFile = "config/tools/reamer.yaml";
 
 // The error of reading and finishing; empty if there is none.
 template <typename Read>
 std::string ErrorOf(const std::string& text, Read read) {
   try {
-    Reader reader = Reader::Parse(text, kName);
+    Reader reader = Reader::Parse(text, kFile);
     read(reader);
     reader.Finish();
   } catch (const ConfigError& error) {
@@ -27,7 +30,7 @@ std::string ErrorOf(const std::string& text, Read read) {
 
 void ReadRadius(Reader& reader) { static_cast<void>(reader.Number("radius_mm", 1, 100)); }
 
-TEST(UnitsTest, KeysEndInTheirUnit) {
+TEST(UnitsTest, TheEndingOfAKeyIsItsUnit) {
   EXPECT_EQ(UnitOf("radius_mm"), 1e-3);
   EXPECT_EQ(UnitOf("mm"), 1e-3);
   EXPECT_EQ(UnitOf("rate_hz"), 1.0);
@@ -50,9 +53,9 @@ TEST(NearestKeyTest, CountsSwappedLettersAsOneEdit) {
   EXPECT_EQ(NearestKey("anything", {}), "");
 }
 
-TEST(ReaderTest, NumbersComeInSi) {
+TEST(ReaderTest, NumbersAreConvertedToSi) {
   Reader reader =
-      Reader::Parse("radius_mm: 25\ntilt_deg: 90\nport: 30200\npoint_mm: [1, -2, .5e1]\non: true\n", kName);
+      Reader::Parse("radius_mm: 25\ntilt_deg: 90\nport: 30200\npoint_mm: [1, -2, .5e1]\non: true\n", kFile);
   EXPECT_DOUBLE_EQ(reader.Number("radius_mm", 1, 100), 0.025);
   EXPECT_DOUBLE_EQ(reader.Number("tilt_deg", -90, 90), std::numbers::pi / 2.0);
   EXPECT_EQ(reader.WholeNumber("port", 1, 65535), 30200);
@@ -66,12 +69,12 @@ TEST(ReaderTest, NumberOutOfRangeNamesFileLineKeyAndRange) {
             "config/tools/reamer.yaml:7: radius_mm: found -25, accepted 1 … 100");
 }
 
-TEST(ReaderTest, WhatIsNoNumberIsShownAsWritten) {
+TEST(ReaderTest, AValueThatIsNoNumberIsShownAsWritten) {
   const auto error = [](const std::string& value) {
     return ErrorOf("radius_mm: " + value + "\n", ReadRadius);
   };
   const auto expected = [](const std::string& found) {
-    return std::string(kName) + ":1: radius_mm: found " + found + ", accepted 1 … 100";
+    return std::string(kFile) + ":1: radius_mm: found " + found + ", accepted 1 … 100";
   };
   EXPECT_EQ(error("wide"), expected("wide"));
   EXPECT_EQ(error("25 mm"), expected("25 mm"));
@@ -91,12 +94,12 @@ TEST(ReaderTest, UnknownKeyComesWithTheNearestKnownOne) {
             "config/tools/reamer.yaml:1: unknown key \"raduis_mm\"; did you mean \"radius_mm\"?");
   EXPECT_EQ(ErrorOf("radius_mm: 25\ncolour: red\n", ReadRadius),
             "config/tools/reamer.yaml:2: unknown key \"colour\", accepted radius_mm");
-  // a missing key is the better guess, even if a present one is spelt more similarly
-  const auto two = [](Reader& reader) {
+  // a key that is missing in the file is suggested before a present one that is spelt more similarly
+  const auto read_both = [](Reader& reader) {
     static_cast<void>(reader.Number("stiffness_N_per_m", 1, 100));
     static_cast<void>(reader.Number("stiffness_N_per_mm", 1, 100));
   };
-  EXPECT_EQ(ErrorOf("stiffness_N_per_mm: 2\nstifness_N_per_mm: 3\n", two),
+  EXPECT_EQ(ErrorOf("stiffness_N_per_mm: 2\nstifness_N_per_mm: 3\n", read_both),
             "config/tools/reamer.yaml:2: unknown key \"stifness_N_per_mm\"; did you mean "
             "\"stiffness_N_per_m\"?");
 }
@@ -173,7 +176,7 @@ TEST(ReaderTest, FilesThatAreNoMappingAreRefused) {
   EXPECT_TRUE(syntax.starts_with("config/tools/reamer.yaml:3: not YAML: ")) << syntax;
 }
 
-TEST(ReaderTest, ATabThatIndentsIsNamed) {
+TEST(ReaderTest, ATabUsedToIndentIsNamedInTheError) {
   const auto nothing = [](Reader&) {};
   for (const auto& [text, line] : {std::pair{"a:\n\tb: 1\n", 2},
                                    {"a:\n  b: 1\n\tc: 2\n", 3},
@@ -183,12 +186,12 @@ TEST(ReaderTest, ATabThatIndentsIsNamed) {
     EXPECT_EQ(ErrorOf(text, nothing), "config/tools/reamer.yaml:" + std::to_string(line) +
                                           ": not YAML: found a tab before the text, accepted blanks alone")
         << text;
-  // elsewhere a tab is a blank, and the error is another one
+  // a tab that does not indent counts as a blank: the first text's error is about its open list
   EXPECT_EQ(ErrorOf("a: [1,\n\t2]\nb: [1, 2\n", nothing).find("tab"), std::string::npos);
   EXPECT_EQ(ErrorOf("a:\tb\n", [](Reader& reader) { EXPECT_EQ(reader.Text("a"), "b"); }), "");
 }
 
-TEST(ReaderTest, AByteThatIsNoTextIsNamed) {
+TEST(ReaderTest, AControlCharacterIsNamedInTheError) {
   const auto nothing = [](Reader&) {};
   EXPECT_EQ(ErrorOf(std::string("a: 1\nb: \0\n", 10), nothing),
             "config/tools/reamer.yaml:2: not YAML: found the byte 0x00, accepted text in UTF-8");
@@ -197,7 +200,7 @@ TEST(ReaderTest, AByteThatIsNoTextIsNamed) {
   EXPECT_EQ(ErrorOf("a: b\r\n", [](Reader& reader) { EXPECT_EQ(reader.Text("a"), "b"); }), "");
 }
 
-TEST(ReaderTest, MissingFileAndFolderAreNamed) {
+TEST(ReaderTest, AMissingFileAFolderAndADeviceAreRefused) {
   const auto error_of = [](const char* path) -> std::string {
     try {
       static_cast<void>(Reader::Load(path));
@@ -213,15 +216,15 @@ TEST(ReaderTest, MissingFileAndFolderAreNamed) {
   EXPECT_EQ(error_of("/dev/null"), "/dev/null: found a pipe, a socket or a device, accepted a file");
 }
 
-TEST(ReaderTest, AnchorsServeTwice) {
-  Reader reader = Reader::Parse("a: &here {radius_mm: 3}\nb: *here\n", kName);
+TEST(ReaderTest, AnAnchoredMappingCanBeReadTwice) {
+  Reader reader = Reader::Parse("a: &here {radius_mm: 3}\nb: *here\n", kFile);
   EXPECT_DOUBLE_EQ(reader.Section("a").Number("radius_mm", 1, 9), 0.003);
   EXPECT_DOUBLE_EQ(reader.Section("b").Number("radius_mm", 1, 9), 0.003);
   EXPECT_NO_THROW(reader.Finish());
 }
 
-TEST(ReaderTest, KeyWithoutUnitIsAMistakeOfTheProgram) {
-  Reader reader = Reader::Parse("radius: 3\n", kName);
+TEST(ReaderTest, AskingForAKeyWithoutUnitIsALogicError) {
+  Reader reader = Reader::Parse("radius: 3\n", kFile);
   EXPECT_THROW(static_cast<void>(reader.Number("radius", 1, 9)), std::logic_error);
 }
 

@@ -11,7 +11,8 @@
 
 #include "config/reading/load.h"
 
-// A cell whose poses do not fit each other is refused at the pose to blame.
+// Tests of the checks on a cell's poses (arm's base, bone, tool, workspace, start): a cell whose poses do not
+// fit each other is refused, and the error names the pose that must change.
 
 namespace osteon::config {
 namespace {
@@ -23,7 +24,7 @@ using testing::HasSubstr;
 const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
 const fs::path kDemo = kConfig / "cells/demo.yaml";
 
-// The error of a check on the demo cell after a change in memory; empty if there is none.
+// The error of a check on the demo cell after a change of its values in memory; empty if there is none.
 template <typename Change>
 std::string ErrorOf(void (*check)(const CellConfig&, const Reader&), Change change) {
   CellConfig cell = LoadCell(kDemo);
@@ -60,6 +61,7 @@ class Registration : public testing::Test {
                                    testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
+// The demo cell's pose of the bone, and the same lines with another position.
 constexpr const char* kBone =
     "bone_in_world:  # frame G: origin at the cup's centre, +z out of the opening\n"
     "  position_mm: [620, 0, 210]";
@@ -68,14 +70,14 @@ std::string BoneAt(const std::string& position) {
          "  position_mm: " + position;
 }
 
-TEST_F(Registration, MetresInPlaceOfMillimetresAreNamed) {
+TEST_F(Registration, ABonePositionInMetresIsRefused) {
   EXPECT_THAT(ErrorWith("cells/demo.yaml", kBone, BoneAt("[0.62, 0, 0.21]")),
               AllOf(HasSubstr("demo.yaml:15: position_mm: found 0.654599 mm from the arm's base to the site, "
                               "accepted at least 150 mm"),
                     HasSubstr("looks like metres where millimetres are expected")));
 }
 
-TEST_F(Registration, AWorkspaceInMetresIsNamed) {
+TEST_F(Registration, AWorkspaceInMetresIsRefused) {
   EXPECT_THAT(
       ErrorWith("cells/demo.yaml", "sphere_center_mm: [620, 0, 260]", "sphere_center_mm: [0.62, 0, 0.26]"),
       AllOf(HasSubstr(": sphere_center_mm: found -5"), HasSubstr("looks like metres")));
@@ -94,14 +96,14 @@ TEST_F(Registration, ABoneOutOfTheArmsReachIsRefused) {
                 "at most 1126 mm"));
 }
 
-TEST_F(Registration, ABaseThatWasTurnedTheWrongWayShowsAtTheReach) {
+TEST_F(Registration, AWrongBasePoseIsNamedWhenTheBoneIsOutOfReach) {
   EXPECT_THAT(ErrorWith("cells/demo.yaml", "base_in_world:\n  position_mm: [0, 0, 0]",
                         "base_in_world:\n  position_mm: [0, -1000, 0]"),
               HasSubstr("base_in_world says where the arm stands"));
 }
 
-// An error of the registration shows at the workspace or at the start, but the pose is named.
-TEST_F(Registration, ABoneOutsideOfTheWorkspaceIsNamedAndNotTheWorkspace) {
+// A wrong pose of the bone shows at the workspace's bounds, but the error names the bone's pose.
+TEST_F(Registration, ForABoneOutsideTheWorkspaceTheBonesPoseIsNamed) {
   EXPECT_THAT(
       ErrorWith("cells/demo.yaml", kBone, BoneAt("[900, 0, 210]")),
       HasSubstr(
@@ -112,7 +114,7 @@ TEST_F(Registration, ABoneOutsideOfTheWorkspaceIsNamedAndNotTheWorkspace) {
               HasSubstr("demo.yaml:15: position_mm: found -10 mm from the site to the workspace's plane"));
 }
 
-TEST_F(Registration, ABoneWhoseStartIsOutOfReachIsNamed) {
+TEST_F(Registration, ForAStartOutOfReachTheBonesPoseIsNamed) {
   static_cast<void>(
       ErrorWith("cells/demo.yaml", "sphere_center_mm: [620, 0, 260]", "sphere_center_mm: [1050, 0, 260]"));
   EXPECT_THAT(
@@ -121,25 +123,25 @@ TEST_F(Registration, ABoneWhoseStartIsOutOfReachIsNamed) {
             HasSubstr("mm from the arm's shoulder to its flange at the start, accepted at most 946 mm")));
 }
 
-TEST_F(Registration, ABaseUpsideDownIsNamed) {
+TEST_F(Registration, ABaseUpsideDownIsRefused) {
   EXPECT_THAT(ErrorWith("cells/demo.yaml", "base_in_world:\n  position_mm: [0, 0, 0]\n  rpy_deg: [0, 0, 0]",
                         "base_in_world:\n  position_mm: [0, 0, 0]\n  rpy_deg: [180, 0, 0]"),
               AllOf(HasSubstr("demo.yaml:13: rpy_deg: found 180 deg from the vertical"),
                     HasSubstr("such as this one turned over: the arm can not be there")));
 }
 
-TEST_F(Registration, AStartTooHighAboveTheSiteNamesItsHeight) {
+TEST_F(Registration, AStartTooHighAboveTheSiteIsRefusedAtItsHeight) {
   EXPECT_THAT(
       ErrorWith("cells/demo.yaml", "height_mm: 40 ", "height_mm: 240 "),
       HasSubstr(
           ": height_mm: the tool's apex is outside the workspace; nearer to the site it would not be so"));
 }
 
-TEST(RegistrationRows, ABaseInMetresIsNamed) {
+TEST(RegistrationRows, ABaseInMetresIsRefused) {
   EXPECT_THAT(
       ErrorOf(CheckFrames,
               [](CellConfig& cell) {
-                const Vector3 base(0.9, 0.0, 0.4);  // the whole cell, moved there
+                const Vector3 base(0.9, 0.0, 0.4);  // [m]: bone and workspace move there, the base to 0.9 mm
                 cell.X_WG.translation() += base;
                 cell.servo.workspace.sphere_center_W_m += base;
                 cell.servo.workspace.plane_offset_m += cell.servo.workspace.plane_normal_W.dot(base);
@@ -168,14 +170,14 @@ TEST_F(Registration, TheWholeSiteMustBeInTheWorkspace) {
               HasSubstr("sphere_center_mm: found 40 mm"));
 }
 
-TEST_F(Registration, TheStartKeepsTheJointsMargin) {
-  // an elbow turned until a joint comes within 30 deg of its limit, in a cell that requires 30
+TEST_F(Registration, AStartTooCloseToAJointLimitIsRefused) {
+  // the demo's start keeps even 30° from the joints' limits; an elbow turned by 100° does not
   EXPECT_THAT(ErrorWith("cells/demo.yaml", "joint_margin_deg: 1 ", "joint_margin_deg: 30 "), "");
   EXPECT_THAT(ErrorWith("cells/demo.yaml", "arm_angle_deg: 0 ", "arm_angle_deg: 100 "),
               HasSubstr(": arm_angle_deg: found "));
 }
 
-TEST(RegistrationRows, ARotationThatIsNoneIsRefused) {
+TEST(RegistrationRows, AMatrixThatIsNoRotationIsRefused) {
   EXPECT_THAT(ErrorOf(CheckFrames, [](CellConfig& cell) { cell.tool.X_FT.linear() *= 1.01; }),
               HasSubstr("demo.yaml:5: tool: found 0.0"));
   EXPECT_THAT(ErrorOf(CheckFrames, [](CellConfig& cell) { cell.tool.X_FT.linear().col(0) *= -1.0; }),
@@ -195,13 +197,14 @@ TEST(RegistrationRows, ATiltedBaseIsNotedAndAccepted) {
   EXPECT_EQ(noted, 1);
 }
 
-// The start is measured on its joints, whatever they were computed from: here only the joints are changed.
-TEST(RegistrationRows, TheStartIsMeasuredOnItsJoints) {
+// The checks compute the tool's start pose from the start's joint angles: each case changes only the joints,
+// or only what the joints are compared with.
+TEST(RegistrationRows, TheStartIsCheckedByItsJointAngles) {
   EXPECT_THAT(ErrorOf(CheckStart, [](CellConfig& cell) { cell.start.q[0] += 1.0; }),
               HasSubstr(": height_mm: found -"));
   EXPECT_THAT(ErrorOf(CheckStart, [](CellConfig& cell) { cell.start.q[5] = 2.094; }),
               HasSubstr(": arm_angle_deg: found 0.0"));
-  // the wrist turned away from the bone, with the apex in its place
+  // the bone turned by 1.1 rad, so that the tool's axis does not point into it
   EXPECT_THAT(
       ErrorOf(CheckStart,
               [](CellConfig& cell) {
@@ -218,7 +221,7 @@ TEST(RegistrationRows, TheStartIsMeasuredOnItsJoints) {
               HasSubstr("from the flange at the start to the workspace's plane"));
 }
 
-TEST(RegistrationRows, EveryShippedCellHolds) {
+TEST(RegistrationRows, EveryShippedCellPassesAllChecks) {
   int cells = 0;
   for (const fs::directory_entry& file : fs::directory_iterator(kConfig / "cells")) {
     const CellConfig cell = LoadCell(file.path());

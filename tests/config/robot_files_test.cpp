@@ -12,6 +12,9 @@
 #include "kinematics/serial_chain.h"
 #include "tests/kinematics/chain_samples.h"
 
+// Tests of the robots' files (config/robots): their kinematics against published descriptions and catalogues,
+// and the errors of wrong files.
+
 namespace osteon::config {
 namespace {
 
@@ -25,13 +28,14 @@ fs::path RobotFile(const std::string& name) {
   return fs::path(OSTEON_SOURCE_DIR) / "config" / "robots" / (name + ".yaml");
 }
 
+// The kinematic chain in a shipped robot's file.
 template <int N>
 ChainParams<N> ChainOf(const std::string& name) {
   return std::get<ChainParams<N>>(LoadRobot(RobotFile(name)).chain);
 }
 
-// To the last bits: the file's millimetres and degrees, and metres and radians written by hand.
-TEST(RobotFiles, Iiwa14IsThatOfTheRobotDescription) {
+// Equal up to rounding: the file has millimetres and degrees, the expected chain metres and radians.
+TEST(RobotFiles, Iiwa14EqualsItsPublishedDescription) {
   const ChainParams<7> chain = ChainOf<7>("lbr_iiwa_14_r820"), expected = kinematics::Iiwa14Chain();
   EXPECT_TRUE(chain.has_masses);
   for (std::size_t i = 0; i < 7; ++i) {
@@ -52,7 +56,7 @@ TEST(RobotFiles, Iiwa14IsThatOfTheRobotDescription) {
   EXPECT_LT((chain.X_LF.matrix() - expected.X_LF.matrix()).cwiseAbs().maxCoeff(), 1e-16);
 }
 
-// Bit for bit, as the demo's hash depends on it.
+// The lengths must be equal bit for bit, because the demo's expected hash depends on them.
 TEST(RobotFiles, SummedOriginsGiveTheLengthsOfTheCatalogueExactly) {
   const kinematics::LbrParams lbr = kinematics::LbrParamsFrom(ChainOf<7>("lbr_iiwa_14_r820"));
   EXPECT_EQ(lbr.base_to_shoulder_m, 0.360);
@@ -61,9 +65,9 @@ TEST(RobotFiles, SummedOriginsGiveTheLengthsOfTheCatalogueExactly) {
   EXPECT_EQ(lbr.wrist_to_flange_m, 0.126);
 }
 
-// Catalogue: flange heights when upright; the arms weigh 29.9 and 23.9 kg with their bases of 7.05 and 4.86
-// kg.
-TEST(RobotFiles, LbrsStandAndWeighWhatTheirCatalogueSays) {
+// The catalogue gives the flange's height of the upright arm, and a mass of 29.9 and 23.9 kg, which includes
+// the base of 7.05 and 4.86 kg.
+TEST(RobotFiles, LbrsHaveTheHeightAndMassOfTheCatalogue) {
   struct Arm {
     const char* name;
     double height_m, total_kg, base_kg;
@@ -84,8 +88,9 @@ TEST(RobotFiles, LbrsStandAndWeighWhatTheirCatalogueSays) {
   }
 }
 
-// Compares the seven lengths, offsets and signs with the joint origins of kuka_experimental, in any posture.
-TEST(RobotFiles, Kr6IsThatOfTheRobotDescription) {
+// The file has seven lengths, offsets and signs; kuka_experimental has joint origins. Both must give the same
+// flange pose in 1000 random postures.
+TEST(RobotFiles, Kr6EqualsItsPublishedDescription) {
   const SerialChain<6> arm(ChainOf<6>("kr_6_r900_2")), described(kinematics::Kr6R900());
   std::mt19937_64 random{61};
   for (int n = 0; n < 1000; ++n) {
@@ -94,8 +99,9 @@ TEST(RobotFiles, Kr6IsThatOfTheRobotDescription) {
   }
 }
 
-// KUKA's zero: upper arm and forearm along x, flange pointing along x; at A2 -90, A3 90 the upper arm is
-// upright. Reach is the distance of the wrist from A1's axis, with the arm straight.
+// At KUKA's zero, upper arm, forearm and flange point along x; at A2 -90°, A3 90° the upper arm is upright.
+// The reach is the distance of the wrist from A1's axis with the arm straight. Lengths a1 … c4 [m] are those
+// of the ortho-parallel model.
 TEST(RobotFiles, KrsHaveKukasZeroAndPublishedReach) {
   struct Arm {
     const char* name;
@@ -127,7 +133,7 @@ TEST(RobotFiles, KrsHaveKukasZeroAndPublishedReach) {
   }
 }
 
-TEST(RobotFiles, CellCarriesItsToolAndSensor) {
+TEST(RobotFiles, ACellsLastLinkIncludesItsToolAndSensor) {
   const fs::path root = fs::path(OSTEON_SOURCE_DIR) / "config";
   const CellConfig cell = LoadCell(root / "cells" / "demo.yaml");
   const kinematics::LinkInertia bare = kinematics::Iiwa14Chain().joints.back().link,
@@ -196,8 +202,8 @@ TEST(RobotFiles, MalformedFilesAreRefusedWithTheirReason) {
   fs::remove_all(folder);
 }
 
-// A cell over FRI accepts no KR, and no arm that only resembles an LBR.
-TEST(RobotFiles, CellRefusesAnArmThatIsNoLbr) {
+// A cell over FRI accepts no KR, and no 7-joint arm whose axes do not intersect as those of an LBR do.
+TEST(RobotFiles, ACellOverFriRefusesAnArmThatIsNoLbr) {
   const fs::path root = fs::path(OSTEON_SOURCE_DIR) / "config",
                  copy = fs::path(::testing::TempDir()) / ("osteon_arms_" + std::to_string(::getpid()));
   fs::copy(root, copy, fs::copy_options::recursive);

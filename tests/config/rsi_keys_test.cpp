@@ -13,7 +13,8 @@
 #include "kinematics/ortho_parallel_arm.h"
 #include "tests/config/cell_text.h"
 
-// A cell that chooses RSI: keys of its link and arm, and combinations that are refused.
+// Tests of the keys in a cell's section rsi, which configure the link to a six-axis arm and its simulation,
+// and of the combinations that are refused.
 
 namespace osteon::config {
 namespace {
@@ -42,6 +43,7 @@ class RsiKeys : public testing::Test {
     std::ofstream(cell) << edited;
     return LoadCell(cell);
   }
+  // The error of LoadWith; empty if the cell is accepted.
   std::string Refusal(const Edits& edits, const std::string& name = "kr_16_thin_plate") const {
     try {
       static_cast<void>(LoadWith(edits, name));
@@ -95,7 +97,7 @@ TEST_F(RsiKeys, ReachLinkLoopAndSimulatedArm) {
   EXPECT_NEAR(arm.controller.range[5], 91.0, 1e-12);
 }
 
-TEST_F(RsiKeys, CartesianCorrectionsHaveWaysAndTurns) {
+TEST_F(RsiKeys, CartesianCorrectionsHaveRangesInMillimetresAndDegrees) {
   const CellConfig cell = LoadWith(
       {{"correction: axes\n", "correction: cartesian\n"},
        {"range_deg: [90, 90, 90, 90, 90, 90]", "range_mm: [100, 110, 120]\n  range_deg: [10, 11, 12]"},
@@ -128,7 +130,7 @@ TEST_F(RsiKeys, RobotAndLinkGoTogether) {
                     HasSubstr("an LBR, which fri drives; an arm of six axes needs rsi")));
 }
 
-TEST_F(RsiKeys, WhatTheOtherArmHasIsUnknown) {
+TEST_F(RsiKeys, KeysThatOnlyAnLbrHasAreUnknown) {
   EXPECT_THAT(Refusal({{"  height_mm: 15", "  arm_angle_deg: 0\n  height_mm: 15"}}),
               HasSubstr("unknown key \"arm_angle_deg\""));
   EXPECT_THAT(Refusal({{"  joint_acceleration_ratio", "  limit_zone_deg: 20\n  joint_acceleration_ratio"}}),
@@ -151,8 +153,9 @@ TEST_F(RsiKeys, ValuesThatContradictEachOtherAreRefused) {
               HasSubstr("from the arm's shoulder to the site, accepted at most"));
 }
 
-// A lost answer would move the arm abruptly back to RSI's start: this must not happen by oversight.
-TEST_F(RsiKeys, AbsoluteCorrectionsThatAreNotHeldNeedAWord) {
+// With absolute corrections that are not held, a lost answer moves the arm abruptly back to RSI's start.
+// Therefore the cell must accept this explicitly.
+TEST_F(RsiKeys, AbsoluteCorrectionsThatAreNotHeldMustBeAcceptedExplicitly) {
   const std::pair<std::string, std::string> not_held{"hold_on: true\n", "hold_on: false\n"};
   const std::pair<std::string, std::string> added{
       "timeout_count: 100\n", "accept_jump_after_lost_answers: false\n  timeout_count: 100\n"};

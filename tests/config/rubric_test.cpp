@@ -7,12 +7,15 @@
 #include "config/reading/strict/config_error.h"
 #include "tests/temporary_path.h"
 
+// Tests of the rubric's file, which gives the points of a procedure's score: full points up to one norm of a
+// metric, none beyond another.
+
 namespace osteon::config {
 namespace {
 
 const std::filesystem::path kRubric = std::filesystem::path(OSTEON_SOURCE_DIR) / "config/rubrics/rubric.yaml";
 
-TEST(RubricFiles, TheShippedOneHasTheNormsOfTheDesignAndASourceAtEach) {
+TEST(RubricFiles, TheShippedRubricHasTheDesignsNormsAndASourceForEach) {
   const procedure::Rubric rubric = LoadRubric(kRubric);
   double weights = 0.0;
   for (const procedure::RubricItem& item : rubric.items) {
@@ -21,25 +24,26 @@ TEST(RubricFiles, TheShippedOneHasTheNormsOfTheDesignAndASourceAtEach) {
   }
   EXPECT_DOUBLE_EQ(weights, 100.0);
   ASSERT_EQ(rubric.items.size(), 7u);
-  const auto is = [&](std::size_t i, const char* metric, double weight, double full, double zero) {
+  // full and zero are in SI units: rad, m, m³
+  const auto expect_item = [&](std::size_t i, const char* metric, double weight, double full, double zero) {
     EXPECT_EQ(rubric.items[i].metric, metric);
     EXPECT_DOUBLE_EQ(rubric.items[i].weight, weight);
     EXPECT_NEAR(rubric.items[i].full, full, 1e-12);
     EXPECT_NEAR(rubric.items[i].zero, zero, 1e-12);
   };
-  is(0, "axis_error", 30.0, 0.08726646259971647, 0.17453292519943295);
-  is(1, "superior_shift", 15.0, 3e-3, 6e-3);
-  is(2, "medial_shift", 15.0, 5e-3, 8e-3);
-  is(3, "diameter_error", 20.0, 0.3e-3, 1.6e-3);
-  is(4, "coverage", 10.0, 0.77, 0.61);
-  is(5, "over_reamed", 10.0, 0.0, 2e-6);
-  is(6, "under_reamed", 0.0, 0.0, 2e-6);
+  expect_item(0, "axis_error", 30.0, 0.08726646259971647, 0.17453292519943295);
+  expect_item(1, "superior_shift", 15.0, 3e-3, 6e-3);
+  expect_item(2, "medial_shift", 15.0, 5e-3, 8e-3);
+  expect_item(3, "diameter_error", 20.0, 0.3e-3, 1.6e-3);
+  expect_item(4, "coverage", 10.0, 0.77, 0.61);
+  expect_item(5, "over_reamed", 10.0, 0.0, 2e-6);
+  expect_item(6, "under_reamed", 0.0, 0.0, 2e-6);
   EXPECT_TRUE(rubric.items[6].source.starts_with("assumed"))
       << "the design has no such item: shown, not scored";
   EXPECT_DOUBLE_EQ(rubric.breach_points, 20.0);
 }
 
-TEST(RubricFiles, AnUnknownMetricAndEqualNormsAreRefused) {
+TEST(RubricFiles, WrongNormsWeightsAndMetricsAreRefused) {
   const std::filesystem::path file = TemporaryPath("rubric.yaml");
   const auto error = [&](const std::string& text) -> std::string {
     std::ofstream(file) << text;

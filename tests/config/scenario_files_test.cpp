@@ -9,19 +9,23 @@
 #include "config/reading/strict/reader.h"
 #include "tests/io/temporary_folder.h"
 
+// Tests of the scenarios' files (config/scenarios): the shipped ones with their golden traces, what a file
+// may say, and the errors of wrong files.
+
 namespace osteon::config {
 namespace {
 
 namespace fs = std::filesystem;
 const fs::path kScenarios = fs::path(OSTEON_SOURCE_DIR) / "config/scenarios";
 
-std::vector<fs::path> Shipped() {
+std::vector<fs::path> ShippedScenarios() {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(kScenarios))
     if (entry.path().extension() == ".yaml") files.push_back(entry.path());
   return files;
 }
 
+// A valid scenario with its required keys only: 5 lines.
 const std::string kGood = "shows: something\ncell: " OSTEON_SOURCE_DIR
                           "/config/cells/demo.yaml\nengine: plane\nduration_s: 2\nsample_ms: 20\n";
 
@@ -31,6 +35,7 @@ ScenarioConfig Load(const std::string& text) {
   return LoadScenario(folder.path() / "mine.yaml");
 }
 
+// The error of Load; "taken" if the scenario is accepted.
 std::string Refusal(const std::string& text) {
   try {
     static_cast<void>(Load(text));
@@ -40,12 +45,13 @@ std::string Refusal(const std::string& text) {
   return "taken";
 }
 
-// Both laws, both arms, hands, faults: every scenario can be read, and each has its golden trace.
-TEST(ScenarioFiles, EveryShippedOneLoadsWithItsCell) {
+// Every shipped scenario can be read and has a golden trace of less than 100 kB. Together they cover both
+// laws, both kinds of arm, and injected faults.
+TEST(ScenarioFiles, EveryShippedScenarioLoadsWithItsCell) {
   std::set<std::string> cells;
   std::set<ScenarioEngine> engines;
   int faults = 0, impedance = 0, six_axes = 0;
-  const auto files = Shipped();
+  const auto files = ShippedScenarios();
   EXPECT_GE(files.size(), 20u);
   for (const fs::path& file : files) {
     SCOPED_TRACE(file.string());
@@ -72,7 +78,7 @@ TEST(ScenarioFiles, EveryShippedOneLoadsWithItsCell) {
       << "traces of a GPU are its own";
 }
 
-TEST(ScenarioFiles, GuidanceNeedsItsPlan) {
+TEST(ScenarioFiles, AGuidanceGainNeedsAPlan) {
   const std::string plan = "plan: " OSTEON_SOURCE_DIR "/config/plans/acetabulum.yaml\n";
   const ScenarioConfig guided = Load(kGood + plan + "guidance_ratio: 0.5\n");
   EXPECT_EQ(guided.plan.stem(), "acetabulum");
@@ -82,14 +88,14 @@ TEST(ScenarioFiles, GuidanceNeedsItsPlan) {
   EXPECT_NE(Refusal(kGood + plan + "guidance_ratio: 1.5\n").find("0 … 1"), std::string::npos);
 }
 
-TEST(ScenarioFiles, NoGoldenTraceIsLeftWithoutItsScenario) {
+TEST(ScenarioFiles, EveryGoldenTraceHasAScenario) {
   std::set<std::string> names;
-  for (const fs::path& file : Shipped()) names.insert(file.stem().string());
+  for (const fs::path& file : ShippedScenarios()) names.insert(file.stem().string());
   for (const auto& entry : fs::directory_iterator(kScenarios / "golden"))
     EXPECT_TRUE(names.contains(entry.path().stem().string())) << entry.path();
 }
 
-TEST(ScenarioFiles, ReadsWhatItSays) {
+TEST(ScenarioFiles, ReadsEveryKeyAndTheDefaults) {
   const ScenarioConfig scenario =
       Load(kGood +
            "recovery_count: 2\npause_s: 0.5\nresume_s: 1\n"
@@ -113,14 +119,14 @@ TEST(ScenarioFiles, ReadsWhatItSays) {
   EXPECT_FALSE(scenario.planned);
 }
 
-TEST(ScenarioFiles, ReadsWhatAFrameTakesAndWhoPacksTheBone) {
+TEST(ScenarioFiles, ReadsTheFrameTimeAndTheKindOfPacking) {
   const ScenarioConfig scenario = Load(kGood + "frame_ms: 30\npacking: planned\n");
   EXPECT_DOUBLE_EQ(scenario.frame_s, 0.030);
   EXPECT_TRUE(scenario.planned);
   EXPECT_FALSE(Load(kGood + "packing: scene\n").planned);
 }
 
-TEST(ScenarioFiles, RefusesWithLineAndRange) {
+TEST(ScenarioFiles, ErrorsNameLineAndRange) {
   const auto expect = [](const std::string& text, const std::vector<std::string>& parts) {
     const std::string refusal = Refusal(text);
     for (const std::string& part : parts) EXPECT_NE(refusal.find(part), std::string::npos) << refusal;

@@ -9,7 +9,8 @@
 
 #include "config/reading/load.h"
 
-// The scenes and cells of config/: each has the promised content, and errors of changed ones.
+// Tests of the scenes' files (config/scenes): the shipped ones have the values that are expected, and changed
+// ones are refused with an error that says why.
 
 namespace osteon::config {
 namespace {
@@ -21,7 +22,7 @@ const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
 
 SceneParams Scene(const char* name) { return LoadScene(kConfig / "scenes" / (std::string(name) + ".yaml")); }
 
-TEST(SceneFiles, EachShapeIsTheLibrarysDefault) {
+TEST(SceneFiles, MolarAndFemoralCanalEqualTheLibrarysDefaults) {
   const auto molar = std::get<simulation::MolarShape>(Scene("molar").shape);
   const simulation::MolarShape tooth;
   EXPECT_DOUBLE_EQ(molar.length_m, tooth.length_m);
@@ -41,7 +42,7 @@ TEST(SceneFiles, EachShapeIsTheLibrarysDefault) {
   EXPECT_DOUBLE_EQ(femur.top_marrow_radius_m, bone.top_marrow_radius_m);
 }
 
-TEST(SceneFiles, TheFemoralHeadIsTheLibrarysDefault) {
+TEST(SceneFiles, TheFemoralHeadEqualsTheLibrarysDefault) {
   const auto head = std::get<simulation::FemoralHeadShape>(Scene("femoral_head").shape);
   const simulation::FemoralHeadShape bone;
   EXPECT_DOUBLE_EQ(head.head_radius_m, bone.head_radius_m);
@@ -52,7 +53,7 @@ TEST(SceneFiles, TheFemoralHeadIsTheLibrarysDefault) {
   EXPECT_DOUBLE_EQ(head.cortical_m, bone.cortical_m);
 }
 
-TEST(SceneFiles, LayersAndTissuesNameTheirMaterialsOnce) {
+TEST(SceneFiles, EachMaterialHasOneIndexInLayersAndTissues) {
   const SceneParams sawbone = Scene("sawbone_block");
   const auto& block = std::get<simulation::BlockShape>(sawbone.shape);
   ASSERT_EQ(block.layers.size(), 2u);
@@ -104,7 +105,7 @@ class SceneRefusals : public ::testing::Test {
   fs::path root_;
 };
 
-TEST_F(SceneRefusals, NameFileLineValueAndWhatIsAccepted) {
+TEST_F(SceneRefusals, NameTheFileTheLineAndWhatIsAccepted) {
   struct Case {
     const char *file, *from, *to, *expected;
   };
@@ -148,7 +149,7 @@ TEST_F(SceneRefusals, NameFileLineValueAndWhatIsAccepted) {
   }
 }
 
-TEST_F(SceneRefusals, MoreThanEightMaterialsAreTooMany) {
+TEST_F(SceneRefusals, NameTheMaterialBeyondTheMaximumOfEight) {
   std::string layers = "layers:";
   for (const char* name : {"a", "b", "c", "d", "e", "f", "g", "h"})
     layers += std::string("\n    - {material: ") + name + ", thickness_mm: 0.1}";

@@ -6,6 +6,8 @@
 #include "config/reading/sections/read_events.h"
 #include "config/reading/simulated/read_script.h"
 
+// Tests of a cell's section script (the simulated hand's planned motion) and of a scene's section events.
+
 namespace osteon::config {
 namespace {
 
@@ -18,7 +20,8 @@ const std::string kOpening = "script:\n  kind: opening\n" + kCommon +
                              "  full_force_depth_mm: 4\n  opening_radius_mm: 1.6\n  loop_period_s: 0.7\n"
                              "  turn_count: 2\n";
 
-hil::ScriptParams Script(const std::string& text) {
+// The script read from the text of a cell.
+hil::ScriptParams ScriptFrom(const std::string& text) {
   Reader reader = Reader::Parse(text, "cell.yaml");
   const Reader section = reader.Section("script");
   const hil::ScriptParams script = ReadScript(section);
@@ -26,6 +29,7 @@ hil::ScriptParams Script(const std::string& text) {
   return script;
 }
 
+// The error that `run` throws; "accepted" if there is none.
 std::string ErrorOf(const std::function<void()>& run) {
   try {
     run();
@@ -35,8 +39,8 @@ std::string ErrorOf(const std::function<void()>& run) {
   return "accepted";
 }
 
-TEST(ScriptSection, DrillingComesInSI) {
-  const auto script = std::get<hil::DrillingScriptParams>(Script(kDrilling));
+TEST(ScriptSection, DrillingIsConvertedToSI) {
+  const auto script = std::get<hil::DrillingScriptParams>(ScriptFrom(kDrilling));
   EXPECT_DOUBLE_EQ(script.seconds, 8.0);
   EXPECT_DOUBLE_EQ(script.push_force_N, 40.0);
   EXPECT_DOUBLE_EQ(script.approach_force_N, 5.0);
@@ -47,28 +51,30 @@ TEST(ScriptSection, DrillingComesInSI) {
   EXPECT_DOUBLE_EQ(script.peck_height_m, 0.001);
 }
 
-TEST(ScriptSection, OpeningComesInSI) {
-  const auto script = std::get<hil::OpeningScriptParams>(Script(kOpening));
+TEST(ScriptSection, OpeningIsConvertedToSI) {
+  const auto script = std::get<hil::OpeningScriptParams>(ScriptFrom(kOpening));
   EXPECT_DOUBLE_EQ(script.depth_m, 0.004);
   EXPECT_DOUBLE_EQ(script.site_radius_m, 0.0016);
   EXPECT_DOUBLE_EQ(script.loop_period_s, 0.7);
   EXPECT_EQ(script.turns, 2);
 }
 
-TEST(ScriptSection, RefusesAnotherKindsKeys) {
+TEST(ScriptSection, RefusesKeysOfAnotherKind) {
   std::string text = kDrilling;
   text.replace(text.find("drilling"), 8, "opening");
-  EXPECT_EQ(ErrorOf([&] { (void)Script(text); }),
+  EXPECT_EQ(ErrorOf([&] { (void)ScriptFrom(text); }),
             "cell.yaml:9: unknown key \"peck_count\", accepted approach_force_N, duration_s, "
             "full_force_depth_mm, kind, loop_period_s, max_target_mm_per_s, opening_radius_mm, push_force_N, "
             "retract_height_mm, turn_count");
   text.replace(text.find("opening"), 7, "boring");
-  EXPECT_NE(ErrorOf([&] { (void)Script(text); }).find("found boring, accepted reaming, drilling, opening"),
-            std::string::npos)
-      << ErrorOf([&] { (void)Script(text); });
+  EXPECT_NE(
+      ErrorOf([&] { (void)ScriptFrom(text); }).find("found boring, accepted reaming, drilling, opening"),
+      std::string::npos)
+      << ErrorOf([&] { (void)ScriptFrom(text); });
 }
 
-// Checks that need tool, hand and script together.
+// The script's force must stay below the hand's largest force, and the burr (radius 0.8 mm) must fit into the
+// opening (1.6 mm).
 TEST(ScriptSection, IsCheckedAgainstToolAndHand) {
   Reader reader = Reader::Parse(kOpening + "operator:\n  max_force_N: 60\n", "cell.yaml");
   const Reader section = reader.Section("script"), hand = reader.Section("operator");
@@ -86,7 +92,7 @@ TEST(ScriptSection, IsCheckedAgainstToolAndHand) {
       << error;
 }
 
-TEST(EventsSection, ComesInSI) {
+TEST(EventsSection, IsConvertedToSI) {
   Reader reader = Reader::Parse(
       "events:\n  regions:\n    - {name: nerve, material: pulp}\n  min_wall_mm: 0.8\n"
       "  opening_widening_ratio: 1.5\n  wall_spacing_mm: 0.4\n",

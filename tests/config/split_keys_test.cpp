@@ -9,7 +9,8 @@
 
 #include "config/reading/load.h"
 
-// A cell may set how balls are split; most do not.
+// Tests of optional keys in a cell's section cutting: how balls of bone are split, which of the tool's balls
+// cut, and the force of the cutting edges.
 
 namespace osteon::config {
 namespace {
@@ -23,7 +24,8 @@ class SplitKeys : public testing::Test {
     fs::copy(fs::path(OSTEON_SOURCE_DIR) / "config", folder_, fs::copy_options::recursive);
   }
   void TearDown() override { fs::remove_all(folder_); }
-  CellConfig LoadWith(const std::string& split, const std::string& name = "demo") const {
+  // Loads a copy of a shipped cell with these lines added to its section cutting.
+  CellConfig LoadWith(const std::string& added_lines, const std::string& name = "demo") const {
     const fs::path cell = folder_ / "cells" / (name + ".yaml");
     std::stringstream text;
     text << std::ifstream(cell).rdbuf();
@@ -31,7 +33,7 @@ class SplitKeys : public testing::Test {
     const std::string before = name == "demo" ? "  engaged_layer_mm: 0.5" : "  max_slide_um: 400";
     const std::size_t at = edited.find(before);
     if (at == std::string::npos) throw std::logic_error("the cell has changed");
-    edited.insert(at, split);
+    edited.insert(at, added_lines);
     std::ofstream(cell) << edited;
     return LoadCell(cell);
   }
@@ -40,9 +42,9 @@ class SplitKeys : public testing::Test {
                                    testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
-TEST_F(SplitKeys, AreOffWhereACellDoesNotNameThem) { EXPECT_FALSE(LoadWith("").cutting.split.on); }
+TEST_F(SplitKeys, SplittingIsOffByDefault) { EXPECT_FALSE(LoadWith("").cutting.split.on); }
 
-TEST_F(SplitKeys, ReachTheEngine) {
+TEST_F(SplitKeys, ReachTheEnginesParameters) {
   const simulation::SplitParams split =
       LoadWith("  split: {min_radius_mm: 0.3, child_count: 32, pool_count: 500}\n").cutting.split;
   EXPECT_TRUE(split.on);
@@ -51,15 +53,16 @@ TEST_F(SplitKeys, ReachTheEngine) {
   EXPECT_EQ(split.pool_blocks, 500u);
 }
 
-TEST_F(SplitKeys, StandBesideWhichBallsCut) {
+TEST_F(SplitKeys, AllBallsCutByDefault) {
   EXPECT_EQ(LoadWith("").cutting.cutters, simulation::Cutters::kAll);
   EXPECT_EQ(LoadWith("  cutters: all\n").cutting.cutters, simulation::Cutters::kAll);
 }
-TEST_F(SplitKeys, StandBesideTheContactSphereAlone) {
+
+TEST_F(SplitKeys, CuttersMayBeTheContactSphereAlone) {
   EXPECT_EQ(LoadWith("  cutters: contact_sphere\n").cutting.cutters, simulation::Cutters::kContactSphere);
 }
 
-TEST_F(SplitKeys, StandBesideTheEdgesForceWhichNeedsEdgesAndATissueThatStatesIt) {
+TEST_F(SplitKeys, EdgeForceNeedsAToolWithEdges) {
   EXPECT_FALSE(LoadWith("", "thin_plate").cutting.edge_force);
   const CellConfig drill = LoadWith("  edge_force: true\n", "thin_plate");
   EXPECT_TRUE(drill.cutting.edge_force);
@@ -74,7 +77,7 @@ TEST_F(SplitKeys, StandBesideTheEdgesForceWhichNeedsEdgesAndATissueThatStatesIt)
   }
 }
 
-TEST_F(SplitKeys, AreRefusedOutOfRangeWithWhatIsAccepted) {
+TEST_F(SplitKeys, RefusalOutOfRangeNamesWhatIsAccepted) {
   try {
     static_cast<void>(LoadWith("  split: {min_radius_mm: 0.3, child_count: 65, pool_count: 500}\n"));
     ADD_FAILURE() << "accepted";

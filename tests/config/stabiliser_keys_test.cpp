@@ -6,7 +6,8 @@
 #include "config/reading/load.h"
 #include "tests/config/cell_text.h"
 
-// The sections of the stabilisers: each is optional, and reports at its line what it does not accept.
+// Tests of a cell's optional sections age_governor, passivity and energy_tank, which configure the loop's
+// stabilisers.
 
 namespace osteon::config {
 namespace {
@@ -15,6 +16,7 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
+// The cell's text without one of its sections.
 std::string Without(std::string yaml, const std::string& section) {
   const std::size_t from = yaml.find("\n" + section + ":"), to = yaml.find("\n\n", from);
   std::size_t end = yaml.find('\n', from + 1);
@@ -30,21 +32,22 @@ TEST(StabiliserKeys, ReachTheLoop) {
   text = With(text, "\n  damping_ratio: 20", "\n  damping_ratio: 7");
   text = With(text, "\n  allowance_J: 0.02", "\n  allowance_J: 0.03");
   text = With(text, "\n  cap_J: 1\n", "\n  cap_J: 2\n");
-  const control::StabiliserParams s = LoadText(text).servo.stabilisers;
-  EXPECT_TRUE(s.age_governor.acts && s.passivity.acts && s.energy_tank.acts);
-  EXPECT_EQ(s.age_governor.max_damping_factor, 7.0);
-  EXPECT_EQ(s.age_governor.release_s, 0.2);
-  EXPECT_EQ(s.age_governor.arm_damping_Ns_per_m, 30.0);
-  EXPECT_EQ(s.age_governor.arm_damping_Nms_per_rad, 0.5);
-  EXPECT_EQ(s.passivity.allowance_J, 0.03);
-  EXPECT_EQ(s.passivity.min_speed_m_per_s, 0.005);
-  EXPECT_EQ(s.passivity.max_damping_Ns_per_m, 1000.0);
-  EXPECT_EQ(s.energy_tank.cap_J, 2.0);
-  EXPECT_EQ(s.energy_tank.ramp_s, 0.1);
+  const control::StabiliserParams stabilisers = LoadText(text).servo.stabilisers;
+  EXPECT_TRUE(stabilisers.age_governor.acts && stabilisers.passivity.acts && stabilisers.energy_tank.acts);
+  EXPECT_EQ(stabilisers.age_governor.max_damping_factor, 7.0);
+  EXPECT_EQ(stabilisers.age_governor.release_s, 0.2);
+  EXPECT_EQ(stabilisers.age_governor.arm_damping_Ns_per_m, 30.0);
+  EXPECT_EQ(stabilisers.age_governor.arm_damping_Nms_per_rad, 0.5);
+  EXPECT_EQ(stabilisers.passivity.allowance_J, 0.03);
+  EXPECT_EQ(stabilisers.passivity.min_speed_m_per_s, 0.005);
+  EXPECT_EQ(stabilisers.passivity.max_damping_Ns_per_m, 1000.0);
+  EXPECT_EQ(stabilisers.energy_tank.cap_J, 2.0);
+  EXPECT_EQ(stabilisers.energy_tank.ramp_s, 0.1);
 }
 
-// Found by the fuzz target cell: each value was in its range, but the loop's constructor threw.
-TEST(StabiliserKeys, AnAgeGovernorWithoutAnyDampingIsRefusedWithTheFile) {
+// Each value is in its range, but the governor would scale a damping of zero: the error must come with the
+// cell's file, not later from the loop's constructor.
+TEST(StabiliserKeys, AnAgeGovernorWithoutAnyDampingIsRefused) {
   const std::string text = With(CellText("thin_plate_impedance"), "damping_Ns_per_m: [40, 40, 40]",
                                 "damping_Ns_per_m: [40, 40, 0]");
   EXPECT_THAT(Refusal(text),
@@ -53,7 +56,7 @@ TEST(StabiliserKeys, AnAgeGovernorWithoutAnyDampingIsRefusedWithTheFile) {
   EXPECT_EQ(Refusal(With(text, "\nage_governor:", "\nage_governor:\n  arm_damping_Ns_per_m: 30")), "");
 }
 
-TEST(StabiliserKeys, ASectionThatIsLeftOutIsAsTheShippedOnesAre) {
+TEST(StabiliserKeys, ASectionThatIsLeftOutHasTheDemosValues) {
   const std::string all = CellText("demo");
   std::string none = all;
   for (const char* section : {"age_governor", "passivity", "energy_tank"}) none = Without(none, section);
@@ -72,7 +75,7 @@ TEST(StabiliserKeys, ASectionThatIsLeftOutIsAsTheShippedOnesAre) {
   EXPECT_EQ(shipped.age_governor.tool_radius_m, 0.025) << "the reamer's";
 }
 
-TEST(StabiliserKeys, RefuseWhatIsOutOfRangeOrOfAnotherLaw) {
+TEST(StabiliserKeys, RefuseValuesOutOfRangeAndKeysOfAnotherLaw) {
   const std::string cell = CellText("demo");
   EXPECT_THAT(Refusal(With(cell, "\n  cap_J: 1 ", "\n  cap_J: -1 ")),
               AllOf(HasSubstr("cap_J"), HasSubstr("found -1"), HasSubstr("accepted 0")));

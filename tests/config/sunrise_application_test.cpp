@@ -12,14 +12,15 @@
 #include "config/reading/load_robot.h"
 #include "io/fri/fri_link.h"
 
-// The arm's program (config/controllers/sunrise) and its cell. Its constants are read as text: no Sunrise
-// library is part of this repository.
+// Tests that the program of the arm's controller (config/controllers/sunrise) fits the demo cell. Its
+// constants are read as text, because no Sunrise library is part of this repository.
 
 namespace osteon::config {
 namespace {
 
 const std::filesystem::path kRoot{OSTEON_SOURCE_DIR};
 
+// Text of the controller's program.
 std::string Program() {
   std::ifstream in(kRoot / "config/controllers/sunrise/OsteonHaptics.java");
   std::stringstream text;
@@ -27,7 +28,7 @@ std::string Program() {
   return text.str();
 }
 
-// `private static final TYPE NAME = VALUE;`, without quotes.
+// VALUE of the line `private static final TYPE NAME = VALUE;`, without quotes.
 std::string Constant(const std::string& name) {
   static const std::string program = Program();
   std::smatch found;
@@ -43,7 +44,7 @@ class SunriseApplication : public testing::Test {
   const CellConfig cell_ = LoadCell(kRoot / "config/cells/demo.yaml");
 };
 
-TEST_F(SunriseApplication, SendsWhereAndAsOftenAsTheCellListens) {
+TEST_F(SunriseApplication, SendsToTheCellsPortWithItsPeriod) {
   EXPECT_EQ(Number("CLIENT_PORT"), cell_.link.port);
   EXPECT_EQ(Number("CLIENT_PORT"), io::FriLinkParams{}.port);
   EXPECT_DOUBLE_EQ(Number("SEND_PERIOD_MS") * 1e-3, cell_.servo.period_s);
@@ -51,20 +52,20 @@ TEST_F(SunriseApplication, SendsWhereAndAsOftenAsTheCellListens) {
   EXPECT_EQ(Constant("CLIENT_ADDRESS").substr(0, 11), "192.170.10.") << "KONI's network";
 }
 
-TEST_F(SunriseApplication, AsksForTheCommandModeThatTheSimulatedArmAsksFor) {
+TEST_F(SunriseApplication, UsesTheCommandModeOfTheSimulatedArm) {
   EXPECT_EQ(Constant("MODE"), "ClientCommandMode.POSITION");
   EXPECT_EQ(cell_.simulated.fri.command_mode, control::CommandMode::kPosition);
 }
 
 // The load of the program's tool must equal the cell's load on the flange.
-TEST_F(SunriseApplication, ChecksTheLoadThatTheCellHas) {
+TEST_F(SunriseApplication, ChecksForTheCellsPayload) {
   const RobotModel bare = LoadRobot(kRoot / "config/robots/lbr_iiwa_14_r820.yaml");
   const double payload_kg = cell_.robot.lbr()->chain.joints.back().link.mass_kg -
                             std::get<kinematics::ChainParams<7>>(bare.chain).joints.back().link.mass_kg;
   EXPECT_NEAR(Number("PAYLOAD_KG"), payload_kg, 0.5 * Number("PAYLOAD_TOLERANCE_KG"));
 }
 
-TEST_F(SunriseApplication, HasTheImpedanceOfTheSimulatedArm) {
+TEST_F(SunriseApplication, HasTheStiffnessAndDampingOfTheSimulatedArm) {
   const hil::DynamicArmParams& arm = cell_.simulated.dynamic;
   EXPECT_EQ(Number("STIFFNESS_N_PER_M"), arm.stiffness_N_per_m);
   EXPECT_EQ(Number("STIFFNESS_NM_PER_RAD"), arm.stiffness_Nm_per_rad_turn);

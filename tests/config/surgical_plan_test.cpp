@@ -11,7 +11,7 @@
 #include "config/reading/load_surgical_plan.h"
 #include "tests/temporary_path.h"
 
-// The plans of config/plans, and what a changed one is refused for.
+// Tests of the plans' files (config/plans): the shipped ones, and the errors of changed ones.
 
 namespace osteon::config {
 namespace {
@@ -23,7 +23,8 @@ const fs::path kPlan = kConfig / "plans" / "acetabulum.yaml";
 
 class SurgicalPlanFiles : public testing::Test {
  protected:
-  // Writes the shipped plan with one text replaced, and the scene by its path.
+  // Writes the shipped plan with the first `from` replaced, and returns the file. The scene is named by its
+  // whole path, because the file lies in another folder.
   fs::path Changed(const std::string& from, const std::string& to) {
     std::ostringstream text;
     text << std::ifstream(kPlan).rdbuf();
@@ -37,6 +38,7 @@ class SurgicalPlanFiles : public testing::Test {
     std::ofstream(file_) << plan;
     return file_;
   }
+  // The error of loading the plan; empty if it is accepted.
   std::string ErrorOf(const fs::path& file) {
     try {
       static_cast<void>(LoadSurgicalPlan(file));
@@ -52,7 +54,7 @@ class SurgicalPlanFiles : public testing::Test {
 
 TEST_F(SurgicalPlanFiles, TheDemosPlanPointsOutOfTheDemosCup) {
   const SurgicalPlanConfig config = LoadSurgicalPlan(kPlan);
-  // landmarks are written to 1 µm, of 87 mm
+  // landmarks are written to 1 µm, and the third lies 87 mm from the line of the first two
   EXPECT_LT((config.plan.axis_G - Vector3::UnitZ()).norm(), 2e-5);
   EXPECT_EQ(config.plan.tools.size(), 4u);
   EXPECT_DOUBLE_EQ(config.plan.cavity().radius_m, 0.025);
@@ -81,7 +83,7 @@ TEST_F(SurgicalPlanFiles, DiametersThatDoNotRiseAreRefusedByLine) {
       << error;
 }
 
-TEST_F(SurgicalPlanFiles, GainsBeyondWhatIsKnownToBeStableAreRefused) {
+TEST_F(SurgicalPlanFiles, GuidanceGainsBeyondTheStableRangeAreRefused) {
   for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
            {"stiffness_Nm_per_rad: 200", "stiffness_Nm_per_rad: 401"},
            {"cap_Nm: 6", "cap_Nm: 8.1"},
@@ -93,7 +95,7 @@ TEST_F(SurgicalPlanFiles, GainsBeyondWhatIsKnownToBeStableAreRefused) {
     EXPECT_NE(ErrorOf(Changed(from, to)).find("accepted"), std::string::npos) << to;
 }
 
-TEST_F(SurgicalPlanFiles, LandmarksAndAxesMayBothGiveTheFrame) {
+TEST_F(SurgicalPlanFiles, ThePelvisFrameMayComeFromLandmarksOrAxes) {
   const SurgicalPlanConfig by_landmarks = LoadSurgicalPlan(kPlan);
   const auto& pelvis = by_landmarks.plan.pelvis;
   const auto axis = [](const Vector3& v) {
@@ -121,7 +123,7 @@ TEST_F(SurgicalPlanFiles, LandmarksAndAxesMayBothGiveTheFrame) {
       << "one place, two keys";
 }
 
-TEST_F(SurgicalPlanFiles, ATiltTurnsTheAxisForTheSameAngles) {
+TEST_F(SurgicalPlanFiles, APelvicTiltTurnsThePlannedAxis) {
   const Vector3 flat = LoadSurgicalPlan(kPlan).plan.axis_G;
   const auto tilted = LoadSurgicalPlan(Changed("tilt_deg: 0", "tilt_deg: 13"));
   EXPECT_GT((tilted.plan.axis_G - flat).norm(), 0.1);
@@ -144,8 +146,9 @@ TEST_F(SurgicalPlanFiles, APlanForAnotherBoneThanTheCellsIsRefused) {
       ConfigError);
 }
 
-// The plan of a mesh has its cup alone; the command names the mesh, which takes the place of any cell's bone.
-TEST(SurgicalPlanFile, APlanForAMeshHasItsCupAlone) {
+// A plan for a mesh describes the cup but no bone: the command names the mesh, which replaces any cell's
+// bone.
+TEST(SurgicalPlanFile, APlanForAMeshHasACupAndNoBone) {
   const SurgicalPlanConfig config = LoadSurgicalPlan(kConfig / "plans" / "hip_bone_left.yaml");
   ASSERT_TRUE(config.mesh_cup);
   EXPECT_FALSE(config.bone);
@@ -170,7 +173,7 @@ TEST(SurgicalPlanFile, TheMolarsPlanLeadsToItsPulp) {
   EXPECT_NO_THROW(CheckPlanInCell(config, LoadCell(kConfig / "cells" / "molar.yaml"), file, "molar"));
 }
 
-TEST(SurgicalPlanFile, WhatAnOpeningDoesNotAcceptIsNamed) {
+TEST(SurgicalPlanFile, ErrorsOfAnOpeningsPlanNameWhatIsAccepted) {
   std::ostringstream text;
   text << std::ifstream(kConfig / "plans" / "molar.yaml").rdbuf();
   const auto error = [&](const std::string& from, const std::string& to) -> std::string {

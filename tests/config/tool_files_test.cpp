@@ -11,13 +11,15 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/temporary_path.h"
 
+// Tests of the tools' files (config/tools): every size of a set can be built, and wrong sizes are refused.
+
 namespace osteon::config {
 namespace {
 
 const std::string kTools = std::string(OSTEON_SOURCE_DIR) + "/config/tools/";
 const std::string kDemo = std::string(OSTEON_SOURCE_DIR) + "/config/cells/demo.yaml";
 
-TEST(ReamerSet, EveryDiameterFrom36To68BuildsHeavierThanTheOneBefore) {
+TEST(ReamerSet, EveryDiameterFrom36To68MillimetresBuildsAndMassRises) {
   double mass = 0.0, center = 1.0;
   for (int d = 36; d <= 68; ++d) {
     const ToolConfig config = LoadTool(kTools + "reamer.yaml", d * 1e-3);
@@ -46,7 +48,7 @@ TEST(ReamerSet, KeepsThe50MillimetreReamersBallsBitForBit) {
   }
 }
 
-TEST(ToolSets, DefaultIsOneOfThemAndOthersAreRefusedWithTheList) {
+TEST(ToolSets, DefaultSizeExistsAndOtherSizesAreRefusedWithTheList) {
   struct Case {
     const char *file, *accepted;
   };
@@ -64,8 +66,8 @@ TEST(ToolSets, DefaultIsOneOfThemAndOthersAreRefusedWithTheList) {
   }
 }
 
-// A row that cannot be built is named at its own line, not at the list's.
-TEST(ToolSets, ARowThatIsNoToolIsRefusedAtItsLine) {
+// A neck of 7.7 mm does not fit a burr of 1.4 mm: the error names the line of this row, not that of the list.
+TEST(ToolSets, ARowThatCannotBeBuiltIsRefusedAtItsLine) {
   std::string text = io::test::ReadAll(kTools + "round_burr.yaml");
   const std::string row = "  - {diameter_mm: 1.4, neck_mm: 0.77}";
   const std::size_t at = text.find(row);
@@ -85,8 +87,9 @@ TEST(ToolSets, ARowThatIsNoToolIsRefusedAtItsLine) {
   EXPECT_NO_THROW(static_cast<void>(LoadTool(file, 0.0018))) << "the other rows are as they were";
 }
 
-// The shipped tools of the demos, in all sizes: within the present limits of the Vulkan engine.
-TEST(ToolSets, BurrsAndDrillsFitTheEngineInEverySize) {
+// All sizes of the shipped burrs, drills and canal reamers stay within the Vulkan engine's largest number of
+// balls. Sizes that a set does not have are skipped.
+TEST(ToolSets, BurrsAndDrillsOfEverySizeFitTheEngine) {
   for (const char* file :
        {"round_burr", "pear_burr", "cylinder_burr", "taper_burr", "twist_drill", "canal_reamer"})
     for (int tenths = 10; tenths <= 180; ++tenths) {
@@ -103,7 +106,7 @@ TEST(ToolSets, BurrsAndDrillsFitTheEngineInEverySize) {
     }
 }
 
-TEST(DemoCell, TakesABurrADrillAndABroachInPlaceOfItsReamer) {
+TEST(DemoCell, CanUseABurrADrillOrABroachInPlaceOfItsReamer) {
   for (const ToolChoice& choice :
        {ToolChoice{kTools + "round_burr.yaml", 0.006}, ToolChoice{kTools + "reamer.yaml", 0.054},
         ToolChoice{kTools + "twist_drill.yaml"}, ToolChoice{kTools + "broach.yaml"}}) {
@@ -121,7 +124,7 @@ TEST(DemoCell, TakesABurrADrillAndABroachInPlaceOfItsReamer) {
   EXPECT_THROW(static_cast<void>(LoadCell(kDemo, ToolChoice{kTools + "reamer.yaml", 0.080})), ToolSizeError);
 }
 
-TEST(DemoCell, NeedsNoDiameter) {
+TEST(DemoCell, LoadsWithoutAToolDiameter) {
   std::string text = CellText("demo");
   const std::size_t at = text.find("tool_diameter_mm");
   ASSERT_NE(at, std::string::npos);

@@ -12,10 +12,13 @@
 #include "console/server/surface_reader.h"
 #include "console/server/surface_store.h"
 
+// Tests of parts of the console's server without a network: messages of a page, access, the operator's role,
+// and how surface bricks and live windows are shared among pages.
+
 namespace osteon::console {
 namespace {
 
-TEST(ClientMessage, TakesWhatAPageMayAsk) {
+TEST(ClientMessage, ParsesEveryRequestOfAPage) {
   EXPECT_EQ(std::get<OperatorRequest>(*ParseClientMessage(R"({"ask": "pause"})")), OperatorRequest::kPause);
   EXPECT_EQ(std::get<OperatorRequest>(*ParseClientMessage(R"({"ask": "stop"})")), OperatorRequest::kStop);
   EXPECT_EQ(std::get<OperatorRequest>(*ParseClientMessage(R"({"ask": "recover"})")),
@@ -82,7 +85,7 @@ TEST(ClientMessage, RefusesEverythingElseWithWhatItAccepts) {
   }
 }
 
-TEST(Access, APageOfThisServerMayOpenAndNoOther) {
+TEST(Access, OnlyAPageOfThisServerMayConnect) {
   const auto check = [](std::string_view host, std::string_view origin) {
     return CheckAccess({.host = host, .origin = origin, .token = {}}, "127.0.0.1", "");
   };
@@ -97,7 +100,7 @@ TEST(Access, APageOfThisServerMayOpenAndNoOther) {
   EXPECT_NE(check("", ""), "");
 }
 
-TEST(Access, AnotherAddressAsksForTheToken) {
+TEST(Access, AnAddressBeyondTheLoopbackNeedsTheToken) {
   const std::string token = NewToken();
   EXPECT_EQ(token.size(), 32u);
   EXPECT_NE(token, NewToken());
@@ -111,7 +114,7 @@ TEST(Access, AnotherAddressAsksForTheToken) {
   EXPECT_NE(check(std::string(32, '0')), "");
 }
 
-TEST(OperatorRole, OneHoldsItUntilItGivesItBack) {
+TEST(OperatorRole, OnePageHoldsTheRoleUntilItGivesItBack) {
   OperatorRole role;
   EXPECT_TRUE(role.Take(1));
   EXPECT_TRUE(role.Take(1));
@@ -122,7 +125,7 @@ TEST(OperatorRole, OneHoldsItUntilItGivesItBack) {
   EXPECT_TRUE(role.Take(2));
 }
 
-TEST(SurfaceReader, GetsTheNewestOfEachBrickInParts) {
+TEST(SurfaceReader, GetsTheNewestVersionOfEachBrickInParts) {
   SurfaceStore store;
   for (std::uint64_t brick = 0; brick < 5; ++brick) store.Put({{brick, "old"}});
   store.Put({{2, "new"}});
@@ -135,28 +138,29 @@ TEST(SurfaceReader, GetsTheNewestOfEachBrickInParts) {
   EXPECT_EQ(reader.Next(store, 1).bricks, "again") << "a brick is larger than a part";
 }
 
-// Bricks that change in every turn, three times as many as a part takes: the last ones have their turn too.
-TEST(SurfaceReader, ABrickKeepsItsTurnWhileOthersChange) {
+// Three bricks change in every turn, and a part takes one of them. So three parts make a whole change, whose
+// bricks must all be of one time.
+TEST(SurfaceReader, AllBricksOfAChangeAreSentWhileBricksKeepChanging) {
   SurfaceStore store;
   SurfaceReader reader;
-  int whole = 0;
-  std::string got;
+  int whole_changes = 0;
+  std::string bricks;
   for (int turn = 0; turn < 30; ++turn) {
     const std::string time(1, static_cast<char>('a' + turn));
     store.Put({{1, "1" + time}, {2, "2" + time}, {3, "3" + time}});
     const auto part = reader.Next(store, 2);
-    got += part.bricks;
+    bricks += part.bricks;
     if (!part.ends) continue;
-    ++whole;
-    ASSERT_EQ(got.size(), 6u) << got;
-    EXPECT_EQ(got[1], got[3]) << "bricks of two times: " << got;
-    EXPECT_EQ(got[1], got[5]) << "bricks of two times: " << got;
-    got.clear();
+    ++whole_changes;
+    ASSERT_EQ(bricks.size(), 6u) << bricks;
+    EXPECT_EQ(bricks[1], bricks[3]) << "bricks of two times: " << bricks;
+    EXPECT_EQ(bricks[1], bricks[5]) << "bricks of two times: " << bricks;
+    bricks.clear();
   }
-  EXPECT_EQ(whole, 10);
+  EXPECT_EQ(whole_changes, 10);
 }
 
-TEST(SurfaceReader, AnotherGridVoidsWhatWaits) {
+TEST(SurfaceReader, ANewGridDiscardsTheBricksThatWait) {
   SurfaceStore store;
   store.Begin({}, "grid one");
   store.Put({{1, "1"}, {2, "2"}});
@@ -172,7 +176,7 @@ TEST(SurfaceReader, AnotherGridVoidsWhatWaits) {
   EXPECT_EQ(*reader.Next(store, 100).layout, "grid two");
 }
 
-TEST(SurfaceBudget, FollowsTheLink) {
+TEST(SurfaceBudget, IsLargestOnAFastLinkAndSmallestOnASlowOne) {
   using std::chrono::milliseconds;
   SurfaceBudget budget;
   for (int i = 0; i < 20; ++i) budget.AfterMessage(milliseconds(1));
@@ -183,7 +187,7 @@ TEST(SurfaceBudget, FollowsTheLink) {
   EXPECT_EQ(budget.bytes(), SurfaceBudget::kMin_bytes);
 }
 
-TEST(SharedLive, PagesAtTheSamePlaceShareAMessage) {
+TEST(SharedLive, PagesThatNeedTheSameWindowsShareOneMessage) {
   SharedLive live;
   int made = 0;
   const auto get = [&](std::uint64_t epoch, std::uint64_t from, std::uint64_t to) {

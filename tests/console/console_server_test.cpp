@@ -20,15 +20,16 @@
 #include "safety/cell_state.h"
 #include "tests/io/temporary_folder.h"
 
-// The server with real connections on the loopback. Waiting ends with what is waited for; kPatience only
-// bounds it.
+// Tests of the console's server with real connections on the loopback. Each wait ends as soon as its
+// condition holds; kPatience is only its upper bound.
 
 namespace osteon::console {
 namespace {
 
 constexpr std::chrono::seconds kPatience{20};
 
-// A page without a browser.
+// A page without a browser: a WebSocket client that keeps all messages it receives.
+// @param reads  false: does not read what the server sends
 class Client {
  public:
   Client(int port, const char* origin, bool reads = true, const char* path = "/live") : reads_(reads) {
@@ -47,7 +48,7 @@ class Client {
   void Send(const std::string& text) {
     mg_websocket_client_write(connection_, MG_WEBSOCKET_OPCODE_TEXT, text.data(), text.size());
   }
-  /// Waits for a message of a type that satisfies `is`; null if none comes.
+  /// Waits for the next message of this type for which `is` holds; null if none comes.
   nlohmann::json Await(const std::string& type, const std::function<bool(const nlohmann::json&)>& is = {}) {
     std::unique_lock lock(mutex_);
     nlohmann::json found;
@@ -64,6 +65,7 @@ class Client {
     });
     return found;
   }
+  /// Waits until `count` binary messages, which carry bricks, have arrived since the beginning.
   bool AwaitBinary(std::size_t count) {
     std::unique_lock lock(mutex_);
     return arrived_.wait_for(lock, kPatience, [&] { return binaries_.size() >= count; });
@@ -72,6 +74,7 @@ class Client {
     const std::lock_guard lock(mutex_);
     return binaries_.size();
   }
+  /// Whether a message of this type has arrived.
   [[nodiscard]] bool Has(const std::string& type) {
     const std::lock_guard lock(mutex_);
     return std::ranges::any_of(texts_,
@@ -117,6 +120,7 @@ class Client {
   mg_connection* connection_{nullptr};
 };
 
+// A server whose feed gets a tick of a cutting cell about every millisecond.
 class ConsoleServerTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -150,8 +154,9 @@ class ConsoleServerTest : public testing::Test {
     done_.store(true);
     if (feeder_.joinable()) feeder_.join();
   }
-  // this client, unlike a browser, leaves the port out of Host, and an origin must be the same
+  // without a port: the client leaves the port out of its Host header, and the origin must equal the host
   [[nodiscard]] static std::string origin() { return "http://127.0.0.1"; }
+  // Waits until `is` holds; false if that takes longer than kPatience.
   bool Eventually(const std::function<bool()>& is) const {
     for (const auto end = std::chrono::steady_clock::now() + kPatience;
          std::chrono::steady_clock::now() < end;) {
@@ -187,8 +192,8 @@ TEST_F(ConsoleServerTest, APageGetsHelloThenTheStreamAndTheSurface) {
   EXPECT_TRUE(page.AwaitBinary(2));
 }
 
-// A page forgets its charts with hello.
-TEST_F(ConsoleServerTest, APageThatAsksForAllGetsTheWindowsThatAreKeptAgain) {
+// A page clears its charts when it receives hello, so that it needs the earlier windows again.
+TEST_F(ConsoleServerTest, APageThatAsksForAllGetsTheKeptWindowsAgain) {
   Client page(server_->port(), origin().c_str());
   ASSERT_TRUE(page.open());
   const double first_s = page.Await("live")["windows"][0][0].get<double>();
@@ -200,8 +205,8 @@ TEST_F(ConsoleServerTest, APageThatAsksForAllGetsTheWindowsThatAreKeptAgain) {
   EXPECT_LE(page.Await("live")["windows"][0][0].get<double>(), first_s);
 }
 
-// A change of more bricks than one message takes is told to be whole only after its last message.
-TEST_F(ConsoleServerTest, ALargeChangeIsToldToBeWholeAtItsEnd) {
+// The change has 4.5 MB, and a message at most 1 MiB (1.049 MB): surface_whole comes after the last one.
+TEST_F(ConsoleServerTest, ALargeChangeIsReportedWholeAfterItsLastMessage) {
   surface_.Begin(surface::BrickLayout{}, R"({"type":"surface"})");
   std::vector<std::pair<std::uint64_t, std::string>> change;
   for (std::uint64_t brick = 0; brick < 450; ++brick) change.emplace_back(brick, std::string(10'000, 'x'));
@@ -213,8 +218,9 @@ TEST_F(ConsoleServerTest, ALargeChangeIsToldToBeWholeAtItsEnd) {
   EXPECT_EQ(page.binary_bytes(), 4'500'000u);
 }
 
-// A cut that goes on: every change has as many bricks as a reamer's, and each reaches the page whole.
-TEST_F(ConsoleServerTest, ChangesReachThePageWholeWhileTheCutGoesOn) {
+// While a cut goes on, a new change comes every 5 ms, with 412 bricks as of a reamer. The page must still
+// receive complete changes.
+TEST_F(ConsoleServerTest, WholeChangesReachThePageWhileTheCutGoesOn) {
   surface_.Begin(surface::BrickLayout{}, R"({"type":"surface"})");
   std::atomic<bool> done{false};
   std::thread cut([&] {
@@ -231,8 +237,8 @@ TEST_F(ConsoleServerTest, ChangesReachThePageWholeWhileTheCutGoesOn) {
   cut.join();
 }
 
-// Two recordings side by side: one server, two streams, and the notes of both to every page.
-TEST_F(ConsoleServerTest, APageThatAsksForItGetsTheSecondStream) {
+// To compare two recordings, one server has two streams, and sends its notes to the pages of both.
+TEST_F(ConsoleServerTest, APageThatAsksForTheSecondStreamGetsIt) {
   LiveFeed feed;
   control::TickRecord tick;
   for (tick.tick = 1; tick.tick <= 100; ++tick.tick) {
@@ -260,7 +266,7 @@ TEST_F(ConsoleServerTest, APageThatAsksForItGetsTheSecondStream) {
   EXPECT_FALSE(second.Await("note").is_null());
   const auto is_of_second = [](const nlohmann::json& live) { return live["status"]["force_N"] == 42.0; };
   EXPECT_FALSE(second.Await("live", is_of_second).is_null());
-  // a cell without a second stream shows its own
+  // a server without a second stream sends its only one
   Client other(server_->port(), origin().c_str(), true, "/live?stream=2");
   EXPECT_EQ(other.Await("hello")["cell"], "test");
 }
@@ -285,8 +291,8 @@ TEST_F(ConsoleServerTest, OnlyTheOperatorsPageSteers) {
   EXPECT_TRUE(two.Await("answer")["done"].get<bool>());
 }
 
-// Whoever gives the role back, or only watched, may go without a word.
-TEST_F(ConsoleServerTest, OnlyAPageThatVanishesWithTheRoleIsToldOf) {
+// No notice is given when a page closes that only watched or had given the role back.
+TEST_F(ConsoleServerTest, OnlyAPageThatVanishesWithTheRoleIsReported) {
   {
     Client watches(server_->port(), origin().c_str()), gives_back(server_->port(), origin().c_str());
     gives_back.Send(R"({"ask": "role"})");
@@ -328,8 +334,9 @@ TEST_F(ConsoleServerTest, AnOperatorsPageThatVanishesFreesTheRole) {
           .is_null());
 }
 
-// A page's word of its drawing is a figure and nothing else; what cannot be is dropped.
-TEST_F(ConsoleServerTest, TheTimeUntilAFigureIsDrawnIsMeasuredByOneClock) {
+// A page reports the stamp of the figure that it has just drawn, and the server subtracts the stamp from its
+// own clock. Stamps of the future or of long ago are ignored.
+TEST_F(ConsoleServerTest, TheDelayUntilAFigureIsDrawnIsMeasuredByTheServersClock) {
   Client page(server_->port(), origin().c_str());
   EXPECT_FALSE(server_->drawn_ms());
   const double now_s = rt::ToSeconds(rt::MonotonicNow());
@@ -342,14 +349,14 @@ TEST_F(ConsoleServerTest, TheTimeUntilAFigureIsDrawnIsMeasuredByOneClock) {
   EXPECT_EQ(server_->counts().bad_messages, 0u);
 }
 
-TEST_F(ConsoleServerTest, StrangersAreRefused) {
+TEST_F(ConsoleServerTest, PagesOfOtherOriginsAreRefused) {
   EXPECT_FALSE(Client(server_->port(), "http://evil.example").open());
   EXPECT_FALSE(Client(server_->port(), "null").open());
   EXPECT_TRUE(Eventually([&] { return server_->counts().refused == 2; }));
   EXPECT_EQ(server_->pages(), 0u);
 }
 
-TEST_F(ConsoleServerTest, AnotherAddressAsksForItsToken) {
+TEST_F(ConsoleServerTest, AServerBeyondTheLoopbackNeedsItsToken) {
   auto open = ConsoleServer::Start(
       {.address = "0.0.0.0", .port = 0, .page = folder_.path(), .hello = "{}", .context = {}, .request = {}},
       feed_, surface_);
@@ -384,8 +391,9 @@ TEST_F(ConsoleServerTest, OfSixtyFourPagesSixteenAreServed) {
   EXPECT_FALSE(Client(server_->port(), origin().c_str()).Await("live").is_null());
 }
 
-// The server waits 10 s for it: one wait for all that is claimed of such a page.
-TEST_F(ConsoleServerTest, APageThatDoesNotReadIsClosedHoldsNobodyUpAndIsToldWhenItOpensAgain) {
+// The server waits 10 s before it closes such a page. One test checks all the consequences, to wait only
+// once.
+TEST_F(ConsoleServerTest, APageThatDoesNotReadIsClosedDelaysNoOtherAndLearnsWhyWhenItReopens) {
   Client slow(server_->port(), origin().c_str());
   const std::string key = slow.Await("key")["key"];
   slow.StopReading();
@@ -402,7 +410,7 @@ TEST_F(ConsoleServerTest, APageThatDoesNotReadIsClosedHoldsNobodyUpAndIsToldWhen
   const auto closed = again.Await("closed");
   EXPECT_EQ(closed["code"], 1008);
   EXPECT_NE(closed["reason"].get<std::string>().find("took nothing"), std::string::npos);
-  // once, and nobody else
+  // the reason is told once, and to no other page
   Client third(server_->port(), origin().c_str(), true, ("/live?was=" + key).c_str());
   Client other(server_->port(), origin().c_str());
   for (Client* each : {&third, &other}) {
@@ -411,7 +419,7 @@ TEST_F(ConsoleServerTest, APageThatDoesNotReadIsClosedHoldsNobodyUpAndIsToldWhen
   }
 }
 
-TEST_F(ConsoleServerTest, PagesThatComeAndGoLeaveNothing) {
+TEST_F(ConsoleServerTest, PagesThatOpenAndCloseLeaveNoConnection) {
   for (int i = 0; i < 100; ++i) {
     Client page(server_->port(), origin().c_str());
     ASSERT_TRUE(page.open()) << i;
@@ -421,7 +429,7 @@ TEST_F(ConsoleServerTest, PagesThatComeAndGoLeaveNothing) {
   EXPECT_EQ(server_->counts().opened, 100u);
 }
 
-TEST_F(ConsoleServerTest, ATakenPortIsPassedOverUnlessItWasNamed) {
+TEST_F(ConsoleServerTest, APortInUseIsSkippedUnlessTheUserNamedIt) {
   const ConsoleParams params{
       .port = server_->port(), .page = folder_.path(), .hello = "{}", .context = {}, .request = {}};
   const auto next = ConsoleServer::Start(params, feed_, surface_);

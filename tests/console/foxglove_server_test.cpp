@@ -15,7 +15,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-// The protocol by its text, and the server with real connections on the loopback.
+// Tests of the server for the Foxglove viewer: the protocol's messages as text and bytes, and the server with
+// real connections on the loopback.
 
 namespace osteon::console {
 namespace {
@@ -37,7 +38,7 @@ TEST(FoxgloveProtocol, ReadsSubscriptions) {
   EXPECT_EQ(std::get<FoxgloveUnsubscribe>(*gone).ids, std::vector<std::uint32_t>{8});
 }
 
-TEST(FoxgloveProtocol, RefusesAllElseWithWhatIsAccepted) {
+TEST(FoxgloveProtocol, RefusesOtherRequestsWithWhatIsAccepted) {
   for (const char* text :
        {"", "{", "[]", R"({"op": 1})", R"({"op": "setParameters"})", R"({"op": "subscribe"})",
         R"({"op": "subscribe", "subscriptions": 3})", R"({"op": "subscribe", "subscriptions": [3]})",
@@ -56,7 +57,7 @@ TEST(FoxgloveProtocol, RefusesAllElseWithWhatIsAccepted) {
   EXPECT_FALSE(ParseFoxgloveRequest(many.dump(), 2));
 }
 
-TEST(FoxgloveProtocol, WritesWhatTheSpecificationSays) {
+TEST(FoxgloveProtocol, WritesMessagesAsSpecified) {
   // schema bytes and their base64 as in Foxglove's own test of its advertisement
   const std::vector<FoxgloveChannel> channels{
       {.topic = "t3", .schema_name = "t3-schema", .schema = "\xde\xad\xbe\xef"}};
@@ -73,7 +74,7 @@ TEST(FoxgloveProtocol, WritesWhatTheSpecificationSays) {
   EXPECT_EQ(bytes, std::string("\x01\x04\x03\x02\x01\x0C\x0B\x0A\x09\x08\x07\x06\x05xy", 15));
 }
 
-// Counts up: each look gives one message more.
+// A source of two channels, a and b. Each call of New gives a channel's next message: a1, a2, …
 class CountingSource final : public FoxgloveSource {
  public:
   [[nodiscard]] const std::vector<FoxgloveChannel>& channels() const override { return channels_; }
@@ -86,9 +87,11 @@ class CountingSource final : public FoxgloveSource {
                                          {.topic = "b", .schema_name = "B", .schema = "s"}};
 };
 
+// A Foxglove viewer: a WebSocket client that keeps all messages it receives.
 class Viewer {
  public:
-  // civetweb's client writes the origin as it stands, so a further header fits behind it
+  // the client library writes the origin unchanged into its request: a line break adds the subprotocol's
+  // header
   Viewer(int port, const std::string& origin, const char* subprotocol, const char* path = "/")
       : headers_(origin +
                  (subprotocol != nullptr ? std::string("\r\nSec-WebSocket-Protocol: ") + subprotocol : "")) {
@@ -106,11 +109,13 @@ class Viewer {
   void Send(const std::string& text, int opcode = MG_WEBSOCKET_OPCODE_TEXT) {
     mg_websocket_client_write(connection_, opcode, text.data(), text.size());
   }
+  // Waits until `is` holds for the messages received so far.
   bool Await(const std::function<bool(const std::vector<std::string>& texts,
                                       const std::vector<std::string>& binaries)>& is) {
     std::unique_lock lock(mutex_);
     return arrived_.wait_for(lock, kPatience, [&] { return is(texts_, binaries_); });
   }
+  // Waits for a text message that contains `part`.
   bool AwaitText(const std::string& part) {
     return Await([&](const auto& texts, const auto&) {
       for (const std::string& text : texts)
@@ -118,6 +123,7 @@ class Viewer {
       return false;
     });
   }
+  // Waits for a binary message of this subscription: opcode 1, id (4 bytes), stamp (8 bytes), payload.
   bool AwaitMessage(std::uint32_t id, const std::string& payload) {
     return Await([&](const auto&, const auto& binaries) {
       for (const std::string& bytes : binaries)
@@ -156,7 +162,7 @@ class FoxgloveServerTest : public ::testing::Test {
   std::unique_ptr<FoxgloveServer> server_;
 };
 
-TEST_F(FoxgloveServerTest, GivesAViewerWhatItSubscribesTo) {
+TEST_F(FoxgloveServerTest, SendsAViewerTheChannelsThatItSubscribesTo) {
   Start();
   for (const char* subprotocol : kFoxgloveSubprotocols) {
     Viewer viewer(server_->port(), "file://", subprotocol);
@@ -174,7 +180,7 @@ TEST_F(FoxgloveServerTest, GivesAViewerWhatItSubscribesTo) {
   }
 }
 
-TEST_F(FoxgloveServerTest, TellsAViewerThatItTakesNothing) {
+TEST_F(FoxgloveServerTest, AnswersThatItAcceptsNoCommands) {
   Start();
   Viewer viewer(server_->port(), "http://localhost:8080", "foxglove.sdk.v1");
   ASSERT_TRUE(viewer.open());
@@ -188,7 +194,7 @@ TEST_F(FoxgloveServerTest, TellsAViewerThatItTakesNothing) {
   EXPECT_TRUE(viewer.AwaitMessage(1, "a1"));
 }
 
-TEST_F(FoxgloveServerTest, ServesNoStranger) {
+TEST_F(FoxgloveServerTest, RefusesOtherOriginsAndProtocols) {
   Start();
   EXPECT_FALSE(Viewer(server_->port(), "https://example.org", "foxglove.sdk.v1").open());
   EXPECT_FALSE(Viewer(server_->port(), "http://localhost.example.org", "foxglove.sdk.v1").open());
@@ -197,7 +203,7 @@ TEST_F(FoxgloveServerTest, ServesNoStranger) {
   EXPECT_TRUE(Viewer(server_->port(), "https://app.foxglove.dev", "foxglove.sdk.v1").open());
 }
 
-TEST_F(FoxgloveServerTest, AsksForATokenBeyondTheLoopback) {
+TEST_F(FoxgloveServerTest, NeedsATokenBeyondTheLoopback) {
   Start("0.0.0.0");
   EXPECT_FALSE(Viewer(server_->port(), "file://", "foxglove.sdk.v1").open());
   const std::string url = server_->url();
@@ -205,7 +211,7 @@ TEST_F(FoxgloveServerTest, AsksForATokenBeyondTheLoopback) {
   EXPECT_TRUE(Viewer(server_->port(), "file://", "foxglove.sdk.v1", ("/" + query).c_str()).open()) << url;
 }
 
-TEST_F(FoxgloveServerTest, ServesSoManyAndNoMoreAndEndsWithThemOpen) {
+TEST_F(FoxgloveServerTest, ServesAtMostTheMaximumAndEndsWhileTheyAreOpen) {
   Start();
   std::vector<std::unique_ptr<Viewer>> viewers;
   for (std::size_t i = 0; i < kMaxFoxgloveViewers; ++i) {

@@ -10,8 +10,9 @@
 namespace osteon {
 namespace {
 
-// The page has a German text of each fault: console/web/src/fault_texts.ts names them by their English name.
-TEST(GermanFaults, EachFaultOfTheCellHasOne) {
+// The console's page has its German texts of faults in console/web/src/fault_texts.ts, each under the fault's
+// English name.
+TEST(GermanFaults, EachFaultHasAGermanText) {
   const std::filesystem::path file =
       std::filesystem::path(OSTEON_SOURCE_DIR) / "console/web/src/fault_texts.ts";
   std::stringstream text;

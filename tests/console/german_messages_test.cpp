@@ -33,16 +33,16 @@ std::string Sources() {
   return std::regex_replace(text, std::regex("\"\\s*\n\\s*\""), "");
 }
 
-// The page knows the cell's messages by their words: console/web/src/message_texts.ts. A message that is
-// worded anew would stay in English there.
-TEST(GermanMessages, EachOfThePagesIsOneOfTheSources) {
+// The page translates a message by its English words (console/web/src/message_texts.ts). If the words change
+// in the sources, the page would show the message in English.
+TEST(GermanMessages, EachTranslatedMessageOccursInTheSources) {
   const std::string page = TextOf(kSource / "console/web/src/message_texts.ts"), sources = Sources();
   const std::regex line("\n  \\[\"([^\"]*)\",");
   int messages = 0;
   for (std::sregex_iterator found(page.begin(), page.end(), line), end; found != end; ++found) {
     ++messages;
     std::string rest = (*found)[1];
-    while (!rest.empty()) {  // the words between the values
+    while (!rest.empty()) {  // each piece of text between the placeholders {}
       const std::size_t value = std::min(rest.find("{}"), rest.size());
       EXPECT_NE(sources.find(rest.substr(0, value)), std::string::npos) << rest.substr(0, value);
       rest.erase(0, value + 2);

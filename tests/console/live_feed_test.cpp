@@ -9,8 +9,12 @@
 #include "safety/cell_state.h"
 #include "safety/watchdog.h"
 
+// Tests of the live feed, which gathers a cell's ticks into windows of 33 ms for the console's pages.
+
 namespace osteon::console {
 namespace {
+
+// A tick of a cell with a period of 1 ms; its number is also its time [ms].
 
 control::TickRecord Tick(std::uint64_t number, double force_N,
                          safety::CellState state = safety::CellState::kCutting) {
@@ -29,20 +33,20 @@ TEST(LiveFeed, APeakOfOneTickIsNotHidden) {
   std::uint64_t seen = 0;
   const auto windows = feed.Since(seen);
   ASSERT_GE(windows.size(), 2u);
-  double most = 0.0, least = 1e9;
+  double max_N = 0.0, min_N = 1e9;
   std::uint64_t number = 0;
   for (const LiveWindow& w : windows) {
     EXPECT_EQ(w.number, ++number) << "without gaps";
-    most = std::max(most, w.force_N.most);
-    least = std::min(least, w.force_N.least);
+    max_N = std::max(max_N, w.force_N.most);
+    min_N = std::min(min_N, w.force_N.least);
   }
-  EXPECT_EQ(most, 150.0);
-  EXPECT_EQ(least, 1.0);
+  EXPECT_EQ(max_N, 150.0);
+  EXPECT_EQ(min_N, 1.0);
   EXPECT_EQ(seen, feed.Newest().number);
   EXPECT_TRUE(feed.Since(seen).empty());
 }
 
-TEST(LiveFeed, TimeOfAPauseIsCountedApart) {
+TEST(LiveFeed, RenderedAndPausedTimeAreCountedSeparately) {
   LiveFeed feed;
   std::uint64_t tick = 0;
   for (int i = 0; i < 500; ++i) feed.TakeTick(Tick(++tick, 1.0));
@@ -52,8 +56,9 @@ TEST(LiveFeed, TimeOfAPauseIsCountedApart) {
   EXPECT_NEAR(feed.Newest().paused_s, 0.3, 1e-9);
 }
 
-// One late tick in a thousand is the worst one, and no matter of the 99 %.
-TEST(LiveFeed, TellsTheTicksOfTheRunByTheirWorstAndByNinetyNinePercent) {
+// Of 1000 ticks one takes 900 µs, twenty take 60 µs and the rest 30 µs: the largest is 900 µs, the 99th
+// percentile 60 µs.
+TEST(LiveFeed, KeepsTheLargestAndTheNinetyNinthPercentileOfTickTimes) {
   LiveFeed feed;
   for (std::uint64_t i = 1; i <= 1000; ++i) {
     control::TickRecord tick = Tick(i, 1.0);
@@ -75,7 +80,7 @@ TEST(LiveFeed, TellsTheTicksOfTheRunByTheirWorstAndByNinetyNinePercent) {
   EXPECT_EQ(feed.Newest().compute_p99_us, 0.0) << "a playback at another time";
 }
 
-TEST(LiveFeed, ALimitActsSinceItsFirstTickUntilAWindowWithoutIt) {
+TEST(LiveFeed, ALimitActsFromItsFirstTickUntilAWholeWindowIsWithoutIt) {
   constexpr auto kSpeed = static_cast<std::size_t>(safety::Limit::kToolSpeed);
   LiveFeed feed;
   std::uint64_t at = 0;
@@ -88,7 +93,7 @@ TEST(LiveFeed, ALimitActsSinceItsFirstTickUntilAWindowWithoutIt) {
   };
   take(100, false);
   take(200, true);
-  take(5, false);  // within a window
+  take(5, false);  // a break shorter than a window does not count
   take(200, true);
   feed.Flush();
   EXPECT_EQ(feed.Newest().limit_since[kSpeed], 101 * rt::kMillisecond);
@@ -98,7 +103,7 @@ TEST(LiveFeed, ALimitActsSinceItsFirstTickUntilAWindowWithoutIt) {
   EXPECT_EQ(feed.Newest().limit_since[kSpeed], 706 * rt::kMillisecond);
 }
 
-TEST(LiveFeed, TheGreatestAgesOfAWindowAreKept) {
+TEST(LiveFeed, TheLargestAgeInAWindowIsKept) {
   LiveFeed feed;
   for (std::uint64_t i = 1; i <= 30; ++i) {
     control::TickRecord tick = Tick(i, 1.0);
@@ -127,8 +132,8 @@ TEST(LiveFeed, ALateReaderGetsTheLastWindowsAndEvents) {
   EXPECT_TRUE(feed.EventsSince(seen_events).empty());
 }
 
-// Each page asks thirty times a second.
-TEST(LiveFeed, AReaderHasMemoryForWhatIsNewAlone) {
+// Each page asks thirty times a second: a copy must not allocate for windows that the page has seen.
+TEST(LiveFeed, AReaderAllocatesOnlyForNewWindows) {
   LiveFeed feed;
   std::uint64_t tick = 0, seen = 0;
   EXPECT_EQ(feed.Since(seen).capacity(), 0u);
@@ -142,7 +147,7 @@ TEST(LiveFeed, AReaderHasMemoryForWhatIsNewAlone) {
   EXPECT_EQ(feed.Since(seen).capacity(), 0u);
 }
 
-TEST(LiveFeed, KeepsAsManyWindowsAsAsked) {
+TEST(LiveFeed, KeepsTheRequestedNumberOfWindows) {
   LiveFeed feed(300);
   for (std::uint64_t i = 1; i <= 20'000; ++i) feed.TakeTick(Tick(i, 1.0));
   std::uint64_t seen = 0;
@@ -151,8 +156,9 @@ TEST(LiveFeed, KeepsAsManyWindowsAsAsked) {
   EXPECT_EQ(windows.front().number + 299, windows.back().number);
 }
 
-// A playback reads half a minute for a place; until it is whole, readers have what was shown before.
-TEST(LiveFeed, ShowsAllOfAnotherFeedAtOnceAndGoesOnFromThere) {
+// When a playback jumps, it first gathers half a minute of ticks in another feed, and then shows this feed in
+// one step. The jump leads to ticks 5001 … 7000; the first window of 33 ms ends with tick 5034.
+TEST(LiveFeed, ShowsAnotherFeedsContentInOneStepAndContinuesFromIt) {
   LiveFeed feed;
   for (std::uint64_t i = 1; i <= 100; ++i) feed.TakeTick(Tick(i, 1.0));
   LiveFeed made(feed.kept());
@@ -174,10 +180,10 @@ TEST(LiveFeed, ShowsAllOfAnotherFeedAtOnceAndGoesOnFromThere) {
   EXPECT_EQ(events[0].text, "there");
 }
 
-TEST(LiveFeed, AReaderOfBeforeAJumpGetsNothingUntilItKnows) {
+TEST(LiveFeed, AReaderThatHasNotNoticedAJumpGetsNothing) {
   LiveFeed feed;
   for (int i = 0; i < 5; ++i) feed.TakeEvent({.stamp = i, .text = "x"});
-  std::uint64_t seen_events = 0, seen = 3;
+  std::uint64_t seen_events = 0, seen = 3;  // counts from before the jump
   EXPECT_EQ(feed.EventsSince(seen_events).size(), 5u);
   const std::uint64_t epoch = feed.epoch();
   LiveFeed empty;
@@ -188,7 +194,8 @@ TEST(LiveFeed, AReaderOfBeforeAJumpGetsNothingUntilItKnows) {
   EXPECT_EQ(feed.Newest().number, 0u);
 }
 
-// Readers that always copy must neither stall the writer nor tear a window.
+// Two readers copy all the time while the writer goes on: each window must be from one moment (its force
+// equals its tick's number).
 TEST(LiveFeed, ReadersNeverTearAWindow) {
   LiveFeed feed;
   std::atomic<bool> done{false};

@@ -15,8 +15,12 @@
 #include "safety/motion_permit.h"
 #include "safety/watchdog.h"
 
+// Tests of the status that the console shows: its figures, its line for the terminal, and its JSON.
+
 namespace osteon::console {
 namespace {
+
+// A window of a cell in this state, 5 N of force and 4 mm deep.
 
 LiveWindow Window(safety::CellState state) {
   LiveWindow w;
@@ -34,7 +38,7 @@ LiveWindow Window(safety::CellState state) {
 const LiveContext kContext{.force_limit_N = 200.0,
                            .depth_m = [](const Pose& X_WP) { return -X_WP.translation().z(); }};
 
-TEST(LiveStatus, SaysStateForceAndDepth) {
+TEST(LiveStatus, HasStateForceAndDepth) {
   const LiveStatus s = StatusOf(Window(safety::CellState::kCutting), kContext);
   EXPECT_TRUE(s.known);
   EXPECT_EQ(s.state, "cutting");
@@ -45,7 +49,7 @@ TEST(LiveStatus, SaysStateForceAndDepth) {
   EXPECT_FALSE(s.can_resume);
 }
 
-TEST(LiveStatus, HasTheLatencyOfItsContext) {
+TEST(LiveStatus, HasTheLatencyWhereTheContextHasOne) {
   EXPECT_TRUE(nlohmann::json::parse(StatusJson(StatusOf(Window(safety::CellState::kCutting), kContext)))
                   .at("latency_ms")
                   .is_null());
@@ -65,7 +69,7 @@ TEST(LiveStatus, HasTheLatencyOfItsContext) {
   EXPECT_EQ(latency.at("parts").at("sensor").at("measured"), false);
 }
 
-TEST(LiveStatus, SaysWhichLimitOfTheForceHoldsNow) {
+TEST(LiveStatus, NamesTheForceLimitThatActsNow) {
   LiveContext context = kContext;
   context.force_limit_from = "cell";
   context.torque_limit_Nm = 20.0;
@@ -89,7 +93,7 @@ TEST(LiveStatus, SaysWhichLimitOfTheForceHoldsNow) {
   EXPECT_EQ(json.at("limits_for_s").size(), json.at("limits").size());
 }
 
-TEST(LiveStatus, SaysFeedAndTheDepthThatIsLeft) {
+TEST(LiveStatus, HasTheFeedAndTheRemainingDepthWhereTheyAreKnown) {
   LiveContext context = kContext;
   LiveWindow w = Window(safety::CellState::kCutting);
   w.tick.v_WT_cmd_m_per_s = {0.003, 0.0, -0.004};
@@ -104,7 +108,7 @@ TEST(LiveStatus, SaysFeedAndTheDepthThatIsLeft) {
   EXPECT_NEAR(json.at("feed_mm_per_s").get<double>(), 4.0, 1e-9) << "into the bone";
 }
 
-TEST(LiveStatus, SaysHowOldTheArmsAndThePlcsWordsAreAndWhatIsLost) {
+TEST(LiveStatus, HasTheAgesOfArmAndPlcMessagesAndTheirLosses) {
   LiveContext context = kContext;
   LiveWindow w = Window(safety::CellState::kCutting);
   w.arm_age_s.Begin(0.003);
@@ -132,7 +136,7 @@ TEST(LiveStatus, SaysHowOldTheArmsAndThePlcsWordsAreAndWhatIsLost) {
   EXPECT_EQ(StatusLine(StatusOf(w, context), 0.0, 200).find("model"), std::string::npos);
 }
 
-TEST(LiveStatus, AFaultHasWhatItsRunKnowsOfIt) {
+TEST(LiveStatus, AFaultHasItsMeasuredCauseAndTheStopsPage) {
   LiveContext context = kContext;
   LiveWindow w = Window(safety::CellState::kFault);
   w.tick.faults = static_cast<std::uint32_t>(safety::Fault::kSensorStale);
@@ -148,7 +152,7 @@ TEST(LiveStatus, AFaultHasWhatItsRunKnowsOfIt) {
   EXPECT_EQ(StatusOf(w, kContext).faults.at(0).note.seen, "") << "a recording's page";
 }
 
-TEST(LiveStatus, TellsTheAgeOfTheBoneThatFollows) {
+TEST(LiveStatus, HasTheAgeOfTheDrawnBoneWhereItIsKnown) {
   LiveContext context = kContext;
   const LiveWindow window = Window(safety::CellState::kCutting);
   EXPECT_TRUE(nlohmann::json::parse(StatusJson(StatusOf(window, context)))["bone_age_ms"].is_null());
@@ -158,13 +162,13 @@ TEST(LiveStatus, TellsTheAgeOfTheBoneThatFollows) {
   EXPECT_EQ(nlohmann::json::parse(StatusJson(StatusOf(window, context)))["bone_age_ms"], 2500.0);
 }
 
-TEST(LiveStatus, APausedCellCanOnlyGoOn) {
+TEST(LiveStatus, APausedCellCanOnlyResume) {
   const LiveStatus s = StatusOf(Window(safety::CellState::kPaused), kContext);
   EXPECT_FALSE(s.can_pause);
   EXPECT_TRUE(s.can_resume);
 }
 
-TEST(LiveStatus, ARecoveryIsOfferedAtRestForFaultsThatAllowIt) {
+TEST(LiveStatus, RecoveryIsOfferedAtRestIfAllFaultsAllowIt) {
   LiveWindow w = Window(safety::CellState::kFault);
   w.tick.faults = static_cast<std::uint32_t>(safety::Fault::kSession);
   EXPECT_TRUE(StatusOf(w, kContext).can_recover);
@@ -179,9 +183,9 @@ TEST(LiveStatus, ARecoveryIsOfferedAtRestForFaultsThatAllowIt) {
   EXPECT_FALSE(StatusOf(Window(safety::CellState::kCutting), kContext).can_recover);
 }
 
-// While the arm moves the loop does not evaluate the conditions: the tick's bits are zero, and nothing is
-// missing.
-TEST(LiveStatus, ConditionsAreShownAsTheyAreAndWhileMovingAsTheyWere) {
+// While the arm moves, the loop does not evaluate the conditions for a start of motion: their bits in the
+// tick are zero, but none is missing.
+TEST(LiveStatus, ConditionsForMotionAreShownAndCountAsMetDuringMotion) {
   LiveWindow w = Window(safety::CellState::kChecking);
   safety::MotionPermits permits(safety::MotionPermits::kAll);
   permits.Set(safety::MotionPermit::kSensorFresh, false);
@@ -196,7 +200,7 @@ TEST(LiveStatus, ConditionsAreShownAsTheyAreAndWhileMovingAsTheyWere) {
   for (const PermitStatus& permit : StatusOf(w, kContext).permits) EXPECT_TRUE(permit.holds);
 }
 
-TEST(LiveStatus, NamesLimitsAndFaultsWithTheirCure) {
+TEST(LiveStatus, NamesLimitsAndFaultsAndHowToClearThem) {
   LiveWindow w = Window(safety::CellState::kFault);
   w.limits = 1u << static_cast<unsigned>(safety::Limit::kToolSpeed);
   w.tick.faults = 1u;
@@ -210,7 +214,7 @@ TEST(LiveStatus, NamesLimitsAndFaultsWithTheirCure) {
   EXPECT_TRUE(s.can_recover);
 }
 
-TEST(LiveStatus, TheLineFitsTheTerminalAndKeepsWhatMatters) {
+TEST(LiveStatus, TheLineFitsTheTerminalAndBeginsWithTheState) {
   LiveWindow w = Window(safety::CellState::kCutting);
   w.limits = ~0u;
   const LiveStatus s = StatusOf(w, kContext);
@@ -224,17 +228,17 @@ TEST(LiveStatus, TheLineFitsTheTerminalAndKeepsWhatMatters) {
     EXPECT_NE(whole.find(part), std::string::npos) << whole;
 }
 
-TEST(LiveStatus, BeforeTheFirstMessageItSaysSo) {
+TEST(LiveStatus, TheLineSaysThatNoMessageHasCome) {
   EXPECT_EQ(StatusLine(StatusOf(LiveWindow{}, kContext), 10.0, 80), "waits for the first message");
 }
 
-TEST(LiveStatus, AStateThatNobodyKnowsIsNoCrash) {
+TEST(LiveStatus, AnUnknownStateHasNoName) {
   LiveWindow w = Window(safety::CellState::kCutting);
   w.tick.cell_state = control::kNoCellState;
   EXPECT_EQ(StatusOf(w, kContext).state, "");
 }
 
-TEST(LiveJson, HasARowForEachWindowAndTheLastOnesStatusAndPoses) {
+TEST(LiveJson, HasARowPerWindowAndTheLastWindowsStatusAndPoses) {
   std::array windows{Window(safety::CellState::kHaptic), Window(safety::CellState::kCutting)};
   windows[1].frame.model.contact_count = 2;
   windows[1].frame.model.contacts[1].n_W = {0.0, 0.6, 0.8};
@@ -249,9 +253,9 @@ TEST(LiveJson, HasARowForEachWindowAndTheLastOnesStatusAndPoses) {
   EXPECT_EQ(json["view"]["contacts"][1][5], 0.8);
 }
 
-// Where the bone and the bent head are drawn: X_WE = X_WM X_ME. Without anything that gives way neither is
-// sent.
-TEST(LiveJson, HasTheBonesAndTheHeadsPosesWhereSomethingGivesWay) {
+// In a compliant cell the page draws the bone at X_WM and the bent head at X_WE = X_WM X_ME. A rigid cell
+// sends neither pose.
+TEST(LiveJson, HasThePosesOfBoneAndBentHeadInACompliantCell) {
   std::array windows{Window(safety::CellState::kCutting)};
   EXPECT_FALSE(nlohmann::json::parse(LiveJson(windows, kContext))["view"].contains("X_WM"));
   control::ComplianceRecord& gives = windows[0].tick.compliance;

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# page_test.sh OSTEON CONSOLE PICTURES STEPS: the console's page in Debian's Chromium. Skips (77) where a part is missing.
+# page_test.sh OSTEON CONSOLE PICTURES STEPS: runs page_test.mjs, which tests the console's page in Debian's Chromium. CONSOLE
+# is the folder of the built page. Skips (exit status 77) where a part is missing.
 set -euo pipefail
 for part in node chromium; do
   command -v "$part" >/dev/null || { echo "skipped: no $part here (packages.txt, sections console and optional)"; exit 77; }

@@ -9,7 +9,8 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/loop/servo_bench.h"
 
-// Monitoring of the measured arm speed: the watch alone, and in the loop.
+// Tests of the watch on the measured tool speed, which trips when the arm moves faster than commanded: the
+// watch alone, and in the servo loop.
 
 namespace osteon::control {
 namespace {
@@ -19,10 +20,11 @@ using safety::CellState, safety::Fault;
 constexpr double kPeriod_s = 0.004, kLimit_m_per_s = 0.1;  // a KR's period, and the limit of its shipped cell
 constexpr rt::Nanoseconds kPeriod = 4 * rt::kMillisecond;
 
-// An arm whose tool moves along x.
+// A watch and the messages of an arm whose tool moves along x.
 struct Arm {
   explicit Arm(const ArmSpeedParams& params = {}) : watch(params, kPeriod_s) { state.stamp = rt::kSecond; }
-  bool Message(double x_m) {
+  // The next message, a period later, with the tool at x_m. @returns whether the watch trips
+  bool ReceiveAt(double x_m) {
     state.stamp += kPeriod;
     return watch.Check(state, {x_m, 0.2, -0.3}, kLimit_m_per_s);
   }
@@ -30,48 +32,50 @@ struct Arm {
   ArmState state;
 };
 
-TEST(ArmSpeedWatch, MeasuresWayOverTime) {
+TEST(ArmSpeedWatch, SpeedIsDistanceOverTimeBetweenMessages) {
   Arm arm;
-  EXPECT_FALSE(arm.Message(0.5)) << "where it begins is no way";
+  EXPECT_FALSE(arm.ReceiveAt(0.5)) << "where it begins is no way";
   EXPECT_EQ(arm.watch.speed_m_per_s(), 0.0);
-  EXPECT_FALSE(arm.Message(0.5004));
+  EXPECT_FALSE(arm.ReceiveAt(0.5004));
   EXPECT_NEAR(arm.watch.speed_m_per_s(), 0.1, 1e-9);
 }
 
-// The case of issue 33: 2.1 mm in 4 ms, by an absolute correction that fell back to zero.
+// An absolute correction of RSI that falls back to zero throws the arm back, as by 2.1 mm in 4 ms.
 TEST(ArmSpeedWatch, AJumpOfTwoMillimetresInAMessageTrips) {
   Arm arm;
   double x_m = 0.0;
-  for (int i = 0; i < 100; ++i) ASSERT_FALSE(arm.Message(x_m += 0.1 * kPeriod_s));
-  EXPECT_TRUE(arm.Message(x_m - 2.1e-3));
+  for (int i = 0; i < 100; ++i) ASSERT_FALSE(arm.ReceiveAt(x_m += 0.1 * kPeriod_s));
+  EXPECT_TRUE(arm.ReceiveAt(x_m - 2.1e-3));
   EXPECT_NEAR(arm.watch.speed_m_per_s(), 0.525, 1e-9);
 }
 
-TEST(ArmSpeedWatch, HalfAsFastAgainIsAllowedForGoodAndTwiceIsNotForLong) {
+// A speed of up to 1.5 times the limit adds no excess distance. At twice the limit the allowed excess of 1 mm
+// is used up after about five messages.
+TEST(ArmSpeedWatch, OneAndAHalfTimesTheLimitNeverTripsAndTwiceTripsSoon) {
   Arm arm;
   double x_m = 0.0;
-  for (int i = 0; i < 10'000; ++i) ASSERT_FALSE(arm.Message(x_m += 1.5 * kLimit_m_per_s * kPeriod_s));
-  int messages = 0;  // each exceeds the allowance by half the limit's distance: 0.2 mm
-  while (!arm.Message(x_m += 2.0 * kLimit_m_per_s * kPeriod_s)) ASSERT_LE(++messages, 6);
+  for (int i = 0; i < 10'000; ++i) ASSERT_FALSE(arm.ReceiveAt(x_m += 1.5 * kLimit_m_per_s * kPeriod_s));
+  int messages = 0;  // each adds (2.0 - 1.5) × 0.1 m/s × 4 ms = 0.2 mm of excess
+  while (!arm.ReceiveAt(x_m += 2.0 * kLimit_m_per_s * kPeriod_s)) ASSERT_LE(++messages, 6);
   EXPECT_GE(messages, 4);
 }
 
-TEST(ArmSpeedWatch, MessagesThatNeverCameOrWereOvertakenHaveTheirTime) {
+TEST(ArmSpeedWatch, LostAndLateMessagesCountAsAPeriodEach) {
   for (const bool late : {false, true}) {
     Arm arm;
     double x_m = 0.0;
-    static_cast<void>(arm.Message(x_m));
+    static_cast<void>(arm.ReceiveAt(x_m));
     for (int i = 0; i < 500; ++i) {
       const std::uint32_t missing = i % 7 == 3 ? 5 : 0;
       (late ? arm.state.late : arm.state.lost) += missing;
-      // all at once: the times of arrival carry no information
-      ASSERT_FALSE(arm.Message(x_m += (1 + missing) * kLimit_m_per_s * kPeriod_s)) << i;
+      // all messages arrive at once, so only their count tells how much time has passed
+      ASSERT_FALSE(arm.ReceiveAt(x_m += (1 + missing) * kLimit_m_per_s * kPeriod_s)) << i;
       ASSERT_NEAR(arm.watch.speed_m_per_s(), kLimit_m_per_s, 1e-9);
     }
   }
 }
 
-TEST(ArmSpeedWatch, JitterOfArrivalMakesNothingFast) {
+TEST(ArmSpeedWatch, JitterOfArrivalDoesNotRaiseTheSpeed) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> late_s(0.0, 0.9 * kPeriod_s);
   Arm arm;
@@ -79,27 +83,27 @@ TEST(ArmSpeedWatch, JitterOfArrivalMakesNothingFast) {
   double x_m = 0.0;
   for (int i = 1; i < 5000; ++i) {
     arm.state.stamp = start + (i - 1) * kPeriod + static_cast<rt::Nanoseconds>(1e9 * late_s(random));
-    ASSERT_FALSE(arm.Message(x_m += kLimit_m_per_s * kPeriod_s)) << i;
+    ASSERT_FALSE(arm.ReceiveAt(x_m += kLimit_m_per_s * kPeriod_s)) << i;
     ASSERT_LE(arm.watch.speed_m_per_s(), kLimit_m_per_s * (1.0 + 1e-9));
   }
 }
 
-TEST(ArmSpeedWatch, AClockThatJumpsAllowsNoLongWay) {
+TEST(ArmSpeedWatch, AClockThatJumpsDoesNotAllowALongDistance) {
   Arm arm;
-  static_cast<void>(arm.Message(0.0));
+  static_cast<void>(arm.ReceiveAt(0.0));
   arm.state.stamp += 3600 * rt::kSecond;
-  EXPECT_TRUE(arm.Message(0.05)) << "5 cm";
+  EXPECT_TRUE(arm.ReceiveAt(0.05)) << "5 cm";
   arm.watch.Reset();
-  static_cast<void>(arm.Message(0.0));
+  static_cast<void>(arm.ReceiveAt(0.0));
   arm.state.stamp -= 3600 * rt::kSecond;
-  EXPECT_FALSE(arm.Message(kLimit_m_per_s * kPeriod_s)) << "back: a period";
+  EXPECT_FALSE(arm.ReceiveAt(kLimit_m_per_s * kPeriod_s)) << "back: a period";
 }
 
 TEST(ArmSpeedWatch, AResetForgetsWhereTheArmWas) {
   Arm arm;
-  static_cast<void>(arm.Message(0.0));
+  static_cast<void>(arm.ReceiveAt(0.0));
   arm.watch.Reset();
-  EXPECT_FALSE(arm.Message(1.0));
+  EXPECT_FALSE(arm.ReceiveAt(1.0));
   EXPECT_EQ(arm.watch.speed_m_per_s(), 0.0);
 }
 
@@ -113,12 +117,12 @@ TEST(ArmSpeedWatch, DoesNotAllocate) {
   Arm arm;
   {
     rt::CheckedNoAllocScope scope;
-    for (int i = 0; i < 100; ++i) static_cast<void>(arm.Message(1e-4 * i));
+    for (int i = 0; i < 100; ++i) static_cast<void>(arm.ReceiveAt(1e-4 * i));
   }
 }
 
-// A hand that pushes until the tool moves at its limit.
-TEST(ArmSpeedInTheLoop, TheMeasuredPeakIsReportedAndNothingTripsAtTheLimit) {
+// A hand pushes until the tool moves at its speed limit.
+TEST(ArmSpeedInTheLoop, MotionAtTheSpeedLimitIsReportedAndDoesNotTrip) {
   ServoBench bench(ServoBench::Params(), 1.0);
   bench.Activate();
   bench.push_N = 100.0;
@@ -134,19 +138,19 @@ TEST(ArmSpeedInTheLoop, TheMeasuredPeakIsReportedAndNothingTripsAtTheLimit) {
   EXPECT_EQ(most_m_per_s, seen.peak_measured_tool_speed_m_per_s);
 }
 
-// An arm that the loop commands, in every state in which it does so.
-TEST(ArmSpeedInTheLoop, AnArmThatIsThrownBackIsAStop) {
-  enum class In { kRendering, kStop, kPause, kPaused };
-  for (const In where : {In::kRendering, In::kStop, In::kPause, In::kPaused}) {
-    SCOPED_TRACE(static_cast<int>(where));
+// Checked in each state in which the loop commands the arm.
+TEST(ArmSpeedInTheLoop, AnArmThatJumpsStopsTheCellInEveryState) {
+  enum class State { kRendering, kStop, kPause, kPaused };
+  for (const State state : {State::kRendering, State::kStop, State::kPause, State::kPaused}) {
+    SCOPED_TRACE(static_cast<int>(state));
     ServoBench bench(ServoBench::Params(), 1.0);  // no bone nearby: a stop takes its full time
     bench.Activate();
     bench.push_N = 40.0;
     bench.Run(200);
     ASSERT_EQ(bench.loop.phase(), Phase::kHaptic);
-    if (where == In::kStop) bench.loop.RequestStop();
-    if (where == In::kPause || where == In::kPaused) bench.loop.RequestPause();
-    if (where != In::kRendering) bench.Run(where == In::kPaused ? 200 : 1);
+    if (state == State::kStop) bench.loop.RequestStop();
+    if (state == State::kPause || state == State::kPaused) bench.loop.RequestPause();
+    if (state != State::kRendering) bench.Run(state == State::kPaused ? 200 : 1);
     ASSERT_FALSE(bench.loop.faults().Any());
     ArmState thrown = bench.arm;
     thrown.q_meas = bench.command.q;
@@ -169,7 +173,7 @@ TEST(ArmSpeedInTheLoop, AnArmThatIsThrownBackIsAStop) {
   }
 }
 
-TEST(ArmSpeedInTheLoop, AnArmThatMovesByItselfIsNotWatched) {
+TEST(ArmSpeedInTheLoop, AnArmThatItsOwnProgramMovesIsNotWatched) {
   ServoBench bench;
   bench.Run(20);
   bench.arm_moves = false;

@@ -6,13 +6,15 @@
 
 #include <gtest/gtest.h>
 
-// The mount alone: its frequency and damping by its decay, its rest under a force, its tilt, its creep.
+// Tests of the elastic mount that holds the bone: frequency and damping of its decay, displacement and tilt
+// under a force, and the creep of its pads.
 
 namespace osteon::control {
 namespace {
 
 constexpr double kT_s = 1e-3;
 
+// A mount of this mass and natural frequency.
 BoneMountParams Mount(double mass_kg, double hz) {
   BoneMountParams params;
   const double w = 2.0 * std::numbers::pi * hz;
@@ -22,21 +24,21 @@ BoneMountParams Mount(double mass_kg, double hz) {
   return params;
 }
 
-TEST(BoneMount, DecaysAtItsFrequencyWithItsDamping) {
+TEST(BoneMount, OscillatesAtItsFrequencyAndDecaysByItsDampingRatio) {
   constexpr double kHz = 10.0, kZeta = 0.05;
   BoneMountState state;
   state.d[0] = 1e-3;
-  // times and heights of the maxima
+  // times [s] and heights [m] of the maxima of the decaying oscillation
   std::vector<double> at_s, height;
-  double before = state.d[0], before2 = before;
+  double last_m = state.d[0], second_last_m = last_m;
   for (int i = 1; i < 1000; ++i) {
     StepMount(Mount(12.0, kHz), {}, kT_s, state);
-    if (before > before2 && before >= state.d[0]) {
+    if (last_m > second_last_m && last_m >= state.d[0]) {
       at_s.push_back(kT_s * (i - 1));
-      height.push_back(before);
+      height.push_back(last_m);
     }
-    before2 = before;
-    before = state.d[0];
+    second_last_m = last_m;
+    last_m = state.d[0];
   }
   ASSERT_GE(height.size(), 6u);
   const double cycles = static_cast<double>(height.size() - 1);
@@ -46,7 +48,7 @@ TEST(BoneMount, DecaysAtItsFrequencyWithItsDamping) {
   EXPECT_NEAR(decrement / (2.0 * std::numbers::pi), kZeta, 0.02 * kZeta);
 }
 
-TEST(BoneMount, RestsAtForceOverStiffnessAndTiltsByTheLever) {
+TEST(BoneMount, MovesByForceOverStiffnessAndTiltsByTheTorque) {
   BoneMountParams params = Mount(12.0, 10.0);
   params.damping_ratio = 0.7;
   const double k = params.stiffness_N_per_m.x();
@@ -64,7 +66,7 @@ TEST(BoneMount, RestsAtForceOverStiffnessAndTiltsByTheLever) {
               -120.0 / k + kLever_m * std::sin(state.d[4]), 1e-9);
 }
 
-TEST(BoneMount, PadsCreepAndComeBack) {
+TEST(BoneMount, PadsCreepUnderForceAndRecoverWithoutIt) {
   BoneMountParams params = Mount(12.0, 10.0);
   params.creep_N_per_m = 60e3;
   params.creep_tau_s = 2.0;
@@ -76,8 +78,8 @@ TEST(BoneMount, PadsCreepAndComeBack) {
   EXPECT_LT(state.creep_m.norm(), 1e-6);
 }
 
-// The frame's velocity is the difference of its poses.
-TEST(BoneMount, ItsTwistIsItsPosesDerivative) {
+// The velocity that the mount reports for a point equals the difference of the point's positions over a tick.
+TEST(BoneMount, TwistIsTheDerivativeOfThePose) {
   const BoneMountParams params = Mount(3.0, 8.0);
   BoneMountState state;
   const Wrench F{.f = {30.0, -20.0, 50.0}, .t = {1.0, 2.0, -1.5}};
@@ -90,7 +92,7 @@ TEST(BoneMount, ItsTwistIsItsPosesDerivative) {
   EXPECT_LT(((after - before) / kT_s - V.v).norm(), 0.02 * V.v.norm());
 }
 
-TEST(BoneMount, RefusesAMountThatIsNone) {
+TEST(BoneMount, RefusesMassOrStiffnessThatIsNotPositive) {
   BoneMountParams params;
   EXPECT_NO_THROW(Validate(params));
   params.mass_kg = 0.0;

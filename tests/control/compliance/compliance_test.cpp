@@ -8,15 +8,15 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/compliance/compliant_ride.h"
 
-// The compliance of tool, surface layer and bone mount together: frames, wrench, limits, and the energy of a
-// thousand random motions of the tool against elastic planes (rides).
+// Tests of the compliance of tool, surface layer and bone mount together: frames, wrench, limits, and the
+// energy in a thousand random motions of the tool against elastic planes (rides, compliant_ride.h).
 
 namespace osteon::control {
 namespace {
 
 constexpr double kT_s = 1e-3, kSeconds = 1.0;
 
-// The drill of 3.2 mm: 8.72 N/mm at its apex.
+// A drill of 3.2 mm diameter, with 8.72 N/mm sideways at its apex.
 ToolLinkParams Drill() {
   ToolLinkParams tool;
   tool.compliance_T(0, 0) = tool.compliance_T(1, 1) = 1.1468e-4;
@@ -29,20 +29,23 @@ ToolLinkParams Drill() {
   return tool;
 }
 
-SurfaceLayerParams Soft() {
+// Soft tissue of 20 mm on the bone.
+SurfaceLayerParams SoftLayer() {
   SurfaceLayerParams layer;
   layer.kappa_N_per_m3.fill(0.06e9);
   layer.thickness_m = 0.02;
   return layer;
 }
 
+// The default mount, whose pivot lies 8 cm below the touched surface.
 BoneMountParams Pelvis() {
   BoneMountParams mount;
   mount.p_WMo_m = {0.02, -0.01, -0.08};
   return mount;
 }
 
-simulation::ContactModel Frame() {
+// A frame with one contact in the layer's material.
+simulation::ContactModel LayerFrame() {
   simulation::ContactModel model;
   model.frame = 1;
   model.contact_count = 1;
@@ -51,18 +54,18 @@ simulation::ContactModel Frame() {
   return model;
 }
 
-// The elements that give way in a case.
-struct Level {
+// The compliant elements of a test case.
+struct CompliantParts {
   const char* name;
   bool layer, tool, mount;
 };
-void PrintTo(const Level& level, std::ostream* os) { *os << level.name; }
+void PrintTo(const CompliantParts& parts, std::ostream* os) { *os << parts.name; }
 
-ComplianceParams ParamsOf(const Level& level) {
+ComplianceParams ParamsOf(const CompliantParts& parts) {
   ComplianceParams params;
-  if (level.layer) params.layer = Soft();
-  if (level.tool) params.tool = Drill();
-  if (level.mount) params.mount = Pelvis();
+  if (parts.layer) params.layer = SoftLayer();
+  if (parts.tool) params.tool = Drill();
+  if (parts.mount) params.mount = Pelvis();
   return params;
 }
 
@@ -75,8 +78,8 @@ double MountEnergy(const BoneMountParams& mount, const BoneMountState& state) {
                 mount.creep_N_per_m * state.creep_m.squaredNorm());
 }
 
-// Energy [J] that tool and mount store. The surface layer's energy is not counted, so the test claims less
-// about the layer than about the others.
+// Energy [J] that tool and mount store. The energy in the surface layer is not counted, so the energy test is
+// less strict for the layer.
 double StoredIn(const Compliance& c) {
   double stored_J = 0.0;
   if (c.params().tool) stored_J += 0.5 * c.bend().dot(c.params().tool->compliance_T.ldlt().solve(c.bend()));
@@ -84,58 +87,61 @@ double StoredIn(const Compliance& c) {
   return stored_J;
 }
 
-class EnergyOfLevels : public testing::TestWithParam<Level> {};
+class ComplianceEnergy : public testing::TestWithParam<CompliantParts> {};
 
-// 1000 rides of each level, and 1000 of all three together.
-TEST_P(EnergyOfLevels, NoRideTakesOutMoreThanItPutIn) {
+// 1000 rides with each element alone, and 1000 with all three. worst_J is the smallest energy balance of any
+// ride: below zero, the ride took out more than it had put in.
+TEST_P(ComplianceEnergy, NoRideTakesOutMoreThanItPutIn) {
   std::mt19937_64 bits(41);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
-  double worst_J = 0.0, most_J = 0.0;
+  double worst_J = 0.0, max_work_J = 0.0;
   for (int i = 0; i < 1000; ++i) {
     Compliance compliance(ParamsOf(GetParam()), kT_s);
     const Vector3 n = Vector3(any(bits), any(bits), 1.2).normalized(), p_TP_m(1e-3, -0.5e-3, -2e-3);
     const std::vector<SpringPlane> planes{{.n = Vector3::UnitZ(), .offset_m = -0.2e-3},
                                           {.n = n, .offset_m = n.dot(p_TP_m) - 0.3e-3, .p_TP_m = p_TP_m}};
     const SmoothRide ride(bits, kSeconds, 3e-3, 0.05);
-    const RideEnergy energy = Ride(compliance, planes, ride, Frame(), kSeconds, kT_s, StoredIn);
-    worst_J = std::min(worst_J, energy.least_J);
-    most_J = std::max(most_J, energy.work_J);
+    const RideEnergy energy = RunRide(compliance, planes, ride, LayerFrame(), kSeconds, kT_s, StoredIn);
+    worst_J = std::min(worst_J, energy.min_balance_J);
+    max_work_J = std::max(max_work_J, energy.work_J);
   }
-  EXPECT_GT(most_J, 1e-4) << "the rides did press";
+  EXPECT_GT(max_work_J, 1e-4) << "the rides did press";
   EXPECT_GT(worst_J, -2e-5) << "of some tens of mJ that pass: the sampled work of a contact that opens";
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, EnergyOfLevels,
-                         testing::Values(Level{"layer", true, false, false},
-                                         Level{"tool", false, true, false},
-                                         Level{"mount", false, false, true}, Level{"all", true, true, true}),
+INSTANTIATE_TEST_SUITE_P(Each, ComplianceEnergy,
+                         testing::Values(CompliantParts{"layer", true, false, false},
+                                         CompliantParts{"tool", false, true, false},
+                                         CompliantParts{"mount", false, false, true},
+                                         CompliantParts{"all", true, true, true}),
                          [](const auto& test) { return test.param.name; });
 
-// Counter-example: if the tool's time constant is below the smallest that is passive, rides do take energy
-// out. So the test above can fail.
-TEST(Compliance, AToolThatIsTooFastDoesGiveEnergy) {
+// Counter-example to the test above: with a time constant below the smallest passive one, min_tau_s, rides do
+// take energy out of the tool.
+TEST(Compliance, AToolWithATooShortTimeConstantGivesEnergy) {
   ComplianceParams params;
   params.tool = Drill();
-  const double least_s = 0.5 * kT_s * (80e3 * params.tool->compliance_T(0, 0) - 1.0);
+  const double min_tau_s = 0.5 * kT_s * (80e3 * params.tool->compliance_T(0, 0) - 1.0);
   const std::vector<SpringPlane> side{
       {.n = Vector3::UnitX(), .offset_m = -0.1e-3, .stiffness_N_per_m = 80e3}};
-  const auto least_J = [&](double factor) {
-    params.tool->tau_s = factor * least_s;
+  const auto min_balance_J = [&](double factor) {
+    params.tool->tau_s = factor * min_tau_s;
     std::mt19937_64 bits(3);
-    double least = 0.0;
+    double smallest_J = 0.0;
     for (int i = 0; i < 40; ++i) {
       Compliance compliance(params, kT_s);
       const SmoothRide ride(bits, kSeconds, 3e-3, 0.0);
-      least = std::min(least, Ride(compliance, side, ride, Frame(), kSeconds, kT_s, StoredIn).least_J);
+      smallest_J = std::min(
+          smallest_J, RunRide(compliance, side, ride, LayerFrame(), kSeconds, kT_s, StoredIn).min_balance_J);
     }
-    return least;
+    return smallest_J;
   };
-  EXPECT_LT(least_J(0.9), -2e-4);
-  EXPECT_GT(least_J(1.05), -1e-6);
+  EXPECT_LT(min_balance_J(0.9), -2e-4);
+  EXPECT_GT(min_balance_J(1.05), -1e-6);
 }
 
 // With a rigid tool, and mount and layer at rest, the head's pose, velocity and wrench are those of the tool.
-TEST(Compliance, AtRestEverythingIsTheRigidTools) {
+TEST(Compliance, ARigidToolAtRestKeepsPoseVelocityAndWrench) {
   ComplianceParams params = ParamsOf({"all", true, true, true});
   params.tool->compliance_T.setZero();
   Compliance compliance(params, kT_s);
@@ -151,13 +157,13 @@ TEST(Compliance, AtRestEverythingIsTheRigidTools) {
 
 // Virtual work: in a small motion, the wrench that OnTool computes for T does the same work on T as the given
 // wrench does on the head.
-TEST(Compliance, TheWrenchCarriedBackDoesTheSameWork) {
+TEST(Compliance, WrenchesOnToolAndHeadDoTheSameWork) {
   Compliance compliance(ParamsOf({"all", true, true, true}), kT_s);
   Pose X_WT = Pose::Identity();
   X_WT.linear() = ExpRotation({0.3, 2.0, -0.4});
   X_WT.translation() = Vector3(0.05, 0.02, -0.03);
   const Wrench F{.f = {25.0, -20.0, 30.0}, .t = {0.1, 0.05, 0.2}};
-  for (int i = 0; i < 80; ++i) compliance.Step(F, Frame(), X_WT);
+  for (int i = 0; i < 80; ++i) compliance.Step(F, LayerFrame(), X_WT);
   EXPECT_GT(compliance.bend().head<3>().norm(), 1e-3);
   constexpr double kStep = 1e-7;
   const Wrench F_T_W = compliance.OnTool(F, X_WT);
@@ -174,7 +180,7 @@ TEST(Compliance, TheWrenchCarriedBackDoesTheSameWork) {
 }
 
 // While tool, layer and mount all move, the head's velocity is the difference of its poses over the period.
-TEST(Compliance, TheHeadsVelocityIsItsPosesDerivative) {
+TEST(Compliance, TheHeadsVelocityIsTheDerivativeOfItsPose) {
   Compliance compliance(ParamsOf({"all", true, true, true}), kT_s);
   Pose X_WT = Pose::Identity();
   X_WT.translation() = Vector3(0.05, 0.02, -0.03);
@@ -183,7 +189,7 @@ TEST(Compliance, TheHeadsVelocityIsItsPosesDerivative) {
   Pose X_before = compliance.X_ME(X_WT);
   for (int i = 0; i < 40; ++i) {
     X_before = compliance.X_ME(X_WT);
-    compliance.Step(F, Frame(), X_WT);
+    compliance.Step(F, LayerFrame(), X_WT);
     X_WT.translation() += kT_s * V_WT.v;
     X_WT.linear() = ExpRotation(kT_s * V_WT.w) * X_WT.linear();
   }
@@ -193,34 +199,37 @@ TEST(Compliance, TheHeadsVelocityIsItsPosesDerivative) {
   EXPECT_LT((step.w / kT_s - V_ME.w).norm(), 0.03 * V_ME.w.norm());
 }
 
-TEST(Compliance, BeyondItsLimitsTheCellMustStop) {
+TEST(Compliance, ReportsBendThrustAndMountMotionBeyondTheirLimits) {
   ComplianceParams params;
   params.tool = Drill();
   params.tool->max_bend_m = 6.5e-3;
   params.tool->max_thrust_N = 211.0;
   Compliance compliance(params, kT_s);
   const Pose X_WT = Pose::Identity();
-  for (int i = 0; i < 200; ++i) compliance.Step({.f = {50.0, 0.0, 0.0}, .t = Vector3::Zero()}, Frame(), X_WT);
+  for (int i = 0; i < 200; ++i)
+    compliance.Step({.f = {50.0, 0.0, 0.0}, .t = Vector3::Zero()}, LayerFrame(), X_WT);
   EXPECT_FALSE(compliance.beyond_limit());
   EXPECT_TRUE(compliance.noticed());
-  for (int i = 0; i < 200; ++i) compliance.Step({.f = {70.0, 0.0, 0.0}, .t = Vector3::Zero()}, Frame(), X_WT);
+  for (int i = 0; i < 200; ++i)
+    compliance.Step({.f = {70.0, 0.0, 0.0}, .t = Vector3::Zero()}, LayerFrame(), X_WT);
   EXPECT_TRUE(compliance.beyond_limit());
   compliance.Reset();
   EXPECT_FALSE(compliance.noticed());
-  compliance.Step({.f = {0.0, 0.0, -220.0}, .t = Vector3::Zero()}, Frame(), X_WT);
+  compliance.Step({.f = {0.0, 0.0, -220.0}, .t = Vector3::Zero()}, LayerFrame(), X_WT);
   EXPECT_TRUE(compliance.beyond_limit()) << "thrust";
   Compliance mount(ParamsOf({"mount", false, false, true}), kT_s);
-  for (int i = 0; i < 2000; ++i) mount.Step({.f = {0.0, 0.0, 600.0}, .t = Vector3::Zero()}, Frame(), X_WT);
+  for (int i = 0; i < 2000; ++i)
+    mount.Step({.f = {0.0, 0.0, 600.0}, .t = Vector3::Zero()}, LayerFrame(), X_WT);
   EXPECT_TRUE(mount.beyond_limit()) << "12.7 mm";
   Compliance broken(params, kT_s);
-  broken.Step({.f = {std::nan(""), 0.0, 0.0}, .t = Vector3::Zero()}, Frame(), X_WT);
+  broken.Step({.f = {std::nan(""), 0.0, 0.0}, .t = Vector3::Zero()}, LayerFrame(), X_WT);
   EXPECT_TRUE(broken.beyond_limit()) << "what is not finite must not go on";
 }
 
-TEST(Compliance, AllocatesNothing) {
+TEST(Compliance, DoesNotAllocate) {
   Compliance compliance(ParamsOf({"all", true, true, true}), kT_s);
   const Pose X_WT = Pose::Identity();
-  const simulation::ContactModel model = Frame();
+  const simulation::ContactModel model = LayerFrame();
   ComplianceRecord record;
   const rt::CheckedNoAllocScope scope;
   for (int i = 0; i < 10; ++i) {

@@ -7,20 +7,22 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/loop/servo_parts.h"
 
-// What gives way, in the coupling's pipeline and in the whole loop.
+// Tests of a compliant tool, bone mount and surface layer in the coupling's pipeline and in the whole servo
+// loop.
 
 namespace osteon::control {
 namespace {
 
-constexpr double kK_N_per_m = 20e3;
+constexpr double kK_N_per_m = 20e3;  // the coupling's stiffness in ServoBench
 
-// A tool that yields along its feed and across it by 20 N/mm.
+// A tool as stiff as the coupling, 20 N/mm along its feed and across it.
 ToolLinkParams SoftTool() {
   ToolLinkParams tool;
   tool.compliance_T.diagonal().setConstant(1.0 / kK_N_per_m);
   return tool;
 }
 
+// A mount of this stiffness along each axis, with its pivot at the bench's start pose.
 BoneMountParams Mount(double stiffness_N_per_m) {
   BoneMountParams mount;
   mount.p_WMo_m = ServoBench::StartPose().translation();
@@ -29,9 +31,9 @@ BoneMountParams Mount(double stiffness_N_per_m) {
   return mount;
 }
 
-// A tool that is held `depth_m` deep in bone.
-struct Held {
-  explicit Held(const ServoParams& p) : params(p), arm(Follower(params)), pipeline(params) {
+// The coupling's pipeline with a tool that is held `depth_m` deep in bone.
+struct HeldTool {
+  explicit HeldTool(const ServoParams& p) : params(p), arm(Follower(params)), pipeline(params) {
     pipeline.Reset();
   }
   safety::LimitedWrench Tick(double depth_m) {
@@ -46,6 +48,7 @@ struct Held {
     pipeline.StepCompliance(model, acting);
     return rendered;
   }
+  // 800 ticks, until the coupling has faded in and all elements are at rest.
   safety::LimitedWrench Settle(double depth_m) {
     safety::LimitedWrench rendered;
     for (int i = 0; i < 800; ++i) rendered = Tick(depth_m);
@@ -57,55 +60,57 @@ struct Held {
   rt::Nanoseconds now{rt::kSecond};
 };
 
-TEST(CompliantCoupling, ATwiceSofterSeriesIsFeltAsHalf) {
+// Two springs of 20 N/mm in series: 2 mm give 20 N instead of 40 N.
+TEST(CompliantCoupling, AToolAsSoftAsTheCouplingHalvesTheForce) {
   ServoParams params = ServoBench::Params();
   params.compliance.tool = SoftTool();
-  Held held(params);
+  HeldTool held(params);
   EXPECT_NEAR(held.Settle(2e-3).F.f.norm(), 20.0, 0.2) << "of 40 N of a rigid tool";
   ASSERT_NE(held.pipeline.compliance(), nullptr);
   EXPECT_NEAR(held.pipeline.compliance()->bend().z(), -1e-3, 1e-5);
 }
 
-TEST(CompliantCoupling, AMountOfTheSameStiffnessToo) {
+TEST(CompliantCoupling, AMountAsSoftAsTheCouplingHalvesTheForce) {
   ServoParams params = ServoBench::Params();
   params.compliance.mount = Mount(kK_N_per_m);
-  Held held(params);
+  HeldTool held(params);
   EXPECT_NEAR(held.Settle(2e-3).F.f.norm(), 20.0, 0.2);
 }
 
-TEST(CompliantCoupling, ALayerGivesWayByItsLaw) {
+TEST(CompliantCoupling, ALayerDoesNotYieldToPlanesOutsideIt) {
   ServoParams params = ServoBench::Params();
   SurfaceLayerParams layer;
   layer.kappa_N_per_m3[0] = 0.06e9;
   layer.thickness_m = 0.02;
   layer.tau_s = 0.05;
   params.compliance.layer = layer;
-  Held held(params);
-  // planes without a weight lie in no layer: the plane of this bench has none
+  HeldTool held(params);
+  // the bench's plane has no weight in a layer, so the force is that of a rigid cell
   EXPECT_NEAR(held.Settle(2e-3).F.f.norm(), 40.0, 0.4);
 }
 
-TEST(CompliantCoupling, WithoutComplianceInItsElementsItIsTheRigidCell) {
+TEST(CompliantCoupling, ElementsWithoutComplianceChangeNothing) {
   ServoParams rigid = ServoBench::Params(), still = rigid;
   ToolLinkParams tool;
   tool.tau_s = 0.02;
   still.compliance.tool = tool;
-  Held a(rigid), b(still);
+  HeldTool rigid_tool(rigid), still_tool(still);
   for (int i = 0; i < 400; ++i) {
     const double depth_m = 1e-3 * (1.0 + std::sin(0.05 * i));
-    const Wrench F_a = a.Tick(depth_m).F, F_b = b.Tick(depth_m).F;
+    const Wrench F_a = rigid_tool.Tick(depth_m).F, F_b = still_tool.Tick(depth_m).F;
     ASSERT_LT((F_a.f - F_b.f).norm(), 1e-9) << i;
     ASSERT_LT((F_a.t - F_b.t).norm(), 1e-9) << i;
   }
 }
 
-TEST(CompliantCoupling, TheElementsEnergyCountsInTheForceLimit) {
+// A tool as soft as the coupling stores as much energy as the coupling: the force limit falls by sqrt(2).
+TEST(CompliantCoupling, TheElementsEnergyLowersTheForceLimit) {
   ServoParams params = ServoBench::Params();
   params.energy.max_stored_J = 0.1;
   const double rigid_N = ForceLimit_N(params);
   params.compliance.tool = SoftTool();
   EXPECT_NEAR(ForceLimit_N(params), rigid_N / std::sqrt(2.0), 1e-9);
-  Held held(params);
+  HeldTool held(params);
   held.Settle(1e-3);
   double force_N = 0.0;
   for (int i = 0; i < 3000; ++i) force_N = held.Tick(1e-3 + 2e-6 * i).F.f.norm();
@@ -113,26 +118,26 @@ TEST(CompliantCoupling, TheElementsEnergyCountsInTheForceLimit) {
   EXPECT_GT(force_N, 0.95 * ForceLimit_N(params));
 }
 
-TEST(CompliantCoupling, TheCeilingHoldsWithABentTool) {
+TEST(CompliantCoupling, TheForceCeilingHoldsWithCompliantParts) {
   ServoParams params = ServoBench::Params();
   params.compliance.tool = SoftTool();
   params.compliance.mount = Mount(50e3);
-  Held held(params);
+  HeldTool held(params);
   for (int i = 0; i < 800; ++i) ASSERT_LE(held.Tick(50e-3).F.f.norm(), safety::kForceCeiling_N);
 }
 
-TEST(CompliantCoupling, AllocatesNothing) {
+TEST(CompliantCoupling, DoesNotAllocate) {
   ServoParams params = ServoBench::Params();
   params.compliance = {.layer = SurfaceLayerParams{}, .tool = SoftTool(), .mount = Mount(50e3)};
-  Held held(params);
+  HeldTool held(params);
   held.Settle(1e-3);
   const simulation::ContactModel model = PlaneBehind(1e-3, held.now);
   const rt::CheckedNoAllocScope scope;
   held.Tick(model);
 }
 
-// The whole loop: a hand presses the tool on bone that stands on a mount.
-TEST(CompliantLoop, AHandPushesTheBoneAwayByForceOverStiffness) {
+// A hand presses with 40 N on bone that stands on a mount of 40 N/mm: the bone moves by 1 mm.
+TEST(CompliantLoop, AHandMovesTheBoneByForceOverStiffness) {
   constexpr double kPush_N = 40.0, kMount_N_per_m = 40e3;
   ServoParams params = ServoBench::Params();
   params.compliance.mount = Mount(kMount_N_per_m);
@@ -161,8 +166,8 @@ TEST(CompliantLoop, ABendBeyondItsLimitStopsTheCell) {
   EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
 }
 
-// Every tick computed a second time is equal to the last bit, as replay needs it.
-TEST(CompliantLoop, ATickComputedTwiceIsTheSame) {
+// A second loop computes every tick again from its record; the results must be equal in every bit.
+TEST(CompliantLoop, EveryTickCanBeReplayedBitForBit) {
   ServoParams params = ServoBench::Params();
   params.compliance = {.tool = SoftTool(), .mount = Mount(40e3)};
   ServoBench bench(params, 0.001);
@@ -179,8 +184,9 @@ TEST(CompliantLoop, ATickComputedTwiceIsTheSame) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-// A bound that rides on the bone is kept in the bone's coordinates.
-TEST(CompliantLoop, ADepthBoundThatRidesOnTheBoneIsReachedWhereTheBoneIs) {
+// The depth bound is fixed either to the bone (rides_on_bone) or to the world. Bone on a soft mount moves
+// away from the tool: only with the bound on the bone does this motion not count as depth.
+TEST(CompliantLoop, ADepthBoundFixedToTheBoneMovesWithTheBone) {
   ServoParams params = ServoBench::Params();
   params.compliance.mount = Mount(20e3);
   params.depth.acts = true;

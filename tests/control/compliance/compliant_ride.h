@@ -9,7 +9,8 @@
 #include "control/compliance/compliance.h"
 #include "control/laws/twist_parts.h"
 
-// Rides of a tool against elastic planes, with what gives way between them: work and stored energy.
+// Rides: smooth random motions of a compliant tool against elastic planes, which begin and end at rest. Used
+// to check that the motion never takes out more energy than it has put in.
 
 namespace osteon::control {
 
@@ -21,7 +22,8 @@ struct SpringPlane {
   Vector3 p_TP_m{Vector3::Zero()};  ///< the tool's point that touches
 };
 
-/// Wrench of planes on the head, at Eo, in M; and what their springs store.
+/// Wrench of the planes on the tool's head E, at Eo, in the bone's frame M.
+/// @param[out] stored_J  energy in the planes' springs
 inline Wrench PlaneWrench(const std::vector<SpringPlane>& planes, const Pose& X_ME, double& stored_J) {
   Wrench F;
   stored_J = 0.0;
@@ -37,15 +39,17 @@ inline Wrench PlaneWrench(const std::vector<SpringPlane>& planes, const Pose& X_
   return F;
 }
 
-/// A smooth closed ride that begins and ends at rest.
+/// The pose over time of a ride: three random sine waves (0.3 to 8 Hz) per axis under a window that is zero
+/// at both ends.
 class SmoothRide {
  public:
-  SmoothRide(std::mt19937_64& bits, double seconds, double way_m, double turn_rad) : seconds_(seconds) {
+  SmoothRide(std::mt19937_64& bits, double seconds, double travel_m, double turn_rad) : seconds_(seconds) {
     std::uniform_real_distribution<double> hz(0.3, 8.0), phase(0.0, 2.0 * std::numbers::pi), size(-1.0, 1.0);
     for (std::size_t axis = 0; axis < 6; ++axis)
       for (Wave& wave : waves_[axis])
-        wave = {
-            .hz = hz(bits), .phase = phase(bits), .size = (axis < 3 ? way_m : turn_rad) * size(bits) / 2.0};
+        wave = {.hz = hz(bits),
+                .phase = phase(bits),
+                .size = (axis < 3 ? travel_m : turn_rad) * size(bits) / 2.0};
   }
   [[nodiscard]] Pose At(double t_s) const {
     const double ease = std::sin(std::numbers::pi * t_s / seconds_), window = ease * ease;
@@ -67,16 +71,18 @@ class SmoothRide {
   double seconds_;
 };
 
-/// Work that a ride put into the port, and the least of work minus stored energy on its way.
+/// The energy of a ride.
 struct RideEnergy {
-  double work_J{0.0}, least_J{0.0};
+  double work_J{0.0};         ///< work that the motion has put into the compliant parts and planes
+  double min_balance_J{0.0};  ///< smallest value during the ride of work minus stored energy
 };
 
-/// @param stored_in  energy that the elements store, by Compliance
+/// Moves the tool through a ride, tick by tick.
+/// @param stored_in  a function that returns the energy [J] stored in the elements of a Compliance
 template <class StoredIn>
-RideEnergy Ride(Compliance& compliance, const std::vector<SpringPlane>& planes, const SmoothRide& ride,
-                const simulation::ContactModel& model, double seconds, double period_s,
-                const StoredIn& stored_in) {
+RideEnergy RunRide(Compliance& compliance, const std::vector<SpringPlane>& planes, const SmoothRide& ride,
+                   const simulation::ContactModel& model, double seconds, double period_s,
+                   const StoredIn& stored_in) {
   RideEnergy energy;
   Wrench before;
   Pose X_before = ride.At(0.0);
@@ -88,7 +94,7 @@ RideEnergy Ride(Compliance& compliance, const std::vector<SpringPlane>& planes, 
     const Wrench F_T_W = compliance.OnTool(F_E_M, X_WT);
     const Twist dx = SmallStep(X_before, X_WT);
     energy.work_J -= 0.5 * (Power(before, dx) + Power(F_T_W, dx));
-    energy.least_J = std::min(energy.least_J, energy.work_J - stored_J - stored_in(compliance));
+    energy.min_balance_J = std::min(energy.min_balance_J, energy.work_J - stored_J - stored_in(compliance));
     before = F_T_W;
     X_before = X_WT;
     compliance.Step(F_E_M, model, X_WT);

@@ -5,14 +5,17 @@
 
 #include <gtest/gtest.h>
 
-// The layer: Winkler's ball on a flat, relaxation, and the design's table.
+// Tests of the soft layer on the bone: indentation by a ball against Winkler's formula, relaxation, and its
+// limits.
 
 namespace osteon::control {
 namespace {
 
-constexpr double kT_s = 1e-3, kRadius_m = 25e-3, kE_m = 0.5e-3;
+constexpr double kT_s = 1e-3, kRadius_m = 25e-3;  // the tick; the ball of a 50 mm reamer
+constexpr double kE_m = 0.5e-3;                   // thickness of the engaged layer
 const double kTouch_m2 = std::numbers::pi * kRadius_m * kE_m;
 
+// A layer touched by the reamer's ball.
 SurfaceLayerParams Layer(double kappa_N_per_m3, double thickness_m = 0.02, double tau_s = 0.2) {
   SurfaceLayerParams params;
   params.kappa_N_per_m3[0] = kappa_N_per_m3;
@@ -24,14 +27,15 @@ SurfaceLayerParams Layer(double kappa_N_per_m3, double thickness_m = 0.02, doubl
   return params;
 }
 
+// The contact of a ball that just touches. @param share  of the contact that lies in the layer
 LayerContact Touch(const SurfaceLayerParams& params, double share = 1.0) {
   return {.kappa_N_per_m3 = params.kappa_N_per_m3[0], .share = share, .area_m2 = kTouch_m2};
 }
 
-// 0.3 MPa over 5 mm, and cartilage slow and fast.
+// Pressure per indentation [N/m³]: soft tissue of 0.3 MPa over 5 mm; cartilage under slow and fast load.
 constexpr double kSoft = 0.06e9, kSlow = 17.3e9, kFast = 68.7e9;
 
-TEST(SurfaceLayer, ABallOnAFlatIsWinklers) {
+TEST(SurfaceLayer, IndentationByABallFollowsWinkler) {
   const SurfaceLayerParams soft = Layer(kSoft);
   for (const double force_N : {5.0, 20.0, 100.0}) {
     const double delta_m = LayerIndentation(soft, Touch(soft), force_N);
@@ -45,7 +49,8 @@ TEST(SurfaceLayer, ABallOnAFlatIsWinklers) {
   EXPECT_NEAR(1e3 * LayerIndentation(fast, Touch(fast), 100.0), 0.1361, 0.0014);
 }
 
-TEST(SurfaceLayer, AToolThatIsHeldRelaxesAsTheDesignSays) {
+// The coupling of 20 N/mm is held 3 mm deep in a soft layer; the force falls over 2 s as the layer yields.
+TEST(SurfaceLayer, TheForceOnAHeldToolRelaxes) {
   const SurfaceLayerParams soft = Layer(kSoft);
   Vector3 q = Vector3::Zero();
   for (int i = 0; i <= 2000; ++i) {
@@ -69,11 +74,11 @@ TEST(SurfaceLayer, AToolThatIsHeldRelaxesAsTheDesignSays) {
   }
 }
 
-TEST(SurfaceLayer, IsContinuousWhereItsLawsMeet) {
+TEST(SurfaceLayer, IsContinuousBetweenItsPieces) {
   const SurfaceLayerParams soft = Layer(kSoft);
   EXPECT_NEAR(LayerIndentation(soft, Touch(soft), 0.999999), LayerIndentation(soft, Touch(soft), 1.000001),
               1e-8);
-  // the whole reach engaged: linear from delta_s on, with kappa A_max as its slope
+  // with half of the reach engaged, 200 N lie beyond delta_s: the force is linear with slope kappa A_max
   LayerContact seated = Touch(soft);
   seated.area_m2 = 0.5 * soft.max_area_m2;
   const double slope = kSoft * soft.max_area_m2;
@@ -81,7 +86,9 @@ TEST(SurfaceLayer, IsContinuousWhereItsLawsMeet) {
   EXPECT_NEAR(1.0 / (more - at), slope, 1e-3 * slope);
 }
 
-TEST(SurfaceLayer, YieldsAtMostTwoFifthsAndFadesWithItsShare) {
+// The indentation fades with the share of the contact that lies in the layer: full at 1, half at 0.75, none
+// at 0.5.
+TEST(SurfaceLayer, YieldsAtMostTwoFifthsOfItsThicknessAndFadesWithItsShare) {
   const SurfaceLayerParams thin = Layer(kSoft, 5e-3);
   EXPECT_DOUBLE_EQ(LayerIndentation(thin, Touch(thin), 200.0), 2e-3);
   EXPECT_EQ(LayerIndentation(thin, Touch(thin, 0.5), 20.0), 0.0);
@@ -90,7 +97,7 @@ TEST(SurfaceLayer, YieldsAtMostTwoFifthsAndFadesWithItsShare) {
   EXPECT_EQ(LayerIndentation(thin, {}, 20.0), 0.0);
 }
 
-TEST(SurfaceLayer, TakesItsContactFromTheFrame) {
+TEST(SurfaceLayer, ItsContactIsTheWeightedMeanOverTheFramesContacts) {
   SurfaceLayerParams params = Layer(kSlow);
   params.kappa_N_per_m3[2] = 0.0;
   simulation::ContactModel model;

@@ -5,12 +5,15 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/loop/servo_parts.h"
 
+// Tests of the pipeline that computes the rendered wrench from the contact model: coupling, limits and their
+// report.
+
 namespace osteon::control {
 namespace {
 
 using safety::Limit, safety::LimitSet;
 
-// A tick of a tool that rests `depth_m` deep in bone.
+// The pipeline with a tool that rests `depth_m` deep in bone.
 struct Contact {
   explicit Contact(const ServoParams& p) : params(p), arm(Follower(params)), pipeline(params) {
     pipeline.Reset();
@@ -40,7 +43,7 @@ struct Contact {
   LimitSet acting;
 };
 
-TEST(CouplingPipeline, RendersTheSpringOfItsPlanes) {
+TEST(CouplingPipeline, RendersDepthTimesStiffness) {
   Contact contact(ServoBench::Params());
   const safety::LimitedWrench rendered = contact.Settle(2e-3);
   EXPECT_TRUE(contact.pipeline.pressed());
@@ -63,7 +66,7 @@ TEST(CouplingPipeline, NeverRendersMoreThanTheCellsLimit) {
   EXPECT_GT(contact.pipeline.force_limit_reaction().tool_in_bone_m(), 15e-3);
 }
 
-TEST(CouplingPipeline, ItsSpringStoresNoMoreThanItMay) {
+TEST(CouplingPipeline, TheStoredEnergyLimitBoundsTheForce) {
   ServoParams params = ServoBench::Params();
   params.energy.max_stored_J = 0.02;
   Contact contact(params);
@@ -73,7 +76,7 @@ TEST(CouplingPipeline, ItsSpringStoresNoMoreThanItMay) {
   EXPECT_TRUE(contact.acting.Has(Limit::kStoredEnergy));
 }
 
-TEST(CouplingPipeline, ALimitOfPowerIsToldAndScalesTheWrench) {
+TEST(CouplingPipeline, APowerLimitScalesTheWrenchAndIsReported) {
   Contact contact(ServoBench::Params());
   safety::LimitedWrench rendered = contact.Settle(2e-3);
   const Vector3 before = rendered.F.f;
@@ -87,7 +90,7 @@ TEST(CouplingPipeline, ALimitOfPowerIsToldAndScalesTheWrench) {
   EXPECT_TRUE(contact.acting.Has(Limit::kPower));
 }
 
-TEST(CouplingPipeline, ANewRenderingBeginsWithNothing) {
+TEST(CouplingPipeline, AfterAResetTheForceFadesInFromZero) {
   Contact contact(ServoBench::Params());
   EXPECT_GT(contact.Settle(2e-3).F.f.norm(), 10.0);
   contact.pipeline.Reset();
@@ -95,16 +98,16 @@ TEST(CouplingPipeline, ANewRenderingBeginsWithNothing) {
   EXPECT_LT(contact.Tick(2e-3).F.f.norm(), 2.0) << "it fades in";
 }
 
-TEST(CouplingPipeline, OtherGainsCountFromTheNextTickOn) {
+TEST(CouplingPipeline, ChangedGainsActFromTheNextTick) {
   Contact contact(ServoBench::Params());
   const double before_N = contact.Settle(2e-3).F.f.norm();
-  // the pipeline refers to the loop's parameters
+  // the pipeline reads the loop's parameters by reference
   contact.params.coupling.max_stiffness_N_per_m *= 0.5;
   contact.pipeline.OnGainsChanged();
   EXPECT_NEAR(contact.Settle(2e-3).F.f.norm(), 0.5 * before_N, 0.02 * before_N);
 }
 
-TEST(CouplingPipeline, AllocatesNothing) {
+TEST(CouplingPipeline, DoesNotAllocate) {
   Contact contact(ServoBench::Params());
   contact.Tick(1e-3);
   const simulation::ContactModel model = PlaneBehind(2e-3, contact.now);

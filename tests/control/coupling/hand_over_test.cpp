@@ -12,14 +12,17 @@
 #include "safety/limits.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
-// The coupling's force over frames whose planes appear, vanish and turn, as on curved bone.
+// Tests of the hand-over: when a new frame's planes appear, vanish or turn, as on curved bone, the coupling
+// turns its force to the new planes over some ticks instead of at once.
 
 namespace osteon::control {
 namespace {
 
 using simulation::ContactModel;
 
-constexpr double kK = 60e3, kSpeed_m_per_s = 0.15, kDt_s = 1e-3;  // of the shipped drilling cells
+// Stiffness [N/m], largest tool speed and period of the shipped drilling cells; a hand-over takes return_s =
+// 8 ms.
+constexpr double kK = 60e3, kSpeed_m_per_s = 0.15, kDt_s = 1e-3;
 constexpr int kReturnTicks = 8;
 
 Pose At(const Vector3& p_WT) {
@@ -28,11 +31,13 @@ Pose At(const Vector3& p_WT) {
   return X_WT;
 }
 
+// Unit normal at `tilt_rad` from z, leaning in the direction `turn_rad` about z.
 Vector3 Tilted(double tilt_rad, double turn_rad) {
   return {std::sin(tilt_rad) * std::cos(turn_rad), std::sin(tilt_rad) * std::sin(turn_rad),
           std::cos(tilt_rad)};
 }
 
+// Adds a plane of stiffness kK through p_W, which the tool's point p_T touches.
 void AddPlane(ContactModel& model, const Vector3& n_W, const Vector3& p_W,
               const Vector3& p_T = Vector3::Zero()) {
   simulation::Contact& plane = model.contacts[static_cast<std::size_t>(model.contact_count++)];
@@ -42,6 +47,7 @@ void AddPlane(ContactModel& model, const Vector3& n_W, const Vector3& p_W,
   plane.stiffness_N_per_m = kK;
 }
 
+// The coupling, faded in, with the trip on the wrench's rate.
 struct Bench {
   CouplingParams params{.max_stiffness_N_per_m = kK};
   CouplingState state;
@@ -51,6 +57,7 @@ struct Bench {
   bool tripped{false};
 
   Bench() { state.fade = 1.0; }
+  // Begins a new frame without planes.
   void NewFrame() {
     model.contact_count = 0;
     model.contacts = {};
@@ -66,9 +73,10 @@ struct Bench {
   }
 };
 
-// Recorded on a femoral head: flat planes under the drill, then one plane through the same place that leans
-// by 11 degrees. (0.3, -1.8, 89.5) N became (-4.4, -17.0, 87.0) within a tick, against a trip at 13.5 N.
-TEST(HandOver, APlaneThatLeansInTheNextFrameTurnsTheForceWithinItsTimeAndNotAtOnce) {
+// The plane under the drill leans by 11° in the next frame, as recorded on a femoral head: without a
+// hand-over the force changed from (0.3, -1.8, 89.5) N to (-4.4, -17.0, 87.0) N within a tick, and the trip
+// acts at 13.5 N.
+TEST(HandOver, APlaneThatLeansInTheNextFrameTurnsTheForceEvenlyWithinReturnTime) {
   Bench bench;
   bench.NewFrame();
   AddPlane(bench.model, Vector3::UnitZ(), Vector3::Zero());
@@ -97,7 +105,7 @@ TEST(HandOver, APlaneThatLeansInTheNextFrameTurnsTheForceWithinItsTimeAndNotAtOn
   EXPECT_TRUE(bench.Tick(X_WT).F_T_W.f.isApprox(size_N * n_W, 1e-9));
 }
 
-TEST(HandOver, AForceThatFallsFallsAtOnce) {
+TEST(HandOver, AForceThatFallsIsNotDelayed) {
   Bench bench;
   bench.NewFrame();
   AddPlane(bench.model, Vector3::UnitZ(), Vector3::Zero());
@@ -116,7 +124,7 @@ TEST(HandOver, AForceThatFallsFallsAtOnce) {
   EXPECT_TRUE(bench.Tick(At({0.0, 0.0, -0.05e-3})).F_hand_over_T_W.f.isZero(0.0)) << "nor is anything left";
 }
 
-TEST(HandOver, ATurnThatIsSmallIsDoneInItsTick) {
+TEST(HandOver, ASmallTurnEndsWithinOneTick) {
   Bench bench;
   bench.NewFrame();
   AddPlane(bench.model, Vector3::UnitZ(), Vector3::Zero());
@@ -128,8 +136,9 @@ TEST(HandOver, ATurnThatIsSmallIsDoneInItsTick) {
   EXPECT_EQ(out.hand_over_s, 0.0) << "the age governor counts no more age";
 }
 
-// The contact point moves with the direction: the old direction about a new point would turn the tool.
-TEST(HandOver, TheTorqueIsOfTheLineThatTheForceActsAlong) {
+// The contact point changes together with the force's direction, so that the torque must be handed over as
+// well: the old direction at the new point would turn the tool.
+TEST(HandOver, TheTorqueIsHandedOverTogetherWithTheForce) {
   Bench bench;
   bench.NewFrame();
   const Vector3 first_T(0.0, 0.0, -0.02), second_T(0.01, 0.0, -0.015);
@@ -140,18 +149,17 @@ TEST(HandOver, TheTorqueIsOfTheLineThatTheForceActsAlong) {
   const Vector3 n_W = Tilted(0.4, 0.0);
   bench.NewFrame();
   AddPlane(bench.model, n_W, second_T, second_T);
-  const Wrench last_of_old = before,
-               f_end{.f = 60.0 * n_W.z() * n_W, .t = second_T.cross(60.0 * n_W.z() * n_W)};
+  const Wrench F_end{.f = 60.0 * n_W.z() * n_W, .t = second_T.cross(60.0 * n_W.z() * n_W)};
   for (int tick = 1; tick <= kReturnTicks; ++tick) {
     const Wrench F = bench.Tick(X_WT).F_T_W;
-    const double w = 1.0 - static_cast<double>(tick) / kReturnTicks, s = n_W.z();
-    EXPECT_LT((F.f - (w * s * last_of_old.f + (1.0 - w) * f_end.f)).norm(), 1e-6) << tick;
-    EXPECT_LT((F.t - (w * s * last_of_old.t + (1.0 - w) * f_end.t)).norm(), 1e-8) << tick;
+    const double weight = 1.0 - static_cast<double>(tick) / kReturnTicks, scale = n_W.z();
+    EXPECT_LT((F.f - (weight * scale * before.f + (1.0 - weight) * F_end.f)).norm(), 1e-6) << tick;
+    EXPECT_LT((F.t - (weight * scale * before.t + (1.0 - weight) * F_end.t)).norm(), 1e-8) << tick;
   }
 }
 
-/// Planes as in the frames of a convex bone under a tool: about the axis within a cone, close to the proxy;
-/// some vanish, some appear, all lean differently.
+/// Random frames as of a convex bone: 1 to 7 planes whose normals lie in a cone about z, close to the proxy.
+/// From frame to frame, planes appear, vanish and lean differently.
 class ChangingPlanes {
  public:
   explicit ChangingPlanes(std::uint64_t seed) : bits_(seed) {}
@@ -170,9 +178,9 @@ class ChangingPlanes {
   std::mt19937_64 bits_;
 };
 
-// Frames of every age from 1 to 30 ms on a tool that rests 1.5 mm beyond its proxy.
-TEST(HandOver, NoChangeOfPlanesIsAStepWhateverTheSetDoes) {
-  double most_N = 0.0;
+// New planes every 1 to 30 ms, while the tool rests 1.5 mm deep.
+TEST(HandOver, NoChangeOfPlanesTripsTheRateOrRaisesTheForce) {
+  double max_step_N = 0.0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     for (const int frame_ticks : {1, 2, 3, 5, 8, 13, 30}) {
       ChangingPlanes planes(seed);
@@ -188,7 +196,7 @@ TEST(HandOver, NoChangeOfPlanesIsAStepWhateverTheSetDoes) {
       for (int tick = 0; tick < 600; ++tick) {
         if (tick % frame_ticks == 0) planes.Frame(bench, bench.state.X_WP.translation(), 0.45);
         const CouplingOutput out = bench.Tick(X_WT);
-        most_N = std::max(most_N, bench.trip.growth_N());
+        max_step_N = std::max(max_step_N, bench.trip.growth_N());
         ASSERT_FALSE(bench.tripped) << "seed " << seed << ", frames of " << frame_ticks << " ms, tick "
                                     << tick << ": " << bench.trip.growth_N() << " N";
         ASSERT_LE(out.F_T_W.f.norm(), kK * out.displacement_W.norm() * (1.0 + 1e-9))
@@ -202,12 +210,13 @@ TEST(HandOver, NoChangeOfPlanesIsAStepWhateverTheSetDoes) {
       }
     }
   }
-  RecordProperty("most_N", std::to_string(most_N));
-  EXPECT_GT(most_N, 2.0) << "they do change";
+  RecordProperty("most_N", std::to_string(max_step_N));
+  EXPECT_GT(max_step_N, 2.0) << "they do change";
 }
 
-// 10 N along the motion, 0.1 mm per tick: 1 mJ each. The planes themselves store nothing here.
-TEST(HandOver, TheTankPaysForItsWorkAndAnEmptyTankLetsNothingThrough) {
+// A hand-over force of 10 N along a motion of 0.1 mm per tick gives the tool 1 mJ per tick, which the tank
+// pays for. The planes' springs store nothing in this test.
+TEST(HandOver, TheEnergyTankPaysForItsWorkAndScalesItToZeroWhenEmpty) {
   constexpr double kCap_J = 5e-3;
   EnergyTank tank({.cap_J = kCap_J}, kDt_s);
   CouplingOutput out;

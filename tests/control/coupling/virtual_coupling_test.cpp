@@ -12,6 +12,8 @@
 #include "safety/limits.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
+// Tests of the virtual coupling: the wrench by which the planes of a contact model push the tool.
+
 namespace osteon::control {
 namespace {
 
@@ -19,10 +21,11 @@ using rt::kMillisecond;
 using simulation::Contact;
 using simulation::ContactModel;
 
-constexpr double kK = 20e3;
+constexpr double kK = 20e3;  // [N/m]
 constexpr double kDt_s = 0.001;
 
 // A model with one plane through the origin of W, touched by the tool's apex.
+// @param advance_m_per_s  speed at which the plane recedes while the tool cuts
 ContactModel Plane(const Vector3& n_W, double advance_m_per_s = 0.0) {
   ContactModel model;
   model.contact_count = 1;
@@ -40,7 +43,7 @@ Pose At(const Vector3& p_WT) {
   return X_WT;
 }
 
-// Evaluates with the coupling ramped in and a model of a given age.
+// The coupling, faded in; each tick may have a model of another age.
 struct Bench {
   CouplingParams params;
   CouplingState state;
@@ -83,7 +86,7 @@ TEST(VirtualCoupling, TorqueIsTheForcesLeverAboutTheApex) {
   EXPECT_TRUE(out.F_T_W.t.isApprox(Vector3(0.0, -0.025 * 20.0, 0.0), 1e-10));
 }
 
-// Two faces at 90 deg: the proxy is on their edge, the force the vector sum of both.
+// Two faces at 90°: the proxy lies on their edge.
 TEST(VirtualCoupling, ACornerGivesTheVectorSumOfBothFaces) {
   Bench bench;
   ContactModel model = Plane({1.0, 0.0, 0.0});
@@ -98,7 +101,7 @@ TEST(VirtualCoupling, ACornerGivesTheVectorSumOfBothFaces) {
       << "the same face twice is one spring, not two";
 }
 
-TEST(VirtualCoupling, DampingTakesPowerStaysWithinItsShareAndNeverPulls) {
+TEST(VirtualCoupling, DampingDissipatesWithinItsShareAndNeverPulls) {
   std::mt19937_64 random(6);
   std::normal_distribution<double> normal;
   for (int i = 0; i < 20'000; ++i) {
@@ -119,8 +122,9 @@ TEST(VirtualCoupling, DampingTakesPowerStaysWithinItsShareAndNeverPulls) {
   }
 }
 
-// Any start, static plane, no hand: the tool comes out slower than it went in.
-TEST(VirtualCoupling, WithTheLawAStaticWallNeverReturnsMoreEnergyThanItGot) {
+// The tool flies into a static plane without a hand, at random speed and angle: it must leave slower than it
+// came.
+TEST(VirtualCoupling, WithAdmittanceAStaticWallReturnsNoMoreEnergyThanItGot) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> speed(0.005, 0.25), angle(-1.2, 1.2);
   for (const double damping : {0.0, 100.0}) {
@@ -148,7 +152,7 @@ TEST(VirtualCoupling, WithTheLawAStaticWallNeverReturnsMoreEnergyThanItGot) {
 }
 
 // A fresh contact at the speed limit with a pushing hand: the trip that guards against steps must not act.
-TEST(VirtualCoupling, AFreshContactAtFullSpeedDoesNotTripTheRate) {
+TEST(VirtualCoupling, AFirstContactAtFullSpeedDoesNotTripTheRate) {
   Bench bench;
   safety::WrenchRateTrip trip(kK, 0.25);
   AdmittanceState state{.X_WT = At({0.0, 0.0, 1e-3}), .V_WT = {.v = {0.0, 0.0, -0.25}, .w = Vector3::Zero()}};
@@ -161,7 +165,7 @@ TEST(VirtualCoupling, AFreshContactAtFullSpeedDoesNotTripTheRate) {
   }
 }
 
-TEST(VirtualCoupling, FadesWithAgeAtOnceAndReturnsSlowly) {
+TEST(VirtualCoupling, FadesOutWithTheModelsAgeAtOnceAndFadesInSlowly) {
   Bench bench;
   const ContactModel model = Plane({0.0, 0.0, 1.0});
   const Pose X_WT = At({0.0, 0.0, -5e-3});
@@ -178,11 +182,11 @@ TEST(VirtualCoupling, FadesWithAgeAtOnceAndReturnsSlowly) {
   EXPECT_NEAR(bench.Tick(model, X_WT).F_T_W.f.z(), 100.0, 1e-9);
 }
 
-TEST(VirtualCoupling, APlaneRecedesOnlyUnderForceWithTheSpindleOnAndAFreshModel) {
-  const double advance = 2e-3;  // 2 um a tick
+TEST(VirtualCoupling, APlaneRecedesOnlyUnderForceWithSpindleOnAndFreshModel) {
+  const double advance_m_per_s = 2e-3;  // 2 µm per tick
   const auto force_after_10_ms = [&](bool spindle_on, double depth_m, double extra_age_s) {
     Bench bench;
-    ContactModel model = Plane({0.0, 0.0, 1.0}, advance);
+    ContactModel model = Plane({0.0, 0.0, 1.0}, advance_m_per_s);
     model.pose_stamp = bench.now;
     CouplingOutput out;
     for (int i = 0; i <= 10; ++i) {
@@ -196,13 +200,13 @@ TEST(VirtualCoupling, APlaneRecedesOnlyUnderForceWithTheSpindleOnAndAFreshModel)
     }
     return out.F_T_W.f.z() / out.fade;
   };
-  EXPECT_NEAR(force_after_10_ms(true, 1e-3, 0.0), 20.0 - kK * advance * 0.010, 1e-9);
+  EXPECT_NEAR(force_after_10_ms(true, 1e-3, 0.0), 20.0 - kK * advance_m_per_s * 0.010, 1e-9);
   EXPECT_NEAR(force_after_10_ms(false, 1e-3, 0.0), 20.0, 1e-9) << "spindle still";
   EXPECT_NEAR(force_after_10_ms(true, 1e-3, 0.025), 20.0, 1e-9) << "stale";
   EXPECT_NEAR(force_after_10_ms(true, 5e-6, 0.0), 0.0, 1e-9) << "never further than the tool";
 }
 
-TEST(VirtualCoupling, WithoutForceAPlaneStays) {
+TEST(VirtualCoupling, WithoutForceAPlaneDoesNotRecede) {
   Bench bench;
   ContactModel model = Plane({0.0, 0.0, 1.0}, 0.01);
   model.pose_stamp = bench.now;
@@ -220,20 +224,20 @@ TEST(VirtualCoupling, WithoutForceAPlaneStays) {
   EXPECT_NEAR(out.F_T_W.f.z(), 20.0, 1e-9);
 }
 
-// Bone that gives way at 1 mm/s under a tool that follows it at constant depth; a simulation that reports
-// every 4 ms the state of 3 ms ago. The exact force is constant.
-TEST(VirtualCoupling, FramesHandOverWithoutAStep) {
+// Bone recedes at 1 mm/s, and the tool follows at constant depth, so that the exact force is constant. The
+// simulation reports every 4 ms the bone of 3 ms ago.
+TEST(VirtualCoupling, NewFramesOfRecedingBoneCauseNoForceStep) {
   Bench bench;
-  const double advance = 1e-3, depth_m = 4e-3;
+  const double advance_m_per_s = 1e-3, depth_m = 4e-3;
   const rt::Nanoseconds start = bench.now;
-  const auto surface_m = [&](rt::Nanoseconds t) { return -advance * rt::ToSeconds(t - start); };
+  const auto surface_m = [&](rt::Nanoseconds t) { return -advance_m_per_s * rt::ToSeconds(t - start); };
   ContactModel model;
   double low_N = 1e9, high_N = 0.0;
   for (int i = 0; i < 400; ++i) {
     bench.now += kMillisecond;
     if (i % 4 == 0) {
       const rt::Nanoseconds stamp = bench.now - 3 * kMillisecond;
-      model = Plane({0.0, 0.0, 1.0}, advance);
+      model = Plane({0.0, 0.0, 1.0}, advance_m_per_s);
       model.contacts[0].p_W_m = Vector3(0.0, 0.0, surface_m(stamp));
       model.frame = static_cast<std::uint64_t>(i / 4 + 1);
       model.pose_stamp = stamp;
@@ -249,8 +253,9 @@ TEST(VirtualCoupling, FramesHandOverWithoutAStep) {
   EXPECT_NEAR(high_N, kK * depth_m, 1e-6) << "without the recession in between: 0.14 N of saw-tooth";
 }
 
-// Bone that was predicted to give way stalls: the new frame's plane is 0.35 mm ahead of the last one's.
-TEST(VirtualCoupling, APlaneThatANewFrameFindsBeforeTheProxyComesBackWithinItsTimeAndNotAtOnce) {
+// The bone recedes less than predicted: the new frame's plane lies 0.35 mm ahead of the last one, before the
+// proxy. The plane is held back and released within return_s.
+TEST(VirtualCoupling, ANewPlaneBeforeTheProxyIsReleasedOverReturnTime) {
   Bench bench;
   ContactModel model = Plane({0.0, 0.0, 1.0});
   const Pose X_WT = At({0.0, 0.0, -1e-3});
@@ -269,7 +274,9 @@ TEST(VirtualCoupling, APlaneThatANewFrameFindsBeforeTheProxyComesBackWithinItsTi
   }
 }
 
-TEST(VirtualCoupling, AFramesSurpriseIsWhatTheLastTicksToolWouldHaveFeltNotThisTicksMotion) {
+// A new frame finds a plane where there was free air, while the tool moves. Only what the plane would have
+// pressed at the last tick's pose may be held back; the force of this tick's motion (0.3 mm) acts at once.
+TEST(VirtualCoupling, ANewPlaneIsNotHeldBackForThisTicksOwnMotion) {
   Bench bench;
   ContactModel free_air = Plane({0.0, 0.0, 1.0});
   free_air.contact_count = 0;
@@ -283,7 +290,7 @@ TEST(VirtualCoupling, AFramesSurpriseIsWhatTheLastTicksToolWouldHaveFeltNotThisT
   EXPECT_NEAR(bench.Tick(model, after).F_T_W.f.z(), kK * 0.3e-3, 1e-6);
 }
 
-TEST(VirtualCoupling, BoneThatANewFrameFindsGoneIsGoneAtOnce) {
+TEST(VirtualCoupling, APlaneThatMovesAwayLowersTheForceAtOnce) {
   Bench bench;
   ContactModel model = Plane({0.0, 0.0, 1.0});
   const Pose X_WT = At({0.0, 0.0, -1e-3});
@@ -293,8 +300,9 @@ TEST(VirtualCoupling, BoneThatANewFrameFindsGoneIsGoneAtOnce) {
   EXPECT_NEAR(bench.Tick(model, X_WT).F_T_W.f.z(), 12.0, 1e-9);
 }
 
-// Walls closer than the tool: no proxy keeps both, in any frame.
-TEST(VirtualCoupling, BetweenWallsTooCloseForItNoFrameMovesTheTool) {
+// Between two walls closer than the tool no proxy satisfies both planes; new frames of the same walls must
+// not change the force.
+TEST(VirtualCoupling, BetweenWallsTooCloseNewFramesDoNotChangeTheForce) {
   Bench bench;
   ContactModel model = Plane({1.0, 0.0, 0.0});
   model.contact_count = 2;
@@ -311,7 +319,7 @@ TEST(VirtualCoupling, BetweenWallsTooCloseForItNoFrameMovesTheTool) {
   }
 }
 
-TEST(VirtualCoupling, TheCutTurnsTheHandAgainstTheSpindleInProportionToTheForce) {
+TEST(VirtualCoupling, SpindleTorqueActsOnTheToolInProportionToTheForce) {
   Bench bench;
   ContactModel model = Plane({0.0, 0.0, 1.0});
   model.spindle_torque_Nm = 1.2;  // at the frame's 100 N
@@ -321,14 +329,14 @@ TEST(VirtualCoupling, TheCutTurnsTheHandAgainstTheSpindleInProportionToTheForce)
   EXPECT_TRUE(bench.Tick(model, At({0.0, 0.0, 1e-3}), {}, true).F_T_W.t.isZero(0.0)) << "no contact";
 }
 
-TEST(VirtualCoupling, AStifferContactThanAllowedIsRenderedWithTheMost) {
+TEST(VirtualCoupling, AContactStifferThanAllowedHasTheMaximumStiffness) {
   Bench bench;
   ContactModel model = Plane({0.0, 0.0, 1.0});
   model.contacts[0].stiffness_N_per_m = 1e6;
   EXPECT_NEAR(bench.Tick(model, At({0.0, 0.0, -1e-3})).F_T_W.f.z(), 20.0, 1e-9);
 }
 
-TEST(VirtualCoupling, AModelThatIsNotCredibleRendersNothingAndSaysWhy) {
+TEST(VirtualCoupling, AModelThatIsNotCredibleRendersNothingAndReportsWhy) {
   const auto status_of = [](const auto& spoil) {
     Bench bench;
     ContactModel model = Plane({0.0, 0.0, 1.0});
@@ -354,7 +362,7 @@ TEST(VirtualCoupling, AModelThatIsNotCredibleRendersNothingAndSaysWhy) {
             ModelStatus::kDeviceLost);
 }
 
-// Every bit pattern, not only plausible errors.
+// The contacts' bytes are overwritten at random, so that any bit pattern may occur.
 TEST(VirtualCoupling, IsFiniteForModelsOfRandomBits) {
   std::mt19937_64 random(8);
   CouplingState state;

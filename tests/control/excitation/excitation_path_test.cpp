@@ -11,16 +11,20 @@
 
 #include "tests/base/checked_no_alloc_scope.h"
 
+// Tests of the excitation that identifies the arm: the multisine (its spectrum and peak), and the path that
+// strings draws of it together with fades and pauses.
+
 namespace osteon::control {
 namespace {
 
-// One period, a millisecond a sample.
+// Offsets [m] of one period of 4 s, sampled every millisecond.
 std::vector<double> PeriodOf(const Multisine& motion) {
   std::vector<double> x_m;
   for (int k = 0; k < 4000; ++k) x_m.push_back(motion.At(1e-3 * k).x_m);
   return x_m;
 }
 
+// Amplitude of one harmonic of the period, by Fourier's sum.
 double AmplitudeAt(const std::vector<double>& x_m, int harmonic) {
   std::complex<double> sum = 0.0;
   for (int k = 0; k < 4000; ++k)
@@ -29,7 +33,7 @@ double AmplitudeAt(const std::vector<double>& x_m, int harmonic) {
   return 2.0 * std::abs(sum) / 4000.0;
 }
 
-TEST(Multisine, HasPowerOnItsLinesAlone) {
+TEST(Multisine, HasPowerOnlyOnItsOwnHarmonics) {
   const Multisine motion(1, 0.05);
   const std::vector<double> x_m = PeriodOf(motion);
   const auto harmonics = Multisine::Harmonics();
@@ -46,21 +50,21 @@ TEST(Multisine, HasPowerOnItsLinesAlone) {
   EXPECT_EQ(harmonics.back(), 237);
 }
 
-TEST(Multisine, SpeedIsFlatTo20HzAndAccelerationAbove) {
+TEST(Multisine, SpeedIsFlatUpTo20HzAndAccelerationAbove) {
   const Multisine motion(1, 0.05);
   for (const MultisineLine& line : motion.lines()) {
-    const double hz = Multisine::Frequency(line.harmonic), per_hz = line.amplitude_m * hz;
-    const double first = motion.lines()[0].amplitude_m * Multisine::Frequency(3);
-    EXPECT_NEAR(per_hz, first * std::min(1.0, 20.0 / hz), 1e-12) << hz;
+    const double hz = Multisine::Frequency(line.harmonic), speed = line.amplitude_m * hz;  // the speed / 2 pi
+    const double first_speed = motion.lines()[0].amplitude_m * Multisine::Frequency(3);
+    EXPECT_NEAR(speed, first_speed * std::min(1.0, 20.0 / hz), 1e-12) << hz;
   }
 }
 
-TEST(Multisine, KeepsItsPeakSpeedWithASmallCrestFactor) {
+TEST(Multisine, HasTheRequestedPeakSpeedAndASmallCrestFactor) {
   for (const std::uint64_t seed : {1u, 2u, 77u}) {
     const Multisine motion(seed, 0.05);
     EXPECT_NEAR(motion.peak().v_m_per_s, 0.05, 1e-12);
     EXPECT_LT(motion.peak().v_m_per_s / motion.rms_speed_m_per_s(),
-              2.7);  // a sine of random phases has 3 and more
+              2.7);  // the crest factor; with arbitrary random phases it is 3 or more
     EXPECT_LT(motion.peak().x_m, 0.0035);
     EXPECT_LT(motion.peak().a_m_per_s2, 8.0);
   }
@@ -69,11 +73,11 @@ TEST(Multisine, KeepsItsPeakSpeedWithASmallCrestFactor) {
   EXPECT_THROW(Multisine(1, 0.0), std::invalid_argument);
 }
 
-TEST(ExcitationPath, CountsDrawsAndPeriodsBetweenRests) {
+TEST(ExcitationPath, CountsEachPeriodOfEachDrawAndMovesSmoothly) {
   const ExcitationParams params{.draws = 2, .periods = 2};
   ExcitationPath path(params, 1e-3);
   std::vector<double> x{0.0};
-  int counted[2][2] = {};
+  int counted[2][2] = {};  // ticks by draw and period
   ExcitationStep step;
   while (step.part != ExcitationPart::kDone) {
     {
@@ -89,12 +93,13 @@ TEST(ExcitationPath, CountsDrawsAndPeriodsBetweenRests) {
   EXPECT_EQ(x.back(), 0.0);
   EXPECT_NEAR(1e-3 * static_cast<double>(x.size()), path.duration_s(), 0.01);
   for (std::size_t k = 2; k < x.size(); ++k) {
-    EXPECT_LT(std::abs(x[k] - x[k - 1]), 0.06e-3);                      // 60 mm/s with the cross-fade
-    EXPECT_LT(std::abs(x[k] - 2.0 * x[k - 1] + x[k - 2]), 10e-6) << k;  // 10 m/s^2: no jolt at any seam
+    EXPECT_LT(std::abs(x[k] - x[k - 1]), 0.06e-3);  // at most 60 mm/s, with the cross-fade
+    EXPECT_LT(std::abs(x[k] - 2.0 * x[k - 1] + x[k - 2]), 10e-6)
+        << k;  // at most 10 m/s²: no jolt where parts meet
   }
 }
 
-TEST(ExcitationPath, RestsWithinHalfASecondWhenReleasedAndSettlesAgain) {
+TEST(ExcitationPath, PausesWithinHalfASecondAndRepeatsTheInterruptedPeriod) {
   ExcitationPath path({.draws = 2, .periods = 2}, 1e-3);
   ExcitationStep step;
   while (step.part != ExcitationPart::kCounted || step.period != 1) step = path.Step(true);
@@ -123,7 +128,7 @@ TEST(ExcitationPath, ScalesDownToTravelAndAcceleration) {
   EXPECT_LT(by_acceleration.rms_speed_m_per_s(), ExcitationPath({}, 1e-3).rms_speed_m_per_s());
 }
 
-TEST(ExcitationPath, RefusesWhatIsOutOfRange) {
+TEST(ExcitationPath, RefusesParametersOutOfRange) {
   EXPECT_THROW(ExcitationPath({.draws = 0}, 1e-3), std::invalid_argument);
   EXPECT_THROW(ExcitationPath({.periods = 0}, 1e-3), std::invalid_argument);
   EXPECT_THROW(ExcitationPath({.max_travel_m = 0.0}, 1e-3), std::invalid_argument);

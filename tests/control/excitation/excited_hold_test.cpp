@@ -7,11 +7,13 @@
 
 #include "tests/base/checked_no_alloc_scope.h"
 
-// An excited hold with an arm that follows one tick late: one joint moves the tool along z, 1 m for 1 rad.
+// Tests of the excited hold, which moves a paused arm along the excitation's path and aborts when something
+// goes wrong. The simulated arm follows one tick late; its joint 0 moves the tool along z by 1 m per rad.
 
 namespace osteon::control {
 namespace {
 
+// One draw of one period, after a rest of 0.1 s.
 ExcitedHoldParams Params() {
   ExcitedHoldParams params{.path = {.draws = 1, .periods = 1, .peak_speed_m_per_s = 0.05}, .wait_s = 0.1};
   params.direction[0] = 1.0;
@@ -19,6 +21,7 @@ ExcitedHoldParams Params() {
   return params;
 }
 
+// An excited hold with its simulated arm, in a pause.
 class HoldRig {
  public:
   explicit HoldRig(const ExcitedHoldParams& params = Params()) : hold_(params) {
@@ -30,7 +33,7 @@ class HoldRig {
     tick_.q_hold[1] = tick_.q_meas[1] = 0.7;
   }
 
-  // One tick. @param change  what differs in it
+  // One tick. @param change  modifies the tick's inputs
   ExcitedHoldStep Tick(const std::function<void(ExcitedTick&)>& change = {}) {
     ++tick_.sequence;
     ExcitedTick tick = tick_;
@@ -48,7 +51,8 @@ class HoldRig {
     EXPECT_NE(step_.x_m, 0.0);
     return step_;
   }
-  // What a change of the ticks leads to. @returns ticks until the path stood
+  // Ticks with modified inputs until the hold is done, which after an abort means at rest. @returns their
+  // number
   int TicksToRest(const std::function<void(ExcitedTick&)>& change) {
     int ticks = 0;
     while (!hold_.done() && ticks < 2000) {
@@ -69,16 +73,16 @@ TEST(ExcitedHold, WaitsForThePauseThenMovesAndEndsWhereItBegan) {
   for (int k = 0; k < 500; ++k) EXPECT_EQ(rig.Tick().x_m, 0.0);
   rig.tick_.state = safety::CellState::kPaused;
   for (int k = 0; k < 100; ++k) EXPECT_EQ(rig.Tick().x_m, 0.0);
-  double greatest_m = 0.0;
-  for (int k = 0; k < 10000 && !rig.hold_.done(); ++k)
-    greatest_m = std::max(greatest_m, std::abs(rig.Tick().x_m));
+  double max_m = 0.0;
+  for (int k = 0; k < 10000 && !rig.hold_.done(); ++k) max_m = std::max(max_m, std::abs(rig.Tick().x_m));
   EXPECT_TRUE(rig.hold_.done());
-  EXPECT_GT(greatest_m, 1e-3);
+  EXPECT_GT(max_m, 1e-3);
   EXPECT_EQ(rig.step_.path.part, ExcitationPart::kDone);
   EXPECT_EQ(rig.step_.offset, JointArray{});
   EXPECT_EQ(rig.step_.abort, ExcitationAbort::kNone);
 }
 
+// The arm follows a tick late, so the measured offset y is the commanded offset x of the tick before.
 TEST(ExcitedHold, MeasuresTheOffsetAlongTheAxis) {
   HoldRig rig;
   rig.TicksUntilMoving();
@@ -86,13 +90,14 @@ TEST(ExcitedHold, MeasuresTheOffsetAlongTheAxis) {
   EXPECT_NEAR(rig.Tick().y_m, before_m, 1e-15);
 }
 
+// Excites joint 2 alone, with offsets in rad.
 ExcitedHoldParams JointParams() {
   ExcitedHoldParams params{
       .path = {.draws = 1, .periods = 1, .peak_speed_m_per_s = 0.15, .max_travel_m = 0.017},
       .joint = 2,
       .wait_s = 0.1};
   params.direction[2] = 1.0;
-  params.J_W(0, 2) = 0.1;  // it moves the tool along x, not along the axis
+  params.J_W(0, 2) = 0.1;  // the joint moves the tool along x, not along the measured axis z
   return params;
 }
 
@@ -103,7 +108,7 @@ TEST(ExcitedHold, MovesAndMeasuresOneJointAlone) {
                    .active = true,
                    .permitted = true,
                    .state = safety::CellState::kPaused};
-  double before_rad = 0.0, greatest_rad = 0.0;
+  double before_rad = 0.0, max_rad = 0.0;
   for (int k = 0; k < 3000; ++k) {
     ++tick.sequence;
     ExcitedHoldStep step;
@@ -115,17 +120,17 @@ TEST(ExcitedHold, MovesAndMeasuresOneJointAlone) {
     for (std::size_t j = 0; j < step.offset.size(); ++j) EXPECT_EQ(step.offset[j], j == 2 ? step.x_m : 0.0);
     tick.q_meas = step.offset;
     before_rad = step.x_m;
-    greatest_rad = std::max(greatest_rad, std::abs(step.x_m));
+    max_rad = std::max(max_rad, std::abs(step.x_m));
   }
-  EXPECT_GT(greatest_rad, 1e-3);
-  EXPECT_LE(greatest_rad, 0.017);
-  // a tool on the joint's axis shows nothing of its error
+  EXPECT_GT(max_rad, 1e-3);
+  EXPECT_LE(max_rad, 0.017);
+  // an error of the joint that the tool's position along z does not show
   tick.q_meas[2] += 0.021;
   ++tick.sequence;
   EXPECT_EQ(hold.Step(tick).abort, ExcitationAbort::kTracking);
 }
 
-TEST(ExcitedHold, RefusesAJointThatThereIsNot) {
+TEST(ExcitedHold, RefusesANonexistentJointOrAJointWithAForceOverlay) {
   ExcitedHoldParams params = JointParams();
   params.joint = 7;
   EXPECT_THROW(ExcitedHold{params}, std::invalid_argument);
@@ -134,7 +139,7 @@ TEST(ExcitedHold, RefusesAJointThatThereIsNot) {
   EXPECT_THROW(ExcitedHold{params}, std::invalid_argument);
 }
 
-TEST(ExcitedHold, AdvancesOverMessagesThatWereLost) {
+TEST(ExcitedHold, AdvancesByTheLostMessages) {
   HoldRig rig, gap;
   rig.TicksUntilMoving();
   gap.TicksUntilMoving();
@@ -155,6 +160,7 @@ TEST(ExcitedHold, PausesWhileTheSwitchIsReleased) {
   EXPECT_EQ(rig.step_.abort, ExcitationAbort::kNone);
 }
 
+// A change of the inputs, and the abort that it must cause.
 struct AbortCase {
   ExcitationAbort abort;
   std::function<void(ExcitedTick&)> change;
@@ -168,24 +174,24 @@ TEST(ExcitedHold, EachAbortBrakesToRestWithinHalfASecond) {
       {ExcitationAbort::kAnswersLost, [](ExcitedTick& tick) { tick.answers_lost = 51; }},
       {ExcitationAbort::kSensor, [](ExcitedTick& tick) { tick.sensor_trusted = false; }},
       {ExcitationAbort::kSensor, [](ExcitedTick& tick) { tick.sensor_age_s = 0.2; }}};
-  for (const AbortCase& one : cases) {
+  for (const AbortCase& abort_case : cases) {
     HoldRig rig;
     rig.TicksUntilMoving();
     double last_m = rig.step_.x_m;
     EXPECT_LE(rig.TicksToRest([&](ExcitedTick& tick) {
-      one.change(tick);
+      abort_case.change(tick);
       EXPECT_LT(std::abs(rig.step_.x_m - last_m), 0.06e-3) << "a jump of the command";
       last_m = rig.step_.x_m;
     }),
               501)
-        << Describe(one.abort);
-    EXPECT_EQ(rig.step_.abort, one.abort) << Describe(rig.step_.abort);
+        << Describe(abort_case.abort);
+    EXPECT_EQ(rig.step_.abort, abort_case.abort) << Describe(rig.step_.abort);
     const double resting_m = rig.step_.x_m;
     EXPECT_EQ(rig.Tick().x_m, resting_m);
   }
 }
 
-TEST(ExcitedHold, AFewLostAnswersAreNoReason) {
+TEST(ExcitedHold, AFewLostAnswersDoNotAbort) {
   HoldRig rig;
   rig.TicksUntilMoving();
   for (std::uint32_t k = 0; k < 3000; ++k)
@@ -193,21 +199,22 @@ TEST(ExcitedHold, AFewLostAnswersAreNoReason) {
   EXPECT_EQ(rig.step_.abort, ExcitationAbort::kNone);
 }
 
-TEST(ExcitedHold, ForceThatGrowsAborts) {
+TEST(ExcitedHold, AGrowingVibrationAborts) {
   HoldRig rig;
   rig.TicksUntilMoving();
-  const auto run = [&](double growth_per_s) {
+  // a force at 15 Hz whose amplitude grows exponentially
+  const auto abort_of = [&](double growth_per_s) {
     for (int k = 0; k < 800 && rig.step_.abort == ExcitationAbort::kNone; ++k)
       rig.Tick([&](ExcitedTick& tick) {
         tick.force_S_N.x() = 4.0 * std::exp(growth_per_s * 1e-3 * k) * std::sin(2.0 * 3.14159265 * 15e-3 * k);
       });
     return rig.step_.abort;
   };
-  EXPECT_EQ(run(0.0), ExcitationAbort::kNone) << "an even vibration";
-  EXPECT_EQ(run(5.0), ExcitationAbort::kForceGrows);
+  EXPECT_EQ(abort_of(0.0), ExcitationAbort::kNone) << "an even vibration";
+  EXPECT_EQ(abort_of(5.0), ExcitationAbort::kForceGrows);
 }
 
-TEST(ExcitedHold, AnArmThatLeavesGetsNoOffset) {
+TEST(ExcitedHold, AnArmThatLeavesCommandingGetsNoOffset) {
   HoldRig rig;
   rig.TicksUntilMoving();
   rig.Tick([](ExcitedTick& tick) { tick.active = false; });
@@ -216,7 +223,7 @@ TEST(ExcitedHold, AnArmThatLeavesGetsNoOffset) {
   EXPECT_TRUE(rig.hold_.done());
 }
 
-TEST(ExcitedHold, RefusesWhatIsOutOfRange) {
+TEST(ExcitedHold, RefusesParametersOutOfRange) {
   ExcitedHoldParams params = Params();
   params.max_force_N = 0.0;
   EXPECT_THROW(ExcitedHold{params}, std::invalid_argument);

@@ -10,10 +10,13 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/guidance/guidance_parts.h"
 
+// Tests of the guidance field: springs that push the tool back into the corridor (funnel, cone, depth) of a
+// surgical plan.
+
 namespace osteon::control {
 namespace {
 
-constexpr double kDeg = 0.017453292519943295;
+constexpr double kDeg = 0.017453292519943295;  // [rad]
 
 TEST(GuidanceField, IsZeroInsideTheCorridor) {
   const GuidanceParams params = SomeGuidance();
@@ -25,7 +28,8 @@ TEST(GuidanceField, IsZeroInsideTheCorridor) {
   EXPECT_EQ(field.F_T_W.t, Vector3(0, 0, 0));
 }
 
-TEST(GuidanceField, ExcessesAreThoseOfThePlacement) {
+// 1 mm too deep, 4 mm aside and tilted by 12°; the cone is free to 8°, the funnel to 1 mm plus its widening.
+TEST(GuidanceField, MeasuresHowFarTheToolIsOutsideTheCorridor) {
   const GuidanceParams params = SomeGuidance();
   const GuidanceField field = EvaluateGuidance(
       params, PoseAt(params, {.height_m = -1e-3, .aside_m = 4e-3, .tilt_rad = 12 * kDeg}), {});
@@ -36,13 +40,13 @@ TEST(GuidanceField, ExcessesAreThoseOfThePlacement) {
   EXPECT_TRUE(field.beyond_stop);
 }
 
-TEST(GuidanceField, SpringsEaseInRiseAndKeepTheirCap) {
+TEST(GuidanceField, SpringsEaseInRiseLinearlyAndKeepTheirCap) {
   const GuidanceSpring spring{.stiffness = 5e3, .ease = 0.5e-3, .cap = 40.0};
   EXPECT_EQ(SpringForce(spring, -1.0), 0.0);
   EXPECT_DOUBLE_EQ(SpringForce(spring, 0.25e-3), 0.5 * 5e3 * 0.25e-3 * 0.25e-3 / 0.5e-3);
   EXPECT_DOUBLE_EQ(SpringForce(spring, 2e-3), 5e3 * 1.75e-3);
   EXPECT_DOUBLE_EQ(SpringForce(spring, 1.0), 40.0);
-  // the potential is the force's integral: Simpson's rule is exact for each of its three pieces
+  // the potential is the integral of the force; Simpson's rule is exact for each of the force's three pieces
   double integral = 0.0;
   const double step = 1e-6;
   for (int i = 0; i < 12000; ++i) {
@@ -56,8 +60,9 @@ TEST(GuidanceField, SpringsEaseInRiseAndKeepTheirCap) {
   }
 }
 
-// At rest the wrench is minus the potential's gradient, turns about To included.
-TEST(GuidanceField, WrenchIsThePotentialsGradient) {
+// The wrench at rest is minus the potential's gradient, for translations and for rotations about To. Checked
+// by a difference quotient along random motions.
+TEST(GuidanceField, WrenchIsMinusThePotentialsGradient) {
   const GuidanceParams params = SomeGuidance();
   std::mt19937 random(39);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -85,7 +90,9 @@ TEST(GuidanceField, WrenchIsThePotentialsGradient) {
   EXPECT_GT(outside, 500);
 }
 
-TEST(GuidanceField, ResistsMoreOnTheWayOutAndNothingAtTheReturnsSpeed) {
+// At 3 mm too deep: full spring force at rest, damping on the way deeper, and a force that falls to zero at
+// the return's speed of 50 mm/s.
+TEST(GuidanceField, ResistsMotionOutwardAndFadesWithTheSpeedOfReturn) {
   const GuidanceParams params = SomeGuidance();
   const Pose X_WT = PoseAt(params, {.height_m = -3e-3});
   const Vector3 a = params.axis_W;
@@ -109,7 +116,7 @@ TEST(GuidanceField, IsFiniteForAReversedTool) {
   EXPECT_TRUE(field.beyond_stop);
 }
 
-TEST(GuidanceField, GainsBeyondTheAcceptedAreRefused) {
+TEST(GuidanceField, RefusesParametersOutOfRange) {
   const auto refused = [](auto change) {
     GuidanceParams params = SomeGuidance();
     EXPECT_NO_THROW(Validate(params));
@@ -122,7 +129,9 @@ TEST(GuidanceField, GainsBeyondTheAcceptedAreRefused) {
   refused([](GuidanceParams& p) { p.cone.cap = 8.1; });
   refused([](GuidanceParams& p) { p.depth.stiffness = 20001.0; });
   refused([](GuidanceParams& p) { p.depth.cap = 151.0; });
-  refused([](GuidanceParams& p) { p.depth.cap = 1.0; });  // below the ease's force: a kink
+  refused([](GuidanceParams& p) {
+    p.depth.cap = 1.0;
+  });  // below the force at the end of the ease, so that the force would have a kink
   refused([](GuidanceParams& p) { p.axis_W *= 1.1; });
   refused([](GuidanceParams& p) { p.gain = 1.1; });
   refused([](GuidanceParams& p) { p.cone_stop_rad = 0.5 * p.cone_free_rad; });

@@ -3,9 +3,11 @@
 #include "control/guidance/guidance_field.h"
 #include "kinematics/spatial.h"
 
+// Shared by the tests of the guidance: parameters, and poses of a tool in the corridor.
+
 namespace osteon::control {
 
-/// The shipped gains around an oblique axis, for a head of 44 mm.
+/// Default gains around an oblique axis, for a head of 44 mm diameter.
 [[nodiscard]] inline GuidanceParams SomeGuidance() {
   GuidanceParams params;
   params.axis_W = Vector3(0.6, 0.2, 0.7).normalized();
@@ -21,12 +23,13 @@ struct CorridorPlace {
   double tilt_rad{0.0};  ///< of the feed against the axis
 };
 
+/// Tool pose at this place of the corridor; its feed points into the bone.
 [[nodiscard]] inline Pose PoseAt(const GuidanceParams& params, const CorridorPlace& place) {
   const Matrix3 R_WC = RotationFromZTo(params.axis_W);
   Pose X_WT = Pose::Identity();
   X_WT.linear() = R_WC * ExpRotation(Vector3(3.141592653589793 - place.tilt_rad, 0, 0));
-  const Vector3 head = params.centre_W + R_WC * Vector3(place.aside_m, 0, place.height_m);
-  X_WT.translation() = head + params.head_m * X_WT.linear().col(2);
+  const Vector3 head_W = params.centre_W + R_WC * Vector3(place.aside_m, 0, place.height_m);
+  X_WT.translation() = head_W + params.head_m * X_WT.linear().col(2);
   return X_WT;
 }
 

@@ -13,13 +13,16 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/guidance/guidance_parts.h"
 
+// Tests of the guidance's scale, which never lets the guidance give more energy to the tool than it took, and
+// of the guidance as a whole.
+
 namespace osteon::control {
 namespace {
 
 constexpr double kDt_s = 1e-3;
 
-// The admittance law with guidance and a limiter. The energy that the guidance gives to the tool is measured
-// here a second time, from the rendered wrench and the exact motion.
+// A tool under the admittance law with guidance and a wrench limiter. It measures the energy that the
+// guidance gives to the tool independently, from the rendered wrench and the exact motion.
 struct GuidedTool {
   explicit GuidedTool(const GuidanceParams& params, const Pose& X_WT) : guidance(params, 0.25, kDt_s) {
     tool.X_WT = X_WT;
@@ -27,23 +30,25 @@ struct GuidedTool {
     law.damping_Ns_per_m.setConstant(30.0);
   }
 
-  // One tick: the bone's wrench counts first. @returns the rendered sum
+  // One tick. The limiter serves the bone's wrench first, and the guidance gets what is left. @returns the
+  // rendered sum
   Wrench Tick(const Wrench& F_hand, const Wrench& F_bone, double model_fade = 1.0) {
     const Wrench F_before = guidance.scale().F_T_W();
     const double proposed =
         guidance.ProposeScale({.X_WT = tool.X_WT, .V_WT = tool.V_WT, .model_fade = model_fade});
     const Wrench& F = guidance.field().F_T_W;
     const Wrench bone = limiter.Limit(F_bone).F;
-    const auto with = [&](double share) {
+    const auto sum_with = [&](double share) {
       return Wrench{.f = bone.f + share * F.f, .t = bone.t + share * F.t};
     };
-    const double share = MaxFittingScale(ScaleWithin(limiter, bone, F, proposed),
-                                         [&](double each) { return limiter.Limit(with(each)).share >= 1.0; });
+    const double share = MaxFittingScale(ScaleWithin(limiter, bone, F, proposed), [&](double each) {
+      return limiter.Limit(sum_with(each)).share >= 1.0;
+    });
     limited = limited || share < proposed;
     guidance.AcceptScale(share);
     energy_J += 0.5 * Power(guidance.scale().F_T_W(), step) + 0.5 * Power(F_before, step);
     energy_J = std::max(energy_J, -(guidance.scale().scale() * guidance.field().potential_J + 0.05));
-    const Wrench sum = with(share);
+    const Wrench sum = sum_with(share);
     const Pose X_before = tool.X_WT;
     EXPECT_TRUE(StepAdmittance(law, {.f = F_hand.f + sum.f, .t = F_hand.t + sum.t}, kDt_s, tool));
     tool.V_WT = safety::LimitTwist(tool.V_WT, {}).V;
@@ -51,6 +56,7 @@ struct GuidedTool {
     step = Scaled(TwistBetween(X_before, tool.X_WT, kDt_s), kDt_s);
     return sum;
   }
+  // Energy given to the tool plus energy still stored: positive would be created from nothing.
   [[nodiscard]] double Balance_J() const {
     return energy_J + guidance.scale().scale() * guidance.field().potential_J;
   }
@@ -60,17 +66,18 @@ struct GuidedTool {
   AdmittanceParams law;
   AdmittanceState tool;
   Twist step;
-  double energy_J{0.0};  // given to the tool; a surplus beyond 0.05 J is forgotten
+  double energy_J{0.0};  // given to the tool; taken energy beyond the stored one + 0.05 J is forgotten
   bool limited{false};
 };
 
+// A wrench whose components are uniform up to max_N and max_Nm.
 Wrench RandomWrench(std::mt19937& random, double max_N, double max_Nm) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   const auto vector = [&] { return Vector3(unit(random), unit(random), unit(random)); };
   return {.f = max_N * vector(), .t = max_Nm * vector()};
 }
 
-// Springs as nearly without damping as Validate accepts: only the energy condition keeps them from giving.
+// Springs with as little damping as Validate accepts, so that only the energy condition keeps them passive.
 GuidanceParams HardlyDamped() {
   GuidanceParams params = SomeGuidance();
   params.damping_Ns_per_m = params.damping_Nms_per_rad = 0.0;
@@ -79,15 +86,16 @@ GuidanceParams HardlyDamped() {
   return params;
 }
 
-// Out of the corridor and back, 1000 times. The bone takes the whole limit mostly while the tool leaves, so
-// that the share is small on the way out and would be large on the way back.
+// A random hand moves the tool out of the corridor and back, 1000 times. The bone's force uses up the limit
+// mostly while the tool leaves, so that the guidance's scale is small on the way out and would be large on
+// the way back: without the energy condition, the guidance would give energy in each cycle.
 void CycleOutAndBack(const GuidanceParams& params) {
   GuidedTool tool(params, PoseAt(params, {.height_m = 5e-3}));
   std::mt19937 random(3927);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   int cycles = 0;
   bool was_inside = true;
-  double worst_J = -1.0, largest_N = 0.0, largest_Nm = 0.0, potential_J = 0.0;
+  double max_balance_J = -1.0, max_N = 0.0, max_Nm = 0.0, potential_J = 0.0;
   Wrench hand, bone;
   for (int tick = 0; tick < 2'000'000 && cycles < 1000; ++tick) {
     if (tick % 60 == 0) {
@@ -100,29 +108,29 @@ void CycleOutAndBack(const GuidanceParams& params) {
     if (tick % 5 == 0) {
       const bool leaves = tool.guidance.field().potential_J > potential_J;
       potential_J = tool.guidance.field().potential_J;
-      const double most_N = leaves == (unit(random) < 0.9) ? 300.0 : 20.0;
-      bone = {.f = most_N * params.axis_W, .t = RandomWrench(random, 0.0, 0.05 * most_N).t};
+      const double bone_N = leaves == (unit(random) < 0.9) ? 300.0 : 20.0;
+      bone = {.f = bone_N * params.axis_W, .t = RandomWrench(random, 0.0, 0.05 * bone_N).t};
       hand.f -= hand.f.dot(params.axis_W) * params.axis_W + tool.limiter.Limit(bone).F.f;
     }
     const Wrench sum = tool.Tick(hand, bone);
-    worst_J = std::max(worst_J, tool.Balance_J());
-    largest_N = std::max(largest_N, sum.f.norm());
-    largest_Nm = std::max(largest_Nm, sum.t.norm());
+    max_balance_J = std::max(max_balance_J, tool.Balance_J());
+    max_N = std::max(max_N, sum.f.norm());
+    max_Nm = std::max(max_Nm, sum.t.norm());
     EXPECT_FALSE(tool.guidance.trips()) << "tick " << tick;
     if (!was_inside && tool.guidance.field().inside) ++cycles;
     was_inside = tool.guidance.field().inside;
   }
   EXPECT_EQ(cycles, 1000);
   EXPECT_TRUE(tool.limited) << "the limiter did not act";
-  EXPECT_LE(worst_J, 1e-6);
-  EXPECT_LE(largest_N, 200.0);
-  EXPECT_LE(largest_Nm, 20.0);
+  EXPECT_LE(max_balance_J, 1e-6);
+  EXPECT_LE(max_N, 200.0);
+  EXPECT_LE(max_Nm, 20.0);
 }
 
 TEST(GuidanceScale, NeverGivesMoreThanItTook) { CycleOutAndBack(SomeGuidance()); }
 TEST(GuidanceScale, NeverGivesMoreThanItTookWithHardlyAnyDamping) { CycleOutAndBack(HardlyDamped()); }
 
-TEST(GuidanceScale, SwitchedOnOutsideItWaitsUntilTheToolIsInside) {
+TEST(GuidanceScale, SwitchedOnOutsideTheCorridorItStaysZeroUntilTheToolIsInside) {
   const GuidanceParams params = SomeGuidance();
   GuidedTool tool(params, PoseAt(params, {.height_m = 2e-3, .aside_m = 10e-3}));
   for (int i = 0; i < 300; ++i) tool.Tick({}, {});
@@ -138,27 +146,28 @@ TEST(GuidanceScale, ResistsAHandThatLeavesTheCorridor) {
   GuidedTool guided(params, PoseAt(params, {.height_m = 1e-3}));
   const Wrench deeper{.f = -60.0 * params.axis_W};
   for (int i = 0; i < 2000; ++i) guided.Tick(deeper, {});
-  // a hand of 60 N against 10 N/mm with 0.5 mm of ease, held at the head and pushed at the apex
+  // the hand's 60 N against the depth's spring of 10 N/mm, which has an ease of 0.5 mm: 60/10 + 0.5/2 = 6.25
+  // mm
   EXPECT_NEAR(guided.guidance.field().excess.depth_m, 6.25e-3, 0.05e-3);
   EXPECT_EQ(guided.guidance.scale().scale(), 1.0);
   EXPECT_LT(guided.energy_J, 0.0);
 }
 
-TEST(GuidanceScale, GuidanceYieldsToTheBone) {
+TEST(GuidanceScale, YieldsToTheBonesForce) {
   const GuidanceParams params = SomeGuidance();
   GuidedTool tool(params, PoseAt(params, {.height_m = 1e-3}));
   for (int i = 0; i < 1000; ++i) tool.Tick({.f = -80.0 * params.axis_W}, {});
   ASSERT_GT(tool.guidance.scale().F_T_W().f.norm(), 70.0);
-  // the bone now takes the whole limit, in the same direction
+  // the bone now needs the whole limit of 200 N, in the same direction
   const Wrench sum = tool.Tick({}, {.f = 250.0 * params.axis_W});
   EXPECT_LT(tool.guidance.scale().F_T_W().f.norm(), 0.01);
   EXPECT_LE(sum.f.norm(), 200.0);
-  // and lets go: the share rises within a tenth of a second, not at once
+  // the bone lets go: the scale rises over a tenth of a second, so by 0.01 per tick
   tool.Tick({}, {});
   EXPECT_LE(tool.guidance.scale().scale(), 0.011);
 }
 
-TEST(GuidanceScale, TheClosedFormFindsTheLimit) {
+TEST(GuidanceScale, ScaleWithinIsTheLargestScaleThatFits) {
   const safety::WrenchLimiter limiter({.max_force_N = 100.0, .max_torque_Nm = 5.0});
   std::mt19937 random(5);
   int by_limit = 0;
@@ -191,7 +200,7 @@ TEST(GuidanceScale, FadesWithTheModelsAge) {
   EXPECT_FALSE(tool.guidance.acts());
 }
 
-TEST(GuidanceScale, AToolThatIsLetGoHardlyMoves) {
+TEST(GuidanceScale, AToolLetGoOutsideReturnsSlowly) {
   GuidanceParams params = SomeGuidance();
   GuidedTool tool(params, PoseAt(params, {.height_m = 3e-3}));
   const Vector3 aside = PoseAt(params, {.aside_m = 1.0}).translation() - PoseAt(params, {}).translation();
@@ -212,7 +221,7 @@ TEST(GuidanceScale, AToolThatIsLetGoHardlyMoves) {
   EXPECT_LE(fastest_m_per_s, 0.06);
 }
 
-TEST(Guidance, StopsTheSpindleBeyondAStopUntilTheToolIsInside) {
+TEST(Guidance, StopsTheSpindleBeyondItsStopUntilTheToolIsInside) {
   GuidanceParams params = SomeGuidance();
   Guidance guidance(params, 0.25, kDt_s);
   const auto at = [&](const CorridorPlace& place) {
@@ -233,7 +242,7 @@ TEST(Guidance, StopsTheSpindleBeyondAStopUntilTheToolIsInside) {
   EXPECT_FALSE(free.stops_spindle());
 }
 
-TEST(Guidance, TripsWhereItsForceJumps) {
+TEST(Guidance, TripsWhenItsForceJumps) {
   const GuidanceParams params = SomeGuidance();
   Guidance guidance(params, 0.25, kDt_s);
   guidance.AcceptScale(guidance.ProposeScale({.X_WT = PoseAt(params, {.height_m = 1e-3})}));
@@ -242,7 +251,7 @@ TEST(Guidance, TripsWhereItsForceJumps) {
   EXPECT_TRUE(guidance.trips()) << "4 mm in a tick";
 }
 
-TEST(Guidance, AllocatesNothing) {
+TEST(Guidance, DoesNotAllocate) {
   const GuidanceParams params = SomeGuidance();
   GuidedTool tool(params, PoseAt(params, {.height_m = 1e-3}));
   const Wrench hand{.f = -60.0 * params.axis_W, .t = {1.0, 2.0, 0.0}};

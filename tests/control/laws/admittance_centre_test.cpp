@@ -8,8 +8,8 @@
 #include "control/laws/admittance_law.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
-// The virtual tool with its centre away from the tool's origin: full matrices there, locked axes, and changes
-// of mass by axis.
+// Tests of the admittance law for a virtual tool whose centre of mass C is away from the tool's origin To:
+// full mass and damping matrices, locked axes, and changes of mass by axis.
 
 namespace osteon::control {
 namespace {
@@ -18,6 +18,7 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kDt_s = 0.001;
 
+// Random vectors and parameters.
 class Draw {
  public:
   explicit Draw(std::uint64_t seed) : random_(seed) {}
@@ -42,13 +43,15 @@ class Draw {
   std::mt19937_64 random_;
 };
 
+// Both vectors one above the other.
 Vector6d Stacked(const Vector3& first, const Vector3& second) {
   Vector6d both;
   both << first, second;
   return both;
 }
 
-// Independent of the code under test: the motion of C for a twist of To, column by column from v + w × c.
+// A^T diag(linear, angular) A at To, computed independently of the code under test. A maps the twist of To to
+// that of C: its columns follow from v + w × c.
 Matrix6 FullMatrix(const Vector3& linear, const Vector3& angular, const Vector3& c) {
   Matrix6 A;
   for (int i = 0; i < 3; ++i) {
@@ -58,19 +61,21 @@ Matrix6 FullMatrix(const Vector3& linear, const Vector3& angular, const Vector3&
   return A.transpose() * Stacked(linear, angular).asDiagonal() * A;
 }
 
+// Rotation by the vector r [rad], at the origin.
 Pose Turned(const Vector3& r) {
   Pose X = Pose::Identity();
   X.linear() = ExpRotation(r);
   return X;
 }
 
+// Kinetic energy [J] of the virtual tool.
 double Energy(const AdmittanceParams& params, const Matrix3& R_WT, const Twist& V_WT) {
   const Vector6d V_T = Stacked(R_WT.transpose() * V_WT.v, R_WT.transpose() * V_WT.w);
   return 0.5 * V_T.dot(MassMatrix(params) * V_T);
 }
 
-// Oracle: dense matrices and Eigen's pivoted LU; arbitrary factors on mass and damping.
-TEST(AdmittanceCentre, IsTheDenseSolutionOfTheFullMatrices) {
+// Oracle: the implicit step solved with dense matrices and Eigen's pivoted LU.
+TEST(AdmittanceCentre, EqualsTheSolutionWithDenseMatrices) {
   Draw draw(11);
   for (int run = 0; run < 500; ++run) {
     const AdmittanceParams own = draw.Params();
@@ -89,20 +94,20 @@ TEST(AdmittanceCentre, IsTheDenseSolutionOfTheFullMatrices) {
     Twist next;
     ASSERT_TRUE(NextTwist(params, {.X_WT = X_WT, .V_WT = V, .F_T_W = F, .dt_s = kDt_s}, next));
 
-    // V belongs to the step before: the velocity of the centre is kept from there
+    // the centre keeps its velocity of the step before, when the tool was turned less
     const Vector3 c_W = R * own.centre_T_m, c_before_W = ExpRotation(-kDt_s * V.w) * c_W;
     const Vector3 v_W = V.v + V.w.cross(c_before_W) - V.w.cross(c_W);
     const Vector6d V_T = Stacked(R.transpose() * v_W, R.transpose() * V.w);
     const Vector6d F_T = Stacked(R.transpose() * F.f, R.transpose() * F.t);
     const Vector6d wanted = (M + kDt_s * D).fullPivLu().solve(M * V_T + kDt_s * F_T);
     const Vector6d found = Stacked(R.transpose() * next.v, R.transpose() * next.w);
-    // the lever and the ratio of the masses give a condition number of some 1e4
+    // the lever and the ratio of mass to inertia give a condition number of about 1e4
     EXPECT_LT((found - wanted).norm(), 1e-11 * wanted.norm()) << "run " << run;
   }
 }
 
-// At To itself the result equals that of the law by axis, bit for bit.
-TEST(AdmittanceCentre, AtTheOriginIsTheLawByAxisBitForBit) {
+// With the centre at To, the step equals the simple law for each axis, bit for bit.
+TEST(AdmittanceCentre, AtTheOriginEqualsTheLawByAxisBitForBit) {
   Draw draw(12);
   for (int run = 0; run < 200; ++run) {
     AdmittanceParams params = draw.Params();
@@ -129,9 +134,9 @@ TEST(AdmittanceCentre, AtTheOriginIsTheLawByAxisBitForBit) {
   }
 }
 
-// A rigid body: pushed at its centre it does not turn and has the axis' mass. Pushed at To, a lever L away,
-// it also turns: 1 / m_felt = 1/m + L^2 / I.
-TEST(AdmittanceCentre, TheHandleFeelsTheAxisMassAndTheApexTheLever) {
+// A rigid body pushed at its centre C does not turn, and resists with the axis' mass. Pushed at To, a lever L
+// away, it also turns: 1 / m_felt = 1/m + L² / I.
+TEST(AdmittanceCentre, APushAtTheCentreFeelsTheMassAndAtTheApexAlsoTheLever) {
   AdmittanceParams params;
   params.mass_kg = {2.0, 3.0, 7.0};
   params.inertia_kg_m2 = {0.2, 0.3, 0.4};
@@ -157,7 +162,8 @@ TEST(AdmittanceCentre, TheHandleFeelsTheAxisMassAndTheApexTheLever) {
   EXPECT_NEAR(1.0 / felt_kg, 1.0 / 2.0 + 0.25 * 0.25 / 0.3, 1e-8) << "turns about y";
 }
 
-// A body that turns about its centre stays there: To circles without a force, and no energy is generated.
+// A free body that turns about its centre keeps the centre in place, with To on a circle around it, and gains
+// no energy.
 TEST(AdmittanceCentre, AFreeBodyKeepsItsEnergyAndItsCentreWhileItTurns) {
   AdmittanceParams params;
   params.mass_kg.setConstant(3.0);
@@ -167,7 +173,7 @@ TEST(AdmittanceCentre, AFreeBodyKeepsItsEnergyAndItsCentreWhileItTurns) {
   params.centre_T_m = {0.05, 0.0, -0.25};
   const Vector3 w(0.4, 1.2, -0.3);
   AdmittanceState state{.X_WT = Turned({0.2, 0.1, 0.0}), .V_WT = {}};
-  // as if it had turned before: the velocity of To belongs to c before the step
+  // the initial velocity of To belongs to the orientation one step earlier
   state.V_WT = {.v = -w.cross(ExpRotation(-kDt_s * w) * (state.X_WT.linear() * params.centre_T_m)), .w = w};
   const Vector3 centre = state.X_WT * params.centre_T_m;
   double energy = 0.5 * 0.15 * w.squaredNorm();
@@ -182,11 +188,12 @@ TEST(AdmittanceCentre, AFreeBodyKeepsItsEnergyAndItsCentreWhileItTurns) {
     state = {.X_WT = IntegratePose(state.X_WT, V, kDt_s), .V_WT = V};
   }
   EXPECT_NEAR(energy, first, 1e-6 * first) << "the drag is 1e-9";
-  // Move takes To along a straight line where the centre's arc bends: w^2 c dt^2 / 2 per tick, always across
+  // IntegratePose moves To straight ahead instead of along its arc, which shifts the centre by w² c dt² / 2
+  // per tick
   EXPECT_LT((state.X_WT * params.centre_T_m - centre).norm(), 1e-3);
 }
 
-// The header's claim: the bound holds by axis at C, and so in the energy norm, for any step.
+// For each axis at C, |v+| <= max(|v|, |F|/b) for any step dt; so the energy has the bound computed below.
 TEST(AdmittanceCentre, TheEnergyIsBoundedForAnyStep) {
   Draw draw(13);
   for (const double dt_s : {1e-4, 1e-3, 0.1, 10.0}) {
@@ -200,18 +207,18 @@ TEST(AdmittanceCentre, TheEnergyIsBoundedForAnyStep) {
       ASSERT_TRUE(NextTwist(params, {.X_WT = X_WT, .V_WT = V, .F_T_W = F, .dt_s = dt_s}, next));
       const Vector3 f_T = R.transpose() * F.f, v_T = R.transpose() * V.v;
       const Vector3 t_C = R.transpose() * F.t - params.centre_T_m.cross(f_T);
-      double most = 0.0;
+      double max_J = 0.0;
       for (int i = 0; i < 3; ++i) {
         const double v = std::max(std::abs(v_T[i]), std::abs(f_T[i]) / params.damping_Ns_per_m[i]);
         const double w = std::abs(t_C[i]) / params.damping_Nms_per_rad[i];
-        most += 0.5 * (params.mass_kg[i] * v * v + params.inertia_kg_m2[i] * w * w);
+        max_J += 0.5 * (params.mass_kg[i] * v * v + params.inertia_kg_m2[i] * w * w);
       }
-      ASSERT_LE(Energy(params, R, next), most * (1.0 + 1e-12)) << dt_s << " run " << run;
+      ASSERT_LE(Energy(params, R, next), max_J * (1.0 + 1e-12)) << dt_s << " run " << run;
     }
   }
 }
 
-TEST(AdmittanceCentre, ALockedAxisHasNoVelocityFeelsNoForceAndNoOtherAxisFeelsIt) {
+TEST(AdmittanceCentre, ALockedAxisDoesNotMoveAndPassesNoForceToOtherAxes) {
   Draw draw(14);
   for (int run = 0; run < 200; ++run) {
     AdmittanceParams params = draw.Params();
@@ -225,7 +232,7 @@ TEST(AdmittanceCentre, ALockedAxisHasNoVelocityFeelsNoForceAndNoOtherAxisFeelsIt
       EXPECT_TRUE(NextTwist(params, {.X_WT = X_WT, .V_WT = V, .F_T_W = F, .dt_s = kDt_s}, next));
       return next;
     };
-    // a force across the free axis and any torque change nothing
+    // a force across the only free axis (z), or a torque, changes nothing
     const Twist plain = next_of({.f = along, .t = Vector3::Zero()});
     const Twist pressed = next_of({.f = along + 80.0 * R.col(0) - 150.0 * R.col(1), .t = draw.Box(20.0)});
     EXPECT_EQ(plain.w, Vector3::Zero());
@@ -238,7 +245,7 @@ TEST(AdmittanceCentre, ALockedAxisHasNoVelocityFeelsNoForceAndNoOtherAxisFeelsIt
   }
 }
 
-TEST(AdmittanceCentre, ALockedAxisMovesAsItIsHeld) {
+TEST(AdmittanceCentre, ALockedAxisMovesWithTheVelocityGivenForIt) {
   AdmittanceParams params;
   params.centre_T_m = {0.0, 0.1, -0.2};
   params.locked = {true, false, false, false, false, true};
@@ -252,7 +259,7 @@ TEST(AdmittanceCentre, ALockedAxisMovesAsItIsHeld) {
   EXPECT_EQ(V.w, Vector3(0.0, 0.0, 0.05));
 }
 
-TEST(AdmittanceCentre, AChangeOfMassNeverAddsEnergyAndKeepsTheVelocityOfWhatGetsLighter) {
+TEST(AdmittanceCentre, AChangeOfMassAddsNoEnergyAndLighterAxesKeepTheirVelocity) {
   Draw draw(15);
   for (int run = 0; run < 500; ++run) {
     const AdmittanceParams before = draw.Params();

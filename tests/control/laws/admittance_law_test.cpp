@@ -9,27 +9,30 @@
 
 #include "tests/base/checked_no_alloc_scope.h"
 
+// Tests of the admittance law: the virtual mass and damping that turn the hand's force into motion of the
+// tool.
+
 namespace osteon::control {
 namespace {
 
 constexpr double kDt_s = 0.001;
 
-// Oracle: v(t) = F/b (1 - exp(-b t/m)).
-TEST(AdmittanceLaw, AConstantPushApproachesItsDragSpeedExponentially) {
+// Oracle: v(t) = F/b (1 - exp(-b t/m)), with m and b the default mass and damping.
+TEST(AdmittanceLaw, AConstantPushApproachesTheSpeedForceOverDamping) {
   const AdmittanceParams params;
   AdmittanceState state;
   const double dt_s = 1e-5, force_N = 12.0, m_kg = 3.0, b_Ns_per_m = 20.0;
-  double worst = 0.0;
+  double max_error = 0.0;  // [m/s]
   for (int i = 1; i <= 100'000; ++i) {
     ASSERT_TRUE(StepAdmittance(params, {.f = {0.0, force_N, 0.0}, .t = Vector3::Zero()}, dt_s, state));
     const double v = force_N / b_Ns_per_m * (1.0 - std::exp(-b_Ns_per_m * i * dt_s / m_kg));
-    worst = std::max(worst, std::abs(state.V_WT.v.y() - v));
+    max_error = std::max(max_error, std::abs(state.V_WT.v.y() - v));
   }
-  EXPECT_LT(worst, force_N / m_kg * dt_s) << "first order: one step's worth of acceleration";
-  EXPECT_GT(worst, 0.0) << "the oracle is independent of the code under test";
+  EXPECT_LT(max_error, force_N / m_kg * dt_s) << "first order: one step's worth of acceleration";
+  EXPECT_GT(max_error, 0.0) << "the oracle is independent of the code under test";
 }
 
-TEST(AdmittanceLaw, AxesAreTheToolsOwn) {
+TEST(AdmittanceLaw, MassesActAlongTheAxesOfTheTool) {
   AdmittanceParams params;
   params.mass_kg = {1.0, 2.0, 4.0};
   const Matrix3 R_WT = ExpRotation({0.5, 1.0, -0.7});
@@ -46,7 +49,7 @@ TEST(AdmittanceLaw, AxesAreTheToolsOwn) {
   }
 }
 
-TEST(AdmittanceLaw, WithoutAForceKineticEnergyOnlyFalls) {
+TEST(AdmittanceLaw, WithoutAForceTheSpeedOnlyFalls) {
   AdmittanceParams params;
   params.inertia_kg_m2 = {0.1, 0.2, 0.3};
   std::mt19937_64 random(3);
@@ -55,12 +58,12 @@ TEST(AdmittanceLaw, WithoutAForceKineticEnergyOnlyFalls) {
     AdmittanceState state;
     state.V_WT = {.v = {normal(random), normal(random), normal(random)},
                   .w = {normal(random), normal(random), normal(random)}};
-    const auto size = [&] { return state.V_WT.v.norm(); };
-    double last = size();
+    const auto speed = [&] { return state.V_WT.v.norm(); };
+    double last = speed();
     for (int i = 0; i < 500; ++i) {
       ASSERT_TRUE(StepAdmittance(params, {}, kDt_s, state));
-      ASSERT_LT(size(), last);
-      last = size();
+      ASSERT_LT(speed(), last);
+      last = speed();
     }
   }
 }
@@ -73,7 +76,7 @@ TEST(AdmittanceLaw, RotationStaysOrthonormalOverAnHourOfTurning) {
 }
 
 // Oracle: a constant rotation about one axis is one rotation by the summed angle.
-TEST(AdmittanceLaw, MoveIntegratesAConstantTurnExactly) {
+TEST(AdmittanceLaw, IntegratePoseIsExactForAConstantTurn) {
   Pose X_WT = Pose::Identity();
   const Vector3 w(0.3, -0.2, 0.5);
   for (int i = 0; i < 1000; ++i) X_WT = IntegratePose(X_WT, {.v = {0.1, 0.0, 0.0}, .w = w}, kDt_s);
@@ -81,7 +84,7 @@ TEST(AdmittanceLaw, MoveIntegratesAConstantTurnExactly) {
   EXPECT_NEAR(X_WT.translation().x(), 0.1, 1e-13);
 }
 
-TEST(AdmittanceLaw, HoldsAndSaysSoWhereTheInputIsNotFinite) {
+TEST(AdmittanceLaw, KeepsItsStateAndReportsInputThatIsNotFinite) {
   const AdmittanceState before{.X_WT = Pose::Identity(),
                                .V_WT = {.v = {0.1, 0.2, 0.3}, .w = {0.0, 0.1, 0.0}}};
   for (const double bad :

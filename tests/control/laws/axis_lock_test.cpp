@@ -6,23 +6,26 @@
 
 #include "tests/control/loop/servo_bench.h"
 
-// Locked axes: the reference that the tool returns to, and the whole loop drilling along one axis.
+// Tests of locked axes: the correction that leads the tool back to its line or point, and the whole servo
+// loop drilling along one axis.
 
 namespace osteon::control {
 namespace {
 
 constexpr double kDt_s = 0.001;
 
-AdmittanceParams Along(int axis) {
+// Locks all axes but this one, so that the tool moves along a line.
+AdmittanceParams FreeOnlyAlong(int axis) {
   AdmittanceParams params;
   params.locked.fill(true);
   params.locked[static_cast<std::size_t>(axis)] = false;
   return params;
 }
 
-// An inverse with small errors that always go to the same side: without the lock they would add up to 2 mm.
-TEST(AxisLock, WhatAddsUpOverALongWayIsDrawnBackToOneLine) {
-  AdmittanceParams params = Along(2);
+// Each tick adds a small error to the same side, as an imprecise inverse kinematics does: without the lock
+// these errors would add up to 2 mm.
+TEST(AxisLock, SmallErrorsOverALongPathAreCorrectedToOneLine) {
+  AdmittanceParams params = FreeOnlyAlong(2);
   params.centre_T_m = {0.0, 0.05, -0.2};
   AxisLock lock(params, kDt_s);
   Pose X_WT = Pose::Identity();
@@ -44,14 +47,14 @@ TEST(AxisLock, WhatAddsUpOverALongWayIsDrawnBackToOneLine) {
     X_WT.translation() += drift_m;
     X_WT.linear() = ExpRotation(turn_rad) * X_WT.linear();
   }
-  const Vector3 way_T = X_first.linear().transpose() * (X_WT.translation() - X_first.translation());
-  EXPECT_GT(way_T.z(), 0.1) << "it has moved";
-  EXPECT_LT(std::hypot(way_T.x(), way_T.y()), 1e-6) << "ten ticks' worth, of 2 mm";
+  const Vector3 travel_T = X_first.linear().transpose() * (X_WT.translation() - X_first.translation());
+  EXPECT_GT(travel_T.z(), 0.1) << "it has moved";
+  EXPECT_LT(std::hypot(travel_T.x(), travel_T.y()), 1e-6) << "ten ticks' worth, of 2 mm";
   EXPECT_LT(LogRotation(X_first.linear().transpose() * X_WT.linear()).norm(), 1e-6);
 }
 
-TEST(AxisLock, ComesBackSlowlyFromFarAwayAndLeavesFreeAxesAlone) {
-  AxisLock lock(Along(2), kDt_s);
+TEST(AxisLock, TheCorrectionIsSlowAndZeroOnFreeAxes) {
+  AxisLock lock(FreeOnlyAlong(2), kDt_s);
   lock.Reset(Pose::Identity());
   Pose X_WT = Pose::Identity();
   X_WT.translation() = Vector3(0.01, 0.0, 0.3);
@@ -68,8 +71,8 @@ TEST(AxisLock, ComesBackSlowlyFromFarAwayAndLeavesFreeAxesAlone) {
   EXPECT_EQ(none.Correction(X_WT).v, Vector3::Zero());
 }
 
-// Free rotations: the reference turns along, and only the locked position is held.
-TEST(AxisLock, ATurnThatIsFreeIsNotDrawnBack) {
+// With free rotations, the reference turns with the tool, and only the locked position of the centre is held.
+TEST(AxisLock, AFreeRotationIsNotCorrected) {
   AdmittanceParams params;
   params.locked = {true, true, true, false, false, false};
   params.centre_T_m = {0.0, 0.0, -0.2};
@@ -92,14 +95,15 @@ TEST(AxisLock, ATurnThatIsFreeIsNotDrawnBack) {
   EXPECT_LT((X_WT * params.centre_T_m - centre).norm(), 10e-6);
 }
 
-// The whole loop: joints, limits, a plane met at a slant, a hand that pulls to the side and twists.
-TEST(AxisLock, TheLoopDrillsAlongOneAxisWhateverPullsAside) {
+// A hand pushes the tool 60 mm to the plane and back, and pulls up to 40 N to the side: the tool must stay on
+// its line within 10 µm.
+TEST(AxisLock, TheLoopStaysOnItsLineUnderSideForces) {
   ServoParams params = ServoBench::Params();
   params.admittance.locked = {true, true, false, true, true, true};
   ServoBench bench(params, 0.060);
   bench.Activate();
   const Pose X_first = ServoBench::StartPose();
-  double most_m = 0.0, most_rad = 0.0, deepest_m = 0.0;
+  double max_aside_m = 0.0, max_turn_rad = 0.0, deepest_m = 0.0;
   for (int i = 0; i < 8000; ++i) {
     bench.push_N = i < 4000 ? 12.0 : -10.0;
     bench.side_W_N = Vector3(40.0 * std::sin(0.003 * i), 25.0, 10.0 * std::cos(0.01 * i));
@@ -107,17 +111,17 @@ TEST(AxisLock, TheLoopDrillsAlongOneAxisWhateverPullsAside) {
     ASSERT_EQ(record.faults, 0u) << i;
     const Pose X = record.X_WT_cmd;
     const Vector3 off_T = X_first.linear().transpose() * (X.translation() - X_first.translation());
-    most_m = std::max(most_m, std::hypot(off_T.x(), off_T.y()));
-    most_rad = std::max(most_rad, LogRotation(X_first.linear().transpose() * X.linear()).norm());
+    max_aside_m = std::max(max_aside_m, std::hypot(off_T.x(), off_T.y()));
+    max_turn_rad = std::max(max_turn_rad, LogRotation(X_first.linear().transpose() * X.linear()).norm());
     deepest_m = std::max(deepest_m, off_T.z());
   }
   EXPECT_GT(deepest_m, 0.058) << "to the plane and back";
-  EXPECT_LT(most_m, 10e-6);
-  EXPECT_LT(most_rad, 1e-4);
+  EXPECT_LT(max_aside_m, 10e-6);
+  EXPECT_LT(max_turn_rad, 1e-4);
 }
 
-// A bound along which the tool would slide without the lock.
-TEST(AxisLock, AtTheWorkspacesBoundItStopsOnItsLine) {
+// The workspace's bound lies across the line at 45°; without the lock the tool would slide along the bound.
+TEST(AxisLock, AtTheWorkspacesBoundTheToolStopsOnItsLine) {
   ServoParams params = ServoBench::Params();
   params.admittance.locked = {true, true, false, true, true, true};
   // the axis meets the bound at 45 deg
@@ -128,16 +132,16 @@ TEST(AxisLock, AtTheWorkspacesBoundItStopsOnItsLine) {
   ServoBench bench(params, 0.2);
   bench.Activate();
   bench.push_N = 30.0;
-  double most_m = 0.0;
+  double max_aside_m = 0.0;
   for (int i = 0; i < 3000; ++i) {
     const TickRecord record = bench.Tick();
     ASSERT_EQ(record.faults, 0u) << i;
     const Vector3 off_T =
         R.transpose() * (Pose(record.X_WT_cmd).translation() - ServoBench::StartPose().translation());
-    most_m = std::max(most_m, std::hypot(off_T.x(), off_T.y()));
+    max_aside_m = std::max(max_aside_m, std::hypot(off_T.x(), off_T.y()));
   }
   EXPECT_GT(bench.loop.statistics().limits.Of(safety::Limit::kWorkspace).ticks, 0u);
-  EXPECT_LT(most_m, 10e-6);
+  EXPECT_LT(max_aside_m, 10e-6);
 }
 
 }  // namespace

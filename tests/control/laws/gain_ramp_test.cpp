@@ -7,11 +7,14 @@
 
 #include "tests/base/checked_no_alloc_scope.h"
 
+// Tests of the ramp that moves the acting gains to requested ones without creating energy.
+
 namespace osteon::control {
 namespace {
 
 constexpr double kDt_s = 0.001;
 
+// The default gains.
 Gains Own() { return GainsOf({}, {}); }
 
 TEST(GainRamp, ReachesEveryTargetAtABoundedRateAndThenRests) {
@@ -37,7 +40,7 @@ TEST(GainRamp, ReachesEveryTargetAtABoundedRateAndThenRests) {
   EXPECT_EQ(ramp.now().max_stiffness_N_per_m, 5e3) << "softer also while pressed";
 }
 
-TEST(GainRamp, ASpringGetsStifferOnlyWhileNothingPresses) {
+TEST(GainRamp, StiffnessRisesOnlyWhileNothingPresses) {
   GainRamp ramp(Own(), kDt_s);
   Gains softer = Own(), stiffer = Own();
   softer.max_stiffness_N_per_m = 1e3;
@@ -53,9 +56,9 @@ TEST(GainRamp, ASpringGetsStifferOnlyWhileNothingPresses) {
   EXPECT_EQ(ramp.now().max_stiffness_N_per_m, 20e3) << "made up for later";
 }
 
-// Random motion in and out of a wall, random requests at any time. Between two ticks the spring has the
-// stiffness of the tick and does a spring's work exactly (trapezoids); at each tick the ramp may change the
-// stiffness. The hand never gets more out of the wall than it put in.
+// A hand moves at random in and out of a wall (x > 0), while stiffnesses are requested at random times. The
+// work of the spring is computed exactly for each tick. The hand must never get more energy out of the wall
+// than it put in.
 TEST(GainRamp, StiffnessNeverMakesEnergy) {
   for (int seed = 1; seed <= 40; ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
@@ -90,8 +93,8 @@ TEST(GainRamp, StiffnessNeverMakesEnergy) {
   }
 }
 
-// The same for the mass: a body that coasts while its gains change at random.
-TEST(GainRamp, KineticEnergyNeverGrowsByAnyChange) {
+// A body coasts without a force while its mass and inertia change at random.
+TEST(GainRamp, AChangeOfMassNeverRaisesKineticEnergy) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> unit(0.1, 1.0);
   AdmittanceParams law;
@@ -123,7 +126,7 @@ TEST(GainRamp, KineticEnergyNeverGrowsByAnyChange) {
   }
 }
 
-TEST(GainRamp, EveryGainIsVisitedOnce) {
+TEST(GainRamp, VisitGainsVisitsEveryGainOnce) {
   Gains gains;
   std::size_t count = 0;
   VisitGains(gains, [&](const char*, const char*, const char*, double& value) {

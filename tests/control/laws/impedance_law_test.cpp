@@ -8,11 +8,14 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the impedance law: the velocity computed from measured poses, and the wrench of damping and brake.
+
 namespace osteon::control {
 namespace {
 
 constexpr double kTick_s = 1e-3;
 
+// Pose at x [m] on the x axis, turned by an angle [rad] about `axis`.
 Pose At(double x, double angle, const Vector3& axis) {
   Pose X = Pose::Identity();
   X.translation().x() = x;
@@ -20,7 +23,7 @@ Pose At(double x, double angle, const Vector3& axis) {
   return X;
 }
 
-TEST(MeasuredTwist, OfASteadyMotionIsItsVelocityAfterTheFiltersTime) {
+TEST(MeasuredTwist, ReachesTheVelocityOfASteadyMotion) {
   const Vector3 axis(1.0, 2.0, -0.5);
   MeasuredTwist twist(0.002);
   twist.Reset(At(0.0, 0.0, axis));
@@ -30,7 +33,7 @@ TEST(MeasuredTwist, OfASteadyMotionIsItsVelocityAfterTheFiltersTime) {
   EXPECT_LT((V.w - 0.7 * axis.normalized()).norm(), 1e-5);
 }
 
-TEST(MeasuredTwist, ATurnOfAlmostHalfARoundIsNotMistakenForItsOpposite) {
+TEST(MeasuredTwist, ATurnOfAlmostPiKeepsItsSign) {
   MeasuredTwist twist(0.0);
   const Vector3 axis(0.0, 0.0, 1.0);
   twist.Reset(At(0.0, 0.0, axis));
@@ -39,25 +42,26 @@ TEST(MeasuredTwist, ATurnOfAlmostHalfARoundIsNotMistakenForItsOpposite) {
   EXPECT_NEAR(V.w.z() * kTick_s, angle, 1e-9);
 }
 
-TEST(MeasuredTwist, KnowsHowLongItIsSinceThePoseBefore) {
+TEST(MeasuredTwist, LostMessagesDoNotRaiseTheVelocity) {
   MeasuredTwist twist(0.002);
   twist.Reset(At(0.0, 0.0, Vector3::UnitX()));
   double x_m = 0.0;
   for (int i = 0; i < 200; ++i) {
-    const double dt_s = (i % 5 == 4 ? 6 : 1) * kTick_s;  // five messages lost
+    const double dt_s = (i % 5 == 4 ? 6 : 1) * kTick_s;  // every fifth message comes after five lost ones
     x_m += 0.1 * dt_s;
     EXPECT_LE(twist.Step(At(x_m, 0.0, Vector3::UnitX()), dt_s).v.x(), 0.1 * (1.0 + 1e-9)) << i;
   }
   EXPECT_NEAR(twist.V().v.x(), 0.1, 1e-6);
 }
 
-TEST(MeasuredTwist, BeginsAtRestWhereverItIsReset) {
+TEST(MeasuredTwist, IsZeroAfterAReset) {
   MeasuredTwist twist(0.002);
   twist.Reset(At(0.5, 0.3, Vector3::UnitX()));
   EXPECT_EQ(twist.Step(At(0.5, 0.3, Vector3::UnitX()), kTick_s).v.norm(), 0.0);
 }
 
-TEST(DampingWrench, TakesPowerInAnyMotionThatIsAllowedNoMoreThanItIs) {
+// V_allowed is a shortened V, by a random share for each run.
+TEST(DampingWrench, DissipatesPowerForAnyAllowedShareOfTheVelocity) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
   const auto vector = [&] { return Vector3(normal(random), normal(random), normal(random)); };
@@ -72,7 +76,7 @@ TEST(DampingWrench, TakesPowerInAnyMotionThatIsAllowedNoMoreThanItIs) {
   }
 }
 
-TEST(DampingWrench, ActsByAxisOfTheTool) {
+TEST(DampingWrench, DampingActsAlongTheAxesOfTheTool) {
   ImpedanceParams params;
   params.damping_Ns_per_m = {0.0, 0.0, 30.0};
   const Matrix3 R = Eigen::AngleAxisd(std::numbers::pi / 2, Vector3::UnitY()).toRotationMatrix();
@@ -81,7 +85,7 @@ TEST(DampingWrench, ActsByAxisOfTheTool) {
   EXPECT_LT((F.f - Vector3(-3.0, 0.0, 0.0)).norm(), 1e-12) << "z of T is x of W";
 }
 
-TEST(ImpedanceParams, RefusesWhatIsNoDamping) {
+TEST(ImpedanceParams, RefusesDampingAndTimeConstantOutOfRange) {
   for (const double bad : {-1.0, 1e6, std::numeric_limits<double>::quiet_NaN()}) {
     ImpedanceParams params;
     params.damping_Ns_per_m.y() = bad;

@@ -4,12 +4,15 @@
 #include "control/laws/impedance_renderer.h"
 #include "tests/control/loop/servo_parts.h"
 
+// Tests of the two renderers, which carry out one tick of the admittance and of the impedance law.
+
 namespace osteon::control {
 namespace {
 
 using safety::Limit, safety::LimitSet;
 
-// Either law with its parts, a tool above bone or in it.
+// Both renderers with the parts of the loop that they use. A tick has the tool `depth_m` deep in bone;
+// negative: above the bone.
 struct Bench {
   explicit Bench(const ServoParams& p)
       : params(p),
@@ -22,28 +25,31 @@ struct Bench {
     admittance.Reset(tool.X_WT());
     impedance.Reset(state.q_meas);
   }
-  void Evaluate(double depth_m, const Pose& X_WT, const Twist& V_WT) {
+  // Evaluates the coupling at this pose.
+  void EvaluateCoupling(double depth_m, const Pose& X_WT, const Twist& V_WT) {
     const simulation::ContactModel model = PlaneBehind(depth_m, now);
     static_cast<void>(
         coupling.Evaluate({.model = model, .X_WT = X_WT, .V_WT = V_WT, .now = now, .spindle_turns = false},
                           tool.arm(), acting));
   }
-  AdmittanceStep Admittance(double push_N, double depth_m, double sensor_fade = 1.0) {
+  // A tick under the admittance law; the hand pushes along the feed.
+  AdmittanceStep TickAdmittance(double push_N, double depth_m, double sensor_fade = 1.0) {
     now += rt::kMillisecond;
-    Evaluate(depth_m, tool.X_WT(), tool.Velocity());
+    EvaluateCoupling(depth_m, tool.X_WT(), tool.Velocity());
     const Vector3 feed_W = ServoBench::StartPose().linear().col(2);
     return admittance.Step({.F_hand_T_W = {.f = push_N * feed_W, .t = Vector3::Zero()},
                             .sensor_fade = sensor_fade,
                             .max_hand_N = 250.0},
                            coupling, tool);
   }
-  ImpedanceStep Impedance(double depth_m) {
+  // A tick under the impedance law, with an arm that stands still.
+  ImpedanceStep TickImpedance(double depth_m) {
     now += rt::kMillisecond;
     session.OnMessage(state, ServoBench::StartPose(), now);
     const Twist V_before = tool.V_WT;
     tool.V_WT = session.V_WT();
     tool.fade = 1.0;
-    Evaluate(depth_m, session.X_WT(), tool.V_WT);
+    EvaluateCoupling(depth_m, session.X_WT(), tool.V_WT);
     motion = impedance.FollowHand(session, state.q_meas, false, tool);
     return impedance.Step(session, V_before, motion, coupling, tool);
   }
@@ -60,46 +66,46 @@ struct Bench {
   rt::Nanoseconds now{rt::kSecond};
 };
 
-TEST(AdmittanceRenderer, AHandThatPushesAFreeToolMovesItByTheLaw) {
+TEST(AdmittanceRenderer, AHandMovesAFreeToolAtForceOverDamping) {
   Bench bench(ServoBench::Params());
   const Vector3 p_before = bench.tool.X_WT().translation();
   AdmittanceStep step;
-  for (int i = 0; i < 1200; ++i) step = bench.Admittance(1.0, -10.0);
+  for (int i = 0; i < 1200; ++i) step = bench.TickAdmittance(1.0, -10.0);
   EXPECT_TRUE(step.finite);
   EXPECT_EQ(step.fault, safety::Fault::kNone);
   const Vector3 feed_W = ServoBench::StartPose().linear().col(2);
-  const Wrench past = SubtractDeadZone(bench.params.admittance, {.f = 1.0 * feed_W, .t = Vector3::Zero()});
+  const Wrench F_hand = SubtractDeadZone(bench.params.admittance, {.f = 1.0 * feed_W, .t = Vector3::Zero()});
   const double drag = bench.params.admittance.damping_Ns_per_m.z();
-  EXPECT_NEAR(bench.tool.V_WT.v.dot(feed_W), past.f.norm() / drag, 0.02 * past.f.norm() / drag);
+  EXPECT_NEAR(bench.tool.V_WT.v.dot(feed_W), F_hand.f.norm() / drag, 0.02 * F_hand.f.norm() / drag);
   EXPECT_GT((bench.tool.X_WT().translation() - p_before).dot(feed_W), 0.0);
 }
 
 TEST(AdmittanceRenderer, AHandsForceThatIsTooOldDoesNotPush) {
   Bench bench(ServoBench::Params());
   AdmittanceStep step;
-  for (int i = 0; i < 300; ++i) step = bench.Admittance(10.0, -10.0, 0.0);
+  for (int i = 0; i < 300; ++i) step = bench.TickAdmittance(10.0, -10.0, 0.0);
   EXPECT_EQ(bench.tool.V_WT.v, Vector3::Zero());
   EXPECT_TRUE(step.acting.Has(Limit::kSensorAge));
 }
 
-TEST(AdmittanceRenderer, IsHeldInsideItsWorkspaceAndSaysSo) {
+TEST(AdmittanceRenderer, KeepsTheToolInsideTheWorkspaceAndReportsTheLimit) {
   ServoParams params = ServoBench::Params();
   params.workspace.sphere_radius_m = 0.01;
   params.workspace.sphere_center_W_m = ServoBench::StartPose().translation();
   Bench bench(params);
   LimitSet acting;
-  for (int i = 0; i < 3000; ++i) acting.Add(bench.Admittance(30.0, -10.0).acting);
+  for (int i = 0; i < 3000; ++i) acting.Add(bench.TickAdmittance(30.0, -10.0).acting);
   EXPECT_TRUE(acting.Has(Limit::kWorkspace));
   const Vector3 p = bench.tool.X_WT().translation();
   EXPECT_LE((p - ServoBench::StartPose().translation()).norm(), 0.01 + 1e-6);
 }
 
-TEST(ImpedanceRenderer, SendsTheCouplingToAnArmThatStands) {
+TEST(ImpedanceRenderer, OverlaysTheCouplingsWrenchOnlyInWrenchMode) {
   ServoParams params = ServoBench::Params();
   params.law = Law::kImpedance;
   Bench bench(params);
   ImpedanceStep step;
-  for (int i = 0; i < 500; ++i) step = bench.Impedance(2e-3);
+  for (int i = 0; i < 500; ++i) step = bench.TickImpedance(2e-3);
   EXPECT_FALSE(bench.motion.faults.Any());
   EXPECT_GT(step.rendered.F.f.norm(), 30.0);
   ArmCommand command;
@@ -116,11 +122,11 @@ TEST(ImpedanceRenderer, SendsTheCouplingToAnArmThatStands) {
   EXPECT_EQ(Vector3(command.F.f), Vector3::Zero()) << "a wrench counts for its own tick";
 }
 
-TEST(ImpedanceRenderer, AStopEndsOnceTheToolStands) {
+TEST(ImpedanceRenderer, AStopEndsOnceTheArmIsSeenToStand) {
   ServoParams params = ServoBench::Params();
   params.law = Law::kImpedance;
   Bench bench(params);
-  bench.Impedance(-10.0);
+  bench.TickImpedance(-10.0);
   bench.impedance.StartBraking();
   int ticks = 1;
   while (!bench.impedance.Brake(bench.session, bench.coupling.limiter(), bench.tool) && ticks < 1000) ++ticks;

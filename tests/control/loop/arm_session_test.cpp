@@ -4,10 +4,12 @@
 
 #include "tests/control/loop/servo_parts.h"
 
+// Tests of the session with the arm: its messages, whether it may be commanded, and whether it stands still.
+
 namespace osteon::control {
 namespace {
 
-TEST(ArmSession, IsLostByTheLastOfItsMissesInARow) {
+TEST(ArmSession, IsLostAfterThreeMissedMessagesInARow) {
   ServoParams params;
   params.watchdog.arm_misses = 3;
   ArmSession session(params);
@@ -20,8 +22,8 @@ TEST(ArmSession, IsLostByTheLastOfItsMissesInARow) {
   EXPECT_TRUE(session.OnMissedMessage()) << "and from then on";
 }
 
-// Two messages with two lost ones between them are three periods apart: the velocity is not three times too
-// high.
+// Two messages with two lost ones between them are three periods apart; counted as one period, the velocity
+// would be three times too high.
 TEST(ArmSession, MeasuresTheTwistOverTheTimeBetweenTwoMessages) {
   ServoParams params;
   params.impedance.twist_filter_s = 0.0;
@@ -38,7 +40,7 @@ TEST(ArmSession, MeasuresTheTwistOverTheTimeBetweenTwoMessages) {
   EXPECT_EQ(session.measured_at(), 4 * rt::kMillisecond);
 }
 
-TEST(ArmSession, AnArmThatLeftAndCameBackUnseenIsNotTheOneThatWasCommanded) {
+TEST(ArmSession, AnotherActivationOfTheArmIsNotCommandedOn) {
   const ServoParams params;
   ArmSession session(params);
   ArmState state = StandingArm();
@@ -61,20 +63,21 @@ TEST(ArmSession, StandsAfterTenMessagesWithoutMotion) {
   const ServoParams params;
   ArmSession session(params);
   ArmState state = StandingArm();
-  const auto message = [&](double step_rad) {
+  // a message in which one joint has moved by step_rad
+  const auto receive = [&](double step_rad) {
     state.q_meas[3] += step_rad;
     session.OnMessage(state, Pose::Identity(), 1);
     session.UpdateStandstill(state.q_meas);
   };
-  for (int i = 0; i < ArmSession::kStandingMessages - 1; ++i) message(0.0);
+  for (int i = 0; i < ArmSession::kStandingMessages - 1; ++i) receive(0.0);
   EXPECT_FALSE(session.stands());
-  message(1e-5);  // 0.01 rad/s: an encoder's step
+  receive(1e-5);  // 0.01 rad/s: one step of an encoder still counts as standing
   EXPECT_TRUE(session.stands());
-  message(1e-4);
+  receive(1e-4);
   EXPECT_FALSE(session.stands());
 }
 
-TEST(ArmSession, KnowsThePeriodAndTheModeOfItsLaw) {
+TEST(ArmSession, ChecksTheArmsPeriodAndTheCommandModeOfItsLaw) {
   ServoParams params;
   ArmState state = StandingArm();
   ArmSession position(params);

@@ -6,12 +6,16 @@
 
 #include "tests/control/loop/servo_parts.h"
 
+// Tests of the commanded tool: its pose, how it moves by fade × the law's velocity (fade: 0 … 1), and how it
+// brakes.
+
 namespace osteon::control {
 namespace {
 
+// A tool at the bench's start pose.
 CommandedTool Tool(const ServoParams& params) { return {params, Follower(params)}; }
 
-TEST(CommandedTool, FollowsAnArmThatMovesByItself) {
+TEST(CommandedTool, ResetToArmPoseTakesTheMeasuredPoseAtRest) {
   const ServoParams params = ServoBench::Params();
   CommandedTool tool = Tool(params);
   EXPECT_FALSE(tool.has_pose());
@@ -25,7 +29,7 @@ TEST(CommandedTool, FollowsAnArmThatMovesByItself) {
   EXPECT_LT((tool.X_WT().translation() - ServoBench::StartPose().translation()).norm(), 1e-12);
 }
 
-TEST(CommandedTool, MovesByItsShareOfTheLawsVelocity) {
+TEST(CommandedTool, MovesByFadeTimesTheLawsVelocity) {
   const ServoParams params = ServoBench::Params();
   CommandedTool tool = Tool(params);
   const Vector3 p_before = tool.X_WT().translation();
@@ -38,7 +42,7 @@ TEST(CommandedTool, MovesByItsShareOfTheLawsVelocity) {
   EXPECT_NEAR(tool.V_WT.v.x(), 0.02, 1e-12) << "the law keeps its velocity";
 }
 
-// |v|² / 2a, along its own direction.
+// The braking distance is |v|² / 2a, along the direction of motion.
 TEST(CommandedTool, BrakesToRestAlongItsDirection) {
   const ServoParams params = ServoBench::Params();
   CommandedTool tool = Tool(params);
@@ -54,14 +58,14 @@ TEST(CommandedTool, BrakesToRestAlongItsDirection) {
   for (; !step.at_rest && ticks < 1000; ++ticks) step = tool.Brake(1.0);
   ASSERT_TRUE(step.at_rest);
   EXPECT_EQ(step.fault, safety::Fault::kNone);
-  const Vector3 way = tool.X_WT().translation() - p_before;
+  const Vector3 travel = tool.X_WT().translation() - p_before;
   const double wanted_m = 0.1 * 0.1 / (2.0 * params.stop_deceleration_m_per_s2);
-  EXPECT_NEAR(way.norm(), wanted_m, 0.05 * wanted_m + 1e-4);
-  EXPECT_GT(way.normalized().dot(Vector3(0.6, 0.8, 0.0)), 0.99);
+  EXPECT_NEAR(travel.norm(), wanted_m, 0.05 * wanted_m + 1e-4);
+  EXPECT_GT(travel.normalized().dot(Vector3(0.6, 0.8, 0.0)), 0.99);
   EXPECT_NEAR(ticks, 1e3 * 0.1 / params.stop_deceleration_m_per_s2, 5.0);
 }
 
-TEST(CommandedTool, AStopBeginsWithTheVelocityThatTheToolHas) {
+TEST(CommandedTool, AStopBeginsWithFadeTimesTheLawsVelocity) {
   const ServoParams params = ServoBench::Params();
   CommandedTool tool = Tool(params);
   tool.V_WT.v = Vector3(0.1, 0.0, 0.0);

@@ -7,14 +7,17 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/loop/servo_bench.h"
 
+// Tests of gain requests, which another thread makes and a tick of the loop takes over.
+
 namespace osteon::control {
 namespace {
 
 constexpr double kPeriod_s = 1e-3;
 
+// The bench's gains.
 Gains Own() { return GainsOf(ServoBench::Params().admittance, ServoBench::Params().coupling); }
 
-TEST(GainRequests, ATickTakesTheLastRequestOnceAndRampsToIt) {
+TEST(GainRequests, ATickTakesTheLastRequestOnceAndRampsTheGains) {
   GainRequests requests(Own(), kPeriod_s);
   Gains softer = Own(), softest = Own();
   softer.max_stiffness_N_per_m = 15e3;
@@ -38,7 +41,7 @@ TEST(GainRequests, ATickTakesTheLastRequestOnceAndRampsToIt) {
   EXPECT_EQ(requests.gains().max_stiffness_N_per_m, 10e3);
 }
 
-TEST(GainRequests, RefusesASpringStifferThanTheFirst) {
+TEST(GainRequests, RefusesAStiffnessAboveTheInitialOne) {
   GainRequests requests(Own(), kPeriod_s);
   Gains stiffer = Own();
   stiffer.max_stiffness_N_per_m *= 1.01;

@@ -4,12 +4,14 @@
 
 #include "tests/control/loop/rendering_rig.h"
 
+// Tests of the part of the loop that renders: a tick while the tool is guided by hand.
+
 namespace osteon::control {
 namespace {
 
 using safety::CellState, safety::Fault;
 
-TEST(HapticRendering, AToolInBoneIsPushedBackAndRecorded) {
+TEST(HapticRendering, AToolInBoneIsRenderedAndRecorded) {
   RenderingRig rig;
   ASSERT_TRUE(rig.StartRendering());
   rig.model = PlaneBehind(1e-3, rig.now);

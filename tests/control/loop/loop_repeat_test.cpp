@@ -11,18 +11,21 @@
 #include "servo_bench.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
-// Each tick computed twice.
+// Tests of the repetition: a second loop computes each tick again from its record, and every bit of the
+// results must be equal.
 
 namespace osteon::control {
 namespace {
 
+// A loop as the bench has it.
 ServoLoop Loop(const ServoParams& params) {
   return {params, ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
           ServoBench::Arm().ArmAngle(ServoBench::StartJoints())};
 }
 
-// Events of a run: a hand, missing messages, new gains, a pause, an arm that leaves and returns.
-void Happen(ServoBench& bench, int tick) {
+// Applies the events of this tick: a hand, a silent sensor, new gains, a pause, an arm that leaves and
+// returns, a stop.
+void ApplyEvents(ServoBench& bench, int tick) {
   bench.push_N = 60.0 * std::sin(0.01 * tick);
   bench.sensor_lives = tick < 700 || tick > 712;
   if (tick == 10) bench.Activate();
@@ -42,13 +45,13 @@ void Happen(ServoBench& bench, int tick) {
   if (tick == 2300) bench.loop.RequestStop();
 }
 
-TEST(LoopRepeat, AWholeRunComesOutTheSame) {
+TEST(LoopRepeat, AWholeRunWithAllEventsIsRepeatedIdentically) {
   ServoBench bench;
   ServoLoop second = Loop(ServoBench::Params());
   LoopRepeat repeat(second);
   bool rendered_again = false;
   for (int tick = 0; tick < 2600; ++tick) {
-    Happen(bench, tick);
+    ApplyEvents(bench, tick);
     const bool lost = tick % 97 == 0 || (tick > 500 && tick < 504);
     const TickRecord record = bench.Tick(lost ? ReceiveResult::kTimeout : ReceiveResult::kOk);
     EXPECT_FALSE(repeat.due());
@@ -62,7 +65,8 @@ TEST(LoopRepeat, AWholeRunComesOutTheSame) {
   EXPECT_EQ(second.faults().bits(), bench.loop.faults().bits());
 }
 
-TEST(LoopRepeat, TheLastBitOfAnythingThatComesOutCounts) {
+// Each damage changes one recorded result of tick 250 in its last bit; exactly this tick must differ.
+TEST(LoopRepeat, ADifferenceInTheLastBitOfAnyResultIsFound) {
   const auto flip = [](double& value) {
     value = std::bit_cast<double>(std::bit_cast<std::uint64_t>(value) ^ 1u);
   };
@@ -87,8 +91,8 @@ TEST(LoopRepeat, TheLastBitOfAnythingThatComesOutCounts) {
   }
 }
 
-// One bit of the first loop's memory changes.
-TEST(LoopRepeat, AParameterThatDiffersByOneBitIsSeenOnceItCounts) {
+// The second loop has a mass that differs in the last bit; the difference shows only once the tool moves.
+TEST(LoopRepeat, AParameterThatDiffersByOneBitIsFoundOnceTheToolMoves) {
   ServoParams other = ServoBench::Params();
   other.admittance.mass_kg.x() = std::nextafter(other.admittance.mass_kg.x(), 10.0);
   ServoBench bench;
@@ -106,7 +110,7 @@ TEST(LoopRepeat, AParameterThatDiffersByOneBitIsSeenOnceItCounts) {
   EXPECT_LT(seen_at, 60) << "the tool moves";
 }
 
-TEST(LoopRepeat, ADifferenceStopsTheLoopAndTheStopComesOutTheSame) {
+TEST(LoopRepeat, ADifferenceStopsTheLoopAndTheStopIsRepeatedIdentically) {
   ServoBench bench(ServoBench::Params(), 0.05);
   bench.push_N = 10.0;
   bench.Activate();

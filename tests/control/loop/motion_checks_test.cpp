@@ -6,27 +6,29 @@
 
 #include "tests/control/loop/rendering_rig.h"
 
+// Tests of the checks in each tick of a motion: tracking error, joints, requested pause, hand force.
+
 namespace osteon::control {
 namespace {
 
 using safety::CellState, safety::Fault;
 
-// The arm's message, with the tool measured beside its command.
-void MeasureBeside(RenderingRig& rig, double error_m) {
+// Receives a message of the arm in which the tool is error_m away from its command.
+void ReceiveWithError(RenderingRig& rig, double error_m) {
   Pose X_WT = rig.tool.X_WT();
   X_WT.translation().x() += error_m;
   rig.now += rt::kMillisecond;
   rig.session.OnMessage(rig.state, X_WT, rig.now);
 }
 
-TEST(MotionChecks, AnArmFarFromItsCommandIsAFaultOnlyInAMotion) {
+TEST(MotionChecks, ATrackingErrorIsAFaultOnlyDuringMotion) {
   RenderingRig rig;
   const double error_m = 1.01 * rig.params.max_tracking_error_m;
-  MeasureBeside(rig, error_m);
+  ReceiveWithError(rig, error_m);
   rig.motion_checks.CheckMotion(rig.state, false);
   EXPECT_FALSE(rig.supervisor.faults().Any());
   ASSERT_TRUE(rig.StartRendering());
-  MeasureBeside(rig, error_m);
+  ReceiveWithError(rig, error_m);
   rig.motion_checks.CheckMotion(rig.state, false);
   EXPECT_TRUE(rig.supervisor.faults().Has(Fault::kTracking));
   EXPECT_NEAR(rig.statistics.peak_tracking_error_m, error_m, 1e-12);
@@ -49,7 +51,7 @@ TEST(MotionChecks, ARequestedPauseBrakesTheMotion) {
   EXPECT_EQ(rig.supervisor.state(), CellState::kStop2);
 }
 
-TEST(MotionChecks, AHandWrenchThatIsNotFiniteIsAFaultAndNotKept) {
+TEST(MotionChecks, AHandWrenchThatIsNotFiniteIsAFaultAndIsDiscarded) {
   RenderingRig rig;
   ASSERT_TRUE(rig.StartRendering());
   rig.readings.force.F_S.f.x = std::numeric_limits<double>::quiet_NaN();

@@ -4,6 +4,8 @@
 
 #include "tests/control/loop/start_rig.h"
 
+// Tests of the start of a motion: its conditions, and the path from the arm's pose to the start.
+
 namespace osteon::control {
 namespace {
 
@@ -23,7 +25,7 @@ TEST(MotionStart, RenderingBeginsOnceEveryConditionHolds) {
   EXPECT_EQ(rig.supervisor.state(), CellState::kHaptic);
 }
 
-TEST(MotionStart, AnArmThatIsNotHandedOverIsFollowed) {
+TEST(MotionStart, AnArmThatDoesNotTakeCommandsIsFollowed) {
   StartRig rig;
   rig.state.session = SessionState::kCommandingWait;
   rig.state.q_ipo[0] += 0.01;
@@ -40,8 +42,8 @@ TEST(MotionStart, AnArmOfAnotherPeriodIsAFault) {
   EXPECT_EQ(rig.supervisor.phase(), Phase::kStopped);
 }
 
-// An arm that is handed over elsewhere goes to the start first.
-TEST(MotionStart, ThePathEndsAtTheStartWithRendering) {
+// An arm that is handed over 0.02 rad away from the start is moved there first.
+TEST(MotionStart, AtTheEndOfThePathRenderingBegins) {
   ServoParams params = ServoBench::Params();
   kinematics::JointVector q = ServoBench::StartJoints();
   q[0] += 0.02;

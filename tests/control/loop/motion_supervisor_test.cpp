@@ -2,13 +2,15 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the supervisor, which holds the cell's state, its faults and the requests of the operator.
+
 namespace osteon::control {
 namespace {
 
 using safety::CellAction, safety::CellEvent, safety::CellState, safety::Fault;
 
-// To haptic, as a loop goes that everything permits.
-MotionSupervisor Rendering() {
+// A supervisor that has reached the haptic state.
+MotionSupervisor RenderingSupervisor() {
   MotionSupervisor supervisor;
   static_cast<void>(supervisor.Apply(CellEvent::kArmSeen));
   static_cast<void>(supervisor.Apply(CellEvent::kPermitsHold));
@@ -17,11 +19,11 @@ MotionSupervisor Rendering() {
   return supervisor;
 }
 
-TEST(MotionSupervisor, ComesToRenderingByTheTable) {
+TEST(MotionSupervisor, ReachesRenderingByTheEventsOfAStart) {
   MotionSupervisor supervisor;
   EXPECT_EQ(supervisor.state(), CellState::kOff);
   EXPECT_FALSE(supervisor.moved());
-  supervisor = Rendering();
+  supervisor = RenderingSupervisor();
   EXPECT_EQ(supervisor.state(), CellState::kHaptic);
   EXPECT_EQ(supervisor.phase(), Phase::kHaptic);
   EXPECT_TRUE(supervisor.moved());
@@ -30,7 +32,7 @@ TEST(MotionSupervisor, ComesToRenderingByTheTable) {
 }
 
 TEST(MotionSupervisor, AFaultBrakesAndIsHeldUntilARecoveryClearsIt) {
-  MotionSupervisor supervisor = Rendering();
+  MotionSupervisor supervisor = RenderingSupervisor();
   supervisor.Latch(Fault::kSession);
   EXPECT_EQ(supervisor.Apply(CellEvent::kFault), CellAction::kBrake);
   EXPECT_EQ(supervisor.phase(), Phase::kStopping);
@@ -42,9 +44,9 @@ TEST(MotionSupervisor, AFaultBrakesAndIsHeldUntilARecoveryClearsIt) {
   EXPECT_EQ(supervisor.state(), CellState::kRecovery);
 }
 
-TEST(MotionSupervisor, NoRecoveryOfAnotherFaultNorOfARunThatWasAskedToEnd) {
+TEST(MotionSupervisor, CannotRecoverFromOtherFaultsOrAfterAStopRequest) {
   for (const bool stop_requested : {false, true}) {
-    MotionSupervisor supervisor = Rendering();
+    MotionSupervisor supervisor = RenderingSupervisor();
     supervisor.Latch(stop_requested ? Fault::kSession : Fault::kWorkspace);
     static_cast<void>(supervisor.Apply(CellEvent::kFault));
     static_cast<void>(supervisor.Apply(CellEvent::kRestFault));
@@ -53,8 +55,8 @@ TEST(MotionSupervisor, NoRecoveryOfAnotherFaultNorOfARunThatWasAskedToEnd) {
   }
 }
 
-// A motion that stops on the way to the start stays on the path until it holds.
-TEST(MotionSupervisor, AStopOnTheWayToTheStartIsThatWaysPhase) {
+// A motion that is asked to stop on its way to the start counts as aligning until it stands.
+TEST(MotionSupervisor, AStopOnTheWayToTheStartKeepsThePhaseUntilRest) {
   MotionSupervisor supervisor;
   static_cast<void>(supervisor.Apply(CellEvent::kArmSeen));
   static_cast<void>(supervisor.Apply(CellEvent::kPermitsHold));
@@ -68,8 +70,8 @@ TEST(MotionSupervisor, AStopOnTheWayToTheStartIsThatWaysPhase) {
   EXPECT_EQ(supervisor.phase(), Phase::kStopped);
 }
 
-TEST(MotionSupervisor, APauseCountsWhileMotionIsUnderWayOrWaitedForAndOnce) {
-  MotionSupervisor supervisor = Rendering();
+TEST(MotionSupervisor, APauseRequestIsTakenOnceAndOnlyIfMotionCanPause) {
+  MotionSupervisor supervisor = RenderingSupervisor();
   supervisor.RequestPause(true);
   supervisor.RequestPause(false);
   EXPECT_TRUE(supervisor.TakePauseRequest()) << "an asking stays until it is taken";

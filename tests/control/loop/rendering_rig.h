@@ -6,7 +6,7 @@
 
 namespace osteon::control {
 
-/// The parts of StartRig, and those that check and render.
+/// A loop's parts for the tests of rendering: those of StartRig, and those that check and render.
 struct RenderingRig : StartRig {
   explicit RenderingRig(const ServoParams& p = ServoBench::Params()) : StartRig(p) {}
 
@@ -14,7 +14,7 @@ struct RenderingRig : StartRig {
     return {.state = state, .readings = readings, .model = model, .now = now};
   }
 
-  /// Ticks of the standing arm until rendering begins. @returns whether it did
+  /// Runs at most three ticks of a standing arm until rendering begins. @returns whether it has begun
   bool StartRendering() {
     for (int i = 0; i < 3; ++i) {
       if (!Tick()) continue;

@@ -13,10 +13,14 @@
 #include "base/clock.h"
 #include "servo_bench.h"
 
+// Tests of RunServo, which runs the servo loop in real time with an arm, devices and a recorder until the run
+// ends.
+
 namespace osteon::control {
 namespace {
 
-// An arm behind the port: paces the loop by sleeping, becomes active after some messages, follows at once.
+// A simulated arm: it sleeps so that a message comes every millisecond, becomes active after `active_after`
+// messages, follows its command at once, and closes the link after `closes_after` messages.
 class FakeArm : public ArmLink {
  public:
   explicit FakeArm(int active_after = 3, int closes_after = 1 << 30)
@@ -55,8 +59,8 @@ class FakeArm : public ArmLink {
 
   int received{0}, sent{0};
   bool silent{false};
-  // numbers of messages: the arm leaves COMMANDING_ACTIVE and comes back; the operator asks `loop` for a
-  // recovery, and for a stop
+  // After so many messages: the arm leaves COMMANDING_ACTIVE and returns to it; the operator asks `loop` for
+  // a recovery, and for a stop.
   int leaves_after{1 << 30}, returns_after{1 << 30}, recovers_after{1 << 30}, stops_after{1 << 30};
   ServoLoop* loop{nullptr};
   std::atomic<bool> stop{false};
@@ -67,7 +71,8 @@ class FakeArm : public ArmLink {
   rt::Nanoseconds next_;
 };
 
-// A pushing hand, which is the simulation as well: a fresh model of free space at each reading.
+// The cell's devices and simulation: a hand that pushes along y, and a fresh model of free space at each
+// reading.
 class FakeWorld : public CellDevices {
  public:
   explicit FakeWorld(rt::LatestValue<simulation::ContactModel>& models) : models_(models) {}
@@ -84,13 +89,14 @@ class FakeWorld : public CellDevices {
     return {.force = {.stamp = now, .F_S = ServoBench::OnTheSensor(F_T_W, ServoBench::StartPose())}};
   }
   int frames_left{1'000'000};
-  int stands_still_at{-1};  ///< a reading, from 1, before which the loop's thread loses its CPU for 4 ms
+  int stands_still_at{-1};  ///< number of the reading, from 1, before which the thread is suspended for 4 ms
 
  private:
   rt::LatestValue<simulation::ContactModel>& models_;
   simulation::ContactModel model_;
 };
 
+// Keeps up to 20 000 ticks, and refuses further ones.
 class FakeRecorder : public TickRecorder {
  public:
   FakeRecorder() { records.reserve(20'000); }
@@ -102,6 +108,7 @@ class FakeRecorder : public TickRecorder {
   std::vector<TickRecord> records;
 };
 
+// A loop with all that it runs with; `second` is a loop of the same parameters that repeats its ticks.
 struct Rig {
   ServoLoop loop{ServoBench::Params(), ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
                  ServoBench::Arm().ArmAngle(ServoBench::StartJoints())};
@@ -138,8 +145,9 @@ TEST(RunServo, RunsItsSecondsThenStopsInOrderAndAnswersEveryMessage) {
   EXPECT_EQ(rig.commands.Load().stamp, rig.loop.tool_command().stamp);
 }
 
-// The reading that it then takes is younger than the wake-up: it is fresh, not one of the future.
-TEST(RunServo, AThreadThatStandsStillBeforeItReadsTakesTheNewestValuesAsFresh) {
+// The thread is suspended after its wake-up, so that the reading's stamp is later than the wake-up. It must
+// count as fresh, not as a reading of the future.
+TEST(RunServo, AThreadSuspendedBeforeItsReadingTakesTheReadingAsFresh) {
   Rig rig;
   FakeArm arm;
   rig.world.stands_still_at = 150;
@@ -150,8 +158,8 @@ TEST(RunServo, AThreadThatStandsStillBeforeItReadsTakesTheNewestValuesAsFresh) {
   for (const TickRecord& tick : rig.recorder.records) EXPECT_LT(tick.sensor_age_s, 0.1) << tick.tick;
 }
 
-// A recording of the arm at rest.
-TEST(RunServo, AnArmAtRestIsAnsweredAndRecordedForItsTime) {
+// After the stop, the run goes on for at_rest_s, which records the arm at rest.
+TEST(RunServo, AfterTheStopTheArmAtRestIsRecordedForTheGivenTime) {
   for (const double rest_s : {0.0, 0.1}) {
     Rig rig;
     FakeArm arm;
@@ -169,7 +177,9 @@ TEST(RunServo, AnArmAtRestIsAnsweredAndRecordedForItsTime) {
   }
 }
 
-TEST(RestTime, BeginsWhereNothingIsOutOfControlAndGivesUpOnAnArmThatIsNotSeenToStand) {
+// The rest time is 100 ns. It begins with the first tick outside stop 0. If the arm stays in stop 0, the wait
+// ends after 4 times the rest time.
+TEST(RestTime, BeginsAtRestAndGivesUpOnAnArmNeverSeenToStand) {
   using safety::CellState;
   RestTime seen(100);
   EXPECT_FALSE(seen.IsOver(CellState::kStop0, 1000)) << "not yet measured to stand";
@@ -185,26 +195,26 @@ TEST(RestTime, BeginsWhereNothingIsOutOfControlAndGivesUpOnAnArmThatIsNotSeenToS
   EXPECT_TRUE(none.IsOver(CellState::kStop0, 1000));
 }
 
-// Counts rehearsals.
-class RehearsedArm : public FakeArm {
+// Counts how often the link is warmed up before a tick.
+class WarmUpCountingArm : public FakeArm {
  public:
-  void WarmUp(const ArmCommand&) OSTEON_RT override { ++rehearsed; }
-  int rehearsed{0};
+  void WarmUp(const ArmCommand&) OSTEON_RT override { ++warm_ups; }
+  int warm_ups{0};
 };
 
-TEST(RunServo, RepeatsEachTickAndRehearsesBeforeTheNext) {
+TEST(RunServo, RepeatsEachTickAndWarmsUpTheLinkBeforeTheNext) {
   Rig rig;
-  RehearsedArm arm;
+  WarmUpCountingArm arm;
   const RunServoResult result = rig.Run(arm, {.seconds = 0.3, .second = &rig.second});
   EXPECT_EQ(result.end, RunEnd::kSeconds);
   EXPECT_EQ(result.faults.bits(), 0u);
   EXPECT_EQ(arm.sent, arm.received);
-  EXPECT_GT(arm.rehearsed, 0) << "where the machine woke it in time";
+  EXPECT_GT(arm.warm_ups, 0) << "where the machine woke it in time";
   EXPECT_EQ(rig.second.statistics().active_ticks + 1, rig.loop.statistics().active_ticks)
       << "in step; after the last tick there is no next message to repeat it before";
 }
 
-TEST(RunServo, ATickThatComesOutOtherwiseTheSecondTimeEndsTheRun) {
+TEST(RunServo, ATickWhoseRepetitionDiffersEndsTheRun) {
   Rig rig;
   ServoParams other = ServoBench::Params();
   other.admittance.mass_kg.y() *= 1.0 + 1e-15;  // the hand pushes along y
@@ -217,9 +227,9 @@ TEST(RunServo, ATickThatComesOutOtherwiseTheSecondTimeEndsTheRun) {
   EXPECT_EQ(rig.loop.phase(), Phase::kStopped);
 }
 
-// A recorder that stands still stops the cell in the tick after the finding, and the tick's second
-// computation has the same inputs.
-TEST(RunServo, ARecorderThatStandsStillEndsTheRun) {
+// When so many records wait in the recorder that some will soon be lost, the cell stops in the next tick. The
+// second loop repeats the ticks with the same inputs, so it finds no difference.
+TEST(RunServo, AStalledRecorderEndsTheRun) {
   constexpr std::size_t kSeen = 300;
   struct Stalls : FakeRecorder {
     [[nodiscard]] bool Stalled() const OSTEON_RT override { return records.size() >= kSeen; }
@@ -239,8 +249,8 @@ TEST(RunServo, ARecorderThatStandsStillEndsTheRun) {
   EXPECT_EQ(recorder.records[kSeen].faults, static_cast<std::uint32_t>(safety::Fault::kRecorder));
 }
 
-// A full recorder stops it as well.
-TEST(RunServo, ATickThatIsRefusedEndsTheRun) {
+// A recorder that refuses a tick stops the cell too.
+TEST(RunServo, AFullRecorderEndsTheRun) {
   struct Full : FakeRecorder {
     bool Push(const TickRecord& record) OSTEON_RT override {
       return records.size() < 300 && FakeRecorder::Push(record);
@@ -277,7 +287,7 @@ TEST(RunServo, AStopFlagStopsInOrder) {
   EXPECT_EQ(result.faults.bits(), 0u);
 }
 
-TEST(RunServo, AFaultEndsItByName) {
+TEST(RunServo, AFaultEndsTheRunAndIsReported) {
   Rig rig;
   rig.world.frames_left = 100;
   FakeArm arm;
@@ -286,12 +296,13 @@ TEST(RunServo, AFaultEndsItByName) {
   EXPECT_TRUE(result.faults.Has(safety::Fault::kModelStale));
 }
 
+// Number of recorded ticks in this state.
 std::size_t CountTicks(const FakeRecorder& recorder, safety::CellState state) {
   return static_cast<std::size_t>(std::ranges::count(recorder.records, static_cast<std::uint8_t>(state),
                                                      [](const TickRecord& t) { return t.cell_state; }));
 }
 
-TEST(RunServo, AHeldFaultEndsByARecoveryAfterWhichItRendersOn) {
+TEST(RunServo, AHeldFaultIsClearedByARecoveryAndRenderingContinues) {
   Rig rig;
   FakeArm arm;
   arm.leaves_after = 100;
@@ -328,7 +339,7 @@ TEST(RunServo, AStopDuringAHoldEndsWithTheFault) {
   EXPECT_GE(arm.received, 400) << "it was held until the stop";
 }
 
-TEST(RunServo, AFaultWithoutARecoveryEndsTheRunInAHoldToo) {
+TEST(RunServo, AFaultThatAllowsNoRecoveryEndsTheRunInsteadOfAHold) {
   Rig rig;
   FakeArm arm;
   rig.world.frames_left = 100;
@@ -338,7 +349,7 @@ TEST(RunServo, AFaultWithoutARecoveryEndsTheRunInAHoldToo) {
   EXPECT_LT(arm.received, 5000);
 }
 
-TEST(RunServo, WithoutASimulationItNeverBeginsAndKnowsWhy) {
+TEST(RunServo, WithoutASimulationItNeverBeginsAndReportsTheMissingModel) {
   Rig rig;
   rig.world.frames_left = 0;
   FakeArm arm;
@@ -349,7 +360,7 @@ TEST(RunServo, WithoutASimulationItNeverBeginsAndKnowsWhy) {
             safety::MotionPermits::kAll & ~static_cast<std::uint32_t>(safety::MotionPermit::kModelFresh));
 }
 
-TEST(RunServo, AnArmThatNeverComesOrGoesAwayEndsIt) {
+TEST(RunServo, ASilentArmOrAClosedLinkEndsTheRun) {
   Rig silent;
   FakeArm nobody;
   nobody.silent = true;

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the checks on devices, hand force and coupling that lead to faults.
+
 namespace osteon::control {
 namespace {
 
@@ -18,7 +20,8 @@ ServoParams WithDevices() {
   return params;
 }
 
-CellReadings InOrder() {
+// Fresh readings of all devices, without a fault.
+CellReadings GoodReadings() {
   CellReadings readings;
   readings.force.stamp = kNow;
   readings.spindle = {.stamp = kNow, .ready = true};
@@ -26,42 +29,43 @@ CellReadings InOrder() {
   return readings;
 }
 
+// Checks of a rendering that began long ago, so that every device must have reported by now.
 SafetyChecks Checks(const ServoParams& params) {
   SafetyChecks checks(params, 200.0);
-  checks.OnRenderingStarted(0);  // long ago: no source has time to show up any more
+  checks.OnRenderingStarted(0);
   return checks;
 }
 
-TEST(SafetyChecks, DevicesInOrderHaveNoFault) {
+TEST(SafetyChecks, GoodReadingsGiveNoFault) {
   const ServoParams params = WithDevices();
   SafetyChecks checks = Checks(params);
-  EXPECT_EQ(checks.CheckDevices(InOrder(), {}, kNow).bits(), 0u);
-  EXPECT_TRUE(checks.IsMotionPermitted(InOrder().interlock, kNow));
-  EXPECT_TRUE(checks.IsSensorReady(InOrder().force, kNow));
-  EXPECT_TRUE(checks.IsSpindleReady(InOrder().spindle, kNow));
+  EXPECT_EQ(checks.CheckDevices(GoodReadings(), {}, kNow).bits(), 0u);
+  EXPECT_TRUE(checks.IsMotionPermitted(GoodReadings().interlock, kNow));
+  EXPECT_TRUE(checks.IsSensorReady(GoodReadings().force, kNow));
+  EXPECT_TRUE(checks.IsSpindleReady(GoodReadings().spindle, kNow));
 }
 
-TEST(SafetyChecks, EachDeviceHasItsOwnFault) {
+TEST(SafetyChecks, EachDefectOfADeviceGivesItsFault) {
   const ServoParams params = WithDevices();
   const auto faults = [&](auto&& change, InputAges ages = {}) {
     SafetyChecks checks = Checks(params);
-    CellReadings readings = InOrder();
+    CellReadings readings = GoodReadings();
     change(readings);
     return checks.CheckDevices(readings, ages, kNow).bits();
   };
-  const auto only = [](Fault fault) { return static_cast<std::uint32_t>(fault); };
-  EXPECT_EQ(faults([](CellReadings& r) { r.interlock.permitted = false; }), only(Fault::kInterlock));
-  EXPECT_EQ(faults([](CellReadings& r) { r.interlock.enabled = false; }), only(Fault::kInterlock));
-  EXPECT_EQ(faults([](CellReadings& r) { r.interlock.stamp -= rt::kSecond; }), only(Fault::kInterlock));
-  EXPECT_EQ(faults([](CellReadings& r) { r.spindle.ready = false; }), only(Fault::kSpindle));
-  EXPECT_EQ(faults([](CellReadings& r) { r.spindle.fault = true; }), only(Fault::kSpindle));
-  EXPECT_EQ(faults([](CellReadings& r) { r.spindle.stamp -= rt::kSecond; }), only(Fault::kSpindle));
-  EXPECT_EQ(faults([](CellReadings& r) { r.force.trusted = false; }), only(Fault::kSensorFault));
-  EXPECT_EQ(faults([](CellReadings&) {}, {.sensor_s = 0.2}), only(Fault::kSensorStale));
-  EXPECT_EQ(faults([](CellReadings&) {}, {.model_s = 0.3}), only(Fault::kModelStale));
+  const auto bits_of = [](Fault fault) { return static_cast<std::uint32_t>(fault); };
+  EXPECT_EQ(faults([](CellReadings& r) { r.interlock.permitted = false; }), bits_of(Fault::kInterlock));
+  EXPECT_EQ(faults([](CellReadings& r) { r.interlock.enabled = false; }), bits_of(Fault::kInterlock));
+  EXPECT_EQ(faults([](CellReadings& r) { r.interlock.stamp -= rt::kSecond; }), bits_of(Fault::kInterlock));
+  EXPECT_EQ(faults([](CellReadings& r) { r.spindle.ready = false; }), bits_of(Fault::kSpindle));
+  EXPECT_EQ(faults([](CellReadings& r) { r.spindle.fault = true; }), bits_of(Fault::kSpindle));
+  EXPECT_EQ(faults([](CellReadings& r) { r.spindle.stamp -= rt::kSecond; }), bits_of(Fault::kSpindle));
+  EXPECT_EQ(faults([](CellReadings& r) { r.force.trusted = false; }), bits_of(Fault::kSensorFault));
+  EXPECT_EQ(faults([](CellReadings&) {}, {.sensor_s = 0.2}), bits_of(Fault::kSensorStale));
+  EXPECT_EQ(faults([](CellReadings&) {}, {.model_s = 0.3}), bits_of(Fault::kModelStale));
 }
 
-TEST(SafetyChecks, ACellWithoutSpindleAndPlcDoesNotMissThem) {
+TEST(SafetyChecks, ACellWithoutSpindleAndPlcNeedsNoReadingsOfThem) {
   const ServoParams params;
   SafetyChecks checks = Checks(params);
   CellReadings readings;
@@ -71,7 +75,7 @@ TEST(SafetyChecks, ACellWithoutSpindleAndPlcDoesNotMissThem) {
   EXPECT_TRUE(checks.IsSpindleReady({}, kNow));
 }
 
-TEST(SafetyChecks, AHandThatPushesTooHardForSomeTicksStops) {
+TEST(SafetyChecks, AHandForceAboveTheLimitForSomeTicksIsAFault) {
   const ServoParams params;
   SafetyChecks checks = Checks(params);
   const Wrench hard{.f = Vector3(checks.max_hand_N() + 1.0, 0.0, 0.0), .t = Vector3::Zero()};
@@ -82,7 +86,7 @@ TEST(SafetyChecks, AHandThatPushesTooHardForSomeTicksStops) {
   EXPECT_DOUBLE_EQ(checks.hand_N(), checks.max_hand_N() + 1.0) << "a force that is not known is none";
 }
 
-TEST(SafetyChecks, AWrenchThatJumpsOrAModelThatIsNotCredibleStops) {
+TEST(SafetyChecks, AJumpOfTheWrenchOrABadModelIsAFault) {
   const ServoParams params;
   SafetyChecks checks = Checks(params);
   CouplingOutput coupling;

@@ -7,8 +7,8 @@
 
 namespace osteon::control {
 
-/// A servo loop in virtual time, with an arm that follows its command a tick later, a simulation with one
-/// plane ahead of the tool (from reach_m away) that reports late, and a hand that pushes with a given wrench.
+/// A servo loop in virtual time with simulated partners: an arm that follows its command a tick later, a
+/// simulation of bone with one plane ahead of the tool, and a hand that pushes with a given force.
 class ServoBench {
  public:
   static constexpr rt::Nanoseconds kTick = rt::kMillisecond;
@@ -25,7 +25,7 @@ class ServoBench {
   }
   static kinematics::LbrArm Arm() { return kinematics::LbrArm(kinematics::Iiwa14()); }
   static Pose StartPose() { return Arm().FlangePose(StartJoints()) * FlangeToTool(); }
-  /// Workspace round the start, the spindle still.
+  /// Parameters with a workspace of 0.2 m around the start pose, and the spindle off.
   static ServoParams Params() {
     ServoParams params;
     params.joints.limits = Arm().params().limits;
@@ -36,6 +36,7 @@ class ServoBench {
     return params;
   }
 
+  /// @param plane_ahead_m  distance from the apex at the start to the bone's plane, along the feed
   explicit ServoBench(const ServoParams& params = Params(), double plane_ahead_m = 0.005)
       : loop(params, Arm(), Pose::Identity(), FlangeToTool(), Arm().ArmAngle(StartJoints())) {
     Eigen::Map<kinematics::JointVector>(arm.q_meas.data()) = StartJoints();
@@ -69,6 +70,7 @@ class ServoBench {
     return record;
   }
 
+  /// Runs ticks. @returns the last one's record
   TickRecord Run(int count) {
     TickRecord record;
     for (int i = 0; i < count; ++i) record = Tick();
@@ -80,7 +82,7 @@ class ServoBench {
     return arm_.FlangePose(Eigen::Map<const kinematics::JointVector>(arm.q_meas.data())) * FlangeToTool();
   }
 
-  /// Reading of a force sensor without mounting for a wrench on the tool: at the flange, in its frame.
+  /// The reading of a force sensor at the flange, in the flange's frame, when this wrench acts on the tool.
   static Wrench OnTheSensor(const Wrench& F_T_W, const Pose& X_WT) {
     const Pose X_WF = X_WT * FlangeToTool().inverse();
     const Vector3 lever_W = X_WT.translation() - X_WF.translation();
@@ -88,9 +90,10 @@ class ServoBench {
             .t = X_WF.linear().transpose() * (F_T_W.t + lever_W.cross(F_T_W.f))};
   }
 
+  /// The arm's controller starts to follow commands.
   void Activate() { arm.session = SessionState::kCommandingActive; }
 
-  /// Depth of the commanded apex in the plane [m].
+  /// Depth of the commanded apex behind the bone's plane [m]; negative: in front of it.
   [[nodiscard]] double Depth() const {
     return feed_W.dot(Pose(loop.tool_command().X_WT).translation() - plane_W);
   }
@@ -102,11 +105,11 @@ class ServoBench {
   simulation::ContactModel model;
   simulation::ToolCommand last_command;
   rt::Nanoseconds now{rt::kSecond};
-  int ticks{0}, frame_ticks{2};
-  double push_N{0.0};
+  int ticks{0}, frame_ticks{2};  ///< ticks so far; ticks per frame of the simulation
+  double push_N{0.0};            ///< the hand's force along the feed; side_W_N is added
   Vector3 side_W_N{Vector3::Zero()};
-  bool sensor_lives{true}, simulation_lives{true};
-  double reach_m{10.0};          ///< of the simulation's planes beyond the tool
+  bool sensor_lives{true}, simulation_lives{true};  ///< false: no new reading, no new frame
+  double reach_m{10.0};          ///< largest gap to the tool at which a frame has the plane
   bool arm_moves{true};          ///< false: the arm stays in place whatever is commanded
   bool one_frame_behind{false};  ///< a frame arrives when the next one begins
   Vector3 feed_W, plane_W;
@@ -115,7 +118,7 @@ class ServoBench {
   kinematics::LbrArm arm_{Arm()};
   bool answered_{false};
 
-  // A frame for the previous tick's command.
+  // Makes the frame of the previous tick's command.
   void Simulate() {
     simulation::ContactModel frame;
     frame.frame = static_cast<std::uint64_t>(ticks + 1);
@@ -129,7 +132,7 @@ class ServoBench {
     in_work_ = frame;
   }
 
-  simulation::ContactModel in_work_;
+  simulation::ContactModel in_work_;  // the latest frame, not yet delivered if one_frame_behind
 };
 
 }  // namespace osteon::control

@@ -1,4 +1,5 @@
-// Requirement: no coupling wrench is rendered that the arm's torques cannot hold in its posture.
+// Tests of a requirement: the loop renders no wrench that the arm's joint torques can't hold in its present
+// posture.
 
 #include <gtest/gtest.h>
 
@@ -12,9 +13,12 @@ namespace {
 
 using kinematics::JointVectorN;
 
-// The bench's arm with 4 kg in the middle of each long link, a tool of 2 kg and a chosen torque limit of A2,
-// which carries the push's lever about the shoulder.
+// Torque limits of A2, the joint that carries most of the hand's push: sufficient for the push, and too small
+// for it.
 constexpr double kStrong_Nm = 320.0, kWeak_Nm = 110.0;
+
+// The bench's arm with links of 4 kg (in the long ones at the middle), a tool of 2 kg, and this torque limit
+// of A2.
 kinematics::ChainParams<7> Body(double shoulder_Nm) {
   const kinematics::LbrParams lbr = kinematics::Iiwa14();
   const Vector3 y = Vector3::UnitY(), z = Vector3::UnitZ();
@@ -37,6 +41,7 @@ kinematics::ChainParams<7> Body(double shoulder_Nm) {
       chain, {.mass_kg = 2.0, .p_LLcm_m = {0.0, 0.0, 0.08}, .I_LLcm_kg_m2 = 0.004 * Matrix3::Identity()});
 }
 
+// @param body  the arm's masses and torque limits; without it, the loop does not limit by torque
 ServoParams Params(std::optional<kinematics::ChainParams<7>> body) {
   ServoParams params = ServoBench::Params();
   params.max_tracking_error_m = 1.0;
@@ -44,44 +49,47 @@ ServoParams Params(std::optional<kinematics::ChainParams<7>> body) {
   return params;
 }
 
-// Largest ratio of drive torque to its limit while the arm at q exerts F at the tool: dynamics of the chain
-// at rest, with the wrench's reaction on the flange.
-double WorstUse(const kinematics::ChainParams<7>& body, const JointArray& joints, const TickRecord& record) {
+// Largest ratio of a joint's torque to its limit, while the arm at rest in this posture exerts the record's
+// wrench at the tool. Computed by the dynamics of the chain.
+double MaxTorqueRatio(const kinematics::ChainParams<7>& body, const JointArray& joints,
+                      const TickRecord& record) {
   const kinematics::SerialChain<7> chain(body);
   const JointVectorN<7> q = Eigen::Map<const JointVectorN<7>>(joints.data()), zero = JointVectorN<7>::Zero();
   const Wrench F_T_W = record.F_coupling_T_W;
   const Vector3 p_FT_W = chain.FlangePose(q).linear() * ServoBench::FlangeToTool().translation();
   const Wrench reaction_F{.f = -F_T_W.f, .t = -F_T_W.t - p_FT_W.cross(F_T_W.f)};
   const JointVectorN<7> tau = chain.InverseDynamics(q, zero, zero, reaction_F);
-  double worst = 0.0;
+  double max_ratio = 0.0;
   for (int i = 0; i < 7; ++i)
-    worst = std::max(worst, std::abs(tau[i]) / body.joints[static_cast<std::size_t>(i)].limits.torque_Nm);
-  return worst;
+    max_ratio =
+        std::max(max_ratio, std::abs(tau[i]) / body.joints[static_cast<std::size_t>(i)].limits.torque_Nm);
+  return max_ratio;
 }
 
-struct Pressed {
-  double worst_use{0.0};  ///< largest share of a torque limit, over the run
-  double off_direction{0.0};
-  int cut_ticks{0}, ticks{0};
+struct PressResult {
+  double max_torque_ratio{0.0};  ///< largest ratio of a torque to its limit, over the run
+  double off_direction{0.0};     ///< largest sine of the angle between the limited force and the feed
+  int limited_ticks{0}, ticks{0};
   TickRecord last;
-  safety::LimitCount arm;
+  safety::LimitCount arm;  ///< how often the arm's torque was the limit
 };
 
-// A hand that presses the tool against the plane.
-Pressed Press(const ServoParams& params, const kinematics::ChainParams<7>& body) {
+// A hand presses the tool against the plane with 150 N for 1.5 s.
+PressResult Press(const ServoParams& params, const kinematics::ChainParams<7>& body) {
   ServoBench bench(params);
   bench.Activate();
   bench.push_N = 150.0;
-  Pressed pressed;
+  PressResult pressed;
   for (int i = 0; i < 1500; ++i) {
-    // posture of the tick's computation: its motion comes after the wrench
+    // the wrench is computed for the posture before this tick's motion
     const JointArray posture = bench.command.q;
     pressed.last = bench.Tick();
     if (pressed.last.phase != Phase::kHaptic) continue;
     ++pressed.ticks;
-    pressed.worst_use = std::max(pressed.worst_use, WorstUse(body, posture, pressed.last));
+    pressed.max_torque_ratio =
+        std::max(pressed.max_torque_ratio, MaxTorqueRatio(body, posture, pressed.last));
     if (pressed.last.arm_share < 1.0) {
-      ++pressed.cut_ticks;
+      ++pressed.limited_ticks;
       const Vector3 f = pressed.last.F_coupling_T_W.f;
       if (f.norm() > 1.0)
         pressed.off_direction = std::max(pressed.off_direction, f.normalized().cross(bench.feed_W).norm());
@@ -92,23 +100,24 @@ Pressed Press(const ServoParams& params, const kinematics::ChainParams<7>& body)
   return pressed;
 }
 
-TEST(ServoCapability, TheRenderedWrenchNeverAsksAJointForMoreThanItsTorque) {
+TEST(ServoCapability, TheRenderedWrenchKeepsEveryJointWithinItsTorque) {
   const kinematics::ChainParams<7> body = Body(kWeak_Nm);
-  const Pressed free = Press(Params({}), body);
-  ASSERT_GT(free.worst_use, 1.05) << "the hand must ask for more than the arm has, or nothing is proven";
-  EXPECT_EQ(free.arm.ticks, 0u);
+  const PressResult unlimited = Press(Params({}), body);
+  ASSERT_GT(unlimited.max_torque_ratio, 1.05)
+      << "the hand must ask for more than the arm has, or nothing is proven";
+  EXPECT_EQ(unlimited.arm.ticks, 0u);
 
-  const Pressed held = Press(Params(body), body);
-  ASSERT_GT(held.cut_ticks, 50);
-  EXPECT_EQ(held.arm.ticks, static_cast<std::uint64_t>(held.cut_ticks));
-  EXPECT_LE(held.worst_use, 1.0 + 1e-9) << "rounding of two ways to the same torque";
-  EXPECT_LT(held.off_direction, 1e-9) << "the wrench keeps its direction: the plane's normal";
+  const PressResult limited = Press(Params(body), body);
+  ASSERT_GT(limited.limited_ticks, 50);
+  EXPECT_EQ(limited.arm.ticks, static_cast<std::uint64_t>(limited.limited_ticks));
+  EXPECT_LE(limited.max_torque_ratio, 1.0 + 1e-9) << "rounding of two ways to the same torque";
+  EXPECT_LT(limited.off_direction, 1e-9) << "the wrench keeps its direction: the plane's normal";
 }
 
-TEST(ServoCapability, AnArmThatIsStrongEnoughChangesNoBit) {
-  const Pressed with = Press(Params(Body(kStrong_Nm)), Body(kStrong_Nm));
-  const Pressed without = Press(Params({}), Body(kStrong_Nm));
-  EXPECT_EQ(with.cut_ticks, 0);
+TEST(ServoCapability, TheTorqueLimitOfAStrongArmChangesNothing) {
+  const PressResult with = Press(Params(Body(kStrong_Nm)), Body(kStrong_Nm));
+  const PressResult without = Press(Params({}), Body(kStrong_Nm));
+  EXPECT_EQ(with.limited_ticks, 0);
   EXPECT_EQ(with.last.q_cmd, without.last.q_cmd);
   EXPECT_EQ(Vector3(with.last.F_coupling_T_W.f), Vector3(without.last.F_coupling_T_W.f));
 }
@@ -123,13 +132,16 @@ TEST(ServoCapability, DoesNotAllocate) {
   }
 }
 
-// A hand leads the tool to and fro beside the plane, with an elbow that just holds the wanted load. Compares
-// the load held at the end, and the tool's path with that of an arm without the preference.
-struct Led {
-  double begun{0.0}, ended{0.0};
-  std::vector<Vector3> way;
+struct LeadResult {
+  double load_at_start{0.0},
+      load_at_end{0.0};       ///< load that the posture holds, as a ratio to the wanted load
+  std::vector<Vector3> path;  ///< tool position of each tick [m]
 };
-Led LeadToAndFro(double load_speed_rad_per_s) {
+// A hand leads the tool to and fro in free air for 18 s. The wanted load is the one that the start posture
+// just holds.
+// @param load_speed_rad_per_s  speed at which the elbow turns toward postures that hold more; 0: it does not
+// turn
+LeadResult LeadToAndFro(double load_speed_rad_per_s) {
   const kinematics::ChainParams<7> body = Body(kStrong_Nm);
   kinematics::LoadTarget<7> wanted;
   wanted.load = {.axial_N = 1.0, .lateral_N = 0.2};
@@ -137,8 +149,8 @@ Led LeadToAndFro(double load_speed_rad_per_s) {
   for (int i = 0; i < 7; ++i)
     wanted.torque_limit_Nm[i] = body.joints[static_cast<std::size_t>(i)].limits.torque_Nm;
   const kinematics::SerialChain<7> chain(body);
-  const double just_N = kinematics::HeldLoad<7>(chain, wanted, ServoBench::StartJoints()).value;
-  wanted.load = {.axial_N = just_N, .lateral_N = 0.2 * just_N};
+  const double held_N = kinematics::HeldLoad<7>(chain, wanted, ServoBench::StartJoints()).value;
+  wanted.load = {.axial_N = held_N, .lateral_N = 0.2 * held_N};
 
   ServoParams params = Params(body);
   params.posture_load = wanted.load;
@@ -146,25 +158,25 @@ Led LeadToAndFro(double load_speed_rad_per_s) {
   ServoBench bench(params, 0.5);
   bench.Activate();
   const Vector3 side_W = ServoBench::StartPose().linear().col(1);
-  Led led;
-  led.begun = kinematics::HeldLoad<7>(chain, wanted, ServoBench::StartJoints()).value;
+  LeadResult led;
+  led.load_at_start = kinematics::HeldLoad<7>(chain, wanted, ServoBench::StartJoints()).value;
   for (int i = 0; i < 18'000; ++i) {
     bench.side_W_N = 5.0 * std::sin(2.0 * 3.141592653589793 * i / 1000.0) * side_W;
-    led.way.emplace_back(bench.Tick().X_WT_cmd.p);
+    led.path.emplace_back(bench.Tick().X_WT_cmd.p);
     EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
   }
-  led.ended =
+  led.load_at_end =
       kinematics::HeldLoad<7>(chain, wanted, Eigen::Map<const JointVectorN<7>>(bench.command.q.data())).value;
   return led;
 }
 
-TEST(ServoCapability, TheElbowIsLedToWhereTheArmHoldsMoreAndTheToolDoesNotNotice) {
-  const Led still = LeadToAndFro(0.0), led = LeadToAndFro(0.3);
-  EXPECT_NEAR(still.begun, 1.0, 1e-9);
-  EXPECT_GT(led.ended, still.ended + 0.05);
+TEST(ServoCapability, TheElbowTurnsToHoldMoreLoadWithoutMovingTheTool) {
+  const LeadResult still = LeadToAndFro(0.0), turning = LeadToAndFro(0.3);
+  EXPECT_NEAR(still.load_at_start, 1.0, 1e-9);
+  EXPECT_GT(turning.load_at_end, still.load_at_end + 0.05);
   double apart_m = 0.0;
-  for (std::size_t i = 0; i < led.way.size(); ++i)
-    apart_m = std::max(apart_m, (led.way[i] - still.way[i]).norm());
+  for (std::size_t i = 0; i < turning.path.size(); ++i)
+    apart_m = std::max(apart_m, (turning.path[i] - still.path[i]).norm());
   EXPECT_LT(apart_m, 1e-5) << "a tick's third order, over 18 s";
 }
 

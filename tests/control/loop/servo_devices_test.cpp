@@ -2,7 +2,7 @@
 
 #include "servo_bench.h"
 
-// The loop's dependence on force sensor, spindle and PLC.
+// Tests of how the loop depends on force sensor, spindle drive and PLC: what it waits for, and what stops it.
 
 namespace osteon::control {
 namespace {
@@ -19,6 +19,7 @@ class ServoDevices : public ::testing::Test {
     return params;
   }
 
+  // A tick with fresh readings of the devices that live.
   TickRecord Tick() {
     const rt::Nanoseconds now = bench.now + ServoBench::kTick;
     if (spindle_lives) spindle.stamp = now;
@@ -39,7 +40,7 @@ class ServoDevices : public ::testing::Test {
     Run(600);
     ASSERT_EQ(bench.loop.phase(), Phase::kHaptic);
   }
-  // Expects a Stop 1: at rest soon, only by braking.
+  // Expects a stop with this fault: the tool brakes and stands within 200 ms, and the spindle is off.
   void ExpectStop(Fault fault) {
     Tick();
     EXPECT_NE(bench.loop.phase(), Phase::kHaptic);
@@ -57,7 +58,7 @@ class ServoDevices : public ::testing::Test {
   bool spindle_lives{true}, interlock_lives{true};
 };
 
-TEST_F(ServoDevices, NothingMovesBeforeAllOfThemAreThere) {
+TEST_F(ServoDevices, NothingMovesBeforeAllDevicesAreReady) {
   bench.Activate();
   bench.push_N = 60.0;
   const auto waits = [&](const char* why) {
@@ -88,7 +89,7 @@ TEST_F(ServoDevices, NothingMovesBeforeAllOfThemAreThere) {
   EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
 }
 
-TEST_F(ServoDevices, AStandingPermissionOfAPlcThatWentSilentIsNone) {
+TEST_F(ServoDevices, APermissionOfASilentPlcDoesNotCount) {
   Run(1);
   interlock_lives = false;
   Run(150);
@@ -97,8 +98,9 @@ TEST_F(ServoDevices, AStandingPermissionOfAPlcThatWentSilentIsNone) {
   EXPECT_EQ(bench.loop.phase(), Phase::kWaiting);
 }
 
-// A drive found in fault is reset before anything moves, and later only by a recovery.
-TEST_F(ServoDevices, ADrivesFaultsMayBeClearedBeforeTheFirstMotionAndInARecovery) {
+// clear_faults lets the drive reset its faults: before the first motion and during a recovery, never in
+// between.
+TEST_F(ServoDevices, TheDrivesFaultsAreClearedOnlyBeforeTheFirstMotionAndInARecovery) {
   EXPECT_TRUE(bench.loop.cell_commands().clear_faults);
   spindle.fault = true;
   bench.Activate();
@@ -130,19 +132,19 @@ TEST_F(ServoDevices, ADrivesFaultsMayBeClearedBeforeTheFirstMotionAndInARecovery
   EXPECT_TRUE(bench.loop.cell_commands().clear_faults);
 }
 
-TEST_F(ServoDevices, MotionThatIsNoLongerPermittedIsAStop) {
+TEST_F(ServoDevices, AWithdrawnPermissionStopsTheMotion) {
   Render();
   interlock.permitted = false;
   ExpectStop(Fault::kInterlock);
 }
 
-TEST_F(ServoDevices, AnEnablingSwitchLetGoIsAStopWhateverThePlcPermits) {
+TEST_F(ServoDevices, AReleasedEnablingSwitchStopsTheMotion) {
   Render();
   interlock.enabled = false;
   ExpectStop(Fault::kInterlock);
 }
 
-TEST_F(ServoDevices, ASilentPlcIsAStopAtItsAge) {
+TEST_F(ServoDevices, APlcSilentFor100MillisecondsStopsTheMotion) {
   Render();
   interlock_lives = false;
   Run(99);
@@ -151,13 +153,13 @@ TEST_F(ServoDevices, ASilentPlcIsAStopAtItsAge) {
   ExpectStop(Fault::kInterlock);
 }
 
-TEST_F(ServoDevices, AFaultOfTheDriveIsAStop) {
+TEST_F(ServoDevices, AFaultOfTheDriveStopsTheMotion) {
   Render();
   spindle.fault = true;
   ExpectStop(Fault::kSpindle);
 }
 
-TEST_F(ServoDevices, ASilentDriveIsAStopAtItsAge) {
+TEST_F(ServoDevices, ADriveSilentFor100MillisecondsStopsTheMotion) {
   Render();
   spindle_lives = false;
   Run(100);
@@ -165,7 +167,7 @@ TEST_F(ServoDevices, ASilentDriveIsAStopAtItsAge) {
   ExpectStop(Fault::kSpindle);
 }
 
-TEST_F(ServoDevices, AnOverloadedSensorIsAStopAndIsNotFelt) {
+TEST_F(ServoDevices, AnUntrustedSensorReadingStopsTheMotionAndIsDiscarded) {
   Render();
   CellReadings readings = bench.readings;
   readings.force.trusted = false;
@@ -182,7 +184,7 @@ TEST_F(ServoDevices, AnOverloadedSensorIsAStopAndIsNotFelt) {
   EXPECT_NE(record.phase, Phase::kHaptic);
 }
 
-TEST_F(ServoDevices, TheSimulationFollowsTheSpindleAsItTurns) {
+TEST_F(ServoDevices, TheSimulationGetsTheMeasuredSpindleSpeed) {
   Render();
   EXPECT_EQ(bench.loop.cell_commands().spindle_rad_per_s, 26.0);
   EXPECT_EQ(bench.loop.tool_command().spindle_rad_per_s, 25.0) << "as measured";

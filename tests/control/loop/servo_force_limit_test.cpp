@@ -1,4 +1,5 @@
-// A hand that pushes harder than the coupling may resist; energy and power that the coupling gives back.
+// Tests of the reactions to a hand that pushes harder than the coupling's force limit, and of the limits on
+// the energy and power that the coupling gives back.
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +17,7 @@ using safety::OnForceLimit;
 
 constexpr double kLimit_N = 80.0, kPush_N = 120.0;
 
+// The bench with a force limit of 80 N and this reaction.
 ServoParams Limited(OnForceLimit reaction) {
   ServoParams params = ServoBench::Params();
   params.wrench.max_force_N = kLimit_N;
@@ -23,66 +25,66 @@ ServoParams Limited(OnForceLimit reaction) {
   return params;
 }
 
-// Pushes into the plane, then with 120 N for two seconds. @returns greatest depth beyond the point where the
-// limit is reached [m]
-double BeyondTheLimit(ServoBench& bench) {
+// Pushes into the plane with a force that rises to 120 N, for 3 s.
+// @returns the largest depth beyond the depth at which the limit is reached [m]
+double DepthBeyondLimit(ServoBench& bench) {
   const double at_limit_m = kLimit_N / ServoBench::Params().coupling.max_stiffness_N_per_m;
   bench.Run(5);
   bench.Activate();
-  double most_m = 0.0;
+  double max_m = 0.0;
   for (int i = 0; i < 3000; ++i) {
     bench.push_N = std::min(kPush_N, 0.15 * i);
     const TickRecord record = bench.Tick();
-    most_m = std::max(most_m, record.tool_in_bone_m - at_limit_m);
+    max_m = std::max(max_m, record.tool_in_bone_m - at_limit_m);
     EXPECT_LE(Vector3(record.F_coupling_T_W.f).norm(), kLimit_N) << i;
     if (testing::Test::HasFailure()) break;
   }
-  return most_m;
+  return max_m;
 }
 
-TEST(ServoForceLimit, SlowBoundsHowMuchFurtherTheToolGoesThanTheBone) {
+TEST(ServoForceLimit, SlowLetsTheToolEnterHardlyDeeperThanTheLimit) {
   ServoBench bench(Limited(OnForceLimit::kSlow));
-  EXPECT_LT(BeyondTheLimit(bench), 0.6e-3);
+  EXPECT_LT(DepthBeyondLimit(bench), 0.6e-3);
   EXPECT_FALSE(bench.loop.faults().Any());
   EXPECT_GT(bench.loop.statistics().limits.Of(safety::Limit::kBoneEntry).ticks, 100u);
   EXPECT_NEAR(bench.loop.statistics().peak_tool_in_bone_m, 4.5e-3, 0.2e-3);
 }
 
-TEST(ServoForceLimit, YieldLetsTheToolSinkIn) {
+TEST(ServoForceLimit, YieldLetsTheToolEnterDeeply) {
   ServoBench bench(Limited(OnForceLimit::kYield));
-  EXPECT_GT(BeyondTheLimit(bench), 10e-3);
+  EXPECT_GT(DepthBeyondLimit(bench), 10e-3);
   EXPECT_EQ(bench.loop.statistics().limits.Of(safety::Limit::kBoneEntry).ticks, 0u);
 }
 
-TEST(ServoForceLimit, StopEndsInAStopWithItsOwnFault) {
+TEST(ServoForceLimit, StopStopsTheCellWithItsOwnFault) {
   ServoBench bench(Limited(OnForceLimit::kStop));
-  BeyondTheLimit(bench);
+  DepthBeyondLimit(bench);
   EXPECT_TRUE(bench.loop.faults().Has(Fault::kForceLimit));
   EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
 }
 
-TEST(ServoForceLimit, ATooDeepToolStopsWhateverTheReaction) {
+TEST(ServoForceLimit, AToolTooDeepInBoneStopsWithEveryReaction) {
   for (const OnForceLimit reaction : {OnForceLimit::kYield, OnForceLimit::kSlow}) {
     ServoParams params = Limited(reaction);
     params.on_force_limit.max_tool_in_bone_m = 4.2e-3;
     ServoBench bench(params);
-    const double beyond_m = BeyondTheLimit(bench);
+    const double beyond_m = DepthBeyondLimit(bench);
     EXPECT_TRUE(bench.loop.faults().Has(Fault::kToolInBone));
     EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
     EXPECT_LT(beyond_m, 2e-3) << "braked at once";
   }
 }
 
-// Work of a coupling over ticks, computed independently: its recorded force on the commanded motion of the
-// tool.
-class Work {
+// Work of the coupling, computed independently: its recorded force times the commanded motion of the tool.
+class CouplingWork {
  public:
-  // The record's force acts at the tool's previous pose and moves it to the present one.
+  // Adds a tick. Its force acts at the tool's previous pose, and the motion leads from there to the recorded
+  // pose.
   void Add(const TickRecord& record) {
     const Wrench F = record.F_coupling_T_W;
     if (begun_) {
-      sum_J_ += 0.5 * (Power(F_before_, step_) + Power(F, step_));  // mean of both ends of the previous step
-      least_J_ = std::min(least_J_, sum_J_);
+      sum_J_ += 0.5 * (Power(F_before_, step_) + Power(F, step_));  // mean force of the previous step's ends
+      min_J_ = std::min(min_J_, sum_J_);
       step_ = SmallStep(X_before_, Pose(record.X_WT_cmd));
     }
     F_before_ = F;
@@ -91,17 +93,18 @@ class Work {
   }
   // Work of the last tick's force on the step that it caused.
   [[nodiscard]] double step_J() const { return Power(F_before_, step_); }
-  [[nodiscard]] double GivenBack_J() const { return sum_J_ - least_J_; }
+  // Energy given back since the coupling had taken the most.
+  [[nodiscard]] double GivenBack_J() const { return sum_J_ - min_J_; }
 
  private:
   bool begun_{false};
   Pose X_before_{Pose::Identity()};
   Wrench F_before_;
   Twist step_;
-  double sum_J_{0.0}, least_J_{0.0};
+  double sum_J_{0.0}, min_J_{0.0};
 };
 
-TEST(ServoEnergyLimit, TheCouplingGivesBackNoMoreThanItMayStore) {
+TEST(ServoEnergyLimit, TheCouplingGivesBackNoMoreThanTheEnergyLimit) {
   ServoParams params = ServoBench::Params();
   params.on_force_limit.reaction = OnForceLimit::kYield;
   params.energy.max_stored_J = 0.25;
@@ -109,7 +112,7 @@ TEST(ServoEnergyLimit, TheCouplingGivesBackNoMoreThanItMayStore) {
   ServoBench bench(params, 0.002);
   bench.Run(5);
   bench.Activate();
-  Work work;
+  CouplingWork work;
   for (int i = 0; i < 1500; ++i) {  // far into bone
     bench.push_N = std::min(130.0, 1.0 * i);
     work.Add(bench.Tick());
@@ -124,7 +127,7 @@ TEST(ServoEnergyLimit, TheCouplingGivesBackNoMoreThanItMayStore) {
   EXPECT_LE(work.GivenBack_J(), 0.25 * 1.01);
 }
 
-TEST(ServoPowerLimit, NoTickGivesMorePowerThanTheLimit) {
+TEST(ServoPowerLimit, NoTickExceedsThePowerLimit) {
   for (const double limit_W : {1.0, 5.0, 25.0}) {
     ServoParams params = ServoBench::Params();
     params.energy.max_power_W = limit_W;
@@ -132,21 +135,21 @@ TEST(ServoPowerLimit, NoTickGivesMorePowerThanTheLimit) {
     ServoBench bench(params, 0.002);
     bench.Run(5);
     bench.Activate();
-    Work work;
-    double most_W = 0.0;
+    CouplingWork work;
+    double max_W = 0.0;
     for (int i = 0; i < 3000; ++i) {
       // pressed and released suddenly, repeatedly
       bench.push_N = i % 600 < 400 ? std::min(150.0, 1.0 * (i % 600)) : -20.0;
       work.Add(bench.Tick());
-      most_W = std::max(most_W, work.step_J() / 1e-3);
+      max_W = std::max(max_W, work.step_J() / 1e-3);
     }
     ASSERT_FALSE(bench.loop.faults().Any());
-    EXPECT_LE(most_W, limit_W * 1.01) << limit_W;
+    EXPECT_LE(max_W, limit_W * 1.01) << limit_W;
     if (limit_W <= 5.0) {
-      EXPECT_GT(most_W, 0.9 * limit_W) << "and no less than it may";
+      EXPECT_GT(max_W, 0.9 * limit_W) << "and no less than it may";
       EXPECT_GT(bench.loop.statistics().limits.Of(safety::Limit::kPower).ticks, 0u);
     }
-    EXPECT_NEAR(bench.loop.statistics().peak_power_W, most_W, 0.02 * limit_W);
+    EXPECT_NEAR(bench.loop.statistics().peak_power_W, max_W, 0.02 * limit_W);
   }
 }
 

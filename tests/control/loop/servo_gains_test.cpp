@@ -7,12 +7,13 @@
 #include "control/loop/loop_repeat.h"
 #include "servo_bench.h"
 
-// Gains that change while the loop renders.
+// Tests of gains that change while the loop renders.
 
 namespace osteon::control {
 namespace {
 
-Gains Softer() {
+// Gains with a softer spring, other masses and more damping than the bench's.
+Gains SofterGains() {
   ServoParams params = ServoBench::Params();
   params.coupling.max_stiffness_N_per_m = 8e3;
   params.admittance.mass_kg = {2.0, 4.0, 2.0};
@@ -21,23 +22,23 @@ Gains Softer() {
   return GainsOf(params.admittance, params.coupling);
 }
 
-struct Pressed {
+struct PressedRun {
   std::vector<TickRecord> ticks;
   std::vector<simulation::ContactModel> models;
 };
 
-// Pressed onto the plane with 60 N; another thread sets softer gains after two seconds, and the first gains
-// again after four.
-Pressed Press() {
+// A hand presses onto the plane with 60 N for 6 s, then pulls back. Another thread requests softer gains
+// after 2 s, and the first gains again after 4 s.
+PressedRun Press() {
   ServoParams params = ServoBench::Params();
   params.admittance.damping_Ns_per_m.setConstant(100.0);
   const Gains first = GainsOf(params.admittance, params.coupling);
   ServoBench bench(params);
   bench.Activate();
-  Pressed run;
+  PressedRun run;
   for (int i = 0; i < 7000; ++i) {
     bench.push_N = i < 6000 ? 60.0 : -20.0;
-    if (i == 2000) std::thread([&] { bench.loop.RequestGains(Softer()); }).join();
+    if (i == 2000) std::thread([&] { bench.loop.RequestGains(SofterGains()); }).join();
     if (i == 4000) std::thread([&] { bench.loop.RequestGains(first); }).join();
     run.ticks.push_back(bench.Tick());
     run.models.push_back(bench.model);
@@ -45,17 +46,17 @@ Pressed Press() {
   return run;
 }
 
-TEST(ServoGains, AChangeWhilePressedIsNoStepAndTripsNothing) {
-  const Pressed run = Press();
+TEST(ServoGains, AChangeUnderForceCausesNoStepAndNoFault) {
+  const PressedRun run = Press();
   const double press_N = 60.0;
-  double step_N = 0.0;
+  double max_step_N = 0.0;
   for (std::size_t i = 1; i < run.ticks.size(); ++i) {
     ASSERT_EQ(run.ticks[i].faults, 0u) << i;
     const double change =
         (Vector3(run.ticks[i].F_coupling_T_W.f) - Vector3(run.ticks[i - 1].F_coupling_T_W.f)).norm();
-    if (i > 1900 && i < 6000) step_N = std::max(step_N, change);
+    if (i > 1900 && i < 6000) max_step_N = std::max(max_step_N, change);
   }
-  EXPECT_LT(step_N, 0.02 * press_N) << "ramped over a second";
+  EXPECT_LT(max_step_N, 0.02 * press_N) << "ramped over a second";
   EXPECT_TRUE(run.ticks[2000].input.has_gains);
   EXPECT_TRUE(run.ticks[4000].input.has_gains);
   EXPECT_EQ(run.ticks[2000].input.gains.max_stiffness_N_per_m, 8e3);
@@ -72,8 +73,9 @@ TEST(ServoGains, AChangeWhilePressedIsNoStepAndTripsNothing) {
   EXPECT_LT(depth(6990), 0.0);
 }
 
-TEST(ServoGains, TheSameTwiceAndAgainFromWhatWasRecorded) {
-  const Pressed once = Press(), twice = Press();
+// Two runs are compared bit for bit, and a third loop replays the first run from its records.
+TEST(ServoGains, ARunWithChangedGainsIsRepeatableAndReplayable) {
+  const PressedRun once = Press(), twice = Press();
   ServoParams params = ServoBench::Params();
   params.admittance.damping_Ns_per_m.setConstant(100.0);
   ServoLoop loop(params, ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
@@ -91,7 +93,8 @@ TEST(ServoGains, TheSameTwiceAndAgainFromWhatWasRecorded) {
   }
 }
 
-// A coasting tool gets heavier: its energy does not grow.
+// A tool coasts with hardly any damping while its mass rises from 3 to 12 kg: with the same energy it has
+// half the speed.
 TEST(ServoGains, ACoastingToolThatGetsHeavierSlowsDown) {
   ServoParams params = ServoBench::Params();
   params.admittance.damping_Ns_per_m.setConstant(1e-3);
@@ -113,7 +116,7 @@ TEST(ServoGains, ACoastingToolThatGetsHeavierSlowsDown) {
   EXPECT_GT(left, 0.4) << "what the arm's turning posture takes on the way";
 }
 
-TEST(ServoGains, RefusesWhatTheLoopWasNotMadeFor) {
+TEST(ServoGains, RefusesGainsOutOfRange) {
   ServoBench bench;
   const Gains own = GainsOf(ServoBench::Params().admittance, ServoBench::Params().coupling);
   Gains stiffer = own, none = own;

@@ -8,14 +8,14 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/loop/servo_parts.h"
 
-// Guidance along a plan in the servo loop.
+// Tests of the guidance along a surgical plan in the servo loop.
 
 namespace osteon::control {
 namespace {
 
-constexpr double kHead_m = 0.022;
+constexpr double kHead_m = 0.022;  // radius of the head: its centre lies this far behind the apex
 
-// A plan along the start's feed: the head's centre starts `height_m` above its planned place.
+// A plan along the feed of the start pose, in which the head's centre is `height_m` above its planned end.
 GuidanceParams PlanAhead(double height_m) {
   GuidanceParams guidance;
   const Pose X_WT = ServoBench::StartPose();
@@ -26,25 +26,26 @@ GuidanceParams PlanAhead(double height_m) {
   return guidance;
 }
 
-ServoParams Guided(double height_m = 2e-3) {
+// The bench's parameters with this plan.
+ServoParams GuidedParams(double height_m = 2e-3) {
   ServoParams params = ServoBench::Params();
   params.guidance = PlanAhead(height_m);
   return params;
 }
 
-// Free air: the plane is far ahead.
-struct FreeBench : ServoBench {
-  explicit FreeBench(const ServoParams& params) : ServoBench(params, 0.5) { Activate(); }
+// An active bench in free air: the bone's plane is 0.5 m ahead.
+struct FreeAirBench : ServoBench {
+  explicit FreeAirBench(const ServoParams& params) : ServoBench(params, 0.5) { Activate(); }
 };
 
-TEST(ServoGuidance, HoldsAHandThatGoesTooDeep) {
-  FreeBench bench(Guided());
+TEST(ServoGuidance, HoldsBackAHandThatPushesTooDeep) {
+  FreeAirBench bench(GuidedParams());
   bench.push_N = 40.0;
   const TickRecord record = bench.Run(4000);
   EXPECT_EQ(record.phase, Phase::kHaptic);
   ASSERT_TRUE(record.guidance.present);
   EXPECT_EQ(record.guidance.share, 1.0);
-  // 10 N/mm with 0.5 mm of ease
+  // 40 N / (10 N/mm) + half of the ease of 0.5 mm
   EXPECT_NEAR(record.guidance.depth_m, 4.25e-3, 0.05e-3);
   EXPECT_NEAR(Vector3(record.guidance.F_T_W.f).norm(), 40.0, 0.5);
   EXPECT_EQ(Vector3(record.F_coupling_T_W.f), Vector3(record.guidance.F_T_W.f)) << "nothing else acts";
@@ -53,9 +54,9 @@ TEST(ServoGuidance, HoldsAHandThatGoesTooDeep) {
 }
 
 TEST(ServoGuidance, WithoutGainItOnlyObserves) {
-  ServoParams params = Guided();
+  ServoParams params = GuidedParams();
   params.guidance->gain = 0.0;
-  FreeBench observed(params), without(ServoBench::Params());
+  FreeAirBench observed(params), without(ServoBench::Params());
   for (int tick = 0; tick < 3000; ++tick) {
     observed.push_N = without.push_N = 30.0 * std::sin(0.003 * tick);
     const TickRecord a = observed.Tick(), b = without.Tick();
@@ -72,8 +73,8 @@ TEST(ServoGuidance, WithoutGainItOnlyObserves) {
   }
 }
 
-TEST(ServoGuidance, AnotherGainCountsFromTheNextTickOn) {
-  FreeBench bench(Guided());
+TEST(ServoGuidance, ARequestedGainActsFromTheNextTick) {
+  FreeAirBench bench(GuidedParams());
   bench.push_N = 40.0;
   ASSERT_EQ(bench.Run(4000).guidance.share, 1.0);
   bench.loop.RequestGuidanceGain(0.25);
@@ -88,8 +89,8 @@ TEST(ServoGuidance, AnotherGainCountsFromTheNextTickOn) {
   EXPECT_FALSE(bench.Tick().input.has_guidance_gain);
 }
 
-TEST(ServoGuidance, AnOldModelFadesItOut) {
-  FreeBench bench(Guided());
+TEST(ServoGuidance, FadesOutWithAnOldContactModel) {
+  FreeAirBench bench(GuidedParams());
   bench.push_N = 40.0;
   ASSERT_EQ(bench.Run(4000).guidance.share, 1.0);
   bench.simulation_lives = false;
@@ -106,39 +107,39 @@ TEST(ServoGuidance, AnOldModelFadesItOut) {
   }
 }
 
-TEST(ServoGuidance, BeyondAStopTheSpindleStands) {
-  ServoParams params = Guided(10e-3);
+TEST(ServoGuidance, BeyondItsStopTheSpindleStandsUntilTheToolIsInside) {
+  ServoParams params = GuidedParams(10e-3);
   params.spindle_rad_per_s = 26.0;
-  FreeBench bench(params);
+  FreeAirBench bench(params);
   bench.Run(300);
   ASSERT_GT(bench.loop.cell_commands().spindle_rad_per_s, 0.0);
   const Vector3 aside = ServoBench::StartPose().linear().col(0);
-  bool stopped = false, outside_but_before = false;
+  bool stopped = false, outside_before_stop = false;
   TickRecord record;
   for (int i = 0; i < 6000 && !stopped; ++i) {
     bench.side_W_N = 15.0 * aside;
     record = bench.Tick();
     stopped = bench.loop.cell_commands().spindle_rad_per_s == 0.0;
-    outside_but_before |= !stopped && record.guidance.lateral_m > 0.5e-3;
+    outside_before_stop |= !stopped && record.guidance.lateral_m > 0.5e-3;
   }
   EXPECT_TRUE(stopped);
-  EXPECT_TRUE(outside_but_before);
+  EXPECT_TRUE(outside_before_stop);
   EXPECT_TRUE(record.guidance.stops_spindle);
   EXPECT_EQ(record.phase, Phase::kHaptic) << "no fault";
-  bool again = false;
-  for (int i = 0; i < 9000 && !again; ++i) {
+  bool turns_again = false;
+  for (int i = 0; i < 9000 && !turns_again; ++i) {
     bench.side_W_N = -8.0 * aside;
     record = bench.Tick();
-    again = bench.loop.cell_commands().spindle_rad_per_s > 0.0;
-    if (again) {
+    turns_again = bench.loop.cell_commands().spindle_rad_per_s > 0.0;
+    if (turns_again) {
       EXPECT_LE(record.guidance.lateral_m, 0.0);
     }
   }
-  EXPECT_TRUE(again);
+  EXPECT_TRUE(turns_again);
 }
 
-TEST(ServoGuidance, EachTickComputedTwiceComesOutTheSame) {
-  const ServoParams params = Guided(1e-3);
+TEST(ServoGuidance, EveryTickIsRepeatedIdentically) {
+  const ServoParams params = GuidedParams(1e-3);
   ServoBench bench(params);
   ServoLoop second(params, ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
                    ServoBench::Arm().ArmAngle(ServoBench::StartJoints()));
@@ -159,14 +160,14 @@ TEST(ServoGuidance, EachTickComputedTwiceComesOutTheSame) {
   EXPECT_TRUE(acted);
 }
 
-TEST(ServoGuidance, AChangeOfToolBringsTheNextReamersAndKeepsTheGain) {
+TEST(ServoGuidance, AChangeOfToolBringsTheNextReamersGuidanceAndKeepsTheGain) {
   LoopTool first{.X_FT = ServoBench::FlangeToTool(), .sensor = ServoBench::Params().sensor};
   first.guidance = PlanAhead(2e-3);
   LoopTool second = first;
   second.guidance = PlanAhead(1e-3);
   LoopTool third = first;
   third.guidance.reset();
-  FreeBench bench(ServoBench::Params());
+  FreeAirBench bench(ServoBench::Params());
   bench.loop.SetTools({first, second, third}, 0);
   bench.push_N = 40.0;
   ASSERT_GT(bench.Run(3000).guidance.potential_J, 0.0);
@@ -195,7 +196,8 @@ TEST(ServoGuidance, AChangeOfToolBringsTheNextReamersAndKeepsTheGain) {
   EXPECT_FALSE(change(2).guidance.present);
 }
 
-// Both laws: whatever the pose, the bone and the velocity are, the sum stays within the cell's limits.
+// Random poses, velocities and depths of bone under both laws: coupling and guidance together stay within the
+// cell's limits of force and torque.
 class GuidedPipeline : public testing::TestWithParam<Law> {};
 INSTANTIATE_TEST_SUITE_P(, GuidedPipeline, testing::Values(Law::kAdmittance, Law::kImpedance),
                          [](const auto& law) {
@@ -203,7 +205,7 @@ INSTANTIATE_TEST_SUITE_P(, GuidedPipeline, testing::Values(Law::kAdmittance, Law
                          });
 
 TEST_P(GuidedPipeline, NeverRendersMoreThanTheCellsLimit) {
-  ServoParams params = Guided(0.0);
+  ServoParams params = GuidedParams(0.0);
   params.law = GetParam();
   params.wrench.max_force_N = 60.0;
   params.wrench.max_torque_Nm = 3.0;
@@ -215,7 +217,7 @@ TEST_P(GuidedPipeline, NeverRendersMoreThanTheCellsLimit) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   const auto vector = [&] { return Vector3(unit(random), unit(random), unit(random)); };
   rt::Nanoseconds now = rt::kSecond;
-  double worst_J = 0.0, largest_share = 0.0;
+  double max_balance_J = 0.0, max_scale = 0.0;
   bool yielded = false;
   Vector3 p_m = Vector3::Zero(), turn = Vector3::Zero(), v = Vector3::Zero(), w = Vector3::Zero();
   for (int i = 0; i < 20000; ++i) {
@@ -238,21 +240,21 @@ TEST_P(GuidedPipeline, NeverRendersMoreThanTheCellsLimit) {
     ASSERT_LE(rendered.F.t.norm(), 3.0) << i;
     if (i % 5 == 0) pipeline.LimitPower(0.7, rendered, acting);
     const Guidance& guidance = *pipeline.guidance();
-    worst_J = std::max(worst_J,
-                       guidance.scale().energy_J() + guidance.scale().scale() * guidance.field().potential_J);
-    largest_share = std::max(largest_share, guidance.scale().scale());
+    max_balance_J = std::max(
+        max_balance_J, guidance.scale().energy_J() + guidance.scale().scale() * guidance.field().potential_J);
+    max_scale = std::max(max_scale, guidance.scale().scale());
     yielded |= guidance.field().potential_J > 0.0 && guidance.scale().scale() < 0.01;
     if (i % 5 != 0) {
       ASSERT_EQ(acting.Has(safety::Limit::kGuidance), guidance.acts()) << i;
     }
   }
-  EXPECT_LE(worst_J, 1e-6);
-  EXPECT_EQ(largest_share, 1.0);
+  EXPECT_LE(max_balance_J, 1e-6);
+  EXPECT_EQ(max_scale, 1.0);
   EXPECT_TRUE(yielded);
 }
 
-TEST(ServoGuidance, TheTickAllocatesNothing) {
-  FreeBench bench(Guided(1e-3));
+TEST(ServoGuidance, DoesNotAllocate) {
+  FreeAirBench bench(GuidedParams(1e-3));
   bench.push_N = 40.0;
   bench.side_W_N = 10.0 * ServoBench::StartPose().linear().col(0);
   ASSERT_GT(bench.Run(2000).guidance.potential_J, 0.0);

@@ -1,4 +1,5 @@
-// How the loop treats values that are missing, late, of the future or of the past.
+// Tests of how the loop treats input values that are missing, late, or have a stamp of the future or the
+// past.
 
 #include <limits>
 
@@ -11,8 +12,9 @@ namespace {
 
 using safety::Fault;
 
-// The simulation takes its first pose as free: that must be the tool's pose, not the world's origin.
-TEST(ServoInput, NoPoseIsToldToTheSimulationBeforeTheArmHasToldOne) {
+// The simulation takes the first pose that it gets as free of bone. So that pose must be the tool's, and not
+// the world's origin.
+TEST(ServoInput, TheSimulationGetsNoPoseBeforeTheArmReportsOne) {
   ServoBench bench;
   for (int i = 0; i < 10; ++i) bench.Tick(ReceiveResult::kTimeout);
   EXPECT_EQ(bench.loop.tool_command().stamp, 0) << "no message yet";
@@ -31,13 +33,13 @@ TEST(ServoInput, NoPoseIsToldToTheSimulationBeforeTheArmHasToldOne) {
   EXPECT_LT((Pose(record.X_WT_cmd).matrix() - ServoBench::StartPose().matrix()).norm(), 1e-9);
 }
 
-// The planes of a frame reach a quarter of a millimetre beyond the tool (CuttingParams). Bone farther away
-// appears in the next frame, when the tool may be inside it: the step must stay below the trip on the
+// A frame has only planes within 0.25 mm of the tool (CuttingParams). A plane farther away appears in a later
+// frame, when the tool may already be inside the bone. The step of force must then stay below the trip on the
 // wrench's rate.
-TEST(ServoInput, BoneThatNoFrameKnewOfYetIsMetWithoutAFault) {
+TEST(ServoInput, BoneThatAppearsBetweenFramesCausesNoFault) {
   for (const bool one_frame_behind : {false, true})
     for (const int frame_ticks : {1, 2, 3, 5, 8}) {
-      // contact at every time within a frame
+      // distances in steps of 0.1 mm, so that the contact happens at different times within a frame
       for (double ahead_m = 0.020; ahead_m < 0.0221; ahead_m += 0.0001) {
         ServoBench bench(ServoBench::Params(), ahead_m);
         bench.reach_m = simulation::CuttingParams{}.normal_enlargement_m;
@@ -55,9 +57,9 @@ TEST(ServoInput, BoneThatNoFrameKnewOfYetIsMetWithoutAFault) {
     }
 }
 
-// Every speed becomes a step by the period: an arm with five times the message rate would move five times as
-// fast.
-TEST(ServoInput, AnArmOfAnotherPeriodThanTheCellsIsNotMoved) {
+// The loop turns speeds into steps by the cell's period: an arm with five times the message rate would move
+// five times as fast.
+TEST(ServoInput, AnArmWhosePeriodDiffersFromTheCellsIsNotMoved) {
   for (const double period_s : {0.001, 0.010, 0.0, std::numeric_limits<double>::quiet_NaN()}) {
     ServoParams params = ServoBench::Params();
     params.period_s = 0.005;
@@ -72,7 +74,7 @@ TEST(ServoInput, AnArmOfAnotherPeriodThanTheCellsIsNotMoved) {
   }
 }
 
-// A recording's time goes on while the arm is silent, and begins where the loop did.
+// The records' stamps must go on while the arm is silent, and must begin when the loop begins.
 TEST(ServoInput, ATickWithoutAMessageIsRecordedAtItsOwnTime) {
   ServoBench bench;
   EXPECT_EQ(bench.Tick(ReceiveResult::kTimeout).stamp, bench.now) << "before the first message";
@@ -80,8 +82,8 @@ TEST(ServoInput, ATickWithoutAMessageIsRecordedAtItsOwnTime) {
   EXPECT_EQ(bench.Tick(ReceiveResult::kTimeout).stamp, bench.now) << "not the stamp of the message before";
 }
 
-// Times that are ahead of the loop's clock, behind it, or missing.
-TEST(ServoInput, AModelOrReadingOfAnotherTimeIsNotFresh) {
+// Stamps that are ahead of the loop's clock or behind it, by up to the largest representable time.
+TEST(ServoInput, AModelOrReadingWithAWrongStampIsNotFresh) {
   for (const rt::Nanoseconds offset :
        {2 * rt::kMillisecond, 70 * rt::kMillisecond, 3600 * rt::kSecond, -80 * rt::kMillisecond,
         -3600 * rt::kSecond, std::numeric_limits<rt::Nanoseconds>::max() / 2,
@@ -122,7 +124,8 @@ TEST(ServoInput, AModelOrReadingOfAnotherTimeIsNotFresh) {
   }
 }
 
-// An older frame after a newer one counts with its own age; nothing jumps, since it describes the same bone.
+// Every third frame is an old one (45 ms) among new ones. It counts with its own age: the force falls at
+// once, and rises only slowly afterwards.
 TEST(ServoInput, AnOlderFrameAfterANewerOneIsUsedAtItsAge) {
   ServoBench bench;
   bench.Activate();
@@ -152,8 +155,9 @@ TEST(ServoInput, AnOlderFrameAfterANewerOneIsUsedAtItsAge) {
   }
 }
 
-// A clock that is set back or forward causes no motion larger than a tick's.
-TEST(ServoInput, AJumpOfTheClockMakesNoJumpOfTheForceUpwards) {
+// When the clock is set back or forward, the force does not rise by a jump, and no motion exceeds that of a
+// tick.
+TEST(ServoInput, AJumpOfTheClockDoesNotRaiseTheForceAbruptly) {
   for (const rt::Nanoseconds jump : {-10 * rt::kSecond, -2 * rt::kMillisecond, 10 * rt::kSecond}) {
     ServoBench bench;
     bench.Activate();

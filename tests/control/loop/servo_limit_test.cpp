@@ -1,4 +1,4 @@
-// Requirement: no coupling wrench above the limit is ever integrated or sent, for any input.
+// Tests of a requirement: for any input, no coupling wrench above the limit is integrated or sent.
 
 #include <cmath>
 #include <cstring>
@@ -13,14 +13,16 @@
 namespace osteon::control {
 namespace {
 
-// Random inputs that look like a bone's, a broken sender's and an adversary's.
+// Random inputs: plausible ones of a bone, and wrong ones as of a broken or hostile sender.
 class Adversary {
  public:
   explicit Adversary(std::uint64_t seed) : random_(seed) {}
 
+  // Uniform in -1 … 1.
   double Unit() { return std::uniform_real_distribution<double>(-1.0, 1.0)(random_); }
   std::uint64_t Bits() { return random_(); }
   bool Chance(double p) { return Unit() * 0.5 + 0.5 < p; }
+  // A value that breaks careless arithmetic: not finite, huge, tiny or negative.
   double Hostile() {
     constexpr double kInf = std::numeric_limits<double>::infinity();
     const double values[] = {0.0,
@@ -38,7 +40,8 @@ class Adversary {
   }
   Vector3 Direction() { return Vector3(Unit(), Unit(), Unit() + 1e-9).normalized(); }
 
-  // Planes within some mm of the tool, with any direction and stiffness: credible, so nothing refuses them.
+  // Fills the model with up to 8 random planes near the tool. They are credible, so the loop does not refuse
+  // them.
   void SpoilCredibly(simulation::ContactModel& model, const Pose& X_WT) {
     model.contact_count = static_cast<std::int32_t>(Bits() % 9);
     for (simulation::Contact& c : model.contacts) {
@@ -51,6 +54,7 @@ class Adversary {
     model.spindle_torque_Nm = Chance(0.5) ? 0.0 : 100.0;
     model.F_T_W.f = Vector3(100.0 * Direction());
   }
+  // Sets a random field of the model to a hostile value.
   void SpoilAnywhere(simulation::ContactModel& model) {
     auto& c = model.contacts[Bits() % model.contacts.size()];
     double* fields[] = {
@@ -63,6 +67,7 @@ class Adversary {
   std::mt19937_64 random_;
 };
 
+// Asserts that a tick is finite and within the limits of force, torque and speed.
 void CheckTick(const TickRecord& record, const ServoLoop& loop, double limit_N, double limit_Nm) {
   const Wrench F = record.F_coupling_T_W;
   ASSERT_TRUE(safety::IsFinite(F));
@@ -76,20 +81,21 @@ void CheckTick(const TickRecord& record, const ServoLoop& loop, double limit_N, 
   ASSERT_LE(Vector3(record.v_WT_cmd_m_per_s).norm(), 0.25 * 1.1);
 }
 
-TEST(ServoLimit, NoWrenchAboveTheLimitIsIntegratedWhateverComesIn) {
+TEST(ServoLimit, NoWrenchAboveTheLimitIsIntegratedForAnyInput) {
   int limited = 0, faulted = 0;
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Adversary adversary(seed);
     ServoParams params = ServoBench::Params();
-    params.wrench.max_force_N = seed % 3 == 0 ? 1e9 : 150.0;  // the ceiling holds in any case
+    params.wrench.max_force_N =
+        seed % 3 == 0 ? 1e9 : 150.0;  // with an absurd limit, the ceiling of 200 N holds
     params.wrench.max_torque_Nm = 5.0;
     params.spindle_rad_per_s = seed % 2 == 0 ? 26.18 : 0.0;
     const double limit_N = seed % 3 == 0 ? 200.0 : 150.0;
     ServoBench bench(params);
     bench.Activate();
     bench.push_N = 200.0 * adversary.Unit();
-    bench.Run(130);  // ramped in
+    bench.Run(130);  // until the coupling has faded in
     auto before = bench.command.q;
     for (int i = 0; i < 60; ++i) {
       bench.simulation_lives = adversary.Chance(0.3);
@@ -101,7 +107,7 @@ TEST(ServoLimit, NoWrenchAboveTheLimitIsIntegratedWhateverComesIn) {
       before = record.q_cmd;
       if (record.wrench_scale < 1.0) ++limited;
 
-      // input of the next tick
+      // the input of the next tick
       adversary.SpoilCredibly(bench.model, bench.loop.tool_command().X_WT);
       ++bench.model.frame;
       bench.model.pose_stamp = bench.now;
@@ -117,8 +123,8 @@ TEST(ServoLimit, NoWrenchAboveTheLimitIsIntegratedWhateverComesIn) {
   EXPECT_GT(limited + faulted, 250) << "the draws must reach the limits to prove anything";
 }
 
-// 240 N are below the sensor's trip: the limiter alone must keep the limit.
-TEST(ServoLimit, AHandStrongerThanTheLimitMeetsTheLimitWithItsDirection) {
+// 240 N lie below the trip on the sensor's force, so that only the limiter keeps the wrench at 200 N.
+TEST(ServoLimit, AHandStrongerThanTheLimitMeetsTheLimitInItsDirection) {
   ServoParams params = ServoBench::Params();
   params.max_tracking_error_m = 1.0;
   ServoBench bench(params);
@@ -139,7 +145,7 @@ TEST(ServoLimit, AHandStrongerThanTheLimitMeetsTheLimitWithItsDirection) {
   EXPECT_GT(bench.loop.statistics().limits.Of(safety::Limit::kWrench).events, 0u);
 }
 
-TEST(ServoLimit, MessagesOfRandomBitsNeverMoveTheArmTooFast) {
+TEST(ServoLimit, MessagesWithHostileValuesNeverMoveTheArmTooFast) {
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Adversary adversary(seed);

@@ -10,6 +10,8 @@
 #include "servo_bench.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
+// Tests of the whole servo loop: start, contact, limits, stops, and silent or faulty partners.
+
 namespace osteon::control {
 namespace {
 
@@ -18,16 +20,16 @@ using safety::Fault;
 
 JointVector Joints(const std::array<double, 7>& q) { return Eigen::Map<const JointVector>(q.data()); }
 
-// Largest speed of the commanded joints as a share of their limits.
-double JointSpeedShare(const std::array<double, 7>& before, const std::array<double, 7>& after) {
-  double share = 0.0;
+// Largest ratio of a commanded joint's speed to its limit, for a step of 1 ms.
+double MaxJointSpeedRatio(const std::array<double, 7>& before, const std::array<double, 7>& after) {
+  double ratio = 0.0;
   for (std::size_t i = 0; i < 7; ++i)
-    share = std::max(
-        share, std::abs(after[i] - before[i]) / 0.001 / kinematics::Iiwa14().limits[i].velocity_rad_per_s);
-  return share;
+    ratio = std::max(
+        ratio, std::abs(after[i] - before[i]) / 0.001 / kinematics::Iiwa14().limits[i].velocity_rad_per_s);
+  return ratio;
 }
 
-TEST(ServoLoop, WaitsWithTheArmAndStartsWithoutAJump) {
+TEST(ServoLoop, FollowsTheWaitingArmAndStartsWithoutAJump) {
   ServoBench bench;
   TickRecord record = bench.Run(5);
   EXPECT_EQ(record.phase, Phase::kWaiting);
@@ -67,7 +69,7 @@ TEST(ServoLoop, TurnsToTheWantedArmAngleSlowlyFromAnyOther) {
                                          .now = bench.now},
                                         command);
     ASSERT_EQ(record.faults, 0u);
-    ASSERT_LT(JointSpeedShare(before, command.q), 0.2);
+    ASSERT_LT(MaxJointSpeedRatio(before, command.q), 0.2);
   }
   EXPECT_NEAR(ServoBench::Arm().ArmAngle(Joints(command.q)), start + 0.02, 1e-6);
   const Pose X_WT = ServoBench::Arm().FlangePose(Joints(command.q)) * ServoBench::FlangeToTool();
@@ -94,7 +96,7 @@ TEST(ServoLoop, Presses120NIntoAPlaneAndSettlesWithoutPassingTheLimit) {
   EXPECT_LE(bench.loop.statistics().peak_tool_speed_m_per_s, 0.25 * (1.0 + 1e-9));
 }
 
-TEST(ServoLoop, CommandedPoseIntegratedPoseAndJointsAreOne) {
+TEST(ServoLoop, TheRecordedPoseIsThatOfTheCommandedJoints) {
   ServoBench bench;
   bench.Activate();
   bench.push_N = -60.0;
@@ -119,7 +121,7 @@ TEST(ServoLoop, PushedTowardsAJointLimitItSlowsDownAndStaysInside) {
   params.joints.limits[3].lower_rad = -params.joints.limits[3].upper_rad;
   ServoBench bench(params, 10.0);
   bench.Activate();
-  // towards the shoulder: the elbow must bend
+  // a push toward the shoulder bends the elbow until A4 reaches its limit
   bench.side_W_N = -40.0 * (ServoBench::StartPose().translation() - Vector3(0.0, 0.0, 0.36)).normalized();
   double before = start_a4;
   for (int i = 0; i < 3000; ++i) {
@@ -139,11 +141,11 @@ TEST(ServoLoop, PushedTowardsAJointLimitItSlowsDownAndStaysInside) {
   EXPECT_LT(std::abs(bench.Tick().q_cmd[3]), before) << "pulled back it leaves at once";
 }
 
-// Oracle: v^2 / 2a.
-TEST(ServoLoop, AStopEndsWithinTheComputedDistanceOnTheSameLine) {
+// Oracle: the stopping distance v² / 2a.
+TEST(ServoLoop, AStopEndsOnItsLineAtTheComputedDistance) {
   ServoBench bench(ServoBench::Params(), 1.0);
   bench.Activate();
-  bench.push_N = 4.0;  // to 0.2 m/s in the end
+  bench.push_N = 4.0;  // 4 N against 20 N s/m: toward 0.2 m/s
   const TickRecord moving = bench.Run(500);
   const double v = Vector3(moving.v_WT_cmd_m_per_s).norm();
   ASSERT_GT(v, 0.15);
@@ -159,15 +161,15 @@ TEST(ServoLoop, AStopEndsWithinTheComputedDistanceOnTheSameLine) {
     record = bench.Tick();
   }
   EXPECT_EQ(record.phase, Phase::kStopped);
-  const Vector3 way = Pose(record.X_WT_cmd).translation() - from;
-  EXPECT_NEAR(way.norm(), v * v / (2.0 * 3.0), v * 0.001) << "within a tick's way";
-  EXPECT_LT(way.cross(bench.feed_W).norm(), 1e-9) << "on the same line";
+  const Vector3 travel = Pose(record.X_WT_cmd).translation() - from;
+  EXPECT_NEAR(travel.norm(), v * v / (2.0 * 3.0), v * 0.001) << "within a tick's way";
+  EXPECT_LT(travel.cross(bench.feed_W).norm(), 1e-9) << "on the same line";
   EXPECT_EQ(record.faults, 0u) << "asked for: no fault";
   const auto held = record.q_cmd;
   EXPECT_EQ(bench.Run(100).q_cmd, held) << "holds, although the hand still pushes";
 }
 
-TEST(ServoLoop, AStopInContactRendersNothingMoreAndStillsTheSpindle) {
+TEST(ServoLoop, AStopInContactEndsRenderingAndStopsTheSpindle) {
   ServoParams params = ServoBench::Params();
   params.spindle_rad_per_s = 26.18;
   ServoBench bench(params);
@@ -182,7 +184,7 @@ TEST(ServoLoop, AStopInContactRendersNothingMoreAndStillsTheSpindle) {
   EXPECT_TRUE(Vector3(record.F_coupling_T_W.f).isZero(0.0));
 }
 
-TEST(ServoLoop, AskedToStopBeforeTheArmIsActiveItNeverRenders) {
+TEST(ServoLoop, AStopRequestBeforeTheArmIsActivePreventsRendering) {
   ServoBench bench;
   bench.Run(3);
   bench.loop.RequestStop();
@@ -191,8 +193,9 @@ TEST(ServoLoop, AskedToStopBeforeTheArmIsActiveItNeverRenders) {
   EXPECT_EQ(bench.Run(10).phase, Phase::kStopped);
 }
 
-// 20 ms full, 60 ms held, 250 ms Stop 1.
-TEST(ServoLoop, AStalledSimulationSlowsThenHoldsThenStopsTheTool) {
+// With a model up to 20 ms old the coupling is full; from 60 ms on nothing is rendered and the tool is held;
+// at 250 ms the cell stops.
+TEST(ServoLoop, AStalledSimulationFadesThenHoldsThenStops) {
   ServoBench bench;
   bench.Activate();
   bench.push_N = 120.0;
@@ -227,8 +230,8 @@ TEST(ServoLoop, AStalledSimulationSlowsThenHoldsThenStopsTheTool) {
   EXPECT_LE(returned_J, 0.36) << "no more than the spring had stored: F^2 / 2K";
 }
 
-// Row 10 of the failures: a pause in contact; the energy returned to the hand, and the resumption.
-TEST(ServoLoop, AfterAStallTheForceComesBackWithoutAJump) {
+// The simulation stalls in contact for up to 200 ms and comes back.
+TEST(ServoLoop, AfterAStallTheForceRisesWithoutAJump) {
   for (const int stall_ticks : {20, 60, 120, 200}) {
     ServoBench bench;
     bench.Activate();
@@ -251,7 +254,7 @@ TEST(ServoLoop, AfterAStallTheForceComesBackWithoutAJump) {
   }
 }
 
-TEST(ServoLoop, WithoutAnyModelItDoesNotBegin) {
+TEST(ServoLoop, WithoutAModelRenderingDoesNotBegin) {
   ServoBench bench;
   bench.simulation_lives = false;
   bench.Activate();
@@ -264,7 +267,7 @@ TEST(ServoLoop, WithoutAnyModelItDoesNotBegin) {
   EXPECT_EQ(bench.Run(3).phase, Phase::kHaptic);
 }
 
-TEST(ServoLoop, ASilentSensorFadesAndStops) {
+TEST(ServoLoop, ASilentSensorStopsAfter100Milliseconds) {
   ServoBench bench(ServoBench::Params(), 1.0);
   bench.Activate();
   bench.push_N = 3.0;
@@ -278,7 +281,7 @@ TEST(ServoLoop, ASilentSensorFadesAndStops) {
   EXPECT_EQ(bench.Run(200).phase, Phase::kStopped);
 }
 
-TEST(ServoLoop, ASilentArmIsHeldAndThenAFault) {
+TEST(ServoLoop, ASilentArmIsHeldAndIsAFaultAfterFiveMessages) {
   ServoBench bench(ServoBench::Params(), 1.0);
   bench.Activate();
   bench.push_N = 3.0;
@@ -304,7 +307,7 @@ TEST(ServoLoop, TimeoutsBeforeTheFirstMessageAreNoFault) {
   EXPECT_EQ(bench.Run(4).phase, Phase::kHaptic) << "a frame later";
 }
 
-TEST(ServoLoop, AnArmThatLeavesTheSessionIsFollowedAndNotTakenUpAgain) {
+TEST(ServoLoop, AnArmThatLeavesTheSessionIsNotCommandedAgainByItself) {
   ServoBench bench;
   bench.Activate();
   bench.Run(10);
@@ -318,7 +321,7 @@ TEST(ServoLoop, AnArmThatLeavesTheSessionIsFollowedAndNotTakenUpAgain) {
   EXPECT_EQ(bench.Run(50).q_cmd, held) << "back in COMMANDING_ACTIVE it holds until told";
 }
 
-TEST(ServoLoop, EachFaultStopsInOrder) {
+TEST(ServoLoop, EachFaultStopsTheTool) {
   const auto fault_after = [](const auto& spoil) {
     ServoBench bench;
     bench.Activate();
@@ -362,13 +365,14 @@ TEST(ServoLoop, AnArmFarFromItsCommandIsAFault) {
   EXPECT_TRUE(bench.loop.faults().Has(Fault::kTracking));
 }
 
-// Pushed outward with 60 N until the elbow is straight, then sideways as well, then back.
-TEST(ServoLoop, AtTheEndOfTheArmsReachTheToolStopsAndSlidesAndComesBack) {
+// A hand pushes outward with 60 N until the arm is stretched, then sideways as well, then back.
+TEST(ServoLoop, AtTheEndOfItsReachTheToolStopsSlidesAndReturns) {
   ServoParams params = ServoBench::Params();
   params.workspace.sphere_radius_m = 3.0;
   params.workspace.plane_offset_m = -3.0;
   ServoBench bench(params, 10.0);
   bench.Activate();
+  // vector from the shoulder to the wrist
   const auto p_SW = [](const TickRecord& record) -> Vector3 {
     return ServoBench::Arm().FlangePose(Joints(record.q_cmd)) *
                Vector3(0, 0, -kinematics::Iiwa14().wrist_to_flange_m) -
@@ -383,7 +387,7 @@ TEST(ServoLoop, AtTheEndOfTheArmsReachTheToolStopsAndSlidesAndComesBack) {
     for (int i = 0; i < ticks; ++i) {
       record = bench.Tick();
       EXPECT_EQ(record.faults, 0u) << record.tick;
-      EXPECT_LE(JointSpeedShare(before, record.q_cmd), 0.9 + 1e-9) << record.tick;
+      EXPECT_LE(MaxJointSpeedRatio(before, record.q_cmd), 0.9 + 1e-9) << record.tick;
       jump_m_per_s = std::max(jump_m_per_s, (Vector3(record.v_WT_cmd_m_per_s) - v_before).norm());
       v_before = record.v_WT_cmd_m_per_s;
       before = record.q_cmd;
@@ -398,7 +402,7 @@ TEST(ServoLoop, AtTheEndOfTheArmsReachTheToolStopsAndSlidesAndComesBack) {
   EXPECT_GT((Vector3(run(500).X_WT_cmd.p) - stopped).norm(), 0.02) << "it slides";
   bench.side_W_N = -20.0 * outward;
   EXPECT_LT(p_SW(run(500)).norm(), reach_m - 0.015) << "and is not held there";
-  // 60 N on 3 kg are 20 mm/s in a tick
+  // 60 N accelerate 3 kg by 20 mm/s per tick
   EXPECT_LT(jump_m_per_s, 0.02 + 1e-9);
 }
 

@@ -7,10 +7,11 @@
 #include "control/setup/servo_params.h"
 #include "tests/control/loop/servo_bench.h"
 
-// Shared by the tests of the servo loop's parts: parameters and an arm as ServoBench has them.
+// Shared by the tests of the servo loop's parts: a message and a follower of the arm of ServoBench, and bone.
 
 namespace osteon::control {
 
+/// A message of the arm that stands in the bench's start pose.
 inline ArmState StandingArm(SessionState session = SessionState::kCommandingActive) {
   ArmState state;
   Eigen::Map<kinematics::JointVector>(state.q_meas.data()) = ServoBench::StartJoints();
@@ -20,6 +21,7 @@ inline ArmState StandingArm(SessionState session = SessionState::kCommandingActi
   return state;
 }
 
+/// A follower of the bench's arm, reset to the start pose.
 inline std::unique_ptr<ArmFollower> Follower(const ServoParams& params) {
   auto arm = MakeFollower(params, ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
                           ServoBench::Arm().ArmAngle(ServoBench::StartJoints()));

@@ -1,4 +1,5 @@
-// The servo loop with a KR of six axes at RSI's period: the same law and limits, no elbow.
+// Tests of the servo loop with a six-axis KR arm at RSI's period of 4 ms. Law and limits are the same as for
+// an LBR, but there is no elbow to turn.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +15,7 @@ using kinematics::OrthoParallelArm;
 using Joints = OrthoParallelArm::Joints;
 
 constexpr double kPeriod_s = 0.004;
-constexpr double kStiffness_N_per_m = 5e3;
+constexpr double kStiffness_N_per_m = 5e3;  // of the coupling and of the bench's plane
 
 Joints StartJoints() {
   Joints q;
@@ -25,12 +26,14 @@ Joints StartJoints() {
 OrthoParallelArm Arm() {
   kinematics::OrthoParallelParams params = kinematics::Kr16Params();
   for (kinematics::JointLimits& limit : params.limits)
-    limit.acceleration_rad_per_s2 = limit.velocity_rad_per_s / 0.3;  // the robot file's assumption
+    limit.acceleration_rad_per_s2 =
+        limit.velocity_rad_per_s / 0.3;  // 0.3 s to full speed, as assumed in the robot's file
   return OrthoParallelArm(params);
 }
 
+// Tool pose at these joints.
 Pose PoseAt(const Joints& q) {
-  // made once: construction allocates, and the bench runs in the tick
+  // made once, because its construction allocates and PoseAt is called where allocations are checked
   static const OrthoParallelArm arm = Arm();
   return arm.FlangePose(q) * ServoBench::FlangeToTool();
 }
@@ -43,13 +46,14 @@ ServoParams Params() {
   params.workspace.sphere_center_W_m = p_start;
   params.workspace.sphere_radius_m = 0.3;
   params.workspace.plane_offset_m = p_start.z() - 0.3;
-  params.admittance.damping_Ns_per_m.setConstant(120.0);  // D > a_max K at a hold of 4 ms
+  params.admittance.damping_Ns_per_m.setConstant(120.0);  // D > a_max K, stable at a period of 4 ms
   params.coupling.max_stiffness_N_per_m = kStiffness_N_per_m;
   params.spindle_rad_per_s = 0.0;
   return params;
 }
 
-// An arm that follows its command a tick later, and a plane ahead of the tool, reported without delay.
+// A servo loop in virtual time with a KR 16 that follows its command a tick later, a plane 5 mm ahead of the
+// tool that is reported without delay, and a hand.
 class SixAxisBench {
  public:
   explicit SixAxisBench(const ServoParams& params = Params(), const Joints& q = StartJoints())
@@ -101,7 +105,7 @@ class SixAxisBench {
   bool answered_{false};
 };
 
-TEST(ServoSixAxis, AHandThatPushesAgainstAWallComesToRestWhereItsSpringHoldsIt) {
+TEST(ServoSixAxis, AHandComesToRestInTheWallAtForceOverStiffness) {
   SixAxisBench bench;
   const Matrix3 R_start = bench.ToolNow().linear();
   bench.push_W_N = 60.0 * bench.feed_W;
@@ -116,7 +120,7 @@ TEST(ServoSixAxis, AHandThatPushesAgainstAWallComesToRestWhereItsSpringHoldsIt) 
   EXPECT_EQ(bench.command.q[6], 0.0);
 }
 
-TEST(ServoSixAxis, InFreeMotionTheToolGoesWhereTheHandPushesAtTheLawsSpeed) {
+TEST(ServoSixAxis, InFreeAirTheToolMovesAtForceOverDamping) {
   SixAxisBench bench;
   const Vector3 along_W = bench.feed_W.unitOrthogonal();
   bench.push_W_N = 10.0 * along_W;
@@ -126,7 +130,7 @@ TEST(ServoSixAxis, InFreeMotionTheToolGoesWhereTheHandPushesAtTheLawsSpeed) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-TEST(ServoSixAxis, GoesToItsStartAlongTheSixJointsAndRendersThere) {
+TEST(ServoSixAxis, MovesToItsStartAndRendersThere) {
   ServoParams params = Params();
   params.start.emplace();
   params.start->q.head<6>() = StartJoints();
@@ -139,11 +143,11 @@ TEST(ServoSixAxis, GoesToItsStartAlongTheSixJointsAndRendersThere) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-TEST(ServoSixAxis, AJointLimitSlowsTheToolAndIsNoFault) {
+TEST(ServoSixAxis, AJointLimitHoldsTheToolWithoutAFault) {
   ServoParams params = Params();
   params.joints.limits[0].upper_rad = StartJoints()[0] + 0.05;
   SixAxisBench bench(params);
-  // A1 turns about the world's z, the other way round: joint 1 grows as the tool goes toward -y
+  // KUKA's A1 turns clockwise about z: its angle grows as the tool moves toward -y
   bench.push_W_N = 30.0 * Vector3(0.0, -1.0, 0.0);
   const TickRecord record = bench.Run(1500);
   EXPECT_EQ(record.phase, Phase::kHaptic);
@@ -166,7 +170,7 @@ TEST(ServoSixAxis, StopsToRestAndDoesNotAllocate) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-TEST(ServoSixAxis, RefusesAPoseThatIsNone) {
+TEST(ServoSixAxis, RefusesATransformThatIsNoRigidMotion) {
   Pose X_FT = Pose::Identity();
   X_FT.linear() *= 2.0;
   EXPECT_THROW(ServoLoop(Params(), Arm(), Pose::Identity(), X_FT), std::invalid_argument);

@@ -1,4 +1,5 @@
-// The stabilisers in the servo loop: which ones act, and what is recorded; inactive ones leave no trace.
+// Tests of the stabilisers (age governor, passivity observer, energy tank) in the servo loop: what they
+// change and record.
 
 #include <algorithm>
 #include <stdexcept>
@@ -10,6 +11,7 @@
 namespace osteon::control {
 namespace {
 
+// @param act  whether all three stabilisers are on
 ServoParams Params(bool act, double tool_radius_m) {
   ServoParams params = ServoBench::Params();
   params.stabilisers.age_governor.acts = act;
@@ -19,35 +21,37 @@ ServoParams Params(bool act, double tool_radius_m) {
   return params;
 }
 
-TEST(ServoStabilisers, PlanesOfTenMillisecondsRaiseTheDampingAndAreCounted) {
+TEST(ServoStabilisers, FramesEveryTenMillisecondsRaiseTheDamping) {
   ServoBench bench(Params(true, 0.025));
   bench.frame_ticks = 10;
   bench.Run(3);
   bench.Activate();
   bench.push_N = 80.0;
-  double most = 1.0, least_J = 1.0;
+  double max_factor = 1.0, min_tank_J = 1.0;
   std::uint64_t ticks = 0;
   for (int i = 0; i < 1500; ++i) {
     const TickRecord record = bench.Tick();
     ASSERT_EQ(record.faults, 0u);
     if (record.age_damping_factor > 1.0) ++ticks;
-    most = std::max(most, record.age_damping_factor);
-    if (record.phase == Phase::kHaptic) least_J = std::min(least_J, record.tank_J);
+    max_factor = std::max(max_factor, record.age_damping_factor);
+    if (record.phase == Phase::kHaptic) min_tank_J = std::min(min_tank_J, record.tank_J);
     EXPECT_EQ(record.age_wrench_share, 1.0);
   }
-  // 80 N / 25 mm, 10 ms: 33 N s/m at the apex' 20, and the lever of the tool's centre
-  EXPECT_GT(most, 1.4);
-  EXPECT_LT(most, 2.5);
-  const ServoStatistics& s = bench.loop.statistics();
-  EXPECT_EQ(s.limits.Of(safety::Limit::kAgeGovernor).ticks, ticks);
-  EXPECT_GE(s.limits.Of(safety::Limit::kAgeGovernor).events, 1u);
-  EXPECT_EQ(s.limits.Of(safety::Limit::kPassivity).events, 0u);
-  EXPECT_EQ(s.limits.Of(safety::Limit::kTank).events, 0u);
-  EXPECT_EQ(s.min_tank_J, least_J);
-  EXPECT_GT(least_J, 0.9);
+  // 80 N / 25 mm × 10 ms need a damping of 33 N s/m, and the apex has 20; the lever of the tool's centre adds
+  // to it
+  EXPECT_GT(max_factor, 1.4);
+  EXPECT_LT(max_factor, 2.5);
+  const ServoStatistics& statistics = bench.loop.statistics();
+  EXPECT_EQ(statistics.limits.Of(safety::Limit::kAgeGovernor).ticks, ticks);
+  EXPECT_GE(statistics.limits.Of(safety::Limit::kAgeGovernor).events, 1u);
+  EXPECT_EQ(statistics.limits.Of(safety::Limit::kPassivity).events, 0u);
+  EXPECT_EQ(statistics.limits.Of(safety::Limit::kTank).events, 0u);
+  EXPECT_EQ(statistics.min_tank_J, min_tank_J);
+  EXPECT_GT(min_tank_J, 0.9);
 }
 
-TEST(ServoStabilisers, WhatDoesNotActChangesNoBit) {
+// With a tool radius of 1 m, force over radius is so small that no stabiliser has to act.
+TEST(ServoStabilisers, StabilisersThatNeedNotActChangeNothing) {
   ServoBench with(Params(true, 1.0)), without(Params(false, 1.0));
   for (ServoBench* bench : {&with, &without}) {
     bench->Run(3);
@@ -63,7 +67,7 @@ TEST(ServoStabilisers, WhatDoesNotActChangesNoBit) {
   EXPECT_EQ(with.loop.statistics().limits.Of(safety::Limit::kAgeGovernor).ticks, 0u);
 }
 
-TEST(ServoStabilisers, TheImpedanceLawsGovernorNeedsADamping) {
+TEST(ServoStabilisers, TheAgeGovernorUnderImpedanceNeedsSomeDamping) {
   ServoParams params = ServoBench::Params();
   params.law = Law::kImpedance;
   params.impedance.damping_Ns_per_m.setZero();

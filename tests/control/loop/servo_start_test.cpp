@@ -3,14 +3,15 @@
 #include "servo_bench.h"
 #include "tests/kinematics/iiwa14.h"
 
-// The path to the start of rendering.
+// Tests of the motion that takes the arm from where it is handed over to the start pose, where rendering
+// begins.
 
 namespace osteon::control {
 namespace {
 
 using kinematics::JointVector;
 
-// An arm that is handed over 0.3 rad from its start, in some joints.
+// An arm that is handed over with A1 0.3 rad and A4 0.15 rad away from its start pose.
 class ServoStart : public ::testing::Test {
  protected:
   static JointVector Goal() {
@@ -41,14 +42,15 @@ class ServoStart : public ::testing::Test {
     for (int i = 0; i < count; ++i) Tick();
   }
   JointVector Joints() const { return Eigen::Map<const JointVector>(bench.command.q.data()); }
-  double ToGo() const { return (Goal() - Joints()).cwiseAbs().maxCoeff(); }
+  // Largest remaining angle of a joint to the start pose [rad].
+  double RemainingAngle() const { return (Goal() - Joints()).cwiseAbs().maxCoeff(); }
 
   ServoBench bench{Params(), 10.0};  // no bone near
-  bool permitted{true}, held{true};  // motion, by the PLC; the enabling switch
+  bool permitted{true}, held{true};  // whether the PLC permits motion, and the enabling switch is held
   double max_step_rad{0.0};
 };
 
-TEST_F(ServoStart, TheArmGoesThereAndRendersFromThere) {
+TEST_F(ServoStart, TheArmMovesToTheStartAndRendersThere) {
   Run(5);
   bench.Activate();
   Run(2);
@@ -58,7 +60,7 @@ TEST_F(ServoStart, TheArmGoesThereAndRendersFromThere) {
   int ticks = 0;
   while (bench.loop.phase() == Phase::kAligning && ++ticks < 20'000) Tick();
   EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
-  EXPECT_LT(ToGo(), 1e-9);
+  EXPECT_LT(RemainingAngle(), 1e-9);
   EXPECT_GT(ticks, 500) << "slowly";
   EXPECT_LT(max_step_rad, 1e-3);
   EXPECT_EQ(bench.loop.statistics().active_ticks, 1u) << "the path to the start is no rendering";
@@ -67,16 +69,16 @@ TEST_F(ServoStart, TheArmGoesThereAndRendersFromThere) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-TEST_F(ServoStart, WithTheSwitchReleasedItRestsOnItsWayAndGoesOnLater) {
+TEST_F(ServoStart, WithTheSwitchReleasedTheArmRestsAndContinuesLater) {
   Run(5);
   bench.Activate();
   Run(600);
   held = false;  // the PLC still permits: the switch counts on its own
   Run(600);
-  const double rests = ToGo();
-  EXPECT_GT(rests, 0.05);
+  const double resting_rad = RemainingAngle();
+  EXPECT_GT(resting_rad, 0.05);
   Run(500);
-  EXPECT_EQ(ToGo(), rests);
+  EXPECT_EQ(RemainingAngle(), resting_rad);
   EXPECT_EQ(bench.loop.phase(), Phase::kAligning);
   EXPECT_FALSE(bench.loop.faults().Any());
   held = true;
@@ -85,34 +87,34 @@ TEST_F(ServoStart, WithTheSwitchReleasedItRestsOnItsWayAndGoesOnLater) {
   EXPECT_LT(max_step_rad, 1e-3) << "no jump, not even when the switch is pressed again";
 }
 
-TEST_F(ServoStart, WithoutThePlcsPermissionItRestsOnItsWayAndGoesOnLater) {
+TEST_F(ServoStart, WithoutThePlcsPermissionTheArmRestsAndContinuesLater) {
   Run(5);
   bench.Activate();
   Run(600);
   permitted = false;
   Run(600);
-  const double rests = ToGo();
-  EXPECT_GT(rests, 0.05);
+  const double resting_rad = RemainingAngle();
+  EXPECT_GT(resting_rad, 0.05);
   Run(500);
-  EXPECT_EQ(ToGo(), rests);
+  EXPECT_EQ(RemainingAngle(), resting_rad);
   permitted = true;
   for (int i = 0; i < 20'000 && bench.loop.phase() == Phase::kAligning; ++i) Tick();
   EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
 }
 
-TEST_F(ServoStart, AStopOnTheWayIsAPauseThatStays) {
+TEST_F(ServoStart, AStopOnTheWayToTheStartStopsTheArm) {
   Run(5);
   bench.Activate();
   Run(600);
   bench.loop.RequestStop();
   Run(1000);
   EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
-  EXPECT_GT(ToGo(), 0.05);
+  EXPECT_GT(RemainingAngle(), 0.05);
   EXPECT_LT(max_step_rad, 1e-3);
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-TEST_F(ServoStart, AnArmThatLeavesOnTheWayIsWaitedFor) {
+TEST_F(ServoStart, AnArmThatLeavesOnTheWayContinuesWhenItReturns) {
   Run(5);
   bench.Activate();
   Run(400);
@@ -123,10 +125,10 @@ TEST_F(ServoStart, AnArmThatLeavesOnTheWayIsWaitedFor) {
   bench.Activate();
   for (int i = 0; i < 20'000 && bench.loop.phase() != Phase::kHaptic; ++i) Tick();
   EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
-  EXPECT_LT(ToGo(), 1e-9);
+  EXPECT_LT(RemainingAngle(), 1e-9);
 }
 
-TEST_F(ServoStart, NothingBeginsWhileItIsNotAllowed) {
+TEST_F(ServoStart, TheMotionBeginsOnlyWhenItIsAllowed) {
   bench.loop.AllowStart(false);
   bench.Activate();
   Run(50);
@@ -136,7 +138,7 @@ TEST_F(ServoStart, NothingBeginsWhileItIsNotAllowed) {
   EXPECT_EQ(bench.loop.phase(), Phase::kAligning);
 }
 
-TEST_F(ServoStart, AnArmThatIsThereDoesNotMove) {
+TEST_F(ServoStart, AnArmAtTheStartRendersAtOnce) {
   ServoParams params = Params();
   params.start->q = ServoBench::StartJoints();
   ServoBench there(params);
