@@ -6,8 +6,8 @@
 
 #include "simulation/tools/tool_fit.h"
 
-// How far a tool made of balls is from its exact shape, sample by sample and ball by ball: judges FitTool and
-// the makers of burrs, drills and mesh tools. Exact at the samples.
+// How far a tool made of balls is from its exact shape: an oracle of FitTool and of the functions that make
+// burrs, drills and mesh tools. Exact at the samples.
 
 namespace osteon::simulation {
 
