@@ -139,7 +139,7 @@ TEST(ProcessFigures, GuidanceEnergyIsTheSumOfAllFalls) {
 }
 
 // Aside by free_m, the lateral excess is 0; aside by stop_m, it is the plan's stop less its free range.
-TEST(CorridorWidth, LateralExcessIsZeroAtFreeAndTheStopsAtStop) {
+TEST(CorridorWidth, LateralExcessIsZeroAtFreeWidthAndFullAtStopWidth) {
   SurgicalPlan plan;
   plan.axis_G = Vector3::UnitZ();
   plan.tools = {{.diameter_m = 0.044, .height_m = 2e-3, .around_m = 0.5e-3}};

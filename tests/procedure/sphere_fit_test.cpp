@@ -16,8 +16,8 @@ using simulation::Ball;
 
 const Vector3 kCentre_m(0.0015, 0.0008, -0.0025);
 
-// Balls that touch a sphere of 25 mm from outside, evenly over a cap of this half angle, with Gaussian noise
-// along the radius.
+// Balls that touch a sphere of 25 mm radius from outside, evenly over a cap of this half angle, with Gaussian
+// noise along the radius.
 std::vector<Ball> BallsTouchingASphere(double cap_rad, int count, double noise_m, std::mt19937_64& random) {
   constexpr double kRadius_m = 0.025;
   std::uniform_real_distribution<double> height(std::cos(cap_rad), 1.0), turn(0.0, 2.0 * M_PI),
