@@ -109,8 +109,8 @@ class DifferentialInverseTest : public ::testing::Test {
   std::uniform_real_distribution<double> unit_{-1.0, 1.0};
 };
 
-// The pose after a tick compared with the exponential of the twist. The difference is the third order of the
-// joints' step and the change of qd from the tick before: |qd|^3 dt^3 ~ (0.5e-3)^3 = 1e-10.
+// The pose after a tick equals the exponential of the twist, up to third order in the joints' step:
+// |qd|^3 dt^3 ~ (0.5e-3)^3 = 1e-10.
 TEST_F(DifferentialInverseTest, AwayFromLimitsTheToolMovesAsWantedToThirdOrder) {
   for (int n = 0; n < 200; ++n) {
     DifferentialInverseParams<7> params = Params();
@@ -283,7 +283,7 @@ TEST_P(ElbowTest, PushedStraightTheArmStopsSmoothlyAndReturnsAtOnce) {
   const int out_ticks = static_cast<int>(GetParam().seconds * 1000);
   double V = 0.0;
   Vector6 last = Vector6::Zero();
-  double farthest = 0.0, roughest = 0.0;
+  double farthest = 0.0, roughest = 0.0;  // reach [m], and change of the tool's velocity in a tick [m/s]
   int reversals = 0, back_after = -1;
   double last_a4 = 0.0;
   double reach_turn = 0.0;

@@ -95,6 +95,7 @@ simulation::ContactModel PlaneBehind(const Pose& X_GT, double depth_m, rt::Nanos
   return model;
 }
 
+// The shipped plan is radiographic 40/15 deg; cup_axis_test.cpp has the same angles of the other definitions.
 TEST(OsteonPlan, InfoHasTheCupAnglesOfAllThreeDefinitions) {
   const auto plan = ShippedPlan();
   OsteonPlanInfo info{};

@@ -70,6 +70,7 @@ TEST(CavityResult, ShiftsAreThoseOfTheReamersCentre) {
   EXPECT_NEAR(1e3 * result.from_plan.superior_m, 3.0, 0.01);
   EXPECT_NEAR(1e3 * result.from_plan.medial_m, 2.0, 0.01);
   EXPECT_NEAR(1e3 * result.from_plan.posterior_m, 1.0, 0.01);
+  // the plan's centre is 2 mm below the native one along z, whose superior part is -0.7399208
   EXPECT_NEAR(1e3 * result.from_native.superior_m, 3.0 + 2.0 * 0.7399208, 0.01);
 }
 

@@ -138,28 +138,28 @@ class ControllerAndArm {
     std::vector<double> joints, wrench, tau;
     const auto which = static_cast<std::size_t>(op.which);
     switch (op.what) {
-      case 2:
+      case 2:  // a joint jumps
         (*command.q)[which] = op.value;
         break;
-      case 3:
+      case 3:  // a joint steps
         (*command.q)[which] += op.value;
         break;
-      case 4:
+      case 4:  // a wrench overlay
         command.wrench.emplace()[which % 6] = 10.0 * op.value;
         wrench.assign(command.wrench->begin(), command.wrench->end());
         break;
-      case 5:
+      case 5:  // a torque overlay
         command.tau.emplace()[which] = op.value;
         tau.assign(command.tau->begin(), command.tau->end());
         break;
-      case 6:
+      case 6:  // no joint positions
         command.q.reset();
         break;
-      case 7:
+      case 7:  // answers an earlier message
         command.reflected -= static_cast<std::uint32_t>(op.which);
         message -= static_cast<std::uint32_t>(op.which);
         break;
-      case 8:
+      case 8:  // goes back in its own sequence
         command.sequence = --sequence_;
         break;
       default:

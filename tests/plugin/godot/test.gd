@@ -8,11 +8,12 @@ const REAM_S := 5.0
 var _round := 0
 var _scene: Node
 var _time_s := 0.0
-var _uncut := 0
+var _uncut := 0  # triangles of the uncut bone; 0: not shown yet
 var _failures := []
-var _pushed_N := 0.0
+var _pushed_N := 0.0  # largest force along +y
 var _bricks := {}  # arrays by number: without a window the engine keeps none
 
+# The main loop, once a frame: the checks in lockstep first, then the sample. Returns true at the end of the run.
 func _idle(delta: float) -> bool:
 	if _scene == null:
 		_check_session()
@@ -69,6 +70,7 @@ func _on_failed(text: String) -> void:
 func _on_brick_changed(number: int, arrays: Array) -> void:
 	_bricks[number] = arrays
 
+# A session in lockstep on the CPU; `changes` are further or other parameters.
 func _open(changes := {}) -> Reference:
 	var session = load("res://addons/osteon/osteon_session.gdns").new()
 	var params := {"lockstep": true, "engine": "cpu"}
