@@ -22,7 +22,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kRounding = 1e-12;  // relative: some ten products and one quotient of doubles
 
-// What the capability depends on: Jacobian, gravity torques, torque limits, and the tool's axis.
+// The inputs of a capability: Jacobian, gravity torques, torque limits, and the tool's axis.
 template <int N>
 struct ArmSample {
   JacobianN<N> J;
@@ -44,7 +44,7 @@ ArmSample<N> DrawArmSample(std::mt19937_64& random) {
   return d;
 }
 
-// The capability that counts gravity's help, which the definition gives exactly.
+// The capability with gravity's help counted: the definition gives it exactly.
 template <int N>
 ForceCapability<N> CapabilityWithGravityHelp(const ArmSample<N>& d) {
   return {d.J, d.g, d.tau_max, GravityHelp::kCounted};
@@ -347,7 +347,7 @@ TEST_F(Iiwa14Force, BestArmAngleHoldsAsMuchAsAnySampledArmAngle) {
     const BestArmAngle best = FindBestArmAngle(arm, X_BF, force);
     ASSERT_TRUE(best.found);
     ++poses;
-    // it is a posture of the pose, within the limits, with the stated value
+    // best.q is a posture of the pose, with the stated arm angle and value
     ASSERT_LT((arm.FlangePose(best.q).matrix() - X_BF.matrix()).norm(), 1e-9);
     ASSERT_NEAR(std::remainder(arm.ArmAngle(best.q) - best.arm_angle_rad, 2.0 * kPi), 0.0, 1e-6);
     ASSERT_EQ(force(best.q), best.value);

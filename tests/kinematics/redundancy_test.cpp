@@ -138,7 +138,7 @@ TEST(Redundancy, ElbowMovesToWhereTheArmHoldsMost) {
       ++at_zone;  // the preference fades out below the zone
       continue;
     }
-    // otherwise a maximum: 8 % allows for the averaging over ±0.02 rad beside an edge
+    // otherwise the posture is a maximum: 8 % allows for the averaging over ±0.02 rad beside an edge
     double around = held;
     for (const double turn : {-0.1, -0.05, 0.05, 0.1}) {
       JointVector neighbour;

@@ -1,8 +1,8 @@
 /* unload_test LIBRARY CONFIG: loads libosteon.so, cuts for a moment in a session with threads of its own,
  * destroys it and unloads the library, twice in one process, as an editor that reloads its plug-ins.
- * Then it exports a large surface and unloads the library, whose mesh library leaves an idle thread behind.
- * Exit code 1: a call fails, a thread or the library stays, or the second time differs from the first. The
- * program itself is not linked to Osteon. */
+ * Then it exports a large surface and unloads the library, of which the mesh library leaves an idle thread
+ * behind. Exit code 1: a call fails, a thread or the library stays, or the second time differs from the
+ * first. The program itself is not linked to Osteon. */
 #define _GNU_SOURCE
 #include <dirent.h>
 #include <dlfcn.h>

@@ -232,7 +232,7 @@ TEST(UnrealGuidance, PushesOutAToolThatIsTooDeep) {
   EXPECT_FALSE(guidance.Evaluate(FTransform(), FVector(), FVector(), FVector(), FVector(), force, torque));
 }
 
-// The sample, as a level would tick it.
+// The sample's actor, ticked as a level of Unreal would tick it.
 TEST(UnrealSample, ReamsTheCup) {
   AOsteonReamCup sample;
   EXPECT_TRUE(sample.PrimaryActorTick.bCanEverTick);

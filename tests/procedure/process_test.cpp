@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi, kPeriod_s = 1e-3;
 
-// What the meter reads for a sine of this amplitude and frequency beside a constant 40 N [N].
+// The meter's reading [N] for a sine of this amplitude and frequency along x, beside a constant 40 N along z.
 double TremorOf(double amplitude_N, double hz, double spindle_hz, double seconds = 10.0) {
   TremorMeter meter(kPeriod_s);
   for (int i = 0; i < static_cast<int>(seconds / kPeriod_s); ++i)

@@ -90,7 +90,7 @@ class ControllerAndArm {
 
   [[nodiscard]] bool active() const { return server_.state() == SessionState::kCommandingActive; }
   [[nodiscard]] double max_step_m() const { return max_step_m_; }
-  /// Index of the zone at which the guard stopped it; -1: none.
+  /// Index of the zone at which the guard stopped the arm; -1: none.
   [[nodiscard]] int stopped_at_zone() const {
     return monitor_.reason().finding == safety::GuardFinding::kZone ? monitor_.reason().joint - 1 : -1;
   }

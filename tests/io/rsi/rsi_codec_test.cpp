@@ -128,7 +128,7 @@ TEST(RsiCodec, ReadsEveryFormThatXmlAllows) {
            // attributes in another order, single quotes, white space, TYPE, a sign
            "\r\n <Rob TYPE='KUKA' >\n <AIPos A6=' 6 ' A5=\"5\" A4 = '4' A3='3.0e0'\tA2='+2' A1='1' />\n"
            "<IPOC> 42 </IPOC > </Rob >\n"sv,
-           // elements in another order, and unknown ones
+           // elements in another order, and unknown elements
            "<?xml version=\"1.0\"?><!-- a > b --><Rob><Tech C11='1' A1='x'><AIPos "
            "A1='9'/>text</Tech><IPOC>42</IPOC><Digout o1=\"0\"/><ST_Source>44.0 &lt; 45</ST_Source><AIPos "
            "A1='1' A2='2' A3='3' A4='4' A5='5' A6='6' A7='8' B='&amp;'></AIPos><!----></Rob>"sv,

@@ -287,7 +287,7 @@ static class BindingTest
                 for (var i = 0; i + 2 < brick.Colors.Length; i += 3)
                     colors.Add(brick.Colors[i] << 16 | brick.Colors[i + 1] << 8 | brick.Colors[i + 2]);
             Expect(colors.Count >= 2 && colors.Count < 20, "tissues have colours of their own: " + colors.Count);
-            // each axis: the tool that moves along it is found there
+            // the proxy follows a tool along each axis
             for (var axis = 0; axis < 3; ++axis)
             {
                 var free = session.Approach(0.1);
