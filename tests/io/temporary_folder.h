@@ -30,6 +30,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
+/// The file's bytes; empty if it cannot be read.
 inline std::string ReadAll(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};

@@ -10,7 +10,7 @@
 #include "tests/kinematics/iiwa14.h"
 #include "tests/kinematics/near_singular.h"
 
-// The oracle is LbrArm::Solve at many arm angles, which uses no roots or waves.
+// The intervals of valid arm angles, compared with the closed-form inverse at many sampled arm angles.
 
 namespace osteon::kinematics {
 namespace {
@@ -21,29 +21,32 @@ const LbrSolution& At(const LbrSolutions& solutions, int configuration) {
   return solutions.configuration[static_cast<std::size_t>(configuration)];
 }
 
+// Distance of an arm angle to the nearest end of an interval, around the circle [rad]; infinite if there is
+// no interval.
 double DistanceToEnds(const ArmAngleIntervals& found, double psi_rad) {
-  double least = std::numeric_limits<double>::infinity();
+  double smallest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < found.count; ++i) {
     const ArmAngleInterval& a = found.interval[static_cast<std::size_t>(i)];
     for (const double end : {a.from_rad, a.to_rad})
-      least = std::min(least, std::abs(std::remainder(psi_rad - end, 2.0 * kPi)));
+      smallest = std::min(smallest, std::abs(std::remainder(psi_rad - end, 2.0 * kPi)));
   }
-  return least;
+  return smallest;
 }
 
 // Smallest distance of a joint to one of its limits.
 double DistanceToLimits(const LbrParams& params, const JointVector& q) {
-  double least = std::numeric_limits<double>::infinity();
+  double smallest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 7; ++i) {
     const JointLimits& limit = params.limits[static_cast<std::size_t>(i)];
-    least = std::min({least, std::abs(q[i] - limit.lower_rad), std::abs(q[i] - limit.upper_rad)});
+    smallest = std::min({smallest, std::abs(q[i] - limit.lower_rad), std::abs(q[i] - limit.upper_rad)});
   }
-  return least;
+  return smallest;
 }
 
-// 2000 poses, every tenth near a singularity, in all eight configurations, at 90 arm angles each: inside an
-// interval means valid, except where rounding of an end (1e-8 near a vertical) may decide.
-TEST(ArmAngleIntervals, SayWhatDenseSamplingSays) {
+// 2000 poses, every tenth near a singularity, in all eight configurations, at 90 arm angles each: an angle
+// is in an interval exactly if the posture is valid. Angles within 1e-8 of an end are left out: rounding
+// decides there.
+TEST(ArmAngleIntervals, AgreeWithDenseSampling) {
   const LbrArm arm(Iiwa14());
   LbrPostures postures(arm.params(), 7);
   int inside = 0, outside = 0, several = 0;
@@ -72,10 +75,9 @@ TEST(ArmAngleIntervals, SayWhatDenseSamplingSays) {
   EXPECT_GT(several, 100) << "circles with more than one interval must be among them";
 }
 
-// At an end some joint is at its limit, slightly outside it is beyond, slightly inside it is not. Exact to
-// 1e-9 for a joint as fast as the arm angle; the joint's distance to its limit is checked, which holds for
-// fast joints too.
-TEST(ArmAngleIntervals, EndWhereAJointMeetsItsLimit) {
+// At an end of an interval some joint is within 1e-9 rad of its limit; 1e-6 rad outside the end the posture
+// is invalid, 1e-6 rad inside the end it is valid.
+TEST(ArmAngleIntervals, EndWhereAJointReachesItsLimit) {
   const LbrArm arm(Iiwa14());
   LbrPostures postures(arm.params(), 8);
   int ends = 0;
@@ -91,12 +93,12 @@ TEST(ArmAngleIntervals, EndWhereAJointMeetsItsLimit) {
       ASSERT_LT(a.from_rad, kPi);
       ASSERT_GT(a.to_rad, a.from_rad);
       ASSERT_LE(a.to_rad, a.from_rad + 2.0 * kPi);
-      const double before =
+      const double previous_end_rad =
           found.interval[static_cast<std::size_t>((i + found.count - 1) % found.count)].to_rad;
-      const double gap = a.from_rad - before + (i == 0 ? 2.0 * kPi : 0.0);
+      const double gap = a.from_rad - previous_end_rad + (i == 0 ? 2.0 * kPi : 0.0);
       ASSERT_TRUE(gap > 0.0 || (found.count == 1 && gap == 0.0));
       if (gap < 1e-4 || a.to_rad - a.from_rad < 1e-4) continue;  // too narrow to check both sides
-      for (const auto& [end, outwards] : {std::pair{a.from_rad, -1.0}, std::pair{before, 1.0}}) {
+      for (const auto& [end, outwards] : {std::pair{a.from_rad, -1.0}, std::pair{previous_end_rad, 1.0}}) {
         ++ends;
         const JointVector q_end = At(arm.Solve(X_BF, end), k).q;
         EXPECT_FALSE(At(arm.Solve(X_BF, end + 1e-6 * outwards), k).valid());
@@ -126,7 +128,7 @@ TEST(ArmAngleIntervals, FreeJointsOfAStraightArmKeepTheirSeed) {
     EXPECT_EQ(found.Contains(psi), At(arm.Solve(X_BF, psi), 0).valid()) << psi;
 }
 
-TEST(ArmAngleIntervals, WithoutLimitsTheElbowGoesAllTheWayRound) {
+TEST(ArmAngleIntervals, AreAFullTurnWithoutLimits) {
   LbrParams params = Iiwa14();
   params.limits.fill({});
   const LbrArm arm(params);
@@ -141,8 +143,9 @@ TEST(ArmAngleIntervals, WithoutLimitsTheElbowGoesAllTheWayRound) {
   }
 }
 
-// Limits that are not symmetric about zero, from 20 deg to a half turn wide: more ends than an LBR's.
-TEST(ArmAngleIntervals, LimitsMayLieAnywhere) {
+// Limits that are not symmetric about zero, from 20 deg to a half turn wide, give more interval ends than the
+// limits of an LBR.
+TEST(ArmAngleIntervals, AgreeWithSamplingForUnsymmetricLimits) {
   LbrPostures draw(Iiwa14(), 10);
   int checked = 0, valid = 0;
   for (int n = 0; n < 300; ++n) {
@@ -170,7 +173,7 @@ TEST(ArmAngleIntervals, LimitsMayLieAnywhere) {
   EXPECT_GT(valid, checked / 100);
 }
 
-TEST(ArmAngleIntervals, OutOfReachThereAreNone) {
+TEST(ArmAngleIntervals, AreEmptyOutOfReach) {
   const LbrArm arm(Iiwa14());
   Pose X_BF = arm.FlangePose(JointVector::Zero());
   X_BF.translation().z() += 0.1;

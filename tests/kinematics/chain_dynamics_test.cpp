@@ -20,7 +20,7 @@ constexpr double kRelative = 1e-9;  // required, as a share of the largest torqu
 // flange.
 template <int N>
 double InverseDynamicsError(const ChainParams<N>& params, int states, std::mt19937_64& random) {
-  const Vector3 gravity_B(1.0, -2.0, -9.0);  // of an arm that is mounted at an angle
+  const Vector3 gravity_B(1.0, -2.0, -9.0);  // the arm is mounted at an angle
   const SerialChain<N> arm(params, gravity_B);
   const KDL::Chain chain = KdlChain(params);
   KDL::ChainIdSolver_RNE inverse(chain, KDL::Vector(gravity_B.x(), gravity_B.y(), gravity_B.z()));
@@ -55,6 +55,7 @@ TEST(ChainDynamics, InverseDynamicsEqualsKdl) {
   }
 }
 
+// Largest relative difference of gravity and Coriolis torques from KDL's over random states.
 template <int N>
 double GravityCoriolisError(const ChainParams<N>& params, int states, std::mt19937_64& random) {
   const SerialChain<N> arm(params);
@@ -81,14 +82,15 @@ TEST(ChainDynamics, GravityAndCoriolisEqualKdl) {
   EXPECT_LT(GravityCoriolisError(RandomChain<6>(random), 500, random), kRelative);
 }
 
-// Two independent libraries: MuJoCo computes in other frames, with spatial accelerations.
+// Largest relative differences of the mass matrix from KDL's and MuJoCo's, and of inverse and forward
+// dynamics from MuJoCo's, which computes in other frames, with spatial accelerations.
 template <int N>
 struct MassErrors {
   double kdl{0.0}, mujoco{0.0}, mujoco_inverse{0.0}, mujoco_forward{0.0};
 };
 
 template <int N>
-MassErrors<N> BesideBoth(const ChainParams<N>& params, int states, std::mt19937_64& random) {
+MassErrors<N> CompareWithKdlAndMujoco(const ChainParams<N>& params, int states, std::mt19937_64& random) {
   const Vector3 gravity_B(0.5, 1.0, -9.5);
   const SerialChain<N> arm(params, gravity_B);
   MujocoArm<N> mujoco(params, gravity_B);
@@ -96,7 +98,7 @@ MassErrors<N> BesideBoth(const ChainParams<N>& params, int states, std::mt19937_
   KDL::ChainDynParam dynamics(chain, KDL::Vector(0, 0, -9.81));
   KDL::JntArray joints(N);
   KDL::JntSpaceInertiaMatrix M_kdl(N);
-  const auto share = [](const auto& found, const auto& expected) {
+  const auto relative_difference = [](const auto& found, const auto& expected) {
     return (found - expected).cwiseAbs().maxCoeff() / expected.cwiseAbs().maxCoeff();
   };
   MassErrors<N> worst;
@@ -107,12 +109,14 @@ MassErrors<N> BesideBoth(const ChainParams<N>& params, int states, std::mt19937_
     EXPECT_EQ(dynamics.JntToMass(joints, M_kdl), 0);
     const JointMatrixN<N> M = arm.MassMatrix(q), M_expected = M_kdl.data;
     EXPECT_EQ(M, JointMatrixN<N>(M.transpose()));
-    worst.kdl = std::max(worst.kdl, share(M, M_expected));
-    worst.mujoco = std::max(worst.mujoco, share(M, mujoco.MassMatrix(q)));
-    worst.mujoco_inverse = std::max(
-        worst.mujoco_inverse, share(arm.InverseDynamics(q, qd, qdd), mujoco.InverseDynamics(q, qd, qdd)));
-    worst.mujoco_forward = std::max(
-        worst.mujoco_forward, share(arm.ForwardDynamics(q, qd, tau), mujoco.ForwardDynamics(q, qd, tau)));
+    worst.kdl = std::max(worst.kdl, relative_difference(M, M_expected));
+    worst.mujoco = std::max(worst.mujoco, relative_difference(M, mujoco.MassMatrix(q)));
+    worst.mujoco_inverse =
+        std::max(worst.mujoco_inverse,
+                 relative_difference(arm.InverseDynamics(q, qd, qdd), mujoco.InverseDynamics(q, qd, qdd)));
+    worst.mujoco_forward =
+        std::max(worst.mujoco_forward,
+                 relative_difference(arm.ForwardDynamics(q, qd, tau), mujoco.ForwardDynamics(q, qd, tau)));
   }
   return worst;
 }
@@ -125,14 +129,15 @@ TEST(ChainDynamics, MassMatrixAndMotionEqualKdlAndMujoco) {
     EXPECT_LT(worst.mujoco_inverse, kRelative);
     EXPECT_LT(worst.mujoco_forward, kRelative);
   };
-  check(BesideBoth(Iiwa14Chain(), 10'000, random));
+  check(CompareWithKdlAndMujoco(Iiwa14Chain(), 10'000, random));
   for (int n = 0; n < 10; ++n) {
-    check(BesideBoth(RandomChain<6>(random), 200, random));
-    check(BesideBoth(RandomChain<7>(random), 200, random));
+    check(CompareWithKdlAndMujoco(RandomChain<6>(random), 200, random));
+    check(CompareWithKdlAndMujoco(RandomChain<7>(random), 200, random));
   }
 }
 
-// An inverse pair of two methods that share no recursion.
+// Largest error of accelerations that forward dynamics recovers from the torques of inverse dynamics, as a
+// share of 10 rad/s^2. The two methods share no recursion.
 template <int N>
 double InversePairError(const ChainParams<N>& params, int states, std::mt19937_64& random) {
   const SerialChain<N> arm(params);
@@ -142,8 +147,8 @@ double InversePairError(const ChainParams<N>& params, int states, std::mt19937_6
                           qdd = RandomJoints<N>(random, 10.0);
     const Wrench F{.f = RandomJoints<6>(random, 200.0).template head<3>(),
                    .t = RandomJoints<6>(random, 20.0).template head<3>()};
-    const JointVectorN<N> back = arm.ForwardDynamics(q, qd, arm.InverseDynamics(q, qd, qdd, F), F);
-    worst = std::max(worst, (back - qdd).cwiseAbs().maxCoeff() / 10.0);
+    const JointVectorN<N> recovered_qdd = arm.ForwardDynamics(q, qd, arm.InverseDynamics(q, qd, qdd, F), F);
+    worst = std::max(worst, (recovered_qdd - qdd).cwiseAbs().maxCoeff() / 10.0);
   }
   return worst;
 }
@@ -157,8 +162,8 @@ TEST(ChainDynamics, ForwardDynamicsUndoesInverseDynamics) {
   }
 }
 
-// The power balance that control laws rely on: Coriolis torques do half the work of the mass matrix's rate. Ṁ
-// by central differences, h = 1e-5: error h^2/6 and 1e-16/h times M of a few kg m^2, below 1e-8.
+// The power balance that control laws rely on: qd·Ṁ qd = 2 qd·(Coriolis torques). With Ṁ by central
+// differences, step 1e-5: error h^2/6 and 1e-16/h times M of a few kg m^2, below 1e-8.
 TEST(ChainDynamics, CoriolisTorquesBalanceTheMassMatrixRate) {
   std::mt19937_64 random{25};
   for (const ChainParams<7>& params : {Iiwa14Chain(), RandomChain<7>(random)}) {
@@ -172,7 +177,7 @@ TEST(ChainDynamics, CoriolisTorquesBalanceTheMassMatrixRate) {
   }
 }
 
-// The arm falls freely for a second from a raised posture: potential energy becomes kinetic energy. The
+// The arm falls freely for half a second from a raised posture: potential energy becomes kinetic energy. The
 // classical Runge-Kutta method is of fourth order: half the step, a sixteenth of the error.
 TEST(ChainDynamics, FreeMotionKeepsItsEnergyToTheIntegratorsOrder) {
   const ChainParams<7> params = Iiwa14Chain();
@@ -186,6 +191,7 @@ TEST(ChainDynamics, FreeMotionKeepsItsEnergyToTheIntegratorsOrder) {
     }
     return sum;
   };
+  // Change of the total energy over 0.5 s, integrated in this many steps [J].
   const auto error = [&](int steps) {
     JointVectorN<7> q = (JointVectorN<7>() << 0.3, 0.5, -0.2, -0.9, 0.4, 0.6, 0.1).finished();
     JointVectorN<7> qd = (JointVectorN<7>() << 0.2, -0.3, 0.5, 0.1, -0.4, 0.3, 1.0).finished();
@@ -245,8 +251,8 @@ TEST(ChainDynamics, MobilityIsTheAccelerationForAWrench) {
   }
 }
 
-// Tool and link as one body or as two: the torques of the whole are those of the bare arm plus those of the
-// payload, whose weight and inertia act on the flange as a wrench.
+// The torques of the loaded arm are those of the bare arm plus J^T F, with F the wrench on the flange that
+// accelerates the payload's mass and inertia and carries its weight.
 TEST(ChainDynamics, PayloadActsOnTheFlangeAsItsWeightAndInertia) {
   std::mt19937_64 random{27};
   for (int n = 0; n < 50; ++n) {
@@ -270,7 +276,7 @@ TEST(ChainDynamics, PayloadActsOnTheFlangeAsItsWeightAndInertia) {
   }
 }
 
-TEST(ChainDynamics, PayloadThatIsNoBodyIsRefusedAndOneWithoutMassesChangesNothing) {
+TEST(ChainDynamics, WithPayloadRefusesNegativeMassAndIgnoresPayloadOrArmWithoutMass) {
   LinkInertia payload{.mass_kg = 1.0};
   EXPECT_EQ(WithPayload(Kr6R900(), payload).joints.back().link.mass_kg, 0.0);
   EXPECT_EQ(WithPayload(Iiwa14Chain(), LinkInertia{}).joints.back().link.mass_kg,

@@ -7,13 +7,14 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
+// A joint and its link in an LBR's description.
 struct LinkRow {
   double y, z;  // of the joint, in the previous link [m]
   Vector3 axis;
-  double range_deg, velocity_deg_per_s, acceleration, torque;
-  double mass;
-  Vector3 centre;
-  double xx, yy, zz, yz, xy, xz;
+  double range_deg, velocity_deg_per_s, acceleration, torque;  // limits; the last two in rad/s^2 and N·m
+  double mass;                                                 // [kg]
+  Vector3 centre;                                              // of mass, in the link [m]
+  double xx, yy, zz, yz, xy, xz;                               // inertia about the centre of mass [kg m^2]
 };
 
 Matrix3 RandomRotation(std::mt19937_64& random) {
@@ -23,6 +24,7 @@ Matrix3 RandomRotation(std::mt19937_64& random) {
       .toRotationMatrix();
 }
 
+// Each component uniform in ±range.
 Vector3 RandomVector(std::mt19937_64& random, double range) {
   std::uniform_real_distribution<double> in(-range, range);
   return {in(random), in(random), in(random)};
@@ -189,23 +191,23 @@ ChainParams<6> Kr6R900() {
 
 template <int N>
 ChainParams<N> RandomChain(std::mt19937_64& random) {
-  std::uniform_real_distribution<double> share(0.1, 1.0);
+  std::uniform_real_distribution<double> fraction(0.1, 1.0);
   ChainParams<N> chain;
   for (RevoluteJoint& joint : chain.joints) {
     joint.X_PJ.linear() = RandomRotation(random);
     joint.X_PJ.translation() = RandomVector(random, 0.3);
     joint.axis_J = RandomVector(random, 1.0).normalized();
-    joint.link.mass_kg = 5.0 * share(random);
+    joint.link.mass_kg = 5.0 * fraction(random);
     joint.link.p_LLcm_m = RandomVector(random, 0.15);
     // a rotated box's inertia
-    const double m = joint.link.mass_kg, a = 0.2 * share(random), b = 0.2 * share(random),
-                 c = 0.2 * share(random);
+    const double m = joint.link.mass_kg, a = 0.2 * fraction(random), b = 0.2 * fraction(random),
+                 c = 0.2 * fraction(random);
     const Matrix3 R = RandomRotation(random);
     joint.link.I_LLcm_kg_m2 =
         R * (m / 12.0 * Vector3(b * b + c * c, a * a + c * c, a * a + b * b)).asDiagonal() * R.transpose();
     joint.link.I_LLcm_kg_m2 = (0.5 * (joint.link.I_LLcm_kg_m2 + joint.link.I_LLcm_kg_m2.transpose())).eval();
-    joint.rotor_inertia_kg_m2 = 0.1 * share(random);
-    joint.friction = {.viscous_Nms_per_rad = share(random), .coulomb_Nm = share(random)};
+    joint.rotor_inertia_kg_m2 = 0.1 * fraction(random);
+    joint.friction = {.viscous_Nms_per_rad = fraction(random), .coulomb_Nm = fraction(random)};
   }
   chain.X_LF.linear() = RandomRotation(random);
   chain.X_LF.translation() = RandomVector(random, 0.2);

@@ -36,22 +36,22 @@ DifferentialInverseParams<7> Params() {
 
 // The LBR with A3 held: an arm of six joints with a spherical wrist.
 constexpr std::array<int, 6> kWithoutA3{0, 1, 3, 4, 5, 6};
-DifferentialInverseParams<6> SixParams() {
+DifferentialInverseParams<6> ParamsWithoutA3() {
   DifferentialInverseParams<6> params;
   for (std::size_t i = 0; i < 6; ++i) params.limits[i] = Limits()[static_cast<std::size_t>(kWithoutA3[i])];
   return params;
 }
-JointVectorN<7> Seven(const JointVectorN<6>& q) {
+JointVectorN<7> WithA3AtZero(const JointVectorN<6>& q) {
   JointVectorN<7> all = JointVectorN<7>::Zero();
   for (int i = 0; i < 6; ++i) all[kWithoutA3[static_cast<std::size_t>(i)]] = q[i];
   return all;
 }
 
 Pose FlangePose(const JointVectorN<7>& q) { return Arm().FlangePose(q); }
-Pose FlangePose(const JointVectorN<6>& q) { return Arm().FlangePose(Seven(q)); }
+Pose FlangePose(const JointVectorN<6>& q) { return Arm().FlangePose(WithA3AtZero(q)); }
 JacobianN<7> Jacobian(const JointVectorN<7>& q) { return Arm().JacobianAt(q, Vector3::Zero()); }
 JacobianN<6> Jacobian(const JointVectorN<6>& q) {
-  const JacobianN<7> all = Arm().JacobianAt(Seven(q), Vector3::Zero());
+  const JacobianN<7> all = Arm().JacobianAt(WithA3AtZero(q), Vector3::Zero());
   JacobianN<6> J;
   for (int i = 0; i < 6; ++i) J.col(i) = all.col(kWithoutA3[static_cast<std::size_t>(i)]);
   return J;
@@ -65,8 +65,8 @@ Vector6 Stacked(const Twist& V) {
 
 // An arm simulated tick by tick, with the flange as the tool.
 template <int N>
-struct Ride {
-  explicit Ride(const DifferentialInverseParams<N>& params, const JointVectorN<N>& start)
+struct SimulatedArm {
+  explicit SimulatedArm(const DifferentialInverseParams<N>& params, const JointVectorN<N>& start)
       : inverse(params), q(start) {}
 
   MotionOutput<N> Tick(const Twist& V) {
@@ -109,30 +109,30 @@ class DifferentialInverseTest : public ::testing::Test {
   std::uniform_real_distribution<double> unit_{-1.0, 1.0};
 };
 
-// The pose after a tick compared with the exponential of the twist. The difference is the third order of the
-// joints' step and the change of qd from the tick before: |qd|^3 dt^3 ~ (0.5e-3)^3 = 1e-10.
+// The pose after a tick equals the exponential of the twist, up to third order in the joints' step:
+// |qd|^3 dt^3 ~ (0.5e-3)^3 = 1e-10.
 TEST_F(DifferentialInverseTest, AwayFromLimitsTheToolMovesAsWantedToThirdOrder) {
   for (int n = 0; n < 200; ++n) {
     DifferentialInverseParams<7> params = Params();
     params.acceleration_share = 1e6;
-    Ride<7> ride(params, RegularPosture());
+    SimulatedArm<7> simulated(params, RegularPosture());
     const Twist V{.v = 0.05 * UnitVector(), .w = 0.1 * UnitVector()};
-    ride.Tick(V);  // reaches the speed
-    const Pose X = FlangePose(ride.q);
-    const MotionOutput<7> out = ride.Tick(V);
+    simulated.Tick(V);  // reaches the speed
+    const Pose X = FlangePose(simulated.q);
+    const MotionOutput<7> out = simulated.Tick(V);
     EXPECT_EQ(out.limit, MotionLimit::kNone);
     EXPECT_EQ(out.share, 1.0);
     EXPECT_LT((Stacked(out.V_BT) - Stacked(V)).norm(), 1e-6);
     Pose X_wanted = X;
     X_wanted.translation() += kDt_s * V.v;
     X_wanted.linear() = ExpRotation(kDt_s * V.w) * X.linear();
-    EXPECT_LT((FlangePose(ride.q).matrix() - X_wanted.matrix()).norm(), 1e-9);
+    EXPECT_LT((FlangePose(simulated.q).matrix() - X_wanted.matrix()).norm(), 1e-9);
   }
 }
 
-// The share compared with a search over the null motion by another decomposition of the Jacobian, joints near
-// limits.
-TEST_F(DifferentialInverseTest, KeepsTheLargestShareOfTheTwistThatTheNullSpaceCanMakeWayFor) {
+// The share of the twist, compared with a search over speeds of the null motion that uses another
+// decomposition of the Jacobian. One joint is near its limit.
+TEST_F(DifferentialInverseTest, KeepsTheLargestShareOfTheTwistThatNullMotionAllows) {
   constexpr double kShort_s = 1e-7;  // no curvature within a tick between the twist and J qd
   DifferentialInverseParams<7> free = Params();
   free.acceleration_share = 1e12;
@@ -154,7 +154,7 @@ TEST_F(DifferentialInverseTest, KeepsTheLargestShareOfTheTwistThatTheNullSpaceCa
 
     const JointVectorN<7> task = in.J.completeOrthogonalDecomposition().solve(Stacked(in.V_BT));
     const JointVectorN<7> null = in.J.fullPivLu().kernel().col(0).normalized();
-    // the box, from its definition
+    // bounds of the joint velocities, from their definition
     double tau_s = 0.0;
     for (const JointLimits& limit : Limits())
       tau_s = std::max(tau_s, 0.9 * limit.velocity_rad_per_s / limit.acceleration_rad_per_s2);
@@ -166,6 +166,7 @@ TEST_F(DifferentialInverseTest, KeepsTheLargestShareOfTheTwistThatTheNullSpaceCa
       high[i] = std::min(0.9 * limit.velocity_rad_per_s, up / (tau_s + kShort_s));
       low[i] = -std::min(0.9 * limit.velocity_rad_per_s, down / (tau_s + kShort_s));
     }
+    // largest share of the twist within the bounds at null motion r [rad/s]; -1 if there is none
     const auto largest_share = [&](double r) {
       double least = 0.0, most = 1.0;
       for (int i = 0; i < 7; ++i) {
@@ -175,7 +176,7 @@ TEST_F(DifferentialInverseTest, KeepsTheLargestShareOfTheTwistThatTheNullSpaceCa
       }
       return least <= most ? most : -1.0;
     };
-    // and the largest speed of the yielding null motion
+    // the largest speed of the null motion that yields to limits, from its definition
     const double r_wanted = std::clamp(null.dot(in.qd_null), -0.5, 0.5);
     double relief = 100.0;
     for (int i = 0; i < 7; ++i) {
@@ -205,7 +206,8 @@ TEST_F(DifferentialInverseTest, KeepsTheLargestShareOfTheTwistThatTheNullSpaceCa
   EXPECT_GT(helped, 50) << "the null space made way";
 }
 
-TEST_F(DifferentialInverseTest, NullMotionIsInvisibleAtTheToolAndIsDoneWhereThereIsRoom) {
+// A wanted null motion changes the joint velocities along the null space only, and by the wanted speed.
+TEST_F(DifferentialInverseTest, NullMotionLeavesTheToolStillAndIsKeptWhereLimitsAllowIt) {
   for (int n = 0; n < 200; ++n) {
     MotionInput<7> in;
     in.q = RegularPosture();
@@ -225,37 +227,37 @@ TEST_F(DifferentialInverseTest, NullMotionIsInvisibleAtTheToolAndIsDoneWhereTher
 }
 
 // With six joints there is no null motion: toward A2's limit at 0.1 m/s the tool keeps its direction to 1e-6
-// (its curvature is corrected to second order), ever slower, never back, never beyond.
+// (its curvature is corrected to second order). It only slows down, and never turns back or passes the limit.
 TEST_F(DifferentialInverseTest, ApproachToAJointLimitKeepsTheDirectionAndIsMonotone) {
   JointVectorN<6> start;
   start << 0.3, 1.6, -0.9, 0.4, 0.9, 0.2;
-  Ride<6> ride(SixParams(), start);
-  const double bound = SixParams().limits[1].upper_rad - SixParams().position_margin_rad;
-  Vector3 direction = Jacobian(start).block<3, 1>(0, 1).normalized();  // as A2 alone would move it
+  SimulatedArm<6> simulated(ParamsWithoutA3(), start);
+  const double bound = ParamsWithoutA3().limits[1].upper_rad - ParamsWithoutA3().position_margin_rad;
+  Vector3 direction = Jacobian(start).block<3, 1>(0, 1).normalized();  // as A2 alone would move the tool
   double last_share = 1.0, last_q = start[1];
   bool arrived = false;
   for (int i = 0; i < 6000; ++i) {
     const double speed = 0.1 * std::min(1.0, i * kDt_s / 0.1);
-    direction = Jacobian(ride.q).block<3, 1>(0, 1).normalized();
+    direction = Jacobian(simulated.q).block<3, 1>(0, 1).normalized();
     const Twist V{.v = speed * direction, .w = Vector3::Zero()};
-    const MotionOutput<6> out = ride.Tick(V);
-    ASSERT_LE(ride.q[1], bound + 1e-12);
+    const MotionOutput<6> out = simulated.Tick(V);
+    ASSERT_LE(simulated.q[1], bound + 1e-12);
     if (out.limit == MotionLimit::kPosition) {
       ASSERT_EQ(out.joint, 1);
       arrived = true;
     }
     if (!arrived) continue;
-    ASSERT_GE(ride.q[1], last_q - 1e-15) << i;
+    ASSERT_GE(simulated.q[1], last_q - 1e-15) << i;
     ASSERT_LE(out.share, last_share + 1e-6) << i;
     last_share = out.share;
-    last_q = ride.q[1];
+    last_q = simulated.q[1];
     const double along = direction.dot(out.V_BT.v);
     ASSERT_LT((out.V_BT.v - along * direction).norm(), 1e-3 * along + 1e-6) << i;
   }
   ASSERT_TRUE(arrived);
-  EXPECT_GT(ride.q[1], bound - 1e-3) << "and gets there";
-  EXPECT_LE(ride.peak_speed, 0.9);
-  EXPECT_LE(ride.peak_acceleration, 1.0 + 1e-9);
+  EXPECT_GT(simulated.q[1], bound - 1e-3) << "and gets there";
+  EXPECT_LE(simulated.peak_speed, 0.9);
+  EXPECT_LE(simulated.peak_acceleration, 1.0 + 1e-9);
 }
 
 struct ElbowPush {
@@ -269,10 +271,10 @@ INSTANTIATE_TEST_SUITE_P(, ElbowTest,
                          ::testing::Values(ElbowPush{0.02, 3.0}, ElbowPush{0.1, 1.0}, ElbowPush{0.1, 10.0},
                                            ElbowPush{0.25, 1.0}));
 
-TEST_P(ElbowTest, PushedStraightItStopsSmoothlyAndComesBackAtOnce) {
+TEST_P(ElbowTest, PushedStraightTheArmStopsSmoothlyAndReturnsAtOnce) {
   JointVectorN<7> start;
   start << 0.1, 0.7, 0.0, -0.5, 0.1, 0.7, 0.2;
-  Ride<7> ride(Params(), start);
+  SimulatedArm<7> simulated(Params(), start);
   const double upper = Arm().params().shoulder_to_elbow_m, fore = Arm().params().elbow_to_wrist_m;
   const auto from_shoulder = [](const JointVectorN<7>& q) -> Vector3 {
     return FlangePose(q) * Vector3(0, 0, -Arm().params().wrist_to_flange_m) -
@@ -281,7 +283,7 @@ TEST_P(ElbowTest, PushedStraightItStopsSmoothlyAndComesBackAtOnce) {
   const int out_ticks = static_cast<int>(GetParam().seconds * 1000);
   double V = 0.0;
   Vector6 last = Vector6::Zero();
-  double farthest = 0.0, roughest = 0.0;
+  double farthest = 0.0, roughest = 0.0;  // reach [m], and change of the tool's velocity in a tick [m/s]
   int reversals = 0, back_after = -1;
   double last_a4 = 0.0;
   double reach_turn = 0.0;
@@ -291,28 +293,29 @@ TEST_P(ElbowTest, PushedStraightItStopsSmoothlyAndComesBackAtOnce) {
     V += std::clamp(goal - V, -GetParam().speed_m_per_s / 50, GetParam().speed_m_per_s / 50);
     // the flange moves without rotation, along the line from the shoulder to the wrist
     const MotionOutput<7> out =
-        ride.Tick({.v = V * from_shoulder(ride.q).normalized(), .w = Vector3::Zero()});
+        simulated.Tick({.v = V * from_shoulder(simulated.q).normalized(), .w = Vector3::Zero()});
     ASSERT_TRUE(out.finite);
     const Vector6 now = Stacked(out.V_BT);
     roughest = std::max(roughest, (now - last).head<3>().norm());
     last = now;
-    const double reach = from_shoulder(ride.q).norm();
+    const double reach = from_shoulder(simulated.q).norm();
     farthest = std::max(farthest, reach);
     if (i == out_ticks) reach_turn = reach;
     if (i > out_ticks && back_after < 0 && reach < reach_turn - 1e-3) back_after = i - out_ticks;
-    // pressed: no chatter
-    if (i > out_ticks - 300 && i < out_ticks && std::abs(ride.qd[3]) > 1e-3 && ride.qd[3] * last_a4 < 0.0)
+    // counts chatter of A4 while the arm is pressed straight
+    if (i > out_ticks - 300 && i < out_ticks && std::abs(simulated.qd[3]) > 1e-3 &&
+        simulated.qd[3] * last_a4 < 0.0)
       ++reversals;
-    if (std::abs(ride.qd[3]) > 1e-3) last_a4 = ride.qd[3];
+    if (std::abs(simulated.qd[3]) > 1e-3) last_a4 = simulated.qd[3];
   }
-  EXPECT_LE(ride.peak_speed, 0.9);
-  EXPECT_LE(ride.peak_acceleration, 1.0 + 1e-9);
+  EXPECT_LE(simulated.peak_speed, 0.9);
+  EXPECT_LE(simulated.peak_acceleration, 1.0 + 1e-9);
   EXPECT_LT(farthest, upper + fore);
   if (GetParam().seconds > 1.0) {
     EXPECT_GT(farthest, upper + fore - 1e-5) << "all of the reach is used";
   }
   EXPECT_EQ(reversals, 0);
-  EXPECT_LT(ride.q[3], 0.0) << "the elbow is still on its side";
+  EXPECT_LT(simulated.q[3], 0.0) << "the elbow is still on its side";
   // with the joints' acceleration alone, 1 mm back takes A4 some 130 ms from rest
   EXPECT_GT(back_after, 0);
   EXPECT_LT(back_after, 400) << "however long it was pushed";
@@ -320,30 +323,31 @@ TEST_P(ElbowTest, PushedStraightItStopsSmoothlyAndComesBackAtOnce) {
   EXPECT_LT(roughest, 9e-3);
 }
 
-// The candle: A2, A4 and A6 straight, exactly singular, at rest. Any pull must start a motion.
-TEST_F(DifferentialInverseTest, AnArmThatIsExactlyStraightCanBePulledBackAndRestsUntilThen) {
-  Ride<7> ride(Params(), JointVectorN<7>::Zero());
-  const double height = FlangePose(ride.q).translation().z();
-  for (int i = 0; i < 100; ++i) ride.Tick({});
-  EXPECT_TRUE(ride.q.isZero(0.0)) << "at rest nothing moves";
-  for (int i = 0; i < 2000; ++i) ride.Tick({.v = Vector3(0, 0, -0.05), .w = Vector3::Zero()});
-  EXPECT_LT(FlangePose(ride.q).translation().z(), height - 0.03);
-  EXPECT_LE(ride.peak_speed, 0.9);
-  EXPECT_LE(ride.peak_acceleration, 1.0 + 1e-9);
+// The arm stands straight up, exactly singular and at rest: A2, A4 and A6 are zero. A pull must start a
+// motion.
+TEST_F(DifferentialInverseTest, AnExactlyStraightArmRestsUntilItIsPulledBack) {
+  SimulatedArm<7> simulated(Params(), JointVectorN<7>::Zero());
+  const double height = FlangePose(simulated.q).translation().z();
+  for (int i = 0; i < 100; ++i) simulated.Tick({});
+  EXPECT_TRUE(simulated.q.isZero(0.0)) << "at rest nothing moves";
+  for (int i = 0; i < 2000; ++i) simulated.Tick({.v = Vector3(0, 0, -0.05), .w = Vector3::Zero()});
+  EXPECT_LT(FlangePose(simulated.q).translation().z(), height - 0.03);
+  EXPECT_LE(simulated.peak_speed, 0.9);
+  EXPECT_LE(simulated.peak_acceleration, 1.0 + 1e-9);
 }
 
-// Passing a straight wrist at a distance: A6 turns the flange's axis through zero while A4 and A7 are offset
-// sideways by a `miss`, the angle to the singular posture.
+// A6 turns through zero, past the straight (singular) wrist. The parameter is the miss: the smallest angle to
+// the singular posture on the way [rad].
 class WristTest : public ::testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(, WristTest, ::testing::Values(0.0, 1e-9, 1e-6, 1e-4, 1e-3, 1e-2, 0.05));
 
-TEST_P(WristTest, TurnedThroughStraightTheJointsKeepTheirSpeedAndTheToolItsWay) {
+TEST_P(WristTest, TurningThroughAStraightWristKeepsJointSpeedsAndTheToolsPath) {
   JointVectorN<6> start;
   start << 0.2, 0.6, -1.2, 0.0, -0.4, 0.1;
   start[3] =
       std::asin(GetParam() / std::sin(0.4));  // A5 tilts the plane in which A6 turns: this gives the miss
-  Ride<6> ride(SixParams(), start);
-  // the axis of A6's rotation with A5 at zero: it leads exactly through the singular posture
+  SimulatedArm<6> simulated(ParamsWithoutA3(), start);
+  // A6's axis with A5 at zero: a rotation about it leads exactly through the singular posture
   JointVectorN<6> exact = start;
   exact[3] = 0.0;
   const Vector3 axis = Jacobian(exact).block<3, 1>(3, 4);
@@ -351,16 +355,16 @@ TEST_P(WristTest, TurnedThroughStraightTheJointsKeepTheirSpeedAndTheToolItsWay) 
   double turned = 0.0, worst_tilt = 0.0;
   for (int i = 0; i < 4000 && turned < 0.8; ++i) {
     const double rate = 0.5 * std::min(1.0, i * kDt_s / 0.1);
-    const Vector3 p_WF = FlangePose(ride.q).linear().col(2) * Arm().params().wrist_to_flange_m;
-    const MotionOutput<6> out = ride.Tick({.v = rate * axis.cross(p_WF), .w = rate * axis});
+    const Vector3 p_WF = FlangePose(simulated.q).linear().col(2) * Arm().params().wrist_to_flange_m;
+    const MotionOutput<6> out = simulated.Tick({.v = rate * axis.cross(p_WF), .w = rate * axis});
     turned += kDt_s * axis.dot(out.V_BT.w);
     const Matrix3 R_error =
-        ExpRotation(turned * axis) * X_start.linear() * FlangePose(ride.q).linear().transpose();
+        ExpRotation(turned * axis) * X_start.linear() * FlangePose(simulated.q).linear().transpose();
     worst_tilt = std::max(worst_tilt, LogRotation(R_error).norm());
   }
   EXPECT_GE(turned, 0.8) << "it comes out on the other side";
-  EXPECT_LE(ride.peak_speed, 0.9);
-  EXPECT_LE(ride.peak_acceleration, 1.0 + 1e-9);
+  EXPECT_LE(simulated.peak_speed, 0.9);
+  EXPECT_LE(simulated.peak_acceleration, 1.0 + 1e-9);
   EXPECT_LT(worst_tilt, std::min(0.03, 6.0 * GetParam() + 1e-6)) << "what is lost is of the size of the miss";
 }
 
@@ -403,7 +407,7 @@ TEST_F(DifferentialInverseTest, TheSameInputGivesTheSameBitsAndNothingIsAllocate
   }
 }
 
-TEST_F(DifferentialInverseTest, InputThatIsNotFiniteStandsStill) {
+TEST_F(DifferentialInverseTest, NonFiniteInputGivesNoMotion) {
   const DifferentialInverse<7> inverse(Params());
   MotionInput<7> in;
   in.q = RegularPosture();

@@ -17,7 +17,7 @@ class HalfSpacesTest : public ::testing::Test {
   Vector3 RandomUnit() { return Vector3(normal_(random_), normal_(random_), normal_(random_)).normalized(); }
 
   // Planes that all contain `inside`, some tightly: the intersection is never empty.
-  Planes AroundPoint(const Vector3& inside, int count) {
+  Planes PlanesContaining(const Vector3& inside, int count) {
     Planes planes;
     for (int i = 0; i < count; ++i) {
       HalfSpace& plane = planes[static_cast<std::size_t>(i)];
@@ -31,7 +31,8 @@ class HalfSpacesTest : public ::testing::Test {
   std::normal_distribution<double> normal_{0.0, 1.0};
 };
 
-double Worst(const Planes& planes, int count, const Vector3& x) {
+// Largest distance of x outside a plane [m]; negative if x is inside all of them.
+double LargestViolation(const Planes& planes, int count, const Vector3& x) {
   double worst = -1e300;
   for (int i = 0; i < count; ++i) {
     const HalfSpace& plane = planes[static_cast<std::size_t>(i)];
@@ -57,7 +58,7 @@ Vector3 Dykstra(const Planes& planes, int count, int sweeps) {
 // Necessary and sufficient conditions for the nearest point; 1e-9 is the solver's own tolerance [m].
 void ExpectOptimal(const Planes& planes, int count, const HalfSpaceProjection& result) {
   EXPECT_EQ(result.violation, 0.0);
-  EXPECT_LE(Worst(planes, count, result.point), 1e-9);
+  EXPECT_LE(LargestViolation(planes, count, result.point), 1e-9);
   Vector3 sum = Vector3::Zero();
   int active = 0;
   for (int i = 0; i < kMaxHalfSpaces; ++i) {
@@ -74,11 +75,11 @@ void ExpectOptimal(const Planes& planes, int count, const HalfSpaceProjection& r
   EXPECT_LT((sum - result.point).norm(), 1e-12 + 1e-9 * result.point.norm());
 }
 
-TEST_F(HalfSpacesTest, RandomSetsKeepTheConditionsOfOptimality) {
+TEST_F(HalfSpacesTest, ResultMeetsTheConditionsOfOptimality) {
   int pushed = 0;
   for (int n = 0; n < 20'000; ++n) {
     const int count = n % (kMaxHalfSpaces + 1);
-    const Planes planes = AroundPoint(RandomUnit() * 2e-3, count);
+    const Planes planes = PlanesContaining(RandomUnit() * 2e-3, count);
     const HalfSpaceProjection result = ClosestInHalfSpaces(planes, count);
     ExpectOptimal(planes, count, result);
     if (HasFatalFailure()) FAIL() << "set " << n;
@@ -92,17 +93,17 @@ TEST_F(HalfSpacesTest, RandomSetsKeepTheConditionsOfOptimality) {
 TEST_F(HalfSpacesTest, AlternatingProjectionsFindTheSamePoint) {
   int converged = 0;
   for (int n = 0; n < 300; ++n) {
-    const Planes planes = AroundPoint(RandomUnit() * 2e-3, kMaxHalfSpaces);
+    const Planes planes = PlanesContaining(RandomUnit() * 2e-3, kMaxHalfSpaces);
     const Vector3 x = ClosestInHalfSpaces(planes, kMaxHalfSpaces).point,
                   y = Dykstra(planes, kMaxHalfSpaces, 2000);
-    if (Worst(planes, kMaxHalfSpaces, y) > 1e-12) continue;
+    if (LargestViolation(planes, kMaxHalfSpaces, y) > 1e-12) continue;
     ++converged;
     EXPECT_LT((x - y).norm(), 1e-8) << "set " << n;
   }
   EXPECT_GT(converged, 200);
 }
 
-TEST_F(HalfSpacesTest, NoPlaneOrPlanesThatHoldLeaveTheOrigin) {
+TEST_F(HalfSpacesTest, TheOriginStaysIfNoPlaneExcludesIt) {
   Planes planes;
   EXPECT_EQ(ClosestInHalfSpaces(planes, 0).point, Vector3::Zero());
   planes[0] = {Vector3::UnitX(), -1e-3};
@@ -120,7 +121,7 @@ TEST_F(HalfSpacesTest, CornerIsFoundExactly) {
   EXPECT_NEAR(result.multiplier[2], 3e-3, 1e-15);
 }
 
-// The same plane many times, and planes slightly behind it: the foremost decides, at any index.
+// Parallel planes of which one, at each index in turn, lies 0.5 mm further out: that plane decides.
 TEST_F(HalfSpacesTest, ParallelPlanesActAsTheForemost) {
   for (int foremost = 0; foremost < kMaxHalfSpaces; ++foremost) {
     Planes planes;
@@ -158,11 +159,12 @@ TEST_F(HalfSpacesTest, EmptySetGivesTheLeastViolation) {
     ASSERT_TRUE(result.point.allFinite());
     if (result.violation == 0.0) continue;
     ++empty;
-    EXPECT_NEAR(Worst(planes, kMaxHalfSpaces, result.point), result.violation, 1e-15);
+    EXPECT_NEAR(LargestViolation(planes, kMaxHalfSpaces, result.point), result.violation, 1e-15);
     for (int trial = 0; trial < 2000; ++trial) {
       const double radius = std::pow(10.0, -6.0 + 4.5 * (trial % 100) / 100.0);
       const Vector3 other = result.point + radius * RandomUnit();
-      EXPECT_GT(Worst(planes, kMaxHalfSpaces, other), result.violation * (1.0 - 1e-3)) << "set " << n;
+      EXPECT_GT(LargestViolation(planes, kMaxHalfSpaces, other), result.violation * (1.0 - 1e-3))
+          << "set " << n;
     }
   }
   EXPECT_GT(empty, 50);
@@ -181,13 +183,13 @@ TEST_F(HalfSpacesTest, DegenerateSetsStayFinite) {
     const HalfSpaceProjection result = ClosestInHalfSpaces(planes, kMaxHalfSpaces);
     ASSERT_TRUE(result.point.allFinite());
     ASSERT_TRUE(std::isfinite(result.violation));
-    const double worst = std::max(0.0, Worst(planes, kMaxHalfSpaces, result.point));
+    const double worst = std::max(0.0, LargestViolation(planes, kMaxHalfSpaces, result.point));
     EXPECT_NEAR(result.violation, worst, 1.1e-9) << "spread " << spread;
   }
 }
 
 TEST_F(HalfSpacesTest, EqualInputsGiveEqualBits) {
-  const Planes planes = AroundPoint(RandomUnit() * 2e-3, kMaxHalfSpaces);
+  const Planes planes = PlanesContaining(RandomUnit() * 2e-3, kMaxHalfSpaces);
   const HalfSpaceProjection a = ClosestInHalfSpaces(planes, kMaxHalfSpaces);
   const HalfSpaceProjection b = ClosestInHalfSpaces(planes, kMaxHalfSpaces);
   EXPECT_EQ(a.point, b.point);
@@ -195,7 +197,7 @@ TEST_F(HalfSpacesTest, EqualInputsGiveEqualBits) {
 }
 
 TEST_F(HalfSpacesTest, DoesNotAllocate) {
-  Planes planes = AroundPoint(RandomUnit() * 2e-3, kMaxHalfSpaces);
+  Planes planes = PlanesContaining(RandomUnit() * 2e-3, kMaxHalfSpaces);
   Planes empty = planes;
   empty[0] = {Vector3::UnitX(), 3e-3};
   empty[1] = {-Vector3::UnitX(), -1e-3};

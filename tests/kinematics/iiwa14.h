@@ -10,6 +10,7 @@ namespace osteon::kinematics {
 /// The iiwa 14 R820: lengths of lbr_description, limits of KUKA's data sheet, accelerations as used in Drake.
 inline const LbrParams& Iiwa14() {
   constexpr double rad = std::numbers::pi / 180.0;
+  // Limits of A1 to A7: lower, upper [rad], velocity [rad/s], acceleration [rad/s^2], torque [N·m].
   static const LbrParams arm{.base_to_shoulder_m = 0.360,
                              .shoulder_to_elbow_m = 0.420,
                              .elbow_to_wrist_m = 0.400,

@@ -8,6 +8,7 @@
 namespace osteon::kinematics {
 
 namespace detail {
+// A KR arm from its lengths [m] and, for A1 to A6, lower limit, upper limit [deg] and speed limit [deg/s].
 inline OrthoParallelParams Kr(const std::array<double, 7>& a1_a2_b_c1_c2_c3_c4_m,
                               const std::array<std::array<double, 3>, 6>& lower_upper_deg_speed) {
   constexpr double rad = std::numbers::pi / 180.0;
@@ -49,7 +50,8 @@ inline OrthoParallelParams Kr16Params() {
                                                               {-350, 350, 615}}});
 }
 
-/// An arm that uses every length and offset, with its plane beside A1.
+/// An invented arm with all lengths different from zero, so that its plane lies beside A1, with offsets of
+/// the joint angles, and with other signs than a KR arm.
 inline OrthoParallelParams CrookedArmParams() {
   OrthoParallelParams params = Kr16Params();
   params.a1_m = -0.1;

@@ -18,7 +18,7 @@ namespace {
 constexpr int kPostures = 10'000;
 
 // The iiwa 14 as in robot descriptions: a joint's origin in the frame of the previous joint, and its axis.
-// Shares nothing with LbrArm's four lengths: the origins are off the axes and sum up only along the chain.
+// Independent of LbrArm's four lengths: the origins are off the axes and sum up only along the chain.
 KDL::Chain DescribedArm() {
   struct Row {
     double y, z;
@@ -135,8 +135,8 @@ TEST_F(LbrArmTest, InverseUndoesForward) {
   }
 }
 
-// For any seed another of the eight may be nearer; it must give the same pose and the same elbow.
-TEST_F(LbrArmTest, EverySolutionGivesThePoseAndTheArmAngleAskedFor) {
+// With a random seed, another of the eight solutions may be nearer: it must give the same pose and arm angle.
+TEST_F(LbrArmTest, InverseFromAnySeedGivesThePoseAndTheArmAngle) {
   int other_configuration = 0;
   for (int n = 0; n < kPostures; ++n) {
     const JointVector q = RegularPosture(), seed = RandomPosture();
@@ -154,8 +154,8 @@ TEST_F(LbrArmTest, EverySolutionGivesThePoseAndTheArmAngleAskedFor) {
   EXPECT_GT(other_configuration, kPostures / 10);
 }
 
-// The eight solutions, made by hand: a bent joint flips and its neighbours turn by pi, which keeps every link
-// in place.
+// The eight solutions are known: if a bending joint changes its sign and its neighbours turn by pi, every
+// link stays in place.
 TEST_F(LbrArmTest, InverseFindsAllEightConfigurations) {
   LbrParams params = Iiwa14();
   for (JointLimits& limit : params.limits) limit = {};  // ± pi
@@ -177,7 +177,7 @@ TEST_F(LbrArmTest, InverseFindsAllEightConfigurations) {
   }
 }
 
-TEST_F(LbrArmTest, ArmAngleIsZeroWithTheElbowUpAndPiWhereItHangs) {
+TEST_F(LbrArmTest, ArmAngleIsZeroWithTheElbowUpAndPiWithTheElbowHanging) {
   const JointVector up = (JointVector() << 0.4, 0.5, 0.0, -1.4, 0.0, 0.6, 0.0).finished();
   EXPECT_NEAR(arm_.ArmAngle(up), 0.0, 1e-14);
   const JointVector hanging = (JointVector() << 0.4, 1.7, 0.0, 1.0, 0.0, 0.6, 0.0).finished();
@@ -189,6 +189,7 @@ TEST_F(LbrArmTest, ArmAngleIsZeroWithTheElbowUpAndPiWhereItHangs) {
 // the difference.
 TEST_F(LbrArmTest, ArmAngleTurnsTheElbowRightHandedAboutTheShoulderWristLine) {
   const LbrParams& params = arm_.params();
+  // Shoulder to elbow, in B [m].
   const auto elbow = [&](const JointVector& q) {
     return Vector3(params.shoulder_to_elbow_m *
                    Vector3(std::cos(q[0]) * std::sin(q[1]), std::sin(q[0]) * std::sin(q[1]), std::cos(q[1])));
@@ -205,7 +206,7 @@ TEST_F(LbrArmTest, ArmAngleTurnsTheElbowRightHandedAboutTheShoulderWristLine) {
   }
 }
 
-TEST_F(LbrArmTest, UnreachablePoseIsRefusedAndLeavesTheJointsAlone) {
+TEST_F(LbrArmTest, UnreachablePoseIsRefusedAndLeavesTheJointsUnchanged) {
   const JointVector seed = (JointVector() << 0, 0.5, 0, -1.4, 0, 1.2, 0).finished();
   const JointVector untouched = JointVector::Constant(42.0);
   Pose far = arm_.FlangePose(seed), near = far, broken = far;
@@ -225,7 +226,7 @@ TEST_F(LbrArmTest, UnreachablePoseIsRefusedAndLeavesTheJointsAlone) {
   EXPECT_EQ(q, untouched);
 }
 
-TEST_F(LbrArmTest, PostureBeyondALimitIsNeverGiven) {
+TEST_F(LbrArmTest, InverseNeverReturnsAPostureBeyondALimit) {
   const JointVector q = (JointVector() << 2.0, 0.7, -1.8, -1.2, 2.1, 0.9, -1.9).finished();
   const Pose X_BF = arm_.FlangePose(q);
   for (int i = 0; i < 7; ++i) {
@@ -235,7 +236,8 @@ TEST_F(LbrArmTest, PostureBeyondALimitIsNeverGiven) {
     limit.lower_rad = -limit.upper_rad;
     const LbrArm arm(tight);
     JointVector found = q;
-    // a bent joint has the same size in all eight; a turning one beyond 90 deg has another solution
+    // a bending joint (A2, A4, A6) has the same magnitude in all eight solutions; a turning joint beyond 90
+    // deg has a smaller angle in another solution
     const bool bent = i == 1 || i == 3 || i == 5;
     EXPECT_EQ(arm.Inverse(X_BF, arm_.ArmAngle(q), q, found), !bent) << "joint " << i + 1;
     if (!bent) {

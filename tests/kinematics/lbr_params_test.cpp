@@ -27,7 +27,7 @@ ChainParams<7> DescribedArm() {
   return chain;
 }
 
-std::string MessageOf(const ChainParams<7>& chain) {
+std::string ErrorMessage(const ChainParams<7>& chain) {
   try {
     static_cast<void>(LbrParamsFrom(chain));
   } catch (const std::invalid_argument& error) {
@@ -49,7 +49,7 @@ TEST(LbrParams, LengthsFollowFromTheAxesOfADescription) {
   }
 }
 
-// Denavit-Hartenberg frames, in which every joint turns about its z: the same arm.
+// The same arm described by Denavit-Hartenberg frames, in which every joint turns about its z.
 TEST(LbrParams, FramesOfTheLinksDoNotMatter) {
   ChainParams<7> chain = DescribedArm();
   Matrix3 R_before = Matrix3::Identity();  // of the previous link, new frame in old
@@ -65,45 +65,45 @@ TEST(LbrParams, FramesOfTheLinksDoNotMatter) {
   EXPECT_NEAR(params.wrist_to_flange_m, 0.126, 1e-15);
 }
 
-TEST(LbrParams, AnAxisThatMissesIsNamedWithItsOffset) {
+TEST(LbrParams, ErrorNamesTheAxisThatMissesAndItsOffset) {
   for (std::size_t i = 0; i < 7; ++i) {
     const std::string name = "axis of A" + std::to_string(i + 1);
     // sideways: no longer through shoulder, elbow or wrist
     ChainParams<7> chain = DescribedArm();
     chain.joints[i].X_PJ.translation().x() += 0.001;
-    EXPECT_NE(MessageOf(chain).find(name + " passes beside"), std::string::npos) << MessageOf(chain);
-    EXPECT_NE(MessageOf(chain).find("found 0.001 m off"), std::string::npos) << MessageOf(chain);
+    EXPECT_NE(ErrorMessage(chain).find(name + " passes beside"), std::string::npos) << ErrorMessage(chain);
+    EXPECT_NE(ErrorMessage(chain).find("found 0.001 m off"), std::string::npos) << ErrorMessage(chain);
     // tilted
     chain = DescribedArm();
     chain.joints[i].axis_J = Eigen::AngleAxisd(0.002, Vector3::UnitX()) * chain.joints[i].axis_J;
-    EXPECT_NE(MessageOf(chain).find(name + " at zero"), std::string::npos) << MessageOf(chain);
-    EXPECT_NE(MessageOf(chain).find("found 0.002 rad off"), std::string::npos) << MessageOf(chain);
+    EXPECT_NE(ErrorMessage(chain).find(name + " at zero"), std::string::npos) << ErrorMessage(chain);
+    EXPECT_NE(ErrorMessage(chain).find("found 0.002 rad off"), std::string::npos) << ErrorMessage(chain);
     // reversed
     chain = DescribedArm();
     chain.joints[i].axis_J *= -1.0;
-    EXPECT_NE(MessageOf(chain).find(name), std::string::npos) << MessageOf(chain);
+    EXPECT_NE(ErrorMessage(chain).find(name), std::string::npos) << ErrorMessage(chain);
   }
 }
 
-TEST(LbrParams, AFlangeThatIsBesideOrTurnedIsRefused) {
+TEST(LbrParams, RefusesAFlangeOffItsAxisOrTurnedAndA4BelowA2) {
   ChainParams<7> chain = DescribedArm();
   chain.X_LF.translation().x() = 0.002;
-  EXPECT_NE(MessageOf(chain).find("flange at zero is beside"), std::string::npos) << MessageOf(chain);
+  EXPECT_NE(ErrorMessage(chain).find("flange at zero is beside"), std::string::npos) << ErrorMessage(chain);
   chain = DescribedArm();
   chain.X_LF.linear() = Eigen::AngleAxisd(0.1, Vector3::UnitZ()).toRotationMatrix();
-  EXPECT_NE(MessageOf(chain).find("flange at zero is turned"), std::string::npos) << MessageOf(chain);
+  EXPECT_NE(ErrorMessage(chain).find("flange at zero is turned"), std::string::npos) << ErrorMessage(chain);
   chain = DescribedArm();
   chain.joints[3].X_PJ.translation().z() = -0.6;
-  EXPECT_NE(MessageOf(chain).find("A4 is not above A2"), std::string::npos) << MessageOf(chain);
+  EXPECT_NE(ErrorMessage(chain).find("A4 is not above A2"), std::string::npos) << ErrorMessage(chain);
 }
 
-TEST(LbrParams, TheArmJointByJointHasTheSameLengths) {
-  const LbrParams arm = Iiwa14(), again = LbrParamsFrom(ChainFrom(arm));
-  EXPECT_EQ(again.base_to_shoulder_m, arm.base_to_shoulder_m);
-  EXPECT_EQ(again.shoulder_to_elbow_m, arm.shoulder_to_elbow_m);
-  EXPECT_EQ(again.elbow_to_wrist_m, arm.elbow_to_wrist_m);
-  EXPECT_EQ(again.wrist_to_flange_m, arm.wrist_to_flange_m);
-  for (std::size_t i = 0; i < 7; ++i) EXPECT_EQ(again.limits[i].upper_rad, arm.limits[i].upper_rad);
+TEST(LbrParams, ParamsOfTheChainAreThoseTheChainWasMadeOf) {
+  const LbrParams arm = Iiwa14(), recovered = LbrParamsFrom(ChainFrom(arm));
+  EXPECT_EQ(recovered.base_to_shoulder_m, arm.base_to_shoulder_m);
+  EXPECT_EQ(recovered.shoulder_to_elbow_m, arm.shoulder_to_elbow_m);
+  EXPECT_EQ(recovered.elbow_to_wrist_m, arm.elbow_to_wrist_m);
+  EXPECT_EQ(recovered.wrist_to_flange_m, arm.wrist_to_flange_m);
+  for (std::size_t i = 0; i < 7; ++i) EXPECT_EQ(recovered.limits[i].upper_rad, arm.limits[i].upper_rad);
 }
 
 }  // namespace

@@ -26,18 +26,19 @@ double LeastSingularValue(const LbrArm& arm, const JointVector& q) {
   return Eigen::JacobiSVD<Jacobian>(arm.JacobianAt(q, Vector3::Zero())).singularValues()[5];
 }
 
-const LbrSolution& Of(const LbrSolutions& solutions, int configuration) {
+const LbrSolution& SolutionOf(const LbrSolutions& solutions, int configuration) {
   return solutions.configuration[static_cast<std::size_t>(configuration)];
 }
 
-// Pose: 1e-13 m and rad, some hundred roundings of numbers around 1, the same near a singularity. Joints: the
-// pose's rounding moves them by up to 1/sigma_min times as much; 1e-9 / sigma_min allows for the angle's
-// reference, the vertical, which is ill defined when the wrist is nearly above the shoulder.
-TEST(LbrSolutions, AMillionPosesAreReachedByAllEightAndTheirOwnPostureIsAmongThem) {
+// A million poses. Tolerance of the pose: 1e-13 m and rad, some hundred roundings of numbers around 1, the
+// same near a singularity. Rounding of the pose moves the joints by up to 1/sigma_min times as much; 1e-9 /
+// sigma_min allows for the arm angle's reference, the vertical, which is ill defined if the wrist is nearly
+// above the shoulder.
+TEST(LbrSolutions, AllEightReachThePoseAndIncludeThePostureThatMadeIt) {
   const LbrArm arm(Iiwa14());
   LbrPostures postures(arm.params(), 20240611);
   double worst_pose = 0.0, worst_joint = 0.0;
-  int called_wrongly = 0, unreachable = 0;
+  int wrong_validity = 0, unreachable = 0;
   for (int n = 0; n < 1'000'000; ++n) {
     const JointVector q = postures.Next();
     const Pose X_BF = arm.FlangePose(q);
@@ -50,29 +51,29 @@ TEST(LbrSolutions, AMillionPosesAreReachedByAllEightAndTheirOwnPostureIsAmongThe
         const JointLimits& limit = arm.params().limits[static_cast<std::size_t>(i)];
         within = within && solution.q[i] >= limit.lower_rad && solution.q[i] <= limit.upper_rad;
       }
-      if (within != solution.valid()) ++called_wrongly;
+      if (within != solution.valid()) ++wrong_validity;
     }
-    const double off = (Of(solutions, LbrArm::Configuration(q)).q - q).cwiseAbs().maxCoeff();
+    const double off = (SolutionOf(solutions, LbrArm::Configuration(q)).q - q).cwiseAbs().maxCoeff();
     if (off > 1e-12) worst_joint = std::max(worst_joint, off * LeastSingularValue(arm, q));
   }
   EXPECT_EQ(unreachable, 0);
-  EXPECT_EQ(called_wrongly, 0);
+  EXPECT_EQ(wrong_validity, 0);
   EXPECT_LT(worst_pose, 1e-13);
   EXPECT_LT(worst_joint, 1e-9);
 }
 
-TEST(LbrSolutions, EachCarriesTheSignsOfItsNumber) {
+TEST(LbrSolutions, EachSolutionHasTheConfigurationOfItsIndex) {
   const LbrArm arm(Iiwa14());
   LbrPostures postures(arm.params(), 1);
   for (int n = 0; n < 1000; ++n) {
     const JointVector q = postures.Next();
     const LbrSolutions solutions = arm.Solve(arm.FlangePose(q), arm.ArmAngle(q));
-    for (int k = 0; k < kConfigurations; ++k) EXPECT_EQ(LbrArm::Configuration(Of(solutions, k).q), k);
+    for (int k = 0; k < kConfigurations; ++k) EXPECT_EQ(LbrArm::Configuration(SolutionOf(solutions, k).q), k);
   }
 }
 
-// The elbow is at the given angle in all eight: the angle is geometry, not a convention of the joints.
-TEST(LbrSolutions, AllEightHaveTheArmAngleAskedFor) {
+// All eight solutions have the elbow at the same place: the arm angle does not depend on signs of joints.
+TEST(LbrSolutions, AllEightHaveTheRequestedArmAngle) {
   const LbrArm arm(Iiwa14());
   LbrPostures postures(arm.params(), 2);
   for (int n = 0; n < 10'000; ++n) {
@@ -80,12 +81,12 @@ TEST(LbrSolutions, AllEightHaveTheArmAngleAskedFor) {
     const double psi = kPi * postures.Unit();
     const LbrSolutions solutions = arm.Solve(arm.FlangePose(q), psi);
     for (const LbrSolution& solution : solutions.configuration)
-      // 1e-8: the reference loses six digits where the wrist is within 1e-6 of above the shoulder
+      // 1e-8: with the wrist 1e-6 beside the vertical through the shoulder, the reference loses six digits
       EXPECT_LT(std::abs(std::remainder(arm.ArmAngle(solution.q) - psi, 2.0 * kPi)), 1e-8);
   }
 }
 
-TEST(LbrSolutions, SaysWhichJointIsBeyondAndByHowMuch) {
+TEST(LbrSolutions, ReportsTheJointBeyondItsLimitAndByHowMuch) {
   const JointVector q = (JointVector() << 0.3, 0.7, -0.4, -1.2, 0.5, 0.9, -0.2).finished();
   for (int i = 0; i < 7; ++i) {
     LbrParams tight = Iiwa14();
@@ -95,7 +96,8 @@ TEST(LbrSolutions, SaysWhichJointIsBeyondAndByHowMuch) {
     else
       limit.lower_rad = q[i] + 0.05;
     const LbrArm arm(tight);
-    const LbrSolution own = Of(arm.Solve(arm.FlangePose(q), arm.ArmAngle(q)), LbrArm::Configuration(q));
+    const LbrSolution own =
+        SolutionOf(arm.Solve(arm.FlangePose(q), arm.ArmAngle(q)), LbrArm::Configuration(q));
     EXPECT_FALSE(own.valid());
     EXPECT_EQ(own.worst_joint, i);
     EXPECT_EQ(own.beyond, 1u << i);
@@ -103,7 +105,7 @@ TEST(LbrSolutions, SaysWhichJointIsBeyondAndByHowMuch) {
   }
 }
 
-TEST(LbrSolutions, NearestIsTheNearestOfTheValid) {
+TEST(LbrSolutions, NearestIsTheValidSolutionNearestToTheSeed) {
   const LbrArm arm(Iiwa14());
   LbrPostures postures(arm.params(), 3);
   int with = 0, without = 0;
@@ -124,7 +126,7 @@ TEST(LbrSolutions, NearestIsTheNearestOfTheValid) {
 }
 
 // The wrist is outside the shell between |d_se - d_ew| and d_se + d_ew by a known distance, in any direction.
-TEST(LbrSolutions, UnreachablePoseSaysByHowMuch) {
+TEST(LbrSolutions, ReportsTheDistanceOutOfReach) {
   const LbrArm arm(Iiwa14());
   const LbrParams& params = arm.params();
   LbrPostures postures(params, 4);
@@ -133,6 +135,7 @@ TEST(LbrSolutions, UnreachablePoseSaysByHowMuch) {
   for (int n = 0; n < 1000; ++n) {
     Pose X_BF = arm.FlangePose(postures.Next());
     const Vector3 direction = Vector3(postures.Unit(), postures.Unit(), postures.Unit()).normalized();
+    // Solves with the wrist at this distance from the shoulder.
     const auto place = [&](double reach_m) {
       X_BF.translation() = Vector3(0.0, 0.0, params.base_to_shoulder_m) + reach_m * direction +
                            params.wrist_to_flange_m * X_BF.linear().col(2);
@@ -147,7 +150,7 @@ TEST(LbrSolutions, UnreachablePoseSaysByHowMuch) {
   }
 }
 
-TEST(LbrSolutions, WhatIsNotFiniteIsNotReachable) {
+TEST(LbrSolutions, NonFinitePoseOrArmAngleIsNotReachable) {
   const LbrArm arm(Iiwa14());
   const Pose X_BF = arm.FlangePose(JointVector::Constant(0.5));
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -160,10 +163,10 @@ TEST(LbrSolutions, WhatIsNotFiniteIsNotReachable) {
   }
 }
 
-// Exactly singular: the posture itself is among the eight if the seed has the free joint's value, and every
-// seed gives the pose. 1e-12: a posture this near counts as singular. A straight elbow is found to 2e-7: its
-// sine is the root of the reach's rounding.
-TEST(LbrSolutions, SingularPosturesAreReachedWithEverySeed) {
+// Exactly singular postures: with the posture as the seed, the posture is among the eight; every seed gives
+// the pose, to 2e-12, because a posture within 1e-12 counts as singular. A straight elbow is found only to
+// 2e-7: its sine is the square root of the reach's rounding.
+TEST(LbrSolutions, SolvesSingularPosturesWithEverySeed) {
   const LbrArm arm(Iiwa14());
   LbrPostures postures(arm.params(), 5);
   for (int n = 0; n < 7000; ++n) {
@@ -184,8 +187,9 @@ TEST(LbrSolutions, SingularPosturesAreReachedWithEverySeed) {
   }
 }
 
-// An elbow straightens and bends again: the angle, and all joints but A4, stay the same.
-TEST(LbrSolutions, ArmAngleGoesStraightThroughAStraightElbow) {
+// Bent slightly to one side, a straight elbow keeps its arm angle; bent to the other side, the elbow is
+// opposite.
+TEST(LbrSolutions, ArmAngleKeepsItsValueOrTurnsByPiBesideAStraightElbow) {
   const LbrArm arm(Iiwa14());
   JointVector q = (JointVector() << 0.3, 0.7, -0.4, 0.0, 0.5, 0.9, -0.2).finished();
   const double at_straight = arm.ArmAngle(q);
@@ -197,9 +201,9 @@ TEST(LbrSolutions, ArmAngleGoesStraightThroughAStraightElbow) {
   }
 }
 
-// Links of equal length fold until the wrist is in the shoulder: no direction is defined there, but every
-// posture folds.
-TEST(LbrSolutions, FoldedArmReachesItsShoulder) {
+// Links of equal length fold until the wrist is in the shoulder: the direction from shoulder to wrist is
+// undefined, but every solution gives the pose.
+TEST(LbrSolutions, FoldedArmReachesTheShoulder) {
   LbrParams params = Iiwa14();
   params.elbow_to_wrist_m = params.shoulder_to_elbow_m;
   params.limits.fill({});
@@ -212,7 +216,7 @@ TEST(LbrSolutions, FoldedArmReachesItsShoulder) {
     EXPECT_LT(PoseError(arm.FlangePose(solution.q), X_BF), 1e-12);
 }
 
-TEST(LbrArm, RefusesWhatIsNoArm) {
+TEST(LbrArm, RefusesInvalidParameters) {
   const auto message = [](const LbrParams& params) -> std::string {
     try {
       LbrArm{params};

@@ -19,13 +19,14 @@ std::string Text(const Eigen::MatrixBase<Derived>& v) {
   return text.str();
 }
 
+// Quaternion in MJCF's order: w x y z.
 std::string Quat(const Matrix3& R) {
   const Eigen::Quaterniond turn(R);
   return Text(Eigen::Vector4d(turn.w(), turn.x(), turn.y(), turn.z()));
 }
 
-// MuJoCo would diagonalise a full inertia itself, but only to 1e-7. Returns the moments and their axes,
-// right-handed.
+// Moments of inertia, and their axes as right-handed columns. MuJoCo would diagonalise a full inertia itself,
+// but only to 1e-7.
 Vector3 PrincipalMoments(const Matrix3& I, Matrix3& axes) {
   const Eigen::SelfAdjointEigenSolver<Matrix3> solver(I);
   axes = solver.eigenvectors();
@@ -33,6 +34,7 @@ Vector3 PrincipalMoments(const Matrix3& I, Matrix3& axes) {
   return solver.eigenvalues();
 }
 
+// The chain as a model in MuJoCo's XML format.
 template <int N>
 std::string Mjcf(const ChainParams<N>& params, const Vector3& gravity_B) {
   std::ostringstream xml;
@@ -57,7 +59,7 @@ std::string Mjcf(const ChainParams<N>& params, const Vector3& gravity_B) {
 
 template <int N>
 MujocoArm<N>::MujocoArm(const ChainParams<N>& params, const Vector3& gravity_B) {
-  // MuJoCo reads files; its virtual file system takes the text instead
+  // MuJoCo reads files only: the text goes into its virtual file system
   const std::string xml = Mjcf(params, gravity_B);
   const auto files = std::make_unique<mjVFS>();
   mj_defaultVFS(files.get());

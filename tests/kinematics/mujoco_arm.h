@@ -24,6 +24,7 @@ class MujocoArm {
                                                 const JointVectorN<N>& tau);
 
  private:
+  // Sets the state, without applied torques.
   void Set(const JointVectorN<N>& q, const JointVectorN<N>& qd);
 
   struct Free {

@@ -36,7 +36,7 @@ class LbrPostures {
         for (const int i : {1, 3, 5}) q[i] = Small();
         break;
       default: {
-        // A2 leans back by as much as the bent elbow leads forward
+        // wrist above the shoulder: A2 leans back by as much as the bent elbow leads forward
         q[2] = Small();
         const double fore = params_.elbow_to_wrist_m;
         q[1] =
@@ -48,10 +48,10 @@ class LbrPostures {
     return q;
   }
 
-  /// In -1 … 1.
+  /// Uniform in -1 … 1.
   double Unit() { return 2.0 * unit_(random_) - 1.0; }
 
-  /// Magnitude 1e-6 … 1e-2, log-uniform.
+  /// Either sign, with a log-uniform magnitude in 1e-6 … 1e-2.
   double Small() {
     const double size = std::pow(10.0, -6.0 + 4.0 * unit_(random_));
     return unit_(random_) < 0.5 ? -size : size;

@@ -12,7 +12,7 @@
 #include "tests/kinematics/iiwa14.h"
 #include "tests/kinematics/kr_arms.h"
 
-// The oracles are the forward kinematics and, where an arm has one, the closed form.
+// The numerical inverse, itself an oracle, compared with the forward kinematics and with closed forms.
 
 namespace osteon::kinematics {
 namespace {
@@ -41,7 +41,7 @@ ChainParams<7> OffsetArm() {
 }
 
 template <int N>
-JointVectorN<N> WithinLimits(const ChainParams<N>& params, std::mt19937_64& random) {
+JointVectorN<N> RandomWithinLimits(const ChainParams<N>& params, std::mt19937_64& random) {
   JointVectorN<N> q;
   for (int i = 0; i < N; ++i) {
     const JointLimits& limit = params.joints[static_cast<std::size_t>(i)].limits;
@@ -59,10 +59,10 @@ bool KeepsLimits(const ChainParams<N>& params, const JointVectorN<N>& q) {
   return true;
 }
 
-// The result's own statements are true: limits, errors, and the tolerances of `reached`.
+// The posture is within the limits, and the reported errors and `reached` are true for it.
 template <int N>
-void ExpectTrueToItsWord(const SerialChain<N>& chain, const Pose& X_BF,
-                         const NumericalInverseResult<N>& result, const NumericalInverseParams& params) {
+void ExpectConsistentResult(const SerialChain<N>& chain, const Pose& X_BF,
+                            const NumericalInverseResult<N>& result, const NumericalInverseParams& params) {
   EXPECT_TRUE(KeepsLimits<N>(chain.params(), result.q));
   const Pose X_FD = chain.FlangePose(result.q).inverse() * X_BF;
   EXPECT_NEAR(X_FD.translation().norm(), result.error_m, 1e-14);
@@ -73,16 +73,16 @@ void ExpectTrueToItsWord(const SerialChain<N>& chain, const Pose& X_BF,
   EXPECT_LE(result.iterations, (1 + params.max_restarts) * params.max_iterations);
 }
 
-// Any pose of a posture within the limits, from any seed: 99 of 100 required, 2999 of 3000 measured.
+// Random poses and random seeds within the limits: 99 of 100 required, 2999 of 3000 measured.
 template <int N>
 void ExpectReachesFromAnySeed(const ChainParams<N>& params) {
   const SerialChain<N> chain(params);
   std::mt19937_64 random(11);
   int reached = 0;
   for (int n = 0; n < 1000; ++n) {
-    const Pose X_BF = chain.FlangePose(WithinLimits<N>(params, random));
-    const auto result = NumericalInverse<N>(chain, X_BF, WithinLimits<N>(params, random));
-    ExpectTrueToItsWord<N>(chain, X_BF, result, {});
+    const Pose X_BF = chain.FlangePose(RandomWithinLimits<N>(params, random));
+    const auto result = NumericalInverse<N>(chain, X_BF, RandomWithinLimits<N>(params, random));
+    ExpectConsistentResult<N>(chain, X_BF, result, {});
     if (result.reached()) ++reached;
   }
   EXPECT_GE(reached, 990);
@@ -91,8 +91,8 @@ void ExpectReachesFromAnySeed(const ChainParams<N>& params) {
 TEST(NumericalInverse, ReachesWithAnOffsetWrist) { ExpectReachesFromAnySeed<6>(OffsetWrist()); }
 TEST(NumericalInverse, ReachesWithOffsetLinks) { ExpectReachesFromAnySeed<7>(OffsetArm()); }
 
-// From 0.1 rad away it needs no second attempt and few steps: the end is quadratic, 1e-1, 1e-2, 1e-4, 1e-8.
-TEST(NumericalInverse, FromNearbyItTakesAFewSteps) {
+// From 0.1 rad away one attempt and few steps suffice: errors fall quadratically, 1e-1, 1e-2, 1e-4, 1e-8.
+TEST(NumericalInverse, ConvergesInFewStepsFromNearby) {
   const SerialChain<7> chain(OffsetArm());
   std::mt19937_64 random(12);
   std::uniform_real_distribution<double> near(-0.1, 0.1);
@@ -100,7 +100,7 @@ TEST(NumericalInverse, FromNearbyItTakesAFewSteps) {
   once.max_restarts = 0;
   int steps = 0;
   for (int n = 0; n < 1000; ++n) {
-    const JointVectorN<7> q = WithinLimits<7>(chain.params(), random);
+    const JointVectorN<7> q = RandomWithinLimits<7>(chain.params(), random);
     JointVectorN<7> seed = q;
     for (int i = 0; i < 7; ++i) seed[i] += near(random);
     const auto result = NumericalInverse<7>(chain, chain.FlangePose(q), seed, once);
@@ -121,8 +121,8 @@ TEST(NumericalInverse, AgreesWithTheClosedFormOfAnLbr) {
   std::mt19937_64 random(13);
   int compared = 0;
   for (int n = 0; n < 300; ++n) {
-    const Pose X_BF = chain.FlangePose(WithinLimits<7>(params, random));
-    const auto result = NumericalInverse<7>(chain, X_BF, WithinLimits<7>(params, random));
+    const Pose X_BF = chain.FlangePose(RandomWithinLimits<7>(params, random));
+    const auto result = NumericalInverse<7>(chain, X_BF, RandomWithinLimits<7>(params, random));
     if (!result.reached()) continue;
     const LbrSolutions solutions = arm.Solve(X_BF, arm.ArmAngle(result.q));
     const LbrSolution& own =
@@ -137,9 +137,8 @@ TEST(NumericalInverse, AgreesWithTheClosedFormOfAnLbr) {
   EXPECT_GT(compared, 200);
 }
 
-// Half a metre out of reach: it reports this, and has stretched toward the pose as far as the closed form
-// predicts.
-TEST(NumericalInverse, OutOfReachItStopsAtTheNearest) {
+// Half a metre out of reach, the arm stretches toward the pose as far as the closed form predicts.
+TEST(NumericalInverse, StopsAtTheNearestPostureIfOutOfReach) {
   const OrthoParallelArm closed(Kr6R900Params());
   const SerialChain<6> chain(ChainFrom(Kr6R900Params()));
   Pose X_BF = Pose::Identity();
@@ -148,12 +147,12 @@ TEST(NumericalInverse, OutOfReachItStopsAtTheNearest) {
   const double missing_m = closed.Solve(X_BF).out_of_reach_m;
   const auto result = NumericalInverse<6>(chain, X_BF, (JointVectorN<6>() << 0, -1, 1, 0, 0.3, 0).finished());
   EXPECT_EQ(result.stop, InverseStop::kLocalMinimum) << Name(result.stop);
-  ExpectTrueToItsWord<6>(chain, X_BF, result, {});
+  ExpectConsistentResult<6>(chain, X_BF, result, {});
   EXPECT_NEAR(result.error_m, missing_m, 1e-6);
   EXPECT_LT(result.error_rad, 1e-6);
 }
 
-TEST(NumericalInverse, HeldByALimitItSaysSo) {
+TEST(NumericalInverse, ReportsThatAJointLimitHoldsItBack) {
   ChainParams<6> params = ChainFrom(Kr6R900Params());
   const JointVectorN<6> q = (JointVectorN<6>() << 0.3, -1.2, 0.9, -0.4, 0.8, 0.9).finished();
   const Pose X_BF = SerialChain<6>(params).FlangePose(q);
@@ -170,7 +169,7 @@ TEST(NumericalInverse, HeldByALimitItSaysSo) {
   EXPECT_GT(result.error_m + result.error_rad, 1e-3);
 }
 
-TEST(NumericalInverse, RefusesWhatIsNotFinite) {
+TEST(NumericalInverse, RefusesANonFinitePoseOrSeed) {
   const SerialChain<7> chain(OffsetArm());
   Pose X_BF = chain.FlangePose(JointVectorN<7>::Constant(0.3));
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -182,8 +181,8 @@ TEST(NumericalInverse, RefusesWhatIsNotFinite) {
 TEST(NumericalInverse, EqualInputsGiveEqualBitsAndNothingIsAllocated) {
   const SerialChain<7> chain(OffsetArm());
   std::mt19937_64 random(14);
-  const Pose X_BF = chain.FlangePose(WithinLimits<7>(chain.params(), random));
-  const JointVectorN<7> seed = WithinLimits<7>(chain.params(), random);
+  const Pose X_BF = chain.FlangePose(RandomWithinLimits<7>(chain.params(), random));
+  const JointVectorN<7> seed = RandomWithinLimits<7>(chain.params(), random);
   rt::CheckedNoAllocScope no_alloc;
   const auto once = NumericalInverse<7>(chain, X_BF, seed), again = NumericalInverse<7>(chain, X_BF, seed);
   no_alloc.End();

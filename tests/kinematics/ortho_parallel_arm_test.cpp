@@ -25,7 +25,7 @@ constexpr double kPi = std::numbers::pi, kTurn = 2.0 * kPi;
 double PoseError(const Pose& a, const Pose& b) { return (a.matrix() - b.matrix()).cwiseAbs().maxCoeff(); }
 
 // Largest difference of two postures, modulo full turns.
-double Off(const Joints& a, const Joints& b) {
+double JointDifference(const Joints& a, const Joints& b) {
   double worst = 0.0;
   for (int i = 0; i < 6; ++i) worst = std::max(worst, std::abs(std::remainder(a[i] - b[i], kTurn)));
   return worst;
@@ -53,7 +53,9 @@ class Postures {
     }
   }
 
+  // Uniform in -1 … 1.
   double Unit() { return 2.0 * unit_(random_) - 1.0; }
+  // Either sign, with a log-uniform magnitude in 1e-6 … 1e-2.
   double Small() {
     const double size = std::pow(10.0, -6.0 + 4.0 * unit_(random_));
     return unit_(random_) < 0.5 ? -size : size;
@@ -87,14 +89,15 @@ class Postures {
   int count_{0};
 };
 
-// Pose to 1e-13 as for an LBR; joints to 1e-9 / sigma_min. A valid solution has an equivalent within the
-// limits for every joint, an invalid one has a joint without.
-void CheckPoses(const OrthoParallelParams& params, int poses) {
+// Each solution gives the pose to 1e-13, and one solution is the posture that made the pose, to 1e-9 /
+// sigma_min. A valid solution is within the limits; an invalid one has a joint of which no equivalent, full
+// turns away, is within its limits.
+void CheckSolutionsOfRandomPoses(const OrthoParallelParams& params, int poses) {
   const OrthoParallelArm arm(params);
   const SerialChain<6> chain(ChainFrom(params));
   Postures postures(params, 20240612);
   double worst_pose = 0.0, worst_joint = 0.0;
-  int called_wrongly = 0, unreachable = 0, missing = 0;
+  int wrong_validity = 0, unreachable = 0, missing = 0;
   for (int n = 0; n < poses; ++n) {
     const Joints q = postures.Next();
     const Pose X_BF = chain.FlangePose(q);
@@ -111,16 +114,16 @@ void CheckPoses(const OrthoParallelParams& params, int poses) {
           within = within && q_i >= limit.lower_rad && q_i <= limit.upper_rad;
         } else {
           bool any = false;
-          for (const double name : {q_i - kTurn, q_i, q_i + kTurn})
-            any = any || (name >= limit.lower_rad && name <= limit.upper_rad);
+          for (const double equivalent : {q_i - kTurn, q_i, q_i + kTurn})
+            any = any || (equivalent >= limit.lower_rad && equivalent <= limit.upper_rad);
           within = within && any;
         }
       }
-      if (within != solution.valid()) ++called_wrongly;
+      if (within != solution.valid()) ++wrong_validity;
     }
     const auto own = solutions.configuration[static_cast<std::size_t>(arm.Configuration(q))];
     if (!own.exists) ++missing;
-    const double off = Off(own.q, q);
+    const double off = JointDifference(own.q, q);
     if (off > 1e-12) {
       const double sigma =
           Eigen::JacobiSVD<JacobianN<6>>(chain.Jacobian(chain.ComputePosture(q))).singularValues()[5];
@@ -129,22 +132,22 @@ void CheckPoses(const OrthoParallelParams& params, int poses) {
   }
   EXPECT_EQ(unreachable, 0);
   EXPECT_EQ(missing, 0);
-  EXPECT_EQ(called_wrongly, 0);
+  EXPECT_EQ(wrong_validity, 0);
   EXPECT_LT(worst_pose, 1e-13);
   EXPECT_LT(worst_joint, 1e-9);
 }
 
-TEST(OrthoParallelArm, PosesOfAKr6AreReachedByAllEightAndTheirOwnPostureIsAmongThem) {
-  CheckPoses(Kr6R900Params(), 500'000);
+TEST(OrthoParallelArm, SolutionsOfAKr6ReachThePoseAndIncludeThePostureThatMadeIt) {
+  CheckSolutionsOfRandomPoses(Kr6R900Params(), 500'000);
 }
-TEST(OrthoParallelArm, PosesOfAKr16AreReachedByAllEightAndTheirOwnPostureIsAmongThem) {
-  CheckPoses(Kr16Params(), 500'000);
+TEST(OrthoParallelArm, SolutionsOfAKr16ReachThePoseAndIncludeThePostureThatMadeIt) {
+  CheckSolutionsOfRandomPoses(Kr16Params(), 500'000);
 }
-TEST(OrthoParallelArm, PosesOfACrookedArmAreReachedByAllEightAndTheirOwnPostureIsAmongThem) {
-  CheckPoses(CrookedArmParams(), 20'000);
+TEST(OrthoParallelArm, SolutionsOfACrookedArmReachThePoseAndIncludeThePostureThatMadeIt) {
+  CheckSolutionsOfRandomPoses(CrookedArmParams(), 20'000);
 }
 
-TEST(OrthoParallelArm, EachSolutionCarriesItsNumber) {
+TEST(OrthoParallelArm, EachSolutionHasTheConfigurationOfItsIndex) {
   const OrthoParallelArm arm(Kr16Params());
   const SerialChain<6> chain(ChainFrom(Kr16Params()));
   Postures postures(Kr16Params(), 3);
@@ -159,8 +162,8 @@ TEST(OrthoParallelArm, EachSolutionCarriesItsNumber) {
   }
 }
 
-// A6 turns almost twice round: a value beyond half a turn is returned if it is the seed's.
-TEST(OrthoParallelArm, EveryPostureIsItsOwnNearest) {
+// A6 turns almost twice round: the inverse returns a value beyond half a turn if the seed has it.
+TEST(OrthoParallelArm, InverseSeededWithAPostureReturnsThePosture) {
   for (const OrthoParallelParams& params : {Kr6R900Params(), Kr16Params()}) {
     const OrthoParallelArm arm(params);
     const SerialChain<6> chain(ChainFrom(params));
@@ -179,8 +182,8 @@ TEST(OrthoParallelArm, EveryPostureIsItsOwnNearest) {
   }
 }
 
-// All equivalents of every solution, by brute force.
-TEST(OrthoParallelArm, NearestIsTheNearestOfAllNames) {
+// Brute force over all equivalents, full turns apart, of every solution.
+TEST(OrthoParallelArm, NearestIsTheNearestOfAllEquivalents) {
   const OrthoParallelParams params = Kr16Params();
   const OrthoParallelArm arm(params);
   const SerialChain<6> chain(ChainFrom(params));
@@ -196,9 +199,9 @@ TEST(OrthoParallelArm, NearestIsTheNearestOfAllNames) {
         const JointLimits& limit = params.limits[static_cast<std::size_t>(i)];
         double nearest = std::numeric_limits<double>::infinity();
         for (int turns = -2; turns <= 2; ++turns) {
-          const double name = solution.q[i] + kTurn * turns;
-          if (name >= limit.lower_rad && name <= limit.upper_rad)
-            nearest = std::min(nearest, std::abs(name - seed[i]));
+          const double equivalent = solution.q[i] + kTurn * turns;
+          if (equivalent >= limit.lower_rad && equivalent <= limit.upper_rad)
+            nearest = std::min(nearest, std::abs(equivalent - seed[i]));
         }
         distance += nearest * nearest;
       }
@@ -217,9 +220,9 @@ TEST(OrthoParallelArm, NearestIsTheNearestOfAllNames) {
   }
 }
 
-// The wrist outside the torus that the two links sweep, or within its hole (A2 on A1, or the hole is covered
-// from behind), by a known distance.
-TEST(OrthoParallelArm, UnreachablePoseSaysByHowMuch) {
+// The wrist lies outside the torus that the two links sweep, or in the torus's hole, by a known distance. The
+// hole is out of reach only with A2 on A1 (a1 = 0): otherwise the arm reaches there from behind.
+TEST(OrthoParallelArm, ReportsTheDistanceOutOfReach) {
   OrthoParallelParams params = Kr6R900Params();
   Postures postures(params, 6);
   const double k = std::hypot(params.a2_m, params.c3_m);
@@ -250,7 +253,7 @@ TEST(OrthoParallelArm, UnreachablePoseSaysByHowMuch) {
   }
 }
 
-TEST(OrthoParallelArm, NearA1AnArmBesideItDoesNotReach) {
+TEST(OrthoParallelArm, AnArmPlaneBesideA1DoesNotReachPointsNearA1) {
   const OrthoParallelParams params = CrookedArmParams();
   const OrthoParallelArm arm(params);
   Pose X_BF = Pose::Identity();
@@ -260,7 +263,7 @@ TEST(OrthoParallelArm, NearA1AnArmBesideItDoesNotReach) {
   EXPECT_TRUE(arm.Solve(X_BF).reachable());
 }
 
-TEST(OrthoParallelArm, WhatIsNotFiniteIsNotReachable) {
+TEST(OrthoParallelArm, NonFinitePoseOrSeedIsNotReachable) {
   const OrthoParallelArm arm(Kr6R900Params());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Pose X_BF = SerialChain<6>(ChainFrom(Kr6R900Params())).FlangePose(Joints::Constant(0.3));
@@ -275,10 +278,10 @@ TEST(OrthoParallelArm, WhatIsNotFiniteIsNotReachable) {
   EXPECT_EQ(q, Joints::Constant(42.0));
 }
 
-// Exactly singular: the posture itself if the seed has the free joint's value, the pose with any seed. 2e-12:
-// within 1e-12 a posture counts as singular. A straight elbow is found to 2e-7: the root of the reach's
-// rounding.
-TEST(OrthoParallelArm, SingularPosturesAreReachedWithEverySeed) {
+// Exactly singular postures: with the posture as the seed, Inverse returns it; every seed gives the pose, to
+// 2e-12, because a posture within 1e-12 counts as singular. A straight elbow is found only to 2e-7, the
+// square root of the reach's rounding.
+TEST(OrthoParallelArm, SolvesSingularPosturesWithEverySeed) {
   OrthoParallelParams params = Kr16Params();
   const OrthoParallelArm arm(params);
   const SerialChain<6> chain(ChainFrom(params));
@@ -315,7 +318,7 @@ TEST(OrthoParallelArm, SingularPosturesAreReachedWithEverySeed) {
   EXPECT_EQ(elbow, 2000);
 }
 
-TEST(OrthoParallelArm, SaysWhichJointIsBeyondAndByHowMuch) {
+TEST(OrthoParallelArm, ReportsTheJointBeyondItsLimitAndByHowMuch) {
   const Joints q = (Joints() << 0.3, -1.2, 0.9, -0.4, 0.5, 0.9).finished();
   const SerialChain<6> chain(ChainFrom(Kr6R900Params()));
   for (int i = 0; i < 6; ++i) {
@@ -333,7 +336,7 @@ TEST(OrthoParallelArm, SaysWhichJointIsBeyondAndByHowMuch) {
   }
 }
 
-TEST(OrthoParallelArm, RefusesWhatIsNoArm) {
+TEST(OrthoParallelArm, RefusesInvalidParameters) {
   const auto message = [](const OrthoParallelParams& params) -> std::string {
     try {
       OrthoParallelArm{params};

@@ -43,7 +43,7 @@ ChainParams<6> DescribedKr6() {
   return chain;
 }
 
-TEST(OrthoParallelParams, ChainIsTheProductOfItsDefinition) {
+TEST(OrthoParallelParams, ChainEqualsTheProductOfTransformsThatDefinesIt) {
   std::mt19937_64 random(1);
   for (const OrthoParallelParams& params : {Kr6R900Params(), Kr16Params(), CrookedArmParams()}) {
     const SerialChain<6> chain(ChainFrom(params));
@@ -64,8 +64,9 @@ TEST(OrthoParallelParams, ChainIsTheProductOfItsDefinition) {
   }
 }
 
-// One arm from two sources: lengths, offsets and signs compared with joint origins and axes, through KDL.
-TEST(OrthoParallelParams, ChainIsTheDescribedArm) {
+// One arm from two sources: our lengths, offsets and signs give the poses that KDL finds from the origins and
+// axes of a robot description.
+TEST(OrthoParallelParams, ChainEqualsTheDescribedArm) {
   const ChainParams<6> described = DescribedKr6();
   KDL::Chain kdl;
   for (const RevoluteJoint& joint : described.joints) {
@@ -113,7 +114,7 @@ TEST(OrthoParallelParams, FollowFromTheAxesOfADescription) {
   ExpectEqual(OrthoParallelParamsFrom(DescribedKr6()), Kr6R900Params());
 }
 
-TEST(OrthoParallelParams, FromAChainUndoesToAChain) {
+TEST(OrthoParallelParams, ParamsOfTheChainAreThoseTheChainWasMadeOf) {
   for (const OrthoParallelParams& params : {Kr6R900Params(), Kr16Params(), CrookedArmParams()})
     ExpectEqual(OrthoParallelParamsFrom(ChainFrom(params)), params);
 }
@@ -127,7 +128,7 @@ TEST(OrthoParallelParams, ReachIsThatOfTheDataSheet) {
   EXPECT_NEAR(reach_m(Kr16Params()), 1.611, 0.0005);
 }
 
-TEST(OrthoParallelParams, AnAxisThatMissesIsNamedWithItsOffset) {
+TEST(OrthoParallelParams, ErrorNamesTheAxisThatMissesAndItsOffset) {
   const auto message = [](const ChainParams<6>& chain) -> std::string {
     try {
       static_cast<void>(OrthoParallelParamsFrom(chain));

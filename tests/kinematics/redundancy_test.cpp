@@ -15,7 +15,7 @@
 namespace osteon::kinematics {
 namespace {
 
-constexpr double kMargin_rad = 0.02;
+constexpr double kMargin_rad = 0.02;  // distance kept from the limits
 
 // The potential whose negative gradient is AwayFromLimits.
 double LimitPotential(const PosturePreferenceParams& params, const JointVectorN<7>& q) {
@@ -49,7 +49,7 @@ TEST(Redundancy, AwayFromLimitsIsTheGradientOfItsPotentialAndZeroInMidRange) {
   EXPECT_TRUE(AwayFromLimits<7>(params, Iiwa14().limits, kMargin_rad, JointVectorN<7>::Zero()).isZero(0.0));
 }
 
-TEST(Redundancy, AtALimitAJointIsLedBackAtTheFullSpeedAndBeyondItNoFaster) {
+TEST(Redundancy, AJointAtOrBeyondItsLimitIsLedBackAtTheFullSpeed) {
   const PosturePreferenceParams params;
   JointVectorN<7> q = JointVectorN<7>::Zero();
   q[3] = Iiwa14().limits[3].upper_rad - kMargin_rad;
@@ -62,7 +62,7 @@ TEST(Redundancy, AtALimitAJointIsLedBackAtTheFullSpeedAndBeyondItNoFaster) {
   EXPECT_TRUE(qd.isZero(0.0));
 }
 
-TEST(Redundancy, AwayFromSingularityGoesUpTheGradientWithABoundedSpeedThatStartsFromNothing) {
+TEST(Redundancy, AwayFromSingularityClimbsTheGradientWithASpeedFromZeroToItsBound) {
   const PosturePreferenceParams params;
   rt::CheckedNoAllocScope no_alloc;
   JointVectorN<6> gradient;
@@ -75,8 +75,8 @@ TEST(Redundancy, AwayFromSingularityGoesUpTheGradientWithABoundedSpeedThatStarts
       << "no direction is made of noise";
 }
 
-// An iiwa with weak A3 and A4 that presses 200 N along a tool of 0.2 m, and 35 N across it: the place of its
-// elbow decides what it holds.
+// An iiwa with weak A3 and A4 that presses 200 N along a tool of 0.2 m, and 35 N across the tool: the place
+// of the elbow decides how much of this load the arm holds.
 struct Pressing {
   Pressing() {
     ChainParams<7> params = Iiwa14Chain();
@@ -90,15 +90,16 @@ struct Pressing {
   LoadTarget<7> wanted;
 };
 
+// Preferred joint velocities at q, with null direction n [rad/s].
 JointVectorN<7> LoadGradientMotion(const PosturePreferenceParams& params, const Pressing& pressing,
                                    const JointVectorN<7>& q, const JointVectorN<7>& n) {
   const double held = HeldLoad<7>(*pressing.chain, pressing.wanted, q).value;
   return LoadGradientMotion<7>(params, *pressing.chain, pressing.wanted, {.q = q, .n = n, .held = held}).qd;
 }
 
-// The flange stands still while the elbow follows the preference: the posture ends where it holds the zone's
-// multiple of the load, or where no neighbour on its circle holds more.
-TEST(Redundancy, TheElbowGoesUpToWhereTheArmHoldsMost) {
+// The flange stands still while the elbow follows the preference: the posture ends where the arm holds
+// nearly `load_zone` times the load, or where no neighbouring arm angle holds more.
+TEST(Redundancy, ElbowMovesToWhereTheArmHoldsMost) {
   const Pressing pressing;
   const LbrArm lbr(Iiwa14());
   DifferentialInverseParams<7> params;
@@ -112,8 +113,8 @@ TEST(Redundancy, TheElbowGoesUpToWhereTheArmHoldsMost) {
     MotionInput<7> in;
     in.q << unit(random), 0.9 * unit(random), unit(random), 1.0 + 0.7 * unit(random), unit(random),
         1.0 + 0.5 * unit(random), unit(random);
-    const double begun = HeldLoad<7>(*pressing.chain, pressing.wanted, in.q).value;
-    if (begun > 1.1) continue;
+    const double held_at_start = HeldLoad<7>(*pressing.chain, pressing.wanted, in.q).value;
+    if (held_at_start > 1.1) continue;
     ++climbed;
     const Pose X_BF = lbr.FlangePose(in.q);
     in.dt_s = 0.001;
@@ -132,12 +133,12 @@ TEST(Redundancy, TheElbowGoesUpToWhereTheArmHoldsMost) {
     }
     EXPECT_LT((lbr.FlangePose(in.q).matrix() - X_BF.matrix()).cwiseAbs().maxCoeff(), 1e-4);
     const double held = HeldLoad<7>(*pressing.chain, pressing.wanted, in.q).value;
-    EXPECT_GT(held, begun - 1e-6);
+    EXPECT_GT(held, held_at_start - 1e-6);
     if (held > preference.load_zone - 0.12) {
       ++at_zone;  // the preference fades out below the zone
       continue;
     }
-    // otherwise a maximum: 8 % allows for the averaging over ±0.02 rad beside an edge
+    // otherwise the posture is a maximum: 8 % allows for the averaging over ±0.02 rad beside an edge
     double around = held;
     for (const double turn : {-0.1, -0.05, 0.05, 0.1}) {
       JointVector neighbour;
@@ -152,32 +153,32 @@ TEST(Redundancy, TheElbowGoesUpToWhereTheArmHoldsMost) {
   EXPECT_GT(at_top, 3);
 }
 
-TEST(Redundancy, WhatHoldsEnoughOrNeedsNothingHasNoPreference) {
+TEST(Redundancy, NoPreferenceIfTheArmHoldsEnoughOrHasNoLoad) {
   Pressing pressing;
   const PosturePreferenceParams params;
   JointVectorN<7> q, n = JointVectorN<7>::Zero();
   q << 0.1, 0.5, 0.05, -1.4, 0.1, 0.9, 0.2;
   n << 0.5, -0.1, -0.6, 0.0, 0.4, 0.1, -0.45;
   n.normalize();
-  const auto led = [&] { return LoadGradientMotion(params, pressing, q, n).norm(); };
+  const auto preferred_speed = [&] { return LoadGradientMotion(params, pressing, q, n).norm(); };
   const double k = HeldLoad<7>(*pressing.chain, pressing.wanted, q).value;
   const ToolLoad asked = pressing.wanted.load;
-  const auto times = [&](double share) {
+  const auto scale_load = [&](double share) {
     pressing.wanted.load = {.axial_N = share * asked.axial_N, .lateral_N = share * asked.lateral_N};
   };
-  times(k / (1.001 * params.load_zone));
-  EXPECT_EQ(led(), 0.0) << "the arm holds the zone's multiple";
-  times(k / (0.95 * params.load_zone));
-  EXPECT_GT(led(), 0.0);
-  const double shallow = led();
-  times(k);
-  EXPECT_GT(led(), shallow) << "the less it holds";
-  EXPECT_LT(led(), params.load_speed_rad_per_s);
-  times(0.0);
-  EXPECT_EQ(led(), 0.0) << "no load";
+  scale_load(k / (1.001 * params.load_zone));
+  EXPECT_EQ(preferred_speed(), 0.0) << "the arm holds the zone's multiple";
+  scale_load(k / (0.95 * params.load_zone));
+  EXPECT_GT(preferred_speed(), 0.0);
+  const double shallow = preferred_speed();
+  scale_load(k);
+  EXPECT_GT(preferred_speed(), shallow) << "the less it holds";
+  EXPECT_LT(preferred_speed(), params.load_speed_rad_per_s);
+  scale_load(0.0);
+  EXPECT_EQ(preferred_speed(), 0.0) << "no load";
 }
 
-TEST(Redundancy, TheLoadsPreferenceDoesNotAllocate) {
+TEST(Redundancy, LoadGradientMotionDoesNotAllocate) {
   const Pressing pressing;
   const PosturePreferenceParams params;
   JointVectorN<7> q = JointVectorN<7>::Constant(0.4), n = JointVectorN<7>::Constant(0.3);

@@ -18,6 +18,7 @@ constexpr int kPostures = 100'000;
 // some hundred products of numbers around 1, each rounded to 1e-16, with a margin
 constexpr double kRounding = 1e-12;
 
+// Largest difference of an element of the position [m] or the rotation matrix.
 double Difference(const Pose& X, const KDL::Frame& frame) {
   double worst = 0.0;
   for (int i = 0; i < 3; ++i) {
@@ -27,20 +28,20 @@ double Difference(const Pose& X, const KDL::Frame& frame) {
   return worst;
 }
 
-// Largest difference of pose and Jacobian from KDL's over random postures.
-struct Worst {
+// Largest differences of flange pose, link poses and Jacobian from KDL's over random postures.
+struct LargestDifferences {
   double pose{0.0}, link{0.0}, jacobian{0.0};
 };
 
 template <int N>
-Worst BesideKdl(const ChainParams<N>& params, int postures, std::mt19937_64& random) {
+LargestDifferences CompareWithKdl(const ChainParams<N>& params, int postures, std::mt19937_64& random) {
   const SerialChain<N> arm(params);
   const KDL::Chain chain = KdlChain(params);
   KDL::ChainFkSolverPos_recursive forward(chain);
   KDL::ChainJntToJacSolver velocity(chain);
   KDL::JntArray joints(N);
   KDL::Jacobian J_kdl(N);
-  Worst worst;
+  LargestDifferences worst;
   for (int n = 0; n < postures; ++n) {
     const JointVectorN<N> q = RandomJoints<N>(random, std::numbers::pi);
     joints.data = q;
@@ -60,7 +61,7 @@ Worst BesideKdl(const ChainParams<N>& params, int postures, std::mt19937_64& ran
 
 TEST(SerialChain, IiwaPoseAndJacobianEqualThoseOfKdl) {
   std::mt19937_64 random{20261120};
-  const Worst worst = BesideKdl(Iiwa14Chain(), kPostures, random);
+  const LargestDifferences worst = CompareWithKdl(Iiwa14Chain(), kPostures, random);
   EXPECT_LT(worst.pose, kRounding);
   EXPECT_LT(worst.link, kRounding);
   EXPECT_LT(worst.jacobian, kRounding);
@@ -68,7 +69,7 @@ TEST(SerialChain, IiwaPoseAndJacobianEqualThoseOfKdl) {
 
 TEST(SerialChain, KrPoseAndJacobianEqualThoseOfKdl) {
   std::mt19937_64 random{6};
-  const Worst worst = BesideKdl(Kr6R900(), kPostures / 4, random);
+  const LargestDifferences worst = CompareWithKdl(Kr6R900(), kPostures / 4, random);
   EXPECT_LT(worst.pose, kRounding);
   EXPECT_LT(worst.link, kRounding);
   EXPECT_LT(worst.jacobian, kRounding);
@@ -76,10 +77,10 @@ TEST(SerialChain, KrPoseAndJacobianEqualThoseOfKdl) {
 
 TEST(SerialChain, AnyArmsPoseAndJacobianEqualThoseOfKdl) {
   std::mt19937_64 random{7};
-  Worst worst;
+  LargestDifferences worst;
   for (int n = 0; n < 200; ++n)
-    for (const Worst& one :
-         {BesideKdl(RandomChain<7>(random), 40, random), BesideKdl(RandomChain<6>(random), 40, random)})
+    for (const LargestDifferences& one : {CompareWithKdl(RandomChain<7>(random), 40, random),
+                                          CompareWithKdl(RandomChain<6>(random), 40, random)})
       worst = {std::max(worst.pose, one.pose), std::max(worst.link, one.link),
                std::max(worst.jacobian, one.jacobian)};
   EXPECT_LT(worst.pose, kRounding);
@@ -99,7 +100,7 @@ TEST(SerialChain, AlmostParallelAxesLoseNoAccuracy) {
         joint.axis_J = sign * Vector3(tilt, -0.5 * tilt, 1.0).normalized();
       }
       params.joints[2].axis_J = Vector3(0, tilt, 1).normalized();
-      const Worst worst = BesideKdl(params, 200, random);
+      const LargestDifferences worst = CompareWithKdl(params, 200, random);
       EXPECT_LT(std::max({worst.pose, worst.link, worst.jacobian}), kRounding) << tilt << ' ' << sign;
     }
 }
@@ -111,7 +112,7 @@ TEST(SerialChain, IiwaStandsUprightAtTheCatalogueHeight) {
 }
 
 // Any point of the flange: its velocity is that of the flange's origin plus the rotation about it.
-TEST(SerialChain, JacobianOfAPointFollowsFromTheFlanges) {
+TEST(SerialChain, JacobianOfAPointFollowsFromTheFlangesJacobian) {
   std::mt19937_64 random{9};
   const SerialChain<7> arm(RandomChain<7>(random));
   for (int n = 0; n < 100; ++n) {
@@ -126,7 +127,7 @@ TEST(SerialChain, JacobianOfAPointFollowsFromTheFlanges) {
   }
 }
 
-// The oracle of chain_dynamics_test.cpp, tested here. Central differences along qd with h = 1e-5 s:
+// Tests JacobianDot, an oracle of chain_dynamics_test.cpp, by central differences along qd with h = 1e-5 s:
 // truncation h^2/6 times third derivatives of 100 (up to 2 rad/s, seven joints); rounding 1e-16/h; both below
 // 1e-8.
 template <int N>
@@ -156,7 +157,7 @@ TEST(SerialChain, JacobianDotIsTheDerivativeOfTheJacobian) {
   EXPECT_LT(JacobianDotError(RandomChain<6>(random), random), 1e-8);
 }
 
-TEST(SerialChain, SameJointsSameBits) {
+TEST(SerialChain, EqualJointsGiveEqualBits) {
   std::mt19937_64 random{11};
   const ChainParams<7> params = RandomChain<7>(random);
   const SerialChain<7> arm(params), twin(params);
@@ -167,7 +168,7 @@ TEST(SerialChain, SameJointsSameBits) {
   }
 }
 
-TEST(SerialChain, RefusesAChainThatIsNone) {
+TEST(SerialChain, RefusesAnInvalidChainAndNamesJointAndQuantity) {
   struct Case {
     const char* text;
     void (*spoil)(ChainParams<7>&);

@@ -9,6 +9,7 @@
 namespace osteon::kinematics {
 namespace {
 
+// Largest error of sine and cosine over random angles in ±range_rad.
 double WorstError(double range_rad, int count, std::mt19937_64& random) {
   std::uniform_real_distribution<double> in(-range_rad, range_rad);
   double worst = 0.0;
@@ -34,10 +35,10 @@ TEST(SinCos, EqualsExtendedPrecisionToTheLastPlaces) {
   EXPECT_LT(WorstError(1e-3, 10'000, random), ulp);
   EXPECT_LT(WorstError(100.0, 100'000, random), ulp);
   EXPECT_LT(WorstError(1e5, 100'000, random), ulp);
-  EXPECT_LT(WorstError(1e9, 1'000, random), ulp);  // the C library's
+  EXPECT_LT(WorstError(1e9, 1'000, random), ulp);  // the C library computes beyond 1e5 rad
 }
 
-TEST(SinCos, IsExactAtZeroAndOddAndEven) {
+TEST(SinCos, IsExactAtZeroSineIsOddAndCosineIsEven) {
   const SinCosN<4> zero = SinCos(std::array<double, 4>{0.0, 1.25, -1.25, -0.0});
   EXPECT_EQ(zero.sin[0], 0.0);
   EXPECT_EQ(zero.cos[0], 1.0);
@@ -45,7 +46,7 @@ TEST(SinCos, IsExactAtZeroAndOddAndEven) {
   EXPECT_EQ(zero.cos[1], zero.cos[2]);
 }
 
-// Every multiple of a quarter turn, where quadrants meet, and values beside it.
+// Every multiple of an eighth of a turn, and values beside it. Quadrants meet at the odd multiples.
 TEST(SinCos, KeepsItsSignsAcrossTheQuadrants) {
   for (int k = -12; k <= 12; ++k)
     for (const double off : {-1e-9, 0.0, 1e-9}) {
@@ -58,7 +59,7 @@ TEST(SinCos, KeepsItsSignsAcrossTheQuadrants) {
     }
 }
 
-TEST(SinCos, IsNotANumberWhereTheAngleIsNone) {
+TEST(SinCos, IsNanForAnAngleThatIsNotFinite) {
   const double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
   const SinCosN<4> found = SinCos(std::array<double, 4>{inf, nan, -inf, 0.5});
   for (std::size_t i = 0; i < 3; ++i) EXPECT_TRUE(std::isnan(found.sin[i]) && std::isnan(found.cos[i]));

@@ -8,18 +8,19 @@
 
 #include "hil/loops/admittance_loop.h"
 
-// Model B of the design's stability page in plain scalars: the arm critically damped, its dead time at least
-// one whole period, the wall without damping. Shares no code with the loop that it judges but the parameters.
+// Model B of docs/theory/stability.md in plain scalars: a critically damped arm with a dead time of at least
+// one period, and a wall without damping. An oracle of hil/loops/admittance_loop.h: only the parameters are
+// shared.
 
 namespace osteon::studies {
 
 /// The acceleration that the hand's mass feels in a sample.
 enum class HandAcceleration {
   kMeanOfPeriod,      ///< (v[k] - v[k-1]) / T
-  kAfterCommandStep,  ///< w^2 (x_c - x) - 2 w v, with the command that just began: the design's first rows
+  kAfterCommandStep,  ///< w^2 (x_c - x) - 2 w v, with the command that has just begun
 };
 
-/// Spectral radius of the loop, exact to rounding.
+/// Spectral radius of the loop's matrix over one period, exact to rounding; < 1: stable.
 [[nodiscard]] inline double AdmittanceModelRadius(const hil::AdmittanceLoopParams& p, HandAcceleration kind) {
   const double T = p.period_s, w = 2.0 * std::numbers::pi * p.arm.bandwidth_hz, decay = std::exp(-w * T);
   const int dead = static_cast<int>(p.arm.dead_cycles), age = p.wall.age_ticks;
@@ -34,10 +35,10 @@ enum class HandAcceleration {
     const double a =
         kind == HandAcceleration::kMeanOfPeriod ? (v - s[x_at + 2]) / T : w * w * (target - x) - 2.0 * w * v;
     const double felt = -(p.hand.stiffness_N_per_m * x + p.hand.damping_Ns_per_m * v + p.hand.mass_kg * a);
-    const double told = p.sensor_delay == 0 ? felt : s[felt_at + p.sensor_delay - 1];
+    const double sensed = p.sensor_delay == 0 ? felt : s[felt_at + p.sensor_delay - 1];
     const double wall = p.wall.stiffness_N_per_m * (p.wall.on == hil::WallOn::kMeasured ? x : s[age]);
     const double law =
-        (s[law_at] + T / p.mass_kg * (told - wall)) / (1.0 + T * p.damping_Ns_per_m / p.mass_kg);
+        (s[law_at] + T / p.mass_kg * (sensed - wall)) / (1.0 + T * p.damping_Ns_per_m / p.mass_kg);
     Eigen::VectorXd next(size);
     next[0] = s[0] + T * law;
     for (int i = 1; i < commands; ++i) next[i] = s[i - 1];

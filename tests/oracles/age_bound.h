@@ -2,7 +2,7 @@
 
 #include <Eigen/Dense>
 
-// The bound of docs/theory/stability.md for a force whose age varies, exact: judges loops that run with such
+// The exact bound of docs/theory/stability.md for a force whose age varies: an oracle of loops with such
 // ages.
 
 namespace osteon::hil {

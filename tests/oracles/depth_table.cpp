@@ -94,7 +94,7 @@ DepthRow MeasureDepth(const DepthScene& scene, const DepthMethod& method, double
   const SweptTool swept(scene.tool, path);
   row.live = live.size();
   row.overlap_m = MaxOverlap(live, swept);
-  constexpr double kTouching_m = 1e-8;
+  constexpr double kTouching_m = 1e-8;  // a ball this near the swept volume touches it
   for (const Ball& ball : live)
     if (std::abs(swept.SignedDistance(ball.center_m) - ball.radius_m) < kTouching_m) ++row.touching;
   AccuracyParams params = asked;

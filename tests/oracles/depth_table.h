@@ -10,13 +10,13 @@
 #include "simulation/solids/solid.h"
 #include "simulation/tools/tool.h"
 
-// Two cuts whose exact results are known, and how exactly ways of removal make them: judges ball removal and
-// its packings. Exact to the samples of CutAccuracy.
+// Two cuts whose exact results are known, and the accuracy with which packings of balls reproduce them: an
+// oracle of ball removal. Exact to the samples of CutAccuracy.
 
 namespace osteon::simulation {
 
-/// A cut with a known exact result, to measure removal. G and the path's frame coincide; the tool's feed
-/// points down.
+/// A cut with a known exact result, to measure removal. All coordinates are in G; the tool's feed points
+/// down.
 struct DepthScene {
   std::string name;
   std::unique_ptr<Solid> solid;
@@ -45,22 +45,24 @@ struct DepthMethod {
 /// A method's result in a scene, and the accuracy of its cut.
 struct DepthRow {
   std::string scene, method;
-  std::size_t balls{0};     ///< in the uncut packing
-  std::size_t live{0};      ///< remaining balls after the cut
-  std::size_t touching{0};  ///< remaining balls that touch the swept volume
-  std::size_t blocks{0};    ///< most blocks of the pool in use at a time
-  std::uint64_t refused{0};
-  double overlap_m{0.0};   ///< deepest overlap of a remaining ball with the swept volume, exact
-  CutAccuracy accuracy{};  ///< with probes of the tool's radius, half of it, and 1 mm
+  std::size_t balls{0};      ///< in the uncut packing
+  std::size_t live{0};       ///< remaining balls after the cut
+  std::size_t touching{0};   ///< remaining balls that touch the swept volume
+  std::size_t blocks{0};     ///< most blocks of the pool in use at a time
+  std::uint64_t refused{0};  ///< requests for a block that found none (BallRemoval::refused)
+  double overlap_m{0.0};     ///< deepest overlap of a remaining ball with the swept volume, exact
+  CutAccuracy accuracy{};    ///< with probes of the tool's radius, half of it, and 1 mm
 };
 
-/// Carves a packing along the scene's path, in steps. Only pass 3 runs, because removal alone is measured.
+/// Carves a packing along the scene's path, in steps. Only the removal of an engine's frame runs. Fills the
+/// row's `blocks` and `refused`.
 /// @returns the remaining balls.
 [[nodiscard]] std::vector<Ball> CarveAlong(const DepthScene& scene, const std::vector<Pose>& path,
                                            const DepthMethod& method, DepthRow& row);
 
 /// Carves a packing and measures the result.
-/// @param step_m  of the path;  @param params  its probes are replaced by the scene's
+/// @param step_m  distance of the path's poses
+/// @param params  for the accuracy; the radii of its probes are set by the scene's tool
 [[nodiscard]] DepthRow MeasureDepth(const DepthScene& scene, const DepthMethod& method, double step_m,
                                     const AccuracyParams& params);
 

@@ -27,11 +27,11 @@ Eigen::VectorXd ImpedanceLoop::Step(const Eigen::VectorXd& s) const {
   const double u =
       -params_.wall_stiffness_N_per_m * s[d] - params_.wall_damping_Ns_per_m * (s[d] - s[d + 1]) / T;
   // v' = (u - b v) / m with u held: v approaches u / b with the time constant m / b
-  const double left = std::exp(-b * T / m), tau = m / b, end = u / b;
+  const double decay = std::exp(-b * T / m), tau = m / b, end = u / b;
   Eigen::VectorXd next(size());
-  next[0] = s[0] + end * T + (s[speed] - end) * tau * (1.0 - left);
+  next[0] = s[0] + end * T + (s[speed] - end) * tau * (1.0 - decay);
   for (int i = 1; i < speed; ++i) next[i] = s[i - 1];
-  next[speed] = end + (s[speed] - end) * left;
+  next[speed] = end + (s[speed] - end) * decay;
   return next;
 }
 
@@ -49,7 +49,7 @@ hil::Boundary MaxWallStiffness(ImpedanceLoopParams params, const hil::BoundarySc
 }
 
 double PassiveDamping(const ImpedanceLoopParams& params) {
-  constexpr int kAngles = 20'000;
+  constexpr int kAngles = 20'000;  // samples of th over (0, pi]
   const double d = params.delay, T = params.period_s;
   double most = 0.0;
   for (int i = 1; i <= kAngles; ++i) {

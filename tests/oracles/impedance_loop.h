@@ -4,7 +4,7 @@
 
 namespace osteon::studies {
 
-/// Model A of the design's stability page: an impedance device, a mass on a viscous axis that receives a
+/// Model A of docs/theory/stability.md: an impedance device, a mass on a viscous axis that receives a
 /// force command.
 struct ImpedanceLoopParams {
   double mass_kg{0.5};                 ///< m
@@ -32,7 +32,7 @@ class ImpedanceLoop {
   ImpedanceLoopParams params_;
 };
 
-/// The largest wall stiffness before the first crossing [N/m].
+/// The largest wall stiffness up to which the loop is stable [N/m]: the scan's first crossing.
 [[nodiscard]] hil::Boundary MaxWallStiffness(ImpedanceLoopParams params,
                                              const hil::BoundaryScan& scan = {.from = 1.0, .to = 1e6});
 

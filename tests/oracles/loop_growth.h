@@ -5,7 +5,8 @@
 
 #include "hil/loops/linear_loop.h"
 
-// Stability by running a loop: judges the spectral radius of the loop's matrix. Exact to about 1/periods.
+// Stability found by running a loop: an oracle of the spectral radius of the loop's matrix. Exact to about
+// 1/periods.
 
 namespace osteon::studies {
 

@@ -8,7 +8,7 @@
 
 #include "simulation/packing/ball_forest.h"
 
-// Distances of mass points to their nearest neighbours: judges how evenly a bone's mass points lie. Exact.
+// Exact distances of mass points to their nearest neighbours: they tell how evenly a bone's mass points lie.
 
 namespace osteon::simulation {
 

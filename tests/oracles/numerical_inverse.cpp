@@ -12,7 +12,7 @@ namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kMinFactor = 1e-6;    // of the damping on the cost
+constexpr double kMinFactor = 1e-6;    // smallest ratio of the damping to the cost
 constexpr double kMinDamping = 1e-14;  // keeps the matrix positive definite at a singularity [m^2]
 constexpr double kMaxDamping = 1e3;    // a thousand arms squared: steepest descent with a tiny step [m^2]
 constexpr double kFlat = 1e-9;         // gradient over error below which there is no progress [m/rad]
@@ -29,15 +29,15 @@ double Halton(int index, int dimension) {
   return value;
 }
 
-// State of an iteration.
+// A posture of the iteration, with its error from the wanted pose X_BD.
 template <int N>
-struct Place {
+struct IterationState {
   JointVectorN<N> q;
   typename SerialChain<N>::Posture posture;
-  Vector6 error;  // position [m], rotation [m], in B
+  Vector6 error;  // position [m], then rotation times length_m [m], in B
   double cost;
 
-  Place(const SerialChain<N>& chain, const Pose& X_BD, double length_m, const JointVectorN<N>& at)
+  IterationState(const SerialChain<N>& chain, const Pose& X_BD, double length_m, const JointVectorN<N>& at)
       : q(at), posture(chain.ComputePosture(at)) {
     const Matrix3 R_BF = posture.X_BF.linear();
     error.head<3>() = X_BD.translation() - posture.X_BF.translation();
@@ -47,7 +47,7 @@ struct Place {
 };
 
 template <int N>
-JointVectorN<N> IntoLimits(const ChainParams<N>& params, JointVectorN<N> q) {
+JointVectorN<N> ClampToLimits(const ChainParams<N>& params, JointVectorN<N> q) {
   for (int i = 0; i < N; ++i) {
     const JointLimits& limit = params.joints[static_cast<std::size_t>(i)].limits;
     q[i] = std::clamp(q[i], limit.lower_rad, limit.upper_rad);
@@ -55,10 +55,10 @@ JointVectorN<N> IntoLimits(const ChainParams<N>& params, JointVectorN<N> q) {
   return q;
 }
 
-// Runs one attempt and counts its iterations.
+// Runs one attempt from `at`, leaves the best posture there, and counts the iterations.
 template <int N>
 InverseStop Iterate(const SerialChain<N>& chain, const Pose& X_BD, const NumericalInverseParams& params,
-                    Place<N>& at, int& iterations) {
+                    IterationState<N>& at, int& iterations) {
   double factor = 1.0;
   for (int n = 0; n < params.max_iterations; ++n, ++iterations) {
     if (at.error.template head<3>().norm() <= params.tolerance_m &&
@@ -88,7 +88,8 @@ InverseStop Iterate(const SerialChain<N>& chain, const Pose& X_BD, const Numeric
       JointMatrixN<N> damped = normal;
       damped.diagonal().array() += factor * at.cost + kMinDamping;
       const JointVectorN<N> step = damped.ldlt().solve(downhill);
-      const Place<N> next(chain, X_BD, params.length_m, IntoLimits<N>(chain.params(), at.q + step));
+      const IterationState<N> next(chain, X_BD, params.length_m,
+                                   ClampToLimits<N>(chain.params(), at.q + step));
       if (next.cost < at.cost) {
         at = next;
         factor = std::max(kMinFactor, 0.2 * factor);
@@ -129,12 +130,12 @@ NumericalInverseResult<N> NumericalInverse(const SerialChain<N>& chain, const Po
 
   double least = std::numeric_limits<double>::infinity();
   for (int attempt = 0; attempt <= params.max_restarts; ++attempt) {
-    JointVectorN<N> start = IntoLimits<N>(chain.params(), seed);
+    JointVectorN<N> start = ClampToLimits<N>(chain.params(), seed);
     for (int i = 0; i < N && attempt > 0; ++i) {
       const JointLimits& limit = chain.params().joints[static_cast<std::size_t>(i)].limits;
       start[i] = limit.lower_rad + (limit.upper_rad - limit.lower_rad) * Halton(attempt, i);
     }
-    Place<N> at(chain, X_BF, params.length_m, start);
+    IterationState<N> at(chain, X_BF, params.length_m, start);
     const InverseStop stop = Iterate(chain, X_BF, params, at, result.iterations);
     result.restarts = attempt;
     if (stop == InverseStop::kReached || at.cost < least) {

@@ -10,8 +10,8 @@
 namespace osteon::kinematics {
 
 struct NumericalInverseParams {
-  double tolerance_m{1e-9};    ///< a pose is reached if the position's and
-  double tolerance_rad{1e-9};  ///< the orientation's error are below these
+  double tolerance_m{1e-9};    ///< largest position error of a reached pose
+  double tolerance_rad{1e-9};  ///< largest orientation error of a reached pose
   double length_m{0.5};        ///< weighs orientation against position: 1 rad counts as this length; > 0
   int max_iterations{60};      ///< of one attempt
   int max_restarts{40};        ///< further attempts from other points if the one from the seed fails
@@ -23,7 +23,7 @@ enum class InverseStop {
   kHeldByLimits,   ///< no closer without a joint leaving its limits
   kLocalMinimum,   ///< no closer from here: out of reach, or an elbow on the wrong side
   kMaxIterations,  ///< still approaching
-  kNotFinite,      ///< pose or seed
+  kNotFinite,      ///< the pose or the seed is not finite
 };
 
 [[nodiscard]] const char* Name(InverseStop stop) OSTEON_RT;

@@ -6,16 +6,15 @@
 
 #include "simulation/tools/tool_fit.h"
 
-// How far a tool made of balls is from its exact shape, sample by sample and ball by ball: judges FitTool and
-// the makers of burrs, drills and mesh tools. Exact at the samples.
+// How far a tool made of balls is from its exact shape: an oracle of FitTool and of the functions that make
+// burrs, drills and mesh tools. Exact at the samples.
 
 namespace osteon::simulation {
 
 /// Deviation of a tool made of balls from its exact shape.
 struct ToolQuality {
   std::size_t cutting_balls{0}, touching_balls{0};
-  /// From points of the exact surface to the union of the balls of that kind, for points that are not inside
-  /// it.
+  /// Distance from points of the exact surface to the nearest ball of the same kind; 0 inside a ball.
   double cutting_gap_mean_m{0.0}, cutting_gap_max_m{0.0};
   double touching_gap_mean_m{0.0}, touching_gap_max_m{0.0};
   double protrusion_max_m{0.0};  ///< largest distance of a ball out of the solid

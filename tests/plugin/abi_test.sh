@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# abi_test.sh LIBRARY PLUGIN TESTS: programs that were compiled with other headers than the library's, and the sizes of
-# all structs (struct_sizes.txt).
+# abi_test.sh LIBRARY PLUGIN TESTS: tests that the library serves or refuses programs compiled with other headers, as their
+# ABI says, and that all structs have their recorded sizes (struct_sizes.txt).
 set -euo pipefail
 library=$1 plugin=$2 tests=$3
 work=$(mktemp -d)
@@ -38,7 +38,7 @@ for header in "$tests"/abi_*/osteon.h; do
   fi
 done
 
-# osteon_*_default fill no byte behind the structs of the earliest header, whatever the library is.
+# osteon_*_default writes no byte behind the structs of the earliest header, whatever the library's version.
 echo "== defaults of ABI 1"
 cat >"$work/defaults.c" <<'PROGRAM'
 #include <osteon.h>
@@ -65,7 +65,7 @@ PROGRAM
 compile "$tests/abi_1" "$work/defaults.c" "$work/defaults"
 "$work/defaults"
 
-# Another number, and structs that have grown: refused before a struct is read.
+# A program compiled with another ABI number and longer structs is refused before a struct is read.
 for other in $((now - 1)) $((now + 1)); do
   echo "== a header of ABI $other"
   mkdir "$work/$other"

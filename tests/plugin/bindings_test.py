@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Whether each function that the library shows is in each binding, by the table of docs/bindings.md.
+"""Checks that each function that the library exports is in each binding, by the table of docs/bindings.md.
 
     bindings_test.py SOURCE
 
 Each name of symbols.txt has one row; a call that the table names is there, and the C function behind it is called; C#
-and Python declare each function with as many parameters as osteon.h. A cell with – is a decision, listed below.
+and Python declare each function with as many parameters as osteon.h. A cell with – means that the host leaves the
+function out; LEFT_OUT has the reasons.
 """
 
 import re
@@ -35,14 +36,17 @@ LEFT_OUT = {
 
 
 def read(folder, *patterns):
+    """The joined text of all files that match."""
     return "\n".join(path.read_text() for pattern in patterns for path in sorted(folder.glob(pattern)))
 
 
 def count(parameters):
-    """Parameters of a declaration; commas inside of brackets are none."""
+    """Number of parameters of a declaration; commas inside brackets do not count."""
     parameters = re.sub(r"\([^()]*\)|\[[^\[\]]*\]", "", parameters).strip()
     return 0 if parameters in ("", "void") else parameters.count(",") + 1
 
+
+# The next three: number of parameters of each function that the C header, Native.cs or _library.py declares.
 
 def header_parameters(header):
     return {name: count(text) for name, text in re.findall(r"OSTEON_API [\w ]+?[ *]+(osteon_\w+)\(([^;]*)\);", header)}
@@ -58,6 +62,7 @@ def python_parameters(module):
 
 
 def table_rows(page):
+    """The page's table: a dict of host and cell for each C function."""
     rows = {}
     for line in page.splitlines():
         cells = [cell.strip() for cell in line.strip("|").split("|")]
@@ -79,7 +84,7 @@ def main(source):
     native = read(package, "Runtime/Native.cs")
     text = {"Python": read(plugin, "python/osteon/*.py"), "Unity": read(package, "Runtime/*.cs"),
             "Godot": hosts + godot, "Unreal": hosts + unreal}
-    offers = {  # whether a host's users find a call of this name
+    offers = {  # whether a host's users can call this name
         "Python": lambda call: re.search(rf"^ *(def|class) {call}\b", text["Python"], re.M),
         "Unity": lambda call: re.search(rf"\bpublic [^;={{(]*\b{call}\b", text["Unity"]),
         "Godot": lambda call: f'>("{call}")' in godot,

@@ -9,7 +9,7 @@
 #include "tests/plugin/plugin_objects.h"
 #include "tests/temporary_path.h"
 
-// What a program of the C interface hears of a mesh that bounds no solid.
+// The warning that a program of the C interface gets for a mesh that does not bound a solid.
 
 namespace osteon::plugin {
 namespace {
@@ -27,6 +27,7 @@ std::string WriteBox(const std::string& name, bool open) {
   return file.string();
 }
 
+// A bone of the mesh, with the site on its upper face.
 Owned<OsteonBone> BoneOfMesh(const std::string& file) {
   OsteonBoneParams params;
   osteon_bone_params_default(&params);
@@ -41,8 +42,9 @@ Owned<OsteonBone> BoneOfMesh(const std::string& file) {
   return Owned<OsteonBone>(bone);
 }
 
-// A remade bone is not the file's: the caller hears of it, also where it only listens to a session.
-TEST(OsteonLibrary, SaysWhatWasAssumedOfAnOpenMesh) {
+// A bone made from an open mesh differs from the file. osteon_bone_warning says so, and so does the log of a
+// session with this bone.
+TEST(OsteonLibrary, WarnsOfAnOpenMeshByCallAndByLog) {
   EXPECT_STREQ(osteon_bone_warning(nullptr), "");
   const auto whole = BoneOfMesh(WriteBox("whole.obj", false)), open = BoneOfMesh(WriteBox("open.obj", true));
   EXPECT_STREQ(osteon_bone_warning(whole.get()), "");

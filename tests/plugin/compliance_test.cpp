@@ -12,19 +12,21 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/plugin/plugin_objects.h"
 
-// What gives way, by the C interface. Lockstep: no wall time.
+// Compliance of bone mount and tool through the C interface, in lockstep: no test depends on wall time.
 
 namespace osteon::plugin {
 namespace {
 
 static_assert(sizeof(OsteonComplianceParams) == 168 && sizeof(OsteonDeflection) == 296);
 
+// Everything rigid.
 OsteonComplianceParams Rigid() {
   OsteonComplianceParams params;
   EXPECT_OK(osteon_compliance_params_init(OSTEON_ABI, &params));
   return params;
 }
 
+// A bone on a mount, whose point of support is 20 mm below G's origin.
 OsteonComplianceParams OnAMount() {
   OsteonComplianceParams params = Rigid();
   params.mount = 1;
@@ -49,7 +51,7 @@ Owned<OsteonTool> Drill(double diameter_m) {
   return Owned<OsteonTool>(tool);
 }
 
-// One step of the engine and one of the hand at a pose; the spindle stands.
+// Steps the engine once with the tool at this height, then evaluates the hand's wrench. The spindle stands.
 OsteonWrench Press(OsteonSession* session, double z_mm) {
   const OsteonPose pose = Above(z_mm);
   OsteonWrench wrench{};
@@ -58,7 +60,7 @@ OsteonWrench Press(OsteonSession* session, double z_mm) {
   return wrench;
 }
 
-// Down to a depth at 5 mm/s, and held there for 1.5 s, until the mount rests.
+// Moves the tool down to `z_mm` at 5 mm/s and holds it for 1.5 s, until the mount is at rest.
 OsteonWrench PressAndHold(OsteonSession* session, double z_mm) {
   OsteonWrench wrench{};
   for (double z = 4.2; z > z_mm; z -= 0.005) wrench = Press(session, z);
@@ -66,6 +68,7 @@ OsteonWrench PressAndHold(OsteonSession* session, double z_mm) {
   return wrench;
 }
 
+// Default stiffnesses: 47.4e3 N/m of the mount, 20e3 N/m of the coupling.
 TEST(OsteonCompliance, ABoneOnAMountMovesByForceOverStiffness) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
@@ -89,8 +92,8 @@ TEST(OsteonCompliance, ABoneOnAMountMovesByForceOverStiffness) {
   EXPECT_NEAR(wrench.force_N[2], series * rigid_N, 0.02 * rigid_N) << "coupling and mount in series";
 }
 
-// The door adds nothing of its own: engine, coupling and elements of the servo loop at the same poses.
-TEST(OsteonCompliance, GivesTheServosOwnDeflection) {
+// At the same poses and wrenches, the servo loop's compliance elements deflect as the session does.
+TEST(OsteonCompliance, DeflectionEqualsThatOfTheServoLoop) {
   const auto tool = Drill(0.0032);
   OsteonBoneParams bone_params;
   osteon_bone_params_default(&bone_params);
@@ -121,7 +124,7 @@ TEST(OsteonCompliance, GivesTheServosOwnDeflection) {
     ASSERT_OK(osteon_session_step(session.get(), &pose, 0.0, 0.001));
     ASSERT_OK(osteon_session_evaluate(session.get(), &pose, nullptr, &wrench));
     d = DeflectionIn(session.get());
-    // the wrench on T is carried forth to the head, and moves the same elements
+    // the wrench on T, moved to the bent head, drives the expected elements
     const auto& q = pose.orientation_wxyz;
     Pose X_GT = Pose::Identity();
     X_GT.linear() = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
@@ -144,7 +147,7 @@ TEST(OsteonCompliance, GivesTheServosOwnDeflection) {
 }
 
 // The engine cuts where the bent head is: a bone that gave way by d is cut d less deep.
-TEST(OsteonCompliance, TheEngineIsGivenTheHeadInTheBone) {
+TEST(OsteonCompliance, EngineCutsWhereTheHeadIsInTheBone) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
   const auto session = MakeSession(bone.get(), tool.get(), Lockstep(false));
@@ -155,15 +158,15 @@ TEST(OsteonCompliance, TheEngineIsGivenTheHeadInTheBone) {
   const OsteonDeflection before = DeflectionIn(session.get());
   (void)Press(session.get(), 3.4);
   const OsteonFigures figures = FiguresOf(session.get());
-  const double given_z = before.head.position_m[2];
-  EXPECT_LT(given_z, 4.2e-3);
-  EXPECT_GT(given_z, 3.4e-3 + 0.05e-3);
-  // of the frame's own pose, before limits: the coupling's spring between that pose and its proxy
-  EXPECT_NEAR(figures.wrench.force_N[2], 20e3 * (figures.proxy.position_m[2] - given_z),
+  const double head_z_m = before.head.position_m[2];
+  EXPECT_LT(head_z_m, 4.2e-3);
+  EXPECT_GT(head_z_m, 3.4e-3 + 0.05e-3);
+  // the figures' wrench is the coupling's spring between the frame's pose and its proxy, before limits
+  EXPECT_NEAR(figures.wrench.force_N[2], 20e3 * (figures.proxy.position_m[2] - head_z_m),
               0.05 * figures.wrench.force_N[2]);
 }
 
-TEST(OsteonCompliance, OffIsAsWithoutIt) {
+TEST(OsteonCompliance, SwitchedOffEqualsASessionWithoutCompliance) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
   const auto plain = MakeSession(bone.get(), tool.get(), Lockstep(false));
@@ -179,7 +182,7 @@ TEST(OsteonCompliance, OffIsAsWithoutIt) {
   EXPECT_EQ(d.bone.orientation_wxyz[0], 1.0);
 }
 
-TEST(OsteonCompliance, BeginsAtRestAfterAChangeOfLevelsToolOrBone) {
+TEST(OsteonCompliance, DeflectionIsZeroAfterUndoAndAfterSwitchingOff) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
   const auto session = MakeSession(bone.get(), tool.get(), Lockstep(false));
@@ -199,7 +202,7 @@ TEST(OsteonCompliance, BeginsAtRestAfterAChangeOfLevelsToolOrBone) {
   EXPECT_EQ(DeflectionIn(session.get()).gives_way, 0U);
 }
 
-TEST(OsteonCompliance, RefusesWithTheValueThatIsNeeded) {
+TEST(OsteonCompliance, RefusesParamsAndNamesTheAcceptedValue) {
   const auto bone = BlockOfBalls();
   const auto ball = BallTool();
   const auto session = MakeSession(bone.get(), ball.get(), Lockstep(false));
@@ -235,8 +238,8 @@ TEST(OsteonCompliance, RefusesWithTheValueThatIsNeeded) {
   EXPECT_EQ(osteon_session_deflection(session.get(), nullptr), OSTEON_ERROR_ARGUMENT);
 }
 
-// A tool that is refused because nobody knows how it bends: the surface goes on with the one in use.
-TEST(OsteonCompliance, ARefusedToolDoesNotCarveTheSurface) {
+// A change to a tool of unknown bending is refused: the surface is cut by the tool in use.
+TEST(OsteonCompliance, TheToolInUseCarvesTheSurfaceAfterARefusedChange) {
   const auto bone = BlockOfBalls();
   const auto drill = Drill(0.0032);
   const auto ball = BallTool();
@@ -265,7 +268,7 @@ TEST(OsteonCompliance, ARefusedToolDoesNotCarveTheSurface) {
   EXPECT_EQ(volumes_m3[0], volumes_m3[1]);
 }
 
-TEST(OsteonCompliance, TheWrenchKeepsItsLimitAndNothingAllocates) {
+TEST(OsteonCompliance, WrenchStaysWithinItsLimitAndNothingAllocates) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
   OsteonSettings settings = Lockstep(false);
@@ -290,7 +293,7 @@ TEST(OsteonCompliance, TheWrenchKeepsItsLimitAndNothingAllocates) {
 }
 
 TEST(OsteonLibrary, FillsNoStructOfAnotherAbi) {
-  const auto untouched = [](auto init) {
+  const auto expect_untouched = [](auto init) {
     return [init](auto params) {
       std::memset(&params, 0x5a, sizeof params);
       auto filled = params;
@@ -301,12 +304,12 @@ TEST(OsteonLibrary, FillsNoStructOfAnotherAbi) {
       EXPECT_EQ(init(OSTEON_ABI, nullptr), OSTEON_ERROR_ARGUMENT);
     };
   };
-  untouched(osteon_bone_params_init)(OsteonBoneParams{});
-  untouched(osteon_tool_params_init)(OsteonToolParams{});
-  untouched(osteon_settings_init)(OsteonSettings{});
-  untouched(osteon_plan_params_init)(OsteonPlanParams{});
-  untouched(osteon_guidance_params_init)(OsteonGuidanceParams{});
-  untouched(osteon_compliance_params_init)(OsteonComplianceParams{});
+  expect_untouched(osteon_bone_params_init)(OsteonBoneParams{});
+  expect_untouched(osteon_tool_params_init)(OsteonToolParams{});
+  expect_untouched(osteon_settings_init)(OsteonSettings{});
+  expect_untouched(osteon_plan_params_init)(OsteonPlanParams{});
+  expect_untouched(osteon_guidance_params_init)(OsteonGuidanceParams{});
+  expect_untouched(osteon_compliance_params_init)(OsteonComplianceParams{});
 }
 
 }  // namespace

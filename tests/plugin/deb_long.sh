@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# deb_long.sh BUILD [FOLDER]: the Debian packages on a bare Debian 12, as somebody meets them who has nothing else. Makes
-# the packages of BUILD (osteon_app, osteon_studies and osteon_plugin must be built), lets lintian judge them, installs
-# them in a fresh debootstrap below FOLDER (a temporary one), runs the demo to its summary, and purges them. Then the unit
-# runs there under a systemd (service_long.sh). Needs root, debootstrap, lintian, a mirror of Debian, 2 GB; takes two
-# minutes on an idle machine. Exit code 1: something does not hold.
+# deb_long.sh BUILD [FOLDER]: tests the Debian packages on a bare Debian 12, where nothing else is installed. Makes the
+# packages of BUILD (osteon_app, osteon_studies and osteon_plugin must be built), checks them with lintian, installs them
+# in a fresh debootstrap below FOLDER (a temporary one), runs the demo to its summary, and purges them. Then the
+# service's unit runs there under a systemd (service_long.sh). Needs root, debootstrap, lintian, a mirror of Debian, 2 GB;
+# takes two minutes on an idle machine. Exit code 1: something does not hold.
 set -euo pipefail
 build=$(realpath "$1") folder=${2:-}
 readonly kMaxSeconds=60 # from apt's start to the demo's summary
 if [[ -z ${OSTEON_DEB_NAMESPACE:-} ]]; then
   [[ $EUID -eq 0 ]] || { echo "deb_long.sh: found user $EUID, accepted root: debootstrap and chroot need it" >&2; exit 2; }
-  # mounts of its own, which end with it
+  # a mount namespace for this script, so that all mounts end with it
   OSTEON_DEB_NAMESPACE=1 exec unshare --mount --propagation private bash "$0" "$@"
 fi
 cleanup() {
@@ -29,14 +29,14 @@ rm -rf "$debs/_CPack_Packages"
 ls -sh "$debs"
 
 echo "== lintian"
-# a package that no archive has: no bug number to close in its changelog
+# no archive has these packages: their changelog closes no bug
 lintian --allow-root --fail-on error --suppress-tags initial-upload-closes-no-bugs "$debs"/*.deb
 
 echo "== a bare Debian"
 debootstrap --variant=minbase bookworm "$bare" >"$folder/debootstrap.log" || { tail -3 "$folder/debootstrap.log"; exit 1; }
 mkdir "$bare/debs"
 cp "$debs"/*.deb "$bare/debs/"
-# the mirror that this machine uses
+# use this machine's mirror of Debian
 rm -f "$bare/etc/apt/sources.list"
 cp /etc/resolv.conf "$bare/etc/"
 cp -r /etc/apt/sources.list* /etc/apt/apt.conf.d "$bare/etc/apt/"
@@ -44,6 +44,7 @@ mount -t proc proc "$bare/proc"
 mount --rbind /dev "$bare/dev"
 inside() { chroot "$bare" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive bash -c "$1"; }
 inside 'apt-get update' >"$folder/update.log"
+# names of all installed packages, and all paths of the bare system but caches, logs and mounts
 packages() { inside "dpkg-query -W -f '\${Package}\n'" | sort; }
 files() { find "$bare" -xdev \( -path "$bare/var/cache" -o -path "$bare/var/log" -o -path "$bare/var/lib/apt" -o \
   -path "$bare/var/lib/dpkg" -o -path "$bare/tmp" -o -path "$bare/run" -o -path "$bare/debs" -o -path "$bare/proc" -o -path "$bare/dev" \) -prune -o -print | sort; }
@@ -69,7 +70,7 @@ inside 'id osteon && getent passwd osteon | grep -q ":/var/lib/osteon:/usr/sbin/
 inside 'grep -q "^@osteon - rtprio 95$" /etc/security/limits.d/osteon.conf'
 inside "dpkg-query -W -f '\${Conffiles}' osteon | grep -q ' /etc/security/limits.d/osteon.conf '"
 inside 'test -s "/lib/systemd/system/osteon@.service" && test -s /lib/udev/rules.d/60-osteon.rules'
-# by the service's user, in the folders that the unit names; asked by a member of the group
+# the service's user runs the demo in the folders that the unit names; a member of the group asks and stops it
 cat >"$bare/debs/service.sh" <<'EOF'
 set -e
 as() { setpriv --reuid "$1" --regid "$1" --init-groups "${@:2}"; }
@@ -92,12 +93,12 @@ grep "osteon stop:" "$folder/service.log"
 echo "== purge"
 inside 'apt-get purge -y osteon libosteon0 libosteon-dev && apt-get autoremove --purge -y' >"$folder/purge.log"
 packages | diff "$folder/packages_before" - || { echo "packages are left"; exit 1; }
-# what other packages leave is theirs, and what a run leaves for its time in the temporary folder: our own names count
+# only files with osteon in their name count: other packages may leave files
 files | comm -13 "$folder/before" - | grep -i osteon && { echo "files are left"; exit 1; }
 echo "nothing is left"
 
 echo "== the unit under a systemd"
 inside 'apt-get install -y --no-install-recommends systemd dbus iproute2 /debs/*.deb' >"$folder/systemd.log"
-umount -R "$bare/dev" "$bare/proc" # systemd's namespaces have their own
+umount -R "$bare/dev" "$bare/proc" # systemd mounts these in its own namespaces
 bash "$(dirname "$0")/service_long.sh" "$bare"
 ((seconds <= kMaxSeconds)) || { echo "the demo's summary came too late; load of this machine: $(cut -d' ' -f1-3 /proc/loadavg)"; exit 1; }

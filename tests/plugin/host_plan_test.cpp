@@ -10,7 +10,7 @@
 #include "tests/plugin/plugin_objects.h"
 #include "tests/temporary_path.h"
 
-// Velocity, what gives way, plans and their guidance in the axes of each host.
+// Velocities, compliance, plans and guidance in the axes of each host (game engine).
 
 namespace osteon::plugin {
 namespace {
@@ -37,7 +37,7 @@ host::Quaternion Product(const host::Quaternion& a, const host::Quaternion& b) {
           a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1]};
 }
 
-/// Presses a tool that does not turn into the cup, aside of its axis.
+/// Presses a tool with a still spindle into the cup for 0.3 s, beside its axis. @returns the pose at the end.
 host::Pose Press(host::Session& session) {
   host::Pose pose;
   EXPECT_OK(session.Approach(0.0, &pose));
@@ -53,7 +53,7 @@ host::Pose Press(host::Session& session) {
   return pose;
 }
 
-TEST(HostSession, FeelsItsVelocityInAllAxes) {
+TEST(HostSession, WrenchDependsOnVelocityAlikeInAllAxes) {
   const host::Vector v{0.02, -0.01, -0.05}, w{0.3, -0.2, 0.5};  // in G
   for (const host::Axes& axes : kAllAxes) {
     host::Session session(axes);
@@ -82,7 +82,7 @@ TEST(HostSession, FeelsItsVelocityInAllAxes) {
   }
 }
 
-TEST(HostSession, GivesWayAlikeInAllAxes) {
+TEST(HostSession, CompliantBoneMovesAlikeInAllAxes) {
   const host::Vector point_m{0.001, 0.002, -0.02};
   host::Deflection reference;
   for (const host::Axes& axes : kAllAxes) {
@@ -95,7 +95,7 @@ TEST(HostSession, GivesWayAlikeInAllAxes) {
     const host::Vector point = host::DirectionToHost(axes, point_m);
     for (std::size_t i = 0; i < 3; ++i) {
       params.mount_point_m[i] = point[i];
-      // stiffer along G's y than along its x and z
+      // stiffer along G's y than along G's x and z
       params.mount_stiffness_N_per_m[i] *= axes.from[i] == 1 ? 2.0 : 1.0;
     }
     ASSERT_OK(session.SetCompliance(params));
@@ -108,8 +108,9 @@ TEST(HostSession, GivesWayAlikeInAllAxes) {
     const double* moved = deflection.mount_m;
     EXPECT_GT(std::hypot(moved[0], moved[1], moved[2]), 1e-5);
     ExpectAlike(found.mount, host::PositionToHost(axes, {moved[0], moved[1], moved[2]}), 1e-12);
+    // Osteon's own axes come first: their result is the reference
     if (axes.units_per_m == 1.0 && axes.front == 1 && axes.Determinant() == 1) reference = found;
-    // poses that differ in their last bit press the same within rounding's growth
+    // poses in other axes differ in their last bit, and rounding grows while pressing
     ExpectAlike(found.mount, host::PositionToHost(axes, reference.mount), 2e-6 * axes.units_per_m);
     ExpectAlike(found.mount_rad, host::AxialToHost(axes, reference.mount_rad), 1e-4);
     ExpectAlike(found.bone.position, host::PositionToHost(axes, reference.bone.position),
@@ -161,7 +162,8 @@ TEST(HostPlan, GuidesAlikeInAllAxes) {
     host::Guided guided;
     EXPECT_EQ(guidance.Evaluate(host::Pose(), host::Twist(), host::Wrench(), &guided), OSTEON_ERROR_ARGUMENT);
     ASSERT_OK(guidance.Open(plan, guidance_params));
-    // half a turn about the axis halfway between the feed, -axis, and T's own z; then tilted while too deep
+    // T's z turned to the feed (-axis): half a turn about the axis halfway between both. From step 200 on the
+    // tool also tilts, while it is too deep.
     const host::Vector a = host::DirectionFromHost(axes, info.cup_axis);
     const host::Vector half{-a[0], -a[1], 1.0 - a[2]};
     const double length = std::hypot(half[0], half[1], half[2]);
@@ -196,7 +198,7 @@ TEST(HostPlan, GuidesAlikeInAllAxes) {
   }
 }
 
-TEST(HostPlan, ScoresWhatWasReamed) {
+TEST(HostPlan, ScoresASessionOnlyWithAnOpenPlan) {
   host::Session session(host::kGodot);
   ASSERT_OK(session.Open(BlockParams("acetabulum")));
   host::Plan plan(host::kGodot);

@@ -10,7 +10,7 @@
 
 #include "tests/plugin/plugin_objects.h"
 
-// Axes and units of the hosts, and a session in them.
+// Axes and units of the hosts (game engines), and sessions that use them.
 
 namespace osteon::plugin {
 namespace {
@@ -31,14 +31,15 @@ Vector Cross(const Vector& a, const Vector& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/// By the formula that every host uses with its own components.
+/// The vector turned by the quaternion, by the formula that every host applies to its own components.
 Vector Rotated(const Quaternion& q, const Vector& v) {
   const Vector u{q[1], q[2], q[3]};
   const Vector t = host::Scaled(Cross(u, v), 2.0), ut = Cross(u, t);
   return {v[0] + q[0] * t[0] + ut[0], v[1] + q[0] * t[1] + ut[1], v[2] + q[0] * t[2] + ut[2]};
 }
 
-class Values {
+// Vectors with normally distributed components, and unit quaternions.
+class RandomValues {
  public:
   Vector NextVector() { return {normal_(random_), normal_(random_), normal_(random_)}; }
   Quaternion NextRotation() {
@@ -57,7 +58,7 @@ void ExpectNear(const Vector& a, const Vector& b, double tolerance, const char* 
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], tolerance) << what << ", axis " << i;
 }
 
-TEST(HostAxes, AreThoseOfTheTable) {
+TEST(HostAxes, ConvertPositionsAsDocumented) {
   const Vector p{1.0, 2.0, 3.0};
   ExpectNear(host::PositionToHost(host::kGodot, p), {1.0, 3.0, -2.0}, 0.0, "Godot");
   ExpectNear(host::PositionToHost(host::kUnity, p), {1.0, 3.0, 2.0}, 0.0, "Unity");
@@ -70,9 +71,9 @@ TEST(HostAxes, AreThoseOfTheTable) {
   EXPECT_FALSE(host::kUnreal.TurnsTrianglesOver());
 }
 
-TEST(HostAxes, ReturnWhatWasGiven) {
+TEST(HostAxes, ConvertThereAndBackWithoutChange) {
   for (const auto& [name, axes] : kHosts) {
-    Values values;
+    RandomValues values;
     for (int i = 0; i < 100; ++i) {
       const Vector p = values.NextVector(), v = values.NextVector();
       const Quaternion q = values.NextRotation();
@@ -86,15 +87,15 @@ TEST(HostAxes, ReturnWhatWasGiven) {
   }
 }
 
-TEST(HostAxes, TurnVectorsAlike) {
+TEST(HostAxes, RotateVectorsAlikeInEveryHost) {
   for (const auto& [name, axes] : kHosts) {
-    Values values;
+    RandomValues values;
     for (int i = 0; i < 100; ++i) {
       const Vector v = values.NextVector();
       const Quaternion q = values.NextRotation();
       ExpectNear(Rotated(host::RotationToHost(axes, q), host::DirectionToHost(axes, v)),
                  host::DirectionToHost(axes, Rotated(q, v)), 1e-13, name);
-      // a torque, r × f by the host's own components, is the torque
+      // a torque computed as r × f in the host's components is the converted torque
       const Vector r = values.NextVector();
       ExpectNear(Cross(host::DirectionToHost(axes, r), host::DirectionToHost(axes, v)),
                  host::AxialToHost(axes, Cross(r, v)), 1e-13, name);
@@ -102,8 +103,8 @@ TEST(HostAxes, TurnVectorsAlike) {
   }
 }
 
-TEST(HostAxes, FindTheRotationOfAMatrix) {
-  Values values;
+TEST(HostAxes, FindTheRotationOfAScaledMatrix) {
+  RandomValues values;
   for (int i = 0; i < 200; ++i) {
     const Quaternion q = values.NextRotation();
     std::array<Vector, 3> rows = host::RowsOf(q);
@@ -167,7 +168,7 @@ TEST(HostSession, FeelsAndShowsTheSameInAllAxes) {
     }
     if (axes.units_per_m == 1.0 && axes.front == 1 && axes.Determinant() == 1) reference = wrench;
     EXPECT_GT(std::hypot(wrench.force_N[0], wrench.force_N[1], wrench.force_N[2]), 5.0) << name;
-    // poses that differ in their last bit cut the same within rounding's growth
+    // poses in other axes differ in their last bit, and rounding grows while cutting
     ExpectNear(wrench.force_N, host::DirectionToHost(axes, reference.force_N), 0.5, name);
     ExpectNear(wrench.torque_Nm, host::AxialToHost(axes, reference.torque_Nm), 0.02, name);
 
@@ -200,7 +201,7 @@ TEST(HostSession, FeelsAndShowsTheSameInAllAxes) {
   }
 }
 
-TEST(HostSession, KeepsTheTextOfAFailure) {
+TEST(HostSession, ReportsWhyACallFailed) {
   host::Session session(host::kGodot);
   host::SessionParams params = LockstepParams();
   params.tool = "no_such_tool";

@@ -16,11 +16,12 @@
 #include "tests/plugin/plugin_objects.h"
 #include "tests/temporary_path.h"
 
-// The C interface, as a program calls it that is careless or hostile.
+// The C interface, called by a careless or hostile program.
 
 namespace osteon::plugin {
 namespace {
 
+// Zero but for the config folder.
 template <class T>
 T Params() {
   T params{};
@@ -28,8 +29,8 @@ T Params() {
   return params;
 }
 
-// The name of a bone that cannot be written: nothing is left beside it, and an earlier pair stays a pair.
-TEST(OsteonSession, ASaveThatFailsLeavesNothing) {
+// A save consists of two files, NAME and NAME.swept. If either cannot be written, neither is left.
+TEST(OsteonSession, ASaveThatFailsLeavesNoFile) {
   namespace fs = std::filesystem;
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
@@ -62,7 +63,7 @@ TEST(OsteonSession, BeginsWithAChangeOfToolAfterAFirstPoseInBone) {
   EXPECT_GT(FiguresOf(session.get()).frame, 1U);
 }
 
-// Places at which floats tell nothing: refused, as the engine's boxes would all be near.
+// Positions beyond 1 km are refused: floats are too coarse there, so all of the engine's boxes would be near.
 TEST(OsteonSession, RefusesPosesThatAreTooFar) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
@@ -85,8 +86,8 @@ TEST(OsteonSession, RefusesPosesThatAreTooFar) {
   EXPECT_OK(osteon_session_step(session.get(), &free, 0.0, 0.001));
 }
 
-// The pools of threads that pack a bone are not there: the call would wait for ever.
-TEST(OsteonLibrary, MakesNothingInAForkedChild) {
+// A forked child lacks the threads that pack a bone: without a refusal the call would wait forever.
+TEST(OsteonLibrary, RefusesToMakeObjectsInAForkedChild) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
   const pid_t child = fork();
@@ -111,14 +112,15 @@ TEST(OsteonLibrary, MakesNothingInAForkedChild) {
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
-TEST(OsteonLibrary, TextsAreOneLineOfUtf8) {
+TEST(OsteonLibrary, ErrorTextsAreOneLineOfUtf8) {
   OsteonBone* bone = nullptr;
   auto params = Params<OsteonBoneParams>();
   params.scene = "a\r\x1b[31m\xff\nb";
   EXPECT_EQ(osteon_bone_create(OSTEON_ABI, &params, &bone), OSTEON_ERROR_FILE);
   EXPECT_NE(std::string(osteon_last_error()).find("a??[31m? b.yaml"), std::string::npos)
       << osteon_last_error();
-  for (const char* shift : {"", "x"}) {  // one of both would cut a character in two
+  // A long text is cut off: with one of these shifts, in the middle of a two-byte character.
+  for (const char* shift : {"", "x"}) {
     std::string name = shift;
     for (int i = 0; i < 900; ++i) name += "é";
     params.scene = name.c_str();
@@ -143,7 +145,7 @@ TEST(OsteonLibrary, RefusesSitesAndCountsBeyondAnyBone) {
   EXPECT_EQ(osteon_tool_create(OSTEON_ABI, &tool_params, &tool), OSTEON_ERROR_ARGUMENT)
       << osteon_last_error();
   params.ball_count = 1;
-  params.site_axis[0] = 1e300;  // any length
+  params.site_axis[0] = 1e300;  // an axis of any length is accepted
   params.site_radius_m = 1e300;
   EXPECT_EQ(osteon_bone_create(OSTEON_ABI, &params, &bone), OSTEON_ERROR_ARGUMENT);
   params.site_radius_m = 0.005;
@@ -157,7 +159,7 @@ TEST(OsteonLibrary, RefusesSitesAndCountsBeyondAnyBone) {
   EXPECT_EQ(info.site_axis[0], 1.0) << "a unit vector, whatever the length";
 }
 
-// Balls metres apart: no grid of bricks holds them. The session says so, and is no defect of the library.
+// No grid of bricks holds balls that are metres apart: the session has no surface, and the error says why.
 TEST(OsteonSession, SaysWhyItHasNoSurface) {
   const std::array<float, 8> balls{-1e4F, -1e4F, -1e4F, 2.0F, 1e4F, 1e4F, 1e4F, 2.0F};
   auto params = Params<OsteonBoneParams>();
@@ -183,7 +185,7 @@ TEST(OsteonSession, HasNoProxyBeforeItsFirstFrame) {
   EXPECT_EQ(FiguresOf(session.get()).proxy.orientation_wxyz[0], 1.0);
 }
 
-TEST(OsteonSession, WhatALogCallbackThrowsEndsThere) {
+TEST(OsteonSession, SwallowsAnExceptionOfALogCallback) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
   const auto session = MakeSession(bone.get(), tool.get(), Lockstep(false));

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# install_test.sh CMAKE BUILD TESTS PLUGIN: installs the library in a folder of its own, and uses it from there as others
-# do: by find_package, by pkg-config, and from Python with numpy. 77: no numpy here.
+# install_test.sh CMAKE BUILD TESTS PLUGIN: installs the library in a folder of its own, and uses it from there as other
+# projects do: by find_package, by pkg-config, and from Python. Exit code 77: numpy is not installed.
 set -euo pipefail
 cmake=$1 build=$2 tests=$3 plugin=$4
 work=$(mktemp -d)
@@ -10,7 +10,7 @@ for component in library development; do
   "$cmake" --install "$build" --prefix "$prefix" --component "$component" >"$work/log"
 done
 mkdir -p "$prefix/share/osteon"
-cp -r "$plugin/../config" "$prefix/share/osteon/config" # of the component osteon, which needs all programs
+cp -r "$plugin/../config" "$prefix/share/osteon/config" # belongs to the component osteon, which needs all programs
 unset OSTEON_ROOT
 
 echo "== find_package"
@@ -23,7 +23,7 @@ fi
 "$work/consumer/ream_cup_eigen" | tail -1 | grep -E "force +[1-9][0-9.]+ N  removed +[1-9][0-9]"
 
 echo "== find_package of a later version: the first number alone decides"
-accepts() { # VERSION REQUEST: whether an installed VERSION serves a request
+accepts() { # VERSION REQUEST: whether an installed VERSION serves find_package(osteon REQUEST)
   sed -E "s/\"[0-9]+\.[0-9]+\.[0-9]+\"/\"$1\"/g" "$version_file" >"$work/version.cmake"
   cat >"$work/ask.cmake" <<EOF
 set(PACKAGE_FIND_VERSION $2)

@@ -2,7 +2,7 @@
 
     notebook_test.py NOTEBOOK
 
-Its outputs are not stored, so that the file shows no figures of another version.
+The notebook must hold no stored outputs, so that it never shows figures of another version.
 """
 
 import contextlib
@@ -26,7 +26,7 @@ def main(path):
             exec(compile("".join(cell["source"]), f"{path.name}, code cell {number}", "exec"), scope)
         os.chdir("/")
     print(printed.getvalue(), end="")
-    # what the notebook's words say
+    # the figures that the notebook's text mentions
     assert scope["largest_N"] > 10 and scope["removed_mm3"][-1] > 100, "nothing was cut"
     assert scope["mesh"]["watertight"] and scope["cut"] > 0 and scope["triangles"] > 1000
     assert scope["found"]["items"] and scope["found"]["under_m3"] > 0

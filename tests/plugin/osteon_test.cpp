@@ -22,12 +22,12 @@
 #include "tests/plugin/plugin_objects.h"
 #include "tests/temporary_path.h"
 
-// The C interface, called as another program calls it. Lockstep: no wall time.
+// The C interface as a program uses it, in lockstep: no test depends on wall time.
 
 namespace osteon::plugin {
 namespace {
 
-// A change here is a new OSTEON_ABI.
+// Sizes and offsets of the ABI: a change here needs a new OSTEON_ABI.
 static_assert(OSTEON_ABI == 1);
 static_assert(sizeof(OsteonPose) == 56 && sizeof(OsteonTwist) == 48 && sizeof(OsteonWrench) == 48);
 static_assert(sizeof(OsteonBoneParams) == 120 && sizeof(OsteonBoneInfo) == 96);
@@ -41,7 +41,7 @@ double ForceOf(const OsteonWrench& wrench) {
   return std::hypot(wrench.force_N[0], wrench.force_N[1], wrench.force_N[2]);
 }
 
-TEST(OsteonLibrary, RefusesAnotherAbiByBothNames) {
+TEST(OsteonLibrary, RefusesAnotherAbiAndNamesBothNumbers) {
   OsteonBoneParams params;
   osteon_bone_params_default(&params);
   OsteonBone* bone = reinterpret_cast<OsteonBone*>(1);
@@ -54,7 +54,7 @@ TEST(OsteonLibrary, RefusesAnotherAbiByBothNames) {
   EXPECT_STREQ(osteon_version(), OSTEON_VERSION);
 }
 
-TEST(OsteonLibrary, AnswersNullWithAnError) {
+TEST(OsteonLibrary, ReturnsAnErrorForNullPointers) {
   EXPECT_EQ(osteon_bone_create(OSTEON_ABI, nullptr, nullptr), OSTEON_ERROR_ARGUMENT);
   EXPECT_EQ(osteon_tool_create(OSTEON_ABI, nullptr, nullptr), OSTEON_ERROR_ARGUMENT);
   EXPECT_EQ(osteon_session_create(OSTEON_ABI, nullptr, nullptr, nullptr, nullptr), OSTEON_ERROR_ARGUMENT);
@@ -117,7 +117,7 @@ TEST(OsteonLibrary, NamesWhatIsWrongWithABone) {
   });
 }
 
-TEST(OsteonLibrary, NamesTheFieldOfASizeThatAToolDoesNotComeIn) {
+TEST(OsteonLibrary, NamesTheFieldOfAnUnavailableToolSize) {
   OsteonToolParams params;
   osteon_tool_params_default(&params);
   params.config_folder = ConfigFolder().c_str();
@@ -159,7 +159,7 @@ TEST(OsteonSession, RefusesToBeginInBone) {
   EXPECT_EQ(FiguresOf(session.get()).frame, 1U);
 }
 
-TEST(OsteonSession, TellsItsLogWhatHappens) {
+TEST(OsteonSession, WritesEventsToItsLog) {
   struct Line {
     std::uint32_t level;
     std::string text;
@@ -189,8 +189,8 @@ TEST(OsteonSession, TellsItsLogWhatHappens) {
   EXPECT_EQ(lines.size(), 3U) << "nobody is told any more";
 }
 
-// The door adds nothing of its own: engine and coupling of the servo loop give the same wrench.
-TEST(OsteonSession, GivesTheServosOwnWrench) {
+// At the same poses, engine and coupling of the servo loop give the wrench that the session gives.
+TEST(OsteonSession, WrenchEqualsThatOfTheServoLoop) {
   OsteonBoneParams params;
   osteon_bone_params_default(&params);
   params.config_folder = ConfigFolder().c_str();
@@ -250,7 +250,7 @@ TEST(OsteonSession, GivesTheServosOwnWrench) {
   EXPECT_GT(FiguresOf(session.get()).removed_volume_m3, 5e-7);
 }
 
-TEST(OsteonSession, NeverExceedsItsLimits) {
+TEST(OsteonSession, WrenchNeverExceedsItsLimit) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
   OsteonSettings settings = Lockstep(false);
@@ -266,7 +266,7 @@ TEST(OsteonSession, NeverExceedsItsLimits) {
   }
   EXPECT_LE(largest_N, 30.0);
   EXPECT_GT(largest_N, 29.9);
-  // what is not a number gives no force
+  // a pose that is not finite gives no force
   OsteonPose nowhere = Above(1.0);
   nowhere.position_m[0] = std::numeric_limits<double>::quiet_NaN();
   OsteonWrench wrench{.force_N = {1.0, 1.0, 1.0}, .torque_Nm = {}};
@@ -275,8 +275,8 @@ TEST(OsteonSession, NeverExceedsItsLimits) {
   EXPECT_EQ(osteon_session_step(session.get(), &nowhere, 0.0, 0.001), OSTEON_ERROR_ARGUMENT);
 }
 
-/// Positions, normals and triangles of all chunks, newest of each brick, in the order of bricks.
-std::map<std::uint32_t, std::vector<std::uint32_t>> SurfaceOf(
+/// Bits of all triangles' corner positions, by brick: `kept`, updated by the changes since `generation`.
+std::map<std::uint32_t, std::vector<std::uint32_t>> UpdatedSurface(
     OsteonSession* session, std::uint64_t& generation,
     std::map<std::uint32_t, std::vector<std::uint32_t>> kept) {
   EXPECT_OK(osteon_session_surface_wait(session));
@@ -316,7 +316,7 @@ std::size_t Triangles(const std::map<std::uint32_t, std::vector<std::uint32_t>>&
   return count;
 }
 
-TEST(OsteonSession, GivesTheSameBitsAgain) {
+TEST(OsteonSession, EqualRunsGiveEqualBits) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
   std::vector<OsteonFigures> figures;
@@ -326,29 +326,29 @@ TEST(OsteonSession, GivesTheSameBitsAgain) {
     FeedTo(session.get(), 2.5);
     figures.push_back(FiguresOf(session.get()));
     std::uint64_t generation = 0;
-    surfaces.push_back(SurfaceOf(session.get(), generation, {}));
+    surfaces.push_back(UpdatedSurface(session.get(), generation, {}));
   }
   EXPECT_EQ(std::memcmp(&figures[0], &figures[1], sizeof figures[0]), 0);
   EXPECT_EQ(surfaces[0], surfaces[1]);
   EXPECT_GT(Triangles(surfaces[0]), 1000U);
 }
 
-TEST(OsteonSession, HandsOutWhatChangedAlone) {
+TEST(OsteonSession, HandsOutOnlyChangedBricks) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
   const auto session = MakeSession(bone.get(), tool.get(), Lockstep());
   const OsteonPose free = Above(4.2);
   ASSERT_OK(osteon_session_step(session.get(), &free, 0.0, 0.001));
   std::uint64_t generation = 0;
-  const auto uncut = SurfaceOf(session.get(), generation, {});
+  const auto uncut = UpdatedSurface(session.get(), generation, {});
   const std::uint64_t before = generation;
-  EXPECT_EQ(SurfaceOf(session.get(), generation, uncut), uncut);
+  EXPECT_EQ(UpdatedSurface(session.get(), generation, uncut), uncut);
   EXPECT_EQ(generation, before) << "nothing changed";
   FeedTo(session.get(), 2.5);
-  const auto cut = SurfaceOf(session.get(), generation, uncut);
+  const auto cut = UpdatedSurface(session.get(), generation, uncut);
   EXPECT_NE(cut, uncut);
   std::uint64_t anew = 0;
-  EXPECT_EQ(SurfaceOf(session.get(), anew, {}), cut);
+  EXPECT_EQ(UpdatedSurface(session.get(), anew, {}), cut);
   EXPECT_EQ(anew, generation);
 
   OsteonSurfaceInfo info;
@@ -367,22 +367,22 @@ TEST(OsteonSession, UndoBringsBoneAndSurfaceBack) {
   const auto session = MakeSession(bone.get(), tool.get(), Lockstep());
   FeedTo(session.get(), 3.2);
   std::uint64_t generation = 0;
-  const auto then = SurfaceOf(session.get(), generation, {});
-  const double then_m3 = FiguresOf(session.get()).removed_volume_m3;
+  const auto marked = UpdatedSurface(session.get(), generation, {});
+  const double marked_m3 = FiguresOf(session.get()).removed_volume_m3;
   ASSERT_OK(osteon_session_mark(session.get()));
   FeedTo(session.get(), 1.5, 3.2);
-  const auto now = SurfaceOf(session.get(), generation, then);
-  EXPECT_NE(now, then);
-  EXPECT_GT(FiguresOf(session.get()).removed_volume_m3, then_m3);
+  const auto now = UpdatedSurface(session.get(), generation, marked);
+  EXPECT_NE(now, marked);
+  EXPECT_GT(FiguresOf(session.get()).removed_volume_m3, marked_m3);
 
   const OsteonPose deep = Above(1.5), free = Above(4.2);
   EXPECT_EQ(osteon_session_undo(session.get(), &deep), OSTEON_ERROR_STATE)
       << "bone would come back into the tool";
   EXPECT_NE(std::string(osteon_last_error()).find("move the tool out"), std::string::npos);
-  EXPECT_EQ(SurfaceOf(session.get(), generation, now), now) << "nothing has changed";
+  EXPECT_EQ(UpdatedSurface(session.get(), generation, now), now) << "nothing has changed";
   ASSERT_OK(osteon_session_undo(session.get(), &free));
-  EXPECT_EQ(FiguresOf(session.get()).removed_volume_m3, then_m3);
-  EXPECT_EQ(SurfaceOf(session.get(), generation, now), then);
+  EXPECT_EQ(FiguresOf(session.get()).removed_volume_m3, marked_m3);
+  EXPECT_EQ(UpdatedSurface(session.get(), generation, now), marked);
   EXPECT_EQ(osteon_session_undo(session.get(), &free), OSTEON_ERROR_STATE) << "no mark is left";
 
   // the force fades in again
@@ -393,7 +393,7 @@ TEST(OsteonSession, UndoBringsBoneAndSurfaceBack) {
   EXPECT_LT(ForceOf(wrench), 2.0);
 }
 
-TEST(OsteonSession, SavesAndRestores) {
+TEST(OsteonSession, RestoresASavedBoneAndItsSurface) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
   const std::string file = TemporaryPath("cut.state").string();
@@ -405,7 +405,7 @@ TEST(OsteonSession, SavesAndRestores) {
     ASSERT_OK(osteon_session_save(session.get(), file.c_str()));
     removed_m3 = FiguresOf(session.get()).removed_volume_m3;
     std::uint64_t generation = 0;
-    saved = SurfaceOf(session.get(), generation, {});
+    saved = UpdatedSurface(session.get(), generation, {});
   }
   const auto session = MakeSession(bone.get(), tool.get(), Lockstep());
   const OsteonPose free = Above(4.2), inside = Above(0.0);
@@ -413,7 +413,7 @@ TEST(OsteonSession, SavesAndRestores) {
   ASSERT_OK(osteon_session_restore(session.get(), file.c_str(), &free));
   EXPECT_EQ(FiguresOf(session.get()).removed_volume_m3, removed_m3);
   std::uint64_t generation = 0;
-  EXPECT_EQ(SurfaceOf(session.get(), generation, {}), saved);
+  EXPECT_EQ(UpdatedSurface(session.get(), generation, {}), saved);
   EXPECT_EQ(osteon_session_restore(session.get(), "no_such.state", &free), OSTEON_ERROR_FILE);
   EXPECT_EQ(osteon_session_save(session.get(), "no_such_folder/cut.state"), OSTEON_ERROR_FILE);
 }
@@ -454,7 +454,7 @@ TEST(OsteonSession, ReportsEachEventOnce) {
   EXPECT_EQ(std::count(names.begin(), names.end(), "pulp reached"), 1) << names.size();
 }
 
-TEST(OsteonSession, ChecksItsMode) {
+TEST(OsteonSession, RefusesCallsOfAnotherMode) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
   const auto session = MakeSession(bone.get(), tool.get(), Lockstep(false));

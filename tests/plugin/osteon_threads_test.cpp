@@ -13,7 +13,7 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/plugin/plugin_objects.h"
 
-// Sessions with threads of their own. In wall time: nothing here asserts on it.
+// Sessions with threads of their own, in wall time. No assertion depends on timing.
 
 namespace osteon::plugin {
 namespace {
@@ -37,7 +37,7 @@ std::string NameOfThisThread() {
   return name;
 }
 
-TEST(OsteonSessionThreads, ReamWhileAHapticThreadFeels) {
+TEST(OsteonSessionThreads, CutWhileAHapticThreadEvaluatesTheWrench) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
   const auto session = MakeSession(bone.get(), tool.get(), Threaded(true));
@@ -76,7 +76,7 @@ TEST(OsteonSessionThreads, PoseAndWrenchNeitherAllocateNorLock) {
   scope.End();
 }
 
-// An old pose is not used as a fresh one: with the poses the force goes.
+// A pose that is too old no longer counts: without new poses the force fades to zero.
 TEST(OsteonSessionThreads, TheForceFadesWhenPosesStop) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
@@ -94,7 +94,7 @@ TEST(OsteonSessionThreads, TheForceFadesWhenPosesStop) {
   EXPECT_GE(FiguresOf(session.get()).pose_age_s, 0.2);
 }
 
-TEST(OsteonSessionThreads, LeaveTheHostsOwnAlone) {
+TEST(OsteonSessionThreads, LeaveTheHostsThreadsUnchanged) {
   const std::string name = NameOfThisThread();
   cpu_set_t before, after;
   ASSERT_EQ(sched_getaffinity(0, sizeof before, &before), 0);
@@ -127,7 +127,7 @@ TEST(OsteonSessionThreads, BeginAndEndManyTimesInAnyOrder) {
 }
 
 // Any thread may ask for figures, marks and the surface while the engine runs and a haptic thread feels.
-TEST(OsteonSessionThreads, ManyAskAtOnce) {
+TEST(OsteonSessionThreads, AnswerManyThreadsAtOnce) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
   const auto session = MakeSession(bone.get(), tool.get(), Threaded(true));

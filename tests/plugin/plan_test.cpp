@@ -12,7 +12,7 @@
 #include "tests/control/loop/servo_parts.h"
 #include "tests/plugin/plugin_objects.h"
 
-// Plans, guidance and assessment by the C interface.
+// Plans, guidance and assessment through the C interface.
 
 namespace osteon::plugin {
 namespace {
@@ -29,8 +29,8 @@ OsteonPose PoseOf(const Pose& X) {
   return {.position_m = {p.x(), p.y(), p.z()}, .orientation_wxyz = {q.w(), q.x(), q.y(), q.z()}};
 }
 
-// As the library reads a pose: its quaternion normalised.
-Pose AsRead(const OsteonPose& pose) {
+// The pose as the library reads it: with a normalised quaternion.
+Pose PoseAsRead(const OsteonPose& pose) {
   const auto& q = pose.orientation_wxyz;
   Pose X = Pose::Identity();
   X.linear() = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
@@ -60,7 +60,7 @@ OwnedGuidance MakeGuidance(const OsteonPlan* plan, const OsteonGuidanceParams& p
   return OwnedGuidance(guidance);
 }
 
-OsteonGuidanceParams Defaults() {
+OsteonGuidanceParams DefaultGuidanceParams() {
   OsteonGuidanceParams params;
   osteon_guidance_params_default(&params);
   return params;
@@ -81,7 +81,7 @@ Pose AlongThePlan(const procedure::SurgicalPlan& plan, const procedure::PlannedT
   return X_GT;
 }
 
-// A plane across the feed of a pose, `depth_m` behind its apex.
+// A contact model with one plane, square to the tool's feed and `depth_m` behind its apex.
 simulation::ContactModel PlaneBehind(const Pose& X_GT, double depth_m, rt::Nanoseconds now) {
   const Vector3 feed = X_GT.linear().col(2);
   simulation::ContactModel model;
@@ -95,7 +95,8 @@ simulation::ContactModel PlaneBehind(const Pose& X_GT, double depth_m, rt::Nanos
   return model;
 }
 
-TEST(OsteonPlan, TellsThePlanInItsThreeDefinitions) {
+// The shipped plan is radiographic 40/15 deg; cup_axis_test.cpp has the same angles of the other definitions.
+TEST(OsteonPlan, InfoHasTheCupAnglesOfAllThreeDefinitions) {
   const auto plan = ShippedPlan();
   OsteonPlanInfo info{};
   ASSERT_OK(osteon_plan_info(plan.get(), &info));
@@ -114,7 +115,7 @@ TEST(OsteonPlan, TellsThePlanInItsThreeDefinitions) {
   EXPECT_NEAR(depth_m, 0.025, 1e-12);
 }
 
-TEST(OsteonPlan, TellsAnOpeningWithoutWhatOnlyACupHas) {
+TEST(OsteonPlan, InfoOfAnOpeningLeavesValuesOfACupNan) {
   const OsteonPlanParams params{.plan = "molar", .rubric = nullptr, .config_folder = ConfigFolder().c_str()};
   OsteonPlan* plan = nullptr;
   ASSERT_OK(osteon_plan_create(OSTEON_ABI, &params, &plan));
@@ -141,16 +142,16 @@ TEST(OsteonPlan, RefusesWithTheValueAndWhatIsAccepted) {
   EXPECT_EQ(osteon_plan_reamer(plan.get(), 4, &reamer), OSTEON_ERROR_ARGUMENT);
   EXPECT_NE(std::string(osteon_last_error()).find("found 4, accepted 0 … 3"), std::string::npos);
   OsteonGuidance* guidance = nullptr;
-  OsteonGuidanceParams wrong = Defaults();
+  OsteonGuidanceParams wrong = DefaultGuidanceParams();
   wrong.max_force_N = 201.0;
   EXPECT_EQ(osteon_guidance_create(OSTEON_ABI, plan.get(), &wrong, &guidance), OSTEON_ERROR_ARGUMENT);
   EXPECT_NE(std::string(osteon_last_error()).find("max_force_N: found 201"), std::string::npos);
-  wrong = Defaults();
+  wrong = DefaultGuidanceParams();
   wrong.gain = NAN;
   EXPECT_EQ(osteon_guidance_create(OSTEON_ABI, plan.get(), &wrong, &guidance), OSTEON_ERROR_ARGUMENT);
   EXPECT_EQ(guidance, nullptr);
 
-  const auto made = MakeGuidance(plan.get(), Defaults());
+  const auto made = MakeGuidance(plan.get(), DefaultGuidanceParams());
   OsteonPose pose{.position_m = {NAN, 0, 0}, .orientation_wxyz = {1, 0, 0, 0}};
   OsteonGuidanceOutput output;
   EXPECT_EQ(osteon_guidance_evaluate(made.get(), &pose, nullptr, nullptr, &output), OSTEON_ERROR_ARGUMENT);
@@ -160,8 +161,9 @@ TEST(OsteonPlan, RefusesWithTheValueAndWhatIsAccepted) {
   EXPECT_EQ(osteon_guidance_evaluate(nullptr, nullptr, nullptr, nullptr, nullptr), OSTEON_ERROR_ARGUMENT);
 }
 
-// A walk in and out of the corridor, beside bone that presses: the loop's own pipeline and the interface.
-TEST(OsteonGuidance, IsTheServosOwn) {
+// A random walk in and out of the corridor, while bone also presses: the C interface gives what the servo
+// loop's pipeline gives.
+TEST(OsteonGuidance, OutputEqualsThatOfTheServoLoop) {
   const procedure::SurgicalPlan& surgical = LoadedPlan().plan;
   const procedure::PlannedTool& reamer = surgical.tools[1];
   control::ServoParams params = control::ServoBench::Params();
@@ -174,14 +176,14 @@ TEST(OsteonGuidance, IsTheServosOwn) {
   control::CouplingPipeline pipeline(params), bone(unguided);
   pipeline.Reset();
   bone.Reset();
-  OsteonGuidanceParams asked = Defaults();
-  asked.reamer = 1;
-  asked.max_force_N = 60.0;
-  asked.max_torque_Nm = 5.0;
-  asked.max_speed_m_per_s = params.twist.max_speed_m_per_s;
-  asked.period_s = params.period_s;
+  OsteonGuidanceParams guidance_params = DefaultGuidanceParams();
+  guidance_params.reamer = 1;
+  guidance_params.max_force_N = 60.0;
+  guidance_params.max_torque_Nm = 5.0;
+  guidance_params.max_speed_m_per_s = params.twist.max_speed_m_per_s;
+  guidance_params.period_s = params.period_s;
   const auto plan = ShippedPlan();
-  const auto guidance = MakeGuidance(plan.get(), asked);
+  const auto guidance = MakeGuidance(plan.get(), guidance_params);
 
   std::mt19937 random(39);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -190,7 +192,7 @@ TEST(OsteonGuidance, IsTheServosOwn) {
   Vector3 p_m = Vector3::Zero(), turn = Vector3::Zero(), v = Vector3::Zero(), w = Vector3::Zero();
   rt::Nanoseconds now = rt::kSecond;
   double largest_N = 0.0, least_share = 1.0, largest_share = 0.0;
-  for (int i = -300; i < 4000; ++i) {  // first inside of the corridor, until the loop's coupling has faded in
+  for (int i = -300; i < 4000; ++i) {  // i < 0: still, inside the corridor, until the coupling has faded in
     now += rt::kMillisecond;
     if (i >= 0) v = 0.98 * v + 0.012 * vector() - 0.03 * p_m;
     if (i >= 0) w = 0.98 * w + 0.06 * vector() - 0.03 * turn;
@@ -200,7 +202,7 @@ TEST(OsteonGuidance, IsTheServosOwn) {
     X_raw.translation() += p_m;
     X_raw.linear() = ExpRotation(turn) * X_start.linear();
     const OsteonPose pose = PoseOf(X_raw);
-    const Pose X_GT = AsRead(pose);
+    const Pose X_GT = PoseAsRead(pose);
     // for a while the model is late, by up to 50 ms
     const double age_s = i > 1500 && i < 2500 ? 0.025 + 0.025 * std::sin(0.02 * i) : 0.0;
     const simulation::ContactModel model =
@@ -211,14 +213,14 @@ TEST(OsteonGuidance, IsTheServosOwn) {
     safety::LimitSet acting;
     const control::CouplingInput input{.model = model, .X_WT = X_GT, .V_WT = {.v = v, .w = w}, .now = now};
     static_cast<void>(bone.Evaluate(input, *arm, acting));
-    const Wrench beside = bone.Render(*arm, acting).F;
+    const Wrench bone_wrench = bone.Render(*arm, acting).F;
     static_cast<void>(pipeline.Evaluate(input, *arm, acting));
     static_cast<void>(pipeline.Render(*arm, acting));
 
     const OsteonTwist twist{.linear_m_per_s = {v.x(), v.y(), v.z()},
                             .angular_rad_per_s = {w.x(), w.y(), w.z()}};
-    const OsteonWrench other{.force_N = {beside.f.x(), beside.f.y(), beside.f.z()},
-                             .torque_Nm = {beside.t.x(), beside.t.y(), beside.t.z()}};
+    const OsteonWrench other{.force_N = {bone_wrench.f.x(), bone_wrench.f.y(), bone_wrench.f.z()},
+                             .torque_Nm = {bone_wrench.t.x(), bone_wrench.t.y(), bone_wrench.t.z()}};
     OsteonGuidanceOutput output;
     ASSERT_OK(osteon_guidance_evaluate(guidance.get(), &pose, &twist, &other, &output));
     if (i < 0) continue;
@@ -233,7 +235,7 @@ TEST(OsteonGuidance, IsTheServosOwn) {
     ASSERT_EQ(output.stop_spindle != 0, expected.stops_spindle()) << i;
     ASSERT_EQ(output.inside != 0, expected.field().inside) << i;
     ASSERT_EQ(output.jumped, 0U) << i;
-    ASSERT_LE((beside.f + Vector3(output.wrench.force_N)).norm(), 60.0) << i;
+    ASSERT_LE((bone_wrench.f + Vector3(output.wrench.force_N)).norm(), 60.0) << i;
     ASSERT_LE(output.energy_J + output.share * output.potential_J, 1e-6) << i;
     largest_N = std::max(largest_N, F.f.norm());
     if (!expected.field().inside) least_share = std::min(least_share, output.share);
@@ -244,11 +246,11 @@ TEST(OsteonGuidance, IsTheServosOwn) {
   EXPECT_LT(least_share, 0.5) << "bone or energy took it back at times";
 }
 
-TEST(OsteonGuidance, SwitchedOnOutsideItWaitsAndAJumpBeginsAnew) {
+TEST(OsteonGuidance, WaitsUntilInsideTheCorridorAndRestartsAfterAJump) {
   const procedure::SurgicalPlan& surgical = LoadedPlan().plan;
   const procedure::PlannedTool& reamer = surgical.tools[0];
   const auto plan = ShippedPlan();
-  const auto guidance = MakeGuidance(plan.get(), Defaults());
+  const auto guidance = MakeGuidance(plan.get(), DefaultGuidanceParams());
   OsteonGuidanceOutput output;
   const auto evaluate = [&](double height_m) {
     const OsteonPose pose = PoseOf(AlongThePlan(surgical, reamer, height_m));
@@ -277,7 +279,7 @@ TEST(OsteonGuidance, SwitchedOnOutsideItWaitsAndAJumpBeginsAnew) {
 TEST(OsteonGuidance, NeitherAllocatesNorLocks) {
   const procedure::SurgicalPlan& surgical = LoadedPlan().plan;
   const auto plan = ShippedPlan();
-  const auto guidance = MakeGuidance(plan.get(), Defaults());
+  const auto guidance = MakeGuidance(plan.get(), DefaultGuidanceParams());
   std::vector<OsteonPose> poses;
   for (int i = 0; i < 500; ++i)
     poses.push_back(PoseOf(AlongThePlan(surgical, surgical.tools[0], 2e-3 - 1e-5 * i, 5e-4 * i)));
@@ -294,7 +296,7 @@ TEST(OsteonGuidance, NeitherAllocatesNorLocks) {
   EXPECT_EQ(output.inside, 0U);
 }
 
-// The last reamer alone, along the plan and 14 degrees off it.
+// Reams the shipped cup with the plan's last reamer alone, tilted to the plan.
 class OsteonAssess : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -352,7 +354,7 @@ TEST_F(OsteonAssess, ScoresWhatWasReamedAsPlanned) {
             OSTEON_ERROR_BUFFER);
 }
 
-TEST_F(OsteonAssess, KnowsTheAxisOfTheToolThatCut) {
+TEST_F(OsteonAssess, UsesTheAxisOfTheToolThatCut) {
   const auto plan = ShippedPlan();
   OsteonAssessment found{};
   Ream(14.0 * kDegree_rad);
@@ -365,7 +367,7 @@ TEST_F(OsteonAssess, KnowsTheAxisOfTheToolThatCut) {
   EXPECT_NEAR(found.axis_error_rad, 14.0 * kDegree_rad, 0.3 * kDegree_rad);
 }
 
-TEST(OsteonAssessment, ABoneOfAnotherPlanIsRefused) {
+TEST(OsteonAssessment, RefusesABoneOfAnotherPlan) {
   OsteonBoneParams params;
   osteon_bone_params_default(&params);
   const std::vector<float> ball{0.0F, 0.0F, 0.0F, 5.0F};

@@ -9,7 +9,7 @@
 
 #include "plugin/include/osteon.h"
 
-// Small bones and tools for the interface's tests: a cube of balls and a ball that cuts.
+// Bones, tools and sessions for tests of the C interface: a block of balls and a ball that cuts.
 
 namespace osteon::plugin {
 
@@ -29,7 +29,7 @@ inline const std::string& ConfigFolder() {
   return folder;
 }
 
-/// Balls of 1 mm on a grid of 1 mm: a block of 12 × 12 × 6 mm, its top at z = 1 mm.
+/// Balls of 1 mm radius on a grid of 1 mm: 13 × 13 × 6 balls, the block's top at z = 1 mm.
 inline Owned<OsteonBone> BlockOfBalls() {
   std::vector<float> balls;
   for (int z = -5; z <= 0; ++z)
@@ -61,6 +61,7 @@ inline Owned<OsteonTool> BallTool(float radius_mm = 3.0F) {
   return Owned<OsteonTool>(tool);
 }
 
+/// The CPU engine in lockstep.
 inline OsteonSettings Lockstep(bool with_surface = true) {
   OsteonSettings settings;
   osteon_settings_default(&settings);
@@ -77,7 +78,7 @@ inline Owned<OsteonSession> MakeSession(const OsteonBone* bone, const OsteonTool
   return Owned<OsteonSession>(session);
 }
 
-/// T's origin above the block.
+/// A pose with G's axes whose origin is at this height in G; the block's top is at 1 mm.
 inline OsteonPose Above(double z_mm, double x_mm = 0.0) {
   return {.position_m = {1e-3 * x_mm, 0.0, 1e-3 * z_mm}, .orientation_wxyz = {1.0, 0.0, 0.0, 0.0}};
 }

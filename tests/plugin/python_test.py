@@ -13,12 +13,14 @@ import osteon
 
 
 def block():
+    """A bone of 13 x 13 x 6 balls of 1 mm radius, its top at z = 1 mm."""
     xyz = np.stack(np.meshgrid(*[np.arange(-6, 7)] * 2, np.arange(-5, 1), indexing="ij"), -1).reshape(-1, 3)
     balls = np.column_stack([xyz, np.ones(len(xyz))])
     return osteon.Bone(balls_mm=balls, site=((0, 0, 0), (0, 0, 1), 0.003))
 
 
 def above(z_mm):
+    """A pose at this height in G."""
     X = np.eye(4)
     X[2, 3] = 1e-3 * z_mm
     return X
@@ -42,7 +44,7 @@ class Module(unittest.TestCase):
         self.assertGreater(info["volume_m3"], 1e-6)
         np.testing.assert_array_equal(info["colors"], [[224, 163, 128]])
 
-    def test_log_is_told_until_it_is_taken_away(self):
+    def test_log_gets_lines_until_it_is_removed(self):
         lines = []
         self.session.set_log(lambda level, text: lines.append((level, text)))
         self.session.change_tool(osteon.Tool(balls_mm=[[0, 0, 0, 2]]), above(4.2))
@@ -74,7 +76,7 @@ class Module(unittest.TestCase):
         self.assertGreater(F[2], 10)
         self.assertLessEqual(np.linalg.norm(F[:3]), 200)
 
-    def test_undo(self):
+    def test_undo_restores_the_bone(self):
         self.session.mark()
         self.feed(2.5)
         self.assertGreater(self.session.figures["removed_volume_m3"], 0)
@@ -83,7 +85,7 @@ class Module(unittest.TestCase):
         self.session.undo(above(4.2))
         self.assertEqual(self.session.figures["removed_volume_m3"], 0)
 
-    def test_poses_come_back(self):
+    def test_poses_keep_their_axes_there_and_back(self):
         for axis in np.eye(3).tolist() + [[0.6, 0, 0.8], [0, -1, 0]]:
             bone = osteon.Bone(balls_mm=[[0, 0, 0, 5]], site=((0.01, 0.02, 0.03), axis, 0.003))
             X = bone.approach(0.1)
@@ -142,7 +144,7 @@ class Module(unittest.TestCase):
     def test_structs_have_the_headers_sizes(self):
         for line in (Path(__file__).parent / "struct_sizes.txt").read_text().splitlines():
             name, size = line.split()
-            # numbers in C, and a numpy dtype for whole arrays
+            # enums are plain numbers, and a vertex is a numpy dtype
             if name in ("OsteonEngine", "OsteonLogLevel", "OsteonResult"):
                 continue
             if name == "OsteonVertex":
@@ -152,7 +154,7 @@ class Module(unittest.TestCase):
                 found = ctypes.sizeof(getattr(osteon._library, "_" + name[len("Osteon"):]))
             self.assertEqual(found, int(size), name)
 
-    def test_arrays_that_are_no_poses_and_twists_are_refused(self):
+    def test_invalid_poses_and_twists_are_refused(self):
         mirrored, scaled, transposed = (above(4.2) for _ in range(3))
         mirrored[0, 0] = -1
         scaled[:3, :3] *= 1000
@@ -186,7 +188,7 @@ class Module(unittest.TestCase):
             os._exit(2)
         self.assertEqual(os.waitpid(child, 0)[1], 0)
 
-    def test_refusals(self):
+    def test_errors_name_their_cause(self):
         with self.assertRaises(osteon.Error) as caught:
             osteon.Bone("no_such")
         self.assertEqual(caught.exception.code, -2)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# service_long.sh ROOT: the unit osteon@CELL under a systemd that runs. ROOT is a Debian's root folder with the packages
+# service_long.sh ROOT: tests the unit osteon@CELL under a running systemd. ROOT is a Debian's root folder with the packages
 # osteon, systemd, dbus and iproute2 installed. systemd boots there as the first process of namespaces of its own, like in a
 # container: its network is its own loopback, and the machine's systemd, if there is one, is not touched. A simulated
 # cell runs beside the unit. Needs root; takes two minutes. Exit code 1: something does not hold.
@@ -43,7 +43,7 @@ exec chroot . env -i container=namespaces PATH=/usr/sbin:/usr/bin:/sbin:/bin \
   /lib/systemd/systemd --unit=multi-user.target --log-target=null --show-status=no
 EOF
 
-# a group of its own, so that systemd orders only its own processes
+# a control group of its own, so that systemd sees only its own processes
 mkdir "$work/cgroup"
 mount -t cgroup2 cgroup2 "$work/cgroup"
 group=$work/cgroup/osteon_service_$$
@@ -59,20 +59,20 @@ cat >"$work/service.sh" <<'EOF'
 set -euo pipefail
 export LC_ALL=C.UTF-8 SYSTEMD_PAGER=cat
 unit=osteon@my_cell
-begin=$(mktemp) threads=$(mktemp) # of the guest's temporary folder, which ends with it
-privileges=0+ # those of the cell's process
+begin=$(mktemp) threads=$(mktemp) # in the guest's temporary folder, which ends with the guest
+privileges=0+ # pattern of the effective capabilities that the cell's process may have
 fail() {
   echo "service_long.sh: $1" >&2
   systemctl --no-pager status "$unit" simulated_cell >&2 || true
   journalctl --no-pager -u "$unit" -n 30 >&2 || true
   exit 1
 }
-is() { # KEY VALUE: of the unit
+is() { # KEY VALUE: fails unless the unit's KEY has this VALUE
   local found
   found=$(systemctl show -P "$1" "$unit")
   [[ $found == "$2" ]] || fail "$1 of the unit: found $found, accepted $2"
 }
-until_true() { # WHAT COMMAND...: within 20 s
+until_true() { # WHAT COMMAND...: fails unless COMMAND succeeds within 20 s
   for ((i = 0; i < 100; ++i)); do
     if "${@:2}" >/dev/null 2>&1; then return; fi
     sleep 0.2
@@ -115,7 +115,7 @@ if ! (ulimit -Hr 95 && ulimit -Hl unlimited) 2>/dev/null; then
   printf '[Service]\n%s=CAP_SYS_NICE CAP_IPC_LOCK\n' CapabilityBoundingSet >/run/systemd/system/osteon@.service.d/rights.conf
   printf 'AmbientCapabilities=CAP_SYS_NICE CAP_IPC_LOCK\n' >>/run/systemd/system/osteon@.service.d/rights.conf
   systemctl daemon-reload
-  privileges=0*804000 # those two
+  privileges=0*804000 # CAP_SYS_NICE and CAP_IPC_LOCK
 fi
 printf 'extends: demo\nlimits: {max_force_N: 900}\n' >/etc/osteon/wrong.yaml
 systemctl start osteon@wrong

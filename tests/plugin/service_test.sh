@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# service_test.sh SOURCE: whether unit, user, group, limits, udev rule, package scripts and docs/set_up.md speak of the
-# same user, group, rights and folders, and whether systemd reads them. Needs no root; leaves systemd's own checks out where
-# its programs are absent.
+# service_test.sh SOURCE: checks that unit, user, group, limits, udev rule, package scripts and docs/set_up.md name the same
+# user, group, rights and folders, and that systemd accepts them. Needs no root. Leaves systemd's own checks out if its
+# programs are not installed.
 set -euo pipefail
 packaging=$1/plugin/packaging unit=$1/plugin/packaging/osteon@.service page=$1/docs/set_up.md install=$1/cmake/Install.cmake
 work=$(mktemp -d)
@@ -11,7 +11,7 @@ fail() {
   exit 1
 }
 has() { grep -qE -- "$2" "$1" || fail "${1#"$packaging/"} lacks: $2"; }
-value() { sed -n "s/^$1=//p" "$unit"; } # of a key of the unit
+value() { sed -n "s/^$1=//p" "$unit"; } # the value of a key of the unit
 
 echo "== one user, one group"
 user=$(value User) group=$(value Group)
@@ -55,7 +55,7 @@ mkdir "$work/bin" "$work/sysusers"
 for command in groupadd useradd udevadm systemctl; do
   printf '#!/bin/sh\necho "%s $*" >>"%s/calls"\n' "$command" "$work" >"$work/bin/$command"
 done
-printf '#!/bin/sh\nexit 2\n' >"$work/bin/getent" # knows nobody yet
+printf '#!/bin/sh\nexit 2\n' >"$work/bin/getent" # no user exists yet
 chmod +x "$work/bin"/*
 cp "$work/bin/useradd" "$work/sysusers/systemd-sysusers"
 sed -i 's/useradd/systemd-sysusers/' "$work/sysusers/systemd-sysusers"
@@ -75,10 +75,10 @@ postinst "$work/bin" abort-upgrade
 
 echo "== as systemd reads them"
 if command -v systemd-analyze >/dev/null; then
-  sed 's|/usr/bin/osteon |/bin/true |' "$unit" >"$work/osteon@cell.service" # verify wants a program that is there
+  sed 's|/usr/bin/osteon |/bin/true |' "$unit" >"$work/osteon@cell.service" # systemd-analyze verify needs a program that exists
   verdict=$(systemd-analyze verify --man=no "$work/osteon@cell.service" 2>&1) || fail "systemd-analyze: $verdict"
   ! grep -F "osteon@" <<<"$verdict" || fail "the unit's lines above"
-  # what the service may do, by systemd's own measure from 0 to 10: 8.7 before it gave up its privileges
+  # what the service may do, by systemd's own measure from 0 to 10: a service that keeps all privileges has 8.7
   exposure=$(systemd-analyze security --offline=true "$work/osteon@cell.service" 2>&1) || fail "systemd-analyze: $exposure"
   level=$(sed -nE 's/.*exposure level for [^:]*: ([0-9]+)\.([0-9]).*/\1\2/p' <<<"$exposure")
   [[ -n $level && $level -le 50 ]] || fail "found an exposure of ${level:-none} tenths, accepted up to 50"

@@ -1,8 +1,8 @@
 /* unload_test LIBRARY CONFIG: loads libosteon.so, cuts for a moment in a session with threads of its own,
- * destroys it and unloads the library; twice in one process, as an editor does that reloads its plug-ins.
- * Then it exports a large surface and unloads the library, whose mesh library leaves an idle thread behind.
- * Exit code 1: a call fails, a thread or the library stays, or the second time is not as the first. Linked to
- * nothing of Osteon's. */
+ * destroys it and unloads the library, twice in one process, as an editor that reloads its plug-ins.
+ * Then it exports a large surface and unloads the library, of which the mesh library leaves an idle thread
+ * behind. Exit code 1: a call fails, a thread or the library stays, or the second time differs from the
+ * first. The program itself is not linked to Osteon. */
 #define _GNU_SOURCE
 #include <dirent.h>
 #include <dlfcn.h>
@@ -69,7 +69,7 @@ static void load_cut_and_unload(const char* file, const char* config, double* re
   FUNCTION(osteon_session_figures);
   FUNCTION(osteon_session_surface_wait);
 
-  /* a row of balls, and one that cuts */
+  /* a bone of nine balls in a row, and a tool of one ball that cuts */
   float balls[4 * 9];
   for (int i = 0; i < 9; ++i)
     memcpy(balls + 4 * i, (float[]){(float)(i - 4), 0.0F, 0.0F, 1.0F}, 4 * sizeof(float));
@@ -94,7 +94,7 @@ static void load_cut_and_unload(const char* file, const char* config, double* re
 
   OsteonFigures figures;
   OsteonPose pose = {.orientation_wxyz = {1.0, 0.0, 0.0, 0.0}};
-  for (int ms = 0; ms < 10000; ++ms) { /* until it has cut, however late this machine is */
+  for (int ms = 0; ms < 10000; ++ms) { /* until it has cut, also on a slow machine */
     OsteonWrench wrench;
     pose.position_m[2] = 4.2e-3 - (ms < 600 ? ms : 600) * 5e-6;
     CHECK(osteon_session_set_tool_pose_(session, &pose, 100.0));

@@ -11,7 +11,7 @@
 #include "OsteonGuidanceComponent.h"
 #include "OsteonReamCup.h"
 
-// The Unreal component against stubs of Unreal's types: everything but the engine itself runs.
+// Unreal's components, compiled with stubs of Unreal's types: everything but Unreal itself runs.
 
 const void* OsteonCuttingModuleIsImplemented();
 
@@ -36,8 +36,8 @@ class UnrealComponent : public testing::Test {
     bone.OnRefused.Bound.emplace_back([this](const FString& text) { refusals.emplace_back(*text); });
   }
 
-  /// Moves the tool, lets the engine compute, and ticks.
-  void Show(const FTransform& pose) {
+  /// Moves the tool, ticks the component, and gives the cutting engine 2 ms.
+  void MoveToolAndTick(const FTransform& pose) {
     tool.Transform = pose;
     bone.TickComponent(0.002F, LEVELTICK_All, nullptr);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -52,7 +52,7 @@ TEST_F(UnrealComponent, ReamsTheCupAndItsMeshFollows) {
   bone.Tool = &tool;
   bone.BeginPlay();
   ASSERT_TRUE(bone.IsOpen()) << (refusals.empty() ? "" : refusals.front());
-  Show(bone.Approach(-1.7));
+  MoveToolAndTick(bone.Approach(-1.7));
   ASSERT_EQ(osteon_session_surface_wait(bone.Session().session()), OSTEON_OK) << osteon_last_error();
   bone.UpdateMesh();
   const std::size_t uncut = Triangles(bone);
@@ -60,7 +60,7 @@ TEST_F(UnrealComponent, ReamsTheCupAndItsMeshFollows) {
   double pushed_N = 0.0;
   for (int i = 0; i < 1000; ++i) {
     const FTransform pose = bone.Approach(-1.7 - 0.0008 * i);
-    Show(pose);
+    MoveToolAndTick(pose);
     pushed_N = std::max(pushed_N, bone.GetForce(pose).Z);
   }
   EXPECT_GT(pushed_N, 5.0) << "the bone pushes the reamer out, along +z";
@@ -92,7 +92,7 @@ TEST_F(UnrealComponent, ReamsTheCupAndItsMeshFollows) {
   EXPECT_TRUE(bone.Shown.empty());
 }
 
-// The component's own frame counts: bone and tool moved together give the same force.
+// The session gets the tool's pose in the component's frame: moving bone and tool together changes nothing.
 TEST_F(UnrealComponent, TakesTheToolInItsOwnFrame) {
   bone.Scene = "thin_plate";
   bone.Tool = &tool;
@@ -102,7 +102,7 @@ TEST_F(UnrealComponent, TakesTheToolInItsOwnFrame) {
   const FTransform local = bone.Approach(10.0);
   tool.Transform = FTransform(world.GetRotation() * local.GetRotation(),
                               world.GetLocation() + world.GetRotation().RotateVector(local.GetLocation()));
-  for (int i = 0; i < 50; ++i) Show(tool.Transform);
+  for (int i = 0; i < 50; ++i) MoveToolAndTick(tool.Transform);
   host::Pose proxy;
   ASSERT_EQ(bone.Session().Proxy(&proxy), OSTEON_OK) << osteon_last_error();
   EXPECT_NEAR(proxy.position[0], local.GetLocation().X, 1e-9);
@@ -110,7 +110,7 @@ TEST_F(UnrealComponent, TakesTheToolInItsOwnFrame) {
   EXPECT_NEAR(proxy.position[2], 10.0, 1e-9);
 }
 
-TEST_F(UnrealComponent, SaysWhatIsWrongOnce) {
+TEST_F(UnrealComponent, ReportsEachRefusalOnce) {
   bone.Scene = "no_such_scene";
   bone.BeginPlay();
   EXPECT_FALSE(bone.IsOpen());
@@ -137,7 +137,7 @@ TEST_F(UnrealComponent, SaysWhatIsWrongOnce) {
   EXPECT_NE(OsteonCuttingModuleIsImplemented(), nullptr);
 }
 
-TEST_F(UnrealComponent, GivesWayOnItsMountAndFeelsItsVelocity) {
+TEST_F(UnrealComponent, BoneMovesOnItsMountAndVelocityIsDamped) {
   bone.Tool = &tool;
   ASSERT_TRUE(bone.Open()) << refusals.back();
   FOsteonCompliance compliance;
@@ -147,9 +147,9 @@ TEST_F(UnrealComponent, GivesWayOnItsMountAndFeelsItsVelocity) {
   const FTransform pose = bone.Approach(-1.95);
   FVector force, torque;
   bone.bSpins = false;
-  Show(bone.Approach(0.0));
+  MoveToolAndTick(bone.Approach(0.0));
   for (int i = 0; i < 600; ++i) {
-    Show(pose);
+    MoveToolAndTick(pose);
     ASSERT_TRUE(bone.GetWrench(pose, FVector(), FVector(), force, torque)) << refusals.back();
   }
   EXPECT_GT(force.Z, 5.0);
@@ -173,7 +173,7 @@ TEST_F(UnrealComponent, ChangesToolsSavesAndScores) {
   EXPECT_TRUE(bone.GetBoneWarning().IsEmpty());
   EXPECT_STREQ(*UOsteonBoneComponent::GetLibraryVersion(), OSTEON_VERSION);
   const FTransform free = bone.Approach(1.0);
-  Show(free);
+  MoveToolAndTick(free);
   const std::string folder = testing::TempDir() + "osteon_unreal";
   const FString file((folder + ".osp").c_str());
   EXPECT_TRUE(bone.Save(file));
@@ -193,7 +193,7 @@ TEST_F(UnrealComponent, ChangesToolsSavesAndScores) {
   for (const char* end : {".osp", ".osp.swept", ".stl"}) std::remove((folder + end).c_str());
 }
 
-TEST(UnrealGuidance, PushesOutOfWhatIsTooDeep) {
+TEST(UnrealGuidance, PushesOutAToolThatIsTooDeep) {
   UOsteonGuidanceComponent guidance{FObjectInitializer()};
   std::vector<std::string> refused;
   guidance.OnRefused.Bound.emplace_back([&](const FString& text) { refused.emplace_back(*text); });
@@ -232,7 +232,7 @@ TEST(UnrealGuidance, PushesOutOfWhatIsTooDeep) {
   EXPECT_FALSE(guidance.Evaluate(FTransform(), FVector(), FVector(), FVector(), FVector(), force, torque));
 }
 
-// The sample, as a level would tick it.
+// The sample's actor, ticked as a level of Unreal would tick it.
 TEST(UnrealSample, ReamsTheCup) {
   AOsteonReamCup sample;
   EXPECT_TRUE(sample.PrimaryActorTick.bCanEverTick);

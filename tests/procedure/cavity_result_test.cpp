@@ -8,6 +8,8 @@
 #include "procedure/assessment/assessment.h"
 #include "tests/procedure/reamed_cup.h"
 
+// The figures of a reamed cavity, compared with the closed forms that docs/procedure.md lists.
+
 namespace osteon::procedure {
 namespace {
 
@@ -15,14 +17,15 @@ const simulation::Bone& Bone() {
   static const simulation::Bone bone = CupBone();
   return bone;
 }
+// The demo's cup, reamed once with 50 mm to this centre. The plan's centre is (0, 0, -2) mm.
 CavityResult Reamed(const Vector3& centre_mm, const SurgicalPlan& plan = DemoPlan()) {
   return AssessCavity(plan, Bone(), Ream(Bone(), 0.025, {1e-3 * centre_mm}));
 }
-constexpr double kVolumes = 0.02;  // of the oracle: what the cloud of mass points resolves
+constexpr double kVolumeTolerance = 0.02;  // share of the closed form: what the cloud of mass points resolves
 
-TEST(CavityResult, AsPlannedNothingIsOverAndNothingUnder) {
+TEST(CavityResult, ReamingAsPlannedLeavesNothingOverOrUnder) {
   const CavityResult result = Reamed({0.0, 0.0, -2.0});
-  EXPECT_NEAR(1e9 * result.removed_m3, 7699.0, kVolumes * 7699.0);
+  EXPECT_NEAR(1e9 * result.removed_m3, 7699.0, kVolumeTolerance * 7699.0);
   EXPECT_LT(1e9 * result.over_m3, 0.02 * 7699.0);
   EXPECT_LT(1e9 * result.under_m3, 0.02 * 7699.0);
   EXPECT_GT(result.coverage, 0.99);
@@ -32,23 +35,23 @@ TEST(CavityResult, AsPlannedNothingIsOverAndNothingUnder) {
 
 TEST(CavityResult, OneMillimetreTooDeepRemovesADiscOfThatHeight) {
   const double expected_mm3 = std::numbers::pi * 625.0;
-  EXPECT_NEAR(1e9 * Reamed({0.0, 0.0, -3.0}).over_m3, expected_mm3, kVolumes * expected_mm3);
+  EXPECT_NEAR(1e9 * Reamed({0.0, 0.0, -3.0}).over_m3, expected_mm3, kVolumeTolerance * expected_mm3);
 }
 
-TEST(CavityResult, TwoMillimetresAsideRemoveTheLune) {
+TEST(CavityResult, TwoMillimetresAsideRemoveALune) {
   const CavityResult result = Reamed({2.0, 0.0, -2.0});
-  EXPECT_NEAR(1e9 * result.over_m3, 2162.4, kVolumes * 2162.4);
+  EXPECT_NEAR(1e9 * result.over_m3, 2162.4, kVolumeTolerance * 2162.4);
   ASSERT_TRUE(result.rim_preserved);
-  EXPECT_NEAR(*result.rim_preserved, 0.7999, kVolumes);
+  EXPECT_NEAR(*result.rim_preserved, 0.7999, kVolumeTolerance);
 }
 
-TEST(CavityResult, WhatIsLeftInThePlanIsUnderReamed) {
-  EXPECT_NEAR(1e9 * Reamed({1.5, 0.8, -2.5}).under_m3, 1361.0, kVolumes * 1361.0);
+TEST(CavityResult, PlannedBoneThatIsLeftIsUnderReamed) {
+  EXPECT_NEAR(1e9 * Reamed({1.5, 0.8, -2.5}).under_m3, 1361.0, kVolumeTolerance * 1361.0);
 }
 
 TEST(CavityResult, ThePlannedVolumeDoesNotDependOnWhatWasCut) {
   const double planned_m3 = Reamed({0.0, 0.0, -2.0}).PlannedVolume_m3();
-  EXPECT_NEAR(1e9 * planned_m3, 7699.0, kVolumes * 7699.0);
+  EXPECT_NEAR(1e9 * planned_m3, 7699.0, kVolumeTolerance * 7699.0);
   EXPECT_NEAR(Reamed({1.5, 0.8, -2.5}).PlannedVolume_m3(), planned_m3, 1e-9 * planned_m3);
   EXPECT_NEAR(Reamed({0.0, 0.0, 0.0}).PlannedVolume_m3(), planned_m3, 1e-9 * planned_m3);
 }
@@ -67,11 +70,12 @@ TEST(CavityResult, ShiftsAreThoseOfTheReamersCentre) {
   EXPECT_NEAR(1e3 * result.from_plan.superior_m, 3.0, 0.01);
   EXPECT_NEAR(1e3 * result.from_plan.medial_m, 2.0, 0.01);
   EXPECT_NEAR(1e3 * result.from_plan.posterior_m, 1.0, 0.01);
+  // the plan's centre is 2 mm below the native one along z, whose superior part is -0.7399208
   EXPECT_NEAR(1e3 * result.from_native.superior_m, 3.0 + 2.0 * 0.7399208, 0.01);
 }
 
 // A whirl of w about the axis: the fit sees a larger sphere, deeper by 0.969 w.
-TEST(CavityResult, AWhirlShowsAsALargerDiameterAndAsForm) {
+TEST(CavityResult, AWhirlShowsAsALargerDiameterAndALargerResidual) {
   const CavityResult round = Reamed({0.0, 0.0, -2.0});
   const CavityResult result =
       AssessCavity(DemoPlan(), Bone(), Ream(Bone(), 0.025, Whirl({0.0, 0.0, -0.002}, 0.5e-3)));
@@ -82,8 +86,8 @@ TEST(CavityResult, AWhirlShowsAsALargerDiameterAndAsForm) {
   EXPECT_GT(result.fit->residual_p95_m, 3.0 * round.fit->residual_p95_m);
 }
 
-// A bone whose face is a plane 3 mm below the planned centre.
-TEST(CavityResult, AHemisphereOverAFlatFaceIsCoveredBelowIt) {
+// The face of a huge ball, nearly a plane, lies 3 mm below the planned centre.
+TEST(CavityResult, CoverageIsTheShareOfTheHemisphereBelowAFlatFace) {
   constexpr double kHuge_m = 10.0;
   SurgicalPlan plan = DemoPlan();
   plan.centre_m = Vector3::Zero();
@@ -106,7 +110,7 @@ TEST(CavityResult, AnUncutBoneHasNoFitAndSaysWhy) {
   EXPECT_EQ(result.removed_m3, 0.0);
 }
 
-TEST(RoofArcs, EndAtTheirThreeAnglesAndAtTheRimLaterally) {
+TEST(RoofArcs, EndAtTheirThreeAnglesAndReachTheRimLaterally) {
   const PelvicFrame pelvis = DemoPlan().pelvis;
   const auto at = [&](double deg, const Vector3& toward_N) {
     const double angle = deg * std::numbers::pi / 180.0;

@@ -11,7 +11,7 @@
 namespace osteon::procedure {
 namespace {
 
-constexpr double kRoundTrip = 1e-12;
+constexpr double kRoundTrip = 1e-12;  // error accepted after a conversion there and back [rad]
 constexpr CupDefinition kDefinitions[] = {CupDefinition::kRadiographic, CupDefinition::kOperative,
                                           CupDefinition::kAnatomic};
 
@@ -19,13 +19,13 @@ CupAngles Degrees(double inclination, double anteversion) {
   return {inclination * kDegree, anteversion * kDegree};
 }
 
-// Figures to four places: the tolerance is half a unit of the last one, and a little.
+// Expected values have four decimals: the tolerance is a little more than half a unit of the last one.
 void ExpectDegrees(const CupAngles& angles, double inclination, double anteversion) {
   EXPECT_NEAR(angles.inclination_rad / kDegree, inclination, 6e-5);
   EXPECT_NEAR(angles.anteversion_rad / kDegree, anteversion, 6e-5);
 }
 
-TEST(CupAxis, ARadiographicCupReadsAsComputedInTheOtherDefinitions) {
+TEST(CupAxis, RadiographicAnglesConvertToTheOtherDefinitions) {
   const Vector3 usual = CupAxis_N(CupDefinition::kRadiographic, Degrees(40, 15));
   ExpectDegrees(AnglesOf(CupDefinition::kOperative, usual), 38.3808, 19.2790);
   ExpectDegrees(AnglesOf(CupDefinition::kAnatomic, usual), 42.2735, 22.6291);
@@ -34,7 +34,7 @@ TEST(CupAxis, ARadiographicCupReadsAsComputedInTheOtherDefinitions) {
   ExpectDegrees(AnglesOf(CupDefinition::kAnatomic, steep), 48.3589, 27.2363);
 }
 
-// What each definition means, without its formula: radiographic anteversion is the angle to the coronal
+// Each definition by its meaning instead of its formula: radiographic anteversion is the angle to the coronal
 // plane, operative inclination that to the sagittal plane, anatomic inclination that to the longitudinal
 // axis.
 TEST(CupAxis, EachDefinitionIsTheAngleToItsPlane) {
@@ -47,7 +47,7 @@ TEST(CupAxis, EachDefinitionIsTheAngleToItsPlane) {
   }
 }
 
-TEST(CupAxis, EveryConversionClosesOnItself) {
+TEST(CupAxis, ConversionsThereAndBackChangeNothing) {
   EXPECT_TRUE(rc::check("angles of a definition, by an axis, to angles", [] {
     const CupAngles angles =
         Degrees(*rc::gen::inRange(1, 90'000) * 1e-3, *rc::gen::inRange(-59'999, 90'000) * 1e-3);
@@ -55,7 +55,7 @@ TEST(CupAxis, EveryConversionClosesOnItself) {
       if (definition == CupDefinition::kRadiographic && angles.anteversion_rad > 1.57) continue;
       const CupAngles back = AnglesOf(definition, CupAxis_N(definition, angles));
       RC_ASSERT(std::abs(back.inclination_rad - angles.inclination_rad) <= kRoundTrip);
-      // near a pole of a definition an axis says little about the anteversion
+      // near a pole of a definition the axis hardly depends on the anteversion
       const double lever = definition == CupDefinition::kAnatomic    ? std::sin(angles.inclination_rad)
                            : definition == CupDefinition::kOperative ? std::cos(angles.inclination_rad)
                                                                      : std::cos(angles.anteversion_rad);

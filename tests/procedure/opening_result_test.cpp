@@ -12,14 +12,15 @@
 #include "simulation/fidelity/recarve.h"
 #include "tests/procedure/reamed_cup.h"
 
-// The figures of an opening, each against what the tool's exact way makes of it.
+// The figures of a tooth's opening, compared with what the exact path of the tool removes.
 
 namespace osteon::procedure {
 namespace {
 
 using simulation::CarvedState;
 
-constexpr double kBurr_m = 0.9e-3, kAround_m = 0.85e-3;
+constexpr double kBurr_m = 0.9e-3;     // radius of the burr
+constexpr double kAround_m = 0.85e-3;  // radius of the circles on which its centre is led
 
 const simulation::Bone& Tooth() {
   static const simulation::Bone tooth = [] {
@@ -41,7 +42,8 @@ SurgicalPlan PlanOfTheMolar() {
   return plan;
 }
 
-// Leads a burr down to `end_m` in circles of up to `around_m`, a fine helix of the whole disc in each layer.
+// Leads a burr down to `end_m` in layers of 0.2 mm. In each layer its centre goes along circles of up to
+// `around_m`, so that the burr cuts a whole disc.
 CarvedState Open(const Vector3& end_m, double around_m) {
   simulation::Tool burr;
   burr.balls = {{.center_m = {0.0, 0.0, -kBurr_m}, .radius_m = kBurr_m, .cutting = true}};
@@ -68,7 +70,7 @@ Assessment Assessed(const SurgicalPlan& plan, const CarvedState& state) {
           .process = {}};
 }
 
-TEST(OpeningResult, AsPlannedIsOpenAtItsDepthWithNothingLeftAndLittleMore) {
+TEST(OpeningResult, AnOpeningAsPlannedHasItsDepthAndHardlyAnyOverOrUnder) {
   const SurgicalPlan plan = PlanOfTheMolar();
   const Assessment found = Assessed(plan, Open(plan.centre_m, kAround_m));
   EXPECT_NEAR(*found.opening->depth_error_m, 0.0, 0.03e-3);
@@ -82,7 +84,7 @@ TEST(OpeningResult, AsPlannedIsOpenAtItsDepthWithNothingLeftAndLittleMore) {
   EXPECT_TRUE(values.contains("unroofed"));
 }
 
-TEST(OpeningResult, DepthShiftAndRoofFollowTheToolsWay) {
+TEST(OpeningResult, DepthShiftAndRoofFollowTheToolsPath) {
   const SurgicalPlan plan = PlanOfTheMolar();
   const OpeningResult deep =
       AssessOpening(plan, Tooth(), Open(plan.centre_m - Vector3(0.0, 0.0, 0.5e-3), kAround_m));
@@ -95,14 +97,14 @@ TEST(OpeningResult, DepthShiftAndRoofFollowTheToolsWay) {
   EXPECT_NEAR(*aside.opening->shift_m, 1.0e-3, 0.1e-3);
   EXPECT_GT(1e9 * aside.cavity.over_m3, 5.0);
   EXPECT_GT(1e9 * aside.cavity.under_m3, 5.0);
-  // A straight hole of the burr's width opens its own disc, of 0.9 mm where 1.55 mm are judged; a column of
-  // 0.25 mm that it opens in part is not open.
+  // A straight hole opens a disc of 0.9 mm radius, while a roof of 1.55 mm radius is judged. A column of 0.25
+  // mm that the hole opens only in part does not count as open.
   const OpeningResult straight = AssessOpening(plan, Tooth(), Open(plan.centre_m, 0.0));
   EXPECT_LT(*straight.unroofed, std::pow(0.90 / 1.55, 2));
   EXPECT_GT(*straight.unroofed, std::pow(0.65 / 1.55, 2));
 }
 
-TEST(OpeningResult, NothingCutHasNeitherDepthNorShift) {
+TEST(OpeningResult, AnUncutToothHasNeitherDepthNorShift) {
   const SurgicalPlan plan = PlanOfTheMolar();
   const OpeningResult none = AssessOpening(plan, Tooth(), Open(plan.centre_m + Vector3(0.0, 0.0, 0.05), 0.0));
   EXPECT_FALSE(none.depth_error_m);

@@ -16,6 +16,7 @@ PelvicLandmarks Patient() {
       .asis_right_m = {-0.120, 0.0, 0.0}, .asis_left_m = {0.120, 0.0, 0.0}, .pubis_m = {0.0, 0.0, -0.087}};
 }
 
+// The cup's axis of radiographic 40 deg inclination and 15 deg anteversion, in N.
 Vector3 Axis40_15() { return CupAxis_N(CupDefinition::kRadiographic, {40.0 * kDegree, 15.0 * kDegree}); }
 
 TEST(PelvicFrame, LiesInThePlaneOfSpinesAndPubis) {
@@ -43,7 +44,7 @@ TEST(PelvicFrame, AxesOfTheOtherSideAreRefused) {
   EXPECT_THROW(CheckFrame(skew, Side::kLeft), std::invalid_argument);
 }
 
-TEST(PelvicFrame, LandmarksThatGiveNoPlaneAreRefused) {
+TEST(PelvicFrame, LandmarksThatDefineNoPlaneAreRefused) {
   PelvicLandmarks close = Patient();
   close.asis_left_m = close.asis_right_m + Vector3(0.04, 0.0, 0.0);
   EXPECT_THROW(static_cast<void>(FrameOf(close, Side::kLeft)), std::invalid_argument);
@@ -52,14 +53,14 @@ TEST(PelvicFrame, LandmarksThatGiveNoPlaneAreRefused) {
   EXPECT_THROW(static_cast<void>(FrameOf(flat, Side::kLeft)), std::invalid_argument);
 }
 
-// The mirror image of a plan: what a plan for the left hip is at the right one.
-TEST(PelvicFrame, TheOtherSidesAxisIsFarOff) {
+// A plan for the left hip, used at the right one, is wrong by this angle: the axes are mirror images.
+TEST(PelvicFrame, TheSameAnglesOnTheOtherSideAreAnotherAxis) {
   const Vector3 right = FrameOf(Patient(), Side::kRight).ToG(Axis40_15()),
                 left = FrameOf(Patient(), Side::kLeft).ToG(Axis40_15());
   EXPECT_NEAR(std::acos(right.dot(left)) / kDegree, 76.8, 0.05);
 }
 
-TEST(PelvicFrame, LandmarkNoiseSpreadsTheAnglesAsDrawnLandmarksDo) {
+TEST(PelvicFrame, LandmarkSpreadEqualsTheSpreadOfDrawnLandmarks) {
   constexpr double kNoise_m = 2e-3;
   constexpr int kDraws = 20'000;
   const Vector3 a_G = FrameOf(Patient(), Side::kLeft).ToG(Axis40_15());
@@ -77,7 +78,7 @@ TEST(PelvicFrame, LandmarkNoiseSpreadsTheAnglesAsDrawnLandmarksDo) {
     anteversion += std::pow(read.anteversion_rad - 15.0 * kDegree, 2);
   }
   const CupAngles spread = LandmarkSpread(at, Side::kLeft, 0.0, CupDefinition::kRadiographic, a_G, kNoise_m);
-  // a standard deviation of 20 000 draws is known to 0.5 %; four times that, and the second order
+  // a standard deviation of 20 000 draws is known to 0.5 %: four times that, and terms of second order
   EXPECT_NEAR(spread.inclination_rad, std::sqrt(inclination / kDraws), 0.025 * spread.inclination_rad);
   EXPECT_NEAR(spread.anteversion_rad, std::sqrt(anteversion / kDraws), 0.025 * spread.anteversion_rad);
   RecordProperty("inclination_deg", std::to_string(spread.inclination_rad / kDegree));

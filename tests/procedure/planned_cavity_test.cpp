@@ -12,10 +12,11 @@ namespace osteon::procedure {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+// The cavity of the demo's plan.
 const PlannedCavity kDemo{.centre_m = {0.0, 0.0, -0.002}, .axis = Vector3::UnitZ(), .radius_m = 0.025};
 
-// Ball of 50 mm at 2 mm below the face, with its cylinder up to the face, less the cup of 48 mm that was
-// there.
+// The demo's cavity is a half ball of 50 mm, 2 mm below the face, and a cylinder from the ball up to the
+// face, less the cup of 48 mm that was there.
 TEST(PlannedCavity, ClearsTheVolumeOfBallAndCylinderLessTheCup) {
   const simulation::AcetabulumSolid block({});
   const double expected_mm3 = 2.0 / 3.0 * kPi * (std::pow(25.0, 3) - std::pow(24.0, 3)) + kPi * 625.0 * 2.0;
@@ -23,8 +24,9 @@ TEST(PlannedCavity, ClearsTheVolumeOfBallAndCylinderLessTheCup) {
   EXPECT_NEAR(1e9 * BoneInCavity(block, kDemo, 0.5e-3), expected_mm3, 0.002 * expected_mm3);
 }
 
-// 44 mm first, then 50 mm: each takes what the one before left, and both together as much as the last alone.
-TEST(PlannedCavity, AToolTakesWhatTheOnesBeforeLeft) {
+// 49 mm first, then 50 mm: the second tool takes what the first left, and both together take as much as the
+// second alone.
+TEST(PlannedCavity, AToolTakesWhatEarlierToolsLeft) {
   const simulation::AcetabulumSolid block({});
   PlannedCavity wide = kDemo, deep = kDemo;
   wide.radius_m = 0.0245;
@@ -33,7 +35,7 @@ TEST(PlannedCavity, AToolTakesWhatTheOnesBeforeLeft) {
                rest_mm3 = 1e9 * BoneInCavity(block, kDemo, 0.5e-3, std::span(&wide, 1));
   EXPECT_GT(first_mm3, 1000.0);
   EXPECT_NEAR(first_mm3 + rest_mm3, whole_mm3, 1e-6 * whole_mm3);
-  deep.centre_m.z() -= 0.002;  // an earlier tool that went too deep: 50 mm has nothing left above it
+  deep.centre_m.z() -= 0.002;  // an earlier tool went 2 mm deeper: it leaves nothing for the 50 mm tool
   EXPECT_LT(1e9 * BoneInCavity(block, kDemo, 0.5e-3, std::span(&deep, 1)), 1e-3 * whole_mm3);
 }
 
@@ -61,7 +63,7 @@ TEST(PlannedCavity, OfALedBurrHasAFlatFloorARoundEdgeAndAWall) {
   const double diagonal_m = 1e-3 + 1.5e-3 / std::sqrt(2.0);
   EXPECT_NEAR(opening.DistanceTo({diagonal_m, 0.0, -1.5e-3 / std::sqrt(2.0)}), 0.5e-3, 1e-15);
   EXPECT_LT(opening.DistanceTo({0.0, 0.0, 0.0}), 0.0);
-  // its volume under the face of a block: cylinder, and the rounded floor of a disc (Pappus)
+  // volume under the face of a block: a cylinder, and a disc's floor with a round edge (Pappus's theorem)
   const simulation::AcetabulumSolid block({});
   PlannedCavity below = opening;
   below.centre_m = {34e-3, 0.0, -3e-3};  // beside the cup
@@ -71,6 +73,7 @@ TEST(PlannedCavity, OfALedBurrHasAFlatFloorARoundEdgeAndAWall) {
   EXPECT_NEAR(1e9 * BoneInCavity(block, below, 0.05e-3), expected_mm3, 0.005 * expected_mm3);
 }
 
+// A usual plan: reamers of 44 and 50 mm for an implant of 52 mm.
 SurgicalPlan Plan() {
   SurgicalPlan plan;
   plan.cup_diameter_m = 0.052;

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi, kPeriod_s = 1e-3;
 
+// The meter's reading [N] for a sine of this amplitude and frequency along x, beside a constant 40 N along z.
 double TremorOf(double amplitude_N, double hz, double spindle_hz, double seconds = 10.0) {
   TremorMeter meter(kPeriod_s);
   for (int i = 0; i < static_cast<int>(seconds / kPeriod_s); ++i)
@@ -20,21 +21,22 @@ double TremorOf(double amplitude_N, double hz, double spindle_hz, double seconds
   return meter.value_N();
 }
 
-TEST(Tremor, OneNewtonAtTenHertzHasItsEffectiveValue) {
+TEST(Tremor, ASineOfOneNewtonReadsAsItsRootMeanSquare) {
   EXPECT_NEAR(TremorOf(1.0, 10.0, 0.0), 0.707, 0.002);
   EXPECT_NEAR(TremorOf(1.0, 9.73, 0.0), 0.707, 0.005) << "between two lines";
   EXPECT_NEAR(TremorOf(2.0, 7.0, 0.0), 1.414, 0.02);
 }
 
-TEST(Tremor, SlowGuidingFastChatterAndTheSpindleAreNone) {
+TEST(Tremor, SlowGuidingFastChatterAndTheSpindleAreNoTremor) {
   EXPECT_LT(TremorOf(10.0, 1.0, 0.0), 0.01);
   EXPECT_LT(TremorOf(10.0, 30.0, 0.0), 0.01);
   EXPECT_LT(TremorOf(10.0, 8.34, 4.17), 0.3) << "the second harmonic of 250 rpm";
   EXPECT_NEAR(TremorOf(1.0, 10.4, 4.17), 0.707, 0.05) << "between the harmonics";
 }
 
-TEST(Tremor, AShortSessionHasNone) { EXPECT_EQ(TremorOf(1.0, 10.0, 0.0, 1.0), 0.0); }
+TEST(Tremor, AShortSessionHasNoTremor) { EXPECT_EQ(TremorOf(1.0, 10.0, 0.0, 1.0), 0.0); }
 
+// A tool that cuts at the planned centre while the hand presses 50 N along the feed.
 ProcessSample Cutting(double t_s) {
   return {.t_s = t_s,
           .head_m = {0.0, 0.0, -0.002},
@@ -60,7 +62,7 @@ TEST(ProcessFigures, AForceAt20DegreesGoesTheWrongWayByItsSine) {
   EXPECT_NEAR(figures.cutting_s, 1.001, 1e-9);
 }
 
-TEST(ProcessFigures, AWayRoundACircleIsItsCircumference) {
+TEST(ProcessFigures, PathAroundACircleIsItsCircumference) {
   const SurgicalPlan plan = DemoPlan();
   ProcessSums sums(plan, kPeriod_s);
   constexpr double kRadius_m = 5e-3;
@@ -73,7 +75,7 @@ TEST(ProcessFigures, AWayRoundACircleIsItsCircumference) {
   EXPECT_NEAR(sums.Figures().path_m, 2.0 * kPi * kRadius_m, 1e-6);
 }
 
-TEST(ProcessFigures, AWayFarFromTheCupDoesNotCount) {
+TEST(ProcessFigures, PathFarFromTheCupDoesNotCount) {
   const SurgicalPlan plan = DemoPlan();
   ProcessSums sums(plan, kPeriod_s);
   for (int i = 0; i <= 100; ++i) {
@@ -84,7 +86,7 @@ TEST(ProcessFigures, AWayFarFromTheCupDoesNotCount) {
   EXPECT_EQ(sums.Figures().path_m, 0.0);
 }
 
-TEST(ProcessFigures, OutsideOfTheCorridorIsTiltOrAsideOrTooDeep) {
+TEST(ProcessFigures, OutsideTheCorridorIsTiltedOrAsideOrTooDeep) {
   const SurgicalPlan plan = DemoPlan();
   const PlannedTool& last = plan.tools.back();
   const Vector3 centre_m = plan.CentreOf(last);
@@ -119,8 +121,9 @@ TEST(ProcessFigures, OutsideOfTheCorridorIsTiltOrAsideOrTooDeep) {
   EXPECT_EQ(none.Figures().outside_s, 0.0) << "a plan without guidance has no corridor";
 }
 
-// A spring that takes 0.3 J and gives 0.2 of it back has taken 0.3 J, each time.
-TEST(ProcessFigures, TheGuidanceHasTakenWhatItsEnergyFell) {
+// The energy falls by 0.3 J, and later by 0.1 J. Rises, in which the guidance gives energy back, do not
+// count.
+TEST(ProcessFigures, GuidanceEnergyIsTheSumOfAllFalls) {
   const SurgicalPlan plan = DemoPlan();
   ProcessSums sums(plan, kPeriod_s);
   double t_s = 0.0;
@@ -130,13 +133,13 @@ TEST(ProcessFigures, TheGuidanceHasTakenWhatItsEnergyFell) {
     sums.Add(sample, plan.tools.back());
   };
   for (const double E_J : {0.0, -0.1, -0.3, -0.2, -0.1}) add(E_J);
-  add(std::nullopt);  // it does not render for a while, and begins anew
+  add(std::nullopt);  // the guidance is off for a while, and begins anew
   for (const double E_J : {-0.5, -0.6}) add(E_J);
   EXPECT_NEAR(sums.Figures().guidance_J, 0.4, 1e-12);
 }
 
-// At the corridor's edges the excess is 0, and as much as the plan's stop is beyond its free range.
-TEST(CorridorWidth, IsWhereTheExcessIsThatOfFreeAndStop) {
+// Aside by free_m, the lateral excess is 0; aside by stop_m, it is the plan's stop less its free range.
+TEST(CorridorWidth, LateralExcessIsZeroAtFreeWidthAndFullAtStopWidth) {
   SurgicalPlan plan;
   plan.axis_G = Vector3::UnitZ();
   plan.tools = {{.diameter_m = 0.044, .height_m = 2e-3, .around_m = 0.5e-3}};

@@ -35,7 +35,7 @@ inline SurgicalPlan DemoPlan() {
   return plan;
 }
 
-/// Poses of a tool whose head's centre is at `centre_m`, with this feed.
+/// Pose of a tool whose head of this radius has its centre at `centre_m`, with this feed.
 inline Pose PoseAt(const Vector3& centre_m, const Vector3& feed, double radius_m) {
   Pose X_GT = Pose::Identity();
   X_GT.linear() = RotationFromZTo(feed);
@@ -48,6 +48,7 @@ inline Pose PoseAt(const Vector3& centre_m, const Vector3& feed, double radius_m
 inline simulation::CarvedState Ream(const simulation::Bone& bone, double radius_m,
                                     const std::vector<Vector3>& centres_m,
                                     const Vector3& feed = -Vector3::UnitZ()) {
+  // shaft of 8 mm radius and 120 mm length, 1 kg
   const simulation::Tool tool = simulation::MakeReamer(radius_m, 8e-3, 0.12, 1.0, {0.0, 0.0, -0.06});
   simulation::CpuEngine engine(bone, tool, Pose::Identity(), {.law = simulation::RemovalLaw::kImmediate});
   std::vector<PlainPose> places;

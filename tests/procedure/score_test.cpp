@@ -26,14 +26,14 @@ Rubric ShippedRubric() {
           .breach_source = ""};
 }
 
-MetricValues Good() {
+MetricValues PerfectValues() {
   return {{"axis_error", 0.0},     {"superior_shift", 0.0}, {"medial_shift", 0.0},
           {"diameter_error", 0.0}, {"coverage", 1.0},       {"over_reamed", 0.0}};
 }
 
 TEST(Score, IsFullWithinTheNormsAndLinearBetweenThem) {
-  EXPECT_NEAR(ScoreOf(ShippedRubric(), Good(), 0.01).total, 100.0, 1e-9);
-  MetricValues values = Good();
+  EXPECT_NEAR(ScoreOf(ShippedRubric(), PerfectValues(), 0.01).total, 100.0, 1e-9);
+  MetricValues values = PerfectValues();
   values["axis_error"] = 7.5 * kDegree;
   EXPECT_NEAR(ScoreOf(ShippedRubric(), values, 0.01).total, 85.0, 1e-9);
   values["coverage"] = 0.69;
@@ -41,24 +41,24 @@ TEST(Score, IsFullWithinTheNormsAndLinearBetweenThem) {
 }
 
 TEST(Score, ABreachTakesPointsOffAndNeverBelowZero) {
-  EXPECT_NEAR(ScoreOf(ShippedRubric(), Good(), 0.0).total, 80.0, 1e-9);
-  EXPECT_EQ(ScoreOf(ShippedRubric(), Good(), 0.0).deductions.size(), 1u);
+  EXPECT_NEAR(ScoreOf(ShippedRubric(), PerfectValues(), 0.0).total, 80.0, 1e-9);
+  EXPECT_EQ(ScoreOf(ShippedRubric(), PerfectValues(), 0.0).deductions.size(), 1u);
   EXPECT_EQ(ScoreOf(ShippedRubric(), {}, 0.0).total, 0.0);
-  EXPECT_TRUE(ScoreOf(ShippedRubric(), Good(), std::nullopt).deductions.empty());
+  EXPECT_TRUE(ScoreOf(ShippedRubric(), PerfectValues(), std::nullopt).deductions.empty());
   Rubric harsh = ShippedRubric();
   harsh.breach_points = 90.0;
-  EXPECT_NEAR(ScoreOf(harsh, Good(), 0.0).total, 100.0 - kMaxDeduction, 1e-9);
+  EXPECT_NEAR(ScoreOf(harsh, PerfectValues(), 0.0).total, 100.0 - kMaxDeduction, 1e-9);
 }
 
 TEST(Score, AFigureThatCouldNotBeMeasuredHasNoPoints) {
-  MetricValues values = Good();
+  MetricValues values = PerfectValues();
   values.erase("diameter_error");
   const Score score = ScoreOf(ShippedRubric(), values, 0.01);
   EXPECT_NEAR(score.total, 80.0, 1e-9);
   EXPECT_FALSE(score.items[3].value);
 }
 
-TEST(Score, DoublingAnyErrorNeverRaisesIt) {
+TEST(Score, DoublingAnyErrorNeverRaisesTheScore) {
   EXPECT_TRUE(rc::check("a doubled figure, or coverage that misses twice as much", [] {
     const Rubric rubric = ShippedRubric();
     MetricValues values;
@@ -76,7 +76,7 @@ TEST(Score, DoublingAnyErrorNeverRaisesIt) {
   }));
 }
 
-// What a session leaves: a reamer held at one tilt, its centre off by one vector, whirling.
+// Score of reaming the demo's cup with a constant tilt, the centre off by a vector, and a whirl of a radius.
 double ScoreOfReaming(double tilt_rad, const Vector3& off_m, double whirl_m) {
   static const simulation::Bone bone = CupBone();
   SurgicalPlan plan = DemoPlan();
@@ -99,12 +99,12 @@ TEST(Score, AScriptedExpertIsAbove85AndANoviceBelow40) {
             40.0);
 }
 
-TEST(Score, DoublingAnErrorOfTheHandNeverRaisesIt) {
+TEST(Score, DoublingAnErrorOfTheHandNeverRaisesTheScore) {
   const PelvicFrame pelvis = DemoPlan().pelvis;
   const Vector3 directions[] = {pelvis.superior,           -pelvis.superior, pelvis.lateral,
                                 -pelvis.lateral,           pelvis.anterior,  -pelvis.anterior,
                                 Vector3(-Vector3::UnitZ())};
-  // the fit of a real packing tells a figure to 0.01 mm: 0.2 points of the diameter
+  // the fit on a packing resolves 0.01 mm: 0.2 points of the diameter's error
   constexpr double kResolution = 0.2;
   for (const Vector3& direction : directions) {
     double before = 101.0;

@@ -16,8 +16,9 @@ using simulation::Ball;
 
 const Vector3 kCentre_m(0.0015, 0.0008, -0.0025);
 
-// Balls that touch a sphere from outside, evenly over a cap, with noise along the radius.
-std::vector<Ball> Touching(double cap_rad, int count, double noise_m, std::mt19937_64& random) {
+// Balls that touch a sphere of 25 mm radius from outside, evenly over a cap of this half angle, with Gaussian
+// noise along the radius.
+std::vector<Ball> BallsTouchingASphere(double cap_rad, int count, double noise_m, std::mt19937_64& random) {
   constexpr double kRadius_m = 0.025;
   std::uniform_real_distribution<double> height(std::cos(cap_rad), 1.0), turn(0.0, 2.0 * M_PI),
       size(0.3e-3, 2e-3);
@@ -34,7 +35,8 @@ std::vector<Ball> Touching(double cap_rad, int count, double noise_m, std::mt199
 
 TEST(SphereFit, FindsExactBallsExactly) {
   std::mt19937_64 random(1);
-  const auto fit = FitSphere(Touching(1.3, 500, 0.0, random), Vector3::UnitZ(), {0.0, 0.0, -0.002}, 0.024);
+  const auto fit =
+      FitSphere(BallsTouchingASphere(1.3, 500, 0.0, random), Vector3::UnitZ(), {0.0, 0.0, -0.002}, 0.024);
   ASSERT_TRUE(fit) << fit.error();
   EXPECT_LT((fit->centre_m - kCentre_m).norm(), 1e-9);
   EXPECT_NEAR(fit->radius_m, 0.025, 1e-9);
@@ -45,38 +47,40 @@ TEST(SphereFit, FindsExactBallsExactly) {
 TEST(SphereFit, ACapBelow45DegreesIsRefused) {
   std::mt19937_64 random(2);
   const auto near_m = Vector3(0.0, 0.0, -0.002);
-  EXPECT_FALSE(FitSphere(Touching(44.0 * M_PI / 180.0, 500, 0.0, random), Vector3::UnitZ(), near_m, 0.025));
-  EXPECT_TRUE(FitSphere(Touching(47.0 * M_PI / 180.0, 500, 0.0, random), Vector3::UnitZ(), near_m, 0.025));
+  EXPECT_FALSE(FitSphere(BallsTouchingASphere(44.0 * M_PI / 180.0, 500, 0.0, random), Vector3::UnitZ(),
+                         near_m, 0.025));
+  EXPECT_TRUE(FitSphere(BallsTouchingASphere(47.0 * M_PI / 180.0, 500, 0.0, random), Vector3::UnitZ(), near_m,
+                        0.025));
 }
 
 TEST(SphereFit, TooFewBallsAreRefused) {
   std::mt19937_64 random(3);
-  EXPECT_FALSE(FitSphere(Touching(1.3, 20, 0.0, random), Vector3::UnitZ(), kCentre_m, 0.025));
+  EXPECT_FALSE(FitSphere(BallsTouchingASphere(1.3, 20, 0.0, random), Vector3::UnitZ(), kCentre_m, 0.025));
   EXPECT_FALSE(FitSphere({}, Vector3::UnitZ(), kCentre_m, 0.025));
 }
 
-TEST(SphereFit, ItsStandardDeviationsAreThoseOfRepeatedFits) {
+TEST(SphereFit, StandardDeviationsEqualThoseOfRepeatedFits) {
   std::mt19937_64 random(4);
   constexpr int kFits = 600, kBalls = 400;
   for (const double cap_rad : {48.0 * M_PI / 180.0, 60.0 * M_PI / 180.0, 85.0 * M_PI / 180.0}) {
     double radius2 = 0.0, depth2 = 0.0, radius_sd_m = 0.0, depth_sd_m = 0.0;
     for (int i = 0; i < kFits; ++i) {
-      const auto fit =
-          FitSphere(Touching(cap_rad, kBalls, 0.05e-3, random), Vector3::UnitZ(), kCentre_m, 0.025);
+      const auto fit = FitSphere(BallsTouchingASphere(cap_rad, kBalls, 0.05e-3, random), Vector3::UnitZ(),
+                                 kCentre_m, 0.025);
       ASSERT_TRUE(fit) << fit.error();
       radius2 += std::pow(fit->radius_m - 0.025, 2) / kFits;
       depth2 += std::pow(fit->centre_m.z() - kCentre_m.z(), 2) / kFits;
       radius_sd_m += fit->radius_sd_m / kFits;
       depth_sd_m += fit->depth_sd_m / kFits;
     }
-    // 600 fits know a standard deviation to 3 %; the largest of 400 balls' angles is a little short of the
-    // cap
+    // 600 fits give a standard deviation to 3 %. The fit sees a slightly smaller cap, as the outermost of 400
+    // balls lies a little inside the cap's edge.
     EXPECT_NEAR(std::sqrt(radius2), radius_sd_m, 0.12 * radius_sd_m) << cap_rad;
     EXPECT_NEAR(std::sqrt(depth2), depth_sd_m, 0.12 * depth_sd_m) << cap_rad;
   }
 }
 
-TEST(SphereFit, TheReamersSphereIsFoundOnEveryPacking) {
+TEST(SphereFit, FindsTheReamersSphereOnEveryPacking) {
   for (const double spacing_m : {1.1e-3, 1.5e-3, 2.5e-3}) {
     const simulation::Bone bone = CupBone(spacing_m);
     const auto cut = CutBalls(bone, Ream(bone, 0.025, {kCentre_m}));

@@ -13,17 +13,17 @@ namespace {
 using control::JointArray;
 using control::Phase;
 
-constexpr double kReduced_m_per_s = 0.25;  // in T1, ISO 10218-1
+constexpr double kReduced_m_per_s = 0.25;  // speed limit in the mode T1, ISO 10218-1
 // A straight step of the tool and the corresponding joint step differ in second order: 0.25 mm and 1.5 mrad
 // at a reach of 1.2 m make 1 %, and more if the arm is nearly stretched. Beyond 10 % the loop stops.
-constexpr double kCurved = 1.1;
+constexpr double kCurvatureFactor = 1.1;
 constexpr double kRounding = 1.0 + 1e-9;
 // A tick's path is known to second order; the third order, at 1 rad/s of every joint, is some nanometres.
 constexpr double kOnTheBound_m = 1e-8;
 // Time to slow from 0.5 m/s to half of it, at a joint deceleration of 34 rad/s^2, at least 0.3 m from the
 // joint's axis.
 constexpr int kSlowingTicks = 20;
-constexpr double kAlmost_Nm = 1e-4;  // error of a slope by finite differences
+constexpr double kSlopeError_Nm = 1e-4;  // error of a slope by finite differences
 
 bool AllFinite(const JointArray& q) {
   return std::all_of(q.begin(), q.end(), [](double x) { return std::isfinite(x); });
@@ -32,6 +32,7 @@ bool AllFinite(const JointArray& q) {
 }  // namespace
 
 ArmPoints PointsOfIiwa(const JointArray& q, double tool_m) {
+  // lengths along the joints' axes, then twists (Denavit-Hartenberg d [m] and alpha)
   constexpr std::array<double, 7> kD{0.36, 0.0, 0.42, 0.0, 0.4, 0.0, 0.126};
   constexpr std::array<int, 7> kAlpha{-1, 1, 1, -1, -1, 1, 0};  // quarter turns
   Matrix3 R = Matrix3::Identity();
@@ -62,23 +63,25 @@ void LoopOracle::Before(const control::ServoLoop& loop, const control::ArmState&
   from_ = before_;
   const bool read = received == control::ReceiveResult::kOk && AllFinite(state.q_meas) &&
                     (!state.has_ipo || AllFinite(state.q_ipo));
-  // an arm that has stayed in the COMMANDING_ACTIVE in which it was commanded holds its last command
+  // an arm that stays in the activation in which it was commanded holds its last command
   const bool active = state.session == control::SessionState::kCommandingActive;
-  const bool other = state.activation != activation_ && (phase_before_ != Phase::kStopped || recovers_);
-  const bool left = read && commanded_ && (!active || other);
-  if (left) commanded_ = false;
-  const bool led = !active || left || ((phase_before_ == Phase::kWaiting || recovers_) && !commanded_);
+  const bool in_other_activation =
+      state.activation != activation_ && (phase_before_ != Phase::kStopped || recovers_);
+  const bool has_left = read && commanded_ && (!active || in_other_activation);
+  if (has_left) commanded_ = false;
+  const bool moves_itself =
+      !active || has_left || ((phase_before_ == Phase::kWaiting || recovers_) && !commanded_);
   reduced_ticks_ = read && reduced_ ? reduced_ticks_ + 1 : read ? 0 : reduced_ticks_;
   NotePause(loop, read, asked);
   // an arm that moves by itself is where its message says; an idle arm says nothing
-  if (read && led && state.session != control::SessionState::kIdle)
+  if (read && moves_itself && state.session != control::SessionState::kIdle)
     from_ = state.has_ipo ? state.q_ipo : state.q_meas;
   q_meas_ = state.q_meas;
   overloaded_ = allowed_.body && read &&
-                torques_.Beyond_Nm(*allowed_.body, from_.value_or(before_), state.tau_ext) > kAlmost_Nm;
+                torques_.Beyond_Nm(*allowed_.body, from_.value_or(before_), state.tau_ext) > kSlopeError_Nm;
 }
 
-// A pause that is asked for while the loop waits or moves holds from the next message until a resume.
+// A pause requested while the loop waits or moves lasts from the next message until a resume.
 void LoopOracle::NotePause(const control::ServoLoop& loop, bool read, const Asked& asked) {
   if (asked.resume || recovers_) paused_ = false;
   const safety::CellState state = loop.state();
@@ -89,7 +92,7 @@ void LoopOracle::NotePause(const control::ServoLoop& loop, bool read, const Aske
   pause_asked_ = false;
 }
 
-// Returns what must not happen while the loop has to stand still, or has just found that it must.
+// Checks a loop that is paused, overloaded or faulty. @returns the violation; empty if there is none.
 std::string LoopOracle::Stands(const control::ServoLoop& loop, const control::TickRecord& record,
                                const control::ArmCommand& command) const {
   if (paused_ && (record.phase == Phase::kHaptic || record.phase == Phase::kAligning))
@@ -100,15 +103,16 @@ std::string LoopOracle::Stands(const control::ServoLoop& loop, const control::Ti
     return "moves in a pause";
   if (overloaded_ && (record.phase == Phase::kHaptic || record.phase == Phase::kAligning))
     return "goes on where a joint bears more than it holds";
-  // faults found before rendering; those of the result are found afterwards
-  constexpr auto kAfter = static_cast<std::uint32_t>(safety::Fault::kToolSpeed) |
-                          static_cast<std::uint32_t>(safety::Fault::kWorkspace) |
-                          static_cast<std::uint32_t>(safety::Fault::kJointLimit) |
-                          static_cast<std::uint32_t>(safety::Fault::kInverseKinematics);
+  // these faults are found in the rendered motion; all others are found before rendering
+  constexpr auto kFoundAfterRendering = static_cast<std::uint32_t>(safety::Fault::kToolSpeed) |
+                                        static_cast<std::uint32_t>(safety::Fault::kWorkspace) |
+                                        static_cast<std::uint32_t>(safety::Fault::kJointLimit) |
+                                        static_cast<std::uint32_t>(safety::Fault::kInverseKinematics);
   // the record contains the force that was found, within the limits; it is not rendered, since the cell has
   // left rendering
   const bool renders = safety::Renders(static_cast<safety::CellState>(record.cell_state));
-  if ((record.faults & ~kAfter) != 0 && renders) return "renders on in the tick that sees a fault";
+  if ((record.faults & ~kFoundAfterRendering) != 0 && renders)
+    return "renders on in the tick that sees a fault";
   return {};
 }
 
@@ -148,14 +152,14 @@ std::string LoopOracle::Wrenches(const control::TickRecord& record,
   if (!(overlay.norm() <= allowed_.force_N * kRounding && overlay_t.norm() <= allowed_.torque_Nm * kRounding))
     return fmt::format("overlays {} N, {} Nm", overlay.norm(), overlay_t.norm());
   // a wrench at its limits, at the end of the longest lever, 1.15 m from the shoulder's axis
-  const double most_Nm = 1.15 * allowed_.force_N + allowed_.torque_Nm;
+  const double max_Nm = 1.15 * allowed_.force_N + allowed_.torque_Nm;
   for (const double tau : command.tau)
-    if (!(std::abs(tau) <= most_Nm)) return fmt::format("overlays {} Nm on a joint", tau);
+    if (!(std::abs(tau) <= max_Nm)) return fmt::format("overlays {} Nm on a joint", tau);
   if (allowed_.body && command.tau != JointArray{}) {
     const JointArray gravity_Nm = GravityByEnergy(*allowed_.body, q_meas_);
     for (std::size_t i = 0; i < 7; ++i)
       if (!(std::abs(command.tau[i]) + std::abs(gravity_Nm[i]) <=
-            allowed_.body->joints[i].limits.torque_Nm + kAlmost_Nm))
+            allowed_.body->joints[i].limits.torque_Nm + kSlopeError_Nm))
         return fmt::format("overlays {} Nm on joint {} beside {} of gravity", command.tau[i], i + 1,
                            gravity_Nm[i]);
   }
@@ -170,11 +174,11 @@ std::string LoopOracle::Motion(const JointArray& to, Phase phase) {
   const double dt_s = allowed_.period_s;
   for (std::size_t i = 0; i < 7; ++i) {
     const kinematics::JointLimits& limit = allowed_.joints[i];
-    const double most_rad = limit.velocity_rad_per_s * allowed_.joint_speed_share * dt_s;
+    const double max_step_rad = limit.velocity_rad_per_s * allowed_.joint_speed_share * dt_s;
     // the command is a sum of steps: its rounding error is that of the joint's angle
     const double digit_rad = 1e-15 * std::max(1.0, std::abs(from[i]));
-    if (!(std::abs(to[i] - from[i]) <= most_rad * kRounding + digit_rad))
-      return fmt::format("joint {} steps by {} rad, at most {}", i + 1, to[i] - from[i], most_rad);
+    if (!(std::abs(to[i] - from[i]) <= max_step_rad * kRounding + digit_rad))
+      return fmt::format("joint {} steps by {} rad, at most {}", i + 1, to[i] - from[i], max_step_rad);
     const double lower = limit.lower_rad + allowed_.joint_margin_rad,
                  upper = limit.upper_rad - allowed_.joint_margin_rad;
     if (from[i] >= lower && from[i] <= upper && !(to[i] >= lower - 1e-9 && to[i] <= upper + 1e-9))
@@ -183,21 +187,23 @@ std::string LoopOracle::Motion(const JointArray& to, Phase phase) {
   if (allowed_.law != control::Law::kAdmittance || phase == Phase::kAligning) return {};
 
   const ArmPoints a = PointsOfIiwa(from, allowed_.tool_m), b = PointsOfIiwa(to, allowed_.tool_m);
-  const double way_m = (b.p_tool_m - a.p_tool_m).norm();
-  const double most_m =
+  const double step_m = (b.p_tool_m - a.p_tool_m).norm();
+  const double max_step_m =
       (reduced_ ? std::min(allowed_.speed_m_per_s, kReduced_m_per_s) : allowed_.speed_m_per_s) * dt_s;
   // a motion in progress when T1 is chosen brakes as fast as the joints' accelerations permit
-  const double on_its_way_m = reduced_ticks_ <= kSlowingTicks ? way_before_m_ : 0.0;
-  if (!(way_m <= std::max(most_m * kCurved, reduced_ ? on_its_way_m * kRounding : 0.0) + 1e-12))
-    return fmt::format("the tool steps by {} m, at most {}", way_m, most_m);
-  way_before_m_ = way_m;
-  most_speed_ = std::max(most_speed_, way_m / most_m);
+  const double braking_step_m = reduced_ticks_ <= kSlowingTicks ? way_before_m_ : 0.0;
+  if (!(step_m <=
+        std::max(max_step_m * kCurvatureFactor, reduced_ ? braking_step_m * kRounding : 0.0) + 1e-12))
+    return fmt::format("the tool steps by {} m, at most {}", step_m, max_step_m);
+  way_before_m_ = step_m;
+  most_speed_ = std::max(most_speed_, step_m / max_step_m);
   const double turn_rad = Eigen::AngleAxisd(a.R_flange.transpose() * b.R_flange).angle();
-  // Rounding error of a matrix's angle: 1e-8.
-  if (!(turn_rad <= allowed_.turn_rad_per_s * dt_s * kCurved + 1e-7))
+  // the rounding error of a rotation matrix's angle is 1e-8
+  if (!(turn_rad <= allowed_.turn_rad_per_s * dt_s * kCurvatureFactor + 1e-7))
     return fmt::format("the tool turns by {} rad, at most {}", turn_rad, allowed_.turn_rad_per_s * dt_s);
   const double elbow_m = (b.p_elbow_m - a.p_elbow_m).norm();
-  if (allowed_.elbow_speed_m_per_s > 0.0 && !(elbow_m <= allowed_.elbow_speed_m_per_s * dt_s * kCurved))
+  if (allowed_.elbow_speed_m_per_s > 0.0 &&
+      !(elbow_m <= allowed_.elbow_speed_m_per_s * dt_s * kCurvatureFactor))
     return fmt::format("the elbow steps by {} m, at most {}", elbow_m, allowed_.elbow_speed_m_per_s * dt_s);
 
   const auto inside_m = [this](const ArmPoints& points) {

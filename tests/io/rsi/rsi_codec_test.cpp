@@ -19,6 +19,7 @@ namespace {
 using test::Bytes;
 using test::Text;
 
+// `needed`: RsiElement bits of the elements that must be present, besides IPOC.
 RsiError Decode(std::string_view text, RsiRobotMessage& message, std::uint16_t needed = 0) {
   return DecodeRobot(Bytes(text), needed, message);
 }
@@ -30,7 +31,8 @@ std::string Encode(const RsiAnswer& answer, int decimals) {
   return Text({buffer.data(), size});
 }
 
-std::string Replaced(std::string text, std::string_view what, std::string_view by) {
+// The text with the first occurrence of `what` replaced.
+std::string ReplaceFirst(std::string text, std::string_view what, std::string_view by) {
   const std::size_t at = text.find(what);
   EXPECT_NE(at, std::string::npos) << what;
   return text.replace(at, what.size(), by);
@@ -51,7 +53,7 @@ TEST(RsiCodec, ReadsEveryElementOfTheFullLayout) {
   EXPECT_EQ(m.motor_currents, (RsiAxes{1.0, -12.5, 6.25, 0.5, -0.75, 0.125}));
 }
 
-TEST(RsiCodec, ReadsTheShortLayoutAndSaysWhatIsNotThere) {
+TEST(RsiCodec, ReadsTheShortLayoutAndLeavesAbsentElementsEmpty) {
   RsiRobotMessage m;
   ASSERT_FALSE(Decode(test::kShortRobot, m));
   EXPECT_EQ(m.ipoc, 12345u);
@@ -61,8 +63,8 @@ TEST(RsiCodec, ReadsTheShortLayoutAndSaysWhatIsNotThere) {
   EXPECT_FALSE(m.axes_set || m.pose_set || m.motor_currents);
 }
 
-// The bytes of the controllers' examples.
-TEST(RsiCodec, WritesByteForByte) {
+// Both layouts, axis and Cartesian corrections, numbers rounded to 1, 4 and 6 decimals.
+TEST(RsiCodec, WritesTheControllersExamplesByteForByte) {
   RsiAnswer answer{.correction = {1.5, -0.25, 0.0, -1e-7, 90.0, 0.12345}, .ipoc = 4208163634};
   EXPECT_EQ(Encode(answer, 4),
             "<Sen Type=\"ImFree\"><AK A1=\"1.5000\" A2=\"-0.2500\" A3=\"0.0000\" A4=\"0.0000\" "
@@ -79,7 +81,8 @@ TEST(RsiCodec, WritesByteForByte) {
   EXPECT_NE(Encode(answer, 6).find("<Stop>0</Stop><AK "), std::string::npos);
 }
 
-TEST(RsiCodec, AnotherReaderReadsWhatItWrites) {
+// Random corrections in both layouts and of both kinds, rounded to 0 to 9 decimals.
+TEST(RsiCodec, ExpatReadsEncodedAnswers) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> degrees(-180.0, 180.0);
   for (int i = 0; i < 500; ++i) {
@@ -102,7 +105,7 @@ TEST(RsiCodec, AnotherReaderReadsWhatItWrites) {
   }
 }
 
-TEST(RsiCodec, AnotherReaderAgreesOnTheSamples) {
+TEST(RsiCodec, DecoderAndExpatReadTheSameValues) {
   for (const std::string& sample : {test::kFullRobot, test::kShortRobot}) {
     RsiRobotMessage m;
     ASSERT_FALSE(Decode(sample, m));
@@ -118,14 +121,14 @@ TEST(RsiCodec, AnotherReaderAgreesOnTheSamples) {
   }
 }
 
-TEST(RsiCodec, TakesXmlAsItIsAllowedToBe) {
+TEST(RsiCodec, ReadsEveryFormThatXmlAllows) {
   using namespace std::string_view_literals;
   RsiRobotMessage m;
   for (const std::string_view text : {
            // attributes in another order, single quotes, white space, TYPE, a sign
            "\r\n <Rob TYPE='KUKA' >\n <AIPos A6=' 6 ' A5=\"5\" A4 = '4' A3='3.0e0'\tA2='+2' A1='1' />\n"
            "<IPOC> 42 </IPOC > </Rob >\n"sv,
-           // elements in another order, and unknown ones
+           // elements in another order, and unknown elements
            "<?xml version=\"1.0\"?><!-- a > b --><Rob><Tech C11='1' A1='x'><AIPos "
            "A1='9'/>text</Tech><IPOC>42</IPOC><Digout o1=\"0\"/><ST_Source>44.0 &lt; 45</ST_Source><AIPos "
            "A1='1' A2='2' A3='3' A4='4' A5='5' A6='6' A7='8' B='&amp;'></AIPos><!----></Rob>"sv,
@@ -141,7 +144,7 @@ TEST(RsiCodec, TakesXmlAsItIsAllowedToBe) {
   }
 }
 
-TEST(RsiCodec, SaysWhatIsWrongAndWhere) {
+TEST(RsiCodec, ErrorNamesCodeElementAndAttribute) {
   struct Case {
     std::string text;
     RsiErrorCode code;
@@ -150,33 +153,36 @@ TEST(RsiCodec, SaysWhatIsWrongAndWhere) {
   };
   const std::string& good = test::kFullRobot;
   for (const Case& c : {
-           Case{Replaced(good, "A4=\"0.0\" ", ""), RsiErrorCode::kMissing, RsiElement::kAIPos, 4},
-           Case{Replaced(good, "<AIPos", "<AIPoss"), RsiErrorCode::kMissing, RsiElement::kAIPos, 0},
-           Case{Replaced(good, "<IPOC>4208163634</IPOC>", ""), RsiErrorCode::kMissing, RsiElement::kIpoc, 0},
-           Case{Replaced(good, "4208163634", ""), RsiErrorCode::kMissing, RsiElement::kIpoc, 0},
-           Case{Replaced(good, "4208163634", "-1"), RsiErrorCode::kNumber, RsiElement::kIpoc, 0},
-           Case{Replaced(good, "4208163634", "99999999999999999999"), RsiErrorCode::kNumber,
+           Case{ReplaceFirst(good, "A4=\"0.0\" ", ""), RsiErrorCode::kMissing, RsiElement::kAIPos, 4},
+           Case{ReplaceFirst(good, "<AIPos", "<AIPoss"), RsiErrorCode::kMissing, RsiElement::kAIPos, 0},
+           Case{ReplaceFirst(good, "<IPOC>4208163634</IPOC>", ""), RsiErrorCode::kMissing, RsiElement::kIpoc,
+                0},
+           Case{ReplaceFirst(good, "4208163634", ""), RsiErrorCode::kMissing, RsiElement::kIpoc, 0},
+           Case{ReplaceFirst(good, "4208163634", "-1"), RsiErrorCode::kNumber, RsiElement::kIpoc, 0},
+           Case{ReplaceFirst(good, "4208163634", "99999999999999999999"), RsiErrorCode::kNumber,
                 RsiElement::kIpoc, 0},
-           Case{Replaced(good, "4208163634", "42.0"), RsiErrorCode::kNumber, RsiElement::kIpoc, 0},
-           Case{Replaced(good, "-90.25", "-90,25"), RsiErrorCode::kNumber, RsiElement::kAIPos, 2},
-           Case{Replaced(good, "-90.25", "nan"), RsiErrorCode::kNumber, RsiElement::kAIPos, 2},
-           Case{Replaced(good, "-90.25", "1e999"), RsiErrorCode::kNumber, RsiElement::kAIPos, 2},
-           Case{Replaced(good, "-90.25", "-1e7"), RsiErrorCode::kNumber, RsiElement::kAIPos, 2},
-           Case{Replaced(good, "-90.25", "0x10"), RsiErrorCode::kNumber, RsiElement::kAIPos, 2},
-           Case{Replaced(good, "-90.25", ""), RsiErrorCode::kNumber, RsiElement::kAIPos, 2},
-           Case{Replaced(good, "D=\"3\"", "D=\"-3\""), RsiErrorCode::kNumber, RsiElement::kDelay, 1},
-           Case{Replaced(good, "D=\"3\"", ""), RsiErrorCode::kMissing, RsiElement::kDelay, 1},
-           Case{Replaced(good, "A4=\"0.0\"", "A3=\"0.0\""), RsiErrorCode::kRepeated, RsiElement::kAIPos, 3},
-           Case{Replaced(good, "<Delay D=\"3\"/>", "<Delay D=\"3\"/><Delay D=\"3\"/>"),
+           Case{ReplaceFirst(good, "4208163634", "42.0"), RsiErrorCode::kNumber, RsiElement::kIpoc, 0},
+           Case{ReplaceFirst(good, "-90.25", "-90,25"), RsiErrorCode::kNumber, RsiElement::kAIPos, 2},
+           Case{ReplaceFirst(good, "-90.25", "nan"), RsiErrorCode::kNumber, RsiElement::kAIPos, 2},
+           Case{ReplaceFirst(good, "-90.25", "1e999"), RsiErrorCode::kNumber, RsiElement::kAIPos, 2},
+           Case{ReplaceFirst(good, "-90.25", "-1e7"), RsiErrorCode::kNumber, RsiElement::kAIPos, 2},
+           Case{ReplaceFirst(good, "-90.25", "0x10"), RsiErrorCode::kNumber, RsiElement::kAIPos, 2},
+           Case{ReplaceFirst(good, "-90.25", ""), RsiErrorCode::kNumber, RsiElement::kAIPos, 2},
+           Case{ReplaceFirst(good, "D=\"3\"", "D=\"-3\""), RsiErrorCode::kNumber, RsiElement::kDelay, 1},
+           Case{ReplaceFirst(good, "D=\"3\"", ""), RsiErrorCode::kMissing, RsiElement::kDelay, 1},
+           Case{ReplaceFirst(good, "A4=\"0.0\"", "A3=\"0.0\""), RsiErrorCode::kRepeated, RsiElement::kAIPos,
+                3},
+           Case{ReplaceFirst(good, "<Delay D=\"3\"/>", "<Delay D=\"3\"/><Delay D=\"3\"/>"),
                 RsiErrorCode::kRepeated, RsiElement::kDelay, 0},
-           Case{Replaced(good, "\"KUKA\"", "\"ABB\""), RsiErrorCode::kWrongRoot, RsiElement::kNone, 0},
+           Case{ReplaceFirst(good, "\"KUKA\"", "\"ABB\""), RsiErrorCode::kWrongRoot, RsiElement::kNone, 0},
            Case{"<Sen Type=\"ImFree\"></Sen>", RsiErrorCode::kWrongRoot, RsiElement::kNone, 0},
            Case{good + good, RsiErrorCode::kMalformed, RsiElement::kNone, 0},
            Case{good + "x", RsiErrorCode::kMalformed, RsiElement::kNone, 0},
            Case{"<!DOCTYPE Rob>" + good, RsiErrorCode::kMalformed, RsiElement::kNone, 0},
-           Case{Replaced(good, "</Rob>", "</Rub>"), RsiErrorCode::kMalformed, RsiElement::kNone, 0},
-           Case{Replaced(good, "A=\"-180.0\"", "A=-180.0"), RsiErrorCode::kMalformed, RsiElement::kRIst, 0},
-           Case{Replaced(good, "\" Y=", "\"Y="), RsiErrorCode::kMalformed, RsiElement::kRIst, 0},
+           Case{ReplaceFirst(good, "</Rob>", "</Rub>"), RsiErrorCode::kMalformed, RsiElement::kNone, 0},
+           Case{ReplaceFirst(good, "A=\"-180.0\"", "A=-180.0"), RsiErrorCode::kMalformed, RsiElement::kRIst,
+                0},
+           Case{ReplaceFirst(good, "\" Y=", "\"Y="), RsiErrorCode::kMalformed, RsiElement::kRIst, 0},
            Case{"", RsiErrorCode::kMalformed, RsiElement::kNone, 0},
            Case{"<Rob><a><b><c><d><e><f><g><h></h></g></f></e></d></c></b></a><IPOC>1</IPOC></Rob>",
                 RsiErrorCode::kMalformed, RsiElement::kNone, 0},
@@ -189,12 +195,12 @@ TEST(RsiCodec, SaysWhatIsWrongAndWhere) {
     EXPECT_EQ(m.ipoc, 0u) << "unchanged";
   }
   RsiRobotMessage m;
-  EXPECT_EQ(Describe(Decode(Replaced(good, "A4=\"0.0\" ", ""), m)), "AIPos: A4 is missing (byte 221)");
+  EXPECT_EQ(Describe(Decode(ReplaceFirst(good, "A4=\"0.0\" ", ""), m)), "AIPos: A4 is missing (byte 221)");
   EXPECT_EQ(Decode(std::string(kRsiMaxDatagram + 1, ' '), m).code, RsiErrorCode::kTooLong);
   EXPECT_FALSE(Decode(good + std::string(kRsiMaxDatagram - good.size(), ' '), m));
 }
 
-TEST(RsiCodec, RefusesWhatIsCutOffAnywhere) {
+TEST(RsiCodec, RefusesAMessageCutOffAtAnyByte) {
   for (const std::string& sample : {test::kFullRobot, test::kShortRobot})
     for (std::size_t size = 0; size < sample.size(); ++size) {
       RsiRobotMessage m;
@@ -202,7 +208,7 @@ TEST(RsiCodec, RefusesWhatIsCutOffAnywhere) {
     }
 }
 
-// C++'s global locale always, for streams; C's, for strtod and printf, if the system has one with a comma.
+// Sets C++'s global locale to a decimal comma, and C's locale too if the system has one with a comma.
 TEST(RsiCodec, NumbersDoNotFollowTheLocale) {
   struct Comma : std::numpunct<char> {
     char do_decimal_point() const override { return ','; }
@@ -224,7 +230,8 @@ TEST(RsiCodec, NumbersDoNotFollowTheLocale) {
   EXPECT_NE(written.find("A1=\"1.5000\""), std::string::npos) << written;
 }
 
-TEST(RsiCodec, WritesNoNumberThatIsNone) {
+// Refused: NaN, infinity, corrections beyond ±1e6, and a number of decimals outside 0 to 9.
+TEST(RsiCodec, RefusesToWriteNumbersOutOfRange) {
   std::array<std::uint8_t, 1000> buffer;
   std::size_t size = 77;
   for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), -1.1e6}) {

@@ -20,10 +20,12 @@ class Controller : public test::LoopbackSocket {
   explicit Controller(std::uint16_t port) { Connect(port); }
 
   void Send(std::string_view text) const { LoopbackSocket::Send(test::Bytes(text)); }
+  // A robot message with this IPOC and this count of late answers.
   void Send(std::uint64_t ipoc, int delay = 0) const {
     Send("<Rob Type=\"KUKA\"><AIPos A1=\"0\" A2=\"-90\" A3=\"90\" A4=\"0\" A5=\"90\" A6=\"0\"/><Delay D=\"" +
          std::to_string(delay) + "\"/><IPOC>" + std::to_string(ipoc) + "</IPOC></Rob>");
   }
+  // The XML of the next answer; empty if none comes.
   [[nodiscard]] std::string Answer() const {
     return test::Text(Receive().value_or(std::vector<std::uint8_t>{}));
   }
@@ -47,7 +49,7 @@ TEST(RsiLink, AnswersTheControllerAtTheAddressItSpokeFrom) {
   EXPECT_EQ(link->Receive(state, 0), ReceiveResult::kTimeout) << "a deadline in the past";
 }
 
-TEST(RsiLink, TakesTheNewestOfWhatWaitsAndSkipsHostileBytes) {
+TEST(RsiLink, TakesTheNewestWaitingMessageAndSkipsHostileBytes) {
   const auto link = OpenAnywhere();
   const Controller kr(link->port());
   kr.Send("");
@@ -63,12 +65,12 @@ TEST(RsiLink, TakesTheNewestOfWhatWaitsAndSkipsHostileBytes) {
   EXPECT_EQ(state.rejected, 3u);
 }
 
-TEST(RsiLink, KeepsToTheFirstPeer) {
+TEST(RsiLink, AnswersOnlyTheFirstValidPeer) {
   const auto link = OpenAnywhere();
   const Controller kr(link->port()), stranger(link->port());
   ArmState state;
-  stranger.Send("noise");  // does not make a peer
-  stranger.Send(120, 50);  // nor does an RSI that ran without us; its numbers are forgotten
+  stranger.Send("noise");  // not a valid message: its sender does not become the peer
+  stranger.Send(120, 50);  // 50 late answers: this RSI was running before, so it is ignored
   kr.Send(100);
   ASSERT_EQ(link->Receive(state, Soon()), ReceiveResult::kOk);
   EXPECT_EQ(state.sequence, 100u);
@@ -83,7 +85,7 @@ TEST(RsiLink, KeepsToTheFirstPeer) {
   EXPECT_FALSE(kr.Answer().empty());
 }
 
-TEST(RsiLink, ErrorsSayWhatIsWrong) {
+TEST(RsiLink, OpenErrorsNameTheWrongParameter) {
   test::ExpectAddressErrors<RsiLink, RsiLinkParams>("RSI");
   const auto no_cycle = RsiLink::Open({.port = 0, .session = {.cycle_ms = 8}});
   ASSERT_FALSE(no_cycle);

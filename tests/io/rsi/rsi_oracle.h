@@ -24,7 +24,7 @@ inline const std::string kFullRobot =
     R"(<MACur A1="1.0" A2="-12.5" A3="6.25" A4="0.5" A5="-0.75" A6="0.125"/>)"
     R"(<Delay D="3"/><IPOC>4208163634</IPOC></Rob>)";
 
-/// The newer, shorter layout.
+/// The newer, shorter layout of a KR C4's message: without RSol, ASPos and MACur.
 inline const std::string kShortRobot =
     R"(<Rob Type="KUKA"><RIst X="1180.5" Y="-20.25" Z="1290.125" A="-180.0" B="0.5" C="179.75"/>)"
     R"(<AIPos A1="1.5" A2="-90.25" A3="90.125" A4="0.0" A5="89.5" A6="-0.0625"/>)"
@@ -34,7 +34,7 @@ inline const std::string kShortRobot =
 inline std::vector<std::uint8_t> Bytes(std::string_view text) { return {text.begin(), text.end()}; }
 inline std::string Text(std::span<const std::uint8_t> bytes) { return {bytes.begin(), bytes.end()}; }
 
-/// "element/attribute" → value, "element" → text; for the root and its children.
+/// Maps "element/attribute" to the value and "element" to the text, for the root and its children.
 using XmlValues = std::map<std::string, std::string>;
 
 /// The message as expat reads it; empty if it is not well-formed.
@@ -46,12 +46,12 @@ inline std::optional<XmlValues> ReadByExpat(std::string_view text) {
     return {};
   }
   XmlValues values;
-  const auto put = [&values](const XmlNode& node) {
+  const auto add_values = [&values](const XmlNode& node) {
     for (const auto& [name, value] : node.attributes) values[node.name + "/" + name] = value;
     if (!node.text.empty()) values[node.name] += node.text;
   };
-  put(root);
-  for (const XmlNode& child : root.children) put(child);
+  add_values(root);
+  for (const XmlNode& child : root.children) add_values(child);
   return values;
 }
 

@@ -15,7 +15,7 @@
 
 namespace osteon::io::test {
 
-/// @throws std::runtime_error if it cannot be read.
+/// The file's whole text. @throws std::runtime_error if the file cannot be read.
 inline std::string ReadText(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in) throw std::runtime_error("cannot be read");
@@ -35,7 +35,7 @@ struct XmlNode {
       if (node.name == child) return node;
     throw std::runtime_error("<" + name + "> has no <" + child + ">");
   }
-  /// @throws std::runtime_error if there is none.
+  /// The attribute's value. @throws std::runtime_error if there is none.
   [[nodiscard]] const std::string& Of(const std::string& attribute) const {
     const auto found = attributes.find(attribute);
     if (found == attributes.end()) throw std::runtime_error("<" + name + "> has no attribute " + attribute);
@@ -46,8 +46,8 @@ struct XmlNode {
 /// The root of a document. @throws std::runtime_error if it is not well-formed XML, with the reason.
 inline XmlNode ParseXml(std::string_view text) {
   struct Reading {
-    XmlNode above;  // the root's parent
-    std::vector<XmlNode*> open;
+    XmlNode above;               // parent of the root
+    std::vector<XmlNode*> open;  // nodes without their end tag yet, innermost last
   } reading;
   reading.open = {&reading.above};
   XML_Parser parser = XML_ParserCreate(nullptr);
@@ -66,17 +66,18 @@ inline XmlNode ParseXml(std::string_view text) {
   XML_SetCharacterDataHandler(parser, [](void* data, const XML_Char* content, int size) {
     static_cast<Reading*>(data)->open.back()->text.append(content, static_cast<std::size_t>(size));
   });
-  const bool whole = XML_Parse(parser, text.data(), static_cast<int>(text.size()), XML_TRUE) == XML_STATUS_OK;
+  const bool well_formed =
+      XML_Parse(parser, text.data(), static_cast<int>(text.size()), XML_TRUE) == XML_STATUS_OK;
   std::string error;
-  if (!whole)
+  if (!well_formed)
     error = std::string(XML_ErrorString(XML_GetErrorCode(parser))) + ", line " +
             std::to_string(XML_GetCurrentLineNumber(parser));
   XML_ParserFree(parser);
-  if (!whole) throw std::runtime_error(error);
+  if (!well_formed) throw std::runtime_error(error);
   return reading.above.children.front();
 }
 
-/// The root of a file, which the error names.
+/// The root of a file. @throws std::runtime_error that names the file.
 inline XmlNode ReadXmlTree(const std::filesystem::path& file) {
   try {
     return ParseXml(ReadText(file));

@@ -1,6 +1,6 @@
 // launch COMMAND …: runs the command without the processor's extended register sets as seen by ptrace
-// (NT_X86_XSTATE), so that user-mode Linux uses the basic ones. Its buffer for the extended sets has a fixed
-// size, and on processors with larger registers (AMX) it ends with "ptrace set fp regs failed".
+// (NT_X86_XSTATE), so that user-mode Linux uses the basic ones. User-mode Linux has a buffer of fixed size
+// for the extended sets: on processors with larger registers (AMX) it ends with "ptrace set fp regs failed".
 
 #include <linux/audit.h>
 #include <linux/filter.h>
@@ -22,20 +22,23 @@ int main(int argc, char** argv) {
     std::fputs("usage: launch COMMAND …\n", stderr);
     return 2;
   }
+  // Loads the word at this offset of seccomp_data.
   const auto load = [](std::size_t offset) {
     return sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_ABS, static_cast<unsigned>(offset));
   };
-  const auto unless = [](unsigned value, std::uint8_t skip) {
+  // Skips `skip` instructions unless the loaded word equals `value`.
+  const auto skip_unless = [](unsigned value, std::uint8_t skip) {
     return sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, value, 0, skip);
   };
+  // ptrace(PTRACE_GETREGSET, …, NT_X86_XSTATE) fails with EINVAL; all other calls are allowed.
   std::array<sock_filter, 10> filter{load(offsetof(seccomp_data, arch)),
-                                     unless(AUDIT_ARCH_X86_64, 7),
+                                     skip_unless(AUDIT_ARCH_X86_64, 7),
                                      load(offsetof(seccomp_data, nr)),
-                                     unless(SYS_ptrace, 5),
+                                     skip_unless(SYS_ptrace, 5),
                                      load(offsetof(seccomp_data, args[0])),
-                                     unless(PTRACE_GETREGSET, 3),
+                                     skip_unless(PTRACE_GETREGSET, 3),
                                      load(offsetof(seccomp_data, args[2])),
-                                     unless(kXstate, 1),
+                                     skip_unless(kXstate, 1),
                                      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EINVAL),
                                      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW)};
   const sock_fprog program{.len = filter.size(), .filter = filter.data()};

@@ -2,7 +2,7 @@
 # run_in_uml.sh LAUNCH TEST WORK: boots a user-mode Linux on this machine's own files, read-only, with a virtual CAN
 # interface vcan0, and runs TEST (a GoogleTest executable) in it. Exit: 0 passed, 1 failed, 77 skipped, with the reason.
 #
-# WORK is the one folder that the guest may write to. Needs no right: the guest is an ordinary process.
+# WORK is the one folder that the guest may write to. Needs no special rights: the guest is an ordinary process.
 set -euo pipefail
 launch=$(readlink -f "$1") test=$(readlink -f "$2") work=$3
 seconds=${OSTEON_UML_SECONDS:-240}
@@ -19,7 +19,7 @@ modules=/usr/lib/uml/modules/$modules/kernel
 mkdir -p "$work"
 work=$(readlink -f "$work")
 rm -f "$work"/{log,result,boot}
-guest=$(mktemp -d) # a short name: it stands on the guest's command line
+guest=$(mktemp -d) # a short name, because it is part of the guest's command line
 trap 'rm -rf "$guest"' EXIT
 
 # The guest's init. Names are quoted here, so that folders may have spaces.

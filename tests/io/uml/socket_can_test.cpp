@@ -1,5 +1,6 @@
-// SocketCanBus on a real kernel's vcan, with can-utils as the other side. Runs in the guest of run_in_uml.sh,
-// or by hand on a machine with a vcan: OSTEON_VCAN=vcan0 (as root for the tests that set it down).
+// SocketCanBus on a real kernel's virtual CAN interface (vcan), with can-utils as the other node. Runs in the
+// guest of run_in_uml.sh, or by hand on a machine with a vcan: OSTEON_VCAN=vcan0. The test that sets the
+// interface down needs root.
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -37,10 +38,10 @@ std::unique_ptr<SocketCanBus> Open(SocketCanParams params = {}) {
 void Shell(const std::string& command) { ASSERT_EQ(std::system(command.c_str()), 0) << command; }
 void CanSend(const std::string& frame) { Shell("cansend " + std::string(Interface()) + " " + frame); }
 
+// A deadline that a busy machine meets.
 rt::Nanoseconds Soon() { return rt::MonotonicNow() + 20 * rt::kSecond; }
 
-// Frames received until nothing has come for a while: a busy kernel passes a frame on after send() has
-// returned.
+// Frames received until none has come for 100 ms: a busy kernel may pass a frame on after send() returned.
 std::vector<std::string> Received(SocketCanBus& bus) {
   constexpr rt::Nanoseconds kQuiet = 100 * rt::kMillisecond;
   std::vector<std::string> frames;
@@ -49,13 +50,13 @@ std::vector<std::string> Received(SocketCanBus& bus) {
   return frames;
 }
 
-// A listening candump: its output once it has seen its number of frames.
+// A listening candump, which ends after a given number of frames.
 class Candump {
  public:
   explicit Candump(int frames) {
     const std::string command = "exec candump -L -n " + std::to_string(frames) + " -T 20000 " + Interface();
     out_ = popen(command.c_str(), "r");
-    // It listens once the kernel lists its socket.
+    // candump listens once the kernel lists a receiver for the interface.
     for (const rt::Nanoseconds end = Soon(); rt::MonotonicNow() < end;
          rt::SleepUntil(rt::MonotonicNow() + rt::kMillisecond)) {
       std::ifstream list("/proc/net/can/rcvlist_all");
@@ -69,6 +70,7 @@ class Candump {
   Candump(const Candump&) = delete;
   Candump& operator=(const Candump&) = delete;
 
+  // The frames that candump printed, as ID#DATA; waits until candump ends.
   std::vector<std::string> Frames() {
     std::vector<std::string> frames;
     std::array<char, 256> line{};
@@ -85,7 +87,7 @@ class Candump {
   FILE* out_{nullptr};
 };
 
-TEST(SocketCan, CandumpSeesWhatWeSend) {
+TEST(SocketCan, CandumpSeesSentFrames) {
   const auto bus = Open({.local_loopback = true});
   Candump dump(3);
   EXPECT_EQ(bus->Send(Frame(0x64, {0x0B, 0, 0, 0, 0, 0, 0, 0})), CanResult::kOk);
@@ -96,7 +98,7 @@ TEST(SocketCan, CandumpSeesWhatWeSend) {
   EXPECT_TRUE(Received(*bus).empty()) << "never our own";
 }
 
-TEST(SocketCan, WeSeeWhatCansendSends) {
+TEST(SocketCan, ReceivesFramesOfCansend) {
   const auto bus = Open();
   const rt::Nanoseconds before = rt::MonotonicNow();
   CanSend("201#1122334455667788");
@@ -113,32 +115,33 @@ TEST(SocketCan, WeSeeWhatCansendSends) {
   EXPECT_EQ(bus->Receive(arrival, rt::MonotonicNow() + rt::kMillisecond), CanResult::kEmpty);
 }
 
-TEST(SocketCan, TheKernelFilters) {
+TEST(SocketCan, KernelPassesOnlyFramesThatMatchAFilter) {
   const auto bus = Open({.filters = {{.id = 0x200, .mask = 0x7F0}, {.id = 0x001}}});
   for (const char* frame : {"001#AA", "002#AA", "1FF#AA", "200#AA", "20F#AA", "210#AA",
-                            "00000201#AA",  // 29 bits, 11 of them equal to ours
-                            "201#R"})       // a request
+                            "00000201#AA",  // extended identifier (29 bits) whose last 11 bits match
+                            "201#R"})       // remote transmission request
     CanSend(frame);
   EXPECT_EQ(Received(*bus), (std::vector<std::string>{"001#AA", "200#AA", "20F#AA"}));
   EXPECT_EQ(bus->status().rejected, 0u);
 }
 
-TEST(SocketCan, WithoutLoopbackNobodyHereSeesWhatWeSend) {
+TEST(SocketCan, WithoutLocalLoopbackNoLocalSocketSeesASentFrame) {
   const auto quiet = Open(), loud = Open({.local_loopback = true}), listener = Open();
   EXPECT_EQ(quiet->Send(Frame(1, {})), CanResult::kOk);
   EXPECT_EQ(loud->Send(Frame(2, {})), CanResult::kOk);
   EXPECT_EQ(Received(*listener), std::vector<std::string>{"002#"});
 }
 
-TEST(SocketCan, FollowsTheControllersReports) {
+TEST(SocketCan, StatusFollowsTheControllersErrorFrames) {
   const auto bus = Open();
+  // Sends an error frame, which the bus must consume itself.
   const auto report = [&](const std::string& frame) {
     CanSend(frame);
     EXPECT_TRUE(Received(*bus).empty()) << "reports are no frames";
   };
   report("20000004#0004000000000000");  // CAN_ERR_CRTL: receive errors beyond the warning level
   EXPECT_TRUE(bus->status().error_warning);
-  report("20000004#0020000000000000");  // transmit errors: passive
+  report("20000004#0020000000000000");  // CAN_ERR_CRTL: transmit errors, error passive
   EXPECT_TRUE(bus->status().error_passive);
   EXPECT_EQ(bus->Send(Frame(1, {})), CanResult::kOk);
   report("20000040#0000000000000000");  // CAN_ERR_BUSOFF
@@ -151,7 +154,7 @@ TEST(SocketCan, FollowsTheControllersReports) {
   EXPECT_EQ(bus->status().unsent, 1u);
 }
 
-TEST(SocketCan, CountsWhatItsQueueHadNoRoomFor) {
+TEST(SocketCan, CountsFramesLostToAFullReceiveQueue) {
   const auto bus = Open(), sender = Open({.local_loopback = true});
   constexpr unsigned kFrames = 4000;
   for (unsigned i = 0; i < kFrames; ++i) ASSERT_EQ(sender->Send(Frame(1, {})), CanResult::kOk);
@@ -181,20 +184,20 @@ TEST(SocketCan, DoesNotAllocate) {
   EXPECT_EQ(received, CanResult::kOk);
 }
 
-TEST(SocketCan, ErrorsSayWhatToDo) {
-  const auto says = [](const std::string& interface, const std::string& text) {
+TEST(SocketCan, OpenErrorsNameTheInterfaceAndTheCause) {
+  const auto expect_error = [](const std::string& interface, const std::string& text) {
     const auto bus = SocketCanBus::Open({.interface = interface});
     ASSERT_FALSE(bus);
     EXPECT_NE(bus.error().find("'" + interface + "'"), std::string::npos) << bus.error();
     EXPECT_NE(bus.error().find(text), std::string::npos) << bus.error();
   };
-  says("can77", "no such interface");
-  says("", "1 to 15 characters");
-  says("a_name_of_more_than_15", "1 to 15 characters");
-  says("lo", "not a CAN interface");
+  expect_error("can77", "no such interface");
+  expect_error("", "1 to 15 characters");
+  expect_error("a_name_of_more_than_15", "1 to 15 characters");
+  expect_error("lo", "not a CAN interface");
 }
 
-TEST(SocketCan, AnInterfaceThatGoesDownIsSaid) {
+TEST(SocketCan, ReportsAnInterfaceThatGoesDownAndRecovers) {
   if (geteuid() != 0) GTEST_SKIP() << "setting an interface down needs root";
   const auto bus = Open();
   Shell("ip link set " + std::string(Interface()) + " down");

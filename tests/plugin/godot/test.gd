@@ -8,11 +8,12 @@ const REAM_S := 5.0
 var _round := 0
 var _scene: Node
 var _time_s := 0.0
-var _uncut := 0
+var _uncut := 0  # triangles of the uncut bone; 0: not shown yet
 var _failures := []
-var _pushed_N := 0.0
+var _pushed_N := 0.0  # largest force along +y
 var _bricks := {}  # arrays by number: without a window the engine keeps none
 
+# The main loop, once a frame: the checks in lockstep first, then the sample. Returns true at the end of the run.
 func _idle(delta: float) -> bool:
 	if _scene == null:
 		_check_session()
@@ -69,6 +70,7 @@ func _on_failed(text: String) -> void:
 func _on_brick_changed(number: int, arrays: Array) -> void:
 	_bricks[number] = arrays
 
+# A session in lockstep on the CPU; `changes` are further or other parameters.
 func _open(changes := {}) -> Reference:
 	var session = load("res://addons/osteon/osteon_session.gdns").new()
 	var params := {"lockstep": true, "engine": "cpu"}
@@ -78,7 +80,7 @@ func _open(changes := {}) -> Reference:
 	_expect(wrong.empty(), wrong)
 	return session
 
-# A tool that moves along each of Godot's axes is found there, and the wrench has Godot's axes.
+# The proxy follows a tool along and about each of Godot's axes, and the wrench has Godot's axes.
 func _check_session() -> void:
 	var session := _open()
 	var up: Transform = session.approach(0.1)
@@ -110,7 +112,7 @@ func _check_session() -> void:
 			force = session.force(aside)[0]
 		_expect(force[axis] < -5.0, "pressed along axis %d: %s" % [axis, force])
 
-# A tool that moves into the bone is damped; a bone on a mount gives way, and is drawn where it has gone.
+# A tool that moves into the bone is damped. A bone on a mount gives way, and its pose to draw moves with it.
 func _check_what_moves() -> void:
 	var session := _open()
 	_expect(session.set_compliance({"mount": true, "mount_point_m": Vector3(0, -0.02, 0)}).empty(), session.last_error())
@@ -133,7 +135,7 @@ func _check_what_moves() -> void:
 	_expect(not session.deflection().gives_way, "nothing gives way any more")
 	_expect(session.force(pose, Vector3.ZERO)[0] == Vector3.ZERO and not session.last_error().empty(), "refused: force of two")
 
-# Tools, files and scores.
+# Changes tools, saves and restores files, and scores.
 func _check_tools_and_files() -> void:
 	var session := _open()
 	var free: Transform = session.approach(0.01)
@@ -152,7 +154,7 @@ func _check_tools_and_files() -> void:
 	_expect(found != null and found.removed_mm3 == 0.0 and found.items[0].metric == "axis_error", "a score: %s" % found)
 	_expect(session.assess("no_such_plan", "") == null and "no_such_plan" in session.last_error(), session.last_error())
 
-# A plan pushes a reamer out that is deeper than planned.
+# Guidance pushes a reamer out that is deeper than planned.
 func _check_guidance() -> void:
 	var script = load("res://addons/osteon/osteon_guidance.gdns")
 	var guidance = script.new()
@@ -177,7 +179,7 @@ func _check_guidance() -> void:
 	guidance.close()
 	_expect(not guidance.is_open(), "closed")
 
-# What is wrong gives a text, and nothing crashes.
+# Wrong parameters and poses give an error text, and nothing crashes.
 func _check_refusals() -> void:
 	var script = load("res://addons/osteon/osteon_session.gdns")
 	for params in [{"scene": "no_such_scene"}, {"scene": "thin_plate", "tool": "no_such_tool"},
@@ -235,7 +237,7 @@ func _check_refusals() -> void:
 func _keep_text(text: String, texts: Array) -> void:
 	texts.append(text)
 
-# The engine's own cube says which way round a triangle is shown.
+# Triangles of bricks are wound like those of the engine's own cube, which shows its outside.
 func _check_brick_meshes(bone: Node) -> void:
 	var cube := _winding(CubeMesh.new().get_mesh_arrays())
 	_expect(abs(cube) == 1.0, "the engine's cube: %f" % cube)
@@ -259,7 +261,7 @@ func _check_brick_meshes(bone: Node) -> void:
 	_expect(meshes == all, "each brick is an ArrayMesh: %d of %d" % [meshes, all])
 	_expect(box.size.length() > 0.03 and box.size.length() < 0.3, "they are in metres: %s" % box)
 
-# Mean sign of a triangle's cross product along its first corner's normal.
+# Mean over all triangles of the sign of (cross product · normal of the first corner): 1 or -1.
 func _winding(arrays: Array) -> float:
 	var positions: PoolVector3Array = arrays[Mesh.ARRAY_VERTEX]
 	var normals: PoolVector3Array = arrays[Mesh.ARRAY_NORMAL]

@@ -1,4 +1,5 @@
-// Drives the package's binding by P/Invoke: reams the cup, follows the mesh, tries the axes. Exit code 1: a check failed.
+// Tests the package's binding by P/Invoke: reams the cup, follows the mesh, and checks axes and structs. Exit code 1: a check
+// failed.
 using System;
 using System.Collections.Generic;
 using System.IO;
@@ -15,7 +16,7 @@ static class BindingTest
     }
 
     /// Turns a vector by a quaternion w x y z, as both Unity and Osteon do.
-    static double[] Turn(double w, double x, double y, double z, double[] v)
+    static double[] TurnVector(double w, double x, double y, double z, double[] v)
     {
         var t = new[] { 2 * (y * v[2] - z * v[1]), 2 * (z * v[0] - x * v[2]), 2 * (x * v[1] - y * v[0]) };
         return new[]
@@ -43,16 +44,16 @@ static class BindingTest
             }
             for (var k = 0; k < 4; ++k) q[k] /= Math.Sqrt(norm);
             var v = new[] { random.NextDouble(), random.NextDouble(), random.NextDouble() };
-            var turned = Turn(q[0], q[1], q[2], q[3], v);
+            var turned = TurnVector(q[0], q[1], q[2], q[3], v);
             double w2, x2, y2, z2;
             Axes.SwapRotation(q[0], q[1], q[2], q[3], out w2, out x2, out y2, out z2);
-            var other = Turn(w2, x2, y2, z2, new[] { v[0], v[2], v[1] });
+            var other = TurnVector(w2, x2, y2, z2, new[] { v[0], v[2], v[1] });
             Expect(Math.Abs(other[0] - turned[0]) + Math.Abs(other[1] - turned[2]) + Math.Abs(other[2] - turned[1]) < 1e-12,
                    "a turned vector, swapped, is the swapped vector turned");
             double w, x, y, z;
             Axes.SwapRotation(w2, x2, y2, z2, out w, out x, out y, out z);
             Expect(w == q[0] && x == q[1] && y == q[2] && z == q[3], "a rotation there and back is the same");
-            // a turning tool's velocity at r, angular × r by the components of either, is the same
+            // a turning tool's velocity at r, computed as angular × r in either axes, is the same
             var twist = Axes.TwistToOsteon(new[] { v[0], v[1], v[2], q[0], q[1], q[2] });
             var angular = twist.angular_rad_per_s;
             double[] r = { 0.3, -0.2, 0.7 };
@@ -67,6 +68,7 @@ static class BindingTest
         }
     }
 
+    /// Updates `bricks` by the changed ones. Returns the number of all triangles.
     static long Triangles(Session session, Dictionary<uint, Brick> bricks)
     {
         session.WaitForSurface();
@@ -97,7 +99,7 @@ static class BindingTest
         Expect(all > 1000 && good > 0.98 * all, "triangles face outward: " + good + " of " + all);
     }
 
-    /// Each struct of the C header is here, in its size; an enum is an int.
+    /// Native has each struct of the C header, with its size in bytes; an enum has that of an int.
     static void StructsHaveTheHeadersSizes(string file)
     {
         var count = 0;
@@ -114,7 +116,7 @@ static class BindingTest
         Expect(count > 20, "the list of structs: " + count);
     }
 
-    /// A force of the bone's, pressed into its cup.
+    /// Presses the tool into the cup for 0.3 s. Returns the last force [N].
     static double[] Press(Session session, double height_m)
     {
         double[] force = new double[3], torque = new double[3];
@@ -285,7 +287,7 @@ static class BindingTest
                 for (var i = 0; i + 2 < brick.Colors.Length; i += 3)
                     colors.Add(brick.Colors[i] << 16 | brick.Colors[i + 1] << 8 | brick.Colors[i + 2]);
             Expect(colors.Count >= 2 && colors.Count < 20, "tissues have colours of their own: " + colors.Count);
-            // each axis: the tool that moves along it is found there
+            // the proxy follows a tool along each axis
             for (var axis = 0; axis < 3; ++axis)
             {
                 var free = session.Approach(0.1);

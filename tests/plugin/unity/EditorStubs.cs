@@ -1,5 +1,5 @@
-// The few types of UnityEditor and NUnit that the package's inspectors and EditMode tests use, and what runs those tests
-// where there is no Unity: every method with [Test], by reflection. Exit code 1: one failed.
+// The few types of UnityEditor and NUnit that the package's inspectors and EditMode tests use, and a runner of those tests
+// without Unity: it calls every method with [Test] by reflection. Exit code 1: a test failed.
 using System;
 using System.Collections.Generic;
 using System.Reflection;
@@ -35,7 +35,7 @@ namespace UnityEditor
         public SerializedObject(UnityEngine.Object thing) { this.thing = thing; }
         public void Update() {}
         public bool ApplyModifiedProperties() => false;
-        /// Null: there is no public field of this name.
+        /// Null if there is no public field of this name.
         public SerializedProperty FindProperty(string name)
         {
             var field = thing.GetType().GetField(name);
@@ -120,6 +120,7 @@ namespace NUnit.Framework
             return failed > 0 || run == 0 ? 1 : 0;
         }
 
+        /// Runs one test. Returns why it failed; empty: it passed.
         static string Run(Type type, MethodInfo test)
         {
             Debug.Lines.Clear();
@@ -143,6 +144,7 @@ namespace NUnit.Framework
             }
         }
 
+        /// Calls all methods that have this attribute.
         static void Call(object thing, Type type, Type attribute)
         {
             foreach (var method in type.GetMethods())

@@ -1,5 +1,5 @@
-// The few types of UnityEngine that the package's components and tests use, so that both are compiled, and run, where there
-// is no Unity. Names, parameters and meanings are those of Unity 2020.3.
+// The few types of UnityEngine that the package's components and tests use, so that both compile and run without Unity.
+// Names, parameters and meanings are those of Unity 2020.3.
 using System;
 using System.Collections.Generic;
 using System.Runtime.InteropServices;
@@ -172,7 +172,7 @@ namespace UnityEngine.Rendering
 
 namespace UnityEngine.TestTools
 {
-    /// A text that was logged, or is logged later in the test.
+    /// Texts that the test must log, before or after the call.
     public static class LogAssert
     {
         public static readonly List<string> Expected = new List<string>();

@@ -1,4 +1,4 @@
-// The few types of Unreal that the plug-in uses, so that it is compiled, and runs, where there is no Unreal.
+// The few types of Unreal that the plug-in uses, so that the plug-in compiles and runs without Unreal.
 // Names, members and meanings are the engine's.
 #pragma once
 
@@ -93,7 +93,7 @@ struct FColor {
   FColor(uint8 r, uint8 g, uint8 b, uint8 a) : R(r), G(g), B(b), A(a) {}
 };
 
-/// Components by formula, as in any axes; the engine's are left-handed.
+/// By the usual formula of components. Unreal's axes are left-handed.
 inline FVector Cross(const FVector& a, const FVector& b) {
   return {a.Y * b.Z - a.Z * b.Y, a.Z * b.X - a.X * b.Z, a.X * b.Y - a.Y * b.X};
 }
@@ -114,7 +114,7 @@ struct FQuat {
   }
 };
 
-/// Without scale.
+/// Rotation and translation, without scale.
 class FTransform {
  public:
   FTransform() = default;
@@ -131,6 +131,7 @@ class FTransform {
   FVector location_;
 };
 
+/// All texts that UE_LOG was given.
 inline std::vector<std::string>& LoggedTexts() {
   static std::vector<std::string> texts;
   return texts;

@@ -3,11 +3,13 @@
 #include "Components/SceneComponent.h"
 #include "CoreMinimal.h"
 
+// Unreal's component for meshes made at run time, as far as the plug-in uses it.
+
 struct FProcMeshTangent {};
 
 class UProceduralMeshComponent : public USceneComponent {
  public:
-  using Super = UProceduralMeshComponent;  // of a class that is derived from this one
+  using Super = UProceduralMeshComponent;  // derived classes call their base by this name
   struct FMesh {
     TArray<FVector> Vertices, Normals;
     TArray<int32> Triangles;
@@ -22,5 +24,5 @@ class UProceduralMeshComponent : public USceneComponent {
   void ClearMeshSection(int32 Section) { Shown.erase(Section); }
   void ClearAllMeshSections() { Shown.clear(); }
 
-  std::map<int32, FMesh> Shown;
+  std::map<int32, FMesh> Shown;  // by section
 };

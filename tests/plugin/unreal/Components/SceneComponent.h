@@ -20,7 +20,7 @@ class USceneComponent {
   virtual ~USceneComponent() = default;
   const FTransform& GetComponentTransform() const { return Transform; }
   void SetupAttachment(USceneComponent* Parent) { AttachParent = Parent; }
-  /// As if all parents stood at the origin.
+  /// Takes the parents to be at the origin.
   void SetRelativeTransform(const FTransform& Relative) { Transform = Relative; }
   virtual void BeginPlay() {}
   virtual void EndPlay(const EEndPlayReason::Type) {}
@@ -28,5 +28,5 @@ class USceneComponent {
 
   FActorComponentTickFunction PrimaryComponentTick;
   USceneComponent* AttachParent{nullptr};
-  FTransform Transform;  // of tests; the engine computes it from the parents
+  FTransform Transform;  // set by tests; the engine computes it from the parents
 };

@@ -6,9 +6,11 @@
 #include "Components/SceneComponent.h"
 #include "CoreMinimal.h"
 
+// Unreal's actor, as far as the plug-in uses it.
+
 class AActor {
  public:
-  using Super = AActor;  // of a class that is derived from this one
+  using Super = AActor;  // derived classes call their base by this name
   AActor() = default;
   AActor(const AActor&) = delete;
   AActor& operator=(const AActor&) = delete;
