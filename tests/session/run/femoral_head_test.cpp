@@ -103,7 +103,7 @@ TEST_P(FemoralHead, IsCutWithoutATripForAnyFrameDuration) {
     max_step = std::max(max_step, ridden.max_step);
     if (frame_ms <= 12) min_peak_N = std::min(min_peak_N, ridden.peak_N);
   }
-  RecordProperty("max_step", std::to_string(max_step));
+  RecordProperty("most_step", std::to_string(max_step));
   EXPECT_GT(min_peak_N, 30.0) << "it is pressed";
 }
 
