@@ -8,8 +8,8 @@
 #include "safety/zone.h"
 #include "tests/property/torque_oracle.h"
 
-// What a servo loop may command, computed independently of it: an arm's forward kinematics from its published
-// Denavit-Hartenberg table, and each limit as a number and an inequality.
+// An oracle for the servo loop's commands that shares no code with the loop: the arm's forward kinematics
+// from its published Denavit-Hartenberg table, and each limit as a number and an inequality.
 
 namespace osteon::property {
 
@@ -64,8 +64,9 @@ class LoopOracle {
   [[nodiscard]] double most_speed_share() const { return most_speed_; }
 
  private:
+  /// Updates paused_ from the tick's requests. @param read  the tick got a valid message of the arm
   void NotePause(const control::ServoLoop& loop, bool read, const Asked& asked);
-  // Each of these returns the violation that it finds; empty if there is none.
+  // Each of the following functions returns the violation that it finds; empty if there is none.
   /// Checks that nothing moves, turns or renders in a pause, after a fault or at a joint's overload.
   [[nodiscard]] std::string Stands(const control::ServoLoop& loop, const control::TickRecord& record,
                                    const control::ArmCommand& command) const;

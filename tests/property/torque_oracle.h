@@ -3,8 +3,8 @@
 #include "control/ports.h"
 #include "kinematics/chain_params.h"
 
-// The torques that an arm's joints hold, computed independently of the loop's dynamics: gravity's torques as
-// the slope of the potential energy.
+// An oracle for the torques on an arm's joints that shares no code with the loop's dynamics: it computes
+// gravity's torques as the slope of the potential energy.
 
 namespace osteon::property {
 

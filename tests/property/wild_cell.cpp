@@ -28,6 +28,7 @@ constexpr std::array<JointArray, 5> kStarts{{{0.1, 0.5, 0.05, -1.4, 0.1, 0.9, 0.
                                              {0.0, 0.5, 0.0, -1.4, 2.93, 0.9, 3.02},
                                              {0.2, 0.7, -0.2, -1.2, 0.4, 0.02, 0.1}}};
 
+// One set of limits; an elbow speed of 0 is no limit.
 struct LimitChoice {
   double speed_m_per_s, force_N, torque_Nm, elbow_m_per_s;
 };

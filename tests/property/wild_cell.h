@@ -17,9 +17,9 @@ namespace osteon::property {
 struct Choice {
   int law{0};    ///< 0, 1 admittance (1 with the arm's masses); 2 impedance by wrench, 3 by torques
   int start{0};  ///< index into five start postures
-  int workspace{
-      0};         ///< 0 wide; 1, 2, 3 with the tool or the flange 1 mm from a bound; 4, 5 near that of `zone`
-  int limits{0};  ///< index into four sets of limits for speed, force, torque and elbow
+  /// 0: wide; 1, 2, 3: with the tool or the flange 1 mm from a bound; 4, 5: near the bound of `zone`.
+  int workspace{0};
+  int limits{0};   ///< index into four sets of limits for speed, force, torque and elbow
   int devices{0};  ///< bit 0: a spindle with a drive, bit 1: a PLC
   int mode{0};     ///< 0 automatic at first, 1 T1
   ZoneChoice zone{};
@@ -42,7 +42,7 @@ class WildCell {
   [[nodiscard]] const LoopOracle& oracle() const { return oracle_; }
 
  private:
-  void Nominal();
+  void Nominal();  ///< sets this tick's inputs to normal, except for lasting conditions
   void Disturb(const Op& op);
   void DisturbArm(const Op& op);
   void DisturbModel(const Op& op);

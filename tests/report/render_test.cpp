@@ -98,7 +98,7 @@ TEST(Render, TheWholeBlockIsInThePictureAndColouredByMaterial) {
   const Image after = RenderBone(run.bone, meshes.after, materials, camera);
   ASSERT_EQ(before.rgb.size(), 3u * 860u * 700u);
   std::size_t covered = 0, border = 0;
-  double warm_before = 0.0, warm_after = 0.0;
+  double warm_before = 0.0, warm_after = 0.0;  // red minus blue, summed over the bone's pixels
   for (int y = 0; y < before.height; ++y)
     for (int x = 0; x < before.width; ++x) {
       const std::uint8_t* b = before.rgb.data() + 3 * (y * before.width + x);

@@ -44,6 +44,7 @@ std::string MarkupError(std::string_view markup) {
     while (i < markup.size() && (std::isalnum(static_cast<unsigned char>(markup[i])) != 0))
       name += markup[i++];
     if (name.empty()) return "stray <" + QuoteFrom(markup, start);
+    // the tag's attributes, up to its end
     std::map<std::string, std::string> attributes;
     bool self_closed = false;
     while (true) {

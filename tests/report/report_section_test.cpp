@@ -104,6 +104,7 @@ TEST(BallField, FirstHitAgreesWithBruteForceOnASyntheticCup) {
       {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 3e-3, .ticks = 1, .frames = 2});
   const BallField field(run.bone.balls);
   for (int i = 0; i < 500; ++i) {
+    // directions on a spiral over the lower hemisphere, by the golden angle of 2.399963 rad
     const double a = 2.399963 * i, down = (i + 0.5) / 500.0, across = std::sqrt(1 - down * down);
     const Vector3 d(across * std::cos(a), across * std::sin(a), -down), o(0.001, -0.002, 0.003);
     double best = 1e9;
@@ -140,8 +141,8 @@ SyntheticRun SphereCavity(double cavity_m, double tool_m) {
 
 TEST(CavityError, IsTheDifferenceOfTheRadiiForASphericalCavity) {
   const std::vector<Pose> path{Pose::Identity()};
-  // roughness: the rule leaves each ball touching the cavity; between balls of r = 0.34 mm at 0.35 mm spacing
-  // the surface recedes by less than a third of r, on average by less than a fifth
+  // The cutting model leaves each cut ball touching the cavity. Between balls of r = 0.34 mm at 0.35 mm
+  // spacing the surface recedes by less than a third of r, on average by less than a fifth.
   const double rough_m = 0.07e-3;
   for (const double offset_m : {0.5e-3, 0.0, -0.5e-3}) {
     const SyntheticRun run = SphereCavity(0.006, 0.006 - offset_m);
@@ -198,13 +199,13 @@ TEST(CavityError, DirectionsWithoutRemainingBoneCountAsOpen) {
   EXPECT_GT(error.open, 1000);
 }
 
-TEST(Section, CupCutByTheRuleIsNearTheSweptTool) {
+TEST(Section, ACupCutByTheCuttingModelIsNearTheSweptTool) {
   const SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
   const auto path = PathOf(run);
   const Section section = ComputeSection(run.bone, run.after, run.tool, path);
   EXPECT_GT(section.error.samples, 100);
-  // the rule leaves no overlap: the remaining bone is outside the sweep, up to the grid's chords (step^2 / 8r
-  // = 2 um) and chords over five frames
+  // The cutting model leaves no overlap: the remaining bone is outside the sweep, up to the grid's chords
+  // (step^2 / 8r = 2 um) and the chords of a path that is cut in steps of five frames.
   EXPECT_GT(section.error.max_under_m, -0.03e-3);
   EXPECT_GT(section.error.mean_m, 0.0);
   EXPECT_LT(section.error.mean_m, 0.3e-3);

@@ -39,6 +39,7 @@ TEST(Ticks, StepsAre1Or2Or5TimesAPowerOfTenAndTicksAreWithinTheRange) {
   }
 }
 
+// The bytes E2 88 92 are the minus sign U+2212.
 TEST(Ticks, LabelsOfThreeKnownAxesAreAsExpected) {
   const Ticks ticks = LinearTicks({0.0, 10.0}, 6);
   EXPECT_EQ(ticks.labels, (std::vector<std::string>{"0", "2", "4", "6", "8", "10"}));
@@ -99,6 +100,7 @@ TEST(Decimation, NotFiniteValuesLeaveGaps) {
   EXPECT_EQ(runs[1].size(), 1u);
 }
 
+// The bytes EF BF BD are U+FFFD, which replaces each byte that is not valid.
 TEST(Text, IsEscapedAndAlwaysUtf8) {
   EXPECT_EQ(Escape("a<b> & \"c\" 'd'"), "a&lt;b&gt; &amp; &quot;c&quot; &#39;d&#39;");
   EXPECT_EQ(Escape("µ"), "µ");
@@ -112,6 +114,7 @@ TEST(Text, IsEscapedAndAlwaysUtf8) {
   EXPECT_EQ(Escape("tab\tand\nline"), "tab\tand\nline");
 }
 
+// The bytes E2 80 89 are a thin space, which groups thousands from five digits on.
 TEST(Text, NumbersAreGroupedRoundedAndWithoutNegativeZero) {
   EXPECT_EQ(Number(12345.6, 1),
             "12\xE2\x80\x89"

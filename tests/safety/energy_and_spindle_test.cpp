@@ -21,6 +21,7 @@ TEST(EnergyLimits, GiveTheForceAndSpeedOfThatEnergy) {
 }
 
 TEST(EnergyLimits, OnlyAWrenchThatGivesPowerIsScaled) {
+  // 100 N × 0.2 m/s + 2 N·m × 1 rad/s = 22 W, into the hand or out of it
   const Wrench F{.f = {100.0, 0, 0}, .t = {0, 0, 2.0}};
   const Twist gives{.v = {0.2, 0, 0}, .w = {0, 0, 1.0}}, takes{.v = {-0.2, 0, 0}, .w = {0, 0, -1.0}};
   EXPECT_EQ(PowerScale(F, gives, 50.0), 1.0);

@@ -21,6 +21,7 @@ double Force(StoredEnergyLimit& limit, double d_m) {
   return limit.Step(d_m, 0.5 * kStiffness_N_per_m * d_m * d_m) * kStiffness_N_per_m * d_m;
 }
 
+// Presses the spring to a depth in steps of 1 um and releases it; the bound is 0.25 J.
 TEST(StoredEnergyLimit, GivesBackNoMoreThanItsBoundFromAnyDepth) {
   for (const double depth_m : {0.002, 0.005, 0.02, 0.1}) {
     StoredEnergyLimit limit(0.25);

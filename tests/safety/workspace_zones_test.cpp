@@ -24,7 +24,7 @@ class Draw {
   // A vector in the cube from -max to max.
   Vector3 In(double max) { return {Within(-max, max), Within(-max, max), Within(-max, max)}; }
 
-  // A room around the origin with obstacles, none of which contains the origin.
+  // A workspace around the origin with one to five zones; the origin is permitted by each of them.
   WorkspaceParams Room() {
     WorkspaceParams room{.sphere_radius_m = Within(0.05, 0.3),
                          .plane_normal_W = In(1.0).normalized(),

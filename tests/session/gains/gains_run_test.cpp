@@ -10,7 +10,8 @@
 #include "tests/session/run/virtual_ride.h"
 #include "tests/session/set_up_cell.h"
 
-// Runs in virtual time during which the file of gains is saved again, and one of a drill with locked axes.
+// Runs in virtual time with other gains: a file of gains that is saved again during the run, and a drill with
+// locked axes.
 
 namespace osteon::session {
 namespace {

@@ -7,8 +7,8 @@
 #include "session/setup/config_checksum.h"
 #include "tests/session/run/virtual_ride.h"
 
-// The guard on runs of the shipped cells in virtual time: it gets the arm's messages and the controller's
-// answers of a recording, and must pass them all.
+// The guard must pass every command of an ordinary run. It gets the arm's messages and the controller's
+// answers from recordings of the shipped cells in virtual time.
 
 namespace osteon::session {
 namespace {
@@ -100,8 +100,7 @@ TEST(GuardRun, CellsWithACompliantToolOrBonePass) {
   }
 }
 
-// A bone on a soft mount under the impedance law, which commands a wrench: it stays within the guard's
-// limits.
+// Under the impedance law the controller commands a wrench; the bone stands on a soft mount.
 TEST(GuardRun, AWrenchOverlayOnABoneThatMovesPasses) {
   double moved_m = 0.0;
   const VirtualRide ride = RideVirtually("thin_plate_impedance", 3.0, [](config::CellConfig& cell) {

@@ -28,7 +28,7 @@ namespace {
 
 using safety::CellState;
 
-constexpr double kSeconds = 6.0;  // length of a run, pauses not counted
+constexpr double kSeconds = 6.0;  // of rendering, in each run
 constexpr int kMaxTicks = 9000;   // a run that stays paused ends here
 constexpr double kForceCeiling_N = 200.0, kRounding = 1.0 + 1e-9;
 constexpr int kTicksToRest = 300;            // number of ticks after a fault in which the arm may still brake

@@ -98,8 +98,8 @@ TEST(SessionSurfaces, FollowEachToolAndLeaveOutAnUndonePass) {
   rig.params.surface = live.get();
   double page_with_all_mm3 = 0.0;
   rig.params.progress = [&](double) {
-    live->Apply(
-        [](surface::CarvedField&, surface::ToolWays&) {});  // waits until all frames so far are carved
+    // wait until all frames so far are carved
+    live->Apply([](surface::CarvedField&, surface::ToolWays&) {});
     if (!undo.done()) page_with_all_mm3 = page.Volume_mm3();
   };
   live->Apply([](surface::CarvedField&, surface::ToolWays&) {});

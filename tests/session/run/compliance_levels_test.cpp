@@ -16,7 +16,7 @@
 namespace osteon::session {
 namespace {
 
-// Mean coupling force over the ticks with more than 1 N, that is in contact [N].
+// Mean coupling force [N] over the ticks in contact, which are those with more than 1 N.
 double MeanForce(const VirtualRide& ride) {
   double sum_N = 0.0;
   int count = 0;
@@ -123,8 +123,8 @@ TEST(ComplianceLevels, APartThatThePlannerLeavesRigidWouldHardlyChangeForceAndDe
   });
 }
 
-// The planner lets the long drill bend. With a rigid drill the force would differ by more than 7 %, or the
-// bend of more than 0.05 mm would be missing.
+// The planner lets the long drill bend. This must matter: the drill bends by more than 0.05 mm, or the force
+// differs from that of a rigid drill by more than 7 %.
 TEST(ComplianceLevels, APartThatThePlannerMakesCompliantBendsOrChangesTheForce) {
   const VirtualRide bends = RideVirtually(
       "long_drill", 2.5, [](config::CellConfig& cell) { EXPECT_TRUE(cell.servo.compliance.tool) << "auto"; });

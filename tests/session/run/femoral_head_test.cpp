@@ -51,6 +51,7 @@ CellSetup PlannedHead(const Tool& tool, const std::optional<MeshChoice>& mesh = 
   return std::move(*setup);
 }
 
+// What remains of a run.
 struct Ridden {
   CellRunResult result;
   double max_step{0.0};  ///< largest change of the force per tick, as a fraction of the trip's limit

@@ -162,7 +162,8 @@ TEST(RsiRun, BeyondTheTimeoutRsiEndsAndTheLoopStops) {
   ExpectNoJump(again.recording, kMaxStep_rad);
 }
 
-// Sets HOLDON 0: a cycle without an answer has no correction. One answer in fifty is lost from 1 s on.
+// Sets RSI's option HOLDON to 0: a cycle without an answer then has no correction. From 1 s on, one answer in
+// fifty is lost.
 void NotHeld(config::CellConfig& cell, double axis_speed_ratio) {
   Session(cell).hold_on = cell.simulated.kr->controller.hold_on = false;
   cell.simulated.kr->controller.axis_speed_ratio = axis_speed_ratio;

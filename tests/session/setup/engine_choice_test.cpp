@@ -11,6 +11,7 @@ using Devices = tl::expected<std::vector<gpu::DeviceInfo>, std::string>;
 
 Devices Found(std::vector<gpu::DeviceInfo> devices) { return devices; }
 
+// @param refusal  why the device can't be used; empty: it can
 gpu::DeviceInfo Device(const char* name, const char* kind, const char* refusal = "") {
   return {.name = name, .kind = kind, .api_version = "1.3", .driver = name, .refusal = refusal};
 }

@@ -20,7 +20,9 @@ namespace {
 
 constexpr double kPeriod_s = 1e-3;
 
-// Makes 4000 ticks of an arm that follows a slow motion of all joints, and calls `take` with each.
+// Makes 4000 ticks of an arm that follows a slow motion of all joints, and calls `take` with each. In each
+// tick the sensor's reading is 0.4 ms old and the model 2 ms; the loop wakes up after 50 us and computes for
+// 20 us.
 template <class Take>
 void MakeTicks(const hil::ServoArmParams& params, double speed_rad_per_s, control::CommandMode mode,
                const Take& take) {
