@@ -175,8 +175,8 @@ WildCell::WildCell(const Choice& choice, hil::ArmLevel level)
   contact_.stiffness_N_per_m = 10e3;
 }
 
-// Sets all inputs to normal, except for lasting conditions.
-void WildCell::Nominal() {
+// Sets this tick's inputs to those of a cell without errors, except for lasting conditions.
+void WildCell::SetNormalInputs() {
   clock_ += rt::kMillisecond;
   now_ = clock_;
   received_ = control::ReceiveResult::kOk;
@@ -415,7 +415,7 @@ std::string WildCell::CheckArmPlace() const {
 }
 
 std::string WildCell::Tick(const Op& op) {
-  Nominal();
+  SetNormalInputs();
   Disturb(op);
   oracle_.Before(loop_, state_, received_, asked_);
   const control::TickRecord record = loop_.Tick(

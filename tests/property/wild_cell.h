@@ -42,8 +42,8 @@ class WildCell {
   [[nodiscard]] const LoopOracle& oracle() const { return oracle_; }
 
  private:
-  void Nominal();  ///< sets this tick's inputs to normal, except for lasting conditions
-  void Disturb(const Op& op);
+  void SetNormalInputs();
+  void Disturb(const Op& op);  ///< applies the operation to this tick's inputs
   void DisturbArm(const Op& op);
   void DisturbModel(const Op& op);
   void DisturbDevices(const Op& op);
@@ -65,8 +65,8 @@ class WildCell {
   Asked asked_;
 
   control::ArmCommand command_;
-  // lasting conditions
-  Wrench push_S_;
+  // lasting conditions, which stay until an operation changes them
+  Wrench push_S_;               ///< of the hand on the force sensor
   Vector3 plane_W_m_, feed_W_;  ///< a point of the bone's surface; the direction from the tool into it
   simulation::Contact contact_;
   rt::Nanoseconds clock_{rt::kSecond};  ///< the true time

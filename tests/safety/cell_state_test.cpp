@@ -16,9 +16,10 @@ namespace {
 constexpr CellState StateOf(int i) { return static_cast<CellState>(i); }
 constexpr CellEvent EventOf(int i) { return static_cast<CellEvent>(i); }
 
-// The expected transitions, written by hand: a row per state, an entry per event. `.`: the state stays,
-// without an action. Otherwise the entry has the next state's letter and the action's: f follows the arm, h
-// holds, b brakes, p begins the path, r begins to render, c clears the faults, - none.
+// The expected transitions, written by hand: a row per state, an entry per event, in the order of CellEvent
+// (the heading of kExpected abbreviates their names). `.`: the state stays, without an action. Otherwise the
+// entry has the next state's letter and the action's: f follows the arm, h holds, b brakes, p begins the
+// path, r begins to render, c clears the faults, - none.
 //   O off  C checking  R ready  A aligning  H haptic  X cutting  P paused  0 1 2 stops  F fault  Y recovery
 struct Row {
   CellState state;

@@ -13,7 +13,8 @@
 namespace osteon::session {
 namespace {
 
-// Asks a session to finish whenever the previous request was answered. Keeps the answers, each once in a row.
+// Asks a session to finish whenever the previous request was answered. Keeps each answer that differs from
+// the one before.
 struct Asker {
   ProcedureSession* session;
   std::vector<std::string> reasons{};  // why the request was refused; empty: done

@@ -178,7 +178,7 @@ TEST_P(AdaptiveResolutionRide, CoarsensZonesUnderLoadWithoutAStepInForceOrRemova
   EXPECT_GT(force_N(calm), 1.0) << "in contact";
   EXPECT_LT(step_N(ride), step_N(calm) + 3.0);
 
-  // the recording and the summary say so
+  // the recording's events and the summary name the coarser zones
   const auto told = [&](const char* text) {
     return std::ranges::any_of(ride.recording.events,
                                [&](const auto& event) { return event.text.find(text) != std::string::npos; });
@@ -275,7 +275,7 @@ TEST_F(Driven, TheNewPackingIsMadeInAThreadAndContinuesTheRunsState) {
   EXPECT_EQ(after.cleared, before.cleared);
   EXPECT_EQ(after.frame, before.frame);
   EXPECT_EQ(after.removed_volume_m3, before.removed_volume_m3);
-  // and the run continues from there
+  // the run continues with the new packing
   EXPECT_FALSE(Drive(adaptive_resolution, kFast_us, 100));
 }
 

@@ -1,4 +1,5 @@
-// The console page of a simulated cell alone: it shows the arm without a controller.
+// The page of `osteon cell`, which simulates a cell for a controller in another process: the page shows the
+// arm, its hand and its spindle.
 
 #include "session/run/cell_console.h"
 

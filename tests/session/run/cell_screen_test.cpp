@@ -1,4 +1,5 @@
-// The lines that a simulated cell alone writes to the terminal: its session, and why nothing happens.
+// The lines that `osteon cell` prints while it simulates a cell: the arm's session, and what the cell waits
+// for.
 
 #include "session/run/cell_screen.h"
 

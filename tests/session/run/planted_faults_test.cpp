@@ -59,7 +59,7 @@ TEST_P(PlantedFault, IsShownWithItsMeasuredValueReactionAndClearing) {
   ASSERT_TRUE(result) << result.error().what;
   ASSERT_TRUE(result->faults.Has(planted.fault)) << result->faults.bits();
 
-  // the page and `osteon status` have the same JSON; what they show is what is in it
+  // The console and `osteon status` show the same JSON, which is read here.
   const auto status = nlohmann::json::parse(live.Answer("status")).at("status");
   const safety::FaultText text = safety::Describe(planted.fault);
   nlohmann::json card;
@@ -71,7 +71,7 @@ TEST_P(PlantedFault, IsShownWithItsMeasuredValueReactionAndClearing) {
   EXPECT_EQ(card.at("clearing"), text.clearing);
   EXPECT_THAT(card.at("seen").get<std::string>(), HasSubstr(planted.seen));
 
-  // the stop's page, where the card says that it is
+  // The stop's page is where the JSON says.
   StopPages stops({.folder = folder.path(), .stem = "r", .cell = setup->config, .recording = recording});
   const auto run = ReadRun(recording, *setup, stops, nullptr);
   ASSERT_TRUE(run) << run.error();
