@@ -7,7 +7,8 @@
 namespace osteon::property {
 namespace {
 
-void HoldsAtLevel(hil::ArmLevel level) {
+// Generates one cell and its operations; fails at the first tick that exceeds a limit.
+void CheckGeneratedCase(hil::ArmLevel level) {
   const Choice choice = *AnyChoice().as("choice");
   const std::vector<Op> ops = *WildOps(WildCell::kPushes, WildCell::kKinds).as("ops");
   WildCell cell(choice, level);
@@ -17,24 +18,25 @@ void HoldsAtLevel(hil::ArmLevel level) {
   }
 }
 
-constexpr int kShards = 8;
+constexpr int kShards = 8;  // parts of the cases, which ctest runs in parallel
 class LoopProperty : public testing::TestWithParam<int> {};
 
-TEST_P(LoopProperty, NothingMakesItExceedALimitOnTheFirstLevel) {
-  CheckShard(GetParam(), kShards, 25'000, [] { HoldsAtLevel(hil::ArmLevel::kKinematic); });
+TEST_P(LoopProperty, NoInputMakesTheLoopExceedALimitOnTheKinematicArm) {
+  CheckShard(GetParam(), kShards, 25'000, [] { CheckGeneratedCase(hil::ArmLevel::kKinematic); });
 }
 INSTANTIATE_TEST_SUITE_P(Shard, LoopProperty, testing::Range(0, kShards));
 
-TEST(LoopPropertyLevels, NothingMakesItExceedALimitOnAnArmThatLags) {
-  CheckShard(100, 1, 1'000, [] { HoldsAtLevel(hil::ArmLevel::kServo); });
+TEST(LoopPropertyLevels, NoInputMakesTheLoopExceedALimitOnAnArmThatLags) {
+  CheckShard(100, 1, 1'000, [] { CheckGeneratedCase(hil::ArmLevel::kServo); });
 }
 
-TEST(LoopPropertyLevels, NothingMakesItExceedALimitOnAnArmWithMasses) {
-  CheckShard(101, 1, 1'000, [] { HoldsAtLevel(hil::ArmLevel::kDynamic); });
+TEST(LoopPropertyLevels, NoInputMakesTheLoopExceedALimitOnAnArmWithMasses) {
+  CheckShard(101, 1, 1'000, [] { CheckGeneratedCase(hil::ArmLevel::kDynamic); });
 }
 
-// Shows what the cases reach, so that the properties above are not vacuous.
-TEST(LoopPropertyCases, RenderAndComeToTheirLimits) {
+// Shows that the generated cases reach rendering and high speeds: otherwise the tests above would prove
+// nothing.
+TEST(LoopPropertyCases, OftenRenderAndComeNearTheSpeedLimit) {
   std::uint64_t rendered = 0, cases = 0, fast = 0;
   CheckShard(102, 1, 2'000, [&] {
     const Choice choice = *AnyChoice();

@@ -15,9 +15,10 @@
 
 namespace osteon::property {
 
-inline long long FromEnvironment(const char* name, long long own) {
+/// Returns the number in an environment variable, at least 1; `fallback` if the variable is not set.
+inline long long FromEnvironment(const char* name, long long fallback) {
   const char* wanted = std::getenv(name);
-  return wanted ? std::max(1ll, std::atoll(wanted)) : own;
+  return wanted ? std::max(1ll, std::atoll(wanted)) : fallback;
 }
 
 /// Runs one shard of a property's cases: ctest runs the shards in parallel.

@@ -7,6 +7,7 @@
 namespace osteon::property {
 namespace {
 
+// Potential energy of the arm's links in gravity, relative to its base at height 0.
 double PotentialEnergy_J(const kinematics::ChainParams<7>& arm, const control::JointArray& q) {
   Pose X = Pose::Identity();
   double energy_J = 0.0;
@@ -40,9 +41,9 @@ double TorqueOracle::Beyond_Nm(const kinematics::ChainParams<7>& arm, const cont
   has_before_ = finite;
   if (!finite) return std::numeric_limits<double>::quiet_NaN();
   double beyond_Nm = -std::numeric_limits<double>::infinity();
-  const bool nothing =
+  const bool unloaded =
       tau_external_Nm == control::JointArray{} && (!had_before || before_Nm_ == tau_external_Nm);
-  if (nothing) return beyond_Nm;  // the arm holds its own weight
+  if (unloaded) return beyond_Nm;  // its own weight alone does not overload the arm
   const control::JointArray gravity_Nm = GravityByEnergy(arm, q);
   for (std::size_t i = 0; i < 7; ++i) {
     const double change_Nm = had_before ? tau_external_Nm[i] - before_Nm_[i] : 0.0;

@@ -3,8 +3,8 @@
 #include "control/ports.h"
 #include "kinematics/chain_params.h"
 
-// The torques that an arm's joints hold, computed independently of the loop's dynamics: gravity's torques as
-// the slope of the potential energy.
+// An oracle for the torques on an arm's joints that shares no code with the loop's dynamics: it computes
+// gravity's torques as the slope of the potential energy.
 
 namespace osteon::property {
 
@@ -15,8 +15,9 @@ namespace osteon::property {
 /// Follows the external torques on the joints, message by message.
 class TorqueOracle {
  public:
-  /// The torque [N·m] by which some joint will exceed its limit one message from now, without help from
-  /// gravity, if its torque keeps changing at the same rate; negative: none will. NaN if not finite.
+  /// The torque [N·m] by which some joint will exceed its limit one message from now, if its torque keeps
+  /// changing at the same rate; gravity counts as a load even where it helps. Negative: no joint will exceed
+  /// its limit. NaN if an external torque is not finite.
   double Beyond_Nm(const kinematics::ChainParams<7>& arm, const control::JointArray& q,
                    const control::JointArray& tau_external_Nm);
 

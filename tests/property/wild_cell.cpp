@@ -14,19 +14,21 @@ namespace {
 using control::JointArray;
 using control::SessionState;
 
-constexpr double kTool_m = 0.2;
+constexpr double kTool_m = 0.2;  // from the flange to the tool's apex
 constexpr double kSpindle_rad_per_s = 26.0;
 // Distance by which a lagging arm cuts the corners of the commanded joint path: (0.25 m/s × 30 ms)^2 over a
 // reach of 1 m is 60 um.
 constexpr double kLag_m = 1e-3;
 
-// Ready, stretched, folded, near the limits of two joints, near a singular posture of the wrist.
+// Start postures [rad]: ready, stretched, folded, near the limits of two joints, near a singularity of the
+// wrist.
 constexpr std::array<JointArray, 5> kStarts{{{0.1, 0.5, 0.05, -1.4, 0.1, 0.9, 0.2},
                                              {-0.4, 0.9, 0.2, -0.35, 0.3, 0.6, -0.5},
                                              {0.3, 0.2, -0.1, -2.0, 0.2, 1.0, 0.4},
                                              {0.0, 0.5, 0.0, -1.4, 2.93, 0.9, 3.02},
                                              {0.2, 0.7, -0.2, -1.2, 0.4, 0.02, 0.1}}};
 
+// One set of limits; an elbow speed of 0 is no limit.
 struct LimitChoice {
   double speed_m_per_s, force_N, torque_Nm, elbow_m_per_s;
 };
@@ -39,7 +41,8 @@ Pose FlangeToTool() {
   return X_FT;
 }
 
-const kinematics::ChainParams<7>& Body() {
+// The arm with its masses and a tool of 2 kg.
+const kinematics::ChainParams<7>& ArmWithPayload() {
   static const auto body = kinematics::WithPayload(
       std::get<kinematics::ChainParams<7>>(
           config::LoadRobot(OSTEON_SOURCE_DIR "/config/robots/lbr_iiwa_14_r820.yaml").chain),
@@ -49,6 +52,7 @@ const kinematics::ChainParams<7>& Body() {
 
 const JointArray& StartOf(const Choice& choice) { return kStarts[static_cast<std::size_t>(choice.start)]; }
 
+// The limits of the chosen cell. The workspace lies around the tool's place at the start.
 Allowed AllowedOf(const Choice& choice) {
   const ArmPoints start = PointsOfIiwa(StartOf(choice), kTool_m);
   const LimitChoice& limits = kLimits[static_cast<std::size_t>(choice.limits)];
@@ -61,7 +65,7 @@ Allowed AllowedOf(const Choice& choice) {
   allowed.elbow_speed_m_per_s = limits.elbow_m_per_s;
   allowed.spindle_rad_per_s = (choice.devices & 1) != 0 ? kSpindle_rad_per_s : 0.0;
   allowed.tool_m = kTool_m;
-  if (choice.law >= 1) allowed.body = &Body();
+  if (choice.law >= 1) allowed.body = &ArmWithPayload();
   allowed.sphere_m = start.p_tool_m;
   allowed.radius_m = 0.2;
   allowed.floor_m = start.p_tool_m.z() - 0.2;
@@ -88,12 +92,13 @@ Allowed AllowedOf(const Choice& choice) {
   return allowed;
 }
 
+// Sets the loop's own limits to those that the oracle checks.
 control::ServoParams ParamsOf(const Choice& choice, const Allowed& allowed) {
   control::ServoParams params;
   params.law = allowed.law;
   params.joints.limits = allowed.joints;
   params.twist.max_speed_m_per_s = allowed.speed_m_per_s;
-  // Else the frames' age would limit it to 0.25 m/s.
+  // With the default sight, the age of the simulation's frames would limit the tool to 0.25 m/s.
   if (allowed.speed_m_per_s > 0.25) params.model_sight_m = 2e-3;
   params.wrench = {.max_force_N = allowed.force_N, .max_torque_Nm = allowed.torque_Nm};
   params.workspace.sphere_center_W_m = allowed.sphere_m;
@@ -121,7 +126,7 @@ control::ServoLoop LoopOf(const Choice& choice, const Allowed& allowed) {
 
 std::unique_ptr<hil::SimulatedArm> ArmOf(const Choice& choice, hil::ArmLevel level) {
   hil::SimulatedArmParams params{.level = level, .lbr = kinematics::Iiwa14()};
-  if (level == hil::ArmLevel::kDynamic) params.chain = Body();
+  if (level == hil::ArmLevel::kDynamic) params.chain = ArmWithPayload();
   params.p_FT_m = FlangeToTool().translation();
   params.q_start = Eigen::Map<const kinematics::JointVector>(StartOf(choice).data());
   return hil::MakeSimulatedArm(params, 1e-3);
@@ -136,6 +141,7 @@ void showValue(const Choice& s, std::ostream& out) {
 }
 
 rc::Gen<Choice> AnyChoice() {
+  // any of 0 … count - 1, in every case: resize makes inRange use its whole range at once
   const auto one_of = [](int count) { return rc::gen::resize(100, rc::gen::inRange(0, count)); };
   return rc::gen::build<Choice>(
       rc::gen::set(&Choice::law, one_of(4)), rc::gen::set(&Choice::start, one_of(5)),
@@ -169,8 +175,8 @@ WildCell::WildCell(const Choice& choice, hil::ArmLevel level)
   contact_.stiffness_N_per_m = 10e3;
 }
 
-// Sets all inputs to normal, except for lasting conditions.
-void WildCell::Nominal() {
+// Sets this tick's inputs to those of a cell without errors, except for lasting conditions.
+void WildCell::SetNormalInputs() {
   clock_ += rt::kMillisecond;
   now_ = clock_;
   received_ = control::ReceiveResult::kOk;
@@ -204,6 +210,7 @@ void WildCell::Nominal() {
   }
 }
 
+// Operations 20 … 31: errors of the arm's message and session.
 void WildCell::DisturbArm(const Op& op) {
   const auto joint = static_cast<std::size_t>(op.which);
   switch (op.what) {
@@ -252,6 +259,7 @@ void WildCell::DisturbArm(const Op& op) {
   }
 }
 
+// Operations 32 … 43: errors of the simulation's contact model.
 void WildCell::DisturbModel(const Op& op) {
   simulation::Contact& contact = model_.contacts[static_cast<std::size_t>(op.which)];
   switch (op.what) {
@@ -298,6 +306,7 @@ void WildCell::DisturbModel(const Op& op) {
   }
 }
 
+// Operations 6 … 19: errors of sensor, PLC, spindle and clock; the operator's requests and changes of gains.
 void WildCell::DisturbDevices(const Op& op) {
   switch (op.what) {
     case 10:
@@ -373,7 +382,8 @@ void WildCell::Disturb(const Op& op) {
   DisturbModel(op);
 }
 
-// Moves the arm while it is commanded. The link holds back commands that name another activation.
+// Steps the arm with the loop's command. As the real link does, the arm ignores a command that names another
+// activation than the arm's own.
 void WildCell::MoveArm() {
   if (session_ == SessionState::kCommandingActive && received_ == control::ReceiveResult::kOk &&
       command_.activation == state_.activation) {
@@ -388,8 +398,9 @@ void WildCell::MoveArm() {
   arm_->Step(drive_, {});
 }
 
-// Checks that an arm that told the truth is where its commands were, within its lag.
-std::string WildCell::WhereTheArmIs() const {
+// Checks that the simulated arm itself stays within workspace and joint limits, up to its lag. An arm that
+// sent false positions is not checked. @returns the violation; empty if there is none
+std::string WildCell::CheckArmPlace() const {
   if (arm_lied_ || allowed_.law != control::Law::kAdmittance) return {};
   JointArray q{};
   std::copy_n(arm_->q().data(), 7, q.begin());
@@ -404,7 +415,7 @@ std::string WildCell::WhereTheArmIs() const {
 }
 
 std::string WildCell::Tick(const Op& op) {
-  Nominal();
+  SetNormalInputs();
   Disturb(op);
   oracle_.Before(loop_, state_, received_, asked_);
   const control::TickRecord record = loop_.Tick(
@@ -413,7 +424,7 @@ std::string WildCell::Tick(const Op& op) {
   ++ticks_;
   if (std::string wrong = oracle_.After(loop_, record, command_); !wrong.empty()) return wrong;
   MoveArm();
-  return WhereTheArmIs();
+  return CheckArmPlace();
 }
 
 }  // namespace osteon::property

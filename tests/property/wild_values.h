@@ -12,8 +12,9 @@
 
 namespace osteon::property {
 
-inline constexpr int kMaxTicks = 50;
+inline constexpr int kMaxTicks = 50;  ///< length of a case: 50 ms at 1 kHz
 
+/// One operation on a cell, in one tick.
 struct Op {
   int what{0};   ///< number of the operation; 0 does nothing: failing cases shrink toward it
   int which{0};  ///< its target, 0 … 6: for example one of seven joints
@@ -38,7 +39,8 @@ inline rc::Gen<double> WildValue() {
                             std::numeric_limits<double>::denorm_min(), 6.283185307179586, -0.0)}});
 }
 
-/// Generates one operation per tick. Most do nothing or push, so that the wild ones meet a cell in motion.
+/// Generates one operation per tick: 75 % do nothing, 20 % push the tool, so that the 5 % of errors meet a
+/// cell in motion.
 /// @param pushes, kinds  Op::what is below `kinds`; the operations from `pushes` on push the tool
 inline rc::Gen<std::vector<Op>> WildOps(int pushes, int kinds) {
   const auto among = [](int from, int to) { return rc::gen::resize(100, rc::gen::inRange(from, to)); };

@@ -10,7 +10,8 @@ namespace {
 
 using safety::ZoneShape;
 
-// Distance outside the set: positive outside, by the face that p is farthest beyond.
+// Signed distance of p from the zone's set [m]: positive outside. Outside a box or cylinder the distance is
+// that from the farthest face, which is less than the Euclidean one beyond an edge.
 double Outside_m(const safety::ZoneParams& zone, const Vector3& p) {
   const Vector3 to = p - zone.p_W_m;
   const double x = zone.R_W.col(0).dot(to), y = zone.R_W.col(1).dot(to), z = zone.R_W.col(2).dot(to);
@@ -71,7 +72,8 @@ safety::ZoneParams ZoneOf(const ZoneChoice& choice, const ArmPoints& start) {
   zone.radius_m = size_m;
   zone.half_length_m = 0.8 * size_m;
 
-  // from the set's centre to its surface, then by the offset to the point
+  // Find by bisection how far the set's surface is from its centre along `out`. Then place the centre so that
+  // the arm's point is on this line, by the offset from the surface.
   Vector3 out(choice.toward[0], choice.toward[1], choice.toward[2]);
   if (out.isZero() || zone.shape == ZoneShape::kHalfSpace) out = -Vector3::UnitZ();
   out = zone.R_W * out.normalized();

@@ -30,7 +30,7 @@ void showValue(const ZoneChoice& zone, std::ostream& out);
 /// @param least_mm, most_mm  smallest and largest offset_mm
 [[nodiscard]] rc::Gen<ZoneChoice> AnyZone(int least_mm, int most_mm);
 
-/// Makes the zone for an arm whose points start there.
+/// Makes the zone for an arm whose points are at `start` when it begins.
 [[nodiscard]] safety::ZoneParams ZoneOf(const ZoneChoice& choice, const ArmPoints& start);
 
 /// Selects the arm's point that a zone bounds.

@@ -13,9 +13,11 @@
 namespace osteon::report {
 namespace {
 
+// A coarse block whose tool goes straight in, without tilt.
 const SyntheticParams kStraight{
     .spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 400};
 
+// Carves the run's bone with its tool along a path; `max_quads` bounds the number of faces.
 CarvedSurface SurfaceOf(const SyntheticRun& run, std::span<const Pose> X_GP,
                         std::size_t max_quads = 120'000) {
   const simulation::ToolPath path{.tool = &run.tool, .X_GP = X_GP};
@@ -25,18 +27,20 @@ CarvedSurface SurfaceOf(const SyntheticRun& run, std::span<const Pose> X_GP,
                        .max_quads = max_quads});
 }
 
-Pose Deepest(const SyntheticRun& run) {
+// The pose X_GP of the run with the smallest z.
+Pose DeepestPose(const SyntheticRun& run) {
   Pose deepest = PathOf(run).front();
   for (const Pose& X : PathOf(run))
     if (X.translation().z() < deepest.translation().z()) deepest = X;
   return deepest;
 }
 
-// A path straight down the site's axis is its own ideal cavity: what is left is the grid's error.
+// The ideal cavity is the one of a tool that goes straight down the site's axis. Along such a path only the
+// grid's error remains.
 TEST(BoneView, AToolThatWentStraightInLeavesTheIdealCavity) {
   const SyntheticRun run = MakeSyntheticRun(kStraight);
   const Vector3 axis = run.bone.site.axis;
-  std::vector<Pose> path(2, Deepest(run));
+  std::vector<Pose> path(2, DeepestPose(run));
   path[0].translation() = path[1].translation() + 0.05 * axis;
   const CarvedSurface carved = SurfaceOf(run, path);
   ASSERT_GT(carved.error.samples, 1000);
@@ -45,11 +49,11 @@ TEST(BoneView, AToolThatWentStraightInLeavesTheIdealCavity) {
   EXPECT_LT(carved.error.p95_m, 0.1 * voxel_m);
 }
 
-// A tool that also went 0.4 mm aside, at the depth of its floor, cut too much by up to that.
+// A tool that also moves 0.4 mm sideways at its deepest place cuts up to 0.4 mm beyond the ideal cavity.
 TEST(BoneView, AToolThatWentAsideCutsBeyondTheIdealCavity) {
   const SyntheticRun run = MakeSyntheticRun(kStraight);
   constexpr double kAside_m = 0.4e-3, kLift_m = 1e-6;
-  std::vector<Pose> path(3, Deepest(run));
+  std::vector<Pose> path(3, DeepestPose(run));
   path[0].translation() += 0.05 * Vector3(run.bone.site.axis);
   // a micrometre higher, so that the deepest pose is the one on the axis
   path[2].translation() +=
@@ -69,7 +73,7 @@ TEST(BoneView, TheGridIsCoarserWhereThereAreTooManyTriangles) {
   EXPECT_GT(coarse.layout.voxel_mm, fine.layout.voxel_mm);
 }
 
-TEST(BoneView, APathCarvedAtOnceLeavesTheFieldOfOneThatIsCarvedFrameByFrame) {
+TEST(BoneView, CarvingAPathAtOnceEqualsCarvingItFrameByFrame) {
   const SyntheticRun run = MakeSyntheticRun(kStraight);
   const std::vector<Pose> path = PathOf(run);
   constexpr float kVoxel_mm = 0.5F;
@@ -102,7 +106,7 @@ TEST(BoneView, EveryVertexOfACutFaceHasADeviation) {
   EXPECT_EQ(carved.deviation_um.size(), cut);
 }
 
-TEST(BoneView, WithoutAToolThatCutsThereIsABoneAndNoDeviation) {
+TEST(BoneView, WithoutACuttingToolTheViewShowsTheBoneAndNoDeviation) {
   SyntheticRun run = MakeSyntheticRun(kStraight);
   run.tool.balls.clear();
   const CarvedSurface carved = SurfaceOf(run, {});

@@ -14,18 +14,19 @@
 namespace osteon::report {
 namespace {
 
-std::size_t CountOf(const std::string& text, const std::string& part) {
+std::size_t CountOccurrences(const std::string& text, const std::string& part) {
   std::size_t count = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
   return count;
 }
 
-TEST(ParetoFront, HoldsWhatNothingBeats) {
+TEST(ParetoFront, HoldsThePointsThatNoOtherPointBeats) {
   const std::vector<CostPoint> points{{1, 9}, {2, 5}, {3, 6}, {4, 1}, {2, 5}, {5, 1}, {0.5, HUGE_VAL}};
   EXPECT_EQ(OnParetoFront(points), (std::vector<bool>{true, true, false, true, true, false, false}));
   EXPECT_TRUE(OnParetoFront({}).empty());
 }
 
+// Three labelled points on logarithmic axes; the third is outside the range of x.
 LineChart Points() {
   LineChart chart{.title = "t",
                   .x_label = "x",
@@ -46,13 +47,14 @@ LineChart Points() {
 
 TEST(PointMarks, AreDrawnOncePerPointWithinTheAxes) {
   const std::string svg = Svg(Points());
-  EXPECT_EQ(CountOf(svg, "<circle"), 2u + 1u);  // one more in the legend
-  EXPECT_EQ(CountOf(svg, "first"), 1u);
-  EXPECT_EQ(CountOf(svg, "second"), 1u);
-  EXPECT_EQ(CountOf(svg, "beyond"), 0u);
+  EXPECT_EQ(CountOccurrences(svg, "<circle"), 2u + 1u);  // one more in the legend
+  EXPECT_EQ(CountOccurrences(svg, "first"), 1u);
+  EXPECT_EQ(CountOccurrences(svg, "second"), 1u);
+  EXPECT_EQ(CountOccurrences(svg, "beyond"), 0u);
 }
 
-// Stairs over three decades: corners that share a pixel column of a linear axis must stay.
+// A staircase over three decades: on a linear axis most of its corners would share a pixel column and be
+// dropped. On a logarithmic axis they lie apart, and all must stay.
 TEST(PointMarks, LinesOverLogarithmicAxesKeepTheirCorners) {
   LineChart chart = Points();
   chart.series = {{.x = {1.5, 2.0, 2.0, 3.0, 3.0, 900}, .y = {900, 900, 500, 500, 100, 100}}};
@@ -60,11 +62,11 @@ TEST(PointMarks, LinesOverLogarithmicAxesKeepTheirCorners) {
   const std::size_t begin = svg.find("<path d=\"M");
   ASSERT_NE(begin, std::string::npos);
   const std::string path = svg.substr(begin, svg.find("fill", begin) - begin);
-  EXPECT_EQ(CountOf(path, "L"), 5u) << path;
+  EXPECT_EQ(CountOccurrences(path, "L"), 5u) << path;
 }
 
-// Names of clustered points: those that are placed do not overlap, wherever the points are.
-TEST(LabelPlacer, WritesNoNameOverAnother) {
+// Places the names of 40 clustered points. Names that have no room are left out; the others do not overlap.
+TEST(LabelPlacer, NamesOfClusteredPointsDoNotOverlap) {
   const PlotArea area{.left = 0, .top = 0, .width = 200, .height = 100};
   LabelPlacer placer(area);
   std::vector<std::array<double, 2>> at;
@@ -85,14 +87,14 @@ TEST(SvgGrid, PutsPanelsBesideEachOther) {
   const std::array panels{Points(), Points(), Points()};
   const std::string svg =
       SvgGrid(panels, 2, "all", {{.text = "a", .color = "#123456", .marker = Marker::kSquare}}, 800);
-  EXPECT_EQ(CountOf(svg, "<g transform"), 3u);
-  EXPECT_EQ(CountOf(svg, ">second<"), 3u);
+  EXPECT_EQ(CountOccurrences(svg, "<g transform"), 3u);
+  EXPECT_EQ(CountOccurrences(svg, ">second<"), 3u);
   const auto image = Rasterise(svg, 1.0);
   ASSERT_TRUE(image) << image.error();
   EXPECT_EQ(image->width, 800);
 }
 
-TEST(Rasterise, DrawsWhatTheDocumentSays) {
+TEST(Rasterise, FillsARectangleWithItsColourAtTwiceTheSize) {
   const auto image =
       Rasterise(R"(<svg xmlns="http://www.w3.org/2000/svg" width="20" height="10" viewBox="0 0 20 10">)"
                 R"(<rect x="10" y="0" width="10" height="10" fill="#ff8000"/></svg>)",
@@ -108,7 +110,7 @@ TEST(Rasterise, DrawsWhatTheDocumentSays) {
   EXPECT_EQ(pixel(5, 10), (std::array<std::uint8_t, 3>{0xff, 0xff, 0xff}));  // on white
 }
 
-TEST(Rasterise, RefusesWhatIsNoPicture) {
+TEST(Rasterise, RefusesTextThatIsNoSvgAndPicturesThatAreTooLarge) {
   EXPECT_FALSE(Rasterise("no svg at all"));
   EXPECT_FALSE(Rasterise(""));
   const std::string huge = R"(<svg xmlns="http://www.w3.org/2000/svg" width="100000" height="100000"></svg>)";

@@ -14,7 +14,8 @@
 namespace osteon::report {
 namespace {
 
-/// A sphere of flat triangles; the greatest gap to the sphere is r (1 - cos(π / parts)).
+/// A sphere of flat triangles, with steps of π / parts; the largest gap between triangles and sphere is
+/// r (1 - cos(π / parts)).
 BoneMesh SphereMesh(const Vector3& center_m, double radius_m, int parts) {
   BoneMesh mesh;
   for (int i = 0; i <= parts; ++i)
@@ -45,7 +46,7 @@ TEST(Render, DepthAndNormalOfASphereAreAnalytic) {
     for (int x = 0; x < camera.width; ++x) {
       const Vector3 ray = camera.Ray(x + 0.5, y + 0.5), d = ray.normalized(), c = center - camera.eye;
       const double from_axis = (c - c.dot(d) * d).norm();
-      if (std::abs(from_axis - radius) > 1e-3 * radius)  // the outline of flat triangles
+      if (std::abs(from_axis - radius) > 1e-3 * radius)  // at the outline flat triangles may miss the pixel
         ASSERT_EQ(depth.Seen(x, y), from_axis < radius) << x << " " << y;
       if (!depth.Seen(x, y) || from_axis > 0.95 * radius) continue;
       ++seen;
@@ -85,7 +86,7 @@ TEST(Render, TrianglesBehindTheCameraOrNotFiniteAreLeftOut) {
   for (const float z : RenderDepth(behind, camera).depth_m) EXPECT_EQ(z, DepthBuffer::kNothing);
 }
 
-TEST(Render, CupFillsThePictureAndIsColouredByMaterial) {
+TEST(Render, TheWholeBlockIsInThePictureAndColouredByMaterial) {
   const SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
   const MaterialMap materials(run.bone.points);
   const Camera camera = CupCamera(run.bone);
@@ -97,7 +98,7 @@ TEST(Render, CupFillsThePictureAndIsColouredByMaterial) {
   const Image after = RenderBone(run.bone, meshes.after, materials, camera);
   ASSERT_EQ(before.rgb.size(), 3u * 860u * 700u);
   std::size_t covered = 0, border = 0;
-  double warm_before = 0.0, warm_after = 0.0;
+  double warm_before = 0.0, warm_after = 0.0;  // red minus blue, summed over the bone's pixels
   for (int y = 0; y < before.height; ++y)
     for (int x = 0; x < before.width; ++x) {
       const std::uint8_t* b = before.rgb.data() + 3 * (y * before.width + x);
@@ -113,7 +114,7 @@ TEST(Render, CupFillsThePictureAndIsColouredByMaterial) {
   EXPECT_GT(warm_after, 1.05 * warm_before) << "the cut lays reddish bone bare below the bluish cartilage";
 }
 
-TEST(Png, IsReadBackByTheLibrary) {
+TEST(Png, WrittenPixelsAreReadBackByLibpng) {
   Image image{.width = 7, .height = 3};
   for (int i = 0; i < 63; ++i) image.rgb.push_back(static_cast<std::uint8_t>(i * 4));
   const auto file = TemporaryPath("picture.png");
@@ -129,7 +130,7 @@ TEST(Png, IsReadBackByTheLibrary) {
   EXPECT_FALSE(WritePng(image, "/no/such/folder/p.png").has_value());
 }
 
-TEST(Base64, Rfc4648Vectors) {
+TEST(Base64, EncodesTheTestVectorsOfRfc4648) {
   const auto of = [](std::string_view text) { return Base64({text.begin(), text.end()}); };
   EXPECT_EQ(of(""), "");
   EXPECT_EQ(of("f"), "Zg==");

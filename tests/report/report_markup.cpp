@@ -10,11 +10,12 @@
 namespace osteon::report {
 namespace {
 
-std::string Near(std::string_view markup, std::size_t at) {
+// The end of an error message: the 80 characters from `at` on.
+std::string QuoteFrom(std::string_view markup, std::size_t at) {
   return " near: " + std::string(markup.substr(at, 80));
 }
 
-bool KnownEntity(std::string_view text) {
+bool BeginsWithKnownEntity(std::string_view text) {
   static const std::regex known("^&(amp|lt|gt|quot|#[0-9]+);");
   return std::regex_search(std::string(text.substr(0, 12)), known);
 }
@@ -26,8 +27,8 @@ std::string MarkupError(std::string_view markup) {
   std::size_t i = 0;
   while (i < markup.size()) {
     const char c = markup[i];
-    if (c == '&' && !KnownEntity(markup.substr(i))) return "unknown entity" + Near(markup, i);
-    if (c == '>') return "stray >" + Near(markup, i);
+    if (c == '&' && !BeginsWithKnownEntity(markup.substr(i))) return "unknown entity" + QuoteFrom(markup, i);
+    if (c == '>') return "stray >" + QuoteFrom(markup, i);
     if (c != '<') {
       ++i;
       continue;
@@ -42,37 +43,39 @@ std::string MarkupError(std::string_view markup) {
     std::string name;
     while (i < markup.size() && (std::isalnum(static_cast<unsigned char>(markup[i])) != 0))
       name += markup[i++];
-    if (name.empty()) return "stray <" + Near(markup, start);
+    if (name.empty()) return "stray <" + QuoteFrom(markup, start);
+    // the tag's attributes, up to its end
     std::map<std::string, std::string> attributes;
     bool self_closed = false;
     while (true) {
       const std::size_t before = i;
       while (i < markup.size() && (std::isspace(static_cast<unsigned char>(markup[i])) != 0)) ++i;
-      if (i >= markup.size()) return "tag without end" + Near(markup, start);
+      if (i >= markup.size()) return "tag without end" + QuoteFrom(markup, start);
       if (markup[i] == '>') break;
       if (markup[i] == '/' && i + 1 < markup.size() && markup[i + 1] == '>') {
         self_closed = true;
         ++i;
         break;
       }
-      if (before == i) return "no space before an attribute" + Near(markup, start);
+      if (before == i) return "no space before an attribute" + QuoteFrom(markup, start);
       std::string key;
       while (i < markup.size() &&
              (std::isalnum(static_cast<unsigned char>(markup[i])) != 0 || markup[i] == '-'))
         key += markup[i++];
-      if (key.empty() || markup.substr(i, 2) != "=\"") return "attribute not quoted" + Near(markup, start);
+      if (key.empty() || markup.substr(i, 2) != "=\"")
+        return "attribute not quoted" + QuoteFrom(markup, start);
       const std::size_t end = markup.find('"', i + 2);
-      if (end == std::string_view::npos) return "quote without end" + Near(markup, start);
+      if (end == std::string_view::npos) return "quote without end" + QuoteFrom(markup, start);
       const std::string_view value = markup.substr(i + 2, end - i - 2);
-      if (value.find('<') != std::string_view::npos) return "< in an attribute" + Near(markup, start);
+      if (value.find('<') != std::string_view::npos) return "< in an attribute" + QuoteFrom(markup, start);
       for (std::size_t k = value.find('&'); k != std::string_view::npos; k = value.find('&', k + 1))
-        if (!KnownEntity(value.substr(k))) return "unknown entity" + Near(markup, start);
-      if (!attributes.emplace(key, value).second) return "attribute twice" + Near(markup, start);
+        if (!BeginsWithKnownEntity(value.substr(k))) return "unknown entity" + QuoteFrom(markup, start);
+      if (!attributes.emplace(key, value).second) return "attribute twice" + QuoteFrom(markup, start);
       i = end + 1;
     }
     ++i;
     if (closing) {
-      if (open.empty() || open.back() != name) return "unexpected end of " + name + Near(markup, start);
+      if (open.empty() || open.back() != name) return "unexpected end of " + name + QuoteFrom(markup, start);
       open.pop_back();
     } else if (!self_closed) {
       open.push_back(name);

@@ -4,6 +4,9 @@
 #include <string_view>
 #include <vector>
 
+// Checks of HTML and SVG for tests of the report: well-formed markup, and texts that overlap or leave the
+// drawing.
+
 namespace osteon::report {
 
 /// Returns the first error of a page or drawing that has to be well-formed like XML: tags balanced,
@@ -11,7 +14,7 @@ namespace osteon::report {
 /// `<!DOCTYPE …>` and the raw text of `<style>`.
 [[nodiscard]] std::string MarkupError(std::string_view markup);
 
-/// The estimated place of a drawing's <text> [px], y downward.
+/// The estimated bounding box of one <text> of a drawing [px], y downward.
 struct TextBox {
   std::string text{};  ///< an apostrophe for each escaped character
   double size_px{0.0};
@@ -19,13 +22,13 @@ struct TextBox {
 };
 [[nodiscard]] std::vector<TextBox> TextBoxes(std::string_view svg);
 
-/// Returns the first two <text> of a drawing whose estimates overlap, "one | other"; empty if none do.
+/// Returns the first two <text> of a drawing whose boxes overlap, as "one | other"; empty if none do.
 [[nodiscard]] std::string TextsOverlapping(std::string_view svg);
 
-/// Returns the first <text> of a drawing whose estimate exceeds its viewBox; empty if there is none.
+/// Returns the first <text> whose box exceeds the drawing's width or height; empty if there is none.
 [[nodiscard]] std::string TextOutside(std::string_view svg);
 
-/// Returns the value of an attribute of the first element of that name; empty if there is none.
+/// Returns the value of an attribute of the first `element` in the markup; empty if there is none.
 [[nodiscard]] std::string AttributeOf(std::string_view markup, std::string_view element,
                                       std::string_view attribute);
 

@@ -11,6 +11,7 @@
 namespace osteon::report {
 namespace {
 
+// Sum of the areas that the lines enclose: positive if a line runs counter-clockwise.
 double Area(const std::vector<Polyline>& lines) {
   double area = 0.0;
   for (const Polyline& line : lines)
@@ -21,7 +22,7 @@ double Area(const std::vector<Polyline>& lines) {
   return area;
 }
 
-TEST(Contour, CircleHasItsAreaAndRunsAroundTheInside) {
+TEST(Contour, ACircleHasItsAreaAndRunsCounterClockwise) {
   PlanarGrid grid({-2, -2}, {2, 2}, 0.05, 0.0f);
   for (int j = 0; j < grid.ny; ++j)
     for (int i = 0; i < grid.nx; ++i) grid.At(i, j) = static_cast<float>(grid.Node(i, j).norm() - 1.3);
@@ -33,7 +34,7 @@ TEST(Contour, CircleHasItsAreaAndRunsAroundTheInside) {
       << "positive: counter-clockwise around the inside";
 }
 
-TEST(Contour, RingIsOuterMinusInner) {
+TEST(Contour, TheHoleOfARingCountsNegative) {
   PlanarGrid grid({-2, -2}, {2, 2}, 0.05, 0.0f);
   for (int j = 0; j < grid.ny; ++j)
     for (int i = 0; i < grid.nx; ++i)
@@ -103,6 +104,7 @@ TEST(BallField, FirstHitAgreesWithBruteForceOnASyntheticCup) {
       {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 3e-3, .ticks = 1, .frames = 2});
   const BallField field(run.bone.balls);
   for (int i = 0; i < 500; ++i) {
+    // directions on a spiral over the lower hemisphere, by the golden angle of 2.399963 rad
     const double a = 2.399963 * i, down = (i + 0.5) / 500.0, across = std::sqrt(1 - down * down);
     const Vector3 d(across * std::cos(a), across * std::sin(a), -down), o(0.001, -0.002, 0.003);
     double best = 1e9;
@@ -119,9 +121,9 @@ TEST(BallField, FirstHitAgreesWithBruteForceOnASyntheticCup) {
   }
 }
 
-/// Makes a solid of balls on a fine lattice with a carved spherical cavity of radius `cavity_m`, and one
-/// proxy pose whose head of radius `tool_m` is at its centre: the error is the difference of the radii plus
-/// the balls' roughness.
+/// Makes a solid of balls on a fine lattice with a carved spherical cavity of radius `cavity_m`, and a tool
+/// whose head of radius `tool_m` is at the cavity's centre. The cavity's error is then the difference of the
+/// radii, plus the roughness of the balls.
 SyntheticRun SphereCavity(double cavity_m, double tool_m) {
   SyntheticRun run;
   run.bone.site = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.004};
@@ -137,10 +139,10 @@ SyntheticRun SphereCavity(double cavity_m, double tool_m) {
   return run;
 }
 
-TEST(CavityError, OfASphereIsTheDifferenceOfRadii) {
+TEST(CavityError, IsTheDifferenceOfTheRadiiForASphericalCavity) {
   const std::vector<Pose> path{Pose::Identity()};
-  // roughness: the rule leaves each ball touching the cavity; between balls of r = 0.34 mm at 0.35 mm spacing
-  // the surface recedes by less than a third of r, on average by less than a fifth
+  // The cutting model leaves each cut ball touching the cavity. Between balls of r = 0.34 mm at 0.35 mm
+  // spacing the surface recedes by less than a third of r, on average by less than a fifth.
   const double rough_m = 0.07e-3;
   for (const double offset_m : {0.5e-3, 0.0, -0.5e-3}) {
     const SyntheticRun run = SphereCavity(0.006, 0.006 - offset_m);
@@ -160,7 +162,7 @@ TEST(CavityError, OfASphereIsTheDifferenceOfRadii) {
   }
 }
 
-TEST(CavityError, CountsOnlyWhatWasCut) {
+TEST(CavityError, BoneThatWasNotCutCountsByDirectionButNotInTheSection) {
   const std::vector<Pose> path{Pose::Identity()};
   SyntheticRun run = SphereCavity(0.006, 0.006);
   run.after = StateOf(run.bone.balls);
@@ -170,9 +172,9 @@ TEST(CavityError, CountsOnlyWhatWasCut) {
   EXPECT_LT(CavityErrorByDirection(run.bone, run.after, run.tool, path).mean_m, -5e-3);
 }
 
-// A ball that reaches from the cavity to the bone's other face shrinks there too when it is cut. That is a
-// loss, but no error of the cavity's surface, which is a ball's thickness away from it.
-TEST(CavityError, LeavesOutTheFarFaceOfABallThatWasCut) {
+// A ball that reaches from the cavity to the bone's far face shrinks at both faces when it is cut. The loss
+// at the far face is no error of the cavity's surface.
+TEST(CavityError, TheFarFaceOfABallThatWasCutDoesNotCount) {
   SyntheticRun run;
   run.bone.site = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.004};
   for (double x = -0.012; x <= 0.012; x += 0.5e-3)
@@ -188,7 +190,7 @@ TEST(CavityError, LeavesOutTheFarFaceOfABallThatWasCut) {
   EXPECT_LT(section.error.max_over_m, 2e-3) << "the far face is 6 mm away from the sweep";
 }
 
-TEST(CavityError, OpenWhereTheCutWentThrough) {
+TEST(CavityError, DirectionsWithoutRemainingBoneCountAsOpen) {
   SyntheticRun run = SphereCavity(0.006, 0.006);
   for (float& value : run.after.balls) value = 0.0f;
   const CavityError error =
@@ -197,13 +199,13 @@ TEST(CavityError, OpenWhereTheCutWentThrough) {
   EXPECT_GT(error.open, 1000);
 }
 
-TEST(Section, CupCutByTheRuleIsNearTheSweptTool) {
+TEST(Section, ACupCutByTheCuttingModelIsNearTheSweptTool) {
   const SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
   const auto path = PathOf(run);
   const Section section = ComputeSection(run.bone, run.after, run.tool, path);
   EXPECT_GT(section.error.samples, 100);
-  // the rule leaves no overlap: the remaining bone is outside the sweep, up to the grid's chords (step^2 / 8r
-  // = 2 um) and chords over five frames
+  // The cutting model leaves no overlap: the remaining bone is outside the sweep, up to the grid's chords
+  // (step^2 / 8r = 2 um) and the chords of a path that is cut in steps of five frames.
   EXPECT_GT(section.error.max_under_m, -0.03e-3);
   EXPECT_GT(section.error.mean_m, 0.0);
   EXPECT_LT(section.error.mean_m, 0.3e-3);
@@ -212,7 +214,7 @@ TEST(Section, CupCutByTheRuleIsNearTheSweptTool) {
   EXPECT_GT(section.head_radius_m, 0.0);
 }
 
-TEST(Section, PoseOfThePackingMovesNothing) {
+TEST(Section, ThePathInTheBonesFrameDoesNotDependOnTheBonesPose) {
   SyntheticRun run =
       MakeSyntheticRun({.spacing_m = 1.5e-3, .cap_m = 1.4e-3, .point_spacing_m = 1.5e-3, .frames = 100});
   const auto here = PathOf(run);
@@ -225,7 +227,8 @@ TEST(Section, PoseOfThePackingMovesNothing) {
   for (std::size_t i = 0; i < here.size(); ++i) EXPECT_TRUE(here[i].isApprox(there[i], 1e-12));
 }
 
-// A 2 mm drill goes 40 mm deep: the window follows it to the hole's floor, and the detail shows the floor.
+// A drill of 2 mm radius goes 40 mm deep: the section's window reaches the hole's floor, and the detail shows
+// it.
 TEST(Section, ADeepHoleShowsItsFloor) {
   SyntheticRun run;
   run.bone.site = {.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.002};
@@ -251,7 +254,7 @@ TEST(Section, ADeepHoleShowsItsFloor) {
   EXPECT_NE(SectionDetailSvg(section, run.bone).find("Detail at the deepest place"), std::string::npos);
 }
 
-// The tool moved on past the bone: the detail shows the cut, not the tool.
+// After the cut the tool moved on, out of the bone: the detail shows the cut, not the tool's last place.
 TEST(Section, DetailOfACutThatTheToolLeftIsWhereTheCutIs) {
   SyntheticRun run = SphereCavity(0.006, 0.006);
   std::vector<Pose> path(2, Pose::Identity());
@@ -265,8 +268,8 @@ TEST(Section, DetailOfACutThatTheToolLeftIsWhereTheCutIs) {
   EXPECT_LT((middle - Vector2(0, 0)).norm(), 0.0075) << "on the cavity, not about the tool's last place";
 }
 
-// A packing's page shows spheres that no tool has met.
-TEST(Section, OfWhatWasNotCutHasNoBeforeAndAfter) {
+// The page of a packing shows spheres that no tool has touched.
+TEST(Section, ASectionOfAnUncutBoneHasNoBeforeAndAfter) {
   const SyntheticRun run =
       MakeSyntheticRun({.spacing_m = 1.5e-3, .cap_m = 1.4e-3, .point_spacing_m = 1.5e-3, .frames = 100});
   const std::string cut = SectionSvg(ComputeSection(run.bone, run.after, run.tool, PathOf(run)), run.bone);

@@ -11,7 +11,7 @@ namespace {
 
 using simulation::Ball;
 
-/// Distance from p to the surface of the block with its cup; negative outside the bone.
+/// Distance from p to the surface of the block with its cup [m]; negative outside the bone.
 double InsideBone(const Vector3& p, const SyntheticParams& params) {
   const Vector3 half = 0.5 * params.block_m;
   const double walls =
@@ -19,15 +19,16 @@ double InsideBone(const Vector3& p, const SyntheticParams& params) {
   return std::min(walls, p.norm() - params.cup_radius_m);
 }
 
+// By depth below the cup's surface: 0 cartilage, 1 cortical plate, 2 cancellous bone.
 simulation::MaterialIndex MaterialAt(const Vector3& p, const SyntheticParams& params) {
   const double depth_m = p.norm() - params.cup_radius_m;
   return depth_m < 1.6e-3 ? 0 : depth_m < 2.6e-3 ? 1 : 2;
 }
 
+// Visits the points of a body-centred cubic lattice in the block, which lies below z = 0.
 template <typename Visit>
 void EachLatticePoint(const Vector3& block_m, double spacing_m, const Visit& visit) {
   const Vector3 half(0.5 * block_m.x(), 0.5 * block_m.y(), 0.0);
-  // body-centred cubic
   for (double z = -block_m.z(); z <= 0.0; z += spacing_m)
     for (double y = -half.y(); y <= half.y(); y += spacing_m)
       for (double x = -half.x(); x <= half.x(); x += spacing_m) {
@@ -85,7 +86,7 @@ SyntheticRun MakeSyntheticRun(const SyntheticParams& params) {
   run.tool = simulation::MakeReamer(params.tool_radius_m, 0.3 * params.tool_radius_m, 0.03, 0.9,
                                     Vector3(0.0, 0.0, -params.tool_radius_m));
 
-  // proxy: down the axis, whirlwind, up again
+  // the proxy's path: down the axis, tilted and circling, up again
   std::vector<Ball> balls = run.bone.balls;
   const double lift_m = 0.012, end_m = params.depth_m + params.cup_radius_m;
   for (int i = 0; i < params.frames; ++i) {

@@ -28,7 +28,7 @@ RunCurves CurvesOf(const SyntheticRun& run) {
   return curves;
 }
 
-// Makes an input whose views live as long as the program.
+// Makes a report's input from a run. The input refers to curves and a path that live as long as the program.
 ReportInput InputOf(const SyntheticRun& run) {
   static std::list<RunCurves> curves;
   static std::list<std::vector<Pose>> paths;
@@ -50,7 +50,7 @@ ReportInput InputOf(const SyntheticRun& run) {
 // A run of the usual length in a bone of few balls, for tests that look at the page's charts alone.
 const SyntheticParams kCoarseBone{.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3};
 
-/// Returns a reference of a page that a browser would fetch.
+/// Returns the first address in a page that a browser would fetch; empty if the page needs no other file.
 std::string OutsideReference(const std::string& html) {
   static const std::regex address("(https?:)?//[a-zA-Z0-9]");
   const std::string xmlns = "xmlns=\"http://www.w3.org/2000/svg\"";
@@ -66,6 +66,7 @@ std::string OutsideReference(const std::string& html) {
   return {};
 }
 
+// The page without the data of its base64 pictures.
 std::string WithoutPictures(const std::string& html) {
   std::string out;
   std::size_t from = 0;
@@ -76,6 +77,7 @@ std::string WithoutPictures(const std::string& html) {
   return out + html.substr(from);
 }
 
+// Expects well-formed markup without references to other files and without nan or inf.
 void ExpectValidPage(const std::string& page) {
   const std::string html = WithoutPictures(page);
   EXPECT_EQ(MarkupError(html), "");
@@ -92,7 +94,7 @@ void ExpectValid(const ReportInput& input) {
   ExpectValidPage(report->html);
 }
 
-TEST(Report, OfARunIsOneValidFileWithEverythingInIt) {
+TEST(Report, TheReportOfARunIsOneValidFileWithEverythingInIt) {
   const SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
   ReportInput input = InputOf(run);
   input.pictures = {};
@@ -117,7 +119,7 @@ TEST(Report, OfARunIsOneValidFileWithEverythingInIt) {
     EXPECT_FALSE(entry.path().filename().string().starts_with("osteon_report.html.")) << entry.path();
 }
 
-TEST(Report, ShowsWhatTheLimitsCutOffWhereTheyDid) {
+TEST(Report, ChartsTheShareOfTheCouplingOnlyIfALimitReducedIt) {
   SyntheticRun run = MakeSyntheticRun(kCoarseBone);
   const std::string title = "Share of the coupling";
   const auto whole = MakeReport(InputOf(run));
@@ -131,8 +133,8 @@ TEST(Report, ShowsWhatTheLimitsCutOffWhereTheyDid) {
   EXPECT_NE(cut->html.find("arm&#39;s torques can hold"), std::string::npos);
 }
 
-// A lost message is not a moment without force: the values of such a tick were never rendered.
-TEST(Report, ATickWithoutTheArmsMessageIsNoForceOfZero) {
+// In a tick without the arm's message nothing was rendered: the chart must not depend on that tick's forces.
+TEST(Report, ATickWithoutTheArmsMessageIsNotDrawnAsAForceOfZero) {
   SyntheticRun run = MakeSyntheticRun();
   control::TickRecord& silent = run.ticks.at(run.ticks.size() / 2);
   ASSERT_GT(Wrench(silent.F_coupling_T_W).f.norm(), 10.0);
@@ -144,7 +146,7 @@ TEST(Report, ATickWithoutTheArmsMessageIsNoForceOfZero) {
   EXPECT_NE(ForceChart(CurvesOf(run), 200.0), chart) << "a force of 0 that was rendered is drawn";
 }
 
-TEST(Report, ShowsOfWhatGivesWayThatWhichMoved) {
+TEST(Report, ChartsOnlyTheCompliantPartsThatMoved) {
   SyntheticRun run = MakeSyntheticRun(kCoarseBone);
   EXPECT_EQ(ComplianceChart(CurvesOf(run)), "") << "a rigid cell";
   const auto rigid = MakeReport(InputOf(run));
@@ -164,7 +166,7 @@ TEST(Report, ShowsOfWhatGivesWayThatWhichMoved) {
   EXPECT_EQ(bent->html.find("Bone on its mount"), std::string::npos) << "it never moved";
 }
 
-TEST(Report, ListsTheFiguresWithoutASource) {
+TEST(Report, ListsTheAssumedMaterialFigures) {
   SyntheticRun run = MakeSyntheticRun(
       {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 5});
   for (simulation::Material& material : run.bone.materials)
@@ -181,7 +183,7 @@ TEST(Report, ListsTheFiguresWithoutASource) {
   EXPECT_EQ(report->html.find("cartilage: friction"), std::string::npos);
 }
 
-TEST(Report, LimitsThatActedAreATableWithTheLongestFirst) {
+TEST(Report, ListsTheLimitsThatActedWithTheLongestFirst) {
   const SyntheticRun run = MakeSyntheticRun(
       {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 5});
   ReportInput input = InputOf(run);
@@ -202,8 +204,9 @@ TEST(Report, LimitsThatActedAreATableWithTheLongestFirst) {
   EXPECT_LT(depth, speed);
 }
 
-// The commanded tool goes where bone holds the proxy back: both depths are drawn.
-TEST(Report, TheCommandedDepthIsBesideTheProxys) {
+// The commanded tool goes deeper than the proxy, which the bone holds back: while the tool is in bone, the
+// chart draws both depths.
+TEST(Report, DrawsTheCommandedDepthBesideTheProxys) {
   SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
   for (control::TickRecord& tick : run.ticks) {
     tick.X_WT_cmd.p.z = -1e-3 - 1e-6 * static_cast<double>(tick.tick);
@@ -225,7 +228,7 @@ TEST(Report, TheCommandedDepthIsBesideTheProxys) {
   EXPECT_NE(ProgressChart(curves), without);
 }
 
-TEST(Report, VirtualTimeSaysThatNothingWasMeasured) {
+TEST(Report, AReportOfVirtualTimeSaysThatNothingWasMeasured) {
   SyntheticRun run = MakeSyntheticRun(
       {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 50, .frames = 20});
   for (control::TickRecord& tick : run.ticks) tick.wakeup_ns = tick.compute_ns = 0;
@@ -236,7 +239,7 @@ TEST(Report, VirtualTimeSaysThatNothingWasMeasured) {
   EXPECT_EQ(report->html.find("99.9 %"), std::string::npos);
 }
 
-TEST(Report, EmptyRunsAreReportedToo) {
+TEST(Report, RunsWithoutTicksFramesOrBoneGiveAValidPage) {
   const SyntheticParams coarse{
       .spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 5};
   SyntheticRun run = MakeSyntheticRun(coarse);
@@ -289,7 +292,7 @@ TEST(Report, TextIsEscaped) {
   ExpectValid(input);
 }
 
-TEST(Report, ARowLeadsToTheFileBesideIt) {
+TEST(Report, ASummaryRowLinksToAFileInTheReportsFolder) {
   const SyntheticRun run = MakeSyntheticRun(
       {.spacing_m = 2e-3, .cap_m = 1.8e-3, .point_spacing_m = 2e-3, .ticks = 5, .frames = 5});
   ReportInput input = InputOf(run);
@@ -302,7 +305,7 @@ TEST(Report, ARowLeadsToTheFileBesideIt) {
       std::string::npos);
 }
 
-TEST(Report, UnwritablePathIsNamed) {
+TEST(Report, TheErrorNamesAPathThatCannotBeWritten) {
   const SyntheticRun run = MakeSyntheticRun(
       {.spacing_m = 3e-3, .cap_m = 2.8e-3, .point_spacing_m = 3e-3, .ticks = 1, .frames = 1});
   const auto result = WriteReport(InputOf(run), "/no/such/folder/report.html");

@@ -12,10 +12,10 @@ namespace {
 
 constexpr unsigned kSeed = 20261126;
 
-TEST(DurationCounts, GiveEachPlaceOfTheSortedListToTheNanosecond) {
+TEST(DurationCounts, EqualTheSortedListAtEachPlaceToTheNanosecond) {
   SCOPED_TRACE(kSeed);
   std::mt19937 random(kSeed);
-  // clocks that went back, microseconds, milliseconds, and values beyond the pages
+  // negative values (a clock that went back), microseconds, milliseconds, and values beyond the pages
   std::vector<rt::Nanoseconds> list{-5, -5, 0, 1023, 1024, 16'777'215, 16'777'216, 40'000'000, rt::kSecond};
   for (int i = 0; i < 5000; ++i) list.push_back(static_cast<rt::Nanoseconds>(random() % 60'000));
   for (int i = 0; i < 500; ++i) list.push_back(static_cast<rt::Nanoseconds>(random() % 30'000'000));
@@ -36,7 +36,7 @@ TEST(DurationCounts, GiveEachPlaceOfTheSortedListToTheNanosecond) {
   EXPECT_EQ(total, list.size());
 }
 
-TEST(ThinCurve, IsEveryPointAsLongAsTheyAreFew) {
+TEST(ThinCurve, KeepsEveryPointWhileThereAreFewerThanItsMaximum) {
   ThinCurve curve;
   for (std::size_t i = 0; i + 1 < ThinCurve::kMaxPoints; ++i)
     curve.Add(static_cast<rt::Nanoseconds>(i) * rt::kMillisecond, static_cast<double>(i % 17));
@@ -48,7 +48,7 @@ TEST(ThinCurve, IsEveryPointAsLongAsTheyAreFew) {
 }
 
 // An hour at 1 kHz with peaks of one sample and one gap: all of them remain, at their own times.
-TEST(ThinCurve, LosesNoPeakAndNoGap) {
+TEST(ThinCurve, KeepsPeaksAndGapsOfASingleSample) {
   constexpr rt::Nanoseconds kTicks = 3'600'000;
   ThinCurve curve;
   for (rt::Nanoseconds i = 0; i < kTicks; ++i) {
@@ -76,7 +76,7 @@ TEST(ThinCurve, LosesNoPeakAndNoGap) {
 }
 
 // A damaged file may have any stamps.
-TEST(ThinCurve, StampsThatJumpStillFit) {
+TEST(ThinCurve, StaysBelowItsMaximumForAnyStamps) {
   std::mt19937_64 random(kSeed);
   ThinCurve curve;
   for (int i = 0; i < 300'000; ++i) curve.Add(static_cast<rt::Nanoseconds>(random()), 1.0);

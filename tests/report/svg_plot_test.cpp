@@ -16,7 +16,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-TEST(Ticks, StepsAreOneTwoFiveAndWithinTheRange) {
+TEST(Ticks, StepsAre1Or2Or5TimesAPowerOfTenAndTicksAreWithinTheRange) {
   for (const double size : {1e-6, 0.03, 0.7, 1.0, 9.9, 123.0, 4.7e6}) {
     for (const double start : {-0.37, 0.0, 0.61}) {
       const Range range{start * size, (start + 1.0) * size};
@@ -39,7 +39,8 @@ TEST(Ticks, StepsAreOneTwoFiveAndWithinTheRange) {
   }
 }
 
-TEST(Ticks, KnownAxis) {
+// The bytes E2 88 92 are the minus sign U+2212.
+TEST(Ticks, LabelsOfThreeKnownAxesAreAsExpected) {
   const Ticks ticks = LinearTicks({0.0, 10.0}, 6);
   EXPECT_EQ(ticks.labels, (std::vector<std::string>{"0", "2", "4", "6", "8", "10"}));
   const Ticks across_zero = LinearTicks({-0.1, 0.1}, 5);
@@ -55,7 +56,7 @@ TEST(Ticks, KnownAxis) {
   EXPECT_EQ(shown, (std::vector<std::string>{"1", "10", "100", "1000"}));
 }
 
-TEST(Ticks, RangesWithoutWidthOrSenseDoNotHang) {
+TEST(Ticks, RangesWithoutWidthOrFiniteEndsHaveNoTicks) {
   EXPECT_TRUE(LinearTicks({1.0, 1.0}, 5).at.empty());
   EXPECT_TRUE(LinearTicks({kNaN, 1.0}, 5).at.empty());
   EXPECT_TRUE(LinearTicks({0.0, kInf}, 5).at.empty());
@@ -66,7 +67,7 @@ TEST(Ticks, RangesWithoutWidthOrSenseDoNotHang) {
   EXPECT_GT(widened.max, 3.0);
 }
 
-TEST(Decimation, KeepsExtremesAndOrder) {
+TEST(Decimation, KeepsSinglePeaksAndTheOrderOfSamples) {
   // 10 s at 1 kHz with one sample's spike up and one down
   std::vector<double> x, y;
   for (int i = 0; i < 10'000; ++i) {
@@ -78,15 +79,15 @@ TEST(Decimation, KeepsExtremesAndOrder) {
   const auto runs = DecimateMinMax(x, y, {0.0, 10.0}, 800);
   ASSERT_EQ(runs.size(), 1u);
   EXPECT_LE(runs[0].size(), 4u * 800u);
-  double least = 0.0, greatest = 0.0, last_x = -1.0;
+  double min_y = 0.0, max_y = 0.0, last_x = -1.0;
   for (const PlotPoint& point : runs[0]) {
     EXPECT_GT(point.x, last_x);
     last_x = point.x;
-    least = std::min(least, point.y);
-    greatest = std::max(greatest, point.y);
+    min_y = std::min(min_y, point.y);
+    max_y = std::max(max_y, point.y);
   }
-  EXPECT_EQ(greatest, 50.0);
-  EXPECT_EQ(least, -50.0);
+  EXPECT_EQ(max_y, 50.0);
+  EXPECT_EQ(min_y, -50.0);
   EXPECT_EQ(runs[0].front().x, x.front());
   EXPECT_EQ(runs[0].back().x, x.back());
 }
@@ -99,6 +100,7 @@ TEST(Decimation, NotFiniteValuesLeaveGaps) {
   EXPECT_EQ(runs[1].size(), 1u);
 }
 
+// The bytes EF BF BD are U+FFFD, which replaces each byte that is not valid.
 TEST(Text, IsEscapedAndAlwaysUtf8) {
   EXPECT_EQ(Escape("a<b> & \"c\" 'd'"), "a&lt;b&gt; &amp; &quot;c&quot; &#39;d&#39;");
   EXPECT_EQ(Escape("µ"), "µ");
@@ -112,7 +114,8 @@ TEST(Text, IsEscapedAndAlwaysUtf8) {
   EXPECT_EQ(Escape("tab\tand\nline"), "tab\tand\nline");
 }
 
-TEST(Text, NumbersForPeople) {
+// The bytes E2 80 89 are a thin space, which groups thousands from five digits on.
+TEST(Text, NumbersAreGroupedRoundedAndWithoutNegativeZero) {
   EXPECT_EQ(Number(12345.6, 1),
             "12\xE2\x80\x89"
             "345.6");
@@ -129,7 +132,7 @@ TEST(Text, NumbersForPeople) {
   EXPECT_EQ(Pixels(-0.01), "0");
 }
 
-TEST(Text, FitsIntoItsWidth) {
+TEST(Text, ATextIsShortenedToItsWidthAtWholeCharacters) {
   const std::string text = "a very long name of a series with µ and Ω";
   for (double width = 20.0; width < 400.0; width += 7.0) {
     const std::string fitted = Fit(text, width);
@@ -138,6 +141,7 @@ TEST(Text, FitsIntoItsWidth) {
   }
 }
 
+// Two curves with gaps, a limit, and two spans of which one is too narrow for its name.
 LineChart Example() {
   LineChart chart{.title = "Title & <more>",
                   .x_label = "time [s]",
@@ -182,7 +186,7 @@ TEST(LineChart, DrawsAPeakAtItsPlace) {
   EXPECT_NE(path.find(" " + grid + "L"), std::string::npos) << path.substr(0, 200) << " … " << grid;
 }
 
-TEST(LineChart, EmptyIsValid) {
+TEST(LineChart, AChartWithoutDataIsValidAndSaysSo) {
   const std::string svg =
       Svg(LineChart{.title = "t", .x_label = "x", .y_label = "y", .series = {{.name = "s"}}});
   EXPECT_EQ(MarkupError(svg), "");
@@ -190,7 +194,7 @@ TEST(LineChart, EmptyIsValid) {
   EXPECT_EQ(MarkupError(Svg(std::span<const LineChart>{})), "");
 }
 
-TEST(Histogram, CountsEveryFiniteValue) {
+TEST(Histogram, LeavesOutValuesThatAreNotFiniteAndStaysValid) {
   Histogram histogram{.title = "h", .x_label = "t [µs]", .log_x = true, .log_y = true, .unit = "µs"};
   for (int i = 0; i < 5000; ++i) histogram.values.push_back(10.0 + i % 50);
   histogram.values.insert(histogram.values.end(), {5000.0, 0.0, -3.0, kNaN, kInf});
@@ -204,7 +208,7 @@ TEST(Histogram, CountsEveryFiniteValue) {
   EXPECT_EQ(MarkupError(Svg(Histogram{.title = "same", .values = {3.0, 3.0, 3.0}, .log_x = true})), "");
 }
 
-// Equal ratios have equal lengths, and values without a logarithm are left out.
+// On logarithmic axes equal ratios have equal lengths. The value -1, which has no logarithm, is left out.
 TEST(SvgPlot, LogarithmicAxesKeepRatios) {
   LineChart chart{.title = "t", .x_label = "x", .y_label = "y", .log_x = true, .log_y = true};
   chart.series.push_back({.name = "s", .x = {-1.0, 1.0, 10.0, 100.0}, .y = {1.0, 0.001, 0.01, 0.1}});
@@ -220,8 +224,8 @@ TEST(SvgPlot, LogarithmicAxesKeepRatios) {
   EXPECT_GT(x[1] - x[0], 100.0);
 }
 
-// What the page's script needs to move a plot: its area, its range, and curves that can be clipped.
-TEST(SvgPlot, APlotThatZoomsSaysWhereItsAreaIs) {
+// The page's script needs these attributes to zoom and move a plot; it clips the curves to the inner <svg>.
+TEST(SvgPlot, AZoomablePlotHasItsAreaAndRangesAsAttributes) {
   LineChart chart{
       .title = "force", .y_label = "force [N]", .series = {{.x = {0.0, 1.0, 4.0}, .y = {0.0, 50.0, 100.0}}}};
   EXPECT_EQ(Svg(chart).find("class=\"panel\""), std::string::npos);

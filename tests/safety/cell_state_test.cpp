@@ -16,13 +16,14 @@ namespace {
 constexpr CellState StateOf(int i) { return static_cast<CellState>(i); }
 constexpr CellEvent EventOf(int i) { return static_cast<CellEvent>(i); }
 
-// The table again, written by hand: a row per state, a column per event, `.` stays and goes on. A cell has
-// the next state's letter and the action: f follows the arm, h holds, b brakes, p begins the path, r begins
-// to render, c clears the faults, - goes on.
+// The expected transitions, written by hand: a row per state, an entry per event, in the order of CellEvent
+// (the heading of kExpected abbreviates their names). `.`: the state stays, without an action. Otherwise the
+// entry has the next state's letter and the action's: f follows the arm, h holds, b brakes, p begins the
+// path, r begins to render, c clears the faults, - none.
 //   O off  C checking  R ready  A aligning  H haptic  X cutting  P paused  0 1 2 stops  F fault  Y recovery
 struct Row {
   CellState state;
-  std::array<const char*, kCellEvents> cells;
+  std::array<const char*, kCellEvents> entries;
 };
 // clang-format off
 //                     lost  fault left  stop  pause restF rest  idle  seen  notOK OK    away  there turns still recov resum
@@ -42,7 +43,8 @@ const std::array<Row, kCellStates> kExpected{{
 }};
 // clang-format on
 
-CellTransition Read(CellState from, const std::string& cell) {
+// Decodes an entry of kExpected in the row of the state `from`.
+CellTransition ReadEntry(CellState from, const std::string& entry) {
   static const std::map<char, CellState> states{
       {'O', CellState::kOff},      {'C', CellState::kChecking}, {'R', CellState::kReady},
       {'A', CellState::kAligning}, {'H', CellState::kHaptic},   {'X', CellState::kCutting},
@@ -52,16 +54,16 @@ CellTransition Read(CellState from, const std::string& cell) {
       {'-', CellAction::kNone},       {'f', CellAction::kFollowArm}, {'h', CellAction::kHold},
       {'b', CellAction::kBrake},      {'p', CellAction::kBeginPath}, {'r', CellAction::kBeginRendering},
       {'c', CellAction::kClearFaults}};
-  if (cell == ".") return {from, CellAction::kNone};
-  return {states.at(cell[0]), actions.at(cell[1])};
+  if (entry == ".") return {from, CellAction::kNone};
+  return {states.at(entry[0]), actions.at(entry[1])};
 }
 
-TEST(CellState, EveryCellOfTheTableIsWhatWasMeant) {
+TEST(CellState, EveryTransitionIsThatOfTheTableWrittenByHand) {
   for (int s = 0; s < kCellStates; ++s) {
     const Row& row = kExpected[static_cast<std::size_t>(s)];
     ASSERT_EQ(row.state, StateOf(s));
     for (int e = 0; e < kCellEvents; ++e) {
-      const CellTransition expected = Read(row.state, row.cells[static_cast<std::size_t>(e)]);
+      const CellTransition expected = ReadEntry(row.state, row.entries[static_cast<std::size_t>(e)]);
       EXPECT_EQ(Next(StateOf(s), EventOf(e)), expected)
           << Describe(StateOf(s)).name << " × " << Describe(EventOf(e)).name << ": found "
           << Describe(Next(StateOf(s), EventOf(e)).state).name;
@@ -69,33 +71,35 @@ TEST(CellState, EveryCellOfTheTableIsWhatWasMeant) {
   }
 }
 
-// States that are reachable from a state by these events, in any order and number.
-template <class Counts>
-std::set<CellState> Reached(CellState from, Counts&& counts) {
+// States that are reachable from a state by the events that `allowed` accepts, in any order and number.
+template <class Allowed>
+std::set<CellState> Reached(CellState from, Allowed&& allowed) {
   std::set<CellState> reached{from};
   for (bool more = true; more;) {
     more = false;
     for (const CellState state : std::set<CellState>(reached))
       for (int e = 0; e < kCellEvents; ++e)
-        if (counts(EventOf(e))) more |= reached.insert(Next(state, EventOf(e)).state).second;
+        if (allowed(EventOf(e))) more |= reached.insert(Next(state, EventOf(e)).state).second;
   }
   return reached;
 }
 
-bool Permits(CellEvent event) {
+// Whether the loop forms this event only while every permission for motion is there.
+bool NeedsEveryPermit(CellEvent event) {
   return event == CellEvent::kBeginAligning || event == CellEvent::kBeginRendering;
 }
 
-TEST(CellState, NoSequenceOfEventsWithoutEveryPermissionMovesAnArmThatRests) {
+TEST(CellState, AnArmAtRestMovesOnlyByTheEventsThatNeedEveryPermission) {
   for (int s = 0; s < kCellStates; ++s) {
     if (IsMotion(StateOf(s))) continue;
-    for (const CellState reached : Reached(StateOf(s), [](CellEvent event) { return !Permits(event); }))
+    for (const CellState reached :
+         Reached(StateOf(s), [](CellEvent event) { return !NeedsEveryPermit(event); }))
       EXPECT_FALSE(IsMotion(reached)) << "from " << Describe(StateOf(s)).name;
   }
 }
 
-TEST(CellState, AFaultEndsInRestWhateverElseIsSeenOrAskedFor) {
-  // every second event is a fault, as the loop forms it in every tick that latched one
+TEST(CellState, AFaultInAnyStateLeadsToTheFaultStateAtRest) {
+  // Any event, then a fault, then rest: the loop forms a fault event in each tick that latches a fault.
   for (int s = 0; s < kCellStates; ++s)
     for (int before = 0; before < kCellEvents; ++before) {
       const CellState at = Next(StateOf(s), EventOf(before)).state;
@@ -112,14 +116,14 @@ TEST(CellState, AFaultEndsInRestWhateverElseIsSeenOrAskedFor) {
     }
 }
 
-TEST(CellState, OutOfAFaultOnlyARecoveryLeads) {
+TEST(CellState, OnlyARecoveryLeadsOutOfAFault) {
   const auto reached =
       Reached(CellState::kFault, [](CellEvent event) { return event != CellEvent::kRecover; });
   EXPECT_EQ(reached, std::set<CellState>{CellState::kFault});
   EXPECT_FALSE(IsMotion(Next(CellState::kFault, CellEvent::kRecover).state));
 }
 
-TEST(CellState, APauseIsLeftByNothingButAResumeAStopOrAFault) {
+TEST(CellState, OnlyAResumeAStopOrAFaultEndsAPause) {
   const auto reached = Reached(CellState::kPaused, [](CellEvent event) {
     return event != CellEvent::kResume && event != CellEvent::kStopRequested && event != CellEvent::kFault &&
            event != CellEvent::kArmLost;
@@ -127,7 +131,7 @@ TEST(CellState, APauseIsLeftByNothingButAResumeAStopOrAFault) {
   EXPECT_EQ(reached, std::set<CellState>{CellState::kPaused});
 }
 
-TEST(CellState, EveryStateIsReachedFromOffAndNoneIsWithoutAWayOut) {
+TEST(CellState, EveryStateIsReachedFromOffAndLeadsToHaptic) {
   const auto every = [](CellEvent) { return true; };
   EXPECT_EQ(Reached(CellState::kOff, every).size(), static_cast<std::size_t>(kCellStates));
   for (int s = 0; s < kCellStates; ++s) {
@@ -136,7 +140,7 @@ TEST(CellState, EveryStateIsReachedFromOffAndNoneIsWithoutAWayOut) {
   }
 }
 
-TEST(CellState, EachHasANameOfItsOwn) {
+TEST(CellState, StatesEventsAndPermissionsHaveDistinctNames) {
   std::set<std::string> states, events, actions;
   for (int s = 0; s < kCellStates; ++s) states.insert(Describe(StateOf(s)).name);
   for (int e = 0; e < kCellEvents; ++e) events.insert(Describe(EventOf(e)).name);
@@ -149,7 +153,7 @@ TEST(CellState, EachHasANameOfItsOwn) {
   EXPECT_FALSE(missing.contains("an unknown condition"));
 }
 
-TEST(MotionPermits, OneThatIsMissingIsNone) {
+TEST(MotionPermits, AreCompleteOnlyIfNoneIsMissing) {
   for (int i = 0; i < kMotionPermits; ++i) {
     const auto permit = static_cast<MotionPermit>(1u << i);
     MotionPermits permits(MotionPermits::kAll);
@@ -163,7 +167,7 @@ TEST(MotionPermits, OneThatIsMissingIsNone) {
   EXPECT_EQ(MotionPermits(~0u).bits(), MotionPermits::kAll) << "bits that are not there";
 }
 
-TEST(Fault, ARecoveryIsAllowedWhereEachFaultAllowsOne) {
+TEST(Fault, ARecoveryNeedsEveryLatchedFaultToAllowIt) {
   FaultSet faults;
   EXPECT_FALSE(AllowsRecovery(faults)) << "nothing to recover from";
   faults.Latch(Fault::kSession);

@@ -14,17 +14,17 @@ namespace {
 constexpr double kDt_s = 0.001;
 
 // The apex may go down to z = 0; the resistance begins 4 mm above, the spindle stops 1 mm above.
-DepthLimitParams Floor() {
+DepthLimitParams FloorAtZero() {
   return {.acts = true,
           .soft_m = 4e-3,
           .spindle_stop_m = 1e-3,
           .stiffness_N_per_m = 10e3,
           .damping_Ns_per_m = 100.0};
 }
-const Vector3 kStill = Vector3::Zero();
+const Vector3 kStill = Vector3::Zero();  // velocity of a tool at rest
 
 TEST(DepthLimit, ResistsFromItsSoftZoneOnAndNeverPulls) {
-  DepthLimit limit(Floor());
+  DepthLimit limit(FloorAtZero());
   EXPECT_TRUE(limit.Step({0, 0, 5e-3}, {0, 0, -0.1}).isZero(0.0));
   EXPECT_NEAR(limit.Step({0, 0, 2e-3}, kStill).z(), 10e3 * 2e-3, 1e-9);
   EXPECT_NEAR(limit.Step({0, 0, 2e-3}, {0, 0, -0.01}).z(), 20.0 + 100.0 * 0.01, 1e-9) << "more on the way in";
@@ -33,7 +33,7 @@ TEST(DepthLimit, ResistsFromItsSoftZoneOnAndNeverPulls) {
 }
 
 TEST(DepthLimit, StopsTheSpindleUntilTheToolIsRetracted) {
-  DepthLimit limit(Floor());
+  DepthLimit limit(FloorAtZero());
   const auto stops_at = [&](double z_m) {
     static_cast<void>(limit.Step({0, 0, z_m}, kStill));
     return limit.stops_spindle();
@@ -45,15 +45,15 @@ TEST(DepthLimit, StopsTheSpindleUntilTheToolIsRetracted) {
   EXPECT_TRUE(stops_at(std::numeric_limits<double>::quiet_NaN())) << "nobody knows how deep";
 }
 
-// Work of the resistance over any motion in and out: it dissipates some energy and generates none.
-TEST(DepthLimit, MakesNoEnergy) {
-  DepthLimit limit(Floor());
+// Sums the resistance's work over many motions in and out: it must not exceed what its spring has stored.
+TEST(DepthLimit, GeneratesNoEnergyOverAnyMotion) {
+  DepthLimit limit(FloorAtZero());
   double given_J = 0.0, z = 6e-3;
   for (int i = 0; i < 20'000; ++i) {
     const double v = 0.02 * std::sin(1e-3 * i * 7.0) + 0.01 * std::sin(1e-3 * i * 31.0);
     const double f = limit.Step({0, 0, z}, {0, 0, v}).z(), z_next = z + kDt_s * v;
-    // forces at both ends: the work of a spring alone is then exact
-    const double f_next = DepthLimit(Floor()).Step({0, 0, z_next}, kStill).z();
+    // the mean of the forces at both ends makes the work of a spring exact
+    const double f_next = DepthLimit(FloorAtZero()).Step({0, 0, z_next}, kStill).z();
     given_J += 0.5 * (f + f_next) * (z_next - z);
     z = z_next;
   }
@@ -61,12 +61,13 @@ TEST(DepthLimit, MakesNoEnergy) {
   EXPECT_LE(given_J, -stored_J + 1e-9);
 }
 
-// Pushed with 300 N, more than the resistance, the apex comes to the bound and not beyond.
-TEST(DepthLimit, ItsBoundHoldsAgainstAnyHand) {
+// A hand pushes with 300 N, far more than the resistance: the apex reaches the bound at z = 0 and goes no
+// farther.
+TEST(DepthLimit, ItsBoundHoldsAgainstAHandThatIsStrongerThanItsResistance) {
   WorkspaceParams params{.sphere_radius_m = 1.0};
-  params.zones.push_back(ZoneOf(Floor()));
+  params.zones.push_back(ZoneOf(FloorAtZero()));
   const Workspace workspace(params);
-  DepthLimit limit(Floor());
+  DepthLimit limit(FloorAtZero());
   Vector3 p(0, 0, 10e-3), v = Vector3::Zero();
   for (int i = 0; i < 5000; ++i) {
     const Vector3 f = limit.Step(p, v) + Vector3(0, 0, -300.0);
@@ -79,17 +80,17 @@ TEST(DepthLimit, ItsBoundHoldsAgainstAnyHand) {
   EXPECT_TRUE(limit.stops_spindle());
 }
 
-TEST(DepthLimit, IsNotThereWhereItDoesNotAct) {
-  DepthLimitParams params = Floor();
+TEST(DepthLimit, DoesNothingIfItIsTurnedOff) {
+  DepthLimitParams params = FloorAtZero();
   params.acts = false;
   DepthLimit limit(params);
   EXPECT_TRUE(limit.Step({0, 0, -1.0}, {0, 0, -1.0}).isZero(0.0));
   EXPECT_FALSE(limit.stops_spindle() || limit.resists());
 }
 
-TEST(DepthLimit, RefusesWhatMakesNoSense) {
+TEST(DepthLimit, RefusesDistancesAndGainsOutOfRange) {
   const auto refuses = [](double DepthLimitParams::*field, double value) {
-    DepthLimitParams params = Floor();
+    DepthLimitParams params = FloorAtZero();
     params.*field = value;
     EXPECT_THROW(DepthLimit{params}, std::invalid_argument);
   };

@@ -1,3 +1,5 @@
+// The energy limits as forces and speeds, the spindle's trip, and the counts of limits that acted.
+
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -11,14 +13,15 @@
 namespace osteon::safety {
 namespace {
 
-TEST(EnergyLimits, AreForcesAndSpeeds) {
+TEST(EnergyLimits, GiveTheForceAndSpeedOfThatEnergy) {
   const double force_N = ForceOfEnergy(0.5, 10e3), speed_m_per_s = SpeedOfEnergy(0.4, 20.0);
   EXPECT_NEAR(0.5 * force_N * force_N / 10e3, 0.5, 1e-12);
   EXPECT_NEAR(0.5 * 20.0 * speed_m_per_s * speed_m_per_s, 0.4, 1e-12);
   EXPECT_TRUE(std::isinf(ForceOfEnergy(std::numeric_limits<double>::infinity(), 1.0)));
 }
 
-TEST(EnergyLimits, PowerIsTakenFromWhatGivesItAlone) {
+TEST(EnergyLimits, OnlyAWrenchThatGivesPowerIsScaled) {
+  // 100 N × 0.2 m/s + 2 N·m × 1 rad/s = 22 W, into the hand or out of it
   const Wrench F{.f = {100.0, 0, 0}, .t = {0, 0, 2.0}};
   const Twist gives{.v = {0.2, 0, 0}, .w = {0, 0, 1.0}}, takes{.v = {-0.2, 0, 0}, .w = {0, 0, -1.0}};
   EXPECT_EQ(PowerScale(F, gives, 50.0), 1.0);
@@ -26,14 +29,14 @@ TEST(EnergyLimits, PowerIsTakenFromWhatGivesItAlone) {
   EXPECT_EQ(PowerScale(F, takes, 1.0), 1.0);
 }
 
-TEST(EnergyLimits, RefuseWhatIsNotPositive) {
+TEST(EnergyLimits, RefuseValuesThatAreNotPositive) {
   EXPECT_NO_THROW(Validate(EnergyLimitParams{}));
   EXPECT_THROW(Validate({.max_stored_J = 0.0}), std::invalid_argument);
   EXPECT_THROW(Validate({.max_power_W = std::nan("")}), std::invalid_argument);
   EXPECT_THROW(Validate({.moving_mass_kg = -1.0}), std::invalid_argument);
 }
 
-TEST(SpindleTrip, CountsTimeBeyondItsLimitsWithoutAPause) {
+TEST(SpindleTrip, TripsAfterItsTimeBeyondALimitWithoutAPause) {
   SpindleTrip trip({.max_torque_Nm = 5.0, .max_speed_rad_per_s = 30.0, .trip_s = 0.01});
   const auto after = [&](double torque_Nm, double speed, int ticks) {
     bool tripped = false;
@@ -52,7 +55,7 @@ TEST(SpindleTrip, CountsTimeBeyondItsLimitsWithoutAPause) {
   EXPECT_THROW(SpindleTrip({.max_torque_Nm = 0.0}), std::invalid_argument);
 }
 
-TEST(LimitCounts, CountTicksRunsAndTheLongestOfThem) {
+TEST(LimitCounts, CountTicksRunsAndTheLongestRun) {
   LimitCounts counts;
   const auto acts = [&](int ticks) {
     LimitSet acting;

@@ -8,7 +8,7 @@
 namespace osteon::safety {
 namespace {
 
-TEST(FaultText, EveryFaultSaysItsNameCauseReactionAndClearing) {
+TEST(FaultText, EveryFaultHasItsOwnNameCauseReactionAndClearing) {
   std::set<std::string> names;
   for (int bit = 0; bit < kFaultCount; ++bit) {
     const FaultText text = Describe(static_cast<Fault>(1u << bit));
@@ -20,7 +20,7 @@ TEST(FaultText, EveryFaultSaysItsNameCauseReactionAndClearing) {
   }
 }
 
-TEST(FaultText, BeyondTheLastThereIsNone) {
+TEST(FaultText, ABitBeyondTheLastFaultIsUnknown) {
   EXPECT_EQ(std::string(Describe(static_cast<Fault>(1u << kFaultCount)).name), "unknown fault");
 }
 

@@ -16,12 +16,13 @@ namespace {
 
 constexpr double kStiffness_N_per_m = 20e3;
 
-// The rendered force of a one-dimensional spring at a displacement.
+// The force [N] of a one-dimensional spring at the displacement d_m, scaled by the limit.
 double Force(StoredEnergyLimit& limit, double d_m) {
   return limit.Step(d_m, 0.5 * kStiffness_N_per_m * d_m * d_m) * kStiffness_N_per_m * d_m;
 }
 
-TEST(StoredEnergyLimit, GivesBackNoMoreThanItsBoundHoweverDeepItWasPressed) {
+// Presses the spring to a depth in steps of 1 um and releases it; the bound is 0.25 J.
+TEST(StoredEnergyLimit, GivesBackNoMoreThanItsBoundFromAnyDepth) {
   for (const double depth_m : {0.002, 0.005, 0.02, 0.1}) {
     StoredEnergyLimit limit(0.25);
     double put_in_J = 0.0, given_back_J = 0.0, peak_N = 0.0;
@@ -48,7 +49,7 @@ TEST(StoredEnergyLimit, GivesBackNoMoreThanItsBoundHoweverDeepItWasPressed) {
   }
 }
 
-TEST(StoredEnergyLimit, MakesNoEnergyOnAnyWay) {
+TEST(StoredEnergyLimit, GeneratesNoEnergyOnARandomPath) {
   std::mt19937 random(7);
   std::normal_distribution<double> step(0.0, 2e-5);
   StoredEnergyLimit limit(0.1);
@@ -64,7 +65,7 @@ TEST(StoredEnergyLimit, MakesNoEnergyOnAnyWay) {
   EXPECT_LE(most_J, 1e-6) << "what comes out was put in before";
 }
 
-TEST(StoredEnergyLimit, WithoutABoundNothingIsTaken) {
+TEST(StoredEnergyLimit, DoesNotScaleWithoutABoundNorOutOfBone) {
   StoredEnergyLimit limit(std::numeric_limits<double>::infinity());
   EXPECT_EQ(limit.Step(0.1, 1000.0), 1.0);
   StoredEnergyLimit tight(0.01);
@@ -73,13 +74,14 @@ TEST(StoredEnergyLimit, WithoutABoundNothingIsTaken) {
   EXPECT_EQ(tight.Step(0.0, 0.0), 1.0) << "out of bone nothing has slipped";
 }
 
+// A tool at a depth in bone, with the share of the coupling's force that is rendered; the cut face advances.
 ForceLimitInput At(double depth_m, double share, double advance_m_per_s = 0.0) {
   return {.displacement_W = Vector3(0.0, 0.0, depth_m),
           .rendered_scale = share,
           .advance_m_per_s = advance_m_per_s};
 }
 
-TEST(ForceLimitReaction, BoundsTheWayBeyondTheLimitToItsZone) {
+TEST(ForceLimitReaction, KeepsTheToolWithinItsZoneBeyondTheForceLimit) {
   // into bone along -z; the force limit is reached at 4 mm
   ForceLimitReaction reaction({.slow_zone_m = 0.5e-3}, 3.0, 1e-3);
   double depth_m = 0.0;
@@ -97,7 +99,7 @@ TEST(ForceLimitReaction, BoundsTheWayBeyondTheLimitToItsZone) {
   EXPECT_LT(depth_m, 0.00451);
 }
 
-TEST(ForceLimitReaction, GoesOnAsFastAsTheMaterialGivesWay) {
+TEST(ForceLimitReaction, LetsTheToolAdvanceAsFastAsTheMaterialGivesWay) {
   ForceLimitReaction reaction({.advance_factor = 1.1}, 3.0, 1e-3);
   reaction.Step(At(0.006, 0.5, 2e-3));
   Vector3 v(0.0, 0.0, -0.05);
@@ -114,7 +116,7 @@ TEST(ForceLimitReaction, GoesOnAsFastAsTheMaterialGivesWay) {
   EXPECT_NEAR(fast.z(), -(0.2 - 3.0e-3), 1e-12) << "no harder than a stop";
 }
 
-TEST(ForceLimitReaction, EachReactionDoesItsOwn) {
+TEST(ForceLimitReaction, OnlySlowLimitsTheMotionAndOnlyStopAsksForAStop) {
   for (const OnForceLimit kind : {OnForceLimit::kYield, OnForceLimit::kSlow, OnForceLimit::kStop}) {
     ForceLimitReaction reaction({.reaction = kind, .stop_after_s = 0.05, .max_tool_in_bone_m = 0.01}, 3.0,
                                 1e-3);
@@ -138,7 +140,7 @@ TEST(ForceLimitReaction, EachReactionDoesItsOwn) {
   }
 }
 
-TEST(ForceLimitReaction, RefusesWhatItCanNotBe) {
+TEST(ForceLimitReaction, RefusesValuesOutOfRange) {
   EXPECT_THROW(ForceLimitReaction({.advance_factor = 0.9}, 3.0, 1e-3), std::invalid_argument);
   EXPECT_THROW(ForceLimitReaction({.slow_zone_m = 0.0}, 3.0, 1e-3), std::invalid_argument);
   EXPECT_THROW(ForceLimitReaction({.stop_after_s = std::nan("")}, 3.0, 1e-3), std::invalid_argument);

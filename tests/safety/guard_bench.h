@@ -6,10 +6,11 @@
 
 namespace osteon::safety {
 
-/// A guard monitor and an arm that follows at once, in virtual time: a message and its answer per
-/// millisecond.
+/// A guard monitor between a controller and an arm that takes each passed command at once, in virtual time:
+/// one message of the arm and one answer of the controller per millisecond.
 class GuardBench {
  public:
+  /// An iiwa 14 with a tool of 200 mm; its start is in the middle of a sphere, 100 mm above a plane.
   static GuardParams Params() {
     GuardParams params{.arm = kinematics::ChainFrom(kinematics::Iiwa14())};
     params.X_FT.translation() = Vector3(0.0, 0.0, 0.2);
@@ -30,7 +31,7 @@ class GuardBench {
 
   explicit GuardBench(const GuardParams& params = Params()) : monitor(params) {}
 
-  /// A message of the arm.
+  /// Sends the arm's next message to the guard. @returns whether the guard passes it on
   GuardDecision Message(GuardSession session) {
     now += rt::kMillisecond;
     arm.session = session;
@@ -38,7 +39,7 @@ class GuardBench {
     if (session >= GuardSession::kWaiting) arm.q_ipo = StartJoints();
     return monitor.OnArmMessage(arm, now);
   }
-  /// The answer to the message, 0.3 ms later.
+  /// Sends the controller's answer to the newest message, 0.3 ms later; a command that passes moves the arm.
   GuardDecision Answer(GuardCommand command) {
     command.sequence = ++sequence;
     command.reflected = arm.sequence;
@@ -47,7 +48,7 @@ class GuardBench {
     return decision;
   }
   GuardDecision Answer(const GuardJoints& q) { return Answer(GuardCommand{.q = q}); }
-  /// Runs until the arm follows; every message and answer has to pass.
+  /// Runs until the arm is ready to follow. @returns whether every message and answer passed
   bool WalkToActive() {
     bool passes = true;
     for (int i = 0; i < 10; ++i) {
@@ -58,7 +59,7 @@ class GuardBench {
   }
 
   GuardMonitor monitor;
-  GuardArmMessage arm{.sequence = 4'000'000'000u, .q_meas = StartJoints()};  // wraps in a long run
+  GuardArmMessage arm{.sequence = 4'000'000'000u, .q_meas = StartJoints()};  // near the end of 32 bits
   std::uint32_t sequence{0};
   rt::Nanoseconds now{rt::kSecond};
 };

@@ -17,12 +17,12 @@ namespace {
 using kinematics::JointVector;
 using planted::Fault;
 
-constexpr int kEpisodes = 40;
+constexpr int kEpisodes = 40;  // motions in random directions, per fault
 constexpr int kMinCaught = 2;  // some faults show in some directions only, and hold the arm back in others
-constexpr int kTicks = 600;
+constexpr int kTicks = 600;    // length of an episode
 constexpr double kSpeed_m_per_s = 0.15;  // of the controller; the guard has the same limit plus a quarter
 constexpr double kTurn_rad_per_s = 1.0;
-constexpr double kReach_m = 0.06;   // of the workspace's sphere, within reach in these ticks
+constexpr double kReach_m = 0.06;   // radius of the workspace's sphere: the tool reaches it within kTicks
 constexpr double kStart_m = 0.012;  // distance from the start to the bound of a zone
 
 const Pose& ToolOnFlange() {
@@ -34,7 +34,7 @@ const Pose& ToolOnFlange() {
   return X_FT;
 }
 
-// The fault acts during the lifetime of the object.
+// Plants a fault in the controller's code for the lifetime of the object.
 class Plant {
  public:
   explicit Plant(Fault fault) { planted::fault = fault; }
@@ -45,19 +45,20 @@ class Plant {
 
 JointVector ToVector(const GuardJoints& q) { return Eigen::Map<const JointVector>(q.data()); }
 
-// Apex, flange and elbow, by ZonePoint.
+// Places of apex, flange and elbow in the arm's base, in the order of ZonePoint.
 std::array<Vector3, 3> PointsAt(const kinematics::LbrArm& arm, const JointVector& q) {
   const kinematics::LbrArm::ArmPoints points = arm.Points(q);
   return {points.X_BF * Vector3(ToolOnFlange().translation()), points.X_BF.translation(), points.p_BElbow};
 }
 
-// Moves along a direction in joint space at the tool's speed limit, and brakes before the bounds of its
-// points as the loop does (Workspace::Share). It has no supervision of its own.
+// Moves along a direction in joint space at the tool's speed limit, and brakes before the workspace's bounds
+// as the servo loop does (Workspace::Share). It does not check its own commands.
 class Controller {
  public:
   Controller(const GuardParams& limits, const JointVector& direction)
       : limits_(limits), arm_(kinematics::Iiwa14()), workspace_(limits.workspace), direction_(direction) {}
 
+  /// The next command [rad], from the joints of the previous one.
   [[nodiscard]] GuardJoints Next(const GuardJoints& from) const {
     const JointVector q = ToVector(from);
     const Eigen::Matrix<double, 6, 1> V = arm_.JacobianAt(q, ToolOnFlange().translation()) * direction_;
@@ -88,10 +89,11 @@ class Controller {
   JointVector direction_;
 };
 
+// A fault, and for a fault of zones the zone that shows it.
 struct Row {
   Fault fault;
   const char* name;
-  std::optional<ZoneShape> shape{};  // the shape, for a fault of zones
+  std::optional<ZoneShape> shape{};  // none: a fault of the kinematics
   ZoneSide side{ZoneSide::kKeepIn};
 };
 void PrintTo(const Row& row, std::ostream* out) { *out << row.name; }
@@ -174,7 +176,8 @@ class GuardFaults : public testing::TestWithParam<Row> {
     return JointsToward(at, toward);
   }
 
-  // By finite differences, with the correct arm.
+  // Direction in joint space that moves a point of the arm along `way`, by finite differences, without a
+  // fault.
   JointVector JointsToward(std::size_t point, const Vector3& way) {
     constexpr double kStep_rad = 1e-6;
     JointVector direction;
@@ -191,7 +194,7 @@ class GuardFaults : public testing::TestWithParam<Row> {
     return direction;
   }
 
-  // Number of episodes that the guard ended.
+  // Runs the controller with a fault. Returns in how many episodes the guard withheld a command.
   int Caught(const Row& row, Fault fault) {
     int caught = 0;
     for (int episode = 0; episode < kEpisodes; ++episode) {
@@ -221,20 +224,20 @@ class GuardFaults : public testing::TestWithParam<Row> {
   const JointVector q_ = ToVector(GuardBench::StartJoints());
 };
 
-TEST_P(GuardFaults, AreCaught) {
+TEST_P(GuardFaults, EachIsCaught) {
   EXPECT_GE(Caught(GetParam(), GetParam().fault), kMinCaught) << "of " << kEpisodes << " episodes";
 }
 
 // The same controller with correct code: the guard must find nothing.
-TEST_P(GuardFaults, AreAllThatIsFound) { EXPECT_EQ(Caught(GetParam(), Fault::kNone), 0); }
+TEST_P(GuardFaults, CorrectCodeIsNeverStopped) { EXPECT_EQ(Caught(GetParam(), Fault::kNone), 0); }
 
 INSTANTIATE_TEST_SUITE_P(Kinematics, GuardFaults, testing::ValuesIn(kKinematics),
                          [](const auto& row) { return row.param.name; });
 INSTANTIATE_TEST_SUITE_P(Zones, GuardFaults, testing::ValuesIn(kZones),
                          [](const auto& row) { return row.param.name; });
 
-// Sends torques of the largest allowed force in the directions in which each joint has its lever. True if a
-// command is caught.
+// For each joint, sends the torques of the largest allowed force in the direction in which this joint has its
+// longest lever, by the controller's Jacobian. Returns whether the guard withheld any of them.
 bool CatchesTorques(Fault fault) {
   bool caught = false;
   for (int joint = 0; joint < 7; ++joint) {
@@ -258,13 +261,14 @@ bool CatchesTorques(Fault fault) {
   return caught;
 }
 
-TEST(GuardJacobian, TorquesByLeversThatAreTooLongAreCaught) {
+TEST(GuardJacobian, TorquesFromLeversThatAreTooLongAreCaught) {
   EXPECT_TRUE(CatchesTorques(Fault::kJacobianOffset));
   EXPECT_FALSE(CatchesTorques(Fault::kNone));
 }
 
-// The hand's force is found from the arm's torques independently of the controller's Jacobian.
-TEST(GuardJacobian, TheHandIsMeasuredWithoutTheControllersJacobian) {
+// The guard computes the hand's force from the arm's external torques. A fault in the controller's Jacobian
+// must not change it: 2 % below the guard's limit (250 N plus a quarter) passes, 2 % above is found.
+TEST(GuardJacobian, TheHandsForceIsMeasuredWithoutTheControllersJacobian) {
   for (const Fault fault :
        {Fault::kNone, Fault::kJacobianSign, Fault::kJacobianOffset, Fault::kJacobianAxis, Fault::kJointSign})
     for (const double ratio : {0.98, 1.02}) {

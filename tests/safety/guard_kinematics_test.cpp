@@ -24,12 +24,13 @@ using Joints = GuardKinematics::Joints;
 
 constexpr double kRounding = 1e-12;  // some hundred products of numbers around 1, with a margin
 
+// A random pose.
 Pose AnyPose(std::mt19937_64& random) { return RandomChain<7>(random).X_LF; }
 
 Vector3 ToVector(const KDL::Vector& v) { return {v.x(), v.y(), v.z()}; }
 
-// The point of the line through p along a that is nearest to the line through q along b, both unit: from the
-// two equations that the connecting vector is perpendicular to both.
+// The point of the line through p along a that is nearest to the line through q along b; a and b are unit
+// vectors. Solves the two equations that the connecting vector is perpendicular to a and to b.
 Vector3 NearestOfLine(const Vector3& p, const Vector3& a, const Vector3& q, const Vector3& b) {
   Eigen::Matrix2d equations;
   equations << 1.0, -a.dot(b), a.dot(b), -1.0;
@@ -37,9 +38,9 @@ Vector3 NearestOfLine(const Vector3& p, const Vector3& a, const Vector3& q, cons
   return p + along[0] * a;
 }
 
-// Largest difference from KDL over random postures: positions, the tool's rotation, the joints' motions.
-double BesideKdl(const ChainParams<7>& chain, const Pose& X_WB, const Pose& X_FT, int postures,
-                 std::mt19937_64& random) {
+// Compares positions [m], the tool's rotation matrix and the joints' motions over random postures.
+double LargestDifferenceFromKdl(const ChainParams<7>& chain, const Pose& X_WB, const Pose& X_FT, int postures,
+                                std::mt19937_64& random) {
   const GuardKinematics arm(chain, X_WB, X_FT);
   const KDL::Chain described = KdlChain(chain);
   KDL::ChainFkSolverPos_recursive forward(described);
@@ -83,20 +84,22 @@ double BesideKdl(const ChainParams<7>& chain, const Pose& X_WB, const Pose& X_FT
   return worst;
 }
 
-TEST(GuardKinematics, OfAnIiwaIsKdls) {
+TEST(GuardKinematics, EqualsKdlForAnIiwa) {
   std::mt19937_64 random{20261126};
-  EXPECT_LT(BesideKdl(Iiwa14Chain(), AnyPose(random), AnyPose(random), 20'000, random), kRounding);
+  EXPECT_LT(LargestDifferenceFromKdl(Iiwa14Chain(), AnyPose(random), AnyPose(random), 20'000, random),
+            kRounding);
 }
 
-TEST(GuardKinematics, OfAnyArmIsKdls) {
+TEST(GuardKinematics, EqualsKdlForRandomArms) {
   std::mt19937_64 random{7};
   for (int arm = 0; arm < 200; ++arm)
-    EXPECT_LT(BesideKdl(RandomChain<7>(random), AnyPose(random), AnyPose(random), 50, random), kRounding);
+    EXPECT_LT(LargestDifferenceFromKdl(RandomChain<7>(random), AnyPose(random), AnyPose(random), 50, random),
+              kRounding);
 }
 
-// An iiwa 14: shoulder at 360 mm, elbow 420 mm farther, wrist 400 mm farther, flange 126 mm farther; here
-// with a tool of 100 mm.
-TEST(GuardKinematics, OfAnIiwaIsAsWorkedOutByHand) {
+// An iiwa 14 with a tool of 100 mm. Its shoulder is at 360 mm, its elbow 420 mm farther, its wrist 400 mm
+// farther, its flange 126 mm farther.
+TEST(GuardKinematics, EqualsPosturesOfAnIiwaThatWereWorkedOutByHand) {
   ChainParams<7> chain = Iiwa14Chain();
   Pose X_FT = Pose::Identity();
   X_FT.translation() = Vector3(0.0, 0.0, 0.1);
@@ -133,7 +136,7 @@ TEST(GuardKinematics, OfAnIiwaIsAsWorkedOutByHand) {
       << arm.ComputePlacement(q).R_WT.col(0).transpose();
 }
 
-TEST(GuardKinematics, RefusesAnArmThatIsNone) {
+TEST(GuardKinematics, RefusesAxesAndRotationsThatAreNotUnitOrNotFinite) {
   const auto refuses = [](auto change) {
     ChainParams<7> chain = Iiwa14Chain();
     Pose X_WB = Pose::Identity(), X_FT = Pose::Identity();
@@ -149,7 +152,7 @@ TEST(GuardKinematics, RefusesAnArmThatIsNone) {
   refuses([&](ChainParams<7>&, Pose&, Pose& X_FT) { X_FT.linear().setZero(); });
 }
 
-// The whole guard, linked without the code that it supervises.
+// The whole guard is linked without the code that it supervises. The tool creeps out of a sphere of 1 mm.
 TEST(GuardAlone, JudgesAnArmWithoutTheControllersCode) {
   GuardParams params{.arm = Iiwa14Chain()};
   const GuardJoints start{0.1, 0.6, -0.2, -1.3, 0.3, 0.9, -0.4};

@@ -19,7 +19,8 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(),
 
 GuardFinding Found(const GuardBench& bench) { return bench.monitor.reason().finding; }
 
-// Sends one wild answer to an arm that follows, and expects the finding.
+// Sends one bad answer to an arm that follows: the guard must withhold it with this finding, and pass nothing
+// more.
 void ExpectWithheld(const GuardCommand& command, GuardFinding finding,
                     const GuardParams& params = GuardBench::Params()) {
   GuardBench bench(params);
@@ -34,13 +35,14 @@ void ExpectWithheld(const GuardCommand& command, GuardFinding finding,
   EXPECT_EQ(Found(bench), finding);
 }
 
+// The start posture with one joint moved.
 GuardCommand Moved(int joint, double by_rad) {
   GuardCommand command{.q = GuardBench::StartJoints()};
   (*command.q)[static_cast<std::size_t>(joint)] += by_rad;
   return command;
 }
 
-TEST(GuardMonitor, LetsAMotionWithinTheLimitsPassWhole) {
+TEST(GuardMonitor, PassesEveryCommandOfAMotionWithinTheLimits) {
   GuardBench bench;
   ASSERT_TRUE(bench.WalkToActive());
   // all joints swing; the apex reaches some 200 mm/s
@@ -84,7 +86,7 @@ TEST(GuardMonitor, HoldsEachJointToItsSpeedAndItsRange) {
   }
 }
 
-TEST(GuardMonitor, HoldsTheToolToItsSpeedAndItsTurn) {
+TEST(GuardMonitor, HoldsTheToolToItsLinearAndAngularSpeed) {
   const GuardParams params = GuardBench::Params();
   // A1 turns the whole arm: the apex' speed is proportional to its distance from that axis
   const Vector3 p = GuardBench::Start().translation();
@@ -101,8 +103,8 @@ TEST(GuardMonitor, HoldsTheToolToItsSpeedAndItsTurn) {
                  GuardFinding::kToolTurn);
 }
 
-// A creeping command is stopped at the bound, wherever that is.
-TEST(GuardMonitor, EndsACreepAtTheWorkspaceAndAtThePlane) {
+// Steps of 0.1 mrad, each harmless, lead out of the sphere (A1) or below the plane (A2).
+TEST(GuardMonitor, StopsASlowMotionAtTheSphereAndAtThePlane) {
   for (const int joint : {0, 1}) {
     GuardBench bench;
     ASSERT_TRUE(bench.WalkToActive());
@@ -120,7 +122,7 @@ TEST(GuardMonitor, EndsACreepAtTheWorkspaceAndAtThePlane) {
   }
 }
 
-TEST(GuardMonitor, EndsACreepAtTheZonesOfFlangeAndElbow) {
+TEST(GuardMonitor, StopsASlowMotionAtTheZonesOfFlangeAndElbow) {
   const kinematics::LbrArm arm(kinematics::Iiwa14());
   for (const ZonePoint point : {ZonePoint::kFlange, ZonePoint::kElbow}) {
     const auto place = [&](const GuardJoints& joints) {
@@ -144,9 +146,9 @@ TEST(GuardMonitor, EndsACreepAtTheZonesOfFlangeAndElbow) {
   }
 }
 
-// The posture at the handing over counts, although the first command is past the bound already, within the
-// margin.
-TEST(GuardMonitor, EndsACreepOutOfAZoneThatTheArmWasHandedOverIn) {
+// A zone binds if the arm was inside when it was handed over. Here the first command is already past the
+// bound, but within the margin, and must pass.
+TEST(GuardMonitor, StopsASlowMotionOutOfAZoneInWhichTheArmWasHandedOver) {
   GuardParams params = GuardBench::Params();
   params.workspace.zones = {
       {.shape = ZoneShape::kSphere, .p_W_m = GuardBench::Start().translation(), .radius_m = 1e-5}};
@@ -163,7 +165,7 @@ TEST(GuardMonitor, EndsACreepOutOfAZoneThatTheArmWasHandedOverIn) {
   EXPECT_GT(passed, 10);
 }
 
-TEST(GuardMonitor, LetsAnArmThatStandsOutsideComeInButNotOutAgain) {
+TEST(GuardMonitor, AnArmThatStartsOutsideMayComeInButNotGoOutAgain) {
   GuardParams params = GuardBench::Params();
   params.workspace.sphere_center_W_m.y() += 0.25;  // 0.1 m beyond the sphere
   GuardBench bench(params);
@@ -183,9 +185,9 @@ TEST(GuardMonitor, LetsAnArmThatStandsOutsideComeInButNotOutAgain) {
   EXPECT_EQ(Found(bench), GuardFinding::kWorkspace);
 }
 
-// A compliant arm sags when it is handed over; its springs are then set to the measured posture, as fast as
-// the joints may move.
-TEST(GuardMonitor, LetsACompliantArmRelaxAndNothingElse) {
+// A compliant arm sags when it is handed over. The controller then commands the measured posture at once, as
+// fast as the joints may move, which is faster than the tool may.
+TEST(GuardMonitor, ACompliantArmMayStepFasterOnlyTowardItsMeasuredPosture) {
   const auto judge = [](bool compliant, double measured_rad, double step_rad) {
     GuardBench bench;
     EXPECT_TRUE(bench.WalkToActive());
@@ -202,7 +204,7 @@ TEST(GuardMonitor, LetsACompliantArmRelaxAndNothingElse) {
   EXPECT_EQ(judge(true, 0.01, 2e-3), GuardFinding::kJointSpeed);
 }
 
-TEST(GuardMonitor, TheWayToTheStartHasItsOwnSpeedUntilTheStartWasReached) {
+TEST(GuardMonitor, ThePathToTheStartHasItsOwnSpeedLimitUntilTheStartIsReached) {
   GuardParams params = GuardBench::Params();
   params.max_speed_m_per_s = 0.1;
   params.q_start = GuardBench::StartJoints();
@@ -305,7 +307,7 @@ TEST(GuardMonitor, PassesAnswersToTheNewestMessageOnceAndInTime) {
   EXPECT_EQ(Found(other), GuardFinding::kNeverSent);
 }
 
-TEST(GuardMonitor, DropsMessagesOfTheArmThatAreNotNewAndBelievesANewSession) {
+TEST(GuardMonitor, DropsMessagesOfTheArmThatAreNotNewAndAcceptsANewSession) {
   GuardBench bench;
   ASSERT_TRUE(bench.WalkToActive());
   EXPECT_EQ(bench.monitor.OnArmMessage(bench.arm, bench.now), GuardDecision::kDrop);
@@ -316,7 +318,7 @@ TEST(GuardMonitor, DropsMessagesOfTheArmThatAreNotNewAndBelievesANewSession) {
   EXPECT_EQ(bench.Answer(GuardBench::StartJoints()), GuardDecision::kPass);
 }
 
-TEST(GuardMonitor, WithdrawsWhereTheControllerFallsSilentWhileTheArmMoves) {
+TEST(GuardMonitor, WithdrawsItsPermitIfTheControllerFallsSilentWhileTheArmMoves) {
   GuardBench bench;
   ASSERT_TRUE(bench.WalkToActive());
   for (int i = 1; i <= 5; ++i) {
@@ -334,7 +336,7 @@ TEST(GuardMonitor, WithdrawsWhereTheControllerFallsSilentWhileTheArmMoves) {
   EXPECT_FALSE(bench.monitor.permits());
 }
 
-TEST(GuardMonitor, AControllerThatEndsWithTheArmAtRestMayComeBack) {
+TEST(GuardMonitor, AControllerThatFallsSilentWithTheArmAtRestMayComeBack) {
   GuardBench bench;
   ASSERT_TRUE(bench.WalkToActive());
   for (int i = 1; i <= 5; ++i) {
@@ -352,7 +354,7 @@ TEST(GuardMonitor, AControllerThatEndsWithTheArmAtRestMayComeBack) {
   EXPECT_TRUE(bench.monitor.permits());
 }
 
-TEST(GuardMonitor, WhatTheGuardItselfKeptWaitingIsNotHeldAgainstTheController) {
+TEST(GuardMonitor, TheGuardsOwnDelayDoesNotCountAsTheControllersSilence) {
   GuardBench bench;
   ASSERT_TRUE(bench.WalkToActive());
   bench.Message(GuardSession::kActive);
@@ -365,8 +367,7 @@ TEST(GuardMonitor, WhatTheGuardItselfKeptWaitingIsNotHeldAgainstTheController) {
   EXPECT_EQ(Found(bench), GuardFinding::kSilence);
 }
 
-// An arm that falls silent does not count as the controller's silence.
-TEST(GuardMonitor, AnArmThatFallsSilentIsNotHeldAgainstTheController) {
+TEST(GuardMonitor, TheArmsSilenceDoesNotCountAsTheControllers) {
   GuardBench bench;
   ASSERT_TRUE(bench.WalkToActive());
   bench.Message(GuardSession::kActive);
@@ -375,7 +376,7 @@ TEST(GuardMonitor, AnArmThatFallsSilentIsNotHeldAgainstTheController) {
   EXPECT_TRUE(bench.monitor.permits());
 }
 
-TEST(GuardMonitor, FindsAHandThatPushesBeyondItsLimitByTheArmsTorques) {
+TEST(GuardMonitor, FindsAHandForceBeyondItsLimitFromTheArmsTorques) {
   const kinematics::SerialChain<7> chain(GuardBench::Params().arm);
   const auto J = chain.Jacobian(
       chain.ComputePosture(Eigen::Map<const kinematics::JointVector>(GuardBench::StartJoints().data())));
@@ -409,7 +410,7 @@ TEST(GuardMonitor, RefusesAnswersWithoutAPositionOrWithACartesianPose) {
   EXPECT_EQ(Found(bench), GuardFinding::kNotMirrored);
 }
 
-TEST(GuardMonitor, SaysEveryFindingInALineWithWhatIsAccepted) {
+TEST(GuardMonitor, DescribesEveryFindingInALineWithFoundAndAccepted) {
   for (int i = 1; i < kGuardFindings; ++i) {
     const std::string text = Describe(GuardReason{.finding = static_cast<GuardFinding>(i), .joint = 4});
     EXPECT_NE(text.find("found "), std::string::npos) << i << text;
@@ -418,7 +419,7 @@ TEST(GuardMonitor, SaysEveryFindingInALineWithWhatIsAccepted) {
   }
 }
 
-TEST(GuardMonitor, RefusesEachNumberThatIsNoneByItsName) {
+TEST(GuardMonitor, NamesEachParameterThatIsNotPositiveAndFinite) {
   const std::pair<const char*, double GuardParams::*> positive[] = {
       {"period_s", &GuardParams::period_s},
       {"max_speed_m_per_s", &GuardParams::max_speed_m_per_s},
@@ -447,7 +448,7 @@ TEST(GuardMonitor, RefusesEachNumberThatIsNoneByItsName) {
     }
 }
 
-TEST(GuardMonitor, RefusesParametersThatAreNone) {
+TEST(GuardMonitor, RefusesParametersOutOfRange) {
   const auto refuses = [](auto change) {
     GuardParams params = GuardBench::Params();
     change(params);

@@ -16,12 +16,13 @@ namespace {
 // two kinematics of one arm differ by rounding: 1e-15 m in steps of 1e-9 m
 constexpr double kSlack = 1.0 + 1e-6;
 
-// The commands that an arm received.
+// Checks each command that the guard passed, from the one before and the time between them.
 class Oracle {
  public:
   Oracle() : before_(GuardBench::StartJoints()) {}
 
-  void Take(const GuardCommand& command, const GuardJoints& q_meas, std::uint32_t message) {
+  /// @param message  sequence number of the arm's message that the command answers
+  void CheckPassed(const GuardCommand& command, const GuardJoints& q_meas, std::uint32_t message) {
     const GuardParams limits = GuardBench::Params();
     ASSERT_TRUE(command.q);
     const double time_s = std::clamp(message - before_message_, 1u, 10u) * limits.period_s;
@@ -55,22 +56,22 @@ class Oracle {
   std::uint32_t before_message_{0};
 };
 
-double Wild(std::mt19937_64& random) {
-  constexpr double kSome[] = {std::numeric_limits<double>::quiet_NaN(),
-                              std::numeric_limits<double>::infinity(),
-                              -std::numeric_limits<double>::infinity(),
-                              1e308,
-                              -1e308,
-                              std::numeric_limits<double>::denorm_min(),
-                              6.283185307179586,
-                              -0.0};
-  if (random() % 2 == 0) return kSome[random() % std::size(kSome)];
-  // any size from a tenth of a microradian up
+// A special value (not finite, huge, tiny) or one of any size from 1e-7 to 100, each half of the time.
+double WildValue(std::mt19937_64& random) {
+  constexpr double kSpecial[] = {std::numeric_limits<double>::quiet_NaN(),
+                                 std::numeric_limits<double>::infinity(),
+                                 -std::numeric_limits<double>::infinity(),
+                                 1e308,
+                                 -1e308,
+                                 std::numeric_limits<double>::denorm_min(),
+                                 6.283185307179586,
+                                 -0.0};
+  if (random() % 2 == 0) return kSpecial[random() % std::size(kSpecial)];
   const double size = std::pow(10.0, std::uniform_real_distribution<double>(-7.0, 2.0)(random));
   return random() % 2 ? size : -size;
 }
 
-TEST(GuardWild, NoCommandBeyondALimitPassesWhateverComes) {
+TEST(GuardWild, NoCommandBeyondALimitPassesAmongRandomErrors) {
   std::mt19937_64 random(20261122);
   std::uint64_t passed = 0, withheld = 0, latched = 0;
   for (int run = 0; run < 4000; ++run) {
@@ -84,7 +85,7 @@ TEST(GuardWild, NoCommandBeyondALimitPassesWhateverComes) {
     const double speed = std::pow(10.0, std::uniform_real_distribution<double>(-6.0, -2.5)(random));
     for (double& joint : drift) joint = speed * std::uniform_real_distribution<double>(-1.0, 1.0)(random);
     for (int tick = 0; tick < 300; ++tick) {
-      if (random() % 150 == 0) bench.arm.q_meas[random() % 7] += 0.01 * Wild(random);  // a wrong reading
+      if (random() % 150 == 0) bench.arm.q_meas[random() % 7] += 0.01 * WildValue(random);  // a wrong reading
       bench.Message(GuardSession::kActive);
       bench.monitor.CheckSilence(bench.now);
       if (random() % 20 == 0) continue;  // silence
@@ -93,13 +94,13 @@ TEST(GuardWild, NoCommandBeyondALimitPassesWhateverComes) {
       std::uint32_t reflected = bench.arm.sequence;
       switch (random() % 150) {
         case 0:
-          (*command.q)[random() % 7] = Wild(random);
+          (*command.q)[random() % 7] = WildValue(random);
           break;
         case 1:
-          (*command.q)[random() % 7] += Wild(random);
+          (*command.q)[random() % 7] += WildValue(random);
           break;
         case 2:
-          command.wrench.emplace()[random() % 6] = 10.0 * Wild(random);
+          command.wrench.emplace()[random() % 6] = 10.0 * WildValue(random);
           break;
         case 3:
           reflected -= static_cast<std::uint32_t>(random() % 5);
@@ -108,7 +109,7 @@ TEST(GuardWild, NoCommandBeyondALimitPassesWhateverComes) {
           command.q.reset();
           break;
         case 5:
-          command.tau.emplace()[random() % 7] = Wild(random);
+          command.tau.emplace()[random() % 7] = WildValue(random);
           break;
         default:
           break;
@@ -123,7 +124,7 @@ TEST(GuardWild, NoCommandBeyondALimitPassesWhateverComes) {
       }
       ASSERT_FALSE(was_latched) << "nothing passes any more";
       ++passed;
-      ASSERT_NO_FATAL_FAILURE(oracle.Take(command, bench.arm.q_meas, reflected))
+      ASSERT_NO_FATAL_FAILURE(oracle.CheckPassed(command, bench.arm.q_meas, reflected))
           << "run " << run << " tick " << tick;
       bench.arm.q_meas = *command.q;
     }

@@ -22,6 +22,7 @@ ZoneParams Plain(ZoneShape shape, ZoneSide side) {
       .shape = shape, .side = side, .half_edge_m = {0.1, 0.2, 0.3}, .radius_m = 0.1, .half_length_m = 0.2};
 }
 
+// Margin of p in a plain zone that keeps it in, or out [m]; negative beyond the bound.
 double In(ZoneShape shape, const Vector3& p) { return GuardZoneMargin_m(Plain(shape, ZoneSide::kKeepIn), p); }
 double Out(ZoneShape shape, const Vector3& p) {
   return GuardZoneMargin_m(Plain(shape, ZoneSide::kKeepOut), p);
@@ -46,7 +47,7 @@ TEST(GuardZone, DistancesAreAsWorkedOutByHand) {
   EXPECT_NEAR(In(ZoneShape::kCapsule, {0.03, 0.0, 0.24}), 0.05, kHandRounding);
 }
 
-TEST(GuardZone, WhatIsKeptOutIsTheOppositeOfWhatIsKeptIn) {
+TEST(GuardZone, TheMarginOfAKeepOutZoneIsTheNegativeOfTheKeepInZones) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> within(-0.5, 0.5);
   for (const ZoneShape shape : kShapes)
@@ -57,7 +58,7 @@ TEST(GuardZone, WhatIsKeptOutIsTheOppositeOfWhatIsKeptIn) {
 }
 
 // Moving and rotating a set is equivalent to moving and rotating the point the opposite way.
-TEST(GuardZone, TurnsAndMovesWithItsParameters) {
+TEST(GuardZone, MovesAndRotatesWithItsPose) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> within(-0.5, 0.5);
   for (const ZoneShape shape : kShapes)
@@ -71,9 +72,9 @@ TEST(GuardZone, TurnsAndMovesWithItsParameters) {
     }
 }
 
-// The distance is Euclidean: it changes by the full length of a step along its gradient, and by at most that
-// along any other. From outside, the point at that distance along it is on the surface.
-TEST(GuardZone, DistancesFromOutsideAreEuclids) {
+// A Euclidean distance changes by at most the length of a step, and by the full length along its gradient.
+// From outside, a step against the gradient by the distance ends on the surface.
+TEST(GuardZone, DistancesFromOutsideAreEuclidean) {
   std::mt19937_64 random(8);
   std::uniform_real_distribution<double> within(-0.6, 0.6);
   for (const ZoneShape shape : kShapes)
@@ -94,8 +95,7 @@ TEST(GuardZone, DistancesFromOutsideAreEuclids) {
     }
 }
 
-// A point that is not finite is never inside.
-TEST(GuardZone, APlaceThatIsNoNumberIsNeverInside) {
+TEST(GuardZone, APointThatIsNotFiniteIsNeverInside) {
   for (const ZoneShape shape : kShapes)
     for (int i = 0; i < 3; ++i)
       for (const ZoneSide side : {ZoneSide::kKeepIn, ZoneSide::kKeepOut}) {
@@ -105,7 +105,7 @@ TEST(GuardZone, APlaceThatIsNoNumberIsNeverInside) {
       }
 }
 
-TEST(GuardZone, RefusesAZoneThatIsNone) {
+TEST(GuardZone, RefusesZonesWithoutSizeOrValidPose) {
   const auto refuses = [](ZoneParams zone) { EXPECT_THROW(RequireGuardZone(zone), std::invalid_argument); };
   refuses({.shape = ZoneShape::kSphere, .radius_m = 0.0});
   refuses({.shape = ZoneShape::kCapsule, .radius_m = kNaN});

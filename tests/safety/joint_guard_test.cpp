@@ -15,6 +15,7 @@ using Guard = JointGuard<7>;
 using JointVector = Guard::Joints;
 constexpr double kDt_s = 0.001;
 
+// Seven equal joints: ±2 rad, 1.5 rad/s, of which the guard allows 90 %.
 JointGuardParams Params() {
   JointGuardParams params;
   params.limits.fill({.lower_rad = -2.0,
@@ -25,7 +26,7 @@ JointGuardParams Params() {
   return params;
 }
 
-TEST(JointGuard, ScalesTheWholeStepAndClipsNoSingleJoint) {
+TEST(JointGuard, ScalesTheWholeStepByTheFastestJoint) {
   const Guard guard(Params());
   JointVector wanted;
   wanted << 0.01, -0.005, 0.001, 0.0, 0.0, 0.002, -0.003;  // A1 wants 10 rad/s, 1.35 are allowed
@@ -58,7 +59,7 @@ TEST(JointGuard, ApproachToAPositionLimitIsMonotoneAndEndsBeforeIt) {
 }
 
 // A KR's A2 has the range -190 … 45 deg: each direction ends at its own limit.
-TEST(JointGuard, EitherSideHasItsOwnLimit) {
+TEST(JointGuard, EachDirectionEndsAtItsOwnLimit) {
   JointGuardParams params = Params();
   params.limits[1].lower_rad = -3.3;
   params.limits[1].upper_rad = 0.8;
@@ -77,7 +78,8 @@ TEST(JointGuard, EitherSideHasItsOwnLimit) {
   EXPECT_FALSE(guard.Limit(q, JointVector::Zero(), kDt_s).violated);
 }
 
-TEST(JointGuard, AnotherBranchIsNoMotion) {
+// Such a step comes from an inverse kinematics that changed to another branch.
+TEST(JointGuard, AStepOfRadiansIsAJumpAndIsNotMade) {
   const Guard guard(Params());
   JointVector wanted = JointVector::Zero();
   wanted[6] = 3.0;
@@ -88,7 +90,7 @@ TEST(JointGuard, AnotherBranchIsNoMotion) {
   EXPECT_TRUE(guard.Limit(JointVector::Zero(), wanted, kDt_s).jump);
 }
 
-TEST(JointGuard, OutsideTheArmsOwnLimitsIsViolation) {
+TEST(JointGuard, AJointOutsideItsRangeIsAViolation) {
   JointVector q = JointVector::Zero();
   q[1] = -2.01;
   EXPECT_TRUE(Guard(Params()).Limit(q, JointVector::Zero(), kDt_s).violated);
@@ -101,7 +103,7 @@ TEST(JointGuard, RefusesLimitsThatAreNotSet) {
   EXPECT_THROW(Guard{params}, std::invalid_argument);
 }
 
-TEST(JointGuard, OfASixAxisArmTheSeventhLimitDoesNotCount) {
+TEST(JointGuard, TheGuardOfASixAxisArmIgnoresTheSeventhLimit) {
   JointGuardParams params = Params();
   params.limits[6] = {};
   const JointGuard<6> guard(params);

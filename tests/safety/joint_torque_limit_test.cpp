@@ -18,7 +18,7 @@ Joints MaxTorques() {
 // The torque of gravity: `sign` times 90 N·m on the second joint.
 Joints Gravity(double sign) { return sign * 90.0 * Joints::Unit(1); }
 
-TEST(JointTorqueLimit, LetsThroughWhatEveryJointHoldsBesideGravityAndScalesTheRestAsAWhole) {
+TEST(JointTorqueLimit, ScalesAllTorquesUntilEachJointHoldsItsOwnBesideGravity) {
   const JointTorqueLimit<7> limit(MaxTorques());
   for (const double sign : {-1.0, 1.0}) {
     Joints tau = Joints::Constant(10.0);
@@ -36,10 +36,10 @@ TEST(JointTorqueLimit, LetsThroughWhatEveryJointHoldsBesideGravityAndScalesTheRe
   EXPECT_EQ(limit.MaxScale(Gravity(1.0), Joints::Constant(std::numeric_limits<double>::quiet_NaN())), 0.0);
 }
 
-TEST(JointTorqueLimit, TripsAMessageBeforeATorqueThatGoesOnAsItCameIsBeyond) {
+TEST(JointTorqueLimit, TripsOneMessageBeforeATorqueExceedsItsLimitAtItsPresentRate) {
   JointTorqueLimit<7> limit(MaxTorques());
   int message = 0;
-  for (; message < 100; ++message)  // the sixth joint holds 40
+  for (; message < 100; ++message)  // the sixth joint, which holds 40 N·m, gets 3 N·m more with each message
     if (limit.PredictOverload(Joints::Zero(), -3.0 * message * Joints::Unit(5))) break;
   EXPECT_EQ(message, 13) << "39 is held, 42 would not be";
 }
@@ -51,7 +51,7 @@ TEST(JointTorqueLimit, HoldsAConstantTorqueUpToTheLimit) {
   EXPECT_TRUE(limit.PredictOverload(Gravity(1.0), 230.1 * Joints::Unit(1)));
 }
 
-TEST(JointTorqueLimit, AnEstimateThatIsNotFiniteSaysNothingAndIsForgotten) {
+TEST(JointTorqueLimit, AnEstimateThatIsNotFiniteIsIgnored) {
   JointTorqueLimit<7> limit(MaxTorques());
   EXPECT_FALSE(limit.PredictOverload(Joints::Zero(), Joints::Zero()));
   EXPECT_FALSE(

@@ -54,7 +54,7 @@ TEST(WrenchLimiter, LeavesAWrenchWithinItsLimitsAsItIs) {
   EXPECT_EQ(limited.F.t, F.t);
 }
 
-TEST(WrenchLimiter, TheCeilingHoldsWhateverIsConfigured) {
+TEST(WrenchLimiter, NoConfigurationRaisesTheForceLimitAbove200N) {
   EXPECT_EQ(WrenchLimiter({.max_force_N = 1e6}).max_force_N(), 200.0);
   EXPECT_LE(WrenchLimiter({.max_force_N = 1e6}).Limit({.f = {0.0, 0.0, 500.0}, .t = {}}).F.f.norm(), 200.0);
   EXPECT_THROW(WrenchLimiter({.max_force_N = 0.0}), std::invalid_argument);
@@ -62,7 +62,7 @@ TEST(WrenchLimiter, TheCeilingHoldsWhateverIsConfigured) {
   EXPECT_THROW(WrenchLimiter({.max_torque_Nm = -1.0}), std::invalid_argument);
 }
 
-TEST(WrenchLimiter, WhatIsNotFiniteBecomesZero) {
+TEST(WrenchLimiter, AWrenchThatIsNotFiniteBecomesZero) {
   for (const double bad : {kNan, kInf, -kInf})
     for (int i = 0; i < 6; ++i) {
       Wrench F{.f = {1.0, 2.0, 3.0}, .t = {1.0, 2.0, 3.0}};
@@ -95,7 +95,7 @@ struct DrawnArm {
   }
 };
 
-TEST(WrenchLimiter, NoJointIsAskedForMoreThanItsTorqueAndTheDirectionIsKept) {
+TEST(WrenchLimiter, KeepsEachJointWithinItsTorqueAndTheWrenchesDirection) {
   const WrenchLimiter limiter({.max_force_N = 200.0, .max_torque_Nm = 20.0});
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -120,7 +120,7 @@ TEST(WrenchLimiter, NoJointIsAskedForMoreThanItsTorqueAndTheDirectionIsKept) {
   EXPECT_GT(by_cell, 1000);
 }
 
-TEST(WrenchLimiter, WhatTheArmCanHoldPassesBitForBit) {
+TEST(WrenchLimiter, AWrenchThatTheArmCanHoldPassesBitForBit) {
   std::mt19937_64 random(3);
   const DrawnArm arm(random);
   const Wrench F{.f = {0.1, 0.2, 3.0}, .t = {0.1, 0.2, 0.3}};
@@ -131,7 +131,7 @@ TEST(WrenchLimiter, WhatTheArmCanHoldPassesBitForBit) {
   EXPECT_EQ(limited.F.t, F.t);
 }
 
-TEST(WrenchLimiter, AnArmThatIsNotKnownOrCannotHoldItselfRendersNothing) {
+TEST(WrenchLimiter, RendersNothingForAnArmThatCannotHoldItselfOrIsNotKnown) {
   std::mt19937_64 random(4);
   const Wrench F{.f = {1.0, 2.0, 3.0}, .t = Vector3::Zero()};
   DrawnArm weak(random), unknown(random);
@@ -149,8 +149,9 @@ TEST(WrenchLimiter, AnArmThatIsNotKnownOrCannotHoldItselfRendersNothing) {
   EXPECT_TRUE(bad.F.f.isZero(0.0));
 }
 
-// K = 20 N/mm at 0.25 m/s: 7.5 N in a tick.
-TEST(WrenchRateTrip, LetsAFreshContactAtFullSpeedPassWithItsDamping) {
+// At 0.25 m/s a contact of 20 N/mm raises the force by 5 N in a tick, and by 6.25 N with its damping. The
+// trip's limit is 7.5 N in a tick.
+TEST(WrenchRateTrip, PassesANewContactAtFullSpeedWithItsDamping) {
   WrenchRateTrip trip(20e3, 0.25);
   EXPECT_EQ(trip.max_rate_N_per_s(), 7500.0);
   double depth_m = 0.0;
@@ -160,7 +161,7 @@ TEST(WrenchRateTrip, LetsAFreshContactAtFullSpeedPassWithItsDamping) {
   }
 }
 
-TEST(WrenchRateTrip, TripsOnAStepAndNotOnAFall) {
+TEST(WrenchRateTrip, TripsOnASuddenRiseButNotOnASuddenFall) {
   WrenchRateTrip trip(20e3, 0.25);
   EXPECT_TRUE(trip.Check({0.0, 0.0, 8.0}, 0.001)) << "from nothing to 8 N in a tick";
   trip.Reset();
@@ -179,14 +180,14 @@ TEST(WrenchRateTrip, TripsOnAForceThatTurnsOrReverses) {
       << "turned by 0.2 rad: 20 N";
 }
 
-TEST(WrenchRateTrip, TripsOnWhatIsNotFiniteOrHuge) {
+TEST(WrenchRateTrip, TripsOnAForceThatIsNotFiniteOrHuge) {
   WrenchRateTrip trip(20e3, 0.25);
   EXPECT_TRUE(trip.Check({kNan, 0.0, 0.0}, 0.001));
   EXPECT_TRUE(trip.Check({kHuge, kHuge, 0.0}, 0.001));
   EXPECT_TRUE(trip.Check({-kHuge, kHuge, 0.0}, 0.001)) << "after a huge one, too";
 }
 
-TEST(SensorForceTrip, NeedsItsTicksInARow) {
+TEST(SensorForceTrip, TripsAfterItsNumberOfConsecutiveTicks) {
   SensorForceTrip trip({.margin_N = 50.0, .ticks = 3}, 200.0);
   EXPECT_EQ(trip.level_N(), 250.0);
   EXPECT_FALSE(trip.Check(251.0));
@@ -209,7 +210,7 @@ TEST(TwistLimiter, ScalesTheWholeTwist) {
 }
 
 // Oracle: the sum of the steps that a stop makes, tick by tick.
-TEST(BrakingSpeed, AStopFromItEndsWithinTheDistance) {
+TEST(BrakingSpeed, AStopFromThisSpeedEndsWithinTheDistance) {
   const double a = 3.0, dt_s = 0.001;
   for (const double distance_m : {1e-6, 1e-4, 1e-3, 0.01, 0.1}) {
     const double v0 = BrakingSpeed(distance_m, a, dt_s);

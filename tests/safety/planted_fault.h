@@ -15,14 +15,14 @@ enum class Fault {
   kJointZero,       // A4's zero is off by 0.1 rad
   kFlangeOrigin,    // the flange is 30 mm farther out
   kFlangeAxis,      // the flange is turned by 1 rad
-  kJacobianSign,    // of A1's column
+  kJacobianSign,    // A1's column has the wrong sign
   kJacobianOffset,  // levers from 300 mm beside the axes
   kJacobianAxis,    // A2's column about another axis
   // safety::ZoneBounds: its constructor, KeepIn, KeepOut, the helpers of the two, distance_m
-  kZoneSign,  // the displacement from the point to the zone has the wrong sign
-  kZoneOrigin,
+  kZoneSign,         // the displacement from the point to the zone has the wrong sign
+  kZoneOrigin,       // the zone is displaced
   kZoneAxis,         // the zone's rotation is inverted
-  kZoneDirection,    // the same for the resulting directions
+  kZoneDirection,    // the resulting directions are rotated by the inverse
   kInHalfSpaceSign,  // KeepIn …
   kInBoxOffset,      // … each 20 mm
   kInCylinderOffset,
@@ -38,7 +38,8 @@ enum class Fault {
   kMaxOfAll,       // distance_m: the farthest face instead of the nearest
 };
 
-inline Fault fault = Fault::kNone;
+inline Fault fault = Fault::kNone;  ///< the fault that acts now
+/// Whether this fault acts now; the copies of the sources ask for it.
 [[nodiscard]] inline bool Is(Fault which) { return fault == which; }
 
 }  // namespace osteon::planted

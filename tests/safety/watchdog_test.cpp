@@ -10,7 +10,7 @@ namespace {
 
 using rt::kMillisecond;
 
-TEST(AgeSeconds, IsDefinedForEveryPairOfStamps) {
+TEST(AgeSeconds, IsFromZeroToItsMaximumForAnyPairOfStamps) {
   constexpr auto kLow = std::numeric_limits<rt::Nanoseconds>::min(),
                  kHigh = std::numeric_limits<rt::Nanoseconds>::max();
   EXPECT_NEAR(AgeSeconds(30 * kMillisecond, 10 * kMillisecond), 0.020, 1e-15);
@@ -26,14 +26,14 @@ TEST(AgeSeconds, IsDefinedForEveryPairOfStamps) {
   EXPECT_EQ(AgeSeconds(kMillisecond, kLow), kNoAge_s);
 }
 
-TEST(AgeFade, FallsLinearlyToNothing) {
+TEST(AgeFade, FallsLinearlyFromOneToZero) {
   EXPECT_EQ(AgeFade(0.020, 0.020, 0.060), 1.0);
   EXPECT_NEAR(AgeFade(0.040, 0.020, 0.060), 0.5, 1e-12);
   EXPECT_EQ(AgeFade(0.060, 0.020, 0.060), 0.0);
   EXPECT_EQ(AgeFade(std::numeric_limits<double>::quiet_NaN(), 0.020, 0.060), 0.0);
 }
 
-TEST(Watchdog, GivesEverySourceItsFullTimeAfterTheStart) {
+TEST(Watchdog, GivesEachSourceItsFullTimeAfterTheStart) {
   Watchdog watchdog({});
   const rt::Nanoseconds start = rt::kSecond;
   watchdog.Start(start);

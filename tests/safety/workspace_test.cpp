@@ -18,7 +18,7 @@ const WorkspaceParams kParams{.sphere_center_W_m = {0.5, 0.0, 0.5},
                               .plane_offset_m = 0.4,
                               .deceleration_m_per_s2 = 2.0};
 
-TEST(Workspace, DistanceIsToTheNearerBound) {
+TEST(Workspace, TheDistanceIsThatToTheNearerBound) {
   const Workspace workspace(kParams);
   EXPECT_NEAR(workspace.Distance({0.5, 0.0, 0.5}), 0.1, 1e-15) << "the plane is nearer";
   EXPECT_NEAR(workspace.Distance({0.75, 0.0, 0.5}), 0.05, 1e-15) << "the sphere is nearer";
@@ -27,7 +27,7 @@ TEST(Workspace, DistanceIsToTheNearerBound) {
   EXPECT_TRUE(workspace.Violated({std::numeric_limits<double>::quiet_NaN(), 0.0, 0.5}));
 }
 
-TEST(Workspace, ATapThatPushesOutwardsForeverStaysInsideAndBrakesGently) {
+TEST(Workspace, AToolThatIsPushedOutwardsStaysInsideAndBrakesAtTheGivenDeceleration) {
   const Workspace workspace(kParams);
   for (const Vector3& direction : {Vector3(0, 0, -1), Vector3(1, 0, 0), Vector3(0.6, 0.64, -0.48)}) {
     Vector3 p = kParams.sphere_center_W_m, v = Vector3::Zero();
@@ -55,20 +55,20 @@ TEST(Workspace, TheToolSlidesAlongABound) {
 }
 
 // A random walk with random requests, including the edge between the sphere and the plane.
-TEST(Workspace, NoSequenceOfWishesLeavesIt) {
+TEST(Workspace, NoSequenceOfRequestedVelocitiesLeavesIt) {
   const Workspace workspace(kParams);
   std::mt19937_64 random(2);
   std::normal_distribution<double> normal;
   Vector3 p = kParams.sphere_center_W_m;
-  Vector3 wish = Vector3::Zero();
+  Vector3 requested_v = Vector3::Zero();
   for (int i = 0; i < 200'000; ++i) {
-    if (i % 500 == 0) wish = Vector3(normal(random), normal(random), normal(random) - 0.5);
-    p += kDt_s * workspace.Limit(p, wish, kDt_s).v_WT;
+    if (i % 500 == 0) requested_v = Vector3(normal(random), normal(random), normal(random) - 0.5);
+    p += kDt_s * workspace.Limit(p, requested_v, kDt_s).v_WT;
     ASSERT_GE(workspace.Distance(p), -1e-12) << "step " << i;
   }
 }
 
-TEST(Workspace, RefusesWhatMakesNoSense) {
+TEST(Workspace, RefusesParametersOutOfRangeAndStopsAtARequestThatIsNotFinite) {
   EXPECT_THROW(Workspace({.sphere_radius_m = 0.0}), std::invalid_argument);
   EXPECT_THROW(Workspace({.plane_normal_W = {0.0, 0.0, 2.0}}), std::invalid_argument);
   EXPECT_THROW(Workspace({.deceleration_m_per_s2 = -1.0}), std::invalid_argument);

@@ -6,22 +6,25 @@
 
 #include "safety/workspace.h"
 
-// The apex among zones, for any request and any delay of the arm.
+// The workspace's limits with random zones: the tool's apex stays inside for any requested velocity and any
+// delay of the arm.
 
 namespace osteon::safety {
 namespace {
 
 constexpr double kDt_s = 0.001, kStop_m_per_s2 = 3.0, kMax_m_per_s = 0.25;
-constexpr int kRooms = 300, kTicks = 1200;
+constexpr int kRooms = 300, kTicks = 1200;  // random workspaces; ticks in each
 
+// Draws random numbers and workspaces from a seed.
 class Draw {
  public:
   explicit Draw(std::uint64_t seed) : random_(seed) {}
   double Within(double low, double high) { return std::uniform_real_distribution(low, high)(random_); }
   int Whole(int low, int high) { return std::uniform_int_distribution(low, high)(random_); }
-  Vector3 In(double most) { return {Within(-most, most), Within(-most, most), Within(-most, most)}; }
+  // A vector in the cube from -max to max.
+  Vector3 In(double max) { return {Within(-max, max), Within(-max, max), Within(-max, max)}; }
 
-  // A room around the origin with obstacles, none of which contains the origin.
+  // A workspace around the origin with one to five zones; the origin is permitted by each of them.
   WorkspaceParams Room() {
     WorkspaceParams room{.sphere_radius_m = Within(0.05, 0.3),
                          .plane_normal_W = In(1.0).normalized(),
@@ -45,31 +48,30 @@ class Draw {
   std::mt19937_64 random_;
 };
 
-TEST(WorkspaceZones, NoSequenceOfWishesLeavesAnyRoom) {
+TEST(WorkspaceZones, NoSequenceOfRequestedVelocitiesLeavesARandomWorkspace) {
   Draw draw(11);
   for (int i = 0; i < kRooms; ++i) {
     const Workspace room(draw.Room());
-    Vector3 p = Vector3::Zero(), wish = Vector3::Zero();
+    Vector3 p = Vector3::Zero(), requested_v = Vector3::Zero();
     for (int tick = 0; tick < kTicks; ++tick) {
-      if (tick % 60 == 0) wish = draw.In(1.0).normalized() * draw.Within(0.0, kMax_m_per_s);
-      p += kDt_s * room.Limit(p, wish, kDt_s).v_WT;
+      if (tick % 60 == 0) requested_v = draw.In(1.0).normalized() * draw.Within(0.0, kMax_m_per_s);
+      p += kDt_s * room.Limit(p, requested_v, kDt_s).v_WT;
       ASSERT_GE(room.Distance(p), -1e-9) << "room " << i << ", tick " << tick;
     }
   }
 }
 
-// From any state that the limiter allows, a stop at the stop's deceleration ends inside although nothing
-// limits it any more. This also holds if the stop begins ticks after its request, with the limiter at work
-// until then.
-TEST(WorkspaceZones, AStopFromAnywhereEndsInside) {
+// From any state that the limiter allows, a stop at the given deceleration ends inside, although the limiter
+// no longer acts while the tool brakes.
+TEST(WorkspaceZones, AStopFromAnyAllowedStateEndsInside) {
   Draw draw(12);
   for (int i = 0; i < kRooms; ++i) {
     const Workspace room(draw.Room());
     Vector3 p = Vector3::Zero(), v = Vector3::Zero();
-    const Vector3 wish = draw.In(1.0).normalized() * draw.Within(0.05, kMax_m_per_s);
+    const Vector3 requested_v = draw.In(1.0).normalized() * draw.Within(0.05, kMax_m_per_s);
     const int ticks = draw.Whole(1, 600);
     for (int tick = 0; tick < ticks; ++tick) {
-      v = room.Limit(p, wish, kDt_s).v_WT;
+      v = room.Limit(p, requested_v, kDt_s).v_WT;
       p += kDt_s * v;
     }
     while (v.norm() > 0.0) {
@@ -82,16 +84,16 @@ TEST(WorkspaceZones, AStopFromAnywhereEndsInside) {
 
 // An arm that lags by some ticks and smooths the motion exceeds the bounds at most by the corner that it
 // cuts.
-TEST(WorkspaceZones, AnArmThatLagsStaysInside) {
+TEST(WorkspaceZones, AnArmThatLagsStaysInsideUpToTheCornersThatItCuts) {
   Draw draw(13);
   for (int i = 0; i < kRooms; ++i) {
     const Workspace room(draw.Room());
     const double pole = draw.Within(0.02, 1.0);
     std::deque<Vector3> on_the_way(static_cast<std::size_t>(draw.Whole(0, 20)), Vector3::Zero());
-    Vector3 p = Vector3::Zero(), arm = p, wish = p;
+    Vector3 p = Vector3::Zero(), arm = p, requested_v = p;
     for (int tick = 0; tick < kTicks; ++tick) {
-      if (tick % 80 == 0) wish = draw.In(1.0).normalized() * draw.Within(0.0, kMax_m_per_s);
-      p += kDt_s * room.Limit(p, wish, kDt_s).v_WT;
+      if (tick % 80 == 0) requested_v = draw.In(1.0).normalized() * draw.Within(0.0, kMax_m_per_s);
+      p += kDt_s * room.Limit(p, requested_v, kDt_s).v_WT;
       on_the_way.push_back(p);
       arm += pole * (on_the_way.front() - arm);
       on_the_way.pop_front();
@@ -101,9 +103,9 @@ TEST(WorkspaceZones, AnArmThatLagsStaysInside) {
   }
 }
 
-// Toward a plane at a slant, and then along it: the component along the plane is never reduced, for any plane
-// and any rounding of a position on it. Nor is anything removed suddenly.
-TEST(WorkspaceZones, PushedAtASlantTheToolSlides) {
+// The requested velocity leads toward a plane at a slant. Its component along the plane is never reduced, and
+// its normal component decreases no faster than the stop's deceleration.
+TEST(WorkspaceZones, AToolPushedAgainstAPlaneAtASlantSlidesAlongIt) {
   Draw draw(14);
   for (int i = 0; i < kRooms; ++i) {
     const Vector3 inward = draw.In(1.0).normalized();
@@ -111,10 +113,10 @@ TEST(WorkspaceZones, PushedAtASlantTheToolSlides) {
     params.zones.push_back({.p_W_m = draw.In(0.5), .R_W = RotationFromZTo(inward)});
     const Workspace room(params);
     const Vector3 along = inward.cross(draw.In(1.0)).normalized() * draw.Within(0.0, 0.2);
-    const Vector3 wish = along - draw.Within(0.01, 0.15) * inward;
-    Vector3 p = params.zones[0].p_W_m + 0.01 * inward, v = wish;
+    const Vector3 requested_v = along - draw.Within(0.01, 0.15) * inward;
+    Vector3 p = params.zones[0].p_W_m + 0.01 * inward, v = requested_v;
     for (int tick = 0; tick < kTicks; ++tick) {
-      const Vector3 next = room.Limit(p, wish, kDt_s).v_WT;
+      const Vector3 next = room.Limit(p, requested_v, kDt_s).v_WT;
       ASSERT_LT((next - next.dot(inward) * inward - along).norm(), 1e-9) << "room " << i << ", tick " << tick;
       ASSERT_LT((next - v).norm(), 1.001 * kStop_m_per_s2 * kDt_s) << "room " << i << ", tick " << tick;
       v = next;
@@ -124,9 +126,9 @@ TEST(WorkspaceZones, PushedAtASlantTheToolSlides) {
   }
 }
 
-// Along the inside of a ball, with as much push outwards as along it: the tool goes around, and stops where
-// the push has no component along the bound.
-TEST(WorkspaceZones, PushedAlongARoundBoundTheToolGoesAround) {
+// First a constant push: the tool slides along the sphere and stops where the push has no component along it.
+// Then a push of equal parts outwards and along the sphere: the tool goes around.
+TEST(WorkspaceZones, AToolPushedAlongTheInsideOfASphereGoesAround) {
   const Workspace room({.sphere_radius_m = 0.1, .deceleration_m_per_s2 = kStop_m_per_s2});
   Vector3 p = Vector3::Zero(), v(0.1, 0.1, 0.0);
   for (int tick = 0; tick < 5 * kTicks; ++tick) {
@@ -153,7 +155,7 @@ TEST(WorkspaceZones, PushedAlongARoundBoundTheToolGoesAround) {
   }
 }
 
-TEST(WorkspaceZones, AWayThatBeginsOutsideMayOnlyLeadIn) {
+TEST(WorkspaceZones, APathThatBeginsOutsideAZoneMayOnlyLeadIn) {
   WorkspaceParams params;
   params.zones.push_back({.shape = ZoneShape::kHalfSpace, .point = ZonePoint::kElbow});
   const Workspace room(params);

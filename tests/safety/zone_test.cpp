@@ -14,10 +14,12 @@ namespace {
 const std::vector<ZoneShape> kShapes{ZoneShape::kHalfSpace, ZoneShape::kSphere, ZoneShape::kBox,
                                      ZoneShape::kCylinder, ZoneShape::kCapsule};
 
+// Draws random points and zones from a fixed seed.
 class Draw {
  public:
   double Within(double low, double high) { return std::uniform_real_distribution(low, high)(random_); }
-  Vector3 In(double most) { return {Within(-most, most), Within(-most, most), Within(-most, most)}; }
+  // A vector in the cube from -max to max.
+  Vector3 In(double max) { return {Within(-max, max), Within(-max, max), Within(-max, max)}; }
   ZoneParams Zone(ZoneShape shape, ZoneSide side) {
     return {.shape = shape,
             .side = side,
@@ -71,8 +73,9 @@ TEST(Zone, TheSignOfTheDistanceSaysOnWhichSideAPointIs) {
     }
 }
 
-// The distance to a kept-out set is Euclidean: no point of the set is nearer, and the set begins there.
-TEST(Zone, FromASetThatIsKeptOutTheDistanceIsEuclids) {
+// No point of the zone is nearer than the distance, and the zone begins at that distance in the bound's
+// direction.
+TEST(Zone, TheDistanceToAKeepOutZoneIsEuclidean) {
   Draw draw;
   for (const ZoneShape shape : kShapes)
     for (int i = 0; i < 200; ++i) {
@@ -89,7 +92,7 @@ TEST(Zone, FromASetThatIsKeptOutTheDistanceIsEuclids) {
     }
 }
 
-// The limits rely on this: a step changes no distance by more than the step's length.
+// A step changes no distance by more than the step's length. The limits rely on this.
 TEST(Zone, NoDistanceChangesFasterThanThePointMoves) {
   Draw draw;
   for (const ZoneShape shape : kShapes)
@@ -102,7 +105,7 @@ TEST(Zone, NoDistanceChangesFasterThanThePointMoves) {
       }
 }
 
-TEST(Zone, ABoxKeepsInWithItsSixFaces) {
+TEST(Zone, AKeepInBoxHasABoundForEachOfItsSixFaces) {
   const ZoneParams box{.shape = ZoneShape::kBox, .p_W_m = {1.0, 0.0, 0.0}, .half_edge_m = {0.1, 0.2, 0.3}};
   const ZoneBounds bounds(box, {1.05, 0.0, 0.0});
   ASSERT_EQ(bounds.all().size(), 6u);
@@ -110,7 +113,7 @@ TEST(Zone, ABoxKeepsInWithItsSixFaces) {
   EXPECT_NEAR(bounds.all()[1].distance_m, 0.15, 1e-15);
 }
 
-TEST(Zone, RefusesWhatIsNoSet) {
+TEST(Zone, RefusesZonesWithoutSizeOrValidRotation) {
   const auto refuses = [](ZoneParams zone) { EXPECT_THROW(Validate(zone), std::invalid_argument); };
   refuses({.shape = ZoneShape::kSphere, .radius_m = 0.0});
   refuses({.shape = ZoneShape::kBox, .half_edge_m = {0.1, -0.1, 0.1}});

@@ -4,7 +4,8 @@
 
 namespace osteon::session {
 
-/// A cell whose bone is packed by the scene's own `packing`: the set-up that does not depend on the machine.
+/// Sets up a cell for a test. Its bone is packed by the scene's own `packing`, which does not depend on the
+/// machine.
 [[nodiscard]] inline tl::expected<CellSetup, std::string> SetUpCell(
     const std::filesystem::path& cell_yaml, const std::optional<MeshChoice>& mesh,
     const std::optional<config::ToolChoice>& tool = {}, const std::filesystem::path& gains = {}) {

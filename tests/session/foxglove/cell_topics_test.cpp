@@ -13,7 +13,7 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/session/set_up_cell.h"
 
-// What Foxglove is given of a cell, decoded by Foxglove's own schemas.
+// The messages of a cell for the viewer Foxglove, in recordings and live, decoded by Foxglove's own schemas.
 
 namespace osteon::session {
 namespace {
@@ -26,6 +26,7 @@ Pose PoseOf(const foxglove::FrameTransform& frame) {
   return X;
 }
 
+// A tick `number` ms after the start, with a coupling force of 50 N along z.
 control::TickRecord Tick(int number) {
   control::TickRecord tick;
   tick.stamp = static_cast<rt::Nanoseconds>(number) * 1'000'000;
@@ -37,6 +38,7 @@ control::TickRecord Tick(int number) {
   return tick;
 }
 
+// A contact model with one contact.
 simulation::ContactModel Model() {
   simulation::ContactModel model;
   model.frame = 3;
@@ -86,7 +88,7 @@ TEST_F(CellTopicsTest, TheFramesLeadFromTheWorldToTheFlangeOfTheArm) {
   EXPECT_TRUE(X_WF.isApprox(expected, 1e-12)) << X_WF.matrix() << "\n" << expected.matrix();
 }
 
-TEST_F(CellTopicsTest, AForceIsAnArrowOfAMillimetreForEachNewton) {
+TEST_F(CellTopicsTest, AForceIsAnArrowOfOneMillimetrePerNewton) {
   const control::TickRecord tick = Tick(1);
   std::string bytes;
   io::EncodeScene(tick.stamp, CellScene(*setup_).Forces(tick, Model()), true, bytes);
@@ -103,7 +105,7 @@ TEST_F(CellTopicsTest, AForceIsAnArrowOfAMillimetreForEachNewton) {
   ASSERT_EQ(message.entities(1).cubes_size(), 1);
 }
 
-TEST_F(CellTopicsTest, APartOfTheBoneHasTwoTrianglesForEachFace) {
+TEST_F(CellTopicsTest, APartOfTheBoneHasTwoTrianglesPerQuad) {
   surface::SurfaceChunk chunk;
   for (const float x : {0.0F, 1.0F})
     for (const float y : {0.0F, 1.0F})
@@ -116,7 +118,7 @@ TEST_F(CellTopicsTest, APartOfTheBoneHasTwoTrianglesForEachFace) {
   EXPECT_NE(part.mesh.colors[0].g, part.mesh.colors[2].g) << "what was cut is redder";
 }
 
-TEST_F(CellTopicsTest, ARecordingHasTheTopicsThirtyTimesASecondAndTheBodiesOnce) {
+TEST_F(CellTopicsTest, ARecordingHasMovingTopicsThirtyTimesASecondAndBodiesOnce) {
   const io::test::TemporaryFolder folder;
   const auto path = folder.path() / "topics.mcap";
   {
@@ -166,7 +168,7 @@ std::vector<ProcedureTool> TwoTools(const CellSetup& setup) {
   return tools;
 }
 
-// Size of the largest ball of the entity "tool" in a message of topic scene [m].
+// Diameter of the largest ball of the entity "tool" in a message of the topic "scene" [m].
 double LargestBall(std::string_view bytes) {
   foxglove::SceneUpdate scene;
   EXPECT_TRUE(scene.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())));
@@ -177,7 +179,7 @@ double LargestBall(std::string_view bytes) {
   return largest_m;
 }
 
-TEST_F(CellTopicsTest, AnotherToolIsDrawnWhenItIsTaken) {
+TEST_F(CellTopicsTest, ANewToolIsDrawnWhenTheToolIsChanged) {
   const std::vector<ProcedureTool> tools = TwoTools(*setup_);
   const io::test::TemporaryFolder folder;
   const auto path = folder.path() / "tools.mcap";
@@ -214,7 +216,7 @@ TEST_F(CellTopicsTest, AnotherToolIsDrawnWhenItIsTaken) {
   EXPECT_NEAR(LargestBall(sent[1].bytes), 1.1 * LargestBall(sent[0].bytes), 1e-9);
 }
 
-TEST_F(CellTopicsTest, ALiveViewerGetsTheBodiesOnceAndTheNewestEachTime) {
+TEST_F(CellTopicsTest, ALiveViewerGetsTheBodiesOnceAndTheNewestFramesEachTime) {
   console::LiveFeed feed;
   console::SurfaceStore surface;
   const LiveTopics topics(*setup_, feed, surface);

@@ -13,6 +13,7 @@
 namespace osteon::session {
 namespace {
 
+// Runs of the cell "molar" in virtual time, whose recordings contain the bone's surface.
 class RecordedBoneRun : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -22,6 +23,7 @@ class RecordedBoneRun : public testing::Test {
     delete setup_;
     setup_ = nullptr;
   }
+  // Records a run of 3 s. @param bone_state_s  time between two states of the bone; 0: none
   std::filesystem::path Run(const char* name, double bone_state_s) {
     auto engine = MakeEngine(*setup_, {.engine = "cpu"});
     EXPECT_TRUE(engine) << engine.error();
@@ -44,7 +46,7 @@ class RecordedBoneRun : public testing::Test {
   static inline CellSetup* setup_{nullptr};
 };
 
-TEST_F(RecordedBoneRun, ARunsRecordingShowsTheWholeBoneThenWhatChanged) {
+TEST_F(RecordedBoneRun, ARecordingShowsTheWholeBoneFirstThenTheChangedParts) {
   const auto states = BoneStates(Run("a.mcap", 1.0));
   ASSERT_GE(states.size(), 3u);
   EXPECT_EQ(states[0].deletions_size(), 1);
@@ -55,14 +57,16 @@ TEST_F(RecordedBoneRun, ARunsRecordingShowsTheWholeBoneThenWhatChanged) {
   }
 }
 
-TEST_F(RecordedBoneRun, WithoutItThereIsNone) { EXPECT_TRUE(BoneStates(Run("none.mcap", 0.0)).empty()); }
+TEST_F(RecordedBoneRun, ARunWithoutBoneStatesRecordsNone) {
+  EXPECT_TRUE(BoneStates(Run("none.mcap", 0.0)).empty());
+}
 
-TEST_F(RecordedBoneRun, EqualRunsGiveEqualBytes) {
+TEST_F(RecordedBoneRun, EqualRunsGiveRecordingsWithEqualBytes) {
   EXPECT_EQ(BytesOf(Run("a.mcap", 1.0)), BytesOf(Run("b.mcap", 1.0)));
 }
 
-// A thread of its own makes other states, but ends with the same bone.
-TEST_F(RecordedBoneRun, EndsWithTheBoneOfTheWholeRecordingHoweverItIsMade) {
+// With a thread of its own the states in between may differ, but the last one is the same.
+TEST_F(RecordedBoneRun, EndsWithTheSameBoneOnItsOwnThreadAndOnTheCallers) {
   const auto recording = io::ReadRecording(Run("a.mcap", 0.0));
   ASSERT_TRUE(recording);
   const CellScene scene(*setup_);
@@ -92,12 +96,12 @@ TEST_F(RecordedBoneRun, EndsWithTheBoneOfTheWholeRecordingHoweverItIsMade) {
   EXPECT_EQ(ends[0], ends[1]);
 }
 
-TEST_F(RecordedBoneRun, AGridIsMadeCoarserUntilTheBoneIsSmallEnough) {
+TEST_F(RecordedBoneRun, TheGridIsCoarserIfTheBoneHasTooManyFaces) {
   const CellScene scene(*setup_);
   RecordedBone fine(*setup_, scene, {.own_thread = false}),
       coarse(*setup_, scene, {.own_thread = false, .max_quads = 2'000});
   foxglove::SceneUpdate state;
-  const auto points = [&](RecordedBone& bone) {
+  const auto triangles_of = [&](RecordedBone& bone) {
     EXPECT_TRUE(state.ParseFromString(*bone.Take(1)));
     std::size_t triangles = 0;
     for (const auto& entity : state.entities())
@@ -105,8 +109,8 @@ TEST_F(RecordedBoneRun, AGridIsMadeCoarserUntilTheBoneIsSmallEnough) {
         triangles += static_cast<std::size_t>(part.indices_size()) / 3;
     return triangles;
   };
-  EXPECT_LE(points(coarse), 4'000u);
-  EXPECT_GT(points(fine), 4'000u);
+  EXPECT_LE(triangles_of(coarse), 4'000u);
+  EXPECT_GT(triangles_of(fine), 4'000u);
   EXPECT_GT(coarse.voxel_mm(), fine.voxel_mm());
 }
 

@@ -11,11 +11,11 @@
 #include "io/recording/mcap_reader.h"
 #include "kinematics/spatial.h"
 
-// The bone of a recording, as a viewer shows it.
+// The bone's surface in a recording, as a viewer shows it after each message, and its volume. For tests.
 
 namespace osteon::session {
 
-/// The bone's messages of a recording, in their order.
+/// Reads the messages of the topic "bone" from a recording, in their order.
 inline std::vector<foxglove::SceneUpdate> BoneStates(const std::filesystem::path& recording) {
   std::vector<foxglove::SceneUpdate> states;
   auto reader = io::McapReader::Open(recording);
@@ -29,8 +29,9 @@ inline std::vector<foxglove::SceneUpdate> BoneStates(const std::filesystem::path
   return states;
 }
 
-/// The parts that a viewer shows after a state: the newest of each.
+/// The parts of the bone that a viewer shows: the newest message of each, by the part's name.
 using Shown = std::map<std::string, std::string>;
+/// Applies a message to the shown parts as a viewer does.
 inline void Show(const foxglove::SceneUpdate& state, Shown& shown) {
   for (const auto& deletion : state.deletions())
     if (deletion.type() == foxglove::SceneEntityDeletion::ALL) shown.clear();
@@ -59,7 +60,7 @@ inline double VolumeOf(const Shown& shown) {
   return 1e9 * volume_m3;
 }
 
-/// That volume after each state of a recording [mm³].
+/// Volume of the shown bone after each message of a recording [mm³].
 inline std::vector<double> BoneVolumes(const std::filesystem::path& recording) {
   std::vector<double> volumes_mm3;
   Shown shown;

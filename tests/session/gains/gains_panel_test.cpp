@@ -13,6 +13,7 @@ namespace {
 
 using Kind = console::GainsRequest::Kind;
 
+// The console's panel of gains, on the cell "thin_plate".
 class GainsPanelTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -21,10 +22,10 @@ class GainsPanelTest : public testing::Test {
     own_ = control::GainsOf(setup_->config.servo.admittance, setup_->config.servo.coupling);
   }
   decltype(SetUpCell("", std::nullopt)) setup_;
-  control::Gains own_;
+  control::Gains own_;  // as in the cell's file
 };
 
-TEST_F(GainsPanelTest, AcceptsASofterCouplingAndMoreDragAndNothingBeyondTheCellsOwn) {
+TEST_F(GainsPanelTest, AcceptsOnlyASofterCouplingAndMoreDragThanTheCells) {
   GainsPanel panel(setup_->config);
   const double k = own_.max_stiffness_N_per_m, d = own_.damping_Ns_per_m.x;
   for (const auto& [kind, value] : {std::pair{Kind::kStiffness, 1.01 * k},
@@ -46,7 +47,7 @@ TEST_F(GainsPanelTest, AcceptsASofterCouplingAndMoreDragAndNothingBeyondTheCells
   EXPECT_FALSE(panel.Take()) << "once";
 }
 
-TEST_F(GainsPanelTest, UndoPutsTheValuesBeforeBackOneByOne) {
+TEST_F(GainsPanelTest, UndoRestoresThePreviousValuesOneByOne) {
   GainsPanel panel(setup_->config);
   EXPECT_FALSE(panel.Request({.kind = Kind::kUndo}).done);
   const double k = own_.max_stiffness_N_per_m;
@@ -59,8 +60,9 @@ TEST_F(GainsPanelTest, UndoPutsTheValuesBeforeBackOneByOne) {
   EXPECT_FALSE(nlohmann::json::parse(panel.Json())["can_undo"].get<bool>());
 }
 
-// D > a K: twice the drag is stable to twice the age.
-TEST_F(GainsPanelTest, TheGreatestStableAgeGrowsWithTheDrag) {
+// The coupling is stable for D > a K (drag D, age a of the contact model, stiffness K): twice the drag allows
+// twice the age.
+TEST_F(GainsPanelTest, TheLargestStableAgeGrowsWithTheDrag) {
   GainsPanel panel(setup_->config);
   const double before = nlohmann::json::parse(panel.Json())["stable_age_ms"];
   EXPECT_TRUE(panel.Request({.kind = Kind::kDrag, .value = 2.0 * own_.damping_Ns_per_m.x}).done);

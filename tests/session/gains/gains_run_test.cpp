@@ -10,7 +10,8 @@
 #include "tests/session/run/virtual_ride.h"
 #include "tests/session/set_up_cell.h"
 
-// A file of gains that is saved again during a run, in virtual time.
+// Runs in virtual time with other gains: a file of gains that is saved again during the run, and a drill with
+// locked axes.
 
 namespace osteon::session {
 namespace {
@@ -19,20 +20,24 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
+// What remains of a run: result, recording, and the notices to the operator.
 struct GainsRide {
   CellRunResult result;
   io::Recording recording;
   std::vector<std::string> notices;
 };
 
-// Gives the files of one run distinct modification times, whatever the resolution of the disk's clock.
+// Writes a file with a modification time of its own for each version, whatever the resolution of the disk's
+// clock.
 void Save(const fs::path& file, const std::string& text, int version) {
   std::ofstream(file) << text;
   fs::last_write_time(file,
                       fs::file_time_type(std::chrono::hours(24 * 365 * 40) + std::chrono::seconds(version)));
 }
 
-GainsRide Ride() {
+// Runs the cell "thin_plate". The gains are saved twice: at 1.5 s with good values, at 3.5 s with a mass of
+// 0.
+GainsRide RideWithSavedGains() {
   const io::test::TemporaryFolder folder;
   const fs::path gains = folder.path() / "gains.yaml";
   Save(gains, "admittance:\n  damping_Ns_per_m: [150, 150, 140]\n", 0);
@@ -65,8 +70,8 @@ GainsRide Ride() {
   return ride;
 }
 
-TEST(GainsRun, SavedAgainTheyAreReadCheckedAndRampedAndTheRunReplaysBitForBit) {
-  const GainsRide ride = Ride();
+TEST(GainsRun, GoodGainsSavedDuringARunActBadOnesDoNotAndTheRunReplaysBitForBit) {
+  const GainsRide ride = RideWithSavedGains();
   EXPECT_EQ(ride.result.faults.bits(), 0u);
   ASSERT_EQ(ride.notices.size(), 2u);
   EXPECT_THAT(ride.notices[0],
@@ -98,8 +103,9 @@ TEST(GainsRun, SavedAgainTheyAreReadCheckedAndRampedAndTheRunReplaysBitForBit) {
   EXPECT_EQ(replay.ticks, ticks.size());
 }
 
-// A twist drill that may move along its axis only, over the whole script.
-TEST(GainsRun, ALockedDrillStaysOnItsLineOverTheWholeScript) {
+// All axes of the drill are locked but the one along which it drills, while the simulated hand also pulls
+// aside.
+TEST(GainsRun, ADrillWithLockedAxesStaysOnItsLineThroughoutTheRun) {
   config::CellConfig cell;
   const VirtualRide ride = RideVirtually("thin_plate", 10.0, [&](config::CellConfig& config) {
     config.servo.admittance.locked = {true, true, false, true, true, true};

@@ -10,7 +10,7 @@
 #include "session/gains/gains_panel.h"
 #include "tests/temporary_path.h"
 
-// The console's panel of gains and what it shows of a result of `osteon tune`.
+// Reading a result of `osteon tune`, and its figures on the console's panel of gains.
 
 namespace osteon::session {
 namespace {
@@ -19,8 +19,8 @@ using testing::HasSubstr;
 
 config::CellConfig Demo() { return config::LoadCell(OSTEON_SOURCE_DIR "/config/cells/demo.yaml"); }
 
-// A tune.json of the demo, as far as it is read.
-nlohmann::json Result(const config::CellConfig& cell) {
+// The parts of a tune.json of the demo that the panel reads.
+nlohmann::json TuneResult(const config::CellConfig& cell) {
   const double mass_kg = cell.servo.admittance.mass_kg.z(), drag = cell.servo.admittance.damping_Ns_per_m.z();
   return {{"schema", "osteon.tune/1"},
           {"cell", "demo"},
@@ -42,9 +42,9 @@ std::filesystem::path Write(const nlohmann::json& json) {
   return file;
 }
 
-TEST(TuneAdvice, IsOfThisCellAndItsGainsOrRefused) {
+TEST(TuneAdvice, AResultOfAnotherCellOrOtherGainsIsRefused) {
   const config::CellConfig cell = Demo();
-  const nlohmann::json own = Result(cell);
+  const nlohmann::json own = TuneResult(cell);
   ASSERT_TRUE(ReadTuneAdvice(Write(own), cell, "demo"));
   EXPECT_THAT(ReadTuneAdvice(TemporaryPath("none.json"), cell, "demo").error(),
               HasSubstr("found no file, accepted a result of `osteon tune demo`"));
@@ -67,11 +67,11 @@ TEST(TuneAdvice, IsOfThisCellAndItsGainsOrRefused) {
               HasSubstr("found a coupling's stiffness of 1000 N/m"));
 }
 
-TEST(TuneAdvice, ThePanelHasTheMarginAtThePresentPoint) {
+TEST(TuneAdvice, ThePanelShowsTheMarginOfThePresentGains) {
   const config::CellConfig cell = Demo();
   const double drag = cell.servo.admittance.damping_Ns_per_m.z();
   GainsPanel panel(cell);
-  panel.SetTune(ReadTuneAdvice(Write(Result(cell)), cell, "demo"));
+  panel.SetTune(ReadTuneAdvice(Write(TuneResult(cell)), cell, "demo"));
   const auto tune = [&] { return nlohmann::json::parse(panel.Json()).at("tune"); };
   EXPECT_EQ(tune().at("margin"), 1.12);
   EXPECT_EQ(tune().at("wall_N_per_m"), 40e3);
@@ -83,14 +83,14 @@ TEST(TuneAdvice, ThePanelHasTheMarginAtThePresentPoint) {
   EXPECT_EQ(tune().at("wall_N_per_m"), 70e3);
   ASSERT_TRUE(panel.Request({.kind = Kind::kDrag, .value = 4.0 * drag}).done);
   EXPECT_TRUE(tune().at("wall_N_per_m").is_null()) << "beyond the map";
-  // a gains file may bring what tune was not asked about
+  // a gains file may set a mass for which tune computed no margin
   control::Gains lighter = control::GainsOf(cell.servo.admittance, cell.servo.coupling);
   lighter.mass_kg.z *= 0.5;
   panel.SetPresent(lighter);
   EXPECT_TRUE(tune().at("margin").is_null());
 }
 
-TEST(TuneAdvice, WithoutAResultThePanelSaysHowToGetIt) {
+TEST(TuneAdvice, WithoutAResultThePanelNamesTheCommandThatMakesOne) {
   const config::CellConfig cell = Demo();
   GainsPanel panel(cell);
   panel.SetTune(ReadTuneAdvice(TemporaryPath("none.json"), cell, "demo"));

@@ -7,14 +7,16 @@
 #include "session/setup/config_checksum.h"
 #include "tests/session/run/virtual_ride.h"
 
-// The guard on runs of the shipped cells, in virtual time: it gets the controller's recorded answers.
+// The guard must pass every command of an ordinary run. It gets the arm's messages and the controller's
+// answers from recordings of the shipped cells in virtual time.
 
 namespace osteon::session {
 namespace {
 
 using control::SessionState;
 
-// The link's answer to a tick's command: FriSession mirrors, and holds until the loop names the activation.
+// The answer that the link sends in a tick. As FriSession does, it repeats the arm's own position until the
+// arm takes commands and the loop has named the arm's activation.
 safety::GuardCommand AnswerOf(const control::TickRecord& tick) {
   const control::TickInput& in = tick.input;
   const bool mirrors = tick.session_state != static_cast<std::uint8_t>(SessionState::kCommandingActive) ||
@@ -36,7 +38,8 @@ safety::GuardSession SessionOf(std::uint8_t state) {
              : safety::GuardSession::kMonitoring;
 }
 
-// Passes every tick of a recording through that cell's guard, with a margin on its limits.
+// Sends every tick of a recording through the guard of the cell `name`, and expects that all pass.
+// @param margin  share by which the guard's limits exceed the cell's
 void ExpectAllPasses(const std::string& name, const VirtualRide& ride, double margin) {
   config::CellConfig cell = config::LoadCell(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml");
   cell.guard = config::GuardConfig{.host = "127.0.0.1", .port = 30209, .margin = margin};
@@ -62,13 +65,13 @@ void ExpectAllPasses(const std::string& name, const VirtualRide& ride, double ma
   EXPECT_EQ(monitor.counters().withheld + monitor.counters().late + monitor.counters().duplicate, 0u);
 }
 
-TEST(GuardRun, NothingOfTheWholeDemoIsWithheld) {
+TEST(GuardRun, TheWholeDemoPasses) {
   const VirtualRide ride = RideVirtually("demo", 10.0, [](config::CellConfig&) {});
   EXPECT_EQ(ride.summary.ended, "completed");
   ExpectAllPasses("demo", ride, 0.25);
 }
 
-TEST(GuardRun, NothingOfTheOtherCellsIsWithheld) {
+TEST(GuardRun, TheOtherShippedCellsPass) {
   for (const char* name : {"molar", "femoral_canal", "thin_plate", "sawbone_block", "thin_plate_impedance"}) {
     SCOPED_TRACE(name);
     const VirtualRide ride = RideVirtually(name, 4.0, [](config::CellConfig&) {});
@@ -77,7 +80,7 @@ TEST(GuardRun, NothingOfTheOtherCellsIsWithheld) {
   }
 }
 
-TEST(GuardRun, NothingOfTheTorqueOverlayIsWithheld) {
+TEST(GuardRun, ATorqueOverlayPasses) {
   const VirtualRide ride = RideVirtually("thin_plate_impedance", 4.0, [](config::CellConfig& cell) {
     cell.simulated.fri.command_mode = control::CommandMode::kTorque;
     cell.simulated.fri.control_mode = control::ControlMode::kJointImpedance;
@@ -86,8 +89,8 @@ TEST(GuardRun, NothingOfTheTorqueOverlayIsWithheld) {
   ExpectAllPasses("thin_plate_impedance", ride, 0.25);
 }
 
-// What gives way moves the head, not the rigid tool that the guard follows.
-TEST(GuardRun, NothingOfCellsThatGiveWayIsWithheld) {
+// Compliance moves the tool's head or the bone, not the rigid tool that the guard computes.
+TEST(GuardRun, CellsWithACompliantToolOrBonePass) {
   for (const char* name : {"long_drill", "cartilage_cup", "pelvis_mount"}) {
     SCOPED_TRACE(name);
     const VirtualRide ride = RideVirtually(name, 3.0, [](config::CellConfig&) {});
@@ -97,8 +100,8 @@ TEST(GuardRun, NothingOfCellsThatGiveWayIsWithheld) {
   }
 }
 
-// A bone on a soft mount under the impedance law: the wrench overlay stays within the guard's limits.
-TEST(GuardRun, NothingOfAnOverlayOnABoneThatMovesIsWithheld) {
+// Under the impedance law the controller commands a wrench; the bone stands on a soft mount.
+TEST(GuardRun, AWrenchOverlayOnABoneThatMovesPasses) {
   double moved_m = 0.0;
   const VirtualRide ride = RideVirtually("thin_plate_impedance", 3.0, [](config::CellConfig& cell) {
     control::BoneMountParams mount;
@@ -112,8 +115,9 @@ TEST(GuardRun, NothingOfAnOverlayOnABoneThatMovesIsWithheld) {
   ExpectAllPasses("thin_plate_impedance", ride, 0.25);
 }
 
-// The loop's own stop comes first: the guard lets it brake.
-TEST(GuardRun, ADeflectionBeyondItsLimitIsStoppedByTheLoopAndTheGuardPassesTheStop) {
+// The drill is allowed a thrust of 20 N only: the loop finds the deflection, and the guard lets the arm
+// brake.
+TEST(GuardRun, TheLoopsOwnStopForATooLargeDeflectionPasses) {
   const VirtualRide ride = RideVirtually(
       "long_drill", 4.0, [](config::CellConfig& cell) { cell.servo.compliance.tool->max_thrust_N = 20.0; });
   ASSERT_FALSE(ride.summary.faults.empty());
@@ -122,8 +126,8 @@ TEST(GuardRun, ADeflectionBeyondItsLimitIsStoppedByTheLoopAndTheGuardPassesTheSt
   ExpectAllPasses("long_drill", ride, 0.25);
 }
 
-// From outside the workspace, along a joint path.
-TEST(GuardRun, NothingOfTheWayToTheStartIsWithheld) {
+// The arm starts outside the workspace and moves along a joint path to its start.
+TEST(GuardRun, ThePathToTheStartFromOutsideTheWorkspacePasses) {
   const VirtualRide ride = RideVirtually("thin_plate", 2.0, [](config::CellConfig& cell) {
     cell.simulated.q_start[0] += 0.3;
     cell.simulated.q_start[1] -= 0.15;
@@ -132,7 +136,7 @@ TEST(GuardRun, NothingOfTheWayToTheStartIsWithheld) {
   ExpectAllPasses("thin_plate", ride, 0.25);
 }
 
-TEST(ConfigChecksum, IsOfNamesAndBytesWhereverTheFilesLieAndWithoutGains) {
+TEST(ConfigChecksum, DependsOnNamesAndContentsButNotOnFoldersOrderOrGains) {
   io::ConfigSource source;
   source.files = {{.name = "cells/a.yaml", .content = "x: 1\n"}, {.name = "robots/b.yaml", .content = "y"}};
   source.cell_file = "cells/a.yaml";

@@ -5,19 +5,21 @@
 #include "gpu/engine/vulkan_engine.h"
 #include "session/planning/plan.h"
 
-// A plan is fine enough and no finer than needed: the next finer level (half the spacing) changes force by
-// less than 7 % and depth by less than the error, and the next coarser level (twice the spacing) exceeds the
-// error. On Vulkan; no clock is involved.
+// Tests that a plan's packing is fine enough and no finer than needed, on Vulkan. The next finer level (half
+// the spacing) changes the force by less than 7 % and the depth by less than the error. The next coarser
+// level (twice the spacing) exceeds the error. No clock is involved.
 
 namespace osteon::session {
 namespace {
 
+// A packing, its measured error of removal, and the forces that a hand feels in its run.
 struct Level {
   PackedLevel packed;
   double error_m{0.0};
   std::vector<simulation::FeltForce> felt;
 };
 
+// Packs a level, runs the scene's tool path in it and measures its error.
 Level Measure(const PlanScene& scene, const simulation::Tool& tool, const simulation::PackingLevel& level) {
   PackedLevel packed{.level = level, .balls = PackLevel(level, *scene.work.solid, *scene.work.zone)};
   auto runs = RunLevels(scene, {packed}, tool, {}, 1);
@@ -32,6 +34,7 @@ Level Measure(const PlanScene& scene, const simulation::Tool& tool, const simula
           .felt = std::move(runs->front().felt)};
 }
 
+// A scene, and the error that is accepted for it.
 struct Case {
   const char* scene;
   double error_mm;
@@ -64,9 +67,9 @@ INSTANTIATE_TEST_SUITE_P(Scenes, PlanLevels,
                                          Case{"thin_plate", 0.08}),
                          [](const auto& tested) { return std::string(tested.param.scene); });
 
-// Between these two spacings a row of cells beside the hole would turn coarse, with 1.37 times the predicted
-// error, if the fine cells did not reach half a spacing deeper than the cut.
-TEST(PlanLevel, ErrorHasNoStepFromOneSpacingToTheNext) {
+// The fine cells reach half a spacing deeper than the cut. If they did not, a row of cells beside the hole
+// would turn coarse between these two spacings, and the error would be 1.37 times the predicted one.
+TEST(PlanLevel, TheErrorStaysNearThePredictedOneAtTwoNeighbouringSpacings) {
   const auto scene =
       LoadPlanScene({.scene = "sawbone_block", .cell = {}, .config_root = OSTEON_SOURCE_DIR "/config"});
   ASSERT_TRUE(scene) << scene.error();
@@ -78,9 +81,9 @@ TEST(PlanLevel, ErrorHasNoStepFromOneSpacingToTheNext) {
   }
 }
 
-// The first three frames of each turn of 25 find another engine's data in the caches and are no samples; the
-// engine runs them all the same.
-TEST(PlanLevel, SamplesAreTheFramesThatTouchButTheFirstThreeOfATurn) {
+// Several engines take turns of 25 frames. In the first three of a turn the caches hold another engine's
+// data, so their times do not count; the engine runs these frames all the same.
+TEST(PlanLevel, SamplesAreTheFramesInContactExceptTheFirstThreeOfATurn) {
   const auto scene =
       LoadPlanScene({.scene = "thin_plate", .cell = {}, .config_root = OSTEON_SOURCE_DIR "/config"});
   ASSERT_TRUE(scene) << scene.error();
@@ -109,8 +112,9 @@ TEST(PlanLevel, SamplesAreTheFramesThatTouchButTheFirstThreeOfATurn) {
   EXPECT_GT(samples, touching * 4 / 5);
 }
 
-// A tool with fewer balls cuts what the whole tool cuts, within its part of the error.
-TEST(PlanTool, WithFewerBallsLeavesLessThanItsShare) {
+// With a large accepted error the plan takes a tool with fewer balls; the bone that this tool leaves may take
+// up a tenth of the error.
+TEST(PlanTool, AToolWithFewerBallsLeavesLessThanATenthOfTheError) {
   const auto scene =
       LoadPlanScene({.scene = "thin_plate", .cell = {}, .config_root = OSTEON_SOURCE_DIR "/config"});
   ASSERT_TRUE(scene) << scene.error();
@@ -120,7 +124,7 @@ TEST(PlanTool, WithFewerBallsLeavesLessThanItsShare) {
   EXPECT_LT(thin.tool_gap_m, 0.1 * 2e-3);
 }
 
-TEST(PlanScene, TakesTheCellOfItsOwnNameOrTheDemos) {
+TEST(PlanScene, TakesTheCellOfTheScenesNameOrElseTheDemo) {
   const std::filesystem::path root = OSTEON_SOURCE_DIR "/config";
   const auto plate = LoadPlanScene({.scene = "thin_plate", .cell = {}, .config_root = root});
   ASSERT_TRUE(plate) << plate.error();

@@ -1,4 +1,4 @@
-// A person finishes a session: `osteon tell DIR finish`, or the console's button.
+// The request to finish a session, by `osteon tell DIR finish` or the console's button.
 
 #include <functional>
 #include <string>
@@ -13,11 +13,12 @@
 namespace osteon::session {
 namespace {
 
-// Asks a session to finish in each tick in which nothing else is asked, and keeps the answers.
+// Asks a session to finish whenever the previous request was answered. Keeps each answer that differs from
+// the one before.
 struct Asker {
   ProcedureSession* session;
-  std::vector<std::string> reasons{};  // of each answer; empty: done
-  bool open{false};
+  std::vector<std::string> reasons{};  // why the request was refused; empty: done
+  bool open{false};                    // a request waits for its answer
 
   void Ask(bool confirmed) {
     if (open) return;
@@ -31,16 +32,16 @@ struct Asker {
   }
 };
 
-TEST(Finish, SavesAllAndEndsTheRunOnceThePlanIsDoneOrAPersonConfirms) {
+TEST(Finish, IsRefusedUntilConfirmedThenSavesTheBoneAndEndsTheRun) {
   Rig rig("finished", 14.0);
   Asker asker{rig.session.get()};
-  // at first without a word, then, after the first pass, confirmed
+  // at first without the word `confirmed`, after the first pass with it
   rig.params.ticked = [&](const control::TickRecord&, const simulation::ContactModel&) {
     const bool has_cut = rig.session->File().PassesLeft() > 0;
     asker.Ask(has_cut && asker.reasons.size() >= 3);
   };
   rig.Run();
-  // before the first cut; in bone; clear again; and once it is confirmed, which a second press does not undo
+  // the answers: before the first cut; in bone; clear again; confirmed; and to one more request afterwards
   ASSERT_EQ(asker.reasons.size(), 5u) << testing::PrintToString(asker.reasons);
   const std::string not_done =
       "finish: the plan is not finished: no pass of its last tool, 50 mm, counts; `finish confirmed` ends "
@@ -64,8 +65,7 @@ TEST(Finish, SavesAllAndEndsTheRunOnceThePlanIsDoneOrAPersonConfirms) {
   EXPECT_EQ(HashText(*state), HashText(rig.result.after)) << "what was cut is in the saved state";
 }
 
-// A session without a rubric has no score, and says why.
-TEST(Finish, WithoutARubricTheScoreSaysWhy) {
+TEST(Finish, WithoutARubricTheScoreIsNotKnown) {
   Rig rig("without_rubric", 0.2);
   rig.Run();
   const auto score = nlohmann::json::parse(rig.session->ScoreJson());

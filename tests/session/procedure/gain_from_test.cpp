@@ -1,3 +1,5 @@
+// The guidance's gain that a trainee's earlier sessions give: less with each session that was passed.
+
 #include <filesystem>
 #include <fstream>
 
@@ -12,27 +14,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void Assess(const fs::path& session, const char* plan, const char* passed) {
+// Writes a session's assessment: the plan's checksum, and whether it was passed (true, false or null).
+void WriteAssessment(const fs::path& session, const char* plan, const char* passed) {
   fs::create_directories(session);
   std::ofstream(session / "assess.json")
       << fmt::format(R"({{"plan": {{"checksum": "{}"}}, "passed": {}}})", plan, passed);
 }
 
-TEST(GainFrom, EachPassedSessionOfThePlanTakesAQuarter) {
+TEST(GainFrom, EachPassedSessionOfThePlanReducesTheGainByAQuarter) {
   const fs::path folder = TemporaryPath("trainee");
   fs::create_directories(folder);
   EXPECT_EQ(GainFrom(folder, "a").value_or(-1.0), 1.0) << "the first session";
-  Assess(folder / "1", "a", "true");
-  Assess(folder / "2", "a", "false");
-  Assess(folder / "3", "a", "null");
-  Assess(folder / "4", "b", "true");
+  WriteAssessment(folder / "1", "a", "true");
+  WriteAssessment(folder / "2", "a", "false");
+  WriteAssessment(folder / "3", "a", "null");
+  WriteAssessment(folder / "4", "b", "true");
   EXPECT_EQ(GainFrom(folder, "a").value_or(-1.0), 0.75);
-  Assess(folder / "5" / "session", "a", "true");
+  WriteAssessment(folder / "5" / "session", "a", "true");
   std::ofstream(folder / "1" / "other.json") << "[";
   fs::create_directories(folder / "6");
   std::ofstream(folder / "6" / "assess.json") << "[1, 2";
   EXPECT_EQ(GainFrom(folder, "a").value_or(-1.0), 0.5);
-  for (const char* more : {"7", "8", "9"}) Assess(folder / more, "a", "true");
+  for (const char* more : {"7", "8", "9"}) WriteAssessment(folder / more, "a", "true");
   EXPECT_EQ(GainFrom(folder, "a").value_or(-1.0), 0.0) << "never below 0";
   const auto none = GainFrom(folder / "nobody", "a");
   ASSERT_FALSE(none);

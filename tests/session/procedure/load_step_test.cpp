@@ -8,12 +8,15 @@
 namespace osteon::session {
 namespace {
 
+// A sensor that bears a tool of this mass.
 control::ForceSensorParams Load(double mass_kg) {
   return {.X_FS = {}, .tool_mass_kg = mass_kg, .tool_center_F_m = Vector3(0.0, 0.0, 0.1)};
 }
 
-// Oracle: m g along W's z, seen in a turned sensor.
-TEST(LoadStep, AMissingReamerIsFoundAndANeighbouringSizeIsNot) {
+// The expected readings are m g against W's z, in the frame of a rotated sensor, plus a constant bias. They
+// change as the tool is changed: as expected, not at all (no reamer on the shaft), or as with the
+// neighbouring size.
+TEST(LoadStep, AMissingReamerIsFoundButANeighbouringSizeIsNot) {
   Pose X_WF = Pose::Identity();
   X_WF.linear() = Eigen::AngleAxisd(2.5, Vector3(1.0, 2.0, 0.5).normalized()).toRotationMatrix();
   const auto weight = [&](double mass_kg) {
@@ -28,7 +31,7 @@ TEST(LoadStep, AMissingReamerIsFoundAndANeighbouringSizeIsNot) {
       << "4.7 g: a person confirms the size";
 }
 
-TEST(LoadStep, OnlyReadingsOfAPauseCount) {
+TEST(LoadStep, OnlyReadingsDuringAPauseCount) {
   PausedReadings readings;
   control::TickRecord tick;
   const auto run = [&](safety::CellState state, int count, double z_N) {
@@ -54,7 +57,7 @@ TEST(LoadStep, OnlyReadingsOfAPauseCount) {
   EXPECT_FALSE(readings.known());
 }
 
-TEST(SessionRequest, AcceptsWhatItSaysAndNothingElse) {
+TEST(SessionRequest, AcceptsOnlyTheKnownRequests) {
   using Kind = SessionRequest::Kind;
   EXPECT_EQ(ParseSessionRequest("next")->kind, Kind::kNext);
   EXPECT_EQ(ParseSessionRequest("tool 46")->diameter_mm, 46.0);

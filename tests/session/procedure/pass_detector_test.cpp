@@ -9,13 +9,14 @@ namespace {
 
 constexpr rt::Nanoseconds kFrame = 2 * rt::kMillisecond;
 
-// Frames in which bone is removed, or not.
+// Feeds a PassDetector with frames of 2 ms and counts the passes that began and ended.
 struct Frames {
   PassDetector passes;
   simulation::ContactModel model;
   rt::Nanoseconds stamp{rt::kSecond};
   int began{0}, ended{0};
 
+  /// Feeds `count` equal frames. @param removed_m3  bone that each removes @param spindle  speed [rad/s]
   void Run(int count, double removed_m3, int contacts, double spindle = 26.0) {
     for (int i = 0; i < count; ++i) {
       model.removed_volume_m3 += removed_m3;
@@ -42,7 +43,7 @@ TEST(PassDetector, APassEndsOnceTheToolHasBeenClearForHalfASecond) {
   EXPECT_NEAR(frames.passes.cutting_s(), 0.2, 1e-9);
 }
 
-TEST(PassDetector, AToolThatComesBackWithinHalfASecondGoesOnWithItsPass) {
+TEST(PassDetector, AToolThatReturnsWithinHalfASecondContinuesItsPass) {
   Frames frames;
   frames.Run(1, 0.0, 0);
   for (int i = 0; i < 5; ++i) {
@@ -54,14 +55,15 @@ TEST(PassDetector, AToolThatComesBackWithinHalfASecondGoesOnWithItsPass) {
   EXPECT_EQ(frames.ended, 0);
 }
 
-TEST(PassDetector, BoneThatAStandingSpindleWouldRemoveIsNoPass) {
+TEST(PassDetector, RemovalWithTheSpindleStoppedIsNoPass) {
   Frames frames;
   frames.Run(100, 1e-9, 3, 0.0);
   EXPECT_EQ(frames.began, 0);
 }
 
-// Mass points vanish one by one: between two of them the cut face advances, and bone is removed all the same.
-TEST(CutDetector, ACutGoesOnBetweenTwoMassPoints) {
+// Removed bone is counted in mass points, which vanish one by one. Between two of them the cut goes on, as
+// the advance of the cut face shows.
+TEST(CutDetector, AnAdvancingCutFaceCountsAsACutBetweenTwoMassPoints) {
   CutDetector cut;
   simulation::ContactModel model;
   model.removed_volume_m3 = 5e-9;
@@ -83,7 +85,7 @@ TEST(CutDetector, ACutGoesOnBetweenTwoMassPoints) {
   EXPECT_FALSE(cut.Step(model, 26.0)) << "another state of the bone";
 }
 
-TEST(PassDetector, AnotherStateOfTheBoneIsNoCut) {
+TEST(PassDetector, ARestoredStateOfTheBoneIsNoCut) {
   Frames frames;
   frames.Run(50, 1e-9, 3);
   frames.Run(300, 0.0, 0);
@@ -97,7 +99,7 @@ TEST(PassDetector, AnotherStateOfTheBoneIsNoCut) {
   EXPECT_EQ(frames.ended, 1);
 }
 
-TEST(ScriptedChanges, PressesEachButtonOnceAndOnlyForARetractedTool) {
+TEST(ScriptedChanges, AsksForPauseNextAndResumeOnceEachAndOnlyWithARetractedTool) {
   ScriptedChanges script({});
   rt::Nanoseconds stamp = rt::kSecond;
   using Action = ScriptedChanges::Action;
@@ -125,7 +127,7 @@ TEST(ScriptedChanges, PressesEachButtonOnceAndOnlyForARetractedTool) {
   EXPECT_EQ(pressed, 3);
 }
 
-TEST(ScriptedChanges, SaysWhyAChangeIsNotMade) {
+TEST(ScriptedChanges, SaysWhyAChangeWasNotMade) {
   ScriptedChanges script({});
   rt::Nanoseconds stamp = rt::kSecond;
   const auto run = [&](double height_m, bool paused) {

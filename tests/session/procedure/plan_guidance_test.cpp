@@ -11,10 +11,12 @@
 namespace osteon::session {
 namespace {
 
+// The shipped plan of the demo.
 procedure::SurgicalPlan Shipped() {
   return config::LoadSurgicalPlan(OSTEON_SOURCE_DIR "/config/plans/acetabulum.yaml").plan;
 }
 
+// A pose X_WG of the bone that is neither at the origin nor aligned.
 Pose SomePlace() {
   Pose X_WG = Pose::Identity();
   X_WG.linear() = ExpRotation({0.3, -0.2, 0.5});
@@ -22,7 +24,7 @@ Pose SomePlace() {
   return X_WG;
 }
 
-TEST(PlanGuidance, IsThePlansInTheWorld) {
+TEST(PlanGuidance, IsThePlansGuidanceTransformedToTheWorld) {
   const procedure::SurgicalPlan plan = Shipped();
   const Pose X_WG = SomePlace();
   for (const procedure::PlannedTool& reamer : plan.tools) {
@@ -39,7 +41,7 @@ TEST(PlanGuidance, IsThePlansInTheWorld) {
   }
 }
 
-TEST(PlanGuidance, ShippedGainsAreTheDefaults) {
+TEST(PlanGuidance, TheShippedPlansGainsAreTheDefaults) {
   const procedure::SurgicalPlan plan = Shipped();
   const auto guidance = GuidanceOf(plan, plan.tools.front(), Pose::Identity());
   const control::GuidanceParams defaults;
@@ -60,7 +62,7 @@ TEST(PlanGuidance, APlanWithoutGuidanceGivesNone) {
   EXPECT_FALSE(GuidanceOf(plan, plan.tools.front(), Pose::Identity()));
 }
 
-TEST(PlanGuidance, FindsTheReamerThatAToolIs) {
+TEST(PlanGuidance, FindsThePlansReamerByTheToolsDiameter) {
   const procedure::SurgicalPlan plan = Shipped();
   simulation::Tool tool;
   tool.balls.push_back({.radius_m = 0.5 * plan.tools[2].diameter_m, .cutting = true});
@@ -70,14 +72,14 @@ TEST(PlanGuidance, FindsTheReamerThatAToolIs) {
   EXPECT_THROW(static_cast<void>(GuidanceOf(plan, tool, Pose::Identity())), std::invalid_argument);
 }
 
-TEST(PlanGuidance, GainsBeyondTheAcceptedAreRefused) {
+TEST(PlanGuidance, RefusesGainsOutOfRange) {
   procedure::SurgicalPlan plan = Shipped();
   plan.guidance.lateral.stiffness_N_per_m = 6e3;
   EXPECT_THROW(static_cast<void>(GuidanceOf(plan, plan.tools.front(), Pose::Identity())),
                std::invalid_argument);
 }
 
-TEST(PlanGuidance, ComesBackFromJsonBitForBit) {
+TEST(PlanGuidance, IsReadBackFromJsonBitForBit) {
   const procedure::SurgicalPlan plan = Shipped();
   const control::GuidanceParams sent = *GuidanceOf(plan, plan.tools[1], SomePlace());
   const nlohmann::json json = ToJson(sent);

@@ -17,18 +17,19 @@
 #include "tests/session/set_up_cell.h"
 #include "tests/temporary_path.h"
 
-// A procedure of two reamers on the simulated cell, for tests.
+// A test fixture: a session with a plan of two reamers on the simulated cell in virtual time.
 
 namespace osteon::session {
 
 inline constexpr const char* kCell = OSTEON_SOURCE_DIR "/config/cells/demo.yaml";
 inline constexpr const char* kTool = OSTEON_SOURCE_DIR "/config/tools/reamer.yaml";
 
+/// Hash of a carved state as session files write it: 16 hexadecimal digits.
 inline std::string HashText(const simulation::CarvedState& state) {
   return fmt::format("{:016x}", simulation::HashState(state));
 }
 
-// The demo's cell with a reamer, packed once for all tests of a program.
+/// The demo's cell with a reamer of this diameter; its bone is packed once for all tests of a program.
 inline const CellSetup& PackedCell(double diameter_mm) {
   static std::map<double, CellSetup> packed;
   auto found = packed.find(diameter_mm);
@@ -41,13 +42,13 @@ inline const CellSetup& PackedCell(double diameter_mm) {
   return found->second;
 }
 
-// The cell with reamers of 48 and 50 mm, both of which cut, and its session.
+/// The demo's cell, a plan of reamers of 48 and 50 mm, both of which cut, and a session in a folder `name`.
 struct Rig {
   struct Choice {
-    double seconds{1.0};
-    const SessionFile* resumed{nullptr};
-    bool guided{false};  // with the guidance of the demo's plan
-    bool scripted{true};
+    double seconds{1.0};                  // length of the run
+    const SessionFile* resumed{nullptr};  // the session that goes on; null: a new one
+    bool guided{false};                   // with the guidance of the demo's plan
+    bool scripted{true};                  // tools are changed by a script, not by requests
   };
   Rig(const std::string& name, double seconds, const SessionFile* resumed = nullptr)
       : Rig(name, Choice{.seconds = seconds, .resumed = resumed}) {}
@@ -94,7 +95,7 @@ struct Rig {
               .procedure = session.get()};
   }
 
-  // A session of this cell, new or to be resumed.
+  /// Makes a session of this cell that begins with `file`: new, or resumed.
   std::unique_ptr<ProcedureSession> MakeSession(const SessionFile& file) {
     return std::make_unique<ProcedureSession>(
         ProcedureParams{.folder = folder,
@@ -114,6 +115,7 @@ struct Rig {
                         .scripted = scripted});
   }
 
+  /// Runs the cell with the session; expects no error, and no fault unless `may_fault`.
   void Run() {
     const auto begun = session->Begin(*engine);
     ASSERT_TRUE(begun) << begun.error();

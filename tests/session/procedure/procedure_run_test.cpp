@@ -36,6 +36,7 @@ namespace {
 namespace fs = std::filesystem;
 using safety::CellState;
 
+// Expects that the state of each pass can be read from its file and has the hash in the session's file.
 void ExpectStatesWhole(const fs::path& folder, const SessionFile& session, const simulation::Bone& bone) {
   for (const SessionPass& pass : session.passes) {
     const auto state = simulation::ReadCarvedState(folder / pass.state, bone);
@@ -67,7 +68,7 @@ class ProcedureRun : public testing::Test {
   static inline io::Recording* recording_ = nullptr;
 };
 
-TEST_F(ProcedureRun, ToolsChangeAtRestAndTheJointsStayBitEqual) {
+TEST_F(ProcedureRun, TheToolChangesInAPauseAndTheJointsStayBitEqual) {
   int changes = 0;
   for (std::size_t i = 1; i < recording_->ticks.size(); ++i) {
     const control::TickRecord &before = recording_->ticks[i - 1], &tick = recording_->ticks[i];
@@ -95,12 +96,12 @@ TEST_F(ProcedureRun, EachReamerLeavesAPassAndAState) {
   ExpectStatesWhole(rig_->folder, *session, rig_->setup->bone);
 }
 
-TEST_F(ProcedureRun, ARunWhoseChangesWereMadeMissesNone) {
+TEST_F(ProcedureRun, ARunThatMadeAllItsToolChangesNamesNoneAsMissed) {
   EXPECT_TRUE(rig_->session->File().missed_changes.empty());
 }
 
-// Two tools in 5 s: the hand is on its way again before a change at rest could be made.
-TEST(ShortProcedureRun, APlannedChangeThatWasNotMadeIsNamed) {
+// 5 s are too short for two tools: the hand moves on before the tool can be changed at rest.
+TEST(ShortProcedureRun, ARunThatIsTooShortNamesTheToolChangeItMissed) {
   Rig rig("short_of_time", 5.0);
   rig.Run();
   const auto session = ReadSession(rig.folder);
@@ -111,8 +112,9 @@ TEST(ShortProcedureRun, APlannedChangeThatWasNotMadeIsNamed) {
   EXPECT_NE(session->missed_changes[0].reason, "");
 }
 
-// The operator's tool follows the plan's axis, here the bone's own +z, to 2 mm below the cup's centre.
-TEST_F(ProcedureRun, ThePanelTellsWhereTheSessionStands) {
+// The simulated hand leads the tool along the plan's axis, which is the bone's +z, to 2 mm below the cup's
+// centre.
+TEST_F(ProcedureRun, ThePanelShowsToolPassesAndThePlaceAlongThePlan) {
   const auto plan = nlohmann::json::parse(rig_->session->PlanJson());
   EXPECT_EQ(plan["type"], "plan");
   ASSERT_EQ(plan["reamers"].size(), 2u);
@@ -134,7 +136,7 @@ TEST_F(ProcedureRun, ThePanelTellsWhereTheSessionStands) {
   EXPECT_NEAR(now["to_go_mm"].get<double>(), 1e3 * (X_GT.translation().z() + 0.025 + 0.002), 0.5);
 }
 
-// The carved bone's volume at a recording's end, as the view and the copy with the bone have it [mm³].
+// Volume of the carved bone that a view shows at a recording's end [mm³].
 double ViewedVolume(const fs::path& recording, const CellSetup& setup, const RecordedCut& cut) {
   const float voxel_mm = surface::VoxelFor(setup.config.tool.tool);
   CarvedBone bone(surface::FieldOfBone(setup.solid.get(), setup.bone, voxel_mm),
@@ -148,14 +150,14 @@ double ViewedVolume(const fs::path& recording, const CellSetup& setup, const Rec
   return surface::VolumeOf(surface::WeldSurface(bone.field));
 }
 
-// A copy of the run's folder.
+// Copies a folder to a new temporary one.
 fs::path CopyOf(const fs::path& folder, const char* name) {
   const fs::path copy = TemporaryPath(name);
   fs::copy(folder, copy, fs::copy_options::recursive);
   return copy;
 }
 
-TEST_F(ProcedureRun, AViewCarvesWithTheReamerInUseAndLeavesOutWhatWasTakenBack) {
+TEST_F(ProcedureRun, AViewCarvesWithTheReamerInUseAndOmitsUndonePasses) {
   const auto setup = PrepareRecordedCell(recording_->session, std::nullopt);
   ASSERT_TRUE(setup) << setup.error();
   const auto cut = ReadRecordedCut(rig_->params.recording, recording_->session, *setup);
@@ -182,7 +184,7 @@ TEST_F(ProcedureRun, AViewCarvesWithTheReamerInUseAndLeavesOutWhatWasTakenBack) 
   EXPECT_GT(ViewedVolume(folder / "run_1.mcap", *setup, **without), viewed_mm3 + 50.0);
 }
 
-TEST_F(ProcedureRun, AViewHasThePlanAndWhereTheSessionStood) {
+TEST_F(ProcedureRun, AViewShowsThePlanAndTheSessionsProgressAtAnyTime) {
   EXPECT_EQ(RecordedProcedure::Open(rig_->params.recording, recording_->session, rig_->setup->X_WG), nullptr)
       << "without the plan's file";
   const fs::path folder = CopyOf(rig_->folder, "viewed");
@@ -211,7 +213,9 @@ TEST_F(ProcedureRun, AViewHasThePlanAndWhereTheSessionStood) {
   EXPECT_EQ(begin.at("tool"), 0);
 }
 
-TEST(PlanPlace, IsTheGuidancesOwn) {
+// The tool is 4 mm above its planned centre, 0.5 mm aside, and tilted by 0.2 rad, of which the cone permits
+// 0.14.
+TEST(PlanPlace, IsMeasuredAlongThePlansAxisWithTheGuidancesLimits) {
   procedure::SurgicalPlan plan;
   plan.tools = {{.diameter_m = 0.044, .height_m = 3e-3}};
   plan.guidance.lateral = {.free_m = 1e-3, .stop_m = 3e-3, .widening_rad = 0.1, .ease_m = 0.5e-3};
@@ -228,7 +232,7 @@ TEST(PlanPlace, IsTheGuidancesOwn) {
   EXPECT_FALSE(place.beyond_depth);
 }
 
-TEST_F(ProcedureRun, TheLoopReplaysToTheBit) {
+TEST_F(ProcedureRun, TheLoopReplaysBitForBitWithItsToolTable) {
   const auto cell = LoadRecordedTools(recording_->session.config);
   ASSERT_TRUE(cell) << cell.error();
   ASSERT_EQ(cell->tools.size(), 2u);
@@ -236,12 +240,12 @@ TEST_F(ProcedureRun, TheLoopReplaysToTheBit) {
   EXPECT_TRUE(replay.identical) << replay.why_not
                                 << (replay.first_difference ? replay.first_difference->field : "");
   EXPECT_EQ(replay.ticks, recording_->ticks.size());
-  // and it depends on the tool: without the table it differs
+  // the loop depends on the tool: a replay without the tool table differs
   const ReplayResult other = Replay(*recording_, cell->config);
   EXPECT_FALSE(other.identical);
 }
 
-// kill -9 after the first pass leaves a folder like this one.
+// The folder was copied during the run, after the first pass, as a kill would leave it.
 TEST_F(ProcedureRun, AKilledSessionResumesAtItsLastPass) {
   const fs::path copy = TemporaryPath("killed");
   const auto killed = ReadSession(copy);
@@ -259,7 +263,7 @@ TEST_F(ProcedureRun, AKilledSessionResumesAtItsLastPass) {
   EXPECT_EQ(file.segments.back().recording, "run_2.mcap");
 }
 
-TEST_F(ProcedureRun, AnotherBoneIsRefused) {
+TEST_F(ProcedureRun, ASessionOfAnotherBoneIsRefused) {
   SessionFile file = rig_->session->File();
   file.bone_checksum = "0123456789abcdef";
   Rig other("other_bone", 1.0, &file);
@@ -268,7 +272,7 @@ TEST_F(ProcedureRun, AnotherBoneIsRefused) {
   EXPECT_NE(begun.error().find("0123456789abcdef"), std::string::npos) << begun.error();
 }
 
-TEST(SessionBone, ComesBackToTheBitAndADamagedOneIsNone) {
+TEST(SessionBone, IsReadBackBitForBitAndADamagedFileIsRefused) {
   const fs::path folder = TemporaryPath("session_bone");
   fs::create_directories(folder);
   EXPECT_FALSE(ReadSessionBone(folder)) << "there is none";
@@ -297,8 +301,9 @@ TEST(SessionBone, ComesBackToTheBitAndADamagedOneIsNone) {
   EXPECT_FALSE(ReadSessionBone(folder)) << "cut short";
 }
 
-// Whatever is asked for, and in whatever state: a paused arm holds, no fault, no saved state is lost.
-TEST(ProcedureRequests, NoSequenceOfThemMovesThePausedArmOrLosesAState) {
+// Random requests in any state of the cell: a paused arm does not move, no fault occurs, and no saved state
+// is replaced or lost.
+TEST(ProcedureRequests, NoSequenceOfRequestsMovesThePausedArmOrLosesAState) {
   constexpr unsigned kSeed = 39;
   SCOPED_TRACE(kSeed);
   std::mt19937 random(kSeed);

@@ -28,8 +28,8 @@ namespace {
 
 using safety::CellState;
 
-constexpr double kSeconds = 6.0;
-constexpr int kMaxTicks = 9000;  // a run that stays paused ends here
+constexpr double kSeconds = 6.0;  // of rendering, in each run
+constexpr int kMaxTicks = 9000;   // a run that stays paused ends here
 constexpr double kForceCeiling_N = 200.0, kRounding = 1.0 + 1e-9;
 constexpr int kTicksToRest = 300;            // number of ticks after a fault in which the arm may still brake
 constexpr double kMaxRestMotion_rad = 1e-4;  // largest motion of a joint that counts as standstill
@@ -74,7 +74,7 @@ rc::Gen<std::vector<TimedRequest>> AnyRequests() {
               rc::gen::set(&TimedRequest::text, AnyText()))));
 }
 
-/// A run in which the requests are sent. It keeps the first violation of what the tests claim.
+/// A run in which the requests are sent. Each tick is checked, and the first violation is kept.
 class AskedRun {
  public:
   explicit AskedRun(std::vector<TimedRequest> asked, Begins begins = Begins::kInOrder)
@@ -242,7 +242,7 @@ class AskedRun {
   std::size_t next_{0};
 };
 
-TEST(ProcedureRequests, NoSequenceOfThemMovesThePausedArmPassesALimitOrLosesAState) {
+TEST(ProcedureRequests, NoSequenceOfRequestsMovesThePausedArmExceedsALimitOrLosesAState) {
   constexpr long long kCases = 3;
   property::CheckShard(0, 1, kCases, [] {
     const std::vector<TimedRequest> asked = *AnyRequests();
@@ -257,7 +257,7 @@ TEST(ProcedureRequests, NoSequenceOfThemMovesThePausedArmPassesALimitOrLosesASta
 
 // A fault holds the cell soon after its start: no request but a recovery moves the arm, and the session goes
 // on after the recovery.
-TEST(ProcedureRequests, NoSequenceOfThemMovesACellThatIsHeldAtAFault) {
+TEST(ProcedureRequests, NoSequenceOfRequestsMovesACellThatAFaultHolds) {
   constexpr long long kCases = 2;
   const int held_before = AskedRun::held;
   property::CheckShard(0, 1, kCases, [] {

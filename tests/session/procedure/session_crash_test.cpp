@@ -1,6 +1,6 @@
-// kill -9 before any file operation of a session leaves a folder that resumes at its last pass: a child
-// process ends a pass, takes it back, keeps the cup and ends the session, and is killed before each of its
-// operations in turn.
+// A session that is killed (SIGKILL) before any of its file operations leaves a folder that resumes at its
+// last pass. A child process ends a pass, undoes it, saves the cup's pose and ends the session. It is killed
+// before its first file operation, then a new child before its second, and so on.
 
 #include <sys/mman.h>
 #include <sys/ptrace.h>
@@ -27,9 +27,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr rt::Nanoseconds kFrame = 2 * rt::kMillisecond;
-constexpr double kSpindle_rad_per_s = 26.0, kClear_m = 0.010;
+constexpr double kSpindle_rad_per_s = 26.0;
+constexpr double kClear_m = 0.010;  // height of the head's centre over the bone's origin, clear of bone
 
-/// The frames of a session without a servo loop: the tool moves along the bone's axis as it is told.
+/// Runs the simulation's frames of a session without a servo loop: the tool moves along the bone's axis.
 class FrameBench {
  public:
   explicit FrameBench(Rig& rig)
@@ -49,6 +50,7 @@ class FrameBench {
       Frame(false);
     }
   }
+  /// Runs one frame at the present height.
   void Frame(bool paused) {
     Pose X_GT = Pose::Identity();
     X_GT.linear() = Eigen::AngleAxisd(3.141592653589793, Vector3::UnitX()).toRotationMatrix();
@@ -59,7 +61,7 @@ class FrameBench {
                        .tool_index = 0,
                        .paused = paused});
   }
-  /// One pass, but for the last of the half second that ends it.
+  /// Reams to a height and retracts. The pass stays open: its last frames, which would end it, are missing.
   void Ream(double height_m) {
     MoveTo(kClear_m, 20);
     MoveTo(height_m, 250);
@@ -76,14 +78,14 @@ class FrameBench {
   rt::Nanoseconds stamp_{0};
 };
 
-/// What the child has been told is done, in memory that outlives it.
+/// The steps that the child's session has confirmed, in memory that outlives the child.
 struct Progress {
   std::atomic<int> passes{0};
   std::atomic<bool> undone{false}, cup{false}, ended{false};
 };
 
-// The child's part, after the first pass.
-void Carry(Rig& rig, FrameBench& bench, Progress& progress) {
+// The child's work: ends the open second pass, undoes it, saves the cup's pose and ends the session.
+void EndSession(Rig& rig, FrameBench& bench, Progress& progress) {
   bench.MoveTo(kClear_m, 150);
   progress.passes.store(static_cast<int>(rig.session->File().passes.size()));
   const auto ask = [&](SessionRequest::Kind kind, std::atomic<bool>& done) {
@@ -96,6 +98,7 @@ void Carry(Rig& rig, FrameBench& bench, Progress& progress) {
   progress.ended.store(rig.session->End(*rig.engine).empty());
 }
 
+// Whether a system call opens, writes, closes, renames, truncates or removes a file.
 bool IsFileOperation(std::uint64_t number) {
   constexpr std::array kOperations{SYS_openat,   SYS_write,    SYS_fsync,    SYS_close, SYS_renameat2,
 #ifdef SYS_rename
@@ -107,7 +110,8 @@ bool IsFileOperation(std::uint64_t number) {
 
 enum class ChildEnd { kKilled, kDone, kFailed };
 
-// Runs `child` in a process of its own and kills it before its file operation number `operation`.
+// Runs `work` in a child process and kills the child before its file operation number `operation`, from 1.
+// @returns kDone if the child ended before it came to that operation
 template <class Work>
 ChildEnd KilledBefore(int operation, const Work& work) {
   const pid_t child = fork();
@@ -136,6 +140,7 @@ ChildEnd KilledBefore(int operation, const Work& work) {
   return ChildEnd::kFailed;
 }
 
+// Whether this machine lets a process trace its child.
 bool MayTrace() {
   return KilledBefore(1, [] {}) == ChildEnd::kDone;
 }
@@ -150,7 +155,7 @@ class KilledSession : public testing::Test {
                             0)) Progress) {}
   ~KilledSession() override { (void)munmap(progress_, sizeof(Progress)); }
 
-  // What the folder of a killed session must have.
+  // Expects that the killed session's folder has all steps that were confirmed, and resumes at its last pass.
   void ExpectResumes() {
     const auto killed = ReadSession(rig_.folder);
     ASSERT_TRUE(killed) << killed.error();
@@ -185,7 +190,7 @@ class KilledSession : public testing::Test {
   Progress* progress_;
 };
 
-TEST_F(KilledSession, ResumesAtItsLastPassWhateverOperationItWasKilledBefore) {
+TEST_F(KilledSession, ResumesAtItsLastPassAfterAKillBeforeAnyFileOperation) {
   if (!MayTrace()) GTEST_SKIP() << "this machine does not let a process trace its child";
   const auto begun = rig_.session->Begin(*rig_.engine);
   ASSERT_TRUE(begun) << begun.error();
@@ -204,7 +209,7 @@ TEST_F(KilledSession, ResumesAtItsLastPassWhateverOperationItWasKilledBefore) {
     fs::remove_all(folder);
     fs::copy(kept, folder, fs::copy_options::recursive);
     progress_ = new (progress_) Progress;
-    end = KilledBefore(operation, [&] { Carry(rig_, bench, *progress_); });
+    end = KilledBefore(operation, [&] { EndSession(rig_, bench, *progress_); });
     ASSERT_NE(end, ChildEnd::kFailed);
     ASSERT_NO_FATAL_FAILURE(ExpectResumes());
     if (end == ChildEnd::kDone) {

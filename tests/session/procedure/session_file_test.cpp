@@ -12,7 +12,7 @@
 namespace osteon::session {
 namespace {
 
-TEST(SessionFile, WhatIsWrittenIsReadBack) {
+TEST(SessionFile, ASessionIsReadBackAsItWasWritten) {
   SessionFile session = test::SomeSession();
   Pose X = Pose::Identity();
   X.translation() = Vector3(0.1, -0.2, 1.0 / 3.0);
@@ -27,7 +27,7 @@ TEST(SessionFile, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(Pose(*again->cup_X_GT).matrix(), X.matrix());
 }
 
-TEST(SessionFile, TheBeginningIsATimeOfTheCalendarOrNotKnown) {
+TEST(SessionFile, TheBeginningIsATimeInUtcOrNotKnown) {
   SessionFile session = test::SomeSession();
   EXPECT_EQ(ParseSession(ToJson(session))->began, "") << "an older session";
   session.began = "2026-11-29T09:30:00Z";
@@ -92,7 +92,7 @@ TEST(SessionFile, AWrongValueIsNamedWithItsPlace) {
             "passes[0]: state: ");
 }
 
-TEST(SessionFile, TheLastNumberIsThatOfTheFilesInTheFolder) {
+TEST(SessionFile, TheLastNumberIsTheLargestAmongTheFilesInTheFolder) {
   const std::filesystem::path folder = TemporaryPath("numbers");
   EXPECT_EQ(LastNumber(folder, kRecordingPrefix, kRecordingEnding), 0) << "no folder";
   std::filesystem::create_directories(folder);
@@ -103,7 +103,7 @@ TEST(SessionFile, TheLastNumberIsThatOfTheFilesInTheFolder) {
   EXPECT_EQ(LastNumber(folder, kStatePrefix, kStateEnding), 3);
 }
 
-TEST(SessionFile, MissedChangesComeBackAndAreAbsentInOlderSessions) {
+TEST(SessionFile, MissedChangesAreReadBackAndMayBeAbsent) {
   SessionFile session = test::SomeSession();
   session.missed_changes = {{.tool_index = 2, .reason = "retract 1 mm first"}};
   std::string text = ToJson(session);
@@ -125,7 +125,7 @@ TEST(SessionFile, AnotherSchemaIsRefused) {
   EXPECT_EQ(ParseSession(text).error(), "schema: found \"osteon.session/9\", accepted \"osteon.session/1\"");
 }
 
-TEST(SessionFile, AFolderWithoutASessionIsNamed) {
+TEST(SessionFile, TheErrorNamesAFolderWithoutASessionAndSuggestsTheRightOne) {
   const std::filesystem::path folder = TemporaryPath("no_session");
   const auto session = ReadSession(folder);
   ASSERT_FALSE(session);

@@ -4,7 +4,8 @@
 
 namespace osteon::session::test {
 
-/// A session of two passes with the first and the last of three reamers; the second pass was undone.
+/// A sample for tests: a session of two passes with the first and the last of three reamers; the second pass
+/// was undone.
 inline SessionFile SomeSession() {
   SessionFile session{.cell = "demo",
                       .cell_file = "config/cells/demo.yaml",

@@ -1,5 +1,5 @@
-// The carved bone of a session as its recording and the console show it: by each tool, without the passes
-// that were taken back, and with what earlier recordings have cut.
+// The carved bone of a session in its recording and on the console: cut by each tool in turn, without undone
+// passes, and with the bone that earlier recordings of the session have cut.
 
 #include <algorithm>
 #include <atomic>
@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kTolerance = 0.08;  // of a pass's volume: the recording's grid is coarse
 
-/// Keeps the newest chunk of every brick.
+/// The surface as a console page has it: the newest chunk of every brick.
 class ShownSurface final : public surface::SurfaceSink {
  public:
   void Begin(const surface::BrickLayout&) override {}
@@ -48,7 +48,7 @@ class ShownSurface final : public surface::SurfaceSink {
   std::map<surface::BrickIndex, surface::SurfaceChunk> kept_;
 };
 
-/// Bone that the passes have removed [mm³]. @param undone  those that were taken back
+/// Bone that the passes have removed [mm³]. @param undone  true: of the undone passes; false: of the others
 double Removed_mm3(const SessionFile& session, bool undone) {
   double removed_mm3 = 0.0;
   for (const SessionPass& pass : session.passes)
@@ -56,7 +56,7 @@ double Removed_mm3(const SessionFile& session, bool undone) {
   return removed_mm3;
 }
 
-/// Asks for a pause once `ready`, then for an undo, then for the run's end.
+/// Once `ready` returns true: asks for a pause, then for an undo of the last pass, then for the run's end.
 class UndoByHand {
  public:
   UndoByHand(Rig& rig, std::function<bool()> ready) : rig_(rig), ready_(std::move(ready)) {
@@ -86,7 +86,7 @@ class UndoByHand {
   bool done_{false};
 };
 
-TEST(SessionSurfaces, FollowEachToolAndLeaveOutAPassThatWasTakenBack) {
+TEST(SessionSurfaces, FollowEachToolAndLeaveOutAnUndonePass) {
   Rig rig("surfaces", 14.0);
   rig.params.bone_state_s = 1.0;
   UndoByHand undo(rig, [&] {
@@ -98,7 +98,8 @@ TEST(SessionSurfaces, FollowEachToolAndLeaveOutAPassThatWasTakenBack) {
   rig.params.surface = live.get();
   double page_with_all_mm3 = 0.0;
   rig.params.progress = [&](double) {
-    live->Apply([](surface::CarvedField&, surface::ToolWays&) {});  // its ring is read
+    // wait until all frames so far are carved
+    live->Apply([](surface::CarvedField&, surface::ToolWays&) {});
     if (!undo.done()) page_with_all_mm3 = page.Volume_mm3();
   };
   live->Apply([](surface::CarvedField&, surface::ToolWays&) {});
@@ -109,32 +110,33 @@ TEST(SessionSurfaces, FollowEachToolAndLeaveOutAPassThatWasTakenBack) {
   ASSERT_EQ(live->error(), "");
 
   const SessionFile session = rig.session->File();
-  const double left_mm3 = Removed_mm3(session, false), back_mm3 = Removed_mm3(session, true);
-  ASSERT_GT(left_mm3, 500.0);
-  ASSERT_GT(back_mm3, 200.0);
+  const double kept_mm3 = Removed_mm3(session, false), undone_mm3 = Removed_mm3(session, true);
+  ASSERT_GT(kept_mm3, 500.0);
+  ASSERT_GT(undone_mm3, 200.0);
   const std::vector<double> recorded_mm3 = BoneVolumes(rig.params.recording);
   ASSERT_GT(recorded_mm3.size(), 3u);
-  const double least_mm3 = *std::ranges::min_element(recorded_mm3);
-  EXPECT_NEAR(recorded_mm3.front() - least_mm3, left_mm3 + back_mm3, kTolerance * (left_mm3 + back_mm3))
+  const double min_mm3 = *std::ranges::min_element(recorded_mm3);
+  EXPECT_NEAR(recorded_mm3.front() - min_mm3, kept_mm3 + undone_mm3, kTolerance * (kept_mm3 + undone_mm3))
       << "both reamers, each with its own head";
-  EXPECT_NEAR(recorded_mm3.front() - recorded_mm3.back(), left_mm3, kTolerance * left_mm3);
-  EXPECT_NEAR(page_before_mm3 - page_with_all_mm3, left_mm3 + back_mm3, kTolerance * (left_mm3 + back_mm3));
-  EXPECT_NEAR(page_before_mm3 - page.Volume_mm3(), left_mm3, kTolerance * left_mm3);
+  EXPECT_NEAR(recorded_mm3.front() - recorded_mm3.back(), kept_mm3, kTolerance * kept_mm3);
+  EXPECT_NEAR(page_before_mm3 - page_with_all_mm3, kept_mm3 + undone_mm3,
+              kTolerance * (kept_mm3 + undone_mm3));
+  EXPECT_NEAR(page_before_mm3 - page.Volume_mm3(), kept_mm3, kTolerance * kept_mm3);
 }
 
-TEST(SessionSurfaces, BeginWithWhatEarlierRecordingsHaveCutAndTakeItBackAsWell) {
+TEST(SessionSurfaces, BeginWithTheCutsOfEarlierRecordingsAndUndoThemAsWell) {
   SessionFile first;
-  double cut_mm3 = 0.0;
+  double bone_mm3 = 0.0;  // volume at the first recording's end
   {
     Rig rig("resumed_surfaces", 4.0);
     rig.params.bone_state_s = 1.0;
     rig.Run();
     first = rig.session->File();
-    cut_mm3 = BoneVolumes(rig.params.recording).back();
+    bone_mm3 = BoneVolumes(rig.params.recording).back();
   }
   ASSERT_FALSE(first.passes.empty());
-  const double back_mm3 = first.passes.back().removed_mm3;
-  ASSERT_GT(back_mm3, 200.0);
+  const double undone_mm3 = first.passes.back().removed_mm3;
+  ASSERT_GT(undone_mm3, 200.0);
   Rig again("resumed_surfaces", 2.0, &first);
   again.params.bone_state_s = 1.0;
   ShownSurface page;
@@ -152,10 +154,10 @@ TEST(SessionSurfaces, BeginWithWhatEarlierRecordingsHaveCutAndTakeItBackAsWell) 
   ASSERT_EQ(live->error(), "");
   const std::vector<double> resumed_mm3 = BoneVolumes(again.params.recording);
   ASSERT_GE(resumed_mm3.size(), 2u);
-  EXPECT_NEAR(resumed_mm3.front(), cut_mm3, 0.02 * back_mm3);
-  EXPECT_NEAR(resumed_mm3.back() - resumed_mm3.front(), back_mm3, kTolerance * back_mm3)
+  EXPECT_NEAR(resumed_mm3.front(), bone_mm3, 0.02 * undone_mm3);
+  EXPECT_NEAR(resumed_mm3.back() - resumed_mm3.front(), undone_mm3, kTolerance * undone_mm3)
       << "the first recording's last pass was taken back";
-  EXPECT_NEAR(page.Volume_mm3() - page_begins_mm3, back_mm3, kTolerance * back_mm3);
+  EXPECT_NEAR(page.Volume_mm3() - page_begins_mm3, undone_mm3, kTolerance * undone_mm3);
 }
 
 }  // namespace

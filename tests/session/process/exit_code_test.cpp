@@ -11,7 +11,7 @@
 namespace osteon::session {
 namespace {
 
-TEST(ExitCode, OfAnExceptionSaysWhoIsToBlame) {
+TEST(ExitCode, BadInputOutOfMemoryAndInternalErrorsHaveTheirOwnCodes) {
   EXPECT_EQ(Explain(config::ConfigError("cell.yaml", 3, "max_force_N: found 900")).code, kBadInput);
   EXPECT_EQ(Explain(std::invalid_argument("read_every_ms: found 0, accepted 1 … 100")).code, kBadInput);
   EXPECT_EQ(Explain(std::filesystem::filesystem_error("cannot open", "/nowhere", {})).code, kBadInput);

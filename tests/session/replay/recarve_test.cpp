@@ -8,10 +8,11 @@
 namespace osteon::session {
 namespace {
 
-// The commanded pose makes the frame under an admittance law, the measured one under an impedance law.
+// Runs a cell, then carves its bone again from the recording. Frames are made at the commanded pose under an
+// admittance law and at the measured one under an impedance law: one cell of each.
 class RecarveTest : public testing::TestWithParam<const char*> {};
 
-TEST_P(RecarveTest, FromTheRecordingAloneTheBoneIsTheRunsBitForBit) {
+TEST_P(RecarveTest, TheRecordingAloneGivesTheRunsBoneBitForBit) {
   auto setup =
       SetUpCell(OSTEON_SOURCE_DIR "/config/cells/" + std::string(GetParam()) + ".yaml", std::nullopt);
   ASSERT_TRUE(setup) << setup.error();
@@ -42,7 +43,8 @@ TEST_P(RecarveTest, FromTheRecordingAloneTheBoneIsTheRunsBitForBit) {
   }
   while (frame < recording->frames.size()) recarve.Add(recording->frames[frame++]);
   EXPECT_EQ(recarve.left_out(), 0u);
-  // virtual time ends with a frame that was made and not yet published
+  // In virtual time a run ends with a frame that was computed but not yet recorded: the result has one frame
+  // more.
   EXPECT_NEAR((*fresh)->Snapshot().removed_volume_m3, result->after.removed_volume_m3,
               1e-4 * result->after.removed_volume_m3);
   EXPECT_EQ(recording->frames.back().model.removed_volume_m3, (*fresh)->Snapshot().removed_volume_m3);

@@ -18,6 +18,7 @@ namespace {
 
 using testing::HasSubstr;
 
+// A shipped cell whose packing is planned for this error.
 CellSetup PlannedCellSetup(const std::string& cell, double error_m) {
   auto setup = PrepareCell(OSTEON_SOURCE_DIR "/config/cells/" + cell + ".yaml", std::nullopt);
   EXPECT_TRUE(setup) << setup.error();
@@ -26,6 +27,7 @@ CellSetup PlannedCellSetup(const std::string& cell, double error_m) {
   return std::move(*setup);
 }
 
+// Makes the report of a recording, which cuts the bone again. @returns its JSON
 nlohmann::json ReportOf(const std::filesystem::path& recording) {
   const std::filesystem::path json = recording.parent_path() / "report.json";
   EXPECT_EQ(RunRecordedReport({.recording = recording, .json = json}), 0);
@@ -39,8 +41,9 @@ class RecordedReport : public testing::Test {
   std::filesystem::path recording_{folder_.path() / "r.mcap"};
 };
 
-// 0.14 mm is neither the scene's packing nor the packing that its own demand leads to.
-TEST_F(RecordedReport, CutsTheBoneThatTheRunPlanned) {
+// An error of 0.14 mm leads to a packing that is neither the scene's own nor the one planned for the scene's
+// error.
+TEST_F(RecordedReport, CutsTheBoneInThePackingOfTheRun) {
   const CellSetup setup = PlannedCellSetup("thin_plate", 0.14e-3);
   auto engine = MakeEngine(setup, {.engine = "cpu"});
   ASSERT_TRUE(engine) << engine.error();
@@ -59,8 +62,9 @@ TEST_F(RecordedReport, CutsTheBoneThatTheRunPlanned) {
   EXPECT_EQ(report["events"].size(), run->events.size());
 }
 
-// Zones that were coarsened during the run are coarsened again, after the same frame.
-TEST_F(RecordedReport, CoarsensTheZonesWhereTheRunDid) {
+// The first 300 frames in contact are said to take 4.6 ms, more than the 4 ms of the rate, so that the run
+// coarsens its zones.
+TEST_F(RecordedReport, CoarsensTheZonesAfterTheSameFrameAsTheRun) {
   CellSetup setup = PlannedCellSetup("demo", 0.1e-3);
   auto planned = std::make_shared<PlannedCell>(*setup.planned);
   planned->request.timed = true;
@@ -94,8 +98,9 @@ TEST_F(RecordedReport, CoarsensTheZonesWhereTheRunDid) {
   EXPECT_EQ(report["rezoned"][0]["frame_us_before"], 4600.0);
 }
 
-// In wall time frames and ticks come to the file from two rings: a frame may be written before its tick.
-TEST_F(RecordedReport, AFrameMayStandBeforeTheTickOfItsPose) {
+// In wall time frames and ticks come to the file from two rings, so a frame may be written before the tick
+// whose pose it has. The copy "early.mcap" has them in this order.
+TEST_F(RecordedReport, AcceptsFramesThatWereWrittenBeforeTheirTicks) {
   const CellSetup setup = PlannedCellSetup("thin_plate", 0.14e-3);
   auto engine = MakeEngine(setup, {.engine = "cpu"});
   ASSERT_TRUE(engine) << engine.error();
@@ -123,7 +128,7 @@ TEST_F(RecordedReport, AFrameMayStandBeforeTheTickOfItsPose) {
   EXPECT_EQ(report["recut"]["same"], true);
 }
 
-TEST(RecordedPacking, SaysWhichNumberServesNoPacking) {
+TEST(RecordedPacking, NamesTheRecordedNumberThatIsOutOfRange) {
   const CellSetup setup = PlannedCellSetup("thin_plate", 0.14e-3);
   const io::PackingRecord good = MakePackingRecord(setup);
   ASSERT_TRUE(LevelOf(good));
@@ -144,7 +149,7 @@ TEST(RecordedPacking, SaysWhichNumberServesNoPacking) {
   EXPECT_THAT(refused([](auto& packing) { packing.error_m = 0.0; }), HasSubstr("error: found 0 mm"));
 }
 
-TEST(RecordedPacking, OtherBallsThanTheRunsAreTold) {
+TEST(RecordedPacking, WarnsIfTheBallsDifferFromTheRuns) {
   const CellSetup setup = PlannedCellSetup("thin_plate", 0.14e-3);
   io::PackingRecord packing = MakePackingRecord(setup);
   packing.balls_checksum = "0123456789abcdef";

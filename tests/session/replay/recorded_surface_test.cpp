@@ -10,14 +10,15 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/session/set_up_cell.h"
 
-// The carved bone of a run: live, at its end, and from its recording.
+// The carved bone's surface as it is made from a recording, compared with the surface that was made during
+// the run.
 
 namespace osteon::session {
 namespace {
 
 constexpr double kSeconds = 2.0;
 
-/// Quads of the newest chunk of every brick.
+/// Counts the quads of the live surface: those of the newest chunk of every brick.
 class QuadCounter final : public surface::SurfaceSink {
  public:
   void Begin(const surface::BrickLayout&) override {}
@@ -34,7 +35,7 @@ class QuadCounter final : public surface::SurfaceSink {
   std::map<surface::BrickIndex, std::size_t> quads_;
 };
 
-/// A run of the molar cell in virtual time, and the mesh that was made beside it.
+/// A run of the cell "molar" in virtual time, and the surface that was made during the run.
 class RecordedSurface : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -77,21 +78,21 @@ class RecordedSurface : public testing::Test {
   static inline double removed_mm3_{0.0};
 };
 
-TEST_F(RecordedSurface, IsTheLiveSurface) {
+TEST_F(RecordedSurface, HasAsManyTrianglesAsTheLiveSurface) {
   const WrittenSurface end = Write(*setup_, {}, "end.stl");
   EXPECT_TRUE(end.figures.watertight);
   EXPECT_FALSE(end.from_balls);
   EXPECT_EQ(end.figures.triangles, 2 * live_quads_);
 }
 
-TEST_F(RecordedSurface, LacksTheVolumeThatTheEngineRemoved) {
+TEST_F(RecordedSurface, LosesTheVolumeThatTheEngineRemoved) {
   const WrittenSurface before = Write(*setup_, 0.0, "before.ply"), end = Write(*setup_, {}, "end.ply");
   ASSERT_GT(removed_mm3_, 1.0);
-  // Mass points of about 0.3 mm, a burr of R = 4 voxels.
+  // 10 %: the engine counts mass points of about 0.3 mm, and the burr's radius is only 4 voxels.
   EXPECT_NEAR(before.figures.volume_mm3 - end.figures.volume_mm3, removed_mm3_, 0.1 * removed_mm3_);
 }
 
-TEST_F(RecordedSurface, GrowsWithTheTimeAskedFor) {
+TEST_F(RecordedSurface, LosesVolumeAsTheRequestedTimeGrows) {
   double last_mm3 = 1e9;
   for (const double at_s : {1.0, 1.5, 2.0}) {
     const WrittenSurface written = Write(*setup_, at_s, "at.obj");
@@ -102,7 +103,7 @@ TEST_F(RecordedSurface, GrowsWithTheTimeAskedFor) {
   }
 }
 
-TEST_F(RecordedSurface, NeedsTheRecordingAlone) {
+TEST_F(RecordedSurface, IsTheSameFromTheRecordingAloneAndFromTheCell) {
   const auto stream = io::ReadRecording(Recording());
   ASSERT_TRUE(stream);
   const auto setup = PrepareRecordedCell(stream->session, {});
@@ -111,7 +112,7 @@ TEST_F(RecordedSurface, NeedsTheRecordingAlone) {
   EXPECT_EQ(io::test::ReadAll(from_cell.file), io::test::ReadAll(alone.file));
 }
 
-TEST_F(RecordedSurface, RefusesAnotherBone) {
+TEST_F(RecordedSurface, RefusesARecordingOfAnotherBone) {
   auto recording = io::ReadRecording(Recording());
   ASSERT_TRUE(recording);
   recording->session.scene = "hip.obj";
@@ -120,7 +121,7 @@ TEST_F(RecordedSurface, RefusesAnotherBone) {
   EXPECT_NE(setup.error().find("accepted the recording's, hip.obj"), std::string::npos) << setup.error();
 }
 
-TEST(SurfaceFile, IsRefusedByItsExtension) {
+TEST(SurfaceFile, IsRefusedIfItsExtensionIsUnknown) {
   EXPECT_EQ(ValidateSurfaceFile(""), "");
   EXPECT_NE(ValidateSurfaceFile("bone.step").find("accepted a name that ends in"), std::string::npos);
 }

@@ -17,20 +17,22 @@
 #include "tests/session/run/virtual_ride.h"
 #include "tests/session/set_up_cell.h"
 
-// A planned cell, and the adaptive resolution that coarsens its zones. On Vulkan; frame times are made up, so
-// that no clock is involved.
+// A planned cell, and the adaptive resolution, which coarsens the packing's zones if frames take too long. On
+// Vulkan; the tests give the frame times, so that no clock is involved.
 
 namespace osteon::session {
 namespace {
 
 using testing::HasSubstr;
 
-constexpr double kRate_hz = 250.0, kSlow_us = 4600.0, kFast_us = 1000.0;
+constexpr double kRate_hz = 250.0;                      // a frame may take 4000 us
+constexpr double kSlow_us = 4600.0, kFast_us = 1000.0;  // given frame times
 
 std::filesystem::path CellFile(const std::string& name) {
   return std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells" / (name + ".yaml");
 }
 
+// A shipped cell with its bone packed as the plan says.
 CellSetup Planned(const std::string& name, const FidelityChoice& choice = {}) {
   auto setup = PrepareCell(CellFile(name), std::nullopt);
   EXPECT_TRUE(setup) << setup.error();
@@ -46,8 +48,8 @@ const CellSetup& Shipped(const std::string& name) {
   return found != planned.end() ? found->second : planned.emplace(name, Planned(name)).first->second;
 }
 
-/// Gives the plan made-up times: `us` at the plan's spacing, a fifth of it independent of the balls.
-void SayTimed(CellSetup& setup, double us) {
+/// Sets the plan's predicted frame time to `us`; a fifth of it does not depend on the number of balls.
+void SetFrameTimes(CellSetup& setup, double us) {
   auto planned = std::make_shared<PlannedCell>(*setup.planned);
   planned->request.timed = true;
   planned->request.rate_hz = kRate_hz;
@@ -57,18 +59,21 @@ void SayTimed(CellSetup& setup, double us) {
   setup.planned = std::move(planned);
 }
 
-/// A run of the cell in virtual time, with slow frames until the zones are coarser.
+/// What remains of a run of a cell in virtual time.
 struct Ride {
   CellRunResult result;
   RunSummary summary;
   io::Recording recording;
-  std::size_t balls{0};
-  double promised_m{0.0}, error_m{0.0};  ///< of the cut, measured against the proxy's sweep
+  std::size_t balls{0};    ///< before any coarsening
+  double promised_m{0.0};  ///< error of the cut that the last packing promises
+  double error_m{0.0};     ///< error of the cut, measured against the proxy's sweep
 };
 
+// Runs a cell that is planned for an error. @param slow  the first 300 frames in contact take kSlow_us, all
+// others kFast_us; false: all frames take kFast_us
 Ride RideOf(const std::string& name, double error_m, double seconds, bool slow) {
   CellSetup setup = Planned(name, {.as_packed = false, .error_m = error_m, .rate_hz = {}});
-  SayTimed(setup, 2000.0);
+  SetFrameTimes(setup, 2000.0);
   auto engine = MakeEngine(setup, {});
   EXPECT_TRUE(engine) << engine.error();
   AdaptiveResolution adaptive_resolution(setup,
@@ -105,15 +110,14 @@ Ride RideOf(const std::string& name, double error_m, double seconds, bool slow) 
 struct Case {
   const char* cell;
   double error_mm;
-  /// Cut over the scene's whole path: a cut that has only begun is mostly rim, with a larger error.
-  bool whole;
+  bool whole;  ///< the run cuts along the scene's whole path; a cut that has only begun has a larger error
 };
 
 void PrintTo(const Case& of, std::ostream* out) { *out << of.cell; }
 
 class AdaptiveResolutionRide : public testing::TestWithParam<Case> {};
 
-TEST_P(AdaptiveResolutionRide, CoarsensUnderLoadAndTheHandFeelsNoStep) {
+TEST_P(AdaptiveResolutionRide, CoarsensZonesUnderLoadWithoutAStepInForceOrRemoval) {
   const Case asked = GetParam();
   const Ride ride = RideOf(asked.cell, 1e-3 * asked.error_mm, 3.0, true),
              calm = RideOf(asked.cell, 1e-3 * asked.error_mm, 3.0, false);
@@ -174,7 +178,7 @@ TEST_P(AdaptiveResolutionRide, CoarsensUnderLoadAndTheHandFeelsNoStep) {
   EXPECT_GT(force_N(calm), 1.0) << "in contact";
   EXPECT_LT(step_N(ride), step_N(calm) + 3.0);
 
-  // the recording and the summary say so
+  // the recording's events and the summary name the coarser zones
   const auto told = [&](const char* text) {
     return std::ranges::any_of(ride.recording.events,
                                [&](const auto& event) { return event.text.find(text) != std::string::npos; });
@@ -192,7 +196,7 @@ INSTANTIATE_TEST_SUITE_P(Cells, AdaptiveResolutionRide,
                          testing::Values(Case{"demo", 0.1, true}, Case{"femoral_canal", 0.06, false}),
                          [](const auto& of) { return std::string(of.param.cell); });
 
-/// The demands of a shipped scene, over its cell's whole script.
+/// Runs a shipped cell over its whole script, planned for the error that its scene asks for.
 class PlannedScript : public testing::TestWithParam<const char*> {};
 
 TEST_P(PlannedScript, KeepsTheErrorThatItsSceneAsksFor) {
@@ -211,23 +215,24 @@ INSTANTIATE_TEST_SUITE_P(Cells, PlannedScript,
                          testing::Values("demo", "molar", "thin_plate", "sawbone_block", "femoral_canal"),
                          [](const auto& of) { return std::string(of.param); });
 
-TEST(AdaptiveResolution, IsTheSameAgain) {
+TEST(AdaptiveResolution, GivesEqualStatesInEqualRuns) {
   const Ride a = RideOf("demo", 0.1e-3, 1.5, true), b = RideOf("demo", 0.1e-3, 1.5, true);
   ASSERT_FALSE(a.result.rezoned.empty());
   EXPECT_EQ(a.summary.state_hash, b.summary.state_hash);
 }
 
-/// Pushes the tool into the planned bone along the scene's path, for all of its frames.
+/// Steps the engine along the scene's path, frame by frame, and reports each frame with a given time.
 class Driven : public testing::Test {
  protected:
   Driven() : setup_(Shipped("demo")) {
-    SayTimed(setup_, 2000.0);
+    SetFrameTimes(setup_, 2000.0);
     auto made = MakeEngine(setup_, {});
     EXPECT_TRUE(made) << made.error();
     engine_ = std::move(*made);
   }
 
-  /// Whether the adaptive resolution had a replacement within this many frames.
+  /// Runs up to `frames` frames that take `us` each. @returns true, and uses the replacement from then on,
+  /// once the adaptive resolution has one
   bool Drive(AdaptiveResolution& adaptive_resolution, double us, std::size_t frames) {
     const auto& way = setup_.planned->scene.work.frames;
     for (std::size_t k = 0; k < frames; ++k, ++at_) {
@@ -251,7 +256,7 @@ class Driven : public testing::Test {
   std::size_t at_{0};
 };
 
-TEST_F(Driven, TheNewPackingIsMadeBesideTheRun) {
+TEST_F(Driven, TheNewPackingIsMadeInAThreadAndContinuesTheRunsState) {
   AdaptiveResolution adaptive_resolution(setup_, {.rate_hz = kRate_hz, .window = 50, .engine = {}});
   EXPECT_FALSE(Drive(adaptive_resolution, kFast_us, 200)) << "in time";
   EXPECT_EQ(adaptive_resolution.TakeNotice(), "");
@@ -270,11 +275,11 @@ TEST_F(Driven, TheNewPackingIsMadeBesideTheRun) {
   EXPECT_EQ(after.cleared, before.cleared);
   EXPECT_EQ(after.frame, before.frame);
   EXPECT_EQ(after.removed_volume_m3, before.removed_volume_m3);
-  // and the run continues from there
+  // the run continues with the new packing
   EXPECT_FALSE(Drive(adaptive_resolution, kFast_us, 100));
 }
 
-TEST_F(Driven, WhereNothingCoarserHelpsItSaysSoOnce) {
+TEST_F(Driven, SaysOnceThatNoCoarserZonesWouldReachTheRate) {
   AdaptiveResolution adaptive_resolution(setup_,
                                          {.rate_hz = kRate_hz, .window = 50, .engine = {}, .at_once = true});
   EXPECT_FALSE(Drive(adaptive_resolution, 100.0 * kSlow_us, 400));
@@ -283,14 +288,14 @@ TEST_F(Driven, WhereNothingCoarserHelpsItSaysSoOnce) {
   EXPECT_EQ(adaptive_resolution.TakeNotice(), "");
 }
 
-TEST_F(Driven, AFewSlowFramesAreNoReason) {
+TEST_F(Driven, EveryThirdFrameBeingSlowCoarsensNothing) {
   AdaptiveResolution adaptive_resolution(setup_,
                                          {.rate_hz = kRate_hz, .window = 50, .engine = {}, .at_once = true});
   for (int k = 0; k < 400; ++k) EXPECT_FALSE(Drive(adaptive_resolution, k % 3 == 0 ? kSlow_us : kFast_us, 1));
   EXPECT_EQ(adaptive_resolution.TakeNotice(), "");
 }
 
-TEST_F(Driven, EndsWhileItMakesAPacking) {
+TEST_F(Driven, CanBeEndedWhileItMakesAPacking) {
   AdaptiveResolution adaptive_resolution(setup_, {.rate_hz = kRate_hz, .window = 50, .engine = {}});
   Drive(adaptive_resolution, kSlow_us, 60);
   EXPECT_THAT(adaptive_resolution.TakeNotice(), HasSubstr("coarser zones are made"));
@@ -300,7 +305,7 @@ TEST_F(Driven, EndsWhileItMakesAPacking) {
   EXPECT_EQ(adaptive_resolution.TakeNotice(), "");
 }
 
-TEST(PackCell, IsPlannedWhereSceneOrChoiceAskForIt) {
+TEST(PackCell, PlansIfTheSceneOrTheChoiceAsksForAnError) {
   const CellSetup& planned = Shipped("demo");
   ASSERT_TRUE(planned.planned);
   EXPECT_EQ(planned.planned->request.error_m, planned.config.scene.fidelity->error_m);
@@ -320,15 +325,15 @@ TEST(PackCell, IsPlannedWhereSceneOrChoiceAskForIt) {
   EXPECT_EQ(as_packed.bone.balls.size(), plain->bone.balls.size());
 }
 
-// A plan by the closed forms is repeatable, whatever the machine's load.
-TEST(PackCell, WithoutAClockItIsTheSameAgain) {
+// Such a plan uses closed-form predictions instead of measured times: the machine's load does not matter.
+TEST(PackCell, WithoutAClockThePlanIsRepeatable) {
   const CellSetup &a = Shipped("thin_plate"), b = Planned("thin_plate");
   ASSERT_EQ(a.bone.balls.size(), b.bone.balls.size());
   for (std::size_t i = 0; i < a.bone.balls.size(); ++i)
     ASSERT_EQ(a.bone.balls[i].radius_m, b.bone.balls[i].radius_m);
 }
 
-TEST(PackCell, EveryShippedCellHasWhatItAsksFor) {
+TEST(PackCell, EveryShippedCellsDemandsAreMet) {
   for (const auto& entry : std::filesystem::directory_iterator(CellFile("demo").parent_path())) {
     const std::string name = entry.path().stem().string();
     const CellSetup& setup = Shipped(name);
@@ -339,7 +344,7 @@ TEST(PackCell, EveryShippedCellHasWhatItAsksFor) {
   }
 }
 
-TEST(PackCell, RefusesWhatCanNotBePlanned) {
+TEST(PackCell, RefusesAZoneOrABoneThatCannotBePlanned) {
   auto setup = PrepareCell(CellFile("demo"), std::nullopt);
   ASSERT_TRUE(setup);
   setup->config.scene.zone.kind = simulation::ZoneParams::Kind::kEverywhere;

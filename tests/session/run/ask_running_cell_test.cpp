@@ -17,7 +17,8 @@
 namespace osteon::session {
 namespace {
 
-// A local server that is not a cell of this version: whatever it answers, the asker ends with a code.
+// The program that asks a running cell meets a local server that is not a cell of this version, or none. It
+// must end with an exit code for any answer.
 class AskRunningCellTest : public testing::Test {
  protected:
   void SetUp() override { ::setenv("OSTEON_SOCKET_FOLDER", (folder_.path() / "sockets").c_str(), 1); }
@@ -34,7 +35,7 @@ class AskRunningCellTest : public testing::Test {
   io::test::TemporaryFolder folder_;
 };
 
-TEST_F(AskRunningCellTest, ValuesOfOtherTypesAreNotTaken) {
+TEST_F(AskRunningCellTest, IgnoresValuesOfWrongTypesInAnAnswer) {
   for (
       const char* answer :
       {R"({"done": true})", R"({"done": true, "status": 5, "run": [], "procedure": "none"})",
@@ -48,13 +49,13 @@ TEST_F(AskRunningCellTest, ValuesOfOtherTypesAreNotTaken) {
   }
 }
 
-TEST_F(AskRunningCellTest, WhatIsNotDoneOrNoAnswerFails) {
+TEST_F(AskRunningCellTest, FailsIfTheRequestIsNotDoneOrTheAnswerIsNoJson) {
   for (const char* answer : {"", "{", "[]", "7", "{}", R"({"done": 1})", R"({"done": false, "reason": 4})"})
     EXPECT_EQ(Ask("pause", answer), kFailed) << answer;
 }
 
-// A script that reads the JSON finds the reason there too where no cell runs, and no older answer.
-TEST_F(AskRunningCellTest, WithoutARunningCellTheJsonSaysSo) {
+// A script that reads the JSON file finds the reason there, and not the answer of an earlier request.
+TEST_F(AskRunningCellTest, WithoutARunningCellTheJsonFileHasTheReason) {
   const std::filesystem::path json = folder_.path() / "status.json";
   io::test::WriteAll(json, "{\"done\": true}");
   EXPECT_EQ(RunTell({.session = "first_hip", .request = "status", .json = json}), kFailed);

@@ -1,3 +1,6 @@
+// The page of `osteon cell`, which simulates a cell for a controller in another process: the page shows the
+// arm, its hand and its spindle.
+
 #include "session/run/cell_console.h"
 
 #include <gmock/gmock.h>
@@ -12,7 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(CellConsole, ACycleIsShownAsItWasAndWithoutWhatAControllerKnows) {
+TEST(CellConsole, ShowsTheArmsCycleAndNothingThatOnlyAControllerKnows) {
   hil::CellState cycle;
   cycle.cycle = 7;
   cycle.stamp = 70;
@@ -41,7 +44,7 @@ TEST(CellConsole, ACycleIsShownAsItWasAndWithoutWhatAControllerKnows) {
   EXPECT_FALSE(status.can_pause || status.can_resume || status.can_recover);
 }
 
-TEST(CellConsole, TheNoteSaysWhatTheArmDoesAndWhoWithholdsPower) {
+TEST(CellConsole, TheNoteHasTheArmsSessionAndWhyThereIsNoPower) {
   hil::CellHostState state;
   state.arm.cell.session = control::SessionState::kMonitoringReady;
   state.arm.cell.counters.sent = 1000;
@@ -57,7 +60,7 @@ TEST(CellConsole, TheNoteSaysWhatTheArmDoesAndWhoWithholdsPower) {
               HasSubstr("RSI is on"));
 }
 
-TEST(CellConsole, IsServedWithoutABone) {
+TEST(CellConsole, ServesThePageWithoutABoneAndRefusesATakenPort) {
   const config::CellConfig cell = config::LoadCell(OSTEON_SOURCE_DIR "/config/cells/molar.yaml");
   const ConsoleChoice any_port{.port = 0, .only_this_port = true};
   const auto page = CellConsole::Open(any_port, cell, "molar", 3.0);

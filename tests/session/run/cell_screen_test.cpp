@@ -1,3 +1,6 @@
+// The lines that `osteon cell` prints while it simulates a cell: the arm's session, and what the cell waits
+// for.
+
 #include "session/run/cell_screen.h"
 
 #include <gmock/gmock.h>
@@ -17,6 +20,8 @@ config::CellConfig Cell(const std::string& name) {
   return config::LoadCell(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml");
 }
 
+// A host with power and a connected PLC master. @param sent, answered  numbers of the arm's messages and
+// answers
 hil::CellHostState State(SessionState session, std::uint64_t sent = 1000, std::uint64_t answered = 0) {
   hil::CellHostState state;
   state.arm.cell.session = session;
@@ -27,7 +32,7 @@ hil::CellHostState State(SessionState session, std::uint64_t sent = 1000, std::u
   return state;
 }
 
-TEST(CellScreen, SaysWhyNothingHappensOnceAndAgainWhereItIsSomethingElse) {
+TEST(CellScreen, SaysWhyNothingHappensOncePerReason) {
   CellScreen screen(Cell("thin_plate"));
   hil::CellHostState state = State(SessionState::kMonitoringWait);
   state.plc_counters.connections = 0;
@@ -49,7 +54,7 @@ TEST(CellScreen, SaysWhyNothingHappensOnceAndAgainWhereItIsSomethingElse) {
   EXPECT_THAT(screen.Lines(state, 3.2), IsEmpty());
 }
 
-TEST(CellScreen, AControllerThatListensAndDoesNotAnswerIsAnotherThing) {
+TEST(CellScreen, TellsAControllerThatDoesNotAnswerFromAnArmThatSendsNothing) {
   CellScreen screen(Cell("thin_plate"));
   EXPECT_THAT(
       screen.Lines(State(SessionState::kMonitoringWait), 2.0),
@@ -78,24 +83,24 @@ TEST(CellScreen, SaysWhyASessionWasLeft) {
                           "(controller's heartbeat lost)"));
 }
 
-// A KR has none of FRI's states.
-TEST(CellScreen, AKrIsToldOfInRsisWords) {
+// A KR is connected by RSI and has none of FRI's states.
+TEST(CellScreen, ShowsAKrByItsRsiStates) {
   CellScreen screen(Cell("kr_16_thin_plate"));
   std::string all;
-  const auto take = [&](const hil::CellHostState& state, double now_s) {
+  const auto append_lines = [&](const hil::CellHostState& state, double now_s) {
     for (const std::string& line : screen.Lines(state, now_s)) all += line + "\n";
   };
-  take(State(SessionState::kMonitoringWait), 0.1);
+  append_lines(State(SessionState::kMonitoringWait), 0.1);
   hil::CellHostState off = State(SessionState::kIdle);
   off.arm.cell.rsi_stop = {.reason = hil::RsiStopReason::kTimeout, .found = 100, .accepted = 100};
   for (int again = 0; again < 5; ++again) {  // nobody answers: the program restarts repeatedly
-    take(off, 0.2);
-    take(State(SessionState::kMonitoringWait), 0.3);
+    append_lines(off, 0.2);
+    append_lines(State(SessionState::kMonitoringWait), 0.3);
   }
-  take(State(SessionState::kCommandingWait, 1000, 1), 0.4);
-  take(State(SessionState::kCommandingActive, 1010, 11), 0.5);
+  append_lines(State(SessionState::kCommandingWait, 1000, 1), 0.4);
+  append_lines(State(SessionState::kCommandingActive, 1010, 11), 0.5);
   off.arm.cell.counters.answered = 20;
-  take(off, 0.6);
+  append_lines(off, 0.6);
   EXPECT_EQ(all,
             "RSI is on, no answer yet\n"
             "RSI is answered, without a correction so far\n"

@@ -14,8 +14,9 @@
 #include "session/setup/cell_setup.h"
 #include "tests/io/temporary_folder.h"
 
-// Convex bone in its planned packing: between two frames the proxy hardly moves while the planes change. This
-// must not become a step of the force, whatever a frame takes. In virtual time.
+// Cutting convex bone in its planned packing, in virtual time. Between two frames the contact planes may
+// change much while the proxy hardly moves. This must not step the force so far that the cell trips, for any
+// duration of a frame.
 
 namespace osteon::session {
 namespace {
@@ -23,13 +24,16 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kConfig = OSTEON_SOURCE_DIR "/config";
-constexpr int kSeeds = 10;  // one for each duration of a frame
+constexpr int kSeeds = 10;  // of the hand's tremor, one for each duration of a frame
 
+// A tool's file under config/tools, and its diameter.
 struct Tool {
   const char* name;
   double diameter_m;
 };
 
+// The cell "femoral_head" with this tool, its bone packed as planned; with a mesh, that bone instead of the
+// head.
 CellSetup PlannedHead(const Tool& tool, const std::optional<MeshChoice>& mesh = std::nullopt) {
   // start near the bone, since slow frames limit the tool's speed (model sight); a reamer's centre is its
   // radius above its apex
@@ -47,13 +51,14 @@ CellSetup PlannedHead(const Tool& tool, const std::optional<MeshChoice>& mesh = 
   return std::move(*setup);
 }
 
+// What remains of a run.
 struct Ridden {
   CellRunResult result;
-  double most_step{0.0};  ///< change of the force per tick, over the trip's limit
+  double max_step{0.0};  ///< largest change of the force per tick, as a fraction of the trip's limit
   double peak_N{0.0};
 };
 
-/// @param seed  for the hand's tremor
+/// Runs the cell with frames of the simulation that take frame_ms each. @param seed  for the hand's tremor
 Ridden Ride(CellSetup& setup, double seconds, int frame_ms, int seed) {
   setup.config.simulated.hand.tremor_seed = static_cast<std::uint64_t>(seed);
   auto engine = MakeEngine(setup, {});
@@ -66,8 +71,8 @@ Ridden Ride(CellSetup& setup, double seconds, int frame_ms, int seed) {
                              .recording = folder.path() / "r.mcap",
                              .ticked = [&](const control::TickRecord& tick, const simulation::ContactModel&) {
                                if (tick.wrench_step_limit_N > 0.0)
-                                 ridden.most_step = std::max(ridden.most_step,
-                                                             tick.wrench_step_N / tick.wrench_step_limit_N);
+                                 ridden.max_step =
+                                     std::max(ridden.max_step, tick.wrench_step_N / tick.wrench_step_limit_N);
                                ridden.peak_N = std::max(ridden.peak_N, Vector3(tick.F_coupling_T_W.f).norm());
                              }};
   auto result = RunCell(setup, **engine, params);
@@ -76,14 +81,14 @@ Ridden Ride(CellSetup& setup, double seconds, int frame_ms, int seed) {
   return ridden;
 }
 
-// With slow frames the tool approaches more slowly (model sight).
+// Length of a run that reaches the bone: with slow frames the tool approaches more slowly (model sight).
 double SecondsToBone(int frame_ms) { return frame_ms <= 12 ? 2.0 : 4.0; }
 
 class FemoralHead : public ::testing::TestWithParam<Tool> {};
 
-TEST_P(FemoralHead, IsCutWithoutATripWhateverAFrameTakes) {
+TEST_P(FemoralHead, IsCutWithoutATripForAnyFrameDuration) {
   CellSetup setup = PlannedHead(GetParam());
-  double most_step = 0.0, least_peak_N = 1e9;
+  double max_step = 0.0, min_peak_N = 1e9;
   const int frames_ms[] = {1, 2, 4, 6, 8, 12, 16, 20, 25, 30};
   for (int seed = 1; seed <= kSeeds; ++seed) {
     const int frame_ms = frames_ms[seed % 10];
@@ -96,11 +101,11 @@ TEST_P(FemoralHead, IsCutWithoutATripWhateverAFrameTakes) {
     }
     EXPECT_EQ(ridden.result.statistics.limits.Of(safety::Limit::kPassivity).events, 0u);
     EXPECT_EQ(ridden.result.statistics.limits.Of(safety::Limit::kTank).events, 0u);
-    most_step = std::max(most_step, ridden.most_step);
-    if (frame_ms <= 12) least_peak_N = std::min(least_peak_N, ridden.peak_N);
+    max_step = std::max(max_step, ridden.max_step);
+    if (frame_ms <= 12) min_peak_N = std::min(min_peak_N, ridden.peak_N);
   }
-  RecordProperty("most_step", std::to_string(most_step));
-  EXPECT_GT(least_peak_N, 30.0) << "it is pressed";
+  RecordProperty("most_step", std::to_string(max_step));
+  EXPECT_GT(min_peak_N, 30.0) << "it is pressed";
 }
 
 INSTANTIATE_TEST_SUITE_P(Tools, FemoralHead,
@@ -108,21 +113,21 @@ INSTANTIATE_TEST_SUITE_P(Tools, FemoralHead,
                                            Tool{"reamer", 0.050}),
                          [](const auto& param) { return std::string(param.param.name); });
 
-// The behaviour before the hand-over: the same runs, with the planes exchanged within one tick.
-TEST(FemoralHeadSteps, AreBeyondTheTripWhereAFramesPlanesTurnTheForceAtOnce) {
+// The coupling turns the force gradually to a new frame's planes. At 10 m/s it turns within one tick, which
+// must give larger steps: otherwise the test above would prove nothing.
+TEST(FemoralHeadSteps, AreLargerIfTheForceTurnsToNewPlanesWithinOneTick) {
   CellSetup setup = PlannedHead({"twist_drill", 0.004});
-  const double shipped = Ride(setup, 2.0, 4, 1).most_step;
+  const double shipped = Ride(setup, 2.0, 4, 1).max_step;
   setup.config.servo.coupling.turn_m_per_s = 10.0;
   double at_once = 0.0;
   for (const int frame_ms : {4, 8, 16, 30})
-    at_once = std::max(at_once, Ride(setup, 2.0, frame_ms, 1).most_step);
+    at_once = std::max(at_once, Ride(setup, 2.0, frame_ms, 1).max_step);
   RecordProperty("shipped", std::to_string(shipped));
   RecordProperty("at_once", std::to_string(at_once));
   EXPECT_GT(at_once, shipped);
 }
 
-// The outer faces of a hip bone from CT, which are convex as well: iliac crest, ischial tuberosity, ischial
-// spine.
+// Three places on the outer faces of a hip bone from CT, which are convex as well.
 TEST(HipBoneOuterFaces, AreDrilledWithoutATrip) {
   const char* data = std::getenv("OSTEON_DATA_DIR");
   const fs::path mesh = fs::path(data ? data : "") / "hip_bone_left.obj";

@@ -1,4 +1,5 @@
-// A cell in virtual time that is held at a fault: an operator's recovery, recorded and replayed; and none.
+// A cell in virtual time that a fault holds, until an operator recovers it or the run is stopped. Both runs
+// are recorded and replayed.
 
 #include <gtest/gtest.h>
 
@@ -27,8 +28,8 @@ std::size_t CountTicks(const io::Recording& recording, CellState state) {
 
 class HeldFault : public testing::Test {
  protected:
-  // Rides thin_plate for 4 s of rendering. @param recover_after_s  when the operator asks for the recovery,
-  // after the fault; negative: never
+  // Runs thin_plate for 4 s of rendering. @param recover_after_s, stop_after_s  time from the fault to the
+  // operator's request to recover or to end the run; negative: never
   void Ride(double recover_after_s, double stop_after_s = -1.0) {
     setup_ = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate.yaml", std::nullopt);
     ASSERT_TRUE(setup_) << setup_.error();
@@ -37,6 +38,7 @@ class HeldFault : public testing::Test {
     ASSERT_TRUE(engine) << engine.error();
     base::OperatorRequests requests;
     std::atomic<bool> stop{false};
+    // whether delay_s have passed since the first tick with a fault, whose stamp is kept in `since`
     const auto after = [&](const control::TickRecord& tick, double delay_s, rt::Nanoseconds& since) {
       if (since < 0 && tick.faults != 0) since = tick.stamp;
       return since >= 0 && delay_s >= 0.0 && rt::ToSeconds(tick.stamp - since) >= delay_s;
@@ -76,7 +78,7 @@ class HeldFault : public testing::Test {
   RunSummary summary_;
 };
 
-TEST_F(HeldFault, ARecoveryBeginsAnewWithoutAJumpAndTheRunIsNoGreenerForIt) {
+TEST_F(HeldFault, ARecoveryContinuesWithoutAJumpButTheRunsVerdictStaysBad) {
   ASSERT_NO_FATAL_FAILURE(Ride(1.0));
   EXPECT_EQ(result_.end, control::RunEnd::kSeconds);
   EXPECT_EQ(result_.operator_recoveries, 1);
@@ -95,7 +97,7 @@ TEST_F(HeldFault, ARecoveryBeginsAnewWithoutAJumpAndTheRunIsNoGreenerForIt) {
   ExpectReplaysBitForBit();
 }
 
-TEST_F(HeldFault, AStopEndsTheHoldWithTheFault) {
+TEST_F(HeldFault, AStopDuringTheHoldEndsTheRunWithTheFault) {
   ASSERT_NO_FATAL_FAILURE(Ride(-1.0, 1.0));
   EXPECT_EQ(result_.end, control::RunEnd::kFault);
   EXPECT_EQ(result_.operator_recoveries, 0);

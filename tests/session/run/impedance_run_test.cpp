@@ -11,6 +11,7 @@ namespace {
 
 using Ride = VirtualRide;
 
+// @param torque  true: by FRI's torque overlay over joint impedance; false: by its wrench overlay
 Ride RunImpedance(double seconds, bool torque = false) {
   return RideVirtually("thin_plate_impedance", seconds, [&](config::CellConfig& cell) {
     if (!torque) return;
@@ -20,7 +21,8 @@ Ride RunImpedance(double seconds, bool torque = false) {
   });
 }
 
-void ExpectWhole(const Ride& ride) {
+// Expects a complete run that cuts, without a fault, with overlays within the force limit.
+void ExpectCompleteRun(const Ride& ride) {
   EXPECT_EQ(ride.result.end, control::RunEnd::kSeconds);
   EXPECT_EQ(ride.result.faults.bits(), 0u);
   EXPECT_GT(ride.result.after.removed_volume_m3, 2e-9) << "it cuts";
@@ -37,7 +39,7 @@ void ExpectWhole(const Ride& ride) {
 
 TEST(ImpedanceRun, DrillsOverTheWrenchOverlayWithoutAFaultAndReplaysBitForBit) {
   const Ride ride = RunImpedance(6.0);
-  ExpectWhole(ride);
+  ExpectCompleteRun(ride);
   const auto cell = LoadRecordedCell(ride.recording.session.config);
   ASSERT_TRUE(cell) << cell.error();
   const ReplayResult replay = Replay(ride.recording, *cell);
@@ -45,7 +47,7 @@ TEST(ImpedanceRun, DrillsOverTheWrenchOverlayWithoutAFaultAndReplaysBitForBit) {
   EXPECT_EQ(replay.ticks, ride.recording.ticks.size());
 }
 
-TEST(ImpedanceRun, DrillsOverTheTorqueOverlayAsWell) { ExpectWhole(RunImpedance(6.0, true)); }
+TEST(ImpedanceRun, DrillsOverTheTorqueOverlayWithoutAFault) { ExpectCompleteRun(RunImpedance(6.0, true)); }
 
 }  // namespace
 }  // namespace osteon::session

@@ -6,8 +6,8 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/session/run/virtual_ride.h"
 
-// A cell whose network loses packets, in virtual time, with the arm's own default policy: 5 lost answers in a
-// row, or 25 in a second, end COMMANDING_ACTIVE.
+// A cell whose network loses packets, in virtual time. The arm has its default policy: it ends
+// COMMANDING_ACTIVE after 5 lost answers in a row or 25 in a second.
 
 namespace osteon::session {
 namespace {
@@ -16,6 +16,8 @@ using Lossy = VirtualRide;
 
 constexpr double kMaxStep_rad = 2e-3;  // one millisecond at 2 rad/s
 
+// Loses the share `loss` of the packets in each direction, from from_s to to_s, in a run of `seconds`.
+// @param recoveries  how often the run may recover by itself
 Lossy Ride(double loss, double from_s, double to_s, double seconds, int recoveries) {
   const auto lossy = [&](config::CellConfig& cell) {
     cell.simulated.fri.quality.end_after_lost_in_a_row = 5;
@@ -27,7 +29,7 @@ Lossy Ride(double loss, double from_s, double to_s, double seconds, int recoveri
   return RideVirtually("thin_plate", seconds, lossy, recoveries);
 }
 
-TEST(LinkLoss, HalfAPercentEachWayIsHeldAndCountedExactly) {
+TEST(LinkLoss, ALossOfHalfAPercentCausesNoFaultAndIsCountedExactly) {
   const Lossy run = Ride(0.005, 0.0, 1e9, 10.0, 0);
   EXPECT_TRUE(run.summary.faults.empty());
   EXPECT_EQ(run.summary.ended, "completed");
@@ -45,7 +47,7 @@ TEST(LinkLoss, HalfAPercentEachWayIsHeldAndCountedExactly) {
   ExpectNoJump(run.recording, kMaxStep_rad);
 }
 
-TEST(LinkLoss, ThreePercentEndCommandingAndItIsRecoveredWithoutAJump) {
+TEST(LinkLoss, ALossOfThreePercentEndsCommandingAndTheRunRecoversWithoutAJump) {
   const Lossy run = Ride(0.03, 2.0, 5.0, 8.0, 100);
   EXPECT_GT(run.summary.recovered, 0) << "it was ended";
   EXPECT_TRUE(run.summary.faults.empty()) << "and is over";
@@ -59,7 +61,7 @@ TEST(LinkLoss, ThreePercentEndCommandingAndItIsRecoveredWithoutAJump) {
   ExpectNoJump(run.recording, kMaxStep_rad);
 }
 
-TEST(LinkLoss, WithoutARecoveryTheFirstEndIsAFault) {
+TEST(LinkLoss, WithoutARecoveryTheEndOfCommandingIsAFault) {
   const Lossy run = Ride(0.03, 0.5, 1e9, 8.0, 0);
   ASSERT_FALSE(run.summary.faults.empty());
   EXPECT_EQ(run.summary.faults.front().name, "arm left COMMANDING_ACTIVE");

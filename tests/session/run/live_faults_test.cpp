@@ -9,6 +9,7 @@ namespace {
 
 using safety::Fault;
 
+// Counts the ticks that are passed on.
 class Sink final : public io::RecordSink {
  public:
   void TakeTick(const control::TickRecord&) override { ++ticks; }
@@ -25,7 +26,7 @@ control::TickRecord TickOf(control::Phase phase, Fault fault = Fault::kNone, dou
   return tick;
 }
 
-TEST(LiveFaults, KeepsWhatWasMeasuredWhenTheFaultCame) {
+TEST(LiveFaults, KeepsTheValueMeasuredWhenTheFaultOccurred) {
   const config::CellConfig cell{};
   Sink sink;
   LiveFaults faults(cell, "out/run.mcap", sink);
@@ -39,7 +40,7 @@ TEST(LiveFaults, KeepsWhatWasMeasuredWhenTheFaultCame) {
   EXPECT_EQ(sink.ticks, 3);
 }
 
-TEST(LiveFaults, ARecoveryForgetsThemAndTheNextStopHasTheNextPage) {
+TEST(LiveFaults, ARecoveryClearsTheFaultsAndTheNextStopHasTheNextPage) {
   const config::CellConfig cell{};
   Sink sink;
   LiveFaults faults(cell, "run.mcap", sink);

@@ -1,3 +1,5 @@
+// The pages of stops that are written while the cell still runs.
+
 #include "session/run/live_stops.h"
 
 #include <fstream>
@@ -16,6 +18,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
+// Counts the records that are passed on.
 class NextSink final : public io::RecordSink {
  public:
   void TakeTick(const control::TickRecord&) override { ++ticks; }
@@ -59,7 +62,7 @@ class LiveStopsTest : public testing::Test {
   NextSink sink_;
 };
 
-TEST_F(LiveStopsTest, TheStopsPageIsThereWhileTheCellRunsAndLeadsToItsPage) {
+TEST_F(LiveStopsTest, AStopsPageIsWrittenWhileTheCellRunsAndLinksToTheConsole) {
   LiveStops stops(Params("http://localhost:8470/"), sink_);
   StopByFault(stops);
   stops.Finish();
@@ -71,14 +74,14 @@ TEST_F(LiveStopsTest, TheStopsPageIsThereWhileTheCellRunsAndLeadsToItsPage) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "r_stop_2.html"));
 }
 
-TEST_F(LiveStopsTest, WithoutAConsoleThePageHasNoLink) {
+TEST_F(LiveStopsTest, WithoutAConsoleAStopsPageHasNoLink) {
   LiveStops stops(Params(""), sink_);
   StopByFault(stops);
   stops.Finish();
   EXPECT_THAT(TextOf(folder_.path() / "r_stop_1.html"), Not(HasSubstr("The cell still runs")));
 }
 
-TEST_F(LiveStopsTest, AFolderThatIsGoneStopsNothing) {
+TEST_F(LiveStopsTest, AMissingFolderDoesNotHinderTheRun) {
   LiveStopsParams params = Params("");
   params.folder /= "gone";
   LiveStops stops(params, sink_);

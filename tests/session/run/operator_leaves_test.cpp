@@ -1,4 +1,4 @@
-// A page with the operator's role that vanishes: the cell pauses only where its file says so.
+// A console page that has the operator's role loses its connection: the cell pauses only if its file says so.
 
 #include <chrono>
 #include <functional>
@@ -19,9 +19,10 @@ namespace {
 
 constexpr std::chrono::seconds kPatience{20};
 
-// A cell that cuts, with its views.
+// The live views of a cell that cuts, with pages connected over TCP.
 class OperatorLeaves : public testing::Test {
  protected:
+  // Opens the console. @param pauses  the cell's setting pause_when_operator_leaves
   void Begin(bool pauses) {
     setup_ = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate.yaml", std::nullopt);
     ASSERT_TRUE(setup_) << setup_.error();
@@ -31,6 +32,7 @@ class OperatorLeaves : public testing::Test {
     const std::string url = live_->console_url();
     port_ = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
   }
+  // Feeds the views with 40 ticks of cutting.
   void Feed() {
     for (int i = 0; i < 40; ++i) {
       tick_.stamp += 1'000'000;
@@ -41,13 +43,14 @@ class OperatorLeaves : public testing::Test {
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
+  // Feeds the views until `is` returns true. @returns false if it never does within kPatience
   bool Eventually(const std::function<bool()>& is) {
     for (const auto end = std::chrono::steady_clock::now() + kPatience;
          std::chrono::steady_clock::now() < end; Feed())
       if (is()) return true;
     return false;
   }
-  // Opens a page that says something once it is open. @returns what must outlive the page
+  // Opens a page by WebSocket and sends a message from it. @returns the page's connection, which must be kept
   io::TcpStream OpenPage(std::string_view message) {
     auto page = io::TcpStream::Connect("127.0.0.1", port_);
     EXPECT_TRUE(page) << page.error();
@@ -79,7 +82,7 @@ class OperatorLeaves : public testing::Test {
   std::uint16_t port_{0};
 };
 
-TEST_F(OperatorLeaves, PausesACellThatAsksForIt) {
+TEST_F(OperatorLeaves, PausesACellWhoseFileSaysSo) {
   ASSERT_NO_FATAL_FAILURE(Begin(true));
   Feed();
   {
@@ -94,7 +97,7 @@ TEST_F(OperatorLeaves, PausesACellThatAsksForIt) {
   EXPECT_TRUE(Eventually([&] { return requests_.pause.load(); }));
 }
 
-TEST_F(OperatorLeaves, LeavesOtherCellsAsTheyAre) {
+TEST_F(OperatorLeaves, DoesNotPauseOtherCellsAndFreesTheRole) {
   ASSERT_NO_FATAL_FAILURE(Begin(false));
   Feed();
   io::TcpStream operates = OpenPage(R"({"ask":"role"})");

@@ -1,4 +1,4 @@
-// An operator's pause of a whole cell in virtual time: recorded and replayed.
+// An operator pauses a cell in virtual time and resumes it 1 s later; the run is recorded and replayed.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 using safety::CellState;
 
-TEST(PauseRun, ACellIsPausedAndGoesOnWithoutAJumpAndReplaysToTheBit) {
+TEST(PauseRun, APausedCellHoldsContinuesWithoutAJumpAndReplaysBitForBit) {
   auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate.yaml", std::nullopt);
   ASSERT_TRUE(setup) << setup.error();
   auto engine = MakeEngine(*setup, {});
@@ -64,7 +64,7 @@ TEST(PauseRun, ACellIsPausedAndGoesOnWithoutAJumpAndReplaysToTheBit) {
   EXPECT_GT(after, 500u) << "it went on";
   ExpectNoJump(*recording, 2e-3);
 
-  // and in the run's summary
+  // The run's summary has the pause and the resume as events.
   StopPages pages({.folder = folder.path(), .stem = "r", .cell = setup->config});
   const auto run = ReadRun(params.recording, *setup, pages);
   ASSERT_TRUE(run) << run.error();
@@ -82,7 +82,7 @@ TEST(PauseRun, ACellIsPausedAndGoesOnWithoutAJumpAndReplaysToTheBit) {
   ASSERT_NE(events, rows.end());
   EXPECT_NE(events->value.find(" s until it rested); resume at "), std::string::npos) << events->value;
 
-  // the pages of the pause, and of the end half a second later, without the PLC's switching of power
+  // There are pages of the pause and of the run's end, and none of the PLC's switching of power.
   const auto stops = pages.Finish();
   ASSERT_TRUE(stops) << stops.error();
   ASSERT_EQ(stops->size(), 2u);

@@ -1,6 +1,6 @@
-// Five different faults, each planted in a run of a whole cell: the page, `osteon status`, the stop's page
-// and the summary name what was seen, what the cell did and how to go on, so that nobody has to open a
-// document.
+// Five faults, each planted in a run of a whole cell. The console, `osteon status`, the stop's page and the
+// summary must name the measured value, the cell's reaction and how to clear the fault, so that nobody needs
+// a manual.
 
 #include <fstream>
 #include <functional>
@@ -24,7 +24,7 @@ namespace {
 using safety::Fault;
 using testing::HasSubstr;
 
-// A fault, how it is planted, and words of what is then measured.
+// A fault, how it is planted, and a part of the text that describes the measured value.
 struct Planted {
   const char* name;
   Fault fault;
@@ -33,7 +33,7 @@ struct Planted {
 };
 void PrintTo(const Planted& planted, std::ostream* out) { *out << planted.name; }
 
-// The devices on a wire say nothing any more, from the second second on.
+// Silences the devices on a wire from 2 s on.
 std::function<void(config::CellConfig&)> Silence(hil::Wire wire) {
   return [wire](config::CellConfig& cell) {
     cell.injections.injections = {{.wire = wire, .from_s = 2.0, .faults = {.silence = true}}};
@@ -42,7 +42,7 @@ std::function<void(config::CellConfig&)> Silence(hil::Wire wire) {
 
 class PlantedFault : public testing::TestWithParam<Planted> {};
 
-TEST_P(PlantedFault, IsSaidWithItsMeasurementItsReactionAndItsCure) {
+TEST_P(PlantedFault, IsShownWithItsMeasuredValueReactionAndClearing) {
   const Planted& planted = GetParam();
   auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate.yaml", std::nullopt);
   ASSERT_TRUE(setup) << setup.error();
@@ -59,7 +59,7 @@ TEST_P(PlantedFault, IsSaidWithItsMeasurementItsReactionAndItsCure) {
   ASSERT_TRUE(result) << result.error().what;
   ASSERT_TRUE(result->faults.Has(planted.fault)) << result->faults.bits();
 
-  // the page and `osteon status` have the same JSON; what they show is what is in it
+  // The console and `osteon status` show the same JSON, which is read here.
   const auto status = nlohmann::json::parse(live.Answer("status")).at("status");
   const safety::FaultText text = safety::Describe(planted.fault);
   nlohmann::json card;
@@ -71,7 +71,7 @@ TEST_P(PlantedFault, IsSaidWithItsMeasurementItsReactionAndItsCure) {
   EXPECT_EQ(card.at("clearing"), text.clearing);
   EXPECT_THAT(card.at("seen").get<std::string>(), HasSubstr(planted.seen));
 
-  // the stop's page, where the card says that it is
+  // The stop's page is where the JSON says.
   StopPages stops({.folder = folder.path(), .stem = "r", .cell = setup->config, .recording = recording});
   const auto run = ReadRun(recording, *setup, stops, nullptr);
   ASSERT_TRUE(run) << run.error();

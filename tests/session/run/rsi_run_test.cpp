@@ -6,7 +6,7 @@
 #include "session/setup/recorded_config.h"
 #include "tests/session/run/virtual_ride.h"
 
-// The shipped cell with a KR over RSI, in virtual time: its cut, and the effects of a bad connection.
+// Runs of the shipped cell with a KR over RSI, in virtual time: its cut, and the effects of a bad connection.
 
 namespace osteon::session {
 namespace {
@@ -46,7 +46,7 @@ TEST(RsiRun, TheShippedCellDrillsThroughItsPlateWithoutAFault) {
   for (const control::TickRecord& tick : run.recording.ticks) ASSERT_EQ(tick.q_cmd[6], 0.0);
 }
 
-TEST(RsiRun, IsTheSameTwiceAndReplaysBitForBit) {
+TEST(RsiRun, EqualRunsGiveEqualStatesAndReplayBitForBit) {
   const Ride a = RunKr(3.0, AsShipped), b = RunKr(3.0, AsShipped);
   EXPECT_EQ(a.summary.state_hash, b.summary.state_hash);
   EXPECT_GT(a.summary.removed_volume_m3, 0.0);
@@ -59,8 +59,8 @@ TEST(RsiRun, IsTheSameTwiceAndReplaysBitForBit) {
   EXPECT_GT(replay.ticks, 700u);
 }
 
-// Every correction mode, cycle and layout gives the same hole.
-TEST(RsiRun, EveryKindOfCorrectionCutsTheSame) {
+// Absolute joint corrections, Cartesian ones and relative ones give the same hole.
+TEST(RsiRun, EveryKindOfCorrectionCutsTheSameVolume) {
   const Ride axes = RunKr(4.0, AsShipped);
   const auto cartesian = [](config::CellConfig& cell) {
     Session(cell).kind = io::RsiCorrection::kCartesian;
@@ -76,7 +76,7 @@ TEST(RsiRun, EveryKindOfCorrectionCutsTheSame) {
   }
 }
 
-TEST(RsiRun, TheProgramIsAskedToEndWhereTheLayoutCan) {
+TEST(RsiRun, AsksTheArmsProgramToEndIfTheLayoutHasAStop) {
   const Ride run = RunKr(1.0, [](config::CellConfig& cell) {
     Session(cell).layout = io::RsiLayout::kKroshu;
     cell.simulated.kr->controller.format = hil::RsiFormat::kKroshu;
@@ -87,7 +87,7 @@ TEST(RsiRun, TheProgramIsAskedToEndWhereTheLayoutCan) {
   EXPECT_EQ(run.cell["arm"]["stop"], "asked for by <Stop>1</Stop>");
 }
 
-TEST(RsiRun, AnArmThatIsHandedOverElsewhereIsBroughtToTheStart) {
+TEST(RsiRun, AnArmThatIsHandedOverElsewhereMovesToTheStart) {
   const Ride run = RunKr(1.0, [](config::CellConfig& cell) {
     cell.simulated.q_start[0] += 0.1;
     cell.simulated.q_start[1] -= 0.05;
@@ -101,6 +101,7 @@ TEST(RsiRun, AnArmThatIsHandedOverElsewhereIsBroughtToTheStart) {
   ExpectNoJump(run.recording, kMaxStep_rad);
 }
 
+// Loses a share of the packets in one direction or both. @param burst  packets per loss
 hil::InjectionParams Loss(hil::Direction direction, double loss, double from_s, double to_s, int burst = 1) {
   return {.injections = {{.direction = direction,
                           .from_s = from_s,
@@ -108,8 +109,9 @@ hil::InjectionParams Loss(hil::Direction direction, double loss, double from_s, 
                           .faults = {.loss = loss, .burst = burst}}}};
 }
 
-// Below the Timeout the axes hold the last correction for a cycle, and every loss is counted.
-TEST(RsiRun, LossesBelowTheTimeoutAreHeldAndCountedExactly) {
+// RSI ends after a number of late answers, its Timeout. Below it, a cycle without an answer repeats the last
+// correction, and every loss is counted.
+TEST(RsiRun, LossesBelowTheTimeoutCauseNoFaultAndAreCountedExactly) {
   const Ride run = RunKr(
       4.0, [](config::CellConfig& cell) { cell.injections = Loss(hil::Direction::kBoth, 0.03, 0.0, 1e9); });
   EXPECT_EQ(run.summary.ended, "completed");
@@ -126,7 +128,8 @@ TEST(RsiRun, LossesBelowTheTimeoutAreHeldAndCountedExactly) {
   ExpectNoJump(run.recording, kMaxStep_rad);
 }
 
-// No answer arrives any more: Delay counts up to the Timeout, RSI ends, and its silence stops the loop.
+// From 1 s on no answer arrives: RSI counts them as late up to its Timeout and ends, and its silence stops
+// the loop.
 TEST(RsiRun, BeyondTheTimeoutRsiEndsAndTheLoopStops) {
   const auto lost = [](config::CellConfig& cell) {
     Session(cell).timeout_cycles = cell.simulated.kr->controller.timeout_cycles = 25;
@@ -159,15 +162,17 @@ TEST(RsiRun, BeyondTheTimeoutRsiEndsAndTheLoopStops) {
   ExpectNoJump(again.recording, kMaxStep_rad);
 }
 
+// Sets RSI's option HOLDON to 0: a cycle without an answer then has no correction. From 1 s on, one answer in
+// fifty is lost.
 void NotHeld(config::CellConfig& cell, double axis_speed_ratio) {
   Session(cell).hold_on = cell.simulated.kr->controller.hold_on = false;
   cell.simulated.kr->controller.axis_speed_ratio = axis_speed_ratio;
   cell.injections = Loss(hil::Direction::kFromController, 0.02, 1.0, 1e9);
 }
 
-// HOLDON 0, absolute corrections, a lost answer: the arm falls back toward the start of RSI, whatever is
-// commanded.
-TEST(RsiRun, AnArmThatJumpsByItselfIsAStopAndItsSpeedIsReported) {
+// With absolute corrections and HOLDON 0, a lost answer lets the arm fall back toward its pose at RSI's
+// start, whatever is commanded.
+TEST(RsiRun, AnArmThatJumpsByItselfIsStoppedAndItsSpeedIsReported) {
   const Ride run =
       RunKr(8.0, [](config::CellConfig& cell) { NotHeld(cell, std::numeric_limits<double>::infinity()); });
   ASSERT_FALSE(run.summary.faults.empty());
@@ -179,7 +184,7 @@ TEST(RsiRun, AnArmThatJumpsByItselfIsAStopAndItsSpeedIsReported) {
   EXPECT_EQ(run.recording.ticks.back().phase, control::Phase::kStopped);
 }
 
-TEST(RsiRun, ASimulatedControllerThatWatchesItsAxesEndsTheSessionWithThatReason) {
+TEST(RsiRun, AControllerThatWatchesItsAxisSpeedsEndsTheSessionWithThisReason) {
   const Ride run = RunKr(8.0, [](config::CellConfig& cell) { NotHeld(cell, 0.2); });
   ASSERT_FALSE(run.summary.faults.empty());
   EXPECT_EQ(run.summary.ended, "fault");
@@ -187,8 +192,8 @@ TEST(RsiRun, ASimulatedControllerThatWatchesItsAxesEndsTheSessionWithThatReason)
   EXPECT_NE(run.summary.arm_stop.find("(KSS01102)"), std::string::npos);
 }
 
-// The arm's messages are missing for longer than arm_miss_count: a stop, whatever RSI does.
-TEST(RsiRun, AnArmThatIsNotHeardIsAStop) {
+// The arm's messages are missing for 0.2 s, longer than the loop's arm_miss_count permits.
+TEST(RsiRun, StopsIfTheArmsMessagesAreMissing) {
   const Ride run = RunKr(4.0, [](config::CellConfig& cell) {
     cell.injections.injections = {{.direction = hil::Direction::kToController,
                                    .from_s = 1.0,

@@ -10,7 +10,7 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/session/set_up_cell.h"
 
-// Every cell of config/ starts, and so do the data set's meshes in a suitable cell.
+// Runs of every shipped cell, and of a mesh from the data set in suitable cells.
 
 namespace osteon::session {
 namespace {
@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 
 const fs::path kCells = OSTEON_SOURCE_DIR "/config/cells";
 
-/// Runs in virtual time; on the CPU engine, which has the reference engine's bits in a tenth of the time.
-/// @returns nothing if it could not run.
+/// Runs a cell in virtual time and expects no fault and no use of the last safeguards. @returns nothing if it
+/// could not run
 std::optional<CellRunResult> Ride(const CellSetup& setup, const std::string& engine_name, double seconds) {
   const io::test::TemporaryFolder folder;
   auto engine = MakeEngine(setup, {.engine = engine_name});
@@ -45,11 +45,11 @@ std::optional<CellRunResult> Ride(const CellSetup& setup, const std::string& eng
   EXPECT_GT(result->statistics.min_tank_J, 0.0);
   return std::move(*result);
 }
-/// Runs 0.3 s.
+/// Runs 0.3 s on the CPU engine, which gives the reference engine's bits in a tenth of its time.
 void ExpectToRun(const CellSetup& setup) { static_cast<void>(Ride(setup, "cpu", 0.3)); }
 
-/// Checks that the bone has the scene's materials in at most 40 000 balls, which lie in its solid, and that
-/// the site leads into it.
+/// Checks that the bone has the scene's materials, that its balls (3000 to 40 000) lie in its solid, and that
+/// the site's axis leads from outside into the bone.
 void ExpectPackedAsTheSceneSays(const CellSetup& setup) {
   const simulation::Bone& bone = setup.bone;
   EXPECT_GT(bone.balls.size(), 3'000u);
@@ -98,11 +98,11 @@ TEST(SceneCells, EachIsPackedAsItsSceneSaysAndRunsWithoutAFault) {
 
 class WholeScript : public ::testing::TestWithParam<const char*> {};
 
-// Runs scripts from approach to retraction, so that late contacts (a burr's shaft under a ledge, a
-// breakthrough) are included. Each cell names the lowest sufficient level of the arm. Masses, friction, a
-// controller with wrong masses and a compliant mounting change no verdict, and, if the level is a lagging
-// servo, force and removal by less than a hand notices.
-TEST_P(WholeScript, EndsWithoutAFaultAtTheLowestLevelOfTheArmThatServes) {
+// Runs a cell's script from approach to retraction with the arm's level kServo (lag) and kDynamic (masses,
+// friction, wrong masses in the controller, a compliant mounting). Neither run may fault. Force or removal
+// differ by more than 7 %, which a hand would notice, exactly in the cells whose file asks for the level
+// kDynamic.
+TEST_P(WholeScript, DiffersBetweenTheArmsLevelsOnlyIfTheCellAsksForMasses) {
   auto setup = SetUpCell(kCells / (std::string(GetParam()) + ".yaml"), std::nullopt);
   ASSERT_TRUE(setup) << setup.error();
   hil::SimulatedCellParams& cell = setup->config.simulated;
@@ -130,6 +130,7 @@ INSTANTIATE_TEST_SUITE_P(SceneCells, WholeScript,
                          ::testing::Values("demo", "molar", "femoral_canal", "thin_plate", "sawbone_block"),
                          [](const auto& param) { return std::string(param.param); });
 
+// A tooth from the data set as the bone; skipped without the data.
 class DataMeshes : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -144,7 +145,7 @@ class DataMeshes : public ::testing::Test {
                     .scale = 0.041};
 };
 
-TEST_F(DataMeshes, TheToothRunsInTheMolarsCellWithItsPulpOfPulp) {
+TEST_F(DataMeshes, TheToothRunsInTheMolarsCellAndHasPulp) {
   const auto setup = SetUpCell(kCells / "molar.yaml", tooth_);
   ASSERT_TRUE(setup) << setup.error();
   EXPECT_LT(setup->bone.balls.size(), 40'000u);
@@ -157,7 +158,7 @@ TEST_F(DataMeshes, TheToothRunsInTheMolarsCellWithItsPulpOfPulp) {
   ExpectToRun(*setup);
 }
 
-TEST_F(DataMeshes, TheToothIsAcceptedByTheDemosCellWhereTheCupLiesOnIt) {
+TEST_F(DataMeshes, TheDemosCellAcceptsTheToothWithACupOnIt) {
   const auto setup = SetUpCell(kCells / "demo.yaml", tooth_);
   ASSERT_TRUE(setup) << setup.error();
   EXPECT_GT(setup->bone.balls.size(), 100u);

@@ -45,26 +45,26 @@ TEST_P(SceneMotion, CutsItsSceneWithoutAFault) {
   auto engine = gpu::VulkanEngine::Create(setup->bone, setup->config.tool.tool, Pose::Identity(),
                                           setup->config.cutting, {});
   ASSERT_TRUE(engine) << engine.error();
-  // a quarter of the recording's rate, for speed: each frame cuts at most what the spindle can in its time
+  // a quarter of the recording's rate, to save time; a frame cuts at most what the spindle can cut in its
+  // duration
   const simulation::MotionPlayer player(*motion, 250.0);
   simulation::ContactModel last;
-  double most_N = 0.0;
+  double max_N = 0.0;
   for (std::size_t k = 0; k < player.frame_count(); ++k) {
     last = (*engine)->Step(player.Frame(k));
     ASSERT_EQ(last.status, simulation::EngineStatus::kOk) << "frame " << k;
-    most_N = std::max(most_N, Vector3(last.F_T_W.f).norm());
+    max_N = std::max(max_N, Vector3(last.F_T_W.f).norm());
   }
   EXPECT_GT(last.removed_volume_m3, 1e-9);
   EXPECT_GT(last.removed_mass_kg, 0.0);
-  EXPECT_GT(most_N, 0.5);
-  // it ends as it began, out of the bone
+  EXPECT_GT(max_N, 0.5);
+  // the motion ends as it began, out of the bone
   EXPECT_EQ(Vector3(last.F_T_W.f).norm(), 0.0);
   std::printf("[ MEASURED ] %s: %zu frames, %.1f mm^3, at most %.1f N\n", GetParam().c_str(),
-              player.frame_count(), last.removed_volume_m3 * 1e9, most_N);
+              player.frame_count(), last.removed_volume_m3 * 1e9, max_N);
 }
 
-// Each of the five scenes of the design has a motion.
-TEST(SceneMotions, AreThereForTheSceneOfEveryCell) {
+TEST(SceneMotions, ExistForTheSceneOfEveryCell) {
   const auto motions = MotionNames();
   for (const auto& entry : fs::directory_iterator(fs::path(OSTEON_SOURCE_DIR) / "config/cells")) {
     std::stringstream text;

@@ -15,9 +15,11 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/session/set_up_cell.h"
 
+// Runs of shipped cells in virtual time, for tests.
+
 namespace osteon::session {
 
-/// Collects a recording in memory as a run's end does from the file.
+/// Collects a recording's ticks and frames for the summary, as the end of a run does.
 inline RunAccumulator Gathered(const CellSetup& setup, const io::Recording& recording) {
   RunAccumulator run(setup);
   for (const control::TickRecord& tick : recording.ticks) run.Add(tick);
@@ -33,7 +35,10 @@ struct VirtualRide {
   nlohmann::json cell;  ///< osteon.cell/1
 };
 
-/// @param name  under config/cells  @param change  (config::CellConfig&), called before the run
+/// Runs a shipped cell and reads its recording.
+/// @param name  of its file under config/cells
+/// @param change  (config::CellConfig&), called before the run
+/// @param recoveries  how often the run may recover by itself
 template <class Change>
 VirtualRide RideVirtually(const std::string& name, double seconds, const Change& change, int recoveries = 0) {
   auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml", std::nullopt);
@@ -58,8 +63,8 @@ VirtualRide RideVirtually(const std::string& name, double seconds, const Change&
   return ride;
 }
 
-/// Checks that the commanded joints never jump while the arm follows them. @param most_rad  per tick
-inline void ExpectNoJump(const io::Recording& recording, double most_rad) {
+/// Checks that no commanded joint moves by max_rad or more in a tick while the arm follows the commands.
+inline void ExpectNoJump(const io::Recording& recording, double max_rad) {
   const auto active = [](const control::TickRecord& tick) {
     return tick.session_state == static_cast<std::uint8_t>(control::SessionState::kCommandingActive);
   };
@@ -67,7 +72,7 @@ inline void ExpectNoJump(const io::Recording& recording, double most_rad) {
     const control::TickRecord &a = recording.ticks[i - 1], &b = recording.ticks[i];
     if (!active(a) || !active(b)) continue;
     for (std::size_t j = 0; j < 7; ++j)
-      ASSERT_LT(std::abs(b.q_cmd[j] - a.q_cmd[j]), most_rad) << "tick " << b.tick << ", joint " << j + 1;
+      ASSERT_LT(std::abs(b.q_cmd[j] - a.q_cmd[j]), max_rad) << "tick " << b.tick << ", joint " << j + 1;
   }
 }
 

@@ -14,6 +14,7 @@ namespace {
 
 const std::filesystem::path kDemoCell = OSTEON_SOURCE_DIR "/config/cells/demo.yaml";
 
+// The error of a value of --cup, or "accepted".
 std::string ErrorOf(const std::string& text) {
   const auto cup = ParseCup(text);
   return cup ? "accepted" : cup.error();
@@ -29,7 +30,7 @@ TEST(ParseCup, ReadsMillimetresAndAnAxisOfAnyLength) {
   EXPECT_NEAR(cup->radius_m, 0.021, kTolerance);
 }
 
-TEST(ParseCup, TakesTheEndsOfItsRanges) {
+TEST(ParseCup, AcceptsTheEndsOfItsRangesAndNothingBeyond) {
   EXPECT_TRUE(ParseCup("2000,-2000,0,0,0,1,0.5"));
   EXPECT_TRUE(ParseCup("0,0,0,0,0,-1,60"));
   EXPECT_NE(ErrorOf("2000.1,0,0,0,0,1,21"), "accepted");
@@ -37,7 +38,7 @@ TEST(ParseCup, TakesTheEndsOfItsRanges) {
   EXPECT_NE(ErrorOf("0,0,0,0,0,1,0.49"), "accepted");
 }
 
-TEST(ParseCup, NamesThePartTheValueAndWhatIsAccepted) {
+TEST(ParseCup, TheErrorNamesThePartTheValueAndWhatIsAccepted) {
   EXPECT_EQ(ErrorOf("1,2,3"), "--cup: found 3 values in \"1,2,3\", accepted 7: X,Y,Z,NX,NY,NZ,R in mm");
   EXPECT_EQ(ErrorOf("1,2,3,0,0,1,21,8"),
             "--cup: found 8 values in \"1,2,3,0,0,1,21,8\", accepted 7: X,Y,Z,NX,NY,NZ,R in mm");
@@ -48,14 +49,14 @@ TEST(ParseCup, NamesThePartTheValueAndWhatIsAccepted) {
             "--cup: NX,NY,NZ: found a zero vector, accepted the axis out of the opening");
 }
 
-TEST(ParseCup, RefusesWhatIsNoFiniteNumber) {
+TEST(ParseCup, RefusesTextThatIsNotSevenFiniteNumbers) {
   for (const char* text :
        {"", ",,,,,,", "nan,0,0,0,0,1,21", "0,inf,0,0,0,1,21", "0,0,0,0,0,1,nan", "0,0,0,0,0,1e999,21",
         "1mm,0,0,0,0,1,21", "0x10,0,0,0,0,1,21", "0,0,0,0,0,1,21,", "0;0;0;0;0;1;21"})
     EXPECT_TRUE(ErrorOf(text).starts_with("--cup: ")) << '"' << text << '"';
 }
 
-TEST(ParseCup, GivesAUnitAxisForAnyLengthThatItTakes) {
+TEST(ParseCup, ReturnsAUnitAxisForAnyLengthItAccepts) {
   for (const char* text : {"0,0,0,1e-5,0,0,21", "0,0,0,1e150,0,0,21", "0,0,0,1e300,1e300,0,21"}) {
     const auto cup = ParseCup(text);
     // it may refuse a length, but must not return an axis that is not a unit vector
@@ -65,7 +66,7 @@ TEST(ParseCup, GivesAUnitAxisForAnyLengthThatItTakes) {
   }
 }
 
-TEST(SetUpCell, PutsAMeshsCupWhereTheScenesWouldBe) {
+TEST(SetUpCell, PutsTheCupOfAMeshWhereTheScenesCupWouldBe) {
   // a block around a round hollow, far from the origin, its cup along an oblique axis
   const Vector3 center(0.3, -0.2, 0.9), axis = Vector3(1.0, -2.0, 2.0) / 3.0;
   const Vector3 half(0.035, 0.035, 0.035);
@@ -84,7 +85,7 @@ TEST(SetUpCell, PutsAMeshsCupWhereTheScenesWouldBe) {
   EXPECT_GT(setup->solid->SignedDistance(center), 0.0) << "in it";
 }
 
-TEST(SetUpCell, TakesAPackingFileWithItsOwnSite) {
+TEST(SetUpCell, UsesAPackingFileWithItsOwnSiteOrAGivenOne) {
   const io::test::TemporaryFolder folder;
   const auto file = folder.path() / "bone.osp";
   const simulation::Bone bone = simulation::test::SomeBone();
@@ -105,7 +106,7 @@ TEST(SetUpCell, TakesAPackingFileWithItsOwnSite) {
   EXPECT_EQ(moved->bone.site.radius_m, 0.01);
 }
 
-TEST(SetUpCell, SaysWhatAPackingFileLacks) {
+TEST(SetUpCell, NamesWhatAPackingFileLacks) {
   const io::test::TemporaryFolder folder;
   const auto file = folder.path() / "bone.osp";
   const auto refusal = [&](const simulation::Bone& bone) {
@@ -156,7 +157,7 @@ TEST(SetUpCell, SaysWhyAMeshIsRefused) {
   EXPECT_NE(missing.error().find("missing.obj"), std::string::npos) << missing.error();
 }
 
-TEST(MakeEngine, OfTheCpuNeedsNoDevice) {
+TEST(MakeEngine, TheCpuEngineNeedsNoDevice) {
   CellSetup setup;
   setup.config = config::LoadCell(kDemoCell);
   const auto engine = MakeEngine(setup, {.engine = "cpu", .device = "no such device"});
@@ -165,7 +166,7 @@ TEST(MakeEngine, OfTheCpuNeedsNoDevice) {
   EXPECT_EQ((*engine)->device().rfind("one thread, ", 0), 0u) << (*engine)->device();
 }
 
-TEST(MakeEngine, NamesTheDevicesWhereNoneIsCalledThat) {
+TEST(MakeEngine, TheErrorNamesADeviceThatDoesNotExist) {
   CellSetup setup;
   setup.config = config::LoadCell(kDemoCell);
   const auto engine = MakeEngine(setup, {.engine = "vulkan", .device = "no such device"});

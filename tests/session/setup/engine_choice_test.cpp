@@ -1,3 +1,5 @@
+// The choice of the simulation's engine: Vulkan on a GPU, or the CPU.
+
 #include "session/setup/engine_choice.h"
 
 #include <gtest/gtest.h>
@@ -9,11 +11,12 @@ using Devices = tl::expected<std::vector<gpu::DeviceInfo>, std::string>;
 
 Devices Found(std::vector<gpu::DeviceInfo> devices) { return devices; }
 
+// @param refusal  why the device can't be used; empty: it can
 gpu::DeviceInfo Device(const char* name, const char* kind, const char* refusal = "") {
   return {.name = name, .kind = kind, .api_version = "1.3", .driver = name, .refusal = refusal};
 }
 
-TEST(ChooseEngine, TakesVulkanOnAGpu) {
+TEST(ChooseEngine, ChoosesVulkanOnAGpu) {
   for (const char* kind : {"discrete", "integrated"}) {
     const EngineChoice choice =
         ChooseEngine("auto", "", Found({Device("card", kind), Device("llvmpipe", "cpu")}));
@@ -23,7 +26,7 @@ TEST(ChooseEngine, TakesVulkanOnAGpu) {
   }
 }
 
-TEST(ChooseEngine, TakesTheProcessorWithoutAGpuAndSaysWhatItFound) {
+TEST(ChooseEngine, ChoosesTheCpuWithoutAUsableGpuAndSaysWhatItFound) {
   const EngineChoice software = ChooseEngine("auto", "", Found({Device("llvmpipe", "cpu")}));
   EXPECT_EQ(software.engine, "cpu");
   EXPECT_NE(software.reason.find("llvmpipe"), std::string::npos) << software.reason;
@@ -37,13 +40,13 @@ TEST(ChooseEngine, TakesTheProcessorWithoutAGpuAndSaysWhatItFound) {
   EXPECT_FALSE(none.reason.empty());
 }
 
-TEST(ChooseEngine, TakesVulkanWhereTheUserNamesADevice) {
+TEST(ChooseEngine, ChoosesVulkanIfTheUserNamesADevice) {
   const EngineChoice choice = ChooseEngine("auto", "llvmpipe");
   EXPECT_EQ(choice.engine, "vulkan");
   EXPECT_EQ(choice.device, "llvmpipe");
 }
 
-TEST(ChooseEngine, DoesWhatTheUserNames) {
+TEST(ChooseEngine, ChoosesTheEngineThatTheUserNames) {
   for (const std::string& engine : EngineNames()) {
     if (engine == "auto") continue;
     const EngineChoice choice = ChooseEngine(engine, "", Found({Device("card", "discrete")}));
@@ -52,7 +55,7 @@ TEST(ChooseEngine, DoesWhatTheUserNames) {
   }
 }
 
-TEST(ChooseEngine, EveryEngineButVulkanCanBeMadeAnywhereAndIsNamedInOneLine) {
+TEST(ChooseEngine, EnginesOnTheCpuCanBeMadeAndAreDescribedInOneLine) {
   simulation::Bone pebble;
   pebble.balls = {{.center_m = {}, .radius_m = 1e-3}};
   pebble.materials = {{.name = "bone"}};

@@ -1,3 +1,5 @@
+// The charts of a stop's page: the quantity that stopped the cell, with its limit.
+
 #include "session/stops/trip_charts.h"
 
 #include <gtest/gtest.h>
@@ -28,6 +30,7 @@ std::vector<TickRecord> Ticks() {
   return ticks;
 }
 
+// The limits that the charts show; the cases below name them as text.
 TripLimits Limits() {
   TripLimits limits;
   for (kinematics::JointLimits& joint : limits.servo.joints.limits)
@@ -47,11 +50,12 @@ TripLimits Limits() {
   return limits;
 }
 
+// A fault, and what its chart must show.
 struct Case {
   Fault fault;
   const char* quantity;                     ///< in a panel's title
-  const char* limit;                        ///< written at its line
-  std::function<void(TickRecord&)> change;  ///< of the quantity
+  const char* limit;                        ///< text at the limit's line
+  std::function<void(TickRecord&)> change;  ///< changes the quantity in a tick
 };
 
 std::vector<Case> Cases() {
@@ -111,8 +115,8 @@ std::vector<Case> Cases() {
   };
 }
 
-// Each quantity is drawn with its limit: another value gives another drawing.
-TEST(TripCharts, ShowEachQuantityThatStopsACellWithItsLimit) {
+// To show that the quantity is drawn, it is changed in some ticks: the drawing must change as well.
+TEST(TripCharts, ShowTheQuantityOfEachFaultWithItsLimit) {
   const TripLimits limits = Limits();
   for (const Case& c : Cases()) {
     SCOPED_TRACE(std::string(safety::Describe(c.fault).name) + ": " + c.quantity);
@@ -133,8 +137,7 @@ TEST(TripCharts, ShowEachQuantityThatStopsACellWithItsLimit) {
   }
 }
 
-// A fault without a recorded quantity has no chart: the table of faults gives the facts.
-TEST(TripCharts, AreEmptyWhereNothingIsMeasured) {
+TEST(TripCharts, AreEmptyForFaultsWithoutARecordedQuantity) {
   const std::vector<TickRecord> ticks = Ticks();
   for (const Fault fault : {Fault::kDevice, Fault::kNotFinite, Fault::kRepeatDiffers, Fault::kRecorder})
     EXPECT_EQ(TripChart(fault, ticks, Limits(), {.zero = ticks[1000].stamp}), "")

@@ -9,14 +9,15 @@
 #include "session/summary/limit_rows.h"
 #include "tests/io/temporary_folder.h"
 
-// What a run says of what gave way: events, limits in force, figures without a source.
+// A run's information on compliance (bending tool, surface layer, bone's mount): events of deflections and
+// faults, limits in force, and assumed figures.
 
 namespace osteon::session {
 namespace {
 
 constexpr rt::Nanoseconds kStart = 7 * rt::kSecond;
 
-// A tick that bends the tool; beyond 0.1 mm it is noticed.
+// A tick in which the tool bends; beyond 0.1 mm the deflection limit is marked as acting.
 control::TickRecord Bent(int millisecond, double bend_mm) {
   control::TickRecord tick;
   tick.stamp = kStart + millisecond * rt::kMillisecond;
@@ -29,11 +30,11 @@ control::TickRecord Bent(int millisecond, double bend_mm) {
   return tick;
 }
 
-TEST(DeflectionEvents, BeginWhereADisplacementExceedsTheCellsError) {
+TEST(DeflectionEvents, BeginWhenADeflectionExceedsTheCellsError) {
   DeflectionEvents events;
   int begun = 0;
   for (int i = 0; i < 4000; ++i) {
-    // from 1 to 2 s beyond the error but for moments, and once more at 3 s
+    // beyond the error from 1 to 2 s, with interruptions of 1 ms that end no event, and once more at 3 s
     const bool beyond = (i >= 1000 && i < 2000 && i % 100 != 50) || i == 3000;
     const bool begins = events.Add(Bent(i, beyond ? (i == 1500 ? 0.4 : 0.2) : 0.05));
     EXPECT_EQ(begins, i == 1000 || i == 3000) << i;
@@ -48,7 +49,7 @@ TEST(DeflectionEvents, BeginWhereADisplacementExceedsTheCellsError) {
   EXPECT_NEAR(events.rows()[1].value, 0.2, 1e-12);
 }
 
-TEST(DeflectionEvents, AreRecordedOutsideTheTick) {
+TEST(DeflectionEvents, AreWrittenToTheRecording) {
   const io::test::TemporaryFolder folder;
   DeflectionSink sink(nullptr);
   const auto path = folder.path() / "run.mcap";
@@ -71,8 +72,8 @@ TEST(DeflectionEvents, AreRecordedOutsideTheTick) {
   EXPECT_EQ(recording->ticks.size(), 100u);
 }
 
-// In wall time a fault is an event as it comes, not as the run ends.
-TEST(FaultEvents, AreRecordedOnceAndAsTheyCome) {
+// A fault is recorded in the tick that has it first. A fault that no tick had is recorded at the run's end.
+TEST(FaultEvents, AreRecordedOnceWhenTheyOccur) {
   const io::test::TemporaryFolder folder;
   DeflectionSink deflections(nullptr);
   FaultEvents events;
@@ -103,7 +104,7 @@ TEST(FaultEvents, AreRecordedOnceAndAsTheyCome) {
   EXPECT_EQ(recording->events[1].stamp, kStart + rt::kSecond) << "what no tick had";
 }
 
-TEST(PeakDeflection, KeepsTheLargestOfEachPart) {
+TEST(PeakDeflection, KeepsTheLargestDeflectionOfEachPart) {
   PeakDeflection peak;
   peak.Add(control::TickRecord{}.compliance);
   EXPECT_FALSE(peak.present) << "a rigid cell";
@@ -121,7 +122,7 @@ const EffectiveLimit* Find(const std::vector<EffectiveLimit>& limits, const std:
   return nullptr;
 }
 
-TEST(LimitsInForce, HaveWhereWhatGivesWayStopsTheCell) {
+TEST(LimitsInForce, IncludeTheDeflectionsThatStopTheCell) {
   control::ServoParams servo;
   EXPECT_EQ(Find(EffectiveLimits(servo), "bend of the tool"), nullptr);
   servo.compliance.tool = control::ToolLinkParams{.max_bend_m = 6.5e-3, .max_thrust_N = 211.3};
@@ -143,7 +144,7 @@ TEST(LimitsInForce, HaveWhereWhatGivesWayStopsTheCell) {
   }
 }
 
-TEST(AssumedFigures, AreThoseOfWhatIsOn) {
+TEST(AssumedFigures, AreThoseOfTheCompliantPartsOnly) {
   config::CellConfig cell;
   cell.tool.tool.name = "drill";
   cell.compliance.mount_source = "assumed: like a positioner";
@@ -168,7 +169,7 @@ TEST(AssumedFigures, AreThoseOfWhatIsOn) {
   EXPECT_EQ(AssumedFigures(cell, {soft}).size(), 2u);
 }
 
-TEST(AssumedFigures, OfASimulatedCellAreFewerOnceItIsIdentified) {
+TEST(AssumedFigures, AreFewerOnceASimulatedCellIsIdentified) {
   config::CellConfig cell;
   cell.simulated.servo = {.bandwidth_hz = 15.0, .damping_ratio = 1.0, .dead_cycles = 3.0};
   const auto lines = AssumedOfSimulation(cell);

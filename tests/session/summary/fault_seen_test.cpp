@@ -1,3 +1,5 @@
+// The text of what was measured when a fault occurred.
+
 #include "session/summary/fault_seen.h"
 
 #include <cmath>
@@ -14,13 +16,14 @@ namespace {
 using control::TickRecord;
 using safety::Fault;
 
+// An empty tick at this time.
 TickRecord At(rt::Nanoseconds now) {
   TickRecord tick;
   tick.input.now = now;
   return tick;
 }
 
-TEST(FaultSeen, TellsAPlcThatWithdrewFromOneThatIsSilent) {
+TEST(FaultSeen, DistinguishesAPlcThatWithdrewItsPermitFromASilentOne) {
   TickRecord tick = At(rt::kSecond);
   tick.input.interlock_stamp = rt::kSecond - 8 * rt::kMillisecond;
   tick.input.interlock_reason = static_cast<std::uint8_t>(io::PlcVerdict::kNotPermitted);
@@ -37,7 +40,7 @@ TEST(FaultSeen, TellsAPlcThatWithdrewFromOneThatIsSilent) {
   EXPECT_EQ(SeenAt(Fault::kInterlock, tick), "ENABLING_SWITCH (979) is not held; the PLC's word: 8 ms old");
 }
 
-TEST(FaultSeen, HasTheFiguresOfTheOthers) {
+TEST(FaultSeen, HasTheMeasuredValueOfEachOtherFault) {
   TickRecord tick = At(rt::kSecond);
   tick.model_age_s = 0.251;
   EXPECT_EQ(SeenAt(Fault::kModelStale, tick), "the model is 251 ms old");
@@ -71,7 +74,7 @@ TEST(FaultSeen, HasTheFiguresOfTheOthers) {
   EXPECT_EQ(SeenAt(Fault::kDevice, tick), "");
 }
 
-TEST(FaultSeen, TellsTheDrivesFaultsApartByNameAndNumber) {
+TEST(FaultSeen, NamesTheDrivesFaultsWithTheirCodes) {
   TickRecord tick = At(rt::kSecond);
   tick.input.spindle_stamp = rt::kSecond - 5 * rt::kMillisecond;
   tick.input.spindle_fault = tick.input.spindle_ready = true;
@@ -92,7 +95,7 @@ TEST(FaultSeen, TellsTheDrivesFaultsApartByNameAndNumber) {
             "a fault: heartbeat lost: none came in time (bit 0); its status: 5 ms old");
 }
 
-TEST(FaultSeen, SaysWhatIsAcceptedWhereTheCellIsKnown) {
+TEST(FaultSeen, NamesTheAcceptedValueIfTheCellIsKnown) {
   control::ServoParams servo;
   servo.period_s = 0.004;
   TickRecord tick = At(rt::kSecond);

@@ -13,17 +13,19 @@
 #include "safety/watchdog.h"
 #include "session/run/live_latency.h"
 
-// The parts of a cell's latency, from ticks whose delays are known.
+// The parts of a cell's latency, computed from generated ticks with known delays.
 
 namespace osteon::session {
 namespace {
 
 constexpr double kPeriod_s = 1e-3;
 
-// Ticks of an arm that follows a slow motion of all joints, handed to a taker.
+// Makes 4000 ticks of an arm that follows a slow motion of all joints, and calls `take` with each. In each
+// tick the sensor's reading is 0.4 ms old and the model 2 ms; the loop wakes up after 50 us and computes for
+// 20 us.
 template <class Take>
-void RideTo(const hil::ServoArmParams& params, double speed_rad_per_s, control::CommandMode mode,
-            const Take& take) {
+void MakeTicks(const hil::ServoArmParams& params, double speed_rad_per_s, control::CommandMode mode,
+               const Take& take) {
   std::array<kinematics::JointLimits, 7> limits;
   for (auto& limit : limits) limit.velocity_rad_per_s = 10.0;
   hil::ServoArm arm(params, limits, kPeriod_s, kinematics::JointVector::Zero());
@@ -46,12 +48,14 @@ void RideTo(const hil::ServoArmParams& params, double speed_rad_per_s, control::
   }
 }
 
+// A meter that has seen the ticks of such an arm.
 LatencyMeter Ride(const hil::ServoArmParams& params, double speed_rad_per_s, control::CommandMode mode) {
   LatencyMeter meter;
-  RideTo(params, speed_rad_per_s, mode, [&](const control::TickRecord& tick) { meter.Add(tick); });
+  MakeTicks(params, speed_rad_per_s, mode, [&](const control::TickRecord& tick) { meter.Add(tick); });
   return meter;
 }
 
+// Counts the ticks that are passed on.
 struct CountingSink final : io::RecordSink {
   int ticks{0};
   void TakeTick(const control::TickRecord&) override { ++ticks; }
@@ -59,15 +63,15 @@ struct CountingSink final : io::RecordSink {
   void TakeEvent(const io::RecordedEvent&) override {}
 };
 
-TEST(Latency, IsKnownWhileTheRunGoesOn) {
+TEST(Latency, IsKnownDuringTheRun) {
   config::CellConfig cell;
   cell.servo.period_s = kPeriod_s;
   CountingSink next;
   LiveLatency live(cell, next);
   EXPECT_FALSE(live.Status().known);
   const hil::ServoArmParams arm{.dead_cycles = 3.0};
-  RideTo(arm, 0.2, control::CommandMode::kPosition,
-         [&](const control::TickRecord& tick) { live.TakeTick(tick); });
+  MakeTicks(arm, 0.2, control::CommandMode::kPosition,
+            [&](const control::TickRecord& tick) { live.TakeTick(tick); });
   EXPECT_EQ(next.ticks, 4000) << "everything goes on to the view";
   const console::LatencyStatus status = live.Status();
   const LatencyFigures whole = Ride(arm, 0.2, control::CommandMode::kPosition).Figures(kPeriod_s, {});
@@ -79,7 +83,7 @@ TEST(Latency, IsKnownWhileTheRunGoesOn) {
   EXPECT_NEAR(status.parts[3].mean_ms, 1e3 * whole.parts[3].mean_s, 0.01);
 }
 
-TEST(Latency, TheArmsPartIsDeadTimeAndLagByWhatCameBack) {
+TEST(Latency, TheArmsPartIsItsDeadTimePlusItsLag) {
   for (const double dead : {0.0, 3.0, 4.6}) {
     const hil::ServoArmParams arm{.dead_cycles = dead};
     const LatencyFigures found = Ride(arm, 0.2, control::CommandMode::kPosition).Figures(kPeriod_s, {});
@@ -87,12 +91,12 @@ TEST(Latency, TheArmsPartIsDeadTimeAndLagByWhatCameBack) {
     ASSERT_EQ(found.parts.size(), 5u);
     EXPECT_EQ(found.parts[3].name, "arm");
     EXPECT_TRUE(found.parts[3].measured);
-    // the command is held for a period: half a period more
+    // each command is held for a period, which adds half a period on average
     EXPECT_NEAR(found.parts[3].mean_s, lag_s + 0.5 * kPeriod_s, 0.1e-3) << dead;
   }
 }
 
-TEST(Latency, TheWholeIsTheSumOfItsPartsAndSaysWhatIsAssumed) {
+TEST(Latency, TheTotalIsTheSumOfItsPartsAndNamesAssumedOnes) {
   const LatencyMeter meter = Ride({}, 0.2, control::CommandMode::kPosition);
   const LatencyFigures wall = meter.Figures(kPeriod_s, {.sensor_delay_s = 1.7e-3, .sensor_known = true});
   EXPECT_TRUE(wall.Measured());
@@ -113,10 +117,10 @@ TEST(Latency, TheWholeIsTheSumOfItsPartsAndSaysWhatIsAssumed) {
 }
 
 // On a busy machine the arm may be commanded before the sensor's first reading.
-TEST(Latency, AReadingThatHasNotComeYetHasNoAge) {
+TEST(Latency, TicksBeforeTheFirstReadingDoNotCount) {
   LatencyMeter meter;
   int ticks = 0;
-  RideTo({}, 0.2, control::CommandMode::kPosition, [&](control::TickRecord tick) {
+  MakeTicks({}, 0.2, control::CommandMode::kPosition, [&](control::TickRecord tick) {
     if (++ticks <= 130) tick.sensor_age_s = tick.model_age_s = safety::kNoAge_s;
     meter.Add(tick);
   });
@@ -124,7 +128,7 @@ TEST(Latency, AReadingThatHasNotComeYetHasNoAge) {
   EXPECT_NEAR(figures.parts[0].mean_s, 0.4e-3 + 1.7e-3, 1e-9) << "not hours";
   EXPECT_NEAR(figures.bone_to_hand_s, 2e-3 + 50e-6 + 20e-6 + figures.parts[3].mean_s, 1e-9);
   LatencyMeter never;
-  RideTo({}, 0.2, control::CommandMode::kPosition, [&](control::TickRecord tick) {
+  MakeTicks({}, 0.2, control::CommandMode::kPosition, [&](control::TickRecord tick) {
     tick.sensor_age_s = safety::kNoAge_s;
     never.Add(tick);
   });
@@ -132,7 +136,7 @@ TEST(Latency, AReadingThatHasNotComeYetHasNoAge) {
             std::string::npos);
 }
 
-TEST(Latency, OfForcesOverAnArmIsTheirDeadTime) {
+TEST(Latency, UnderTheImpedanceLawTheArmsPartIsTheDeadTimeOfForces) {
   config::CellConfig cell;
   cell.servo.law = control::Law::kImpedance;
   cell.simulated.dynamic.dead_cycles = 3;
@@ -153,7 +157,7 @@ TEST(Latency, OfForcesOverAnArmIsTheirDeadTime) {
   EXPECT_TRUE(found.parts[3].measured);
 }
 
-TEST(Latency, AnArmThatRestsOrTakesForcesTellsNoDelay) {
+TEST(Latency, TheDelayOfAnArmAtRestOrUnderForcesIsNotMeasured) {
   EXPECT_FALSE(Ride({}, 0.0, control::CommandMode::kPosition).Figures(kPeriod_s, {}).parts[3].measured);
   EXPECT_FALSE(Ride({}, 0.2, control::CommandMode::kWrench).Figures(kPeriod_s, {}).parts[3].measured);
   EXPECT_TRUE(LatencyMeter().Figures(kPeriod_s, {}).parts.empty());

@@ -22,7 +22,7 @@ namespace osteon::session {
 namespace {
 
 constexpr unsigned kSeed = 20261126;
-constexpr std::uint64_t kPauseEvery = 120'000, kStopping = 300, kStopped = 2000;  // ticks
+constexpr std::uint64_t kPauseEvery = 120'000, kStopping = 300, kStopped = 2000;  // ticks of 1 ms
 
 // The hand's motion: a slow path over some centimetres, and a tremor of 0.1 mm at 9 Hz.
 Pose HandPose(double t_s) {
@@ -34,6 +34,7 @@ Pose HandPose(double t_s) {
   return X_WT;
 }
 
+// The loop's phase in a tick: 1 s of waiting, then rendering with a pause every two minutes.
 control::Phase PhaseOf(std::uint64_t tick) {
   const std::uint64_t since = tick % kPauseEvery;
   if (tick < 1000) return control::Phase::kWaiting;
@@ -41,6 +42,7 @@ control::Phase PhaseOf(std::uint64_t tick) {
   return since < kStopping ? control::Phase::kStopping : control::Phase::kStopped;
 }
 
+// Makes the ticks and frames of the run, with noise from a fixed seed.
 class Source {
  public:
   control::TickRecord Tick(std::uint64_t i) {
@@ -92,8 +94,9 @@ class Source {
   }
 
  private:
-  rt::Nanoseconds Scatter(double mean_ns) {
-    return static_cast<rt::Nanoseconds>(mean_ns * std::abs(noise_(random_)));
+  // A random duration: the absolute value of a normal distribution with this standard deviation.
+  rt::Nanoseconds Scatter(double deviation_ns) {
+    return static_cast<rt::Nanoseconds>(deviation_ns * std::abs(noise_(random_)));
   }
   std::mt19937 random_{kSeed};
   std::normal_distribution<double> noise_;

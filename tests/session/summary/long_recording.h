@@ -20,17 +20,17 @@ namespace osteon::session {
 /// arguments give equal bytes.
 void WriteLongRecording(const std::filesystem::path& path, double seconds);
 
-/// Does what `osteon run` does with a recording at its end, without a bone: one pass, stop pages,
-/// percentiles, the report's charts, the path's sweep. Files go into `folder`. @returns the ticks, frames and
-/// stops
+/// Figures of a recording that was read at the end of a run.
 struct LongRunEnd {
   std::uint64_t ticks{0}, frames{0};
   std::size_t stops{0};
   double path_tolerance_m{0.0};
 };
+/// Does what `osteon run` does with a recording at its end, without a bone: reads it once and makes the stop
+/// pages, percentiles, charts and the path's sweep. Files go into `folder`.
 LongRunEnd EndLongRun(const std::filesystem::path& recording, const std::filesystem::path& folder);
 
-/// Returns the peak resident memory of a separate process that does this work [bytes]; 0: it failed.
+/// Runs `work` in a child process. @returns the child's peak resident memory [bytes]; 0: it failed
 [[nodiscard]] std::uint64_t PeakMemory(const std::function<void()>& work);
 
 }  // namespace osteon::session

@@ -15,8 +15,8 @@ constexpr bool kSanitized = true;  // freed memory stays resident for a while
 constexpr bool kSanitized = false;
 #endif
 
-// Both runs exceed what is kept point by point (131 s of frames). The longer run's ticks and frames alone
-// would take 350 MB more.
+// Both runs are longer than the 131 s of frames that are kept point by point. If the end of a run kept all
+// ticks and frames, the longer one would take 350 MB more.
 TEST(LongRun, TwiceTheLengthTakesNoMoreMemoryAtItsEnd) {
   if (kSanitized) GTEST_SKIP() << "skipped, a sanitizer keeps memory that was freed";
   const io::test::TemporaryFolder folder;

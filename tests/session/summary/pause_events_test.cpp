@@ -9,12 +9,14 @@ namespace {
 
 using safety::CellState;
 
+// A part of a run in one state; a pause or a resume may be requested in its first tick.
 struct Part {
   int milliseconds;
   CellState state;
-  bool pause{false}, resume{false};  ///< asked for in its first tick
+  bool pause{false}, resume{false};
 };
 
+// The events of a run that consists of these parts.
 std::vector<EventRow> EventsOf(const std::vector<Part>& parts) {
   PauseEvents events;
   rt::Nanoseconds now = 7 * rt::kSecond;
@@ -30,7 +32,7 @@ std::vector<EventRow> EventsOf(const std::vector<Part>& parts) {
   return events.rows();
 }
 
-TEST(PauseEvents, SayWhenHowLongUntilRestAndHowLongPaused) {
+TEST(PauseEvents, HaveTheTimeToRestAndThePausesDuration) {
   const auto rows = EventsOf({{.milliseconds = 2000, .state = CellState::kCutting},
                               {.milliseconds = 120, .state = CellState::kStop2, .pause = true},
                               {.milliseconds = 880, .state = CellState::kPaused},
@@ -46,7 +48,7 @@ TEST(PauseEvents, SayWhenHowLongUntilRestAndHowLongPaused) {
   EXPECT_DOUBLE_EQ(rows[1].value, 0.88);
 }
 
-TEST(PauseEvents, ARequestWithoutEffectIsNone) {
+TEST(PauseEvents, ARequestWithoutEffectIsNoEvent) {
   EXPECT_TRUE(EventsOf({{.milliseconds = 100, .state = CellState::kCutting, .resume = true}}).empty());
   const auto twice = EventsOf({{.milliseconds = 100, .state = CellState::kStop2, .pause = true},
                                {.milliseconds = 100, .state = CellState::kPaused, .pause = true},
@@ -58,7 +60,7 @@ TEST(PauseEvents, ARequestWithoutEffectIsNone) {
   ASSERT_EQ(ended.size(), 1u) << "a run that ends in its pause is not resumed";
 }
 
-TEST(PauseEvents, EachOfSeveralPausesIsOne) {
+TEST(PauseEvents, EachOfSeveralPausesIsAnEvent) {
   const std::vector<Part> once{{.milliseconds = 100, .state = CellState::kCutting},
                                {.milliseconds = 50, .state = CellState::kStop2, .pause = true},
                                {.milliseconds = 100, .state = CellState::kPaused},

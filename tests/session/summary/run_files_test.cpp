@@ -10,9 +10,9 @@ namespace {
 using io::test::ReadAll, io::test::WriteAll, io::test::TemporaryFolder;
 namespace fs = std::filesystem;
 
-const auto kTime = std::chrono::system_clock::from_time_t(1795599000);
+const auto kTime = std::chrono::system_clock::from_time_t(1795599000);  // 2026-11-25 09:30 UTC
 
-TEST(RunFiles, ADatedNameHasDateAndTimeAndIsFree) {
+TEST(RunFiles, ADatedNameHasDateAndTimeAndIsUnused) {
   const TemporaryFolder folder;
   const std::string stem = "run_" + DateAndTime(kTime);
   EXPECT_EQ(stem.size(), std::string("run_2026-11-26_09-30-00").size());
@@ -24,7 +24,7 @@ TEST(RunFiles, ADatedNameHasDateAndTimeAndIsFree) {
   EXPECT_EQ(DatedRecording(folder.path(), kTime), folder.path() / (stem + "_3.mcap"));
 }
 
-TEST(RunFiles, ANameThatAnEarlierRunHasLeftAnythingUnderIsRefused) {
+TEST(RunFiles, ANameWithFilesOfAnEarlierRunIsRefused) {
   const TemporaryFolder folder;
   const fs::path recording = folder.path() / "today.mcap";
   EXPECT_EQ(ValidateRecordingName(recording), "");
@@ -43,7 +43,7 @@ TEST(RunFiles, ANameThatAnEarlierRunHasLeftAnythingUnderIsRefused) {
   EXPECT_EQ(ValidateRecordingName("/dev/null"), "") << "a device keeps nothing";
 }
 
-TEST(RunFiles, AnEarlierDemoIsMovedIntoAFolderOfItsTime) {
+TEST(RunFiles, AnEarlierDemosFilesAreMovedIntoADatedFolder) {
   const TemporaryFolder folder;
   const auto kept = KeepEarlierDemo(folder.path());
   ASSERT_TRUE(kept) << kept.error();
@@ -70,7 +70,7 @@ TEST(RunFiles, AnEarlierDemoIsMovedIntoAFolderOfItsTime) {
   EXPECT_EQ(ReadAll(*earlier / "recording.mcap"), "recording.mcap");
 }
 
-TEST(RunFiles, AFolderIsClaimedOnce) {
+TEST(RunFiles, AFolderCanBeClaimedByOneRunAtATime) {
   const TemporaryFolder folder;
   FolderClaim nowhere;
   EXPECT_EQ(nowhere.Acquire(folder.path() / "not_there"), "");

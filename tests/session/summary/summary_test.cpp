@@ -28,7 +28,7 @@ report::DurationCounts CountsOf(const std::vector<rt::Nanoseconds>& durations) {
   return counts;
 }
 
-TEST(Quantiles, AreThoseOfTheSortedList) {
+TEST(Quantiles, AreThoseOfAShuffledListOfKnownDurations) {
   // 0, 1, … 999 ms in any order: the p quantile has p·1000 values below it
   std::vector<rt::Nanoseconds> durations(1000);
   for (std::size_t i = 0; i < durations.size(); ++i)
@@ -42,7 +42,7 @@ TEST(Quantiles, AreThoseOfTheSortedList) {
   EXPECT_DOUBLE_EQ(figures.max_s, 0.999);
 }
 
-TEST(Quantiles, OfFewValuesStayWithinThem) {
+TEST(Quantiles, AreWithinTheListIfItHasFewValues) {
   EXPECT_EQ(Quantiles({}).count, 0u);
   EXPECT_EQ(Quantiles({}).max_s, 0.0);
   const DurationFigures one = Quantiles(CountsOf({250 * rt::kMillisecond}));
@@ -53,8 +53,8 @@ TEST(Quantiles, OfFewValuesStayWithinThem) {
   EXPECT_EQ(two.max_s, 3.0);
 }
 
-// A drive that was found in fault, was reset, and later sent an EMCY.
-TEST(DriveFaultRows, AreWhatWasLatchedWhenAndWhatClearedIt) {
+// The drive is in fault at 0.3 s, is reset at 0.32 s, sends an EMCY at 2 s, and has one more fault at 2.1 s.
+TEST(DriveFaultRows, HaveEachNewFaultAndResetWithItsTime) {
   std::vector<control::TickRecord> ticks(3000);
   for (std::size_t i = 0; i < ticks.size(); ++i)
     ticks[i].stamp = static_cast<rt::Nanoseconds>(i + 5) * rt::kMillisecond;
@@ -111,7 +111,7 @@ TEST(RunSummary, SaysThatNoPlcHadToPermitMotion) {
   EXPECT_FALSE(says(false));
 }
 
-TEST(WriteText, LeavesTheWholeFileAndNothingElse) {
+TEST(WriteText, ReplacesTheWholeFileAndLeavesNoOtherFile) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json";
   ASSERT_TRUE(base::WriteText(path, "first, and longer"));
@@ -120,7 +120,7 @@ TEST(WriteText, LeavesTheWholeFileAndNothingElse) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
-TEST(WriteText, WritesIntoWhatIsNoFileAndLeavesItWhatItIs) {
+TEST(WriteText, WritesIntoAPipeWithoutReplacingIt) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "pipe";
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
@@ -135,7 +135,7 @@ TEST(WriteText, WritesIntoWhatIsNoFileAndLeavesItWhatItIs) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
-TEST(WriteText, NamesThePathWhereItCanNotWrite) {
+TEST(WriteText, TheErrorNamesAPathThatCannotBeWritten) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "nowhere" / "summary.json";
   const auto written = base::WriteText(path, "text");
@@ -143,7 +143,7 @@ TEST(WriteText, NamesThePathWhereItCanNotWrite) {
   EXPECT_EQ(written.error(), path.string() + ": can't be written: No such file or directory");
 }
 
-TEST(WriteText, LeavesNothingBesideAFolderThatIsInItsPlace) {
+TEST(WriteText, FailsIfAFolderHasItsNameAndLeavesNoOtherFile) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json";
   std::filesystem::create_directories(path / "full");
@@ -164,7 +164,7 @@ TEST(WriteText, FailsOnAFullDisk) {
   EXPECT_TRUE(std::filesystem::is_symlink(path));
 }
 
-TEST(WriteText, FollowsALinkAndLeavesItOne) {
+TEST(WriteText, WritesToTheTargetOfALink) {
   const TemporaryFolder folder, elsewhere;
   const auto file = elsewhere.path() / "kept.json", link = folder.path() / "summary.json";
   std::filesystem::create_symlink(file, link);
@@ -176,7 +176,7 @@ TEST(WriteText, FollowsALinkAndLeavesItOne) {
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(each->path()), {}), 1);
 }
 
-TEST(WriteText, KeepsTheRightsOfTheFileThatItReplaces) {
+TEST(WriteText, KeepsThePermissionsOfTheFileThatItReplaces) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json";
   ASSERT_TRUE(base::WriteText(path, "first"));
@@ -187,8 +187,9 @@ TEST(WriteText, KeepsTheRightsOfTheFileThatItReplaces) {
             std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
 }
 
-// Two writers of one file, in one process or in two, do not overwrite each other's temporary file.
-TEST(WriteText, LeavesAFileOfTheNameThatItOnceUsedForItsOwnAlone) {
+// The temporary file has a name of its own for each writer, so that two writers do not overwrite each
+// other's. A file that ends in .part belongs to somebody else.
+TEST(WriteText, DoesNotTouchAFileWithTheEndingPart) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json", other = folder.path() / "summary.json.part";
   io::test::WriteAll(other, "somebody else's");
@@ -196,6 +197,7 @@ TEST(WriteText, LeavesAFileOfTheNameThatItOnceUsedForItsOwnAlone) {
   EXPECT_EQ(ReadAll(other), "somebody else's");
 }
 
+// The summary of a complete run in virtual time, without faults.
 RunSummary Sample() {
   RunSummary s;
   s.engine = "vulkan";
@@ -221,13 +223,14 @@ RunSummary Sample() {
   return s;
 }
 
+// The value of the row with this key in the summary's table.
 std::string RowOf(const RunSummary& summary, const std::string& key) {
   for (const report::SummaryRow& row : Rows(summary))
     if (row.key == key) return row.value;
   return "no such row";
 }
 
-TEST(SummaryJson, GivesBackWhatItWasMadeOf) {
+TEST(SummaryJson, HasTheSummarysValues) {
   const nlohmann::json json = nlohmann::json::parse(ToJson(Sample(), "osteon.demo/1"));
   EXPECT_EQ(json.at("schema"), "osteon.demo/1");
   EXPECT_EQ(json.at("device"), Sample().device);
@@ -249,14 +252,14 @@ TEST(SummaryJson, NamesTheFaults) {
   EXPECT_EQ(RowOf(s, "Faults"), "arm stale; model stale");
 }
 
-TEST(SummaryJson, ListsWhatWasAssumed) {
+TEST(SummaryJson, ListsTheAssumptions) {
   RunSummary s = Sample();
   EXPECT_EQ(nlohmann::json::parse(ToJson(s, "osteon.demo/1")).at("assumptions"), nlohmann::json::array());
   s.assumptions = {"pulp: friction 0.05 (lubricated)"};
   EXPECT_EQ(nlohmann::json::parse(ToJson(s, "osteon.demo/1")).at("assumptions")[0], s.assumptions[0]);
 }
 
-TEST(SummaryJson, SaysNullWhereNothingWasMeasured) {
+TEST(SummaryJson, IsNullForValuesThatWereNotMeasured) {
   RunSummary s = Sample();
   s.section.cavity_section = {};
   s.cavity_depth_m = -1.0;  // carved through
@@ -268,7 +271,7 @@ TEST(SummaryJson, SaysNullWhereNothingWasMeasured) {
   EXPECT_NE(RowOf(s, "Against the first floor").find("carved through"), std::string::npos);
 }
 
-TEST(SummaryJson, SurvivesTextThatIsNotUtf8) {
+TEST(SummaryJson, AcceptsTextThatIsNotUtf8) {
   // a folder's name may have any bytes
   RunSummary s = Sample();
   s.recording = "out\xff/recording.mcap";
@@ -277,7 +280,7 @@ TEST(SummaryJson, SurvivesTextThatIsNotUtf8) {
   EXPECT_TRUE(nlohmann::json::parse(text).at("recording").is_string());
 }
 
-TEST(SummaryRows, HoldNoNanForARunThatDidNothing) {
+TEST(SummaryRows, HaveNoNanForAnEmptyRun) {
   const std::vector<report::SummaryRow> rows = Rows(RunSummary{});
   EXPECT_GT(rows.size(), 5u);
   for (const report::SummaryRow& row : rows) {
@@ -287,7 +290,7 @@ TEST(SummaryRows, HoldNoNanForARunThatDidNothing) {
   }
 }
 
-TEST(SummaryRows, SayWhatTheLimitsKeptFromTheHand) {
+TEST(SummaryRows, SayHowMuchForceTheLimitsCutOff) {
   RunSummary summary;
   EXPECT_EQ(RowOf(summary, "Force cut off by limits"), "none");
   summary.cut_ticks = 312;
@@ -305,7 +308,7 @@ TEST(SummaryRows, SayWhatTheLimitsKeptFromTheHand) {
   EXPECT_EQ(json.at("arm_share_min"), 0.9);
 }
 
-TEST(SummaryRows, SayWhatTheStabilisersDid) {
+TEST(SummaryRows, SayHowOftenTheStabilisersActed) {
   RunSummary summary;
   summary.min_tank_J = 0.75;
   EXPECT_EQ(RowOf(summary, "Stabilisers acted"),
@@ -326,7 +329,7 @@ TEST(SummaryRows, SayWhatTheStabilisersDid) {
   EXPECT_EQ(json.at("tank_min_J"), 0.75);
 }
 
-TEST(SummaryRows, SayWhichLimitsActedWhenAndForHowLong) {
+TEST(SummaryRows, SayWhichLimitsActedAndForHowLong) {
   std::vector<control::TickRecord> ticks(100);
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     ticks[i].stamp = rt::kSecond + static_cast<rt::Nanoseconds>(i) * rt::kMillisecond;
@@ -350,7 +353,7 @@ TEST(SummaryRows, SayWhichLimitsActedWhenAndForHowLong) {
   EXPECT_EQ(acted.at(1).at("name"), "depth");
 }
 
-TEST(EffectiveLimits, AreTheTightestAndNameTheOthers) {
+TEST(EffectiveLimits, AreTheTightestLimitsAndNameTheOtherOnes) {
   control::ServoParams params;
   params.twist.max_speed_m_per_s = 0.3;
   params.energy.max_kinetic_J = 0.3;
@@ -385,12 +388,12 @@ TEST(SummaryRows, NameThePageOfAStopAndTheTableOfItsTicks) {
   EXPECT_EQ(json.at("stop_ticks").at(0), "out/recording_stop_1_ticks.csv");
 }
 
-TEST(SummaryRows, ShowVolumesBesideEachOther) {
+TEST(SummaryRows, ShowTheRemovedVolumeBesideTheSweptOne) {
   EXPECT_EQ(RowOf(Sample(), "Bone removed"), "2500 mm³, 3.50 g; swept 2000 mm³ (+25.0 %)");
   EXPECT_EQ(RowOf(Sample(), "Peak rendered force"), "123.4 N of 200 N allowed");
 }
 
-TEST(SummaryRows, OfARunThatNeverRenderedHaveNoCut) {
+TEST(SummaryRows, HaveNoRowsOfTheCutForARunThatNeverRendered) {
   RunSummary s = Sample();
   s.rendered = false;
   for (const char* row :
