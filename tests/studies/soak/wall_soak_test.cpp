@@ -75,7 +75,7 @@ TEST(WallScript, ToolsAreChangedDuringTheHandsChangePhases) {
   params.seconds = episode.seconds;
   const hil::HandScript script = hil::MakeProcedureScript(params);
   ASSERT_THAT(episode.pauses, SizeIs(kToolsOfPlan - 1));
-  double paused_s = 0.0;  // pauses so far: the script continues during a pause
+  double paused_s = 0.0;  // length of the pauses so far: the script continues during them
   for (std::size_t tool = 0; tool < episode.pauses.size(); ++tool) {
     const WallPause& pause = episode.pauses[tool];
     const std::string change = fmt::format("change {}", tool + 1);
