@@ -33,7 +33,7 @@ TEST(SoakScript, DependsOnTheSeedOnlyAndHasEveryKindOfEpisode) {
 }
 
 // The result of an episode without any defect.
-EpisodeResult FaultlessEpisode(EpisodeKind kind) {
+EpisodeResult FaultlessResult(EpisodeKind kind) {
   EpisodeResult result;
   result.episode.kind = kind;
   result.ended = EndsWithFault(kind) ? "fault" : "completed";
@@ -48,9 +48,9 @@ EpisodeResult FaultlessEpisode(EpisodeKind kind) {
 
 TEST(Soak, FindsEachDefectOfAnEpisode) {
   for (int kind = 0; kind < kEpisodeKinds; ++kind)
-    EXPECT_THAT(JudgeEpisode(FaultlessEpisode(static_cast<EpisodeKind>(kind)), 17), IsEmpty()) << kind;
+    EXPECT_THAT(JudgeEpisode(FaultlessResult(static_cast<EpisodeKind>(kind)), 17), IsEmpty()) << kind;
   const auto judged = [](const std::function<void(EpisodeResult&)>& change, EpisodeKind kind) {
-    EpisodeResult result = FaultlessEpisode(kind);
+    EpisodeResult result = FaultlessResult(kind);
     change(result);
     return JudgeEpisode(result, 17);
   };
@@ -81,7 +81,7 @@ TEST(Soak, FindsEachDefectOfAnEpisode) {
 }
 
 TEST(Soak, DistinguishesGrowingFromFlatMemory) {
-  std::vector<EpisodeResult> episodes(16, FaultlessEpisode(EpisodeKind::kReaming));
+  std::vector<EpisodeResult> episodes(16, FaultlessResult(EpisodeKind::kReaming));
   for (std::size_t i = 0; i < episodes.size(); ++i)
     episodes[i].memory_MB = i < 3 ? 40.0 + 30.0 * static_cast<double>(i) : 130.0;
   EXPECT_EQ(MemoryGrowth_MB(episodes), 0.0);
