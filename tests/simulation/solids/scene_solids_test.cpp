@@ -43,7 +43,7 @@ void ExpectLipschitzDistanceAndNearestPointsOnSurface(const Solid& solid) {
   }
 }
 
-/// Volume of each material in m³: the cubic cells whose centres have this material.
+/// Volume in m³ of each material, by its index: counts the cubic cells whose centre has the material.
 std::array<double, 8> Volumes(const Solid& solid, double cell_m) {
   std::array<double, 8> volumes{};
   const Eigen::AlignedBox3d box = solid.Bounds();
@@ -77,7 +77,7 @@ const BlockShape kLayeredBlock{
     .layers = {{.material = 2, .thickness_m = 0.0015}, {.material = 1, .thickness_m = 0.0040}},
     .core = 0};
 
-TEST(BlockSolid, DistancesAreThoseOfABox) {
+TEST(BlockSolid, DistancesEqualThoseOfABox) {
   const BoxSolid block(kLayeredBlock);
   ExpectLipschitzDistanceAndNearestPointsOnSurface(block);
   const Vector3 half(0.010, 0.015, 0.006), middle(0.0, 0.0, -0.006);
@@ -176,7 +176,7 @@ TEST_F(Molar, IsOneClosedShellWithAPulpWellInsideIt) {
   EXPECT_GT(highest, 2.2e-3) << "the horns rise above the chamber's roof";
 }
 
-TEST_F(Molar, DistancesAreThoseToTheMesh) {
+TEST_F(Molar, DistancesEqualThoseToTheMesh) {
   ExpectLipschitzDistanceAndNearestPointsOnSurface(*solid_);
   for (const Vector3& p : PointsAround(solid_->Bounds(), 40, 0.1))
     ASSERT_NEAR(solid_->SignedDistance(p), BruteSignedDistance(mesh_->mesh, p), 1e-9);
@@ -232,7 +232,7 @@ TEST_F(Molar, TissuesAddUpToTheTooth) {
   EXPECT_GT(volumes[MolarSolid::kEnamel], 200e-9);
 }
 
-TEST_F(Molar, GrowsInProportion) {
+TEST_F(Molar, ScalesInProportionAndRefusesWrongSizes) {
   const MolarSolid half(MolarShape{.length_m = 0.0103, .enamel_m = 0.001});
   for (const Vector3& p : PointsAround(solid_->Bounds(), 300, 0.1)) {
     ASSERT_NEAR(half.SignedDistance(0.5 * p), 0.5 * solid_->SignedDistance(p), 1e-9);
@@ -282,10 +282,10 @@ std::vector<std::pair<MaterialIndex, double>> MaterialsAlong(const FemurSolid& f
   }
 }
 
-TEST(FemurSolid, WallAndLiningAreAsThickAsAskedFor) {
+TEST(FemurSolid, WallAndLiningHaveTheGivenThickness) {
   const FemurShape shape;
   const FemurSolid femur(shape);
-  struct Place {
+  struct Place {  // a height, and the wall's thickness there
     double z_m, wall_m;
   };
   for (const Place& place : {Place{-0.0005, shape.top_wall_m}, Place{-0.090, shape.shaft_wall_m}}) {

@@ -32,6 +32,7 @@ bool IsSameChunk(const SurfaceChunk& a, const SurfaceChunk& b) {
          std::equal(a.vertices.begin(), a.vertices.end(), b.vertices.begin(), b.vertices.end(), IsSameVertex);
 }
 
+/// The chunk of a brick, extracted anew.
 SurfaceChunk ChunkOf(const CarvedField& field, BrickIndex brick) {
   SurfaceChunk chunk;
   ExtractChunk(field, brick, chunk);

@@ -47,6 +47,7 @@ double Noise(Vec3 p, std::uint64_t seed) {
   return 2.0 * simulation::Uniform(bits) - 1.0;
 }
 
+/// Expects a closed manifold: no open or over-shared edge, one fan at each vertex, an even Euler number.
 void ExpectManifold(const WeldedSurface& mesh) {
   const EdgeCounts edges = CountEdges(mesh);
   EXPECT_EQ(edges.open, 0U);

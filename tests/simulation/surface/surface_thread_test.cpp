@@ -204,7 +204,7 @@ TEST(SurfaceThread, AgeIsAtMostTheTimeSinceAllFramesWerePushed) {
 
 // Three spinning threads share the only CPU of the surface's thread, and SCHED_IDLE leaves it almost no time.
 // The mesh must follow nevertheless.
-TEST(SurfaceThread, FollowsOnABusyMachine) {
+TEST(SurfaceThread, FollowsTheCutOnABusyMachine) {
   cpu_set_t all, one;
   ASSERT_EQ(pthread_getaffinity_np(pthread_self(), sizeof all, &all), 0);
   CPU_ZERO(&one);

@@ -30,7 +30,7 @@ std::string BytesOf(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-TEST(SweptFile, ReadsWhatItWrote) {
+TEST(SweptFile, ReadsBackTheWrittenField) {
   const CarvedField field = CutBall();
   const auto path = TemporaryPath("swept");
   ASSERT_TRUE(WriteSweptField(path, field.swept(), field.layout()));

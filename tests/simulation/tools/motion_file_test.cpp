@@ -46,7 +46,7 @@ std::string WithThirdRow(const std::string& row) {
   return text.replace(begin, text.find('\n', begin) - begin, row);
 }
 
-TEST(MotionFile, ReadsBackWhatWasWrittenToItsRounding) {
+TEST(MotionFile, ReadsBackAWrittenMotionUpToRounding) {
   const ToolMotion written = Example();
   const auto read = ParseMotion(MotionText(written), "file.csv");
   ASSERT_TRUE(read) << read.error();
@@ -168,7 +168,7 @@ TEST(MotionFile, RefusesTooManyBytesOrRowsAndATimeThatDoesNotBeginAt0) {
       std::string::npos);
 }
 
-TEST(MotionFile, NamesTheFileThatIsNotThere) {
+TEST(MotionFile, NamesAMissingFile) {
   const auto motion = LoadMotion("no/such/motion.csv");
   ASSERT_FALSE(motion);
   EXPECT_EQ(motion.error(), "no/such/motion.csv: found no file, accepted a motion");

@@ -15,8 +15,8 @@ constexpr double kPi = std::numbers::pi;
 
 static_assert(std::is_trivially_copyable_v<PlainInertia>);
 
-/// Mass, centre and inertia of a body of this density in kg/m³, from the midpoints of n^3 cells of a box. The
-/// error is of second order, plus that of cells on the surface, whose signs are random.
+/// Mass, centre and inertia of a body by its density in kg/m³, summed over the midpoints of n^3 cells of a
+/// box. The error is of second order in the cell's size, plus a random part from cells that the surface cuts.
 template <typename Density>
 MassProperties Integrate(const Eigen::AlignedBox3d& box, int n, const Density& density) {
   const Vector3 step = box.sizes() / n;
@@ -83,7 +83,7 @@ TEST(ToolMass, AThinShellTendsToTheTextbooksMass) {
   EXPECT_NEAR(shell.inertia_kg_m2(0, 0), (2.0 / 3.0 - 0.25) * m * r * r, 1e-4 * m * r * r);
 }
 
-TEST(ToolMass, TheReamersEqualsTheIntegralOverShellShaftAndHolder) {
+TEST(ToolMass, AReamersMassEqualsTheIntegralOverShellShaftAndHolder) {
   const ReamerParams p;
   const double R = 0.5 * p.diameter_m, holder_z = -R - p.shaft_length_m;
   const auto density = [&](const Vector3& q) {
@@ -106,7 +106,7 @@ TEST(ToolMass, TheReamersEqualsTheIntegralOverShellShaftAndHolder) {
   EXPECT_EQ(I(0, 1), 0.0);
 }
 
-TEST(ToolMass, ADrillsEqualsTheIntegralOverPointFlutesAndShank) {
+TEST(ToolMass, ADrillsMassEqualsTheIntegralOverPointFlutesAndShank) {
   TwistDrillParams p;
   p.holder = {.radius_m = 1e-3, .length_m = 1e-3, .density_kg_per_m3 = 100.0};
   const double R = 0.5 * p.diameter_m;
@@ -124,7 +124,7 @@ TEST(ToolMass, ADrillsEqualsTheIntegralOverPointFlutesAndShank) {
   EXPECT_NEAR(tool.inertia_kg_m2.xx, counted.inertia_kg_m2(0, 0), 5e-3 * counted.inertia_kg_m2(0, 0));
 }
 
-TEST(ToolMass, ABurrsEqualsTheIntegralOverItsOutline) {
+TEST(ToolMass, ABurrsMassEqualsTheIntegralOverItsOutline) {
   for (const BurrShape shape : {BurrShape::kRound, BurrShape::kPear, BurrShape::kTaper}) {
     BurrParams p{.shape = shape,
                  .diameter_m = 6e-3,

@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
+// Whether both tools have equal balls in equal order, to the last bit.
 bool SameBalls(const Tool& a, const Tool& b) {
   if (a.balls.size() != b.balls.size()) return false;
   for (std::size_t i = 0; i < a.balls.size(); ++i)

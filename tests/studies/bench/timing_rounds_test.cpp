@@ -9,6 +9,7 @@
 namespace osteon::studies {
 namespace {
 
+// The timing of frames that took these times.
 FrameTiming TimingOf(const std::vector<double>& times_us) {
   FrameTiming timing{.method = "cpu", .device = "d", .times_us = times_us};
   timing.frames = times_us.size();
@@ -19,6 +20,7 @@ FrameTiming TimingOf(const std::vector<double>& times_us) {
   return timing;
 }
 
+// A round for each list of times.
 MethodRounds RoundsOf(const std::vector<std::vector<double>>& rounds_us) {
   MethodRounds rounds;
   for (const std::vector<double>& times_us : rounds_us) AddRound(rounds, TimingOf(times_us));

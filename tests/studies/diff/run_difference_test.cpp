@@ -10,8 +10,8 @@
 namespace osteon::studies {
 namespace {
 
-// Writes a recording of 2 s that presses with 10 N, and for one tick with force_N; parts give way in
-// proportion to force_N, and so does the removed volume. Faults are set in the last tick.
+// Writes a recording of 2 s that presses with 10 N, and with force_N in one tick. The tool's bend and the
+// removed volume are proportional to force_N; the faults are those of the last tick.
 std::filesystem::path WriteRecording(const std::filesystem::path& path, double force_N,
                                      std::uint32_t faults = 0, const std::string& gains = "stiffness: 20") {
   io::SessionInfo session{.version = "1", .engine = "cpu", .scene = "block", .tool = "ball"};

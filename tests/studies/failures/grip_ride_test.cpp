@@ -14,6 +14,8 @@ namespace {
 const hil::GridHand kLoose{"loose", 300.0, 13.0, 1.1};
 const hil::GridHand kClamp{"clamp", 50000.0, 50.0, 0.0};
 
+// When a tremor begins, the vibration index adds drag until it has tested that the vibration is the hand's.
+// Then its reference must be about the tremor's force, and the drag that of the law again.
 TEST(GripRide, ABeginningTremorRaisesTheReferenceAndTheDragReturns) {
   for (const double tremor_N : {1.0, 3.0}) {
     const GripRide ride = RideGrip(

@@ -183,7 +183,7 @@ TEST(HeldRun, FindsTheHandsOfTheShippedCells) {
     ExpectInside(hand.stiffness_N_per_m, truth.stiffness_N_per_m, "stiffness");
     ExpectInside(hand.damping_Ns_per_m, truth.damping_Ns_per_m, "damping");
     ExpectInside(hand.mass_kg, truth.mass_kg, "mass");
-    // thin_plate's arm stands on a mount that gives way beside the encoders: its intervals are wide
+    // thin_plate's arm is on a mount whose motion the encoders don't see: its intervals are wide
     if (std::string(name) != "thin_plate") {
       // the simulated mass is integrated by backward Euler, which delays it by half a period
       EXPECT_NEAR(hand.grip_time_s.value, truth.grip_time_s + 0.5 * setup.config.servo.period_s,

@@ -44,9 +44,9 @@ hil::LoopWall MeasuredPoseWall(double stiffness) {
 }
 
 class ModelB : public testing::TestWithParam<Row> {};
-class ModelBAtFirst : public testing::TestWithParam<Row> {};
+class ModelBFirstTable : public testing::TestWithParam<Row> {};
 
-TEST_P(ModelB, SpectralRadiusIsThatOfTheModelInScalars) {
+TEST_P(ModelB, SpectralRadiusEqualsThatOfTheModelInScalars) {
   const double radius = hil::AdmittanceLoop(LoopOf(GetParam())).SpectralRadius();
   EXPECT_NEAR(radius, GetParam().rho, 0.6e-7) << "seven digits are given";
   EXPECT_NEAR(radius, AdmittanceModelRadius(LoopOf(GetParam()), HandAcceleration::kMeanOfPeriod), 1e-10);
@@ -54,14 +54,14 @@ TEST_P(ModelB, SpectralRadiusIsThatOfTheModelInScalars) {
 
 // The design's first table used the acceleration just after the command's step, and one more period of dead
 // time.
-TEST_P(ModelBAtFirst, TheModelInScalarsReproducesTheDesignsFirstTable) {
+TEST_P(ModelBFirstTable, TheModelInScalarsReproducesTheDesignsFirstTable) {
   hil::AdmittanceLoopParams loop = LoopOf(GetParam());
   loop.arm.dead_cycles = 4;
   EXPECT_NEAR(AdmittanceModelRadius(loop, HandAcceleration::kAfterCommandStep), GetParam().first_rho, 0.6e-7);
 }
 
 // The loop's step is run in time, over many periods of its mode.
-TEST_P(ModelB, GrowthInTimeIsTheSpectralRadius) {
+TEST_P(ModelB, GrowthInTimeEqualsTheSpectralRadius) {
   const hil::AdmittanceLoop loop(LoopOf(GetParam()));
   const double log_rho = std::log(GetParam().rho);
   const double grown =
@@ -99,7 +99,7 @@ std::vector<Row> FirstRows() {
 }
 INSTANTIATE_TEST_SUITE_P(Design, ModelB, testing::ValuesIn(Rows()),
                          [](const auto& test) { return test.param.name; });
-INSTANTIATE_TEST_SUITE_P(Design, ModelBAtFirst, testing::ValuesIn(FirstRows()),
+INSTANTIATE_TEST_SUITE_P(Design, ModelBFirstTable, testing::ValuesIn(FirstRows()),
                          [](const auto& test) { return test.param.name; });
 
 /// The stiffest stable wall of a firm hand, by the design.

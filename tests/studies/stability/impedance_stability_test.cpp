@@ -26,13 +26,13 @@ ImpedanceLoopParams LoopOf(const Row& row) {
 
 class ModelA : public testing::TestWithParam<Row> {};
 
-TEST_P(ModelA, StiffestWallIsTheDesigns) {
+TEST_P(ModelA, StiffestWallEqualsTheDesigns) {
   const hil::Boundary found = MaxWallStiffness(LoopOf(GetParam()));
   ASSERT_TRUE(found.crossed);
   EXPECT_NEAR(found.value, GetParam().K_max, 2e-4 * GetParam().K_max) << "four or five digits are given";
 }
 
-TEST_P(ModelA, GrowthInTimeIsTheSpectralRadiusOnBothSidesOfTheLimit) {
+TEST_P(ModelA, GrowthInTimeEqualsTheSpectralRadiusOnBothSidesOfTheLimit) {
   for (const double share : {0.8, 1.2}) {
     ImpedanceLoopParams params = LoopOf(GetParam());
     params.wall_stiffness_N_per_m = share * GetParam().K_max;
@@ -46,7 +46,7 @@ TEST_P(ModelA, GrowthInTimeIsTheSpectralRadiusOnBothSidesOfTheLimit) {
 }
 
 // The rule of thumb (b + B) / (T/2 + t_d) holds unless the wall's damping decides.
-TEST_P(ModelA, RuleOfThumbIsNearWithoutWallDamping) {
+TEST_P(ModelA, RuleOfThumbGivesTheLimitWithoutWallDamping) {
   const Row& row = GetParam();
   const double rule = (row.b + row.B) / (0.5e-3 + 1e-3 * row.d);
   EXPECT_NEAR(rule, row.approximate, 2e-4 * row.approximate);
@@ -73,7 +73,7 @@ TEST(ModelA, PassivityNeedsMoreDampingThanStability) {
 }
 
 // Without a delay, the closed form is Colgate and Schenkel's: b > K T / 2 + |B|.
-TEST(ModelA, PassiveDampingIsColgatesWithoutDelay) {
+TEST(ModelA, PassiveDampingEqualsColgatesWithoutDelay) {
   const ImpedanceLoopParams wall{.wall_stiffness_N_per_m = 3000.0, .wall_damping_Ns_per_m = 4.0};
   EXPECT_NEAR(PassiveDamping(wall), 0.5 * 3000.0 * 1e-3 + 4.0, 1e-6);
   ImpedanceLoopParams late = wall;

@@ -57,7 +57,7 @@ TEST(ConstantFeed, ForceGrowsWithTheDepthOfCutByChipAndEdgeShares) {
   const double chip_energy =
       cortical.specific_cutting_energy_J_per_m3 - cortical.edge_force_N_per_m / cortical.measured_chip_m;
   const double depth_m =
-      cortical.edge_force_N_per_m / chip_energy;  // where chip and edge take the same force
+      cortical.edge_force_N_per_m / chip_energy;  // depth of cut at which chip and edge need equal forces
   EXPECT_NEAR(depth_m, 24.4e-6, 0.1e-6);
   EXPECT_NEAR(thrust_N(10e-6, true) / thrust_N(2e-6, true), (10e-6 + depth_m) / (2e-6 + depth_m), 0.05);
   EXPECT_GT(thrust_N(10e-6, false) / thrust_N(2e-6, false), 4.0);
