@@ -11,16 +11,17 @@
 #include "studies/transparency/transparency.h"
 #include "studies/tune/tune_result.h"
 
-// The verdicts of studies: each level, for each reason.
+// The verdicts of the studies: every level (good, warning, bad) with the reason that it must state.
 
 namespace osteon::studies {
 namespace {
 
-bool Says(const session::Verdict& verdict, const std::string& part) {
+bool HasReason(const session::Verdict& verdict, const std::string& part) {
   return std::ranges::any_of(
       verdict.reasons, [&](const std::string& reason) { return reason.find(part) != std::string::npos; });
 }
 
+// Results that are good; each test then spoils one figure.
 TuneResult GoodTuning() {
   TuneResult r;
   r.task.loop.mass_kg = 1.7;
@@ -43,17 +44,17 @@ TEST(TuneVerdict, EachLevelHasItsReasons) {
   TuneResult heavy = GoodTuning();
   heavy.recommended.damping_Ns_per_m = 60.0;
   EXPECT_EQ(Judge(heavy).level, session::VerdictLevel::kWarning);
-  EXPECT_TRUE(Says(Judge(heavy), "not light")) << Judge(heavy).reasons.front();
+  EXPECT_TRUE(HasReason(Judge(heavy), "not light")) << Judge(heavy).reasons.front();
 
   TuneResult own = GoodTuning();
   own.own_margin = 1.02;
   EXPECT_EQ(Judge(own).level, session::VerdictLevel::kWarning);
-  EXPECT_TRUE(Says(Judge(own), "gain margin of 1.02")) << Judge(own).reasons.front();
+  EXPECT_TRUE(HasReason(Judge(own), "gain margin of 1.02")) << Judge(own).reasons.front();
 
   TuneResult silent = GoodTuning();
   silent.task.index_acts = false;
   EXPECT_EQ(Judge(silent).level, session::VerdictLevel::kWarning);
-  EXPECT_TRUE(Says(Judge(silent), "does not act"));
+  EXPECT_TRUE(HasReason(Judge(silent), "does not act"));
 
   TuneResult nothing = GoodTuning();
   nothing.recommended = {};
@@ -62,19 +63,20 @@ TEST(TuneVerdict, EachLevelHasItsReasons) {
   TuneResult grew = GoodTuning();
   grew.check.grew = {"firm at the wall"};
   EXPECT_EQ(Judge(grew).level, session::VerdictLevel::kBad);
-  EXPECT_TRUE(Says(Judge(grew), "firm at the wall"));
+  EXPECT_TRUE(HasReason(Judge(grew), "firm at the wall"));
 }
 
-TEST(TuneVerdict, AHandThatKeepsOscillatingIsSaidWithItsForce) {
+TEST(TuneVerdict, NamesAHandThatKeepsOscillatingWithItsForce) {
   TuneResult unquiet = GoodTuning();
   unquiet.carried[1].run.one_s_N = 1.5;
   EXPECT_EQ(Judge(unquiet).level, session::VerdictLevel::kWarning);
-  EXPECT_TRUE(Says(Judge(unquiet), "1.50 N between 5 and 40 Hz"));
+  EXPECT_TRUE(HasReason(Judge(unquiet), "1.50 N between 5 and 40 Hz"));
   TuneResult shaken = GoodTuning();
   shaken.carried[1].run.one_s_N = 109.0;
   EXPECT_EQ(Judge(shaken).level, session::VerdictLevel::kBad);
-  EXPECT_TRUE(Says(Judge(shaken), "with 1 of 2 hands stiffer than 3000 N/m")) << Judge(shaken).reasons[0];
-  EXPECT_TRUE(Says(Judge(shaken), "fixture (free), with 109.00 N"));
+  EXPECT_TRUE(HasReason(Judge(shaken), "with 1 of 2 hands stiffer than 3000 N/m"))
+      << Judge(shaken).reasons[0];
+  EXPECT_TRUE(HasReason(Judge(shaken), "fixture (free), with 109.00 N"));
   TuneResult ended = GoodTuning();
   ended.carried[0].run.valid = false;
   EXPECT_EQ(Judge(ended).level, session::VerdictLevel::kBad);
@@ -89,17 +91,17 @@ TEST(PlanVerdict, EachLevelHasItsReasons) {
   session::FidelityPlan slow = plan;
   slow.unmet = {{.what = "rate", .asked = 1000.0, .predicted = 712.0}};
   EXPECT_EQ(Judge(slow, {}).level, session::VerdictLevel::kWarning);
-  EXPECT_TRUE(Says(Judge(slow, {}), "rate: 712 Hz of 1000")) << Judge(slow, {}).reasons.front();
+  EXPECT_TRUE(HasReason(Judge(slow, {}), "rate: 712 Hz of 1000")) << Judge(slow, {}).reasons.front();
 
   session::FidelityPlan busy = plan;
   busy.calibration.front().interrupted = 400;
   EXPECT_EQ(Judge(busy, {}).level, session::VerdictLevel::kWarning);
-  EXPECT_TRUE(Says(Judge(busy, {}), "400 of the 1000 frames"));
+  EXPECT_TRUE(HasReason(Judge(busy, {}), "400 of the 1000 frames"));
 
   session::PlanCheck missed;
   missed.missed = {"error 0.2 mm, promised 0.1"};
   EXPECT_EQ(Judge(plan, missed).level, session::VerdictLevel::kBad);
-  EXPECT_TRUE(Says(Judge(plan, missed), "promised 0.1"));
+  EXPECT_TRUE(HasReason(Judge(plan, missed), "promised 0.1"));
 }
 
 CapabilityResult EnoughForce() {
@@ -120,7 +122,7 @@ TEST(CapabilityVerdict, EachLevelHasItsReasons) {
   CapabilityResult turned = EnoughForce();
   turned.own_angle.force.factor = 0.9;
   EXPECT_EQ(Judge(turned).level, session::VerdictLevel::kWarning);
-  EXPECT_TRUE(Says(Judge(turned), "90 N with 18 N are the most")) << Judge(turned).reasons.front();
+  EXPECT_TRUE(HasReason(Judge(turned), "90 N with 18 N are the most")) << Judge(turned).reasons.front();
 
   CapabilityResult nowhere = EnoughForce();
   nowhere.base.reset();
@@ -129,12 +131,12 @@ TEST(CapabilityVerdict, EachLevelHasItsReasons) {
   CapabilityResult weak = EnoughForce();
   weak.best_angle.force.factor = weak.own_angle.force.factor = 0.5;
   EXPECT_EQ(Judge(weak).level, session::VerdictLevel::kBad);
-  EXPECT_TRUE(Says(Judge(weak), "at the best arm angles: 100 N along the tool"));
+  EXPECT_TRUE(HasReason(Judge(weak), "at the best arm angles: 100 N along the tool"));
 
   CapabilityResult unreachable = EnoughForce();
   unreachable.best_angle.unreachable = 3;
   EXPECT_EQ(Judge(unreachable).level, session::VerdictLevel::kBad);
-  EXPECT_TRUE(Says(Judge(unreachable), "3 of 40 poses"));
+  EXPECT_TRUE(HasReason(Judge(unreachable), "3 of 40 poses"));
 }
 
 TransparencyResult Faithful() {
@@ -157,12 +159,12 @@ TEST(TransparencyVerdict, EachLevelHasItsReasons) {
   TransparencyResult heavy = Faithful();
   heavy.axes[1].residual = 0.5;
   EXPECT_EQ(Judge(heavy).level, session::VerdictLevel::kWarning);
-  EXPECT_TRUE(Says(Judge(heavy), "50 % off")) << Judge(heavy).reasons.front();
+  EXPECT_TRUE(HasReason(Judge(heavy), "50 % off")) << Judge(heavy).reasons.front();
 
   TransparencyResult soft = Faithful();
   soft.stiffness_N_per_m = 12e3;
   EXPECT_EQ(Judge(soft).level, session::VerdictLevel::kWarning);
-  EXPECT_TRUE(Says(Judge(soft), "12.00 N/mm for 20.00 N/mm"));
+  EXPECT_TRUE(HasReason(Judge(soft), "12.00 N/mm for 20.00 N/mm"));
 
   TransparencyResult other = Faithful();
   other.axes[0].residual = 1.5;
@@ -171,7 +173,7 @@ TEST(TransparencyVerdict, EachLevelHasItsReasons) {
   TransparencyResult stopped = Faithful();
   stopped.axes[2].points.emplace_back().fault = true;
   EXPECT_EQ(Judge(stopped).level, session::VerdictLevel::kBad);
-  EXPECT_TRUE(Says(Judge(stopped), "void"));
+  EXPECT_TRUE(HasReason(Judge(stopped), "void"));
 }
 
 TEST(ScalingVerdict, EachLevelHasItsReasons) {
@@ -188,17 +190,17 @@ TEST(ScalingVerdict, EachLevelHasItsReasons) {
   ScalingResult few = r;
   few.points[1].timing.frames = 400;
   EXPECT_EQ(Judge(few).level, session::VerdictLevel::kWarning);
-  EXPECT_TRUE(Says(Judge(few), "fewer frames than the 1000"));
+  EXPECT_TRUE(HasReason(Judge(few), "fewer frames than the 1000"));
 
   ScalingResult missing = r;
   missing.ours_left_out = 2;
   EXPECT_EQ(Judge(missing).level, session::VerdictLevel::kWarning);
-  EXPECT_TRUE(Says(Judge(missing), "2 of our own points"));
+  EXPECT_TRUE(HasReason(Judge(missing), "2 of our own points"));
 
   ScalingResult ended = r;
   ended.interrupted = true;
   EXPECT_EQ(Judge(ended).level, session::VerdictLevel::kBad);
-  EXPECT_TRUE(Says(Judge(ended), "incomplete"));
+  EXPECT_TRUE(HasReason(Judge(ended), "incomplete"));
 }
 
 TEST(SpeedAccuracyVerdict, EachLevelHasItsReasons) {
@@ -210,7 +212,7 @@ TEST(SpeedAccuracyVerdict, EachLevelHasItsReasons) {
   SpeedAccuracyResult slow = r;
   slow.left_out = {"voxel at 0.1 mm: ream was not done within 60 s"};
   EXPECT_EQ(Judge(slow).level, session::VerdictLevel::kWarning);
-  EXPECT_TRUE(Says(Judge(slow), "not done within 60 s"));
+  EXPECT_TRUE(HasReason(Judge(slow), "not done within 60 s"));
 
   SpeedAccuracyResult few = r;
   few.points.front().seeds.pop_back();
@@ -219,7 +221,7 @@ TEST(SpeedAccuracyVerdict, EachLevelHasItsReasons) {
   SpeedAccuracyResult ended = r;
   ended.interrupted = true;
   EXPECT_EQ(Judge(ended).level, session::VerdictLevel::kBad);
-  EXPECT_TRUE(Says(Judge(ended), "incomplete"));
+  EXPECT_TRUE(HasReason(Judge(ended), "incomplete"));
   const nlohmann::ordered_json json = nlohmann::ordered_json::parse(SpeedAccuracyJson(ended));
   EXPECT_EQ(json.begin().key(), "verdict") << "before anything else";
   EXPECT_EQ(json.at("verdict").at("level"), "bad");

@@ -13,7 +13,7 @@
 namespace osteon::simulation {
 namespace {
 
-TEST(MeshSolid, AnIcosphereIsASphereUpToItsSagitta) {
+TEST(MeshSolid, IcosphereDistanceIsTheSpheresWithinTheFacetsSagitta) {
   const Vector3 center(0.1, -0.13, 0.5);
   const double radius = 0.02;
   const TriangleMesh mesh = MakeIcosphere(center, radius, 4);
@@ -47,6 +47,7 @@ TEST(MeshSolid, TheDistanceToABoxIsExactAtItsFacesEdgesAndCorners) {
   std::uniform_real_distribution<double> u(-0.04, 0.04);
   for (int i = 0; i < 3000; ++i) {
     const Vector3 p(u(random), u(random), u(random));
+    // exact distance to a box: the outside part plus the inside part
     const Vector3 q = p.cwiseAbs() - half;
     const double exact = q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
     ASSERT_NEAR(solid.SignedDistance(p), exact, 1e-12) << p.transpose();
@@ -64,11 +65,11 @@ TEST(MeshSolid, TheSignAgreesWithCountedCrossingsOnASpikyMesh) {
   ASSERT_TRUE(CheckMesh(mesh, "spikes"));
   const MeshSolid solid(mesh);
   const auto inside_by_parity = [&mesh](const Vector3& p) {
-    const Vector3 way = Vector3(0.3, 0.5, 0.81).normalized();
+    const Vector3 ray = Vector3(0.3, 0.5, 0.81).normalized();
     int crossings = 0;
     for (const auto& t : mesh.triangles) {
       Matrix3 m;
-      m << mesh.vertices_m[t[1]] - mesh.vertices_m[t[0]], mesh.vertices_m[t[2]] - mesh.vertices_m[t[0]], -way;
+      m << mesh.vertices_m[t[1]] - mesh.vertices_m[t[0]], mesh.vertices_m[t[2]] - mesh.vertices_m[t[0]], -ray;
       const Vector3 x = m.inverse() * (p - mesh.vertices_m[t[0]]);
       if (x[0] >= 0 && x[1] >= 0 && x[0] + x[1] <= 1 && x[2] > 0) ++crossings;
     }
@@ -84,7 +85,7 @@ TEST(MeshSolid, TheSignAgreesWithCountedCrossingsOnASpikyMesh) {
   EXPECT_GT(inside, 200);
 }
 
-/// Oracle: tests every triangle; the first one among equally near ones.
+/// Oracle: measures every triangle; among equally near triangles the first one wins.
 class NearestOfAll {
  public:
   explicit NearestOfAll(const TriangleMesh& mesh) {
@@ -110,7 +111,7 @@ class NearestOfAll {
   std::vector<std::unique_ptr<TriangleTree>> triangles_;
 };
 
-// The boxes are in floats; the triangles that they leave out must not matter to the last bit. Needles have no
+// The tree's boxes hold floats: their rounding must never exclude the nearest triangle. Needles have no
 // normal in floats; small meshes have partly filled nodes.
 TEST(TriangleTree, FindsTheNearestOfAllTrianglesToTheLastBit) {
   std::mt19937 random(11);
@@ -152,9 +153,9 @@ TEST(TriangleTree, FindsTheNearestOfAllTrianglesToTheLastBit) {
   }
 }
 
-// A thread remembers its last search in each tree; what it remembers never answers for another tree, not even
-// for one that is made at the address of one that is gone.
-TEST(TriangleTree, AnswersForItselfWhereAPointIsAskedAgain) {
+// Each thread caches its last search. A cached result must never answer for another tree, not even for a tree
+// made at the address of a destroyed one.
+TEST(TriangleTree, RepeatedQueryIsNotAnsweredFromAnotherTreesCache) {
   const Vector3 p(0.001, 0.002, 0.003);
   const auto distance = [&p](double half) { return half - p.z(); };
   std::vector<std::unique_ptr<TriangleTree>> trees;
@@ -165,13 +166,13 @@ TEST(TriangleTree, AnswersForItselfWhereAPointIsAskedAgain) {
       for (int again = 0; again < 2; ++again)
         ASSERT_NEAR(trees[i]->Nearest(p).distance_m, distance(0.01 + 0.001 * i), 1e-15) << i;
   for (int i = 0; i < 40; ++i) {
-    const TriangleTree brief(box(0.01 + 0.001 * i));
-    ASSERT_NEAR(brief.Nearest(p).distance_m, distance(0.01 + 0.001 * i), 1e-15) << i;
+    const TriangleTree short_lived(box(0.01 + 0.001 * i));
+    ASSERT_NEAR(short_lived.Nearest(p).distance_m, distance(0.01 + 0.001 * i), 1e-15) << i;
   }
 }
 
-TEST(MeshSolid, TissueOfACupInABlockIsLayeredAndTheRestHasACorticalShell) {
-  // A hollow cup: a cavity (a whole sphere wound inwards) has the same floor as a sphere's lower half.
+TEST(MeshSolid, CupInABlockHasLayersAndTheOtherFacesACorticalShell) {
+  // The cup is a spherical cavity in a block: its lower half has the same floor as a hemispherical cup.
   const CutSite cup{.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.02};
   const TriangleMesh mesh =
       Join(MakeBox({-0.04, -0.04, -0.04}, {0.04, 0.04, 0.04}), InsideOut(MakeIcosphere({0, 0, 0}, 0.02, 4)));

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 constexpr double kPi = std::numbers::pi;
 
-/// Points in and around a box, the same in every run.
+/// Random points in a box that is enlarged on each side by `spare` of its size; the same in every run.
 std::vector<Vector3> PointsAround(const Eigen::AlignedBox3d& box, int count, double spare) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> share(-spare, 1.0 + spare);
@@ -30,7 +30,9 @@ std::vector<Vector3> PointsAround(const Eigen::AlignedBox3d& box, int count, dou
   return points;
 }
 
-void ExpectLipschitzAndFeetOnTheSurface(const Solid& solid) {
+/// Expects that the distance changes by no more than the step between two points, and that each nearest point
+/// lies on the surface at the stated distance.
+void ExpectLipschitzDistanceAndNearestPointsOnSurface(const Solid& solid) {
   const std::vector<Vector3> points = PointsAround(solid.Bounds(), 1500, 0.3);
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     const SurfacePoint a = solid.NearestSurface(points[i]);
@@ -41,7 +43,7 @@ void ExpectLipschitzAndFeetOnTheSurface(const Solid& solid) {
   }
 }
 
-/// Volume of each material from the centres of cubic cells; the first cell's corner is the box's.
+/// Volume in m³ of each material, by its index: counts the cubic cells whose centre has the material.
 std::array<double, 8> Volumes(const Solid& solid, double cell_m) {
   std::array<double, 8> volumes{};
   const Eigen::AlignedBox3d box = solid.Bounds();
@@ -54,6 +56,7 @@ std::array<double, 8> Volumes(const Solid& solid, double cell_m) {
   return volumes;
 }
 
+/// Returns the message with which CheckShape refuses `shape`, or "accepted".
 template <typename Shape>
 std::string Refusal(const Shape& shape) {
   try {
@@ -66,19 +69,20 @@ std::string Refusal(const Shape& shape) {
 
 // ---------------------------------------------------------------- block
 
-const BlockShape kLayered{
+/// From the top: 1.5 mm of material 2, 4 mm of material 1, and a core of material 0.
+const BlockShape kLayeredBlock{
     .width_m = 0.020,
     .depth_m = 0.030,
     .height_m = 0.012,
     .layers = {{.material = 2, .thickness_m = 0.0015}, {.material = 1, .thickness_m = 0.0040}},
     .core = 0};
 
-TEST(BlockSolid, DistancesAreThoseOfABox) {
-  const BoxSolid block(kLayered);
-  ExpectLipschitzAndFeetOnTheSurface(block);
+TEST(BlockSolid, DistancesEqualThoseOfABox) {
+  const BoxSolid block(kLayeredBlock);
+  ExpectLipschitzDistanceAndNearestPointsOnSurface(block);
   const Vector3 half(0.010, 0.015, 0.006), middle(0.0, 0.0, -0.006);
   for (const Vector3& p : PointsAround(block.Bounds(), 500, 0.4)) {
-    // Quilez' closed form, from the middle
+    // Quilez' closed form of a box's distance, relative to the middle
     const Vector3 q = (p - middle).cwiseAbs() - half;
     const double exact = q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
     ASSERT_NEAR(block.SignedDistance(p), exact, 1e-15);
@@ -86,26 +90,26 @@ TEST(BlockSolid, DistancesAreThoseOfABox) {
 }
 
 TEST(BlockSolid, LayersHaveTheirExactVolumes) {
-  const std::array<double, 8> volumes = Volumes(BoxSolid(kLayered), 0.5e-3);
+  const std::array<double, 8> volumes = Volumes(BoxSolid(kLayeredBlock), 0.5e-3);
   const double area = 0.020 * 0.030;
-  // the faces of the layers lie on those of the cells
+  // the layers' boundaries coincide with cell faces, so that the counted volumes are exact
   EXPECT_NEAR(volumes[2], area * 0.0015, 1e-9 * area);
   EXPECT_NEAR(volumes[1], area * 0.0040, 1e-9 * area);
   EXPECT_NEAR(volumes[0], area * 0.0065, 1e-9 * area);
-  const BoxSolid block(kLayered);
+  const BoxSolid block(kLayeredBlock);
   EXPECT_EQ(block.MaterialAt({0, 0, -0.001499}), 2);
   EXPECT_EQ(block.MaterialAt({0, 0, -0.001501}), 1);
   EXPECT_EQ(block.MaterialAt({0, 0, -0.005501}), 0);
 }
 
-TEST(BlockSolid, APlateOfOneMillimetreIsOne) {
+TEST(BlockSolid, APlateOneMillimetreThickHasItsDepthAndVolume) {
   const BoxSolid plate(BlockShape{.width_m = 0.030, .depth_m = 0.030, .height_m = 0.001, .layers = {}});
   EXPECT_NEAR(plate.SignedDistance({0, 0, -0.0005}), -0.0005, 1e-15);
   EXPECT_NEAR(Volumes(plate, 0.5e-3)[0], 0.9e-6, 1e-12);
 }
 
 TEST(BlockSolid, RefusesSizesThatDoNotFit) {
-  BlockShape shape = kLayered;
+  BlockShape shape = kLayeredBlock;
   shape.height_m = 0.005;
   EXPECT_EQ(Refusal(shape), "block: layers, in all: found 5.5 mm, accepted 0 … 5 mm");
   shape.height_m = -1.0;
@@ -172,8 +176,8 @@ TEST_F(Molar, IsOneClosedShellWithAPulpWellInsideIt) {
   EXPECT_GT(highest, 2.2e-3) << "the horns rise above the chamber's roof";
 }
 
-TEST_F(Molar, DistancesAreThoseToTheMesh) {
-  ExpectLipschitzAndFeetOnTheSurface(*solid_);
+TEST_F(Molar, DistancesEqualThoseToTheMesh) {
+  ExpectLipschitzDistanceAndNearestPointsOnSurface(*solid_);
   for (const Vector3& p : PointsAround(solid_->Bounds(), 40, 0.1))
     ASSERT_NEAR(solid_->SignedDistance(p), BruteSignedDistance(mesh_->mesh, p), 1e-9);
 }
@@ -228,7 +232,7 @@ TEST_F(Molar, TissuesAddUpToTheTooth) {
   EXPECT_GT(volumes[MolarSolid::kEnamel], 200e-9);
 }
 
-TEST_F(Molar, GrowsInProportion) {
+TEST_F(Molar, ScalesInProportionAndRefusesWrongSizes) {
   const MolarSolid half(MolarShape{.length_m = 0.0103, .enamel_m = 0.001});
   for (const Vector3& p : PointsAround(solid_->Bounds(), 300, 0.1)) {
     ASSERT_NEAR(half.SignedDistance(0.5 * p), 0.5 * solid_->SignedDistance(p), 1e-9);
@@ -257,14 +261,15 @@ TEST(FemurSolid, IsAClosedTubeWithTheVolumeOfItsOvals) {
   }
   // 96 corners in place of an oval lose (2 pi / 96)² / 6 of its area
   EXPECT_NEAR(SignedVolume_m3(mesh), volume, 1.2e-3 * volume);
-  ExpectLipschitzAndFeetOnTheSurface(femur);
+  ExpectLipschitzDistanceAndNearestPointsOnSurface(femur);
   for (const Vector3& p : PointsAround(femur.Bounds(), 40, 0.1))
     ASSERT_NEAR(femur.SignedDistance(p), BruteSignedDistance(mesh, p), 1e-9);
 }
 
-/// Material changes along a line from the canal's axis outwards.
-std::vector<std::pair<MaterialIndex, double>> Across(const FemurSolid& femur, const Vector3& from,
-                                                     const Vector3& direction) {
+/// Materials along a ray that leaves the femur, each with the distance in m at which it begins. The last
+/// entry is the surface, marked as material 7.
+std::vector<std::pair<MaterialIndex, double>> MaterialsAlong(const FemurSolid& femur, const Vector3& from,
+                                                             const Vector3& direction) {
   std::vector<std::pair<MaterialIndex, double>> met;
   for (double r = 0.0;; r += 5e-6) {
     const Vector3 p = from + r * direction;
@@ -277,28 +282,29 @@ std::vector<std::pair<MaterialIndex, double>> Across(const FemurSolid& femur, co
   }
 }
 
-TEST(FemurSolid, WallAndLiningAreAsThickAsAskedFor) {
+TEST(FemurSolid, WallAndLiningHaveTheGivenThickness) {
   const FemurShape shape;
   const FemurSolid femur(shape);
-  struct Place {
+  struct Place {  // a height, and the wall's thickness there
     double z_m, wall_m;
   };
   for (const Place& place : {Place{-0.0005, shape.top_wall_m}, Place{-0.090, shape.shaft_wall_m}}) {
     for (const Vector3& direction : {Vector3(0, 1, 0), Vector3(0, -1, 0)}) {
-      // at the height of the oval's own middle, so that the line is its half axis
+      // from the oval's middle, so that the ray runs along its half axis
       const Vector3 from(femur.At(place.z_m).shift_m, 0.0, place.z_m);
-      const auto met = Across(femur, from, direction);
+      const auto met = MaterialsAlong(femur, from, direction);
       ASSERT_GE(met.size(), 2u);
       EXPECT_EQ(met[met.size() - 2].first, FemurSolid::kCortical);
       EXPECT_NEAR(met.back().second - met[met.size() - 2].second, place.wall_m, 0.03e-3);
     }
   }
-  const auto met = Across(femur, {0, 0, -0.090}, {0, 1, 0});
+  const auto met = MaterialsAlong(femur, {0, 0, -0.090}, {0, 1, 0});
   ASSERT_EQ(met.size(), 4u) << "marrow, cancellous, cortical, outside";
   EXPECT_EQ(met[0].first, FemurSolid::kMarrow);
   EXPECT_EQ(met[1].first, FemurSolid::kCancellous);
   EXPECT_NEAR(met[2].second - met[1].second, shape.shaft_lining_m, 0.02e-3);
-  EXPECT_NEAR(Across(femur, {0, 0, -0.0005}, {0, 1, 0})[1].second, shape.top_marrow_radius_m, 0.02e-3);
+  EXPECT_NEAR(MaterialsAlong(femur, {0, 0, -0.0005}, {0, 1, 0})[1].second, shape.top_marrow_radius_m,
+              0.02e-3);
 }
 
 TEST(FemurSolid, TissuesHaveTheVolumesOfTheirSections) {
@@ -333,8 +339,8 @@ TEST(FemoralHeadSolid, IsAClosedBallOnANeckWithTheVolumeOfBoth) {
   const auto report = CheckMesh(mesh, "femoral head");
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_FALSE(report->flipped);
-  // the ball, plus the rod from where it leaves the ball, without the ball's cap in it; the fillet adds to
-  // both
+  // The ball, plus the neck's cylinder from where it leaves the ball, less the ball's cap inside the
+  // cylinder. The fillet at the joint adds to this.
   const double R = shape.head_radius_m, r = shape.neck_radius_m, leaves_m = std::sqrt(R * R - r * r);
   const double cap_m = R - leaves_m, cap_m3 = kPi * cap_m * cap_m * (3.0 * R - cap_m) / 3.0;
   const double sharp_m3 =
@@ -343,17 +349,17 @@ TEST(FemoralHeadSolid, IsAClosedBallOnANeckWithTheVolumeOfBoth) {
   EXPECT_GT(volume_m3, sharp_m3 * 0.998) << "chords of 1 mm lose (1 mm)^2 / 8 R of depth";
   EXPECT_LT(volume_m3, sharp_m3 * 1.02) << "the fillet";
   const FemoralHeadSolid head(shape);
-  ExpectLipschitzAndFeetOnTheSurface(head);
+  ExpectLipschitzDistanceAndNearestPointsOnSurface(head);
   for (const Vector3& p : PointsAround(head.Bounds(), 40, 0.1))
     ASSERT_NEAR(head.SignedDistance(p), BruteSignedDistance(mesh, p), 1e-9);
 }
 
-// The scene's requirement: every point of a chord between two places of the upper half is inside.
-TEST(FemoralHeadSolid, IsConvexWhereAToolComesFromAboveAndRound) {
+// The scene needs a convex surface where the tool approaches: the head's sphere, from the pole to 80 degrees.
+TEST(FemoralHeadSolid, IsASphereWhereTheToolComesFromAboveAndFromTheSides) {
   const FemoralHeadShape shape;
   const FemoralHeadSolid head(shape);
-  // MeshOfLevel keeps its corners a twentieth of its 1 mm step away from the grid's: 50 um where one lies on
-  // the surface, as at the pole
+  // MeshOfLevel keeps vertices a twentieth of its 1 mm step away from grid corners, which moves the surface
+  // by up to 50 um, as at the pole
   for (double tilt = 0.0; tilt < 1.4; tilt += 0.1)
     for (double turn = 0.05; turn < 6.2; turn += 0.3) {
       const Vector3 n(std::sin(tilt) * std::cos(turn), std::sin(tilt) * std::sin(turn), std::cos(tilt));
@@ -362,7 +368,7 @@ TEST(FemoralHeadSolid, IsConvexWhereAToolComesFromAboveAndRound) {
     }
 }
 
-TEST(FemoralHeadSolid, TissueGoesByDepth) {
+TEST(FemoralHeadSolid, TissueIsLayeredByDepth) {
   FemoralHeadShape shape;
   shape.cartilage_m = 0.001;
   const FemoralHeadSolid head(shape);

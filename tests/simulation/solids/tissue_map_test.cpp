@@ -13,9 +13,9 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Dense rim, soft core: 1800 at the surface, 600 at 2 mm, 200 from 4 mm on; the last column is half as
-/// dense.
-DensityImage Graded() {
+/// Image of a bone with a dense rim and a soft core: 1800 kg/m³ at the surface, 600 at a depth of 2 mm, 200
+/// at 4 mm. The second column is half as dense.
+DensityImage GradedImage() {
   return {.rows = 3,
           .columns = 2,
           .row_step_m = 0.002,
@@ -28,8 +28,8 @@ DensityImage Graded() {
                       {.material = 1}}};
 }
 
-TEST(DensityImage, IsBilinearBetweenItsSamplesAndHoldsAtItsBorders) {
-  const DensityImage image = Graded();
+TEST(DensityImage, IsBilinearBetweenSamplesAndConstantBeyondThem) {
+  const DensityImage image = GradedImage();
   EXPECT_DOUBLE_EQ(image.DensityAt(0.0, -0.01), 1800);
   EXPECT_DOUBLE_EQ(image.DensityAt(0.0, 0.01), 900);
   EXPECT_DOUBLE_EQ(image.DensityAt(0.001, -0.01), 1200);
@@ -44,14 +44,14 @@ TEST(DensityImage, IsBilinearBetweenItsSamplesAndHoldsAtItsBorders) {
 }
 
 TEST(DensityImage, OneColumnIsTheDensityEverywhere) {
-  DensityImage image = Graded();
+  DensityImage image = GradedImage();
   image.columns = 1;
   image.density_kg_per_m3 = {1800, 600, 200};
   for (const double height_m : {-1.0, 0.0, 0.3}) EXPECT_DOUBLE_EQ(image.DensityAt(0.001, height_m), 1200);
 }
 
-TEST(DensityImage, ClassesChangeWhereTheDensityCrossesThem) {
-  const DensityImage image = Graded();
+TEST(DensityImage, MaterialChangesWhereTheDensityCrossesAClassLimit) {
+  const DensityImage image = GradedImage();
   // first column: 1800 → 600 over 2 mm crosses 1000 at 1.3333 mm, 600 → 200 crosses 500 at 2.5 mm
   EXPECT_EQ(image.MaterialAt(0.00133, -0.01), 1);
   EXPECT_EQ(image.MaterialAt(0.00134, -0.01), 2);
@@ -64,10 +64,10 @@ TEST(DensityImage, ClassesChangeWhereTheDensityCrossesThem) {
 
 TEST(TissueMap, AGradedBoneHasADenseRimAndASoftCore) {
   TissueMap map;
-  map.shells[0].image = Graded();
+  map.shells[0].image = GradedImage();
   map.shells[0].core = 4;
   const MeshSolid solid(MakeBox({-0.02, -0.02, -0.02}, {0.02, 0.02, 0.02}), map);
-  // the depth below the side x = 20 mm; heights: a dense and a soft end
+  // points below the face x = 20 mm, at the heights of the dense column (z = -10 mm) and the soft one (10 mm)
   EXPECT_EQ(solid.MaterialAt({0.0195, 0, -0.01}), 1);
   EXPECT_EQ(solid.MaterialAt({0.0195, 0, 0.01}), 2);
   EXPECT_EQ(solid.MaterialAt({0.0180, 0, -0.01}), 2);
@@ -76,21 +76,21 @@ TEST(TissueMap, AGradedBoneHasADenseRimAndASoftCore) {
   EXPECT_EQ(solid.MaterialAt({0.0159, 0, -0.01}), 4);  // deeper than the image
 }
 
-TEST(TissueMap, LayersCoverTheBeginningOfTheImage) {
+TEST(TissueMap, LayersReplaceTheOutermostPartOfTheImage) {
   ShellTissue tissue{
       .layers = {{.material = 5, .thickness_m = 0.001}, {.material = 6, .thickness_m = 0.0005}},
       .core = 4,
-      .image = Graded()};
+      .image = GradedImage()};
   const Vector3 p(0, 0, -0.01);
   EXPECT_EQ(tissue.MaterialAt(0.0009, p), 5);
   EXPECT_EQ(tissue.MaterialAt(0.0014, p), 6);
-  EXPECT_EQ(tissue.MaterialAt(0.0016, p), 2);  // not the rim: row 0 lies at the surface
+  EXPECT_EQ(tissue.MaterialAt(0.0016, p), 2);  // the image counts depth from the surface, not from the layers
   EXPECT_EQ(tissue.MaterialAt(0.0041, p), 4);
   EXPECT_FALSE(tissue.IsUniform());
   EXPECT_TRUE((ShellTissue{.layers = {}, .core = 2, .image = {}}).IsUniform());
 }
 
-TEST(TissueMap, FewerTissuesThanRegionsRepeatTheLast) {
+TEST(TissueMap, RegionsBeyondTheListedTissuesTakeTheLastTissue) {
   LoadedMesh loaded;
   loaded.mesh = MakeBox({0, 0, 0}, {0.03, 0.01, 0.01});
   for (const double x : {0.002, 0.012, 0.022})
@@ -103,10 +103,10 @@ TEST(TissueMap, FewerTissuesThanRegionsRepeatTheLast) {
   for (const double x : {0.005, 0.015, 0.025}) EXPECT_EQ(solid.MaterialAt({x, 0.005, 0.005}), 2);
 }
 
-TEST(TissueMap, WhatDoesNotFitIsNamed) {
+TEST(TissueMap, RefusalNamesTheWrongEntryAndWhatIsAccepted) {
   const auto refusal = [](const std::function<void(TissueMap&)>& change) -> std::string {
     TissueMap map = CupBoneTissue({}, {});
-    map.shells[0].image = Graded();
+    map.shells[0].image = GradedImage();
     change(map);
     try {
       CheckTissueMap(map, 4);

@@ -12,6 +12,7 @@
 namespace osteon::surface {
 namespace {
 
+/// Whether place, normal, key and cut flag are equal to the last bit.
 bool IsSameVertex(const SurfaceVertex& a, const SurfaceVertex& b) {
   const auto bits = [](const SurfaceVertex& v) {
     return std::array{std::bit_cast<std::uint32_t>(v.p_mm.x),
@@ -31,19 +32,20 @@ bool IsSameChunk(const SurfaceChunk& a, const SurfaceChunk& b) {
          std::equal(a.vertices.begin(), a.vertices.end(), b.vertices.begin(), b.vertices.end(), IsSameVertex);
 }
 
+/// The chunk of a brick, extracted anew.
 SurfaceChunk ChunkOf(const CarvedField& field, BrickIndex brick) {
   SurfaceChunk chunk;
   ExtractChunk(field, brick, chunk);
   return chunk;
 }
 
-/// Brings the chunks of changed bricks up to date, as a page does.
+/// Extracts the chunks of changed bricks anew, as a console page does.
 void UpdateChunks(CarvedField& field, std::map<BrickIndex, SurfaceChunk>& chunks) {
   for (const BrickIndex brick : field.Dirty()) ExtractChunk(field, brick, chunks[brick]);
   field.ClearDirty();
 }
 
-TEST(CarvedField, UpdatedChunksEqualChunksMadeAnew) {
+TEST(CarvedField, UpdatedChunksEqualChunksExtractedAnew) {
   const auto solid = BallField(9.0F, 0.5F);
   CarvedField field(solid);
   std::map<BrickIndex, SurfaceChunk> kept;
@@ -81,7 +83,8 @@ TEST(CarvedField, OrderAndBatchesOfCapsulesChangeNoBit) {
     ASSERT_TRUE(IsSameChunk(ChunkOf(at_once, brick), ChunkOf(shuffled, brick))) << "brick " << brick;
 }
 
-TEST(CarvedField, LeavesOutOnlyCapsulesThatCannotCount) {
+// Carve skips capsules that others of the same call cover. Carved one by one, none can be skipped.
+TEST(CarvedField, SkippedCapsulesDoNotChangeTheMesh) {
   const auto solid = BallField(9.0F, 0.5F);
   std::mt19937 random(13);
   const std::vector<Capsule> way = RandomWay(random, 5.0F, 4.0F, 60);
@@ -92,20 +95,21 @@ TEST(CarvedField, LeavesOutOnlyCapsulesThatCannotCount) {
     ASSERT_TRUE(IsSameChunk(ChunkOf(together, brick), ChunkOf(one_by_one, brick))) << "brick " << brick;
 }
 
-TEST(CarvedField, AnEarlierSweepBringsItsChunksBack) {
+TEST(CarvedField, RestoringAnEarlierSweepRestoresItsChunks) {
   CarvedField field(BallField(9.0F, 0.5F));
   std::map<BrickIndex, SurfaceChunk> kept;
   std::mt19937 random(14);
   field.Carve(RandomWay(random, 9.0F, 2.0F, 40));
   UpdateChunks(field, kept);
-  const std::map<BrickIndex, SurfaceChunk> then = kept;
+  const std::map<BrickIndex, SurfaceChunk> earlier = kept;
   const BrickField swept = field.swept();
   field.Carve(RandomWay(random, 7.0F, 3.0F, 60));
   UpdateChunks(field, kept);
   field.SetSwept(swept);
-  EXPECT_LT(field.Dirty().size(), then.size()) << "where nothing changed nothing is made again";
+  EXPECT_LT(field.Dirty().size(), earlier.size()) << "where nothing changed nothing is made again";
   UpdateChunks(field, kept);
-  for (const auto& [brick, chunk] : then) ASSERT_TRUE(IsSameChunk(chunk, kept[brick])) << "brick " << brick;
+  for (const auto& [brick, chunk] : earlier)
+    ASSERT_TRUE(IsSameChunk(chunk, kept[brick])) << "brick " << brick;
   EXPECT_THROW(field.SetSwept(BrickField(3, BrickField::kAllLow)), std::invalid_argument);
 }
 
@@ -118,10 +122,10 @@ TEST(CarvedField, IsDirtyOnlyNearTheCut) {
   const Capsule at_the_top{{0.0F, 0.0F, 9.0F}, {0.0F, 0.0F, 9.0F}, 1.0F};
   field.Carve({&at_the_top, 1});
   ASSERT_FALSE(field.Dirty().empty());
-  EXPECT_LT(field.Dirty().size(), 28U);
+  EXPECT_LT(field.Dirty().size(), 28U);  // at most 3 x 3 x 3 bricks
 }
 
-TEST(CarvedField, CarvesNothingTwice) {
+TEST(CarvedField, CarvingTheSameCapsuleAgainChangesNothing) {
   CarvedField field(BallField(9.0F, 0.5F));
   const Capsule capsule{{0.0F, 0.0F, 8.0F}, {1.0F, 0.0F, 8.0F}, 3.0F};
   field.Carve({&capsule, 1});
@@ -130,7 +134,7 @@ TEST(CarvedField, CarvesNothingTwice) {
   EXPECT_TRUE(field.Dirty().empty());
 }
 
-TEST(CarvedField, TakesAwayTheWholeSolid) {
+TEST(CarvedField, ACapsuleAroundTheSolidRemovesAllOfIt) {
   CarvedField field(BallField(3.0F, 0.5F));
   const Capsule all{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 10.0F};
   field.Carve({&all, 1});

@@ -9,7 +9,8 @@ namespace {
 
 const BrickLayout kLayout = MakeLayout({-10.0F, -10.0F, -10.0F}, {10.0F, 10.0F, 10.0F}, 0.5F);
 
-/// A chunk of vertices on the lattice, with normals in all directions and random quads.
+/// A chunk of vertices on the format's lattice (28 steps per voxel, 252 per brick), with normals in all
+/// directions.
 SurfaceChunk RandomChunk(BrickIndex brick, int vertices, std::mt19937& random) {
   SurfaceChunk chunk{.brick = brick};
   const auto [x, y, z] = kLayout.PlaceOf(brick);
@@ -71,7 +72,7 @@ TEST(ChunkBytes, RefusesEveryPrefix) {
   EXPECT_EQ(read.brick, 77U);
 }
 
-TEST(ChunkBytes, RefusesWhatIsNotInTheLayout) {
+TEST(ChunkBytes, RefusesNumbersOutOfRange) {
   std::mt19937 random(4);
   std::vector<std::uint8_t> good;
   AppendChunk(kLayout, RandomChunk(5, 10, random), good);
@@ -81,20 +82,21 @@ TEST(ChunkBytes, RefusesWhatIsNotInTheLayout) {
     bad[at] = value;
     return !ReadChunk(kLayout, bad, read);
   };
-  EXPECT_TRUE(refused(3, 0x7f));               // brick
-  EXPECT_TRUE(refused(kChunkHeadBytes, 253));  // place
-  EXPECT_TRUE(refused(good.size() - 1, 10));   // vertex of a quad
-  EXPECT_TRUE(refused(7, 0xff));               // quads
-  EXPECT_TRUE(refused(5, 0xff));               // vertices
+  EXPECT_TRUE(refused(3, 0x7f));               // the brick's number
+  EXPECT_TRUE(refused(kChunkHeadBytes, 253));  // a vertex's place: 252 steps at most
+  EXPECT_TRUE(refused(good.size() - 1, 10));   // a quad's vertex: 9 is the last
+  EXPECT_TRUE(refused(7, 0xff));               // count of quads
+  EXPECT_TRUE(refused(5, 0xff));               // count of vertices
   EXPECT_FALSE(refused(good.size() - 1, 9));
 }
 
-TEST(ChunkBytes, ReadsAnyBytesWithinBounds) {
+TEST(ChunkBytes, RandomBytesNeverLeadOutOfBounds) {
   std::mt19937 random(5);
   std::uniform_int_distribution<int> byte(0, 255), size(0, 400);
   for (int trial = 0; trial < 20000; ++trial) {
     std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size(random)));
     for (auto& b : bytes) b = static_cast<std::uint8_t>(byte(random));
+    // small numbers of the brick, vertices and quads, so that some trials are accepted
     if (bytes.size() > 8) bytes[1] = bytes[2] = bytes[3] = bytes[5] = bytes[7] = 0;
     SurfaceChunk read;
     const auto used = ReadChunk(kLayout, bytes, read);

@@ -15,13 +15,13 @@
 namespace osteon::surface {
 namespace {
 
-/// V - E + F. An edge belongs to two quads, so E = 2 F.
+/// Euler's number V - E + F of a closed mesh of quads, where each edge belongs to two quads: E = 2 F.
 long EulerNumber(const WeldedSurface& mesh) {
   return static_cast<long>(mesh.vertices_mm.size()) - static_cast<long>(mesh.quads.size());
 }
 
-/// Vertices whose quads don't form one closed fan.
-std::size_t BadFans(const WeldedSurface& mesh) {
+/// Counts vertices whose quads don't form one closed fan: there the mesh is no manifold.
+std::size_t CountBadFans(const WeldedSurface& mesh) {
   std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> links(mesh.vertices_mm.size());
   for (const auto& q : mesh.quads)
     for (std::size_t i = 0; i < 4; ++i) links[q[i]].emplace_back(q[(i + 1) % 4], q[(i + 3) % 4]);
@@ -39,7 +39,7 @@ std::size_t BadFans(const WeldedSurface& mesh) {
   }));
 }
 
-/// Evenly spread over -1 … 1, without any relation between neighbours.
+/// Pseudo-random value in -1 … 1 of a place; neighbouring places are unrelated.
 double Noise(Vec3 p, std::uint64_t seed) {
   std::uint64_t bits = seed;
   for (const float along : {p.x, p.y, p.z})
@@ -47,15 +47,17 @@ double Noise(Vec3 p, std::uint64_t seed) {
   return 2.0 * simulation::Uniform(bits) - 1.0;
 }
 
+/// Expects a closed manifold: no open or over-shared edge, one fan at each vertex, an even Euler number.
 void ExpectManifold(const WeldedSurface& mesh) {
   const EdgeCounts edges = CountEdges(mesh);
   EXPECT_EQ(edges.open, 0U);
   EXPECT_EQ(edges.over_shared, 0U);
-  EXPECT_EQ(BadFans(mesh), 0U);
+  EXPECT_EQ(CountBadFans(mesh), 0U);
   EXPECT_EQ(EulerNumber(mesh) % 2, 0);
 }
 
-TEST(DualCases, EveryCutEdgeIsInOnePatchOfThreeEdgesAtLeast) {
+// inside: a bit for each of the 8 corners; flip: a bit for each of the 6 faces (TraceCell)
+TEST(DualCases, EveryCutEdgeBelongsToOnePatchOfAtLeastThreeEdges) {
   for (unsigned inside = 0; inside < 256; ++inside)
     for (unsigned flip = 0; flip < 64; ++flip) {
       const CellCase cell = TraceCell(inside, flip);
@@ -71,7 +73,7 @@ TEST(DualCases, EveryCutEdgeIsInOnePatchOfThreeEdgesAtLeast) {
     }
 }
 
-TEST(DualSurface, OfRandomNoiseIsManifold) {
+TEST(DualSurface, IsManifoldForRandomNoise) {
   std::mt19937 random(21);
   for (int trial = 0; trial < 4; ++trial) {
     const auto solid = std::make_shared<const SolidField>(
@@ -87,11 +89,11 @@ TEST(DualSurface, OfRandomNoiseIsManifold) {
   }
 }
 
-TEST(DualSurface, OfAHundredRandomCutsIsWatertightWithTheRightVolume) {
+TEST(DualSurface, IsWatertightWithTheRightVolumeAfterRandomCuts) {
   constexpr float kSolid_mm = 6.0F, kVoxel_mm = 0.25F, kPoints_mm = 0.2F;
   const auto solid = BallField(kSolid_mm, kVoxel_mm);
   const double whole_mm3 = VolumeOf(WeldSurface(CarvedField(solid)));
-  EXPECT_NEAR(whole_mm3, 4.0 / 3.0 * std::numbers::pi * 216.0, 2.0);  // chords are inside
+  EXPECT_NEAR(whole_mm3, 4.0 / 3.0 * std::numbers::pi * 216.0, 2.0);  // facets lie inside the sphere
   std::mt19937 random(22);
   for (int trial = 0; trial < 100; ++trial) {
     const float radius_mm = trial % 2 == 0 ? 20.0F * kVoxel_mm : 4.0F * kVoxel_mm;
@@ -102,7 +104,7 @@ TEST(DualSurface, OfAHundredRandomCutsIsWatertightWithTheRightVolume) {
     SCOPED_TRACE(trial);
     ExpectManifold(mesh);
     if (trial % 10 >= 2) continue;
-    // Mass points, evenly spread: those that the way clears.
+    // The cleared volume, counted over evenly spaced points in the ball.
     double cleared_mm3 = 0.0;
     for (float z = -kSolid_mm; z < kSolid_mm; z += kPoints_mm)
       for (float y = -kSolid_mm; y < kSolid_mm; y += kPoints_mm)
@@ -112,7 +114,7 @@ TEST(DualSurface, OfAHundredRandomCutsIsWatertightWithTheRightVolume) {
               std::any_of(way.begin(), way.end(), [&](const Capsule& c) { return DepthIn(c, p) > 0.0F; }))
             cleared_mm3 += static_cast<double>(kPoints_mm * kPoints_mm * kPoints_mm);
         }
-    const double share = trial % 2 == 0 ? 0.01 : 0.04;  // R/h = 20, 4
+    const double share = trial % 2 == 0 ? 0.01 : 0.04;  // tool radius of 20 voxels, 4 voxels
     EXPECT_NEAR(whole_mm3 - VolumeOf(mesh), cleared_mm3, share * cleared_mm3);
   }
 }
@@ -122,6 +124,7 @@ struct CupErrors {
   double p95_mm{0.0}, mean_mm{0.0}, mean_angle_deg{0.0};
 };
 
+/// Reams a vertical cup into a block and compares the cut face with the reamer's sphere.
 CupErrors CutCup(float radius_mm, float voxel_mm) {
   CarvedField field(BlockField(radius_mm + 4.0F, radius_mm + 4.0F, voxel_mm));
   const Capsule reamer{{0.1F, 0.2F, 8.0F}, {0.1F, 0.2F, -0.3F}, radius_mm};
@@ -148,16 +151,17 @@ CupErrors CutCup(float radius_mm, float voxel_mm) {
           .mean_angle_deg = angles / count * 180.0 / std::numbers::pi};
 }
 
-TEST(DualSurface, OfACupIsOnItsSphereAndConvergesWithTheSecondOrder) {
+TEST(DualSurface, CupFaceLiesOnTheReamersSphereAndConvergesWithSecondOrder) {
   constexpr float kHipReamer_mm = 25.0F;
   const CupErrors coarse = CutCup(kHipReamer_mm, 1.0F), fine = CutCup(kHipReamer_mm, 0.5F);
   EXPECT_LE(fine.p95_mm, 0.005);
   EXPECT_LE(fine.mean_angle_deg, 0.1);
+  // second order: half the voxel, a quarter of the error
   EXPECT_GT(coarse.mean_mm / fine.mean_mm, 3.0);
   EXPECT_LT(coarse.mean_mm / fine.mean_mm, 5.0);
 }
 
-TEST(DualSurface, HasSharpRims) {
+TEST(DualSurface, DrilledHoleHasASharpRim) {
   CarvedField field(BlockField(8.0F, 8.0F, 0.5F));
   const Capsule drill{{0.13F, 0.21F, 5.0F}, {0.13F, 0.21F, -2.0F}, 3.0F};
   field.Carve({&drill, 1});
@@ -168,7 +172,7 @@ TEST(DualSurface, HasSharpRims) {
     for (std::size_t i = 1; i < chunk.vertices.size(); ++i) {
       const SurfaceVertex &a = chunk.vertices[i - 1], &b = chunk.vertices[i];
       if (a.key != b.key) continue;
-      ++rim;  // on the top face, on the cylinder; one normal for each
+      ++rim;  // two vertices at one place: one normal of the top face, one of the cylinder
       EXPECT_NEAR(a.p_mm.z, 0.0F, 0.01F);
       EXPECT_NEAR(std::hypot(a.p_mm.x - 0.13F, a.p_mm.y - 0.21F), 3.0F, 0.02F);
       EXPECT_LT(std::abs(Dot(a.normal, b.normal)), 0.05F);
@@ -178,14 +182,14 @@ TEST(DualSurface, HasSharpRims) {
   EXPECT_GT(rim, 30U);
 }
 
-TEST(DualSurface, OfBallsIsTheirUnion) {
+TEST(DualSurface, OverlappingBallsGiveTheirUnion) {
   const std::vector<Capsule> balls{{{-2.0F, 0.0F, 0.0F}, {-2.0F, 0.0F, 0.0F}, 4.0F},
                                    {{2.0F, 0.0F, 0.0F}, {2.0F, 0.0F, 0.0F}, 4.0F}};
   const auto solid = std::make_shared<const SolidField>(
       MakeLayout({-6.0F, -4.0F, -4.0F}, {6.0F, 4.0F, 4.0F}, 0.25F), std::span<const Capsule>(balls));
   const WeldedSurface mesh = WeldSurface(CarvedField(solid));
   ExpectManifold(mesh);
-  // Two caps: 2 pi/3 (2 r + d/2) (r - d/2)² less than two spheres, d = 4 mm apart.
+  // The overlap of two balls, d = 4 mm apart, is two caps: 2 pi/3 (2 r + d/2) (r - d/2)²
   const double lens_mm3 = 2.0 * std::numbers::pi / 3.0 * (2.0 * 4.0 + 2.0) * 4.0;
   EXPECT_NEAR(VolumeOf(mesh), 2.0 * 4.0 / 3.0 * std::numbers::pi * 64.0 - lens_mm3, 2.0);
 }

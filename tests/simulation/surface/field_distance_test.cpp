@@ -13,6 +13,7 @@ namespace {
 
 constexpr float kRadius_mm = 9.0F, kVoxel_mm = 0.5F;
 
+/// A ball of bone, carved by a tool ball centred on the bone's top (z = kRadius_mm).
 CarvedField CutBall(float tool_radius_mm) {
   CarvedField field(BallField(kRadius_mm, kVoxel_mm));
   const Capsule ball{
@@ -25,11 +26,11 @@ double DistanceOf(const CarvedField& field, Vec3 p_mm) {
   return CarvedDistance(field.layout(), field.solid(), field.swept(), p_mm);
 }
 
-// A ball that a ball has cut: the distance is known at every place, the greater of two.
-TEST(CarvedDistance, IsThatOfTheTwoBalls) {
+// Oracle: the exact distance, which is the greater of the distances to the bone's ball and out of the tool's.
+TEST(CarvedDistance, EqualsTheExactDistanceOfABallMinusABall) {
   constexpr float kTool_mm = 4.0F;
   const CarvedField field = CutBall(kTool_mm);
-  // h²/8 (2/R) of the sphere 1 mm within the smaller ball, and the fields' step
+  // interpolation on a sphere, h²/8 (2/R), 1 mm inside the smaller ball, plus the fields' rounding
   constexpr double kInterpolation_mm =
       kVoxel_mm * kVoxel_mm / 4.0 / (kTool_mm - 1.0) + kVoxel_mm / kStepsOfVoxel;
   std::mt19937 random(5);
@@ -40,7 +41,7 @@ TEST(CarvedDistance, IsThatOfTheTwoBalls) {
     const double to_ball_mm = Norm(p_mm) - kRadius_mm,
                  to_tool_mm = kTool_mm - Norm(p_mm - Vec3{0.0F, 0.0F, kRadius_mm});
     const double expected_mm = std::max(to_ball_mm, to_tool_mm);
-    if (std::abs(expected_mm) > 1.0) continue;  // where every node around is within the fields' band
+    if (std::abs(expected_mm) > 1.0) continue;  // within 1 mm, no surrounding node is clamped
     ++near;
     swept += to_tool_mm > to_ball_mm ? 1 : 0;
     ASSERT_NEAR(DistanceOf(field, p_mm), expected_mm, kInterpolation_mm)
@@ -50,7 +51,7 @@ TEST(CarvedDistance, IsThatOfTheTwoBalls) {
   EXPECT_GT(swept, 50);
 }
 
-TEST(CarvedDistance, IsLimitedInsideAndOutAndIsAirBeyondTheGrid) {
+TEST(CarvedDistance, IsClampedToTheBandAndIsAirBeyondTheGrid) {
   const CarvedField field = CutBall(4.0F);
   EXPECT_EQ(DistanceOf(field, {0.0F, 0.0F, 0.0F}), -kBandVoxels * kVoxel_mm);
   EXPECT_EQ(DistanceOf(field, {0.0F, 0.0F, 8.0F}), kBandVoxels * kVoxel_mm) << "in the cut";
@@ -58,7 +59,7 @@ TEST(CarvedDistance, IsLimitedInsideAndOutAndIsAirBeyondTheGrid) {
     EXPECT_EQ(DistanceOf(field, {0.0F, far_mm, 0.0F}), kBandVoxels * kVoxel_mm);
 }
 
-TEST(CarvedDistance, VerticesOfTheMeshLieOnTheBone) {
+TEST(CarvedDistance, IsNearlyZeroAtTheMeshesVertices) {
   const CarvedField field = CutBall(4.0F);
   SurfaceChunk chunk;
   double largest_mm = 0.0;
@@ -75,7 +76,7 @@ TEST(CarvedDistance, VerticesOfTheMeshLieOnTheBone) {
   EXPECT_LT(largest_mm, 0.15 * kVoxel_mm);
 }
 
-TEST(SameAround, SeesAChangeOfTheBrickAndOfItsNeighbours) {
+TEST(SameAround, DetectsAChangeOfTheBrickOrItsNeighbours) {
   CarvedField first = CutBall(4.0F), second = CutBall(4.0F);
   const auto solid = BallField(kRadius_mm, kVoxel_mm);
   const auto same_in_all = [&](const CarvedField& a, const CarvedField& b) {
@@ -90,6 +91,7 @@ TEST(SameAround, SeesAChangeOfTheBrickAndOfItsNeighbours) {
       .a_mm = {0.0F, 0.0F, -kRadius_mm}, .b_mm = {0.0F, 0.0F, -kRadius_mm}, .radius_mm = 1.0F};
   second.ClearDirty();
   second.Carve(std::span(&touch, 1));
+  // every dirty brick must count as changed
   EXPECT_LE(same_in_all(first, second) + second.Dirty().size(), first.layout().Count());
   const CarvedSnapshot finer{.solid = BallField(kRadius_mm, 0.5F * kVoxel_mm), .swept = nullptr};
   EXPECT_FALSE(SameAround(first, finer, 0)) << "another grid";

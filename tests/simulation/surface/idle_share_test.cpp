@@ -7,14 +7,14 @@ namespace {
 
 constexpr rt::Nanoseconds kMs = rt::kMillisecond;
 
-// A thread of SCHED_IDLE on a machine in virtual time.
+// Simulates, in virtual time, a SCHED_IDLE thread on a machine whose CPUs are idle or busy.
 struct Machine {
   bool busy{false};
   rt::Nanoseconds now{0};
-  rt::Nanoseconds locked{0};  // time for which the lock was held without a CPU
+  rt::Nanoseconds locked{0};  // total time for which the thread held the lock without a CPU
   IdleShare share{};
 
-  // One turn of the thread's loop: a pass of 7 ms of work, in 0.03 s.
+  // One turn of the thread's loop, every 33 ms: 7 ms of work with the lock, a try without it, or rest.
   void Turn() {
     const auto next = share.At(now);
     if (next == IdleShare::Next::kRest) {
@@ -34,20 +34,20 @@ struct Machine {
   }
 };
 
-TEST(IdleShare, WorksWhereACpuIsIdle) {
+TEST(IdleShare, KeepsWorkingWhileACpuIsIdle) {
   Machine machine;
   machine.RunUntil(10 * rt::kSecond);
   EXPECT_EQ(machine.share.At(machine.now), IdleShare::Next::kWork);
 }
 
-TEST(IdleShare, HoldsTheLockOnceWhenTheMachineGetsBusyAndNotAgain) {
+TEST(IdleShare, OnABusyMachineIsSuspendedWithTheLockOnlyOnce) {
   Machine machine{.busy = true};
   machine.RunUntil(60 * rt::kSecond);
   EXPECT_EQ(machine.locked, 1300 * kMs);
   EXPECT_NE(machine.share.At(machine.now), IdleShare::Next::kWork);
 }
 
-TEST(IdleShare, WorksAgainSoonAfterACpuIsIdle) {
+TEST(IdleShare, WorksAgainSoonAfterACpuBecomesIdle) {
   Machine machine{.busy = true};
   machine.RunUntil(20 * rt::kSecond);
   machine.busy = false;
@@ -56,7 +56,7 @@ TEST(IdleShare, WorksAgainSoonAfterACpuIsIdle) {
   EXPECT_EQ(machine.share.At(machine.now), IdleShare::Next::kWork);
 }
 
-TEST(IdleShare, AShortDelayTellsNothing) {
+TEST(IdleShare, AShortDelayDoesNotCountAsSuspension) {
   IdleShare share;
   share.Ended(100 * kMs, 15 * kMs, 1 * kMs);
   EXPECT_EQ(share.At(100 * kMs), IdleShare::Next::kWork) << "frames came between";

@@ -9,7 +9,7 @@
 namespace osteon::surface {
 namespace {
 
-/// Solid balls, apart from each other.
+/// The surface of solid balls that don't touch each other.
 WeldedSurface Balls(const std::vector<Capsule>& balls) {
   Vec3 min{}, max{};
   for (const Capsule& ball : balls) {
@@ -26,7 +26,7 @@ Capsule Ball(float x, float radius_mm) { return {{x, 0.0F, 0.0F}, {x, 0.0F, 0.0F
 
 double BallVolume_mm3(double radius_mm) { return 4.0 / 3.0 * std::numbers::pi * std::pow(radius_mm, 3); }
 
-TEST(LoosePieces, SmallerOnesAreDroppedAndTheRestStaysClosed) {
+TEST(LoosePieces, PiecesBelowTheBoundAreDroppedAndTheRestStaysClosed) {
   WeldedSurface mesh = Balls({Ball(0.0F, 4.0F), Ball(7.0F, 1.0F), Ball(10.0F, 1.5F)});
   const PieceFigures figures = DropPiecesBelow(8.0, mesh);
   EXPECT_EQ(figures.pieces, 3U);
@@ -39,7 +39,7 @@ TEST(LoosePieces, SmallerOnesAreDroppedAndTheRestStaysClosed) {
     for (const std::uint32_t v : quad) ASSERT_LT(v, mesh.vertices_mm.size());
 }
 
-TEST(LoosePieces, WithoutABoundTheyAreCounted) {
+TEST(LoosePieces, WithABoundOfZeroPiecesAreOnlyCounted) {
   WeldedSurface mesh = Balls({Ball(0.0F, 3.0F), Ball(6.0F, 1.0F)});
   const std::size_t quads = mesh.quads.size();
   const PieceFigures figures = DropPiecesBelow(0.0, mesh);
@@ -48,14 +48,15 @@ TEST(LoosePieces, WithoutABoundTheyAreCounted) {
   EXPECT_EQ(mesh.quads.size(), quads);
 }
 
-TEST(LoosePieces, TheLargestStaysWhateverTheBound) {
+TEST(LoosePieces, TheLargestPieceIsNeverDropped) {
   WeldedSurface mesh = Balls({Ball(0.0F, 3.0F), Ball(6.0F, 1.0F)});
   EXPECT_EQ(DropPiecesBelow(1e9, mesh).dropped, 1U);
   EXPECT_NEAR(VolumeOf(mesh), BallVolume_mm3(3.0), 1.0);
 }
 
-// A hollow is a shell of its own, turned inside out: bone around it stays, so it stays.
-TEST(LoosePieces, AHollowWithinBoneIsNoPiece) {
+// The surface of a hollow is a separate shell, turned inside out. It belongs to the bone around it and must
+// stay.
+TEST(LoosePieces, AHollowWithinBoneIsNotCountedAsAPiece) {
   CarvedField field(BallField(5.0F, 0.25F));
   const Capsule inner = Ball(0.0F, 1.5F);
   field.Carve({&inner, 1});
@@ -67,7 +68,7 @@ TEST(LoosePieces, AHollowWithinBoneIsNoPiece) {
   EXPECT_NEAR(volume_mm3, BallVolume_mm3(5.0) - BallVolume_mm3(1.5), 3.0);
 }
 
-TEST(LoosePieces, AnEmptyMeshHasNone) {
+TEST(LoosePieces, AnEmptyMeshHasNoPieces) {
   WeldedSurface mesh;
   EXPECT_EQ(DropPiecesBelow(1.0, mesh).pieces, 0U);
 }

@@ -1,4 +1,4 @@
-// After its own headers OpenVDB undefines what others need; so it comes first.
+// OpenVDB's headers undefine macros that other headers need, so they are included first.
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/VolumeToMesh.h>
 
@@ -7,8 +7,8 @@
 #include "simulation/surface/welded_surface.h"
 #include "tests/simulation/surface/surface_shapes.h"
 
-// OpenVDB's volumeToMesh of the same solid and the same cuts, from exact distances on a grid of its own. What
-// is shared is the closed form of the shapes alone.
+// Compares our mesh's volume and area with those of OpenVDB's volumeToMesh, which meshes the same carved ball
+// from exact distances on a separate grid. The two have only the closed form of the shapes in common.
 
 namespace osteon::surface {
 namespace {
@@ -17,7 +17,8 @@ struct MeshFigures {
   double area_mm2{0.0}, volume_mm3{0.0};
 };
 
-/// Adds a triangle, wound so that the sum of volumes of a closed mesh is its own up to the sign.
+/// Adds a triangle's area and its signed volume toward the origin. Over a closed mesh, these volumes sum to
+/// the mesh's volume, up to the sign.
 void AddTriangle(Vec3 a, Vec3 b, Vec3 c, MeshFigures& figures) {
   figures.area_mm2 += 0.5 * static_cast<double>(Norm(Cross(b - a, c - a)));
   figures.volume_mm3 += static_cast<double>(Dot(a, Cross(b, c))) / 6.0;
@@ -33,7 +34,7 @@ MeshFigures FiguresOf(const WeldedSurface& mesh) {
   return figures;
 }
 
-/// A ball of bone around the origin less capsules: negative inside.
+/// Signed distance in mm to a ball of bone around the origin less the capsules: negative inside.
 float CarvedBall(Vec3 p, float radius_mm, const std::vector<Capsule>& way) {
   float distance = Norm(p) - radius_mm;
   for (const Capsule& capsule : way) distance = std::max(distance, DepthIn(capsule, p));
@@ -75,9 +76,9 @@ class OpenVdbOracle : public testing::TestWithParam<int> {
   static void SetUpTestSuite() { openvdb::initialize(); }
 };
 
-// Areas: OpenVDB's mesh has rounded rims, ours sharp ones; a knife's edge between two cuts ends about a voxel
-// early, and ours is twice as coarse. Both differences halve with the voxel.
-TEST_P(OpenVdbOracle, TheMeshHasItsVolumeAndArea) {
+// The areas differ: OpenVDB's mesh has rounded rims, ours sharp ones. A sharp ridge between two cuts ends
+// about a voxel early, and our voxel is twice as large. Both differences halve with the voxel.
+TEST_P(OpenVdbOracle, OurMeshHasTheVolumeAndAreaOfOpenVdbs) {
   constexpr float kBone_mm = 6.0F, kVoxel_mm = 0.25F;
   std::mt19937 random(static_cast<unsigned>(40 + GetParam()));
   const float radius_mm = GetParam() % 2 == 0 ? 3.0F : 1.5F;

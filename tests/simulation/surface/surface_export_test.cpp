@@ -22,7 +22,7 @@ class SurfaceExport : public testing::Test {
   }
   ~SurfaceExport() override { fs::remove_all(folder_); }
 
-  static CarvedField Cut() {
+  static CarvedField CutBlock() {
     CarvedField field(BlockField(6.0F, 6.0F, 0.5F));
     std::mt19937 random(31);
     field.Carve(RandomWay(random, 2.0F, 3.0F, 30));
@@ -32,8 +32,8 @@ class SurfaceExport : public testing::Test {
   fs::path folder_;
 };
 
-TEST_F(SurfaceExport, WritesClosedMeshesThatAreReadBackAlike) {
-  const CarvedField field = Cut();
+TEST_F(SurfaceExport, WritesClosedMeshesThatLoadWithTheSameVolume) {
+  const CarvedField field = CutBlock();
   for (const char* name : {"a.stl", "a.PLY", "a.obj"}) {
     SCOPED_TRACE(name);
     const auto written = WriteSurface(folder_ / name, field);
@@ -43,7 +43,7 @@ TEST_F(SurfaceExport, WritesClosedMeshesThatAreReadBackAlike) {
     ASSERT_TRUE(read) << read.error().message;
     EXPECT_EQ(read->mesh.triangles.size(), written->triangles);
     EXPECT_FALSE(read->report.flipped);
-    // Quads in a file are cut along one diagonal, VolumeOf cuts them along the other.
+    // A file's quads are split along one diagonal, VolumeOf splits them along the other.
     EXPECT_NEAR(1e9 * simulation::SignedVolume_m3(read->mesh), written->volume_mm3,
                 0.002 * written->volume_mm3);
   }
@@ -57,11 +57,11 @@ TEST_F(SurfaceExport, WritesAnEmptyMeshWhereNothingIsLeft) {
   ASSERT_TRUE(written);
   EXPECT_EQ(written->triangles, 0U);
   EXPECT_FALSE(written->watertight);
-  EXPECT_EQ(fs::file_size(folder_ / "none.stl"), 84U);
+  EXPECT_EQ(fs::file_size(folder_ / "none.stl"), 84U);  // header and count
 }
 
-TEST_F(SurfaceExport, SaysWhyAFileCannotBeWritten) {
-  EXPECT_FALSE(WriteSurface(folder_ / "missing" / "a.stl", Cut()));
+TEST_F(SurfaceExport, RefusesAMissingFolderAndAnUnknownFormat) {
+  EXPECT_FALSE(WriteSurface(folder_ / "missing" / "a.stl", CutBlock()));
   EXPECT_EQ(ValidateSurfaceName("bone.Stl"), "");
   EXPECT_NE(ValidateSurfaceName("bone.step").find("found bone.step"), std::string::npos);
 }
@@ -74,7 +74,7 @@ TEST(BoneSolid, SamplesASolidInMillimetres) {
   EXPECT_NEAR(volume_mm3, size_mm.prod(), 0.01 * size_mm.prod());
 }
 
-TEST(BoneSolid, TellsTheTissueOfVertices) {
+TEST(BoneSolid, GivesEachCutVertexItsTissue) {
   const auto block = std::make_shared<const simulation::BoxSolid>(
       Vector3(0, 0, -0.01), Vector3(0.01, 0.01, 0), std::vector<simulation::TissueLayer>{{2, 0.003}}, 1);
   CarvedField field(SampleSolid(*block, 0.5F));
@@ -86,6 +86,7 @@ TEST(BoneSolid, TellsTheTissueOfVertices) {
   for (BrickIndex brick = 0; brick < field.layout().Count(); ++brick) {
     ExtractChunk(field, brick, chunk, {}, tissue);
     for (const SurfaceVertex& v : chunk.vertices) {
+      // at the layers' boundary, z = -3 mm, either tissue is right
       if (!v.cut || std::abs(v.p_mm.z + 3.0F) < 0.1F) continue;
       ASSERT_EQ(v.material, v.p_mm.z > -3.0F ? 2 : 1);
       ++(v.material == 2 ? layer : core);
@@ -95,7 +96,7 @@ TEST(BoneSolid, TellsTheTissueOfVertices) {
   EXPECT_GT(core, 50U);
 }
 
-TEST(BoneSolid, UnitesTheBallsOfAPacking) {
+TEST(BoneSolid, MakesTheUnionOfAPackingsBalls) {
   simulation::Bone bone;
   bone.balls.push_back({.center_m = Vector3(0.1, 0, 0), .radius_m = 0.005});
   bone.balls.push_back({.center_m = Vector3(0.1, 0, 0), .radius_m = 0.0});

@@ -8,6 +8,7 @@
 
 namespace osteon::surface {
 
+/// A ball around the origin; exact distances.
 inline std::shared_ptr<const SolidField> BallField(float radius_mm, float voxel_mm) {
   const Vec3 corner{radius_mm, radius_mm, radius_mm};
   return std::make_shared<const SolidField>(
@@ -27,7 +28,7 @@ inline std::shared_ptr<const SolidField> BlockField(float half_mm, float depth_m
       });
 }
 
-/// A random walk of a ball in and out of a box.
+/// A ball's random walk: starts in a cube of half size reach_mm; each step is 0.3 mm per axis (one sigma).
 inline std::vector<Capsule> RandomWay(std::mt19937& random, float reach_mm, float radius_mm, int count) {
   std::uniform_real_distribution<float> place(-reach_mm, reach_mm);
   std::normal_distribution<float> step(0.0F, 0.3F);

@@ -24,6 +24,8 @@ using simulation::Tool;
 
 const Tool kBall{.name = "ball", .balls = {{.center_m = Vector3(0, 0, 0), .radius_m = 0.003}}};
 
+/// Frame i of a helix: the ball circles at 4 mm around the bone's axis and sinks by 10 um a frame from z = 11
+/// mm.
 ToolFrame FrameNumber(std::uint64_t i) {
   const double s = static_cast<double>(i);
   Pose X = Pose::Identity();
@@ -44,7 +46,8 @@ class ChunkKeeper final : public SurfaceSink {
   std::atomic<std::uint64_t> last_frame{0};
 };
 
-std::size_t Quads(const std::map<BrickIndex, SurfaceChunk>& chunks) {
+/// Number of quads in all chunks.
+std::size_t CountQuads(const std::map<BrickIndex, SurfaceChunk>& chunks) {
   std::size_t count = 0;
   for (const auto& [brick, chunk] : chunks) count += chunk.quads.size() / 4;
   return count;
@@ -66,8 +69,8 @@ TEST(SurfaceThread, PublishesTheMeshOfAllFrames) {
     if (ways.Add(FrameNumber(i))) field.Carve(ways.TakeCapsules());
   field.Carve(ways.TakeCapsules());
   EXPECT_EQ(sink.bricks, field.layout().Count());
-  EXPECT_EQ(Quads(sink.kept), WeldSurface(field).quads.size());
-  EXPECT_NE(Quads(sink.kept), WeldSurface(CarvedField(BallField(9.0F, 0.5F))).quads.size());
+  EXPECT_EQ(CountQuads(sink.kept), WeldSurface(field).quads.size());
+  EXPECT_NE(CountQuads(sink.kept), WeldSurface(CarvedField(BallField(9.0F, 0.5F))).quads.size());
 }
 
 TEST(SurfaceThread, PushNeitherAllocatesNorLocks) {
@@ -79,7 +82,7 @@ TEST(SurfaceThread, PushNeitherAllocatesNorLocks) {
   scope.End();
 }
 
-TEST(SurfaceThread, BridgesFramesThatAFullRingRefused) {
+TEST(SurfaceThread, ReplacesFramesThatAFullRingRefusedByAStraightWay) {
   constexpr std::size_t kRing = 8;
   std::mutex mutex;
   std::condition_variable changed;
@@ -109,10 +112,10 @@ TEST(SurfaceThread, BridgesFramesThatAFullRingRefused) {
   for (std::uint64_t i = 1; i <= kRing; ++i) (void)ways.Add(FrameNumber(i));
   (void)ways.Add(FrameNumber(101));
   field.Carve(ways.TakeCapsules());
-  EXPECT_EQ(Quads(sink.kept), WeldSurface(field).quads.size());
+  EXPECT_EQ(CountQuads(sink.kept), WeldSurface(field).quads.size());
 }
 
-TEST(SurfaceThread, AppliesAChangeAfterAllThatWasPushed) {
+TEST(SurfaceThread, AppliesAChangeAfterAllPushedFrames) {
   ChunkKeeper sink;
   SurfaceThread thread(kBall, Pose::Identity(), {.make_solid = [] { return BallField(9.0F, 0.5F); }}, sink);
   for (std::uint64_t i = 1; i <= 205; ++i) ASSERT_TRUE(thread.Push(FrameNumber(i)));
@@ -123,17 +126,17 @@ TEST(SurfaceThread, AppliesAChangeAfterAllThatWasPushed) {
     swept = field.swept();
   });
   EXPECT_EQ(frame, 205U);
-  const std::size_t quads = Quads(sink.kept);
+  const std::size_t quads = CountQuads(sink.kept);
   for (std::uint64_t i = 206; i <= 500; ++i) ASSERT_TRUE(thread.Push(FrameNumber(i)));
   thread.Apply([](CarvedField&, ToolWays&) {});
-  EXPECT_NE(Quads(sink.kept), quads);
+  EXPECT_NE(CountQuads(sink.kept), quads);
   thread.Apply([&](CarvedField& field, ToolWays&) { field.SetSwept(swept); });
-  EXPECT_EQ(Quads(sink.kept), quads) << "published as it was";
+  EXPECT_EQ(CountQuads(sink.kept), quads) << "published as it was";
   EXPECT_THROW(thread.Apply([](CarvedField&, ToolWays&) { throw std::logic_error("mine"); }),
                std::logic_error);
 }
 
-TEST(SurfaceThread, MeshesNothingWhileNobodyLooksAndThenAllThatHasChanged) {
+TEST(SurfaceThread, MeshesNothingWhileUnwatchedAndEveryChangeOnceWatched) {
   ChunkKeeper sink;
   std::atomic<bool> watched{false};
   SurfaceThread thread(
@@ -141,13 +144,13 @@ TEST(SurfaceThread, MeshesNothingWhileNobodyLooksAndThenAllThatHasChanged) {
       {.make_solid = [] { return BallField(9.0F, 0.5F); }, .is_watched = [&] { return watched.load(); }},
       sink);
   thread.Apply([](CarvedField&, ToolWays&) {});
-  const std::size_t uncut = Quads(sink.kept);
+  const std::size_t uncut = CountQuads(sink.kept);
   EXPECT_GT(uncut, 0U) << "the first mesh is ready for who comes";
   BrickField swept;
   for (std::uint64_t i = 1; i <= 205; ++i) ASSERT_TRUE(thread.Push(FrameNumber(i)));
   thread.Apply([&](CarvedField& field, ToolWays&) { swept = field.swept(); });
   EXPECT_EQ(sink.last_frame, 0U);
-  EXPECT_EQ(Quads(sink.kept), uncut);
+  EXPECT_EQ(CountQuads(sink.kept), uncut);
   CarvedField expected(BallField(9.0F, 0.5F));
   expected.SetSwept(swept);
   const std::size_t cut = WeldSurface(expected).quads.size();
@@ -155,16 +158,17 @@ TEST(SurfaceThread, MeshesNothingWhileNobodyLooksAndThenAllThatHasChanged) {
   watched.store(true);
   thread.Apply([](CarvedField&, ToolWays&) {});
   EXPECT_EQ(sink.last_frame, 205U);
-  EXPECT_EQ(Quads(sink.kept), cut);
+  EXPECT_EQ(CountQuads(sink.kept), cut);
 }
 
-// Frames 1 … 205 and 206 … 500 as two passes.
-TEST(SurfaceThread, LeavesOutWhatIsTakenBack) {
+// Frames 1 … 205 are one pass, frames 207 … 500 the next. When the second pass is taken back, the mesh must
+// be that after the first again.
+TEST(SurfaceThread, TakingAPassBackRestoresTheMeshBeforeIt) {
   const auto frame = [](std::uint64_t i) {
     ToolFrame made = FrameNumber(i);
     made.touches = true;
     made.pose_stamp = static_cast<rt::Nanoseconds>(i);
-    made.cuts = i != 206;  // between two passes a batch ends
+    made.cuts = i != 206;  // the spindle stands between the passes, which ends the batch
     return made;
   };
   ChunkKeeper sink;
@@ -179,17 +183,17 @@ TEST(SurfaceThread, LeavesOutWhatIsTakenBack) {
                        sink);
   for (std::uint64_t i = 1; i <= 206; ++i) ASSERT_TRUE(thread.Push(frame(i)));
   thread.Apply([](CarvedField&, ToolWays&) {});
-  const std::size_t first = Quads(sink.kept);
+  const std::size_t first = CountQuads(sink.kept);
   for (std::uint64_t i = 207; i <= 500; ++i) ASSERT_TRUE(thread.Push(frame(i)));
   thread.Apply([](CarvedField&, ToolWays&) {});
-  EXPECT_NE(Quads(sink.kept), first);
+  EXPECT_NE(CountQuads(sink.kept), first);
   thread.TakeBack({{.begin = 207, .end = 500}});
   thread.Stop();
   EXPECT_EQ(thread.error(), "");
-  EXPECT_EQ(Quads(sink.kept), first) << "with what was cut earlier";
+  EXPECT_EQ(CountQuads(sink.kept), first) << "with what was cut earlier";
 }
 
-TEST(SurfaceThread, TellsHowFarItIsBehind) {
+TEST(SurfaceThread, AgeIsAtMostTheTimeSinceAllFramesWerePushed) {
   ChunkKeeper sink;
   SurfaceThread thread(kBall, Pose::Identity(), {.make_solid = [] { return BallField(9.0F, 0.5F); }}, sink);
   for (std::uint64_t i = 1; i <= 100; ++i) ASSERT_TRUE(thread.Push(FrameNumber(i)));
@@ -198,9 +202,9 @@ TEST(SurfaceThread, TellsHowFarItIsBehind) {
   EXPECT_LE(thread.age().count(), rt::MonotonicNow() - before);
 }
 
-// On one CPU that three others keep busy, for which SCHED_IDLE has next to no time: the mesh follows all the
-// same.
-TEST(SurfaceThread, FollowsOnABusyMachine) {
+// Three spinning threads share the only CPU of the surface's thread, and SCHED_IDLE leaves it almost no time.
+// The mesh must follow nevertheless.
+TEST(SurfaceThread, FollowsTheCutOnABusyMachine) {
   cpu_set_t all, one;
   ASSERT_EQ(pthread_getaffinity_np(pthread_self(), sizeof all, &all), 0);
   CPU_ZERO(&one);
@@ -227,7 +231,7 @@ TEST(SurfaceThread, FollowsOnABusyMachine) {
   for (std::thread& other : others) other.join();
 }
 
-TEST(SurfaceThread, SaysWhyItEnded) {
+TEST(SurfaceThread, ReportsWhyItsThreadFailed) {
   ChunkKeeper sink;
   SurfaceThread thread(kBall, Pose::Identity(), {.make_solid = []() -> std::shared_ptr<const SolidField> {
                          throw std::invalid_argument("no solid");

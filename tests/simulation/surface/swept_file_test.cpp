@@ -15,11 +15,12 @@
 namespace osteon::surface {
 namespace {
 
+/// A ball of bone with a random cut, and with bricks that a capsule has removed entirely.
 CarvedField CutBall() {
   CarvedField field(BallField(9.0F, 0.5F));
   std::mt19937 random(21);
   field.Carve(RandomWay(random, 8.0F, 3.0F, 60));
-  const Capsule inside{{1.0F, 0.0F, 0.0F}, {-1.0F, 0.0F, 0.0F}, 8.0F};  // swallows bricks whole
+  const Capsule inside{{1.0F, 0.0F, 0.0F}, {-1.0F, 0.0F, 0.0F}, 8.0F};  // removes whole bricks
   field.Carve({&inside, 1});
   return field;
 }
@@ -29,7 +30,7 @@ std::string BytesOf(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-TEST(SweptFile, ReadsWhatItWrote) {
+TEST(SweptFile, ReadsBackTheWrittenField) {
   const CarvedField field = CutBall();
   const auto path = TemporaryPath("swept");
   ASSERT_TRUE(WriteSweptField(path, field.swept(), field.layout()));
@@ -54,8 +55,8 @@ TEST(SweptFile, RefusesAnotherGrid) {
   EXPECT_NE(read.error().Text().find("byte 16: grid: found"), std::string::npos) << read.error().Text();
 }
 
-// Every byte of the file counts: one that is changed, or that is missing, is noticed.
-TEST(SweptFile, RefusesDamage) {
+// A changed byte is detected wherever it is, and so is a missing rest of the file.
+TEST(SweptFile, RefusesAFileWithAChangedOrMissingByte) {
   const CarvedField field = CutBall();
   const auto path = TemporaryPath("swept"), damaged = TemporaryPath("damaged");
   ASSERT_TRUE(WriteSweptField(path, field.swept(), field.layout()));

@@ -12,13 +12,14 @@ using simulation::Tool;
 
 const Tool kReamer{.name = "ball", .balls = {{.center_m = Vector3(0, 0, -0.01), .radius_m = 0.01}}};
 
+/// A frame whose proxy ended at p_m in W without a slide.
 ToolFrame FrameAt(const Vector3& p_m, std::uint64_t frame, bool cuts = true) {
   Pose X = Pose::Identity();
   X.translation() = p_m;
   return {.X_WP = X, .p_WS_m = p_m, .cuts = cuts, .frame = frame};
 }
 
-TEST(ToolWays, AreThinnedToOneCapsuleWhereStraight) {
+TEST(ToolWays, ABatchAlongAStraightLineBecomesOneCapsule) {
   ToolWays ways(kReamer, Pose::Identity());
   EXPECT_FALSE(ways.Add(FrameAt({0, 0, 0}, 1, false)));
   bool complete = false;
@@ -34,7 +35,8 @@ TEST(ToolWays, AreThinnedToOneCapsuleWhereStraight) {
   EXPECT_FLOAT_EQ(capsules[0].b_mm.z, -10.0F - 0.1F * ToolWays::kBatchFrames);
 }
 
-TEST(ToolWays, GoThroughTheSlidPlace) {
+// The tool slides 1 mm along x first, then sinks 1 mm into the bone: two capsules.
+TEST(ToolWays, PassThroughThePlaceWhereTheSlideEnds) {
   ToolWays ways(kReamer, Pose::Identity());
   (void)ways.Add(FrameAt({0, 0, 0}, 1, false));
   ToolFrame frame = FrameAt({1e-3, 0, -1e-3}, 2);
@@ -47,8 +49,8 @@ TEST(ToolWays, GoThroughTheSlidPlace) {
   EXPECT_FLOAT_EQ(capsules[1].b_mm.z, -11.0F);
 }
 
-// The hand trembles by half a micrometre, as long as it likes.
-TEST(ToolWays, OfAToolThatDwellsAreNone) {
+// A hand that holds still trembles by half a micrometre: this must not add capsules, however long it lasts.
+TEST(ToolWays, AToolThatDwellsAddsNoCapsules) {
   ToolWays ways(kReamer, Pose::Identity());
   (void)ways.Add(FrameAt({0, 0, 0}, 1));
   (void)ways.Add(FrameAt({0, 0, -1e-3}, 2));
@@ -60,8 +62,8 @@ TEST(ToolWays, OfAToolThatDwellsAreNone) {
   EXPECT_TRUE(ways.TakeCapsules().empty());
 }
 
-// However slow: its way is kept, but for the last micrometre.
-TEST(ToolWays, OfAToolThatCreepsAreWhole) {
+// 0.1 um a frame, 0.5 mm in all: the capsules join and reach the tool but for the last micrometre.
+TEST(ToolWays, ASlowToolLeavesNoGaps) {
   ToolWays ways(kReamer, Pose::Identity());
   (void)ways.Add(FrameAt({0, 0, 0}, 1));
   float last_mm = -10.0F;
@@ -77,8 +79,8 @@ TEST(ToolWays, OfAToolThatCreepsAreWhole) {
   EXPECT_NEAR(last_mm, -10.5, 1.1e-3);
 }
 
-// A point at the end of a long tool moves where its origin does not.
-TEST(ToolWays, OfAToolThatTurnsInPlaceAreKept) {
+// The tool's origin rests, but a ball 100 mm beside it moves by 5 um.
+TEST(ToolWays, AToolThatTurnsInPlaceStillSweeps) {
   const Tool side{.name = "side", .balls = {{.center_m = Vector3(0.1, 0, 0), .radius_m = 0.001}}};
   ToolWays ways(side, Pose::Identity());
   (void)ways.Add(FrameAt(Vector3::Zero(), 1));
@@ -90,7 +92,7 @@ TEST(ToolWays, OfAToolThatTurnsInPlaceAreKept) {
   EXPECT_NEAR(capsules[0].b_mm.y, 5e-3F, 1e-4F);
 }
 
-TEST(ToolWays, AreLeftOutWhereTheSpindleStands) {
+TEST(ToolWays, AStandingSpindleSweepsNothing) {
   ToolWays ways(kReamer, Pose::Identity());
   for (std::uint64_t i = 1; i < 40; ++i)
     EXPECT_FALSE(ways.Add(FrameAt({1e-3 * static_cast<double>(i), 0, 0}, i, false)));
@@ -98,7 +100,7 @@ TEST(ToolWays, AreLeftOutWhereTheSpindleStands) {
   EXPECT_EQ(ways.frame(), 39U);
 }
 
-TEST(ToolWays, EndWhereTheSpindleStops) {
+TEST(ToolWays, ABatchEndsWhereTheSpindleStops) {
   ToolWays ways(kReamer, Pose::Identity());
   (void)ways.Add(FrameAt({0, 0, 0}, 1, false));
   EXPECT_FALSE(ways.Add(FrameAt({1e-3, 0, 0}, 2)));
@@ -110,7 +112,7 @@ TEST(ToolWays, EndWhereTheSpindleStops) {
   EXPECT_FLOAT_EQ(capsules[0].a_mm.x, 2.0F);
 }
 
-TEST(ToolWays, BridgeSkippedFrames) {
+TEST(ToolWays, SkippedFramesAreReplacedByAStraightCapsule) {
   ToolWays ways(kReamer, Pose::Identity());
   (void)ways.Add(FrameAt({0, 0, 0}, 1));
   (void)ways.Add(FrameAt({1e-3, 0, 0}, 2));
@@ -121,7 +123,7 @@ TEST(ToolWays, BridgeSkippedFrames) {
   EXPECT_FLOAT_EQ(capsules[0].b_mm.x, 5.0F);
 }
 
-TEST(ToolWays, ArePlacedInTheBone) {
+TEST(ToolWays, CapsulesAreInTheBonesFrame) {
   Pose X_WG = Pose::Identity();
   X_WG.translation() = Vector3(0, 0, 0.5);
   ToolWays ways(kReamer, X_WG);
@@ -132,7 +134,7 @@ TEST(ToolWays, ArePlacedInTheBone) {
   EXPECT_NEAR(capsules[0].b_mm.z, -11.0F, 1e-4F);
 }
 
-TEST(ToolWays, FollowTheArcOfATurn) {
+TEST(ToolWays, ALargeTurnIsFollowedAlongItsArc) {
   const Tool side{.name = "side", .balls = {{.center_m = Vector3(0.02, 0, 0), .radius_m = 0.001}}};
   ToolWays ways(side, Pose::Identity());
   (void)ways.Add(FrameAt(Vector3::Zero(), 1));
@@ -144,7 +146,7 @@ TEST(ToolWays, FollowTheArcOfATurn) {
   for (const Capsule& c : capsules) EXPECT_NEAR(Norm(0.5F * (c.a_mm + c.b_mm)), 20.0F, 0.03F);
 }
 
-TEST(ToolWays, PassOverFramesWithoutAWay) {
+TEST(ToolWays, FramesWithAnErrorOrWithoutAPoseAreSkipped) {
   simulation::ContactModel model;
   model.frame = 7;
   model.status = simulation::EngineStatus::kBadInput;
@@ -158,7 +160,7 @@ TEST(ToolWays, PassOverFramesWithoutAWay) {
   EXPECT_TRUE(ways.TakeCapsules().empty());
 }
 
-TEST(ToolWays, LeaveOutBallsWithinOthersAndTheShaft) {
+TEST(ToolWays, BallsWithinOthersAndTheShaftAreOmitted) {
   Tool tool = kReamer;
   tool.balls.push_back({.center_m = Vector3(0, 0, -0.012), .radius_m = 0.005});
   tool.balls.push_back({.center_m = Vector3(0, 0, -0.05), .radius_m = 0.004, .cutting = false});

@@ -11,6 +11,7 @@
 namespace osteon::simulation {
 namespace {
 
+// Five samples, 10 ms apart, with all lines of the origin.
 ToolMotion Example() {
   ToolMotion motion;
   motion.origin = {.made_by = "a test",
@@ -31,21 +32,21 @@ ToolMotion Example() {
 
 std::string ExampleText() { return MotionText(Example()); }
 
-// The loader's error, or "accepted".
-std::string Answer(const std::string& text) {
+// The parser's error message, or "accepted".
+std::string ParseResult(const std::string& text) {
   const auto motion = ParseMotion(text, "file.csv");
   return motion ? "accepted" : motion.error();
 }
 
-// The example with another third row (line 12).
-std::string WithRow(const std::string& row) {
+// The example's text with its third row (line 12) replaced.
+std::string WithThirdRow(const std::string& row) {
   std::string text = ExampleText();
   std::size_t begin = 0;
   for (int line = 1; line < 12; ++line) begin = text.find('\n', begin) + 1;
   return text.replace(begin, text.find('\n', begin) - begin, row);
 }
 
-TEST(MotionFile, GivesBackWhatWasWrittenToItsRounding) {
+TEST(MotionFile, ReadsBackAWrittenMotionUpToRounding) {
   const ToolMotion written = Example();
   const auto read = ParseMotion(MotionText(written), "file.csv");
   ASSERT_TRUE(read) << read.error();
@@ -56,23 +57,23 @@ TEST(MotionFile, GivesBackWhatWasWrittenToItsRounding) {
     const MotionSample &a = written.samples[i], &b = read->samples[i];
     EXPECT_NEAR(a.time_s, b.time_s, 0.5e-6);
     EXPECT_LE((a.p_GT_m - b.p_GT_m).cwiseAbs().maxCoeff(), 0.0501e-6);
-    // four roundings of half 1e-7, twice as an angle
+    // each of four components is rounded by at most 0.5e-7; an angle is twice that
     EXPECT_LE(a.R_GT.angularDistance(b.R_GT), 2.0 * std::sqrt(4.0) * 0.5e-7 + 1e-8);
     EXPECT_NEAR(a.spindle_rad_per_s, b.spindle_rad_per_s, 0.0006 * 2.0 * std::numbers::pi / 60.0);
     EXPECT_EQ(Rounded(a).p_GT_m, b.p_GT_m);
     EXPECT_EQ(Rounded(a).R_GT.coeffs(), b.R_GT.coeffs());
   }
-  // and it is written again in the same bytes
+  // written again, the text is the same
   EXPECT_EQ(MotionText(*read), MotionText(written));
 }
 
-TEST(MotionFile, TakesBothKindsOfLineEnd) {
+TEST(MotionFile, AcceptsBothKindsOfLineEnd) {
   std::string text;
   for (const char c : ExampleText()) text += c == '\n' ? std::string("\r\n") : std::string(1, c);
-  EXPECT_EQ(Answer(text), "accepted");
+  EXPECT_EQ(ParseResult(text), "accepted");
 }
 
-TEST(MotionFile, OriginStaysOnItsLines) {
+TEST(MotionFile, LineBreaksInTheOriginBecomeSpaces) {
   ToolMotion motion = Example();
   motion.origin.command = "one\ntwo\r\nthree";
   const auto read = ParseMotion(MotionText(motion), "file.csv");
@@ -80,10 +81,10 @@ TEST(MotionFile, OriginStaysOnItsLines) {
   EXPECT_EQ(read->origin.command, "one two  three");
 }
 
-TEST(MotionFile, RefusesWhatIsNoRowOfAMotion) {
-  ASSERT_TRUE(Answer(WithRow("0.011,1,2,3,1,0,0,0,250"))
-                  .starts_with("file.csv:12: x_mm … z_mm: found"));  // too far a jump
-  ASSERT_EQ(Answer(WithRow("0.011,1,-12.3457,200,1,0,0,0,250")), "accepted");
+TEST(MotionFile, RefusesRowsThatAreNoSampleOfAMotion) {
+  ASSERT_TRUE(ParseResult(WithThirdRow("0.011,1,2,3,1,0,0,0,250"))
+                  .starts_with("file.csv:12: x_mm … z_mm: found"));  // a jump that is too long
+  ASSERT_EQ(ParseResult(WithThirdRow("0.011,1,-12.3457,200,1,0,0,0,250")), "accepted");
   struct Case {
     const char *row, *answer;
   };
@@ -110,7 +111,7 @@ TEST(MotionFile, RefusesWhatIsNoRowOfAMotion) {
            Case{"0.011,1,-12.3457,200,0,1,0,0,250", "found a turn of 180 deg from the row before"},
            Case{"0.011,1,-12.3457,200,1,0,0,0,-1", "spindle_rpm: found -1, accepted 0 … 500000"},
        }) {
-    const std::string answer = Answer(WithRow(c.row));
+    const std::string answer = ParseResult(WithThirdRow(c.row));
     EXPECT_TRUE(answer.starts_with("file.csv:12: ")) << answer;
     EXPECT_NE(answer.find(c.answer), std::string::npos) << c.row << " → " << answer;
   }
@@ -123,17 +124,17 @@ TEST(MotionFile, RefusesAnotherHeader) {
     const std::size_t at = changed.find(from);
     return at == std::string::npos ? "not in the text: " + from : changed.replace(at, from.size(), to);
   };
-  EXPECT_NE(Answer("").find("found an empty file"), std::string::npos);
-  EXPECT_EQ(Answer(with("motion 1", "motion 2")),
+  EXPECT_NE(ParseResult("").find("found an empty file"), std::string::npos);
+  EXPECT_EQ(ParseResult(with("motion 1", "motion 2")),
             "file.csv:1: found \"# osteon motion 2\", accepted \"# osteon motion 1\"");
-  EXPECT_EQ(Answer(with("# scene: ", "# scen: ")),
+  EXPECT_EQ(ParseResult(with("# scene: ", "# scen: ")),
             "file.csv:3: found \"# scen: none\", accepted \"# scene: \" and its text");
-  EXPECT_EQ(Answer(with("# clock: virtual time\n", "")).substr(0, 11), "file.csv:7:");
-  EXPECT_EQ(Answer(with("# tool: ball", "# tool: ")).substr(0, 11), "file.csv:5:");
-  EXPECT_NE(Answer(with("x_mm,y_mm", "y_mm,x_mm")).find("file.csv:10: found"), std::string::npos);
-  EXPECT_NE(Answer(with("time_s,", "t,")).find("accepted the columns time_s,x_mm"), std::string::npos);
+  EXPECT_EQ(ParseResult(with("# clock: virtual time\n", "")).substr(0, 11), "file.csv:7:");
+  EXPECT_EQ(ParseResult(with("# tool: ball", "# tool: ")).substr(0, 11), "file.csv:5:");
+  EXPECT_NE(ParseResult(with("x_mm,y_mm", "y_mm,x_mm")).find("file.csv:10: found"), std::string::npos);
+  EXPECT_NE(ParseResult(with("time_s,", "t,")).find("accepted the columns time_s,x_mm"), std::string::npos);
   // control characters do not reach the terminal
-  EXPECT_EQ(Answer(with("# osteon", "\x1b[2J")).find('\x1b'), std::string::npos);
+  EXPECT_EQ(ParseResult(with("# osteon", "\x1b[2J")).find('\x1b'), std::string::npos);
 }
 
 TEST(MotionFile, RefusesATornOrShortFile) {
@@ -150,23 +151,24 @@ TEST(MotionFile, RefusesATornOrShortFile) {
   EXPECT_EQ(accepted, 3);  // with two, three and four of the five rows
   std::string zeros = text;
   zeros[zeros.size() / 2] = '\0';
-  EXPECT_NE(Answer(zeros), "accepted");
+  EXPECT_NE(ParseResult(zeros), "accepted");
 }
 
-TEST(MotionFile, RefusesWhatIsTooLarge) {
+TEST(MotionFile, RefusesTooManyBytesOrRowsAndATimeThatDoesNotBeginAt0) {
   const std::string head = ExampleText().substr(0, ExampleText().find("\n0,") + 1);
-  EXPECT_NE(Answer(head + std::string(17u << 20, 'x')).find("bytes, accepted at most 16777216"),
+  EXPECT_NE(ParseResult(head + std::string(17u << 20, 'x')).find("bytes, accepted at most 16777216"),
             std::string::npos);
   std::string rows;
   for (int k = 0; k <= 200'000; ++k) rows += std::to_string(1e-3 * k) + ",0,0,0,1,0,0,0,0\n";
-  EXPECT_NE(Answer(head + rows).find("file.csv:200011: found more rows, accepted at most 200000"),
+  EXPECT_NE(ParseResult(head + rows).find("file.csv:200011: found more rows, accepted at most 200000"),
             std::string::npos)
-      << Answer(head + rows);
-  EXPECT_NE(Answer(head + "0.5,0,0,0,1,0,0,0,0\n").find("time_s: found 0.5 in the first row, accepted 0"),
-            std::string::npos);
+      << ParseResult(head + rows);
+  EXPECT_NE(
+      ParseResult(head + "0.5,0,0,0,1,0,0,0,0\n").find("time_s: found 0.5 in the first row, accepted 0"),
+      std::string::npos);
 }
 
-TEST(MotionFile, NamesTheFileThatIsNotThere) {
+TEST(MotionFile, NamesAMissingFile) {
   const auto motion = LoadMotion("no/such/motion.csv");
   ASSERT_FALSE(motion);
   EXPECT_EQ(motion.error(), "no/such/motion.csv: found no file, accepted a motion");

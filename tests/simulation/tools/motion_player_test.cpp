@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kTau = 2.0 * std::numbers::pi;
 
-// A trembling hand: 0.2 mm at 11 Hz, on a slow path with a turn.
+// A hand at time t in s: a slow path with a turn, and a tremor of 0.2 mm at 11 Hz.
 MotionSample Trembling(double t) {
   const Vector3 r(0.3 * std::sin(kTau * 0.4 * t), 0.2 * t, 0.01 * std::sin(kTau * 9.0 * t));
   return {.time_s = t,
@@ -23,24 +23,25 @@ MotionSample Trembling(double t) {
           .spindle_rad_per_s = t < 0.5 ? 0.0 : 26.0};
 }
 
-std::vector<MotionSample> Sampled(double step_s, double seconds) {
+std::vector<MotionSample> TremblingSamples(double step_s, double seconds) {
   std::vector<MotionSample> samples;
   for (int k = 0; k <= static_cast<int>(std::lround(seconds / step_s)); ++k)
     samples.push_back(Trembling(k * step_s));
   return samples;
 }
 
+// Largest distance in m of a curve through samples every step_s from the exact motion, away from the ends:
+// there the natural spline is of second order only.
 double CurveError(double step_s) {
-  const MotionCurve curve(Sampled(step_s, 2.0));
+  const MotionCurve curve(TremblingSamples(step_s, 2.0));
   double worst_m = 0.0;
-  for (double t = 0.2; t < 1.8;
-       t += 1.3e-4)  // away from the ends, where the natural spline is of second order
+  for (double t = 0.2; t < 1.8; t += 1.3e-4)
     worst_m = std::max(worst_m, (curve.X_GT(t).translation() - Trembling(t).p_GT_m).norm());
   return worst_m;
 }
 
 TEST(MotionCurve, GoesThroughItsSamples) {
-  const auto samples = Sampled(0.01, 1.0);
+  const auto samples = TremblingSamples(0.01, 1.0);
   const MotionCurve curve(samples);
   for (const MotionSample& s : samples) {
     EXPECT_LT((curve.X_GT(s.time_s).translation() - s.p_GT_m).norm(), 1e-15);
@@ -50,16 +51,16 @@ TEST(MotionCurve, GoesThroughItsSamples) {
   EXPECT_LT((curve.X_GT(99.0).translation() - samples.back().p_GT_m).norm(), 1e-15);
 }
 
-// Fourth order: half the step, a sixteenth of the error.
-TEST(MotionCurve, IsOfFourthOrder) {
+// Half the step, a sixteenth of the error.
+TEST(MotionCurve, ErrorShrinksWithTheFourthPowerOfTheStep) {
   const double coarse_m = CurveError(0.01), fine_m = CurveError(0.005);
   EXPECT_LT(coarse_m, 5e-6);
   EXPECT_GT(coarse_m / fine_m, 12.0);
   EXPECT_LT(coarse_m / fine_m, 22.0);
 }
 
-TEST(MotionCurve, TakesTheShorterWayWhereAQuaternionChangesItsSign) {
-  auto samples = Sampled(0.01, 1.0);
+TEST(MotionCurve, IgnoresTheSignOfQuaternions) {
+  auto samples = TremblingSamples(0.01, 1.0);
   const MotionCurve plain(samples);
   for (std::size_t i = 0; i < samples.size(); i += 3) samples[i].R_GT.coeffs() *= -1.0;
   const MotionCurve flipped(samples);
@@ -68,24 +69,24 @@ TEST(MotionCurve, TakesTheShorterWayWhereAQuaternionChangesItsSign) {
 }
 
 TEST(MotionCurve, IsTwiceContinuouslyDifferentiable) {
-  // the most abrupt knots that a spline must handle: steps of 1 ms beside one of 50
+  // the most uneven knots that a spline must handle: steps of 1 ms beside steps of 50 ms
   const std::vector<MotionSample> samples{Trembling(0.0), Trembling(0.05), Trembling(0.051), Trembling(0.052),
                                           Trembling(0.1)};
   const MotionCurve curve(samples);
   const double h = 1e-5;
   for (const double t : {0.05, 0.051, 0.052}) {
-    const auto bend = [&](double at) {
+    const auto acceleration = [&](double at) {
       return Vector3((curve.X_GT(at + h).translation() - 2.0 * curve.X_GT(at).translation() +
                       curve.X_GT(at - h).translation()) /
                      (h * h));
     };
-    // a cubic's third derivative over 4 h; a kink would show as 1e-3 / h and more
-    EXPECT_LT((bend(t + 2 * h) - bend(t - 2 * h)).norm(), 0.5) << t;
+    // Only the cubic's third derivative counts over 4 h; a kink would show as at least 1e-3 / h.
+    EXPECT_LT((acceleration(t + 2 * h) - acceleration(t - 2 * h)).norm(), 0.5) << t;
   }
 }
 
 TEST(FitMotion, StaysWithinItsToleranceOfEveryRecordedSample) {
-  const auto recorded = Sampled(1e-3, 3.0);
+  const auto recorded = TremblingSamples(1e-3, 3.0);
   const FittedMotion fitted = FitMotion(recorded, {.tolerance_m = 2e-6, .tolerance_rad = 2e-5});
   const MotionCurve curve(fitted.samples);
   double worst_m = 0.0, worst_rad = 0.0;
@@ -93,7 +94,7 @@ TEST(FitMotion, StaysWithinItsToleranceOfEveryRecordedSample) {
     worst_m = std::max(worst_m, (curve.X_GT(s.time_s).translation() - s.p_GT_m).norm());
     worst_rad =
         std::max(worst_rad, s.R_GT.angularDistance(Eigen::Quaterniond(curve.X_GT(s.time_s).linear())));
-    EXPECT_NEAR(curve.SpindleAt(s.time_s), s.spindle_rad_per_s, 1e-4);  // to the rounding of its rpm
+    EXPECT_NEAR(curve.SpindleAt(s.time_s), s.spindle_rad_per_s, 1e-4);  // to the rounding of the stored rpm
   }
   EXPECT_LE(worst_m, 2e-6);
   EXPECT_LE(worst_rad, 2e-5);
@@ -102,8 +103,8 @@ TEST(FitMotion, StaysWithinItsToleranceOfEveryRecordedSample) {
   EXPECT_LT(fitted.samples.size(), 400u);  // of 3001
 }
 
-// Samples must be dense at an impact, and only there.
-TEST(FitMotion, KeepsTheSamplesOfAnImpact) {
+// The tool stops abruptly at 0.5 s: samples must be dense there, and only there.
+TEST(FitMotion, KeepsDenseSamplesAroundAnImpact) {
   std::vector<MotionSample> recorded;
   for (int k = 0; k <= 1000; ++k)
     recorded.push_back({.time_s = 1e-3 * k, .p_GT_m = Vector3(0, 0, k < 500 ? -1e-4 * k : -0.05)});
@@ -115,9 +116,9 @@ TEST(FitMotion, KeepsTheSamplesOfAnImpact) {
   EXPECT_LT(fitted.samples.size(), 80u);
 }
 
-TEST(MotionPlayer, PlaysAtAnyRate) {
+TEST(MotionPlayer, PlaysTheSameCurveAtAnyRate) {
   ToolMotion motion;
-  motion.samples = Sampled(0.01, 1.0);
+  motion.samples = TremblingSamples(0.01, 1.0);
   Pose X_WG = Pose::Identity();
   X_WG.linear() = ExpRotation({0.1, 0.2, 0.3});
   X_WG.translation() = Vector3(0.6, 0.0, 0.2);
@@ -141,8 +142,8 @@ TEST(MotionPlayer, PlaysAtAnyRate) {
 class PlayedMotion : public Engine {};
 OSTEON_ON_EVERY_ENGINE(PlayedMotion);
 
-// A ball is moved 1 mm into a slab and across it: the proxy follows the motion at 250 and at 1000 frames a
-// second, and the cuts are equal.
+// A ball moves 1 mm into a slab and 3 mm across it. Played at 250 and at 1000 frames a second, the proxy must
+// follow and the cuts must be equal.
 TEST_P(PlayedMotion, CutsTheSameAtEveryFrameRate) {
   ToolMotion motion;
   const auto at = [&](double t, const Vector3& apex, double spindle_rad_per_s) {
@@ -163,10 +164,10 @@ TEST_P(PlayedMotion, CutsTheSameAtEveryFrameRate) {
       ASSERT_EQ(last.status, EngineStatus::kOk);
     }
     removed_mm3[i] = 1e9 * last.removed_volume_m3;
-    // at the motion's end, except for the overlap of a frame and the rest of its slide
+    // the proxy ends at the motion's end, but for one frame's overlap and the rest of its slide
     EXPECT_LT((Pose(last.X_WP).translation() - Vector3(3e-3, 0, -1e-3)).norm(), 0.25e-3);
   }
-  // swept: half a lens of 1 mm depth, and the segment's area times 3 mm; a mass point is 0.125 mm^3
+  // swept volume: a cap of 1 mm depth, and the segment's area times 3 mm; a mass point is 0.125 mm³
   const double R = 4.0, h = 1.0,
                area = R * R * std::acos(1.0 - h / R) - (R - h) * std::sqrt(2 * R * h - h * h);
   const double swept_mm3 = std::numbers::pi * h * h * (R - h / 3.0) + 3.0 * area;

@@ -18,7 +18,7 @@ FrameRecord FrameAt(std::uint64_t number, const Pose& X_WP) {
   return frame;
 }
 
-// A path that returns on itself, with a tremor, and a tilting tool.
+// Pose of the proxy at time t in s: a winding path with a tremor of 20 um, of a tool that tilts and turns.
 Pose PoseAt(double t) {
   Pose X = Pose::Identity();
   X.translation() = Vector3(0.02 * std::sin(0.9 * t), 0.01 * std::cos(1.3 * t), -1e-4 * t);
@@ -27,6 +27,7 @@ Pose PoseAt(double t) {
   return X;
 }
 
+// Two cutting balls and one of the shaft.
 Tool TwoBalls() {
   Tool tool;
   tool.balls = {{.center_m = Vector3(0, 0, 0.002), .radius_m = 0.002, .cutting = true},
@@ -35,7 +36,7 @@ Tool TwoBalls() {
   return tool;
 }
 
-TEST(ProxyPath, IsEveryPoseAsLongAsTheyAreFew) {
+TEST(ProxyPath, KeepsEveryPoseWhileTheyAreFew) {
   Pose X_WG = Pose::Identity();
   X_WG.translation() = Vector3(0.1, 0.2, 0.3);
   ProxyPath path(TwoBalls(), X_WG, 100);
@@ -46,7 +47,7 @@ TEST(ProxyPath, IsEveryPoseAsLongAsTheyAreFew) {
     EXPECT_TRUE(path.X_GP()[static_cast<std::size_t>(i) - 1].isApprox(PoseAt(0.01 * i), 1e-12));
 }
 
-TEST(ProxyPath, LeavesOutWhatIsNoFrameOrAnError) {
+TEST(ProxyPath, SkipsFramesWithoutANumberWithAnErrorOrWithoutAPose) {
   ProxyPath path(TwoBalls(), Pose::Identity());
   FrameRecord failed = FrameAt(2, PoseAt(1.0));
   failed.model.status = EngineStatus::kDeviceLost;
@@ -58,9 +59,9 @@ TEST(ProxyPath, LeavesOutWhatIsNoFrameOrAnError) {
   EXPECT_TRUE(path.X_GP().empty());
 }
 
-// Oracle: the whole path's sweep. Every ball's centre, at every recorded pose, lies within the tolerance of
-// its path along the thinned poses.
-TEST(ProxyPath, EachBallStaysWithinTheToleranceOfWhereItWas) {
+// Oracle: every recorded pose. Each ball's centre at each of them must lie within the stated tolerance of the
+// ball's path along the thinned poses.
+TEST(ProxyPath, ThinnedPathKeepsEachBallWithinTheTolerance) {
   const Tool tool = TwoBalls();
   ProxyPath path(tool, Pose::Identity(), 2000);
   std::vector<Pose> all;

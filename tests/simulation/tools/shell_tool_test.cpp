@@ -10,7 +10,8 @@
 namespace osteon::simulation {
 namespace {
 
-// Depth of the hull's deepest dent at random points of the head's sphere with u_z >= min_z.
+// Depth in m of the deepest dent between the shell's balls, at random points of the head's sphere whose
+// direction from its centre has z >= min_z.
 double DeepestDent(const Tool& shell, const ToolBall& head, double min_z) {
   double deepest_m = 0.0;
   for (std::uint64_t i = 0; i < 3000; ++i) {
@@ -29,10 +30,10 @@ double DeepestDent(const Tool& shell, const ToolBall& head, double min_z) {
 
 struct Case {
   std::size_t count;
-  double deepest_dent_m;  // 0.13 d, d = R sqrt(2 pi / count)
+  double deepest_dent_m;  // accepted: 0.13 d at a spacing of d = R sqrt(2 pi / count)
 };
 
-TEST(ShellTool, IsAHemisphereOfManyBallsThatNoneLeaves) {
+TEST(ShellTool, BallsFillTheHemisphereAndNoneProtrudes) {
   const Tool reamer = MakeReamer(ReamerParams{}).tool;
   const ToolBall head = *CuttingHead(reamer);
   const std::size_t touching = reamer.balls.size() - 1;
@@ -50,19 +51,19 @@ TEST(ShellTool, IsAHemisphereOfManyBallsThatNoneLeaves) {
   }
 }
 
-TEST(ShellTool, OfABurrIsAllOfItsHead) {
+TEST(ShellTool, ABurrsShellCoversItsWholeHead) {
   const Tool burr = MakeBurr({.diameter_m = 1.8e-3, .neck_diameter_m = 0.99e-3}).tool;
   const ToolBall head = *CuttingHead(burr);
   const Tool shell = MakeShellTool(burr, 200, ShellPart::kSphere);
   EXPECT_LT(DeepestDent(shell, head, -1.0), 0.02e-3);
 }
 
-TEST(ShellTool, OfOneBallIsTheToolItself) {
+TEST(ShellTool, WithOneBallTheToolIsUnchanged) {
   const Tool reamer = MakeReamer(ReamerParams{}).tool;
   EXPECT_EQ(MakeShellTool(reamer, 1, ShellPart::kHemisphere).balls.size(), reamer.balls.size());
 }
 
-TEST(ShellTool, RefusesWhatIsNoOneBallHead) {
+TEST(ShellTool, RefusesBadCountsAndToolsOfSeveralCuttingBalls) {
   const Tool reamer = MakeReamer(ReamerParams{}).tool;
   EXPECT_THROW((void)MakeShellTool(reamer, 0, ShellPart::kHemisphere), std::invalid_argument);
   EXPECT_THROW((void)MakeShellTool(reamer, 100'001, ShellPart::kHemisphere), std::invalid_argument);

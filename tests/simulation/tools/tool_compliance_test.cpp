@@ -8,13 +8,15 @@
 
 #include "simulation/tools/tool_kinds.h"
 
-// Beams: analytic cantilevers, and the design's column of stiffnesses for the shipped sizes.
+// Compliance of tools as beams, against analytic cantilevers and against the stiffnesses in the design's
+// table.
 
 namespace osteon::simulation {
 namespace {
 
-constexpr double kSteel_Pa = 193e9;
+constexpr double kSteel_Pa = 193e9;  // Young's modulus
 
+// Second moment of area of a round section in m⁴.
 double SecondMoment(double d_m) { return std::numbers::pi / 64.0 * std::pow(d_m, 4); }
 
 ToolCompliance Drill(double diameter_mm, double flute_mm, double length_mm) {
@@ -28,6 +30,7 @@ ToolCompliance Drill(double diameter_mm, double flute_mm, double length_mm) {
   return CantileverCompliance(built.beam, {.load_point_m = built.load_point_m});
 }
 
+// The first clamped_mm of the burr's shaft, from the back, are held in the chuck.
 ToolCompliance RoundBurr(double diameter_mm, double neck_mm, double clamped_mm = 0.0) {
   const BuiltTool built = MakeBurr(
       {.diameter_m = 1e-3 * diameter_mm,
@@ -38,7 +41,7 @@ ToolCompliance RoundBurr(double diameter_mm, double neck_mm, double clamped_mm =
                                            .head_mass_kg = built.head_mass_kg});
 }
 
-TEST(ToolCompliance, AUniformShaftIsTheTextbooksCantilever) {
+TEST(ToolCompliance, AUniformShaftHasTheTextbooksCompliance) {
   constexpr double d = 4e-3, L = 0.1, kPoisson = 0.29;
   const std::vector<BeamPiece> shaft{
       {.from_m = 0.0, .to_m = L, .from_radius_m = 0.5 * d, .to_radius_m = 0.5 * d}};
@@ -53,27 +56,27 @@ TEST(ToolCompliance, AUniformShaftIsTheTextbooksCantilever) {
   EXPECT_NEAR(c.C_T(5, 5) / (L / GJ), 1.0, 1e-9);
   EXPECT_NEAR(c.buckling_N / (std::numbers::pi * std::numbers::pi * EI / (4.0 * L * L)), 1.0, 1e-6);
   EXPECT_TRUE(c.C_T.isApprox(c.C_T.transpose()));
-  // A force behind the apex acts on a head that counts as rigid: too soft by (s / (L - s))^3, 3.7 % at L / 4.
+  // Up to a force behind the apex, the tool counts as rigid: too soft by (s / (L - s))^3, 3.7 % at s = L / 4.
   EXPECT_NEAR(LateralCompliance(c.C_T, 0.25 * L) / (std::pow(0.75 * L, 3) / (3.0 * EI)), 1.0 + 1.0 / 27.0,
               1e-9);
 }
 
-TEST(ToolCompliance, AConeIsItsIntegral) {
-  // I grows with the fourth power of a radius that is linear: int s^2 / (pi/4 E (a + b s)^4) ds by a fine sum
+TEST(ToolCompliance, AConeHasTheComplianceOfItsIntegral) {
+  // a fine sum of int s^2 / (E I(s)) ds, with I = pi/4 r(s)^4 and a radius that is linear in s
   constexpr double kFront = 1e-3, kBack = 3e-3, L = 0.05;
   const std::vector<BeamPiece> cone{
       {.from_m = 0.0, .to_m = L, .from_radius_m = kFront, .to_radius_m = kBack}};
   double exact = 0.0;
-  constexpr int kN = 2'000'000;
-  for (int i = 0; i < kN; ++i) {
-    const double s = (i + 0.5) * L / kN, r = kFront + (kBack - kFront) * s / L;
-    exact += s * s / (kSteel_Pa * std::numbers::pi / 4.0 * r * r * r * r) * L / kN;
+  constexpr int kSteps = 2'000'000;
+  for (int i = 0; i < kSteps; ++i) {
+    const double s = (i + 0.5) * L / kSteps, r = kFront + (kBack - kFront) * s / L;
+    exact += s * s / (kSteel_Pa * std::numbers::pi / 4.0 * r * r * r * r) * L / kSteps;
   }
   EXPECT_NEAR(CantileverCompliance(cone, {}).C_T(0, 0) / exact, 1.0, 1e-4);
 }
 
-// The design's column k, within 1 %.
-TEST(ToolCompliance, TheShippedSizesAreTheDesigns) {
+// Lateral stiffnesses of the design's table, within 1 %.
+TEST(ToolCompliance, TheShippedToolsHaveTheDesignsStiffness) {
   const ToolCompliance drill = Drill(3.2, 36, 65);
   EXPECT_NEAR(drill.lateral_N_per_m, 8720.0, 87.2);
   EXPECT_NEAR(drill.C_T(0, 4), 3.065e-3, 3.1e-5) << "slope at the apex by a newton";
@@ -101,14 +104,14 @@ TEST(ToolCompliance, DrillsBuckleWhereTheDesignSays) {
   EXPECT_NEAR(Drill(4, 43, 75).buckling_N, 755.8, 7.6);
 }
 
-TEST(ToolCompliance, AChuckThatHoldsMoreMakesItStiffer) {
+TEST(ToolCompliance, ADeeperChuckStiffensAndAThrustSoftens) {
   const double free = RoundBurr(2.3, 1.26).lateral_N_per_m, held = RoundBurr(2.3, 1.26, 25.0).lateral_N_per_m;
   EXPECT_GT(held, 8.0 * free);
   EXPECT_NEAR(ThrustFactor(60.0, 422.6), 1.0 / (1.0 - 60.0 / 422.6), 1e-15);
   EXPECT_THROW(static_cast<void>(ThrustFactor(500.0, 422.6)), std::invalid_argument);
 }
 
-TEST(ToolCompliance, RefusesWhatIsNoBeam) {
+TEST(ToolCompliance, RefusesToolsThatCannotBend) {
   const std::vector<BeamPiece> head{{.from_m = 0.0, .to_m = 0.01, .rigid = true}};
   EXPECT_THROW(static_cast<void>(CantileverCompliance(head, {})), std::invalid_argument);
   EXPECT_THROW(static_cast<void>(CantileverCompliance({}, {})), std::invalid_argument);

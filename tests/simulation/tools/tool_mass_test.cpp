@@ -1,4 +1,4 @@
-// Closed forms against textbook formulas and against numerical integration over points.
+// Mass, centre and inertia of tools: the closed forms against textbook formulas and numerical integration.
 #include <cmath>
 #include <numbers>
 #include <type_traits>
@@ -15,8 +15,8 @@ constexpr double kPi = std::numbers::pi;
 
 static_assert(std::is_trivially_copyable_v<PlainInertia>);
 
-/// Mass, centre and inertia of the region where `density` is positive, from the midpoints of n^3 cells of a
-/// box: second order, with a random sign for cells on the surface.
+/// Mass, centre and inertia of a body by its density in kg/m³, summed over the midpoints of n^3 cells of a
+/// box. The error is of second order in the cell's size, plus a random part from cells that the surface cuts.
 template <typename Density>
 MassProperties Integrate(const Eigen::AlignedBox3d& box, int n, const Density& density) {
   const Vector3 step = box.sizes() / n;
@@ -40,13 +40,13 @@ MassProperties Integrate(const Eigen::AlignedBox3d& box, int n, const Density& d
           .inertia_kg_m2 = about.trace() * Matrix3::Identity() - about};
 }
 
-TEST(PlainInertia, KeepsASymmetricMatrix) {
+TEST(PlainInertia, RestoresTheSymmetricMatrixItStores) {
   Matrix3 I;
   I << 1, 4, 5, 4, 2, 6, 5, 6, 3;
   EXPECT_EQ(Matrix3(PlainInertia(I)), I);
 }
 
-TEST(ToolMass, OfACylinderConeAndBallIsTheTextbooks) {
+TEST(ToolMass, CylinderConeAndBallHaveTheTextbooksMass) {
   const double rho = 7900.0, r = 0.008, h = 0.05;
   const MassProperties cylinder = CylinderMassProperties(r, -0.01, -0.01 - h, rho);
   const double m = rho * kPi * r * r * h;
@@ -70,12 +70,12 @@ TEST(ToolMass, OfACylinderConeAndBallIsTheTextbooks) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(round.inertia_kg_m2(i, i), 0.4 * mb * r * r, 1e-13 * mb * r * r);
 }
 
-TEST(ToolMass, OfAThinShellTendsToTheTextbooks) {
+TEST(ToolMass, AThinShellTendsToTheTextbooksMass) {
   // hemispherical shell: m = 2 pi r^2 t rho, centre r/2 from the base, I_zz = 2/3 m r^2
   const double r = 0.025, t = 1e-6, rho = 7900.0;
   const MassProperties shell = HemisphericalShellMassProperties(r, t, rho);
   const double m = 2 * kPi * r * r * t * rho;
-  // of first order in t/r = 4e-5
+  // the error is of first order in t/r = 4e-5
   EXPECT_NEAR(shell.mass_kg, m, 1e-4 * m);
   EXPECT_NEAR(shell.volume_m3, m / rho, 1e-4 * m / rho);
   EXPECT_NEAR(shell.center_of_mass_m.z(), -0.5 * r, 1e-4 * r);
@@ -83,7 +83,7 @@ TEST(ToolMass, OfAThinShellTendsToTheTextbooks) {
   EXPECT_NEAR(shell.inertia_kg_m2(0, 0), (2.0 / 3.0 - 0.25) * m * r * r, 1e-4 * m * r * r);
 }
 
-TEST(ToolMass, OfTheReamerIsTheIntegralOverShellShaftAndHolder) {
+TEST(ToolMass, AReamersMassEqualsTheIntegralOverShellShaftAndHolder) {
   const ReamerParams p;
   const double R = 0.5 * p.diameter_m, holder_z = -R - p.shaft_length_m;
   const auto density = [&](const Vector3& q) {
@@ -97,7 +97,7 @@ TEST(ToolMass, OfTheReamerIsTheIntegralOverShellShaftAndHolder) {
   const MassProperties counted =
       Integrate({Vector3(-wide, -wide, -0.180), Vector3(wide, wide, 0)}, 180, density);
   const Tool tool = MakeReamer(p).tool;
-  // 180 cells: 0.35 mm across; a cylinder of 31.5 mm is counted to a few thousandths of its section
+  // cells are 0.35 mm wide; a cylinder of 31.5 mm is counted to a few thousandths of its section
   EXPECT_NEAR(tool.mass_kg, counted.mass_kg, 4e-3 * tool.mass_kg);
   EXPECT_NEAR(tool.center_of_mass_m.z, counted.center_of_mass_m.z(), 0.2e-3);
   const Matrix3 I = tool.inertia_kg_m2;
@@ -106,7 +106,7 @@ TEST(ToolMass, OfTheReamerIsTheIntegralOverShellShaftAndHolder) {
   EXPECT_EQ(I(0, 1), 0.0);
 }
 
-TEST(ToolMass, OfADrillIsTheIntegralOverPointFlutesAndShank) {
+TEST(ToolMass, ADrillsMassEqualsTheIntegralOverPointFlutesAndShank) {
   TwistDrillParams p;
   p.holder = {.radius_m = 1e-3, .length_m = 1e-3, .density_kg_per_m3 = 100.0};
   const double R = 0.5 * p.diameter_m;
@@ -124,7 +124,7 @@ TEST(ToolMass, OfADrillIsTheIntegralOverPointFlutesAndShank) {
   EXPECT_NEAR(tool.inertia_kg_m2.xx, counted.inertia_kg_m2(0, 0), 5e-3 * counted.inertia_kg_m2(0, 0));
 }
 
-TEST(ToolMass, OfABurrsHeadAndConesIsTheIntegralOverItsOutline) {
+TEST(ToolMass, ABurrsMassEqualsTheIntegralOverItsOutline) {
   for (const BurrShape shape : {BurrShape::kRound, BurrShape::kPear, BurrShape::kTaper}) {
     BurrParams p{.shape = shape,
                  .diameter_m = 6e-3,

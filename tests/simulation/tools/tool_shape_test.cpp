@@ -1,5 +1,5 @@
-// Balls against the exact shapes that they were fitted to. Gaps are measured at other points than those of
-// the fit.
+// Compares tools' balls with the exact shapes that they are fitted to. The gaps are measured at other points
+// than those of the fit.
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
+// Whether both tools have equal balls in equal order, to the last bit.
 bool SameBalls(const Tool& a, const Tool& b) {
   if (a.balls.size() != b.balls.size()) return false;
   for (std::size_t i = 0; i < a.balls.size(); ++i)
@@ -26,7 +27,7 @@ bool SameBalls(const Tool& a, const Tool& b) {
   return true;
 }
 
-// Distance from p to the union of the tool's cutting balls.
+// Signed distance in m from p to the union of the tool's cutting balls.
 double GapAt(const Tool& tool, const Vector3& p_m) {
   double gap = 1.0;
   for (const ToolBall& ball : tool.balls)
@@ -34,7 +35,7 @@ double GapAt(const Tool& tool, const Vector3& p_m) {
   return gap;
 }
 
-TEST(ToolProfile, DistanceIsThatOfAConeAndABall) {
+TEST(ToolProfile, DistancesOfAConeAndABallAreExact) {
   // a cone of 90 degrees, 10 mm wide, on a cylinder; distances by hand
   const ToolProfile cone(
       {{.back_z_m = -0.005, .back_r_m = 0.005, .gap_m = 1e-4},
@@ -44,7 +45,7 @@ TEST(ToolProfile, DistanceIsThatOfAConeAndABall) {
   EXPECT_NEAR(cone.SignedDistance(Vector3(0, 0.003, -0.015)), -0.002, 1e-15);
   EXPECT_NEAR(cone.SignedDistance(Vector3(0.009, 0, -0.015)), 0.004, 1e-15);
   EXPECT_NEAR(cone.SignedDistance(Vector3(0.004, 0, -0.001)), 0.003 * std::sqrt(0.5), 1e-15);
-  // a ball of 5 mm on a thin neck: inside it is the distance to the sphere, all around its centre
+  // A ball of 5 mm on a thin neck: inside the ball, the distance is that to its sphere.
   const ToolProfile ball(
       {{.back_z_m = -0.009, .back_r_m = 0.003, .sphere_radius_m = 0.005, .sphere_z_m = -0.005, .gap_m = 1e-4},
        {.front_z_m = -0.009, .front_r_m = 0.003, .back_z_m = -0.03, .back_r_m = 0.003, .gap_m = 1e-4}});
@@ -93,7 +94,7 @@ TEST(RoundBurr, HeadIsOneExactBallAndTheThinnerNeckDoesNotCut) {
   }
 }
 
-TEST(PackedBurr, UnionLiesWithinTheStatedGapOfItsOutlineAndNowhereOutside) {
+TEST(PackedBurr, BallsFillTheOutlineToTheStatedGapAndNoneProtrudes) {
   for (const BurrShape shape :
        {BurrShape::kPear, BurrShape::kCylinder, BurrShape::kTaper, BurrShape::kFlatCylinder})
     for (const double gap_m : {0.05e-3, 0.1e-3}) {
@@ -105,12 +106,12 @@ TEST(PackedBurr, UnionLiesWithinTheStatedGapOfItsOutlineAndNowhereOutside) {
       EXPECT_LE(quality.cutting_gap_max_m, gap_m) << built.tool.name << " " << built.tool.balls.size();
       EXPECT_LE(quality.touching_gap_max_m, 0.15e-3) << built.tool.name;
       EXPECT_LT(quality.protrusion_max_m, 1e-12) << built.tool.name;
-      // not much finer than requested: the balls are few
+      // not much finer than requested, which would waste balls
       EXPECT_GT(quality.cutting_gap_max_m, 0.5 * gap_m) << built.tool.name;
     }
 }
 
-TEST(PackedBurr, OfTwoHundredBallsIsFinerThanSixtyFourCanBe) {
+TEST(PackedBurr, TwoHundredBallsReachAGapThatSixtyFourCannot) {
   BurrParams params{
       .shape = BurrShape::kTaper, .diameter_m = 2.3e-3, .head_length_m = 5e-3, .tip_diameter_m = 1.2e-3};
   params.balls = {.max_count = 200, .cutting_gap_m = 0.02e-3};
@@ -122,7 +123,7 @@ TEST(PackedBurr, OfTwoHundredBallsIsFinerThanSixtyFourCanBe) {
   EXPECT_THROW(static_cast<void>(MakeBurr(params)), std::invalid_argument);
 }
 
-TEST(TwistDrill, PointsUnionLiesWithinTheStatedGapOfTheExactCone) {
+TEST(TwistDrill, BallsFillThePointsConeToTheStatedGapAndNoneProtrudes) {
   TwistDrillParams params;
   params.balls = {.max_count = 100, .cutting_gap_m = 0.1e-3, .touching_gap_m = 0.5e-3};
   const BuiltTool built = MakeTwistDrill(params);
@@ -157,7 +158,7 @@ TEST(TwistDrill, PointAndFlutesCutAndTheShankTouches) {
     return box;
   };
   const Eigen::AlignedBox3d cutting = bounds_of(true), touching = bounds_of(false);
-  // balls end within the flute's gap; beside its border a ball may extend beyond it below the surface
+  // Cutting balls end within the flutes' gap; a ball at the flutes' end may reach past it, below the surface.
   EXPECT_NEAR(cutting.max().z(), 0.0, 0.128e-3);
   EXPECT_NEAR(cutting.min().z(), -36e-3, 1.6e-3);
   EXPECT_NEAR(touching.max().z(), -36e-3, 1.6e-3);
@@ -170,7 +171,7 @@ TEST(Fit, IsTheSameInEveryRun) {
   EXPECT_TRUE(SameBalls(MakeBurr(params).tool, MakeBurr(params).tool));
 }
 
-TEST(Fit, SaysHowMuchLargerTheGapsWouldHaveToBe) {
+TEST(Fit, TooFewBallsAreRefused) {
   TwistDrillParams params;
   params.balls.max_count = 20;
   try {
@@ -206,8 +207,8 @@ TEST(Kinds, ImpossibleSizesAreRefused) {
   EXPECT_THROW(static_cast<void>(MakeReamer({.shell_m = 0.025})), std::invalid_argument);
 }
 
-// A ball as a mesh, packed, compared with the analytic ball.
-TEST(MeshTool, OfABallIsTheBallToWithinGapAndFacets) {
+// A mesh of a ball, packed with balls, against the exact ball.
+TEST(MeshTool, ABallsMeshIsFilledToWithinGapAndFacets) {
   const double R = 3e-3;
   const TriangleMesh ball = MakeIcosphere(Vector3(0, 0, -R), R, 3);
   // the mesh's facets lie below the ball by up to R (1 - cos(half the edge's angle)): 25 um here
@@ -241,7 +242,7 @@ TEST(MeshTool, OfABallIsTheBallToWithinGapAndFacets) {
   EXPECT_NEAR(built.tool.mass_kg - holder.mass_kg, ball_kg, 0.02 * ball_kg);
 }
 
-TEST(MeshTool, OfABoxLiesWithinTheGapAndSaysWhatIsWrong) {
+TEST(MeshTool, ABoxIsFilledToTheGapAndWrongMeshesAreRefused) {
   const TriangleMesh box = MakeBox(Vector3(-4e-3, -3e-3, -20e-3), Vector3(4e-3, 3e-3, 0));
   MeshToolParams params{.name = "chisel", .cutting_back_z_m = -5e-3};
   params.balls = {.max_count = 500, .cutting_gap_m = 0.4e-3, .touching_gap_m = 1e-3};
@@ -276,7 +277,7 @@ TEST(MeshTool, OfABoxLiesWithinTheGapAndSaysWhatIsWrong) {
             std::string::npos);
 }
 
-TEST(CuttingHead, OfEqualBallsIsTheOneAhead) {
+TEST(CuttingHead, IsTheForemostOfEquallyLargeCuttingBalls) {
   Tool tool;
   tool.balls = {{.center_m = Vector3(0, 0, -0.02), .radius_m = 0.0020001, .cutting = true},
                 {.center_m = Vector3(0, 0, -0.01), .radius_m = 0.002, .cutting = true},

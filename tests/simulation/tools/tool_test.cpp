@@ -20,7 +20,7 @@ TEST(Reamer, HasOneCuttingHeadWithItsApexAtTheToolsOrigin) {
   EXPECT_NE(tool.name.find("50 mm"), std::string::npos) << tool.name;
 }
 
-TEST(Reamer, HasAShaftWithoutGapsOfTheLengthAskedFor) {
+TEST(Reamer, HasAShaftOfTheRequestedLengthWithoutGaps) {
   const Tool tool = MakeReamer(0.025, 0.008, 0.12, 0.9, Vector3::Zero());
   double last_z = -0.025, reach = -0.05;
   for (const ToolBall& ball : tool.balls) {
@@ -29,7 +29,7 @@ TEST(Reamer, HasAShaftWithoutGapsOfTheLengthAskedFor) {
     EXPECT_EQ(ball.radius_m, 0.008);
     EXPECT_EQ(Vector3(c.x(), c.y(), 0), Vector3::Zero());
     if (last_z != -0.025) {
-      EXPECT_LE(last_z - c.z(), 0.008 + 1e-12);  // overlap by half
+      EXPECT_LE(last_z - c.z(), 0.008 + 1e-12);  // each overlaps the last by at least half
     }
     last_z = c.z();
     reach = std::min(reach, c.z());

@@ -16,8 +16,8 @@
 #include "studies/assess/assess_page.h"
 #include "tests/io/temporary_folder.h"
 
-// `osteon assess` of a session that is made here: the demo's scripted operator reams the demo's cup with the
-// plan's last reamer, in virtual time.
+// Tests `osteon assess` on a session that the test makes in virtual time: the demo's scripted operator reams
+// the demo's cup with the plan's last reamer.
 
 namespace osteon::studies {
 namespace {
@@ -97,7 +97,7 @@ class Assess : public testing::Test {
   static void TearDownTestSuite() { folder_.reset(); }
 
   static fs::path Session() { return folder_->path() / "session_1"; }
-  // A copy of the session with another session.json.
+  // A copy of the session whose session.json `change` has edited.
   template <class Change>
   static fs::path CopyWith(const char* name, const Change& change) {
     const fs::path copy = folder_->path() / name;
@@ -114,7 +114,7 @@ class Assess : public testing::Test {
 };
 std::unique_ptr<io::test::TemporaryFolder> Assess::folder_;
 
-TEST(ValueText, IsNoFinerThanAPersonReads) {
+TEST(ValueText, RoundsEachMetricToAReadablePrecision) {
   const auto text = [](double si, const char* metric) {
     return ValueText(si, procedure::MetricNamed(metric));
   };
@@ -150,7 +150,7 @@ TEST_F(Assess, MeasuresWhatTheScriptedOperatorReamed) {
   EXPECT_NEAR(1e3 * *found.min_wall_m, 15.0, 1.0);
 }
 
-TEST_F(Assess, WithoutTheKeptBoneItPacksTheSameOne) {
+TEST_F(Assess, WithoutTheStoredBoneTheSameBoneIsPacked) {
   const fs::path copy = folder_->path() / "without_bone";
   fs::copy(Session(), copy);
   fs::remove(copy / session::kSessionBoneName);
@@ -164,7 +164,7 @@ TEST_F(Assess, WithoutTheKeptBoneItPacksTheSameOne) {
   fs::remove_all(copy);
 }
 
-TEST_F(Assess, WritesPageAndResultAndEndsByTheScore) {
+TEST_F(Assess, WritesPageAndResultAndExitsByTheScore) {
   AssessOptions options = Options();
   ASSERT_EQ(RunAssess(options), 0);
   const auto json = nlohmann::json::parse(ReadAll(Session() / "assess.json"));
@@ -189,7 +189,7 @@ TEST_F(Assess, WritesPageAndResultAndEndsByTheScore) {
   EXPECT_EQ(RunAssess(options), 0);
 }
 
-TEST_F(Assess, TheSameSessionAsItsOwnNormHasItsFiguresAsMedians) {
+TEST_F(Assess, ASessionAsItsOwnNormGivesItsFiguresAsMedians) {
   AssessOptions options = Options();
   options.norms = {Session()};
   ASSERT_EQ(RunAssess(options), 0);
@@ -199,7 +199,7 @@ TEST_F(Assess, TheSameSessionAsItsOwnNormHasItsFiguresAsMedians) {
   EXPECT_EQ(json["norms"]["coverage"]["median"], json["result"]["coverage"]);
 }
 
-TEST_F(Assess, ANormIsFinishedAndAsGuidedAsTheSession) {
+TEST_F(Assess, NormsThatAreUnfinishedOrGuidedDifferentlyAreRefused) {
   const fs::path guided =
       CopyWith("guided", [](session::SessionFile& file) { file.segments.front().guidance_gain = 0.5; });
   const fs::path unfinished =
@@ -243,7 +243,7 @@ TEST_F(Assess, AGuidedSessionBesideAnUnguidedOneIsMarkedAndNotRanked) {
   fs::remove_all(guided);
 }
 
-TEST_F(Assess, AnEarlierSessionOfThePlanIsItsTrend) {
+TEST_F(Assess, TheTrendShowsEarlierSessionsOfTheSamePlanOnly) {
   ASSERT_EQ(RunAssess(Options()), 0);
   const fs::path other = folder_->path() / "session_0";
   fs::create_directories(other);
@@ -259,8 +259,8 @@ TEST_F(Assess, AnEarlierSessionOfThePlanIsItsTrend) {
   fs::remove_all(other);
 }
 
-// Finds results in folders beside it, also where each is called "session" as the demo's are, and orders them.
-TEST_F(Assess, TheTrendIsOrderedByTheSessionsBeginningsOrByNumbersInTheirNames) {
+// Results are found in the folders beside the session's, even if each is called "session" as the demo's are.
+TEST_F(Assess, TheTrendIsOrderedByStartTimeOrByNumbersInNames) {
   ASSERT_EQ(RunAssess(Options()), 0);
   auto json = nlohmann::ordered_json::parse(ReadAll(Session() / "assess.json"));
   const fs::path around = folder_->path() / "trainee";
@@ -306,7 +306,7 @@ TEST_F(Assess, TheTrendIsOrderedByTheSessionsBeginningsOrByNumbersInTheirNames) 
   fs::remove_all(folder_->path() / "elsewhere");
 }
 
-TEST_F(Assess, TheCurvesHaveTheCorridorAndTheCursorOfTheRunsReport) {
+TEST_F(Assess, ThePageShowsTheCorridorAndPublishedShifts) {
   ASSERT_EQ(RunAssess(Options()), 0);
   const std::string page = ReadAll(Session() / "assess.html");
   for (const char* words : {"corridor, free", "corridor, the spindle stops", "class=\"panel\" data-area",
@@ -318,7 +318,7 @@ TEST_F(Assess, TheCurvesHaveTheCorridorAndTheCursorOfTheRunsReport) {
   EXPECT_EQ(json["published"][0]["standard_reaming"]["mean_mm"], 5.0);
 }
 
-TEST_F(Assess, PutsASecondSessionBesideIt) {
+TEST_F(Assess, ComparesASecondSessionOfTheSamePlanOnly) {
   const fs::path second = folder_->path() / "second", other_plan = folder_->path() / "other_plan";
   fs::copy(Session(), second);
   AssessOptions options = Options();
@@ -342,7 +342,7 @@ TEST_F(Assess, PutsASecondSessionBesideIt) {
   fs::remove_all(other_plan);
 }
 
-TEST(AssessUnfinished, APlanNeedsAPassOfItsLastToolThatCountsAtItsDepth) {
+TEST(AssessUnfinished, APlanIsFinishedByAPassOfItsLastToolAtItsDepth) {
   procedure::SurgicalPlan plan;
   plan.tools = {{.diameter_m = 0.048}, {.diameter_m = 0.050}};
   std::vector<session::SessionPass> passes(2);
@@ -362,8 +362,8 @@ TEST(AssessUnfinished, APlanNeedsAPassOfItsLastToolThatCountsAtItsDepth) {
   EXPECT_TRUE(UnfinishedOf(plan, passes).by_a_tool);
 }
 
-// A torn or missing recording, or another one, must not make a session better.
-TEST_F(Assess, WhatTheRecordingsLackIsSaidAndNeverPasses) {
+// A torn recording must not improve a session's score: the gap is reported and the session does not pass.
+TEST_F(Assess, AnIncompleteRecordingIsReportedAndNeverPasses) {
   const fs::path copy = folder_->path() / "torn";
   fs::copy(Session(), copy);
   const auto whole = ReadAssessedSession(copy);
@@ -385,7 +385,7 @@ TEST_F(Assess, WhatTheRecordingsLackIsSaidAndNeverPasses) {
   fs::remove_all(copy);
 }
 
-TEST_F(Assess, AStateThatIsNotTheSessionsIsRefused) {
+TEST_F(Assess, AStateWithAnotherHashIsRefused) {
   const fs::path copy = folder_->path() / "other_state";
   fs::copy(Session(), copy);
   auto file = session::ReadSession(copy);
@@ -401,7 +401,7 @@ TEST_F(Assess, AStateThatIsNotTheSessionsIsRefused) {
   fs::remove_all(copy);
 }
 
-TEST_F(Assess, APlanThatWasChangedIsRefused) {
+TEST_F(Assess, AChangedPlanIsRefused) {
   const fs::path copy = folder_->path() / "changed";
   fs::copy(Session(), copy);
   std::ofstream(copy / "plan.yaml", std::ios::app) << "# changed\n";

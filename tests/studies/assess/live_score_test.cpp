@@ -1,4 +1,4 @@
-// The score that the console shows while a session goes on, beside `osteon assess` of the same passes.
+// Compares the score that the console shows during a session with `osteon assess` of the same passes.
 
 #include <fstream>
 #include <string>
@@ -22,8 +22,8 @@ namespace fs = std::filesystem;
 
 const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
 
-// The shipped plan with its last two reamers.
-fs::path TwoReamers() {
+// Writes a plan with the last two reamers of the shipped plan only, for a shorter session.
+fs::path WriteTwoReamerPlan() {
   std::ifstream stream(kConfig / "plans/acetabulum.yaml");
   std::string plan, line;
   while (std::getline(stream, line)) {
@@ -37,17 +37,17 @@ fs::path TwoReamers() {
   return file;
 }
 
-// A score as it was said after so many passes.
-struct Said {
+// The score shown after this many passes.
+struct ShownScore {
   std::size_t passes;
   nlohmann::json score;
 };
 
-// Runs a session, and keeps what was said of its score after each pass.
-std::vector<Said> RunSession(const fs::path& folder) {
+// Runs a session in `folder` and returns the score shown at its start and after each pass.
+std::vector<ShownScore> RunSession(const fs::path& folder) {
   const fs::path cell = kConfig / "cells/demo.yaml";
   const session::ProcedureChoice choice{
-      .plan = TwoReamers(), .session = folder, .hand = "expert", .virtual_time = true};
+      .plan = WriteTwoReamerPlan(), .session = folder, .hand = "expert", .virtual_time = true};
   const auto procedure = session::OpenProcedure(choice, cell, std::nullopt);
   EXPECT_TRUE(procedure) << procedure.error();
   auto setup = session::PrepareCell(cell, std::nullopt, procedure->tool);
@@ -59,8 +59,8 @@ std::vector<Said> RunSession(const fs::path& folder) {
   auto made = session::MakeSession(*procedure, choice, cell, {}, engine_choice, true, true, *setup, *engine);
   EXPECT_TRUE(made) << made.error();
   session::ProcedureSession& running = **made;
-  std::vector<Said> said{{0, nlohmann::json::parse(running.ScoreJson())}};
-  const auto look = [&] {
+  std::vector<ShownScore> said{{0, nlohmann::json::parse(running.ScoreJson())}};
+  const auto store_new_score = [&] {
     const std::size_t passes = running.File().passes.size();
     if (passes > said.back().passes) said.push_back({passes, nlohmann::json::parse(running.ScoreJson())});
   };
@@ -71,14 +71,14 @@ std::vector<Said> RunSession(const fs::path& folder) {
                         .recording = folder / procedure->recording,
                         .procedure = &running,
                         .ticked = [&](const control::TickRecord& tick, const simulation::ContactModel&) {
-                          if (tick.tick % 10 == 0) look();
+                          if (tick.tick % 10 == 0) store_new_score();
                         }});
   EXPECT_TRUE(run) << run.error().what;
-  look();
+  store_new_score();
   return said;
 }
 
-// The session as it was after its first passes.
+// A copy of the session's folder that ends after its first `passes` passes.
 fs::path CopyWithPasses(const fs::path& folder, std::size_t passes) {
   const fs::path copy = TemporaryPath("after_" + std::to_string(passes));
   fs::copy(folder, copy);
@@ -96,14 +96,14 @@ const nlohmann::json& ItemOf(const nlohmann::json& score, const std::string& met
   return score;
 }
 
-TEST(LiveScore, IsTheAssessmentsOwnAndNeverAboveIt) {
+TEST(LiveScore, EqualsTheAssessmentsScoreExceptForOpenItems) {
   const fs::path folder = TemporaryPath("live_score");
-  const std::vector<Said> all = RunSession(folder);
+  const std::vector<ShownScore> all = RunSession(folder);
   ASSERT_GE(all.size(), 3u) << "a pass of each reamer";
   EXPECT_EQ(all.front().score.at("known"), false);
   EXPECT_EQ(all.front().score.at("why"), "");
   const procedure::Rubric rubric = config::LoadRubric(kConfig / "rubrics/rubric.yaml");
-  for (const Said& said : all) {
+  for (const ShownScore& said : all) {
     if (said.passes == 0) continue;
     SCOPED_TRACE(said.passes);
     const nlohmann::json& score = said.score;
@@ -129,7 +129,7 @@ TEST(LiveScore, IsTheAssessmentsOwnAndNeverAboveIt) {
     }
     EXPECT_EQ(score.at("open_points"), open);
   }
-  // the last reamer decides most of it: until it has cut, that is open
+  // the last reamer decides most items: they are open until it has cut
   const nlohmann::json &first = all[1].score, &last = all.back().score;
   EXPECT_TRUE(ItemOf(first, "axis_error").at("open"));
   EXPECT_TRUE(ItemOf(first, "diameter_error").at("open"));
@@ -140,8 +140,8 @@ TEST(LiveScore, IsTheAssessmentsOwnAndNeverAboveIt) {
   EXPECT_GT(last.at("total"), 85.0);
 }
 
-// An item that is not known of a session that is resumed is open, and a breach in the dark is assumed.
-TEST(LiveScore, OfAnotherProcessesPassesTheWallsAreNotTrusted) {
+// After a session is resumed, the wall is not known for earlier passes: the score assumes a breach.
+TEST(LiveScore, AssumesABreachForPassesOfAnEarlierProcess) {
   const procedure::Rubric rubric = config::LoadRubric(kConfig / "rubrics/rubric.yaml");
   procedure::SurgicalPlan plan;
   plan.tools = {{.diameter_m = 0.05}};
@@ -158,7 +158,7 @@ TEST(LiveScore, OfAnotherProcessesPassesTheWallsAreNotTrusted) {
   EXPECT_EQ(unknown.score.deductions[0].name, "breach (assumed)");
   EXPECT_LT(unknown.score.total, known.score.total);
   EXPECT_GE(known.open_points, 30.0) << "the axis is not known";
-  // what needs the whole session's recordings is open to its end
+  // a metric of the whole session's recordings stays open until the session ends
   procedure::Rubric own = rubric;
   own.items.push_back({.metric = "tremor", .weight = 5.0, .full = 0.0, .zero = 1.0, .source = "a test"});
   const auto with_tremor = session::ScoreOfNow(plan, own, passes, assessment, true);

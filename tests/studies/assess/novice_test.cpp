@@ -12,8 +12,8 @@
 #include "studies/assess/assess_result.h"
 #include "tests/temporary_path.h"
 
-// The two scripted hands of `osteon demo --plan`, with the plan's last reamer alone and for a short time.
-// With all four reamers and the commands of docs/procedure.md the expert has 100 points and the novice 35.
+// The two scripted hands of `osteon demo --plan`, here with the plan's last reamer only, for 8 s. With all
+// four reamers, as in docs/procedure.md, the expert reaches 100 points and the novice 35.
 
 namespace osteon::studies {
 namespace {
@@ -22,8 +22,8 @@ namespace fs = std::filesystem;
 
 const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
 
-// The shipped plan without its first three reamers.
-fs::path LastReamerAlone() {
+// Writes the shipped plan without its first three reamers.
+fs::path WriteLastReamerPlan() {
   std::ifstream stream(kConfig / "plans/acetabulum.yaml");
   std::string plan, line;
   while (std::getline(stream, line)) {
@@ -36,10 +36,10 @@ fs::path LastReamerAlone() {
   return file;
 }
 
-// As `osteon demo --plan … --virtual-time` runs it, without a report.
-AssessedSession SessionOf(const std::string& hand) {
+// Runs a session of a scripted hand as `osteon demo --plan … --virtual-time` does, and assesses it.
+AssessedSession RunAssessedSession(const std::string& hand) {
   const fs::path cell = kConfig / "cells/demo.yaml";
-  const session::ProcedureChoice choice{.plan = LastReamerAlone(),
+  const session::ProcedureChoice choice{.plan = WriteLastReamerPlan(),
                                         .session = TemporaryPath("hand_" + hand),
                                         .hand = hand,
                                         .virtual_time = true};
@@ -70,29 +70,30 @@ AssessedSession SessionOf(const std::string& hand) {
   return std::move(*assessed);
 }
 
-TEST(NoviceAndExpert, AreToldApart) {
+TEST(NoviceAndExpert, DifferInScoreAxisAndForce) {
   const procedure::Rubric rubric = config::LoadRubric(kConfig / "rubrics/rubric.yaml");
   const auto score = [&](const AssessedSession& session) {
     return procedure::ScoreOf(rubric, procedure::ValuesOf(session.plan.plan, session.assessment),
                               session.assessment.min_wall_m)
         .total;
   };
-  const AssessedSession expert = SessionOf("expert"), novice = SessionOf("novice");
+  const AssessedSession expert = RunAssessedSession("expert"), novice = RunAssessedSession("novice");
   EXPECT_GT(score(expert), 85.0);
   EXPECT_LT(score(novice), score(expert) - 30.0);
-  for (const AssessedSession* session : {&expert, &novice})  // by one rule, of the run and of its recording
+  for (const AssessedSession* session :
+       {&expert, &novice})  // run and recording count cutting time by one rule
     for (const PassFigures& pass : session->passes)
       EXPECT_NEAR(pass.figures.cutting_s, pass.pass.cutting_s, 0.01 * pass.pass.cutting_s)
           << pass.pass.number;
   EXPECT_LT(*procedure::AxisError(expert.plan.plan, expert.assessment), 0.5 * kDegree);
   EXPECT_NEAR(*procedure::AxisError(novice.plan.plan, novice.assessment), 14.0 * kDegree, kDegree);
   ASSERT_TRUE(expert.assessment.cavity.fit && novice.assessment.cavity.fit);
-  const auto aside_m = [](const AssessedSession& session) {  // from the plan's axis, toward superior
+  const auto superior_offset_m = [](const AssessedSession& session) {  // offset from the plan's axis
     const procedure::SurgicalPlan& plan = session.plan.plan;
     const Vector3 off_m = Vector3(session.assessment.cavity.fit->centre_m) - plan.centre_m;
     return (off_m - off_m.dot(plan.axis_G) * plan.axis_G).dot(plan.pelvis.superior);
   };
-  EXPECT_GT(aside_m(novice), aside_m(expert) + 0.5e-3);
+  EXPECT_GT(superior_offset_m(novice), superior_offset_m(expert) + 0.5e-3);
   EXPECT_GT(novice.assessment.process.force_peak_N, 1.1 * expert.assessment.process.force_peak_N)
       << "140 N against the cell's own 120 N";
 }

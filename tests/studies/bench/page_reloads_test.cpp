@@ -15,7 +15,8 @@
 #include "safety/cell_state.h"
 #include "tests/io/temporary_folder.h"
 
-// Pages that come and go, of a server in this process with a stream that goes on.
+// Loads and leaves pages of a console server in this process, to which a thread feeds a tick each
+// millisecond.
 
 namespace osteon::studies {
 namespace {
@@ -56,7 +57,7 @@ class PageReloads : public testing::Test {
   std::thread feeder_;
 };
 
-TEST_F(PageReloads, AHundredOfThemLeaveNothing) {
+TEST_F(PageReloads, AHundredReloadsLeaveNoDescriptorThreadOrMemory) {
   const ReloadFigures figures = ReloadPages("127.0.0.1", port(), ::getpid(), 100, [](int) { return true; });
   EXPECT_EQ(figures.loaded, 100) << (figures.failed.empty() ? "" : figures.failed.front());
   EXPECT_EQ(figures.killed, 33);
@@ -68,8 +69,8 @@ TEST_F(PageReloads, AHundredOfThemLeaveNothing) {
                                     << " to " << figures.after.resident_MB << " MB";
 }
 
-// A page that stays is found: it has a descriptor and a thread.
-TEST_F(PageReloads, APageThatStaysIsFound) {
+// A page that stays open keeps a descriptor and a thread, so LeftNothing must be false.
+TEST_F(PageReloads, APageThatStaysOpenIsDetected) {
   std::vector<std::unique_ptr<console::PageClient>> stay;
   const ReloadFigures figures = ReloadPages("127.0.0.1", port(), ::getpid(), 10, [&](int done) {
     if (done == 5) stay.push_back(*console::PageClient::Open("127.0.0.1", server_->port(), true));
@@ -79,7 +80,7 @@ TEST_F(PageReloads, APageThatStaysIsFound) {
   EXPECT_FALSE(LeftNothing(figures));
 }
 
-TEST_F(PageReloads, AServerThatIsNotThereIsSaid) {
+TEST_F(PageReloads, AMissingServerIsReportedWithItsPort) {
   const int gone = server_->port();
   server_.reset();
   const auto loaded = LoadPageAndLeave("127.0.0.1", static_cast<std::uint16_t>(gone), PageEnd::kCloses,
@@ -88,14 +89,14 @@ TEST_F(PageReloads, AServerThatIsNotThereIsSaid) {
   EXPECT_NE(loaded.error().find(std::to_string(gone)), std::string::npos) << loaded.error();
 }
 
-TEST_F(PageReloads, ABoneThatDoesNotComeIsSaid) {
+TEST_F(PageReloads, AnIncompleteBoneIsReported) {
   surface_.Begin({}, R"({"type":"surface"})");
   const auto loaded = LoadPageAndLeave("127.0.0.1", port(), PageEnd::kCloses, PageStay::kWholeBone, 0.5);
   ASSERT_FALSE(loaded);
   EXPECT_EQ(loaded.error(), "/live: the bone did not come whole");
 }
 
-// The page without a browser tells how long after a tick its message was there, by one clock.
+// The test's client measures the time from a tick's stamp to its message's arrival, both by one clock.
 TEST_F(PageReloads, TheTimeFromTickToPageIsMeasured) {
   auto page = console::PageClient::Open("127.0.0.1", server_->port(), true);
   ASSERT_TRUE(page) << page.error();

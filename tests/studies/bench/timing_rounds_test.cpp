@@ -4,12 +4,13 @@
 
 #include "studies/bench/bench_workloads.h"
 
-// Rounds of `bench frame`: how the frames of several rounds become one figure. Times are made up.
+// How `bench frame` merges the frames of several rounds into one figure. The times are made up.
 
 namespace osteon::studies {
 namespace {
 
-FrameTiming Timing(const std::vector<double>& times_us) {
+// The timing of frames that took these times.
+FrameTiming TimingOf(const std::vector<double>& times_us) {
   FrameTiming timing{.method = "cpu", .device = "d", .times_us = times_us};
   timing.frames = times_us.size();
   timing.frame_us = simulation::FiguresOf(times_us);
@@ -19,14 +20,15 @@ FrameTiming Timing(const std::vector<double>& times_us) {
   return timing;
 }
 
-MethodRounds Rounds(const std::vector<std::vector<double>>& rounds_us) {
+// A round for each list of times.
+MethodRounds RoundsOf(const std::vector<std::vector<double>>& rounds_us) {
   MethodRounds rounds;
-  for (const std::vector<double>& times_us : rounds_us) AddRound(rounds, Timing(times_us));
+  for (const std::vector<double>& times_us : rounds_us) AddRound(rounds, TimingOf(times_us));
   return rounds;
 }
 
-TEST(TimingRounds, FiguresAreOfAllFramesTogether) {
-  const MethodRounds rounds = Rounds({{1, 2, 9}, {3, 4}, {}});
+TEST(TimingRounds, FiguresCoverTheFramesOfAllRounds) {
+  const MethodRounds rounds = RoundsOf({{1, 2, 9}, {3, 4}, {}});
   EXPECT_EQ(rounds.timing.frames, 5u);
   EXPECT_EQ(rounds.timing.frame_us.p50_us, 3.0);
   EXPECT_EQ(rounds.timing.frame_us.max_us, 9.0);
@@ -36,8 +38,8 @@ TEST(TimingRounds, FiguresAreOfAllFramesTogether) {
   EXPECT_EQ(rounds.rounds[1].max_us, 4.0);
 }
 
-TEST(TimingRounds, ARatioHasItsRangeOverRounds) {
-  const MethodRounds slow = Rounds({{8, 8, 20}, {12, 12, 12}}), fast = Rounds({{2, 2, 10}, {4, 4, 4}});
+TEST(TimingRounds, ARatioStatesItsRangeOverTheRounds) {
+  const MethodRounds slow = RoundsOf({{8, 8, 20}, {12, 12, 12}}), fast = RoundsOf({{2, 2, 10}, {4, 4, 4}});
   const TimeRatio ratio = RatioOf(slow, fast);  // medians of six frames by nearest rank: 12 and 4
   EXPECT_DOUBLE_EQ(ratio.p50, 12.0 / 4.0);
   EXPECT_DOUBLE_EQ(ratio.p999, 20.0 / 10.0);
@@ -50,7 +52,7 @@ TEST(TimingRounds, ARatioHasItsRangeOverRounds) {
   EXPECT_EQ(same.p999_range.high, 1.0);
 }
 
-TEST(BenchWorkloads, AreSelectedByNameEachOnceInTheirOrder) {
+TEST(BenchWorkloads, AreSelectedByNameOnceAndInTheListsOrder) {
   const auto names = [](const std::vector<std::string>& wanted) {
     std::vector<std::string> found;
     for (const BenchWorkload& workload : SelectWorkloads(wanted)) found.emplace_back(workload.name);

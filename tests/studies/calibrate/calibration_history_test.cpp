@@ -9,6 +9,7 @@
 namespace osteon::studies {
 namespace {
 
+/// An entry of a payload and an apex, with typical uncertainties.
 CalibrationEntry Entry(const std::string& time, double mass_kg, double bias_x_N, double apex_x_m) {
   return {.time = time,
           .payload = CalibrationEntry::Payload{.mass_kg = mass_kg,
@@ -20,7 +21,7 @@ CalibrationEntry Entry(const std::string& time, double mass_kg, double bias_x_N,
           .apex = CalibrationEntry::Apex{.p_FT_m = {apex_x_m, 0.0, 0.2}, .sd_m = 1e-5, .residual_m = 2e-5}};
 }
 
-TEST(CalibrationHistory, KeepsWhatWasAppendedAndOverwritesNothing) {
+TEST(CalibrationHistory, AppendsEntriesAndNamesADamagedLine) {
   const std::filesystem::path file = HistoryFile(TemporaryPath("tool.yaml"));
   EXPECT_EQ(file.filename(), "tool.history.jsonl");
   std::filesystem::remove(file);
@@ -41,7 +42,7 @@ TEST(CalibrationHistory, KeepsWhatWasAppendedAndOverwritesNothing) {
   EXPECT_NE(damaged.error().find("tool.history.jsonl:3: found"), std::string::npos) << damaged.error();
 }
 
-TEST(CalibrationHistory, DriftIsWhatBothFitsDoNotExplain) {
+TEST(CalibrationHistory, ReportsChangesAboveTheFloorAndTheFitsUncertainty) {
   const CalibrationEntry first = Entry("a", 2.5, 2.0, 1e-3), second = Entry("b", 2.53, 2.0, 1e-3);
   EXPECT_TRUE(DriftSince({}, first).empty());
   EXPECT_TRUE(DriftSince({first}, Entry("c", 2.515, 2.3, 1.05e-3)).empty()) << "below every floor";

@@ -18,7 +18,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-config::CellConfig Demo() {
+/// The demo cell's configuration.
+config::CellConfig LoadDemoCell() {
   return config::LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml");
 }
 
@@ -30,8 +31,8 @@ kinematics::ChainParams<7> Robot(const std::string& name) {
 
 double Angle(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
-TEST(CapabilityTask, IsTheCellsSiteToolAndScript) {
-  const config::CellConfig cell = Demo();
+TEST(CapabilityTask, ComesFromTheCellsSiteToolAndScript) {
+  const config::CellConfig cell = LoadDemoCell();
   const TaskVolume task = TaskOf(cell);
   EXPECT_NEAR(task.radius_m, 0.025, 1e-12) << "the head's radius";
   EXPECT_NEAR(task.bottom_m, -0.010, 1e-12) << "where the push ends, not where the hand's spring would pull";
@@ -44,9 +45,10 @@ TEST(CapabilityTask, IsTheCellsSiteToolAndScript) {
       << "of a push along the site's axis, seen by a tool tilted as far as the script does";
 }
 
-TEST(CapabilityTask, PosesLieInTheVolumeAndOnTheConesEdgeTowardTheBaseToo) {
-  const config::CellConfig cell = Demo();
+TEST(CapabilityTask, PosesFillTheVolumeAndTheTiltConeTowardTheBase) {
+  const config::CellConfig cell = LoadDemoCell();
   const TaskVolume task = TaskOf(cell);
+  // direction from the site toward the base: an angle about the site's axis
   const double toward = DirectionOf(task, cell.X_WB.translation());
   EXPECT_NEAR(std::remainder(toward - kPi, 2.0 * kPi), 0.0, 1e-12)
       << "the demo's base stands at -x of its site";
@@ -74,9 +76,9 @@ TEST(CapabilityTask, PosesLieInTheVolumeAndOnTheConesEdgeTowardTheBaseToo) {
                           [&](const Pose& X) { return (X.matrix() - start.matrix()).norm() < 1e-9; }));
 }
 
-TEST(CapabilityTask, PosesThatTheWorkspaceForbidsAreLeftOut) {
-  config::CellConfig cell = Demo();
-  // the apex at the site's own depth
+TEST(CapabilityTask, PosesOutsideTheWorkspaceAreOmitted) {
+  config::CellConfig cell = LoadDemoCell();
+  // a floor 25 mm below the site excludes the deepest poses
   cell.servo.workspace.plane_offset_m = cell.X_WG.translation().z() - 0.025;
   const TaskVolume task = TaskOf(cell);
   for (const Pose& X_WT : TaskPoses(task, {}, 0.0))
@@ -84,9 +86,9 @@ TEST(CapabilityTask, PosesThatTheWorkspaceForbidsAreLeftOut) {
   EXPECT_LT(TaskPoses(task, {}, 0.0).size(), 243u);
 }
 
-// If the base turns about its own axis and A1 turns back by the same angle, the arm stays where it is: on a
-// wall as on the floor.
-TEST(ArmForce, ABaseTurnedAboutItsAxisWeighsTheSame) {
+// If the base turns about its own axis and joint A1 turns back by the same angle, the arm stands as before
+// and holds the same forces, on a wall as on the floor.
+TEST(ArmForce, ABaseTurnedAboutItsAxisHoldsTheSame) {
   const kinematics::ChainParams<7> arm = Robot("lbr_iiwa_14_r820");
   const CapabilityNeed need{.axial_N = 200.0, .lateral_N = 40.0, .torque_Nm = 2.0, .lateral_from = ""};
   const Pose X_FT = Eigen::Translation3d(0.0, 0.0, 0.18) * Pose::Identity();
@@ -101,17 +103,17 @@ TEST(ArmForce, ABaseTurnedAboutItsAxisWeighsTheSame) {
     q_back[0] -= turn;
     const ArmForce upright(arm, R_WB, X_FT, need),
         turned(arm, R_WB * ExpRotation({0.0, 0.0, turn}), X_FT, need);
-    const ToolForce expected = upright.ForceAt(q), by_hand = turned.ForceAt(q_back),
-                    by_turn = upright.ForceAt(q_back, turn);
-    ASSERT_NEAR(by_hand.factor, expected.factor, 1e-9 * expected.factor);
-    ASSERT_NEAR(by_turn.factor, expected.factor, 1e-9 * expected.factor);
-    ASSERT_NEAR(by_turn.axial_exact_N, expected.axial_exact_N, 1e-9 * expected.axial_exact_N);
+    const ToolForce expected = upright.ForceAt(q), with_turned_base = turned.ForceAt(q_back),
+                    with_turn_argument = upright.ForceAt(q_back, turn);
+    ASSERT_NEAR(with_turned_base.factor, expected.factor, 1e-9 * expected.factor);
+    ASSERT_NEAR(with_turn_argument.factor, expected.factor, 1e-9 * expected.factor);
+    ASSERT_NEAR(with_turn_argument.axial_exact_N, expected.axial_exact_N, 1e-9 * expected.axial_exact_N);
     ASSERT_EQ(upright.NeedFactor(q), expected.factor);
     ASSERT_GE(expected.axial_exact_N, expected.axial_N * (1.0 - 1e-12));
   }
 }
 
-TEST(ArmForce, ElbowAndWristAreALinkApart) {
+TEST(ArmForce, ElbowAndWristAreTheLinksLengthsApart) {
   const kinematics::ChainParams<7> arm = Robot("lbr_iiwa_14_r820");
   const ArmForce force(arm, Matrix3::Identity(), Pose::Identity(), {});
   kinematics::JointVector q;
@@ -121,7 +123,7 @@ TEST(ArmForce, ElbowAndWristAreALinkApart) {
   EXPECT_NEAR((centers.p_B_wrist - centers.p_B_elbow).norm(), 0.400, 1e-12);
 }
 
-// control.md: the smaller arm holds 200 N axially in 95 % of its postures.
+// The design's claim (control.md): the smaller arm holds 200 N axially in 95 % of its postures.
 TEST(ArmForce, TheIiwa7Holds200NewtonAxiallyInAlmostEveryPosture) {
   const kinematics::ChainParams<7> arm = Robot("lbr_iiwa_7_r800");
   const ArmForce force(arm, Matrix3::Identity(), Pose::Identity(), {.axial_N = 200.0, .lateral_from = ""});
@@ -142,10 +144,10 @@ TEST(ArmForce, TheIiwa7Holds200NewtonAxiallyInAlmostEveryPosture) {
   EXPECT_GE(cautious, 0.92 * kPostures) << "not counting on gravity's help";
 }
 
-// The guarantee comes from samples of the volume, with closed forms for the directions. Poses drawn anywhere
-// in the volume and tilted anywhere within the cone are held as well.
+// The guarantee is computed from samples of the volume. This test draws other poses at random in the volume
+// and the tilt cone, and expects each to be held.
 TEST(CapabilityMap, NoPoseWithinTheTaskHoldsLessThanTheGuarantee) {
-  const config::CellConfig cell = Demo();
+  const config::CellConfig cell = LoadDemoCell();
   const TaskVolume task = TaskOf(cell);
   const CapabilityNeed need = NeedOf(cell);
   const CapabilityMap::Task own = CapabilityMap(cell, task, need, 2).AtOwnArmAngle();
@@ -178,7 +180,7 @@ TEST(CapabilityMap, NoPoseWithinTheTaskHoldsLessThanTheGuarantee) {
 }
 
 TEST(CapabilityMap, TheBestArmAngleHoldsAtLeastWhatTheCellsOwnDoes) {
-  const config::CellConfig cell = Demo();
+  const config::CellConfig cell = LoadDemoCell();
   const TaskVolume task = TaskOf(cell);
   const CapabilityMap map(cell, task, NeedOf(cell), 2);
   const CapabilityMap::Task best = map.AtBestArmAngle(), own = map.AtOwnArmAngle();
@@ -186,23 +188,23 @@ TEST(CapabilityMap, TheBestArmAngleHoldsAtLeastWhatTheCellsOwnDoes) {
   EXPECT_EQ(best.poses, 243u);
   EXPECT_GE(best.force.factor, own.force.factor * (1.0 - 1e-9));
   EXPECT_EQ(best.force.lateral_joint, 5) << "A6";
-  // 40 N·m minus the tool's weight about A6, over the lever of 306 mm to the apex of the 50 mm reamer
+  // 40 N m of joint A6, less the tool's weight, over the lever of 306 mm to the apex of the 50 mm reamer
   EXPECT_LT(best.force.lateral_N, 40.0 / 0.306);
   EXPECT_GT(best.force.lateral_N, 35.0 / 0.306);
 }
 
-TEST(CapabilityMap, PanelNodesAreTheWorstOfTheirCone) {
-  const config::CellConfig cell = Demo();
+TEST(CapabilityMap, PanelNodesHoldTheLeastForceOfTheirTiltCone) {
+  const config::CellConfig cell = LoadDemoCell();
   const TaskVolume task = TaskOf(cell);
   const CapabilityMap map(cell, task, NeedOf(cell), 2);
   const MapPanel panel = map.Panel(MapPlane::kHorizontal, 5, [] { return false; });
   ASSERT_EQ(panel.axial_N.size(), 36u);
   const kinematics::LbrArm arm(cell.robot.lbr()->params);
   const ArmForce force(cell.robot.lbr()->chain, cell.X_WB.linear(), cell.tool.X_FT, NeedOf(cell));
-  int there = 0;
+  int reached_nodes = 0;
   for (std::size_t i = 0; i < panel.axial_N.size(); ++i) {
     if (!std::isfinite(panel.own_axial_N[i])) continue;
-    ++there;
+    ++reached_nodes;
     EXPECT_TRUE(std::isfinite(panel.axial_N[i])) << "what one arm angle reaches, the best does";
     const Vector3 p_W = panel.origin_W +
                         (panel.u_from_m + static_cast<double>(i % 6) * panel.step_m) * panel.u_W +
@@ -216,10 +218,11 @@ TEST(CapabilityMap, PanelNodesAreTheWorstOfTheirCone) {
     }
     EXPECT_NEAR(panel.own_axial_N[i], least, 1e-6 * least);
   }
-  EXPECT_GT(there, 10);
+  EXPECT_GT(reached_nodes, 10);
 }
 
-BasePlacementParams Near(const config::CellConfig& cell) {
+/// A search range of bases around the cell's site, on a grid of 0.1 m.
+BasePlacementParams SearchRangeNear(const config::CellConfig& cell) {
   const Vector3 site = cell.X_WG.translation();
   BasePlacementParams params;
   params.x_m = {site.x() - 0.8, site.x() - 0.3};
@@ -230,11 +233,12 @@ BasePlacementParams Near(const config::CellConfig& cell) {
   return params;
 }
 
-struct Searched {
-  config::CellConfig cell = Demo();
+/// The demo cell with its task, need and search range.
+struct DemoSearch {
+  config::CellConfig cell = LoadDemoCell();
   TaskVolume task = TaskOf(cell);
   CapabilityNeed need = NeedOf(cell);
-  BasePlacementParams params = Near(cell);
+  BasePlacementParams params = SearchRangeNear(cell);
 
   [[nodiscard]] BasePlacement Search() const {
     return {cell.robot.lbr()->chain, cell.X_WB.linear(), cell.tool.X_FT, task, need, params};
@@ -243,8 +247,8 @@ struct Searched {
 
 const auto kNever = [] { return false; };
 
-TEST(BasePlacement, FindsABaseThatNoPlaceOfItsRangeBeats) {
-  const Searched s;
+TEST(BasePlacement, FindsABaseThatNoRandomPlaceInTheRangeBeats) {
+  const DemoSearch s;
   const BasePlacement search = s.Search();
   const auto best = search.Best(kNever);
   ASSERT_TRUE(best);
@@ -267,8 +271,8 @@ TEST(BasePlacement, FindsABaseThatNoPlaceOfItsRangeBeats) {
   EXPECT_GT(best->factor, search.Judge(s.cell.X_WB.translation()).factor);
 }
 
-TEST(BasePlacement, WhatItSaysHoldsAtTheBaseThatItWrites) {
-  const Searched s;
+TEST(BasePlacement, TheRoundedBaseThatIsWrittenKeepsTheStatedForces) {
+  const DemoSearch s;
   const BasePlacement search = s.Search();
   const auto best = search.Best(kNever);
   ASSERT_TRUE(best);
@@ -276,7 +280,7 @@ TEST(BasePlacement, WhatItSaysHoldsAtTheBaseThatItWrites) {
   const ToolForce force = search.Forces(base);
   EXPECT_NEAR(force.factor, best->factor, 0.01 * best->factor) << "turning the base changes no force";
 
-  // whole millimetres and degrees, as the file states them
+  // the base is rounded to whole millimetres and degrees, as the file states it
   const Vector3 p_mm = 1e3 * base.X_WB.translation(),
                 rpy_deg = 180.0 / kPi * RollPitchYaw(base.X_WB.linear());
   for (int i = 0; i < 3; ++i) {
@@ -286,8 +290,8 @@ TEST(BasePlacement, WhatItSaysHoldsAtTheBaseThatItWrites) {
   EXPECT_GE((p_mm.head<2>() * 1e-3 - s.cell.X_WG.translation().head<2>()).norm(),
             s.params.clearance_m - 1e-9);
 
-  // the cell with that base, by the loop's own inverse: every pose is reached without a jump, within the
-  // margin, and is held
+  // With this base and the servo loop's inverse kinematics, every pose is reached without a jump, within the
+  // joints' margin, and is held.
   config::CellConfig cell = s.cell;
   cell.X_WB = base.X_WB;
   const kinematics::LbrArm arm(cell.robot.lbr()->params);
@@ -316,7 +320,7 @@ TEST(BasePlacement, WhatItSaysHoldsAtTheBaseThatItWrites) {
 }
 
 TEST(BasePlacement, IsTheSameForAnyNumberOfThreads) {
-  Searched s;
+  DemoSearch s;
   s.params.z_m = {s.params.z_m.from, s.params.z_m.from + 0.2};
   s.params.threads = 1;
   const auto one = s.Search().Best(kNever);
@@ -329,28 +333,28 @@ TEST(BasePlacement, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(BasePlacement, FindsNothingWhereTheArmCannotReach) {
-  Searched s;
+  DemoSearch s;
   s.params.x_m = {5.0, 5.2};
   EXPECT_FALSE(s.Search().Best(kNever));
 }
 
-// The demo's cup faces up, so all bases at one distance and height are equally good.
-TEST(BasePlacement, ACupThatLooksUpIsTheSameFromAllSides) {
-  const Searched s;
+// The demo's cup faces up, so all bases at one distance and height must be equally good.
+TEST(BasePlacement, BasesAllAroundAnUpwardCupAreEqual) {
+  const DemoSearch s;
   const BasePlacement search = s.Search();
   const Vector3 site = s.cell.X_WG.translation();
   const BaseFigure from_behind = search.Judge(site + Vector3(-0.5, 0.0, 0.1));
   ASSERT_NE(from_behind.configurations, 0u);
   for (const double turn : {0.4, 1.3, 2.2}) {
     const BaseFigure figure = search.Judge(site + ExpRotation({0.0, 0.0, turn}) * Vector3(-0.5, 0.0, 0.1));
-    // The workspace's sphere is not centred on the site's axis, but excludes no pose of this task. 0.2 %: the
-    // tool keeps its yaw in the room, so that A7 may allow another configuration, whose centres of mass lie
-    // on the other side of the axes.
+    // The workspace's sphere is off the site's axis, but excludes no pose of this task. Tolerance 0.2 %: the
+    // tool keeps its yaw in the room, so another configuration may be chosen, whose centres of mass lie
+    // elsewhere.
     EXPECT_NEAR(figure.factor, from_behind.factor, 2e-3 * from_behind.factor);
   }
 }
 
-TEST(HeatMap, DrawsItsBandsContoursAndMarks) {
+TEST(HeatMap, DrawsBandsContoursAndMarks) {
   report::HeatMap map{
       .title = "a < b",
       .x_label = "x [mm]",
@@ -376,7 +380,7 @@ TEST(HeatMap, DrawsItsBandsContoursAndMarks) {
   EXPECT_EQ(report::ViridisColor(1.0), "#fde725");
 }
 
-TEST(RollPitchYaw, AreTheTurnsThatAFileSays) {
+TEST(RollPitchYaw, InvertsTheRotationsOfAFilesAngles) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (int n = 0; n < 1000; ++n) {

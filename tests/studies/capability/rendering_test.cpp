@@ -23,6 +23,7 @@ config::CellConfig CellNamed(const std::string& name) {
   return config::LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells" / (name + ".yaml"));
 }
 
+/// An identified arm's response along an axis ("x", "y" or "z"), critically damped.
 config::IdentifiedArm ArmAlong(const char* axis, double bandwidth_hz, double dead_time_s) {
   return {.axis = axis,
           .speed_m_per_s = 0.02,
@@ -33,7 +34,7 @@ config::IdentifiedArm ArmAlong(const char* axis, double bandwidth_hz, double dea
           .chi2 = 1.0};
 }
 
-TEST(Rendering, IsAssumedWhereNothingWasMeasured) {
+TEST(Rendering, UsesAssumptionsWhereNothingWasMeasured) {
   const Rendering rendering = RenderingOf(CellNamed("demo"));
   EXPECT_EQ(rendering.force_floor_N(), 0.0) << "the demonstration's sensor has no errors";
   EXPECT_FALSE(rendering.floor_measured());
@@ -48,7 +49,7 @@ TEST(Rendering, IsAssumedWhereNothingWasMeasured) {
     EXPECT_GT(axis.greatest_wall_N_per_m.value(), axis.asked_wall_N_per_m);
     EXPECT_TRUE(axis.stands);
   }
-  // the tool points down, along the base's own z
+  // the tool points down, along the base's z axis
   EXPECT_NEAR(rendering.axes[2].felt_mass_kg->value, 1.0 / (*config::ToolMobility(CellNamed("demo")))(2, 2),
               1e-9);
   session::Verdict verdict;
@@ -58,8 +59,8 @@ TEST(Rendering, IsAssumedWhereNothingWasMeasured) {
   EXPECT_TRUE(RenderingJson(rendering, 384.0).at("force_range_ratio").is_null());
 }
 
-// The same arm, measured: the same answers, with their sources.
-TEST(Rendering, OfAMeasuredArmIsThatOfTheSameArmAssumed) {
+// Measured values equal to the assumed ones give the same results, marked as measured.
+TEST(Rendering, AMeasuredArmGivesTheResultsOfTheSameArmAssumed) {
   config::CellConfig cell = CellNamed("demo");
   const Rendering assumed = RenderingOf(cell);
   cell.identified.emplace();
@@ -77,7 +78,7 @@ TEST(Rendering, OfAMeasuredArmIsThatOfTheSameArmAssumed) {
   EXPECT_NEAR(measured.force_floor_N(), 3.0 * 0.1, 1e-12);
   EXPECT_TRUE(measured.floor_measured());
   EXPECT_NEAR(RenderingJson(measured, 384.0).at("force_range_ratio").get<double>(), 1280.0, 1e-6);
-  // a hand that moves the arm aside meets another loop: without that mass the answers are the same
+  // the measured mass changes the loop along z: without it, the results are those of the assumed arm
   cell.identified->arm[0].felt_mass_kg.reset();
   EXPECT_EQ(RenderingOf(cell).axes[2].least_drag_Ns_per_m, assumed.axes[2].least_drag_Ns_per_m);
   EXPECT_EQ(RenderingOf(cell).axes[2].greatest_wall_N_per_m, assumed.axes[2].greatest_wall_N_per_m);
@@ -91,7 +92,7 @@ TEST(Rendering, ADeadZoneAboveTheSensorsErrorsIsTheSmallestForce) {
   EXPECT_EQ(RenderingOf(cell).force_floor_N(), 2.0);
 }
 
-TEST(Rendering, AnArmThatLagsMoreRendersLessAndIsRemarkedAlongItsAxisAlone) {
+TEST(Rendering, ASlowerArmRendersLessAndIsWarnedAboutAlongItsAxisOnly) {
   config::CellConfig cell = CellNamed("demo");
   cell.identified.emplace();
   cell.identified->arm = {ArmAlong("x", 15.0, 3e-3), ArmAlong("z", 6.0, 12e-3)};
@@ -123,8 +124,8 @@ TEST(Rendering, AnArmThatLagsMoreRendersLessAndIsRemarkedAlongItsAxisAlone) {
   }));
 }
 
-// No model fits the arm: its measured response decides, and is not passed over.
-TEST(Rendering, AResponseWithoutAModelIsJudgedToo) {
+// Where no model fits the arm, the verdict comes from its measured frequency response.
+TEST(Rendering, AMeasuredResponseWithoutAModelIsJudgedToo) {
   config::CellConfig cell = CellNamed("demo");
   cell.identified.emplace();
   config::IdentifiedResponse& response = cell.identified->response.emplace_back();
@@ -146,7 +147,7 @@ TEST(Rendering, AResponseWithoutAModelIsJudgedToo) {
   EXPECT_TRUE(verdict.reasons[0].starts_with("along z"));
 }
 
-TEST(Rendering, UnderTheImpedanceLawDragAndWallsAreLeftToTune) {
+TEST(Rendering, UnderTheImpedanceLawGivesNoLeastDrag) {
   const Rendering rendering = RenderingOf(CellNamed("thin_plate_impedance"));
   EXPECT_FALSE(rendering.admittance);
   for (const RenderedAxis& axis : rendering.axes) {

@@ -8,28 +8,29 @@
 
 #include "studies/charts/chart_speed_accuracy.h"
 
-// Which points of other methods stand before ours in the chart of speed and accuracy: synthetic points, whose
-// relations are read off by hand.
+// Which points of other methods beat ours in the chart of time (first) and error (second). The points are
+// synthetic; their relations are read off by hand.
 
 namespace osteon::studies {
 namespace {
 
 using Indices = std::vector<std::size_t>;
 
-TEST(Dominance, NamesEachRelationOfAPointToOurs) {
+TEST(Dominance, ClassifiesEachPointAgainstOurs) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  // ours: a front of three points and one that another of ours beats
+  // Ours (true): a front of three points, and one that another of ours beats. Each point's comment starts
+  // with its index.
   const std::vector<RivalPoint> points{
       {{10.0, 4.0}, true},   // 0
       {{20.0, 2.0}, true},   // 1
       {{40.0, 1.0}, true},   // 2
       {{40.0, 3.0}, true},   // 3
       {{5.0, 10.0}, false},  // 4: faster than all of ours, less exact than all
-      {{15.0, 3.0}, false},  // 5: of ours only 0 is as fast, and less exact
+      {{15.0, 3.0}, false},  // 5: of ours only 0 is as fast, and it is less exact
       {{15.0, 1.5}, false},  // 6: beats 1 and 3
       {{30.0, 2.5}, false},  // 7: 1 is faster and more exact; beats 3
       {{50.0, 0.9}, false},  // 8: slower than all of ours, more exact than all
-      {{10.0, 4.0}, false},  // 9: as 0
+      {{10.0, 4.0}, false},  // 9: equal to 0
       {{nan, 0.1}, false},   // 10: not measured
       {{0.0, 0.1}, false}};  // 11: not measured
   const Dominance found = CompareWithOurs(points);
@@ -44,7 +45,7 @@ TEST(Dominance, NamesEachRelationOfAPointToOurs) {
   EXPECT_EQ(found.beaten[1].by, (Indices{6, 7})) << "5 has the error of 3, which is not smaller";
 }
 
-TEST(Dominance, APointBeatsAllOfOursOnlyLeftOfAllAndBelowAll) {
+TEST(Dominance, APointBeatsAllOfOursOnlyIfFasterAndMoreExactThanEach) {
   const std::vector<RivalPoint> points{{{10.0, 4.0}, true},
                                        {{20.0, 2.0}, true},
                                        {{9.0, 1.9}, false},
@@ -53,7 +54,7 @@ TEST(Dominance, APointBeatsAllOfOursOnlyLeftOfAllAndBelowAll) {
   EXPECT_EQ(CompareWithOurs(points).beat_all_ours, Indices{2});
 }
 
-TEST(Dominance, WithoutOursNothingIsCompared) {
+TEST(Dominance, WithoutAPointOfOursNothingIsCompared) {
   const std::vector<RivalPoint> points{{{9.0, 1.9}, false}};
   const Dominance found = CompareWithOurs(points);
   EXPECT_FALSE(found.ours_measured);
@@ -61,6 +62,7 @@ TEST(Dominance, WithoutOursNothingIsCompared) {
   EXPECT_TRUE(found.ahead.empty());
 }
 
+/// A measured point of a method: all five errors are `error`, the depth's in mm.
 SpeedAccuracyPoint Point(const std::string& method, double length_mm, double p50_us, double p999_us,
                          double error) {
   SpeedAccuracyPoint point{.method = method, .device = "d", .length_m = 1e-3 * length_mm};
@@ -82,12 +84,12 @@ TEST(Dominance, TheTableNamesMethodAndLengthForEachErrorAndTime) {
   const auto median = DominanceTable(result, ChartTime::kMedian);
   ASSERT_EQ(median.size(), 6u) << "a heading, and five errors";
   const std::vector<std::string> ahead{"none", "voxel 0.5 mm", "voxel 0.5 mm", "none"};
-  for (std::size_t i = 1; i <= 4; ++i)  // depth, volume, force, normal: the voxels beat the split packing
+  for (std::size_t i = 1; i <= 4; ++i)  // depth, volume, force, normal: voxel beats cpu-split
     EXPECT_EQ(std::vector(median[i].begin() + 1, median[i].end()), ahead) << median[i][0];
   EXPECT_EQ(median[1][0], "depth");
   EXPECT_EQ(median[4][0], "normal");
   EXPECT_EQ(median[5], (std::vector<std::string>{"ripple", "none", "none", "none", "none"}));
-  // their worst frame is slower than all of ours: ahead by the error alone
+  // voxel's worst frame is slower than all of ours: it is ahead by its error only
   const auto worst = DominanceTable(result, ChartTime::kWorst);
   EXPECT_EQ(worst[1], (std::vector<std::string>{"depth", "none", "none", "voxel 0.5 mm", "none"}));
   EXPECT_EQ(worst[5][3], "none");

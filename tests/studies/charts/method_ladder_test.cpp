@@ -7,12 +7,13 @@
 
 #include "studies/charts/chart_speed_accuracy.h"
 
-// The comparison of `chart speed-accuracy`: methods, finenesses, and shared packings.
+// The steps that `chart speed-accuracy` compares: their methods, their lengths from coarse to fine, and which
+// steps share a packing.
 
 namespace osteon::studies {
 namespace {
 
-TEST(MethodLadder, GoesFromCoarseToFineAndQuicklyOverTheSameMethods) {
+TEST(MethodLadder, GoesFromCoarseToFineWithEveryMethodAlsoWhenQuick) {
   for (const bool quick : {false, true}) {
     const std::vector<MethodStep> ladder = MethodLadder(quick);
     std::set<std::string> methods;
@@ -27,7 +28,7 @@ TEST(MethodLadder, GoesFromCoarseToFineAndQuicklyOverTheSameMethods) {
   }
 }
 
-TEST(MethodLadder, SplittingIsOursWithLargeBallsAndRoomForTheirChildren) {
+TEST(MethodLadder, SplitUsesOurEngineWithLargeBallsAndRoomForTheirChildren) {
   const MethodStep split{.method = "split", .length_m = 5.6e-3}, ours{.method = "ours", .length_m = 1.5e-3};
   EXPECT_EQ(EngineOfStep(split), "ours");
   EXPECT_EQ(EngineOfStep(ours), "ours");
@@ -42,14 +43,15 @@ TEST(MethodLadder, SplittingIsOursWithLargeBallsAndRoomForTheirChildren) {
   EXPECT_LT(2 * large.bone.balls.size(), small.bone.balls.size());
   EXPECT_GT(large.r_max_m, 1.5 * small.r_max_m);
   // balls are split, except the smallest at the surface, which shrink
-  const auto least = [](const auto& a, const auto& b) { return a.radius_m < b.radius_m; };
-  const double least_m = std::min_element(large.bone.balls.begin(), large.bone.balls.end(), least)->radius_m;
+  const auto is_smaller = [](const auto& a, const auto& b) { return a.radius_m < b.radius_m; };
+  const double least_m =
+      std::min_element(large.bone.balls.begin(), large.bone.balls.end(), is_smaller)->radius_m;
   EXPECT_GT(cutting.split.min_radius_m, least_m);
   EXPECT_LT(cutting.split.min_radius_m, 0.25 * large.r_max_m);
   EXPECT_GT(cutting.split.pool_blocks, large.bone.balls.size());
 }
 
-TEST(MethodLadder, StepsThatShareAPackingPackTheSameBalls) {
+TEST(MethodLadder, StepsShareAPackingExactlyIfTheirBallsAreEqual) {
   const simulation::CutWorkload work = MakeCutWorkload(simulation::CutTask::kChannel);
   const std::vector<MethodStep> steps{
       {.method = "ours", .length_m = 4e-3},  {.method = "stamps", .length_m = 4e-3},
@@ -69,7 +71,7 @@ TEST(MethodLadder, StepsThatShareAPackingPackTheSameBalls) {
       EXPECT_EQ(SharePacking(steps[i], steps[j]), same(i, j)) << steps[i].method << " " << steps[j].method;
 }
 
-TEST(SpeedAccuracyChart, NamesEveryMethodOfTheLadderAndBothEndsOfItsSeeds) {
+TEST(SpeedAccuracyChart, NamesEveryMethodAndStatesTheRangeOfItsSeeds) {
   SpeedAccuracyResult result{.machine = "m", .device = "d", .points = {}, .left_out = {}};
   double us = 10.0;
   for (const std::string& method : LadderMethods()) {

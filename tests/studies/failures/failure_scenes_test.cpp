@@ -14,7 +14,7 @@
 namespace osteon::studies {
 namespace {
 
-TEST(FailureScenes, EveryScenarioHasOneWhoseTextsCanBeRead) {
+TEST(FailureScenes, EveryScenarioHasALegibleScene) {
   std::set<std::string> drawn;
   for (const FailureScenario& scenario : FailureScenarios()) {
     const std::string svg = FailureSceneSvg(scenario.id, scenario.name);
@@ -32,8 +32,8 @@ TEST(FailureScenes, EveryScenarioHasOneWhoseTextsCanBeRead) {
   }
 }
 
-// Whether a ball is cut off by the top of the picture.
-bool CutsABallOff(const std::string& svg) {
+// Whether a circle extends beyond the picture's top: its centre's y is less than its radius.
+bool HasCircleBeyondTop(const std::string& svg) {
   const std::regex circle("<circle cx=\"[^\"]*\" cy=\"([^\"]*)\" r=\"([^\"]*)\"");
   for (std::sregex_iterator at(svg.begin(), svg.end(), circle), end; at != end; ++at)
     if (std::stod((*at)[1]) < std::stod((*at)[2])) return true;
@@ -42,7 +42,7 @@ bool CutsABallOff(const std::string& svg) {
 
 TEST(FailureScenes, NoBallIsCutOffAtTheTop) {
   for (const FailureScenario& scenario : FailureScenarios())
-    EXPECT_FALSE(CutsABallOff(FailureSceneSvg(scenario.id, scenario.name))) << scenario.name;
+    EXPECT_FALSE(HasCircleBeyondTop(FailureSceneSvg(scenario.id, scenario.name))) << scenario.name;
 }
 
 TEST(FailureScenes, NoNumberIsDrawnTwiceOrForNoScenario) {
@@ -55,6 +55,7 @@ TEST(FailureScenes, NoNumberIsDrawnTwiceOrForNoScenario) {
   EXPECT_EQ(FailureSceneSvg(0, "none"), "");
 }
 
+// A made-up result whose axis label is too long for its axis.
 FailureResult Example() {
   return {.id = 15,
           .name = "sensor",
@@ -77,7 +78,7 @@ TEST(FailureChart, TitleSaysWhatIsPlotted) {
   EXPECT_NE(FailureSvg(result).find(">bound 1 mm/s<"), std::string::npos);
 }
 
-TEST(FailureChart, CutsNoText) {
+TEST(FailureChart, WrapsLongTextsInsteadOfCuttingThem) {
   FailureResult result = Example();
   result.plot.bound_is_on_y = true;
   result.metric +=
@@ -99,7 +100,7 @@ TEST(FailureTable, ParagraphsAreInLinesOf120Characters) {
       << "a word is not cut";
 }
 
-TEST(FailureTable, NumbersAreShort) {
+TEST(FailureTable, NumbersHaveTwoSignificantDigits) {
   const FailurePageEntry entry{.result = Example(), .passed = true, .seconds = 1.0};
   const std::string page = FailureMarkdown({&entry, 1}, {}, "pictures");
   EXPECT_NE(page.find("| 17 mm/s | 1.6e-14 mm/s | passes |"), std::string::npos) << page;

@@ -7,12 +7,12 @@
 #include "simulation/engine/reference_engine.h"
 #include "studies/failures/failure.h"
 
-// The failure scenarios, at small size, on the reference engine. Their headers state their claims.
+// Runs every failure scenario on the reference engine. The claim of each is stated in its header.
 
 namespace osteon::studies {
 namespace {
 
-FailureSetting OnReference() {
+FailureSetting ReferenceSetting() {
   return {.make_engine =
               [](const simulation::Bone& bone, const simulation::Tool& tool, const Pose& X_WG,
                  const simulation::CuttingParams& params) -> std::unique_ptr<simulation::CuttingEngine> {
@@ -30,7 +30,7 @@ INSTANTIATE_TEST_SUITE_P(, Failures, testing::ValuesIn(FailureScenarios().begin(
                          });
 
 TEST_P(Failures, BaselineFailsAndOursKeepsTheBound) {
-  const FailureResult result = GetParam().run(OnReference());
+  const FailureResult result = GetParam().run(ReferenceSetting());
   std::printf("%d %s: %s, bound %g, %s %g, ours %g %s\n    %s\n", result.id, result.name.c_str(),
               result.metric.c_str(), result.bound, result.baseline_name.c_str(), result.baseline, result.ours,
               result.unit.c_str(), result.note.c_str());
@@ -60,8 +60,8 @@ TEST(FailureList, NumbersAscendAndNamesDiffer) {
   EXPECT_GE(names.size(), 7u);
 }
 
-TEST(FailureList, StopsWhereItIsToldTo) {
-  FailureSetting setting = OnReference();
+TEST(FailureList, AScenarioStopsWhenItsProgressCallbackReturnsFalse) {
+  FailureSetting setting = ReferenceSetting();
   setting.progress = [](double) { return false; };
   const FailureResult result = FailureScenarios().front().run(setting);
   EXPECT_FALSE(result.ours_passes);

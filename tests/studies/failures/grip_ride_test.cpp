@@ -4,28 +4,33 @@
 
 #include <gtest/gtest.h>
 
-// A hand with tremor, and one that stiffens, with the servo loop and an arm that lags.
+// A trembling hand and a stiffening hand at the servo loop, on an arm that lags. Claims on the vibration
+// index.
 
 namespace osteon::studies {
 namespace {
 
+// name, stiffness [N/m], damping [N s/m], mass [kg]
 const hil::GridHand kLoose{"loose", 300.0, 13.0, 1.1};
 const hil::GridHand kClamp{"clamp", 50000.0, 50.0, 0.0};
 
-TEST(GripRide, ATremorThatBeginsIsTestedOnceAndLeavesTheToolLight) {
+// When a tremor begins, the vibration index adds drag until it has tested that the vibration is the hand's.
+// Then its reference must be about the tremor's force, and the drag that of the law again.
+TEST(GripRide, ABeginningTremorRaisesTheReferenceAndTheDragReturns) {
   for (const double tremor_N : {1.0, 3.0}) {
     const GripRide ride = RideGrip(
         {.after = kLoose, .step_s = 0.1, .seconds = 8.0, .tremor_N = tremor_N, .tremor_from_s = 2.0});
     EXPECT_FALSE(ride.fault);
     EXPECT_GT(ride.references_N.back(), 0.6 * tremor_N) << "three axes";
     EXPECT_LT(ride.references_N.back(), 1.8 * tremor_N);
+    // with more than twice the law's drag: at most 3 s in all, and not in the last 3 s
     EXPECT_LT(ride.heavy_s, 3.0) << tremor_N;
     const auto from = ride.damping_factors.begin() + 5000;
     EXPECT_LT(*std::max_element(from, ride.damping_factors.end()), 2.0) << tremor_N;
   }
 }
 
-TEST(GripRide, AStiffGripIsCalmedWithinHalfASecond) {
+TEST(GripRide, AStiffGripStopsOscillatingWithinHalfASecond) {
   for (const hil::GridHand& hand :
        {hil::GridHand{"6", 6000.0, 13.0, 1.1}, hil::GridHand{"10", 10000.0, 13.0, 1.1}, kClamp}) {
     const GripRide ride = RideGrip({.after = hand, .clamp = hand.name == "clamp"});
@@ -34,8 +39,8 @@ TEST(GripRide, AStiffGripIsCalmedWithinHalfASecond) {
   }
 }
 
-// Close to its stability limit, the loop amplifies a tremor: twofold in a hand, more in a clamp.
-TEST(GripRide, AStiffGripIsCalmedInATremor) {
+// Close to its stability limit, the loop amplifies a tremor: twofold in a hand, 3.5-fold in a clamp.
+TEST(GripRide, AStiffGripWithTremorOnlyAmplifiesTheTremor) {
   for (const double tremor_N : {0.5, 1.0, 2.0})
     for (const hil::GridHand& hand :
          {hil::GridHand{"6", 6000.0, 13.0, 1.1}, hil::GridHand{"10", 10000.0, 13.0, 1.1}, kClamp}) {

@@ -5,19 +5,20 @@
 #include "config/reading/load.h"
 #include "studies/failures/loop/grip_ride.h"
 
-// The shipped cells' laws in a hand that stiffens, on an arm that lags.
+// The shipped cells' laws at a hand that stiffens, on an arm that lags.
 
 namespace osteon::studies {
 namespace {
 
+// name, stiffness [N/m], damping [N s/m], mass [kg]
 const hil::GridHand kStiff{"stiff", 6000.0, 13.0, 1.1};
 const hil::GridHand kClamp{"clamp", 50000.0, 50.0, 0.0};
 
 class StiffGrip : public testing::TestWithParam<const char*> {};
 
-// A cell tolerates a tremor of tremor_N before it tests whether the vibration is the hand's; an oscillating
-// loop is held at about that force.
-TEST_P(StiffGrip, IsHeldAtAboutTheTremorThatTheCellAllows) {
+// A cell accepts a tremor of tremor_N before it tests whether the vibration is the hand's. An oscillation of
+// the loop must be limited to about that force.
+TEST_P(StiffGrip, VibratesByAtMostThreeTimesTheTremorThatTheCellAccepts) {
   const control::ServoParams cell =
       config::LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells" / GetParam()).servo;
   ASSERT_TRUE(cell.vibration.acts);

@@ -16,9 +16,9 @@ const FaultCase& CaseNamed(const std::string& name) {
   throw std::logic_error("no fault " + name);
 }
 
-// One test for each state, so that they may run in parallel.
+// Injects every fault in one state of the cell. One test for each state, so that they can run in parallel.
 class FaultMatrix : public ::testing::TestWithParam<int> {};
-TEST_P(FaultMatrix, EveryFaultComesToWhatIsStated) {
+TEST_P(FaultMatrix, EveryFaultLeadsToTheStatedReaction) {
   const auto state = static_cast<CellState>(GetParam());
   for (const FaultCase& fault : FaultCases()) {
     const FaultVerdict verdict = RunFault(fault, state);
@@ -36,7 +36,7 @@ INSTANTIATE_TEST_SUITE_P(InEachState, FaultMatrix, ::testing::Range(0, safety::k
                            return name;
                          });
 
-TEST(FaultList, HasEveryFaultOfTheLoopThatCanBeInjectedAndNamesEachOnce) {
+TEST(FaultList, CoversEveryFaultOfTheLoopAndNamesEachCaseOnce) {
   std::set<std::string> names;
   safety::FaultSet seen;
   for (const FaultCase& fault : FaultCases()) {
@@ -45,42 +45,42 @@ TEST(FaultList, HasEveryFaultOfTheLoopThatCanBeInjectedAndNamesEachOnce) {
       seen.Latch(expected.faults);
   }
   EXPECT_GE(names.size(), 40u);
-  // faults of the loop's own mathematics have tests of their own (servo_loop, servo_zones, servo_limit)
+  // the faults of the loop's own computations are tested in servo_loop, servo_zones and servo_limit
   for (const Fault own : {Fault::kToolSpeed, Fault::kWorkspace, Fault::kJointLimit, Fault::kInverseKinematics,
                           Fault::kToolInBone, Fault::kForceLimit, Fault::kDeflection})
     seen.Latch(own);
   EXPECT_EQ(seen.bits(), (1u << safety::kFaultCount) - 1u);
 }
 
-// A matrix that cannot fail proves nothing.
-TEST(FaultMatrixItself, FailsWhereAnExpectationDoesNotHold) {
+// The matrix must fail if an expectation is wrong: each line changes one expectation of a case that passes.
+TEST(FaultMatrixItself, FailsForEachWrongExpectation) {
   FaultCase fault = CaseNamed("drive's fault");
   ASSERT_TRUE(RunFault(fault, CellState::kCutting).passed());
-  const auto fails = [](FaultCase changed, const char* why) {
+  const auto expect_failure = [](FaultCase changed, const char* why) {
     const FaultVerdict verdict = RunFault(changed, CellState::kCutting);
     EXPECT_FALSE(verdict.passed()) << why;
   };
   FaultCase changed = fault;
   changed.rendering.reaction = Reaction::kGoesOn;
-  fails(changed, "it stops");
+  expect_failure(changed, "it stops");
   changed = fault;
   changed.rendering.ticks = 0;
-  fails(changed, "it takes a tick");
+  expect_failure(changed, "it takes a tick");
   changed = fault;
   changed.rendering.stop = safety::StopCategory::kStop0;
-  fails(changed, "it is braked");
+  expect_failure(changed, "it is braked");
   changed = fault;
   changed.rendering.faults = {};
   changed.rendering.faults.Latch(Fault::kInterlock);
-  fails(changed, "it is another fault");
+  expect_failure(changed, "it is another fault");
   changed = fault;
   changed.inject = [](RigInputs&, int, FaultRig&) {};
-  fails(changed, "nothing was injected");
+  expect_failure(changed, "nothing was injected");
   changed = CaseNamed("a tick is late");
   changed.inject = [](RigInputs&, int since, FaultRig& rig) {
     if (since == 3) rig.recorder().pushed += 1;
   };
-  fails(changed, "the recorder did not get each tick once");
+  expect_failure(changed, "the recorder did not get each tick once");
 }
 
 }  // namespace

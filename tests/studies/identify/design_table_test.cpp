@@ -19,8 +19,8 @@
 #include "studies/identify/servo_fit.h"
 #include "tests/temporary_path.h"
 
-// Rows of the design's tables of shorter and slower recordings, of jitter, and of an arm with masses and
-// friction. Seeds are fixed, time is virtual.
+// Rows of the design's tables: short recordings, slow motions, jitter, and an arm with masses and friction.
+// Seeds are fixed and time is virtual.
 
 namespace osteon::studies {
 namespace {
@@ -28,20 +28,22 @@ namespace {
 constexpr double kPeriod_s = 1e-3;
 const hil::ServoArmParams kDesignArm{.bandwidth_hz = 15.0, .damping_ratio = 1.0, .dead_cycles = 4.0};
 
-// --- how much is known, by time and speed ---
+// --- accuracy of short recordings and slow motions ---
 
+// Twice the standard deviation, as the design's table states it: of the lag in ms, of the least drag and of
+// the stiffest wall as shares of their values.
 struct RecordingRow {
   SyntheticRun run;
-  double lag_two_sd_ms, drag_two_sd, wall_two_sd;  // of the design; shares
+  double lag_two_sd_ms, drag_two_sd, wall_two_sd;
 };
 
 class DesignTable : public testing::TestWithParam<RecordingRow> {};
 
-TEST_P(DesignTable, KnowsLagDragAndWallAsWellAsTheDesign) {
+TEST_P(DesignTable, EstimatesLagDragAndWallAsAccuratelyAsTheDesign) {
   const RecordingRow& row = GetParam();
   const TableRow found = IdentifyRow(row.run, {.arm = kDesignArm, .seeds = 6});
   EXPECT_EQ(found.failed, 0);
-  // the spread of six seeds is known to a factor of about two
+  // six seeds give the spread to a factor of about two
   EXPECT_LT(found.lag_ms.two_sd, 2.0 * row.lag_two_sd_ms);
   EXPECT_GT(found.lag_ms.two_sd, 0.3 * row.lag_two_sd_ms);
   EXPECT_NEAR(found.lag_ms.mean, found.lag_ms.truth, row.lag_two_sd_ms);
@@ -59,9 +61,10 @@ INSTANTIATE_TEST_SUITE_P(
                     RecordingRow{{.name = "slow_5_mm_per_s", .peak_m_per_s = 0.005}, 0.09, 0.006, 0.12}),
     [](const auto& row) { return row.param.run.name; });
 
-// Commands that arrive up to a period late: the dead time grows by their mean.
-TEST(DesignTable, JitterCountsByItsMean) {
-  constexpr int kFine = 8;  // steps of the arm in a period: 4 ms are the most that it takes of them
+// Commands arrive late by a random part of the period: the estimated dead time must grow by the mean delay.
+TEST(DesignTable, JitterAddsItsMeanToTheDeadTime) {
+  constexpr int kFine =
+      8;  // steps of the arm in a period; with the dead time of 4 ms, as many as the arm accepts
   control::ExcitationPath path({.seed = 100, .draws = 4, .periods = 3, .peak_speed_m_per_s = 0.05},
                                kPeriod_s);
   std::array<kinematics::JointLimits, 7> limits{};
@@ -104,10 +107,12 @@ TEST(DesignTable, JitterCountsByItsMean) {
 
 // --- an arm with masses and friction ---
 
+// Figures identified from one excited run.
 struct MassesRun {
   double lag_s{0.0}, bandwidth_hz{0.0}, rms_m_per_s{0.0};
 };
 
+// Excites the demo's arm, simulated with masses, along z and identifies it.
 MassesRun IdentifyWithMasses(double peak_m_per_s, bool friction) {
   const auto cell = std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml";
   auto setup = session::PrepareCell(cell, std::nullopt);
@@ -130,7 +135,7 @@ MassesRun IdentifyWithMasses(double peak_m_per_s, bool friction) {
   return {axis.fit.lag_s.value, axis.fit.bandwidth_hz.value, axis.rms_speed_m_per_s};
 }
 
-TEST(ArmWithMasses, SlowMotionLagsMoreByItsFriction) {
+TEST(ArmWithMasses, FrictionMakesSlowMotionsLagMore) {
   const MassesRun slow = IdentifyWithMasses(0.01, true), fast = IdentifyWithMasses(0.05, true),
                   smooth = IdentifyWithMasses(0.05, false);
   std::printf("rms %.1f, %.1f mm/s: lag %.2f, %.2f ms; without friction %.2f ms, %.2f Hz\n",
@@ -141,8 +146,8 @@ TEST(ArmWithMasses, SlowMotionLagsMoreByItsFriction) {
   EXPECT_NEAR(smooth.bandwidth_hz, 15.0, 0.03 * 15.0) << "3 % of error in the controller's masses";
 }
 
-// One run of an arm with masses, judged.
-IdentifyResult Judged(session::CellSetup& setup, double peak_m_per_s) {
+// Excites the cell's arm along z, identifies it and judges the result.
+IdentifyResult RunAndJudge(session::CellSetup& setup, double peak_m_per_s) {
   const std::filesystem::path file = TemporaryPath("judged.mcap");
   const auto run = RunExcited(
       setup,
@@ -164,13 +169,13 @@ session::CellSetup DemoWithMasses() {
   return std::move(*setup);
 }
 
-// The design's joints at 2 % of their speed ("687 Hz, zeta 67"; A5 to A7 unusable): a motion so slow that the
-// joints stick is refused with what to do. Fifteen times the friction, as of those joints beside their load.
-TEST(DesignTable, JointsThatStickAreRefusedAtASlowMotion) {
+// At a slow motion, joints that stick must be refused with advice. The friction is that of unloaded joints,
+// fifteen times the cell's. (The design found "687 Hz, zeta 67" at 2 % of the joints' speed.)
+TEST(DesignTable, JointsThatStickAtASlowMotionAreRefused) {
   session::CellSetup setup = DemoWithMasses();
-  EXPECT_TRUE(Judged(setup, 0.05).refused.empty()) << "with the cell's friction, at 50 mm/s";
+  EXPECT_TRUE(RunAndJudge(setup, 0.05).refused.empty()) << "with the cell's friction, at 50 mm/s";
   for (auto& joint : setup.config.simulated.chain.joints) joint.friction.coulomb_Nm *= 15.0;
-  const IdentifyResult slow = Judged(setup, 0.002);
+  const IdentifyResult slow = RunAndJudge(setup, 0.002);
   ASSERT_FALSE(slow.refused.empty());
   const bool told = std::ranges::any_of(slow.refused, [](const Finding& finding) {
     return finding.what.find("raise the speed") != std::string::npos;
@@ -178,13 +183,13 @@ TEST(DesignTable, JointsThatStickAreRefusedAtASlowMotion) {
   EXPECT_TRUE(told) << slow.refused.front().what;
 }
 
-// The design's pedestal of 2 MN/m: 12.6 Hz with chi^2 14. The mount gives way beside the encoders, so no
-// model is written; the measured response is.
-TEST(DesignTable, APedestalThatGivesWayLeavesTheMeasuredResponseAlone) {
+// A pedestal of 2 MN/m gives way, unseen by the encoders, and no servo model fits (in the design: 12.6 Hz,
+// chi^2 14). Only the measured response is written.
+TEST(DesignTable, OnAFlexiblePedestalOnlyTheMeasuredResponseIsWritten) {
   session::CellSetup setup = DemoWithMasses();
   for (auto& joint : setup.config.simulated.chain.joints) joint.friction = {};
   setup.config.simulated.dynamic.mount = hil::FlexibleMountParams{.stiffness_N_per_m = 2e6};
-  const IdentifyResult result = Judged(setup, 0.05);
+  const IdentifyResult result = RunAndJudge(setup, 0.05);
   ASSERT_EQ(result.axes.size(), 1u);
   const AxisResult& axis = result.axes.front();
   std::printf("pedestal: %.2f Hz, damping %.2f, chi^2 %.1f\n", axis.fit.bandwidth_hz.value,

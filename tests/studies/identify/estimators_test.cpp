@@ -15,7 +15,8 @@
 #include "studies/identify/measured_response.h"
 #include "studies/identify/servo_fit.h"
 
-// Responses and fits on arms whose truth is known. Seeds are fixed.
+// Tests of the measured response and of the fits, on simulated arms whose true parameters are known. Seeds
+// are fixed.
 
 namespace osteon::studies {
 namespace {
@@ -23,24 +24,28 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double kTwoPi = 2.0 * std::numbers::pi, kPeriod_s = 1e-3;
 
+// Limits that never restrict the motion.
 std::array<kinematics::JointLimits, 7> FastLimits() {
   std::array<kinematics::JointLimits, 7> limits{};
   for (kinematics::JointLimits& limit : limits) limit.velocity_rad_per_s = 1e3;
   return limits;
 }
 
+// The true parameters of an arm.
 struct Truth {
   double hz{15.0}, damping{1.0};
   double dead_cycles{4.0};
   [[nodiscard]] double lag_s() const { return kPeriod_s * dead_cycles + 2.0 * damping / (kTwoPi * hz); }
 };
 
+// Simulates an excited run of the arm, with seed 1.
 ExcitedRun Excite(const Truth& truth, const SyntheticRun& run) {
   return Synthesize(
       run, {.bandwidth_hz = truth.hz, .damping_ratio = truth.damping, .dead_cycles = truth.dead_cycles},
       kPeriod_s, 1);
 }
 
+// The servo model fitted to the response from command to encoders.
 ServoFit FitOf(const ExcitedRun& run) {
   const auto response = MeasureResponse(run, Signal::kCommand, Signal::kPosition);
   EXPECT_TRUE(response) << (response ? "" : response.error());
@@ -51,7 +56,7 @@ ServoFit FitOf(const ExcitedRun& run) {
 
 // --- the sampled response ---
 
-TEST(SampledResponse, IsThatOfServoArm) {
+TEST(SampledResponse, EqualsTheSimulatedArmsSteadyOscillation) {
   for (const Truth& truth : {Truth{}, Truth{.hz = 8.0, .damping = 0.7, .dead_cycles = 9},
                              Truth{.hz = 25.0, .damping = 1.6, .dead_cycles = 0}})
     for (const double hz : {0.75, 9.3, 47.0}) {
@@ -76,8 +81,9 @@ TEST(SampledResponse, IsThatOfServoArm) {
     }
 }
 
-// An arm of a quarter of the period, whose command is held for four of its steps, has dead times of quarters.
-TEST(SampledResponse, OfAPartOfAPeriodIsThatOfAFinerArm) {
+// Dead times of a part of a period. Oracle: an arm that steps four times in a period, with its command held
+// meanwhile.
+TEST(SampledResponse, WithAFractionalDeadTimeEqualsAFinerArms) {
   constexpr double kFine_s = kPeriod_s / 4.0, kHz = 13.0;
   for (const double quarters : {0.0, 1.0, 14.0, 19.0}) {
     hil::ServoArm arm({.bandwidth_hz = 15.0, .damping_ratio = 0.8, .dead_cycles = quarters}, FastLimits(),
@@ -99,7 +105,7 @@ TEST(SampledResponse, OfAPartOfAPeriodIsThatOfAFinerArm) {
   }
 }
 
-// --- the design's table ---
+// --- the servo model's fit; tolerances of the design's table ---
 
 TEST(ServoFit, FindsTheArmFrom64sWithEncoderNoise) {
   const Truth truth;
@@ -130,7 +136,7 @@ TEST(ServoFit, LostMessagesDoNotMatter) {
   EXPECT_NEAR(fit.lag_s.value, truth.lag_s(), 0.02e-3);
 }
 
-TEST(ServoFit, LostAnswersCountAsTheyArrived) {
+TEST(ServoFit, CountsTheCommandsThatTheArmReceived) {
   const Truth truth;
   const SyntheticRun lossy{.draws = 2, .lost_answers = 0.05};
   EXPECT_NEAR(FitOf(Excite(truth, lossy)).lag_s.value, truth.lag_s(), 0.02e-3);
@@ -140,14 +146,15 @@ TEST(ServoFit, LostAnswersCountAsTheyArrived) {
       << "each loss holds the command";
 }
 
-// --- planted errors: each must show ---
+// --- deliberate errors in the data: each must change the result ---
 
-TEST(PlantedErrors, ADriftDoesNoHarmButALineThroughTheSamplesDoes) {
+TEST(PlantedErrors, ADriftDoesNoHarmButSubtractingALineDoes) {
   const Truth truth;
   ExcitedRun run = Excite(truth, {.draws = 2, .noise_m = 1e-7, .drift_m_per_s = 20e-6});
   const ServoFit fit = FitOf(run);
   EXPECT_NEAR(fit.bandwidth_hz.value, 15.0, 0.075);
-  // the error: a straight line through the samples of each period takes power from the lowest lines
+  // the error: subtracting a fitted straight line from each period's samples takes power from the lowest
+  // lines
   for (std::size_t i = 0; i + 4000 <= run.samples.size();) {
     if (!run.samples[i].counted) {
       ++i;
@@ -169,16 +176,16 @@ TEST(PlantedErrors, ADriftDoesNoHarmButALineThroughTheSamplesDoes) {
             0.15);
 }
 
-TEST(PlantedErrors, AShiftOfOneTickIsAMillisecondOfDeadTime) {
+TEST(PlantedErrors, AShiftOfOneTickAddsAMillisecondOfDeadTime) {
   ExcitedRun run = Excite(Truth{}, {.draws = 2, .periods = 2, .noise_m = 0.0});
   for (std::size_t i = run.samples.size() - 1; i > 0; --i) run.samples[i].y_m = run.samples[i - 1].y_m;
   EXPECT_NEAR(FitOf(run).dead_time_s.value, 5e-3, 1e-6);
 }
 
-TEST(PlantedErrors, GapsThatAreClosedUpShow) {
+TEST(PlantedErrors, ClosingGapsInsteadOfKeepingThemWidensTheInterval) {
   ExcitedRun run = Excite(Truth{}, {.draws = 2, .noise_m = 0.0, .lost = 0.001});
   const ServoFit right = FitOf(run);
-  // the error: samples that did not come are left out, and what follows moves up
+  // the error: missing samples are removed, and the later ones move up
   ExcitedRun closed{.period_s = kPeriod_s, .samples = {}};
   std::vector<ExcitedSample> seen;
   for (const ExcitedSample& sample : run.samples)
@@ -195,7 +202,7 @@ TEST(PlantedErrors, GapsThatAreClosedUpShow) {
   EXPECT_GT(FitOf(closed).lag_s.half_width, 20.0 * right.lag_s.half_width);
 }
 
-TEST(PlantedErrors, AForceOfTheWrongSignIsNoMass) {
+TEST(PlantedErrors, AForceOfTheWrongSignIsNotFittedAsAMass) {
   std::vector<ResponseLine> lines;
   for (const int harmonic : control::Multisine::Harmonics()) {
     const double w = kTwoPi * control::Multisine::Frequency(harmonic);
@@ -207,9 +214,9 @@ TEST(PlantedErrors, AForceOfTheWrongSignIsNoMass) {
   EXPECT_TRUE(FitToolForce(lines));
 }
 
-// --- coverage ---
+// --- coverage of the 95 % intervals ---
 
-TEST(ServoFit, IntervalsHoldTheTruthIn90To99Of100) {
+TEST(ServoFit, IntervalsContainTheTruthIn90To99PercentOfTheSeeds) {
   constexpr int kSeeds = 200;
   const ServoModel truth{.bandwidth_hz = 15.0, .damping_ratio = 1.0, .dead_time_s = 4e-3, .gain = 1.0};
   std::mt19937_64 random(3);
@@ -244,7 +251,7 @@ TEST(ServoFit, IntervalsHoldTheTruthIn90To99Of100) {
   EXPECT_NEAR(chi2, 1.0, 0.1);
 }
 
-// --- what is too little, and what is not linear ---
+// --- too little data, and nonlinear responses ---
 
 TEST(MeasuredResponse, RefusesOneDrawAndOnePeriod) {
   const auto one_draw = MeasureResponse(Excite(Truth{}, {.draws = 1}), Signal::kCommand, Signal::kPosition);
@@ -255,7 +262,7 @@ TEST(MeasuredResponse, RefusesOneDrawAndOnePeriod) {
       MeasureResponse(Excite(Truth{}, {.draws = 3, .periods = 1}), Signal::kCommand, Signal::kPosition));
 }
 
-TEST(MeasuredResponse, OddNonlinearityShowsOnOddLinesAlone) {
+TEST(MeasuredResponse, ACubicDistortionRaisesTheOddLinesMost) {
   ExcitedRun run = Excite(Truth{}, {.draws = 2, .periods = 2, .noise_m = 0.0});
   const auto linear = MeasureResponse(run, Signal::kCommand, Signal::kPosition);
   EXPECT_LT(linear->odd_ratio, 1e-6);
@@ -265,8 +272,10 @@ TEST(MeasuredResponse, OddNonlinearityShowsOnOddLinesAlone) {
   EXPECT_GT(cubic->odd_ratio, 3.0 * cubic->even_ratio);
 }
 
-// --- force ---
+// --- the force of the tool and of the hand ---
 
+// Response from position to sensor force of a tool mass behind a delay, with a resonance at hz_r unless that
+// is 0.
 std::vector<ResponseLine> ForceLines(double mass_kg, double delay_s, double hz_r, double damping, double sd) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> noise(0.0, sd);
@@ -300,7 +309,7 @@ TEST(ToolForce, FindsAResonanceFrom20To45Hz) {
   }
 }
 
-TEST(Hand, IsFoundBehindTheToolsInertia) {
+TEST(Hand, IsSeparatedFromTheToolsInertia) {
   std::vector<ResponseLine> lines;
   for (const int harmonic : control::Multisine::Harmonics()) {
     const double hz = control::Multisine::Frequency(harmonic), w = kTwoPi * hz;
@@ -336,7 +345,7 @@ TEST(ForceNoise, SeparatesWhiteNoiseLinesAndDrift) {
   EXPECT_DOUBLE_EQ(noise.dead_zone_N(), 3.0 * noise.drift_N);
 }
 
-TEST(SpindleHarmonics, FollowAWanderingSpeed) {
+TEST(SpindleHarmonics, AreFoundAtAVaryingSpeed) {
   std::mt19937_64 random(8);
   std::normal_distribution<double> white(0.0, 0.1);
   std::vector<double> force_N, speed, nominal;

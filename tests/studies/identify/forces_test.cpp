@@ -15,7 +15,8 @@
 #include "studies/identify/identify_estimate.h"
 #include "studies/identify/identify_table.h"
 
-// The mass that a hand moves, the hand's tremor, the spindle's own forces: truths are known, seeds fixed.
+// Estimates of the arm's mass that a hand feels, of the hand's tremor and of the spindle's forces. The truths
+// are known and the seeds fixed.
 
 namespace osteon::studies {
 namespace {
@@ -25,6 +26,8 @@ constexpr double kTwoPi = 2.0 * std::numbers::pi, kPeriod_s = 1e-3;
 
 // --- the mass by which a hand moves the arm ---
 
+// A free run and a held run of an arm that yields to the hand with the mass 1 / per_mass [kg] (0: it does not
+// yield).
 IdentifyResult FreeAndHeld(double per_mass, double noise) {
   const ServoModel arm{.bandwidth_hz = 15.0, .damping_ratio = 1.0, .dead_time_s = 4e-3};
   const double w_n = kTwoPi * arm.bandwidth_hz, tool_kg = 1.2;
@@ -55,7 +58,7 @@ IdentifyResult FreeAndHeld(double per_mass, double noise) {
   return result;
 }
 
-TEST(FeltMass, IsFoundFromAFreeAndAHeldRun) {
+TEST(FeltMass, IsEstimatedFromAFreeAndAHeldRun) {
   const IdentifyResult result = FreeAndHeld(1.0 / 5.27, 1e-4);
   ASSERT_TRUE(result.axes[1].felt_mass_kg);
   EXPECT_NEAR(result.axes[1].felt_mass_kg->value, 5.27, 0.05 * 5.27);
@@ -66,11 +69,13 @@ TEST(FeltMass, IsFoundFromAFreeAndAHeldRun) {
   EXPECT_EQ(written.arm[0].felt_mass_kg, result.axes[1].felt_mass_kg->value);
 }
 
-TEST(FeltMass, IsAbsentOfAStiffArm) { EXPECT_FALSE(FreeAndHeld(0.0, 1e-4).axes[1].felt_mass_kg); }
+TEST(FeltMass, IsAbsentForAnArmThatDoesNotYield) {
+  EXPECT_FALSE(FreeAndHeld(0.0, 1e-4).axes[1].felt_mass_kg);
+}
 
-// --- what an identified arm is worth ---
+// --- stability limits predicted from an identified arm ---
 
-TEST(IdentifyTable, BoundariesFromAnIdentifiedArmAreThoseOfTheTrueOne) {
+TEST(IdentifyTable, PredictsTheStabilityLimitsOfTheTrueArm) {
   const IdentifyTableParams params{.arm = {.bandwidth_hz = 15.0, .damping_ratio = 1.0, .dead_cycles = 4.0},
                                    .seeds = 3};
   const TableRow row = IdentifyRow({.name = "64 s"}, params),
@@ -85,7 +90,7 @@ TEST(IdentifyTable, BoundariesFromAnIdentifiedArmAreThoseOfTheTrueOne) {
     EXPECT_NEAR(one.lag_ms.mean, one.lag_ms.truth, 0.02);
   }
   EXPECT_EQ(row.seconds, 64.0);
-  // the design's finding: a millisecond more of dead time costs a third of the wall
+  // the design's finding: one more millisecond of dead time lowers the stiffest wall by a third
   hil::ServoArmParams late = params.arm;
   late.dead_cycles += 1.0;
   EXPECT_LT(GreatestWall(late, kPeriod_s), 0.8 * GreatestWall(params.arm, kPeriod_s));
@@ -94,6 +99,7 @@ TEST(IdentifyTable, BoundariesFromAnIdentifiedArmAreThoseOfTheTrueOne) {
 
 // --- the hand's tremor ---
 
+// The sensor's wrench, each period, of a trembling hand that pushes along z.
 std::vector<Wrench> TremorOf(double peak_N, double push_N, double seconds) {
   const hil::Tremor tremor(peak_N, 3);
   std::mt19937_64 random(9);
@@ -105,11 +111,11 @@ std::vector<Wrench> TremorOf(double peak_N, double push_N, double seconds) {
   return F;
 }
 
-TEST(HandTremor, IsToleratedByTheShippedIndex) {
+TEST(HandTremor, AddsNoDragWithTheShippedIndex) {
   const control::VibrationParams index;
   const std::vector<Wrench> F = TremorOf(1.0, 60.0, 20.0);
   const HandTremor tremor = MeasureTremor(F, index, kPeriod_s);
-  // three sinusoids of a third each on three axes, all in step at the worst: RMS sqrt(3 / 2)
+  // three sinusoids of a third each on three axes; if all are in phase, the RMS value is sqrt(3 / 2)
   EXPECT_GT(tremor.p999_N, 0.5);
   EXPECT_LT(tremor.p999_N, 1.3);
   EXPECT_GE(tremor.tremor_N, tremor.p999_N);
@@ -117,7 +123,7 @@ TEST(HandTremor, IsToleratedByTheShippedIndex) {
   EXPECT_NEAR(tremor.push_N, 60.0, 0.1);
   EXPECT_EQ(tremor.seconds, 20.0);
 
-  // half as much in the cell is suspected: the index adds drag
+  // an index that accepts less tremor than the hand has adds drag
   control::VibrationParams half = index;
   half.reference.tremor_N = 0.3 * tremor.tremor_N;
   control::VibrationIndex suspicious(half, kPeriod_s);
@@ -133,7 +139,7 @@ TEST(HandTremor, IsToleratedByTheShippedIndex) {
   EXPECT_EQ(MeasureTremor(TremorOf(1.0, 0.0, 4.0), index, kPeriod_s).tremor_N, 0.0) << "too short";
 }
 
-TEST(HandTremor, ARestingSensorIsNoHand) {
+TEST(HandTremor, ARestingSensorIsRefusedAsAHand) {
   IdentifyResult result{.cell = "demo", .valid_for = {}, .axes = {}};
   result.tremor = MeasureTremor(std::vector<Wrench>(10000), {}, kPeriod_s);
   JudgeTremor(result);
@@ -150,7 +156,7 @@ TEST(HandTremor, ARestingSensorIsNoHand) {
 
 // --- the spindle's own forces ---
 
-TEST(Notch, HoldsAModulatedHarmonic) {
+TEST(Notch, IsAsWideAsTheHarmonicsModulation) {
   std::mt19937_64 random(10);
   std::normal_distribution<double> white(0.0, 0.1);
   const auto width = [&](double modulation_hz, double amplitude_N) {

@@ -18,7 +18,8 @@
 #include "studies/identify/identify_table.h"
 #include "tests/temporary_path.h"
 
-// A hand at the handle, and what is judged by it: the hand itself, the mass that it moves, the present gains.
+// Runs with a hand at the handle: estimates of the hand and of the mass that it moves, and the verdict on the
+// cell's present gains.
 
 namespace osteon::studies {
 namespace {
@@ -34,7 +35,7 @@ session::CellSetup ShippedCell(const std::string& name) {
   return std::move(*setup);
 }
 
-// Runs and estimates along z, of two draws with two periods each.
+// Runs an excitation of two draws with two periods each, and adds its estimates to the result.
 void AddRun(const session::CellSetup& setup, char axis, bool held, IdentifyResult& result) {
   const ExcitationRequest request{
       .axis = axis, .peak_speed_m_per_s = 0.05, .seed = 1, .draws = 2, .periods = 2, .held = held};
@@ -45,12 +46,14 @@ void AddRun(const session::CellSetup& setup, char axis, bool held, IdentifyResul
   ASSERT_TRUE(added) << added.error();
 }
 
+// Uses the free runs for the held ones, judges every axis and fills the felt masses.
 void JudgeAll(IdentifyResult& result) {
   UseFreeRuns(result);
   for (AxisResult& axis : result.axes) JudgeAxis(axis, result);
   FillFeltMasses(result);
 }
 
+// The exact result of an arm of 15 Hz along an axis, free or held by a hand of 2000 N/m.
 AxisResult ArmAxis(bool held) {
   AxisResult axis{.request = {.peak_speed_m_per_s = 0.05, .held = held},
                   .recording = {.file = "z.mcap", .hash = "0000000000000000"},
@@ -80,7 +83,8 @@ IdentifyResult ResultOf(std::vector<AxisResult> axes) {
           .axes = std::move(axes)};
 }
 
-// A hand as the sensor sees it behind the tool: 2000 N/m, 60 N s/m, 1.5 kg that follows within 5 ms.
+// Response from position to sensor force of a hand behind the tool: 2000 N/m, 60 N s/m, and 1.5 kg that
+// follows through a grip with this time constant (5 ms, or 0).
 std::vector<ResponseLine> HandLines(double grip_time_s, double sd) {
   std::vector<ResponseLine> lines;
   for (const int harmonic : control::Multisine::Harmonics()) {
@@ -92,11 +96,12 @@ std::vector<ResponseLine> HandLines(double grip_time_s, double sd) {
   return lines;
 }
 
+// Expects the truth within the estimate's interval.
 void ExpectInside(const Estimate& estimate, double truth, const std::string& what) {
   EXPECT_NEAR(estimate.value, truth, estimate.half_width) << what;
 }
 
-TEST(Hand, FollowsTheHandleThroughItsGrip) {
+TEST(Hand, IsEstimatedWithItsGripsTimeConstant) {
   const auto fit = FitHand(HandLines(5e-3, 1.0), 1.2, {.delay_s = 0.5e-3});
   ASSERT_TRUE(fit) << fit.error();
   ExpectInside(fit->stiffness_N_per_m, 2000.0, "stiffness");
@@ -105,14 +110,14 @@ TEST(Hand, FollowsTheHandleThroughItsGrip) {
   ExpectInside(fit->grip_time_s, 5e-3, "grip");
   EXPECT_NEAR(fit->damping_Ns_per_m.value, 60.0, 1.0);
   EXPECT_LT(fit->chi2, 1.0);
-  // one that follows at once has no grip's time
+  // a hand that follows at once has a time constant of 0
   const auto stiff = FitHand(HandLines(0.0, 1.0), 1.2, {.delay_s = 0.5e-3});
   ASSERT_TRUE(stiff) << stiff.error();
   EXPECT_EQ(stiff->grip_time_s.value, 0.0);
   EXPECT_NEAR(stiff->damping_Ns_per_m.value, 60.0, 0.1);
 }
 
-TEST(Hand, UnlikeSpringDamperAndMassIsWarnedOf) {
+TEST(Hand, ThatFitsNoSpringDamperAndMassIsWarnedAbout) {
   AxisResult axis = ArmAxis(true);
   axis.hand->chi2 = 14.0;
   axis.hand->residual = 0.03;
@@ -124,8 +129,9 @@ TEST(Hand, UnlikeSpringDamperAndMassIsWarnedOf) {
       << result.warnings[0].what;
 }
 
-// A hand of 2 kN/m beside an arm of 5 kg and 15 Hz, 47 kN/m: a gain of 0.96.
-TEST(HeldRun, HasNoLimitsOfGainAndDamping) {
+// A hand of 2 kN/m against an arm of 5 kg and 15 Hz, which is 47 kN/m, lowers the arm's gain to 0.96. In a
+// free run, that would mean a sticking joint.
+TEST(HeldRun, IsNotRefusedForGainOrDamping) {
   AxisResult axis = ArmAxis(true);
   axis.by_encoders.lines.front().value = 0.96;
   axis.fit.damping_ratio.value = 3.5;
@@ -139,7 +145,7 @@ TEST(HeldRun, HasNoLimitsOfGainAndDamping) {
   EXPECT_FALSE(result.refused.empty()) << "in a free run the joint sticks";
 }
 
-TEST(HeldRun, OnAnArmWithMassesGivesTheMassThatTheHandMoves) {
+TEST(HeldRun, GivesTheMassThatTheHandMovesOnADynamicArm) {
   session::CellSetup setup = ShippedCell("demo");
   setup.config.simulated.level = hil::ArmLevel::kDynamic;
   setup.config.simulated.dynamic.mount.reset();
@@ -158,8 +164,8 @@ TEST(HeldRun, OnAnArmWithMassesGivesTheMassThatTheHandMoves) {
   ExpectInside(*result.axes[1].felt_mass_kg, truth_kg, "felt mass");
 }
 
-// The simulated hands are what is found of them, within the intervals, whose truth is in the cells' files.
-// In free air the cells that are not listed have arm, tool and hand of one that is.
+// The truth is in the cells' files: each estimate's interval must contain it. Cells not listed have the arm,
+// tool and hand of a listed one in free air.
 TEST(HeldRun, FindsTheHandsOfTheShippedCells) {
   for (const char* name :
        {"demo", "femoral_canal", "kr_16_thin_plate", "long_drill", "molar", "sawbone_block", "thin_plate"}) {
@@ -177,9 +183,9 @@ TEST(HeldRun, FindsTheHandsOfTheShippedCells) {
     ExpectInside(hand.stiffness_N_per_m, truth.stiffness_N_per_m, "stiffness");
     ExpectInside(hand.damping_Ns_per_m, truth.damping_Ns_per_m, "damping");
     ExpectInside(hand.mass_kg, truth.mass_kg, "mass");
-    // thin_plate's arm stands on a mount that gives way beside the encoders: its intervals are wide
+    // thin_plate's arm is on a mount whose motion the encoders don't see: its intervals are wide
     if (std::string(name) != "thin_plate") {
-      // the simulated mass steps by backward Euler, which is half a period late
+      // the simulated mass is integrated by backward Euler, which delays it by half a period
       EXPECT_NEAR(hand.grip_time_s.value, truth.grip_time_s + 0.5 * setup.config.servo.period_s,
                   0.2 * truth.grip_time_s);
       EXPECT_LT(hand.damping_Ns_per_m.half_width, 0.1 * truth.damping_Ns_per_m) << "and these say something";
@@ -191,7 +197,7 @@ TEST(HeldRun, FindsTheHandsOfTheShippedCells) {
   }
 }
 
-// --- what an identified arm is worth, for the other arms of the design ---
+// --- stability limits predicted from an identified arm, for the other arms of the design ---
 
 struct TableArm {
   const char* name;
@@ -201,7 +207,7 @@ struct TableArm {
 
 class IdentifyTableArms : public testing::TestWithParam<TableArm> {};
 
-TEST_P(IdentifyTableArms, PredictsTheBoundariesOfTheTrueOne) {
+TEST_P(IdentifyTableArms, PredictsTheStabilityLimitsOfTheTrueArm) {
   const TableArm& one = GetParam();
   const TableRow row =
       IdentifyRow({.name = one.name}, {.arm = one.arm, .period_s = one.period_s, .seeds = 2});
@@ -228,7 +234,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 // --- forces at rest ---
 
-TEST(IdentifiedForces, ADriftThatIsNotFeltAsksForNoDeadZone) {
+TEST(IdentifiedForces, ANegligibleDriftNeedsNoDeadZone) {
   IdentifyResult result = ResultOf({});
   result.noise = ForceNoise{.white_N = 1e-9, .drift_N = 6e-15, .seconds = 60.0};
   EXPECT_FALSE(ToIdentified(result).dead_zone_N);
@@ -260,7 +266,7 @@ TEST(IdentifiedForces, NameTheRecordingsThatTheyComeFrom) {
   EXPECT_EQ(recordings[0].hash, HashOf(file));
   EXPECT_EQ(recordings[1].hash, "1111111111111111");
 
-  // an ordinary run gives no hand, and says why
+  // an ordinary run gives no estimate of the hand, and a warning states the reason
   JudgePassive(result);
   ASSERT_EQ(result.warnings.size(), 1u);
   EXPECT_NE(result.warnings[0].what.find("found a hand's force of 12 N with the law on, where force over "
@@ -269,7 +275,7 @@ TEST(IdentifiedForces, NameTheRecordingsThatTheyComeFrom) {
       << result.warnings[0].what;
 }
 
-// --- the present gains ---
+// --- the cell's present gains ---
 
 TEST(PresentGains, AreJudgedByTheMeasuredResponse) {
   config::CellConfig cell = ShippedCell("demo").config;
@@ -307,7 +313,7 @@ TEST(PresentGains, AreJudgedByTheMeasuredResponse) {
   EXPECT_TRUE(judged(1.0).margins.empty());
 }
 
-TEST(PresentGains, NeedTheResponseUpToTheLoopsCrossing) {
+TEST(PresentGains, NeedACoherentResponseAtTheLoopsCrossingFrequency) {
   const config::CellConfig cell = ShippedCell("demo").config;
   AxisResult axis = ArmAxis(false);
   axis.crossing_hz = CrossingOf(cell, axis);

@@ -14,7 +14,8 @@
 #include "studies/identify/identify_page.h"
 #include "tests/temporary_path.h"
 
-// Joints of the shipped cells, moved one at a time in virtual time: two draws of two periods each, 24 s.
+// Identifies joints of the shipped cells, excited one at a time in virtual time: two draws of two periods
+// each, 24 s.
 
 namespace osteon::studies {
 namespace {
@@ -32,6 +33,7 @@ ExcitationRequest JointRequest(int joint, double peak_rad_per_s = 0.15) {
   return {.peak_speed_m_per_s = peak_rad_per_s, .seed = 1, .draws = 2, .periods = 2, .joint = joint};
 }
 
+// Excites a joint and adds its estimates to the result.
 void AddJoint(const session::CellSetup& setup, const ExcitationRequest& request, IdentifyResult& result) {
   const fs::path file = TemporaryPath("joint.mcap");
   const auto run = RunExcited(setup, {.request = request, .recording = file});
@@ -40,7 +42,7 @@ void AddJoint(const session::CellSetup& setup, const ExcitationRequest& request,
   ASSERT_TRUE(added) << added.error();
 }
 
-// Bars of the axes: 0.5 %, and 0.02 ms of lag.
+// Expects the joint's estimates at the truth: within 0.5 %, and 0.02 ms of lag, as for an axis of the tool.
 void ExpectTruth(const AxisResult& joint, const hil::ServoArmParams& truth, double period_s) {
   const std::string name = NameOf(joint.request);
   EXPECT_NEAR(joint.fit.bandwidth_hz.value, truth.bandwidth_hz, 0.005 * truth.bandwidth_hz) << name;
@@ -52,7 +54,7 @@ void ExpectTruth(const AxisResult& joint, const hil::ServoArmParams& truth, doub
   EXPECT_TRUE(joint.model_holds) << name;
 }
 
-TEST(IdentifyJoints, EachJointOfAnLbrIsFoundAsTheCellHasIt) {
+TEST(IdentifyJoints, EachJointOfAnLbrIsIdentifiedAsSimulated) {
   const session::CellSetup setup = CellNamed("demo");
   IdentifyResult result = EmptyResult("demo", setup.config);
   for (int joint = 1; joint <= 7; ++joint) AddJoint(setup, JointRequest(joint), result);
@@ -79,7 +81,7 @@ TEST(IdentifyJoints, EachJointOfAnLbrIsFoundAsTheCellHasIt) {
   EXPECT_EQ(Judge(result).level, session::VerdictLevel::kGood);
 }
 
-TEST(IdentifyJoints, AJointOfAKrIsFoundAsTheCellHasIt) {
+TEST(IdentifyJoints, AJointOfAKrIsIdentifiedAsSimulated) {
   const session::CellSetup setup = CellNamed("kr_16_thin_plate");
   ASSERT_TRUE(setup.config.simulated.kr);
   IdentifyResult result = EmptyResult("kr", setup.config);
@@ -95,9 +97,9 @@ TEST(IdentifyJoints, AJointOfAKrIsFoundAsTheCellHasIt) {
   EXPECT_EQ(none.error(), "found joint A7, accepted A1 … A6");
 }
 
-// Masses and friction that the controller does not compensate: at 2 % of their speed the joints of the design
-// were unusable, "A1 687 Hz, zeta 67".
-TEST(IdentifyJoints, FrictionIsRefusedOrWarnedOfAtASlowMotion) {
+// An arm with masses, and with friction that the controller does not compensate. At 2 % of their speed its
+// joints stick and must be refused; the design found "A1 687 Hz, zeta 67".
+TEST(IdentifyJoints, JointsThatStickAtASlowMotionAreRefused) {
   session::CellSetup setup = CellNamed("demo");
   setup.config.simulated.level = hil::ArmLevel::kDynamic;
   setup.config.simulated.dynamic.friction_compensation = 0.0;
@@ -116,7 +118,7 @@ TEST(IdentifyJoints, FrictionIsRefusedOrWarnedOfAtASlowMotion) {
   }
 }
 
-TEST(IdentifyJoints, LagsThatDifferFromJointToJointAreWarnedOf) {
+TEST(IdentifyJoints, LagsThatDifferBetweenJointsAreWarnedAbout) {
   IdentifyResult result{.cell = "demo", .valid_for = {}, .axes = {}};
   for (const int joint : {1, 2}) {
     AxisResult& found = result.joints.emplace_back();
@@ -135,7 +137,7 @@ TEST(IdentifyJoints, LagsThatDifferFromJointToJointAreWarnedOf) {
   EXPECT_TRUE(result.warnings.empty());
 }
 
-TEST(ExcitedAxis, AJointStaysWithinItsBoundsAndTheTools) {
+TEST(ExcitedAxis, AJointsExcitationKeepsTheLimitsOfJointAndTool) {
   const session::CellSetup setup = CellNamed("demo");
   const auto& joints = setup.config.robot.lbr()->chain.joints;
   for (int joint = 1; joint <= 7; ++joint) {
@@ -153,7 +155,7 @@ TEST(ExcitedAxis, AJointStaysWithinItsBoundsAndTheTools) {
   }
 }
 
-TEST(ExcitedAxis, AJointIsKeptInTheRecordingsEvent) {
+TEST(ExcitedAxis, AJointIsStoredInTheRecordingsEvent) {
   const std::string text = EventText(JointRequest(3));
   const auto back = ParseEvent(text);
   ASSERT_TRUE(back);
@@ -165,11 +167,12 @@ TEST(ExcitedAxis, AJointIsKeptInTheRecordingsEvent) {
     EXPECT_FALSE(ParseEvent(std::string(text).replace(text.find("\"joint\":3"), 9, wrong))) << wrong;
 }
 
-TEST(ExcitedRun, TheWayOfAJointIsChecked) {
+TEST(ExcitedRun, AnObstacleOnAJointsPathIsRefused) {
   session::CellSetup setup = CellNamed("demo");
   simulation::Ball obstacle = setup.bone.balls.front();
   const Pose X_WF = setup.config.start.X_WT * setup.config.tool.X_FT.inverse();
-  // 70 mm beside the flange, whose radius is 65: free at the start, not 1 degree further
+  // A ball 70 mm beside the flange's axis; the flange's radius is 65 mm. Free at the start, hit within a
+  // degree.
   const Vector3 sideways = setup.config.X_WB.linear() * Vector3::UnitY();
   const Vector3 center_G = setup.X_WG.inverse() * (X_WF.translation() + 0.071 * sideways);
   obstacle.center_m = center_G;

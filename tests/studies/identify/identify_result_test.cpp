@@ -12,13 +12,14 @@
 #include "control/excitation/multisine.h"
 #include "studies/identify/identify_estimate.h"
 
-// Each set of bad data is refused with its own message.
+// How identified results are judged and written: each kind of bad data has its own refusal or warning.
 
 namespace osteon::studies {
 namespace {
 
 constexpr double kPeriod_s = 1e-3;
 
+// The exact result of an arm of 15 Hz with a tool of 1.2 kg: nothing in it is to be refused.
 AxisResult GoodAxis(double peak_m_per_s = 0.05) {
   AxisResult axis{.request = {.peak_speed_m_per_s = peak_m_per_s},
                   .recording = {.file = "free_z.mcap", .hash = "0000000000000000"},
@@ -41,33 +42,34 @@ AxisResult GoodAxis(double peak_m_per_s = 0.05) {
   return axis;
 }
 
-IdentifyResult Empty() {
+IdentifyResult EmptyDemoResult() {
   return {.cell = "demo",
           .valid_for = {.robot = "lbr", .tool = "reamer", .period_s = kPeriod_s},
           .tool_mass_kg = 1.2,
           .axes = {}};
 }
 
+// A change that spoils a good axis, and the refusal's expected text.
 struct BadCase {
   const char* message;
   std::function<void(AxisResult&)> spoil;
 };
 
-IdentifyResult JudgedOf(AxisResult axis) {
-  IdentifyResult result = Empty();
+IdentifyResult JudgeSingleAxis(AxisResult axis) {
+  IdentifyResult result = EmptyDemoResult();
   result.axes.push_back(std::move(axis));
   JudgeAxis(result.axes.front(), result);
   return result;
 }
 
-TEST(IdentifyRefusals, GoodDataAreTaken) {
-  const IdentifyResult result = JudgedOf(GoodAxis());
+TEST(IdentifyRefusals, GoodDataAreAccepted) {
+  const IdentifyResult result = JudgeSingleAxis(GoodAxis());
   EXPECT_TRUE(result.refused.empty()) << result.refused.front().what;
   EXPECT_TRUE(result.warnings.empty()) << result.warnings.front().what;
   EXPECT_EQ(Judge(result).level, session::VerdictLevel::kGood);
 }
 
-TEST(IdentifyRefusals, EachHasItsOwnMessage) {
+TEST(IdentifyRefusals, EachKindOfBadDataHasItsOwnMessage) {
   const BadCase cases[] = {
       {"somebody holds the handle, or another tool: found 1.300 kg",
        [](AxisResult& axis) { axis.tool->mass_kg.value = 1.3; }},
@@ -91,7 +93,7 @@ TEST(IdentifyRefusals, EachHasItsOwnMessage) {
   for (const BadCase& one : cases) {
     AxisResult axis = GoodAxis();
     one.spoil(axis);
-    const IdentifyResult result = JudgedOf(std::move(axis));
+    const IdentifyResult result = JudgeSingleAxis(std::move(axis));
     ASSERT_EQ(result.refused.size(), 1u) << one.message;
     EXPECT_NE(result.refused.front().what.find(one.message), std::string::npos)
         << result.refused.front().what;
@@ -104,19 +106,19 @@ TEST(IdentifyRefusals, AHeldRunNeedsAHand) {
   AxisResult axis = GoodAxis();
   axis.request.held = true;
   axis.hand = HandFit{.stiffness_N_per_m = {4.0, 1.0}};
-  const IdentifyResult without = JudgedOf(axis);
+  const IdentifyResult without = JudgeSingleAxis(axis);
   ASSERT_EQ(without.refused.size(), 1u);
   EXPECT_NE(without.refused.front().what.find("nobody holds the handle: found 4 N/m"), std::string::npos);
   axis.hand->stiffness_N_per_m.value = 2000.0;
-  EXPECT_TRUE(JudgedOf(axis).refused.empty());
+  EXPECT_TRUE(JudgeSingleAxis(axis).refused.empty());
 }
 
-TEST(IdentifyRefusals, StructureLeavesTheMeasuredResponseAlone) {
-  AxisResult bent = GoodAxis(), unlike = GoodAxis();
-  bent.fit.chi2 = 14.0;
-  unlike.validation_chi2 = 2.5;
-  for (const AxisResult& axis : {bent, unlike}) {
-    const IdentifyResult result = JudgedOf(axis);
+TEST(IdentifyRefusals, AnArmThatFitsNoModelIsWrittenAsItsMeasuredResponse) {
+  AxisResult badly_fitted = GoodAxis(), badly_validated = GoodAxis();
+  badly_fitted.fit.chi2 = 14.0;
+  badly_validated.validation_chi2 = 2.5;
+  for (const AxisResult& axis : {badly_fitted, badly_validated}) {
+    const IdentifyResult result = JudgeSingleAxis(axis);
     ASSERT_EQ(result.warnings.size(), 1u);
     EXPECT_NE(result.warnings.front().what.find("margins by the measured response only"), std::string::npos);
     const config::IdentifiedCell written = ToIdentified(result);
@@ -125,8 +127,8 @@ TEST(IdentifyRefusals, StructureLeavesTheMeasuredResponseAlone) {
   }
 }
 
-TEST(IdentifyRefusals, FrictionWritesTheSlowerSpeedAlone) {
-  IdentifyResult result = Empty();
+TEST(IdentifyRefusals, WhereFrictionShowsOnlyTheSlowerSpeedIsWritten) {
+  IdentifyResult result = EmptyDemoResult();
   result.axes = {GoodAxis(0.01), GoodAxis(0.05)};
   JudgeSpeeds(result);
   EXPECT_TRUE(result.warnings.empty());
@@ -140,17 +142,17 @@ TEST(IdentifyRefusals, FrictionWritesTheSlowerSpeedAlone) {
   EXPECT_DOUBLE_EQ(written.arm[0].speed_m_per_s, 0.004);
 }
 
-TEST(IdentifyRefusals, ASensorWithoutInertiaIsToldNotRefused) {
+TEST(IdentifyRefusals, ASensorThatFeelsNoInertiaIsWarnedAboutNotRefused) {
   AxisResult axis = GoodAxis();
   axis.tool.reset();
   axis.no_tool = "the force sensor shows no inertia of the tool";
-  const IdentifyResult result = JudgedOf(std::move(axis));
+  const IdentifyResult result = JudgeSingleAxis(std::move(axis));
   EXPECT_TRUE(result.refused.empty());
   ASSERT_EQ(result.warnings.size(), 1u);
 }
 
-TEST(IdentifyJson, HasWhatTheDesignNames) {
-  IdentifyResult result = JudgedOf(GoodAxis());
+TEST(IdentifyJson, HasTheDesignsKeysAndFigures) {
+  IdentifyResult result = JudgeSingleAxis(GoodAxis());
   result.noise =
       ForceNoise{.white_N = 0.08, .drift_N = 0.07, .lines = {{.hz = 50.0, .amplitude = 0.05}}, .seconds = 60};
   const auto json = nlohmann::json::parse(ToJson(result, "osteon identify demo"));
@@ -167,7 +169,8 @@ TEST(IdentifyJson, HasWhatTheDesignNames) {
   EXPECT_TRUE(json.at("refused").empty());
 }
 
-// x_cmd - x_meas of an arm that lags by a time, and yields to the hand.
+// Ticks of an ordinary run: the measured tool follows the commanded one with a lag and yields to the hand's
+// force.
 std::vector<control::TickRecord> PassiveTicks(double lag_s, double yields_m_per_N, int ticks) {
   std::vector<control::TickRecord> all;
   for (int k = 0; k < ticks; ++k) {
@@ -184,7 +187,7 @@ std::vector<control::TickRecord> PassiveTicks(double lag_s, double yields_m_per_
   return all;
 }
 
-TEST(PassiveLag, IsFoundBesideAHandsForce) {
+TEST(PassiveLag, IsSeparatedFromTheYieldingToAHandsForce) {
   const auto lag = EstimatePassiveLag(PassiveTicks(24e-3, 2e-6, 40000), kPeriod_s);
   ASSERT_TRUE(lag) << lag.error();
   EXPECT_NEAR(lag->lag_s.value, 24e-3, 0.1e-3);
@@ -194,10 +197,10 @@ TEST(PassiveLag, IsFoundBesideAHandsForce) {
   EXPECT_NE(little.error().find("too little: found"), std::string::npos);
 }
 
-// The design's passive thin_plate: the hand pulls the tool against 300 N s/m of the law, presses besides, and
-// moves the arm of 5.27 kg and 15 Hz meanwhile. Without its force as second input the lag of 24.2 ms seems to
-// be 12 to 21.
-TEST(PassiveLag, SeemsTooShortWhereTheHandsForceIsLeftOut) {
+// The design's run of thin_plate: the hand pulls the tool against the law's 300 N s/m and presses besides,
+// and the arm (5.27 kg at 15 Hz) yields to it. An estimate that ignores the force finds 12 to 21 ms instead
+// of 24.2 ms.
+TEST(PassiveLag, IsUnderestimatedIfTheHandsForceIsIgnored) {
   constexpr double kLag_s = 24.2e-3, kDrag_Ns_per_m = 300.0;
   const double yields_m_per_N = 1.0 / (5.27 * std::pow(2.0 * std::numbers::pi * 15.0, 2));
   std::vector<control::TickRecord> ticks = PassiveTicks(kLag_s, 0.0, 40000);
@@ -219,7 +222,7 @@ TEST(PassiveLag, SeemsTooShortWhereTheHandsForceIsLeftOut) {
   EXPECT_NEAR(lag->lag_s.value, kLag_s, 0.5e-3) << without_force_s;
 }
 
-TEST(ExcitationEvent, ReadsBack) {
+TEST(ExcitationEvent, IsReadBackFromItsText) {
   const ExcitationRequest request{.axis = 'x',
                                   .peak_speed_m_per_s = 0.01,
                                   .seed = 101,

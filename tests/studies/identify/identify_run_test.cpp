@@ -12,8 +12,8 @@
 #include "studies/identify/identify_estimate.h"
 #include "tests/temporary_path.h"
 
-// The demonstration cell's arm through its real loop, wires and devices in virtual time: FRI in memory, a
-// sensor on CAN, a PLC. Two draws of two periods each: 16 s counted.
+// Identifies the demo cell's simulated arm through the real servo loop and devices in virtual time: FRI in
+// memory, a sensor on CAN, a PLC. Two draws of two periods each, of which 16 s count.
 
 namespace osteon::studies {
 namespace {
@@ -24,14 +24,14 @@ const fs::path kDemo = fs::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml";
 constexpr ExcitationRequest kShort{
     .axis = 'z', .peak_speed_m_per_s = 0.05, .seed = 1, .draws = 2, .periods = 2};
 
-session::CellSetup Demo() {
+session::CellSetup PrepareDemoCell() {
   auto setup = session::PrepareCell(kDemo, std::nullopt);
   EXPECT_TRUE(setup) << (setup ? "" : setup.error());
   return std::move(*setup);
 }
 
 TEST(ExcitedRun, IdentifiesTheSimulatedArmAndItsSensor) {
-  const session::CellSetup setup = Demo();
+  const session::CellSetup setup = PrepareDemoCell();
   const fs::path file = TemporaryPath("free_z.mcap");
   const auto run = RunExcited(setup, {.request = kShort, .recording = file});
   ASSERT_TRUE(run) << run.error();
@@ -50,7 +50,7 @@ TEST(ExcitedRun, IdentifiesTheSimulatedArmAndItsSensor) {
   EXPECT_GT(axis.tool->delay_s.value, 0.0);
   EXPECT_LT(axis.tool->delay_s.value, 5e-3);
 
-  // the whole run kept the loop's pause: its own command stood still while the arm moved
+  // the loop was paused throughout: its own command stood still while the excitation moved the arm
   const auto recording = io::ReadRecording(file);
   ASSERT_TRUE(recording);
   const auto excited = ExcitedAxisOf(setup.config, kShort);
@@ -64,8 +64,8 @@ TEST(ExcitedRun, IdentifiesTheSimulatedArmAndItsSensor) {
   EXPECT_LT(greatest_m, 5e-3);
 }
 
-TEST(ExcitedRun, LossOnBothWaysIsCountedAndDoesNoHarm) {
-  session::CellSetup setup = Demo();
+TEST(ExcitedRun, LostMessagesAndAnswersAreCountedAndDoNoHarm) {
+  session::CellSetup setup = PrepareDemoCell();
   setup.config.injections.injections = {
       {.wire = hil::Wire::kArm, .direction = hil::Direction::kBoth, .faults = {.loss = 0.01}}};
   const fs::path file = TemporaryPath("lossy_z.mcap");
@@ -83,7 +83,7 @@ TEST(ExcitedRun, LossOnBothWaysIsCountedAndDoesNoHarm) {
 }
 
 TEST(ExcitedRun, FindsTheHandThatHoldsTheHandle) {
-  const session::CellSetup setup = Demo();
+  const session::CellSetup setup = PrepareDemoCell();
   const fs::path file = TemporaryPath("held_x.mcap");
   ExcitationRequest request = kShort;
   request.axis = 'x';
@@ -99,8 +99,8 @@ TEST(ExcitedRun, FindsTheHandThatHoldsTheHandle) {
               0.1 * truth.stiffness_N_per_m);
 }
 
-// Excites the arm of an impedance cell along an axis, and fits it.
-IdentifyResult Overlaid(const session::CellSetup& setup, char axis) {
+// Excites the arm of an impedance cell with a wrench along an axis, and identifies its impedance.
+IdentifyResult IdentifyOverlaid(const session::CellSetup& setup, char axis) {
   const fs::path file = TemporaryPath("overlay.mcap");
   ExcitationRequest request = kShort;
   request.axis = axis;
@@ -120,14 +120,14 @@ session::CellSetup ImpedanceCell() {
   return std::move(*setup);
 }
 
-// The arm with masses in Cartesian impedance, on its mount: a wrench is laid over it. The fit begins with
-// another arm, as a real cell's file may have it.
-TEST(ExcitedRun, FindsTheImpedanceThatAWrenchMeets) {
+// An arm with masses under Cartesian impedance, on its mount, is excited by a wrench. The fit starts from the
+// cell's file, which differs from the arm.
+TEST(ExcitedRun, IdentifiesTheArmsCartesianImpedance) {
   session::CellSetup setup = ImpedanceCell();
   setup.config.simulated.dynamic.friction_compensation = 1.0;
   for (const char axis : {'z', 'x'}) {
     const hil::DynamicArmParams truth = setup.config.simulated.dynamic;
-    const IdentifyResult result = Overlaid(setup, axis);
+    const IdentifyResult result = IdentifyOverlaid(setup, axis);
     ASSERT_TRUE(result.refused.empty()) << result.refused.front().what;
     ASSERT_EQ(result.axes.size(), 1u);
     const AxisResult& found = result.axes.front();
@@ -154,10 +154,11 @@ TEST(ExcitedRun, FindsTheImpedanceThatAWrenchMeets) {
   }
 }
 
-// Arm, sensor and PLC at the other end of real sockets, in wall time.
-TEST(ExcitedRun, AConnectedCellIsRecordedOverItsWires) {
-  session::CellSetup setup = Demo();
-  hil::QualityPolicyParams& quality = setup.config.simulated.fri.quality;  // a busy machine is no fault
+// Arm, sensor and PLC are connected by real sockets and run in wall time.
+TEST(ExcitedRun, RecordsACellThatIsConnectedBySockets) {
+  session::CellSetup setup = PrepareDemoCell();
+  hil::QualityPolicyParams& quality =
+      setup.config.simulated.fri.quality;  // a busy machine must cause no fault
   quality.end_after_lost_in_a_row = quality.end_after_lost_per_s = quality.good_max_lost_per_s = 1'000'000;
   safety::WatchdogParams& watchdog = setup.config.servo.watchdog;
   watchdog.arm_misses = 1000;
@@ -177,7 +178,7 @@ TEST(ExcitedRun, AConnectedCellIsRecordedOverItsWires) {
 }
 
 TEST(ExcitedRun, ARecordingOfAnotherCellIsRefused) {
-  session::CellSetup setup = Demo();
+  session::CellSetup setup = PrepareDemoCell();
   const fs::path file = TemporaryPath("rest.mcap");
   ExcitationRequest rest = kShort;
   rest.rest_s = 0.5;
@@ -203,8 +204,8 @@ TEST(ExcitedRun, ARecordingOfAnotherCellIsRefused) {
   EXPECT_NE(refusal(other).find("differ by 0.100 rad"), std::string::npos);
 }
 
-TEST(ExcitedAxis, MovesTheApexAlongTheAxisAlone) {
-  const session::CellSetup setup = Demo();
+TEST(ExcitedAxis, MovesTheApexOnlyAlongTheAxis) {
+  const session::CellSetup setup = PrepareDemoCell();
   for (const char name : {'x', 'y', 'z'}) {
     ExcitationRequest request = kShort;
     request.axis = name;

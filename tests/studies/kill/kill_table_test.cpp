@@ -8,12 +8,14 @@
 #include "session/run/cell_trace.h"
 #include "tests/io/temporary_folder.h"
 
-// The tables that `osteon failures --kill` makes of its trials; kill_test.cpp kills real processes.
+// The tables that `osteon failures --kill` prints of its trials, and the trace of the arm that it judges.
+// kill_test.cpp kills real processes.
 
 namespace osteon::studies {
 namespace {
 
-KillRun Rested(KillVictim victim, double rest_ms, double hand_N) {
+// A successful trial: the arm came to rest after rest_ms, and the hand felt at most hand_N.
+KillRun SuccessfulTrial(KillVictim victim, double rest_ms, double hand_N) {
   KillRun run;
   run.result.victim = victim;
   run.result.at_rest = true;
@@ -22,10 +24,10 @@ KillRun Rested(KillVictim victim, double rest_ms, double hand_N) {
   return run;
 }
 
-TEST(KillTable, ShowsTheWorstOfEachVictim) {
-  const std::vector<KillRun> runs{Rested(KillVictim::kGuard, 80.0, 150.0),
-                                  Rested(KillVictim::kGuard, 120.0, 140.0),
-                                  Rested(KillVictim::kController, 70.0, 149.0)};
+TEST(KillTable, ShowsTheWorstFiguresOfEachVictim) {
+  const std::vector<KillRun> runs{SuccessfulTrial(KillVictim::kGuard, 80.0, 150.0),
+                                  SuccessfulTrial(KillVictim::kGuard, 120.0, 140.0),
+                                  SuccessfulTrial(KillVictim::kController, 70.0, 149.0)};
   const std::string text = KillTableText(runs);
   const std::string guard = text.substr(text.find("\nguard"));
   EXPECT_NE(guard.find("   2        2 "), std::string::npos) << text;
@@ -36,9 +38,9 @@ TEST(KillTable, ShowsTheWorstOfEachVictim) {
   EXPECT_TRUE(nlohmann::json::parse(KillTableJson(runs)).at("passed").get<bool>());
 }
 
-TEST(KillTable, ShowsWhatIsWrongAndWhatWasNotToBeHad) {
-  std::vector<KillRun> runs{Rested(KillVictim::kGuard, 80.0, 150.0),
-                            Rested(KillVictim::kController, 70.0, 149.0)};
+TEST(KillTable, ShowsFailedTrialsAndTrialsThatDidNotTakePlace) {
+  std::vector<KillRun> runs{SuccessfulTrial(KillVictim::kGuard, 80.0, 150.0),
+                            SuccessfulTrial(KillVictim::kController, 70.0, 149.0)};
   runs[0].result.at_rest = false;
   runs[0].result.wrong = "no rest";
   runs[1].error = "no full contact in 3 attempts";
@@ -55,8 +57,9 @@ TEST(KillTable, ShowsWhatIsWrongAndWhatWasNotToBeHad) {
   EXPECT_EQ(json.at("kills")[1].at("error"), "no full contact in 3 attempts");
 }
 
-// A trial with another fault first is made anew only if everything else was as required.
-TEST(KillTable, TellsADeathFromAnotherFaultThatCameFirst) {
+// A trial is repeated if another fault than the victim's came first, but only if everything else was as
+// required.
+TEST(KillTable, DetectsThatAnotherFaultCameFirst) {
   const auto run = [](KillVictim victim, std::vector<std::string> faults, std::string wrong = "") {
     return KillResult{.victim = victim, .faults = std::move(faults), .wrong = std::move(wrong)};
   };
@@ -73,8 +76,9 @@ TEST(KillTable, TellsADeathFromAnotherFaultThatCameFirst) {
       << "what is wrong stays wrong";
 }
 
-// A tool pressed on bone hardly moves while its arm is still commanded; the stop comes later.
-TEST(CellTrace, AnArmThatIsCommandedDoesNotRestHoweverSlowItIs) {
+// A tool that is pressed on bone hardly moves. While its arm is still commanded, this is no rest: the stop
+// comes later.
+TEST(CellTrace, ACommandedArmIsNotAtRestHoweverSlowItIs) {
   const auto cycle = [](int ms, control::SessionState session, double speed_m_per_s) {
     session::CellCycle made;
     made.stamp = ms * rt::kMillisecond;
@@ -97,7 +101,7 @@ TEST(CellTrace, AnArmThatIsCommandedDoesNotRestHoweverSlowItIs) {
   EXPECT_EQ(session::RestedFor(cycles, 3000 * rt::kMillisecond), 399 * rt::kMillisecond);
 }
 
-// A trace is read while another process writes it: every cycle once, no incomplete one.
+// A trace is read while another process writes it: every cycle must be read once, and no incomplete one.
 TEST(CellTrace, IsReadWhileItIsWritten) {
   const io::test::TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "trace.csv";

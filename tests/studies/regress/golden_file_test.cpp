@@ -10,7 +10,8 @@
 namespace osteon::studies {
 namespace {
 
-Golden Sample() {
+/// A golden file of the sample trace, with two reasons.
+Golden SampleGolden() {
   return {.head = {.scenario = "wall",
                    .reasons = {"2026-01-02 commit abc: first", "2026-02-03 commit def: mass\nweighed anew"},
                    .build = "commit abc, gcc 12",
@@ -20,8 +21,8 @@ Golden Sample() {
           .trace = SampleTrace()};
 }
 
-TEST(GoldenFile, ComesBackAsItWasButForTheRounding) {
-  const Golden golden = Sample();
+TEST(GoldenFile, IsReadBackAsWrittenUpToRounding) {
+  const Golden golden = SampleGolden();
   const auto read = ParseGolden(GoldenText(golden), "g.txt");
   ASSERT_TRUE(read) << read.error();
   EXPECT_EQ(read->head.scenario, "wall");
@@ -49,9 +50,10 @@ TEST(GoldenFile, ComesBackAsItWasButForTheRounding) {
                   0.5 * std::pow(10.0, -DecimalsOf(TraceQuantities()[j].kind)));
 }
 
-// Cuts the text at every place, and changes every byte.
-TEST(GoldenFile, NothingOfItIsTrusted) {
-  const std::string text = GoldenText(Sample());
+// A text that is cut off anywhere is refused. With any byte changed, it is refused or read with consistent
+// sizes.
+TEST(GoldenFile, DamagedTextIsRefusedOrReadConsistently) {
+  const std::string text = GoldenText(SampleGolden());
   for (std::size_t size = 0; size + 1 < text.size(); ++size) {
     const auto read = ParseGolden(text.substr(0, size), "g.txt");
     ASSERT_FALSE(read) << "cut off after " << size << " of " << text.size();
@@ -72,8 +74,8 @@ TEST(GoldenFile, NothingOfItIsTrusted) {
   EXPECT_GT(refused, text.size());
 }
 
-TEST(GoldenFile, SaysLineAndWhatIsAccepted) {
-  const std::string text = GoldenText(Sample());
+TEST(GoldenFile, RefusalNamesTheLineAndWhatIsAccepted) {
+  const std::string text = GoldenText(SampleGolden());
   const auto with = [&](const std::string& from, const std::string& to) {
     std::string changed = text;
     changed.replace(changed.find(from), from.size(), to);
@@ -93,7 +95,7 @@ TEST(GoldenFile, SaysLineAndWhatIsAccepted) {
   EXPECT_NE(with("period_s 0.001", "period_s 0").find("period_s: found \"0\""), std::string::npos);
 }
 
-TEST(GoldenFile, OfAFileThatIsNone) {
+TEST(GoldenFile, RefusesFoldersAndLargeFilesAndReadsReasonsOfAny) {
   const io::test::TemporaryFolder folder;
   EXPECT_NE(ReadGolden(folder.path()).error().find("found a folder, accepted a file"), std::string::npos);
   io::test::WriteAll(folder.path() / "large", std::string(9u << 20u, 'a'));

@@ -12,16 +12,17 @@ constexpr double kRadius_m = 0.025, kStiffness_N_per_m = 20e3;
 
 simulation::Tool Reamer() { return simulation::MakeReamer(kRadius_m, 0.008, 0.13, 1.0, Vector3::Zero()); }
 
-// The plane z = 0.1 of W, seen from above.
-PlaneEngine Plane() {
+// An engine with the plane z = 0.1 of W, whose normal points up.
+PlaneEngine MakePlaneEngine() {
   return {Reamer(),
           Vector3(0.3, -0.2, 0.1),
           Vector3::UnitZ(),
           {.stiffness_N_per_m = kStiffness_N_per_m, .normal_enlargement_m = 0.24e-3}};
 }
 
-// The tool points down, tilted about x, its apex at a height above the plane; @returns its pose.
-Pose Above(double height_m, double tilt_rad = 0.0) {
+// Pose of the tool that points down, tilted about x, with its head's lowest point at height_m above the
+// plane.
+Pose PoseAbove(double height_m, double tilt_rad = 0.0) {
   Pose X_WT = Pose::Identity();
   X_WT.linear() = Eigen::AngleAxisd(3.14159265358979 + tilt_rad, Vector3::UnitX()).toRotationMatrix();
   // the head's centre is a radius behind the apex
@@ -29,18 +30,18 @@ Pose Above(double height_m, double tilt_rad = 0.0) {
   return X_WT;
 }
 
-TEST(PlaneEngine, PushesWithItsStiffnessTimesTheDepthWhereTheBallIsDeepest) {
-  PlaneEngine engine = Plane();
+TEST(PlaneEngine, PushesAtTheBallsDeepestPointWithStiffnessTimesDepth) {
+  PlaneEngine engine = MakePlaneEngine();
   for (const double tilt_rad : {0.0, 0.3}) {
     const double depth_m = 2e-3;
-    const Pose X_WT = Above(-depth_m, tilt_rad);
+    const Pose X_WT = PoseAbove(-depth_m, tilt_rad);
     const simulation::ContactModel model = engine.Step({.X_WT = X_WT, .stamp = 7});
     ASSERT_EQ(model.contact_count, 1);
     EXPECT_EQ(model.pose_stamp, 7);
     const simulation::Contact& contact = model.contacts.front();
     EXPECT_NEAR(contact.gap_m, -depth_m, 1e-12);
     EXPECT_NEAR((Vector3(contact.n_W) - Vector3::UnitZ()).norm(), 0.0, 1e-15);
-    // below the head's centre, on the plane
+    // the contact's point is the head's lowest, below its centre
     const Vector3 touching = X_WT * Vector3(contact.p_TP_m), center = X_WT * Vector3(0, 0, -kRadius_m);
     EXPECT_NEAR((touching - (center - kRadius_m * Vector3::UnitZ())).norm(), 0.0, 1e-12);
     EXPECT_NEAR(Vector3(contact.p_W_m).z(), 0.1, 1e-12);
@@ -53,19 +54,19 @@ TEST(PlaneEngine, PushesWithItsStiffnessTimesTheDepthWhereTheBallIsDeepest) {
   }
 }
 
-TEST(PlaneEngine, IsReportedBeforeItIsTouchedAndPushesNot) {
-  PlaneEngine engine = Plane();
-  const auto near = engine.Step({.X_WT = Above(0.2e-3)});
+TEST(PlaneEngine, ReportsANearPlaneWithoutAForce) {
+  PlaneEngine engine = MakePlaneEngine();
+  const auto near = engine.Step({.X_WT = PoseAbove(0.2e-3)});
   EXPECT_EQ(near.contact_count, 1);
   EXPECT_NEAR(near.contacts.front().gap_m, 0.2e-3, 1e-12);
   EXPECT_EQ(Vector3(near.F_T_W.f).norm(), 0.0);
-  EXPECT_EQ(engine.Step({.X_WT = Above(0.3e-3)}).contact_count, 0);
+  EXPECT_EQ(engine.Step({.X_WT = PoseAbove(0.3e-3)}).contact_count, 0);
   EXPECT_EQ(engine.Snapshot().frame, 2u);
 }
 
-TEST(PlaneEngine, RefusesWhatIsNoPoseAndNoPlane) {
-  PlaneEngine engine = Plane();
-  Pose X_WT = Above(0.0);
+TEST(PlaneEngine, RefusesAnInvalidPoseToolOrNormal) {
+  PlaneEngine engine = MakePlaneEngine();
+  Pose X_WT = PoseAbove(0.0);
   X_WT.translation().x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(engine.Step({.X_WT = X_WT}).status, simulation::EngineStatus::kBadInput);
   EXPECT_EQ(engine.Snapshot().frame, 0u) << "the frame changed nothing";

@@ -11,8 +11,8 @@
 namespace osteon::studies {
 namespace {
 
-// One result of each kind: the same, other bits, beyond a tolerance, no golden trace.
-std::vector<RegressResult> Results() {
+// Four results: equal to the golden trace, with other bits, beyond a tolerance, and without a golden trace.
+std::vector<RegressResult> ResultsOfEachKind() {
   const auto make = [](const std::string& name, const auto& change) {
     RegressResult result;
     result.scenario.name = name;
@@ -53,8 +53,8 @@ std::vector<RegressResult> Results() {
   return results;
 }
 
-TEST(RegressResult, PassesWithinItsTolerancesUnlessEveryBitIsAskedFor) {
-  const auto results = Results();
+TEST(RegressResult, PassesWithinItsTolerancesUnlessExactBitsAreRequired) {
+  const auto results = ResultsOfEachKind();
   EXPECT_TRUE(results[0].Passed(false) && results[0].Passed(true));
   EXPECT_TRUE(results[1].Passed(false));
   EXPECT_FALSE(results[1].Passed(true));
@@ -62,8 +62,8 @@ TEST(RegressResult, PassesWithinItsTolerancesUnlessEveryBitIsAskedFor) {
   EXPECT_FALSE(results[3].Passed(false));
 }
 
-TEST(RegressResult, TableSaysWhyBelowEachThatIsNotTheSame) {
-  auto results = Results();
+TEST(RegressResult, TableExplainsEachDifferenceBelowItsRow) {
+  auto results = ResultsOfEachKind();
   const RegressOptions options;
   const std::string text = RegressTable({.results = results, .options = options, .seconds = 1.5});
   EXPECT_NE(text.find("same      passed  the same              0.04 s   0.01 s     4.0x\n"),
@@ -82,8 +82,8 @@ TEST(RegressResult, TableSaysWhyBelowEachThatIsNotTheSame) {
       << updated;
 }
 
-TEST(RegressResult, JsonKeepsTheContract) {
-  const auto results = Results();
+TEST(RegressResult, JsonHasTheDocumentedKeys) {
+  const auto results = ResultsOfEachKind();
   const RegressOptions options;
   const auto json =
       nlohmann::json::parse(RegressJson({.results = results, .options = options, .seconds = 1.5}));
@@ -103,13 +103,14 @@ TEST(RegressResult, JsonKeepsTheContract) {
   EXPECT_EQ(json["scenarios"][2]["first_difference"]["tick"], 8);
 }
 
-// One suite, one case per scenario, counts, and no character that XML forbids.
-TEST(RegressResult, JunitIsXmlWithACaseAScenario) {
-  const auto results = Results();
+// The file has one suite, one case for each scenario, the counts, and no character that XML forbids.
+TEST(RegressResult, JunitFileIsXmlWithACaseForEachScenario) {
+  const auto results = ResultsOfEachKind();
   const RegressOptions options;
   const std::string xml = RegressJunit({.results = results, .options = options, .seconds = 1.5});
   EXPECT_TRUE(xml.starts_with("<?xml version=\"1.0\""));
   std::string markup = xml.substr(xml.find("<testsuites"));
+  // the checker accepts names without hyphens only
   for (std::size_t at = 0; (at = markup.find("system-out")) != std::string::npos;) markup.erase(at + 6, 1);
   EXPECT_EQ(report::MarkupError(markup), "");
   EXPECT_NE(
@@ -128,8 +129,8 @@ TEST(RegressResult, JunitIsXmlWithACaseAScenario) {
   EXPECT_EQ(xml.find('\x01'), std::string::npos);
 }
 
-TEST(RegressResult, ThePageShowsWhatDiffersAndNothingElse) {
-  const auto results = Results();
+TEST(RegressResult, PageShowsOnlyWhatDiffers) {
+  const auto results = ResultsOfEachKind();
   const io::test::TemporaryFolder folder;
   RegressOptions options;
   options.out = folder.path() / "out";

@@ -22,6 +22,7 @@ inline ScenarioTrace SampleTrace() {
                   {.tick = 5, .what = "state haptic"},
                   {.tick = 38, .what = "state off"}};
   trace.first_tick = 5;
+  // a distinct curve for each quantity i
   const auto value = [](std::uint64_t tick, std::size_t i) {
     return std::sin(0.1 * static_cast<double>(tick) + static_cast<double>(i)) * 12.3456789012;
   };

@@ -12,21 +12,22 @@ namespace {
 
 const config::TraceTolerances kTolerances;
 
-std::string Text(const TraceDifference& difference) {
+// The explanation of a difference, in lines.
+std::string ExplanationOf(const TraceDifference& difference) {
   std::string text;
   for (const std::string& line : Explain(difference, SampleTrace())) text += line + "\n";
   return text;
 }
 
-TEST(TraceDifference, OfEqualTracesIsNone) {
+TEST(TraceDifference, IsEmptyForEqualTraces) {
   const TraceDifference same = Compare(SampleTrace(), SampleTrace(), kTolerances);
   EXPECT_TRUE(same.identical);
   EXPECT_TRUE(same.passed);
-  EXPECT_EQ(Text(same), "");
+  EXPECT_EQ(ExplanationOf(same), "");
 }
 
-// One different bit: the comparison passes, and says that it is not identical.
-TEST(TraceDifference, OfABitPassesWithoutBeingIdentical) {
+// Two digests differ by a bit each, no sample differs: the comparison passes, but is not identical.
+TEST(TraceDifference, ADifferentBitPassesWithoutBeingIdentical) {
   ScenarioTrace now = SampleTrace();
   now.hash ^= 1u;
   now.digests[12][static_cast<std::size_t>(TracePart::kCoupling)] ^= 0x800u;
@@ -38,14 +39,14 @@ TEST(TraceDifference, OfABitPassesWithoutBeingIdentical) {
   EXPECT_EQ(difference.parts[0].part, TracePart::kCoupling);
   EXPECT_EQ(difference.parts[0].tick, 17u);
   EXPECT_EQ(difference.parts[1].tick, 19u);
-  EXPECT_NE(Text(difference)
+  EXPECT_NE(ExplanationOf(difference)
                 .find("0.018 s (tick 17): the coupling (of equal inputs: the loop itself does otherwise); "
                       "ticks later: the command +2"),
             std::string::npos)
-      << Text(difference);
+      << ExplanationOf(difference);
 }
 
-TEST(TraceDifference, SaysWhatLeftItsToleranceFirst) {
+TEST(TraceDifference, NamesFirstTheQuantityThatLeftItsToleranceFirst) {
   const std::size_t force = QuantityNamed("coupling_z_N"), place = QuantityNamed("tool_x_mm"),
                     small = QuantityNamed("tool_y_mm");
   ScenarioTrace now = SampleTrace();
@@ -67,7 +68,7 @@ TEST(TraceDifference, SaysWhatLeftItsToleranceFirst) {
   EXPECT_EQ(difference.quantities[1].quantity, place);
   EXPECT_EQ(difference.quantities[2].quantity, small);
   EXPECT_FALSE(difference.quantities[2].beyond());
-  const std::string text = Text(difference);
+  const std::string text = ExplanationOf(difference);
   EXPECT_NE(text.find("coupling_z_N: left at 0.021 s (tick 20); at most 0.5 (50 tolerances) at 0.031 s (tick "
                       "30): golden"),
             std::string::npos)
@@ -75,16 +76,16 @@ TEST(TraceDifference, SaysWhatLeftItsToleranceFirst) {
   EXPECT_EQ(text.find("the loop itself"), std::string::npos) << "an input differed: " << text;
 }
 
-// A person reads "4030 tolerances", not "4.03e+03".
+// The text must be "4030 tolerances", not "4.03e+03".
 TEST(TraceDifference, WritesLargeRatiosWithoutAnExponent) {
   ScenarioTrace now = SampleTrace();
   now.samples[2].values[QuantityNamed("coupling_z_N")] -= 40.3;
-  const std::string text = Text(Compare(SampleTrace(), now, kTolerances));
+  const std::string text = ExplanationOf(Compare(SampleTrace(), now, kTolerances));
   EXPECT_NE(text.find("at most 40.3 (4030 tolerances)"), std::string::npos) << text;
 }
 
-// A peak between two samples appears in no sample.
-TEST(TraceDifference, SeesWhatLiesBetweenTheSamples) {
+// A peak between two samples is in no sample, only in the extremes.
+TEST(TraceDifference, DetectsAPeakBetweenTheSamples) {
   ScenarioTrace now = SampleTrace();
   const std::size_t force = QuantityNamed("hand_x_N");
   now.greatest[force] += 1.0;
@@ -92,10 +93,10 @@ TEST(TraceDifference, SeesWhatLiesBetweenTheSamples) {
   EXPECT_FALSE(difference.passed);
   ASSERT_EQ(difference.quantities.size(), 1u);
   EXPECT_TRUE(difference.quantities[0].between_samples);
-  EXPECT_NE(Text(difference).find("left between two samples"), std::string::npos);
+  EXPECT_NE(ExplanationOf(difference).find("left between two samples"), std::string::npos);
 }
 
-TEST(TraceDifference, WhatIsNoNumberIsBeyondAnyTolerance) {
+TEST(TraceDifference, NonFiniteValuesAreBeyondAnyTolerance) {
   for (const double wrong :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     ScenarioTrace now = SampleTrace();
@@ -104,7 +105,7 @@ TEST(TraceDifference, WhatIsNoNumberIsBeyondAnyTolerance) {
   }
 }
 
-TEST(TraceDifference, EventsComeInTheirOrderAndAtTheirTick) {
+TEST(TraceDifference, EventsMustAgreeInOrderAndTime) {
   const auto lines = [](const std::vector<TraceEvent>& events, double event_s) {
     ScenarioTrace now = SampleTrace();
     now.events = events;
@@ -130,7 +131,7 @@ TEST(TraceDifference, EventsComeInTheirOrderAndAtTheirTick) {
   EXPECT_NE(lines(more, 1.0)[0].find("golden none more"), std::string::npos);
 }
 
-TEST(TraceDifference, TheEndAndTheCountOfTicksAreHeldToo) {
+TEST(TraceDifference, TheEndAndTheCountOfTicksMustAgree) {
   ScenarioTrace now = SampleTrace();
   now.ended = "fault";
   EXPECT_FALSE(Compare(SampleTrace(), now, kTolerances).passed);
@@ -147,10 +148,11 @@ TEST(TraceDifference, AnEditedGoldenFileIsNotIdentical) {
   const TraceDifference difference = Compare(golden, SampleTrace(), kTolerances);
   EXPECT_FALSE(difference.identical);
   EXPECT_FALSE(difference.passed);
-  EXPECT_NE(Text(difference).find("the golden file itself was changed"), std::string::npos);
+  EXPECT_NE(ExplanationOf(difference).find("the golden file itself was changed"), std::string::npos);
 }
 
-// Every field of a tick is in a part, and a change of any field changes the hash and that part's digest.
+// A change of any field of a tick must change the hash, and the digest of exactly the part to which the field
+// belongs.
 TEST(TraceRecorder, EveryPartOfATickIsInTheHash) {
   const auto trace_of = [](const auto& change) {
     TraceRecorder recorder(1e-3, 0.01);
@@ -162,7 +164,7 @@ TEST(TraceRecorder, EveryPartOfATickIsInTheHash) {
     return recorder.Finish("completed", 1, 0);
   };
   const ScenarioTrace plain = trace_of([](auto&, auto&) {});
-  const auto expect = [&](TracePart part, const auto& change) {
+  const auto expect_change = [&](TracePart part, const auto& change) {
     const ScenarioTrace changed = trace_of(change);
     EXPECT_NE(changed.hash, plain.hash) << NameOf(part);
     const TraceDifference difference = Compare(plain, changed, kTolerances);
@@ -171,21 +173,21 @@ TEST(TraceRecorder, EveryPartOfATickIsInTheHash) {
   };
   using Record = control::TickRecord;
   using Model = simulation::ContactModel;
-  expect(TracePart::kArm, [](Record& r, Model&) { r.q_meas[6] = 1e-300; });
-  expect(TracePart::kArm, [](Record& r, Model&) { r.input.tau_ext[3] = 1; });
-  expect(TracePart::kDevices, [](Record& r, Model&) { r.input.F_sensor_S.t.z = 1e-18; });
-  expect(TracePart::kBone, [](Record&, Model& m) { m.removed_mass_kg = 1e-9; });
-  expect(TracePart::kBone, [](Record&, Model& m) { m.contact_count = 1; });
-  expect(TracePart::kHand, [](Record& r, Model&) { r.F_operator_T_W.f.x = -0.0; });
-  expect(TracePart::kCoupling, [](Record& r, Model&) { r.tank_J = 0.5; });
-  expect(TracePart::kState, [](Record& r, Model&) { r.limits = 1u << 31u; });
-  expect(TracePart::kCommand, [](Record& r, Model&) { r.tau_cmd[0] = 1; });
+  expect_change(TracePart::kArm, [](Record& r, Model&) { r.q_meas[6] = 1e-300; });
+  expect_change(TracePart::kArm, [](Record& r, Model&) { r.input.tau_ext[3] = 1; });
+  expect_change(TracePart::kDevices, [](Record& r, Model&) { r.input.F_sensor_S.t.z = 1e-18; });
+  expect_change(TracePart::kBone, [](Record&, Model& m) { m.removed_mass_kg = 1e-9; });
+  expect_change(TracePart::kBone, [](Record&, Model& m) { m.contact_count = 1; });
+  expect_change(TracePart::kHand, [](Record& r, Model&) { r.F_operator_T_W.f.x = -0.0; });
+  expect_change(TracePart::kCoupling, [](Record& r, Model&) { r.tank_J = 0.5; });
+  expect_change(TracePart::kState, [](Record& r, Model&) { r.limits = 1u << 31u; });
+  expect_change(TracePart::kCommand, [](Record& r, Model&) { r.tau_cmd[0] = 1; });
   EXPECT_NE(TraceRecorder(1e-3, 0.01).Finish("completed", 1, 0).hash,
             TraceRecorder(1e-3, 0.01).Finish("completed", 1, 1).hash)
       << "the carved bone";
 }
 
-TEST(TraceRecorder, SamplesFromTheBeginOfMotionAndKeepsTheExtremesBetween) {
+TEST(TraceRecorder, SamplesFromTheStartOfMotionAndKeepsTheExtremes) {
   TraceRecorder recorder(1e-3, 0.01);
   control::TickRecord record;
   for (int i = 0; i < 40; ++i) {

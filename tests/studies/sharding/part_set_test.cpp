@@ -15,6 +15,7 @@
 namespace osteon::studies {
 namespace {
 
+// The part of a run of `items` results that a shard computes.
 Part PartOf(const Shard& shard, std::size_t items) {
   Part part{.file = "part_" + std::to_string(shard.index) + ".json",
             .shard = shard,
@@ -27,6 +28,7 @@ Part PartOf(const Shard& shard, std::size_t items) {
   return part;
 }
 
+// The parts of all shards of a run.
 std::vector<Part> PartsOf(int of, std::size_t items) {
   std::vector<Part> parts;
   for (int index = 1; index <= of; ++index) parts.push_back(PartOf({.index = index, .of = of}, items));
@@ -42,7 +44,7 @@ TEST(PartSet, EveryItemIsInExactlyOneShard) {
     }
 }
 
-TEST(PartSet, HasTheItemsOfAllPartsWhateverTheirOrder) {
+TEST(PartSet, JoinsTheItemsOfAllPartsInAnyOrder) {
   for (const std::size_t items : {0u, 1u, 5u, 12u}) {
     auto parts = PartsOf(4, items);
     std::swap(parts[0], parts[3]);
@@ -53,7 +55,7 @@ TEST(PartSet, HasTheItemsOfAllPartsWhateverTheirOrder) {
   }
 }
 
-TEST(PartSet, NamesWhatDoesNotBelongToTheRun) {
+TEST(PartSet, RefusesPartsThatAreMissingOrOfAnotherRun) {
   const auto refused = [](const auto& change, const std::string& text) {
     auto parts = PartsOf(3, 6);
     change(parts);
@@ -77,7 +79,7 @@ TEST(PartSet, NamesWhatDoesNotBelongToTheRun) {
   refused([](auto& parts) { parts.clear(); }, "found no part");
 }
 
-TEST(PartSet, APartReadsBackAsItWasWritten) {
+TEST(PartSet, APartIsReadBackAsWritten) {
   const io::test::TemporaryFolder folder;
   Part part = PartOf({.index = 2, .of = 3}, 6);
   part.file = folder.path() / "part.json";
@@ -89,7 +91,7 @@ TEST(PartSet, APartReadsBackAsItWasWritten) {
   EXPECT_EQ(read->items, part.items);
   EXPECT_EQ(read->words, part.words);
   EXPECT_EQ(read->results, part.results);
-  // a part of which an item was lost, or that has another's
+  // a part without one of its items, or with an item of another shard
   part.results.erase(1);
   io::test::WriteAll(part.file, PartText(part));
   EXPECT_FALSE(ReadPart(part.file).has_value());
@@ -98,8 +100,8 @@ TEST(PartSet, APartReadsBackAsItWasWritten) {
   EXPECT_FALSE(ReadPart(part.file).has_value());
 }
 
-// Whatever is changed in a file after the shard wrote it, and whatever no shard writes.
-TEST(PartSet, APartThatWasChangedIsRefusedByItsKey) {
+// A file that was changed after the shard wrote it is refused, with the key that is wrong.
+TEST(PartSet, AChangedPartIsRefusedWithItsWrongKey) {
   const io::test::TemporaryFolder folder;
   Part part = PartOf({.index = 2, .of = 3}, 6);
   part.file = folder.path() / "part.json";
@@ -130,7 +132,7 @@ TEST(PartSet, APartThatWasChangedIsRefusedByItsKey) {
   refused([](auto& json) { json["shard"]["index"] = 4; }, "shard: found 4/3, accepted I/N");
 }
 
-TEST(PartSet, ValuesAreReadAsTheirTypeAlone) {
+TEST(PartSet, ValuesOfAnotherTypeAreRefused) {
   const nlohmann::json json{{"number", 0.5}, {"nan", "nan"},       {"text", "x"},    {"yes", true},
                             {"count", 3},    {"minus", -3},        {"list", {1, 2}}, {"null", nullptr},
                             {"many", 1e300}, {"mixed", {1, "two"}}};

@@ -9,14 +9,14 @@
 #include "studies/soak/soak_page.h"
 #include "tests/report/report_markup.h"
 
-// The soak: its seeded script, what it judges, and a short one.
+// The soak in virtual time: its seeded script, the judgement of its episodes, and a short soak.
 
 namespace osteon::studies {
 namespace {
 
 using testing::Contains, testing::HasSubstr, testing::IsEmpty;
 
-TEST(SoakScript, IsAFunctionOfTheSeedAndHasEveryKind) {
+TEST(SoakScript, DependsOnTheSeedOnlyAndHasEveryKindOfEpisode) {
   std::set<EpisodeKind> kinds;
   bool differs = false;
   for (int index = 0; index < 200; ++index) {
@@ -32,8 +32,8 @@ TEST(SoakScript, IsAFunctionOfTheSeedAndHasEveryKind) {
   EXPECT_TRUE(differs);
 }
 
-// An episode of which nothing is wrong.
-EpisodeResult Good(EpisodeKind kind) {
+// The result of an episode without any defect.
+EpisodeResult FaultlessResult(EpisodeKind kind) {
   EpisodeResult result;
   result.episode.kind = kind;
   result.ended = EndsWithFault(kind) ? "fault" : "completed";
@@ -46,11 +46,11 @@ EpisodeResult Good(EpisodeKind kind) {
   return result;
 }
 
-TEST(Soak, FindsWhatIsWrongWithAnEpisode) {
+TEST(Soak, FindsEachDefectOfAnEpisode) {
   for (int kind = 0; kind < kEpisodeKinds; ++kind)
-    EXPECT_THAT(JudgeEpisode(Good(static_cast<EpisodeKind>(kind)), 17), IsEmpty()) << kind;
+    EXPECT_THAT(JudgeEpisode(FaultlessResult(static_cast<EpisodeKind>(kind)), 17), IsEmpty()) << kind;
   const auto judged = [](const std::function<void(EpisodeResult&)>& change, EpisodeKind kind) {
-    EpisodeResult result = Good(kind);
+    EpisodeResult result = FaultlessResult(kind);
     change(result);
     return JudgeEpisode(result, 17);
   };
@@ -80,8 +80,8 @@ TEST(Soak, FindsWhatIsWrongWithAnEpisode) {
   EXPECT_THAT(judged([](R& r) { r.hash = 18; }, EpisodeKind::kReference), Contains(HasSubstr("drifted")));
 }
 
-TEST(Soak, TellsMemoryThatGrowsFromMemoryThatIsFlat) {
-  std::vector<EpisodeResult> episodes(16, Good(EpisodeKind::kReaming));
+TEST(Soak, DistinguishesGrowingFromFlatMemory) {
+  std::vector<EpisodeResult> episodes(16, FaultlessResult(EpisodeKind::kReaming));
   for (std::size_t i = 0; i < episodes.size(); ++i)
     episodes[i].memory_MB = i < 3 ? 40.0 + 30.0 * static_cast<double>(i) : 130.0;
   EXPECT_EQ(MemoryGrowth_MB(episodes), 0.0);
@@ -90,7 +90,7 @@ TEST(Soak, TellsMemoryThatGrowsFromMemoryThatIsFlat) {
   EXPECT_GT(MemoryGrowth_MB(episodes), kMaxMemoryGrowth_MB);
 }
 
-TEST(Soak, AShortOneHasNothingWrongAndItsPageAndJson) {
+TEST(Soak, AShortSoakHasNoDefectsAndWritesPageAndJson) {
   SoakOptions options{.config_root = std::filesystem::path(OSTEON_SOURCE_DIR) / "config", .hours = 0.004};
   const auto episodes = RunEpisodes(options, nullptr, [](const EpisodeResult&) {});
   ASSERT_TRUE(episodes) << episodes.error();

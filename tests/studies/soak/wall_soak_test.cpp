@@ -15,15 +15,15 @@
 #include "session/procedure/prepare_session.h"
 #include "tests/report/report_markup.h"
 
-// The soak in wall time: its seeded script, what it judges, what it writes. The processes themselves run in
-// tests/app/soak_wall_test.cpp.
+// The soak in wall time: its seeded script, the judgement of its episodes, its page and JSON. The processes
+// themselves run in tests/app/soak_wall_test.cpp.
 
 namespace osteon::studies {
 namespace {
 
 using testing::Contains, testing::HasSubstr, testing::IsEmpty, testing::SizeIs;
 
-TEST(WallScript, IsAFunctionOfTheSeedAndHasEveryEvent) {
+TEST(WallScript, DependsOnTheSeedOnlyAndHasEveryEvent) {
   std::set<WallEvent> events;
   std::set<std::string> kills;
   bool differs = false, loses = false;
@@ -41,7 +41,7 @@ TEST(WallScript, IsAFunctionOfTheSeedAndHasEveryEvent) {
     EXPECT_EQ(episode.event == WallEvent::kTools, episode.life.plan);
     EXPECT_EQ(std::ranges::count_if(episode.pauses, &WallPause::next_tool),
               episode.event == WallEvent::kTools ? static_cast<int>(kToolsOfPlan) - 1 : 0);
-    // after a kill in contact the tool stands in bone, where no controller may begin
+    // after a kill in contact the tool is in bone, where no controller may start
     EXPECT_TRUE(!episode.in_contact || episode.ends_life);
     EXPECT_EQ(episode.life.index != WallEpisodeAt(3, index + 1).life.index, episode.ends_life) << index;
   }
@@ -51,7 +51,7 @@ TEST(WallScript, IsAFunctionOfTheSeedAndHasEveryEvent) {
   EXPECT_TRUE(loses);
 }
 
-TEST(WallScript, ASoakShorterThanAnEpisodeIsOneReamingOfItsLength) {
+TEST(WallScript, ASoakShorterThanAnEpisodeIsOneShortReaming) {
   for (const auto& [soak_s, episode_s] :
        {std::pair(3.6, kMinWallReaming_s), {12.0, 12.0}, {3600.0, kWallReaming_s}}) {
     const WallEpisode episode = FirstWallEpisode(3, soak_s);
@@ -62,7 +62,8 @@ TEST(WallScript, ASoakShorterThanAnEpisodeIsOneReamingOfItsLength) {
   }
 }
 
-TEST(WallScript, ToolsAreChangedWhileTheHandHoldsThem) {
+// Each pause for a change of tools must lie in the phase in which the scripted hand changes the tool.
+TEST(WallScript, ToolsAreChangedDuringTheHandsChangePhases) {
   int index = 0;
   while (!WallEpisodeAt(3, index).life.plan) ++index;
   const WallEpisode episode = WallEpisodeAt(3, index);
@@ -74,7 +75,7 @@ TEST(WallScript, ToolsAreChangedWhileTheHandHoldsThem) {
   params.seconds = episode.seconds;
   const hil::HandScript script = hil::MakeProcedureScript(params);
   ASSERT_THAT(episode.pauses, SizeIs(kToolsOfPlan - 1));
-  double paused_s = 0.0;  // the script goes on in a pause
+  double paused_s = 0.0;  // length of the pauses so far: the script continues during them
   for (std::size_t tool = 0; tool < episode.pauses.size(); ++tool) {
     const WallPause& pause = episode.pauses[tool];
     const std::string change = fmt::format("change {}", tool + 1);
@@ -115,7 +116,7 @@ WallResult FaultlessEpisode(WallEvent event) {
   return result;
 }
 
-// Findings of the judgement on a faultless episode after `change`.
+// The findings on a faultless episode to which `change` was applied.
 std::vector<std::string> JudgedWith(WallEvent event, const std::function<void(WallResult&)>& change) {
   const WallResult first = FaultlessEpisode(WallEvent::kReaming);
   WallResult result = FaultlessEpisode(event);
@@ -123,78 +124,78 @@ std::vector<std::string> JudgedWith(WallEvent event, const std::function<void(Wa
   return JudgeWallEpisode(result, &first);
 }
 
-TEST(WallSoak, FindsWhatIsWrongWithAnEpisode) {
+TEST(WallSoak, FindsEachDefectOfAnEpisode) {
   using R = WallResult;
   for (int i = 0; i < kWallEvents; ++i)
     EXPECT_THAT(JudgedWith(static_cast<WallEvent>(i), [](R&) {}), IsEmpty()) << i;
   const auto reaming = WallEvent::kReaming;
-  const auto expect = [](WallEvent event, const std::function<void(R&)>& change, const char* wrong) {
+  const auto expect_finding = [](WallEvent event, const std::function<void(R&)>& change, const char* wrong) {
     EXPECT_THAT(JudgedWith(event, change), Contains(HasSubstr(wrong)));
   };
-  expect(
+  expect_finding(
       reaming, [](R& r) { r.outcome.error = "the controller did not end"; }, "no episode");
-  expect(
+  expect_finding(
       reaming, [](R& r) { r.faults = {"tracking error"}; }, "not injected");
-  expect(
+  expect_finding(
       reaming, [](R& r) { r.ended = "fault"; }, "ended: fault");
-  expect(
+  expect_finding(
       reaming, [](R& r) { r.outcome.exit = 139; }, "ended with 139");
-  expect(
+  expect_finding(
       reaming, [](R& r) { r.books.complete = false; }, "no end");
-  expect(
+  expect_finding(
       reaming, [](R& r) { r.books.missing_ticks = 2; }, "misses 2 ticks");
-  expect(
+  expect_finding(
       reaming, [](R& r) { r.dropped_records = 1; }, "1 records were dropped");
-  expect(
+  expect_finding(
       reaming, [](R& r) { r.books.peak_rendered_N = 200.1; }, "200.1 N");
-  expect(
+  expect_finding(
       reaming, [](R& r) { r.books.max_model_age_s = 0.3; }, "300 ms");
-  expect(
+  expect_finding(
       reaming, [](R& r) { r.books.max_sensor_age_s = 0.2; }, "200 ms");
-  expect(
+  expect_finding(
       reaming, [](R& r) { r.books.momentum_residual = 0.03; }, "momentum");
-  expect(
+  expect_finding(
       reaming, [](R& r) { r.books.edge_work_J = 90.0; }, "energy");
-  expect(
+  expect_finding(
       reaming, [](R& r) { r.cutting_debt_J = 5.0; }, "energy");
-  expect(
+  expect_finding(
       reaming, [](R& r) { r.books.removed_falls = true; }, "fell");
-  expect(
+  expect_finding(
       reaming, [](R& r) { r.books.rest_error_m = 1e-3; }, "at rest");
-  expect(
+  expect_finding(
       reaming, [](R& r) { r.removed_mm3 += 1.0; }, "in the summary");
-  expect(
+  expect_finding(
       reaming, [](R& r) { r.depth_mm += 0.2; }, "8.556 mm deep");
-  expect(
+  expect_finding(
       reaming, [](R& r) { r.outcome.messages[1] = 0; }, "page 2 got nothing");
-  expect(
+  expect_finding(
       WallEvent::kPages, [](R& r) { r.removed_mm3 = 1e9 * (r.books.removed_m3 *= 1.02); }, "by the first");
-  expect(
+  expect_finding(
       WallEvent::kHaltedCell, [](R& r) { r.faults.clear(); }, "no fault, injected");
-  expect(
+  expect_finding(
       WallEvent::kPause, [](R& r) { r.outcome.event_done = false; }, "did not take place");
-  expect(
+  expect_finding(
       WallEvent::kTools, [](R& r) { r.passes = 3; }, "3 passes");
-  expect(
+  expect_finding(
       WallEvent::kGuardKill,
       [](R& r) {
         r.episode.ends_life = true;
         r.outcome.cell.reset();
       },
       "left no report");
-  expect(
+  expect_finding(
       WallEvent::kControllerKill, [](R& r) { r.outcome.exit = 0; }, "ended with 0");
-  expect(
+  expect_finding(
       WallEvent::kControllerKill, [](R& r) { r.outcome.cell->plc_permits = true; }, "permits");
-  expect(
+  expect_finding(
       WallEvent::kGuardKill, [](R& r) { r.outcome.cell->spindle_rad_per_s = 9.0; }, "turns still");
-  expect(
+  expect_finding(
       WallEvent::kGuardKill, [](R& r) { r.faults.clear(); }, "named no fault");
-  expect(
+  expect_finding(
       WallEvent::kEngineKill, [](R& r) { r.faults = {"tool speed"}; }, "not stopped for the engine");
 }
 
-TEST(WallSoak, TellsWhatGrowsFromWhatIsFlat) {
+TEST(WallSoak, DistinguishesGrowingFromFlatResources) {
   std::vector<WallResult> results(16, FaultlessEpisode(WallEvent::kReaming));
   EXPECT_THAT(JudgeGrowth(results), IsEmpty());
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -209,7 +210,7 @@ TEST(WallSoak, TellsWhatGrowsFromWhatIsFlat) {
   EXPECT_THAT(JudgeGrowth(std::vector{longest}), Contains(HasSubstr("in its second half")));
 }
 
-TEST(WallSoak, ItsPageAndJsonSayWhatIsWrong) {
+TEST(WallSoak, PageAndJsonNameTheDefects) {
   std::vector<WallResult> results;
   for (int i = 0; i < kWallEvents; ++i) results.push_back(FaultlessEpisode(static_cast<WallEvent>(i)));
   results[3].wrong = {"no fault, injected: arm message stale"};
@@ -224,7 +225,7 @@ TEST(WallSoak, ItsPageAndJsonSayWhatIsWrong) {
   EXPECT_THAT(page, HasSubstr("no fault, injected: arm message stale"));
 }
 
-TEST(WallSoak, ReadsWhatAProcessUses) {
+TEST(WallSoak, ReadsTheResourcesOfAProcess) {
   const ProcessUse use = UseOf(getpid());
   EXPECT_GT(use.memory_MB, 1.0);
   EXPECT_GE(use.files, 3);

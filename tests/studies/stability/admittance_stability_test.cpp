@@ -1,6 +1,5 @@
-// Model B of the design's stability page: a hand that holds an admittance-controlled arm. studies/stability,
-// which steps the shipped law and the shipped arm, is compared with the model in plain scalars, and that with
-// the design's rows.
+// Model B of the design's stability page: a hand that holds an admittance-controlled arm. The shipped loop is
+// compared with an independent model in plain scalars, and both with the design's tables.
 
 #include <cmath>
 #include <numbers>
@@ -17,13 +16,14 @@
 namespace osteon::studies {
 namespace {
 
+/// A case of the design's table. rho is the spectral radius for one period: below 1 the loop is stable.
 struct Row {
   const char* name;
   hil::GridHand hand;
   double m_v, b_v;  // virtual tool
   hil::LoopWall wall;
-  double rho;        // the loop's
-  double first_rho;  // the design's first table, 0: not in it
+  double rho;        // of the shipped loop
+  double first_rho;  // of the design's first table; 0: not in it
 };
 void PrintTo(const Row& row, std::ostream* os) { *os << row.name; }
 
@@ -33,33 +33,35 @@ hil::AdmittanceLoopParams LoopOf(const Row& row) {
 
 const hil::GridHand kFirm{"firm", 500.0, 20.0, 1.5}, kStiff{"stiff", 3000.0, 60.0, 3.0},
     kFixture{"fixture", 20000.0, 50.0, 0.0};
-hil::LoopWall Local(double stiffness) { return {.stiffness_N_per_m = stiffness}; }
-hil::LoopWall Old(double stiffness, int ticks) {
+// Walls by their stiffness [N/m]: computed in the tick, by a force that is `ticks` old, or on the measured
+// pose.
+hil::LoopWall LocalWall(double stiffness) { return {.stiffness_N_per_m = stiffness}; }
+hil::LoopWall DelayedWall(double stiffness, int ticks) {
   return {.stiffness_N_per_m = stiffness, .age_ticks = ticks};
 }
-hil::LoopWall Measured(double stiffness) {
+hil::LoopWall MeasuredPoseWall(double stiffness) {
   return {.stiffness_N_per_m = stiffness, .on = hil::WallOn::kMeasured};
 }
 
 class ModelB : public testing::TestWithParam<Row> {};
-class ModelBAtFirst : public testing::TestWithParam<Row> {};
+class ModelBFirstTable : public testing::TestWithParam<Row> {};
 
-TEST_P(ModelB, SpectralRadiusIsThatOfTheModelInScalars) {
+TEST_P(ModelB, SpectralRadiusEqualsThatOfTheModelInScalars) {
   const double radius = hil::AdmittanceLoop(LoopOf(GetParam())).SpectralRadius();
   EXPECT_NEAR(radius, GetParam().rho, 0.6e-7) << "seven digits are given";
   EXPECT_NEAR(radius, AdmittanceModelRadius(LoopOf(GetParam()), HandAcceleration::kMeanOfPeriod), 1e-10);
 }
 
-// The design's first table took the acceleration just after the command's step, and a command one period
-// late.
-TEST_P(ModelBAtFirst, TheModelInScalarsHasTheDesignsRows) {
+// The design's first table used the acceleration just after the command's step, and one more period of dead
+// time.
+TEST_P(ModelBFirstTable, TheModelInScalarsReproducesTheDesignsFirstTable) {
   hil::AdmittanceLoopParams loop = LoopOf(GetParam());
   loop.arm.dead_cycles = 4;
   EXPECT_NEAR(AdmittanceModelRadius(loop, HandAcceleration::kAfterCommandStep), GetParam().first_rho, 0.6e-7);
 }
 
-// The same step run in time, over many periods of the mode.
-TEST_P(ModelB, GrowthInTimeIsTheSpectralRadius) {
+// The loop's step is run in time, over many periods of its mode.
+TEST_P(ModelB, GrowthInTimeEqualsTheSpectralRadius) {
   const hil::AdmittanceLoop loop(LoopOf(GetParam()));
   const double log_rho = std::log(GetParam().rho);
   const double grown =
@@ -67,14 +69,15 @@ TEST_P(ModelB, GrowthInTimeIsTheSpectralRadius) {
   EXPECT_NEAR(grown, log_rho, 0.05 * std::abs(log_rho) + 2e-5);
 }
 
-// The shipped parts: the coupling on a plane, the law, the arm's servo with its own delay line.
+// The shipped parts run together: the coupling on a plane, the law, and the arm's servo with its own delay
+// line.
 TEST_P(ModelB, ShippedPartsGrowAsPredicted) {
   const double log_rho = std::log(GetParam().rho);
   AdmittanceRunParams run{.loop = LoopOf(GetParam())};
   run.kick_m_per_s = 1e-9;  // leaves room to grow within the wall's linear range
-  // this many e-folds show the growth above rounding, which is larger while a wall is pressed
-  const double folds = GetParam().wall.stiffness_N_per_m > 0.0 ? 12.0 : 20.0;
-  run.seconds = 1e-3 * std::round(folds / std::abs(log_rho));
+  // the motion must change by this many factors of e to stand out of rounding, which is larger on a wall
+  const double e_folds = GetParam().wall.stiffness_N_per_m > 0.0 ? 12.0 : 20.0;
+  run.seconds = 1e-3 * std::round(e_folds / std::abs(log_rho));
   EXPECT_NEAR(SimulatedGrowth(run), log_rho, 0.05 * std::abs(log_rho) + 2e-5);
 }
 
@@ -84,9 +87,9 @@ std::vector<Row> Rows() {
           Row{"firm_lighter_tool", kFirm, 0.1, 20, {}, 1.0118145, 0.0},
           Row{"stiff_free", kStiff, 3, 20, {}, 0.9962954, 0.9953211},
           Row{"stiff_light_tool", kStiff, 0.4, 20, {}, 1.0037519, 1.0097459},
-          Row{"wall_one_sample_old", kFirm, 3, 20, Old(15e3, 1), 0.9851448, 0.9832313},
-          Row{"wall_local", kFirm, 3, 20, Local(20e3), 0.9816712, 0.9801308},
-          Row{"wall_on_measured_pose", kFirm, 3, 20, Measured(20e3), 1.0186470, 1.0186615},
+          Row{"wall_one_sample_old", kFirm, 3, 20, DelayedWall(15e3, 1), 0.9851448, 0.9832313},
+          Row{"wall_local", kFirm, 3, 20, LocalWall(20e3), 0.9816712, 0.9801308},
+          Row{"wall_on_measured_pose", kFirm, 3, 20, MeasuredPoseWall(20e3), 1.0186470, 1.0186615},
           Row{"fixture", kFixture, 3, 100, {}, 1.0142879, 1.0149522}};
 }
 std::vector<Row> FirstRows() {
@@ -96,9 +99,10 @@ std::vector<Row> FirstRows() {
 }
 INSTANTIATE_TEST_SUITE_P(Design, ModelB, testing::ValuesIn(Rows()),
                          [](const auto& test) { return test.param.name; });
-INSTANTIATE_TEST_SUITE_P(Design, ModelBAtFirst, testing::ValuesIn(FirstRows()),
+INSTANTIATE_TEST_SUITE_P(Design, ModelBFirstTable, testing::ValuesIn(FirstRows()),
                          [](const auto& test) { return test.param.name; });
 
+/// The stiffest stable wall of a firm hand, by the design.
 struct WallRow {
   const char* name;
   hil::WallOn on;
@@ -119,13 +123,13 @@ class MaxWallStiffnessOfAFirmHand : public testing::TestWithParam<WallRow> {
   }
 };
 
-TEST_P(MaxWallStiffnessOfAFirmHand, IsTheDesigns) {
+TEST_P(MaxWallStiffnessOfAFirmHand, EqualsTheDesigns) {
   const hil::Boundary found = hil::MaxWallStiffness(Loop());
   ASSERT_TRUE(found.crossed);
   EXPECT_NEAR(1e-3 * found.value, GetParam().most_kN_per_m, GetParam().tolerance * GetParam().most_kN_per_m);
 }
 
-TEST_P(MaxWallStiffnessOfAFirmHand, IsSeenWithinOnePercentWhenTheShippedPartsRun) {
+TEST_P(MaxWallStiffnessOfAFirmHand, IsReachedWithinOnePercentByTheShippedParts) {
   const double predicted = hil::MaxWallStiffness(Loop()).value;
   const hil::Boundary seen = SimulatedMaxWallStiffness(
       {.loop = Loop()}, {.from = 0.7 * predicted, .to = 1.4 * predicted, .factor = 1.05, .tolerance = 1e-3});
@@ -133,7 +137,7 @@ TEST_P(MaxWallStiffnessOfAFirmHand, IsSeenWithinOnePercentWhenTheShippedPartsRun
   EXPECT_NEAR(seen.value, predicted, 0.01 * predicted);
 }
 
-// With the model's first acceleration and a period more of dead time: 192, 101, 67, 53, 18 and 2.4.
+// (The first table, with one more period of dead time, had 192, 101, 67, 53, 18 and 2.4 kN/m.)
 INSTANTIATE_TEST_SUITE_P(
     Design, MaxWallStiffnessOfAFirmHand,
     testing::Values(WallRow{"local", hil::WallOn::kCommanded, 0, 1, 208.3, 0.002},
@@ -157,37 +161,36 @@ TEST(AdmittanceStability, LocalWallIsUnstableUpTo1000kNAndThenStableAgain) {
   }
 }
 
-// The human side: the drag that a grip needs, with a firm hand's damping and mass, and with neither (a
-// clamp).
-TEST(AdmittanceStability, GripsAskForDrag) {
+// The least drag for a stable grip: with a firm hand's damping and mass, and with neither (a clamp).
+TEST(AdmittanceStability, StifferGripsNeedMoreDrag) {
   const auto least = [](double k, double b, double m) {
     hil::AdmittanceLoopParams loop;
     loop.hand = {"", k, b, m};
     return hil::MinDrag(loop);
   };
-  // the model's first acceleration, with a period more of dead time: 24, 125, 367, 657
+  // (the first table, with one more period of dead time, had 24, 125, 367 and 657 N s/m)
   EXPECT_NEAR(least(3e3, 20, 1.5), 28.43, 0.002 * 28.43);
   EXPECT_NEAR(least(10e3, 20, 1.5), 124.7, 0.002 * 124.7);
   EXPECT_NEAR(least(30e3, 20, 1.5), 353.4, 0.002 * 353.4);
   EXPECT_NEAR(least(50e3, 0, 0), 622.9, 0.002 * 622.9);
 }
 
-// The design's figures for the acceleration as it is, at 1.7 kg: 14.5 becomes 21.1, and with the dead time as
-// it is 19.4; the hand that decides in the demo cell goes from 26.4 to 27.7.
-TEST(AdmittanceStability, TheAccelerationAsItIsAsksForMoreDrag) {
+// The design's figures at 1.7 kg. With the acceleration's mean over the period, the least drag of a grip
+// is 21.1 N s/m, not 14.5; with one period less of dead time 19.4. The demo cell's critical hand needs 27.7.
+TEST(AdmittanceStability, TheMeanAccelerationNeedsTheDesignsDrag) {
   const auto least = [](const hil::GridHand& hand, double dead) {
     hil::AdmittanceLoopParams loop{.hand = hand, .mass_kg = 1.7};
     loop.arm.dead_cycles = dead;
     return hil::MinDrag(loop);
   };
-  const hil::GridHand grip{"grip", 3e3, 20.0, 1.5}, deciding{"deciding", 1500.0, 2.0, 0.3};
+  const hil::GridHand grip{"grip", 3e3, 20.0, 1.5}, critical_hand{"deciding", 1500.0, 2.0, 0.3};
   EXPECT_NEAR(least(grip, 4), 21.1, 0.1);
   EXPECT_NEAR(least(grip, 3), 19.37, 0.05);
-  EXPECT_NEAR(least(deciding, 4), 27.7, 0.1);
+  EXPECT_NEAR(least(critical_hand, 4), 27.7, 0.1);
 }
 
-// A dead time between two whole ones lies between their drags, and the shipped parts in time agree.
-TEST(AdmittanceStability, DeadTimeOfPartPeriodsIsSeenWherePredicted) {
+// The least drag grows with a dead time of part periods too, and the shipped parts turn stable at that drag.
+TEST(AdmittanceStability, ShippedPartsTurnStableAtThePredictedDragForAnyDeadTime) {
   hil::AdmittanceLoopParams loop;
   double before = 0.0;
   for (const double dead : {0.0, 0.4, 1.0, 3.0, 3.25, 3.5, 4.0}) {
@@ -204,8 +207,9 @@ TEST(AdmittanceStability, DeadTimeOfPartPeriodsIsSeenWherePredicted) {
   }
 }
 
-// The hand's own force moves an arm with a felt mass; a heavy one hardly.
-TEST(AdmittanceStability, AnArmThatTheHandMovesIsSeenWherePredicted) {
+// The hand's force itself moves an arm with a finite felt mass, which lowers the least drag; it hardly moves
+// a heavy arm.
+TEST(AdmittanceStability, AnArmThatYieldsToTheHandTurnsStableAtThePredictedDrag) {
   hil::AdmittanceLoopParams loop;
   loop.hand = {"grip", 3e3, 20.0, 1.5};
   const double stiff = hil::MinDrag(loop);
@@ -221,7 +225,7 @@ TEST(AdmittanceStability, AnArmThatTheHandMovesIsSeenWherePredicted) {
   }
 }
 
-// The arm with a hand at it, against its equation integrated in steps of 10 us.
+// Oracle: the equation of the arm with a hand, integrated in steps of 10 us.
 TEST(AdmittanceStability, AHeldArmFollowsItsEquation) {
   const hil::GridHand hand{"grip", 3e3, 20.0, 1.5};
   const hil::ServoArmParams arm{.dead_cycles = 0};
@@ -246,13 +250,13 @@ TEST(AdmittanceStability, AHeldArmFollowsItsEquation) {
 
 TEST(AdmittanceStability, WallOf150kNIsStableInTheTickAndUnstableAsAForce5MsOld) {
   AdmittanceRunParams run;
-  run.loop.wall = Local(150e3);
+  run.loop.wall = LocalWall(150e3);
   EXPECT_LT(SimulatedGrowth(run), 0.0);
-  run.loop.wall = Old(150e3, 5);
+  run.loop.wall = DelayedWall(150e3, 5);
   EXPECT_GT(SimulatedGrowth(run), 0.0);
 }
 
-// A faster inner loop needs more virtual mass: assuming an ideal arm is misleading.
+// A faster arm needs more virtual mass, so an ideal arm is not the safe assumption.
 TEST(AdmittanceStability, FasterArmNeedsMoreVirtualMass) {
   const auto least_mass = [](double bandwidth_hz) {
     hil::AdmittanceLoopParams loop;
@@ -268,8 +272,8 @@ TEST(AdmittanceStability, FasterArmNeedsMoreVirtualMass) {
   EXPECT_GT(least_mass(15.0), 0.1) << "the lighter tool of the table is too light";
 }
 
-// Prediction and run both include the coupling's own damping.
-TEST(AdmittanceStability, DampedWallIsSeenWherePredicted) {
+// The prediction and the simulation both include the coupling's damping.
+TEST(AdmittanceStability, ShippedPartsReachThePredictedLimitOfADampedWall) {
   hil::AdmittanceLoopParams loop;
   loop.wall.damping_Ns_per_m = 5.0;
   const double predicted = hil::MaxWallStiffness(loop).value;
@@ -279,7 +283,7 @@ TEST(AdmittanceStability, DampedWallIsSeenWherePredicted) {
   EXPECT_NEAR(seen.value, predicted, 0.01 * predicted);
 }
 
-TEST(AdmittanceStability, LostAndLateCommandsLowerTheBoundary) {
+TEST(AdmittanceStability, LostAndLateCommandsLowerTheStiffestWall) {
   hil::AdmittanceLoopParams loop;
   const double predicted = hil::MaxWallStiffness(loop).value;
   const hil::BoundaryScan scan{
@@ -292,7 +296,7 @@ TEST(AdmittanceStability, LostAndLateCommandsLowerTheBoundary) {
   EXPECT_LT(SimulatedMaxWallStiffness({.loop = loop, .command_loss = 0.3}, scan).value, 0.99 * predicted);
 }
 
-TEST(AdmittanceStability, RefusesWhatIsNoLoop) {
+TEST(AdmittanceStability, RefusesInvalidParameters) {
   const auto refused = [](hil::AdmittanceLoopParams loop) {
     EXPECT_THROW(static_cast<void>(hil::AdmittanceLoop(loop)), std::invalid_argument);
   };

@@ -1,4 +1,4 @@
-// The bound for any age: M x'' + D x' + K x(t - a(t)) = 0 is stable if D - a_max K > 0.
+// The bound for forces of any age a: M x'' + D x' + K x(t - a(t)) = 0 is stable if D - a_max K > 0.
 
 #include <array>
 #include <cmath>
@@ -16,12 +16,13 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-// Semi-implicit steps of dt, as in the shipped law, with the force of a pose that is 0 … most samples old;
-// each step draws a new age. K sees ages up to (most + 1) dt, as a force is held for a step.
-// @returns log of the growth from the second third to the last.
+// Simulates that equation in semi-implicit steps of dt, as in the shipped law. In each step the force is that
+// of a pose age() samples old, at most `most`. K acts with ages up to (most + 1) dt, as a force is held for a
+// step.
+// @returns logarithm of the growth from the second third to the last; negative: the motion decays
 template <int N, typename Age>
-double Growth(const Eigen::Matrix<double, N, N>& M, const Eigen::Matrix<double, N, N>& D,
-              const Eigen::Matrix<double, N, N>& K, double dt, int steps, int most, Age&& age) {
+double LogGrowth(const Eigen::Matrix<double, N, N>& M, const Eigen::Matrix<double, N, N>& D,
+                 const Eigen::Matrix<double, N, N>& K, double dt, int steps, int most, Age&& age) {
   using Vector = Eigen::Matrix<double, N, 1>;
   const Eigen::Matrix<double, N, N> inverse = (M + dt * D).inverse();
   std::vector<Vector> past(static_cast<std::size_t>(most) + 1, Vector::Ones());
@@ -30,8 +31,8 @@ double Growth(const Eigen::Matrix<double, N, N>& M, const Eigen::Matrix<double, 
   for (int k = 0; k < steps; ++k) {
     past[static_cast<std::size_t>(k % (most + 1))] = x;
     const int old = std::min(age(), k);
-    const Vector& seen = past[static_cast<std::size_t>((k - old) % (most + 1))];
-    v = inverse * (M * v - dt * (K * seen));
+    const Vector& aged_x = past[static_cast<std::size_t>((k - old) % (most + 1))];
+    v = inverse * (M * v - dt * (K * aged_x));
     x += dt * v;
     size[static_cast<std::size_t>(3LL * k / steps)] += x.squaredNorm();
     if (size[0] > 1e200 || size[1] > 1e200 || size[2] > 1e200) return 1e3;
@@ -39,7 +40,7 @@ double Growth(const Eigen::Matrix<double, N, N>& M, const Eigen::Matrix<double, 
   return std::log(size[2] / size[1]);
 }
 
-// Symmetric, its eigenvalues spread evenly in the logarithm.
+// A random symmetric matrix, its eigenvalues evenly distributed in the logarithm over least … most.
 Matrix6 RandomSymmetric(std::mt19937_64& bits, double least, double most) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> spread(std::log(least), std::log(most));
@@ -49,8 +50,8 @@ Matrix6 RandomSymmetric(std::mt19937_64& bits, double least, double most) {
   return Q * values.asDiagonal() * Q.transpose();
 }
 
-// Share of 1000 random systems that grow, with D a multiple of a_max K.
-int Growing(double factor) {
+// Count of 1000 random systems that grow, with D = factor · a_max K and random ages.
+int CountGrowing(double factor) {
   constexpr double kStep_s = 1e-3;
   constexpr int kMax = 9;  // samples: a_max is 10 ms
   int growing = 0;
@@ -60,34 +61,37 @@ int Growing(double factor) {
     const Matrix6 D = factor * (kMax + 1) * kStep_s * K;
     EXPECT_EQ(hil::AgeReserve(D, K, (kMax + 1) * kStep_s) > 0.0, factor > 1.0);
     std::uniform_int_distribution<int> age(0, kMax);
-    if (Growth<6>(M, D, K, kStep_s, 6000, kMax, [&] { return age(bits); }) > 0.0) ++growing;
+    if (LogGrowth<6>(M, D, K, kStep_s, 6000, kMax, [&] { return age(bits); }) > 0.0) ++growing;
   }
   return growing;
 }
 
-// Closed form for one stiff direction among soft ones: it alone decides.
-TEST(AgeBound, ReserveIsTheDampingLessAgeTimesStiffnessWhereItIsLeast) {
+// In closed form: the stiffest direction alone decides.
+TEST(AgeBound, ReserveIsTheLeastDampingLessAgeTimesStiffness) {
   Matrix6 K = 100.0 * Matrix6::Identity();
   K(2, 2) = 2000.0;
   EXPECT_NEAR(hil::AgeReserve(25.0 * Matrix6::Identity(), K, 10e-3), 5.0, 1e-9);
   EXPECT_NEAR(hil::AgeReserve(15.0 * Matrix6::Identity(), K, 10e-3), -5.0, 1e-9);
 }
 
-TEST(AgeBound, NoneOf1000RandomSystemsGrowsWithDampingAboveAgeTimesStiffness) { EXPECT_EQ(Growing(1.02), 0); }
+TEST(AgeBound, NoneOf1000RandomSystemsGrowsWithDampingAboveAgeTimesStiffness) {
+  EXPECT_EQ(CountGrowing(1.02), 0);
+}
 
-TEST(AgeBound, MostOf1000RandomSystemsGrowWithAFifthOfIt) { EXPECT_GT(Growing(0.2), 900); }
+TEST(AgeBound, MostOf1000RandomSystemsGrowWithAFifthOfThatDamping) { EXPECT_GT(CountGrowing(0.2), 900); }
 
-// A constant age at the maximum is not covered by random ages.
-TEST(AgeBound, HoldsForTheGreatestAgeAllTheTime) {
+// A constant maximal age is a case that random ages don't cover.
+TEST(AgeBound, HoldsForAConstantMaximalAge) {
   std::mt19937_64 bits(7);
   for (int i = 0; i < 50; ++i) {
     const Matrix6 M = RandomSymmetric(bits, 0.2, 5.0), K = RandomSymmetric(bits, 200.0, 2000.0);
-    EXPECT_LT(Growth<6>(M, 1.02 * 10e-3 * K, K, 1e-3, 6000, 9, [] { return 9; }), 0.0);
+    EXPECT_LT(LogGrowth<6>(M, 1.02 * 10e-3 * K, K, 1e-3, 6000, 9, [] { return 9; }), 0.0);
   }
 }
 
-// A contact at a lever, 5 ms old: the bound, and its distance from the true boundary.
-TEST(AgeBound, LeverArmTakesTheStiffnessTheDesignSays) {
+// A contact beside the tool's centre, 5 ms old: its stiffness by the bound, and the true limit, which is a
+// tenth higher.
+TEST(AgeBound, AContactAtALeverHasTheDesignsMaxStiffness) {
   constexpr double kLever_m = 0.15, kLinear = 100.0, kTurning = 0.5, kAge_s = 5e-3;
   const double bound = hil::LeverStiffness(kLever_m, kLinear, kTurning, kAge_s);
   EXPECT_NEAR(bound, 3636.0, 1.0);
@@ -95,13 +99,13 @@ TEST(AgeBound, LeverArmTakesTheStiffnessTheDesignSays) {
   EXPECT_GE(hil::LeverStiffness(kLever_m, kLinear, kLinear * kLever_m * kLever_m, kAge_s), 0.5 * 20e3 - 1e-6)
       << "b_r = b L^2 keeps half of it";
 
-  // nearly continuous time: steps of 10 us; a tool of 3 kg and 0.03 kg m^2
+  // the true limit, in nearly continuous time: steps of 10 us; a tool of 3 kg and 0.03 kg m²
   constexpr double kStep_s = 10e-6;
   const int most = static_cast<int>(std::lround(kAge_s / kStep_s)) - 1;
   const Eigen::Vector2d M(3.0, 0.03), D(kLinear, kTurning), arm(1.0, kLever_m);
   const auto grows = [&](double k) {
-    return Growth<2>(M.asDiagonal(), D.asDiagonal(), k * arm * arm.transpose(), kStep_s, 400'000, most,
-                     [&] { return most; }) > 0.0;
+    return LogGrowth<2>(M.asDiagonal(), D.asDiagonal(), k * arm * arm.transpose(), kStep_s, 400'000, most,
+                        [&] { return most; }) > 0.0;
   };
   EXPECT_FALSE(grows(bound));
   double low = bound, high = 2.0 * bound;

@@ -1,5 +1,5 @@
-// The stability tables of what gives way (docs/theory/compliance.md): a massless link and a bone on its mount
-// in Model B. The rows are the design's, of a hand of 3000 N/m, 60 N s/m and 3 kg and an arm of 15 Hz.
+// Stability of loops with compliance (docs/theory/compliance.md): a massless link, and a bone on its mount,
+// added to Model B. The rows are the design's: a hand of 3000 N/m, 60 N s/m and 3 kg, and an arm of 15 Hz.
 
 #include <cmath>
 #include <numbers>
@@ -19,6 +19,8 @@ namespace {
 
 const hil::GridHand kStiff{"stiff", 3000.0, 60.0, 3.0};
 
+/// The design's loop with a wall of this stiffness, and a virtual tool of m_v [kg] and b_v [N s/m]; still
+/// rigid.
 hil::CompliantLoopParams LoopOf(double stiffness_N_per_m, double m_v, double b_v) {
   hil::CompliantLoopParams params;
   params.loop.hand = kStiff;
@@ -28,11 +30,15 @@ hil::CompliantLoopParams LoopOf(double stiffness_N_per_m, double m_v, double b_v
   return params;
 }
 
+/// Expects a spectral radius of the design's table: its logarithm within 1 %.
 void ExpectRadius(double found, double expected) {
   const double log_rho = std::log(expected);
   EXPECT_NEAR(std::log(found), log_rho, 0.01 * std::abs(log_rho) + 6e-6) << "five digits are given";
 }
 
+/// A massless link of stiffness k in series with a wall of stiffness K [N/m]. Spectral radii: without the
+/// link, with a time constant of 20 ms (also by the mean acceleration), and with one that is too short; then
+/// the shortest stable one.
 struct LinkRow {
   const char* name;
   double K, k, m_v, b_v, rigid, at_20ms, at_20ms_mean, fast_ms, too_fast, least_ms;
@@ -57,7 +63,7 @@ TEST_P(MasslessLink, HasTheDesignsRadiiAndBoundary) {
   params.mean_acceleration = false;
   const double least_ms = 1e3 * hil::MinLinkTime_s(params);
   EXPECT_NEAR(least_ms, row.least_ms, 0.01 * row.least_ms + 5e-3);
-  // the rule that cells are held to is within 3 % of it
+  // the rule by which cells are checked, 0.5 ms (K/k - 1), is within 3 % of the shortest stable time constant
   EXPECT_NEAR(0.5 * (row.K / row.k - 1.0), least_ms, 0.03 * least_ms);
 }
 
@@ -71,6 +77,8 @@ INSTANTIATE_TEST_SUITE_P(
         LinkRow{"burr_2_3", 40e3, 9.552e3, 1.7, 30, 0.99035, 0.97558, 0.97590, 1.0, 1.60540, 1.61}),
     [](const auto& test) { return test.param.name; });
 
+/// A bone on a mount of this frequency. Spectral radii, by how many ticks late the coupling's planes follow
+/// the bone; the last two by the mean acceleration.
 struct MountRow {
   const char* name;
   double mass_kg, hz;
@@ -97,7 +105,7 @@ TEST_P(BoneOnItsMount, HasTheDesignsRadii) {
   }
 }
 
-// What the late planes of an engine that moves the bone itself would do: 12 kg at 15 Hz grows from 12 ms on.
+// Late planes are those of an engine that moves the bone itself: 12 kg at 15 Hz grow from 12 ms on.
 INSTANTIATE_TEST_SUITE_P(
     Design, BoneOnItsMount,
     testing::Values(MountRow{"12kg_6Hz", 12, 6, 0.99565, 0.99520, 0.99419, 0.99297, 0.99615, 0.99366},
@@ -106,14 +114,14 @@ INSTANTIATE_TEST_SUITE_P(
                     MountRow{"3kg_10Hz", 3, 10, 0.99036, 1.00240, 1.01661, 1.01997, 0.99127, 1.02037}),
     [](const auto& test) { return test.param.name; });
 
-// The mount's rules over hands and mounts: stable whenever they hold. Hands are those stable free and on the
-// rigid wall up to K (1 + m_v / m).
+// Where the mount's rules hold, the loop must be stable. Tried with random mounts and random hands, which are
+// stable in free air and on the rigid wall up to K (1 + m_v / m).
 TEST(MountRules, HoldForRandomMountsAndHands) {
   std::mt19937_64 bits(7);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   const auto log_between = [&](double low, double high) { return low * std::pow(high / low, unit(bits)); };
   constexpr double kK = 20e3, kT_s = 1e-3, kAge_s = 25.2e-3;
-  int tried = 0, unstable = 0;
+  int keeping_rules = 0, unstable = 0;
   for (int i = 0; i < 4000; ++i) {
     hil::CompliantLoopParams params = LoopOf(kK, 3.0, log_between(20.0, 150.0));
     params.loop.hand = {"any", log_between(50.0, 8000.0), log_between(2.0, 80.0), log_between(0.3, 4.0)};
@@ -138,16 +146,16 @@ TEST(MountRules, HoldForRandomMountsAndHands) {
     params.mount = mount;
     const bool stable = hil::CompliantLoop(params).SpectralRadius() < 1.0;
     if (!damped || !slow || !rigid_stable) continue;
-    ++tried;
+    ++keeping_rules;
     unstable += stable ? 0 : 1;
   }
-  EXPECT_GT(tried, 300);
-  EXPECT_EQ(unstable, 0) << "of " << tried;
+  EXPECT_GT(keeping_rules, 300);
+  EXPECT_EQ(unstable, 0) << "of " << keeping_rules;
 }
 
-// A firm grip on a light tool that only the rigid wall calms: the mount's damping is half of what the rule
-// asks for.
-TEST(MountRules, SayWhichMountMakesAHandSwing) {
+// A firm grip on a light tool, stable on the rigid wall only: with half the damping that the rule requires,
+// the mount makes it unstable.
+TEST(MountRules, TellUnstableMountsFromStableOnes) {
   hil::CompliantLoopParams params = LoopOf(20e3, 3.0, 20.0);
   params.loop.hand = {"firm grip", 6000.0, 10.0, 1.0};
   EXPECT_LT(hil::CompliantLoop(params).SpectralRadius(), 0.996);
@@ -157,8 +165,9 @@ TEST(MountRules, SayWhichMountMakesAHandSwing) {
   EXPECT_LT(hil::CompliantLoop(params).SpectralRadius(), 0.998) << "this mount keeps the rule";
 }
 
-// A force at a lever turns the bone as well: 1/m_eff = 1/m + L²/I across the lever, 1/m along it.
-TEST(MassRule, CountsTheTurnAboutTheMount) {
+// A force at a lever L also turns the bone, which lowers the effective mass: 1/m_eff = 1/m + L²/I across the
+// lever.
+TEST(MassRule, IncludesTheRotationAboutTheMount) {
   control::BoneMountParams mount;
   mount.inertia_kg_m2 = {0.1, 0.2, 0.3};
   hil::AdmittanceLoopParams rigid;
@@ -174,8 +183,8 @@ TEST(MassRule, CountsTheTurnAboutTheMount) {
   EXPECT_NEAR(mass_kg({0.08, 0.0, 0.0}), 1.0 / (1.0 / 12.0 + 0.0064 / 0.2), 1e-10);
 }
 
-// A coupling so stiff that the lag of the arm counts: the rule's least mass is where it begins to be kept.
-TEST(MassRule, NamesTheLeastMassThatKeepsIt) {
+// With a stiff coupling, light bone breaks the rule: the stated least mass must be the boundary.
+TEST(MassRule, StatesTheLeastMassThatKeepsIt) {
   hil::AdmittanceLoopParams rigid;
   rigid.hand = {"operator", 2000.0, 60.0, 1.5};
   rigid.mass_kg = 1.7;
@@ -202,8 +211,8 @@ TEST(MassRule, NamesTheLeastMassThatKeepsIt) {
       << "it turns away, whatever its mass";
 }
 
-// With the mean acceleration a rigid wall gives Model B's own loop.
-TEST(CompliantLoop, WithTheMeanAccelerationItIsTheAdmittanceLoop) {
+// With the mean acceleration and a rigid wall, the loop must equal the shipped AdmittanceLoop.
+TEST(CompliantLoop, EqualsTheAdmittanceLoopWithTheMeanAcceleration) {
   for (const double stiffness_N_per_m : {20e3, 80e3}) {
     hil::CompliantLoopParams params = LoopOf(stiffness_N_per_m, 3, 20);
     const double design = hil::CompliantLoop(params).SpectralRadius();
@@ -216,7 +225,7 @@ TEST(CompliantLoop, WithTheMeanAccelerationItIsTheAdmittanceLoop) {
   }
 }
 
-TEST(CompliantLoop, WithoutComplianceItIsTheRigidLoop) {
+TEST(CompliantLoop, EqualsTheRigidLoopWithoutCompliance) {
   hil::CompliantLoopParams params = LoopOf(20e3, 3, 20);
   const double rigid = hil::CompliantLoop(params).SpectralRadius();
   params.link = hil::LoopLink{};

@@ -15,6 +15,7 @@
 namespace osteon::hil {
 namespace {
 
+// Returns the parameters, or throws std::invalid_argument.
 const CompliantLoopParams& Validated(const CompliantLoopParams& params) {
   Validate(params.loop);
   if (params.loop.wall.on != WallOn::kCommanded || params.loop.wall.age_ticks != 0)
@@ -30,6 +31,7 @@ const CompliantLoopParams& Validated(const CompliantLoopParams& params) {
   return params;
 }
 
+// The shipped mount's parameters of this mass and frequency.
 control::BoneMountParams MountOf(const LoopMount& mount) {
   const double w = 2.0 * std::numbers::pi * mount.frequency_hz;
   control::BoneMountParams params;
@@ -39,35 +41,37 @@ control::BoneMountParams MountOf(const LoopMount& mount) {
   return params;
 }
 
-// One period of the shipped servo without dead time: (x_r, x_r')+ of (x_r, x_r', command), found by stepping
-// it.
-Eigen::Matrix<double, 2, 3> PromptServo(ServoArmParams params, double period_s) {
+// Transition of the shipped servo in one period, without dead time: from (x_r, x_r', command) to (x_r, x_r')
+// at its end. Found by stepping the servo from single states.
+Eigen::Matrix<double, 2, 3> ServoTransition(ServoArmParams params, double period_s) {
   params.dead_cycles = 0;
   std::array<kinematics::JointLimits, 7> unlimited;
   for (kinematics::JointLimits& limits : unlimited)
     limits.velocity_rad_per_s = std::numeric_limits<double>::max();
   const auto joint = [&](double q) { return kinematics::JointVector::Constant(q).eval(); };
-  ServoArm released(params, unlimited, period_s, joint(1.0)), told(params, unlimited, period_s, joint(0.0));
+  ServoArm released(params, unlimited, period_s, joint(1.0)),
+      commanded(params, unlimited, period_s, joint(0.0));
   released.Step(joint(0.0));
   const Eigen::Vector2d first(released.q()[0], released.qd()[0]);
   released.Step(joint(0.0));
   const Eigen::Vector2d second(released.q()[0], released.qd()[0]);
-  told.Step(joint(1.0));
+  commanded.Step(joint(1.0));
   Eigen::Matrix<double, 2, 3> step;
   step.col(0) = first;
   step.col(1) = (second - first[0] * first) / first[1];
-  step.col(2) << told.q()[0], told.qd()[0];
+  step.col(2) << commanded.q()[0], commanded.qd()[0];
   return step;
 }
 
-// Whole periods from a command to its effect.
+// Dead time in whole periods.
 int DeadTicks(const ServoArmParams& params) { return static_cast<int>(std::lround(params.dead_cycles)); }
 
 }  // namespace
 
-// State: x_c now and before, x_r, x_r', v, earlier felt forces; e; d, d' and earlier d; x_r' before.
+// State: x_c now and in earlier ticks; x_r, x_r'; the virtual tool's speed; earlier felt forces; the link's
+// e; the mount's d, d' and earlier d; x_r' a period before.
 CompliantLoop::CompliantLoop(const CompliantLoopParams& params)
-    : params_(Validated(params)), arm_step_(PromptServo(params.loop.arm, params.loop.period_s)) {
+    : params_(Validated(params)), arm_step_(ServoTransition(params.loop.arm, params.loop.period_s)) {
   arm_ = 1 + DeadTicks(params.loop.arm);
   speed_ = arm_ + 2;
   felt_ = speed_ + 1;

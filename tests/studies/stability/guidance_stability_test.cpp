@@ -6,31 +6,32 @@
 namespace osteon::studies {
 namespace {
 
-GuidedLoopParams Loop() {
+// The shipped loop and guidance, with the head's centre 22 mm behind the apex.
+GuidedLoopParams ShippedLoop() {
   GuidedLoopParams params;
   params.guidance.head_m = 0.022;
   return params;
 }
 
-// The slope of the shipped field: funnel at the head, cone at the apex.
-TEST(GuidanceStability, StiffnessIsThatOfFunnelAndCone) {
-  const GuidedLoopParams params = Loop();
+// The stiffness is the slope of the shipped field: the funnel acts at the head, the cone at the apex.
+TEST(GuidanceStability, StiffnessEqualsThatOfFunnelAndCone) {
+  const GuidedLoopParams params = ShippedLoop();
   const Eigen::Matrix2d K = GuidedLoop(params).stiffness();
   const double cos_psi = std::cos(params.guidance.widening_rad), head_m = params.guidance.head_m;
   const double lateral = params.guidance.lateral.stiffness * cos_psi * cos_psi;
   EXPECT_NEAR(K(0, 0), lateral, 1e-3 * lateral);
-  // at the cone's edge the head is tilted by 9 degrees: it goes aside by the cosine, and along the axis as
-  // well
+  // at the cone's edge the tool is tilted by 9 degrees: turning moves the head sideways by the cosine, and
+  // along the axis
   EXPECT_NEAR(K(0, 1), -lateral * head_m, 0.05 * lateral * head_m);
   EXPECT_NEAR(K(1, 0), K(0, 1), 1e-3 * lateral * head_m) << "a potential's slope is symmetric";
   EXPECT_NEAR(K(1, 1), params.guidance.cone.stiffness + lateral * head_m * head_m,
               0.01 * params.guidance.cone.stiffness);
 }
 
-// At lever 0 nothing turns: without guidance the planar loop has
-// has the same verdict as the loop of one axis.
-TEST(GuidanceStability, AtNoLeverItIsTheLoopOfOneAxis) {
-  GuidedLoopParams params = Loop();
+// Without a lever nothing turns: without guidance, the planar loop must be stable for the same hands as the
+// loop of one axis.
+TEST(GuidanceStability, WithoutALeverEqualsTheLoopOfOneAxis) {
+  GuidedLoopParams params = ShippedLoop();
   params.lever_m = 0.0;
   params.guidance.lateral.stiffness = params.guidance.cone.stiffness = 0.0;
   int stable = 0, all = 0;
@@ -51,7 +52,7 @@ TEST(GuidanceStability, AtNoLeverItIsTheLoopOfOneAxis) {
 }
 
 TEST(GuidanceStability, ShippedGainsMakeNoHandUnstable) {
-  const GuidedLoopParams params = Loop();
+  const GuidedLoopParams params = ShippedLoop();
   const std::vector<HeldHand> hands = HandsStableWithoutGuidance(params);
   EXPECT_EQ(hands.size(), 95u) << "15 Hz, 3 ms, three levers";
   EXPECT_TRUE(HandsThatGuidanceMakesUnstable(params, hands).empty());
@@ -60,17 +61,17 @@ TEST(GuidanceStability, ShippedGainsMakeNoHandUnstable) {
   EXPECT_TRUE(boundary.crossed) << "and there is one";
 }
 
-TEST(GuidanceStability, AStiffFunnelOrAnOldSensorMakesSomeUnstable) {
-  GuidedLoopParams params = Loop();
+TEST(GuidanceStability, AStiffFunnelOrALateSensorMakesSomeHandsUnstable) {
+  GuidedLoopParams params = ShippedLoop();
   params.guidance.lateral.stiffness = 40e3;
   EXPECT_FALSE(HandsThatGuidanceMakesUnstable(params, HandsStableWithoutGuidance(params)).empty());
-  GuidedLoopParams late = Loop();
+  GuidedLoopParams late = ShippedLoop();
   late.sensor_delay = 5;
   EXPECT_FALSE(HandsThatGuidanceMakesUnstable(late, HandsStableWithoutGuidance(late)).empty());
 }
 
-// Depth has no lever: the wall of the one-axis loop, evaluated in the tick.
-TEST(GuidanceStability, AlongTheAxisTwentyNewtonsPerMillimetreHaveMargin) {
+// The depth limit pushes along the axis, without a lever: it acts as the wall of the one-axis loop.
+TEST(GuidanceStability, TheMaxDepthStiffnessIsStableWithAFactorOfTwo) {
   for (const hil::GridHand& hand : hil::HandGrid()) {
     hil::AdmittanceLoopParams axis{.hand = hand, .mass_kg = 1.7, .damping_Ns_per_m = 30.0};
     if (hil::AdmittanceLoop(axis).SpectralRadius() >= 1.0 || hand.name == "clamp" || hand.name == "fixture")

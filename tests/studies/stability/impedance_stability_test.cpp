@@ -11,11 +11,12 @@
 namespace osteon::studies {
 namespace {
 
+// A case of the design's table: mass m [kg], drag b and wall damping B [N s/m], delay d [ticks].
 struct Row {
   const char* name;
   double m, b, B;
   int d;
-  double K_max, approximate;  // the design's table: from eigenvalues; (b + B) / (T/2 + t_d)
+  double K_max, approximate;  // stiffest wall: by eigenvalues; by (b + B) / (T/2 + t_d)
 };
 void PrintTo(const Row& row, std::ostream* os) { *os << row.name; }
 
@@ -25,13 +26,13 @@ ImpedanceLoopParams LoopOf(const Row& row) {
 
 class ModelA : public testing::TestWithParam<Row> {};
 
-TEST_P(ModelA, BoundaryIsTheDesigns) {
+TEST_P(ModelA, StiffestWallEqualsTheDesigns) {
   const hil::Boundary found = MaxWallStiffness(LoopOf(GetParam()));
   ASSERT_TRUE(found.crossed);
   EXPECT_NEAR(found.value, GetParam().K_max, 2e-4 * GetParam().K_max) << "four or five digits are given";
 }
 
-TEST_P(ModelA, GrowthOnBothSidesOfTheBoundaryIsTheSpectralRadius) {
+TEST_P(ModelA, GrowthInTimeEqualsTheSpectralRadiusOnBothSidesOfTheLimit) {
   for (const double share : {0.8, 1.2}) {
     ImpedanceLoopParams params = LoopOf(GetParam());
     params.wall_stiffness_N_per_m = share * GetParam().K_max;
@@ -44,8 +45,8 @@ TEST_P(ModelA, GrowthOnBothSidesOfTheBoundaryIsTheSpectralRadius) {
   }
 }
 
-// The rule of thumb holds unless the wall's damping decides.
-TEST_P(ModelA, RuleOfThumbIsNearWithoutWallDamping) {
+// The rule of thumb (b + B) / (T/2 + t_d) holds unless the wall's damping decides.
+TEST_P(ModelA, RuleOfThumbGivesTheLimitWithoutWallDamping) {
   const Row& row = GetParam();
   const double rule = (row.b + row.B) / (0.5e-3 + 1e-3 * row.d);
   EXPECT_NEAR(rule, row.approximate, 2e-4 * row.approximate);
@@ -62,7 +63,7 @@ INSTANTIATE_TEST_SUITE_P(Design, ModelA,
                          [](const auto& test) { return test.param.name; });
 
 // Stability is not passivity: a hand can still excite the loop.
-TEST(ModelA, PassivityAsksForMoreThanStability) {
+TEST(ModelA, PassivityNeedsMoreDampingThanStability) {
   ImpedanceLoopParams wall{.wall_stiffness_N_per_m = 700.0, .delay = 2};
   EXPECT_LT(ImpedanceLoop(wall).SpectralRadius(), 1.0);
   EXPECT_GT(PassiveDamping(wall), wall.damping_Ns_per_m * 0.8);
@@ -71,8 +72,8 @@ TEST(ModelA, PassivityAsksForMoreThanStability) {
   EXPECT_GT(PassiveDamping(wall), 20.0 * wall.damping_Ns_per_m) << "and, late, far from passive";
 }
 
-// Without delay: Colgate and Schenkel's b > K T / 2 + |B|, in closed form.
-TEST(ModelA, PassiveDampingIsColgatesWithoutDelay) {
+// Without a delay, the closed form is Colgate and Schenkel's: b > K T / 2 + |B|.
+TEST(ModelA, PassiveDampingEqualsColgatesWithoutDelay) {
   const ImpedanceLoopParams wall{.wall_stiffness_N_per_m = 3000.0, .wall_damping_Ns_per_m = 4.0};
   EXPECT_NEAR(PassiveDamping(wall), 0.5 * 3000.0 * 1e-3 + 4.0, 1e-6);
   ImpedanceLoopParams late = wall;

@@ -1,5 +1,5 @@
-// Compensation of the tool's own inertia in the sensor's reading: positive feedback through the virtual mass.
-// The loop's matrix steps the shipped law, arm and StepMotion.
+// Stability of compensating the tool's inertia in the sensor's reading, which is positive feedback through
+// the virtual mass. The loop's matrix is made by stepping the shipped law, arm and StepMotion.
 
 #include <cmath>
 
@@ -12,8 +12,10 @@
 namespace osteon::studies {
 namespace {
 
+// name, stiffness [N/m], damping [N s/m], mass [kg]
 const hil::GridHand kFree{"nobody", 0.0, 0.0, 0.0}, kFirm{"firm", 500.0, 20.0, 1.5};
 
+// A loop that compensates a share of the tool's inertia, with filters of `hz`.
 hil::AdmittanceLoopParams Loop(const hil::GridHand& hand, double tool_kg, double share, double hz = 15.0) {
   hil::AdmittanceLoopParams params{.hand = hand, .wall = {}, .arm = {}};
   params.tool_mass_kg = tool_kg;
@@ -22,8 +24,8 @@ hil::AdmittanceLoopParams Loop(const hil::GridHand& hand, double tool_kg, double
   return params;
 }
 
-// The largest stable share.
-double GreatestShare(const hil::GridHand& hand, double tool_kg, double hz = 15.0) {
+// The largest stable share of compensation.
+double MaxStableShare(const hil::GridHand& hand, double tool_kg, double hz = 15.0) {
   return hil::FirstCrossing(
              [&](double share) {
                return hil::AdmittanceLoop(Loop(hand, tool_kg, share, hz)).SpectralRadius() < 1.0 + 1e-9;
@@ -32,30 +34,30 @@ double GreatestShare(const hil::GridHand& hand, double tool_kg, double hz = 15.0
       .value;
 }
 
-TEST(InertiaStability, WithoutAShareItIsTheLoopOfAHeavierHand) {
+TEST(InertiaStability, WithoutCompensationTheToolActsAsHandMass) {
   hil::AdmittanceLoopParams heavier = Loop(kFirm, 0.0, 0.0);
   heavier.hand.mass_kg += 1.2;
   EXPECT_NEAR(hil::AdmittanceLoop(Loop(kFirm, 1.2, 0.0)).SpectralRadius(),
               hil::AdmittanceLoop(heavier).SpectralRadius(), 1e-12);
 }
 
-// Beyond 1 + m_v / m_t the virtual tool has negative mass. The arm's lag, which also acts on the sensor's
-// side of the loop, puts the crossing somewhat higher; a hand's mass puts it somewhat lower.
-TEST(InertiaStability, TheGreatestShareIsWhereTheVirtualMassIsUsedUp) {
+// Beyond a share of 1 + m_v / m_t the virtual tool has a negative mass. The arm's lag raises the limit
+// somewhat, a hand's mass lowers it.
+TEST(InertiaStability, TheMaxShareIsNearThatOfZeroVirtualMass) {
   for (const double tool_kg : {0.5, 1.2, 2.5}) {
-    const double used_up = 1.0 + 3.0 / tool_kg;
+    const double zero_mass_share = 1.0 + 3.0 / tool_kg;
     for (const double hz : {10.0, 15.0, 60.0})
       for (const hil::GridHand& hand : {kFree, kFirm}) {
-        const double bound = GreatestShare(hand, tool_kg, hz);
-        EXPECT_GT(bound, (hand.mass_kg > 0.0 ? 0.93 : 1.0) * used_up)
+        const double bound = MaxStableShare(hand, tool_kg, hz);
+        EXPECT_GT(bound, (hand.mass_kg > 0.0 ? 0.93 : 1.0) * zero_mass_share)
             << tool_kg << " kg, " << hz << " Hz, " << hand.name;
-        EXPECT_LT(bound, 1.3 * used_up) << tool_kg << " kg, " << hz << " Hz, " << hand.name;
+        EXPECT_LT(bound, 1.3 * zero_mass_share) << tool_kg << " kg, " << hz << " Hz, " << hand.name;
       }
   }
 }
 
-TEST(InertiaStability, AShareBeyondItGrowsInTimeAndOneBelowDecays) {
-  const double bound = GreatestShare(kFirm, 2.5);
+TEST(InertiaStability, MotionGrowsAboveTheMaxShareAndDecaysBelow) {
+  const double bound = MaxStableShare(kFirm, 2.5);
   const auto growth = [&](double share) {
     const hil::AdmittanceLoop loop(Loop(kFirm, 2.5, share));
     return GrowthPerPeriod([&](const Eigen::VectorXd& s) { return loop.Step(s); }, loop.size(), 2000, 20'000);
@@ -64,9 +66,10 @@ TEST(InertiaStability, AShareBeyondItGrowsInTimeAndOneBelowDecays) {
   EXPECT_GT(growth(1.05 * bound), 1e-5);
 }
 
-// In a cell the hands decide, not that limit: the filters' lag is a negative drag, which the virtual tool's
-// drag has to compensate. Every hand up to 3 kN/m, a tool of 1.2 kg on a virtual tool of 3 kg.
-TEST(InertiaStability, EveryHandStandsSevenTenthsAtThirtyFiveNewtonSecondsPerMeterAndNotTheWhole) {
+// In a cell the hands decide, not that limit: the filters' lag acts as negative drag, which the virtual
+// tool's drag must outweigh. Tried with every hand up to 3 kN/m and a tool of 1.2 kg on a virtual tool of 3
+// kg.
+TEST(InertiaStability, With35NewtonSecondsPerMetreAllHandsAllowSevenTenths) {
   const auto unstable_hands = [](double share, double damping_Ns_per_m) {
     int count = 0;
     for (const hil::GridHand& hand : hil::HandGrid()) {

@@ -1,4 +1,4 @@
-// The loop judged by a frequency response, against the loop's matrix.
+// Stability by a measured frequency response, compared with the eigenvalues of the loop's matrix.
 
 #include "studies/stability/measured_loop.h"
 
@@ -11,11 +11,12 @@
 namespace osteon::studies {
 namespace {
 
+// the lines of a measurement
 constexpr std::array kExcited_hz{0.5,   0.75,  1.25,  1.75,  2.25,  3.25,  4.25,  5.75,  7.25,  9.25,
                                  11.75, 14.75, 18.25, 22.25, 26.75, 31.75, 37.25, 43.25, 49.75, 56.75};
 const hil::GridHand kGrip{"grip", 3e3, 20.0, 1.5};
 
-// Lines as a perfect measurement would have them; noise is that of each line's real and imaginary part.
+// The response at these lines, measured perfectly or with noise on real and imaginary part.
 std::vector<PlantLine> LinesOf(const ResponseModel& truth, double noise = 0.0, std::uint64_t seed = 1) {
   std::mt19937_64 bits(seed);
   std::normal_distribution<double> normal;
@@ -28,8 +29,8 @@ std::vector<PlantLine> LinesOf(const ResponseModel& truth, double noise = 0.0, s
   return lines;
 }
 
-// The poles of the loop's matrix are the zeros of 1 + L, with the hand's acceleration as the loop takes it.
-TEST(MeasuredLoop, LawTimesArmTimesHandHasTheMatrixsPoles) {
+// Each pole of the loop's matrix must be a zero of 1 + L, with L the law times arm times hand.
+TEST(MeasuredLoop, OpenLoopIsMinusOneAtTheMatrixsPoles) {
   for (const double dead : {3.0, 3.4}) {
     for (const hil::LoopWall& wall :
          {hil::LoopWall{}, hil::LoopWall{.stiffness_N_per_m = 20e3},
@@ -42,12 +43,12 @@ TEST(MeasuredLoop, LawTimesArmTimesHandHasTheMatrixsPoles) {
       const Eigen::VectorXcd poles =
           Eigen::EigenSolver<Eigen::MatrixXd>(hil::AdmittanceLoop(params).Matrix(), false).eigenvalues();
       for (const std::complex<double>& z : poles) {
-        if (std::abs(z) < 0.5) continue;  // delays: no digits are left there
+        if (std::abs(z) < 0.5) continue;  // poles of delays, whose values are inaccurate
         const Eigen::Matrix2cd from_state =
             z * Eigen::Matrix2cd::Identity() - arm.step.leftCols<2>().cast<std::complex<double>>();
-        const Eigen::Vector2cd told =
+        const Eigen::Vector2cd command_input =
             arm.step.col(3).cast<std::complex<double>>() + arm.step.col(2).cast<std::complex<double>>() / z;
-        const Eigen::Vector2cd motion = from_state.inverse() * told * std::pow(z, -arm.whole);
+        const Eigen::Vector2cd motion = from_state.inverse() * command_input * std::pow(z, -arm.whole);
         const std::complex<double> hand =
             kGrip.stiffness_N_per_m * motion[0] +
             (kGrip.damping_Ns_per_m + kGrip.mass_kg * (1.0 - 1.0 / z) / params.period_s) * motion[1];
@@ -59,8 +60,8 @@ TEST(MeasuredLoop, LawTimesArmTimesHandHasTheMatrixsPoles) {
   }
 }
 
-// The arm's response is that of its own steps: a sine sent for long, at the sampling rate.
-TEST(MeasuredLoop, ModelResponseIsThatOfTheShippedArm) {
+// Oracle: the shipped arm, to which a sine is sent until it has settled.
+TEST(MeasuredLoop, ModelResponseEqualsTheShippedArms) {
   constexpr double kHz = 12.5, kPeriod_s = 1e-3;
   for (const double dead : {0.0, 3.0, 4.3}) {
     const hil::ServoArmParams params{.damping_ratio = 0.8, .dead_cycles = dead};
@@ -78,18 +79,17 @@ TEST(MeasuredLoop, ModelResponseIsThatOfTheShippedArm) {
   }
 }
 
-// A loop of the default's delays in steps of a quarter of a millisecond: the matrix takes the hand's
-// acceleration as the mean of the period that ends, which is the nearer to that of a hand the shorter the
-// period is.
+// The default loop in steps of 0.25 ms. The matrix uses the hand's mean acceleration over a period, which is
+// closer to the true one in short periods.
 constexpr double kFine_s = 0.25e-3;
 hil::AdmittanceLoopParams FineLoop(const hil::GridHand& hand) {
   return {.hand = hand, .mass_kg = 1.7, .arm = {.dead_cycles = 12}, .sensor_delay = 4, .period_s = kFine_s};
 }
 const ResponseModel kFineModel{.arm = {.dead_cycles = 12}, .period_s = kFine_s};
 
-// Encirclements against eigenvalues: the drag at which the loop becomes unstable, and within ten the wall,
-// where the loop oscillates faster.
-TEST(MeasuredLoop, DragsAreTheMatrixsWithinTwoPercentAndWallsWithinTen) {
+// The Nyquist criterion against eigenvalues: the drag at which the loop becomes unstable agrees within 2 %;
+// the wall, at which the loop oscillates faster, within 10 %.
+TEST(MeasuredLoop, LimitsOfDragAndWallAgreeWithTheMatrix) {
   const MeasuredPlant response(LinesOf(kFineModel), kFineModel);
   for (const hil::GridHand& hand :
        {kGrip, hil::GridHand{"light", 1500.0, 2.0, 0.3}, hil::GridHand{"hard", 10e3, 20.0, 1.5}}) {
@@ -115,9 +115,9 @@ TEST(MeasuredLoop, DragsAreTheMatrixsWithinTwoPercentAndWallsWithinTen) {
   }
 }
 
-// At a millisecond the matrix asks for less drag, as its acceleration lags by half of it: the response, which
-// knows no samples of the hand, is on the safe side.
-TEST(MeasuredLoop, AtAMillisecondItAsksForUpToEightPercentMoreDragThanTheMatrix) {
+// At 1 ms the matrix's acceleration is half a period late, so that it needs less drag. The response's verdict
+// is on the safe side.
+TEST(MeasuredLoop, AtOneMillisecondNeedsUpToEightPercentMoreDrag) {
   const ResponseModel model;
   const MeasuredPlant response(LinesOf(model), model);
   for (const hil::GridHand& hand :
@@ -132,8 +132,7 @@ TEST(MeasuredLoop, AtAMillisecondItAsksForUpToEightPercentMoreDragThanTheMatrix)
   }
 }
 
-// The gain margin is the factor on the hand at which the matrix becomes unstable.
-TEST(MeasuredLoop, GainMarginIsTheFactorOnTheHand) {
+TEST(MeasuredLoop, GainMarginIsTheFactorOnTheHandAtTheStabilityLimit) {
   const MeasuredPlant response(LinesOf(kFineModel), kFineModel);
   hil::AdmittanceLoopParams loop = FineLoop(kGrip);
   loop.damping_Ns_per_m = 40.0;
@@ -153,7 +152,7 @@ TEST(MeasuredLoop, GainMarginIsTheFactorOnTheHand) {
   EXPECT_TRUE(margins.robust) << "nothing was noisy";
 }
 
-// The model need not be right: lines of a slower arm with more dead time decide.
+// The model may be wrong: the measured lines, of a slower arm with more dead time, must decide.
 TEST(MeasuredLoop, TheMeasurementDecidesNotTheModel) {
   const ResponseModel truth{.arm = {.bandwidth_hz = 13.0, .damping_ratio = 1.1, .dead_cycles = 16.8},
                             .period_s = kFine_s};
@@ -170,8 +169,8 @@ TEST(MeasuredLoop, TheMeasurementDecidesNotTheModel) {
   }
 }
 
-// A resonance beyond the encoders, in the model as identify writes it, limits the wall and costs drag.
-TEST(MeasuredLoop, AStructureCostsDrag) {
+// A structural resonance that the encoders don't see makes gains unstable that are stable without it.
+TEST(MeasuredLoop, AStructuralResonanceNeedsMoreDrag) {
   const ResponseModel stiff, soft{.arm = {}, .structure = {{.hz = 22.0, .damping_ratio = 0.03}}};
   const MeasuredPlant by_encoders(LinesOf(stiff), stiff), by_force(LinesOf(soft), soft);
   const MeasuredLoopParams params{.loop = {.hand = kGrip, .mass_kg = 1.7, .damping_Ns_per_m = 30.0},
@@ -180,8 +179,9 @@ TEST(MeasuredLoop, AStructureCostsDrag) {
   EXPECT_FALSE(JudgeMeasuredLoop(by_force, params).stable);
 }
 
-// The design's table: encoders miss a resonance that the force sensor sees, and with it drag and wall.
-TEST(MeasuredLoop, EncodersPromiseAWallAndADragThatTheStructureDoesNotAllow) {
+// The design's claim: encoders miss a resonance that the force sensor sees, which raises the least drag and
+// lowers the stiffest wall.
+TEST(MeasuredLoop, AResonanceUnseenByEncodersRaisesDragAndLowersWalls) {
   const ResponseModel arm{.arm = {.bandwidth_hz = 15.0, .damping_ratio = 1.0, .dead_cycles = 4.0}};
   const auto with = [&](double hz) {
     ResponseModel model = arm;
@@ -209,14 +209,15 @@ TEST(MeasuredLoop, EncodersPromiseAWallAndADragThatTheStructureDoesNotAllow) {
     }
     return low;
   };
-  // The design has 24 and 949 N s/m, 80.7 and 26.6 kN/m, with its own law and the older hand's acceleration.
+  // (The design, with its own law and acceleration, has 24 and 949 N s/m, 80.7 and 26.6 kN/m.)
   EXPECT_NEAR(least_drag(0.0), 32.0, 1.0);
   EXPECT_GT(least_drag(22.0), 20.0 * least_drag(0.0));
   EXPECT_LT(greatest_wall(35.0), 0.55 * greatest_wall(0.0));
 }
 
-// Noise: the smoothed response is closer to the truth than a line is, and the radius says how far it is off.
-TEST(MeasuredLoop, NoiseHasItsRadius) {
+// The stated radius of uncertainty must contain the truth in 95 % of the points, and decide whether a verdict
+// is robust.
+TEST(MeasuredLoop, UncertaintyRadiusContainsTheTruthIn95Percent) {
   constexpr double kNoise = 0.02;
   const ResponseModel& truth = kFineModel;
   int within = 0, all = 0;
@@ -241,7 +242,7 @@ TEST(MeasuredLoop, NoiseHasItsRadius) {
   EXPECT_FALSE(margins.robust) << "the disc holds -1";
 }
 
-TEST(MeasuredLoop, RefusesWhatIsNoResponse) {
+TEST(MeasuredLoop, RefusesInvalidResponses) {
   EXPECT_THROW(MeasuredPlant({{.hz = 1.0}}, {}), std::invalid_argument);
   EXPECT_THROW(MeasuredPlant({{.hz = 2.0}, {.hz = 1.0}}, {}), std::invalid_argument);
   EXPECT_THROW(MeasuredPlant({{.hz = 2.0}, {.hz = 600.0}}, {}), std::invalid_argument);

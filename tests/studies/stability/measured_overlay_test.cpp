@@ -1,4 +1,4 @@
-// The impedance law's loop judged by a measured response, against the loop's matrix of the true arm.
+// Stability under the impedance law by a measured response, compared with the matrix of the true arm's loop.
 
 #include "studies/stability/measured_overlay.h"
 
@@ -15,6 +15,7 @@
 namespace osteon::studies {
 namespace {
 
+// The impedance cell's loop without a mount. torque: the arm is under joint impedance.
 OverlayLoopParams TrueLoop(bool torque) {
   const config::CellConfig cell =
       config::LoadCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate_impedance.yaml");
@@ -30,7 +31,7 @@ OverlayLoopParams TrueLoop(bool torque) {
   return loop;
 }
 
-// Lines of x / f along z as a perfect measurement of the true arm would have them.
+// The response from wrench to position along z, measured perfectly or with relative noise.
 MeasuredOverlayParams MeasuredOf(const OverlayLoopParams& truth, double sd_share = 0.0) {
   ImpedanceArmParams own{.chain = truth.chain,
                          .arm = truth.arm,
@@ -51,6 +52,7 @@ MeasuredOverlayParams MeasuredOf(const OverlayLoopParams& truth, double sd_share
   return measured;
 }
 
+// The stiffest wall with which `stable` holds for the loop.
 template <typename Stable>
 double GreatestWall_N_per_m(OverlayLoopParams loop, const Stable& stable) {
   return hil::FirstCrossing(
@@ -70,7 +72,7 @@ double MeasuredWall_N_per_m(const MeasuredOverlay& measured, const OverlayLoopPa
   return GreatestWall_N_per_m(loop, [&](const OverlayLoopParams& p) { return measured.IsStable(p, 0.0); });
 }
 
-TEST(MeasuredOverlay, PredictsTheGreatestWallOfTheTrueArm) {
+TEST(MeasuredOverlay, PredictsTheStiffestWallOfTheTrueArm) {
   for (const bool torque : {false, true}) {
     OverlayLoopParams truth = TrueLoop(torque);
     const MeasuredOverlay measured(truth, MeasuredOf(truth));
@@ -88,20 +90,20 @@ TEST(MeasuredOverlay, PredictsTheGreatestWallOfTheTrueArm) {
   }
 }
 
-// Springs and damping that the file of the cell has wrong: the measurement decides, not the model.
+// The cell's file has wrong springs and damping: the measured response must decide, not the model.
 TEST(MeasuredOverlay, TheMeasurementDecidesNotTheModel) {
   const OverlayLoopParams truth = TrueLoop(false);
-  OverlayLoopParams thought = truth;
-  thought.arm.cartesian_damping_ratio *= 2.0;
-  thought.arm.stiffness_N_per_m *= 1.5;
+  OverlayLoopParams by_file = truth;
+  by_file.arm.cartesian_damping_ratio *= 2.0;
+  by_file.arm.stiffness_N_per_m *= 1.5;
   const double wall = TrueWall_N_per_m(truth);
-  EXPECT_GT(TrueWall_N_per_m(thought), 1.15 * wall);
-  const MeasuredOverlay measured(thought, MeasuredOf(truth));
-  EXPECT_NEAR(MeasuredWall_N_per_m(measured, thought), wall, 0.05 * wall);
+  EXPECT_GT(TrueWall_N_per_m(by_file), 1.15 * wall);
+  const MeasuredOverlay measured(by_file, MeasuredOf(truth));
+  EXPECT_NEAR(MeasuredWall_N_per_m(measured, by_file), wall, 0.05 * wall);
 }
 
-// A command that is later, and old planes, cost stiffness as in the matrix.
-TEST(MeasuredOverlay, LateCommandsAndOldPlanesCostTheSameStiffness) {
+// Later commands and old planes must lower the stiffest wall as in the matrix.
+TEST(MeasuredOverlay, LateCommandsAndOldPlanesLowerTheWallAsInTheMatrix) {
   OverlayLoopParams truth = TrueLoop(false);
   const MeasuredOverlay measured(truth, MeasuredOf(truth));
   truth.wall.age_ticks = 4;
@@ -116,7 +118,7 @@ TEST(MeasuredOverlay, LateCommandsAndOldPlanesCostTheSameStiffness) {
       late, 0.05 * late);
 }
 
-TEST(MeasuredOverlay, MarginsAreFactorsOnWallAndDampingAndNoiseHasItsRadius) {
+TEST(MeasuredOverlay, GainMarginIsAFactorOnWallAndDampingAndNoiseLowersRobustness) {
   OverlayLoopParams truth = TrueLoop(false);
   const MeasuredOverlay measured(truth, MeasuredOf(truth));
   truth.wall.stiffness_N_per_m = 0.5 * TrueWall_N_per_m(truth);
@@ -126,7 +128,7 @@ TEST(MeasuredOverlay, MarginsAreFactorsOnWallAndDampingAndNoiseHasItsRadius) {
   const double factor = hil::FirstCrossing(
                             [&](double gain) {
                               OverlayLoopParams more = truth;
-                              // the damping along the axis alone
+                              // only the damping along the axis
                               more.law.damping_Ns_per_m.z() *= gain;
                               more.wall.stiffness_N_per_m *= gain;
                               return OverlayLoop(more).IsStable();
@@ -140,7 +142,7 @@ TEST(MeasuredOverlay, MarginsAreFactorsOnWallAndDampingAndNoiseHasItsRadius) {
   EXPECT_FALSE(noisy.robust) << "|1 + L| " << noisy.modulus << " ± " << noisy.modulus_radius;
 }
 
-TEST(MeasuredOverlay, RefusesWhatIsNoResponse) {
+TEST(MeasuredOverlay, RefusesAResponseOfOneLine) {
   EXPECT_THROW(MeasuredOverlay(TrueLoop(false), {.lines = {{.hz = 1.0}}}), std::invalid_argument);
 }
 

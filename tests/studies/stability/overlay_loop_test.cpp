@@ -1,4 +1,4 @@
-// The loop of the impedance law: predicted by its matrix, and seen with the shipped arm, coupling and law in
+// Stability under the impedance law: the loop's matrix against the shipped arm, coupling and law simulated in
 // time.
 
 #include "studies/stability/overlay_loop.h"
@@ -10,7 +10,8 @@
 namespace osteon::studies {
 namespace {
 
-OverlayLoopParams Loop(bool torque) {
+// The loop of the impedance cell. torque: the arm is under joint impedance.
+OverlayLoopParams ImpedanceCellLoop(bool torque) {
   const config::CellConfig cell =
       config::LoadCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate_impedance.yaml");
   OverlayLoopParams loop{.chain = cell.robot.lbr()->chain,
@@ -24,7 +25,8 @@ OverlayLoopParams Loop(bool torque) {
   return loop;
 }
 
-double Boundary_N_per_m(OverlayLoopParams loop) {
+// The stiffest stable wall, by the matrix.
+double MaxWall_N_per_m(OverlayLoopParams loop) {
   return hil::FirstCrossing(
              [&](double stiffness) {
                loop.wall.stiffness_N_per_m = stiffness;
@@ -34,10 +36,10 @@ double Boundary_N_per_m(OverlayLoopParams loop) {
       .value;
 }
 
-TEST(OverlayLoop, TheArmInTimeGrowsWhereTheMatrixSays) {
+TEST(OverlayLoop, SimulatedArmTurnsUnstableAtTheMatrixsStiffestWall) {
   for (const bool torque : {false, true}) {
-    OverlayLoopParams loop = Loop(torque);
-    const double most = Boundary_N_per_m(loop);
+    OverlayLoopParams loop = ImpedanceCellLoop(torque);
+    const double most = MaxWall_N_per_m(loop);
     ASSERT_GT(most, 500.0) << torque;
     ASSERT_LT(most, 200e3) << torque;
     for (const double share : {0.93, 1.07}) {
@@ -47,36 +49,35 @@ TEST(OverlayLoop, TheArmInTimeGrowsWhereTheMatrixSays) {
   }
 }
 
-// The arm's controller does not know the hand: with torques its damping is that of the joints without it.
-// Counted in, a heavy hand and much damping of the law would seem to stand walls that are 7 % stiffer.
+// The arm's controller doesn't know the hand's mass, so its joint damping must not include it. Otherwise a
+// heavy hand would seem to allow walls that are 7 % stiffer.
 TEST(OverlayLoop, AHeavyHandAddsNothingToTheArmsOwnDamping) {
-  OverlayLoopParams loop = Loop(true);
+  OverlayLoopParams loop = ImpedanceCellLoop(true);
   loop.law.damping_Ns_per_m.setConstant(200.0);
   loop.hand = {"heavy", 500.0, 20.0, 3.0};
-  const double most = Boundary_N_per_m(loop);
+  const double most = MaxWall_N_per_m(loop);
   for (const double share : {0.97, 1.03}) {
     loop.wall.stiffness_N_per_m = share * most;
     EXPECT_EQ(OverlayGrows(loop, 4.0), share > 1.0) << share << " of " << most;
   }
 }
 
-TEST(OverlayLoop, DeadTimeAndAgeEachCostStiffness) {
-  const OverlayLoopParams loop = Loop(false);
-  const double most = Boundary_N_per_m(loop);
+TEST(OverlayLoop, DeadTimeAndAgeEachLowerTheStiffestWall) {
+  const OverlayLoopParams loop = ImpedanceCellLoop(false);
+  const double most = MaxWall_N_per_m(loop);
   OverlayLoopParams later = loop;
   later.arm.dead_cycles += 3;
-  EXPECT_LT(Boundary_N_per_m(later), 0.95 * most);
+  EXPECT_LT(MaxWall_N_per_m(later), 0.95 * most);
   OverlayLoopParams older = loop;
   older.wall.age_ticks = 4;
-  EXPECT_LT(Boundary_N_per_m(older), 0.95 * most);
+  EXPECT_LT(MaxWall_N_per_m(older), 0.95 * most);
 }
 
-// The oscillation of a heavy hand on the wall is that of a mass on a spring: no wall is needed to be free of
-// it.
+// Without a wall every hand up to 3 kN/m must be stable.
 TEST(OverlayLoop, AHandIsStableWithoutAWall) {
   for (const hil::GridHand& hand : hil::HandGrid()) {
     if (hand.stiffness_N_per_m > 3e3) continue;
-    OverlayLoopParams loop = Loop(true);
+    OverlayLoopParams loop = ImpedanceCellLoop(true);
     loop.hand = hand;
     EXPECT_TRUE(OverlayLoop(loop).IsStable()) << hand.name;
   }

@@ -1,5 +1,5 @@
-// The design's wall with a force that is 5 ms old, softer and stiffer than the stable limit, on the shipped
-// steps of law, arm and stabilisers.
+// The passivity controller at a wall whose force is 5 ms old: softer and stiffer than the stability limit,
+// simulated with the shipped law, arm and stabilisers.
 
 #include <cmath>
 #include <deque>
@@ -15,8 +15,8 @@
 namespace osteon::studies {
 namespace {
 
-// A light hand, for which the wall's limit is 2.9 kN/m (the first test); the design's, with an acceleration
-// just after the command's step, was 3.3.
+// The loop of a light hand, whose stiffest stable wall is 2.9 kN/m (3.3 in the design, with its other
+// acceleration).
 hil::AdmittanceLoopParams OldWall(double stiffness_N_per_m) {
   hil::AdmittanceLoopParams loop;
   loop.hand = {"light", 100.0, 4.0, 0.3};
@@ -26,13 +26,15 @@ hil::AdmittanceLoopParams OldWall(double stiffness_N_per_m) {
   return loop;
 }
 
+/// Figures of a run at the wall.
 struct Ripple {
-  double rms_N{0.0};   ///< of the wall's force, about its mean, in the second half
+  double rms_N{0.0};   ///< of the wall's force about its mean, in the run's second half
   double peak_N{0.0};  ///< of the wall's force, over the whole run
-  int acted{0};        ///< ticks
+  int acted{0};        ///< ticks in which the controller acted
 };
 
-// Pressed with 40 N from 2 mm above, for 4 s. The planes, and so the force, belong to the pose 5 ms ago.
+// Presses the tool with 40 N onto the wall from 2 mm above, for 4 s. acts: with the passivity controller. The
+// wall's force belongs to the pose 5 ms before.
 Ripple Press(const hil::AdmittanceLoopParams& p, bool acts) {
   constexpr double kPress_N = 40.0;
   const double T = p.period_s;
@@ -100,11 +102,11 @@ Ripple Press(const hil::AdmittanceLoopParams& p, bool acts) {
   return ripple;
 }
 
-TEST(PassivityWall, AForceOf5MillisecondsIsStableUpTo2900NewtonsAMetre) {
+TEST(PassivityWall, AForce5MillisecondsOldIsStableUpTo2900NewtonsPerMetre) {
   EXPECT_NEAR(hil::MaxWallStiffness(OldWall(1e3)).value, 2880.0, 15.0);
 }
 
-TEST(PassivityWall, StifferThanThatItRipplesWithoutTheControllerAndIsCalmWithIt) {
+TEST(PassivityWall, TheControllerCalmsAWallThatIsTooStiff) {
   const Ripple without = Press(OldWall(5000.0), false), with = Press(OldWall(5000.0), true);
   RecordProperty("ripple_without_N", std::to_string(without.rms_N));
   RecordProperty("ripple_with_N", std::to_string(with.rms_N));
@@ -114,7 +116,7 @@ TEST(PassivityWall, StifferThanThatItRipplesWithoutTheControllerAndIsCalmWithIt)
   EXPECT_GT(with.acted, 0);
 }
 
-TEST(PassivityWall, OnAStableWallItDoesNoHarmAndOnFreshPlanesItNeverActs) {
+TEST(PassivityWall, TheControllerDoesNoHarmOnStableWallsAndNeverActsOnFreshPlanes) {
   EXPECT_LE(Press(OldWall(1500.0), true).rms_N, Press(OldWall(1500.0), false).rms_N + 0.1)
       << "stable by itself: no worse with it";
   hil::AdmittanceLoopParams fresh = OldWall(20e3);

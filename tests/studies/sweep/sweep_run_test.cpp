@@ -15,15 +15,17 @@ namespace {
 
 class Sweep : public testing::Test {
  protected:
-  config::SweepConfig Load(const std::string& parameters, int seeds) {
+  // Loads a sweep of these parameters (YAML) over a shipped scenario.
+  config::SweepConfig LoadSweepOf(const std::string& parameters, int seeds) {
     io::test::WriteAll(folder_.path() / "s.yaml", "shows: x\nscenario: " OSTEON_SOURCE_DIR
                                                   "/config/scenarios/tremor.yaml\nseed_count: " +
                                                       std::to_string(seeds) + "\nparameters:\n" + parameters);
     return config::LoadSweep(folder_.path() / "s.yaml");
   }
-  void Refused(const std::string& parameters, int seeds, const std::string& text) {
+  // Expects that loading is refused with this text.
+  void ExpectRefused(const std::string& parameters, int seeds, const std::string& text) {
     try {
-      Load(parameters, seeds);
+      LoadSweepOf(parameters, seeds);
       ADD_FAILURE() << parameters;
     } catch (const config::ConfigError& error) {
       EXPECT_NE(std::string(error.what()).find(text), std::string::npos) << error.what();
@@ -33,7 +35,7 @@ class Sweep : public testing::Test {
 };
 
 TEST_F(Sweep, HasEachCombinationWithEachSeedOnce) {
-  const auto sweep = Load(
+  const auto sweep = LoadSweepOf(
       "  - {key: a, takes: \"1, 2, 3\"}\n  - {key: b, takes: 0 to 1 in 5 steps}\n  - {key: s, takes: seed}\n",
       4);
   EXPECT_EQ(sweep.Combinations(), 15u);
@@ -53,18 +55,19 @@ TEST_F(Sweep, HasEachCombinationWithEachSeedOnce) {
     EXPECT_TRUE(seen.contains(value)) << value;
 }
 
-// Combinations are compared on the same draws, and a further parameter leaves them as they are.
-TEST_F(Sweep, ADrawDependsOnItsKeyAndTheSeedAlone) {
-  const auto one = Load("  - {key: u, takes: uniform 2 to 4}\n", 8);
-  const auto more = Load("  - {key: a, takes: \"1, 2\"}\n  - {key: u, takes: uniform 2 to 4}\n", 8);
+// Random draws depend on their key and the seed only: all combinations are compared on equal draws, also
+// after a parameter is added.
+TEST_F(Sweep, ADrawDependsOnlyOnItsKeyAndTheSeed) {
+  const auto one = LoadSweepOf("  - {key: u, takes: uniform 2 to 4}\n", 8);
+  const auto more = LoadSweepOf("  - {key: a, takes: \"1, 2\"}\n  - {key: u, takes: uniform 2 to 4}\n", 8);
   for (std::size_t i = 0; i < more.Runs(); ++i)
     EXPECT_EQ(SweepRunAt(more, i).values[1], SweepRunAt(one, i % 8).values[0]);
 }
 
-// Mean and standard deviation within four standard errors of 20 000 draws.
+// Mean and standard deviation of 20 000 draws must lie within four standard errors.
 TEST_F(Sweep, DrawsHaveTheirDistributions) {
   const auto sweep =
-      Load("  - {key: u, takes: uniform 2 to 4}\n  - {key: n, takes: normal -1 sd 0.5}\n", 20'000);
+      LoadSweepOf("  - {key: u, takes: uniform 2 to 4}\n  - {key: n, takes: normal -1 sd 0.5}\n", 20'000);
   double sum[2]{}, squares[2]{};
   for (std::size_t i = 0; i < sweep.Runs(); ++i) {
     const SweepRun run = SweepRunAt(sweep, i);
@@ -86,16 +89,17 @@ TEST_F(Sweep, DrawsHaveTheirDistributions) {
   }
 }
 
-TEST_F(Sweep, FileNamesWhatItDoesNotTake) {
-  Refused("  - {key: a, takes: uniform 4 to 2}\n", 2, "takes: found \"uniform 4 to 2\", accepted a list");
-  Refused("  - {key: a, takes: normal 4 sd 0}\n", 2, "found \"normal 4 sd 0\"");
-  Refused("  - {key: a, takes: 1 to 2 in 1 steps}\n", 1, "found \"1 to 2 in 1 steps\"");
-  Refused("  - {key: a, takes: \"1,,2\"}\n", 1, "found \"1,,2\"");
-  Refused("  - {key: a, takes: \"1, 2\"}\n", 3, "seed_count: found 3, accepted 1");
-  Refused("  - {key: a, takes: seed}\n  - {key: a, takes: seed}\n", 3, "found a twice");
-  Refused("  - {key: a}\n", 1, "takes");
-  Refused("  - {key: a, takes: 0 to 1 in 10000 steps}\n  - {key: b, takes: 0 to 1 in 10000 steps}\n", 1,
-          "found 100000000 runs");
+TEST_F(Sweep, RefusesInvalidFilesNamingTheWrongEntry) {
+  ExpectRefused("  - {key: a, takes: uniform 4 to 2}\n", 2,
+                "takes: found \"uniform 4 to 2\", accepted a list");
+  ExpectRefused("  - {key: a, takes: normal 4 sd 0}\n", 2, "found \"normal 4 sd 0\"");
+  ExpectRefused("  - {key: a, takes: 1 to 2 in 1 steps}\n", 1, "found \"1 to 2 in 1 steps\"");
+  ExpectRefused("  - {key: a, takes: \"1,,2\"}\n", 1, "found \"1,,2\"");
+  ExpectRefused("  - {key: a, takes: \"1, 2\"}\n", 3, "seed_count: found 3, accepted 1");
+  ExpectRefused("  - {key: a, takes: seed}\n  - {key: a, takes: seed}\n", 3, "found a twice");
+  ExpectRefused("  - {key: a}\n", 1, "takes");
+  ExpectRefused("  - {key: a, takes: 0 to 1 in 10000 steps}\n  - {key: b, takes: 0 to 1 in 10000 steps}\n", 1,
+                "found 100000000 runs");
 }
 
 TEST_F(Sweep, QuantilesAreByNearestRank) {

@@ -8,11 +8,12 @@
 #include "studies/transparency/handle_bench.h"
 #include "tests/kinematics/iiwa14.h"
 
-// The tool's inertia: its part in the simulated sensor's load, and the loop's compensation.
+// The tool's inertia: how it appears in the simulated sensor's load, and how the loop compensates it.
 
 namespace osteon::studies {
 namespace {
 
+// A sensor that is turned and offset, with a tool of 1.2 kg and a full inertia tensor.
 control::ForceSensorParams Sensor() {
   Pose X_FS = Pose::Identity();
   X_FS.linear() = ExpRotation({0.3, -0.2, 0.9});
@@ -23,9 +24,9 @@ control::ForceSensorParams Sensor() {
       .X_FS = X_FS, .tool_mass_kg = 1.2, .tool_center_F_m = Vector3(0.005, 0.0, 0.09), .tool_inertia_F = I};
 }
 
-// Independent formulas: forces at T and Euler in the body there, flange and world here. Together they find
-// the hand.
-TEST(ToolInertiaLoad, TheControllerFindsTheHandInIt) {
+// Simulation and controller compute the tool's inertial wrench by independent formulas: in the body at T, and
+// in the world at the flange. After compensation only the hand's wrench must remain.
+TEST(ToolInertiaLoad, TheControllerRecoversTheHandsWrench) {
   const control::ForceSensorParams sensor = Sensor();
   Pose X_FT = Pose::Identity();
   X_FT.linear() = ExpRotation({0.0, 0.2, 0.0});
@@ -51,6 +52,7 @@ TEST(ToolInertiaLoad, TheControllerFindsTheHandInIt) {
   EXPECT_LT((without.t + inertia.t - hand.t).norm(), 1e-12);
 }
 
+// A bench whose sensor feels the tool's inertia; the loop compensates this share.
 HandleBenchParams Bench(double share) {
   HandleBenchParams params;
   params.arm.level = hil::ArmLevel::kServo;
@@ -64,26 +66,27 @@ HandleBenchParams Bench(double share) {
   params.servo.workspace.plane_offset_m = -3.0;
   params.servo.max_tracking_error_m = 0.1;
   params.servo.spindle_rad_per_s = 0.0;
-  // no lever: a push along an axis meets a mass and no rotation
+  // no lever: a push along an axis moves a mass and turns nothing
   params.servo.sensor = {.tool_mass_kg = 1.2, .tool_center_F_m = params.X_FT.translation()};
   params.servo.sensor.inertia_share = share;
   params.sensor_feels_inertia = true;
   return params;
 }
 
-HandleFit Felt(const HandleBenchParams& params) {
+// Mass and drag felt at the handle along x at low frequencies.
+HandleFit FitAlongX(const HandleBenchParams& params) {
   return FitMassAndDrag(SweepFree(params, {.axis = 0, .frequencies_hz = {0.1, 0.2, 0.4}}), 2.0);
 }
 
-TEST(HandleBenchInertia, TheToolIsFeltLessItsShareAtLowFrequency) {
+TEST(HandleBenchInertia, CompensationRemovesItsShareOfTheToolsMass) {
   HandleBenchParams weightless = Bench(0.0);
   weightless.sensor_feels_inertia = false;
-  const double own_kg = Felt(weightless).mass;
+  const double own_kg = FitAlongX(weightless).mass;
   for (const double share : {0.0, 0.4, 0.8})
-    EXPECT_NEAR(Felt(Bench(share)).mass, own_kg + (1.0 - share) * 1.2, 0.03) << share;
+    EXPECT_NEAR(FitAlongX(Bench(share)).mass, own_kg + (1.0 - share) * 1.2, 0.03) << share;
 }
 
-TEST(HandleBenchInertia, AlsoWhereItTurns) {
+TEST(HandleBenchInertia, CompensationRemovesItsShareOfTheToolsInertia) {
   HandleBenchParams params = Bench(0.8);
   Matrix3 I = Matrix3::Zero();
   I.diagonal() << 0.02, 0.02, 0.005;

@@ -19,7 +19,7 @@ control::GuidanceParams ShippedGuidance() {
   return guidance;
 }
 
-TEST(TuneGuidance, TheDemoCellStandsTheShippedGains) {
+TEST(TuneGuidance, TheDemoCellAcceptsTheShippedGains) {
   const config::CellConfig cell = GuidedCell();
   const GuidanceMap map = MapGuidance(TuneTaskOf(cell), cell.servo.admittance, ShippedGuidance(), Never);
   EXPECT_TRUE(map.Accepted());
@@ -47,10 +47,10 @@ TEST(TuneGuidance, ALateSensorIsRefused) {
   EXPECT_EQ(verdict.level, session::VerdictLevel::kBad);
 }
 
-TEST(TuneGuidance, GainsBeyondHalfOfTheBoundaryAreRefused) {
+TEST(TuneGuidance, GainsAboveHalfOfTheStabilityLimitAreRefused) {
   const config::CellConfig cell = GuidedCell();
   control::GuidanceParams guidance = ShippedGuidance();
-  guidance.lateral.stiffness = 25e3;  // no hand is unstable yet, but some are before 50 N/mm
+  guidance.lateral.stiffness = 25e3;  // no hand is unstable yet, but some are below 50 N/mm, twice this
   const GuidanceMap map = MapGuidance(TuneTaskOf(cell), cell.servo.admittance, guidance, Never);
   EXPECT_TRUE(map.unstable.empty());
   EXPECT_LT(map.factor.value, 2.0);

@@ -15,25 +15,26 @@
 #include "tests/studies/tune/identified_sample.h"
 #include "tests/temporary_path.h"
 
-// A tuning with measured figures in the place of assumed ones.
+// `osteon tune` of a cell whose arm, sensor, link and hand were measured instead of assumed.
 
 namespace osteon::studies {
 namespace {
 
-config::CellConfig Demo() {
+config::CellConfig LoadDemoCell() {
   return config::LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml");
 }
 
 ResponseModel SlowArm() { return {.arm = {.bandwidth_hz = 13.0, .damping_ratio = 1.2, .dead_cycles = 4.56}}; }
 
+// The demo's task with a perfect identification of `truth`.
 TuneTask MeasuredTask(const ResponseModel& truth) {
-  const config::CellConfig cell = Demo();
+  const config::CellConfig cell = LoadDemoCell();
   TuneTask task = TuneTaskOf(cell);
   UseIdentified(IdentifiedOf(cell, truth), task);
   return task;
 }
 
-TEST(TuneMeasured, TakesWhatWasMeasured) {
+TEST(TuneMeasured, UsesTheMeasuredFigures) {
   const TuneTask task = MeasuredTask(SlowArm());
   EXPECT_DOUBLE_EQ(task.loop.arm.bandwidth_hz, 13.0);
   EXPECT_DOUBLE_EQ(task.loop.arm.damping_ratio, 1.2);
@@ -48,8 +49,8 @@ TEST(TuneMeasured, TakesWhatWasMeasured) {
   EXPECT_DOUBLE_EQ(task.response_delay_s, 1e-3);
 }
 
-TEST(TuneMeasured, APartOfAPeriodOfTheSensorGoesToTheDeadTime) {
-  const config::CellConfig cell = Demo();
+TEST(TuneMeasured, APartPeriodOfTheSensorsDelayIsAddedToTheDeadTime) {
+  const config::CellConfig cell = LoadDemoCell();
   config::IdentifiedCell identified = IdentifiedOf(cell, SlowArm());
   identified.sensor->delay_s = 1.7e-3;
   identified.link->jitter_p99_s = identified.link->jitter_mean_s;
@@ -60,8 +61,8 @@ TEST(TuneMeasured, APartOfAPeriodOfTheSensorGoesToTheDeadTime) {
   EXPECT_EQ(task.command_jitter, 0);
 }
 
-TEST(TuneMeasured, TheSlowestMeasurementCounts) {
-  const config::CellConfig cell = Demo();
+TEST(TuneMeasured, UsesTheAxisOnWhichTheArmIsSlowest) {
+  const config::CellConfig cell = LoadDemoCell();
   config::IdentifiedCell identified = IdentifiedOf(cell, SlowArm());
   config::IdentifiedArm slower = identified.arm[0];
   slower.axis = "x";
@@ -75,9 +76,9 @@ TEST(TuneMeasured, TheSlowestMeasurementCounts) {
   EXPECT_FALSE(task.response) << "no response was measured along x";
 }
 
-// A file of the force sensor and a hand alone: the arm's lag is the cell's, and every text says so.
-TEST(TuneMeasured, WithoutAnArmTheFileSaysWhatItHasAndWhatIsAssumed) {
-  const config::CellConfig cell = Demo();
+// The file has a force sensor and a hand, but no arm: the arm's lag is assumed, and every text must say so.
+TEST(TuneMeasured, WithoutAMeasuredArmTheVerdictNamesWhatIsAssumed) {
+  const config::CellConfig cell = LoadDemoCell();
   config::IdentifiedCell identified = IdentifiedOf(cell, SlowArm());
   identified.arm.clear();
   identified.response.clear();
@@ -123,7 +124,7 @@ TEST(TuneMeasured, WithoutAnArmTheFileSaysWhatItHasAndWhatIsAssumed) {
   EXPECT_TRUE(says(PlainVerdict(r).reasons, "the arm's lag is measured"));
 }
 
-TEST(TuneMeasured, MarginsFollowTheResponseAndTheVerdictSaysSo) {
+TEST(TuneMeasured, MarginsFollowTheResponseAndDecideTheVerdict) {
   const TuneTask task = MeasuredTask(SlowArm());
   const std::vector<hil::GridHand> hands{{"grip", 3e3, 20.0, 1.5}, {"firm", 500.0, 20.0, 1.5}};
   std::vector<TuneMargin> margins = MeasuredMargins(task, "own", {1.7, 15.0}, hands);
@@ -148,9 +149,9 @@ TEST(TuneMeasured, MarginsFollowTheResponseAndTheVerdictSaysSo) {
   EXPECT_NE(NyquistSvg(task, {1.7, 15.0}, {1.7, 60.0}, good).find("<svg"), std::string::npos);
 }
 
-// A structure of 22 Hz: the encoders do not see it, and the gains that the arm's model would stand do not
-// stand it.
-TEST(TuneMeasured, WithAStructureTheResponseAloneDecides) {
+// A structural resonance of 22 Hz that the encoders don't see: gains that are stable with the arm's model are
+// unstable.
+TEST(TuneMeasured, WithAStructuralResonanceOnlyTheResponseDecides) {
   ResponseModel truth = SlowArm();
   truth.structure = {{.hz = 22.0, .damping_ratio = 0.03}};
   truth.delay_s = 1e-3;
@@ -162,10 +163,10 @@ TEST(TuneMeasured, WithAStructureTheResponseAloneDecides) {
   EXPECT_EQ(StandsAll(task, {2.4, 80.0}, hands, 1.0), StandsMeasured(task, {2.4, 80.0}, hands, 1.0));
 }
 
-// A hand's own loop, three times as stiff and 30 ms later than hand and arm apart say: it decides, and the
-// tuning says whose it is.
-TEST(TuneMeasured, AHandIsJudgedByItsOwnLoopAsItWasMeasured) {
-  const config::CellConfig cell = Demo();
+// A hand's measured loop is three times as stiff and 30 ms later than hand and arm measured apart. The
+// measured loop must decide, and its margins must name the hand.
+TEST(TuneMeasured, AHandIsJudgedByItsMeasuredLoop) {
+  const config::CellConfig cell = LoadDemoCell();
   const auto task_with = [&](double factor, double later_s) {
     config::IdentifiedCell identified = IdentifiedOf(cell, SlowArm());
     config::IdentifiedResponse held = identified.response[0];
@@ -198,9 +199,9 @@ TEST(TuneMeasured, AHandIsJudgedByItsOwnLoopAsItWasMeasured) {
   EXPECT_NE(NyquistSvg(later, {1.7, 60.0}, {1.7, 60.0}, bad).find("its own loop"), std::string::npos);
 }
 
-// Under the impedance law, gains that the measured response does not stand are not to be used.
-TEST(TuneMeasured, AnOverlaysGainsMustStandByTheResponseToo) {
-  OverlayTuning t{.cell = "mine", .task = TuneTaskOf(Demo()), .loop = {}};
+// Under the impedance law, gains that are unstable by the measured response must not be used.
+TEST(TuneMeasured, OverlayGainsMustBeStableByTheResponseToo) {
+  OverlayTuning t{.cell = "mine", .task = TuneTaskOf(LoadDemoCell()), .loop = {}};
   t.recommended_Ns_per_m = 50.0;
   t.recommended_N_per_m = t.task.wall_N_per_m;
   t.planes_N_per_m = t.task.plane_N_per_m;
@@ -217,8 +218,8 @@ TEST(TuneMeasured, AnOverlaysGainsMustStandByTheResponseToo) {
   EXPECT_TRUE(told);
 }
 
-TEST(TuneMeasured, TheSimulatedCellTakesItsFigures) {
-  config::CellConfig cell = Demo();
+TEST(TuneMeasured, TheSimulatedCellUsesTheMeasuredFigures) {
+  config::CellConfig cell = LoadDemoCell();
   const std::filesystem::path file = TemporaryPath("identified.yaml");
   std::ofstream(file) << config::WriteIdentified(IdentifiedOf(cell, SlowArm()), "");
   config::ApplyIdentified(file, cell);
@@ -243,10 +244,10 @@ TEST(TuneMeasured, TheSimulatedCellTakesItsFigures) {
   }
 }
 
-TEST(TunePage, ItsVerdictSaysSafeOrNotWhichGainsWhyAndWhatNext) {
+TEST(TunePage, VerdictStatesSafetyGainsReasonsAndNextStep) {
   TuneResult r;
   r.cell = "demo";
-  r.task = TuneTaskOf(Demo());
+  r.task = TuneTaskOf(LoadDemoCell());
   r.recommended = {1.7, 28.0};
   r.recommended_margin = 1.12;
   r.own_margin = 1.2;

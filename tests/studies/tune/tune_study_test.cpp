@@ -6,7 +6,7 @@
 #include "config/reading/load.h"
 #include "studies/tune/tune_study.h"
 
-// The questions of `osteon tune` to the loop, and the results.
+// The computations of `osteon tune`: least drag, gain margin, stiffest wall, and runs in time.
 
 namespace osteon::studies {
 namespace {
@@ -15,7 +15,7 @@ TuneTask DemoTask() {
   return TuneTaskOf(config::LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml"));
 }
 
-TEST(TuneStudy, TakesTheLoopFromTheCell) {
+TEST(TuneStudy, ReadsTheLoopFromTheCell) {
   const TuneTask task = DemoTask();
   EXPECT_DOUBLE_EQ(task.loop.arm.bandwidth_hz, 15.0);
   EXPECT_EQ(task.loop.arm.dead_cycles, 3);
@@ -25,7 +25,7 @@ TEST(TuneStudy, TakesTheLoopFromTheCell) {
   EXPECT_NEAR(task.plane_N_per_m, 200.0 / 0.025, 1e-6) << "200 N on a head of 25 mm";
 }
 
-TEST(TuneStudy, HandsReachTheStiffnessThatIsAskedFor) {
+TEST(TuneStudy, HandsReachTheGivenStiffness) {
   const auto hands = HandsUpTo(3e3);
   EXPECT_EQ(hands.front().stiffness_N_per_m, 3e3);
   for (const hil::GridHand& hand : hands) EXPECT_LE(hand.stiffness_N_per_m, 3e3);
@@ -33,9 +33,9 @@ TEST(TuneStudy, HandsReachTheStiffnessThatIsAskedFor) {
   EXPECT_GT(HandsUpTo(10e3).size(), hands.size());
 }
 
-// With one hand, no delays and no wall it is the figure of stability's own tests: 28.4 and 124.7 N s/m at 3
-// kg.
-TEST(TuneStudy, LeastDragOfAFirmGripIsTheLoops) {
+// With one hand, no delays and no wall, the least drag must be that of the stability tests: 28.4 and 124.7 N
+// s/m at 3 kg.
+TEST(TuneStudy, LeastDragOfAFirmGripEqualsTheLoops) {
   TuneTask task = DemoTask();
   task.margin = 1.0;
   task.command_jitter = 0;
@@ -45,7 +45,7 @@ TEST(TuneStudy, LeastDragOfAFirmGripIsTheLoops) {
   EXPECT_NEAR(MinDragFor(task, 3.0, {{"firm grip", 10e3, 20.0, 1.5}}), 124.7, 0.01 * 124.7);
 }
 
-TEST(TuneStudy, LatenessAgeAndMarginEachCostDrag) {
+TEST(TuneStudy, LatenessAgeAndMarginEachNeedMoreDrag) {
   TuneTask task = DemoTask();
   const auto hands = HandsUpTo(3e3);
   const double own = MinDragFor(task, 2.8, hands);
@@ -58,12 +58,12 @@ TEST(TuneStudy, LatenessAgeAndMarginEachCostDrag) {
   harder = task;
   harder.margin *= 1.3;
   EXPECT_GT(MinDragFor(harder, 2.8, hands), 1.05 * own);
-  // and the result has exactly the demanded margin
+  // at the least drag, the margin is exactly the required one
   EXPECT_NEAR(GainMargin(task, {2.8, 1.005 * own}, hands), task.margin, 0.02 * task.margin);
   EXPECT_EQ(GainMargin(task, {2.8, 0.3 * own}, hands), 0.0);
 }
 
-TEST(TuneStudy, SimulatedBoundaryIsThePredictedOneWithinOnePercent) {
+TEST(TuneStudy, SimulatedStiffestWallIsThePredictedWithinOnePercent) {
   const TuneTask task = DemoTask();
   for (const double b : {40.0, 60.0}) {
     const TuneBoundary found = BoundaryAt(task, {2.0, b}, HandsUpTo(3e3), 1e6);
@@ -71,13 +71,13 @@ TEST(TuneStudy, SimulatedBoundaryIsThePredictedOneWithinOnePercent) {
     ASSERT_LT(found.predicted_N_per_m, 1e6);
     EXPECT_NEAR(found.simulated_N_per_m, found.predicted_N_per_m, 0.01 * found.predicted_N_per_m) << b;
     EXPECT_LT(found.degraded_N_per_m, found.simulated_N_per_m) << b;
-    // the map's decay rate changes its sign there
+    // the decay rate changes its sign at that wall
     EXPECT_GT(DecayRate(task, {2.0, b}, HandsUpTo(3e3), 0.97 * found.predicted_N_per_m), 0.0);
     EXPECT_LT(DecayRate(task, {2.0, b}, HandsUpTo(3e3), 1.03 * found.predicted_N_per_m), 0.0);
   }
 }
 
-TEST(TuneStudy, RunsInTimeSeeWhatIsNotStable) {
+TEST(TuneStudy, RunsInTimeDetectUnstableGains) {
   const TuneTask task = DemoTask();
   const auto hands = HandsUpTo(3e3);
   const TuneCheck good = CheckInTime(task, {2.4, std::ceil(MinDragFor(task, 2.4, hands))}, hands);
@@ -86,7 +86,7 @@ TEST(TuneStudy, RunsInTimeSeeWhatIsNotStable) {
   EXPECT_FALSE(CheckInTime(task, {2.4, 8.0}, hands).grew.empty());
 }
 
-TEST(TuneStudy, TheVibrationIndexCarriesTheHandsThatTheGainsDoNot) {
+TEST(TuneStudy, TheVibrationIndexCalmsHandsThatAreTooStiffForTheGains) {
   const TuneTask task = DemoTask();
   const TuneGains gains{1.7, 30.0};
   ASSERT_TRUE(task.vibration.acts);
@@ -98,7 +98,7 @@ TEST(TuneStudy, TheVibrationIndexCarriesTheHandsThatTheGainsDoNot) {
     EXPECT_TRUE(c.Calm()) << c.hand.name << ", " << c.contact << ": " << c.run.one_s_N << " N";
     EXPECT_LT(c.run.half_s_N, 1.2 * c.calm_N) << c.hand.name;
   }
-  TuneTask still = task;  // a hand that may not tremble
+  TuneTask still = task;  // no tremor is accepted
   still.vibration.reference = {};
   for (const TuneCarried& c : CarryStiffHands(still, gains)) {
     EXPECT_EQ(c.calm_N, 0.5);

@@ -5,13 +5,14 @@
 
 #include "config/reading/strict/config_error.h"
 
-// A shipped cell in virtual time, with other tissues.
+// Runs a shipped cell in virtual time with its tissues replaced by foam.
 
 namespace osteon::studies {
 namespace {
 
 const std::filesystem::path kShipped = std::filesystem::path(OSTEON_SOURCE_DIR) / "config";
 
+// The demo's cup made of this foam, packed coarsely, reamed without tilt for 4 s.
 CellTrialParams FoamCup(const std::string& foam) {
   return {.cell = "demo",
           .set = {"scene.shape.cartilage_mm=0", "scene.shape.subchondral_mm=0", "scene.packing.spacing_mm=3",
@@ -22,7 +23,7 @@ CellTrialParams FoamCup(const std::string& foam) {
           .as_packed = true};
 }
 
-TEST(CellTrial, DenserFoamGivesWayLessAndTheCavityIsAsWideAsTheReamer) {
+TEST(CellTrial, DenserFoamIsReamedLessAndTheCavityIsAsWideAsTheReamer) {
   const auto light = RunCellTrial(kShipped, FoamCup("foam_10"));
   const auto dense = RunCellTrial(kShipped, FoamCup("foam_20"));
   ASSERT_TRUE(light) << light.error();
@@ -45,7 +46,7 @@ TEST(CellTrial, TwoRunsGiveEqualFigures) {
   EXPECT_EQ(first->feed_per_turn_m, second->feed_per_turn_m);
 }
 
-TEST(CellTrial, RefusesATissueOrMaterialThatIsNone) {
+TEST(CellTrial, RefusesUnknownTissuesMaterialsAndKeys) {
   CellTrialParams params = FoamCup("foam_11");
   EXPECT_THAT(RunCellTrial(kShipped, params).error(), testing::HasSubstr("no material foam_11"));
   params = FoamCup("foam_10");

@@ -12,8 +12,8 @@
 #include "studies/validate/fitted_constants.h"
 #include "studies/validate/validate.h"
 
-// The table of docs/validation.md is the committed result of `osteon validate`: its verdicts and counts
-// follow from its figures.
+// Checks the table in docs/validation.md, a committed result of `osteon validate`: its verdicts and counts
+// must follow from its figures.
 
 namespace osteon::studies {
 namespace {
@@ -23,8 +23,8 @@ std::string Document() {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-// Cells of a line of a Markdown table, without their blanks.
-std::vector<std::string> Cells(const std::string& line) {
+// Cells of a line of a Markdown table, trimmed.
+std::vector<std::string> TableCells(const std::string& line) {
   std::vector<std::string> cells;
   std::istringstream text(line);
   std::string cell;
@@ -47,7 +47,7 @@ std::map<std::string, DocumentedRow> DocumentedRows() {
   std::map<std::string, DocumentedRow> rows;
   std::istringstream text(Document());
   for (std::string line; std::getline(text, line);) {
-    const std::vector<std::string> cells = Cells(line);
+    const std::vector<std::string> cells = TableCells(line);
     if (cells.size() != 10 || FindMeasurement(cells[0]) == nullptr) continue;
     EXPECT_FALSE(rows.contains(cells[0])) << cells[0] << " stands twice";
     rows[cells[0]] = {.simulated = std::stod(cells[4]), .use = cells[8], .verdict = cells[9]};
@@ -55,7 +55,7 @@ std::map<std::string, DocumentedRow> DocumentedRows() {
   return rows;
 }
 
-TEST(DocumentedRows, HaveTheVerdictThatTheirFiguresGiveAndEachRowIsThere) {
+TEST(DocumentedRows, EachRowIsPresentWithTheVerdictOfItsFigures) {
   const auto documented = DocumentedRows();
   for (const Measurement& m : Measurements()) {
     const auto found = documented.find(std::string(m.id));
@@ -66,9 +66,9 @@ TEST(DocumentedRows, HaveTheVerdictThatTheirFiguresGiveAndEachRowIsThere) {
   }
 }
 
-// The bar: at least 12 rows with a source, at least 8 of them within the measured spread, none of those
-// fitted.
-TEST(DocumentedRows, TwelveAreJudgedAndEightLieWithinAndTheCountsByKindAreAsDocumented) {
+// Required: at least 12 judged rows, at least 8 of them within the measured spread, each of these with a
+// source and not fitted.
+TEST(DocumentedRows, AtLeastTwelveAreJudgedEightWithinAndCountsAreDocumented) {
   std::vector<ValidationRow> rows;
   for (const auto& [id, documented] : DocumentedRows())
     rows.push_back(

@@ -12,7 +12,8 @@
 #include "studies/validate/measurements.h"
 #include "studies/validate/validation_rows.h"
 
-// What was fitted to what: the list agrees with the shipped materials, and no row judges what it calibrates.
+// The list of constants that were fitted to measurements: it must agree with the shipped materials, and no
+// measurement may judge a constant that was fitted to it.
 
 namespace osteon::studies {
 namespace {
@@ -43,7 +44,7 @@ TEST(FittedConstants, AreExactlyTheShippedConstantsThatAreNotAssumed) {
   EXPECT_EQ(measured.size(), FittedConstants().size()) << "a listed constant is assumed in its file";
 }
 
-TEST(FittedConstants, NameMeasurementsThatExistAndEachHasOne) {
+TEST(FittedConstants, EachNamesAtLeastOneExistingMeasurement) {
   for (const FittedConstant& fitted : FittedConstants()) {
     EXPECT_FALSE(fitted.fitted_to.empty()) << fitted.name();
     for (const auto& ids : {fitted.fitted_to, fitted.minor})
@@ -52,7 +53,7 @@ TEST(FittedConstants, NameMeasurementsThatExistAndEachHasOne) {
   }
 }
 
-TEST(FittedConstants, ARowThatOneWasFittedToIsAskedToCalibrateOnly) {
+TEST(FittedConstants, ARowToWhichAConstantWasFittedOnlyCalibrates) {
   for (const FittedConstant& fitted : FittedConstants())
     for (const std::string_view id : fitted.fitted_to)
       EXPECT_EQ(FindMeasurement(id)->use, RowUse::kCalibrates) << fitted.name() << " was fitted to " << id;
@@ -73,8 +74,9 @@ TEST(FittedConstants, ARowIsFittedIfOneOfItsConstantsWasFittedToIt) {
   EXPECT_EQ(row.verdict(), "misses");
 }
 
-// Rows of ratios name only edge force and cutting energy: a common factor on both leaves the ratio as it was.
-TEST(FittedConstants, TheRatioOverTheSpeedDependsOnTheEdgesShareAlone) {
+// A ratio of thrusts must not change if cutting energy and edge force are scaled together, nor with the force
+// ratio: only the edge's share decides.
+TEST(FittedConstants, TheThrustRatioOverSpeedDependsOnlyOnTheEdgesShare) {
   const auto ratio = [](double energy_factor, double ratio_factor) {
     simulation::Material material = config::LoadMaterials(kMaterials / "bone.yaml")[1];
     material.specific_cutting_energy_J_per_m3 *= energy_factor;

@@ -12,14 +12,14 @@
 #include "studies/validate/validate_plot.h"
 #include "tests/report/report_markup.h"
 
-// The table of `osteon validate`: its rows, what they choose, their JSON and page.
+// The rows of `osteon validate`: how they are chosen, judged and counted, and their table, JSON and page.
 
 namespace osteon::studies {
 namespace {
 
 using testing::HasSubstr;
 
-TEST(Validate, HasAtLeastTwelveRowsWithSourceConditionsAndWhatIsLeftOut) {
+TEST(Validate, HasAtLeastTwelveJudgedRowsWithSourceAndConditions) {
   ASSERT_EQ(ValidationItems().size(), Measurements().size());
   std::size_t judged = 0;
   std::set<std::string_view> ids;
@@ -38,7 +38,7 @@ TEST(Validate, HasAtLeastTwelveRowsWithSourceConditionsAndWhatIsLeftOut) {
   EXPECT_GE(judged, 12u);
 }
 
-TEST(Validate, ComparesToTheLastDigitThatTheSourceStates) {
+TEST(Validate, ComparesWithTheResolutionThatTheSourceStates) {
   const Measurement& wide = *FindMeasurement("3-high");  // 61.4 ± 0.4 mm, stated to 0.1 mm
   EXPECT_TRUE(wide.Contains(60.96));
   EXPECT_FALSE(wide.Contains(60.94));
@@ -55,6 +55,7 @@ TEST(Validate, ChoosesRowsByNumberAndById) {
   EXPECT_THAT(ChooseRows(wrong).error(), HasSubstr("found 21, accepted 1, 2, 3, 5"));
 }
 
+// A measurement's row with this simulated value.
 ValidationRow RowOf(std::string_view id, double value) {
   return {.measurement = FindMeasurement(id), .simulated = {.value = value, .how = "run", .reason = "shown"}};
 }
@@ -102,8 +103,9 @@ TEST(Validate, CountsMissesAndLeavesCalibrationOut) {
   EXPECT_EQ(report::TextOutside(plot), "");
 }
 
-// A variant stands beside its row, has a verdict of its own, and one without a result says so.
-TEST(Validate, ShowsEachRowWithAndWithoutAPartThatGivesWay) {
+// Each row also shows its variants (a tool that bends, bone on a mount) with their own verdicts, or why there
+// is no result.
+TEST(Validate, ShowsEachRowWithAndWithoutCompliantParts) {
   std::vector<ValidationRow> rows{RowOf("3-high", 61.0), RowOf("8-level", 198.0)};
   rows[0].simulated.compliance = {{.part = CompliantPart::kTool, .simulated = 60.5},
                                   {.part = CompliantPart::kMount, .error = "cell stopped: mount_beyond"}};
@@ -135,9 +137,9 @@ TEST(Validate, ShowsEachRowWithAndWithoutAPartThatGivesWay) {
   EXPECT_EQ(report::MarkupError(page), "");
 }
 
-// The cavities run with a reamer that bends and on a mount, the demo with cartilage that yields as well, and
-// hand-held drill and bur with one that bends.
-TEST(Validate, RowsOfCellsAreRunWithTheirToolBentAndTheirBoneOnAMount) {
+// Every row of cells must also run with its tool bending, except for hand-held drill and bur with its bone on
+// a mount, and the demo's also with cartilage that yields.
+TEST(Validate, RowsOfCellsAreAlsoRunWithCompliantParts) {
   for (const ValidationItem& item : ValidationItems()) {
     if (!item.cells) continue;
     const std::vector<CellTrialParams> cells = item.cells(true);
@@ -157,8 +159,9 @@ TEST(Validate, RowsOfCellsAreRunWithTheirToolBentAndTheirBoneOnAMount) {
   }
 }
 
-// A row through the whole way: drill, engine, verdict.
-TEST(Validate, SawbonesThrustHasNoPartInItsOwnConstantsAndTheEdgeSlowsItsFallWithTheSpeed) {
+// Runs rows from the drill through the engine to the verdict. The simulated thrust must use no constant that
+// was fitted to it, and the edge force must slow the thrust's fall with the spindle's speed.
+TEST(Validate, SawbonesThrustIsIndependentOfItsOwnMeasurement) {
   ValidationLab lab({.config_root = std::filesystem::path(OSTEON_SOURCE_DIR) / "config", .quick = true});
   const std::vector<std::string> ids{"9-1000", "9-1500", "9-speed"};
   const auto rows = RunValidation(lab, ids, [](std::string_view) {});
@@ -184,8 +187,8 @@ TEST(Validate, SawbonesThrustHasNoPartInItsOwnConstantsAndTheEdgeSlowsItsFallWit
   EXPECT_NE(*bent->simulated, rows[0].simulated.value);
 }
 
-// A row that a cell with its hand runs.
-TEST(Validate, TheDemosHandFeelsWhatIsRendered) {
+// Runs a row whose simulation is a whole cell with its hand.
+TEST(Validate, TheDemosHandFeelsTheRenderedForce) {
   ValidationLab lab({.config_root = std::filesystem::path(OSTEON_SOURCE_DIR) / "config", .quick = true});
   const std::vector<std::string> ids{"18"};
   const auto rows = RunValidation(lab, ids, [](std::string_view) {});
