@@ -7,6 +7,8 @@
 
 #include "test_client.h"
 
+// Tests of a simulated cell with an LBR arm in virtual time: hand, force sensor, power and the arm's motion.
+
 namespace osteon::hil {
 namespace {
 

@@ -7,6 +7,8 @@
 #include "test_client.h"
 #include "tests/io/net/loopback_socket.h"
 
+// Tests of a simulated cell in its own thread, over UDP in real time.
+
 namespace osteon::hil {
 namespace {
 

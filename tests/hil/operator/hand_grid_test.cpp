@@ -7,6 +7,8 @@
 #include <cmath>
 #include <set>
 
+// Tests of the grid of hands with which a cell must be stable.
+
 namespace osteon::hil {
 namespace {
 
@@ -75,8 +77,8 @@ TEST(HandGrid, EveryHandIsStableOnTheFreeToolAtAPeriodOfOneMillisecond) {
 
     const double tau_s = params.grip_time_s + 0.5 * kDt_s;  // backward Euler lags by half a period more
     const double drag = hand.mass_kg / tau_s;               // of the damper between mass and handle
-    Eigen::Matrix3d C;
-    C << 0.0, 1.0, 0.0,                                                                        //
+    Eigen::Matrix3d C;   // derivative of the same state in the continuous model
+    C << 0.0, 1.0, 0.0,  //
         -hand.stiffness_N_per_m, -hand.damping_Ns_per_m - kToolDamping_Ns_per_m - drag, drag,  //
         0.0, 1.0 / tau_s, -1.0 / tau_s;
     C.row(1) /= kToolMass_kg;

@@ -11,6 +11,8 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/hil/operator/hand_samples.h"
 
+// Tests of the simulated operator: the reaming script over time, and the wrench of the hand that follows it.
+
 namespace osteon::hil {
 namespace {
 
@@ -174,8 +176,9 @@ TEST(OperatorHand, PressesWithTheScriptedForceAgainstAFixedTool) {
     if (t > 1.7 && t < 8.8) {
       ASSERT_NEAR(F.f.dot(n), -120.0, 1e-9) << t;
     }
-    if (t > 2.6 &&
-        t < 7.9) {  // held upright against a tilt of 10 deg that turns: spring and damper at right angles
+    // The tool is held upright while the target is tilted by 10 deg and turns: the torques of spring and
+    // damper are at right angles.
+    if (t > 2.6 && t < 7.9) {
       const double spring = 20.0 * 0.174533, damper = 0.8 * std::numbers::pi * std::sin(0.174533);
       ASSERT_NEAR((F.t - (X_WT.translation() - HeadCenter(X_WT)).cross(-F.f)).norm(),
                   std::hypot(spring, damper), 2e-3);

@@ -16,6 +16,8 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/hil/operator/hand_samples.h"
 
+// Tests of incidents of the simulated operator: a grip that stiffens, a clamped handle, a startled release.
+
 namespace osteon::hil {
 namespace {
 
@@ -206,6 +208,7 @@ TEST(RigidClamp, ClosesWhereTheToolIsAndHandsOverSmoothly) {
   EXPECT_LT((tool.x - load / 2000.0).norm(), 1e-6) << "back at the hand's own balance";
 }
 
+// The clamp's default rotational spring has 500 Nm/rad; a clamp has no tremor although the hand has.
 TEST(RigidClamp, HoldsTheRotationWithItsSpringAndDoesNotTremble) {
   OperatorHand hand({.tremor_N = 5.0, .incidents = IncidentsOf({RigidClamp{.begin_s = 0.0}})}, Hold());
   hand.Reset();
@@ -219,6 +222,7 @@ TEST(RigidClamp, HoldsTheRotationWithItsSpringAndDoesNotTremble) {
   EXPECT_LT((F.t + 500.0 * turn).norm(), 1e-9);
 }
 
+// A jerk from 0.5 to 0.55 s, an open hand from 0.58 s, away until 0.83 s, a full grasp at 1.03 s.
 const StartledRelease kStartled{.begin_s = 0.5,
                                 .jerk_N = 40.0,
                                 .jerk_s = 0.05,
@@ -250,7 +254,9 @@ TEST(StartledRelease, JerksWithTheGivenImpulseThenOpensInTime) {
       ASSERT_EQ(b.f, Vector3::Zero()) << t;
       ASSERT_EQ(b.t, Vector3::Zero()) << t;
     }
-    if (k > 1) {  // no step larger than the opening's steepest: 1.875 times 49 N, and tremor, in 30 ms
+    // The steepest change is the hand's opening: about 52 N (49 N and tremor) in 30 ms, by a quintic whose
+    // steepest slope is 1.875.
+    if (k > 1) {
       ASSERT_LT((b.f - f_before).norm(), 1.9 * 52.0 / 30.0) << t;
     }
     f_before = b.f;
@@ -343,8 +349,8 @@ TEST(HandIncidents, AddNoEnergyExceptTheJerks) {
       const Vector3 f = hand.Step(t, T, Moved(X_WT, Shaken(t)), {.v = v}).f;
       if (t < begin_s) continue;
       if (ticks++ == 0) {
-        held_J = 0.5 * mass_kg * 0.2 * 0.2;              // no shaking is faster than 0.2 m/s, nor than 8
-                                                         // m/s^2
+        // the shaken tool stays below 0.2 m/s and 8 m/s^2
+        held_J = 0.5 * mass_kg * 0.2 * 0.2;
         if (std::holds_alternative<GripStep>(incident))  // the spring's pull balances f, damper and mass
           held_J += std::pow(f.norm() + b * v.norm() + mass_kg * 8.0, 2) / (2.0 * 6000.0);
         if (std::holds_alternative<StartledRelease>(incident))

@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the script of an operator who works with several tools, one after the other.
+
 namespace osteon::hil {
 namespace {
 

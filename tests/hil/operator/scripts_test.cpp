@@ -9,6 +9,8 @@
 
 #include "hil/operator/operator_hand.h"
 
+// Tests of the scripts for drilling a hole and for opening a site with a burr.
+
 namespace osteon::hil {
 namespace {
 

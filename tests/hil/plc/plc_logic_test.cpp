@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the simulated PLC's program: what blocks motion, what restores it, and when power is cut.
+
 namespace osteon::hil {
 namespace {
 
@@ -151,7 +153,7 @@ TEST(PlcLogic, EachCauseStopsMotionAndItsRowTellsHowMotionReturns) {
   }
 }
 
-TEST(PlcLogic, ResetDoesNothingWhileItsCauseStands) {
+TEST(PlcLogic, ResetDoesNothingWhileTheCauseLasts) {
   Bench b;
   b.Start();
   b.in.emergency_stop = true;

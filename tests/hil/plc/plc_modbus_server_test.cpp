@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the simulated PLC's Modbus TCP codec, with right, wrong and damaged requests.
+
 namespace osteon::hil {
 namespace {
 

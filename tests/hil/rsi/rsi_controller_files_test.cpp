@@ -191,7 +191,7 @@ TEST(RsiControllerFiles, NameThePortOnWhichTheLinkListens) {
   EXPECT_EQ(port("OsteonEthernetKroshu.xml"), "59152") << "the layout's own";
 }
 
-// An object of an RSI context, in either format: RSI 3 counts channels and axes from 1, later versions from
+// An object of an RSI context, in either format. RSI 3 counts channels and axes from 1, later versions from
 // 0.
 struct Object {
   std::map<int, int> source;  // input, from 1 → channel of the Ethernet object, from 1

@@ -9,6 +9,8 @@
 
 #include "tests/kinematics/kr_arms.h"
 
+// Tests of the simulated KR controller: IPOC, corrections, missing and late answers, and its monitors.
+
 namespace osteon::hil {
 namespace {
 

@@ -37,8 +37,8 @@ BothSides MakeBothSides(bool kroshu, bool cartesian, bool absolute, bool hold_on
   setup.controller.ipoc_step = ipoc_step;
   setup.controller.timeout_cycles = 1'000'000;
   setup.controller.range = {900, 900, 900, 90, 90, 90};
-  setup.controller.axis_speed_ratio = std::numeric_limits<double>::infinity();  // the tests contain steps and
-                                                                                // jumps
+  // no limit on the axes' speed: the tests contain steps and jumps
+  setup.controller.axis_speed_ratio = std::numeric_limits<double>::infinity();
   setup.session = {.layout = kroshu ? io::RsiLayout::kKroshu : io::RsiLayout::kImFree,
                    .kind = cartesian ? io::RsiCorrection::kCartesian : io::RsiCorrection::kAxes,
                    .absolute = absolute,

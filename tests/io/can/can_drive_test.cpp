@@ -73,7 +73,7 @@ TEST(Cia402, EveryStatuswordAndGoalGivesTheAllowedControlword) {
   }
 }
 
-TEST(CanOpen, FramesAreThoseOfCia301) {
+TEST(CanOpen, EncodesTheFramesOfCia301) {
   using namespace canopen;
   EXPECT_EQ(ToText(Nmt(NmtCommand::kStart, 5)), "000#0105");
   EXPECT_EQ(ToText(Nmt(NmtCommand::kPreOperational, 5)), "000#8005");
@@ -209,7 +209,7 @@ struct Running {
   ReamerDrive drive;
 };
 
-TEST(ReamerDrive, WalksToEnabledAndTurnsAtTheToolsSpeed) {
+TEST(ReamerDrive, StepsThroughTheStatesToEnabledAndTurnsAtTheToolsSpeed) {
   Running r;
   EXPECT_EQ(r.Cycle(0x250), "210#00000300000000") << "off by default";
   // 26.18 rad/s of the tool · 20 · 60/2π = 5000 rpm of the motor = 0x1388
@@ -252,7 +252,7 @@ TEST(ReamerDrive, ReadsSpeedAndTorqueAtTheTool) {
   EXPECT_GT(turned.drive.status().torque_Nm, 0.0) << "cutting torque and speed keep one sign";
 }
 
-TEST(ReamerDrive, EachCycleIsACommandAndASync) {
+TEST(ReamerDrive, EachCycleSendsACommandAndASync) {
   Running r;
   r.now += 4 * kMs;
   Frames frames = Sent(r.drive, r.now);
@@ -370,6 +370,7 @@ TEST(ReamerDrive, LeavingOperationalRequiresANewSetUp) {
   EXPECT_EQ(r.drive.status().faults, 0u);
 }
 
+// In a running drive the same emergency is latched and stays.
 TEST(ReamerDrive, AnEmergencyResetDuringSetUpIsForgotten) {
   Running r;
   r.drive.Accept(At(r.now, "090#2032040000000000"));

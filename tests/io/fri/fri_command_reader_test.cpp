@@ -158,8 +158,8 @@ TEST(FriCommandReader, LibprotobufReadsTheSameFromEachAcceptedDatagram) {
     ++taken;
     changed += bytes != whole;
     const auto oracle = test::Command(bytes);
-    if (!oracle) {  // damaged in a part that the guard does not read, a frame or an output: no arm accepts
-                    // any of it
+    // damaged in a part that the guard does not read (a frame or an output): no arm accepts any of it
+    if (!oracle) {
       ++refused;
       continue;
     }

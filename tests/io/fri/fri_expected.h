@@ -166,7 +166,7 @@ class Expected {
     Require(listed.size() == size, CodecError::kWrongCount);
     Require(listed.size() != size || AllFinite(listed), CodecError::kNotFinite);
   }
-  // 7 elements: position and unit quaternion; 12: the rows of a rotation matrix, each with a position.
+  // 7 elements: position and unit quaternion; 12: the rows of [R | p].
   void RequirePoseElements(const std::vector<double>& element, std::size_t size) {
     Require(element.size() == size, CodecError::kWrongCount);
     if (element.size() != size) return;

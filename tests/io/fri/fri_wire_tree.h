@@ -132,8 +132,8 @@ class TreeMutator {
     std::vector<std::uint8_t> bytes;
     PutVarint(kValues[Below(std::size(kValues))], bytes);
     if (Below(4) != 0) return bytes;
-    for (std::size_t more = Below(10); more > 0; --more) {  // the same number in more bytes, up to ten or too
-                                                            // many
+    // the same number in up to nine more bytes; a varint may have ten
+    for (std::size_t more = Below(10); more > 0; --more) {
       bytes.back() |= 0x80;
       bytes.push_back(0);
     }

@@ -81,8 +81,8 @@ TEST(McapWriter, NamesThePathOnAFullDisk) {
 }
 
 // The files below are as other programs write them, built record by record according to
-// https://mcap.dev/spec. Their compressed bytes are the output of the programs `zstd -3` 1.5.4 and `lz4
-// -9` 1.9.4 (with its content checksum) for MadeRecords().
+// https://mcap.dev/spec. The compressed bytes come from the programs zstd 1.5.4 (level 3) and lz4 1.9.4
+// (level 9, with content checksum), for MadeRecords().
 
 // The bytes of a hexadecimal text.
 std::string FromHex(const std::string& hex) {

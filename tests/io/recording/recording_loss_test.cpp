@@ -146,8 +146,8 @@ TEST_F(RecordingLoss, TicksBeforeASilenceReachTheFile) {
     for (;;) pause();
   });
   std::size_t found = 0;
-  for (int look = 0; look < 3000 && found < 3;
-       ++look) {  // half a minute at most; a quarter of a second as a rule
+  // half a minute at most; a quarter of a second as a rule
+  for (int look = 0; look < 3000 && found < 3; ++look) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     if (const auto recording = ReadRecording(path_)) found = recording->ticks.size();
   }
