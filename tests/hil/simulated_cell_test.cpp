@@ -15,6 +15,7 @@ namespace {
 using control::SessionState;
 using kinematics::JointVector;
 
+// An LBR iiwa 14 whose base and tool have general poses.
 SimulatedCellParams CellParams() {
   SimulatedCellParams params;
   params.arm = kinematics::Iiwa14();
@@ -57,6 +58,8 @@ class AdmittanceClient {
         X_WT_(ToolPose(params, q_)),
         arm_angle_(arm_.ArmAngle(q_)) {}
 
+  // The answer to a message: until the session is active the mirrored joints, then one period of the
+  // controller under the hand's wrench.
   Bytes Answer(std::span<const std::uint8_t> message, const Wrench& F_hand_T_W) {
     const auto state = static_cast<SessionState>(UintAt(message, {4, 1}));
     if (state != SessionState::kCommandingActive) return mirror_.Answer(message);

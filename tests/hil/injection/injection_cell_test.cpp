@@ -32,11 +32,13 @@ SimulatedCellParams PatientCell(int period_ms = 1) {
   return params;
 }
 
+// That cell with a reaming script.
 SimulatedCell Cell(int period_ms = 1) { return {PatientCell(period_ms), MakeReamingScript({})}; }
 
 // An impaired cell and a client of FRI in lockstep: one Step() is one millisecond of virtual time.
 struct Lockstep {
   explicit Lockstep(const InjectionParams& injections) : cell(Cell(), injections) {}
+  // Runs one period: delivers the messages that arrive in it, and answers the newest.
   void Step() {
     now += rt::kMillisecond;
     bool accepted = false;

@@ -25,7 +25,7 @@ struct FriPair {
       : params{.injections = {{.direction = direction, .to_s = count * 1e-3, .faults = faults}}},
         to_controller(params, Wire::kArm, Direction::kToController),
         from_controller(params, Wire::kArm, Direction::kFromController),
-        server(Server(), kinematics::Iiwa14().limits, kinematics::JointVector::Constant(0.1)),
+        server(ServerParams(), kinematics::Iiwa14().limits, kinematics::JointVector::Constant(0.1)),
         session({.version = io::FriVersion::k2_7}) {  // its checksum finds every damage
     server.Open();
     to_controller.StartSchedule(0);
@@ -34,12 +34,14 @@ struct FriPair {
     EXPECT_TRUE(Balances(to_controller) && Balances(from_controller));
   }
 
-  static FriServerParams Server() {
+  static FriServerParams ServerParams() {
     FriServerParams p{.version = io::FriVersion::k2_7};
     p.quality.good_timeout_s = 3600.0;  // the session must survive any loss
     return p;
   }
 
+  // Runs one cycle of the arm: answers that are due, the next message, messages that are due and their
+  // answers.
   void Step(rt::Nanoseconds now) {
     while (from_controller.NextDue() <= now) server.Receive(from_controller.Next(now));
     server.EndCycle();
@@ -59,6 +61,7 @@ struct FriPair {
   control::ArmState arm;
 };
 
+// Each fault meets 5 % of the datagrams; kBursts loses 20 in a row.
 constexpr WireFaults kLoss{.loss = 0.05}, kBursts{.loss = 0.05, .burst = 20}, kDuplicated{.duplicate = 0.05},
     kReordered{.reorder = 0.05}, kDamaged{.corrupt = 0.05};
 

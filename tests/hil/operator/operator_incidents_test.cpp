@@ -21,7 +21,7 @@
 namespace osteon::hil {
 namespace {
 
-constexpr double kDt_s = 1e-3;
+constexpr double kDt_s = 1e-3;  // control period
 
 HandIncidents IncidentsOf(std::initializer_list<HandIncident> list) {
   HandIncidents incidents;
@@ -29,6 +29,7 @@ HandIncidents IncidentsOf(std::initializer_list<HandIncident> list) {
   return incidents;
 }
 
+// The pose moved by a vector [m].
 Pose Moved(Pose X, const Vector3& by) {
   X.translation() += by;
   return X;
@@ -41,6 +42,7 @@ struct FreeTool {
   Vector3 x{Vector3::Zero()}, v{Vector3::Zero()};  // offset from the target, velocity
   Vector3 f_hand{Vector3::Zero()};
 
+  // One period at time t, under the hand's force and a load [N].
   void Step(OperatorHand& hand, double t, const Vector3& f_load) {
     f_hand = hand.Step(t, kDt_s, Moved(Hold().Sample(0.0).X_WT, x), {.v = v}).f;
     v = (v + kDt_s / mass_kg * (f_hand + f_load)) / (1.0 + kDt_s * damping_Ns_per_m / mass_kg);

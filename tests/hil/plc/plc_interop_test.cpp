@@ -17,6 +17,7 @@ using io::PlcVerdict;
 // loops.
 class PlcCell : public ::testing::Test {
  protected:
+  // Starts the PLC and connects both clients; the guard requests motion.
   void Open(const PlcServerParams& params, int response_timeout_ms = 500) {
     server_ = std::make_unique<PlcServer>(params);
     const auto client = [&](io::PlcRole role) {

@@ -37,6 +37,7 @@ SimulatedCellParams Params() {
   return params;
 }
 
+// Parameters of a session that fits the cell's controller.
 io::RsiSessionParams SessionParams(const SimulatedCellParams& params) {
   return {.timeout_cycles = params.kr->controller.timeout_cycles, .arm = params.kr->controller.arm};
 }

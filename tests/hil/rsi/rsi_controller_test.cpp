@@ -43,7 +43,8 @@ void Cycle(RsiController& controller, const Six& correction, bool cartesian = fa
   ASSERT_TRUE(Send(controller, controller.state().ipoc, correction, cartesian)) << controller.last_error();
 }
 
-std::string MessageOf(RsiController& controller) {
+// Runs one cycle and returns its message as text.
+std::string NextMessage(RsiController& controller) {
   const auto bytes = controller.Step();
   return {bytes.begin(), bytes.end()};
 }
@@ -54,7 +55,7 @@ TEST(RsiController, IpocRisesByTheConfiguredStep) {
     params.ipoc_step = step;
     RsiController controller(params);
     for (int k = 0; k < 3; ++k)
-      EXPECT_NE(MessageOf(controller).find(fmt::format("<IPOC>{}</IPOC>", 1000 + k * step)),
+      EXPECT_NE(NextMessage(controller).find(fmt::format("<IPOC>{}</IPOC>", 1000 + k * step)),
                 std::string::npos);
   }
 }
@@ -128,7 +129,7 @@ TEST(RsiController, LateAnswersRaiseDelayUntilTimeoutEndsRsi) {
   Cycle(controller, {1, 0, 0, 0, 0, 0});
   std::uint64_t late_ipoc = 0;
   for (std::uint32_t k = 0; k < 3; ++k) {
-    EXPECT_NE(MessageOf(controller).find(fmt::format("<Delay D=\"{}\"/>", k)), std::string::npos);
+    EXPECT_NE(NextMessage(controller).find(fmt::format("<Delay D=\"{}\"/>", k)), std::string::npos);
     if (k > 0) {
       EXPECT_FALSE(Send(controller, late_ipoc, {5, 0, 0, 0, 0, 0})) << "its cycle is over";
     }

@@ -9,10 +9,12 @@
 namespace osteon::hil {
 namespace {
 
+// The answer that the reader finds in a text, or its error.
 tl::expected<SenMessage, std::string> Read(std::string_view text, RsiFormat format, bool cartesian = false) {
   return ReadSen({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, format, cartesian);
 }
 
+// Valid answers of both layouts, with corrections of axes and of the pose.
 const std::string kKroshu =
     R"(<Sen Type="KROSHU"><Stop>0</Stop><AK A1="1.5" A2="-2" A3="0.000000" A4="4" A5="5" A6="6"/>)"
     R"(<IPOC>12345</IPOC></Sen>)";

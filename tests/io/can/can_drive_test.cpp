@@ -190,6 +190,7 @@ struct Running {
     drive.Accept(At(now, "710#05"));
     return command;
   }
+  // Delivers a status in its two PDOs; the torque is in thousandths of the rated one.
   void Status(unsigned statusword, int rpm, int permille) {
     CanFrame one{.id = 0x190, .size = 7}, two{.id = 0x290, .size = 6};
     const auto raw = static_cast<unsigned>(rpm), torque = static_cast<unsigned>(permille);

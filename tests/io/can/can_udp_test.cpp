@@ -122,6 +122,7 @@ TEST(UdpCanBus, RefusesInvalidFrames) {
 // The other end of the tunnel as a plain socket, so that a test can send wrong datagrams.
 using Peer = test::LoopbackSocket;
 
+// A bus that sends to this peer and listens to it alone.
 std::unique_ptr<UdpCanBus> OpenToward(const Peer& peer, std::vector<CanFilter> filters = {}) {
   auto bus = UdpCanBus::Open({.bind_port = 0, .peer_port = peer.port(), .filters = std::move(filters)});
   EXPECT_TRUE(bus) << bus.error();

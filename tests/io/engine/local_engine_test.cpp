@@ -35,6 +35,7 @@ struct ClientAndServer {
     if (!opened) throw std::runtime_error(opened.error());
     server = std::move(*opened);
   }
+  // The frame with that number that answers a command.
   EngineFrame FrameFor(const EngineCommand& command, std::uint64_t number) const {
     EngineFrame frame = test::SampleFrame();
     frame.model.pose_stamp = command.command.stamp;

@@ -36,6 +36,7 @@ std::vector<std::uint8_t> Encoded(const CommandMessage& message, FriFamily famil
   return buffer;
 }
 
+// The decoder's verdict on a datagram of an arm.
 CodecError ErrorOf(const std::vector<std::uint8_t>& datagram, FriFamily family = FriFamily::k1) {
   MonitoringMessage message;
   return DecodeMonitoring(family, datagram, message);

@@ -109,6 +109,7 @@ class Expected {
   static Values ToVector(const std::optional<std::array<double, N>>& values) {
     return values ? Values(std::vector<double>(values->begin(), values->end())) : std::nullopt;
   }
+  // The numbers in a message's field `name`; nullopt if the field is absent.
   static Values ValuesOf(const WirePart& part, const char* name, const char* values) {
     return part.Has(name) ? Values(part.Part(name).Reals(values)) : std::nullopt;
   }

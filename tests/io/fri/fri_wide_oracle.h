@@ -24,6 +24,8 @@ class WirePart {
   explicit WirePart(const google::protobuf::Message* message) : message_(message) {}
 
   [[nodiscard]] bool exists() const { return message_ != nullptr; }
+  // Fields are read by their names in fri.proto. An absent field gives an absent message, 0 or nothing. Int,
+  // Int32, Real and Text need a message that exists.
   [[nodiscard]] bool Has(const char* name) const {
     return exists() && reflection().HasField(*message_, Field(name));
   }
@@ -109,6 +111,7 @@ class WideOracle {
     return factory.GetPrototype(pool.FindMessageTypeByName("osteon.fri.FRIMonitoringMessage"));
   }
 
+  // Changes a field's type to one that holds every value that the wire can carry.
   static void Widen(FieldProto& field, bool all) {
     if (field.type() == FieldProto::TYPE_ENUM || field.type() == FieldProto::TYPE_UINT32) {
       field.set_type(FieldProto::TYPE_UINT64);

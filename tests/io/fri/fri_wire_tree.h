@@ -20,6 +20,7 @@ struct WireNode {
   std::vector<WireNode> parts;      ///< in place of `bytes`: the fields of a message inside (type 2)
 };
 
+/// Appends a number in protobuf's variable length, seven bits a byte.
 inline void PutVarint(std::uint64_t value, std::vector<std::uint8_t>& to) {
   for (; value >= 0x80; value >>= 7) to.push_back(static_cast<std::uint8_t>(value | 0x80));
   to.push_back(static_cast<std::uint8_t>(value));

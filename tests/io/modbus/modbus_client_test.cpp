@@ -88,6 +88,7 @@ class LibmodbusServer {
   LibmodbusServer(const LibmodbusServer&) = delete;
   LibmodbusServer& operator=(const LibmodbusServer&) = delete;
 
+  // Answers one request on that socket; false if the connection has ended.
   bool Serve(int client) {
     modbus_set_socket(context_, client);
     std::array<std::uint8_t, MODBUS_TCP_MAX_ADU_LENGTH> request;

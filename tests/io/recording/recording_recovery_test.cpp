@@ -38,6 +38,7 @@ std::vector<std::pair<std::size_t, std::size_t>> Chunks(const std::string& bytes
   return chunks;
 }
 
+// Each test starts from a complete recording of kTicks ticks, half as many frames, and one event.
 class RecoverRecordingTest : public testing::Test {
  protected:
   RecoverRecordingTest() {
