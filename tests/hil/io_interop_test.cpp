@@ -1,4 +1,5 @@
-// The simulated arm (libprotobuf) against the product's client (by hand): two implementations, one protocol.
+// FRI between the simulated arm, which uses libprotobuf, and the product's client with its own codec: two
+// implementations of one protocol must agree.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +24,7 @@ SimulatedCellParams CellParams() {
   return params;
 }
 
-TEST(FriInterop, SessionWalksToActiveAndEveryFigureArrives) {
+TEST(FriInterop, SessionReachesActiveAndEveryValueArrives) {
   SimulatedCell cell(CellParams(), MakeReamingScript({}));
   io::FriSession session;
   control::ArmState arm;
@@ -57,12 +58,13 @@ TEST(FriInterop, SessionWalksToActiveAndEveryFigureArrives) {
   EXPECT_GT(arm.q_meas[0], 0.11);
 }
 
-// The client of a cell in lockstep, whose loop starts at the hand-over.
-struct Pair {
-  Pair(const SimulatedCellParams& params, const io::FriSessionParams& client)
+// A cell and a client in lockstep. While the session holds the arm, a loop that follows commands the arm's
+// present joint angles; the test may then change `command`.
+struct ArmAndClient {
+  ArmAndClient(const SimulatedCellParams& params, const io::FriSessionParams& client)
       : cell(params, MakeReamingScript({})), session(client) {}
 
-  // One message and its answer. True if the client understood the message.
+  // Runs one cycle: a message and its answer. True if the client accepted the message.
   bool Step() {
     const auto message = cell.Step(++cycle * rt::kMillisecond);
     if (message.empty()) return false;
@@ -72,7 +74,8 @@ struct Pair {
     if (!answer.empty()) cell.Receive(answer);
     return accepted;
   }
-  bool WalkTo(SessionState state) {
+  // False if the state is not reached within 5000 cycles.
+  bool StepUntil(SessionState state) {
     for (int i = 0; i < 5000 && arm.session != state; ++i) Step();
     return arm.session == state;
   }
@@ -81,7 +84,7 @@ struct Pair {
   io::FriSession session;
   control::ArmState arm;
   control::ArmCommand command;
-  bool follow{true};  // the loop notices the hand-over
+  bool follow{true};  // false: the loop keeps its command while the session holds the arm
   PlainWrench F;
   control::JointArray tau{};
   rt::Nanoseconds cycle{0};
@@ -101,8 +104,8 @@ TEST(FriInterop, EveryVersionPeriodAndMultiplierReachesActive) {
         params.fri.quality.excellent_after_answers = 30;
         params.fri.request_after_good_cycles = 10;
         params.fri.activate_after_mirrored_answers = 5;
-        Pair pair(params, {.version = version});
-        ASSERT_TRUE(pair.WalkTo(SessionState::kCommandingActive)) << pair.session.Diagnosis();
+        ArmAndClient pair(params, {.version = version});
+        ASSERT_TRUE(pair.StepUntil(SessionState::kCommandingActive)) << pair.session.Diagnosis();
         for (int i = 0; i < 30; ++i) {
           ASSERT_TRUE(pair.Step());
           pair.command.q[0] += 1e-5;
@@ -120,14 +123,14 @@ TEST(FriInterop, EveryVersionPeriodAndMultiplierReachesActive) {
       }
 }
 
-TEST(FriInterop, VersionsThatDifferAreToldApartOnBothSides) {
+TEST(FriInterop, ArmAndClientEachDetectTheOthersVersion) {
   constexpr std::array kFamilies{io::FriVersion::k1_15, io::FriVersion::k2_5, io::FriVersion::k2_7};
   for (const io::FriVersion arm : kFamilies)
     for (const io::FriVersion client : kFamilies) {
       if (arm == client) continue;
       SimulatedCellParams params = CellParams();
       params.fri.version = arm;
-      Pair pair(params, {.version = client});
+      ArmAndClient pair(params, {.version = client});
       for (int i = 0; i < 100; ++i) EXPECT_FALSE(pair.Step());
       EXPECT_EQ(pair.arm.other_version, 100u);
       EXPECT_EQ(pair.session.other_family(), io::FamilyOf(arm));
@@ -146,7 +149,7 @@ TEST(FriInterop, VersionsThatDifferAreToldApartOnBothSides) {
     }
 }
 
-// Unequal torques, so that an order mistaken on one side shows.
+// The torques are unequal, so a wrong order (XYZ or ZYX) on one side shows.
 TEST(FriInterop, WrenchAndTorqueArriveInEveryVersion) {
   for (const io::FriVersion version : io::kFriVersions)
     for (const bool zyx : {true, false}) {
@@ -156,11 +159,11 @@ TEST(FriInterop, WrenchAndTorqueArriveInEveryVersion) {
       params.fri.torques_zyx = zyx;
       params.fri.control_mode = control::ControlMode::kCartesianImpedance;
       params.fri.command_mode = control::CommandMode::kWrench;
-      Pair pair(params, {.version = version,
-                         .torque_order = zyx ? io::FriTorqueOrder::kZyx : io::FriTorqueOrder::kXyz});
+      ArmAndClient pair(params, {.version = version,
+                                 .torque_order = zyx ? io::FriTorqueOrder::kZyx : io::FriTorqueOrder::kXyz});
       pair.F.f = Vector3(10, 20, 30);
       pair.F.t = Vector3(1, 2, 3);
-      ASSERT_TRUE(pair.WalkTo(SessionState::kCommandingActive));
+      ASSERT_TRUE(pair.StepUntil(SessionState::kCommandingActive));
       EXPECT_EQ(pair.cell.server().F_commanded().f.norm(), 0.0);
       pair.Step();
       pair.Step();
@@ -172,20 +175,21 @@ TEST(FriInterop, WrenchAndTorqueArriveInEveryVersion) {
   SimulatedCellParams params = CellParams();
   params.fri.control_mode = control::ControlMode::kJointImpedance;
   params.fri.command_mode = control::CommandMode::kTorque;
-  Pair pair(params, {});
+  ArmAndClient pair(params, {});
   pair.tau = {1, 2, 3, 4, 5, 6, 7};
-  ASSERT_TRUE(pair.WalkTo(SessionState::kCommandingActive));
+  ASSERT_TRUE(pair.StepUntil(SessionState::kCommandingActive));
   pair.Step();
   pair.Step();
   EXPECT_EQ(pair.cell.server().tau_commanded()[6], 7.0);
 }
 
-// Losses end the commanding, the arm comes back, and a loop that did not notice does not make it jump.
-TEST(FriInterop, ReEntryHoldsTheArmUntilTheLoopTakesIt) {
+// Six lost answers end the commanding, and the arm asks for it again. A loop that did not notice goes on with
+// its old commands: they must not move the arm until the loop starts anew at the arm's pose.
+TEST(FriInterop, AfterReEntryTheArmIsHeldUntilTheLoopStartsAtItsPose) {
   SimulatedCellParams params = CellParams();
   params.fri.request_again_after_loss = true;
-  Pair pair(params, {});
-  ASSERT_TRUE(pair.WalkTo(SessionState::kCommandingActive));
+  ArmAndClient pair(params, {});
+  ASSERT_TRUE(pair.StepUntil(SessionState::kCommandingActive));
   for (int i = 0; i < 100; ++i) {
     pair.Step();
     pair.command.q[0] += 1e-4;
@@ -195,7 +199,7 @@ TEST(FriInterop, ReEntryHoldsTheArmUntilTheLoopTakesIt) {
   ASSERT_EQ(pair.cell.state().stop.reason, StopReason::kLostInARow);
   pair.Step();
   EXPECT_EQ(pair.arm.lost, 6u);
-  ASSERT_TRUE(pair.WalkTo(SessionState::kCommandingActive));
+  ASSERT_TRUE(pair.StepUntil(SessionState::kCommandingActive));
   EXPECT_EQ(pair.arm.activation, 2u);
   const control::JointArray rest = pair.arm.q_ipo;
   for (int i = 0; i < 300; ++i) {
@@ -216,9 +220,9 @@ TEST(FriInterop, ReEntryHoldsTheArmUntilTheLoopTakesIt) {
   EXPECT_NE(pair.cell.state().stop.reason, StopReason::kJointStep);
 }
 
-TEST(FriInterop, AStopIsSeenAndExplained) {
-  Pair pair(CellParams(), {.version = io::FriVersion::k1_15});
-  ASSERT_TRUE(pair.WalkTo(SessionState::kCommandingActive));
+TEST(FriInterop, TheClientReportsASafetyStopAndRecovers) {
+  ArmAndClient pair(CellParams(), {.version = io::FriVersion::k1_15});
+  ASSERT_TRUE(pair.StepUntil(SessionState::kCommandingActive));
   EXPECT_TRUE(pair.arm.drives_active);
   pair.cell.server().EmergencyStop(0);
   for (int i = 0; i < 3; ++i) pair.Step();
@@ -226,11 +230,11 @@ TEST(FriInterop, AStopIsSeenAndExplained) {
   EXPECT_FALSE(pair.arm.drives_active);
   EXPECT_NE(pair.session.Diagnosis().find("safety stop (level 0) and ignores commands"), std::string::npos);
   pair.cell.server().Acknowledge();
-  EXPECT_TRUE(pair.WalkTo(SessionState::kCommandingActive));
+  EXPECT_TRUE(pair.StepUntil(SessionState::kCommandingActive));
   EXPECT_EQ(pair.arm.activation, 2u);
 }
 
-// Three arms of three versions on ports of their own, in wall time.
+// Three arms of three versions, each on its own UDP port, in real time.
 TEST(FriInterop, SeveralArmsRunSideBySide) {
   constexpr std::array kVersions{io::FriVersion::k1_11, io::FriVersion::k2_5, io::FriVersion::k2_7};
   std::vector<std::unique_ptr<io::FriLink>> links;

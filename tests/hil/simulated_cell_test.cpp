@@ -7,12 +7,15 @@
 
 #include "test_client.h"
 
+// Tests of a simulated cell with an LBR arm in virtual time: hand, force sensor, power and the arm's motion.
+
 namespace osteon::hil {
 namespace {
 
 using control::SessionState;
 using kinematics::JointVector;
 
+// An LBR iiwa 14 whose base and tool have general poses.
 SimulatedCellParams CellParams() {
   SimulatedCellParams params;
   params.arm = kinematics::Iiwa14();
@@ -28,6 +31,7 @@ SimulatedCellParams CellParams() {
   return params;
 }
 
+// Pose of the tool in W for joint angles q [rad].
 Pose ToolPose(const SimulatedCellParams& params, const JointVector& q) {
   return Pose(params.X_WB) * kinematics::LbrArm(params.arm).FlangePose(q) * Pose(params.X_FT);
 }
@@ -41,8 +45,9 @@ HandScript ScriptBelow(const SimulatedCellParams& params, double seconds) {
   return MakeReamingScript({.X_WC = X_WC, .seconds = seconds});
 }
 
-// A small admittance controller as a client: M V' + D V = F_sensor + wall, joints by closed-form inverse. The
-// wall is a spring-damper below height 0 on the cup's axis, acting on the commanded pose.
+// A client with a small admittance controller: M V' + D V = F_hand + F_wall, joints by the closed-form
+// inverse. The wall is a spring-damper (20 kN/m, 200 N s/m) below height 0 on the cup's axis, acting on the
+// commanded pose.
 class AdmittanceClient {
  public:
   AdmittanceClient(const SimulatedCellParams& params, const HandScript& script)
@@ -53,6 +58,8 @@ class AdmittanceClient {
         X_WT_(ToolPose(params, q_)),
         arm_angle_(arm_.ArmAngle(q_)) {}
 
+  // The answer to a message: until the session is active the mirrored joints, then one period of the
+  // controller under the hand's wrench.
   Bytes Answer(std::span<const std::uint8_t> message, const Wrench& F_hand_T_W) {
     const auto state = static_cast<SessionState>(UintAt(message, {4, 1}));
     if (state != SessionState::kCommandingActive) return mirror_.Answer(message);
@@ -72,8 +79,8 @@ class AdmittanceClient {
                    {q_.data(), q_.data() + 7});
   }
 
-  double wall_N{0.0};
-  bool reached{true};
+  double wall_N{0.0};  // the wall's force in the last cycle
+  bool reached{true};  // the inverse kinematics had a solution in every cycle
 
  private:
   SimulatedCellParams params_;
@@ -93,6 +100,7 @@ struct Outcome {
   bool reached{true};
 };
 
+// Runs the cell and the admittance client until a script of that length is done.
 Outcome RunCell(double seconds) {
   const SimulatedCellParams params = CellParams();
   const HandScript script = ScriptBelow(params, seconds);
@@ -114,9 +122,9 @@ Outcome RunCell(double seconds) {
   return run;
 }
 
-// The whole circle: session, hand, sensor, client, arm. A hand that pushes with 120 N results in 120 N at the
-// wall.
-TEST(SimulatedCell, AHandReamsThroughAnAdmittanceClient) {
+// The closed loop of session, hand, sensor, client and arm. The hand pushes with 120 N, so the wall must
+// carry 120 N.
+TEST(SimulatedCell, AHandsPushReachesTheWallThroughAnAdmittanceClient) {
   const Outcome run = RunCell(10.0);
   EXPECT_TRUE(run.end.script_done);
   EXPECT_TRUE(run.reached);
@@ -157,9 +165,9 @@ TEST(SimulatedCell, TheHandHoldsOnlyWhileTheArmIsCommanded) {
   EXPECT_EQ(Vector3(cell.state().F_hand_T_W.f).norm(), 0.0);
 }
 
-// The load on the sensor, and the hand wrench that the controller derives from it: independent code, with
-// tool and sensor at odd places.
-TEST(SimulatedCell, TheControllerFindsTheHandInTheSensorsLoad) {
+// The cell computes the sensor's load from the hand's wrench, and the controller computes the hand's wrench
+// from the load. The two codes are independent; the poses of tool and sensor are general.
+TEST(SimulatedCell, TheControllerRecoversTheHandWrenchFromTheSensorsLoad) {
   SimulatedCellParams params = CellParams();
   Pose X_FS = Pose::Identity();
   X_FS.linear() = ExpRotation({0.3, -0.2, 0.9});
@@ -184,7 +192,7 @@ TEST(SimulatedCell, TheControllerFindsTheHandInTheSensorsLoad) {
   EXPECT_LT((hand().t - exerted.t).norm(), 1e-9);
 }
 
-TEST(SimulatedCell, WithoutPowerTheDrivesStopAndComeBackWithIt) {
+TEST(SimulatedCell, TheDrivesStopWithoutPowerAndReturnWithIt) {
   const SimulatedCellParams params = CellParams();
   SimulatedCell cell(params, ScriptBelow(params, 10.0));
   TestClient client;
@@ -205,9 +213,9 @@ TEST(SimulatedCell, WithoutPowerTheDrivesStopAndComeBackWithIt) {
   EXPECT_EQ(cell.state().stop.reason, StopReason::kPowerOff);
 }
 
-// A session that does not become GOOD within ten seconds closes. If no client was ever there, the program is
-// restarted; a client that was there and left does not count.
-TEST(SimulatedCell, WaitsForAClientLongerThanASessionDoes) {
+// A session that does not become GOOD within ten seconds closes. If no client ever answered, the program is
+// started again; if a client answered too rarely, it is not.
+TEST(SimulatedCell, RestartsASessionUntilAClientAnswers) {
   const SimulatedCellParams params = CellParams();
   SimulatedCell cell(params, ScriptBelow(params, 10.0));
   TestClient client;
@@ -235,9 +243,9 @@ TEST(SimulatedCell, WaitsForAClientLongerThanASessionDoes) {
   EXPECT_EQ(other.state().stop.reason, StopReason::kQualityTimeout);
 }
 
-// tau_i is the work of the hand's wrench for a unit turn of joint i, from differences of the forward
-// kinematics alone. The wrench of a step acts in the next one.
-TEST(SimulatedCell, ExternalTorqueIsTheHandsVirtualWork) {
+// The external torque of joint i must equal the work of the hand's wrench for a unit turn of joint i, taken
+// from differences of the forward kinematics. The wrench of a step acts in the next step.
+TEST(SimulatedCell, ExternalTorqueEqualsTheHandsVirtualWork) {
   const SimulatedCellParams params = CellParams();
   SimulatedCell cell(params, ScriptBelow(params, 1.0));
   TestClient client;
@@ -264,7 +272,7 @@ TEST(SimulatedCell, ExternalTorqueIsTheHandsVirtualWork) {
   }
 }
 
-TEST(SimulatedCell, MeasuredToolPoseIsTheArmsAndLagsTheCommand) {
+TEST(SimulatedCell, MeasuredToolPoseFollowsFromTheJointsAndLagsTheCommand) {
   const SimulatedCellParams params = CellParams();
   SimulatedCell cell(params, ScriptBelow(params, 10.0));
   TestClient client;
@@ -276,12 +284,13 @@ TEST(SimulatedCell, MeasuredToolPoseIsTheArmsAndLagsTheCommand) {
   ASSERT_EQ(s.session, SessionState::kCommandingActive);
   const Pose X_WT = ToolPose(params, Eigen::Map<const JointVector>(s.q_meas.data()));
   EXPECT_TRUE(Pose(s.X_WT_meas).isApprox(X_WT, 1e-12));
-  // 2 z / w = 21.2 ms, dead time 3 ms, hold 0.5 ms; the state shown is one period after the command
+  // At 0.2 rad/s the lag is the servo's 2 z / w = 21.2 ms, 3 ms of dead time and 0.5 ms of hold, less 1 ms:
+  // the state shown is one period after the command.
   EXPECT_NEAR(s.q_cmd[0] - s.q_meas[0], 0.2 * (0.02122 + 0.0030 + 0.0005 - 0.001), 1e-5);
 }
 
-// Central difference over 2 ms, all joints moving: error T^2/6 of the jerk (about 1 m/s^3 after the start has
-// died away).
+// Central difference over 2 ms, with all joints moving. Its error is T^2/6 of the jerk, which is about 1
+// m/s^3 once the start's transient has died away.
 TEST(SimulatedCell, MeasuredToolVelocityIsTheDerivativeOfItsPose) {
   const SimulatedCellParams params = CellParams();
   SimulatedCell cell(params, ScriptBelow(params, 10.0));

@@ -7,19 +7,21 @@
 #include "test_client.h"
 #include "tests/io/net/loopback_socket.h"
 
+// Tests of a simulated cell in its own thread, over UDP in real time.
+
 namespace osteon::hil {
 namespace {
 
 using control::SessionState;
 
-// The client's socket.
+// The UDP socket of a client on the loopback interface.
 class ClientSocket : public io::test::LoopbackSocket {
  public:
   // The oldest datagram; empty after 2 s without one.
   [[nodiscard]] Bytes Receive() const { return LoopbackSocket::Receive(2000).value_or(Bytes{}); }
 };
 
-// A cell that no delay of a busy machine can end: these tests check what crosses the socket, not time.
+// A cell whose session no delay of a busy machine ends: these tests check the datagrams, not their times.
 SimulatedCell PatientCell(SessionEnd session_end = SessionEnd::kSilence) {
   SimulatedCellParams params;
   params.fri.session_end = session_end;
@@ -54,17 +56,19 @@ TEST(SimulatedCellThread, ReachesCommandingActiveOverUdp) {
   EXPECT_EQ(s.cell.stop.reason, StopReason::kNone);
 }
 
-TEST(SimulatedCellThread, AnArmThatSaysSoEndsItsSessionFromReadyToIdle) {
+// The last session states that a client sees after Stop(): with kSilence the messages just cease, with
+// kIdleMessages the arm announces READY, then IDLE.
+TEST(SimulatedCellThread, StopEndsTheSessionSilentlyOrWithIdleMessages) {
   for (const SessionEnd end : {SessionEnd::kSilence, SessionEnd::kIdleMessages}) {
     ClientSocket socket;
     SimulatedCellThread cell({.client_port = socket.port()}, PatientCell(end));
     TestClient client;
     SessionState seen = SessionState::kIdle;
-    const auto take = [&](const Bytes& message) {
+    const auto answer = [&](const Bytes& message) {
       seen = static_cast<SessionState>(UintAt(message, {4, 1}));
       socket.SendTo(cell.port(), client.Answer(message));
     };
-    for (int i = 0; i < 5000 && seen != SessionState::kCommandingActive; ++i) take(socket.Receive());
+    for (int i = 0; i < 5000 && seen != SessionState::kCommandingActive; ++i) answer(socket.Receive());
     ASSERT_EQ(seen, SessionState::kCommandingActive);
     cell.Stop();  // earlier messages wait in the socket
     std::vector<SessionState> states;
@@ -82,7 +86,7 @@ TEST(SimulatedCellThread, AnArmThatSaysSoEndsItsSessionFromReadyToIdle) {
   }
 }
 
-TEST(SimulatedCellThread, HostileDatagramsOfTheClientAreCounted) {
+TEST(SimulatedCellThread, MalformedDatagramsOfTheClientAreCounted) {
   ClientSocket socket;
   SimulatedCellThread cell({.client_port = socket.port()}, PatientCell());
   for (int i = 0; i < 20; ++i) {
@@ -96,7 +100,7 @@ TEST(SimulatedCellThread, HostileDatagramsOfTheClientAreCounted) {
   EXPECT_EQ(cell.statistics().cell.counters.answered, 0u);
 }
 
-TEST(SimulatedCellThread, StopsInOrderThoughNobodyListens) {
+TEST(SimulatedCellThread, StopsCleanlyWithoutAClient) {
   std::uint16_t port = 0;
   { port = ClientSocket().port(); }
   SimulatedCellThread cell({.client_port = port}, PatientCell());
@@ -119,7 +123,7 @@ TEST(SimulatedCellThread, SendsNothingAfterStop) {
   EXPECT_EQ(received, cell.statistics().cell.counters.sent);
 }
 
-TEST(SimulatedCellThread, RefusesAnAddressThatIsNone) {
+TEST(SimulatedCellThread, RefusesAWrongAddressOrPort) {
   EXPECT_THROW(SimulatedCellThread({.client_address = "localhost"}, PatientCell()), std::invalid_argument);
   EXPECT_THROW(SimulatedCellThread({.client_port = 0}, PatientCell()), std::invalid_argument);
 }

@@ -13,12 +13,14 @@
 #include "kinematics/lbr_arm.h"
 #include "tests/kinematics/iiwa14.h"
 
-// A client of FRI for the tests: writes and reads the wire by hand, byte by byte, from the table of field
-// numbers, so that it checks the simulated arm's libprotobuf schema instead of sharing it.
+// An FRI client for the tests. It encodes and decodes the protobuf messages byte by byte from the table of
+// field numbers, so that it checks the simulated arm's libprotobuf schema instead of sharing it.
 
 namespace osteon::hil {
 
 using Bytes = std::vector<std::uint8_t>;
+
+// PutVarint appends a number, PutUint, PutBytes and PutDouble a field in protobuf's encoding.
 
 inline void PutVarint(Bytes& out, std::uint64_t v) {
   for (; v >= 0x80; v >>= 7) out.push_back(static_cast<std::uint8_t>(v | 0x80));
@@ -42,7 +44,8 @@ inline void PutDouble(Bytes& out, unsigned field, double v) {
   for (int i = 0; i < 8; ++i) out.push_back(static_cast<std::uint8_t>(bits >> (8 * i)));
 }
 
-/// A command message; without joints if q is empty.
+/// A command message with joint angles q [rad]; without joints if q is empty.
+/// @param reflected  the sequence number of the message that it answers  @param id  the message identifier
 inline Bytes Command(std::uint32_t sequence, std::uint32_t reflected, const std::vector<double>& q,
                      std::uint32_t id = 0x34001) {
   Bytes header, message;
@@ -59,13 +62,14 @@ inline Bytes Command(std::uint32_t sequence, std::uint32_t reflected, const std:
   return message;
 }
 
-/// One field of a message in the wire's format.
+/// One field of a protobuf message: its number and wire type (0 varint, 1 fixed64, 2 length-delimited).
 struct Field {
   unsigned number{0}, type{0};
-  std::uint64_t value{0};  // of a varint or a fixed64
-  std::span<const std::uint8_t> content;
+  std::uint64_t value{0};                 // of a varint or a fixed64
+  std::span<const std::uint8_t> content;  // of a length-delimited field
 };
 
+/// The fields of a message in their order; nullopt if the bytes are no protobuf message.
 inline std::optional<std::vector<Field>> Fields(std::span<const std::uint8_t> bytes) {
   std::vector<Field> fields;
   std::size_t i = 0;
@@ -104,8 +108,8 @@ inline std::optional<std::vector<Field>> Fields(std::span<const std::uint8_t> by
   return fields;
 }
 
-/// The fields at a path of field numbers, e.g. {3, 1} the first field of monitorData. Empty if there are
-/// none.
+/// The fields at a path of field numbers: {3, 1} gives all fields 1 inside the message's first field 3. Empty
+/// if there are none.
 inline std::vector<Field> At(std::span<const std::uint8_t> message, std::initializer_list<unsigned> path) {
   std::vector<Field> found;
   std::span<const std::uint8_t> level = message;
@@ -121,11 +125,13 @@ inline std::vector<Field> At(std::span<const std::uint8_t> message, std::initial
   return found;
 }
 
+/// The first number at a path; all bits set if there is none.
 inline std::uint64_t UintAt(std::span<const std::uint8_t> message, std::initializer_list<unsigned> path) {
   const auto found = At(message, path);
   return found.empty() ? ~0ull : found.front().value;
 }
 
+/// All doubles at a path.
 inline std::vector<double> DoublesAt(std::span<const std::uint8_t> message,
                                      std::initializer_list<unsigned> path) {
   std::vector<double> values;
@@ -153,8 +159,9 @@ inline Bytes OverlayCommand(std::uint32_t sequence, std::uint32_t reflected, con
   return message;
 }
 
-/// Answers as a client of 1.15 must: mirrors, and in COMMANDING_ACTIVE sends the interpolator's position plus
-/// an offset; while commanding also wrench and torques, if set.
+/// A client of FRI 1.15. It sends back the measured joints, or while commanding the interpolator's joints. In
+/// COMMANDING_ACTIVE it adds `offset` [rad]. While commanding it also sends wrench or torques, if they are
+/// set.
 struct TestClient {
   std::uint32_t sequence{0};
   std::array<double, 7> offset{};

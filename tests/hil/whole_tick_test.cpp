@@ -22,19 +22,21 @@ namespace {
 
 using control::Phase;
 
-// The simulated arm's socket: connected to the client's port, takes waiting answers.
+// The simulated arm's socket, connected to the client's port.
 class ArmSocket : public io::test::LoopbackSocket {
  public:
   explicit ArmSocket(std::uint16_t client_port) { Connect(client_port); }
 
-  void TakeAnswers(SimulatedCell& cell) const {
+  // Gives the answers that wait in the socket to the cell.
+  void DeliverAnswers(SimulatedCell& cell) const {
     while (const auto answer = Receive()) cell.Receive(*answer);
   }
 };
 
-// The cell of the hand's tests: a cup directly below the tool, its bottom a plane for the contact model.
-struct Cell {
-  Cell() {
+// Parameters of a cell with a cup directly below the tool, and of the servo loop for it. The test adds the
+// cup's bottom to the contact model as a plane.
+struct CellSetup {
+  CellSetup() {
     params.arm = kinematics::Iiwa14();
     params.q_start = {0.1, 0.5, 0.05, -1.4, 0.1, 0.9, 0.2};
     Pose X_FT = Pose::Identity();
@@ -62,11 +64,11 @@ struct Cell {
   Pose X_WT;
 };
 
-// The loop in position mode, with an arm of each family of versions.
+// The servo loop in position mode, with an arm of each family of FRI versions.
 class WholeTick : public ::testing::TestWithParam<io::FriVersion> {};
 
 TEST_P(WholeTick, NeitherAllocatesNorLocksFromDatagramToRecord) {
-  Cell setup;
+  CellSetup setup;
   setup.params.fri.version = GetParam();
   SimulatedCell cell(setup.params, setup.Script());
   control::ServoLoop loop(
@@ -123,7 +125,7 @@ TEST_P(WholeTick, NeitherAllocatesNorLocksFromDatagramToRecord) {
     ASSERT_TRUE(answered && recorded);
     ++ticks_in_phase[static_cast<std::size_t>(record.phase)];
     peak_N = std::max(peak_N, Vector3(record.F_coupling_T_W.f).norm());
-    arm.TakeAnswers(cell);
+    arm.DeliverAnswers(cell);
     if (tick % 1000 == 0) (*recorder)->Drain();
   }
   EXPECT_GT(ticks_in_phase[static_cast<std::size_t>(Phase::kWaiting)], 100);
@@ -138,8 +140,8 @@ INSTANTIATE_TEST_SUITE_P(Families, WholeTick,
                          ::testing::Values(io::FriVersion::k1_15, io::FriVersion::k2_5,
                                            io::FriVersion::k2_7));
 
-// The link alone, in every version and mode, with full messages, from the first message to following and
-// through a stop.
+// The FRI link without the servo loop, in every version and command mode: from the first message to the
+// active session and through an emergency stop.
 TEST(LinkTick, NeitherAllocatesNorLocksInAnyVersionAndMode) {
   using control::CommandMode;
   using control::ControlMode;
@@ -148,7 +150,7 @@ TEST(LinkTick, NeitherAllocatesNorLocksInAnyVersionAndMode) {
                                       {CommandMode::kWrench, ControlMode::kCartesianImpedance},
                                       {CommandMode::kTorque, ControlMode::kJointImpedance}}) {
       SCOPED_TRACE(Name(version));
-      Cell setup;
+      CellSetup setup;
       setup.params.fri = {.version = version, .control_mode = needs, .command_mode = mode};
       setup.params.fri.request_after_good_cycles = setup.params.fri.activate_after_mirrored_answers = 5;
       SimulatedCell cell(setup.params, setup.Script());
@@ -169,7 +171,7 @@ TEST(LinkTick, NeitherAllocatesNorLocksInAnyVersionAndMode) {
         ASSERT_TRUE(received == control::ReceiveResult::kOk && answered);
         active += state.session == control::SessionState::kCommandingActive;
         stopped += state.safety_state != 0;
-        arm.TakeAnswers(cell);
+        arm.DeliverAnswers(cell);
       }
       EXPECT_GT(active, 50);
       EXPECT_GT(stopped, 40);

@@ -4,10 +4,10 @@ by the maker's manual.
 
     can_controller.py OSTEON CONFIG_FOLDER
 
-Frames pass by the simulated cell's tunnel (io/can/README.md), since few kernels at hand have CAN. Checks the boot-up
-message, NMT and heartbeats, SDO with its abort codes, the drive's state machine up to a turning tool and down by quick
-stop, EMCY 8130 where the controller's heartbeat stays away, and the sensor's rate, readings, bias and refusals. Skipped
-(exit 77) where no port is free.
+CAN frames travel in UDP datagrams (the simulated cell's tunnel, io/can/README.md), since few kernels at hand have CAN.
+The drive: boot-up message, NMT, heartbeats, SDO with its abort codes, the state machine up to a turning tool and down
+by quick stop, and EMCY 8130 after the controller's heartbeat has stopped. The sensor: its rate, readings, bias and
+refusals. Skipped (exit 77) if no port is free.
 """
 
 import os
@@ -19,11 +19,11 @@ import sys
 import tempfile
 import time
 
-PATIENCE_S = 60
-NODE = 16
-SENSOR, FIRST, SECOND = 0x064, 0x001, 0x002
-HEADER = struct.Struct(">IBBHII")  # the tunnel's: magic, version, length, id, session, sequence
-MAGIC = 0x4F43414E
+PATIENCE_S = 60  # for any answer
+NODE = 16  # the drive's CANopen node
+SENSOR, FIRST, SECOND = 0x064, 0x001, 0x002  # CAN ids: commands to the sensor, first and second frame of its answers
+HEADER = struct.Struct(">IBBHII")  # of the tunnel: magic, version, length, CAN id, session, sequence
+MAGIC = 0x4F43414E  # "OCAN"
 
 
 class Tunnel:
@@ -40,7 +40,7 @@ class Tunnel:
         self.socket.sendto(head + data, self.peer)
 
     def receive(self, timeout):
-        """(id, data), or None."""
+        """The next frame as (CAN id, data); None if there is none within `timeout` seconds."""
         if not select.select([self.socket], [], [], timeout)[0]:
             return None
         datagram = self.socket.recv(64)
@@ -51,11 +51,13 @@ class Tunnel:
 
 
 class Controller:
+    """The master of a CAN bus: waits for frames, and reads and writes the drive's objects by SDO."""
+
     def __init__(self, bus):
         self.bus = bus
 
     def expect(self, what, accepts, patience_s=PATIENCE_S):
-        """The first frame that `accepts`; others are passed over."""
+        """The next frame (CAN id, data) for which accepts(id, data) is true; other frames are dropped."""
         until, seen = time.monotonic() + patience_s, []
         while time.monotonic() < until:
             frame = self.bus.receive(0.1)
@@ -68,6 +70,7 @@ class Controller:
 
     # --- CiA 301: SDO, expedited
     def answer_of(self, index, sub):
+        """The eight bytes with which the drive answers a request for that object."""
         wanted = struct.pack("<HB", index, sub)
         return self.expect(f"SDO answer {index:04X}:{sub}", lambda i, d: i == 0x580 + NODE and d[1:4] == wanted)[1]
 
@@ -82,6 +85,7 @@ class Controller:
         return data[4:8 - (data[0] >> 2 & 3)]
 
     def download(self, index, sub, form, value):
+        """Writes an object, with `form` as in struct. None if the drive accepts it, or ("abort", code)."""
         payload = struct.pack(form, value)
         command = 0x23 | (4 - len(payload)) << 2
         self.bus.send(0x600 + NODE, struct.pack("<BHB", command, index, sub) + payload.ljust(4, b"\0"))
@@ -93,9 +97,11 @@ class Controller:
         return None
 
     def number(self, index, sub=0, form="<i"):
+        """An object's value as a number, with `form` as in struct."""
         return struct.unpack(form, self.upload(index, sub))[0]
 
     def status_becomes(self, mask, value, what):
+        """Waits until the statusword (6041h) under `mask` is `value`, and returns the statusword."""
         until = time.monotonic() + PATIENCE_S
         while time.monotonic() < until:
             status = self.number(0x6041, 0, "<H")
@@ -105,11 +111,13 @@ class Controller:
 
 
 def check(equal, found, expected, what):
+    """Raises ValueError, which tells found and expected, unless `equal`."""
     if not equal:
         raise ValueError(f"{what}: found {found}, expected {expected}")
 
 
 def check_drive(controller):
+    """Checks the drive by CiA 301 and 402; returns the speed that the tool reached [rpm of the motor]."""
     bus = controller.bus
     bus.send(0x000, bytes([0x82, NODE]))  # NMT: reset communication
     controller.expect("boot-up message", lambda i, d: i == 0x700 + NODE and d == b"\0")
@@ -150,7 +158,7 @@ def check_drive(controller):
     check(abs(rest_rpm) <= 5, rest_rpm, "at rest", "velocity 606Ch [rpm] after a quick stop")
     check(controller.download(0x6040, 0, "<H", 0x00) is None, "a refusal", "disable voltage", "controlword 6040h")
     controller.status_becomes(0x4F, 0x40, "switch on disabled")
-    # option 2: braked as well, then switch on disabled; options that it does not have are refused
+    # option 2: braked as well, then switch on disabled; options that the drive does not have are refused
     check(controller.download(0x605A, 0, "<h", 2) is None, "a refusal", 2, "quick stop option 605Ah")
     for option in (4, -1):
         found = controller.download(0x605A, 0, "<h", option)
@@ -158,7 +166,7 @@ def check_drive(controller):
     for word in (0x06, 0x07, 0x0F, 0x02):
         check(controller.download(0x6040, 0, "<H", word) is None, "a refusal", f"{word:02X}", "controlword 6040h")
     controller.status_becomes(0x4F, 0x40, "switch on disabled after quick stop option 2")
-    # a controller whose heartbeat stays away: EMCY 8130, life guard or heartbeat error
+    # after a single heartbeat of the controller (node 7Fh) the drive must send EMCY 8130, heartbeat error
     watched = controller.download(0x1016, 1, "<I", 0x7F << 16 | 200)
     check(watched is None, watched, "200 ms", "consumer heartbeat 1016h")
     bus.send(0x77F, b"\x05")
@@ -171,20 +179,22 @@ def check_drive(controller):
 
 
 def check_sensor(controller):
+    """Checks the force sensor; returns the measured force [N], the rate found and the rate set [Hz]."""
     bus = controller.bus
 
     def command(*code):
         bus.send(SENSOR, bytes(code).ljust(8, b"\0"))
 
     def answer(code, what):
+        """The 16 bytes of an answer: its two frames joined."""
         first = controller.expect(what, lambda i, d: i == FIRST and d[0] == code)[1]
         return first + controller.expect(what, lambda i, d: i == SECOND)[1]
 
     command(0x0C)  # stop
     time.sleep(0.2)
-    while bus.receive(0.05):  # what was under way
+    while bus.receive(0.05):  # drop frames that were on their way
         pass
-    rate_code, hz = 3, 50
+    rate_code, hz = 3, 50  # the sensor's code 3 stands for 50 Hz
     command(0x0F, rate_code)
     found = answer(0x0F, "answer to a new rate")
     check(found[2] == 0, found[2], "no error", "a new rate")
@@ -201,7 +211,7 @@ def check_sensor(controller):
         readings.append(struct.unpack_from(">6h", data, 1))
         check(data[13] & 0x3F == 0, data[13], "no overload", "a reading")
     taken_hz = (len(readings) - 1) / (time.monotonic() - begin)
-    force_N = [value / 50 for value in readings[-1][:3]]
+    force_N = [value / 50 for value in readings[-1][:3]]  # 50 counts per newton
     size_N = sum(value * value for value in force_N) ** 0.5
     # reamer with its holder below the sensor: some newtons
     check(2 < size_N < 100, f"{size_N:.2f} N", "the weight of a tool", "force")
@@ -223,7 +233,7 @@ def check_sensor(controller):
 
 
 def free_ports():
-    """The first of some consecutive ports that nobody has now."""
+    """The first of four consecutive ports that are free now for UDP and TCP; 0 if there are none."""
     for first in range(35000 + os.getpid() % 1000 * 10, 65000, 10):
         try:
             for offset in range(4):
@@ -241,14 +251,14 @@ def main(osteon, config):
     if port == 0:
         print("skipped: no free ports")
         return 77
-    tunnel = Tunnel(port + 2)  # FRI, PLC, then two for each CAN bus
-    with tempfile.TemporaryDirectory() as folder, open(os.path.join(folder, "said"), "w+") as said:
+    tunnel = Tunnel(port + 2)  # the cell's ports: FRI, PLC, then two for each CAN bus
+    with tempfile.TemporaryDirectory() as folder, open(os.path.join(folder, "said"), "w+") as cell_log:
         command = [osteon, "--config-root", config, "cell", "demo", "--port", str(port), "--console", "off"]
-        cell = subprocess.Popen(command, cwd=folder, stdout=said, stderr=subprocess.STDOUT)
+        cell = subprocess.Popen(command, cwd=folder, stdout=cell_log, stderr=subprocess.STDOUT)
         try:
             controller = Controller(tunnel)
             until = time.monotonic() + PATIENCE_S
-            while True:  # a request that nobody hears is made again
+            while True:  # ask for the device type (1000h) until the drive answers
                 check(cell.poll() is None, "the cell ended", "a cell", "osteon cell")
                 check(time.monotonic() < until, "no answer", "an answer", "the drive")
                 tunnel.send(0x600 + NODE, struct.pack("<BHB4x", 0x40, 0x1000, 0))
@@ -259,8 +269,8 @@ def main(osteon, config):
             print(f"CAN: the drive turned at {speed_rpm} rpm and stopped, EMCY 8130 without a heartbeat; "
                   f"the sensor read {size_N:.1f} N at {taken_hz:.0f} Hz (set: {hz})")
         except ValueError:
-            said.seek(0)
-            print(said.read()[-2000:], file=sys.stderr)
+            cell_log.seek(0)
+            print(cell_log.read()[-2000:], file=sys.stderr)
             raise
         finally:
             cell.terminate()

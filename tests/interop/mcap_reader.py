@@ -3,9 +3,9 @@
 
     mcap_reader.py RECORDING.mcap
 
-Checks that the file has its end, that the messages are as many as its statistics say, that every chunk has the size it
-claims, and that protoc (by the schema inside the file) decodes the first and the last message of every channel. Where the
-Python package mcap is installed, its reader has to find the same messages. Skipped (exit 77) without protoc or zstd.
+Checks that the file is complete up to its footer, that the number of messages equals its statistics, that every chunk has
+the size it claims, and that protoc decodes the first and the last message of every channel by the schema inside the file.
+If the Python package mcap is installed, its reader must find the same messages. Skipped (exit 77) without protoc or zstd.
 """
 
 import shutil
@@ -16,6 +16,7 @@ import tempfile
 from collections import Counter
 
 MAGIC = b"\x89MCAP0\r\n"
+# opcodes of the records that are read
 FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, STATISTICS = 0x02, 0x03, 0x04, 0x05, 0x06, 0x0B
 
 
@@ -32,13 +33,16 @@ class Bytes:
         return self.data[self.at - count:self.at]
 
     def number(self, form):
+        """The next number, with `form` as in struct: H 16, I 32, Q 64 bits."""
         return struct.unpack("<" + form, self.take(struct.calcsize("<" + form)))[0]
 
     def text(self):
+        """The next string: its length in 32 bits, then UTF-8."""
         return self.take(self.number("I")).decode()
 
 
 def records(data):
+    """The records of a file or chunk, each as (opcode, content)."""
     at = 0
     while at < len(data):
         opcode, length = struct.unpack_from("<BQ", data, at)
@@ -50,10 +54,11 @@ def records(data):
 
 
 def uncompressed(chunk):
+    """The records inside a chunk, as bytes."""
     fields = Bytes(chunk)
-    fields.take(16)
+    fields.take(16)  # times of the first and the last message
     size = fields.number("Q")
-    fields.take(4)
+    fields.take(4)  # checksum
     compression = fields.text()
     packed = fields.take(fields.number("Q"))
     if compression == "zstd":
@@ -66,6 +71,8 @@ def uncompressed(chunk):
 
 
 class Recording:
+    """Schemas and channels by number; for each channel the number of messages, and its first and last message."""
+
     def __init__(self, data):
         if not (data.startswith(MAGIC) and data.endswith(MAGIC)):
             raise ValueError("no MCAP, or without its end")
@@ -74,6 +81,7 @@ class Recording:
         self.read(data[len(MAGIC):-len(MAGIC)])
 
     def read(self, data):
+        """Takes over the records of the file, and of a chunk by calling itself."""
         for opcode, record in records(data):
             fields = Bytes(record)
             if opcode == CHUNK:
@@ -86,11 +94,11 @@ class Recording:
                 self.channels[number] = (schema, fields.text())
             elif opcode == MESSAGE:
                 number = fields.number("H")
-                fields.take(4)
+                fields.take(4)  # sequence
                 stamp = fields.number("Q")
-                fields.take(8)
+                fields.take(8)  # time of publication
                 self.counts[number] += 1
-                kept = self.messages.setdefault(number, [])
+                kept = self.messages.setdefault(number, [])  # at most the first and the last message
                 kept[1:] = [(stamp, fields.data[fields.at:])]
             elif opcode == STATISTICS:
                 self.statistics = fields.number("Q")
@@ -99,6 +107,7 @@ class Recording:
 
 
 def decode(schema, message):
+    """The message as text, by protoc with the schema of the file."""
     name, _, descriptor = schema
     with tempfile.NamedTemporaryFile(suffix=".desc") as file:
         file.write(descriptor)
@@ -136,6 +145,7 @@ def main(path):
             raise ValueError(f"{topic}: encoding {encoding}, expected protobuf")
         for stamp, message in recording.messages.get(number, []):
             text = decode(recording.schemas[schema], message)
+            # protoc prints a field that the schema does not have by its number
             if not text or any(line.strip()[:1].isdigit() for line in text.splitlines()):
                 raise ValueError(f"{topic}: a field of {name} at {stamp} is not in its schema")
         print(f"{topic:<24} {name:<28} {recording.counts[number]} messages")

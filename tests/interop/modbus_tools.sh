@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# modbus_tools.sh OSTEON CONFIG: mbpoll and pymodbus at the simulated PLC of `osteon cell thin_plate`, by the register map of
-# io/modbus/README.md: the block 970 … 983 and its VERSION, the PLC's own heartbeat, a heartbeat that is written and read
-# back, motion that is permitted after it was asked for, and the exception for a register that nobody has. 77: none of the
-# two is here.
+# modbus_tools.sh OSTEON CONFIG_FOLDER
+# Reads and writes the simulated PLC of `osteon cell thin_plate` with mbpoll and pymodbus, by the register map of
+# io/modbus/README.md. Checks the block 970 … 983 and its VERSION, that the PLC's own heartbeat counts, that a written
+# heartbeat is read back, that motion is permitted after a request (pymodbus only), and the exception for register 2000,
+# which does not exist. Exit 77 (skipped): neither tool is installed.
 set -euo pipefail
 osteon=$(realpath "$1") config=$(realpath "$2")
 work=$(mktemp -d)
@@ -27,11 +28,12 @@ if command -v mbpoll >/dev/null; then tools+=(mbpoll); fi
 if "$python" -c 'import pymodbus.client' 2>/dev/null; then tools+=(pymodbus); fi
 [[ ${#tools[@]} -gt 0 ]] || { echo "skipped: neither mbpoll nor python3-pymodbus is here (packages.txt, section optional)"; exit 77; }
 
+# whether a TCP port answers on this machine
 is_open() { (exec 3<>"/dev/tcp/127.0.0.1/$1") 2>/dev/null; }
 for ((first = 36000 + $$ % 1000 * 10; first < 65000; first += 10)); do
   is_open "$((first + 1))" || break
 done
-port=$((first + 1)) # the arm's, then the PLC's
+port=$((first + 1)) # of the PLC; the arm has the first
 cd "$work"
 "$osteon" --config-root "$config" cell thin_plate --port "$first" --console off >cell.log 2>&1 &
 cell=$!
@@ -41,8 +43,10 @@ for ((i = 0; i < 600; ++i)); do
   sleep 0.1
 done
 
+# one function for each tool, called by its name at the end
 with_mbpoll() {
   local ask=(mbpoll -m tcp -p "$port" -0 -t 4 -1 -q)
+  # prints the value of one register
   register() { "${ask[@]}" -r "$1" 127.0.0.1 | sed -nE "s/^\[$1\]:[[:space:]]*([0-9]+).*/\1/p"; }
   "${ask[@]}" -r 970 -c 14 127.0.0.1 >block
   [[ $(grep -c '^\[9[78][0-9]\]:' block) -eq 14 ]] || fail "mbpoll: found $(cat block), expected 14 registers"
@@ -83,7 +87,7 @@ with ModbusTcpClient("127.0.0.1", port=int(sys.argv[1]), timeout=2) as plc:
         permitted = read()[974] == 1
     assert permitted, "RUN_PERMITTED stays 0"
     assert plc.read_holding_registers(990, 1, slave=1).registers == [beat]
-    time.sleep(0.5)  # no heartbeat
+    time.sleep(0.5)  # longer than the PLC waits for a heartbeat
     assert read()[974] == 0, "RUN_PERMITTED stays 1 without the controller's heartbeat"
     refused = plc.read_holding_registers(2000, 1, slave=1)
     assert refused.isError() and refused.exception_code == 2, f"register 2000: found {refused}"

@@ -5,10 +5,9 @@
 
 Starts `osteon cell kr_16_thin_plate`, asks its PLC for motion as the register map of io/modbus/README.md says (function
 codes 3 and 16), waits for the arm's RSI messages, parses them as XML and answers each as KUKA's documentation describes
-it: <Sen Type="ImFree"> with <AK> and the message's IPOC. Checks that IPOC rises by the 4 ms cycle, that the corrected
-axis follows the correction, and no other axis moves.
-Skipped (exit 77) where no ports are free, or where this machine is too busy
-to answer within 4 ms.
+it: <Sen Type="ImFree"> with <AK> and the message's IPOC. Checks that IPOC rises by 4 (ms) each cycle, that the corrected
+axis A1 follows the correction, and that no other axis moves. Skipped (exit 77) if no ports are free, or if this machine
+is too busy to answer within 4 ms.
 """
 
 import os
@@ -21,12 +20,12 @@ import threading
 import time
 import xml.etree.ElementTree as ElementTree
 
-MODE, RUN_PERMITTED, VERSION, POWER_ON = 970, 974, 977, 982
-FIRST, COUNT = 970, 14
-HEARTBEAT, REQUEST = 990, 991
+MODE, RUN_PERMITTED, VERSION, POWER_ON = 970, 974, 977, 982  # registers of the PLC
+FIRST, COUNT = 970, 14  # the block that is read
+HEARTBEAT, REQUEST = 990, 991  # registers that the controller writes
 AXES = ("A1", "A2", "A3", "A4", "A5", "A6")
 STEP_DEG, CYCLES, STEPS = 0.002, 750, 500  # 1 degree in 2 s; then 1 s of rest
-PATIENCE_S = 60
+PATIENCE_S = 60  # for the cell to start
 
 
 class Modbus:
@@ -37,6 +36,7 @@ class Modbus:
         self.transaction = 0
 
     def ask(self, function, body):
+        """Sends a request; returns the answer without its function code."""
         self.transaction = (self.transaction + 1) & 0xFFFF
         self.socket.sendall(struct.pack(">HHHBB", self.transaction, 0, len(body) + 2, 1, function) + body)
         header = self.receive(7)
@@ -56,6 +56,7 @@ class Modbus:
         return data
 
     def read(self):
+        """The block of registers, as a dictionary from register to value."""
         answer = self.ask(3, struct.pack(">HH", FIRST, COUNT))
         values = struct.unpack(f">{COUNT}H", answer[1:])
         return {FIRST + i: value for i, value in enumerate(values)}
@@ -65,8 +66,8 @@ class Modbus:
         self.ask(16, body + struct.pack(f">{len(values)}H", *values))
 
 
-class Heart(threading.Thread):
-    """Asks for motion, and beats, until it is stopped."""
+class Heartbeat(threading.Thread):
+    """A thread that requests motion and writes the heartbeat every 30 ms, until it is stopped."""
 
     def __init__(self, port):
         super().__init__(daemon=True)
@@ -87,7 +88,7 @@ class Heart(threading.Thread):
 
 
 def answer_arm(port, heart):
-    """Answers the arm's messages, and returns IPOCs and axes of those since the drives have power."""
+    """Answers CYCLES messages after the drives have power; returns their IPOCs and measured axes [deg]."""
     listener = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     listener.bind(("127.0.0.1", port))
     listener.settimeout(PATIENCE_S)
@@ -110,6 +111,7 @@ def answer_arm(port, heart):
 
 
 def check(ipocs, axes):
+    """Raises ValueError unless IPOC rose by 4 and only A1 moved; returns the angle that A1 moved [deg]."""
     steps = {b - a for a, b in zip(ipocs, ipocs[1:])}
     if steps != {4}:
         raise ValueError(f"RSI: IPOC rises by {sorted(steps)}, expected 4 each cycle")
@@ -122,7 +124,7 @@ def check(ipocs, axes):
 
 
 def free_ports():
-    """The first of some consecutive ports that nobody has now."""
+    """The first of four consecutive ports that are free now for UDP and TCP; 0 if there are none."""
     for first in range(34000 + os.getpid() % 1000 * 10, 65000, 10):
         try:
             for offset in range(4):
@@ -141,13 +143,13 @@ def main(osteon, config):
         print("skipped: no free ports")
         return 77
     take_real_time()
-    with tempfile.TemporaryDirectory() as folder, open(os.path.join(folder, "said"), "w+") as said:
-        cell = subprocess.Popen([osteon, "--config-root", config, "cell", "kr_16_thin_plate", "--port", str(port)], cwd=folder,
-                                stdout=said, stderr=subprocess.STDOUT)
+    with tempfile.TemporaryDirectory() as folder, open(os.path.join(folder, "said"), "w+") as cell_log:
+        command = [osteon, "--config-root", config, "cell", "kr_16_thin_plate", "--port", str(port)]
+        cell = subprocess.Popen(command, cwd=folder, stdout=cell_log, stderr=subprocess.STDOUT)
         try:
             heart = connect(port + 1, cell)
             if heart is None:
-                raise ValueError("the cell ended: " + text_of(said))
+                raise ValueError("the cell ended: " + text_of(cell_log))
             moved = check(*answer_arm(port, heart))
             if heart.error:
                 raise ValueError(heart.error)
@@ -157,7 +159,7 @@ def main(osteon, config):
             print(f"RSI: {CYCLES} messages answered, A1 went {moved:.4f} degrees; Modbus: VERSION {registers[VERSION]}")
             heart.stopped.set()
         except TimeoutError:
-            if "answers late" not in text_of(said):
+            if "answers late" not in text_of(cell_log):
                 raise
             print("skipped: this machine is too busy to answer within 4 ms, so the arm ended RSI")
             return 77
@@ -181,7 +183,7 @@ def text_of(file):
 
 
 def connect(port, cell):
-    """A heart on the PLC's port; None where the cell ends before it has one."""
+    """A started Heartbeat for the PLC at that port; None if the cell ends before the port is open."""
     give_up = time.monotonic() + PATIENCE_S
     while time.monotonic() < give_up:
         if cell.poll() is not None:
@@ -191,7 +193,7 @@ def connect(port, cell):
         except OSError:
             time.sleep(0.1)
             continue
-        heart = Heart(port)
+        heart = Heartbeat(port)
         heart.start()
         return heart
     raise ValueError("the PLC's port is not open")

@@ -10,7 +10,7 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/io/can/can_frames.h"
 
-// A simulated device's end of a CAN bus, in virtual time.
+// Tests of ImpairedCanBus, a simulated device's end of a CAN bus with injected faults, in virtual time.
 
 namespace osteon::hil {
 namespace {
@@ -20,7 +20,8 @@ using io::test::Frame;
 
 rt::Nanoseconds virtual_now = 0;
 
-// The underlying bus: frames that the device sent, and frames waiting for it.
+// The bus behind the ImpairedCanBus: keeps frames that the device sent, and hands out `coming` frames once
+// virtual_now has reached their stamp.
 class MemoryBus final : public io::CanBus {
  public:
   CanResult Send(const io::CanFrame& frame) noexcept override {
@@ -35,7 +36,7 @@ class MemoryBus final : public io::CanBus {
     arrival = coming[taken++];
     return CanResult::kOk;
   }
-  // time passes until something arrives
+  // Advances virtual_now to the next frame or to the deadline, whichever is first.
   CanResult Receive(io::CanArrival& arrival, rt::Nanoseconds deadline) noexcept override {
     const rt::Nanoseconds next = taken == coming.size() ? deadline : std::min(deadline, coming[taken].stamp);
     virtual_now = std::max(virtual_now, next);
@@ -54,40 +55,42 @@ class MemoryBus final : public io::CanBus {
 class InjectionCan : public testing::Test {
  protected:
   void SetUp() override { virtual_now = 0; }
-  MemoryBus behind_;
+  MemoryBus device_bus_;
 };
 
+// Faults on the force sensor's wire.
 InjectionParams Sensor(const WireFaults& faults, Direction direction = Direction::kBoth) {
   return Always(faults, Wire::kForceSensor, direction);
 }
 
-TEST_F(InjectionCan, FramesPassAsTheyAreWithoutFaults) {
-  ImpairedCanBus bus(behind_, {}, Wire::kForceSensor, {}, &virtual_now);
+TEST_F(InjectionCan, FramesPassUnchangedWithoutFaults) {
+  ImpairedCanBus bus(device_bus_, {}, Wire::kForceSensor, {}, &virtual_now);
   for (const char* text : {"001#0B0064FF9C3A98F8", "7FF#", "064#0B"}) {
     EXPECT_EQ(bus.Send(Frame(text)), CanResult::kOk);
-    EXPECT_EQ(io::ToText(behind_.sent.back().frame), text);
-    behind_.coming.push_back({.frame = Frame(text), .stamp = virtual_now, .after_gap = true});
+    EXPECT_EQ(io::ToText(device_bus_.sent.back().frame), text);
+    device_bus_.coming.push_back({.frame = Frame(text), .stamp = virtual_now, .after_gap = true});
     io::CanArrival arrival;
     EXPECT_EQ(bus.TryReceive(arrival), CanResult::kOk);
     EXPECT_EQ(arrival.frame, Frame(text));
     EXPECT_TRUE(arrival.after_gap);
     EXPECT_EQ(bus.TryReceive(arrival), CanResult::kEmpty);
   }
-  behind_.down = true;
+  device_bus_.down = true;
   io::CanArrival arrival;
   EXPECT_EQ(bus.Send(Frame("001#00")), CanResult::kDown);
   EXPECT_EQ(bus.TryReceive(arrival), CanResult::kDown);
 }
 
-TEST_F(InjectionCan, WhatWasInjectedIsWhatIsMissingDoubledOrChanged) {
+// Each fault alone at 10 % of 10'000 frames: about 1000 are expected, and a random draw stays above 700.
+TEST_F(InjectionCan, CountersEqualTheFramesLostDoubledOrChanged) {
   const io::CanFrame frame = Frame("123#0102030405060708");
   const auto run = [&](const WireFaults& faults, WireCounters& n) {
-    MemoryBus behind;
-    ImpairedCanBus bus(behind, Sensor(faults, Direction::kToController), Wire::kForceSensor, {},
+    MemoryBus device_bus;
+    ImpairedCanBus bus(device_bus, Sensor(faults, Direction::kToController), Wire::kForceSensor, {},
                        &virtual_now);
     for (int i = 0; i < 10'000; ++i) EXPECT_EQ(bus.Send(frame), CanResult::kOk) << "the device knows nothing";
     n = bus.to_controller();
-    return behind.sent;
+    return device_bus.sent;
   };
   WireCounters n;
   std::size_t count = run({.loss = 0.1, .burst = 3}, n).size();
@@ -107,33 +110,36 @@ TEST_F(InjectionCan, WhatWasInjectedIsWhatIsMissingDoubledOrChanged) {
   EXPECT_EQ(run({.silence = true}, n).size(), 0u);
 }
 
-TEST_F(InjectionCan, ADelayedFrameWakesWhoWaitsForIt) {
-  constexpr rt::Nanoseconds kDelay = 300'000;
-  ImpairedCanBus bus(behind_, Sensor({.delay = kDelay}), Wire::kForceSensor, {}, &virtual_now);
-  behind_.coming.push_back({.frame = Frame("064#0B"), .stamp = 100'000});
+// While Receive() waits for a frame, the delayed frames of both directions move at the times they are due.
+TEST_F(InjectionCan, ReceiveWakesWhenADelayedFrameIsDue) {
+  constexpr rt::Nanoseconds kDelay = 300'000;  // 0.3 ms
+  ImpairedCanBus bus(device_bus_, Sensor({.delay = kDelay}), Wire::kForceSensor, {}, &virtual_now);
+  device_bus_.coming.push_back({.frame = Frame("064#0B"), .stamp = 100'000});
   EXPECT_EQ(bus.Send(Frame("001#0B")), CanResult::kOk);
-  EXPECT_TRUE(behind_.sent.empty());
+  EXPECT_TRUE(device_bus_.sent.empty());
   io::CanArrival arrival;
   EXPECT_EQ(bus.Receive(arrival, 350'000), CanResult::kEmpty);
-  ASSERT_EQ(behind_.sent.size(), 1u);
-  EXPECT_EQ(behind_.sent[0].stamp, kDelay) << "though nobody asked then";
+  ASSERT_EQ(device_bus_.sent.size(), 1u);
+  EXPECT_EQ(device_bus_.sent[0].stamp, kDelay) << "though nobody asked then";
   EXPECT_EQ(virtual_now, 350'000);
   EXPECT_EQ(bus.Receive(arrival, rt::kSecond), CanResult::kOk);
   EXPECT_EQ(arrival.stamp, 100'000 + kDelay);
   EXPECT_EQ(virtual_now, 100'000 + kDelay);
 }
 
-TEST_F(InjectionCan, OnlyTheWiresOwnFramesAreTouched) {
-  ImpairedCanBus sensor(behind_, Sensor({.silence = true}), Wire::kForceSensor, {{.id = 0x64}, {.id = 0x1}},
-                        &virtual_now);
+// Two devices share the bus: the force sensor (0x001, 0x064) is silenced, the drive's frames (0x7F in the low
+// seven bits) are doubled, and the frame 0x080 belongs to neither.
+TEST_F(InjectionCan, ChangesOnlyFramesOfItsOwnWire) {
+  ImpairedCanBus sensor(device_bus_, Sensor({.silence = true}), Wire::kForceSensor,
+                        {{.id = 0x64}, {.id = 0x1}}, &virtual_now);
   ImpairedCanBus both(sensor, Always({.duplicate = 1.0}, Wire::kDrive), Wire::kDrive,
                       {{.id = 0x7f, .mask = 0x7f}}, &virtual_now);
   for (const char* text : {"001#0B", "1FF#00", "080#"}) EXPECT_EQ(both.Send(Frame(text)), CanResult::kOk);
   std::vector<std::string> sent;
-  for (const io::CanArrival& came : behind_.sent) sent.push_back(io::ToText(came.frame));
+  for (const io::CanArrival& came : device_bus_.sent) sent.push_back(io::ToText(came.frame));
   EXPECT_EQ(sent, (io::test::Frames{"1FF#00", "1FF#00", "080#"}));
   for (const char* text : {"064#0B", "27F#00", "080#"})
-    behind_.coming.push_back({.frame = Frame(text), .stamp = 0});
+    device_bus_.coming.push_back({.frame = Frame(text), .stamp = 0});
   io::CanArrival arrival;
   std::vector<std::string> came;
   while (both.TryReceive(arrival) == CanResult::kOk) came.push_back(io::ToText(arrival.frame));
@@ -142,21 +148,22 @@ TEST_F(InjectionCan, OnlyTheWiresOwnFramesAreTouched) {
   EXPECT_EQ(sensor.to_controller().silenced, 1u);
 }
 
-TEST_F(InjectionCan, BeginsWithCommanding) {
+// A silence from time 0 of the schedule: frames pass until StartSchedule() is called.
+TEST_F(InjectionCan, FaultsBeginWhenTheScheduleStarts) {
   const InjectionParams params{.injections = {{.wire = Wire::kForceSensor, .faults = {.silence = true}}}};
-  ImpairedCanBus bus(behind_, params, Wire::kForceSensor, {}, &virtual_now);
+  ImpairedCanBus bus(device_bus_, params, Wire::kForceSensor, {}, &virtual_now);
   bus.Send(Frame("001#0B"));
-  EXPECT_EQ(behind_.sent.size(), 1u);
+  EXPECT_EQ(device_bus_.sent.size(), 1u);
   bus.StartSchedule(virtual_now);
   bus.Send(Frame("001#0B"));
-  EXPECT_EQ(behind_.sent.size(), 1u);
+  EXPECT_EQ(device_bus_.sent.size(), 1u);
 }
 
 TEST_F(InjectionCan, DoesNotAllocate) {
-  behind_.sent.reserve(100);
-  ImpairedCanBus bus(behind_, Sensor({.duplicate = 0.5, .corrupt = 0.5, .delay = 10}), Wire::kForceSensor, {},
-                     &virtual_now);
-  behind_.coming.assign(20, {.frame = Frame("064#0B"), .stamp = 0});
+  device_bus_.sent.reserve(100);
+  ImpairedCanBus bus(device_bus_, Sensor({.duplicate = 0.5, .corrupt = 0.5, .delay = 10}), Wire::kForceSensor,
+                     {}, &virtual_now);
+  device_bus_.coming.assign(20, {.frame = Frame("064#0B"), .stamp = 0});
   io::CanArrival arrival;
   const io::CanFrame frame = Frame("001#0B");
   rt::CheckedNoAllocScope no_alloc;

@@ -16,7 +16,7 @@ namespace {
 
 using control::SessionState;
 
-// A cell that no loss can end.
+// Parameters of a cell whose session no loss of messages ends.
 SimulatedCellParams PatientCell(int period_ms = 1) {
   SimulatedCellParams params;
   params.arm = kinematics::Iiwa14();
@@ -32,11 +32,13 @@ SimulatedCellParams PatientCell(int period_ms = 1) {
   return params;
 }
 
+// That cell with a reaming script.
 SimulatedCell Cell(int period_ms = 1) { return {PatientCell(period_ms), MakeReamingScript({})}; }
 
-// Cell and client in lockstep.
+// An impaired cell and a client of FRI in lockstep: one Step() is one millisecond of virtual time.
 struct Lockstep {
   explicit Lockstep(const InjectionParams& injections) : cell(Cell(), injections) {}
+  // Runs one period: delivers the messages that arrive in it, and answers the newest.
   void Step() {
     now += rt::kMillisecond;
     bool accepted = false;
@@ -48,7 +50,8 @@ struct Lockstep {
     });
     if (accepted) cell.Receive(session.Answer({.q = arm.q_ipo, .activation = arm.activation}));
   }
-  bool WalkToActive() {
+  // False if the cell is not commanded within 5 s.
+  bool StepUntilCommanded() {
     for (int i = 0; i < 5000 && arm.session != SessionState::kCommandingActive; ++i) Step();
     return arm.session == SessionState::kCommandingActive;
   }
@@ -60,33 +63,35 @@ struct Lockstep {
   std::vector<rt::Nanoseconds> arrivals;  // relative to the time the message was made
 };
 
-TEST(InjectionCell, WithoutInjectionsEveryByteIsTheCellsOwn) {
-  Lockstep behind({});
+TEST(InjectionCell, WithoutInjectionsEveryByteEqualsThePlainCells) {
+  Lockstep impaired({});
   SimulatedCell plain = Cell();
   io::FriSession session;
   control::ArmState arm;
   for (rt::Nanoseconds now = rt::kMillisecond; now <= 3 * rt::kSecond; now += rt::kMillisecond) {
     const auto message = plain.Step(now);
-    behind.Step();
-    ASSERT_EQ(behind.bytes, std::vector<std::uint8_t>(message.begin(), message.end()));
-    ASSERT_EQ(behind.arrivals, std::vector<rt::Nanoseconds>{0});
-    ASSERT_EQ(Vector3(behind.cell.cell().force().F_S.f), Vector3(plain.force().F_S.f));
+    impaired.Step();
+    ASSERT_EQ(impaired.bytes, std::vector<std::uint8_t>(message.begin(), message.end()));
+    ASSERT_EQ(impaired.arrivals, std::vector<rt::Nanoseconds>{0});
+    ASSERT_EQ(Vector3(impaired.cell.cell().force().F_S.f), Vector3(plain.force().F_S.f));
     ASSERT_EQ(session.Accept(message, now, arm), io::FriAccept::kAccepted);
     plain.Receive(session.Answer({.q = arm.q_ipo, .activation = arm.activation}));
   }
   EXPECT_EQ(arm.session, SessionState::kCommandingActive);
-  EXPECT_EQ(behind.cell.state().counters.lost + behind.cell.state().counters.stale, 0u);
+  EXPECT_EQ(impaired.cell.state().counters.lost + impaired.cell.state().counters.stale, 0u);
 }
 
-TEST(InjectionCell, ADelayBelowAPeriodIsWhatItSays) {
+// A message and its answer are each delayed. Below half a period the answer is still in time; above, every
+// answer is stale.
+TEST(InjectionCell, ADelayBelowAPeriodIsExact) {
   for (const rt::Nanoseconds delay : {300'000, 600'000}) {
     Lockstep run({.injections = {{.from_s = 0.0, .to_s = 1.0, .faults = {.delay = delay}}}});
-    ASSERT_TRUE(run.WalkToActive());
+    ASSERT_TRUE(run.StepUntilCommanded());
     for (int i = 0; i < 900; ++i) {
       ASSERT_EQ(run.arrivals, std::vector<rt::Nanoseconds>{delay});
       run.Step();
     }
-    // there and back within the period, or not
+    // whether message and answer both arrive within the period of 1 ms
     const FriCounters& n = run.cell.state().counters;
     if (2 * delay < rt::kMillisecond) {
       EXPECT_EQ(n.lost + n.stale, 0u);
@@ -97,9 +102,9 @@ TEST(InjectionCell, ADelayBelowAPeriodIsWhatItSays) {
   }
 }
 
-TEST(InjectionCell, TimeCountsFromWhenCommandingFirstBegan) {
+TEST(InjectionCell, InjectionTimesCountFromTheFirstCommanding) {
   Lockstep run({.injections = {{.from_s = 0.05, .to_s = 0.15, .faults = {.silence = true}}}});
-  ASSERT_TRUE(run.WalkToActive());
+  ASSERT_TRUE(run.StepUntilCommanded());
   std::vector<int> missing;
   for (int i = 1; i < 300; ++i) {
     run.Step();
@@ -111,6 +116,7 @@ TEST(InjectionCell, TimeCountsFromWhenCommandingFirstBegan) {
   EXPECT_EQ(run.arm.lost, 100u);
 }
 
+// Sequence numbers and counts of lost and stale messages, tick by tick.
 TEST(InjectionCell, TwoRunsOfOneSeedAreTheSame) {
   const auto run = [](std::uint64_t seed) {
     Lockstep r({.injections = {{.faults = {.loss = 0.05,
@@ -120,7 +126,7 @@ TEST(InjectionCell, TwoRunsOfOneSeedAreTheSame) {
                                            .delay = 200'000,
                                            .jitter = 2 * rt::kMillisecond}}},
                 .seed = seed});
-    EXPECT_TRUE(r.WalkToActive());
+    EXPECT_TRUE(r.StepUntilCommanded());
     std::vector<std::uint64_t> seen;
     for (int i = 0; i < 1000; ++i) {
       r.Step();
@@ -132,9 +138,9 @@ TEST(InjectionCell, TwoRunsOfOneSeedAreTheSame) {
   EXPECT_NE(run(3), run(4));
 }
 
-// Only lower bounds on times. If datagrams moved only at the end of a period, every answer would belong to
-// the message before.
-TEST(InjectionCellThread, WakesForADelayBelowItsPeriod) {
+// A period of 100 ms, a delay of 5 ms. If datagrams moved only at the end of a period, every answer would
+// belong to the message before. Times have only lower bounds, because the machine may be busy.
+TEST(InjectionCellThread, DeliversADelayedMessageWithinItsPeriod) {
   constexpr rt::Nanoseconds kDelay = 5 * rt::kMillisecond;
   auto link = io::FriLink::Open({.port = 0});
   ASSERT_TRUE(link) << link.error();
@@ -157,7 +163,7 @@ TEST(InjectionCellThread, WakesForADelayBelowItsPeriod) {
   EXPECT_EQ(arm.lost, 0u);
 }
 
-TEST(InjectionCellThread, CountsWhatItInjectedAndTheClientDoes) {
+TEST(InjectionCellThread, CellAndClientCountTheSameFaults) {
   auto link = io::FriLink::Open({.port = 0});
   ASSERT_TRUE(link) << link.error();
   const InjectionParams params{

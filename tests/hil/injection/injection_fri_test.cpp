@@ -14,16 +14,18 @@
 namespace osteon::hil {
 namespace {
 
+// Cycles with faults of a run. With faults of 5 %, kDatagrams gives about 1000 of them, and more than 800 in
+// any draw. kFewer is enough where every datagram is affected.
 constexpr int kDatagrams = 20'000, kFewer = 5'000;
 
-// Arm and client with a wire for each direction between them: faults last for the first cycles, and a hundred
-// cycles without faults follow.
+// Arm and client with a wire for each direction between them. The constructor runs `count` cycles with faults
+// and a hundred without, one millisecond each.
 struct FriPair {
   FriPair(const WireFaults& faults, Direction direction, int count = kDatagrams)
       : params{.injections = {{.direction = direction, .to_s = count * 1e-3, .faults = faults}}},
         to_controller(params, Wire::kArm, Direction::kToController),
         from_controller(params, Wire::kArm, Direction::kFromController),
-        server(Server(), kinematics::Iiwa14().limits, kinematics::JointVector::Constant(0.1)),
+        server(ServerParams(), kinematics::Iiwa14().limits, kinematics::JointVector::Constant(0.1)),
         session({.version = io::FriVersion::k2_7}) {  // its checksum finds every damage
     server.Open();
     to_controller.StartSchedule(0);
@@ -32,12 +34,14 @@ struct FriPair {
     EXPECT_TRUE(Balances(to_controller) && Balances(from_controller));
   }
 
-  static FriServerParams Server() {
+  static FriServerParams ServerParams() {
     FriServerParams p{.version = io::FriVersion::k2_7};
     p.quality.good_timeout_s = 3600.0;  // the session must survive any loss
     return p;
   }
 
+  // Runs one cycle of the arm: answers that are due, the next message, messages that are due and their
+  // answers.
   void Step(rt::Nanoseconds now) {
     while (from_controller.NextDue() <= now) server.Receive(from_controller.Next(now));
     server.EndCycle();
@@ -57,10 +61,11 @@ struct FriPair {
   control::ArmState arm;
 };
 
-constexpr WireFaults kLoss{.loss = 0.05}, kBursts{.loss = 0.05, .burst = 20}, kTwice{.duplicate = 0.05},
-    kSwapped{.reorder = 0.05}, kDamaged{.corrupt = 0.05};
+// Each fault meets 5 % of the datagrams; kBursts loses 20 in a row.
+constexpr WireFaults kLoss{.loss = 0.05}, kBursts{.loss = 0.05, .burst = 20}, kDuplicated{.duplicate = 0.05},
+    kReordered{.reorder = 0.05}, kDamaged{.corrupt = 0.05};
 
-TEST(InjectionFri, TheClientCountsWhatWasLostOnTheWayToIt) {
+TEST(InjectionFri, TheClientCountsMessagesLostOnTheWayToIt) {
   for (const WireFaults& faults : {kLoss, kBursts}) {
     const FriPair pair(faults, Direction::kToController);
     EXPECT_GT(pair.to_controller.counters().lost, 800u);
@@ -71,22 +76,22 @@ TEST(InjectionFri, TheClientCountsWhatWasLostOnTheWayToIt) {
   }
 }
 
-TEST(InjectionFri, TheClientCountsWhatCameTwice) {
-  const FriPair pair(kTwice, Direction::kToController);
+TEST(InjectionFri, TheClientCountsDuplicateMessages) {
+  const FriPair pair(kDuplicated, Direction::kToController);
   EXPECT_GT(pair.to_controller.counters().duplicated, 800u);
   EXPECT_EQ(pair.arm.duplicate, pair.to_controller.counters().duplicated);
   EXPECT_EQ(pair.arm.lost + pair.arm.reordered + pair.arm.rejected, 0u);
   EXPECT_EQ(pair.server.counters().duplicate, 0u) << "answered once";
 }
 
-TEST(InjectionFri, TheClientCountsWhatWasOvertaken) {
-  const FriPair pair(kSwapped, Direction::kToController);
+TEST(InjectionFri, TheClientCountsReorderedMessages) {
+  const FriPair pair(kReordered, Direction::kToController);
   EXPECT_GT(pair.to_controller.counters().reordered, 800u);
   EXPECT_EQ(pair.arm.reordered, pair.to_controller.counters().reordered);
   EXPECT_EQ(pair.arm.lost + pair.arm.duplicate + pair.arm.rejected, 0u) << "it came after all";
 }
 
-TEST(InjectionFri, TheClientCountsWhatWasDamaged) {
+TEST(InjectionFri, TheClientCountsDamagedMessages) {
   const FriPair pair(kDamaged, Direction::kToController);
   EXPECT_GT(pair.to_controller.counters().corrupted, 800u);
   EXPECT_EQ(pair.arm.rejected, pair.to_controller.counters().corrupted);
@@ -94,7 +99,7 @@ TEST(InjectionFri, TheClientCountsWhatWasDamaged) {
   EXPECT_EQ(pair.arm.duplicate + pair.arm.reordered, 0u);
 }
 
-TEST(InjectionFri, TheArmCountsWhatWasLostOnTheWayToIt) {
+TEST(InjectionFri, TheArmCountsAnswersLostOnTheWayToIt) {
   for (const WireFaults& faults : {kLoss, kBursts}) {
     const FriPair pair(faults, Direction::kFromController);
     const FriCounters& n = pair.server.counters();
@@ -107,25 +112,25 @@ TEST(InjectionFri, TheArmCountsWhatWasLostOnTheWayToIt) {
   }
 }
 
-TEST(InjectionFri, TheArmCountsWhatCameTwiceOrTooLate) {
-  const FriPair twice(kTwice, Direction::kFromController);
+TEST(InjectionFri, TheArmCountsDuplicateAndStaleAnswers) {
+  const FriPair twice(kDuplicated, Direction::kFromController);
   EXPECT_GT(twice.from_controller.counters().duplicated, 800u);
   EXPECT_EQ(twice.server.counters().duplicate, twice.from_controller.counters().duplicated);
   EXPECT_EQ(twice.server.counters().lost + twice.server.counters().stale, 0u);
-  const FriPair swapped(kSwapped, Direction::kFromController);
+  const FriPair swapped(kReordered, Direction::kFromController);
   EXPECT_GT(swapped.from_controller.counters().reordered, 800u);
   EXPECT_EQ(swapped.server.counters().stale, swapped.from_controller.counters().reordered);
   EXPECT_EQ(swapped.server.counters().lost, swapped.from_controller.counters().reordered);
 }
 
-TEST(InjectionFri, TheArmCountsWhatWasDamaged) {
+TEST(InjectionFri, TheArmCountsDamagedAnswers) {
   const FriPair pair(kDamaged, Direction::kFromController);
   EXPECT_GT(pair.from_controller.counters().corrupted, 800u);
   EXPECT_EQ(pair.server.counters().malformed, pair.from_controller.counters().corrupted);
   EXPECT_EQ(pair.server.counters().client_gap, pair.from_controller.counters().corrupted);
 }
 
-TEST(InjectionFri, ASilenceIsALossToBoth) {
+TEST(InjectionFri, TheArmCountsASilenceAsLossAndTheClientJoinsAfterIt) {
   const FriPair to(WireFaults{.silence = true}, Direction::kToController, kFewer);
   EXPECT_EQ(to.to_controller.counters().silenced, static_cast<std::uint64_t>(kFewer));
   EXPECT_EQ(to.arm.sequence, static_cast<std::uint32_t>(kFewer + 100)) << "it begins with what comes first";
@@ -133,7 +138,7 @@ TEST(InjectionFri, ASilenceIsALossToBoth) {
   EXPECT_EQ(from.server.counters().lost, static_cast<std::uint64_t>(kFewer));
 }
 
-TEST(InjectionFri, ADelayCostsNoMessageButEveryAnswer) {
+TEST(InjectionFri, ADelayOfThreePeriodsLosesNoMessageButMakesEveryAnswerStale) {
   const FriPair pair(WireFaults{.delay = 3 * rt::kMillisecond}, Direction::kToController, kFewer);
   EXPECT_EQ(pair.to_controller.counters().delayed, static_cast<std::uint64_t>(kFewer) + 2)
       << "the last ones hold up the two behind them";
@@ -141,7 +146,7 @@ TEST(InjectionFri, ADelayCostsNoMessageButEveryAnswer) {
   EXPECT_EQ(pair.server.counters().stale, static_cast<std::uint64_t>(kFewer) + 2);
 }
 
-TEST(InjectionFri, FaultsOfBothWaysAreCountedApart) {
+TEST(InjectionFri, FaultsOfBothDirectionsAreCountedApart) {
   const FriPair pair(kLoss, Direction::kBoth, kFewer);
   EXPECT_EQ(pair.arm.lost, pair.to_controller.counters().lost);
   EXPECT_EQ(pair.server.counters().client_gap, pair.from_controller.counters().lost);

@@ -7,12 +7,15 @@
 #include <cmath>
 #include <set>
 
+// Tests of the grid of hands with which a cell must be stable.
+
 namespace osteon::hil {
 namespace {
 
-constexpr double kDt_s = 1e-3, kToolMass_kg = 3.0, kToolDamping_Ns_per_m = 20.0;  // of the cells
+// Control period, and the virtual tool's mass and damping in the shipped cells.
+constexpr double kDt_s = 1e-3, kToolMass_kg = 3.0, kToolDamping_Ns_per_m = 20.0;
 
-TEST(HandGrid, CoversTheHumanArmAndItsAdversaries) {
+TEST(HandGrid, CoversTheHumanArmAndStifferClamps) {
   const std::vector<GridHand> grid = HandGrid();
   std::set<std::string> names;
   int human = 0;
@@ -35,7 +38,7 @@ TEST(HandGrid, CoversTheHumanArmAndItsAdversaries) {
   EXPECT_TRUE(has(50000.0, 50.0, 0.0));
 }
 
-TEST(HandGrid, OperatorKeepsWhatTheGridDoesNotSay) {
+TEST(HandGrid, OperatorKeepsParametersThatTheGridDoesNotSet) {
   const OperatorHandParams hand =
       OperatorWith({"h", 3000.0, 60.0, 3.0}, {.stiffness_N_per_m = 1.0, .tremor_N = 2.0, .tremor_seed = 7});
   EXPECT_EQ(hand.stiffness_N_per_m, 3000.0);
@@ -45,9 +48,9 @@ TEST(HandGrid, OperatorKeepsWhatTheGridDoesNotSay) {
   EXPECT_NEAR(hand.stiffness_Nm_per_rad, 30.0, 1e-12);
 }
 
-// One millisecond of the shipped hand on a free virtual tool: M v' + D v = f, damping implicit. The state is
-// the tool's position and speed along an axis and the speed of the hand's mass.
-Eigen::Vector3d Next(const OperatorHandParams& params, const Eigen::Vector3d& s) {
+// The state one millisecond later, of the shipped hand on a free virtual tool: M v' + D v = f, damping
+// implicit. State s: the tool's position and speed along x, and the speed of the hand's mass.
+Eigen::Vector3d NextState(const OperatorHandParams& params, const Eigen::Vector3d& s) {
   HandImpedance hand(params);
   hand.Reset();
   // a mass that starts at rest and is dragged at v has the speed share v after a period
@@ -57,24 +60,25 @@ Eigen::Vector3d Next(const OperatorHandParams& params, const Eigen::Vector3d& s)
   X.translation().x() = s[0];
   const double f = hand.Step(kDt_s, X, {.v = {s[1], 0, 0}}, Pose::Identity(), {}).f.x();
   const double v = (s[1] + kDt_s / kToolMass_kg * f) / (1.0 + kDt_s * kToolDamping_Ns_per_m / kToolMass_kg);
-  // if the handle is held at rest, the mass loses its share of its speed
+  // with the handle held at rest, the mass loses the same share of its speed as an impulse
   const double given_Ns = -kDt_s * hand.StepMass(kDt_s, {}, 1.0).f.x();
   return {s[0] + kDt_s * v, v, params.mass_kg > 0.0 ? given_Ns / params.mass_kg / share : 0.0};
 }
 
-// Slowest decay, as the log of the growth in a period, compared with the poles of the continuous model.
-TEST(HandGrid, EveryHandIsStableOnTheFreeToolAtAMillisecond) {
+// The log of the largest growth in a period must be negative, and must equal that of the slowest pole of the
+// continuous model.
+TEST(HandGrid, EveryHandIsStableOnTheFreeToolAtAPeriodOfOneMillisecond) {
   for (const GridHand& hand : HandGrid()) {
     const OperatorHandParams params = OperatorWith(hand);
-    Eigen::Matrix3d A;
-    for (int i = 0; i < 3; ++i) A.col(i) = Next(params, Eigen::Vector3d::Unit(i));
+    Eigen::Matrix3d A;  // one period of the linear system, column by column
+    for (int i = 0; i < 3; ++i) A.col(i) = NextState(params, Eigen::Vector3d::Unit(i));
     const double growth = std::log(A.eigenvalues().cwiseAbs().maxCoeff());
     EXPECT_LT(growth, 0.0) << hand.name;
 
     const double tau_s = params.grip_time_s + 0.5 * kDt_s;  // backward Euler lags by half a period more
     const double drag = hand.mass_kg / tau_s;               // of the damper between mass and handle
-    Eigen::Matrix3d C;
-    C << 0.0, 1.0, 0.0,                                                                        //
+    Eigen::Matrix3d C;   // derivative of the same state in the continuous model
+    C << 0.0, 1.0, 0.0,  //
         -hand.stiffness_N_per_m, -hand.damping_Ns_per_m - kToolDamping_Ns_per_m - drag, drag,  //
         0.0, 1.0 / tau_s, -1.0 / tau_s;
     C.row(1) /= kToolMass_kg;

@@ -14,10 +14,10 @@ inline Pose TiltedCup() {
   return X_WC;
 }
 
-/// Centre of the head that the scripts below guide.
+/// Centre of the tool's head in W, for the head radius 25 mm of the scripts below.
 inline Vector3 HeadCenter(const Pose& X_WT) { return X_WT * Vector3(0.0, 0.0, -0.025); }
 
-/// A hand that only holds: one key, everything at full grip.
+/// A script that holds the tool at one place in the tilted cup, with full grip.
 inline HandScript Hold(double force_limit_N = 1e6, double height_m = 0.0) {
   const HandKey key{.height_m = height_m, .force_limit_N = force_limit_N, .tilt_rad = 0.0, .grip = 1.0};
   return HandScript(TiltedCup(), 0.025, 0.0, 2.0, key, {{"hold", 1.0, key}});

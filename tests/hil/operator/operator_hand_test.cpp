@@ -11,6 +11,8 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/hil/operator/hand_samples.h"
 
+// Tests of the simulated operator: the reaming script over time, and the wrench of the hand that follows it.
+
 namespace osteon::hil {
 namespace {
 
@@ -28,7 +30,7 @@ TEST(HandScript, StartsAboveTheCupWithTheFeedIntoIt) {
   EXPECT_TRUE(HeadCenter(end.X_WT).isApprox(X_WC * Vector3(0, 0, 0.030), 1e-14));
 }
 
-TEST(HandScript, PhasesOfTenSecondsAreThePublishedOnes) {
+TEST(HandScript, ATenSecondScriptHasTheDocumentedPhases) {
   const HandScript script = Reaming();
   EXPECT_NEAR(script.duration_s(), 10.0, 1e-12);
   EXPECT_NEAR(script.Sample(1.0).height_m, 0.0, 1e-12);             // approached
@@ -41,7 +43,7 @@ TEST(HandScript, PhasesOfTenSecondsAreThePublishedOnes) {
   EXPECT_STREQ(script.PhaseName(11.0), "done");
 }
 
-TEST(HandScript, WithoutATiltItPressesStraightAlongTheAxis) {
+TEST(HandScript, PressesStraightAlongTheAxisWithoutATilt) {
   ReamingScriptParams params;
   params.tilt_rad = 0.0;
   const HandScript script = MakeReamingScript(params);
@@ -86,8 +88,9 @@ TEST(HandScript, VelocityIsTheDerivativeOfThePose) {
   }
 }
 
-// Across each change of phase the velocity's slope must not jump. A blend that is only C1 would jump by 6 d /
-// T^2: 2.6 m/s^2 at the end of unloading. The quintic's jerk (60 d / T^3 = 40 m/s^3) times 4 h leaves 2e-3.
+// At each change of phase the velocity's slope must not jump. With a blend that is only C1, over a distance d
+// in time T, it would jump by 6 d / T^2: 2.6 m/s^2 at the end of unloading. The quintic's jerk
+// (60 d / T^3 = 40 m/s^3) over the 4 h between the samples leaves 2e-3 m/s^2.
 TEST(HandScript, TargetsAreTwiceContinuouslyDifferentiable) {
   const HandScript script = Reaming();
   const double h = 1e-5;
@@ -109,7 +112,7 @@ TEST(HandScript, TargetsAreTwiceContinuouslyDifferentiable) {
   }
 }
 
-TEST(HandScript, AnyLengthKeepsTheTargetsSpeed) {
+TEST(HandScript, TargetsStayBelowTheirSpeedLimitForAnyDuration) {
   for (const double seconds : {0.1, 0.3, 1.0, 3.0, 10.0, 600.0}) {
     const HandScript script = Reaming(seconds);
     EXPECT_NEAR(script.duration_s(), seconds, 1e-9 * seconds);
@@ -145,9 +148,9 @@ TEST(OperatorHand, PullsTheToolBackToItsTarget) {
   EXPECT_TRUE(F.t.isApprox(-20.0 * r, 1e-9));
 }
 
-// At the tool's origin the same hand also has the torque of its force about this point: checked by virtual
-// work at the head's centre.
-TEST(OperatorHand, WrenchIsThatOfTheHeadsCentreCarriedToT) {
+// The hand pulls at the head's centre, and its wrench is given at the tool's origin To: force and torque at
+// To must do the same virtual work as the force alone at the head's centre.
+TEST(OperatorHand, WrenchAtTheToolsOriginEqualsTheForceAtTheHeadsCentre) {
   OperatorHand hand({}, Hold());
   hand.Reset();
   Pose X_WT = Hold().Sample(0.0).X_WT;
@@ -160,21 +163,22 @@ TEST(OperatorHand, WrenchIsThatOfTheHeadsCentreCarriedToT) {
   }
 }
 
-TEST(OperatorHand, PressesWithTheScriptedForceIntoWhatDoesNotYield) {
+TEST(OperatorHand, PressesWithTheScriptedForceAgainstAFixedTool) {
   const HandScript script = Reaming();
   OperatorHand hand({}, script);
   hand.Reset();
   const Vector3 n = TiltedCup().linear().col(2);
   Pose X_WT = script.Sample(0.0).X_WT;
-  X_WT.translation() -= 0.042 * n;  // 2 mm below height 0
+  X_WT.translation() -= 0.042 * n;  // from the start at 40 mm to 2 mm below height 0
   for (int k = 1; k <= 10000; ++k) {
     const double t = k * 1e-3;
     const Wrench F = hand.Step(t, 1e-3, X_WT, {});
     if (t > 1.7 && t < 8.8) {
       ASSERT_NEAR(F.f.dot(n), -120.0, 1e-9) << t;
     }
-    if (t > 2.6 &&
-        t < 7.9) {  // held upright against a tilt of 10 deg that turns: spring and damper at right angles
+    // The tool is held upright while the target is tilted by 10 deg and turns: the torques of spring and
+    // damper are at right angles.
+    if (t > 2.6 && t < 7.9) {
       const double spring = 20.0 * 0.174533, damper = 0.8 * std::numbers::pi * std::sin(0.174533);
       ASSERT_NEAR((F.t - (X_WT.translation() - HeadCenter(X_WT)).cross(-F.f)).norm(),
                   std::hypot(spring, damper), 2e-3);
@@ -182,7 +186,8 @@ TEST(OperatorHand, PressesWithTheScriptedForceIntoWhatDoesNotYield) {
   }
 }
 
-// Moved at random, far beyond what the hand can follow, with tremor: every bound holds at every moment.
+// The tool is moved at random, far beyond what the hand can follow; the hand trembles. Every bound holds in
+// every tick.
 TEST(OperatorHand, ForcesAreBoundedWhateverTheToolDoes) {
   const Vector3 n = TiltedCup().linear().col(2);
   std::mt19937 random(99);
@@ -206,7 +211,8 @@ TEST(OperatorHand, ForcesAreBoundedWhateverTheToolDoes) {
   }
 }
 
-TEST(OperatorHand, TakesItsMassAlong) {
+// Without spring and damper, a handle in constant acceleration feels only the inertia of the hand's mass.
+TEST(OperatorHand, AddsTheInertiaOfItsMass) {
   OperatorHand hand(
       {.stiffness_N_per_m = 0, .damping_Ns_per_m = 0, .stiffness_Nm_per_rad = 0, .damping_Nms_per_rad = 0},
       Hold());
@@ -273,9 +279,11 @@ TEST(OperatorHand, DoesNotAllocate) {
   for (int k = 0; k < 100; ++k) (void)hand.Step(k * 0.1, 1e-3, X_WT, {});
 }
 
-// The hand presses with its limit as long as the tool is 0.3 mm above the end of the work, with half of it at
-// half of that, and not at all below; it sees so with a lag of 0.25 s. Out of the bone it pulls.
-TEST(OperatorHand, LetsUpWhereItSeesTheWorkDone) {
+// The work is done at a height of -2 mm. The hand presses with its whole limit of 60 N from 0.3 mm above that
+// height, with half of it at 0.15 mm above, and not at all below. It reacts with a lag of 0.25 s. A pull out
+// of the bone is not weakened.
+TEST(OperatorHand, StopsPushingWhereItSeesTheWorkDone) {
+  // the force into the bone after `seconds` with the head at rest at that height
   const auto push_N = [](double head_height_m, double seconds, double target_m, double give_m_per_N) {
     const HandKey key{.height_m = target_m,
                       .force_limit_N = 60.0,
@@ -305,7 +313,7 @@ TEST(OperatorHand, LetsUpWhereItSeesTheWorkDone) {
   EXPECT_NEAR(push_N(-0.0025, 3.0, 0.03, 0.0), -60.0, 1e-3) << "the retreat is not weaker";
 }
 
-TEST(OperatorHand, RefusesParametersWithoutSense) {
+TEST(OperatorHand, RefusesParametersOutOfRange) {
   const auto make = [](const OperatorHandParams& p) { OperatorHand hand(p, Hold()); };
   EXPECT_NO_THROW(make({}));
   EXPECT_THROW(make({.stiffness_N_per_m = -1}), std::invalid_argument);

@@ -16,28 +16,33 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/hil/operator/hand_samples.h"
 
+// Tests of incidents of the simulated operator: a grip that stiffens, a clamped handle, a startled release.
+
 namespace osteon::hil {
 namespace {
 
-constexpr double kDt_s = 1e-3;
+constexpr double kDt_s = 1e-3;  // control period
 
-HandIncidents Of(std::initializer_list<HandIncident> list) {
+HandIncidents IncidentsOf(std::initializer_list<HandIncident> list) {
   HandIncidents incidents;
   for (const HandIncident& incident : list) incidents.list.at(incidents.count++) = incident;
   return incidents;
 }
 
+// The pose moved by a vector [m].
 Pose Moved(Pose X, const Vector3& by) {
   X.translation() += by;
   return X;
 }
 
-// A virtual tool that does not rotate: M v' + D v = f_hand + f_load. Begins at rest at the hand's target.
+// A virtual tool that does not rotate: M v' + D v = f_hand + f_load. By default it begins at rest at the
+// hand's target.
 struct FreeTool {
   double mass_kg{3.0}, damping_Ns_per_m{20.0};
-  Vector3 x{Vector3::Zero()}, v{Vector3::Zero()};  // from the target
+  Vector3 x{Vector3::Zero()}, v{Vector3::Zero()};  // offset from the target, velocity
   Vector3 f_hand{Vector3::Zero()};
 
+  // One period at time t, under the hand's force and a load [N].
   void Step(OperatorHand& hand, double t, const Vector3& f_load) {
     f_hand = hand.Step(t, kDt_s, Moved(Hold().Sample(0.0).X_WT, x), {.v = v}).f;
     v = (v + kDt_s / mass_kg * (f_hand + f_load)) / (1.0 + kDt_s * damping_Ns_per_m / mass_kg);
@@ -45,17 +50,18 @@ struct FreeTool {
   }
 };
 
-// A tool under strong, smooth, non-periodic motion.
+// The offset in metres, at time t, of a tool in strong, smooth, non-periodic motion.
 Vector3 Shaken(double t) {
   return {4e-3 * std::sin(21 * t), 3e-3 * std::sin(13 * t + 1), 5e-3 * std::sin(34 * t + 2)};
 }
+// Its derivative.
 Vector3 ShakenSpeed(double t) {
   return {84e-3 * std::cos(21 * t), 39e-3 * std::cos(13 * t + 1), 170e-3 * std::cos(34 * t + 2)};
 }
 
-// Out of reach, shaken, with all its bounds active: the hand's force has no step when its spring changes,
-// neither when it stiffens nor when that ends.
-TEST(GripStep, ChangesTheHandAndNotItsWrench) {
+// The target is out of reach, the tool is shaken, and all bounds of the hand are active. The hand's wrench
+// must not jump when its spring stiffens, nor when that ends.
+TEST(GripStep, ChangesTheSpringWithoutAStepInTheWrench) {
   const HandScript script = Hold(20.0, -0.05);
   const OperatorHandParams plain{.damping_Ns_per_m = 30.0, .tremor_N = 1.0};
   OperatorHandParams stepped = plain;
@@ -63,8 +69,8 @@ TEST(GripStep, ChangesTheHandAndNotItsWrench) {
                          .damping_Ns_per_m = 80.0,
                          .stiffness_Nm_per_rad = 200.0,
                          .damping_Nms_per_rad = 3.0};
-  stepped.incidents = Of({GripStep{.begin_s = 0.5, .end_s = 0.9, .return_s = 0.2, .spring = stiff}});
-  OperatorHand hand(plain, script), gripping(stepped, script);
+  stepped.incidents = IncidentsOf({GripStep{.begin_s = 0.5, .end_s = 0.9, .return_s = 0.2, .spring = stiff}});
+  OperatorHand hand(plain, script), gripping(stepped, script);  // without and with the incident
   hand.Reset();
   gripping.Reset();
   const Pose X_WT = Hold().Sample(0.0).X_WT;
@@ -103,7 +109,7 @@ TEST(GripStep, ChangesTheHandAndNotItsWrench) {
 TEST(GripStep, DoesNotMoveATool) {
   const Vector3 load(6.0, -3.0, 4.0);
   OperatorHand hand({.stiffness_N_per_m = 300.0,
-                     .incidents = Of({GripStep{.begin_s = 0.5, .end_s = 1.0, .return_s = 0.3}})},
+                     .incidents = IncidentsOf({GripStep{.begin_s = 0.5, .end_s = 1.0, .return_s = 0.3}})},
                     Hold());
   hand.Reset();
   FreeTool tool{.x = load / 300.0};
@@ -113,13 +119,15 @@ TEST(GripStep, DoesNotMoveATool) {
   }
 }
 
-// After that it resists with the new spring in all directions, with or without a script that pushes.
-TEST(GripStep, ResistsWithTheNewSpringWhateverTheScriptPresses) {
+// After the grip step the hand resists with the new spring in all directions, though the script limits the
+// force along the axis to 20 N.
+TEST(GripStep, ResistsWithTheNewSpringInAllDirections) {
   const HandScript script = Hold(20.0, -0.05);
-  OperatorHand hand({.stiffness_N_per_m = 300.0,
-                     .mass_kg = 0.0,
-                     .incidents = Of({GripStep{.begin_s = 0.1, .spring = {.stiffness_N_per_m = 6000.0}}})},
-                    script);
+  OperatorHand hand(
+      {.stiffness_N_per_m = 300.0,
+       .mass_kg = 0.0,
+       .incidents = IncidentsOf({GripStep{.begin_s = 0.1, .spring = {.stiffness_N_per_m = 6000.0}}})},
+      script);
   hand.Reset();
   const Pose X_WT = Moved(Hold().Sample(0.0).X_WT, {1e-3, 0, 0});
   const Vector3 f = hand.Step(0.1, kDt_s, X_WT, {}).f;
@@ -132,13 +140,14 @@ TEST(GripStep, ResistsWithTheNewSpringWhateverTheScriptPresses) {
       << "a hand's utmost";
 }
 
-// Rings at sqrt(k / (M + m)) / 2 pi: 1.30 Hz in the loose hand, 5.81 Hz in the firm one.
+// Tool mass M with hand mass m on spring k oscillates at sqrt(k / (M + m)) / 2 pi: 1.30 Hz in the loose hand,
+// 5.81 Hz in the firm one.
 TEST(GripStep, ToolRingsAtTheFirmHandsFrequency) {
   for (const bool firm : {false, true}) {
     OperatorHandParams params{.stiffness_N_per_m = 300.0, .damping_Ns_per_m = 2.0, .grip_time_s = 5e-4};
     if (firm)
-      params.incidents =
-          Of({GripStep{.begin_s = 0.0, .spring = {.stiffness_N_per_m = 6000.0, .damping_Ns_per_m = 2.0}}});
+      params.incidents = IncidentsOf(
+          {GripStep{.begin_s = 0.0, .spring = {.stiffness_N_per_m = 6000.0, .damping_Ns_per_m = 2.0}}});
     OperatorHand hand(params, Hold());
     hand.Reset();
     FreeTool tool{.damping_Ns_per_m = 0.0, .v = {0.05, 0, 0}};
@@ -158,11 +167,12 @@ TEST(GripStep, ToolRingsAtTheFirmHandsFrequency) {
   }
 }
 
-// A load within what a hand can do, and one beyond.
-TEST(RigidClamp, HoldsWithinForceByStiffness) {
+// One load is within the hand's max_force_N, one beyond: the clamp has no such limit.
+TEST(RigidClamp, DeflectsByForceOverStiffnessWithoutAForceLimit) {
   for (const double load_N : {80.0, 400.0}) {
     const Vector3 load = load_N * Vector3(2.0, -1.0, 2.0) / 3.0;
-    OperatorHand hand({.max_force_N = 150.0, .incidents = Of({RigidClamp{.begin_s = 0.5}})}, Hold(10.0));
+    OperatorHand hand({.max_force_N = 150.0, .incidents = IncidentsOf({RigidClamp{.begin_s = 0.5}})},
+                      Hold(10.0));
     hand.Reset();
     FreeTool tool;
     Vector3 x_closed = Vector3::Zero();
@@ -178,11 +188,12 @@ TEST(RigidClamp, HoldsWithinForceByStiffness) {
   }
 }
 
-// Without preload at the tool's place, not at the script's target; and without a jolt when the hand takes
-// over.
+// The clamp closes without preload at the tool's place, not at the script's target. When it opens, the hand
+// takes over without a jolt.
 TEST(RigidClamp, ClosesWhereTheToolIsAndHandsOverSmoothly) {
   const Vector3 load(30.0, 0, -20.0);
-  OperatorHand hand({.incidents = Of({RigidClamp{.begin_s = 0.5, .end_s = 1.5, .return_s = 0.4}})}, Hold());
+  OperatorHand hand({.incidents = IncidentsOf({RigidClamp{.begin_s = 0.5, .end_s = 1.5, .return_s = 0.4}})},
+                    Hold());
   hand.Reset();
   FreeTool tool{.x = load / 2000.0};
   Vector3 f_before = Vector3::Zero();
@@ -199,8 +210,9 @@ TEST(RigidClamp, ClosesWhereTheToolIsAndHandsOverSmoothly) {
   EXPECT_LT((tool.x - load / 2000.0).norm(), 1e-6) << "back at the hand's own balance";
 }
 
-TEST(RigidClamp, NeitherTurnsNorTrembles) {
-  OperatorHand hand({.tremor_N = 5.0, .incidents = Of({RigidClamp{.begin_s = 0.0}})}, Hold());
+// The clamp's default rotational spring has 500 Nm/rad; a clamp has no tremor although the hand has.
+TEST(RigidClamp, HoldsTheRotationWithItsSpringAndDoesNotTremble) {
+  OperatorHand hand({.tremor_N = 5.0, .incidents = IncidentsOf({RigidClamp{.begin_s = 0.0}})}, Hold());
   hand.Reset();
   Pose X_WT = Hold().Sample(0.0).X_WT;
   EXPECT_EQ(hand.Step(0.0, kDt_s, X_WT, {}).f, Vector3::Zero());
@@ -212,6 +224,7 @@ TEST(RigidClamp, NeitherTurnsNorTrembles) {
   EXPECT_LT((F.t + 500.0 * turn).norm(), 1e-9);
 }
 
+// A jerk from 0.5 to 0.55 s, an open hand from 0.58 s, away until 0.83 s, a full grasp at 1.03 s.
 const StartledRelease kStartled{.begin_s = 0.5,
                                 .jerk_N = 40.0,
                                 .jerk_s = 0.05,
@@ -220,10 +233,10 @@ const StartledRelease kStartled{.begin_s = 0.5,
                                 .away_s = 0.25,
                                 .return_s = 0.2};
 
-TEST(StartledRelease, JerksAsToldThenOpensInTime) {
+TEST(StartledRelease, JerksWithTheGivenImpulseThenOpensInTime) {
   const OperatorHandParams plain{.max_force_N = 500.0, .tremor_N = 1.0};
   OperatorHandParams startled = plain;
-  startled.incidents = Of({kStartled});
+  startled.incidents = IncidentsOf({kStartled});
   OperatorHand hand(plain, Hold(60.0)), jumpy(startled, Hold(60.0));
   hand.Reset();
   jumpy.Reset();
@@ -243,7 +256,9 @@ TEST(StartledRelease, JerksAsToldThenOpensInTime) {
       ASSERT_EQ(b.f, Vector3::Zero()) << t;
       ASSERT_EQ(b.t, Vector3::Zero()) << t;
     }
-    if (k > 1) {  // no step larger than the opening's steepest: 1.875 times 49 N, and tremor, in 30 ms
+    // The steepest change is the hand's opening: about 52 N (49 N and tremor) in 30 ms, by a quintic whose
+    // steepest slope is 1.875.
+    if (k > 1) {
       ASSERT_LT((b.f - f_before).norm(), 1.9 * 52.0 / 30.0) << t;
     }
     f_before = b.f;
@@ -253,15 +268,15 @@ TEST(StartledRelease, JerksAsToldThenOpensInTime) {
   EXPECT_LT((impulse_Ns - expected_Ns).norm(), 1e-9);
 }
 
-// The released tool moves like a free body: v falls by 1 / (1 + T D / M) a tick, indefinitely.
+// After a release that never ends, the tool moves like a free body: v is divided by 1 + T D / M each tick.
 TEST(StartledRelease, ToolIsFreeAfterwards) {
   StartledRelease never = kStartled;
   never.away_s = std::numeric_limits<double>::infinity();
-  OperatorHand hand({.tremor_N = 2.0, .incidents = Of({never})}, Hold());
+  OperatorHand hand({.tremor_N = 2.0, .incidents = IncidentsOf({never})}, Hold());
   hand.Reset();
   FreeTool tool{.x = {0.01, 0, 0}};
   for (int k = 1; k < 580; ++k) tool.Step(hand, k * kDt_s, Vector3::Zero());
-  ASSERT_GT(tool.v.norm(), 0.01);
+  ASSERT_GT(tool.v.norm(), 0.01);  // the jerk has set the tool in motion
   for (int k = 580; k < 1500; ++k) {
     const Vector3 v = tool.v / (1.0 + kDt_s * 20.0 / 3.0);
     tool.Step(hand, k * kDt_s, Vector3::Zero());
@@ -270,8 +285,9 @@ TEST(StartledRelease, ToolIsFreeAfterwards) {
   EXPECT_EQ(hand.Step(3600.0, kDt_s, Moved(Hold().Sample(0.0).X_WT, {0.3, 0, 0}), {}).f, Vector3::Zero());
 }
 
-// The handle is released at rest, grasped again at speed and then braked, repeatedly: the hand's mass returns
-// no more energy than it received. A mass that had followed the handle while the hand was away would.
+// The handle is released at rest, grasped again at speed and then braked, repeatedly. The hand's mass must
+// return no more energy than it received. It would return more if it followed the handle while the hand is
+// away.
 TEST(StartledRelease, MassStaysPassive) {
   std::mt19937 random(5);
   std::normal_distribution<double> gauss;
@@ -309,7 +325,7 @@ TEST(StartledRelease, MassStaysPassive) {
 // While the target rests, a shaken tool gains from the hand the energy that spring and mass held when the
 // incident began, plus the jerk's energy, and nothing else. Work is the sum of f v T at T = 0.1 ms: its error
 // is half a tick of the power at either end, 1 mJ at 20 W.
-TEST(HandIncidents, GiveNoEnergyButTheJerks) {
+TEST(HandIncidents, AddNoEnergyExceptTheJerks) {
   const double T = 1e-4, begin_s = 0.213, k_own = 1000.0, b = 20.0, mass_kg = 1.0;
   const HandSpring stiff{.stiffness_N_per_m = 6000.0, .damping_Ns_per_m = b};
   StartledRelease release = kStartled;
@@ -317,7 +333,7 @@ TEST(HandIncidents, GiveNoEnergyButTheJerks) {
   release.away_s = std::numeric_limits<double>::infinity();
   for (const HandIncident& incident : {HandIncident(GripStep{.begin_s = begin_s, .spring = stiff}),
                                        HandIncident(RigidClamp{.begin_s = begin_s}), HandIncident(release)}) {
-    const HandIncidents incidents = Of({incident});
+    const HandIncidents incidents = IncidentsOf({incident});
     OperatorHand hand({.stiffness_N_per_m = k_own,
                        .damping_Ns_per_m = b,
                        .mass_kg = mass_kg,
@@ -335,8 +351,8 @@ TEST(HandIncidents, GiveNoEnergyButTheJerks) {
       const Vector3 f = hand.Step(t, T, Moved(X_WT, Shaken(t)), {.v = v}).f;
       if (t < begin_s) continue;
       if (ticks++ == 0) {
-        held_J = 0.5 * mass_kg * 0.2 * 0.2;              // no shaking is faster than 0.2 m/s, nor than 8
-                                                         // m/s^2
+        // the shaken tool stays below 0.2 m/s and 8 m/s^2
+        held_J = 0.5 * mass_kg * 0.2 * 0.2;
         if (std::holds_alternative<GripStep>(incident))  // the spring's pull balances f, damper and mass
           held_J += std::pow(f.norm() + b * v.norm() + mass_kg * 8.0, 2) / (2.0 * 6000.0);
         if (std::holds_alternative<StartledRelease>(incident))
@@ -351,15 +367,17 @@ TEST(HandIncidents, GiveNoEnergyButTheJerks) {
   }
 }
 
-// For any incidents in any order, bounds hold, except for the clamp's.
-TEST(HandIncidents, KeepTheHandsBounds) {
+// The hand's bounds hold during a grip step and a startled release, for random motion. The script's force
+// limit holds outside both.
+TEST(HandIncidents, StayWithinTheHandsForceBounds) {
   std::mt19937 random(99);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
   const auto vector = [&](double s) { return Vector3(s * Vector3(u(random), u(random), u(random))); };
   const HandScript script = Hold(30.0, -0.04);
-  OperatorHand hand({.tremor_N = 3.0,
-                     .incidents = Of({GripStep{.begin_s = 0.1, .end_s = 0.3, .return_s = 0.1}, kStartled})},
-                    script);
+  OperatorHand hand(
+      {.tremor_N = 3.0,
+       .incidents = IncidentsOf({GripStep{.begin_s = 0.1, .end_s = 0.3, .return_s = 0.1}, kStartled})},
+      script);
   hand.Reset();
   const Vector3 n = TiltedCup().linear().col(2);
   for (int k = 1; k <= 4000; ++k) {
@@ -375,16 +393,17 @@ TEST(HandIncidents, KeepTheHandsBounds) {
   }
 }
 
+// A trembling operator with four incidents of all kinds.
 OperatorHandParams Eventful() {
-  return {
-      .tremor_N = 1.0,
-      .tremor_seed = 4,
-      .incidents = Of({GripStep{.begin_s = 0.1, .end_s = 0.2, .return_s = 0.1}, kStartled,
-                       RigidClamp{.begin_s = 1.1, .end_s = 1.3, .return_s = 0.1}, GripStep{.begin_s = 1.5}})};
+  return {.tremor_N = 1.0,
+          .tremor_seed = 4,
+          .incidents = IncidentsOf({GripStep{.begin_s = 0.1, .end_s = 0.2, .return_s = 0.1}, kStartled,
+                                    RigidClamp{.begin_s = 1.1, .end_s = 1.3, .return_s = 0.1},
+                                    GripStep{.begin_s = 1.5}})};
 }
 
-// The same input gives the same bits, also after Reset(); and an incident still to come changes none of them.
-TEST(HandIncidents, AreTheSameToTheBit) {
+// The same input gives the same bits, also after Reset(). An incident that has not begun changes no bit.
+TEST(HandIncidents, GiveTheSameBitsForTheSameInput) {
   const auto run = [](OperatorHand& hand) {
     hand.Reset();
     std::vector<Vector3> wrenches;
@@ -402,7 +421,7 @@ TEST(HandIncidents, AreTheSameToTheBit) {
   EXPECT_EQ(first, run(a));
   OperatorHandParams none = Eventful(), later = Eventful();
   none.incidents = {};
-  later.incidents = Of({RigidClamp{.begin_s = 2.5}});
+  later.incidents = IncidentsOf({RigidClamp{.begin_s = 2.5}});
   OperatorHand c(none, Hold(40.0)), d(later, Hold(40.0));
   EXPECT_EQ(run(c), run(d));
 }
@@ -415,10 +434,10 @@ TEST(HandIncidents, DoNotAllocate) {
   for (int k = 0; k < 2000; ++k) (void)hand.Step(k * kDt_s, kDt_s, X_WT, {});
 }
 
-TEST(HandIncidents, WithoutSenseAreRefused) {
+TEST(HandIncidents, OutOfRangeOrOverlappingAreRefused) {
   const auto error_of = [](std::initializer_list<HandIncident> list) -> std::string {
     try {
-      OperatorHand hand({.incidents = Of(list)}, Hold());
+      OperatorHand hand({.incidents = IncidentsOf(list)}, Hold());
     } catch (const std::invalid_argument& error) {
       return error.what();
     }

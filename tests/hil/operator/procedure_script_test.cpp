@@ -8,16 +8,20 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the script of an operator who works with several tools, one after the other.
+
 namespace osteon::hil {
 namespace {
 
+// A plan of two tools in 30 s, 15 s each.
 ProcedureScriptParams TwoReamers() {
   ProcedureScriptParams params{.X_WC = {}, .head_radius_m = 0.022, .seconds = 30.0};
   params.heights_m = {-0.0015, -0.0005};
   return params;
 }
 
-// The head's centre over the plan's, along its axis, and the distance from that axis.
+// The head relative to the plan: height of its centre along the axis, its distance from the axis, and the
+// tool's tilt away from the axis.
 struct Place {
   double height_m, aside_m, tilt_rad;
 };
@@ -48,6 +52,7 @@ TEST(ProcedureScript, AnExpertReachesEachPlannedHeightOnTheAxisAndRetracts) {
 
 TEST(ProcedureScript, TheLastToolIsPushedLonger) {
   ProcedureScriptParams params = TwoReamers();
+  // time that a script of `params` spends pushing with a tool
   const auto pushed_s = [&](const std::string& tool) {
     const HandScript script = MakeProcedureScript(params);
     int ms = 0;
@@ -70,7 +75,7 @@ TEST(ProcedureScript, TheLastToolIsPushedLonger) {
   EXPECT_THROW((void)MakeProcedureScript(params), std::invalid_argument);
 }
 
-TEST(ProcedureScript, TellsWhenEachToolButTheLastIsHeldForItsChange) {
+TEST(ProcedureScript, ReturnsAHoldAfterEachToolButTheLast) {
   ProcedureScriptParams params = TwoReamers();
   params.last_push_ratio = 4.0;
   const HandScript script = MakeProcedureScript(params);
@@ -81,7 +86,7 @@ TEST(ProcedureScript, TellsWhenEachToolButTheLastIsHeldForItsChange) {
   EXPECT_NEAR(holds[0].begin_s, 4.0 * holds[0].length_s, 1e-9) << "0.8 and 0.2 of a tool's time";
 }
 
-TEST(ProcedureScript, ANoviceIsTiltedAndAsideAllTheTime) {
+TEST(ProcedureScript, ANoviceStaysTiltedAndOffTheAxis) {
   ProcedureScriptParams params = TwoReamers();
   params.tilt_rad = 14.0 * std::numbers::pi / 180.0;
   params.aside_m = 0.004;
@@ -90,12 +95,12 @@ TEST(ProcedureScript, ANoviceIsTiltedAndAsideAllTheTime) {
   EXPECT_EQ(script.Sample(7.5).done_height_m, HandKey::kNever_m);
   const Place down = PlaceAt(script, 7.5, params.head_radius_m);
   EXPECT_NEAR(down.tilt_rad, params.tilt_rad, 1e-6);
-  // aside along x, and along y by the way that the slanted axis goes below the plan's centre
+  // 4 mm along x, and along y the offset of the tilted axis at that depth below the plan's centre
   const double below_m = params.past_plan_m - params.heights_m.front();
   EXPECT_NEAR(down.aside_m, std::hypot(0.004, below_m * std::sin(params.tilt_rad)), 1e-4);
 }
 
-TEST(ProcedureScript, ABurrIsWidenedAtTheRimAndLedAroundOnItsWayDown) {
+TEST(ProcedureScript, TheSecondBurrGoesDownInLoopsThatWidenAtTheRim) {
   ProcedureScriptParams params = TwoReamers();
   params.head_radius_m = 0.0009;
   params.approach_m = 0.004;
@@ -116,7 +121,7 @@ TEST(ProcedureScript, ABurrIsWidenedAtTheRimAndLedAroundOnItsWayDown) {
   EXPECT_THROW((void)MakeProcedureScript(params), std::invalid_argument) << "one for each tool";
 }
 
-TEST(ProcedureScript, NamesWhatItDoesNotAccept) {
+TEST(ProcedureScript, RefusesParametersOutOfRange) {
   ProcedureScriptParams params = TwoReamers();
   params.heights_m.clear();
   EXPECT_THROW((void)MakeProcedureScript(params), std::invalid_argument);

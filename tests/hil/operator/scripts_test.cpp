@@ -9,10 +9,12 @@
 
 #include "hil/operator/operator_hand.h"
 
+// Tests of the scripts for drilling a hole and for opening a site with a burr.
+
 namespace osteon::hil {
 namespace {
 
-// A site with a general orientation.
+// Pose of a site (the place that is cut) with a general orientation.
 Pose TiltedSite() {
   Pose X_WC = Pose::Identity();
   X_WC.linear() = ExpRotation({0.7, -0.4, 0.3});
@@ -28,14 +30,16 @@ OpeningScriptParams Opening(double seconds = 10.0) {
   return {.X_WC = TiltedSite(), .tool_yaw_rad = 0.4, .seconds = seconds};
 }
 
+// Centre of the tool's head in the site's frame C.
 Vector3 HeadInSite(const HandScript& script, const HandTarget& target) {
   return TiltedSite().inverse() * (target.X_WT * Vector3(0, 0, -script.head_radius_m()));
 }
+// Height of the tool's tip along the site's axis [m].
 double TipHeight(const HandTarget& target) {
   return (TiltedSite().inverse() * target.X_WT.translation()).z();
 }
 
-// Promises of every script, tested on both kinds.
+// Properties of every script, tested with drilling and opening.
 class Scripts : public testing::TestWithParam<const char*> {
  protected:
   static HandScript Make(double seconds = 10.0) {
@@ -72,9 +76,9 @@ TEST_P(Scripts, VelocityIsTheDerivativeOfThePose) {
   }
 }
 
-// Across each change of phase the velocity's slope must not jump. A blend that is only C1 would jump by 6 d /
-// T^2, at least 0.1 m/s^2 here. The quintic's jerk, below 500 m/s^3 in the shortest peck, times 4 h leaves
-// less than 2e-2.
+// At each change of phase the velocity's slope must not jump. With a blend that is only C1, over a distance d
+// in time T, it would jump by 6 d / T^2, at least 0.1 m/s^2 here. The quintic's jerk, below 500 m/s^3 in the
+// shortest peck, over the 4 h between the samples leaves less than 2e-2 m/s^2.
 TEST_P(Scripts, TargetsAreTwiceContinuouslyDifferentiable) {
   const HandScript script = Make();
   const double h = 1e-5;
@@ -90,7 +94,7 @@ TEST_P(Scripts, TargetsAreTwiceContinuouslyDifferentiable) {
   }
 }
 
-TEST_P(Scripts, AnyLengthKeepsTheTargetsSpeed) {
+TEST_P(Scripts, TargetsStayBelowTheirSpeedLimitForAnyDuration) {
   for (const double seconds : {0.1, 0.3, 1.0, 3.0, 10.0, 600.0}) {
     const HandScript script = Make(seconds);
     EXPECT_NEAR(script.duration_s(), seconds, 1e-9 * seconds);
@@ -98,14 +102,14 @@ TEST_P(Scripts, AnyLengthKeepsTheTargetsSpeed) {
       const HandTarget target = script.Sample(u * seconds);
       const Vector3 v_C = TiltedSite().linear().transpose() * target.V_WT.v;
       ASSERT_LE(std::abs(v_C.z()), 0.2 + 1e-9) << seconds;
-      // across the axis: motion along the loop and its widening, each within the bound
+      // across the axis, motion along the loop and its widening are at right angles, each within the bound
       ASSERT_LE(v_C.head<2>().norm(), std::numbers::sqrt2 * 0.2 + 1e-9) << seconds;
       ASSERT_EQ(target.V_WT.w.norm(), 0.0);
     }
   }
 }
 
-TEST_P(Scripts, RefuseWhatMakesNoSense) {
+TEST_P(Scripts, RefuseADurationThatIsNotPositive) {
   EXPECT_THROW((void)Make(0.0), std::invalid_argument);
   EXPECT_THROW((void)Make(std::nan("")), std::invalid_argument);
 }
@@ -169,7 +173,7 @@ TEST(OpeningScript, LoopsWidenToTheCircleWhileTheyDeepen) {
               1e-12);
 }
 
-TEST(OpeningScript, RefusesALoopFasterThanTheTargetMayBe) {
+TEST(OpeningScript, RefusesALoopAboveTheTargetsMaxSpeed) {
   OpeningScriptParams params = Opening();
   params.site_radius_m = 0.0308;  // 30 mm of swing in 0.8 s: 0.236 m/s
   EXPECT_THROW((void)MakeOpeningScript(params), std::invalid_argument);
@@ -203,7 +207,7 @@ TEST(OpeningScript, HandPressesSidewaysWithItsSpring) {
 }
 
 // Physiological tremor: all power of the force that tremor adds along a script lies in 8 … 12 Hz.
-TEST(DrillingScript, TremorIsPhysiological) {
+TEST(DrillingScript, TremorLiesBetween8And12Hertz) {
   const HandScript script = MakeDrillingScript(Drilling());
   const double force_N = 0.5;
   OperatorHand steady({.max_force_N = 1e6}, script),

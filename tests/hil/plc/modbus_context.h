@@ -12,6 +12,7 @@
 
 namespace osteon::hil {
 
+/// Closes the connection and frees libmodbus' context.
 struct FreeContext {
   void operator()(modbus_t* context) const {
     modbus_close(context);
@@ -20,6 +21,7 @@ struct FreeContext {
 };
 using Context = std::unique_ptr<modbus_t, FreeContext>;
 
+/// A connected client; a failure to connect fails the test.
 /// @param timeout_ms  for a whole answer
 inline Context Connect(const PlcServer& server, unsigned timeout_ms = 5000) {
   Context context(modbus_new_tcp("127.0.0.1", server.port()));

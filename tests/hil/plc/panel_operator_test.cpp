@@ -7,7 +7,8 @@
 namespace osteon::hil {
 namespace {
 
-// Whether the button is pressed within a second. @param now  goes on
+// Whether the person presses the reset button within one second, by which `now` advances.
+// @param connections  the number of connections to the PLC so far
 bool Presses(PanelOperator& person, bool permitted, std::uint64_t connections, rt::Nanoseconds& now) {
   bool pressed = false;
   for (int cycle = 0; cycle < 100; ++cycle, now += 10 * rt::kMillisecond)
@@ -24,7 +25,7 @@ TEST(PanelOperator, ResetsTheStartAndNoLaterStop) {
   EXPECT_FALSE(Presses(person, false, 1, now)) << "a person must decide to go on";
 }
 
-TEST(PanelOperator, ResetsOnceAControllerIsStartedAnew) {
+TEST(PanelOperator, ResetsAgainAfterAControllerConnects) {
   PanelOperator person;
   rt::Nanoseconds now = 0;
   EXPECT_FALSE(Presses(person, true, 2, now));

@@ -9,18 +9,20 @@
 namespace osteon::hil {
 namespace {
 
+// Whether the PLC answers a read of its version register (977, value 3).
 bool Read(const Context& client) {
   std::uint16_t version = 0;
   return modbus_read_registers(client.get(), 977, 1, &version) == 1 && version == 3;
 }
 
-InjectionParams Plc(double from_s, double to_s, const WireFaults& faults) {
+// Faults on the PLC's wire, from and to seconds after the schedule's start.
+InjectionParams PlcFaults(double from_s, double to_s, const WireFaults& faults) {
   return {.injections = {{.wire = Wire::kPlc, .from_s = from_s, .to_s = to_s, .faults = faults}}};
 }
 
-TEST(PlcInjection, ASilenceHangsTheServerAsLongAsItLasts) {
+TEST(PlcInjection, ServerHangsDuringASilence) {
   PlcServer server({.port = 0});
-  PlcInjection injection(server, Plc(1.0, 2.0, {.silence = true}));
+  PlcInjection injection(server, PlcFaults(1.0, 2.0, {.silence = true}));
   const Context client = Connect(server, 5000);
   injection.Step(0);
   EXPECT_TRUE(Read(client)) << "not begun";
@@ -36,9 +38,10 @@ TEST(PlcInjection, ASilenceHangsTheServerAsLongAsItLasts) {
   EXPECT_EQ(injection.hangs(), 1u);
 }
 
+// TCP hides lost packets, so a loss in a scenario closes all connections once.
 TEST(PlcInjection, ALossDropsConnectionsOnceWhenItBegins) {
   PlcServer server({.port = 0});
-  PlcInjection injection(server, Plc(0.0, 1.0, {.loss = 0.1}));
+  PlcInjection injection(server, PlcFaults(0.0, 1.0, {.loss = 0.1}));
   const Context client = Connect(server, 5000), other = Connect(server, 5000);
   EXPECT_TRUE(Read(client) && Read(other));
   injection.StartSchedule(0);
@@ -51,10 +54,10 @@ TEST(PlcInjection, ALossDropsConnectionsOnceWhenItBegins) {
   EXPECT_TRUE(Read(next)) << "and takes new ones";
 }
 
-TEST(PlcInjection, AnswersComeSoMuchLaterInTheirOrder) {
+TEST(PlcInjection, AnswersAreDelayedByTheGivenTime) {
   constexpr rt::Nanoseconds kDelay = 30 * rt::kMillisecond;  // not a multiple of the program's cycle
   PlcServer server({.port = 0, .cycle_ms = 100});
-  PlcInjection injection(server, Plc(0.0, 1.0, {.delay = kDelay, .jitter = 5 * rt::kMillisecond}));
+  PlcInjection injection(server, PlcFaults(0.0, 1.0, {.delay = kDelay, .jitter = 5 * rt::kMillisecond}));
   const Context client = Connect(server, 5000);
   EXPECT_TRUE(Read(client));
   EXPECT_EQ(server.counters().delayed, 0u);
@@ -71,11 +74,11 @@ TEST(PlcInjection, AnswersComeSoMuchLaterInTheirOrder) {
   EXPECT_EQ(server.counters().delayed, 5u) << "it is over";
 }
 
-TEST(PlcInjection, SaysWhatTcpCanNotHave) {
+TEST(PlcInjection, RefusesFaultsThatTcpCannotHave) {
   PlcServer server({.port = 0});
   for (const WireFaults& faults :
        {WireFaults{.duplicate = 0.1}, WireFaults{.reorder = 0.1}, WireFaults{.corrupt = 0.1}})
-    EXPECT_THROW(PlcInjection(server, Plc(0, 1, faults)), std::invalid_argument);
+    EXPECT_THROW(PlcInjection(server, PlcFaults(0, 1, faults)), std::invalid_argument);
   EXPECT_NO_THROW(PlcInjection(server, {.injections = {{.faults = {.corrupt = 0.1}}}})) << "another wire's";
 }
 

@@ -1,4 +1,4 @@
-// The product's PLC client (libmodbus) against the simulated PLC (a codec of its own).
+// The product's PLC client, which uses libmodbus, against the simulated PLC, which has its own codec.
 
 #include <gtest/gtest.h>
 
@@ -13,9 +13,11 @@ namespace {
 using io::PlcLink;
 using io::PlcVerdict;
 
-// Two clients as in a cell: controller and guard, with their loops.
+// A simulated PLC with two clients, as in a cell: the controller and the guard. Until() stands for their
+// loops.
 class PlcCell : public ::testing::Test {
  protected:
+  // Starts the PLC and connects both clients; the guard requests motion.
   void Open(const PlcServerParams& params, int response_timeout_ms = 500) {
     server_ = std::make_unique<PlcServer>(params);
     const auto client = [&](io::PlcRole role) {
@@ -29,7 +31,7 @@ class PlcCell : public ::testing::Test {
     guard_ = client(io::PlcRole::kGuard);
     guard_->RequestMotion(true);
   }
-  // Runs both loops until `holds` is true; false after a long time.
+  // Runs both loops until `holds` is true; false after about 20 s.
   bool Until(const std::function<bool()>& holds) {
     for (int i = 0; i < 20'000; ++i) {
       if (controller_lives_) controller_->NotifyAlive();
@@ -39,10 +41,13 @@ class PlcCell : public ::testing::Test {
     }
     return false;
   }
+  // The controller's verdict on its newest reading, which may be at most 1 s old.
   PlcVerdict Verdict() { return io::Judge(controller_->Latest(), rt::MonotonicNow(), rt::kSecond); }
+  // Resets the PLC at its panel and requests motion; true once motion is permitted.
   bool Start() {
     server_->SetPanel({.enabling = EnablingSwitch::kMiddle, .foot_pedal = true, .mode = ModeSelector::kT1});
-    if (!Until([&] { return (server_->outputs().blocks & 0x3f) == 0; })) return false;  // both beat
+    if (!Until([&] { return (server_->outputs().blocks & 0x3f) == 0; }))
+      return false;  // both heartbeats arrive
     server_->SetPanel(
         {.enabling = EnablingSwitch::kMiddle, .foot_pedal = true, .mode = ModeSelector::kT1, .reset = true});
     if (!Until([&] { return DescribeBlocks(server_->outputs().blocks) == "not requested"; })) return false;
@@ -51,14 +56,15 @@ class PlcCell : public ::testing::Test {
     return Until([&] { return Verdict() == PlcVerdict::kRun; });
   }
 
-  // an hour, so that only tests of the heartbeat depend on how busy the machine is
+  // The heartbeat's timeout is an hour, so that only tests of the heartbeat depend on how busy the machine
+  // is.
   PlcServerParams params_{.port = 0, .logic = {.heartbeat_timeout = 3600 * rt::kSecond}};
   std::unique_ptr<PlcServer> server_;
   std::unique_ptr<io::PlcClient> controller_, guard_;
   bool controller_lives_{true}, guard_lives_{true};
 };
 
-TEST_F(PlcCell, AGuardThatTakesTheRequestBackStopsMotionUntilItIsReset) {
+TEST_F(PlcCell, AGuardThatWithdrawsItsRequestStopsMotionUntilTheReset) {
   Open(params_);
   ASSERT_TRUE(Start()) << DescribeBlocks(server_->outputs().blocks);
   guard_->RequestMotion(false);
@@ -69,13 +75,13 @@ TEST_F(PlcCell, AGuardThatTakesTheRequestBackStopsMotionUntilItIsReset) {
   const auto written = guard_->Latest().counters.writes;
   ASSERT_TRUE(Until([&] { return guard_->Latest().counters.writes > written + 2; }));
   EXPECT_EQ(Verdict(), PlcVerdict::kNotPermitted) << "latched";
-  controller_->RequestMotion(false);  // and again
+  controller_->RequestMotion(false);  // Start() needs a new request
   const auto withdrawn = controller_->Latest().counters.writes;
   ASSERT_TRUE(Until([&] { return controller_->Latest().counters.writes > withdrawn + 2; }));
   EXPECT_TRUE(Start()) << DescribeBlocks(server_->outputs().blocks);
 }
 
-TEST_F(PlcCell, ComesUpAndEveryRegisterArrives) {
+TEST_F(PlcCell, StartsAndEveryRegisterArrives) {
   Open(params_);
   ASSERT_TRUE(Start()) << DescribeBlocks(server_->outputs().blocks);
   const io::PlcReading& reading = controller_->Latest();
@@ -92,8 +98,9 @@ TEST_F(PlcCell, ComesUpAndEveryRegisterArrives) {
   EXPECT_TRUE(Until([&] { return !controller_->Latest().inputs.power_on; })) << "whatever the software does";
 }
 
-// Independent of the PLC's program: a squeezed switch that is released passes its middle position.
-TEST_F(PlcCell, ASwitchThatWasSqueezedThroughCountsAgainOnceItWasLetGo) {
+// The client itself guards against this, not the PLC's program: a squeezed switch that is let go passes its
+// middle position, which must not count as enabled until the switch was released.
+TEST_F(PlcCell, ASqueezedSwitchCountsAsEnabledOnlyAfterItsRelease) {
   Open(params_);
   const auto shows = [&](EnablingSwitch set, io::PlcEnabling counts) {
     server_->SetPanel({.enabling = set});
@@ -108,7 +115,7 @@ TEST_F(PlcCell, ASwitchThatWasSqueezedThroughCountsAgainOnceItWasLetGo) {
   EXPECT_TRUE(shows(EnablingSwitch::kMiddle, io::PlcEnabling::kEnabled));
 }
 
-TEST_F(PlcCell, ALoopThatHangsIsFoundOut) {
+TEST_F(PlcCell, ALoopThatHangsStopsMotion) {
   params_.logic.heartbeat_timeout = 2 * rt::kSecond;
   for (const bool guard : {false, true}) {
     Open(params_);
@@ -122,7 +129,7 @@ TEST_F(PlcCell, ALoopThatHangsIsFoundOut) {
   }
 }
 
-TEST_F(PlcCell, AProgramThatStandsStillIsFoundOut) {
+TEST_F(PlcCell, AStoppedPlcProgramIsDetected) {
   Open(params_);
   ASSERT_TRUE(Start());
   server_->StopProgram(true);
@@ -130,7 +137,7 @@ TEST_F(PlcCell, AProgramThatStandsStillIsFoundOut) {
   EXPECT_TRUE(controller_->Latest().inputs.run_permitted) << "which the registers alone would not say";
 }
 
-TEST_F(PlcCell, ALostConnectionStopsAndIsMadeAgain) {
+TEST_F(PlcCell, ALostConnectionIsMadeAgain) {
   Open(params_);
   ASSERT_TRUE(Start());
   server_->DropConnections();
@@ -140,9 +147,9 @@ TEST_F(PlcCell, ALostConnectionStopsAndIsMadeAgain) {
   EXPECT_GE(server_->counters().connections, 3u);
 }
 
-// One answer comes 30 ms late with a timeout of 20 ms: the reading grows older, which the cell's max_age_ms
-// judges.
-TEST_F(PlcCell, OneLateAnswerIsNoLostConnection) {
+// One answer takes 30 ms with a timeout of 20 ms. The connection stays; only the reading grows older, and the
+// cell's max_age_ms limits its age.
+TEST_F(PlcCell, OneLateAnswerKeepsTheConnection) {
   Open(params_, 20);
   ASSERT_TRUE(Start());
   guard_.reset();  // so that the late answer is the controller's
@@ -159,7 +166,7 @@ TEST_F(PlcCell, OneLateAnswerIsNoLostConnection) {
   EXPECT_EQ(Verdict(), PlcVerdict::kRun);
 }
 
-TEST_F(PlcCell, APlcThatIsBusyKeepsItsConnectionAndItsReadingAges) {
+TEST_F(PlcCell, ABusyPlcKeepsItsConnectionUntilTheReadingIsTooOld) {
   Open(params_);
   ASSERT_TRUE(Start());
   const io::PlcCounters before = controller_->Latest().counters;
@@ -178,7 +185,7 @@ TEST_F(PlcCell, APlcThatIsBusyKeepsItsConnectionAndItsReadingAges) {
   EXPECT_NE(line.find("it answers no more: Slave device or server is busy"), std::string::npos) << line;
 }
 
-TEST_F(PlcCell, AServerThatHangsIsNoConnection) {
+TEST_F(PlcCell, AServerThatHangsCountsAsNoConnection) {
   Open(params_);
   ASSERT_TRUE(Start());
   server_->SetHung(true);
@@ -188,7 +195,7 @@ TEST_F(PlcCell, AServerThatHangsIsNoConnection) {
   EXPECT_TRUE(Until([&] { return controller_->Latest().link == PlcLink::kConnected; }));
 }
 
-TEST_F(PlcCell, AnotherVersionIsNeverWrittenTo) {
+TEST_F(PlcCell, APlcOfAnotherVersionIsNeverWrittenTo) {
   params_.logic.version = 4;
   Open(params_);
   ASSERT_TRUE(Until([&] { return Verdict() == PlcVerdict::kWrongVersion; }));

@@ -5,14 +5,17 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the simulated PLC's program: what blocks motion, what restores it, and when power is cut.
+
 namespace osteon::hil {
 namespace {
 
-// A bench in virtual time: both heartbeats beat unless switched off.
+// The PLC's program in virtual time, with a cycle of 10 ms. Both heartbeats count up unless switched off.
 class Bench {
  public:
   explicit Bench(const PlcLogicParams& params = {}) : plc(params) {}
 
+  // Runs the program for that time and returns its last outputs.
   const PlcLogicOutputs& Run(int ms) {
     for (int i = 0; i < ms; i += 10) {
       now += 10 * rt::kMillisecond;
@@ -28,13 +31,14 @@ class Bench {
     in.reset = false;
     Run(10);
   }
+  // Withdraws the request for motion and makes it again.
   void RequestAnew() {
     in.motion_request = false;
     Run(10);
     in.motion_request = true;
     Run(10);
   }
-  // Sets every input to its permitted state.
+  // Brings the PLC to the state in which motion is permitted.
   Bench& Start() {
     in.mode = ModeSelector::kT1;
     in.enabling = EnablingSwitch::kMiddle;
@@ -52,7 +56,7 @@ class Bench {
 
 constexpr std::uint16_t Bit(PlcBlock block) { return static_cast<std::uint16_t>(block); }
 
-TEST(PlcLogic, StartsClosedAndOpensStepByStep) {
+TEST(PlcLogic, StartsBlockedAndEachInputRemovesItsBlock) {
   Bench b;
   b.controller_beats = b.guard_beats = false;
   EXPECT_EQ(DescribeBlocks(b.Run(10).blocks),
@@ -76,16 +80,16 @@ TEST(PlcLogic, StartsClosedAndOpensStepByStep) {
 }
 
 // Each cause alone, on a running cell: what it blocks, whether it clears by itself, and what restores motion.
-TEST(PlcLogic, EachCauseStopsAndComesBackAsItsRowSays) {
+TEST(PlcLogic, EachCauseStopsMotionAndItsRowTellsHowMotionReturns) {
   using Change = std::function<void(Bench&)>;
   struct Row {
     const char* name;
     Change cause;
-    int ms;  // until it must block
+    int ms;  // time after which motion must be blocked
     std::uint16_t blocks;
     Change undo;
-    bool alone;    // motion returns when the cause is gone
-    bool request;  // motion returns after a new request; otherwise a reset is needed first
+    bool returns_alone;         // motion returns when the cause is gone
+    bool returns_with_request;  // motion returns after a new request; otherwise a reset is needed first
   };
   const auto nothing = [](Bench&) {};
   const std::uint16_t asked = Bit(PlcBlock::kNotRequested);
@@ -139,9 +143,9 @@ TEST(PlcLogic, EachCauseStopsAndComesBackAsItsRowSays) {
     EXPECT_FALSE(b.Run(30).power_on);
 
     row.undo(b);
-    EXPECT_EQ(b.Run(50).run_permitted, row.alone);
+    EXPECT_EQ(b.Run(50).run_permitted, row.returns_alone);
     b.RequestAnew();
-    EXPECT_EQ(b.plc.outputs().run_permitted, row.request);
+    EXPECT_EQ(b.plc.outputs().run_permitted, row.returns_with_request);
     b.PressReset();
     b.RequestAnew();
     EXPECT_TRUE(b.plc.outputs().run_permitted) << DescribeBlocks(b.plc.outputs().blocks);
@@ -149,7 +153,7 @@ TEST(PlcLogic, EachCauseStopsAndComesBackAsItsRowSays) {
   }
 }
 
-TEST(PlcLogic, ResetDoesNothingWhileItsCauseStands) {
+TEST(PlcLogic, ResetDoesNothingWhileTheCauseLasts) {
   Bench b;
   b.Start();
   b.in.emergency_stop = true;
@@ -179,7 +183,9 @@ TEST(PlcLogic, AHeldResetButtonResetsOnce) {
   EXPECT_TRUE(b.Run(100).emergency_stop);
 }
 
-TEST(PlcLogic, PowerOutlivesAShortPause) {
+// Power is cut 500 ms after the last permission. A pause of 300 ms ends, and a second pause starts the delay
+// anew.
+TEST(PlcLogic, PowerStaysOnDuringAShortPause) {
   Bench b;
   b.Start();
   b.in.enabling = EnablingSwitch::kReleased;
@@ -205,21 +211,22 @@ TEST(PlcLogic, SpindleNeedsThePedalAndThePermission) {
   EXPECT_FALSE(b.Run(10).spindle_permitted);
 }
 
-TEST(PlcLogic, HeartbeatOfOneConstantNumberIsNone) {
+TEST(PlcLogic, AConstantHeartbeatCountsAsNoController) {
   Bench b;
   b.controller_beats = false;
   b.in.controller_heartbeat = 7;
   EXPECT_TRUE(b.Run(1000).blocks & Bit(PlcBlock::kNoController));
 }
 
-TEST(PlcLogic, HeartbeatMayWrap) {
+TEST(PlcLogic, HeartbeatMayWrapAround) {
   Bench b;
-  b.in.controller_heartbeat = 65'500;
+  b.in.controller_heartbeat = 65'500;  // passes 65535 within the next 400 ms
   b.Start();
   EXPECT_TRUE(b.Run(1000).run_permitted);
 }
 
-TEST(PlcLogic, TimeThatGoesBackIsNoTime) {
+// A clock that jumps back by 1 s neither cuts the power early nor lengthens the delay of 500 ms.
+TEST(PlcLogic, AClockThatGoesBackDoesNotChangeThePowerDelay) {
   Bench b;
   b.Start();
   b.in.enabling = EnablingSwitch::kReleased;
@@ -230,7 +237,7 @@ TEST(PlcLogic, TimeThatGoesBackIsNoTime) {
   EXPECT_FALSE(b.Run(110).power_on);
 }
 
-TEST(PlcLogic, RefusesTimesThatAreNone) {
+TEST(PlcLogic, RefusesDurationsThatAreNotPositive) {
   EXPECT_THROW(PlcLogic({.heartbeat_timeout = 0}), std::invalid_argument);
   EXPECT_THROW(PlcLogic({.power_cut_delay = -1}), std::invalid_argument);
 }

@@ -5,11 +5,14 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the simulated PLC's Modbus TCP codec, with right, wrong and damaged requests.
+
 namespace osteon::hil {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
+// Registers of a small PLC: 970 and 971 are read-only, 990 and 991 can be written.
 struct Memory {
   std::map<std::uint16_t, std::uint16_t> cells{{970, 0x0102}, {971, 3}, {990, 0}, {991, 0}};
   int writes{0};
@@ -29,8 +32,8 @@ struct Memory {
   }
 };
 
-// Bytes of the specification's frames, with our addresses: 970 = 03 ca, 990 = 03 de.
-TEST(ModbusServer, AnswersByteForByte) {
+// Frames of the Modbus TCP specification with the registers of this project: 970 = 03 ca, 990 = 03 de.
+TEST(ModbusServer, AnswersTheSpecificationsFramesByteForByte) {
   Memory memory;
   const auto registers = memory.registers();
   EXPECT_EQ(AnswerModbus(Bytes{0xab, 0xcd, 0, 0, 0, 6, 0xff, 3, 0x03, 0xca, 0, 2}, registers),
@@ -44,27 +47,27 @@ TEST(ModbusServer, AnswersByteForByte) {
   EXPECT_EQ(memory.cells[991], 1);
 }
 
-TEST(ModbusServer, RefusesByException) {
+TEST(ModbusServer, AnswersBadRequestsWithAnExceptionAndWritesNothing) {
   struct Case {
     Bytes pdu;
-    int exception;
+    int exception;  // Modbus exception code: 1 function, 2 address, 3 value
   };
   for (const Case& c : {
-           Case{{4, 0x03, 0xca, 0, 1}, 1},                  // input registers
-           Case{{0x83}, 1},                                 // an answer
-           Case{{3, 0x03, 0xca, 0, 0}, 3},                  // none
-           Case{{3, 0x03, 0xca, 0, 126}, 3},                // too many
+           Case{{4, 0x03, 0xca, 0, 1}, 1},                  // function 4, read input registers
+           Case{{0x83}, 1},                                 // an answer's function code
+           Case{{3, 0x03, 0xca, 0, 0}, 3},                  // no register
+           Case{{3, 0x03, 0xca, 0, 126}, 3},                // more than 125 registers
            Case{{3, 0x03, 0xca, 0, 3}, 2},                  // beyond the map
            Case{{3, 0xff, 0xff, 0, 2}, 2},                  // beyond the address space
            Case{{3, 0x03, 0xca, 0}, 3},                     // cut off
-           Case{{3}, 3},                                    //
-           Case{{6, 0x03, 0xca, 0, 1}, 2},                  // not to be written
-           Case{{6, 0x03, 0xde, 0}, 3},                     //
-           Case{{16, 0x03, 0xde, 0, 2, 4, 0, 1}, 3},        // fewer bytes than said
-           Case{{16, 0x03, 0xde, 0, 2, 2, 0, 1, 0, 2}, 3},  // another count than said
-           Case{{16, 0x03, 0xdf, 0, 2, 4, 0, 1, 0, 2}, 2},  // the second is not there
-           Case{{16, 0xff, 0xff, 0, 2, 4, 0, 1, 0, 2}, 2},  //
-           Case{{16, 0x03, 0xde, 0, 0, 0}, 3},              //
+           Case{{3}, 3},                                    // cut off
+           Case{{6, 0x03, 0xca, 0, 1}, 2},                  // read-only
+           Case{{6, 0x03, 0xde, 0}, 3},                     // cut off
+           Case{{16, 0x03, 0xde, 0, 2, 4, 0, 1}, 3},        // fewer bytes than announced
+           Case{{16, 0x03, 0xde, 0, 2, 2, 0, 1, 0, 2}, 3},  // byte count for one register, not two
+           Case{{16, 0x03, 0xdf, 0, 2, 4, 0, 1, 0, 2}, 2},  // the second register does not exist
+           Case{{16, 0xff, 0xff, 0, 2, 4, 0, 1, 0, 2}, 2},  // beyond the address space
+           Case{{16, 0x03, 0xde, 0, 0, 0}, 3},              // no register
        }) {
     Memory memory;
     Bytes request{0, 1, 0, 0, 0, static_cast<std::uint8_t>(c.pdu.size() + 1), 1};
@@ -77,7 +80,7 @@ TEST(ModbusServer, RefusesByException) {
   }
 }
 
-TEST(ModbusServer, FramesAStream) {
+TEST(ModbusServer, FindsWholeIncompleteAndBrokenFramesInAStream) {
   const Bytes request{0, 1, 0, 0, 0, 6, 1, 3, 0x03, 0xca, 0, 1};
   for (std::size_t size = 0; size < request.size(); ++size)
     EXPECT_EQ(FrameOf(std::span(request).first(size)).state, MbapState::kIncomplete) << size;
@@ -91,7 +94,8 @@ TEST(ModbusServer, FramesAStream) {
   EXPECT_EQ(FrameOf(Bytes{0, 1, 0, 0, 0xff, 0xff}).state, MbapState::kBroken);
 }
 
-TEST(ModbusServer, HostileBytesWriteNothingElse) {
+// A write of two registers with one to three bytes changed at random, and sometimes cut off.
+TEST(ModbusServer, DamagedRequestsWriteOnlyWritableRegisters) {
   constexpr unsigned kSeed = 20240932;
   SCOPED_TRACE(kSeed);
   std::mt19937 random(kSeed);

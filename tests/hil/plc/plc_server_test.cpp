@@ -12,12 +12,12 @@
 #include "tests/hil/plc/modbus_context.h"
 #include "tests/io/net/loopback_socket.h"
 
-// Our server with libmodbus' own client, and with bytes that are not Modbus.
+// The simulated PLC's server, with libmodbus' client and with bytes that are not Modbus.
 
 namespace osteon::hil {
 namespace {
 
-TEST(PlcServer, LibmodbusReadsAndWritesIt) {
+TEST(PlcServer, LibmodbusReadsAndWritesItsRegisters) {
   PlcServer server({.port = 0});
   server.SetPanel({.mode = ModeSelector::kT2, .brake_test_due = true});
   const Context client = Connect(server);
@@ -48,9 +48,10 @@ TEST(PlcServer, LibmodbusReadsAndWritesIt) {
   EXPECT_EQ(modbus_read_registers(client.get(), 970, 14, block.data()), 14) << "and goes on";
 }
 
-class Raw : public io::test::LoopbackSocket {
+// A TCP connection that sends any bytes.
+class RawClient : public io::test::LoopbackSocket {
  public:
-  explicit Raw(std::uint16_t port) : LoopbackSocket(SOCK_STREAM) { Connect(port); }
+  explicit RawClient(std::uint16_t port) : LoopbackSocket(SOCK_STREAM) { Connect(port); }
 
   // Number of bytes received next: 0 if the server closed, -1 if nothing came for five seconds.
   [[nodiscard]] ssize_t Receive() const {
@@ -59,16 +60,16 @@ class Raw : public io::test::LoopbackSocket {
   }
 };
 
-TEST(PlcServer, ClosesOnWhatIsNoModbusAndServesTheOthers) {
+TEST(PlcServer, ClosesConnectionsThatSendNoModbusAndServesTheOthers) {
   PlcServer server({.port = 0});
   const Context good = Connect(server);
   std::mt19937 random(11);
   std::uint64_t closed = 0;
   for (int i = 0; i < 50; ++i) {
-    const Raw hostile(server.port());
+    const RawClient hostile(server.port());
     std::vector<std::uint8_t> noise(6 + random() % 600);
     for (auto& byte : noise) byte = static_cast<std::uint8_t>(random() % 256);
-    noise[2] = 0xff;  // certainly not Modbus
+    noise[2] = 0xff;  // the protocol identifier of Modbus is 0
     hostile.Send(noise);
     closed += hostile.Receive() == 0 ? 1 : 0;
     std::uint16_t version = 0;
@@ -79,10 +80,10 @@ TEST(PlcServer, ClosesOnWhatIsNoModbusAndServesTheOthers) {
   EXPECT_EQ(server.counters().broken, 50u);
 }
 
-TEST(PlcServer, TakesRequestsInPiecesAndSeveralAtOnce) {
+TEST(PlcServer, AcceptsARequestInPiecesAndSeveralAtOnce) {
   PlcServer server({.port = 0});
   const std::array<std::uint8_t, 12> request{0, 1, 0, 0, 0, 6, 1, 3, 0x03, 0xd1, 0, 1};
-  const Raw client(server.port());
+  const RawClient client(server.port());
   for (const std::uint8_t byte : request) client.Send({&byte, 1});
   EXPECT_EQ(client.Receive(), 11);
   std::vector<std::uint8_t> three;
@@ -97,16 +98,16 @@ TEST(PlcServer, TakesRequestsInPiecesAndSeveralAtOnce) {
   EXPECT_EQ(received, 33);
 }
 
-TEST(PlcServer, ServesAFewAndRefusesMore) {
+TEST(PlcServer, ServesFourClientsAndRefusesTheFifth) {
   PlcServer server({.port = 0});
-  std::vector<std::unique_ptr<Raw>> clients;
-  for (int i = 0; i < 5; ++i) clients.push_back(std::make_unique<Raw>(server.port()));
+  std::vector<std::unique_ptr<RawClient>> clients;
+  for (int i = 0; i < 5; ++i) clients.push_back(std::make_unique<RawClient>(server.port()));
   EXPECT_EQ(clients.back()->Receive(), 0) << "closed at once";
   EXPECT_EQ(server.counters().connections, 4u);
   EXPECT_EQ(server.counters().refused, 1u);
 }
 
-TEST(PlcServer, SaysWhatIsWrong) {
+TEST(PlcServer, RefusesAPortInUseAndWrongParameters) {
   const PlcServer first({.port = 0});
   EXPECT_THROW(PlcServer({.port = first.port()}), std::system_error);
   EXPECT_THROW(PlcServer({.bind_address = "localhost"}), std::invalid_argument);

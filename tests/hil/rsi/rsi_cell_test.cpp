@@ -1,5 +1,5 @@
-// A simulated cell whose arm is a KR over RSI, in lockstep with the product's session: hand, power, restarts,
-// and faults on its wire.
+// A simulated cell whose arm is a KR robot that speaks RSI, in lockstep with the product's RSI session: the
+// hand, the drives' power, restarts, and faults on the wire.
 
 #include <cmath>
 #include <numbers>
@@ -19,8 +19,9 @@ namespace {
 using control::SessionState;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr rt::Nanoseconds kCycle = 4 * rt::kMillisecond;
+constexpr rt::Nanoseconds kCycle = 4 * rt::kMillisecond;  // of RSI
 
+// A KR 16 with tool and base at general poses. RSI ends after 20 answers that came late.
 SimulatedCellParams Params() {
   SimulatedCellParams params;
   RsiArmParams& kr = params.kr.emplace();
@@ -36,24 +37,27 @@ SimulatedCellParams Params() {
   return params;
 }
 
+// Parameters of a session that fits the cell's controller.
 io::RsiSessionParams SessionParams(const SimulatedCellParams& params) {
   return {.timeout_cycles = params.kr->controller.timeout_cycles, .arm = params.kr->controller.arm};
 }
 
+// Pose of the tool in W at the start, by the closed-form kinematics.
 Pose StartPose(const SimulatedCellParams& params) {
   const kinematics::OrthoParallelArm arm(params.kr->controller.arm);
   const kinematics::JointVectorN<6> q(params.q_start.data());
   return Pose(params.X_WB) * arm.FlangePose(q) * Pose(params.X_FT);
 }
 
-// A cup right below the tool's start.
+// A reaming script in a cup directly below the tool's start pose.
 HandScript Script(const SimulatedCellParams& params) {
   Pose X_WC = StartPose(params) * Eigen::AngleAxisd(std::numbers::pi, Vector3::UnitX());
   X_WC.translation() = StartPose(params) * Vector3(0.0, 0.0, 0.040 - 0.025);
   return MakeReamingScript({.X_WC = X_WC, .seconds = 4});
 }
 
-// The loop's part: commands a slow sine about the pose at the hand-over.
+// Stands for the control loop: once the session is active, commands all axes along a slow cosine that begins
+// at the pose of the activation.
 class Client {
  public:
   explicit Client(const io::RsiSessionParams& params) : session(params) {}
@@ -80,11 +84,12 @@ class Client {
 };
 
 struct Outcome {
-  std::vector<std::uint8_t> bytes;
+  std::vector<std::uint8_t> bytes;  // all messages of the cell
   CellState end;
 };
 
-Outcome Drive(const SimulatedCellParams& params, int cycles) {
+// Runs cell and client for that many cycles without faults.
+Outcome RunCell(const SimulatedCellParams& params, int cycles) {
   SimulatedCell cell(params, Script(params));
   Client client(SessionParams(params));
   Outcome run;
@@ -98,16 +103,16 @@ Outcome Drive(const SimulatedCellParams& params, int cycles) {
   return run;
 }
 
-TEST(RsiCell, SameInputSameBytes) {
-  const Outcome a = Drive(Params(), 500), b = Drive(Params(), 500);
+TEST(RsiCell, TwoRunsGiveTheSameBytes) {
+  const Outcome a = RunCell(Params(), 500), b = RunCell(Params(), 500);
   ASSERT_GT(a.bytes.size(), 500u * 300u);
   EXPECT_EQ(a.bytes, b.bytes);
   EXPECT_EQ(a.end.q_meas, b.end.q_meas);
 }
 
-TEST(RsiCell, TheHandHoldsTheToolWhereTheArmReallyIs) {
+TEST(RsiCell, TheHandHoldsTheToolAtTheMeasuredPose) {
   const SimulatedCellParams params = Params();
-  const Outcome run = Drive(params, 500);
+  const Outcome run = RunCell(params, 500);
   EXPECT_EQ(run.end.session, SessionState::kCommandingActive) << DescribeStop(run.end);
   EXPECT_GT(run.end.cell_time_s, 1.9) << "since it was handed over";
   EXPECT_GT(Vector3(run.end.F_hand_T_W.f).norm(), 1.0);
@@ -119,8 +124,8 @@ TEST(RsiCell, TheHandHoldsTheToolWhereTheArmReallyIs) {
   EXPECT_EQ(run.end.counters.answered, run.end.counters.sent - 1) << "the last is not judged yet";
 }
 
-// The velocity of the tool by differences of its pose, at both available levels.
-TEST(RsiCell, VelocityIsThePosesDerivative) {
+// The tool's velocity against the difference of its poses, at both levels of the arm's simulation.
+TEST(RsiCell, ToolVelocityIsTheDerivativeOfItsPose) {
   for (const ArmLevel level : {ArmLevel::kKinematic, ArmLevel::kServo}) {
     SimulatedCellParams params = Params();
     params.kr->controller.level = level;
@@ -140,7 +145,8 @@ TEST(RsiCell, VelocityIsThePosesDerivative) {
   }
 }
 
-TEST(RsiCell, WithoutPowerRsiEndsAndBeginsAnewWithIt) {
+// The PLC switches the drives on, off and on again.
+TEST(RsiCell, RsiEndsWithoutPowerAndBeginsAnewWithIt) {
   const SimulatedCellParams params = Params();
   SimulatedCell cell(params, Script(params));
   Client client(SessionParams(params));
@@ -177,8 +183,9 @@ TEST(RsiCell, WithoutPowerRsiEndsAndBeginsAnewWithIt) {
   EXPECT_EQ(cell.state().counters.sent, 300u + 105u) << "counts go on";
 }
 
-// The program restarts if nobody was there to answer, so a PC that comes later finds RSI at its beginning.
-TEST(RsiCell, APcThatComesLateIsWaitedFor) {
+// If nobody answers, RSI ends after 20 cycles and the robot's program starts it again 1 s later, so a PC that
+// comes late is commanded as usual.
+TEST(RsiCell, WaitsForAPcThatComesLate) {
   const SimulatedCellParams params = Params();
   SimulatedCell cell(params, Script(params));
   rt::Nanoseconds now = 0;
@@ -197,7 +204,7 @@ TEST(RsiCell, APcThatComesLateIsWaitedFor) {
   EXPECT_EQ(cell.state().session, SessionState::kCommandingActive);
 }
 
-TEST(RsiCell, AfterALossItBeginsAgainOnlyWhereThatIsAskedFor) {
+TEST(RsiCell, BeginsAgainAfterALossOnlyIfConfigured) {
   for (const bool again : {false, true}) {
     SimulatedCellParams params = Params();
     params.kr->start_again_after_loss = again;
@@ -223,8 +230,9 @@ TEST(RsiCell, AfterALossItBeginsAgainOnlyWhereThatIsAskedFor) {
   }
 }
 
-// Lateness of this side raises Delay, from which the PC reads what became of its answers, but ends nothing.
-TEST(RsiCell, ItsOwnLatenessEndsNothing) {
+// Step(now, false): the cell itself was late. The unanswered cycles raise Delay, because the PC reads from it
+// that its answers had no effect, but they do not end RSI.
+TEST(RsiCell, LatenessOfTheCellItselfDoesNotEndRsi) {
   const SimulatedCellParams params = Params();
   SimulatedCell cell(params, Script(params));
   Client client(SessionParams(params));
@@ -240,8 +248,8 @@ TEST(RsiCell, ItsOwnLatenessEndsNothing) {
   EXPECT_EQ(cell.state().delay, 29u);
 }
 
-// Each loss in either direction costs exactly its own cycle; Delay counts them.
-TEST(RsiCell, LossesOnItsWireAreCountedAtBothEnds) {
+// Each lost message and each lost answer costs exactly one cycle; Delay counts both.
+TEST(RsiCell, ClientAndCellCountTheLossesOnTheWire) {
   SimulatedCellParams params = Params();
   params.kr->controller.timeout_cycles = 1000;
   InjectionParams injections;
@@ -264,7 +272,7 @@ TEST(RsiCell, LossesOnItsWireAreCountedAtBothEnds) {
   EXPECT_EQ(cell.state().session, SessionState::kCommandingActive);
 }
 
-TEST(RsiCell, RefusesWhatItCanNotBe) {
+TEST(RsiCell, RefusesParametersThatRsiDoesNotSupport) {
   SimulatedCellParams params = Params();
   params.kr->controller.level = ArmLevel::kDynamic;
   EXPECT_THROW(SimulatedCell(params, Script(Params())), std::invalid_argument);

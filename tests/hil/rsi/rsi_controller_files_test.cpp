@@ -13,9 +13,9 @@
 #include "tests/io/rsi/rsi_oracle.h"
 #include "tests/io/rsi/xml_tree.h"
 
-// The files for a KR's controller (config/controllers/rsi) compared with what io/rsi reads and writes and
-// what the simulated controller does: messages derived from the Ethernet configuration, byte for byte;
-// signals by their numbers.
+// Tests of the files that are copied to a KR's controller (config/controllers/rsi). Messages derived from
+// their Ethernet configuration must equal, byte for byte, those of io/rsi and of the simulated controller;
+// the RSI contexts must connect each channel to the right axis.
 
 namespace osteon::hil {
 namespace {
@@ -26,7 +26,8 @@ using testing::HasSubstr;
 
 const std::filesystem::path kFiles = std::filesystem::path(OSTEON_SOURCE_DIR) / "config/controllers/rsi";
 
-// An Ethernet configuration with its contexts, and the matching parameters on our side.
+// An Ethernet configuration with its contexts, and the parameters of io/rsi and of the simulated controller
+// that belong to it.
 struct Configuration {
   std::string ethernet;
   std::vector<std::string> contexts;
@@ -52,11 +53,12 @@ const std::array<Configuration, 3> kConfigurations{{
      RsiFormat::kKroshu},
 }};
 
+// The elements of SEND or RECEIVE in an Ethernet configuration.
 const std::vector<XmlNode>& Elements(const XmlNode& root, const char* direction) {
   return root.At(direction).At("ELEMENTS").children;
 }
 
-// Values for DEF_RIst and so on, all different.
+// A message whose values differ, so that an exchange of two values shows.
 const RobMessage kNumbers{.pose_measured = {1180.5, -20.25, 1290.125, -180.0, 0.5, 179.75},
                           .pose_set = {1180.0, -20.0, 1290.0, -179.0, 0.25, 180.0},
                           .axes_measured = {1.5, -90.25, 90.125, 0.0, 89.5, -0.0625},
@@ -66,9 +68,9 @@ const RobMessage kNumbers{.pose_measured = {1180.5, -20.25, 1290.125, -180.0, 0.
                           .delay = 7,
                           .ipoc = 4'208'163'634};
 
-// The message of a controller with this configuration, by the rules of RSI: DEF_ names an internal value with
-// fixed attributes; IPOC is always the last; `precision` decimals.
-std::string RobOf(const XmlNode& root, int precision) {
+// The message <Rob> that a controller with this configuration sends, by the rules of RSI: a tag DEF_name
+// stands for an internal value with fixed attributes, IPOC is always last, numbers have `precision` decimals.
+std::string ExpectedRobMessage(const XmlNode& root, int precision) {
   const std::map<std::string, std::pair<const Six*, std::array<const char*, 6>>> internal{
       {"RIst", {&kNumbers.pose_measured, {"X", "Y", "Z", "A", "B", "C"}}},
       {"RSol", {&kNumbers.pose_set, {"X", "Y", "Z", "A", "B", "C"}}},
@@ -96,8 +98,9 @@ std::string RobOf(const XmlNode& root, int precision) {
   return text + fmt::format("<IPOC>{}</IPOC></Rob>", kNumbers.ipoc);
 }
 
-// The expected answer: RECEIVE's tags in order; tags with a dot are attributes of one element.
-std::string SenOf(const XmlNode& root, const Six& correction, bool stop, int decimals) {
+// The answer <Sen> that a controller with this configuration expects: the tags of RECEIVE in their order.
+// Tags with a dot are attributes of one element.
+std::string ExpectedSenMessage(const XmlNode& root, const Six& correction, bool stop, int decimals) {
   std::string text = "<Sen Type=\"" + root.At("CONFIG").At("SENTYPE").text + "\">";
   std::string open;  // element that is being written
   std::size_t next = 0;
@@ -120,10 +123,10 @@ std::string SenOf(const XmlNode& root, const Six& correction, bool stop, int dec
   return text + fmt::format("<IPOC>{}</IPOC></Sen>", kNumbers.ipoc);
 }
 
-TEST(RsiControllerFiles, SendWhatTheLinkReads) {
+TEST(RsiControllerFiles, SendMessagesThatTheLinkReads) {
   for (const Configuration& configuration : kConfigurations) {
     SCOPED_TRACE(configuration.ethernet);
-    const std::string rob = RobOf(ReadXmlTree(kFiles / configuration.ethernet), 4);
+    const std::string rob = ExpectedRobMessage(ReadXmlTree(kFiles / configuration.ethernet), 4);
 
     RobMessage ours = kNumbers;
     ours.format = configuration.format;
@@ -145,7 +148,7 @@ TEST(RsiControllerFiles, SendWhatTheLinkReads) {
   }
 }
 
-TEST(RsiControllerFiles, ExpectWhatTheLinkWritesByteForByte) {
+TEST(RsiControllerFiles, ExpectTheLinksAnswersByteForByte) {
   const Six correction{1.5, -0.25, 0.0, 12.3456, 89.0, -4.0};
   for (const Configuration& configuration : kConfigurations) {
     SCOPED_TRACE(configuration.ethernet);
@@ -161,12 +164,12 @@ TEST(RsiControllerFiles, ExpectWhatTheLinkWritesByteForByte) {
                                   .ipoc = kNumbers.ipoc},
                                  decimals, buffer, size),
                 io::RsiErrorCode::kNone);
-      EXPECT_EQ(io::test::Text({buffer.data(), size}), SenOf(root, correction, stop, decimals));
+      EXPECT_EQ(io::test::Text({buffer.data(), size}), ExpectedSenMessage(root, correction, stop, decimals));
     }
   }
 }
 
-TEST(RsiControllerFiles, HoldTheLastCorrectionAsTheSessionAssumes) {
+TEST(RsiControllerFiles, HoldTheLastCorrectionIfTheSessionAssumesSo) {
   for (const Configuration& configuration : kConfigurations) {
     SCOPED_TRACE(configuration.ethernet);
     const XmlNode root = ReadXmlTree(kFiles / configuration.ethernet);
@@ -181,20 +184,22 @@ TEST(RsiControllerFiles, HoldTheLastCorrectionAsTheSessionAssumes) {
   }
 }
 
-TEST(RsiControllerFiles, NameThePortWhereTheLinkListens) {
+TEST(RsiControllerFiles, NameThePortOnWhichTheLinkListens) {
   const auto port = [](const char* file) { return ReadXmlTree(kFiles / file).At("CONFIG").At("PORT").text; };
   EXPECT_EQ(port("OsteonEthernet.xml"), std::to_string(io::RsiLinkParams{}.port));
   EXPECT_EQ(port("OsteonEthernetPose.xml"), std::to_string(io::RsiLinkParams{}.port));
   EXPECT_EQ(port("OsteonEthernetKroshu.xml"), "59152") << "the layout's own";
 }
 
-// An RSI object of a context, in either format: RSI 3 counts channels and axes from 1, later versions from 0.
+// An object of an RSI context, in either format. RSI 3 counts channels and axes from 1, later versions from
+// 0.
 struct Object {
   std::map<int, int> source;  // input, from 1 → channel of the Ethernet object, from 1
   std::map<std::string, std::string> parameters;
   double Number(const std::string& name) const { return std::stod(parameters.at(name)); }
 };
 
+// The objects of a context file by their type in capital letters, e.g. "AXISCORR".
 std::map<std::string, Object> ObjectsOf(const std::string& context) {
   const bool rsi_3 = context.ends_with(".rsi.xml");
   const int base = rsi_3 ? 0 : 1;
@@ -216,7 +221,7 @@ std::map<std::string, Object> ObjectsOf(const std::string& context) {
   return objects;
 }
 
-TEST(RsiControllerFiles, ContextsLeadEachCorrectionToItsAxis) {
+TEST(RsiControllerFiles, ContextsConnectEachCorrectionToItsAxis) {
   const io::RsiSessionParams session;
   for (const Configuration& configuration : kConfigurations)
     for (const std::string& context : configuration.contexts) {
@@ -243,9 +248,9 @@ TEST(RsiControllerFiles, ContextsLeadEachCorrectionToItsAxis) {
     }
 }
 
-// From the innermost bound out: the session holds a command, the monitor ends RSI with a message, the object
-// clips silently.
-TEST(RsiControllerFiles, MonitorsStandBetweenTheSessionsRangeAndTheSilentLimits) {
+// Three bounds on a correction, each wider than the one before: the session limits its command, the monitor
+// (AXISCORRMON) ends RSI with a message, and the correction object (AXISCORR) clips silently.
+TEST(RsiControllerFiles, MonitorLimitsLieBetweenTheSessionsRangeAndTheSilentLimits) {
   const io::RsiSessionParams session;
   for (const char* context : {"OsteonContext.rsi.xml", "OsteonContext.rsix", "OsteonContextKroshu.rsix"}) {
     SCOPED_TRACE(context);
@@ -268,7 +273,7 @@ TEST(RsiControllerFiles, MonitorsStandBetweenTheSessionsRangeAndTheSilentLimits)
   EXPECT_EQ(pose["POSCORR"].Number("RefCorrSys"), 2) << "the robot's root: what RsiSession corrects about";
 }
 
-TEST(RsiControllerFiles, TheProgramRunsThemAsTheSessionAssumes) {
+TEST(RsiControllerFiles, TheRobotProgramStartsRsiInTheSessionsMode) {
   const io::RsiSessionParams session;
   const std::string program = io::test::ReadText(kFiles / "osteon_rsi.src");
   EXPECT_THAT(program, HasSubstr("RSI_CREATE(\"OsteonContext\""));

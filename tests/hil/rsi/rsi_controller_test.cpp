@@ -9,6 +9,8 @@
 
 #include "tests/kinematics/kr_arms.h"
 
+// Tests of the simulated KR controller: IPOC, corrections, missing and late answers, and its monitors.
+
 namespace osteon::hil {
 namespace {
 
@@ -22,6 +24,8 @@ RsiControllerParams Params() {
   return params;
 }
 
+// Sends the answer to the message `ipoc` with corrections in degrees (axes A1 … A6), or in mm and degrees (X,
+// Y, Z, A, B, C) if `cartesian`. True if the controller accepts it.
 bool Send(RsiController& controller, std::uint64_t ipoc, const Six& c, bool cartesian = false) {
   const std::string text =
       cartesian ? fmt::format(R"(<Sen Type="ImFree"><RKorr X="{}" Y="{}" Z="{}" A="{}" B="{}" C="{}"/>)"
@@ -39,23 +43,24 @@ void Cycle(RsiController& controller, const Six& correction, bool cartesian = fa
   ASSERT_TRUE(Send(controller, controller.state().ipoc, correction, cartesian)) << controller.last_error();
 }
 
-std::string MessageOf(RsiController& controller) {
+// Runs one cycle and returns its message as text.
+std::string NextMessage(RsiController& controller) {
   const auto bytes = controller.Step();
   return {bytes.begin(), bytes.end()};
 }
 
-TEST(RsiController, IpocStepsByOneOrByTheMilliseconds) {
+TEST(RsiController, IpocRisesByTheConfiguredStep) {
   for (const int step : {1, 4, 12}) {
     RsiControllerParams params = Params();
     params.ipoc_step = step;
     RsiController controller(params);
     for (int k = 0; k < 3; ++k)
-      EXPECT_NE(MessageOf(controller).find(fmt::format("<IPOC>{}</IPOC>", 1000 + k * step)),
+      EXPECT_NE(NextMessage(controller).find(fmt::format("<IPOC>{}</IPOC>", 1000 + k * step)),
                 std::string::npos);
   }
 }
 
-TEST(RsiController, AbsoluteCorrectionsCountFromTheStart) {
+TEST(RsiController, AbsoluteCorrectionsAreOffsetsFromTheStart) {
   RsiController controller(Params());
   for (int k = 0; k < 100; ++k) Cycle(controller, {10, 0, 0, 0, 0, -2});
   controller.Step();
@@ -73,8 +78,8 @@ TEST(RsiController, RelativeCorrectionsAddUp) {
   EXPECT_NEAR(controller.state().axes_set_deg[0], 10.0, 1e-9);
 }
 
-// The table of README.md: the effect of a cycle without an answer.
-TEST(RsiController, WithoutAnAnswerHoldOnDecides) {
+// A cycle without an answer: the last correction is held or dropped, as the table of io/rsi/README.md says.
+TEST(RsiController, HoldOnDecidesWhatAMissingAnswerDoes) {
   struct Row {
     bool absolute, hold_on;
     double after_deg;  // of A1, after answers of 2 and 3 deg and one cycle without
@@ -96,7 +101,9 @@ TEST(RsiController, WithoutAnAnswerHoldOnDecides) {
   }
 }
 
-TEST(RsiController, HoldOnZeroThrowsTheArmBackToItsStart) {
+// Without HOLDON a missing answer sets the absolute correction of 20 deg to zero at once. The axis returns at
+// its own highest speed, 360 deg/s.
+TEST(RsiController, WithHoldOnZeroAMissingAnswerSendsTheArmBackToItsStart) {
   RsiControllerParams params = Params();
   params.hold_on = false;
   RsiController controller(params);
@@ -122,7 +129,7 @@ TEST(RsiController, LateAnswersRaiseDelayUntilTimeoutEndsRsi) {
   Cycle(controller, {1, 0, 0, 0, 0, 0});
   std::uint64_t late_ipoc = 0;
   for (std::uint32_t k = 0; k < 3; ++k) {
-    EXPECT_NE(MessageOf(controller).find(fmt::format("<Delay D=\"{}\"/>", k)), std::string::npos);
+    EXPECT_NE(NextMessage(controller).find(fmt::format("<Delay D=\"{}\"/>", k)), std::string::npos);
     if (k > 0) {
       EXPECT_FALSE(Send(controller, late_ipoc, {5, 0, 0, 0, 0, 0})) << "its cycle is over";
     }
@@ -135,7 +142,8 @@ TEST(RsiController, LateAnswersRaiseDelayUntilTimeoutEndsRsi) {
   EXPECT_TRUE(controller.Step().empty()) << "and stays silent";
 }
 
-TEST(RsiController, DelayCountsAllOrThoseInARow) {
+// Every second answer is missing. Counted all, they end RSI at 4; counted in a row, they never do.
+TEST(RsiController, DelayCountsAllMissingAnswersOrOnlyThoseInARow) {
   for (const bool in_a_row : {false, true}) {
     RsiControllerParams params = Params();
     params.timeout_cycles = 4;
@@ -169,7 +177,7 @@ TEST(RsiController, CountsAnswersThatBelongToNoCycle) {
   EXPECT_NEAR(controller.state().axes_set_deg[0], 0.0, 1e-9) << "the first answer counts";
 }
 
-TEST(RsiController, MonitorsEndRsi) {
+TEST(RsiController, CorrectionsOutOfRangeEndRsi) {
   struct Case {
     Six correction;
     bool cartesian;
@@ -192,7 +200,7 @@ TEST(RsiController, MonitorsEndRsi) {
   }
 }
 
-// KSS01102: 28.64 deg in a cycle of 4 ms would be 7160 deg/s.
+// 28.64 deg in a cycle of 4 ms would be 7160 deg/s: the controller stops with its message KSS01102.
 TEST(RsiController, ASetPointFasterThanItsAxisEndsRsiAndIsNotFollowed) {
   RsiControllerParams params = Params();
   params.axis_speed_ratio = 1.0;
@@ -209,8 +217,9 @@ TEST(RsiController, ASetPointFasterThanItsAxisEndsRsiAndIsNotFollowed) {
   EXPECT_FALSE(slower.Step().empty()) << Describe(slower.state().stop);
 }
 
-// Effect of HOLDON 0 with absolute corrections on an arm that monitors its axes.
-TEST(RsiController, ALostAnswerWithHoldOnZeroIsAnAxisSpeed) {
+// HOLDON 0 with absolute corrections, on an arm that monitors the speed of its axes: a single missing answer
+// asks for a jump of 10 deg back to the start.
+TEST(RsiController, WithHoldOnZeroAMissingAnswerExceedsTheAxisSpeed) {
   RsiControllerParams params = Params();
   params.axis_speed_ratio = 1.0;
   params.hold_on = false;
@@ -222,7 +231,7 @@ TEST(RsiController, ALostAnswerWithHoldOnZeroIsAnAxisSpeed) {
   EXPECT_NEAR(controller.state().axes_set_deg[0], 10.0, 1e-9) << "10 deg in 4 ms are not followed";
 }
 
-TEST(RsiController, CartesianCorrectionMovesTheFlangeBySoMuch) {
+TEST(RsiController, CartesianCorrectionMovesTheFlangeByItsValue) {
   for (const bool absolute : {true, false}) {
     RsiControllerParams params = Params();
     params.cartesian = true;
@@ -249,7 +258,7 @@ TEST(RsiController, CartesianCorrectionMovesTheFlangeBySoMuch) {
   }
 }
 
-TEST(RsiController, SameInputSameBytes) {
+TEST(RsiController, SameInputGivesTheSameBytes) {
   RsiController a(Params()), b(Params());
   for (int k = 0; k < 200; ++k) {
     const auto m = a.Step(), n = b.Step();
@@ -261,7 +270,7 @@ TEST(RsiController, SameInputSameBytes) {
   }
 }
 
-TEST(RsiController, RefusesParametersByName) {
+TEST(RsiController, RefusesParametersOutOfRangeAndNamesThem) {
   const auto refused = [](auto change) -> std::string {
     RsiControllerParams params = Params();
     change(params);

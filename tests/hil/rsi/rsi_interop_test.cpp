@@ -1,5 +1,5 @@
-// The simulated KR and the product's RSI: two readers and two writers of one protocol, in lockstep and over
-// UDP.
+// RSI between the simulated KR and the product's session. Each has its own reader and writer of the protocol;
+// they must agree, in lockstep and over UDP.
 
 #include <cmath>
 #include <limits>
@@ -19,12 +19,14 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
+// Parameters of the simulated controller and of the session that fits it.
 struct BothSides {
   RsiControllerParams controller;
   io::RsiSessionParams session;
 };
 
-BothSides Make(bool kroshu, bool cartesian, bool absolute, bool hold_on, int cycle_ms, int ipoc_step) {
+BothSides MakeBothSides(bool kroshu, bool cartesian, bool absolute, bool hold_on, int cycle_ms,
+                        int ipoc_step) {
   BothSides setup;
   setup.controller.arm = kinematics::Kr6R900Params();
   setup.controller.format = kroshu ? RsiFormat::kKroshu : RsiFormat::kImFree;
@@ -35,8 +37,8 @@ BothSides Make(bool kroshu, bool cartesian, bool absolute, bool hold_on, int cyc
   setup.controller.ipoc_step = ipoc_step;
   setup.controller.timeout_cycles = 1'000'000;
   setup.controller.range = {900, 900, 900, 90, 90, 90};
-  setup.controller.axis_speed_ratio = std::numeric_limits<double>::infinity();  // the tests contain steps and
-                                                                                // jumps
+  // no limit on the axes' speed: the tests contain steps and jumps
+  setup.controller.axis_speed_ratio = std::numeric_limits<double>::infinity();
   setup.session = {.layout = kroshu ? io::RsiLayout::kKroshu : io::RsiLayout::kImFree,
                    .kind = cartesian ? io::RsiCorrection::kCartesian : io::RsiCorrection::kAxes,
                    .absolute = absolute,
@@ -49,8 +51,8 @@ BothSides Make(bool kroshu, bool cartesian, bool absolute, bool hold_on, int cyc
   return setup;
 }
 
-// The joint command over time: a slow sine about the start.
-control::ArmCommand Command(const Six& start_deg, double t_s, std::uint32_t activation) {
+// The joint command after t_s seconds: each axis moves along a slow sine of 4 deg that begins at the start.
+control::ArmCommand SineCommand(const Six& start_deg, double t_s, std::uint32_t activation) {
   control::ArmCommand command;
   command.activation = activation;
   for (std::size_t i = 0; i < 6; ++i)
@@ -60,7 +62,7 @@ control::ArmCommand Command(const Six& start_deg, double t_s, std::uint32_t acti
   return command;
 }
 
-TEST(RsiInterop, ArmFollowsInEveryMode) {
+TEST(RsiInterop, ArmFollowsTheCommandInEveryMode) {
   for (const bool kroshu : {false, true})
     for (const bool cartesian : {false, true})
       for (const bool absolute : {false, true})
@@ -69,7 +71,7 @@ TEST(RsiInterop, ArmFollowsInEveryMode) {
             SCOPED_TRACE(testing::Message()
                          << "kroshu " << kroshu << " cartesian " << cartesian << " absolute " << absolute
                          << " cycle " << cycle_ms << " step " << step);
-            const BothSides setup = Make(kroshu, cartesian, absolute, true, cycle_ms, step);
+            const BothSides setup = MakeBothSides(kroshu, cartesian, absolute, true, cycle_ms, step);
             RsiController controller(setup.controller);
             io::RsiSession session(setup.session);
             control::ArmState arm;
@@ -84,7 +86,8 @@ TEST(RsiInterop, ArmFollowsInEveryMode) {
               ASSERT_EQ(session.Accept(message, now, arm), io::RsiAccept::kAccepted)
                   << io::Describe(session.last_error());
               ASSERT_NEAR(arm.q_meas[2], controller.state().axes_measured_deg[2] * kDegree, 1e-6);
-              command = Command(setup.controller.start_deg, k < 10 ? 0.0 : 0.004 * (k - 10), arm.activation);
+              command =
+                  SineCommand(setup.controller.start_deg, k < 10 ? 0.0 : 0.004 * (k - 10), arm.activation);
               ASSERT_TRUE(controller.Receive(session.Answer(command))) << controller.last_error();
             }
             EXPECT_EQ(arm.session, control::SessionState::kCommandingActive);
@@ -94,15 +97,16 @@ TEST(RsiInterop, ArmFollowsInEveryMode) {
           }
 }
 
-// For any losses and delays, the PC's sum equals the controller's: no drift.
-TEST(RsiInterop, RelativeSumSurvivesLosses) {
+// Relative corrections add up on both sides. With a tenth of the messages lost and a tenth of the answers
+// late, the session's sum must equal the controller's in every cycle, or the arm would drift.
+TEST(RsiInterop, SumsOfRelativeCorrectionsAgreeDespiteLosses) {
   for (const bool hold_on : {false, true})
     for (const bool in_a_row : {false, true}) {
       constexpr unsigned kSeed = 5;
       SCOPED_TRACE(testing::Message()
                    << "seed " << kSeed << " hold_on " << hold_on << " in a row " << in_a_row);
       std::mt19937 random(kSeed);
-      BothSides setup = Make(false, false, false, hold_on, 4, 4);
+      BothSides setup = MakeBothSides(false, false, false, hold_on, 4, 4);
       setup.controller.delay_in_a_row = in_a_row;
       RsiController controller(setup.controller);
       io::RsiSession session(setup.session);
@@ -120,7 +124,7 @@ TEST(RsiInterop, RelativeSumSurvivesLosses) {
         for (std::size_t i = 0; i < 6; ++i)
           ASSERT_NEAR(session.status().sum[i], controller.state().correction[i], 1e-6) << "cycle " << k;
         const auto answer = session.Answer(
-            Command(setup.controller.start_deg, k < 10 ? 0.0 : 0.004 * (k - 10), arm.activation));
+            SineCommand(setup.controller.start_deg, k < 10 ? 0.0 : 0.004 * (k - 10), arm.activation));
         if (delayed)
           late.assign(answer.begin(), answer.end());
         else
@@ -132,8 +136,10 @@ TEST(RsiInterop, RelativeSumSurvivesLosses) {
     }
 }
 
+// RSI ends while the PC is away and starts again: the arm is at 8 deg and must stay within 0.1 deg of its
+// command.
 TEST(RsiInterop, AfterTimeoutAndRestartTheArmDoesNotJump) {
-  BothSides setup = Make(true, false, true, true, 4, 4);
+  BothSides setup = MakeBothSides(true, false, true, true, 4, 4);
   setup.controller.timeout_cycles = 5;
   RsiController controller(setup.controller);
   io::RsiSession session(setup.session);
@@ -167,7 +173,7 @@ TEST(RsiInterop, AfterTimeoutAndRestartTheArmDoesNotJump) {
 }
 
 TEST(RsiInterop, LinkMovesTheArmOverUdp) {
-  const BothSides setup = Make(true, false, true, true, 4, 4);
+  const BothSides setup = MakeBothSides(true, false, true, true, 4, 4);
   auto link = io::RsiLink::Open({.port = 0, .session = setup.session});
   ASSERT_TRUE(link) << link.error();
   SimulatedCellParams params;

@@ -4,20 +4,24 @@
 
 #include <gtest/gtest.h>
 
+// The simulated controller's own writer and reader of RSI messages: <Rob> is sent, <Sen> is received.
+
 namespace osteon::hil {
 namespace {
 
+// The answer that the reader finds in a text, or its error.
 tl::expected<SenMessage, std::string> Read(std::string_view text, RsiFormat format, bool cartesian = false) {
   return ReadSen({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, format, cartesian);
 }
 
+// Valid answers of both layouts, with corrections of axes and of the pose.
 const std::string kKroshu =
     R"(<Sen Type="KROSHU"><Stop>0</Stop><AK A1="1.5" A2="-2" A3="0.000000" A4="4" A5="5" A6="6"/>)"
     R"(<IPOC>12345</IPOC></Sen>)";
 const std::string kImFree =
     R"(<Sen Type="ImFree"><RKorr X="1.5" Y="-2" Z="0.0000" A="4" B="5" C="6"/><IPOC>12345</IPOC></Sen>)";
 
-TEST(RsiWire, WritesBothLayouts) {
+TEST(RsiWire, WritesRobMessagesInBothLayouts) {
   RobMessage m{.pose_measured = {1, 2, 3, 4, 5, 6},
                .pose_set = {1, 2, 3, 4, 5, 7},
                .axes_measured = {-1.23456, 0, 0, 0, 0, 0},
@@ -39,7 +43,7 @@ TEST(RsiWire, WritesBothLayouts) {
             R"(<Delay D="2"/><IPOC>99</IPOC></Rob>)");
 }
 
-TEST(RsiWire, ReadsAnswers) {
+TEST(RsiWire, ReadsAnswersOfBothLayouts) {
   const auto axes = Read(kKroshu, RsiFormat::kKroshu);
   ASSERT_TRUE(axes) << axes.error();
   EXPECT_EQ(axes->correction, (Six{1.5, -2, 0, 4, 5, 6}));
@@ -56,7 +60,9 @@ TEST(RsiWire, ReadsAnswers) {
   EXPECT_EQ(mixed->ipoc, 7u);
 }
 
-TEST(RsiWire, KroshuIsReadByPosition) {
+// The reader of the layout KROSHU expects each byte of the text at its place: any other spacing, order or
+// quotation mark is refused.
+TEST(RsiWire, KroshuAcceptsOnlyItsExactText) {
   const auto refused = [](std::string_view what, std::string_view by) {
     std::string text = kKroshu;
     text.replace(text.find(what), what.size(), by);
@@ -76,7 +82,7 @@ TEST(RsiWire, KroshuIsReadByPosition) {
   EXPECT_EQ(error.error(), "Sen: byte 33: expected '<AK'");
 }
 
-TEST(RsiWire, RefusesWhatIsCutOffAnywhere) {
+TEST(RsiWire, RefusesAnswersCutOffAtAnyByte) {
   for (std::size_t size = 0; size < kKroshu.size(); ++size)
     ASSERT_FALSE(Read(std::string_view(kKroshu).substr(0, size), RsiFormat::kKroshu)) << size;
   for (std::size_t size = 0; size < kImFree.size(); ++size)

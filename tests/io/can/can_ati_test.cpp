@@ -5,7 +5,8 @@
 #include "io/can/id_claims.h"
 #include "tests/io/can/can_frames.h"
 
-// The client's side with frames from public descriptions of the NETCANOEM.
+// Tests of the client of an ATI force sensor, with frames from public descriptions of its NETCANOEM
+// interface.
 
 namespace osteon::io {
 namespace {
@@ -18,9 +19,9 @@ using test::Sent;
 
 AtiSensor Sensor(const AtiParams& params = {}) { return test::Made<AtiSensor>(params); }
 
-// 1.0, 2.0, 0.5 and 0 as float32: 3F800000, 40000000, 3F000000, 00000000.
-// Rows: 1 on the diagonal; row 0 has 2 in column 1 and 0.5 in column 5 as well.
-Frames Row(int row) {
+// The three frames of a row of the sensor's calibration matrix, in float32. The matrix has 1.0 (3F800000) on
+// the diagonal; row 0 also has 2.0 (40000000) in column 1 and 0.5 (3F000000) in column 5.
+Frames MatrixRow(int row) {
   std::string parts[3];
   for (int column = 0; column < 6; ++column) {
     const char* value = row == column             ? "3F800000"
@@ -32,11 +33,13 @@ Frames Row(int row) {
   return {"202#" + parts[0], "203#" + parts[1], "204#" + parts[2]};
 }
 
-void Prepare(AtiSensor& sensor, rt::Nanoseconds now, const std::string& counts = "207#000000640000000A",
-             const std::string& units = "208#0203") {
+// Answers the set-up: six rows of the matrix, the counts per newton and newton metre (100 and 10 by default),
+// and the codes of the units (N and N·m by default). Stops if the sensor's client fails.
+void AnswerSetUp(AtiSensor& sensor, rt::Nanoseconds now, const std::string& counts = "207#000000640000000A",
+                 const std::string& units = "208#0203") {
   for (int row = 0; row < 6; ++row) {
     EXPECT_EQ(Sent(sensor, now), Frames{"202#0" + std::to_string(row)});
-    for (const std::string& frame : Row(row)) sensor.Accept(At(now, frame));
+    for (const std::string& frame : MatrixRow(row)) sensor.Accept(At(now, frame));
   }
   EXPECT_EQ(Sent(sensor, now), Frames{"207#"});
   sensor.Accept(At(now, counts));
@@ -47,7 +50,7 @@ void Prepare(AtiSensor& sensor, rt::Nanoseconds now, const std::string& counts =
 
 TEST(AtiSensor, ReadsItsMatrixCountsAndUnitsThenAsksEachPeriod) {
   auto sensor = Sensor();
-  Prepare(sensor, 0);
+  AnswerSetUp(sensor, 0);
   ASSERT_EQ(sensor.phase(), SensorPhase::kReady) << sensor.failure();
   EXPECT_EQ(sensor.matrix()[0], 1.0);
   EXPECT_EQ(sensor.matrix()[1], 2.0);
@@ -60,7 +63,7 @@ TEST(AtiSensor, ReadsItsMatrixCountsAndUnitsThenAsksEachPeriod) {
 
 TEST(AtiSensor, GaugesBecomeAWrenchThroughTheMatrix) {
   auto sensor = Sensor();
-  Prepare(sensor, 0);
+  AnswerSetUp(sensor, 0);
   // gauges 0 … 5: 100, -200, 300, 10, 32766, -20; counts 100 a N, 10 a N·m
   sensor.Accept(At(kMs, "200#00000064012C7FFE"));
   sensor.Accept(At(kMs + kFrameTime, "201#FF38000AFFEC"));
@@ -75,9 +78,9 @@ TEST(AtiSensor, GaugesBecomeAWrenchThroughTheMatrix) {
   EXPECT_EQ(reading.flags, 0u);
 }
 
-TEST(AtiSensor, OtherUnitsBecomeNewton) {
+TEST(AtiSensor, PoundsAreConvertedToNewtons) {
   auto sensor = Sensor();
-  Prepare(sensor, 0, "207#0000000100000001", "208#0102");  // pounds, pound-feet
+  AnswerSetUp(sensor, 0, "207#0000000100000001", "208#0102");  // pounds, pound-feet
   sensor.Accept(At(kMs, "200#0000000000010000"));
   sensor.Accept(At(kMs, "201#000000010000"));
   EXPECT_NEAR(sensor.Latest().F_S.f.z, 4.4482216152605, 1e-12);
@@ -86,7 +89,7 @@ TEST(AtiSensor, OtherUnitsBecomeNewton) {
 
 TEST(AtiSensor, StatusBitsBecomeFlags) {
   auto sensor = Sensor();
-  Prepare(sensor, 0);
+  AnswerSetUp(sensor, 0);
   rt::Nanoseconds now = kMs;
   const auto flags = [&](const std::string& status, const std::string& gauges = "000000000000") {
     sensor.Accept(At(now += kMs, "200#" + status + gauges));
@@ -104,9 +107,11 @@ TEST(AtiSensor, StatusBitsBecomeFlags) {
   EXPECT_EQ(flags("C080", "800000000000"), kSensorOverload | kSensorFault | kSensorBusError);
 }
 
-TEST(AtiSensor, AHalfNeverJoinsAnotherReading) {
+// A reading has two frames, 0x200 and 0x201. Frames that are more than a frame's time apart, or without the
+// other half, make no reading.
+TEST(AtiSensor, HalvesOfDifferentReadingsAreNeverJoined) {
   auto sensor = Sensor();
-  Prepare(sensor, 0);
+  AnswerSetUp(sensor, 0);
   sensor.Accept(At(10 * kMs, "200#0000000000000000"));
   sensor.Accept(At(11 * kMs + kFrameTime, "201#000000000000"));
   sensor.Accept(At(12 * kMs, "201#000000000000"));
@@ -118,22 +123,23 @@ TEST(AtiSensor, AHalfNeverJoinsAnotherReading) {
   EXPECT_EQ(sensor.counters().readings, 0u);
 }
 
-TEST(AtiSensor, AMatrixRowIsTakenWholeOrAskedForAgain) {
+TEST(AtiSensor, AnIncompleteMatrixRowIsRequestedAgain) {
   auto sensor = Sensor();
   Sent(sensor, 0);
-  sensor.Accept(At(0, Row(0)[0]));
-  sensor.Accept(At(0, Row(0)[2]));  // the middle one is lost
+  sensor.Accept(At(0, MatrixRow(0)[0]));
+  sensor.Accept(At(0, MatrixRow(0)[2]));  // the middle one is lost
   EXPECT_EQ(Sent(sensor, 49 * kMs), Frames{});
   EXPECT_EQ(Sent(sensor, 50 * kMs), Frames{"202#00"});
-  sensor.Accept(At(50 * kMs, Row(0)[1]));  // belongs to no row
-  for (const std::string& frame : Row(0)) sensor.Accept(At(50 * kMs, frame));
+  sensor.Accept(At(50 * kMs, MatrixRow(0)[1]));  // belongs to no row
+  for (const std::string& frame : MatrixRow(0)) sensor.Accept(At(50 * kMs, frame));
   EXPECT_EQ(Sent(sensor, 50 * kMs), Frames{"202#01"});
 }
 
-TEST(AtiSensor, BiasIsTheMeanOfTheNextReadings) {
+TEST(AtiSensor, BiasIsTheMeanLoadOfTheNextReadings) {
   auto sensor = Sensor({.bias_readings = 4});
-  Prepare(sensor, 0);
+  AnswerSetUp(sensor, 0);
   rt::Nanoseconds now = kMs;
+  // the force along z of a reading in which gauge 2 has these counts (100 counts per newton)
   const auto read = [&](const std::string& gauge2) {
     sensor.Accept(At(now += kMs, "200#00000000" + gauge2 + "0000"));
     sensor.Accept(At(now, "201#000000000000"));
@@ -150,10 +156,11 @@ TEST(AtiSensor, BiasIsTheMeanOfTheNextReadings) {
   EXPECT_DOUBLE_EQ(read("00C8"), 2.0);
 }
 
-TEST(AtiSensor, RefusalsSayWhy) {
+TEST(AtiSensor, RefusalsNameTheReason) {
+  // the failure after these answers about counts and units
   const auto failure = [](const std::string& counts, const std::string& units) {
     auto sensor = Sensor();
-    Prepare(sensor, 0, counts, units);
+    AnswerSetUp(sensor, 0, counts, units);
     EXPECT_EQ(sensor.phase(), SensorPhase::kFailed);
     return sensor.failure();
   };
@@ -185,7 +192,8 @@ TEST(AtiSensor, ErrorsNameTheParameter) {
   EXPECT_NE(AtiSensor::Make({.period = 1000}).error().find("period: found 1000 ns"), std::string::npos);
 }
 
-TEST(CanIds, TheAtiSensorRefusesDrivesBelowNode16) {
+// The sensor's default ids 0x200 … 0x20F include a drive's RPDO1, 0x200 + node, for nodes below 16.
+TEST(CanIds, TheAtiSensorOverlapsWithDrivesBelowNode16) {
   for (int node = 1; node <= 127; ++node) {
     ReamerDriveParams drive{.node = static_cast<std::uint8_t>(node)};
     drive.master_node = node == 127 ? 126 : 127;

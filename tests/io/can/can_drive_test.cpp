@@ -13,7 +13,7 @@
 #include "io/can/id_claims.h"
 #include "tests/io/can/can_frames.h"
 
-// The drive's client with frames and states from CiA 301 and CiA 402.
+// Tests of the reamer drive's client, with frames and states from CiA 301 and CiA 402.
 
 namespace osteon::io {
 namespace {
@@ -40,7 +40,7 @@ constexpr std::array<StateRow, 8> kStates{{
     {"xxxxxxxxx0xx1000", DriveState::kFault},
 }};
 
-DriveState FromTable(unsigned word) {
+DriveState StateFromTable(unsigned word) {
   for (const StateRow& row : kStates) {
     bool fits = true;
     for (int i = 0; i < 16; ++i)
@@ -50,15 +50,15 @@ DriveState FromTable(unsigned word) {
   return DriveState::kUnknown;
 }
 
-TEST(Cia402, EveryStatuswordIsTheStateOfTheTable) {
+TEST(Cia402, EveryStatuswordGivesTheStateOfTheTable) {
   for (unsigned word = 0; word < 65536; ++word)
-    ASSERT_EQ(StateOf(static_cast<std::uint16_t>(word)), FromTable(word)) << std::bitset<16>(word);
+    ASSERT_EQ(StateOf(static_cast<std::uint16_t>(word)), StateFromTable(word)) << std::bitset<16>(word);
 }
 
-// Every statusword with every goal: the allowed controlwords.
-TEST(Cia402, EveryStatuswordAndGoalGivesTheCommandOfTheTable) {
+// For each statusword and each goal, exactly one controlword is allowed.
+TEST(Cia402, EveryStatuswordAndGoalGivesTheAllowedControlword) {
   for (unsigned word = 0; word < 65536; ++word) {
-    const DriveState state = FromTable(word);
+    const DriveState state = StateFromTable(word);
     const auto control = [&](DriveGoal goal) {
       return ControlToward(goal, StateOf(static_cast<std::uint16_t>(word)));
     };
@@ -73,7 +73,7 @@ TEST(Cia402, EveryStatuswordAndGoalGivesTheCommandOfTheTable) {
   }
 }
 
-TEST(CanOpen, FramesAreThoseOfCia301) {
+TEST(CanOpen, EncodesTheFramesOfCia301) {
   using namespace canopen;
   EXPECT_EQ(ToText(Nmt(NmtCommand::kStart, 5)), "000#0105");
   EXPECT_EQ(ToText(Nmt(NmtCommand::kPreOperational, 5)), "000#8005");
@@ -89,7 +89,7 @@ TEST(CanOpen, FramesAreThoseOfCia301) {
   EXPECT_EQ(Mapped({0x6041, 0, 2}), 0x60410010u);
 }
 
-TEST(CanOpen, SdoAnswersAreReadBySize) {
+TEST(CanOpen, SdoAnswersAreReadByTheirSize) {
   using canopen::DecodeSdo;
   using Kind = canopen::SdoAnswer::Kind;
   const auto value = [](const char* text) { return DecodeSdo(Frame(text))->value; };
@@ -118,8 +118,8 @@ ReamerDrive Drive(const ReamerDriveParams& params = Params()) {
   return *drive;
 }
 
-// Answers every request like a drive that agrees; returns the requests.
-Frames Agree(ReamerDrive& drive, rt::Nanoseconds& now) {
+// Accepts every request of the set-up like a drive; returns the requests.
+Frames AnswerSetUp(ReamerDrive& drive, rt::Nanoseconds& now) {
   Frames asked;
   for (int i = 0; i < 400 && drive.phase() == DrivePhase::kStarting; ++i, now += kMs) {
     for (CanFrame frame; drive.phase() == DrivePhase::kStarting && drive.Next(now, frame);) {
@@ -143,7 +143,7 @@ Frames Agree(ReamerDrive& drive, rt::Nanoseconds& now) {
   return asked;
 }
 
-TEST(ReamerDrive, ConfiguresWithExactlyTheseFrames) {
+TEST(ReamerDrive, SetUpSendsExactlyTheseFrames) {
   auto drive = Drive();
   rt::Nanoseconds now = 0;
   const Frames golden{
@@ -158,7 +158,7 @@ TEST(ReamerDrive, ConfiguresWithExactlyTheseFrames) {
       "610#238360009B4A0000",  // 6083: 100 rad/s² · 20 · 60/2π = 19099 rpm/s
       "610#238460009B4A0000",
   };
-  const Frames asked = Agree(drive, now);
+  const Frames asked = AnswerSetUp(drive, now);
   ASSERT_EQ(asked.size(), 1u + 10u + 3 * 8u + 1u);
   for (std::size_t i = 0; i < golden.size(); ++i) EXPECT_EQ(asked[i], golden[i]);
   const Frames pdos{"610#238560006A2A0100",  // 6085: 76394 rpm/s
@@ -174,11 +174,13 @@ TEST(ReamerDrive, ConfiguresWithExactlyTheseFrames) {
   for (std::size_t i = 0; i < pdos.size(); ++i) EXPECT_EQ(asked[10 + i], pdos[i]) << i;
 }
 
-// A configured drive and its clock; statuses are made by hand.
+// The client of a configured drive, and its clock; the test makes the drive's frames.
 struct Running {
-  explicit Running(const ReamerDriveParams& params = Params()) : drive(Drive(params)) { Agree(drive, now); }
+  explicit Running(const ReamerDriveParams& params = Params()) : drive(Drive(params)) {
+    AnswerSetUp(drive, now);
+  }
 
-  // One cycle: our command, then the drive's status and heartbeat.
+  // One cycle of 4 ms: the client's command, which is returned, then the drive's status and heartbeat.
   std::string Cycle(unsigned statusword, int rpm = 0, int permille = 0) {
     std::string command;
     now += 4 * kMs;
@@ -188,6 +190,7 @@ struct Running {
     drive.Accept(At(now, "710#05"));
     return command;
   }
+  // Delivers a status in its two PDOs; the torque is in thousandths of the rated one.
   void Status(unsigned statusword, int rpm, int permille) {
     CanFrame one{.id = 0x190, .size = 7}, two{.id = 0x290, .size = 6};
     const auto raw = static_cast<unsigned>(rpm), torque = static_cast<unsigned>(permille);
@@ -207,7 +210,7 @@ struct Running {
   ReamerDrive drive;
 };
 
-TEST(ReamerDrive, WalksToEnabledAndTurnsAtTheToolsSpeed) {
+TEST(ReamerDrive, StepsThroughTheStatesToEnabledAndTurnsAtTheToolsSpeed) {
   Running r;
   EXPECT_EQ(r.Cycle(0x250), "210#00000300000000") << "off by default";
   // 26.18 rad/s of the tool · 20 · 60/2π = 5000 rpm of the motor = 0x1388
@@ -250,7 +253,7 @@ TEST(ReamerDrive, ReadsSpeedAndTorqueAtTheTool) {
   EXPECT_GT(turned.drive.status().torque_Nm, 0.0) << "cutting torque and speed keep one sign";
 }
 
-TEST(ReamerDrive, EachCycleIsACommandAndASync) {
+TEST(ReamerDrive, EachCycleSendsACommandAndASync) {
   Running r;
   r.now += 4 * kMs;
   Frames frames = Sent(r.drive, r.now);
@@ -260,7 +263,7 @@ TEST(ReamerDrive, EachCycleIsACommandAndASync) {
   EXPECT_EQ(Sent(r.drive, r.now + 4 * kMs).size(), 2u);
 }
 
-TEST(ReamerDrive, SilenceIsAFaultThatStopsAndStays) {
+TEST(ReamerDrive, ALostHeartbeatStopsTheDriveUntilTheFaultIsReset) {
   Running r;
   r.drive.Command({.goal = DriveGoal::kEnabled, .speed_rad_per_s = 10});
   for (int i = 0; i < 20; ++i) r.Cycle(0x237);
@@ -324,7 +327,7 @@ TEST(ReamerDrive, AFaultThatStaysIsLatchedAgain) {
   EXPECT_EQ(r.Cycle(0x218), "210#00000300000000");
 }
 
-TEST(ReamerDrive, NoticesThatItRestartedAndThatItLeftEnabled) {
+TEST(ReamerDrive, DetectsARestartAndLeavingEnabled) {
   Running restarted;
   restarted.Cycle(0x250);
   restarted.drive.Accept(At(restarted.now, "710#00"));
@@ -342,8 +345,9 @@ TEST(ReamerDrive, NoticesThatItRestartedAndThatItLeftEnabled) {
   EXPECT_EQ(told.drive.status().faults, 0u);
 }
 
-// As after a loop that recovers within some milliseconds, while no status comes.
-TEST(ReamerDrive, DoesNotTakeAStopThatItWasToldForItsOwn) {
+// The loop commands a quick stop and enables again before a status comes: the drive then reports the quick
+// stop.
+TEST(ReamerDrive, ACommandedStopIsNotAFault) {
   Running told;
   told.drive.Command({.goal = DriveGoal::kEnabled});
   told.Cycle(0x237);
@@ -356,7 +360,7 @@ TEST(ReamerDrive, DoesNotTakeAStopThatItWasToldForItsOwn) {
   EXPECT_EQ(told.drive.status().faults, kDriveLeftEnabled) << "this time nobody told it";
 }
 
-TEST(ReamerDrive, TellsABootUpFromAnotherNmtState) {
+TEST(ReamerDrive, LeavingOperationalRequiresANewSetUp) {
   Running r;
   r.Cycle(0x250);
   r.drive.Accept(At(r.now, "710#7F"));
@@ -367,7 +371,8 @@ TEST(ReamerDrive, TellsABootUpFromAnotherNmtState) {
   EXPECT_EQ(r.drive.status().faults, 0u);
 }
 
-TEST(ReamerDrive, AnEmergencyThatWasResetBeforeItCountedIsForgotten) {
+// In a running drive the same emergency is latched and stays.
+TEST(ReamerDrive, AnEmergencyResetDuringSetUpIsForgotten) {
   Running r;
   r.drive.Accept(At(r.now, "090#2032040000000000"));
   r.drive.Accept(At(r.now, "090#0000000000000000"));
@@ -391,7 +396,7 @@ TEST(DriveFaultText, NamesCodesByCia402AndByTheirClass) {
   EXPECT_STREQ(DescribeErrorCode(0), "no error");
 }
 
-TEST(DriveFaultText, EveryLatchHasANameAndItsNumber) {
+TEST(DriveFaultText, EachLatchedFaultHasANameAndItsBit) {
   EXPECT_EQ(DescribeDriveFaults({}), "");
   std::set<std::string> texts;
   for (unsigned bit = 0; bit <= 6; ++bit) {
@@ -420,6 +425,7 @@ TEST(ReamerDrive, FramesOfAWrongSizeChangeNothing) {
   EXPECT_EQ(r.drive.status().faults, 0u);
 }
 
+// The failure of a set-up in which each read gets this answer; empty: no answer.
 std::string FailureWith(const std::string& answer) {
   auto drive = Drive();
   rt::Nanoseconds now = 0;
@@ -431,7 +437,7 @@ std::string FailureWith(const std::string& answer) {
   return drive.failure();
 }
 
-TEST(ReamerDrive, RefusalsNameObjectValueAndWhatIsAccepted) {
+TEST(ReamerDrive, RefusalsNameObjectValueAndAcceptedValue) {
   EXPECT_NE(FailureWith("590#4300100091010200")
                 .find("device type (object 1000:00) is 0x00020191, accepted: profile 402"),
             std::string::npos);
@@ -463,27 +469,27 @@ TEST(ReamerDrive, ErrorsNameTheParameter) {
   says([](auto& p) { p.temperature.size = 4; }, "temperature: found an object of 4 bytes");
 }
 
-std::vector<IdClaim> Both(const auto& a, const auto& b) {
+std::vector<IdClaim> ClaimsOfBoth(const auto& a, const auto& b) {
   auto claims = Claims(a);
   const auto more = Claims(b);
   claims.insert(claims.end(), more.begin(), more.end());
   return claims;
 }
 
-TEST(CanIds, DevicesThatDoNotMeetAreAccepted) {
-  EXPECT_FALSE(FindOverlap(Both(RobotousParams{}, Params())));
+TEST(CanIds, DevicesWithoutCommonIdsAreAccepted) {
+  EXPECT_FALSE(FindOverlap(ClaimsOfBoth(RobotousParams{}, Params())));
   EXPECT_FALSE(FindOverlap(Claims(Params()))) << "a device does not meet itself";
 }
 
-TEST(CanIds, AnOverlapNamesBothAndWhatToDo) {
-  const auto text = FindOverlap(Both(RobotousParams{.command_id = 0x210}, Params()));
+TEST(CanIds, AnOverlapNamesBothDevicesAndTheRemedy) {
+  const auto text = FindOverlap(ClaimsOfBoth(RobotousParams{.command_id = 0x210}, Params()));
   ASSERT_TRUE(text);
   EXPECT_EQ(
       *text,
       "CAN ids overlap: 0x210 of the Robotous force sensor (command id 0x210) (commands) and 0x210 of the "
       "reamer drive (node 16) (RPDO1); give the sensor other ids, give the drive another node (16 or more "
       "beside an ATI sensor), or use a bus for each");
-  EXPECT_TRUE(FindOverlap(Both(RobotousParams{.first_id = 0x000}, Params()))) << "NMT";
+  EXPECT_TRUE(FindOverlap(ClaimsOfBoth(RobotousParams{.first_id = 0x000}, Params()))) << "NMT";
 }
 
 }  // namespace

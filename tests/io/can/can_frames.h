@@ -11,7 +11,7 @@
 
 #include "io/can/can_pump.h"
 
-// Frames in the tests, in candump's notation: "064#0B00".
+// Helpers of the CAN tests. Frames are written in candump's notation: "064#0B00" has id 0x064 and two bytes.
 
 namespace osteon::io {
 
@@ -31,8 +31,9 @@ inline std::string ToText(const CanFrame& frame) {
 namespace osteon::io::test {
 
 inline constexpr rt::Nanoseconds kMs = rt::kMillisecond;
-inline constexpr rt::Nanoseconds kFrameTime = 130'000;  ///< of 8 bytes on a bus of 1 Mbit/s
+inline constexpr rt::Nanoseconds kFrameTime = 130'000;  ///< duration of a frame of 8 bytes at 1 Mbit/s
 
+/// The frame that this text in candump's notation describes.
 inline CanFrame Frame(const std::string& text) {
   const std::size_t hash = text.find('#');
   CanFrame frame{.id = static_cast<std::uint16_t>(std::stoul(text.substr(0, hash), nullptr, 16))};
@@ -41,11 +42,12 @@ inline CanFrame Frame(const std::string& text) {
   return frame;
 }
 
+/// The arrival of a frame at that time. @param after_gap  the bus reports frames lost before it
 inline CanArrival At(rt::Nanoseconds stamp, const std::string& text, bool after_gap = false) {
   return {.frame = Frame(text), .stamp = stamp, .after_gap = after_gap};
 }
 
-/// Frames that the client sends now.
+/// The frames that the client sends at time `now`, at most 100.
 inline std::vector<std::string> Sent(CanClient& client, rt::Nanoseconds now) {
   std::vector<std::string> frames;
   for (CanFrame frame; frames.size() < 100 && client.Next(now, frame);) frames.push_back(ToText(frame));
@@ -54,7 +56,7 @@ inline std::vector<std::string> Sent(CanClient& client, rt::Nanoseconds now) {
 
 using Frames = std::vector<std::string>;
 
-/// A sensor's client with valid parameters.
+/// A sensor's client; the test fails if its parameters are refused.
 template <class Sensor, class Params>
 [[nodiscard]] Sensor Made(const Params& params) {
   auto sensor = Sensor::Make(params);

@@ -4,7 +4,7 @@
 
 #include "tests/io/can/can_frames.h"
 
-// The client's side with frames from the manual and the maker's sample.
+// Tests of the client of a Robotous force sensor, with frames from the manual and the maker's sample.
 
 namespace osteon::io {
 namespace {
@@ -17,14 +17,16 @@ using test::Sent;
 
 RobotousSensor Sensor(const RobotousParams& params = {}) { return test::Made<RobotousSensor>(params); }
 
+// Delivers the two frames of an answer or a reading, a frame's time apart.
 void Answer(RobotousSensor& sensor, rt::Nanoseconds now, const std::string& first,
             const std::string& second = "0000000000000000") {
   sensor.Accept(At(now, "001#" + first));
   sensor.Accept(At(now + kFrameTime, "002#" + second));
 }
 
-// Sets the sensor up and measures its rate; the next reading comes at the returned time.
-rt::Nanoseconds Ready(RobotousSensor& sensor) {
+// Answers the set-up, then sends readings at 1 kHz until the client has confirmed the rate. @returns the time
+// of the next reading
+rt::Nanoseconds MakeReady(RobotousSensor& sensor) {
   rt::Nanoseconds now = 0;
   Sent(sensor, now);  // stop
   Sent(sensor, now += 20 * kMs);
@@ -44,7 +46,7 @@ rt::Nanoseconds Ready(RobotousSensor& sensor) {
   return now;
 }
 
-TEST(RobotousSensor, SetsUpWithTheManualsFrames) {
+TEST(RobotousSensor, SetUpSendsTheManualsFrames) {
   auto sensor = Sensor({.filter_hz = 200});
   EXPECT_EQ(Sent(sensor, 0), Frames{"064#0C00000000000000"});
   EXPECT_EQ(Sent(sensor, 19 * kMs), Frames{}) << "what is still on its way passes first";
@@ -62,7 +64,7 @@ TEST(RobotousSensor, SetsUpWithTheManualsFrames) {
 
 TEST(RobotousSensor, ReadsBigEndianForcesInNewtonAndTorquesInNewtonMetre) {
   auto sensor = Sensor();
-  const rt::Nanoseconds now = Ready(sensor);
+  const rt::Nanoseconds now = MakeReady(sensor);
   // 0x0064 = 100, 0xFF9C = -100, 0x7FFF, 0x8000, 0x07D0 = 2000, 0xF830 = -2000
   Answer(sensor, now, "0B0064FF9C7FFF80", "0007D0F830000000");
   const SensorReading& reading = sensor.Latest();
@@ -76,9 +78,9 @@ TEST(RobotousSensor, ReadsBigEndianForcesInNewtonAndTorquesInNewtonMetre) {
   EXPECT_EQ(reading.flags, 0u);
 }
 
-TEST(RobotousSensor, SaysWhichAxesAreOverloaded) {
+TEST(RobotousSensor, ReportsWhichAxesAreOverloaded) {
   auto sensor = Sensor();
-  const rt::Nanoseconds now = Ready(sensor);
+  const rt::Nanoseconds now = MakeReady(sensor);
   Answer(sensor, now, "0B00000000000000", "0000000000240000");
   EXPECT_EQ(sensor.Latest().flags, kSensorOverload);
   EXPECT_EQ(sensor.Latest().status, 0x24);
@@ -86,12 +88,12 @@ TEST(RobotousSensor, SaysWhichAxesAreOverloaded) {
   EXPECT_EQ(sensor.Latest().flags, 0u) << "a reading's flag is its own";
 }
 
-TEST(RobotousSensor, TakesItsBiasOnRequestOnceItRuns) {
+TEST(RobotousSensor, SendsTheBiasCommandOnRequestOnceItRuns) {
   auto sensor = Sensor();
   sensor.RequestBias(true);
   EXPECT_EQ(Sent(sensor, 0), Frames{"064#0C00000000000000"});
   auto running = Sensor();
-  const rt::Nanoseconds now = Ready(running);
+  const rt::Nanoseconds now = MakeReady(running);
   running.RequestBias(true);
   EXPECT_EQ(Sent(running, now), Frames{"064#1101000000000000"});
   EXPECT_EQ(Sent(running, now), Frames{}) << "once";
@@ -99,9 +101,9 @@ TEST(RobotousSensor, TakesItsBiasOnRequestOnceItRuns) {
   EXPECT_EQ(Sent(running, now), Frames{"064#1100000000000000"});
 }
 
-TEST(RobotousSensor, AHalfNeverJoinsAnotherReading) {
+TEST(RobotousSensor, HalvesOfDifferentReadingsAreNeverJoined) {
   auto sensor = Sensor();
-  const rt::Nanoseconds t = Ready(sensor);
+  const rt::Nanoseconds t = MakeReady(sensor);
   const std::uint64_t before = sensor.counters().readings;
   const auto first = [&](rt::Nanoseconds at, bool gap = false) {
     sensor.Accept(At(at, "001#0B00320000000000", gap));
@@ -132,12 +134,12 @@ TEST(RobotousSensor, AHalfNeverJoinsAnotherReading) {
   first(t + 6 * kMs + kFrameTime);
   second(t + 7 * kMs);
   EXPECT_EQ(sensor.counters().readings, before + 1);
-  EXPECT_EQ(sensor.counters().halves, 10u);
+  EXPECT_EQ(sensor.counters().halves, 10u);  // all but the one joined pair
 }
 
-TEST(RobotousSensor, AFrameOfAnotherSizeIsNoHalf) {
+TEST(RobotousSensor, AFrameOfAnotherSizeIsRefused) {
   auto sensor = Sensor();
-  const rt::Nanoseconds t = Ready(sensor);
+  const rt::Nanoseconds t = MakeReady(sensor);
   const std::uint64_t before = sensor.counters().readings;
   sensor.Accept(At(t, "001#0B003200000000"));
   sensor.Accept(At(t, "002#0000000000000000"));
@@ -149,7 +151,7 @@ TEST(RobotousSensor, AFrameOfAnotherSizeIsNoHalf) {
 
 TEST(RobotousSensor, AnEchoOfAnotherCommandIsNoReading) {
   auto sensor = Sensor();
-  const rt::Nanoseconds t = Ready(sensor);
+  const rt::Nanoseconds t = MakeReady(sensor);
   const std::uint64_t before = sensor.counters().readings;
   Answer(sensor, t, "0A00320000000000");
   Answer(sensor, t + kMs, "1008000000000000");
@@ -157,7 +159,7 @@ TEST(RobotousSensor, AnEchoOfAnotherCommandIsNoReading) {
   EXPECT_EQ(sensor.counters().unexpected, 2u);
 }
 
-TEST(RobotousSensor, OldReadingsDuringSetUpAnswerNothing) {
+TEST(RobotousSensor, OldReadingsDuringSetUpAnswerNoCommand) {
   auto sensor = Sensor();
   Answer(sensor, 0, "0B00000000000000");  // before anything was requested
   Sent(sensor, 0);
@@ -169,7 +171,7 @@ TEST(RobotousSensor, OldReadingsDuringSetUpAnswerNothing) {
   EXPECT_EQ(sensor.counters().unexpected, 4u);
 }
 
-TEST(RobotousSensor, RepeatsACommandAndThenSaysThatItIsSilent) {
+TEST(RobotousSensor, RepeatsACommandTwiceThenReportsASilentSensor) {
   auto sensor = Sensor();
   Sent(sensor, 0);
   EXPECT_EQ(Sent(sensor, 20 * kMs).size(), 1u);
@@ -186,7 +188,8 @@ TEST(RobotousSensor, RepeatsACommandAndThenSaysThatItIsSilent) {
   EXPECT_TRUE(sensor.failure().empty());
 }
 
-// Set-up with one answer replaced by another; returns the failure.
+// The failure of a set-up with these four answers: to the filter's setting and its read-back, and to the
+// rate's setting and its read-back.
 std::string FailureAfter(const std::string& filter, const std::string& filter_back, const std::string& rate,
                          const std::string& rate_back) {
   auto sensor = Sensor();
@@ -213,7 +216,7 @@ TEST(RobotousSensor, RefusesASensorWhoseRateIsNotConfirmed) {
 }
 
 TEST(RobotousSensor, RefusesASensorWhoseReadingsComeAtAnotherRate) {
-  for (const rt::Nanoseconds period : {2 * kMs, 5 * kMs, kMs / 2}) {
+  for (const rt::Nanoseconds period : {2 * kMs, 5 * kMs, kMs / 2}) {  // 1 ms is accepted
     auto sensor = Sensor();
     rt::Nanoseconds now = 0;
     Sent(sensor, now);

@@ -11,6 +11,9 @@
 #include "tests/io/can/can_frames.h"
 #include "tests/io/net/loopback_socket.h"
 
+// CAN frames in UDP datagrams (the tunnel of a simulated cell): the codec, UdpCanBus, and CanPump on top of
+// it.
+
 namespace osteon::io {
 namespace {
 
@@ -22,7 +25,7 @@ CanFrame Frame(std::uint16_t id, std::initializer_list<std::uint8_t> data) {
   return frame;
 }
 
-// Golden bytes: the layout of udp_can_codec.h, byte for byte.
+// The bytes of kGoldenMessage by the layout in udp_can_codec.h.
 const Bytes kGolden{0x4F, 0x43, 0x41, 0x4E, 0x01, 0x03, 0x07, 0xFE, 0xA1, 0xA2,
                     0xA3, 0xA4, 0x00, 0x00, 0x01, 0x02, 0xDE, 0xAD, 0xBE};
 const UdpCanMessage kGoldenMessage{
@@ -48,7 +51,7 @@ TEST(UdpCanCodec, HasTheDocumentedBytes) {
   EXPECT_EQ(message.sequence, kGoldenMessage.sequence);
 }
 
-TEST(UdpCanCodec, RefusesWhatIsNotExactlyThat) {
+TEST(UdpCanCodec, RefusesDatagramsThatDeviateFromTheLayout) {
   const auto changed = [](std::size_t at, std::uint8_t value) {
     Bytes bytes = kGolden;
     bytes[at] = value;
@@ -69,7 +72,7 @@ TEST(UdpCanCodec, RefusesWhatIsNotExactlyThat) {
   EXPECT_TRUE(Encoded({.frame = {.id = 1, .size = 9}}).empty());
 }
 
-TEST(CanFrame, PrintsAsCandumpWrites) {
+TEST(CanFrame, IsPrintedInCandumpsNotation) {
   EXPECT_EQ(ToText(Frame(0x64, {0x0B, 0x00, 0xFF})), "064#0B00FF");
   EXPECT_EQ(IdText(0x20), "0x020");
 }
@@ -99,7 +102,7 @@ TEST(UdpCanBus, CarriesFramesBothWaysInOrder) {
   EXPECT_EQ(b->status().received, 5u);
 }
 
-TEST(UdpCanBus, DrainTakesNoMoreThanThereIsRoomFor) {
+TEST(UdpCanBus, DrainTakesNoMoreFramesThanFitIntoTheBuffer) {
   const auto [a, b] = OpenPair();
   for (int i = 0; i < 5; ++i) ASSERT_EQ(a->Send(Frame(1, {})), CanResult::kOk);
   std::array<CanArrival, 3> room;
@@ -107,7 +110,7 @@ TEST(UdpCanBus, DrainTakesNoMoreThanThereIsRoomFor) {
   EXPECT_EQ(b->Drain(room), 2u);
 }
 
-TEST(UdpCanBus, RefusesFramesThatAreNone) {
+TEST(UdpCanBus, RefusesInvalidFrames) {
   const auto [a, b] = OpenPair();
   EXPECT_EQ(a->Send({.id = 0x800}), CanResult::kFull);
   EXPECT_EQ(a->Send({.id = 1, .size = 9}), CanResult::kFull);
@@ -116,22 +119,24 @@ TEST(UdpCanBus, RefusesFramesThatAreNone) {
   EXPECT_EQ(b->TryReceive(arrival), CanResult::kEmpty);
 }
 
-// The peer's side as a plain socket, so that it can misbehave.
+// The other end of the tunnel as a plain socket, so that a test can send wrong datagrams.
 using Peer = test::LoopbackSocket;
 
+// A bus that sends to this peer and listens to it alone.
 std::unique_ptr<UdpCanBus> OpenToward(const Peer& peer, std::vector<CanFilter> filters = {}) {
   auto bus = UdpCanBus::Open({.bind_port = 0, .peer_port = peer.port(), .filters = std::move(filters)});
   EXPECT_TRUE(bus) << bus.error();
   return std::move(*bus);
 }
 
+// A datagram with that session and sequence number. The frame's id is the low byte of the number.
 Bytes Numbered(std::uint32_t session, std::uint32_t sequence) {
   return Encoded({.frame = Frame(static_cast<std::uint16_t>(sequence & 0xFF), {}),
                   .session = session,
                   .sequence = sequence});
 }
 
-TEST(UdpCanBus, CountsLossesAndSaysSoWithTheNextFrame) {
+TEST(UdpCanBus, CountsLossesAndMarksTheNextFrame) {
   const Peer peer;
   const auto bus = OpenToward(peer);
   CanArrival arrival;
@@ -144,7 +149,7 @@ TEST(UdpCanBus, CountsLossesAndSaysSoWithTheNextFrame) {
   EXPECT_EQ(bus->status().lost, 2u);
 }
 
-TEST(UdpCanBus, DeliversNothingTwiceOrOutOfOrder) {
+TEST(UdpCanBus, DeliversNoFrameTwiceOrOutOfOrder) {
   const Peer peer;
   const auto bus = OpenToward(peer);
   for (const std::uint32_t sequence : {0u, 1u, 1u, 0u, 3u, 2u, 4u})
@@ -156,7 +161,7 @@ TEST(UdpCanBus, DeliversNothingTwiceOrOutOfOrder) {
   EXPECT_EQ(bus->status().lost, 1u);
 }
 
-TEST(UdpCanBus, FollowsAPeerThatWasStartedAgainAndACounterThatWraps) {
+TEST(UdpCanBus, ARestartedPeerOrAWrappedCounterIsNoLoss) {
   const Peer peer;
   const auto bus = OpenToward(peer);
   for (const std::uint32_t sequence : {0xFFFFFFFEu, 0xFFFFFFFFu, 0u})
@@ -168,7 +173,7 @@ TEST(UdpCanBus, FollowsAPeerThatWasStartedAgainAndACounterThatWraps) {
   EXPECT_EQ(bus->status().duplicate, 0u);
 }
 
-TEST(UdpCanBus, CountsWhatIsNoneOfOursAndListensToItsPeerAlone) {
+TEST(UdpCanBus, CountsInvalidDatagramsAndListensToItsPeerAlone) {
   const Peer peer, stranger;
   const auto bus = OpenToward(peer);
   stranger.SendTo(bus->port(), Numbered(1, 0));
@@ -183,7 +188,7 @@ TEST(UdpCanBus, CountsWhatIsNoneOfOursAndListensToItsPeerAlone) {
   EXPECT_EQ(bus->status().rejected, 3u) << "the stranger's never reached us";
 }
 
-TEST(UdpCanBus, DeliversWhatPassesAFilter) {
+TEST(UdpCanBus, DeliversOnlyFramesThatPassAFilter) {
   const Peer peer;
   const auto bus = OpenToward(peer, {{.id = 0x10, .mask = 0x7F0}, {.id = 0x42}});
   std::uint32_t sequence = 0;
@@ -197,7 +202,7 @@ TEST(UdpCanBus, DeliversWhatPassesAFilter) {
   EXPECT_EQ(bus->status().lost, 0u) << "what the filter holds back is not lost";
 }
 
-TEST(UdpCanBus, NobodyListeningIsAFrameUnsentNotAnEnd) {
+TEST(UdpCanBus, WithoutAListenerFramesCountAsUnsent) {
   auto peer = std::make_unique<Peer>();
   const auto bus = OpenToward(*peer);
   peer.reset();
@@ -207,8 +212,9 @@ TEST(UdpCanBus, NobodyListeningIsAFrameUnsentNotAnEnd) {
   EXPECT_EQ(bus->Receive(arrival, rt::MonotonicNow() + rt::kMillisecond), CanResult::kEmpty);
 }
 
-// The system reports an undelivered frame on the next send, which it then refuses.
-TEST(UdpCanBus, NobodyListeningIsCountedWithinABatchAsOneByOne) {
+// Without a listener the system reports an undelivered frame only on the next send, and refuses that one: two
+// of four frames count as sent, whether they are sent in a batch or one by one.
+TEST(UdpCanBus, ABatchWithoutAListenerIsCountedLikeSingleFrames) {
   const auto counted = [](bool batch) {
     auto peer = std::make_unique<Peer>();
     const auto bus = OpenToward(*peer);
@@ -225,7 +231,7 @@ TEST(UdpCanBus, NobodyListeningIsCountedWithinABatchAsOneByOne) {
   EXPECT_EQ(counted(true), std::pair(std::uint64_t{2}, std::uint64_t{2}));
 }
 
-TEST(UdpCanBus, ErrorsSayWhatIsWrong) {
+TEST(UdpCanBus, OpenErrorsNameTheWrongAddressOrPort) {
   const auto says = [](const UdpCanParams& params, const std::string& text) {
     const auto bus = UdpCanBus::Open(params);
     ASSERT_FALSE(bus);
@@ -239,7 +245,7 @@ TEST(UdpCanBus, ErrorsSayWhatIsWrong) {
   says({.bind_port = 0, .peer_port = 0}, "peer port: found 0");
 }
 
-// Echoes each frame once, with the next id.
+// A client that sends each frame back once, with its id plus one.
 class Echo final : public CanClient {
  public:
   void Accept(const CanArrival& arrival) OSTEON_RT override {
@@ -259,7 +265,7 @@ class Echo final : public CanClient {
   bool due_{false};
 };
 
-TEST(CanPump, CarriesBothWaysAndDoesNotAllocate) {
+TEST(CanPump, CarriesFramesBothWaysWithoutAllocating) {
   const auto [a, b] = OpenPair();
   Echo first, second;
   CanPump pump(*b);
@@ -281,10 +287,10 @@ TEST(CanPump, CarriesBothWaysAndDoesNotAllocate) {
   EXPECT_EQ(a->Drain(room), 1u) << "both clients answered";
 }
 
-// Sends frames numbered from 0, as many in a call as there is room for; keeps the frames received.
-class Counter final : public CanClient {
+// A client that always has another frame to send, numbered from 0, and keeps the frames that it receives.
+class EndlessSender final : public CanClient {
  public:
-  explicit Counter(std::uint16_t id) : id_(id) {}
+  explicit EndlessSender(std::uint16_t id) : id_(id) {}
   void Accept(const CanArrival& arrival) OSTEON_RT override {
     if (heard_ < got_.size()) got_[heard_++] = arrival.frame;
   }
@@ -301,12 +307,14 @@ class Counter final : public CanClient {
   std::size_t heard_{0};
 };
 
-TEST(CanPump, ManyFramesOfOneTickArriveAllAndInTheirOrder) {
+// Four clients send as many frames as the pump takes, in two calls.
+TEST(CanPump, ManyFramesOfOneTickArriveCompleteAndInOrder) {
   const auto [a, b] = OpenPair();
-  std::vector<Counter> senders{Counter(0x10), Counter(0x20), Counter(0x30), Counter(0x40)};
-  Counter receiver(0x50);
+  std::vector<EndlessSender> senders{EndlessSender(0x10), EndlessSender(0x20), EndlessSender(0x30),
+                                     EndlessSender(0x40)};
+  EndlessSender receiver(0x50);
   CanPump sending(*a), receiving(*b);
-  for (Counter& each : senders) ASSERT_TRUE(sending.Add(each));
+  for (EndlessSender& each : senders) ASSERT_TRUE(sending.Add(each));
   ASSERT_TRUE(receiving.Add(receiver));
   constexpr std::size_t kAtOnce = CanPump::kMaxClients * CanPump::kMaxSends;  // 64: more than a batch
   for (int call = 0; call < 2; ++call) ASSERT_EQ(sending.Pump(call), CanResult::kOk);
@@ -325,7 +333,7 @@ TEST(CanPump, ManyFramesOfOneTickArriveAllAndInTheirOrder) {
 
 TEST(UdpCanBus, AFullQueueLosesNoFrameSilently) {
   const auto [a, b] = OpenPair();
-  // far more than the socket queue of any system holds: some frames find no room
+  // more frames than the socket queue of any system holds, so some find no room
   constexpr std::size_t kFrames = 100'000, kAtOnce = 50;
   std::vector<CanFrame> frames;
   for (std::size_t i = 0; i < kAtOnce; ++i) frames.push_back(Frame(0x123, {static_cast<std::uint8_t>(i)}));
@@ -344,7 +352,8 @@ TEST(UdpCanBus, AFullQueueLosesNoFrameSilently) {
   EXPECT_EQ(b->status().received, got + 1);
 }
 
-TEST(UdpCanBus, AFrameThatIsNoneDoesNotHoldTheOthersBack) {
+// The second and the fourth frame are invalid: an id beyond 11 bits, and nine bytes.
+TEST(UdpCanBus, AnInvalidFrameDoesNotKeepTheOthersFromBeingSent) {
   const auto [a, b] = OpenPair();
   const std::array<CanFrame, 4> frames{Frame(1, {}), CanFrame{.id = 0x800}, Frame(2, {}),
                                        CanFrame{.id = 3, .size = 9}};
@@ -359,7 +368,7 @@ TEST(UdpCanBus, AFrameThatIsNoneDoesNotHoldTheOthersBack) {
   EXPECT_EQ(b->status().lost, 0u);
 }
 
-TEST(CanPump, HoldsNoMoreThanItsClients) {
+TEST(CanPump, RefusesMoreClientsThanItHolds) {
   const auto [a, b] = OpenPair();
   Echo echo;
   CanPump pump(*a);

@@ -10,25 +10,29 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/io/engine/engine_samples.h"
 
+// The codec of the messages between controller and simulation engine: commands and frames, and the set-up.
+
 namespace osteon::io {
 namespace {
 
 using testing::HasSubstr;
 
+// The message encoded, with session 77 and sequence number 5.
 template <class Message>
 EngineBytes Encoded(const Message& message, EngineMessage kind) {
   EngineBytes bytes;
   EncodeEngine({.kind = kind, .session = 77, .sequence = 5}, message, bytes);
   return bytes;
 }
-EngineBytes Frame(const EngineFrame& frame) { return Encoded(frame, EngineMessage::kFrame); }
-EngineBytes Command(const EngineCommand& command) { return Encoded(command, EngineMessage::kCommand); }
+EngineBytes EncodedFrame(const EngineFrame& frame) { return Encoded(frame, EngineMessage::kFrame); }
+EngineBytes EncodedCommand(const EngineCommand& command) { return Encoded(command, EngineMessage::kCommand); }
 
-// Encodes what was decoded: equal bytes mean that each field has crossed, since each has a value of its own.
-TEST(EngineCodec, FrameAndCommandCrossBitForBit) {
+// The decoded message is encoded again. Each field has a different value, so equal bytes mean that every
+// field was carried over.
+TEST(EngineCodec, FrameAndCommandAreDecodedBitForBit) {
   EngineHeader header;
   EngineFrame frame;
-  const EngineBytes sent = Frame(test::SampleFrame());
+  const EngineBytes sent = EncodedFrame(test::SampleFrame());
   ASSERT_EQ(DecodeEngine(sent.view(), header, frame), EngineError::kNone);
   EXPECT_EQ(header.session, 77u);
   EXPECT_EQ(header.sequence, 5u);
@@ -36,16 +40,16 @@ TEST(EngineCodec, FrameAndCommandCrossBitForBit) {
             test::SampleFrame().model.contacts[1].stiffness_N_per_m);
   EXPECT_EQ(frame.model.balls_not_split, 7u);
   EXPECT_EQ(frame.duration_ns, 230'000);
-  const EngineBytes again = Frame(frame);
+  const EngineBytes again = EncodedFrame(frame);
   ASSERT_EQ(again.size, sent.size);
   EXPECT_EQ(std::memcmp(again.bytes.data(), sent.bytes.data(), sent.size), 0);
 
   EngineCommand command;
-  const EngineBytes asked = Command(test::SampleCommand());
+  const EngineBytes asked = EncodedCommand(test::SampleCommand());
   ASSERT_EQ(DecodeEngine(asked.view(), header, command), EngineError::kNone);
   EXPECT_EQ(command.command.stamp, 123'456'789);
   EXPECT_EQ(command.dt_s, 0.002);
-  const EngineBytes asked_again = Command(command);
+  const EngineBytes asked_again = EncodedCommand(command);
   ASSERT_EQ(asked_again.size, asked.size);
   EXPECT_EQ(std::memcmp(asked_again.bytes.data(), asked.bytes.data(), asked.size), 0);
 }
@@ -54,13 +58,13 @@ TEST(EngineCodec, TheLongestFrameFitsADatagram) {
   EngineFrame frame = test::SampleFrame();
   frame.model.contact_count = simulation::kMaxContacts;
   for (simulation::Contact& c : frame.model.contacts) c = frame.model.contacts[0];
-  const EngineBytes bytes = Frame(frame);
+  const EngineBytes bytes = EncodedFrame(frame);
   EXPECT_GT(bytes.size, 1000u);
   EXPECT_LE(bytes.size, kEngineMaxMessage);
 }
 
-TEST(EngineCodec, EachDamagedByteIsRefusedAndChangesNothing) {
-  const EngineBytes sent = Frame(test::SampleFrame());
+TEST(EngineCodec, EachDamagedByteIsRefusedAndChangesNoOutput) {
+  const EngineBytes sent = EncodedFrame(test::SampleFrame());
   for (std::size_t i = 0; i < sent.size; ++i) {
     EngineBytes bytes = sent;
     bytes.bytes[i] ^= 0x10;
@@ -72,7 +76,7 @@ TEST(EngineCodec, EachDamagedByteIsRefusedAndChangesNothing) {
 }
 
 TEST(EngineCodec, EachShorterOrLongerMessageIsRefused) {
-  EngineBytes bytes = Frame(test::SampleFrame());
+  EngineBytes bytes = EncodedFrame(test::SampleFrame());
   EngineHeader header;
   EngineFrame frame;
   for (std::size_t size = 0; size < bytes.size; ++size)
@@ -81,8 +85,8 @@ TEST(EngineCodec, EachShorterOrLongerMessageIsRefused) {
   EXPECT_EQ(DecodeEngine(bytes.view(), header, frame), EngineError::kWrongSize);
 }
 
-// Numbers that a whole message, with the right checksum, must not have.
-TEST(EngineCodec, ValuesThatNoEngineMakesAreRefused) {
+// Messages with the right checksum, in which a single value is not finite, too large, or out of its range.
+TEST(EngineCodec, ValuesOutOfRangeAreRefused) {
   using Change = void (*)(EngineFrame&);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   static double bad;
@@ -95,7 +99,7 @@ TEST(EngineCodec, ValuesThatNoEngineMakesAreRefused) {
       EngineFrame frame = test::SampleFrame();
       change(frame);
       EngineHeader header;
-      EXPECT_EQ(DecodeEngine(Frame(frame).view(), header, frame), EngineError::kOutOfRange) << value;
+      EXPECT_EQ(DecodeEngine(EncodedFrame(frame).view(), header, frame), EngineError::kOutOfRange) << value;
     }
   }
   for (const Change change : {Change{[](EngineFrame& f) { f.model.contact_count = -1; }},
@@ -108,19 +112,20 @@ TEST(EngineCodec, ValuesThatNoEngineMakesAreRefused) {
     EngineFrame frame = test::SampleFrame();
     change(frame);
     EngineHeader header;
-    EXPECT_EQ(DecodeEngine(Frame(frame).view(), header, frame), EngineError::kOutOfRange);
+    EXPECT_EQ(DecodeEngine(EncodedFrame(frame).view(), header, frame), EngineError::kOutOfRange);
   }
   EngineCommand command = test::SampleCommand();
   command.command.stamp = 0;
   EngineHeader header;
-  EXPECT_EQ(DecodeEngine(Command(command).view(), header, command), EngineError::kOutOfRange);
+  EXPECT_EQ(DecodeEngine(EncodedCommand(command).view(), header, command), EngineError::kOutOfRange);
 }
 
-TEST(EngineCodec, KindsAndVersionsAreToldApart) {
+TEST(EngineCodec, OtherKindsAndVersionsAreRefused) {
   EngineHeader header;
   EngineFrame frame;
-  EXPECT_EQ(DecodeEngine(Command(test::SampleCommand()).view(), header, frame), EngineError::kWrongKind);
-  EngineBytes other = Frame(test::SampleFrame());
+  EXPECT_EQ(DecodeEngine(EncodedCommand(test::SampleCommand()).view(), header, frame),
+            EngineError::kWrongKind);
+  EngineBytes other = EncodedFrame(test::SampleFrame());
   ++other.bytes[4];
   EXPECT_EQ(DecodeEngine(other.view(), header, frame), EngineError::kOtherVersion);
   EXPECT_THAT(Describe(EngineError::kOtherVersion), HasSubstr("another version"));
@@ -137,7 +142,7 @@ TEST(EngineCodec, DoesNotAllocate) {
   EXPECT_EQ(error, EngineError::kNone);
 }
 
-TEST(EngineSetup, CrossesBitForBit) {
+TEST(EngineSetup, IsDecodedBitForBit) {
   const EngineSetup sent = test::SampleSetup();
   const std::vector<std::uint8_t> bytes = EncodeSetup(sent);
   const auto got = DecodeSetup(bytes);
@@ -152,7 +157,7 @@ TEST(EngineSetup, CrossesBitForBit) {
   EXPECT_EQ(EncodeSetup(*got), bytes);
 }
 
-TEST(EngineSetup, DamageAndCutsAreRefused) {
+TEST(EngineSetup, DamagedAndTruncatedSetUpsAreRefused) {
   const std::vector<std::uint8_t> bytes = EncodeSetup(test::SampleSetup());
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     std::vector<std::uint8_t> bad = bytes;
@@ -162,7 +167,7 @@ TEST(EngineSetup, DamageAndCutsAreRefused) {
   }
 }
 
-TEST(EngineSetup, WrongValuesAreRefusedByName) {
+TEST(EngineSetup, WrongValuesAreRefusedAndNamed) {
   EngineSetup setup = test::SampleSetup();
   setup.bone.points[2].material = 1;
   EXPECT_THAT(DecodeSetup(EncodeSetup(setup)).error(),

@@ -5,7 +5,7 @@
 #include "io/engine/engine_setup.h"
 #include "io/engine/messages.h"
 
-// Messages of an engine with a value of its own in each field.
+// Messages between controller and simulation engine, in which each field has a different value.
 
 namespace osteon::io::test {
 

@@ -12,17 +12,22 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/io/engine/engine_samples.h"
 
+// The simulation engine in another process of this machine: client and server share a memory segment in a
+// folder.
+
 namespace osteon::io {
 namespace {
 
 using testing::HasSubstr;
 
-constexpr rt::Nanoseconds kPatience = 10 * rt::kSecond;  // generous: a busy machine must not decide
+constexpr rt::Nanoseconds kPatience = 10 * rt::kSecond;  // long, so that a busy machine fails no test
 
+// Deadline of a wait that must succeed.
 rt::Nanoseconds Soon() { return rt::MonotonicNow() + kPatience; }
 
-struct Pair {
-  Pair() {
+// A client (the controller's side) and the server (the engine's side) that opened its folder.
+struct ClientAndServer {
+  ClientAndServer() {
     auto made = LocalEngineClient::Create(EncodeSetup(test::SampleSetup()));
     if (!made) throw std::runtime_error(made.error());
     client = std::move(*made);
@@ -30,6 +35,7 @@ struct Pair {
     if (!opened) throw std::runtime_error(opened.error());
     server = std::move(*opened);
   }
+  // The frame with that number that answers a command.
   EngineFrame FrameFor(const EngineCommand& command, std::uint64_t number) const {
     EngineFrame frame = test::SampleFrame();
     frame.model.pose_stamp = command.command.stamp;
@@ -40,8 +46,8 @@ struct Pair {
   std::unique_ptr<LocalEngineServer> server;
 };
 
-TEST(LocalEngine, ACommandCrossesAndItsFrameComesBack) {
-  Pair pair;
+TEST(LocalEngine, ACommandReachesTheEngineAndItsFrameReturns) {
+  ClientAndServer pair;
   EXPECT_EQ(DecodeSetup(*pair.server->ReadSetup())->bone.name, "block");
   pair.server->SetRunning("cpu", "some processor");
   EXPECT_EQ(pair.client->state(), SharedState::kRunning);
@@ -64,8 +70,8 @@ TEST(LocalEngine, ACommandCrossesAndItsFrameComesBack) {
   EXPECT_FALSE(pair.client->AwaitFrame(frame, 0)) << "each frame once";
 }
 
-TEST(LocalEngine, TheNewestCountsForTheLoopAndEachForTheRecording) {
-  Pair pair;
+TEST(LocalEngine, TheLoopLoadsTheNewestFrameAndTheRecordingReceivesEach) {
+  ClientAndServer pair;
   for (std::uint64_t n = 1; n <= 20; ++n) pair.server->Publish(pair.FrameFor(test::SampleCommand(), n));
   EXPECT_EQ(pair.client->Load().frame, 20u);
   EngineFrame frame;
@@ -77,8 +83,8 @@ TEST(LocalEngine, TheNewestCountsForTheLoopAndEachForTheRecording) {
   EXPECT_EQ(pair.client->counters().frames, 20u);
 }
 
-TEST(LocalEngine, FramesThatNobodyTakesAreCountedAsLost) {
-  Pair pair;
+TEST(LocalEngine, FramesThatOverflowTheRingAreCountedAsLost) {
+  ClientAndServer pair;
   const std::uint64_t made = SharedRing::kMessages + 10;
   for (std::uint64_t n = 1; n <= made; ++n) pair.server->Publish(pair.FrameFor(test::SampleCommand(), n));
   EngineFrame frame;
@@ -90,9 +96,9 @@ TEST(LocalEngine, FramesThatNobodyTakesAreCountedAsLost) {
   EXPECT_EQ(pair.client->counters().lost, 10u);
 }
 
-// Writer and reader at once: each message that arrives is whole, and none is older than the one before.
-TEST(LocalEngine, NoMessageIsTornBetweenTwoThreads) {
-  Pair pair;
+// One thread publishes while another reads: each message must be whole, and none older than the one before.
+TEST(LocalEngine, NoMessageIsTornBetweenWriterAndReader) {
+  ClientAndServer pair;
   std::atomic<bool> stop{false};
   std::thread writer([&] {
     for (std::uint64_t n = 1; !stop.load(); ++n)
@@ -112,9 +118,9 @@ TEST(LocalEngine, NoMessageIsTornBetweenTwoThreads) {
   EXPECT_EQ(pair.client->counters().rejected, 0u);
 }
 
-// What the other side writes into the segment is hostile.
-TEST(LocalEngine, ASpoiltSegmentIsRefusedAndHarmsNothing) {
-  Pair pair;
+// The other side overwrites the frames in the shared segment with noise.
+TEST(LocalEngine, NoiseInTheSegmentIsRefusedAndTheLastFrameStays) {
+  ClientAndServer pair;
   pair.server->Publish(pair.FrameFor(test::SampleCommand(), 1));
   EXPECT_EQ(pair.client->Load().frame, 1u);
   const std::filesystem::path segment = pair.client->folder() / "segment";
@@ -133,7 +139,7 @@ TEST(LocalEngine, ASpoiltSegmentIsRefusedAndHarmsNothing) {
 }
 
 TEST(LocalEngine, TheCarvedStateIsFetchedAtTheEnd) {
-  Pair pair;
+  ClientAndServer pair;
   std::thread engine([&] {
     EngineCommand command;
     EngineEvent event = EngineEvent::kNothing;
@@ -146,29 +152,29 @@ TEST(LocalEngine, TheCarvedStateIsFetchedAtTheEnd) {
   EXPECT_EQ(*carved, (std::vector<std::uint8_t>{1, 2, 3}));
 }
 
-TEST(LocalEngine, AnEngineThatIsSilentIsNotWaitedForLongerThanTold) {
-  Pair pair;
+TEST(LocalEngine, WaitsForASilentEngineNoLongerThanItsDeadline) {
+  ClientAndServer pair;
   const auto carved = pair.client->FetchCarved(rt::MonotonicNow() + 20 * rt::kMillisecond);
   ASSERT_FALSE(carved);
   EXPECT_THAT(carved.error(), HasSubstr("does not answer"));
 }
 
-TEST(LocalEngine, AFailureIsTold) {
-  Pair pair;
+TEST(LocalEngine, TheEnginesFailureReachesTheClient) {
+  ClientAndServer pair;
   pair.server->SetFailed("no such device");
   EXPECT_EQ(pair.client->state(), SharedState::kFailed);
   EXPECT_EQ(pair.client->ReadError(), "no such device");
 }
 
-TEST(LocalEngine, TheEngineNoticesThatTheRunIsOver) {
-  Pair pair;
+TEST(LocalEngine, TheEngineDetectsTheEndOfTheRun) {
+  ClientAndServer pair;
   pair.client.reset();
   EngineCommand command;
   EXPECT_EQ(pair.server->Await(command, Soon()), EngineEvent::kGone);
 }
 
-TEST(LocalEngine, TheFolderIsTheUsersAloneAndGoesWithTheRun) {
-  Pair pair;
+TEST(LocalEngine, TheFolderIsPrivateAndRemovedWithTheRun) {
+  ClientAndServer pair;
   const std::filesystem::path folder = pair.client->folder();
   struct stat status {};
   ASSERT_EQ(stat(folder.c_str(), &status), 0);
@@ -177,9 +183,9 @@ TEST(LocalEngine, TheFolderIsTheUsersAloneAndGoesWithTheRun) {
   EXPECT_FALSE(std::filesystem::exists(folder));
 }
 
-// A run that was killed leaves its folder without the lock.
-TEST(LocalEngine, AFolderThatADeadRunLeftIsRemovedByTheNext) {
-  Pair pair;
+// A killed run leaves its folder behind, and nobody holds the folder's lock any more.
+TEST(LocalEngine, TheFolderOfAKilledRunIsRemovedByTheNextRun) {
+  ClientAndServer pair;
   const std::filesystem::path left = pair.client->folder().parent_path() / "osteon_engine_left_by_test";
   std::filesystem::create_directory(left);
   std::ofstream(left / "segment") << "old";
@@ -189,8 +195,8 @@ TEST(LocalEngine, AFolderThatADeadRunLeftIsRemovedByTheNext) {
   EXPECT_TRUE(std::filesystem::exists(pair.client->folder())) << "of a run that lives";
 }
 
-TEST(LocalEngine, FoldersThatAreNoRunsAreRefused) {
-  Pair pair;
+TEST(LocalEngine, FoldersThatAreNotOfARunAreRefused) {
+  ClientAndServer pair;
   EXPECT_FALSE(LocalEngineServer::Open("/nowhere"));
   std::filesystem::permissions(pair.client->folder(), std::filesystem::perms::all);
   EXPECT_THAT(LocalEngineServer::Open(pair.client->folder()).error(), HasSubstr("others may enter"));
@@ -199,8 +205,8 @@ TEST(LocalEngine, FoldersThatAreNoRunsAreRefused) {
   EXPECT_THAT(LocalEngineServer::Open(pair.client->folder()).error(), HasSubstr("another size"));
 }
 
-TEST(LocalEngine, TheTicksPartDoesNotAllocate) {
-  Pair pair;
+TEST(LocalEngine, StoreAndLoadDoNotAllocate) {
+  ClientAndServer pair;
   pair.server->Publish(pair.FrameFor(test::SampleCommand(), 1));
   rt::CheckedNoAllocScope no_alloc;
   pair.client->Store(test::CommandAt(70));

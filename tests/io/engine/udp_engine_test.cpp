@@ -11,17 +11,20 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/io/engine/engine_samples.h"
 
+// The simulation engine on another machine, over UDP: runs, refusals, strangers, and blocks sent in pieces.
+
 namespace osteon::io {
 namespace {
 
 using testing::HasSubstr;
 
-constexpr rt::Nanoseconds kPatience = 20 * rt::kSecond;  // generous: a busy machine must not decide
-constexpr rt::Nanoseconds kSlice = 5 * rt::kMillisecond;
+constexpr rt::Nanoseconds kPatience = 20 * rt::kSecond;   // long, so that a busy machine fails no test
+constexpr rt::Nanoseconds kSlice = 5 * rt::kMillisecond;  // the engine's thread looks this often for its end
 
+// Deadline of a wait that must succeed.
 rt::Nanoseconds Soon() { return rt::MonotonicNow() + kPatience; }
 
-// An engine that answers each command with a frame, in a thread.
+// A server with a thread that answers each command with a frame, and serves one run after the other.
 class Engine {
  public:
   explicit Engine(const UdpServerParams& params = {}) {
@@ -41,8 +44,8 @@ class Engine {
   [[nodiscard]] const EngineCounters& counters() const { return server_->counters(); }
 
   std::uint16_t port{0};
-  std::vector<std::uint8_t> setup_bytes;      // read after End
-  std::vector<std::uint8_t> carved{1, 2, 3};  // set before a run
+  std::vector<std::uint8_t> setup_bytes;      // of the last run; read it after End()
+  std::vector<std::uint8_t> carved{1, 2, 3};  // the carved state to be fetched; set it before a run
   std::atomic<int> runs{0};
 
  private:
@@ -80,7 +83,7 @@ tl::expected<std::unique_ptr<UdpEngineClient>, std::string> Connect(std::uint16_
       EncodeSetup(test::SampleSetup()));
 }
 
-// A stranger's socket.
+// The UDP socket of a program that takes no part in the run.
 class Stranger {
  public:
   explicit Stranger(std::uint16_t port) : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
@@ -101,7 +104,7 @@ class Stranger {
   int socket_;
 };
 
-TEST(UdpEngine, ARunIsServedFromItsSetUpToItsCarvedState) {
+TEST(UdpEngine, ServesARunFromItsSetUpToItsCarvedState) {
   Engine engine;
   engine.carved.resize(1'000'003);  // many windows of pieces
   for (std::size_t i = 0; i < engine.carved.size(); ++i) engine.carved[i] = static_cast<std::uint8_t>(i * 7);
@@ -160,13 +163,13 @@ TEST(UdpEngine, ARunWithoutTheTokenIsRefused) {
   EXPECT_TRUE(Connect(engine.port, "0123456789abcdef"));
 }
 
-TEST(UdpEngine, ListensBeyondTheLoopbackWithATokenOnly) {
+TEST(UdpEngine, ListensBeyondTheLoopbackOnlyWithAToken) {
   const auto open = UdpEngineServer::Open({.address = "0.0.0.0"});
   ASSERT_FALSE(open);
   EXPECT_THAT(open.error(), HasSubstr("found no token"));
 }
 
-TEST(UdpEngine, NobodyThereIsSaid) {
+TEST(UdpEngine, AnErrorTellsThatNoEngineListens) {
   std::uint16_t port = 0;
   {
     Engine engine;
@@ -179,8 +182,8 @@ TEST(UdpEngine, NobodyThereIsSaid) {
   EXPECT_THAT(client.error(), HasSubstr("does `osteon simulate --listen` run there"));
 }
 
-// Noise, whole messages of a stranger, and messages of another session: the run does not notice them.
-TEST(UdpEngine, StrangersAreNotHeard) {
+// A stranger sends noise, and valid messages of another session. The run goes on, and the server counts them.
+TEST(UdpEngine, MessagesOfStrangersAreRejected) {
   Engine engine;
   auto client = Connect(engine.port);
   ASSERT_TRUE(client) << client.error();
@@ -203,8 +206,9 @@ TEST(UdpEngine, StrangersAreNotHeard) {
   EXPECT_GE(engine.counters().rejected, 4u);
 }
 
-// Of a block, pieces that are lost are asked for again, and twice the same does no harm.
-TEST(UdpEngine, LostPiecesAreAskedForAgain) {
+// A large block is sent in pieces. Half of them get lost at random, and some arrive twice: the receiver asks
+// for the missing ones until the block is complete.
+TEST(UdpEngine, LostPiecesAreRequestedAgain) {
   std::vector<std::uint8_t> block(100 * kPieceBytes + 17);
   for (std::size_t i = 0; i < block.size(); ++i) block[i] = static_cast<std::uint8_t>(i % 251);
   BlockReceiver receiver(EngineBlock::kCarved, block.size());
@@ -231,6 +235,7 @@ TEST(UdpEngine, LostPiecesAreAskedForAgain) {
 TEST(UdpEngine, PiecesThatDoNotFitAreRefused) {
   BlockReceiver receiver(EngineBlock::kCarved, 2000);
   std::array<std::uint8_t, kPieceBytes + 9> content{};
+  // a piece of that block, with its number and a content of `size` bytes
   const auto piece = [&](std::uint8_t block, std::uint64_t number, std::size_t size) {
     ByteWriter writer(content);
     writer.Put(block);
@@ -245,7 +250,7 @@ TEST(UdpEngine, PiecesThatDoNotFitAreRefused) {
   EXPECT_FALSE(receiver.complete());
 }
 
-TEST(UdpEngine, TheTicksPartDoesNotAllocate) {
+TEST(UdpEngine, StoreAndLoadDoNotAllocate) {
   Engine engine;
   auto client = Connect(engine.port);
   ASSERT_TRUE(client) << client.error();

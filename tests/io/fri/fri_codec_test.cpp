@@ -10,6 +10,9 @@
 #include "tests/io/fri/fri_golden.h"
 #include "tests/io/fri/fri_oracle.h"
 
+// The codec of FRI's messages, tested against fixed bytes (fri_golden.h) and against libprotobuf
+// (fri_oracle.h).
+
 namespace osteon::io {
 namespace {
 
@@ -33,21 +36,22 @@ std::vector<std::uint8_t> Encoded(const CommandMessage& message, FriFamily famil
   return buffer;
 }
 
+// The decoder's verdict on a datagram of an arm.
 CodecError ErrorOf(const std::vector<std::uint8_t>& datagram, FriFamily family = FriFamily::k1) {
   MonitoringMessage message;
   return DecodeMonitoring(family, datagram, message);
 }
 
-// Golden bytes, for every version.
+// Against fixed bytes, for every version.
 
-TEST(FriVersion, BelongsToAFamily) {
+TEST(FriVersion, EachVersionBelongsToAFamily) {
   EXPECT_EQ(FamilyOf(FriVersion::k1_11), FriFamily::k1);
   EXPECT_EQ(FamilyOf(FriVersion::k1_16), FriFamily::k1);
   EXPECT_EQ(FamilyOf(FriVersion::k2_5), FriFamily::k2_5);
   EXPECT_EQ(FamilyOf(FriVersion::k2_7), FriFamily::k2_7);
 }
 
-TEST(FriGolden, CommandsOfEveryVersion) {
+TEST(FriGolden, EncodesCommandsOfEveryVersion) {
   const CommandMessage header{.sequence = 8, .reflected_sequence = 8};
   CommandMessage position = header;
   position.q = Joints(0.5);
@@ -67,7 +71,7 @@ TEST(FriGolden, CommandsOfEveryVersion) {
     EXPECT_EQ(Encoded(position, family), golden::FromHex(golden::kPosition));
     EXPECT_EQ(Encoded(torque, family), golden::FromHex(golden::kPositionTorque));
   }
-  // as observed on arms
+  // first bytes and sizes as observed on real arms
   const auto bytes = Encoded(position);
   const std::vector<std::uint8_t> prefix{0x0a, 0x08, 0x08, 0x81, 0x80, 0x0d, 0x10, 0x08,
                                          0x18, 0x08, 0x12, 0x41, 0x0a, 0x3f, 0x09};
@@ -80,7 +84,7 @@ TEST(FriGolden, CommandsOfEveryVersion) {
   EXPECT_EQ(Encoded(wrench, FriFamily::k2_7).size(), 137u);
 }
 
-TEST(FriGolden, MonitoringMessagesOfEveryVersion) {
+TEST(FriGolden, DecodesMonitoringMessagesOfEveryVersion) {
   EXPECT_EQ(golden::FromHex(golden::kMonitoring1).size(), 401u);
   EXPECT_EQ(golden::FromHex(golden::kCommanding1).size(), 466u);
   EXPECT_EQ(Bytes(Monitoring(8, fri::MONITORING_READY)), golden::FromHex(golden::kMonitoring1));
@@ -103,8 +107,8 @@ TEST(FriGolden, MonitoringMessagesOfEveryVersion) {
   }
 }
 
-// Detects which version an arm speaks; the other versions refuse it for that reason.
-TEST(FriVersion, IsToldFromAMessage) {
+// A message tells the family of versions that its arm speaks; a client of another family refuses it as such.
+TEST(FriVersion, IsDetectedFromAMessage) {
   for (const FriFamily arm : kFamilies) {
     const auto bytes = Datagram(arm, Monitoring(8, fri::MONITORING_READY, arm));
     EXPECT_EQ(DetectFamily(bytes), arm) << Describe(arm);
@@ -124,7 +128,7 @@ TEST(FriVersion, IsToldFromAMessage) {
   EXPECT_EQ(ErrorOf(Datagram(FriFamily::k2_7, idle), FriFamily::k1), CodecError::kOtherVersion);
 }
 
-TEST(FriFrame, LengthAndChecksumMustFit) {
+TEST(FriFrame, RefusesAWrongLengthOrChecksum) {
   const auto good = Datagram(FriFamily::k2_7, Monitoring(8, fri::MONITORING_READY, FriFamily::k2_7));
   ASSERT_EQ(ErrorOf(good, FriFamily::k2_7), CodecError::kNone);
   for (std::size_t i = 0; i < good.size(); ++i) {
@@ -139,7 +143,7 @@ TEST(FriFrame, LengthAndChecksumMustFit) {
 
 // Against libprotobuf.
 
-TEST(FriMonitoring, DecodesWhatLibprotobufEncodes) {
+TEST(FriMonitoring, DecodesMessagesOfLibprotobuf) {
   fri::FRIMonitoringMessage sent = Monitoring(300, fri::COMMANDING_ACTIVE);
   sent.mutable_connectioninfo()->set_quality(fri::GOOD);
   sent.mutable_connectioninfo()->set_sendperiod(5);
@@ -173,7 +177,7 @@ TEST(FriMonitoring, DecodesWhatLibprotobufEncodes) {
   EXPECT_EQ(m.time->nanosec, 123'456'789u);
 }
 
-TEST(FriCommand, IsReadAndWrittenAlikeByLibprotobuf) {
+TEST(FriCommand, LibprotobufReadsAndWritesTheSameCommand) {
   CommandMessage sent{.sequence = 70'000, .reflected_sequence = 5, .q = Joints(-0.4)};
   sent.wire_wrench = {1, 2, 3, 4, 5, 6};
   sent.tau = Joints(7.0);
@@ -225,7 +229,7 @@ TEST(FriMonitoring, DecodesPosesForceAndOutputsOfTheVersionsThatHaveThem) {
     EXPECT_FALSE(m.ios[0].analog);
     EXPECT_EQ(m.ios[1].direction, FriIoDirection::kOutput);
     EXPECT_EQ(m.ios[1].analog, -2.5);
-    // a third of a turn: x to z, y to -x, z to -y
+    // rotation by a third of a turn: it maps x to z, y to -x, z to -y
     ASSERT_EQ(m.transformations.size(), 2u);
     EXPECT_EQ(m.transformations[0].name.view(), "flange");
     EXPECT_EQ(m.transformations[0].time, (FriTime{5, 6}));
@@ -245,7 +249,7 @@ TEST(FriMonitoring, DecodesPosesForceAndOutputsOfTheVersionsThatHaveThem) {
   }
 }
 
-TEST(FriCommand, PosesAreReadAlikeByLibprotobuf) {
+TEST(FriCommand, LibprotobufReadsTheSamePoses) {
   for (const FriFamily family : kFamilies) {
     SCOPED_TRACE(Describe(family));
     CommandMessage sent{.sequence = 1, .reflected_sequence = 2, .q = Joints(-0.4)};
@@ -262,7 +266,7 @@ TEST(FriCommand, PosesAreReadAlikeByLibprotobuf) {
   }
 }
 
-TEST(FriMonitoring, RefusesPosesThatAreNone) {
+TEST(FriMonitoring, RefusesPosesOfWrongSizeOrWithoutARotation) {
   const auto with = [](const std::vector<double>& elements, FriFamily family,
                        const std::string& name = "cup") {
     fri::FRIMonitoringMessage m = Monitoring(1, fri::MONITORING_READY, family);
@@ -312,8 +316,8 @@ TEST(FriMonitoring, SkipsFieldsOfLaterVersions) {
   EXPECT_EQ(ErrorOf(bytes), CodecError::kNone);
 }
 
-// Hostile input: each change to a valid message has its own reason of refusal.
-TEST(FriMonitoring, RefusesWithTheReason) {
+// Each change to a valid message is refused, with the reason that fits it.
+TEST(FriMonitoring, RefusesEachDefectWithItsReason) {
   using Change = std::function<void(fri::FRIMonitoringMessage&)>;
   const auto with = [](const Change& change) {
     fri::FRIMonitoringMessage m = Monitoring(1, fri::COMMANDING_ACTIVE);
@@ -352,7 +356,7 @@ TEST(FriMonitoring, RefusesWithTheReason) {
   }
 }
 
-// libprotobuf cannot write an enum that does not exist, so the byte is changed after it.
+// libprotobuf cannot write an enum value that does not exist, so the test changes the encoded bytes.
 TEST(FriMonitoring, RefusesAnEnumThatDoesNotExist) {
   fri::ConnectionInfo connection = Monitoring(1, fri::MONITORING_READY).connectioninfo();
   const auto good = Bytes(connection);
@@ -368,7 +372,7 @@ TEST(FriMonitoring, RefusesAnEnumThatDoesNotExist) {
   EXPECT_EQ(ErrorOf(bytes), CodecError::kNone);
 }
 
-TEST(FriMonitoring, RefusesEmptyTruncatedAndOversized) {
+TEST(FriMonitoring, RefusesEmptyTruncatedAndOversizedMessages) {
   EXPECT_EQ(ErrorOf({}), CodecError::kMalformed);
   auto bytes = Bytes(Monitoring(1, fri::COMMANDING_ACTIVE));
   for (std::size_t size = 0; size < bytes.size(); ++size)
@@ -378,7 +382,7 @@ TEST(FriMonitoring, RefusesEmptyTruncatedAndOversized) {
   EXPECT_EQ(ErrorOf(bytes), CodecError::kTooLong);
 }
 
-TEST(FriMonitoring, LeavesTheMessageAloneOnError) {
+TEST(FriMonitoring, LeavesTheOutputUnchangedOnError) {
   MonitoringMessage m;
   m.sequence = 42;
   fri::FRIMonitoringMessage bad = Monitoring(7, fri::COMMANDING_ACTIVE);
@@ -387,7 +391,7 @@ TEST(FriMonitoring, LeavesTheMessageAloneOnError) {
   EXPECT_EQ(m.sequence, 42u);
 }
 
-TEST(FriCommand, NeverEncodesWhatIsNotFinite) {
+TEST(FriCommand, NeverEncodesValuesThatAreNotFinite) {
   std::array<std::uint8_t, kFriMaxDatagram> buffer{};
   std::size_t size = 0;
   for (const double bad : {kNaN, kInf}) {

@@ -11,6 +11,8 @@
 #include "tests/io/fri/fri_golden.h"
 #include "tests/io/fri/fri_oracle.h"
 
+// The guard's reader of the commands that a controller sends to its arm.
+
 namespace osteon::io {
 namespace {
 
@@ -18,8 +20,8 @@ using test::golden::FromHex;
 
 constexpr std::array kFamilies{FriFamily::k1, FriFamily::k2_5, FriFamily::k2_7};
 
-// A datagram written like the controller's.
-std::vector<std::uint8_t> Written(FriFamily family, const CommandMessage& message) {
+// The datagram that the controller sends for this command.
+std::vector<std::uint8_t> EncodedCommand(FriFamily family, const CommandMessage& message) {
   std::vector<std::uint8_t> bytes(kFriMaxDatagram);
   std::size_t size = 0;
   EXPECT_EQ(EncodeCommand(family, message, bytes, size), CodecError::kNone);
@@ -27,7 +29,8 @@ std::vector<std::uint8_t> Written(FriFamily family, const CommandMessage& messag
   return bytes;
 }
 
-fri::FRICommandMessage Valid() {
+// A command with joint positions only.
+fri::FRICommandMessage PositionCommand() {
   fri::FRICommandMessage m;
   m.mutable_header()->set_messageidentifier(0x34001);
   m.mutable_header()->set_sequencecounter(8);
@@ -36,12 +39,13 @@ fri::FRICommandMessage Valid() {
   return m;
 }
 
+// The verdict of ReadCommand on this message.
 FriCommandError Read(const google::protobuf::MessageLite& message, FriFamily family = FriFamily::k1) {
   FriReadCommand command;
   return ReadCommand(family, test::Datagram(family, message), command);
 }
 
-TEST(FriCommandReader, ReadsTheDatagramsThatArmsHaveSeen) {
+TEST(FriCommandReader, ReadsTheGoldenDatagrams) {
   FriReadCommand command;
   ASSERT_EQ(ReadCommand(FriFamily::k1, FromHex(test::golden::kPositionWrench), command),
             FriCommandError::kNone);
@@ -61,14 +65,14 @@ TEST(FriCommandReader, ReadsTheDatagramsThatArmsHaveSeen) {
   EXPECT_EQ(command.q, test::Joints(0.5));
 }
 
-TEST(FriCommandReader, ReadsWhatTheControllerWritesInEveryFamily) {
+TEST(FriCommandReader, ReadsTheControllersCommandsInEveryFamily) {
   for (const FriFamily family : kFamilies) {
     CommandMessage message{.sequence = 4'000'000'000u, .reflected_sequence = 7, .q = test::Joints(-1e-300)};
     message.wire_wrench = {1.5, -2.5, 1e308, 0.0, -0.0, 3.0};
     message.tau = test::Joints(3.0);
     message.X = FriPose{.name = FriName("flange"), .element = {1, 2, 3, 1, 0, 0, 0}};
     FriReadCommand command;
-    ASSERT_EQ(ReadCommand(family, Written(family, message), command), FriCommandError::kNone)
+    ASSERT_EQ(ReadCommand(family, EncodedCommand(family, message), command), FriCommandError::kNone)
         << Describe(family);
     EXPECT_EQ(command.sequence, message.sequence);
     EXPECT_EQ(command.reflected_sequence, 7u);
@@ -79,51 +83,53 @@ TEST(FriCommandReader, ReadsWhatTheControllerWritesInEveryFamily) {
   }
 }
 
-// Two readers of one datagram must not see two commands: an ambiguous datagram is refused.
-TEST(FriCommandReader, RefusesWhatAnArmMightReadOtherwise) {
-  EXPECT_EQ(Read(Valid()), FriCommandError::kNone);
-  auto twice = test::Bytes(Valid());
+// An arm and the guard must not read two different commands from one datagram, so an ambiguous one is
+// refused.
+TEST(FriCommandReader, RefusesDatagramsThatAnArmMightReadDifferently) {
+  EXPECT_EQ(Read(PositionCommand()), FriCommandError::kNone);
+  auto twice = test::Bytes(PositionCommand());
   const auto again = twice;
   twice.insert(twice.end(), again.begin(), again.end());  // protobuf merges: fourteen joints
   FriReadCommand command;
   EXPECT_EQ(ReadCommand(FriFamily::k1, twice, command), FriCommandError::kMalformed);
 
-  auto m = Valid();
+  auto m = PositionCommand();
   m.mutable_commanddata()->mutable_jointposition()->add_value(0.0);
   EXPECT_EQ(Read(m), FriCommandError::kMalformed) << "eight joints";
-  m = Valid();
+  m = PositionCommand();
   m.mutable_commanddata()->mutable_cartesianwrenchfeedforward()->add_element(1.0);
   EXPECT_EQ(Read(m), FriCommandError::kMalformed) << "a wrench of one";
-  m = Valid();
+  m = PositionCommand();
   m.mutable_header()->set_messageidentifier(0x245142);
   EXPECT_EQ(Read(m), FriCommandError::kMalformed) << "a monitoring message";
-  m = Valid();
+  m = PositionCommand();
   m.mutable_header()->clear_reflectedsequencecounter();
   EXPECT_EQ(Read(m), FriCommandError::kMalformed);
-  m = Valid();
+  m = PositionCommand();
   test::PutPose(m.mutable_commanddata()->mutable_cartesianpose());
   EXPECT_EQ(Read(m, FriFamily::k1), FriCommandError::kMalformed) << "1.x has no poses";
   EXPECT_EQ(Read(m, FriFamily::k2_5), FriCommandError::kNone);
 
-  auto bytes = test::Bytes(Valid());
+  auto bytes = test::Bytes(PositionCommand());
   bytes.insert(bytes.end(), {0x98, 0x06, 0x01});  // field 99, a varint
   EXPECT_EQ(ReadCommand(FriFamily::k1, bytes, command), FriCommandError::kMalformed);
   EXPECT_EQ(ReadCommand(FriFamily::k1, {}, command), FriCommandError::kMalformed);
   EXPECT_EQ(ReadCommand(FriFamily::k1, std::vector<std::uint8_t>(1501, 0), command),
             FriCommandError::kMalformed);
-  EXPECT_EQ(ReadCommand(FriFamily::k2_7, test::Bytes(Valid()), command), FriCommandError::kMalformed)
+  EXPECT_EQ(ReadCommand(FriFamily::k2_7, test::Bytes(PositionCommand()), command),
+            FriCommandError::kMalformed)
       << "bare";
-  auto framed = test::Datagram(FriFamily::k2_7, Valid());
+  auto framed = test::Datagram(FriFamily::k2_7, PositionCommand());
   framed[20] ^= 1;
   EXPECT_EQ(ReadCommand(FriFamily::k2_7, framed, command), FriCommandError::kChecksum);
 }
 
-// Damaged datagrams: if one is accepted, libprotobuf reads the same joints, wrench and counters from it, or
-// accepts none of it.
-TEST(FriCommandReader, WhatItTakesLibprotobufReadsTheSame) {
+// If a damaged datagram is accepted, libprotobuf must read the same joints, wrench, torques and counters from
+// it, or must refuse it altogether.
+TEST(FriCommandReader, LibprotobufReadsTheSameFromEachAcceptedDatagram) {
   google::protobuf::SetLogHandler(nullptr);
   std::mt19937 random(20261122);
-  auto full = Valid();
+  auto full = PositionCommand();
   for (int i = 0; i < 6; ++i)
     full.mutable_commanddata()->mutable_cartesianwrenchfeedforward()->add_element(i);
   test::PutJoints(3.0, full.mutable_commanddata()->mutable_jointtorque());
@@ -152,8 +158,8 @@ TEST(FriCommandReader, WhatItTakesLibprotobufReadsTheSame) {
     ++taken;
     changed += bytes != whole;
     const auto oracle = test::Command(bytes);
-    if (!oracle) {  // damaged in a part that the guard does not read, a frame or an output: no arm accepts
-                    // any of it
+    // damaged in a part that the guard does not read (a frame or an output): no arm accepts any of it
+    if (!oracle) {
       ++refused;
       continue;
     }

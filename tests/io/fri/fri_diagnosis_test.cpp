@@ -7,7 +7,7 @@
 
 #include "tests/io/fri/fri_session_fixture.h"
 
-// Text about what keeps the arm from being commanded.
+// FriSession::Diagnosis(): the text that tells an operator why the arm is not commanded.
 
 namespace osteon::io {
 namespace {
@@ -17,7 +17,7 @@ using test::Bytes;
 using test::Datagram;
 using test::Monitoring;
 
-constexpr std::array kFamilies{FriVersion::k1_15, FriVersion::k2_5, FriVersion::k2_7};  // one of each
+constexpr std::array kFamilies{FriVersion::k1_15, FriVersion::k2_5, FriVersion::k2_7};  // one of each family
 
 TEST_F(FriSessionTest, SaysWhichVersionTheArmSpeaks) {
   for (const FriVersion arm : kFamilies)
@@ -39,7 +39,7 @@ TEST_F(FriSessionTest, SaysWhichVersionTheArmSpeaks) {
     }
 }
 
-TEST_F(FriSessionTest, DiagnosisNamesWhatKeepsTheArmFromMoving) {
+TEST_F(FriSessionTest, NamesTheConditionThatKeepsTheArmFromMoving) {
   std::uint32_t sequence = 0;
   const auto with = [&](fri::SessionState state, auto change) {
     fri::FRIMonitoringMessage m = Monitoring(++sequence, state);
@@ -74,9 +74,9 @@ TEST_F(FriSessionTest, DiagnosisNamesWhatKeepsTheArmFromMoving) {
 
 // As in a public log: MONITORING_WAIT, MONITORING_READY, and 83 ms later IDLE. The quality of an arm that has
 // ended its session says nothing about the network.
-TEST_F(FriSessionTest, ASessionThatTheArmEndedIsNoPoorConnection) {
-  ASSERT_EQ(Take(1, fri::MONITORING_WAIT), FriAccept::kAccepted);
-  ASSERT_EQ(Take(2, fri::MONITORING_READY), FriAccept::kAccepted);
+TEST_F(FriSessionTest, ASessionThatTheArmEndedIsNotReportedAsPoorConnection) {
+  ASSERT_EQ(AcceptMessage(1, fri::MONITORING_WAIT), FriAccept::kAccepted);
+  ASSERT_EQ(AcceptMessage(2, fri::MONITORING_READY), FriAccept::kAccepted);
   fri::FRIMonitoringMessage idle = Monitoring(3, fri::IDLE);
   idle.mutable_connectioninfo()->set_quality(fri::POOR);
   ASSERT_EQ(session_.Accept(Bytes(idle), ++now_, state_), FriAccept::kAccepted);
@@ -88,17 +88,18 @@ TEST_F(FriSessionTest, ASessionThatTheArmEndedIsNoPoorConnection) {
   EXPECT_NE(session_.Diagnosis().find("it was MONITORING_READY"), std::string::npos) << "still";
 }
 
-TEST_F(FriSessionTest, AnArmThatLeftCommandingIsSaidToHave) {
-  ASSERT_EQ(Take(1, fri::COMMANDING_ACTIVE), FriAccept::kAccepted);
-  ASSERT_EQ(Take(2, fri::MONITORING_READY), FriAccept::kAccepted);
+TEST_F(FriSessionTest, ReportsThatTheArmLeftCommanding) {
+  ASSERT_EQ(AcceptMessage(1, fri::COMMANDING_ACTIVE), FriAccept::kAccepted);
+  ASSERT_EQ(AcceptMessage(2, fri::MONITORING_READY), FriAccept::kAccepted);
   EXPECT_EQ(session_.Diagnosis(),
             "The arm has left COMMANDING_ACTIVE for MONITORING_READY. The robot program has not asked for "
             "commanding.");
 }
 
-// A message with such a joint does not count as silence: the loop sees the joint, and nothing else of it.
+// A message with a measured joint that is not a number does not count as silence: the loop gets its joints
+// and its time, so that it can stop, but nothing else from the message.
 TEST_F(FriSessionTest, AJointThatIsNotANumberReachesTheLoopAndIsNotAnswered) {
-  ASSERT_EQ(Take(1, fri::COMMANDING_ACTIVE), FriAccept::kAccepted);
+  ASSERT_EQ(AcceptMessage(1, fri::COMMANDING_ACTIVE), FriAccept::kAccepted);
   (void)Answer(state_.q_ipo);
   fri::FRIMonitoringMessage bad = Monitoring(2, fri::MONITORING_READY);
   bad.mutable_monitordata()->mutable_measuredjointposition()->set_value(2, std::nan(""));
@@ -112,7 +113,7 @@ TEST_F(FriSessionTest, AJointThatIsNotANumberReachesTheLoopAndIsNotAnswered) {
   EXPECT_TRUE(
       session_.Answer(control::ArmCommand{.q = state_.q_ipo, .activation = state_.activation}).empty());
   // and the session goes on
-  ASSERT_EQ(Take(3, fri::COMMANDING_ACTIVE), FriAccept::kAccepted);
+  ASSERT_EQ(AcceptMessage(3, fri::COMMANDING_ACTIVE), FriAccept::kAccepted);
   EXPECT_EQ(state_.lost, 1u);
 
   // any other value that is not a number is still refused

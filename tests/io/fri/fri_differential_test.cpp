@@ -7,9 +7,9 @@
 #include "tests/io/fri/fri_oracle.h"
 #include "tests/io/fri/fri_wire_tree.h"
 
-// Changed messages, read by the codec and by libprotobuf under the same rules: both must accept or refuse the
-// same ones, for the same reason, and read the same values. fri_wide_oracle.h lists where libprotobuf alone
-// is looser, and fri_expected.h the rules.
+// The codec and libprotobuf read the same randomly changed messages. Both must accept or refuse the same
+// ones, for the same reason, and read the same values. fri_expected.h states the codec's rules a second time;
+// fri_wide_oracle.h lists where libprotobuf alone accepts more.
 
 namespace osteon::io {
 namespace {
@@ -17,8 +17,8 @@ namespace {
 constexpr unsigned kSeed = 20240901;
 constexpr std::array kFamilies{FriFamily::k1, FriFamily::k2_5, FriFamily::k2_7};
 
-// Every field of a version, twice if it is repeated.
-fri::FRIMonitoringMessage Full(std::uint32_t sequence, fri::SessionState state, FriFamily family) {
+// A message with every field of a version; repeated fields have two elements.
+fri::FRIMonitoringMessage FullMessage(std::uint32_t sequence, fri::SessionState state, FriFamily family) {
   fri::FRIMonitoringMessage m = test::Monitoring(sequence, state, family);
   for (const char* name : {"Drill.On", "Pump.Flow"}) {
     auto* io = m.mutable_monitordata()->add_readiorequest();
@@ -42,7 +42,8 @@ fri::FRIMonitoringMessage Full(std::uint32_t sequence, fri::SessionState state, 
   return m;
 }
 
-// Whether there may be a tag beyond 32 bits, or a varint beyond 64, which libprotobuf truncates.
+// Whether the bytes may contain a tag of more than 32 bits or a varint of more than 64, which libprotobuf
+// truncates.
 bool MayHaveCutNumber(std::span<const std::uint8_t> bytes) {
   int high = 0;
   for (const std::uint8_t byte : bytes) {
@@ -54,7 +55,8 @@ bool MayHaveCutNumber(std::span<const std::uint8_t> bytes) {
 
 class FriDifferential : public testing::Test {
  protected:
-  // @returns the codec's verdict.
+  // Decodes a message by both, and expects equal verdicts and values. @param inside  the message without the
+  // frame of 2.7 @returns the codec's verdict
   CodecError Compare(FriFamily family, const std::vector<std::uint8_t>& inside) {
     const auto datagram = family == FriFamily::k2_7 ? test::Framed(inside) : inside;
     const test::Expected expected(family, inside, oracle_);
@@ -64,7 +66,7 @@ class FriDifferential : public testing::Test {
       EXPECT_EQ(error, CodecError::kTooLong);
       return error;
     }
-    // refused only for such a number: rewritten by libprotobuf without it, the message is valid
+    // The codec refused a number that libprotobuf truncated: compare with libprotobuf's rewritten message.
     if (error == CodecError::kMalformed && error != expected.error() && MayHaveCutNumber(inside)) {
       ++cut_numbers_;
       return DecodeAsRewritten(family, expected);
@@ -76,6 +78,8 @@ class FriDifferential : public testing::Test {
     return error;
   }
 
+  // Decodes the message as libprotobuf writes it again, with the truncated number; expects the rules'
+  // verdict.
   CodecError DecodeAsRewritten(FriFamily family, const test::Expected& expected) {
     const auto rewritten = expected.Rewritten();
     MonitoringMessage m;
@@ -89,9 +93,10 @@ class FriDifferential : public testing::Test {
   int cut_numbers_{0};
 };
 
-TEST_F(FriDifferential, TheMessageItselfIsReadAlike) {
+TEST_F(FriDifferential, UnchangedMessagesAreReadAlike) {
   for (const FriFamily family : kFamilies)
-    EXPECT_EQ(Compare(family, test::Bytes(Full(8, fri::COMMANDING_ACTIVE, family))), CodecError::kNone);
+    EXPECT_EQ(Compare(family, test::Bytes(FullMessage(8, fri::COMMANDING_ACTIVE, family))),
+              CodecError::kNone);
 }
 
 TEST_F(FriDifferential, ChangedFieldsAreReadAlike) {
@@ -102,7 +107,7 @@ TEST_F(FriDifferential, ChangedFieldsAreReadAlike) {
     const FriFamily family = kFamilies[random_.Below(3)];
     const auto state = static_cast<fri::SessionState>(random_.Below(5));
     const FriFamily arm = random_.Below(20) == 0 ? kFamilies[random_.Below(3)] : family;
-    auto tree = test::ReadTree(test::Bytes(Full(static_cast<std::uint32_t>(i), state, arm)));
+    auto tree = test::ReadTree(test::Bytes(FullMessage(static_cast<std::uint32_t>(i), state, arm)));
     ASSERT_TRUE(tree);
     for (std::size_t changes = 1 + random_.Below(4); changes > 0; --changes) random_.Change(*tree);
     ++verdicts[Compare(family, test::WriteTree(*tree))];
@@ -122,7 +127,7 @@ TEST_F(FriDifferential, ChangedBytesAreReadAlike) {
     SCOPED_TRACE(i);
     const FriFamily family = kFamilies[random_.Below(3)];
     const auto state = static_cast<fri::SessionState>(random_.Below(5));
-    auto bytes = test::Bytes(Full(static_cast<std::uint32_t>(i), state, family));
+    auto bytes = test::Bytes(FullMessage(static_cast<std::uint32_t>(i), state, family));
     for (std::size_t changes = 1 + random_.Below(2); changes > 0; --changes) {
       auto& byte = bytes[random_.Below(bytes.size())];
       byte = random_.Below(2) ? static_cast<std::uint8_t>(byte ^ 1u << random_.Below(8))
@@ -135,10 +140,11 @@ TEST_F(FriDifferential, ChangedBytesAreReadAlike) {
   EXPECT_GT(accepted, 5'000) << "most doubles, names and stamps may change";
 }
 
-// Forms that the wire format allows beyond those of arms, one rule for each case.
-TEST_F(FriDifferential, EachRuleOfTheWireFormatIsKept) {
+// Each case is one rule of protobuf's wire format, in bytes that real arms do not send.
+TEST_F(FriDifferential, CodecFollowsEachRuleOfTheWireFormat) {
   using Bytes = std::vector<std::uint8_t>;
   const Bytes whole = test::Bytes(test::Monitoring(300, fri::MONITORING_READY));
+  // verdict on a valid message with these bytes appended
   const auto with = [&](const Bytes& more) {
     Bytes bytes = whole;
     bytes.insert(bytes.end(), more.begin(), more.end());

@@ -10,21 +10,22 @@
 #include "io/fri/codec.h"
 #include "tests/io/fri/fri_wide_oracle.h"
 
-// Content of a monitoring message according to libprotobuf, and the codec's rules (codec.h) written a second
-// time.
+// The expected result of the codec for a monitoring message: its values as libprotobuf reads them, and the
+// codec's rules (codec.h) written a second time.
 
 namespace osteon::io::test {
 
-/// The rules in their order: the first broken one is the codec's answer.
+/// What the codec must find in a message: the first broken rule, or none and these values.
 class Expected {
  public:
+  /// @param inside  the message without the frame of 2.7; @param oracle  refuses malformed messages
   Expected(FriFamily family, std::span<const std::uint8_t> inside, const WideOracle& oracle)
       : family_(family), message_(oracle.Parse(inside)) {
-    error_ = message_ == nullptr ? CodecError::kMalformed : Whole(WirePart(message_.get()));
+    error_ = message_ == nullptr ? CodecError::kMalformed : FirstBrokenRule(WirePart(message_.get()));
   }
 
   [[nodiscard]] CodecError error() const { return error_; }
-  /// The bytes that libprotobuf writes for what it read.
+  /// The message as libprotobuf encodes it again.
   [[nodiscard]] std::vector<std::uint8_t> Rewritten() const {
     const std::string text = message_->SerializePartialAsString();
     return {text.begin(), text.end()};
@@ -55,14 +56,14 @@ class Expected {
     const auto drives = robot.Ints("driveState");
     for (std::size_t i = 0; i < m.drives.size(); ++i)
       same("drive", m.drives[i], drives.empty() ? 0 : drives[i]);
-    same("q_meas", Listed(m.q_meas), Vector(monitor, "measuredJointPosition", "value"));
-    same("tau_meas", Listed(m.tau_meas), Vector(monitor, "measuredTorque", "value"));
-    same("q_cmd", Listed(m.q_cmd), Vector(monitor, "commandedJointPosition", "value"));
-    same("tau_cmd", Listed(m.tau_cmd), Vector(monitor, "commandedTorque", "value"));
-    same("tau_ext", Listed(m.tau_ext), Vector(monitor, "externalTorque", "value"));
-    same("q_ipo", Listed(m.q_ipo), Vector(ipo, "jointPosition", "value"));
+    same("q_meas", ToVector(m.q_meas), ValuesOf(monitor, "measuredJointPosition", "value"));
+    same("tau_meas", ToVector(m.tau_meas), ValuesOf(monitor, "measuredTorque", "value"));
+    same("q_cmd", ToVector(m.q_cmd), ValuesOf(monitor, "commandedJointPosition", "value"));
+    same("tau_cmd", ToVector(m.tau_cmd), ValuesOf(monitor, "commandedTorque", "value"));
+    same("tau_ext", ToVector(m.tau_ext), ValuesOf(monitor, "externalTorque", "value"));
+    same("q_ipo", ToVector(m.q_ipo), ValuesOf(ipo, "jointPosition", "value"));
     if (family_ == FriFamily::k2_7)
-      same("force", Listed(m.wire_force), Vector(monitor, "externalForce", "element"));
+      same("force", ToVector(m.wire_force), ValuesOf(monitor, "externalForce", "element"));
     same("time", m.time, Time(monitor));
     same("X_meas", PoseText(m.X_meas),
          PoseText(monitor, "measuredCartesianPose", "measuredRedundancyInformation"));
@@ -105,10 +106,11 @@ class Expected {
   using Values = std::optional<std::vector<double>>;
 
   template <std::size_t N>
-  static Values Listed(const std::optional<std::array<double, N>>& values) {
+  static Values ToVector(const std::optional<std::array<double, N>>& values) {
     return values ? Values(std::vector<double>(values->begin(), values->end())) : std::nullopt;
   }
-  static Values Vector(const WirePart& part, const char* name, const char* values) {
+  // The numbers in a message's field `name`; nullopt if the field is absent.
+  static Values ValuesOf(const WirePart& part, const char* name, const char* values) {
     return part.Has(name) ? Values(part.Part(name).Reals(values)) : std::nullopt;
   }
   static std::optional<FriTime> Time(const WirePart& part) {
@@ -117,7 +119,9 @@ class Expected {
     return FriTime{static_cast<std::uint32_t>(time.Int("sec")),
                    static_cast<std::uint32_t>(time.Int("nanosec"))};
   }
+  // The codec's names end at the first zero byte.
   static std::string UpToNul(const std::string& text) { return text.c_str(); }
+  // All parts of a pose, bit for bit, as bytes that can be compared.
   static std::string PoseText(const std::string& name, const std::vector<double>& element,
                               const std::optional<FriTime>& time,
                               const std::optional<FriRedundancy>& redundancy) {
@@ -140,106 +144,109 @@ class Expected {
     if (!part.Has(name)) return {};
     const WirePart pose = part.Part(name), elbow = part.Part(redundancy);
     return PoseText(UpToNul(pose.Text("name")), pose.Reals("element"), Time(pose),
-                    elbow.there()
+                    elbow.exists()
                         ? std::optional(FriRedundancy{static_cast<std::uint32_t>(elbow.Int("strategy")),
                                                       elbow.Real("value")})
                         : std::nullopt);
   }
 
-  // The rules. Each adds its reason if it is broken, and the first one is kept.
+  // The rules. Require() keeps the reason of the first broken one.
 
-  void Need(bool holds, CodecError reason) {
-    if (!holds && first_ == CodecError::kNone) first_ = reason;
+  void Require(bool holds, CodecError reason) {
+    if (!holds && first_broken_ == CodecError::kNone) first_broken_ = reason;
   }
-  static bool Finite(const std::vector<double>& values) {
+  static bool AllFinite(const std::vector<double>& values) {
     return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
   }
-  void Enum(const WirePart& part, const char* name, std::uint64_t largest) {
-    if (part.Has(name)) Need(part.Int(name) <= largest, CodecError::kOutOfRange);
+  void RequireEnum(const WirePart& part, const char* name, std::uint64_t largest) {
+    if (part.Has(name)) Require(part.Int(name) <= largest, CodecError::kOutOfRange);
   }
-  void Vector(const WirePart& part, const char* name, const char* values, std::size_t size) {
+  void RequireVector(const WirePart& part, const char* name, const char* values, std::size_t size) {
     if (!part.Has(name)) return;
     const auto listed = part.Part(name).Reals(values);
-    Need(listed.size() == size, CodecError::kWrongCount);
-    Need(listed.size() != size || Finite(listed), CodecError::kNotFinite);
+    Require(listed.size() == size, CodecError::kWrongCount);
+    Require(listed.size() != size || AllFinite(listed), CodecError::kNotFinite);
   }
-  void Elements(const std::vector<double>& element, std::size_t size) {
-    Need(element.size() == size, CodecError::kWrongCount);
+  // 7 elements: position and unit quaternion; 12: the rows of [R | p].
+  void RequirePoseElements(const std::vector<double>& element, std::size_t size) {
+    Require(element.size() == size, CodecError::kWrongCount);
     if (element.size() != size) return;
-    Need(Finite(element), CodecError::kNotFinite);
-    if (!Finite(element)) return;
+    Require(AllFinite(element), CodecError::kNotFinite);
+    if (!AllFinite(element)) return;
     if (size == 7) {
       const double norm = std::hypot(std::hypot(element[3], element[4]), std::hypot(element[5], element[6]));
-      return Need(std::abs(norm - 1.0) <= 1e-3, CodecError::kOutOfRange);
+      return Require(std::abs(norm - 1.0) <= 1e-3, CodecError::kOutOfRange);
     }
     const auto row = [&](std::size_t i) {
       return Vector3(element[4 * i], element[4 * i + 1], element[4 * i + 2]);
     };
     for (std::size_t i = 0; i < 3; ++i)
       for (std::size_t j = 0; j < 3; ++j)
-        Need(std::abs(row(i).dot(row(j)) - (i == j ? 1.0 : 0.0)) < 1e-3, CodecError::kOutOfRange);
-    Need(row(0).cross(row(1)).dot(row(2)) > 0.0, CodecError::kOutOfRange);
+        Require(std::abs(row(i).dot(row(j)) - (i == j ? 1.0 : 0.0)) < 1e-3, CodecError::kOutOfRange);
+    Require(row(0).cross(row(1)).dot(row(2)) > 0.0, CodecError::kOutOfRange);
   }
-  void Pose2x(const WirePart& part, const char* name, const char* redundancy) {
+  void RequirePoseOf2x(const WirePart& part, const char* name, const char* redundancy) {
     if (!part.Has(name)) return;
-    Elements(part.Part(name).Reals("element"), 7);
+    RequirePoseElements(part.Part(name).Reals("element"), 7);
     if (part.Has(redundancy) && part.Part(name).Reals("element").size() == 7 &&
-        Finite(part.Part(name).Reals("element")))
-      Need(std::isfinite(part.Part(redundancy).Real("value")), CodecError::kNotFinite);
+        AllFinite(part.Part(name).Reals("element")))
+      Require(std::isfinite(part.Part(redundancy).Real("value")), CodecError::kNotFinite);
   }
 
-  CodecError Whole(const WirePart& w) {
+  CodecError FirstBrokenRule(const WirePart& w) {
     if (w.Part("header").Int("messageIdentifier") != kFriMonitoringId) return CodecError::kWrongId;
     const WirePart connection = w.Part("connectionInfo"), robot = w.Part("robotInfo"),
                    monitor = w.Part("monitorData"), ipo = w.Part("ipoData");
-    const bool later = monitor.Has("measuredCartesianPose") || monitor.Has("measuredRedundancyInformation") ||
-                       ipo.Has("cartesianPose") || ipo.Has("redundancyInformation");
-    const bool first = family_ == FriFamily::k1;
-    if (first ? later : !later && monitor.Has("commandedJointPosition")) return CodecError::kOtherVersion;
-    if (!connection.there()) return CodecError::kMissingField;
+    const bool has_fields_of_2x = monitor.Has("measuredCartesianPose") ||
+                                  monitor.Has("measuredRedundancyInformation") || ipo.Has("cartesianPose") ||
+                                  ipo.Has("redundancyInformation");
+    const bool is_1x = family_ == FriFamily::k1;
+    if (is_1x ? has_fields_of_2x : !has_fields_of_2x && monitor.Has("commandedJointPosition"))
+      return CodecError::kOtherVersion;
+    if (!connection.exists()) return CodecError::kMissingField;
 
-    Enum(connection, "sessionState", 4);
-    Enum(connection, "quality", 3);
+    RequireEnum(connection, "sessionState", 4);
+    RequireEnum(connection, "quality", 3);
     for (const char* name : {"sendPeriod", "receiveMultiplier"})
       if (connection.Has(name))
-        Need(connection.Int(name) >= 1 && connection.Int(name) <= 100, CodecError::kOutOfRange);
-    if (robot.Has("numberOfJoints")) Need(robot.Int32("numberOfJoints") == 7, CodecError::kWrongCount);
-    Enum(robot, "safetyState", 3);
-    Enum(robot, "operationMode", 2);
-    Enum(robot, "controlMode", 3);
+        Require(connection.Int(name) >= 1 && connection.Int(name) <= 100, CodecError::kOutOfRange);
+    if (robot.Has("numberOfJoints")) Require(robot.Int32("numberOfJoints") == 7, CodecError::kWrongCount);
+    RequireEnum(robot, "safetyState", 3);
+    RequireEnum(robot, "operationMode", 2);
+    RequireEnum(robot, "controlMode", 3);
     const auto drives = robot.Ints("driveState");
-    Need(drives.empty() || drives.size() == 7, CodecError::kWrongCount);
-    for (const std::uint64_t drive : drives) Need(drive <= 2, CodecError::kOutOfRange);
+    Require(drives.empty() || drives.size() == 7, CodecError::kWrongCount);
+    for (const std::uint64_t drive : drives) Require(drive <= 2, CodecError::kOutOfRange);
 
     for (const char* name : {"measuredJointPosition", "measuredTorque", "commandedJointPosition",
                              "commandedTorque", "externalTorque"})
-      Vector(monitor, name, "value", 7);
-    if (family_ == FriFamily::k2_7) Vector(monitor, "externalForce", "element", 6);
-    Pose2x(monitor, "measuredCartesianPose", "measuredRedundancyInformation");
+      RequireVector(monitor, name, "value", 7);
+    if (family_ == FriFamily::k2_7) RequireVector(monitor, "externalForce", "element", 6);
+    RequirePoseOf2x(monitor, "measuredCartesianPose", "measuredRedundancyInformation");
     for (const WirePart& io : monitor.Parts("readIORequest")) {
-      Enum(io, "type", 2);
-      Enum(io, "direction", 1);
-      if (io.Has("analogValue")) Need(std::isfinite(io.Real("analogValue")), CodecError::kNotFinite);
+      RequireEnum(io, "type", 2);
+      RequireEnum(io, "direction", 1);
+      if (io.Has("analogValue")) Require(std::isfinite(io.Real("analogValue")), CodecError::kNotFinite);
     }
 
-    Vector(ipo, "jointPosition", "value", 7);
-    Pose2x(ipo, "cartesianPose", "redundancyInformation");
-    Enum(ipo, "clientCommandMode", first ? 3 : 4);
-    Enum(ipo, "overlayType", 2);
+    RequireVector(ipo, "jointPosition", "value", 7);
+    RequirePoseOf2x(ipo, "cartesianPose", "redundancyInformation");
+    RequireEnum(ipo, "clientCommandMode", is_1x ? 3 : 4);
+    RequireEnum(ipo, "overlayType", 2);
     if (ipo.Has("trackingPerformance"))
-      Need(std::isfinite(ipo.Real("trackingPerformance")), CodecError::kNotFinite);
+      Require(std::isfinite(ipo.Real("trackingPerformance")), CodecError::kNotFinite);
     for (const WirePart& frame : w.Parts("requestedTransformations"))
-      if (!frame.Reals("element").empty()) Elements(frame.Reals("element"), first ? 12 : 7);
+      if (!frame.Reals("element").empty()) RequirePoseElements(frame.Reals("element"), is_1x ? 12 : 7);
 
     const std::uint64_t session = connection.Int("sessionState");
-    Need(session == 0 || monitor.Has("measuredJointPosition"), CodecError::kMissingField);
-    Need(session < 3 || ipo.Has("jointPosition"), CodecError::kMissingField);
-    return first_;
+    Require(session == 0 || monitor.Has("measuredJointPosition"), CodecError::kMissingField);
+    Require(session < 3 || ipo.Has("jointPosition"), CodecError::kMissingField);
+    return first_broken_;
   }
 
   FriFamily family_;
   std::unique_ptr<google::protobuf::Message> message_;
-  CodecError first_{CodecError::kNone}, error_{CodecError::kNone};
+  CodecError first_broken_{CodecError::kNone}, error_{CodecError::kNone};
 };
 
 }  // namespace osteon::io::test

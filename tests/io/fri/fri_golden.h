@@ -4,43 +4,43 @@
 #include <string_view>
 #include <vector>
 
-// FRI datagrams as hexadecimal text, written down once by an encoder of a few lines over the table of field
-// numbers (varints, little-endian doubles, zlib's CRC-32) that shares nothing with libprotobuf or the code
-// under test. Sizes and prefixes agree with those observed on arms. Values: see the tests that name
-// them.
+// FRI datagrams as hexadecimal text. A short encoder of its own made them once, from the table of field
+// numbers (varints, little-endian doubles, zlib's CRC-32); it shares no code with libprotobuf or the code
+// under test. Sizes and first bytes agree with those observed on arms. The tests that use a datagram state
+// its values.
 
 namespace osteon::io::test::golden {
 
-/// Counter 8, reflected 8, nothing else: the answer of 2.5 while monitoring (10 bytes)
+/// A command with counter 8 and reflected counter 8 only: the answer of 2.5 while monitoring (10 bytes)
 inline constexpr const char* kHeaderOnly = "0a080881800d10081808";
 
-/// With joint position (77 bytes)
+/// kHeaderOnly and a joint position (77 bytes)
 inline constexpr const char* kPosition =
     "0a080881800d1008180812410a3f09000000000000e03f09000000000000e43f09000000000000e83f09000000000000ec3f"
     "09000000000000f03f09000000000000f23f09000000000000f43f";
 
-/// With joint position and wrench (129 bytes)
+/// kHeaderOnly with joint position and wrench (129 bytes)
 inline constexpr const char* kPositionWrench =
     "0a080881800d1008180812750a3f09000000000000e03f09000000000000e43f09000000000000e83f09000000000000ec3f"
     "09000000000000f03f09000000000000f23f09000000000000f43f12320a30000000000000f03f0000000000000040000000"
     "0000000840000000000000104000000000000014400000000000001840";
 
-/// With joint position and torque (143 bytes)
+/// kHeaderOnly with joint position and torque (143 bytes)
 inline constexpr const char* kPositionTorque =
     "0a080881800d100818081282010a3f09000000000000e03f09000000000000e43f09000000000000e83f09000000000000ec"
     "3f09000000000000f03f09000000000000f23f09000000000000f43f1a3f09000000000000f03f09000000000000f23f0900"
     "0000000000f43f09000000000000f63f09000000000000f83f09000000000000fa3f09000000000000fc3f";
 
-/// kHeaderOnly in 2.7 (18 bytes)
+/// kHeaderOnly in the frame of 2.7 (18 bytes)
 inline constexpr const char* kHeaderOnlyFramed = "0a0000000a080881800d1008180871661e86";
 
-/// kPositionWrench in 2.7 (137 bytes)
+/// kPositionWrench in the frame of 2.7 (137 bytes)
 inline constexpr const char* kPositionWrenchFramed =
     "810000000a080881800d1008180812750a3f09000000000000e03f09000000000000e43f09000000000000e83f0900000000"
     "0000ec3f09000000000000f03f09000000000000f23f09000000000000f43f12320a30000000000000f03f00000000000000"
     "4000000000000008400000000000001040000000000000144000000000000018406a769ae7";
 
-/// 1.x, MONITORING_READY (401 bytes)
+/// Monitoring message of 1.x in MONITORING_READY (401 bytes)
 inline constexpr const char* kMonitoring1 =
     "0a0908c2a29101100818071216080710002802280228022802280228022802300238001ad2020a3f099a9999999999b93f09"
     "cdcccccccccccc3f09666666666666d63f09666666666666de3f09333333333333e33f09333333333333e73f093333333333"
@@ -52,7 +52,7 @@ inline constexpr const char* kMonitoring1 =
     "000003c00900000000000002c07a0b0880e2cfaa0610959aef3a220808021003180120012a0d500158016100000000000000"
     "00";
 
-/// 1.x, COMMANDING_ACTIVE (466 bytes)
+/// Monitoring message of 1.x in COMMANDING_ACTIVE (466 bytes)
 inline constexpr const char* kCommanding1 =
     "0a0908c2a29101100818071216080710002802280228022802280228022802300238001ad2020a3f099a9999999999b93f09"
     "cdcccccccccccc3f09666666666666d63f09666666666666de3f09333333333333e33f09333333333333e73f093333333333"
@@ -65,7 +65,7 @@ inline constexpr const char* kCommanding1 =
     "333333333333db3f099a9999999999e13f099a9999999999e53f099a9999999999e93f099a9999999999ed3f09cdcccccccc"
     "ccf03f50015801610000000000000000";
 
-/// 2.5, COMMANDING_ACTIVE (564 bytes)
+/// Monitoring message of 2.5 in COMMANDING_ACTIVE (564 bytes)
 inline constexpr const char* kCommanding2_5 =
     "0a0908c2a29101100818071216080710002802280228022802280228022802300238001ae2020a3f099a9999999999b93f09"
     "cdcccccccccccc3f09666666666666d63f09666666666666de3f09333333333333e33f09333333333333e73f093333333333"
@@ -80,7 +80,7 @@ inline constexpr const char* kCommanding2_5 =
     "000000e87540000000000000e03f000000000000e03f000000000000e0bf000000000000e03f1a0b080011000000000000d0"
     "3f50015801610000000000000000";
 
-/// 2.7, COMMANDING_ACTIVE (624 bytes)
+/// Monitoring message of 2.7 in COMMANDING_ACTIVE (624 bytes)
 inline constexpr const char* kCommanding2_7 =
     "680200000a0908c2a29101100818071216080710002802280228022802280228022802300238001a96030a3f099a99999999"
     "99b93f09cdcccccccccccc3f09666666666666d63f09666666666666de3f09333333333333e33f09333333333333e73f0933"
@@ -96,6 +96,7 @@ inline constexpr const char* kCommanding2_7 =
     "000069c00000000000e87540000000000000e03f000000000000e03f000000000000e0bf000000000000e03f1a0b08001100"
     "0000000000d03f500158016100000000000000008ab320d0";
 
+/// The bytes of a text of lower-case hexadecimal digits.
 inline std::vector<std::uint8_t> FromHex(std::string_view hex) {
   const auto digit = [](char c) { return static_cast<unsigned>(c <= '9' ? c - '0' : c - 'a' + 10); };
   std::vector<std::uint8_t> bytes;

@@ -6,6 +6,8 @@
 #include "tests/io/net/link_bench.h"
 #include "tests/io/net/loopback_socket.h"
 
+// FriLink over UDP on the loopback: peers, strangers, silence, and several arms at once.
+
 namespace osteon::io {
 namespace {
 
@@ -17,7 +19,7 @@ using test::Joints;
 using test::Monitoring;
 using test::Soon;
 
-// The arm's side: a plain UDP socket.
+// The arm, or a stranger: a plain UDP socket.
 class Peer : public test::LoopbackSocket {
  public:
   explicit Peer(std::uint16_t port) { Connect(port); }
@@ -26,6 +28,7 @@ class Peer : public test::LoopbackSocket {
   void Send(std::uint32_t sequence, fri::SessionState state) const {
     Send(Bytes(Monitoring(sequence, state)));
   }
+  // The next answer of the link; empty if there is none.
   [[nodiscard]] std::vector<std::uint8_t> Answer() const {
     return Receive().value_or(std::vector<std::uint8_t>{});
   }
@@ -51,14 +54,14 @@ TEST(FriLink, AnswersTheArmAtTheAddressItSpokeFrom) {
   EXPECT_EQ(answer->header().reflectedsequencecounter(), 1u);
 }
 
-TEST(FriLink, TimesOutWhereTheArmIsSilent) {
+TEST(FriLink, TimesOutIfTheArmIsSilent) {
   const auto link = OpenAnywhere();
   ArmState state;
   EXPECT_EQ(link->Receive(state, rt::MonotonicNow() + rt::kMillisecond), ReceiveResult::kTimeout);
   EXPECT_EQ(link->Receive(state, 0), ReceiveResult::kTimeout) << "a deadline in the past";
 }
 
-TEST(FriLink, TakesTheNewestOfWhatWaits) {
+TEST(FriLink, ReceivesTheNewestOfTheWaitingMessages) {
   const auto link = OpenAnywhere();
   const Peer arm(link->port());
   for (std::uint32_t i = 1; i <= 5; ++i) arm.Send(i, fri::COMMANDING_ACTIVE);
@@ -85,7 +88,7 @@ TEST(FriLink, SkipsHostileBytesAndCountsThem) {
   EXPECT_EQ(state.rejected, 4u);
 }
 
-TEST(FriLink, KeepsToTheFirstPeer) {
+TEST(FriLink, HearsAndAnswersTheFirstPeerOnly) {
   const auto link = OpenAnywhere();
   const Peer arm(link->port()), stranger(link->port());
   ArmState state;
@@ -103,8 +106,8 @@ TEST(FriLink, KeepsToTheFirstPeer) {
   EXPECT_FALSE(arm.Answer().empty());
 }
 
-// Another address of the loopback represents another machine.
-TEST(FriLink, HearsNobodyButTheArmsAddress) {
+// 127.0.0.2 is the arm's configured address; the stranger sends from 127.0.0.1.
+TEST(FriLink, HearsOnlyTheConfiguredAddress) {
   auto link = FriLink::Open({.arm_address = "127.0.0.2", .port = 0});
   ASSERT_TRUE(link) << link.error();
   const Peer stranger((*link)->port());
@@ -116,7 +119,7 @@ TEST(FriLink, HearsNobodyButTheArmsAddress) {
   EXPECT_FALSE(FriLink::Open({.arm_address = "the arm", .port = 0}));
 }
 
-TEST(FriLink, NoiseAfterASilenceEndsNoSession) {
+TEST(FriLink, NoiseAfterASilenceDoesNotEndTheSession) {
   const auto link = OpenAnywhere();
   const Peer arm(link->port()), stranger(link->port());
   ArmState state;
@@ -129,7 +132,7 @@ TEST(FriLink, NoiseAfterASilenceEndsNoSession) {
   EXPECT_EQ(state.lost, 9u) << "the arm's session went on";
 }
 
-TEST(FriLink, TakesANewPeerAfterASecondOfSilence) {
+TEST(FriLink, AcceptsANewPeerAfterASecondOfSilence) {
   const auto link = OpenAnywhere();
   ArmState state;
   {
@@ -146,7 +149,9 @@ TEST(FriLink, TakesANewPeerAfterASecondOfSilence) {
   EXPECT_EQ(restarted.Answer().size(), 77u);
 }
 
-TEST(FriLink, ErrorsSayWhatIsWrong) { test::ExpectAddressErrors<FriLink, FriLinkParams>("FRI"); }
+TEST(FriLink, OpenErrorsNameTheWrongAddressOrPort) {
+  test::ExpectAddressErrors<FriLink, FriLinkParams>("FRI");
+}
 
 // Each arm has a link and a port of its own.
 TEST(FriLink, SeveralArmsOfDifferentVersionsDoNotDisturbEachOther) {
@@ -179,7 +184,7 @@ TEST(FriLink, SeveralArmsOfDifferentVersionsDoNotDisturbEachOther) {
   }
 }
 
-TEST(FriLink, SaysThatTheArmSpeaksAnotherVersion) {
+TEST(FriLink, ReportsThatTheArmSpeaksAnotherVersion) {
   const auto link = OpenAnywhere();
   const Peer arm(link->port());
   for (std::uint32_t i = 1; i <= 3; ++i)
@@ -192,8 +197,8 @@ TEST(FriLink, SaysThatTheArmSpeaksAnotherVersion) {
       << link->session().Diagnosis();
 }
 
-// With or without rehearsal, the arm gets the same answers and nothing else.
-TEST(FriLink, ARehearsalChangesNothingAndTellsTheArmNothing) {
+// One of two links calls WarmUp() after each answer. Both arms must get the same answers and nothing else.
+TEST(FriLink, WarmUpChangesNoAnswerAndSendsNothing) {
   const auto link = OpenAnywhere(), plain = OpenAnywhere();
   const Peer arm(link->port()), plain_arm(plain->port());
   ArmState state, plain_state;
@@ -216,7 +221,7 @@ TEST(FriLink, ARehearsalChangesNothingAndTellsTheArmNothing) {
   EXPECT_EQ(arm.Answer(), std::vector<std::uint8_t>{}) << "nothing more";
 }
 
-TEST(FriLink, AwaitsAMessageNoLongerThanTold) {
+TEST(FriLink, AwaitEndsAtItsDeadlineAndTakesNoMessage) {
   const auto link = OpenAnywhere();
   const rt::Nanoseconds until = rt::MonotonicNow() + 2 * rt::kMillisecond;
   EXPECT_FALSE(link->Await(until));

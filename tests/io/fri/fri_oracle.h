@@ -15,28 +15,31 @@
 #include "control/ports.h"
 #include "io/fri/version.h"
 
-// The arm's side as libprotobuf writes and reads it from fri.proto: independent of the code under test.
+// Messages of the arm, written by libprotobuf from fri.proto, and commands as libprotobuf reads them:
+// independent of the code under test.
 
 namespace osteon::io::test {
 
+/// Adds seven values, from `first` in steps of 0.125.
 inline void PutJoints(double first, fri::JointValues* to) {
   for (int i = 0; i < control::kJoints; ++i) to->add_value(first + 0.125 * i);
 }
 
+/// The values that PutJoints adds.
 inline control::JointArray Joints(double first) {
   control::JointArray q{};
   for (int i = 0; i < control::kJoints; ++i) q[static_cast<std::size_t>(i)] = first + 0.125 * i;
   return q;
 }
 
-/// 2.x: lengths in mm, a third of a turn about (1, -1, 1) / sqrt(3) that the test knows as a matrix.
+/// A pose of 2.x: lengths in mm, then the quaternion of a third of a turn about (1, -1, 1) / sqrt(3).
 inline void PutPose(fri::Transformation* to) {
   to->set_name("flange");
   for (const double element : {100.0, -200.0, 350.5, 0.5, 0.5, -0.5, 0.5}) to->add_element(element);
 }
 
-/// A monitoring message of an arm: 1.x five joint vectors, 2.x four and its pose, 2.7 also its external
-/// force; time stamp, and the interpolator's position (and pose) while commanding.
+/// A monitoring message of an arm. 1.x has five joint vectors, 2.x has four and the pose, 2.7 also the
+/// external force. While commanding it has the interpolator's position (in 2.x also its pose).
 inline fri::FRIMonitoringMessage Monitoring(std::uint32_t sequence, fri::SessionState state,
                                             FriFamily family = FriFamily::k1) {
   fri::FRIMonitoringMessage m;
@@ -84,12 +87,13 @@ inline fri::FRIMonitoringMessage Monitoring(std::uint32_t sequence, fri::Session
   return m;
 }
 
+/// The message encoded, without the frame of 2.7.
 inline std::vector<std::uint8_t> Bytes(const google::protobuf::MessageLite& message) {
   const std::string text = message.SerializePartialAsString();
   return {text.begin(), text.end()};
 }
 
-/// Bytes in the frame of 2.7.
+/// The bytes in the frame of 2.7: their number in front, their CRC-32 behind.
 inline std::vector<std::uint8_t> Framed(std::vector<std::uint8_t> bytes) {
   const auto put = [](std::uint32_t v) {
     return std::array{static_cast<std::uint8_t>(v), static_cast<std::uint8_t>(v >> 8),
@@ -113,7 +117,7 @@ inline std::span<const std::uint8_t> Inside(FriFamily family, std::span<const st
                                                            : datagram;
 }
 
-/// A client's datagram as libprotobuf reads it; empty if it is none.
+/// A client's command as libprotobuf reads it; nullopt if the datagram is no command.
 inline std::optional<fri::FRICommandMessage> Command(std::span<const std::uint8_t> datagram,
                                                      FriFamily family = FriFamily::k1) {
   datagram = Inside(family, datagram);
@@ -131,7 +135,7 @@ inline control::JointArray Values(const fri::JointValues& joints) {
   return q;
 }
 
-/// Also with an input or output and a transformation, so that mutations reach every part of the parser.
+/// Monitoring() with an output and a transformation, so that mutations reach every part of the parser.
 inline fri::FRIMonitoringMessage FullMonitoring(std::uint32_t sequence, fri::SessionState state,
                                                 FriFamily family) {
   fri::FRIMonitoringMessage m = Monitoring(sequence, state, family);

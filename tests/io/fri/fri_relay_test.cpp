@@ -7,6 +7,8 @@
 #include "tests/io/net/loopback_socket.h"
 #include "tests/kinematics/iiwa14.h"
 
+// The guard's relay between arm and controller: it carries datagrams that its monitor permits.
+
 namespace osteon::io {
 namespace {
 
@@ -14,7 +16,8 @@ using test::Datagram;
 using test::Monitoring;
 using Bytes = std::vector<std::uint8_t>;
 
-// Arm, relay and controller on the loopback; neither end has any of our code.
+// Arm, relay and controller on the loopback. Arm and controller are plain sockets with libprotobuf's
+// messages.
 class Line {
  public:
   explicit Line(FriVersion version = FriVersion::k1_15) : family_(FamilyOf(version)) {
@@ -31,16 +34,17 @@ class Line {
     arm.Connect(relay_->port());
   }
 
-  /// Sends the arm's message; returns what the controller receives.
-  std::optional<Bytes> Message(std::uint32_t sequence, fri::SessionState state) {
+  /// Sends a message of the arm; returns the datagram that the controller receives.
+  std::optional<Bytes> SendMessage(std::uint32_t sequence, fri::SessionState state) {
     arm.Send(Datagram(family_, Monitoring(sequence, state, family_)));
-    return Relayed(controller);
+    return ReceiveRelayed(controller);
   }
-  /// Sends the controller's answer; returns what the arm receives.
-  std::optional<Bytes> Answer(const Bytes& bytes) {
+  /// Sends an answer of the controller; returns the datagram that the arm receives.
+  std::optional<Bytes> SendAnswer(const Bytes& bytes) {
     controller.SendTo(relay_port_, bytes);
-    return Relayed(arm);
+    return ReceiveRelayed(arm);
   }
+  /// A command that answers message `reflected`, with joints from `first` [rad].
   Bytes Command(std::uint32_t reflected, double first) const {
     fri::FRICommandMessage m;
     m.mutable_header()->set_messageidentifier(0x34001);
@@ -49,21 +53,22 @@ class Line {
     test::PutJoints(first, m.mutable_commanddata()->mutable_jointposition());
     return Datagram(family_, m);
   }
-  /// Port from which the relay speaks to the controller.
-  void Learn() {
+  /// Finds the port from which the relay speaks to the controller, by a first message of the arm.
+  void LearnRelayPort() {
     arm.Send(Datagram(family_, Monitoring(0, fri::MONITORING_READY, family_)));
     EXPECT_TRUE(relay_->Serve(0));
     relay_port_ = controller.ReceiveFrom();  // takes the message
     ASSERT_NE(relay_port_, 0);
   }
-  [[nodiscard]] std::uint16_t upstream() const { return relay_port_; }
+  [[nodiscard]] std::uint16_t relay_port() const { return relay_port_; }
   FriRelay& relay() { return *relay_; }
   safety::GuardMonitor& monitor() { return *monitor_; }
 
   test::LoopbackSocket arm, controller;
 
  private:
-  std::optional<Bytes> Relayed(const test::LoopbackSocket& to) {
+  // Lets the relay serve once; returns the datagram that `to` receives, if any.
+  std::optional<Bytes> ReceiveRelayed(const test::LoopbackSocket& to) {
     EXPECT_TRUE(relay_->Serve(0));
     return to.Receive();
   }
@@ -77,15 +82,15 @@ TEST(FriRelay, CarriesEveryFamilyBothWaysBitForBit) {
   for (const FriVersion version : {FriVersion::k1_15, FriVersion::k2_5, FriVersion::k2_7}) {
     SCOPED_TRACE(Name(version));
     Line line(version);
-    line.Learn();
+    line.LearnRelayPort();
     const FriFamily family = FamilyOf(version);
     for (std::uint32_t i = 1; i < 20; ++i) {
       const auto state = i < 5    ? fri::MONITORING_READY
                          : i < 10 ? fri::COMMANDING_WAIT
                                   : fri::COMMANDING_ACTIVE;
-      EXPECT_EQ(line.Message(i, state), Datagram(family, Monitoring(i, state, family)));
+      EXPECT_EQ(line.SendMessage(i, state), Datagram(family, Monitoring(i, state, family)));
       const Bytes answer = line.Command(i, 0.3);
-      EXPECT_EQ(line.Answer(answer), answer) << safety::Describe(line.monitor().reason());
+      EXPECT_EQ(line.SendAnswer(answer), answer) << safety::Describe(line.monitor().reason());
     }
     EXPECT_EQ(line.relay().counters().to_controller, 20u);
     EXPECT_EQ(line.relay().counters().to_arm, 19u);
@@ -95,37 +100,38 @@ TEST(FriRelay, CarriesEveryFamilyBothWaysBitForBit) {
   }
 }
 
-TEST(FriRelay, WhatTheMonitorWithholdsNeverReachesTheArm) {
+TEST(FriRelay, AnswersThatTheMonitorWithholdsNeverReachTheArm) {
   Line line;
-  line.Learn();
-  ASSERT_TRUE(line.Message(1, fri::COMMANDING_WAIT));
-  ASSERT_TRUE(line.Answer(line.Command(1, 0.3)));
-  ASSERT_TRUE(line.Message(2, fri::COMMANDING_ACTIVE));
-  EXPECT_FALSE(line.Answer(line.Command(2, 0.4))) << "a jump";
+  line.LearnRelayPort();
+  ASSERT_TRUE(line.SendMessage(1, fri::COMMANDING_WAIT));
+  ASSERT_TRUE(line.SendAnswer(line.Command(1, 0.3)));
+  ASSERT_TRUE(line.SendMessage(2, fri::COMMANDING_ACTIVE));
+  EXPECT_FALSE(line.SendAnswer(line.Command(2, 0.4))) << "a jump";
   EXPECT_EQ(line.monitor().reason().finding, safety::GuardFinding::kJointSpeed);
-  EXPECT_TRUE(line.Message(3, fri::COMMANDING_ACTIVE)) << "the controller may still see what the arm does";
-  EXPECT_FALSE(line.Answer(line.Command(3, 0.3)));
+  EXPECT_TRUE(line.SendMessage(3, fri::COMMANDING_ACTIVE))
+      << "the controller may still see what the arm does";
+  EXPECT_FALSE(line.SendAnswer(line.Command(3, 0.3)));
   EXPECT_EQ(line.relay().counters().to_arm, 1u);
 }
 
-TEST(FriRelay, ADatagramThatIsNoCommandIsWithheldAndLatched) {
+TEST(FriRelay, ADatagramThatIsNoCommandIsWithheldAndLatchesTheFinding) {
   Line line;
-  line.Learn();
-  ASSERT_TRUE(line.Message(1, fri::MONITORING_READY));
-  EXPECT_FALSE(line.Answer({1, 2, 3}));
+  line.LearnRelayPort();
+  ASSERT_TRUE(line.SendMessage(1, fri::MONITORING_READY));
+  EXPECT_FALSE(line.SendAnswer({1, 2, 3}));
   EXPECT_EQ(line.monitor().reason().finding, safety::GuardFinding::kUnreadable);
   Line framed(FriVersion::k2_7);
-  framed.Learn();
-  ASSERT_TRUE(framed.Message(1, fri::MONITORING_READY));
+  framed.LearnRelayPort();
+  ASSERT_TRUE(framed.SendMessage(1, fri::MONITORING_READY));
   Bytes damaged = framed.Command(1, 0.3);
   damaged[10] ^= 1;
-  EXPECT_FALSE(framed.Answer(damaged));
+  EXPECT_FALSE(framed.SendAnswer(damaged));
   EXPECT_EQ(framed.monitor().reason().finding, safety::GuardFinding::kChecksum);
 }
 
-TEST(FriRelay, HearsTheArmAndTheControllerAndNobodyElse) {
+TEST(FriRelay, HearsOnlyTheArmAndTheController) {
   Line line;
-  line.Learn();
+  line.LearnRelayPort();
   const test::LoopbackSocket stranger;
   stranger.SendTo(line.relay().port(), Datagram(FriFamily::k1, Monitoring(50, fri::MONITORING_READY)));
   EXPECT_TRUE(line.relay().Serve(0));
@@ -136,14 +142,14 @@ TEST(FriRelay, HearsTheArmAndTheControllerAndNobodyElse) {
   EXPECT_FALSE(line.controller.Receive()) << "no message of this version";
   EXPECT_EQ(line.relay().counters().rejected, 2u);
 
-  ASSERT_TRUE(line.Message(1, fri::MONITORING_READY));
-  stranger.SendTo(line.upstream(), line.Command(1, 0.3));
+  ASSERT_TRUE(line.SendMessage(1, fri::MONITORING_READY));
+  stranger.SendTo(line.relay_port(), line.Command(1, 0.3));
   EXPECT_TRUE(line.relay().Serve(0));
   EXPECT_FALSE(line.arm.Receive());
   EXPECT_TRUE(line.monitor().permits()) << "not the controller's doing";
 }
 
-TEST(FriRelay, SaysWhatIsWrongWithItsPlaces) {
+TEST(FriRelay, OpenErrorsNameTheWrongAddressOrPort) {
   const Line line;
   safety::GuardMonitor monitor({.arm = kinematics::ChainFrom(kinematics::Iiwa14())});
   const auto expect = [&](const FriRelayParams& params, const std::string& text) {
@@ -159,9 +165,9 @@ TEST(FriRelay, SaysWhatIsWrongWithItsPlaces) {
 
 TEST(FriRelay, DoesNotAllocate) {
   Line line;
-  line.Learn();
+  line.LearnRelayPort();
   line.arm.Send(Datagram(FriFamily::k1, Monitoring(1, fri::MONITORING_READY)));
-  line.controller.SendTo(line.upstream(), line.Command(0, 0.3));
+  line.controller.SendTo(line.relay_port(), line.Command(0, 0.3));
   rt::CheckedNoAllocScope no_alloc;
   (void)line.relay().Serve(0);
 }

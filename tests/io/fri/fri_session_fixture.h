@@ -9,19 +9,21 @@
 
 namespace osteon::io {
 
-/// A session that follows any first command, and libprotobuf as the arm.
+/// A session whose first command may be any distance from the arm's pose; libprotobuf plays the arm.
 class FriSessionTest : public ::testing::Test {
  protected:
-  FriAccept Take(std::uint32_t sequence, fri::SessionState state = fri::MONITORING_READY) {
+  // Delivers a message of the arm with that number and state.
+  FriAccept AcceptMessage(std::uint32_t sequence, fri::SessionState state = fri::MONITORING_READY) {
     return session_.Accept(test::Bytes(test::Monitoring(sequence, state)), ++now_, state_);
   }
-  // The answer of a loop that knows the present activation, as the arm reads it.
+  // The session's answer, as the arm reads it, to a loop that commands q and knows the present activation.
   fri::FRICommandMessage Answer(const control::JointArray& q) {
     const auto bytes = session_.Answer(control::ArmCommand{.q = q, .activation = state_.activation});
     fri::FRICommandMessage answer;
     EXPECT_TRUE(answer.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())));
     return answer;
   }
+  // The joint position in an answer.
   static control::JointArray Position(const fri::FRICommandMessage& answer) {
     control::JointArray q{};
     EXPECT_EQ(answer.commanddata().jointposition().value_size(), 7);

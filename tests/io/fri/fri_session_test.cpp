@@ -5,7 +5,7 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/io/fri/fri_session_fixture.h"
 
-// The client's duties by state, version and mode, and when it hands over.
+// What FriSession answers in each session state, version and mode, and when it passes the loop's commands on.
 
 namespace osteon::io {
 namespace {
@@ -16,7 +16,7 @@ using test::Datagram;
 using test::Joints;
 using test::Monitoring;
 
-TEST_F(FriSessionTest, StateIsTheMessage) {
+TEST_F(FriSessionTest, StateHoldsTheMessagesValues) {
   fri::FRIMonitoringMessage m = Monitoring(77, fri::COMMANDING_ACTIVE);
   m.mutable_connectioninfo()->set_sendperiod(2);
   m.mutable_robotinfo()->set_safetystate(fri::STOP_LEVEL_2);
@@ -43,21 +43,21 @@ TEST_F(FriSessionTest, StateIsTheMessage) {
   EXPECT_FALSE(state_.drives_active);
 }
 
-TEST_F(FriSessionTest, OwesWhatTheSessionStateSays) {
+TEST_F(FriSessionTest, AnswersAsEachSessionStateRequires) {
   const auto q = Joints(0.9);
-  Take(0, fri::IDLE);
+  AcceptMessage(0, fri::IDLE);
   EXPECT_TRUE(session_.Answer(ArmCommand{.q = q}).empty());
-  Take(1, fri::MONITORING_WAIT);
+  AcceptMessage(1, fri::MONITORING_WAIT);
   EXPECT_EQ(Position(Answer(q)), Joints(0.2)) << "mirrors the commanded position";
-  Take(2, fri::MONITORING_READY);
+  AcceptMessage(2, fri::MONITORING_READY);
   EXPECT_EQ(Position(Answer(q)), Joints(0.2));
-  Take(3, fri::COMMANDING_WAIT);
+  AcceptMessage(3, fri::COMMANDING_WAIT);
   EXPECT_EQ(Position(Answer(q)), Joints(0.3)) << "mirrors the interpolator";
-  Take(4, fri::COMMANDING_ACTIVE);
+  AcceptMessage(4, fri::COMMANDING_ACTIVE);
   EXPECT_EQ(Position(Answer(q)), q);
 }
 
-TEST_F(FriSessionTest, SendsTheHeaderAloneWhereThereIsNothingToMirror) {
+TEST_F(FriSessionTest, SendsTheHeaderAloneIfThereIsNoPositionToMirror) {
   fri::FRIMonitoringMessage m = Monitoring(1, fri::MONITORING_READY);
   m.mutable_monitordata()->clear_commandedjointposition();
   session_.Accept(Bytes(m), 1, state_);
@@ -66,8 +66,9 @@ TEST_F(FriSessionTest, SendsTheHeaderAloneWhereThereIsNothingToMirror) {
   EXPECT_EQ(answer.header().reflectedsequencecounter(), 1u);
 }
 
-// While waiting its value is ignored and its presence checked: a zero one is sent each time.
-TEST_F(FriSessionTest, SendsTheLoopsWrenchOrTorqueWhereTheArmAsksForOne) {
+// In COMMANDING_WAIT the arm checks that a wrench or torque is present but ignores its value, so the session
+// sends zeros.
+TEST_F(FriSessionTest, SendsTheLoopsWrenchOrTorqueIfTheArmRequestsIt) {
   ArmCommand command{.q = Joints(0.3)};
   command.F.f = Vector3(1, 2, 3);
   command.F.t = Vector3(40, 50, 60);
@@ -107,7 +108,7 @@ TEST_F(FriSessionTest, SendsTheLoopsWrenchOrTorqueWhereTheArmAsksForOne) {
   EXPECT_FALSE(position.has_jointtorque() || position.has_cartesianwrenchfeedforward());
 }
 
-TEST_F(FriSessionTest, OrderOfTheWrenchsTorquesIsAsConfigured) {
+TEST_F(FriSessionTest, SendsTheWrenchsTorquesInTheConfiguredOrder) {
   for (const bool xyz : {false, true}) {
     FriSession session(
         {.version = FriVersion::k2_7, .torque_order = xyz ? FriTorqueOrder::kXyz : FriTorqueOrder::kZyx});
@@ -125,7 +126,7 @@ TEST_F(FriSessionTest, OrderOfTheWrenchsTorquesIsAsConfigured) {
   }
 }
 
-TEST_F(FriSessionTest, OwesWhatTheVersionSays) {
+TEST_F(FriSessionTest, AnswersAsEachVersionRequires) {
   for (const FriVersion version : kFriVersions) {
     SCOPED_TRACE(Name(version));
     const FriFamily family = FamilyOf(version);
@@ -147,7 +148,7 @@ TEST_F(FriSessionTest, OwesWhatTheVersionSays) {
   }
 }
 
-TEST_F(FriSessionTest, MirrorsTheArmsPoseWhereItAsksForCartesianPoses) {
+TEST_F(FriSessionTest, MirrorsTheArmsPoseIfItRequestsCartesianPoses) {
   FriSession session({.version = FriVersion::k2_5});
   fri::FRIMonitoringMessage m = Monitoring(1, fri::COMMANDING_ACTIVE, FriFamily::k2_5);
   m.mutable_ipodata()->set_clientcommandmode(fri::CARTESIAN_POSE);
@@ -160,8 +161,9 @@ TEST_F(FriSessionTest, MirrorsTheArmsPoseWhereItAsksForCartesianPoses) {
   EXPECT_NE(session.Diagnosis().find("CARTESIAN_POSE"), std::string::npos);
 }
 
-// Back in COMMANDING_ACTIVE, a loop that has not noticed must not move the arm.
-TEST_F(FriSessionTest, HoldsTheInterpolatorUntilACommandNamesTheActivation) {
+// When the arm returns to COMMANDING_ACTIVE, a loop that has not noticed must not move it: its commands carry
+// the number of an older activation.
+TEST_F(FriSessionTest, HoldsTheInterpolatorsPositionUntilACommandNamesTheActivation) {
   FriSession session;
   std::uint32_t sequence = 0;
   const auto answer = [&](fri::SessionState state, double first_joint, std::uint32_t activation) {
@@ -199,33 +201,34 @@ TEST_F(FriSessionTest, HoldsTheInterpolatorUntilACommandNamesTheActivation) {
   EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.32, 3), Joints(0.32));
 }
 
-TEST_F(FriSessionTest, HoldsTheLastPositionWhereTheCommandIsNotFinite) {
-  Take(1, fri::COMMANDING_WAIT);
+TEST_F(FriSessionTest, HoldsTheLastPositionIfTheCommandIsNotFinite) {
+  AcceptMessage(1, fri::COMMANDING_WAIT);
   (void)Answer(Joints(0.0));
   auto bad = Joints(0.5);
   bad[6] = std::numeric_limits<double>::quiet_NaN();
-  Take(2, fri::COMMANDING_ACTIVE);
+  AcceptMessage(2, fri::COMMANDING_ACTIVE);
   EXPECT_EQ(Position(Answer(bad)), Joints(0.3)) << "what COMMANDING_WAIT mirrored";
-  Take(3, fri::COMMANDING_ACTIVE);
+  AcceptMessage(3, fri::COMMANDING_ACTIVE);
   (void)Answer(Joints(0.4));
-  Take(4, fri::COMMANDING_ACTIVE);
+  AcceptMessage(4, fri::COMMANDING_ACTIVE);
   bad[6] = std::numeric_limits<double>::infinity();
   EXPECT_EQ(Position(Answer(bad)), Joints(0.4));
 }
 
-// A position sent to another arm, or to this one before it moved by itself, must not be held.
-TEST_F(FriSessionTest, ANewSessionHoldsNothingOfTheOneBefore) {
+// After ResetSession() a position that was sent before must not be held: the arm may have moved, or be
+// another.
+TEST_F(FriSessionTest, AfterAResetThePositionBeforeIsNotHeld) {
   control::JointArray bad{};
   bad.fill(std::numeric_limits<double>::quiet_NaN());
-  Take(1000, fri::COMMANDING_ACTIVE);
+  AcceptMessage(1000, fri::COMMANDING_ACTIVE);
   ASSERT_EQ(Position(Answer(Joints(0.9))), Joints(0.9));
   session_.ResetSession();
-  Take(5, fri::COMMANDING_ACTIVE);
+  AcceptMessage(5, fri::COMMANDING_ACTIVE);
   EXPECT_EQ(Position(Answer(bad)), Joints(0.3)) << "the interpolator's";
 }
 
-TEST_F(FriSessionTest, HoldsTheInterpolatorWhereTheFirstCommandOfAllIsNotFinite) {
-  Take(1, fri::COMMANDING_ACTIVE);
+TEST_F(FriSessionTest, HoldsTheInterpolatorsPositionIfTheFirstCommandIsNotFinite) {
+  AcceptMessage(1, fri::COMMANDING_ACTIVE);
   control::JointArray bad{};
   bad.fill(std::numeric_limits<double>::quiet_NaN());
   EXPECT_EQ(Position(Answer(bad)), Joints(0.3));

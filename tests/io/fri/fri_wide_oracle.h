@@ -11,62 +11,74 @@
 #include <google/protobuf/descriptor.pb.h>
 #include <google/protobuf/dynamic_message.h>
 
-// Reads a monitoring message's bytes by libprotobuf without loss: fri.proto with 64-bit fields instead of
-// enums and 32-bit ones, and bytes instead of strings. A second schema, in which each number and string is
-// repeated, shows the values that a later one replaced.
+// Reads a monitoring message by libprotobuf without loss. The schema is fri.proto with 64-bit fields in place
+// of enums and 32-bit fields, and bytes in place of strings. In a second schema each number and string is a
+// repeated field, so that values which a later one replaces are seen too.
 
 namespace osteon::io::test {
 
-/// One message as libprotobuf holds it. If `message` is null the message is absent and empty.
+/// A message, or a message inside it, as libprotobuf holds it. A null pointer stands for an absent message,
+/// which has no fields.
 class WirePart {
  public:
   explicit WirePart(const google::protobuf::Message* message) : message_(message) {}
 
-  [[nodiscard]] bool there() const { return message_ != nullptr; }
+  [[nodiscard]] bool exists() const { return message_ != nullptr; }
+  // Fields are read by their names in fri.proto. An absent field gives an absent message, 0 or nothing. Int,
+  // Int32, Real and Text need a message that exists.
   [[nodiscard]] bool Has(const char* name) const {
-    return there() && refl().HasField(*message_, Field(name));
+    return exists() && reflection().HasField(*message_, Field(name));
   }
   [[nodiscard]] WirePart Part(const char* name) const {
-    return WirePart(Has(name) ? &refl().GetMessage(*message_, Field(name)) : nullptr);
+    return WirePart(Has(name) ? &reflection().GetMessage(*message_, Field(name)) : nullptr);
   }
   [[nodiscard]] std::vector<WirePart> Parts(const char* name) const {
     std::vector<WirePart> parts;
     for (int i = 0; i < Count(name); ++i)
-      parts.emplace_back(&refl().GetRepeatedMessage(*message_, Field(name), i));
+      parts.emplace_back(&reflection().GetRepeatedMessage(*message_, Field(name), i));
     return parts;
   }
-  [[nodiscard]] std::uint64_t Int(const char* name) const { return refl().GetUInt64(*message_, Field(name)); }
-  [[nodiscard]] std::int32_t Int32(const char* name) const { return refl().GetInt32(*message_, Field(name)); }
-  [[nodiscard]] double Real(const char* name) const { return refl().GetDouble(*message_, Field(name)); }
-  [[nodiscard]] std::string Text(const char* name) const { return refl().GetString(*message_, Field(name)); }
+  [[nodiscard]] std::uint64_t Int(const char* name) const {
+    return reflection().GetUInt64(*message_, Field(name));
+  }
+  [[nodiscard]] std::int32_t Int32(const char* name) const {
+    return reflection().GetInt32(*message_, Field(name));
+  }
+  [[nodiscard]] double Real(const char* name) const { return reflection().GetDouble(*message_, Field(name)); }
+  [[nodiscard]] std::string Text(const char* name) const {
+    return reflection().GetString(*message_, Field(name));
+  }
   [[nodiscard]] std::vector<std::uint64_t> Ints(const char* name) const {
     std::vector<std::uint64_t> values;
     for (int i = 0; i < Count(name); ++i)
-      values.push_back(refl().GetRepeatedUInt64(*message_, Field(name), i));
+      values.push_back(reflection().GetRepeatedUInt64(*message_, Field(name), i));
     return values;
   }
   [[nodiscard]] std::vector<double> Reals(const char* name) const {
     std::vector<double> values;
     for (int i = 0; i < Count(name); ++i)
-      values.push_back(refl().GetRepeatedDouble(*message_, Field(name), i));
+      values.push_back(reflection().GetRepeatedDouble(*message_, Field(name), i));
     return values;
   }
 
  private:
-  [[nodiscard]] const google::protobuf::Reflection& refl() const { return *message_->GetReflection(); }
+  [[nodiscard]] const google::protobuf::Reflection& reflection() const { return *message_->GetReflection(); }
   [[nodiscard]] const google::protobuf::FieldDescriptor* Field(const char* name) const {
     return message_->GetDescriptor()->FindFieldByName(name);
   }
   [[nodiscard]] int Count(const char* name) const {
-    return there() ? refl().FieldSize(*message_, Field(name)) : 0;
+    return exists() ? reflection().FieldSize(*message_, Field(name)) : 0;
   }
 
   const google::protobuf::Message* message_;
 };
 
+/// libprotobuf as a reader that follows all rules of the codec about the wire format.
 class WideOracle {
  public:
-  WideOracle() : last_(Build(pool_, factory_, false)), all_(Build(all_pool_, all_factory_, true)) {}
+  WideOracle()
+      : last_value_schema_(Build(pool_, factory_, false)),
+        all_values_schema_(Build(all_pool_, all_factory_, true)) {}
 
   /// Null if libprotobuf refuses the bytes, or if they break a rule that libprotobuf does not have:
   ///
@@ -75,12 +87,12 @@ class WideOracle {
   ///   - more repeated elements than the wire's fixed sizes, a name of more than 63 bytes: it has no such
   ///   limits
   ///
-  /// A tag of more than 32 bits and a varint of more than 64, which it truncates too, cannot be detected
-  /// here.
+  /// libprotobuf also truncates a tag of more than 32 bits and a varint of more than 64; this cannot be
+  /// detected here.
   [[nodiscard]] std::unique_ptr<google::protobuf::Message> Parse(std::span<const std::uint8_t> bytes) const {
-    auto last = Parsed(*last_, bytes), all = Parsed(*all_, bytes);
-    if (last == nullptr || !last->IsInitialized() || !Keeps(*last)) return nullptr;
-    return all != nullptr && Keeps(*all, true) ? std::move(last) : nullptr;
+    auto last = Parsed(*last_value_schema_, bytes), all = Parsed(*all_values_schema_, bytes);
+    if (last == nullptr || !last->IsInitialized() || !KeepsRules(*last)) return nullptr;
+    return all != nullptr && KeepsRules(*all, true) ? std::move(last) : nullptr;
   }
 
  private:
@@ -88,6 +100,7 @@ class WideOracle {
   using FieldProto = google::protobuf::FieldDescriptorProto;
   using FieldDescriptor = google::protobuf::FieldDescriptor;
 
+  // The widened schema; `all`: each number and string is a repeated field.
   static const Message* Build(google::protobuf::DescriptorPool& pool,
                               google::protobuf::DynamicMessageFactory& factory, bool all) {
     google::protobuf::FileDescriptorProto file;
@@ -98,6 +111,7 @@ class WideOracle {
     return factory.GetPrototype(pool.FindMessageTypeByName("osteon.fri.FRIMonitoringMessage"));
   }
 
+  // Changes a field's type to one that holds every value that the wire can carry.
   static void Widen(FieldProto& field, bool all) {
     if (field.type() == FieldProto::TYPE_ENUM || field.type() == FieldProto::TYPE_UINT32) {
       field.set_type(FieldProto::TYPE_UINT64);
@@ -113,8 +127,8 @@ class WideOracle {
     return whole ? std::move(message) : nullptr;
   }
 
-  // The wire's fixed sizes, by message and field.
-  static int Room(const FieldDescriptor& field) {
+  // The most elements that the codec accepts in a repeated field.
+  static int MaxElements(const FieldDescriptor& field) {
     const std::string name = field.full_name();
     if (name == "osteon.fri.JointValues.value" || name == "osteon.fri.RobotInfo.driveState") return 7;
     if (name == "osteon.fri.CartesianVector.element") return 6;
@@ -124,6 +138,7 @@ class WideOracle {
     return 0;
   }
 
+  // Whether the number fits the field's type in fri.proto.
   static bool InRange(const FieldDescriptor& field, std::uint64_t value) {
     if (value <= 0xffffffffu) return true;
     const auto type = fri::FRIMonitoringMessage::descriptor()
@@ -135,43 +150,45 @@ class WideOracle {
     return type == FieldDescriptor::TYPE_UINT64;
   }
 
-  // @param all  for the schema that keeps each value; false: for the other one, whose unknown fields are
-  //   checked
-  static bool Keeps(const Message& message, bool all = false) {
-    const auto& refl = *message.GetReflection();
-    const auto& unknown = refl.GetUnknownFields(message);
+  // Whether a message keeps the rules listed above Parse(). @param all  the message is of the schema with all
+  // values, whose numbers and names are checked; false: of the other schema, whose unknown fields and sizes
+  // are checked
+  static bool KeepsRules(const Message& message, bool all = false) {
+    const auto& reflection = *message.GetReflection();
+    const auto& unknown = reflection.GetUnknownFields(message);
     for (int i = 0; i < unknown.field_count() && !all; ++i) {
       if (unknown.field(i).type() == google::protobuf::UnknownField::TYPE_GROUP) return false;
       if (message.GetDescriptor()->FindFieldByNumber(unknown.field(i).number()) != nullptr) return false;
     }
     std::vector<const FieldDescriptor*> fields;
-    refl.ListFields(message, &fields);
+    reflection.ListFields(message, &fields);
     for (const FieldDescriptor* field : fields) {
-      const int count = field->is_repeated() ? refl.FieldSize(message, field) : 1;
-      if (!all && field->is_repeated() && count > Room(*field)) return false;
+      const int count = field->is_repeated() ? reflection.FieldSize(message, field) : 1;
+      if (!all && field->is_repeated() && count > MaxElements(*field)) return false;
       for (int i = 0; i < count; ++i)
-        if (!Keeps(message, *field, i, all)) return false;
+        if (!KeepsRules(message, *field, i, all)) return false;
     }
     return true;
   }
 
-  static bool Keeps(const Message& message, const FieldDescriptor& field, int i, bool all) {
-    const auto& refl = *message.GetReflection();
+  static bool KeepsRules(const Message& message, const FieldDescriptor& field, int i, bool all) {
+    const auto& reflection = *message.GetReflection();
     const bool repeated = field.is_repeated();
     if (field.type() == FieldDescriptor::TYPE_MESSAGE)
-      return Keeps(repeated ? refl.GetRepeatedMessage(message, &field, i) : refl.GetMessage(message, &field),
-                   all);
+      return KeepsRules(repeated ? reflection.GetRepeatedMessage(message, &field, i)
+                                 : reflection.GetMessage(message, &field),
+                        all);
     if (!all) return true;
     if (field.type() == FieldDescriptor::TYPE_UINT64)
-      return InRange(field, refl.GetRepeatedUInt64(message, &field, i));
+      return InRange(field, reflection.GetRepeatedUInt64(message, &field, i));
     if (field.type() == FieldDescriptor::TYPE_BYTES)
-      return refl.GetRepeatedString(message, &field, i).size() <= 63;
+      return reflection.GetRepeatedString(message, &field, i).size() <= 63;
     return true;
   }
 
   google::protobuf::DescriptorPool pool_, all_pool_;
   google::protobuf::DynamicMessageFactory factory_, all_factory_;
-  const Message *last_, *all_;
+  const Message *last_value_schema_, *all_values_schema_;
 };
 
 }  // namespace osteon::io::test

@@ -12,18 +12,21 @@
 
 namespace osteon::io::test {
 
+/// A field of a message: its number, wire type and value.
 struct WireNode {
   std::uint32_t number{0};
   unsigned type{0};                 ///< wire type
-  std::vector<std::uint8_t> bytes;  ///< its value: after tag and length
-  std::vector<WireNode> parts;      ///< instead of bytes, if type 2 contains a message
+  std::vector<std::uint8_t> bytes;  ///< the value, without tag and length
+  std::vector<WireNode> parts;      ///< in place of `bytes`: the fields of a message inside (type 2)
 };
 
+/// Appends a number in protobuf's variable length, seven bits a byte.
 inline void PutVarint(std::uint64_t value, std::vector<std::uint8_t>& to) {
   for (; value >= 0x80; value >>= 7) to.push_back(static_cast<std::uint8_t>(value | 0x80));
   to.push_back(static_cast<std::uint8_t>(value));
 }
 
+/// The message with these fields.
 inline std::vector<std::uint8_t> WriteTree(const std::vector<WireNode>& nodes) {
   std::vector<std::uint8_t> bytes;
   for (const WireNode& node : nodes) {
@@ -35,7 +38,8 @@ inline std::vector<std::uint8_t> WriteTree(const std::vector<WireNode>& nodes) {
   return bytes;
 }
 
-/// Empty if it is not a message. Text may pass for a message by chance, which does no harm.
+/// The fields of a message; nullopt if the bytes are no message. Text may look like a message by chance,
+/// which does no harm.
 inline std::optional<std::vector<WireNode>> ReadTree(std::span<const std::uint8_t> bytes) {
   std::size_t at = 0;
   const auto varint = [&]() -> std::optional<std::uint64_t> {
@@ -82,10 +86,11 @@ inline std::optional<std::vector<WireNode>> ReadTree(std::span<const std::uint8_
 class TreeMutator {
  public:
   explicit TreeMutator(unsigned seed) : random_(seed) {}
+  /// A random number from 0 to n - 1.
   std::size_t Below(std::size_t n) { return random_() % n; }
 
   void Change(std::vector<WireNode>& nodes) {
-    if (nodes.empty() || Below(12) == 0) return Insert(nodes);
+    if (nodes.empty() || Below(12) == 0) return InsertField(nodes);
     const std::size_t at = Below(nodes.size());
     if (!nodes[at].parts.empty() && Below(5) != 0) return Change(nodes[at].parts);
     const auto here = nodes.begin() + static_cast<std::ptrdiff_t>(at);
@@ -106,9 +111,9 @@ class TreeMutator {
         here->number = static_cast<std::uint32_t>(Below(18));
         return;
       case 5:
-        return Halve(nodes, at);
+        return SplitOrTruncate(nodes, at);
       default:
-        Replace(*here);
+        ReplaceValue(*here);
     }
   }
 
@@ -119,6 +124,7 @@ class TreeMutator {
     return bytes;
   }
 
+  // A number at the limit of some type or rule, now and then in too many bytes.
   std::vector<std::uint8_t> HostileVarint() {
     constexpr std::uint64_t kValues[]{
         0,           1,          2,          3,          4,           5,     7,           100,
@@ -127,15 +133,16 @@ class TreeMutator {
     std::vector<std::uint8_t> bytes;
     PutVarint(kValues[Below(std::size(kValues))], bytes);
     if (Below(4) != 0) return bytes;
-    for (std::size_t more = Below(10); more > 0; --more) {  // the same number in more bytes, up to ten or too
-                                                            // many
+    // the same number in up to nine more bytes; a varint may have ten
+    for (std::size_t more = Below(10); more > 0; --more) {
       bytes.back() |= 0x80;
       bytes.push_back(0);
     }
     return bytes;
   }
 
-  void Replace(WireNode& node) {
+  // Gives a field another value of the same wire type.
+  void ReplaceValue(WireNode& node) {
     node.parts.clear();
     if (node.type == 0) {
       node.bytes = HostileVarint();
@@ -151,7 +158,7 @@ class TreeMutator {
   }
 
   // Splits a message into two parts that must be merged; truncates a number or bytes.
-  void Halve(std::vector<WireNode>& nodes, std::size_t at) {
+  void SplitOrTruncate(std::vector<WireNode>& nodes, std::size_t at) {
     WireNode& node = nodes[at];
     if (node.parts.empty()) {
       node.bytes.resize(node.bytes.size() / 2);
@@ -164,7 +171,8 @@ class TreeMutator {
     nodes.insert(nodes.begin() + static_cast<std::ptrdiff_t>(at) + 1, rest);
   }
 
-  void Insert(std::vector<WireNode>& nodes) {
+  // Inserts a field, mostly with a number that the schema does not have.
+  void InsertField(std::vector<WireNode>& nodes) {
     constexpr unsigned kTypes[]{0, 1, 2, 5, 0, 1, 2, 5, 3, 4};
     constexpr std::uint32_t kNumbers[]{11, 14, 16, 17, 1000, (1u << 29) - 1, 0, 7};
     WireNode node{kNumbers[Below(std::size(kNumbers))], kTypes[Below(std::size(kTypes))], {}, {}};

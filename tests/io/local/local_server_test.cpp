@@ -16,10 +16,12 @@
 #include "io/local/local_socket.h"
 #include "tests/io/temporary_folder.h"
 
+// The local sockets on which running cells answer requests: who may connect, and clients that misbehave.
+
 namespace osteon::io {
 namespace {
 
-// Sockets of this test alone: another cell may run on this machine.
+// The sockets of this test have a folder of their own, because another cell may run on this machine.
 class LocalServerTest : public testing::Test {
  protected:
   void SetUp() override { ::setenv(kLocalFolderVariable, sockets().c_str(), 1); }
@@ -29,6 +31,7 @@ class LocalServerTest : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
+// The server's answer to each request.
 std::string Echo(const std::string& request) { return "<" + request + ">"; }
 
 TEST_F(LocalServerTest, AnswersARequestAndIsFoundUntilItEnds) {
@@ -44,7 +47,7 @@ TEST_F(LocalServerTest, AnswersARequestAndIsFoundUntilItEnds) {
   EXPECT_TRUE(FindLocalServers().empty());
 }
 
-TEST_F(LocalServerTest, ASocketThatNobodyAnswersIsRemoved) {
+TEST_F(LocalServerTest, ASocketWithoutAServerIsRemoved) {
   std::filesystem::path left;
   {
     const auto server = LocalServer::Start("run-2", Echo);
@@ -67,8 +70,9 @@ TEST_F(LocalServerTest, AFolderThatOthersMayEnterIsRefused) {
   }
 }
 
-// A group's folder is one that somebody named for it, not the one that each user has.
-TEST_F(LocalServerTest, AUsersOwnFolderIsNoGroups) {
+// A folder may be open to a group (mode 0750) only if the environment variable names it. The default folder,
+// under XDG_RUNTIME_DIR, belongs to one user and must not be.
+TEST_F(LocalServerTest, AUsersOwnFolderMayNotBeOpenToAGroup) {
   ::unsetenv(kLocalFolderVariable);
   ::setenv("XDG_RUNTIME_DIR", folder_.path().c_str(), 1);
   EXPECT_EQ(LocalSocketFolder(), folder_.path() / "osteon");
@@ -82,8 +86,8 @@ TEST_F(LocalServerTest, AUsersOwnFolderIsNoGroups) {
   ::unsetenv("XDG_RUNTIME_DIR");
 }
 
-// Asks from a process of another user; -1: it never asked. @returns how many servers it found and was
-// answered by
+// Asks all servers from a process of that user and these groups. @returns the number of servers that
+// answered; -1: the process could not ask
 int AnswersFor(uid_t user, gid_t group, const std::vector<gid_t>& groups) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -99,8 +103,8 @@ int AnswersFor(uid_t user, gid_t group, const std::vector<gid_t>& groups) {
   return WEXITSTATUS(status) == 255 ? -1 : WEXITSTATUS(status);
 }
 
-// As the service's folder is: of the group "osteon", whose members find the cell and may end it.
-TEST_F(LocalServerTest, TheFoldersGroupMayAskAndNobodyElse) {
+// The folder of the installed service belongs to a group, whose members may find and end the cell.
+TEST_F(LocalServerTest, OnlyRootAndTheFoldersGroupMayAsk) {
   if (::geteuid() != 0) GTEST_SKIP() << "skipped: other users' processes need root";
   constexpr uid_t kSomebody = 54321;
   constexpr gid_t kGroup = 54322, kOther = 54323;
@@ -125,9 +129,9 @@ TEST_F(LocalServerTest, AFolderThatIsALinkIsRefused) {
   EXPECT_FALSE(LocalServer::Start("run-5", Echo));
 }
 
-// Each of these would hold the server for good if sizes and times had no bound; the last request shows that
-// none did.
-TEST_F(LocalServerTest, HostileConnectionsHoldNobodyUp) {
+// Each of these connections would block the server forever if sizes and times had no bound. The last request
+// shows that none did.
+TEST_F(LocalServerTest, HostileConnectionsDoNotBlockTheServer) {
   const auto server = LocalServer::Start("run-6", Echo);
   ASSERT_TRUE(server) << server.error();
   const auto address = LocalAddress((*server)->path());
@@ -156,7 +160,7 @@ TEST_F(LocalServerTest, ASilentConnectionIsClosedAndTheNextIsServed) {
   EXPECT_EQ(AskLocalServer((*server)->path(), "status").value_or(""), "<status>");
 }
 
-TEST_F(LocalServerTest, ManySilentConnectionsKeepNobodyOut) {
+TEST_F(LocalServerTest, ManySilentConnectionsDoNotKeepOthersOut) {
   const auto server = LocalServer::Start("run-8", Echo);
   ASSERT_TRUE(server) << server.error();
   const auto address = LocalAddress((*server)->path());
@@ -166,11 +170,11 @@ TEST_F(LocalServerTest, ManySilentConnectionsKeepNobodyOut) {
     ASSERT_EQ(::connect(socket.fd(), reinterpret_cast<const sockaddr*>(&*address), sizeof *address), 0);
   }
   EXPECT_EQ(AskLocalServer((*server)->path(), "stop").value_or(""), "<stop>");
-  // the oldest gave way, within their patience and not after it
+  // the server closed the oldest connection for a newer one, before its time was over
   EXPECT_FALSE(ReadLine(silent.front().fd(), 100, kLocalPatience));
 }
 
-// A request may come in pieces.
+// Another client is served while the first request is still incomplete.
 TEST_F(LocalServerTest, ARequestInPiecesIsOneRequest) {
   const auto server = LocalServer::Start("run-9", Echo);
   ASSERT_TRUE(server) << server.error();
@@ -183,7 +187,7 @@ TEST_F(LocalServerTest, ARequestInPiecesIsOneRequest) {
   EXPECT_EQ(ReadLine(socket.fd(), 100, 3 * kLocalPatience).value_or(""), "<status>");
 }
 
-TEST(LocalAddress, APathThatTheSystemDoesNotTakeIsRefused) {
+TEST(LocalAddress, APathThatIsTooLongIsRefused) {
   const auto address = LocalAddress("/" + std::string(200, 'a'));
   ASSERT_FALSE(address);
   EXPECT_NE(address.error().find("accepted at most 107"), std::string::npos) << address.error();

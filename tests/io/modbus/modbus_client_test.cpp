@@ -15,7 +15,7 @@
 
 #include "tests/base/checked_no_alloc_scope.h"
 
-// The client with libmodbus' own server, and with servers that misbehave.
+// The PLC client against a server of libmodbus, and against servers that misbehave.
 
 namespace osteon::io {
 namespace {
@@ -71,7 +71,8 @@ class Listener {
   std::thread thread_;
 };
 
-// libmodbus' own server side with our registers.
+// A PLC by libmodbus' server, with registers 970 … 993: VERSION is 3, RUN_PERMITTED 1, and the PLC's
+// heartbeat (983) counts requests.
 class LibmodbusServer {
  public:
   LibmodbusServer()
@@ -87,6 +88,7 @@ class LibmodbusServer {
   LibmodbusServer(const LibmodbusServer&) = delete;
   LibmodbusServer& operator=(const LibmodbusServer&) = delete;
 
+  // Answers one request on that socket; false if the connection has ended.
   bool Serve(int client) {
     modbus_set_socket(context_, client);
     std::array<std::uint8_t, MODBUS_TCP_MAX_ADU_LENGTH> request;
@@ -110,11 +112,12 @@ class LibmodbusServer {
   modbus_mapping_t* mapping_;
 };
 
-PlcClientParams Quick(std::uint16_t port) {
+// A client that retries within milliseconds.
+PlcClientParams QuickParams(std::uint16_t port) {
   return {.port = port, .response_timeout_ms = 200, .first_pause_ms = 5, .longest_pause_ms = 20};
 }
 
-// Waits until `holds` is true; false after a long time.
+// Waits until `holds` is true; false after about 20 s.
 bool Until(PlcClient& client, const std::function<bool(const PlcReading&)>& holds) {
   for (int i = 0; i < 20'000; ++i) {
     if (holds(client.Latest())) return true;
@@ -123,14 +126,14 @@ bool Until(PlcClient& client, const std::function<bool(const PlcReading&)>& hold
   return false;
 }
 
-TEST(PlcClient, ReadsAndBeatsAgainstLibmodbus) {
+TEST(PlcClient, ReadsRegistersAndWritesTheLoopsHeartbeat) {
   LibmodbusServer plc;
   plc.Set(970, 3);
   plc.Set(979, 1);
   const Listener listener([&](int socket) { return plc.Serve(socket); });
-  PlcClient client(Quick(listener.port()));
+  PlcClient client(QuickParams(listener.port()));
   ASSERT_TRUE(Until(client, [](const PlcReading& r) { return r.counters.reads > 3; }))
-      << Describe(Quick(listener.port()), client.Latest());
+      << Describe(QuickParams(listener.port()), client.Latest());
   const PlcReading reading = client.Latest();
   EXPECT_EQ(reading.link, PlcLink::kConnected);
   EXPECT_EQ(reading.inputs.mode, PlcMode::kAutomatic);
@@ -156,10 +159,10 @@ TEST(PlcClient, ReadsAndBeatsAgainstLibmodbus) {
   EXPECT_EQ(client.Latest().link, PlcLink::kConnecting) << "nothing is connected any more";
 }
 
-TEST(PlcClient, AGuardWritesItsOwnRegistersAlone) {
+TEST(PlcClient, AGuardWritesOnlyItsOwnRegisters) {
   LibmodbusServer plc;
   const Listener listener([&](int socket) { return plc.Serve(socket); });
-  PlcClientParams params = Quick(listener.port());
+  PlcClientParams params = QuickParams(listener.port());
   params.role = PlcRole::kGuard;
   PlcClient client(params);
   client.RequestMotion(true);
@@ -173,32 +176,35 @@ TEST(PlcClient, AGuardWritesItsOwnRegistersAlone) {
   EXPECT_EQ(plc.guard_permits, 0) << "withdrawn";
 }
 
-TEST(PlcClient, LostConnectionsAreSaidAndMadeAgain) {
+// The server closes each connection after five answers.
+TEST(PlcClient, LostConnectionsAreCountedAndMadeAgain) {
   LibmodbusServer plc;
   std::atomic<int> left{5};
   const Listener listener([&](int socket) { return left-- > 0 ? plc.Serve(socket) : (left = 5, false); });
-  PlcClient client(Quick(listener.port()));
+  PlcClient client(QuickParams(listener.port()));
   EXPECT_TRUE(Until(client, [](const PlcReading& r) { return r.counters.lost >= 3; }));
   EXPECT_TRUE(Until(client, [](const PlcReading& r) { return r.link == PlcLink::kConnected; }));
   EXPECT_GE(listener.accepted(), 4);
 }
 
-TEST(PlcClient, NobodyThereIsSaid) {
+TEST(PlcClient, AnErrorTellsThatNoPlcListens) {
   Listener listener([](int) { return false; });
   const std::uint16_t port = listener.port();
   listener.Stop();  // the port is free now
-  PlcClient client(Quick(port));
+  PlcClient client(QuickParams(port));
   ASSERT_TRUE(Until(client, [](const PlcReading& r) { return r.counters.refused >= 3; }));
   EXPECT_EQ(client.Latest().link, PlcLink::kConnecting);
   EXPECT_EQ(client.Latest().stamp, 0);
-  const std::string text = Describe(Quick(port), client.Latest());
+  const std::string text = Describe(QuickParams(port), client.Latest());
   EXPECT_NE(text.find("PLC 127.0.0.1:" + std::to_string(port) + ": no connection: Connection refused"),
             std::string::npos)
       << text;
 }
 
-// Servers that misbehave in different ways. None ever counts as a connection.
-TEST(PlcClient, MisbehaviourIsNeverAReading) {
+// Each server answers wrongly in its own way. The client must count the error, and must never count as
+// connected or have a reading.
+TEST(PlcClient, WrongAnswersNeverBecomeAReading) {
+  // answers a request with these bytes; 0xee at the front: with the request's transaction number
   const auto answer = [](int socket, const Bytes& bytes) {
     std::array<std::uint8_t, 300> request;
     const ssize_t size = recv(socket, request.data(), request.size(), 0);
@@ -207,6 +213,7 @@ TEST(PlcClient, MisbehaviourIsNeverAReading) {
     if (!sent.empty() && sent[0] == 0xee) std::copy_n(request.begin(), 2, sent.begin());  // the transaction
     return sent.empty() || send(socket, sent.data(), sent.size(), MSG_NOSIGNAL) > 0;
   };
+  // a right answer: RUN_PERMITTED and VERSION 3
   Bytes good{0xee, 0xee, 0, 0, 0, 31, 0xff, 3, 28};
   for (const int value : {1, 0, 0, 0, 1, 0, 0, 3, 0, 0, 0, 0, 0, 0}) {
     good.push_back(0);
@@ -235,7 +242,7 @@ TEST(PlcClient, MisbehaviourIsNeverAReading) {
        }) {
     SCOPED_TRACE(c.name);
     const Listener listener([&](int socket) { return answer(socket, c.bytes); });
-    PlcClientParams params = Quick(listener.port());
+    PlcClientParams params = QuickParams(listener.port());
     params.response_timeout_ms = 20;
     PlcClient client(params);
     EXPECT_TRUE(Until(client, [&](const PlcReading& r) {
@@ -247,24 +254,24 @@ TEST(PlcClient, MisbehaviourIsNeverAReading) {
   }
   // check of the table itself: the unchanged answer is a reading
   const Listener listener([&](int socket) { return answer(socket, good); });
-  PlcClient client(Quick(listener.port()));
+  PlcClient client(QuickParams(listener.port()));
   EXPECT_TRUE(Until(client, [](const PlcReading& r) { return r.inputs.run_permitted; }));
 }
 
-TEST(PlcClient, SaysWhichRegisterIsOutOfRange) {
+TEST(PlcClient, NamesTheRegisterThatIsOutOfRange) {
   LibmodbusServer plc;
   plc.Set(979, 9);
   const Listener listener([&](int socket) { return plc.Serve(socket); });
-  PlcClient client(Quick(listener.port()));
+  PlcClient client(QuickParams(listener.port()));
   ASSERT_TRUE(Until(client, [](const PlcReading& r) { return r.bad.address != 0; }));
-  const std::string text = Describe(Quick(listener.port()), client.Latest());
+  const std::string text = Describe(QuickParams(listener.port()), client.Latest());
   EXPECT_NE(text.find("register 979: found 9, accepted 0 … 2"), std::string::npos) << text;
 }
 
 TEST(PlcClient, TheTickNeitherWaitsNorAllocates) {
   LibmodbusServer plc;
   const Listener listener([&](int socket) { return plc.Serve(socket); });
-  PlcClient client(Quick(listener.port()));
+  PlcClient client(QuickParams(listener.port()));
   ASSERT_TRUE(Until(client, [](const PlcReading& r) { return r.counters.reads > 0; }));
   PlcVerdict verdict{};
   rt::CheckedNoAllocScope no_alloc;
@@ -277,7 +284,7 @@ TEST(PlcClient, TheTickNeitherWaitsNorAllocates) {
   EXPECT_EQ(verdict, PlcVerdict::kRun);
 }
 
-TEST(PlcClient, RefusesParametersByName) {
+TEST(PlcClient, RefusesParametersOutOfRangeAndNamesThem) {
   const auto refused = [](const PlcClientParams& params) -> std::string {
     try {
       PlcClient client(params);

@@ -2,6 +2,8 @@
 
 #include "io/modbus/plc_reading.h"
 
+// The register map: registers 970 … 983 become PlcInputs, and Judge() derives whether the arm may move.
+
 namespace osteon::io {
 namespace {
 
@@ -19,7 +21,7 @@ TEST(PlcMap, ReadsEachRegisterFromItsAddress) {
   EXPECT_FALSE(inputs.emergency_stop || inputs.brake_test_requested);
   EXPECT_EQ(inputs.heartbeat, 4711);
 
-  // one register at a time, from all zero: one field at a time
+  // if one register alone is 1, one field alone is true
   struct Row {
     std::size_t offset;
     bool PlcInputs::*field;
@@ -38,7 +40,7 @@ TEST(PlcMap, ReadsEachRegisterFromItsAddress) {
   }
 }
 
-TEST(PlcMap, RefusesValuesThatDoNotExist) {
+TEST(PlcMap, RefusesValuesOutOfRange) {
   for (const auto& [offset, most] :
        {std::pair{0, 3}, {3, 1}, {4, 1}, {8, 1}, {9, 2}, {10, 1}, {11, 1}, {12, 1}})
     for (const int value : {most + 1, 0xffff}) {
@@ -54,7 +56,8 @@ TEST(PlcMap, RefusesValuesThatDoNotExist) {
     }
 }
 
-TEST(PlcMap, AnotherVersionSaysNothingElse) {
+// Registers of an unknown version are not interpreted: the inputs stay at their safe defaults.
+TEST(PlcMap, OfAnotherVersionReadsOnlyTheVersion) {
   Block block = kGood;
   block[7] = 2;
   block[0] = 999;
@@ -65,7 +68,8 @@ TEST(PlcMap, AnotherVersionSaysNothingElse) {
   EXPECT_TRUE(inputs.emergency_stop);
 }
 
-TEST(PlcMap, VerdictOfEachRow) {
+// A good reading of 1000 ms is judged at 1050 ms, with at most 60 ms of age. Each change gives one verdict.
+TEST(PlcMap, EachConditionGivesItsVerdict) {
   const auto verdict = [](auto change) {
     PlcReading reading{.stamp = 1000 * rt::kMillisecond, .link = PlcLink::kConnected};
     EXPECT_FALSE(DecodePlc(kGood, reading.inputs));

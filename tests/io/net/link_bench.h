@@ -9,10 +9,11 @@
 #include "control/ports.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
-// Claims that hold for every arm's UDP link.
+// Helpers and checks that the tests of all arms' UDP links share.
 
 namespace osteon::io::test {
 
+/// Deadline of a wait that must succeed.
 inline rt::Nanoseconds Soon() { return rt::MonotonicNow() + 2 * rt::kSecond; }
 
 /// A link on the loopback, at a port that the system chooses.
@@ -23,8 +24,8 @@ std::unique_ptr<Link> OpenAnywhere() {
   return std::move(*link);
 }
 
-/// A taken port and addresses that are invalid, or not this machine's, are refused with text.
-/// @param who  name of the protocol in the errors
+/// Expects that Open() refuses a port in use, an invalid address, and an address of another machine, and
+/// names the reason. @param who  name of the protocol in the errors
 template <class Link, class Params>
 void ExpectAddressErrors(const std::string& who) {
   const auto expect = [](const Params& params, const std::string& text) {
@@ -39,7 +40,7 @@ void ExpectAddressErrors(const std::string& who) {
          "no network card with that address");
 }
 
-/// Takes the waiting message and answers it, without heap or lock.
+/// Receives the waiting message and answers it; expects no allocation and no lock.
 inline void ExpectNoAllocation(control::ArmLink& link) {
   control::ArmState state;
   rt::CheckedNoAllocScope no_alloc;

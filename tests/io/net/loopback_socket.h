@@ -15,10 +15,12 @@
 
 #include <gtest/gtest.h>
 
-// The peer of the code under test, without any of our code.
+// A socket of the operating system as the peer of the code under test, so that no code is tested against
+// itself.
 
 namespace osteon::io::test {
 
+/// 127.0.0.1 with that port.
 inline sockaddr_in Loopback(std::uint16_t port) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -72,7 +74,7 @@ class LoopbackSocket {
     return bytes;
   }
 
-  /// Takes the next datagram, without waiting. @returns the port that it came from; 0: none was there
+  /// Receives the next datagram without waiting, and drops it. @returns the sender's port; 0: there was none
   [[nodiscard]] std::uint16_t ReceiveFrom() const {
     std::array<std::uint8_t, 3000> bytes;
     sockaddr_in from{};

@@ -10,6 +10,8 @@
 #include "io/recording/mcap_reader.h"
 #include "tests/io/temporary_folder.h"
 
+// The writer and reader of MCAP files, against the bytes of other programs.
+
 namespace osteon::io {
 namespace {
 
@@ -78,11 +80,12 @@ TEST(McapWriter, NamesThePathOnAFullDisk) {
   EXPECT_EQ(size.error(), "/dev/full: cannot write the recording: No space left on device");
 }
 
-// Files of other writers, built record by record according to https://mcap.dev/spec. The compressed bytes are
-// the output of the programs `zstd -3` 1.5.4 and `lz4 -9` 1.9.4 (with its content checksum) for
-// MadeRecords().
+// The files below are as other programs write them, built record by record according to
+// https://mcap.dev/spec. The compressed bytes come from the programs zstd 1.5.4 (level 3) and lz4 1.9.4
+// (level 9, with content checksum), for MadeRecords().
 
-std::string Bytes(const std::string& hex) {
+// The bytes of a hexadecimal text.
+std::string FromHex(const std::string& hex) {
   std::string bytes;
   for (std::size_t i = 0; i + 1 < hex.size(); i += 2)
     bytes += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
@@ -116,12 +119,14 @@ std::string MadeRecords() {
   return records;
 }
 
+// A chunk as its record announces it: `size` and `crc` are of the unpacked bytes; crc 0: not given.
 struct Chunk {
   std::string compression, bytes;
   std::uint64_t size;
   std::uint32_t crc;
 };
 
+// A whole file of these chunks.
 std::string FileOf(const std::vector<Chunk>& chunks) {
   std::string file(mcap::kMagic);
   std::string header, end, footer;
@@ -143,15 +148,16 @@ std::string FileOf(const std::vector<Chunk>& chunks) {
   return file + std::string(mcap::kMagic);
 }
 
-const std::string kZstd = Bytes(
+const std::string kZstdRecords = FromHex(
     "28b52ffd0458bd020002440d15a0291df8b0eed93f5b461d8ce6b29d95eb67b12405abc80f18037fb37a772d9a0a6697"
     "8fedc1fe5152c97f146642c41ffcb670020e0026381500074000c81a10087a000240d6a032ba4200180c020e0c378021"
     "632636e8");
-const std::string kLz4 = Bytes(
+const std::string kLz4Records = FromHex(
     "04224d186440a76600000032041a000100f10705000000060000002f6e6f746573040000006a736f6e1a001724230059"
     "00006400000800e77b2274657874223a22616161227d2d005301000000650e001f652d0003244d012d00530200000066"
     "25001e662d000f0100ff1550616161227d00000000c9d96753");
 
+// The messages that the reader finds in a file, and its error, or "".
 std::vector<std::string> TextsOf(const std::string& file, McapReader::OnDamage on_damage,
                                  std::string& error) {
   const test::TemporaryFolder folder;
@@ -176,16 +182,19 @@ std::vector<std::string> TextsOf(const std::string& file, McapReader::OnDamage o
 
 const std::string kShort = "{\"text\":\"aaa\"}", kLong = "{\"text\":\"" + std::string(300, 'a') + "\"}";
 
+// The messages of MadeRecords().
 const std::vector<std::string> kTexts{kShort, kShort, kLong};
 
-bool Has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool Contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
-TEST(McapReader, ReadsChunksThatOthersCompressedAndChannelsWithoutASchema) {
+TEST(McapReader, ReadsChunksCompressedByOtherProgramsAndChannelsWithoutASchema) {
   const std::string records = MadeRecords();
   const std::uint32_t crc = mcap::Crc(0, records);
   std::string error;
   for (const auto& [name, bytes] :
-       {std::pair<std::string, std::string>{"", records}, {"zstd", kZstd}, {"lz4", kLz4}})
+       {std::pair<std::string, std::string>{"", records}, {"zstd", kZstdRecords}, {"lz4", kLz4Records}})
     for (const std::uint32_t sum : {crc, 0u}) {  // 0: not given
       EXPECT_EQ(TextsOf(FileOf({{name, bytes, records.size(), sum}}), McapReader::OnDamage::kRefuse, error),
                 kTexts)
@@ -194,7 +203,7 @@ TEST(McapReader, ReadsChunksThatOthersCompressedAndChannelsWithoutASchema) {
     }
 }
 
-TEST(McapReader, RefusesChunksThatDoNotUnpackToWhatTheyAnnounce) {
+TEST(McapReader, RefusesChunksWithAWrongSizeChecksumOrCompression) {
   const std::string records = MadeRecords();
   const std::uint32_t crc = mcap::Crc(0, records);
   const std::uint64_t size = records.size();
@@ -203,26 +212,29 @@ TEST(McapReader, RefusesChunksThatDoNotUnpackToWhatTheyAnnounce) {
     EXPECT_TRUE(TextsOf(FileOf({chunk}), McapReader::OnDamage::kRefuse, error).empty());
     return error;
   };
-  for (const auto& [name, bytes] : {std::pair<std::string, std::string>{"zstd", kZstd}, {"lz4", kLz4}}) {
-    EXPECT_TRUE(Has(refusal({name, bytes, size - 1, crc}), "chunk cannot be unpacked from " + name));
-    EXPECT_TRUE(Has(refusal({name, bytes, size + 1, crc}), "chunk unpacks to 467 bytes, announced are 468"));
-    EXPECT_TRUE(Has(refusal({name, bytes.substr(0, bytes.size() - 6), size, crc}),
-                    "chunk cannot be unpacked from " + name));
-    EXPECT_TRUE(Has(refusal({name, "no such bytes", size, crc}), "cannot be unpacked from " + name));
-    EXPECT_TRUE(Has(refusal({name, bytes, size, crc + 1}), "does not match its CRC"));
-    EXPECT_TRUE(Has(refusal({name, bytes, std::uint64_t{1} << 60, crc}), "accepted up to 67108864"));
+  for (const auto& [name, bytes] :
+       {std::pair<std::string, std::string>{"zstd", kZstdRecords}, {"lz4", kLz4Records}}) {
+    EXPECT_TRUE(Contains(refusal({name, bytes, size - 1, crc}), "chunk cannot be unpacked from " + name));
+    EXPECT_TRUE(
+        Contains(refusal({name, bytes, size + 1, crc}), "chunk unpacks to 467 bytes, announced are 468"));
+    EXPECT_TRUE(Contains(refusal({name, bytes.substr(0, bytes.size() - 6), size, crc}),
+                         "chunk cannot be unpacked from " + name));
+    EXPECT_TRUE(Contains(refusal({name, "no such bytes", size, crc}), "cannot be unpacked from " + name));
+    EXPECT_TRUE(Contains(refusal({name, bytes, size, crc + 1}), "does not match its CRC"));
+    EXPECT_TRUE(Contains(refusal({name, bytes, std::uint64_t{1} << 60, crc}), "accepted up to 67108864"));
   }
-  EXPECT_TRUE(Has(refusal({"bz2", records, size, crc}),
-                  "compressed with 'bz2', accepted: zstd, lz4, or not compressed"));
+  EXPECT_TRUE(Contains(refusal({"bz2", records, size, crc}),
+                       "compressed with 'bz2', accepted: zstd, lz4, or not compressed"));
 }
 
-TEST(McapReader, GoesOnAtTheNextSoundCompressedChunk) {
+TEST(McapReader, ContinuesAtTheNextIntactChunkAfterADamagedOne) {
   const std::string records = MadeRecords();
   const std::uint32_t crc = mcap::Crc(0, records);
-  std::string damaged = kZstd;
+  std::string damaged = kZstdRecords;
   damaged[damaged.size() / 2] = static_cast<char>(damaged[damaged.size() / 2] ^ 0x55);
   std::string error;
-  for (const auto& [name, bytes] : {std::pair<std::string, std::string>{"zstd", kZstd}, {"lz4", kLz4}})
+  for (const auto& [name, bytes] :
+       {std::pair<std::string, std::string>{"zstd", kZstdRecords}, {"lz4", kLz4Records}})
     EXPECT_EQ(TextsOf(FileOf({{"zstd", damaged, records.size(), crc}, {name, bytes, records.size(), crc}}),
                       McapReader::OnDamage::kSkip, error),
               kTexts)

@@ -7,7 +7,7 @@
 #include "io/recording/messages.h"
 #include "tests/io/recording/recording_samples.h"
 
-// Each field of a record is restored from its bytes.
+// Each field of a recorded tick, frame or event must be restored from its bytes.
 
 namespace osteon::io {
 namespace {
@@ -16,7 +16,7 @@ using test::Encoded;
 using test::SomeFrame;
 using test::SomeTick;
 
-// Equal encoded bytes cannot show a field that the encoder forgets: each is read back by hand.
+// Each field is compared by hand: equal encoded bytes would not show a field that the encoder forgets.
 TEST(RecordingFields, CarriesEveryFieldOfATick) {
   const control::TickRecord sent = SomeTick(7);
   control::TickRecord r;
@@ -91,7 +91,7 @@ TEST(RecordingFields, CarriesEveryFieldOfATick) {
 }
 
 TEST(RecordingFields, CarriesEveryInputOfATick) {
-  for (const std::uint64_t i : {7u, 8u}) {
+  for (const std::uint64_t i : {7u, 8u}) {  // odd and even: some fields depend on that
     const control::TickInput sent = SomeTick(i).input;
     control::TickRecord record;
     ASSERT_EQ(Decode(Encoded(SomeTick(i)), record), "");
@@ -158,7 +158,7 @@ TEST(RecordingFields, CarriesEveryInputOfATick) {
   }
 }
 
-TEST(RecordingFields, CarriesAContactCountThatIsNoCount) {
+TEST(RecordingFields, CarriesAContactCountOutOfRange) {
   for (const int count : {-1, 9}) {
     simulation::FrameRecord sent = SomeFrame(1), r;
     sent.model.contact_count = count;
@@ -167,8 +167,9 @@ TEST(RecordingFields, CarriesAContactCountThatIsNoCount) {
   }
 }
 
-// Field 20 appended to a frame of three contacts: the last occurrence of a field counts.
-TEST(RecordingFields, RefusesAContactCountBesideOtherContacts) {
+// The contact count (field 20) is appended to a frame of three contacts, with another number: the last
+// occurrence of a field counts.
+TEST(RecordingFields, RefusesAContactCountThatDiffersFromTheContacts) {
   for (const unsigned char count : {'\x02', '\x08', '\x14', '\x01'}) {  // sint32: 1, 4, 10, -1
     simulation::FrameRecord r;
     const std::string wrong = Decode(Encoded(SomeFrame(3)) + "\xa0\x01" + static_cast<char>(count), r);
@@ -238,8 +239,9 @@ TEST(RecordingFields, KeepsNegativeZeroAndNaN) {
   EXPECT_EQ(r.q_cmd[3], sent.q_cmd[3]);
 }
 
-// Fields are written in order: 20, its tag in two bytes and the double, before 21, the inputs.
-TEST(RecordingFields, ATickFromBeforeTheArmsShareAndTheInputsWereRecordedReadsAsNone) {
+// Recordings of older versions lack later fields. Fields are written in order: 20, the arm's share (a tag of
+// two bytes and a double), then 21, the inputs. So the bytes are cut behind and before field 20.
+TEST(RecordingFields, ATickWithoutTheArmsShareOrTheInputsReadsAsDefaults) {
   const std::string now = Encoded(SomeTick(2));
   const std::size_t share = now.rfind("\xA1\x01");
   ASSERT_NE(share, std::string::npos);
@@ -258,9 +260,9 @@ TEST(RecordingFields, ATickFromBeforeTheArmsShareAndTheInputsWereRecordedReadsAs
   EXPECT_EQ(r.compute_ns, SomeTick(2).compute_ns);
 }
 
-// Found by the fuzz target recording_message: libprotobuf writes such a string, but then fails to read the
-// whole message. A comment in Latin-1 in a cell's file is enough.
-TEST(RecordingFields, TextInAnotherEncodingCanBeRead) {
+// libprotobuf writes a string that is not UTF-8, but then fails to read the whole message. A comment in
+// Latin-1 in a cell's file is enough. Found by the fuzz target recording_message.
+TEST(RecordingFields, TextThatIsNotUtf8CanBeRead) {
   SessionInfo session = test::SomeSession();
   session.config_text = "# \xb5m, K\xf6nig\nradius_mm: 3\n";
   session.config.files = {{.name = "cells/K\xf6nig.yaml", .content = session.config_text}};

@@ -16,7 +16,7 @@
 #include "tests/io/recording/recording_samples.h"
 #include "tests/io/temporary_folder.h"
 
-// Losses of a recording when its process is killed, when the disk is full, and when its file vanishes.
+// What a recording loses if its process is killed, if the disk is full, and if its file is removed.
 
 namespace osteon::io {
 namespace {
@@ -30,11 +30,11 @@ constexpr unsigned kSeed = 20261122;
 
 // The child's progress, in memory that outlives it.
 struct Shared {
-  std::atomic<std::uint64_t> pushed{0};
+  std::atomic<std::uint64_t> pushed{0};  // number of ticks
   std::atomic<rt::Nanoseconds> last_stamp{0};
 };
 
-// A child process that lives as long as the object.
+// A child process that runs `work`; it is killed at the latest when the object ends.
 class Child {
  public:
   Child(Shared& shared, const std::function<void(Shared&)>& work) : pid_(fork()) {
@@ -137,8 +137,8 @@ TEST_F(RecordingLoss, AKilledProcessLosesAtMostOneSecond) {
   }
 }
 
-// If nothing new comes in, waiting data still reaches the file by the writer's clock.
-TEST_F(RecordingLoss, WhatWasPushedBeforeASilenceIsKept) {
+// Three ticks are pushed, and nothing more: the writer's thread must write them to the file by its own clock.
+TEST_F(RecordingLoss, TicksBeforeASilenceReachTheFile) {
   Child child(*shared_, [&](Shared& shared) {
     auto recorder = Recorder::Open({.path = path_}, SomeSession());
     for (std::uint64_t i = 1; i <= 3; ++i) (*recorder)->Push(SomeTick(i));
@@ -146,16 +146,17 @@ TEST_F(RecordingLoss, WhatWasPushedBeforeASilenceIsKept) {
     for (;;) pause();
   });
   std::size_t found = 0;
-  for (int look = 0; look < 3000 && found < 3;
-       ++look) {  // half a minute at most; a quarter of a second as a rule
+  // half a minute at most; a quarter of a second as a rule
+  for (int look = 0; look < 3000 && found < 3; ++look) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     if (const auto recording = ReadRecording(path_)) found = recording->ticks.size();
   }
   EXPECT_EQ(found, 3u);
 }
 
-// A limit on the file's size replaces a full disk: the system refuses the write at the same place.
-TEST_F(RecordingLoss, AFullDiskIsAnErrorAndNotTheTicksConcern) {
+// A limit on the file's size stands for a full disk: the system refuses the same write. Push() must still
+// accept each tick.
+TEST_F(RecordingLoss, AFullDiskIsReportedAndDoesNotDisturbTheTick) {
   constexpr std::uint64_t kTicks = 1000;
   Child child(*shared_, [&](Shared& shared) {
     signal(SIGXFSZ, SIG_IGN);
@@ -216,8 +217,9 @@ TEST_F(RecordingLoss, AFileThatWasRemovedIsReportedWhileItIsRecorded) {
   EXPECT_NE(error.find("removed or replaced"), std::string::npos) << error;
 }
 
-// By log time: a chunk spans at most a quarter of a second, however few messages there are.
-TEST_F(RecordingLoss, SlowMessagesDoNotWaitForAFullChunk) {
+// A chunk spans at most a quarter of a second of log time, so with a tick every 100 ms at most three are
+// missing in the file.
+TEST_F(RecordingLoss, SlowMessagesReachTheFileWithoutAFullChunk) {
   auto recorder = Recorder::Open({.path = path_, .writer_thread = false}, SomeSession());
   ASSERT_TRUE(recorder) << recorder.error();
   for (std::uint64_t i = 1; i <= 20; ++i) {

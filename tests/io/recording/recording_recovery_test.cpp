@@ -8,7 +8,7 @@
 #include "tests/io/recording/recording_samples.h"
 #include "tests/io/temporary_folder.h"
 
-// Torn and damaged recordings, and what RecoverRecording recovers.
+// RecoverRecording with recordings that are cut off or damaged: what it keeps and what it reports.
 
 namespace osteon::io {
 namespace {
@@ -18,15 +18,16 @@ using test::SomeFrame;
 using test::SomeTick;
 using test::WriteAll;
 
-constexpr std::uint64_t kTicks = 400;
+constexpr std::uint64_t kTicks = 400;  // of the recording below, at 1 kHz
 
+// The little-endian number of 64 bits at an offset.
 std::uint64_t IntAt(const std::string& bytes, std::size_t at) {
   std::uint64_t value = 0;
   std::memcpy(&value, bytes.data() + at, sizeof value);
   return value;
 }
 
-// Positions of the file's chunks: offset and size of each record.
+// Offset and size of each chunk's record (opcode 6).
 std::vector<std::pair<std::size_t, std::size_t>> Chunks(const std::string& bytes) {
   std::vector<std::pair<std::size_t, std::size_t>> chunks;
   for (std::size_t at = 8; at + 9 <= bytes.size();) {
@@ -37,6 +38,7 @@ std::vector<std::pair<std::size_t, std::size_t>> Chunks(const std::string& bytes
   return chunks;
 }
 
+// Each test starts from a complete recording of kTicks ticks, half as many frames, and one event.
 class RecoverRecordingTest : public testing::Test {
  protected:
   RecoverRecordingTest() {
@@ -55,7 +57,7 @@ class RecoverRecordingTest : public testing::Test {
     std::filesystem::remove(out_);
   }
 
-  /// Recovers these bytes, and expects a whole file with the reported content.
+  /// Recovers these bytes; expects a complete file with the reported content, which is read into kept_.
   Recovery Recover(const std::string& bytes) {
     WriteAll(torn_, bytes);
     std::filesystem::remove(out_);
@@ -91,14 +93,14 @@ class RecoverRecordingTest : public testing::Test {
   Recording kept_;
 };
 
-TEST_F(RecoverRecordingTest, AWholeOneIsLeftAlone) {
+TEST_F(RecoverRecordingTest, AWholeRecordingIsNotWrittenAgain) {
   const Recovery recovery = Recover(whole_);
   EXPECT_TRUE(recovery.was_whole);
   EXPECT_EQ(recovery.ticks, kTicks);
   EXPECT_FALSE(std::filesystem::exists(out_));
 }
 
-TEST_F(RecoverRecordingTest, WithoutItsEndLosesNothing) {
+TEST_F(RecoverRecordingTest, ARecordingWithoutItsSummaryLosesNothing) {
   const auto chunks = Chunks(whole_);
   // all chunks and their indexes, cut at the end of the data
   std::size_t end = chunks.back().first + chunks.back().second;
@@ -112,7 +114,7 @@ TEST_F(RecoverRecordingTest, WithoutItsEndLosesNothing) {
   EXPECT_EQ(McapReader::Open(out_)->library(), "osteon 0.1.0") << "what recorded it";
 }
 
-// For any length of the file: all messages before its end are kept, including the complete ones of the last
+// Wherever the file is cut off, all messages before the cut are kept, including the complete ones of the last
 // chunk.
 TEST_F(RecoverRecordingTest, KeepsEveryCompleteMessage) {
   const auto chunks = Chunks(whole_);
@@ -140,9 +142,8 @@ TEST_F(RecoverRecordingTest, KeepsEveryCompleteMessage) {
   EXPECT_GT(recovery.unchecked, 10u);
 }
 
-// In a truncated compressed chunk, everything that can be unpacked is kept: all but the incomplete block (128
-// KiB of records), and nothing else is lost.
-TEST_F(RecoverRecordingTest, KeepsTheWholeBlocksOfACompressedChunkThatIsCutOff) {
+// In a compressed chunk that is cut off, all complete blocks (128 KiB of records each) are kept.
+TEST_F(RecoverRecordingTest, KeepsTheCompleteBlocksOfACutOffCompressedChunk) {
   const auto chunks = Chunks(compressed_);
   ASSERT_GE(chunks.size(), 3u);  // the session, up to the event at tick 250, the rest
   const auto [start, size] = chunks[1];
@@ -171,7 +172,7 @@ TEST_F(RecoverRecordingTest, KeepsTheWholeBlocksOfACompressedChunkThatIsCutOff) 
   EXPECT_GT(recovery.ticks, most_unchecked / 2);
 }
 
-TEST_F(RecoverRecordingTest, PassesOverADamagedCompressedChunk) {
+TEST_F(RecoverRecordingTest, SkipsADamagedCompressedChunk) {
   const auto chunks = Chunks(compressed_);
   const auto [start, size] = chunks[1];
   std::string bytes = compressed_;
@@ -183,7 +184,7 @@ TEST_F(RecoverRecordingTest, PassesOverADamagedCompressedChunk) {
   EXPECT_EQ(LastTick(), kTicks - 1) << "what comes after it is kept";
 }
 
-TEST_F(RecoverRecordingTest, PassesOverADamagedChunkAndSaysWhere) {
+TEST_F(RecoverRecordingTest, SkipsADamagedChunkAndReportsItsPosition) {
   const auto chunks = Chunks(whole_);
   const auto [start, size] = chunks[2];
   std::string bytes = whole_;
@@ -204,9 +205,10 @@ TEST_F(RecoverRecordingTest, PassesOverADamagedChunkAndSaysWhere) {
   EXPECT_EQ(LastTick(), kTicks - 1) << "what comes after it is kept";
 }
 
-TEST_F(RecoverRecordingTest, FindsTheNextChunkBehindALengthThatWasDamaged) {
+TEST_F(RecoverRecordingTest, FindsTheNextChunkAfterADamagedLength) {
   const auto chunks = Chunks(whole_);
-  for (const unsigned byte : {1u, 4u, 8u}) {  // slightly wrong, beyond the file's end, absurd
+  for (const unsigned byte :
+       {1u, 4u, 8u}) {  // bytes of the length: slightly wrong, beyond the file's end, absurd
     std::string bytes = whole_;
     bytes[chunks[2].first + byte] = static_cast<char>(bytes[chunks[2].first + byte] ^ 0x41);
     const Recovery recovery = Recover(bytes);
@@ -217,8 +219,9 @@ TEST_F(RecoverRecordingTest, FindsTheNextChunkBehindALengthThatWasDamaged) {
   }
 }
 
-// The first chunk of ticks contains their schema; a whole file repeats it at its end.
-TEST_F(RecoverRecordingTest, LosesNoMoreThanTheChunkThatBroughtTheSchema) {
+// The damaged chunk is the first one of ticks and contains their schema. A complete file repeats the schema
+// at its end.
+TEST_F(RecoverRecordingTest, LosesOnlyTheDamagedChunkThatContainedTheSchema) {
   const auto chunks = Chunks(whole_);
   std::string bytes = whole_;
   bytes[chunks[1].first + 500] = static_cast<char>(bytes[chunks[1].first + 500] ^ 1);
@@ -227,12 +230,13 @@ TEST_F(RecoverRecordingTest, LosesNoMoreThanTheChunkThatBroughtTheSchema) {
   EXPECT_EQ(LastTick(), kTicks - 1);
 }
 
-// Recovery also uses the channels that the summary repeats; the reader does not wait for them. Found by
-// libFuzzer (tests/fuzz/targets/recording.cpp): "nothing to recover", for a file that could not be read.
-TEST_F(RecoverRecordingTest, WhatCanNotBeReadIsNotCalledWhole) {
+// The first channel gets a wrong number, so the reader finds messages without a channel. Recovery also uses
+// the channels that the summary repeats, and must not report the file as whole. Found by libFuzzer
+// (tests/fuzz/targets/recording.cpp).
+TEST_F(RecoverRecordingTest, AnUnreadableFileIsNotReportedAsWhole) {
   std::string bytes = whole_;
   const std::size_t chunk = Chunks(bytes).front().first;
-  bytes.replace(chunk + 9 + 24, 4, 4, '\0');  // without a checksum
+  bytes.replace(chunk + 9 + 24, 4, 4, '\0');  // checksum 0: not given
   for (std::size_t at = 8; at + 9 <= bytes.size(); at += 9 + IntAt(bytes, at + 1))
     if (bytes[at] == 0x0f) bytes.replace(at + 9, 4, 4, '\0');
   bool changed = false;
@@ -249,13 +253,13 @@ TEST_F(RecoverRecordingTest, WhatCanNotBeReadIsNotCalledWhole) {
   EXPECT_EQ(recovery.ticks, kTicks);
 }
 
-// Damage may give one number to two channels, one after the other (found by libFuzzer).
-TEST_F(RecoverRecordingTest, AChannelsNumberThatIsGivenAgainIsAnotherChannel) {
+// Damage gives the number 0, which is the session's, to the ticks' channel too. Found by libFuzzer.
+TEST_F(RecoverRecordingTest, AChannelMayTakeTheNumberOfAnEarlierChannel) {
   std::string bytes = whole_;
   const auto chunks = Chunks(bytes);
   int ticks = 0;
   for (const auto& [chunk, size] : chunks) {
-    bytes.replace(chunk + 9 + 24, 4, 4, '\0');  // without a checksum
+    bytes.replace(chunk + 9 + 24, 4, 4, '\0');  // checksum 0: not given
     for (std::size_t at = chunk + 9 + 40; at < chunk + size; at += 9 + IntAt(bytes, at + 1))
       if ((bytes[at] == 4 || bytes[at] == 5) && bytes[at + 9] == 1) {  // a channel, or a message, of ticks
         bytes[at + 9] = 0;                                             // which was the session's
@@ -270,7 +274,7 @@ TEST_F(RecoverRecordingTest, AChannelsNumberThatIsGivenAgainIsAnotherChannel) {
 }
 
 // A power cut may leave space that was never written.
-TEST_F(RecoverRecordingTest, ZerosAtTheEndAreATornEnd) {
+TEST_F(RecoverRecordingTest, ZerosAtTheEndCountAsACutOffTail) {
   const auto chunks = Chunks(whole_);
   const std::string bytes = whole_.substr(0, chunks[3].first) + std::string(5000, '\0');
   const Recovery recovery = Recover(bytes);
@@ -281,7 +285,7 @@ TEST_F(RecoverRecordingTest, ZerosAtTheEndAreATornEnd) {
   EXPECT_EQ(read->ticks.size(), recovery.ticks);
 }
 
-TEST_F(RecoverRecordingTest, RefusesWhatIsNoRecordingAndLeavesNothing) {
+TEST_F(RecoverRecordingTest, RefusesFilesThatAreNoRecordingAndLeavesNoOutput) {
   const auto error_of = [&](const std::string& bytes) {
     WriteAll(torn_, bytes);
     const auto recovery = RecoverRecording(torn_, out_);

@@ -13,12 +13,14 @@
 #include "io/recording/messages.h"
 #include "io/recording/recorder.h"
 
-// Records with a different value in every field, so that a swapped or forgotten field shows.
+// Records in which nearly all fields differ in value, so that a swapped or forgotten field shows.
 
 namespace osteon::io::test {
 
+/// Values in steps of 0.25 from `first`.
 inline PlainVector3 Vector(double first) { return Vector3(first, first + 0.25, first + 0.5); }
 
+/// Twelve different numbers from `first` on; no rotation.
 inline PlainPose SomePose(double first) {
   PlainPose X;
   for (std::size_t i = 0; i < 9; ++i) X.R[i] = first + static_cast<double>(i) / 16;
@@ -28,6 +30,7 @@ inline PlainPose SomePose(double first) {
 
 inline PlainWrench SomeWrench(double first) { return Wrench{.f = Vector(first), .t = Vector(first + 1)}; }
 
+/// The record of tick `i`, at i milliseconds; its values depend on i.
 inline control::TickRecord SomeTick(std::uint64_t i) {
   control::TickRecord r;
   const auto base = static_cast<double>(i);
@@ -164,6 +167,7 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   return r;
 }
 
+/// The record of simulation frame `i`, at 2 i milliseconds, with i modulo 9 contacts.
 inline simulation::FrameRecord SomeFrame(std::uint64_t i) {
   simulation::FrameRecord r;
   const auto base = static_cast<double>(i);
@@ -226,7 +230,7 @@ inline SessionInfo SomeSession() {
           .machine = "a processor"};
 }
 
-/// A record's bytes. Equal bytes mean equal fields.
+/// A record's bytes. Records with equal bytes have equal fields.
 template <class Record>
 std::string Encoded(const Record& record) {
   std::string bytes;
@@ -234,8 +238,8 @@ std::string Encoded(const Record& record) {
   return bytes;
 }
 
-/// Writes the messages of a whole recording in uncompressed chunks of 64 KiB: for tests that change a
-/// message's bytes in the file, and like recordings from before compression.
+/// Copies a complete recording into uncompressed chunks of 64 KiB, for tests that change a message's bytes in
+/// the file.
 inline void WriteUncompressed(const std::filesystem::path& from, const std::filesystem::path& to) {
   auto reader = McapReader::Open(from);
   auto writer =

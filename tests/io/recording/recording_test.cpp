@@ -10,6 +10,8 @@
 #include "tests/io/recording/recording_samples.h"
 #include "tests/io/temporary_folder.h"
 
+// Recorder and ReadRecording: what is recorded comes back, losses are counted, and incomplete files are read.
+
 namespace osteon::io {
 namespace {
 
@@ -22,9 +24,10 @@ using test::TemporaryFolder;
 using test::WriteAll;
 using test::WriteUncompressed;
 
-// 400 ms in virtual time, drained every tick; long enough for several chunks.
-constexpr std::uint64_t kTicks = 400;
+constexpr std::uint64_t kTicks = 400;  // at 1 kHz: long enough for several chunks
 
+// Records kTicks ticks in virtual time, a frame beside every second one, and one event. @returns the file's
+// bytes
 std::string RecordVirtualTime(const std::filesystem::path& path) {
   auto recorder = Recorder::Open({.path = path, .writer_thread = false}, SomeSession());
   EXPECT_TRUE(recorder) << recorder.error();
@@ -45,7 +48,7 @@ std::string RecordVirtualTime(const std::filesystem::path& path) {
   return ReadAll(path);
 }
 
-TEST(Recording, ComesBackBitForBit) {
+TEST(Recording, IsReadBackBitForBit) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "session.mcap";
   RecordVirtualTime(path);
@@ -96,9 +99,9 @@ TEST(Recording, TwoEqualRunsGiveEqualBytes) {
   EXPECT_TRUE(first == second);
 }
 
-// Like recordings from before compression. Compression saves at least a fifth, even for values that are all
-// different.
-TEST(Recording, IsCompressedAndComesBackFromWhatIsNot) {
+// A file with uncompressed chunks is read alike. Compression saves at least a fifth, although nearly all
+// values differ.
+TEST(Recording, IsCompressedAndUncompressedFilesAreReadToo) {
   const TemporaryFolder folder;
   const auto plain = folder.path() / "plain.mcap";
   const std::string bytes = RecordVirtualTime(folder.path() / "session.mcap");
@@ -112,7 +115,7 @@ TEST(Recording, IsCompressedAndComesBackFromWhatIsNot) {
   for (std::uint64_t i = 0; i < kTicks; ++i) EXPECT_EQ(Encoded(recording->ticks[i]), Encoded(SomeTick(i)));
 }
 
-TEST(Recording, DrainMergesByStampAndTicksGoFirst) {
+TEST(Recording, DrainSortsByStampAndPutsTicksFirst) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "merged.mcap";
   auto recorder = Recorder::Open({.path = path, .writer_thread = false}, SomeSession());
@@ -167,7 +170,7 @@ TEST(Recording, WriterThreadLosesNothing) {
   for (std::uint64_t i = 0; i < kCount; ++i) ASSERT_EQ(recording->ticks[i].tick, i);
 }
 
-TEST(Recording, CountsWhatTheDiskWasTooSlowFor) {
+TEST(Recording, CountsRecordsDroppedByAFullRing) {
   const TemporaryFolder folder;
   auto recorder = Recorder::Open(
       {.path = folder.path() / "full.mcap", .tick_capacity = 4, .frame_capacity = 2, .writer_thread = false},
@@ -184,15 +187,15 @@ TEST(Recording, CountsWhatTheDiskWasTooSlowFor) {
   EXPECT_EQ((*recorder)->Close()->dropped_ticks, 6u) << "closing again gives the same answer";
 }
 
-// The loop is told of a stalled writer while there is still room to record a stop to its end.
-TEST(Recording, IsStalledWhileTooManyTicksWaitForItsWriter) {
+// Stalled() becomes true while the ring still has room for all ticks of a stop.
+TEST(Recording, IsStalledWhileTooManyTicksWait) {
   const TemporaryFolder folder;
   const RecorderParams params{.path = folder.path() / "stalled.mcap", .writer_thread = false};
   auto recorder = Recorder::Open(params, SomeSession());
   ASSERT_TRUE(recorder) << recorder.error();
   std::uint64_t tick = 0;
   // often enough that the ring wraps around
-  for (int time = 0; time < 6; ++time) {
+  for (int round = 0; round < 6; ++round) {
     for (std::size_t i = 0; i < params.stalled_ticks; ++i) {
       ASSERT_FALSE((*recorder)->Stalled()) << i;
       ASSERT_TRUE((*recorder)->Push(SomeTick(++tick)));
@@ -217,7 +220,7 @@ TEST(Recording, PushDoesNotAllocate) {
   EXPECT_TRUE(pushed);
 }
 
-TEST(Recording, AnUnwritablePathIsNamed) {
+TEST(Recording, ErrorsNameAPathThatCannotBeWritten) {
   const auto nowhere = Recorder::Open({.path = "/nowhere/at/all.mcap"}, SomeSession());
   ASSERT_FALSE(nowhere);
   EXPECT_NE(nowhere.error().find("/nowhere/at/all.mcap"), std::string::npos);
@@ -226,7 +229,7 @@ TEST(Recording, AnUnwritablePathIsNamed) {
   EXPECT_EQ(full.error(), "/dev/full: cannot write the recording: No space left on device");
 }
 
-TEST(Recording, ATornFileGivesWhatCameBefore) {
+TEST(Recording, ACutOffFileIsReadUpToItsCut) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "torn.mcap";
   const std::string whole = RecordVirtualTime(folder.path() / "whole.mcap");
@@ -248,8 +251,9 @@ TEST(Recording, ATornFileGivesWhatCameBefore) {
   EXPECT_EQ(nearly->ticks.size(), kTicks);
 }
 
-// The file as another program would find it if this one were killed now.
-TEST(Recording, AProcessThatDiedLeavesWhatWasDrained) {
+// The file is read while it is recorded: so another program would find it if the recording process were
+// killed.
+TEST(Recording, AKilledProcessLeavesTheDrainedTicksInTheFile) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "live.mcap";
   auto recorder = Recorder::Open({.path = path, .writer_thread = false}, SomeSession());
@@ -273,7 +277,7 @@ TEST(Recording, AProcessThatDiedLeavesWhatWasDrained) {
   EXPECT_EQ(found->events.size(), 1u);
 }
 
-TEST(Recording, BytesBehindItsEndMakeItNotComplete) {
+TEST(Recording, AFileWithBytesBehindItsEndIsNotComplete) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "behind.mcap", recovered = folder.path() / "recovered.mcap";
   const std::string whole = RecordVirtualTime(folder.path() / "whole.mcap");
@@ -297,7 +301,7 @@ TEST(Recording, BytesBehindItsEndMakeItNotComplete) {
   EXPECT_EQ(again->ticks.size(), recording->ticks.size());
 }
 
-TEST(Recording, AFileThatIsWrittenIsRefusedToAnother) {
+TEST(Recording, AFileInUseIsRefusedToASecondRecorder) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "one.mcap";
   {
