@@ -66,9 +66,10 @@ struct ArmAndClient {
 
   // Runs one cycle: a message and its answer. True if the client accepted the message.
   bool Step() {
-    const auto message = cell.Step(++cycle * rt::kMillisecond);
+    const rt::Nanoseconds now = ++cycle * rt::kMillisecond;
+    const auto message = cell.Step(now);
     if (message.empty()) return false;
-    const bool accepted = session.Accept(message, cycle, arm) == io::FriAccept::kAccepted;
+    const bool accepted = session.Accept(message, now, arm) == io::FriAccept::kAccepted;
     if (arm.holding && follow) command = {.q = arm.q_ipo, .activation = arm.activation, .F = F, .tau = tau};
     const auto answer = session.Answer(command);
     if (!answer.empty()) cell.Receive(answer);

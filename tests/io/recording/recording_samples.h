@@ -49,7 +49,7 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   r.F_operator_T_W = SomeWrench(base + 40);
   r.F_coupling_T_W = SomeWrench(base + 50);
   r.wrench_scale = 0.1;
-  r.arm_share = 0.7;
+  r.arm_share = 0.8;
   r.tool_in_bone_m = 0.0042;
   r.wrench_step_N = 17.25;
   r.wrench_step_limit_N = 13.5;
@@ -96,7 +96,7 @@ inline control::TickRecord SomeTick(std::uint64_t i) {
   r.wakeup_ns = static_cast<rt::Nanoseconds>(i) + 64;
   r.compute_ns = static_cast<rt::Nanoseconds>(i) + 65;
   r.activation_cmd = static_cast<std::uint32_t>(i) + 82;
-  r.F_cmd_T = SomeWrench(base + 90);
+  r.F_cmd_T = SomeWrench(base + 97);
   r.tau_cmd.fill(base + 91);
   control::TickInput& in = r.input;
   const auto number = static_cast<std::uint32_t>(i);
