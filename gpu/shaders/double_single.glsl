@@ -1,5 +1,5 @@
 // Doubles for a device without shaderFloat64: a double-single is the sum of two floats (x: the nearest float; y: the remainder),
-// about 48 bits instead of 53, with a float's range. lower_float64 (gpu/lowering) replaces each operation on doubles by a call of
+// about 48 bits instead of 53, with a float's range. spirv_array (gpu/lowering) replaces each operation on doubles by a call of
 // one of these functions, by name, and forbids the driver to contract or reorder their operations.
 // Source: Dekker, A Floating-Point Technique for Extending the Available Precision, Numer. Math. 18, 1971; the sums after Joldes,
 // Muller, Popescu, Tight and Rigorous Error Bounds for Basic Building Blocks of Double-Word Arithmetic, ACM TOMS 44, 2017.
