@@ -4,7 +4,8 @@
 #include "simulation/engine/cutting_engine.h"
 #include "simulation/tools/tool.h"
 
-// A row of balls and a ball that cuts them in half: a small bone whose carved state has split balls.
+// A small bone for tests of carved states: a row of five balls. A larger cutting ball comes down on it, and
+// balls are split, one a frame.
 
 namespace osteon::simulation::test {
 
@@ -36,6 +37,7 @@ inline Tool CarvedTool() {
   return tool;
 }
 
+/// A frame with the tool over the row at height z_m, its spindle on.
 inline FrameInput CarvedFrame(double z_m) {
   Pose X = Pose::Identity();
   X.translation() = Vector3(4e-3, 0, z_m);
