@@ -165,7 +165,7 @@ TEST_F(MassPoints, LeaveNoHoles) {
     const double spacing = depth > 12e-3 - 2.6e-3 ? 3e-3 : depth > 5e-3 - 1.3e-3 ? 1.5e-3 : 0.75e-3;
     double nearest = 1.0;
     for (const MassPoint& point : points_) nearest = std::min(nearest, (p - Vector3(point.p_m)).norm());
-    // 0.43: the candidates for points lie a quarter of a cell apart, and places between them are farther
+    // 0.43 is the diagonal of the distance between a cell's samples, which are a quarter of a cell apart
     ASSERT_LE(nearest, (1.5 * kMassPointSeparation + 0.43) * spacing) << p.transpose();
   }
 }
