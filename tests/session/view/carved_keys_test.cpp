@@ -16,13 +16,13 @@ namespace osteon::session {
 namespace {
 
 constexpr double kRunSeconds = 40.0, kBoneRadius_m = 0.02;
-constexpr rt::Nanoseconds kStart = 1'000'000'000;
+constexpr rt::Nanoseconds kRecordingStart = 1'000'000'000;
 
 // Writes a recording in which the tool swings ±10 mm at the bone's top and sinks by 0.1 mm/s. The spindle
 // stands still in the first second of each seven.
 void RecordCut(const std::filesystem::path& path) {
   io::SessionInfo session;
-  session.stamp = kStart;
+  session.stamp = kRecordingStart;
   session.version = "test";
   auto recorder = io::Recorder::Open({.path = path, .writer_thread = false}, session);
   ASSERT_TRUE(recorder) << recorder.error();
@@ -30,7 +30,7 @@ void RecordCut(const std::filesystem::path& path) {
     const double time_s = 1e-3 * static_cast<double>(i);
     control::TickRecord tick;
     tick.tick = i;
-    tick.stamp = kStart + static_cast<rt::Nanoseconds>(i) * rt::kMillisecond;
+    tick.stamp = kRecordingStart + static_cast<rt::Nanoseconds>(i) * rt::kMillisecond;
     tick.spindle_rad_per_s = std::fmod(time_s, 7.0) < 1.0 ? 0.0 : 30.0;
     (*recorder)->Push(tick);
     if (i % 4 == 0) {

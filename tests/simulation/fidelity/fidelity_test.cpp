@@ -165,7 +165,7 @@ TEST(ArmFidelity, LowestLevelIsTheSimplestWithinTheError) {
 
 /// A block of cancellous bone, 20 mm wide, with a drill path of radius 2 mm from 3 mm above its top to 6 mm
 /// below.
-SceneParams BlockScene(double height_m) {
+SceneParams DrilledScene(double height_m) {
   SceneParams scene;
   scene.shape = BlockShape{.width_m = 0.02, .depth_m = 0.02, .height_m = height_m, .layers = {}};
   scene.materials = {DefaultBoneMaterials()[kCancellous]};
@@ -179,7 +179,7 @@ SceneParams BlockScene(double height_m) {
 
 TEST(SceneWorkload, DrillsAlongTheZonesPathAndDistinguishesPlateFromBlock) {
   const Tool burr = MakeBurr({.shape = BurrShape::kRound, .diameter_m = 4e-3}).tool;
-  const SceneParams plate = BlockScene(2e-3), block = BlockScene(20e-3);
+  const SceneParams plate = DrilledScene(2e-3), block = DrilledScene(20e-3);
   const CutWorkload through = MakeSceneWorkload(MakeSceneSolid(plate), plate, burr, {}),
                     blind = MakeSceneWorkload(MakeSceneSolid(block), block, burr, {});
   const auto head_z = [&](const CutWorkload& work, std::size_t k) {
