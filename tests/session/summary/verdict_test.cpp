@@ -8,6 +8,8 @@
 
 #include "session/summary/summary.h"
 
+// Tests of the verdict on a run: good, to be looked at (warning) or bad, with its reasons.
+
 namespace osteon::session {
 namespace {
 

@@ -7,6 +7,8 @@
 
 #include "simulation/surface/dual_surface.h"
 
+// Tests of the map that colours the difference between the bones of two recordings on both pages.
+
 namespace osteon::session {
 namespace {
 
@@ -17,6 +19,7 @@ using surface::SurfaceChunk;
 // The bone is a ball about G's origin; the tool is a smaller ball.
 constexpr float kBoneRadius_mm = 9.0F, kToolRadius_mm = 4.0F;
 
+// The uncut bone as a field of distances on a grid of this spacing.
 std::shared_ptr<const SolidField> MakeBallBone(float voxel_mm) {
   const surface::Vec3 corner{kBoneRadius_mm, kBoneRadius_mm, kBoneRadius_mm};
   return std::make_shared<const SolidField>(
@@ -71,6 +74,7 @@ struct Side {
   }
 };
 
+// The state that both sides share, with its message to the pages.
 struct BoneDifferenceTest : testing::Test {
   BoneDifference shared;
   // Updates both pages in turn until neither has a brick to send.

@@ -12,11 +12,13 @@
 #include "simulation/tools/tool_kinds.h"
 #include "tests/io/temporary_folder.h"
 
+// Tests of the stored states of a carved bone from which playback continues after a jump in time.
+
 namespace osteon::session {
 namespace {
 
 constexpr double kRunSeconds = 40.0, kBoneRadius_m = 0.02;
-constexpr rt::Nanoseconds kRecordingStart = 1'000'000'000;
+constexpr rt::Nanoseconds kRecordingStart = 1'000'000'000;  // an arbitrary time
 
 // Writes a recording in which the tool swings ±10 mm at the bone's top and sinks by 0.1 mm/s. The spindle
 // stands still in the first second of each seven.

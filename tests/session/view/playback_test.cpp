@@ -13,11 +13,13 @@
 #include "session/view/recording_scan.h"
 #include "tests/io/temporary_folder.h"
 
+// Tests of playing a recording: seeking, the history before a time, damaged files and the scan of all events.
+
 namespace osteon::session {
 namespace {
 
-constexpr double kSeconds = 40.0;
-constexpr rt::Nanoseconds kStart = 5'000'000'000;
+constexpr double kSeconds = 40.0;                  // duration of the recording
+constexpr rt::Nanoseconds kStart = 5'000'000'000;  // an arbitrary time
 
 // Writes a recording of kSeconds in which the force in newtons equals the time in seconds, with an event each
 // 5 s. The force on a page thus tells which time is shown.
@@ -44,6 +46,7 @@ void WriteRecording(const std::filesystem::path& path) {
   ASSERT_TRUE((*recorder)->Close());
 }
 
+// One recording for all tests, since writing it takes longer than a test.
 class PlaybackTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {

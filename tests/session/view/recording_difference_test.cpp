@@ -11,6 +11,8 @@
 #include "io/recording/recorder.h"
 #include "tests/io/temporary_folder.h"
 
+// Tests of the difference of two recordings in force, position, rotation, depth and removed volume over time.
+
 namespace osteon::session {
 namespace {
 
@@ -26,6 +28,7 @@ struct MadeRun {
   double removed_mm3_per_s{100.0};
 };
 
+/// Writes the recording of a made-up run.
 void RecordRun(const std::filesystem::path& path, const MadeRun& run) {
   io::SessionInfo session;
   session.stamp = run.start;
@@ -57,6 +60,7 @@ void RecordRun(const std::filesystem::path& path, const MadeRun& run) {
 
 class RecordingDifferenceTest : public testing::Test {
  protected:
+  /// Records both runs and waits for the result of their comparison.
   nlohmann::json CompareRuns(const MadeRun& first, const MadeRun& second) {
     const std::array files{folder_.path() / "first.mcap", folder_.path() / "second.mcap"};
     RecordRun(files[0], first);

@@ -7,6 +7,8 @@
 #include "tests/simulation/bone/cup_bone.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
+// Tests of bones with a cup: the generated acetabulum, and meshes with a planned cup.
+
 namespace osteon::simulation {
 namespace {
 

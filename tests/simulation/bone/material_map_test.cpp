@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the look-up of the material at a place of a bone.
+
 namespace osteon::simulation {
 namespace {
 

@@ -6,6 +6,8 @@
 
 #include <gmock/gmock.h>
 
+// Tests of lists of materials: their limits, their assumptions, and the split of their cutting energy.
+
 namespace osteon::simulation {
 namespace {
 

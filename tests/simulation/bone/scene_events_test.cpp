@@ -8,6 +8,8 @@
 #include "simulation/solids/molar_solid.h"
 #include "tests/simulation/engine/engine_bench.h"
 
+// Tests of a scene's events: a region is reached, a wall is too thin, the tool breaks through.
+
 namespace osteon::simulation {
 namespace {
 
@@ -45,6 +47,7 @@ Bone DentineAndPulp() {
 }
 
 constexpr double kBurrRadius_m = 0.001;
+// Watches the pulp, and walls thinner than 1.5 mm.
 const SceneEventParams kPulpAndWall{
     .regions = {{.name = "pulp", .material = "pulp"}}, .min_wall_m = 0.0015, .wall_spacing_m = 0.5e-3};
 

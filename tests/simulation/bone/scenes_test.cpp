@@ -10,6 +10,8 @@
 #include "tests/oracles/depth_table.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
+// Tests of scenes: their solid, site, cut zone and materials, from generated shapes and from meshes.
+
 namespace osteon::simulation {
 namespace {
 

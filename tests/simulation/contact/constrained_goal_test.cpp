@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the point nearest to the goal (the origin) that satisfies a set of half-spaces.
+
 namespace osteon::simulation {
 namespace {
 

@@ -6,10 +6,13 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the contact law in one frame: bins of direction, the tool's position between planes, reported
+// contacts.
+
 namespace osteon::simulation {
 namespace {
 
-constexpr double kTolerance_m = 0.02e-3;
+constexpr double kTolerance_m = 0.02e-3;  // contact tolerance: overlap that may remain between facing balls
 
 Vector3 RandomDirection(std::mt19937& random) {
   std::normal_distribution<double> normal;

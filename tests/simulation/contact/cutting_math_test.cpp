@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the closed forms of the cutting model: first contact, lens volume and shrinking of balls.
+
 namespace osteon::simulation {
 namespace {
 
@@ -191,6 +193,7 @@ TEST(ClosestOnSegment, AgreesWithSampling) {
   EXPECT_EQ(ClosestOnSegment({1, 2, 3}, {4, 5, 6}, {4, 5, 6}), Vector3(4, 5, 6));
 }
 
+/// Centre and radius of a ball after ShrinkBall, and whether it changed.
 struct Shrunk {
   Vector3 c;
   double r;

@@ -10,7 +10,7 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kSpindle = 250.0 * 2.0 * M_PI / 60.0;
+constexpr double kSpindle = 250.0 * 2.0 * M_PI / 60.0;  // 250 rpm in rad/s
 
 // A cut pressed with 40 N (2 mm at the coupling's stiffness of 20 N/mm). The edges' own force F_e is 12 N:
 // F_e = z edge_force A / (2 pi mu_c r), with A, r and mu_c as set below.

@@ -24,7 +24,7 @@
 
 namespace osteon::simulation {
 
-inline constexpr double kSpindle_rad_per_s = 250.0 * 2.0 * M_PI / 60.0;
+inline constexpr double kSpindle_rad_per_s = 250.0 * 2.0 * M_PI / 60.0;  // 250 rpm
 
 /// Spacing and radius of the balls of AddBox.
 inline constexpr double kLattice_m = 0.5e-3, kBallRadius_m = 0.75e-3;

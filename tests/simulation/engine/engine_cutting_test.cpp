@@ -21,6 +21,7 @@ OSTEON_ON_EVERY_ENGINE(EngineCutting);
 /// mm.
 constexpr double kOverlap_m = 1e-8;
 
+/// Centre and radius in metres of ball i of a state; radius 0: removed.
 struct LiveBall {
   Vector3 c;
   double r;
@@ -49,6 +50,7 @@ SweptPath SweptPathOf(const ToolBall& ball, const Pose& X_WP_before, const Frame
           .radius_m = ball.radius_m};
 }
 
+/// A removal law, a tool's radius and its feed; dt_s is a frame's duration.
 struct SweepCase {
   const char* name;
   RemovalLaw law;

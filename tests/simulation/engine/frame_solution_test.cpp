@@ -13,7 +13,7 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kSpindle = 250.0 * 2.0 * M_PI / 60.0;
+constexpr double kSpindle = 250.0 * 2.0 * M_PI / 60.0;  // 250 rpm in rad/s
 
 // ---- placing the tool
 

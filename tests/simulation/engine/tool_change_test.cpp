@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+// Tests of a change of tool in a carved bone: the clearance of the new tool, and its first state.
+
 namespace osteon::simulation {
 namespace {
 

@@ -53,6 +53,7 @@ struct Scene {
   double size_m{2e-3};
 };
 
+// Draws a scene: sizes from 0.5 to 10 mm, each option of the parameters with some probability.
 Scene MakeScene(Chance& chance) {
   Scene scene;
   scene.size_m = std::pow(10.0, chance.In(-3.3, -2.0));

@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the distance to a union of balls.
+
 namespace osteon::simulation {
 namespace {
 

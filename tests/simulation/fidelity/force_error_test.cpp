@@ -12,6 +12,7 @@
 namespace osteon::simulation {
 namespace {
 
+/// A constant force over a number of frames.
 std::vector<FeltForce> Steady(std::size_t count, const Vector3& f_N) {
   return std::vector<FeltForce>(count, FeltForce{.f_N = f_N});
 }

@@ -44,6 +44,7 @@ Tool RoundBurr() {
   return tool;
 }
 
+/// A burr's workload in the block, and packings of the block to carve with it.
 class Recarve : public testing::Test {
  protected:
   Recarve()

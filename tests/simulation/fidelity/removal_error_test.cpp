@@ -24,13 +24,15 @@ struct Carved {
   [[nodiscard]] double ratio() const { return measured.depth_error_m / predicted.total_m(); }
 };
 
+/// The cut of MakeCupScene: the whole surface of a cup, 3 mm deep.
 CutShape CupShape() {
   // no rim: the cut thins out to nothing at the shell's rim
   return {
       .tool_radius_m = 25e-3, .along_surface = true, .depth_m = 3e-3, .area_m2 = 2.0 * M_PI * 25e-3 * 25e-3};
 }
 
-CutShape BlockShapeOfCut() {
+/// The cut of MakeBlockScene.
+CutShape TrenchShape() {
   // a trench 6 mm long between two quarters of a ball, as deep as the ball's radius
   const double R = 5e-3, along = 6e-3;
   const double area = 2.0 * M_PI * R * R + M_PI * R * along;
@@ -71,9 +73,8 @@ TEST(RemovalError, PredictionHoldsInACup) {
 TEST(RemovalError, PredictionHoldsInATrench) {
   const DepthScene scene = MakeBlockScene();
   for (const double spacing_mm : {1.4, 1.0, 0.7}) {
-    const Carved carved =
-        Carve(scene, BlockShapeOfCut(),
-              MakeLevel(PackingKind::kGraded, 1e-3 * spacing_mm, 1.2, BlockShapeOfCut(), 0.0));
+    const Carved carved = Carve(scene, TrenchShape(),
+                                MakeLevel(PackingKind::kGraded, 1e-3 * spacing_mm, 1.2, TrenchShape(), 0.0));
     EXPECT_GT(carved.ratio(), 0.55) << spacing_mm;
     EXPECT_LT(carved.ratio(), 1.2) << spacing_mm;
   }
@@ -82,7 +83,7 @@ TEST(RemovalError, PredictionHoldsInATrench) {
 // Large balls that overlap heavily resolve the face well and the rim badly. Without the rim's term the
 // prediction would be less than two thirds of the measured loss.
 TEST(RemovalError, PredictionIncludesTheRim) {
-  const CutShape cut = BlockShapeOfCut();
+  const CutShape cut = TrenchShape();
   PackingLevel level = MakeLevel(PackingKind::kGraded, 0.7e-3, 1.5, cut, 0.0);
   const Carved carved = Carve(MakeBlockScene(), cut, level);
   EXPECT_GT(carved.measured.depth_error_m, 1.5 * carved.predicted.face_m);
@@ -93,9 +94,8 @@ TEST(RemovalError, PredictionIncludesTheRim) {
 TEST(RemovalError, PredictionHoldsWhenBallsAreSplit) {
   const DepthScene scene = MakeBlockScene();
   for (const double spacing_mm : {2.5, 1.5}) {
-    const Carved carved =
-        Carve(scene, BlockShapeOfCut(),
-              MakeLevel(PackingKind::kSplit, 1e-3 * spacing_mm, 1.0, BlockShapeOfCut(), 0.0));
+    const Carved carved = Carve(scene, TrenchShape(),
+                                MakeLevel(PackingKind::kSplit, 1e-3 * spacing_mm, 1.0, TrenchShape(), 0.0));
     EXPECT_GT(carved.ratio(), 0.55) << spacing_mm;
     EXPECT_LT(carved.ratio(), 1.2) << spacing_mm;
   }

@@ -14,17 +14,18 @@
 #include "tests/simulation/files/carved_samples.h"
 #include "tests/simulation/packing/packing_samples.h"
 
+// Tests of the file of a carved state: a run resumes from it, and every damage is refused with the byte.
+
 namespace osteon::simulation {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Tests of the file of a carved state: a run resumes from it, and every damage is refused with the byte.
-
 constexpr std::size_t kHeader = 392;  // bytes before the payload
 
 using test::CarvedBone, test::CarvedFrame, test::CarvedParams, test::CarvedTool;
 
+/// A small bone that an engine has carved for six frames, and a temporary folder for its file.
 class CarvedFile : public testing::Test {
  protected:
   void SetUp() override {

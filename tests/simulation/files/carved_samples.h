@@ -9,6 +9,7 @@
 
 namespace osteon::simulation::test {
 
+/// The uncut row along x from G's origin, 3 mm apart, with a mass point in each ball.
 inline Bone CarvedBone() {
   Bone bone;
   bone.name = "test";
@@ -23,6 +24,7 @@ inline Bone CarvedBone() {
   return bone;
 }
 
+/// Removal at once, with one ball split in a frame.
 inline CuttingParams CarvedParams() {
   CuttingParams params;
   params.law = RemovalLaw::kImmediate;
@@ -30,6 +32,7 @@ inline CuttingParams CarvedParams() {
   return params;
 }
 
+/// One cutting ball of radius 4 mm about T's origin.
 inline Tool CarvedTool() {
   Tool tool;
   tool.name = "ball";

@@ -20,6 +20,7 @@ TriangleMesh Cube() { return MakeBox({0, 0, 0}, {0.02, 0.02, 0.02}); }
 TriangleMesh CubeAt(double x_m, double y_m, double z_m) {
   return MakeBox({x_m, y_m, z_m}, {x_m + 0.02, y_m + 0.02, z_m + 0.02});
 }
+/// A cube between two coordinates, to be turned inside out as a cavity.
 TriangleMesh Pit(double low_mm, double high_mm) {
   return MakeBox(Vector3::Constant(low_mm * 1e-3), Vector3::Constant(high_mm * 1e-3));
 }

@@ -22,6 +22,7 @@ constexpr MeshParams kRemake{.remake = true, .remake_grid_points = 1e5};
 
 double SphereVolume_m3(double radius_m) { return 4.0 / 3.0 * std::numbers::pi * std::pow(radius_m, 3); }
 
+/// Writes the mesh to a file and loads the file.
 tl::expected<LoadedMesh, MeshError> Load(const TriangleMesh& mesh, const MeshParams& params) {
   const TemporaryFile file(".stl", BinaryStl(mesh));
   return LoadMesh(file.path(), params);

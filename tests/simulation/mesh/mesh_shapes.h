@@ -64,6 +64,7 @@ inline TriangleMesh Join(TriangleMesh a, const TriangleMesh& b) {
   return a;
 }
 
+/// The mesh with all its triangles wound the other way.
 inline TriangleMesh InsideOut(TriangleMesh mesh) {
   for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
   return mesh;

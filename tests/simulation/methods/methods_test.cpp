@@ -47,12 +47,14 @@ const Plate& SoftPlate() {
   return plate;
 }
 
+/// The method's name without its hyphens, as a part of a test's name.
 std::string NameOf(const testing::TestParamInfo<Method>& method) {
   std::string name(MethodName(method.param));
   std::erase(name, '-');
   return name;
 }
 
+/// Tests of this suite run for every method.
 class Methods : public testing::TestWithParam<Method> {};
 INSTANTIATE_TEST_SUITE_P(, Methods, testing::ValuesIn(kMethods), NameOf);
 

@@ -29,6 +29,7 @@ DepthRow MeasureAndPrint(const DepthScene& scene, const DepthMethod& method, dou
   return row;
 }
 
+/// Expects no bone left in the tool's sweep, and no ball that should have been split but was not.
 void ExpectNothingLeft(const DepthRow& row) {
   EXPECT_LT(row.overlap_m, 1e-12) << row.method;
   EXPECT_EQ(row.accuracy.left_volume_m3, 0.0) << row.method;

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the grid index that finds balls near a point.
+
 namespace osteon::simulation {
 namespace {
 

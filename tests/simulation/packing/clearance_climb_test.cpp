@@ -7,11 +7,11 @@
 #include "simulation/packing/hole_search.h"
 #include "tests/simulation/solids/simple_solids.h"
 
-namespace osteon::simulation {
-namespace {
-
 // Tests of the search for the largest free ball near a point: ridge walks, climbs of the clearance, hole
 // search and the grid of distances.
+
+namespace osteon::simulation {
+namespace {
 
 Vector3 RandomUnit(std::mt19937_64& random) {
   std::normal_distribution<double> normal;

@@ -31,6 +31,7 @@ std::vector<Ball> WithinZone(const std::vector<Ball>& balls, const CutZone& zone
   return within;
 }
 
+// Expects every ball to lie inside the solid, to a nanometre.
 void ExpectInside(const Solid& solid, const std::vector<Ball>& balls) {
   double worst_m = -HUGE_VAL;
   for (const Ball& ball : balls)

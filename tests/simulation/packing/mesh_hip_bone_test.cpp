@@ -13,6 +13,7 @@
 namespace osteon::simulation {
 namespace {
 
+/// The left hip bone with a cup in its acetabulum.
 class HipBone : public testing::Test {
  protected:
   void SetUp() override {

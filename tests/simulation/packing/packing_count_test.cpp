@@ -33,6 +33,7 @@ class RoundSolid final : public Solid {
   double radius_m_;
 };
 
+/// An overlapping packing with these options.
 std::vector<Ball> Pack(const Solid& solid, const CutZone& zone, const OverlapOptions& options) {
   return BuildPacking(solid, zone, OverlapParamsFor(solid, zone, options));
 }

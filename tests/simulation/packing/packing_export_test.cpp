@@ -6,6 +6,8 @@
 
 #include "tests/simulation/packing/packing_file_fixture.h"
 
+// Tests of the export of a packing to PLY and CSV files.
+
 namespace osteon::simulation {
 namespace {
 

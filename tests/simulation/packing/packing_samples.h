@@ -122,6 +122,7 @@ inline void SealIfPossible(std::string& bytes) {
   SealHeader(bytes);
 }
 
+/// Kind, number of records and bytes of one section of a file.
 struct SampleSection {
   std::uint32_t kind;
   std::uint64_t count;

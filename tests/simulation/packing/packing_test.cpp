@@ -25,6 +25,7 @@ double Gap(const std::vector<Ball>& balls, const Vector3& p) {
   return std::max(0.0, gap);
 }
 
+/// Mean, 95th percentile and maximum of values given in metres.
 struct Spread {
   double mean_mm, p95_mm, max_mm;
 };

@@ -18,6 +18,7 @@ namespace {
 
 const Eigen::AlignedBox3d kBox(Vector3(-0.01, 0.0, 0.02), Vector3(0.01, 0.02, 0.04));
 
+/// Random points in kBox, each independent of the others.
 std::vector<Vector3> IndependentPoints(std::size_t count) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> u(0.0, 1.0);

@@ -65,6 +65,7 @@ double WorstOverlap(const Balls& balls, const std::vector<Capsule>& capsules) {
   return worst;
 }
 
+/// The state that the removal saves.
 CarvedState StateOf(const BallRemoval& removal, const Balls& balls) {
   CarvedState state;
   removal.Save(balls, state);

@@ -175,6 +175,7 @@ std::vector<FrameRecord> Plunge(double from_m, double to_m, double bone_from_m, 
   return frames;
 }
 
+/// Reamed depth [m] after these frames, in a bone without balls.
 double ReamedBy(const Tool& tool, const std::vector<FrameRecord>& frames) {
   ReamedDepth reamed(Bone{}, tool, Pose::Identity());
   for (const FrameRecord& frame : frames) reamed.Add(frame);

@@ -6,6 +6,8 @@
 
 #include <gmock/gmock.h>
 
+// Tests of the generated acetabulum: its distance, tissues, cut zone and limits of size.
+
 namespace osteon::simulation {
 namespace {
 

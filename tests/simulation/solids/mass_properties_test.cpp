@@ -7,9 +7,12 @@
 
 #include "tests/simulation/mesh/mesh_shapes.h"
 
+// Tests of volume, mass, centre of mass and inertia of meshes and mass points.
+
 namespace osteon::simulation {
 namespace {
 
+/// The mesh rotated by R about the origin, then shifted by p.
 TriangleMesh Moved(TriangleMesh mesh, const Matrix3& R, const Vector3& p) {
   for (Vector3& v : mesh.vertices_m) v = R * v + p;
   return mesh;

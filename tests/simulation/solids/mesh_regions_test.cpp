@@ -12,10 +12,12 @@
 namespace osteon::simulation {
 namespace {
 
+/// A cube about a centre; half_mm is half of its side.
 TriangleMesh Box(double half_mm, const Vector3& center_m = Vector3::Zero()) {
   return MakeBox(center_m - Vector3::Constant(half_mm * 1e-3), center_m + Vector3::Constant(half_mm * 1e-3));
 }
 
+/// Loads this text as an OBJ file; a refusal fails the test.
 LoadedMesh Load(const std::string& obj, const MeshParams& params = {}) {
   const TemporaryFile file(".obj", obj);
   auto loaded = LoadMesh(file.path(), params);
