@@ -254,6 +254,7 @@ TEST(FillContacts, ContactPointIsTheBallsFootAlongTheContactsNormal) {
   EXPECT_LT((solution.contacts[0].p_T_m - foot).norm(), 1e-12);
 }
 
+// The tool moves along -x and -z, so the planes of balls 1 and 2 hold it, and the plane of ball 0 does not.
 TEST(FillContacts, RemembersTheHoldingPairsAndTheFacesNormals) {
   Scene scene;
   scene.input.motion_G_m = Vector3(-1e-3, 0, -2e-3);

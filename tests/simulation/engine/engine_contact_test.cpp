@@ -83,6 +83,7 @@ TEST_P(EngineContact, AToolThatOverlapsFromTheStartIsStoppedInwardsAndFreeOutwar
   EXPECT_NEAR(ApexOf(out).z(), 2e-3, kFloat_m);
 }
 
+// Pressed 30 mm deep at 20 N/mm the force would be 600 N; the limit is 200 N.
 TEST_P(EngineContact, ForceIsLimited) {
   const auto engine = Make(Slab(24e-3, 3e-3), BallTool(10e-3));
   engine->Step(At(Down({0, 0, 1e-3})));
@@ -120,6 +121,7 @@ TEST_P(EngineContact, SlidingOverFlatBoneKeepsASteadyForceAndDoesNotStick) {
   EXPECT_LT(lag, 0.15e-3);             // the tangential limit over the stiffness of 20 N/mm is 0.14 mm
 }
 
+// From contact, the tool moves 4 mm away in a random direction above the surface and rotates.
 TEST_P(EngineContact, LeavingIsNeverBlocked) {
   const auto engine = Make(Slab(24e-3, 3e-3, false), BallTool(10e-3));
   std::mt19937 random(3);

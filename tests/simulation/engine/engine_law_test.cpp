@@ -84,6 +84,8 @@ TEST_P(EngineLaw, FrictionFollowsTheToolWithinTheConeAndIsLimitedByIt) {
   EXPECT_LT(-back.F_T_W.f.x, 0.3 * back.F_T_W.f.z - 0.8 * kStiffness * 0.3e-3);
 }
 
+// With a turning spindle the surface slips along its own speed, not along the feed. The bone is so hard that
+// it hardly gives way.
 TEST_P(EngineLaw, ATurningSpindleHasNoFrictionAlongTheFeed) {
   Bone bone = Slab(12e-3, 3e-3, true, 100.0 * kSpongy);
   bone.materials[0].friction = 0.3;

@@ -76,6 +76,7 @@ TEST(CutAccuracy, MeasuresAnOvercutThatIsTheSameEverywhere) {
   }
 }
 
+// The carved ball is 0.2 mm smaller than the tool, so a layer of this thickness is left in the tool's path.
 TEST(CutAccuracy, MeasuresBoneThatIsLeftInThePath) {
   const DepthScene scene = MakeBlockScene();
   const OvercutShape whole(*scene.solid, scene, -1.0), after(*scene.solid, scene, -0.2e-3);

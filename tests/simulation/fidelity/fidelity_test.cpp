@@ -152,6 +152,8 @@ TEST(FrameCost, BaseAndCostOfABallAreNeverNegative) {
   EXPECT_THROW((void)GroupOf({}), std::invalid_argument);
 }
 
+// The kinematic level ignores the arm's delay and its deflection under force, the servo level only the
+// deflection.
 TEST(ArmFidelity, LowestLevelIsTheSimplestWithinTheError) {
   // 5 mm/s with a delay of 3 ms and twice the time constant of 15 Hz: 0.121 mm; 100 N on 2 N/um: 0.05 mm
   const ArmFigures arm{.stiffness_N_per_m = 2e6};

@@ -69,6 +69,8 @@ class Recarve : public testing::Test {
   CutShape cut_;
 };
 
+// The finer packing is cut and the proxy's path recorded. The coarser one is carved along the path and takes
+// over.
 TEST_F(Recarve, ACoarserPackingIsCarvedLikeTheFinerOne) {
   const double fine_m = 0.8e-3, coarse_m = 1.3e-3;
   ReferenceEngine fine = Engine(Packed(fine_m));

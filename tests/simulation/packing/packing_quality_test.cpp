@@ -143,6 +143,7 @@ TEST(BallForest, GapAndOverlapEqualThoseOfPlainLoops) {
   }
 }
 
+// Without balls nothing is covered, and the gap is infinite.
 TEST(PackingQuality, SamplesMeasureTheAcetabulumsVolumeAndArea) {
   const double R = 0.024;
   const PackingQuality quality =
