@@ -8,11 +8,13 @@
 
 #include "session/summary/summary.h"
 
+// Tests of the verdict on a run: good, to be looked at (warning) or bad, with its reasons.
+
 namespace osteon::session {
 namespace {
 
-// A run without any reason for a remark.
-RunSummary Quiet() {
+// The summary of a completed run of 10 s at 1 kHz in which nothing limits the result.
+RunSummary RunWithoutRemarks() {
   RunSummary s;
   s.ended = "completed";
   s.rendered = true;
@@ -23,19 +25,20 @@ RunSummary Quiet() {
   return s;
 }
 
+// Whether one of the verdict's reasons contains the text.
 bool Says(const Verdict& verdict, const std::string& part) {
   return std::any_of(verdict.reasons.begin(), verdict.reasons.end(),
                      [&](const std::string& reason) { return reason.find(part) != std::string::npos; });
 }
 
-TEST(RunVerdict, AQuietRunIsGoodAndSaysNothing) {
-  const Verdict verdict = JudgeRun(Quiet());
+TEST(RunVerdict, ARunWithoutRemarksIsGoodAndHasNoReasons) {
+  const Verdict verdict = JudgeRun(RunWithoutRemarks());
   EXPECT_EQ(verdict.level, VerdictLevel::kGood);
   EXPECT_TRUE(verdict.reasons.empty());
 }
 
-TEST(RunVerdict, ASessionWhosePassesWereAllUndoneIsToBeLookedAt) {
-  RunSummary s = Quiet();
+TEST(RunVerdict, ASessionWithAllPassesUndoneIsAWarning) {
+  RunSummary s = RunWithoutRemarks();
   s.passes = {{.number = 1, .undone = true}, {.number = 2}};
   EXPECT_EQ(JudgeRun(s).level, VerdictLevel::kGood);
   s.passes.back().undone = true;
@@ -43,8 +46,8 @@ TEST(RunVerdict, ASessionWhosePassesWereAllUndoneIsToBeLookedAt) {
   EXPECT_TRUE(Says(JudgeRun(s), "all were undone"));
 }
 
-TEST(RunVerdict, AMissedChangeOfToolIsNamedAndNotGood) {
-  RunSummary s = Quiet();
+TEST(RunVerdict, AMissedToolChangeIsAWarningThatNamesIt) {
+  RunSummary s = RunWithoutRemarks();
   s.diameters_mm = {44.0, 46.0, 48.5};
   s.missed_changes = {{.tool_index = 1, .reason = "the tool before was not retracted"},
                       {.tool_index = 2, .reason = "the tool before was not retracted"}};
@@ -52,8 +55,8 @@ TEST(RunVerdict, AMissedChangeOfToolIsNamedAndNotGood) {
   EXPECT_TRUE(Says(JudgeRun(s), "not made, to 46, 48.5 mm: the tool before was not retracted; a longer run"));
 }
 
-TEST(RunVerdict, ACouplingAtItsForceLimitIsToBeLookedAt) {
-  RunSummary s = Quiet();
+TEST(RunVerdict, ACouplingLongAtItsForceLimitIsAWarning) {
+  RunSummary s = RunWithoutRemarks();
   s.cut_ticks = 20;
   EXPECT_EQ(JudgeRun(s).level, VerdictLevel::kGood) << "20 ms are not felt";
   s.cut_ticks = 4000;
@@ -65,8 +68,9 @@ TEST(RunVerdict, ACouplingAtItsForceLimitIsToBeLookedAt) {
   EXPECT_TRUE(Says(verdict, "14.00 mm"));
 }
 
-TEST(RunVerdict, AForceThatCollapsesIsLookedAtAndThenBad) {
-  RunSummary s = Quiet();
+// stale_share: the share of the run in which late frames of the simulation faded the force.
+TEST(RunVerdict, AForceFadedByLateFramesIsAWarningAndBadIfOften) {
+  RunSummary s = RunWithoutRemarks();
   s.stale_share = 0.01;
   EXPECT_EQ(JudgeRun(s).level, VerdictLevel::kGood);
   s.stale_share = 0.1;
@@ -76,12 +80,12 @@ TEST(RunVerdict, AForceThatCollapsesIsLookedAtAndThenBad) {
 }
 
 TEST(RunVerdict, AFaultOrARunThatNeverBeganIsBad) {
-  RunSummary fault = Quiet();
+  RunSummary fault = RunWithoutRemarks();
   fault.end = control::RunEnd::kFault;
   fault.faults.push_back({.name = "tool too deep in bone", .time_s = 1.0, .reaction = "Stop 1"});
   EXPECT_EQ(JudgeRun(fault).level, VerdictLevel::kBad);
   EXPECT_TRUE(Says(JudgeRun(fault), "tool too deep in bone"));
-  RunSummary never = Quiet();
+  RunSummary never = RunWithoutRemarks();
   never.rendered = false;
   never.end = control::RunEnd::kNeverActive;
   never.ended = "arm never ready";
@@ -89,8 +93,9 @@ TEST(RunVerdict, AFaultOrARunThatNeverBeganIsBad) {
   EXPECT_TRUE(Says(JudgeRun(never), "arm never ready"));
 }
 
-TEST(RunVerdict, WhatTookFromTheRunIsSaid) {
-  RunSummary s = Quiet();
+// One reason each for: a warning, dropped records, a recovery, passivity damping and a late sensor.
+TEST(RunVerdict, EachReductionOfTheRunAddsAReason) {
+  RunSummary s = RunWithoutRemarks();
   s.warnings = {"the script pushes with 120 N"};
   s.dropped = 3;
   s.recovered = 1;
@@ -99,16 +104,16 @@ TEST(RunVerdict, WhatTookFromTheRunIsSaid) {
   const Verdict verdict = JudgeRun(s);
   EXPECT_EQ(verdict.level, VerdictLevel::kWarning);
   EXPECT_EQ(verdict.reasons.size(), 5u);
-  RunSummary interrupted = Quiet();
+  RunSummary interrupted = RunWithoutRemarks();
   interrupted.end = control::RunEnd::kStopFlag;
   interrupted.seconds = 3.0;
   EXPECT_EQ(JudgeRun(interrupted).level, VerdictLevel::kWarning);
-  interrupted.wanted_s = 0.0;
+  interrupted.wanted_s = 0.0;  // asked to run until it is stopped
   EXPECT_EQ(JudgeRun(interrupted).level, VerdictLevel::kGood) << "until it was stopped: it was";
 }
 
-TEST(RunVerdict, AFaultThatAnOperatorRecoveredFromIsAsBadAsOneThatEndedTheRun) {
-  RunSummary s = Quiet();
+TEST(RunVerdict, AFaultWithRecoveryByTheOperatorIsBad) {
+  RunSummary s = RunWithoutRemarks();
   s.recovered = s.operator_recoveries = 2;
   s.recovered_from = {"arm message stale"};
   const Verdict verdict = JudgeRun(s);
@@ -118,8 +123,8 @@ TEST(RunVerdict, AFaultThatAnOperatorRecoveredFromIsAsBadAsOneThatEndedTheRun) {
   EXPECT_TRUE(Says(verdict, "2 times"));
 }
 
-TEST(RunVerdict, IsTheFirstThingThatIsRead) {
-  RunSummary s = Quiet();
+TEST(RunVerdict, ComesFirstInTheTableAndInTheJson) {
+  RunSummary s = RunWithoutRemarks();
   s.cut_ticks = 4000;
   s.verdict = JudgeRun(s);
   const std::vector<report::SummaryRow> rows = VerdictRows(s.verdict);

@@ -12,17 +12,19 @@
 #include "simulation/tools/tool_kinds.h"
 #include "tests/io/temporary_folder.h"
 
+// Tests of the stored states of a carved bone from which playback continues after a jump in time.
+
 namespace osteon::session {
 namespace {
 
-constexpr double kRunSeconds = 40.0, kHalfEdge_m = 0.02;
-constexpr rt::Nanoseconds kBegun = 1'000'000'000;
+constexpr double kRunSeconds = 40.0, kBoneRadius_m = 0.02;
+constexpr rt::Nanoseconds kRecordingStart = 1'000'000'000;  // an arbitrary time
 
-// A tool that goes back and forth in a block's face, a little deeper each time; the spindle rests now and
-// then.
+// Writes a recording in which the tool swings ±10 mm at the bone's top and sinks by 0.1 mm/s. The spindle
+// stands still in the first second of each seven.
 void RecordCut(const std::filesystem::path& path) {
   io::SessionInfo session;
-  session.stamp = kBegun;
+  session.stamp = kRecordingStart;
   session.version = "test";
   auto recorder = io::Recorder::Open({.path = path, .writer_thread = false}, session);
   ASSERT_TRUE(recorder) << recorder.error();
@@ -30,7 +32,7 @@ void RecordCut(const std::filesystem::path& path) {
     const double time_s = 1e-3 * static_cast<double>(i);
     control::TickRecord tick;
     tick.tick = i;
-    tick.stamp = kBegun + static_cast<rt::Nanoseconds>(i) * rt::kMillisecond;
+    tick.stamp = kRecordingStart + static_cast<rt::Nanoseconds>(i) * rt::kMillisecond;
     tick.spindle_rad_per_s = std::fmod(time_s, 7.0) < 1.0 ? 0.0 : 30.0;
     (*recorder)->Push(tick);
     if (i % 4 == 0) {
@@ -38,7 +40,7 @@ void RecordCut(const std::filesystem::path& path) {
       frame.stamp = tick.stamp;
       frame.model.frame = i;
       Pose X_WP = Pose::Identity();
-      X_WP.translation() = Vector3(0.01 * std::sin(time_s), 0.0, kHalfEdge_m + 1e-3 - 1e-4 * time_s);
+      X_WP.translation() = Vector3(0.01 * std::sin(time_s), 0.0, kBoneRadius_m + 1e-3 - 1e-4 * time_s);
       frame.model.X_WP = X_WP;
       frame.model.p_WS_m = X_WP.translation();
       (*recorder)->PushFrame(frame);
@@ -48,20 +50,22 @@ void RecordCut(const std::filesystem::path& path) {
   ASSERT_TRUE((*recorder)->Close());
 }
 
-/// A block as one large ball, which is a solid that needs no file.
-CellSetup BlockSetup() {
+/// A cell whose bone is one ball, so that no file is needed, with a small reamer.
+CellSetup MakeSetup() {
   CellSetup setup;
   setup.config.tool.tool = simulation::MakeReamer(4e-3, 1e-3, 0.03, 0.9, Vector3(0.0, 0.0, 0.0));
-  setup.bone.balls = {{.center_m = Vector3(0.0, 0.0, 0.0), .radius_m = kHalfEdge_m}};
+  setup.bone.balls = {{.center_m = Vector3(0.0, 0.0, 0.0), .radius_m = kBoneRadius_m}};
   return setup;
 }
 
+/// Vertices of the carved bone's surface, in G.
 std::vector<surface::Vec3> VerticesOf(const CarvedBone& bone) {
   CarvedBone whole = bone;
   whole.CarveAll();
   return surface::WeldSurface(whole.field).vertices_mm;
 }
 
+/// Reads the recording and carves the bone until the bone shows this time.
 void CarveUpTo(CarvedBone& bone, RecordingTimeline& timeline, double wanted_s) {
   while (bone.at_s < wanted_s) {
     const auto topic = timeline.Next();
@@ -70,12 +74,12 @@ void CarveUpTo(CarvedBone& bone, RecordingTimeline& timeline, double wanted_s) {
   }
 }
 
-// The bone at any time is the same, bit for bit, from the nearest state as from the beginning.
-TEST(CarvedKeys, TheBoneFromAStateIsTheBoneFromTheBeginning) {
+// A bone carved from the nearest stored state equals, bit for bit, the bone carved from the beginning.
+TEST(CarvedKeys, CarvingFromAStoredStateEqualsCarvingFromTheBeginning) {
   const io::test::TemporaryFolder folder;
   const auto file = folder.path() / "cut.mcap";
   RecordCut(file);
-  const CellSetup setup = BlockSetup();
+  const CellSetup setup = MakeSetup();
   const auto solid = surface::UnionOfBalls(setup.bone, 0.5F);
   const auto cut = std::make_shared<const RecordedCut>(RecordedCut{.tools = {setup.config.tool.tool}});
   CarvedBone from_begin(solid, cut);
@@ -96,7 +100,7 @@ TEST(CarvedKeys, TheBoneFromAStateIsTheBoneFromTheBeginning) {
     ASSERT_NE(key, nullptr);
     EXPECT_LE(key->at_s, wanted_s);
     EXPECT_GT(key->at_s, wanted_s - CarvedKeys::kFirstStep_s - 0.01);
-    CarvedBone from_key = from_begin;  // shows a later time, and goes back
+    CarvedBone from_key = from_begin;  // shows a later time than the key: JumpTo goes back
     from_key.JumpTo(*key);
     ASSERT_TRUE(GoOnFrom(from_key, *other));
     CarveUpTo(from_key, *other, wanted_s);

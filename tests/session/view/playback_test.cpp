@@ -13,14 +13,17 @@
 #include "session/view/recording_scan.h"
 #include "tests/io/temporary_folder.h"
 
+// Tests of playing a recording: seeking, the history before a time, damaged files and the scan of all events.
+
 namespace osteon::session {
 namespace {
 
-constexpr double kSeconds = 40.0;
-constexpr rt::Nanoseconds kStart = 5'000'000'000;
+constexpr double kSeconds = 40.0;                  // duration of the recording
+constexpr rt::Nanoseconds kStart = 5'000'000'000;  // an arbitrary time
 
-// A recording of kSeconds whose force is the time, with an event each 5 s.
-void Record(const std::filesystem::path& path) {
+// Writes a recording of kSeconds in which the force in newtons equals the time in seconds, with an event each
+// 5 s. The force on a page thus tells which time is shown.
+void WriteRecording(const std::filesystem::path& path) {
   io::SessionInfo session;
   session.stamp = kStart;
   session.version = "test";
@@ -43,18 +46,20 @@ void Record(const std::filesystem::path& path) {
   ASSERT_TRUE((*recorder)->Close());
 }
 
+// One recording for all tests, since writing it takes longer than a test.
 class PlaybackTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new io::test::TemporaryFolder;
-    Record(File());
+    WriteRecording(File());
   }
   static void TearDownTestSuite() { delete folder_; }
   static std::filesystem::path File() { return folder_->path() / "r.mcap"; }
-  static bool Eventually(const std::function<bool()>& is) {
+  // Whether the condition becomes true within 20 s.
+  static bool Eventually(const std::function<bool()>& condition) {
     for (const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
          std::chrono::steady_clock::now() < end;) {
-      if (is()) return true;
+      if (condition()) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     return false;
@@ -63,7 +68,7 @@ class PlaybackTest : public testing::Test {
 };
 io::test::TemporaryFolder* PlaybackTest::folder_ = nullptr;
 
-TEST_F(PlaybackTest, AnyTimeIsReachedByOneChunk) {
+TEST_F(PlaybackTest, SeekStartsAtMostOneChunkBeforeTheWantedTime) {
   auto timeline = RecordingTimeline::Open(File());
   ASSERT_TRUE(timeline) << timeline.error();
   EXPECT_NEAR(timeline->duration_s(), kSeconds, 1e-6);
@@ -77,7 +82,7 @@ TEST_F(PlaybackTest, AnyTimeIsReachedByOneChunk) {
   }
 }
 
-TEST_F(PlaybackTest, ATornRecordingIsReadAsFarAsItGoes) {
+TEST_F(PlaybackTest, ATruncatedRecordingIsReadUpToItsEnd) {
   const auto torn = folder_->path() / "torn.mcap";
   std::filesystem::copy_file(File(), torn, std::filesystem::copy_options::overwrite_existing);
   std::filesystem::resize_file(torn, std::filesystem::file_size(torn) / 2);
@@ -89,7 +94,7 @@ TEST_F(PlaybackTest, ATornRecordingIsReadAsFarAsItGoes) {
   EXPECT_TRUE(timeline->Next());
 }
 
-TEST_F(PlaybackTest, WhatIsNoRecordingIsRefusedWithItsName) {
+TEST_F(PlaybackTest, AFileThatIsNoRecordingIsRefusedWithItsName) {
   const auto file = folder_->path() / "no.mcap";
   std::ofstream(file) << "no recording";
   const auto timeline = RecordingTimeline::Open(file);
@@ -104,7 +109,7 @@ TEST_F(PlaybackTest, SeeksForwardAndBackAndShowsThatTime) {
   Playback playback(std::move(*timeline), feed);
   for (const double at_s : {15.0, 2.0, 19.5, 0.5}) {
     playback.Seek(at_s);
-    // the force is the time
+    // the force equals the time
     EXPECT_TRUE(Eventually([&] { return std::abs(feed.Newest().tick.F_coupling_T_W.f.x - at_s) < 0.01; }))
         << at_s;
     const console::LiveWindow shown = feed.Newest();
@@ -113,7 +118,7 @@ TEST_F(PlaybackTest, SeeksForwardAndBackAndShowsThatTime) {
   }
 }
 
-// A page's charts and list of events, as a page gets them that opens now.
+// The history that a feed gives to a page that opens now: windows of its charts, and events.
 struct Past {
   std::vector<console::LiveWindow> windows;
   std::vector<io::RecordedEvent> events;
@@ -129,12 +134,13 @@ struct Past {
   [[nodiscard]] double last_s() const {
     return windows.empty() ? -1.0 : rt::ToSeconds(windows.back().tick.stamp - kStart);
   }
+  // Whether the history begins at or before from_s and ends at to_s (times of the recording).
   [[nodiscard]] bool Has(double from_s, double to_s) const {
     return first_s() <= from_s + 0.05 && std::abs(last_s() - to_s) < 0.002;
   }
 };
 
-TEST_F(PlaybackTest, ThePastOfEveryPlaceIsThereWithoutPlaying) {
+TEST_F(PlaybackTest, ASeekFillsTheHalfMinuteBeforeItWithoutPlaying) {
   auto timeline = RecordingTimeline::Open(File());
   ASSERT_TRUE(timeline);
   console::LiveFeed feed(Playback::kFeedWindows);
@@ -161,8 +167,8 @@ TEST_F(PlaybackTest, ThePastOfEveryPlaceIsThereWithoutPlaying) {
   }
 }
 
-// The same recording beside itself shows the same, whatever was shown before.
-TEST_F(PlaybackTest, ThePastOfAPlaceIsTheSameHoweverItWasReached) {
+// Two pages at one time of a recording must agree, whatever each showed before.
+TEST_F(PlaybackTest, TheHistoryBeforeATimeDoesNotDependOnEarlierSeeks) {
   const auto shown = [](std::initializer_list<double> places) {
     auto timeline = RecordingTimeline::Open(File());
     console::LiveFeed feed(Playback::kFeedWindows);
@@ -178,7 +184,8 @@ TEST_F(PlaybackTest, ThePastOfAPlaceIsTheSameHoweverItWasReached) {
   EXPECT_EQ(shown({33.0}), shown({39.0, 1.0, 33.1, 33.0}));
 }
 
-TEST_F(PlaybackTest, ADamagedChunkBeforeAPlaceTakesItsPastAlone) {
+// The first chunk after 5 s is damaged: a seek to 12 s loses only older history; playing from 5 s fails.
+TEST_F(PlaybackTest, ADamagedChunkBeforeASeekCostsOnlyHistory) {
   const auto damaged = folder_->path() / "damaged.mcap";
   std::filesystem::copy_file(File(), damaged, std::filesystem::copy_options::overwrite_existing);
   auto stream = io::RecordingStream::Open(damaged);
@@ -204,8 +211,8 @@ TEST_F(PlaybackTest, ADamagedChunkBeforeAPlaceTakesItsPastAlone) {
   EXPECT_TRUE(Eventually([&] { return !playback.state().error.empty(); }));
 }
 
-// Two playbacks are brought together by it while they play.
-TEST_F(PlaybackTest, ACorrectionOfTheTimeBreaksNothing) {
+// Align keeps two playbacks at the same time: it must neither drop ticks nor restart the feed.
+TEST_F(PlaybackTest, AlignShiftsTheTimeWithoutAGapInTheFeed) {
   auto timeline = RecordingTimeline::Open(File());
   ASSERT_TRUE(timeline);
   console::LiveFeed feed(Playback::kFeedWindows);
@@ -231,7 +238,7 @@ TEST_F(PlaybackTest, ACorrectionOfTheTimeBreaksNothing) {
   EXPECT_GT(end_N, 3.0);
 }
 
-TEST_F(PlaybackTest, PlaysToTheEndAndFromTheBeginningAgain) {
+TEST_F(PlaybackTest, PlaysToTheEndAndThenFromTheBeginning) {
   auto timeline = RecordingTimeline::Open(File());
   ASSERT_TRUE(timeline);
   console::LiveFeed feed;

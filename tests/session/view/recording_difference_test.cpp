@@ -11,6 +11,8 @@
 #include "io/recording/recorder.h"
 #include "tests/io/temporary_folder.h"
 
+// Tests of the difference of two recordings in force, position, rotation, depth and removed volume over time.
+
 namespace osteon::session {
 namespace {
 
@@ -21,11 +23,12 @@ struct MadeRun {
   double seconds{4.0};
   rt::Nanoseconds period{rt::kMillisecond};
   rt::Nanoseconds start{kFirstStamp};
-  double bump_N{0.0};  ///< added to the force in the one tick at 2 s
-  double lower_m{0.0}, turned_rad{0.0};
+  double bump_N{0.0};                    ///< added to the force in the one tick at 2 s
+  double lower_m{0.0}, turned_rad{0.0};  ///< constant offsets of the tool: down, and about y
   double removed_mm3_per_s{100.0};
 };
 
+/// Writes the recording of a made-up run.
 void RecordRun(const std::filesystem::path& path, const MadeRun& run) {
   io::SessionInfo session;
   session.stamp = run.start;
@@ -57,6 +60,7 @@ void RecordRun(const std::filesystem::path& path, const MadeRun& run) {
 
 class RecordingDifferenceTest : public testing::Test {
  protected:
+  /// Records both runs and waits for the result of their comparison.
   nlohmann::json CompareRuns(const MadeRun& first, const MadeRun& second) {
     const std::array files{folder_.path() / "first.mcap", folder_.path() / "second.mcap"};
     RecordRun(files[0], first);
@@ -75,8 +79,7 @@ class RecordingDifferenceTest : public testing::Test {
   io::test::TemporaryFolder folder_;
 };
 
-TEST_F(RecordingDifferenceTest, TwoEqualRunsDifferInNothing) {
-  // another start of the clock is no difference
+TEST_F(RecordingDifferenceTest, RunsThatDifferOnlyInTheirStartTimeShowNoDifference) {
   const nlohmann::json json = CompareRuns({}, {.start = kFirstStamp + 123'456'789});
   EXPECT_EQ(json["ticks"], 4000);
   for (const char* quantity : {"force_N", "depth_mm", "apart_mm", "turn_deg", "removed_mm3"})
@@ -94,7 +97,7 @@ TEST_F(RecordingDifferenceTest, OneTickThatDiffersIsFoundAtItsTime) {
   EXPECT_DOUBLE_EQ(json["force_N"][1][bin], 17.0) << "a peak of one tick is kept";
 }
 
-TEST_F(RecordingDifferenceTest, PlaceTurnDepthAndVolumeAreCompared) {
+TEST_F(RecordingDifferenceTest, PositionRotationDepthAndVolumeAreCompared) {
   constexpr double kTurned_rad = 0.01;
   const nlohmann::json json =
       CompareRuns({}, {.lower_m = 0.25e-3, .turned_rad = kTurned_rad, .removed_mm3_per_s = 150.0});
@@ -104,8 +107,8 @@ TEST_F(RecordingDifferenceTest, PlaceTurnDepthAndVolumeAreCompared) {
   EXPECT_NEAR(json["most"]["removed_mm3"][0], 200.0, 0.1) << "the largest at the end: 50 mm³/s for 4 s";
 }
 
-// A run of 250 Hz beside one of 1 kHz: each tick meets the other's newest one, which is at most 4 ms old.
-TEST_F(RecordingDifferenceTest, RunsOfOtherPeriodsMeetAtTheSameTime) {
+// A run of 1 kHz beside one of 250 Hz: each tick is compared with the other run's newest, at most 3 ms old.
+TEST_F(RecordingDifferenceTest, RunsOfDifferentPeriodsAreComparedAtEqualTimes) {
   const nlohmann::json json = CompareRuns({}, {.period = 4 * rt::kMillisecond});
   EXPECT_NEAR(json["most"]["apart_mm"][0], 0.003, 1e-6) << "1 mm/s for three ticks of 1 ms";
   EXPECT_EQ(json["most"]["force_N"][0], 0.0);

@@ -7,16 +7,18 @@
 #include "tests/simulation/bone/cup_bone.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
+// Tests of bones with a cup: the generated acetabulum, and meshes with a planned cup.
+
 namespace osteon::simulation {
 namespace {
 
 using testing::HasSubstr;
 
-/// A half-open cup: the lower half of a sphere of 20 mm in a block of 60 × 60 × 40 mm, as a mesh; +z points
-/// out of it.
+/// Mesh of a block of 60 × 60 × 40 mm with a cup in its top: the lower half of a sphere of radius 20 mm about
+/// the origin; +z points out of the cup.
 TriangleMesh MakeCupBlock() {
-  // a grid over the block's top face, projected down to the sphere inside its rim; the sides hang from its
-  // border
+  // A grid over the top face is projected down to the sphere inside the cup's rim. The block's sides go down
+  // from the grid's border.
   const int n = 48;
   const double half = 0.03, radius = 0.02;
   TriangleMesh mesh;
@@ -40,7 +42,7 @@ TriangleMesh MakeCupBlock() {
   for (int k = 0; k < n; ++k) border.push_back(top(n, k));
   for (int k = n; k > 0; --k) border.push_back(top(k, n));
   for (int k = n; k > 0; --k) border.push_back(top(0, k));
-  const auto low = static_cast<std::uint32_t>(mesh.vertices_m.size());
+  const auto low = static_cast<std::uint32_t>(mesh.vertices_m.size());  // first vertex of the bottom
   for (const std::uint32_t v : border) {
     const Vector3 above = mesh.vertices_m[v];
     mesh.vertices_m.emplace_back(above.x(), above.y(), -0.04);
@@ -56,6 +58,7 @@ TriangleMesh MakeCupBlock() {
   return mesh;
 }
 
+/// The cup of MakeCupBlock; its axis is deliberately not of unit length.
 const CutSite kCup{.center_m = Vector3(0, 0, 0), .axis = Vector3(0, 0, 3), .radius_m = 0.02};
 
 TEST(BoneScenes, AnAcetabulumHasBallsPointsAndTheThreeTissues) {
@@ -70,7 +73,7 @@ TEST(BoneScenes, AnAcetabulumHasBallsPointsAndTheThreeTissues) {
   EXPECT_GT(bone.balls.size(), 28'000u);
 }
 
-TEST(BoneScenes, MaterialsMustBeTheThreeByNameAndPositive) {
+TEST(BoneScenes, MaterialsNeedTheExpectedNamesOrderAndPositiveFigures) {
   const auto message = [](std::vector<Material> materials) -> std::string {
     AcetabulumParams params;
     params.materials = std::move(materials);
@@ -90,7 +93,7 @@ TEST(BoneScenes, MaterialsMustBeTheThreeByNameAndPositive) {
   EXPECT_THAT(message(materials), HasSubstr("found 2, accepted at least 3"));
 }
 
-TEST(BoneScenes, AMeshOfACupBecomesTheBoneItBounds) {
+TEST(BoneScenes, BoneFromAMeshFillsTheMeshAndStaysInsideIt) {
   const TriangleMesh mesh = MakeCupBlock();
   const TemporaryFile file(".obj", ObjText(mesh));
   const auto bone = MakeBoneFromMesh(file.path(), kCup, {});
@@ -102,14 +105,14 @@ TEST(BoneScenes, AMeshOfACupBecomesTheBoneItBounds) {
   EXPECT_NEAR(volume, exact, 0.005 * exact);
   for (const Ball& ball : bone->balls) {
     const Vector3 c = ball.center_m;
-    ASSERT_LE(c.cwiseAbs().head<2>().maxCoeff() + ball.radius_m,
-              0.03 + 1e-9);  // in the file: millimetres with six decimals
+    // 1 nm: the file has millimetres with six decimals
+    ASSERT_LE(c.cwiseAbs().head<2>().maxCoeff() + ball.radius_m, 0.03 + 1e-9);
     ASSERT_GE(c.z() - ball.radius_m, -0.04 - 1e-9);
     ASSERT_LE(c.z() + ball.radius_m, 1e-9);
   }
 }
 
-TEST(BoneScenes, ACupThatIsNotThereIsRefusedWithWhatWasFound) {
+TEST(BoneScenes, ACupThatTheMeshDoesNotHaveIsRefusedWithTheFinding) {
   const TemporaryFile file(".obj", ObjText(MakeCupBlock()));
   const auto refusal = [&](CutSite cup) {
     const auto bone = MakeBoneFromMesh(file.path(), cup, {});
@@ -130,8 +133,8 @@ TEST(BoneScenes, ACupThatIsNotThereIsRefusedWithWhatWasFound) {
   EXPECT_FALSE(refusal(buried).empty());
 }
 
-// The top of a ball is an entry, but not a cup for a reamer's scene.
-TEST(BoneScenes, AConvexSiteIsNoCup) {
+// The top of a ball is a site where a drill may enter, but no cup for a reamer's scene.
+TEST(BoneScenes, AConvexSiteIsRefusedAsACup) {
   const TemporaryFile file(".obj", ObjText(MakeIcosphere({0, 0, 0}, 0.024, 3)));
   const CutSite on_top{.center_m = Vector3(0, 0, 0.024), .axis = Vector3(0, 0, 1), .radius_m = 0.025};
   SceneParams scene;
@@ -147,13 +150,13 @@ TEST(BoneScenes, AConvexSiteIsNoCup) {
   scene.zone = {
       .kind = ZoneParams::Kind::kPath, .radius_m = 0.002, .path_C_m = {{0, 0, 0.005}, {0, 0, -0.01}}};
   EXPECT_TRUE(LoadSceneSolid(file.path(), 1.0, on_top, scene)) << "for a scene that drills it is a site";
-  // a plane is accepted as an entry in both
+  // a flat face is accepted as a cup too
   const TemporaryFile block(".obj", ObjText(MakeBox({-0.03, -0.03, -0.03}, {0.03, 0.03, 0.024})));
   scene.zone.kind = ZoneParams::Kind::kCup;
   EXPECT_TRUE(LoadSceneSolid(block.path(), 1.0, on_top, scene));
 }
 
-TEST(BoneScenes, AWrongCupIsAnArgumentError) {
+TEST(BoneScenes, AnInvalidCupOrThicknessThrows) {
   CutSite cup = kCup;
   cup.radius_m = -0.02;
   EXPECT_THROW((void)MakeBoneFromMesh("bone.obj", cup, {}), std::invalid_argument);

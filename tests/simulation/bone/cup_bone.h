@@ -4,19 +4,20 @@
 
 #include "simulation/bone/scenes.h"
 
-// A bone with a cup from a mesh, with tissues as thick as those of MakeAcetabulum, for the tests of meshes.
+// Makes a bone with a cup from a mesh file, for the tests of meshes. Its tissues are as thick as those of
+// MakeAcetabulum.
 
 namespace osteon::simulation {
 
-/// Tissue of a bone with a cup: thicknesses below its surface.
+/// Thicknesses of the tissues below a bone's surface.
 struct MeshTissue {
   double cartilage_m{0.002};    ///< inside the cup
   double subchondral_m{0.001};  ///< cortical plate below the cartilage
   double cortical_m{0.0015};    ///< shell everywhere else; cancellous below
-  double lining_radii{1.25};    ///< see LiningTissue
+  double lining_radii{1.25};    ///< extent of the cup's lining, in cup radii: see LiningTissue
 };
 
-/// The same as a map onto the materials of BoneTissue.
+/// Converts the thicknesses to a map of tissues with the materials of BoneTissue.
 [[nodiscard]] inline TissueMap CupBoneTissue(const MeshTissue& tissue, const CutSite& cup) {
   return {.shells = {{.layers = {{.material = kCortical, .thickness_m = tissue.cortical_m}},
                       .core = kCancellous,
@@ -28,7 +29,7 @@ struct MeshTissue {
                                  .core = kCancellous}};
 }
 
-/// Packs a mesh file in millimetres below its cup, as a cell's scene does.
+/// Reads a mesh file in millimetres and packs it as a cell's scene does, finest near the cup.
 [[nodiscard]] inline tl::expected<Bone, MeshError> MakeBoneFromMesh(const std::filesystem::path& path,
                                                                     const CutSite& cup,
                                                                     const MeshTissue& tissue) {

@@ -5,10 +5,12 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the look-up of the material at a place of a bone.
+
 namespace osteon::simulation {
 namespace {
 
-// Oracle: tests every point, at the float positions that the map stores.
+// Oracle: material of the nearest point, by testing every point at the float position that the map stores.
 MaterialIndex NearestOfAll(const Bone& bone, const Vector3& p_m) {
   double nearest_m = std::numeric_limits<double>::infinity();
   MaterialIndex material = 0;
@@ -41,7 +43,7 @@ TEST(MaterialMap, TellsTheMaterialOfTheNearestPoint) {
     int count;
     Vector3 size_m;
   };
-  // a block, a plate, a line, a few points, one place
+  // points in a block, in a plate, on a line, few points, and two points at one place
   for (const Case& c : {Case{3000, {0.05, 0.04, 0.06}}, Case{500, {0.1, 0.1, 0.0}},
                         Case{300, {0.2, 0.0, 0.0}}, Case{3, {0.1, 0.1, 0.1}}, Case{2, {0.0, 0.0, 0.0}}}) {
     const Bone bone = Cloud(c.count, c.size_m, 11);
@@ -55,7 +57,7 @@ TEST(MaterialMap, TellsTheMaterialOfTheNearestPoint) {
   }
 }
 
-TEST(MaterialMap, OfOneMaterialOrOfNoPointNeedsNoLookUp) {
+TEST(MaterialMap, ReturnsTheOnlyMaterialAnywhereAndZeroWithoutPoints) {
   Bone bone = Cloud(10, {0.1, 0.1, 0.1}, 13);
   for (MassPoint& point : bone.points) point.material = 3;
   EXPECT_EQ(MaterialMap(bone).At(Vector3(1, 2, 3)), 3);

@@ -6,6 +6,8 @@
 
 #include <gmock/gmock.h>
 
+// Tests of lists of materials: their limits, their assumptions, and the split of their cutting energy.
+
 namespace osteon::simulation {
 namespace {
 
@@ -25,7 +27,7 @@ TEST(Materials, EachFigureWithoutASourceIsListedWithItsValue) {
               testing::ElementsAre("foam: cutting energy 0.05 J/mm³ (a guess)", "foam: friction 0.25"));
 }
 
-TEST(Materials, OfBonesAreSoundAndSayWhatIsAssumed) {
+TEST(Materials, DefaultBoneMaterialsAreValidAndListTheirAssumptions) {
   const std::vector<Material> bone = DefaultBoneMaterials();
   EXPECT_NO_THROW(CheckMaterials(bone));
   const std::vector<std::string> assumed = Assumptions(bone);
@@ -33,7 +35,7 @@ TEST(Materials, OfBonesAreSoundAndSayWhatIsAssumed) {
   EXPECT_THAT(assumed, testing::Not(testing::Contains(HasSubstr("cortical: density"))));
 }
 
-TEST(Materials, AListIsOneToEightNamesWithPositiveFigures) {
+TEST(Materials, ListsMustHaveOneToEightNamedMaterialsWithFiguresInRange) {
   const auto refusal = [](const std::function<void(std::vector<Material>&)>& change) -> std::string {
     std::vector<Material> materials = DefaultBoneMaterials();
     change(materials);
@@ -62,7 +64,9 @@ TEST(Materials, AListIsOneToEightNamesWithPositiveFigures) {
   EXPECT_THAT(refusal([](List m) { m[1].edge_force_N_per_m = std::nan(""); }), HasSubstr("found nan"));
 }
 
-TEST(Materials, AtTheMeasuredChipAnEdgeTakesTheMeasuredCuttingEnergy) {
+// The measured cutting energy is split into that of the chip and that of the edge's force. At the chip
+// thickness of the measurement their sum must be the measured value, for any number of edges.
+TEST(Materials, SplitCuttingEnergyAddsUpToTheMeasuredAtTheMeasuredChip) {
   const Material measured = DefaultBoneMaterials()[1];
   for (const int edges : {1, 2, 6}) {
     const Material split = SplitCuttingEnergy({measured}, edges)[0];

@@ -8,10 +8,12 @@
 #include "simulation/solids/molar_solid.h"
 #include "tests/simulation/engine/engine_bench.h"
 
+// Tests of a scene's events: a region is reached, a wall is too thin, the tool breaks through.
+
 namespace osteon::simulation {
 namespace {
 
-// A box of dentine around a box of pulp, both along the axes; G in the middle of the top face.
+// A box of dentine around a box of pulp, both along the axes; G's origin is the middle of the top face.
 class BoxInBox final : public Solid {
  public:
   enum : MaterialIndex { kDentine = 0, kPulp = 1 };
@@ -34,6 +36,7 @@ class BoxInBox final : public Solid {
   BoxSolid outer_, pulp_;
 };
 
+// A bone without balls and points, with the materials dentine (0) and pulp (1) and its site at G's origin.
 Bone DentineAndPulp() {
   Bone bone = EmptyBone();
   bone.materials.front().name = "dentine";
@@ -43,15 +46,17 @@ Bone DentineAndPulp() {
   return bone;
 }
 
-constexpr double kBurr_m = 0.001;
+constexpr double kBurrRadius_m = 0.001;
+// Watches the pulp, and walls thinner than 1.5 mm.
 const SceneEventParams kPulpAndWall{
     .regions = {{.name = "pulp", .material = "pulp"}}, .min_wall_m = 0.0015, .wall_spacing_m = 0.5e-3};
 
-// Steps a burr through poses, each of which removes bone.
+// Steps the watch with a burr in BoxInBox.
 class Burr {
  public:
   explicit Burr(const SceneEventParams& params)
-      : watch_(&solid_, DentineAndPulp(), BallTool(kBurr_m), params) {}
+      : watch_(&solid_, DentineAndPulp(), BallTool(kBurrRadius_m), params) {}
+  // The events of a frame with the burr's apex at this point of G; if `cuts`, the frame removes 1 mm^3.
   std::vector<SceneEvent> At(const Vector3& apex, bool cuts = true) {
     if (cuts) volume_m3_ += 1e-9;
     return watch_.Step(Down(apex), volume_m3_, ++stamp_);
@@ -65,8 +70,8 @@ class Burr {
   rt::Nanoseconds stamp_{0};
 };
 
-TEST(SceneEvents, PulpIsReachedWhereTheApexMeetsIt) {
-  // a further micrometre down triggers the event, anywhere above the pulp
+TEST(SceneEvents, PulpIsReachedExactlyWhereTheBurrTouchesIt) {
+  // the apex: no event 1 um above the pulp's top, an event 1 um below it
   for (const Vector3& off : {Vector3(0, 0, 0), Vector3(0.0011, -0.0007, 0)}) {
     Burr burr({.regions = kPulpAndWall.regions});
     EXPECT_TRUE(burr.At(off + Vector3(0, 0, -0.001)).empty());
@@ -78,15 +83,16 @@ TEST(SceneEvents, PulpIsReachedWhereTheApexMeetsIt) {
     EXPECT_NEAR(events[0].value, 0.004, 1e-12);  // below the site
     EXPECT_LT((Vector3(events[0].p_G_m) - off - Vector3(0, 0, -0.004)).norm(), 1e-12);
   }
-  // past the pulp's edge by a and b: sqrt(a^2 + b^2) counts, not the height
+  // Beside the pulp's upper edge, the burr's side touches the edge when its centre is a radius from it.
   Burr burr({.regions = kPulpAndWall.regions});
-  const double a = 0.6e-3, height = std::sqrt(kBurr_m * kBurr_m - a * a);
-  const Vector3 beside(0.002 + a, 0, -0.004 - kBurr_m + height);  // the apex; the centre is a radius above
+  const double a = 0.6e-3, height = std::sqrt(kBurrRadius_m * kBurrRadius_m - a * a);
+  const Vector3 beside(0.002 + a, 0,
+                       -0.004 - kBurrRadius_m + height);  // the apex; the centre is a radius above
   EXPECT_TRUE(burr.At(beside + Vector3(0, 0, 1e-6)).empty());
   EXPECT_EQ(burr.At(beside - Vector3(0, 0, 1e-6)).size(), 1u);
 }
 
-TEST(SceneEvents, EachComesOnce) {
+TEST(SceneEvents, EachEventIsReportedOnce) {
   Burr burr(kPulpAndWall);
   const Vector3 in_the_pulp(0, 0, -0.005), at_the_wall(0.0035, 0, -0.003);
   EXPECT_EQ(burr.At(in_the_pulp).size(), 1u);
@@ -97,7 +103,7 @@ TEST(SceneEvents, EachComesOnce) {
   EXPECT_TRUE(burr.At(in_the_pulp).empty());
 }
 
-TEST(SceneEvents, NothingHappensWhereNothingIsCut) {
+TEST(SceneEvents, AFrameWithoutRemovalCausesNoEvent) {
   Burr burr(kPulpAndWall);
   EXPECT_TRUE(burr.At({0, 0, -0.005}, false).empty());
   EXPECT_TRUE(burr.At({0.0035, 0, -0.003}, false).empty());
@@ -105,44 +111,45 @@ TEST(SceneEvents, NothingHappensWhereNothingIsCut) {
   EXPECT_FALSE(burr.At({0.0035, 0, -0.003}, true).empty());
 }
 
-// A slot towards the side: thickness = distance to the side's plane less the radius, at any height and place,
-// also between samples 0.5 mm apart.
-TEST(SceneEvents, WallOfASlotIsWhatIsLeftToTheSide) {
+// A slot is cut towards the +x side. Its wall's thickness is the distance from the burr's centre to the side
+// less the burr's radius, at any height and also between the samples of the surface.
+TEST(SceneEvents, WallOfASlotIsTheBoneLeftToTheSide) {
   for (const double spacing_m : {0.2e-3, 0.5e-3, 1.3e-3}) {
     SceneEventParams params = kPulpAndWall;
     params.regions.clear();
     params.wall_spacing_m = spacing_m;
     Burr burr(params);
-    bool before = false;
+    bool was_thin = false;
     for (double x = 0.0; x < 0.0039; x += 0.13e-3) {
       const Vector3 apex(x, 0.3e-3, -0.0031 - 0.1 * x);
       const auto events = burr.At(apex);
       // the nearest of: +x side, +y side (4 - 0.3 mm away)
-      const double wall_m = std::min(0.005 - x, 0.004 - 0.3e-3) - kBurr_m;
+      const double wall_m = std::min(0.005 - x, 0.004 - 0.3e-3) - kBurrRadius_m;
       EXPECT_NEAR(*burr.watch().min_wall_m(), wall_m, 1e-9) << spacing_m << " " << x;
       const bool thin = wall_m < params.min_wall_m;
-      EXPECT_EQ(!events.empty(), thin && !before) << x;
+      EXPECT_EQ(!events.empty(), thin && !was_thin) << x;
       if (!events.empty()) {
         EXPECT_EQ(events[0].name, "wall too thin");
         EXPECT_NEAR(events[0].value, wall_m, 1e-9);
-        EXPECT_LT((Vector3(events[0].p_G_m) - Vector3(0.005, apex.y(), apex.z() + kBurr_m)).norm(), 1e-7);
+        EXPECT_LT((Vector3(events[0].p_G_m) - Vector3(0.005, apex.y(), apex.z() + kBurrRadius_m)).norm(),
+                  1e-7);
       }
-      before = thin;
+      was_thin = thin;
     }
-    EXPECT_TRUE(before);
+    EXPECT_TRUE(was_thin);
     // through the wall: nothing is left, which is a separate event, once
     const auto through = burr.At({0.0043, 0, -0.003});
     ASSERT_EQ(through.size(), 1u);
     EXPECT_EQ(through[0].name, "breakthrough");
-    EXPECT_NEAR(through[0].value, 0.003 - kBurr_m, 1e-7);  // below the site, at the head's middle
+    EXPECT_NEAR(through[0].value, 0.003 - kBurrRadius_m, 1e-7);  // below the site, at the head's middle
     EXPECT_EQ(*burr.watch().min_wall_m(), 0.0);
     EXPECT_TRUE(burr.At({0.0045, 0, -0.003}).empty());
     EXPECT_EQ(*burr.watch().min_wall_m(), 0.0);
   }
 }
 
-// A drill that breaks through between two frames: both events at once, and no negative wall.
-TEST(SceneEvents, AFastCutThroughIsTooThinAndThrough) {
+// The burr breaks through between two frames: both events come in one frame, and the wall is 0, not negative.
+TEST(SceneEvents, ABreakthroughInOneFrameAlsoReportsTheThinWall) {
   SceneEventParams params = kPulpAndWall;
   params.regions.clear();
   Burr burr(params);
@@ -155,8 +162,8 @@ TEST(SceneEvents, AFastCutThroughIsTooThinAndThrough) {
   EXPECT_EQ(*burr.watch().min_wall_m(), 0.0);
 }
 
-// The floor is a wall, the face with the opening is not.
-TEST(SceneEvents, OpeningIsNoWall) {
+// The bottom face counts as a wall, the top face with the opening does not.
+TEST(SceneEvents, FaceWithTheOpeningIsNoWall) {
   SceneEventParams params = kPulpAndWall;
   params.regions.clear();
   Burr burr(params);
@@ -166,14 +173,14 @@ TEST(SceneEvents, OpeningIsNoWall) {
   EXPECT_NEAR(*burr.watch().min_wall_m(), 0.0011, 1e-9);  // to the floor at -10 mm
 }
 
-// Above a molar's site there are fissures and the cusps' steep inner slopes: none of them is a wall. The
-// crown's sides are, about 3 mm from an opening in the middle.
-TEST(SceneEvents, CuspsAreNoWall) {
+// The fissures and steep inner slopes of the cusps around a molar's site are no walls. The crown's sides are
+// walls, about 3 mm from an opening in the middle.
+TEST(SceneEvents, CuspsOfAMolarAreNoWall) {
   const MolarSolid molar({});
   Bone bone = DentineAndPulp();
-  const double top_m = 0.0051;  // of the fissures
+  const double top_m = 0.0051;  // height of the fissures
   bone.site = {.center_m = Vector3(0, 0, top_m), .axis = Vector3::UnitZ(), .radius_m = 0.00175};
-  SceneWatch watch(&molar, bone, BallTool(kBurr_m), {.min_wall_m = 1e-3, .wall_spacing_m = 0.25e-3});
+  SceneWatch watch(&molar, bone, BallTool(kBurrRadius_m), {.min_wall_m = 1e-3, .wall_spacing_m = 0.25e-3});
   double volume_m3 = 0.0;
   for (double depth = 0.0; depth < 0.003; depth += 0.3e-3)
     for (double angle = 0.0; angle < 6.2; angle += 0.4) {
@@ -185,8 +192,8 @@ TEST(SceneEvents, CuspsAreNoWall) {
   EXPECT_LT(*watch.min_wall_m(), 0.0045);
 }
 
-// Cutting the wall from outside is not a cut behind it.
-TEST(SceneEvents, WallIsSeenFromWithinOnly) {
+// A cut from outside leaves no wall between the burr and the surface.
+TEST(SceneEvents, ACutFromOutsideMeasuresNoWall) {
   SceneEventParams params = kPulpAndWall;
   params.regions.clear();
   Burr burr(params);
@@ -195,14 +202,15 @@ TEST(SceneEvents, WallIsSeenFromWithinOnly) {
   EXPECT_FALSE(burr.watch().min_wall_m());
 }
 
-// For a solid without distances to its tissues: the event occurs at the first mass point that is cut.
-TEST(SceneEvents, RegionOfUnknownShapeIsReachedWithItsFirstPoint) {
+// BoxSolid has no RegionDistance: the event occurs when the burr reaches the region's first mass point.
+TEST(SceneEvents, RegionOfUnknownShapeIsReachedAtItsFirstMassPoint) {
   const BoxSolid solid({-0.005, -0.005, -0.010}, {0.005, 0.005, 0.0});
   Bone bone = DentineAndPulp();
   bone.points = {{.p_m = Vector3(0.0002, 0, -0.002), .volume_m3 = 1e-12, .material = 0},
                  {.p_m = Vector3(0, 0.0006, -0.004), .volume_m3 = 1e-12, .material = 1},
                  {.p_m = Vector3(0, 0, -0.005), .volume_m3 = 1e-12, .material = 1}};
-  SceneWatch watch(&solid, bone, BallTool(kBurr_m), {.regions = {{.name = "pulp", .material = "pulp"}}});
+  SceneWatch watch(&solid, bone, BallTool(kBurrRadius_m),
+                   {.regions = {{.name = "pulp", .material = "pulp"}}});
   // the ball meets the point 0.6 mm off the axis with its apex 0.2 mm below it
   EXPECT_TRUE(watch.Step(Down({0, 0, -0.0042 + 1e-7}), 1e-9, 1).empty());
   const auto events = watch.Step(Down({0, 0, -0.0042 - 1e-7}), 2e-9, 2);
@@ -210,21 +218,21 @@ TEST(SceneEvents, RegionOfUnknownShapeIsReachedWithItsFirstPoint) {
   EXPECT_NEAR(events[0].value, 0.004, 1e-12);
 }
 
-// A saved packing has no solid.
-TEST(SceneEvents, WithoutASolidItsPointsStandForARegionAndNoWallIsWatched) {
+// A saved packing has no solid: mass points stand for its regions, and walls are not watched.
+TEST(SceneEvents, WithoutASolidRegionsAreReachedAtMassPointsAndWallsAreNotWatched) {
   Bone bone = DentineAndPulp();
   bone.points = {{.p_m = Vector3(0, 0.0006, -0.004), .volume_m3 = 1e-12, .material = 1}};
-  SceneWatch watch(nullptr, bone, BallTool(kBurr_m), kPulpAndWall);
+  SceneWatch watch(nullptr, bone, BallTool(kBurrRadius_m), kPulpAndWall);
   EXPECT_TRUE(watch.Step(Down({0, 0, -0.0042 + 1e-7}), 1e-9, 1).empty());
   EXPECT_EQ(watch.Step(Down({0, 0, -0.0042 - 1e-7}), 2e-9, 2).size(), 1u);
   EXPECT_FALSE(watch.min_wall_m());
 }
 
-TEST(SceneEvents, RefusesWhatTheSceneHasNot) {
+TEST(SceneEvents, RefusesUnknownMaterialsAndInvalidNumbers) {
   const BoxInBox solid;
   const Bone bone = DentineAndPulp();
   const auto make = [&](const SceneEventParams& params) {
-    SceneWatch(&solid, bone, BallTool(kBurr_m), params);
+    SceneWatch(&solid, bone, BallTool(kBurrRadius_m), params);
   };
   EXPECT_NO_THROW(make({}));
   EXPECT_NO_THROW(make(kPulpAndWall));
@@ -241,9 +249,9 @@ TEST(SceneEvents, RefusesWhatTheSceneHasNot) {
   EXPECT_THROW(make({.min_wall_m = 1e-3, .wall_spacing_m = 0.0}), std::invalid_argument);
 }
 
-// The generated molar knows its pulp exactly: the tissue is pulp exactly where the distance is negative, and
-// the nearest point lies on the pulp's border.
-TEST(SceneEvents, MolarKnowsItsPulp) {
+// The generated molar's tissue is pulp exactly where its distance to the pulp is negative, and the returned
+// nearest point is at that distance.
+TEST(SceneEvents, MolarsPulpDistanceAgreesWithItsTissue) {
   const MolarSolid molar({});
   int inside = 0;
   for (int i = 0; i < 4000; ++i) {
@@ -264,7 +272,7 @@ TEST(SceneEvents, MolarKnowsItsPulp) {
   EXPECT_FALSE(molar.RegionDistance(MolarSolid::kEnamel, Vector3::Zero()));
 }
 
-TEST(SurfaceSamples, CoverABoxAtTheirSpacing) {
+TEST(SurfaceSamples, LieOnABoxAndCoverItAtTheirSpacing) {
   const Vector3 low(-0.005, -0.004, -0.010), high(0.005, 0.004, 0.0);
   const BoxSolid solid(low, high);
   const double spacing_m = 0.6e-3;
@@ -283,8 +291,9 @@ TEST(SurfaceSamples, CoverABoxAtTheirSpacing) {
     }
 }
 
-// Oracle for the index: tests every sample.
-TEST(SurfaceSamples, IndexFindsTheNearest) {
+// Oracle: tests every sample within 4 mm; with only_ahead, only those whose normal points away from the
+// query.
+TEST(SurfaceSamples, IndexFindsTheNearestSample) {
   const std::vector<OrientedPoint> all =
       PointsOfSurface(BoxSolid({-0.01, -0.01, -0.02}, {0.01, 0.01, 0.0}), 0.9e-3);
   const SampleIndex index(all);

@@ -10,11 +10,14 @@
 #include "tests/oracles/depth_table.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
+// Tests of scenes: their solid, site, cut zone and materials, from generated shapes and from meshes.
+
 namespace osteon::simulation {
 namespace {
 
 using testing::HasSubstr;
 
+// Materials with these names and default figures.
 std::vector<Material> Named(const std::vector<std::string>& names) {
   std::vector<Material> materials;
   for (const std::string& name : names) materials.emplace_back().name = name;
@@ -39,6 +42,7 @@ SceneParams Plate() {
   return scene;
 }
 
+// The message of the exception that the call throws, or "accepted".
 template <typename Call>
 std::string Refusal(const Call& call) {
   try {
@@ -49,7 +53,7 @@ std::string Refusal(const Call& call) {
   return "accepted";
 }
 
-TEST(Scenes, TheSiteLiesOnTheSurfaceUnderItsPlace) {
+TEST(Scenes, TheSiteIsProjectedOntoTheSurfaceBelowItsXAndY) {
   const SceneSolid plate = MakeSceneSolid(Plate());
   EXPECT_LT((Vector3(plate.site.center_m) - Vector3(0.003, -0.001, 0.0)).norm(), 1e-8);
   EXPECT_EQ(Vector3(plate.site.axis), Vector3(Vector3::UnitZ()));
@@ -67,7 +71,7 @@ TEST(Scenes, TheSiteLiesOnTheSurfaceUnderItsPlace) {
   EXPECT_EQ(MakeSceneSolid(scene).site.radius_m, 0.024) << "its cup is its site";
 }
 
-TEST(Scenes, APlaceBesideTheSolidIsRefused) {
+TEST(Scenes, ASiteBesideTheSolidIsRefused) {
   SceneParams scene = Plate();
   scene.site.x_m = 0.5;
   EXPECT_THAT(
@@ -100,7 +104,7 @@ TEST(Scenes, ZonesAreRelativeToTheSite) {
   EXPECT_EQ(everywhere->DepthAt({0, 0, 0}), 0.0);
 }
 
-TEST(Scenes, AreFineAtTheirSiteAndStayInTheSolid) {
+TEST(Scenes, PackedBallsAreFineAtTheSiteAndStayInTheSolid) {
   const SceneParams scene = Plate();
   const SceneSolid solid = MakeSceneSolid(scene);
   const Bone bone = PackScene(solid, scene);
@@ -139,9 +143,10 @@ TEST(Scenes, TheSameParametersGiveTheSameBone) {
     ASSERT_EQ(Vector3(a.points[i].p_m), Vector3(b.points[i].p_m));
 }
 
-// A burr moves into a cube by its own depth, and along. Splitting must be worth it: fewer balls, and a
-// smaller loss at the cut.
-TEST(Scenes, BallsThatAreSplitAreFewerAndLoseLessToACut) {
+// A burr moves into a block by its own radius, then along. Large balls that the engine splits at the cut must
+// give less than half the balls, and less than half the depth error, of a packing that is fine from the
+// start.
+TEST(Scenes, SplittingNeedsFewerBallsAndCutsMoreAccurately) {
   SceneParams scene = Plate();
   scene.shape = BlockShape{.width_m = 0.012, .depth_m = 0.012, .height_m = 0.006, .layers = {}};
   scene.site = {.x_m = 0.0, .y_m = 0.0, .radius_m = 0.002};
@@ -173,7 +178,7 @@ TEST(Scenes, BallsThatAreSplitAreFewerAndLoseLessToACut) {
               1e3 * split.accuracy.depth_error_m);
 }
 
-TEST(Scenes, MaterialsMustBeThoseThatTheSceneNames) {
+TEST(Scenes, MaterialsMustMatchTheNamesOfTheScene) {
   SceneParams scene = Plate();
   const SceneSolid solid = MakeSceneSolid(scene);
   scene.materials = Named({"foam"});
@@ -186,10 +191,11 @@ TEST(Scenes, MaterialsMustBeThoseThatTheSceneNames) {
   EXPECT_EQ(MaterialNames(FemurShape{}), (std::vector<std::string>{"cortical", "cancellous", "marrow"}));
 }
 
-// ---------------------------------------------------------------- a mesh in a scene's place
+// ---------------------------------------------------------------- scenes whose solid is a mesh file
 
-/// A simple tooth: a box with a ball in it, each a named object, in units of `unit_mm`.
-std::string NamedShells(double unit_mm) {
+/// The .obj text of a simple tooth in units of `unit_mm`: object "Crown", a box, with object "Nerve", a ball,
+/// in it.
+std::string ToothObjText(double unit_mm) {
   const TriangleMesh outer = MakeBox({-0.005, -0.004, 0.0}, {0.005, 0.004, 0.010}),
                      inner = MakeIcosphere({0, 0, 0.005}, 0.002, 3);
   std::string text;
@@ -206,6 +212,7 @@ std::string NamedShells(double unit_mm) {
   return text;
 }
 
+/// Scene of that tooth: 0.5 mm of enamel (0) over dentine (1), and pulp (2) in the region "nerve".
 SceneParams Tooth() {
   SceneParams scene = Plate();
   scene.material_names = {"enamel", "dentine", "pulp"};
@@ -216,10 +223,11 @@ SceneParams Tooth() {
   return scene;
 }
 
+/// A site in the middle of the tooth's top face.
 const CutSite kOnTop{.center_m = Vector3(0, 0, 0.010), .axis = Vector3(0, 0, 2), .radius_m = 0.00175};
 
-TEST(MeshScenes, ARegionHasTheTissueOfItsNameAndAScaleMakesTheSize) {
-  const TemporaryFile file(".obj", NamedShells(0.04));
+TEST(MeshScenes, ARegionGetsTheTissueOfItsNameAndLengthsAreScaled) {
+  const TemporaryFile file(".obj", ToothObjText(0.04));
   const SceneParams scene = Tooth();
   const auto solid = LoadSceneSolid(file.path(), 0.04, kOnTop, scene);
   ASSERT_TRUE(solid) << solid.error().message;
@@ -238,8 +246,8 @@ TEST(MeshScenes, ARegionHasTheTissueOfItsNameAndAScaleMakesTheSize) {
   EXPECT_NEAR(volumes[0] + volumes[1] + volumes[2], box, 0.005 * box);
 }
 
-TEST(MeshScenes, AStarFitsAnyRegionAndOneThatNoneFitsIsTheSolids) {
-  const TemporaryFile file(".obj", NamedShells(1.0));
+TEST(MeshScenes, AStarMatchesAnyRegionAndAnUnmatchedRegionGetsTheSolidsTissue) {
+  const TemporaryFile file(".obj", ToothObjText(1.0));
   SceneParams scene = Tooth();
   const auto middle = [&] {
     const auto solid = LoadSceneSolid(file.path(), 1.0, kOnTop, scene);
@@ -252,8 +260,8 @@ TEST(MeshScenes, AStarFitsAnyRegionAndOneThatNoneFitsIsTheSolids) {
   EXPECT_EQ(middle(), 1);
 }
 
-TEST(MeshScenes, ASiteIsAnEntryOnTheSurfaceOrACup) {
-  const TemporaryFile file(".obj", NamedShells(1.0));
+TEST(MeshScenes, ASiteMustLieNearTheSurfaceAndPointOutward) {
+  const TemporaryFile file(".obj", ToothObjText(1.0));
   const auto refusal = [&](const Vector3& center, const Vector3& axis) -> std::string {
     const auto solid =
         LoadSceneSolid(file.path(), 1.0, {.center_m = center, .axis = axis, .radius_m = 0.001}, Tooth());
@@ -269,7 +277,7 @@ TEST(MeshScenes, ASiteIsAnEntryOnTheSurfaceOrACup) {
   EXPECT_THAT(refusal({0, 0, 0.006}, {0, 0, 1}), HasSubstr("the mesh spans"));
 }
 
-TEST(MeshScenes, TheMolarOfTheDataTellsItsPulpFromItsDentine) {
+TEST(MeshScenes, TheMolarMeshOfTheDataFolderHasPulpAndDentine) {
   const char* data = std::getenv("OSTEON_DATA_DIR");
   const std::filesystem::path file = std::filesystem::path(data ? data : "") / "tooth_molar_with_pulp.obj";
   if (!data || !std::filesystem::exists(file)) GTEST_SKIP() << "skipped, no anatomical meshes";

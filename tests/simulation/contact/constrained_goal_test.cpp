@@ -7,13 +7,14 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the point nearest to the goal (the origin) that satisfies a set of half-spaces.
+
 namespace osteon::simulation {
 namespace {
 
-constexpr int kSets = 300;
+constexpr int kRandomSets = 300;
 
-/// Planes whose normals lie within a cone about +z and that pass near a point at z = 5 mm: they have points
-/// in common.
+/// Half-spaces whose random normals tend towards +z and which all contain the point at z = 5 mm.
 std::vector<HalfSpace> RandomPlanes(std::mt19937& random, int count) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> u(0.0, 1.0);
@@ -25,59 +26,59 @@ std::vector<HalfSpace> RandomPlanes(std::mt19937& random, int count) {
   return planes;
 }
 
-double SumOfMultipliers(const ConstrainedGoal& hold) {
+double SumOfMultipliers(const ConstrainedGoal& goal) {
   double sum = 0.0;
-  for (int k = 0; k < hold.count; ++k) sum += hold.multiplier_m[static_cast<std::size_t>(k)];
+  for (int k = 0; k < goal.count; ++k) sum += goal.multiplier_m[static_cast<std::size_t>(k)];
   return sum;
 }
 
-TEST(FindConstrainedGoal, OfNoPlaneIsTheOrigin) {
-  const ConstrainedGoal hold = FindConstrainedGoal({});
-  EXPECT_EQ(hold.point_m, Vector3::Zero());
-  EXPECT_EQ(hold.count, 0);
+TEST(FindConstrainedGoal, ReturnsTheOriginIfNoPlaneExcludesIt) {
+  const ConstrainedGoal goal = FindConstrainedGoal({});
+  EXPECT_EQ(goal.point_m, Vector3::Zero());
+  EXPECT_EQ(goal.count, 0);
   EXPECT_EQ(FindConstrainedGoal(std::vector<HalfSpace>{{.n = Vector3::UnitZ(), .offset = -1e-3}}).count, 0);
 }
 
 // Oracle: the servo loop's projection, which tries every set of up to three planes.
-TEST(FindConstrainedGoal, OfUpToEightPlanesIsTheServoLoopsPoint) {
+TEST(FindConstrainedGoal, EqualsTheServoLoopsProjectionForUpToEightPlanes) {
   std::mt19937 random(1);
-  for (int i = 0; i < kSets; ++i) {
+  for (int i = 0; i < kRandomSets; ++i) {
     const int count = 1 + i % kMaxHalfSpaces;
     const std::vector<HalfSpace> planes = RandomPlanes(random, count);
     std::array<HalfSpace, kMaxHalfSpaces> some{};
     std::copy(planes.begin(), planes.end(), some.begin());
     const HalfSpaceProjection expected = ClosestInHalfSpaces(some, count);
-    if (expected.violation > 0.0) continue;  // it gave up on planes that are nearly parallel
-    const ConstrainedGoal hold = FindConstrainedGoal(planes);
+    if (expected.violation > 0.0) continue;  // the oracle gives up on planes that are nearly parallel
+    const ConstrainedGoal goal = FindConstrainedGoal(planes);
     // all planes yield by the slack, which moves the point by the slack over the sine of the angle between
     // two of them
     double multipliers = 0.0;
     for (const double m : expected.multiplier) multipliers += m;
-    EXPECT_LT((hold.point_m - expected.point).norm(), 100.0 * kHoldSlack * (multipliers + 1e-3)) << i;
+    EXPECT_LT((goal.point_m - expected.point).norm(), 100.0 * kHoldSlack * (multipliers + 1e-3)) << i;
   }
 }
 
-// Optimality conditions: the point satisfies all planes, lies on those that hold, and is a combination of
-// their normals.
-TEST(FindConstrainedGoal, OfSixtyPlanesKeepsThemAllAndIsMadeOfThoseThatHold) {
+// Optimality (KKT) conditions: the point satisfies all planes, lies on the holding planes, and is a
+// combination of their normals with positive multipliers.
+TEST(FindConstrainedGoal, MeetsTheOptimalityConditionsForSixtyPlanes) {
   std::mt19937 random(2);
-  for (int i = 0; i < kSets; ++i) {
+  for (int i = 0; i < kRandomSets; ++i) {
     const std::vector<HalfSpace> planes = RandomPlanes(random, 60);
-    const ConstrainedGoal hold = FindConstrainedGoal(planes);
-    ASSERT_GE(hold.count, 1);
-    ASSERT_LE(hold.count, 4);
-    EXPECT_NEAR(hold.slack_m, kHoldSlack * SumOfMultipliers(hold), 1e-15);
+    const ConstrainedGoal goal = FindConstrainedGoal(planes);
+    ASSERT_GE(goal.count, 1);
+    ASSERT_LE(goal.count, 4);
+    EXPECT_NEAR(goal.slack_m, kHoldSlack * SumOfMultipliers(goal), 1e-15);
     for (const HalfSpace& plane : planes)
-      ASSERT_GE(plane.n.dot(hold.point_m) + hold.slack_m - plane.offset, -1e-11) << i;
+      ASSERT_GE(plane.n.dot(goal.point_m) + goal.slack_m - plane.offset, -1e-11) << i;
     Vector3 sum = Vector3::Zero();
-    for (int k = 0; k < hold.count; ++k) {
+    for (int k = 0; k < goal.count; ++k) {
       const auto j = static_cast<std::size_t>(k);
-      const HalfSpace& plane = planes[hold.plane[j]];
-      EXPECT_GT(hold.multiplier_m[j], 0.0);
-      EXPECT_NEAR(plane.n.dot(hold.point_m) + hold.slack_m, plane.offset, 1e-9) << i;
-      sum += hold.multiplier_m[j] * plane.n;
+      const HalfSpace& plane = planes[goal.plane[j]];
+      EXPECT_GT(goal.multiplier_m[j], 0.0);
+      EXPECT_NEAR(plane.n.dot(goal.point_m) + goal.slack_m, plane.offset, 1e-9) << i;
+      sum += goal.multiplier_m[j] * plane.n;
     }
-    EXPECT_LT((sum - hold.point_m).norm(), 1e-12);
+    EXPECT_LT((sum - goal.point_m).norm(), 1e-12);
   }
 }
 
@@ -91,14 +92,15 @@ TEST(FindConstrainedGoal, DoesNotDependOnTheOrderOfPlanes) {
   }
 }
 
-TEST(FindConstrainedGoal, BetweenWallsThatLeaveNoRoomIsTheMiddle) {
+// Two opposite walls overlap by 0.2 mm: both yield by half of it, and so does the floor.
+TEST(FindConstrainedGoal, LiesInTheMiddleBetweenWallsThatLeaveNoRoom) {
   const std::vector<HalfSpace> planes{{.n = Vector3::UnitX(), .offset = 1e-3},
                                       {.n = -Vector3::UnitX(), .offset = -0.8e-3},
                                       {.n = Vector3::UnitZ(), .offset = 2e-3}};
-  const ConstrainedGoal hold = FindConstrainedGoal(planes);
-  EXPECT_NEAR(hold.point_m.x(), 0.9e-3, 1e-8);
-  EXPECT_NEAR(hold.point_m.z(), 2e-3 - 0.1e-3, 1e-8);  // yields like the walls
-  EXPECT_NEAR(hold.slack_m, 0.1e-3, 1e-8);
+  const ConstrainedGoal goal = FindConstrainedGoal(planes);
+  EXPECT_NEAR(goal.point_m.x(), 0.9e-3, 1e-8);
+  EXPECT_NEAR(goal.point_m.z(), 2e-3 - 0.1e-3, 1e-8);
+  EXPECT_NEAR(goal.slack_m, 0.1e-3, 1e-8);
 }
 
 }  // namespace

@@ -4,9 +4,12 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the closed forms of the cutting model: first contact, lens volume and shrinking of balls.
+
 namespace osteon::simulation {
 namespace {
 
+// Seeded random numbers and directions.
 class Random {
  public:
   explicit Random(unsigned seed) : engine_(seed) {}
@@ -21,8 +24,9 @@ class Random {
 
 // ---- pass 1: first contact
 
-/// First s in [0, 1] with |D - s m| = R, by marching and bisection; nothing where the balls stay apart.
-double MarchToContact(const Vector3& D, const Vector3& m, double R) {
+/// Oracle for FirstContactFraction: first s in [0, 1] with |D - s m| = R, by bisection; kNoContact where the
+/// balls stay apart.
+double BisectToContact(const Vector3& D, const Vector3& m, double R) {
   const auto apart = [&](double s) { return (D - s * m).norm() - R; };
   // the distance is convex in s: its minimum is at the foot of the perpendicular
   const double closest = std::clamp(D.dot(m) / m.squaredNorm(), 0.0, 1.0);
@@ -39,8 +43,8 @@ TEST(FirstContact, AgreesWithBisectionForPairsThatAreApart) {
     const double R = random.In(0.1e-3, 30e-3);
     const Vector3 D = (R + random.In(1e-6, 20e-3)) * random.Direction();
     const Vector3 m = random.In(1e-6, 40e-3) * random.Direction();
-    const double expected = MarchToContact(D, m, R), s = FirstContactFraction(D, m, R);
-    // grazing: the root is a square root of a rounded value, so the fraction is accurate only to sqrt(eps)
+    const double expected = BisectToContact(D, m, R), s = FirstContactFraction(D, m, R);
+    // leave out grazing pairs: the fraction contains the root of a rounded value, accurate only to sqrt(eps)
     const double miss = (D - std::clamp(D.dot(m) / m.squaredNorm(), 0.0, 1.0) * m).norm() - R;
     if (std::abs(miss) < 1e-12) continue;
     ASSERT_EQ(expected == kNoContact, s == kNoContact) << i;
@@ -57,7 +61,7 @@ TEST(FirstContact, AgreesWithBisectionForPairsThatAreApart) {
   EXPECT_GT(misses, 1000);
 }
 
-TEST(FirstContact, BeyondTheEndOfThePathIsNone) {
+TEST(FirstContact, IsNoneBeyondTheEndOfThePath) {
   const Vector3 D(0, 0, -10e-3);
   const double R = 4e-3;  // 6 mm to go
   EXPECT_DOUBLE_EQ(FirstContactFraction(D, {0, 0, -12e-3}, R), 0.5);
@@ -65,7 +69,7 @@ TEST(FirstContact, BeyondTheEndOfThePathIsNone) {
   EXPECT_EQ(FirstContactFraction(D, {0, 0, -5.999e-3}, R), kNoContact);
 }
 
-TEST(FirstContact, OfOverlappingBallsIsAtOnceInwardsAndNeverOutwards) {
+TEST(FirstContact, OverlappingBallsTouchAtOnceInwardsAndNeverOutwards) {
   Random random(2);
   for (int i = 0; i < 2000; ++i) {
     const double R = random.In(1e-3, 30e-3);
@@ -75,14 +79,14 @@ TEST(FirstContact, OfOverlappingBallsIsAtOnceInwardsAndNeverOutwards) {
   }
 }
 
-TEST(FirstContact, WithoutMotionIsNoneWhetherTheBallsOverlapOrNot) {
+TEST(FirstContact, IsNoneWithoutMotionWhetherTheBallsOverlapOrNot) {
   EXPECT_EQ(FirstContactFraction({0, 0, 5e-3}, Vector3::Zero(), 1e-3), kNoContact);
   EXPECT_EQ(FirstContactFraction({0, 0, 5e-3}, Vector3::Zero(), 9e-3), kNoContact);
   EXPECT_EQ(FirstContactFraction(Vector3::Zero(), Vector3::Zero(), 9e-3), kNoContact);
 }
 
-TEST(FirstContact, WhenGrazingTouchesWithinTheLimbOfTheBall) {
-  // passing at a distance p from the centre: contact R^2 - p^2 before the closest approach, none from p = R
+TEST(FirstContact, GrazingBallsTouchJustBeforeTheirClosestApproach) {
+  // passing the centre at a distance p: contact at sqrt(R^2 - p^2) before the closest approach, none if p > R
   const double R = 10e-3, way = 20e-3;
   for (const double inside : {1e-3, 1e-6, 1e-9, 1e-12}) {
     const double p = R - inside;
@@ -94,7 +98,7 @@ TEST(FirstContact, WhenGrazingTouchesWithinTheLimbOfTheBall) {
   EXPECT_EQ(FirstContactFraction({R + 1e-12, 0, way}, {0, 0, 2 * way}, R), kNoContact);
 }
 
-TEST(FirstContact, OfPartingBallsIsNone) {
+TEST(FirstContact, IsNoneForBallsThatMoveApart) {
   EXPECT_EQ(FirstContactFraction({0, 0, 5e-3}, {0, 0, -50e-3}, 4e-3), kNoContact);
   EXPECT_EQ(FirstContactFraction({0, 0, 5e-3}, {50e-3, 0, 0}, 4e-3), kNoContact);
 }
@@ -126,7 +130,7 @@ TEST(LensVolume, AgreesWithSlices) {
   }
 }
 
-TEST(LensVolume, OfAContainedBallIsItsVolumeAndOfBallsApartIsNone) {
+TEST(LensVolume, IsTheVolumeOfAContainedBallAndZeroForBallsApart) {
   EXPECT_DOUBLE_EQ(LensVolume(5.0, 2.0, 3.0), 4.0 / 3.0 * std::numbers::pi * 8.0);
   EXPECT_DOUBLE_EQ(LensVolume(5.0, 2.0, 0.0), 4.0 / 3.0 * std::numbers::pi * 8.0);
   EXPECT_DOUBLE_EQ(LensVolume(2.0, 2.0, 0.0), 4.0 / 3.0 * std::numbers::pi * 8.0);
@@ -134,9 +138,9 @@ TEST(LensVolume, OfAContainedBallIsItsVolumeAndOfBallsApartIsNone) {
   EXPECT_EQ(LensVolume(5.0, 2.0, 70.0), 0.0);
 }
 
-TEST(LensVolume, IsSmoothAtBothJoins) {
-  // continuous with a continuous slope: within h of a join it leaves its constant value by at most the order
-  // of h^2
+// The volume has two joins: where the smaller ball becomes contained, and where the balls part. Its slope is
+// continuous there, so at a distance h from a join it differs from its constant value by the order of h^2.
+TEST(LensVolume, IsSmoothWhereBallsPartAndWhereOneIsContained) {
   for (const double r2 : {0.3, 2.0, 4.5}) {
     const double r1 = 5.0, contained = 4.0 / 3.0 * std::numbers::pi * r2 * r2 * r2;
     for (const double h : {1e-2, 1e-3, 1e-4}) {
@@ -167,7 +171,7 @@ TEST(LensVolume, IsSymmetricPositiveAndFallsWithDistance) {
 }
 
 TEST(LensVolume, ScalesWithTheCubeOfLength) {
-  // two squares are missing in the printed equation: it depends on the unit
+  // the equation as printed in the paper lacks two squares, so its result would depend on the unit of length
   EXPECT_NEAR(LensVolume(5e-3, 2e-3, 4e-3) * 1e9, LensVolume(5.0, 2.0, 4.0), 1e-12);
 }
 
@@ -189,17 +193,19 @@ TEST(ClosestOnSegment, AgreesWithSampling) {
   EXPECT_EQ(ClosestOnSegment({1, 2, 3}, {4, 5, 6}, {4, 5, 6}), Vector3(4, 5, 6));
 }
 
+/// Centre and radius of a ball after ShrinkBall, and whether it changed.
 struct Shrunk {
   Vector3 c;
   double r;
   bool changed;
 };
+/// Ball (c, r) after the sweep of a tool ball of radius r_t from a to b.
 Shrunk Shrink(Vector3 c, double r, const Vector3& a, const Vector3& b, double r_t) {
   const bool changed = ShrinkBall(c, r, a, b, r_t);
   return {c, r, changed};
 }
 
-TEST(ShrinkBall, StaysInsideItsOldSelfAndLeavesTheSweep) {
+TEST(ShrinkBall, KeepsTheBallInsideItsOldVolumeAndOutsideTheSweep) {
   Random random(6);
   int shrunk = 0, gone = 0, kept = 0;
   for (int i = 0; i < 50'000; ++i) {
@@ -229,7 +235,7 @@ TEST(ShrinkBall, StaysInsideItsOldSelfAndLeavesTheSweep) {
   EXPECT_GT(kept, 4000);
 }
 
-TEST(ShrinkBall, DeletesWhatTheSweepSwallows) {
+TEST(ShrinkBall, DeletesABallThatTheSweepContains) {
   const Vector3 a = Vector3::Zero(), b(0, 0, 1e-2);
   EXPECT_EQ(Shrink({4e-3, 0, 5e-3}, 1e-3, a, b, 5e-3).r, 0.0);  // p = 2r exactly: touches from inside
   EXPECT_EQ(Shrink({1e-3, 0, 5e-3}, 1e-3, a, b, 5e-3).r, 0.0);
@@ -238,10 +244,10 @@ TEST(ShrinkBall, DeletesWhatTheSweepSwallows) {
   EXPECT_NEAR(left.c.x(), 5.05e-3, 1e-15);
   Vector3 dead_center(6e-3, 0, 0);
   double dead = 0.0;
-  EXPECT_FALSE(ShrinkBall(dead_center, dead, a, b, 7e-3));  // a gone ball stays gone and is no change
+  EXPECT_FALSE(ShrinkBall(dead_center, dead, a, b, 7e-3));  // a deleted ball does not change any more
 }
 
-TEST(ShrinkBall, LeavesAtACapAlongTheLineFromTheEnd) {
+TEST(ShrinkBall, BeyondTheSegmentsEndMovesTheBallAwayFromTheEnd) {
   const Vector3 a = Vector3::Zero(), b(0, 0, 1e-2);
   const Vector3 u = Vector3(1, 2, 2) / 3.0;  // a direction in b's hemisphere
   const Shrunk after = Shrink(b + 5.5e-3 * u, 1e-3, a, b, 5e-3);
@@ -249,7 +255,8 @@ TEST(ShrinkBall, LeavesAtACapAlongTheLineFromTheEnd) {
   EXPECT_NEAR(after.r, 0.75e-3, 1e-15);
 }
 
-TEST(ShrinkBall, OnTheAxisLeavesSidewaysAndTheSameWayEachTime) {
+// The centre lies on the sweep's axis, where any direction perpendicular to the axis would be right.
+TEST(ShrinkBall, OnTheAxisMovesTheBallSidewaysAndAlwaysAlike) {
   Random random(7);
   for (int i = 0; i < 500; ++i) {
     const Vector3 axis = i < 3 ? Vector3::Unit(i) : random.Direction();

@@ -24,12 +24,13 @@
 
 namespace osteon::simulation {
 
-inline constexpr double kSpindle_rad_per_s = 250.0 * 2.0 * M_PI / 60.0;
+inline constexpr double kSpindle_rad_per_s = 250.0 * 2.0 * M_PI / 60.0;  // 250 rpm
 
-/// A box of equal balls on a cubic lattice of half a millimetre. Each of its six faces is touched by a row of
-/// balls 0.5 mm apart: a tool of R >= 2 mm rests within 0.125 / (2 (R + r)) < 0.03 mm of the plane through
-/// them (0.006 mm for R = 10 mm).
+/// Spacing and radius of the balls of AddBox.
 inline constexpr double kLattice_m = 0.5e-3, kBallRadius_m = 0.75e-3;
+/// Adds a box of equal balls on a cubic lattice to the bone, and mass points if asked for. The outer balls
+/// touch the box's faces and are 0.5 mm apart. A tool of R >= 2 mm therefore sinks at most
+/// 0.125 / (2 (R + r)) < 0.03 mm below a face (0.006 mm for R = 10 mm).
 inline void AddBox(const Vector3& low, const Vector3& high, Bone& bone, bool with_points = true) {
   const Vector3 room = high - low - Vector3::Constant(2.0 * kBallRadius_m);
   Eigen::Vector3i count;
@@ -52,9 +53,11 @@ inline void AddBox(const Vector3& low, const Vector3& high, Bone& bone, bool wit
   bone.points.insert(bone.points.end(), points.begin(), points.end());
 }
 
-/// u_c [J/m^3]: cancellous bone, assumed (cutting.md); and a softer bone in which short runs cut deep.
+/// Specific cutting energies u_c [J/m^3]: cancellous bone, assumed (docs/cutting.md); and a softer bone in
+/// which short runs cut deep.
 inline constexpr double kSpongy = 60e6, kSoft = 4e6;
 
+/// A bone of one material without friction, without balls and mass points.
 inline Bone EmptyBone(double u_c = kSpongy) {
   Bone bone;
   bone.name = "test";
@@ -66,7 +69,7 @@ inline Bone EmptyBone(double u_c = kSpongy) {
   return bone;
 }
 
-/// A slab with its top face at z = 0.
+/// A square slab about the z axis with its top face at z = 0.
 inline Bone Slab(double width_m, double thickness_m, bool with_points = true, double u_c = kSpongy) {
   Bone bone = EmptyBone(u_c);
   AddBox({-0.5 * width_m, -0.5 * width_m, -thickness_m}, {0.5 * width_m, 0.5 * width_m, 0.0}, bone,
@@ -74,7 +77,7 @@ inline Bone Slab(double width_m, double thickness_m, bool with_points = true, do
   return bone;
 }
 
-/// One cutting ball, its apex at T's origin.
+/// A tool of one cutting ball whose apex is T's origin.
 inline Tool BallTool(double radius_m) {
   Tool tool;
   tool.name = "ball";
@@ -82,7 +85,8 @@ inline Tool BallTool(double radius_m) {
   return tool;
 }
 
-/// Feed straight down, then turned by a rotation vector; the apex at p.
+/// X_WT of a tool whose z axis points straight down and is then rotated by a rotation vector; the apex is at
+/// p.
 inline Pose Down(const Vector3& p, const Vector3& turn = Vector3::Zero()) {
   Pose X = Pose::Identity();
   X.linear() = ExpRotation(turn) * ExpRotation({M_PI, 0, 0});
@@ -90,6 +94,7 @@ inline Pose Down(const Vector3& p, const Vector3& turn = Vector3::Zero()) {
   return X;
 }
 
+/// A frame's input with the tool at this pose, by default with the spindle at rest.
 inline FrameInput At(const Pose& X_WT, double spindle_rad_per_s = 0.0, double dt_s = 1e-3) {
   return {.X_WT = X_WT, .spindle_rad_per_s = spindle_rad_per_s, .dt_s = dt_s};
 }
@@ -104,7 +109,7 @@ inline std::string NameOfEngine(const testing::TestParamInfo<EngineKind>& info) 
 }
 
 #ifdef OSTEON_TEST_CPU_ENGINE
-/// What the reference is compared with.
+/// The engine that the reference engine is compared with.
 inline constexpr EngineKind kOtherEngine = EngineKind::kCpu;
 inline const auto kEveryEngine =
     testing::Values(EngineKind::kCpu, EngineKind::kCpuAvx2, EngineKind::kCpuPlain);

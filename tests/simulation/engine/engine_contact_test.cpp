@@ -5,7 +5,8 @@
 #include "simulation/solids/cup_frame.h"
 #include "tests/simulation/engine/engine_bench.h"
 
-// Contact without cutting. The spindle stands still unless a test says otherwise.
+// Tests of contact without cutting, on every engine. The spindle stands still unless a test says otherwise.
+// Limits with a row of failures.md are those of the table in docs/failures.md.
 
 namespace osteon::simulation {
 namespace {
@@ -16,18 +17,19 @@ OSTEON_ON_EVERY_ENGINE(EngineContact);
 /// Overlap that the slide may leave, plus the depth to which a tool of 10 mm sinks between the lattice's
 /// balls.
 constexpr double kSurface_m = 0.02e-3 + 0.006e-3;
-/// float32 at some centimetres: 2e-9 m a rounding, a few of them.
+/// A few roundings of float32 coordinates of some centimetres, 2e-9 m each.
 constexpr double kFloat_m = 2e-8;
 
 Vector3 ApexOf(const ContactModel& model) { return Pose(model.X_WP).translation(); }
 
+/// Steps the engine at one pose; @returns the last frame's model.
 ContactModel Hold(CuttingEngine& engine, const Pose& X_WT, int frames) {
   ContactModel model;
   for (int i = 0; i < frames; ++i) model = engine.Step(At(X_WT));
   return model;
 }
 
-TEST_P(EngineContact, FreeMotionIsFree) {
+TEST_P(EngineContact, WithoutContactTheProxyFollowsTheToolWithoutForce) {
   const auto engine = Make(Slab(12e-3, 2e-3), MakeReamer(5e-3, 2e-3, 10e-3, 0.9, Vector3::Zero()));
   std::mt19937 random(1);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
@@ -63,8 +65,9 @@ TEST_P(EngineContact, PressingIsResistedAlongTheSurfacesNormalByStiffnessTimesDe
   }
 }
 
-// With positive roots only, every pair that overlaps already is dropped, and the tool tunnels.
-TEST_P(EngineContact, OverlapThatIsThereFromTheStartHoldsTheToolInwardsAndLetsItOut) {
+// The paper's equation for first contact takes only positive roots: it drops every pair that overlaps
+// already, and the tool would pass through the bone.
+TEST_P(EngineContact, AToolThatOverlapsFromTheStartIsStoppedInwardsAndFreeOutwards) {
   Bone bone = EmptyBone();
   bone.balls.push_back({.center_m = Vector3(0, 0, -1e-3), .radius_m = 1e-3});
   const auto engine = Make(bone, BallTool(5e-3));
@@ -80,6 +83,7 @@ TEST_P(EngineContact, OverlapThatIsThereFromTheStartHoldsTheToolInwardsAndLetsIt
   EXPECT_NEAR(ApexOf(out).z(), 2e-3, kFloat_m);
 }
 
+// Pressed 30 mm deep at 20 N/mm the force would be 600 N; the limit is 200 N.
 TEST_P(EngineContact, ForceIsLimited) {
   const auto engine = Make(Slab(24e-3, 3e-3), BallTool(10e-3));
   engine->Step(At(Down({0, 0, 1e-3})));
@@ -114,9 +118,10 @@ TEST_P(EngineContact, SlidingOverFlatBoneKeepsASteadyForceAndDoesNotStick) {
   EXPECT_GT(low, 40.0 - 1.0);
   EXPECT_LT(high, 40.0 + 1.0);
   EXPECT_LT(tangential, 0.07 * 40.0);  // failures.md row 7
-  EXPECT_LT(lag, 0.15e-3);             // the tool follows; 0.14 mm is the tangential limit above over K
+  EXPECT_LT(lag, 0.15e-3);             // the tangential limit over the stiffness of 20 N/mm is 0.14 mm
 }
 
+// From contact, the tool moves 4 mm away in a random direction above the surface and rotates.
 TEST_P(EngineContact, LeavingIsNeverBlocked) {
   const auto engine = Make(Slab(24e-3, 3e-3, false), BallTool(10e-3));
   std::mt19937 random(3);
@@ -137,7 +142,7 @@ TEST_P(EngineContact, LeavingIsNeverBlocked) {
   }
 }
 
-// failures.md row 1, smaller: 200 shots through a sheet of 1 mm.
+// A small version of failures.md row 1: 200 shots at a sheet 1 mm thick.
 TEST_P(EngineContact, NoToolPassesThroughAThinSheet) {
   Bone bone = EmptyBone();
   const double half = 16e-3;
@@ -174,7 +179,7 @@ TEST_P(EngineContact, NoToolPassesThroughAThinSheet) {
   EXPECT_EQ(touches, 200);
 }
 
-TEST_P(EngineContact, InACornerIsTheVectorSumOfBothFaces) {
+TEST_P(EngineContact, TheForceInACornerIsTheVectorSumOfBothFaces) {
   Bone bone = Slab(24e-3, 2e-3, false);
   AddBox({-8e-3, -12e-3, -2e-3}, {-6e-3, 12e-3, 14e-3}, bone, false);  // a wall; its face is x = -6 mm
   const auto engine = Make(bone, BallTool(10e-3));
@@ -196,7 +201,7 @@ TEST_P(EngineContact, InACornerIsTheVectorSumOfBothFaces) {
   }
 }
 
-TEST_P(EngineContact, InASlotAsWideAsTheToolMovesAlongItFreely) {
+TEST_P(EngineContact, TheToolMovesFreelyAlongASlotOfItsOwnWidth) {
   Bone bone = EmptyBone();
   const double R = 4e-3;
   AddBox({-R - 1.5e-3, -10e-3, 0}, {-R, 10e-3, 6e-3}, bone, false);
@@ -215,7 +220,7 @@ TEST_P(EngineContact, InASlotAsWideAsTheToolMovesAlongItFreely) {
 
 TEST_P(EngineContact, ShaftTouchesAndDoesNotCut) {
   const auto bone = Slab(24e-3, 3e-3);
-  Tool tool;  // the head is held up; a thick shaft ball beside it meets the bone
+  Tool tool;  // the small cutting head stays above the bone; the larger shaft ball touches it
   tool.balls = {{.center_m = Vector3(0, 0, -12e-3), .radius_m = 2e-3, .cutting = true},
                 {.center_m = Vector3(0, 0, -6e-3), .radius_m = 6e-3, .cutting = false}};
   const auto engine = Make(bone, tool);
@@ -242,7 +247,7 @@ Bone TwoTissues(double width_m) {
   return bone;
 }
 
-TEST_P(EngineContact, AShaftsContactHasTheTissueOfItsPlace) {
+TEST_P(EngineContact, AShaftsContactHasTheMaterialAndFrictionOfItsPlace) {
   Tool tool;
   tool.balls = {{.center_m = Vector3(0, 0, -12e-3), .radius_m = 2e-3, .cutting = true},
                 {.center_m = Vector3(0, 0, -6e-3), .radius_m = 6e-3, .cutting = false}};
@@ -262,7 +267,8 @@ TEST_P(EngineContact, AShaftsContactHasTheTissueOfItsPlace) {
   }
 }
 
-// The paper weights each lens by its ball's density: beside denser tissue a plane wall's normal would lean.
+// The paper weights each lens by its ball's density; a flat wall's normal would then lean at a border between
+// tissues.
 TEST_P(EngineContact, DenserTissueDoesNotTurnTheNormal) {
   const auto engine = Make(TwoTissues(20e-3), BallTool(6e-3));
   engine->Step(At(Down({0, 0, 1e-3})));
@@ -272,7 +278,7 @@ TEST_P(EngineContact, DenserTissueDoesNotTurnTheNormal) {
   EXPECT_LT(Degrees(model.n_W, Vector3::UnitZ()), 0.5);
 }
 
-TEST_P(EngineContact, WithAStillSpindleRemovesNothing) {
+TEST_P(EngineContact, AStillSpindleRemovesNothing) {
   for (const RemovalLaw law : {RemovalLaw::kRate, RemovalLaw::kImmediate}) {
     CuttingParams params;
     params.law = law;

@@ -8,7 +8,8 @@
 #include "simulation/engine/frame_solution.h"
 #include "tests/simulation/engine/engine_bench.h"
 
-// Cutting: removal, its rate, its books.
+// Tests of cutting on every engine: the removed shape, the rate of removal, and the balance of energy. Limits
+// with a row of failures.md are those of the table in docs/failures.md.
 
 namespace osteon::simulation {
 namespace {
@@ -16,10 +17,11 @@ namespace {
 using EngineCutting = Engine;
 OSTEON_ON_EVERY_ENGINE(EngineCutting);
 
-/// split.md: float32 within 30 mm leaves overlaps up to 5.5e-6 mm; the proxy's path itself is known to 4e-6
+/// Tolerance of overlaps: float32 within 30 mm leaves up to 5.5e-6 mm, and the proxy's path is known to 4e-6
 /// mm.
 constexpr double kOverlap_m = 1e-8;
 
+/// Centre and radius in metres of ball i of a state; radius 0: removed.
 struct LiveBall {
   Vector3 c;
   double r;
@@ -29,14 +31,16 @@ LiveBall BallOf(const CarvedState& state, std::size_t i) {
           1e-3 * state.balls[4 * i + 3]};
 }
 
-/// Two straight pieces of the way of one tool ball in a frame: first contact to slid, slid to end.
-struct Way {
+/// Path of one tool ball's centre in a frame, from first contact on: it slides along the surface to `slid`,
+/// then cuts to `end`.
+struct SweptPath {
   Vector3 contact, slid, end;
   double radius_m;
 };
 
-/// A frame's path without rotation, from the engine's report.
-Way WayOf(const ToolBall& ball, const Pose& X_WP_before, const FrameInput& input, const ContactModel& model) {
+/// The path in a frame without rotation, from the engine's report.
+SweptPath SweptPathOf(const ToolBall& ball, const Pose& X_WP_before, const FrameInput& input,
+                      const ContactModel& model) {
   const Pose X_WT = input.X_WT, X_WP = model.X_WP;
   const Vector3 before = X_WP_before * Vector3(ball.center_m), goal = X_WT * Vector3(ball.center_m);
   const Vector3 end = X_WP * Vector3(ball.center_m);
@@ -46,14 +50,16 @@ Way WayOf(const ToolBall& ball, const Pose& X_WP_before, const FrameInput& input
           .radius_m = ball.radius_m};
 }
 
+/// A removal law, a tool's radius and its feed; dt_s is a frame's duration.
 struct SweepCase {
   const char* name;
   RemovalLaw law;
   double radius_m, speed_m_per_s, dt_s;
 };
 
-// failures.md row 9, and the packing's invariants.
-TEST_P(EngineCutting, LeavesNothingInsideTheSweepAndTheUnionNeverGrows) {
+// failures.md row 9. In addition, each ball stays inside its old volume, and exactly the mass points inside
+// the sweep are cleared.
+TEST_P(EngineCutting, LeavesNothingInsideTheSweepAndNoBallGrows) {
   const Bone bone = Slab(14e-3, 4e-3, true, kSoft);
   for (const SweepCase& c : {SweepCase{"rate", RemovalLaw::kRate, 3e-3, 0.02, 1e-3},
                              SweepCase{"immediate", RemovalLaw::kImmediate, 3e-3, 0.1, 1e-3},
@@ -70,7 +76,7 @@ TEST_P(EngineCutting, LeavesNothingInsideTheSweepAndTheUnionNeverGrows) {
     const Vector3 start(-4e-3, -1e-3, 0.3e-3), goal(4e-3, 1e-3, -2.5e-3);
     const double length_m = (goal - start).norm();
     ContactModel model = engine->Step(At(Down(start), kSpindle_rad_per_s, c.dt_s));
-    std::vector<Way> ways;
+    std::vector<SweptPath> paths;
     const int frames = static_cast<int>(std::ceil(length_m / (c.speed_m_per_s * c.dt_s)));
     for (int i = 1; i <= frames; ++i) {
       const FrameInput input =
@@ -78,7 +84,7 @@ TEST_P(EngineCutting, LeavesNothingInsideTheSweepAndTheUnionNeverGrows) {
       const Pose X_WP = model.X_WP;
       model = engine->Step(input);
       ASSERT_EQ(model.status, EngineStatus::kOk);
-      for (const ToolBall& ball : tool.balls) ways.push_back(WayOf(ball, X_WP, input, model));
+      for (const ToolBall& ball : tool.balls) paths.push_back(SweptPathOf(ball, X_WP, input, model));
     }
     EXPECT_GT(model.removed_volume_m3, 1e-9) << c.name;
     const CarvedState carved = engine->Snapshot();
@@ -89,10 +95,10 @@ TEST_P(EngineCutting, LeavesNothingInsideTheSweepAndTheUnionNeverGrows) {
       if (is.r <= 0.0) continue;
       changed += is.r < was.r ? 1 : 0;
       worst_growth = std::max(worst_growth, (is.c - was.c).norm() + is.r - was.r);
-      for (const Way& way : ways) {
-        const double closest = std::min((is.c - ClosestOnSegment(is.c, way.contact, way.slid)).norm(),
-                                        (is.c - ClosestOnSegment(is.c, way.slid, way.end)).norm());
-        worst_overlap = std::max(worst_overlap, way.radius_m + is.r - closest);
+      for (const SweptPath& path : paths) {
+        const double closest = std::min((is.c - ClosestOnSegment(is.c, path.contact, path.slid)).norm(),
+                                        (is.c - ClosestOnSegment(is.c, path.slid, path.end)).norm());
+        worst_overlap = std::max(worst_overlap, path.radius_m + is.r - closest);
       }
     }
     EXPECT_GT(changed, 10u) << c.name;
@@ -102,10 +108,11 @@ TEST_P(EngineCutting, LeavesNothingInsideTheSweepAndTheUnionNeverGrows) {
     std::size_t cleared = 0;
     for (std::size_t i = 0; i < bone.points.size(); ++i) {
       const Vector3 p = bone.points[i].p_m;
-      double deepest = -1.0;  // inside the sweep by
-      for (const Way& way : ways)
-        deepest = std::max({deepest, way.radius_m - (p - ClosestOnSegment(p, way.contact, way.slid)).norm(),
-                            way.radius_m - (p - ClosestOnSegment(p, way.slid, way.end)).norm()});
+      double deepest = -1.0;  // depth of the point inside the sweep [m]; negative: outside
+      for (const SweptPath& path : paths)
+        deepest =
+            std::max({deepest, path.radius_m - (p - ClosestOnSegment(p, path.contact, path.slid)).norm(),
+                      path.radius_m - (p - ClosestOnSegment(p, path.slid, path.end)).norm()});
       cleared += carved.cleared[i];
       if (deepest > kOverlap_m) {
         ASSERT_EQ(carved.cleared[i], 1) << c.name << " " << i << " " << deepest;
@@ -118,9 +125,9 @@ TEST_P(EngineCutting, LeavesNothingInsideTheSweepAndTheUnionNeverGrows) {
   }
 }
 
-// An oblique feed of many slides a frame: no part of the way may be lost that a slide leaves, and no advance
-// along the normal may lead beside the commanded way.
-TEST_P(EngineCutting, WithTheImmediateLawTheToolEndsEveryFrameWhereItWasTold) {
+// An oblique feed, up to several times a frame's largest slide: the tool must still cut its whole way, and
+// its advance along the normal must not leave the commanded path.
+TEST_P(EngineCutting, WithTheImmediateLawTheToolReachesTheCommandedPoseInEveryFrame) {
   CuttingParams params;
   params.law = RemovalLaw::kImmediate;
   const auto engine = Make(Slab(14e-3, 4e-3, true, kSoft), BallTool(2e-3), params);
@@ -133,7 +140,7 @@ TEST_P(EngineCutting, WithTheImmediateLawTheToolEndsEveryFrameWhereItWasTold) {
       const ContactModel model = engine->Step(At(Down(asked), kSpindle_rad_per_s, 4e-3));
       // the proxy's path is known to some nanometres, in single precision
       EXPECT_LT((Pose(model.X_WP).translation() - asked).norm(), 2e-8) << frames << " " << i;
-      // first it slid along the surface, by at most a frame's limit
+      // before it cuts, the tool slides along the surface by at most max_slide_m
       const Vector3 contact = before + model.contact_fraction * (asked - before);
       EXPECT_LE((Vector3(model.p_WS_m) - contact).norm(), params.max_slide_m + 2e-8) << frames << " " << i;
       before = asked;
@@ -143,14 +150,14 @@ TEST_P(EngineCutting, WithTheImmediateLawTheToolEndsEveryFrameWhereItWasTold) {
   }
 }
 
-// Moved to and fro at 100 mm/s, pressed with the same force. In frames of 6 ms the slide would go farther
-// than a frame may, and yet the spindle's energy goes into the cut as in frames of 1 ms.
-TEST_P(EngineCutting, AToolLedAcrossBoneCutsAsMuchInLateFrames) {
+// The tool moves to and fro at 100 mm/s, pressed with 40 N. In frames of 6 ms its slide exceeds a frame's
+// limit; the spindle must nevertheless cut at least 0.7 of the volume that it cuts in frames of 1 ms.
+TEST_P(EngineCutting, LateFramesCutNearlyAsMuchOfAToolThatMovesAcross) {
   std::vector<double> removed_m3;
   for (const int ms : {1, 6}) {
     const auto engine = Make(Slab(14e-3, 4e-3, true, kSoft), BallTool(2e-3));
     ContactModel model = engine->Step(At(Down({0, 0, 0.2e-3})));
-    double z = 0.0;  // of the tool, above the proxy's depth by the length at which 40 N press it
+    double z = 0.0;  // height of the tool: 2 mm below the proxy, which is 40 N
     for (int i = 0; i < 120 / ms; ++i) {
       const double t = 1e-3 * ms * i, x = 2e-3 * std::asin(std::sin(std::numbers::pi * t / 40e-3)) / 1.57;
       z = Pose(model.X_WP).translation().z() - 2e-3;
@@ -162,7 +169,7 @@ TEST_P(EngineCutting, AToolLedAcrossBoneCutsAsMuchInLateFrames) {
   EXPECT_GT(removed_m3[1], 0.7 * removed_m3[0]) << removed_m3[0] << " " << removed_m3[1];
 }
 
-TEST_P(EngineCutting, VolumeOfAPlungeIsTheSphericalCap) {
+TEST_P(EngineCutting, APlungeRemovesTheVolumeOfASphericalCap) {
   const double R = 10e-3;
   const auto engine = Make(Slab(24e-3, 6e-3, true, kSoft), BallTool(R));
   engine->Step(At(Down({0, 0, 0.2e-3}), kSpindle_rad_per_s));
@@ -176,8 +183,8 @@ TEST_P(EngineCutting, VolumeOfAPlungeIsTheSphericalCap) {
   EXPECT_NEAR(model.removed_mass_kg, 500.0 * model.removed_volume_m3, 1e-12);
 }
 
-// failures.md row 20: the drive's work equals the energy of the cut.
-TEST_P(EngineCutting, DrivesWorkIsTheCutsEnergy) {
+// The limit is that of row 20 in docs/failures.md.
+TEST_P(EngineCutting, TheDrivesWorkEqualsTheCutsEnergy) {
   const auto engine = Make(Slab(24e-3, 6e-3), BallTool(8e-3));
   const double dt = 2e-3;
   double drive_J = 0.0;
@@ -195,11 +202,12 @@ TEST_P(EngineCutting, DrivesWorkIsTheCutsEnergy) {
   EXPECT_NEAR(model.cutting_work_J, kSpongy * model.removed_volume_m3, 1e-6 * model.cutting_work_J);
 }
 
+/// Mean force over the plunge's second half, and the removed volume.
 struct Plunged {
   double force_N, volume_m3;
 };
+/// Moves the tool down at 2.5 mm/s and along at 1.5 mm/s for 1.2 s.
 Plunged Plunge(CuttingEngine& engine, double dt_s) {
-  // 2.5 mm/s down for 1.2 s and along at 1.5 mm/s; force: mean over the second half
   const int frames = static_cast<int>(std::lround(1.2 / dt_s));
   double impulse = 0.0;
   ContactModel model = engine.Step(At(Down({-1e-3, 0, 0.2e-3}), kSpindle_rad_per_s, dt_s));
@@ -211,7 +219,7 @@ Plunged Plunge(CuttingEngine& engine, double dt_s) {
   return {impulse / 0.6, model.removed_volume_m3};
 }
 
-// failures.md row 22.
+// The limit is that of row 22 in docs/failures.md.
 TEST_P(EngineCutting, ForceAndVolumeDoNotDependOnTheFrameRate) {
   const Bone bone = Slab(22e-3, 5e-3);
   const Tool tool = BallTool(8e-3);
@@ -220,7 +228,8 @@ TEST_P(EngineCutting, ForceAndVolumeDoNotDependOnTheFrameRate) {
     runs.push_back(Plunge(*Make(bone, tool), 1.0 / hz));
     std::printf("%4.0f Hz: %.3f N, %.4f mm^3\n", hz, runs.back().force_N, runs.back().volume_m3 * 1e9);
   }
-  // 20 N/mm hold a tool that is moved 2.8 mm deep: up to 56 N, less what the cut removes
+  // Guards against a run without contact, in which all rates agree. At 2.8 mm of depth and 20 N/mm the force
+  // is up to 56 N, less as the tool cuts.
   EXPECT_GT(runs.back().force_N, 1.0) << "nothing pressed: all rates agree on that";
   EXPECT_GT(runs.back().volume_m3, 1e-9) << "nothing cut";
   for (const Plunged& run : runs) {
@@ -242,7 +251,7 @@ TEST_P(EngineCutting, ClosedCyclesNeverReturnEnergy) {
       const Vector3 next(0.5e-3 * std::sin(phase), 0.3e-3 * std::sin(2 * phase),
                          -0.5e-3 + 1.0e-3 * std::cos(phase));
       const ContactModel model = engine->Step(At(Down(next), cutting ? kSpindle_rad_per_s : 0.0));
-      // work on the bone by the hand: trapezoidal, minus the wrench that the hand feels
+      // work of the hand on the bone (trapezoidal rule); F_T_W is the force on the hand, so its sign changes
       work_J -= 0.5 * (f + Vector3(model.F_T_W.f)).dot(next - p);
       f = model.F_T_W.f;
       p = next;
@@ -254,9 +263,9 @@ TEST_P(EngineCutting, ClosedCyclesNeverReturnEnergy) {
   EXPECT_GT(work_J, 0.0);
 }
 
-// failures.md row 5: cut a slot, tilt, withdraw; the spindle stands still from the tilt on. The head's centre
-// stays above the surface, because a deeper slot, cut sideways, is an undercut that does hold the head.
-TEST_P(EngineCutting, ToolWithdrawsFromItsOwnSlot) {
+// failures.md row 5: the tool cuts a slot; then it tilts and is withdrawn with the spindle at rest. The
+// head's centre stays above the surface: in a deeper slot the undercut would rightly hold the head.
+TEST_P(EngineCutting, AToolWithdrawsFreelyFromItsOwnSlot) {
   CuttingParams params;
   params.law = RemovalLaw::kImmediate;
   const auto engine =
@@ -264,7 +273,7 @@ TEST_P(EngineCutting, ToolWithdrawsFromItsOwnSlot) {
   engine->Step(At(Down({-3e-3, 0, 0.1e-3}), kSpindle_rad_per_s));
   for (int i = 0; i <= 200; ++i)
     engine->Step(At(Down({-3e-3 + 0.03e-3 * i, 0, std::max(-1.7e-3, -0.04e-3 * i)}), kSpindle_rad_per_s));
-  // about the head's centre, out of the slot's plane and along it
+  // tilts about the head's centre, across the slot and along it
   const Vector3 head(3e-3, 0, 0.3e-3);
   const auto tilted = [&](double tilt, double up_m) {
     const Pose turned = Down(Vector3::Zero(), {tilt, 0.5 * tilt, 0});
@@ -282,8 +291,8 @@ TEST_P(EngineCutting, ToolWithdrawsFromItsOwnSlot) {
   EXPECT_LT((Pose(model.X_WP).translation() - tilted(0.15, 7.5e-3).translation()).norm(), 1e-7);
 }
 
-TEST_P(EngineCutting, AdvanceFollowsTheEnergyBalance) {
-  // held 4 mm deep in the slab: x' = -c K x with the area of this moment
+TEST_P(EngineCutting, TheAdvanceFollowsTheEnergyBalance) {
+  // the tool is held 4 mm deep in the slab: x' = -c K x, with c from the area engaged at that moment
   const double R = 10e-3;
   const auto engine = Make(Slab(24e-3, 6e-3, true, 4.0 * kSoft), BallTool(R));
   engine->Step(At(Down({0, 0, 0.1e-3}), kSpindle_rad_per_s));

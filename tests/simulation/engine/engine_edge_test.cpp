@@ -4,8 +4,8 @@
 
 #include "tests/simulation/engine/engine_bench.h"
 
-// The edges' own force on every engine: nothing is cut below it, and energy, frame rate and limits are as
-// without it.
+// Tests of the edges' own force on every engine: nothing is cut below it, and the claims about energy, frame
+// rate and limits hold as they do without it.
 
 namespace osteon::simulation {
 namespace {
@@ -13,22 +13,23 @@ namespace {
 using EngineEdge = Engine;
 OSTEON_ON_EVERY_ENGINE(EngineEdge);
 
-/// A slab whose edge force was `share` of its cutting energy at a chip of 0.05 mm.
+/// A slab in which, at a chip of 0.05 mm, the edge force takes `share` of the cutting energy.
 Bone EdgeSlab(double width_m, double thickness_m, double share) {
   Bone bone = Slab(width_m, thickness_m);
   bone.materials[0].measured_chip_m = 50e-6;
   bone.materials[0].edge_force_N_per_m = share * kSpongy * 50e-6;
   return bone;
 }
+/// A cutting ball with two edges.
 Tool TwoEdges(double radius_m) {
   Tool tool = BallTool(radius_m);
   tool.balls[0].edges = 2;
   return tool;
 }
 
-// Held 0.5 mm deep by 10 N: the edges of a disc of bone need z edge_force A / (2 pi mu_c r), r = 2/3 of its
-// radius.
-TEST_P(EngineEdge, RubsBelowItsForceAndCutsAboveIt) {
+// The tool is pressed with 10 N, 0.5 mm deep. Its edges need z edge_force A / (2 pi mu_c r), where r is 2/3
+// of the radius of the engaged disc: more than 10 N for a share of 0.9, less for 0.1.
+TEST_P(EngineEdge, AnEdgeRubsBelowItsForceAndCutsAboveIt) {
   const double R = 8e-3;
   const auto rubs = Make(EdgeSlab(18e-3, 4e-3, 0.9), TwoEdges(R), {.edge_force = true}),
              cuts = Make(EdgeSlab(18e-3, 4e-3, 0.1), TwoEdges(R), {.edge_force = true});
@@ -42,7 +43,7 @@ TEST_P(EngineEdge, RubsBelowItsForceAndCutsAboveIt) {
   EXPECT_EQ(rubbing.removed_volume_m3, 0.0);
   EXPECT_EQ(rubbing.advance_m_per_s, 0.0);
   EXPECT_NEAR(rubbing.F_T_W.f.z, 10.0, 0.8) << "what presses is felt";
-  // the spindle turns against mu_c F at the mean distance of a disc's points
+  // the spindle turns against mu_c F, which acts at the mean distance of a disc's points from its centre
   const double arm = 2.0 / 3.0 * std::sqrt(rubbing.engaged_area_m2 / M_PI);
   EXPECT_NEAR(rubbing.spindle_torque_Nm, 0.8 * rubbing.F_T_W.f.z * arm, 0.15 * 0.8 * 10.0 * arm);
   EXPECT_NEAR(rubbing.cutting_work_J, rubbing.spindle_torque_Nm * kSpindle_rad_per_s * 0.3,
@@ -51,8 +52,8 @@ TEST_P(EngineEdge, RubsBelowItsForceAndCutsAboveIt) {
   EXPECT_LT(cutting.F_T_W.f.z, 9.0);
 }
 
-// Off, or with a tool whose edges are not counted: bit for bit as a material without the figure.
-TEST_P(EngineEdge, OffIsAsWithoutTheFigure) {
+// Bit for bit, the edge force has no effect if it is switched off or the tool's number of edges is not given.
+TEST_P(EngineEdge, WithoutTheSwitchOrTheToolsEdgesItHasNoEffect) {
   const double R = 8e-3;
   const auto plain = Make(Slab(18e-3, 4e-3), BallTool(R)),
              off = Make(EdgeSlab(18e-3, 4e-3, 0.5), TwoEdges(R)),
@@ -70,7 +71,7 @@ TEST_P(EngineEdge, OffIsAsWithoutTheFigure) {
   EXPECT_EQ(HashState(plain->Snapshot()), HashState(uncounted->Snapshot()));
 }
 
-TEST_P(EngineEdge, DrivesWorkIsThatOnChipsAndPloughing) {
+TEST_P(EngineEdge, TheDrivesWorkIsTheSumOfCuttingAndPloughing) {
   const auto engine = Make(EdgeSlab(24e-3, 6e-3, 0.3), TwoEdges(8e-3), {.edge_force = true});
   const double dt = 4e-3;
   double drive_J = 0.0;
@@ -129,7 +130,7 @@ TEST_P(EngineEdge, ClosedCyclesNeverReturnEnergyAndTheForceStaysBelowItsLimit) {
       p = next;
       max_N = std::max(max_N, f.norm());
     }
-    EXPECT_GE(work_J, -1e-4) << cycle;  // of the trapezoidal rule
+    EXPECT_GE(work_J, -1e-4) << cycle;  // tolerance for the trapezoidal rule
   }
   EXPECT_GT(max_N, 10.0);
   EXPECT_LE(max_N, 15.0 + 1e-9);

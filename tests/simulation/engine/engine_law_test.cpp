@@ -4,8 +4,8 @@
 #include "kinematics/half_spaces.h"
 #include "tests/simulation/engine/engine_bench.h"
 
-// The contact law on both engines: undercuts, the tool's own holes, friction, wedges, and frames that no hand
-// causes.
+// Tests of the contact law on every engine: undercuts, the tool's own holes, friction, wedged tools, and
+// motions that no hand can make.
 
 namespace osteon::simulation {
 namespace {
@@ -13,11 +13,12 @@ namespace {
 using EngineLaw = Engine;
 OSTEON_ON_EVERY_ENGINE(EngineLaw);
 
-constexpr double kStiffness = 20e3;
+constexpr double kStiffness = 20e3;  // of the coupling [N/m]
 /// Overlap that the slide may leave, plus the depth to which a tool of 2 mm sinks into the lattice (0.5^2/8 /
 /// (2 + 0.75) mm).
 constexpr double kSurface_m = 0.02e-3 + 0.012e-3;
 
+/// Parameters with the law that removes bone at once.
 CuttingParams Immediate() {
   CuttingParams params;
   params.law = RemovalLaw::kImmediate;
@@ -40,8 +41,8 @@ TEST_P(EngineLaw, AnUndercutHoldsTheHeadDown) {
   EXPECT_NEAR(Vector3(model.X_WP.p).z(), -depth, 0.1e-3);
 }
 
-// A row of balls in the hole that it drilled itself: no steps along it.
-TEST_P(EngineLaw, AToolGoesFreelyAlongItsOwnHole) {
+// The drill is a row of balls. Moving along its hole it must not catch on the hole's balls one by one.
+TEST_P(EngineLaw, ADrillMovesFreelyAlongItsOwnHole) {
   Tool drill;
   for (int i = 0; i < 6; ++i)
     drill.balls.push_back({.center_m = Vector3(0, 0, -2e-3 - 1e-3 * i), .radius_m = 2e-3, .cutting = i == 0});
@@ -59,16 +60,17 @@ TEST_P(EngineLaw, AToolGoesFreelyAlongItsOwnHole) {
   EXPECT_LT(lag_m, 0.03e-3);
 }
 
-TEST_P(EngineLaw, FrictionHoldsWithinTheConeAndNoMore) {
+TEST_P(EngineLaw, FrictionFollowsTheToolWithinTheConeAndIsLimitedByIt) {
   Bone bone = Slab(12e-3, 2e-3, false);
   bone.materials[0].friction = 0.3;
   const auto engine = Make(bone, BallTool(5e-3));
   engine->Step(At(Down({0, 0, 0.1e-3})));
   for (int i = 0; i < 40; ++i) engine->Step(At(Down({0, 0, -2e-3})));
-  // the lattice's balls lean by at most 0.25 / (5 + 0.75), and the friction cone is relative to them: up one
-  // ball and down the next
+  // The normals on the lattice's balls lean by at most 0.25 / (5 + 0.75), upwards on one ball and downwards
+  // on the next, and the friction cone leans with them.
   const double kSlopes = 2.0 * 0.25 / 5.75;
-  // across and back: the force follows the tool at the coupling's stiffness until the cone's edge
+  // the friction force grows at the coupling's stiffness up to the edge of the cone, and falls on the way
+  // back
   for (int i = 0; i <= 60; ++i) {
     const double x = 0.02e-3 * i;
     const ContactModel model = engine->Step(At(Down({x, 0, -2e-3})));
@@ -82,6 +84,8 @@ TEST_P(EngineLaw, FrictionHoldsWithinTheConeAndNoMore) {
   EXPECT_LT(-back.F_T_W.f.x, 0.3 * back.F_T_W.f.z - 0.8 * kStiffness * 0.3e-3);
 }
 
+// With a turning spindle the surface slips along its own speed, not along the feed. The bone is so hard that
+// it hardly gives way.
 TEST_P(EngineLaw, ATurningSpindleHasNoFrictionAlongTheFeed) {
   Bone bone = Slab(12e-3, 3e-3, true, 100.0 * kSpongy);
   bone.materials[0].friction = 0.3;
@@ -96,8 +100,9 @@ TEST_P(EngineLaw, ATurningSpindleHasNoFrictionAlongTheFeed) {
   EXPECT_LT(tangential, 0.1 * 40.0);
 }
 
-// The contract with the servo loop: at the frame's pose the planes give the frame's wrench.
-TEST_P(EngineLaw, ContactsGiveTheFramesWrench) {
+// The contract with the servo loop: from the reported planes it computes the frame's wrench at the frame's
+// pose.
+TEST_P(EngineLaw, ReportedContactsReproduceTheFramesWrench) {
   Bone bone = Slab(14e-3, 2e-3, false);
   AddBox({-7e-3, -7e-3, -2e-3}, {-5e-3, 7e-3, 8e-3}, bone, false);
   bone.materials[0].friction = 0.2;
@@ -134,7 +139,7 @@ TEST_P(EngineLaw, ContactsGiveTheFramesWrench) {
   EXPECT_GT(compared, 60);
 }
 
-TEST_P(EngineLaw, AWedgedToolFeelsATorqueOfItsOverlap) {
+TEST_P(EngineLaw, AWedgedToolsWrenchIsThatOfItsOverlap) {
   const double R = 2e-3;
   Bone bone = EmptyBone();
   AddBox({-R - 1.5e-3, -6e-3, 0}, {-R, 6e-3, 8e-3}, bone, false);
@@ -146,8 +151,8 @@ TEST_P(EngineLaw, AWedgedToolFeelsATorqueOfItsOverlap) {
   engine->Step(At(Down({0, 0, 0})));
   ContactModel model;
   for (int i = 1; i <= 40; ++i) model = engine->Step(At(Down({0, 0, 0}, {0, 0.1 * i / 40.0, 0})));
-  // Turned by 0.1 rad the rod's ends, 3 mm off its middle, are 0.3 mm too deep: about 6 N at levers of 3 mm,
-  // once for each end; not the thousands of newtons that walls of the slack's stiffness would balance.
+  // At a rotation of 0.1 rad the rod's ends, 3 mm from its middle, are 0.3 mm too deep: about 6 N at a lever
+  // of 3 mm for each end. Without a cap, the walls' multipliers would balance at thousands of newtons.
   EXPECT_LT(Vector3(model.F_T_W.t).norm(), 0.5);
   EXPECT_LT(Vector3(model.F_T_W.f).norm(), 30.0);
   EXPECT_LT(LogRotation(Pose(model.X_WP).linear() * Down(Vector3::Zero()).linear().transpose()).norm(), 0.05);
@@ -157,8 +162,8 @@ TEST_P(EngineLaw, AWedgedToolFeelsATorqueOfItsOverlap) {
   EXPECT_EQ(Vector3(model.F_T_W.f).norm(), 0.0);
 }
 
-// Two balls hold the tool from opposite sides, equal to the last bit: the resultant of their planes is zero
-// and gives no direction for friction.
+// Two balls hold the tool from exactly opposite sides: the resultant of their planes is zero and gives no
+// direction for friction.
 TEST_P(EngineLaw, AToolWedgedBetweenMirroredBallsStaysFinite) {
   Bone bone = EmptyBone();
   bone.materials[0].friction = 0.3;
@@ -180,8 +185,9 @@ TEST_P(EngineLaw, AToolWedgedBetweenMirroredBallsStaysFinite) {
   }
 }
 
-// A cell may request an enlargement of 5 mm: the reported planes are still those of the nearest pairs.
-TEST_P(EngineLaw, AnEnlargementBeyondAMillimetreReportsTheNearestBalls) {
+// A cell may enlarge the tool by up to 5 mm for the normal: the reported plane is still that of the nearest
+// ball.
+TEST_P(EngineLaw, AnEnlargementBeyondAMillimetreStillReportsTheNearestBall) {
   Bone bone = EmptyBone();
   // the nearest ball comes last in the list, so that the order of balls cannot hide a missing comparison
   for (const double gap : {4.5e-3, 4.0e-3, 3.5e-3, 2.5e-3, 2.0e-3, 1.5e-3})
@@ -193,8 +199,8 @@ TEST_P(EngineLaw, AnEnlargementBeyondAMillimetreReportsTheNearestBalls) {
   EXPECT_NEAR(model.contacts[0].gap_m, 1.5e-3, 1e-7);
 }
 
-// Placed deep in bone, as by an undo under the tool: in each direction the deepest ball holds it.
-TEST_P(EngineLaw, AToolPutDeepIntoBoneIsHeldByItsDeepestBall) {
+// The tool starts deep in bone, as after an undo beneath it: the ball that it overlaps most must push it out.
+TEST_P(EngineLaw, AToolPlacedDeepInBoneIsPushedOutByTheDeepestBall) {
   Bone bone = EmptyBone();
   for (const double depth : {1.2e-3, 1.6e-3, 2.0e-3, 3.0e-3})
     bone.balls.push_back({.center_m = Vector3(0, 0, -1e-3 + depth), .radius_m = 1e-3});
@@ -210,7 +216,7 @@ TEST_P(EngineLaw, AJumpOfAMetreStopsAtTheBone) {
   engine->Step(At(Down({0, 0, 0.5})));
   const ContactModel model = engine->Step(At(Down({0, 0, -0.5}), 0.0));
   EXPECT_EQ(model.status, EngineStatus::kOk);
-  // float32 over a metre: 6e-5 mm of rounding, and the square root of twice the miss at the start
+  // tolerance: roundings of 6e-5 mm, since float32 covers a metre; the contact's root amplifies them
   EXPECT_NEAR(Vector3(model.X_WP.p).z(), 0.0, 0.05e-3);
   EXPECT_NEAR(Vector3(model.F_T_W.f).norm(), 200.0, 1e-9);
   const ContactModel free = engine->Step(At(Down({0.3, 0, 0.4})));
@@ -218,7 +224,7 @@ TEST_P(EngineLaw, AJumpOfAMetreStopsAtTheBone) {
   EXPECT_LT((Vector3(free.X_WP.p) - Vector3(0.3, 0, 0.4)).norm(), 1e-6);
 }
 
-TEST_P(EngineLaw, RestIsRest) {
+TEST_P(EngineLaw, AToolAtRestKeepsItsPoseAndForce) {
   Bone bone = Slab(12e-3, 2e-3, false);
   bone.materials[0].friction = 0.2;
   const auto engine = Make(bone, BallTool(5e-3));
@@ -234,9 +240,9 @@ TEST_P(EngineLaw, RestIsRest) {
   }
 }
 
-TEST_P(EngineLaw, WithoutABallEverywhereIsFree) {
+TEST_P(EngineLaw, ABoneWithoutBallsNeverTouches) {
   Bone bone = EmptyBone();
-  if (GetParam() == EngineKind::kVulkan)
+  if (GetParam() == EngineKind::kVulkan)  // needs at least one ball: a small one, far away
     bone.balls.push_back({.center_m = Vector3(1, 1, 1), .radius_m = 1e-4});
   const auto engine = Make(bone, BallTool(5e-3));
   for (int i = 0; i < 5; ++i) {

@@ -8,12 +8,13 @@
 #include "tests/oracles/depth_table.h"
 #include "tests/simulation/engine/engine_bench.h"
 
-// Splitting and the choice of cutters in the engine: contact, slide and removal together.
+// Tests of two options on every engine: large bone balls are split where the tool cuts them, and only the
+// tool ball that touches first cuts (Cutters::kContactSphere).
 
 namespace osteon::simulation {
 namespace {
 
-/// The block of the depth table with mass points.
+/// The block of the depth table, packed with balls to be split, with mass points.
 Bone Block() {
   const DepthScene scene = MakeBlockScene();
   Bone bone = EmptyBone(kSoft);
@@ -23,6 +24,7 @@ Bone Block() {
   return bone;
 }
 
+/// A run's last model, and the proxy's pose X_WP of each frame.
 struct CutRun {
   ContactModel last;
   std::vector<Pose> proxies;
@@ -38,6 +40,7 @@ CutRun Cut(CuttingEngine& engine, const DepthScene& scene, double step_m) {
   return run;
 }
 
+/// Removal at once, with splitting; a frame may slide by 1 mm, so that the proxy keeps up with the path.
 CuttingParams Immediate() {
   CuttingParams params;
   params.law = RemovalLaw::kImmediate;
@@ -49,7 +52,7 @@ CuttingParams Immediate() {
 using EngineSplit = Engine;
 OSTEON_ON_EVERY_ENGINE(EngineSplit);
 
-TEST_P(EngineSplit, NothingIsLeftInTheProxysPathAndMassIsTheSweptVolumes) {
+TEST_P(EngineSplit, NothingIsLeftInTheProxysPathAndTheMassIsThatOfTheSweep) {
   const DepthScene scene = MakeBlockScene();
   const Bone bone = Block();
   const auto engine = Make(bone, scene.tool, Immediate());
@@ -63,7 +66,8 @@ TEST_P(EngineSplit, NothingIsLeftInTheProxysPathAndMassIsTheSweptVolumes) {
   double overlap = 0.0;
   for (const Ball& ball : live)
     overlap = std::max(overlap, ball.radius_m - swept.SignedDistance(ball.center_m));
-  // the proxy moves by way of contact and slide, the chord between two frames does not: 0.25 mm a frame
+  // tolerance: SweptTool joins the frames' poses, 0.25 mm apart, by chords; the proxy goes by contact and
+  // slide
   EXPECT_LT(overlap, 5e-6);
   const double volume = SweptVolume(*scene.solid, scene.tool, run.proxies, 0.1e-3);
   std::printf("swept %.1f mm^3, removed %.1f mm^3\n", volume * 1e9, run.last.removed_volume_m3 * 1e9);
@@ -71,6 +75,7 @@ TEST_P(EngineSplit, NothingIsLeftInTheProxysPathAndMassIsTheSweptVolumes) {
   EXPECT_EQ(run.last.balls_not_split, 0u);
 }
 
+// The pool has room for 10 split balls: further balls are removed or shrunk whole.
 TEST_P(EngineSplit, AnExhaustedPoolIsReportedAndTheCutGoesOn) {
   const DepthScene scene = MakeBlockScene();
   CuttingParams params = Immediate();
@@ -85,7 +90,8 @@ TEST_P(EngineSplit, AnExhaustedPoolIsReportedAndTheCutGoesOn) {
     ASSERT_LT(ball.radius_m - swept.SignedDistance(ball.center_m), 10e-6);
 }
 
-TEST_P(EngineSplit, GoesOnFromARestoredStateToTheLastBit) {
+// Engine `two` is ahead when the state is restored, so its split balls are numbered differently.
+TEST_P(EngineSplit, ContinuesFromARestoredStateBitForBit) {
   const DepthScene scene = MakeBlockScene();
   const Bone bone = Block();
   CuttingParams params = Immediate();
@@ -93,8 +99,7 @@ TEST_P(EngineSplit, GoesOnFromARestoredStateToTheLastBit) {
   const auto one = Make(bone, scene.tool, params), two = Make(bone, scene.tool, params);
   const std::vector<Pose> path = scene.Path(0.5e-3);
   for (std::size_t i = 0; i < 9; ++i) one->Step(At(path[i], kSpindle_rad_per_s));
-  for (std::size_t i = 0; i < 15; ++i)
-    two->Step(At(path[i], kSpindle_rad_per_s));  // other blocks, other numbers
+  for (std::size_t i = 0; i < 15; ++i) two->Step(At(path[i], kSpindle_rad_per_s));
   const CarvedState middle = one->Snapshot();
   ASSERT_GT(middle.split_balls.size(), 10u);
   one->Restore(middle);
@@ -110,15 +115,17 @@ TEST_P(EngineSplit, GoesOnFromARestoredStateToTheLastBit) {
   EXPECT_NE(HashState(one->Snapshot()), HashState(middle));
 }
 
-/// Only the scene's plunge, in small steps: the paths of both engines' proxies are then nearly equal.
+/// The plunge alone of the scene's path, in small steps, so that two engines' proxies take nearly equal
+/// paths.
 std::vector<Pose> Plunge(const DepthScene& scene) {
   std::vector<Pose> path = scene.Path(0.05e-3);
   path.resize(70);
   return path;
 }
 
-// Compares ball by ball; counts balls that only one engine has dropped.
-void ExpectSplitAlike(const Tool& tool, const CuttingParams& params, std::size_t min_children) {
+// Expects the reference and the other engine to split the same balls into the same children, to within
+// rounding. Up to five children near the lower limit of the radius may be dropped by one engine alone.
+void ExpectEqualSplits(const Tool& tool, const CuttingParams& params, std::size_t min_children) {
   const DepthScene scene = MakeBlockScene();
   const Bone bone = Block();
   const auto reference = MakeEngine(EngineKind::kReference, bone, tool, params),
@@ -150,20 +157,22 @@ void ExpectSplitAlike(const Tool& tool, const CuttingParams& params, std::size_t
   EXPECT_LT(worst_mm, 1e-4 + 2.0 * apart_mm);
   EXPECT_LT(apart_mm, 1e-3);
 }
-TEST(EngineSplitTwins, SplitAlike) { ExpectSplitAlike(MakeBlockScene().tool, Immediate(), 500); }
+TEST(EngineSplitTwins, SplitTheSameBalls) { ExpectEqualSplits(MakeBlockScene().tool, Immediate(), 500); }
 
-// Balls that the cutting ball touches are split and cut; those that only the others pass are not.
-TEST(EngineSplitTwins, SplitAlikeWithTheContactSphereAlone) {
+// Only bone balls that the cutting tool ball touches are split, not those that the other tool balls pass.
+TEST(EngineSplitTwins, SplitTheSameBallsIfOnlyTheContactSphereCuts) {
   Tool tool;
   for (int i = 0; i < 3; ++i)
     tool.balls.push_back({.center_m = Vector3(1.2e-3 * std::cos(2.1 * i), 1.2e-3 * std::sin(2.1 * i), -2e-3),
                           .radius_m = 2e-3 + 0.05e-3 * i});
   CuttingParams params = Immediate();
   params.cutters = Cutters::kContactSphere;
-  ExpectSplitAlike(tool, params, 60);
+  ExpectEqualSplits(tool, params, 60);
 }
 
-TEST_P(EngineSplit, ABudgetOnlyDelays) {
+// A budget of two splits a frame leaves cuts waiting for a while, but gives the same shape in the end. A
+// budget of 0 is unlimited.
+TEST_P(EngineSplit, ABudgetForEachFrameOnlyDelaysSplitting) {
   const DepthScene scene = MakeBlockScene();
   const Bone bone = Block();
   std::vector<double> live;
@@ -191,7 +200,7 @@ TEST_P(EngineSplit, ABudgetOnlyDelays) {
   EXPECT_NEAR(live[1], live[0], 0.1 * live[0]);
 }
 
-TEST(SplitState, HashTellsSplitStatesApart) {
+TEST(SplitState, HashDiffersForAnyChangeOfASplitState) {
   CarvedState state;
   state.balls = {0, 0, 0, 0};
   state.split_balls = {0};
@@ -210,22 +219,25 @@ TEST(SplitState, HashTellsSplitStatesApart) {
 using EngineCutters = Engine;
 OSTEON_ON_EVERY_ENGINE(EngineCutters);
 
-CuttingParams Alone() {
+/// Removal at once, by the tool ball alone that touches first.
+CuttingParams ContactSphereAlone() {
   CuttingParams params;
   params.law = RemovalLaw::kImmediate;
   params.cutters = Cutters::kContactSphere;
   return params;
 }
 
-// cutting.md: removal by the contact sphere alone leaves bone standing in the tool's way.
+// See docs/cutting.md.
 TEST_P(EngineCutters, TheContactSphereAloneLeavesBoneInTheToolsPath) {
   Tool tool;  // a bar of five balls that goes down flat
   tool.name = "bar";
   for (int i = 0; i < 5; ++i)
     tool.balls.push_back({.center_m = Vector3(2e-3 * (i - 2), 0, -2e-3), .radius_m = 2e-3});
+  // Indexed by Cutters: greatest depth of remaining balls inside the tool's sweep [m], and removed volume
+  // [m^3]
   double left[2] = {0.0, 0.0}, removed[2] = {0.0, 0.0};
   for (const Cutters cutters : {Cutters::kAll, Cutters::kContactSphere}) {
-    CuttingParams params = Alone();
+    CuttingParams params = ContactSphereAlone();
     params.cutters = cutters;
     const Bone bone = Slab(16e-3, 6e-3, true, kSoft);
     const auto engine = Make(bone, tool, params);
@@ -248,7 +260,7 @@ TEST_P(EngineCutters, TheContactSphereAloneLeavesBoneInTheToolsPath) {
   EXPECT_LT(removed[1], 0.8 * removed[0]);
 }
 
-/// Two balls of 1 mm beside each other, their tops at z = 0.
+/// Two balls of radius 1 mm, 10.5 mm apart along x about x_m, their tops at z = 0.
 Bone TwoBumps(double x_m) {
   Bone bone = EmptyBone(kSoft);
   for (const double side : {-1.0, 1.0})
@@ -256,13 +268,14 @@ Bone TwoBumps(double x_m) {
   return bone;
 }
 
-/// Which of the two balls were cut: one bit each.
-int Lost(const CarvedState& state) {
+/// Which of the two balls were cut: bit 0 the left one, bit 1 the right one.
+int CutBalls(const CarvedState& state) {
   return (state.balls[3] < 1.0f ? 1 : 0) | (state.balls[7] < 1.0f ? 2 : 0);
 }
 
-// Both tool balls touch at once, but for the rounding of the stored bone, which would otherwise choose.
-TEST_P(EngineCutters, OfBallsThatTouchAtOnceTheFirstInTheToolsOrderCuts) {
+// Both tool balls touch at the same time up to rounding, which must not decide. If the first in the tool's
+// order is no cutting ball, nothing is cut.
+TEST_P(EngineCutters, TheFirstInTheToolsOrderCutsIfBallsTouchTogether) {
   for (const double first : {-1.0, 1.0})
     for (const bool first_cuts : {true, false}) {
       Tool tool;
@@ -272,27 +285,29 @@ TEST_P(EngineCutters, OfBallsThatTouchAtOnceTheFirstInTheToolsOrderCuts) {
                               .cutting = first_cuts || side != first});
       for (int place = 0; place < 4; ++place) {
         const double x_m = 0.137e-3 * place;
-        const auto engine = Make(TwoBumps(x_m), tool, Alone());
+        const auto engine = Make(TwoBumps(x_m), tool, ContactSphereAlone());
         for (int i = 0; i < 3; ++i) engine->Step(At(Down({x_m, 0, 0.3e-3 - 0.2e-3 * i}), kSpindle_rad_per_s));
-        // a ball that does not cut removes nothing, and the other may not cut
-        EXPECT_EQ(Lost(engine->Snapshot()), !first_cuts ? 0 : first < 0.0 ? 1 : 2) << place << " " << first;
+        EXPECT_EQ(CutBalls(engine->Snapshot()), !first_cuts   ? 0
+                                                : first < 0.0 ? 1
+                                                              : 2)
+            << place << " " << first;
       }
     }
 }
 
-// Without a touch nothing cuts, whatever the tool passes; then the ball that is touched first cuts.
-TEST_P(EngineCutters, TheBallThatIsMetFirstCutsWhereverItStandsInTheTool) {
+// One of the two tool balls is 1 um lower and so touches first.
+TEST_P(EngineCutters, TheBallThatTouchesFirstCutsWhateverItsOrder) {
   for (const double lower : {-1.0, 1.0}) {
     Tool tool;
     for (const double side : {-1.0, 1.0})
       tool.balls.push_back(
           {.center_m = Vector3(side * 5e-3, 0, side == lower ? -2e-3 : -2.001e-3), .radius_m = 2e-3});
-    const auto engine = Make(TwoBumps(0.0), tool, Alone());
+    const auto engine = Make(TwoBumps(0.0), tool, ContactSphereAlone());
     engine->Step(At(Down({0, 0, 0.3e-3}), kSpindle_rad_per_s));
     engine->Step(At(Down({0, 0, 0.1e-3}), kSpindle_rad_per_s));
-    EXPECT_EQ(Lost(engine->Snapshot()), 0);
+    EXPECT_EQ(CutBalls(engine->Snapshot()), 0);
     engine->Step(At(Down({0, 0, -0.1e-3}), kSpindle_rad_per_s));
-    EXPECT_EQ(Lost(engine->Snapshot()), lower < 0.0 ? 1 : 2);
+    EXPECT_EQ(CutBalls(engine->Snapshot()), lower < 0.0 ? 1 : 2);
   }
 }
 

@@ -4,7 +4,8 @@
 
 #include "tests/simulation/engine/engine_bench.h"
 
-// State of an engine from frame to frame, and states and inputs that it refuses.
+// Tests of an engine's state: repeatable runs, saved and restored states, and the states and inputs that it
+// refuses.
 
 namespace osteon::simulation {
 namespace {
@@ -12,12 +13,14 @@ namespace {
 using EngineState = Engine;
 OSTEON_ON_EVERY_ENGINE(EngineState);
 
-/// A frame of a cut that moves down and along, turns a little, and stops the spindle now and then.
+/// Frame i of a cut that moves down and along and turns a little; the spindle stands still in each 37th
+/// frame.
 FrameInput Frame(int i) {
   return At(Down({0.01e-3 * i, 0.2e-3 * std::sin(0.1 * i), 0.2e-3 - 0.02e-3 * i}, {0, 0.001 * i, 0}),
             i % 37 == 36 ? 0.0 : kSpindle_rad_per_s);
 }
 
+/// Whether two models are equal bit for bit.
 bool Identical(const ContactModel& a, const ContactModel& b) {
   bool same = std::memcmp(&a.X_WP, &b.X_WP, sizeof a.X_WP) == 0 && a.contact_count == b.contact_count &&
               a.status == b.status && std::memcmp(&a.n_W, &b.n_W, sizeof a.n_W) == 0 &&
@@ -36,28 +39,28 @@ bool Identical(const ContactModel& a, const ContactModel& b) {
   return same;
 }
 
-Bone Bench() { return Slab(14e-3, 3e-3, true, kSoft); }
+Bone SoftSlab() { return Slab(14e-3, 3e-3, true, kSoft); }
 
-TEST_P(EngineState, RunsAreRepeatable) {
-  const auto one = Make(Bench(), BallTool(4e-3)), two = Make(Bench(), BallTool(4e-3));
+TEST_P(EngineState, EqualRunsGiveEqualBits) {
+  const auto one = Make(SoftSlab(), BallTool(4e-3)), two = Make(SoftSlab(), BallTool(4e-3));
   for (int i = 0; i < 120; ++i) ASSERT_TRUE(Identical(one->Step(Frame(i)), two->Step(Frame(i)))) << i;
   EXPECT_EQ(HashState(one->Snapshot()), HashState(two->Snapshot()));
 }
 
-TEST_P(EngineState, GoesOnFromARestoredStateToTheLastBit) {
-  const auto one = Make(Bench(), BallTool(4e-3)), two = Make(Bench(), BallTool(4e-3));
+TEST_P(EngineState, ContinuesFromARestoredStateBitForBit) {
+  const auto one = Make(SoftSlab(), BallTool(4e-3)), two = Make(SoftSlab(), BallTool(4e-3));
   for (int i = 0; i < 60; ++i) one->Step(Frame(i));
   const CarvedState middle = one->Snapshot();
   EXPECT_GT(middle.removed_volume_m3, 0.0);
-  two->Restore(middle);  // the other continues without an interruption
+  two->Restore(middle);  // engine `one` continues without an interruption
   for (int i = 60; i < 120; ++i) ASSERT_TRUE(Identical(one->Step(Frame(i)), two->Step(Frame(i)))) << i;
   EXPECT_EQ(HashState(one->Snapshot()), HashState(two->Snapshot()));
 }
 
-TEST_P(EngineState, GoesBackToTheUncutBone) {
+TEST_P(EngineState, ContinuesFromTheRestoredUncutBoneLikeANewEngine) {
   // deep enough that whole clusters of 64 balls are gone before the bone is restored
-  const auto engine = Make(Bench(), BallTool(6e-3), {.law = RemovalLaw::kImmediate}),
-             fresh = Make(Bench(), BallTool(6e-3), {.law = RemovalLaw::kImmediate});
+  const auto engine = Make(SoftSlab(), BallTool(6e-3), {.law = RemovalLaw::kImmediate}),
+             fresh = Make(SoftSlab(), BallTool(6e-3), {.law = RemovalLaw::kImmediate});
   const CarvedState uncut = engine->Snapshot();
   engine->Step(At(Down({0, 0, 1e-3}), kSpindle_rad_per_s));
   for (int i = 0; i < 100; ++i) engine->Step(At(Down({0, 0, -0.05e-3 * i}), kSpindle_rad_per_s));
@@ -66,14 +69,14 @@ TEST_P(EngineState, GoesBackToTheUncutBone) {
   for (std::size_t i = 3; i < cut.balls.size(); i += 4) gone += cut.balls[i] == 0.0f ? 1 : 0;
   ASSERT_GT(gone, 500u);
   engine->Restore(uncut);
-  fresh->Restore(uncut);  // the state holds floats, the reference doubles
+  fresh->Restore(uncut);  // rounds the reference engine's doubles to the state's floats, as in `engine`
   EXPECT_EQ(HashState(engine->Snapshot()), HashState(uncut));
   for (int i = 0; i < 120; ++i) ASSERT_TRUE(Identical(engine->Step(Frame(i)), fresh->Step(Frame(i)))) << i;
   EXPECT_EQ(HashState(engine->Snapshot()), HashState(fresh->Snapshot()));
 }
 
-TEST_P(EngineState, OfAnotherBoneIsRefused) {
-  const auto engine = Make(Bench(), BallTool(4e-3));
+TEST_P(EngineState, AStateOfAnotherBoneIsRefused) {
+  const auto engine = Make(SoftSlab(), BallTool(4e-3));
   CarvedState state = engine->Snapshot();
   state.balls.pop_back();
   EXPECT_THROW(engine->Restore(state), std::invalid_argument);
@@ -82,9 +85,9 @@ TEST_P(EngineState, OfAnotherBoneIsRefused) {
   EXPECT_THROW(engine->Restore(state), std::invalid_argument);
 }
 
-// A state's count must be checked before its items are written to an array of fixed size.
-TEST_P(EngineState, WhoseCountsAreBeyondTheirArraysIsRefusedAndChangesNothing) {
-  const auto engine = Make(Bench(), BallTool(4e-3));
+// A state's counts must be checked before its items are copied to arrays of fixed size.
+TEST_P(EngineState, AStateWithInvalidCountsIndicesOrNumbersIsRefusedAndChangesNothing) {
+  const auto engine = Make(SoftSlab(), BallTool(4e-3));
   for (int i = 0; i < 30; ++i) engine->Step(Frame(i));
   const CarvedState good = engine->Snapshot();
   ASSERT_GT(good.contact.pair_count, 0);
@@ -123,7 +126,7 @@ TEST_P(EngineState, WhoseCountsAreBeyondTheirArraysIsRefusedAndChangesNothing) {
 }
 
 TEST_P(EngineState, BadInputChangesNothingAndTheNextFrameWorks) {
-  const auto engine = Make(Bench(), BallTool(4e-3)), other = Make(Bench(), BallTool(4e-3));
+  const auto engine = Make(SoftSlab(), BallTool(4e-3)), other = Make(SoftSlab(), BallTool(4e-3));
   for (int i = 0; i < 40; ++i) {
     FrameInput bad = Frame(i);
     switch (i % 4) {
@@ -147,14 +150,14 @@ TEST_P(EngineState, BadInputChangesNothingAndTheNextFrameWorks) {
   EXPECT_EQ(HashState(engine->Snapshot()), HashState(other->Snapshot()));
 }
 
-TEST_P(EngineState, SaysWhatItIs) {
-  const auto engine = Make(Bench(), BallTool(4e-3));
+TEST_P(EngineState, NamesItselfAndItsDevice) {
+  const auto engine = Make(SoftSlab(), BallTool(4e-3));
   const bool is_cpu = GetParam() != EngineKind::kReference && GetParam() != EngineKind::kVulkan;
   EXPECT_EQ(engine->name(), is_cpu ? "cpu" : GetParam() == EngineKind::kReference ? "reference" : "vulkan");
   EXPECT_FALSE(engine->device().empty());
 }
 
-TEST(HashState, TellsEveryBallAndPointApart) {
+TEST(HashState, DiffersForAnyChangeOfABallOrPoint) {
   CarvedState state;
   state.balls = {1, 2, 3, 4, 5, 6, 7, 8};
   state.cleared = {0, 1, 0};
@@ -167,12 +170,12 @@ TEST(HashState, TellsEveryBallAndPointApart) {
   CarvedState other = state;
   other.cleared[2] = 1;
   EXPECT_NE(HashState(other), HashState(state));
-  // published: FNV-1a of nothing is its offset basis
+  // published value: the FNV-1a hash of empty input is its offset basis
   EXPECT_EQ(HashState({}), 14695981039346656037ull);
 }
 
 TEST(ReferenceEngine, RefusesABoneOrToolThatItCannotServe) {
-  Bone bone = Bench();
+  Bone bone = SoftSlab();
   EXPECT_THROW(ReferenceEngine(bone, Tool{}, Pose::Identity(), {}), std::invalid_argument);
   bone.materials.resize(9);
   EXPECT_THROW(ReferenceEngine(bone, BallTool(4e-3), Pose::Identity(), {}), std::invalid_argument);

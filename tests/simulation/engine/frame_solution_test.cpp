@@ -7,14 +7,17 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the parts of a frame that all engines share: the tool's placement, the advance by the rate law,
+// the finished model, and frames in parts.
+
 namespace osteon::simulation {
 namespace {
 
-constexpr double kSpindle = 250.0 * 2.0 * M_PI / 60.0;
+constexpr double kSpindle = 250.0 * 2.0 * M_PI / 60.0;  // 250 rpm in rad/s
 
-// ---- placing
+// ---- placing the tool
 
-TEST(PlaceTool, PutsBallsAndThenTheOriginIntoG) {
+TEST(PlaceTool, TransformsTheBallCentresAndThenTheOriginToG) {
   const Tool tool = MakeReamer(0.025, 0.008, 0.016, 0.9, Vector3::Zero());
   Pose X = Pose::Identity();
   X.linear() = ExpRotation({M_PI, 0, 0});  // feed down
@@ -27,9 +30,9 @@ TEST(PlaceTool, PutsBallsAndThenTheOriginIntoG) {
   EXPECT_LT((half[0] - Vector3(0.05, 0.1, 0.15)).norm(), 1e-15);
 }
 
-// ---- the advance's end
+// ---- the end of the advance
 
-TEST(ComputeAdvanceEnd, IsHeldBackByThePlaneThatDoesNotCut) {
+TEST(ComputeAdvanceEnd, StopsAtThePlaneOfABallThatDoesNotCut) {
   FrameSolution s;
   s.step = Vector3(0, 0, -0.2e-3);
   EXPECT_LT((ComputeAdvanceEnd(s) - Vector3(0, 0, -0.2e-3)).norm(), 1e-18);
@@ -40,7 +43,7 @@ TEST(ComputeAdvanceEnd, IsHeldBackByThePlaneThatDoesNotCut) {
   EXPECT_LT((ComputeAdvanceEnd(s) - Vector3(0, 0, -0.2e-3)).norm(), 1e-18);
 }
 
-TEST(ComputeAdvanceStep, GoesAlongTheNormalButAllTheWayWithTheImmediateLaw) {
+TEST(ComputeAdvanceStep, FollowsTheNormalOrWithTheImmediateLawGoesToTheGoal) {
   FrameSolution s;
   s.n = Vector3::UnitZ();
   s.advance_m = 0.2e-3;
@@ -53,20 +56,21 @@ TEST(ComputeAdvanceStep, GoesAlongTheNormalButAllTheWayWithTheImmediateLaw) {
   s.step = ComputeAdvanceStep(immediate, cuts, s, goal);
   EXPECT_LT((ComputeAdvanceEnd(s) - goal).norm(), 1e-18);
   s.shaft_count = 1;
-  s.shaft[0] = {.n = -Vector3::UnitX(), .gap_m = 2e-3};  // at first contact; the slide took half of it
+  s.shaft[0] = {.n = -Vector3::UnitX(), .gap_m = 2e-3};  // gap at first contact; the slide used 1 mm of it
   EXPECT_LT((ComputeAdvanceEnd(s) - Vector3(2e-3, 0, -0.3e-3)).norm(), 1e-18);
 
   s.advance_m = 0.0;
   EXPECT_EQ(ComputeAdvanceStep(immediate, still, s, goal).norm(), 0.0);
-  EXPECT_EQ(ComputeAdvanceStep(immediate, cuts, s, goal).norm(),
-            0.0);     // a ball that does not cut holds the tool
-  s.delta.setZero();  // passing contact: nothing holds the tool
+  // contact, but no advance: a ball that does not cut holds the tool
+  EXPECT_EQ(ComputeAdvanceStep(immediate, cuts, s, goal).norm(), 0.0);
+  s.delta.setZero();  // nothing holds the tool
   EXPECT_EQ(ComputeAdvanceStep(immediate, cuts, s, goal), goal - s.origin_slid);
   EXPECT_EQ(ComputeAdvanceStep({}, cuts, s, goal).norm(), 0.0);
 }
 
 // ---- the rate law
 
+// A cut pressed 2 mm deep, 40 N, with 500 mm^2 of engaged area at a mean arm of 15 mm.
 struct Cut {
   CuttingParams params;
   std::vector<Material> materials{{.name = "bone", .specific_cutting_energy_J_per_m3 = 50e6}};
@@ -92,7 +96,7 @@ TEST(ComputeAdvance, IsTheExactSolutionOfTheRateLaw) {
   }
 }
 
-TEST(ComputeAdvance, InTwoHalfStepsIsOneStep) {
+TEST(ComputeAdvance, TwoHalfStepsEqualOneStep) {
   for (const double dt : {1e-4, 1e-3, 10e-3}) {
     Cut cut;
     cut.params.max_slide_m = 1.0;  // the limit on a frame's travel is not part of the law
@@ -113,13 +117,13 @@ TEST(ComputeAdvance, NeverExceedsThePenetration) {
   EXPECT_EQ(cut.Advance(1.0).advance_m, cut.solution.cutting_m);
 }
 
-TEST(ComputeAdvance, IsHeldToTheLongestWayOfAFrame) {
+TEST(ComputeAdvance, IsLimitedToTheLargestSlideOfAFrame) {
   Cut cut;
   cut.materials[0].specific_cutting_energy_J_per_m3 = 1.0;
   EXPECT_EQ(cut.Advance(1.0).advance_m, cut.params.max_slide_m);
 }
 
-TEST(ComputeAdvance, OfAStillSpindleIsNone) {
+TEST(ComputeAdvance, IsZeroForAStillSpindleOrNoTime) {
   Cut cut;
   for (const RemovalLaw law : {RemovalLaw::kRate, RemovalLaw::kImmediate}) {
     cut.params.law = law;
@@ -129,18 +133,18 @@ TEST(ComputeAdvance, OfAStillSpindleIsNone) {
   }
 }
 
-TEST(ComputeAdvance, DoesNotDependOnTheSpindlesSense) {
+TEST(ComputeAdvance, DoesNotDependOnTheSpindlesDirection) {
   const Cut cut;
   EXPECT_EQ(cut.Advance(1e-3, kSpindle).advance_m, cut.Advance(1e-3, -kSpindle).advance_m);
 }
 
-TEST(ComputeAdvance, WithTheImmediateLawGoesAllTheWay) {
+TEST(ComputeAdvance, WithTheImmediateLawIsTheWholePenetration) {
   Cut cut;
   cut.params.law = RemovalLaw::kImmediate;
   EXPECT_EQ(cut.Advance(1e-3).advance_m, cut.solution.cutting_m);
 }
 
-TEST(ComputeAdvance, CountsOnNoMoreThanTheLargestForce) {
+TEST(ComputeAdvance, DoesNotGrowBeyondTheLargestForce) {
   Cut cut;
   cut.materials[0].specific_cutting_energy_J_per_m3 = 1e12;  // so hard that the law is linear
   cut.solution.cutting_m = 10e-3;                            // at the limit of 200 N
@@ -149,40 +153,43 @@ TEST(ComputeAdvance, CountsOnNoMoreThanTheLargestForce) {
   EXPECT_NEAR(cut.Advance(1e-3).advance_m, at_limit, 1e-6 * at_limit);
 }
 
-TEST(ComputeAdvance, WorkOfTheEdgeIsTheEnergyOfTheVolumeItSweeps) {
+TEST(ComputeAdvance, EdgeWorkIsTheCuttingEnergyOfTheSweptVolume) {
   const Cut cut;
   const FrameAdvance frame = cut.Advance(1e-3);
   EXPECT_NEAR(frame.edge_work_J, 50e6 * 500e-6 * frame.advance_m, 1e-12);
 }
 
-TEST(ComputeAdvance, PaysItsDebtFirst) {
+// energy_lead_J: work of bone that was cleared before the edge has done it; a frame recovers it first.
+TEST(ComputeAdvance, RecoversTheEnergyLeadBeforeItAdvances) {
   const Cut cut;
   const double dt = 1e-3, work_J = 40.0 * 0.8 * 15e-3 * kSpindle * dt;
   const double free_m = cut.Advance(dt).advance_m;
-  // a debt whose share in this frame takes half of the frame's work
+  // a lead whose recovery in this frame takes half of the frame's work
   const double energy_lead_J = 0.5 * work_J * kEnergyLeadSeconds / dt;
   const FrameAdvance paying = cut.Advance(dt, kSpindle, energy_lead_J);
   EXPECT_NEAR(paying.advance_m, 0.5 * free_m, 1e-2 * free_m);  // up to the law's curvature over the frame
-  // and the edge has done the same work as without the debt, to the same accuracy
+  // the edge has done the same work as without a lead, to the same accuracy
   EXPECT_NEAR(paying.edge_work_J, work_J, 1e-2 * work_J);
-  // a debt beyond the frame's work holds the tool, while the edge still works
+  // a lead beyond the frame's work stops the advance, while the edge still works
   const FrameAdvance held = cut.Advance(dt, kSpindle, 10.0 * energy_lead_J);
   EXPECT_EQ(held.advance_m, 0.0);
   EXPECT_NEAR(held.edge_work_J, work_J, 1e-12);
 }
 
-TEST(ComputeAdvance, TorqueOfTheEdgeIsTheCuttingForceAtItsArm) {
+TEST(ComputeAdvance, EdgePowerIsTheCuttingForceTimesArmAndSpeed) {
   const Cut cut;
   const double dt = 1e-9;  // so short that the force does not fall
   EXPECT_NEAR(cut.Advance(dt).edge_work_J / (kSpindle * dt), 0.8 * 40.0 * 15e-3, 1e-6);
 }
 
-// ---- the frame's end
+// ---- the finished frame
 
+// A contact with normal n and point p_T_m that holds the tool by multiplier_m.
 SolvedContact At(const Vector3& n, const Vector3& p_T_m, double multiplier_m, double weight = 1.0) {
   return {.n = n, .p_T_m = p_T_m, .gap_m = -multiplier_m, .multiplier_m = multiplier_m, .weight = weight};
 }
 
+// A frame of one material with the tool at the origin, to which contacts are added before it is finished.
 struct Frame {
   CuttingParams params;
   std::vector<Material> materials{{.name = "bone", .specific_cutting_energy_J_per_m3 = 50e6}};
@@ -206,7 +213,7 @@ TEST(FinishFrame, GivesAForceAlongTheNormalOfStiffnessTimesDepth) {
   EXPECT_LT((Vector3(model.F_T_W.f) - Vector3(0, 0, 60.0)).norm(), 1e-12);
 }
 
-TEST(FinishFrame, LimitsTheWrenchWithoutTurningIt) {
+TEST(FinishFrame, LimitsTheWrenchWithoutChangingItsDirection) {
   Frame frame;
   frame.Add(At(Vector3::UnitZ(), Vector3(5e-3, 0, 0), 3e-3));
   frame.Add(At(Vector3::UnitX(), Vector3(0, 20e-3, 0), 4e-3));
@@ -221,7 +228,7 @@ TEST(FinishFrame, LimitsTheWrenchWithoutTurningIt) {
   EXPECT_LT((limited.t - 2.0 * free.t).norm(), 1e-12);
 }
 
-TEST(FinishFrame, TorqueIsTheLeverOfTheTouchingPointAboutTheTool) {
+TEST(FinishFrame, TorqueIsThatOfTheContactForceAboutTheToolsOrigin) {
   Frame frame;
   Pose X_WT = Pose::Identity();
   X_WT.translation() = Vector3(0.3, -0.2, 0.5);
@@ -234,7 +241,7 @@ TEST(FinishFrame, TorqueIsTheLeverOfTheTouchingPointAboutTheTool) {
   EXPECT_LT((Vector3(model.F_T_W.t) - Vector3(10e-3, 4e-3, 0).cross(Vector3(0, 0, 20))).norm(), 1e-12);
 }
 
-TEST(FinishFrame, TurnsEverythingFromTheBonesFrameIntoTheWorlds) {
+TEST(FinishFrame, TransformsForcesNormalsAndPosesFromGToW) {
   Frame frame;
   frame.Add(At(Vector3::UnitZ(), Vector3::Zero(), 1e-3));
   frame.solution.n = Vector3::UnitZ();
@@ -249,7 +256,7 @@ TEST(FinishFrame, TurnsEverythingFromTheBonesFrameIntoTheWorlds) {
   EXPECT_LT((Pose(model.X_WP).matrix() - X_WG.matrix()).norm(), 1e-12);
 }
 
-TEST(FinishFrame, WeightsOfTheContactsAreSharesOfTheirOverlaps) {
+TEST(FinishFrame, ContactWeightsAreScaledToASumOfOne) {
   Frame frame;
   frame.Add(At(Vector3::UnitZ(), Vector3::Zero(), 1e-3, 3.0));
   frame.Add(At(Vector3::UnitX(), Vector3::Zero(), 1e-3, 1.0));
@@ -279,7 +286,8 @@ TEST(FinishFrame, AShaftsContactHasTheMaterialOfItsPlace) {
     contact.cutting = false;
     frame.Add(contact);
   }
-  // the cutting contact beside it is in the first material, and the second contact holds more
+  // A cutting contact lies in the second material, but the engaged area is in the first. The second contact
+  // has the largest multiplier.
   frame.Add(At(Vector3::UnitX(), Vector3(3e-3, 0, 0), 1e-3));
   frame.solution.contacts[1].multiplier_m = 2e-3;
   frame.solution.engaged_area_m2[0] = 1e-6;
@@ -309,7 +317,7 @@ TEST(FinishFrame, LooksUpTheMaterialInTheBonesFrame) {
   EXPECT_EQ(frame.Finish(X_WG).contacts[0].material, 1);
 }
 
-TEST(FinishFrame, BooksVolumeMassWorkAndDebt) {
+TEST(FinishFrame, AddsUpVolumeMassWorkAndEnergyLead) {
   Frame frame;
   frame.materials.push_back(
       {.name = "hard", .density_kg_per_m3 = 2000.0, .specific_cutting_energy_J_per_m3 = 1e9});
@@ -326,7 +334,8 @@ TEST(FinishFrame, BooksVolumeMassWorkAndDebt) {
   EXPECT_EQ(model.frame, 2u);
 }
 
-TEST(FinishFrame, TurnsTheProxyAsFarAsItsPathWent) {
+// Half of the rotation happens before contact, and half of the rest after it: 0.3 of 0.4 rad.
+TEST(FinishFrame, TurnsTheProxyByItsFractionOfThePath) {
   Frame frame;
   Pose X_WT = Pose::Identity();
   X_WT.linear() = ExpRotation({0, 0, 0.4});
@@ -337,8 +346,8 @@ TEST(FinishFrame, TurnsTheProxyAsFarAsItsPathWent) {
   EXPECT_LT((LogRotation(X_WP.linear()) - Vector3(0, 0, 0.3)).norm(), 1e-12);
 }
 
-// Bone that holds a tool for long keeps it from turning: its proxy's rotation stays one.
-TEST(FinishFrame, AProxyThatIsKeptFromTurningStaysAPose) {
+// Over 2000 frames in which bone keeps the tool from turning, rounding must not spoil the proxy's rotation.
+TEST(FinishFrame, AProxyThatCannotTurnKeepsItsRotation) {
   std::mt19937 random(1);
   std::normal_distribution<> normal;
   for (int k = 0; k < 50; ++k) {
@@ -364,7 +373,7 @@ TEST(FinishFrame, SpindleTorqueIsTheEdgesWorkOverItsAngle) {
   EXPECT_NEAR(frame.Finish().spindle_torque_Nm, 0.05 / (kSpindle * frame.input.dt_s), 1e-12);
 }
 
-TEST(FrameMemory, SurvivesAState) {
+TEST(FrameMemory, IsUnchangedAfterStoringItInAState) {
   FrameMemory memory{.contact = {},
                      .has_proxy = true,
                      .removed_volume_m3 = 1,
@@ -387,12 +396,12 @@ TEST(FrameMemory, SurvivesAState) {
 
 // ---- frames in parts
 
-// Computes parts until part `fails`, which ends with a status.
-ContactModel InParts(int fails, EngineStatus status, FrameMemory& memory) {
+// Steps a frame of four parts; part number `failing` does nothing and returns the status.
+ContactModel StepFourParts(int failing, EngineStatus status, FrameMemory& memory) {
   int number = 0;
   return StepInParts({.stamp = 7}, Pose::Identity(), 4, memory, [&](const FrameInput& part) {
     ContactModel model;
-    if (number == fails) {
+    if (number == failing) {
       model.status = status;
       return model;
     }
@@ -403,32 +412,33 @@ ContactModel InParts(int fails, EngineStatus status, FrameMemory& memory) {
   });
 }
 
-TEST(StepInParts, AFrameThatIsRefusedHasDoneNothing) {
+TEST(StepInParts, ARefusedFirstPartLeavesTheFrameUndone) {
   FrameMemory memory{.frame = 10};
-  const ContactModel model = InParts(0, EngineStatus::kOverloaded, memory);
+  const ContactModel model = StepFourParts(0, EngineStatus::kOverloaded, memory);
   EXPECT_EQ(model.status, EngineStatus::kOverloaded);
   EXPECT_EQ(model.frame, 0u);
   EXPECT_EQ(memory.frame, 10u);
 }
 
-// The cuts of earlier parts remain: the frame is not one that "changed nothing".
-TEST(StepInParts, EndsWithThePartsThatWereDoneWhereALaterOneIsRefused) {
+// The cuts of earlier parts remain, so the frame must not be reported as refused, which means "unchanged
+// bone".
+TEST(StepInParts, ARefusedLaterPartEndsTheFrameWithTheEarlierParts) {
   FrameMemory memory{.frame = 10};
-  const ContactModel model = InParts(2, EngineStatus::kOverloaded, memory);
+  const ContactModel model = StepFourParts(2, EngineStatus::kOverloaded, memory);
   EXPECT_EQ(model.status, EngineStatus::kOk);
   EXPECT_EQ(model.removed_volume_m3, 2.0);
   EXPECT_EQ(model.frame, 11u);
   EXPECT_EQ(memory.frame, 11u);
 }
 
-TEST(StepInParts, TellsALostDeviceAtOnce) {
+TEST(StepInParts, ReportsALostDeviceEvenAfterCompletedParts) {
   FrameMemory memory{.frame = 10};
-  EXPECT_EQ(InParts(2, EngineStatus::kDeviceLost, memory).status, EngineStatus::kDeviceLost);
+  EXPECT_EQ(StepFourParts(2, EngineStatus::kDeviceLost, memory).status, EngineStatus::kDeviceLost);
 }
 
-TEST(StepInParts, CountsAsOneFrame) {
+TEST(StepInParts, FourPartsCountAsOneFrame) {
   FrameMemory memory{.frame = 10};
-  const ContactModel model = InParts(9, EngineStatus::kOk, memory);
+  const ContactModel model = StepFourParts(9, EngineStatus::kOk, memory);
   EXPECT_EQ(model.removed_volume_m3, 4.0);
   EXPECT_EQ(model.frame, 11u);
   EXPECT_EQ(memory.frame, 11u);
@@ -436,7 +446,7 @@ TEST(StepInParts, CountsAsOneFrame) {
 
 // ---- input
 
-TEST(IsUsable, TakesAnyRotationAndUpToASecond) {
+TEST(IsUsable, AcceptsAnyRotationAndUpToOneSecond) {
   FrameInput input;
   EXPECT_TRUE(IsUsable(input));
   Pose X = Pose::Identity();
@@ -449,7 +459,7 @@ TEST(IsUsable, TakesAnyRotationAndUpToASecond) {
   EXPECT_TRUE(IsUsable(input));
 }
 
-TEST(IsUsable, RefusesWhatIsNotFiniteNotARotationOrBackInTime) {
+TEST(IsUsable, RefusesNonFiniteNumbersNonRotationsAndTimesOutOfRange) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   for (const double bad : {nan, inf, -inf}) {
     for (std::size_t i = 0; i < 9; ++i) {

@@ -4,15 +4,17 @@
 
 #include <gtest/gtest.h>
 
+// Tests of a change of tool in a carved bone: the clearance of the new tool, and its first state.
+
 namespace osteon::simulation {
 namespace {
 
-// Oracle: distance of two centres less both radii.
-TEST(ToolClearance, IsTheGapOfTheNearestPair) {
+// Oracle: distance of two centres less both radii, by hand.
+TEST(ToolClearance, IsTheGapOfTheNearestPairOfBalls) {
   CarvedState state;
   state.balls = {0.0f,  0.0f, 0.0f, 1.0f,   // 1 mm at the origin
                  10.0f, 0.0f, 0.0f, 2.0f,   // 2 mm
-                 3.0f,  0.0f, 0.0f, 0.0f};  // gone
+                 3.0f,  0.0f, 0.0f, 0.0f};  // removed
   Tool tool;
   tool.balls = {{.center_m = Vector3(0.0, 0.0, -0.002), .radius_m = 0.002},
                 {.center_m = Vector3(0.0, 0.0, -0.010), .radius_m = 0.001, .cutting = false}};
@@ -30,7 +32,7 @@ TEST(ToolClearance, IsTheGapOfTheNearestPair) {
   EXPECT_TRUE(std::isinf(ToolClearance(state, tool, X_GT))) << "no bone is left";
 }
 
-TEST(ToolChange, AnotherToolBeginsWithoutProxyAndContact) {
+TEST(ToolChange, KeepsTheBoneAndForgetsTheProxy) {
   CarvedState state;
   state.balls = {1.0f, 2.0f, 3.0f, 4.0f};
   state.cleared = {1, 0};

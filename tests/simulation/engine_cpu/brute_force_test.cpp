@@ -6,11 +6,14 @@
 #include "tests/simulation/engine_cpu/equal_engines.h"
 #include "tests/simulation/engine_cpu/stroke_input.h"
 
-// Neighbour lists and bounds change no bit: every pair in every pass gives the same.
+// The CPU engine finds near pairs by neighbour lists and bounds. These tests show that its results equal, bit
+// for bit, those of a search over all pairs in every pass.
 
 namespace osteon::simulation {
 namespace {
 
+// Steps three engines over the strip: all pairs, lists that are built ahead, lists that are built when
+// needed. Expects equal bits in every frame, and that the tool cuts.
 void ExpectListsChangeNoBit(const Bone& bone, const Tool& tool, const CuttingParams& params, int frames) {
   const Pose X_WG = Pose::Identity();
   CpuEngine brute(bone, tool, X_WG, params, {.brute_force = true}), lists(bone, tool, X_WG, params),
@@ -32,11 +35,11 @@ void ExpectListsChangeNoBit(const Bone& bone, const Tool& tool, const CuttingPar
   EXPECT_TRUE(Identical(brute.Snapshot(), at_once.Snapshot()));
 }
 
-TEST(CpuEngineLists, ChangeNoBitOfABallOnAStrip) {
+TEST(CpuEngineLists, ChangeNoBitForABallOnAStrip) {
   ExpectListsChangeNoBit(gpu::Strip(60), gpu::Ball(6e-3), {}, 140);
 }
 
-TEST(CpuEngineLists, ChangeNoBitOfAShellOnAStrip) {
+TEST(CpuEngineLists, ChangeNoBitForAShellOfBallsOnAStrip) {
   for (const Cutters cutters : {Cutters::kAll, Cutters::kContactSphere}) {
     CuttingParams params;
     params.law = RemovalLaw::kImmediate;
@@ -45,15 +48,16 @@ TEST(CpuEngineLists, ChangeNoBitOfAShellOnAStrip) {
   }
 }
 
-TEST(CpuEngineLists, ChangeNoBitWhereBallsAreSplit) {
+TEST(CpuEngineLists, ChangeNoBitWhenBallsAreSplit) {
   CuttingParams params;
   params.split.on = true;
   params.split.pool_blocks = 64;
   ExpectListsChangeNoBit(gpu::Strip(60), gpu::Ball(6e-3), params, 140);
 }
 
-// Along the strip the lists are made at the start, and then ahead: hardly any frame makes a whole one.
-TEST(CpuEngineLists, AreMadeAhead) {
+// The tool moves 4 mm along the strip. A frame rebuilds whole lists only at the start; later lists are
+// prepared in small parts in advance.
+TEST(CpuEngineLists, AreRarelyRebuiltWithinOneFrame) {
   CpuEngine engine(gpu::Strip(200), gpu::Ball(6e-3), Pose::Identity(), {});
   int made = 0;
   for (int i = 0; i < 400; ++i) {

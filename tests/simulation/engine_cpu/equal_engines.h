@@ -10,12 +10,12 @@
 #include "simulation/engine/reference_engine.h"
 #include "simulation/engine_cpu/cpu_engine.h"
 
-// The reference engine, with and without lists of what is near, and the CPU engine with each instruction set,
-// stepped alike: every number has to be the same to the last bit.
+// Steps several engines with the same inputs and compares them bit for bit: the reference engine, with and
+// without neighbour lists, and the CPU engine with each instruction set.
 
 namespace osteon::simulation {
 
-/// Every number of a model, without its padding.
+/// Whether every number of two models is equal bit for bit; padding bytes are not compared.
 inline bool Identical(const ContactModel& a, const ContactModel& b) {
   const auto same = [](const auto& x, const auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; };
   bool equal = same(a.X_WP, b.X_WP) && a.contact_count == b.contact_count && a.status == b.status &&
@@ -36,7 +36,7 @@ inline bool Identical(const ContactModel& a, const ContactModel& b) {
   return equal;
 }
 
-/// The names of figures that differ, for a failure's message.
+/// The names of the fields that differ, for a failure's message.
 inline std::string DifferencesOf(const ContactModel& a, const ContactModel& b) {
   std::string names;
   const auto note = [&](const char* name, const auto& x, const auto& y) {
@@ -56,7 +56,7 @@ inline std::string DifferencesOf(const ContactModel& a, const ContactModel& b) {
   return names;
 }
 
-/// Every number of a carved state.
+/// Whether every number of two carved states is equal bit for bit.
 inline bool Identical(const CarvedState& a, const CarvedState& b) {
   const auto same = [](const auto& x, const auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; };
   const auto same_list = [](const auto& x, const auto& y) {
@@ -78,18 +78,20 @@ inline bool Identical(const CarvedState& a, const CarvedState& b) {
   return equal;
 }
 
-/// What a run amounted to: engines that do nothing are alike, too.
+/// Facts that show that a run was worth comparing: engines that do nothing would be equal as well.
 struct RunFacts {
   int touching{0};
   double max_force_N{0.0};
   std::size_t balls_cut{0}, points_cleared{0}, split{0};
 };
 
+/// Engines of one bone and tool that must stay equal.
 class EqualEngines {
  public:
-  /// @param sets  instruction sets; empty: all that the processor has, and no reference over all balls, which
-  /// takes
-  ///   too long where there are many
+  /// @param sets  instruction sets of the CPU engines; with these, a reference engine that visits all balls
+  /// is
+  ///   compared as well. Empty: all sets that the processor has, and no such engine, since it would be too
+  ///   slow
   EqualEngines(Bone bone, const Tool& tool, const CuttingParams& params = {},
                const Pose& X_WG = Pose::Identity(), const std::vector<std::string>& sets = {})
       : bone_(std::move(bone)), reference_(bone_, tool, X_WG, params) {
@@ -115,11 +117,11 @@ class EqualEngines {
     }
     return equal;
   }
-  /// Which engine differed, and in what.
+  /// The engines that differed, each with the names of the fields.
   [[nodiscard]] const std::string& differences() const { return differences_; }
   [[nodiscard]] const ContactModel& model() const { return model_; }
 
-  /// Whether all carved states are the same; fills what the run amounted to.
+  /// Whether all carved states are equal; fills facts() from the reference's state.
   [[nodiscard]] bool SameStates() {
     const CarvedState state = reference_.Snapshot();
     facts_.balls_cut = facts_.points_cleared = 0;
@@ -133,7 +135,7 @@ class EqualEngines {
   }
   [[nodiscard]] const RunFacts& facts() const { return facts_; }
 
-  /// All go on from the reference's state, the reference too: blocks of split balls then have other numbers,
+  /// Restores all engines, the reference too, from the reference's state. Split balls then get new numbers,
   /// and sums another order.
   void RestoreAll() {
     const CarvedState state = reference_.Snapshot();

@@ -5,19 +5,22 @@
 #include "tests/gpu/engine/contract_bench.h"
 #include "tests/simulation/engine_cpu/equal_engines.h"
 
-// The CPU engine gives the reference engine's bits, with every instruction set.
+// Tests that the CPU engine's results equal the reference engine's bit for bit, with every instruction set.
 
 namespace osteon::simulation {
 namespace {
 
 constexpr double kSpindle_rad_per_s = gpu::kSpindle_rad_per_s;
 
+/// Lower limits that show that a run was worth comparing: largest force, frames in contact, balls cut and
+/// points cleared.
 struct Minimum {
   double force_N;
   int touching;
   std::size_t balls, points;
 };
-void ExpectWorthComparing(EqualEngines& engines, const Minimum& least) {
+/// Expects equal carved states, and a run that reached the minimum.
+void ExpectEqualStatesAndAtLeast(EqualEngines& engines, const Minimum& least) {
   EXPECT_TRUE(engines.SameStates());
   const RunFacts& facts = engines.facts();
   std::printf("%d frames in contact, up to %.1f N, %zu balls cut, %zu split, %zu points cleared, %.1f mm^3\n",
@@ -29,17 +32,17 @@ void ExpectWorthComparing(EqualEngines& engines, const Minimum& least) {
   EXPECT_GE(facts.points_cleared, least.points);
 }
 
-TEST(CpuEngine, ReamsToTheReferencesBitsForAThousandFrames) {
+TEST(CpuEngine, EqualsTheReferenceBitForBitWhileReamingAThousandFrames) {
   EqualEngines engines(gpu::DefaultBone(), gpu::DefaultReamer());
   gpu::Hand hand;
   for (int i = 0; i < 1000; ++i)
     ASSERT_TRUE(engines.Step(hand.Next(engines.model().F_T_W.f))) << "frame " << i << "\n"
                                                                   << engines.differences();
-  ExpectWorthComparing(engines, {.force_N = 100.0, .touching = 980, .balls = 500, .points = 500});
+  ExpectEqualStatesAndAtLeast(engines, {.force_N = 100.0, .touching = 980, .balls = 500, .points = 500});
 }
 
-// With an edge force that the hand's force overcomes in soft tissue alone.
-TEST(CpuEngine, ReamsAgainstTheEdgesForceToTheReferencesBits) {
+// The hand's force overcomes the edge force in soft tissue only.
+TEST(CpuEngine, EqualsTheReferenceBitForBitWithAnEdgeForce) {
   Bone bone = gpu::DefaultBone();
   for (Material& material : bone.materials) {
     material.measured_chip_m = 50e-6;
@@ -52,11 +55,11 @@ TEST(CpuEngine, ReamsAgainstTheEdgesForceToTheReferencesBits) {
   for (int i = 0; i < 200; ++i)
     ASSERT_TRUE(engines.Step(hand.Next(engines.model().F_T_W.f))) << "frame " << i << "\n"
                                                                   << engines.differences();
-  ExpectWorthComparing(engines, {.force_N = 50.0, .touching = 150, .balls = 50, .points = 20});
+  ExpectEqualStatesAndAtLeast(engines, {.force_N = 50.0, .touching = 150, .balls = 50, .points = 20});
 }
 
-// A burr in bone of balls not much smaller than itself: which of them holds it is decided anew all the time.
-TEST(CpuEngine, BurrsToTheReferencesBitsForTwoThousandFrames) {
+// The bone's balls are not much smaller than the burr, so the pairs that hold the burr change all the time.
+TEST(CpuEngine, EqualsTheReferenceBitForBitWhileBurringTwoThousandFrames) {
   Tool tool;
   tool.balls.push_back({.center_m = Vector3(0, 0, 4e-3), .radius_m = 4e-3, .cutting = true});
   EqualEngines engines(gpu::DefaultBone(), tool);
@@ -68,11 +71,12 @@ TEST(CpuEngine, BurrsToTheReferencesBitsForTwoThousandFrames) {
         Vector3(0.029 + 1.5e-3 * std::sin(phase), 0.8e-3 * std::sin(2.0 * phase), 0.4e-3 - 2e-3 * down);
     ASSERT_TRUE(engines.Step(input)) << "frame " << i << "\n" << engines.differences();
   }
-  ExpectWorthComparing(engines, {.force_N = 5.0, .touching = 1500, .balls = 50, .points = 5});
+  ExpectEqualStatesAndAtLeast(engines, {.force_N = 5.0, .touching = 1500, .balls = 50, .points = 5});
 }
 
-// A turning tool of many balls, spindle on and off; all of them cut, or the one that touches first.
-TEST(CpuEngine, TurnsAShellOfSixtyBallsToTheReferencesBits) {
+// The tool rotates, and the spindle is on and off. Either all of its balls cut or only the one that touches
+// first.
+TEST(CpuEngine, EqualsTheReferenceBitForBitForARotatingShellOfSixtyBalls) {
   constexpr int kFrames = 250;
   for (const Cutters cutters : {Cutters::kAll, Cutters::kContactSphere}) {
     CuttingParams params;
@@ -89,12 +93,13 @@ TEST(CpuEngine, TurnsAShellOfSixtyBallsToTheReferencesBits) {
           .X_WT = X, .spindle_rad_per_s = i % 50 < 40 ? kSpindle_rad_per_s : 0.0, .dt_s = 1e-3};
       ASSERT_TRUE(engines.Step(input)) << "frame " << i << "\n" << engines.differences();
     }
-    ExpectWorthComparing(engines, {.force_N = 1.0, .touching = 100, .balls = 10, .points = 0});
+    ExpectEqualStatesAndAtLeast(engines, {.force_N = 1.0, .touching = 100, .balls = 10, .points = 0});
   }
 }
 
-// All the way to the pose in every frame, by 0.05 to 6 mm: lists are left behind in a frame.
-TEST(CpuEngine, FollowsTheImmediateLawToTheReferencesBits) {
+// The tool moves by 0.05 to 6 mm a frame: at 6 mm it leaves the range of its neighbour lists within the
+// frame.
+TEST(CpuEngine, EqualsTheReferenceBitForBitWithTheImmediateLaw) {
   CuttingParams params;
   params.law = RemovalLaw::kImmediate;
   EqualEngines engines(gpu::DefaultBone(), gpu::DefaultReamer(), params);
@@ -106,11 +111,11 @@ TEST(CpuEngine, FollowsTheImmediateLawToTheReferencesBits) {
         << "frame " << i << "\n"
         << engines.differences();
   }
-  ExpectWorthComparing(engines, {.force_N = 1.0, .touching = 50, .balls = 100, .points = 50});
+  ExpectEqualStatesAndAtLeast(engines, {.force_N = 1.0, .touching = 50, .balls = 100, .points = 50});
 }
 
-// Balls that are split, with room for few of them and few a frame.
-TEST(CpuEngine, SplitsToTheReferencesBits) {
+// Splitting runs into both of its limits: the pool's size and the budget of a frame.
+TEST(CpuEngine, EqualsTheReferenceBitForBitWhileSplittingBalls) {
   CuttingParams params;
   params.split.on = true;
   params.split.pool_blocks = 40;
@@ -129,7 +134,7 @@ TEST(CpuEngine, SplitsToTheReferencesBits) {
       engines.RestoreAll();
     }
   }
-  ExpectWorthComparing(engines, {.force_N = 1.0, .touching = 100, .balls = 10, .points = 0});
+  ExpectEqualStatesAndAtLeast(engines, {.force_N = 1.0, .touching = 100, .balls = 10, .points = 0});
   EXPECT_GT(engines.facts().split, 10u);
 }
 

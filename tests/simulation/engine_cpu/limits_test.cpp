@@ -8,11 +8,12 @@
 #include "tests/simulation/engine_cpu/equal_engines.h"
 #include "tests/simulation/engine_cpu/stroke_input.h"
 
-// Sizes, refusals and what is said of them.
+// Tests of the CPU engine at its limits: odd sizes, refused set-ups with their messages, overloaded frames.
 
 namespace osteon::simulation {
 namespace {
 
+// The message with which `make` refuses; empty: accepted.
 template <class Make>
 std::string RefusalOf(Make&& make) {
   try {
@@ -23,8 +24,8 @@ std::string RefusalOf(Make&& make) {
   return {};
 }
 
-// Infinite places match the empty boxes of a node as well.
-TEST(CpuEngineLimits, ASearchVisitsTheClustersThatThereAre) {
+// The test function accepts all eight boxes of a node; the empty ones among them must not be visited.
+TEST(CpuEngineLimits, ASearchVisitsEachExistingClusterOnce) {
   for (const std::size_t count : {1u, 64u, 65u, 64u * 9u, 64u * 65u}) {
     const cpu::BoxTree tree(std::vector<cpu::BoxTree::Box>(count, {.low = {0, 0, 0}, .high = {1, 1, 1}}));
     std::vector<std::uint32_t> visited;
@@ -51,7 +52,7 @@ TEST(CpuEngineLimits, RefusalsNameWhatWasFoundAndWhatIsAccepted) {
   EXPECT_NE(make(gpu::Strip(2), gpu::Ball(1e-3), split).find("split: pool: found 0"), std::string::npos);
 }
 
-TEST(CpuEngineLimits, ItSaysWhatItRunsOn) {
+TEST(CpuEngineLimits, NamesTheEngineAndItsDevice) {
   for (const std::string& set : CpuInstructionSets()) {
     const CpuEngine engine(gpu::Strip(2), gpu::Ball(1e-3), Pose::Identity(), {}, {.instruction_set = set});
     EXPECT_EQ(engine.name(), "cpu");
@@ -59,8 +60,8 @@ TEST(CpuEngineLimits, ItSaysWhatItRunsOn) {
   }
 }
 
-// More pairs than there is room for: the frame changes nothing, and the engine goes on where it has room
-// again.
+// A frame with more pairs than the lists can take changes nothing, and the engine works again in the next
+// frame with fewer pairs.
 TEST(CpuEngineLimits, AnOverloadedFrameChangesNothing) {
   const Bone bone = gpu::Strip(100);
   CpuEngine engine(bone, gpu::Shell(400), Pose::Identity(), {}, {.list_capacity = 20});
@@ -73,14 +74,14 @@ TEST(CpuEngineLimits, AnOverloadedFrameChangesNothing) {
   EXPECT_EQ(engine.Step(far).status, EngineStatus::kOk);
 }
 
-TEST(CpuEngineLimits, ToolsOfTenThousandBallsGiveTheReferencesBits) {
+TEST(CpuEngineLimits, AToolOfTenThousandBallsEqualsTheReferenceBitForBit) {
   EqualEngines engines(gpu::Strip(40), gpu::Shell(10'000));
   for (int i = 0; i < 20; ++i) ASSERT_TRUE(engines.Step(StrokeInput(5 * i))) << "frame " << i;
   EXPECT_TRUE(engines.SameStates());
   EXPECT_GT(engines.facts().touching, 5);
 }
 
-TEST(CpuEngineLimits, EmptyBonesAndOddSizesGiveTheReferencesBits) {
+TEST(CpuEngineLimits, EmptyBonesAndOddSizesEqualTheReferenceBitForBit) {
   for (const int balls : {0, 1, 7, 8, 9, 63, 64, 65, 129}) {
     for (const int tool_balls : {1, 7, 8, 9}) {
       EqualEngines engines(gpu::Strip(balls), gpu::Shell(tool_balls));
@@ -91,7 +92,7 @@ TEST(CpuEngineLimits, EmptyBonesAndOddSizesGiveTheReferencesBits) {
   }
 }
 
-TEST(CpuEngineLimits, AStateThatIsRefusedChangesNothing) {
+TEST(CpuEngineLimits, ARefusedStateChangesNothing) {
   CpuEngine engine(gpu::Strip(40), gpu::Ball(6e-3), Pose::Identity(), {}),
       other(gpu::Strip(41), gpu::Ball(6e-3), Pose::Identity(), {});
   for (int i = 0; i < 60; ++i) engine.Step(StrokeInput(2 * i));

@@ -3,7 +3,8 @@
 #include "tests/gpu/engine/strip_bench.h"
 #include "tests/simulation/engine_cpu/equal_engines.h"
 
-// A frame allocates nothing, from the first one on: lists, new lists, cutting, clearing, splitting.
+// Tests that the CPU engine's frames allocate nothing from the first one on: while lists are rebuilt, balls
+// are cut and split, and points are cleared.
 
 namespace osteon::simulation {
 namespace {
@@ -18,7 +19,7 @@ TEST(CpuEngineFrame, DoesNotAllocateWhileReaming) {
   EXPECT_GT(model.removed_volume_m3, 1e-9);
 }
 
-TEST(CpuEngineFrame, DoesNotAllocateWhereToolsLeap) {
+TEST(CpuEngineFrame, DoesNotAllocateWhileTheToolJumps) {
   CuttingParams params;
   params.law = RemovalLaw::kImmediate;
   params.split.on = true;

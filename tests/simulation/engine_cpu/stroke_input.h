@@ -6,7 +6,7 @@
 
 namespace osteon::simulation {
 
-/// Frame `i` of a turning tool that is drawn over a strip of balls.
+/// Input of frame `i` of gpu::Stroke: a rotating tool moves over a strip of balls with its spindle on.
 inline FrameInput StrokeInput(int i) {
   return {.X_WT = gpu::Stroke(i), .spindle_rad_per_s = gpu::kSpindle_rad_per_s, .dt_s = 1e-3};
 }

@@ -8,19 +8,20 @@
 #include "simulation/solids/shell_solid.h"
 #include "tests/oracles/depth_table.h"
 
-// Shapes whose error is known exactly.
+// Tests of the accuracy of a cut, on shapes whose error is known exactly.
 
 namespace osteon::simulation {
 namespace {
 
-/// A solid less the sweep of a ball along a segment, the ball larger than the tool by `over_m`.
+/// The solid without the sweep along the scene's path of a ball larger than the tool by `over_m` (negative:
+/// smaller).
 class OvercutShape final : public CarvedShape {
  public:
   OvercutShape(const Solid& solid, const DepthScene& scene, double over_m)
       : solid_(solid), scene_(scene), radius_m_(scene.tool.balls.front().radius_m + over_m) {}
 
-  // distance to a box less capsules: exact where one of the two is nearest, as here within the cut's middle;
-  // elsewhere a lower bound
+  // Distance to a box without capsules: exact in the middle of the cut, where these tests use it, and
+  // elsewhere a lower bound.
   [[nodiscard]] double Distance(const Vector3& p, double at_most_m) const override {
     double axis = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i + 1 < scene_.corners_m.size(); ++i)
@@ -36,11 +37,11 @@ class OvercutShape final : public CarvedShape {
 
 SweptTool Swept(const DepthScene& scene) { return {scene.tool, scene.Path(0.5e-3)}; }
 
-TEST(CutAccuracy, AreaAndSweptVolumeAreThoseOfTheClosedForms) {
+TEST(CutAccuracy, AreaAndSweptVolumeAgreeWithTheClosedForms) {
   const DepthScene block = MakeBlockScene(), cup = MakeCupScene();
   const OvercutShape whole(*block.solid, block, -1.0), cut(*block.solid, block, 0.0);
   const CutAccuracy m = MeasureCut(*block.solid, whole, cut, Swept(block), {.surface_cells = 20'000});
-  // half a ball and half a cylinder of 6 mm
+  // half a ball and half a cylinder 6 mm long
   const double R = 5e-3, volume = M_PI * (2.0 / 3.0 * R * R * R + 0.5 * R * R * 6e-3);
   EXPECT_NEAR(m.swept_volume_m3, volume, 0.003 * volume);
   const double area = M_PI * (2.0 * R * R + R * 6e-3);
@@ -49,12 +50,12 @@ TEST(CutAccuracy, AreaAndSweptVolumeAreThoseOfTheClosedForms) {
   EXPECT_EQ(m.left_volume_m3, 0.0);
   EXPECT_EQ(m.left_depth_m, 0.0);
   const CutAccuracy b = MeasureCut(*cup.solid, whole, whole, Swept(cup), {.surface_cells = 20'000});
-  // volume that a ball moving down by h sweeps beyond a ball at its start, below z = 0: a disc of height h
+  // A ball that moves down by h sweeps, below z = 0, the volume of a disc of height h more than at its start.
   const double swept = M_PI * 25e-3 * 25e-3 * 3e-3;
   EXPECT_NEAR(b.swept_volume_m3, swept, 0.005 * swept);
 }
 
-TEST(CutAccuracy, FindsAnErrorThatIsTheSameEverywhere) {
+TEST(CutAccuracy, MeasuresAnOvercutThatIsTheSameEverywhere) {
   const DepthScene scene = MakeBlockScene();
   const OvercutShape whole(*scene.solid, scene, -1.0);
   for (const double over : {0.02e-3, 0.1e-3}) {
@@ -75,7 +76,8 @@ TEST(CutAccuracy, FindsAnErrorThatIsTheSameEverywhere) {
   }
 }
 
-TEST(CutAccuracy, SeesWhatStandsInThePath) {
+// The carved ball is 0.2 mm smaller than the tool, so a layer of this thickness is left in the tool's path.
+TEST(CutAccuracy, MeasuresBoneThatIsLeftInThePath) {
   const DepthScene scene = MakeBlockScene();
   const OvercutShape whole(*scene.solid, scene, -1.0), after(*scene.solid, scene, -0.2e-3);
   const CutAccuracy m = MeasureCut(*scene.solid, whole, after, Swept(scene),
@@ -103,7 +105,8 @@ TEST(CutAccuracy, DoesNotDependOnThreadsAndRefusesNoCut) {
   EXPECT_THROW((void)MeasureCut(*scene.solid, whole, after, Swept(scene), params), std::invalid_argument);
 }
 
-TEST(MaxOverlap, IsExact) {
+// The largest overlap is that of the ball of 2.25 mm, 7 - 5 = 2 mm from the sweep; a removed ball has none.
+TEST(MaxOverlap, IsThatOfTheBallDeepestInTheSweep) {
   const DepthScene scene = MakeBlockScene();
   const std::vector<Ball> balls{{.center_m = Vector3(0, 0, -7e-3), .radius_m = 1.5e-3},
                                 {.center_m = Vector3(0, 0, -7e-3), .radius_m = 2.25e-3},
@@ -112,7 +115,7 @@ TEST(MaxOverlap, IsExact) {
   EXPECT_EQ(MaxOverlap({balls.data(), 1}, Swept(scene)), 0.0);
 }
 
-TEST(ShellSolid, DistanceIsThatToTheNearestPointOfItsSurface) {
+TEST(ShellSolid, DistanceIsThatToItsNearestSurfacePoint) {
   const ShellSolid shell(25e-3, 33e-3);
   EXPECT_NEAR(shell.SignedDistance({0, 0, -29e-3}), -4e-3, 1e-15);
   EXPECT_NEAR(shell.SignedDistance({0, 0, -26e-3}), -1e-3, 1e-15);

@@ -8,10 +8,12 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the distance to a union of balls.
+
 namespace osteon::simulation {
 namespace {
 
-// Oracle: the minimum over all balls, for radii over two decades, including gone balls.
+// Oracle: the minimum over all balls. Radii extend over two decades; each seventh ball is removed (radius 0).
 TEST(BallUnion, DistanceIsThatToTheNearestBall) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -30,7 +32,7 @@ TEST(BallUnion, DistanceIsThatToTheNearestBall) {
     for (const Ball& ball : balls)
       if (ball.radius_m > 0.0)
         nearest = std::min(nearest, std::max(0.0, (p - Vector3(ball.center_m)).norm() - ball.radius_m));
-    // at most one rounding apart: both take the same difference
+    // both subtract the same numbers, so they differ by at most one rounding
     ASSERT_NEAR(shape.Distance(p, 1.0), nearest, 1e-17) << i;
     ASSERT_NEAR(shape.Distance(p, 2e-3), std::min(nearest, 2e-3), 1e-17) << i;
     ++(nearest == 0.0 ? inside : nearest < 2e-3 ? near : far);
@@ -38,7 +40,7 @@ TEST(BallUnion, DistanceIsThatToTheNearestBall) {
   EXPECT_GT(std::min({inside, near, far}), 100);
 }
 
-TEST(BallUnion, WithNothingLeftIsFarFromEverywhere) {
+TEST(BallUnion, WithoutBallsTheDistanceIsTheGivenMaximum) {
   EXPECT_EQ(BallUnion({}).Distance({1, 2, 3}, 0.5), 0.5);
   const std::vector<Ball> gone{{.center_m = Vector3(0, 0, 0), .radius_m = 0.0}};
   EXPECT_EQ(BallUnion(gone).Distance({0, 0, 0}, 0.25), 0.25);

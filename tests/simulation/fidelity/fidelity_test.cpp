@@ -13,11 +13,13 @@
 #include "simulation/tools/tool_kinds.h"
 #include "tests/oracles/depth_table.h"
 
-// Parts of a plan: levels of packing and arm, a tool with fewer balls, the time of a frame.
+// Tests of the parts of a resolution plan: the levels of packing and arm, a tool with fewer balls, the time
+// that a frame takes, and the workload of a scene.
 
 namespace osteon::simulation {
 namespace {
 
+/// A drilled hole of radius 2 mm and a reamed cup of radius 25 mm.
 const CutShape kHole{.tool_radius_m = 2e-3, .rim_per_area_1_per_m = 50.0, .area_m2 = 250e-6};
 const CutShape kCup{.tool_radius_m = 25e-3,
                     .along_surface = true,
@@ -25,14 +27,14 @@ const CutShape kCup{.tool_radius_m = 25e-3,
                     .rim_per_area_1_per_m = 40.0,
                     .area_m2 = 3900e-6};
 
-TEST(PackingLevel, IsTheCoarsestThatKeepsTheError) {
+TEST(PackingLevel, CoarsestLevelIsTheCoarsestThatMeetsTheError) {
   for (const CutShape& cut : {kHole, kCup})
     for (const PackingKind kind : {PackingKind::kGraded, PackingKind::kSplit})
       for (const double error_m : {0.01e-3, 0.02e-3, 0.03e-3}) {
         const auto level = CoarsestLevel(kind, error_m, cut, 1e-3);
         ASSERT_TRUE(level) << KindName(kind);
         EXPECT_LE(PredictRemovalError(level->fine, cut).total_m(), error_m);
-        // 2 % coarser exceeds the error, or the range of the closed forms
+        // a level 2 % coarser exceeds the error, or the range in which the closed forms hold
         const PackingLevel coarser = Scaled(*level, 1.02, cut);
         const bool beyond = PredictRemovalError(coarser.fine, cut).total_m() > error_m,
                    large = coarser.fine.radius_m > 0.6 * cut.tool_radius_m ||
@@ -43,7 +45,8 @@ TEST(PackingLevel, IsTheCoarsestThatKeepsTheError) {
   EXPECT_FALSE(CoarsestLevel(PackingKind::kGraded, 1e-9, kHole, 0.0)) << "finer than any packing";
 }
 
-TEST(PackingLevel, NoBallIsThickerThanTheWall) {
+// The wall is 0.6 mm thick, so balls may have a radius of 0.3 mm at most.
+TEST(PackingLevel, BallsAreLimitedByTheWallsThickness) {
   CutShape plate = kHole;
   plate.wall_m = 0.6e-3;
   for (const PackingKind kind : {PackingKind::kUniform, PackingKind::kGraded, PackingKind::kSplit}) {
@@ -55,7 +58,7 @@ TEST(PackingLevel, NoBallIsThickerThanTheWall) {
   }
 }
 
-TEST(PackingLevel, ExpectsTheBallsThatItPacks) {
+TEST(PackingLevel, ExpectedNumberOfBallsIsNearThePackedNumber) {
   const DepthScene scene = MakeCupScene();
   const DepthVolumes volumes(*scene.solid, *scene.zone);
   EXPECT_NEAR(volumes.volume_m3(), 2.0 / 3.0 * M_PI * (std::pow(33e-3, 3) - std::pow(25e-3, 3)),
@@ -67,7 +70,7 @@ TEST(PackingLevel, ExpectsTheBallsThatItPacks) {
   }
 }
 
-TEST(ThinTool, LeavesOutWhatOthersHoldAndSaysWhatThatCosts) {
+TEST(ThinTool, DropsBallsWithinTheGapAndReportsTheMeanGap) {
   const Tool drill = MakeTwistDrill({.diameter_m = 4e-3}).tool;
   EXPECT_EQ(ThinTool(drill, 0.0).balls.size(), drill.balls.size());
   EXPECT_LT(MeanCuttingGap(drill, drill), 1e-15);
@@ -76,13 +79,13 @@ TEST(ThinTool, LeavesOutWhatOthersHoldAndSaysWhatThatCosts) {
   const double gap = MeanCuttingGap(drill, thin);
   EXPECT_GT(gap, 0.0);
   EXPECT_LT(gap, 0.3e-3);
-  // the head, and balls of both kinds, remain
+  // the head, and some balls with and some without a cutting edge, remain
   EXPECT_EQ(CuttingHead(thin)->radius_m, CuttingHead(drill)->radius_m);
   EXPECT_EQ(CuttingReach(thin), CuttingReach(drill));
   std::set<bool> kinds;
   for (const ToolBall& ball : thin.balls) kinds.insert(ball.cutting);
   EXPECT_EQ(kinds.size(), 2u);
-  // cutting balls may not replace touching balls
+  // a cutting ball may not replace a ball without a cutting edge, even one inside it
   Tool both = drill;
   both.balls = {{.center_m = Vector3(0, 0, -5e-3), .radius_m = 5e-3, .cutting = true},
                 {.center_m = Vector3(0, 0, -4e-3), .radius_m = 2e-3, .cutting = false}};
@@ -91,7 +94,8 @@ TEST(ThinTool, LeavesOutWhatOthersHoldAndSaysWhatThatCosts) {
   EXPECT_THROW((void)ThinTool(drill, NAN), std::invalid_argument);
 }
 
-TEST(FrameCost, FindsTheLineAndSetsInterruptedFramesApart) {
+// Frames take 200 us and 0.05 us for each active ball; a tenth of them was interrupted and takes 9 ms.
+TEST(FrameCost, FitsALineAndIgnoresInterruptedFrames) {
   std::vector<FrameGroup> groups;
   for (const double active : {1000.0, 4000.0}) {
     std::vector<FrameSample> samples;
@@ -111,9 +115,9 @@ TEST(FrameCost, FindsTheLineAndSetsInterruptedFramesApart) {
   EXPECT_GT(cost.tail_ratio, 1.0);
 }
 
-// Threads of one process on few cores wait for each other, so that frames without a wait are few. A frame
-// that is long for another reason waits no less than the others.
-TEST(FrameCost, MedianIsOfAllFramesAndALongFrameMayNotWaitLonger) {
+// On few cores the threads wait for each other, so nearly all frames count as interrupted. The median must be
+// that of all frames, the 99.9th percentile that of the ten uninterrupted ones.
+TEST(FrameCost, MedianIsOfAllFramesAndTheTailOfUninterruptedOnes) {
   std::vector<FrameSample> samples;
   for (int k = 0; k < 900; ++k)
     samples.push_back({.us = 200.0 + k % 10, .active_balls = 1000.0, .waited_us = 45.0});
@@ -130,7 +134,8 @@ TEST(FrameCost, MedianIsOfAllFramesAndALongFrameMayNotWaitLonger) {
   EXPECT_GT(GroupOf(samples).p999_us, 1000.0);
 }
 
-TEST(FrameCost, IsNeverNegative) {
+// Measured medians that fall with the number of balls, or rise so steeply that the base would be negative.
+TEST(FrameCost, BaseAndCostOfABallAreNeverNegative) {
   const FrameCost falling = FitFrameCost(
       std::vector<FrameGroup>{{.frames = 1, .active_balls = 100.0, .p50_us = 300.0, .p999_us = 400.0},
                               {.frames = 1, .active_balls = 1000.0, .p50_us = 200.0, .p999_us = 400.0}});
@@ -147,7 +152,9 @@ TEST(FrameCost, IsNeverNegative) {
   EXPECT_THROW((void)GroupOf({}), std::invalid_argument);
 }
 
-TEST(ArmFidelity, IsTheLowestThatPutsTheToolWhereItIs) {
+// The kinematic level ignores the arm's delay and its deflection under force, the servo level only the
+// deflection.
+TEST(ArmFidelity, LowestLevelIsTheSimplestWithinTheError) {
   // 5 mm/s with a delay of 3 ms and twice the time constant of 15 Hz: 0.121 mm; 100 N on 2 N/um: 0.05 mm
   const ArmFigures arm{.stiffness_N_per_m = 2e6};
   EXPECT_NEAR(ArmError(ArmFidelity::kKinematic, arm), 0.121e-3 + 0.05e-3, 0.001e-3);
@@ -158,7 +165,9 @@ TEST(ArmFidelity, IsTheLowestThatPutsTheToolWhereItIs) {
   EXPECT_EQ(LowestArmLevel({.stiffness_N_per_m = 0.0}, 0.01e-3), ArmFidelity::kServo) << "a rigid mounting";
 }
 
-SceneParams PlateScene(double height_m) {
+/// A block of cancellous bone, 20 mm wide, with a drill path of radius 2 mm from 3 mm above its top to 6 mm
+/// below.
+SceneParams DrilledScene(double height_m) {
   SceneParams scene;
   scene.shape = BlockShape{.width_m = 0.02, .depth_m = 0.02, .height_m = height_m, .layers = {}};
   scene.materials = {DefaultBoneMaterials()[kCancellous]};
@@ -170,9 +179,9 @@ SceneParams PlateScene(double height_m) {
   return scene;
 }
 
-TEST(SceneWorkload, DrillsAlongTheZonesPathAndKnowsPlateFromBlock) {
+TEST(SceneWorkload, DrillsAlongTheZonesPathAndDistinguishesPlateFromBlock) {
   const Tool burr = MakeBurr({.shape = BurrShape::kRound, .diameter_m = 4e-3}).tool;
-  const SceneParams plate = PlateScene(2e-3), block = PlateScene(20e-3);
+  const SceneParams plate = DrilledScene(2e-3), block = DrilledScene(20e-3);
   const CutWorkload through = MakeSceneWorkload(MakeSceneSolid(plate), plate, burr, {}),
                     blind = MakeSceneWorkload(MakeSceneSolid(block), block, burr, {});
   const auto head_z = [&](const CutWorkload& work, std::size_t k) {
@@ -188,14 +197,14 @@ TEST(SceneWorkload, DrillsAlongTheZonesPathAndKnowsPlateFromBlock) {
   EXPECT_NEAR(out.wall_m, 2e-3, 0.05e-3);
   EXPECT_NEAR(out.rim_per_area_1_per_m, 1000.0, 30.0) << "two rims to 2 mm";
   EXPECT_EQ(in.wall_m, 0.0);
-  // 6 mm of hole with a bowl at its end: the rim over 2 pi R (6 mm + R)
+  // 6 mm of hole with a hemisphere at its end: its area is 2 pi R (6 mm + R), its rim 2 pi R
   EXPECT_NEAR(in.area_m2, 2.0 * M_PI * 2e-3 * 8e-3, 0.01 * in.area_m2);
   EXPECT_NEAR(in.rim_per_area_1_per_m, 1.0 / 8e-3, 2.0);
   EXPECT_EQ(ZoneDepthFor(in, 2e-3), 0.0);
   EXPECT_NEAR(ZoneDepthFor(in, 1.5e-3), 0.5e-3, 1e-9);
 }
 
-TEST(SceneWorkload, ReamsACupAsDeepAsItsZoneAndRefusesWhatHasNoWay) {
+TEST(SceneWorkload, ReamsACupToItsZonesDepthAndRefusesScenesWithoutAPath) {
   SceneParams scene;
   scene.shape = AcetabulumShape{};
   scene.material_names = MaterialNames(scene.shape);

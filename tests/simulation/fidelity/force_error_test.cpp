@@ -7,14 +7,17 @@
 
 #include "simulation/fidelity/force_error.h"
 
+// Tests of the errors between a force that was felt and the exact force, both given frame by frame.
+
 namespace osteon::simulation {
 namespace {
 
+/// A constant force over a number of frames.
 std::vector<FeltForce> Steady(std::size_t count, const Vector3& f_N) {
   return std::vector<FeltForce>(count, FeltForce{.f_N = f_N});
 }
 
-TEST(ForceErrors, OfAScaledForceAreItsShare) {
+TEST(ForceErrors, AForceScaledBySevenPercentHasThatRelativeError) {
   const auto exact = Steady(100, {0, 3, 4}), felt = Steady(100, Vector3(0, 3, 4) * 1.07);
   const ForceErrors errors = CompareForces(felt, exact, 1000.0);
   EXPECT_NEAR(errors.force_rms_N, 0.35, 1e-12);
@@ -24,7 +27,7 @@ TEST(ForceErrors, OfAScaledForceAreItsShare) {
   EXPECT_TRUE(errors.touched);
 }
 
-TEST(ForceErrors, OfATurnedForceAreItsAngle) {
+TEST(ForceErrors, AForceRotatedByTwoDegreesHasThatAngleError) {
   const double angle = 2.0 * std::numbers::pi / 180.0;
   const auto exact = Steady(10, {0, 0, 10}),
              felt = Steady(10, {10 * std::sin(angle), 0, 10 * std::cos(angle)});
@@ -34,8 +37,9 @@ TEST(ForceErrors, OfATurnedForceAreItsAngle) {
   EXPECT_NEAR(errors.force_rms_N, 20.0 * std::sin(0.5 * angle), 1e-9);  // chord of the angle
 }
 
-// One frame of 100 is off by 5 N and 0.2 N·m, at 2 kHz: twice as much by the millisecond.
-TEST(ForceErrors, SeeAJumpOfOneFrame) {
+// One frame of 100 is off by 5 N and 0.2 N·m. At 2 kHz a frame takes 0.5 ms, so the jump in a millisecond is
+// twice that.
+TEST(ForceErrors, MeasureTheJumpOfASingleFrame) {
   auto felt = Steady(100, {0, 0, 10});
   const auto exact = felt;
   felt[50].f_N.z() = 15.0;
@@ -47,7 +51,7 @@ TEST(ForceErrors, SeeAJumpOfOneFrame) {
   EXPECT_NEAR(errors.torque_rms_Nm, 0.02, 1e-12);
 }
 
-TEST(ForceErrors, TakeTheExactForcesOwnChangeForNoJump) {
+TEST(ForceErrors, DoNotCountTheExactForcesOwnChangeAsAJump) {
   std::vector<FeltForce> exact;
   for (int k = 0; k < 90; ++k) {
     const double angle = k * std::numbers::pi / 180.0;
@@ -58,14 +62,14 @@ TEST(ForceErrors, TakeTheExactForcesOwnChangeForNoJump) {
   EXPECT_NEAR(errors.normal_jump_deg_per_ms, 0.0, 1e-12);
 }
 
-TEST(ForceErrors, SayWhereNothingWasFelt) {
+TEST(ForceErrors, ReportThatNoForceWasFelt) {
   const ForceErrors errors = CompareForces(Steady(20, Vector3::Zero()), Steady(20, {0, 0, 5}), 1000.0);
   EXPECT_FALSE(errors.touched);
   EXPECT_NEAR(errors.force_relative, 1.0, 1e-12);
   EXPECT_TRUE(CompareForces({}, {}, 1000.0).touched);
 }
 
-TEST(ForceErrors, RefuseNumbersThatDiffer) {
+TEST(ForceErrors, RefuseDifferentNumbersOfFramesAndAZeroRate) {
   EXPECT_THROW((void)CompareForces(Steady(3, Vector3::Zero()), Steady(4, Vector3::Zero()), 1000.0),
                std::invalid_argument);
   EXPECT_THROW((void)CompareForces(Steady(3, Vector3::Zero()), Steady(3, Vector3::Zero()), 0.0),

@@ -6,11 +6,15 @@
 #include "simulation/engine/reference_engine.h"
 #include "simulation/fidelity/frame_workload.h"
 
+// Tests of the workloads that engines are timed with: a simulated hand that presses the tool into bone, or a
+// recorded motion.
+
 namespace osteon::simulation {
 namespace {
 
-// M a = F - D v from rest has v = F / D (1 - exp(-D t / M)); the implicit step of 1 ms is off by D dt / 2M.
-TEST(PressingHand, FallsFreelyToForceOverDrag) {
+// The hand is a mass with drag: M a = F - D v has v = F / D (1 - exp(-D t / M)) from rest. The implicit step
+// of 1 ms is off by the order of D dt / 2M, 5 %.
+TEST(PressingHand, WithoutContactApproachesForceOverDrag) {
   PressingHandParams params{.force_N = 60.0, .ramp_N_per_s = 1e9, .mass_kg = 3.0, .drag_Ns_per_m = 300.0};
   PressingHand hand(params);
   FrameInput input;
@@ -22,7 +26,7 @@ TEST(PressingHand, FallsFreelyToForceOverDrag) {
   EXPECT_EQ(input.stamp, 510 * rt::kMillisecond);
 }
 
-TEST(PressingHand, RestsWhereASpringHoldsItsForce) {
+TEST(PressingHand, RestsWhereASpringBalancesItsForce) {
   PressingHand hand({.force_N = 100.0, .ramp_N_per_s = 400.0});
   Vector3 force = Vector3::Zero();
   for (int k = 0; k < 3000; ++k) {
@@ -32,15 +36,15 @@ TEST(PressingHand, RestsWhereASpringHoldsItsForce) {
   EXPECT_NEAR(hand.feed_m(), 100.0 / 20e3, 1e-9);
 }
 
-TEST(PressingHand, RefusesWhatHasNoMotion) {
+TEST(PressingHand, RefusesZeroMassNegativeTimeAndNanDrag) {
   EXPECT_THROW(PressingHand({.mass_kg = 0.0}), std::invalid_argument);
   EXPECT_THROW(PressingHand({.dt_s = -1e-3}), std::invalid_argument);
   EXPECT_THROW(PressingHand({.drag_Ns_per_m = NAN}), std::invalid_argument);
 }
 
-// A coarse cup on the reference engine: the hand reams until the head's centre is at the cup's, to within one
-// frame's travel, with 100 N; a copy of the player continues as the player does.
-TEST(FrameWorkload, SeatsTheReamerInTheCup) {
+// A coarse cup on the reference engine: the hand reams with 100 N until the head's centre is at the cup's
+// centre, to within one frame's travel. A copy of the player then gives the same input as the player.
+TEST(FrameWorkload, ReamsUntilTheHeadIsSeatedInTheCup) {
   FrameWorkloadParams params = CupWorkload();
   params.spheres = 5000;
   params.scene.points.cells.finest_m = 2e-3;
@@ -55,8 +59,8 @@ TEST(FrameWorkload, SeatsTheReamerInTheCup) {
   const double head_z_m = (Pose(last.X_WP) * Vector3(work.tool.balls.front().center_m)).z();
   EXPECT_NEAR(head_z_m, 0.0, 0.03e-3 + 100.0 / work.cutting.stiffness_N_per_m);
   EXPECT_NEAR(Vector3(last.F_T_W.f).norm(), 100.0, 10.0);
-  // volume that a reamer of 25 mm removes from a cup of 24 mm when seated: the shell between two hemispheres,
-  // and the rings by which the head widens its way; a coarse packing lacks some of it at the rim
+  // When seated, a reamer of 25 mm has removed at least the shell between its hemisphere and the cup's of 24
+  // mm. A coarse packing lacks some of the shell at the rim.
   const double shell_m3 = 2.0 / 3.0 * M_PI * (std::pow(25e-3, 3) - std::pow(24e-3, 3));
   EXPECT_GT(last.removed_volume_m3, 0.9 * shell_m3);
 
@@ -66,7 +70,8 @@ TEST(FrameWorkload, SeatsTheReamerInTheCup) {
   EXPECT_FALSE(player.AtEnd());
 }
 
-TEST(FrameWorkload, PlaysAMotionToItsEnd) {
+// The motion lasts 0.2 s; measuring begins at contact, so fewer than 201 frames of 1 ms remain.
+TEST(FrameWorkload, PlaysARecordedMotionToItsEnd) {
   FrameWorkloadParams params = CupWorkload();
   params.spheres = 300;
   params.scene.points.cells.finest_m = 3e-3;
@@ -81,13 +86,13 @@ TEST(FrameWorkload, PlaysAMotionToItsEnd) {
   ContactModel last;
   ASSERT_TRUE(RunUntilReady(engine, player, last));
   EXPECT_GT(Vector3(last.F_T_W.f).norm(), 0.0);
-  int left = 0;
-  for (; !player.AtEnd(); ++left) last = engine.Step(player.Next(last));
-  EXPECT_GT(left, 20);
-  EXPECT_LT(left, 201);
+  int frames = 0;
+  for (; !player.AtEnd(); ++frames) last = engine.Step(player.Next(last));
+  EXPECT_GT(frames, 20);
+  EXPECT_LT(frames, 201);
 }
 
-TEST(TimeFigures, AreByNearestRank) {
+TEST(TimeFigures, PercentilesAreByNearestRank) {
   std::vector<double> times;
   for (int i = 1000; i >= 1; --i) times.push_back(i);
   const TimeFigures figures = FiguresOf(times);

@@ -14,19 +14,21 @@
 #include "simulation/tools/swept_tool.h"
 #include "simulation/tools/tool_path.h"
 
-// Repacking during a cut: another packing of the same solid, carved as the first one was, replaces it.
+// Tests of repacking during a cut: another packing of the same solid is carved along the path that the tool
+// has taken, and then replaces the first packing.
 
 namespace osteon::simulation {
 namespace {
 
-constexpr double kHead_m = 3e-3;
+constexpr double kHeadRadius_m = 3e-3;
 
+/// A block of 20 × 20 × 10 mm with a path that enters it and goes 10 mm along.
 SceneParams BlockScene() {
   SceneParams scene;
   scene.shape = BlockShape{.width_m = 20e-3, .depth_m = 20e-3, .height_m = 10e-3, .layers = {}, .core = 0};
-  scene.site = {.x_m = 0.0, .y_m = 0.0, .radius_m = kHead_m};
+  scene.site = {.x_m = 0.0, .y_m = 0.0, .radius_m = kHeadRadius_m};
   scene.zone = {.kind = ZoneParams::Kind::kPath,
-                .radius_m = kHead_m,
+                .radius_m = kHeadRadius_m,
                 .path_C_m = {Vector3(-5e-3, 0, 4e-3), Vector3(-5e-3, 0, 0), Vector3(5e-3, 0, -1e-3)}};
   scene.material_names = {"bone"};
   scene.materials = {DefaultBoneMaterials().front()};
@@ -38,10 +40,11 @@ SceneParams BlockScene() {
 Tool RoundBurr() {
   Tool tool;
   tool.name = "ball";
-  tool.balls = {{.center_m = {}, .radius_m = kHead_m, .cutting = true}};
+  tool.balls = {{.center_m = {}, .radius_m = kHeadRadius_m, .cutting = true}};
   return tool;
 }
 
+/// A burr's workload in the block, and packings of the block to carve with it.
 class Recarve : public testing::Test {
  protected:
   Recarve()
@@ -51,6 +54,7 @@ class Recarve : public testing::Test {
         work_(MakeSceneWorkload(solid_, scene_, tool_, {})),
         cut_(ShapeOfCut(work_, scene_)) {}
 
+  /// The scene's bone in a graded packing of this spacing; mass points do not depend on the spacing.
   Bone Packed(double spacing_m) const {
     const PackingLevel level = MakeLevel(PackingKind::kGraded, spacing_m, 1.2, cut_, 0.0);
     return SceneBone(solid_, scene_, PackLevel(level, *solid_.solid, *work_.zone),
@@ -65,7 +69,9 @@ class Recarve : public testing::Test {
   CutShape cut_;
 };
 
-TEST_F(Recarve, ACoarserPackingIsCarvedAsTheFinerOneWas) {
+// The finer packing is cut and the proxy's path recorded. The coarser one is carved along the path and takes
+// over.
+TEST_F(Recarve, ACoarserPackingIsCarvedLikeTheFinerOne) {
   const double fine_m = 0.8e-3, coarse_m = 1.3e-3;
   ReferenceEngine fine = Engine(Packed(fine_m));
   ProxyTrail trail(ToolLever(tool_), 20e-6);
@@ -85,7 +91,8 @@ TEST_F(Recarve, ACoarserPackingIsCarvedAsTheFinerOneWas) {
   EXPECT_FALSE(ReachedPose(carved, Pose(counted.X_GP) * Pose(Eigen::Translation3d(0, 0, 2e-6)),
                            ToolLever(tool_), 1e-6));
 
-  // the remaining bone keeps clear of the tool's way, and lacks as much as if the tool had cut it directly
+  // The remaining bone is clear of the tool's path, and lacks as much beyond the path as if the tool had cut
+  // the coarse packing directly.
   ReferenceEngine direct = Engine(bone);
   for (std::size_t k = 0; k < work_.cut_end; ++k) direct.Step(work_.frames[k]);
   const auto measured = [&](const ReferenceEngine& engine) {
@@ -97,7 +104,8 @@ TEST_F(Recarve, ACoarserPackingIsCarvedAsTheFinerOneWas) {
   EXPECT_LT(cut.MeanLeft_m(), 0.02e-3);
   EXPECT_NEAR(cut.depth_error_m, own.depth_error_m, 0.05 * own.depth_error_m);
 
-  // it continues from there: the books go on, and the tool finds the face at the same place
+  // The coarse engine takes over: the removed volume and mass continue, and the tool meets the face at the
+  // same place.
   coarse.Restore(MergeBooks(carved, counted));
   const FrameInput& pressed = work_.frames[work_.feel_begin];
   const ContactModel a = fine.Step(pressed), b = coarse.Step(pressed);
@@ -110,8 +118,8 @@ TEST_F(Recarve, ACoarserPackingIsCarvedAsTheFinerOneWas) {
   EXPECT_GT(depth_m, 0.1e-3) << "it holds the tool";
 }
 
-// A packing that was not carved would stand in the tool's way; only carving along the trail makes it free.
-TEST_F(Recarve, WhatTheToolHasNotGoneStays) {
+// The trail covers half of the cut: the second packing must be free there and intact beyond.
+TEST_F(Recarve, BoneBeyondTheTrailStays) {
   ReferenceEngine fine = Engine(Packed(0.8e-3));
   ProxyTrail half(ToolLever(tool_), 20e-6);
   for (std::size_t k = 0; k < work_.cut_end / 2; ++k) half.Add(fine.Step(work_.frames[k]).X_WP);
@@ -122,11 +130,11 @@ TEST_F(Recarve, WhatTheToolHasNotGoneStays) {
   const auto center = [&](std::size_t k) {
     return Vector3(Pose(work_.frames[k].X_WT) * Vector3(CuttingHead(tool_)->center_m));
   };
-  EXPECT_GE(left.Distance(center(work_.cut_end / 2 - 1), 1.0), kHead_m - 1e-5) << "gone";
-  EXPECT_LT(left.Distance(center(work_.cut_end - 1), 1.0), 0.5 * kHead_m) << "not gone";
+  EXPECT_GE(left.Distance(center(work_.cut_end / 2 - 1), 1.0), kHeadRadius_m - 1e-5) << "gone";
+  EXPECT_LT(left.Distance(center(work_.cut_end - 1), 1.0), 0.5 * kHeadRadius_m) << "not gone";
 }
 
-TEST(ProxyTrail, MovesNothingWithinWhatItHasReserved) {
+TEST(ProxyTrail, DoesNotReallocateWithinItsReservedSize) {
   ProxyTrail trail(10e-3, 0.1e-3);
   trail.Add(Pose(Eigen::Translation3d(1.0, 0.0, 0.0)));
   trail.Reserve(1000);
@@ -138,7 +146,7 @@ TEST(ProxyTrail, MovesNothingWithinWhatItHasReserved) {
   EXPECT_EQ(trail.places().data(), first);
 }
 
-TEST(ProxyTrail, KeepsPlacesAStepApartAndAlwaysTheLast) {
+TEST(ProxyTrail, KeepsPlacesAStepApartAndTheLastOne) {
   ProxyTrail trail(10e-3, 0.1e-3);
   EXPECT_EQ(trail.settled(), 0u);
   Pose X = Pose::Identity();
@@ -151,7 +159,7 @@ TEST(ProxyTrail, KeepsPlacesAStepApartAndAlwaysTheLast) {
   for (std::size_t i = 1; i < trail.places().size(); ++i)
     EXPECT_LE(trail.places()[i].p.x - trail.places()[i - 1].p.x, 0.1e-3 + 1e-12);
   const std::size_t before = trail.places().size();
-  X.rotate(Eigen::AngleAxisd(0.1, Vector3::UnitX()));  // 1 mm of the tool's farthest point
+  X.rotate(Eigen::AngleAxisd(0.1, Vector3::UnitX()));  // moves the tool's farthest point by 1 mm
   trail.Add(X);
   X.rotate(Eigen::AngleAxisd(0.1, Vector3::UnitX()));
   trail.Add(X);
@@ -159,7 +167,7 @@ TEST(ProxyTrail, KeepsPlacesAStepApartAndAlwaysTheLast) {
   EXPECT_EQ(trail.settled(), trail.places().size() - 1);
 }
 
-TEST(MergeBooks, RefusesAnotherBone) {
+TEST(MergeBooks, RefusesStatesWithDifferentNumbersOfPoints) {
   CarvedState a, b;
   a.cleared.resize(3);
   b.cleared.resize(4);

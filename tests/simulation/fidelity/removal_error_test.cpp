@@ -8,33 +8,38 @@
 #include "simulation/fidelity/packing_level.h"
 #include "tests/oracles/depth_table.h"
 
-// The closed forms against packings that were carved by pass 3 and measured.
+// Compares the closed forms for a packing's removal error with packings that were carved and measured.
 
 namespace osteon::simulation {
 namespace {
 
 constexpr AccuracyParams kMeasureParams{.probe_radii_m = {}, .surface_cells = 12'000, .probe_samples = 2000};
 
+/// Predicted and measured errors of one carved packing.
 struct Carved {
   RemovalError predicted;
-  double leak_m{0.0};
+  double leak_m{0.0};    ///< predicted mean depth to which a probe of radius 1 mm sinks
   CutAccuracy measured;  ///< probes: R, R/2, 1 mm
+  /// Measured over predicted loss.
   [[nodiscard]] double ratio() const { return measured.depth_error_m / predicted.total_m(); }
 };
 
+/// The cut of MakeCupScene: the whole surface of a cup, 3 mm deep.
 CutShape CupShape() {
-  // the cut thins out to nothing at the shell's rim
+  // no rim: the cut thins out to nothing at the shell's rim
   return {
       .tool_radius_m = 25e-3, .along_surface = true, .depth_m = 3e-3, .area_m2 = 2.0 * M_PI * 25e-3 * 25e-3};
 }
 
-CutShape BlockShapeOfCut() {
-  // a trench of 6 mm between two halves of a bowl, as deep as the ball's radius
+/// The cut of MakeBlockScene.
+CutShape TrenchShape() {
+  // a trench 6 mm long between two quarters of a ball, as deep as the ball's radius
   const double R = 5e-3, along = 6e-3;
   const double area = 2.0 * M_PI * R * R + M_PI * R * along;
   return {.tool_radius_m = R, .rim_per_area_1_per_m = (2.0 * M_PI * R + 2.0 * along) / area, .area_m2 = area};
 }
 
+/// Packs the scene at this level, carves it along the scene's path and measures it.
 Carved Carve(const DepthScene& scene, const CutShape& cut, const PackingLevel& level) {
   DepthMethod method{.name = std::string(KindName(level.kind)),
                      .balls = PackLevel(level, *scene.solid, *scene.zone),
@@ -51,9 +56,9 @@ Carved Carve(const DepthScene& scene, const CutShape& cut, const PackingLevel& l
   return carved;
 }
 
-// The tolerances are the header's: a plan uses 0.8 of the error, so that 1.2 times the prediction still meets
-// it, and a level of twice the spacing does not.
-TEST(RemovalError, HoldsInACup) {
+// The limits 0.55 and 1.2 are those of PredictRemovalError. A plan uses 0.8 of the permitted error, so a cut
+// with 1.2 times the predicted error is still within it.
+TEST(RemovalError, PredictionHoldsInACup) {
   const DepthScene scene = MakeCupScene();
   for (const auto& [spacing_mm, ratio] : {std::pair{4.0, 1.25}, {2.5, 1.6}, {1.5, 2.0}}) {
     const Carved carved =
@@ -65,21 +70,20 @@ TEST(RemovalError, HoldsInACup) {
   }
 }
 
-TEST(RemovalError, HoldsInATrench) {
+TEST(RemovalError, PredictionHoldsInATrench) {
   const DepthScene scene = MakeBlockScene();
   for (const double spacing_mm : {1.4, 1.0, 0.7}) {
-    const Carved carved =
-        Carve(scene, BlockShapeOfCut(),
-              MakeLevel(PackingKind::kGraded, 1e-3 * spacing_mm, 1.2, BlockShapeOfCut(), 0.0));
+    const Carved carved = Carve(scene, TrenchShape(),
+                                MakeLevel(PackingKind::kGraded, 1e-3 * spacing_mm, 1.2, TrenchShape(), 0.0));
     EXPECT_GT(carved.ratio(), 0.55) << spacing_mm;
     EXPECT_LT(carved.ratio(), 1.2) << spacing_mm;
   }
 }
 
-// With large balls that overlap heavily the face is finer and the rim coarser: without the rim's term the
-// form would predict less than half of the loss.
-TEST(RemovalError, CountsTheRim) {
-  const CutShape cut = BlockShapeOfCut();
+// Large balls that overlap heavily resolve the face well and the rim badly. Without the rim's term the
+// prediction would be less than two thirds of the measured loss.
+TEST(RemovalError, PredictionIncludesTheRim) {
+  const CutShape cut = TrenchShape();
   PackingLevel level = MakeLevel(PackingKind::kGraded, 0.7e-3, 1.5, cut, 0.0);
   const Carved carved = Carve(MakeBlockScene(), cut, level);
   EXPECT_GT(carved.measured.depth_error_m, 1.5 * carved.predicted.face_m);
@@ -87,19 +91,18 @@ TEST(RemovalError, CountsTheRim) {
   EXPECT_LT(carved.ratio(), 1.25);
 }
 
-TEST(RemovalError, HoldsWhereBallsAreSplit) {
+TEST(RemovalError, PredictionHoldsWhenBallsAreSplit) {
   const DepthScene scene = MakeBlockScene();
   for (const double spacing_mm : {2.5, 1.5}) {
-    const Carved carved =
-        Carve(scene, BlockShapeOfCut(),
-              MakeLevel(PackingKind::kSplit, 1e-3 * spacing_mm, 1.0, BlockShapeOfCut(), 0.0));
+    const Carved carved = Carve(scene, TrenchShape(),
+                                MakeLevel(PackingKind::kSplit, 1e-3 * spacing_mm, 1.0, TrenchShape(), 0.0));
     EXPECT_GT(carved.ratio(), 0.55) << spacing_mm;
     EXPECT_LT(carved.ratio(), 1.2) << spacing_mm;
   }
 }
 
-// Cogging: the slopes of a ball that slides over equal balls in a row, l apart, are known exactly.
-TEST(RemovalError, CoggingIsTheSlopeOverARowOfBalls) {
+// Oracle: root mean square of the exact slopes of a ball that slides over a row of equal balls.
+TEST(RemovalError, PredictedCoggingIsTheMeanSlopeOverARowOfBalls) {
   const PackingFineness fine{.radius_m = 2e-3, .surface_gap_m = 0.05e-3};
   const double R = 5e-3, apart = std::sqrt(fine.surface_gap_m * fine.radius_m / 0.25);
   double squares = 0.0;

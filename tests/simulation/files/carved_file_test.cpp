@@ -14,15 +14,18 @@
 #include "tests/simulation/files/carved_samples.h"
 #include "tests/simulation/packing/packing_samples.h"
 
+// Tests of the file of a carved state: a run resumes from it, and every damage is refused with the byte.
+
 namespace osteon::simulation {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kHeader = 392;
+constexpr std::size_t kHeader = 392;  // bytes before the payload
 
 using test::CarvedBone, test::CarvedFrame, test::CarvedParams, test::CarvedTool;
 
+/// A small bone that an engine has carved for six frames, and a temporary folder for its file.
 class CarvedFile : public testing::Test {
  protected:
   void SetUp() override {
@@ -39,9 +42,9 @@ class CarvedFile : public testing::Test {
     std::ifstream file(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
   }
-  void Put(const std::string& bytes) const { std::ofstream(path_, std::ios::binary) << bytes; }
-  /// Changes a value of the file and recomputes the checksums, so that the check of the value itself is
-  /// tested.
+  void WriteBytes(const std::string& bytes) const { std::ofstream(path_, std::ios::binary) << bytes; }
+  /// The file's bytes with a value at byte `at` replaced and the checksums recomputed, so that the check of
+  /// the value itself is tested.
   template <typename Value>
   std::string Forged(std::string bytes, std::size_t at, const Value& value) const {
     std::memcpy(bytes.data() + at, &value, sizeof(value));
@@ -54,8 +57,9 @@ class CarvedFile : public testing::Test {
     std::memcpy(bytes.data() + 388, &header, 4);
     return bytes;
   }
+  /// The error of reading these bytes; empty: they were read.
   std::string ErrorOf(const std::string& bytes) const {
-    Put(bytes);
+    WriteBytes(bytes);
     const auto read = ReadCarvedState(path_, bone_);
     return read ? "" : read.error().Text();
   }
@@ -66,7 +70,7 @@ class CarvedFile : public testing::Test {
   fs::path folder_, path_;
 };
 
-TEST_F(CarvedFile, ARunResumesFromItToTheLastBit) {
+TEST_F(CarvedFile, ARunResumesFromTheFileBitForBit) {
   ASSERT_GT(state_.split_balls.size(), 1u);
   ASSERT_NE(std::count(state_.split_cuts.begin(), state_.split_cuts.end(), 0u), 0);
   ASSERT_TRUE(WriteCarvedState(path_, state_, bone_));
@@ -87,13 +91,13 @@ TEST_F(CarvedFile, ARunResumesFromItToTheLastBit) {
     ASSERT_EQ(a.removed_mass_kg, b.removed_mass_kg);
   }
   EXPECT_EQ(HashState(engine_.Snapshot()), HashState(other.Snapshot()));
-  // equal states are equal files
+  // equal states give equal files
   const std::string first = Bytes(path_);
   ASSERT_TRUE(WriteCarvedState(path_, *read, bone_));
   EXPECT_EQ(Bytes(path_), first);
 }
 
-TEST_F(CarvedFile, EveryTruncationAndEveryFlippedBitIsSeen) {
+TEST_F(CarvedFile, TruncationsAndFlippedBitsAreDetected) {
   ASSERT_TRUE(WriteCarvedState(path_, state_, bone_));
   const std::string good = Bytes(path_);
   ASSERT_LT(good.size(), 4000u);
@@ -110,7 +114,7 @@ TEST_F(CarvedFile, EveryTruncationAndEveryFlippedBitIsSeen) {
   EXPECT_EQ(ErrorOf(good), "");
 }
 
-TEST_F(CarvedFile, ErrorsNameTheByteWhatIsThereAndWhatIsAccepted) {
+TEST_F(CarvedFile, ErrorsNameTheByteTheValueFoundAndTheValuesAccepted) {
   ASSERT_TRUE(WriteCarvedState(path_, state_, bone_));
   const std::string good = Bytes(path_);
   const auto expect = [&](const std::string& bytes, const std::string& part) {
@@ -138,7 +142,7 @@ TEST_F(CarvedFile, ErrorsNameTheByteWhatIsThereAndWhatIsAccepted) {
   expect(Forged(good, cuts + 4 * state_.split_balls.size() + 4, nan_f), "slot 0: y: found nan mm");
 }
 
-TEST_F(CarvedFile, OfAnotherBoneIsRefused) {
+TEST_F(CarvedFile, AFileOfAnotherBoneIsRefused) {
   ASSERT_TRUE(WriteCarvedState(path_, state_, bone_));
   Bone other = CarvedBone();
   other.balls[3].radius_m += 1e-9;
@@ -152,7 +156,7 @@ TEST_F(CarvedFile, OfAnotherBoneIsRefused) {
   EXPECT_FALSE(ReadCarvedState(folder_ / "none.osc", bone_));
 }
 
-TEST_F(CarvedFile, AFailedWriteLeavesWhatWasThere) {
+TEST_F(CarvedFile, AFailedWriteKeepsTheOldFile) {
   ASSERT_TRUE(WriteCarvedState(path_, state_, bone_));
   const std::string good = Bytes(path_);
   CarvedState bad = state_;
@@ -161,8 +165,8 @@ TEST_F(CarvedFile, AFailedWriteLeavesWhatWasThere) {
   ASSERT_FALSE(written);
   EXPECT_EQ(Bytes(path_), good);
   EXPECT_FALSE(WriteCarvedState(folder_ / "no" / "such.osc", state_, bone_));
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()),
-            1);  // no temporary stays
+  // no temporary file remains
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
 }
 
 }  // namespace

@@ -4,10 +4,12 @@
 #include "simulation/engine/cutting_engine.h"
 #include "simulation/tools/tool.h"
 
-// A row of balls and a ball that cuts them in half: a small bone whose carved state has split balls.
+// A small bone for tests of carved states: a row of five balls. A larger cutting ball comes down on it, and
+// balls are split, one a frame.
 
 namespace osteon::simulation::test {
 
+/// The uncut row along x from G's origin, 3 mm apart, with a mass point in each ball.
 inline Bone CarvedBone() {
   Bone bone;
   bone.name = "test";
@@ -22,6 +24,7 @@ inline Bone CarvedBone() {
   return bone;
 }
 
+/// Removal at once, with one ball split in a frame.
 inline CuttingParams CarvedParams() {
   CuttingParams params;
   params.law = RemovalLaw::kImmediate;
@@ -29,6 +32,7 @@ inline CuttingParams CarvedParams() {
   return params;
 }
 
+/// One cutting ball of radius 4 mm about T's origin.
 inline Tool CarvedTool() {
   Tool tool;
   tool.name = "ball";
@@ -36,6 +40,7 @@ inline Tool CarvedTool() {
   return tool;
 }
 
+/// A frame with the tool over the row at height z_m, its spindle on.
 inline FrameInput CarvedFrame(double z_m) {
   Pose X = Pose::Identity();
   X.translation() = Vector3(4e-3, 0, z_m);

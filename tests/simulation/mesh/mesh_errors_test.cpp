@@ -4,7 +4,7 @@
 
 #include "mesh_shapes.h"
 
-// Every reason to refuse a mesh, each with the smallest mesh that shows it. Boxes are 20 mm wide.
+// Tests of every reason to refuse a mesh, each with the smallest mesh that shows it. Cubes are 20 mm wide.
 
 namespace osteon::simulation {
 namespace {
@@ -27,7 +27,7 @@ MeshError LoadRefusal(const std::filesystem::path& path) {
   return loaded ? MeshError{} : loaded.error();
 }
 
-TEST(MeshErrors, ACubeIsAcceptedFromEveryFormatWithItsVolumeInCubicMetres) {
+TEST(MeshErrors, ACubeIsReadFromEveryFormatWithItsVolumeInCubicMetres) {
   const TriangleMesh cube = Cube();
   for (const auto& [extension, text] :
        {std::pair{".obj", ObjText(cube)}, {".stl", StlText(cube)}, {".PLY", PlyText(cube)}}) {
@@ -46,7 +46,7 @@ TEST(MeshErrors, AMissingFileIsNamed) {
   EXPECT_THAT(error.message, HasSubstr("/nowhere/bone.stl: no such file"));
 }
 
-TEST(MeshErrors, AnUnknownFormatIsAnsweredWithTheKnownOnes) {
+TEST(MeshErrors, AnUnknownFormatIsRefusedWithTheAcceptedOnes) {
   const TemporaryFile file(".step", ObjText(Cube()));
   const MeshError error = LoadRefusal(file.path());
   EXPECT_EQ(error.kind, MeshErrorKind::kFormat);
@@ -66,7 +66,7 @@ TEST(MeshErrors, GarbageIsRefusedInEveryFormat) {
   }
 }
 
-// A regression test: a library's parser never returned from a header without an end.
+// A parser that searches for the end of the header must not search forever.
 TEST(MeshErrors, PlyWithoutTheEndOfItsHeaderIsRefused) {
   const TemporaryFile file(".ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n");
   const MeshError error = LoadRefusal(file.path());
@@ -84,7 +84,7 @@ TEST(MeshErrors, AnEmptyFileIsRefused) {
   EXPECT_EQ(Refusal({}).kind, MeshErrorKind::kEmpty);
 }
 
-TEST(MeshErrors, ACutOffFileIsRefused) {
+TEST(MeshErrors, ATruncatedFileIsRefused) {
   const std::string text = StlText(MakeIcosphere({0, 0, 0}, 0.02, 2));
   const TemporaryFile file(".stl", text.substr(0, text.size() / 2));
   const MeshError error = LoadRefusal(file.path());
@@ -92,7 +92,7 @@ TEST(MeshErrors, ACutOffFileIsRefused) {
       << error.message;
 }
 
-TEST(MeshErrors, NumbersThatAreNoneAreRefused) {
+TEST(MeshErrors, NanAndInfiniteCoordinatesAreRefused) {
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     TriangleMesh mesh = Cube();
@@ -114,7 +114,7 @@ TEST(MeshErrors, AMissingTriangleLeavesThreeOpenEdges) {
       HasSubstr("the first of 3 from (20.0000, 20.0000, 0.0000) mm to (20.0000, 0.0000, 20.0000) mm"));
 }
 
-TEST(MeshErrors, AFlippedTriangleIsFound) {
+TEST(MeshErrors, AFlippedTriangleIsRefused) {
   TriangleMesh mesh = Cube();
   std::swap(mesh.triangles[7][0], mesh.triangles[7][1]);
   const MeshError error = Refusal(mesh);
@@ -122,7 +122,7 @@ TEST(MeshErrors, AFlippedTriangleIsFound) {
   EXPECT_THAT(error.message, HasSubstr("the first of 3"));
 }
 
-TEST(MeshErrors, AnEdgeWithFourTrianglesIsFound) {
+TEST(MeshErrors, AnEdgeWithFourTrianglesIsRefused) {
   // two cubes that share an edge: along x = y = 20 mm
   TriangleMesh other = MakeBox({0.02, 0.02, 0}, {0.04, 0.04, 0.02});
   const TemporaryFile file(".stl", StlText(Join(Cube(), other)));
@@ -131,28 +131,28 @@ TEST(MeshErrors, AnEdgeWithFourTrianglesIsFound) {
   EXPECT_THAT(error.message, HasSubstr("found 4 triangles"));
 }
 
-TEST(MeshErrors, TwoCubesThatShareACornerAreFound) {
+TEST(MeshErrors, TwoCubesThatShareACornerAreRefused) {
   const TemporaryFile file(".stl", StlText(Join(Cube(), MakeBox({0.02, 0.02, 0.02}, {0.04, 0.04, 0.04}))));
   const MeshError error = LoadRefusal(file.path());
   EXPECT_EQ(error.kind, MeshErrorKind::kNonManifold);
   EXPECT_THAT(error.message, HasSubstr("vertex at (20.0000, 20.0000, 20.0000) mm"));
 }
 
-TEST(MeshErrors, ASheetWithTwoSidesHasNoVolume) {
+TEST(MeshErrors, ATwoSidedSheetIsRefusedForItsZeroVolume) {
   TriangleMesh mesh;
   mesh.vertices_m = {{0, 0, 0}, {0.02, 0, 0}, {0, 0.02, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 1}};
   EXPECT_EQ(Refusal(mesh).kind, MeshErrorKind::kNoVolume);
 }
 
-TEST(MeshErrors, AFileInMetresIsToldThatMillimetresAreRead) {
+TEST(MeshErrors, AFileInMetresIsRefusedWithAHintAtMillimetres) {
   const MeshError error = Refusal(MakeBox({0, 0, 0}, {20e-6, 20e-6, 20e-6}));
   EXPECT_EQ(error.kind, MeshErrorKind::kNoVolume);
   EXPECT_THAT(error.message, HasSubstr("millimetres"));
   EXPECT_EQ(Refusal(MakeBox({0, 0, 0}, {2, 2, 2})).kind, MeshErrorKind::kTooLarge);
 }
 
-TEST(MeshErrors, InsideOutMeshesAreTurned) {
+TEST(MeshErrors, AnInsideOutMeshIsTurnedOutwards) {
   TriangleMesh mesh = InsideOut(Cube());
   const auto checked = CheckMesh(mesh, "the mesh");
   ASSERT_TRUE(checked) << checked.error().message;
@@ -174,13 +174,13 @@ TEST(MeshErrors, ADentThroughTheOppositeWallIsASelfIntersection) {
   EXPECT_EQ(Refusal(mesh).kind, MeshErrorKind::kSelfIntersecting);
 }
 
-TEST(MeshErrors, TouchingByRoundingIsLetPass) {
+TEST(MeshErrors, AnOverlapWithinRoundingIsAccepted) {
   TriangleMesh mesh = Join(Cube(), MakeBox({0.019995, 0.001, 0.001}, {0.04, 0.019, 0.019}));  // 0.005 mm deep
   const auto checked = CheckMesh(mesh, "the mesh");
   EXPECT_TRUE(checked) << checked.error().message;
 }
 
-TEST(MeshErrors, ACavityIsWoundInwardsOrContradictsItsShell) {
+TEST(MeshErrors, ACavityIsAcceptedOnlyIfItIsWoundInwards) {
   const TriangleMesh pit = MakeBox({0.005, 0.005, 0.005}, {0.015, 0.015, 0.015});
   TriangleMesh hollow = Join(Cube(), InsideOut(pit));
   const auto checked = CheckMesh(hollow, "the mesh");
@@ -191,7 +191,7 @@ TEST(MeshErrors, ACavityIsWoundInwardsOrContradictsItsShell) {
   EXPECT_THAT(error.message, HasSubstr("found a shell wound outwards inside another"));
 }
 
-TEST(MeshErrors, TrianglesThatCollapseInTheWeldAreDroppedWhereTheSurfaceStaysClosed) {
+TEST(MeshErrors, ACollapsedTriangleIsDroppedIfTheSurfaceStaysClosed) {
   std::string text = ObjText(Cube());
   text += "f 1 1 2\n";
   const TemporaryFile file(".obj", text);

@@ -8,8 +8,8 @@
 #include "mesh_shapes.h"
 #include "tests/temporary_path.h"
 
-// Files that give no solid, each with the smallest damage that shows the case. Each error names the file, the
-// place in it, what was found and what is accepted; no two are alike.
+// Tests of files that give no solid, each with the smallest damage that shows the case. Each error names the
+// file, the place in the file, the value found and the values accepted, and no two errors are equal.
 
 namespace osteon::simulation {
 namespace {
@@ -20,10 +20,12 @@ TriangleMesh Cube() { return MakeBox({0, 0, 0}, {0.02, 0.02, 0.02}); }
 TriangleMesh CubeAt(double x_m, double y_m, double z_m) {
   return MakeBox({x_m, y_m, z_m}, {x_m + 0.02, y_m + 0.02, z_m + 0.02});
 }
+/// A cube between two coordinates, to be turned inside out as a cavity.
 TriangleMesh Pit(double low_mm, double high_mm) {
   return MakeBox(Vector3::Constant(low_mm * 1e-3), Vector3::Constant(high_mm * 1e-3));
 }
 
+/// The text with the first `from` replaced; the test fails if there is none.
 std::string Replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
@@ -35,10 +37,12 @@ std::string WithoutLastLine(std::string text) {
   return text;
 }
 
+/// An OBJ file of the cube, 20 lines, and further lines.
 std::string CubePlus(const std::string& lines) { return ObjText(Cube()) + lines; }
 
+/// A damaged file with the error that it must give.
 struct Malformed {
-  std::string what;
+  std::string what;  ///< the damage
   std::string extension;
   std::string content;
   MeshErrorKind kind;
@@ -262,7 +266,7 @@ std::vector<Malformed> AllMalformed() {
   };
 }
 
-TEST(MeshMalformed, EachFileIsAnsweredWithItsOwnMessage) {
+TEST(MeshMalformed, EachMalformedFileIsRefusedWithItsOwnMessage) {
   const std::vector<Malformed> cases = AllMalformed();
   EXPECT_GE(cases.size(), 50u);
   std::set<std::string> messages;
@@ -283,7 +287,7 @@ TEST(MeshMalformed, EachFileIsAnsweredWithItsOwnMessage) {
   }
 }
 
-TEST(MeshMalformed, AFolderIsNoFile) {
+TEST(MeshMalformed, AFolderIsRefusedAsAMissingFile) {
   const std::filesystem::path folder = TemporaryPath("osteon_folder.stl");
   std::filesystem::create_directories(folder);
   const auto loaded = LoadMesh(folder);
@@ -293,8 +297,8 @@ TEST(MeshMalformed, AFolderIsNoFile) {
   EXPECT_THAT(loaded.error().message, HasSubstr("osteon_folder.stl: found a folder, accepted a file"));
 }
 
-// Cut, flipped, doubled and swapped bytes of small valid files: the result is a mesh or an error that names
-// the file. Nothing may crash, hang or throw. An accepted mesh is closed.
+// Small valid files are damaged at random: truncated, with bytes changed, erased, copied or inserted. Each
+// must give a closed mesh or an error that names the file, without a crash, a hang or an exception.
 TEST(MeshMalformed, DamagedBytesGiveAMeshOrAnError) {
   const TriangleMesh mesh = MakeIcosphere({0.01, 0.02, 0.03}, 0.01, 1);
   std::mt19937 random{2024};
@@ -308,7 +312,7 @@ TEST(MeshMalformed, DamagedBytesGiveAMeshOrAnError) {
     for (int n = 0; n < 300; ++n) {
       std::string content = sound;
       for (std::size_t edits = 1 + below(3); edits > 0; --edits) {
-        // half of the changes near the beginning, where headers are
+        // at least half of the changes are near the beginning, where headers are
         const std::size_t at =
             below(below(2) == 0 ? std::min<std::size_t>(content.size(), 300) : content.size());
         switch (below(6)) {

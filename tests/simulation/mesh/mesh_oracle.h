@@ -5,7 +5,8 @@
 
 #include "simulation/mesh/triangle_mesh.h"
 
-// Distances to a mesh by testing every triangle: slow, and independent of the product's code.
+// Oracle for tests: distances to a mesh by testing every triangle. It is slow, and independent of the code
+// under test.
 
 namespace osteon::simulation {
 
@@ -25,8 +26,9 @@ inline Vector3 NearestOfTriangle(const Vector3& p, const Vector3& a, const Vecto
   return a + vb / sum * ab + vc / sum * ac;
 }
 
-/// Signed distance with the sign from the winding number: the solid angle of all triangles seen from p, over
-/// 4 pi, is 1 inside and 0 outside. Source: Van Oosterom and Strackee, IEEE Trans. Biomed. Eng. 30, 1983.
+/// Signed distance, negative inside. The sign comes from the winding number: the solid angle of all triangles
+/// seen from p, over 4 pi, is 1 inside and 0 outside. Source: Van Oosterom and Strackee, IEEE Trans. Biomed.
+/// Eng. 30, 1983.
 inline double BruteSignedDistance(const TriangleMesh& mesh, const Vector3& p) {
   double nearest = std::numeric_limits<double>::infinity(), angle = 0.0;
   for (const auto& t : mesh.triangles) {

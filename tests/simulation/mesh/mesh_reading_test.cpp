@@ -7,8 +7,8 @@
 #include "mesh_shapes.h"
 #include "simulation/mesh/mesh_file.h"
 
-// Valid files as programs write them, and as people and tools change them: each is read completely. Volumes
-// are calculated by hand.
+// Tests of valid files as programs write them, and as people and tools change them: each must be read
+// completely. The expected volumes are calculated by hand.
 
 namespace osteon::simulation {
 namespace {
@@ -29,8 +29,8 @@ void AppendBigEndian(std::string& bytes, T value) {
   bytes += some;
 }
 
-/// The cube with a camera element, as text or bytes, at `place`: 0 before the vertices, 1 between, 2 behind
-/// the faces.
+/// A PLY file of the cube, as text or binary, with an additional element "camera" at `place`: 0 before the
+/// vertices, 1 between vertices and faces, 2 behind the faces.
 std::string PlyWithCamera(int place, bool is_text) {
   const TriangleMesh cube = Cube();
   const std::string camera =
@@ -55,7 +55,8 @@ std::string PlyWithCamera(int place, bool is_text) {
   return head + "end_header\n" + body;
 }
 
-/// A body with the faces before the vertices, in big-endian doubles, with further lists and colours.
+/// A PLY file of the cube in big-endian doubles, with the faces before the vertices, further lists and
+/// colours.
 std::string BigEndianPly() {
   const TriangleMesh cube = Cube();
   std::string bytes =
@@ -81,7 +82,8 @@ std::string BigEndianPly() {
   return bytes;
 }
 
-/// Six quads, wound outwards, as statements of a form with four corners.
+/// Text of a cube's six quads, wound outwards: `head`, then for each quad a line of `begin` and four vertex
+/// indices, which count from `first`.
 std::string QuadCube(const std::string& head, const std::string& begin, int first) {
   std::string text = head;
   const int quads[6][4] = {{3, 2, 1, 0}, {4, 5, 6, 7}, {0, 1, 5, 4},
@@ -94,10 +96,12 @@ std::string QuadCube(const std::string& head, const std::string& begin, int firs
   return text;
 }
 
-const char* const kRing =
+/// The cube's corners as OBJ: the lower square, then the upper one, each in order around the square.
+const char* const kCubeCorners =
     "v 0 0 0\nv 20 0 0\nv 20 20 0\nv 0 20 0\nv 0 0 20\nv 20 0 20\nv 20 20 20\nv 0 20 20\n";
 
-/// A block whose outline is an L (or any polygon) as one polygon of many corners, above and below.
+/// OBJ text of a prism over an outline: two polygons of all corners, below and above, and a quad for each
+/// side.
 std::string Prism(const std::vector<std::array<double, 2>>& outline_mm, double height_mm) {
   std::string text;
   const int n = static_cast<int>(outline_mm.size());
@@ -115,8 +119,9 @@ std::string Prism(const std::vector<std::array<double, 2>>& outline_mm, double h
   return text + below + "\n" + above + "\n";
 }
 
+/// A valid file with the volume and number of triangles that it must give.
 struct Sound {
-  std::string what;
+  std::string what;  ///< the peculiarity
   std::string extension;
   std::string content;
   double volume_mm3{8000.0};
@@ -125,7 +130,7 @@ struct Sound {
 
 std::vector<Sound> AllSound() {
   const std::string obj = ObjText(Cube()), stl = StlText(Cube()), ply = PlyText(Cube());
-  const std::string mark = "\xef\xbb\xbf";
+  const std::string mark = "\xef\xbb\xbf";  // byte order mark of UTF-8
   std::string coloured = BinaryStl(Cube()), odd_normals = BinaryStl(Cube());
   const std::string header = "solid COLOR=\xff\x80\x40\xff exported facet";
   std::copy(header.begin(), header.end(), coloured.begin());
@@ -145,7 +150,7 @@ std::vector<Sound> AllSound() {
   const std::vector<std::array<double, 2>> comb{{0, 0},   {20, 0}, {20, 20}, {16, 20}, {16, 5}, {12, 5},
                                                 {12, 20}, {8, 20}, {8, 5},   {4, 5},   {4, 20}, {0, 20}};
   const std::vector<std::array<double, 2>> on_edges{{0, 0}, {10, 0}, {20, 0}, {20, 20}, {10, 20}, {0, 20}};
-  // a dart: the fan from its first corner would fold over
+  // a dart, which is a quad with a reflex corner: a fan of triangles from its first corner would fold over
   const std::vector<std::array<double, 2>> dart{{0, 20}, {10, 0}, {20, 20}, {10, 10}};
   return {
       // OBJ
@@ -169,9 +174,9 @@ std::vector<Sound> AllSound() {
       {"normals and textures, nan among them", ".obj",
        ReplacedAll("vn nan -nan(ind) 1.#QNAN\nvt 0.5\n" + obj, "f 1 3 2\n", "f 1/1/1 3//1 2/1\n")},
       {"the textures' slash without one", ".obj", ReplacedAll(obj, "f 1 3 2\n", "f 1/ 3// 2/\n")},
-      {"quads", ".obj", QuadCube(kRing, "f", 1)},
-      {"quads by negative indices", ".obj", QuadCube(kRing, "f", -8)},
-      {"faces before their vertices", ".obj", QuadCube("", "f", 1) + kRing},
+      {"quads", ".obj", QuadCube(kCubeCorners, "f", 1)},
+      {"quads by negative indices", ".obj", QuadCube(kCubeCorners, "f", -8)},
+      {"faces before their vertices", ".obj", QuadCube("", "f", 1) + kCubeCorners},
       {"triangles as quads", ".obj", ReplacedAll(obj, "f 1 3 2\n", "f 1 3 2 2\n")},
       {"triangles as quads, the first corner again", ".obj", ReplacedAll(obj, "f 1 3 2\n", "f 1 3 2 1\n")},
       {"colours", ".obj", ReplacedAll(obj, "\nf 1 3 2", " .5 .5 .5\nf 1 3 2")},
@@ -227,7 +232,7 @@ std::vector<Sound> AllSound() {
   };
 }
 
-TEST(MeshReading, EachFileIsReadWhole) {
+TEST(MeshReading, EachValidFileIsReadCompletely) {
   for (const Sound& c : AllSound()) {
     SCOPED_TRACE(c.extension + ": " + c.what);
     const TemporaryFile file(c.extension, c.content);
@@ -242,7 +247,8 @@ TEST(MeshReading, EachFileIsReadWhole) {
   }
 }
 
-TEST(MeshReading, NamesOfPartsAreUtf8) {
+// A name that is not valid UTF-8 is read as Latin-1.
+TEST(MeshReading, NamesOfPartsAreConvertedToUtf8) {
   const TemporaryFile file(".obj",
                            "g H\xfc"
                            "fte \xe2\x82\xac\n" +
@@ -251,7 +257,7 @@ TEST(MeshReading, NamesOfPartsAreUtf8) {
   ASSERT_TRUE(loaded) << loaded.error().message;
   EXPECT_EQ(loaded->report.shells.at(0).name,
             "H\xc3\xbc"
-            "fte \xc3\xa2\xc2\x82\xc2\xac");  // read as Latin-1
+            "fte \xc3\xa2\xc2\x82\xc2\xac");  // each of the euro sign's bytes became a Latin-1 letter
   const TemporaryFile sound(".obj",
                             "o H\xc3\xbc"
                             "fte # left\n" +
@@ -261,7 +267,7 @@ TEST(MeshReading, NamesOfPartsAreUtf8) {
             "fte # left");
 }
 
-TEST(MeshReading, PartsOfOneNameAreOne) {
+TEST(MeshReading, PartsWithTheSameNameAreMerged) {
   const TemporaryFile file(".stl", StlText(Cube()) + StlText(MakeBox({0.03, 0, 0}, {0.04, 0.01, 0.01})));
   const auto raw = ReadMeshFile(file.path());
   ASSERT_TRUE(raw) << raw.error().message;
@@ -269,8 +275,8 @@ TEST(MeshReading, PartsOfOneNameAreOne) {
   EXPECT_EQ(raw->part_of_triangle, std::vector<std::uint32_t>(24, 0));
 }
 
-// A fan where one is possible; elsewhere the first corner to be cut is convex.
-TEST(MeshReading, PolygonsAreCutIntoTrianglesOfTheirOwnSense) {
+// The polygon is a dart, whose reflex corner a simple fan of triangles would fold over.
+TEST(MeshReading, ConcavePolygonsAreCutIntoTrianglesOfTheSameOrientation) {
   const TemporaryFile file(".obj", "v 0 20 0\nv 10 0 0\nv 20 20 0\nv 10 10 0\nf 1 2 3 4\n");  // a dart
   const auto raw = ReadMeshFile(file.path());
   ASSERT_TRUE(raw) << raw.error().message;

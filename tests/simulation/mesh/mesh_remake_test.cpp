@@ -8,8 +8,9 @@
 #include "simulation/mesh/winding_number.h"
 #include "simulation/solids/mesh_solid.h"
 
-// Meshes that bound no solid, remade as one where a command asks for it. The oracles are the solids' volumes
-// in closed form. Grids are coarse here: 1e5 points, about 0.9 mm for a sphere of 20 mm.
+// Tests of meshes that bound no solid and are remade as a closed surface on a grid, if a command asks for it.
+// The oracles are the solids' volumes in closed form. Grids are coarse: 1e5 points, a step of about 0.9 mm
+// for a sphere of radius 20 mm.
 
 namespace osteon::simulation {
 namespace {
@@ -21,12 +22,13 @@ constexpr MeshParams kRemake{.remake = true, .remake_grid_points = 1e5};
 
 double SphereVolume_m3(double radius_m) { return 4.0 / 3.0 * std::numbers::pi * std::pow(radius_m, 3); }
 
+/// Writes the mesh to a file and loads the file.
 tl::expected<LoadedMesh, MeshError> Load(const TriangleMesh& mesh, const MeshParams& params) {
   const TemporaryFile file(".stl", BinaryStl(mesh));
   return LoadMesh(file.path(), params);
 }
 
-/// The mesh is refused without `remake`, and has this volume within 1 % with it.
+/// Expects that the mesh is refused without `remake`, and has this volume within 1 % with it.
 MeshRemake ExpectRemade(const TriangleMesh& mesh, double volume_m3) {
   const auto refused = Load(mesh, {});
   EXPECT_FALSE(refused);
@@ -50,7 +52,7 @@ TriangleMesh WithoutTriangles(TriangleMesh mesh, std::size_t first, std::size_t 
 
 TriangleMesh Sphere() { return MakeIcosphere({0, 0, 0}, kRadius_m, 4); }
 
-/// The part of a sphere whose triangles lie below a height.
+/// The part of the sphere whose triangles lie below a height: an open surface.
 TriangleMesh Below(double height_m) {
   TriangleMesh mesh = Sphere();
   std::erase_if(mesh.triangles, [&](const auto& t) {
@@ -59,7 +61,8 @@ TriangleMesh Below(double height_m) {
   return mesh;
 }
 
-TEST(WindingNumber, IsThatOfAllTriangles) {
+// Oracle: the sum over all triangles. WindingNumber approximates distant triangles together.
+TEST(WindingNumber, AgreesWithTheSumOverAllTriangles) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
   TriangleMesh soup;
@@ -92,7 +95,7 @@ TEST(WindingNumber, IsThatOfAllTriangles) {
   EXPECT_EQ(WindingNumber({}).At({0, 0, 0}), 0.0);
 }
 
-TEST(MeshRemake, AHoleOfAFewTrianglesIsClosed) {
+TEST(MeshRemake, AHoleOfSixTrianglesIsClosed) {
   const MeshRemake remake = ExpectRemade(WithoutTriangles(Sphere(), 1000, 6), SphereVolume_m3(kRadius_m));
   EXPECT_GE(remake.open_edges, 6u);
   EXPECT_EQ(remake.crowded_edges, 0u);
@@ -102,8 +105,8 @@ TEST(MeshRemake, AHoleOfAFewTrianglesIsClosed) {
   EXPECT_LT(remake.step_m, 1e-3);
 }
 
-TEST(MeshRemake, OverlappingSpheresBecomeOneWithoutTheWallBetween) {
-  // centres 1.2 radii apart: each lacks a cap of height 0.4 r beyond the plane between
+TEST(MeshRemake, OverlappingSpheresBecomeOneSolidWithoutAnInnerWall) {
+  // The centres are 1.2 r apart: the plane between them cuts a cap of height 0.4 r off each sphere.
   const double d = 1.2 * kRadius_m, h = 0.4 * kRadius_m;
   const double cap_m3 = std::numbers::pi * h * h * (kRadius_m - h / 3.0);
   const TriangleMesh mesh = Join(Sphere(), MakeIcosphere({d, 0.0003, 0.0002}, kRadius_m, 4));
@@ -114,7 +117,7 @@ TEST(MeshRemake, OverlappingSpheresBecomeOneWithoutTheWallBetween) {
   const auto loaded = Load(mesh, kRemake);
   ASSERT_TRUE(loaded);
   EXPECT_EQ(loaded->report.shells.size(), 1u) << "the remade surface";
-  // midway between the centres the surface is far: 0.8 r to the rim where the spheres meet
+  // midway between the centres the nearest surface is the circle where the spheres meet, 0.8 r away
   EXPECT_NEAR(MeshSolid(loaded->mesh).SignedDistance({0.5 * d, 0, 0}), -0.8 * kRadius_m, 0.5e-3);
 }
 
@@ -129,7 +132,7 @@ TEST(MeshRemake, ACavityWithinAnOpenShellStaysHollow) {
   EXPECT_EQ(turned.turned_shells, 1u) << "the outer one; the inner one is a cavity either way";
 }
 
-TEST(MeshRemake, ClosedMeshesAreLoadedAsEver) {
+TEST(MeshRemake, ClosedMeshesAreNotRemade) {
   const TriangleMesh nested = Join(Sphere(), InsideOut(MakeIcosphere({0, 0, 0}, 0.012, 3)));
   for (const TriangleMesh& mesh : {Sphere(), nested, InsideOut(nested)}) {
     const auto before = Load(mesh, {}), after = Load(mesh, kRemake);
@@ -140,7 +143,7 @@ TEST(MeshRemake, ClosedMeshesAreLoadedAsEver) {
   }
 }
 
-TEST(MeshRemake, AShellThatIsInsideOutIsTurned) {
+TEST(MeshRemake, AnInsideOutShellIsTurnedOutwards) {
   const TriangleMesh apart = MakeIcosphere({0.05, 0, 0}, 0.015, 4);
   const MeshRemake remake =
       ExpectRemade(Join(Sphere(), InsideOut(apart)), SphereVolume_m3(kRadius_m) + SphereVolume_m3(0.015));
@@ -150,7 +153,7 @@ TEST(MeshRemake, AShellThatIsInsideOutIsTurned) {
   EXPECT_EQ(open.turned_shells, 1u);
 }
 
-TEST(MeshRemake, TrianglesWoundInContrarySensesAreTurnedLikeTheirNeighbours) {
+TEST(MeshRemake, FlippedTrianglesAreTurnedLikeTheirNeighbours) {
   TriangleMesh mesh = Sphere();
   for (std::size_t i = 0; i < mesh.triangles.size(); i += 40)
     std::swap(mesh.triangles[i][0], mesh.triangles[i][1]);
@@ -166,8 +169,8 @@ TEST(MeshRemake, SolidsThatShareAnEdgeKeepTheirVolume) {
   EXPECT_EQ(remake.crowded_edges, 1u);
 }
 
-// A segmented bone with crumbs: the largest shells are kept.
-TEST(MeshRemake, CrumbsBeyondSixtyFourShellsAreDropped) {
+// A segmented bone often has small fragments beside it: only the 64 largest shells are kept.
+TEST(MeshRemake, TheSmallestShellsBeyondSixtyFourAreDropped) {
   TriangleMesh mesh = Sphere();
   for (int i = 0; i < 70; ++i)
     mesh = Join(mesh, MakeIcosphere({0.03 + 0.004 * (i % 7), 0.004 * (i / 7 - 5), 0}, 1.2e-3 + 1e-6 * i, 1));
@@ -176,7 +179,8 @@ TEST(MeshRemake, CrumbsBeyondSixtyFourShellsAreDropped) {
   EXPECT_EQ(remake.dropped_shells, 7u);
 }
 
-TEST(MeshRemake, WhatIsNoSolidIsRefusedWithTheReason) {
+// A sheet, and parts of a sphere that are open by half or more; then boxes that are too small and too large.
+TEST(MeshRemake, SurfacesThatEncloseNothingAreRefusedWithTheReason) {
   TriangleMesh sheet;
   for (int y = 0; y < 2; ++y)
     for (int x = 0; x < 2; ++x) sheet.vertices_m.emplace_back(0.03 * x, 0.02 * y, 0.001 * x * y);
@@ -195,8 +199,8 @@ TEST(MeshRemake, WhatIsNoSolidIsRefusedWithTheReason) {
   EXPECT_EQ(Load(MakeBox({0, 0, 0}, {2, 2, 2}), kRemake).error().kind, MeshErrorKind::kTooLarge);
 }
 
-// An open surface that is nearly closed: three quarters of a sphere's height. The remade solid ends near the
-// plane of its rim, and its surface lies on the triangles elsewhere.
+// The lower three quarters of a sphere. The remade solid ends near the plane of the rim, and elsewhere its
+// surface lies on the triangles.
 TEST(MeshRemake, ALargeOpeningIsClosedNearItsRim) {
   const auto loaded = Load(Below(0.01), kRemake);
   ASSERT_TRUE(loaded) << loaded.error().message;
@@ -207,7 +211,7 @@ TEST(MeshRemake, ALargeOpeningIsClosedNearItsRim) {
   EXPECT_GT(solid.SignedDistance({0, 0, 0.016}), 0.0);
 }
 
-TEST(MeshRemake, TheWarningSaysWhatWasFoundAndAssumed) {
+TEST(MeshRemake, TheWarningTellsTheFindingsAndTheAssumption) {
   const auto loaded = Load(WithoutTriangles(Sphere(), 1000, 1), kRemake);
   ASSERT_TRUE(loaded);
   const std::string text = DescribeRemake(*loaded->report.remake);

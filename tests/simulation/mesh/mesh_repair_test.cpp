@@ -4,14 +4,16 @@
 
 #include "mesh_shapes.h"
 
-// Repairs of a mesh at loading, their counts in the report, and meshes that need none.
+// Tests of the repairs of a mesh at loading, of their counts in the report, and of meshes that need no
+// repair.
 
 namespace osteon::simulation {
 namespace {
 
 using testing::HasSubstr;
 
-/// An STL of a sphere whose triangles were each moved by up to `amplitude_m`: no two share a corner exactly.
+/// An STL of a sphere in which each corner of each triangle is moved by `amplitude_m` in a random direction:
+/// no two triangles share a corner exactly.
 std::string Shaken(double amplitude_m) {
   const TriangleMesh mesh = MakeIcosphere({0, 0, 0}, 0.02, 2);
   TriangleMesh soup;
@@ -27,17 +29,19 @@ std::string Shaken(double amplitude_m) {
   return BinaryStl(soup);
 }
 
+// The default tolerance of welding is 1 um.
 TEST(MeshRepair, SlitsWithinTheToleranceAreClosedAndCounted) {
   const TemporaryFile file(".stl", Shaken(0.3e-6));
   const auto loaded = LoadMesh(file.path());
   ASSERT_TRUE(loaded) << loaded.error().message;
   EXPECT_EQ(loaded->mesh.triangles.size(), 320u);
-  EXPECT_EQ(loaded->report.welded_vertices, 3u * 320u - 162u);  // an icosphere of 2 rounds has 162 corners
+  // the sphere has 320 triangles with 162 corners
+  EXPECT_EQ(loaded->report.welded_vertices, 3u * 320u - 162u);
   EXPECT_EQ(loaded->report.dropped_triangles, 0u);
   EXPECT_NEAR(SignedVolume_m3(loaded->mesh), SignedVolume_m3(MakeIcosphere({0, 0, 0}, 0.02, 2)), 1e-9);
 }
 
-TEST(MeshRepair, WiderSlitsAreRefusedWithTheToleranceAndClosedByAWiderOne) {
+TEST(MeshRepair, WiderSlitsAreRefusedUnlessTheToleranceIsWider) {
   const TemporaryFile file(".stl", Shaken(5e-6));
   const auto refused = LoadMesh(file.path());
   ASSERT_FALSE(refused);
@@ -49,8 +53,8 @@ TEST(MeshRepair, WiderSlitsAreRefusedWithTheToleranceAndClosedByAWiderOne) {
   EXPECT_FALSE(LoadMesh(file.path(), {.weld_tolerance_m = 0.0}));
 }
 
-// Edges of 0.02 mm, a tolerance of 0.1 mm: a closed mesh is not changed.
-TEST(MeshRepair, AClosedMeshIsNotWeldedHoweverFine) {
+// The edges are shorter than the tolerance of 0.1 mm; welding would collapse triangles.
+TEST(MeshRepair, AClosedMeshIsNotWeldedEvenIfFinerThanTheTolerance) {
   const TriangleMesh fine = MakeIcosphere({0, 0, 0}, 0.7e-3, 4);
   const TemporaryFile file(".stl", BinaryStl(fine));
   const auto loaded = LoadMesh(file.path(), {.weld_tolerance_m = 1e-4});
@@ -60,8 +64,8 @@ TEST(MeshRepair, AClosedMeshIsNotWeldedHoweverFine) {
   EXPECT_EQ(loaded->mesh.vertices_m.size(), fine.vertices_m.size());
 }
 
-// A fine ball beside a shaken one: only the slits' ends may be welded.
-TEST(MeshRepair, AWeldTouchesOpenEdgesOnly) {
+// A fine closed ball beside a box with one torn-off corner: only the box's open edges may be welded.
+TEST(MeshRepair, OnlyVerticesOfOpenEdgesAreWelded) {
   TriangleMesh mesh = MakeIcosphere({0.005, 0, 0}, 0.7e-3, 4);
   const std::size_t fine = mesh.triangles.size();
   TriangleMesh box = MakeBox({0, 0, 0.002}, {0.003, 0.003, 0.005});
@@ -77,7 +81,7 @@ TEST(MeshRepair, AWeldTouchesOpenEdgesOnly) {
 }
 
 // A surface that an exporter split into two groups, one for each material.
-TEST(MeshRepair, GroupsThatAreOpenByThemselvesAreWeldedWithEachOther) {
+TEST(MeshRepair, OpenGroupsThatFitTogetherAreJoined) {
   const TriangleMesh box = MakeBox({0, 0, 0}, {0.02, 0.02, 0.02});
   TriangleMesh lower = box, upper = box;
   lower.triangles.resize(7);
@@ -90,7 +94,8 @@ TEST(MeshRepair, GroupsThatAreOpenByThemselvesAreWeldedWithEachOther) {
   EXPECT_NEAR(SignedVolume_m3(loaded->mesh), 8e-6, 1e-14);
 }
 
-TEST(MeshRepair, CopiesAndCollapsedTrianglesAreDroppedAndCounted) {
+// Three of the added faces are copies of the first face, two have repeated corners.
+TEST(MeshRepair, DuplicateAndCollapsedTrianglesAreDroppedAndCounted) {
   const TriangleMesh box = MakeBox({0, 0, 0}, {0.02, 0.02, 0.02});
   const TemporaryFile file(".obj", ObjText(box) + "f 1 1 2\nf 3 3 3\nf 3 2 1\nf 2 1 3\nf 1 3 2\n");
   const auto loaded = LoadMesh(file.path());
@@ -101,7 +106,7 @@ TEST(MeshRepair, CopiesAndCollapsedTrianglesAreDroppedAndCounted) {
   EXPECT_NEAR(SignedVolume_m3(loaded->mesh), 8e-6, 1e-14);
 }
 
-TEST(MeshRepair, AScaleTakesTheFilesUnitToMillimetres) {
+TEST(MeshRepair, AScaleConvertsTheFilesUnitToMillimetres) {
   const TriangleMesh box = MakeBox({0, 0, 0}, {0.02, 0.02, 0.02});
   const TemporaryFile file(".ply", PlyText(box));
   const auto inches = LoadMesh(file.path(), {.scale = 25.4});  // a box of 20 inches

@@ -12,7 +12,7 @@
 #include "simulation/mesh/triangle_mesh.h"
 #include "tests/temporary_path.h"
 
-// Small meshes for tests, and mesh files of them. Sizes in metres, files in millimetres.
+// Makes small meshes for tests, and mesh files of them. Meshes are in metres, files in millimetres.
 
 namespace osteon::simulation {
 
@@ -56,6 +56,7 @@ inline TriangleMesh MakeIcosphere(const Vector3& center, double radius_m, int ro
   return mesh;
 }
 
+/// Both meshes as one, without welding.
 inline TriangleMesh Join(TriangleMesh a, const TriangleMesh& b) {
   const auto first = static_cast<std::uint32_t>(a.vertices_m.size());
   a.vertices_m.insert(a.vertices_m.end(), b.vertices_m.begin(), b.vertices_m.end());
@@ -63,12 +64,13 @@ inline TriangleMesh Join(TriangleMesh a, const TriangleMesh& b) {
   return a;
 }
 
+/// The mesh with all its triangles wound the other way.
 inline TriangleMesh InsideOut(TriangleMesh mesh) {
   for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
   return mesh;
 }
 
-/// A temporary file of the running test; removed with the object.
+/// A temporary file of the running test, named after the test; it is removed with the object.
 class TemporaryFile {
  public:
   TemporaryFile(const std::string& extension, const std::string& content) {
@@ -85,7 +87,7 @@ class TemporaryFile {
   std::filesystem::path path_;
 };
 
-/// @param before  vertices already in the file
+/// @param before  number of vertices that precede this text in the file
 inline std::string ObjText(const TriangleMesh& mesh, std::uint32_t before = 0) {
   std::string text;
   for (const Vector3& v : mesh.vertices_m)
@@ -131,6 +133,7 @@ void AppendBytes(std::string& bytes, T value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
 }
 
+/// Appends a point as three floats in millimetres.
 inline void AppendPoint(std::string& bytes, const Vector3& p_m) {
   for (const double x : {p_m.x(), p_m.y(), p_m.z()}) AppendBytes(bytes, static_cast<float>(x * 1e3));
 }

@@ -6,6 +6,9 @@
 #include <gmock/gmock.h>
 #include <Eigen/Geometry>
 
+// Tests of meshes made of shapes: of the zero level of a function, and of rings of corners one above the
+// other.
+
 namespace osteon::simulation {
 namespace {
 
@@ -13,12 +16,13 @@ using testing::HasSubstr;
 
 constexpr double kPi = std::numbers::pi;
 
+/// Signed distance to a sphere of radius 10 mm.
 double Sphere(const Vector3& p) { return p.norm() - 0.010; }
 
 Eigen::AlignedBox3d Cube(double half_m) { return {Vector3::Constant(-half_m), Vector3::Constant(half_m)}; }
 
-/// Vertices - edges + triangles: 2 for a ball, 0 for a ring.
-long Euler(const TriangleMesh& mesh) {
+/// EulerCharacteristic characteristic, vertices - edges + triangles: 2 for a ball, 0 for a ring.
+long EulerCharacteristic(const TriangleMesh& mesh) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
   for (const auto& t : mesh.triangles)
     for (int k = 0; k < 3; ++k) edges.insert(std::minmax(t[k], t[(k + 1) % 3]));
@@ -26,7 +30,7 @@ long Euler(const TriangleMesh& mesh) {
          static_cast<long>(mesh.triangles.size());
 }
 
-TEST(MeshOfLevel, ASphereIsClosedFacesOutwardsAndItsVolumeConvergesWithTheSquareOfTheStep) {
+TEST(MeshOfLevel, ASphereIsClosedAndItsVolumeErrorFallsWithTheSquareOfTheStep) {
   const double exact = 4.0 / 3.0 * kPi * 1e-6;
   double coarse_error = 0.0;
   for (const double step : {1e-3, 0.5e-3}) {
@@ -35,9 +39,9 @@ TEST(MeshOfLevel, ASphereIsClosedFacesOutwardsAndItsVolumeConvergesWithTheSquare
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_EQ(report->shells.size(), 1u);
     EXPECT_FALSE(report->flipped);
-    EXPECT_EQ(Euler(mesh), 2);
+    EXPECT_EQ(EulerCharacteristic(mesh), 2);
     const double error = (exact - SignedVolume_m3(mesh)) / exact;
-    // chords of a step: about step² / (4 r²) of the volume
+    // chords instead of arcs lose about step² / (4 r²) of the volume
     EXPECT_LT(std::abs(error), 0.5 * step * step / 1e-4) << step;
     if (coarse_error != 0.0) {
       EXPECT_NEAR(coarse_error / error, 4.0, 1.0);
@@ -54,13 +58,13 @@ TEST(MeshOfLevel, KeepsTheHoleOfARing) {
   TriangleMesh mesh = MeshOfLevel(ring, Cube(0.0142), 0.7e-3);
   const auto report = CheckMesh(mesh, "ring");
   ASSERT_TRUE(report) << report.error().message;
-  EXPECT_EQ(Euler(mesh), 0);
+  EXPECT_EQ(EulerCharacteristic(mesh), 0);
   const double exact = 2.0 * kPi * kPi * 0.010 * 0.003 * 0.003;
   EXPECT_NEAR(SignedVolume_m3(mesh), exact, 0.03 * exact);
 }
 
-// Random fields have every configuration of signs, including cells with saddles.
-TEST(MeshOfLevel, AnyFieldGivesAClosedManifoldThatDoesNotCutItself) {
+// Sums of waves give every configuration of signs at a cell's corners, including saddles.
+TEST(MeshOfLevel, AnyFieldGivesAClosedManifoldWithoutSelfIntersections) {
   for (int seed = 1; seed <= 4; ++seed) {
     const auto waves = [seed](const Vector3& p) {
       double sum = 0.0;
@@ -70,7 +74,7 @@ TEST(MeshOfLevel, AnyFieldGivesAClosedManifoldThatDoesNotCutItself) {
       return sum + 40.0 * std::max(0.0, p.norm() - 0.006) / 0.001;
     };
     TriangleMesh mesh = MeshOfLevel(waves, Cube(0.0079), 0.6e-3);
-    // shells of any sign: only the local rules are checked
+    // Shells may lie inside others in any orientation, so a contradiction between shells is accepted.
     const auto report = CheckMesh(mesh, "waves");
     if (!report) {
       EXPECT_EQ(report.error().kind, MeshErrorKind::kContradictory) << seed << report.error().message;
@@ -79,7 +83,7 @@ TEST(MeshOfLevel, AnyFieldGivesAClosedManifoldThatDoesNotCutItself) {
   }
 }
 
-TEST(MeshOfLevel, RefusesWhatItCanNotClose) {
+TEST(MeshOfLevel, RefusesSurfacesThatItCannotClose) {
   const auto message = [](const LevelFunction& level, double half_m, double step_m) -> std::string {
     try {
       (void)MeshOfLevel(level, Cube(half_m), step_m);

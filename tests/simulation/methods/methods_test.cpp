@@ -14,8 +14,8 @@
 #include "simulation/methods/paper_math.h"
 #include "tests/simulation/engine/engine_bench.h"
 
-// The methods that the engine is compared with: each must perform as its kind can, so that the comparison is
-// fair.
+// Tests of the methods that the engine is compared with. Each must perform as well as its kind of method can,
+// so that the comparison is fair; the last tests show the known weaknesses of each.
 
 namespace osteon::simulation {
 namespace {
@@ -37,7 +37,7 @@ struct Plate {
   BoxSolid solid;
 };
 
-/// 20 mm wide, 6 mm thick; shared, since making its mass points takes longer than a test.
+/// Plates 20 mm wide and 6 mm thick, shared by tests, since making the mass points takes longer than a test.
 const Plate& SpongyPlate() {
   static const Plate plate(0.02, 0.006);
   return plate;
@@ -47,16 +47,18 @@ const Plate& SoftPlate() {
   return plate;
 }
 
+/// The method's name without its hyphens, as a part of a test's name.
 std::string NameOf(const testing::TestParamInfo<Method>& method) {
   std::string name(MethodName(method.param));
   std::erase(name, '-');
   return name;
 }
 
+/// Tests of this suite run for every method.
 class Methods : public testing::TestWithParam<Method> {};
 INSTANTIATE_TEST_SUITE_P(, Methods, testing::ValuesIn(kMethods), NameOf);
 
-/// Lowers the apex in steps of 0.05 mm and returns the last frame.
+/// Lowers the tool's apex along the z axis in steps of 0.05 mm and returns the last frame.
 ContactModel LowerTo(CuttingEngine& engine, double from_z_m, double to_z_m, double spindle_rad_per_s = 0.0) {
   ContactModel model;
   const int steps = static_cast<int>(std::ceil((from_z_m - to_z_m) / 0.05e-3 - 1e-9));
@@ -65,7 +67,7 @@ ContactModel LowerTo(CuttingEngine& engine, double from_z_m, double to_z_m, doub
   return model;
 }
 
-TEST_P(Methods, FeelAPlaneWithTheCouplingsForce) {
+TEST_P(Methods, ResistAFlatFaceWithTheCouplingsForce) {
   const Plate& plate = SpongyPlate();
   const auto engine = plate.Make(GetParam(), BallTool(0.004));
   constexpr double kDepth_m = 0.5e-3;
@@ -83,7 +85,7 @@ TEST_P(Methods, FeelAPlaneWithTheCouplingsForce) {
   EXPECT_LT(Vector3(model.F_T_W.t).norm(), 0.05 * model.F_T_W.f.z * 0.004);
 }
 
-TEST_P(Methods, LetGoOfTheToolAsItLeaves) {
+TEST_P(Methods, ReleaseTheToolWhenItLeavesTheBone) {
   const Plate& plate = SpongyPlate();
   const auto engine = plate.Make(GetParam(), BallTool(0.004));
   LowerTo(*engine, 0.5e-3, -0.5e-3);
@@ -98,8 +100,8 @@ TEST_P(Methods, RemoveAPlungesVolume) {
   constexpr double kDepth_m = 2e-3, kR_m = 4e-3;
   const ContactModel model = LowerTo(*engine, 0.5e-3, -kDepth_m, kSpindle_rad_per_s);
   const double cap_m3 = M_PI * kDepth_m * kDepth_m * (kR_m - kDepth_m / 3.0);
-  // points of 0.5 mm give the volume of methods with balls, voxels of 0.25 mm that of the others: half a
-  // voxel of the cap's height of 2 mm is 6 %
+  // Methods with balls count mass points 0.5 mm apart, the others voxels of 0.25 mm. Half a voxel is 6 % of
+  // the cap's height of 2 mm.
   EXPECT_NEAR(model.removed_volume_m3, cap_m3, 0.06 * cap_m3);
   EXPECT_NEAR(model.removed_mass_kg, 500.0 * model.removed_volume_m3, 1e-12);
   EXPECT_NEAR(model.cutting_work_J, kSpongy * model.removed_volume_m3, 1e-9);
@@ -110,14 +112,14 @@ TEST_P(Methods, LeaveAHoleWhereTheyCut) {
   const auto engine = plate.Make(GetParam(), BallTool(0.004), {.law = RemovalLaw::kImmediate});
   const auto before = engine->Shape();
   EXPECT_EQ(before->Distance({0, 0, -1.1e-3}, 1e-3), 0.0);
-  EXPECT_NEAR(before->Distance({0, 0, 0.8e-3}, 5e-3), 0.8e-3,
-              0.09e-3);                                   // the lattice's hollows are 0.08 mm deep
+  // the hollows between the lattice's balls are 0.08 mm deep
+  EXPECT_NEAR(before->Distance({0, 0, 0.8e-3}, 5e-3), 0.8e-3, 0.09e-3);
   EXPECT_EQ(before->Distance({0, 0, 8e-3}, 1e-3), 1e-3);  // farther than the limit
   LowerTo(*engine, 0.5e-3, -2e-3, kSpindle_rad_per_s);
-  // the deepest point of the hole, seen from 1.1 mm above it: a cut removes up to 0.75 mm more from a lattice
-  // ball, half a diagonal more from voxels
+  // The hole's deepest point is 1.1 mm below this point. A cut removes up to 0.75 mm more from a lattice
+  // ball, and half a voxel's diagonal more from voxels.
   EXPECT_NEAR(engine->Shape()->Distance({0, 0, -0.9e-3}, 5e-3), 1.1e-3, 0.5e-3);
-  EXPECT_EQ(before->Distance({0, 0, -1.1e-3}, 1e-3), 0.0);  // a copy
+  EXPECT_EQ(before->Distance({0, 0, -1.1e-3}, 1e-3), 0.0);  // a shape is a copy: the cut does not change it
 }
 
 std::vector<Method> AllButThePrintedPaper() {
@@ -127,11 +129,11 @@ std::vector<Method> AllButThePrintedPaper() {
   return methods;
 }
 
-// All methods with a removal law: the printed paper has none.
-class LawfulMethods : public Methods {};
-INSTANTIATE_TEST_SUITE_P(, LawfulMethods, testing::ValuesIn(AllButThePrintedPaper()), NameOf);
+// All methods that have a rate of removal: the paper as printed has none.
+class MethodsWithRemovalRate : public Methods {};
+INSTANTIATE_TEST_SUITE_P(, MethodsWithRemovalRate, testing::ValuesIn(AllButThePrintedPaper()), NameOf);
 
-TEST_P(LawfulMethods, CutAtTheRateOfTheEnergyBalance) {
+TEST_P(MethodsWithRemovalRate, CutAtTheRateOfTheEnergyBalance) {
   const Plate& plate = SoftPlate();
   const auto engine = plate.Make(GetParam(), BallTool(0.004));
   LowerTo(*engine, 0.5e-3, 0.0);
@@ -143,13 +145,14 @@ TEST_P(LawfulMethods, CutAtTheRateOfTheEnergyBalance) {
     work_J = model.cutting_work_J;
   }
   EXPECT_GT(work_J, 0.01);
-  // Points and voxels are removed in lumps, and a shallow cut is charged too much at first; that debt is paid
-  // over 0.1 s of cutting, a quarter of this run. (The pointshell's advance frees only its deepest voxel, so
-  // it pays later.) The work never exceeds this bound.
+  // Points and voxels are removed as a whole, so cleared energy runs ahead of the spindle's work at first.
+  // The difference is recovered over 0.1 s of cutting, a quarter of this run. A step of the pointshell's
+  // advance frees only its deepest voxel, so its recovery takes longer.
   EXPECT_NEAR(work_J, edge_J, (GetParam() == Method::kPointshell ? 0.5 : 0.25) * edge_J);
 }
 
-TEST_P(LawfulMethods, SpindleTorqueIsTheMeanOfALongFrame) {
+// A frame of 50 ms, in which the pressing force falls a lot: the torque must be the mean over the frame.
+TEST_P(MethodsWithRemovalRate, SpindleTorqueIsTheMeanOverALongFrame) {
   const Plate& plate = SoftPlate();
   const auto engine = plate.Make(GetParam(), BallTool(0.004));
   const ContactModel pressed = LowerTo(*engine, 0.5e-3, -0.2e-3);
@@ -172,7 +175,7 @@ TEST_P(Methods, CutNothingWithoutTheSpindle) {
   EXPECT_EQ(HashState(engine->Snapshot()), before);
 }
 
-TEST_P(Methods, RefuseAPoseThatIsNone) {
+TEST_P(Methods, RefuseAnInvalidPoseAndContinue) {
   const Plate& plate = SpongyPlate();
   const auto engine = plate.Make(GetParam(), BallTool(0.004));
   const ContactModel before = LowerTo(*engine, 0.5e-3, -0.2e-3);
@@ -187,19 +190,19 @@ TEST_P(Methods, RefuseAPoseThatIsNone) {
 
 TEST_P(Methods, GiveEqualBitsForEqualFrames) {
   const Plate& plate = SoftPlate();
-  const auto once = [&] {
+  const auto run = [&] {
     const auto engine = plate.Make(GetParam(), BallTool(0.004));
     ContactModel model;
     for (int i = 0; i < 80; ++i)
       model = engine->Step(At(Down({1e-3 * std::sin(0.1 * i), 0, -0.02e-3 * i}), kSpindle_rad_per_s));
     return std::pair(HashState(engine->Snapshot()), Vector3(model.F_T_W.f));
   };
-  const auto [hash, force] = once();
-  EXPECT_EQ(once(), std::pair(hash, force));
+  const auto [hash, force] = run();
+  EXPECT_EQ(run(), std::pair(hash, force));
   EXPECT_GT(force.norm(), 0.1);
 }
 
-TEST_P(Methods, GoBackToASnapshot) {
+TEST_P(Methods, RestoreASnapshotAndCutTheSameAgain) {
   const Plate& plate = SpongyPlate();
   const auto engine = plate.Make(GetParam(), BallTool(0.004), {.law = RemovalLaw::kImmediate});
   LowerTo(*engine, 0.5e-3, -1e-3, kSpindle_rad_per_s);
@@ -217,7 +220,7 @@ TEST_P(Methods, GoBackToASnapshot) {
   EXPECT_THROW(engine->Restore(other), std::invalid_argument);
 }
 
-TEST_P(Methods, NameWhatTheyCannotTake) {
+TEST_P(Methods, RefuseToolsWithoutCuttingBallsAndTooSmallVoxels) {
   const Plate& plate = SpongyPlate();
   Tool blunt = BallTool(0.004);
   blunt.balls[0].cutting = false;
@@ -233,11 +236,11 @@ TEST_P(Methods, NameWhatTheyCannotTake) {
   }
 }
 
-// ---- what sets them apart
+// ---- weaknesses of single methods
 
-TEST(PaperPrinted, LensVolumeFlipsForALargeBoneBall) {
-  // in metres a contained or much larger bone ball has a negative weight, which flips the normal; the
-  // corrected equation never has one
+TEST(PaperPrinted, LensVolumeIsNegativeForALargeBoneBall) {
+  // In metres, a bone ball that contains the tool ball or is much larger has a negative weight, which flips
+  // the normal. The corrected equation is never negative.
   for (const double d : {1e-3, 2e-3, 3e-3}) {
     EXPECT_LT(printed::LensVolume(1e-3, 4e-3, d), 0.0);
     EXPECT_GT(LensVolume(1e-3, 4e-3, d), 0.0);
@@ -246,32 +249,33 @@ TEST(PaperPrinted, LensVolumeFlipsForALargeBoneBall) {
   EXPECT_LT(printed::LensVolume(1e-3, 4e-3, 2e-3) * printed::LensVolume(1.0, 4.0, 2.0), 0.0);
 }
 
-TEST(PaperPrinted, DropsPairsThatOverlap) {
-  // straight inwards, 0.1 mm of overlap: the paper finds nothing, the corrected root is contact at once
+TEST(PaperPrinted, IgnoresPairsThatOverlapAlready) {
+  // motion straight inwards with 0.1 mm of overlap: the paper finds no contact, the corrected equation
+  // contact at once
   const Vector3 dc(0, 0, -2.9e-3), m(0, 0, -1e-3);
   EXPECT_LT(printed::ContactFraction(dc, m, 3e-3), 0.0);
   EXPECT_EQ(FirstContactFraction(dc, m, 3e-3), 0.0);
-  // from afar both agree
+  // both agree on balls that are apart
   EXPECT_NEAR(printed::ContactFraction(Vector3(0, 0, -3.5e-3), m, 3e-3), 0.5, 1e-9);
 }
 
-TEST(PaperPrinted, RemovesTheLessTheNearerTheAxis) {
-  // equation 5 ignores the tool's radius: of two balls in the tool's way, the one on its axis stays whole
+TEST(PaperPrinted, RemovesLessFromBallsNearerTheToolsAxis) {
+  // equation 5 ignores the tool's radius, so a ball on the tool's axis stays whole
   Vector3 c(0.1, 0, 0);
   double r = 1.0;
   printed::Shrink(c, r, Vector3(-0.1, 0, 0));
   EXPECT_NEAR(r, 0.95, 1e-12);
-  EXPECT_NEAR(c.x(), 0.6, 1e-12);  // moved aside by half a millimetre nevertheless
+  EXPECT_NEAR(c.x(), 0.6, 1e-12);  // shrunk by only 0.05, yet moved by 0.5
   printed::Shrink(c, r, Vector3::Zero());
   EXPECT_NEAR(r, 0.95, 1e-12);
-  // with the corrected equation it is gone
+  // the corrected equation removes the ball
   Vector3 corrected(0.1, 0, 0);
   double left = 1.0;
   EXPECT_TRUE(ShrinkBall(corrected, left, Vector3(0, 0, -5), Vector3(0, 0, 5), 4.0));
   EXPECT_EQ(left, 0.0);
 }
 
-TEST(PaperPrinted, TunnelsOnceItOverlaps) {
+TEST(PaperPrinted, LosesContactOnceTheToolOverlapsTheBone) {
   Bone boulder = EmptyBone();
   boulder.balls = {{.center_m = Vector3(0, 0, -3e-3), .radius_m = 3e-3}};
   for (const Method method : {Method::kPaperPrinted, Method::kPaperCorrected}) {
@@ -281,11 +285,11 @@ TEST(PaperPrinted, TunnelsOnceItOverlaps) {
     if (method == Method::kPaperPrinted)
       EXPECT_EQ(model.F_T_W.f.z, 0.0);
     else
-      EXPECT_NEAR(model.F_T_W.f.z, 20.0, 1e-9);  // K times the millimetre from where it stood
+      EXPECT_NEAR(model.F_T_W.f.z, 20.0, 1e-9);  // stiffness times the millimetre of motion
   }
 }
 
-TEST(PaperCorrected, ContactSphereAloneLeavesBoneInTheWay) {
+TEST(PaperCorrected, ContactSphereAloneLeavesBoneInTheToolsPath) {
   const Plate& plate = SpongyPlate();
   Tool pair = BallTool(0.003);
   pair.balls.push_back({.center_m = Vector3(5e-3, 0, -2.9e-3), .radius_m = 0.003, .cutting = true});
@@ -297,8 +301,9 @@ TEST(PaperCorrected, ContactSphereAloneLeavesBoneInTheWay) {
   EXPECT_LT(cut(Cutters::kContactSphere), 0.9 * cut(Cutters::kAll));
 }
 
-TEST(Pointshell, TunnelsThroughAThinSheetThatTheProxiesKeep) {
-  const Plate sheet(0.02, 1.5e-3);  // the thinnest sheet that lattice balls fill; 1 m/s is 1 mm a frame
+TEST(Pointshell, TunnelsThroughAThinSheetThatStopsProxyMethods) {
+  const Plate sheet(0.02,
+                    1.5e-3);  // the thinnest sheet that lattice balls fill; the tool moves 2.5 mm a frame
   for (const Method method : {Method::kPointshell, Method::kVoxelProxy, Method::kPaperCorrected}) {
     const auto engine = sheet.Make(method, BallTool(0.5e-3));
     ContactModel model;
@@ -311,17 +316,19 @@ TEST(Pointshell, TunnelsThroughAThinSheetThatTheProxiesKeep) {
   }
 }
 
-TEST(Stamps, LeaveRidgesBetweenPosesThatTheSweepTakes) {
+// Kind "stamps" removes bone at each frame's pose only, 3 mm apart for this tool of radius 1 mm.
+TEST(Stamps, LeaveRidgesBetweenPosesThatASweepRemoves) {
   const Plate& plate = SpongyPlate();
   const Tool ball = BallTool(1e-3);
-  const auto ridge = [&](Method method) {
+  // distance to the nearest bone from a point halfway between two poses, below the face
+  const auto distance_between_poses = [&](Method method) {
     const auto engine = plate.Make(method, ball, {.law = RemovalLaw::kImmediate});
     engine->Step(At(Down({-6e-3, 0, 2e-3}), kSpindle_rad_per_s));
     for (double x = -6e-3; x <= 6e-3; x += 3e-3) engine->Step(At(Down({x, 0, -1e-3}), kSpindle_rad_per_s));
-    return engine->Shape()->Distance({1.5e-3, 0, -0.3e-3}, 1e-3);  // halfway between two poses
+    return engine->Shape()->Distance({1.5e-3, 0, -0.3e-3}, 1e-3);
   };
-  EXPECT_EQ(ridge(Method::kStamps), 0.0);
-  EXPECT_GT(ridge(Method::kPaperCorrected), 0.2e-3);
+  EXPECT_EQ(distance_between_poses(Method::kStamps), 0.0);
+  EXPECT_GT(distance_between_poses(Method::kPaperCorrected), 0.2e-3);
 }
 
 TEST(VoxelProxy, SlidesAlongAFace) {

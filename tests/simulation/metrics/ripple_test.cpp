@@ -7,13 +7,15 @@
 
 #include "simulation/metrics/ripple.h"
 
-// Oracles: sines, whose rms is known; Parseval's theorem for noise.
+// Tests of the ripple of a force in a slow and a fast band of frequencies. Oracles: the known rms of sines,
+// and Parseval's theorem for noise.
 
 namespace osteon::simulation {
 namespace {
 
 constexpr double kRate_hz = 1000.0;
 
+/// A sine sampled at kRate_hz, plus a mean and a slope per second.
 std::vector<double> Sine(std::size_t count, double amplitude, double hz, double mean = 0.0,
                          double slope = 0.0) {
   std::vector<double> signal(count);
@@ -24,9 +26,9 @@ std::vector<double> Sine(std::size_t count, double amplitude, double hz, double 
   return signal;
 }
 
-// The window's main lobe is four bins wide and lies within the band; its side lobes beyond hold less than
-// 1e-3.
-TEST(Ripple, OfASineIsItsRmsInItsOwnBandAndNothingInTheOther) {
+// The window's main lobe is four bins wide and lies within the band. Its side lobes in the other band hold
+// less than 1e-3.
+TEST(Ripple, ASineCountsWithItsRmsInItsOwnBandOnly) {
   for (const double hz : {12.0, 25.4, 30.0}) {
     const std::vector<double> slow = Sine(1000, 3.0, hz);
     EXPECT_NEAR(BandRms(slow, kRate_hz, kSlowRipple), 3.0 / std::sqrt(2.0), 2e-3) << hz;
@@ -39,10 +41,11 @@ TEST(Ripple, OfASineIsItsRmsInItsOwnBandAndNothingInTheOther) {
   }
 }
 
-TEST(Ripple, LeavesOutTheMeanAndASlowChangeOfIt) {
+TEST(Ripple, LeavesOutTheMeanAndALinearDrift) {
   const std::vector<double> signal = Sine(2000, 1.0, 20.0, 50.0, 30.0);
   const Ripple ripple = MeasureRipple(signal, kRate_hz);
-  EXPECT_NEAR(ripple.mean_N, 50.0 + 30.0 * 0.9995, 0.02);  // the sine has 40 whole periods
+  // the last of 2000 samples is at 1.999 s, so the drift's mean is 30 N/s times 0.9995 s
+  EXPECT_NEAR(ripple.mean_N, 50.0 + 30.0 * 0.9995, 0.02);
   EXPECT_NEAR(ripple.slow_N, std::sqrt(0.5), 5e-3);
   EXPECT_LT(ripple.fast_N, 5e-3);
   EXPECT_NEAR(ripple.relative(), std::sqrt(0.5) / ripple.mean_N, 1e-4);
@@ -51,7 +54,7 @@ TEST(Ripple, LeavesOutTheMeanAndASlowChangeOfIt) {
 
 // Parseval: white noise of variance v has v (high - low) / (rate / 2) in a band. With n samples the
 // estimate's relative standard error of v is about sqrt(2 / n), times the window's 1.4: 3 % at n = 4000.
-TEST(Ripple, OfWhiteNoiseIsItsShareOfTheSpectrum) {
+TEST(Ripple, WhiteNoiseCountsWithTheBandsShareOfTheSpectrum) {
   std::mt19937 random(17);
   std::normal_distribution<double> normal(0.0, 2.0);
   std::vector<double> noise(4000);
@@ -63,7 +66,7 @@ TEST(Ripple, OfWhiteNoiseIsItsShareOfTheSpectrum) {
   EXPECT_NEAR(std::hypot(slow, fast), BandRms(noise, kRate_hz, {0.0, 500.0}), 1e-9);
 }
 
-TEST(Ripple, OfTooFewSamplesIsNothing) {
+TEST(Ripple, IsZeroForTooFewSamples) {
   EXPECT_EQ(BandRms({}, kRate_hz, kSlowRipple), 0.0);
   EXPECT_EQ(BandRms(std::vector<double>{1, 2, 1, 2, 1}, kRate_hz, kFastRipple), 0.0);
   EXPECT_EQ(MeasureRipple({}, kRate_hz).relative(), 0.0);

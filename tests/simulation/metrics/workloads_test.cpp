@@ -10,12 +10,15 @@
 #include "simulation/removal/cut_metrics.h"
 #include "simulation/tools/swept_tool.h"
 
+// Tests of the workloads by which methods are compared, and of their scores. A workload cuts bone along a
+// path, then stops the spindle and touches the cut bone, where the exact force is known.
+
 namespace osteon::simulation {
 namespace {
 
-// Basis of the exact force: during the touch the tool's centre is off its own path by the offset, and the
-// nearest point of the path is the expected one (found by brute force over the cut's poses).
-TEST(CutWorkload, ExactForceIsTheSpringToTheNearestPlaceOnTheWay) {
+// While it touches, the tool's centre is off its cutting path by the offset. Oracle for the nearest point of
+// the path: a search over all poses of the cut.
+TEST(CutWorkload, ExactForceIsTheSpringToTheNearestPointOfThePath) {
   for (const CutTask task : kCutTasks)
     for (const std::uint64_t seed : {0u, 3u}) {
       const CutWorkload work = MakeCutWorkload(task, {.seed = seed});
@@ -24,13 +27,13 @@ TEST(CutWorkload, ExactForceIsTheSpringToTheNearestPlaceOnTheWay) {
         return Vector3(Pose(work.frames[k].X_WT) * Vector3(work.tool.balls.front().center_m));
       };
       for (std::size_t i = 0; i < work.exact.size(); i += 7) {
-        const Vector3 at = center(work.feel_begin + i);
+        const Vector3 touch = center(work.feel_begin + i);
         Vector3 nearest = center(0);
         for (std::size_t k = 0; k < work.cut_end; ++k)
-          if ((center(k) - at).norm() < (nearest - at).norm()) nearest = center(k);
-        const Vector3 exact = work.cutting.stiffness_N_per_m * (nearest - at);
-        // the way's poses are 0.02 mm apart: 0.4 N along it, and an arc of 6 mm between them is straight to
-        // 1e-5
+          if ((center(k) - touch).norm() < (nearest - touch).norm()) nearest = center(k);
+        const Vector3 exact = work.cutting.stiffness_N_per_m * (nearest - touch);
+        // The poses are 0.02 mm apart, so the nearest of them is up to 0.01 mm, 0.2 N, from the nearest point
+        // of the path.
         EXPECT_NEAR((exact - work.exact[i].f_N).norm(), 0.0, 0.25) << TaskName(task) << " " << i;
         EXPECT_NEAR(work.exact[i].f_N.norm(), 10.0, 1e-9);
         EXPECT_GT(work.exact[i].f_N.z(), 9.0);
@@ -38,7 +41,7 @@ TEST(CutWorkload, ExactForceIsTheSpringToTheNearestPlaceOnTheWay) {
     }
 }
 
-TEST(CutWorkload, GoesInSmallStepsFromFreeSpaceAndStopsTheSpindleToFeel) {
+TEST(CutWorkload, StartsInFreeSpaceMovesInSmallStepsAndTouchesWithAStillSpindle) {
   for (const CutTask task : kCutTasks) {
     const CutWorkload work = MakeCutWorkload(task);
     const Vector3 start = Pose(work.frames.front().X_WT) * Vector3(work.tool.balls.front().center_m);
@@ -55,8 +58,8 @@ TEST(CutWorkload, GoesInSmallStepsFromFreeSpaceAndStopsTheSpindleToFeel) {
   }
 }
 
-// The cut stays within the solid for every seed: it reaches neither sides nor bottom.
-TEST(CutWorkload, LeavesWallsWhereverTheSeedMovesIt) {
+// The seed shifts the cut: for none of them may the cut reach the solid's sides or bottom.
+TEST(CutWorkload, TheCutStaysInsideTheSolidForEverySeed) {
   for (const CutTask task : {CutTask::kPlunge, CutTask::kSlide, CutTask::kChannel})
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
       const CutWorkload work = MakeCutWorkload(task, {.seed = seed});
@@ -70,15 +73,15 @@ TEST(CutWorkload, LeavesWallsWhereverTheSeedMovesIt) {
     }
 }
 
-TEST(CutWorkload, RefusesWhatHasNoWay) {
+TEST(CutWorkload, RefusesInvalidRatesFeedsAndOffsets) {
   EXPECT_THROW((void)MakeCutWorkload(CutTask::kPlunge, {.rate_hz = 0.0}), std::invalid_argument);
   EXPECT_THROW((void)MakeCutWorkload(CutTask::kPlunge, {.feed_m_per_s = NAN}), std::invalid_argument);
   EXPECT_THROW((void)MakeCutWorkload(CutTask::kPlunge, {.offset_m = 2e-3}), std::invalid_argument);
 }
 
-// The engine on a coarse packing: the plunge's volume and force are near the closed forms, so the workload's
-// exact values are right; and the scores show what a method leaves or removes in excess.
-TEST(WorkloadScores, OfThePlungeOnTheReferenceEngineAreSmall) {
+// The reference engine on a coarse packing comes near the plunge's closed forms, which confirms the
+// workload's exact values. A run that removed nothing must have a bad score.
+TEST(WorkloadScores, AreGoodForTheReferenceEngineAndBadForAnUncutBone) {
   const CutWorkload work = MakeCutWorkload(CutTask::kPlunge, {.feed_m_per_s = 0.060});
   Bone bone;
   PackingParams packing;
@@ -101,7 +104,7 @@ TEST(WorkloadScores, OfThePlungeOnTheReferenceEngineAreSmall) {
   EXPECT_GT(scores.lost_m, 0.005e-3);
   EXPECT_LT(scores.lost_m, 0.08e-3);
   EXPECT_LT(scores.left_m, 1e-6);
-  // at most 0.06 mm of give at 0.5 mm of offset; the tilt shows whether the direction is the exact one's
+  // the packing gives way by at most 0.06 mm of the 0.5 mm of offset, 12 %
   EXPECT_LT(scores.force.force_relative, 0.12);
   EXPECT_LT(scores.force.normal_rms_deg, 6.0);
   EXPECT_LT(scores.ripple, 0.05);
@@ -111,7 +114,7 @@ TEST(WorkloadScores, OfThePlungeOnTheReferenceEngineAreSmall) {
   EXPECT_NEAR(nothing.left_m, 262e-9 / (2.0 * M_PI * 25e-6), 0.1e-3);  // a hemisphere's volume over its area
 }
 
-TEST(WorkloadScores, AreCombinedByTheirMeanSquares) {
+TEST(WorkloadScores, AreCombinedAsRootMeanSquares) {
   WorkloadScores a, b;
   a.depth_error_m = 3.0;
   b.depth_error_m = 4.0;

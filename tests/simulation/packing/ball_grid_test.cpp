@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+// Tests of the grid index that finds balls near a point.
+
 namespace osteon::simulation {
 namespace {
 
@@ -18,13 +20,14 @@ std::vector<Ball> MixedBalls(int count, std::mt19937_64& random) {
   return balls;
 }
 
+/// Distance from p to the ball's surface, negative inside.
 double Gap(const Ball& ball, const Vector3& p) { return (p - Vector3(ball.center_m)).norm() - ball.radius_m; }
 
-TEST(BallGrid, FindsWhatALoopOverAllFinds) {
+TEST(BallGrid, FindsTheSameBallsAndClearanceAsALoopOverAllBalls) {
   std::mt19937_64 random(1);
   for (const int count : {0, 1, 30, 5000}) {
     const std::vector<Ball> balls = MixedBalls(count, random);
-    // far from the origin of its cells, as a mesh in a scanner's frame may be
+    // the origin of the grid's cells is far from the balls, as for a mesh in a scanner's frame
     BallGrid grid(Vector3(0.05, -0.3, 0.9));
     for (const Ball& ball : balls) grid.Insert(ball);
     std::uniform_real_distribution<double> at(-0.12, 0.12);

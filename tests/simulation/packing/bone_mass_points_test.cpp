@@ -12,21 +12,26 @@
 #include "tests/oracles/neighbor_distances.h"
 #include "tests/simulation/engine/engine_bench.h"
 
+// Tests of the mass points of a bone: their volumes, moments and material against closed forms, their
+// spacing, and their spectrum.
+
 namespace osteon::simulation {
 namespace {
 
-constexpr double kCup_m = 0.024;
+constexpr double kCupRadius_m = 0.024;
 
 /// Volume of half a spherical shell.
 double HalfShell_m3(double inner_m, double outer_m) {
   return 2.0 / 3.0 * std::numbers::pi * (std::pow(outer_m, 3) - std::pow(inner_m, 3));
 }
 
+/// The mass points of the default acetabulum: a block of 80 × 80 × 60 mm with a cup of radius 24 mm.
 class MassPoints : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     points_ = BuildMassPoints(AcetabulumSolid{{}}, CupZone{AcetabulumSolid{{}}.cup()}, {});
   }
+  /// Sum of the volumes of points for which where(position, point) is true.
   template <typename Where>
   static double Volume_m3(Where where) {
     double sum = 0.0;
@@ -37,26 +42,26 @@ class MassPoints : public testing::Test {
   inline static std::vector<MassPoint> points_;
 };
 
-TEST_F(MassPoints, NumberBetweenSixtyAndOneHundredTwentyThousandAndLieInTheBone) {
+TEST_F(MassPoints, LieInTheBoneAndNumberSixtyToAHundredTwentyThousand) {
   EXPECT_GE(points_.size(), 60'000u);
   EXPECT_LE(points_.size(), 120'000u);
   for (const MassPoint& point : points_) {
     const Vector3 p = point.p_m;
-    ASSERT_TRUE(p.norm() >= kCup_m && p.cwiseAbs().head<2>().maxCoeff() <= 0.04 && p.z() <= 0 &&
+    ASSERT_TRUE(p.norm() >= kCupRadius_m && p.cwiseAbs().head<2>().maxCoeff() <= 0.04 && p.z() <= 0 &&
                 p.z() >= -0.06);
     ASSERT_GT(point.volume_m3, 0.0);
   }
 }
 
-TEST_F(MassPoints, SumToTheVolumeOfTheBone) {
-  const double exact = 0.08 * 0.08 * 0.06 - HalfShell_m3(0.0, kCup_m);
+TEST_F(MassPoints, SumUpToTheVolumeOfTheBone) {
+  const double exact = 0.08 * 0.08 * 0.06 - HalfShell_m3(0.0, kCupRadius_m);
   EXPECT_NEAR(Volume_m3([](const Vector3&, const MassPoint&) { return true; }), exact, 0.005 * exact);
 }
 
-// A shell of 1 mm crosses cells of 0.75 mm: sampling error, measured at 0.33 % rms over depths.
-TEST_F(MassPoints, SumToTheVolumeOfEachMillimetreBelowTheCup) {
+// A shell 1 mm thick cuts through cells of 0.75 mm. The sampling error over many depths is 0.33 % rms.
+TEST_F(MassPoints, SumUpToTheVolumeOfEachMillimetreBelowTheCup) {
   for (int mm = 0; mm < 4; ++mm) {
-    const double low = kCup_m + mm * 1e-3, high = low + 1e-3, exact = HalfShell_m3(low, high);
+    const double low = kCupRadius_m + mm * 1e-3, high = low + 1e-3, exact = HalfShell_m3(low, high);
     EXPECT_NEAR(
         Volume_m3([&](const Vector3& p, const MassPoint&) { return p.norm() >= low && p.norm() < high; }),
         exact, 0.01 * exact)
@@ -64,8 +69,8 @@ TEST_F(MassPoints, SumToTheVolumeOfEachMillimetreBelowTheCup) {
   }
 }
 
-TEST_F(MassPoints, SumToTheVolumeOfEachTissue) {
-  const double cartilage = HalfShell_m3(kCup_m, 0.026), cortical = HalfShell_m3(0.026, 0.027);
+TEST_F(MassPoints, SumUpToTheVolumeOfEachTissue) {
+  const double cartilage = HalfShell_m3(kCupRadius_m, 0.026), cortical = HalfShell_m3(0.026, 0.027);
   const auto volume = [](MaterialIndex i) {
     return Volume_m3([i](const Vector3&, const MassPoint& point) { return point.material == i; });
   };
@@ -73,15 +78,16 @@ TEST_F(MassPoints, SumToTheVolumeOfEachTissue) {
   EXPECT_NEAR(volume(kCortical), cortical, 0.01 * cortical);
 }
 
-// The demo's measurement: the crescent between the cup and a 50 mm reamer 3 mm beyond the cup's centre.
-TEST_F(MassPoints, SumToTheVolumeThatAReamerSweeps) {
+// As in the demo: the crescent between the cup and a reamer of diameter 50 mm whose centre is 3 mm below the
+// cup's.
+TEST_F(MassPoints, SumUpToTheVolumeThatAReamerSweeps) {
   const double reamer = 0.025, depth = 0.003;
-  double exact = 0.0;  // by slices across the axis
+  double exact = 0.0;  // integrated by slices across the axis
   const double dz = 1e-6;
   for (double z = -0.5 * dz; z > -(depth + reamer); z -= dz) {
     const double below = std::min(0.0, z + depth);
     const double outer = std::max(0.0, reamer * reamer - below * below);
-    const double inner = std::max(0.0, kCup_m * kCup_m - z * z);
+    const double inner = std::max(0.0, kCupRadius_m * kCupRadius_m - z * z);
     exact += std::numbers::pi * std::max(0.0, outer - inner) * dz;
   }
   const double sum = Volume_m3([&](const Vector3& p, const MassPoint&) {
@@ -91,11 +97,12 @@ TEST_F(MassPoints, SumToTheVolumeThatAReamerSweeps) {
   EXPECT_NEAR(sum, exact, 0.01 * exact);
 }
 
-// Depths every 0.04 mm. Independent jitter has 0.61 %, one quasi-random point a cell 0.43 %; measured 0.33 %.
-TEST_F(MassPoints, KeepTheSumsOfThinShellsEven) {
+// Root mean square of the relative error over shells 1 mm thick at depths about 0.04 mm apart: measured 0.33
+// %. A random point in each cell would give 0.61 %, a quasi-random point 0.43 %.
+TEST_F(MassPoints, GiveShellVolumesThatVaryLittleWithDepth) {
   double squares = 0.0;
   int shells = 0;
-  for (double low = kCup_m; low < kCup_m + 3e-3; low += 0.0437e-3, ++shells) {
+  for (double low = kCupRadius_m; low < kCupRadius_m + 3e-3; low += 0.0437e-3, ++shells) {
     const double exact = HalfShell_m3(low, low + 1e-3);
     const double sum = Volume_m3(
         [&](const Vector3& p, const MassPoint&) { return p.norm() >= low && p.norm() < low + 1e-3; });
@@ -105,7 +112,7 @@ TEST_F(MassPoints, KeepTheSumsOfThinShellsEven) {
 }
 
 TEST_F(MassPoints, HaveTheBonesCenterOfMassAndSecondMoments) {
-  const double R = kCup_m, block = 0.08 * 0.08 * 0.06, exact = block - HalfShell_m3(0.0, R);
+  const double R = kCupRadius_m, block = 0.08 * 0.08 * 0.06, exact = block - HalfShell_m3(0.0, R);
   Vector3 first = Vector3::Zero(), second = Vector3::Zero();
   for (const MassPoint& point : points_) {
     const Vector3 p = point.p_m;
@@ -120,9 +127,10 @@ TEST_F(MassPoints, HaveTheBonesCenterOfMassAndSecondMoments) {
   for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(second[axis], moments[axis], 0.004 * moments[axis]);
 }
 
-// The wanted spacing depends on the depth of a cell's centre, at most half a diagonal from the point.
-std::vector<double> LeastSpacings(const std::vector<MassPoint>& points, const CutZone& zone,
-                                  const GradeParams& cells) {
+// The smallest spacing that each point's cell may have. It depends on the depth of the cell's centre, which
+// is up to half a diagonal from the point.
+std::vector<double> MinSpacings(const std::vector<MassPoint>& points, const CutZone& zone,
+                                const GradeParams& cells) {
   std::vector<double> spacings;
   for (const MassPoint& point : points) {
     double spacing = cells.finest_m;
@@ -133,17 +141,18 @@ std::vector<double> LeastSpacings(const std::vector<MassPoint>& points, const Cu
   return spacings;
 }
 
-TEST_F(MassPoints, KeepHalfTheMeanSpacingFromEachOther) {
+TEST_F(MassPoints, StayAtLeastHalfASpacingApart) {
   std::vector<Vector3> places;
   for (const MassPoint& point : points_) places.push_back(point.p_m);
   const std::vector<double> spacings =
-      LeastSpacings(points_, CupZone{AcetabulumSolid{{}}.cup()}, MassPointParams{}.cells);
+      MinSpacings(points_, CupZone{AcetabulumSolid{{}}.cup()}, MassPointParams{}.cells);
   const NeighborDistances distances = MeasureNeighborDistances(places, spacings);
   EXPECT_GE(distances.min_over_spacing, 0.5);
   EXPECT_GE(distances.mean_over_spacing, 0.85);
 }
 
-// No holes: every place in the bone has a point within 1.5 separations (of the coarser cells at a border).
+// Every place in the bone has a point within 1.5 separations; at a border between cell sizes, of the coarser
+// cells.
 TEST_F(MassPoints, LeaveNoHoles) {
   const AcetabulumSolid solid{{}};
   const CupZone zone(solid.cup());
@@ -156,13 +165,14 @@ TEST_F(MassPoints, LeaveNoHoles) {
     const double spacing = depth > 12e-3 - 2.6e-3 ? 3e-3 : depth > 5e-3 - 1.3e-3 ? 1.5e-3 : 0.75e-3;
     double nearest = 1.0;
     for (const MassPoint& point : points_) nearest = std::min(nearest, (p - Vector3(point.p_m)).norm());
-    // samples lie a quarter of a cell apart: places between them may be that much farther
+    // 0.43 is the diagonal of the distance between a cell's samples, which are a quarter of a cell apart
     ASSERT_LE(nearest, (1.5 * kMassPointSeparation + 0.43) * spacing) << p.transpose();
   }
 }
 
-// The purpose of blue noise: almost no power below half the peak's frequency.
-TEST_F(MassPoints, AreBlueNoise) {
+// Blue noise has almost no power below half of the peak's frequency, and the power of white noise far above
+// it.
+TEST_F(MassPoints, HaveTheSpectrumOfBlueNoise) {
   std::vector<Vector3> places;
   for (const MassPoint& point : points_) places.push_back(point.p_m);
   const AcetabulumSolid solid{{}};
@@ -186,17 +196,17 @@ TEST_F(MassPoints, AreBlueNoise) {
   }
 }
 
-// Plates, a rod and a crumb thinner than the spacing.
-TEST(ThinMassPoints, HaveTheVolumeOfSliversOfBone) {
+// Plates, a rod and a small cube, all thinner than the points' spacing of 1 mm.
+TEST(ThinMassPoints, SumUpToTheVolumeOfBoneThinnerThanTheirSpacing) {
   const auto box = [](double x, double y, double z) {
     return BoxSolid(Vector3(0.1e-3, 0.2e-3, 0.3e-3), Vector3(0.1e-3 + x, 0.2e-3 + y, 0.3e-3 + z));
   };
   struct Sliver {
     BoxSolid solid;
-    std::size_t fewest;
+    std::size_t min_points;
     double tolerance;
   };
-  // tolerance: 64 samples a cell, few of which are inside
+  // the tolerances are wide because few of a cell's 64 samples lie inside
   const Sliver slivers[] = {{box(20e-3, 20e-3, 0.2e-3), 120, 0.02},
                             {box(0.3e-3, 20e-3, 20e-3), 120, 0.02},
                             {box(0.4e-3, 0.4e-3, 30e-3), 15, 0.04},
@@ -208,15 +218,15 @@ TEST(ThinMassPoints, HaveTheVolumeOfSliversOfBone) {
     for (const MassPoint& point : points) volume += point.volume_m3;
     const double exact = sliver.solid.Bounds().volume();
     EXPECT_NEAR(volume, exact, sliver.tolerance * exact);
-    EXPECT_GE(points.size(), sliver.fewest);
+    EXPECT_GE(points.size(), sliver.min_points);
   }
 }
 
-// A cut may be anywhere: slabs follow the surface. Layers of a box, from half a slab thick. Where faces meet,
-// along a twentieth of the surface, a cell's slabs follow only one of them. (Volumes shared by nearness
-// alone: errors of 15 to 25 %.)
-TEST(UniformMassPoints, KeepTheSumsOfThinLayersBelowEveryFace) {
-  for (const double shift : {0.0, 1.0 / 3.0, 0.5}) {  // of the cells relative to the faces
+// A cut may follow any face, so the volumes of thin layers below all faces must be right. Within a cell,
+// volume is assigned by slabs that follow the surface; near the box's edges they follow only one of the two
+// faces, which explains the tolerance. Volumes assigned to the nearest point would be off by 15 to 25 %.
+TEST(UniformMassPoints, SumUpToTheVolumeOfThinLayersBelowEveryFace) {
+  for (const double shift : {0.0, 1.0 / 3.0, 0.5}) {  // of the faces relative to the cells, in spacings
     const double half = 0.01, spacing = 0.5e-3, off = shift * spacing;
     const BoxSolid solid(Vector3::Constant(off - half), Vector3::Constant(off + half));
     const std::vector<MassPoint> points =
@@ -231,7 +241,7 @@ TEST(UniformMassPoints, KeepTheSumsOfThinLayersBelowEveryFace) {
   }
 }
 
-TEST(MassPointsOfAnyThreads, AreTheSameBits) {
+TEST(MassPointsOfAnyThreads, AreEqualBitForBit) {
   const AcetabulumSolid solid{{.width_m = 0.05, .height_m = 0.03, .cup_radius_m = 0.012}};
   const CupZone zone(solid.cup());
   const std::vector<MassPoint> one = BuildMassPoints(solid, zone, {.threads = 1});
@@ -246,7 +256,7 @@ TEST(MassPointsOfAnyThreads, AreTheSameBits) {
   }
 }
 
-TEST_F(MassPoints, AreTheSameEachTime) {
+TEST_F(MassPoints, AreTheSameInEachRun) {
   const std::vector<MassPoint> again =
       BuildMassPoints(AcetabulumSolid{{}}, CupZone{AcetabulumSolid{{}}.cup()}, {});
   ASSERT_EQ(again.size(), points_.size());

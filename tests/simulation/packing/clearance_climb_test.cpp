@@ -7,6 +7,9 @@
 #include "simulation/packing/hole_search.h"
 #include "tests/simulation/solids/simple_solids.h"
 
+// Tests of the search for the largest free ball near a point: ridge walks, climbs of the clearance, hole
+// search and the grid of distances.
+
 namespace osteon::simulation {
 namespace {
 
@@ -15,10 +18,10 @@ Vector3 RandomUnit(std::mt19937_64& random) {
   return Vector3(normal(random), normal(random), normal(random)).normalized();
 }
 
-// Oracle: enumerates every candidate optimum of the linear programme and takes the best one that satisfies
-// all bounds. Within the allowed length an optimum has four active bounds; random bounds have no other
-// optima.
-TEST(RidgeWalk, ReachesTheOptimumThatEnumerationFinds) {
+// A ridge walk maximizes the smallest of several linear bounds, which is a linear programme in the step and
+// the clearance. Oracle: each four bounds that are active together are a candidate, and the best that
+// satisfies all bounds is the optimum.
+TEST(RidgeWalk, ReachesTheOptimumOfTheLinearProgramme) {
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> value(0.0, 1.0);
   int inner = 0;
@@ -49,7 +52,7 @@ TEST(RidgeWalk, ReachesTheOptimumThatEnumerationFinds) {
     for (const ClearanceBound& bound : bounds)
       reached = std::min(reached, bound.value_m + bound.gradient.dot(walk.step_m));
     EXPECT_NEAR(reached, walk.clearance_m, 1e-9 * (1.0 + std::abs(reached)));
-    if (walk.step_m.norm() > 999.0) continue;  // the hull does not hold the origin: no optimum
+    if (walk.step_m.norm() > 999.0) continue;  // unbounded: the gradients' hull does not contain the origin
     ++inner;
     EXPECT_NEAR(walk.clearance_m, best, 1e-9 * (1.0 + std::abs(best)));
     EXPECT_LE(WalkRidges(bounds, 0.1).step_m.norm(), 0.1 * (1.0 + 1e-12));
@@ -57,8 +60,10 @@ TEST(RidgeWalk, ReachesTheOptimumThatEnumerationFinds) {
   EXPECT_GT(inner, 200);
 }
 
+/// A cube of 100 mm about the origin, to which tests add balls.
 class InABox : public testing::Test {
  protected:
+  /// The largest ball that a climb from p finds.
   Ball ClimbFrom(const Vector3& p, const RadiusCap& cap) {
     const DistanceGrid depths(solid_, 32, 1);
     ClearanceClimb climb(solid_, depths, balls_, cap);
@@ -70,7 +75,7 @@ class InABox : public testing::Test {
 };
 
 // Soddy: four unit balls that touch each other leave room for a ball of radius sqrt(3/2) - 1.
-TEST_F(InABox, TheHoleBetweenFourTouchingBallsIsSoddys) {
+TEST_F(InABox, TheHoleBetweenFourTouchingBallsHasSoddysRadius) {
   const double r = 10e-3;
   for (const Vector3& u : {Vector3(1, 1, 1), Vector3(1, -1, -1), Vector3(-1, 1, -1), Vector3(-1, -1, 1)})
     balls_.Insert({.center_m = u * (r / std::sqrt(2.0)), .radius_m = r});
@@ -85,8 +90,9 @@ TEST_F(InABox, TheHoleInACornerTouchesThreeFacesAndTheBall) {
   EXPECT_NEAR(hole.radius_m, (2.0 - std::sqrt(3.0)) * 0.05, 1e-6 * 0.05);
 }
 
-// Where the cap is smaller than the room, the ball comes to rest: here in the hollow above three balls.
-TEST_F(InABox, ACappedBallRestsOnItsThreeNearest) {
+// Where the cap on the radius is smaller than the hole, the ball comes to rest in the hollow above three
+// balls.
+TEST_F(InABox, ABallOfLimitedRadiusRestsOnThreeBalls) {
   for (int i = 0; i < 3; ++i) {
     const double angle = 2.0 * std::numbers::pi / 3.0 * i;
     balls_.Insert(
@@ -98,8 +104,8 @@ TEST_F(InABox, ACappedBallRestsOnItsThreeNearest) {
   EXPECT_NEAR((Vector3(hole.center_m) - Vector3(0, 0, std::sqrt(64e-6 - 36e-6))).norm(), 0.0, 1e-8 * cap);
 }
 
-// The whole box at once: the holes in its eight corners beside the ball in its middle, and nothing larger.
-TEST_F(InABox, SearchingACubeFindsEveryHoleAndNoOther) {
+// A ball fills the box's middle and leaves one hole in each of the eight corners.
+TEST_F(InABox, ASearchOfTheWholeBoxFindsExactlyItsEightHoles) {
   balls_.Insert({.center_m = Vector3::Zero(), .radius_m = 0.05});
   const double hole = (2.0 - std::sqrt(3.0)) * 0.05;
   const RadiusCap cap{.zone = zone_, .radius_m = 1.0};
@@ -114,9 +120,10 @@ TEST_F(InABox, SearchingACubeFindsEveryHoleAndNoOther) {
   EXPECT_TRUE(found.empty());
 }
 
-// The directions from which it climbs are turned at random, and a corner between four of them is missed: in
-// 216 of these 8000. With one direction left out, in 267.
-TEST_F(InABox, SearchingAroundABallFindsItsHolesHoweverItsDirectionsAreTurned) {
+// The search climbs from a fixed set of directions around the ball, rotated at random by the seed. A hole
+// midway between directions is missed: 216 of the 8000 holes of these seeds. With one direction left out it
+// would be 267, so the limit of 240 detects that.
+TEST_F(InABox, ASearchAroundABallMissesAtMostThreePercentOfItsHoles) {
   balls_.Insert({.center_m = Vector3::Zero(), .radius_m = 0.05});
   const double hole = (2.0 - std::sqrt(3.0)) * 0.05;
   const RadiusCap cap{.zone = zone_, .radius_m = 1.0};
@@ -131,7 +138,7 @@ TEST_F(InABox, SearchingAroundABallFindsItsHolesHoweverItsDirectionsAreTurned) {
   EXPECT_LE(missed, 240);
 }
 
-TEST(DistanceGrid, NeverSaysMoreThanTheDistance) {
+TEST(DistanceGrid, LowerBoundNeverExceedsTheDistance) {
   const BoxSolid solid = CenteredBox(Vector3(0.1, 0.03, 0.006));
   const DistanceGrid depths(solid, 48, 2);
   std::mt19937_64 random(3);

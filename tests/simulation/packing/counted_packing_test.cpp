@@ -11,13 +11,18 @@
 #include "simulation/solids/acetabulum_solid.h"
 #include "simulation/solids/ball_solid.h"
 
+// Tests of packings with a wanted number of balls that keep the scene's packing in the cut zone, or are
+// uniform.
+
 namespace osteon::simulation {
 namespace {
 
+// All numbers of a ball, to sort and compare balls.
 auto Key(const Ball& ball) {
   return std::tuple(ball.center_m.x, ball.center_m.y, ball.center_m.z, ball.radius_m);
 }
 
+// The balls whose centres are less than depth_m from the zone, sorted.
 std::vector<Ball> WithinZone(const std::vector<Ball>& balls, const CutZone& zone, double depth_m) {
   std::vector<Ball> within;
   for (const Ball& ball : balls)
@@ -26,6 +31,7 @@ std::vector<Ball> WithinZone(const std::vector<Ball>& balls, const CutZone& zone
   return within;
 }
 
+// Expects every ball to lie inside the solid, to a nanometre.
 void ExpectInside(const Solid& solid, const std::vector<Ball>& balls) {
   double worst_m = -HUGE_VAL;
   for (const Ball& ball : balls)
@@ -33,7 +39,7 @@ void ExpectInside(const Solid& solid, const std::vector<Ball>& balls) {
   EXPECT_LT(worst_m, 1e-9);
 }
 
-// Share of the solid's points, at least `below_m` under its surface, that no ball holds.
+// Share of 500 random points of the solid, at least `below_m` under its surface, that no ball contains.
 double ShareOutside(const Solid& solid, const std::vector<Ball>& balls, double below_m) {
   std::uint64_t seed = 0;
   int outside = 0, count = 0;
@@ -44,15 +50,15 @@ double ShareOutside(const Solid& solid, const std::vector<Ball>& balls, double b
     const Vector3 p = box.min() + box.sizes().cwiseProduct(u);
     if (solid.SignedDistance(p) > -below_m) continue;
     ++count;
-    const bool held = std::any_of(balls.begin(), balls.end(), [&](const Ball& ball) {
+    const bool contained = std::any_of(balls.begin(), balls.end(), [&](const Ball& ball) {
       return (p - Vector3(ball.center_m)).squaredNorm() <= ball.radius_m * ball.radius_m;
     });
-    outside += held ? 0 : 1;
+    outside += contained ? 0 : 1;
   }
   return outside / 500.0;
 }
 
-TEST(CountedPacking, KeepsTheCutZoneAndFillsTheRestToTheCount) {
+TEST(CountedPacking, KeepsTheCutZonesBallsAndReachesTheCountWithTheRest) {
   const AcetabulumSolid solid({});
   const CupZone zone(solid.cup());
   const PackingParams base;
@@ -73,13 +79,14 @@ TEST(CountedPacking, KeepsTheCutZoneAndFillsTheRestToTheCount) {
   }
 }
 
-TEST(CountedPacking, IsCoarserEverywhereForFewerThanTheScenesOwn) {
+// A count below that of the cut zone alone: the zone cannot keep its balls.
+TEST(CountedPacking, IsCoarserEverywhereForAVerySmallCount) {
   const AcetabulumSolid solid({});
   const CupZone zone(solid.cup());
   EXPECT_EQ(BuildCountedPacking(solid, zone, {}, 1000, CountedGrade::kFixedZone).size(), 1000u);
 }
 
-TEST(CountedPacking, IsUniformToTheCount) {
+TEST(CountedPacking, AUniformPackingReachesTheCountAndLeavesNoHoles) {
   const AcetabulumSolid solid({});
   const CupZone zone(solid.cup());
   double last_m = HUGE_VAL;

@@ -10,6 +10,8 @@
 
 #include "simulation/bone/bone.h"
 
+// A fast search for the distance to many overlapping balls, for tests that measure a packing's gaps.
+
 namespace osteon::simulation {
 
 /// Grid index over balls, for a point's distance from their union. A cell lists the balls within `margin_m`
@@ -18,6 +20,7 @@ namespace osteon::simulation {
 /// a cell.
 class CoverIndex {
  public:
+  /// @param box  region of the queries; the cells, of side cell_m, reach margin_m beyond it
   CoverIndex(const Eigen::AlignedBox3d& box, double cell_m, double margin_m)
       : origin_(box.min() - Vector3::Constant(margin_m)), cell_m_(cell_m), margin_m_(margin_m) {
     std::size_t cells = 1;

@@ -15,6 +15,9 @@
 #include "tests/simulation/mesh/mesh_shapes.h"
 #include "tests/simulation/solids/simple_solids.h"
 
+// Tests of packings of disjoint balls: every ball lies in the solid, none overlaps another, and no hole is
+// left for a larger ball.
+
 namespace osteon::simulation {
 namespace {
 
@@ -32,6 +35,7 @@ std::vector<double> RadiiDescending(std::span<const Ball> balls) {
   return radii;
 }
 
+/// Distance from p to the ball's surface, negative inside.
 double Gap_m(const Ball& ball, const Vector3& p) {
   return (p - Vector3(ball.center_m)).norm() - ball.radius_m;
 }
@@ -46,8 +50,8 @@ void ExpectDisjointAndInside(const Solid& solid, std::span<const Ball> balls) {
   }
 }
 
-/// The largest free ball around `probes` random points; from each point random steps climb towards larger
-/// clearance. Independent of the packer.
+/// Oracle, independent of the packer: radius of the largest free ball found from `probes` random points, each
+/// of which climbs by random steps towards larger clearance.
 double LargestHole_m(const Solid& solid, std::span<const Ball> balls, int probes) {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -79,22 +83,22 @@ double LargestHole_m(const Solid& solid, std::span<const Ball> balls, int probes
   return largest;
 }
 
-TEST(DisjointPacking, LiesInsideAndIsDisjointInEveryShape) {
+TEST(DisjointPacking, BallsAreInsideAndDisjointInEveryShape) {
   const AcetabulumSolid acetabulum({});
   const BoxSolid plate = CenteredBox(Vector3(0.06, 0.04, 0.002));
   const MeshSolid mesh(MakeIcosphere(Vector3(0.1, 0, 0), 0.02, 1));
   for (const Solid* solid : std::initializer_list<const Solid*>{&acetabulum, &plate, &mesh})
-    for (const double greatest : {1.0, 1.5e-3}) {
-      const DisjointParams params{.count = 800, .max_radius_m = greatest, .seed = 5};
+    for (const double max_radius_m : {1.0, 1.5e-3}) {
+      const DisjointParams params{.count = 800, .max_radius_m = max_radius_m, .seed = 5};
       const std::vector<Ball> balls = BuildDisjointPacking(*solid, EverywhereZone(), params);
       EXPECT_EQ(balls.size(), 800u);
       ExpectDisjointAndInside(*solid, balls);
     }
 }
 
-// In a cube: its inscribed ball, then the eight balls that touch three faces and that ball, r = (2 - sqrt 3)
-// a/2.
-TEST(DisjointPacking, StartsWithTheInscribedBallAndFillsTheCornersNext) {
+// In a cube of side a: the inscribed ball, then in each of the eight corners a ball that touches three faces
+// and the inscribed ball, r = (2 - sqrt 3) a/2.
+TEST(DisjointPacking, StartsWithTheInscribedBallAndThenFillsTheCorners) {
   const std::vector<double> radii = RadiiDescending(
       BuildDisjointPacking(CenteredBox(Vector3(0.1, 0.1, 0.1)), EverywhereZone(), {.count = 9}));
   ASSERT_EQ(radii.size(), 9u);
@@ -102,15 +106,15 @@ TEST(DisjointPacking, StartsWithTheInscribedBallAndFillsTheCornersNext) {
   for (int i = 1; i < 9; ++i) EXPECT_NEAR(radii[i], (2.0 - std::sqrt(3.0)) * 0.05, 1e-5 * 0.05);
 }
 
-TEST(DisjointPacking, ABallTakesOneBallAndThenIsFull) {
+TEST(DisjointPacking, ABallIsFilledByASingleBall) {
   const std::vector<Ball> balls =
       BuildDisjointPacking(BallSolid(0.02), EverywhereZone(), {.count = 0, .min_radius_m = 1e-3});
   ASSERT_EQ(balls.size(), 1u);
   EXPECT_NEAR(balls[0].radius_m, 0.02, 1e-6 * 0.02);
 }
 
-// Largest first, to within the classes' 5 %: the remaining holes have no room for a ball larger than the
-// smallest one placed.
+// Balls are placed in descending classes of radius, 5 % wide. No remaining hole may therefore be more than 5
+// % larger than the smallest ball.
 TEST(DisjointPacking, LeavesNoHoleLargerThanItsSmallestBall) {
   const AcetabulumSolid solid({});
   for (const std::size_t count : {30, 300, 1500}) {
@@ -122,26 +126,27 @@ TEST(DisjointPacking, LeavesNoHoleLargerThanItsSmallestBall) {
   }
 }
 
-TEST(DisjointPacking, WithoutACountGoesOnUntilNothingFits) {
+TEST(DisjointPacking, WithoutACountFillsUntilNoBallFits) {
   const AcetabulumSolid acetabulum(
       {.width_m = 0.04, .height_m = 0.03, .cup_radius_m = 0.012, .cartilage_m = 1e-3, .subchondral_m = 1e-3});
   const BoxSolid plate = CenteredBox(Vector3(0.06, 0.04, 0.003));
   for (const Solid* solid : std::initializer_list<const Solid*>{&acetabulum, &plate})
-    for (const double greatest : {1.0, 1.4e-3}) {
+    for (const double max_radius_m : {1.0, 1.4e-3}) {
       const double least = 1.2e-3;
       const std::vector<Ball> balls = BuildDisjointPacking(
-          *solid, EverywhereZone(), {.count = 0, .min_radius_m = least, .max_radius_m = greatest});
+          *solid, EverywhereZone(), {.count = 0, .min_radius_m = least, .max_radius_m = max_radius_m});
       EXPECT_GT(balls.size(), 100u);
       EXPECT_GE(RadiiDescending(balls).back(), least - 2e-12);
       EXPECT_LT(LargestHole_m(*solid, balls, 4000), 1.02 * least);
     }
 }
 
-TEST(DisjointPacking, SaysWithFewerBallsThatNoMoreFit) {
+// The result of a count that does not fit is a full packing, with fewer balls than the count.
+TEST(DisjointPacking, ReturnsFewerBallsThanTheCountIfNoMoreFit) {
   const BoxSolid box = CenteredBox(Vector3(0.02, 0.02, 0.02));
-  const DisjointParams to_the_end{.count = 0, .min_radius_m = 1e-3};
+  const DisjointParams until_full{.count = 0, .min_radius_m = 1e-3};
   const DisjointParams too_many{.count = 100'000, .min_radius_m = 1e-3};
-  const auto full = BuildDisjointPacking(box, EverywhereZone(), to_the_end);
+  const auto full = BuildDisjointPacking(box, EverywhereZone(), until_full);
   const auto asked = BuildDisjointPacking(box, EverywhereZone(), too_many);
   EXPECT_LT(asked.size(), 1000u);
   EXPECT_NEAR(static_cast<double>(asked.size()), static_cast<double>(full.size()),
@@ -152,7 +157,7 @@ bool SameBits(const std::vector<Ball>& a, const std::vector<Ball>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Ball)) == 0;
 }
 
-TEST(DisjointPacking, IsTheSameToTheBitForAnyNumberOfThreads) {
+TEST(DisjointPacking, EqualsBitForBitForAnyNumberOfThreads) {
   const MeshSolid mesh(MakeBox(Vector3(0.1, 0, 0), Vector3(0.13, 0.04, 0.05)));
   const AcetabulumSolid acetabulum({});
   const CupZone cup(acetabulum.cup());
@@ -170,7 +175,7 @@ TEST(DisjointPacking, IsTheSameToTheBitForAnyNumberOfThreads) {
   expect_same(acetabulum, everywhere, {.count = 0, .min_radius_m = 2.5e-3});
 }
 
-TEST(DisjointPacking, ASeedMakesAnotherPackingAsGood) {
+TEST(DisjointPacking, AnotherSeedGivesADifferentPackingOfEqualVolume) {
   const AcetabulumSolid solid({});
   const auto with_seed = [&](std::uint64_t seed) {
     return BuildDisjointPacking(solid, EverywhereZone(), {.count = 1000, .seed = seed});
@@ -181,7 +186,8 @@ TEST(DisjointPacking, ASeedMakesAnotherPackingAsGood) {
   EXPECT_NEAR(Volume_m3(second) / Volume_m3(first), 1.0, 0.01);
 }
 
-TEST(DisjointPacking, RadiiGrowWithDepthAsTheyMay) {
+// Limit of a radius: 0.8 mm in the zone, plus 0.3 mm for each millimetre of depth below it.
+TEST(DisjointPacking, RadiiReachAndKeepTheLimitThatGrowsWithDepth) {
   const AcetabulumSolid solid({});
   const CupZone zone(solid.cup());
   const DisjointParams params{.count = 3000, .max_radius_m = 0.8e-3, .grade = 0.3};
@@ -193,23 +199,23 @@ TEST(DisjointPacking, RadiiGrowWithDepthAsTheyMay) {
     ASSERT_LE(ball.radius_m, cap);
     at_cap += ball.radius_m > 0.999 * cap;
   }
-  EXPECT_GT(at_cap, 100);  // and as far as they may
+  EXPECT_GT(at_cap, 100);
   EXPECT_GT(RadiiDescending(balls).front(), 5e-3);
 }
 
-// The same solid with one radius for all. The density of balls that roll to rest is about 0.56 to 0.60
-// without walls (loose random packings: Onoda, Liniger, Phys. Rev. Lett. 64, 1990: 0.555). Walls at 20
-// diameters reduce it by 0.03.
-TEST(DisjointPacking, CappedBallsLieAsDenseAsPouredOnes) {
+// All balls have a radius of 1 mm. Poured balls that roll to rest fill about 0.56 to 0.60 of the space
+// without walls (loose random packings: Onoda, Liniger, Phys. Rev. Lett. 64, 1990: 0.555). Walls 20 diameters
+// apart reduce this by 0.03.
+TEST(DisjointPacking, EqualBallsAreAsDenseAsPouredOnes) {
   const BoxSolid box = CenteredBox(Vector3(0.04, 0.04, 0.04));
   const std::vector<Ball> balls = BuildDisjointPacking(
       box, EverywhereZone(), {.count = 0, .min_radius_m = 0.999e-3, .max_radius_m = 1e-3});
   EXPECT_GT(Volume_m3(balls) / Volume_m3(box), 0.52);
 }
 
-// Coverage of a cube. The bounds are this packer's own results less 1 %, to notice a change for the worse.
-// One ball covers pi/6; ten thousand cover 0.90.
-TEST(DisjointPacking, CoversACubeNoWorseThanItDid) {
+// The lower limits are near this packer's own results, to notice a change for the worse. One ball covers pi/6
+// of a cube.
+TEST(DisjointPacking, CoverageOfACubeIsNotBelowItsKnownValues) {
   const BoxSolid box = CenteredBox(Vector3(0.1, 0.1, 0.1));
   double last = 0.0;
   for (const auto& [count, least] : {std::pair{1, 0.523}, {100, 0.7}, {1000, 0.8}, {8000, 0.85}}) {
@@ -222,7 +228,7 @@ TEST(DisjointPacking, CoversACubeNoWorseThanItDid) {
   }
 }
 
-TEST(DisjointPacking, RefusesBadParameters) {
+TEST(DisjointPacking, RefusesParametersOutOfRangeByName) {
   const auto message = [](const DisjointParams& params) -> std::string {
     try {
       (void)BuildDisjointPacking(CenteredBox(Vector3(0.01, 0.01, 0.01)), EverywhereZone(), params);
@@ -241,8 +247,8 @@ TEST(DisjointPacking, RefusesBadParameters) {
   EXPECT_THAT(message({.threads = -1}), HasSubstr("threads: found -1, accepted 0 … 1024"));
 }
 
-// A real bone, where the folder of anatomical meshes is available. OpenVDB's fillWithSpheres with 10 000
-// balls covers 0.776 of this bone; half as many balls cover more here.
+// A real bone, if the folder of anatomical meshes is available. OpenVDB's fillWithSpheres covers 0.776 of
+// this bone with 10 000 balls; half as many must cover more.
 TEST(DisjointPacking, CoversTheHipBoneBetterThanOpenVdb) {
   const char* folder = std::getenv("OSTEON_DATA_DIR");
   const std::filesystem::path path = std::filesystem::path(folder ? folder : "") / "hip_bone_left.obj";

@@ -7,11 +7,13 @@
 #include "tests/simulation/bone/cup_bone.h"
 #include "tests/simulation/packing/cover_index.h"
 
-// A real hip bone of 50 000 triangles. Skipped if OSTEON_DATA_DIR names no folder with anatomical meshes.
+// Tests of a real hip bone's mesh of 50 000 triangles, and of its packing. They are skipped if
+// OSTEON_DATA_DIR names no folder with anatomical meshes.
 
 namespace osteon::simulation {
 namespace {
 
+/// The left hip bone with a cup in its acetabulum.
 class HipBone : public testing::Test {
  protected:
   void SetUp() override {
@@ -25,7 +27,7 @@ class HipBone : public testing::Test {
                .radius_m = 0.021};
 };
 
-TEST_F(HipBone, IsClosedAndFreeOfContradictions) {
+TEST_F(HipBone, MeshIsOneClosedShellOfTheKnownVolume) {
   const auto loaded = LoadMesh(path_);
   ASSERT_TRUE(loaded) << loaded.error().message;
   EXPECT_EQ(loaded->mesh.triangles.size(), 50'000u);
@@ -34,7 +36,9 @@ TEST_F(HipBone, IsClosedAndFreeOfContradictions) {
   EXPECT_NEAR(SignedVolume_m3(loaded->mesh) * 1e6, 588.7, 0.1);  // cm^3, the data's README
 }
 
-TEST_F(HipBone, BecomesAPackingThatFollowsItsCup) {
+// Mean and 95th percentile of the gaps between the packing and the mesh's surface, up to 4 mm from the cup's
+// zone.
+TEST_F(HipBone, PackingFollowsTheCupWithinAFewHundredthsOfAMillimetre) {
   const auto bone = MakeBoneFromMesh(path_, cup_, {});
   ASSERT_TRUE(bone) << bone.error().message;
   EXPECT_GT(bone->balls.size(), 20'000u);

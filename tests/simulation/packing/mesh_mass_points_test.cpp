@@ -7,14 +7,15 @@
 #include "simulation/solids/mass_properties.h"
 #include "simulation/solids/mesh_solid.h"
 
-// Mass points of the anatomical meshes against the meshes' own closed forms, where their folder is available.
+// Compares the mass points of anatomical meshes with the meshes' closed forms of volume, mass and moments.
+// The tests are skipped if OSTEON_DATA_DIR names no folder with anatomical meshes.
 
 namespace osteon::simulation {
 namespace {
 
 class MeshMassPoints : public testing::TestWithParam<const char*> {};
 
-// Twice as coarse as the default: the tolerances hold with a margin, and the test is fast.
+// About 20 000 points, twice as coarse as the default, so that the test is fast.
 TEST_P(MeshMassPoints, HaveTheMeshsVolumeMassAndCenterOfMass) {
   const char* folder = std::getenv("OSTEON_DATA_DIR");
   const std::filesystem::path path = std::filesystem::path(folder ? folder : "") / GetParam();

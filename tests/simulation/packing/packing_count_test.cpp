@@ -10,12 +10,12 @@
 #include "simulation/solids/mesh_solid.h"
 #include "tests/simulation/packing/cover_index.h"
 
-// Packings with a wanted number of balls.
+// Tests of overlapping packings with a wanted number of balls.
 
 namespace osteon::simulation {
 namespace {
 
-/// A ball of bone around the origin, for which everything is known.
+/// A ball of bone around the origin, whose distances and volume are known exactly.
 class RoundSolid final : public Solid {
  public:
   explicit RoundSolid(double radius_m) : radius_m_(radius_m) {}
@@ -33,10 +33,12 @@ class RoundSolid final : public Solid {
   double radius_m_;
 };
 
+/// An overlapping packing with these options.
 std::vector<Ball> Pack(const Solid& solid, const CutZone& zone, const OverlapOptions& options) {
   return BuildPacking(solid, zone, OverlapParamsFor(solid, zone, options));
 }
 
+/// Distance from p to the union of the balls, negative inside; by a loop over all balls.
 double GapTo(const std::vector<Ball>& balls, const Vector3& p) {
   double gap = 1.0;
   for (const Ball& ball : balls) gap = std::min(gap, (p - Vector3(ball.center_m)).norm() - ball.radius_m);
@@ -49,11 +51,12 @@ bool Same(const std::vector<Ball>& a, const std::vector<Ball>& b) {
   });
 }
 
+/// Mean gap between the solid's surface and the balls, and share of the solid's volume that they cover.
 struct Cover {
   double gap_mean_m{0.0}, coverage{0.0};
 };
 
-/// Measures the cover of the round solid, at points spread evenly over its surface and inside it.
+/// Measures the cover of a round solid of this radius at random points of its surface and inside it.
 Cover Measure(const std::vector<Ball>& balls, double radius_m) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
@@ -68,20 +71,23 @@ Cover Measure(const std::vector<Ball>& balls, double radius_m) {
   return cover;
 }
 
-constexpr double kRound_m = 0.020, kCap_m = 0.003;
+constexpr double kRoundRadius_m = 0.020;    // of the round solid
+constexpr double kMaxBallRadius_m = 0.003;  // of the packed balls
 
 TEST(PackingCount, IsReachedExactly) {
-  const RoundSolid round(kRound_m);
+  const RoundSolid round(kRoundRadius_m);
   const AcetabulumSolid cup({});
   const CupZone zone(cup.cup());
   for (const std::size_t count : {1u, 10u, 300u, 4000u}) {
-    EXPECT_EQ(Pack(round, EverywhereZone(), {.count = count, .max_radius_m = kCap_m}).size(), count);
+    EXPECT_EQ(Pack(round, EverywhereZone(), {.count = count, .max_radius_m = kMaxBallRadius_m}).size(),
+              count);
     EXPECT_EQ(Pack(cup, zone, {.count = count}).size(), count);
-    EXPECT_EQ(Pack(cup, zone, {.count = count, .max_radius_m = kCap_m, .grade = 0.3}).size(), count);
+    EXPECT_EQ(Pack(cup, zone, {.count = count, .max_radius_m = kMaxBallRadius_m, .grade = 0.3}).size(),
+              count);
   }
 }
 
-TEST(PackingCount, IsReachedFromParametersThatWereMadeForAnother) {
+TEST(PackingCount, IsReachedFromDefaultParametersOfAnotherCount) {
   const AcetabulumSolid cup({});
   for (const std::size_t count : {500u, 60'000u}) {
     PackingParams params;
@@ -91,18 +97,18 @@ TEST(PackingCount, IsReachedFromParametersThatWereMadeForAnother) {
 }
 
 // Oracle: balls of radius r that touch a sphere of radius R from inside leave a gap of x²/2 (1/r - 1/R) at
-// the distance x from the nearest foot. Of all arrangements hexagons have the least mean x², 5/(18√3) of a
-// foot's area. The greedy choice may lose a quarter to this bound, which no arrangement can beat.
-TEST(PackingCount, CoversASphereNearlyAsWellAsHexagonsWould) {
+// the distance x from the nearest point of contact. A hexagonal arrangement has the smallest mean x² that is
+// possible: 5/(18√3) of the area for each contact. The packer may be a quarter worse.
+TEST(PackingCount, GapsOfASphereAreNearTheHexagonalMinimum) {
   const std::vector<Ball> balls =
-      Pack(RoundSolid(kRound_m), EverywhereZone(), {.count = 8000, .max_radius_m = kCap_m});
+      Pack(RoundSolid(kRoundRadius_m), EverywhereZone(), {.count = 8000, .max_radius_m = kMaxBallRadius_m});
   double touching = 0.0;
   for (const Ball& ball : balls)
-    touching += kRound_m - Vector3(ball.center_m).norm() - ball.radius_m < 1e-6 ? 1.0 : 0.0;
+    touching += kRoundRadius_m - Vector3(ball.center_m).norm() - ball.radius_m < 1e-6 ? 1.0 : 0.0;
   ASSERT_GT(touching, 2000.0);
-  const double area = 4.0 * M_PI * kRound_m * kRound_m / touching;
-  const double best = 5.0 / (36.0 * std::sqrt(3.0)) * area * (1.0 / kCap_m - 1.0 / kRound_m);
-  const double gap = Measure(balls, kRound_m).gap_mean_m;
+  const double area = 4.0 * M_PI * kRoundRadius_m * kRoundRadius_m / touching;
+  const double best = 5.0 / (36.0 * std::sqrt(3.0)) * area * (1.0 / kMaxBallRadius_m - 1.0 / kRoundRadius_m);
+  const double gap = Measure(balls, kRoundRadius_m).gap_mean_m;
   std::printf("%g of %zu balls touch: gap mean %.5f mm, hexagons %.5f\n", touching, balls.size(), gap * 1e3,
               best * 1e3);
   EXPECT_GE(gap, best);
@@ -112,9 +118,10 @@ TEST(PackingCount, CoversASphereNearlyAsWellAsHexagonsWould) {
 TEST(PackingCount, MoreBallsLeaveSmallerGapsAndCoverMore) {
   Cover last{.gap_mean_m = 1.0, .coverage = 0.0};
   for (const std::size_t count : {250u, 1000u, 4000u}) {
-    const Cover cover = Measure(
-        Pack(RoundSolid(kRound_m), EverywhereZone(), {.count = count, .max_radius_m = kCap_m}), kRound_m);
-    // gaps are proportional to the area of a foot: a quarter each time
+    const Cover cover = Measure(Pack(RoundSolid(kRoundRadius_m), EverywhereZone(),
+                                     {.count = count, .max_radius_m = kMaxBallRadius_m}),
+                                kRoundRadius_m);
+    // gaps are proportional to the area for each contact, which is a quarter each time
     EXPECT_LT(cover.gap_mean_m, 0.4 * last.gap_mean_m) << count;
     EXPECT_GE(cover.coverage, last.coverage) << count;
     last = cover;
@@ -122,7 +129,7 @@ TEST(PackingCount, MoreBallsLeaveSmallerGapsAndCoverMore) {
   EXPECT_GE(last.coverage, 0.99);  // a gap of 0.05 mm everywhere is 0.75 % of the volume
 }
 
-TEST(PackingCount, NoBitDependsOnTheNumberOfThreads) {
+TEST(PackingCount, EqualsBitForBitForAnyNumberOfThreads) {
   const AcetabulumSolid cup({});
   const CupZone zone(cup.cup());
   const auto pack = [&](int threads) {
@@ -141,19 +148,19 @@ TEST(PackingCount, NoBitDependsOnTheNumberOfThreads) {
   }
 }
 
-TEST(PackingCount, TheSeedMovesBallsButNotTheirQuality) {
+TEST(PackingCount, AnotherSeedMovesBallsAndKeepsTheMeanGap) {
   const auto pack = [](std::uint64_t seed) {
-    return Pack(RoundSolid(kRound_m), EverywhereZone(),
-                {.count = 2000, .max_radius_m = kCap_m, .seed = seed});
+    return Pack(RoundSolid(kRoundRadius_m), EverywhereZone(),
+                {.count = 2000, .max_radius_m = kMaxBallRadius_m, .seed = seed});
   };
   const std::vector<Ball> one = pack(1), two = pack(2);
   EXPECT_FALSE(Same(one, two));
   EXPECT_TRUE(Same(one, pack(1)));
-  const double gap = Measure(one, kRound_m).gap_mean_m;
-  EXPECT_NEAR(Measure(two, kRound_m).gap_mean_m, gap, 0.1 * gap);
+  const double gap = Measure(one, kRoundRadius_m).gap_mean_m;
+  EXPECT_NEAR(Measure(two, kRoundRadius_m).gap_mean_m, gap, 0.1 * gap);
 }
 
-TEST(PackingCount, KeepsInsideTheSolidTheCapsAndTheGrade) {
+TEST(PackingCount, BallsKeepInsideTheSolidAndWithinTheirRadiusLimits) {
   const AcetabulumSolid cup({});
   const CupZone zone(cup.cup());
   for (const double grade : {0.0, 0.2, 1.0}) {
@@ -173,10 +180,10 @@ TEST(PackingCount, KeepsInsideTheSolidTheCapsAndTheGrade) {
   }
 }
 
-TEST(PackingCount, OptionsOutOfRangeAreNamed) {
+TEST(PackingCount, RefusesOptionsOutOfRangeByName) {
   const auto message = [](const OverlapOptions& options) -> std::string {
     try {
-      return std::to_string(Pack(RoundSolid(kRound_m), EverywhereZone(), options).size());
+      return std::to_string(Pack(RoundSolid(kRoundRadius_m), EverywhereZone(), options).size());
     } catch (const std::invalid_argument& error) {
       return error.what();
     }
@@ -190,8 +197,8 @@ TEST(PackingCount, OptionsOutOfRangeAreNamed) {
   EXPECT_EQ(message({.count = 100'000'001}), "packing: count: found 100000001, accepted 0 … 100000000");
 }
 
-// Oracle: all balls, one by one.
-TEST(CoverIndex, TellsTheDistanceToTheUnion) {
+// Oracle: a loop over all balls.
+TEST(CoverIndex, GapIsTheDistanceToTheUnionOfBalls) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const auto point = [&] {
@@ -221,8 +228,9 @@ TEST(CoverIndex, TellsTheDistanceToTheUnion) {
   EXPECT_LT(outside, 4500);
 }
 
-// Issue 3's requirement, with a fifth of its balls: 25 000 must cover 0.985 and leave 0.15 mm.
-TEST(PackingCount, CoversTheHipBone) {
+// The requirement is that 25 000 balls cover 0.985 of the bone and leave a mean gap of 0.15 mm; 5000 balls do
+// better.
+TEST(PackingCount, FiveThousandBallsCoverTheHipBone) {
   const char* folder = std::getenv("OSTEON_DATA_DIR");
   const auto path = std::filesystem::path(folder ? folder : "") / "hip_bone_left.obj";
   if (!folder || !std::filesystem::exists(path)) GTEST_SKIP() << "no anatomical meshes";

@@ -6,6 +6,8 @@
 
 #include "tests/simulation/packing/packing_file_fixture.h"
 
+// Tests of the export of a packing to PLY and CSV files.
+
 namespace osteon::simulation {
 namespace {
 
@@ -47,7 +49,7 @@ TEST_F(PackingExportTest, CsvHoldsTheBallsInMillimetres) {
     const Ball& ball = bone.balls[count];
     double x = 0, y = 0, z = 0, r = 0;
     ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf", &x, &y, &z, &r), 4) << line;
-    // float32 of up to a metre in mm
+    // tolerance: float32 of up to a metre, in millimetres
     EXPECT_LT((Vector3(x, y, z) - Vector3(ball.center_m) * 1e3).norm(), 1e-4);
     EXPECT_NEAR(r, ball.radius_m * 1e3, 1e-6);
   }

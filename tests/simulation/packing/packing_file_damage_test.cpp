@@ -8,6 +8,8 @@
 
 #include "tests/simulation/packing/packing_file_fixture.h"
 
+// Tests of damaged packing files: each damage is refused with its byte, what was found and what is accepted.
+
 namespace osteon::simulation {
 namespace {
 
@@ -15,12 +17,14 @@ using io::test::WriteAll;
 using testing::HasSubstr;
 using namespace test;
 
+/// A kind of damage with the error that it must give.
 struct Malformed {
   const char* name;
   std::function<void(std::string&)> damage;  ///< applied to a valid file
   std::vector<std::string> message;          ///< parts of the error
 };
 
+/// A valid entry of the section "materials".
 std::string MaterialLines(const std::string& name) {
   return "material=" + name +
          "\ndensity_kg_per_m3=1000\ndensity_source=weighed\nspecific_cutting_energy_J_per_m3=1e9\n"
@@ -29,8 +33,10 @@ std::string MaterialLines(const std::string& name) {
          "friction_assumption=\n";
 }
 
+/// The part of an error that names a byte of the file.
 std::string At(std::size_t byte) { return ": byte " + std::to_string(byte) + ": "; }
 
+/// Damages of the valid file `good`. The lambdas below each make one kind of change.
 std::vector<Malformed> MalformedFiles(const std::string& good) {
   const auto section = [&good](std::size_t i) { return SectionAt(good, i); };
   /// Changes a field of the table and recomputes the checksum.
@@ -47,9 +53,11 @@ std::vector<Malformed> MalformedFiles(const std::string& good) {
       Seal(bytes);
     };
   };
+  /// Flips a bit and leaves the checksum.
   const auto flipped = [](std::size_t at) {
     return [at](std::string& bytes) { bytes[at] = static_cast<char>(bytes[at] ^ 0x10); };
   };
+  /// Replaces a text by another of equal length and recomputes the checksum.
   const auto text = [](const std::string& from, const std::string& to) {
     return [=](std::string& bytes) {
       ASSERT_EQ(from.size(), to.size());
@@ -62,6 +70,7 @@ std::vector<Malformed> MalformedFiles(const std::string& good) {
   const auto becomes = [](const std::string& other) {
     return [other](std::string& bytes) { bytes = other; };
   };
+  /// Changes the content of a section and recomputes table and checksums.
   const auto with = [](std::size_t i, const std::function<void(std::string&)>& change) {
     return [=](std::string& bytes) {
       auto sections = Sections(bytes);
@@ -314,7 +323,7 @@ TEST_F(PackingFileTest, EveryMalformedFileIsRefusedWithByteAndReason) {
   EXPECT_GE(cases.size(), 60u);
 }
 
-TEST_F(PackingFileTest, AFlippedBitOfHeaderAndTableIsSeenInEachOfTheirBytes) {
+TEST_F(PackingFileTest, AFlippedBitInAnyByteOfHeaderAndTableIsDetected) {
   const std::string good = Saved(SomeBone(2, 2));
   for (std::size_t at = 0; at < 64 + 6 * 32; ++at) {
     std::string bytes = good;
@@ -324,7 +333,7 @@ TEST_F(PackingFileTest, AFlippedBitOfHeaderAndTableIsSeenInEachOfTheirBytes) {
   }
 }
 
-TEST_F(PackingFileTest, WhatIsNoFileIsRefusedAtOnce) {
+TEST_F(PackingFileTest, PathsThatAreNoRegularFileAreRefused) {
   const auto refused = [](const std::filesystem::path& path) {
     const auto file = PackingFile::Open(path);
     return file ? std::string("accepted") : file.error().Text();

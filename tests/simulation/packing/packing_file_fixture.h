@@ -20,12 +20,14 @@ class PackingFileTest : public testing::Test {
  protected:
   std::filesystem::path Path(const std::string& name = "bone.osp") const { return folder_.path() / name; }
 
+  /// Saves the bone; @returns the file's bytes.
   std::string Saved(const Bone& bone, const PackingProvenance& provenance = SomeProvenance()) {
     const auto written = WritePackingFile(Path(), bone, provenance);
     EXPECT_TRUE(written) << written.error().Text();
     return io::test::ReadAll(Path());
   }
 
+  /// The error of opening these bytes, which must be refused.
   FileError Refusal(const std::string& bytes) {
     io::test::WriteAll(Path("bad.osp"), bytes);
     const auto file = PackingFile::Open(Path("bad.osp"));
@@ -33,6 +35,7 @@ class PackingFileTest : public testing::Test {
     return file ? FileError{} : file.error();
   }
 
+  /// The error of writing this bone, which must be refused without leaving a file.
   FileError WriteRefusal(const Bone& bone, const PackingProvenance& provenance = SomeProvenance()) {
     const auto written = WritePackingFile(Path("refused.osp"), bone, provenance);
     if (written) ADD_FAILURE() << "the bone was accepted";

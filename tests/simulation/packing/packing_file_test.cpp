@@ -10,6 +10,9 @@
 
 #include "tests/simulation/packing/packing_file_fixture.h"
 
+// Tests of valid packing files: what is saved is loaded, loading and saving again gives the same bytes, and a
+// failed save keeps the old file.
+
 namespace osteon::simulation {
 namespace {
 
@@ -18,10 +21,10 @@ using io::test::WriteAll;
 using testing::HasSubstr;
 using namespace test;
 
-/// 2^-15 mm, the grid of docs/packing.md.
+/// 2^-15 mm: coordinates in a file are multiples of it (docs/packing.md).
 constexpr double kGrid_m = 1e-3 / 32768.0;
 
-TEST_F(PackingFileTest, WhatIsSavedIsWhatIsLoaded) {
+TEST_F(PackingFileTest, ALoadedBoneEqualsTheSavedBone) {
   const Bone bone = SomeBone();
   Saved(bone);
   const auto file = PackingFile::Open(Path());
@@ -30,7 +33,7 @@ TEST_F(PackingFileTest, WhatIsSavedIsWhatIsLoaded) {
   ASSERT_EQ(loaded.balls.size(), bone.balls.size());
   ASSERT_EQ(loaded.points.size(), bone.points.size());
   for (std::size_t i = 0; i < bone.points.size(); ++i) {
-    // half a grid along each axis, and the rounding of the volume to float32
+    // positions: half a grid step along each axis; volumes: rounding to float32
     EXPECT_LE((Vector3(loaded.points[i].p_m) - Vector3(bone.points[i].p_m)).cwiseAbs().maxCoeff(),
               0.501 * kGrid_m);
     EXPECT_NEAR(loaded.points[i].volume_m3 / bone.points[i].volume_m3, 1.0, 6e-8);
@@ -61,7 +64,7 @@ TEST_F(PackingFileTest, WhatIsSavedIsWhatIsLoaded) {
 }
 
 // The rounding of a saved ball may increase neither protrusion nor overlap.
-TEST_F(PackingFileTest, EachBallSavedLiesWithinTheBallGiven) {
+TEST_F(PackingFileTest, EachSavedBallLiesWithinTheOriginalBall) {
   const Bone bone = SomeBone(5000, 0);
   Saved(bone);
   const auto file = PackingFile::Open(Path());
@@ -72,13 +75,13 @@ TEST_F(PackingFileTest, EachBallSavedLiesWithinTheBallGiven) {
     const double moved_m = (Vector3(loaded.balls[i].center_m) - Vector3(bone.balls[i].center_m)).norm();
     // 1e-14 m: rounding of doubles near half a metre, and the writer's tolerance of 2e-4 grids
     EXPECT_LE(loaded.balls[i].radius_m + moved_m, bone.balls[i].radius_m + 1e-14);
-    // half a diagonal of the grid for the centre, that and a step for the radius
+    // the centre moves by half a diagonal of the grid at most, and the radius shrinks by that and a grid step
     EXPECT_LE(moved_m, 0.867 * kGrid_m);
     EXPECT_GE(loaded.balls[i].radius_m, bone.balls[i].radius_m - 1.867 * kGrid_m);
   }
 }
 
-TEST_F(PackingFileTest, ALoadedPackingSavesToTheSameBytes) {
+TEST_F(PackingFileTest, ALoadedPackingIsSavedToTheSameBytes) {
   for (const double shift_m : {0.0, 0.4999999, 3.7, -9.87654321}) {
     Bone bone = SomeBone(3000, 1000);
     for (Ball& ball : bone.balls)
@@ -94,7 +97,7 @@ TEST_F(PackingFileTest, ALoadedPackingSavesToTheSameBytes) {
   }
 }
 
-TEST_F(PackingFileTest, AZeroLosesItsSign) {
+TEST_F(PackingFileTest, MinusZeroIsSavedAsZero) {
   Bone bone = SomeBone(3, 2);
   // rounds to minus zero on the grid, and the origin is zero
   bone.balls = {{.center_m = Vector3(-1e-12, -0.0, 0.01), .radius_m = 1e-3},
@@ -109,7 +112,7 @@ TEST_F(PackingFileTest, AZeroLosesItsSign) {
 }
 
 // The middle of these balls is at half a millimetre, where rounding could go either way.
-TEST_F(PackingFileTest, TheOriginOfASymmetricPackingStaysWhenItIsSavedAgain) {
+TEST_F(PackingFileTest, TheOriginOfASymmetricPackingIsTheSameWhenSavedAgain) {
   Bone bone = SomeBone(1, 0);
   for (const double width_mm : {1.0, 1.0 - 1e-6, 3.0, 20.0 + 1.0 / 3.0, 21.0 + 1e-5}) {
     bone.balls = {{.center_m = Vector3::Zero(), .radius_m = 1e-3},
@@ -122,7 +125,7 @@ TEST_F(PackingFileTest, TheOriginOfASymmetricPackingStaysWhenItIsSavedAgain) {
   }
 }
 
-TEST_F(PackingFileTest, TheBytesLieWhereTheFormatSays) {
+TEST_F(PackingFileTest, TheBytesFollowTheDocumentedFormat) {
   const Bone bone = SomeBone();
   const std::string bytes = Saved(bone);
   EXPECT_EQ(bytes.substr(0, 8), "\x89OSP\r\n\x1a\n");
@@ -158,9 +161,9 @@ TEST_F(PackingFileTest, PointsAndSiteMayBeAbsent) {
   EXPECT_EQ(file->ToBone().site.radius_m, 0.0);
 }
 
-/// The verdict on a file is the same for any number of threads.
+// Threads check pieces of a mebibyte each; this file has three pieces and a rest.
 TEST_F(PackingFileTest, TheFirstBadBallIsNamedForAnyNumberOfThreads) {
-  std::string bytes = Saved(SomeBone(200'000, 0));  // three pieces of a mebibyte, and a rest
+  std::string bytes = Saved(SomeBone(200'000, 0));
   for (const std::size_t i : {199'999u, 150'000u, 140'001u})
     Put(bytes, SectionAt(bytes, 0) + 16 * i + 12, std::nanf(""));
   Seal(bytes);
@@ -172,7 +175,7 @@ TEST_F(PackingFileTest, TheFirstBadBallIsNamedForAnyNumberOfThreads) {
   }
 }
 
-TEST_F(PackingFileTest, AMappedFileOutlivesItsReplacement) {
+TEST_F(PackingFileTest, AnOpenFileIsUnchangedWhenItsPathIsReplaced) {
   Saved(SomeBone(10, 5));
   const auto file = PackingFile::Open(Path());
   ASSERT_TRUE(file);
@@ -181,7 +184,8 @@ TEST_F(PackingFileTest, AMappedFileOutlivesItsReplacement) {
   EXPECT_EQ(file->balls().size(), 10u);
   EXPECT_EQ(file->balls().front().x_mm, x);
 }
-TEST_F(PackingFileTest, ABoneThatHasNoPlaceInAFileIsRefusedAndNothingIsLeft) {
+
+TEST_F(PackingFileTest, AnInvalidBoneIsRefusedAndLeavesNoFile) {
   const auto refused = [this](const std::function<void(Bone&)>& change) {
     Bone bone = SomeBone();
     change(bone);
@@ -224,7 +228,7 @@ TEST_F(PackingFileTest, ABoneThatHasNoPlaceInAFileIsRefusedAndNothingIsLeft) {
   EXPECT_THAT(WriteRefusal(SomeBone(), twice).Text(), HasSubstr("the key seed a second time"));
 }
 
-TEST_F(PackingFileTest, ADiskThatIsFullIsReportedAndTheOldFileStays) {
+TEST_F(PackingFileTest, AFailedWriteIsReportedAndKeepsTheOldFile) {
   const auto full = WritePackingFile("/dev/full", SomeBone(), SomeProvenance());
   ASSERT_FALSE(full);
   EXPECT_THAT(full.error().Text(),
@@ -257,7 +261,7 @@ TEST_F(PackingFileTest, ADiskThatIsFullIsReportedAndTheOldFileStays) {
     EXPECT_EQ(entry.path().filename().string().find("bone.osp."), std::string::npos) << entry.path();
 }
 
-TEST_F(PackingFileTest, ASymbolicLinkIsFollowed) {
+TEST_F(PackingFileTest, SavingFollowsASymbolicLink) {
   Saved(SomeBone());
   std::filesystem::create_symlink(Path(), Path("link.osp"));
   ASSERT_TRUE(WritePackingFile(Path("link.osp"), SomeBone(3, 3), SomeProvenance()));

@@ -14,6 +14,9 @@
 #include "simulation/solids/acetabulum_solid.h"
 #include "tests/simulation/engine/engine_bench.h"
 
+// Tests of the measured quality of a packing (coverage, gaps, overlap, protrusion) against closed forms and
+// plain loops.
+
 namespace osteon::simulation {
 namespace {
 
@@ -24,9 +27,9 @@ double BallVolume_m3(double r) { return 4.0 / 3.0 * pi * r * r * r; }
 /// A cube about the origin.
 BoxSolid Cube(double side_m) { return {Vector3::Constant(-0.5 * side_m), Vector3::Constant(0.5 * side_m)}; }
 
-/// Balls of radii from 0.1 to 20 mm, equally many in each octave, anywhere in a cube of 100 mm: small ones
-/// inside large ones, large ones that overlap by centimetres.
-std::vector<Ball> WildBalls(std::size_t count) {
+/// Balls at random places in a cube of 100 mm with radii from 0.1 to 20 mm, equally many in each octave:
+/// small balls inside large ones, and large balls that overlap by centimetres.
+std::vector<Ball> RandomBalls(std::size_t count) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
   std::vector<Ball> balls(count);
@@ -48,7 +51,7 @@ TEST(PackingQuality, CoverageOfOneBallIsItsShareOfTheBox) {
 }
 
 // Two balls of radius r whose centres are d apart share a lens of volume pi (4r + d)(2r - d)^2 / 12.
-TEST(PackingQuality, CoverageCountsWhatBallsShareOnce) {
+TEST(PackingQuality, CoverageCountsSharedVolumeOnce) {
   const double r = 6e-3, d = 5e-3;
   const std::vector<Ball> balls{{.center_m = Vector3(-0.5 * d, 0, 0), .radius_m = r},
                                 {.center_m = Vector3(0.5 * d, 0, 0), .radius_m = r}};
@@ -59,9 +62,9 @@ TEST(PackingQuality, CoverageCountsWhatBallsShareOnce) {
   EXPECT_NEAR(quality.overlap_max_m, 2 * r - d, 1e-15);
 }
 
-// Touching balls on a cubic lattice fill pi/6. The mean gap over a face: a ball's cap leaves sqrt(r^2 +
-// rho^2) - r above the point of its square at rho from the centre.
-TEST(PackingQuality, CubicLatticeHasItsDensityItsGapsAndNoOverlap) {
+// Touching balls on a cubic lattice fill pi/6 of a cube. On a face of the cube, the gap at a distance rho
+// from the point where a ball touches the face is sqrt(r^2 + rho^2) - r.
+TEST(PackingQuality, ACubicLatticeHasTheExactDensityAndGapsAndNoOverlap) {
   const double r = 0.5e-3;
   std::vector<Ball> balls;
   for (int i = 0; i < 20; ++i)
@@ -81,14 +84,14 @@ TEST(PackingQuality, CubicLatticeHasItsDensityItsGapsAndNoOverlap) {
                       r);
   std::sort(exact.begin(), exact.end());
   const double mean = std::accumulate(exact.begin(), exact.end(), 0.0) / static_cast<double>(exact.size());
-  // 100 000 samples: 0.3 % of the mean, whose spread equals it; the cube's edges, which have 0.5 % of the
-  // samples too many, are 0.2 mm off a ball where the mean is 0.14
+  // Tolerance of the mean: 100 000 samples have a standard error of 0.3 %. In addition, the cube's edges have
+  // 0.5 % too many samples, with gaps of 0.2 mm instead of the mean of 0.14 mm.
   EXPECT_NEAR(quality.surface_gap_mean_m, mean, 0.012 * mean);
   EXPECT_NEAR(quality.surface_gap_p95_m, exact[exact.size() * 95 / 100], 0.02 * exact.back());
   EXPECT_NEAR(quality.surface_gap_max_m, (std::sqrt(3.0) - 1.0) * r, 0.02 * r);  // a corner of the cube
 }
 
-TEST(PackingQuality, ProtrusionIsThatOfTheWorstBall) {
+TEST(PackingQuality, ProtrusionIsTheLargestOfAllBalls) {
   std::vector<Ball> balls;
   for (int i = -4; i <= 4; ++i)
     balls.push_back({.center_m = Vector3(2e-3 * i, 0, 0), .radius_m = 1e-3});  // 1 mm inside
@@ -103,9 +106,9 @@ TEST(PackingQuality, ProtrusionIsThatOfTheWorstBall) {
   EXPECT_EQ(outside.r_max_m, 2.3e-3);
 }
 
-// With more than 4096 balls, boxes are skipped: a single small ball that protrudes slightly must still be
-// found.
-TEST(PackingQuality, ProtrusionIsFoundAmongManyBallsDeepInside) {
+// With more than 4096 balls, boxes of balls deep inside are skipped. A single small ball that protrudes
+// slightly must still be found.
+TEST(PackingQuality, ProtrusionOfOneBallIsFoundAmongManyInside) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
   std::vector<Ball> balls;
@@ -117,9 +120,9 @@ TEST(PackingQuality, ProtrusionIsFoundAmongManyBallsDeepInside) {
               0.05e-3, 1e-15);
 }
 
-// Oracle: all balls and all pairs, one by one.
-TEST(BallForest, AnswersAsPlainLoopsDoForRadiiOverEightOctaves) {
-  const std::vector<Ball> balls = WildBalls(1500);
+// Oracle: loops over all balls and all pairs. The radii extend over eight octaves.
+TEST(BallForest, GapAndOverlapEqualThoseOfPlainLoops) {
+  const std::vector<Ball> balls = RandomBalls(1500);
   for (const std::size_t count : {1u, 2u, 7u, 33u, 1500u}) {
     const BallForest forest(std::span<const Ball>(balls).first(count));
     double overlap = 0.0;
@@ -140,13 +143,14 @@ TEST(BallForest, AnswersAsPlainLoopsDoForRadiiOverEightOctaves) {
   }
 }
 
+// Without balls nothing is covered, and the gap is infinite.
 TEST(PackingQuality, SamplesMeasureTheAcetabulumsVolumeAndArea) {
   const double R = 0.024;
   const PackingQuality quality =
       MeasurePacking(AcetabulumSolid({}), {}, {.samples = 200'000, .surface_samples = 100'000});
   EXPECT_NEAR(quality.solid_volume_m3, 0.08 * 0.08 * 0.06 - 0.5 * BallVolume_m3(R),
               0.003 * quality.solid_volume_m3);
-  // 2 (80² + 2·80·60) mm² of faces, with the cup's mouth, pi R², become 2 pi R². Samples: 0.3 %.
+  // The block has 2 (80² + 2·80·60) mm² of faces; the cup replaces pi R² of them by 2 pi R². Samples: 0.3 %.
   EXPECT_NEAR(quality.surface_area_m2, 2 * 0.08 * 0.08 + 4 * 0.08 * 0.06 + pi * R * R,
               0.01 * quality.surface_area_m2);
   EXPECT_EQ(quality.coverage, 0.0);
@@ -154,8 +158,8 @@ TEST(PackingQuality, SamplesMeasureTheAcetabulumsVolumeAndArea) {
   EXPECT_TRUE(quality.radius_histogram.empty());
 }
 
-TEST(PackingQuality, IsTheSameForAnyNumberOfThreads) {
-  const std::vector<Ball> balls = WildBalls(6000);
+TEST(PackingQuality, EqualsBitForBitForAnyNumberOfThreads) {
+  const std::vector<Ball> balls = RandomBalls(6000);
   const BoxSolid box = Cube(0.1);
   const PackingQuality one =
       MeasurePacking(box, balls, {.samples = 20'000, .surface_samples = 10'000, .threads = 1});
@@ -171,8 +175,8 @@ TEST(PackingQuality, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(PackingQuality, HistogramHasEveryBallInItsBin) {
-  const std::vector<Ball> balls = WildBalls(4000);
+TEST(PackingQuality, EveryBallIsCountedInItsHistogramBin) {
+  const std::vector<Ball> balls = RandomBalls(4000);
   const PackingQuality quality = MeasurePacking(Cube(0.1), balls, {.samples = 1000, .surface_samples = 1000});
   std::size_t sum = 0;
   for (const RadiusBin& bin : quality.radius_histogram) {
@@ -188,7 +192,7 @@ TEST(PackingQuality, HistogramHasEveryBallInItsBin) {
   EXPECT_GT(quality.radius_histogram.back().spheres, 0u);
 }
 
-TEST(PackingQuality, RefusesWrongInputByName) {
+TEST(PackingQuality, RefusesInvalidInputByName) {
   const auto message = [](const std::vector<Ball>& balls, const QualityParams& params) -> std::string {
     try {
       (void)MeasurePacking(Cube(0.02), balls, params);

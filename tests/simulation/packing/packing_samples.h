@@ -63,11 +63,12 @@ inline std::uint32_t SlowCrc(const std::string& bytes) {
   return ~crc;
 }
 
-/// Reads a number in the machine's byte order at a byte of the file.
+/// Writes a number in the machine's byte order at a byte of the file.
 template <typename T>
 void Put(std::string& bytes, std::size_t at, T value) {
   std::memcpy(bytes.data() + at, &value, sizeof(value));
 }
+/// Reads a number in the machine's byte order at a byte of the file.
 template <typename T>
 T Get(const std::string& bytes, std::size_t at) {
   T value;
@@ -75,6 +76,7 @@ T Get(const std::string& bytes, std::size_t at) {
   return value;
 }
 
+/// Bytes of the header's fields, and of the section table.
 constexpr std::size_t kFileBytesAt = 16, kSectionsAt = 24, kOriginAt = 32, kHeaderCrcAt = 60, kTableAt = 64;
 
 /// Byte of a field of the section table: kind, crc, offset, bytes, count.
@@ -86,6 +88,7 @@ inline std::size_t EntryAt(std::size_t section, const std::string& field = "kind
                                                  : 24;
   return kTableAt + 32 * section + within;
 }
+/// Byte at which a section's content begins.
 inline std::size_t SectionAt(const std::string& bytes, std::size_t section) {
   return static_cast<std::size_t>(Get<std::uint64_t>(bytes, EntryAt(section, "offset")));
 }
@@ -119,6 +122,7 @@ inline void SealIfPossible(std::string& bytes) {
   SealHeader(bytes);
 }
 
+/// Kind, number of records and bytes of one section of a file.
 struct SampleSection {
   std::uint32_t kind;
   std::uint64_t count;

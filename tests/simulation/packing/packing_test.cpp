@@ -10,10 +10,13 @@
 #include "simulation/packing/morton.h"
 #include "simulation/solids/acetabulum_solid.h"
 
+// Tests of the overlapping packing of the default acetabulum: its number of balls, its gaps before and after
+// a cut, and the packing's parameters.
+
 namespace osteon::simulation {
 namespace {
 
-constexpr double kCup_m = 0.024;
+constexpr double kCupRadius_m = 0.024;
 
 /// Distance from p to the union of the balls, 0 inside; tests all balls, without an index.
 double Gap(const std::vector<Ball>& balls, const Vector3& p) {
@@ -22,6 +25,7 @@ double Gap(const std::vector<Ball>& balls, const Vector3& p) {
   return std::max(0.0, gap);
 }
 
+/// Mean, 95th percentile and maximum of values given in metres.
 struct Spread {
   double mean_mm, p95_mm, max_mm;
 };
@@ -33,6 +37,7 @@ Spread Summarize(std::vector<double> values_m) {
           values_m.back() * 1e3};
 }
 
+/// The packing of the default block of 80 × 80 × 60 mm with a cup in its top.
 class Packing : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -50,7 +55,7 @@ class Packing : public testing::Test {
   std::uniform_real_distribution<double> uniform_{0.0, 1.0};
 };
 
-TEST_F(Packing, OfTheDefaultBlockHasThirtyThousandBalls) {
+TEST_F(Packing, HasAboutThirtyThousandBalls) {
   EXPECT_GE(balls_.size(), 28'000u);
   EXPECT_LE(balls_.size(), 32'000u);
 }
@@ -58,23 +63,23 @@ TEST_F(Packing, OfTheDefaultBlockHasThirtyThousandBalls) {
 TEST_F(Packing, StaysInsideTheBone) {
   for (const Ball& ball : balls_) {
     const Vector3 c = ball.center_m;
-    const double room =
-        std::min({0.04 - std::abs(c.x()), 0.04 - std::abs(c.y()), -c.z(), c.z() + 0.06, c.norm() - kCup_m});
+    const double room = std::min(
+        {0.04 - std::abs(c.x()), 0.04 - std::abs(c.y()), -c.z(), c.z() + 0.06, c.norm() - kCupRadius_m});
     ASSERT_LE(ball.radius_m, room + 1e-15);
     ASSERT_GE(ball.radius_m, PackingParams{}.min_radius_m);
   }
 }
 
-TEST_F(Packing, KeepsBallsSmallWhereAReamerCuts) {
+TEST_F(Packing, BallsWithinFourMillimetresOfTheCupAreSmall) {
   for (const Ball& ball : balls_) {
-    const double min_depth = Vector3(ball.center_m).norm() - kCup_m - ball.radius_m;
+    const double min_depth = Vector3(ball.center_m).norm() - kCupRadius_m - ball.radius_m;
     ASSERT_TRUE(ball.radius_m <= 3e-3 || min_depth >= 4e-3 - 1e-15) << ball.radius_m << " at " << min_depth;
   }
 }
 
-TEST_F(Packing, FollowsTheCupsSurface) {
+TEST_F(Packing, FollowsTheCupsSurfaceWithinHundredthsOfAMillimetre) {
   std::vector<double> gaps;
-  for (int i = 0; i < 4000; ++i) gaps.push_back(Gap(balls_, kCup_m * Downwards()));
+  for (int i = 0; i < 4000; ++i) gaps.push_back(Gap(balls_, kCupRadius_m * Downwards()));
   const Spread gap = Summarize(gaps);
   std::printf("cup surface: gap mean %.4f, p95 %.4f, max %.4f mm; %zu balls\n", gap.mean_mm, gap.p95_mm,
               gap.max_mm, balls_.size());
@@ -86,17 +91,19 @@ TEST_F(Packing, FollowsTheCupsSurface) {
 TEST_F(Packing, FollowsTheRimWhereAReamerTouchesFirst) {
   std::vector<double> gaps;
   for (int i = 0; i < 2000; ++i) {
-    const double around = 2.0 * M_PI * uniform_(random_), radius = kCup_m + 4e-3 * uniform_(random_);
+    const double around = 2.0 * M_PI * uniform_(random_), radius = kCupRadius_m + 4e-3 * uniform_(random_);
     gaps.push_back(Gap(balls_, {radius * std::cos(around), radius * std::sin(around), 0.0}));
   }
   EXPECT_LE(Summarize(gaps).p95_mm, 0.055);
 }
 
-TEST_F(Packing, HasNoHolesWithinAReamersReachAndNoneWorthNamingElsewhere) {
+// Up to 8 mm below the cup no point may be uncovered; elsewhere points may lie up to 1 mm from the balls, and
+// 0.1 % of the points deeper than 1 mm may be uncovered.
+TEST_F(Packing, HasNoHolesNearTheCupAndOnlySmallOnesElsewhere) {
   const AcetabulumSolid solid{{}};
   int deep = 0, deep_covered = 0;
   for (int i = 0; i < 8000; ++i) {
-    const Vector3 below_cup = (kCup_m + 0.0003 + 0.008 * uniform_(random_)) * Downwards();
+    const Vector3 below_cup = (kCupRadius_m + 0.0003 + 0.008 * uniform_(random_)) * Downwards();
     if (solid.SignedDistance(below_cup) < -0.3e-3) {
       ASSERT_EQ(Gap(balls_, below_cup), 0.0) << below_cup.transpose();
     }
@@ -112,10 +119,10 @@ TEST_F(Packing, HasNoHolesWithinAReamersReachAndNoneWorthNamingElsewhere) {
   EXPECT_GE(deep_covered, 0.999 * deep);
 }
 
-// The purpose of overlapping balls: a small loss beyond the tool's sweep. A 50 mm reamer goes in along the
-// axis; each ball that it meets shrinks to the largest ball inside itself and outside the sweep (cutting.md,
-// pass 3).
-TEST_F(Packing, StaysCloseToAReamersSweepOnceCut) {
+// Overlapping balls serve to lose little bone beyond the tool's sweep. A reamer of diameter 50 mm goes in
+// along the axis; each ball that it meets shrinks to the largest ball inside the old one and outside the
+// sweep (docs/cutting.md, pass 3).
+TEST_F(Packing, LosesLittleBoneBeyondAReamersSweep) {
   const double reamer = 0.025;
   for (const double depth : {0.5e-3, 2e-3, 4e-3}) {
     std::vector<Ball> left;
@@ -135,12 +142,12 @@ TEST_F(Packing, StaysCloseToAReamersSweepOnceCut) {
     const Spread gap = Summarize(gaps);
     std::printf("cut %.1f mm: lost beyond the sweep mean %.4f, p95 %.4f mm\n", depth * 1e3, gap.mean_mm,
                 gap.p95_mm);
-    EXPECT_LE(gap.mean_mm, 0.024);  // a lattice with scrambled tangent balls; split.md's best was 0.035
+    EXPECT_LE(gap.mean_mm, 0.024);
     EXPECT_LE(gap.p95_mm, 0.06);
   }
 }
 
-TEST_F(Packing, IsTheSameEachTimeAndInMortonOrder) {
+TEST_F(Packing, IsTheSameInEachRunAndInMortonOrder) {
   const AcetabulumSolid solid{{}};
   const std::vector<Ball> again = BuildPacking(solid, CupZone{solid.cup()}, {});
   ASSERT_EQ(again.size(), balls_.size());
@@ -154,7 +161,7 @@ TEST_F(Packing, IsTheSameEachTimeAndInMortonOrder) {
   }
 }
 
-TEST_F(Packing, RefusesWrongParametersByName) {
+TEST_F(Packing, RefusesParametersOutOfRangeByName) {
   const auto message = [](const PackingParams& params) -> std::string {
     try {
       return std::to_string(
@@ -174,7 +181,7 @@ TEST_F(Packing, RefusesWrongParametersByName) {
   EXPECT_THAT(message(params), testing::HasSubstr("surface gap: found 0 mm"));
 }
 
-// Interleaved by hand: x = 1, y = 2, z = 3 in the last bits.
+// Interleaved by hand for x = 1, y = 2, z = 3. The box has 2^21 cells along each axis.
 TEST(MortonCode, InterleavesBitsWithXLowest) {
   const double cells = 2097152.0;
   const Eigen::AlignedBox3d box(Vector3(0, 0, 0), Vector3(cells, cells, cells));

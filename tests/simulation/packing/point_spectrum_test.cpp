@@ -10,17 +10,22 @@
 #include "simulation/solids/acetabulum_solid.h"
 #include "tests/oracles/neighbor_distances.h"
 
+// Tests of two statistics of point sets, radial spectrum and distances of neighbours, on independent points
+// and lattices, for which both are known.
+
 namespace osteon::simulation {
 namespace {
 
 const Eigen::AlignedBox3d kBox(Vector3(-0.01, 0.0, 0.02), Vector3(0.01, 0.02, 0.04));
 
+/// Random points in kBox, each independent of the others.
 std::vector<Vector3> IndependentPoints(std::size_t count) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> u(0.0, 1.0);
   std::vector<Vector3> points(count);
   for (Vector3& p : points) {
-    const double x = u(random), y = u(random), z = u(random);  // independent of the compiler's order
+    const double x = u(random), y = u(random),
+                 z = u(random);  // apart, since the order of arguments is not fixed
     p = kBox.min() + kBox.sizes().cwiseProduct(Vector3(x, y, z));
   }
   return points;
@@ -34,9 +39,9 @@ std::vector<Vector3> Lattice(int n) {
   return points;
 }
 
-// The power of a wave over independent points is exponentially distributed about 1. The mean of a bin of 48
-// waves has a deviation of 0.14, and more where the taper makes neighbouring waves similar.
-TEST(RadialSpectrum, OfIndependentPointsIsWhite) {
+// A wave's power over independent points is exponentially distributed with mean 1. The mean of a bin of 48
+// waves has a standard deviation of 0.14, and more where the taper makes neighbouring waves similar.
+TEST(RadialSpectrum, IndependentPointsHaveAWhiteSpectrum) {
   const RadialSpectrum spectrum = ComputeRadialSpectrum(IndependentPoints(4000), std::vector{kBox});
   ASSERT_GE(spectrum.power.size(), 50u);
   double sum = 0.0;
@@ -47,14 +52,15 @@ TEST(RadialSpectrum, OfIndependentPointsIsWhite) {
   EXPECT_NEAR(sum / static_cast<double>(spectrum.power.size()), 1.0, 0.08);
 }
 
-// A cubic lattice of spacing 1 has power at whole wave numbers alone: lengths 1, √2, √3, 2, √5 …
-TEST(RadialSpectrum, OfALatticeIsLines) {
+// A cubic lattice of spacing 1 has power only at wave vectors of whole numbers: frequencies 1, √2, √3, 2, √5
+// …
+TEST(RadialSpectrum, ALatticeHasPowerOnlyAtItsLines) {
   const RadialSpectrum spectrum = ComputeRadialSpectrum(
       Lattice(10), std::vector{kBox}, {.max_frequency = 1.6, .bins = 32, .waves_per_bin = 4000});
   double between = 0.0, line = 0.0;
   for (std::size_t i = 0; i < spectrum.power.size(); ++i) {
     const double f = spectrum.frequency_per_mean_spacing[i];
-    // the taper widens a line by one wave along each side, 0.1 of the lattice's
+    // the taper widens a line by one wave of the box along each axis, a tenth of the lattice's frequency
     const bool near_line = std::min(std::abs(f - 1.0), std::abs(f - std::sqrt(2.0))) < 0.2;
     if (near_line) line = std::max(line, spectrum.power[i]);
     if (f < 0.8) between = std::max(between, spectrum.power[i]);
@@ -63,7 +69,7 @@ TEST(RadialSpectrum, OfALatticeIsLines) {
   EXPECT_GT(line, 3.0);
 }
 
-TEST(RadialSpectrum, IsTheSameForAnyNumberOfThreadsAndScale) {
+TEST(RadialSpectrum, DoesNotDependOnTheNumberOfThreadsOrTheScale) {
   std::vector<Vector3> points = IndependentPoints(1000);
   const RadialSpectrum one = ComputeRadialSpectrum(points, std::vector{kBox}, {.threads = 1});
   EXPECT_EQ(ComputeRadialSpectrum(points, std::vector{kBox}, {.threads = 3}).power, one.power);
@@ -73,7 +79,7 @@ TEST(RadialSpectrum, IsTheSameForAnyNumberOfThreadsAndScale) {
   EXPECT_NEAR(ComputeRadialSpectrum(points, wide).power[20], one.power[20], 1e-9);
 }
 
-TEST(RadialSpectrum, OfTooFewPointsIsEmptyAndWrongParametersAreNamed) {
+TEST(RadialSpectrum, IsEmptyForTooFewPointsAndRefusesWrongParametersByName) {
   EXPECT_TRUE(ComputeRadialSpectrum(IndependentPoints(19), std::vector{kBox}).power.empty());
   EXPECT_TRUE(ComputeRadialSpectrum({}, {}).power.empty());
   const auto message = [](const SpectrumParams& params) -> std::string {
@@ -89,7 +95,7 @@ TEST(RadialSpectrum, OfTooFewPointsIsEmptyAndWrongParametersAreNamed) {
             "spectrum: greatest frequency: found nan, accepted 0.1 … 10");
 }
 
-TEST(UniformWindows, LieInTheSolidApartAndWithinOneSpacing) {
+TEST(UniformWindows, LieInTheSolidWithoutOverlapAndEachHasOneSpacing) {
   const AcetabulumSolid solid{{}};
   const CupZone zone(solid.cup());
   const MassPointParams params;
@@ -112,7 +118,7 @@ TEST(UniformWindows, LieInTheSolidApartAndWithinOneSpacing) {
   }
 }
 
-TEST(NeighborDistances, OfALatticeAreItsSpacing) {
+TEST(NeighborDistances, AreTheSpacingOfALattice) {
   const std::vector<Vector3> points = Lattice(9);
   const double side = kBox.sizes().x() / 9;
   const NeighborDistances d =
@@ -121,9 +127,9 @@ TEST(NeighborDistances, OfALatticeAreItsSpacing) {
   EXPECT_NEAR(d.mean_over_spacing, 0.5, 1e-12);
 }
 
-// Hertz 1909: the nearest neighbour of independent points is 0.554 mean spacings away on average; borders
-// increase this.
-TEST(NeighborDistances, OfIndependentPointsAreAsTheoryHasThem) {
+// Hertz 1909: the nearest neighbour of independent points is 0.554 mean spacings away on average; the box's
+// borders increase this slightly.
+TEST(NeighborDistances, AgreeWithTheoryForIndependentPoints) {
   const std::vector<Vector3> points = IndependentPoints(8000);
   const NeighborDistances d =
       MeasureNeighborDistances(points, std::vector<double>(points.size(), kBox.sizes().x() / 20));
@@ -134,7 +140,7 @@ TEST(NeighborDistances, OfIndependentPointsAreAsTheoryHasThem) {
   EXPECT_NEAR(sum, 1.0, 1e-9);
 }
 
-TEST(NeighborDistances, GoByTheGreaterSpacingOfAPairAndFindPointsInOnePlace) {
+TEST(NeighborDistances, UseTheLargerSpacingOfAPairAndFindCoincidentPoints) {
   const std::vector<Vector3> pair{{0, 0, 0}, {1e-3, 0, 0}};
   EXPECT_NEAR(MeasureNeighborDistances(pair, std::vector{1e-3, 4e-3}).min_over_spacing, 0.25, 1e-15);
   const std::vector<Vector3> same{{1, 2, 3}, {1, 2, 3}, {1, 2, 4}};

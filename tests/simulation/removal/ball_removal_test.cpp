@@ -10,6 +10,9 @@
 #include "simulation/fidelity/carved_shape.h"
 #include "simulation/removal/cut_metrics.h"
 
+// Tests of the removal of swept capsules from a packing, and of the splitting of balls. A "block" is the room
+// for the children of one split ball.
+
 namespace osteon::simulation {
 namespace {
 
@@ -28,8 +31,9 @@ Balls Lattice(int n, double spacing_m = 2e-3, double radius_m = 1.8e-3) {
 
 SplitParams Split() { return {.on = true, .children = 24}; }
 
-/// A wandering cutter: consecutive capsules of this radius, from outside into the lattice.
-std::vector<Capsule> Wander(std::uint64_t seed, int count, double radius_m, double reach_m = 5e-3) {
+/// Path of a cutter that starts above the lattice and wanders into it at random: consecutive capsules of this
+/// radius.
+std::vector<Capsule> RandomPath(std::uint64_t seed, int count, double radius_m, double reach_m = 5e-3) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   std::vector<Capsule> capsules;
@@ -42,6 +46,7 @@ std::vector<Capsule> Wander(std::uint64_t seed, int count, double radius_m, doub
   return capsules;
 }
 
+/// The balls that remain.
 std::vector<Ball> Live(const Balls& balls) {
   std::vector<Ball> live;
   for (const BallState& b : balls)
@@ -49,6 +54,7 @@ std::vector<Ball> Live(const Balls& balls) {
   return live;
 }
 
+/// Largest depth of a remaining ball in a capsule; -1 if no ball remains.
 double WorstOverlap(const Balls& balls, const std::vector<Capsule>& capsules) {
   double worst = -1.0;
   for (const BallState& ball : balls)
@@ -59,6 +65,7 @@ double WorstOverlap(const Balls& balls, const std::vector<Capsule>& capsules) {
   return worst;
 }
 
+/// The state that the removal saves.
 CarvedState StateOf(const BallRemoval& removal, const Balls& balls) {
   CarvedState state;
   removal.Save(balls, state);
@@ -70,12 +77,12 @@ bool Same(const CarvedState& a, const CarvedState& b) {
          a.split_slots == b.split_slots;
 }
 
-TEST(BallRemoval, LeavesNothingInAnyCapsuleAndTheUnionNeverGrows) {
+TEST(BallRemoval, LeavesNothingInAnyCapsuleAndNeverAddsBone) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     Balls balls = Lattice(6);
     const Balls parents = balls;
     BallRemoval removal(balls, Split());
-    const std::vector<Capsule> capsules = Wander(seed, 40, 2.5e-3);
+    const std::vector<Capsule> capsules = RandomPath(seed, 40, 2.5e-3);
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> uniform(-7e-3, 7e-3);
     std::vector<Vector3> places(4000);
@@ -98,7 +105,7 @@ TEST(BallRemoval, LeavesNothingInAnyCapsuleAndTheUnionNeverGrows) {
     EXPECT_LT(WorstOverlap(balls, capsules), 1e-12);
     EXPECT_GT(removal.max_blocks_in_use(), 20u);
     EXPECT_EQ(removal.refused(), 0u);
-    // every child lies in a parent that became its block; other parents only shrank
+    // every remaining ball lies in one of the uncut balls
     for (std::size_t i = 0; i < balls.size(); ++i) {
       if (balls[i].radius_m <= 0.0) continue;
       double out = 1.0;
@@ -110,10 +117,10 @@ TEST(BallRemoval, LeavesNothingInAnyCapsuleAndTheUnionNeverGrows) {
   }
 }
 
-TEST(BallRemoval, WithoutSplittingIsThePapersRule) {
+TEST(BallRemoval, WithoutSplittingFollowsThePapersRule) {
   Balls balls = Lattice(3), plain = balls;
   BallRemoval removal(balls, {});
-  const std::vector<Capsule> capsules = Wander(4, 10, 2e-3);
+  const std::vector<Capsule> capsules = RandomPath(4, 10, 2e-3);
   removal.Remove(capsules, balls);
   ASSERT_EQ(balls.size(), plain.size());
   for (std::size_t i = 0; i < plain.size(); ++i) {
@@ -123,7 +130,7 @@ TEST(BallRemoval, WithoutSplittingIsThePapersRule) {
   }
 }
 
-TEST(BallRemoval, SplitsAtFirstTouchOnceAndOnlyLargeBalls) {
+TEST(BallRemoval, SplitsOnlyLargeBallsAndOnceAtTheirFirstTouch) {
   Balls balls{{.center_m = Vector3(0, 0, 0), .radius_m = 2e-3},
               {.center_m = Vector3(10e-3, 0, 0), .radius_m = 0.3e-3}};
   BallRemoval removal(balls, Split());
@@ -137,7 +144,7 @@ TEST(BallRemoval, SplitsAtFirstTouchOnceAndOnlyLargeBalls) {
   EXPECT_EQ(balls[0].radius_m, 0.0);
   EXPECT_NEAR(balls[1].radius_m, 0.25e-3, 1e-12);
   const Balls once = balls;
-  removal.Remove(touch, balls);  // already swept: nothing changes, but for rounding
+  removal.Remove(touch, balls);  // this space is already swept: nothing changes, except by rounding
   ASSERT_EQ(balls.size(), once.size());
   for (std::size_t i = 0; i < balls.size(); ++i) ASSERT_NEAR(balls[i].radius_m, once[i].radius_m, 1e-15);
   // a ball that is removed as a whole takes no block
@@ -149,7 +156,9 @@ TEST(BallRemoval, SplitsAtFirstTouchOnceAndOnlyLargeBalls) {
   EXPECT_EQ(alone[0].radius_m, 0.0);
 }
 
-TEST(BallRemoval, BlocksOfClearedBallsAreUsedAgainFromTheNextFrameOn) {
+// The pool has a single block. A frame clears the children of the first ball and touches the second, which
+// must wait for the next frame to be split.
+TEST(BallRemoval, BlocksOfClearedBallsAreReusedFromTheNextFrameOn) {
   Balls balls{{.center_m = Vector3(0, 0, 0), .radius_m = 2e-3},
               {.center_m = Vector3(20e-3, 0, 0), .radius_m = 2e-3}};
   SplitParams params = Split();
@@ -179,8 +188,8 @@ TEST(BallRemoval, BlocksOfClearedBallsAreUsedAgainFromTheNextFrameOn) {
   }
 }
 
-TEST(BallRemoval, AnExhaustedPoolServesBallsInTheirOrderAndSaysSo) {
-  const std::vector<Capsule> capsules = Wander(7, 30, 2.5e-3);
+TEST(BallRemoval, AnExhaustedPoolSplitsTheFirstBallsAndCountsTheOthers) {
+  const std::vector<Capsule> capsules = RandomPath(7, 30, 2.5e-3);
   Balls balls = Lattice(6);
   SplitParams params = Split();
   params.pool_blocks = 5;
@@ -193,15 +202,14 @@ TEST(BallRemoval, AnExhaustedPoolServesBallsInTheirOrderAndSaysSo) {
   Balls all = Lattice(6);
   BallRemoval free(all, Split());
   free.Remove(capsules, all);
-  // blocks that were taken and cleared in the same frame count too
   const std::vector<std::uint32_t> few = StateOf(removal, balls).split_balls,
                                    many = StateOf(free, all).split_balls;
   ASSERT_EQ(few.size(), 5u);
   EXPECT_TRUE(std::equal(few.begin(), few.end(), many.begin()));
 }
 
-// A ball's block number depends on the history; saved and remaining balls do not depend on it.
-TEST(BallRemoval, BlockNumbersDoNotShow) {
+// Two orders of touching the balls give different block numbers, but must give the same saved state.
+TEST(BallRemoval, ASavedStateDoesNotDependOnBlockNumbers) {
   const auto touch = [](double x, double down) {
     return Capsule{.a = {x, 0, 9e-3}, .b = {x, 0, 4e-3 - down}, .radius_m = 2.2e-3};
   };
@@ -218,18 +226,19 @@ TEST(BallRemoval, BlockNumbersDoNotShow) {
                                       touch(80e-3, 2e-3)};  // clears the first
     removal.Remove(deeper, balls);
     states.push_back(StateOf(removal, balls));
-    const std::uint32_t child = backwards ? 5 + 24 * 3 + 7 : 5 + 24 * 1 + 7;  // of the second ball
+    const std::uint32_t child = backwards ? 5 + 24 * 3 + 7 : 5 + 24 * 1 + 7;  // child 7 of the second ball
     EXPECT_EQ(removal.SavedIndex(child), 5u + 7u);
     EXPECT_EQ(removal.SavedIndex(3), 3u);
-    EXPECT_EQ(removal.SavedIndex(backwards ? 5 + 24 * 4 : 5), std::nullopt);  // of the cleared one
+    EXPECT_EQ(removal.SavedIndex(backwards ? 5 + 24 * 4 : 5), std::nullopt);  // child of the cleared ball
   }
   EXPECT_TRUE(Same(states[0], states[1]));
   EXPECT_EQ(HashState(states[0]), HashState(states[1]));
   EXPECT_EQ(states[0].split_balls, (std::vector<std::uint32_t>{1, 2, 3, 4}));
 }
 
-// split.md: budgets of 1, 2 and 100 a frame give the same result.
-TEST(BallRemoval, ABudgetOnlyDelays) {
+// Budgets of 1, 2 and 100 splits a frame give the same split balls as no budget (0), and nearly as many
+// remaining balls.
+TEST(BallRemoval, ABudgetForEachFrameOnlyDelaysSplitting) {
   std::vector<CarvedState> states;
   std::vector<std::size_t> live;
   for (const std::size_t budget : {0, 1, 2, 100}) {
@@ -237,7 +246,7 @@ TEST(BallRemoval, ABudgetOnlyDelays) {
     SplitParams params = Split();
     params.blocks_per_frame = budget;
     BallRemoval removal(balls, params);
-    std::vector<Capsule> plunge;  // straight, so that it stays one capsule in the lists
+    std::vector<Capsule> plunge;  // straight, so that a waiting ball can merge its capsules into one
     for (int i = 0; i < 40; ++i)
       plunge.push_back({.a = Vector3(0.3e-3, 0.2e-3, 12e-3 - 0.25e-3 * i),
                         .b = Vector3(0.3e-3, 0.2e-3, 11.75e-3 - 0.25e-3 * i),
@@ -265,8 +274,9 @@ TEST(BallRemoval, ABudgetOnlyDelays) {
   }
 }
 
-TEST(BallRemoval, AWaitingBallWithoutRoomForMoreCapsulesStaysSound) {
-  // a tool of 60 balls: a block has no room for all its capsules
+// The tool has 60 balls, so the block of a waiting ball has no room for all capsules that hit the ball.
+// Nothing may remain in the sweep all the same.
+TEST(BallRemoval, WaitingBallsAreCutRightWhenTheirCapsuleListIsFull) {
   Balls balls = Lattice(5);
   SplitParams params = Split();
   params.blocks_per_frame = 1;
@@ -290,21 +300,21 @@ TEST(BallRemoval, AWaitingBallWithoutRoomForMoreCapsulesStaysSound) {
   EXPECT_GT(removal.blocks_in_use(), 10u);
 }
 
-// Not covered in split.md: a second, smaller tool in bone that another one has split.
-TEST(BallRemoval, ASecondToolCutsWhatTheFirstHasSplit) {
+TEST(BallRemoval, ASecondSmallerToolCutsTheChildrenThatTheFirstLeft) {
   Balls balls = Lattice(6);
   BallRemoval removal(balls, Split());
-  std::vector<Capsule> all = Wander(11, 20, 3e-3);
+  std::vector<Capsule> all = RandomPath(11, 20, 3e-3);
   removal.Remove(all, balls);
   const std::size_t blocks = removal.blocks_in_use();
   Balls before = balls;
-  for (const Capsule& c : Wander(12, 60, 0.8e-3, 8e-3)) {
+  for (const Capsule& c : RandomPath(12, 60, 0.8e-3, 8e-3)) {
     removal.Remove({&c, 1}, balls);
     all.push_back(c);
   }
   EXPECT_LT(WorstOverlap(balls, all), 1e-12);
-  EXPECT_GT(removal.blocks_in_use(), blocks);  // bone that the first tool had not touched
-  // and every ball lies in one that was there before
+  EXPECT_GT(removal.blocks_in_use(),
+            blocks);  // the second tool also splits balls that the first did not touch
+  // every remaining ball lies in a ball that the first tool left
   for (const Ball& ball : Live(balls)) {
     double out = 1.0;
     for (const Ball& old : Live(before))
@@ -314,17 +324,17 @@ TEST(BallRemoval, ASecondToolCutsWhatTheFirstHasSplit) {
   }
 }
 
-TEST(BallRemoval, GoesOnFromALoadedStateToTheLastBit) {
-  const std::vector<Capsule> capsules = Wander(5, 60, 2.2e-3);
+TEST(BallRemoval, ContinuesFromALoadedStateBitForBit) {
+  const std::vector<Capsule> capsules = RandomPath(5, 60, 2.2e-3);
   SplitParams params = Split();
-  params.blocks_per_frame = 2;  // so that some wait
+  params.blocks_per_frame = 2;  // so that some balls wait
   Balls one = Lattice(6), two = Lattice(6);
   BallRemoval first(one, params), second(two, params);
   for (std::size_t i = 0; i < 12; ++i) first.Remove({&capsules[i], 1}, one);
   const CarvedState middle = StateOf(first, one);
   ASSERT_TRUE(std::ranges::any_of(middle.split_cuts, [](std::uint32_t n) { return n > 1; }));
   ASSERT_TRUE(std::ranges::any_of(middle.split_cuts, [](std::uint32_t n) { return n == 0; }));
-  for (std::size_t i = 30; i < 60; ++i) second.Remove({&capsules[i], 1}, two);  // another past
+  for (std::size_t i = 30; i < 60; ++i) second.Remove({&capsules[i], 1}, two);  // a different history
   first.Load(middle, one);
   second.Load(middle, two);
   EXPECT_TRUE(Same(StateOf(first, one), middle));
@@ -335,10 +345,10 @@ TEST(BallRemoval, GoesOnFromALoadedStateToTheLastBit) {
   EXPECT_TRUE(Same(StateOf(first, one), StateOf(second, two)));
 }
 
-TEST(BallRemoval, RefusesStatesAndParamsThatAreNone) {
+TEST(BallRemoval, RefusesInconsistentStatesAndInvalidParameters) {
   Balls balls = Lattice(3);
   BallRemoval removal(balls, Split());
-  removal.Remove(Wander(1, 20, 2.5e-3), balls);
+  removal.Remove(RandomPath(1, 20, 2.5e-3), balls);
   const CarvedState good = StateOf(removal, balls);
   ASSERT_GT(good.split_balls.size(), 3u);
   const auto refused = [&](auto&& spoil) {

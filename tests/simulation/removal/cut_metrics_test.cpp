@@ -7,6 +7,9 @@
 #include "simulation/bone/scenes.h"
 #include "simulation/tools/swept_tool.h"
 
+// Tests of the measures of a cut: first hit of a ray, remaining balls, depth of the apex, swept volume and
+// reamed depth.
+
 namespace osteon::simulation {
 namespace {
 
@@ -16,13 +19,13 @@ TEST(FirstHit, IsWhereTheRayEntersTheNearestBall) {
   const std::vector<Ball> balls{BallAt({0, 0, 10}, 2), BallAt({0, 0, 5}, 1), BallAt({5, 0, 3}, 1)};
   EXPECT_DOUBLE_EQ(FirstHit(balls, {0, 0, 0}, Vector3::UnitZ()).value(), 4.0);
   EXPECT_DOUBLE_EQ(FirstHit(balls, {0.6, 0, 0}, Vector3::UnitZ()).value(), 5.0 - 0.8);
-  EXPECT_DOUBLE_EQ(FirstHit(balls, {0, 1.2, 0}, Vector3::UnitZ()).value(),
-                   10.0 - 1.6);  // after the nearer ball
+  // this ray passes the nearer ball
+  EXPECT_DOUBLE_EQ(FirstHit(balls, {0, 1.2, 0}, Vector3::UnitZ()).value(), 10.0 - 1.6);
   const Vector3 slanting = Vector3(5, 0, 3).normalized();
   EXPECT_NEAR(FirstHit(balls, {0, 0, 0}, slanting).value(), std::sqrt(34.0) - 1.0, 1e-12);
 }
 
-TEST(FirstHit, IsZeroInsideAndNothingWhereAllIsMissedOrBehind) {
+TEST(FirstHit, IsZeroInsideABallAndEmptyForARayThatMissesAll) {
   const std::vector<Ball> balls{BallAt({0, 0, 10}, 2)};
   EXPECT_EQ(FirstHit(balls, {0, 0, 9}, Vector3::UnitX()).value(), 0.0);
   EXPECT_FALSE(FirstHit(balls, {0, 0, 0}, Vector3::UnitX()).has_value());
@@ -31,7 +34,7 @@ TEST(FirstHit, IsZeroInsideAndNothingWhereAllIsMissedOrBehind) {
   EXPECT_FALSE(FirstHit({}, {0, 0, 0}, Vector3::UnitZ()).has_value());
 }
 
-TEST(LiveBalls, AreThoseWithARadiusInMetres) {
+TEST(LiveBalls, AreTheBallsOfPositiveRadiusInMetres) {
   CarvedState state;
   state.balls = {1, 2, 3, 4, 5, 6, 7, 0, -1, -2, -3, 0.5f};
   const std::vector<Ball> live = LiveBalls(state);
@@ -40,7 +43,7 @@ TEST(LiveBalls, AreThoseWithARadiusInMetres) {
   EXPECT_DOUBLE_EQ(live[1].radius_m, 0.5e-3);
 }
 
-/// Feed along -z of G, apex at p.
+/// X_GP of a tool whose z axis points along -z of G, with its apex at p.
 Pose Down(const Vector3& p) {
   Pose X = Pose::Identity();
   X.linear() = ExpRotation({M_PI, 0, 0});
@@ -48,7 +51,7 @@ Pose Down(const Vector3& p) {
   return X;
 }
 
-TEST(ApexDepth, CountsFromTheFirstFloorAlongTheCupsAxis) {
+TEST(ApexDepth, IsZeroAtTheFirstBoneAlongTheCupsAxis) {
   Bone bone;
   bone.site = {.center_m = Vector3(0.1, 0, 0), .axis = Vector3(0, 0, 1), .radius_m = 0.024};
   bone.balls = {BallAt({0.1, 0, -0.035}, 0.010)};  // its top lies 25 mm below the centre
@@ -57,14 +60,14 @@ TEST(ApexDepth, CountsFromTheFirstFloorAlongTheCupsAxis) {
   EXPECT_NEAR(depth.DepthAt(Down({0.1, 0, -0.025})), 0.0, 1e-15);
   EXPECT_NEAR(depth.DepthAt(Down({0.1, 0, -0.027})), 0.002, 1e-15);
   EXPECT_NEAR(depth.DepthAt(Down({0.1, 0, -0.020})), -0.005, 1e-15);
-  // the depth of the head counts, however the tool is turned around it
+  // rotating the tool about its head's centre does not change the depth
   Pose tilted = Pose::Identity();
   tilted.linear() = ExpRotation({0, 0.3, 0}) * ExpRotation({M_PI, 0, 0});
   tilted.translation() = Vector3(0.1, 0, -0.005) - tilted.linear() * Vector3(0, 0, -0.022);
   EXPECT_NEAR(depth.DepthAt(tilted), 0.002, 1e-12);
 }
 
-TEST(ApexDepth, WithoutAFloorCountsFromTheCupsRadius) {
+TEST(ApexDepth, IsMeasuredFromTheCupsRadiusIfThereIsNoBone) {
   const ApexDepth depth(Bone{}, MakeReamer(0.022, 0.008, 0.1, 0.9, Vector3::Zero()));
   EXPECT_EQ(depth.floor_m(), 0.024);
 }
@@ -73,7 +76,7 @@ TEST(ApexDepth, WithoutAFloorCountsFromTheCupsRadius) {
 /// cup's sphere of radius r: ball minus lens.
 double BelowTheCup(double R, double r, double d) {
   // lens of two balls from the volumes of its two caps (independent of LensVolume)
-  const double x = (d * d + r * r - R * R) / (2 * d);  // of the common plane, from the cup's centre
+  const double x = (d * d + r * r - R * R) / (2 * d);  // distance of the common plane from the cup's centre
   const auto cap = [](double radius, double height) {
     return M_PI * height * height * (radius - height / 3.0);
   };
@@ -81,11 +84,11 @@ double BelowTheCup(double R, double r, double d) {
   return 4.0 / 3.0 * M_PI * R * R * R - lens;
 }
 
-TEST(SweptVolume, OfAPlungeIntoTheAcetabulumIsTheCrescentBelowTheCup) {
+TEST(SweptVolume, APlungeIntoTheAcetabulumSweepsTheCrescentBelowTheCup) {
   const AcetabulumSolid solid{AcetabulumShape{}};
   const double r = 0.024;
   for (const auto& [R, depth] : {std::pair{0.020, 0.003}, std::pair{0.023, 0.003}}) {
-    // a head that is smaller than the cup, and below the top face wherever it leaves the cup
+    // the head is smaller than the cup, and cuts the cup only below the top face, as BelowTheCup assumes
     const Tool tool = MakeReamer(R, 0.008, 0.1, 0.9, Vector3::Zero());
     std::vector<Pose> path;
     for (int i = 0; i <= 20; ++i) path.push_back(Down({0, 0, -R - (r - R + depth) * i / 20.0}));
@@ -94,7 +97,7 @@ TEST(SweptVolume, OfAPlungeIntoTheAcetabulumIsTheCrescentBelowTheCup) {
   }
 }
 
-TEST(SweptVolume, CountsWhatIsSweptTwiceOnceAndOfTheShaftNothing) {
+TEST(SweptVolume, CountsVolumeSweptTwiceOnceAndIgnoresTheShaft) {
   const AcetabulumSolid solid{AcetabulumShape{}};
   const Tool tool = MakeReamer(0.023, 0.008, 0.1, 0.9, Vector3::Zero());
   Tool head = tool;
@@ -111,7 +114,7 @@ TEST(SweptVolume, CountsWhatIsSweptTwiceOnceAndOfTheShaftNothing) {
   EXPECT_EQ(SweptVolume(solid, tool, away, 0.5e-3), 0.0);
 }
 
-TEST(SweptVolume, OfACoarsePathIsThatOfItsChords) {
+TEST(SweptVolume, PosesAreJoinedByStraightLines) {
   // two poses sweep the same volume as two hundred on the straight line between them
   const AcetabulumSolid solid{AcetabulumShape{}};
   const Tool tool = MakeReamer(0.010, 0.005, 0.1, 0.9, Vector3::Zero());
@@ -124,7 +127,7 @@ TEST(SweptVolume, OfACoarsePathIsThatOfItsChords) {
   EXPECT_NEAR(SweptVolume(solid, tool, fine, 0.5e-3), volume, 1e-3 * volume);
 }
 
-/// Oracle for SweptVolume's blocks: every cell by itself, on one thread.
+/// Oracle for SweptVolume, which skips whole blocks of cells: tests every cell, on one thread.
 double CellByCell(const Solid& solid, const Tool& tool, std::span<const Pose> X_GP, double cell_m) {
   const SweptTool swept(tool, X_GP);
   const Eigen::AlignedBox3d box = swept.Bounds().intersection(solid.Bounds());
@@ -140,7 +143,7 @@ double CellByCell(const Solid& solid, const Tool& tool, std::span<const Pose> X_
   return static_cast<double>(inside) * step.prod();
 }
 
-TEST(SweptVolume, OfBlocksOnManyThreadsIsThatOfItsCells) {
+TEST(SweptVolume, EqualsTheCountOfCellsForAnyNumberOfThreads) {
   const AcetabulumSolid solid{AcetabulumShape{}};
   std::vector<Pose> path;
   for (int i = 0; i <= 30; ++i) path.push_back(Down({2e-4 * i, 1e-4 * i, -0.020 - 3e-4 * i}));
@@ -153,8 +156,8 @@ TEST(SweptVolume, OfBlocksOnManyThreadsIsThatOfItsCells) {
   }
 }
 
-/// Frames of a head that moves down the axis from `from_m` to `to_m` below the cup's centre, with `area_m2`
-/// of bone removed for each metre from `bone_from_m` to `bone_to_m`.
+/// Frames of a tool whose apex moves down the axis from `from_m` to `to_m` below the cup's centre. Bone lies
+/// between `bone_from_m` and `bone_to_m`, where the removed volume is `area_m2` times the depth.
 std::vector<FrameRecord> Plunge(double from_m, double to_m, double bone_from_m, double bone_to_m,
                                 double area_m2) {
   std::vector<FrameRecord> frames;
@@ -172,21 +175,22 @@ std::vector<FrameRecord> Plunge(double from_m, double to_m, double bone_from_m, 
   return frames;
 }
 
+/// Reamed depth [m] after these frames, in a bone without balls.
 double ReamedBy(const Tool& tool, const std::vector<FrameRecord>& frames) {
   ReamedDepth reamed(Bone{}, tool, Pose::Identity());
   for (const FrameRecord& frame : frames) reamed.Add(frame);
   return reamed.depth_m();
 }
 
-TEST(ReamedDepth, IsWhatTheApexWentIntoBone) {
+TEST(ReamedDepth, IsTheDepthOverWhichTheApexRemovedBone) {
   const double R = 0.022;
   const Tool tool = MakeReamer(R, 0.008, 0.1, 0.9, Vector3::Zero());
   const double area_m2 = 0.3 * M_PI * R * R;
-  // the whole 5 mm of a cut below 3 mm of air
+  // 3 mm of air, then 5 mm of bone
   EXPECT_NEAR(ReamedBy(tool, Plunge(0.0, 0.008, 0.003, 0.008, area_m2)), 0.005, 1e-5);
-  // through a plate of 5 mm, and on for 20 mm: accurate to a step
+  // through a plate of 5 mm and 20 mm beyond: accurate to a step of 0.25 mm
   EXPECT_NEAR(ReamedBy(tool, Plunge(0.0, 0.028, 0.003, 0.008, area_m2)), 0.005, 0.26e-3);
-  // past the bone: 2 mm³ along 38 mm
+  // sliding past bone: 2 mm³ along 38 mm are too little to count as reaming
   EXPECT_EQ(ReamedBy(tool, Plunge(0.0, 0.041, 0.003, 0.041, 2e-9 / 0.038)), 0.0);
   EXPECT_EQ(ReamedBy(tool, {}), 0.0);
 }

@@ -10,10 +10,13 @@
 #include "simulation/packing/split_packing.h"
 #include "simulation/solids/box_solid.h"
 
+// Tests of the children that replace a split ball, of the choice of their shape, and of the packing that is
+// made to be split.
+
 namespace osteon::simulation {
 namespace {
 
-TEST(SplitTemplate, ChildrenLieInTheirParentInSinglePrecisionToo) {
+TEST(SplitTemplate, ChildrenLieInTheirParentEvenInSinglePrecision) {
   for (const int children : {8, 24, 96}) {
     const SplitTemplate shapes(children);
     for (std::uint32_t shape = 0; shape < SplitTemplate::kShapes; ++shape)
@@ -21,7 +24,7 @@ TEST(SplitTemplate, ChildrenLieInTheirParentInSinglePrecisionToo) {
         const SplitChild& child = shapes.child(shape, k);
         ASSERT_GT(child.radius, 0.05) << shape << " " << k;
         ASSERT_LT(child.x.norm() + child.radius, 1.0) << shape << " " << k;
-        // a parent of 3 mm, 30 mm from the origin, in floats: 5e-6 mm is what they resolve there
+        // a parent of 3 mm, 30 mm from the origin; floats resolve 5e-6 mm there
         const Eigen::Vector3f c(17.0f, -17.0f, 17.0f);
         const Eigen::Vector3f at = c + 3.0f * child.x.cast<float>();
         ASSERT_LT((at - c).norm() + 3.0f * static_cast<float>(child.radius), 3.0f + 5e-6f);
@@ -30,7 +33,8 @@ TEST(SplitTemplate, ChildrenLieInTheirParentInSinglePrecisionToo) {
   }
 }
 
-// A split parent's neighbours may be split, too, so its own children must cover the region near its centre.
+// A split parent's neighbours may be split too, so its own children must cover its middle, up to 0.8 of its
+// radius. The test counts uncovered points for shapes with a rotation and for shapes with a pole.
 TEST(SplitTemplate, ChildrenCoverTheMiddleOfTheirParent) {
   const SplitTemplate shapes(24);
   std::mt19937_64 random(1);
@@ -51,10 +55,10 @@ TEST(SplitTemplate, ChildrenCoverTheMiddleOfTheirParent) {
   }
   EXPECT_GT(asked, 5000);
   EXPECT_EQ(bare_rotation, 0);
-  EXPECT_LT(bare_pole, 0.002 * asked);  // fewer of them are large
+  EXPECT_LT(bare_pole, 0.002 * asked);  // a shape with a pole has fewer large children
 }
 
-TEST(SplitTemplate, ShapesDiffer) {
+TEST(SplitTemplate, EachShapeHasADifferentFirstChild) {
   const SplitTemplate shapes(16);
   std::set<std::array<double, 3>> first;
   for (std::uint32_t shape = 0; shape < SplitTemplate::kShapes; ++shape) {
@@ -66,7 +70,7 @@ TEST(SplitTemplate, ShapesDiffer) {
   EXPECT_THROW(SplitTemplate(1025), std::invalid_argument);
 }
 
-TEST(SplitShapes, PolesPointOutOfTheBoneAndBuriedBallsHaveNone) {
+TEST(SplitShapes, ExposedBallsHaveOutwardPolesAndBuriedBallsHaveNone) {
   const BoxSolid box({-6e-3, -6e-3, -12e-3}, {6e-3, 6e-3, 0.0});
   const std::vector<Ball> balls = BuildSplitPacking(box, EverywhereZone(), {.surface_gap_m = 0.1e-3});
   const std::vector<std::uint16_t> shapes = SplitShapes(balls, 0.0, 1);
@@ -91,7 +95,7 @@ TEST(SplitShapes, PolesPointOutOfTheBoneAndBuriedBallsHaveNone) {
   EXPECT_GT(buried, 10);
 }
 
-TEST(SplitPacking, KeepsInTheSolidAndItsGaps) {
+TEST(SplitPacking, StaysInTheSolidAndKeepsItsGapsSmall) {
   const BoxSolid box({-6e-3, -6e-3, -12e-3}, {6e-3, 6e-3, 0.0});
   const SplitPackingParams params;
   const std::vector<Ball> balls = BuildSplitPacking(box, EverywhereZone(), params);
@@ -115,11 +119,11 @@ TEST(SplitPacking, KeepsInTheSolidAndItsGaps) {
                std::invalid_argument);
 }
 
-// Below a surface that will be cut, balls may not grow before the cut's depth is reached.
+// Below a surface that will be cut, balls may become larger only beyond the cut's depth.
 TEST(SplitPacking, IsFineDownToItsFineDepth) {
   const BoxSolid box({-6e-3, -6e-3, -16e-3}, {6e-3, 6e-3, 0.0});
-  const SurfaceZone zone(box,
-                         Ball{.center_m = Vector3::Zero(), .radius_m = 1e-3});  // a place of the top face
+  // the zone is a spot of the top face
+  const SurfaceZone zone(box, Ball{.center_m = Vector3::Zero(), .radius_m = 1e-3});
   SplitPackingParams params{.fine_depth_m = 5e-3};
   double largest_m = 0.0, largest_below_m = 0.0;
   for (const Ball& ball : BuildSplitPacking(box, zone, params)) {

@@ -6,6 +6,8 @@
 
 #include <gmock/gmock.h>
 
+// Tests of the generated acetabulum: its distance, tissues, cut zone and limits of size.
+
 namespace osteon::simulation {
 namespace {
 
@@ -32,9 +34,9 @@ std::vector<Vector3> SampleSurface(double step) {
   return points;
 }
 
-// Oracle: the smallest distance to a dense sample of the surface exceeds the exact distance by less than the
-// sample's step.
-TEST(AcetabulumSolid, DistanceIsThatToTheSampledSurface) {
+// Oracle: the distance to the nearest of many surface points exceeds the exact distance by less than the
+// points' spacing.
+TEST(AcetabulumSolid, DistanceAgreesWithThatToASampledSurface) {
   const AcetabulumSolid solid{{}};
   const double step = 1e-3;
   const std::vector<Vector3> surface = SampleSurface(step);
@@ -63,13 +65,13 @@ TEST(AcetabulumSolid, TissueIsLayeredBelowTheCup) {
     EXPECT_EQ(solid.MaterialAt(0.0269 * u), kCortical);
     EXPECT_EQ(solid.MaterialAt(0.0271 * u), kCancellous);
   }
-  EXPECT_EQ(solid.MaterialAt({0.039, 0.039, -0.059}), kCancellous);  // saw cut
+  EXPECT_EQ(solid.MaterialAt({0.039, 0.039, -0.059}), kCancellous);  // no shell at the block's outer faces
 }
 
-TEST(CupZone, DepthIsMeasuredFromWhatAReamerOfTheCupsRadiusSweeps) {
+TEST(CupZone, DepthIsTheDistanceFromTheSweepOfAReamerOfTheCupsRadius) {
   const CupZone zone(AcetabulumSolid{{}}.cup());
   EXPECT_NEAR(zone.DepthAt({0, 0, -0.030}), 0.006, 1e-15);
-  EXPECT_NEAR(zone.DepthAt({0.030, 0, 0.010}), 0.006, 1e-15);  // beside the way in
+  EXPECT_NEAR(zone.DepthAt({0.030, 0, 0.010}), 0.006, 1e-15);  // beside the reamer's path into the cup
   EXPECT_LT(zone.DepthAt({0.010, 0, 0.050}), 0.0);
 }
 

@@ -7,6 +7,8 @@
 
 #include "simulation/solids/acetabulum_solid.h"
 
+// Tests of the zones of a cut: the depth of a point below a zone, in closed form.
+
 namespace osteon::simulation {
 namespace {
 
@@ -19,7 +21,7 @@ TEST(PathZone, DepthIsTheDistanceToTheSweptCapsules) {
   EXPECT_NEAR(PathZone({{1, 0, 0}}, 0.05).DepthAt({0, 0, 0}), 0.95, 1e-15);
 }
 
-TEST(PathZone, RefusesWhatIsNoPath) {
+TEST(PathZone, RefusesEmptyPathsNonFinitePointsAndZeroRadius) {
   EXPECT_THROW(PathZone({}, 0.002), std::invalid_argument);
   EXPECT_THROW(PathZone({{0, 0, std::nan("")}}, 0.002), std::invalid_argument);
   EXPECT_THROW(PathZone({{0, 0, 0}}, 0.0), std::invalid_argument);
@@ -33,6 +35,7 @@ TEST(SurfaceZone, DepthIsToTheSurfaceWithinTheRegionAndToTheRegionElsewhere) {
   EXPECT_NEAR(zone.DepthAt({0.039, 0, -0.024}), 0.029, 1e-15);
 }
 
+// A 1-Lipschitz depth changes by no more than the point moves.
 TEST(CutZone, DepthIsOneLipschitz) {
   const AcetabulumSolid solid{{}};
   const CupZone cup(solid.cup());

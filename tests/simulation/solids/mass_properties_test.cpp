@@ -7,20 +7,24 @@
 
 #include "tests/simulation/mesh/mesh_shapes.h"
 
+// Tests of volume, mass, centre of mass and inertia of meshes and mass points.
+
 namespace osteon::simulation {
 namespace {
 
+/// The mesh rotated by R about the origin, then shifted by p.
 TriangleMesh Moved(TriangleMesh mesh, const Matrix3& R, const Vector3& p) {
   for (Vector3& v : mesh.vertices_m) v = R * v + p;
   return mesh;
 }
 
+/// Inertia of a box about its centre of mass [kg m^2].
 Matrix3 BoxInertia(double mass, const Vector3& size) {
   const Vector3 s = size.cwiseProduct(size);
   return mass / 12.0 * Vector3(s.y() + s.z(), s.x() + s.z(), s.x() + s.y()).asDiagonal();
 }
 
-TEST(MassProperties, OfABoxAreTheTextbooks) {
+TEST(MassProperties, AgreeWithTheClosedFormsForABox) {
   const Vector3 low(0.01, -0.02, 0.5), size(0.04, 0.02, 0.01);
   const MassProperties box = MeshMassProperties(MakeBox(low, low + size), 1850.0);
   const double mass = 1850.0 * size.prod();
@@ -31,7 +35,7 @@ TEST(MassProperties, OfABoxAreTheTextbooks) {
   EXPECT_NEAR((box.inertia_kg_m2 - exact).norm(), 0.0, 1e-12 * exact.norm());
 }
 
-TEST(MassProperties, OfAFineIcosphereAreABallsToTheOrderOfItsFacets) {
+TEST(MassProperties, ConvergeToABallsAsAnIcosphereIsRefined) {
   const double radius = 0.02, density = 300.0;
   double last_error = 0.0;
   for (const int rounds : {3, 4}) {
@@ -42,14 +46,14 @@ TEST(MassProperties, OfAFineIcosphereAreABallsToTheOrderOfItsFacets) {
     EXPECT_NEAR((ball.center_of_mass_m - Vector3(0.3, 0.2, -0.1)).norm(), 0.0, 1e-12);
     if (rounds == 4) {
       EXPECT_NEAR(ball.volume_m3, volume, 0.005 * volume);
-      EXPECT_NEAR(last_error / error, 4.0, 0.2);  // facets half as wide: a quarter of the sagitta
+      EXPECT_NEAR(last_error / error, 4.0, 0.2);  // facets half as wide are a quarter as far from the sphere
       EXPECT_LT(error, 0.01);
     }
     last_error = error;
   }
 }
 
-TEST(MassProperties, TurnWithTheBodyAndDoNotDependOnItsPlace) {
+TEST(MassProperties, RotateWithTheBodyAndDoNotDependOnItsPosition) {
   TriangleMesh mesh = MakeIcosphere({0, 0, 0}, 0.02, 2);
   std::mt19937 random(4);
   std::uniform_real_distribution<double> u(0.5, 1.5);
@@ -64,7 +68,7 @@ TEST(MassProperties, TurnWithTheBodyAndDoNotDependOnItsPlace) {
   EXPECT_NEAR((there.inertia_kg_m2 - turned).norm(), 0.0, 1e-10 * turned.norm());
 }
 
-TEST(MassProperties, OfTwoBodiesAreThoseOfTheirSumByParallelAxes) {
+TEST(MassProperties, AreCombinedByTheParallelAxisTheorem) {
   const TriangleMesh left = MakeBox({0, 0, 0}, {0.01, 0.02, 0.03}),
                      right = MakeBox({0.05, 0, 0}, {0.06, 0.02, 0.03});
   const std::vector<MassProperties> parts{MeshMassProperties(left, 700.0), MeshMassProperties(right, 700.0)};
@@ -80,7 +84,7 @@ TEST(MassProperties, OfTwoBodiesAreThoseOfTheirSumByParallelAxes) {
   EXPECT_NEAR((joined.inertia_kg_m2 - exact).norm(), 0.0, 1e-12 * exact.norm());
 }
 
-TEST(MassProperties, OfARegionReplaceThoseOfWhatIsAroundIt) {
+TEST(MassProperties, UseARegionsDensityInsteadOfItsSurroundings) {
   LoadedMesh loaded;
   loaded.mesh = MakeBox({0, 0, 0}, {0.02, 0.02, 0.02});
   loaded.regions.push_back({.name = "core", .mesh = MakeBox({0, 0, 0}, {0.01, 0.02, 0.02}), .parent = {}});
@@ -95,9 +99,10 @@ TEST(MassProperties, OfARegionReplaceThoseOfWhatIsAroundIt) {
   EXPECT_NEAR((found.inertia_kg_m2 - Combine(halves).inertia_kg_m2).norm(), 0.0, 1e-18);
 }
 
-// A box of two materials as a lattice of points: exact except that a ball has less inertia than a cube of its
-// volume (2/5 (3/4π)^⅔ = 0.154 against 1/6 of m s²).
-TEST(MassProperties, OfACloudApproachThoseOfTheBodyItStandsFor) {
+// A box of two materials is represented by a lattice of points, each of which counts as a ball. A ball has
+// less inertia than the cube of equal volume and side s that it stands for: 2/5 (3/4π)^⅔ = 0.154 instead of
+// 1/6 of m s².
+TEST(MassProperties, OfMassPointsEqualTheBodysExceptForEachPointsOwnInertia) {
   std::vector<MassPoint> points;
   const int n = 20;
   const double side = 0.02 / n;
@@ -126,7 +131,7 @@ TEST(MassProperties, OfACloudApproachThoseOfTheBodyItStandsFor) {
   EXPECT_THROW(static_cast<void>(PointMassProperties(points, materials)), std::invalid_argument);
 }
 
-TEST(MassProperties, OfNothingAreZero) {
+TEST(MassProperties, AreZeroForEmptyInput) {
   EXPECT_EQ(MeshMassProperties(TriangleMesh{}, 1000.0).mass_kg, 0.0);
   EXPECT_EQ(PointMassProperties({}, {}).mass_kg, 0.0);
   EXPECT_EQ(Combine({}).center_of_mass_m, Vector3(0, 0, 0));

@@ -7,15 +7,17 @@
 #include "simulation/solids/mesh_solid.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
-// Shells within shells: cavities bound the solid, regions separate its tissues.
+// Tests of meshes with shells within shells: a cavity bounds the solid, a region separates tissues.
 
 namespace osteon::simulation {
 namespace {
 
+/// A cube about a centre; half_mm is half of its side.
 TriangleMesh Box(double half_mm, const Vector3& center_m = Vector3::Zero()) {
   return MakeBox(center_m - Vector3::Constant(half_mm * 1e-3), center_m + Vector3::Constant(half_mm * 1e-3));
 }
 
+/// Loads this text as an OBJ file; a refusal fails the test.
 LoadedMesh Load(const std::string& obj, const MeshParams& params = {}) {
   const TemporaryFile file(".obj", obj);
   auto loaded = LoadMesh(file.path(), params);
@@ -26,7 +28,7 @@ LoadedMesh Load(const std::string& obj, const MeshParams& params = {}) {
   return std::move(*loaded);
 }
 
-/// Groups of one OBJ.
+/// OBJ text with a named group for each mesh.
 std::string Groups(const std::vector<std::pair<std::string, TriangleMesh>>& shells) {
   std::string text;
   std::uint32_t before = 0;
@@ -37,6 +39,7 @@ std::string Groups(const std::vector<std::pair<std::string, TriangleMesh>>& shel
   return text;
 }
 
+/// A map that gives the outermost solid the first material, and the regions the next ones in their order.
 TissueMap Cores(std::initializer_list<int> cores) {
   TissueMap map{.shells = {}, .lining = {}};
   for (const int core : cores)
@@ -44,7 +47,7 @@ TissueMap Cores(std::initializer_list<int> cores) {
   return map;
 }
 
-TEST(MeshRegions, ABoxInABoxIsARegionWhereItIsWoundAlike) {
+TEST(MeshRegions, ABoxInABoxIsARegionIfBothAreWoundOutwards) {
   const LoadedMesh loaded = Load(Groups({{"Nerve", Box(5)}, {"Tooth", Box(10)}}));
   ASSERT_EQ(loaded.report.shells.size(), 2u);
   EXPECT_EQ(loaded.report.shells[0].name, "Nerve");
@@ -71,7 +74,7 @@ TEST(MeshRegions, ABoxInABoxIsARegionWhereItIsWoundAlike) {
   }
 }
 
-TEST(MeshRegions, ABoxInABoxIsACavityWhereItIsWoundInwards) {
+TEST(MeshRegions, ABoxInABoxIsACavityIfItIsWoundInwards) {
   const LoadedMesh loaded = Load(Groups({{"Pit", InsideOut(Box(5))}, {"Block", Box(10)}}));
   ASSERT_EQ(loaded.report.shells.size(), 2u);
   EXPECT_EQ(loaded.report.shells[0].kind, ShellKind::kCavity);
@@ -85,7 +88,7 @@ TEST(MeshRegions, ABoxInABoxIsACavityWhereItIsWoundInwards) {
 
 TEST(MeshRegions, ABallInABallHasLayersBelowItsOwnSurface) {
   const Vector3 center(0.1, -0.05, 0.02);
-  for (const bool inside_out : {false, true}) {  // the whole mesh inside out: only one reading makes sense
+  for (const bool inside_out : {false, true}) {  // true: both shells are inside out, and loading turns them
     TriangleMesh outer = MakeIcosphere(center, 0.02, 4), inner = MakeIcosphere(center, 0.01, 4);
     if (inside_out) {
       outer = InsideOut(outer);
@@ -107,8 +110,9 @@ TEST(MeshRegions, ABallInABallHasLayersBelowItsOwnSurface) {
   }
 }
 
-// enamel ⊃ dentine ⊃ pulp, with a bubble in the pulp and a stone in the bubble
-TEST(MeshRegions, RegionsNestAndCavitiesBoundAllThatIsAroundThem) {
+// Enamel contains dentine, which contains pulp. The pulp contains a cavity "bubble" with a separate solid
+// "stone" in it. The file's order of the shells is mixed.
+TEST(MeshRegions, RegionsCavitiesAndSolidsCanBeNested) {
   const LoadedMesh loaded = Load(Groups({{"stone", Box(1)},
                                          {"bubble", InsideOut(Box(2))},
                                          {"pulp", Box(4)},
@@ -138,7 +142,7 @@ TEST(MeshRegions, RegionsNestAndCavitiesBoundAllThatIsAroundThem) {
     }
     EXPECT_NEAR(solid.SignedDistance(p), distance_mm * 1e-3, 1e-9) << x_mm;
   }
-  // by hand, in cubic millimetres and g/cm^3: full boxes and what is in them
+  // by hand: volumes of the full boxes in cubic millimetres, and densities in g/cm^3
   const std::vector<double> densities{3000, 2000, 1000};
   const MassProperties mass = MeshMassProperties(loaded, densities);
   const double box10 = 8000, box8 = 4096, box4 = 512, box2 = 64, box1 = 8;
@@ -147,7 +151,7 @@ TEST(MeshRegions, RegionsNestAndCavitiesBoundAllThatIsAroundThem) {
               1e-3);
 }
 
-// Two groups that share a whole face stay two shells; without groups the same triangles are a contradiction.
+// Two groups that share a whole face stay two shells. The same triangles in one group are refused.
 TEST(MeshRegions, GroupsThatTouchAreNotWeldedTogether) {
   const TriangleMesh left = Box(5), right = Box(5, {0.01, 0, 0});
   const LoadedMesh apart = Load(Groups({{"left", left}, {"right", right}}));
@@ -155,19 +159,20 @@ TEST(MeshRegions, GroupsThatTouchAreNotWeldedTogether) {
   EXPECT_EQ(apart.mesh.vertices_m.size(), 16u);
   const TemporaryFile together(".obj", ObjText(Join(left, right)));
   EXPECT_FALSE(LoadMesh(together.path()));
-  // a region whose face lies in its parent's
+  // a region may share part of a face with its parent
   const LoadedMesh flush = Load(Groups({{"pulp", Box(5, {0.005, 0, 0})}, {"tooth", Box(10)}}));
   ASSERT_EQ(flush.regions.size(), 1u);
   EXPECT_EQ(MeshSolid(flush, Cores({1, 2})).MaterialAt({0.0099, 0, 0}), 2);
 }
 
-TEST(MeshRegions, TwoSolidsSideBySideStayAllowed) {
+TEST(MeshRegions, TwoSolidsSideBySideAreAccepted) {
   const LoadedMesh loaded = Load(ObjText(Join(Box(5), Box(5, {0.02, 0, 0}))));
   ASSERT_EQ(loaded.report.shells.size(), 2u);
   for (const MeshShell& shell : loaded.report.shells) EXPECT_EQ(shell.kind, ShellKind::kSolid);
   EXPECT_TRUE(loaded.regions.empty());
 }
 
+/// The real molar; its tests are skipped without the folder of anatomical meshes.
 class Tooth : public testing::Test {
  protected:
   void SetUp() override {
@@ -178,7 +183,7 @@ class Tooth : public testing::Test {
   std::filesystem::path path_;
 };
 
-TEST_F(Tooth, PulpIsToldFromDentine) {
+TEST_F(Tooth, PulpAndDentineHaveTheirOwnMaterialAndVolume) {
   const auto loaded = LoadMesh(path_, {.scale = 0.041});
   ASSERT_TRUE(loaded) << loaded.error().message;
   ASSERT_EQ(loaded->report.shells.size(), 2u);
@@ -186,7 +191,7 @@ TEST_F(Tooth, PulpIsToldFromDentine) {
   EXPECT_EQ(loaded->regions[0].name, "Nerve");
   const MeshSolid solid(*loaded, Cores({1, 2}));
   EXPECT_NEAR(solid.Bounds().sizes().maxCoeff(), 0.0206, 1e-4);  // the data's README
-  // volumes by counting against the exact ones; the pulp is entirely inside
+  // volumes by counting grid points, compared with the meshes' exact volumes; the pulp lies entirely inside
   const Vector3 low = solid.Bounds().min(), size = solid.Bounds().sizes();
   const int n = 40;
   double all = 0.0, pulp = 0.0;
@@ -201,7 +206,7 @@ TEST_F(Tooth, PulpIsToldFromDentine) {
   for (const Vector3& v : loaded->regions[0].mesh.vertices_m) EXPECT_LT(solid.SignedDistance(v), 1e-5);
 }
 
-TEST_F(Tooth, UnscaledIsTooLargeOrSmallerThanAMetreAsTheFileSays) {
+TEST_F(Tooth, IsRefusedIfItsScaleMakesItLargerThanAMetre) {
   const auto loaded = LoadMesh(path_);  // 502 mm: accepted, although no tooth is that large
   ASSERT_TRUE(loaded) << loaded.error().message;
   const auto refused = LoadMesh(path_, {.scale = 4.0});
