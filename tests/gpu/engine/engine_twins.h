@@ -16,12 +16,13 @@
 
 namespace osteon::gpu {
 
-/// Largest differences between the engines over the frames of a run.
+/// Largest differences between two engines' models over the frames of a run.
 struct Apart {
-  double contact_mm{0.0};  ///< of the place of first contact on the frame's path
-  double normal_deg{0.0};  ///< where there is a force of 1 N
-  double proxy_mm{0.0}, force_N{0.0}, torque_Nm{0.0}, max_N{0.0};
-  int touching{0}, counts{0};  ///< frames in contact; those of them with different numbers of contacts
+  double contact_mm{0.0};  ///< place of first contact along the frame's path
+  double normal_deg{0.0};  ///< direction of the normal, in frames with more than 1 N
+  double proxy_mm{0.0}, force_N{0.0}, torque_Nm{0.0};
+  double max_N{0.0};           ///< largest force of the first engine: not a difference
+  int touching{0}, counts{0};  ///< frames in contact; frames with different numbers of contacts
   int unlike{0};               ///< frames whose status or number differs, or with a force in only one engine
 
   /// Adds one frame. @param path_m  from the previous frame's proxy to the pose
@@ -41,12 +42,14 @@ struct Apart {
   }
 };
 
-/// Differences between the engines' carved states.
+/// Differences between two engines' carved states.
 struct BonesApart {
-  double ball_mm{0.0};  ///< of centre or radius, over all balls
+  double ball_mm{0.0};  ///< largest difference of a centre's coordinate or radius
   int exempt{0};  ///< balls gone in only one engine, within 1e-5 mm of the radius at which a ball is dropped
-  int points{0}, changed{0}, cleared{0};
+  int points{0};  ///< mass points that only one engine has cleared
+  int changed{0}, cleared{0};  ///< balls cut and points cleared by the first engine
 };
+/// @param uncut  the bone before the run
 inline BonesApart Compare(const simulation::Bone& uncut, const simulation::CarvedState& a,
                           const simulation::CarvedState& b) {
   constexpr double kGone_mm = 1e3 * simulation::kMinBallRadius + 1e-5;
@@ -69,7 +72,8 @@ inline BonesApart Compare(const simulation::Bone& uncut, const simulation::Carve
   return apart;
 }
 
-/// Tolerances from the issue.
+/// Expects that two engines differ by no more than the contract's tolerances, after printing the differences.
+/// @param a, b  the last models
 inline void ExpectWithinTheBars(const Apart& frames, const BonesApart& bones,
                                 const simulation::ContactModel& a, const simulation::ContactModel& b) {
   std::printf(
@@ -113,11 +117,13 @@ class Twins {
     frames_.Add(path_m, a_, b_);
     return a_;
   }
-  /// Ends the run: checks the issue's tolerances, and that the run had enough contact and cutting.
+  /// What a run must have had, so that it compares something: force, frames in contact, balls cut, points
+  /// cleared.
   struct AtLeast {
     double force_N;
     int touching, balls, points;
   };
+  /// Ends the run: expects the contract's tolerances, and enough contact and cutting.
   void ExpectWithinTheBars(const AtLeast& least) const {
     const BonesApart bones = Compare(bone_, reference_.Snapshot(), vulkan_->Snapshot());
     EXPECT_GT(frames_.max_N, least.force_N);
@@ -135,7 +141,7 @@ class Twins {
   simulation::ContactModel a_, b_;
 };
 
-/// Compares every number of a model, without its padding.
+/// Whether two models agree in every bit of every number (their padding may differ).
 inline bool Identical(const simulation::ContactModel& a, const simulation::ContactModel& b) {
   const auto same = [](const auto& x, const auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; };
   bool equal = same(a.X_WP, b.X_WP) && a.contact_count == b.contact_count && a.status == b.status &&
