@@ -47,7 +47,7 @@ TEST(BinKey, OrdersByScoreThenBallThenToolBall) {
 }
 
 // Scores keep their order as deep as a tool may be placed and up to the largest enlargement that a cell may
-// have; beyond about 32 mm they saturate.
+// have; beyond about 33 mm they saturate.
 TEST(BinKey, DistinguishesScoresBeyondAMillimetre) {
   const double step_mm = 1e-4;
   for (const double score : {-30.0, -5.0, -1.5, -0.97, -0.96, -0.1, 0.0, 0.24, 0.96, 0.97, 1.5, 5.0, 30.0})
