@@ -28,6 +28,7 @@ io::DeviceParams ClientParams(bool ati, bool two_buses) {
   return wires;
 }
 
+// Parameters of the simulated sensor and drive.
 SimulatedDeviceParams SimulatedParams(bool ati) {
   SimulatedDeviceParams params;
   if (ati) params.sensor = AtiDeviceParams{};
@@ -55,6 +56,7 @@ class Cell {
     wires_.emplace(ends, devices_, wires, injections, &now);
   }
 
+  /// @returns the readings of the loop after this time
   control::CellReadings Run(int ms) {
     for (int i = 0; i < ms; ++i) {
       now += rt::kMillisecond;

@@ -41,7 +41,7 @@ kinematics::ChainParams<7> Iiwa() {
       {.mass_kg = 2.0, .p_LLcm_m = {0.0, 0.0, 0.08}, .I_LLcm_kg_m2 = 0.004 * Matrix3::Identity()});
 }
 
-// The loop with the impedance law and no workspace limit in reach.
+// Parameters of a loop with the impedance law, and a workspace whose limits are out of reach.
 control::ServoParams Params() {
   control::ServoParams params;
   params.law = control::Law::kImpedance;
@@ -84,6 +84,7 @@ class ImpedanceBench {
             .stiffness_Nm_per_rad_turn = 50.0};
   }
 
+  // @returns the record of the last tick
   control::TickRecord Run(int ticks) {
     control::TickRecord record;
     for (int i = 0; i < ticks; ++i) {

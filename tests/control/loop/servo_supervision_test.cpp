@@ -176,6 +176,7 @@ TEST_F(StartPathSupervision, ASpindleFaultStopsTheArm) {
   EXPECT_EQ(bench.loop.state(), CellState::kStop1);
 }
 
+// A slow stop of 0.4 m/s^2, so that the hand's force exceeds its limit while the arm still brakes.
 TEST(StopSupervision, AHandBeyondItsLimitInAnOrderlyStopIsAFault) {
   ServoParams params = ServoBench::Params();
   params.stop_deceleration_m_per_s2 = 0.4;
@@ -195,6 +196,7 @@ TEST(StopSupervision, AHandBeyondItsLimitInAnOrderlyStopIsAFault) {
   EXPECT_EQ(bench.loop.state(), CellState::kFault);
 }
 
+// A comparison with NaN is false, so a limit of the torque alone would not stop the arm.
 TEST(ArmTorques, ATorqueThatIsNotANumberIsAFault) {
   ServoBench bench(ServoBench::Params(), 10.0);
   bench.Run(5);
@@ -261,6 +263,7 @@ TEST_F(HandLedArm, LostMessagesDoNotRaiseTheMeasuredVelocity) {
   EXPECT_FALSE(bench.loop.faults().Any()) << "below the limit there is no trip";
 }
 
+// While messages are lost, the simulation must see that the pose is old.
 TEST_F(HandLedArm, APoseKeepsItsTimeStampWhileMessagesAreLost) {
   speed_rad_per_s = 0.05;
   Lead();
@@ -288,6 +291,7 @@ TEST_F(HandLedArm, AStopEndsOnceTheArmIsMeasuredAtRest) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
+// Pushing a paused arm is no fault, but it has to be brought back before rendering resumes.
 TEST_F(HandLedArm, APausedArmThatAHandPushesAwayResumesOnlyWhereItPaused) {
   bench.loop.RequestPause();
   for (int i = 0; i < 200; ++i) Lead();

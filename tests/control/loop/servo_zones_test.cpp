@@ -250,6 +250,8 @@ TEST(ServoLimits, TheTightestBoundOfTheToolsSpeedHolds) {
   EXPECT_NEAR(peak_speed_m_per_s(0.2, 0), 0.2, 1e-3);
 }
 
+// The elbow moves at most 0.02 mm in a tick of 1 ms, by its limit of 0.02 m/s, however hard the hand pushes
+// the tool.
 TEST(ServoLimits, TheElbowKeepsItsOwnSpeedLimit) {
   ServoParams params = ServoBench::Params();
   params.workspace.sphere_radius_m = 0.5;

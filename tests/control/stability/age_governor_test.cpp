@@ -134,12 +134,13 @@ TEST(AgeGovernor, DampingExceedsAgeTimesStiffnessForAnyContact) {
 // 000 N/m without a lever. At this stiffness the ratio is 1, times the margin of 1.02.
 TEST(AgeGovernor, AllowsTheDesignsStiffnessWithAndWithoutALever) {
   const AxisDamping D{.Ns_per_m = Vector3::Constant(100.0), .Nms_per_rad = Vector3::Constant(0.5)};
-  for (const auto& [lever_m, most] : {std::pair{0.15, 3636.0}, std::pair{0.0, 20e3}}) {
+  for (const auto& [lever_m, max_stiffness_N_per_m] : {std::pair{0.15, 3636.0}, std::pair{0.0, 20e3}}) {
     CouplingOutput coupling;
     coupling.fade = 1.0;
     coupling.active_planes = 1;
-    coupling.active[0] = {
-        .n_W = Vector3::UnitX(), .lever_W = lever_m * Vector3::UnitZ(), .stiffness_N_per_m = most};
+    coupling.active[0] = {.n_W = Vector3::UnitX(),
+                          .lever_W = lever_m * Vector3::UnitZ(),
+                          .stiffness_N_per_m = max_stiffness_N_per_m};
     const double ratio = AgeRatio(coupling, Matrix3::Identity(), D, {.pose_s = 5e-3}, 0.025);
     EXPECT_NEAR(ratio, 1.02, 1.02e-3) << lever_m;
   }
@@ -222,7 +223,7 @@ double SwingInABowl_m(bool governed, double age_s, double hold_s) {
   const auto late = static_cast<std::size_t>(std::lround(age_s / kT));
   std::deque<Vector3> past(late + 1, tool.X_WT.translation());
   simulation::ContactModel model;
-  double most_m = 0.0;
+  double max_off_m = 0.0;
   for (int i = 0; i < 2000; ++i) {
     const rt::Nanoseconds now = (i + 1000) * rt::kMillisecond;
     past.push_front(tool.X_WT.translation());
@@ -249,9 +250,9 @@ double SwingInABowl_m(bool governed, double age_s, double hold_s) {
     if (!StepAdmittance(ScaleLaw(law, 1.0, governor.damping_factor()), F, kT, tool)) return 1.0;
     const double off_m = tool.X_WT.translation().head<2>().norm();
     if (off_m > 0.02) return off_m;  // it climbs the bowl's wall
-    if (i >= 1500) most_m = std::max(most_m, off_m);
+    if (i >= 1500) max_off_m = std::max(max_off_m, off_m);
   }
-  return most_m;
+  return max_off_m;
 }
 
 TEST(AgeGovernor, ABallInABowlOfOldPlanesRestsWithTheGovernorAndSwingsWithout) {

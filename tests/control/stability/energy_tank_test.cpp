@@ -68,42 +68,44 @@ struct WallBench {
 
 // A tool that is pushed with 20 N bounces on a wall that is soft on the way in and ten times as stiff on the
 // way out: each bounce pumps energy into the tool.
-// @param least_J  if given, the tank's lowest energy  @returns total energy that the wall has given [J]
-double PumpedEnergy_J(bool acts, int ticks, double* least_J = nullptr) {
+// @param min_J  if given, the tank's lowest energy  @returns total energy that the wall has given [J]
+double PumpedEnergy_J(bool acts, int ticks, double* min_J = nullptr) {
   WallBench bench({.acts = acts});
   bench.tool.X_WT.translation().z() = 5e-3;
   for (int i = 0; i < ticks; ++i) {
     bench.Frame(bench.tool.V_WT.v.z() > 0.0 ? kStiff : kSoft);
     bench.Tick(20.0);
     if (testing::Test::HasFatalFailure()) break;
-    if (least_J) *least_J = std::min(*least_J, bench.tank.energy_J());
+    if (min_J) *min_J = std::min(*min_J, bench.tank.energy_J());
   }
   return bench.made_J;
 }
 
 TEST(EnergyTank, AWallThatStiffensAfterEntryGivesNoMoreThanTheTankHeld) {
-  double least_J = 1.0;
-  const double without = PumpedEnergy_J(false, 20'000), with = PumpedEnergy_J(true, 20'000, &least_J);
+  double min_J = 1.0;
+  const double without = PumpedEnergy_J(false, 20'000), with = PumpedEnergy_J(true, 20'000, &min_J);
   RecordProperty("made_without_J", std::to_string(without));
   RecordProperty("made_with_J", std::to_string(with));
   EXPECT_GT(without, 5.0) << "thrown more than 25 cm high";
   // the tank's cap of 1 J; 0.05 J for the spring's energy at the end and the error of a first touch
   EXPECT_LT(with, 1.0 + 0.05);
-  EXPECT_EQ(least_J, 0.0) << "it was emptied";
+  EXPECT_EQ(min_J, 0.0) << "it was emptied";
 }
 
+// The same bouncing for longer: from the time when the tank is empty, the wall gives no more than the tank
+// held.
 TEST(EnergyTank, AnEmptyTankLetsNoMoreEnergyOut) {
   WallBench bench({});
   bench.tool.X_WT.translation().z() = 5e-3;
-  double emptied_at_J = -1.0, most_J = 0.0;
+  double emptied_at_J = -1.0, max_J = 0.0;
   for (int i = 0; i < 40'000; ++i) {
     bench.Frame(bench.tool.V_WT.v.z() > 0.0 ? kStiff : kSoft);
     bench.Tick(20.0);
     if (emptied_at_J < 0.0 && bench.tank.acted()) emptied_at_J = bench.made_J;
-    if (emptied_at_J >= 0.0) most_J = std::max(most_J, bench.made_J);
+    if (emptied_at_J >= 0.0) max_J = std::max(max_J, bench.made_J);
   }
   ASSERT_GE(emptied_at_J, -1.0);
-  EXPECT_LT(most_J, 1.05);
+  EXPECT_LT(max_J, 1.05);
 }
 
 // 200 times a second the wall jumps to a random height and stiffness, under a hand that pushes with a
@@ -115,7 +117,7 @@ TEST(EnergyTank, GivesOutAtMostTheCapBeyondWhatWentIn) {
       return std::uniform_real_distribution<double>(low, high)(bits);
     };
     WallBench with({.cap_J = 0.3}), without({.acts = false});
-    double most_J = 0.0;
+    double max_J = 0.0;
     for (int i = 0; i < 10'000; ++i) {
       const double push = 30.0 + 25.0 * std::sin(0.02 * i);
       if (i % 5 == 0) {
@@ -125,16 +127,18 @@ TEST(EnergyTank, GivesOutAtMostTheCapBeyondWhatWentIn) {
       }
       with.Tick(push);
       without.Tick(push);
-      most_J = std::max(most_J, with.made_J);
+      max_J = std::max(max_J, with.made_J);
       // a hand damps both tools, so that they stay near the wall
       with.tool.V_WT.v *= 0.995;
       without.tool.V_WT.v *= 0.995;
     }
-    EXPECT_LE(most_J, 0.3 * 1.05) << "seed " << seed;
+    EXPECT_LE(max_J, 0.3 * 1.05) << "seed " << seed;
     EXPECT_GT(without.made_J, 0.3 * 1.5) << "seed " << seed << ": the walls do pump";
   }
 }
 
+// A frame makes the wall ten times as stiff while the tool is 5 mm deep. A tank of 1 J pays for the energy,
+// and the force rises tenfold at once; an empty tank cannot pay, and the force stays.
 TEST(EnergyTank, AStifferWallIsRenderedAtOnceIfPaidForAndElseWithoutAStep) {
   double left_J = 0.0;
   // @returns the force after the wall becomes ten times as stiff, relative to the force before
@@ -166,7 +170,7 @@ TEST(EnergyTank, TheForceReturnsWithoutAStep) {
   safety::WrenchRateTrip trip(kStiff, 0.25);
   for (int i = 0; i < 3; ++i) bench.Tick(18.0);
   bench.tool.V_WT = {};
-  // empty the tank: the tool is held while planes alternate
+  // empty the tank: the wall's stiffness alternates while the tool is held in place
   for (int i = 0; i < 8; ++i) {
     bench.Frame(i % 2 == 0 ? kStiff : kSoft);
     bench.Tick(18.0);
@@ -238,7 +242,7 @@ TEST(EnergyTank, UnchangedPlanesCostNothing) {
     }
     EnergyTank tank({.cap_J = 1.0}, kT);
     const Vector3 way = direction(), turn = direction();
-    double least_J = 1.0, begun_J = 0.0;
+    double min_J = 1.0, begun_J = 0.0;
     for (int i = 0; i < 2000; ++i) {
       const double phase = 2.0 * M_PI * i / 500.0;
       Pose X_WT = Pose::Identity();
@@ -251,9 +255,9 @@ TEST(EnergyTank, UnchangedPlanesCostNothing) {
           EvaluateCoupling(params, {.model = model, .X_WT = X_WT, .now = now}, state);
       ASSERT_EQ(tank.Step(coupling, X_WT, {}, 1.0), 1.0);
       if (i == 0) begun_J = tank.energy_J();  // planes that appear with the tool already in them cost energy
-      least_J = std::min(least_J, tank.energy_J());
+      min_J = std::min(min_J, tank.energy_J());
     }
-    EXPECT_GT(least_J, begun_J - 2e-3) << "seed " << seed << ": of some 70 mJ that go in and out";
+    EXPECT_GT(min_J, begun_J - 2e-3) << "seed " << seed << ": of some 70 mJ that go in and out";
   }
 }
 

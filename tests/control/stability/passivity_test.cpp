@@ -35,7 +35,7 @@ TEST(Passivity, ASpringMakesNoEnergyByTheTrapezoidAndSomeByHeldForces) {
   law.damping_Nms_per_rad.setConstant(1e-9);
   AdmittanceState tool;
   tool.X_WT.translation().z() = -2e-3;
-  double most_J = 0.0, held_J = 0.0, stored_J = 0.0;
+  double max_J = 0.0, held_J = 0.0, stored_J = 0.0;
   for (int i = 0; i < 5000; ++i) {
     const Vector3 d = tool.X_WT.translation();
     const Vector3 turn = LogRotation(tool.X_WT.linear());
@@ -46,12 +46,12 @@ TEST(Passivity, ASpringMakesNoEnergyByTheTrapezoidAndSomeByHeldForces) {
     static_cast<void>(trapezoid.Step(port));
     static_cast<void>(held.Step(port));
     stored_J = std::max(stored_J, 0.5 * kK * (d + Vector3(0, 0, 3e-3)).squaredNorm());
-    most_J = std::max(most_J, trapezoid.energy_J());
+    max_J = std::max(max_J, trapezoid.energy_J());
     held_J = std::max(held_J, held.energy_J());
     ASSERT_TRUE(StepAdmittance(law, F, kT, tool));
   }
   // at most the energy of the spring's initial stretch of 1 mm, 10 mJ, and that of the torque
-  EXPECT_LT(most_J, 0.0101);
+  EXPECT_LT(max_J, 0.0101);
   EXPECT_GT(held_J, 0.1) << "K v^2 T^2 / 2 a tick";
 }
 
@@ -135,7 +135,7 @@ TEST(Passivity, DampingNeverReversesTheMotionWithinATick) {
   }
 }
 
-TEST(Passivity, AChangedBoundOfTheLawKeepsTheUsersBound) {
+TEST(Passivity, TheSmallerOfLawsAndUsersDampingBoundHolds) {
   PassivityController controller({.allowance_J = 0.0, .max_damping_Ns_per_m = 50.0}, PortWork::kTrapezoid, kT,
                                  1e4);
   controller.SetMaxDamping(1e4);

@@ -72,7 +72,8 @@ TEST(VibrationIndex, A12HzOscillationRaisesTheIndexWithinAPeriodAndAHalf) {
   EXPECT_GT(IndexAfter(1.3, shaken), 0.95);
 }
 
-TEST(VibrationIndex, AJoltRaisesTheIndexOnlyToAlertForAMoment) {
+// A force that steps to 50 N and stays there does not swing back, so the index keeps below alert_index.
+TEST(VibrationIndex, AJoltRaisesTheIndexBrieflyAndAtMostToTheAlertLevel) {
   const VibrationParams params;
   const auto jolt = [](double t) { return t < 1.0 ? 0.0 : 50.0; };
   EXPECT_GT(IndexAfter(1.05, jolt), 0.1);

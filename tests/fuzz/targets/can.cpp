@@ -22,15 +22,16 @@
 namespace osteon::fuzz {
 namespace {
 
+// High bits of a frame's byte 0: what else happens.
 enum Op : unsigned {
   kGap = 1u << 4,      // frames before this one were lost
   kLater = 1u << 5,    // 10 ms later, else 1 ms
   kExtra = 1u << 6,    // a sensor: a bias is requested; the drive: it is switched off, and faults are reset
   kRestart = 1u << 7,  // the client is restarted, if kExtra is set as well
 };
-constexpr std::size_t kMaxFrames = 4096;  // of one input, to bound its time
-constexpr double kMaxSpeed_rad_per_s = 40.0,
-                 kGear = 20.0;  // of the reamer; the motor's speed over the reamer's
+constexpr std::size_t kMaxFrames = 4096;      // of one input, to bound its time
+constexpr double kMaxSpeed_rad_per_s = 40.0;  // of the reamer
+constexpr double kGear = 20.0;                // the motor's speed over the reamer's
 
 // Reads the next frame from the input. @param ids  those that the client knows
 template <std::size_t N>

@@ -31,6 +31,7 @@ std::set<std::string> Keys(std::string_view text) {
 
 // Asks a reader for each key as a number, a word, a section and so on, and claims that answers are in range.
 class Questions {
+  // The reader's answer, or nothing if it refuses the question.
   template <typename Question>
   auto Try(const Question& question) {
     return Loaded(question, kName, text_);

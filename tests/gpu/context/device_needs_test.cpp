@@ -119,7 +119,7 @@ TEST(DeviceNeeds, AnOlderVulkanIsReportedByItsVersionAlone) {
   EXPECT_EQ(RefusalText(UnmetNeeds(device)), "Vulkan: found 1.1.0, accepted 1.2 and later");
 }
 
-// A device that is a processor may have small workgroups, which would be refused of a GPU.
+// A processor may have small workgroups, for which a GPU would be refused.
 TEST(DeviceNeeds, AProcessorNeedsNoWideWorkgroups) {
   DeviceReport device = ReportOfUsableDevice();
   Shortfalls().at("workgroup size").apply(device);

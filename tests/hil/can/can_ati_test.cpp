@@ -8,7 +8,7 @@
 #include "tests/hil/can/can_sensor_cell.h"
 
 // The simulated ATI force sensor: its CAN frames by the manual, and the client with the simulated sensor on a
-// virtual bus.
+// virtual bus. Frames are in candump's notation, identifier#data.
 
 namespace osteon::hil {
 namespace {

@@ -17,7 +17,8 @@ using io::test::Frames;
 using io::test::kMs;
 using io::test::Sent;
 
-// The simulated drive, which answers frames in candump's notation.
+// The simulated drive, which answers frames in candump's notation: 610#4041600000000000 is an SDO request to
+// node 16 (0x10) that reads (40) object 6041, sub-index 00; 590#… is the answer.
 struct Bench {
   Bench() {
     Sent(device, 0);

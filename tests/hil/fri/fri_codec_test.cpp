@@ -10,6 +10,7 @@
 #include "tests/io/fri/fri_golden.h"
 
 // The simulated arm's encoding of monitoring messages and decoding of commands, in each version of FRI.
+// Fields are named by their path of protobuf numbers: {5, 10} is field 10 in field 5.
 
 namespace osteon::hil {
 namespace {

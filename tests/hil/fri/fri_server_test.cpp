@@ -6,7 +6,8 @@
 
 #include "tests/hil/fri/fri_server_bench.h"
 
-// FRI server: the session's states and the content of its messages.
+// FRI server: the session's states and the content of its messages. Fields are named by their path of
+// protobuf numbers: {4, 1} is field 1 in field 4.
 
 namespace osteon::hil {
 namespace {
