@@ -110,7 +110,7 @@ TEST(JointPath, AThousandRandomPathsKeepEveryLimitAndTheLine) {
   std::mt19937_64 random(21);
   const JointPathParams params{.speed_share = 0.3, .acceleration_share = 0.5, .tool_speed_m_per_s = 0.25};
   JointPath<7> path = MakePath(params);
-  double least_peak = 1.0;
+  double min_peak = 1.0;
   for (int pair = 0; pair < 1000; ++pair) {
     // from short paths to the whole range
     const JointVector from = RandomPosture(random);
@@ -121,9 +121,9 @@ TEST(JointPath, AThousandRandomPathsKeepEveryLimitAndTheLine) {
     if (HasFatalFailure()) FAIL() << "pair " << pair;
     EXPECT_LE(peaks.ticks * kLongTick_s, path.duration_s() + params.pause_s / 3.0 + 2 * kLongTick_s);
     // a short path ends before the clock reaches its full rate
-    if (path.duration_s() > 5.0) least_peak = std::min(least_peak, std::max(peaks.speed, peaks.tool));
+    if (path.duration_s() > 5.0) min_peak = std::min(min_peak, std::max(peaks.speed, peaks.tool));
   }
-  EXPECT_GT(least_peak, 0.75)
+  EXPECT_GT(min_peak, 0.75)
       << "it dawdles: what is added for sampling is a fifth where all joints cross their range";
 }
 

@@ -29,12 +29,13 @@ const VulkanParams kInFloats{.device = "", .overrides = {.arithmetic = Arithmeti
 
 // A hand reams with the default reamer in both engines.
 void ReamOverManyFrames(const VulkanParams& vulkan) {
-  Twins twins(DefaultBone(), DefaultReamer(), vulkan);
+  EnginePair engines(DefaultBone(), DefaultReamer(), vulkan);
   Hand hand;
   Vector3 f_W = Vector3::Zero();
   const int frames = ManyFrames(1000);
-  for (int i = 0; i < frames; ++i) f_W = twins.Step(hand.Next(f_W)).F_T_W.f;
-  twins.ExpectWithinTheBars({.force_N = 100.0, .touching = frames * 99 / 100, .balls = 500, .points = 500});
+  for (int i = 0; i < frames; ++i) f_W = engines.Step(hand.Next(f_W)).F_T_W.f;
+  engines.ExpectWithinTolerances(
+      {.force_N = 100.0, .touching = frames * 99 / 100, .balls = 500, .points = 500});
 }
 
 TEST(VulkanEngine, ReamsLikeTheReferenceOverManyFrames) { ReamOverManyFrames({}); }
@@ -45,7 +46,7 @@ TEST(VulkanEngineInFloats, ReamsLikeTheReferenceOverManyFrames) { ReamOverManyFr
 void BurrOverManyFrames(const VulkanParams& vulkan) {
   simulation::Tool tool;
   tool.balls.push_back({.center_m = Vector3(0, 0, 4e-3), .radius_m = 4e-3, .cutting = true});
-  Twins twins(DefaultBone(), tool, vulkan);
+  EnginePair engines(DefaultBone(), tool, vulkan);
   const int frames = ManyFrames(1500);
   for (int i = 0; i < frames; ++i) {
     // the burr goes down into the rim while it moves along a figure of eight
@@ -53,9 +54,9 @@ void BurrOverManyFrames(const VulkanParams& vulkan) {
     FrameInput input{.X_WT = Pose::Identity(), .spindle_rad_per_s = kSpindle_rad_per_s, .dt_s = Hand::kDt};
     input.X_WT.p =
         Vector3(0.029 + 1.5e-3 * std::sin(phase), 0.8e-3 * std::sin(2.0 * phase), 0.4e-3 - 2e-3 * down);
-    twins.Step(input);
+    engines.Step(input);
   }
-  twins.ExpectWithinTheBars({.force_N = 5.0, .touching = frames * 3 / 4, .balls = 50, .points = 5});
+  engines.ExpectWithinTolerances({.force_N = 5.0, .touching = frames * 3 / 4, .balls = 50, .points = 5});
 }
 
 TEST(VulkanEngine, BurrsLikeTheReferenceOverManyFrames) { BurrOverManyFrames({}); }

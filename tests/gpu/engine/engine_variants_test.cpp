@@ -91,17 +91,17 @@ TEST(GpuPasses, ReamLikeTheReference) {
   const auto gpu = Open(bone, DefaultReamer(), With(kForGpu));
   Hand hand;
   ContactModel a;
-  Apart apart;
+  FrameDifferences differences;
   for (int i = 0; i < 200; ++i) {
     const FrameInput input = hand.Next(a.F_T_W.f);
     const double path_m = a.frame > 0 ? (Vector3(input.X_WT.p) - Vector3(a.X_WP.p)).norm() : 0.0;
     a = reference.Step(input);
-    apart.Add(path_m, a, gpu->Step(input));
+    differences.Add(path_m, a, gpu->Step(input));
   }
-  EXPECT_GT(apart.max_N, 80.0);
-  EXPECT_EQ(apart.unlike, 0);
-  EXPECT_LE(apart.proxy_mm, 1e-3);
-  EXPECT_LE(apart.force_N, 0.02);
+  EXPECT_GT(differences.max_N, 80.0);
+  EXPECT_EQ(differences.mismatched, 0);
+  EXPECT_LE(differences.proxy_mm, 1e-3);
+  EXPECT_LE(differences.force_N, 0.02);
 }
 
 // With the cutting law's edge force, for both kinds of passes and in pairs of floats.
@@ -126,19 +126,19 @@ TEST(GpuPasses, ReamWithEdgeForceLikeTheReference) {
   for (const VulkanOverrides& variant :
        {kForGpu, kForProcessor, VulkanOverrides{.arithmetic = Arithmetic::kFloats}}) {
     const auto gpu = Open(bone, tool, With(variant), params);
-    Apart apart;
+    FrameDifferences differences;
     double torque_Nm = 0.0, work_J = 0.0;
     for (std::size_t i = 0; i < inputs.size(); ++i) {
       const double path_m = i > 0 ? (Vector3(inputs[i].X_WT.p) - Vector3(models[i - 1].X_WP.p)).norm() : 0.0;
       const ContactModel found = gpu->Step(inputs[i]);
-      apart.Add(path_m, models[i], found);
+      differences.Add(path_m, models[i], found);
       torque_Nm = std::max(torque_Nm, std::abs(models[i].spindle_torque_Nm - found.spindle_torque_Nm));
       work_J = found.cutting_work_J;
     }
-    EXPECT_GT(apart.max_N, 20.0);
-    EXPECT_EQ(apart.unlike, 0);
-    EXPECT_LE(apart.proxy_mm, 1e-3);
-    EXPECT_LE(apart.force_N, 0.02);
+    EXPECT_GT(differences.max_N, 20.0);
+    EXPECT_EQ(differences.mismatched, 0);
+    EXPECT_LE(differences.proxy_mm, 1e-3);
+    EXPECT_LE(differences.force_N, 0.02);
     EXPECT_LE(torque_Nm, 1e-3);
     EXPECT_NEAR(work_J, models.back().cutting_work_J, 0.01 * models.back().cutting_work_J);
   }
@@ -168,7 +168,7 @@ TEST(BoneBallBits, ForTheLargestBoneGiveTheReferencesContacts) {
   const auto vulkan = Open(LongStrip(), Ball(6e-3), With(wide));
   for (int i = 0; i < 150; ++i) {
     const ContactModel a = reference.Step(StrokeInput(i)), b = vulkan->Step(StrokeInput(i));
-    ASSERT_TRUE(HoldAlike(a, b)) << i;
+    ASSERT_TRUE(HaveSameContact(a, b)) << i;
     ASSERT_EQ(a.contact_count > 0, b.contact_count > 0) << i;
   }
 }
@@ -308,7 +308,7 @@ int CutsAtVectorWidth(const char* bits) {
       const auto vulkan = Open(bone, tool, params);
       for (int i = 0; i < 60; ++i) {
         const ContactModel a = reference.Step(StrokeInput(2 * i)), b = vulkan->Step(StrokeInput(2 * i));
-        if (HoldAlike(a, b)) continue;
+        if (HaveSameContact(a, b)) continue;
         std::fprintf(stderr, "subgroups of %u, passes of kind %d, frame %d differ\n", size,
                      static_cast<int>(variant), i);
         return 1;

@@ -40,7 +40,7 @@ inline simulation::Bone Strip(int count) {
 
 /// Whether two models have the same proxy within 10 um, and the same force within that at 20 N/mm. (With
 /// single balls, rounding decides which one is met first.)
-inline bool HoldAlike(const simulation::ContactModel& a, const simulation::ContactModel& b) {
+inline bool HaveSameContact(const simulation::ContactModel& a, const simulation::ContactModel& b) {
   return b.status == simulation::EngineStatus::kOk &&
          (Vector3(a.X_WP.p) - Vector3(b.X_WP.p)).norm() <= 1e-5 &&
          (Vector3(a.F_T_W.f) - Vector3(b.F_T_W.f)).norm() <= 0.2;

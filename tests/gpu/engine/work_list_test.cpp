@@ -64,12 +64,13 @@ Sweeps MakeSweeps(const ToolLayout& layout, const Vector3& way_m, float reach_mm
 
 // Distance between the surfaces of a bone ball and a moving tool ball, sampled along the motion [mm].
 float Gap(const vec4& ball, const BallSweep& sweep) {
-  float least = std::numeric_limits<float>::max();
+  float min_gap_mm = std::numeric_limits<float>::max();
   for (int i = 0; i <= 50; ++i) {
     const Eigen::Vector3f p = sweep.a + static_cast<float>(i) / 50.0f * (sweep.b - sweep.a);
-    least = std::min(least, (p - Eigen::Vector3f(ball.x, ball.y, ball.z)).norm() - ball.w - sweep.radius_mm);
+    min_gap_mm =
+        std::min(min_gap_mm, (p - Eigen::Vector3f(ball.x, ball.y, ball.z)).norm() - ball.w - sweep.radius_mm);
   }
-  return least;
+  return min_gap_mm;
 }
 
 TEST(ToolLayout, EachBallIsInOneGroupOfNeighbours) {
