@@ -53,22 +53,22 @@ TEST(ServoZones, FlangeAndElbowStayInTheirZones) {
     const Vector3 p_W = point == ZonePoint::kFlange ? Flange(start) : Elbow(start);
     std::uint64_t acted = 0;
     for (int i = 0; i < 6; ++i) {
-      const Vector3 way = Vector3(any(random), any(random), any(random)).normalized();
+      const Vector3 toward_wall_W = Vector3(any(random), any(random), any(random)).normalized();
       ServoParams params = ServoBench::Params();
       params.workspace.sphere_radius_m = 0.5;
       params.workspace.plane_offset_m = -1.0;
-      params.workspace.zones = {Wall(point, p_W, way, 0.01)};
+      params.workspace.zones = {Wall(point, p_W, toward_wall_W, 0.01)};
       ServoBench bench(params, 10.0);
       bench.Run(3);
       bench.Activate();
       for (int tick = 0; tick < 1500; ++tick) {
         if (tick % 250 == 0) {
-          bench.side_W_N = 40.0 * way + 30.0 * Vector3(any(random), any(random), any(random));
+          bench.side_W_N = 40.0 * toward_wall_W + 30.0 * Vector3(any(random), any(random), any(random));
           bench.push_N = 30.0 * any(random);
         }
         const TickRecord record = bench.Tick();
         const Vector3 now = point == ZonePoint::kFlange ? Flange(record.q_cmd) : Elbow(record.q_cmd);
-        ASSERT_LE((now - p_W).dot(way), 0.01 + 1e-8) << "wall " << i << ", tick " << tick;
+        ASSERT_LE((now - p_W).dot(toward_wall_W), 0.01 + 1e-8) << "wall " << i << ", tick " << tick;
       }
       EXPECT_FALSE(bench.loop.faults().Any());
       acted += bench.loop.statistics().limits.Of(Limit::kZones).ticks;

@@ -64,7 +64,8 @@ TEST(CheckPath, RefusesAPathBeneathAPlane) {
   auto found = CheckPath<7>(kChain, StraightOut(0.0), StraightOut(0.0, 1.9), around);
   ASSERT_FALSE(found);
   EXPECT_THAT(found.error(), HasSubstr("at 100 % of the path: found the flange 55.8 mm beneath the table"));
-  // the same for places between the ends: A4 swings the flange from one side to the other
+  // A4 swings the flange from a height of -0.013, first 0.9 mm down, then up to 0.88: above a plane at -0.2,
+  // but a path that begins beneath a plane at 0.5 may not sink
   JointVector from = StraightOut(0.0, 1.2), goal = StraightOut(0.0, 1.2);
   from[3] = -2.0;
   goal[3] = 2.0;

@@ -45,15 +45,15 @@ std::vector<vec4> Clusters(int count) {
   return items;
 }
 
-// The motion of a tool's groups and balls along way_m, enlarged by reach_mm.
+// The motion of a tool's groups and balls along motion_m, enlarged by reach_mm.
 struct Sweeps {
   std::vector<BallSweep> groups, balls;
 };
-Sweeps MakeSweeps(const ToolLayout& layout, const Vector3& way_m, float reach_mm) {
+Sweeps MakeSweeps(const ToolLayout& layout, const Vector3& motion_m, float reach_mm) {
   const auto sweep = [&](const ToolLayout::Item& ball) {
     const Eigen::Vector3f a = (ball.center_T_m * kMillimetres).cast<float>();
     return BallSweep{.a = a,
-                     .b = a + (way_m * kMillimetres).cast<float>(),
+                     .b = a + (motion_m * kMillimetres).cast<float>(),
                      .radius_mm = static_cast<float>(ball.radius_m * kMillimetres) + reach_mm};
   };
   Sweeps sweeps;
