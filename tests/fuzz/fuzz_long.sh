@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# tests/fuzz/fuzz_long.sh [SECONDS] [TARGET …]: runs libFuzzer targets for SECONDS each (default 60), as many in parallel as
-# there are cores, and prints a table of results. Without TARGET it runs all targets of seeds.txt. New inputs and findings
-# are kept in OSTEON_FUZZ_OUT (default build/fuzz/found). Exits with 1 if something was found or a target did not run.
+# tests/fuzz/fuzz_long.sh [SECONDS] [TARGET …]: runs libFuzzer targets for SECONDS each (default 60), as many in parallel
+# as there are cores, and prints a table of results. Without TARGET it runs all targets of seeds.txt. New inputs and
+# findings are kept in OSTEON_FUZZ_OUT (default build/fuzz/found). Exits with 1 if something was found or a target did
+# not run.
 #
 # OSTEON_FUZZ_BIN: the folder of the executables (build/fuzz/tests/fuzz); OSTEON_ROOT: the repository.
 set -euo pipefail
