@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# expect_output.sh EXIT_CODE REGEX COMMAND …: passes where the command ends with that code and prints what the regex finds
-# (POSIX extended; a dot is a line's end, too). ctest's PASS_REGULAR_EXPRESSION looks at no exit code: a command that
-# prints the right words and crashes would pass.
+# expect_output.sh EXIT_CODE REGEX COMMAND …: passes if the command ends with this exit code and its output matches the
+# regular expression (POSIX extended; a dot also matches a line end). ctest's own PASS_REGULAR_EXPRESSION ignores the
+# exit code, so a command that prints the right words and then crashes would pass.
 set -u
 if [[ $# -lt 3 ]]; then echo "expect_output.sh: found $# arguments, accepted EXIT_CODE REGEX COMMAND …" >&2; exit 2; fi
 code=$1 regex=$2

@@ -9,29 +9,31 @@
 #include "io/can/udp_can_codec.h"
 #include "tests/io/can/can_frames.h"
 
-// Fixed-seed fuzzing of the data that a bus or the tunnel may deliver: answers with the right ids and changed
-// bytes, and noise.
+// Fixed-seed fuzzing of the CAN clients (two force sensors, the drive) and of the UDP tunnel: they get
+// answers with the right ids and changed bytes, and noise.
 
 namespace osteon::io {
 namespace {
 
 constexpr unsigned kSeed = 20240811;
 
+// Random numbers and random CAN frames.
 class Noise {
  public:
   std::size_t Below(std::size_t n) { return random_() % n; }
 
+  // A frame, usually with one of these ids and one of these first bytes; sizes and other bytes are random.
   CanFrame Frame(std::initializer_list<int> ids, std::initializer_list<int> first_bytes) {
     CanFrame frame;
     const bool any = Below(10) == 0;
-    frame.id = static_cast<std::uint16_t>(any ? Below(0x800) : Of(ids));
-    frame.size = static_cast<std::uint8_t>(Below(8) == 0 ? Below(9) : Of({8, 8, 7, 6, 2, 1}));
+    frame.id = static_cast<std::uint16_t>(any ? Below(0x800) : OneOf(ids));
+    frame.size = static_cast<std::uint8_t>(Below(8) == 0 ? Below(9) : OneOf({8, 8, 7, 6, 2, 1}));
     for (std::size_t i = 0; i < frame.size; ++i)
       frame.data[i] = static_cast<std::uint8_t>(Below(3) == 0 ? 0 : Below(256));
-    if (frame.size > 0 && Below(4) != 0) frame.data[0] = static_cast<std::uint8_t>(Of(first_bytes));
+    if (frame.size > 0 && Below(4) != 0) frame.data[0] = static_cast<std::uint8_t>(OneOf(first_bytes));
     return frame;
   }
-  int Of(std::initializer_list<int> list) { return *(list.begin() + Below(list.size())); }
+  int OneOf(std::initializer_list<int> list) { return *(list.begin() + Below(list.size())); }
 
  private:
   std::mt19937 random_{kSeed};
@@ -39,7 +41,9 @@ class Noise {
 
 bool Finite(const PlainWrench& F) { return Vector3(F.f).allFinite() && Vector3(F.t).allFinite(); }
 
-// Feeds arbitrary frames at arbitrary times, between the frames that the client sends by itself.
+// Feeds a client the frames of `make` at random times, lets it send its own frames, and restarts it now and
+// then.
+// @param check  called after each step
 template <class Client, class MakeFrame, class Check>
 void Fuzz(Client& client, int steps, MakeFrame&& make, Check&& check) {
   rt::Nanoseconds now = 0;
@@ -59,16 +63,16 @@ void Fuzz(Client& client, int steps, MakeFrame&& make, Check&& check) {
   }
 }
 
-TEST(CanFuzz, ARobotousReadingIsFiniteAndComesOfAReadySensorOnly) {
+TEST(CanFuzz, ARobotousSensorGivesOnlyFiniteReadings) {
   SCOPED_TRACE(kSeed);
   auto sensor = *RobotousSensor::Make({.rate_readings = 2});
-  std::uint64_t most = 0;
+  std::uint64_t max_readings = 0;
   int step = 0;
   Fuzz(
       sensor, 200'000,
       [&](Noise& noise) {
         CanFrame frame = noise.Frame({1, 2, 1, 2, 0x64}, {0x0B, 0x08, 0x09, 0x0F, 0x10});
-        if (noise.Below(5) != 0) {  // mostly pairs in order, with any content
+        if (noise.Below(5) != 0) {  // mostly the two frames of a reading in order, with any content
           frame.id = static_cast<std::uint16_t>(1 + step++ % 2);
           frame.size = 8;
           if (frame.id == 1 && frame.data[0] < 0x0B) frame.data[1] = frame.data[2] = 0;
@@ -80,16 +84,16 @@ TEST(CanFuzz, ARobotousReadingIsFiniteAndComesOfAReadySensorOnly) {
       [&](int) {
         ASSERT_TRUE(Finite(sensor.Latest().F_S));
         ASSERT_EQ(sensor.failure().empty(), sensor.phase() != SensorPhase::kFailed);
-        most = std::max(most, sensor.counters().readings);
+        max_readings = std::max(max_readings, sensor.counters().readings);
       });
   EXPECT_GT(sensor.counters().unexpected, 1000u);
-  EXPECT_GT(most, 50u) << "the noise must not be so wild that it never runs";
+  EXPECT_GT(max_readings, 50u) << "the noise must not be so wild that it never runs";
 }
 
-TEST(CanFuzz, AnAtiReadingIsFinite) {
+TEST(CanFuzz, AnAtiSensorGivesOnlyFiniteReadings) {
   SCOPED_TRACE(kSeed);
   auto sensor = *AtiSensor::Make({});
-  std::uint64_t most = 0;
+  std::uint64_t max_readings = 0;
   int answer = 0;
   Fuzz(
       sensor, 200'000,
@@ -113,9 +117,9 @@ TEST(CanFuzz, AnAtiReadingIsFinite) {
       [&](int) {
         ASSERT_TRUE(Finite(sensor.Latest().F_S));
         ASSERT_EQ(sensor.failure().empty(), sensor.phase() != SensorPhase::kFailed);
-        most = std::max(most, sensor.counters().readings);
+        max_readings = std::max(max_readings, sensor.counters().readings);
       });
-  EXPECT_GT(most, 100u) << "the noise must not be so wild that it never runs";
+  EXPECT_GT(max_readings, 100u) << "the noise must not be so wild that it never runs";
 }
 
 TEST(CanFuzz, TheDriveIsNeverCommandedBeyondItsSpeedOrOutOfAFault) {
@@ -124,12 +128,12 @@ TEST(CanFuzz, TheDriveIsNeverCommandedBeyondItsSpeedOrOutOfAFault) {
       *ReamerDrive::Make({.node = 16, .gear_ratio = 20, .rated_torque_Nm = 0.5, .max_speed_rad_per_s = 40});
   rt::Nanoseconds now = 0;
   Noise noise;
-  CanFrame asked{};
+  CanFrame asked{};  // the drive client's last SDO request
   int ready = 0, enabled = 0;
   for (int i = 0; i < 300'000; ++i) {
     now += static_cast<rt::Nanoseconds>(noise.Below(3)) * rt::kMillisecond;
     CanFrame frame = noise.Frame({0x090, 0x190, 0x290, 0x590, 0x710, 0x190}, {0x27, 0x43, 0x60, 0x80, 5, 0});
-    if (drive.phase() == DrivePhase::kStarting && noise.Below(20) != 0) {  // mostly correct
+    if (drive.phase() == DrivePhase::kStarting && noise.Below(20) != 0) {  // mostly the correct answer
       frame = asked;
       frame.id = 0x590;
       frame.data[0] = asked.data[0] == 0x40 ? 0x43 : 0x60;
@@ -148,7 +152,7 @@ TEST(CanFuzz, TheDriveIsNeverCommandedBeyondItsSpeedOrOutOfAFault) {
       if (out.id != 0x210) continue;
       const int rpm = static_cast<int>(out.data[3] | out.data[4] << 8 | out.data[5] << 16 |
                                        static_cast<unsigned>(out.data[6]) << 24);
-      ASSERT_LE(std::abs(rpm), 7640);
+      ASSERT_LE(std::abs(rpm), 7640);  // 40 rad/s at the reamer, times the gear's 20
       if (drive.status().faults != 0) {
         ASSERT_NE(out.data[0], 0x0F) << "enabled in spite of a fault";
       }
@@ -167,7 +171,7 @@ TEST(CanFuzz, TheDriveIsNeverCommandedBeyondItsSpeedOrOutOfAFault) {
   EXPECT_GT(enabled, 100);
 }
 
-TEST(CanFuzz, TheTunnelTakesFramesAndNothingElse) {
+TEST(CanFuzz, TheTunnelAcceptsOnlyValidFrames) {
   SCOPED_TRACE(kSeed);
   std::mt19937 random(kSeed);
   std::array<std::uint8_t, kUdpCanMaxDatagram> buffer{};

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-// The output of make_corpus.cpp and make_file_corpus.cpp.
+// Where make_corpus.cpp and make_file_corpus.cpp write the seeds: one folder for each fuzz target.
 
 namespace osteon {
 
@@ -14,7 +14,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 inline void Append(Bytes& to, const Bytes& more) { to.insert(to.end(), more.begin(), more.end()); }
 
-/// A folder of seeds: corpus/<target>.
+/// The folder of one target's seeds, corpus/<target>; created if missing.
 class Corpus {
  public:
   Corpus(const std::filesystem::path& root, const std::string& target) : folder_(root / target) {
@@ -24,7 +24,7 @@ class Corpus {
     std::ofstream out(folder_ / name, std::ios::binary);
     out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   }
-  /// Writes a seed of a target whose first byte says what the rest is.
+  /// Writes a seed of a target whose first byte selects how the rest is read.
   void Write(const std::string& name, std::uint8_t first, const std::string& rest) const {
     Bytes bytes{first};
     bytes.insert(bytes.end(), rest.begin(), rest.end());
@@ -38,7 +38,7 @@ class Corpus {
   std::filesystem::path folder_;
 };
 
-/// Writes the seeds of all targets that read files: make_file_corpus.cpp.
+/// Writes the seeds of all targets that read files (in make_file_corpus.cpp).
 void WriteFiles(const std::filesystem::path& root);
 
 }  // namespace osteon

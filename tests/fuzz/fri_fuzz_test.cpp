@@ -8,8 +8,9 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/io/fri/fri_oracle.h"
 
-// Fixed-seed fuzzing of the data that a socket may deliver: valid messages with some bytes changed, cut or
-// repeated, and noise. OSTEON_FUZZ_RUNS sets the number of datagrams of each test, e.g. 1000000.
+// Fixed-seed fuzzing of the FRI messages' decoder and session: they get valid messages with some bytes
+// changed, cut or repeated, and noise. OSTEON_FUZZ_RUNS sets the number of datagrams of each test, e.g.
+// 1000000.
 
 namespace osteon::io {
 namespace {
@@ -17,6 +18,7 @@ namespace {
 constexpr unsigned kSeed = 20240607;
 constexpr std::array kFamilies{FriFamily::k1, FriFamily::k2_5, FriFamily::k2_7};
 
+// Number of datagrams: `usual`, or OSTEON_FUZZ_RUNS if set.
 int Runs(int usual) {
   const char* wanted = std::getenv("OSTEON_FUZZ_RUNS");
   return wanted == nullptr ? usual : std::max(1, std::atoi(wanted));
@@ -26,10 +28,12 @@ bool Finite(const std::optional<control::JointArray>& joints) {
   return !joints || std::all_of(joints->begin(), joints->end(), [](double x) { return std::isfinite(x); });
 }
 
+// Makes hostile datagrams.
 class Mutator {
  public:
   // libprotobuf, the oracle, reports names that are not UTF-8 to stderr.
   Mutator() { google::protobuf::SetLogHandler(nullptr); }
+  // Up to six random changes of single bytes, or a cut.
   std::vector<std::uint8_t> Change(std::vector<std::uint8_t> bytes) {
     const std::size_t changes = 1 + Below(6);
     for (std::size_t i = 0; i < changes && !bytes.empty(); ++i) {
@@ -57,7 +61,8 @@ class Mutator {
     }
     return bytes;
   }
-  // Changes the message inside a valid frame, or the frame itself: the CRC would reject all other changes.
+  // Mostly changes only the message and frames it anew, since 2.7's CRC would reject nearly all other
+  // changes.
   std::vector<std::uint8_t> Change(FriFamily family, const fri::FRIMonitoringMessage& message) {
     if (family != FriFamily::k2_7 || Below(8) == 0) return Change(test::Datagram(family, message));
     return test::Framed(Change(test::Bytes(message)));
@@ -73,7 +78,7 @@ class Mutator {
   std::mt19937 random_{kSeed};
 };
 
-TEST(FriFuzz, AMessageCutAtAnyLengthIsRefusedOrWhole) {
+TEST(FriFuzz, ATruncatedMessageIsRefusedOrStillHasAllRequiredFields) {
   for (const FriFamily family : kFamilies) {
     const auto whole = test::Datagram(family, test::FullMonitoring(7, fri::COMMANDING_ACTIVE, family));
     for (std::size_t size = 0; size <= whole.size(); ++size) {
@@ -95,7 +100,7 @@ TEST(FriFuzz, AMessageCutAtAnyLengthIsRefusedOrWhole) {
   }
 }
 
-TEST(FriFuzz, WhatIsAcceptedIsFiniteAndInRange) {
+TEST(FriFuzz, AnAcceptedMessageIsFiniteAndInRange) {
   SCOPED_TRACE(kSeed);
   Mutator mutator;
   int accepted = 0, refused = 0;
@@ -128,7 +133,8 @@ TEST(FriFuzz, WhatIsAcceptedIsFiniteAndInRange) {
       ASSERT_TRUE(X.matrix().allFinite() && std::abs(X.linear().determinant() - 1.0) < 0.01) << i;
     }
     for (const FriIo& io : m.ios) ASSERT_TRUE(std::isfinite(io.analog.value_or(0.0)));
-    // We refuse whatever libprotobuf refuses: it is the more tolerant reader (it knows no fixed sizes).
+    // libprotobuf is the more tolerant reader (it knows no fixed sizes): it must accept what the decoder
+    // accepts
     fri::FRIMonitoringMessage oracle;
     const auto inside = test::Inside(family, bytes);
     ASSERT_TRUE(oracle.ParseFromArray(inside.data(), static_cast<int>(inside.size()))) << i;
@@ -138,7 +144,7 @@ TEST(FriFuzz, WhatIsAcceptedIsFiniteAndInRange) {
   EXPECT_GT(refused, runs / 60);
 }
 
-TEST(FriFuzz, TheSessionNeverAnswersWithWhatIsNotFinite) {
+TEST(FriFuzz, TheSessionNeverSendsAValueThatIsNotFinite) {
   SCOPED_TRACE(kSeed);
   Mutator mutator;
   std::array sessions{FriSession({.version = FriVersion::k1_15}), FriSession({.version = FriVersion::k2_5}),

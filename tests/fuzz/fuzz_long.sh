@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# tests/fuzz/fuzz_long.sh [SECONDS] [TARGET …]: runs fuzz targets for SECONDS each (60), as many in parallel as there are
-# cores, and prints the results; without TARGET all of seeds.txt. New inputs and findings are kept in OSTEON_FUZZ_OUT
-# (build/fuzz/found). Exits with 1 if something was found.
+# tests/fuzz/fuzz_long.sh [SECONDS] [TARGET …]: runs libFuzzer targets for SECONDS each (default 60), as many in parallel
+# as there are cores, and prints a table of results. Without TARGET it runs all targets of seeds.txt. New inputs and
+# findings are kept in OSTEON_FUZZ_OUT (default build/fuzz/found). Exits with 1 if something was found or a target did
+# not run.
 #
 # OSTEON_FUZZ_BIN: the folder of the executables (build/fuzz/tests/fuzz); OSTEON_ROOT: the repository.
 set -euo pipefail
@@ -15,6 +16,7 @@ seconds=${1:-60}
 targets=("$@")
 [ ${#targets[@]} -gt 0 ] || mapfile -t targets < <(awk '!/^#/ && NF {print $1}' "$root/tests/fuzz/seeds.txt")
 
+# Runs one target with its seeds from seeds.txt; writes log, new inputs and findings below $out/TARGET.
 run_one() {
   local target=$1 kept=$out/$1
   mkdir -p "$kept/new" "$kept/findings"
@@ -22,7 +24,7 @@ run_one() {
   mapfile -t seeds < <(awk -v t="$target" -v root="$root" '$1 == t {for (i = 2; i <= NF; ++i) print root "/" $i}' \
     "$root/tests/fuzz/seeds.txt")
   [ ${#seeds[@]} -gt 0 ] || { echo "no target $target in tests/fuzz/seeds.txt" >"$kept/log"; return; }
-  # 16 kB hold every shipped file; no input of that size should take two minutes
+  # 16 kB is more than any shipped file; no input of that size should take two minutes
   LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0 \
     ASAN_OPTIONS=allocator_may_return_null=0 "$bin/osteon_fuzz_$target" -max_total_time="$seconds" -max_len=16384 \
     -timeout=120 -report_slow_units=120 -rss_limit_mb=2048 -malloc_limit_mb=1024 -print_final_stats=1 \

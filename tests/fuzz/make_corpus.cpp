@@ -10,15 +10,16 @@
 #include "tests/io/fri/fri_oracle.h"
 #include "tests/io/rsi/rsi_oracle.h"
 
-// osteon_fuzz_corpus FOLDER: writes the seeds of tests/fuzz/corpus, from the samples of io's tests.
+// The program osteon_fuzz_corpus FOLDER: writes the fuzz targets' seeds (tests/fuzz/corpus) from the samples
+// of io's tests. The targets' files define the layout of the bytes.
 
 namespace osteon {
 namespace {
 
 constexpr std::array kFamilies{io::FriFamily::k1, io::FriFamily::k2_5, io::FriFamily::k2_7};
 
-// Encodes a step of fri_session and rsi.
-Bytes Step(unsigned op, const Bytes& datagram) {
+// Encodes a step of the targets fri_session and rsi: operation, size, datagram.
+Bytes EncodedStep(unsigned op, const Bytes& datagram) {
   Bytes step{static_cast<std::uint8_t>(op), static_cast<std::uint8_t>(datagram.size()),
              static_cast<std::uint8_t>(datagram.size() >> 8)};
   Append(step, datagram);
@@ -27,7 +28,9 @@ Bytes Step(unsigned op, const Bytes& datagram) {
 
 // ---- FRI
 
-fri::FRIMonitoringMessage Full(std::uint32_t sequence, fri::SessionState state, io::FriFamily family) {
+// A monitoring message with all its fields.
+fri::FRIMonitoringMessage FullMonitoringWithStamp(std::uint32_t sequence, fri::SessionState state,
+                                                  io::FriFamily family) {
   fri::FRIMonitoringMessage m = io::test::FullMonitoring(sequence, state, family);
   m.mutable_header()->set_reflectedsequencecounter(sequence - 1);
   auto* stamp = m.mutable_requestedtransformations(0)->mutable_timestamp();
@@ -42,13 +45,13 @@ void WriteFri(const std::filesystem::path& root) {
   for (std::size_t f = 0; f < kFamilies.size(); ++f) {
     const std::string name = std::to_string(f);
     Bytes one{static_cast<std::uint8_t>(f == 2 ? 2 | 4 : f)};
-    Append(one, io::test::Bytes(Full(8, fri::COMMANDING_ACTIVE, kFamilies[f])));
+    Append(one, io::test::Bytes(FullMonitoringWithStamp(8, fri::COMMANDING_ACTIVE, kFamilies[f])));
     decode.Write("commanding_" + name, one);
     one.resize(1);
     Append(one, io::test::Bytes(io::test::Monitoring(8, fri::MONITORING_READY, kFamilies[f])));
     decode.Write("monitoring_" + name, one);
 
-    // a session to its end, with a loop that follows the interpolator, is late, breaks off and returns
+    // a whole session from IDLE to IDLE, with commands of each kind (Op of targets/fri_session.cpp)
     Bytes all{versions[f]};
     const struct {
       fri::SessionState state;
@@ -67,9 +70,9 @@ void WriteFri(const std::filesystem::path& root) {
               {fri::IDLE, 0}};
     std::uint32_t sequence = 0;
     for (const auto& step : steps) {
-      auto message = Full(++sequence, step.state, kFamilies[f]);
+      auto message = FullMonitoringWithStamp(++sequence, step.state, kFamilies[f]);
       message.mutable_ipodata()->set_clientcommandmode(f == 1 ? fri::WRENCH : fri::TORQUE);
-      Append(all, Step(step.op, io::test::Bytes(message)));
+      Append(all, EncodedStep(step.op, io::test::Bytes(message)));
     }
     session.Write("session_" + name, all);
   }
@@ -85,45 +88,46 @@ void WriteRsi(const std::filesystem::path& root) {
     for (unsigned i = 0; i < count; ++i) {
       std::string text = io::test::kShortRobot;
       text.replace(text.find("0000012345"), 10, std::to_string(4'000'000'000u + 4 * i));
-      Append(all, Step(i + 2 == count ? 4u : i + 1 == count ? 2u : i % 2, io::test::Bytes(text)));
+      Append(all, EncodedStep(i + 2 == count ? 4u : i + 1 == count ? 2u : i % 2, io::test::Bytes(text)));
     }
     corpus.Write("session_" + std::to_string(setup), all);
   }
   Bytes full{0};
-  Append(full, Step(1, io::test::Bytes(io::test::kFullRobot)));
-  Append(
-      full,
-      Step(0, io::test::Bytes("<?xml version='1.0'?><!-- c --><Rob Type='KUKA'> <IPOC> 7 </IPOC></Rob>\n")));
+  Append(full, EncodedStep(1, io::test::Bytes(io::test::kFullRobot)));
+  Append(full,
+         EncodedStep(0, io::test::Bytes(
+                            "<?xml version='1.0'?><!-- c --><Rob Type='KUKA'> <IPOC> 7 </IPOC></Rob>\n")));
   corpus.Write("elements", full);
 }
 
 // ---- CAN
 
-// Encodes a step of can: the index of the device's id, and the frame's bytes.
-void Frame(Bytes& to, unsigned op, const Bytes& data) {
+// Encodes a step of the target can: the index of the device's id, and the frame's bytes.
+void AppendFrame(Bytes& to, unsigned op, const Bytes& data) {
   to.push_back(static_cast<std::uint8_t>(op));
   to.push_back(static_cast<std::uint8_t>(data.size()));
   Append(to, data);
 }
 
-Bytes Eight(Bytes bytes) {
+// The bytes, filled up with zeros to a whole CAN frame.
+Bytes PaddedToEight(Bytes bytes) {
   bytes.resize(8);
   return bytes;
 }
 
 void WriteCan(const std::filesystem::path& root) {
   const Corpus corpus(root, "can");
-  constexpr unsigned kLater = 1u << 5;
+  constexpr unsigned kLater = 1u << 5;  // 10 ms pass before the frame
 
   Bytes robotous{0};
-  for (int i = 0; i < 3; ++i) Frame(robotous, 2 | kLater, {});  // time passes
+  for (int i = 0; i < 3; ++i) AppendFrame(robotous, 2 | kLater, {});  // time passes
   for (const Bytes& answer : {Bytes{0x08, 1}, Bytes{0x09, 0}, Bytes{0x0F, 1}, Bytes{0x10, 8}}) {
-    Frame(robotous, 0, Eight(answer));
-    Frame(robotous, 1, Eight({}));
+    AppendFrame(robotous, 0, PaddedToEight(answer));
+    AppendFrame(robotous, 1, PaddedToEight({}));
   }
   for (int i = 0; i < 12; ++i) {
-    Frame(robotous, 0, {0x0B, 0, 100, 0xFF, 0x9C, 0x7F, 0xFF, 0x80});
-    Frame(robotous, 1, {0, 7, 0xD0, 0xF8, 0x30, static_cast<std::uint8_t>(i == 11 ? 1 : 0), 0, 0});
+    AppendFrame(robotous, 0, {0x0B, 0, 100, 0xFF, 0x9C, 0x7F, 0xFF, 0x80});
+    AppendFrame(robotous, 1, {0, 7, 0xD0, 0xF8, 0x30, static_cast<std::uint8_t>(i == 11 ? 1 : 0), 0, 0});
   }
   corpus.Write("robotous", robotous);
 
@@ -132,28 +136,28 @@ void WriteCan(const std::filesystem::path& root) {
     for (int part = 0; part < 3; ++part) {
       Bytes two(8);  // 1.0 on the diagonal
       if (row / 2 == part) two[row % 2 ? 4 : 0] = 0x3F, two[row % 2 ? 5 : 1] = 0x80;
-      Frame(ati, static_cast<unsigned>(2 + part), two);
+      AppendFrame(ati, static_cast<unsigned>(2 + part), two);
     }
-  Frame(ati, 5, {0, 0, 0, 100, 0, 0, 0, 10});  // counts
-  Frame(ati, 6, {2, 3});                       // units
+  AppendFrame(ati, 5, {0, 0, 0, 100, 0, 0, 0, 10});  // counts
+  AppendFrame(ati, 6, {2, 3});                       // units
   for (int i = 0; i < 6; ++i) {
-    Frame(ati, 0, {0, 0, 0, 100, 1, 0x2C, 0x7F, 0xFE});
-    Frame(ati, 1, {0xFF, 0x38, 0, 10, 0xFF, 0xEC});
+    AppendFrame(ati, 0, {0, 0, 0, 100, 1, 0x2C, 0x7F, 0xFE});
+    AppendFrame(ati, 1, {0xFF, 0x38, 0, 10, 0xFF, 0xEC});
   }
   corpus.Write("ati", ati);
   Bytes counts(ati.begin(), ati.begin() + 1 + 6 * 3 * 10);  // its matrix, then invalid counts
-  Frame(counts, 5, {0xFF, 0xFF, 0xFF, 0xFF, 0, 0, 0, 0});
+  AppendFrame(counts, 5, {0xFF, 0xFF, 0xFF, 0xFF, 0, 0, 0, 0});
   corpus.Write("ati_counts", counts);
 
   Bytes drive{2};
   for (int i = 0; i < 40; ++i) drive.push_back(14 | kLater);  // every expected answer, correct
-  Frame(drive, 1, {5});                                       // operational
+  AppendFrame(drive, 1, {5});                                 // operational
   for (const std::uint8_t state : Bytes{0x40, 0x21, 0x23, 0x27, 0x27, 0x27, 0x08}) {
-    Frame(drive, 2, {state, 0x02, 3, 0x10, 0, 0, 0});
-    Frame(drive, 3, {0x20, 0, 0, 0, 0x19, 0});
-    Frame(drive, 1, {5});
+    AppendFrame(drive, 2, {state, 0x02, 3, 0x10, 0, 0, 0});
+    AppendFrame(drive, 3, {0x20, 0, 0, 0, 0x19, 0});
+    AppendFrame(drive, 1, {5});
   }
-  Frame(drive, 4, Eight({0x10, 0x23, 1}));  // an emergency
+  AppendFrame(drive, 4, PaddedToEight({0x10, 0x23, 1}));  // an emergency
   corpus.Write("drive", drive);
 
   std::array<std::uint8_t, io::kUdpCanMaxDatagram> datagram{};

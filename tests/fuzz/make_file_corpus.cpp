@@ -18,7 +18,8 @@
 #include "tests/simulation/mesh/mesh_shapes.h"
 #include "tests/simulation/packing/packing_samples.h"
 
-// The seeds of all file readers: each valid, of a few kB, by the program's own writers if any exist.
+// Writes the seeds for all fuzz targets that read files: nearly all valid files of a few kB, written by the
+// program's own writers where they exist.
 
 namespace osteon {
 namespace {
@@ -66,7 +67,7 @@ void WriteConfig(const std::filesystem::path& root) {
   files.Write("calibration", kCalibration);
 }
 
-// The shipped tools, with few and coarse balls: a fuzzer has no time to fit many.
+// The shipped tools, changed to few and coarse balls, because fitting many balls takes too long for a fuzzer.
 void WriteTools(const std::filesystem::path& root) {
   const std::array<std::pair<std::regex, const char*>, 3> changes{
       {{std::regex("_gap_ratio: [0-9.]+"), "_gap_ratio: 0.5"},
@@ -79,7 +80,7 @@ void WriteTools(const std::filesystem::path& root) {
   }
 }
 
-// ---- pictures
+// ---- pictures: the smallest PNG files, written here because the program has no writer for them
 
 std::string BigEndian(std::uint32_t value) {
   std::string bytes;
@@ -87,14 +88,15 @@ std::string BigEndian(std::uint32_t value) {
   return bytes;
 }
 
-std::string Chunk(const std::string& type, const std::string& data) {
+// A chunk of a PNG file, with length and CRC.
+std::string PngChunk(const std::string& type, const std::string& data) {
   const std::string body = type + data;
   const uLong crc = crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()));
   return BigEndian(static_cast<std::uint32_t>(data.size())) + body +
          BigEndian(static_cast<std::uint32_t>(crc));
 }
 
-/// A grey PNG of 4 × 3 samples.
+/// A grey PNG of 4 × 3 samples. @param bits  of a sample
 std::string Png(char bits) {
   const std::size_t row = static_cast<std::size_t>(4 * bits + 7) / 8;
   std::string rows;
@@ -103,9 +105,10 @@ std::string Png(char bits) {
   uLongf size = packed.size();
   compress(packed.data(), &size, reinterpret_cast<const Bytef*>(rows.data()), rows.size());
   return "\x89PNG\r\n\x1a\n" +
-         Chunk("IHDR", BigEndian(4) + BigEndian(3) + bits + std::string("\0\0\0\0", 4)) +
-         Chunk("gAMA", BigEndian(45455)) +
-         Chunk("IDAT", std::string(reinterpret_cast<const char*>(packed.data()), size)) + Chunk("IEND", "");
+         PngChunk("IHDR", BigEndian(4) + BigEndian(3) + bits + std::string("\0\0\0\0", 4)) +
+         PngChunk("gAMA", BigEndian(45455)) +
+         PngChunk("IDAT", std::string(reinterpret_cast<const char*>(packed.data()), size)) +
+         PngChunk("IEND", "");
 }
 
 // ---- meshes
@@ -124,7 +127,7 @@ void WriteMeshes(const std::filesystem::path& root) {
                "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf -5 -8 -4 -1\n");
   corpus.Write("box_ply", 2, PlyText(box));
   corpus.Write("box_binary_ply", 2, BinaryPly(box));
-  // Kinds of files that once passed a check and broke the code behind it.
+  // kinds of files that the checks once accepted, and that then broke later code
   const std::string obj = ObjText(box), ply = PlyText(box);
   const std::size_t faces = ply.find("element face"), end = ply.find("end_header\n");
   const std::string camera = "element camera 1\nproperty float view_px\nproperty list uchar short viewport\n";
@@ -188,7 +191,7 @@ void WriteRecordings(const std::filesystem::path& root, const io::test::Temporar
   constexpr std::array<const char*, 4> kNames{"Session", "Tick", "Frame", "Event"};
   for (std::uint8_t i = 0; i < 4; ++i) Corpus(root, "recording_message").Write(kNames[i], i, messages[i]);
 
-  // without the schemas' text, 10 kB that no reader here uses
+  // without the schemas' text: it takes 10 kB, and no reader uses it
   const auto path = folder.path() / "recording";
   auto writer = io::McapWriter::Create(path, "osteon", {.chunk_bytes = 2000, .compress = false});
   if (!writer) return;

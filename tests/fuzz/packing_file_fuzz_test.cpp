@@ -6,8 +6,9 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/simulation/packing/packing_samples.h"
 
-// Fixed-seed damage to a packing file. An unsealed file is always refused, with byte and reason. A resealed
-// file (with recomputed checksums, as by an attacker) may be accepted; then every value suits an engine.
+// Fixed-seed damage to a packing file. A damaged file is always refused, with byte and reason. If its
+// checksums are recomputed afterwards, as an attacker would do, it may be accepted, but then every value is
+// usable by an engine.
 
 namespace osteon::simulation {
 namespace {
@@ -26,6 +27,7 @@ class PackingFuzz : public testing::Test {
     whole_ = io::test::ReadAll(path);
   }
 
+  /// The file with one to three changes: bits, cuts, insertions, large numbers, moved pieces.
   std::string Damaged() {
     std::string bytes = whole_;
     const int times = 1 + static_cast<int>(random_() % 3);
@@ -63,8 +65,8 @@ class PackingFuzz : public testing::Test {
     return bytes;
   }
 
-  /// Changes a bit in the content of the sections.
-  std::string Scratched() {
+  /// The file with one bit changed in the content of its sections, behind header and table.
+  std::string WithOneBitChanged() {
     std::string bytes = whole_;
     const std::size_t at = kTableAt + 6 * 32 + random_() % (bytes.size() - kTableAt - 6 * 32);
     bytes[at] = static_cast<char>(bytes[at] ^ (1 << random_() % 8));
@@ -76,7 +78,7 @@ class PackingFuzz : public testing::Test {
   std::mt19937 random_{kSeed};
 };
 
-TEST_F(PackingFuzz, DamageIsNeverBelieved) {
+TEST_F(PackingFuzz, ADamagedFileIsAlwaysRefused) {
   SCOPED_TRACE(kSeed);
   const auto path = folder_.path() / "fuzz.osp";
   int damaged = 0;
@@ -93,12 +95,12 @@ TEST_F(PackingFuzz, DamageIsNeverBelieved) {
   EXPECT_GT(damaged, 600);
 }
 
-TEST_F(PackingFuzz, WhatIsAcceptedIsUsable) {
+TEST_F(PackingFuzz, AResealedFileIsRefusedOrUsable) {
   SCOPED_TRACE(kSeed);
   const auto path = folder_.path() / "fuzz.osp";
   int accepted = 0, refused = 0;
   for (int i = 0; i < 1000; ++i) {
-    std::string bytes = i % 2 == 0 ? Damaged() : Scratched();
+    std::string bytes = i % 2 == 0 ? Damaged() : WithOneBitChanged();
     SealIfPossible(bytes);
     WriteAll(path, bytes);
     const auto file = PackingFile::Open(path, 1);

@@ -7,8 +7,8 @@
 #include "tests/io/recording/recording_samples.h"
 #include "tests/io/temporary_folder.h"
 
-// Fixed-seed damage to a recording. The reader may refuse it with byte and reason, or accept it as torn. It
-// never crashes, and if it says "complete" the data are those recorded.
+// Fixed-seed damage to a recording. The reader may refuse the file with byte and reason, or accept it as
+// incomplete. It never crashes, and never takes a damaged file for complete.
 
 namespace osteon::io {
 namespace {
@@ -20,7 +20,7 @@ TEST(RecordingFuzz, DamageIsNeverTakenForACompleteRecording) {
   const test::TemporaryFolder folder;
   const auto path = folder.path() / "fuzz.mcap";
   std::string whole;
-  std::size_t summary = 0;
+  std::size_t summary = 0;  // where the summary section begins, behind the data [byte]
   {
     auto recorder = Recorder::Open({.path = path, .writer_thread = false}, test::SomeSession());
     ASSERT_TRUE(recorder) << recorder.error();
@@ -30,7 +30,7 @@ TEST(RecordingFuzz, DamageIsNeverTakenForACompleteRecording) {
     }
     ASSERT_TRUE((*recorder)->Close());
     whole = test::ReadAll(path);
-    // the footer's first field, 8 + 20 bytes before the end
+    // read from the footer's first field, 8 + 20 bytes before the end of the file
     for (std::size_t i = 0; i < 8; ++i)
       summary |= std::size_t{static_cast<unsigned char>(whole[whole.size() - 28 + i])} << (8 * i);
     ASSERT_LT(summary, whole.size());
@@ -40,7 +40,7 @@ TEST(RecordingFuzz, DamageIsNeverTakenForACompleteRecording) {
   int refused = 0, torn = 0, recovered = 0;
   for (int i = 0; i < 500; ++i) {
     std::string bytes = whole;
-    const std::size_t at = random() % summary;  // the data section
+    const std::size_t at = random() % summary;  // damage only before the summary
     switch (random() % 4) {
       case 0:
         bytes[at] = static_cast<char>(bytes[at] ^ (1 << random() % 8));

@@ -6,13 +6,15 @@
 #include "io/rsi/rsi_session.h"
 #include "tests/io/rsi/rsi_oracle.h"
 
-// Fixed-seed fuzzing of RSI: valid messages with bytes changed, cut, repeated and moved, and XML-like noise.
+// Fixed-seed fuzzing of the RSI messages' decoder and session: they get valid messages with bytes changed,
+// cut and repeated, and XML-like noise.
 
 namespace osteon::io {
 namespace {
 
 constexpr unsigned kSeed = 20240931;
 
+// Makes hostile datagrams.
 class Mutator {
  public:
   std::vector<std::uint8_t> Change(std::vector<std::uint8_t> bytes) {
@@ -57,12 +59,13 @@ class Mutator {
   std::mt19937 random_{kSeed};
 };
 
+// Whether expat's values have this number under this name.
 bool SameNumber(const test::XmlValues& read, const std::string& name, double value) {
   const auto found = read.find(name);
   return found != read.end() && std::stod(found->second) == value;
 }
 
-TEST(RsiFuzz, WhatIsAcceptedIsFiniteAndWhatAnotherReaderReads) {
+TEST(RsiFuzz, AcceptedValuesAreFiniteAndThoseThatExpatReads) {
   SCOPED_TRACE(kSeed);
   Mutator mutator;
   int accepted = 0, refused = 0, agreed = 0;
@@ -79,7 +82,8 @@ TEST(RsiFuzz, WhatIsAcceptedIsFiniteAndWhatAnotherReaderReads) {
     for (const auto& six :
          {m.axes_measured, m.axes_set, m.pose_measured, m.pose_set, m.external_axes, m.motor_currents})
       for (const double value : six.value_or(RsiAxes{})) ASSERT_LE(std::abs(value), 1e6);
-    // expat refuses more (entities, encodings); a text that it accepts, it reads identically
+    // oracle: expat refuses more texts (entities, encodings), but must read the same values from those it
+    // accepts
     std::string text = test::Text(bytes);
     while (!text.empty() && text.back() == '\0') text.pop_back();
     const auto read = test::ReadByExpat(text);
@@ -94,7 +98,7 @@ TEST(RsiFuzz, WhatIsAcceptedIsFiniteAndWhatAnotherReaderReads) {
   EXPECT_GT(refused, 5000);
 }
 
-TEST(RsiFuzz, TheSessionOnlyAnswersWithAWholeMessageInItsRange) {
+TEST(RsiFuzz, TheSessionAnswersOnlyWithWholeMessagesInItsRange) {
   SCOPED_TRACE(kSeed);
   Mutator mutator;
   int answers = 0;

@@ -12,8 +12,8 @@
 
 #include <gtest/gtest.h>
 
-// Runs each libFuzzer target over its corpus, and over changes of it with a fixed seed: all that a normal
-// build without clang can test. OSTEON_FUZZ_RUNS sets the number of changed inputs of each.
+// Runs each libFuzzer target over its corpus and over random changes of the corpus with a fixed seed, in a
+// normal build without clang. OSTEON_FUZZ_RUNS sets the number of changed inputs of each target.
 
 // One function per target, renamed by this folder's CMakeLists.txt.
 extern "C" {
@@ -51,11 +51,11 @@ constexpr unsigned kSeed = 20240915;
 struct Target {
   const char* name;
   int (*run)(const std::uint8_t*, std::size_t);
-  int runs{5'000};
+  int runs{5'000};  ///< number of changed inputs
 };
 void PrintTo(const Target& target, std::ostream* out) { *out << target.name; }
 
-// Reads the files of the folders that seeds.txt names.
+// The target's seeds: all files of the folders that seeds.txt names for it.
 std::vector<Bytes> Corpus(const std::string& target) {
   const std::filesystem::path root(OSTEON_SOURCE_DIR);
   std::vector<std::filesystem::path> files;
@@ -132,8 +132,9 @@ class Mutator {
 
 class FuzzTarget : public testing::TestWithParam<Target> {
  protected:
-  // Runs a target. False if a claim did not hold; prints the input in hexadecimal.
-  static bool Holds(const Bytes& bytes) {
+  // Runs the target on an input. If a claim does not hold, fails with the input in hexadecimal. @returns
+  // whether all hold
+  static bool HoldsClaims(const Bytes& bytes) {
     const Bytes exact(bytes);  // exact size, so that a sanitizer detects a read beyond it
     try {
       GetParam().run(exact.data(), exact.size());
@@ -151,8 +152,8 @@ class FuzzTarget : public testing::TestWithParam<Target> {
 TEST_P(FuzzTarget, HoldsItsClaimsOverTheCorpus) {
   const auto corpus = Corpus(GetParam().name);
   ASSERT_GE(corpus.size(), 2u);
-  for (const Bytes& bytes : corpus) Holds(bytes);
-  Holds({});
+  for (const Bytes& bytes : corpus) HoldsClaims(bytes);
+  HoldsClaims({});
 }
 
 TEST_P(FuzzTarget, HoldsItsClaimsOverChangesOfTheCorpus) {
@@ -162,7 +163,7 @@ TEST_P(FuzzTarget, HoldsItsClaimsOverChangesOfTheCorpus) {
   const auto corpus = Corpus(GetParam().name);
   ASSERT_FALSE(corpus.empty());
   Mutator mutator;
-  for (int i = 0; i < runs; ++i) ASSERT_TRUE(Holds(mutator.Change(corpus))) << i;
+  for (int i = 0; i < runs; ++i) ASSERT_TRUE(HoldsClaims(mutator.Change(corpus))) << i;
 }
 
 std::string NameOf(const testing::TestParamInfo<Target>& target) { return target.param.name; }

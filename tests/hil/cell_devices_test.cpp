@@ -1,5 +1,5 @@
-// Force sensor and drive as the loop sees them, with the simulated devices' own ends of the buses, in virtual
-// time.
+// The clients of force sensor and spindle drive as the servo loop uses them, connected to the simulated
+// devices over CAN buses in memory, in virtual time.
 
 #include <deque>
 
@@ -12,9 +12,10 @@
 namespace osteon::hil {
 namespace {
 
-constexpr double kSpeed = 26.0;  // of the tool, rad/s
+constexpr double kSpeed = 26.0;  // of the tool [rad/s]
 
-io::DeviceParams Wires(bool ati, bool two_buses) {
+// Parameters of the clients: sensor of either make, drive on the sensor's bus or on its own.
+io::DeviceParams ClientParams(bool ati, bool two_buses) {
   io::DeviceParams wires;
   wires.buses = {{.name = "tool", .interface = "", .port = 1, .device_port = 2}};
   if (two_buses) wires.buses.push_back({.name = "drive", .interface = "", .port = 3, .device_port = 4});
@@ -27,19 +28,20 @@ io::DeviceParams Wires(bool ati, bool two_buses) {
   return wires;
 }
 
-SimulatedDeviceParams Devices(bool ati) {
+// Parameters of the simulated sensor and drive.
+SimulatedDeviceParams SimulatedParams(bool ati) {
   SimulatedDeviceParams params;
   if (ati) params.sensor = AtiDeviceParams{};
   params.drive = DriveDeviceParams{};
   return params;
 }
 
-// Both sides, in steps of a millisecond.
+// Clients and simulated devices, in steps of a millisecond.
 class Cell {
  public:
   explicit Cell(bool ati = false, bool two_buses = false, const InjectionParams& injections = {})
-      : devices_(Devices(ati)) {
-    const io::DeviceParams wires = Wires(ati, two_buses);
+      : devices_(SimulatedParams(ati)) {
+    const io::DeviceParams wires = ClientParams(ati, two_buses);
     auto made = io::DeviceClients::Make(wires);
     if (!made) throw std::invalid_argument(made.error());
     clients = std::move(*made);
@@ -54,6 +56,7 @@ class Cell {
     wires_.emplace(ends, devices_, wires, injections, &now);
   }
 
+  /// @returns the readings of the loop after this time
   control::CellReadings Run(int ms) {
     for (int i = 0; i < ms; ++i) {
       now += rt::kMillisecond;
@@ -81,9 +84,9 @@ class Cell {
   std::optional<DeviceWires> wires_;
 };
 
-class BothSides : public ::testing::TestWithParam<std::tuple<bool, bool>> {};
+class BothMakesAndBusLayouts : public ::testing::TestWithParam<std::tuple<bool, bool>> {};
 
-TEST_P(BothSides, WhatTheSensorCarriesAndTheDriveTurnsComesBack) {
+TEST_P(BothMakesAndBusLayouts, TheReadingsAreTheSensorsLoadAndTheDrivesSpeed) {
   const auto [ati, two_buses] = GetParam();
   Cell cell(ati, two_buses);
   cell.load_S = {.f = {12.3, -45.6, 78.9}, .t = {1.25, -0.5, 3.5}};
@@ -93,7 +96,8 @@ TEST_P(BothSides, WhatTheSensorCarriesAndTheDriveTurnsComesBack) {
   const control::CellReadings readings = cell.Run(1000);
   EXPECT_TRUE(readings.force.trusted);
   EXPECT_LE(cell.now - readings.force.stamp, 2 * rt::kMillisecond);
-  // a count is 1/50 N and 1/2000 N·m for one make; the other's gauges have some thousand counts in the range
+  // the tolerances cover both makes' resolution: 1/50 N and 1/2000 N·m for Robotous, some thousand counts of
+  // the range for ATI
   EXPECT_LT((Vector3(readings.force.F_S.f) - cell.load_S.f).norm(), 0.1);
   EXPECT_LT((Vector3(readings.force.F_S.t) - cell.load_S.t).norm(), 0.02);
   EXPECT_TRUE(readings.spindle.ready);
@@ -102,7 +106,7 @@ TEST_P(BothSides, WhatTheSensorCarriesAndTheDriveTurnsComesBack) {
   EXPECT_NEAR(readings.spindle.speed_rad_per_s, kSpeed, 0.02 * kSpeed);
 }
 
-INSTANTIATE_TEST_SUITE_P(CellDevices, BothSides,
+INSTANTIATE_TEST_SUITE_P(CellDevices, BothMakesAndBusLayouts,
                          ::testing::Values(std::tuple{false, false}, std::tuple{false, true},
                                            std::tuple{true, false}, std::tuple{true, true}));
 
@@ -113,7 +117,7 @@ TEST(CellDevices, AnOverloadedSensorIsNotTrusted) {
   EXPECT_NE(cell.clients->Diagnosis({}, cell.now).find("force sensor"), std::string::npos);
 }
 
-TEST(CellDevices, ASpindleIsRampedDownAndAQuickStopIsSteeper) {
+TEST(CellDevices, AQuickStopBrakesTheSpindleFasterThanItsRamp) {
   const auto time_to_rest_ms = [](bool quick) {
     Cell cell;
     cell.commands.spindle_rad_per_s = kSpeed;
@@ -130,8 +134,9 @@ TEST(CellDevices, ASpindleIsRampedDownAndAQuickStopIsSteeper) {
   EXPECT_LT(quick, ramped);
 }
 
-// A loop that stops and recovers within a millisecond: the spindle stands before it turns again.
-TEST(CellDevices, AQuickStopGoesOnToStandstillWhateverIsCommandedMeanwhile) {
+// A quick stop of one millisecond, as of a loop that recovers at once: the spindle still comes to rest before
+// it turns again.
+TEST(CellDevices, AQuickStopLastsUntilStandstill) {
   Cell cell;
   cell.commands.spindle_rad_per_s = kSpeed;
   cell.Run(2000);
@@ -148,7 +153,7 @@ TEST(CellDevices, AQuickStopGoesOnToStandstillWhateverIsCommandedMeanwhile) {
   EXPECT_NEAR(cell.Run(1).spindle.speed_rad_per_s, kSpeed, 0.02 * kSpeed);
 }
 
-TEST(CellDevices, AFaultOfTheDriveStaysUntilARecoveryClearsIt) {
+TEST(CellDevices, ADriveFaultStaysUntilARecoveryClearsIt) {
   const InjectionParams silence{
       .injections = {{.wire = Wire::kDrive, .from_s = 0.0, .to_s = 0.5, .faults = {.silence = true}}}};
   Cell cell(false, false, silence);
@@ -164,8 +169,9 @@ TEST(CellDevices, AFaultOfTheDriveStaysUntilARecoveryClearsIt) {
   EXPECT_LT(readings.spindle.speed_rad_per_s, 0.5) << "and does not start by itself";
 }
 
-// Controlword bit 7 is sent before the first motion, so the drive becomes ready without manual help.
-TEST(CellDevices, ADriveThatBootsInFaultIsReset) {
+// Before the first motion the client resets a drive's fault (controlword bit 7), so nobody has to do it by
+// hand.
+TEST(CellDevices, ADriveThatBootsInFaultIsResetOnce) {
   Cell cell;
   cell.drive().SetBootError(0x3220);
   cell.WaitForTheFirstMotion();
@@ -193,7 +199,7 @@ TEST(CellDevices, ADriveThatBootsInFaultIsReset) {
   EXPECT_EQ(cell.drive().statusword() & 0x4F, 0x40) << "off, as it was commanded";
 }
 
-TEST(CellDevices, ADriveThatStaysInFaultIsResetThreeTimesAndThenLeftAlone) {
+TEST(CellDevices, ADriveThatStaysInFaultIsResetOnlyThreeTimes) {
   Cell cell;
   cell.drive().InjectFault(0x4310);
   cell.WaitForTheFirstMotion();
@@ -205,11 +211,11 @@ TEST(CellDevices, ADriveThatStaysInFaultIsResetThreeTimesAndThenLeftAlone) {
   cell.commands.clear_faults = false;
   cell.Run(100);
   cell.drive().ClearFault();
-  cell.WaitForTheFirstMotion();  // a recovery: the reset may be tried again
+  cell.WaitForTheFirstMotion();  // as in a recovery, where the reset may be tried again
   EXPECT_FALSE(cell.Run(1000).spindle.fault);
 }
 
-TEST(CellDevices, InMidRunNothingIsReset) {
+TEST(CellDevices, NoFaultIsResetDuringARun) {
   Cell cell;
   cell.commands = {.motion_requested = true, .spindle_rad_per_s = kSpeed};
   cell.Run(1000);
@@ -238,7 +244,7 @@ TEST(CellDevices, ADriveThatBootsWhileTheCellWaitsIsConfiguredAnew) {
   EXPECT_NEAR(cell.Run(1000).spindle.speed_rad_per_s, kSpeed, 0.02 * kSpeed);
 }
 
-TEST(CellDevices, ASilenceOfOneWireIsNoneOfTheOther) {
+TEST(CellDevices, ASilentSensorLeavesTheDriveUnaffected) {
   const InjectionParams silence{
       .injections = {{.wire = Wire::kForceSensor, .from_s = 0.5, .faults = {.silence = true}}}};
   Cell cell(false, false, silence);
@@ -251,19 +257,19 @@ TEST(CellDevices, ASilenceOfOneWireIsNoneOfTheOther) {
   EXPECT_EQ(cell.wires().counters().drive_to_controller.silenced, 0u);
 }
 
-TEST(CellDevices, ARequestThatIsNotGrantedIsMadeAnew) {
+TEST(CellDevices, AMotionRequestIsRepeatedUntilThePlcGrantsIt) {
   const Cell cell;
   const control::CellCommands wanted{.motion_requested = true};
   io::PlcReading plc;
-  int rises = 0;
+  int rising_edges = 0;
   bool before = false;
   for (int ms = 1; ms <= 3000; ++ms) {
     const bool now = cell.clients->UpdateMotionRequest(wanted, plc, ms * rt::kMillisecond);
-    rises += now && !before;
+    rising_edges += now && !before;
     before = now;
   }
-  EXPECT_GE(rises, 4);
-  EXPECT_LE(rises, 8);
+  EXPECT_GE(rising_edges, 4);
+  EXPECT_LE(rising_edges, 8);
   plc.inputs.run_permitted = true;
   static_cast<void>(cell.clients->UpdateMotionRequest(wanted, plc, 3600 * rt::kMillisecond));
   for (int ms = 3700; ms <= 9000; ++ms)
@@ -273,17 +279,17 @@ TEST(CellDevices, ARequestThatIsNotGrantedIsMadeAnew) {
 }
 
 TEST(CellDevices, DevicesOfOneBusThatShareIdentifiersAreRefused) {
-  io::DeviceParams wires = Wires(true, false);
-  wires.drive->node = 5;  // its RPDO1 is 0x205, an ATI's
+  io::DeviceParams wires = ClientParams(true, false);
+  wires.drive->node = 5;  // its RPDO1 has the identifier 0x205, which an ATI sensor uses as well
   const auto made = io::DeviceClients::Make(wires);
   ASSERT_FALSE(made);
   EXPECT_NE(made.error().find("node 5"), std::string::npos) << made.error();
-  wires = Wires(true, true);
+  wires = ClientParams(true, true);
   wires.drive->node = 5;
   EXPECT_TRUE(io::DeviceClients::Make(wires)) << "a bus of its own";
 }
 
-TEST(CellDevices, OneThatIsSwitchedOnLateIsFoundAndOneThatWasRefusedIsNotAskedAgain) {
+TEST(CellDevices, DevicesThatAreSwitchedOnLateAreFound) {
   // both are silent for the first two seconds, longer than the clients try
   const InjectionParams silence{
       .injections = {{.wire = Wire::kForceSensor, .from_s = -1.0, .to_s = 2.0, .faults = {.silence = true}},
@@ -298,8 +304,8 @@ TEST(CellDevices, OneThatIsSwitchedOnLateIsFoundAndOneThatWasRefusedIsNotAskedAg
   EXPECT_LT(cell.now - late.force.stamp, 5 * rt::kMillisecond);
 }
 
-TEST(CellDevices, DiagnosisNamesWhoIsSilent) {
-  auto clients = io::DeviceClients::Make(Wires(false, false));
+TEST(CellDevices, DiagnosisNamesSilentDevices) {
+  auto clients = io::DeviceClients::Make(ClientParams(false, false));
   ASSERT_TRUE(clients);
   const std::string text = (*clients)->Diagnosis({}, rt::kSecond);
   EXPECT_NE(text.find("force sensor"), std::string::npos) << text;
@@ -307,7 +313,7 @@ TEST(CellDevices, DiagnosisNamesWhoIsSilent) {
 }
 
 TEST(CellDevices, DiagnosisNamesAnEnablingSwitchThatIsNotHeld) {
-  io::DeviceParams params = Wires(false, false);
+  io::DeviceParams params = ClientParams(false, false);
   params.plc.emplace();
   auto clients = io::DeviceClients::Make(params);
   ASSERT_TRUE(clients);

@@ -1,4 +1,5 @@
-// Arm, guard and controller on real sockets: if any of them fails, the arm comes to rest.
+// Simulated arm, guard and controller, connected by real sockets: if guard or controller fails, the arm comes
+// to rest.
 
 #include <atomic>
 #include <functional>
@@ -18,9 +19,10 @@ namespace {
 using control::SessionState;
 using safety::GuardFinding;
 
-// a busy machine may take a core away for long; the arm still ends in the end
+// more than a real arm's 5, since a busy machine may delay a thread for long
 constexpr int kLostInARow = 300;
 
+// A simulated arm that tolerates many late answers.
 SimulatedCell PatientCell() {
   SimulatedCellParams params;
   params.arm = kinematics::Iiwa14();
@@ -32,6 +34,7 @@ SimulatedCell PatientCell() {
   return SimulatedCell(params, MakeReamingScript({}));
 }
 
+// The guard's limits: the arm's own, and times that a busy machine keeps.
 safety::GuardParams Limits() {
   safety::GuardParams params{.arm = kinematics::ChainFrom(kinematics::Iiwa14())};
   params.answer_age_s = 0.2;
@@ -39,16 +42,16 @@ safety::GuardParams Limits() {
   return params;
 }
 
-// Repeats an action in a thread of its own, until the end.
-class Loop {
+// Repeats an action in its own thread until End.
+class RepeatingThread {
  public:
-  explicit Loop(std::function<void()> step)
+  explicit RepeatingThread(std::function<void()> step)
       : thread_([this, step = std::move(step)] {
           while (!stop_.load()) step();
         }) {}
-  ~Loop() { End(); }
-  Loop(const Loop&) = delete;
-  Loop& operator=(const Loop&) = delete;
+  ~RepeatingThread() { End(); }
+  RepeatingThread(const RepeatingThread&) = delete;
+  RepeatingThread& operator=(const RepeatingThread&) = delete;
   void End() {
     stop_.store(true);
     if (thread_.joinable()) thread_.join();
@@ -77,19 +80,21 @@ class GuardLine : public testing::Test {
     ASSERT_TRUE(Until([this] { return moved_.load() > 200; })) << "the arm follows";
   }
 
-  // A1 moves slowly at 0.05 rad/s.
+  // One cycle of the controller: A1 moves slowly, at 0.05 rad/s; after sends_illegal_command_ is set, A4
+  // jumps by 0.3 rad.
   void StepController() {
     if (link_->Receive(state_, rt::MonotonicNow() + 20 * rt::kMillisecond) != control::ReceiveResult::kOk)
       return;
     if (state_.session == SessionState::kCommandingActive) {
       if (state_.holding) command_ = {.q = state_.q_ipo, .activation = state_.activation};
       command_.q[0] += 5e-5;
-      if (lies_.load()) command_.q[3] += 0.3;
+      if (sends_illegal_command_.load()) command_.q[3] += 0.3;
       ++moved_;
     }
     (void)link_->Send(command_);
   }
 
+  // Waits until the condition holds. @returns false after 20 s
   static bool Until(const std::function<bool()>& holds) {
     for (int i = 0; i < 20'000; ++i) {
       if (holds()) return true;
@@ -98,7 +103,7 @@ class GuardLine : public testing::Test {
     return false;
   }
   CellState Arm() { return cell_->statistics().cell; }
-  // The arm has ended commanding because of missed answers, and stands at its last command.
+  // Expects that the arm ends commanding because of missing answers, and then rests.
   void ExpectArmAtRest() {
     ASSERT_TRUE(Until([this] { return Arm().session < SessionState::kCommandingWait; }));
     EXPECT_EQ(Arm().stop.reason, StopReason::kLostInARow) << "nothing else reached it";
@@ -112,24 +117,24 @@ class GuardLine : public testing::Test {
 
   control::ArmState state_;
   control::ArmCommand command_;
-  std::atomic<bool> lies_{false}, latched_{false};
+  std::atomic<bool> sends_illegal_command_{false}, latched_{false};
   std::atomic<int> moved_{0};
   std::unique_ptr<io::FriLink> link_;
   safety::GuardMonitor monitor_{Limits()};
   std::unique_ptr<io::FriRelay> relay_;
   std::optional<SimulatedCellThread> cell_;
-  std::optional<Loop> guard_, controller_;
+  std::optional<RepeatingThread> guard_, controller_;
 };
 
-TEST_F(GuardLine, AGuardThatDiesLeavesAnArmThatStops) {
+TEST_F(GuardLine, TheArmStopsWhenTheGuardDies) {
   guard_->End();
-  const control::JointArray told = Arm().q_cmd;
+  const control::JointArray q_cmd_before = Arm().q_cmd;
   ExpectArmAtRest();
-  EXPECT_NEAR(Arm().q_cmd[0], told[0], 1e-3) << "a cycle or two may have been under way";
+  EXPECT_NEAR(Arm().q_cmd[0], q_cmd_before[0], 1e-3) << "a cycle or two may have been under way";
   EXPECT_FALSE(monitor_.latched());
 }
 
-TEST_F(GuardLine, AControllerThatDiesIsWithdrawn) {
+TEST_F(GuardLine, TheArmStopsWhenTheControllerDies) {
   controller_->End();
   ASSERT_TRUE(Until([this] { return latched_.load(); }));
   ExpectArmAtRest();
@@ -138,12 +143,12 @@ TEST_F(GuardLine, AControllerThatDiesIsWithdrawn) {
   EXPECT_FALSE(monitor_.permits());
 }
 
-TEST_F(GuardLine, AControllerThatLiesIsCutOffBeforeTheArmHearsIt) {
-  const control::JointArray told = Arm().q_cmd;
-  lies_.store(true);
+TEST_F(GuardLine, AnIllegalCommandNeverReachesTheArm) {
+  const control::JointArray q_cmd_before = Arm().q_cmd;
+  sends_illegal_command_.store(true);
   ASSERT_TRUE(Until([this] { return latched_.load(); }));
   ExpectArmAtRest();
-  EXPECT_EQ(Arm().q_cmd[3], told[3]) << "of .3 rad in a millisecond, nothing";
+  EXPECT_EQ(Arm().q_cmd[3], q_cmd_before[3]) << "of .3 rad in a millisecond, nothing";
   guard_->End();
   EXPECT_TRUE(monitor_.reason().finding == GuardFinding::kJointSpeed ||
               monitor_.reason().finding == GuardFinding::kJointPosition)

@@ -33,6 +33,7 @@ Pose FlangeToTool() {
   return X_FT;
 }
 
+// The shipped LBR iiwa 14 with a payload of 2 kg.
 kinematics::ChainParams<7> Iiwa() {
   return kinematics::WithPayload(
       std::get<kinematics::ChainParams<7>>(
@@ -40,6 +41,7 @@ kinematics::ChainParams<7> Iiwa() {
       {.mass_kg = 2.0, .p_LLcm_m = {0.0, 0.0, 0.08}, .I_LLcm_kg_m2 = 0.004 * Matrix3::Identity()});
 }
 
+// Parameters of a loop with the impedance law, and a workspace whose limits are out of reach.
 control::ServoParams Params() {
   control::ServoParams params;
   params.law = control::Law::kImpedance;
@@ -52,6 +54,8 @@ control::ServoParams Params() {
   return params;
 }
 
+// The servo loop and a simulated arm with masses, in virtual time. A plane of bone is 2 mm ahead of the tool,
+// and a hand pushes the arm.
 class ImpedanceBench {
  public:
   explicit ImpedanceBench(const control::ServoParams& params = Params(),
@@ -71,7 +75,8 @@ class ImpedanceBench {
     plane_W = Tool().translation() + 0.002 * feed_W;
   }
 
-  // The arm's own impedance has little stiffness, and so little damping: only the overlay holds the joints.
+  // The arm's own impedance has little stiffness and therefore little damping, so that the loop's overlay has
+  // to hold the tool.
   static DynamicArmParams Dynamics(int dead_cycles) {
     return {.dead_cycles = dead_cycles,
             .stiffness_Nm_per_rad = JointVector::Constant(50.0),
@@ -79,6 +84,7 @@ class ImpedanceBench {
             .stiffness_Nm_per_rad_turn = 50.0};
   }
 
+  // @returns the record of the last tick
   control::TickRecord Run(int ticks) {
     control::TickRecord record;
     for (int i = 0; i < ticks; ++i) {
@@ -111,6 +117,7 @@ class ImpedanceBench {
   }
 
   [[nodiscard]] Pose Tool() const { return lbr_.FlangePose(arm.q()) * FlangeToTool(); }
+  // Depth of the tool's apex in the bone [m].
   [[nodiscard]] double Depth() const { return feed_W.dot(Tool().translation() - plane_W); }
 
  private:
@@ -131,7 +138,7 @@ class ImpedanceBench {
   ArmDrive drive_;
 };
 
-TEST(ImpedanceLoop, AHandThatPushesOnAWallIsHeldByItsSpringWithEitherOverlay) {
+TEST(ImpedanceLoop, AWallsSpringCarriesTheHandsForceWithEitherOverlay) {
   for (const CommandMode mode : {CommandMode::kWrench, CommandMode::kTorque}) {
     ImpedanceBench bench(Params(), mode);
     bench.push_W_N = 40.0 * bench.feed_W;
@@ -146,7 +153,7 @@ TEST(ImpedanceLoop, AHandThatPushesOnAWallIsHeldByItsSpringWithEitherOverlay) {
   }
 }
 
-TEST(ImpedanceLoop, InFreeMotionNothingIsRenderedAndTheSimulationFollowsTheMeasuredTool) {
+TEST(ImpedanceLoop, InFreeMotionNoForceIsRendered) {
   ImpedanceBench bench;
   bench.push_W_N = -5.0 * bench.feed_W;
   const control::TickRecord record = bench.Run(300);
@@ -157,7 +164,7 @@ TEST(ImpedanceLoop, InFreeMotionNothingIsRenderedAndTheSimulationFollowsTheMeasu
   EXPECT_LT(bench.Depth(), -0.01) << "it goes where the hand pulls it";
 }
 
-TEST(ImpedanceLoop, NoWrenchBeyondTheLimitIsSentHoweverHardTheHandPushes) {
+TEST(ImpedanceLoop, NeverSendsAForceBeyondTheLimit) {
   control::ServoParams params = Params();
   params.wrench.max_force_N = 50.0;
   ImpedanceBench bench(params);
@@ -167,7 +174,7 @@ TEST(ImpedanceLoop, NoWrenchBeyondTheLimitIsSentHoweverHardTheHandPushes) {
   EXPECT_LE(bench.peak_sent_N, 50.0 * (1.0 + 1e-12));
 }
 
-TEST(ImpedanceLoop, BeyondTheToolsSpeedItIsBrakedAndAtHalfAsMuchAgainItStops) {
+TEST(ImpedanceLoop, BrakesBeyondTheSpeedLimitAndStopsAtOneAndAHalfTimes) {
   control::ServoParams params = Params();
   params.twist.max_speed_m_per_s = 0.05;
   ImpedanceBench bench(params);
@@ -187,7 +194,7 @@ TEST(ImpedanceLoop, BeyondTheToolsSpeedItIsBrakedAndAtHalfAsMuchAgainItStops) {
   EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
 }
 
-TEST(ImpedanceLoop, AStopTakesTheWrenchAwayAndTheArmsOwnSpringHoldsIt) {
+TEST(ImpedanceLoop, AfterAStopNoWrenchIsSentAndTheArmRests) {
   ImpedanceBench bench;
   bench.push_W_N = -8.0 * bench.feed_W;
   bench.Run(200);
@@ -202,8 +209,8 @@ TEST(ImpedanceLoop, AStopTakesTheWrenchAwayAndTheArmsOwnSpringHoldsIt) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-// If the brake kept its gain of 250 N·s/m, then with four cycles of dead time the wrist would reach four
-// times its initial speed and keep swinging.
+// With four cycles of dead time, a brake with the full gain of 250 N·s/m would drive the wrist to four times
+// its initial speed, and the arm would keep swinging.
 TEST(ImpedanceLoop, AStopDoesNotShakeAToolThatNobodyHolds) {
   for (const CommandMode mode : {CommandMode::kWrench, CommandMode::kTorque}) {
     ImpedanceBench bench(Params(), mode, 4);
@@ -226,7 +233,7 @@ TEST(ImpedanceLoop, AStopDoesNotShakeAToolThatNobodyHolds) {
   }
 }
 
-TEST(ImpedanceLoop, AnArmThatTakesAnotherKindOfCommandIsNotRenderedTo) {
+TEST(ImpedanceLoop, AnArmInAnUnsuitableCommandModeIsAFault) {
   ImpedanceBench wrong(Params(), CommandMode::kPosition);
   wrong.Run(5);
   EXPECT_TRUE(wrong.loop.faults().Has(Fault::kCommandMode));
@@ -239,7 +246,7 @@ TEST(ImpedanceLoop, AnArmThatTakesAnotherKindOfCommandIsNotRenderedTo) {
   EXPECT_TRUE(compliant.loop.faults().Has(Fault::kCommandMode));
 }
 
-TEST(ImpedanceLoop, ADeadSimulationFadesAndStops) {
+TEST(ImpedanceLoop, ASilentSimulationStopsTheLoop) {
   ImpedanceBench bench;
   bench.push_W_N = 20.0 * bench.feed_W;
   bench.Run(1000);
@@ -267,8 +274,8 @@ TEST(ImpedanceLoop, ADeadSimulationFadesAndStops) {
   EXPECT_EQ(Vector3(bench.command.F.f).norm(), 0.0);
 }
 
-// The measured position of a joint is NaN.
-TEST(ImpedanceLoop, APositionThatIsNoneIsAnsweredWithNoWrenchAndAStop) {
+// In one tick the measured position of a joint is NaN.
+TEST(ImpedanceLoop, APositionThatIsNotANumberCausesAStopWithoutWrench) {
   for (const CommandMode mode : {CommandMode::kWrench, CommandMode::kTorque}) {
     ImpedanceBench bench(Params(), mode);
     bench.push_W_N = 20.0 * bench.feed_W;

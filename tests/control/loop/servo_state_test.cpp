@@ -17,16 +17,16 @@ using safety::CellState;
 using safety::Fault;
 using safety::MotionPermit;
 
-// A cell with drive and PLC and, if wanted, a path to the start.
+// A cell with spindle drive and PLC, whose arm first travels a planned path to its start posture if asked to.
 class ServoState : public ::testing::Test {
  protected:
-  enum class Way { kNone, kToStart };
+  enum class StartPath { kNone, kToStart };
 
-  static ServoParams Params(Way way) {
+  static ServoParams Params(StartPath start_path) {
     ServoParams params = ServoBench::Params();
     params.has_spindle = params.has_interlock = true;
     params.spindle_rad_per_s = 26.0;
-    if (way == Way::kNone) return params;
+    if (start_path == StartPath::kNone) return params;
     kinematics::JointVector goal = ServoBench::StartJoints();
     goal[0] += 0.3;
     params.arm_body = kinematics::ChainFrom(ServoBench::Arm().params());
@@ -36,8 +36,11 @@ class ServoState : public ::testing::Test {
     return params;
   }
 
+  // The servo bench, with fresh readings of spindle and PLC in every tick. A cell without a start path has
+  // the simulated bone 5 mm ahead of the tool, a cell with one has it out of reach.
   struct Cell {
-    explicit Cell(Way way = Way::kNone) : bench(Params(way), way == Way::kNone ? 0.005 : 10.0) {
+    explicit Cell(StartPath start_path = StartPath::kNone)
+        : bench(Params(start_path), start_path == StartPath::kNone ? 0.005 : 10.0) {
       bench.arm.activation = 1;
     }
     TickRecord Tick(ReceiveResult received = ReceiveResult::kOk) {
@@ -50,11 +53,13 @@ class ServoState : public ::testing::Test {
       EXPECT_EQ(record.phase, bench.loop.phase());
       return record;
     }
+    /// @returns the record of the last tick
     TickRecord Run(int ticks) {
       TickRecord record;
       for (int i = 0; i < ticks; ++i) record = Tick();
       return record;
     }
+    // The arm takes commands, and the hand pushes the tool toward the bone.
     void Render(double push_N = 60.0, int ticks = 600) {
       bench.Activate();
       bench.push_N = push_N;
@@ -67,10 +72,11 @@ class ServoState : public ::testing::Test {
     InterlockReading interlock{.permitted = true, .enabled = true, .spindle_permitted = true};
   };
 
-  static double StepOf(const JointArray& a, const JointArray& b) {
-    double most = 0.0;
-    for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
-    return most;
+  // Largest difference of a joint between two postures [rad].
+  static double MaxJointDifference_rad(const JointArray& a, const JointArray& b) {
+    double max_rad = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i) max_rad = std::max(max_rad, std::abs(a[i] - b[i]));
+    return max_rad;
   }
 };
 
@@ -88,7 +94,7 @@ TEST_F(ServoState, GoesFromOffOverCheckingAndReadyToHapticAndCutting) {
   cell.Tick();
   EXPECT_EQ(cell.state(), CellState::kChecking);
   cell.interlock.permitted = true;
-  cell.Run(3);  // the first frame of a known pose
+  cell.Run(3);  // until the simulation has sent its first frame for a known pose
   EXPECT_EQ(cell.state(), CellState::kReady);
   cell.interlock.permitted = false;
   cell.Tick();
@@ -111,11 +117,12 @@ TEST_F(ServoState, GoesFromOffOverCheckingAndReadyToHapticAndCutting) {
   EXPECT_EQ(cell.bench.loop.phase(), Phase::kStopped);
 }
 
-// Each missing condition alone keeps the arm from moving and is named, and restoring it is enough.
-TEST_F(ServoState, NothingMovesWithoutEachOfTheConditions) {
+// Each missing condition alone keeps the arm from moving and is the only one reported as missing. Restoring
+// the condition is enough for motion to start.
+TEST_F(ServoState, EachMissingConditionAloneKeepsTheArmAtRest) {
   struct Missing {
     MotionPermit permit;
-    std::function<void(Cell&)> spoil, mend;
+    std::function<void(Cell&)> remove, restore;
   };
   const std::vector<Missing> all{
       {MotionPermit::kHandedOver, [](Cell& c) { c.bench.arm.safety_state = 2; },
@@ -153,7 +160,7 @@ TEST_F(ServoState, NothingMovesWithoutEachOfTheConditions) {
     Cell cell;
     cell.bench.arm.has_ipo = true;
     cell.bench.Activate();
-    missing.spoil(cell);
+    missing.remove(cell);
     const TickRecord record = cell.Run(300);
     const char* what = safety::DescribeMissing(missing.permit);
     const bool only_handing = missing.permit == MotionPermit::kHandedOver;
@@ -162,14 +169,15 @@ TEST_F(ServoState, NothingMovesWithoutEachOfTheConditions) {
         << what;
     EXPECT_EQ(cell.bench.command.activation, 0u) << "not taken over: " << what;
     EXPECT_FALSE(cell.bench.loop.faults().Any()) << what;
-    missing.mend(cell);
+    missing.restore(cell);
     cell.Run(3);
     EXPECT_TRUE(safety::Renders(cell.state())) << what;
   }
 }
 
-// Oracle: v^2 / 2a, as for a stop; then nothing moves, and motion resumes from exactly there.
-TEST_F(ServoState, APauseBrakesHoldsAndGoesOnWithoutAJump) {
+// Oracle of the braking distance: v^2 / 2a with the stop's deceleration of 3 m/s^2. The arm then rests, and
+// motion resumes from exactly the held posture.
+TEST_F(ServoState, APauseBrakesHoldsAndResumesWithoutAJump) {
   Cell cell;
   cell.Render(60.0, 40);
   TickRecord record = cell.Tick();
@@ -187,7 +195,8 @@ TEST_F(ServoState, APauseBrakesHoldsAndGoesOnWithoutAJump) {
   EXPECT_TRUE(cell.bench.loop.cell_commands().motion_requested);
   EXPECT_FALSE(cell.bench.loop.faults().Any());
   const JointArray held = record.q_cmd;
-  cell.interlock.permitted = cell.interlock.enabled = false;  // the switch may be let go
+  // in a pause the enabling switch may be released
+  cell.interlock.permitted = cell.interlock.enabled = false;
   cell.Run(500);
   EXPECT_EQ(cell.bench.command.q, held) << "whoever pushes";
   cell.bench.loop.RequestResume();
@@ -199,7 +208,7 @@ TEST_F(ServoState, APauseBrakesHoldsAndGoesOnWithoutAJump) {
   EXPECT_EQ(cell.state(), CellState::kChecking) << "permitted, but the switch is not held";
   EXPECT_EQ(cell.bench.command.q, held);
   cell.interlock.enabled = true;
-  double most = 0.0;
+  double max_step_rad = 0.0;
   JointArray before = held;
   for (int i = 0; i < 300; ++i) {
     record = cell.Tick();
@@ -207,11 +216,11 @@ TEST_F(ServoState, APauseBrakesHoldsAndGoesOnWithoutAJump) {
       EXPECT_EQ(record.q_cmd, held) << "begins at rest, nothing rendered";
       EXPECT_TRUE(Vector3(record.F_coupling_T_W.f).isZero(0.0));
     }
-    most = std::max(most, StepOf(record.q_cmd, before));
+    max_step_rad = std::max(max_step_rad, MaxJointDifference_rad(record.q_cmd, before));
     before = record.q_cmd;
   }
   EXPECT_TRUE(safety::Renders(cell.state()));
-  EXPECT_LT(most, 1e-3);
+  EXPECT_LT(max_step_rad, 1e-3);
   EXPECT_FALSE(cell.bench.loop.faults().Any());
 }
 
@@ -233,7 +242,7 @@ TEST_F(ServoState, AResumeInContactFadesTheForceIn) {
   EXPECT_FALSE(cell.bench.loop.faults().Any());
 }
 
-TEST_F(ServoState, APauseAskedForBeforeAnythingMovesKeepsItFromBeginning) {
+TEST_F(ServoState, APauseRequestedBeforeMotionPreventsItsStart) {
   Cell cell;
   cell.Run(3);
   cell.bench.loop.RequestPause();
@@ -248,7 +257,7 @@ TEST_F(ServoState, APauseAskedForBeforeAnythingMovesKeepsItFromBeginning) {
   EXPECT_TRUE(safety::Renders(cell.state()));
 }
 
-TEST_F(ServoState, APauseThatIsAskedForWhileTheArmIsSilentComesWithItsNextMessage) {
+TEST_F(ServoState, APauseRequestedWhileTheArmIsSilentActsAtItsNextMessage) {
   Cell cell;
   cell.Render(60.0, 40);
   cell.bench.loop.RequestPause();
@@ -258,8 +267,8 @@ TEST_F(ServoState, APauseThatIsAskedForWhileTheArmIsSilentComesWithItsNextMessag
   EXPECT_EQ(cell.state(), CellState::kStop2);
 }
 
-TEST_F(ServoState, APauseOnTheWayToTheStartGoesOnToTheStart) {
-  Cell cell(Way::kToStart);
+TEST_F(ServoState, AfterAPauseOnTheStartPathTheArmGoesOnToTheStart) {
+  Cell cell(StartPath::kToStart);
   cell.Run(5);
   cell.bench.Activate();
   cell.Run(600);
@@ -272,25 +281,25 @@ TEST_F(ServoState, APauseOnTheWayToTheStartGoesOnToTheStart) {
   EXPECT_EQ(cell.state(), CellState::kPaused);
   const JointArray held = cell.bench.command.q;
   cell.bench.loop.RequestResume();
-  double most = 0.0;
+  double max_step_rad = 0.0;
   JointArray before = held;
   for (int i = 0; i < 20'000 && !safety::Renders(cell.state()); ++i) {
     const TickRecord record = cell.Tick();
-    most = std::max(most, StepOf(record.q_cmd, before));
+    max_step_rad = std::max(max_step_rad, MaxJointDifference_rad(record.q_cmd, before));
     before = record.q_cmd;
   }
   EXPECT_TRUE(safety::Renders(cell.state()));
-  EXPECT_LT(most, 1e-3);
+  EXPECT_LT(max_step_rad, 1e-3);
   EXPECT_NEAR(before[0], ServoBench::StartJoints()[0] + 0.3, 1e-9);
 }
 
-// At the path's end every condition has to hold again.
-TEST_F(ServoState, AtTheStartNothingIsRenderedWithoutTheConditions) {
-  Cell cell(Way::kToStart);
+// At the end of the start path every condition of motion has to hold again, also a fresh contact model.
+TEST_F(ServoState, RenderingAtTheStartWaitsForEveryCondition) {
+  Cell cell(StartPath::kToStart);
   cell.Run(5);
   cell.bench.Activate();
   cell.Run(10);
-  cell.bench.simulation_lives = false;  // on the path nothing is rendered, so no model is needed
+  cell.bench.simulation_lives = false;  // the path itself renders nothing and needs no contact model
   cell.Run(20'000);
   EXPECT_EQ(cell.state(), CellState::kAligning);
   EXPECT_NEAR(cell.bench.command.q[0], ServoBench::StartJoints()[0] + 0.3, 1e-9);
@@ -300,30 +309,31 @@ TEST_F(ServoState, AtTheStartNothingIsRenderedWithoutTheConditions) {
   EXPECT_TRUE(safety::Renders(cell.state()));
 }
 
-// The arm stayed in COMMANDING_ACTIVE: its interpolator still stands where commanding began.
-TEST_F(ServoState, ARecoveryInTheSameActivationStartsWhereTheArmWasLastTold) {
+// The arm has stayed in COMMANDING_ACTIVE, so the interpolator's position that it reports is still that of
+// the start of commanding. A recovery that began from there would jump.
+TEST_F(ServoState, ARecoveryInTheSameActivationStartsAtTheLastCommand) {
   Cell cell;
   cell.Render(4.0, 800);
-  const JointArray told = cell.bench.command.q;
-  ASSERT_GT(StepOf(told, cell.bench.arm.q_ipo), 5e-3) << "it has moved";
+  const JointArray last_command = cell.bench.command.q;
+  ASSERT_GT(MaxJointDifference_rad(last_command, cell.bench.arm.q_ipo), 5e-3) << "it has moved";
   for (int i = 0; i < 5; ++i) cell.Tick(ReceiveResult::kTimeout);
   EXPECT_EQ(cell.state(), CellState::kStop0);
   EXPECT_TRUE(cell.bench.loop.CanRecover());
   cell.bench.loop.RequestRecovery();
-  JointArray before = told;
+  JointArray before = last_command;
   for (int i = 0; i < 400; ++i) {
     const TickRecord record = cell.Tick();
-    ASSERT_LT(StepOf(record.q_cmd, before), 1e-3) << "tick " << i;
+    ASSERT_LT(MaxJointDifference_rad(record.q_cmd, before), 1e-3) << "tick " << i;
     before = record.q_cmd;
-    // the PLC has not answered the new request: its permission is that of before the stop
+    // for 200 ms the PLC's permission may still be that of before the stop, and does not count
     if (i < 199) ASSERT_EQ(cell.state(), CellState::kRecovery) << "tick " << i;
   }
   EXPECT_TRUE(safety::Renders(cell.state()));
   EXPECT_FALSE(cell.bench.loop.faults().Any());
 }
 
-TEST_F(ServoState, ARecoveryOnTheWayToTheStartGoesThereStill) {
-  Cell cell(Way::kToStart);
+TEST_F(ServoState, ARecoveryOnTheStartPathStillReachesTheStart) {
+  Cell cell(StartPath::kToStart);
   cell.Run(5);
   cell.bench.Activate();
   cell.Run(600);
@@ -338,11 +348,11 @@ TEST_F(ServoState, ARecoveryOnTheWayToTheStartGoesThereStill) {
   EXPECT_NEAR(cell.bench.command.q[0], ServoBench::StartJoints()[0] + 0.3, 1e-6);
 }
 
-TEST_F(ServoState, AStop0IsOverOnceTheArmIsMeasuredToStand) {
+TEST_F(ServoState, AStop0EndsOnceTheArmIsMeasuredAtRest) {
   Cell cell;
   cell.Render();
   cell.bench.arm.session = SessionState::kMonitoringReady;
-  for (int i = 0; i < 50; ++i) {  // the arm coasts
+  for (int i = 0; i < 50; ++i) {  // the arm coasts at 0.1 rad/s
     cell.bench.command.q[0] = cell.bench.arm.q_meas[0] + 1e-4;
     cell.Tick();
     EXPECT_EQ(cell.state(), CellState::kStop0);
@@ -353,76 +363,76 @@ TEST_F(ServoState, AStop0IsOverOnceTheArmIsMeasuredToStand) {
   EXPECT_TRUE(cell.bench.loop.faults().Has(Fault::kSession));
 }
 
-// A fault in any state, reached in any way: the command comes to rest and stays there.
+// Whichever state the cell is in and however it got there: after a fault the command comes to rest and stays.
 TEST_F(ServoState, InEveryStateAFaultLeadsToRest) {
-  struct LedTo {
+  struct ReachedState {
     CellState state;
-    Way way;
-    std::function<void(Cell&)> lead;
+    StartPath start_path;
+    std::function<void(Cell&)> reach;
   };
   const auto align = [](Cell& c) {
     c.Run(5);
     c.bench.Activate();
     c.Run(600);
   };
-  const std::vector<LedTo> all{
-      {CellState::kOff, Way::kNone, [](Cell&) {}},
-      {CellState::kChecking, Way::kNone,
+  const std::vector<ReachedState> all{
+      {CellState::kOff, StartPath::kNone, [](Cell&) {}},
+      {CellState::kChecking, StartPath::kNone,
        [](Cell& c) {
          c.interlock.permitted = false;
          c.Run(5);
        }},
-      {CellState::kReady, Way::kNone, [](Cell& c) { c.Run(5); }},
-      {CellState::kAligning, Way::kToStart, align},
-      {CellState::kHaptic, Way::kNone,
+      {CellState::kReady, StartPath::kNone, [](Cell& c) { c.Run(5); }},
+      {CellState::kAligning, StartPath::kToStart, align},
+      {CellState::kHaptic, StartPath::kNone,
        [](Cell& c) {
          c.spindle.speed_rad_per_s = 0.0;
          c.Render(60.0, 40);
        }},
-      {CellState::kCutting, Way::kNone, [](Cell& c) { c.Render(60.0, 40); }},
-      {CellState::kPaused, Way::kNone,
+      {CellState::kCutting, StartPath::kNone, [](Cell& c) { c.Render(60.0, 40); }},
+      {CellState::kPaused, StartPath::kNone,
        [](Cell& c) {
          c.Render(60.0, 40);
          c.bench.loop.RequestPause();
          c.Run(200);
        }},
-      {CellState::kStop0, Way::kNone,
+      {CellState::kStop0, StartPath::kNone,
        [](Cell& c) {
          c.Render(60.0, 40);
          for (int i = 0; i < 5; ++i) c.Tick(ReceiveResult::kTimeout);
        }},
-      {CellState::kStop1, Way::kNone,
+      {CellState::kStop1, StartPath::kNone,
        [](Cell& c) {
          c.Render(60.0, 40);
          c.bench.loop.RequestStop();
          c.Tick();
        }},
-      {CellState::kStop1, Way::kToStart,
+      {CellState::kStop1, StartPath::kToStart,
        [&](Cell& c) {
          align(c);
          c.bench.loop.RequestStop();
          c.Tick();
        }},
-      {CellState::kStop2, Way::kNone,
+      {CellState::kStop2, StartPath::kNone,
        [](Cell& c) {
          c.Render(60.0, 40);
          c.bench.loop.RequestPause();
          c.Tick();
        }},
-      {CellState::kStop2, Way::kToStart,
+      {CellState::kStop2, StartPath::kToStart,
        [&](Cell& c) {
          align(c);
          c.bench.loop.RequestPause();
          c.Tick();
        }},
-      {CellState::kFault, Way::kNone,
+      {CellState::kFault, StartPath::kNone,
        [](Cell& c) {
          c.Render(60.0, 40);
          c.interlock.permitted = false;
          c.Run(200);
          c.interlock.permitted = true;
        }},
-      {CellState::kRecovery, Way::kNone,
+      {CellState::kRecovery, StartPath::kNone,
        [](Cell& c) {
          c.Render(60.0, 40);
          for (int i = 0; i < 5; ++i) c.Tick(ReceiveResult::kTimeout);
@@ -431,11 +441,11 @@ TEST_F(ServoState, InEveryStateAFaultLeadsToRest) {
          c.Tick();
        }},
   };
-  for (const LedTo& led : all) {
-    const char* name = safety::Describe(led.state).name;
-    Cell cell(led.way);
-    led.lead(cell);
-    ASSERT_EQ(cell.state(), led.state) << name;
+  for (const ReachedState& reached : all) {
+    const char* name = safety::Describe(reached.state).name;
+    Cell cell(reached.start_path);
+    reached.reach(cell);
+    ASSERT_EQ(cell.state(), reached.state) << name;
     JointArray before = cell.bench.command.q;
     // a measured joint that is NaN, for one tick
     ArmState broken = cell.bench.arm;
@@ -448,20 +458,21 @@ TEST_F(ServoState, InEveryStateAFaultLeadsToRest) {
                          cell.bench.command);
     EXPECT_TRUE(cell.bench.loop.faults().Has(Fault::kNotFinite)) << name;
     EXPECT_FALSE(safety::IsMotion(cell.state())) << name;
-    int moved = 0;
+    int last_moving_tick = 0;
     for (int i = 0; i < 1000; ++i) {
       const TickRecord record = cell.Tick();
       ASSERT_FALSE(safety::IsMotion(cell.state())) << name << ", tick " << i;
-      if (led.state != CellState::kOff && StepOf(record.q_cmd, before) > 0.0) moved = i + 1;
+      if (reached.state != CellState::kOff && MaxJointDifference_rad(record.q_cmd, before) > 0.0)
+        last_moving_tick = i + 1;
       before = record.q_cmd;
     }
     EXPECT_EQ(cell.bench.loop.phase(), Phase::kStopped) << name;
-    EXPECT_LE(moved, 400) << name;
+    EXPECT_LE(last_moving_tick, 400) << name;
     EXPECT_FALSE(cell.bench.loop.CanRecover()) << name << ": not from this fault";
   }
 }
 
-TEST_F(ServoState, LookingPausingAndGoingOnAllocatesNothing) {
+TEST_F(ServoState, StartingPausingAndResumingAllocateNothing) {
   Cell cell;
   const auto run = [&](int ticks) {
     for (int i = 0; i < ticks; ++i) {

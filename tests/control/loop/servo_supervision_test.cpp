@@ -1,5 +1,6 @@
-// Supervision by state: the hand at rest, on the path to the start, in a stop; and an arm in impedance
-// control with lost messages or a leaning hand.
+// What the servo loop supervises in each state of the cell: a hand that rests on the handle, sensor and
+// spindle on the path to the start, a hand's force in a stop, and an arm in impedance control that a hand
+// leads.
 
 #include <algorithm>
 #include <cmath>
@@ -18,9 +19,9 @@ using safety::CellState;
 using safety::Fault;
 using safety::MotionPermit;
 
-// --- a hand resting on the handle
+// --- a hand resting on the handle: its steady push must not be taken for the force sensor's bias
 
-TEST(RestingHand, InARecoveryItIsNoBias) {
+TEST(RestingHand, IsNotTakenForABiasInARecovery) {
   ServoBench bench(ServoBench::Params(), 10.0);
   bench.Run(600);
   bench.Activate();
@@ -30,7 +31,7 @@ TEST(RestingHand, InARecoveryItIsNoBias) {
   bench.Run(50);
   ASSERT_TRUE(bench.loop.CanRecover());
   bench.loop.RequestRecovery();
-  bench.push_N = 8.0;  // steadily, for longer than a rest takes
+  bench.push_N = 8.0;  // steadily, for longer than the bias estimator's rest of 0.5 s
   const TickRecord waited = bench.Run(1000);
   EXPECT_EQ(Vector3(waited.F_bias_S.f), Vector3::Zero());
   ++bench.arm.activation;
@@ -38,12 +39,12 @@ TEST(RestingHand, InARecoveryItIsNoBias) {
   bench.Run(20);
   ASSERT_EQ(bench.loop.phase(), Phase::kHaptic);
   bench.push_N = 0.0;
-  bench.Run(1500);  // the drag takes the speed that the push has given
+  bench.Run(1500);  // the virtual tool's drag brakes the speed that the push has given
   EXPECT_LT(Vector3(bench.Tick().v_WT_cmd_m_per_s).norm(), 1e-4)
       << "nobody holds the tool: it does not creep";
 }
 
-TEST(RestingHand, AfterAPauseItIsNoBias) {
+TEST(RestingHand, IsNotTakenForABiasInAPause) {
   ServoBench bench(ServoBench::Params(), 10.0);
   bench.Run(600);
   bench.Activate();
@@ -59,7 +60,7 @@ TEST(RestingHand, AfterAPauseItIsNoBias) {
   EXPECT_GT(Vector3(record.v_WT_cmd_m_per_s).norm(), 1e-3) << "a hand that pushes moves the tool";
 }
 
-TEST(RestingHand, BeforeTheFirstMotionItIsAskedToLetGo) {
+TEST(RestingHand, PreventsTheFirstMotionUntilItLetsGo) {
   ServoBench bench(ServoBench::Params(), 10.0);
   bench.push_N = 8.0;
   bench.Run(600);
@@ -73,8 +74,8 @@ TEST(RestingHand, BeforeTheFirstMotionItIsAskedToLetGo) {
   EXPECT_LT(Vector3(bench.Run(500).v_WT_cmd_m_per_s).norm(), 1e-4);
 }
 
-TEST(RestingHand, WhatIsBelievedMovesAFreeToolNoFasterThanACreep) {
-  // just below the bound: drag 20 N s/m x 50 mm/s = 1 N
+TEST(RestingHand, APushTakenForABiasMovesAFreeToolNoFasterThanACreep) {
+  // just below the largest accepted bias: a drag of 20 N s/m at 50 mm/s, 1 N
   ServoBench bench(ServoBench::Params(), 10.0);
   bench.push_N = 0.99;
   bench.Run(600);
@@ -91,6 +92,7 @@ TEST(RestingHand, WhatIsBelievedMovesAFreeToolNoFasterThanACreep) {
 
 // --- on the path to the start
 
+// A cell whose arm moves along its start path.
 class StartPathSupervision : public ::testing::Test {
  protected:
   static ServoParams Params() {
@@ -119,7 +121,8 @@ class StartPathSupervision : public ::testing::Test {
     }
     return record;
   }
-  [[nodiscard]] double Step() {
+  // Runs one tick. @returns the largest change of a commanded joint [rad]
+  [[nodiscard]] double MaxJointStep_rad() {
     const JointVector before = Eigen::Map<const JointVector>(bench.command.q.data());
     Run(1);
     return (Eigen::Map<const JointVector>(bench.command.q.data()) - before).cwiseAbs().maxCoeff();
@@ -136,22 +139,22 @@ TEST_F(StartPathSupervision, AHandBeyondItsLimitStopsTheArm) {
   EXPECT_EQ(bench.loop.state(), CellState::kStop1);
   Run(1000);
   EXPECT_EQ(bench.loop.state(), CellState::kFault);
-  EXPECT_EQ(Step(), 0.0);
+  EXPECT_EQ(MaxJointStep_rad(), 0.0);
 }
 
-TEST_F(StartPathSupervision, AHandInItsWayMakesItRestAndGoOn) {
-  ASSERT_GT(Step(), 0.0);
+TEST_F(StartPathSupervision, APushOnTheHandlePausesTheStartPath) {
+  ASSERT_GT(MaxJointStep_rad(), 0.0);
   bench.push_N = 60.0;
   Run(600);  // the path's pause
-  EXPECT_EQ(Step(), 0.0);
+  EXPECT_EQ(MaxJointStep_rad(), 0.0);
   EXPECT_FALSE(bench.loop.faults().Any());
   EXPECT_EQ(bench.loop.state(), CellState::kAligning);
   bench.push_N = 0.0;
   Run(600);
-  EXPECT_GT(Step(), 0.0);
+  EXPECT_GT(MaxJointStep_rad(), 0.0);
 }
 
-TEST_F(StartPathSupervision, ASilentOrBrokenSensorStopsTheArm) {
+TEST_F(StartPathSupervision, ASilentSensorStopsTheArm) {
   bench.sensor_lives = false;
   Run(150);
   EXPECT_TRUE(bench.loop.faults().Has(Fault::kSensorStale));
@@ -173,6 +176,7 @@ TEST_F(StartPathSupervision, ASpindleFaultStopsTheArm) {
   EXPECT_EQ(bench.loop.state(), CellState::kStop1);
 }
 
+// A slow stop of 0.4 m/s^2, so that the hand's force exceeds its limit while the arm still brakes.
 TEST(StopSupervision, AHandBeyondItsLimitInAnOrderlyStopIsAFault) {
   ServoParams params = ServoBench::Params();
   params.stop_deceleration_m_per_s2 = 0.4;
@@ -192,7 +196,8 @@ TEST(StopSupervision, AHandBeyondItsLimitInAnOrderlyStopIsAFault) {
   EXPECT_EQ(bench.loop.state(), CellState::kFault);
 }
 
-TEST(ArmTorques, ANumberThatIsNoneIsAFaultAndNoTripSwitchedOff) {
+// A comparison with NaN is false, so a limit of the torque alone would not stop the arm.
+TEST(ArmTorques, ATorqueThatIsNotANumberIsAFault) {
   ServoBench bench(ServoBench::Params(), 10.0);
   bench.Run(5);
   bench.Activate();
@@ -207,8 +212,8 @@ TEST(ArmTorques, ANumberThatIsNoneIsAFaultAndNoTripSwitchedOff) {
 
 // --- an arm in impedance control
 
-// The hand leads the arm about A1, and the loop follows its measured position.
-class LedArm : public ::testing::Test {
+// The hand turns the arm about its axis A1 at a given speed, and the loop follows the measured position.
+class HandLedArm : public ::testing::Test {
  protected:
   static ServoParams Params() {
     ServoParams params = ServoBench::Params();
@@ -218,7 +223,7 @@ class LedArm : public ::testing::Test {
     params.workspace.plane_offset_m = -1.0;
     return params;
   }
-  LedArm() {
+  HandLedArm() {
     bench.arm.command_mode = CommandMode::kWrench;
     bench.arm_moves = false;
     bench.Run(5);
@@ -226,6 +231,7 @@ class LedArm : public ::testing::Test {
     bench.Run(200);
     EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
   }
+  // One tick in which the hand moves the arm, whose message may get lost.
   TickRecord Lead(ReceiveResult received = ReceiveResult::kOk) {
     bench.arm.q_meas[0] += speed_rad_per_s * 1e-3;
     if (received != ReceiveResult::kOk) ++bench.arm.lost;
@@ -234,6 +240,7 @@ class LedArm : public ::testing::Test {
     bench.arm.q_meas = q;
     return record;
   }
+  // Speed of the tool's apex on its circle about A1.
   [[nodiscard]] double Speed_m_per_s() const {
     return std::abs(speed_rad_per_s) * Vector3(bench.ToolNow().translation()).head<2>().norm();
   }
@@ -242,9 +249,10 @@ class LedArm : public ::testing::Test {
   ServoBench bench{Params(), 10.0};
 };
 
-TEST_F(LedArm, VelocityOverLostMessagesIsTheArmsOwn) {
+TEST_F(HandLedArm, LostMessagesDoNotRaiseTheMeasuredVelocity) {
   speed_rad_per_s = 0.9 * ServoBench::Params().twist.max_speed_m_per_s /
                     Vector3(bench.ToolNow().translation()).head<2>().norm();
+  // the distance over a gap of 1 to 4 lost messages must not count as that of one tick
   for (int round = 0; round < 30; ++round) {
     for (int i = 0; i < 20; ++i) {
       const TickRecord record = Lead();
@@ -255,26 +263,27 @@ TEST_F(LedArm, VelocityOverLostMessagesIsTheArmsOwn) {
   EXPECT_FALSE(bench.loop.faults().Any()) << "below the limit there is no trip";
 }
 
-TEST_F(LedArm, APoseThatIsOldIsStampedOld) {
+// While messages are lost, the simulation must see that the pose is old.
+TEST_F(HandLedArm, APoseKeepsItsTimeStampWhileMessagesAreLost) {
   speed_rad_per_s = 0.05;
   Lead();
-  const rt::Nanoseconds at = bench.loop.tool_command().stamp;
+  const rt::Nanoseconds measured_at = bench.loop.tool_command().stamp;
   const Pose X = bench.loop.tool_command().X_WT;
-  EXPECT_EQ(at, bench.now);
+  EXPECT_EQ(measured_at, bench.now);
   for (int i = 0; i < 3; ++i) {
     Lead(ReceiveResult::kTimeout);
-    EXPECT_EQ(bench.loop.tool_command().stamp, at);
+    EXPECT_EQ(bench.loop.tool_command().stamp, measured_at);
     EXPECT_TRUE(Pose(bench.loop.tool_command().X_WT).isApprox(X, 1e-15));
   }
   Lead();
   EXPECT_EQ(bench.loop.tool_command().stamp, bench.now);
 }
 
-TEST_F(LedArm, AStopIsOverOnceTheArmIsMeasuredToStand) {
+TEST_F(HandLedArm, AStopEndsOnceTheArmIsMeasuredAtRest) {
   speed_rad_per_s = 0.1;
   for (int i = 0; i < 50; ++i) Lead();
   bench.loop.RequestStop();
-  for (int i = 0; i < 500; ++i) Lead();  // a hand that goes on leading
+  for (int i = 0; i < 500; ++i) Lead();  // the hand keeps moving the arm
   EXPECT_EQ(bench.loop.phase(), Phase::kStopping) << "it moves at " << Speed_m_per_s() << " m/s";
   speed_rad_per_s = 0.0;
   for (int i = 0; i < 15; ++i) Lead();
@@ -282,7 +291,8 @@ TEST_F(LedArm, AStopIsOverOnceTheArmIsMeasuredToStand) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-TEST_F(LedArm, AHandThatLeansOnAPausedArmIsNoFault) {
+// Pushing a paused arm is no fault, but it has to be brought back before rendering resumes.
+TEST_F(HandLedArm, APausedArmThatAHandPushesAwayResumesOnlyWhereItPaused) {
   bench.loop.RequestPause();
   for (int i = 0; i < 200; ++i) Lead();
   ASSERT_EQ(bench.loop.state(), CellState::kPaused);

@@ -8,7 +8,7 @@
 #include "servo_bench.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
-// A change of tool in the loop: one entry of a prepared table for another, while the loop is paused.
+// Changing the tool while the loop is paused: another entry of a table that was prepared before the run.
 
 namespace osteon::control {
 namespace {
@@ -24,9 +24,9 @@ std::vector<LoopTool> Tools() {
   return {first, second};
 }
 
-// Rendering, 60 mm in front of the plane, then paused.
-struct Paused {
-  Paused() : bench(ServoBench::Params(), 0.06) {
+// A loop that has rendered a free tool, 60 mm in front of the bone's plane, and is now paused.
+struct PausedLoop {
+  PausedLoop() : bench(ServoBench::Params(), 0.06) {
     bench.loop.SetTools(Tools(), 0);
     bench.Run(20);
     bench.Activate();
@@ -40,8 +40,8 @@ struct Paused {
   TickRecord last;
 };
 
-TEST(ServoToolChange, TheJointsStayBitEqualAndTheApexIsTheNewTools) {
-  Paused cell;
+TEST(ServoToolChange, KeepsTheJointsToTheBitAndMovesTheApexToTheNewTools) {
+  PausedLoop cell;
   ASSERT_EQ(cell.bench.loop.state(), CellState::kPaused);
   const JointArray held = cell.last.q_cmd;
   const Pose X_before = cell.last.X_WT_cmd;
@@ -56,20 +56,20 @@ TEST(ServoToolChange, TheJointsStayBitEqualAndTheApexIsTheNewTools) {
   EXPECT_EQ(cell.bench.loop.tool_command().tool_index, 1);
 
   cell.bench.loop.RequestResume();
-  double fastest = 0.0;
+  double max_step_rad = 0.0;
   JointArray before = held;
   for (int i = 0; i < 300; ++i) {
     const TickRecord tick = cell.bench.Tick();
-    fastest = std::max(fastest, MaxJointDifference(tick.q_cmd, before));
+    max_step_rad = std::max(max_step_rad, MaxJointDifference(tick.q_cmd, before));
     before = tick.q_cmd;
     EXPECT_LT(tick.tool_speed_meas_m_per_s, 1e-6);
   }
   EXPECT_TRUE(safety::Renders(cell.bench.loop.state()));
-  EXPECT_LT(fastest, 1e-12) << "nobody pushes";
+  EXPECT_LT(max_step_rad, 1e-12) << "nobody pushes";
   EXPECT_FALSE(cell.bench.loop.faults().Any());
 }
 
-TEST(ServoToolChange, OnlyAPausedLoopTakesIt) {
+TEST(ServoToolChange, HappensOnlyInAPausedLoop) {
   ServoBench bench(ServoBench::Params(), 0.06);
   bench.loop.SetTools(Tools(), 0);
   bench.Run(20);
@@ -96,7 +96,7 @@ TEST(ServoToolChange, OnlyAPausedLoopTakesIt) {
 }
 
 TEST(ServoToolChange, DoesNotAllocate) {
-  Paused cell;
+  PausedLoop cell;
   cell.bench.loop.RequestTool(1);
   {
     const rt::CheckedNoAllocScope scope;
@@ -105,9 +105,10 @@ TEST(ServoToolChange, DoesNotAllocate) {
   EXPECT_EQ(cell.bench.loop.tool_index(), 1);
 }
 
-// A heavier tool on the sensor: with the entry's load it weighs nothing, with the old one it would creep.
-TEST(ServoToolChange, ThePhysicalToolsLoadComesWithIt) {
-  constexpr double kHeavier_kg = 0.0134;  // 44 to 50 mm
+// A heavier tool hangs on the sensor. If the loop subtracts the new tool's weight, the tool rests; if it
+// still subtracted the old tool's weight, the tool would creep down.
+TEST(ServoToolChange, SubtractsTheNewToolsWeightFromTheSensor) {
+  constexpr double kHeavier_kg = 0.0134;  // mass of a 50 mm reamer above that of a 44 mm one
   std::vector<LoopTool> tools = Tools();
   tools[1].sensor.tool_mass_kg += kHeavier_kg;
   for (const bool with_load : {true, false}) {
@@ -134,17 +135,17 @@ TEST(ServoToolChange, ThePhysicalToolsLoadComesWithIt) {
   }
 }
 
-TEST(ServoToolChange, AReplayTakesTheSameTool) {
+TEST(ServoToolChange, AReplayChangesToTheSameTool) {
   ServoBench bench(ServoBench::Params(), 0.06);
   bench.loop.SetTools(Tools(), 0);
-  ServoLoop again(ServoBench::Params(), ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
-                  ServoBench::Arm().ArmAngle(ServoBench::StartJoints()));
-  again.SetTools(Tools(), 0);
+  ServoLoop replay(ServoBench::Params(), ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
+                   ServoBench::Arm().ArmAngle(ServoBench::StartJoints()));
+  replay.SetTools(Tools(), 0);
   ArmCommand command;
   const auto run = [&](int count) {
     for (int i = 0; i < count; ++i) {
       const TickRecord tick = bench.Tick();
-      const TickRecord repeated = ReplayTick(again, tick, bench.model, command);
+      const TickRecord repeated = ReplayTick(replay, tick, bench.model, command);
       ASSERT_EQ(command.q, tick.q_cmd);
       ASSERT_EQ(Pose(repeated.X_WT_cmd).matrix(), Pose(tick.X_WT_cmd).matrix());
       ASSERT_EQ(repeated.input.tool_index, tick.input.tool_index);
@@ -162,10 +163,10 @@ TEST(ServoToolChange, AReplayTakesTheSameTool) {
   bench.loop.RequestResume();
   bench.push_N = 2.0;
   run(500);
-  EXPECT_EQ(again.tool_index(), 1);
+  EXPECT_EQ(replay.tool_index(), 1);
 }
 
-TEST(ServoToolChange, ATableThatCannotBeUsedIsRefused) {
+TEST(ServoToolChange, RefusesAnUnusableToolTable) {
   ServoBench bench;
   EXPECT_THROW(bench.loop.SetTools({}, 0), std::invalid_argument);
   EXPECT_THROW(bench.loop.SetTools(Tools(), 2), std::invalid_argument);

@@ -8,7 +8,8 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/loop/servo_bench.h"
 
-// Zones of flange and elbow, the depth limit, and the limits of energy, in the whole loop.
+// Limits in the whole servo loop: zones of apex, flange and elbow, the depth limit, and limits of energy,
+// speed and power.
 
 namespace osteon::control {
 namespace {
@@ -20,6 +21,7 @@ using safety::ZonePoint;
 using safety::ZoneShape;
 using safety::ZoneSide;
 
+// Elbow, flange and the tool's apex of a posture, in the world [m].
 Vector3 Elbow(const JointArray& q) {
   return ServoBench::Arm().Points(Eigen::Map<const kinematics::JointVector>(q.data())).p_BElbow;
 }
@@ -32,17 +34,18 @@ JointArray StartArray() {
   return q;
 }
 
-// A half-space that ends at a distance before_m ahead of a point, in the direction of `way`.
-ZoneParams Wall(ZonePoint point, const Vector3& p_W, const Vector3& way, double before_m) {
+// A zone for one of the arm's points: the half-space whose wall is distance_m away from p_W in direction
+// way_W.
+ZoneParams Wall(ZonePoint point, const Vector3& p_W, const Vector3& way_W, double distance_m) {
   return {.shape = ZoneShape::kHalfSpace,
           .side = ZoneSide::kKeepIn,
           .point = point,
-          .p_W_m = p_W + before_m * way,
-          .R_W = RotationFromZTo(-way)};
+          .p_W_m = p_W + distance_m * way_W,
+          .R_W = RotationFromZTo(-way_W)};
 }
 
-// A hand pushes and tips the tool at random.
-TEST(ServoZones, FlangeAndElbowStayInTheirs) {
+// A hand pushes the tool at random, mostly toward a wall that is 10 mm from the flange or the elbow.
+TEST(ServoZones, FlangeAndElbowStayInTheirZones) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   const JointArray start = StartArray();
@@ -50,22 +53,22 @@ TEST(ServoZones, FlangeAndElbowStayInTheirs) {
     const Vector3 p_W = point == ZonePoint::kFlange ? Flange(start) : Elbow(start);
     std::uint64_t acted = 0;
     for (int i = 0; i < 6; ++i) {
-      const Vector3 way = Vector3(any(random), any(random), any(random)).normalized();
+      const Vector3 toward_wall_W = Vector3(any(random), any(random), any(random)).normalized();
       ServoParams params = ServoBench::Params();
       params.workspace.sphere_radius_m = 0.5;
       params.workspace.plane_offset_m = -1.0;
-      params.workspace.zones = {Wall(point, p_W, way, 0.01)};
+      params.workspace.zones = {Wall(point, p_W, toward_wall_W, 0.01)};
       ServoBench bench(params, 10.0);
       bench.Run(3);
       bench.Activate();
       for (int tick = 0; tick < 1500; ++tick) {
         if (tick % 250 == 0) {
-          bench.side_W_N = 40.0 * way + 30.0 * Vector3(any(random), any(random), any(random));
+          bench.side_W_N = 40.0 * toward_wall_W + 30.0 * Vector3(any(random), any(random), any(random));
           bench.push_N = 30.0 * any(random);
         }
         const TickRecord record = bench.Tick();
         const Vector3 now = point == ZonePoint::kFlange ? Flange(record.q_cmd) : Elbow(record.q_cmd);
-        ASSERT_LE((now - p_W).dot(way), 0.01 + 1e-8) << "wall " << i << ", tick " << tick;
+        ASSERT_LE((now - p_W).dot(toward_wall_W), 0.01 + 1e-8) << "wall " << i << ", tick " << tick;
       }
       EXPECT_FALSE(bench.loop.faults().Any());
       acted += bench.loop.statistics().limits.Of(Limit::kZones).ticks;
@@ -74,7 +77,7 @@ TEST(ServoZones, FlangeAndElbowStayInTheirs) {
   }
 }
 
-Vector3 Place(ZonePoint point, const JointArray& q) {
+Vector3 PositionOf(ZonePoint point, const JointArray& q) {
   if (point == ZonePoint::kElbow) return Elbow(q);
   if (point == ZonePoint::kFlange) return Flange(q);
   return (ServoBench::Arm().FlangePose(Eigen::Map<const kinematics::JointVector>(q.data())) *
@@ -82,23 +85,24 @@ Vector3 Place(ZonePoint point, const JointArray& q) {
       .translation();
 }
 
-// A wall 20 mm from one of the arm's points, in +y.
-ServoParams Beside(ZonePoint point) {
+// A wall 20 mm in +y from where one of the arm's points starts.
+ServoParams WithWallBeside(ZonePoint point) {
   ServoParams params = ServoBench::Params();
   params.workspace.sphere_radius_m = 0.5;
   params.workspace.plane_offset_m = -1.0;
-  params.workspace.zones = {Wall(point, Place(point, StartArray()), Vector3::UnitY(), 0.02)};
+  params.workspace.zones = {Wall(point, PositionOf(point, StartArray()), Vector3::UnitY(), 0.02)};
   return params;
 }
-double Past(ZonePoint point, const JointArray& q) {
-  return (Place(point, q) - Place(point, StartArray())).y() - 0.02;
+// How far the point is beyond that wall [m]; negative inside its zone.
+double DistancePastWall_m(ZonePoint point, const JointArray& q) {
+  return (PositionOf(point, q) - PositionOf(point, StartArray())).y() - 0.02;
 }
 
-// A stop at any moment of the tool's path, with rotation: all three points end inside.
-TEST(ServoZones, AStopEndsInsideThem) {
+// A stop at any moment while a hand pushes the tool to the wall: each point comes to rest inside its zone.
+TEST(ServoZones, AStopEndsInsideTheZones) {
   for (const ZonePoint point : {ZonePoint::kApex, ZonePoint::kFlange, ZonePoint::kElbow})
     for (int moment = 40; moment < 400; moment += 40) {
-      ServoParams params = Beside(point);
+      ServoParams params = WithWallBeside(point);
       // the rotation stops later than the distance to the wall allows
       params.stop_deceleration_rad_per_s2 = 2.0;
       ServoBench bench(params, 10.0);
@@ -108,16 +112,16 @@ TEST(ServoZones, AStopEndsInsideThem) {
       bench.Run(moment);
       bench.loop.RequestStop();
       for (int tick = 0; tick < 1500; ++tick)
-        ASSERT_LE(Past(point, bench.Tick().q_cmd), 1e-8)
+        ASSERT_LE(DistancePastWall_m(point, bench.Tick().q_cmd), 1e-8)
             << static_cast<int>(point) << " stopped at " << moment;
       EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
     }
 }
 
-// The same for a stop along the joints, whose ramp takes its full time however near the wall is.
-TEST(ServoZones, AStopAlongTheJointsEndsInsideThem) {
+// A stop may also brake each joint by a ramp of fixed time, however near the wall is: it ends inside as well.
+TEST(ServoZones, AStopAlongTheJointsEndsInsideTheZones) {
   for (const ZonePoint point : {ZonePoint::kApex, ZonePoint::kFlange, ZonePoint::kElbow}) {
-    ServoParams params = Beside(point);
+    ServoParams params = WithWallBeside(point);
     params.joint_stop_s = 0.5;
     for (int moment = 20; moment < 200; moment += 20) {
       const auto arm = MakeFollower(params, ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
@@ -130,15 +134,16 @@ TEST(ServoZones, AStopAlongTheJointsEndsInsideThem) {
         ASSERT_EQ(arm->Follow({.V_WT = {.v = v, .w = Vector3::Zero()}}).fault, Fault::kNone);
       }
       for (int tick = 0; tick < 600 && !arm->BrakeJoints(); ++tick)
-        ASSERT_LE(Past(point, arm->q()), 1e-8) << static_cast<int>(point) << " stopped at " << moment;
-      EXPECT_LE(Past(point, arm->q()), 1e-8);
+        ASSERT_LE(DistancePastWall_m(point, arm->q()), 1e-8)
+            << static_cast<int>(point) << " stopped at " << moment;
+      EXPECT_LE(DistancePastWall_m(point, arm->q()), 1e-8);
     }
   }
 }
 
-// Such a stop also ends before the depth limit, whose bound is not one of the cell's zones.
+// A stop along the joints also ends before the depth limit, whose bound is not one of the cell's zones.
 TEST(ServoZones, AStopAlongTheJointsEndsBeforeTheDepthLimit) {
-  ServoParams params = Beside(ZonePoint::kApex);
+  ServoParams params = WithWallBeside(ZonePoint::kApex);
   params.depth = {.acts = true, .bound = params.workspace.zones.front()};
   params.workspace.zones.clear();
   params.joint_stop_s = 0.5;
@@ -152,7 +157,7 @@ TEST(ServoZones, AStopAlongTheJointsEndsBeforeTheDepthLimit) {
     ASSERT_EQ(arm->Follow({.V_WT = {.v = v, .w = Vector3::Zero()}}).fault, Fault::kNone);
   }
   for (int tick = 0; tick < 600 && !arm->BrakeJoints(); ++tick)
-    ASSERT_LE(Past(ZonePoint::kApex, arm->q()), 1e-8) << tick;
+    ASSERT_LE(DistancePastWall_m(ZonePoint::kApex, arm->q()), 1e-8) << tick;
 }
 
 TEST(ServoZones, ADepthLimitResistsThenStopsTheSpindleThenHolds) {
@@ -179,7 +184,7 @@ TEST(ServoZones, ADepthLimitResistsThenStopsTheSpindleThenHolds) {
       record = bench.Tick();
     }
   };
-  press(0.0, 30.0);  // 10 kN/m hold this at 3 mm
+  press(0.0, 30.0);  // a spring of 10 kN/m holds 30 N at 3 mm in the soft zone, 9 mm from the start
   EXPECT_NEAR(depth_m(record), 0.009, 0.2e-3);
   EXPECT_EQ(bench.loop.cell_commands().spindle_rad_per_s, 20.0);
   EXPECT_TRUE(safety::LimitSet(record.limits).Has(Limit::kDepth));
@@ -196,30 +201,33 @@ TEST(ServoZones, ADepthLimitResistsThenStopsTheSpindleThenHolds) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-// Held against the bone, 100 N: 1 J in a spring of 5 kN/m.
-TEST(ServoLimits, AStoredEnergyBoundsTheForce) {
-  const auto most_N = [](double energy_J, double stiffness_N_per_m) {
+// A hand presses with 100 N, which stores 1 J in a spring of 5 kN/m. With a limit E the force stays below
+// sqrt(2 k E).
+TEST(ServoLimits, TheLimitOfStoredEnergyBoundsTheForce) {
+  const auto max_force_N = [](double energy_J, double stiffness_N_per_m) {
     ServoParams params = ServoBench::Params();
     params.coupling.max_stiffness_N_per_m = stiffness_N_per_m;
     params.energy.max_stored_J = energy_J;
     ServoBench bench(params, 0.001);
     bench.Run(3);
     bench.Activate();
-    double most = 0.0;
+    double max_N = 0.0;
     for (int tick = 0; tick < 3000; ++tick) {
       bench.push_N = std::min(100.0, 0.05 * tick);
-      most = std::max(most, Vector3(bench.Tick().F_coupling_T_W.f).norm());
+      max_N = std::max(max_N, Vector3(bench.Tick().F_coupling_T_W.f).norm());
     }
     EXPECT_FALSE(bench.loop.faults().Any());
-    EXPECT_EQ(bench.loop.statistics().limits.Of(Limit::kStoredEnergy).ticks > 0, most < 99.0);
-    return most;
+    EXPECT_EQ(bench.loop.statistics().limits.Of(Limit::kStoredEnergy).ticks > 0, max_N < 99.0);
+    return max_N;
   };
-  EXPECT_NEAR(most_N(0.25, 5e3), std::sqrt(2.0 * 5e3 * 0.25), 1e-6);
-  EXPECT_GT(most_N(1.5, 5e3), 99.0) << "more than the hand asks for";
+  EXPECT_NEAR(max_force_N(0.25, 5e3), std::sqrt(2.0 * 5e3 * 0.25), 1e-6);
+  EXPECT_GT(max_force_N(1.5, 5e3), 99.0) << "more than the hand asks for";
 }
 
-TEST(ServoLimits, TheTightestBoundOfASpeedHolds) {
-  const auto most_m_per_s = [](double energy_J, std::uint8_t mode) {
+// Three bounds of the tool's speed: the cell's 0.4 m/s, 0.25 m/s in mode T1 (0), and that of the kinetic
+// energy.
+TEST(ServoLimits, TheTightestBoundOfTheToolsSpeedHolds) {
+  const auto peak_speed_m_per_s = [](double energy_J, std::uint8_t mode) {
     ServoParams params = ServoBench::Params();
     params.twist.max_speed_m_per_s = 0.4;
     params.model_sight_m = 5e-3;  // frames are 2 ms old
@@ -236,13 +244,15 @@ TEST(ServoLimits, TheTightestBoundOfASpeedHolds) {
     return bench.loop.statistics().peak_tool_speed_m_per_s;
   };
   const double infinite = std::numeric_limits<double>::infinity();
-  EXPECT_NEAR(most_m_per_s(infinite, 2), 0.4, 1e-3) << "the cell's";
-  EXPECT_NEAR(most_m_per_s(infinite, 0), 0.25, 1e-3) << "reduced speed in T1";
-  EXPECT_NEAR(most_m_per_s(0.2, 2), 0.2, 1e-3) << "10 kg at .2 m/s";
-  EXPECT_NEAR(most_m_per_s(0.2, 0), 0.2, 1e-3);
+  EXPECT_NEAR(peak_speed_m_per_s(infinite, 2), 0.4, 1e-3) << "the cell's";
+  EXPECT_NEAR(peak_speed_m_per_s(infinite, 0), 0.25, 1e-3) << "reduced speed in T1";
+  EXPECT_NEAR(peak_speed_m_per_s(0.2, 2), 0.2, 1e-3) << "10 kg at .2 m/s";
+  EXPECT_NEAR(peak_speed_m_per_s(0.2, 0), 0.2, 1e-3);
 }
 
-TEST(ServoLimits, TheElbowHasASpeedOfItsOwn) {
+// The elbow moves at most 0.02 mm in a tick of 1 ms, by its limit of 0.02 m/s, however hard the hand pushes
+// the tool.
+TEST(ServoLimits, TheElbowKeepsItsOwnSpeedLimit) {
   ServoParams params = ServoBench::Params();
   params.workspace.sphere_radius_m = 0.5;
   params.max_elbow_speed_m_per_s = 0.02;
@@ -261,11 +271,10 @@ TEST(ServoLimits, TheElbowHasASpeedOfItsOwn) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-// A spring that throws the tool back gives the hand at most the permitted power. Measured as the rendered
-// wrench's work on the commanded tool in each tick, from the poses before and after it instead of a velocity
-// that a limit has seen.
+// A spring that throws the tool back gives the hand at most the permitted power. The power is measured from
+// the commanded poses before and after each tick, independently of the velocity that the limit uses.
 TEST(ServoLimits, PowerIntoTheHandIsBounded) {
-  const auto most_W = [](double limit_W) {
+  const auto max_power_W = [](double limit_W) {
     ServoParams params = ServoBench::Params();
     params.energy.max_power_W = limit_W;
     ServoBench bench(params, 0.001);
@@ -274,7 +283,7 @@ TEST(ServoLimits, PowerIntoTheHandIsBounded) {
     bench.push_N = 150.0;
     bench.Run(2000);
     bench.push_N = 0.0;  // released
-    double most = 0.0;
+    double max_W = 0.0;
     Pose before = bench.loop.tool_command().X_WT;
     for (int tick = 0; tick < 300; ++tick) {
       const TickRecord record = bench.Tick();
@@ -283,18 +292,18 @@ TEST(ServoLimits, PowerIntoTheHandIsBounded) {
       const Vector3 turned = LogRotation(after.linear() * before.linear().transpose());
       const double work_J =
           Vector3(record.F_coupling_T_W.f).dot(moved) + Vector3(record.F_coupling_T_W.t).dot(turned);
-      most = std::max(most, work_J / 1e-3);
+      max_W = std::max(max_W, work_J / 1e-3);
       before = after;
     }
-    return most;
+    return max_W;
   };
-  EXPECT_GT(most_W(std::numeric_limits<double>::infinity()), 20.0) << "there is something to bound";
-  // within a thousandth: the joints round the tool's motion
-  EXPECT_LE(most_W(12.0), 12.0 * 1.001);
-  EXPECT_LE(most_W(5.0), 5.0 * 1.001);
+  EXPECT_GT(max_power_W(std::numeric_limits<double>::infinity()), 20.0) << "there is something to bound";
+  // 0.1 % tolerance: the tool's motion follows from joint positions that are rounded
+  EXPECT_LE(max_power_W(12.0), 12.0 * 1.001);
+  EXPECT_LE(max_power_W(5.0), 5.0 * 1.001);
 }
 
-TEST(ServoZones, TheTickAllocatesNothingWithAllOfThem) {
+TEST(ServoZones, TheTickAllocatesNothingWithZonesAndDepthLimit) {
   ServoParams params = ServoBench::Params();
   const JointArray start = StartArray();
   params.workspace.zones = {Wall(ZonePoint::kFlange, Flange(start), Vector3::UnitY(), 1e-3),

@@ -6,11 +6,12 @@
 
 namespace osteon::control {
 
-/// The parts of a loop that start and end a motion, by the admittance law.
+/// The parts of a servo loop that start and end a motion, connected as in the loop, with the admittance law.
 struct StartRig {
   explicit StartRig(const ServoParams& p = ServoBench::Params()) : params(p) {}
 
-  /// A message of the standing arm, and what a start makes of it. @returns whether rendering begins
+  /// Handles one message of the standing arm, 1 ms after the last, and starts a motion if permitted.
+  /// @returns whether rendering begins
   bool Tick() {
     now += rt::kMillisecond;
     readings.force.stamp = now;

@@ -9,9 +9,10 @@ namespace {
 
 using safety::CellAction, safety::CellEvent, safety::CellState, safety::Fault;
 
-// Rendering, with a tool that moves at half of 0.1 m/s.
-struct Moving : StartRig {
-  Moving() {
+// A rendering loop whose commanded tool moves at 0.05 m/s: half of 0.1 m/s, because the motion is half faded
+// in.
+struct MovingToolRig : StartRig {
+  MovingToolRig() {
     actions.ApplyEvent(CellEvent::kArmSeen);
     actions.ApplyEvent(CellEvent::kPermitsHold);
     EXPECT_EQ(actions.ApplyEvent(CellEvent::kBeginRendering), CellAction::kBeginRendering);
@@ -21,7 +22,7 @@ struct Moving : StartRig {
 };
 
 TEST(StateActions, AFaultBrakesTheToolFromItsVelocityUntilItRests) {
-  Moving rig;
+  MovingToolRig rig;
   rig.actions.StopWith(Fault::kWorkspace);
   EXPECT_EQ(rig.supervisor.state(), CellState::kStop1);
   EXPECT_EQ(rig.tool.Velocity().v, Vector3(0.05, 0.0, 0.0));
@@ -34,7 +35,7 @@ TEST(StateActions, AFaultBrakesTheToolFromItsVelocityUntilItRests) {
 }
 
 TEST(StateActions, AnOrderlyStopEndsWithoutAFault) {
-  Moving rig;
+  MovingToolRig rig;
   rig.actions.ApplyEvent(CellEvent::kStopRequested);
   EXPECT_EQ(rig.supervisor.state(), CellState::kStop1);
   rig.actions.FinishStop();
@@ -43,8 +44,8 @@ TEST(StateActions, AnOrderlyStopEndsWithoutAFault) {
   EXPECT_NE(rig.supervisor.state(), CellState::kFault);
 }
 
-TEST(StateActions, AnArmThatLeftIsHeld) {
-  Moving rig;
+TEST(StateActions, AnArmThatLeftCommandModeEndsRendering) {
+  MovingToolRig rig;
   rig.supervisor.Latch(Fault::kSession);
   rig.actions.ApplyEvent(CellEvent::kArmLeft);
   EXPECT_FALSE(safety::Renders(rig.supervisor.state()));

@@ -10,8 +10,9 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kLonger_m = 0.001;
+constexpr double kLonger_m = 0.001;  // the second tool's apex is this much further from the flange
 
+// The second tool is longer and has guidance, the first has none.
 std::vector<LoopTool> TwoTools() {
   LoopTool first{.X_FT = ServoBench::FlangeToTool(), .sensor = ServoBench::Params().sensor};
   LoopTool second = first;
@@ -36,7 +37,7 @@ TEST(ToolTable, SelectsAnotherToolByItsIndex) {
   EXPECT_TRUE(table.guidance());
 }
 
-TEST(ToolTable, RefusesWithoutChange) {
+TEST(ToolTable, RefusesABadTableAndKeepsThePresentOne) {
   ToolTable table;
   table.Set(TwoTools(), 1, ServoBench::Params());
   EXPECT_THROW(table.Set({}, 0, ServoBench::Params()), std::invalid_argument);

@@ -23,6 +23,7 @@ const ForceSensorParams kSensor{.X_FS =
                                 .tool_mass_kg = 1.2,
                                 .tool_center_F_m = Vector3(0.01, 0.02, 0.12)};
 
+// The flange at a fixed place, turned about a fixed oblique axis.
 Pose Flange(double turn_rad) {
   Pose X_WF = Pose::Identity();
   X_WF.linear() = ExpRotation(turn_rad * Vector3(1.0, 2.0, -2.0) / 3.0);
@@ -34,9 +35,10 @@ Wrench Sum(const Wrench& a, const Wrench& b) { return {.f = a.f + b.f, .t = a.t 
 
 const Wrench kBias{.f = {3.0, -4.0, 0.0}, .t = {0.2, 0.1, -0.3}};
 
-// Rests for a time with a bias, noise and a hand.
-void Hang(BiasEstimator& estimator, double seconds, const Wrench& bias, double noise_N = 0.0,
-          double turn_rad = 0.3) {
+// Gives the estimator the readings of a tool that hangs still, with a bias and noise (of the torque: 0.05 Nm
+// for 1 N).
+void HangStill(BiasEstimator& estimator, double seconds, const Wrench& bias, double noise_N = 0.0,
+               double turn_rad = 0.3) {
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0.0, 1.0);
   for (int i = 0; i < static_cast<int>(seconds / kDt_s); ++i) {
@@ -49,21 +51,22 @@ void Hang(BiasEstimator& estimator, double seconds, const Wrench& bias, double n
   }
 }
 
-// The hand's wrench is the sensor's reading less the tool's weight: each law is the other's oracle.
-TEST(BiasEstimator, TheToolsWeightIsWhatTheHandsWrenchTakesOut) {
+// ToolWeight and HandWrench check each other: a reading of the tool's weight alone leaves no wrench of a
+// hand.
+TEST(BiasEstimator, HandWrenchOfTheToolsWeightAloneIsZero) {
   const Pose X_WF = Flange(1.1);
   const Wrench F = HandWrench(kSensor, ToolWeight(kSensor, X_WF), X_WF, X_WF * Vector3(0.0, 0.0, 0.3));
   EXPECT_LT(F.f.norm(), 1e-14);
   EXPECT_LT(F.t.norm(), 1e-14);
 }
 
-// HandWrench removes a calibrated bias; the estimate contains only the change since.
-TEST(BiasEstimator, ACalibratedBiasIsNotTakenTwice) {
+// HandWrench already removes the calibrated bias, so the estimate may contain only its change since.
+TEST(BiasEstimator, ACalibratedBiasIsNotSubtractedTwice) {
   ForceSensorParams calibrated = kSensor;
   calibrated.bias_S = kBias;
   const Wrench since{.f = {0.0, 0.5, 0.0}, .t = {0.0, 0.0, 0.1}};
   BiasEstimator estimator({}, calibrated, kDt_s);
-  Hang(estimator, 1.0, Sum(kBias, since));
+  HangStill(estimator, 1.0, Sum(kBias, since));
   EXPECT_LT((estimator.bias().f - since.f).norm(), 1e-9);
   EXPECT_LT((estimator.bias().t - since.t).norm(), 1e-9);
   const Pose X_WF = Flange(0.3);
@@ -75,21 +78,22 @@ TEST(BiasEstimator, ACalibratedBiasIsNotTakenTwice) {
   EXPECT_LT(hand.t.norm(), 1e-9);
 }
 
-TEST(BiasEstimator, ABiasAtRestIsTakenToWithinTheMeanOfTheNoise) {
+TEST(BiasEstimator, EstimatesTheBiasAtRestToWithinTheNoisesMean) {
   BiasEstimator estimator({}, kSensor, kDt_s);
-  Hang(estimator, 1.0, kBias, 0.1);
-  // a mean over rest_s of samples by axis: 0.1 / sqrt(500), with four standard deviations
+  HangStill(estimator, 1.0, kBias, 0.1);
+  // the mean of 500 samples (rest_s) has a standard deviation of 0.1 / sqrt(500) an axis; four of them are
+  // allowed
   EXPECT_LT((estimator.bias().f - kBias.f).norm(), 4.0 * std::sqrt(3.0) * 0.1 / std::sqrt(500.0));
   EXPECT_LT((estimator.bias().t - kBias.t).norm(), 4.0 * std::sqrt(3.0) * 0.005 / std::sqrt(500.0));
 }
 
-TEST(BiasEstimator, TooShortARestSaysNothing) {
+TEST(BiasEstimator, ARestThatIsTooShortGivesNoBias) {
   BiasEstimator estimator({}, kSensor, kDt_s);
-  Hang(estimator, 0.4, kBias);
+  HangStill(estimator, 0.4, kBias);
   EXPECT_EQ(estimator.bias().f, Vector3::Zero());
 }
 
-TEST(BiasEstimator, WhatMovesOrIsTouchedIsNoRest) {
+TEST(BiasEstimator, AMovingOrTouchedToolGivesNoBias) {
   BiasEstimator moved({}, kSensor, kDt_s);
   for (int i = 0; i < 2000; ++i)
     moved.AddReading(Sum(kBias, ToolWeight(kSensor, Flange(1e-5 * i))), Flange(1e-5 * i));  // 0.01 rad/s
@@ -103,31 +107,31 @@ TEST(BiasEstimator, WhatMovesOrIsTouchedIsNoRest) {
   EXPECT_EQ(touched.bias().f, Vector3::Zero());
 }
 
-TEST(BiasEstimator, TheLastRestThatWasBelievedCounts) {
+TEST(BiasEstimator, KeepsTheBiasOfTheLastAcceptedRest) {
   BiasEstimator estimator({}, kSensor, kDt_s);
-  Hang(estimator, 1.0, kBias);
-  const Wrench believed = estimator.bias();
-  EXPECT_LT((believed.f - kBias.f).norm(), 1e-12);
-  Hang(estimator, 2.0,
-       {.f = {20.0, 0.0, 0.0}, .t = Vector3::Zero()});  // a hand that leans on it, or a broken sensor
-  EXPECT_EQ(estimator.bias().f, believed.f);
+  HangStill(estimator, 1.0, kBias);
+  const Wrench accepted = estimator.bias();
+  EXPECT_LT((accepted.f - kBias.f).norm(), 1e-12);
+  HangStill(estimator, 2.0,
+            {.f = {20.0, 0.0, 0.0}, .t = Vector3::Zero()});  // a hand that leans on it, or a broken sensor
+  EXPECT_EQ(estimator.bias().f, accepted.f);
   estimator.AddReading(
       {.f = Vector3::Constant(std::numeric_limits<double>::quiet_NaN()), .t = Vector3::Zero()}, Flange(0.3));
-  EXPECT_EQ(estimator.bias().f, believed.f);
+  EXPECT_EQ(estimator.bias().f, accepted.f);
 }
 
-TEST(BiasEstimator, ARestBeyondTheBoundIsInDoubtUntilOneWithinItIsBelieved) {
+TEST(BiasEstimator, ABiasBeyondTheBoundIsInDoubtUntilARestWithinIt) {
   BiasEstimator estimator({.max_bias_N = 2.0}, kSensor, kDt_s);
-  Hang(estimator, 1.0, kBias);
+  HangStill(estimator, 1.0, kBias);
   EXPECT_TRUE(estimator.in_doubt());
   EXPECT_EQ(estimator.bias().f.norm(), 0.0);
-  Hang(estimator, 0.3, {});
+  HangStill(estimator, 0.3, {});
   EXPECT_TRUE(estimator.in_doubt()) << "too short";
-  Hang(estimator, 0.3, {});
+  HangStill(estimator, 0.3, {});
   EXPECT_FALSE(estimator.in_doubt());
 }
 
-TEST(BiasEstimator, TheBoundIsWhatTheLawsDragBearsAtACreep) {
+TEST(BiasEstimator, TheBoundIsTheDeadZonePlusTheSmallestDragAtCreepSpeed) {
   AdmittanceParams law;
   law.damping_Ns_per_m = {30.0, 20.0, 40.0};
   law.dead_zone_N = 0.5;
@@ -136,13 +140,13 @@ TEST(BiasEstimator, TheBoundIsWhatTheLawsDragBearsAtACreep) {
   EXPECT_EQ(CreepBound({.max_bias_N = 0.7, .max_creep_m_per_s = 0.05}, law).max_bias_N, 0.7);
 }
 
-TEST(BiasEstimator, SwitchedOffItTakesNothing) {
+TEST(BiasEstimator, EstimatesNoBiasWhenSwitchedOff) {
   BiasEstimator estimator({.acts = false}, kSensor, kDt_s);
-  Hang(estimator, 2.0, kBias);
+  HangStill(estimator, 2.0, kBias);
   EXPECT_EQ(estimator.bias().f, Vector3::Zero());
 }
 
-TEST(BiasEstimator, RefusesWhatItCanNotBe) {
+TEST(BiasEstimator, RefusesParametersOutOfRange) {
   EXPECT_THROW(BiasEstimator({.rest_s = 0.0}, kSensor, kDt_s), std::invalid_argument);
   EXPECT_THROW(BiasEstimator({.max_bias_N = -1.0}, kSensor, kDt_s), std::invalid_argument);
 }

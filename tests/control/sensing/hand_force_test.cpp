@@ -11,20 +11,22 @@ namespace {
 
 constexpr double kPeriod_s = 1e-3;
 
-ServoParams WithATool() {
+// Parameters with a tool of 1.2 kg on the force sensor.
+ServoParams ParamsWithTool() {
   ServoParams params = ServoBench::Params();
   params.sensor.tool_mass_kg = 1.2;
   params.sensor.tool_center_F_m = Vector3(0.0, 0.01, 0.1);
   return params;
 }
 
+// The tool's start pose, moved along x of the world.
 Pose ToolAt(double x_m) {
   Pose X_WT = ServoBench::StartPose();
   X_WT.translation().x() += x_m;
   return X_WT;
 }
 
-// As the sensor reads a hand's push along x of the world while the tool hangs at rest.
+// The sensor's reading while the tool hangs at rest and a hand pushes at its apex along x of the world.
 ForceReading Reading(const ServoParams& params, double push_N, const Wrench& bias = {}) {
   const Pose X_WF = ToolAt(0.0) * ServoBench::FlangeToTool().inverse();
   Wrench F_S = ToolWeight(params.sensor, X_WF);
@@ -35,15 +37,15 @@ ForceReading Reading(const ServoParams& params, double push_N, const Wrench& bia
 }
 
 TEST(HandForce, IsTheHandsPushWithoutTheToolsWeight) {
-  const ServoParams params = WithATool();
+  const ServoParams params = ParamsWithTool();
   HandForce hand(params, ServoBench::FlangeToTool());
   const Wrench F = hand.ComputeHandWrench(Reading(params, 30.0), 0.0, ToolAt(0.0), kPeriod_s);
   EXPECT_NEAR((F.f - Vector3(30.0, 0.0, 0.0)).norm(), 0.0, 1e-9);
   EXPECT_NEAR(F.t.norm(), 0.0, 1e-9) << "it pushes at the tool's apex";
 }
 
-TEST(HandForce, IsNothingWithoutAReadingThatCanBeTrusted) {
-  const ServoParams params = WithATool();
+TEST(HandForce, IsZeroWithoutAFreshAndTrustedReading) {
+  const ServoParams params = ParamsWithTool();
   HandForce hand(params, ServoBench::FlangeToTool());
   ForceReading reading = Reading(params, 30.0);
   EXPECT_EQ(hand.ComputeHandWrench(reading, safety::kNoAge_s, ToolAt(0.0), kPeriod_s).f, Vector3::Zero());
@@ -51,9 +53,10 @@ TEST(HandForce, IsNothingWithoutAReadingThatCanBeTrusted) {
   EXPECT_EQ(hand.ComputeHandWrench(reading, 0.0, ToolAt(0.0), kPeriod_s).f, Vector3::Zero());
 }
 
-TEST(HandForce, TakesTheBiasOfARestOutOfEveryReading) {
-  ServoParams params = WithATool();
-  params.admittance.dead_zone_N = 3.0;  // a bias may be as large as the dead zone, and a creeping tool's drag
+TEST(HandForce, SubtractsTheBiasOfARestFromEveryReading) {
+  ServoParams params = ParamsWithTool();
+  // the accepted bias is at most the dead zone plus the drag of a creeping tool
+  params.admittance.dead_zone_N = 3.0;
   params.admittance.dead_zone_Nm = 0.1;
   HandForce hand(params, ServoBench::FlangeToTool());
   const Wrench bias{.f = {2.0, -1.0, 0.5}, .t = {0.05, 0.0, 0.0}};
@@ -64,19 +67,20 @@ TEST(HandForce, TakesTheBiasOfARestOutOfEveryReading) {
   EXPECT_NEAR((F.f - Vector3(30.0, 0.0, 0.0)).norm(), 0.0, 1e-6);
 }
 
-TEST(HandForce, AReadingBeyondABiasIsAHandOnTheHandle) {
-  const ServoParams params = WithATool();
+TEST(HandForce, APushBeyondTheLargestBiasIsNotTakenForABias) {
+  const ServoParams params = ParamsWithTool();
   HandForce hand(params, ServoBench::FlangeToTool());
   for (int i = 0; i < 600; ++i) hand.EstimateBias(Reading(params, 40.0), ToolAt(0.0));
   EXPECT_TRUE(hand.bias_in_doubt());
   EXPECT_EQ(hand.bias().f, Vector3::Zero());
 }
 
-// The tool's acceleration takes a force that is no hand's; the time between two messages counts.
-TEST(HandForce, AShareOfTheToolsInertiaIsTakenOutByTheTimeBetweenMessages) {
-  ServoParams params = WithATool();
+// A sensor also measures the force that accelerates the tool. The loop subtracts inertia_share of it, and
+// finds the acceleration from poses and the time between two messages, whatever that time is.
+TEST(HandForce, SubtractsAShareOfTheToolsInertiaAtAnyMessagePeriod) {
+  ServoParams params = ParamsWithTool();
   params.sensor.inertia_share = 0.5;
-  const auto push_seen = [&](double period_s) {
+  const auto push_after_acceleration = [&](double period_s) {
     HandForce hand(params, ServoBench::FlangeToTool());
     hand.ResetMotion(ToolAt(0.0));
     Wrench F;
@@ -87,8 +91,8 @@ TEST(HandForce, AShareOfTheToolsInertiaIsTakenOutByTheTimeBetweenMessages) {
     }
     return F.f.x();
   };
-  EXPECT_NEAR(push_seen(1e-3), 0.5 * 1.2 * 2.0, 0.05);
-  EXPECT_NEAR(push_seen(4e-3), push_seen(1e-3), 0.05);
+  EXPECT_NEAR(push_after_acceleration(1e-3), 0.5 * 1.2 * 2.0, 0.05);
+  EXPECT_NEAR(push_after_acceleration(4e-3), push_after_acceleration(1e-3), 0.05);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kDt_s = 0.001;
 
-// A tool of four point masses: Newton's law for each is the only oracle.
+// A tool of four point masses. The oracle of the tests is Newton's law for each of them.
 struct Point {
   double kg;
   Vector3 p_F_m;
@@ -26,6 +26,7 @@ const std::array<Point, 4> kPoints{{{0.4, {0.02, 0.0, 0.08}},
                                     {0.2, {0.01, -0.04, 0.20}},
                                     {0.5, {0.0, 0.01, 0.05}}}};
 
+// A sensor with that tool's mass, centre and inertia.
 ForceSensorParams Sensor() {
   ForceSensorParams sensor;
   Vector3 sum = Vector3::Zero();
@@ -44,7 +45,7 @@ ForceSensorParams Sensor() {
   return sensor;
 }
 
-TEST(ToolInertia, IsNewtonsLawForEveryPointOfTheTool) {
+TEST(ToolInertia, EqualsTheSumOfNewtonsLawOverTheToolsPoints) {
   MeasuredMotion motion;
   motion.X.linear() = ExpRotation({0.4, -0.7, 0.2});
   motion.X.translation() = Vector3(0.5, 0.1, 0.4);
@@ -63,8 +64,9 @@ TEST(ToolInertia, IsNewtonsLawForEveryPointOfTheTool) {
   EXPECT_LT((found.t - wanted.t).norm(), 1e-13 * wanted.t.norm());
 }
 
-// A swing of known acceleration: slow relative to the filters' corner, and late by their lag.
-TEST(ToolInertia, TheMotionIsThatOfThePosesLateByItsFilters) {
+// A swing with a known acceleration, at 1 Hz far below the filters' corner of 40 Hz. The estimate is late by
+// the filters' lag and one tick.
+TEST(ToolInertia, TheEstimatedAccelerationIsTheTrueOneDelayedByTheFilters) {
   const double hz = 1.0, w = 2.0 * std::numbers::pi * hz, filter_hz = 40.0;
   const auto pose = [&](double t) {
     Pose X = Pose::Identity();
@@ -84,7 +86,7 @@ TEST(ToolInertia, TheMotionIsThatOfThePosesLateByItsFilters) {
   }
 }
 
-TEST(ToolInertia, RefusesSharesBeyondTheWhole) {
+TEST(ToolInertia, RefusesParametersOutOfRange) {
   ForceSensorParams sensor;
   sensor.inertia_share = 1.01;
   EXPECT_THROW(Validate(sensor), std::invalid_argument);
@@ -95,8 +97,9 @@ TEST(ToolInertia, RefusesSharesBeyondTheWhole) {
   EXPECT_THROW(Validate(sensor), std::invalid_argument);
 }
 
-// An arm that moves on while messages get lost: the longer distance between two messages is no jolt.
-TEST(ToolInertia, ALostMessageIsNoJolt) {
+// An arm moves steadily while every 20th message gets lost. The double distance between the messages around
+// the gap must not count as an acceleration.
+TEST(ToolInertia, ALostMessageDoesNotCountAsAcceleration) {
   ServoParams params = ServoBench::Params();
   params.sensor = Sensor();
   params.sensor.inertia_share = 0.8;

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
+// Rotation about x, then y, then z of the fixed frame.
 Matrix3 Turn(double x_deg, double y_deg, double z_deg) {
   return (Eigen::AngleAxisd(z_deg * kDegree, Vector3::UnitZ()) *
           Eigen::AngleAxisd(y_deg * kDegree, Vector3::UnitY()) *
@@ -22,16 +23,19 @@ Matrix3 Turn(double x_deg, double y_deg, double z_deg) {
       .toRotationMatrix();
 }
 
+// Orientations of the sensor that turn gravity about two axes and more.
 const std::vector<Matrix3> kTurns{Turn(180, 0, 0),  Turn(150, 10, 5), Turn(200, -20, 30),
                                   Turn(180, 35, 0), Turn(120, 0, 80), Turn(170, -35, -60)};
 
+// A payload on the sensor, in the sensor's frame S, and the sensor's bias.
 struct Load {
   double mass_kg{1.7};
   Vector3 center_S_m{0.01, -0.02, 0.11};
   Wrench bias{.f = {1.5, -4.0, 7.0}, .t = {0.1, -0.2, 0.05}};
 };
 
-// Sensor readings for a body at rest, by the moment of its weight: written independently of the fit.
+// Readings of a sensor that carries the load at rest in each orientation, with noise. Computed from the
+// weight's force and moment in the world, independently of the fit.
 std::vector<RestPose> Readings(const Load& load, double noise_N = 0.0, double noise_Nm = 0.0) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -50,7 +54,7 @@ std::vector<RestPose> Readings(const Load& load, double noise_N = 0.0, double no
   return poses;
 }
 
-TEST(FitPayload, GivesBackMassCentreAndBias) {
+TEST(FitPayload, FindsMassCentreAndBias) {
   const Load load;
   const auto fit = FitPayload(Readings(load));
   ASSERT_TRUE(fit) << fit.error();
@@ -62,7 +66,7 @@ TEST(FitPayload, GivesBackMassCentreAndBias) {
   EXPECT_LT(fit->residual_Nm, 1e-12);
 }
 
-TEST(FitPayload, WhatItFoundMakesTheLoopSeeNoHand) {
+TEST(FitPayload, ItsResultLeavesNoHandWrenchForTheToolAlone) {
   const Load load;
   const auto fit = FitPayload(Readings(load));
   ASSERT_TRUE(fit);
@@ -79,7 +83,7 @@ TEST(FitPayload, WhatItFoundMakesTheLoopSeeNoHand) {
   }
 }
 
-TEST(FitPayload, ItsStandardDeviationsCoverTheErrorThatNoiseMakes) {
+TEST(FitPayload, ItsStandardDeviationsCoverTheErrorOfNoise) {
   const Load load;
   const auto fit = FitPayload(Readings(load, 0.1, 0.005));
   ASSERT_TRUE(fit);
@@ -106,7 +110,8 @@ TEST(FitPayload, SaysWhatThePosesLack) {
   EXPECT_NE(FitPayload(poses).error().find("pose 3"), std::string::npos);
 }
 
-std::vector<Pose> OnAPoint(const Vector3& p_FT, const Vector3& p_W, double off_m) {
+// Flange poses of an arm that holds the tool's tip on the point p_W, with a random error of off_m.
+std::vector<Pose> FlangePosesWithTipOnAPoint(const Vector3& p_FT, const Vector3& p_W, double off_m) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   std::vector<Pose> poses;
@@ -121,13 +126,13 @@ std::vector<Pose> OnAPoint(const Vector3& p_FT, const Vector3& p_W, double off_m
 
 TEST(FitPivot, FindsTheTipAndThePointItStoodOn) {
   const Vector3 p_FT(0.012, -0.004, 0.183), p_W(0.6, 0.1, 0.2);
-  const auto fit = FitPivot(OnAPoint(p_FT, p_W, 0.0));
+  const auto fit = FitPivot(FlangePosesWithTipOnAPoint(p_FT, p_W, 0.0));
   ASSERT_TRUE(fit) << fit.error();
   EXPECT_LT((fit->p_FT_m - p_FT).norm(), 1e-12);
   EXPECT_LT((fit->p_WT_m - p_W).norm(), 1e-12);
   EXPECT_LT(fit->residual_m, 1e-12);
 
-  const auto noisy = FitPivot(OnAPoint(p_FT, p_W, 2e-4));
+  const auto noisy = FitPivot(FlangePosesWithTipOnAPoint(p_FT, p_W, 2e-4));
   ASSERT_TRUE(noisy);
   EXPECT_LT((noisy->p_FT_m - p_FT).norm(), 4.0 * noisy->sd_m);
   EXPECT_GT(noisy->residual_m, 1e-4);
@@ -135,7 +140,7 @@ TEST(FitPivot, FindsTheTipAndThePointItStoodOn) {
 }
 
 TEST(FitPivot, SaysWhatThePosesLack) {
-  std::vector<Pose> poses = OnAPoint(Vector3(0.0, 0.0, 0.2), Vector3::Zero(), 0.0);
+  std::vector<Pose> poses = FlangePosesWithTipOnAPoint(Vector3(0.0, 0.0, 0.2), Vector3::Zero(), 0.0);
   poses.resize(2);
   EXPECT_NE(FitPivot(poses).error().find("found 2 poses"), std::string::npos);
   poses.assign(6, Pose::Identity());

@@ -18,7 +18,7 @@ using kinematics::JointVector;
 using testing::HasSubstr;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kReach_m = 0.42 + 0.4 + 0.126;  // of a straight iiwa 14, from its shoulder
+constexpr double kReach_m = 0.42 + 0.4 + 0.126;  // from the shoulder to the flange of a straight iiwa 14
 const kinematics::ChainParams<7> kChain = kinematics::ChainFrom(kinematics::Iiwa14());
 
 // The arm stretched out horizontally, 0.36 m above its base's foot: A1 moves the flange on a circle.
@@ -29,6 +29,7 @@ JointVector StraightOut(double a1_rad, double a2_rad = kPi / 2.0) {
   return q;
 }
 
+// Surroundings without obstacles, where only a ball of 10 mm at the flange is checked.
 PathSurroundings FlangeAlone() {
   PathSurroundings around;
   around.balls = {{.name = "the flange", .radius_m = 0.01}};
@@ -56,14 +57,15 @@ TEST(CheckPath, SaysWhereAnArcMeetsASphere) {
   EXPECT_THAT(found.error(), HasSubstr(" mm clear of the bone, accepted 10.0 mm clear of it"));
 }
 
-TEST(CheckPath, KeepsAboveThePlane) {
+TEST(CheckPath, RefusesAPathBeneathAPlane) {
   PathSurroundings around = FlangeAlone();
   around.planes = {{.name = "the table", .normal_W = Vector3::UnitZ(), .offset_m = 0.1}};
-  // down to 0.36 + 0.946 cos(1.9) = 0.054, with no bone near: the end is beneath
+  // the flange ends at a height of 0.36 + 0.946 cos(1.9) = 0.054, the ball's foot beneath the plane at 0.1
   auto found = CheckPath<7>(kChain, StraightOut(0.0), StraightOut(0.0, 1.9), around);
   ASSERT_FALSE(found);
   EXPECT_THAT(found.error(), HasSubstr("at 100 % of the path: found the flange 55.8 mm beneath the table"));
-  // and on the path, from one side to the other with A2 through the lowest point
+  // A4 swings the flange from a height of -0.013, first 0.9 mm down, then up to 0.88: above a plane at -0.2,
+  // but a path that begins beneath a plane at 0.5 may not sink
   JointVector from = StraightOut(0.0, 1.2), goal = StraightOut(0.0, 1.2);
   from[3] = -2.0;
   goal[3] = 2.0;
@@ -74,7 +76,7 @@ TEST(CheckPath, KeepsAboveThePlane) {
   EXPECT_FALSE(CheckPath<7>(kChain, from, goal, around));
 }
 
-TEST(CheckPath, AnArmThatBeginsBeneathThePlaneMayOnlyRise) {
+TEST(CheckPath, AnArmThatBeginsBeneathAPlaneMayOnlyRise) {
   PathSurroundings around = FlangeAlone();
   around.planes = {{.name = "the table", .normal_W = Vector3::UnitZ(), .offset_m = 0.0}};
   EXPECT_TRUE(CheckPath<7>(kChain, StraightOut(0.0, 2.0), StraightOut(0.0, 1.0), around));
@@ -87,7 +89,7 @@ TEST(CheckPath, AnArmThatBeginsBeneathThePlaneMayOnlyRise) {
               HasSubstr("beneath the table, accepted 43.7 mm beneath, and less from there on"));
 }
 
-TEST(CheckPath, AToolInTheBoneIsForAHandToBringOut) {
+TEST(CheckPath, RefusesAPathThatBeginsOrEndsInTheBone) {
   PathSurroundings around = FlangeAlone();
   around.spheres = {{.center_W_m = {0.0, -kReach_m, 0.36}, .radius_m = 0.02}};
   auto found = CheckPath<7>(kChain, StraightOut(-kPi / 2.0), StraightOut(0.0), around);
@@ -110,8 +112,10 @@ TEST(CheckPath, RefusesEndsBeyondTheLimits) {
   EXPECT_FALSE(CheckPath<7>(kChain, goal, StraightOut(0.0), FlangeAlone()));
 }
 
-// The same rule by dense sampling of the closed-form arm: 3e3 places, each a few tenths of a millimetre from
-// the next. An accepted path breaks no bound by more than the resolution; a refused path does break one.
+// Oracle: the rule evaluated at 3001 samples of the path with the closed-form arm, a few tenths of a
+// millimetre apart. An accepted path breaks no bound by more than the resolution; a refused path does break
+// one. The rule: the distance stays above the clearance or, if less, above the best distance so far or that
+// at the goal.
 TEST(CheckPath, AgreesWithDenseSampling) {
   const kinematics::LbrArm arm(kinematics::Iiwa14());
   std::mt19937_64 random(31);
@@ -129,6 +133,7 @@ TEST(CheckPath, AgreesWithDenseSampling) {
         unit(random), 0.6 * unit(random), unit(random);
     goal << unit(random), 0.8 + 0.4 * unit(random), 0.5 * unit(random), -1.4 + 0.4 * unit(random),
         unit(random), 0.6 * unit(random), unit(random);
+    // distances of the ball at share s of the path: from the nearest sphere, and above the plane [m]
     const auto distance = [&](double s) {
       const Vector3 p = arm.FlangePose(from + s * (goal - from)) * tip_F;
       double bone_m = 10.0;
@@ -161,7 +166,7 @@ TEST(CheckPath, AgreesWithDenseSampling) {
   EXPECT_GT(refused, 30);
 }
 
-TEST(CheckPath, BallsOnLinksAreWhereTheLinksAre) {
+TEST(CheckPath, ABallOnALinkMovesWithThatLink) {
   PathSurroundings around;
   around.balls = {{.name = "the elbow", .link = 3, .radius_m = 0.08}};
   around.planes = {{.name = "the table", .offset_m = 0.0}};
@@ -171,7 +176,7 @@ TEST(CheckPath, BallsOnLinksAreWhereTheLinksAre) {
   EXPECT_NEAR(found->min_distance_m, 0.36 - 0.08, 1e-9);
 }
 
-TEST(CheckPath, RefusesWhatMakesNoSense) {
+TEST(CheckPath, RefusesSurroundingsOutOfRange) {
   const auto check = [](const PathSurroundings& around) {
     return CheckPath<7>(kChain, StraightOut(0.0), StraightOut(0.1), around);
   };

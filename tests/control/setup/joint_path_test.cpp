@@ -20,7 +20,8 @@ namespace {
 using kinematics::JointVector;
 
 constexpr double kDt_s = 0.001;
-constexpr double kLongTick_s = 0.004;  // of an arm with a slower cycle: a quarter of the work
+constexpr double kLongTick_s = 0.004;  // cycle of a slower arm; makes long tests four times as fast
+// The tool's apex in the flange's frame.
 const Vector3 kTool_F_m{0.02, -0.01, 0.18};
 const std::array<kinematics::JointLimits, 7>& Limits() { return kinematics::Iiwa14().limits; }
 
@@ -28,6 +29,7 @@ JointPath<7> MakePath(const JointPathParams& params = {}) {
   return JointPath<7>(params, kinematics::ChainFrom(kinematics::Iiwa14()), kTool_F_m);
 }
 
+// A posture within `share` of the joints' limits.
 JointVector RandomPosture(std::mt19937_64& random, double share = 1.0) {
   JointVector q;
   for (int i = 0; i < 7; ++i) {
@@ -37,14 +39,17 @@ JointVector RandomPosture(std::mt19937_64& random, double share = 1.0) {
   return q;
 }
 
-// Drives the path to its end and compares every tick with the parameters. Speeds and accelerations are
-// differences of the positions, and the tool's path is the closed-form arm's: nothing relies on the path's
-// own output. A mean over a tick is at most the maximum within it; 1e-6 allows for rounding, which the second
-// difference divides by dt^2 (1e-16 / 1e-6).
+// Largest values over a path, as shares of their limits, and the number of ticks.
 struct Peaks {
-  double speed{0.0}, acceleration{0.0}, tool{0.0};  ///< as shares of the limits
-  int ticks{0}, stood{0};
+  double speed{0.0}, acceleration{0.0}, tool{0.0};
+  int ticks{0};
+  int stood{0};  ///< ticks without motion
 };
+
+// Runs a path to its end and asserts in every tick that joints and tool keep the limits and the line. Speeds
+// and accelerations are differences of the positions, and the tool's path is the closed-form arm's: the
+// checks do not rely on the path's own velocities. The tolerances allow for rounding, which the second
+// difference divides by dt^2. @param permitted  whether the path may move, by tick
 template <typename Permitted>
 void Drive(JointPath<7>& path, const JointPathParams& params, const JointVector& from,
            const JointVector& goal, Permitted permitted, Peaks& peaks, double dt_s = kDt_s) {
@@ -73,8 +78,8 @@ void Drive(JointPath<7>& path, const JointPathParams& params, const JointVector&
       peaks.speed = std::max(peaks.speed, speed);
       peaks.acceleration = std::max(peaks.acceleration, acceleration);
     }
-    // the path's own velocity: the tick's mean lies between the velocities at its ends or, with the maximum
-    // within the tick, a dt^2 of jerk outside (1e3 rad/s^3)
+    // the reported velocity: the mean over the tick lies between the velocities at its ends, or outside by at
+    // most dt^2 times the jerk (1e3 rad/s^3) if the maximum is within the tick
     const double mean = line.dot(step) / dt_s, ends = line.dot(out.qd + qd_before) / 2.0;
     ASSERT_LE(std::abs(mean - ends), std::abs(line.dot(out.qd - qd_before)) / 2.0 + 1e3 * dt_s * dt_s)
         << "tick " << tick;
@@ -101,11 +106,11 @@ void Drive(JointPath<7>& path, const JointPathParams& params, const JointVector&
   ASSERT_TRUE(qd_before.isZero(0.0));
 }
 
-TEST(JointPath, AThousandPairsKeepEveryLimitAndTheLine) {
+TEST(JointPath, AThousandRandomPathsKeepEveryLimitAndTheLine) {
   std::mt19937_64 random(21);
   const JointPathParams params{.speed_share = 0.3, .acceleration_share = 0.5, .tool_speed_m_per_s = 0.25};
   JointPath<7> path = MakePath(params);
-  double least_peak = 1.0;
+  double min_peak = 1.0;
   for (int pair = 0; pair < 1000; ++pair) {
     // from short paths to the whole range
     const JointVector from = RandomPosture(random);
@@ -116,13 +121,13 @@ TEST(JointPath, AThousandPairsKeepEveryLimitAndTheLine) {
     if (HasFatalFailure()) FAIL() << "pair " << pair;
     EXPECT_LE(peaks.ticks * kLongTick_s, path.duration_s() + params.pause_s / 3.0 + 2 * kLongTick_s);
     // a short path ends before the clock reaches its full rate
-    if (path.duration_s() > 5.0) least_peak = std::min(least_peak, std::max(peaks.speed, peaks.tool));
+    if (path.duration_s() > 5.0) min_peak = std::min(min_peak, std::max(peaks.speed, peaks.tool));
   }
-  EXPECT_GT(least_peak, 0.75)
+  EXPECT_GT(min_peak, 0.75)
       << "it dawdles: what is added for sampling is a fifth where all joints cross their range";
 }
 
-TEST(JointPath, PausesAtRandomTimesKeepEveryLimitAndTheLine) {
+TEST(JointPath, PathsPausedAtRandomTimesKeepEveryLimitAndTheLine) {
   std::mt19937_64 random(22);
   for (const double pause_s : {0.1, 0.5}) {
     JointPathParams params{.tool_speed_m_per_s = 0.25, .pause_s = pause_s};
@@ -131,7 +136,8 @@ TEST(JointPath, PausesAtRandomTimesKeepEveryLimitAndTheLine) {
     for (int pair = 0; pair < 40; ++pair) {
       const JointVector from = RandomPosture(random), goal = from + 0.3 * (RandomPosture(random) - from);
       bool held = true;
-      const int mean_ticks = pair % 2 == 0 ? 60 : 700;  // within one change of rate, and long after it
+      // mean time between changes: during a change of the clock's rate, and long after it
+      const int mean_ticks = pair % 2 == 0 ? 60 : 700;
       Peaks peaks;
       Drive(
           path, params, from, goal,
@@ -145,8 +151,9 @@ TEST(JointPath, PausesAtRandomTimesKeepEveryLimitAndTheLine) {
   }
 }
 
-// The accelerations limit a short path: a pause must not require more than the path leaves.
-TEST(JointPath, AShortWayPausedAtEveryPlaceKeepsItsAccelerations) {
+// On a short path the accelerations are the tightest limit. A pause adds to them, wherever on the path it
+// begins.
+TEST(JointPath, AShortPathPausedAtAnyPlaceKeepsTheAccelerationLimits) {
   const JointPathParams params{.speed_share = 1.0, .acceleration_share = 0.3};
   JointPath<7> path = MakePath(params);
   JointVector from = JointVector::Zero(), goal = JointVector::Zero();
@@ -159,7 +166,7 @@ TEST(JointPath, AShortWayPausedAtEveryPlaceKeepsItsAccelerations) {
   }
 }
 
-TEST(JointPath, StandsWithinThePauseAndGoesOnFromThere) {
+TEST(JointPath, ComesToRestWithinThePauseAndContinuesFromThere) {
   std::mt19937_64 random(23);
   const JointPathParams params;
   JointPath<7> path = MakePath(params);
@@ -183,7 +190,7 @@ TEST(JointPath, StandsWithinThePauseAndGoesOnFromThere) {
   EXPECT_NE(out.q, q_rest);
 }
 
-TEST(JointPath, WithoutAWayIsDoneAtOnce) {
+TEST(JointPath, APathOfNoLengthIsDoneAtOnce) {
   JointPath<7> path = MakePath();
   const JointVector q = JointVector::Constant(0.3);
   ASSERT_TRUE(path.StartPath(q, q));
@@ -193,7 +200,7 @@ TEST(JointPath, WithoutAWayIsDoneAtOnce) {
   EXPECT_EQ(out.q, q);
 }
 
-TEST(JointPath, DoesNotBeginWithEndsThatTheArmCanNotHave) {
+TEST(JointPath, RefusesEndsBeyondTheJointLimits) {
   JointPath<7> path = MakePath();
   const JointVector q = JointVector::Constant(0.3);
   ASSERT_TRUE(path.StartPath(q, -q));
@@ -209,7 +216,7 @@ TEST(JointPath, DoesNotBeginWithEndsThatTheArmCanNotHave) {
   EXPECT_EQ(path.q_goal(), -q) << "and the path before goes on";
 }
 
-TEST(JointPath, RefusesWhatMakesNoSense) {
+TEST(JointPath, RefusesParametersOutOfRange) {
   EXPECT_THROW(MakePath({.speed_share = 0.0}), std::invalid_argument);
   EXPECT_THROW(MakePath({.acceleration_share = 1.1}), std::invalid_argument);
   EXPECT_THROW(MakePath({.tool_speed_m_per_s = 0.3}), std::invalid_argument) << "beyond reduced speed";
@@ -219,7 +226,7 @@ TEST(JointPath, RefusesWhatMakesNoSense) {
   EXPECT_THROW(JointPath<7>({}, chain, kTool_F_m), std::invalid_argument);
 }
 
-TEST(JointPath, ServesAnArmOfSixJoints) {
+TEST(JointPath, AlsoMovesAnArmOfSixJoints) {
   kinematics::OrthoParallelParams params = kinematics::Kr6R900Params();
   for (kinematics::JointLimits& limits : params.limits) limits.acceleration_rad_per_s2 = 10.0;
   const kinematics::ChainParams<6> chain = kinematics::ChainFrom(params);

@@ -12,10 +12,11 @@ namespace osteon::control {
 namespace {
 
 constexpr double kDt_s = 0.001;
-constexpr double kPause_s = 0.5;
+constexpr double kPause_s = 0.5;  // longest time to rest after the permission ends
 
-// From rest: two parabolas of 1/3 pause each, so that half of 2/3 pause passes on the clock.
-TEST(PausableClock, ComesUpAndRestsInTwoThirdsOfThePause) {
+// From rest the rate rises to 1 along two parabolas of 1/3 pause each. Its mean is 1/2, so the clock falls
+// behind by half of 2/3 pause. Coming to rest is the mirror image.
+TEST(PausableClock, StartsAndStopsInTwoThirdsOfThePause) {
   PausableClock clock(kPause_s);
   double own_s = 0.0;
   for (int i = 0; i < 1000; ++i) {
@@ -35,8 +36,8 @@ TEST(PausableClock, ComesUpAndRestsInTwoThirdsOfThePause) {
   EXPECT_NEAR(own_s, kPause_s / 3.0, 1e-12);
 }
 
-// Steps are integrated exactly: their length does not matter.
-TEST(PausableClock, TheLengthOfAStepMakesNoDifference) {
+// Steps are integrated exactly, so 20 steps of 1 ms give the same as one of 20 ms.
+TEST(PausableClock, ManyShortStepsEqualOneLongStep) {
   PausableClock fine(kPause_s), coarse(kPause_s);
   std::mt19937_64 random(11);
   std::uniform_int_distribution<int> steps(1, 12);
@@ -52,8 +53,8 @@ TEST(PausableClock, TheLengthOfAStepMakesNoDifference) {
   }
 }
 
-TEST(PausableClock, RestsWithinThePauseWheneverItIsTakenAway) {
-  const double change = 9.0 / (kPause_s * kPause_s);
+TEST(PausableClock, RestsWithinThePauseWheneverPermissionEnds) {
+  const double max_rate_acceleration = 9.0 / (kPause_s * kPause_s);  // the bound of r'' [1/s^2]
   std::mt19937_64 random(12);
   PausableClock clock(kPause_s);
   double rate_before = 0.0, speed_before = 0.0;
@@ -64,10 +65,10 @@ TEST(PausableClock, RestsWithinThePauseWheneverItIsTakenAway) {
     const double own_s = clock.Step(kDt_s, permitted);
     ASSERT_TRUE(own_s >= 0.0 && own_s <= kDt_s);
     ASSERT_TRUE(clock.rate() >= 0.0 && clock.rate() <= 1.0);
-    // the rate's mean speed over a tick; between two ticks'means the speed changes over at most one period
+    // the mean of r' over a tick; from one tick's mean to the next, r' changes for at most one period
     const double speed = (clock.rate() - rate_before) / kDt_s;
     ASSERT_LE(std::abs(speed), PausableClock::MaxRateSpeed(kPause_s) * (1.0 + 1e-9));
-    ASSERT_LE(std::abs(speed - speed_before), change * kDt_s * (1.0 + 1e-9) + 1e-12);
+    ASSERT_LE(std::abs(speed - speed_before), max_rate_acceleration * kDt_s * (1.0 + 1e-9) + 1e-12);
     rate_before = clock.rate();
     speed_before = speed;
     released = permitted ? 0 : released + 1;
@@ -77,7 +78,7 @@ TEST(PausableClock, RestsWithinThePauseWheneverItIsTakenAway) {
   }
 }
 
-TEST(PausableClock, NoTimePassesInAStepThatIsNone) {
+TEST(PausableClock, NoTimePassesInAStepThatIsNotPositiveAndFinite) {
   PausableClock clock(kPause_s);
   static_cast<void>(clock.Step(0.2, true));
   const double rate = clock.rate();

@@ -19,18 +19,20 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kT = 1e-3;
+constexpr double kT = 1e-3;  // period of a tick [s]
 
+// Random contacts, dampings and numbers from one seed.
 class RandomContact {
  public:
   explicit RandomContact(std::uint64_t seed) : bits_(seed) {}
   double Uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(bits_); }
+  /// Uniform in the logarithm.
   double Spread(double low, double high) { return std::exp(Uniform(std::log(low), std::log(high))); }
   Vector3 Direction() {
     std::normal_distribution<double> normal;
     return Vector3::NullaryExpr([&] { return normal(bits_); }).normalized();
   }
-  /// 1 to 3 planes of one stiffness, levers up to 0.15 m, forces to 200 N.
+  /// A coupling that touches 1 to 3 planes of one stiffness, with levers up to 0.15 m and forces up to 200 N.
   CouplingOutput Coupling() {
     CouplingOutput out;
     out.fade = Uniform(0.1, 1.0);
@@ -53,7 +55,8 @@ class RandomContact {
   std::mt19937_64 bits_;
 };
 
-// The design's matrices by Eigen, sharing no step with the shipped closed form.
+// Oracle: the sum of stiffnesses times their ages, a_1 K_1 + a_2 K_2 as AgeRatio defines them, as a 6 x 6
+// matrix by Eigen. The shipped code computes the bound without these matrices.
 Matrix6 AgedStiffness(const CouplingOutput& c, const StiffnessAges& ages, double radius_m) {
   const int m = c.active_planes;
   Eigen::MatrixXd N(3, m), A(6, m);
@@ -77,7 +80,7 @@ Matrix6 AgedStiffness(const CouplingOutput& c, const StiffnessAges& ages, double
   return K;
 }
 
-// D in W at To, for a law whose axes are the tool's at its centre.
+// The damping D, given along the tool's axes at its centre, as a 6 x 6 matrix in W at To.
 Matrix6 DampingInWorld(const AxisDamping& D, const Matrix3& R_WT, double factor) {
   const Vector3& c = D.centre_T_m;
   Matrix6 at_centre = Matrix6::Identity(), turn = Matrix6::Zero();
@@ -89,11 +92,12 @@ Matrix6 DampingInWorld(const AxisDamping& D, const Matrix3& R_WT, double factor)
   return turn * in_T * turn.transpose();
 }
 
+// Solutions lambda of det(K - lambda D) = 0, ascending.
 Eigen::Matrix<double, 6, 1> GeneralisedEigenvalues(const Matrix6& K, const Matrix6& D) {
   return Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6>(K, D, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
-TEST(AgeGovernor, DampingLessAgeTimesStiffnessIsPositiveWhateverTheContact) {
+TEST(AgeGovernor, DampingExceedsAgeTimesStiffnessForAnyContact) {
   RandomContact random(4711);
   int by_damping = 0, by_scale = 0, idle = 0;
   for (int i = 0; i < 3000; ++i) {
@@ -107,16 +111,17 @@ TEST(AgeGovernor, DampingLessAgeTimesStiffnessIsPositiveWhateverTheContact) {
     governor.Step(coupling, R_WT, D, ages);
 
     const Matrix6 K = governor.wrench_scale() * AgedStiffness(coupling, ages, params.tool_radius_m);
-    const double most =
+    const double largest =
         GeneralisedEigenvalues(1.02 * K, DampingInWorld(D, R_WT, governor.damping_factor()))[5];
-    ASSERT_LE(most, 1.0 + 1e-6) << "contact " << i;  // the oracle loses digits by the conditioning of N^T N
+    ASSERT_LE(largest, 1.0 + 1e-6) << "contact "
+                                   << i;  // the oracle loses digits by the conditioning of N^T N
     if (governor.wrench_scale() < 1.0)
       ++by_scale;
     else
       ++(governor.damping_factor() > 1.0 ? by_damping : idle);
     // the bound is at most 9 % above the eigenvalue, and the governor does not act for less
     if (governor.acted()) {
-      ASSERT_GE(most, 1.0 / 1.1) << "contact " << i;
+      ASSERT_GE(largest, 1.0 / 1.1) << "contact " << i;
     }
   }
   EXPECT_GT(by_damping, 300);
@@ -124,22 +129,24 @@ TEST(AgeGovernor, DampingLessAgeTimesStiffnessIsPositiveWhateverTheContact) {
   EXPECT_GT(idle, 300);
 }
 
-// control.md of the design: k at a lever L with b and b_r allows k_max = 1/(a (1/b + L^2/b_r)); 3636 N/m with
-// L = 0.15 m, b_r = 0.5, a = 5 ms and b = 100, and 20 000 without a lever.
-TEST(AgeGovernor, LeverArmAllowsTheDesignsStiffness) {
+// By the design (control.md) a pose of age a, at a lever L with damping b and b_r, allows a stiffness of
+// 1 / (a (1/b + L^2/b_r)): with a = 5 ms, b = 100 N s/m and b_r = 0.5 N m s/rad 3636 N/m at 0.15 m, and 20
+// 000 N/m without a lever. At this stiffness the ratio is 1, times the margin of 1.02.
+TEST(AgeGovernor, AllowsTheDesignsStiffnessWithAndWithoutALever) {
   const AxisDamping D{.Ns_per_m = Vector3::Constant(100.0), .Nms_per_rad = Vector3::Constant(0.5)};
-  for (const auto& [lever_m, most] : {std::pair{0.15, 3636.0}, std::pair{0.0, 20e3}}) {
+  for (const auto& [lever_m, max_stiffness_N_per_m] : {std::pair{0.15, 3636.0}, std::pair{0.0, 20e3}}) {
     CouplingOutput coupling;
     coupling.fade = 1.0;
     coupling.active_planes = 1;
-    coupling.active[0] = {
-        .n_W = Vector3::UnitX(), .lever_W = lever_m * Vector3::UnitZ(), .stiffness_N_per_m = most};
+    coupling.active[0] = {.n_W = Vector3::UnitX(),
+                          .lever_W = lever_m * Vector3::UnitZ(),
+                          .stiffness_N_per_m = max_stiffness_N_per_m};
     const double ratio = AgeRatio(coupling, Matrix3::Identity(), D, {.pose_s = 5e-3}, 0.025);
     EXPECT_NEAR(ratio, 1.02, 1.02e-3) << lever_m;
   }
 }
 
-TEST(AgeGovernor, PlanesOfATickAskForNothingButTheirTurning) {
+TEST(AgeGovernor, OldPlanesNeedDampingOnlyForTheRotationOfTheirNormals) {
   const AxisDamping D{.Ns_per_m = Vector3::Constant(20.0), .Nms_per_rad = Vector3::Constant(1.5)};
   CouplingOutput coupling;
   coupling.fade = 1.0;
@@ -150,12 +157,13 @@ TEST(AgeGovernor, PlanesOfATickAskForNothingButTheirTurning) {
   EXPECT_EQ(AgeRatio(coupling, Matrix3::Identity(), D, {.planes_s = 0.02}, 0.025), 0.0)
       << "three normals cover every direction";
   coupling.active_planes = 1;
-  // 100 N / 25 mm = 4 kN/m in two equal directions, 20 ms: 81.6 N s/m; the bound is 2^(1/16) too high
+  // a rotating normal gives 100 N / 25 mm = 4 kN/m in two equal directions, at 20 ms: the bound is 2^(1/16)
+  // too high
   EXPECT_NEAR(AgeRatio(coupling, Matrix3::Identity(), D, {.planes_s = 0.02}, 0.025) / std::pow(2.0, 1.0 / 16),
               1.02 * 0.02 * 4e3 * (1.0 / 20.0 + 0.025 * 0.025 / 1.5), 1e-9);
 }
 
-TEST(AgeGovernor, ActsAtOnceAndLetsGoSlowlyBackToOne) {
+TEST(AgeGovernor, RisesAtOnceAndReturnsToOneSlowly) {
   AgeGovernor governor({}, kT);
   const AxisDamping D{.Ns_per_m = Vector3::Constant(20.0), .Nms_per_rad = Vector3::Constant(1.5)};
   CouplingOutput coupling;
@@ -167,7 +175,7 @@ TEST(AgeGovernor, ActsAtOnceAndLetsGoSlowlyBackToOne) {
   EXPECT_GT(held, 4.0);
   coupling.active_planes = 0;
   double before = held;
-  for (int i = 0; i < 200; ++i) {  // a time constant
+  for (int i = 0; i < 200; ++i) {  // one time constant of the release, 0.2 s
     governor.Step(coupling, Matrix3::Identity(), D, {});
     ASSERT_LT(governor.damping_factor(), before);
     before = governor.damping_factor();
@@ -178,13 +186,14 @@ TEST(AgeGovernor, ActsAtOnceAndLetsGoSlowlyBackToOne) {
   EXPECT_FALSE(governor.acted());
 }
 
-TEST(AgeGovernor, CountsTheArmsDampingWhereItIsToldTo) {
+TEST(AgeGovernor, CountsTheArmsOwnDampingIfConfigured) {
   const AxisDamping law{.Ns_per_m = Vector3::Constant(10.0), .Nms_per_rad = Vector3::Constant(0.5)};
   CouplingOutput coupling;
   coupling.fade = 1.0;
   coupling.active_planes = 1;
   coupling.active[0] = {.stiffness_N_per_m = 20e3, .force_N = 0.0};
   const StiffnessAges ages{.pose_s = 3.5e-3, .planes_s = 3.5e-3};
+  // the contact needs 1.02 * 3.5 ms * 20 kN/m = 71.4 N s/m: more than the law's 10, less than 10 + 80
   AgeGovernor alone({}, kT), helped({.arm_damping_Ns_per_m = 80.0}, kT),
       short_of_it({.arm_damping_Ns_per_m = 50.0}, kT);
   alone.Step(coupling, Matrix3::Identity(), law, ages);
@@ -195,12 +204,15 @@ TEST(AgeGovernor, CountsTheArmsDampingWhereItIsToldTo) {
   EXPECT_NEAR(10.0 * short_of_it.damping_factor() + 50.0, 1.02 * 3.5e-3 * 20e3, 1e-9);
 }
 
-// A ball of 25 mm pressed with 150 N into a bowl of 50 mm, by a hand that holds it lightly across. The planes
-// describe the bowl at the newest frame, age_s old and held for hold_s.
-// @returns largest distance from the bottom in the last half of two seconds [m]; it begins 1 mm off.
-double SwingInABowl(bool governed, double age_s, double hold_s) {
+// A ball of 25 mm radius is pressed with 150 N into a bowl of 50 mm radius, by a hand that holds it only
+// lightly sideways. The bowl is rendered by one plane for the ball's place age_s ago, renewed every hold_s.
+// @returns largest distance of the ball from the bowl's axis after 1.5 of 2 s [m]; it begins 1 mm off. If the
+// ball
+//   climbs the wall, the distance at that moment.
+double SwingInABowl_m(bool governed, double age_s, double hold_s) {
   constexpr double kRadius_m = 0.025, kBowl_m = 0.05, kPush_N = 150.0, kStiffness = 20e3;
-  const double floor_m = kBowl_m - kRadius_m;  // of the ball's centre, T's origin, below the bowl's
+  const double floor_m =
+      kBowl_m - kRadius_m;  // depth of the ball's centre (T's origin) below the bowl's centre
   const AdmittanceParams law;
   AgeGovernor governor({.acts = governed, .tool_radius_m = kRadius_m}, kT);
   CouplingParams params;
@@ -211,7 +223,7 @@ double SwingInABowl(bool governed, double age_s, double hold_s) {
   const auto late = static_cast<std::size_t>(std::lround(age_s / kT));
   std::deque<Vector3> past(late + 1, tool.X_WT.translation());
   simulation::ContactModel model;
-  double most_m = 0.0;
+  double max_off_m = 0.0;
   for (int i = 0; i < 2000; ++i) {
     const rt::Nanoseconds now = (i + 1000) * rt::kMillisecond;
     past.push_front(tool.X_WT.translation());
@@ -238,18 +250,18 @@ double SwingInABowl(bool governed, double age_s, double hold_s) {
     if (!StepAdmittance(ScaleLaw(law, 1.0, governor.damping_factor()), F, kT, tool)) return 1.0;
     const double off_m = tool.X_WT.translation().head<2>().norm();
     if (off_m > 0.02) return off_m;  // it climbs the bowl's wall
-    if (i >= 1500) most_m = std::max(most_m, off_m);
+    if (i >= 1500) max_off_m = std::max(max_off_m, off_m);
   }
-  return most_m;
+  return max_off_m;
 }
 
-TEST(AgeGovernor, ABallInABowlOfOldPlanesComesToRestWithItAndClimbsTheWallWithout) {
+TEST(AgeGovernor, ABallInABowlOfOldPlanesRestsWithTheGovernorAndSwingsWithout) {
   struct Case {
     double age_s, hold_s;
   };
   for (const auto& [age_s, hold_s] :
        {Case{0.010, 0.010}, Case{0.020, 0.001}, Case{0.020, 0.020}, Case{0.020, 0.040}}) {
-    const double without = SwingInABowl(false, age_s, hold_s), with = SwingInABowl(true, age_s, hold_s);
+    const double without = SwingInABowl_m(false, age_s, hold_s), with = SwingInABowl_m(true, age_s, hold_s);
     RecordProperty("age_ms_" + std::to_string(static_cast<int>(1e3 * age_s)) + "_held_" +
                        std::to_string(static_cast<int>(1e3 * hold_s)),
                    std::to_string(1e3 * without) + " mm without, " + std::to_string(1e3 * with) + " with");
@@ -257,7 +269,7 @@ TEST(AgeGovernor, ABallInABowlOfOldPlanesComesToRestWithItAndClimbsTheWallWithou
     EXPECT_LT(with, 0.5e-3) << age_s << " held " << hold_s;
   }
   // with fresh frames there is nothing to do
-  EXPECT_LT(SwingInABowl(false, 0.0, 0.001), 0.5e-3);
+  EXPECT_LT(SwingInABowl_m(false, 0.0, 0.001), 0.5e-3);
 }
 
 TEST(AgeGovernor, DoesNotAllocate) {
@@ -277,8 +289,8 @@ TEST(AgeGovernor, RefusesParametersOutOfRange) {
 }
 
 // Gains that change while the loop renders change the damping that the governor scales.
-TEST(AgeGovernor, FollowsTheLawsOwnDamping) {
-  const auto with = [](double Ns_per_m) {
+TEST(AgeGovernor, FollowsAChangeOfTheLawsDamping) {
+  const auto law_with = [](double Ns_per_m) {
     return StabilisedLaw{
         .damping = {.Ns_per_m = Vector3::Constant(Ns_per_m), .Nms_per_rad = Vector3::Constant(1e3)},
         .pose_age_s = 2e-3};
@@ -291,10 +303,10 @@ TEST(AgeGovernor, FollowsTheLawsOwnDamping) {
     (void)stabilisers.ScaleCoupling(coupling, Pose::Identity(), {});
     return stabilisers.damping_factor();
   };
-  Stabilisers stabilisers({}, with(20.0), kT);
+  Stabilisers stabilisers({}, law_with(20.0), kT);
   const double at_20 = factor(stabilisers);
   EXPECT_NEAR(at_20, 1.02 * 15e3 * 2e-3 / 20.0, 0.01) << "one direction: the bound is the eigenvalue";
-  stabilisers.SetLaw(with(10.0));
+  stabilisers.SetLaw(law_with(10.0));
   EXPECT_NEAR(factor(stabilisers), 2.0 * at_20, 0.02);
 }
 

@@ -14,11 +14,12 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kT = 1e-3;
-constexpr double kSoft = 2e3, kStiff = 20e3;
+constexpr double kT = 1e-3;                   // period of a tick [s]
+constexpr double kSoft = 2e3, kStiff = 20e3;  // stiffnesses of the wall [N/m]
 
-// A wall at z = 0 with changing planes, a tank, and the shipped law.
-struct Bench {
+// A virtual tool, moved by the shipped admittance law, in front of a wall that each frame may change. An
+// energy tank scales the wall's force.
+struct WallBench {
   CouplingParams params;
   CouplingState state;
   EnergyTank tank;
@@ -26,11 +27,11 @@ struct Bench {
   AdmittanceState tool;
   AdmittanceParams law;
   int tick{1000};
-  double made_J{0.0};  ///< given to the tool so far, by trapezoids
+  double made_J{0.0};  ///< work of the wall's force on the tool so far, by the trapezoidal rule
   CouplingOutput coupling;
   Vector3 f_W{Vector3::Zero()};
 
-  explicit Bench(const EnergyTankParams& tank_params) : tank(tank_params, kT) {
+  explicit WallBench(const EnergyTankParams& tank_params) : tank(tank_params, kT) {
     params.damping_Ns_per_m = 0.0;
     state.fade = 1.0;
     model.contact_count = 1;
@@ -41,12 +42,13 @@ struct Bench {
   [[nodiscard]] double z() const { return tool.X_WT.translation().z(); }
   [[nodiscard]] double kinetic_J() const { return 0.5 * law.mass_kg.z() * tool.V_WT.v.squaredNorm(); }
 
-  /// A new frame with this plane.
+  /// A new frame with the wall at this height, of this stiffness [N/m].
   void Frame(double stiffness, double height_m = 0.0) {
     ++model.frame;
     model.contacts[0].stiffness_N_per_m = stiffness;
     model.contacts[0].p_W_m = Vector3(0.0, 0.0, height_m);
   }
+  /// One tick, in which a hand pushes toward the wall.
   void Tick(double push_N) {
     const rt::Nanoseconds now = ++tick * rt::kMillisecond;
     model.pose_stamp = now;
@@ -64,55 +66,58 @@ struct Bench {
   Vector3 p_W_{Vector3::Zero()};
 };
 
-// A wall that is soft on the way in and ten times as stiff on the way out; a tool that weighs 20 N bounces on
-// it.
-// @returns total energy that the wall has given [J]
-double Pumped(bool acts, int ticks, double* least_J = nullptr) {
-  Bench bench({.acts = acts});
+// A tool that is pushed with 20 N bounces on a wall that is soft on the way in and ten times as stiff on the
+// way out: each bounce pumps energy into the tool.
+// @param min_J  if given, the tank's lowest energy  @returns total energy that the wall has given [J]
+double PumpedEnergy_J(bool acts, int ticks, double* min_J = nullptr) {
+  WallBench bench({.acts = acts});
   bench.tool.X_WT.translation().z() = 5e-3;
   for (int i = 0; i < ticks; ++i) {
     bench.Frame(bench.tool.V_WT.v.z() > 0.0 ? kStiff : kSoft);
     bench.Tick(20.0);
     if (testing::Test::HasFatalFailure()) break;
-    if (least_J) *least_J = std::min(*least_J, bench.tank.energy_J());
+    if (min_J) *min_J = std::min(*min_J, bench.tank.energy_J());
   }
   return bench.made_J;
 }
 
-TEST(EnergyTank, AWallThatIsSoftWhenEnteredAndStiffWhenLeftGivesNoMoreThanTheTankHeld) {
-  double least_J = 1.0;
-  const double without = Pumped(false, 20'000), with = Pumped(true, 20'000, &least_J);
+TEST(EnergyTank, AWallThatStiffensAfterEntryGivesNoMoreThanTheTankHeld) {
+  double min_J = 1.0;
+  const double without = PumpedEnergy_J(false, 20'000), with = PumpedEnergy_J(true, 20'000, &min_J);
   RecordProperty("made_without_J", std::to_string(without));
   RecordProperty("made_with_J", std::to_string(with));
   EXPECT_GT(without, 5.0) << "thrown more than 25 cm high";
-  // the cap, the spring's own energy at the end, and the error of a plane that is touched in a frame's tick
+  // the tank's cap of 1 J; 0.05 J for the spring's energy at the end and the error of a first touch
   EXPECT_LT(with, 1.0 + 0.05);
-  EXPECT_EQ(least_J, 0.0) << "it was emptied";
+  EXPECT_EQ(min_J, 0.0) << "it was emptied";
 }
 
-TEST(EnergyTank, OnceEmptyTheSamePumpingMakesNothing) {
-  Bench bench({});
+// The same bouncing for longer: from the time when the tank is empty, the wall gives no more than the tank
+// held.
+TEST(EnergyTank, AnEmptyTankLetsNoMoreEnergyOut) {
+  WallBench bench({});
   bench.tool.X_WT.translation().z() = 5e-3;
-  double emptied_at_J = -1.0, most_J = 0.0;
+  double emptied_at_J = -1.0, max_J = 0.0;
   for (int i = 0; i < 40'000; ++i) {
     bench.Frame(bench.tool.V_WT.v.z() > 0.0 ? kStiff : kSoft);
     bench.Tick(20.0);
     if (emptied_at_J < 0.0 && bench.tank.acted()) emptied_at_J = bench.made_J;
-    if (emptied_at_J >= 0.0) most_J = std::max(most_J, bench.made_J);
+    if (emptied_at_J >= 0.0) max_J = std::max(max_J, bench.made_J);
   }
   ASSERT_GE(emptied_at_J, -1.0);
-  EXPECT_LT(most_J, 1.05);
+  EXPECT_LT(max_J, 1.05);
 }
 
-// Random planes: 200 walls a second at random heights and stiffnesses, under a hand that swings.
-TEST(EnergyTank, NeverGivesOutMoreThanWentInAndTheCap) {
+// 200 times a second the wall jumps to a random height and stiffness, under a hand that pushes with a
+// changing force.
+TEST(EnergyTank, GivesOutAtMostTheCapBeyondWhatWentIn) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 bits(seed);
     const auto uniform = [&](double low, double high) {
       return std::uniform_real_distribution<double>(low, high)(bits);
     };
-    Bench with({.cap_J = 0.3}), without({.acts = false});
-    double most_J = 0.0;
+    WallBench with({.cap_J = 0.3}), without({.acts = false});
+    double max_J = 0.0;
     for (int i = 0; i < 10'000; ++i) {
       const double push = 30.0 + 25.0 * std::sin(0.02 * i);
       if (i % 5 == 0) {
@@ -122,23 +127,26 @@ TEST(EnergyTank, NeverGivesOutMoreThanWentInAndTheCap) {
       }
       with.Tick(push);
       without.Tick(push);
-      most_J = std::max(most_J, with.made_J);
-      // damped by a hand, or the tool would be lost
+      max_J = std::max(max_J, with.made_J);
+      // a hand damps both tools, so that they stay near the wall
       with.tool.V_WT.v *= 0.995;
       without.tool.V_WT.v *= 0.995;
     }
-    EXPECT_LE(most_J, 0.3 * 1.05) << "seed " << seed;
+    EXPECT_LE(max_J, 0.3 * 1.05) << "seed " << seed;
     EXPECT_GT(without.made_J, 0.3 * 1.5) << "seed " << seed << ": the walls do pump";
   }
 }
 
-TEST(EnergyTank, AHandOverItCanPayForIsRenderedAtOnceAndTheForceGoesOnWhereItCanNot) {
+// A frame makes the wall ten times as stiff while the tool is 5 mm deep. A tank of 1 J pays for the energy,
+// and the force rises tenfold at once; an empty tank cannot pay, and the force stays.
+TEST(EnergyTank, AStifferWallIsRenderedAtOnceIfPaidForAndElseWithoutAStep) {
   double left_J = 0.0;
+  // @returns the force after the wall becomes ten times as stiff, relative to the force before
   const auto hand_over = [&](double cap_J) {
-    Bench bench({.cap_J = cap_J});
+    WallBench bench({.cap_J = cap_J});
     bench.Frame(kSoft);
-    bench.Tick(0.0);                            // touches
-    bench.tool.X_WT.translation().z() = -5e-3;  // 10 N, set directly
+    bench.Tick(0.0);                            // the tool touches the wall
+    bench.tool.X_WT.translation().z() = -5e-3;  // placed 5 mm deep: 10 N of the soft wall
     bench.Tick(10.0);
     bench.tool.V_WT = {};
     const double before_N = bench.f_W.z();
@@ -152,16 +160,17 @@ TEST(EnergyTank, AHandOverItCanPayForIsRenderedAtOnceAndTheForceGoesOnWhereItCan
   EXPECT_NEAR(hand_over(0.0), 1.0, 0.01) << "no step";
 }
 
-// The scale returns no faster than the trip on the force's rate allows: 1.5 K v_max.
-TEST(EnergyTank, ReturnsWithoutAStep) {
-  Bench bench({.cap_J = 1.0});
+// After the tank was empty, the scale of the force returns slowly: the safety trip on the force's rate, at
+// 1.5 K v_max, never reacts.
+TEST(EnergyTank, TheForceReturnsWithoutAStep) {
+  WallBench bench({.cap_J = 1.0});
   bench.Frame(kSoft);
   bench.Tick(0.0);
   bench.tool.X_WT.translation().z() = -9e-3;
   safety::WrenchRateTrip trip(kStiff, 0.25);
   for (int i = 0; i < 3; ++i) bench.Tick(18.0);
   bench.tool.V_WT = {};
-  // empty the tank: the tool is held while planes alternate
+  // empty the tank: the wall's stiffness alternates while the tool is held in place
   for (int i = 0; i < 8; ++i) {
     bench.Frame(i % 2 == 0 ? kStiff : kSoft);
     bench.Tick(18.0);
@@ -178,11 +187,12 @@ TEST(EnergyTank, ReturnsWithoutAStep) {
   }
 }
 
-// A wall pressed with 60 N while its frames differ by 20 um, as a real engine's do. A tank of 1 J has no
-// visible effect, one of 0.1 mJ softens a wall that is stable.
-TEST(EnergyTank, TooSmallATankSpoilsAStableWall) {
+// A hand presses with 60 N on a stable wall whose frames differ by up to 20 um, as a real engine's do. A tank
+// of 1 J does not change the wall; a tank of 0.1 mJ cannot pay for these differences and softens it.
+TEST(EnergyTank, ATankThatIsTooSmallSoftensAStableWall) {
+  // @returns largest deviation from the depth of the spring under 60 N, in the second half [m]
   const auto depth_error = [](double cap_J, double* min_scale) {
-    Bench bench({.cap_J = cap_J});
+    WallBench bench({.cap_J = cap_J});
     bench.law.damping_Ns_per_m.setConstant(200.0);
     std::mt19937_64 bits(5);
     std::uniform_real_distribution<double> ripple(-20e-6, 20e-6);
@@ -207,9 +217,9 @@ TEST(EnergyTank, TooSmallATankSpoilsAStableWall) {
   RecordProperty("off_um_at_.1_mJ", std::to_string(1e6 * small_m));
 }
 
-// Closed paths in all six axes over planes at rest: U is a potential, so nothing is paid, and the tank keeps
-// its energy except for losses at a plane's edge.
-TEST(EnergyTank, PlanesThatRestCostNothing) {
+// The tool moves on closed paths in all six axes over planes that do not change. The spring's energy U is
+// then a potential, so the tank pays nothing and keeps its energy, except for losses at a plane's edge.
+TEST(EnergyTank, UnchangedPlanesCostNothing) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 bits(seed);
     std::normal_distribution<double> normal;
@@ -232,7 +242,7 @@ TEST(EnergyTank, PlanesThatRestCostNothing) {
     }
     EnergyTank tank({.cap_J = 1.0}, kT);
     const Vector3 way = direction(), turn = direction();
-    double least_J = 1.0, begun_J = 0.0;
+    double min_J = 1.0, begun_J = 0.0;
     for (int i = 0; i < 2000; ++i) {
       const double phase = 2.0 * M_PI * i / 500.0;
       Pose X_WT = Pose::Identity();
@@ -245,14 +255,14 @@ TEST(EnergyTank, PlanesThatRestCostNothing) {
           EvaluateCoupling(params, {.model = model, .X_WT = X_WT, .now = now}, state);
       ASSERT_EQ(tank.Step(coupling, X_WT, {}, 1.0), 1.0);
       if (i == 0) begun_J = tank.energy_J();  // planes that appear with the tool already in them cost energy
-      least_J = std::min(least_J, tank.energy_J());
+      min_J = std::min(min_J, tank.energy_J());
     }
-    EXPECT_GT(least_J, begun_J - 2e-3) << "seed " << seed << ": of some 70 mJ that go in and out";
+    EXPECT_GT(min_J, begun_J - 2e-3) << "seed " << seed << ": of some 70 mJ that go in and out";
   }
 }
 
 TEST(EnergyTank, DoesNotAllocate) {
-  Bench bench({});
+  WallBench bench({});
   bench.tool.X_WT.translation().z() = -1e-3;
   bench.Frame(kStiff);
   bench.Tick(20.0);

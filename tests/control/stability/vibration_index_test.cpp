@@ -19,9 +19,9 @@ constexpr double kDt_s = 1e-3;
 
 double Sine(double hz, double t_s) { return std::sin(2.0 * std::numbers::pi * hz * t_s); }
 
-// The index after some time of a force along one direction.
-double After(double seconds, const std::function<double(double t_s)>& force_N, double spindle_rad_per_s = 0.0,
-             const VibrationParams& params = {}) {
+// The vibration index after a force has acted along one direction for some time.
+double IndexAfter(double seconds, const std::function<double(double t_s)>& force_N,
+                  double spindle_rad_per_s = 0.0, const VibrationParams& params = {}) {
   VibrationIndex index(params, kDt_s);
   const Vector3 direction = Vector3(1.0, -2.0, 2.0) / 3.0;
   for (int i = 0; i < static_cast<int>(std::lround(seconds / kDt_s)); ++i)
@@ -29,9 +29,9 @@ double After(double seconds, const std::function<double(double t_s)>& force_N, d
   return index.index();
 }
 
-// Largest index over the whole time.
-double Largest(double seconds, const std::function<double(double t_s)>& force_N,
-               double spindle_rad_per_s = 0.0) {
+// Largest vibration index while a force acts along one direction.
+double LargestIndex(double seconds, const std::function<double(double t_s)>& force_N,
+                    double spindle_rad_per_s = 0.0) {
   VibrationIndex index({}, kDt_s);
   double largest = 0.0;
   for (int i = 0; i < static_cast<int>(std::lround(seconds / kDt_s)); ++i)
@@ -40,8 +40,8 @@ double Largest(double seconds, const std::function<double(double t_s)>& force_N,
   return largest;
 }
 
-// Gain of a filter at a frequency, from the sine at its output. Oracle: Butterworth's |H|^2 = 1 / (1 +
-// (f/f_c)^2n), with the frequencies warped by tan(pi f T).
+// Two filters in series, of the two Q factors of a fourth-order Butterworth filter, have its gain
+// |H|^2 = 1 / (1 + (f/f_c)^8), with the frequencies warped by tan(pi f T). The gain is measured with sines.
 TEST(Biquad, HasButterworthsGain) {
   const auto gain = [](Biquad a, Biquad b, double hz) {
     double power = 0.0;
@@ -64,24 +64,26 @@ TEST(Biquad, HasButterworthsGain) {
   }
 }
 
-TEST(VibrationIndex, A12HzOscillationIsSeenWithinAPeriodAndAHalf) {
+TEST(VibrationIndex, A12HzOscillationRaisesTheIndexWithinAPeriodAndAHalf) {
   const auto shaken = [](double t) { return t < 1.0 ? 20.0 : 20.0 + 5.0 * Sine(12.0, t - 1.0); };
-  EXPECT_EQ(After(1.0, shaken), 0.0);
-  EXPECT_GT(After(1.05, shaken), 0.1) << "alerted";
-  EXPECT_GT(After(1.125, shaken), 0.5);
-  EXPECT_GT(After(1.3, shaken), 0.95);
+  EXPECT_EQ(IndexAfter(1.0, shaken), 0.0);
+  EXPECT_GT(IndexAfter(1.05, shaken), 0.1) << "alerted";
+  EXPECT_GT(IndexAfter(1.125, shaken), 0.5);
+  EXPECT_GT(IndexAfter(1.3, shaken), 0.95);
 }
 
-TEST(VibrationIndex, AJoltAlertsAndIsForgotten) {
+// A force that steps to 50 N and stays there does not swing back, so the index keeps below alert_index.
+TEST(VibrationIndex, AJoltRaisesTheIndexBrieflyAndAtMostToTheAlertLevel) {
   const VibrationParams params;
   const auto jolt = [](double t) { return t < 1.0 ? 0.0 : 50.0; };
-  EXPECT_GT(After(1.05, jolt), 0.1);
-  EXPECT_LE(Largest(3.0, jolt), params.alert_index);
-  EXPECT_LT(After(1.3, jolt), 0.01);
+  EXPECT_GT(IndexAfter(1.05, jolt), 0.1);
+  EXPECT_LE(LargestIndex(3.0, jolt), params.alert_index);
+  EXPECT_LT(IndexAfter(1.3, jolt), 0.01);
 }
 
-// Half-waves of growing, steady and decaying signals.
-TEST(HalfWaves, SwingsAreToAndFroAndLast) {
+// Oscillations of 10 Hz that last or grow count with their amplitude. Decaying, slow, fast and one-sided
+// signals count as none.
+TEST(HalfWaves, CountOnlyLastingSwingsToAndFro) {
   const auto amplitude = [](const std::function<double(double t_s)>& x) {
     HalfWaves waves(0.01, 0.11);
     double last = 0.0;
@@ -100,38 +102,39 @@ TEST(HalfWaves, SwingsAreToAndFroAndLast) {
       << "what rides on it turns no half-wave";
 }
 
-TEST(VibrationIndex, ATorqueThatOscillatesCountsByItsLever) {
+TEST(VibrationIndex, AnOscillatingTorqueCountsAsAForceAtALever) {
   VibrationIndex index({}, kDt_s);
   for (int i = 0; i < 300; ++i)
     index.Step({.f = Vector3::Zero(), .t = 0.3 * Sine(12.0, i * kDt_s) * Vector3::UnitX()}, 0.0);
   EXPECT_GT(index.index(), 0.9);
 }
 
-TEST(VibrationIndex, WhatAHandDoesOnPurposeLeavesItAlone) {
+TEST(VibrationIndex, SlowMotionPushAndNoiseDoNotRaiseTheIndex) {
   const auto slow = [](double t) { return 80.0 * (1.0 - std::cos(2.0 * std::numbers::pi * 0.7 * t)); };
-  for (const double t : {1.0, 2.0, 2.3, 2.6, 6.0}) EXPECT_LT(After(t, slow), 0.01) << "slow motion";
-  EXPECT_LE(Largest(6.0, slow), VibrationParams{}.alert_index) << "its beginning may alert";
-  EXPECT_LT(After(0.8, [](double t) { return t < 0.5 ? 0.0 : std::min(100.0, 200.0 * (t - 0.5)); }), 0.02)
+  for (const double t : {1.0, 2.0, 2.3, 2.6, 6.0}) EXPECT_LT(IndexAfter(t, slow), 0.01) << "slow motion";
+  EXPECT_LE(LargestIndex(6.0, slow), VibrationParams{}.alert_index) << "its beginning may alert";
+  EXPECT_LT(IndexAfter(0.8, [](double t) { return t < 0.5 ? 0.0 : std::min(100.0, 200.0 * (t - 0.5)); }),
+            0.02)
       << "a push of 100 N within half a second";
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0.0, 0.1);
-  EXPECT_LT(Largest(6.0, [&](double) { return 50.0 + noise(random); }), 0.01) << "the sensor's noise";
+  EXPECT_LT(LargestIndex(6.0, [&](double) { return 50.0 + noise(random); }), 0.01) << "the sensor's noise";
 }
 
-TEST(VibrationIndex, TheSpindlesHarmonicsAreNotVibration) {
-  const double hz = 250.0 / 60.0;
+TEST(VibrationIndex, TheSpindlesHarmonicsDoNotRaiseTheIndex) {
+  const double hz = 250.0 / 60.0;  // 250 revolutions per minute
   const auto cut = [hz](double t) {
     double f = 30.0;
     for (int n = 1; n <= 6; ++n) f += 1.5 / n * Sine(n * hz, t + 0.01 * n) * std::min(1.0, t);
     return f;
   };
-  const double turning = 2.0 * std::numbers::pi * hz;
+  const double spindle_rad_per_s = 2.0 * std::numbers::pi * hz;
   // the notches adapt within 0.2 s, and the index from before is forgotten in 1.2 s
-  EXPECT_LT(After(6.0, cut, turning), 0.02);
-  EXPECT_GT(Largest(6.0, cut, 0.0), 0.5) << "without the spindle's speed they are";
+  EXPECT_LT(IndexAfter(6.0, cut, spindle_rad_per_s), 0.02);
+  EXPECT_GT(LargestIndex(6.0, cut, 0.0), 0.5) << "without the spindle's speed they are";
   // 10.4 Hz is halfway between the second harmonic and the third
-  const auto both = [&](double t) { return cut(t) + (t < 6.0 ? 0.0 : 3.0 * Sine(10.4, t)); };
-  EXPECT_GT(After(6.3, both, turning), 0.5);
+  const auto cut_and_oscillation = [&](double t) { return cut(t) + (t < 6.0 ? 0.0 : 3.0 * Sine(10.4, t)); };
+  EXPECT_GT(IndexAfter(6.3, cut_and_oscillation, spindle_rad_per_s), 0.5);
 }
 
 TEST(VibrationIndex, DecaysSixtyTimesSlowerThanItRises) {
@@ -140,12 +143,12 @@ TEST(VibrationIndex, DecaysSixtyTimesSlowerThanItRises) {
   const auto step = [&index](double f) {
     return index.Step({.f = f * Vector3::UnitX(), .t = Vector3::Zero()}, 0.0);
   };
-  // it dies as soon as the tool is damped: the loop's own oscillation
+  // an oscillation that dies as soon as the tool is damped, as one of the loop does
   for (int i = 0; i < 1500; ++i) step(index.index() < 0.6 && i < 500 ? 5.0 * Sine(12.0, i * kDt_s) : 0.0);
   ASSERT_GT(index.index(), 0.5);
   EXPECT_NEAR(index.damping_factor(), 1.0 + index.index() * (params.max_damping_factor - 1.0), 1e-12);
   EXPECT_NEAR(index.mass_factor(), 1.0 + index.index() * (params.max_mass_factor - 1.0), 1e-12);
-  for (int i = 0; i < 1000; ++i) step(0.0);  // the energies are forgotten
+  for (int i = 0; i < 1000; ++i) step(0.0);  // until the index only decays, no longer driven by past force
   const double before = index.index();
   for (int i = 0; i < 1000; ++i) step(0.0);
   EXPECT_NEAR(index.index() / before, std::exp(-1.0 / (params.decay_ratio * params.rise_s)), 1e-3)
@@ -155,7 +158,7 @@ TEST(VibrationIndex, DecaysSixtyTimesSlowerThanItRises) {
   EXPECT_EQ(index.damping_factor(), 1.0);
 }
 
-TEST(VibrationIndex, SwitchedOffItIsSeenAndDoesNothing) {
+TEST(VibrationIndex, SwitchedOffTheIndexRisesButTheFactorsStayOne) {
   VibrationIndex index({.acts = false}, kDt_s);
   for (int i = 0; i < 350; ++i)
     index.Step({.f = 5.0 * Sine(12.0, i * kDt_s) * Vector3::UnitX(), .t = Vector3::Zero()}, 0.0);
@@ -173,7 +176,7 @@ TEST(VibrationIndex, WorksAtASlowArmsPeriod) {
   }
 }
 
-TEST(VibrationIndex, StaysFiniteWhateverItIsGiven) {
+TEST(VibrationIndex, StaysFiniteForWildInputs) {
   VibrationIndex index({}, kDt_s);
   std::mt19937 random(2);
   std::uniform_real_distribution<double> wild(-1e6, 1e6);
@@ -187,7 +190,7 @@ TEST(VibrationIndex, StaysFiniteWhateverItIsGiven) {
   }
 }
 
-TEST(VibrationIndex, RefusesWhatItCanNotBe) {
+TEST(VibrationIndex, RefusesParametersOutOfRange) {
   EXPECT_THROW(VibrationIndex({.high_hz = 5.5}, kDt_s), std::invalid_argument);
   EXPECT_THROW(VibrationIndex({.decay_ratio = 0.5}, kDt_s), std::invalid_argument);
   EXPECT_THROW(VibrationIndex({.max_mass_factor = 0.9}, kDt_s), std::invalid_argument);
@@ -201,8 +204,7 @@ TEST(VibrationIndex, DoesNotAllocate) {
     index.Step({.f = Sine(12.0, i * kDt_s) * Vector3::UnitX(), .t = Vector3::UnitY()}, 26.0);
 }
 
-// A change of mass never creates kinetic energy.
-TEST(AdmittanceLaw, AChangeOfMassMakesNoEnergy) {
+TEST(AdmittanceLaw, AChangeOfMassCreatesNoKineticEnergy) {
   const Twist V{.v = {0.1, -0.2, 0.05}, .w = {0.3, 0.1, -0.2}};
   const AdmittanceParams params;
   const auto energy = [](const AdmittanceParams& p, const Twist& V_WT) {

@@ -9,28 +9,31 @@
 #include "io/can/udp_can_codec.h"
 #include "tests/fuzz/targets/fuzz_input.h"
 
-// Data that may come on a CAN bus, for one device: byte 0 selects it (two bits). The sensors and the drive
-// get frames
+// Fuzz target: data from a CAN bus for one client. The input's byte 0 (two bits) selects the client: a
+// Robotous sensor, an ATI sensor, the drive or the UDP tunnel. Sensors and drive get frames
 //
 //     byte  0     low four bits: index of the device's id, or 15: the id is in the next two bytes;
 //                 high bits: what else happens
 //           1, 2  id, little-endian, if byte 0 says so
 //           then  size, and that many bytes
 //
-// and the tunnel gets one datagram: all the rest.
+// and the tunnel gets one datagram, the rest of the input.
 
 namespace osteon::fuzz {
 namespace {
 
+// High bits of a frame's byte 0: what else happens.
 enum Op : unsigned {
   kGap = 1u << 4,      // frames before this one were lost
   kLater = 1u << 5,    // 10 ms later, else 1 ms
-  kExtra = 1u << 6,    // only together with kExtra
-  kRestart = 1u << 7,  // only if the next bit is set, too
+  kExtra = 1u << 6,    // a sensor: a bias is requested; the drive: it is switched off, and faults are reset
+  kRestart = 1u << 7,  // the client is restarted, if kExtra is set as well
 };
-constexpr std::size_t kMaxFrames = 4096;
-constexpr double kMaxSpeed_rad_per_s = 40.0, kGear = 20.0;
+constexpr std::size_t kMaxFrames = 4096;      // of one input, to bound its time
+constexpr double kMaxSpeed_rad_per_s = 40.0;  // of the reamer
+constexpr double kGear = 20.0;                // the motor's speed over the reamer's
 
+// Reads the next frame from the input. @param ids  those that the client knows
 template <std::size_t N>
 io::CanFrame NextFrame(Input& in, unsigned op, const std::array<std::uint16_t, N>& ids) {
   io::CanFrame frame;
@@ -53,8 +56,10 @@ void Send(Client& client, rt::Nanoseconds now, Look&& look) {
   }
 }
 
+// Feeds a client all frames of the input. @param next  makes a frame  @param each  called after each frame
+// @param look  called for each frame that the client sends
 template <class Client, class Next, class Each, class Look>
-void Feed(Input& in, Client& client, Next&& next, Each&& each, Look&& look) {
+void FeedFrames(Input& in, Client& client, Next&& next, Each&& each, Look&& look) {
   rt::Nanoseconds now = rt::kSecond;
   Send(client, now, look);
   for (std::size_t i = 0; i < kMaxFrames && !in.empty(); ++i) {
@@ -67,7 +72,8 @@ void Feed(Input& in, Client& client, Next&& next, Each&& each, Look&& look) {
   }
 }
 
-void Sensor(Input& in, io::WrenchSensor& sensor, const std::array<std::uint16_t, 8>& ids) {
+// Feeds a sensor's client, and claims that its readings are finite.
+void FuzzSensor(Input& in, io::WrenchSensor& sensor, const std::array<std::uint16_t, 8>& ids) {
   std::uint64_t readings = 0;
   const auto check = [&](unsigned op) {
     if ((op & kExtra) != 0) sensor.RequestBias((op & kLater) != 0);
@@ -80,14 +86,16 @@ void Sensor(Input& in, io::WrenchSensor& sensor, const std::array<std::uint16_t,
     readings = now;
   };
   const auto next = [&](unsigned op) { return NextFrame(in, op, ids); };
-  Feed(in, sensor, next, check, [](const io::CanFrame&) {});
+  FeedFrames(in, sensor, next, check, [](const io::CanFrame&) {});
 }
 
-void Drive(Input& in) {
+// Feeds the drive's client, and claims that the drive is never commanded too fast or in a fault.
+void FuzzDrive(Input& in) {
   auto drive = *io::ReamerDrive::Make(
       {.node = 16, .gear_ratio = kGear, .rated_torque_Nm = 0.5, .max_speed_rad_per_s = kMaxSpeed_rad_per_s});
   const std::array<std::uint16_t, 8> ids{0x590, 0x710, 0x190, 0x290, 0x090, 0x000, 0x080, 0x390};
-  io::CanFrame asked;  // by the newest SDO
+  io::CanFrame asked;  // the client's newest SDO request
+  // index 14: the correct answer to that request
   const auto next = [&](unsigned op) {
     if ((op & 15u) != 14) return NextFrame(in, op, ids);
     io::CanFrame answer = asked;
@@ -108,19 +116,20 @@ void Drive(Input& in) {
           "the drive's status is finite");
     Claim(drive.failure().empty() == (drive.phase() != io::DrivePhase::kFailed), "a refusal has its reason");
   };
-  const int most_rpm = static_cast<int>(kMaxSpeed_rad_per_s * kGear * 60.0 / (2.0 * 3.14159265358979) + 1.0);
+  const int max_rpm = static_cast<int>(kMaxSpeed_rad_per_s * kGear * 60.0 / (2.0 * 3.14159265358979) + 1.0);
   const auto look = [&](const io::CanFrame& out) {
     if (out.id == 0x610) asked = out;
     if (out.id != 0x210) return;
     const auto rpm = static_cast<std::int32_t>(out.data[3] | out.data[4] << 8 | out.data[5] << 16 |
                                                std::uint32_t{out.data[6]} << 24);
-    Claim(std::abs(rpm) <= most_rpm, "the drive is never commanded beyond its speed");
+    Claim(std::abs(rpm) <= max_rpm, "the drive is never commanded beyond its speed");
     Claim(drive.status().faults == 0 || out.data[0] != 0x0F, "the drive is not enabled in spite of a fault");
   };
-  Feed(in, drive, next, each, look);
+  FeedFrames(in, drive, next, each, look);
 }
 
-void Tunnel(Input& in) {
+// Decodes a tunnel's datagram, and claims that an accepted one is encoded to the same bytes.
+void FuzzTunnel(Input& in) {
   const auto bytes = in.Rest();
   const std::vector<std::uint8_t> datagram(bytes.begin(), bytes.end());
   io::UdpCanMessage message;
@@ -144,19 +153,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   switch (in.Byte() & 3u) {
     case 0: {
       auto sensor = *io::RobotousSensor::Make({.rate_readings = 2});
-      fuzz::Sensor(in, sensor, {1, 2, 0x64, 1, 2, 3, 0, 0x7ff});
+      fuzz::FuzzSensor(in, sensor, {1, 2, 0x64, 1, 2, 3, 0, 0x7ff});
       return 0;
     }
     case 1: {
       auto sensor = *io::AtiSensor::Make({.bias_readings = 2});
-      fuzz::Sensor(in, sensor, {0x200, 0x201, 0x202, 0x203, 0x204, 0x207, 0x208, 0x20f});
+      fuzz::FuzzSensor(in, sensor, {0x200, 0x201, 0x202, 0x203, 0x204, 0x207, 0x208, 0x20f});
       return 0;
     }
     case 2:
-      fuzz::Drive(in);
+      fuzz::FuzzDrive(in);
       return 0;
     default:
-      fuzz::Tunnel(in);
+      fuzz::FuzzTunnel(in);
       return 0;
   }
 }

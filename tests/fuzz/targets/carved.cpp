@@ -7,14 +7,17 @@
 #include "tests/fuzz/targets/file_claims.h"
 #include "tests/simulation/files/carved_samples.h"
 
-// A carved state of a small bone: byte 0 (bit 0): its checksums are corrected first; then the file.
+// Fuzz target: the file of a carved state of a small bone. If bit 0 of the input's byte 0 is set, size and
+// checksums are corrected before the file is read. The rest of the input is the file.
 
 namespace osteon::fuzz {
 namespace {
 
+// Size of the header, and where its fields are [byte].
 constexpr std::size_t kHeader = 392, kPayloadCrcAt = 384, kHeaderCrcAt = 388;
 
-void Seal(std::string& bytes) {
+// Corrects the file's size and checksums in its header.
+void SealCarvedFile(std::string& bytes) {
   if (bytes.size() < kHeader) return;
   const std::uint64_t size = bytes.size();
   std::memcpy(bytes.data() + 16, &size, sizeof(size));
@@ -27,8 +30,8 @@ void Seal(std::string& bytes) {
   put(kHeaderCrcAt, 0, kHeaderCrcAt);
 }
 
-// An engine of this bone resumes from the state, or says that it belongs to another tool or other
-// SplitParams, which the file does not record.
+// Claims that an engine of this bone resumes from the state, or refuses it because it belongs to another tool
+// or other SplitParams, which the file does not record.
 void ClaimResumes(const simulation::CarvedState& state) {
   using namespace simulation::test;
   simulation::ReferenceEngine engine(CarvedBone(), CarvedTool(), Pose::Identity(), CarvedParams());
@@ -54,7 +57,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::Input in(data, size);
   const bool seal = (in.Byte() & 1u) != 0;
   std::string bytes = fuzz::Text(in.Rest());
-  if (seal) fuzz::Seal(bytes);
+  if (seal) fuzz::SealCarvedFile(bytes);
   scratch.Write(bytes);
   const auto state = simulation::ReadCarvedState(scratch.path(), bone);
   if (!state) {

@@ -10,12 +10,13 @@
 #include "config/reading/strict/reader.h"
 #include "tests/fuzz/targets/file_claims.h"
 
-// Shared parts of the targets that read YAML.
+// Shared parts of the fuzz targets that read YAML files: the input as a file in a copy of config/, and claims
+// about errors.
 
 namespace osteon::fuzz {
 
-/// Claims that an error names its file, and that a line number in it exists.
-/// @param name  of the fuzzer's file; others are the repository's own
+/// Claims that an error names its file, and that the named line exists.
+/// @param name  of the fuzzer's file, whose content is `text`; lines of other files are not checked
 inline void ClaimNamesPlace(const config::ConfigError& error, const std::string& name,
                             std::string_view text) {
   const std::string_view what = error.what();
@@ -25,7 +26,7 @@ inline void ClaimNamesPlace(const config::ConfigError& error, const std::string&
   if (error.file() == name) ClaimNamesLine(what, name, text);
 }
 
-/// Returns the result of `load`, or nothing if it refuses.
+/// Returns the result of `load`. If it throws a ConfigError, returns nothing and checks the error's place.
 template <typename Load>
 auto Loaded(const Load& load, const std::string& name, std::string_view text)
     -> std::optional<decltype(load())> {
@@ -37,16 +38,18 @@ auto Loaded(const Load& load, const std::string& name, std::string_view text)
   }
 }
 
-/// The repository's config/ with one more file, cells/fuzz.yaml. Files are searched there only.
+/// A folder with links to the repository's config/ and one more file, cells/fuzz.yaml. Named files are
+/// searched there only.
 class FuzzConfig {
  public:
   FuzzConfig() {
     std::filesystem::create_directories(root() / "cells");
     for (const char* folder : {"robots", "tools", "scenes", "materials", "images", "plans", "scenarios"})
       std::filesystem::create_directory_symlink(Shipped() / folder, root() / folder);
-    std::filesystem::create_symlink(Shipped() / "cells/demo.yaml", root() / "cells/demo.yaml");  // extended
+    // cells of the corpus extend this one
+    std::filesystem::create_symlink(Shipped() / "cells/demo.yaml", root() / "cells/demo.yaml");
   }
-  /// The repository's folder: OSTEON_ROOT, or else where this was built.
+  /// The repository's config/, in OSTEON_ROOT if set, or else in the source folder of the build.
   [[nodiscard]] static std::filesystem::path Shipped() {
     const char* moved = std::getenv("OSTEON_ROOT");
     return std::filesystem::path(moved ? moved : OSTEON_SOURCE_DIR) / "config";
@@ -68,7 +71,7 @@ class YamlInput {
   YamlInput(const std::uint8_t* data, std::size_t size)
       : text_(Written(Text({data, size}))), scope_(Files().scope()) {}
 
-  /// Returns what a loader makes of the file, or nothing if it refuses.
+  /// Returns the result of a loader for the file, or nothing if the loader refuses it.
   template <typename Load>
   [[nodiscard]] auto Read(const Load& load) const {
     return Loaded([&] { return load(Files().path()); }, Files().path().string(), text_);

@@ -4,8 +4,9 @@
 #include "config/reading/sections/read_gains.h"
 #include "tests/fuzz/targets/config_claims.h"
 
-// A file of each kind that a cell names except a tool (tool_file.cpp): robot, scene, materials, gains,
-// calibration. The text is read as each of them; it can be valid as at most one of the three complete files.
+// Fuzz target: the files that a cell names, except a tool (tool_file.cpp): robot, scene, materials, gains,
+// calibration. The input is read as each of them. It can be valid as at most one of robot, scene and
+// materials.
 
 namespace osteon::fuzz {
 namespace {
@@ -23,8 +24,8 @@ void ClaimLimits(const kinematics::ChainParams<kCount>& chain) {
           "a joint has a range and a speed");
 }
 
-// The laws accept gains with any accepted overrides.
-void Gains(const FuzzConfig& files, std::string_view text, const config::CellConfig& cell) {
+// Claims that the control laws accept the cell's gains with any overrides that the reader accepted.
+void ClaimGains(const FuzzConfig& files, std::string_view text, const config::CellConfig& cell) {
   for (const control::Law law : {control::Law::kAdmittance, control::Law::kImpedance}) {
     control::AdmittanceParams admittance = cell.servo.admittance;
     control::CouplingParams coupling = cell.servo.coupling;
@@ -34,7 +35,8 @@ void Gains(const FuzzConfig& files, std::string_view text, const config::CellCon
   }
 }
 
-void Calibration(const FuzzConfig& files, std::string_view text, config::CellConfig cell) {
+// Claims that the loop accepts a cell with any calibration that the reader accepted.
+void ClaimCalibration(const FuzzConfig& files, std::string_view text, config::CellConfig cell) {
   if (!Loaded([&] { return config::ApplyCalibration(files.path(), cell), true; }, files.path().string(),
               text))
     return;
@@ -61,7 +63,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto materials = fuzz::Loaded([&] { return config::LoadMaterials(files.path()); }, name, text);
   if (materials) simulation::CheckMaterials(*materials);
   fuzz::Claim(robot.has_value() + scene.has_value() + materials.has_value() <= 1, "a file is of one kind");
-  fuzz::Gains(files, text, cell);
-  fuzz::Calibration(files, text, cell);
+  fuzz::ClaimGains(files, text, cell);
+  fuzz::ClaimCalibration(files, text, cell);
   return 0;
 }

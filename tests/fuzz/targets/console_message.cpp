@@ -6,13 +6,14 @@
 #include "console/server/client_message.h"
 #include "tests/fuzz/targets/fuzz_input.h"
 
-// What a page sends to the console's server: byte 0 selects the reader, the rest is a message, or host,
-// origin and token as one text each, ended by a line end.
+// Fuzz target: data that a web page sends to the console's server. The input's byte 0 selects how the rest is
+// read: as a message (even), or as host, origin and token of a page that connects, one a line (odd).
 
 namespace osteon::fuzz {
 namespace {
 
-void ReadMessage(std::string_view bytes) {
+// Claims that a message is accepted within the size limit, or refused with a short error.
+void ClaimMessage(std::string_view bytes) {
   const auto message = console::ParseClientMessage(bytes);
   if (message) {
     Claim(bytes.size() <= console::kMaxClientMessage, "a long message is refused");
@@ -22,16 +23,18 @@ void ReadMessage(std::string_view bytes) {
   Claim(message.error().size() <= 300, "an error is short, whatever was sent");
 }
 
-std::string_view Line(std::string_view& text) {
+// Removes the first line from the text. @returns that line, without its end
+std::string_view TakeLine(std::string_view& text) {
   const std::size_t end = std::min(text.find('\n'), text.size());
   const std::string_view line = text.substr(0, end);
   text.remove_prefix(std::min(end + 1, text.size()));
   return line;
 }
 
-void Open(std::string_view text) {
+// Claims that a page connects only with the token, from its own origin, by a local name.
+void ClaimAccess(std::string_view text) {
   const std::string token(32, 'a');
-  const std::string_view host = Line(text), origin = Line(text), given = Line(text);
+  const std::string_view host = TakeLine(text), origin = TakeLine(text), given = TakeLine(text);
   const console::OpenRequest request{.host = host, .origin = origin, .token = given};
   const bool open = console::CheckAccess(request, "127.0.0.1", token).empty();
   Claim(!open || given == token, "nobody opens without the token");
@@ -49,8 +52,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   const std::string_view rest(reinterpret_cast<const char*>(data) + 1, size - 1);
   if (data[0] % 2 == 0)
-    osteon::fuzz::ReadMessage(rest);
+    osteon::fuzz::ClaimMessage(rest);
   else
-    osteon::fuzz::Open(rest);
+    osteon::fuzz::ClaimAccess(rest);
   return 0;
 }

@@ -1,7 +1,7 @@
 #include "config/reading/sections/density_image.h"
 #include "tests/fuzz/targets/file_claims.h"
 
-// A density image: the bytes of a PNG.
+// Fuzz target: a density image. The input is the PNG file.
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace osteon;

@@ -8,14 +8,17 @@
 #include "io/engine/engine_setup.h"
 #include "tests/fuzz/targets/fuzz_input.h"
 
-// What crosses between a run and its engine: byte 0, bit 0: size and checksum are corrected first; bits 1 and
-// 2: a frame, a command, or the set-up. Then its bytes.
+// Fuzz target: messages between a run and an engine in its own process. In the input's byte 0, bit 0 says
+// whether size and checksum are corrected first, and bits 1 and 2 select a frame, a command or the set-up.
+// The rest is the message.
 
 namespace osteon::fuzz {
 namespace {
 
+// Where the header's fields are, and the size of the set-up's header [byte].
 constexpr std::size_t kSizeAt = 8, kCrcAt = 12, kSetupCrcAt = 12, kSetupHead = 16;
 
+// Corrects size and checksum of a frame or command.
 void SealMessage(std::vector<std::uint8_t>& bytes) {
   if (bytes.size() < io::kEngineHeaderBytes) return;
   const auto size = static_cast<std::uint32_t>(bytes.size());
@@ -26,6 +29,7 @@ void SealMessage(std::vector<std::uint8_t>& bytes) {
   std::memcpy(bytes.data() + kCrcAt, &crc, sizeof crc);
 }
 
+// Corrects the checksum of a set-up.
 void SealSetup(std::vector<std::uint8_t>& bytes) {
   if (bytes.size() < kSetupHead) return;
   const auto crc =
@@ -80,11 +84,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const unsigned how = in.Byte();
   const auto rest = in.Rest();
   std::vector<std::uint8_t> bytes(rest.begin(), rest.end());
-  const unsigned what = (how >> 1u) % 4;
-  if ((how & 1u) != 0) what < 2 ? fuzz::SealMessage(bytes) : fuzz::SealSetup(bytes);
-  if (what == 0)
+  const unsigned kind = (how >> 1u) % 4;
+  if ((how & 1u) != 0) kind < 2 ? fuzz::SealMessage(bytes) : fuzz::SealSetup(bytes);
+  if (kind == 0)
     fuzz::ClaimFrame(bytes);
-  else if (what == 1)
+  else if (kind == 1)
     fuzz::ClaimCommand(bytes);
   else
     fuzz::ClaimSetup(bytes);

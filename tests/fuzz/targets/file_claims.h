@@ -9,8 +9,8 @@
 #include "tests/fuzz/targets/fuzz_input.h"
 #include "tests/io/temporary_folder.h"
 
-// Shared parts of the targets that read files: a file with the fuzzer's bytes, and the place that an error
-// must name.
+// Shared parts of the fuzz targets that read files: a file with the fuzzer's bytes, and claims about the
+// place that an error message names.
 
 namespace osteon::fuzz {
 
@@ -20,7 +20,7 @@ inline std::filesystem::path FastFolder() {
   return ::access(memory.c_str(), W_OK) == 0 ? memory : std::filesystem::temp_directory_path();
 }
 
-/// One file in a folder of its own, rewritten for each input.
+/// A file in its own temporary folder, rewritten for each input.
 class FuzzFile {
  public:
   explicit FuzzFile(const std::string& name) : path_(folder_.path() / name) {}
@@ -34,6 +34,7 @@ class FuzzFile {
   std::filesystem::path path_;
 };
 
+/// The bytes as a string.
 inline std::string Text(std::span<const std::uint8_t> bytes) { return {bytes.begin(), bytes.end()}; }
 
 /// Returns the number that follows `before` in `text`; -1 if there is none.
@@ -45,14 +46,15 @@ inline long long NumberBehind(std::string_view text, std::string_view before) {
   return number;
 }
 
-/// Claims "FILE: byte N: …" with a byte in the file, or directly after its end.
+/// Claims that an error reads "FILE: byte N: …", where N is a byte of the file or the place behind its last
+/// byte.
 inline void ClaimNamesByte(std::string_view error, const std::filesystem::path& path, std::size_t size) {
   Claim(error.starts_with(path.string() + ": "), "an error names the file");
   const long long byte = NumberBehind(error, path.string() + ": byte ");
   Claim(byte >= 0 && static_cast<unsigned long long>(byte) <= size, "an error names a byte of the file");
 }
 
-/// Claims "FILE:N: …" with a line in the text, or directly after its end.
+/// Claims that an error reads "FILE:N: …", where N is a line of the text or the one behind its last line.
 inline void ClaimNamesLine(std::string_view error, const std::string& name, std::string_view text) {
   const auto is_end = [](char c) { return c == '\n' || c == '\r'; };  // a mesh's line may end in CR alone
   const auto lines = static_cast<long long>(std::count_if(text.begin(), text.end(), is_end)) + 1;

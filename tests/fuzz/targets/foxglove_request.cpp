@@ -5,14 +5,16 @@
 #include "console/server/foxglove_protocol.h"
 #include "tests/fuzz/targets/fuzz_input.h"
 
-// What a viewer sends to the server for Foxglove: a message; and its first line as an origin.
+// Fuzz target: data that a Foxglove viewer sends to its server. The input is read as a message, and its first
+// line also as the origin of a page that connects.
 
 namespace osteon::fuzz {
 namespace {
 
-constexpr std::size_t kChannels = 8;
+constexpr std::size_t kChannels = 8;  // number of advertised channels
 
-void ReadRequest(std::string_view bytes) {
+// Claims that an accepted request names only advertised channels, and that errors are short.
+void ClaimRequest(std::string_view bytes) {
   const auto request = console::ParseFoxgloveRequest(bytes, kChannels);
   if (!request) {
     Claim(request.error().find("accepted") != std::string::npos, "an error says what is accepted");
@@ -27,7 +29,8 @@ void ReadRequest(std::string_view bytes) {
   }
 }
 
-void Open(std::string_view origin) {
+// Claims that only the viewer's own and local origins may connect.
+void ClaimAccess(std::string_view origin) {
   const bool open =
       console::CheckViewerAccess({.host = "127.0.0.1:8765", .origin = origin, .token = {}}, "127.0.0.1", "")
           .empty();
@@ -42,7 +45,7 @@ void Open(std::string_view origin) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
-  osteon::fuzz::ReadRequest(bytes);
-  osteon::fuzz::Open(bytes.substr(0, bytes.find('\n')));
+  osteon::fuzz::ClaimRequest(bytes);
+  osteon::fuzz::ClaimAccess(bytes.substr(0, bytes.find('\n')));
   return 0;
 }

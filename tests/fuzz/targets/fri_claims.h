@@ -10,11 +10,12 @@
 #include "io/fri/frame.h"
 #include "tests/fuzz/targets/fuzz_input.h"
 
-// Claims about FRI's messages that hold for any input.
+// Claims about FRI's monitoring messages, shared by the fuzz targets fri_decode and fri_session.
 
 namespace osteon::fuzz {
 
-/// Puts the bytes into 2.7's frame, whose CRC-32 would otherwise reject nearly all input.
+/// Returns the bytes in a frame of FRI 2.7 with a correct CRC-32, without which nearly all input would be
+/// rejected.
 inline std::vector<std::uint8_t> Framed(std::span<const std::uint8_t> body) {
   std::vector<std::uint8_t> datagram(body.size() + io::kFriFrameHead + io::kFriFrameTail);
   std::copy(body.begin(), body.end(), datagram.begin() + io::kFriFrameHead);
@@ -44,7 +45,8 @@ inline void ClaimPose(const std::optional<io::FriPose>& pose, io::FriFamily fami
   ClaimName(pose->name);
 }
 
-/// Claims about an accepted message.
+/// Claims that an accepted message is finite, that its enumerators exist, and that it has what its state
+/// needs.
 inline void ClaimAccepted(io::FriFamily family, const io::MonitoringMessage& m) {
   using control::SessionState;
   ClaimFinite(m.q_meas, "q_meas is finite");

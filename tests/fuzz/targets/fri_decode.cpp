@@ -1,16 +1,17 @@
 #include "tests/fuzz/targets/fri_claims.h"
 
-// One FRI datagram: byte 0 gives the family (two bits) and whether 2.7's frame is added (bit 2).
+// Fuzz target: one FRI datagram. The input's byte 0 gives the protocol's family (two bits) and whether the
+// frame of 2.7 is added (bit 2); the rest is the datagram.
 
 namespace osteon::fuzz {
 namespace {
 
 constexpr std::array kFamilies{io::FriFamily::k1, io::FriFamily::k2_5, io::FriFamily::k2_7,
                                io::FriFamily::k2_7};
-constexpr std::uint32_t kMark = 0xdecafbad;
+constexpr std::uint32_t kMark = 0xdecafbad;  // a sequence number that shows whether the message was changed
 
-// Sends the arm's data back: the command fits into a datagram, or is refused for lack of space.
-void Return(io::FriFamily family, const io::MonitoringMessage& m) {
+// Encodes a command with the arm's own data: it fits into a datagram, or is refused for lack of space.
+void ClaimCommandOf(io::FriFamily family, const io::MonitoringMessage& m) {
   io::CommandMessage answer{.sequence = m.sequence, .reflected_sequence = m.reflected_sequence};
   answer.q = m.q_ipo;
   answer.wire_wrench = m.wire_force;
@@ -39,15 +40,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   io::MonitoringMessage m;
   m.sequence = fuzz::kMark;
   const io::CodecError error = io::DecodeMonitoring(family, datagram, m);
-  const auto told = io::DetectFamily(datagram);
+  const auto detected = io::DetectFamily(datagram);
   fuzz::Claim(std::string_view(io::Describe(error)) != "unknown error", "an error has a text");
   if (error != io::CodecError::kNone) {
     fuzz::Claim(m.sequence == fuzz::kMark && !m.q_meas && m.ios.empty(), "an error leaves the message alone");
     return 0;
   }
   fuzz::Claim(datagram.size() <= io::kFriMaxDatagram, "a datagram has at most 1500 bytes");
-  fuzz::Claim(told.value_or(family) == family, "a message is of the family that took it, or of none");
+  fuzz::Claim(detected.value_or(family) == family, "a message is of the family that took it, or of none");
   fuzz::ClaimAccepted(family, m);
-  fuzz::Return(family, m);
+  fuzz::ClaimCommandOf(family, m);
   return 0;
 }

@@ -2,7 +2,8 @@
 #include "io/fri/proto_reader.h"
 #include "tests/fuzz/targets/fri_claims.h"
 
-// A session of FRI datagrams, each answered: byte 0 the version, then for each datagram
+// Fuzz target: a session of FRI datagrams, each of which the session answers. The input's byte 0 is the
+// version; then for each datagram
 //
 //     byte  0     what the loop commands (Op), and what else happens
 //           1, 2  number of bytes that follow, little-endian
@@ -13,17 +14,17 @@ namespace {
 
 // Bits of a step's first byte.
 enum Op : unsigned {
-  kCommandMeasured = 1u << 0,  // the measured position; else the interpolator's
-  kCommandNaN = 1u << 1,       // with a NaN in it
-  kCommandFar = 1u << 2,       // with a joint turned far
-  kOldActivation = 1u << 3,    // naming another activation
+  kCommandMeasured = 1u << 0,  // the command is the measured position, else the interpolator's
+  kCommandNaN = 1u << 1,       // the command has a NaN
+  kCommandFar = 1u << 2,       // the command turns a joint by 1 rad
+  kOldActivation = 1u << 3,    // the command names another activation
   kResetSession = 1u << 5,     // bit 4 is free
-  kWait = 1u << 6,             // no answer to this one
-  kBare = 1u << 7,             // no frame around it
+  kWait = 1u << 6,             // the datagram is not answered
+  kBare = 1u << 7,             // the datagram gets no frame
 };
 
-// The motion in an answer's protobuf. The decoder is the product's, whose own tests compare it with
-// libprotobuf.
+// The contents of an answer that the claims need, read by the program's own protobuf reader (whose tests
+// compare it with libprotobuf).
 struct Answer {
   std::uint32_t id{0}, sequence{0}, reflected{0};
   std::array<double, 7> q{};
@@ -31,7 +32,8 @@ struct Answer {
   bool finite{true};
 };
 
-void Walk(std::span<const std::uint8_t> bytes, Answer& answer, unsigned depth, std::uint32_t path) {
+// Reads an answer's fields recursively. @param path  field numbers from the outermost, four bits each
+void ReadAnswer(std::span<const std::uint8_t> bytes, Answer& answer, unsigned depth, std::uint32_t path) {
   io::ProtoReader in(bytes);
   while (in.Next()) {
     const std::uint32_t here = path << 4 | in.number();
@@ -51,7 +53,7 @@ void Walk(std::span<const std::uint8_t> bytes, Answer& answer, unsigned depth, s
       in.Append(values, count);
       for (std::size_t i = 0; i < count; ++i) answer.finite &= std::isfinite(values[i]);
     } else if (depth < 2 && (here == 1 || (here >> 4 == 2 && here != 0x25 && here != 0x27) || here == 2)) {
-      Walk(in.Bytes(), answer, depth + 1, here);
+      ReadAnswer(in.Bytes(), answer, depth + 1, here);
     } else {
       in.Skip();
     }
@@ -59,9 +61,10 @@ void Walk(std::span<const std::uint8_t> bytes, Answer& answer, unsigned depth, s
   Claim(in.ok(), "an answer is a protobuf");
 }
 
-class Run {
+// Runs the whole input through one session.
+class SessionRun {
  public:
-  explicit Run(Input& in) : in_(in), version_(io::kFriVersions[in.Byte() % io::kFriVersions.size()]) {}
+  explicit SessionRun(Input& in) : in_(in), version_(io::kFriVersions[in.Byte() % io::kFriVersions.size()]) {}
 
   void All() {
     while (!in_.empty()) Step();
@@ -82,6 +85,7 @@ class Run {
     if ((op & kWait) == 0) AnswerOnce(op);
   }
 
+  // Claims about the arm's state after a datagram.
   void ClaimState(const control::ArmState& before, io::FriAccept accepted) {
     ClaimFinite(std::optional(state_.q_meas), "the state's position is finite");
     ClaimFinite(std::optional(state_.q_ipo), "the state's interpolator is finite");
@@ -119,7 +123,7 @@ class Run {
     if (io::FamilyOf(version_) == io::FriFamily::k2_7)
       Claim(io::Unframe(datagram, body) == io::FrameError::kNone, "2.7's answers are framed");
     Answer answer;
-    Walk(body, answer, 0, 0);
+    ReadAnswer(body, answer, 0, 0);
     Claim(answer.id == io::kFriCommandId, "an answer is a command");
     Claim(answer.sequence == ++sequence_, "answers are counted one by one");
     Claim(answer.reflected == session_.message().sequence, "an answer names its message");
@@ -155,6 +159,6 @@ class Run {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   osteon::fuzz::Input in(data, size);
-  osteon::fuzz::Run(in).All();
+  osteon::fuzz::SessionRun(in).All();
   return 0;
 }

@@ -7,12 +7,12 @@
 #include <stdexcept>
 #include <vector>
 
-// Shared parts of the fuzz targets: a reader that takes a fuzzer's bytes piece by piece, and claims that hold
-// for any input.
+// Shared parts of the fuzz targets: a reader of the fuzzer's input, and Claim, which checks a property that
+// must hold for any input.
 
 namespace osteon::fuzz {
 
-/// Returns zeros once the bytes are used up.
+/// Reads the fuzzer's bytes piece by piece; after the last byte, Byte and Word return zeros.
 class Input {
  public:
   Input(const std::uint8_t* data, std::size_t size) : rest_(data, size) {}
@@ -22,6 +22,7 @@ class Input {
     const auto one = Bytes(1);
     return one.empty() ? std::uint8_t{0} : one[0];
   }
+  /// Two bytes, little-endian.
   std::uint16_t Word() {
     const unsigned low = Byte();
     return static_cast<std::uint16_t>(low | unsigned{Byte()} << 8);

@@ -4,15 +4,15 @@
 #include "simulation/mesh/mesh_file.h"
 #include "tests/fuzz/targets/file_claims.h"
 
-// A mesh file: byte 0 selects its extension, then the file.
+// Fuzz target: a mesh file. The input's byte 0 selects the extension (STL, OBJ, PLY), the rest is the file.
 
 namespace osteon::fuzz {
 namespace {
 
 using simulation::MeshErrorKind;
 
-// Each format's reader names a line of a text, or a byte of other content. Defects of the surface itself
-// (open, wound both ways, …) are given by place in mm: then file and reason.
+// Claims that an error names the file, and a line of a text or a byte of a binary file. Errors about the
+// surface itself (open, wound both ways, …) give a place in mm instead.
 void ClaimError(const simulation::MeshError& error, const std::filesystem::path& path,
                 std::string_view content) {
   const std::string name = path.string();
@@ -24,6 +24,7 @@ void ClaimError(const simulation::MeshError& error, const std::filesystem::path&
     ClaimNamesLine(error.message, name, content);
 }
 
+// Claims about a mesh as read, before its surface is checked.
 void ClaimRaw(const simulation::RawMesh& raw, std::size_t file_bytes) {
   Claim(!raw.triangles.empty(), "a mesh has triangles");
   Claim(raw.triangles.size() <= file_bytes, "a triangle takes a byte of the file and more");
@@ -35,6 +36,7 @@ void ClaimRaw(const simulation::RawMesh& raw, std::size_t file_bytes) {
       for (const float x : corner) Claim(std::isfinite(x), "a corner has a place");
 }
 
+// Claims that a checked mesh has valid vertices and is a closed surface.
 void ClaimClosed(const simulation::TriangleMesh& mesh) {
   Claim(!mesh.triangles.empty(), "a shell has triangles");
   for (const auto& triangle : mesh.triangles)

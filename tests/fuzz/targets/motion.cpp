@@ -3,7 +3,7 @@
 #include "simulation/tools/tool_motion.h"
 #include "tests/fuzz/targets/file_claims.h"
 
-// The text of a motion file.
+// Fuzz target: a recorded tool motion. The input is the text of the CSV file.
 
 namespace osteon::fuzz {
 namespace {
@@ -37,7 +37,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   fuzz::ClaimAccepted(*motion);
-  // values finer than the file's last digit are rounded, and may then break the rules; but not a second time
+  // writing rounds values to the file's last digit, so that the text may then be refused; if not, a second
+  // writing changes nothing
   const std::string written = simulation::MotionText(*motion);
   const auto rounded = simulation::ParseMotion(written, name);
   if (rounded) fuzz::Claim(simulation::MotionText(*rounded) == written, "what was read can be written");

@@ -4,11 +4,13 @@
 #include "tests/fuzz/targets/file_claims.h"
 #include "tests/simulation/packing/packing_samples.h"
 
-// A packing file: byte 0 (bit 0): its checksums are corrected first, as by an attacker; then the file.
+// Fuzz target: a packing file. If bit 0 of the input's byte 0 is set, the checksums are corrected first, as
+// an attacker would do. The rest of the input is the file.
 
 namespace osteon::fuzz {
 namespace {
 
+// Claims that an engine can use an accepted packing.
 void ClaimUsable(const simulation::Bone& bone) {
   Claim(!bone.balls.empty(), "a packing has balls");
   for (const simulation::Ball& ball : bone.balls)
@@ -27,7 +29,7 @@ void ClaimUsable(const simulation::Bone& bone) {
 void ClaimSavesToItself(const simulation::PackingFile& file, const simulation::Bone& bone) {
   static const FuzzFile saved("saved.osp");
   if (!simulation::WritePackingFile(saved.path(), bone, file.provenance()))
-    return;  // too wide to have a finite centre
+    return;  // its balls are too far apart for a finite centre
   const std::string first = io::test::ReadAll(saved.path());
   const auto again = simulation::PackingFile::Open(saved.path(), 1);
   Claim(again.has_value(), "what was saved is accepted");

@@ -1,8 +1,8 @@
 #include "simulation/packing/packing_text.h"
 #include "tests/fuzz/targets/file_claims.h"
 
-// The two texts of a packing file: byte 0 selects one (bit 0: materials, else provenance), then the text.
-// Each value has a single notation, so that an accepted text equals the writer's output.
+// Fuzz target: the two texts in a packing file. Bit 0 of the input's byte 0 selects the materials (1) or the
+// provenance (0); the rest is the text. What was read can be written and read again, with the same result.
 
 namespace osteon::fuzz {
 namespace {
@@ -12,7 +12,7 @@ void ClaimError(const simulation::TextError& error, std::string_view text) {
   Claim(!error.found.empty() && !error.accepted.empty(), "an error has a text");
 }
 
-void Materials(std::string_view text) {
+void ClaimMaterials(std::string_view text) {
   const auto materials = simulation::MaterialsFromText(text);
   if (!materials) return ClaimError(materials.error(), text);
   simulation::CheckMaterials(*materials);
@@ -23,7 +23,7 @@ void Materials(std::string_view text) {
   Claim(simulation::MaterialsToText(*back).value() == *again, "and are then the same");
 }
 
-void Provenance(std::string_view text) {
+void ClaimProvenance(std::string_view text) {
   const auto read = simulation::ProvenanceFromText(text);
   if (!read) return ClaimError(read.error(), text);
   const auto again = simulation::ProvenanceToText(*read);
@@ -40,6 +40,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::Input in(data, size);
   const bool materials = (in.Byte() & 1u) != 0;
   const std::string text = fuzz::Text(in.Rest());
-  materials ? fuzz::Materials(text) : fuzz::Provenance(text);
+  materials ? fuzz::ClaimMaterials(text) : fuzz::ClaimProvenance(text);
   return 0;
 }

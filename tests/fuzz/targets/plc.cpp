@@ -4,14 +4,15 @@
 #include "io/modbus/plc_client.h"
 #include "tests/fuzz/targets/fuzz_input.h"
 
-// The PLC's registers 970 … 983 as a hostile server may answer them, block after block, two bytes each
-// (little-endian). The protocol below them is libmodbus's (tests/io/modbus/modbus_client_test.cpp has servers
-// that misbehave).
+// Fuzz target: the PLC's registers 970 … 983, as a hostile server may send them. For each block the input has
+// the time since the last one [ms], the registers of two bytes (little-endian), and the time until the block
+// is judged [ms]. The Modbus protocol itself is libmodbus's (tests/io/modbus/modbus_client_test.cpp has
+// servers that misbehave).
 
 namespace osteon::fuzz {
 namespace {
 
-constexpr rt::Nanoseconds kMaxAge = 100 * rt::kMillisecond;
+constexpr rt::Nanoseconds kMaxAge = 100 * rt::kMillisecond;  // of a block that permits motion
 
 bool Same(const io::PlcInputs& a, const io::PlcInputs& b) {
   return a.mode == b.mode && a.version == b.version && a.emergency_stop == b.emergency_stop &&
@@ -20,8 +21,8 @@ bool Same(const io::PlcInputs& a, const io::PlcInputs& b) {
          a.power_on == b.power_on;
 }
 
-// Handles a block as the client does (PlcClient::ReadBlock), without its connection.
-void Block(Input& in, rt::Nanoseconds now, io::PlcReading& reading) {
+// Reads one block from the input and handles it as PlcClient::ReadBlock does, without the connection.
+void HandleBlock(Input& in, rt::Nanoseconds now, io::PlcReading& reading) {
   std::array<std::uint16_t, io::kPlcReadCount> block{};
   for (std::uint16_t& value : block) value = in.Word();
   const auto at = [&](int address) { return block[static_cast<std::size_t>(address - io::kPlcFirstRead)]; };
@@ -62,7 +63,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   rt::Nanoseconds now = rt::kSecond;
   while (!in.empty()) {
     now += in.Byte() * rt::kMillisecond;
-    fuzz::Block(in, now, reading);
+    fuzz::HandleBlock(in, now, reading);
     const rt::Nanoseconds later = now + in.Byte() * rt::kMillisecond;
     const io::PlcVerdict verdict = io::Judge(reading, later, fuzz::kMaxAge);
     if (verdict == io::PlcVerdict::kRun)

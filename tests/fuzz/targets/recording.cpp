@@ -4,17 +4,19 @@
 #include "io/recording/recovery.h"
 #include "tests/fuzz/targets/file_claims.h"
 
-// A recording: byte 0 says whether its checksums are set to "not available" (bit 0), so that changed data are
-// read; then the file.
+// Fuzz target: a recording (MCAP). If bit 0 of the input's byte 0 is set, the checksums are first set to "not
+// available", so that changed data are read. The rest of the input is the file.
 
 namespace osteon::fuzz {
 namespace {
 
-constexpr std::size_t kHead = 9, kChunkCrc = 24;  // opcode and length; two times and a size before the CRC
+constexpr std::size_t kHead = 9;       // bytes of a record's opcode and length
+constexpr std::size_t kChunkCrc = 24;  // bytes before a chunk's CRC: two times and a size
 constexpr std::uint8_t kChunk = 0x06, kDataEnd = 0x0f;
 
-// Follows the layout in docs/recording.md, independently of the reader under test.
-void ForgoChecksums(std::string& bytes) {
+// Sets the checksums to 0, "not available". Follows the layout in docs/recording.md, independently of the
+// reader under test.
+void ClearChecksums(std::string& bytes) {
   for (std::size_t at = 8; at + kHead <= bytes.size();) {
     const auto opcode = static_cast<std::uint8_t>(bytes[at]);
     std::uint64_t length = 0;
@@ -26,18 +28,18 @@ void ForgoChecksums(std::string& bytes) {
   }
 }
 
-// Four bytes of a zstd frame may expand to at most 128 KiB of one byte.
-constexpr std::size_t kMaxPacked = 32768;
+// Largest ratio of unpacked to packed bytes: four bytes of a zstd frame may expand to 128 KiB.
+constexpr std::size_t kMaxExpansion = 32768;
 
 void ClaimAccepted(const io::Recording& recording, std::size_t size) {
   Claim(recording.read_bytes <= size, "no more is read than there is");
-  Claim(recording.ticks.size() + recording.frames.size() + recording.events.size() <= kMaxPacked * size,
+  Claim(recording.ticks.size() + recording.frames.size() + recording.events.size() <= kMaxExpansion * size,
         "a message takes a byte of what the file unpacks to, and more");
   for (const control::TickRecord& tick : recording.ticks)
     Claim(tick.session_state <= 4, "a session's state exists");
 }
 
-// Claims that the remainder of any file with a session is recovered completely.
+// Claims that recovery makes a complete recording of whatever is left of a file, or refuses the file.
 void ClaimRecovers(const std::filesystem::path& path, const std::filesystem::path& to, std::size_t size,
                    const tl::expected<io::Recording, std::string>& recording) {
   const auto recovery = io::RecoverRecording(path, to);
@@ -55,7 +57,7 @@ void ClaimRecovers(const std::filesystem::path& path, const std::filesystem::pat
   Claim(again->ticks.size() == recovery->ticks && again->frames.size() == recovery->frames &&
             again->events.size() == recovery->events,
         "and has the messages that were counted");
-  Claim(recovery->messages <= kMaxPacked * size, "a message takes a byte of what the file unpacks to");
+  Claim(recovery->messages <= kMaxExpansion * size, "a message takes a byte of what the file unpacks to");
 }
 
 }  // namespace
@@ -65,9 +67,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace osteon;
   static const fuzz::FuzzFile scratch("fuzz.mcap");
   fuzz::Input in(data, size);
-  const bool forgo = (in.Byte() & 1u) != 0;
+  const bool clear_checksums = (in.Byte() & 1u) != 0;
   std::string bytes = fuzz::Text(in.Rest());
-  if (forgo) fuzz::ForgoChecksums(bytes);
+  if (clear_checksums) fuzz::ClearChecksums(bytes);
   scratch.Write(bytes);
   const auto recording = io::ReadRecording(scratch.path());
   if (recording)

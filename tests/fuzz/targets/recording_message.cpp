@@ -1,13 +1,14 @@
 #include "io/recording/messages.h"
 #include "tests/fuzz/targets/file_claims.h"
 
-// One message of a recording: byte 0 selects its kind, then its bytes.
+// Fuzz target: one message of a recording. The input's byte 0 selects the kind, the rest is the message.
 
 namespace osteon::fuzz {
 namespace {
 
+// Claims that an accepted message can be encoded, and decodes to the same message.
 template <typename Record>
-void Message(const std::string& bytes) {
+void ClaimRoundTrip(const std::string& bytes) {
   Record record;
   const std::string wrong = io::Decode(bytes, record);
   if (!wrong.empty()) return;
@@ -29,16 +30,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string bytes = fuzz::Text(in.Rest());
   switch (kind) {
     case 0:
-      fuzz::Message<io::SessionInfo>(bytes);
+      fuzz::ClaimRoundTrip<io::SessionInfo>(bytes);
       break;
     case 1:
-      fuzz::Message<control::TickRecord>(bytes);
+      fuzz::ClaimRoundTrip<control::TickRecord>(bytes);
       break;
     case 2:
-      fuzz::Message<simulation::FrameRecord>(bytes);
+      fuzz::ClaimRoundTrip<simulation::FrameRecord>(bytes);
       break;
     default:
-      fuzz::Message<io::RecordedEvent>(bytes);
+      fuzz::ClaimRoundTrip<io::RecordedEvent>(bytes);
   }
   return 0;
 }

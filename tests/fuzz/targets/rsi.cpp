@@ -8,27 +8,29 @@
 #include "io/rsi/xml_reader.h"
 #include "tests/fuzz/targets/fuzz_input.h"
 
-// RSI datagrams for the reader and for a session, each answered: byte 0 sets up the session (Setup); then for
-// each datagram what the loop commands (Op), the number of bytes that follow (two, little-endian), and those
-// bytes.
+// Fuzz target: RSI datagrams for the XML reader, the decoder and a session, which answers each. The input's
+// byte 0 sets up the session (Setup). Then each datagram has a byte for the loop's command (Op), the number
+// of its bytes (two bytes, little-endian), and the bytes.
 
 namespace osteon::fuzz {
 namespace {
 
+// Bits of the input's first byte.
 enum Setup : unsigned { kRelative = 1u << 0, kKroshu = 1u << 1, kNoHold = 1u << 2, kQuick = 1u << 3 };
+// Bits of a datagram's first byte.
 enum Op : unsigned {
-  kMove = 1u << 0,
-  kNaN = 1u << 1,
-  kFar = 1u << 2,
-  kOldActivation = 1u << 3,
-  kWait = 1u << 4,  // no answer to this one
+  kMove = 1u << 0,           // the command moves a joint by 0.01 rad
+  kNaN = 1u << 1,            // the command has a NaN
+  kFar = 1u << 2,            // the command moves a joint by 2 rad
+  kOldActivation = 1u << 3,  // the command names another activation
+  kWait = 1u << 4,           // the datagram is not answered
   kResetSession = 1u << 5,
   kStop = 1u << 6,
-  kLate = 1u << 7,  // a second later
+  kLate = 1u << 7,  // the datagram comes a second later
 };
-constexpr double kRange_deg = 30.0;
+constexpr double kRange_deg = 30.0;  // largest correction of an axis
 
-// Claims that the pieces lie in the text and that their number is finite.
+// Claims that the XML reader's pieces lie in the text and that it comes to an end.
 void ReadPieces(std::string_view text) {
   using Event = io::XmlReader::Event;
   io::XmlReader reader(text);
@@ -56,9 +58,10 @@ void ClaimAccepted(const io::RsiRobotMessage& m, std::uint16_t needed) {
       Claim(std::abs(value) <= io::kRsiMaxValue, "a value is finite and at most 1e6");
 }
 
-class Run {
+// Runs the whole input through one session.
+class SessionRun {
  public:
-  explicit Run(Input& in) : in_(in), setup_(in.Byte()) {}
+  explicit SessionRun(Input& in) : in_(in), setup_(in.Byte()) {}
 
   void All() {
     while (!in_.empty()) Step();
@@ -143,6 +146,6 @@ class Run {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   osteon::fuzz::Input in(data, size);
-  osteon::fuzz::Run(in).All();
+  osteon::fuzz::SessionRun(in).All();
   return 0;
 }

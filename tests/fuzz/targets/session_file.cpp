@@ -2,7 +2,7 @@
 
 #include "tests/fuzz/targets/file_claims.h"
 
-// A text of session.json, which says what a procedure's folder has.
+// Fuzz target: the text of session.json, which lists the recordings and states in a procedure's folder.
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace osteon;

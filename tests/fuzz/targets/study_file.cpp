@@ -5,7 +5,7 @@
 #include "config/reading/load_sweep.h"
 #include "tests/fuzz/targets/config_claims.h"
 
-// A scenario of `osteon regress`, or a sweep over one. The text is read as both.
+// Fuzz target: a scenario of `osteon regress`, and a sweep over a scenario. The input is read as both.
 
 namespace osteon::fuzz {
 namespace {

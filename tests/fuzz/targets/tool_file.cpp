@@ -3,7 +3,8 @@
 #include "config/reading/load.h"
 #include "tests/fuzz/targets/config_claims.h"
 
-// A tool's file. Fitting balls to its tool takes longer than all reading.
+// Fuzz target: a tool's YAML file. Most of the time goes into fitting balls to the tool, so there are few
+// runs.
 
 namespace osteon::fuzz {
 namespace {

@@ -4,16 +4,19 @@
 #include "config/reading/strict/units.h"
 #include "tests/fuzz/targets/config_claims.h"
 
-// A text for the strict reader, and every query of the reader for every key in the text.
+// Fuzz target: the strict YAML reader. The input is the text; each query of the reader is tried for each key
+// in it.
 
 namespace osteon::fuzz {
 namespace {
 
+// Bounds on the work for one input.
 constexpr std::size_t kMaxKeys = 16;
-constexpr int kDeepest = 3, kMaxQuestions = 200;
-constexpr double kMin = -1e3, kMax = 1e3;
+constexpr int kMaxDepth = 3, kMaxQuestions = 200;
+constexpr double kMin = -1e3, kMax = 1e3;  // accepted range of the numbers, in the key's unit
 const std::string kName = "fuzz.yaml";
 
+// Words in front of a colon.
 std::set<std::string> Keys(std::string_view text) {
   const auto of_key = [](char c) { return c == '_' || std::isalnum(static_cast<unsigned char>(c)) != 0; };
   std::set<std::string> keys;
@@ -26,7 +29,9 @@ std::set<std::string> Keys(std::string_view text) {
   return keys;
 }
 
+// Asks a reader for each key as a number, a word, a section and so on, and claims that answers are in range.
 class Questions {
+  // The reader's answer, or nothing if it refuses the question.
   template <typename Question>
   auto Try(const Question& question) {
     return Loaded(question, kName, text_);
@@ -40,7 +45,7 @@ class Questions {
       if (++asked_ > kMaxQuestions) return;
       AskNumbers(reader, key);
       AskWords(reader, key);
-      if (depth < kDeepest) AskSections(reader, key, depth);
+      if (depth < kMaxDepth) AskSections(reader, key, depth);
     }
     Try([&] { return reader.Finish(), true; });
   }

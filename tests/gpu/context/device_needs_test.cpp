@@ -9,20 +9,23 @@
 #include "gpu/context/context.h"
 #include "gpu/shaders/layout.h"
 
-// The table of what the engine needs of a device, with each need in turn taken from a device that meets all.
+// The table of features and limits that the engine needs of a Vulkan device. The tests remove one need after
+// the other from the report of a device that meets all of them.
 
 namespace osteon::gpu {
 namespace {
 
-DeviceReport OfAUsableDevice() {
+// Report of the present device, which meets all needs.
+DeviceReport ReportOfUsableDevice() {
   const auto context = OpenContext("", false);
   if (!context) throw std::runtime_error(context.error());
   return ReportOf(*(*context)->physical);
 }
 
-// How a device falls short of a need that is no feature, and what is then found.
+// For a need that is not a feature: how to make a report fall short of it, and the value that the refusal
+// then names.
 struct Shortfall {
-  std::function<void(DeviceReport&)> take;
+  std::function<void(DeviceReport&)> apply;
   std::string found;
 };
 const std::map<std::string, Shortfall>& Shortfalls() {
@@ -49,10 +52,10 @@ const std::map<std::string, Shortfall>& Shortfalls() {
   return shortfalls;
 }
 
-TEST(DeviceNeeds, AreAllMetByADeviceThatOpens) { EXPECT_TRUE(UnmetNeeds(OfAUsableDevice()).empty()); }
+TEST(DeviceNeeds, AreAllMetByTheDeviceThatOpens) { EXPECT_TRUE(UnmetNeeds(ReportOfUsableDevice()).empty()); }
 
-TEST(DeviceNeeds, EachIsToldAloneWhereItAloneIsMissing) {
-  const DeviceReport usable = OfAUsableDevice();
+TEST(DeviceNeeds, ASingleMissingNeedIsReportedAlone) {
+  const DeviceReport usable = ReportOfUsableDevice();
   std::set<std::string> names;
   for (const DeviceNeed& need : DeviceNeeds()) {
     EXPECT_TRUE(names.insert(need.name).second) << need.name << " stands twice";
@@ -63,7 +66,7 @@ TEST(DeviceNeeds, EachIsToldAloneWhereItAloneIsMissing) {
       *need.feature(device.features) = VK_FALSE;
     } else {
       ASSERT_TRUE(Shortfalls().contains(need.name)) << "no device of this test lacks " << need.name;
-      Shortfalls().at(need.name).take(device);
+      Shortfalls().at(need.name).apply(device);
       found = Shortfalls().at(need.name).found;
     }
     const std::vector<UnmetNeed> unmet = need.IsOptional() ? MissingOptions(device) : UnmetNeeds(device);
@@ -77,8 +80,8 @@ TEST(DeviceNeeds, EachIsToldAloneWhereItAloneIsMissing) {
   EXPECT_GE(names.size(), 11u);
 }
 
-TEST(DeviceNeeds, AreToldTogetherWhereSeveralAreMissing) {
-  DeviceReport device = OfAUsableDevice();
+TEST(DeviceNeeds, SeveralMissingNeedsAreReportedTogether) {
+  DeviceReport device = ReportOfUsableDevice();
   device.features.core.shaderFloat64 = VK_FALSE;
   device.features.vulkan12.shaderBufferInt64Atomics = VK_FALSE;
   EXPECT_EQ(RefusalText(MissingOptions(device)),
@@ -86,8 +89,8 @@ TEST(DeviceNeeds, AreToldTogetherWhereSeveralAreMissing) {
   EXPECT_TRUE(UnmetNeeds(device).empty());
 }
 
-TEST(DeviceNeeds, ThatAreMissingChooseTheArithmetic) {
-  const DeviceReport usable = OfAUsableDevice();
+TEST(DeviceNeeds, MissingOptionsChooseTheArithmetic) {
+  const DeviceReport usable = ReportOfUsableDevice();
   DeviceReport no_atomics = usable, no_integers = usable, no_doubles = usable, neither = usable;
   no_atomics.features.vulkan12.shaderBufferInt64Atomics = VK_FALSE;
   no_integers.features.core.shaderInt64 = VK_FALSE;
@@ -108,21 +111,23 @@ TEST(DeviceNeeds, ThatAreMissingChooseTheArithmetic) {
   EXPECT_EQ(NeededFeatures(Arithmetic::kFloatsInt64).vulkan12.shaderBufferInt64Atomics, VK_TRUE);
 }
 
-// An older device reports no features of Vulkan 1.2: that it lacks them all would say nothing.
-TEST(DeviceNeeds, OfADeviceOfAnOlderVulkanAreItsVersionAlone) {
+// An older device reports no features of Vulkan 1.2, so its refusal names the version and not every missing
+// feature.
+TEST(DeviceNeeds, AnOlderVulkanIsReportedByItsVersionAlone) {
   DeviceReport device;
   device.properties.apiVersion = VK_API_VERSION_1_1;
   EXPECT_EQ(RefusalText(UnmetNeeds(device)), "Vulkan: found 1.1.0, accepted 1.2 and later");
 }
 
-TEST(DeviceNeeds, OfAProcessorAreWithoutWideWorkgroups) {
-  DeviceReport device = OfAUsableDevice();
-  Shortfalls().at("workgroup size").take(device);
+// A processor may have small workgroups, for which a GPU would be refused.
+TEST(DeviceNeeds, AProcessorNeedsNoWideWorkgroups) {
+  DeviceReport device = ReportOfUsableDevice();
+  Shortfalls().at("workgroup size").apply(device);
   device.properties.deviceType = vk::PhysicalDeviceType::eCpu;
   EXPECT_TRUE(UnmetNeeds(device).empty());
 }
 
-TEST(DeviceNeeds, FeaturesAreAskedForWhereTheTableHasThem) {
+TEST(DeviceNeeds, OnlyTheTablesFeaturesAreRequested) {
   DeviceFeatures asked = NeededFeatures(Arithmetic::kInt64), without = NeededFeatures(Arithmetic::kFloats);
   int count = 0;
   for (const DeviceNeed& need : DeviceNeeds()) {
@@ -135,7 +140,7 @@ TEST(DeviceNeeds, FeaturesAreAskedForWhereTheTableHasThem) {
   EXPECT_EQ(asked.core.geometryShader, VK_FALSE) << "nothing else is asked for";
 }
 
-TEST(DeviceNeeds, StandInTheDocument) {
+TEST(DeviceNeeds, TheDocumentHasTheSameTable) {
   std::ifstream file(OSTEON_SOURCE_DIR "/docs/theory/gpu_frames.md");
   const std::string page{std::istreambuf_iterator<char>(file), {}};
   ASSERT_FALSE(page.empty());

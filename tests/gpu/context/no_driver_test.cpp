@@ -8,13 +8,15 @@
 #include "tests/gpu/engine/contract_bench.h"
 #include "tests/io/temporary_folder.h"
 
-// A machine without a Vulkan driver. The loader reads its environment when an instance is made, so these
-// tests run in a child process.
+// Errors on a machine without a working Vulkan driver. The Vulkan loader reads environment variables when an
+// instance is made, so the tests set them in a child process.
 
 namespace osteon::gpu {
 namespace {
 
-int SayWhatIsWrong() {
+// Hides all drivers, then prints the errors of listing devices and of opening an engine. @returns 0 if both
+// fail
+int PrintErrorsWithoutDriver() {
   setenv("VK_DRIVER_FILES", "/nonexistent", 1);
   setenv("VK_ICD_FILENAMES", "/nonexistent", 1);  // the older name of this variable
   simulation::Bone bone;
@@ -25,15 +27,16 @@ int SayWhatIsWrong() {
   return 0;
 }
 
-TEST(NoDriverDeathTest, IsAnErrorThatSaysWhatToInstall) {
+TEST(NoDriverDeathTest, TheErrorSaysWhatToInstall) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
-  EXPECT_EXIT(std::exit(SayWhatIsWrong()), testing::ExitedWithCode(0),
+  EXPECT_EXIT(std::exit(PrintErrorsWithoutDriver()), testing::ExitedWithCode(0),
               "devices: no Vulkan driver found; install one \\(mesa-vulkan-drivers.*\n"
               "engine: no Vulkan driver found; install one \\(mesa-vulkan-drivers");
 }
 
-// A driver that is installed but cannot be loaded: its manifest names a missing library.
-int SayWhichDriverFails() {
+// Installs a driver whose manifest names a missing library, then prints the error of listing devices.
+// @returns 0 if it fails
+int PrintErrorOfBrokenDriver() {
   const io::test::TemporaryFolder folder;
   const std::string manifest = (folder.path() / "broken_icd.json").string();
   std::ofstream(manifest) << R"({"file_format_version": "1.0.0",
@@ -46,9 +49,9 @@ int SayWhichDriverFails() {
   return 0;
 }
 
-TEST(NoDriverDeathTest, OneThatCanNotBeLoadedIsNamed) {
+TEST(NoDriverDeathTest, TheErrorNamesADriverThatCannotBeLoaded) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
-  EXPECT_EXIT(std::exit(SayWhichDriverFails()), testing::ExitedWithCode(0),
+  EXPECT_EXIT(std::exit(PrintErrorOfBrokenDriver()), testing::ExitedWithCode(0),
               "no Vulkan driver found.*loader says: .*libvulkan_broken");
 }
 

@@ -3,8 +3,8 @@
 #include "simulation/tools/tool_kinds.h"
 #include "tests/gpu/engine/engine_twins.h"
 
-// Removal by the ball that touches first alone: the Vulkan engine must choose the same ball as the reference
-// in each frame, or their bones would differ.
+// Cutting with Cutters::kContactSphere, where only the tool ball that touches first removes bone. In each
+// frame the Vulkan engine must choose the same ball as the reference engine, or their bones would differ.
 
 namespace osteon::gpu {
 namespace {
@@ -16,12 +16,13 @@ using simulation::FrameInput;
 using simulation::RemovalLaw;
 using simulation::Tool;
 
+// Parameters of cutting with the contact sphere alone.
 CuttingParams ContactSphere(RemovalLaw law) {
   return {.law = law, .cutters = simulation::Cutters::kContactSphere};
 }
 
-/// Balls within 9 mm of the floor of the default cup: a packing without symmetry, small enough for the
-/// reference.
+/// The default bone's balls within 9 mm of the cup's deepest point, soft: a packing without symmetry, small
+/// enough for the slow reference engine.
 Bone FloorOfTheCup() {
   Bone bone = DefaultBone();
   const auto far = [](const Vector3& p) { return (p - Vector3(0, 0, -0.024)).norm() > 9e-3; };
@@ -31,25 +32,27 @@ Bone FloorOfTheCup() {
   return bone;
 }
 
-/// A pose around the cup's floor, `depth_m` into it, with a tilt.
-FrameInput OnTheFloor(double depth_m, const Vector3& aside_m, const Vector3& turn) {
+/// A frame whose pose has the apex `depth_m` below the cup's floor, moved aside and rotated.
+FrameInput FrameOnTheFloor(double depth_m, const Vector3& aside_m, const Vector3& turn) {
   Pose X_WT = Pose::Identity();
   X_WT.linear() = ExpRotation(turn) * ExpRotation({M_PI, 0, 0});
   X_WT.translation() = Vector3(0, 0, -0.024 - depth_m) + aside_m;
   return {.X_WT = X_WT, .spindle_rad_per_s = kSpindle_rad_per_s, .dt_s = 1e-3};
 }
 
-// A head of 120 balls, some of which do not cut, pressed in by a hand and turned continuously.
+// A head of 120 balls, of which every fifth does not cut, is pressed in slowly and turned continuously.
 TEST(ContactSphere, ReamsLikeTheReference) {
-  Twins twins(FloorOfTheCup(), Shell(120), {}, ContactSphere(RemovalLaw::kRate));
+  EnginePair engines(FloorOfTheCup(), Shell(120), {}, ContactSphere(RemovalLaw::kRate));
   for (int i = 0; i < 600; ++i)
-    twins.Step(OnTheFloor(-0.1e-3 + 3e-6 * i, {0.2e-3 * std::sin(0.03 * i), 0.2e-3 * std::sin(0.02 * i), 0},
-                          {0.1 * std::sin(0.011 * i), 0.08 * std::sin(0.017 * i), 0.029 * i}));
-  twins.ExpectWithinTheBars({.force_N = 5.0, .touching = 300, .balls = 20, .points = 5});
+    engines.Step(FrameOnTheFloor(-0.1e-3 + 3e-6 * i,
+                                 {0.2e-3 * std::sin(0.03 * i), 0.2e-3 * std::sin(0.02 * i), 0},
+                                 {0.1 * std::sin(0.011 * i), 0.08 * std::sin(0.017 * i), 0.029 * i}));
+  engines.ExpectWithinTolerances({.force_N = 5.0, .touching = 300, .balls = 20, .points = 5});
 }
 
-// A drill whose tip is three balls, moved straight down at once: bone that only the other balls pass remains.
-TEST(ContactSphere, DrillsLikeTheReferenceAtOnce) {
+// A drill with three cutting balls at its tip moves straight down under the immediate law. Its shaft's balls
+// do not cut.
+TEST(ContactSphere, DrillsLikeTheReferenceUnderTheImmediateLaw) {
   Tool drill;
   for (int i = 0; i < 3; ++i)
     drill.balls.push_back(
@@ -58,29 +61,30 @@ TEST(ContactSphere, DrillsLikeTheReferenceAtOnce) {
   for (int i = 0; i < 8; ++i)
     drill.balls.insert(drill.balls.begin(),
                        {.center_m = Vector3(0, 0, -3.2e-3 - 1e-3 * i), .radius_m = 1.4e-3, .cutting = false});
-  Twins twins(FloorOfTheCup(), drill, {}, ContactSphere(RemovalLaw::kImmediate));
+  EnginePair engines(FloorOfTheCup(), drill, {}, ContactSphere(RemovalLaw::kImmediate));
   for (int i = 0; i < 300; ++i)
-    twins.Step(OnTheFloor(-0.1e-3 + 1e-5 * i, {1e-6 * i, 0, 0}, {0, 0, 0.05 * i}));
-  twins.ExpectWithinTheBars({.force_N = 0.1, .touching = 200, .balls = 20, .points = 5});
+    engines.Step(FrameOnTheFloor(-0.1e-3 + 1e-5 * i, {1e-6 * i, 0, 0}, {0, 0, 0.05 * i}));
+  engines.ExpectWithinTolerances({.force_N = 0.1, .touching = 200, .balls = 20, .points = 5});
 }
 
-// A turn that is computed in parts of a frame: each part has its own first contact, and cuts with that ball.
-TEST(ContactSphere, CutsLikeTheReferenceInThePartsOfAFrame) {
-  Twins twins(FloorOfTheCup(), Shell(40), {}, ContactSphere(RemovalLaw::kImmediate));
+// The tool turns so far in a frame that the engine computes the frame in parts. Each part has its own first
+// contact and cuts with that ball.
+TEST(ContactSphere, CutsLikeTheReferenceInAFrameOfSeveralParts) {
+  EnginePair engines(FloorOfTheCup(), Shell(40), {}, ContactSphere(RemovalLaw::kImmediate));
   for (int i = 0; i < 40; ++i)
-    twins.Step(OnTheFloor(-0.1e-3 + 2e-5 * i, {0, 0, 0},
-                          {0.4 * std::sin(0.7 * i), 0.3 * std::sin(0.5 * i), 0.3 * i}));
-  twins.ExpectWithinTheBars({.force_N = 0.1, .touching = 20, .balls = 10, .points = 1});
+    engines.Step(FrameOnTheFloor(-0.1e-3 + 2e-5 * i, {0, 0, 0},
+                                 {0.4 * std::sin(0.7 * i), 0.3 * std::sin(0.5 * i), 0.3 * i}));
+  engines.ExpectWithinTolerances({.force_N = 0.1, .touching = 20, .balls = 10, .points = 1});
 }
 
-TEST(ContactSphere, OfOneCuttingBallIsTheCutOfAll) {
+TEST(ContactSphere, WithOneCuttingBallCutsLikeTheLawOfAllBalls) {
   const Bone bone = FloorOfTheCup();
   const Tool burr = simulation::MakeReamer(2e-3, 0.8e-3, 8e-3, 0.9, Vector3::Zero());
   CuttingParams alone = ContactSphere(RemovalLaw::kRate), all = alone;
   all.cutters = simulation::Cutters::kAll;
   const auto one = Open(bone, burr, {}, alone), two = Open(bone, burr, {}, all);
   const ContactModel last = ExpectSameBits(*one, *two, 200, [](int i, const ContactModel&) {
-    return OnTheFloor(-0.1e-3 + 5e-6 * i, {1e-6 * i, 0, 0}, {0, 0, 0});
+    return FrameOnTheFloor(-0.1e-3 + 5e-6 * i, {1e-6 * i, 0, 0}, {0, 0, 0});
   });
   EXPECT_GT(last.removed_volume_m3, 1e-10);
 }
@@ -92,7 +96,7 @@ TEST(ContactSphere, TwoRunsAreBitIdentical) {
   const auto one = Open(bone, tool, {}, params), two = Open(bone, tool, {}, params);
   const std::uint64_t uncut = simulation::HashState(one->Snapshot());
   ExpectSameBits(*one, *two, 200, [](int i, const ContactModel&) {
-    return OnTheFloor(-0.1e-3 + 6e-6 * i, {0.2e-3 * std::sin(0.03 * i), 0, 0}, {0, 0.1, 0.03 * i});
+    return FrameOnTheFloor(-0.1e-3 + 6e-6 * i, {0.2e-3 * std::sin(0.03 * i), 0, 0}, {0, 0.1, 0.03 * i});
   });
   EXPECT_NE(simulation::HashState(one->Snapshot()), uncut);
 }

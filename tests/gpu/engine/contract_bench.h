@@ -10,11 +10,12 @@
 #include "gpu/engine/vulkan_engine.h"
 #include "simulation/bone/scenes.h"
 
-// The contract's run: 500 frames of reaming in the default acetabulum, with the same poses for both engines.
+// Shared parts of the engine tests: default bone and reamer, a hand that presses the reamer into the bone, a
+// tool of many balls, and opening a Vulkan engine.
 
 namespace osteon::gpu {
 
-inline constexpr double kSpindle_rad_per_s = 250.0 * 2.0 * M_PI / 60.0;
+inline constexpr double kSpindle_rad_per_s = 250.0 * 2.0 * M_PI / 60.0;  ///< 250 revolutions per minute
 
 inline simulation::Bone DefaultBone() {
   static const simulation::Bone bone = simulation::MakeAcetabulum({});
@@ -25,28 +26,29 @@ inline simulation::Tool DefaultReamer() {
 }
 
 /// A hand that pushes the tool into the cup: damped admittance along the axis, a slow tilt, and some tenths
-/// of a millimetre sideways. One engine's force drives it, so that another engine can be given the same
-/// poses.
+/// of a millimetre sideways. The hand follows the force of one engine; a second engine can then be given the
+/// same poses.
 class Hand {
  public:
-  /// The frame's input, from the force of the frame before.
+  /// The next frame's input. @param f_W  the engine's force in the frame before
   simulation::FrameInput Next(const Vector3& f_W) {
     const double t = frame_++ * kDt;
-    // up to 130 N within 0.15 s; 600 N s/m keep the loop with 20 N/mm slow enough (33 per second)
+    // the push rises to 130 N within 0.15 s; the damping of 600 N s/m against 20 N/mm gives a slow pole of 33
+    // per second
     const double push_N = std::min(130.0, 130.0 * t / 0.15);
     depth_m_ += kDt * (push_N - f_W.z()) / 600.0;
     Pose X_WT = Pose::Identity();
     const Vector3 turn(0.10 * std::sin(4.0 * t), 0.06 * (1.0 - std::cos(5.0 * t)), 0.0);
     X_WT.linear() = ExpRotation(turn) * ExpRotation({M_PI, 0, 0});
-    // about the head's centre
+    // the tool rotates about its head's centre
     const Vector3 head(0.3e-3 * std::sin(7.0 * t), 0.2e-3 * std::sin(5.0 * t), kStart_m - depth_m_);
     X_WT.translation() = head + X_WT.linear() * Vector3(0, 0, 0.025);
     return {.X_WT = X_WT, .spindle_rad_per_s = kSpindle_rad_per_s, .dt_s = kDt};
   }
 
-  static constexpr double kDt = 1e-3;
-  /// The head of 25 mm rests on the rim of the cup of 24 mm with its centre 7.0 mm above the top face; start
-  /// 0.05 mm higher.
+  static constexpr double kDt = 1e-3;  ///< period of a frame [s]
+  /// Initial height of the head's centre above the top face. A head of 25 mm rests on the rim of the cup of
+  /// 24 mm at 7.0 mm; the start is 0.05 mm higher.
   static constexpr double kStart_m = 7.05e-3;
 
  private:
@@ -70,6 +72,8 @@ inline simulation::Tool Shell(int count) {
   return tool;
 }
 
+/// Opens an engine with identity as the bone's pose. @throws std::runtime_error with the reason if it does
+/// not open
 inline std::unique_ptr<VulkanEngine> Open(const simulation::Bone& bone, const simulation::Tool& tool,
                                           const VulkanParams& vulkan = {},
                                           const simulation::CuttingParams& params = {}) {

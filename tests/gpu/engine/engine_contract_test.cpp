@@ -16,49 +16,53 @@ namespace {
 using simulation::ContactModel;
 using simulation::FrameInput;
 
-constexpr int kFrames = 500;
+constexpr int kFrames = 500;  // of a run that is compared bit by bit
 
-// Frames of a long comparison: as many as its bars need, or OSTEON_FRAMES.
+// Number of frames of a long comparison: at least `needed`, more by the variable OSTEON_FRAMES.
 int ManyFrames(int needed) {
   const char* asked = std::getenv("OSTEON_FRAMES");
   return asked ? std::max(needed, std::atoi(asked)) : needed;
 }
 
+// An engine that computes in pairs of floats instead of doubles.
 const VulkanParams kInFloats{.device = "", .overrides = {.arithmetic = Arithmetic::kFloats}};
 
+// A hand reams with the default reamer in both engines.
 void ReamOverManyFrames(const VulkanParams& vulkan) {
-  Twins twins(DefaultBone(), DefaultReamer(), vulkan);
+  EnginePair engines(DefaultBone(), DefaultReamer(), vulkan);
   Hand hand;
   Vector3 f_W = Vector3::Zero();
   const int frames = ManyFrames(1000);
-  for (int i = 0; i < frames; ++i) f_W = twins.Step(hand.Next(f_W)).F_T_W.f;
-  twins.ExpectWithinTheBars({.force_N = 100.0, .touching = frames * 99 / 100, .balls = 500, .points = 500});
+  for (int i = 0; i < frames; ++i) f_W = engines.Step(hand.Next(f_W)).F_T_W.f;
+  engines.ExpectWithinTolerances(
+      {.force_N = 100.0, .touching = frames * 99 / 100, .balls = 500, .points = 500});
 }
 
 TEST(VulkanEngine, ReamsLikeTheReferenceOverManyFrames) { ReamOverManyFrames({}); }
 TEST(VulkanEngineInFloats, ReamsLikeTheReferenceOverManyFrames) { ReamOverManyFrames(kInFloats); }
 
-// A burr in bone of balls not much smaller than itself: the balls that hold it change all the time.
+// A burr of 4 mm radius works in bone whose balls are not much smaller, so that the balls in contact change
+// constantly.
 void BurrOverManyFrames(const VulkanParams& vulkan) {
   simulation::Tool tool;
   tool.balls.push_back({.center_m = Vector3(0, 0, 4e-3), .radius_m = 4e-3, .cutting = true});
-  Twins twins(DefaultBone(), tool, vulkan);
+  EnginePair engines(DefaultBone(), tool, vulkan);
   const int frames = ManyFrames(1500);
   for (int i = 0; i < frames; ++i) {
-    // down into the rim, then along a figure of eight
+    // the burr goes down into the rim while it moves along a figure of eight
     const double phase = 4.0 * M_PI * i / frames, down = std::min(1.0, 3.0 * i / frames);
     FrameInput input{.X_WT = Pose::Identity(), .spindle_rad_per_s = kSpindle_rad_per_s, .dt_s = Hand::kDt};
     input.X_WT.p =
         Vector3(0.029 + 1.5e-3 * std::sin(phase), 0.8e-3 * std::sin(2.0 * phase), 0.4e-3 - 2e-3 * down);
-    twins.Step(input);
+    engines.Step(input);
   }
-  twins.ExpectWithinTheBars({.force_N = 5.0, .touching = frames * 3 / 4, .balls = 50, .points = 5});
+  engines.ExpectWithinTolerances({.force_N = 5.0, .touching = frames * 3 / 4, .balls = 50, .points = 5});
 }
 
 TEST(VulkanEngine, BurrsLikeTheReferenceOverManyFrames) { BurrOverManyFrames({}); }
 TEST(VulkanEngineInFloats, BurrsLikeTheReferenceOverManyFrames) { BurrOverManyFrames(kInFloats); }
 
-TEST(VulkanEngine, GivesAHandTheForceThatTheReferenceGives) {
+TEST(VulkanEngine, GivesAHandTheSameForceAsTheReference) {
   const simulation::Bone bone = DefaultBone();
   const simulation::Tool tool = DefaultReamer();
   simulation::ReferenceEngine reference(bone, tool, Pose::Identity(), {});
@@ -85,8 +89,8 @@ TEST(VulkanEngine, TwoRunsAreBitIdentical) {
   ExpectSameBits(*one, *two, kFrames, [&](int, const ContactModel& m) { return hand.Next(m.F_T_W.f); });
 }
 
-// Sums over thousands of contacts at once: the scheduler decides the order of additions, which must not
-// change the sum.
+// A seated reamer has thousands of contacts at once. The device's scheduler decides in which order they are
+// added, which must not change the sums.
 TEST(VulkanEngine, TwoSeatedRunsAreBitIdentical) {
   const simulation::Bone bone = DefaultBone();
   const simulation::Tool fits = simulation::MakeReamer(0.0238, 0.008, 0.12, 0.9, Vector3::Zero());
@@ -99,22 +103,22 @@ TEST(VulkanEngine, TwoSeatedRunsAreBitIdentical) {
     return FrameInput{
         .X_WT = X_WT, .spindle_rad_per_s = 26.0, .dt_s = i == 0 ? 0.0 : 2e-3, .stamp = i * 2'000'000};
   });
-  // seated: a tenth of the cup's hemisphere, 2 pi R^2, not merely a rim or a point of it
+  // the reamer is seated: it touches at least a tenth of the cup's hemisphere, 2 pi R^2, not merely the rim
   EXPECT_GT(last.engaged_area_m2, 0.1 * 2.0 * std::numbers::pi * 0.024 * 0.024);
 }
 
-TEST(VulkanEngine, ResultsDoNotDependOnTheListsKeptBetweenFrames) {
+TEST(VulkanEngine, ResultsDoNotDependOnListsKeptBetweenFrames) {
   const simulation::Bone bone = DefaultBone();
   const auto keeping = Open(bone, DefaultReamer()), dropping = Open(bone, DefaultReamer());
   Hand hand;
   ExpectSameBits(*keeping, *dropping, kFrames / 2, [&](int i, const ContactModel& model) {
     if (i % 7 == 6)
-      dropping->Restore(dropping->Snapshot());  // restoring its own state changes only the lists
+      dropping->Restore(dropping->Snapshot());  // restoring the engine's own state only drops its lists
     return hand.Next(model.F_T_W.f);
   });
 }
 
-TEST(VulkanEngine, HasNothingForTheValidationLayersToSay) {
+TEST(VulkanEngine, CausesNoValidationMessages) {
   auto opened = VulkanEngine::Create(DefaultBone(), DefaultReamer(), Pose::Identity(), {},
                                      {.device = "", .validation = true, .time_passes = true});
   if (!opened && opened.error().find("vulkan-validationlayers") != std::string::npos)
@@ -125,7 +129,7 @@ TEST(VulkanEngine, HasNothingForTheValidationLayersToSay) {
   ContactModel model;
   for (int i = 0; i < 120; ++i) model = engine.Step(hand.Next(model.F_T_W.f));
   EXPECT_GT(model.contact_count, 0);
-  // taken out, and laid on its side over the block, so that the shaft touches
+  // then the tool is laid on its side over the block, so that its shaft touches
   simulation::CarvedState state = engine.Snapshot();
   state.has_proxy = false;
   engine.Restore(state);

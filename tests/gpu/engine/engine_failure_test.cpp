@@ -18,15 +18,16 @@ using simulation::ContactModel;
 using simulation::EngineStatus;
 using simulation::FrameInput;
 
-VulkanParams OfCapacity(std::size_t list_capacity) {
+// Parameters of an engine whose lists hold this many balls.
+VulkanParams WithListCapacity(std::size_t list_capacity) {
   VulkanParams params;
   params.list_capacity = list_capacity;
   return params;
 }
 
 // A ball of 6 mm reaches about 16 balls of the strip where it touches, and none from its start height.
-TEST(VulkanEngine, SaysOverloadedWhereMoreBoneIsWithinReachThanItsListsHold) {
-  const auto engine = Open(Strip(150), Ball(6e-3), OfCapacity(4));
+TEST(VulkanEngine, ReportsOverloadIfMoreBallsAreInReachThanItsListsHold) {
+  const auto engine = Open(Strip(150), Ball(6e-3), WithListCapacity(4));
   const auto input = [](double z_m) {
     return FrameInput{.X_WT = Down({0, 0, z_m}), .spindle_rad_per_s = kSpindle_rad_per_s};
   };
@@ -48,14 +49,16 @@ TEST(VulkanEngine, SaysOverloadedWhereMoreBoneIsWithinReachThanItsListsHold) {
   EXPECT_EQ(free.frame, 2u);
 }
 
-// A bar that turns over the strip from beside it: its first parts cut, a later part reaches too many balls.
-TEST(VulkanEngine, AFrameInPartsThatHasCutIsNoOverloadedOne) {
+// A bar turns so far in a frame that the engine computes the frame in parts. The first parts cut one ball, a
+// later part reaches more balls than the lists hold. The frame then ends early, but counts, because it has
+// changed the bone.
+TEST(VulkanEngine, AFrameThatHasCutBeforeAnOverloadCounts) {
   simulation::Tool bar;
   for (int i = 0; i < 12; ++i)
     bar.balls.push_back({.center_m = Vector3(5e-3 + 1e-3 * i, 0, 0), .radius_m = 0.5e-3});
   simulation::Bone bone;
   bone.materials = {{.name = "soft", .specific_cutting_energy_J_per_m3 = 1e6}};
-  // one ball in the way of the first degrees, many at the end of the turn
+  // one ball at 0.3 rad, many at the end of the turn
   const auto add = [&](double angle, double from_m) {
     const Vector3 c(from_m * std::cos(angle), from_m * std::sin(angle), 0);
     bone.balls.push_back({.center_m = c, .radius_m = 0.3e-3});
@@ -63,7 +66,7 @@ TEST(VulkanEngine, AFrameInPartsThatHasCutIsNoOverloadedOne) {
   };
   add(0.3, 10e-3);
   for (int i = 0; i < 60; ++i) add(1.5, 5e-3 + 0.2e-3 * i);
-  const auto engine = Open(bone, bar, OfCapacity(16), {.law = simulation::RemovalLaw::kImmediate});
+  const auto engine = Open(bone, bar, WithListCapacity(16), {.law = simulation::RemovalLaw::kImmediate});
   const auto turned = [](double angle) {
     Pose X_WT = Pose::Identity();
     X_WT.linear() = ExpRotation({0, 0, angle});
@@ -75,22 +78,22 @@ TEST(VulkanEngine, AFrameInPartsThatHasCutIsNoOverloadedOne) {
   EXPECT_EQ(whole.status, EngineStatus::kOk);
   EXPECT_GT(whole.removed_volume_m3, 0.0) << "the part that cut";
   EXPECT_EQ(whole.frame, 2u);
-  // the next frame begins there, finds too many balls at once, and changes nothing
+  // the next frame reaches too many balls from its beginning, and changes nothing
   const std::uint64_t hash = simulation::HashState(engine->Snapshot());
   EXPECT_EQ(engine->Step(turned(1.6)).status, EngineStatus::kOverloaded);
   EXPECT_EQ(simulation::HashState(engine->Snapshot()), hash);
 }
 
-// A frame timeout of zero always expires, as with a device that hangs.
-VulkanParams Hanging() {
+// Parameters of an engine whose device seems to hang: a timeout of zero expires in every frame.
+VulkanParams WithHangingDevice() {
   VulkanParams params;
   params.overrides.fence = FencePolicy::kWait;
   params.frame_timeout_s = 0.0;
   return params;
 }
 
-TEST(VulkanEngine, SaysDeviceLostOfAFrameThatIsNotOverInTimeAndEverAfter) {
-  const auto engine = Open(DefaultBone(), DefaultReamer(), Hanging());
+TEST(VulkanEngine, ReportsDeviceLostAfterAFrameThatTimesOut) {
+  const auto engine = Open(DefaultBone(), DefaultReamer(), WithHangingDevice());
   Hand hand;
   EXPECT_EQ(engine->Step(hand.Next(Vector3::Zero())).status, EngineStatus::kOk)
       << "the first has its own time";
@@ -106,9 +109,9 @@ TEST(VulkanEngine, SaysDeviceLostOfAFrameThatIsNotOverInTimeAndEverAfter) {
   EXPECT_THROW(engine->Restore(books), std::runtime_error);
 }
 
-// Without the lists' balls written back there is no snapshot.
-TEST(VulkanEngine, ASnapshotThatIsNotOverInTimeLosesTheDevice) {
-  const auto engine = Open(DefaultBone(), DefaultReamer(), Hanging());
+// A snapshot has to read the balls back from the device. If that takes too long, the snapshot has no balls.
+TEST(VulkanEngine, ASnapshotThatTimesOutLosesTheDevice) {
+  const auto engine = Open(DefaultBone(), DefaultReamer(), WithHangingDevice());
   Hand hand;
   ASSERT_EQ(engine->Step(hand.Next(Vector3::Zero())).status, EngineStatus::kOk);
   const simulation::CarvedState state = engine->Snapshot();
@@ -119,8 +122,9 @@ TEST(VulkanEngine, ASnapshotThatIsNotOverInTimeLosesTheDevice) {
 
 // ---- memory
 
-// A card with a host-visible window of 256 MB into its memory, besides the host's memory.
-vk::PhysicalDeviceMemoryProperties Card() {
+// Memory of a graphics card: 8 GB on the device (type 0), 16 GB on the host (types 1 and 2, cached), and a
+// host-visible window of 256 MB into the device's memory (type 3).
+vk::PhysicalDeviceMemoryProperties CardMemory() {
   using Property = vk::MemoryPropertyFlagBits;
   const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
   vk::PhysicalDeviceMemoryProperties memory;
@@ -138,21 +142,21 @@ vk::PhysicalDeviceMemoryProperties Card() {
 
 using Types = std::vector<std::uint32_t>;
 
-TEST(MemoryTypes, ComeInTheOrderOfTheirWorthForThePlacement) {
+TEST(MemoryTypes, AreSortedByTheirUseForThePlacement) {
   const vk::MemoryRequirements small(1 << 20, 256, 0xf);
-  EXPECT_EQ(MemoryTypes(Card(), small, Placement::kDevice), (Types{0, 3, 1, 2}));
-  EXPECT_EQ(MemoryTypes(Card(), small, Placement::kShared), (Types{3, 1, 2}));
-  EXPECT_EQ(MemoryTypes(Card(), small, Placement::kReadBack), (Types{2, 1, 3}));
-  EXPECT_EQ(MemoryTypes(Card(), {1 << 20, 256, 0x2}, Placement::kShared), (Types{1}))
+  EXPECT_EQ(MemoryTypes(CardMemory(), small, Placement::kDevice), (Types{0, 3, 1, 2}));
+  EXPECT_EQ(MemoryTypes(CardMemory(), small, Placement::kShared), (Types{3, 1, 2}));
+  EXPECT_EQ(MemoryTypes(CardMemory(), small, Placement::kReadBack), (Types{2, 1, 3}));
+  EXPECT_EQ(MemoryTypes(CardMemory(), {1 << 20, 256, 0x2}, Placement::kShared), (Types{1}))
       << "what the buffer allows";
 }
 
-TEST(MemoryTypes, LeaveOutAWindowThatIsSmallerThanTheBuffer) {
-  EXPECT_EQ(MemoryTypes(Card(), {300ull << 20, 256, 0xf}, Placement::kShared), (Types{1, 2}));
-  EXPECT_EQ(MemoryTypes(Card(), {9ull << 30, 256, 0xf}, Placement::kDevice), (Types{1, 2}));
+TEST(MemoryTypes, ExcludeAHeapThatIsSmallerThanTheBuffer) {
+  EXPECT_EQ(MemoryTypes(CardMemory(), {300ull << 20, 256, 0xf}, Placement::kShared), (Types{1, 2}));
+  EXPECT_EQ(MemoryTypes(CardMemory(), {9ull << 30, 256, 0xf}, Placement::kDevice), (Types{1, 2}));
 }
 
-TEST(MemoryTypes, AreTriedOneAfterTheOtherWhereOneIsFull) {
+TEST(MemoryTypes, AreTriedInOrderWhenOneIsFull) {
   Types tried;
   EXPECT_EQ(AllocateFromFirst({3, 1, 2},
                               [&](std::uint32_t type) {

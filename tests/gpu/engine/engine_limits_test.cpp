@@ -12,13 +12,15 @@
 #include "tests/gpu/engine/engine_twins.h"
 #include "tests/gpu/engine/strip_bench.h"
 
-// Devices, sizes and limits, and refusals beyond them.
+// The list of Vulkan devices and how they are opened; the engine's limits on tools and bones; results at
+// special sizes, compared with the reference engine; and culling.
 
 namespace osteon::gpu {
 namespace {
 
 using simulation::ContactModel;
 
+// Why an engine does not open; empty if it does.
 std::string ErrorOf(const simulation::Bone& bone, const simulation::Tool& tool, const VulkanParams& vulkan) {
   const auto engine = VulkanEngine::Create(bone, tool, Pose::Identity(), {}, vulkan);
   return engine ? "" : engine.error();
@@ -39,7 +41,7 @@ TEST(Devices, ListHasOneThatIsUsable) {
   EXPECT_GE(usable, 1);
 }
 
-TEST(Devices, AreFoundByAnyPartOfTheirNameInAnyCase) {
+TEST(Devices, AreFoundByAPartOfTheirNameInAnyCase) {
   const auto devices = ListDevices();
   ASSERT_TRUE(devices.has_value());
   const auto upper = [](std::string text) {
@@ -60,8 +62,8 @@ TEST(Devices, AreFoundByAnyPartOfTheirNameInAnyCase) {
   EXPECT_GE(named, 1);
 }
 
-// A driver may allow only a few dozen instances in a process's life.
-TEST(Devices, AreOpenedAndClosedAnyNumberOfTimesOnOneInstance) {
+// Drivers may allow a process only a few dozen Vulkan instances, so all devices share one.
+TEST(Devices, AreOpenedManyTimesOnOneInstance) {
   const auto first = OpenContext("", false);
   ASSERT_TRUE(first.has_value()) << first.error();
   for (int i = 0; i < 64; ++i) {
@@ -77,7 +79,7 @@ TEST(Devices, AreOpenedAndClosedAnyNumberOfTimesOnOneInstance) {
 
 // Linux may leave two of the driver's worker threads on one core for a whole run, which makes every frame
 // nearly twice as long. So each worker is pinned to its own core.
-TEST(Devices, EachWorkerOfAProcessorHasACoreOfItsOwn) {
+TEST(Devices, EachDriverThreadIsPinnedToItsOwnCore) {
   const auto context = OpenContext("", false);
   ASSERT_TRUE(context.has_value()) << context.error();
   if ((*context)->info.kind != "cpu") GTEST_SKIP() << "the device is a GPU: " << (*context)->info.name;
@@ -102,7 +104,7 @@ TEST(Devices, EachWorkerOfAProcessorHasACoreOfItsOwn) {
   EXPECT_EQ(std::set<int>(cores.begin(), cores.end()).size(), cores.size());
 }
 
-TEST(Devices, AreOpenedByThreadsAtOnce) {
+TEST(Devices, AreOpenedByFourThreadsAtOnce) {
   std::array<std::shared_ptr<SharedInstance>, 4> instances;
   std::vector<std::thread> threads;
   for (auto& instance : instances)
@@ -117,7 +119,7 @@ TEST(Devices, AreOpenedByThreadsAtOnce) {
   }
 }
 
-TEST(Devices, UnderTheLayersHaveAnInstanceOfTheirOwn) {
+TEST(Devices, WithValidationLayersHaveTheirOwnInstance) {
   const auto plain = OpenContext("", false), layered = OpenContext("", true), again = OpenContext("", true);
   if (!layered && layered.error().find("vulkan-validationlayers") != std::string::npos)
     GTEST_SKIP() << layered.error();
@@ -127,7 +129,7 @@ TEST(Devices, UnderTheLayersHaveAnInstanceOfTheirOwn) {
   EXPECT_TRUE((*layered)->shared->messenger.has_value());
 }
 
-TEST(VulkanEngine, NamesTheDevicesWhereOneIsUnknown) {
+TEST(VulkanEngine, AnUnknownDevicesErrorListsTheDevices) {
   const std::string error = ErrorOf(Strip(1), Ball(3e-3), {.device = "no such card"});
   EXPECT_NE(error.find("\"no such card\""), std::string::npos) << error;
   const auto devices = ListDevices();
@@ -135,7 +137,7 @@ TEST(VulkanEngine, NamesTheDevicesWhereOneIsUnknown) {
   for (const DeviceInfo& device : *devices) EXPECT_NE(error.find(device.name), std::string::npos) << error;
 }
 
-TEST(VulkanEngine, RefusesToolsAndBonesBeyondItsSizes) {
+TEST(VulkanEngine, RefusesToolsAndBonesBeyondItsLimits) {
   simulation::Tool tool = Ball(3e-3);
   tool.balls.resize(10001, tool.balls.front());
   EXPECT_EQ(ErrorOf(Strip(1), tool, {}), "tool: 10001 balls, accepted 1 … 10000");
@@ -145,7 +147,7 @@ TEST(VulkanEngine, RefusesToolsAndBonesBeyondItsSizes) {
   EXPECT_EQ(ErrorOf(bone, Ball(3e-3), {}), "bone: 9 materials, accepted 1 … 8");
 }
 
-TEST(VulkanEngine, CutsWithManyToolBallsAndAsManyMaterialsAsItAccepts) {
+TEST(VulkanEngine, CutsLikeTheReferenceWithTheLargestNumberOfMaterials) {
   simulation::Tool tool;
   for (int i = 0; i < 64; ++i)  // a rake along x
     tool.balls.push_back(
@@ -156,16 +158,17 @@ TEST(VulkanEngine, CutsWithManyToolBallsAndAsManyMaterialsAsItAccepts) {
     bone.points[i].material = static_cast<simulation::MaterialIndex>(i % 8);
   simulation::ReferenceEngine reference(bone, tool, Pose::Identity(), {});
   const auto vulkan = Open(bone, tool);
-  // Off the middle: at a symmetric place two balls touch equally, and rounding would decide between them.
+  // beside the middle, because at a symmetric place two balls touch equally and rounding would decide between
+  // them
   for (int i = 0; i < 60; ++i) {
     const simulation::FrameInput input{.X_WT = Down({0.13e-3, 0.07e-3, 0.3e-3 - 0.05e-3 * i}),
                                        .spindle_rad_per_s = kSpindle_rad_per_s};
     const ContactModel a = reference.Step(input), b = vulkan->Step(input);
-    ASSERT_TRUE(HoldAlike(a, b)) << i;
+    ASSERT_TRUE(HaveSameContact(a, b)) << i;
   }
 }
 
-TEST(VulkanEngine, OfAnEmptyBoneMovesFreely) {
+TEST(VulkanEngine, MovesFreelyInAnEmptyBone) {
   simulation::Bone bone;
   const auto engine = Open(bone, DefaultReamer());
   for (int i = 0; i < 10; ++i) {
@@ -182,7 +185,7 @@ TEST(VulkanEngine, OfAnEmptyBoneMovesFreely) {
   engine->Restore(state);
 }
 
-TEST(VulkanEngine, WithBallsAndNoPointsOrPointsAndNoBallsWorks) {
+TEST(VulkanEngine, WorksWithoutPointsAndWithoutBalls) {
   simulation::Bone balls = Strip(10), points = Strip(10);
   balls.points.clear();
   points.balls.clear();
@@ -197,26 +200,26 @@ TEST(VulkanEngine, WithBallsAndNoPointsOrPointsAndNoBallsWorks) {
   EXPECT_EQ(Vector3(free.F_T_W.f).norm(), 0.0);
 }
 
-class Sizes : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(, Sizes, testing::Values(1, 2, 63, 64, 65, 127, 129, 200));
+class BoneSizes : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(, BoneSizes, testing::Values(1, 2, 63, 64, 65, 127, 129, 200));
 
-// Workgroups and clusters hold 64 balls: in these sizes the last one is full, partly filled, lacks one ball,
-// or holds one.
-TEST_P(Sizes, AgreeWithTheReferenceBallByBall) {
+// Workgroups and clusters hold 64 balls. With these numbers of balls in the bone, the last cluster is full,
+// partly filled, lacks one ball, or holds only one.
+TEST_P(BoneSizes, AgreeWithTheReferenceBallByBall) {
   const simulation::Bone bone = Strip(GetParam());
   simulation::CuttingParams params;
   params.law = simulation::RemovalLaw::kImmediate;
   simulation::ReferenceEngine reference(bone, Ball(4e-3), Pose::Identity(), params);
   const auto vulkan = Open(bone, Ball(4e-3), {}, params);
-  // along the strip, from end to end and beyond, 0.3 mm deep; beside its middle, where the sectors of
-  // contacts meet
+  // the tool moves along the strip from end to end and beyond, 0.3 mm deep, and 0.3 mm beside the middle
+  // line, where the sectors of contacts meet
   const double reach = 0.4e-3 * GetParam() + 2e-3;
   const int frames = static_cast<int>(2.0 * reach / 0.1e-3);  // slower than the proxy's largest slide
   for (int i = 0; i <= frames; ++i) {
     const simulation::FrameInput input{.X_WT = Down({reach * (2.0 * i / frames - 1.0), 0.3e-3, -0.3e-3}),
                                        .spindle_rad_per_s = kSpindle_rad_per_s};
     const ContactModel a = reference.Step(input), b = vulkan->Step(input);
-    // the sliding tolerance: with single balls, rounding decides which one is met first
+    // the tolerance of sliding: with single balls, rounding decides which one is met first
     ASSERT_EQ(b.status, simulation::EngineStatus::kOk);
     ASSERT_NEAR((Vector3(a.X_WP.p) - Vector3(b.X_WP.p)).norm(), 0.0, 2e-5) << i;
   }
@@ -228,7 +231,8 @@ TEST_P(Sizes, AgreeWithTheReferenceBallByBall) {
   EXPECT_LT(two.balls.back(), 1.0f);
 }
 
-// Culling must not change a bit: the items that it leaves out are out of reach.
+// Expects the same bits with culling as without: culling may leave out only balls and points out of the
+// tool's reach.
 void ExpectCullingChangesNoBit(const simulation::Tool& tool, const simulation::CuttingParams& params = {}) {
   simulation::Bone bone = Strip(150);
   for (simulation::MassPoint& point : bone.points) point.p_m.z = -0.1e-3;
@@ -262,15 +266,16 @@ TEST(VulkanEngine, CutsLikeTheReferenceWithAToolOfThousandsOfBalls) {
   for (int i = 0; i < 120; ++i) {
     const simulation::FrameInput input{.X_WT = Stroke(i), .spindle_rad_per_s = kSpindle_rad_per_s};
     const ContactModel a = reference.Step(input), b = vulkan->Step(input);
-    ASSERT_TRUE(HoldAlike(a, b)) << i;
+    ASSERT_TRUE(HaveSameContact(a, b)) << i;
   }
   const simulation::CarvedState one = reference.Snapshot(), two = vulkan->Snapshot();
   for (std::size_t i = 0; i < one.balls.size(); ++i) ASSERT_NEAR(one.balls[i], two.balls[i], 1e-2) << i;
   EXPECT_EQ(one.cleared, two.cleared);
 }
 
-// Neighbour lists that were built at one place must not hide the bone on the way of a jump.
-TEST(VulkanEngine, AJumpOfAMetreMeetsTheBoneThatLiesBetween) {
+// The tool jumps by 1 m through the bone in one frame. Neighbour lists that were built at the start must not
+// hide the bone halfway.
+TEST(VulkanEngine, AJumpOfAMetreMeetsTheBoneHalfway) {
   const auto engine = Open(Strip(40), Ball(4e-3));
   engine->Step({.X_WT = Down({0, 0, 0.5})});
   const ContactModel model = engine->Step({.X_WT = Down({0, 0, -0.5})});
@@ -280,7 +285,7 @@ TEST(VulkanEngine, AJumpOfAMetreMeetsTheBoneThatLiesBetween) {
   EXPECT_NEAR(Vector3(model.F_T_W.f).norm(), 200.0, 1e-6) << "the limit";
 }
 
-TEST(VulkanEngine, TimesItsPassesWhereAsked) {
+TEST(VulkanEngine, MeasuresItsPassesOnRequest) {
   const auto timed = Open(Strip(10), Ball(4e-3), {.device = "", .time_passes = true}),
              plain = Open(Strip(10), Ball(4e-3));
   EXPECT_TRUE(timed->LastPassTimes().empty()) << "before the first frame";

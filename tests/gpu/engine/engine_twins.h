@@ -16,13 +16,14 @@
 
 namespace osteon::gpu {
 
-/// Largest differences between the engines over the frames of a run.
-struct Apart {
-  double contact_mm{0.0};  ///< of the place of first contact on the frame's path
-  double normal_deg{0.0};  ///< where there is a force of 1 N
-  double proxy_mm{0.0}, force_N{0.0}, torque_Nm{0.0}, max_N{0.0};
-  int touching{0}, counts{0};  ///< frames in contact; those of them with different numbers of contacts
-  int unlike{0};               ///< frames whose status or number differs, or with a force in only one engine
+/// Largest differences between two engines' models over the frames of a run.
+struct FrameDifferences {
+  double contact_mm{0.0};  ///< place of first contact along the frame's path
+  double normal_deg{0.0};  ///< direction of the normal, in frames with more than 1 N
+  double proxy_mm{0.0}, force_N{0.0}, torque_Nm{0.0};
+  double max_N{0.0};                     ///< largest force of the first engine: not a difference
+  int touching{0}, different_counts{0};  ///< frames in contact; frames with different numbers of contacts
+  int mismatched{0};  ///< frames whose status or number differs, or with a force in only one engine
 
   /// Adds one frame. @param path_m  from the previous frame's proxy to the pose
   void Add(double path_m, const simulation::ContactModel& a, const simulation::ContactModel& b) {
@@ -35,51 +36,56 @@ struct Apart {
     torque_Nm = std::max(torque_Nm, (Vector3(a.F_T_W.t) - Vector3(b.F_T_W.t)).norm());
     max_N = std::max(max_N, f.norm());
     touching += a.contact_count > 0 ? 1 : 0;
-    counts += a.contact_count != b.contact_count ? 1 : 0;
+    different_counts += a.contact_count != b.contact_count ? 1 : 0;
     const bool alike = a.status == b.status && a.frame == b.frame && (n.norm() > 0.0) == (m.norm() > 0.0);
-    unlike += alike ? 0 : 1;
+    mismatched += alike ? 0 : 1;
   }
 };
 
-/// Differences between the engines' carved states.
-struct BonesApart {
-  double ball_mm{0.0};  ///< of centre or radius, over all balls
+/// Differences between two engines' carved states.
+struct BoneDifferences {
+  double ball_mm{0.0};  ///< largest difference of a centre's coordinate or radius
   int exempt{0};  ///< balls gone in only one engine, within 1e-5 mm of the radius at which a ball is dropped
-  int points{0}, changed{0}, cleared{0};
+  int points{0};  ///< mass points that only one engine has cleared
+  int changed{0}, cleared{0};  ///< balls cut and points cleared by the first engine
 };
-inline BonesApart Compare(const simulation::Bone& uncut, const simulation::CarvedState& a,
-                          const simulation::CarvedState& b) {
+/// @param uncut  the bone before the run
+inline BoneDifferences Compare(const simulation::Bone& uncut, const simulation::CarvedState& a,
+                               const simulation::CarvedState& b) {
   constexpr double kGone_mm = 1e3 * simulation::kMinBallRadius + 1e-5;
-  BonesApart apart;
+  BoneDifferences differences;
   for (std::size_t i = 0; i < a.balls.size(); i += 4) {
     const float r = a.balls[i + 3], s = b.balls[i + 3];
-    apart.changed += r < static_cast<float>(uncut.balls[i / 4].radius_m * 1e3) ? 1 : 0;
+    differences.changed += r < static_cast<float>(uncut.balls[i / 4].radius_m * 1e3) ? 1 : 0;
     if (r == 0.0f && s == 0.0f) continue;
     if ((r == 0.0f || s == 0.0f) && std::max(r, s) <= kGone_mm) {
-      ++apart.exempt;
+      ++differences.exempt;
       continue;
     }
     for (std::size_t k = i; k < i + 4; ++k)
-      apart.ball_mm = std::max(apart.ball_mm, std::abs(static_cast<double>(a.balls[k]) - b.balls[k]));
+      differences.ball_mm =
+          std::max(differences.ball_mm, std::abs(static_cast<double>(a.balls[k]) - b.balls[k]));
   }
   for (std::size_t i = 0; i < a.cleared.size(); ++i) {
-    apart.points += a.cleared[i] != b.cleared[i] ? 1 : 0;
-    apart.cleared += a.cleared[i];
+    differences.points += a.cleared[i] != b.cleared[i] ? 1 : 0;
+    differences.cleared += a.cleared[i];
   }
-  return apart;
+  return differences;
 }
 
-/// Tolerances from the issue.
-inline void ExpectWithinTheBars(const Apart& frames, const BonesApart& bones,
-                                const simulation::ContactModel& a, const simulation::ContactModel& b) {
+/// Expects that two engines differ by no more than the contract's tolerances, after printing the differences.
+/// @param a, b  the last models
+inline void ExpectWithinTolerances(const FrameDifferences& frames, const BoneDifferences& bones,
+                                   const simulation::ContactModel& a, const simulation::ContactModel& b) {
   std::printf(
       "up to %.1f N, %d frames in contact, %d balls cut, %d points cleared, %.1f mm^3\n"
       "worst: contact %.1e mm, normal %.1e deg, force %.1e N, torque %.1e Nm, proxy %.1e mm, contacts %d "
       "frames\nballs: worst %.1e mm, %d exempt; points %d; mass %.1e\n",
       frames.max_N, frames.touching, bones.changed, bones.cleared, a.removed_volume_m3 * 1e9,
-      frames.contact_mm, frames.normal_deg, frames.force_N, frames.torque_Nm, frames.proxy_mm, frames.counts,
-      bones.ball_mm, bones.exempt, bones.points, std::abs(b.removed_mass_kg / a.removed_mass_kg - 1.0));
-  EXPECT_EQ(frames.unlike, 0);
+      frames.contact_mm, frames.normal_deg, frames.force_N, frames.torque_Nm, frames.proxy_mm,
+      frames.different_counts, bones.ball_mm, bones.exempt, bones.points,
+      std::abs(b.removed_mass_kg / a.removed_mass_kg - 1.0));
+  EXPECT_EQ(frames.mismatched, 0);
   EXPECT_LE(frames.contact_mm, 1e-4);
   EXPECT_LE(frames.normal_deg, 0.05);
   EXPECT_LE(bones.ball_mm, 1e-4);
@@ -89,7 +95,7 @@ inline void ExpectWithinTheBars(const Apart& frames, const BonesApart& bones,
   EXPECT_LE(frames.proxy_mm, 1e-3);
   EXPECT_LE(frames.force_N, 0.02);
   EXPECT_LE(frames.torque_Nm, 3e-3);
-  EXPECT_LE(frames.counts, 20);
+  EXPECT_LE(frames.different_counts, 20);
   EXPECT_EQ(bones.points, 0);
   EXPECT_NEAR(b.cutting_work_J, a.cutting_work_J, 1e-5 * a.cutting_work_J);
   EXPECT_NEAR(b.spindle_torque_Nm, a.spindle_torque_Nm, 1e-4 * a.spindle_torque_Nm);
@@ -97,10 +103,10 @@ inline void ExpectWithinTheBars(const Apart& frames, const BonesApart& bones,
 }
 
 /// The reference and the Vulkan engine, stepped with the same inputs.
-class Twins {
+class EnginePair {
  public:
-  Twins(simulation::Bone bone, const simulation::Tool& tool, const VulkanParams& vulkan = {},
-        const simulation::CuttingParams& params = {})
+  EnginePair(simulation::Bone bone, const simulation::Tool& tool, const VulkanParams& vulkan = {},
+             const simulation::CuttingParams& params = {})
       : bone_(std::move(bone)),
         reference_(bone_, tool, Pose::Identity(), params),
         vulkan_(Open(bone_, tool, vulkan, params)) {}
@@ -113,29 +119,31 @@ class Twins {
     frames_.Add(path_m, a_, b_);
     return a_;
   }
-  /// Ends the run: checks the issue's tolerances, and that the run had enough contact and cutting.
-  struct AtLeast {
+  /// What a run must have had, so that it compares something: force, frames in contact, balls cut, points
+  /// cleared.
+  struct MinActivity {
     double force_N;
     int touching, balls, points;
   };
-  void ExpectWithinTheBars(const AtLeast& least) const {
-    const BonesApart bones = Compare(bone_, reference_.Snapshot(), vulkan_->Snapshot());
-    EXPECT_GT(frames_.max_N, least.force_N);
-    EXPECT_GT(frames_.touching, least.touching);
-    EXPECT_GT(bones.changed, least.balls);
-    EXPECT_GT(bones.cleared, least.points);
-    gpu::ExpectWithinTheBars(frames_, bones, a_, b_);
+  /// Ends the run: expects the contract's tolerances, and enough contact and cutting.
+  void ExpectWithinTolerances(const MinActivity& required) const {
+    const BoneDifferences bones = Compare(bone_, reference_.Snapshot(), vulkan_->Snapshot());
+    EXPECT_GT(frames_.max_N, required.force_N);
+    EXPECT_GT(frames_.touching, required.touching);
+    EXPECT_GT(bones.changed, required.balls);
+    EXPECT_GT(bones.cleared, required.points);
+    gpu::ExpectWithinTolerances(frames_, bones, a_, b_);
   }
 
  private:
   simulation::Bone bone_;
   simulation::ReferenceEngine reference_;
   std::unique_ptr<VulkanEngine> vulkan_;
-  Apart frames_;
+  FrameDifferences frames_;
   simulation::ContactModel a_, b_;
 };
 
-/// Compares every number of a model, without its padding.
+/// Whether two models agree in every bit of every number (their padding may differ).
 inline bool Identical(const simulation::ContactModel& a, const simulation::ContactModel& b) {
   const auto same = [](const auto& x, const auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; };
   bool equal = same(a.X_WP, b.X_WP) && a.contact_count == b.contact_count && a.status == b.status &&

@@ -10,9 +10,9 @@
 #include "tests/gpu/engine/engine_twins.h"
 #include "tests/gpu/engine/strip_bench.h"
 
-// Variants for other devices, run on the present device: the passes for a GPU (whose last workgroup solves
-// and reports), every subgroup size, few workgroups, keys for more balls, no 64-bit integers. All give the
-// same bits, or the reference's results.
+// The engine's variants for other devices, run on the present device: passes for a GPU (whose last workgroup
+// solves and reports) or for a processor, subgroup sizes, few workgroups, keys for more balls, arithmetic
+// without 64-bit integers or doubles. All variants give the same bits, or the reference's results.
 
 namespace osteon::gpu {
 namespace {
@@ -21,6 +21,7 @@ using simulation::ContactModel;
 using simulation::CuttingParams;
 using simulation::FrameInput;
 
+// Parameters of an engine with these choices instead of those that suit the device.
 VulkanParams With(const VulkanOverrides& overrides) {
   VulkanParams params;
   params.overrides = overrides;
@@ -29,6 +30,7 @@ VulkanParams With(const VulkanOverrides& overrides) {
 constexpr VulkanOverrides kForGpu{.variant = PassVariant::kGpu},
     kForProcessor{.variant = PassVariant::kProcessor};
 
+// A stroke along the strip; every 50th frame has the spindle at rest.
 FrameInput StrokeInput(int i) {
   return {.X_WT = Stroke(i), .spindle_rad_per_s = i % 50 == 49 ? 0.0 : kSpindle_rad_per_s};
 }
@@ -69,7 +71,7 @@ TEST(GpuPasses, GiveTheSameBitsWhereBallsAreSplit) {
   EXPECT_FALSE(gpu->Snapshot().split_balls.empty());
 }
 
-TEST(GpuPasses, GiveTheSameBitsHoweverTheirEndIsNoticed) {
+TEST(GpuPasses, GiveTheSameBitsForEveryWayToWaitForTheirEnd) {
   VulkanParams poll = With(kForGpu), wait = poll;
   poll.overrides.fence = FencePolicy::kPoll;
   wait.overrides.fence = FencePolicy::kWait;
@@ -89,21 +91,21 @@ TEST(GpuPasses, ReamLikeTheReference) {
   const auto gpu = Open(bone, DefaultReamer(), With(kForGpu));
   Hand hand;
   ContactModel a;
-  Apart apart;
+  FrameDifferences differences;
   for (int i = 0; i < 200; ++i) {
     const FrameInput input = hand.Next(a.F_T_W.f);
     const double path_m = a.frame > 0 ? (Vector3(input.X_WT.p) - Vector3(a.X_WP.p)).norm() : 0.0;
     a = reference.Step(input);
-    apart.Add(path_m, a, gpu->Step(input));
+    differences.Add(path_m, a, gpu->Step(input));
   }
-  EXPECT_GT(apart.max_N, 80.0);
-  EXPECT_EQ(apart.unlike, 0);
-  EXPECT_LE(apart.proxy_mm, 1e-3);
-  EXPECT_LE(apart.force_N, 0.02);
+  EXPECT_GT(differences.max_N, 80.0);
+  EXPECT_EQ(differences.mismatched, 0);
+  EXPECT_LE(differences.proxy_mm, 1e-3);
+  EXPECT_LE(differences.force_N, 0.02);
 }
 
-// In doubles and in pairs of floats.
-TEST(GpuPasses, ReamAgainstTheEdgesForceLikeTheReference) {
+// With the cutting law's edge force, for both kinds of passes and in pairs of floats.
+TEST(GpuPasses, ReamWithEdgeForceLikeTheReference) {
   simulation::Bone bone = DefaultBone();
   for (simulation::Material& material : bone.materials) {
     material.measured_chip_m = 50e-6;
@@ -124,25 +126,25 @@ TEST(GpuPasses, ReamAgainstTheEdgesForceLikeTheReference) {
   for (const VulkanOverrides& variant :
        {kForGpu, kForProcessor, VulkanOverrides{.arithmetic = Arithmetic::kFloats}}) {
     const auto gpu = Open(bone, tool, With(variant), params);
-    Apart apart;
+    FrameDifferences differences;
     double torque_Nm = 0.0, work_J = 0.0;
     for (std::size_t i = 0; i < inputs.size(); ++i) {
       const double path_m = i > 0 ? (Vector3(inputs[i].X_WT.p) - Vector3(models[i - 1].X_WP.p)).norm() : 0.0;
       const ContactModel found = gpu->Step(inputs[i]);
-      apart.Add(path_m, models[i], found);
+      differences.Add(path_m, models[i], found);
       torque_Nm = std::max(torque_Nm, std::abs(models[i].spindle_torque_Nm - found.spindle_torque_Nm));
       work_J = found.cutting_work_J;
     }
-    EXPECT_GT(apart.max_N, 20.0);
-    EXPECT_EQ(apart.unlike, 0);
-    EXPECT_LE(apart.proxy_mm, 1e-3);
-    EXPECT_LE(apart.force_N, 0.02);
+    EXPECT_GT(differences.max_N, 20.0);
+    EXPECT_EQ(differences.mismatched, 0);
+    EXPECT_LE(differences.proxy_mm, 1e-3);
+    EXPECT_LE(differences.force_N, 0.02);
     EXPECT_LE(torque_Nm, 1e-3);
     EXPECT_NEAR(work_J, models.back().cutting_work_J, 0.01 * models.back().cutting_work_J);
   }
 }
 
-TEST(Workgroups, FewerThanAPassAsksForGoRound) {
+TEST(Workgroups, AFewDoTheWorkOfManyWithTheSameBits) {
   CuttingParams params;
   params.split.on = true;  // workgroups load children, too
   params.split.pool_blocks = 64;
@@ -157,40 +159,42 @@ TEST(Workgroups, FewerThanAPassAsksForGoRound) {
   }
 }
 
-// Keys for a bone of 2^28 balls have units of 2^-23 mm: the contacts are the same to within that.
-TEST(BoneBallBits, OfTheLargestBoneHoldTheToolLikeTheReference) {
+// Keys that have room for 2^28 balls keep distances only in units of 2^-23 mm. The contacts agree to within
+// that.
+TEST(BoneBallBits, ForTheLargestBoneGiveTheReferencesContacts) {
   VulkanOverrides wide;
   wide.bone_ball_bits = 28;
   simulation::ReferenceEngine reference(LongStrip(), Ball(6e-3), Pose::Identity(), {});
   const auto vulkan = Open(LongStrip(), Ball(6e-3), With(wide));
   for (int i = 0; i < 150; ++i) {
     const ContactModel a = reference.Step(StrokeInput(i)), b = vulkan->Step(StrokeInput(i));
-    ASSERT_TRUE(HoldAlike(a, b)) << i;
+    ASSERT_TRUE(HaveSameContact(a, b)) << i;
     ASSERT_EQ(a.contact_count > 0, b.contact_count > 0) << i;
   }
 }
 
 // ---- without 64-bit integers, and without doubles
 
+// 64-bit integers as two words of 32 bits.
 VulkanParams WithWords(VulkanOverrides overrides) {
   overrides.arithmetic = Arithmetic::kWords;
   return With(overrides);
 }
+// Doubles as pairs of floats.
 VulkanParams WithFloats(VulkanOverrides overrides, Arithmetic arithmetic = Arithmetic::kFloats) {
   overrides.arithmetic = arithmetic;
   return With(overrides);
 }
 
-// Keys and sums of two words: equal scores are decided by the lower one, since many balls of a strip are
-// alike.
+// Many balls of a strip are alike and have equal scores, so that the lower words of their keys decide.
 TEST(Words, GiveTheSameBitsAs64BitIntegers) {
   CuttingParams contact_sphere, split;
   contact_sphere.cutters = simulation::Cutters::kContactSphere;
   contact_sphere.law = simulation::RemovalLaw::kImmediate;
   split.split.on = true;
   split.split.pool_blocks = 64;
-  // Each two of variant, balls and parameters meet, not each three: a software driver takes seconds to
-  // compile an engine.
+  // six of the twelve combinations, in which each pair of choices occurs: a software driver takes seconds to
+  // compile an engine
   struct Case {
     const VulkanOverrides& variant;
     int balls;
@@ -207,7 +211,8 @@ TEST(Words, GiveTheSameBitsAs64BitIntegers) {
   }
 }
 
-// A seated reamer with thousands of pairs: many workgroups add to the same sums, and lower words carry.
+// A seated reamer has thousands of pairs: many workgroups add to the same sums, and lower words overflow into
+// upper ones.
 TEST(Words, GiveTheSameBitsForASeatedReamer) {
   const simulation::Bone bone = DefaultBone();
   const auto words = Open(bone, DefaultReamer(), WithWords(kForGpu)),
@@ -218,7 +223,7 @@ TEST(Words, GiveTheSameBitsForASeatedReamer) {
   EXPECT_GT(Vector3(last.F_T_W.f).norm(), 50.0);
 }
 
-TEST(Words, SplitKeysOfTheLargestBoneAsWell) {
+TEST(Words, GiveTheSameBitsForTheKeysOfTheLargestBone) {
   VulkanOverrides largest = kForGpu;
   largest.bone_ball_bits = 28;
   const auto words = Open(LongStrip(), Shell(60), WithWords(largest)),
@@ -226,8 +231,9 @@ TEST(Words, SplitKeysOfTheLargestBoneAsWell) {
   ExpectSameBits(*words, *whole, 100, [](int i, const ContactModel&) { return StrokeInput(i); });
 }
 
-// The device opens without the features, so the layers would name a shader that uses them.
-TEST(Arithmetic, HasNothingForTheValidationLayersToSay) {
+// The device is opened without the features that a variant avoids, so the validation layers would report a
+// shader that uses one.
+TEST(Arithmetic, CausesNoValidationMessages) {
   for (VulkanParams params : {WithWords(kForGpu), WithWords(kForProcessor), WithFloats(kForGpu),
                               WithFloats(kForProcessor), WithFloats(kForGpu, Arithmetic::kFloatsInt64)}) {
     params.validation = true;
@@ -241,9 +247,10 @@ TEST(Arithmetic, HasNothingForTheValidationLayersToSay) {
   }
 }
 
-// Sums of whole numbers and keys do not depend on the order of execution here either, nor on the words of
-// 64-bit integers. (Few engines, since a software driver takes seconds to compile each.)
-TEST(Floats, GiveTheSameBitsOnAGpuAndOnAProcessorInWordsAndIn64BitIntegers) {
+// In floats, too, sums are sums of whole numbers, so that neither the order of execution nor two words
+// instead of a 64-bit integer change a bit. (Few engines, since a software driver takes seconds to compile
+// each.)
+TEST(Floats, GiveTheSameBitsInGpuAndProcessorPassesAndInEitherIntegers) {
   CuttingParams contact_sphere;
   contact_sphere.cutters = simulation::Cutters::kContactSphere;
   struct Case {
@@ -260,9 +267,9 @@ TEST(Floats, GiveTheSameBitsOnAGpuAndOnAProcessorInWordsAndIn64BitIntegers) {
   }
 }
 
-// Products are exact with a fused fma() and by splitting. A product by an fma() that rounds twice is not, and
-// shows: so what is found on the device is right, either way.
-TEST(Floats, GiveTheSameBitsWithAFusedFmaAlone) {
+// An exact product needs an fma() that rounds once, or the splitting of its factors. The two agree in every
+// bit exactly if the device's fma() rounds once, which the engine must have detected.
+TEST(Floats, GiveTheSameBitsByFmaOnlyIfTheDevicesFmaIsFused) {
   const auto context = OpenContext("", false, Arithmetic::kFloats);
   ASSERT_TRUE(context) << context.error();
   const auto split = Open(LongStrip(), Ball(6e-3), WithFloats({.fused_fma = false})),
@@ -277,8 +284,9 @@ TEST(Floats, GiveTheSameBitsWithAFusedFmaAlone) {
 
 // ---- subgroup sizes
 
-// llvmpipe reads its vector width from the environment when it is loaded, so each width needs its own
-// process.
+// Compares an engine on llvmpipe at this vector width with the reference. llvmpipe reads the width from the
+// environment when it is loaded, so each width needs its own process. @returns 0 if all subgroup sizes agree
+// or llvmpipe is missing
 int CutsAtVectorWidth(const char* bits) {
   setenv("LP_NATIVE_VECTOR_WIDTH", bits, 1);
   const auto context = OpenContext("llvmpipe", false);
@@ -300,7 +308,7 @@ int CutsAtVectorWidth(const char* bits) {
       const auto vulkan = Open(bone, tool, params);
       for (int i = 0; i < 60; ++i) {
         const ContactModel a = reference.Step(StrokeInput(2 * i)), b = vulkan->Step(StrokeInput(2 * i));
-        if (HoldAlike(a, b)) continue;
+        if (HaveSameContact(a, b)) continue;
         std::fprintf(stderr, "subgroups of %u, passes of kind %d, frame %d differ\n", size,
                      static_cast<int>(variant), i);
         return 1;
@@ -312,21 +320,21 @@ int CutsAtVectorWidth(const char* bits) {
 class SubgroupSizeDeathTest : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(, SubgroupSizeDeathTest, testing::Values(128, 256, 512));
 
-// (Opens no device before the fork, since this runs in the new process too.)
+// Nothing may open a device before the child process starts, because the child runs this code as well.
 TEST_P(SubgroupSizeDeathTest, HoldsTheToolLikeTheReference) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(std::exit(CutsAtVectorWidth(std::to_string(GetParam()).c_str())), testing::ExitedWithCode(0),
               "subgroups of " + std::to_string(GetParam() / 32) + ",|no llvmpipe");
 }
 
-TEST(SubgroupSize, ThatTheDeviceHasNotIsRefused) {
+TEST(SubgroupSize, OneThatTheDeviceLacksIsRefused) {
   const auto engine =
       VulkanEngine::Create(Strip(2), Ball(3e-3), Pose::Identity(), {}, With({.subgroup_size = 3}));
   ASSERT_FALSE(engine.has_value());
   EXPECT_NE(engine.error().find("subgroups of 3: the device accepts "), std::string::npos) << engine.error();
 }
 
-TEST(GpuPasses, HaveNothingForTheValidationLayersToSay) {
+TEST(GpuPasses, CauseNoValidationMessages) {
   CuttingParams contact_sphere, split;
   contact_sphere.cutters = simulation::Cutters::kContactSphere;
   split.split.on = true;

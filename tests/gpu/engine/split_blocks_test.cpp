@@ -5,7 +5,8 @@
 #include "tests/gpu/engine/engine_twins.h"
 #include "tests/gpu/engine/strip_bench.h"
 
-// The books of split balls: the device counts a block's children, the host gives out the blocks.
+// Which balls have a block of memory for their children when balls are split: the device counts the children
+// in each block, and the host gives free blocks to other balls.
 
 namespace osteon::gpu {
 namespace {
@@ -14,9 +15,10 @@ using simulation::CarvedState;
 using simulation::ContactModel;
 using simulation::FrameInput;
 
-constexpr std::size_t kBlocks = 4;
+constexpr std::size_t kBlocks = 4;  // so few that most balls have to wait for one
 constexpr int kPlunges = 5, kFramesOfAPlunge = 40;
 
+// Cutting that splits balls, with a pool of kBlocks.
 simulation::CuttingParams FewBlocks() {
   simulation::CuttingParams params;
   params.law = simulation::RemovalLaw::kImmediate;
@@ -26,23 +28,24 @@ simulation::CuttingParams FewBlocks() {
   return params;
 }
 
-/// A ball that plunges into the strip at one place after another, each time until the balls there are gone.
-FrameInput Plunges(int i) {
+/// Frame i of a tool ball that plunges into the strip at one place after another, each time until the balls
+/// there are gone.
+FrameInput PlungeInput(int i) {
   const int place = i / kFramesOfAPlunge, step = i % kFramesOfAPlunge;
   return {.X_WT = Down({3.13e-3 * (place - kPlunges / 2), 0.07e-3, 0.2e-3 - 0.1e-3 * step}),
           .spindle_rad_per_s = kSpindle_rad_per_s};
 }
 
-/// Runs frames first … last - 1 of the plunges in both engines and compares which balls have a block, and how
-/// many found none. @returns the number of different balls that had a block.
-std::size_t PlungeAlike(simulation::CuttingEngine& reference, simulation::CuttingEngine& vulkan, int first,
-                        int last) {
+/// Runs frames first … last - 1 of the plunges in both engines, and expects that the same balls have a block
+/// and about as many found none. @returns the number of different balls that had a block.
+std::size_t ExpectSameBlocksInPlunges(simulation::CuttingEngine& reference, simulation::CuttingEngine& vulkan,
+                                      int first, int last) {
   std::set<std::uint32_t> had_a_block;
   std::uint64_t refused_before = 0;
   ContactModel a, b;
   for (int i = first; i < last && !testing::Test::HasFailure(); ++i) {
-    a = reference.Step(Plunges(i));
-    b = vulkan.Step(Plunges(i));
+    a = reference.Step(PlungeInput(i));
+    b = vulkan.Step(PlungeInput(i));
     if (i == first)
       refused_before = a.balls_not_split - b.balls_not_split;  // by the reference's earlier frames
     const CarvedState one = reference.Snapshot(), two = vulkan.Snapshot();
@@ -50,7 +53,8 @@ std::size_t PlungeAlike(simulation::CuttingEngine& reference, simulation::Cuttin
     EXPECT_LE(two.split_balls.size(), kBlocks);
     had_a_block.insert(two.split_balls.begin(), two.split_balls.end());
   }
-  // a ball that is touched by less than a float's step asks for a block in the reference alone
+  // 10 % tolerance: a ball that is touched by less than a float's rounding asks for a block in the reference
+  // alone
   const double refused = static_cast<double>(a.balls_not_split - refused_before);
   EXPECT_GT(refused, 50.0) << "some balls found no block";
   EXPECT_NEAR(static_cast<double>(b.balls_not_split), refused, 0.1 * refused);
@@ -60,21 +64,22 @@ std::size_t PlungeAlike(simulation::CuttingEngine& reference, simulation::Cuttin
 class SplitBlocks : public testing::TestWithParam<PassVariant> {};
 INSTANTIATE_TEST_SUITE_P(, SplitBlocks, testing::Values(PassVariant::kGpu, PassVariant::kProcessor));
 
-TEST_P(SplitBlocks, AreGivenOutAgainOnceTheirChildrenAreGone) {
+TEST_P(SplitBlocks, AreReusedOnceTheirChildrenAreGone) {
   const simulation::Bone bone = Strip(24);
   simulation::ReferenceEngine reference(bone, Ball(2e-3), Pose::Identity(), FewBlocks());
   VulkanParams variant;
   variant.overrides.variant = GetParam();
   const auto vulkan = Open(bone, Ball(2e-3), variant, FewBlocks());
-  EXPECT_GT(PlungeAlike(reference, *vulkan, 0, kPlunges * kFramesOfAPlunge), 2 * kBlocks);
+  EXPECT_GT(ExpectSameBlocksInPlunges(reference, *vulkan, 0, kPlunges * kFramesOfAPlunge), 2 * kBlocks);
 }
 
-// A restored state counts its children anew, and has blocks that were saved without any.
-TEST_P(SplitBlocks, OfARestoredStateAreGivenOutAgain) {
+// After a restore the children are counted anew. One block of the restored state has no children, and has to
+// be given to another ball.
+TEST_P(SplitBlocks, AreReusedAfterARestore) {
   const simulation::Bone bone = Strip(24);
   simulation::ReferenceEngine reference(bone, Ball(2e-3), Pose::Identity(), FewBlocks());
   constexpr int kFramesBefore = 12;
-  for (int i = 0; i < kFramesBefore; ++i) reference.Step(Plunges(i));
+  for (int i = 0; i < kFramesBefore; ++i) reference.Step(PlungeInput(i));
   CarvedState state = reference.Snapshot();
   ASSERT_GT(state.split_balls.size(), 1u);
   const std::size_t slots = state.split_slots.size() / state.split_balls.size();
@@ -84,7 +89,8 @@ TEST_P(SplitBlocks, OfARestoredStateAreGivenOutAgain) {
   const auto vulkan = Open(bone, Ball(2e-3), variant, FewBlocks());
   reference.Restore(state);
   vulkan->Restore(state);
-  EXPECT_GT(PlungeAlike(reference, *vulkan, kFramesBefore, kPlunges * kFramesOfAPlunge), 2 * kBlocks);
+  EXPECT_GT(ExpectSameBlocksInPlunges(reference, *vulkan, kFramesBefore, kPlunges * kFramesOfAPlunge),
+            2 * kBlocks);
 }
 
 }  // namespace

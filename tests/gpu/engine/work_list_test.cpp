@@ -7,13 +7,16 @@
 
 #include <gtest/gtest.h>
 
+// The layout of a tool's balls in groups, and the work list: which tool balls can meet which cluster of bone
+// balls.
+
 namespace osteon::gpu {
 namespace {
 
 constexpr double kMillimetres = 1e3;
 
-// Balls on a sphere of 20 mm, as a spiral: neighbours in the list are not neighbours in space. Every seventh
-// does not cut.
+// A tool of balls on a sphere of 20 mm radius, along a spiral, so that neighbours in the list are not
+// neighbours in space. Every seventh ball does not cut.
 simulation::Tool Spiral(int count) {
   simulation::Tool tool;
   const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
@@ -27,7 +30,7 @@ simulation::Tool Spiral(int count) {
   return tool;
 }
 
-// Balls of up to 1 mm in clusters of 64 neighbours, most of them around the sphere.
+// Bone balls of up to 1 mm radius in clusters of 64 neighbours, at random places near the tool's sphere.
 std::vector<vec4> Clusters(int count) {
   std::mt19937_64 random(3);
   std::normal_distribution<float> direction;
@@ -42,14 +45,15 @@ std::vector<vec4> Clusters(int count) {
   return items;
 }
 
+// The motion of a tool's groups and balls along motion_m, enlarged by reach_mm.
 struct Sweeps {
   std::vector<BallSweep> groups, balls;
 };
-Sweeps MakeSweeps(const ToolLayout& layout, const Vector3& way_m, float reach_mm) {
+Sweeps MakeSweeps(const ToolLayout& layout, const Vector3& motion_m, float reach_mm) {
   const auto sweep = [&](const ToolLayout::Item& ball) {
     const Eigen::Vector3f a = (ball.center_T_m * kMillimetres).cast<float>();
     return BallSweep{.a = a,
-                     .b = a + (way_m * kMillimetres).cast<float>(),
+                     .b = a + (motion_m * kMillimetres).cast<float>(),
                      .radius_mm = static_cast<float>(ball.radius_m * kMillimetres) + reach_mm};
   };
   Sweeps sweeps;
@@ -58,17 +62,18 @@ Sweeps MakeSweeps(const ToolLayout& layout, const Vector3& way_m, float reach_mm
   return sweeps;
 }
 
-// Distance of a ball's surface from a sweep's, sampled along the way [mm].
+// Distance between the surfaces of a bone ball and a moving tool ball, sampled along the motion [mm].
 float Gap(const vec4& ball, const BallSweep& sweep) {
-  float least = std::numeric_limits<float>::max();
+  float min_gap_mm = std::numeric_limits<float>::max();
   for (int i = 0; i <= 50; ++i) {
     const Eigen::Vector3f p = sweep.a + static_cast<float>(i) / 50.0f * (sweep.b - sweep.a);
-    least = std::min(least, (p - Eigen::Vector3f(ball.x, ball.y, ball.z)).norm() - ball.w - sweep.radius_mm);
+    min_gap_mm =
+        std::min(min_gap_mm, (p - Eigen::Vector3f(ball.x, ball.y, ball.z)).norm() - ball.w - sweep.radius_mm);
   }
-  return least;
+  return min_gap_mm;
 }
 
-TEST(ToolLayout, GroupsAreOfNeighboursAndHoldEachBallOnce) {
+TEST(ToolLayout, EachBallIsInOneGroupOfNeighbours) {
   const ToolLayout layout = LayOutTool(Spiral(1000));
   std::set<uint> seen;
   double widest_m = 0.0;
@@ -85,12 +90,12 @@ TEST(ToolLayout, GroupsAreOfNeighboursAndHoldEachBallOnce) {
     if (layout.Cuts(layout.groups[g].front())) widest_m = std::max(widest_m, layout.group_bounds[g].radius_m);
   }
   EXPECT_EQ(seen.size(), 1000u);
-  // 16 of 857 balls on 5000 mm^2: a patch of 10 mm; the halving may leave it twice as long as wide
+  // 16 of 857 balls on 5000 mm^2 take a patch of 10 mm; the layout may leave it twice as long as wide
   EXPECT_LT(widest_m, 10e-3);
   for (std::size_t t = 1; t < layout.cutter_count; ++t) EXPECT_LT(layout.number[t - 1], layout.number[t]);
 }
 
-TEST(WorkList, EveryPairThatCanMeetIsListedInRisingOrderAndFewOthers) {
+TEST(WorkList, ListsEveryPairThatCanMeetInOrderAndFewOthers) {
   const std::vector<vec4> items = Clusters(120);
   const ClusterTree tree(items);
   const ToolLayout layout = LayOutTool(Spiral(300));
@@ -125,7 +130,7 @@ TEST(WorkList, EveryPairThatCanMeetIsListedInRisingOrderAndFewOthers) {
   EXPECT_LT(listed.size(), 2 * meet) << "a box and a ball around the way leave some that do not";
 }
 
-TEST(WorkList, WithoutRoomAllToolBallsStandForAny) {
+TEST(WorkList, ListsAllToolBallsIfThePairsDoNotFit) {
   const ClusterTree tree(Clusters(120));
   const ToolLayout layout = LayOutTool(Spiral(300));
   const Sweeps sweeps = MakeSweeps(layout, Vector3::Zero(), 0.4f);

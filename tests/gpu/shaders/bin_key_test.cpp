@@ -5,12 +5,13 @@
 
 #include <gtest/gtest.h>
 
-// Tests the keys by which the shaders find the nearest pair of a bin; the shaders' text is compiled here.
+// The 64-bit keys by which the shaders find the nearest pair of a bin: distance (score), bone ball and tool
+// ball. The shaders' own source is compiled as C++ for this test.
 
 namespace osteon::gpu {
 namespace {
 
-TEST(BinKey, ComesBackAsItWasMadeUpToTheLargestBoneAndTool) {
+TEST(BinKey, DecodesToItsPartsUpToTheLargestBoneAndTool) {
   for (const uint bits : {kMinBoneBits, 26u, kMaxBoneBits}) {
     const uint last_bone = (1u << bits) - 1u, last_units = (1u << kScoreBits) - 1u;
     for (const uint bone : {0u, 1u, last_bone - 1u, last_bone})
@@ -45,8 +46,9 @@ TEST(BinKey, OrdersByScoreThenBallThenToolBall) {
   EXPECT_LT(key(0.0, 1, 1), key(0.0, 1, 2));
 }
 
-// Up to the largest enlargement that a cell may have, and as deep as a tool may be placed.
-TEST(BinKey, TellsScoresApartThatAreBeyondAMillimetre) {
+// Scores keep their order as deep as a tool may be placed and up to the largest enlargement that a cell may
+// have; beyond about 33 mm they saturate.
+TEST(BinKey, DistinguishesScoresBeyondAMillimetre) {
   const double step_mm = 1e-4;
   for (const double score : {-30.0, -5.0, -1.5, -0.97, -0.96, -0.1, 0.0, 0.24, 0.96, 0.97, 1.5, 5.0, 30.0})
     EXPECT_LT(ScoreUnits(score), ScoreUnits(score + step_mm)) << score;
@@ -68,8 +70,8 @@ TEST(BinKey, RisesWithTheScoreInFloatsAndInDoubles) {
   }
 }
 
-TEST(BinKey, KeepsThePicometresOfAContact) {
-  // 2^-25 mm, and one unit's rounding
+TEST(BinKey, ResolvesScoresInUnitsOf30Picometres) {
+  // a unit is 2^-25 mm
   EXPECT_EQ(ScoreUnits(1e-7) - ScoreUnits(0.0), static_cast<uint>(1e-7 * 33554432.0));
   EXPECT_EQ(ScoreUnits(0.24) - ScoreUnits(0.0), static_cast<uint>(0.24 * 33554432.0));
 }

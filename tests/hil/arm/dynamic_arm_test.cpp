@@ -12,7 +12,8 @@
 #include "kinematics/payload.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
-// Expectations come from closed forms: the servo's own equation, statics, energy and momentum.
+// The simulated arm with masses, compared with closed forms: the servo's differential equation, statics,
+// energy and momentum.
 
 namespace osteon::hil {
 namespace {
@@ -22,8 +23,9 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kPeriod_s = 1e-3;
 const Vector3 kGravity{0.0, 0.0, -9.81};
-const Vector3 kTool_m{0.0, 0.0, 0.2};
+const Vector3 kTool_m{0.0, 0.0, 0.2};  // the tool's apex in the flange's frame
 
+// The shipped LBR iiwa 14 with a payload of 2 kg. @param torque_share  factor on the drives' torque limits
 kinematics::ChainParams<7> Iiwa(double torque_share = 1.0) {
   auto chain = std::get<kinematics::ChainParams<7>>(
       config::LoadRobot(std::string(OSTEON_SOURCE_DIR) + "/config/robots/lbr_iiwa_14_r820.yaml").chain);
@@ -44,28 +46,31 @@ DynamicArm Arm(const DynamicArmParams& params, const kinematics::ChainParams<7>&
   return {params, chain, kGravity, kTool_m, kPeriod_s, Start()};
 }
 
-ArmDrive HeldIn(control::ControlMode control) {
+// A command to hold the start posture.
+ArmDrive HoldStartIn(control::ControlMode control) {
   ArmDrive drive;
   drive.control = control;
   drive.q_cmd = Start();
   return drive;
 }
 
+// Force and torque as one vector.
 Vector6 Stacked(const Wrench& F) {
   Vector6 v;
   v << F.f, F.t;
   return v;
 }
 
+// Jacobian at the tool's apex, in the base's frame.
 kinematics::Jacobian ToolJacobian(const JointVector& q) {
   const kinematics::SerialChain<7> chain(Iiwa());
   const auto posture = chain.ComputePosture(q);
   return chain.JacobianAt(posture, posture.X_BF * kTool_m);
 }
 
-// 1e-9: Runge-Kutta with steps of 1/8 ms on an oscillator of 15 Hz has an error of (w h)^4 / 120, about 1e-11
-// of a step.
-TEST(DynamicArm, WithARightModelPositionControlIsTheServosOwnEquation) {
+// The tolerance of 1e-9 rad covers the Runge-Kutta error: with steps of 1/8 ms on an oscillator of 15 Hz, (w
+// h)^4 / 120 or about 1e-11 of a step.
+TEST(DynamicArm, WithAnExactModelPositionControlEqualsTheServosEquation) {
   auto limits = Iiwa().joints;
   std::array<kinematics::JointLimits, 7> fast;
   for (std::size_t i = 0; i < 7; ++i) {
@@ -76,7 +81,7 @@ TEST(DynamicArm, WithARightModelPositionControlIsTheServosOwnEquation) {
     DynamicArm arm = Arm({.bandwidth_hz = 15.0, .damping_ratio = z, .dead_cycles = 3}, Iiwa(1e3));
     ServoArm servo({.bandwidth_hz = 15.0, .damping_ratio = z, .dead_cycles = 3}, fast, kPeriod_s, Start());
     for (int k = 0; k < 400; ++k) {
-      ArmDrive drive = HeldIn(control::ControlMode::kPosition);
+      ArmDrive drive = HoldStartIn(control::ControlMode::kPosition);
       for (int i = 0; i < 7; ++i) drive.q_cmd[i] += 0.2 * std::sin(0.01 * (i + 1) * k);
       arm.Step(drive, {});
       servo.Step(drive.q_cmd);
@@ -90,16 +95,16 @@ TEST(DynamicArm, HoldsItsOwnWeightInEveryControlMode) {
        {control::ControlMode::kPosition, control::ControlMode::kJointImpedance,
         control::ControlMode::kCartesianImpedance}) {
     DynamicArm arm = Arm({});
-    for (int k = 0; k < 1000; ++k) arm.Step(HeldIn(control), {});
+    for (int k = 0; k < 1000; ++k) arm.Step(HoldStartIn(control), {});
     EXPECT_LT((arm.q() - Start()).cwiseAbs().maxCoeff(), 1e-10);
     EXPECT_LT(arm.tau_external_Nm().cwiseAbs().maxCoeff(), 1e-8);
     EXPECT_GT(arm.tau_measured_Nm().cwiseAbs().maxCoeff(), 20.0) << "its weight is no small thing";
   }
 }
 
-TEST(DynamicArm, AWrongModelSagsByTheMissingTorqueOverTheStiffness) {
+TEST(DynamicArm, AnArmWithAWrongModelSagsByMissingTorqueOverStiffness) {
   DynamicArm arm = Arm({.mass_error = -0.05});
-  for (int k = 0; k < 4000; ++k) arm.Step(HeldIn(control::ControlMode::kJointImpedance), {});
+  for (int k = 0; k < 4000; ++k) arm.Step(HoldStartIn(control::ControlMode::kJointImpedance), {});
   const JointVector missing = 0.05 * kinematics::SerialChain<7>(Iiwa(), kGravity).Gravity(arm.q());
   const JointVector sag = Start() - arm.q();
   for (int i = 0; i < 7; ++i) EXPECT_NEAR(500.0 * sag[i], missing[i], 1e-4) << i;
@@ -108,25 +113,25 @@ TEST(DynamicArm, AWrongModelSagsByTheMissingTorqueOverTheStiffness) {
       << "what the model gets wrong looks like something that presses";
 }
 
-TEST(DynamicArm, AWrenchDeflectsItByEachControllersCompliance) {
+TEST(DynamicArm, AWrenchDeflectsTheArmByTheControllersCompliance) {
   const Wrench F{.f = {30.0, -20.0, 40.0}, .t = {1.0, 2.0, -1.5}};
   {
     DynamicArm arm = Arm({});
-    for (int k = 0; k < 4000; ++k) arm.Step(HeldIn(control::ControlMode::kJointImpedance), F);
+    for (int k = 0; k < 4000; ++k) arm.Step(HoldStartIn(control::ControlMode::kJointImpedance), F);
     const JointVector pressed = ToolJacobian(arm.q()).transpose() * Stacked(F);
     EXPECT_LT((500.0 * (arm.q() - Start()) - pressed).cwiseAbs().maxCoeff(), 1e-4);
     EXPECT_LT((arm.tau_external_Nm() - pressed).cwiseAbs().maxCoeff(), 1e-4);
   }
   {
     DynamicArm arm = Arm({});
-    for (int k = 0; k < 6000; ++k) arm.Step(HeldIn(control::ControlMode::kCartesianImpedance), F);
+    for (int k = 0; k < 6000; ++k) arm.Step(HoldStartIn(control::ControlMode::kCartesianImpedance), F);
     const kinematics::SerialChain<7> chain(Iiwa());
     const Vector3 moved = chain.FlangePose(arm.q()) * kTool_m - chain.FlangePose(Start()) * kTool_m;
     EXPECT_LT((2000.0 * moved - F.f).norm(), 0.05) << moved.transpose();
   }
   {
     DynamicArm arm = Arm({});
-    for (int k = 0; k < 2000; ++k) arm.Step(HeldIn(control::ControlMode::kPosition), F);
+    for (int k = 0; k < 2000; ++k) arm.Step(HoldStartIn(control::ControlMode::kPosition), F);
     const double w = 2.0 * std::numbers::pi * 15.0;
     const JointVector pressed = ToolJacobian(arm.q()).transpose() * Stacked(F);
     const JointVector held =
@@ -135,12 +140,13 @@ TEST(DynamicArm, AWrenchDeflectsItByEachControllersCompliance) {
   }
 }
 
-TEST(DynamicArm, OverlaysActAsWhatTheyAre) {
-  // the overlays cancel the wrench: a torque for the joint arm, a wrench for the Cartesian arm
+TEST(DynamicArm, TorqueAndWrenchOverlaysCancelAnExternalWrench) {
+  // each overlay cancels the external wrench, by a torque in joint impedance and by a wrench in Cartesian
+  // impedance
   const Wrench F{.f = {20.0, 10.0, -30.0}, .t = {0.5, -1.0, 2.0}};
   DynamicArm joint = Arm({}), cartesian = Arm({});
-  ArmDrive torque = HeldIn(control::ControlMode::kJointImpedance),
-           wrench = HeldIn(control::ControlMode::kCartesianImpedance);
+  ArmDrive torque = HoldStartIn(control::ControlMode::kJointImpedance),
+           wrench = HoldStartIn(control::ControlMode::kCartesianImpedance);
   wrench.F_T_B = {.f = -F.f, .t = -F.t};
   for (int k = 0; k < 500; ++k) {
     torque.tau_Nm = -ToolJacobian(joint.q()).transpose() * Stacked(F);
@@ -151,10 +157,10 @@ TEST(DynamicArm, OverlaysActAsWhatTheyAre) {
   EXPECT_LT((joint.q() - Start()).cwiseAbs().maxCoeff(), 1e-3);
 }
 
-TEST(DynamicArm, NoDriveGivesMoreThanItsTorque) {
+TEST(DynamicArm, NoDriveExceedsItsTorqueLimit) {
   const kinematics::ChainParams<7> chain = Iiwa();
   DynamicArm arm = Arm({}, chain);
-  ArmDrive drive = HeldIn(control::ControlMode::kPosition);
+  ArmDrive drive = HoldStartIn(control::ControlMode::kPosition);
   drive.q_cmd.array() += 0.05;
   int at_limit = 0;
   for (int k = 0; k < 500; ++k) {
@@ -170,9 +176,9 @@ TEST(DynamicArm, NoDriveGivesMoreThanItsTorque) {
   EXPECT_LT((arm.q() - drive.q_cmd).cwiseAbs().maxCoeff(), 1e-3) << "and it comes to its place at last";
 }
 
-TEST(DynamicArm, AnArmInImpedanceOnlyLosesEnergy) {
+TEST(DynamicArm, AnArmInImpedanceControlNeverGainsEnergy) {
   DynamicArm arm = Arm({.dead_cycles = 0}, WithFriction(Iiwa()));
-  ArmDrive drive = HeldIn(control::ControlMode::kJointImpedance);
+  ArmDrive drive = HoldStartIn(control::ControlMode::kJointImpedance);
   drive.q_cmd += (JointVector() << 0.1, -0.05, 0.1, 0.1, -0.1, 0.1, 0.1).finished();
   const kinematics::SerialChain<7> chain(Iiwa());
   double before = HUGE_VAL, first = 0.0;
@@ -188,14 +194,14 @@ TEST(DynamicArm, AnArmInImpedanceOnlyLosesEnergy) {
   EXPECT_GT(before, 0.0) << "friction holds it a little off";
 }
 
-TEST(DynamicArm, FrictionHoldsWhatIsBelowItAndItsCompensationLetsGo) {
+TEST(DynamicArm, FrictionHoldsASmallerTorqueUnlessItIsCompensated) {
   const auto creep = [](double compensation) {
     DynamicArm arm = Arm({.stiffness_Nm_per_rad = JointVector::Zero(),
                           .joint_damping_ratio = 0.0,
                           .friction_compensation = compensation},
                          WithFriction(Iiwa()));
-    ArmDrive drive = HeldIn(control::ControlMode::kJointImpedance);
-    drive.tau_Nm[6] = 0.3;  // of 1 N·m
+    ArmDrive drive = HoldStartIn(control::ControlMode::kJointImpedance);
+    drive.tau_Nm[6] = 0.3;  // less than the Coulomb friction of 1 N·m
     for (int k = 0; k < 200; ++k) arm.Step(drive, {});
     return arm.q()[6] - Start()[6];
   };
@@ -203,12 +209,12 @@ TEST(DynamicArm, FrictionHoldsWhatIsBelowItAndItsCompensationLetsGo) {
   EXPECT_GT(creep(1.0), 0.1);
 }
 
-TEST(DynamicArm, AMountingGivesByItsComplianceUnderAWrench) {
+TEST(DynamicArm, AWrenchDeflectsTheMountingByItsCompliance) {
   const FlexibleMountParams mount{
       .stiffness_N_per_m = 2e5, .stiffness_Nm_per_rad = 5e4, .damping_ratio = 0.5};
   DynamicArm arm = Arm({.mount = mount});
   const Wrench F{.f = {100.0, 50.0, -80.0}, .t = {1.0, 2.0, 3.0}};
-  for (int k = 0; k < 5000; ++k) arm.Step(HeldIn(control::ControlMode::kPosition), F);
+  for (int k = 0; k < 5000; ++k) arm.Step(HoldStartIn(control::ControlMode::kPosition), F);
   const Pose X = arm.X_BBnow();
   const kinematics::SerialChain<7> chain(Iiwa(), kGravity);
   const Vector3 p_B = chain.FlangePose(arm.q()) * kTool_m;
@@ -218,13 +224,15 @@ TEST(DynamicArm, AMountingGivesByItsComplianceUnderAWrench) {
             0.05 * (F.t + p_B.cross(F.f)).norm());
 }
 
-// Floating in space, with only a trace of spring stiffness. The drives push for 50 ms and then no more.
+// An arm whose base floats in space, without gravity and almost without mounting stiffness. The drives push
+// for 50 ms.
 struct FreeFlight {
   double momentum{0.0};       ///< largest total momentum [kg m/s]
   double base_momentum{0.0};  ///< largest momentum of the base alone
   double energy_change{0.0};  ///< after the push, relative
 };
-FreeFlight Fly(double push) {
+// @param push  factor on the drives' torques
+FreeFlight SimulateFreeFlight(double push) {
   constexpr double kStep_s = 2e-5, kMass_kg = 10.0, kInertia_kg_m2 = 0.5;
   const kinematics::ChainParams<7> params = Iiwa();
   const kinematics::SerialChain<7> chain(params, Vector3::Zero());
@@ -236,7 +244,8 @@ FreeFlight Fly(double push) {
                       params, Vector3::Zero(), Start());
   JointVector q = Start(), qd = JointVector::Zero();
   FreeFlight flight;
-  // velocity of each body: the base's plus the joints' contribution
+  // total kinetic energy; also updates the largest total momentum. The velocity of each body is the base's
+  // plus the joints' contribution
   const auto energy = [&] {
     const Vector3 U = mount.rate().head<3>(), W = mount.rate().tail<3>();
     double sum = 0.5 * (kMass_kg * U.squaredNorm() + kInertia_kg_m2 * W.squaredNorm());
@@ -272,11 +281,11 @@ FreeFlight Fly(double push) {
   return flight;
 }
 
-// Drive torques between links change neither the total momentum nor, once they end, the energy: an oracle of
-// both halves of the coupling. The links' Coriolis and centrifugal loads from the turning base are left out,
-// which shows in the energy, the less the slower the motion.
-TEST(DynamicArm, JointsAndBaseExchangeMomentumAndNoEnergyIsMade) {
-  const FreeFlight fast = Fly(0.5), slow = Fly(0.03);
+// Torques between links never change the total momentum and, once they end, not the energy either. So both
+// directions of the coupling between arm and base are tested. The simulation neglects the Coriolis and
+// centrifugal loads of the rotating base; the error of the energy that this causes falls with the speed.
+TEST(DynamicArm, ArmAndBaseExchangeMomentumWithoutCreatingEnergy) {
+  const FreeFlight fast = SimulateFreeFlight(0.5), slow = SimulateFreeFlight(0.03);
   EXPECT_GT(fast.base_momentum, 0.1) << "the base must move to prove anything";
   EXPECT_LT(fast.momentum, 1e-7 * fast.base_momentum);
   EXPECT_LT(slow.momentum, 1e-7 * slow.base_momentum);
@@ -292,7 +301,7 @@ TEST(DynamicArm, TwoRunsAreBitIdenticalAndAStepDoesNotAllocate) {
        {control::ControlMode::kPosition, control::ControlMode::kJointImpedance,
         control::ControlMode::kCartesianImpedance})
     for (int k = 0; k < 50; ++k) {
-      ArmDrive drive = HeldIn(control);
+      ArmDrive drive = HoldStartIn(control);
       drive.q_cmd.array() += 0.001 * k;
       rt::CheckedNoAllocScope no_alloc;
       one.Step(drive, F);
@@ -302,7 +311,7 @@ TEST(DynamicArm, TwoRunsAreBitIdenticalAndAStepDoesNotAllocate) {
   EXPECT_EQ(one.qd(), other.qd());
 }
 
-TEST(DynamicArm, RefusesWhatIsNoArmNamingIt) {
+TEST(DynamicArm, RefusesBadParametersByName) {
   const auto message = [](const DynamicArmParams& params, const kinematics::ChainParams<7>& chain) {
     try {
       Arm(params, chain);

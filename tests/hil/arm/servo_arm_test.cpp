@@ -14,13 +14,15 @@ namespace {
 
 using kinematics::JointVector;
 
+// The iiwa 14's limits, with velocities that no test reaches.
 std::array<kinematics::JointLimits, 7> FastLimits() {
   auto limits = kinematics::Iiwa14().limits;
   for (auto& limit : limits) limit.velocity_rad_per_s = 1e9;
   return limits;
 }
 
-// Step response of q'' = w^2 (1 - q) - 2 z w q' from rest, in its textbook form for each case of damping.
+// Response q(t) of q'' = w^2 (1 - q) - 2 z w q' from rest to a step of 1, by the textbook's formulas for
+// critical, weak and strong damping.
 double StepResponse(double w, double z, double t) {
   if (t <= 0.0) return 0.0;
   if (z == 1.0) return 1.0 - (1.0 + w * t) * std::exp(-w * t);
@@ -32,7 +34,7 @@ double StepResponse(double w, double z, double t) {
   return 1.0 - (p2 * std::exp(-p1 * t) - p1 * std::exp(-p2 * t)) / (p2 - p1);
 }
 
-// The closed form has no truncation error; 1e-12 leaves room for 500 roundings.
+// The servo integrates in closed form, without truncation error; 1e-12 leaves room for 500 roundings.
 TEST(ServoArm, FollowsTheAnalyticStepResponse) {
   for (const double z : {0.3, 1.0, 1.7}) {
     for (const double period_s : {0.001, 0.005}) {
@@ -49,7 +51,7 @@ TEST(ServoArm, FollowsTheAnalyticStepResponse) {
   }
 }
 
-TEST(ServoArm, DeadTimeIsExact) {
+TEST(ServoArm, WholePeriodsOfDeadTimeAreExact) {
   for (const int dead : {0, 1, 3, ServoArm::kMaxDeadCycles}) {
     ServoArm arm({.dead_cycles = static_cast<double>(dead)}, FastLimits(), 1e-3, JointVector::Constant(0.2));
     for (int k = 0; k < dead; ++k) {
@@ -61,8 +63,8 @@ TEST(ServoArm, DeadTimeIsExact) {
   }
 }
 
-// A dead time of part periods: the textbook's step response, that much later.
-TEST(ServoArm, DeadTimeOfPartPeriodsIsExact) {
+// With a dead time of fractions of a period, the response is the textbook's, later by exactly this time.
+TEST(ServoArm, FractionsOfAPeriodOfDeadTimeAreExact) {
   const double w = 2.0 * std::numbers::pi * 15.0, T = 1e-3;
   for (const double dead : {0.25, 3.0 + 1e-6, 3.2, 4.5, 31.75}) {
     for (const double z : {0.7, 1.0, 1.24}) {
@@ -75,9 +77,9 @@ TEST(ServoArm, DeadTimeOfPartPeriodsIsExact) {
   }
 }
 
-// A servo follows a ramp with a lag of 2 z / w plus the dead time; the hold adds nothing if the ramp is
-// sampled.
-TEST(ServoArm, LagsBehindARampByItsTimeConstant) {
+// A servo follows a ramp with a lag of 2 z / w plus the dead time (3 periods) plus the mean delay of the
+// sample-and-hold, half a period.
+TEST(ServoArm, LagsBehindARampByTimeConstantAndDeadTime) {
   const double w = 2.0 * std::numbers::pi * 15.0, T = 1e-3, speed = 0.5;
   ServoArm arm({}, FastLimits(), T, JointVector::Zero());
   double command = 0.0;
@@ -85,7 +87,7 @@ TEST(ServoArm, LagsBehindARampByItsTimeConstant) {
     command = speed * k * T;
     arm.Step(JointVector::Constant(command));
   }
-  // after the step, time is one period past the command; half a period is the hold's mean delay
+  // after the last step, time is one period past the last command
   EXPECT_NEAR(command + speed * T - arm.q()[0], speed * (2.0 / w + 3 * T + 0.5 * T), 2e-6);
 }
 
@@ -112,7 +114,7 @@ TEST(ServoArm, DoesNotAllocate) {
   for (int k = 0; k < 100; ++k) arm.Step(JointVector::Constant(0.1));
 }
 
-TEST(ServoArm, RefusesParametersWithoutSense) {
+TEST(ServoArm, RefusesParametersOutOfRange) {
   const auto make = [](const ServoArmParams& p) {
     ServoArm arm(p, kinematics::Iiwa14().limits, 1e-3, JointVector::Zero());
   };

@@ -6,7 +6,8 @@
 #include "kinematics/lbr_arm.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
-// Common behaviour of all levels of the arm, and what each adds.
+// Properties that all levels of the simulated arm share (kinematic, servo, dynamic), and differences between
+// them.
 
 namespace osteon::hil {
 namespace {
@@ -26,43 +27,46 @@ SimulatedArmParams Params(ArmLevel level) {
   return params;
 }
 
-ArmDrive To(const JointVector& q) {
+// A command of this position.
+ArmDrive CommandPosition(const JointVector& q) {
   ArmDrive drive;
   drive.q_cmd = q;
   return drive;
 }
 
-TEST(SimulatedArm, EachLevelArrivesAndTheSpeedIsThatOfThePosition) {
+TEST(SimulatedArm, EachLevelReachesItsGoalWithSpeedsThatMatchItsPositions) {
   for (const ArmLevel level : kLevels) {
     const SimulatedArmParams params = Params(level);
     const auto arm = MakeSimulatedArm(params, 1e-3);
-    const JointVector way = JointVector::LinSpaced(0.02, 0.05);
+    const JointVector distance = JointVector::LinSpaced(0.02, 0.05);
     JointVector sum = JointVector::Zero();
     for (int k = 1; k <= 600; ++k) {
       const JointVector before = arm->q(), speed_before = arm->qd();
-      arm->Step(To(params.q_start + std::min(1.0, k / 300.0) * way), {});
+      arm->Step(CommandPosition(params.q_start + std::min(1.0, k / 300.0) * distance), {});
       sum += arm->q() - before;
-      // over a cycle the mean of a smooth speed's end values, accurate to second order for 15 Hz
+      // the distance over a cycle is the mean of the speeds at its ends, accurate to second order for a
+      // smooth motion
       if (level != ArmLevel::kKinematic && k > 10) {
         EXPECT_LT((arm->q() - before - 0.5e-3 * (speed_before + arm->qd())).cwiseAbs().maxCoeff(), 1e-6);
       }
     }
-    EXPECT_LT((arm->q() - params.q_start - way).cwiseAbs().maxCoeff(), 1e-6);
-    EXPECT_LT((sum - way).cwiseAbs().maxCoeff(), 1e-6);
+    EXPECT_LT((arm->q() - params.q_start - distance).cwiseAbs().maxCoeff(), 1e-6);
+    EXPECT_LT((sum - distance).cwiseAbs().maxCoeff(), 1e-6);
     EXPECT_LT(arm->qd().cwiseAbs().maxCoeff(), 1e-4);
   }
 }
 
-TEST(SimulatedArm, TheKinematicLevelIsWhereItWasToldToBe) {
+TEST(SimulatedArm, TheKinematicLevelIsExactlyAtItsCommand) {
   const SimulatedArmParams params = Params(ArmLevel::kKinematic);
   const auto arm = MakeSimulatedArm(params, 2e-3);
   const JointVector q = params.q_start + JointVector::Constant(1e-3);
-  arm->Step(To(q), {});
+  arm->Step(CommandPosition(q), {});
   EXPECT_EQ(arm->q(), q);
   EXPECT_LT((arm->qd() - JointVector::Constant(0.5)).cwiseAbs().maxCoeff(), 1e-12);
 }
 
-// tau = J^T F: the stiff levels compute it from the wrench, the dynamic one from the holding torques.
+// The external torque is J^T F. The kinematic and the servo level compute it from the wrench, the dynamic
+// level from the torques that hold the arm.
 TEST(SimulatedArm, EachLevelReportsTheSameExternalTorqueOnceAtRest) {
   const Wrench F{.f = {20.0, -10.0, 30.0}, .t = {1.0, 0.5, -2.0}};
   Eigen::Matrix<double, 6, 1> stacked;
@@ -70,7 +74,7 @@ TEST(SimulatedArm, EachLevelReportsTheSameExternalTorqueOnceAtRest) {
   for (const ArmLevel level : kLevels) {
     const SimulatedArmParams params = Params(level);
     const auto arm = MakeSimulatedArm(params, 1e-3);
-    for (int k = 0; k < 2000; ++k) arm->Step(To(params.q_start), F);
+    for (int k = 0; k < 2000; ++k) arm->Step(CommandPosition(params.q_start), F);
     const kinematics::LbrArm lbr(params.lbr);
     const JointVector expected = lbr.JacobianAt(arm->q(), params.p_FT_m).transpose() * stacked;
     EXPECT_LT((arm->tau_external_Nm() - expected).cwiseAbs().maxCoeff(), 1e-6) << static_cast<int>(level);
@@ -83,7 +87,7 @@ TEST(SimulatedArm, StepDoesNotAllocate) {
     const SimulatedArmParams params = Params(level);
     const auto arm = MakeSimulatedArm(params, 1e-3);
     rt::CheckedNoAllocScope no_alloc;
-    arm->Step(To(params.q_start), {});
+    arm->Step(CommandPosition(params.q_start), {});
     EXPECT_TRUE(arm->tau_external_Nm().allFinite());
   }
 }

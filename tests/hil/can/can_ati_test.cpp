@@ -7,7 +7,8 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/hil/can/can_sensor_cell.h"
 
-// The simulated ATI sensor: its frames, and client against device in virtual time.
+// The simulated ATI force sensor: its CAN frames by the manual, and the client with the simulated sensor on a
+// virtual bus. Frames are in candump's notation, identifier#data.
 
 namespace osteon::hil {
 namespace {
@@ -20,14 +21,15 @@ using io::test::Sent;
 
 using Cell = SensorCell<AtiDevice, AtiDeviceParams, io::AtiSensor, io::AtiParams>;
 
-TEST(AtiDevice, AnswersWithTheKnownFrames) {
+TEST(AtiDevice, AnswersWithTheManualsFrames) {
   AtiDevice device({.counts_per_N = 100, .counts_per_Nm = 0x01020304});
   device.Accept(At(0, "207#"));
   EXPECT_EQ(Sent(device, 0), Frames{"207#0000006401020304"});
   device.Accept(At(0, "208#"));
   EXPECT_EQ(Sent(device, 0), Frames{"208#0203"});
   device.Accept(At(0, "202#00"));
-  // 660 N · 100 / 30000 = 2.2 on the diagonal: 400CCCCD; off the diagonal 0.02 · (0, 2, -1, 1, -2) of it.
+  // 660 N · 100 / 30000 = 2.2 on the diagonal of the matrix, the float 400CCCCD; the first other entry of the
+  // row is 0
   const Frames row = Sent(device, 0);
   ASSERT_EQ(row.size(), 3u);
   EXPECT_EQ(row[0], "202#400CCCCD00000000");
@@ -43,7 +45,7 @@ TEST(AtiDevice, AnswersWithTheKnownFrames) {
   EXPECT_EQ(Sent(device, 0), Frames{});
 }
 
-TEST(Ati, TheMatrixArrivesAsItWasGivenAway) {
+TEST(Ati, TheClientReadsTheDevicesMatrix) {
   Cell cell;
   cell.Start();
   ASSERT_EQ(cell.sensor.phase(), SensorPhase::kReady) << cell.sensor.failure();
@@ -53,16 +55,16 @@ TEST(Ati, TheMatrixArrivesAsItWasGivenAway) {
                 cell.device.matrix()(row, column));
 }
 
-TEST(Ati, TheLoadArrivesWithinTheGaugesRounding) {
+TEST(Ati, TheClientReadsTheLoadToWithinTheGaugesRounding) {
   Cell cell;
   cell.Start();
-  // Half a count of each gauge through a row of the matrix: 660 / 30000 · (1 + 5 · 0.04) / 2 N, and the same
-  // with 60 N·m.
+  // half a count of each gauge, times the sum of a row of the matrix: 660 / 30000 · (1 + 5 · 0.04) / 2 N, and
+  // the same with 60 N·m
   const double force = 660.0 / 30000 * 1.2 / 2, torque = 60.0 / 30000 * 1.2 / 2;
   cell.ExpectLoadsWithin({20, -10, 5}, force, torque);
 }
 
-TEST(Ati, BiasTakesALoadAndItsDriftShowsAfterwards) {
+TEST(Ati, ABiasZeroesTheLoadAndLaterDriftIsMeasured) {
   Cell cell({.model = {.drift_N_per_s = Vector3(0, 0.2, 0), .range_N = 660, .range_Nm = 60}});
   cell.device.SetLoad(Load(5, -3, 40, 1, 0, 2));
   cell.Start();
@@ -74,7 +76,7 @@ TEST(Ati, BiasTakesALoadAndItsDriftShowsAfterwards) {
   EXPECT_NEAR(cell.F().f.y(), 2.0, 0.05);
 }
 
-TEST(Ati, OverloadBusErrorAndSilenceAreSaid) {
+TEST(Ati, ReportsOverloadBusErrorAndSilence) {
   Cell cell;
   cell.Start();
   cell.device.SetLoad(Load(0, 0, 800, 0, 0, 0));
@@ -96,15 +98,15 @@ TEST(Ati, OverloadBusErrorAndSilenceAreSaid) {
   EXPECT_GT(cell.sensor.Latest().stamp, last) << "it has nothing to be set up";
 }
 
-TEST(Ati, LossDuplicationAndReorderNeverMixTwoReadings) {
+TEST(Ati, LostDuplicatedAndReorderedFramesNeverMixTwoReadings) {
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
     SCOPED_TRACE(seed);
     Cell cell;
     cell.Start();
     cell.bus.SetParams({.loss = 0.2, .duplicate = 0.1, .reorder = 0.1, .seed = seed});
     for (int i = 0; i < 5'000; ++i) {
-      // Fx comes mostly from the first frame, Fy from the second: a mixed reading would be off by whole
-      // newtons.
+      // Fx comes mostly from the reading's first frame, Fy from its second: with frames of two readings, Fx
+      // and Fy would differ by whole newtons
       const double n = 5.0 * (i % 80);
       cell.device.SetLoad(Load(n, n, 0, 0, 0, 0));
       cell.Run(1);

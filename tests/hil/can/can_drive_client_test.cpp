@@ -11,7 +11,8 @@
 #include "tests/hil/can/virtual_can.h"
 #include "tests/io/can/can_frames.h"
 
-// The drive's client against the simulated drive, and the drive's physics, in virtual time.
+// The spindle drive's client with the simulated drive on a virtual CAN bus, and the simulated drive's
+// physics.
 
 namespace osteon::hil {
 namespace {
@@ -25,9 +26,10 @@ io::ReamerDriveParams Params() {
   return {.node = 16, .gear_ratio = 20.0, .rated_torque_Nm = 0.5, .max_speed_rad_per_s = 40.0};
 }
 
-// The client and the drive on one bus.
-struct Cell {
-  explicit Cell(const io::ReamerDriveParams& params = Params(), const DriveDeviceParams& device_params = {})
+// The client and the simulated drive on one bus, in steps of a millisecond.
+struct DriveOnBus {
+  explicit DriveOnBus(const io::ReamerDriveParams& params = Params(),
+                      const DriveDeviceParams& device_params = {})
       : device(device_params), drive(*io::ReamerDrive::Make(params)) {
     bus.Add(drive);
     bus.Add(device);
@@ -35,10 +37,12 @@ struct Cell {
   void Run(int milliseconds) {
     for (int i = 0; i < milliseconds; ++i) bus.Step(now += kMs);
   }
+  // Runs until the client has configured the drive, or 5 s.
   void Start() {
     for (int i = 0; i < 5000 && drive.phase() == DrivePhase::kStarting; ++i) Run(1);
   }
-  void Turn(double speed) {
+  // Commands a speed of the tool [rad/s] for a second.
+  void TurnForASecond(double speed) {
     drive.Command({.goal = DriveGoal::kEnabled, .speed_rad_per_s = speed});
     Run(1000);
   }
@@ -50,16 +54,17 @@ struct Cell {
   rt::Nanoseconds now{0};
 };
 
-// One rpm of the motor and one per mille of its torque, at the tool.
+// Resolution of the drive's messages, at the tool: one rpm of the motor [rad/s] and one per mille of its
+// torque [N·m].
 constexpr double kSpeedStep = 2 * std::numbers::pi / 60 / 20;
 constexpr double kTorqueStep = 0.001 * 0.5 * 20;
 
-TEST(Drive, StartsTurnsAndReports) {
-  Cell cell;
+TEST(Drive, StartsTurnsAndReportsItsSpeed) {
+  DriveOnBus cell;
   cell.Start();
   ASSERT_EQ(cell.drive.phase(), DrivePhase::kReady) << cell.drive.failure();
   for (const double speed : {26.18, -10.0, 0.0}) {
-    cell.Turn(speed);
+    cell.TurnForASecond(speed);
     EXPECT_EQ(cell.status().state, DriveState::kEnabled);
     EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), speed, kSpeedStep);
     EXPECT_NEAR(cell.status().speed_rad_per_s, speed, kSpeedStep);
@@ -70,24 +75,24 @@ TEST(Drive, StartsTurnsAndReports) {
   EXPECT_GT(cell.status().stamp, cell.now - 5 * kMs);
 }
 
-TEST(Drive, InSteadyTurningTheReportedTorqueIsTheCuttingTorque) {
-  Cell cell;
+TEST(Drive, AtSteadySpeedReportsTheCuttingTorque) {
+  DriveOnBus cell;
   cell.Start();
   for (const double torque : {0.0, 1.0, 4.0, 9.5}) {
     for (const double speed : {26.0, -26.0}) {
       cell.device.SetCuttingTorque(torque);
-      cell.Turn(speed);
+      cell.TurnForASecond(speed);
       EXPECT_NEAR(cell.status().torque_Nm, std::copysign(torque, speed), kTorqueStep) << "against the cut";
       EXPECT_NEAR(cell.status().speed_rad_per_s, speed, kSpeedStep);
     }
   }
 }
 
-TEST(Drive, PowerAtTheToolIsWhatTheCutTakes) {
-  Cell cell;
+TEST(Drive, ReportedTorqueAndSpeedGiveThePowerOfTheCut) {
+  DriveOnBus cell;
   cell.Start();
   cell.device.SetCuttingTorque(5.0);
-  cell.Turn(20.0);
+  cell.TurnForASecond(20.0);
   double work = 0;
   for (int i = 0; i < 1000; ++i) {
     cell.Run(1);
@@ -96,22 +101,22 @@ TEST(Drive, PowerAtTheToolIsWhatTheCutTakes) {
   EXPECT_NEAR(work, 5.0 * 20.0, 0.01 * 100.0);
 }
 
-TEST(Drive, RampsAsConfigured) {
-  Cell cell;
+TEST(Drive, AcceleratesAtTheConfiguredRate) {
+  DriveOnBus cell;
   cell.Start();
-  cell.Turn(0.0);
+  cell.TurnForASecond(0.0);
   cell.drive.Command({.goal = DriveGoal::kEnabled, .speed_rad_per_s = 30});
   cell.Run(4);  // one cycle
   const double start = cell.device.tool_speed_rad_per_s();
   cell.Run(100);
-  // 100 rad/s² for 0.1 s, less the loop's lag (20 Hz): at most 2/w of the ramp.
+  // 100 rad/s² for 0.1 s, less the lag of the drive's speed loop (20 Hz), at most 2/w of the ramp
   EXPECT_NEAR(cell.device.tool_speed_rad_per_s() - start, 10.0, 100.0 * 2 / (2 * std::numbers::pi * 20));
 }
 
 TEST(Drive, QuickStopBrakesAlongItsRampAndStays) {
-  Cell cell;
+  DriveOnBus cell;
   cell.Start();
-  cell.Turn(20.0);
+  cell.TurnForASecond(20.0);
   cell.drive.Command({.goal = DriveGoal::kQuickStop});
   cell.Run(8);
   EXPECT_EQ(cell.status().state, DriveState::kQuickStop);
@@ -122,7 +127,7 @@ TEST(Drive, QuickStopBrakesAlongItsRampAndStays) {
   EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 0.0, 0.05);
   EXPECT_EQ(cell.status().state, DriveState::kQuickStop);
   EXPECT_EQ(cell.status().statusword, 0x0617) << "the stop is finished";
-  // Not directly to enabled: through off.
+  // the drive is enabled again only by way of the state off
   cell.drive.Command({.goal = DriveGoal::kEnabled, .speed_rad_per_s = 20});
   cell.Run(4);
   EXPECT_NE(cell.status().state, DriveState::kEnabled);
@@ -131,10 +136,10 @@ TEST(Drive, QuickStopBrakesAlongItsRampAndStays) {
   EXPECT_EQ(cell.status().faults, 0u);
 }
 
-TEST(Drive, AStalledToolIsAFaultWithTheTorqueLimitReported) {
-  Cell cell;
+TEST(Drive, AStalledToolCausesAFaultAndTheTorqueLimitIsReported) {
+  DriveOnBus cell;
   cell.Start();
-  cell.Turn(26.0);
+  cell.TurnForASecond(26.0);
   cell.device.SetCuttingTorque(40.0);  // 2 N·m at the motor, whose limit is 1.5
   cell.Run(150);
   EXPECT_NEAR(cell.status().torque_Nm, 3.0 * 0.5 * 20, kTorqueStep) << "while it tries";
@@ -152,14 +157,14 @@ TEST(Drive, AStalledToolIsAFaultWithTheTorqueLimitReported) {
   EXPECT_EQ(cell.status().state, DriveState::kDisabled);
   EXPECT_EQ(cell.status().faults, 0u);
   EXPECT_EQ(cell.device.tool_speed_rad_per_s(), 0.0);
-  cell.Turn(10.0);
+  cell.TurnForASecond(10.0);
   EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 10.0, 0.1);
 }
 
-TEST(Drive, AFaultWhileTurningBrakesFirst) {
-  Cell cell;
+TEST(Drive, BrakesBeforeItEntersTheFaultState) {
+  DriveOnBus cell;
   cell.Start();
-  cell.Turn(30.0);
+  cell.TurnForASecond(30.0);
   cell.device.InjectFault(0x4310);
   cell.Run(8);
   EXPECT_EQ(cell.status().state, DriveState::kFaultReaction);
@@ -168,10 +173,10 @@ TEST(Drive, AFaultWhileTurningBrakesFirst) {
   EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 0.0, 0.05);
 }
 
-TEST(Drive, WhenTheControllerFallsSilentTheDriveStops) {
-  Cell cell;
+TEST(Drive, StopsWhenTheControllerFallsSilent) {
+  DriveOnBus cell;
   cell.Start();
-  cell.Turn(30.0);
+  cell.TurnForASecond(30.0);
   cell.bus.Connect(cell.drive, false);
   cell.Run(95);
   EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 30.0, 0.1) << "two heartbeats of 50 ms may miss";
@@ -185,10 +190,10 @@ TEST(Drive, WhenTheControllerFallsSilentTheDriveStops) {
   EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 0.0, 0.05);
 }
 
-TEST(Drive, ADriveThatLostItsSupplyIsNoticedAndConfiguredAgain) {
-  Cell cell;
+TEST(Drive, AnInterruptedSupplyIsDetectedAndTheDriveConfiguredAgain) {
+  DriveOnBus cell;
   cell.Start();
-  cell.Turn(30.0);
+  cell.TurnForASecond(30.0);
   cell.device.SetPower(false);
   cell.Run(30);
   cell.device.SetPower(true);
@@ -199,48 +204,48 @@ TEST(Drive, ADriveThatLostItsSupplyIsNoticedAndConfiguredAgain) {
   cell.Start();
   ASSERT_EQ(cell.drive.phase(), DrivePhase::kReady) << cell.drive.failure();
   ASSERT_TRUE(cell.drive.ResetFaults());
-  cell.Turn(10.0);
+  cell.TurnForASecond(10.0);
   EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 10.0, 0.1);
 }
 
 TEST(Drive, AnotherMotorThanConfiguredIsRefused) {
   auto params = Params();
   params.rated_torque_Nm = 0.6;
-  Cell cell(params);
+  DriveOnBus cell(params);
   cell.Start();
   EXPECT_NE(cell.drive.failure().find("its rated torque (object 6076:00) is 500 mN·m, accepted 600 mN·m"),
             std::string::npos)
       << cell.drive.failure();
   auto elsewhere = Params();
   elsewhere.node = 17;
-  Cell absent(elsewhere);
+  DriveOnBus absent(elsewhere);
   absent.Start();
   EXPECT_NE(absent.drive.failure().find("no answer about object 1000:00"), std::string::npos);
 }
 
-TEST(Drive, SurvivesLossDuplicationAndReorder) {
+TEST(Drive, TurnsOnInSpiteOfLostDuplicatedAndReorderedFrames) {
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
     SCOPED_TRACE(seed);
-    Cell cell;
+    DriveOnBus cell;
     cell.Start();
     cell.bus.SetParams({.loss = 0.1, .duplicate = 0.1, .reorder = 0.1, .seed = seed});
     cell.device.SetCuttingTorque(3.0);
-    cell.Turn(20.0);
+    cell.TurnForASecond(20.0);
     EXPECT_EQ(cell.status().faults, 0u) << "a tenth lost is not a loss";
     EXPECT_NEAR(cell.status().torque_Nm, 3.0, kTorqueStep);
     EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 20.0, 0.1);
   }
 }
 
-TEST(Drive, IsConfiguredOverALossyBusToo) {
-  Cell cell;
+TEST(Drive, IsConfiguredOverALossyBus) {
+  DriveOnBus cell;
   cell.bus.SetParams({.loss = 0.05, .seed = 5});
   cell.Start();
   EXPECT_EQ(cell.drive.phase(), DrivePhase::kReady) << cell.drive.failure();
 }
 
 TEST(Drive, SharesABusWithTheForceSensor) {
-  Cell cell;
+  DriveOnBus cell;
   RobotousDevice sensor_device({});
   auto sensor = *io::RobotousSensor::Make({});
   cell.bus.Add(sensor);
@@ -249,7 +254,7 @@ TEST(Drive, SharesABusWithTheForceSensor) {
   sensor_device.SetLoad({.f = {0, 0, -120}, .t = {0, 0, 3}});
   cell.device.SetCuttingTorque(3.0);
   rt::Nanoseconds busiest = 0;
-  cell.Turn(26.0);
+  cell.TurnForASecond(26.0);
   for (int i = 0; i < 100; ++i) {
     cell.Run(1);
     busiest = std::max(busiest, cell.bus.busy());
@@ -260,7 +265,7 @@ TEST(Drive, SharesABusWithTheForceSensor) {
 }
 
 TEST(Drive, DoesNotAllocate) {
-  Cell cell;
+  DriveOnBus cell;
   cell.Start();
   cell.drive.Command({.goal = DriveGoal::kEnabled, .speed_rad_per_s = 20});
   {

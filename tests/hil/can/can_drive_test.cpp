@@ -6,7 +6,8 @@
 #include "hil/can/drive_device.h"
 #include "tests/io/can/can_frames.h"
 
-// The simulated drive alone: its frames as in CiA 301 and 402. With its client: can_drive_client_test.cpp.
+// The simulated spindle drive alone: its CAN frames and states as CiA 301 and 402 specify. The tests with the
+// drive's client are in can_drive_client_test.cpp.
 
 namespace osteon::hil {
 namespace {
@@ -16,81 +17,86 @@ using io::test::Frames;
 using io::test::kMs;
 using io::test::Sent;
 
-// The device alone, driven by frames.
+// The simulated drive, which answers frames in candump's notation: 610#4041600000000000 is an SDO request to
+// node 16 (0x10) that reads (40) object 6041, sub-index 00; 590#… is the answer.
 struct Bench {
   Bench() {
     Sent(device, 0);
     EXPECT_EQ(Sent(device, now), Frames{"710#00"}) << "boot-up";
   }
-  Frames Say(const std::string& frame) {
+  /// @returns the answers to a frame
+  Frames Exchange(const std::string& frame) {
     device.Accept(At(now, frame));
     return Sent(device, now);
   }
+  /// Statusword, read by SDO: low and high byte in hexadecimal.
   std::string State() {
-    const Frames answer = Say("610#4041600000000000");
+    const Frames answer = Exchange("610#4041600000000000");
     return answer.empty() ? "" : answer.front().substr(12, 4);
   }
   rt::Nanoseconds now{100 * kMs};
   DriveDevice device{{}};
 };
 
-TEST(DriveDevice, AnswersSdoAsCia301Says) {
+TEST(DriveDevice, AnswersSdosAsCia301Specifies) {
   Bench bench;
-  EXPECT_EQ(bench.Say("610#4000100000000000"), Frames{"590#4300100092010200"});
-  EXPECT_EQ(bench.Say("610#4076600000000000"), Frames{"590#43766000F4010000"}) << "0.5 N·m in mN·m";
-  EXPECT_EQ(bench.Say("610#4061600000000000"), Frames{"590#4F61600003000000"});
-  EXPECT_EQ(bench.Say("610#2F60600009000000"), Frames{"590#6060600000000000"});
-  EXPECT_EQ(bench.Say("610#4060600000000000"), Frames{"590#4F60600009000000"});
-  EXPECT_EQ(bench.Say("610#4099990000000000"), Frames{"590#8099990000000206"}) << "no such object";
-  EXPECT_EQ(bench.Say("610#4076600500000000"), Frames{"590#8076600511000906"}) << "no such sub-index";
-  EXPECT_EQ(bench.Say("610#2376600001000000"), Frames{"590#8076600002000106"}) << "read only";
-  EXPECT_EQ(bench.Say("610#2B60600003000000"), Frames{"590#8060600010000706"}) << "two bytes for one";
-  EXPECT_EQ(bench.Say("610#2F60600007000000"), Frames{"590#8060600030000906"}) << "no such mode";
-  EXPECT_EQ(bench.Say("610#2176600000000000"), Frames{"590#8076600001000405"}) << "segmented";
-  EXPECT_EQ(bench.Say("610#40"), Frames{}) << "an SDO has 8 bytes";
-  EXPECT_EQ(bench.Say("611#4000100000000000"), Frames{}) << "another node's";
+  EXPECT_EQ(bench.Exchange("610#4000100000000000"), Frames{"590#4300100092010200"});
+  EXPECT_EQ(bench.Exchange("610#4076600000000000"), Frames{"590#43766000F4010000"}) << "0.5 N·m in mN·m";
+  EXPECT_EQ(bench.Exchange("610#4061600000000000"), Frames{"590#4F61600003000000"});
+  EXPECT_EQ(bench.Exchange("610#2F60600009000000"), Frames{"590#6060600000000000"});
+  EXPECT_EQ(bench.Exchange("610#4060600000000000"), Frames{"590#4F60600009000000"});
+  EXPECT_EQ(bench.Exchange("610#4099990000000000"), Frames{"590#8099990000000206"}) << "no such object";
+  EXPECT_EQ(bench.Exchange("610#4076600500000000"), Frames{"590#8076600511000906"}) << "no such sub-index";
+  EXPECT_EQ(bench.Exchange("610#2376600001000000"), Frames{"590#8076600002000106"}) << "read only";
+  EXPECT_EQ(bench.Exchange("610#2B60600003000000"), Frames{"590#8060600010000706"}) << "two bytes for one";
+  EXPECT_EQ(bench.Exchange("610#2F60600007000000"), Frames{"590#8060600030000906"}) << "no such mode";
+  EXPECT_EQ(bench.Exchange("610#2176600000000000"), Frames{"590#8076600001000405"}) << "segmented";
+  EXPECT_EQ(bench.Exchange("610#40"), Frames{}) << "an SDO has 8 bytes";
+  EXPECT_EQ(bench.Exchange("611#4000100000000000"), Frames{}) << "another node's";
 }
 
-// CiA 301 requires 1000, 1001 and 1018 of every device, and any CANopen master reads them.
+// CiA 301 requires the objects 1000, 1001 and 1018 in every device, and CANopen masters read them.
 TEST(DriveDevice, HasTheObjectsThatEveryDeviceHas) {
   Bench bench;
-  EXPECT_EQ(bench.Say("610#4001100000000000"), Frames{"590#4F01100000000000"}) << "no error";
-  EXPECT_EQ(bench.Say("610#4018100000000000"), Frames{"590#4F18100004000000"}) << "four entries of identity";
-  EXPECT_EQ(bench.Say("610#4018100100000000"), Frames{"590#4318100100000000"}) << "no registered vendor";
-  EXPECT_EQ(bench.Say("610#4018100200000000"), Frames{"590#431810024454534F"}) << "OSTD";
-  EXPECT_EQ(bench.Say("610#4018100300000000"), Frames{"590#4318100300000100"});
-  EXPECT_EQ(bench.Say("610#4018100400000000"), Frames{"590#4318100410000000"}) << "its node";
-  EXPECT_EQ(bench.Say("610#4018100500000000"), Frames{"590#8018100511000906"}) << "no such sub-index";
-  EXPECT_EQ(bench.Say("610#2F01100000000000"), Frames{"590#8001100002000106"}) << "read only";
+  EXPECT_EQ(bench.Exchange("610#4001100000000000"), Frames{"590#4F01100000000000"}) << "no error";
+  EXPECT_EQ(bench.Exchange("610#4018100000000000"), Frames{"590#4F18100004000000"})
+      << "four entries of identity";
+  EXPECT_EQ(bench.Exchange("610#4018100100000000"), Frames{"590#4318100100000000"}) << "no registered vendor";
+  EXPECT_EQ(bench.Exchange("610#4018100200000000"), Frames{"590#431810024454534F"}) << "OSTD";
+  EXPECT_EQ(bench.Exchange("610#4018100300000000"), Frames{"590#4318100300000100"});
+  EXPECT_EQ(bench.Exchange("610#4018100400000000"), Frames{"590#4318100410000000"}) << "its node";
+  EXPECT_EQ(bench.Exchange("610#4018100500000000"), Frames{"590#8018100511000906"}) << "no such sub-index";
+  EXPECT_EQ(bench.Exchange("610#2F01100000000000"), Frames{"590#8001100002000106"}) << "read only";
   bench.device.InjectFault(0x4310);
   static_cast<void>(Sent(bench.device, bench.now));  // its EMCY
-  EXPECT_EQ(bench.Say("610#4001100000000000"), Frames{"590#4F01100001000000"}) << "the generic error";
+  EXPECT_EQ(bench.Exchange("610#4001100000000000"), Frames{"590#4F01100001000000"}) << "the generic error";
 }
 
-TEST(DriveDevice, ChangesAPdoOnlyWhileItIsOff) {
+TEST(DriveDevice, ChangesAPdosMappingOnlyWhileThePdoIsOff) {
   Bench bench;
-  EXPECT_EQ(bench.Say("610#2F00160000000000"), Frames{"590#8000160022000008"}) << "it is on";
-  EXPECT_EQ(bench.Say("610#2300140110020080"), Frames{"590#6000140100000000"});
-  EXPECT_EQ(bench.Say("610#2300160110004060"), Frames{"590#8000160122000008"}) << "its count is not 0";
-  EXPECT_EQ(bench.Say("610#2F00160000000000"), Frames{"590#6000160000000000"});
-  EXPECT_EQ(bench.Say("610#2300160110004160"), Frames{"590#8000160141000406"})
+  EXPECT_EQ(bench.Exchange("610#2F00160000000000"), Frames{"590#8000160022000008"}) << "it is on";
+  EXPECT_EQ(bench.Exchange("610#2300140110020080"), Frames{"590#6000140100000000"});
+  EXPECT_EQ(bench.Exchange("610#2300160110004060"), Frames{"590#8000160122000008"}) << "its count is not 0";
+  EXPECT_EQ(bench.Exchange("610#2F00160000000000"), Frames{"590#6000160000000000"});
+  EXPECT_EQ(bench.Exchange("610#2300160110004160"), Frames{"590#8000160141000406"})
       << "a status cannot be commanded";
-  EXPECT_EQ(bench.Say("610#230016012000FF60"), Frames{"590#6000160100000000"});
-  EXPECT_EQ(bench.Say("610#230016022000FF60"), Frames{"590#6000160200000000"});
-  EXPECT_EQ(bench.Say("610#2300160310004060"), Frames{"590#6000160300000000"});
-  EXPECT_EQ(bench.Say("610#2F00160003000000"), Frames{"590#8000160042000406"}) << "80 bits";
-  EXPECT_EQ(bench.Say("000#0110"), Frames{});
-  EXPECT_EQ(bench.Say("610#2F00160000000000"), Frames{"590#8000160022000008"}) << "operational";
+  EXPECT_EQ(bench.Exchange("610#230016012000FF60"), Frames{"590#6000160100000000"});
+  EXPECT_EQ(bench.Exchange("610#230016022000FF60"), Frames{"590#6000160200000000"});
+  EXPECT_EQ(bench.Exchange("610#2300160310004060"), Frames{"590#6000160300000000"});
+  EXPECT_EQ(bench.Exchange("610#2F00160003000000"), Frames{"590#8000160042000406"}) << "80 bits";
+  EXPECT_EQ(bench.Exchange("000#0110"), Frames{});
+  EXPECT_EQ(bench.Exchange("610#2F00160000000000"), Frames{"590#8000160022000008"}) << "operational";
 }
 
-// Every command in every state, by SDO: the transitions of CiA 402's state machine.
-TEST(DriveDevice, EveryCommandInEveryStateGoesWhereCia402Says) {
+// Each controlword in each state, sent by SDO, leads to the state that CiA 402's state machine gives.
+TEST(DriveDevice, EveryCommandInEveryStateLeadsToTheStateOfCia402) {
+  // controlwords that lead from disabled through the states of the rows
   const std::string path[]{"610#2B40600006000000", "610#2B40600007000000", "610#2B4060000F000000",
                            "610#2B40600002000000"};
   struct Row {
     const char* name;
-    int steps;             // along the path
-    const char* after[6];  // 00, 06, 07, 0F, 02, 80
+    int steps;             // number of controlwords of the path that lead to this state
+    const char* after[6];  // statusword after the controlword 00, 06, 07, 0F, 02, 80
   };
   // Statuswords as they stand in the frame: low byte, high byte.
   const char *disabled = "5002", *ready = "3102", *on = "3302", *enabled = "3702", *stop = "1702";
@@ -99,7 +105,7 @@ TEST(DriveDevice, EveryCommandInEveryStateGoesWhereCia402Says) {
       {"ready", 1, {disabled, ready, on, on, disabled, disabled}},
       {"switched on", 2, {disabled, ready, on, enabled, disabled, disabled}},
       {"enabled", 3, {disabled, ready, on, enabled, stop, disabled}},
-      // With option 2, its value at first, nothing but the end of the stop leads out (and off).
+      // option 2, the initial one: only the end of the stop or switching off leads out
       {"quick stop", 4, {disabled, stop, stop, stop, stop, disabled}},
   };
   const char* commands[]{"00", "06", "07", "0F", "02", "80"};
@@ -107,19 +113,19 @@ TEST(DriveDevice, EveryCommandInEveryStateGoesWhereCia402Says) {
     for (int c = 0; c < 6; ++c) {
       SCOPED_TRACE(std::string(row.name) + " " + commands[c]);
       Bench bench;
-      for (int i = 0; i < row.steps; ++i) bench.Say(path[i]);
-      bench.Say(std::string("610#2B406000") + commands[c] + "000000");
+      for (int i = 0; i < row.steps; ++i) bench.Exchange(path[i]);
+      bench.Exchange(std::string("610#2B406000") + commands[c] + "000000");
       EXPECT_EQ(bench.State(), row.after[c]);
     }
   }
 }
 
-// The device alone, turning at 1000 rpm of the motor, without friction.
+// The simulated drive, turning at 1000 rpm of the motor without friction.
 struct TurningBench : Bench {
   TurningBench() {
     for (const char* frame : {"610#2B40600006000000", "610#2B40600007000000", "610#2B4060000F000000",
                               "610#23FF6000E8030000"})  // 60FF: 1000
-      Say(frame);
+      Exchange(frame);
     Run(500);
   }
   void Run(int milliseconds) {
@@ -128,8 +134,8 @@ struct TurningBench : Bench {
   [[nodiscard]] double rpm() const { return device.motor().speed_rad_per_s() * 60 / (2 * std::numbers::pi); }
 };
 
-// CiA 402-2, quick stop option code: how it stops, and which state follows.
-TEST(DriveDevice, AQuickStopEndsAsItsOptionCodeSays) {
+// CiA 402-2: the quick stop option code (605A) determines how the drive stops, and which state follows.
+TEST(DriveDevice, AQuickStopFollowsItsOptionCode) {
   struct Row {
     int option;
     const char *during, *after;  // low and high byte of the statusword, 20 ms and 1 s later
@@ -143,41 +149,42 @@ TEST(DriveDevice, AQuickStopEndsAsItsOptionCodeSays) {
   for (const Row& row : rows) {
     SCOPED_TRACE(row.option);
     TurningBench bench;
-    bench.Say("610#23846000D0070000");  // 6084: 2000 rpm/s
-    bench.Say("610#23856000204E0000");  // 6085: 20000 rpm/s
-    EXPECT_EQ(bench.Say("610#2B5A60000" + std::to_string(row.option) + "000000"),
+    bench.Exchange("610#23846000D0070000");  // 6084: 2000 rpm/s
+    bench.Exchange("610#23856000204E0000");  // 6085: 20000 rpm/s
+    EXPECT_EQ(bench.Exchange("610#2B5A60000" + std::to_string(row.option) + "000000"),
               Frames{"590#605A600000000000"});
-    bench.Say("610#2B40600002000000");
+    bench.Exchange("610#2B40600002000000");
     bench.Run(20);
     EXPECT_EQ(bench.State(), row.during);
-    // The velocity loop (20 Hz) lags by 2/w of the ramp, and less at first.
+    // the velocity loop (20 Hz) lags behind the ramp by up to 2/w = 16 ms
     EXPECT_NEAR(bench.rpm(), 1000 - 0.020 * row.ramp_rpm_per_s, 0.016 * row.ramp_rpm_per_s + 0.1);
     bench.Run(1000);
     EXPECT_EQ(bench.State(), row.after);
     EXPECT_NEAR(bench.rpm(), row.ramp_rpm_per_s == 0 ? 1000 : 0, 1.0);
-    // Enable operation leads out of a stop that stays, and out of nothing else.
-    bench.Say("610#2B4060000F000000");
+    // after a stop that stays (options 5 and 6), the command "enable operation" turns the motor again
+    bench.Exchange("610#2B4060000F000000");
     EXPECT_EQ(bench.State().substr(0, 2), row.option >= 5 ? "37" : "50");
   }
 }
 
-TEST(DriveDevice, OptionCodesThatItDoesNotHaveAreRefused) {
+TEST(DriveDevice, RefusesUnknownOptionCodes) {
   Bench bench;
   for (const char* value : {"03", "04", "07", "08", "FF"})
-    EXPECT_EQ(bench.Say("610#2B5A6000" + std::string(value) + "000000"), Frames{"590#805A600030000906"});
+    EXPECT_EQ(bench.Exchange("610#2B5A6000" + std::string(value) + "000000"), Frames{"590#805A600030000906"});
   for (const char* value : {"03", "05"})
-    EXPECT_EQ(bench.Say("610#2B5E6000" + std::string(value) + "000000"), Frames{"590#805E600030000906"});
-  EXPECT_EQ(bench.Say("610#405A600000000000"), Frames{"590#4B5A600002000000"}) << "as before";
+    EXPECT_EQ(bench.Exchange("610#2B5E6000" + std::string(value) + "000000"), Frames{"590#805E600030000906"});
+  EXPECT_EQ(bench.Exchange("610#405A600000000000"), Frames{"590#4B5A600002000000"}) << "as before";
 }
 
-// Fault reaction option code 605E: 0 coasts, 1 and 2 brake along 6084 and 6085.
-TEST(DriveDevice, AFaultStopsItAsItsOptionCodeSays) {
+// Fault reaction option code 605E: with 0 the motor coasts, with 1 and 2 it brakes along the ramps 6084 and
+// 6085.
+TEST(DriveDevice, AFaultStopsTheMotorByItsOptionCode) {
   for (const int option : {0, 1, 2}) {
     SCOPED_TRACE(option);
     TurningBench bench;
-    bench.Say("610#23846000D0070000");  // 2000 rpm/s
-    bench.Say("610#23856000204E0000");  // 20000 rpm/s
-    bench.Say("610#2B5E60000" + std::to_string(option) + "000000");
+    bench.Exchange("610#23846000D0070000");  // 2000 rpm/s
+    bench.Exchange("610#23856000204E0000");  // 20000 rpm/s
+    bench.Exchange("610#2B5E60000" + std::to_string(option) + "000000");
     bench.device.InjectFault(0x4310);
     bench.Run(200);
     EXPECT_EQ(bench.device.statusword() & 0x4F, option == 1 ? 0x0F : 0x08);
@@ -187,13 +194,14 @@ TEST(DriveDevice, AFaultStopsItAsItsOptionCodeSays) {
   }
 }
 
-// Profile velocity mode: bit 10 once the velocity has been within the window (606D) for its time (606E).
-TEST(DriveDevice, TargetReachedIsTheVelocityWithinItsWindowForItsTime) {
+// In profile velocity mode, bit 10 of the statusword is set once the velocity has been within the window
+// (606D) for the window's time (606E).
+TEST(DriveDevice, TargetReachedNeedsTheVelocityInItsWindowForItsTime) {
   TurningBench bench;
   EXPECT_EQ(bench.State(), "3706") << "in the window";
-  bench.Say("610#2B6D600014000000");  // 20 rpm
-  bench.Say("610#2B6E600064000000");  // 100 ms
-  bench.Say("610#23FF6000D0070000");  // 2000 rpm
+  bench.Exchange("610#2B6D600014000000");  // 20 rpm
+  bench.Exchange("610#2B6E600064000000");  // 100 ms
+  bench.Exchange("610#23FF6000D0070000");  // 2000 rpm
   EXPECT_EQ(bench.State(), "3702") << "a new target is not reached";
   int inside_ms = 0;  // it overshoots: in, out, and in again
   for (int i = 0; i < 1000; ++i) {
@@ -203,36 +211,36 @@ TEST(DriveDevice, TargetReachedIsTheVelocityWithinItsWindowForItsTime) {
     EXPECT_EQ(bench.State(), inside_ms > 101 ? "3706" : "3702") << "in the window for " << inside_ms << " ms";
   }
   EXPECT_GT(inside_ms, 101);
-  bench.Say("610#23FF6000DA070000");  // 2010 rpm
+  bench.Exchange("610#23FF6000DA070000");  // 2010 rpm
   EXPECT_EQ(bench.State(), "3706") << "still in the window";
   bench.device.SetCuttingTorque(28.0);  // 1.4 of 1.5 N·m at the motor: the speed falls
   bench.Run(10);
   EXPECT_EQ(bench.State(), "3702") << "braked by the cut";
   bench.Run(500);
   EXPECT_EQ(bench.State(), "3706") << "and caught up";
-  bench.Say("610#2F60600009000000");
+  bench.Exchange("610#2F60600009000000");
   EXPECT_EQ(bench.State(), "3702") << "cyclic velocity mode has no target reached";
-  bench.Say("610#2F60600003000000");
-  bench.Say("610#2B40600007000000");
+  bench.Exchange("610#2F60600003000000");
+  bench.Exchange("610#2B40600007000000");
   EXPECT_EQ(bench.State(), "3302") << "nor has switched on";
 }
 
-TEST(DriveDevice, AFaultNeedsARisingEdge) {
+TEST(DriveDevice, AFaultIsResetOnlyByARisingEdge) {
   Bench bench;
-  bench.Say("610#2B40600080000000");
+  bench.Exchange("610#2B40600080000000");
   bench.device.InjectFault(0x4310);
   EXPECT_EQ(Sent(bench.device, bench.now), Frames{"090#1043010000000000"});
   EXPECT_EQ(bench.State(), "1802");
   for (const char* command : {"00", "06", "07", "0F"})
-    bench.Say(std::string("610#2B406000") + command + "000000");
+    bench.Exchange(std::string("610#2B406000") + command + "000000");
   EXPECT_EQ(bench.State(), "1802") << "nothing but a reset leads out";
-  bench.Say("610#2B40600080000000");
+  bench.Exchange("610#2B40600080000000");
   EXPECT_EQ(bench.State(), "1802") << "still broken";
   bench.device.ClearFault();
-  bench.Say("610#2B40600080000000");
+  bench.Exchange("610#2B40600080000000");
   EXPECT_EQ(bench.State(), "1802") << "no edge";
-  bench.Say("610#2B40600000000000");
-  EXPECT_EQ(bench.Say("610#2B40600080000000"), (Frames{"590#6040600000000000", "090#0000000000000000"}));
+  bench.Exchange("610#2B40600000000000");
+  EXPECT_EQ(bench.Exchange("610#2B40600080000000"), (Frames{"590#6040600000000000", "090#0000000000000000"}));
   EXPECT_EQ(bench.State(), "5002");
 }
 

@@ -7,7 +7,8 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/hil/can/can_sensor_cell.h"
 
-// Simulated Robotous sensors: their frames as in the manual, and client against sensor in virtual time.
+// The simulated Robotous force sensor: its CAN frames by the manual, and the client with the simulated sensor
+// on a virtual bus. Frames are in candump's notation, identifier#data.
 
 namespace osteon::hil {
 namespace {
@@ -41,7 +42,7 @@ TEST(RobotousDevice, AnswersWithTheManualsFrames) {
   EXPECT_EQ(Sent(device, 5 * kMs), Frames{}) << "a command has 8 bytes";
 }
 
-TEST(RobotousDevice, SaturatesAtItsRangeAndCountsIt) {
+TEST(RobotousDevice, SaturatesAtItsRangeAndReportsTheOverload) {
   RobotousDevice device({});
   device.SetLoad(Load(0, 0, -900, 0, 20, 0));
   device.Accept(At(0, "064#0A00000000000000"));
@@ -51,14 +52,14 @@ TEST(RobotousDevice, SaturatesAtItsRangeAndCountsIt) {
   EXPECT_EQ(Sent(device, 0), (Frames{"001#1200000100010000", "002#0000000000000000"}));
 }
 
-TEST(Robotous, TheLoadArrivesWithinHalfACount) {
+TEST(Robotous, TheClientReadsTheLoadToWithinHalfACount) {
   Cell cell;
   cell.Start();
   ASSERT_EQ(cell.sensor.phase(), SensorPhase::kReady) << cell.sensor.failure();
   cell.ExpectLoadsWithin({9, -7, 5}, 0.5 / 50 + 1e-12, 0.5 / 2000 + 1e-12);
 }
 
-TEST(Robotous, BiasMakesThePresentLoadZeroAndBack) {
+TEST(Robotous, ABiasZeroesThePresentLoadAndCanBeRemoved) {
   Cell cell;
   cell.device.SetLoad(Load(3, -4, 12, 0.5, 0, -0.25));
   cell.Start();
@@ -74,7 +75,7 @@ TEST(Robotous, BiasMakesThePresentLoadZeroAndBack) {
   EXPECT_NEAR(cell.F().f.x(), 13.0, 0.011);
 }
 
-TEST(Robotous, DriftIsWhatWasAskedForAndNoiseHasItsRms) {
+TEST(Robotous, DriftAndNoiseAreAsConfigured) {
   Cell drifting({.model = {.drift_N_per_s = Vector3(0.1, 0, -0.5)}});
   drifting.Start();
   const Wrench start = drifting.F();
@@ -92,13 +93,13 @@ TEST(Robotous, DriftIsWhatWasAskedForAndNoiseHasItsRms) {
     squares += noisy.F().f.y() * noisy.F().f.y();
     torque_squares += noisy.F().t.z() * noisy.F().t.z();
   }
-  // Tolerance: five standard errors of mean and rms, and the rounding to counts.
+  // the tolerances are five standard errors of mean and RMS, and the rounding to counts
   EXPECT_NEAR(sum / kReadings, 0.0, 5 * 0.5 / std::sqrt(kReadings));
   EXPECT_NEAR(std::sqrt(squares / kReadings), 0.5, 5 * 0.5 / std::sqrt(2.0 * kReadings) + 0.01);
   EXPECT_NEAR(std::sqrt(torque_squares / kReadings), 0.02, 5 * 0.02 / std::sqrt(2.0 * kReadings) + 0.0005);
 }
 
-TEST(Robotous, TheSameSeedGivesTheSameReadingsAndAnotherOneOthers) {
+TEST(Robotous, EqualSeedsGiveEqualReadings) {
   const auto readings = [](std::uint32_t seed) {
     Cell cell({.model = {.noise_N = 1.0, .seed = seed}}, {}, {.loss = 0.05, .seed = seed});
     cell.Start();
@@ -113,7 +114,7 @@ TEST(Robotous, TheSameSeedGivesTheSameReadingsAndAnotherOneOthers) {
   EXPECT_NE(readings(3), readings(4));
 }
 
-TEST(Robotous, TheLowPassInTheSensorIsTheOneAskedFor) {
+TEST(Robotous, TheSensorFiltersAtTheConfiguredFrequency) {
   Cell cell({}, {.filter_hz = 10});
   cell.Start();
   cell.device.SetLoad(Load(100, 0, 0, 0, 0, 0));
@@ -151,7 +152,7 @@ TEST(Robotous, ASensorThatDoesNotConfirmItsRateIsRefused) {
   EXPECT_NE(failure({.silent = true}).find("no answer to command 0x08"), std::string::npos);
 }
 
-TEST(Robotous, ASensorThatFallsSilentAgesAndIsSetUpAgain) {
+TEST(Robotous, ASilentSensorsReadingAgesUntilTheSensorIsSetUpAgain) {
   Cell cell;
   cell.Start();
   cell.device.SetFaults({.silent = true});
@@ -166,7 +167,7 @@ TEST(Robotous, ASensorThatFallsSilentAgesAndIsSetUpAgain) {
   EXPECT_EQ(cell.sensor.phase(), SensorPhase::kReady) << cell.sensor.failure();
 }
 
-TEST(Robotous, FindsASensorThatIsAlreadySending) {
+TEST(Robotous, StartsASensorThatIsAlreadySending) {
   Cell cell;
   cell.Start();
   cell.Run(10);
@@ -175,8 +176,9 @@ TEST(Robotous, FindsASensorThatIsAlreadySending) {
   EXPECT_EQ(cell.sensor.phase(), SensorPhase::kReady) << cell.sensor.failure();
 }
 
-// All forces and torques, in both halves, come from one counter: a mixed reading would show.
-TEST(Robotous, LossDuplicationAndReorderNeverMixTwoReadings) {
+// Fx is in a reading's first frame and Ty in its second. Both loads follow one counter, so frames of two
+// readings would give different counts.
+TEST(Robotous, LostDuplicatedAndReorderedFramesNeverMixTwoReadings) {
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
     SCOPED_TRACE(seed);
     Cell cell;
@@ -190,14 +192,14 @@ TEST(Robotous, LossDuplicationAndReorderNeverMixTwoReadings) {
       ASSERT_EQ(std::lround(cell.F().f.x() * 50), std::lround(cell.F().t.y() * 2000)) << i;
     }
     const auto after = cell.sensor.counters();
-    // Both halves must arrive, in order: 0.8² of the readings, less those whose halves changed places.
+    // both frames of a reading arrive in 0.8² of the cases; fewer, as some change places
     EXPECT_GT(after.readings - before.readings, 10'000u);
     EXPECT_LT(after.readings - before.readings, 14'000u);
     EXPECT_GT(after.halves - before.halves, 3'000u);
   }
 }
 
-TEST(Robotous, AnUnpluggedSensorIsSilenceNotACrash) {
+TEST(Robotous, AnUnpluggedSensorFailsWithNoAnswer) {
   Cell cell;
   cell.bus.Connect(cell.device, false);
   cell.Start();

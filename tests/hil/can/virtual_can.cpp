@@ -5,9 +5,9 @@
 namespace osteon::hil {
 namespace {
 
-constexpr int kMaxRounds = 8;    // of replies to replies in one step
-constexpr int kMaxFrames = 256;  // of one node in one round, so that a node that never stops shows as a bug
-                                 // and not as a hang
+constexpr int kMaxRounds = 8;  // rounds of replies in one step
+constexpr int kMaxFrames =
+    256;  // frames of a node in one round, so that a node that never stops does not hang the test
 
 }  // namespace
 

@@ -8,7 +8,7 @@
 
 namespace osteon::hil {
 
-/// Faults of frames on the bus, as shares of 1; none by default.
+/// Probability of each fault of a frame on the bus, 0 … 1; none by default.
 struct VirtualCanParams {
   double loss{0.0};       ///< never arrives
   double duplicate{0.0};  ///< arrives twice
@@ -33,8 +33,10 @@ class VirtualCan {
 
   void SetParams(const VirtualCanParams& params) { params_ = params; }
 
+  /// Passes all frames that the nodes send at `now`, and the replies to them.
   void Step(rt::Nanoseconds now);
 
+  /// Number of frames that have arrived so far.
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
   /// Time that the wire was busy in the last step.
   [[nodiscard]] rt::Nanoseconds busy() const { return busy_; }
@@ -48,7 +50,9 @@ class VirtualCan {
     io::CanFrame frame;
     const io::CanClient* from;
   };
+  /// Draws whether an event of this probability happens.
   [[nodiscard]] bool DrawEvent(double share);
+  /// Applies loss, corruption, duplication and reordering to a round's frames.
   void Damage(std::vector<OnTheWire>& wire);
 
   VirtualCanParams params_;

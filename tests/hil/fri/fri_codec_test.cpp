@@ -9,9 +9,13 @@
 #include "tests/hil/test_client.h"
 #include "tests/io/fri/fri_golden.h"
 
+// The simulated arm's encoding of monitoring messages and decoding of commands, in each version of FRI.
+// Fields are named by their path of protobuf numbers: {5, 10} is field 10 in field 5.
+
 namespace osteon::hil {
 namespace {
 
+// A message with a different number in each field.
 FriMonitoring Example() {
   FriMonitoring m;
   m.sequence = 9;
@@ -32,8 +36,9 @@ FriMonitoring Example() {
 
 std::vector<double> Vector(const control::JointArray& a) { return {a.begin(), a.end()}; }
 
-// Sizes observed on arms with 1.15: 401 bytes, 466 in the commanding states.
-TEST(FriCodec, MonitoringMessageHasTheSizeSeenOnArms) {
+// Real arms with version 1.15 send 401 bytes, and 466 in the commanding states, which add the interpolator's
+// position.
+TEST(FriCodec, AMonitoringMessageHasTheSizeSeenOnRealArms) {
   FriCodec codec;
   FriMonitoring m = Example();
   EXPECT_EQ(codec.Encode(m).size(), 401u);
@@ -41,7 +46,7 @@ TEST(FriCodec, MonitoringMessageHasTheSizeSeenOnArms) {
   EXPECT_EQ(codec.Encode(m).size(), 466u);
 }
 
-TEST(FriCodec, EveryFieldLiesUnderItsNumber) {
+TEST(FriCodec, WritesEveryFieldUnderItsNumber) {
   FriCodec codec;
   FriMonitoring m = Example();
   m.has_ipo = true;
@@ -72,7 +77,7 @@ TEST(FriCodec, EveryFieldLiesUnderItsNumber) {
   EXPECT_EQ(DoublesAt(bytes, {5, 12}), std::vector<double>{0.75});
 }
 
-TEST(FriCodec, InterpolatorPositionLeavesWithTheCommandingStates) {
+TEST(FriCodec, WritesTheInterpolatorsPositionOnlyInCommandingStates) {
   FriCodec codec;
   FriMonitoring m = Example();
   m.has_ipo = true;
@@ -81,8 +86,8 @@ TEST(FriCodec, InterpolatorPositionLeavesWithTheCommandingStates) {
   EXPECT_TRUE(At(codec.Encode(m), {5, 1}).empty());
 }
 
-// The published beginning of a command with counter 8, then seven joints: 77 bytes.
-TEST(FriCodec, ReadsTheCommandSeenOnArms) {
+// The bytes of a published command with counter 8: header, then seven joints, 77 bytes in all.
+TEST(FriCodec, ReadsThePublishedCommand) {
   Bytes bytes{0x0a, 0x08, 0x08, 0x81, 0x80, 0x0d, 0x10, 0x08, 0x18, 0x08, 0x12, 0x41, 0x0a, 0x3f};
   for (int i = 0; i < 7; ++i) PutDouble(bytes, 1, 0.25 * i);
   ASSERT_EQ(bytes.size(), 77u);
@@ -98,7 +103,7 @@ TEST(FriCodec, ReadsTheCommandSeenOnArms) {
 
 namespace golden = io::test::golden;
 
-// Golden bytes, bare and framed.
+// Commands recorded as bytes, without and (2.7) with a frame.
 TEST(FriCodec, ReadsCommandsOfEveryVersion) {
   for (const io::FriVersion version : io::kFriVersions) {
     SCOPED_TRACE(Name(version));
@@ -117,7 +122,7 @@ TEST(FriCodec, ReadsCommandsOfEveryVersion) {
     EXPECT_EQ(command->wrench_count, 6);
     EXPECT_EQ(command->wire_wrench, (std::array<double, 6>{1, 2, 3, 4, 5, 6}));
     EXPECT_FALSE(command->has_torque);
-    // the other framing is detected
+    // a command of the version with the opposite framing is refused and recognised as such
     const Bytes other = golden::FromHex(framed ? golden::kPositionWrench : golden::kPositionWrenchFramed);
     EXPECT_FALSE(codec.Decode(other));
     EXPECT_TRUE(codec.IsOfOtherVersion(other));
@@ -135,7 +140,7 @@ TEST(FriCodec, ReadsCommandsOfEveryVersion) {
   EXPECT_EQ(torque->tau[0], 1.0);
 }
 
-TEST(FriCodec, SendsWhatEachVersionHas) {
+TEST(FriCodec, WritesTheFieldsThatEachVersionHas) {
   for (const io::FriVersion version : io::kFriVersions) {
     SCOPED_TRACE(Name(version));
     const io::FriFamily family = io::FamilyOf(version);
@@ -157,13 +162,13 @@ TEST(FriCodec, SendsWhatEachVersionHas) {
   }
 }
 
-TEST(FriCodec, AnswerWithoutJointsIsAnAnswer) {
+TEST(FriCodec, AcceptsACommandWithoutJoints) {
   const auto command = FriCodec().Decode(Command(1, 2, {}));
   ASSERT_TRUE(command);
   EXPECT_FALSE(command->has_joint_position);
 }
 
-TEST(FriCodec, RefusesWhatIsNoCommand) {
+TEST(FriCodec, RefusesBytesThatAreNoCommand) {
   FriCodec codec;
   const std::vector<double> q(7, 0.5);
   const Bytes good = Command(8, 8, q);
@@ -182,11 +187,11 @@ TEST(FriCodec, RefusesWhatIsNoCommand) {
   }
 }
 
-TEST(FriCodec, SurvivesRandomAndMutatedBytes) {
+TEST(FriCodec, RefusesRandomBytesWithoutLastingEffect) {
   FriCodec codec;
   std::mt19937 random(20240607);
   const Bytes good = Command(8, 8, std::vector<double>(7, 0.5));
-  int taken = 0;
+  int accepted = 0;
   for (int i = 0; i < 20000; ++i) {
     Bytes bytes;
     if (i % 2 == 0) {
@@ -197,10 +202,10 @@ TEST(FriCodec, SurvivesRandomAndMutatedBytes) {
       for (unsigned k = random() % 4; k <= 4; ++k)
         bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
     }
-    taken += codec.Decode(bytes) ? 1 : 0;
+    accepted += codec.Decode(bytes) ? 1 : 0;
   }
-  EXPECT_GT(taken, 100) << "where a changed byte lies in a number, it is a message";
-  EXPECT_LT(taken, 10'000) << "noise is none";
+  EXPECT_GT(accepted, 100) << "where a changed byte lies in a number, it is a message";
+  EXPECT_LT(accepted, 10'000) << "noise is none";
   ASSERT_TRUE(codec.Decode(good));  // no state of the refused messages remains
   EXPECT_EQ(codec.Decode(good)->joint_count, 7);
 }

@@ -2,7 +2,7 @@
 
 #include "tests/hil/fri/fri_server_bench.h"
 
-// Which answers count, and the effect of missing ones.
+// FRI server: which of the client's answers count, and what happens after missing ones.
 
 namespace osteon::hil {
 namespace {
@@ -10,7 +10,7 @@ namespace {
 using control::SessionState;
 using kinematics::JointVector;
 
-TEST(FriServer, EndsCommandingAtTheFifthLostInARowAndNotBefore) {
+TEST(FriServer, EndsCommandingAtTheFifthLostAnswerInARow) {
   Session s;
   ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));
   s.client.offset.fill(5e-4);
@@ -24,12 +24,12 @@ TEST(FriServer, EndsCommandingAtTheFifthLostInARowAndNotBefore) {
   EXPECT_EQ(s.server.stop().reason, StopReason::kLostInARow);
   EXPECT_EQ(s.server.stop().found, 5.0);
   EXPECT_TRUE(s.server.q_commanded().isApprox(JointVector::Constant(0.5005), 1e-15));  // holds
-  // the program does not ask again
+  // the robot's program does not request commanding again
   for (int i = 0; i < 2000; ++i) s.Cycle();
   EXPECT_EQ(s.server.state(), SessionState::kMonitoringReady);
 }
 
-TEST(FriServer, EndsCommandingAtTwentyFiveLostASecondAndNotAtTwentyFour) {
+TEST(FriServer, EndsCommandingAtTwentyFiveLostAnswersASecond) {
   for (const int losses : {24, 25}) {
     Session s;
     ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));
@@ -42,7 +42,7 @@ TEST(FriServer, EndsCommandingAtTwentyFiveLostASecondAndNotAtTwentyFour) {
   }
 }
 
-// 20 a second, indefinitely: each loss is forgotten after a second.
+// Twenty losses a second may go on for any time, because each is forgotten after a second.
 TEST(FriServer, LossesOfMoreThanASecondAgoAreForgotten) {
   Session s;
   ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));
@@ -54,7 +54,7 @@ TEST(FriServer, LossesOfMoreThanASecondAgoAreForgotten) {
   EXPECT_EQ(s.server.quality(), 3);
 }
 
-TEST(FriServer, MayAskAgainAfterLosses) {
+TEST(FriServer, CanRequestCommandingAgainAfterLosses) {
   Session s({.request_again_after_loss = true});
   ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));
   for (int i = 0; i < 5; ++i) s.Cycle(false);
@@ -62,7 +62,7 @@ TEST(FriServer, MayAskAgainAfterLosses) {
   EXPECT_TRUE(s.WalkTo(SessionState::kCommandingActive));
 }
 
-TEST(FriServer, LatenessOfTheArmIsNotHeldAgainstTheClient) {
+TEST(FriServer, ALateArmCountsNoLossesOfTheClient) {
   Session s;
   ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));
   for (int i = 0; i < 100; ++i) s.Cycle(false, false);
@@ -71,7 +71,7 @@ TEST(FriServer, LatenessOfTheArmIsNotHeldAgainstTheClient) {
   EXPECT_EQ(s.server.counters().excused, 100u);
 }
 
-TEST(FriServer, ClosesTheSessionWhereQualityDoesNotComeWithinTenSeconds) {
+TEST(FriServer, ClosesTheSessionIfQualityIsNotGoodWithinTenSeconds) {
   Session s;
   for (int i = 0; i < 9999; ++i) s.Cycle(i % 30 == 0);  // too few to be GOOD
   EXPECT_EQ(s.server.state(), SessionState::kMonitoringWait);
@@ -114,7 +114,7 @@ TEST(FriServer, OneAnswerInFiveIsEnoughAtMultiplierFive) {
   EXPECT_EQ(s.server.stop().reason, StopReason::kLostInARow);
 }
 
-TEST(FriServer, AnswerWithoutJointsIsNoneInCommandingStates) {
+TEST(FriServer, AnAnswerWithoutJointsIsALossInCommandingStates) {
   Session s;
   ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));
   for (int i = 0; i < 5; ++i) s.Command({});
@@ -122,7 +122,7 @@ TEST(FriServer, AnswerWithoutJointsIsNoneInCommandingStates) {
   EXPECT_EQ(s.server.stop().reason, StopReason::kLostInARow);
 }
 
-TEST(FriServer, CountsGapsInTheClientsOwnCounter) {
+TEST(FriServer, CountsGapsAndBackstepsOfTheClientsCounter) {
   Session s;
   for (int i = 0; i < 5; ++i) s.Cycle();
   s.client.sequence += 3;

@@ -4,7 +4,8 @@
 
 #include "tests/hil/fri/fri_server_bench.h"
 
-// Command modes, and the wrench or torque that they require.
+// FRI server: command modes, which control modes they need, and the wrench or torque that each answer must
+// have.
 
 namespace osteon::hil {
 namespace {
@@ -42,17 +43,18 @@ TEST(FriServer, CommandModesNeedTheirControlMode) {
             "control mode: POSITION control, the program's command mode needs CARTESIAN_IMPEDANCE control");
 }
 
-// Presence is checked in COMMANDING_WAIT, values in COMMANDING_ACTIVE.
-TEST(FriServer, WrenchOrTorqueMustComeEachTime) {
+// COMMANDING_WAIT checks only that the wrench or torque is present, COMMANDING_ACTIVE checks its values as
+// well.
+TEST(FriServer, EveryAnswerNeedsItsWrenchOrTorque) {
   for (const bool torque : {false, true}) {
     const FriServerParams params{
         .control_mode = torque ? ControlMode::kJointImpedance : ControlMode::kCartesianImpedance,
         .command_mode = torque ? CommandMode::kTorque : CommandMode::kWrench};
-    Session lacking(params);
-    ASSERT_TRUE(lacking.WalkTo(SessionState::kCommandingWait));
-    for (int i = 0; i < 5; ++i) lacking.Cycle();  // only the position
-    EXPECT_EQ(lacking.server.counters().incomplete, 5u);
-    EXPECT_EQ(lacking.server.stop().reason, StopReason::kLostInARow);
+    Session without_overlay(params);
+    ASSERT_TRUE(without_overlay.WalkTo(SessionState::kCommandingWait));
+    for (int i = 0; i < 5; ++i) without_overlay.Cycle();  // only the position
+    EXPECT_EQ(without_overlay.server.counters().incomplete, 5u);
+    EXPECT_EQ(without_overlay.server.stop().reason, StopReason::kLostInARow);
 
     Session s(params);
     (torque ? s.client.tau : s.client.wrench) = std::vector<double>(torque ? 7 : 6, 1e9);
@@ -74,17 +76,18 @@ TEST(FriServer, WrenchOrTorqueMustComeEachTime) {
     EXPECT_EQ(s.server.stop().joint, torque ? 2 : 0);
     EXPECT_EQ(s.server.F_commanded().f.norm() + s.server.tau_commanded().norm(), 0.0) << "let go";
 
-    Session few(params);
-    (torque ? few.client.tau : few.client.wrench) = std::vector<double>(torque ? 7 : 6, 0.0);
-    ASSERT_TRUE(few.WalkTo(SessionState::kCommandingActive));
-    (torque ? few.client.tau : few.client.wrench).pop_back();
-    few.Cycle();
-    EXPECT_EQ(few.server.stop().reason, StopReason::kCount);
-    EXPECT_EQ(few.server.stop().found, torque ? 6.0 : 5.0);
+    Session one_value_short(params);
+    (torque ? one_value_short.client.tau : one_value_short.client.wrench) =
+        std::vector<double>(torque ? 7 : 6, 0.0);
+    ASSERT_TRUE(one_value_short.WalkTo(SessionState::kCommandingActive));
+    (torque ? one_value_short.client.tau : one_value_short.client.wrench).pop_back();
+    one_value_short.Cycle();
+    EXPECT_EQ(one_value_short.server.stop().reason, StopReason::kCount);
+    EXPECT_EQ(one_value_short.server.stop().found, torque ? 6.0 : 5.0);
   }
 }
 
-TEST(FriServer, WrenchTorquesMayComeInTheOtherOrder) {
+TEST(FriServer, TheOrderOfAWrenchsTorquesCanBeChanged) {
   Session s({.control_mode = ControlMode::kCartesianImpedance,
              .command_mode = CommandMode::kWrench,
              .torques_zyx = false});

@@ -4,7 +4,7 @@
 
 #include "tests/hil/fri/fri_server_bench.h"
 
-// Illegal commands, stops and their acknowledgement.
+// FRI server: commands that stop the arm, emergency stops, and their acknowledgement.
 
 namespace osteon::hil {
 namespace {
@@ -13,7 +13,8 @@ using control::ControlMode;
 using control::SessionState;
 using kinematics::JointVector;
 
-// One illegal command each: the arm must stop for this reason, name the joint, and stay where it was.
+// Sends one illegal command, and expects that the arm stops for this reason, names the joint, and stays where
+// it was.
 void ExpectStop(const std::vector<double>& q, StopReason reason, int joint, const std::string& text,
                 SessionState from = SessionState::kCommandingActive) {
   Session s;
@@ -56,8 +57,9 @@ TEST(FriServer, StopsOnAnIllegalCommand) {
   ExpectStop(q, StopReason::kNotMirrored, 1, "not mirrored: A1", SessionState::kCommandingWait);
 }
 
-// An acknowledgement ends a stop; the drives need their half second, then the program asks again.
-TEST(FriServer, AfterAStopTheArmIgnoresCommandsUntilItIsAcknowledged) {
+// After the acknowledgement the drives take half a second to switch on; then the robot's program requests
+// commanding again.
+TEST(FriServer, AStoppedArmIgnoresCommandsUntilTheAcknowledgement) {
   for (const int level : {0, 1, 2}) {
     Session s;
     ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));
@@ -86,8 +88,8 @@ TEST(FriServer, AfterAStopTheArmIgnoresCommandsUntilItIsAcknowledged) {
   }
 }
 
-// "Illegal axis delta": under impedance control the arm may be pushed away from its command; position control
-// holds.
+// "Illegal axis delta": in impedance control a hand may push the arm away from its command, which stops the
+// arm beyond 0.1 rad. Position control has no such limit.
 TEST(FriServer, ACommandFarFromTheMeasuredPositionStopsACompliantArm) {
   for (const auto control :
        {ControlMode::kPosition, ControlMode::kCartesianImpedance, ControlMode::kJointImpedance})
@@ -109,7 +111,7 @@ TEST(FriServer, ACommandFarFromTheMeasuredPositionStopsACompliantArm) {
     }
 }
 
-TEST(FriServer, StepJustWithinTheVelocityLimitIsFollowed) {
+TEST(FriServer, FollowsAStepJustWithinTheVelocityLimit) {
   Session s;
   ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));
   auto q = Start();
@@ -117,7 +119,7 @@ TEST(FriServer, StepJustWithinTheVelocityLimitIsFollowed) {
   q[3] += step;
   s.Command(q);
   EXPECT_EQ(s.server.stop().reason, StopReason::kNone);
-  // two lost ones allow three steps
+  // after two lost answers, the next may be three steps away
   s.Cycle(false);
   s.Cycle(false);
   q[3] += 3.0 * step;

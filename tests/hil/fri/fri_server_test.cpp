@@ -6,7 +6,8 @@
 
 #include "tests/hil/fri/fri_server_bench.h"
 
-// The session's states and the content of its messages.
+// FRI server: the session's states and the content of its messages. Fields are named by their path of
+// protobuf numbers: {4, 1} is field 1 in field 4.
 
 namespace osteon::hil {
 namespace {
@@ -18,12 +19,13 @@ TEST(FriServer, WalksTheSessionStatesInOrder) {
   Session s;
   std::vector<SessionState> seen;
   for (int i = 0; i < 1000; ++i) {
-    const auto told = static_cast<SessionState>(UintAt(s.message, {4, 1}));
-    EXPECT_EQ(told, s.server.state());
-    if (seen.empty() || seen.back() != told) seen.push_back(told);
-    const bool commanding = told >= SessionState::kCommandingWait;
+    const auto sent_state = static_cast<SessionState>(UintAt(s.message, {4, 1}));
+    EXPECT_EQ(sent_state, s.server.state());
+    if (seen.empty() || seen.back() != sent_state) seen.push_back(sent_state);
+    const bool commanding = sent_state >= SessionState::kCommandingWait;
     EXPECT_EQ(DoublesAt(s.message, {5, 1, 1}).size(), commanding ? 7u : 0u);
-    EXPECT_EQ(DoublesAt(s.message, {5, 12}).front(), told == SessionState::kCommandingActive ? 1.0 : 0.0);
+    EXPECT_EQ(DoublesAt(s.message, {5, 12}).front(),
+              sent_state == SessionState::kCommandingActive ? 1.0 : 0.0);
     s.Cycle();
   }
   EXPECT_EQ(seen, (std::vector{SessionState::kMonitoringWait, SessionState::kMonitoringReady,
@@ -34,8 +36,9 @@ TEST(FriServer, WalksTheSessionStatesInOrder) {
   EXPECT_EQ(s.server.stop().reason, StopReason::kNone);
 }
 
-// 50 answers make GOOD, 200 further cycles the request, 50 mirrored answers the hand-over.
-TEST(FriServer, StatesChangeAfterTheStatedCycles) {
+// After 50 answers the quality is GOOD, 200 cycles later the program requests commanding, and after 50
+// mirrored answers the client commands.
+TEST(FriServer, StatesChangeAfter50And200And50Cycles) {
   Session s;
   int cycles = 0;
   for (; s.server.state() == SessionState::kMonitoringWait; ++cycles) s.Cycle();
@@ -84,8 +87,9 @@ TEST(FriServer, ClosingTakesFiveSeconds) {
   EXPECT_TRUE(s.WalkTo(SessionState::kCommandingActive));
 }
 
-// As in a public log of an arm; by default it falls silent.
-TEST(FriServer, ASessionMayEndWithMessagesThatSayIdle) {
+// A public log of a real arm ends with messages in the state IDLE; by default the simulated arm just falls
+// silent.
+TEST(FriServer, ASessionMayEndWithIdleMessages) {
   for (const SessionEnd end : {SessionEnd::kSilence, SessionEnd::kIdleMessages}) {
     Session s({.session_end = end});
     ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));
@@ -104,7 +108,7 @@ TEST(FriServer, ASessionMayEndWithMessagesThatSayIdle) {
   }
 }
 
-TEST(FriServer, ExternalTorqueIsAnEstimate) {
+TEST(FriServer, TheExternalTorqueIsFilteredAndHasAnOffset) {
   FriServerParams params{.external_torque_cutoff_hz = 10.0};
   params.external_torque_offset_Nm[2] = 0.25;
   FriServer server(params, kinematics::Iiwa14().limits, JointVector::Constant(0.5));
@@ -120,7 +124,7 @@ TEST(FriServer, ExternalTorqueIsAnEstimate) {
   EXPECT_EQ(DoublesAt(bytes, {3, 2, 1})[0], 8.0) << "the measured torque is not filtered";
 }
 
-TEST(FriServer, PeriodsAndMultipliersOfRealArmsReachActive) {
+TEST(FriServer, ReachesCommandingWithThePeriodsAndMultipliersOfRealArms) {
   for (const int period_ms : {1, 2, 5, 10})
     for (const int multiplier : {1, 2, 5}) {
       FriServerParams params{.send_period_ms = period_ms, .receive_multiplier = multiplier};
@@ -153,7 +157,7 @@ TEST(FriServer, HostileBytesChangeNothingButACounter) {
   EXPECT_EQ(s.server.q_commanded(), JointVector::Constant(0.5));
 }
 
-TEST(FriServer, RefusesParametersWithoutSense) {
+TEST(FriServer, RefusesParametersOutOfRange) {
   const JointVector q = JointVector::Constant(0.5);
   const auto make = [&](const FriServerParams& p) { FriServer server(p, kinematics::Iiwa14().limits, q); };
   EXPECT_NO_THROW(make({}));

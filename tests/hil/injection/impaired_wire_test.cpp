@@ -13,12 +13,15 @@
 #include "injection_bench.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
+// A wire with injected faults: loss, duplication, corruption, reordering, delay, jitter and silence, each
+// counted.
+
 namespace osteon::hil {
 namespace {
 
 constexpr rt::Nanoseconds kMs = rt::kMillisecond;
 
-// A datagram that contains its number, n times.
+// A datagram filled with its number, so that damage and order are visible on arrival.
 constexpr std::size_t kSize = 64;
 using Numbered = std::array<std::uint64_t, kSize / 8>;
 std::span<const std::uint8_t> Bytes(const Numbered& datagram) {
@@ -27,12 +30,12 @@ std::span<const std::uint8_t> Bytes(const Numbered& datagram) {
 
 struct Arrived {
   std::uint64_t number;
-  rt::Nanoseconds pushed, came;
+  rt::Nanoseconds pushed, came;  // times of sending and of arrival
   std::size_t size;
   bool intact;
 };
 
-// Sends a datagram each millisecond, and takes each one as soon as it is due.
+// Sends `count` datagrams, one each millisecond. @returns those that arrive, at their times
 std::vector<Arrived> Send(ImpairedWire& wire, int count) {
   std::vector<Arrived> arrived;
   const auto take = [&](rt::Nanoseconds until) {
@@ -58,7 +61,8 @@ std::vector<Arrived> Send(ImpairedWire& wire, int count) {
   return arrived;
 }
 
-ImpairedWire Of(const WireFaults& faults, std::uint64_t seed = 1) {
+// A wire that has these faults all the time.
+ImpairedWire WireWith(const WireFaults& faults, std::uint64_t seed = 1) {
   return {Always(faults, Wire::kArm, Direction::kBoth, seed), Wire::kArm, Direction::kToController};
 }
 
@@ -68,9 +72,9 @@ void ExpectShare(std::uint64_t found, double share, double trials) {
   EXPECT_NEAR(static_cast<double>(found), share * trials, 5.0 * std::sqrt(share * (1.0 - share) * trials));
 }
 
-constexpr int kMany = 100'000;
+constexpr int kMany = 100'000;  // datagrams of a statistical test
 
-TEST(ImpairedWire, WithoutFaultsEverythingPassesAtOnceAsItIs) {
+TEST(ImpairedWire, WithoutFaultsEverythingPassesAtOnceUnchanged) {
   ImpairedWire wire({}, Wire::kArm, Direction::kToController);
   const auto arrived = Send(wire, 1000);
   ASSERT_EQ(arrived.size(), 1000u);
@@ -83,9 +87,9 @@ TEST(ImpairedWire, WithoutFaultsEverythingPassesAtOnceAsItIs) {
   EXPECT_FALSE(wire.injects());
 }
 
-TEST(ImpairedWire, EachKindHappensAsOftenAsItIsAskedFor) {
-  ImpairedWire lossy = Of({.loss = 0.05}), twice = Of({.duplicate = 0.02}), damaged = Of({.corrupt = 0.01}),
-               swapped = Of({.reorder = 0.1});
+TEST(ImpairedWire, EachFaultHasTheConfiguredFrequency) {
+  ImpairedWire lossy = WireWith({.loss = 0.05}), twice = WireWith({.duplicate = 0.02}),
+               damaged = WireWith({.corrupt = 0.01}), swapped = WireWith({.reorder = 0.1});
   const std::size_t left = Send(lossy, kMany).size(), more = Send(twice, kMany).size();
   EXPECT_EQ(left, kMany - lossy.counters().lost);
   ExpectShare(lossy.counters().lost, 0.05, kMany);
@@ -101,8 +105,8 @@ TEST(ImpairedWire, EachKindHappensAsOftenAsItIsAskedFor) {
   ExpectShare(damaged.counters().corrupted, 0.01, kMany);
   ExpectShare(short_ones, 0.25, static_cast<double>(not_intact));
 
-  // The datagram that passes a held one is not drawn itself: n draws hold p n datagrams, and p n others pass
-  // without a draw. So a share of p / (1 + p) is held.
+  // Reordering holds a datagram until the next one has passed, and that one is not drawn. So n draws hold p n
+  // datagrams of n + p n, a share of p / (1 + p).
   std::uint64_t behind = 0, newest = 0;
   for (const Arrived& a : Send(swapped, kMany)) {
     behind += a.number < newest ? 1 : 0;
@@ -112,9 +116,9 @@ TEST(ImpairedWire, EachKindHappensAsOftenAsItIsAskedFor) {
   ExpectShare(swapped.counters().reordered, 0.1 / 1.1, kMany);
 }
 
-TEST(ImpairedWire, BurstsAreAsLongAsTheyAreAskedForAndKeepTheShare) {
+TEST(ImpairedWire, BurstsHaveTheirLengthAndKeepTheShareOfLosses) {
   for (const int burst : {5, 20}) {
-    ImpairedWire wire = Of({.loss = 0.05, .burst = burst});
+    ImpairedWire wire = WireWith({.loss = 0.05, .burst = burst});
     std::vector<bool> came(kMany, false);
     for (const Arrived& a : Send(wire, kMany)) came[a.number] = true;
     // adjacent bursts form one run; the last run may be cut off, and is not checked
@@ -130,14 +134,14 @@ TEST(ImpairedWire, BurstsAreAsLongAsTheyAreAskedForAndKeepTheShare) {
       run = 0;
     }
     EXPECT_GT(runs, 0u);
-    // bursts are the independent events
+    // the bursts, not the losses, are independent, so their number determines the standard deviation
     const double bursts = 0.05 * kMany / burst;
     EXPECT_NEAR(static_cast<double>(wire.counters().lost), 0.05 * kMany, 5.0 * burst * std::sqrt(bursts));
   }
 }
 
-TEST(ImpairedWire, EverythingIsLostWhereItIsAskedFor) {
-  ImpairedWire all = Of({.loss = 1.0, .burst = 7}), silent = Of({.silence = true});
+TEST(ImpairedWire, TotalLossAndSilencePassNothing) {
+  ImpairedWire all = WireWith({.loss = 1.0, .burst = 7}), silent = WireWith({.silence = true});
   EXPECT_TRUE(Send(all, 1000).empty());
   EXPECT_TRUE(Send(silent, 1000).empty());
   EXPECT_EQ(all.counters().lost, 1000u);
@@ -146,7 +150,7 @@ TEST(ImpairedWire, EverythingIsLostWhereItIsAskedFor) {
 
 TEST(ImpairedWire, DelayAndJitterKeepTheOrderAndTheirBounds) {
   constexpr rt::Nanoseconds kDelay = 400'000, kJitter = 3 * kMs;  // below a period, and several periods
-  ImpairedWire wire = Of({.delay = kDelay, .jitter = kJitter});
+  ImpairedWire wire = WireWith({.delay = kDelay, .jitter = kJitter});
   const auto arrived = Send(wire, 10'000);
   ASSERT_EQ(arrived.size(), 10'000u);
   double sum_s = 0.0;
@@ -160,13 +164,13 @@ TEST(ImpairedWire, DelayAndJitterKeepTheOrderAndTheirBounds) {
   }
   EXPECT_EQ(wire.counters().delayed, 10'000u);
   EXPECT_GT(sum_s / 10'000, rt::ToSeconds(kDelay + kJitter / 2)) << "as the order stays";
-  ImpairedWire steady = Of({.delay = kDelay});
+  ImpairedWire steady = WireWith({.delay = kDelay});
   const auto steadily = Send(steady, 1000);
   ASSERT_EQ(steadily.size(), 1000u);
   for (const Arrived& a : steadily) ASSERT_EQ(a.came - a.pushed, kDelay);
 }
 
-TEST(ImpairedWire, WhatIsOnItsWayOutlivesTheDelayAndStaysAhead) {
+TEST(ImpairedWire, DatagramsUnderWayStayDelayedAndInOrderWhenADelayEnds) {
   const InjectionParams params{.injections = {{.from_s = 0.0, .to_s = 0.1, .faults = {.delay = 10 * kMs}}}};
   ImpairedWire wire(params, Wire::kArm, Direction::kToController);
   wire.StartSchedule(0);
@@ -179,7 +183,7 @@ TEST(ImpairedWire, WhatIsOnItsWayOutlivesTheDelayAndStaysAhead) {
   }
 }
 
-TEST(ImpairedWire, InjectsInItsTimeOnlyCountedFromTheBeginning) {
+TEST(ImpairedWire, InjectsOnlyInItsIntervalAfterTheScheduleStarts) {
   const InjectionParams params{
       .injections = {{.from_s = 0.01, .to_s = 0.03, .faults = {.silence = true}},
                      {.wire = Wire::kDrive, .faults = {.loss = 1.0}},
@@ -196,7 +200,7 @@ TEST(ImpairedWire, InjectsInItsTimeOnlyCountedFromTheBeginning) {
   ASSERT_EQ(missing.size(), 20u);
   EXPECT_EQ(missing.front(), 110);
   EXPECT_EQ(missing.back(), 129);
-  ImpairedWire from_the_start = Of({.silence = true});
+  ImpairedWire from_the_start = WireWith({.silence = true});
   const std::uint8_t byte = 1;
   from_the_start.Push({&byte, 1}, 0);
   EXPECT_EQ(from_the_start.counters().silenced, 1u) << "before it has begun";
@@ -211,7 +215,7 @@ TEST(ImpairedWire, OverlappingInjectionsAddUp) {
             (WireFaults{.loss = 1.0, .burst = 3, .reorder = 0.25, .delay = 3 * kMs, .jitter = 5}));
 }
 
-TEST(ImpairedWire, TheSameSeedDoesTheSameAndOtherFaultsChangeNoLoss) {
+TEST(ImpairedWire, EqualSeedsLoseTheSameDatagramsWhateverTheOtherFaults) {
   const auto lost = [](const WireFaults& faults, std::uint64_t seed, Wire wire, Direction direction) {
     ImpairedWire w(Always(faults, wire, direction, seed), wire, direction);
     std::vector<bool> came(5000, false);
@@ -228,7 +232,7 @@ TEST(ImpairedWire, TheSameSeedDoesTheSameAndOtherFaultsChangeNoLoss) {
   EXPECT_NE(first, lost({.loss = 0.1}, 5, Wire::kDrive, Direction::kToController));
 }
 
-TEST(ImpairedWire, WhatFindsNoRoomIsCounted) {
+TEST(ImpairedWire, CountsDatagramsThatFindNoRoom) {
   ImpairedWire wire(Always({.delay = rt::kSecond}), Wire::kArm, Direction::kToController,
                     {.datagrams = 10, .bytes = 8});
   const std::array<std::uint8_t, 9> bytes{};
@@ -239,7 +243,7 @@ TEST(ImpairedWire, WhatFindsNoRoomIsCounted) {
   EXPECT_TRUE(Balances(wire));
 }
 
-TEST(ImpairedWire, NeverTouchesTheBytesThatStayIntact) {
+TEST(ImpairedWire, NeverDamagesTheBytesThatStayIntact) {
   ImpairedWire wire(Always({.corrupt = 1.0}), Wire::kArm, Direction::kToController, {.intact = 2});
   const std::array<std::uint8_t, 4> bytes{1, 2, 3, 4};
   for (int i = 0; i < 1000; ++i) {
@@ -255,13 +259,13 @@ TEST(ImpairedWire, NeverTouchesTheBytesThatStayIntact) {
 }
 
 TEST(ImpairedWire, DoesNotAllocate) {
-  ImpairedWire wire = Of({.loss = 0.1,
-                          .burst = 3,
-                          .duplicate = 0.1,
-                          .reorder = 0.1,
-                          .corrupt = 0.1,
-                          .delay = kMs,
-                          .jitter = 3 * kMs});
+  ImpairedWire wire = WireWith({.loss = 0.1,
+                                .burst = 3,
+                                .duplicate = 0.1,
+                                .reorder = 0.1,
+                                .corrupt = 0.1,
+                                .delay = kMs,
+                                .jitter = 3 * kMs});
   const std::array<std::uint8_t, 1500> bytes{};
   rt::CheckedNoAllocScope no_alloc;
   for (int i = 0; i < 10'000; ++i) {
@@ -270,7 +274,7 @@ TEST(ImpairedWire, DoesNotAllocate) {
   }
 }
 
-TEST(ImpairedWire, SaysWhatIsWrongWithAnInjection) {
+TEST(ImpairedWire, RefusesBadInjectionsByFieldAndValue) {
   const auto said = [](const Injection& injection) -> std::string {
     try {
       Validate({.injections = {{}, injection}});

@@ -6,7 +6,7 @@
 
 #include "hil/injection/impaired_wire.h"
 
-// Shared helpers of the tests of injected faults.
+// Shared by the tests of injected faults on the wires: faults that last, and a check of the counters.
 
 namespace osteon::hil {
 
