@@ -40,7 +40,6 @@ struct WallBench {
     law.damping_Ns_per_m.setConstant(1e-6);
   }
   [[nodiscard]] double z() const { return tool.X_WT.translation().z(); }
-  [[nodiscard]] double kinetic_J() const { return 0.5 * law.mass_kg.z() * tool.V_WT.v.squaredNorm(); }
 
   /// A new frame with the wall at this height, of this stiffness [N/m].
   void Frame(double stiffness, double height_m = 0.0) {
@@ -104,7 +103,7 @@ TEST(EnergyTank, AnEmptyTankLetsNoMoreEnergyOut) {
     if (emptied_at_J < 0.0 && bench.tank.acted()) emptied_at_J = bench.made_J;
     if (emptied_at_J >= 0.0) max_J = std::max(max_J, bench.made_J);
   }
-  ASSERT_GE(emptied_at_J, -1.0);
+  ASSERT_GE(emptied_at_J, 0.0) << "the tank was never empty";
   EXPECT_LT(max_J, 1.05);
 }
 
