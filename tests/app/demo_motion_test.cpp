@@ -26,9 +26,9 @@ Pose BoneInWorld(const std::string& cell) {
   return setup->X_WG;
 }
 
-// Belongs to the suite VirtualDemo because its tests share one run, TheShortRun.
+// Belongs to the suite VirtualDemo because its tests share one run, SharedShortRun.
 TEST(VirtualDemo, SavesTheCommandedMotionToFiveMicrometres) {
-  const auto& [folder, run] = TheShortRun();
+  const auto& [folder, run] = SharedShortRun();
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto motion = simulation::LoadMotion(folder.path() / "motion.csv");
   ASSERT_TRUE(motion) << motion.error();

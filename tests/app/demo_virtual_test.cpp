@@ -43,7 +43,7 @@ void ExpectForceWithinLimit(const nlohmann::json& summary, const io::Recording& 
 }
 
 TEST(VirtualDemo, TwoRunsGiveEqualBits) {
-  const ShortRun& first = TheShortRun();
+  const ShortRun& first = SharedShortRun();
   const ShortRun second;
   for (const CommandResult& run : {first.run, second.run}) {
     ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -61,7 +61,7 @@ TEST(VirtualDemo, TwoRunsGiveEqualBits) {
 }
 
 TEST(VirtualDemo, WritesSummaryRecordingAndReportThatAgree) {
-  const auto& [folder, run] = TheShortRun();
+  const auto& [folder, run] = SharedShortRun();
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto out = folder.path() / "a/b";
 
@@ -121,8 +121,8 @@ TEST(VirtualDemo, ReamsTheWholeCup) {
 // suite's short run is reused for its engine.
 TEST(VirtualDemo, EachEngineAgreesWithTheReferenceEngine) {
   const TemporaryFolder folder;
-  ASSERT_EQ(TheShortRun().run.exit_code, 0) << TheShortRun().run.err;
-  const nlohmann::json short_run = ReadJson(TheShortRun().folder.path() / "a/b/summary.json");
+  ASSERT_EQ(SharedShortRun().run.exit_code, 0) << SharedShortRun().run.err;
+  const nlohmann::json short_run = ReadJson(SharedShortRun().folder.path() / "a/b/summary.json");
   nlohmann::json summaries[3];
   for (const int i : {0, 1, 2}) {
     const std::string engine = i == 0 ? "vulkan" : i == 1 ? "reference" : "cpu";

@@ -11,7 +11,7 @@ struct ShortRun {
                                                  "--json", "copy.json", "--save-motion", "motion.csv"});
 };
 /// The short run that the tests of the suite VirtualDemo share; ctest runs this suite in one process.
-inline const ShortRun& TheShortRun() {
+inline const ShortRun& SharedShortRun() {
   static const ShortRun made;
   return made;
 }

@@ -68,9 +68,9 @@ TEST(ConfigFileTracker, RecordsNothingOutsideItsLifetime) {
 }
 
 // A copy of config/, from which cells are loaded with a tracker that may allow only files below one folder.
-class HeldToAFolder : public testing::Test {
+class RestrictedToAFolder : public testing::Test {
  protected:
-  HeldToAFolder() {
+  RestrictedToAFolder() {
     fs::copy(kConfig, folder_.path() / "in", fs::copy_options::recursive);
     text_ = io::test::ReadAll(kConfig / "cells/demo.yaml");
   }
@@ -93,7 +93,7 @@ class HeldToAFolder : public testing::Test {
   std::string text_;
 };
 
-TEST_F(HeldToAFolder, FilesOutsideAreRefused) {
+TEST_F(RestrictedToAFolder, FilesOutsideAreRefused) {
   const std::string outside = (kConfig / "robots/lbr_iiwa_14_r820.yaml").lexically_normal().string();
   EXPECT_EQ(Load(outside, {}), "") << "without a root, anywhere";
   const ConfigFileTracker::Params held{.root = folder_.path() / "in"};
@@ -104,7 +104,7 @@ TEST_F(HeldToAFolder, FilesOutsideAreRefused) {
   EXPECT_NE(Load("../../beside.yaml", held).find("accepted a file beside it"), std::string::npos);
 }
 
-TEST_F(HeldToAFolder, ANameIsFoundBesideTheCellsThenAmongTheShippedFiles) {
+TEST_F(RestrictedToAFolder, ANameIsFoundBesideTheCellsThenAmongTheShippedFiles) {
   EXPECT_EQ(Load("lbr_iiwa_14_r820", {}), "");
   const ConfigFileTracker::Params held{.root = folder_.path() / "in"};
   EXPECT_EQ(Load("lbr_iiwa_14_r820", held), "");
@@ -121,7 +121,7 @@ TEST_F(HeldToAFolder, ANameIsFoundBesideTheCellsThenAmongTheShippedFiles) {
   EXPECT_EQ(Load("lbr_iiwa_14_r820", held), "");
 }
 
-TEST_F(HeldToAFolder, AnAbsolutePathIsFoundInTheFolderThatReplacesIts) {
+TEST_F(RestrictedToAFolder, AnAbsolutePathIsFoundInTheFolderThatReplacesIts) {
   const ConfigFileTracker::Params held{.root = folder_.path() / "in", .once_at = "/once/was/here"};
   EXPECT_EQ(Load("/once/was/here/robots/lbr_iiwa_14_r820.yaml", held), "");
   EXPECT_NE(Load("/once/was/../robots/lbr_iiwa_14_r820.yaml", held), "");

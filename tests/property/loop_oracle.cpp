@@ -54,8 +54,8 @@ ArmPoints PointsOfIiwa(const JointArray& q, double tool_m) {
   return points;
 }
 
-void LoopOracle::Before(const control::ServoLoop& loop, const control::ArmState& state,
-                        control::ReceiveResult received, const Asked& asked) {
+void LoopOracle::BeforeTick(const control::ServoLoop& loop, const control::ArmState& state,
+                            control::ReceiveResult received, const PersonsRequests& asked) {
   phase_before_ = loop.phase();
   faults_before_ = loop.faults().bits();
   recovers_ = asked.recover && loop.CanRecover();
@@ -82,7 +82,7 @@ void LoopOracle::Before(const control::ServoLoop& loop, const control::ArmState&
 }
 
 // A pause requested while the loop waits or moves lasts from the next message until a resume.
-void LoopOracle::NotePause(const control::ServoLoop& loop, bool read, const Asked& asked) {
+void LoopOracle::NotePause(const control::ServoLoop& loop, bool read, const PersonsRequests& asked) {
   if (asked.resume || recovers_) paused_ = false;
   const safety::CellState state = loop.state();
   pause_asked_ |=
@@ -93,8 +93,8 @@ void LoopOracle::NotePause(const control::ServoLoop& loop, bool read, const Aske
 }
 
 // Checks a loop that is paused, overloaded or faulty. @returns the violation; empty if there is none.
-std::string LoopOracle::Stands(const control::ServoLoop& loop, const control::TickRecord& record,
-                               const control::ArmCommand& command) const {
+std::string LoopOracle::CheckStandstill(const control::ServoLoop& loop, const control::TickRecord& record,
+                                        const control::ArmCommand& command) const {
   if (paused_ && (record.phase == Phase::kHaptic || record.phase == Phase::kAligning))
     return "goes on in a pause";
   if (paused_ && loop.cell_commands().spindle_rad_per_s != 0.0) return "a spindle that turns in a pause";
@@ -116,8 +116,8 @@ std::string LoopOracle::Stands(const control::ServoLoop& loop, const control::Ti
   return {};
 }
 
-std::string LoopOracle::After(const control::ServoLoop& loop, const control::TickRecord& record,
-                              const control::ArmCommand& command) {
+std::string LoopOracle::AfterTick(const control::ServoLoop& loop, const control::TickRecord& record,
+                                  const control::ArmCommand& command) {
   rendered_ += record.phase == Phase::kHaptic;
   if (record.phase == Phase::kHaptic || record.phase == Phase::kAligning) {
     commanded_ = true;
@@ -129,13 +129,13 @@ std::string LoopOracle::After(const control::ServoLoop& loop, const control::Tic
   if (record.faults != 0 && record.phase == Phase::kHaptic) return "renders with a fault";
   if (phase_before_ == Phase::kStopped && !recovers_ && record.phase != Phase::kStopped)
     return "goes on after a stop";
-  if (std::string wrong = Stands(loop, record, command); !wrong.empty()) return wrong;
-  if (std::string wrong = Wrenches(record, command); !wrong.empty()) return wrong;
+  if (std::string wrong = CheckStandstill(loop, record, command); !wrong.empty()) return wrong;
+  if (std::string wrong = CheckWrenches(record, command); !wrong.empty()) return wrong;
   const double spindle = loop.cell_commands().spindle_rad_per_s;
   if (!(spindle >= 0.0 && spindle <= allowed_.spindle_rad_per_s)) return "a spindle beyond its speed";
   if (spindle != 0.0 && record.phase != Phase::kHaptic)
     return "a spindle that turns while nothing is rendered";
-  std::string wrong = Motion(command.q, record.phase);
+  std::string wrong = CheckStep(command.q, record.phase);
   if (!wrong.empty())
     wrong += fmt::format(" (phase {} → {}, state {}, faults {:#x})", static_cast<int>(phase_before_),
                          static_cast<int>(record.phase), record.cell_state, record.faults);
@@ -143,8 +143,8 @@ std::string LoopOracle::After(const control::ServoLoop& loop, const control::Tic
   return wrong;
 }
 
-std::string LoopOracle::Wrenches(const control::TickRecord& record,
-                                 const control::ArmCommand& command) const {
+std::string LoopOracle::CheckWrenches(const control::TickRecord& record,
+                                      const control::ArmCommand& command) const {
   const Vector3 f(record.F_coupling_T_W.f), t(record.F_coupling_T_W.t);
   if (!(f.norm() <= allowed_.force_N * kRounding && t.norm() <= allowed_.torque_Nm * kRounding))
     return fmt::format("renders {} N, {} Nm", f.norm(), t.norm());
@@ -168,7 +168,7 @@ std::string LoopOracle::Wrenches(const control::TickRecord& record,
   return {};
 }
 
-std::string LoopOracle::Motion(const JointArray& to, Phase phase) {
+std::string LoopOracle::CheckStep(const JointArray& to, Phase phase) {
   if (!from_) return {};
   const JointArray& from = *from_;
   const double dt_s = allowed_.period_s;

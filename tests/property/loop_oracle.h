@@ -24,7 +24,7 @@ struct ArmPoints {
 [[nodiscard]] ArmPoints PointsOfIiwa(const control::JointArray& q, double tool_m);
 
 /// The limits that the commands of a generated case must keep. The base is at the world's origin.
-struct Allowed {
+struct CaseLimits {
   control::Law law{control::Law::kAdmittance};
   double period_s{0.001};
   std::array<kinematics::JointLimits, 7> joints{};
@@ -43,21 +43,21 @@ struct Allowed {
 };
 
 /// The requests to a loop since the previous tick.
-struct Asked {
+struct PersonsRequests {
   bool recover{false}, pause{false}, resume{false};
 };
 
 /// Checks the inputs and outputs of each tick of a servo loop against the limits of a case.
 class LoopOracle {
  public:
-  explicit LoopOracle(const Allowed& allowed) : allowed_(allowed) {}
+  explicit LoopOracle(const CaseLimits& allowed) : allowed_(allowed) {}
 
   /// Call before the tick, with the tick's inputs.
-  void Before(const control::ServoLoop& loop, const control::ArmState& state, control::ReceiveResult received,
-              const Asked& asked);
+  void BeforeTick(const control::ServoLoop& loop, const control::ArmState& state,
+                  control::ReceiveResult received, const PersonsRequests& asked);
   /// Call after the tick. @returns the violation; empty if there is none
-  [[nodiscard]] std::string After(const control::ServoLoop& loop, const control::TickRecord& record,
-                                  const control::ArmCommand& command);
+  [[nodiscard]] std::string AfterTick(const control::ServoLoop& loop, const control::TickRecord& record,
+                                      const control::ArmCommand& command);
 
   [[nodiscard]] std::uint64_t rendered_ticks() const { return rendered_; }
   /// Largest speed of the tool so far, as a fraction of its limit: shows how near the cases come to it.
@@ -65,18 +65,18 @@ class LoopOracle {
 
  private:
   /// Updates paused_ from the tick's requests. @param read  the tick got a valid message of the arm
-  void NotePause(const control::ServoLoop& loop, bool read, const Asked& asked);
+  void NotePause(const control::ServoLoop& loop, bool read, const PersonsRequests& asked);
   // Each of the following functions returns the violation that it finds; empty if there is none.
   /// Checks that nothing moves, turns or renders in a pause, after a fault or at a joint's overload.
-  [[nodiscard]] std::string Stands(const control::ServoLoop& loop, const control::TickRecord& record,
-                                   const control::ArmCommand& command) const;
+  [[nodiscard]] std::string CheckStandstill(const control::ServoLoop& loop, const control::TickRecord& record,
+                                            const control::ArmCommand& command) const;
   /// Checks the step from the previous command to this one: speeds, ranges of the joints, workspace.
-  [[nodiscard]] std::string Motion(const control::JointArray& to, control::Phase phase);
+  [[nodiscard]] std::string CheckStep(const control::JointArray& to, control::Phase phase);
   /// Checks the rendered wrench and the overlays on the arm.
-  [[nodiscard]] std::string Wrenches(const control::TickRecord& record,
-                                     const control::ArmCommand& command) const;
+  [[nodiscard]] std::string CheckWrenches(const control::TickRecord& record,
+                                          const control::ArmCommand& command) const;
 
-  Allowed allowed_;
+  CaseLimits allowed_;
   control::JointArray before_{};             ///< the previous command [rad]
   std::optional<control::JointArray> from_;  ///< joints from which the next command starts; empty: unknown
   control::Phase phase_before_{control::Phase::kWaiting};

@@ -53,10 +53,10 @@ const kinematics::ChainParams<7>& ArmWithPayload() {
 const JointArray& StartOf(const Choice& choice) { return kStarts[static_cast<std::size_t>(choice.start)]; }
 
 // The limits of the chosen cell. The workspace lies around the tool's place at the start.
-Allowed AllowedOf(const Choice& choice) {
+CaseLimits CaseLimitsOf(const Choice& choice) {
   const ArmPoints start = PointsOfIiwa(StartOf(choice), kTool_m);
   const LimitChoice& limits = kLimits[static_cast<std::size_t>(choice.limits)];
-  Allowed allowed;
+  CaseLimits allowed;
   allowed.law = choice.law < 2 ? control::Law::kAdmittance : control::Law::kImpedance;
   allowed.joints = kinematics::Iiwa14().limits;
   allowed.speed_m_per_s = limits.speed_m_per_s;
@@ -93,7 +93,7 @@ Allowed AllowedOf(const Choice& choice) {
 }
 
 // Sets the loop's own limits to those that the oracle checks.
-control::ServoParams ParamsOf(const Choice& choice, const Allowed& allowed) {
+control::ServoParams ParamsOf(const Choice& choice, const CaseLimits& allowed) {
   control::ServoParams params;
   params.law = allowed.law;
   params.joints.limits = allowed.joints;
@@ -118,7 +118,7 @@ control::ServoParams ParamsOf(const Choice& choice, const Allowed& allowed) {
   return params;
 }
 
-control::ServoLoop LoopOf(const Choice& choice, const Allowed& allowed) {
+control::ServoLoop LoopOf(const Choice& choice, const CaseLimits& allowed) {
   const kinematics::LbrArm arm(kinematics::Iiwa14());
   return {ParamsOf(choice, allowed), arm, Pose::Identity(), FlangeToTool(),
           arm.ArmAngle(Eigen::Map<const kinematics::JointVector>(StartOf(choice).data()))};
@@ -151,7 +151,7 @@ rc::Gen<Choice> AnyChoice() {
 }
 
 WildCell::WildCell(const Choice& choice, hil::ArmLevel level)
-    : allowed_(AllowedOf(choice)),
+    : allowed_(CaseLimitsOf(choice)),
       loop_(LoopOf(choice, allowed_)),
       oracle_(allowed_),
       arm_(ArmOf(choice, level)) {
@@ -417,12 +417,12 @@ std::string WildCell::CheckArmPlace() const {
 std::string WildCell::Tick(const Op& op) {
   SetNormalInputs();
   Disturb(op);
-  oracle_.Before(loop_, state_, received_, asked_);
+  oracle_.BeforeTick(loop_, state_, received_, asked_);
   const control::TickRecord record = loop_.Tick(
       {.state = state_, .received = received_, .readings = readings_, .model = model_, .now = now_},
       command_);
   ++ticks_;
-  if (std::string wrong = oracle_.After(loop_, record, command_); !wrong.empty()) return wrong;
+  if (std::string wrong = oracle_.AfterTick(loop_, record, command_); !wrong.empty()) return wrong;
   MoveArm();
   return CheckArmPlace();
 }

@@ -50,7 +50,7 @@ class WildCell {
   void MoveArm();
   [[nodiscard]] std::string CheckArmPlace() const;
 
-  Allowed allowed_;
+  CaseLimits allowed_;
   control::ServoLoop loop_;
   LoopOracle oracle_;
   std::unique_ptr<hil::SimulatedArm> arm_;
@@ -62,7 +62,7 @@ class WildCell {
   control::CellReadings readings_;
   simulation::ContactModel model_;
   rt::Nanoseconds now_{rt::kSecond};
-  Asked asked_;
+  PersonsRequests asked_;
 
   control::ArmCommand command_;
   // lasting conditions, which stay until an operation changes them

@@ -49,7 +49,7 @@ class GuardBench {
   }
   GuardDecision Answer(const GuardJoints& q) { return Answer(GuardCommand{.q = q}); }
   /// Runs until the arm is ready to follow. @returns whether every message and answer passed
-  bool WalkToActive() {
+  bool RunUntilArmFollows() {
     bool passes = true;
     for (int i = 0; i < 10; ++i) {
       passes &= Message(i < 5 ? GuardSession::kMonitoring : GuardSession::kWaiting) == GuardDecision::kPass;

@@ -201,7 +201,7 @@ class GuardFaults : public testing::TestWithParam<Row> {
       GuardParams limits = Limits();
       const JointVector direction = row.shape ? AddZone(row, limits) : AnyJoints();
       GuardBench bench(limits);
-      EXPECT_TRUE(bench.WalkToActive());
+      EXPECT_TRUE(bench.RunUntilArmFollows());
       const Plant plant(fault);
       const Controller controller(limits, direction);
       for (int tick = 0; tick < kTicks && !bench.monitor.latched(); ++tick) {
@@ -242,7 +242,7 @@ bool CatchesTorques(Fault fault) {
   bool caught = false;
   for (int joint = 0; joint < 7; ++joint) {
     GuardBench bench;
-    EXPECT_TRUE(bench.WalkToActive());
+    EXPECT_TRUE(bench.RunUntilArmFollows());
     const GuardJoints q = GuardBench::StartJoints();
     GuardCommand command{.q = q};
     {
@@ -274,7 +274,7 @@ TEST(GuardJacobian, TheHandsForceIsMeasuredWithoutTheControllersJacobian) {
     for (const double ratio : {0.98, 1.02}) {
       const kinematics::LbrArm arm(kinematics::Iiwa14());
       GuardBench bench;
-      ASSERT_TRUE(bench.WalkToActive());
+      ASSERT_TRUE(bench.RunUntilArmFollows());
       const GuardJoints q = GuardBench::StartJoints();
       Eigen::Matrix<double, 6, 1> F = Eigen::Matrix<double, 6, 1>::Zero();
       F.head<3>() = ratio * 1.25 * 250.0 * Vector3(2.0, -1.0, 2.0) / 3.0;

@@ -24,7 +24,7 @@ GuardFinding Found(const GuardBench& bench) { return bench.monitor.reason().find
 void ExpectWithheld(const GuardCommand& command, GuardFinding finding,
                     const GuardParams& params = GuardBench::Params()) {
   GuardBench bench(params);
-  ASSERT_TRUE(bench.WalkToActive());
+  ASSERT_TRUE(bench.RunUntilArmFollows());
   ASSERT_EQ(bench.Message(GuardSession::kActive), GuardDecision::kPass);
   EXPECT_EQ(bench.Answer(command), GuardDecision::kWithhold) << Describe(bench.monitor.reason());
   EXPECT_EQ(Found(bench), finding) << Describe(bench.monitor.reason());
@@ -44,7 +44,7 @@ GuardCommand Moved(int joint, double by_rad) {
 
 TEST(GuardMonitor, PassesEveryCommandOfAMotionWithinTheLimits) {
   GuardBench bench;
-  ASSERT_TRUE(bench.WalkToActive());
+  ASSERT_TRUE(bench.RunUntilArmFollows());
   // all joints swing; the apex reaches some 200 mm/s
   for (int i = 0; i < 20'000; ++i) {
     ASSERT_EQ(bench.Message(GuardSession::kActive), GuardDecision::kPass);
@@ -79,7 +79,7 @@ TEST(GuardMonitor, HoldsEachJointToItsSpeedAndItsRange) {
     ExpectWithheld(Moved(joint, 1.01 * step_rad), GuardFinding::kJointSpeed, params);
     ExpectWithheld(Moved(joint, 1e308), GuardFinding::kJointPosition, params);
     GuardBench bench(params);
-    ASSERT_TRUE(bench.WalkToActive());
+    ASSERT_TRUE(bench.RunUntilArmFollows());
     bench.Message(GuardSession::kActive);
     EXPECT_EQ(bench.Answer(Moved(joint, -0.99 * step_rad)), GuardDecision::kPass)
         << Describe(bench.monitor.reason());
@@ -94,7 +94,7 @@ TEST(GuardMonitor, HoldsTheToolToItsLinearAndAngularSpeed) {
       (1.0 + params.margin) * params.max_speed_m_per_s * params.period_s / std::hypot(p.x(), p.y());
   ExpectWithheld(Moved(0, 1.01 * most_rad), GuardFinding::kToolSpeed);
   GuardBench bench;
-  ASSERT_TRUE(bench.WalkToActive());
+  ASSERT_TRUE(bench.RunUntilArmFollows());
   bench.Message(GuardSession::kActive);
   EXPECT_EQ(bench.Answer(Moved(0, 0.99 * most_rad)), GuardDecision::kPass)
       << Describe(bench.monitor.reason());
@@ -107,7 +107,7 @@ TEST(GuardMonitor, HoldsTheToolToItsLinearAndAngularSpeed) {
 TEST(GuardMonitor, StopsASlowMotionAtTheSphereAndAtThePlane) {
   for (const int joint : {0, 1}) {
     GuardBench bench;
-    ASSERT_TRUE(bench.WalkToActive());
+    ASSERT_TRUE(bench.RunUntilArmFollows());
     GuardJoints q = GuardBench::StartJoints();
     int passed = 0;
     for (; passed < 100'000; ++passed) {
@@ -134,7 +134,7 @@ TEST(GuardMonitor, StopsASlowMotionAtTheZonesOfFlangeAndElbow) {
     params.workspace.zones = {
         {.shape = ZoneShape::kSphere, .point = point, .p_W_m = start, .radius_m = 0.02}};
     GuardBench bench(params);
-    ASSERT_TRUE(bench.WalkToActive());
+    ASSERT_TRUE(bench.RunUntilArmFollows());
     GuardJoints q = GuardBench::StartJoints();
     for (int passed = 0; passed < 10'000; ++passed) {
       bench.Message(GuardSession::kActive);
@@ -153,7 +153,7 @@ TEST(GuardMonitor, StopsASlowMotionOutOfAZoneInWhichTheArmWasHandedOver) {
   params.workspace.zones = {
       {.shape = ZoneShape::kSphere, .p_W_m = GuardBench::Start().translation(), .radius_m = 1e-5}};
   GuardBench bench(params);
-  ASSERT_TRUE(bench.WalkToActive());
+  ASSERT_TRUE(bench.RunUntilArmFollows());
   GuardJoints q = GuardBench::StartJoints();
   int passed = 0;
   for (; passed < 1000; ++passed) {
@@ -169,7 +169,7 @@ TEST(GuardMonitor, AnArmThatStartsOutsideMayComeInButNotGoOutAgain) {
   GuardParams params = GuardBench::Params();
   params.workspace.sphere_center_W_m.y() += 0.25;  // 0.1 m beyond the sphere
   GuardBench bench(params);
-  ASSERT_TRUE(bench.WalkToActive());
+  ASSERT_TRUE(bench.RunUntilArmFollows());
   GuardJoints q = GuardBench::StartJoints();
   const auto go = [&](double step_rad, int steps) {
     for (int i = 0; i < steps; ++i) {
@@ -190,7 +190,7 @@ TEST(GuardMonitor, AnArmThatStartsOutsideMayComeInButNotGoOutAgain) {
 TEST(GuardMonitor, ACompliantArmMayStepFasterOnlyTowardItsMeasuredPosture) {
   const auto judge = [](bool compliant, double measured_rad, double step_rad) {
     GuardBench bench;
-    EXPECT_TRUE(bench.WalkToActive());
+    EXPECT_TRUE(bench.RunUntilArmFollows());
     bench.arm.compliant = compliant;
     bench.arm.q_meas[0] += measured_rad;
     bench.Message(GuardSession::kActive);
@@ -210,7 +210,7 @@ TEST(GuardMonitor, ThePathToTheStartHasItsOwnSpeedLimitUntilTheStartIsReached) {
   params.q_start = GuardBench::StartJoints();
   (*params.q_start)[0] += 0.05;
   GuardBench bench(params);
-  ASSERT_TRUE(bench.WalkToActive());
+  ASSERT_TRUE(bench.RunUntilArmFollows());
   const auto go = [&](double step_rad, int steps) {
     for (int i = 1; i <= steps; ++i) {
       bench.Message(GuardSession::kActive);
@@ -228,7 +228,7 @@ TEST(GuardMonitor, ThePathToTheStartHasItsOwnSpeedLimitUntilTheStartIsReached) {
 
 TEST(GuardMonitor, FindsAnArmThatDoesNotFollow) {
   GuardBench bench;
-  ASSERT_TRUE(bench.WalkToActive());
+  ASSERT_TRUE(bench.RunUntilArmFollows());
   GuardJoints q = GuardBench::StartJoints();
   GuardDecision decision = GuardDecision::kPass;
   for (int i = 0; i < 10'000 && decision == GuardDecision::kPass; ++i) {
@@ -246,7 +246,7 @@ TEST(GuardMonitor, HoldsForcesToTheCellsLimitWithoutAnyMargin) {
   GuardCommand command = Moved(0, 0.0);
   command.wrench = {0.0, 160.0, 120.0, 0.0, 0.0, 20.0};  // 200 N, 20 N·m
   GuardBench bench;
-  ASSERT_TRUE(bench.WalkToActive());
+  ASSERT_TRUE(bench.RunUntilArmFollows());
   bench.Message(GuardSession::kActive);
   EXPECT_EQ(bench.Answer(command), GuardDecision::kPass) << Describe(bench.monitor.reason());
   command.wrench = {0.0, 160.1, 120.0, 0.0, 0.0, 0.0};
@@ -267,7 +267,7 @@ TEST(GuardMonitor, TorquesOfAWrenchWithinTheLimitsAlwaysPass) {
   const auto posture = chain.ComputePosture(Eigen::Map<const kinematics::JointVector>(q.data()));
   const auto J = chain.JacobianAt(posture, posture.X_BF * GuardBench::Params().X_FT.translation());
   GuardBench bench;
-  ASSERT_TRUE(bench.WalkToActive());
+  ASSERT_TRUE(bench.RunUntilArmFollows());
   for (int i = 0; i < 500; ++i) {
     Eigen::Matrix<double, 6, 1> F;
     F << 200.0 * Vector3(std::cos(i), std::sin(i) * std::cos(3.0 * i), std::sin(i) * std::sin(3.0 * i)),
@@ -281,7 +281,7 @@ TEST(GuardMonitor, TorquesOfAWrenchWithinTheLimitsAlwaysPass) {
 
 TEST(GuardMonitor, PassesAnswersToTheNewestMessageOnceAndInTime) {
   GuardBench bench;
-  ASSERT_TRUE(bench.WalkToActive());
+  ASSERT_TRUE(bench.RunUntilArmFollows());
   bench.Message(GuardSession::kActive);
   const GuardCommand old{.sequence = 90, .reflected = bench.arm.sequence, .q = GuardBench::StartJoints()};
   bench.Message(GuardSession::kActive);
@@ -300,7 +300,7 @@ TEST(GuardMonitor, PassesAnswersToTheNewestMessageOnceAndInTime) {
   EXPECT_EQ(Found(bench), GuardFinding::kSequence);
 
   GuardBench other;
-  ASSERT_TRUE(other.WalkToActive());
+  ASSERT_TRUE(other.RunUntilArmFollows());
   other.Message(GuardSession::kActive);
   GuardCommand ahead{.sequence = 99, .reflected = other.arm.sequence + 1, .q = GuardBench::StartJoints()};
   EXPECT_EQ(other.monitor.OnCommand(ahead, other.now), GuardDecision::kWithhold);
@@ -309,7 +309,7 @@ TEST(GuardMonitor, PassesAnswersToTheNewestMessageOnceAndInTime) {
 
 TEST(GuardMonitor, DropsMessagesOfTheArmThatAreNotNewAndAcceptsANewSession) {
   GuardBench bench;
-  ASSERT_TRUE(bench.WalkToActive());
+  ASSERT_TRUE(bench.RunUntilArmFollows());
   EXPECT_EQ(bench.monitor.OnArmMessage(bench.arm, bench.now), GuardDecision::kDrop);
   bench.arm.sequence -= 3;
   EXPECT_EQ(bench.Message(GuardSession::kWaiting), GuardDecision::kDrop);
@@ -320,7 +320,7 @@ TEST(GuardMonitor, DropsMessagesOfTheArmThatAreNotNewAndAcceptsANewSession) {
 
 TEST(GuardMonitor, WithdrawsItsPermitIfTheControllerFallsSilentWhileTheArmMoves) {
   GuardBench bench;
-  ASSERT_TRUE(bench.WalkToActive());
+  ASSERT_TRUE(bench.RunUntilArmFollows());
   for (int i = 1; i <= 5; ++i) {
     bench.Message(GuardSession::kActive);
     ASSERT_EQ(bench.Answer(Moved(0, 1e-4 * i)), GuardDecision::kPass);
@@ -338,7 +338,7 @@ TEST(GuardMonitor, WithdrawsItsPermitIfTheControllerFallsSilentWhileTheArmMoves)
 
 TEST(GuardMonitor, AControllerThatFallsSilentWithTheArmAtRestMayComeBack) {
   GuardBench bench;
-  ASSERT_TRUE(bench.WalkToActive());
+  ASSERT_TRUE(bench.RunUntilArmFollows());
   for (int i = 1; i <= 5; ++i) {
     bench.Message(GuardSession::kActive);
     ASSERT_EQ(bench.Answer(Moved(0, 1e-4 * std::min(i, 4))), GuardDecision::kPass);
@@ -356,7 +356,7 @@ TEST(GuardMonitor, AControllerThatFallsSilentWithTheArmAtRestMayComeBack) {
 
 TEST(GuardMonitor, TheGuardsOwnDelayDoesNotCountAsTheControllersSilence) {
   GuardBench bench;
-  ASSERT_TRUE(bench.WalkToActive());
+  ASSERT_TRUE(bench.RunUntilArmFollows());
   bench.Message(GuardSession::kActive);
   ASSERT_EQ(bench.Answer(Moved(0, 1e-4)), GuardDecision::kPass);
   bench.Message(GuardSession::kActive);  // the message arrived, and then the guard slept
@@ -369,7 +369,7 @@ TEST(GuardMonitor, TheGuardsOwnDelayDoesNotCountAsTheControllersSilence) {
 
 TEST(GuardMonitor, TheArmsSilenceDoesNotCountAsTheControllers) {
   GuardBench bench;
-  ASSERT_TRUE(bench.WalkToActive());
+  ASSERT_TRUE(bench.RunUntilArmFollows());
   bench.Message(GuardSession::kActive);
   ASSERT_EQ(bench.Answer(Moved(0, 1e-4)), GuardDecision::kPass);
   bench.monitor.CheckSilence(bench.now + 10 * rt::kSecond);
@@ -381,7 +381,7 @@ TEST(GuardMonitor, FindsAHandForceBeyondItsLimitFromTheArmsTorques) {
   const auto J = chain.Jacobian(
       chain.ComputePosture(Eigen::Map<const kinematics::JointVector>(GuardBench::StartJoints().data())));
   GuardBench bench;
-  ASSERT_TRUE(bench.WalkToActive());
+  ASSERT_TRUE(bench.RunUntilArmFollows());
   const auto push = [&](double force_N, int messages) {
     Eigen::Matrix<double, 6, 1> F;
     F << force_N * Vector3(2.0, -1.0, 2.0) / 3.0, Vector3(5.0, 10.0, -5.0);
@@ -464,7 +464,7 @@ TEST(GuardMonitor, RefusesParametersOutOfRange) {
 
 TEST(GuardMonitor, DoesNotAllocate) {
   GuardBench bench;
-  ASSERT_TRUE(bench.WalkToActive());
+  ASSERT_TRUE(bench.RunUntilArmFollows());
   bench.arm.tau_ext = GuardJoints{};
   GuardCommand command = Moved(0, 1e-4);
   command.wrench = {};

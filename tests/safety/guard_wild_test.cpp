@@ -76,7 +76,7 @@ TEST(GuardWild, NoCommandBeyondALimitPassesAmongRandomErrors) {
   std::uint64_t passed = 0, withheld = 0, latched = 0;
   for (int run = 0; run < 4000; ++run) {
     GuardBench bench;
-    ASSERT_TRUE(bench.WalkToActive());
+    ASSERT_TRUE(bench.RunUntilArmFollows());
     Oracle oracle;
     oracle.Begin(bench.arm.sequence + 1);
     GuardJoints q = GuardBench::StartJoints();

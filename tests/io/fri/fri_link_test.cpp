@@ -34,10 +34,10 @@ class Peer : public test::LoopbackSocket {
   }
 };
 
-std::unique_ptr<FriLink> OpenAnywhere() { return test::OpenAnywhere<FriLink>(); }
+std::unique_ptr<FriLink> OpenOnAnyPort() { return test::OpenOnAnyPort<FriLink>(); }
 
 TEST(FriLink, AnswersTheArmAtTheAddressItSpokeFrom) {
-  const auto link = OpenAnywhere();
+  const auto link = OpenOnAnyPort();
   ASSERT_NE(link->port(), 0);
   const Peer arm(link->port());
   ArmState state;
@@ -55,14 +55,14 @@ TEST(FriLink, AnswersTheArmAtTheAddressItSpokeFrom) {
 }
 
 TEST(FriLink, TimesOutIfTheArmIsSilent) {
-  const auto link = OpenAnywhere();
+  const auto link = OpenOnAnyPort();
   ArmState state;
   EXPECT_EQ(link->Receive(state, rt::MonotonicNow() + rt::kMillisecond), ReceiveResult::kTimeout);
   EXPECT_EQ(link->Receive(state, 0), ReceiveResult::kTimeout) << "a deadline in the past";
 }
 
 TEST(FriLink, ReceivesTheNewestOfTheWaitingMessages) {
-  const auto link = OpenAnywhere();
+  const auto link = OpenOnAnyPort();
   const Peer arm(link->port());
   for (std::uint32_t i = 1; i <= 5; ++i) arm.Send(i, fri::COMMANDING_ACTIVE);
   ArmState state;
@@ -75,7 +75,7 @@ TEST(FriLink, ReceivesTheNewestOfTheWaitingMessages) {
 }
 
 TEST(FriLink, SkipsHostileBytesAndCountsThem) {
-  const auto link = OpenAnywhere();
+  const auto link = OpenOnAnyPort();
   const Peer arm(link->port());
   arm.Send({});
   arm.Send(std::vector<std::uint8_t>(2000, 0x0a));
@@ -89,7 +89,7 @@ TEST(FriLink, SkipsHostileBytesAndCountsThem) {
 }
 
 TEST(FriLink, HearsAndAnswersTheFirstPeerOnly) {
-  const auto link = OpenAnywhere();
+  const auto link = OpenOnAnyPort();
   const Peer arm(link->port()), stranger(link->port());
   ArmState state;
   stranger.Send({1, 2, 3});  // noise does not make a peer
@@ -120,7 +120,7 @@ TEST(FriLink, HearsOnlyTheConfiguredAddress) {
 }
 
 TEST(FriLink, NoiseAfterASilenceDoesNotEndTheSession) {
-  const auto link = OpenAnywhere();
+  const auto link = OpenOnAnyPort();
   const Peer arm(link->port()), stranger(link->port());
   ArmState state;
   arm.Send(5000, fri::COMMANDING_ACTIVE);
@@ -133,7 +133,7 @@ TEST(FriLink, NoiseAfterASilenceDoesNotEndTheSession) {
 }
 
 TEST(FriLink, AcceptsANewPeerAfterASecondOfSilence) {
-  const auto link = OpenAnywhere();
+  const auto link = OpenOnAnyPort();
   ArmState state;
   {
     const Peer arm(link->port());
@@ -185,7 +185,7 @@ TEST(FriLink, SeveralArmsOfDifferentVersionsDoNotDisturbEachOther) {
 }
 
 TEST(FriLink, ReportsThatTheArmSpeaksAnotherVersion) {
-  const auto link = OpenAnywhere();
+  const auto link = OpenOnAnyPort();
   const Peer arm(link->port());
   for (std::uint32_t i = 1; i <= 3; ++i)
     arm.Send(test::Datagram(FriFamily::k2_7, Monitoring(i, fri::MONITORING_WAIT, FriFamily::k2_7)));
@@ -199,7 +199,7 @@ TEST(FriLink, ReportsThatTheArmSpeaksAnotherVersion) {
 
 // One of two links calls WarmUp() after each answer. Both arms must get the same answers and nothing else.
 TEST(FriLink, WarmUpChangesNoAnswerAndSendsNothing) {
-  const auto link = OpenAnywhere(), plain = OpenAnywhere();
+  const auto link = OpenOnAnyPort(), plain = OpenOnAnyPort();
   const Peer arm(link->port()), plain_arm(plain->port());
   ArmState state, plain_state;
   link->WarmUp(ArmCommand{});  // before any message
@@ -222,7 +222,7 @@ TEST(FriLink, WarmUpChangesNoAnswerAndSendsNothing) {
 }
 
 TEST(FriLink, AwaitEndsAtItsDeadlineAndTakesNoMessage) {
-  const auto link = OpenAnywhere();
+  const auto link = OpenOnAnyPort();
   const rt::Nanoseconds until = rt::MonotonicNow() + 2 * rt::kMillisecond;
   EXPECT_FALSE(link->Await(until));
   EXPECT_GE(rt::MonotonicNow(), until);
@@ -234,7 +234,7 @@ TEST(FriLink, AwaitEndsAtItsDeadlineAndTakesNoMessage) {
 }
 
 TEST(FriLink, DoesNotAllocate) {
-  const auto link = OpenAnywhere();
+  const auto link = OpenOnAnyPort();
   const Peer arm(link->port());
   arm.Send(1, fri::COMMANDING_ACTIVE);
   test::ExpectNoAllocation(*link);

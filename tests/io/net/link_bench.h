@@ -18,7 +18,7 @@ inline rt::Nanoseconds Soon() { return rt::MonotonicNow() + 2 * rt::kSecond; }
 
 /// A link on the loopback, at a port that the system chooses.
 template <class Link>
-std::unique_ptr<Link> OpenAnywhere() {
+std::unique_ptr<Link> OpenOnAnyPort() {
   auto link = Link::Open({.port = 0});
   EXPECT_TRUE(link) << link.error();
   return std::move(*link);
@@ -33,7 +33,7 @@ void ExpectAddressErrors(const std::string& who) {
     ASSERT_FALSE(link);
     EXPECT_NE(link.error().find(text), std::string::npos) << link.error();
   };
-  const auto first = OpenAnywhere<Link>();
+  const auto first = OpenOnAnyPort<Link>();
   expect({.port = first->port()}, who + ": UDP 127.0.0.1:" + std::to_string(first->port()) + " is taken");
   expect({.bind_address = "localhost", .port = 0}, "'localhost' is not an IPv4 address");
   expect({.bind_address = "192.0.2.1", .port = 0},  // TEST-NET-1: unused

@@ -31,10 +31,10 @@ class Controller : public test::LoopbackSocket {
   }
 };
 
-std::unique_ptr<RsiLink> OpenAnywhere() { return test::OpenAnywhere<RsiLink>(); }
+std::unique_ptr<RsiLink> OpenOnAnyPort() { return test::OpenOnAnyPort<RsiLink>(); }
 
 TEST(RsiLink, AnswersTheControllerAtTheAddressItSpokeFrom) {
-  const auto link = OpenAnywhere();
+  const auto link = OpenOnAnyPort();
   ASSERT_NE(link->port(), 0);
   const Controller kr(link->port());
   ArmState state;
@@ -50,7 +50,7 @@ TEST(RsiLink, AnswersTheControllerAtTheAddressItSpokeFrom) {
 }
 
 TEST(RsiLink, TakesTheNewestWaitingMessageAndSkipsHostileBytes) {
-  const auto link = OpenAnywhere();
+  const auto link = OpenOnAnyPort();
   const Controller kr(link->port());
   kr.Send("");
   kr.Send(std::string(kRsiMaxDatagram + 500, '<'));
@@ -66,7 +66,7 @@ TEST(RsiLink, TakesTheNewestWaitingMessageAndSkipsHostileBytes) {
 }
 
 TEST(RsiLink, AnswersOnlyTheFirstValidPeer) {
-  const auto link = OpenAnywhere();
+  const auto link = OpenOnAnyPort();
   const Controller kr(link->port()), stranger(link->port());
   ArmState state;
   stranger.Send("noise");  // not a valid message: its sender does not become the peer
@@ -93,7 +93,7 @@ TEST(RsiLink, OpenErrorsNameTheWrongParameter) {
 }
 
 TEST(RsiLink, DoesNotAllocate) {
-  const auto link = OpenAnywhere();
+  const auto link = OpenOnAnyPort();
   const Controller kr(link->port());
   kr.Send(1);
   test::ExpectNoAllocation(*link);

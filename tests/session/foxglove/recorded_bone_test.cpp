@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/session/foxglove/shown_bone.h"
-#include "tests/session/run/virtual_ride.h"
+#include "tests/session/run/virtual_run.h"
 
 namespace osteon::session {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "session/replay/replay.h"
 #include "session/setup/recorded_config.h"
-#include "tests/session/run/virtual_ride.h"
+#include "tests/session/run/virtual_run.h"
 #include "tests/session/set_up_cell.h"
 
 // Runs in virtual time with other gains: a file of gains that is saved again during the run, and a drill with
@@ -107,7 +107,7 @@ TEST(GainsRun, GoodGainsSavedDuringARunActBadOnesDoNotAndTheRunReplaysBitForBit)
 // aside.
 TEST(GainsRun, ADrillWithLockedAxesStaysOnItsLineThroughoutTheRun) {
   config::CellConfig cell;
-  const VirtualRide ride = RideVirtually("thin_plate", 10.0, [&](config::CellConfig& config) {
+  const VirtualRun ride = RunInVirtualTime("thin_plate", 10.0, [&](config::CellConfig& config) {
     config.servo.admittance.locked = {true, true, false, true, true, true};
     cell = config;
   });

@@ -5,7 +5,7 @@
 
 #include "session/guard/guard.h"
 #include "session/setup/config_checksum.h"
-#include "tests/session/run/virtual_ride.h"
+#include "tests/session/run/virtual_run.h"
 
 // The guard must pass every command of an ordinary run. It gets the arm's messages and the controller's
 // answers from recordings of the shipped cells in virtual time.
@@ -40,7 +40,7 @@ safety::GuardSession SessionOf(std::uint8_t state) {
 
 // Sends every tick of a recording through the guard of the cell `name`, and expects that all pass.
 // @param margin  share by which the guard's limits exceed the cell's
-void ExpectAllPasses(const std::string& name, const VirtualRide& ride, double margin) {
+void ExpectAllPasses(const std::string& name, const VirtualRun& ride, double margin) {
   config::CellConfig cell = config::LoadCell(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml");
   cell.guard = config::GuardConfig{.host = "127.0.0.1", .port = 30209, .margin = margin};
   safety::GuardMonitor monitor(GuardParamsOf(cell));
@@ -66,7 +66,7 @@ void ExpectAllPasses(const std::string& name, const VirtualRide& ride, double ma
 }
 
 TEST(GuardRun, TheWholeDemoPasses) {
-  const VirtualRide ride = RideVirtually("demo", 10.0, [](config::CellConfig&) {});
+  const VirtualRun ride = RunInVirtualTime("demo", 10.0, [](config::CellConfig&) {});
   EXPECT_EQ(ride.summary.ended, "completed");
   ExpectAllPasses("demo", ride, 0.25);
 }
@@ -74,14 +74,14 @@ TEST(GuardRun, TheWholeDemoPasses) {
 TEST(GuardRun, TheOtherShippedCellsPass) {
   for (const char* name : {"molar", "femoral_canal", "thin_plate", "sawbone_block", "thin_plate_impedance"}) {
     SCOPED_TRACE(name);
-    const VirtualRide ride = RideVirtually(name, 4.0, [](config::CellConfig&) {});
+    const VirtualRun ride = RunInVirtualTime(name, 4.0, [](config::CellConfig&) {});
     EXPECT_TRUE(ride.summary.faults.empty());
     ExpectAllPasses(name, ride, 0.25);
   }
 }
 
 TEST(GuardRun, ATorqueOverlayPasses) {
-  const VirtualRide ride = RideVirtually("thin_plate_impedance", 4.0, [](config::CellConfig& cell) {
+  const VirtualRun ride = RunInVirtualTime("thin_plate_impedance", 4.0, [](config::CellConfig& cell) {
     cell.simulated.fri.command_mode = control::CommandMode::kTorque;
     cell.simulated.fri.control_mode = control::ControlMode::kJointImpedance;
     cell.simulated.dynamic.stiffness_Nm_per_rad.setConstant(100.0);
@@ -93,7 +93,7 @@ TEST(GuardRun, ATorqueOverlayPasses) {
 TEST(GuardRun, CellsWithACompliantToolOrBonePass) {
   for (const char* name : {"long_drill", "cartilage_cup", "pelvis_mount"}) {
     SCOPED_TRACE(name);
-    const VirtualRide ride = RideVirtually(name, 3.0, [](config::CellConfig&) {});
+    const VirtualRun ride = RunInVirtualTime(name, 3.0, [](config::CellConfig&) {});
     EXPECT_TRUE(ride.summary.faults.empty());
     EXPECT_TRUE(ride.recording.ticks.back().compliance.present);
     ExpectAllPasses(name, ride, 0.25);
@@ -103,7 +103,7 @@ TEST(GuardRun, CellsWithACompliantToolOrBonePass) {
 // Under the impedance law the controller commands a wrench; the bone stands on a soft mount.
 TEST(GuardRun, AWrenchOverlayOnABoneThatMovesPasses) {
   double moved_m = 0.0;
-  const VirtualRide ride = RideVirtually("thin_plate_impedance", 3.0, [](config::CellConfig& cell) {
+  const VirtualRun ride = RunInVirtualTime("thin_plate_impedance", 3.0, [](config::CellConfig& cell) {
     control::BoneMountParams mount;
     mount.p_WMo_m = cell.X_WG * Vector3(0.0, 0.0, -0.05);
     cell.servo.compliance.mount = mount;
@@ -118,7 +118,7 @@ TEST(GuardRun, AWrenchOverlayOnABoneThatMovesPasses) {
 // The drill is allowed a thrust of 20 N only: the loop finds the deflection, and the guard lets the arm
 // brake.
 TEST(GuardRun, TheLoopsOwnStopForATooLargeDeflectionPasses) {
-  const VirtualRide ride = RideVirtually(
+  const VirtualRun ride = RunInVirtualTime(
       "long_drill", 4.0, [](config::CellConfig& cell) { cell.servo.compliance.tool->max_thrust_N = 20.0; });
   ASSERT_FALSE(ride.summary.faults.empty());
   EXPECT_NE(ride.summary.faults.front().name.find("deflection"), std::string::npos)
@@ -128,7 +128,7 @@ TEST(GuardRun, TheLoopsOwnStopForATooLargeDeflectionPasses) {
 
 // The arm starts outside the workspace and moves along a joint path to its start.
 TEST(GuardRun, ThePathToTheStartFromOutsideTheWorkspacePasses) {
-  const VirtualRide ride = RideVirtually("thin_plate", 2.0, [](config::CellConfig& cell) {
+  const VirtualRun ride = RunInVirtualTime("thin_plate", 2.0, [](config::CellConfig& cell) {
     cell.simulated.q_start[0] += 0.3;
     cell.simulated.q_start[1] -= 0.15;
   });

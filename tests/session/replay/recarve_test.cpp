@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "session/replay/recorded_report.h"
-#include "tests/session/run/virtual_ride.h"
+#include "tests/session/run/virtual_run.h"
 
 namespace osteon::session {
 namespace {

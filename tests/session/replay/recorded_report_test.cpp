@@ -11,7 +11,7 @@
 #include "session/planning/recorded_packing.h"
 #include "session/run/adaptive_resolution.h"
 #include "simulation/engine/state_hash.h"
-#include "tests/session/run/virtual_ride.h"
+#include "tests/session/run/virtual_run.h"
 
 namespace osteon::session {
 namespace {

@@ -14,7 +14,7 @@
 #include "simulation/fidelity/carved_shape.h"
 #include "simulation/removal/cut_metrics.h"
 #include "simulation/tools/swept_tool.h"
-#include "tests/session/run/virtual_ride.h"
+#include "tests/session/run/virtual_run.h"
 #include "tests/session/set_up_cell.h"
 
 // A planned cell, and the adaptive resolution, which coarsens the packing's zones if frames take too long. On
@@ -91,7 +91,7 @@ Ride RideOf(const std::string& name, double error_m, double seconds, bool slow) 
   auto recording = io::ReadRecording(params.recording);
   EXPECT_TRUE(recording) << recording.error();
   Ride ride;
-  const RunAccumulator run = Gathered(setup, *recording);
+  const RunAccumulator run = AccumulateRun(setup, *recording);
   ride.summary = Summarise(setup, **engine, params, *result, run);
   const auto& last = result->rezoned;
   ride.promised_m = last.empty() ? setup.planned->plan.promised_m : last.back().zones.promised_m;

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "config/reading/sections/compliance_params.h"
-#include "tests/session/run/virtual_ride.h"
+#include "tests/session/run/virtual_run.h"
 
 // Runs of shipped cells with compliance (a bending tool, a surface layer, a soft mount) in virtual time. The
 // engines agree as well as without compliance, and a part that the planner leaves rigid would not matter if
@@ -17,7 +17,7 @@ namespace osteon::session {
 namespace {
 
 // Mean coupling force [N] over the ticks in contact, which are those with more than 1 N.
-double MeanForce(const VirtualRide& ride) {
+double MeanForce(const VirtualRun& ride) {
   double sum_N = 0.0;
   int count = 0;
   for (const control::TickRecord& tick : ride.recording.ticks) {
@@ -30,7 +30,7 @@ double MeanForce(const VirtualRide& ride) {
 }
 
 // Expects equal commands and displacements in all ticks, to the last bit.
-void ExpectSameTicks(const VirtualRide& a, const VirtualRide& b) {
+void ExpectSameTicks(const VirtualRun& a, const VirtualRun& b) {
   ASSERT_EQ(a.recording.ticks.size(), b.recording.ticks.size());
   for (std::size_t i = 0; i < a.recording.ticks.size(); ++i) {
     const control::TickRecord &one = a.recording.ticks[i], &other = b.recording.ticks[i];
@@ -42,9 +42,9 @@ void ExpectSameTicks(const VirtualRide& a, const VirtualRide& b) {
   }
 }
 
-// As RideVirtually, with a chosen engine and without the cell's report.
-VirtualRide RideOn(const EngineChoice& choice, const std::string& name, double seconds,
-                   void (*change)(config::CellConfig&)) {
+// As RunInVirtualTime, with a chosen engine and without the cell's report.
+VirtualRun RideOn(const EngineChoice& choice, const std::string& name, double seconds,
+                  void (*change)(config::CellConfig&)) {
   auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml", std::nullopt);
   EXPECT_TRUE(setup) << setup.error();
   change(setup->config);
@@ -56,8 +56,8 @@ VirtualRide RideOn(const EngineChoice& choice, const std::string& name, double s
   EXPECT_TRUE(result) << result.error().what;
   auto recording = io::ReadRecording(params.recording);
   EXPECT_TRUE(recording) << recording.error();
-  VirtualRide ride;
-  ride.summary = Summarise(*setup, **engine, params, *result, Gathered(*setup, *recording));
+  VirtualRun ride;
+  ride.summary = Summarise(*setup, **engine, params, *result, AccumulateRun(*setup, *recording));
   ride.recording = std::move(*recording);
   ride.result = std::move(*result);
   return ride;
@@ -71,8 +71,8 @@ void AddMount(config::CellConfig& cell) {
 }
 
 TEST(ComplianceEngines, TheReferenceEngineAndTheCpuEngineGiveTheSameRun) {
-  const VirtualRide cpu = RideVirtually("long_drill", 0.7, AddMount);
-  const VirtualRide reference = RideOn({.engine = "reference"}, "long_drill", 0.7, AddMount);
+  const VirtualRun cpu = RunInVirtualTime("long_drill", 0.7, AddMount);
+  const VirtualRun reference = RideOn({.engine = "reference"}, "long_drill", 0.7, AddMount);
   ExpectSameTicks(cpu, reference);
   EXPECT_EQ(cpu.summary.state_hash, reference.summary.state_hash);
   EXPECT_GT(MeanForce(cpu), 1.0);
@@ -84,8 +84,8 @@ TEST(ComplianceEngines, TheVulkanEngineIsWithinOnePercentOfForceAndTwoOfRemoval)
   const auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/long_drill.yaml", std::nullopt);
   ASSERT_TRUE(setup) << setup.error();
   if (!MakeEngine(*setup, {.engine = "vulkan"})) GTEST_SKIP() << "skipped, no Vulkan device";
-  const VirtualRide cpu = RideVirtually("long_drill", 0.7, AddMount);
-  const VirtualRide vulkan = RideOn({.engine = "vulkan"}, "long_drill", 0.7, AddMount);
+  const VirtualRun cpu = RunInVirtualTime("long_drill", 0.7, AddMount);
+  const VirtualRun vulkan = RideOn({.engine = "vulkan"}, "long_drill", 0.7, AddMount);
   EXPECT_NEAR(MeanForce(vulkan), MeanForce(cpu), 0.01 * MeanForce(cpu));
   EXPECT_NEAR(vulkan.summary.removed_volume_m3, cpu.summary.removed_volume_m3,
               0.02 * cpu.summary.removed_volume_m3 + 1e-10);
@@ -97,12 +97,12 @@ TEST(ComplianceEngines, TheVulkanEngineIsWithinOnePercentOfForceAndTwoOfRemoval)
 TEST(ComplianceLevels, APartThatThePlannerLeavesRigidWouldHardlyChangeForceAndDepth) {
   constexpr double kSeconds = 4.0;
   double error_m = 0.0;
-  const VirtualRide rigid = RideVirtually("demo", kSeconds, [&](config::CellConfig& cell) {
+  const VirtualRun rigid = RunInVirtualTime("demo", kSeconds, [&](config::CellConfig& cell) {
     error_m = cell.compliance.error_m;
     EXPECT_FALSE(cell.servo.compliance.any());
   });
   const auto expect_unnoticed = [&](const char* level, const auto& switch_on) {
-    const VirtualRide finer = RideVirtually("demo", kSeconds, switch_on);
+    const VirtualRun finer = RunInVirtualTime("demo", kSeconds, switch_on);
     const double force = MeanForce(finer) / MeanForce(rigid) - 1.0,
                  depth_m = finer.summary.reamed_depth_m - rigid.summary.reamed_depth_m;
     std::printf("  %s: force %+.4f, depth %+.4f mm\n", level, force, 1e3 * depth_m);
@@ -126,10 +126,10 @@ TEST(ComplianceLevels, APartThatThePlannerLeavesRigidWouldHardlyChangeForceAndDe
 // The planner lets the long drill bend. This must matter: the drill bends by more than 0.05 mm, or the force
 // differs from that of a rigid drill by more than 7 %.
 TEST(ComplianceLevels, APartThatThePlannerMakesCompliantBendsOrChangesTheForce) {
-  const VirtualRide bends = RideVirtually(
+  const VirtualRun bends = RunInVirtualTime(
       "long_drill", 2.5, [](config::CellConfig& cell) { EXPECT_TRUE(cell.servo.compliance.tool) << "auto"; });
-  const VirtualRide rigid =
-      RideVirtually("long_drill", 2.5, [](config::CellConfig& cell) { cell.servo.compliance.tool.reset(); });
+  const VirtualRun rigid = RunInVirtualTime(
+      "long_drill", 2.5, [](config::CellConfig& cell) { cell.servo.compliance.tool.reset(); });
   double bend_m = 0.0;
   for (const control::TickRecord& tick : bends.recording.ticks)
     bend_m = std::max(bend_m, Vector3(tick.compliance.bend_m).head<2>().norm());

@@ -5,7 +5,7 @@
 
 #include "safety/cell_state.h"
 #include "session/replay/replay.h"
-#include "tests/session/run/virtual_ride.h"
+#include "tests/session/run/virtual_run.h"
 #include "tests/session/set_up_cell.h"
 
 namespace osteon::session {
@@ -61,7 +61,7 @@ class HeldFault : public testing::Test {
     auto recording = io::ReadRecording(params.recording);
     ASSERT_TRUE(recording) << recording.error();
     recording_ = std::move(*recording);
-    summary_ = Summarise(*setup_, **engine, params, *result, Gathered(*setup_, recording_));
+    summary_ = Summarise(*setup_, **engine, params, *result, AccumulateRun(*setup_, recording_));
     result_ = std::move(*result);
   }
 

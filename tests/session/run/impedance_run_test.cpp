@@ -2,18 +2,18 @@
 
 #include "session/replay/replay.h"
 #include "session/setup/recorded_config.h"
-#include "tests/session/run/virtual_ride.h"
+#include "tests/session/run/virtual_run.h"
 
 // The shipped cell with the impedance law, in virtual time, over FRI's wrench and torque overlays.
 
 namespace osteon::session {
 namespace {
 
-using Ride = VirtualRide;
+using Ride = VirtualRun;
 
 // @param torque  true: by FRI's torque overlay over joint impedance; false: by its wrench overlay
 Ride RunImpedance(double seconds, bool torque = false) {
-  return RideVirtually("thin_plate_impedance", seconds, [&](config::CellConfig& cell) {
+  return RunInVirtualTime("thin_plate_impedance", seconds, [&](config::CellConfig& cell) {
     if (!torque) return;
     cell.simulated.fri.command_mode = control::CommandMode::kTorque;
     cell.simulated.fri.control_mode = control::ControlMode::kJointImpedance;

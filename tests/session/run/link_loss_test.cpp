@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/io/temporary_folder.h"
-#include "tests/session/run/virtual_ride.h"
+#include "tests/session/run/virtual_run.h"
 
 // A cell whose network loses packets, in virtual time. The arm has its default policy: it ends
 // COMMANDING_ACTIVE after 5 lost answers in a row or 25 in a second.
@@ -12,7 +12,7 @@
 namespace osteon::session {
 namespace {
 
-using Lossy = VirtualRide;
+using Lossy = VirtualRun;
 
 constexpr double kMaxStep_rad = 2e-3;  // one millisecond at 2 rad/s
 
@@ -26,7 +26,7 @@ Lossy Ride(double loss, double from_s, double to_s, double seconds, int recoveri
     cell.simulated.fri.request_again_after_loss = true;
     cell.injections.injections = {{.from_s = from_s, .to_s = to_s, .faults = {.loss = loss}}};
   };
-  return RideVirtually("thin_plate", seconds, lossy, recoveries);
+  return RunInVirtualTime("thin_plate", seconds, lossy, recoveries);
 }
 
 TEST(LinkLoss, ALossOfHalfAPercentCausesNoFaultAndIsCountedExactly) {

@@ -7,7 +7,7 @@
 #include "safety/cell_state.h"
 #include "session/replay/replay.h"
 #include "session/stops/stop_records.h"
-#include "tests/session/run/virtual_ride.h"
+#include "tests/session/run/virtual_run.h"
 #include "tests/session/set_up_cell.h"
 
 namespace osteon::session {

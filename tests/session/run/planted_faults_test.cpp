@@ -16,7 +16,7 @@
 #include "safety/fault.h"
 #include "session/run/live_views.h"
 #include "session/stops/stop_records.h"
-#include "tests/session/run/virtual_ride.h"
+#include "tests/session/run/virtual_run.h"
 
 namespace osteon::session {
 namespace {

@@ -4,18 +4,18 @@
 
 #include "session/replay/replay.h"
 #include "session/setup/recorded_config.h"
-#include "tests/session/run/virtual_ride.h"
+#include "tests/session/run/virtual_run.h"
 
 // Runs of the shipped cell with a KR over RSI, in virtual time: its cut, and the effects of a bad connection.
 
 namespace osteon::session {
 namespace {
 
-using Ride = VirtualRide;
+using Ride = VirtualRun;
 
 template <class Change>
 Ride RunKr(double seconds, const Change& change, int recoveries = 0) {
-  return RideVirtually("kr_16_thin_plate", seconds, change, recoveries);
+  return RunInVirtualTime("kr_16_thin_plate", seconds, change, recoveries);
 }
 void AsShipped(config::CellConfig&) {}
 

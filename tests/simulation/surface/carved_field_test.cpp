@@ -52,7 +52,7 @@ TEST(CarvedField, UpdatedChunksEqualChunksExtractedAnew) {
   UpdateChunks(field, kept);
   std::mt19937 random(11);
   for (int pass = 0; pass < 12; ++pass) {
-    const std::vector<Capsule> way = RandomWay(random, 9.0F, 0.7F + 0.3F * static_cast<float>(pass), 40);
+    const std::vector<Capsule> way = RandomToolPath(random, 9.0F, 0.7F + 0.3F * static_cast<float>(pass), 40);
     for (std::size_t i = 0; i < way.size(); i += 8) {
       field.Carve(std::span(way).subspan(i, 8));
       UpdateChunks(field, kept);
@@ -72,7 +72,7 @@ TEST(CarvedField, OrderAndBatchesOfCapsulesChangeNoBit) {
   std::mt19937 random(12);
   std::vector<Capsule> way;
   for (int pass = 0; pass < 6; ++pass)
-    for (const Capsule& c : RandomWay(random, 9.0F, 0.7F + 0.5F * static_cast<float>(pass), 50))
+    for (const Capsule& c : RandomToolPath(random, 9.0F, 0.7F + 0.5F * static_cast<float>(pass), 50))
       way.push_back(c);
   CarvedField at_once(solid), shuffled(solid);
   at_once.Carve(way);
@@ -87,7 +87,7 @@ TEST(CarvedField, OrderAndBatchesOfCapsulesChangeNoBit) {
 TEST(CarvedField, SkippedCapsulesDoNotChangeTheMesh) {
   const auto solid = BallField(9.0F, 0.5F);
   std::mt19937 random(13);
-  const std::vector<Capsule> way = RandomWay(random, 5.0F, 4.0F, 60);
+  const std::vector<Capsule> way = RandomToolPath(random, 5.0F, 4.0F, 60);
   CarvedField together(solid), one_by_one(solid);
   together.Carve(way);
   for (const Capsule& capsule : way) one_by_one.Carve({&capsule, 1});
@@ -99,11 +99,11 @@ TEST(CarvedField, RestoringAnEarlierSweepRestoresItsChunks) {
   CarvedField field(BallField(9.0F, 0.5F));
   std::map<BrickIndex, SurfaceChunk> kept;
   std::mt19937 random(14);
-  field.Carve(RandomWay(random, 9.0F, 2.0F, 40));
+  field.Carve(RandomToolPath(random, 9.0F, 2.0F, 40));
   UpdateChunks(field, kept);
   const std::map<BrickIndex, SurfaceChunk> earlier = kept;
   const BrickField swept = field.swept();
-  field.Carve(RandomWay(random, 7.0F, 3.0F, 60));
+  field.Carve(RandomToolPath(random, 7.0F, 3.0F, 60));
   UpdateChunks(field, kept);
   field.SetSwept(swept);
   EXPECT_LT(field.Dirty().size(), earlier.size()) << "where nothing changed nothing is made again";

@@ -82,7 +82,7 @@ TEST(DualSurface, IsManifoldForRandomNoise) {
           return in_box ? Noise(p, static_cast<std::uint64_t>(trial)) : 1.0;
         });
     CarvedField field(solid);
-    if (trial >= 2) field.Carve(RandomWay(random, 19.0F, 3.0F, 30));
+    if (trial >= 2) field.Carve(RandomToolPath(random, 19.0F, 3.0F, 30));
     const WeldedSurface mesh = WeldSurface(field);
     EXPECT_GT(mesh.quads.size(), 5000U);
     ExpectManifold(mesh);
@@ -97,7 +97,7 @@ TEST(DualSurface, IsWatertightWithTheRightVolumeAfterRandomCuts) {
   std::mt19937 random(22);
   for (int trial = 0; trial < 100; ++trial) {
     const float radius_mm = trial % 2 == 0 ? 20.0F * kVoxel_mm : 4.0F * kVoxel_mm;
-    const std::vector<Capsule> way = RandomWay(random, 4.0F, radius_mm, trial % 2 == 0 ? 3 : 12);
+    const std::vector<Capsule> way = RandomToolPath(random, 4.0F, radius_mm, trial % 2 == 0 ? 3 : 12);
     CarvedField field(solid);
     field.Carve(way);
     const WeldedSurface mesh = WeldSurface(field);

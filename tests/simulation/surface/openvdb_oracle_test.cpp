@@ -82,7 +82,7 @@ TEST_P(OpenVdbOracle, OurMeshHasTheVolumeAndAreaOfOpenVdbs) {
   constexpr float kBone_mm = 6.0F, kVoxel_mm = 0.25F;
   std::mt19937 random(static_cast<unsigned>(40 + GetParam()));
   const float radius_mm = GetParam() % 2 == 0 ? 3.0F : 1.5F;
-  const std::vector<Capsule> way = RandomWay(random, 4.0F, radius_mm, 6);
+  const std::vector<Capsule> way = RandomToolPath(random, 4.0F, radius_mm, 6);
   CarvedField field(BallField(kBone_mm, kVoxel_mm));
   field.Carve(way);
   const MeshFigures ours = FiguresOf(WeldSurface(field));

@@ -25,7 +25,7 @@ class SurfaceExport : public testing::Test {
   static CarvedField CutBlock() {
     CarvedField field(BlockField(6.0F, 6.0F, 0.5F));
     std::mt19937 random(31);
-    field.Carve(RandomWay(random, 2.0F, 3.0F, 30));
+    field.Carve(RandomToolPath(random, 2.0F, 3.0F, 30));
     return field;
   }
 

@@ -29,7 +29,7 @@ inline std::shared_ptr<const SolidField> BlockField(float half_mm, float depth_m
 }
 
 /// A ball's random walk: starts in a cube of half size reach_mm; each step is 0.3 mm per axis (one sigma).
-inline std::vector<Capsule> RandomWay(std::mt19937& random, float reach_mm, float radius_mm, int count) {
+inline std::vector<Capsule> RandomToolPath(std::mt19937& random, float reach_mm, float radius_mm, int count) {
   std::uniform_real_distribution<float> place(-reach_mm, reach_mm);
   std::normal_distribution<float> step(0.0F, 0.3F);
   Vec3 at{place(random), place(random), place(random)};

@@ -19,7 +19,7 @@ namespace {
 CarvedField CutBall() {
   CarvedField field(BallField(9.0F, 0.5F));
   std::mt19937 random(21);
-  field.Carve(RandomWay(random, 8.0F, 3.0F, 60));
+  field.Carve(RandomToolPath(random, 8.0F, 3.0F, 60));
   const Capsule inside{{1.0F, 0.0F, 0.0F}, {-1.0F, 0.0F, 0.0F}, 8.0F};  // removes whole bricks
   field.Carve({&inside, 1});
   return field;

@@ -20,7 +20,7 @@
 namespace osteon::session {
 
 /// Collects a recording's ticks and frames for the summary, as the end of a run does.
-inline RunAccumulator Gathered(const CellSetup& setup, const io::Recording& recording) {
+inline RunAccumulator AccumulateRun(const CellSetup& setup, const io::Recording& recording) {
   RunAccumulator run(setup);
   for (const control::TickRecord& tick : recording.ticks) run.Add(tick);
   for (const simulation::FrameRecord& frame : recording.frames) run.Add(frame);
@@ -28,7 +28,7 @@ inline RunAccumulator Gathered(const CellSetup& setup, const io::Recording& reco
 }
 
 /// A run of a shipped cell in virtual time, in this process, with its results.
-struct VirtualRide {
+struct VirtualRun {
   CellRunResult result;
   RunSummary summary;
   io::Recording recording;
@@ -40,7 +40,8 @@ struct VirtualRide {
 /// @param change  (config::CellConfig&), called before the run
 /// @param recoveries  how often the run may recover by itself
 template <class Change>
-VirtualRide RideVirtually(const std::string& name, double seconds, const Change& change, int recoveries = 0) {
+VirtualRun RunInVirtualTime(const std::string& name, double seconds, const Change& change,
+                            int recoveries = 0) {
   auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml", std::nullopt);
   EXPECT_TRUE(setup) << setup.error();
   change(setup->config);
@@ -55,8 +56,8 @@ VirtualRide RideVirtually(const std::string& name, double seconds, const Change&
   EXPECT_TRUE(result) << result.error().what;
   auto recording = io::ReadRecording(params.recording);
   EXPECT_TRUE(recording) << recording.error();
-  VirtualRide ride;
-  ride.summary = Summarise(*setup, **engine, params, *result, Gathered(*setup, *recording));
+  VirtualRun ride;
+  ride.summary = Summarise(*setup, **engine, params, *result, AccumulateRun(*setup, *recording));
   ride.recording = std::move(*recording);
   ride.cell = nlohmann::json::parse(ride.summary.cell_report);
   ride.result = std::move(*result);
