@@ -11,8 +11,8 @@
 #include "simulation/engine/cutting_engine.h"
 #include "simulation/tools/tool.h"
 
-// Scenarios in which methods fail. Each has a generator, a baseline that fails in it, and a bound that ours
-// must keep. Each scenario is one file with `FailureResult Run<Name>(const FailureSetting&)`;
+// Scenarios in which methods fail. Each scenario has a baseline method that fails in it, and a bound that our
+// method ("ours") must keep. Its function is `FailureResult Run<Name>(const FailureSetting&)`;
 // failure_list.cpp lists them all.
 
 namespace osteon::studies {
@@ -53,6 +53,7 @@ using EngineFactory = std::function<std::unique_ptr<simulation::CuttingEngine>(
 /// failures.md asks for.
 enum class FailureSize : std::uint8_t { kTest, kFull };
 
+/// What a scenario is run with.
 struct FailureSetting {
   EngineFactory make_engine;  ///< "ours"
   FailureSize size{FailureSize::kTest};
@@ -64,6 +65,7 @@ struct FailureSetting {
   [[nodiscard]] bool GoesOn(double share) const { return !progress || progress(share); }
 };
 
+/// An entry of the list of scenarios.
 struct FailureScenario {
   int id{0};
   std::string name;

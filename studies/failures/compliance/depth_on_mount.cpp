@@ -13,14 +13,15 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kTick_s = 1e-3, kPush_N = 120.0, kPushRise_s = 1.0;
-constexpr double kPlanned_m = 2e-3;      // depth of the hole
-constexpr double kSpindleStop_m = 1e-3;  // the spindle stops that far before the bound
-constexpr double kSoft_m = 3e-3;
-constexpr double kImpedance_N_per_m = 10e3;      // stable for an overlay of 4 ms with 40 N s/m of damping
-constexpr int kMaxTicks = 20'000, kAfter = 300;  // ticks in all, and ticks after the spindle stopped
+constexpr double kPlanned_m = 2e-3;          // depth of the hole
+constexpr double kSpindleStop_m = 1e-3;      // the spindle stops that far before the bound
+constexpr double kSoft_m = 3e-3;             // the limit resists from that far before the bound on
+constexpr double kImpedance_N_per_m = 10e3;  // stable for an overlay of 4 ms with 40 N s/m of damping
+constexpr int kMaxTicks = 20'000, kTicksAfterStop = 300;  // ticks in all, and ticks after the spindle stopped
 
 constexpr double kAbove_m = 0.05e-3;  // height of the apex over the bone at the beginning
 
+// The outcome of one hole.
 struct Course {
   double depth_m{0.0};  ///< depth of the hole
   bool stopped{false};  ///< the limit has stopped the spindle
@@ -49,6 +50,9 @@ control::ServoParams Loop(control::Law law, double stiffness_N_per_m, const Pose
   return loop;
 }
 
+// Presses a turning burr into the bone until kTicksAfterStop after the limit has stopped the spindle.
+// @param mount          none: the bone is at rest
+// @param rides_on_bone  the depth limit moves with the bone; false: it rests in the world
 Course Ream(const FailureSetting& setting, const simulation::Bone& bone, control::Law law,
             const std::optional<control::BoneMountParams>& mount, bool rides_on_bone) {
   const Pose X_WG = BoneOfLawRide() * Eigen::Translation3d(0.0, 0.0, -kAbove_m);
@@ -56,8 +60,8 @@ Course Ream(const FailureSetting& setting, const simulation::Bone& bone, control
   if (law == control::Law::kImpedance) cutting.stiffness_N_per_m = kImpedance_N_per_m;
   const auto engine = setting.make_engine(bone, MakeBallTool(5e-3), X_WG, cutting);
   Course course;
-  bool turned = false;
-  int since_stop = 0;
+  bool has_turned = false;
+  int ticks_since_stop = 0;
   PushingHand hand;
   const LawScene scene{.hand =
                            [&](int tick, const Pose& X_WT, const Twist& V_WT) {
@@ -66,8 +70,8 @@ Course Ream(const FailureSetting& setting, const simulation::Bone& bone, control
                        .bone =
                            [&](const simulation::ToolCommand& command) {
                              const double spindle = command.spindle_rad_per_s;
-                             turned |= spindle > 0.0;
-                             course.stopped = turned && spindle == 0.0;
+                             has_turned |= spindle > 0.0;
+                             course.stopped = has_turned && spindle == 0.0;
                              simulation::ContactModel model =
                                  engine->Step(FrameAt(Pose(command.X_WT), spindle, kTick_s));
                              const Vector3 p_G = X_WG.inverse() * Pose(model.X_WP).translation();
@@ -76,12 +80,12 @@ Course Ream(const FailureSetting& setting, const simulation::Bone& bone, control
                            },
                        .seen =
                            [&](int tick, const LawRideTick&) {
-                             if (course.stopped) ++since_stop;
+                             if (course.stopped) ++ticks_since_stop;
                              if (tick % 10 == 0) {
                                course.series.x.push_back(kTick_s * tick);
                                course.series.y.push_back(1e3 * course.depth_m);
                              }
-                             return since_stop < kAfter;
+                             return ticks_since_stop < kTicksAfterStop;
                            }};
   const double max_s = kTick_s * kMaxTicks;
   course.fault =

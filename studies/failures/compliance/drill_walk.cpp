@@ -29,8 +29,11 @@ constexpr double kAbove_m = 0.2e-3;  // distance along the axis between the apex
 // law's overlay allows less.
 constexpr double kAdmittance_N_per_m = 60e3, kImpedance_N_per_m = 10e3;
 
+// How the drill's bending is computed: together with each frame's planes (a baseline), or by our element,
+// whose state follows the force.
 enum class Bending : std::uint8_t { kSolvedWithPlanes, kElement };
 
+// Bone, drill and its bending, and the parameters of the cut.
 struct Scene {
   simulation::Bone bone;
   simulation::Tool tool;
@@ -38,6 +41,8 @@ struct Scene {
   simulation::CuttingParams cutting;
 };
 
+// @param full  the bone has finer balls
+// @param stiffness_N_per_m  of the coupling
 Scene MakeScene(bool full, double stiffness_N_per_m) {
   const simulation::BuiltTool drill = simulation::MakeTwistDrill({});
   const simulation::ToolCompliance bends =
@@ -58,6 +63,7 @@ Scene MakeScene(bool full, double stiffness_N_per_m) {
   return scene;
 }
 
+// The outcome of one hole.
 struct Course {
   double aside_m{0.0};  ///< distance of the head from the axis that it was aimed along, at kSeen_s
   bool fault{false};
@@ -72,11 +78,12 @@ Pose BoneUnderDrill() {
   return StartOfLawRide() * Down(-kAbove_m * feed_G, turn).inverse();
 }
 
-// The head's pose for which the drill's bending and the frame's planes agree, by damped steps.
+// The head's pose at which the drill's bending is in equilibrium with the force of the frame's planes. Found
+// by 60 steps, each of 15 % of the remaining difference.
 Pose SolvedHead(const Scene& scene, const control::CouplingParams& coupling,
                 const simulation::ContactModel& model, const Pose& X_WT, rt::Nanoseconds now,
                 const control::CouplingState& state) {
-  control::Vector6 e = control::Vector6::Zero();
+  control::Vector6 e = control::Vector6::Zero();  // displacement and rotation of the head, in T
   for (int i = 0; i < 60; ++i) {
     control::CouplingState trial = state;
     const Pose X_WE = X_WT * control::BentHead(e);
@@ -123,8 +130,8 @@ Course DrillAlong(const FailureSetting& setting, const Scene& scene, const std::
     const control::CouplingOutput out = control::EvaluateCoupling(
         coupling, {.model = model, .X_WT = X_ME, .now = now, .spindle_turns = true}, state);
     compliance.Step(out.F_contact_T_W, model, X_WT);
-    const Vector3 off = X_ME.translation() - X_start.translation();
-    course.aside_m = (off - off.dot(feed_W) * feed_W).norm();
+    const Vector3 from_start = X_ME.translation() - X_start.translation();
+    course.aside_m = (from_start - from_start.dot(feed_W) * feed_W).norm();
     if (i % (5 * ticks_in_ms) == 0) {
       course.series.x.push_back(dt_s * i);
       course.series.y.push_back(1e3 * course.aside_m);
@@ -153,10 +160,10 @@ Course DrillByLaw(const FailureSetting& setting, const Scene& scene, control::La
             constexpr double kJig_Nm_per_rad = 400.0, kJig_Nms_per_rad = 1.0;
             Wrench F_T_W;
             if (law == control::Law::kImpedance) {
-              const Vector3 off = X_WT.translation() - X_start.translation();
+              const Vector3 from_start = X_WT.translation() - X_start.translation();
               const Eigen::AngleAxisd turned(X_WT.linear() * X_start.linear().transpose());
               const Matrix3 across = Matrix3::Identity() - feed_W * feed_W.transpose();
-              F_T_W.f = -across * (kJig_N_per_m * off + kJig_Ns_per_m * V_WT.v);
+              F_T_W.f = -across * (kJig_N_per_m * from_start + kJig_Ns_per_m * V_WT.v);
               F_T_W.t = -kJig_Nm_per_rad * turned.angle() * turned.axis() - kJig_Nms_per_rad * V_WT.w;
             }
             F_T_W.f += RisingPush(kPush_N, kTick_s * tick, kPushRise_s) * feed_W;
@@ -168,8 +175,8 @@ Course DrillByLaw(const FailureSetting& setting, const Scene& scene, control::La
           },
       .seen =
           [&](int tick, const LawRideTick& state) {
-            const Vector3 off = state.X_ME.translation() - X_start.translation();
-            course.aside_m = (off - off.dot(feed_W) * feed_W).norm();
+            const Vector3 from_start = state.X_ME.translation() - X_start.translation();
+            course.aside_m = (from_start - from_start.dot(feed_W) * feed_W).norm();
             course.handle.push_back(state.X_WT_sim);
             if (tick % 5 == 0) {
               course.series.x.push_back(kTick_s * tick);

@@ -16,19 +16,25 @@
 namespace osteon::studies {
 namespace {
 
+// The hand, and the period of frames.
 constexpr double kPush_N = 100.0, kMass_kg = 2.0, kDamping_Ns_per_m = 200.0, kDt_s = 1e-3;
-constexpr double kRadius_m = 1.6e-3, kHalfWidth_m = 4e-3, kMargin_m = 1e-3;
-// Parameters of our depth limit.
+constexpr double kRadius_m = 1.6e-3, kHalfWidth_m = 4e-3;  // of the burr, and of the wall across the feed
+// Parameters of our depth limit; its bound lies kMargin_m beyond the tool that has cut the wall through.
+constexpr double kMargin_m = 1e-3;
 constexpr double kSoft_m = 3e-3, kSpindleStop_m = 0.5e-3, kLimit_N_per_m = 20e3, kStop_m_per_s2 = 3.0;
-constexpr int kAfter = 100;  // frames observed after the breakthrough
+constexpr int kFramesAfter = 100;  // frames observed after the breakthrough
 
+// The outcome of one wall.
 struct Course {
-  double overshoot_m{0.0};              ///< travel of the hand below its height at the breakthrough
-  double lead_m{-1.0};                  ///< largest lead of the proxy over the tool; -1: none seen
-  std::optional<int> through, flagged;  ///< frames
-  FailureSeries hand;
+  double overshoot_m{0.0};     ///< travel of the hand below its height at the breakthrough
+  double lead_m{-1.0};         ///< largest lead of the proxy over the tool; -1: none seen
+  std::optional<int> through;  ///< frame in which the proxy has passed the wall
+  std::optional<int> flagged;  ///< frame in which SceneWatch reports the breakthrough
+  FailureSeries hand;          ///< travel of the hand after the breakthrough [mm] by the time [ms]
 };
 
+// Drills until kFramesAfter after the breakthrough.
+// @param held  our depth limit acts; false: from the flag on there is no force on the hand (the baseline)
 Course Drill(simulation::CuttingEngine& engine, const simulation::Bone& wall, const simulation::Solid& solid,
              double thickness_m, bool held, const simulation::CuttingParams& params) {
   const simulation::Tool tool = MakeBallTool(kRadius_m);
@@ -69,7 +75,7 @@ Course Drill(simulation::CuttingEngine& engine, const simulation::Bone& wall, co
       course.overshoot_m = std::max(course.overshoot_m, broken_at_m - z);
       course.hand.x.push_back(1e3 * kDt_s * (frame - *course.through));
       course.hand.y.push_back(1e3 * (broken_at_m - z));
-      if (frame - *course.through >= kAfter) break;
+      if (frame - *course.through >= kFramesAfter) break;
     }
     v += kDt_s * (force_N - kPush_N - kDamping_Ns_per_m * v) / kMass_kg;
     v = workspace.Limit({0, 0, z}, {0, 0, v}, kDt_s).v_WT.z();

@@ -15,13 +15,17 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kCup_m = 25e-3, kDepth_m = 5e-3, kSpeed_deg_per_s = 50.0, kDt_s = 1e-3;
-constexpr int kLanding = 40;
+constexpr int kLanding = 40;  // frames in which the tool is pressed on; they are not judged
 
+// Error of one method's normal along the path, and its largest change from one frame to the next.
 struct Traced {
   double worst_deg{0.0}, jump_deg{0.0};
   std::vector<double> angle_deg, error_deg;
   Vector3 before{Vector3::Zero()};
 
+  // @param angle  of the contact from the cup's axis [deg]
+  // @param out    direction out of the cup's centre to the contact
+  // @param f      force or normal, of any length
   void Add(int i, double angle, const Vector3& out, const Vector3& f) {
     const double error = AngleDeg(f, -out);
     if (i > kLanding) {

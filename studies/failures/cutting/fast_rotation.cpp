@@ -11,7 +11,7 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kRadius_m = 2e-3, kStall_s = 0.1;
+constexpr double kRadius_m = 2e-3, kStall_s = 0.1;  // radius of the ball; length of the frame
 
 Pose RotatedPose(double angle_rad) {
   Pose X = Pose::Identity();
@@ -19,6 +19,7 @@ Pose RotatedPose(double angle_rad) {
   return X;
 }
 
+// Deepest overlap of the tool's ball with a ball of the bone [m]; 0 if there is none.
 double Overlap(const simulation::Bone& bone, const Vector3& center_m) {
   double deepest_m = 0.0;
   for (const simulation::Ball& ball : bone.balls)
@@ -70,7 +71,8 @@ FailureResult RunFastRotation(const FailureSetting& setting) {
       if (!complete) break;
       const double rate_rad_per_s = speed * M_PI / 180.0, angle = rate_rad_per_s * kStall_s;
       const double sagitta_m = lever_m * (1.0 - std::cos(0.5 * angle));
-      const double once = rate_rad_per_s * 1e-3, allowed_m = lever_m * once * once / 8.0;
+      const double turn_rad = rate_rad_per_s * 1e-3;  // in a frame of 1 ms, without the stall
+      const double allowed_m = lever_m * turn_rad * turn_rad / 8.0;
       // the post, made on the x axis and rotated to the arc's middle
       simulation::Bone post = MakeBlock({.low_m = {lever_m + kRadius_m - 0.5 * sagitta_m, -1.5e-3, -2e-3},
                                          .high_m = {lever_m + kRadius_m + 3e-3, 1.5e-3, 2e-3},

@@ -14,10 +14,16 @@
 namespace osteon::studies {
 namespace {
 
+// The arm waits for kWaiting_s; the hand turns the tool by kTurn_rad within kTurns_s and lets go at
+// kReleases_s; the drift is judged from kSettles_s after that; at the end a hand pushes with kPush_N for
+// kPushes_s.
 constexpr double kDt_s = 1e-3, kWaiting_s = 1.0, kTurns_s = 1.5, kReleases_s = 2.0, kSettles_s = 1.0;
-constexpr double kTurn_rad = std::numbers::pi / 6.0, kLever_m = 0.1, kPayload_kg = 0.2, kDrift_N_per_s = 0.1;
-constexpr double kDeadZone_N = 5.0, kDeadZone_Nm = 1.0, kPush_N = 10.0, kPushes_s = 1.0;
+constexpr double kTurn_rad = std::numbers::pi / 6.0, kPush_N = 10.0, kPushes_s = 1.0;
+constexpr double kLever_m = 0.1;  // distance of the second judged point from the tool's origin
+constexpr double kPayload_kg = 0.2, kDrift_N_per_s = 0.1;  // errors of the load and of the sensor's zero
+constexpr double kDeadZone_N = 5.0, kDeadZone_Nm = 1.0;    // of our law
 
+// Motion of the released tool.
 struct Drifted {
   double speed_m_per_s{0.0};  // speed of the released tool
   double way_m{0.0};          // travel of the tool's origin until the push
@@ -26,6 +32,9 @@ struct Drifted {
   std::vector<double> way_mm;  // by time since the release
 };
 
+// @param bias_N  error of the sensor's zero along an axis of the flange; its torque is 0.05 N·m per N
+// @param ours    with bias estimate and dead zone; false: the baseline
+// @param seconds from the release to the push
 Drifted Release(double bias_N, int axis, bool ours, double seconds) {
   ArmRideParams params;
   params.arm = ScenarioArm();
@@ -77,11 +86,11 @@ Drifted Release(double bias_N, int axis, bool ours, double seconds) {
   const auto second = static_cast<std::size_t>(1.0 / kDt_s);
   const auto from = static_cast<std::size_t>((kReleases_s + kSettles_s) / kDt_s);
   const auto to = static_cast<std::size_t>(pushes_s / kDt_s);
-  const auto off_axis = [&ride](std::size_t i) { return ride[i].X_WT * Vector3(0.0, 0.0, -kLever_m); };
+  const auto second_point = [&ride](std::size_t i) { return ride[i].X_WT * Vector3(0.0, 0.0, -kLever_m); };
   for (std::size_t i = from; i + second < to; i += 10) {
     const Vector3 way = ride[i + second].X_WT.translation() - ride[i].X_WT.translation();
     result.speed_m_per_s =
-        std::max({result.speed_m_per_s, way.norm(), (off_axis(i + second) - off_axis(i)).norm()});
+        std::max({result.speed_m_per_s, way.norm(), (second_point(i + second) - second_point(i)).norm()});
   }
   for (std::size_t i = from; i < to; i += 20)
     result.way_mm.push_back(1e3 * (ride[i].X_WT.translation() - ride[from].X_WT.translation()).norm());
@@ -91,6 +100,7 @@ Drifted Release(double bias_N, int axis, bool ours, double seconds) {
   return result;
 }
 
+// The released tool's distance from its place a second after the release, as a line of the picture.
 FailureSeries Drawn(const char* name, const Drifted& drifted, bool ours) {
   FailureSeries series{.name = name, .y = drifted.way_mm, .ours = ours};
   for (std::size_t i = 0; i < series.y.size(); ++i) series.x.push_back(0.02 * static_cast<double>(i));

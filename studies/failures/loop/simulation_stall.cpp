@@ -19,9 +19,11 @@ constexpr double kDt_s = 1e-3, kWall_N_per_m = 20e3, kBowl_m = 0.025, kPush_N = 
 constexpr double kPressed_s = 0.6;   // the tool rests there until the motion begins
 constexpr double kStalls_s = 0.65;   // 50 ms into the motion
 constexpr double kResumed_s = 0.15;  // after the stall: the ramp back has ended
-constexpr double kMaxStep = 0.10;
+constexpr double kMaxStep =
+    0.10;  // bound on a change of the force in a tick, over the force before the stall
 
 enum class Motion { kOut, kDeeper, kAlong };
+// A motion of the hand during which frames stay away.
 struct Case {
   Motion motion;
   const char* name;
@@ -31,13 +33,15 @@ constexpr std::array<Case, 3> kMotions{{{Motion::kOut, "out of the bone", 0.25, 
                                         {Motion::kDeeper, "deeper", 0.1, 0.02},
                                         {Motion::kAlong, "along it", 0.1, 0.02}}};
 
+// What is judged of one ride.
 struct Stalled {
-  double returned_J{0.0};
-  double step_share{0.0};  // largest change of the force when frames come again
+  double returned_J{0.0};  // largest energy that the virtual side has given beyond what it took
+  double step_share{0.0};  // largest change of the force in a tick when frames come again, over that before
   bool fault{false};
-  std::vector<double> given_J;  // by time
+  std::vector<double> given_J;  // energy given so far, for each tick
 };
 
+// @param held  the force of the last frame is held during the stall (the baseline), instead of its plane
 Stalled Ride(const Case& c, double stall_s, bool held) {
   ArmRideParams params;
   params.arm = ScenarioArm();
@@ -121,6 +125,7 @@ Stalled Ride(const Case& c, double stall_s, bool held) {
   return result;
 }
 
+// The energy given so far over the time, as a line of the picture.
 FailureSeries Drawn(const char* name, const Stalled& stalled, bool ours) {
   FailureSeries series{.name = name, .ours = ours};
   for (std::size_t i = 0; i < stalled.given_J.size(); i += 4) {

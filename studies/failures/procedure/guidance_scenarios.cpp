@@ -13,14 +13,14 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr double kT = GuidanceBench::kPeriod_s;
+constexpr double kTick_s = GuidanceBench::kPeriod_s;
 constexpr int kEvery = 20;  // ticks from one point of a picture to the next
 
-int Ticks(double seconds) { return static_cast<int>(std::lround(seconds / kT)); }
+int Ticks(double seconds) { return static_cast<int>(std::lround(seconds / kTick_s)); }
 
-// A hand that moves aside by 2 × half_m and back once in 2 s.
+// Goal of a hand that moves aside by 2 × half_m and back once in 2 s.
 LedTo Aside(int tick, double half_m) {
-  return {.p_W = {half_m * (1.0 - std::cos(0.5 * kTwoPi * kT * tick)), 0.0, 0.0}};
+  return {.p_W = {half_m * (1.0 - std::cos(0.5 * kTwoPi * kTick_s * tick)), 0.0, 0.0}};
 }
 
 }  // namespace
@@ -39,7 +39,7 @@ FailureResult RunGuidedCycles(const FailureSetting& setting) {
     for (int i = 0; i < Ticks(2.0 * kCycles); ++i) {
       bench.Step(Aside(i, 6e-3));
       if (i % kEvery == 0) {
-        series.x.push_back(kT * i);
+        series.x.push_back(kTick_s * i);
         series.y.push_back(bench.energy_J());
       }
     }
@@ -74,7 +74,7 @@ FailureResult RunSwitchedOnOutside(const FailureSetting& setting) {
     double growth_N = 0.0, before_N = 0.0;
     for (int i = 0; i < Ticks(4.0); ++i) {
       // the hand rests aside for a second, then leads back to the axis, then out again
-      const double at_s = kT * i;
+      const double at_s = kTick_s * i;
       const double aside_mm = at_s < 1.0 ? 10.0 : at_s < 2.0 ? 10.0 * (2.0 - at_s) : 4.0 * (at_s - 2.0);
       const GuidanceTick tick = bench.Step({.p_W = {1e-3 * aside_mm, 0.0, 0.0}});
       const double now_N = tick.F_guidance_T_W.f.norm();
@@ -115,12 +115,12 @@ FailureResult RunGuidanceAtCeiling(const FailureSetting& setting) {
     GuidanceBench bench({.method = method, .hand = {"stiff", 3000.0, 60.0, 3.0}});
     for (int i = 0; i < Ticks(2.0 * cycles); ++i) {
       // the bone pushes out of the cup while the tool leaves the corridor; the hand holds against it
-      const double bone_N = 100.0 * (1.0 + std::sin(0.5 * kTwoPi * kT * i));
+      const double bone_N = 100.0 * (1.0 + std::sin(0.5 * kTwoPi * kTick_s * i));
       LedTo led = Aside(i, 6e-3);
       led.push_W = {0.0, 0.0, -bone_N};
       bench.Step(led, {.f = {0.0, 0.0, bone_N}});
       if (i % (kEvery * cycles / 10) == 0) {
-        series.x.push_back(kT * i);
+        series.x.push_back(kTick_s * i);
         series.y.push_back(bench.energy_J());
       }
     }
@@ -150,17 +150,17 @@ FailureResult RunFirmHandAtEdge(const FailureSetting& setting) {
     GuidanceBench bench(params);
     std::vector<Vector3> hand_N;
     for (int i = 0; i < Ticks(seconds); ++i) {
-      const double aside_m = 30e-3 * std::min(1.0, kT * i / 1.0);
+      const double aside_m = 30e-3 * std::min(1.0, kTick_s * i / 1.0);
       const GuidanceTick tick = bench.Step({.p_W = {aside_m, 0.0, 0.0}});
       hand_N.push_back(tick.hand_W);
       lean_N = tick.F_guidance_T_W.f.norm();
       if (i % 4 == 0) {
-        series.x.push_back(kT * i);
+        series.x.push_back(kTick_s * i);
         series.y.push_back(tick.hand_N);
       }
     }
     const std::size_t last = hand_N.size() - static_cast<std::size_t>(Ticks(1.0));
-    return RmsInBand(hand_N, last, hand_N.size() - last, 5.0, 40.0, kT);
+    return RmsInBand(hand_N, last, hand_N.size() - last, 5.0, 40.0, kTick_s);
   };
   GuidanceBenchParams stiff{.method = GuidanceMethod::kMeasuredPose};
   stiff.guidance.lateral.stiffness = 20e3;
@@ -188,7 +188,7 @@ FailureResult RunLetGoAside(const FailureSetting& setting) {
     double max_mm_per_s = 0.0, aside_m = 0.0;
     int released = -1;
     for (int i = 0; i < Ticks(8.0) && (released < 0 || i < released + Ticks(2.0)); ++i) {
-      if (released < 0) aside_m += 0.04 * kT;  // until the guidance has 17 mm of excess
+      if (released < 0) aside_m += 0.04 * kTick_s;  // until the guidance has 17 mm of excess
       const GuidanceTick tick =
           bench.Step({.p_W = {aside_m, 0.0, 0.0}, .push_W = {0.0, 0.0, 0.0}, .holds = released < 0});
       if (released < 0 && tick.excess_m >= 17e-3) released = i;
@@ -196,7 +196,7 @@ FailureResult RunLetGoAside(const FailureSetting& setting) {
       max_mm_per_s = std::max(max_mm_per_s, 1e3 * tick.speed_m_per_s);
       is_inside = tick.excess_m <= 0.0;
       if ((i - released) % 4 == 0) {
-        series.x.push_back(kT * (i - released));
+        series.x.push_back(kTick_s * (i - released));
         series.y.push_back(1e3 * tick.speed_m_per_s);
       }
     }
