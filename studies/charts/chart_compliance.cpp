@@ -129,6 +129,7 @@ std::vector<std::vector<std::string>> ChangeTable(const ComplianceChart& chart) 
   return rows;
 }
 
+// Picture: felt stiffness over the frequency, for each level.
 std::string FeltSvg(const ComplianceChart& chart) {
   report::LineChart plot{.title = "Felt stiffness over the coupling's own",
                          .x_label = "frequency of a small motion about a push of 20 N [Hz]",
@@ -146,6 +147,7 @@ std::string FeltSvg(const ComplianceChart& chart) {
   return report::Svg(plot, 860.0);
 }
 
+// Picture: displacement at rest over the force, for each level.
 std::string GivesSvg(const ComplianceChart& chart) {
   report::LineChart plot{.title = "Displacement at rest",
                          .x_label = "force [N]",
@@ -163,6 +165,7 @@ std::string GivesSvg(const ComplianceChart& chart) {
   return report::Svg(plot, 860.0);
 }
 
+// Picture: the loop's time for each level.
 std::string CostSvg(const ComplianceChart& chart) {
   report::LineChart plot{.title = "Servo loop's time a tick, from the median to the 99th percentile",
                          .x_label = "what gives way: 0 nothing, 1 tool, 2 layer, 3 mount, 4 all",
@@ -225,6 +228,7 @@ std::string Json(const ComplianceChart& chart) {
   return session::ResultText(Judge(chart), json);
 }
 
+// Writes the chart's files and prints its tables. @returns the process's exit code
 int Write(const ComplianceChartOptions& options, const ComplianceChart& chart) {
   const session::Verdict verdict = Judge(chart);
   const session::ChartFiles files{
@@ -264,6 +268,7 @@ int Write(const ComplianceChartOptions& options, const ComplianceChart& chart) {
   return 0;
 }
 
+// Checks the options, computes the chart and writes it. @returns the process's exit code
 int Run(const ComplianceChartOptions& options) {
   if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
     return session::Fail("chart compliance", wrong);

@@ -30,6 +30,7 @@ namespace {
 constexpr const char* kFixed = "ours, cut zone as it is";
 constexpr const char* kUniform = "ours, all of the bone alike";
 constexpr const char* kBrute = "the same without culling";
+// Numbers of spheres of the points.
 constexpr std::array<std::size_t, 9> kCounts{1'000,   3'000,     10'000,    30'000,    100'000,
                                              300'000, 1'000'000, 3'000'000, 10'000'000};
 constexpr std::size_t kBruteFrames = 60;  // timed at each point without culling
@@ -213,6 +214,8 @@ std::vector<std::vector<std::string>> TableOf(const ScalingResult& result) {
   return rows;
 }
 
+// Checks the options, measures the chart and writes it, or the part of a shard. @returns the process's exit
+// code
 int Run(const ScalingOptions& options) {
   if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
     return session::Fail("chart scaling", wrong);

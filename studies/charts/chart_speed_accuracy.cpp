@@ -159,7 +159,7 @@ class Measurement {
     Say("left out: " + result_.left_out.back());
   }
 
-  // Packs a step's bone, or reuses an earlier step's with the same packing.
+  // The task's bone, packed for a step; reused if an earlier step of this seed has the same packing.
   const LadderBone& Packed(const MethodStep& step, const PlacedTask& task, std::size_t seed) {
     if (packed_seed_ != seed) packed_.clear();
     packed_seed_ = seed;
@@ -292,6 +292,8 @@ std::string Csv(const SpeedAccuracyResult& result) {
   return csv;
 }
 
+// Checks the options, measures the chart and writes it, or the part of a shard. @returns the process's exit
+// code
 int Run(const SpeedAccuracyOptions& options) {
   if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
     return session::Fail("chart speed-accuracy", wrong);

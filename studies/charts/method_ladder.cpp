@@ -17,6 +17,7 @@ constexpr double kZone_m = 6.5e-3;   // depth that is packed finely: the cut is 
 // Smallest radius of a split ball, divided by the spacing; see SplitParams and SplitPackingParams.
 constexpr double kMinSplit = 0.4 / 2.5;
 
+// Whether the method splits balls when the tool touches them.
 bool Splits(const MethodStep& step) { return step.method == "split" || step.method == "cpu-split"; }
 
 double ToolRadius(const simulation::CutWorkload& work) { return work.tool.balls.front().radius_m; }

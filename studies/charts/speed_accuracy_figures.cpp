@@ -225,6 +225,7 @@ std::string NameOf(const SpeedAccuracyPoint& point) {
   return fmt::format("{} {:g} mm", point.method, point.length_m * 1e3);
 }
 
+// For each error: how the other methods' points compare with ours (CompareWithOurs).
 nlohmann::json DominanceJson(const SpeedAccuracyResult& result, ChartTime time) {
   nlohmann::json json;
   for (const ChartFigure figure : kChartFigures) {

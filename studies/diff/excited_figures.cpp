@@ -16,6 +16,7 @@ namespace {
 // Lines of two responses count as the same up to this many standard deviations of their difference.
 constexpr double kDeviations = 2.0;
 
+// The kind of an excited run; only runs of the same kind are compared.
 const char* KindOf(const ExcitationRequest& request) {
   if (request.rest_s > 0.0) return request.held ? "a tremor run" : "a noise run";
   if (request.joint > 0) return "a run of a joint";

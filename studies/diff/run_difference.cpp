@@ -31,6 +31,7 @@ ConfigDifference FirstDifferingLine(const std::string& file, const std::string& 
           .line = static_cast<int>(i) + 1};
 }
 
+// The configuration files that are not the same in both runs.
 std::vector<ConfigDifference> CompareConfig(const io::SessionInfo& first, const io::SessionInfo& second) {
   std::map<std::string, std::pair<const std::string*, const std::string*>> files;
   for (const io::ConfigFile& file : first.config.files) files[file.name].first = &file.content;
@@ -45,6 +46,7 @@ std::vector<ConfigDifference> CompareConfig(const io::SessionInfo& first, const 
   return differences;
 }
 
+// A line "name: first | second" for each property of the sessions that differs.
 std::vector<std::string> CompareSessions(const io::SessionInfo& first, const io::SessionInfo& second) {
   std::vector<std::string> lines;
   const auto compare = [&](const char* name, const std::string& a, const std::string& b) {
@@ -64,6 +66,7 @@ std::vector<std::string> CompareSessions(const io::SessionInfo& first, const io:
   return lines;
 }
 
+// Names of the faults of `run` that `other` does not have.
 std::vector<std::string> FaultsOnlyIn(const RunFigures& run, const RunFigures& other) {
   std::vector<std::string> names;
   session::ForEachFault(run.faults, [&](safety::Fault fault, const safety::FaultText& text) {
@@ -105,6 +108,7 @@ void CompareExcited(const ExcitedFigures& first, const ExcitedFigures& second, d
       only.push_back(fmt::format("the {} run was not estimated: {}", which, run->refused));
 }
 
+// The verdict's reason for a response that differs: how many lines, and the worst of them.
 std::string ResponseText(const ResponseDifference& response) {
   const LineDifference& worst = response.worst();
   return fmt::format(

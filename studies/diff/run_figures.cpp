@@ -91,6 +91,7 @@ void AddLatency(const Gathered& all, std::vector<RunFigure>& figures) {
   add("latency from bone to hand", "latency_bone_to_hand_ms", latency.bone_to_hand_s);
 }
 
+// The figures of a run, from its sums. Two runs always have the same figures in the same order.
 std::vector<RunFigure> Figures(const Gathered& all) {
   const auto ticks = static_cast<double>(std::max<std::uint64_t>(1, all.rendering));
   std::vector<RunFigure> figures{{.name = "rendered",

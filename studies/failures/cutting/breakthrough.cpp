@@ -19,7 +19,9 @@ namespace {
 // The hand, and the period of frames.
 constexpr double kPush_N = 100.0, kMass_kg = 2.0, kDamping_Ns_per_m = 200.0, kDt_s = 1e-3;
 constexpr double kRadius_m = 1.6e-3, kHalfWidth_m = 4e-3;  // of the burr, and of the wall across the feed
-// Parameters of our depth limit; its bound lies kMargin_m beyond the tool that has cut the wall through.
+// Our depth limit: its bound lies kMargin_m beyond the tool that has cut the wall through; it resists from
+// kSoft_m before the bound and stops the spindle kSpindleStop_m before it; kStop_m_per_s2 is the workspace's
+// deceleration.
 constexpr double kMargin_m = 1e-3;
 constexpr double kSoft_m = 3e-3, kSpindleStop_m = 0.5e-3, kLimit_N_per_m = 20e3, kStop_m_per_s2 = 3.0;
 constexpr int kFramesAfter = 100;  // frames observed after the breakthrough

@@ -14,6 +14,7 @@
 namespace osteon::studies {
 namespace {
 
+// Radius of the cup, depth to which the reamer is pressed in, and its speed along the wall.
 constexpr double kCup_m = 25e-3, kDepth_m = 5e-3, kSpeed_deg_per_s = 50.0, kDt_s = 1e-3;
 constexpr int kLanding = 40;  // frames in which the tool is pressed on; they are not judged
 

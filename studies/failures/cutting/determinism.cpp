@@ -15,7 +15,7 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kRadius_m = 4e-3;
+constexpr double kRadius_m = 4e-3;  // of the tool
 
 /// The hand's pose: down, then along a figure of eight.
 Pose HandAt(int frame, int frames) {
@@ -83,6 +83,7 @@ struct Agreement {
   }
 };
 
+/// Compares contact, normal and removed mass of every frame, and the balls at the end.
 Agreement Compare(const std::vector<simulation::ContactModel>& ours, const simulation::CarvedState& our_state,
                   const std::vector<simulation::ContactModel>& reference,
                   const simulation::CarvedState& reference_state, int frames) {

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kRadius_m = 2e-3, kStall_s = 0.1;  // radius of the ball; length of the frame
 
+// The tool turned about z through its origin, the pivot.
 Pose RotatedPose(double angle_rad) {
   Pose X = Pose::Identity();
   X.linear() = ExpRotation(Vector3(0, 0, angle_rad));
@@ -27,6 +28,7 @@ double Overlap(const simulation::Bone& bone, const Vector3& center_m) {
   return deepest_m;
 }
 
+// Penetration of the tool's ball into the post in one turn.
 struct Entry {
   double arc_m{0.0};  ///< deepest penetration of the ball on its path to first contact
   double end_m{0.0};  ///< penetration of the proxy at the end

@@ -12,7 +12,7 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kRadius_m = 3e-3, kDepth_m = 1e-3, kDt_s = 1e-3;
+constexpr double kRadius_m = 3e-3, kDepth_m = 1e-3, kDt_s = 1e-3;  // kDepth_m: pressed into the bone
 // numbers of frames
 constexpr int kPress = 100, kTraverse = 200, kLift = 100, kBack = 100,
               kCycle = kPress + kTraverse + kLift + kBack;

@@ -74,7 +74,7 @@ GripRide RideGrip(const GripRideParams& params) {
     result.indices.push_back(tick.vibration_index);
     result.references_N.push_back(tick.vibration_reference_N);
     result.damping_factors.push_back(tick.damping_factor);
-    if (tick.damping_factor > 2.0) result.heavy_s += kDt_s;  // as GripRide::heavy_s states
+    if (tick.damping_factor > 2.0) result.heavy_s += kDt_s;
   }
   const auto window = static_cast<std::size_t>(GripRide::kWindow_s / kDt_s),
              every = static_cast<std::size_t>(GripRide::kEvery_s / kDt_s);

@@ -20,6 +20,7 @@ using kinematics::JointVector;
 // Allowed reversals: a joint may turn back at the limit, where the hand turns back, and after the elbow has
 // moved aside. A chattering joint reverses hundreds of times.
 constexpr int kMaxReversals = 12;
+// The hand's speed along the line, the time to reach it, and the rest at the turning point.
 constexpr double kSpeed_m_per_s = 0.1, kRamp_s = 0.1, kRest_s = 0.3;
 
 // One approach to a joint's limit.

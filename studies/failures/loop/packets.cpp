@@ -17,6 +17,7 @@ struct Case {
   hil::WireFaults before{}, after{};
 };
 
+// Cases of delay, loss, reordering, and all of these together. @param full  more of each
 std::vector<Case> MakeCases(bool full) {
   constexpr rt::Nanoseconds kMs = rt::kMillisecond;
   std::vector<Case> cases;

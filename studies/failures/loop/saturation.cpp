@@ -114,8 +114,8 @@ Saturated Press(double tool_m, double side_rad, bool depth_limited) {
     const JointVector tau_wanted = J.topRows<3>().transpose() * f_wanted;
     const JointVector tau = J.topRows<3>().transpose() * f;
     JointVector clipped = tau_wanted;
-    bool can_hold =
-        wanted_N <= kCeiling_N;  // the arm can hold the whole force, with gravity counted against it
+    // whether the arm can hold the whole force, with gravity counted against it
+    bool can_hold = wanted_N <= kCeiling_N;
     for (std::size_t j = 0; j < 7; ++j) {
       const auto k = static_cast<Eigen::Index>(j);
       const double limit = params.arm.limits[j].torque_Nm, room = limit - std::abs(g[k]);

@@ -15,12 +15,13 @@
 namespace osteon::studies {
 namespace {
 
+// Period of ticks; stiffness and radius of the bowl; force with which the hand presses.
 constexpr double kDt_s = 1e-3, kWall_N_per_m = 20e3, kBowl_m = 0.025, kPush_N = 80.0;
 constexpr double kPressed_s = 0.6;   // the tool rests there until the motion begins
 constexpr double kStalls_s = 0.65;   // 50 ms into the motion
 constexpr double kResumed_s = 0.15;  // after the stall: the ramp back has ended
-constexpr double kMaxStep =
-    0.10;  // bound on a change of the force in a tick, over the force before the stall
+// Bound on a change of the force in a tick, as a share of the force before the stall.
+constexpr double kMaxStep = 0.10;
 
 enum class Motion { kOut, kDeeper, kAlong };
 // A motion of the hand during which frames stay away.

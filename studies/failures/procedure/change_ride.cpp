@@ -43,8 +43,9 @@ ChangeRide RideChange(const ChangeRideParams& params) {
   state.session = control::SessionState::kCommandingWait;
   control::ArmCommand command;
   control::CellReadings readings;
-  double carried_kg =  // mass that the simulated sensor carries params.tools.front().sensor.tool_mass_kg;
-      rt::Nanoseconds now = rt::kSecond;
+  // mass that the simulated sensor carries
+  double carried_kg = params.tools.front().sensor.tool_mass_kg;
+  rt::Nanoseconds now = rt::kSecond;
   std::uint64_t frame = 0;
   control::TickRecord record;
   const auto tick = [&] {

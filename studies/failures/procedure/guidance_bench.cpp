@@ -84,8 +84,8 @@ Pose GuidanceBench::Measured() const {
   return X;
 }
 
-// Sums the wrenches of bone and guidance and limits the sum, as the method does. @param guidance  receives
-// the guidance's part @returns the sum
+// Sums the wrenches of bone and guidance, whose share the method chooses so that the sum keeps the limits.
+// @param guidance  receives the guidance's part of the sum
 Wrench GuidanceBench::Render(const Wrench& bone, Wrench& guidance) {
   const auto sum_with = [&](const Wrench& F, double share) {
     return Wrench{.f = bone.f + share * F.f, .t = bone.t + share * F.t};

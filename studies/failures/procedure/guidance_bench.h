@@ -35,7 +35,7 @@ struct GuidanceBenchParams {
 
 /// The place to which a hand leads the tool, and a force that it adds.
 struct LedTo {
-  Vector3 p_W{0.0, 0.0, 0.0};     ///< goal of the hand, from its place at the start [m]
+  Vector3 p_W{0.0, 0.0, 0.0};     ///< goal of the hand, from its place with the tool on the plan's axis [m]
   Vector3 push_W{0.0, 0.0, 0.0};  ///< added force [N]
   bool holds{true};               ///< false: the hand has let go
 };
