@@ -46,7 +46,7 @@ struct RenderedAxis {
 };
 inline constexpr double kMaxWall_N_per_m = 1e6;  ///< largest wall that is tried
 
-/// What a cell renders: the errors of its force sensor, and the loop along each axis of the tool.
+/// Rendering of a cell: the errors of its force sensor, and the loop along each axis of the tool.
 struct Rendering {
   SourcedFigure dead_zone_N{}, noise_N{}, drift_N{}, sensor_delay_s{};
   std::vector<RenderedAxis> axes;  ///< x, y, z

@@ -37,7 +37,7 @@ struct FailureResult {
   int id{0};
   std::string name{};            ///< "thin sheet"
   std::string metric{}, unit{};  ///< "shots that passed through", "1"
-  std::string baseline_name{};   ///< description of the baseline: "pointshell, voxels of .25 mm"
+  std::string baseline_name{};   ///< description of the baseline: "pointshell, voxels of 0.25 mm"
   double bound{0.0}, baseline{0.0}, ours{0.0};
   bool baseline_fails{false}, ours_passes{false};
   std::string note{};  ///< other observations: secondary figures, counts; empty, or one or two sentences
@@ -53,7 +53,7 @@ using EngineFactory = std::function<std::unique_ptr<simulation::CuttingEngine>(
 /// failures.md asks for.
 enum class FailureSize : std::uint8_t { kTest, kFull };
 
-/// What a scenario is run with.
+/// The engine, amount of computation and progress report of a scenario's run.
 struct FailureSetting {
   EngineFactory make_engine;  ///< "ours"
   FailureSize size{FailureSize::kTest};

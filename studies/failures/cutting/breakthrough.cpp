@@ -27,7 +27,7 @@ constexpr double kSoft_m = 3e-3, kSpindleStop_m = 0.5e-3, kLimit_N_per_m = 20e3,
 constexpr int kFramesAfter = 100;  // frames observed after the breakthrough
 
 // The outcome of one wall.
-struct Course {
+struct DrillResult {
   double overshoot_m{0.0};     ///< travel of the hand below its height at the breakthrough
   double lead_m{-1.0};         ///< largest lead of the proxy over the tool; -1: none seen
   std::optional<int> through;  ///< frame in which the proxy has passed the wall
@@ -37,11 +37,12 @@ struct Course {
 
 // Drills until kFramesAfter after the breakthrough.
 // @param held  our depth limit acts; false: from the flag on there is no force on the hand (the baseline)
-Course Drill(simulation::CuttingEngine& engine, const simulation::Bone& wall, const simulation::Solid& solid,
-             double thickness_m, bool held, const simulation::CuttingParams& params) {
+DrillResult Drill(simulation::CuttingEngine& engine, const simulation::Bone& wall,
+                  const simulation::Solid& solid, double thickness_m, bool held,
+                  const simulation::CuttingParams& params) {
   const simulation::Tool tool = MakeBallTool(kRadius_m);
   simulation::SceneWatch watch(&solid, wall, tool, {.min_wall_m = 1e-6});
-  Course course;
+  DrillResult drill_result;
   const safety::DepthLimitParams floor{
       .acts = held,
       .bound = {.shape = safety::ZoneShape::kHalfSpace,
@@ -61,29 +62,29 @@ Course Drill(simulation::CuttingEngine& engine, const simulation::Bone& wall, co
     const double spindle = depth_limit.stops_spindle() ? 0.0 : kScenarioSpindle_rad_per_s;
     const auto model = engine.Step(FrameAt(Downwards({0, 0, z}), spindle, kDt_s));
     const double proxy_m = Pose(model.X_WP).translation().z();
-    course.lead_m = std::max(course.lead_m, z - proxy_m);
-    if (!course.through && proxy_m < -thickness_m) {
-      course.through = frame;
+    drill_result.lead_m = std::max(drill_result.lead_m, z - proxy_m);
+    if (!drill_result.through && proxy_m < -thickness_m) {
+      drill_result.through = frame;
       broken_at_m = z;
     }
-    if (!watch.Step(model.X_WP, model.removed_volume_m3, 0).empty() && !course.flagged)
-      course.flagged = frame;
+    if (!watch.Step(model.X_WP, model.removed_volume_m3, 0).empty() && !drill_result.flagged)
+      drill_result.flagged = frame;
     double force_N = model.F_T_W.f.z + depth_limit.Step({0, 0, z}, {0, 0, v}).z();
     if (held)
       force_N = std::min(force_N, params.max_force_N);
-    else if (course.flagged)
+    else if (drill_result.flagged)
       force_N = 0.0;
-    if (course.through) {
-      course.overshoot_m = std::max(course.overshoot_m, broken_at_m - z);
-      course.hand.x.push_back(1e3 * kDt_s * (frame - *course.through));
-      course.hand.y.push_back(1e3 * (broken_at_m - z));
-      if (frame - *course.through >= kFramesAfter) break;
+    if (drill_result.through) {
+      drill_result.overshoot_m = std::max(drill_result.overshoot_m, broken_at_m - z);
+      drill_result.hand.x.push_back(1e3 * kDt_s * (frame - *drill_result.through));
+      drill_result.hand.y.push_back(1e3 * (broken_at_m - z));
+      if (frame - *drill_result.through >= kFramesAfter) break;
     }
     v += kDt_s * (force_N - kPush_N - kDamping_Ns_per_m * v) / kMass_kg;
     v = workspace.Limit({0, 0, z}, {0, 0, v}, kDt_s).v_WT.z();
     z += kDt_s * v;
   }
-  return course;
+  return drill_result;
 }
 
 }  // namespace
@@ -115,7 +116,7 @@ FailureResult RunBreakthrough(const FailureSetting& setting) {
       return Drill(*setting.make_engine(wall, MakeBallTool(kRadius_m), Pose::Identity(), params), wall, solid,
                    thickness_m, held, params);
     };
-    Course jumped = run(false), ours = run(true);
+    DrillResult jumped = run(false), ours = run(true);
     result.baseline = std::max(result.baseline, 1e3 * jumped.overshoot_m);
     result.ours = std::max(result.ours, 1e3 * ours.overshoot_m);
     lead_m = std::max(lead_m, ours.lead_m);

@@ -29,24 +29,25 @@ double Overlap(const simulation::Bone& bone, const Vector3& center_m) {
 }
 
 // Penetration of the tool's ball into the post in one turn.
-struct Entry {
+struct TurnPenetration {
   double arc_m{0.0};  ///< deepest penetration of the ball on its path to first contact
   double end_m{0.0};  ///< penetration of the proxy at the end
 };
 
 /// Turns the tool by `angle` in one frame.
-Entry RotateInto(simulation::CuttingEngine& engine, const simulation::Bone& bone, double lever_m,
-                 double angle_rad) {
+TurnPenetration RotateInto(simulation::CuttingEngine& engine, const simulation::Bone& bone, double lever_m,
+                           double angle_rad) {
   engine.Step(FrameAt(RotatedPose(0.0)));
   const auto model = engine.Step(FrameAt(RotatedPose(angle_rad), 0.0, kStall_s));
   const Vector3 ball_T(lever_m, 0, 0);
-  Entry entry{.end_m = Overlap(bone, Pose(model.X_WP) * ball_T)};
+  TurnPenetration penetration{.end_m = Overlap(bone, Pose(model.X_WP) * ball_T)};
   constexpr int kSamples = 2000;  // about 0.04 mm apart: the overlap of two balls there errs by less than 1
                                   // um
   for (int i = 0; i <= kSamples; ++i)
-    entry.arc_m = std::max(
-        entry.arc_m, Overlap(bone, RotatedPose(model.contact_fraction * angle_rad * i / kSamples) * ball_T));
-  return entry;
+    penetration.arc_m =
+        std::max(penetration.arc_m,
+                 Overlap(bone, RotatedPose(model.contact_fraction * angle_rad * i / kSamples) * ball_T));
+  return penetration;
 }
 
 }  // namespace
@@ -86,7 +87,7 @@ FailureResult RunFastRotation(const FailureSetting& setting) {
       const auto ours = setting.make_engine(post, tool, Pose::Identity(), {});
       const auto chord = simulation::MakeMethod(simulation::Method::kPaperCorrected, post, nullptr, tool,
                                                 Pose::Identity(), {}, {});
-      const Entry our_entry = RotateInto(*ours, post, lever_m, angle);
+      const TurnPenetration our_entry = RotateInto(*ours, post, lever_m, angle);
       const double our_mm = 1e3 * (our_entry.arc_m - allowed_m);
       const double their_mm = 1e3 * (RotateInto(*chord, post, lever_m, angle).arc_m - allowed_m);
       end_m = std::max(end_m, our_entry.end_m);

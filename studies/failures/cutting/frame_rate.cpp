@@ -70,13 +70,12 @@ Run Play(simulation::CuttingEngine& engine, double rate_hz) {
   return run;
 }
 
-/// Largest relative differences of the mean forces and of the removed volume.
+/// Largest relative differences from the run at 1 kHz: of the mean forces, and of the removed volume.
 struct Spread {
   double force{0.0}, volume{0.0};
   [[nodiscard]] double worst() const { return std::max(force, volume); }
 };
 
-/// Relative differences from the run at 1 kHz.
 Spread SpreadOf(const std::array<Run, kRates_hz.size()>& runs) {
   const Run& nominal = runs[kNominal];
   Spread spread;

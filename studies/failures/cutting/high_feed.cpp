@@ -39,7 +39,7 @@ void AddPath(const simulation::ContactModel& model, const Pose& X_WT, std::vecto
   at(Pose(model.X_WP).translation());
 }
 
-/// What is judged of one slot.
+/// Judged results of one slot.
 struct Outcome {
   double residue_m{0.0};  ///< how deep the remaining balls reach into the sweep
   double behind_m{0.0};   ///< largest distance of the proxy from the hand at the end of a frame

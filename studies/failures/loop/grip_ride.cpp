@@ -34,7 +34,7 @@ GripRide RideGrip(const GripRideParams& params) {
   hil::HandImpedance loose_mass(loose), tight_mass(tight);
   bool stepped = false;
   Pose X_held = X_start;  // where the tight hand holds the tool
-  Wrench kept;            // what is added to the tight hand so that its wrench does not jump at the step
+  Wrench kept;            // added to the tight hand's wrench, so that it does not jump at the step
   hil::SensorModel sensor({.noise_N = kNoise_N, .noise_Nm = kNoise_Nm, .seed = 16});
   const hil::Tremor tremor(params.tremor_N, 1);
   std::vector<Vector3> hand_forces, tremor_forces;

@@ -72,8 +72,8 @@ HandPath PathOf(const Case& c) {
   };
 }
 
-// What is judged of one ride.
-struct Measured {
+// Judged results of one ride.
+struct RideResult {
   double beside_m{0.0};      // distance from the line
   double backward_m{0.0};    // travel against the push, on the way out
   double beyond_rad{-1.0};   // largest overrun of a limit, over all joints
@@ -83,8 +83,8 @@ struct Measured {
   bool fault{false};
 };
 
-Measured Measure(const Case& c, const std::vector<ArmRideTick>& ride) {
-  Measured m{.force_step_N = LargestForceStep(ride)};
+RideResult Measure(const Case& c, const std::vector<ArmRideTick>& ride) {
+  RideResult m{.force_step_N = LargestForceStep(ride)};
   const double out_s = c.out_m / kSpeed_m_per_s + kRamp_s;
   double farthest = 0.0;
   std::array<double, 7> last_qd{};
@@ -154,7 +154,7 @@ FailureResult RunJointLimit(const FailureSetting& setting) {
     };
     const std::vector<ArmRideTick> ours = RideServoLoop(c.params, PathOf(c));
     const std::vector<ArmRideTick> clamped = RideMethod(c.params, PathOf(c), clamp);
-    const Measured m = Measure(c, ours), b = Measure(c, clamped);
+    const RideResult m = Measure(c, ours), b = Measure(c, clamped);
     if (1e3 * b.beside_m > result.bound) ++baselines_fail;
     result.ours = std::max(result.ours, 1e3 * m.beside_m);
     if (1e3 * b.beside_m >= result.baseline) {

@@ -27,8 +27,8 @@ constexpr double kMaxRecovery_s = 0.05;               // bound on the time until
 constexpr double kCounts_N = 1.0;                     // smallest force whose direction counts
 constexpr double kSlack = 1.0 + 1e-9;                 // on a torque limit, for rounding
 
-// What is judged of one push, with the baseline computed for the same poses.
-struct Saturated {
+// Judged results of one push; the baseline is computed for the same poses.
+struct PushResult {
   // largest angle to the wanted force: of the rendered one, and of the one of clipped torques (baseline)
   double angle_rad{0.0}, clipped_angle_rad{0.0};
   double torque_share{0.0};  // largest (|J^T F| + |g|) / limit
@@ -47,7 +47,7 @@ double Angle(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).
 // @param tool_m         length of the tool
 // @param side_rad       direction out of the plane, as an angle about the tool's axis from its x
 // @param depth_limited  the depth limit's resistance adds to the wall's, from half the depth on
-Saturated Press(double tool_m, double side_rad, bool depth_limited) {
+PushResult Press(double tool_m, double side_rad, bool depth_limited) {
   ArmRideParams params;
   params.arm = ScenarioArm();
   params.X_FT.translation() = Vector3(0.0, 0.0, tool_m);
@@ -98,7 +98,7 @@ Saturated Press(double tool_m, double side_rad, bool depth_limited) {
                                                 // alone
   const std::vector<ArmRideTick> ride = RideServoLoop(params, scene);
 
-  Saturated result;
+  PushResult result;
   double could_since_s = 0.0;  // start of the time in which the arm could hold the whole force
   bool is_whole = true;
   for (std::size_t i = 1; i < ride.size(); ++i) {
@@ -159,13 +159,13 @@ FailureResult RunSaturation(const FailureSetting& setting) {
                        .bound = 1.0};
   const int sides = setting.full() ? 12 : 3;
   const std::vector<double> tools_m = setting.full() ? std::vector{0.2, 0.3} : std::vector{0.3};
-  Saturated worst;
+  PushResult worst;
   double torque_share = 0.0, recovery_s = 0.0, min_share = 1.0, max_N = 0.0;
   int done = 0, saturated = 0;
   bool complete = true, all_recover = true;  // without faults
   for (const double tool_m : tools_m) {
     for (int side = 0; side < sides && complete; ++side) {
-      const Saturated s = Press(tool_m, 2.0 * std::numbers::pi * (side + 0.3) / sides, side % 2 == 1);
+      const PushResult s = Press(tool_m, 2.0 * std::numbers::pi * (side + 0.3) / sides, side % 2 == 1);
       saturated += s.saturates ? 1 : 0;
       all_recover &= s.recovers && !s.fault;
       result.ours = std::max(result.ours, 180.0 / std::numbers::pi * s.angle_rad);

@@ -24,7 +24,7 @@ constexpr double kPayload_kg = 0.2, kDrift_N_per_s = 0.1;  // errors of the load
 constexpr double kDeadZone_N = 5.0, kDeadZone_Nm = 1.0;    // of our law
 
 // Motion of the released tool.
-struct Drifted {
+struct DriftResult {
   double speed_m_per_s{0.0};  // speed of the released tool
   double way_m{0.0};          // travel of the tool's origin until the push
   double push_m_per_s{0.0};   // speed under the push at the end
@@ -35,7 +35,7 @@ struct Drifted {
 // @param bias_N  error of the sensor's zero along an axis of the flange; its torque is 0.05 N·m per N
 // @param ours    with bias estimate and dead zone; false: the baseline
 // @param seconds from the release to the push
-Drifted Release(double bias_N, int axis, bool ours, double seconds) {
+DriftResult Release(double bias_N, int axis, bool ours, double seconds) {
   ArmRideParams params;
   params.arm = ScenarioArm();
   params.X_FT = ScenarioTool();
@@ -82,7 +82,7 @@ Drifted Release(double bias_N, int axis, bool ours, double seconds) {
                            }};
   const std::vector<ArmRideTick> ride = RideServoLoop(params, scene);
 
-  Drifted result;
+  DriftResult result;
   const auto second = static_cast<std::size_t>(1.0 / kDt_s);
   const auto from = static_cast<std::size_t>((kReleases_s + kSettles_s) / kDt_s);
   const auto to = static_cast<std::size_t>(pushes_s / kDt_s);
@@ -101,7 +101,7 @@ Drifted Release(double bias_N, int axis, bool ours, double seconds) {
 }
 
 // The released tool's distance from its place a second after the release, as a line of the picture.
-FailureSeries Drawn(const char* name, const Drifted& drifted, bool ours) {
+FailureSeries Drawn(const char* name, const DriftResult& drifted, bool ours) {
   FailureSeries series{.name = name, .y = drifted.way_mm, .ours = ours};
   for (std::size_t i = 0; i < series.y.size(); ++i) series.x.push_back(0.02 * static_cast<double>(i));
   return series;
@@ -127,9 +127,9 @@ FailureResult RunSensorErrors(const FailureSetting& setting) {
   double push_m_per_s = 1e9, way_m = 0.0;
   for (const double bias_N : biases_N) {
     for (int axis = 0; axis < axes && complete; ++axis) {
-      const Drifted ours = Release(bias_N, axis, true, seconds);
+      const DriftResult ours = Release(bias_N, axis, true, seconds);
       // without bias estimate the tool soon leaves the arm's reach
-      const Drifted bare = Release(bias_N, axis, false, 2.5);
+      const DriftResult bare = Release(bias_N, axis, false, 2.5);
       result.ours = std::max(result.ours, 1e3 * ours.speed_m_per_s);
       result.baseline = std::min(result.baseline, 1e3 * bare.speed_m_per_s);
       baselines_fail &= 1e3 * bare.speed_m_per_s > result.bound;

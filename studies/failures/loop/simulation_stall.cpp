@@ -34,8 +34,8 @@ constexpr std::array<Case, 3> kMotions{{{Motion::kOut, "out of the bone", 0.25, 
                                         {Motion::kDeeper, "deeper", 0.1, 0.02},
                                         {Motion::kAlong, "along it", 0.1, 0.02}}};
 
-// What is judged of one ride.
-struct Stalled {
+// Judged results of one ride.
+struct StallResult {
   double returned_J{0.0};  // largest energy that the virtual side has given beyond what it took
   double step_share{0.0};  // largest change of the force in a tick when frames come again, over that before
   bool fault{false};
@@ -43,7 +43,7 @@ struct Stalled {
 };
 
 // @param held  the force of the last frame is held during the stall (the baseline), instead of its plane
-Stalled Ride(const Case& c, double stall_s, bool held) {
+StallResult Ride(const Case& c, double stall_s, bool held) {
   ArmRideParams params;
   params.arm = ScenarioArm();
   params.X_FT = ScenarioTool();
@@ -107,7 +107,7 @@ Stalled Ride(const Case& c, double stall_s, bool held) {
                            }};
   const std::vector<ArmRideTick> ride = RideServoLoop(params, scene);
 
-  Stalled result;
+  StallResult result;
   double given_J = 0.0;
   const auto resumes = static_cast<std::size_t>(std::lround((kStalls_s + stall_s) / kDt_s));
   const auto begins = static_cast<std::size_t>(std::lround(kStalls_s / kDt_s));
@@ -127,7 +127,7 @@ Stalled Ride(const Case& c, double stall_s, bool held) {
 }
 
 // The energy given so far over the time, as a line of the picture.
-FailureSeries Drawn(const char* name, const Stalled& stalled, bool ours) {
+FailureSeries Drawn(const char* name, const StallResult& stalled, bool ours) {
   FailureSeries series{.name = name, .ours = ours};
   for (std::size_t i = 0; i < stalled.given_J.size(); i += 4) {
     series.x.push_back(1e-3 * static_cast<double>(i));
@@ -154,7 +154,7 @@ FailureResult RunSimulationStall(const FailureSetting& setting) {
   for (const Case& c : kMotions) {
     for (const double stall_s : stalls_s) {
       if (!complete) break;
-      const Stalled ours = Ride(c, stall_s, false), held = Ride(c, stall_s, true);
+      const StallResult ours = Ride(c, stall_s, false), held = Ride(c, stall_s, true);
       if (ours.step_share >= step) worst = fmt::format("{}, {:.0f} ms", c.name, 1e3 * stall_s);
       result.ours = std::max(result.ours, ours.returned_J);
       step = std::max(step, ours.step_share);

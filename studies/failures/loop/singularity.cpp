@@ -114,16 +114,16 @@ Case WristCase(double miss_rad) {
   return c;
 }
 
-// What is judged of one ride.
-struct Measured {
+// Judged results of one ride.
+struct RideResult {
   double speed_share{0.0};            // largest joint speed over that joint's limit
   double force_step_N{0.0};           // largest change of the hand's force in a millisecond
   double left_m{0.0}, left_rad{0.0};  // distance of the tool from the hand's goal at the end
   bool fault{false};
 };
 
-Measured Measure(const Case& c, const std::vector<ArmRideTick>& ride) {
-  Measured m{.force_step_N = LargestForceStep(ride)};
+RideResult Measure(const Case& c, const std::vector<ArmRideTick>& ride) {
+  RideResult m{.force_step_N = LargestForceStep(ride)};
   for (const ArmRideTick& tick : ride) {
     m.speed_share = std::max(m.speed_share, JointSpeedShare(c.params.arm, tick.qd));
     m.fault |= tick.fault;
@@ -168,7 +168,7 @@ FailureResult RunSingularity(const FailureSetting& setting) {
     const Case& c = cases[i];
     const std::vector<ArmRideTick> ours = RideServoLoop(c.params, c.path);
     const std::vector<ArmRideTick> plain = RideMethod(c.params, c.path, PlainInverse);
-    const Measured m = Measure(c, ours), b = Measure(c, plain);
+    const RideResult m = Measure(c, ours), b = Measure(c, plain);
     if (b.speed_share > result.bound) ++baselines_fail;
     if (m.speed_share >= result.ours) worst = c.name;
     result.ours = std::max(result.ours, m.speed_share);

@@ -10,7 +10,7 @@
 namespace osteon::studies {
 namespace {
 
-// Of the picture [px]: margin, space between the halves, and height of the headings.
+// Margin of the picture, space between its halves, and height of the headings [px].
 constexpr double kMargin = 8.0, kGap = 4.0, kHeading = 24.0;
 
 /// @returns null if no scene has that number

@@ -11,7 +11,8 @@ namespace {
 
 constexpr SketchLine kCorridor{.color = "#59636e", .width_px = 2.0};
 
-// What all these sketches share: a cup in bone, its axis, and the funnel that the guidance allows.
+// Draws the part that all these sketches share: a cup in bone, its axis, and the funnel within which the
+// guidance leaves the tool free.
 void Funnel(SceneSketch& s) {
   std::vector<report::PlotPoint> bone{{20, 150}, {20, 110}};
   for (const report::PlotPoint& p : ArcPoints({110, 110}, 34, 180, 0)) bone.push_back(p);

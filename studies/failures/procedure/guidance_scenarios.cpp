@@ -33,6 +33,7 @@ FailureResult RunGuidedCycles(const FailureSetting& setting) {
                        .baseline_name = "the same springs at the measured pose, undamped",
                        .bound = 0.0};
   constexpr int kCycles = 20;
+  // runs all cycles; returns the energy that the guidance has given [J]
   const auto run = [&](GuidanceBenchParams params, FailureSeries& series) {
     params.hand = {"stiff", 3000.0, 60.0, 3.0};
     GuidanceBench bench(params);
@@ -66,8 +67,9 @@ FailureResult RunSwitchedOnOutside(const FailureSetting& setting) {
                        .unit = "N",
                        .baseline_name = "full share at once",
                        .bound = 1.0};
-  double given_J[2]{};
-  bool came_on = false;
+  double given_J[2]{};   // largest energy given: by the baseline, by ours
+  bool came_on = false;  // our guidance has rendered a force
+  // returns the largest growth of the guidance's force within a tick [N]
   const auto run = [&](GuidanceMethod method, double& given, FailureSeries& series) {
     GuidanceBench bench({.method = method});
     bench.SwitchOnAside(10e-3);
@@ -111,6 +113,7 @@ FailureResult RunGuidanceAtCeiling(const FailureSetting& setting) {
                        .unit = "J",
                        .baseline_name = "its share is what the bone leaves, at once",
                        .bound = 0.0};
+  // runs all cycles; returns the energy that the guidance has given [J]
   const auto run = [&](GuidanceMethod method, FailureSeries& series) {
     GuidanceBench bench({.method = method, .hand = {"stiff", 3000.0, 60.0, 3.0}});
     for (int i = 0; i < Ticks(2.0 * cycles); ++i) {
@@ -145,7 +148,9 @@ FailureResult RunFirmHandAtEdge(const FailureSetting& setting) {
                        .baseline_name = "20 N/mm at the measured pose",
                        .bound = 0.05};
   const double seconds = setting.full() ? 6.0 : 3.0;
-  double lean_N = 0.0;
+  double lean_N = 0.0;  // force of the guidance at the end
+  // leads the tool aside within a second and holds it; returns the force between 5 and 40 Hz in the last
+  // second
   const auto run = [&](const GuidanceBenchParams& params, FailureSeries& series) {
     GuidanceBench bench(params);
     std::vector<Vector3> hand_N;
@@ -182,7 +187,8 @@ FailureResult RunLetGoAside(const FailureSetting& setting) {
                        .unit = "mm/s",
                        .baseline_name = "springs that do not fade on the way back",
                        .bound = 60.0};
-  bool is_inside = false;
+  bool is_inside = false;  // the tool is back in the corridor at the end
+  // leads the tool aside and lets go; returns the largest speed of the tool in the 2 s after that [mm/s]
   const auto run = [&](const GuidanceBenchParams& params, FailureSeries& series) {
     GuidanceBench bench(params);
     double max_mm_per_s = 0.0, aside_m = 0.0;
