@@ -39,12 +39,14 @@ struct RenderedAxis {
   /// measured response may be used, and with the impedance law.
   std::optional<double> greatest_wall_N_per_m{};
   double asked_drag_Ns_per_m{0.0}, asked_wall_N_per_m{0.0};  ///< drag and wall that the cell's file states
-  bool stands{true};  ///< these are stable, also by the measured response if there is one
+  /// The drag and wall that the file states are stable, also by the measured response if there is one.
+  bool stands{true};
   /// Drag, wall and `stands` follow from a model or a response that was measured along this axis.
   bool loop_measured{false};
 };
-inline constexpr double kMaxWall_N_per_m = 1e6;
+inline constexpr double kMaxWall_N_per_m = 1e6;  ///< largest wall that is tried
 
+/// Rendering of a cell: the errors of its force sensor, and the loop along each axis of the tool.
 struct Rendering {
   SourcedFigure dead_zone_N{}, noise_N{}, drift_N{}, sensor_delay_s{};
   std::vector<RenderedAxis> axes;  ///< x, y, z
@@ -57,7 +59,7 @@ struct Rendering {
   [[nodiscard]] bool floor_measured() const;
 };
 
-/// Computes the rendering of a cell, with `cell.identified` if there is one. Takes some seconds of one core.
+/// Computes a cell's rendering, from `cell.identified` where it has measured figures. Takes some seconds.
 [[nodiscard]] Rendering RenderingOf(const config::CellConfig& cell);
 
 /// Adds a remark for each axis along which the drag and wall of the cell's file are not stable by the

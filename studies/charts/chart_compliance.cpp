@@ -28,12 +28,14 @@ namespace {
 constexpr double kMaxAdded_us = 3.0;    // accepted addition to the loop's median with all levels
 constexpr double kNoticedShare = 0.07;  // smallest relative change of the force that is noticed
 constexpr double kPush_N = 20.0;        // mean force of the small motion
-constexpr double kSettle_s = 4.0;
-constexpr double kDecadeStep = 0.02;  // between frequencies [decades]: a mount's resonance is narrow
+constexpr double kSettle_s = 4.0;       // time after which a displacement counts as at rest
+constexpr double kDecadeStep = 0.02;    // between frequencies [decades]: a mount's resonance is narrow
+// Each level that gives way, and the shipped cell that has only this level.
 constexpr std::array<std::pair<const char*, const char*>, 3> kCells{
     {{"tool", "long_drill"}, {"layer", "cartilage_cup"}, {"mount", "pelvis_mount"}}};
 
-// One level of a cell, alone, pressed along one line.
+// The one level of a cell that gives way (tool, layer or mount), under a force along a fixed direction:
+// across the feed for a tool, along the feed for a layer or mount.
 class PressedLevel {
  public:
   PressedLevel(const config::CellConfig& cell, const control::ComplianceParams& params)
@@ -41,7 +43,8 @@ class PressedLevel {
         direction_(params.tool ? Vector3::UnitX() : Vector3::UnitZ()) {
     model_.contact_count = 1;
     model_.contacts[0].weight = 1.0;
-    if (params.mount) X_WT_.translation() = params.mount->p_WMo_m;  // over its point: it does not turn
+    // the force acts at the mount's centre, so the mount does not turn
+    if (params.mount) X_WT_.translation() = params.mount->p_WMo_m;
     if (params.layer) model_.engaged_area_m2 = params.layer->touch_area_m2;
     if (params.layer)
       for (std::size_t i = 0; i < params.layer->kappa_N_per_m3.size(); ++i)
@@ -49,7 +52,7 @@ class PressedLevel {
           model_.contacts[0].material = static_cast<simulation::MaterialIndex>(i);
   }
   // Displacement of the head along the force, out of the bone.
-  [[nodiscard]] double Given_m() const {
+  [[nodiscard]] double Displacement_m() const {
     const Vector3 moved = compliance_.X_ME(X_WT_).translation() - X_WT_.translation();
     return direction_.dot(moved);
   }
@@ -65,34 +68,35 @@ class PressedLevel {
   simulation::ContactModel model_;
 };
 
-// Displacement at rest: steps the elements until they have settled. Nothing if the cell would stop.
-std::optional<double> GivenAtRest(const config::CellConfig& cell, const control::ComplianceParams& params,
-                                  double force_N) {
+// Displacement at rest under a force [m]: steps the elements for kSettle_s. None if the cell would stop.
+std::optional<double> DisplacementAtRest_m(const config::CellConfig& cell,
+                                           const control::ComplianceParams& params, double force_N) {
   PressedLevel level(cell, params);
   for (double t = 0.0; t < kSettle_s; t += cell.servo.period_s) level.Step(force_N);
   if (level.beyond_limit()) return std::nullopt;
-  return level.Given_m();
+  return level.Displacement_m();
 }
 
-// Felt stiffness (amplitude of the force over that of the hand's motion), divided by the coupling's
-// stiffness.
+// Felt stiffness at one frequency (amplitude of the force over that of the hand's motion), divided by the
+// coupling's stiffness.
 // @param at_rest_m  displacement at rest under kPush_N
 double FeltRatio(const config::CellConfig& cell, const control::ComplianceParams& params, double at_rest_m,
                  double hz) {
   const double K = cell.servo.coupling.max_stiffness_N_per_m, T = cell.servo.period_s;
-  const double deep_m = kPush_N / K + at_rest_m, amplitude_m = 0.02 * deep_m;
-  const int a_cycle = static_cast<int>(std::lround(1.0 / (hz * T)));
+  const double mean_depth_m = kPush_N / K + at_rest_m, amplitude_m = 0.02 * mean_depth_m;
+  const int ticks_per_cycle = static_cast<int>(std::lround(1.0 / (hz * T)));
   const int cycles = std::max(2, static_cast<int>(std::lround(hz)));
-  const int before = a_cycle * static_cast<int>(std::ceil(kSettle_s / (a_cycle * T)));
+  const int settling_ticks = ticks_per_cycle * static_cast<int>(std::ceil(kSettle_s / (ticks_per_cycle * T)));
   PressedLevel level(cell, params);
-  std::complex<double> sum;
-  for (int i = 0; i < before + cycles * a_cycle; ++i) {
-    const double turn = 2.0 * std::numbers::pi * i / a_cycle;
-    const double force_N = std::max(0.0, K * (deep_m + amplitude_m * std::sin(turn) - level.Given_m()));
+  std::complex<double> force_component;  // Fourier sum of the force at this frequency, over whole cycles
+  for (int i = 0; i < settling_ticks + cycles * ticks_per_cycle; ++i) {
+    const double phase_rad = 2.0 * std::numbers::pi * i / ticks_per_cycle;
+    const double force_N =
+        std::max(0.0, K * (mean_depth_m + amplitude_m * std::sin(phase_rad) - level.Displacement_m()));
     level.Step(force_N);
-    if (i >= before) sum += force_N * std::polar(1.0, -turn);
+    if (i >= settling_ticks) force_component += force_N * std::polar(1.0, -phase_rad);
   }
-  return 2.0 * std::abs(sum) / (cycles * a_cycle) / (K * amplitude_m);
+  return 2.0 * std::abs(force_component) / (cycles * ticks_per_cycle) / (K * amplitude_m);
 }
 
 std::vector<std::vector<std::string>> CostTable(const ComplianceChart& chart) {
@@ -106,7 +110,7 @@ std::vector<std::vector<std::string>> CostTable(const ComplianceChart& chart) {
   return rows;
 }
 
-// The value of a curve at `at`, interpolated between its points.
+// The y of a curve at x = `at`, interpolated between its points; beyond the last point its y.
 double ValueAt(const std::vector<double>& x, const std::vector<double>& y, double at) {
   for (std::size_t i = 1; i < x.size(); ++i)
     if (x[i] >= at) return y[i - 1] + (y[i] - y[i - 1]) * (at - x[i - 1]) / (x[i] - x[i - 1]);
@@ -125,6 +129,7 @@ std::vector<std::vector<std::string>> ChangeTable(const ComplianceChart& chart) 
   return rows;
 }
 
+// Picture: felt stiffness over the frequency, for each level.
 std::string FeltSvg(const ComplianceChart& chart) {
   report::LineChart plot{.title = "Felt stiffness over the coupling's own",
                          .x_label = "frequency of a small motion about a push of 20 N [Hz]",
@@ -142,6 +147,7 @@ std::string FeltSvg(const ComplianceChart& chart) {
   return report::Svg(plot, 860.0);
 }
 
+// Picture: displacement at rest over the force, for each level.
 std::string GivesSvg(const ComplianceChart& chart) {
   report::LineChart plot{.title = "Displacement at rest",
                          .x_label = "force [N]",
@@ -159,6 +165,7 @@ std::string GivesSvg(const ComplianceChart& chart) {
   return report::Svg(plot, 860.0);
 }
 
+// Picture: the loop's time for each level.
 std::string CostSvg(const ComplianceChart& chart) {
   report::LineChart plot{.title = "Servo loop's time a tick, from the median to the 99th percentile",
                          .x_label = "what gives way: 0 nothing, 1 tool, 2 layer, 3 mount, 4 all",
@@ -221,6 +228,7 @@ std::string Json(const ComplianceChart& chart) {
   return session::ResultText(Judge(chart), json);
 }
 
+// Writes the chart's files and prints its tables. @returns the process's exit code
 int Write(const ComplianceChartOptions& options, const ComplianceChart& chart) {
   const session::Verdict verdict = Judge(chart);
   const session::ChartFiles files{
@@ -260,6 +268,7 @@ int Write(const ComplianceChartOptions& options, const ComplianceChart& chart) {
   return 0;
 }
 
+// Checks the options, computes the chart and writes it. @returns the process's exit code
 int Run(const ComplianceChartOptions& options) {
   if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
     return session::Fail("chart compliance", wrong);
@@ -288,12 +297,12 @@ LevelChange ChangeOf(const config::CellConfig& cell, const std::string& name) {
                      .stiffness_N_per_m = cell.servo.coupling.max_stiffness_N_per_m,
                      .error_m = params.noticed_m};
   for (const double force_N : {1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 120.0}) {
-    const std::optional<double> gives_m = GivenAtRest(cell, params, force_N);
+    const std::optional<double> gives_m = DisplacementAtRest_m(cell, params, force_N);
     if (!gives_m) break;
     change.force_N.push_back(force_N);
     change.gives_m.push_back(*gives_m);
   }
-  const double at_rest_m = GivenAtRest(cell, params, kPush_N).value();
+  const double at_rest_m = DisplacementAtRest_m(cell, params, kPush_N).value();
   for (double hz = 0.2; hz < 51.0; hz *= std::pow(10.0, kDecadeStep)) {
     change.hz.push_back(hz);
     change.felt_ratio.push_back(FeltRatio(cell, params, at_rest_m, hz));

@@ -24,13 +24,14 @@ struct LevelChange {
   std::string name, cell;
   double stiffness_N_per_m{0.0};  ///< stiffness of the coupling
   double error_m{0.0};            ///< displacement that the cell reports
-  std::vector<double> force_N{},
-      gives_m{};  ///< displacement at rest under a force, up to where the cell stops
-  std::vector<double> hz{},
-      felt_ratio{};  ///< felt stiffness over the coupling's, of a small motion about a push
+  /// Displacement at rest under each force, up to where the cell stops.
+  std::vector<double> force_N{}, gives_m{};
+  /// Felt stiffness divided by the coupling's at each frequency, of a small motion about a push.
+  std::vector<double> hz{}, felt_ratio{};
 };
 
 /// Computes the effect of the cell's level: of a tool across its feed, of a layer or mount along the feed.
+/// The result's `cell` stays empty.
 /// @throws std::invalid_argument unless exactly one level of the cell is on
 [[nodiscard]] LevelChange ChangeOf(const config::CellConfig& cell, const std::string& name);
 
@@ -38,8 +39,8 @@ struct LevelChange {
 struct ComplianceChart {
   std::string machine;
   std::size_t ticks{0};
-  std::vector<LevelCost> costs;  ///< of cells/demo.yaml; the first is without any level
-  std::vector<LevelChange> changes;
+  std::vector<LevelCost> costs;      ///< of cells/demo.yaml; the first is without any level
+  std::vector<LevelChange> changes;  ///< one for each level
 };
 
 /// Bad if a tick allocated. To be looked at if all levels add more than 3 us to the loop's median.

@@ -30,6 +30,7 @@ void VisitScores(Scores& s, const Visit& visit) {
   visit("normal_jump_deg_per_ms", s.force.normal_jump_deg_per_ms);
 }
 
+// Visits each percentile of a time with its name; the figures may be const.
 template <class Figures, class Visit>
 void VisitFigures(Figures& f, const Visit& visit) {
   visit("p50_us", f.p50_us);

@@ -5,9 +5,10 @@
 #include "studies/charts/chart_scaling.h"
 #include "studies/charts/chart_speed_accuracy.h"
 
-// Converts the measurements of charts to items of a part and back: everything that picture, table, page and
-// JSON show, exact to the bit. Reading throws nlohmann::json::exception or std::invalid_argument if an item
-// is damaged.
+// Converts the measurements of charts to JSON items and back, exact to the bit: a study that is split over
+// machines (studies/sharding) stores them in the file of each part. An item has everything that the chart's
+// picture, table, page and JSON show. Reading a damaged item throws nlohmann::json::exception or
+// std::invalid_argument.
 
 namespace osteon::studies {
 

@@ -25,15 +25,21 @@
 namespace osteon::studies {
 namespace {
 
+// Names of the three series: our engine with more spheres below the same cut zone, our engine with spheres of
+// one size everywhere, and the engine that tests every sphere in every frame.
 constexpr const char* kFixed = "ours, cut zone as it is";
 constexpr const char* kUniform = "ours, all of the bone alike";
 constexpr const char* kBrute = "the same without culling";
+// Numbers of spheres of the points.
 constexpr std::array<std::size_t, 9> kCounts{1'000,   3'000,     10'000,    30'000,    100'000,
                                              300'000, 1'000'000, 3'000'000, 10'000'000};
-constexpr std::size_t kBruteFrames = 60, kMinFrames = 20;
+constexpr std::size_t kBruteFrames = 60;  // timed at each point without culling
+constexpr std::size_t kMinFrames = 20;    // a point with fewer frames has no median, and is left out
 
+// Writes progress to standard error.
 void Say(const std::string& text) { fmt::print(stderr, "osteon chart scaling: {}\n", text); }
 
+// Measures the points of the chart, or reads them from the parts of a study that was split.
 class Scaling {
  public:
   Scaling(const ScalingOptions& options, StudyItems& items) : options_(options), items_(items) {
@@ -44,14 +50,14 @@ class Scaling {
 
   // An item is one number of spheres in one of our series; the series without culling belongs to the items of
   // the first series.
-  static std::size_t Items(const ScalingOptions& options) {
+  static std::size_t ItemCount(const ScalingOptions& options) {
     return 2 * static_cast<std::size_t>(std::ranges::count_if(
                    kCounts, [&](std::size_t count) { return count <= options.max_spheres; }));
   }
 
   // Measures everything; an error if nothing can be measured here.
   tl::expected<ScalingResult, std::string> Measure() {
-    for (std::size_t item = 0; item < Items(options_) && !base::Interrupted(); ++item) {
+    for (std::size_t item = 0; item < ItemCount(options_) && !base::Interrupted(); ++item) {
       if (items_.FromParts()) {
         items_.Restore(item, [this](const nlohmann::json& json) { Restore(json); });
       } else if (items_.Computes(item)) {
@@ -67,7 +73,9 @@ class Scaling {
   }
 
  private:
-  // Keeps what an item has added to the result.
+  // Stores what an item has added to the result for the part's file.
+  // @param points, left_out  sizes of the result's lists before this item
+  // @param ours_left_out     number that this item has added
   void Store(std::size_t item, std::size_t points, std::size_t left_out, std::size_t ours_left_out) {
     nlohmann::json added{{"machine", result_.machine},
                          {"tool_spheres", result_.tool_spheres},
@@ -81,6 +89,7 @@ class Scaling {
     items_.Store(item, std::move(added));
   }
 
+  // Adds an item that Store has written to the result.
   void Restore(const nlohmann::json& item) {
     std::string machine;
     std::size_t ours_left_out = 0;
@@ -127,12 +136,15 @@ class Scaling {
     return true;
   }
 
+  // Lists a point as not measured, with the reason.
   void LeaveOut(const char* series, std::size_t count, const std::string& why) {
     result_.left_out.push_back(fmt::format("{}, {} spheres: {}", series, count, why));
     if (std::string_view(series) != kBrute) ++result_.ours_left_out;
     Say("left out: " + result_.left_out.back());
   }
 
+  // Measures our engine with `count` spheres and, unless they are uniform, the engine without culling too.
+  // An error if the very first point can't be measured.
   tl::expected<void, std::string> MeasureCount(std::size_t count, bool uniform) {
     const char* series = uniform ? kUniform : kFixed;
     simulation::FrameWorkloadParams params = simulation::CupWorkload();
@@ -172,8 +184,8 @@ class Scaling {
   const ScalingOptions& options_;
   StudyItems& items_;
   ScalingResult result_;
-  double brute_us_per_sphere_{0.0};
-  bool brute_refused_{false};
+  double brute_us_per_sphere_{0.0};  // of the last point without culling
+  bool brute_refused_{false};        // the engine without culling doesn't run: its points are skipped
 };
 
 std::string Csv(const ScalingResult& result) {
@@ -202,6 +214,8 @@ std::vector<std::vector<std::string>> TableOf(const ScalingResult& result) {
   return rows;
 }
 
+// Checks the options, measures the chart and writes it, or the part of a shard. @returns the process's exit
+// code
 int Run(const ScalingOptions& options) {
   if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
     return session::Fail("chart scaling", wrong);
@@ -209,14 +223,14 @@ int Run(const ScalingOptions& options) {
     return session::Fail("chart scaling", wrong);
   StudyItems items(options.sharding, fmt::format("scaling {} {} {} {}", options.max_spheres, options.device,
                                                  options.frames, options.max_seconds));
-  if (const std::string wrong = items.Validate(Scaling::Items(options)); !wrong.empty())
+  if (const std::string wrong = items.Validate(Scaling::ItemCount(options)); !wrong.empty())
     return session::Fail("chart scaling", wrong);
   base::InstallInterrupt();
   const auto result = Scaling(options, items).Measure();
   if (!result) return session::Fail("chart scaling", result.error(), session::kFailed);
   if (items.IsShard()) {
     if (base::Interrupted()) return base::kExitInterrupted;
-    const auto written = items.WritePart(options.json, Scaling::Items(options));
+    const auto written = items.WritePart(options.json, Scaling::ItemCount(options));
     return written ? 0 : session::Fail("chart scaling", written.error(), session::kFailed);
   }
   if (result->points.empty())
@@ -278,7 +292,7 @@ session::Verdict Judge(const ScalingResult& result) {
 
 double ScalingResult::Growth() const {
   const ScalingPoint *first = nullptr, *last = nullptr;
-  const auto log_distance = [](const ScalingPoint& point) {
+  const auto log_distance = [](const ScalingPoint& point) {  // from 100 000 spheres
     return std::abs(std::log(static_cast<double>(point.spheres) / 1e5));
   };
   for (const ScalingPoint& point : points) {

@@ -13,11 +13,11 @@ namespace osteon::studies {
 /// Options of `osteon chart scaling`: the paper's figure 4, frame rate against number of spheres.
 struct ScalingOptions {
   std::filesystem::path out{"scaling"};
-  std::size_t max_spheres{10'000'000};
-  std::string device{};
-  std::size_t frames{1000};      ///< timed at each point
-  double max_seconds{120.0};     ///< per point; slower points are left out and listed
-  std::filesystem::path json{};  ///< a second copy
+  std::size_t max_spheres{10'000'000};  ///< larger bones are not measured
+  std::string device{};                 ///< part of a Vulkan device's name; empty: the default device
+  std::size_t frames{1000};             ///< timed at each point
+  double max_seconds{120.0};            ///< per point; slower points are left out and listed
+  std::filesystem::path json{};         ///< a second copy
   Sharding sharding{};
 };
 
@@ -25,7 +25,7 @@ struct ScalingOptions {
 struct ScalingPoint {
   std::string series;
   std::size_t spheres{0};
-  double cut_zone_m{0.0};
+  double cut_zone_m{0.0};  ///< spacing of the spheres where the bone is cut
   FrameTiming timing;
 };
 

@@ -23,8 +23,10 @@
 namespace osteon::studies {
 namespace {
 
+// Number of cells on the cut's surface at which the depth error is measured (AccuracyParams).
 constexpr std::size_t kSurfaceCells = 20'000, kQuickSurfaceCells = 6'000;
 
+// Writes progress to standard error.
 void Say(const std::string& text) { fmt::print(stderr, "osteon chart speed-accuracy: {}\n", text); }
 
 double Now_s() {
@@ -37,24 +39,25 @@ struct PlacedTask {
   std::vector<simulation::MassPoint> points;
 };
 
+// Measures every step of the ladder at every seed, or reads them from the parts of a study that was split.
 class Measurement {
  public:
   Measurement(const SpeedAccuracyOptions& options, StudyItems& items) : options_(options), items_(items) {
     if (!items.FromParts()) result_.machine = session::MachineName();
     for (MethodStep& step : MethodLadder(options.quick))
       if (options.methods.empty() || std::ranges::find(options.methods, step.method) != options.methods.end())
-        points_.push_back(
+        rungs_.push_back(
             {.step = step, .point = {.method = step.method, .device = {}, .length_m = step.length_m}});
   }
 
-  // An item is a seed.
-  static std::size_t Items(const SpeedAccuracyOptions& options) {
+  // Number of items of a study that is split: an item is a seed.
+  static std::size_t ItemCount(const SpeedAccuracyOptions& options) {
     return options.quick ? std::min<std::size_t>(2, options.seeds) : options.seeds;
   }
 
   // Measures seed by seed over all methods, so that a slow hour of the machine affects all alike.
   tl::expected<SpeedAccuracyResult, std::string> Measure() {
-    const std::size_t seeds = Items(options_);
+    const std::size_t seeds = ItemCount(options_);
     result_.wanted_seeds = seeds;
     for (std::size_t seed = 0; seed < seeds && !base::Interrupted(); ++seed) {
       if (items_.FromParts()) items_.Restore(seed, [&](const nlohmann::json& item) { Restore(item, seed); });
@@ -65,7 +68,7 @@ class Measurement {
         placed.points = LadderPoints(placed.work);
         tasks.push_back(std::move(placed));
       }
-      for (Rung& rung : points_) {
+      for (Rung& rung : rungs_) {
         if (rung.left_out || base::Interrupted()) continue;
         if (const auto measured = MeasureSeed(rung, tasks, seed); !measured)
           return tl::unexpected(measured.error());
@@ -73,12 +76,13 @@ class Measurement {
       if (items_.IsShard()) Store(seed);
     }
     result_.interrupted = base::Interrupted();
-    for (Rung& rung : points_)
+    for (Rung& rung : rungs_)
       if (!rung.point.seeds.empty() && !rung.left_out) result_.points.push_back(std::move(rung.point));
     return std::move(result_);
   }
 
  private:
+  // One step of the ladder, with its results so far.
   struct Rung {
     MethodStep step;
     SpeedAccuracyPoint point;
@@ -86,10 +90,10 @@ class Measurement {
     std::string why_left_out{};
   };
 
-  // Keeps what a seed has added to each rung.
+  // Stores what a seed has added to each rung for the part's file.
   void Store(std::size_t seed) {
     nlohmann::json rungs = nlohmann::json::array();
-    for (const Rung& rung : points_) {
+    for (const Rung& rung : rungs_) {
       if (rung.left_out) {
         rungs.push_back({{"left_out", rung.why_left_out}});
         continue;
@@ -108,12 +112,13 @@ class Measurement {
     items_.Store(seed, {{"machine", result_.machine}, {"rungs", std::move(rungs)}});
   }
 
+  // Adds a seed's item that Store has written to the rungs.
   void Restore(const nlohmann::json& item, std::size_t seed) {
     std::string machine, device;
     ReadAt(item, "machine", machine);
     AddName(result_.machine, machine);
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      Rung& rung = points_[i];
+    for (std::size_t i = 0; i < rungs_.size(); ++i) {
+      Rung& rung = rungs_[i];
       const nlohmann::json& kept = item.at("rungs").at(i);
       if (rung.left_out) continue;
       if (kept.contains("left_out")) {
@@ -132,6 +137,7 @@ class Measurement {
     }
   }
 
+  // Sets the device of a rung. The result names the device of "ours", or else of another of our engines.
   void NoteDevice(Rung& rung, const std::string& device) {
     rung.point.device = device;
     if (rung.step.method == "ours" || (result_.device.empty() && IsOurs(rung.step.method)))
@@ -144,6 +150,7 @@ class Measurement {
             .feel_m_per_s = options_.quick ? 0.080 : 0.040};
   }
 
+  // Lists a rung as not measured, with the reason; no further seed of it is measured.
   void LeaveOut(Rung& rung, const std::string& why) {
     rung.left_out = true;
     rung.why_left_out = why;
@@ -152,7 +159,7 @@ class Measurement {
     Say("left out: " + result_.left_out.back());
   }
 
-  // Packs a step's bone, or reuses an earlier step's with the same packing.
+  // The task's bone, packed for a step; reused if an earlier step of this seed has the same packing.
   const LadderBone& Packed(const MethodStep& step, const PlacedTask& task, std::size_t seed) {
     if (packed_seed_ != seed) packed_.clear();
     packed_seed_ = seed;
@@ -163,6 +170,8 @@ class Measurement {
     return packed_.back().bone;
   }
 
+  // Runs a step on every task at one seed and adds the scores to the rung, or leaves the rung out. An error
+  // only if the device that was asked for can't be used.
   tl::expected<void, std::string> MeasureSeed(Rung& rung, const std::vector<PlacedTask>& tasks,
                                               std::size_t seed) {
     std::vector<simulation::WorkloadScores> scores;
@@ -213,6 +222,7 @@ class Measurement {
     return {};
   }
 
+  // A task's bone, packed for a step.
   struct Packing {
     MethodStep step;
     simulation::CutTask task;
@@ -221,7 +231,7 @@ class Measurement {
 
   const SpeedAccuracyOptions& options_;
   StudyItems& items_;
-  std::vector<Rung> points_;
+  std::vector<Rung> rungs_;
   std::deque<Packing> packed_;  ///< for one seed; a deque, so that references stay valid
   std::size_t packed_seed_{0};
   SpeedAccuracyResult result_;
@@ -282,12 +292,14 @@ std::string Csv(const SpeedAccuracyResult& result) {
   return csv;
 }
 
+// Checks the options, measures the chart and writes it, or the part of a shard. @returns the process's exit
+// code
 int Run(const SpeedAccuracyOptions& options) {
   if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
     return session::Fail("chart speed-accuracy", wrong);
   if (const std::string wrong = ValidateSharding(options.sharding, options.json); !wrong.empty())
     return session::Fail("chart speed-accuracy", wrong);
-  const std::size_t count = Measurement::Items(options);
+  const std::size_t count = Measurement::ItemCount(options);
   StudyItems items(options.sharding,
                    fmt::format("speed-accuracy {} {} {} {} {}", options.quick, options.device, count,
                                options.max_seconds, fmt::join(options.methods, " ")));

@@ -18,8 +18,8 @@ namespace osteon::studies {
 /// Options of `osteon chart speed-accuracy`: methods × resolutions on one workload.
 struct SpeedAccuracyOptions {
   std::filesystem::path out{"speed_accuracy"};
-  bool quick{false};  ///< fewer resolutions, 2 seeds
-  std::string device{};
+  bool quick{false};     ///< fewer resolutions, 2 seeds
+  std::string device{};  ///< part of a Vulkan device's name; empty: the default device
   std::size_t seeds{5};
   double max_seconds{60.0};  ///< limit for a method's frames in a task; slower ones are left out, and listed
   std::vector<std::string> methods{};  ///< empty: all
@@ -43,6 +43,7 @@ struct SpeedAccuracyPoint {
   std::map<std::string, simulation::WorkloadScores> tasks{};  ///< scores by task, of the first seed
 };
 
+/// The result of `osteon chart speed-accuracy`.
 struct SpeedAccuracyResult {
   std::string machine, device;
   std::vector<SpeedAccuracyPoint> points;
@@ -55,6 +56,7 @@ struct SpeedAccuracyResult {
 struct SeedRange {
   double median{0.0}, low{0.0}, high{0.0};
 };
+/// The errors that the chart has a panel for.
 enum class ChartFigure { kDepth, kVolume, kForce, kNormal, kRipple };
 inline constexpr std::array kChartFigures{ChartFigure::kDepth, ChartFigure::kVolume, ChartFigure::kForce,
                                           ChartFigure::kNormal, ChartFigure::kRipple};

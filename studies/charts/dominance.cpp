@@ -6,8 +6,10 @@
 namespace osteon::studies {
 namespace {
 
+// Whether error and time are finite and the time is positive.
 bool IsMeasured(const report::CostPoint& p) { return std::isfinite(p.x) && std::isfinite(p.y) && p.x > 0.0; }
 
+// Whether a's time and a's error are both smaller than b's.
 bool BeatsInBoth(const report::CostPoint& a, const report::CostPoint& b) { return a.x < b.x && a.y < b.y; }
 
 }  // namespace

@@ -16,8 +16,8 @@ struct RivalPoint {
 
 /// A point of ours, and the other methods' points with both a smaller time and a smaller error.
 struct BeatenPoint {
-  std::size_t ours{0};
-  std::vector<std::size_t> by{};
+  std::size_t ours{0};            ///< index of our point
+  std::vector<std::size_t> by{};  ///< indices of the other methods' points
 };
 
 /// Compares other methods' points with ours. All values are indices of points, in the points' order.
@@ -31,9 +31,10 @@ struct Dominance {
   bool ours_measured{false};                 ///< otherwise the rest is empty
   std::vector<std::size_t> beat_all_ours{};  ///< a smaller time and a smaller error than every one of ours
   std::vector<BeatenPoint> beaten{};         ///< those of ours that at least one other point beats in both
-  /// No point of ours is at once as fast and as exact; only points that are not faster than all of ours.
+  /// Other methods' points for which no point of ours is at once as fast and as exact. Without those of
+  /// `faster_than_all_ours`.
   std::vector<std::size_t> ahead{};
-  std::vector<std::size_t> faster_than_all_ours{};
+  std::vector<std::size_t> faster_than_all_ours{};  ///< points with a smaller time than every one of ours
 };
 
 /// Compares other methods' points with ours. Points that are not finite, or whose time is not positive, are

@@ -12,14 +12,17 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kReamer_m = 25e-3, kZone_m = 6.5e-3;  // the cut is 5.5 mm deep at most
-// Least radius over the spacing; see SplitParams and SplitPackingParams.
+constexpr double kReamer_m = 25e-3;  // radius of the reamer for which the steps' lengths are stated
+constexpr double kZone_m = 6.5e-3;   // depth that is packed finely: the cut is 5.5 mm deep at most
+// Smallest radius of a split ball, divided by the spacing; see SplitParams and SplitPackingParams.
 constexpr double kMinSplit = 0.4 / 2.5;
 
+// Whether the method splits balls when the tool touches them.
 bool Splits(const MethodStep& step) { return step.method == "split" || step.method == "cpu-split"; }
 
 double ToolRadius(const simulation::CutWorkload& work) { return work.tool.balls.front().radius_m; }
 
+// Packs overlapping balls on a lattice, fine down to kZone_m; their radii are capped as MethodStep states.
 std::vector<simulation::Ball> Overlapping(const simulation::CutWorkload& work, double spacing_m,
                                           std::uint64_t seed) {
   simulation::PackingParams params;
@@ -49,6 +52,7 @@ std::vector<simulation::Ball> ForSplitting(const simulation::CutWorkload& work, 
   return simulation::BuildSplitPacking(*work.solid, *work.zone, params);
 }
 
+// Packs balls that don't overlap, with radii from radius_m / 3 to radius_m.
 std::vector<simulation::Ball> Disjoint(const simulation::CutWorkload& work, double radius_m,
                                        std::uint64_t seed) {
   return simulation::BuildDisjointPacking(
@@ -59,7 +63,7 @@ std::vector<simulation::Ball> Disjoint(const simulation::CutWorkload& work, doub
 }  // namespace
 
 std::vector<MethodStep> MethodLadder(bool quick) {
-  struct Rungs {
+  struct Rungs {  // a method's lengths, coarse to fine, and the fewer ones of a quick run
     const char* method;
     std::vector<double> lengths_mm, quick_mm;
   };
@@ -125,7 +129,7 @@ LadderBone PackForStep(const MethodStep& step, const simulation::CutWorkload& wo
   made.bone.balls = Splits(step)                 ? ForSplitting(work, length_m, seed)
                     : WantsDisjoint(step.method) ? Disjoint(work, length_m, seed)
                                                  : Overlapping(work, length_m, seed);
-  // Only balls that a cut can meet count: deeper balls may be larger.
+  // Only balls that reach to within 3 mm of the zone's surface count: deeper balls may be larger.
   for (const simulation::Ball& ball : made.bone.balls)
     if (work.zone->DepthAt(Vector3(ball.center_m)) - ball.radius_m < 3e-3)
       made.r_max_m = std::max(made.r_max_m, ball.radius_m);
@@ -133,7 +137,7 @@ LadderBone PackForStep(const MethodStep& step, const simulation::CutWorkload& wo
 }
 
 bool SharePacking(const MethodStep& a, const MethodStep& b) {
-  const auto kind = [](const MethodStep& step) {
+  const auto kind = [](const MethodStep& step) {  // of packing
     return Splits(step) ? 3 : WantsVoxels(step.method) ? 2 : WantsDisjoint(step.method) ? 1 : 0;
   };
   return a.length_m == b.length_m && kind(a) == kind(b);

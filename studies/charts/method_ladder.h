@@ -39,11 +39,11 @@ struct MethodStep {
 /// "ours" with other parameters.
 [[nodiscard]] std::string EngineOfStep(const MethodStep& step);
 
-/// Returns a workload's parameters with the step's splitting.
+/// Returns the workload's cutting parameters, with splitting switched on if the step's method splits balls.
 [[nodiscard]] simulation::CuttingParams CuttingForStep(const MethodStep& step,
                                                        const simulation::CutWorkload& work);
 
-/// Scales a step's length to a workload.
+/// Scales a step's length, stated for a reamer of 25 mm, to the radius of the workload's tool.
 [[nodiscard]] double ScaledLength(double length_m, const simulation::CutWorkload& work);
 
 /// A workload's bone in the form that a method needs.

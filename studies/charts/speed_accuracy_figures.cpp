@@ -12,14 +12,17 @@
 #include "studies/bench/method_engine.h"
 #include "studies/charts/chart_speed_accuracy.h"
 
+// Figures, pictures, tables and JSON of the chart's result (chart_speed_accuracy.h).
+
 namespace osteon::studies {
 namespace {
 
 constexpr double kFloor = 1e-4;  // smallest value drawn on a logarithmic axis, in the axis's unit
 
-// Text column on GitHub: letters are not scaled below their size there.
+// Width of GitHub's text column: at this width the picture's letters are not scaled down.
 constexpr double kPageWidth_px = 830.0;
 
+// How a method is drawn, and its name in the legend.
 struct MethodStyle {
   const char* method;
   const char* name;
@@ -37,7 +40,8 @@ constexpr std::array<MethodStyle, 9> kMethodStyles{
      {"voxel", "voxels, finger-proxy", report::Marker::kTriangle, report::kPalette[1]},
      {"pointshell", "voxmap-pointshell", report::Marker::kCross, report::kPalette[3]}}};
 
-double Of(const simulation::WorkloadScores& scores, ChartFigure figure) {
+// An error of the scores in the unit of its panel: depth in mm, direction in degrees, the others relative.
+double ErrorOf(const simulation::WorkloadScores& scores, ChartFigure figure) {
   switch (figure) {
     case ChartFigure::kDepth:
       return scores.depth_error_m * 1e3;
@@ -53,6 +57,7 @@ double Of(const simulation::WorkloadScores& scores, ChartFigure figure) {
   return 0.0;
 }
 
+// Median, least and greatest of a value over the point's seeds; zeros without seeds.
 template <typename ValueOf>
 SeedRange RangeOverSeeds(const SpeedAccuracyPoint& point, const ValueOf& value_of) {
   std::vector<double> values;
@@ -63,18 +68,21 @@ SeedRange RangeOverSeeds(const SpeedAccuracyPoint& point, const ValueOf& value_o
   return {.median = median, .low = values.front(), .high = values.back()};
 }
 
-std::string Count(double count) {
+// "1.2k", "35k", "1.2M".
+std::string CountText(double count) {
   if (count < 1e4) return fmt::format("{:.1f}k", count * 1e-3);
   if (count < 1e6) return fmt::format("{:.0f}k", count * 1e-3);
   return fmt::format("{:.1f}M", count * 1e-6);
 }
 
+// Label of a point: its number of spheres, and their largest radius in mm; for voxels h, their edge in mm.
 std::string LabelOf(const SpeedAccuracyPoint& point) {
-  const std::string count = Count(static_cast<double>(point.spheres));
+  const std::string count = CountText(static_cast<double>(point.spheres));
   if (WantsVoxels(point.method)) return fmt::format("{}, h {:.3g}", count, 2e3 * point.r_max_m);
   return fmt::format("{}, r {:.2g}", count, 1e3 * point.r_max_m);
 }
 
+// The panel of one error over the frame time, both logarithmic.
 report::LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure, ChartTime time) {
   report::LineChart chart{.x_label = time == ChartTime::kMedian ? "frame time, median [µs]"
                                                                 : "frame time, 99.9th percentile [µs]",
@@ -114,7 +122,7 @@ report::LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure, C
   const std::vector<bool> front = report::OnParetoFront(costs);
 
   double x_least = HUGE_VAL, x_most = 0.0, y_least = HUGE_VAL, y_most = 0.0;
-  std::vector<report::CostPoint> steps;
+  std::vector<report::CostPoint> front_points;
   for (const MethodStyle& style : kMethodStyles) {
     // one line per method, in the order of its resolutions; its points on the front strong, the others pale
     report::Series line{.name = style.name, .color = style.color, .width_px = 1.0, .opacity = 0.45};
@@ -132,7 +140,7 @@ report::LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure, C
       drawn.y_low.push_back(std::max(kFloor, spread.low));
       drawn.y_high.push_back(std::max(kFloor, spread.high));
       drawn.labels.push_back(LabelOf(point));
-      if (front[i]) steps.push_back(costs[i]);
+      if (front[i]) front_points.push_back(costs[i]);
       x_least = std::min(x_least, costs[i].x);
       x_most = std::max(x_most, costs[i].x);
       y_least = std::min(y_least, drawn.y_low.back());
@@ -143,16 +151,16 @@ report::LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure, C
     chart.series.push_back(std::move(strong));
   }
   // the front: the best error that is possible within a time
-  std::sort(steps.begin(), steps.end(),
+  std::sort(front_points.begin(), front_points.end(),
             [](const report::CostPoint& a, const report::CostPoint& b) { return a.x < b.x; });
   report::Series stairs{.color = report::kTextColor, .width_px = 1.6};
-  for (std::size_t i = 0; i < steps.size(); ++i) {
+  for (std::size_t i = 0; i < front_points.size(); ++i) {
     if (i > 0) {
-      stairs.x.push_back(steps[i].x);
-      stairs.y.push_back(steps[i - 1].y);
+      stairs.x.push_back(front_points[i].x);
+      stairs.y.push_back(front_points[i - 1].y);
     }
-    stairs.x.push_back(steps[i].x);
-    stairs.y.push_back(steps[i].y);
+    stairs.x.push_back(front_points[i].x);
+    stairs.y.push_back(front_points[i].y);
   }
   chart.series.insert(chart.series.begin(), std::move(stairs));
   for (const report::LimitLine& limit : chart.limits) {
@@ -217,6 +225,7 @@ std::string NameOf(const SpeedAccuracyPoint& point) {
   return fmt::format("{} {:g} mm", point.method, point.length_m * 1e3);
 }
 
+// For each error: how the other methods' points compare with ours (CompareWithOurs).
 nlohmann::json DominanceJson(const SpeedAccuracyResult& result, ChartTime time) {
   nlohmann::json json;
   for (const ChartFigure figure : kChartFigures) {
@@ -245,12 +254,13 @@ nlohmann::json DominanceJson(const SpeedAccuracyResult& result, ChartTime time) 
   return json;
 }
 
+// [least, greatest].
 nlohmann::json SeedRangeJson(const SeedRange& spread) { return {spread.low, spread.high}; }
 
 }  // namespace
 
 SeedRange SeedRangeOf(const SpeedAccuracyPoint& point, ChartFigure figure) {
-  return RangeOverSeeds(point, [figure](const SeedScores& seed) { return Of(seed.scores, figure); });
+  return RangeOverSeeds(point, [figure](const SeedScores& seed) { return ErrorOf(seed.scores, figure); });
 }
 
 SeedRange FrameTimeOf(const SpeedAccuracyPoint& point, ChartTime time) {
@@ -312,7 +322,7 @@ std::string SpeedAccuracyJson(const SpeedAccuracyResult& result) {
                         {"p999", DominanceJson(result, ChartTime::kWorst)}}},
                       {"points", nlohmann::json::array()}};
   for (const SpeedAccuracyPoint& point : result.points) {
-    const auto over = [&](const auto& value) { return RangeOverSeeds(point, value); };
+    const auto over_seeds = [&](const auto& value) { return RangeOverSeeds(point, value); };
     nlohmann::json entry{
         {"method", point.method},
         {"device", point.device},
@@ -331,9 +341,9 @@ std::string SpeedAccuracyJson(const SpeedAccuracyResult& result) {
         {"ripple", SeedRangeOf(point, ChartFigure::kRipple).median},
         {"ripple_range", SeedRangeJson(SeedRangeOf(point, ChartFigure::kRipple))},
         {"normal_error_deg", SeedRangeOf(point, ChartFigure::kNormal).median},
-        {"lost_mm", over([](const SeedScores& s) { return s.scores.lost_m * 1e3; }).median},
-        {"left_mm", over([](const SeedScores& s) { return s.scores.left_m * 1e3; }).median},
-        {"probe_p95_mm", over([](const SeedScores& s) { return s.scores.probe_p95_m * 1e3; }).median},
+        {"lost_mm", over_seeds([](const SeedScores& s) { return s.scores.lost_m * 1e3; }).median},
+        {"left_mm", over_seeds([](const SeedScores& s) { return s.scores.left_m * 1e3; }).median},
+        {"probe_p95_mm", over_seeds([](const SeedScores& s) { return s.scores.probe_p95_m * 1e3; }).median},
         {"tasks", nlohmann::json::object()}};
     for (const auto& [task, scores] : point.tasks) entry["tasks"][task] = TaskJson(scores);
     json["points"].push_back(std::move(entry));

@@ -20,6 +20,7 @@
 namespace osteon::studies {
 namespace {
 
+// The document osteon.diff/1.
 nlohmann::json ToJson(const DiffOptions& options, const RunFigures& first, const RunFigures& second,
                       const RunDifference& runs) {
   nlohmann::json differences = nlohmann::json::array(), config = nlohmann::json::array(),
@@ -71,6 +72,7 @@ nlohmann::json ToJson(const DiffOptions& options, const RunFigures& first, const
           {"session", runs.session}};
 }
 
+// Prints verdict, figures and other differences to standard output.
 void Print(const RunDifference& runs, double within_percent) {
   fmt::print("Osteon diff: {}\n", runs.verdict.level);
   for (const std::string& reason : runs.verdict.reasons) fmt::print("  {}\n", reason);
@@ -87,6 +89,7 @@ void Print(const RunDifference& runs, double within_percent) {
     fmt::print("  {}:{}\n    {}\n    {}\n", file.file, file.line, file.first, file.second);
 }
 
+// One value of both runs over the time since each run's first tick; the second run is dashed.
 report::LineChart Chart(const char* title, const char* unit, const report::ThinCurve& a,
                         rt::Nanoseconds a_first, const report::ThinCurve& b, rt::Nanoseconds b_first) {
   report::LineChart chart{.title = title, .x_label = "time [s]", .y_label = unit, .zooms = true};
@@ -97,7 +100,7 @@ report::LineChart Chart(const char* title, const char* unit, const report::ThinC
   return chart;
 }
 
-// The gains of the responses of two excited runs.
+// Gain over frequency of each response that two excited runs have in common.
 std::string ResponseSvg(const RunDifference& runs) {
   std::vector<report::LineChart> panels;
   for (const ResponseDifference& response : runs.responses) {
@@ -127,6 +130,7 @@ std::string ResponseSvg(const RunDifference& runs) {
   return report::Svg(panels);
 }
 
+// The figures as a table of HTML.
 std::string Table(const RunDifference& runs) {
   std::string html =
       "<table>\n<tr><th>figure</th><th class=\"n\">first</th><th class=\"n\">second</th><th "
@@ -148,6 +152,7 @@ std::string Table(const RunDifference& runs) {
   return html + "</table>\n";
 }
 
+// The page diff.html.
 std::string Page(const DiffOptions& options, const RunFigures& first, const RunFigures& second,
                  const RunDifference& runs) {
   std::string html = report::PageBegin(

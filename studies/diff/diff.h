@@ -6,12 +6,13 @@
 
 namespace osteon::studies {
 
+/// Options of `osteon diff`.
 struct DiffOptions {
   std::array<std::filesystem::path, 2> recordings{};
   double within_percent{1.0};    ///< difference, in % of a figure's size, up to which it counts as the same
   std::filesystem::path out{};   ///< folder for diff.html; empty: no page
   std::filesystem::path json{};  ///< osteon.diff/1; empty: none
-  std::string command_line{};
+  std::string command_line{};    ///< shown on the page
 };
 
 /// Runs `osteon diff`: compares two recordings by their figures, faults, limits and configuration; two of

@@ -13,8 +13,10 @@
 namespace osteon::studies {
 namespace {
 
+// Lines of two responses count as the same up to this many standard deviations of their difference.
 constexpr double kDeviations = 2.0;
 
+// The kind of an excited run; only runs of the same kind are compared.
 const char* KindOf(const ExcitationRequest& request) {
   if (request.rest_s > 0.0) return request.held ? "a tremor run" : "a noise run";
   if (request.joint > 0) return "a run of a joint";
@@ -22,6 +24,7 @@ const char* KindOf(const ExcitationRequest& request) {
   return request.held ? "a held run along an axis" : "a free run along an axis";
 }
 
+// The excitation as text; two runs whose texts differ were excited differently.
 std::string ExcitationOf(const ExcitationRequest& request) {
   if (request.rest_s > 0.0) return fmt::format("{} of {:g} s", KindOf(request), request.rest_s);
   return fmt::format("{}, seed {}, {} draws of {} periods", NameOf(request), request.seed, request.draws,
@@ -29,6 +32,7 @@ std::string ExcitationOf(const ExcitationRequest& request) {
 }
 
 // Adds an estimate as a figure; two runs count as the same within the estimate's interval.
+// @param in  the figure's unit, in SI: 1e-3 for ms
 void Add(const char* name, const char* key, const char* unit, const Estimate& estimate, double in,
          ExcitedFigures& excited) {
   excited.figures.push_back({.name = name,
@@ -38,6 +42,7 @@ void Add(const char* name, const char* key, const char* unit, const Estimate& es
                              .least_difference = std::abs(estimate.half_width) / in});
 }
 
+// @param by  the signal that the response was measured by
 void AddResponse(const char* by, const MeasuredResponse& response, ExcitedFigures& excited) {
   RecordedResponse& recorded = excited.responses.emplace_back();
   recorded.by = by;
@@ -51,7 +56,8 @@ void AddHand(const AxisResult& axis, ExcitedFigures& excited) {
   Add("mass of the hand", "hand_mass_kg", "kg", axis.hand->mass_kg, 1.0, excited);
 }
 
-void AddArm(const AxisResult& axis, ExcitedFigures& excited) {
+// Adds everything that identify estimates along an axis or of a joint: arm, tool, hand and responses.
+void AddAxis(const AxisResult& axis, ExcitedFigures& excited) {
   const bool is_joint = axis.request.joint > 0;
   excited.figures.push_back({.name = is_joint ? "RMS speed of the joint" : "RMS speed of the tool",
                              .key = is_joint ? "excited_rad_per_s" : "excited_m_per_s",
@@ -80,7 +86,7 @@ void AddArm(const AxisResult& axis, ExcitedFigures& excited) {
 }
 
 void AddForce(const char* name, const char* key, double value_N, ExcitedFigures& excited) {
-  constexpr double kLeast_N = 1e-3;
+  constexpr double kLeast_N = 1e-3;  // smaller differences never count
   excited.figures.push_back(
       {.name = name, .key = key, .unit = "N", .value = value_N, .least_difference = kLeast_N});
 }
@@ -105,7 +111,7 @@ ExcitedFigures ReadExcitedFigures(const std::filesystem::path& recording, const 
   }
   if (!result.refused.empty()) excited.refused = result.refused.front().what;
   for (const std::vector<AxisResult>* moved : {&result.axes, &result.joints})
-    for (const AxisResult& axis : *moved) AddArm(axis, excited);
+    for (const AxisResult& axis : *moved) AddAxis(axis, excited);
   if (result.noise) {
     AddForce("noise of the force sensor", "noise_N", result.noise->white_N, excited);
     AddForce("drift of the force sensor", "drift_N", result.noise->drift_N, excited);
@@ -136,13 +142,14 @@ std::vector<ResponseDifference> CompareResponses(const ExcitedFigures& first, co
     ResponseDifference& difference = differences.emplace_back();
     difference.by = a.by;
     for (std::size_t i = 0; i < std::min(a.lines.size(), b->lines.size()); ++i) {
-      const RecordedResponse::Line &one = a.lines[i], &other = b->lines[i];
-      const double size = std::max(std::abs(one.value), std::abs(other.value));
+      const RecordedResponse::Line &line_a = a.lines[i], &line_b = b->lines[i];
+      const double size = std::max(std::abs(line_a.value), std::abs(line_b.value));
       difference.lines.push_back(
-          {.first = one,
-           .second = other,
-           // real and imaginary part each have this deviation
-           .accepted = std::max(within * size, kDeviations * std::sqrt(2.0) * std::hypot(one.sd, other.sd))});
+          {.first = line_a,
+           .second = line_b,
+           // sd is that of one part: real and imaginary part together have sqrt(2) times as much
+           .accepted =
+               std::max(within * size, kDeviations * std::sqrt(2.0) * std::hypot(line_a.sd, line_b.sd))});
     }
   }
   for (const RecordedResponse& b : second.responses)

@@ -12,7 +12,7 @@
 
 namespace osteon::studies {
 
-/// A measured response at its lines.
+/// A measured frequency response, at the lines (frequencies) of its excitation.
 struct RecordedResponse {
   std::string by;  ///< the signal that it was measured by: "encoders", "force" or "hand"
   struct Line {
@@ -30,10 +30,10 @@ struct ExcitedFigures {
   std::string excitation;  ///< axis or joint, speed, seed, draws and periods, as the event states them
   std::vector<RunFigure> figures{};
   std::vector<RecordedResponse> responses{};
-  std::string refused{};  ///< why nothing was found; empty: something was
+  std::string refused{};  ///< why the recording, or its first refused part, was not estimated; empty: all was
 };
 
-/// Whether an event's text is that of an excitation.
+/// Whether an event's text is the one with which `osteon identify` marks its excitation.
 [[nodiscard]] bool IsExcitation(const std::string& event);
 
 /// Estimates a recording of `osteon identify` as `osteon identify --recording` does.
@@ -47,8 +47,9 @@ struct LineDifference {
   double accepted{0.0};  ///< |first - second| up to which the line is the same
   [[nodiscard]] bool differs() const { return !(std::abs(first.value - second.value) <= accepted); }
 };
+/// The lines of a response that both runs have.
 struct ResponseDifference {
-  std::string by;
+  std::string by;  ///< as in RecordedResponse
   std::vector<LineDifference> lines;
   [[nodiscard]] std::size_t differing() const;
   /// The line whose difference is largest relative to the accepted one. @pre there are lines

@@ -19,8 +19,9 @@ std::vector<std::string> Lines(const std::string& text) {
   return lines;
 }
 
-// The first line in which two texts differ.
-ConfigDifference FirstLine(const std::string& file, const std::string& first, const std::string& second) {
+// The first line in which two texts of a file differ; a line that one text lacks is empty.
+ConfigDifference FirstDifferingLine(const std::string& file, const std::string& first,
+                                    const std::string& second) {
   const std::vector<std::string> a = Lines(first), b = Lines(second);
   std::size_t i = 0;
   while (i < std::min(a.size(), b.size()) && a[i] == b[i]) ++i;
@@ -30,6 +31,7 @@ ConfigDifference FirstLine(const std::string& file, const std::string& first, co
           .line = static_cast<int>(i) + 1};
 }
 
+// The configuration files that are not the same in both runs.
 std::vector<ConfigDifference> CompareConfig(const io::SessionInfo& first, const io::SessionInfo& second) {
   std::map<std::string, std::pair<const std::string*, const std::string*>> files;
   for (const io::ConfigFile& file : first.config.files) files[file.name].first = &file.content;
@@ -39,11 +41,12 @@ std::vector<ConfigDifference> CompareConfig(const io::SessionInfo& first, const 
   for (const auto& [name, both] : files) {
     const std::string& a = both.first ? *both.first : none;
     const std::string& b = both.second ? *both.second : none;
-    if (a != b) differences.push_back(FirstLine(name, a, b));
+    if (a != b) differences.push_back(FirstDifferingLine(name, a, b));
   }
   return differences;
 }
 
+// A line "name: first | second" for each property of the sessions that differs.
 std::vector<std::string> CompareSessions(const io::SessionInfo& first, const io::SessionInfo& second) {
   std::vector<std::string> lines;
   const auto compare = [&](const char* name, const std::string& a, const std::string& b) {
@@ -63,6 +66,7 @@ std::vector<std::string> CompareSessions(const io::SessionInfo& first, const io:
   return lines;
 }
 
+// Names of the faults of `run` that `other` does not have.
 std::vector<std::string> FaultsOnlyIn(const RunFigures& run, const RunFigures& other) {
   std::vector<std::string> names;
   session::ForEachFault(run.faults, [&](safety::Fault fault, const safety::FaultText& text) {
@@ -71,6 +75,7 @@ std::vector<std::string> FaultsOnlyIn(const RunFigures& run, const RunFigures& o
   return names;
 }
 
+// @param within  share of the larger value up to which the figures count as the same
 FigureDifference Compare(const RunFigure& a, const RunFigure& b, double within) {
   return {.first = a,
           .second = b,
@@ -103,6 +108,7 @@ void CompareExcited(const ExcitedFigures& first, const ExcitedFigures& second, d
       only.push_back(fmt::format("the {} run was not estimated: {}", which, run->refused));
 }
 
+// The verdict's reason for a response that differs: how many lines, and the worst of them.
 std::string ResponseText(const ResponseDifference& response) {
   const LineDifference& worst = response.worst();
   return fmt::format(
@@ -113,26 +119,29 @@ std::string ResponseText(const ResponseDifference& response) {
       std::abs(worst.second.value), std::abs(worst.first.value - worst.second.value), worst.accepted);
 }
 
+// The verdict of RunDifference, with a reason for each difference.
 // @param only  results that only one of two excited runs has
 report::ReportVerdict Judge(const RunDifference& runs, const RunFigures& first, const RunFigures& second,
                             const std::vector<std::string>& only) {
   report::ReportVerdict verdict;
-  const auto say = [&](const char* level, std::string reason) {
+  const auto add_reason = [&](const char* level, std::string reason) {  // never lowers "bad"
     if (verdict.level != "bad") verdict.level = level;
     verdict.reasons.push_back(std::move(reason));
   };
-  for (const std::string& line : only) say("look", line);
+  for (const std::string& line : only) add_reason("look", line);
   for (const ResponseDifference& response : runs.responses)
-    if (response.differing() > 0) say("look", ResponseText(response));
-  for (const std::string& name : runs.only_second) say("bad", "only the second run has the fault " + name);
-  for (const std::string& name : runs.only_first) say("look", "only the first run has the fault " + name);
+    if (response.differing() > 0) add_reason("look", ResponseText(response));
+  for (const std::string& name : runs.only_second)
+    add_reason("bad", "only the second run has the fault " + name);
+  for (const std::string& name : runs.only_first)
+    add_reason("look", "only the first run has the fault " + name);
   for (const FigureDifference& figure : runs.figures)
     if (figure.differs())
-      say("look", fmt::format("{}: {:.4g} and {:.4g} {}, {:+.3g} where {:.3g} is accepted", figure.first.name,
-                              figure.first.value, figure.second.value, figure.first.unit, figure.difference,
-                              figure.accepted));
-  if (!first.end_error.empty()) say("look", "the first recording: " + first.end_error);
-  if (!second.end_error.empty()) say("look", "the second recording: " + second.end_error);
+      add_reason("look", fmt::format("{}: {:.4g} and {:.4g} {}, {:+.3g} where {:.3g} is accepted",
+                                     figure.first.name, figure.first.value, figure.second.value,
+                                     figure.first.unit, figure.difference, figure.accepted));
+  if (!first.end_error.empty()) add_reason("look", "the first recording: " + first.end_error);
+  if (!second.end_error.empty()) add_reason("look", "the second recording: " + second.end_error);
   if (verdict.level == "good")
     verdict.reasons.emplace_back(runs.identical ? "every tick is the same, to the bit" : "no figure differs");
   if (!runs.config.empty())

@@ -19,14 +19,15 @@ struct FigureDifference {
 /// A file of the configuration that is not the same in both runs.
 struct ConfigDifference {
   std::string file;
-  std::string first, second;  ///< the first line that differs; empty: the file is not there
+  std::string first, second;  ///< the first line that differs; empty: that run lacks the line or the file
   int line{0};                ///< its number, from 1
 };
 
 /// Two runs compared.
 struct RunDifference {
-  /// good: no figure differs; look: one does, or the configuration; bad: the second run has a fault that the
-  /// first has not.
+  /// good: no figure differs; look: a figure or response differs, a fault or result is in one run only, or a
+  /// recording has no proper end; bad: the second run has a fault that the first has not. A different
+  /// configuration is only stated.
   report::ReportVerdict verdict;
   bool identical{false};  ///< every tick is equal to the bit, except for the times that the machine took
   std::vector<FigureDifference> figures;

@@ -21,9 +21,10 @@ using console::Length;
 
 // Sums and maxima, gathered tick by tick and frame by frame.
 struct Gathered {
-  std::uint64_t rendering{0}, frames{0};
+  std::uint64_t rendering{0}, frames{0};  // number of ticks that rendered, and of frames
   double force_sum_N{0.0}, peak_force_N{0.0}, peak_hand_N{0.0}, peak_speed_m_per_s{0.0}, tool_in_bone_m{0.0};
-  double least_share{1.0}, most_age_s{0.0};
+  double least_share{1.0};  // least factor by which the limits scaled the force
+  double most_age_s{0.0};   // age of the oldest contact model
   double removed_m3{0.0}, removed_kg{0.0}, work_J{0.0}, depth_m{0.0};
   double period_s{0.0};
   report::DurationCounts compute, frame;
@@ -31,13 +32,13 @@ struct Gathered {
   session::LatencyMeter latency;
 };
 
-void Keep(double& peak, double value) { peak = std::max(peak, value); }
+void UpdatePeak(double& peak, double value) { peak = std::max(peak, value); }
 
 void AddTick(const control::TickRecord& tick, Gathered& all) {
-  Keep(all.peak_force_N, Length(tick.F_coupling_T_W.f));
-  Keep(all.peak_hand_N, Length(tick.F_operator_T_W.f));
-  Keep(all.peak_speed_m_per_s, Length(tick.v_WT_cmd_m_per_s));
-  Keep(all.tool_in_bone_m, tick.tool_in_bone_m);
+  UpdatePeak(all.peak_force_N, Length(tick.F_coupling_T_W.f));
+  UpdatePeak(all.peak_hand_N, Length(tick.F_operator_T_W.f));
+  UpdatePeak(all.peak_speed_m_per_s, Length(tick.v_WT_cmd_m_per_s));
+  UpdatePeak(all.tool_in_bone_m, tick.tool_in_bone_m);
   all.compute.Add(tick.compute_ns);
   all.deflected.Add(tick.compliance);
   all.latency.Add(tick);
@@ -45,7 +46,7 @@ void AddTick(const control::TickRecord& tick, Gathered& all) {
   ++all.rendering;
   all.force_sum_N += Length(tick.F_coupling_T_W.f);
   all.least_share = std::min(all.least_share, tick.wrench_scale);
-  Keep(all.most_age_s, tick.model_age_s);
+  UpdatePeak(all.most_age_s, tick.model_age_s);
   if (tick.input.period_s > 0.0) all.period_s = tick.input.period_s;
 }
 
@@ -65,7 +66,7 @@ double Percentile99_us(const report::DurationCounts& durations) {
 
 // Adds the largest displacement of each part that gives way; 0 if the part is rigid.
 void AddDeflections(const session::PeakDeflection& peak, std::vector<RunFigure>& figures) {
-  constexpr double kLeast_mm = 0.02;
+  constexpr double kLeast_mm = 0.02;  // smaller differences never count
   const auto add_mm = [&](const char* name, const char* key, double value_m) {
     figures.push_back(
         {.name = name, .key = key, .unit = "mm", .value = 1e3 * value_m, .least_difference = kLeast_mm});
@@ -90,6 +91,7 @@ void AddLatency(const Gathered& all, std::vector<RunFigure>& figures) {
   add("latency from bone to hand", "latency_bone_to_hand_ms", latency.bone_to_hand_s);
 }
 
+// The figures of a run, from its sums. Two runs always have the same figures in the same order.
 std::vector<RunFigure> Figures(const Gathered& all) {
   const auto ticks = static_cast<double>(std::max<std::uint64_t>(1, all.rendering));
   std::vector<RunFigure> figures{{.name = "rendered",
@@ -201,7 +203,7 @@ tl::expected<RunFigures, std::string> ReadRunFigures(const std::filesystem::path
     for (std::size_t i = 0; i < safety::kLimitCount; ++i) run.limits[i] += tick.limits >> i & 1u;
     AddTick(tick, all);
     run.force_N.Add(tick.stamp, Length(tick.F_coupling_T_W.f));
-    tick.wakeup_ns = tick.compute_ns = 0;
+    tick.wakeup_ns = tick.compute_ns = 0;  // the hash leaves out the times that the machine took
     io::Encode(tick, bytes);
     hash.Add(bytes);
   }

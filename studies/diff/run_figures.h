@@ -26,10 +26,10 @@ struct RunFigures {
   std::string end;                    ///< the last event: how the run ended
   std::uint64_t ticks{0};             ///< number of ticks
   std::uint64_t hash{0};              ///< over all ticks, without the times that the machine took
-  std::string end_error;              ///< io::RecordingStream::EndError
+  std::string end_error;              ///< why the recording has no proper end; empty: it has one
   rt::Nanoseconds first{0};           ///< stamp of the first tick
-  report::ThinCurve force_N, depth_mm, removed_mm3;
-  std::optional<ExcitedFigures> excited{};  ///< of a recording of `osteon identify`
+  report::ThinCurve force_N, depth_mm, removed_mm3;  ///< to the hand; of the cut; volume
+  std::optional<ExcitedFigures> excited{};           ///< of a recording of `osteon identify`
 };
 
 /// Reads a recording. The error names file, byte and reason.

@@ -14,11 +14,12 @@ using kinematics::JointVector;
 constexpr double kDt_s = 1e-3;
 constexpr rt::Nanoseconds kHandOver = 10 * rt::kSecond;  // above 0: ticks before it need time stamps, too
 
-// Simulates arm and scene around any source of joint commands. `command` receives the tick (below 0: the arm
-// waits), the measured joints and the wrench on the tool, and fills in its part of the tick.
+// Source of the commanded joints. Receives the tick (below 0: the arm waits), the measured joints and the
+// wrench on the tool, and fills in its part of the tick's record.
 using Commander =
     std::function<JointVector(int tick, const JointVector& q_meas, const Wrench& F_T_W, ArmRideTick&)>;
 
+// Simulates the arm in the scene, commanded by `command`. @returns the ticks from the hand-over on
 std::vector<ArmRideTick> Ride(const ArmRideParams& params, const ArmScene& scene, const Commander& command) {
   const kinematics::LbrArm arm(params.arm);
   hil::ServoArm servo(params.servo, params.arm.limits, kDt_s, params.q_start);
@@ -54,6 +55,7 @@ ArmScene SceneOf(const hil::OperatorHandParams& params, const HandPath& path) {
   }};
 }
 
+// The same ride with the path's goal in every tick.
 std::vector<ArmRideTick> WithGoals(std::vector<ArmRideTick> ride, const HandPath& path) {
   for (std::size_t i = 0; i < ride.size(); ++i) ride[i].goal = path(static_cast<double>(i) * kDt_s);
   return ride;
@@ -176,17 +178,17 @@ std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const HandPa
 std::vector<ArmRideTick> RideMethod(const ArmRideParams& params, const HandPath& path,
                                     const StepMethod& method) {
   const kinematics::LbrArm arm(params.arm);
-  const control::ServoParams same;  // law and speed limits
+  const control::ServoParams defaults;  // for the law and the speed limits, as in the loop
   JointVector q = params.q_start;
   Twist V;
   const auto step = [&](int, const JointVector&, const Wrench& F_T_W, ArmRideTick& tick) -> JointVector {
     // the virtual tool is at the joints' pose, as in the loop
     Twist V_next;
     tick.fault = !control::NextTwist(
-        same.admittance, {.X_WT = arm.FlangePose(q) * params.X_FT, .V_WT = V, .F_T_W = F_T_W, .dt_s = kDt_s},
-        V_next);
+        defaults.admittance,
+        {.X_WT = arm.FlangePose(q) * params.X_FT, .V_WT = V, .F_T_W = F_T_W, .dt_s = kDt_s}, V_next);
     if (tick.fault) return q;
-    V = safety::LimitTwist(V_next, same.twist).V;
+    V = safety::LimitTwist(V_next, defaults.twist).V;
     const JointVector q_step = method(arm.JacobianAt(q, params.X_FT.translation()), q, V, kDt_s);
     tick.fault = !q_step.allFinite();
     if (!tick.fault) q += q_step;

@@ -29,6 +29,7 @@ using HandPath = std::function<HandGoal(double time_s)>;
 using StepMethod = std::function<kinematics::JointVector(
     const kinematics::Jacobian& J_tool, const kinematics::JointVector& q, const Twist& V_BT, double dt_s)>;
 
+/// Arm, loop and hand of a ride, and its length.
 struct ArmRideParams {
   kinematics::LbrParams arm;
   hil::ServoArmParams servo;

@@ -16,7 +16,7 @@ void Append(const simulation::Bone& from, simulation::Bone& to);
 /// The same bone with one coefficient of friction throughout.
 [[nodiscard]] simulation::Bone WithFriction(simulation::Bone bone, double friction);
 
-/// A pose whose feed points straight down, then turned by a rotation vector; apex at p.
+/// A tool's pose with its apex at p and its feed straight down, turned about the apex by a rotation vector.
 [[nodiscard]] Pose Down(const Vector3& p_m, const Vector3& turn = Vector3::Zero());
 
 /// Angle between two directions [deg]; 180 if one is zero.

@@ -11,8 +11,8 @@
 #include "simulation/engine/cutting_engine.h"
 #include "simulation/tools/tool.h"
 
-// Scenarios in which methods fail. Each has a generator, a baseline that fails in it, and a bound that ours
-// must keep. Each scenario is one file with `FailureResult Run<Name>(const FailureSetting&)`;
+// Scenarios in which methods fail. Each scenario has a baseline method that fails in it, and a bound that our
+// method ("ours") must keep. Its function is `FailureResult Run<Name>(const FailureSetting&)`;
 // failure_list.cpp lists them all.
 
 namespace osteon::studies {
@@ -37,7 +37,7 @@ struct FailureResult {
   int id{0};
   std::string name{};            ///< "thin sheet"
   std::string metric{}, unit{};  ///< "shots that passed through", "1"
-  std::string baseline_name{};   ///< description of the baseline: "pointshell, voxels of .25 mm"
+  std::string baseline_name{};   ///< description of the baseline: "pointshell, voxels of 0.25 mm"
   double bound{0.0}, baseline{0.0}, ours{0.0};
   bool baseline_fails{false}, ours_passes{false};
   std::string note{};  ///< other observations: secondary figures, counts; empty, or one or two sentences
@@ -53,6 +53,7 @@ using EngineFactory = std::function<std::unique_ptr<simulation::CuttingEngine>(
 /// failures.md asks for.
 enum class FailureSize : std::uint8_t { kTest, kFull };
 
+/// The engine, amount of computation and progress report of a scenario's run.
 struct FailureSetting {
   EngineFactory make_engine;  ///< "ours"
   FailureSize size{FailureSize::kTest};
@@ -64,6 +65,7 @@ struct FailureSetting {
   [[nodiscard]] bool GoesOn(double share) const { return !progress || progress(share); }
 };
 
+/// An entry of the list of scenarios.
 struct FailureScenario {
   int id{0};
   std::string name;

@@ -14,13 +14,14 @@ namespace {
 
 using nlohmann::json;
 
+// A JSON array that reads back to the bit.
 json Numbers(const std::vector<double>& values) {
   json list = json::array();
   for (const double value : values) list.push_back(ExactNumber(value));
   return list;
 }
 
-json Plot(const FailurePlot& plot) {
+json PlotItem(const FailurePlot& plot) {
   json series = json::array();
   for (const FailureSeries& line : plot.series)
     series.push_back(
@@ -64,7 +65,7 @@ json FailureItem(const FailureRun& run) {
           {"baseline_fails", r.baseline_fails},
           {"ours_passes", r.ours_passes},
           {"note", r.note},
-          {"plot", Plot(r.plot)},
+          {"plot", PlotItem(r.plot)},
           {"seconds", ExactNumber(run.seconds)},
           {"error", run.error}};
 }

@@ -8,9 +8,10 @@
 
 namespace osteon::studies {
 
-/// A scenario's outcome as an item of a part: everything that table, page and JSON show, to the bit.
+/// Converts a scenario's outcome to a JSON item of a study that is split over machines (studies/sharding).
+/// The item has everything that table, page and JSON show, exact to the bit.
 [[nodiscard]] nlohmann::json FailureItem(const FailureRun& run);
-/// @throws nlohmann::json::exception or std::invalid_argument if the item is damaged.
+/// Converts an item back. @throws nlohmann::json::exception or std::invalid_argument if the item is damaged.
 [[nodiscard]] FailureRun FailureRunFrom(const nlohmann::json& item);
 
 }  // namespace osteon::studies

@@ -35,6 +35,8 @@
 #include "studies/failures/procedure/tool_load.h"
 #include "studies/failures/procedure/undo.h"
 
+// The list of all failure scenarios. Their numbers are also those of failures.md and of the page's sketches.
+
 namespace osteon::studies {
 
 std::span<const FailureScenario> FailureScenarios() {

@@ -64,6 +64,7 @@ tl::expected<std::vector<FailureScenario>, std::string> Choose(const std::vector
   return chosen;
 }
 
+// The verdict that the table prints for a scenario.
 std::string OutcomeText(const FailureRun& run) {
   if (!run.error.empty()) return "no result";
   if (!run.result.baseline_fails) return "BASELINE DOES NOT FAIL";
@@ -106,7 +107,7 @@ std::string InputsOf(const std::vector<FailureScenario>& scenarios, const Failur
 /// @returns an error if there is no such engine on this machine.
 tl::expected<Runs, std::string> RunAll(const std::vector<FailureScenario>& scenarios,
                                        const FailureOptions& options, StudyItems& items) {
-  // an engine that cannot run on this machine is not a failed scenario
+  // try the engine with one ball first: an engine that cannot run on this machine is not a failed scenario
   Engines engines(options);
   simulation::Bone pebble;
   pebble.balls = {{.center_m = {}, .radius_m = 1e-3}};
@@ -121,12 +122,12 @@ tl::expected<Runs, std::string> RunAll(const std::vector<FailureScenario>& scena
     return tl::unexpected(std::string(error.what()));
   }
 
-  std::vector<std::size_t> mine;
+  std::vector<std::size_t> computed_items;
   for (std::size_t i = 0; i < scenarios.size(); ++i)
-    if (items.Computes(i)) mine.push_back(i);
+    if (items.Computes(i)) computed_items.push_back(i);
   Runs runs{.list = {}, .engine = engines.choice().engine};
-  base::PhaseProgress progress("osteon failures", static_cast<int>(mine.size()));
-  for (const std::size_t item : mine) {
+  base::PhaseProgress progress("osteon failures", static_cast<int>(computed_items.size()));
+  for (const std::size_t item : computed_items) {
     const FailureScenario& scenario = scenarios[item];
     progress.BeginPhase(fmt::format("{} {}", scenario.id, scenario.name));
     const double begun_s = rt::ToSeconds(rt::MonotonicNow());
@@ -156,6 +157,7 @@ tl::expected<Runs, std::string> RunAll(const std::vector<FailureScenario>& scena
   return runs;
 }
 
+/// Reads the outcomes of all `count` scenarios from the parts of a study that was split.
 Runs Restore(const StudyItems& items, std::size_t count) {
   Runs runs;
   for (std::size_t i = 0; i < count; ++i) {
@@ -198,6 +200,7 @@ tl::expected<void, std::string> WriteFiles(const FailureOptions& options, const 
   return base::WriteText(options.markdown, FailureMarkdown(entries, head, pictures.generic_string()));
 }
 
+/// @returns the first error of the options; empty if there is none
 std::string WrongOptions(const FailureOptions& options) {
   if (std::string wrong = ValidateSharding(options.sharding, options.json); !wrong.empty()) return wrong;
   if (std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;

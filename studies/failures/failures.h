@@ -9,6 +9,7 @@
 
 namespace osteon::studies {
 
+/// Options of `osteon failures`.
 struct FailureOptions {
   std::vector<int> ids{};            ///< empty: every scenario
   std::filesystem::path out{};       ///< folder for one picture per scenario and failures.html; empty: none

@@ -15,7 +15,8 @@ namespace {
 
 using simulation::ContactModel;
 
-constexpr double kDt_s = 1e-3, kTap_N = 2.0, kTap_s = 0.02, kWindow_s = 0.5;
+constexpr double kDt_s = 1e-3, kTap_N = 2.0, kTap_s = 0.02;  // force and length of a tap
+constexpr double kWindow_s = 0.5;                            // time over which a swing is measured
 constexpr double kToolRadius_m = 0.025;
 
 // Messages on the wires. A newer message has a higher stamp.
@@ -45,6 +46,7 @@ bool ReceiveDue(hil::ImpairedWire& wire, rt::Nanoseconds now, Keep keep, T& valu
   }
   return came;
 }
+// Sends a message, byte by byte as it is in memory.
 template <class T>
 void Send(hil::ImpairedWire& wire, rt::Nanoseconds now, const T& value) {
   wire.Push({reinterpret_cast<const std::uint8_t*>(&value), sizeof value}, now);
@@ -77,6 +79,7 @@ ModelDatagram Frame(const PacketRideParams& params, const PoseDatagram& pose, rt
   return datagram;
 }
 
+// The force of a tap that begins at tap_s: down and sideways, constant for kTap_s.
 Vector3 TapForce(double t_s, double tap_s) {
   const double u = (t_s - tap_s) / kTap_s;
   return u < 0.0 || u > 1.0 ? Vector3::Zero() : Vector3(kTap_N * Vector3(1.0, 0.0, -1.0).normalized());
@@ -142,6 +145,7 @@ class Controller {
   [[nodiscard]] Vector3 p_W_m() const { return state_.X_WT.translation(); }
 
  private:
+  // Updates the ride's largest age of the wall's answer and largest force of the wall.
   static void RecordForce(rt::Nanoseconds now, rt::Nanoseconds pose_stamp, double force_N, PacketRide& ride) {
     if (pose_stamp >= 0) ride.wall_age_s = std::max(ride.wall_age_s, rt::ToSeconds(now - pose_stamp));
     ride.max_wall_N = std::max(ride.max_wall_N, force_N);

@@ -34,7 +34,7 @@ struct PacketRideParams {
   double mass_kg{3.0}, damping_Ns_per_m{80.0};
   double wall_N_per_m{20e3}, hand_N_per_m{500.0};
   double clearance_m{0.05};  ///< distance by which the tool's centre can move sideways in the cup
-  double push_N{30.0};
+  double push_N{30.0};       ///< steady push of the hand, down
 };
 
 /// Result of a ride. The hand taps the tool a second before the step, and at the step: 2 N down and sideways
@@ -45,10 +45,12 @@ struct PacketRide {
   double end_m{0.0};           ///< swing in the last half second
   double wall_age_s{0.0};      ///< largest age of the pose that the wall's answer was computed from
   double hand_age_s{0.0};      ///< largest age of the hand's force
-  double max_wall_N{0.0};
+  double max_wall_N{0.0};      ///< largest force of the wall
 
+  /// Above 1 the tool swings more at the end than after the first tap.
   [[nodiscard]] double Growth() const { return end_m / tap_m; }
 };
+/// Simulates the ride. Deterministic for a seed.
 [[nodiscard]] PacketRide RidePackets(const PacketRideParams& params);
 
 /// D - sum a_max K over the two wires, with the largest ages of the ride [N s/m]. Above zero the motion

@@ -16,20 +16,23 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr double kT = 1e-3;
-constexpr double kK_N_per_m = 20e3;
+constexpr double kTick_s = 1e-3;
+constexpr double kK_N_per_m = 20e3;  // stiffness of a hard plane
 
+// A contact plane with a weight of 0.5, as each of two equal planes has.
 simulation::Contact Plane(const Vector3& p_W, const Vector3& n_W, double stiffness_N_per_m) {
   simulation::Contact plane = PlaneAt(p_W, n_W, stiffness_N_per_m);
   plane.weight = 0.5;
   return plane;
 }
 
-// The shipped coupling with compliance, on planes that are fresh in every tick; sums the work at the tool.
+// The shipped coupling with compliance, on planes that are fresh in every tick. Sums the work of the planes
+// on the tool by the trapezoidal rule.
 class ComplianceBench {
  public:
-  explicit ComplianceBench(const control::ComplianceParams& params, bool has_arm = true)
-      : compliance_(params, kT), has_arm_(has_arm) {
+  // @param has_lever_arm  false: the torque on the tool lacks the lever arm of the displaced head
+  explicit ComplianceBench(const control::ComplianceParams& params, bool has_lever_arm = true)
+      : compliance_(params, kTick_s), has_lever_arm_(has_lever_arm) {
     coupling_.max_stiffness_N_per_m = 1e6;
     coupling_.damping_Ns_per_m = 0.0;
     state_.fade = 1.0;
@@ -43,12 +46,12 @@ class ComplianceBench {
     const control::CouplingOutput out = control::EvaluateCoupling(
         coupling_, {.model = model, .X_WT = compliance_.X_ME(X_WT), .now = now}, state_);
     Wrench F_T_W = compliance_.OnTool(out.F_contact_T_W, X_WT);
-    if (!has_arm_) F_T_W.t = compliance_.X_WM().linear() * out.F_contact_T_W.t;
+    if (!has_lever_arm_) F_T_W.t = compliance_.X_WM().linear() * out.F_contact_T_W.t;
     if (tick_ > 1) {
       const Twist dx = control::SmallStep(X_before_, X_WT);
-      given_J_ += 0.5 * (control::Power(before_, dx) + control::Power(F_T_W, dx));
+      given_J_ += 0.5 * (control::Power(F_before_, dx) + control::Power(F_T_W, dx));
     }
-    before_ = F_T_W;
+    F_before_ = F_T_W;
     X_before_ = X_WT;
     compliance_.Step(out.F_contact_T_W, model, X_WT);
     return F_T_W.f;
@@ -58,10 +61,10 @@ class ComplianceBench {
 
  private:
   control::Compliance compliance_;
-  bool has_arm_;
+  bool has_lever_arm_;
   control::CouplingParams coupling_;
   control::CouplingState state_;
-  Wrench before_;
+  Wrench F_before_;
   Pose X_before_{Pose::Identity()};
   double given_J_{0.0};
   int tick_{0};
@@ -78,12 +81,14 @@ control::SurfaceLayerParams LinearLayer(double stiffness_N_per_m) {
   return layer;
 }
 
-// Work that the planes give in the last of several turns along a path; the path takes the share of a turn.
+// Work that the planes give in the last of three turns along a closed path.
+// @param path    pose of the tool by the number of turns
+// @param series  receives the work [mJ] over that last turn
 template <class Path>
 double GivenInATurn_J(ComplianceBench& bench, std::span<const simulation::Contact> planes, double turn_s,
                       const Path& path, FailureSeries& series) {
   constexpr int kTurns = 3;
-  const int ticks = static_cast<int>(std::lround(turn_s / kT));
+  const int ticks = static_cast<int>(std::lround(turn_s / kTick_s));
   double before_J = 0.0;
   for (int i = 0; i <= kTurns * ticks; ++i) {
     bench.Step(path(static_cast<double>(i) / ticks), planes);
@@ -96,7 +101,7 @@ double GivenInATurn_J(ComplianceBench& bench, std::span<const simulation::Contac
   return bench.given_J() - before_J;
 }
 
-Pose At(const Vector3& p, const Vector3& turn = Vector3::Zero()) {
+Pose PoseAt(const Vector3& p, const Vector3& turn = Vector3::Zero()) {
   Pose X = Pose::Identity();
   X.linear() = ExpRotation(turn);
   X.translation() = p;
@@ -118,19 +123,19 @@ FailureResult RunTwoSprings(const FailureSetting& setting) {
   const Vector3 centre = -3e-3 * (n_1 + n_2).normalized();
   // turn in the direction in which the force field's curl gives work
   const auto circle = [&](double turn) {
-    return At(centre + 1e-3 * Vector3(std::cos(kTwoPi * turn), 0.0, std::sin(kTwoPi * turn)));
+    return PoseAt(centre + 1e-3 * Vector3(std::cos(kTwoPi * turn), 0.0, std::sin(kTwoPi * turn)));
   };
   FailureSeries baseline{.name = "series stiffness"}, ours{.name = "ours", .ours = true};
-  const double soft = 1.0 / (1.0 / kK_N_per_m + 1.0 / kLayer_N_per_m);
+  const double soft_N_per_m = 1.0 / (1.0 / kK_N_per_m + 1.0 / kLayer_N_per_m);
   const simulation::Contact uneven[]{Plane(Vector3::Zero(), n_1, kK_N_per_m),
-                                     Plane(Vector3::Zero(), n_2, soft)};
+                                     Plane(Vector3::Zero(), n_2, soft_N_per_m)};
   const simulation::Contact even[]{Plane(Vector3::Zero(), n_1, kK_N_per_m),
                                    Plane(Vector3::Zero(), n_2, kK_N_per_m)};
-  ComplianceBench written({});
-  result.baseline = 1e3 * GivenInATurn_J(written, uneven, 1.0, circle, baseline);
+  ComplianceBench without_layer({});
+  result.baseline = 1e3 * GivenInATurn_J(without_layer, uneven, 1.0, circle, baseline);
   const bool complete = setting.GoesOn(0.5);
-  ComplianceBench element({.layer = LinearLayer(kLayer_N_per_m)});
-  result.ours = 1e3 * GivenInATurn_J(element, even, 1.0, circle, ours);
+  ComplianceBench with_layer({.layer = LinearLayer(kLayer_N_per_m)});
+  result.ours = 1e3 * GivenInATurn_J(with_layer, even, 1.0, circle, ours);
   result.baseline_fails = result.baseline > 1.0;
   result.ours_passes = complete && result.ours <= result.bound;
   result.note =
@@ -164,26 +169,28 @@ FailureResult RunStaleStiffness(const FailureSetting& setting) {
     }
     return low_N;
   };
-  const int ticks = static_cast<int>(std::lround(8.0 / (kHz * kT)));  // 8 cycles: whole frames
+  const int ticks = static_cast<int>(std::lround(8.0 / (kHz * kTick_s)));  // 8 cycles: whole frames
   FailureSeries baseline{.name = "secant by frames"}, ours{.name = "ours", .ours = true};
-  double secant = 0.0, q_m = 0.0, given_J = 0.0, ours_J = 0.0, before_N = 0.0, ours_before_N = 0.0;
-  for (int i = 0; i <= 2 * ticks; ++i) {
-    const double cycle = kHz * kT * i, deep = depth_m(cycle), before = depth_m(cycle - kHz * kT);
-    if (i % kFrameTicks == 0) secant = rest_N(deep) / deep;
-    const double f = secant * deep, f_ours = kK_N_per_m * std::max(0.0, deep - q_m);
+  double secant_N_per_m = 0.0, layer_m = 0.0;  // layer_m: displacement of our layer
+  double baseline_J = 0.0, ours_J = 0.0, baseline_before_N = 0.0, ours_before_N = 0.0;
+  for (int i = 0; i <= 2 * ticks; ++i) {  // the first 8 cycles settle, the next 8 count
+    const double cycle = kHz * kTick_s * i, deep_m = depth_m(cycle);
+    const double deeper_m = deep_m - depth_m(cycle - kHz * kTick_s);
+    if (i % kFrameTicks == 0) secant_N_per_m = rest_N(deep_m) / deep_m;
+    const double baseline_N = secant_N_per_m * deep_m, ours_N = kK_N_per_m * std::max(0.0, deep_m - layer_m);
     if (i > ticks) {
-      given_J -= 0.5 * (f + before_N) * (deep - before);
-      ours_J -= 0.5 * (f_ours + ours_before_N) * (deep - before);
-      baseline.x.push_back(cycle - kHz * kT * ticks);
-      baseline.y.push_back(1e3 * given_J);
+      baseline_J -= 0.5 * (baseline_N + baseline_before_N) * deeper_m;
+      ours_J -= 0.5 * (ours_N + ours_before_N) * deeper_m;
+      baseline.x.push_back(cycle - kHz * kTick_s * ticks);
+      baseline.y.push_back(1e3 * baseline_J);
       ours.x.push_back(baseline.x.back());
       ours.y.push_back(1e3 * ours_J);
     }
-    before_N = f;
-    ours_before_N = f_ours;
-    q_m = -control::StepLayer(layer, touch, {0.0, 0.0, f_ours}, kT, {0.0, 0.0, -q_m}).z();
+    baseline_before_N = baseline_N;
+    ours_before_N = ours_N;
+    layer_m = -control::StepLayer(layer, touch, {0.0, 0.0, ours_N}, kTick_s, {0.0, 0.0, -layer_m}).z();
   }
-  result.baseline = 1e3 * given_J / 8.0;
+  result.baseline = 1e3 * baseline_J / 8.0;
   result.ours = 1e3 * ours_J / 8.0;
   const bool complete = setting.GoesOn(1.0);
   result.baseline_fails = result.baseline > 1.0;
@@ -201,7 +208,7 @@ FailureResult RunBentArm(const FailureSetting& setting) {
                        .unit = "mJ",
                        .baseline_name = "torque by the rigid tool's arm",
                        .bound = 0.01};
-  control::ToolLinkParams drill;  // 3.2 mm: 8.72 N/mm at its apex
+  control::ToolLinkParams drill;  // diameter 3.2 mm: 8.72 N/mm across the feed at its apex
   drill.compliance_T(0, 0) = drill.compliance_T(1, 1) = 1.1468e-4;
   drill.compliance_T(0, 4) = drill.compliance_T(4, 0) = 3.065e-3;
   drill.compliance_T(1, 3) = drill.compliance_T(3, 1) = -3.065e-3;
@@ -213,17 +220,18 @@ FailureResult RunBentArm(const FailureSetting& setting) {
   const simulation::Contact plane[]{Plane(Vector3::Zero(), n, 60e3)};
   // The depth oscillates, and the rotation about the plane's slope follows a quarter of a turn later.
   const auto path = [&](double turn) {
-    return At((-1.5e-3 + 0.7e-3 * std::sin(kTwoPi * turn)) * n, {0.0, 0.05 * std::cos(kTwoPi * turn), 0.0});
+    return PoseAt((-1.5e-3 + 0.7e-3 * std::sin(kTwoPi * turn)) * n,
+                  {0.0, 0.05 * std::cos(kTwoPi * turn), 0.0});
   };
   // As slow as a hand: the element's own loss fades with the speed; the work of the missing lever arm does
   // not.
   const double turn_s = setting.full() ? 200.0 : 100.0;
   FailureSeries baseline{.name = "rigid arm"}, ours{.name = "ours", .ours = true};
-  ComplianceBench rigid({.tool = drill}, false);
-  result.baseline = 1e3 * GivenInATurn_J(rigid, plane, turn_s, path, baseline);
+  ComplianceBench rigid_arm({.tool = drill}, false);
+  result.baseline = 1e3 * GivenInATurn_J(rigid_arm, plane, turn_s, path, baseline);
   const bool complete = setting.GoesOn(0.5);
-  ComplianceBench bent({.tool = drill});
-  result.ours = 1e3 * GivenInATurn_J(bent, plane, turn_s, path, ours);
+  ComplianceBench bent_arm({.tool = drill});
+  result.ours = 1e3 * GivenInATurn_J(bent_arm, plane, turn_s, path, ours);
   result.baseline_fails = result.baseline > 10.0 * result.bound;
   result.ours_passes = complete && result.ours <= result.bound;
   result.note =

@@ -2,7 +2,8 @@
 
 #include "studies/failures/failure.h"
 
-// What gives way between tool and bone, on the shipped coupling and its elements (control/compliance).
+// Scenarios of parts that give way between tool and bone (tool, surface layer, mount), simulated with the
+// shipped coupling and its elements (control/compliance).
 
 namespace osteon::studies {
 

@@ -13,15 +13,16 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kTick_s = 1e-3, kPush_N = 120.0, kPushRise_s = 1.0;
-constexpr double kPlanned_m = 2e-3;      // depth of the hole
-constexpr double kSpindleStop_m = 1e-3;  // the spindle stops that far before the bound
-constexpr double kSoft_m = 3e-3;
-constexpr double kImpedance_N_per_m = 10e3;      // stable for an overlay of 4 ms with 40 N s/m of damping
-constexpr int kMaxTicks = 20'000, kAfter = 300;  // ticks in all, and ticks after the spindle stopped
+constexpr double kPlanned_m = 2e-3;          // depth of the hole
+constexpr double kSpindleStop_m = 1e-3;      // the spindle stops that far before the bound
+constexpr double kSoft_m = 3e-3;             // the limit resists from that far before the bound on
+constexpr double kImpedance_N_per_m = 10e3;  // stable for an overlay of 4 ms with 40 N s/m of damping
+constexpr int kMaxTicks = 20'000, kTicksAfterStop = 300;  // ticks in all, and ticks after the spindle stopped
 
 constexpr double kAbove_m = 0.05e-3;  // height of the apex over the bone at the beginning
 
-struct Course {
+// The outcome of one hole.
+struct HoleResult {
   double depth_m{0.0};  ///< depth of the hole
   bool stopped{false};  ///< the limit has stopped the spindle
   bool fault{false};
@@ -49,15 +50,18 @@ control::ServoParams Loop(control::Law law, double stiffness_N_per_m, const Pose
   return loop;
 }
 
-Course Ream(const FailureSetting& setting, const simulation::Bone& bone, control::Law law,
-            const std::optional<control::BoneMountParams>& mount, bool rides_on_bone) {
+// Presses a turning burr into the bone until kTicksAfterStop after the limit has stopped the spindle.
+// @param mount          none: the bone is at rest
+// @param rides_on_bone  the depth limit moves with the bone; false: it rests in the world
+HoleResult Ream(const FailureSetting& setting, const simulation::Bone& bone, control::Law law,
+                const std::optional<control::BoneMountParams>& mount, bool rides_on_bone) {
   const Pose X_WG = BoneOfLawRide() * Eigen::Translation3d(0.0, 0.0, -kAbove_m);
   simulation::CuttingParams cutting;
   if (law == control::Law::kImpedance) cutting.stiffness_N_per_m = kImpedance_N_per_m;
   const auto engine = setting.make_engine(bone, MakeBallTool(5e-3), X_WG, cutting);
-  Course course;
-  bool turned = false;
-  int since_stop = 0;
+  HoleResult hole_result;
+  bool has_turned = false;
+  int ticks_since_stop = 0;
   PushingHand hand;
   const LawScene scene{.hand =
                            [&](int tick, const Pose& X_WT, const Twist& V_WT) {
@@ -66,29 +70,29 @@ Course Ream(const FailureSetting& setting, const simulation::Bone& bone, control
                        .bone =
                            [&](const simulation::ToolCommand& command) {
                              const double spindle = command.spindle_rad_per_s;
-                             turned |= spindle > 0.0;
-                             course.stopped = turned && spindle == 0.0;
+                             has_turned |= spindle > 0.0;
+                             hole_result.stopped = has_turned && spindle == 0.0;
                              simulation::ContactModel model =
                                  engine->Step(FrameAt(Pose(command.X_WT), spindle, kTick_s));
                              const Vector3 p_G = X_WG.inverse() * Pose(model.X_WP).translation();
-                             course.depth_m = std::max(course.depth_m, -p_G.z());
+                             hole_result.depth_m = std::max(hole_result.depth_m, -p_G.z());
                              return model;
                            },
                        .seen =
                            [&](int tick, const LawRideTick&) {
-                             if (course.stopped) ++since_stop;
+                             if (hole_result.stopped) ++ticks_since_stop;
                              if (tick % 10 == 0) {
-                               course.series.x.push_back(kTick_s * tick);
-                               course.series.y.push_back(1e3 * course.depth_m);
+                               hole_result.series.x.push_back(kTick_s * tick);
+                               hole_result.series.y.push_back(1e3 * hole_result.depth_m);
                              }
-                             return since_stop < kAfter;
+                             return ticks_since_stop < kTicksAfterStop;
                            }};
   const double max_s = kTick_s * kMaxTicks;
-  course.fault =
+  hole_result.fault =
       RideLaw({.loop = Loop(law, cutting.stiffness_N_per_m, X_WG, mount, rides_on_bone), .seconds = max_s},
               scene)
           .Any();
-  return course;
+  return hole_result;
 }
 
 }  // namespace
@@ -109,12 +113,12 @@ FailureResult RunDepthOnMount(const FailureSetting& setting) {
   bool complete = true, all_stopped = true, fault = false;
   double shallowest_m = 1.0, rest_m = 0.0;
   for (const control::Law law : {control::Law::kAdmittance, control::Law::kImpedance}) {
-    Course rest = Ream(setting, bone, law, {}, false);
+    HoleResult rest = Ream(setting, bone, law, {}, false);
     rest_m = rest.depth_m;
     all_stopped = all_stopped && rest.stopped;
     for (const control::BoneMountParams& mount : {elastic, creeping}) {
-      Course world = Ream(setting, bone, law, mount, false);
-      Course ours = Ream(setting, bone, law, mount, true);
+      HoleResult world = Ream(setting, bone, law, mount, false);
+      HoleResult ours = Ream(setting, bone, law, mount, true);
       all_stopped = all_stopped && world.stopped && ours.stopped;
       fault = fault || rest.fault || ours.fault;
       shallowest_m = std::min(shallowest_m, world.depth_m);

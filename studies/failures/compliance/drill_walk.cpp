@@ -25,12 +25,15 @@ constexpr double kSeen_s = 1.5;               // when the hole's place is taken
 constexpr double kCutting_J_per_m3 = 1.3e9;   // human femoral cortex (config/materials)
 
 constexpr double kAbove_m = 0.2e-3;  // distance along the axis between the apex and the place it is aimed at
-// Stiffnesses of the coupling: a pressed drill is ahead of its proxy by the push over this. The impedance
-// law's overlay allows less.
+// Stiffnesses of the coupling: a pressed drill is ahead of its proxy by the push divided by this stiffness.
+// The impedance law's overlay allows less stiffness.
 constexpr double kAdmittance_N_per_m = 60e3, kImpedance_N_per_m = 10e3;
 
+// How the drill's bending is computed: together with each frame's planes (a baseline), or by our element,
+// whose state follows the force.
 enum class Bending : std::uint8_t { kSolvedWithPlanes, kElement };
 
+// Bone, drill and its bending, and the parameters of the cut.
 struct Scene {
   simulation::Bone bone;
   simulation::Tool tool;
@@ -38,6 +41,8 @@ struct Scene {
   simulation::CuttingParams cutting;
 };
 
+// @param full  the bone has finer balls
+// @param stiffness_N_per_m  of the coupling
 Scene MakeScene(bool full, double stiffness_N_per_m) {
   const simulation::BuiltTool drill = simulation::MakeTwistDrill({});
   const simulation::ToolCompliance bends =
@@ -58,10 +63,11 @@ Scene MakeScene(bool full, double stiffness_N_per_m) {
   return scene;
 }
 
-struct Course {
+// The outcome of one hole.
+struct HoleResult {
   double aside_m{0.0};  ///< distance of the head from the axis that it was aimed along, at kSeen_s
   bool fault{false};
-  std::vector<Pose> handle{};  ///< of the rigid tool, each millisecond
+  std::vector<Pose> handle{};  ///< pose of the rigid tool, each millisecond
   FailureSeries series;
 };
 
@@ -72,11 +78,12 @@ Pose BoneUnderDrill() {
   return StartOfLawRide() * Down(-kAbove_m * feed_G, turn).inverse();
 }
 
-// The head's pose for which the drill's bending and the frame's planes agree, by damped steps.
+// The head's pose at which the drill's bending is in equilibrium with the force of the frame's planes. Found
+// by 60 steps, each of 15 % of the remaining difference.
 Pose SolvedHead(const Scene& scene, const control::CouplingParams& coupling,
                 const simulation::ContactModel& model, const Pose& X_WT, rt::Nanoseconds now,
                 const control::CouplingState& state) {
-  control::Vector6 e = control::Vector6::Zero();
+  control::Vector6 e = control::Vector6::Zero();  // displacement and rotation of the head, in T
   for (int i = 0; i < 60; ++i) {
     control::CouplingState trial = state;
     const Pose X_WE = X_WT * control::BentHead(e);
@@ -92,8 +99,8 @@ Pose SolvedHead(const Scene& scene, const control::CouplingParams& coupling,
 
 // Repeats the handle's path of a ride at a finer period or with another bending. @param ticks_in_ms  number
 // of ticks and frames per millisecond
-Course DrillAlong(const FailureSetting& setting, const Scene& scene, const std::vector<Pose>& handle,
-                  Bending bending, int ticks_in_ms) {
+HoleResult DrillAlong(const FailureSetting& setting, const Scene& scene, const std::vector<Pose>& handle,
+                      Bending bending, int ticks_in_ms) {
   const double dt_s = kTick_s / ticks_in_ms;
   const Pose X_start = StartOfLawRide();
   const Vector3 feed_W = X_start.linear().col(2);
@@ -106,7 +113,7 @@ Course DrillAlong(const FailureSetting& setting, const Scene& scene, const std::
   coupling.damping_Ns_per_m = 0.0;  // the drill's rate of bending dissipates the energy
   control::CouplingState state;
   state.fade = 1.0;
-  Course course;
+  HoleResult hole_result;
   simulation::ContactModel model;
   const int ticks = ticks_in_ms * (static_cast<int>(handle.size()) - 1);
   for (int i = 0; i < ticks; ++i) {
@@ -123,19 +130,19 @@ Course DrillAlong(const FailureSetting& setting, const Scene& scene, const std::
     const control::CouplingOutput out = control::EvaluateCoupling(
         coupling, {.model = model, .X_WT = X_ME, .now = now, .spindle_turns = true}, state);
     compliance.Step(out.F_contact_T_W, model, X_WT);
-    const Vector3 off = X_ME.translation() - X_start.translation();
-    course.aside_m = (off - off.dot(feed_W) * feed_W).norm();
+    const Vector3 from_start = X_ME.translation() - X_start.translation();
+    hole_result.aside_m = (from_start - from_start.dot(feed_W) * feed_W).norm();
     if (i % (5 * ticks_in_ms) == 0) {
-      course.series.x.push_back(dt_s * i);
-      course.series.y.push_back(1e3 * course.aside_m);
+      hole_result.series.x.push_back(dt_s * i);
+      hole_result.series.y.push_back(1e3 * hole_result.aside_m);
     }
   }
-  return course;
+  return hole_result;
 }
 
 // The servo loop with either law. The drill's handle is guided: under the admittance law by the locked axes
 // of the virtual tool, under the impedance law by a jig that holds the tool across its axis.
-Course DrillByLaw(const FailureSetting& setting, const Scene& scene, control::Law law, bool bends) {
+HoleResult DrillByLaw(const FailureSetting& setting, const Scene& scene, control::Law law, bool bends) {
   const Pose X_start = StartOfLawRide();
   const auto engine = setting.make_engine(scene.bone, scene.tool, BoneUnderDrill(), scene.cutting);
   LawRideParams params{.loop = LoopOfLaw(law, scene.cutting.stiffness_N_per_m), .seconds = kSeen_s};
@@ -145,7 +152,7 @@ Course DrillByLaw(const FailureSetting& setting, const Scene& scene, control::La
   params.loop.admittance.damping_Ns_per_m.setConstant(150.0);
   params.loop.admittance.locked = {true, true, false, true, true, true};
   const Vector3 feed_W = X_start.linear().col(2);
-  Course course;
+  HoleResult hole_result;
   const LawScene ride{
       .hand =
           [&](int tick, const Pose& X_WT, const Twist& V_WT) {
@@ -153,10 +160,10 @@ Course DrillByLaw(const FailureSetting& setting, const Scene& scene, control::La
             constexpr double kJig_Nm_per_rad = 400.0, kJig_Nms_per_rad = 1.0;
             Wrench F_T_W;
             if (law == control::Law::kImpedance) {
-              const Vector3 off = X_WT.translation() - X_start.translation();
+              const Vector3 from_start = X_WT.translation() - X_start.translation();
               const Eigen::AngleAxisd turned(X_WT.linear() * X_start.linear().transpose());
               const Matrix3 across = Matrix3::Identity() - feed_W * feed_W.transpose();
-              F_T_W.f = -across * (kJig_N_per_m * off + kJig_Ns_per_m * V_WT.v);
+              F_T_W.f = -across * (kJig_N_per_m * from_start + kJig_Ns_per_m * V_WT.v);
               F_T_W.t = -kJig_Nm_per_rad * turned.angle() * turned.axis() - kJig_Nms_per_rad * V_WT.w;
             }
             F_T_W.f += RisingPush(kPush_N, kTick_s * tick, kPushRise_s) * feed_W;
@@ -168,17 +175,17 @@ Course DrillByLaw(const FailureSetting& setting, const Scene& scene, control::La
           },
       .seen =
           [&](int tick, const LawRideTick& state) {
-            const Vector3 off = state.X_ME.translation() - X_start.translation();
-            course.aside_m = (off - off.dot(feed_W) * feed_W).norm();
-            course.handle.push_back(state.X_WT_sim);
+            const Vector3 from_start = state.X_ME.translation() - X_start.translation();
+            hole_result.aside_m = (from_start - from_start.dot(feed_W) * feed_W).norm();
+            hole_result.handle.push_back(state.X_WT_sim);
             if (tick % 5 == 0) {
-              course.series.x.push_back(kTick_s * tick);
-              course.series.y.push_back(1e3 * course.aside_m);
+              hole_result.series.x.push_back(kTick_s * tick);
+              hole_result.series.y.push_back(1e3 * hole_result.aside_m);
             }
             return true;
           }};
-  course.fault = RideLaw(params, ride).Any();
-  return course;
+  hole_result.fault = RideLaw(params, ride).Any();
+  return hole_result;
 }
 
 }  // namespace
@@ -195,8 +202,8 @@ FailureResult RunDrillWalk(const FailureSetting& setting) {
   for (const control::Law law : {control::Law::kImpedance, control::Law::kAdmittance}) {
     const bool is_admittance = law == control::Law::kAdmittance;
     const Scene scene = MakeScene(setting.full(), is_admittance ? kAdmittance_N_per_m : kImpedance_N_per_m);
-    Course rigid = DrillByLaw(setting, scene, law, false), ours = DrillByLaw(setting, scene, law, true);
-    Course truth = DrillAlong(setting, scene, ours.handle, Bending::kElement, kFine);
+    HoleResult rigid = DrillByLaw(setting, scene, law, false), ours = DrillByLaw(setting, scene, law, true);
+    HoleResult truth = DrillAlong(setting, scene, ours.handle, Bending::kElement, kFine);
     complete = complete && setting.GoesOn(is_admittance ? 0.6 : 0.3);
     const double rigid_mm = 1e3 * std::abs(rigid.aside_m - truth.aside_m);
     all_fail = all_fail && rigid_mm > 3.0 * result.bound;
@@ -204,7 +211,7 @@ FailureResult RunDrillWalk(const FailureSetting& setting) {
     result.baseline = std::max(result.baseline, rigid_mm);
     result.ours = std::max(result.ours, 1e3 * std::abs(ours.aside_m - truth.aside_m));
     if (!is_admittance) continue;
-    Course solved = DrillAlong(setting, scene, ours.handle, Bending::kSolvedWithPlanes, 1);
+    HoleResult solved = DrillAlong(setting, scene, ours.handle, Bending::kSolvedWithPlanes, 1);
     truth_mm = 1e3 * truth.aside_m;
     solved_mm = 1e3 * std::abs(solved.aside_m - truth.aside_m);
     rigid.series.name = "rigid";

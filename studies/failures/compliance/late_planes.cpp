@@ -17,14 +17,17 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kPeriod_s = 1e-3, kMount_hz = 15.0, kHeldPush_N = 60.0, kRise_s = 0.1;
-constexpr int kLateTicks = 20, kRideTicks = 2500, kJudgedTicks = 500;
+constexpr int kLateTicks = 20;  // delay of the baseline's planes
+constexpr int kRideTicks = 2500, kJudgedTicks = 500;
 
+// The outcome of one ride.
 struct Swing {
   double swing_m{0.0};  // range of the tool's motion along its feed, in the last half second
   bool fault{false};
   FailureSeries series;
 };
 
+// An elastic mount of kMount_hz, whose centre is the place where the tool starts.
 control::BoneMountParams Mount() {
   control::BoneMountParams mount;
   mount.p_WMo_m = StartOfLawRide().translation();
@@ -33,8 +36,8 @@ control::BoneMountParams Mount() {
   return mount;
 }
 
-// @param late  the planes move with the bone, 20 ms late; otherwise the loop itself computes the mount's
-// motion
+// Rides with a hand that presses steadily on the bone.
+// @param late  the planes move with the bone, 20 ms late; false: the loop itself computes the mount's motion
 Swing Press(control::Law law, bool late) {
   const double wall_N_per_m = law == control::Law::kAdmittance ? 20e3 : 10e3;
   const Vector3 feed_W = StartOfLawRide().linear().col(2), p_W = StartOfLawRide().translation();
@@ -44,7 +47,7 @@ Swing Press(control::Law law, bool late) {
   params.loop.coupling.damping_Ns_per_m = 0.0;  // this damping is capped: no analysis relies on it
   if (!late) params.loop.compliance.mount = mount;
   control::BoneMountState bone;
-  std::array<Vector3, kLateTicks> moved{};
+  std::array<Vector3, kLateTicks> moved{};  // the bone's displacement in the last 20 frames, a ring
   moved.fill(Vector3::Zero());
   std::uint64_t frame = 0;
   std::vector<double> along_m;

@@ -19,14 +19,18 @@ using kinematics::JointVector;
 
 constexpr double kPeriod_s = 1e-3;
 
+// Joint angles [rad] at which every ride starts.
 JointVector Start() { return (JointVector() << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3).finished(); }
 
+// The scenarios' arm with a tool of 2 kg on its flange.
 kinematics::ChainParams<7> LoadedArm() {
   return kinematics::WithPayload(
       ScenarioBody(),
       {.mass_kg = 2.0, .p_LLcm_m = {0.0, 0.0, 0.08}, .I_LLcm_kg_m2 = 0.004 * Matrix3::Identity()});
 }
 
+// The arm that a law commands: one that follows positions, or one with masses and a soft impedance of its
+// own.
 std::unique_ptr<hil::SimulatedArm> ArmOf(Law law) {
   hil::SimulatedArmParams params{.lbr = ScenarioArm(), .chain = LoadedArm(), .q_start = Start()};
   params.p_FT_m = ScenarioTool().translation();

@@ -10,6 +10,9 @@
 #include "simulation/contact/contact_model.h"
 #include "simulation/engine/cutting_engine.h"
 
+// Test bench of the compliance scenarios: the shipped servo loop moves a simulated arm, and a scene supplies
+// the hand's wrench and the bone's contact.
+
 namespace osteon::studies {
 
 /// A ride of the shipped servo loop on bone that gives way, with either law: the admittance law on an arm

@@ -8,8 +8,8 @@
 
 namespace osteon::studies {
 
-/// A hand presses with up to 100 N on bone of 12 kg and lets go, 0.7 times a second, with a tremor, for 5 s
-/// through the servo loop of an admittance cell on an arm of 15 Hz.
+/// A ride of 5 s through the servo loop of an admittance cell on an arm of 15 Hz: a hand with a tremor
+/// presses with up to 100 N on bone of 12 kg and lets go, 0.7 times a second.
 struct SwingRideParams {
   hil::GridHand hand;
   double tremor_N{1.0};              ///< peak along each axis (hil/operator/tremor.h)
@@ -17,6 +17,7 @@ struct SwingRideParams {
   control::VibrationParams index{};
 };
 
+/// The result of the ride.
 struct SwingRide {
   double mean_drag{0.0};  ///< mean factor on the law's drag, from 1 s on
   double swing_m{0.0};    ///< distance between the tool's lowest and highest place in that time

@@ -16,24 +16,33 @@
 namespace osteon::studies {
 namespace {
 
+// The hand, and the period of frames.
 constexpr double kPush_N = 100.0, kMass_kg = 2.0, kDamping_Ns_per_m = 200.0, kDt_s = 1e-3;
-constexpr double kRadius_m = 1.6e-3, kHalfWidth_m = 4e-3, kMargin_m = 1e-3;
-// Parameters of our depth limit.
+constexpr double kRadius_m = 1.6e-3, kHalfWidth_m = 4e-3;  // of the burr, and of the wall across the feed
+// Our depth limit: its bound lies kMargin_m beyond the tool that has cut the wall through; it resists from
+// kSoft_m before the bound and stops the spindle kSpindleStop_m before it; kStop_m_per_s2 is the workspace's
+// deceleration.
+constexpr double kMargin_m = 1e-3;
 constexpr double kSoft_m = 3e-3, kSpindleStop_m = 0.5e-3, kLimit_N_per_m = 20e3, kStop_m_per_s2 = 3.0;
-constexpr int kAfter = 100;  // frames observed after the breakthrough
+constexpr int kFramesAfter = 100;  // frames observed after the breakthrough
 
-struct Course {
-  double overshoot_m{0.0};              ///< travel of the hand below its height at the breakthrough
-  double lead_m{-1.0};                  ///< largest lead of the proxy over the tool; -1: none seen
-  std::optional<int> through, flagged;  ///< frames
-  FailureSeries hand;
+// The outcome of one wall.
+struct DrillResult {
+  double overshoot_m{0.0};     ///< travel of the hand below its height at the breakthrough
+  double lead_m{-1.0};         ///< largest lead of the proxy over the tool; -1: none seen
+  std::optional<int> through;  ///< frame in which the proxy has passed the wall
+  std::optional<int> flagged;  ///< frame in which SceneWatch reports the breakthrough
+  FailureSeries hand;          ///< travel of the hand after the breakthrough [mm] by the time [ms]
 };
 
-Course Drill(simulation::CuttingEngine& engine, const simulation::Bone& wall, const simulation::Solid& solid,
-             double thickness_m, bool held, const simulation::CuttingParams& params) {
+// Drills until kFramesAfter after the breakthrough.
+// @param held  our depth limit acts; false: from the flag on there is no force on the hand (the baseline)
+DrillResult Drill(simulation::CuttingEngine& engine, const simulation::Bone& wall,
+                  const simulation::Solid& solid, double thickness_m, bool held,
+                  const simulation::CuttingParams& params) {
   const simulation::Tool tool = MakeBallTool(kRadius_m);
   simulation::SceneWatch watch(&solid, wall, tool, {.min_wall_m = 1e-6});
-  Course course;
+  DrillResult drill_result;
   const safety::DepthLimitParams floor{
       .acts = held,
       .bound = {.shape = safety::ZoneShape::kHalfSpace,
@@ -53,29 +62,29 @@ Course Drill(simulation::CuttingEngine& engine, const simulation::Bone& wall, co
     const double spindle = depth_limit.stops_spindle() ? 0.0 : kScenarioSpindle_rad_per_s;
     const auto model = engine.Step(FrameAt(Downwards({0, 0, z}), spindle, kDt_s));
     const double proxy_m = Pose(model.X_WP).translation().z();
-    course.lead_m = std::max(course.lead_m, z - proxy_m);
-    if (!course.through && proxy_m < -thickness_m) {
-      course.through = frame;
+    drill_result.lead_m = std::max(drill_result.lead_m, z - proxy_m);
+    if (!drill_result.through && proxy_m < -thickness_m) {
+      drill_result.through = frame;
       broken_at_m = z;
     }
-    if (!watch.Step(model.X_WP, model.removed_volume_m3, 0).empty() && !course.flagged)
-      course.flagged = frame;
+    if (!watch.Step(model.X_WP, model.removed_volume_m3, 0).empty() && !drill_result.flagged)
+      drill_result.flagged = frame;
     double force_N = model.F_T_W.f.z + depth_limit.Step({0, 0, z}, {0, 0, v}).z();
     if (held)
       force_N = std::min(force_N, params.max_force_N);
-    else if (course.flagged)
+    else if (drill_result.flagged)
       force_N = 0.0;
-    if (course.through) {
-      course.overshoot_m = std::max(course.overshoot_m, broken_at_m - z);
-      course.hand.x.push_back(1e3 * kDt_s * (frame - *course.through));
-      course.hand.y.push_back(1e3 * (broken_at_m - z));
-      if (frame - *course.through >= kAfter) break;
+    if (drill_result.through) {
+      drill_result.overshoot_m = std::max(drill_result.overshoot_m, broken_at_m - z);
+      drill_result.hand.x.push_back(1e3 * kDt_s * (frame - *drill_result.through));
+      drill_result.hand.y.push_back(1e3 * (broken_at_m - z));
+      if (frame - *drill_result.through >= kFramesAfter) break;
     }
     v += kDt_s * (force_N - kPush_N - kDamping_Ns_per_m * v) / kMass_kg;
     v = workspace.Limit({0, 0, z}, {0, 0, v}, kDt_s).v_WT.z();
     z += kDt_s * v;
   }
-  return course;
+  return drill_result;
 }
 
 }  // namespace
@@ -107,7 +116,7 @@ FailureResult RunBreakthrough(const FailureSetting& setting) {
       return Drill(*setting.make_engine(wall, MakeBallTool(kRadius_m), Pose::Identity(), params), wall, solid,
                    thickness_m, held, params);
     };
-    Course jumped = run(false), ours = run(true);
+    DrillResult jumped = run(false), ours = run(true);
     result.baseline = std::max(result.baseline, 1e3 * jumped.overshoot_m);
     result.ours = std::max(result.ours, 1e3 * ours.overshoot_m);
     lead_m = std::max(lead_m, ours.lead_m);

@@ -14,14 +14,19 @@
 namespace osteon::studies {
 namespace {
 
+// Radius of the cup, depth to which the reamer is pressed in, and its speed along the wall.
 constexpr double kCup_m = 25e-3, kDepth_m = 5e-3, kSpeed_deg_per_s = 50.0, kDt_s = 1e-3;
-constexpr int kLanding = 40;
+constexpr int kLanding = 40;  // frames in which the tool is pressed on; they are not judged
 
-struct Traced {
+// Error of one method's normal along the path, and its largest change from one frame to the next.
+struct NormalErrors {
   double worst_deg{0.0}, jump_deg{0.0};
   std::vector<double> angle_deg, error_deg;
   Vector3 before{Vector3::Zero()};
 
+  // @param angle  of the contact from the cup's axis [deg]
+  // @param out    direction out of the cup's centre to the contact
+  // @param f      force or normal, of any length
   void Add(int i, double angle, const Vector3& out, const Vector3& f) {
     const double error = AngleDeg(f, -out);
     if (i > kLanding) {
@@ -64,7 +69,7 @@ FailureResult RunConcaveCup(const FailureSetting& setting) {
     SingleContact baseline(bone.balls, tool, {.slides = 3});
     engine->Step(FrameAt(Downwards({0, 0, -R})));
     baseline.Step(Downwards({0, 0, -R}));
-    Traced ours, one;
+    NormalErrors ours, one;
     const int count = frames + kLanding;
     for (int i = 1; i <= count && complete; ++i) {
       const double angle = kSpeed_deg_per_s * kDt_s * std::max(0, i - kLanding) +

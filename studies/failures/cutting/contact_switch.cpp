@@ -12,10 +12,12 @@
 namespace osteon::studies {
 namespace {
 
+// The tool's two balls; each moves up and down by kRock_m.
 constexpr double kRadius_m = 3e-3, kHalfApart_m = 5e-3, kRock_m = 0.1e-3, kRock_hz = 2.0;
 constexpr double kForce_N = 200.0, kStiffness_N_per_m = 20e3, kDt_s = 1e-3;
 
-// The tool's pose while it rocks about the midpoint between its balls, pressed down to 200 N.
+// The tool's pose while it rocks about the midpoint between its balls. It is pressed down to 200 N within the
+// first `landing` frames.
 Pose RockingPose(int frame, int landing) {
   const double press = std::min(1.0, static_cast<double>(frame) / landing);
   const double t = std::max(0, frame - landing) * kDt_s;
@@ -43,7 +45,7 @@ FailureResult RunContactSwitch(const FailureSetting& setting) {
 
   const auto engine = setting.make_engine(bone, tool, Pose::Identity(), {});
   SingleContact baseline(bone.balls, tool, {.stiffness_N_per_m = kStiffness_N_per_m});
-  constexpr int kLanding = 50, kSettled = 100;
+  constexpr int kLanding = 50, kSettled = 100;  // frames; judged from kSettled on
   const int frames = kSettled + (setting.full() ? 2000 : 500);
   FailureSeries of_ours{.name = "ours", .ours = true}, of_baseline{.name = "one pair"};
   std::vector<double> forces;

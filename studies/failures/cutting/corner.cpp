@@ -30,6 +30,7 @@ FailureResult RunCorner(const FailureSetting& setting) {
       MakeBlock({.low_m = Vector3(-6e-3, -8e-3, -2e-3), .high_m = Vector3(10e-3, 8e-3, 0)}), 0.0);
   Append(MakeBlock({.low_m = Vector3(-6e-3, -8e-3, -2e-3), .high_m = Vector3(kWall_m, 8e-3, 10e-3)}), bone);
   const simulation::Tool tool = MakeBallTool(kRadius_m);
+  // how far each case presses the tool into the wall and into the floor
   constexpr std::array kIntoWall_m{1e-3, 3e-3, 5e-3, 2e-3, 4e-3};
   constexpr std::array kIntoFloor_m{5e-3, 4e-3, 1e-3, 2e-3, 3e-3};
   const std::size_t cases = setting.full() ? kIntoWall_m.size() : 3;

@@ -15,7 +15,7 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kRadius_m = 4e-3;
+constexpr double kRadius_m = 4e-3;  // of the tool
 
 /// The hand's pose: down, then along a figure of eight.
 Pose HandAt(int frame, int frames) {
@@ -43,6 +43,7 @@ bool SameBits(const simulation::ContactModel& a, const simulation::ContactModel&
   return same;
 }
 
+/// Runs the cut. @returns the contact model of every frame
 std::vector<simulation::ContactModel> Play(simulation::CuttingEngine& engine, int frames) {
   std::vector<simulation::ContactModel> models;
   for (int i = 0; i <= frames; ++i)
@@ -50,8 +51,9 @@ std::vector<simulation::ContactModel> Play(simulation::CuttingEngine& engine, in
   return models;
 }
 
-/// Lens-weighted normal in single precision over the balls near the tool, summed in groups of 64 in a
-/// schedule's order.
+/// Normal of the contact as a parallel engine could sum it: in single precision, each ball near the tool
+/// weighted by the volume of its overlap, in groups of 64 balls that come in a random order.
+/// @param schedule  seed of the order
 Eigen::Vector3f SumOnSchedule(const simulation::Bone& bone, const Vector3& center_m, std::uint64_t schedule) {
   constexpr std::size_t kGroup = 64;
   std::vector<std::size_t> groups((bone.balls.size() + kGroup - 1) / kGroup);
@@ -72,21 +74,22 @@ Eigen::Vector3f SumOnSchedule(const simulation::Bone& bone, const Vector3& cente
   return sum;
 }
 
-/// Differences from the reference engine.
+/// Largest differences from the reference engine; `mass` is relative.
 struct Agreement {
   double contact_mm{0.0}, normal_deg{0.0}, ball_mm{0.0}, mass{0.0};
-  int exempt{0};
+  int exempt{0};  ///< balls about to vanish that only one engine has removed
   [[nodiscard]] bool good() const {
     return contact_mm <= 1e-4 && normal_deg <= 0.05 && ball_mm <= 1e-4 && mass <= 1e-5;
   }
 };
 
+/// Compares contact, normal and removed mass of every frame, and the balls at the end.
 Agreement Compare(const std::vector<simulation::ContactModel>& ours, const simulation::CarvedState& our_state,
                   const std::vector<simulation::ContactModel>& reference,
                   const simulation::CarvedState& reference_state, int frames) {
   Agreement agreement;
   for (std::size_t i = 1; i < ours.size(); ++i) {
-    const Vector3 way =
+    const Vector3 way =  // from the proxy of the frame before to the hand
         Pose(HandAt(static_cast<int>(i), frames)).translation() - Pose(reference[i - 1].X_WP).translation();
     agreement.contact_mm =
         std::max(agreement.contact_mm,

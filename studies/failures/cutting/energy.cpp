@@ -11,16 +11,19 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kRadius_m = 2e-3, kTop_m = 0.3e-3, kDepth_m = 1.6e-3, kRowStep_m = 1.5e-3;
-constexpr int kFramesPerCycle = 300, kRow = 5;
+// The burr, and its height over the surface and depth below it in a cycle.
+constexpr double kRadius_m = 2e-3, kTop_m = 0.3e-3, kDepth_m = 1.6e-3;
+constexpr double kRowStep_m = 1.5e-3;           // distance of neighbouring dimples
+constexpr int kFramesPerCycle = 300, kRow = 5;  // kRow: dimples in a row
 constexpr double kSpindle_rad_per_s = 4000.0 * 2.0 * M_PI / 60.0;
 constexpr double kCuttingEnergy_J_per_m3 = 0.48e9;  // sawbones, MacAvelia 2012: 0.45 to 0.53 J/mm³
 
-struct Ledger {
+/// Work and energy of a run, summed over its cycles.
+struct WorkSums {
   double drive_J{0.0}, feed_J{0.0}, cut_J{0.0};
-  double returned_J{0.0};  ///< largest energy that a closed cycle gave to the hand; never negative
-  double stored_J{0.0};    ///< largest energy stored in the coupling's spring
-  FailureSeries drive_and_feed, cut;
+  double returned_J{0.0};             ///< largest energy that a closed cycle gave to the hand; never negative
+  double stored_J{0.0};               ///< largest energy stored in the coupling's spring
+  FailureSeries drive_and_feed, cut;  ///< these energies [J] by the number of cycles
 
   [[nodiscard]] double Imbalance() const {
     return std::abs(drive_J + feed_J - cut_J) / std::max(cut_J, 1e-12);
@@ -42,9 +45,10 @@ Vector3 OnCycle(int cycle, double depth_m, double share) {
                                   0.5 * (kTop_m - depth_m) + 0.5 * (kTop_m + depth_m) * std::cos(phase));
 }
 
-Ledger Work(simulation::CuttingEngine& engine, int cycles, double depth_m, double spindle_rad_per_s,
-            double stiffness_N_per_m) {
-  Ledger ledger;
+/// Runs the cycles and sums their work.
+WorkSums SumWork(simulation::CuttingEngine& engine, int cycles, double depth_m, double spindle_rad_per_s,
+                 double stiffness_N_per_m) {
+  WorkSums sums;
   Vector3 p = OnCycle(0, depth_m, 0.0), f = Vector3::Zero();
   engine.Step(FrameAt(Downwards(p), spindle_rad_per_s));
   for (int cycle = 0; cycle < cycles; ++cycle) {
@@ -54,20 +58,20 @@ Ledger Work(simulation::CuttingEngine& engine, int cycles, double depth_m, doubl
       const auto model = engine.Step(FrameAt(Downwards(next), spindle_rad_per_s));
       const Vector3 force = model.F_T_W.f;
       onto_hand_J += 0.5 * (f + force).dot(next - p);
-      ledger.drive_J += model.spindle_torque_Nm * std::abs(spindle_rad_per_s) * 1e-3;
-      ledger.stored_J = std::max(ledger.stored_J, 0.5 * force.squaredNorm() / stiffness_N_per_m);
-      ledger.cut_J = model.cutting_work_J;
+      sums.drive_J += model.spindle_torque_Nm * std::abs(spindle_rad_per_s) * 1e-3;
+      sums.stored_J = std::max(sums.stored_J, 0.5 * force.squaredNorm() / stiffness_N_per_m);
+      sums.cut_J = model.cutting_work_J;
       f = force;
       p = next;
     }
-    ledger.feed_J -= onto_hand_J;
-    ledger.returned_J = std::max(ledger.returned_J, onto_hand_J);
-    ledger.drive_and_feed.x.push_back(cycle + 1.0);
-    ledger.drive_and_feed.y.push_back(ledger.drive_J + ledger.feed_J);
-    ledger.cut.x.push_back(cycle + 1.0);
-    ledger.cut.y.push_back(ledger.cut_J);
+    sums.feed_J -= onto_hand_J;
+    sums.returned_J = std::max(sums.returned_J, onto_hand_J);
+    sums.drive_and_feed.x.push_back(cycle + 1.0);
+    sums.drive_and_feed.y.push_back(sums.drive_J + sums.feed_J);
+    sums.cut.x.push_back(cycle + 1.0);
+    sums.cut.y.push_back(sums.cut_J);
   }
-  return ledger;
+  return sums;
 }
 
 }  // namespace
@@ -90,17 +94,17 @@ FailureResult RunEnergy(const FailureSetting& setting) {
   const simulation::Tool tool = MakeBallTool(kRadius_m);
   const simulation::CuttingParams params;
   const auto ours_engine = setting.make_engine(block, tool, Pose::Identity(), params);
-  Ledger ours = Work(*ours_engine, cycles, kDepth_m, kSpindle_rad_per_s, params.stiffness_N_per_m);
+  WorkSums ours = SumWork(*ours_engine, cycles, kDepth_m, kSpindle_rad_per_s, params.stiffness_N_per_m);
   bool complete = setting.GoesOn(0.6);
-  const Ledger still = Work(*setting.make_engine(block, tool, Pose::Identity(), params),
-                            setting.full() ? 20 : 4, 0.5e-3, 0.0, params.stiffness_N_per_m);
+  const WorkSums still = SumWork(*setting.make_engine(block, tool, Pose::Identity(), params),
+                                 setting.full() ? 20 : 4, 0.5e-3, 0.0, params.stiffness_N_per_m);
   complete = setting.GoesOn(0.8) && complete;
   const auto printed = simulation::MakeMethod(simulation::Method::kPaperPrinted, block, nullptr, tool,
                                               Pose::Identity(), params, {});
-  Ledger baseline = Work(*printed, cycles, kDepth_m, kSpindle_rad_per_s, params.stiffness_N_per_m);
+  WorkSums baseline = SumWork(*printed, cycles, kDepth_m, kSpindle_rad_per_s, params.stiffness_N_per_m);
   static_cast<void>(setting.GoesOn(1.0));
 
-  constexpr double kQuadrature = 1e-3;
+  constexpr double kQuadrature = 1e-3;  // error of the trapezoidal rule, as a share of the spring's energy
   const double returned = std::max(ours.ReturnedShare(), still.ReturnedShare());
   result.baseline = baseline.Imbalance();
   result.ours = ours.Imbalance();

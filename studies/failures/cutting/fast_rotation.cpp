@@ -11,14 +11,16 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kRadius_m = 2e-3, kStall_s = 0.1;
+constexpr double kRadius_m = 2e-3, kStall_s = 0.1;  // radius of the ball; length of the frame
 
+// The tool turned about z through its origin, the pivot.
 Pose RotatedPose(double angle_rad) {
   Pose X = Pose::Identity();
   X.linear() = ExpRotation(Vector3(0, 0, angle_rad));
   return X;
 }
 
+// Deepest overlap of the tool's ball with a ball of the bone [m]; 0 if there is none.
 double Overlap(const simulation::Bone& bone, const Vector3& center_m) {
   double deepest_m = 0.0;
   for (const simulation::Ball& ball : bone.balls)
@@ -26,24 +28,26 @@ double Overlap(const simulation::Bone& bone, const Vector3& center_m) {
   return deepest_m;
 }
 
-struct Entry {
+// Penetration of the tool's ball into the post in one turn.
+struct TurnPenetration {
   double arc_m{0.0};  ///< deepest penetration of the ball on its path to first contact
   double end_m{0.0};  ///< penetration of the proxy at the end
 };
 
 /// Turns the tool by `angle` in one frame.
-Entry RotateInto(simulation::CuttingEngine& engine, const simulation::Bone& bone, double lever_m,
-                 double angle_rad) {
+TurnPenetration RotateInto(simulation::CuttingEngine& engine, const simulation::Bone& bone, double lever_m,
+                           double angle_rad) {
   engine.Step(FrameAt(RotatedPose(0.0)));
   const auto model = engine.Step(FrameAt(RotatedPose(angle_rad), 0.0, kStall_s));
   const Vector3 ball_T(lever_m, 0, 0);
-  Entry entry{.end_m = Overlap(bone, Pose(model.X_WP) * ball_T)};
+  TurnPenetration penetration{.end_m = Overlap(bone, Pose(model.X_WP) * ball_T)};
   constexpr int kSamples = 2000;  // about 0.04 mm apart: the overlap of two balls there errs by less than 1
                                   // um
   for (int i = 0; i <= kSamples; ++i)
-    entry.arc_m = std::max(
-        entry.arc_m, Overlap(bone, RotatedPose(model.contact_fraction * angle_rad * i / kSamples) * ball_T));
-  return entry;
+    penetration.arc_m =
+        std::max(penetration.arc_m,
+                 Overlap(bone, RotatedPose(model.contact_fraction * angle_rad * i / kSamples) * ball_T));
+  return penetration;
 }
 
 }  // namespace
@@ -70,7 +74,8 @@ FailureResult RunFastRotation(const FailureSetting& setting) {
       if (!complete) break;
       const double rate_rad_per_s = speed * M_PI / 180.0, angle = rate_rad_per_s * kStall_s;
       const double sagitta_m = lever_m * (1.0 - std::cos(0.5 * angle));
-      const double once = rate_rad_per_s * 1e-3, allowed_m = lever_m * once * once / 8.0;
+      const double turn_rad = rate_rad_per_s * 1e-3;  // in a frame of 1 ms, without the stall
+      const double allowed_m = lever_m * turn_rad * turn_rad / 8.0;
       // the post, made on the x axis and rotated to the arc's middle
       simulation::Bone post = MakeBlock({.low_m = {lever_m + kRadius_m - 0.5 * sagitta_m, -1.5e-3, -2e-3},
                                          .high_m = {lever_m + kRadius_m + 3e-3, 1.5e-3, 2e-3},
@@ -82,7 +87,7 @@ FailureResult RunFastRotation(const FailureSetting& setting) {
       const auto ours = setting.make_engine(post, tool, Pose::Identity(), {});
       const auto chord = simulation::MakeMethod(simulation::Method::kPaperCorrected, post, nullptr, tool,
                                                 Pose::Identity(), {}, {});
-      const Entry our_entry = RotateInto(*ours, post, lever_m, angle);
+      const TurnPenetration our_entry = RotateInto(*ours, post, lever_m, angle);
       const double our_mm = 1e3 * (our_entry.arc_m - allowed_m);
       const double their_mm = 1e3 * (RotateInto(*chord, post, lever_m, angle).arc_m - allowed_m);
       end_m = std::max(end_m, our_entry.end_m);

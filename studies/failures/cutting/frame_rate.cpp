@@ -15,8 +15,8 @@ namespace {
 constexpr std::array kRates_hz{250.0, 500.0, 1000.0, 2000.0};
 constexpr std::size_t kNominal = 2;  // index of the rate 1 kHz
 constexpr double kServo_hz = 4000.0;
-constexpr int kPlotEvery = 8;  // ticks
-constexpr double kRun_s = 1.0, kPlunge_s = 0.4;
+constexpr int kPlotEvery = 8;                    // ticks
+constexpr double kRun_s = 1.0, kPlunge_s = 0.4;  // after the plunge the hand moves sideways
 
 /// Smooth step from 0 to 1.
 double Blend(double s) {
@@ -24,10 +24,12 @@ double Blend(double s) {
   return s * s * (3.0 - 2.0 * s);
 }
 
+/// Apex of the hand's tool: down by 1.1 mm within kPlunge_s, then along x by 3 mm.
 Vector3 HandAt(double t_s) {
   return {3e-3 * Blend((t_s - kPlunge_s) / 0.5), 0.0, 0.1e-3 - 1.1e-3 * Blend(t_s / kPlunge_s)};
 }
 
+/// The outcome at one frame rate.
 struct Run {
   std::array<double, 2> mean_force_N{};  ///< over the plunge, and over the traverse
   double removed_m3{0.0};
@@ -68,12 +70,12 @@ Run Play(simulation::CuttingEngine& engine, double rate_hz) {
   return run;
 }
 
+/// Largest relative differences from the run at 1 kHz: of the mean forces, and of the removed volume.
 struct Spread {
   double force{0.0}, volume{0.0};
   [[nodiscard]] double worst() const { return std::max(force, volume); }
 };
 
-/// Relative differences from the run at 1 kHz.
 Spread SpreadOf(const std::array<Run, kRates_hz.size()>& runs) {
   const Run& nominal = runs[kNominal];
   Spread spread;

@@ -15,6 +15,7 @@ namespace {
 constexpr double kLength_m = 24e-3;    // length of the block along x
 constexpr double kMinDrawn_mm = 1e-7;  // smaller values, and zero, are drawn at this height
 
+/// A tool's radius, its feed, and the rate of frames.
 struct Case {
   double radius_m, speed_m_per_s, rate_hz;
 };
@@ -38,11 +39,14 @@ void AddPath(const simulation::ContactModel& model, const Pose& X_WT, std::vecto
   at(Pose(model.X_WP).translation());
 }
 
+/// Judged results of one slot.
 struct Outcome {
   double residue_m{0.0};  ///< how deep the remaining balls reach into the sweep
   double behind_m{0.0};   ///< largest distance of the proxy from the hand at the end of a frame
 };
 
+/// Mills the slot, and measures how deep the remaining balls reach into the volume that the proxy swept.
+/// @param has_path  the engine reports the proxy's path in a frame; false: only its pose at the end
 Outcome Mill(simulation::CuttingEngine& engine, const simulation::Tool& tool, const Case& c, bool has_path) {
   const double R = c.radius_m;
   double length_m = 0.0;

@@ -16,10 +16,10 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kProbe_m = 0.1e-3, kPush_m = 4e-3;
+constexpr double kProbe_m = 0.1e-3, kPush_m = 4e-3;  // radius of the probe; depth to which the hand pushes
 
-// Depth of the probe's apex below the face, when it is pushed straight down at (x, y) and moved a little
-// about there.
+// Largest depth of the probe's apex below the face [m], when the hand pushes it down at (x, y) and meanwhile
+// moves it sideways by 0.3 mm.
 double DepthAt(simulation::CuttingEngine& engine, double x, double y) {
   simulation::ContactModel model;
   double deepest_m = 0.0;

@@ -12,13 +12,13 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kRadius_m = 3e-3, kDepth_m = 1e-3, kDt_s = 1e-3;
+constexpr double kRadius_m = 3e-3, kDepth_m = 1e-3, kDt_s = 1e-3;  // kDepth_m: pressed into the bone
 // numbers of frames
 constexpr int kPress = 100, kTraverse = 200, kLift = 100, kBack = 100,
               kCycle = kPress + kTraverse + kLift + kBack;
-constexpr double kFrom_m = -3e-3, kTo_m = 3e-3;  // the border is x = 0
+constexpr double kFrom_m = -3e-3, kTo_m = 3e-3;  // ends of the way along x; soft and hard half meet at x = 0
 
-// The hand's cycle: down on the soft half, along to the hard one, up, and back.
+// Apex of the hand's tool in its cycle: down on the soft half, along to the hard one, up, and back.
 Vector3 HandPosition(int frame) {
   const int i = frame % kCycle;
   const double up = 0.5e-3;
@@ -94,14 +94,15 @@ FailureResult RunMaterialStep(const FailureSetting& setting) {
   FailureSeries of_ours{.name = "ours", .ours = true}, of_baseline{.name = "by density"};
   const int cycles = setting.full() ? 20 : 2;
   bool complete = true;
-  double crossing_ms = 0.0, last_off_ms = 0.0;
+  double crossing_ms = 0.0;  // when the tool passes the border
+  double last_off_ms = 0.0;  // when the force last differed by more than 5 % from its final value
   const double final_N = 20e3 * kDepth_m;
   for (int i = 0; i <= cycles * kCycle && complete; ++i) {
     const Vector3 p = HandPosition(i);
     const Vector3 f = engine->Step(FrameAt(Downwards(p), 0.0, kDt_s)).F_T_W.f;
-    const Vector3 other = DensityPenalty(bone, p);
+    const Vector3 f_baseline = DensityPenalty(bone, p);
     ours.Add(p, f);
-    baseline.Add(p, other);
+    baseline.Add(p, f_baseline);
     if (i >= kPress && i < kPress + kTraverse) {
       if (p.x() < 0.0) crossing_ms = i * kDt_s * 1e3;
       if (p.x() >= 0.0 && std::abs(f.norm() - final_N) > 0.05 * final_N) last_off_ms = i * kDt_s * 1e3;
@@ -110,7 +111,7 @@ FailureResult RunMaterialStep(const FailureSetting& setting) {
       of_ours.x.push_back(i * kDt_s * 1e3);
       of_ours.y.push_back(f.norm());
       of_baseline.x.push_back(i * kDt_s * 1e3);
-      of_baseline.y.push_back(other.norm());
+      of_baseline.y.push_back(f_baseline.norm());
     }
     if (i % 64 == 0) complete = setting.GoesOn(static_cast<double>(i) / (cycles * kCycle));
   }

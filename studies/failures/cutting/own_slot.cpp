@@ -11,10 +11,11 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kHead_m = 2e-3, kShaft_m = 1.85e-3, kDepth_m = 4e-3;
+constexpr double kHead_m = 2e-3, kShaft_m = 1.85e-3;  // radii
+constexpr double kDepth_m = 4e-3;                     // of the slot
 constexpr double kTilt_rad = 0.22;
 
-// The pose tilted about the head's centre at the slot's end, and raised.
+// The tool at the slot's end, tilted about its head's centre, and raised by up_m.
 Pose Tilted(double tilt_rad, double up_m) {
   const Vector3 turn(tilt_rad, 0.5 * tilt_rad, 0.0), head(3e-3, 0, kHead_m - kDepth_m);
   return Down(head + Vector3(0, 0, up_m) + Down(Vector3::Zero(), turn).linear() * Vector3(0, 0, kHead_m),

@@ -10,7 +10,7 @@ namespace osteon::studies {
 /// Variants of the single-contact law.
 struct SingleContactParams {
   double stiffness_N_per_m{20e3};
-  bool positive_roots_only{false};  ///< drops pairs that already overlap, as equation 3 is printed
+  bool positive_roots_only{false};  ///< ignores pairs that already overlap, as equation 3 does
   /// How often the rest of the way is projected on the touching pair's plane; 0: stops at first contact.
   int slides{0};
 };
@@ -18,8 +18,8 @@ struct SingleContactParams {
 /// Result of one frame, in G.
 struct SingleContactFrame {
   Vector3 p_G{Vector3::Zero()};  ///< proxy: T's origin
-  Wrench F_T_G;                  ///< on the tool, at T's origin
-  Vector3 n{Vector3::Zero()};    ///< of the pair touched last; zero where free
+  Wrench F_T_G;                  ///< force on the tool, and its torque about the tool's centre of mass
+  Vector3 n{Vector3::Zero()};    ///< normal of the pair touched last; zero without contact
   bool touching{false};
 };
 
@@ -43,9 +43,10 @@ class SingleContact {
 
  private:
   struct FirstHit {
-    double fraction;
+    double fraction;  ///< of the way from A to B; above 1: no contact on it
     std::size_t bone_ball, tool_ball;
   };
+  /// The first pair of balls that touches while the tool moves straight from A to B.
   [[nodiscard]] FirstHit FirstContact(const Pose& X_GA, const Pose& X_GB) const;
 
   std::vector<simulation::Ball> balls_;

@@ -14,17 +14,19 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kThickness_m = 1e-3, kVoxel_m = 0.25e-3;
+// Shots are aimed at places up to kAim_m from the centre, begin up to kHighest_m above the sheet, and end
+// kBeyond_m below it.
 constexpr double kAim_m = 3e-3, kHighest_m = 2e-3, kBeyond_m = 2e-3, kMaxTilt_rad = M_PI / 6.0;
 
-/// Travel of the hand below the start of a shot.
-double Below(double height_m, double tool_radius_m) {
+/// How far a shot that begins at a height above the sheet goes down.
+double Descent(double height_m, double tool_radius_m) {
   return height_m + kThickness_m + 2.0 * tool_radius_m + kBeyond_m;
 }
 
-/// Wide enough that an inclined shot ends over the sheet, a millimetre from its edge, but no wider: the
-/// reference engine visits every ball in every frame.
+/// Half the width of the sheet: wide enough that an inclined shot ends over the sheet, a millimetre from its
+/// edge, but no wider: the reference engine visits every ball in every frame.
 double HalfWidth(double tool_radius_m) {
-  return kAim_m + std::tan(kMaxTilt_rad) * Below(kHighest_m, tool_radius_m) + 1e-3;
+  return kAim_m + std::tan(kMaxTilt_rad) * Descent(kHighest_m, tool_radius_m) + 1e-3;
 }
 
 struct Shot {
@@ -49,23 +51,25 @@ Shot MakeShot(std::uint64_t n, double tool_radius_m) {
   // random within a frame's travel plus a millimetre, so discrete poses fall anywhere in the sheet
   const double height_m = uniform(0.05e-3, kHighest_m - 1e-3 + 1e-3 * shot.speed_m_per_s);
   shot.start_m = aim + Vector3(0, 0, height_m);
-  shot.way_m = direction * Below(height_m, tool_radius_m) / std::cos(tilt);
+  shot.way_m = direction * Descent(height_m, tool_radius_m) / std::cos(tilt);
   return shot;
 }
 
 /// Shots of similar speeds, five bins to a decade.
 struct Tally {
   int shots{0}, passed{0};
-  int Add(bool has_passed) {
+  int Add(bool has_passed) {  // @returns 1 if it has passed, otherwise 0
     ++shots;
     passed += has_passed ? 1 : 0;
     return has_passed ? 1 : 0;
   }
 };
 constexpr std::size_t kSpeedBins = 10;
+// 10 bins from 0.01 to 1 m/s.
 std::size_t BinOf(double speed_m_per_s) {
   return std::min(kSpeedBins - 1, static_cast<std::size_t>(5.0 * std::log10(speed_m_per_s / 0.01)));
 }
+// The share of shots that passed [%] by the speed [mm/s], as a line of the picture.
 FailureSeries ShareBySpeed(const std::string& name, const std::array<Tally, kSpeedBins>& tallies, bool ours) {
   FailureSeries series{.name = name, .x = {}, .y = {}, .ours = ours};
   for (std::size_t i = 0; i < kSpeedBins; ++i) {
@@ -76,7 +80,7 @@ FailureSeries ShareBySpeed(const std::string& name, const std::array<Tally, kSpe
   return series;
 }
 
-/// Whether the tool's centre ended below the plate.
+/// Shoots, and returns whether the proxy's centre ended below the sheet.
 bool PassesThrough(simulation::CuttingEngine& engine, const Shot& shot, double tool_radius_m) {
   const int frames = static_cast<int>(std::ceil(shot.way_m.norm() / (shot.speed_m_per_s * 1e-3)));
   simulation::ContactModel model;

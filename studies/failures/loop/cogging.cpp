@@ -14,6 +14,7 @@
 namespace osteon::studies {
 namespace {
 
+// Radii of the head and of its balls, and the force with which it is pressed.
 constexpr double kHead_m = 5e-3, kPart_m = 1e-3, kForce_N = 100.0, kStiffness_N_per_m = 20e3;
 constexpr double kSpeed_m_per_s = 0.05, kDt_s = 1e-3;
 
@@ -23,11 +24,11 @@ simulation::Tool PackedHead() {
   simulation::Tool tool;
   tool.name = "packed head";
   constexpr int kBalls = 160;
-  const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  const double golden_angle_rad = std::numbers::pi * (3.0 - std::sqrt(5.0));
   for (int i = 0; i < kBalls; ++i) {
     const double z = 1.0 - (i + 0.5) / kBalls;  // the front half
     const double s = std::sqrt(1.0 - z * z);
-    const Vector3 out(s * std::cos(turn * i), s * std::sin(turn * i), z);
+    const Vector3 out(s * std::cos(golden_angle_rad * i), s * std::sin(golden_angle_rad * i), z);
     tool.balls.push_back(
         {.center_m = Vector3(0, 0, -kHead_m) + (kHead_m - kPart_m) * out, .radius_m = kPart_m});
   }
@@ -55,7 +56,7 @@ FailureResult RunCogging(const FailureSetting& setting) {
   SingleContact baseline(bone.balls, tool, {.stiffness_N_per_m = kStiffness_N_per_m, .slides = 3});
 
   FailureSeries of_ours{.name = "ours", .ours = true}, of_baseline{.name = "one pair"};
-  double normal = 0.0, one_normal = 0.0;
+  double normal_sum_N = 0.0, baseline_normal_sum_N = 0.0;
   constexpr int kLanding = 40;
   const int frames = kLanding + static_cast<int>(length_m / kSpeed_m_per_s / kDt_s);
   bool complete = true;
@@ -67,23 +68,25 @@ FailureResult RunCogging(const FailureSetting& setting) {
     const Vector3 one = baseline.Step(X_WT).F_T_G.f;
     if (i % 16 == 0) complete = setting.GoesOn(static_cast<double>(i) / frames);
     if (i <= kLanding) continue;
-    normal += f.z();
-    one_normal += one.z();
+    normal_sum_N += f.z();
+    baseline_normal_sum_N += one.z();
     of_ours.x.push_back(1e3 * x);
     of_ours.y.push_back(f.head<2>().norm());
     of_baseline.x.push_back(1e3 * x);
     of_baseline.y.push_back(one.head<2>().norm());
   }
+  // converts tangential forces to percent of the mean normal force; returns the largest
   const auto in_percent = [](FailureSeries& series, double sum_N) {
     const double mean_N = sum_N / static_cast<double>(series.y.size());
     for (double& value : series.y) value *= 100.0 / mean_N;
     return Largest(series.y);
   };
-  result.ours = in_percent(of_ours, normal);
-  result.baseline = in_percent(of_baseline, one_normal);
+  result.ours = in_percent(of_ours, normal_sum_N);
+  result.baseline = in_percent(of_baseline, baseline_normal_sum_N);
   result.baseline_fails = result.baseline > result.bound;
   result.ours_passes = complete && result.ours < result.bound;
-  result.note = fmt::format("mean normal force {:.1f} N", normal / static_cast<double>(of_ours.y.size()));
+  result.note =
+      fmt::format("mean normal force {:.1f} N", normal_sum_N / static_cast<double>(of_ours.y.size()));
   result.plot = {.x_label = "way [mm]",
                  .y_label = "tangential over normal force [%]",
                  .series = {of_baseline, of_ours},

@@ -12,9 +12,10 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kDt_s = 1e-3, kCalm_s = 0.5;
-constexpr double kLow_hz = 5.0, kHigh_hz = 40.0, kNoise_N = 0.1, kNoise_Nm = 0.005;
-constexpr double kSwing_m = 0.03, kSwing_hz = 0.5;
+constexpr double kDt_s = 1e-3, kCalm_s = 0.5;        // kCalm_s: time after the step from which calm_N counts
+constexpr double kLow_hz = 5.0, kHigh_hz = 40.0;     // band in which the force is measured
+constexpr double kNoise_N = 0.1, kNoise_Nm = 0.005;  // standard deviation of the sensor's noise
+constexpr double kSwing_m = 0.03, kSwing_hz = 0.5;   // of the hand's free motion before the step
 
 }  // namespace
 
@@ -32,18 +33,19 @@ GripRide RideGrip(const GripRideParams& params) {
                                 tight = hil::OperatorWith(params.after);
   hil::HandImpedance loose_mass(loose), tight_mass(tight);
   bool stepped = false;
-  Pose X_held = X_start;
-  Wrench kept;
+  Pose X_held = X_start;  // where the tight hand holds the tool
+  Wrench kept;            // added to the tight hand's wrench, so that it does not jump at the step
   hil::SensorModel sensor({.noise_N = kNoise_N, .noise_Nm = kNoise_Nm, .seed = 16});
   const hil::Tremor tremor(params.tremor_N, 1);
-  std::vector<Vector3> exerted, shaken;
+  std::vector<Vector3> hand_forces, tremor_forces;
   const ArmScene scene{
       .hand =
           [&](int tick, const Pose& X_WT, const Twist& V_WT) {
-            const double t = tick * kDt_s, turn = 2.0 * std::numbers::pi * kSwing_hz;
+            const double t = tick * kDt_s, swing_rad_per_s = 2.0 * std::numbers::pi * kSwing_hz;
             Pose X_goal = X_start;
-            X_goal.translation() += 0.5 * kSwing_m * (1.0 - std::cos(turn * t)) * along;
-            const Twist V_goal{.v = 0.5 * kSwing_m * turn * std::sin(turn * t) * along, .w = Vector3::Zero()};
+            X_goal.translation() += 0.5 * kSwing_m * (1.0 - std::cos(swing_rad_per_s * t)) * along;
+            const Twist V_goal{.v = 0.5 * kSwing_m * swing_rad_per_s * std::sin(swing_rad_per_s * t) * along,
+                               .w = Vector3::Zero()};
             Wrench F;
             if (t < params.step_s) {
               F = loose_mass.Step(kDt_s, X_WT, V_WT, X_goal, V_goal);
@@ -58,9 +60,9 @@ GripRide RideGrip(const GripRideParams& params) {
               F = tight_mass.Step(kDt_s, X_WT, V_WT, X_held, {});
               F = {.f = F.f + kept.f, .t = F.t + kept.t};
             }
-            shaken.push_back(t < params.tremor_from_s ? Vector3(Vector3::Zero()) : tremor.ForceAt(t));
-            F.f += shaken.back();
-            exerted.push_back(F.f);
+            tremor_forces.push_back(t < params.tremor_from_s ? Vector3(Vector3::Zero()) : tremor.ForceAt(t));
+            F.f += tremor_forces.back();
+            hand_forces.push_back(F.f);
             return F;
           },
       .sensor = [&](int tick, const Pose&, const Wrench& F) { return ReadBy(sensor, tick, F); }};
@@ -76,11 +78,12 @@ GripRide RideGrip(const GripRideParams& params) {
   }
   const auto window = static_cast<std::size_t>(GripRide::kWindow_s / kDt_s),
              every = static_cast<std::size_t>(GripRide::kEvery_s / kDt_s);
-  for (std::size_t i = 0; i + window <= exerted.size(); i += every) {
-    const double effective_N = RmsInBand(exerted, i, window, kLow_hz, kHigh_hz, kDt_s);
+  for (std::size_t i = 0; i + window <= hand_forces.size(); i += every) {
+    const double effective_N = RmsInBand(hand_forces, i, window, kLow_hz, kHigh_hz, kDt_s);
     result.window_N.push_back(effective_N);
     result.max_N = std::max(result.max_N, effective_N);
-    result.tremor_N = std::max(result.tremor_N, RmsInBand(shaken, i, window, kLow_hz, kHigh_hz, kDt_s));
+    result.tremor_N =
+        std::max(result.tremor_N, RmsInBand(tremor_forces, i, window, kLow_hz, kHigh_hz, kDt_s));
     if (static_cast<double>(i) * kDt_s >= params.step_s + kCalm_s - 1e-9)
       result.calm_N = std::max(result.calm_N, effective_N);
   }

@@ -8,9 +8,10 @@
 namespace osteon::studies {
 
 /// A hand of 300 N/m swings the tool of an arm of 15 Hz through free space, at 0.5 Hz over 30 mm, through the
-/// servo loop; the sensor's noise is 0.1 N rms. At step_s the hand stiffens with the same wrench, or a clamp
-/// closes.
+/// servo loop; the sensor's noise is 0.1 N rms. At step_s the hand stiffens without a jump of its wrench, or
+/// a clamp closes.
 struct GripRideParams {
+  /// The hand, or the clamp, from step_s on.
   hil::GridHand after{"stiff", 6000.0, 13.0, 1.1};
   bool clamp{false};  ///< a clamp closes and does not keep the hand's wrench; false: the hand stiffens
   control::ServoParams loop{};
@@ -20,6 +21,8 @@ struct GripRideParams {
   double tremor_from_s{0.0};
 };
 
+/// The result of the ride. Forces are RMS values between 5 and 40 Hz over windows of kWindow_s, one window
+/// every kEvery_s.
 struct GripRide {
   static constexpr double kWindow_s = 0.2, kEvery_s = 0.02;
   double calm_N{0.0};    ///< largest RMS force of a window, from 0.5 s after the step on
@@ -28,10 +31,9 @@ struct GripRide {
   double index{0.0};     ///< largest vibration index
   double heavy_s{0.0};   ///< time with more than twice the law's drag
   bool fault{false};
-  std::vector<double> window_N;               ///< RMS value of the hand's force between 5 and 40 Hz,
-                                              ///< every kEvery_s
+  std::vector<double> window_N;               ///< the hand's force, for each window
   std::vector<double> indices, references_N;  ///< vibration index and its reference, for each tick
-  std::vector<double> damping_factors;
+  std::vector<double> damping_factors;        ///< factor on the law's damping, for each tick
 };
 
 /// Simulates the ride. Deterministic.

@@ -13,21 +13,23 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kStep_s = 1.3;
+constexpr double kStep_s = 1.3;  // when the grip stiffens
 
+// Light fixed gains: virtual mass 2 kg, drag 10 N s/m, rotation in the same proportion, no vibration index.
 control::ServoParams Baseline() {
   control::ServoParams loop;
   control::AdmittanceParams& law = loop.admittance;
-  const Vector3 ratio_m = Vector3::Constant(2.0).cwiseQuotient(law.mass_kg);
-  const Vector3 ratio_b = Vector3::Constant(10.0).cwiseQuotient(law.damping_Ns_per_m);
+  const Vector3 mass_ratio = Vector3::Constant(2.0).cwiseQuotient(law.mass_kg);
+  const Vector3 damping_ratio = Vector3::Constant(10.0).cwiseQuotient(law.damping_Ns_per_m);
   law.mass_kg = Vector3::Constant(2.0);
   law.damping_Ns_per_m = Vector3::Constant(10.0);
-  law.inertia_kg_m2 = law.inertia_kg_m2.cwiseProduct(ratio_m);
-  law.damping_Nms_per_rad = law.damping_Nms_per_rad.cwiseProduct(ratio_b);
+  law.inertia_kg_m2 = law.inertia_kg_m2.cwiseProduct(mass_ratio);
+  law.damping_Nms_per_rad = law.damping_Nms_per_rad.cwiseProduct(damping_ratio);
   loop.vibration.acts = false;
   return loop;
 }
 
+// The force of each window, by the time of its middle since the step, as a line of the picture.
 FailureSeries Drawn(const char* name, const GripRide& gripped, bool ours) {
   FailureSeries series{.name = name, .ours = ours};
   for (std::size_t i = 0; i < gripped.window_N.size(); ++i) {

@@ -20,23 +20,26 @@ using kinematics::JointVector;
 // Allowed reversals: a joint may turn back at the limit, where the hand turns back, and after the elbow has
 // moved aside. A chattering joint reverses hundreds of times.
 constexpr int kMaxReversals = 12;
+// The hand's speed along the line, the time to reach it, and the rest at the turning point.
 constexpr double kSpeed_m_per_s = 0.1, kRamp_s = 0.1, kRest_s = 0.3;
 
+// One approach to a joint's limit.
 struct Case {
   int joint{0};
   ArmRideParams params{};
   Pose X_start{Pose::Identity()};
-  Vector3 direction{Vector3::UnitX()};
-  double out_m{0.0};
+  Vector3 direction{Vector3::UnitX()};  // of the line along which the hand leads the tool
+  double out_m{0.0};                    // length of the way out
 };
 
+// @param room_rad  distance of the joint from its limit at the start
 Case MakeCase(int joint, double room_rad, double out_m) {
   Case c{.joint = joint, .out_m = out_m};
   c.params.arm = ScenarioArm();
   c.params.X_FT = ScenarioTool();
   c.params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
   const kinematics::JointLimits& limit = c.params.arm.limits[static_cast<std::size_t>(joint)];
-  // toward the limit on the joint's own side
+  // the limit on the side of zero on which the joint stands
   const double side = c.params.q_start[joint] < 0.0 ? -1.0 : 1.0;
   c.params.q_start[joint] = side > 0.0 ? limit.upper_rad - room_rad : limit.lower_rad + room_rad;
   const kinematics::LbrArm arm(c.params.arm);
@@ -69,19 +72,19 @@ HandPath PathOf(const Case& c) {
   };
 }
 
-struct Measured {
-  double beside_m{0.0};     // distance from the line
-  double backward_m{0.0};   // travel against the push, on the way out
-  double beyond_rad{-1.0};  // largest overrun of a limit, over all joints
-  double force_step_N{0.0};
-  double turned_rad{0.0};
-  int reversals{0};  // of a joint's velocity, counted from 0.01 rad/s on both sides; the largest count of any
-                     // joint
+// Judged results of one ride.
+struct RideResult {
+  double beside_m{0.0};      // distance from the line
+  double backward_m{0.0};    // travel against the push, on the way out
+  double beyond_rad{-1.0};   // largest overrun of a limit, over all joints
+  double force_step_N{0.0};  // largest change of the hand's force in a millisecond
+  double turned_rad{0.0};    // largest rotation of the tool from its start
+  int reversals{0};  // sign changes of a joint's velocity (above 0.01 rad/s), of the joint with most of them
   bool fault{false};
 };
 
-Measured Measure(const Case& c, const std::vector<ArmRideTick>& ride) {
-  Measured m{.force_step_N = LargestForceStep(ride)};
+RideResult Measure(const Case& c, const std::vector<ArmRideTick>& ride) {
+  RideResult m{.force_step_N = LargestForceStep(ride)};
   const double out_s = c.out_m / kSpeed_m_per_s + kRamp_s;
   double farthest = 0.0;
   std::array<double, 7> last_qd{};
@@ -122,8 +125,8 @@ FailureResult RunJointLimit(const FailureSetting& setting) {
                        .unit = "mm",
                        .baseline_name = "pseudo-inverse, each joint clamped at its limits alone",
                        .bound = 1.0};
-  const control::ServoParams same;
-  const double margin_rad = same.joints.position_margin_rad;
+  const control::ServoParams defaults;  // those of the loop
+  const double margin_rad = defaults.joints.position_margin_rad;
   const std::vector<int> joints = setting.full() ? std::vector<int>{0, 1, 3, 5} : std::vector<int>{1, 5};
   std::vector<Case> cases;
   for (const int joint : joints)
@@ -142,16 +145,16 @@ FailureResult RunJointLimit(const FailureSetting& setting) {
       JointVector step = dt_s * J.completeOrthogonalDecomposition().solve(V);
       for (int j = 0; j < 7; ++j) {
         const kinematics::JointLimits& limit = c.params.arm.limits[static_cast<std::size_t>(j)];
-        const double most = limit.velocity_rad_per_s * dt_s;
-        step[j] = std::clamp(q[j] + std::clamp(step[j], -most, most), limit.lower_rad + margin_rad,
-                             limit.upper_rad - margin_rad) -
+        const double max_step_rad = limit.velocity_rad_per_s * dt_s;
+        step[j] = std::clamp(q[j] + std::clamp(step[j], -max_step_rad, max_step_rad),
+                             limit.lower_rad + margin_rad, limit.upper_rad - margin_rad) -
                   q[j];
       }
       return step;
     };
     const std::vector<ArmRideTick> ours = RideServoLoop(c.params, PathOf(c));
     const std::vector<ArmRideTick> clamped = RideMethod(c.params, PathOf(c), clamp);
-    const Measured m = Measure(c, ours), b = Measure(c, clamped);
+    const RideResult m = Measure(c, ours), b = Measure(c, clamped);
     if (1e3 * b.beside_m > result.bound) ++baselines_fail;
     result.ours = std::max(result.ours, 1e3 * m.beside_m);
     if (1e3 * b.beside_m >= result.baseline) {

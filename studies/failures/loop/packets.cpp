@@ -11,11 +11,13 @@
 namespace osteon::studies {
 namespace {
 
+// The wires' faults before and after the step.
 struct Case {
   std::string name;
   hil::WireFaults before{}, after{};
 };
 
+// Cases of delay, loss, reordering, and all of these together. @param full  more of each
 std::vector<Case> MakeCases(bool full) {
   constexpr rt::Nanoseconds kMs = rt::kMillisecond;
   std::vector<Case> cases;
@@ -62,7 +64,10 @@ FailureResult RunPackets(const FailureSetting& setting) {
   const std::vector<Case> cases = MakeCases(setting.full());
   const std::uint64_t seeds = setting.full() ? 5 : 1;
   const double rides = static_cast<double>(cases.size() * seeds);
-  double held = 0.0, zeroed = 0.0, max_age_s = 0.0, beyond = 0.0;
+  double held = 0.0, zeroed = 0.0;  // largest growth with the two baselines
+  double max_age_s = 0.0;
+  double beyond = 0.0;  // largest growth of ours where the condition D > a_max K does not hold
+  // numbers of rides: all; ours and held ones that fulfil the condition; held ones that grow
   int done = 0, claimed = 0, held_claimed = 0, held_grows = 0;
   bool complete = true, theorem_holds = true;
   std::string worst;

@@ -11,9 +11,10 @@ namespace osteon::studies {
 /// first tap. Baseline: the force is computed beyond the wire, and a missing force is held or replaced by
 /// zero, whichever does better in its worst case. Bound: 1, no growth.
 ///
-/// Ours passes if it keeps the bound in every case in which D > a_max K with the case's largest ages (at
-/// least three cases in four), and if age alone explains the baseline's failure: held forces grow in no case
-/// that fulfils the same condition with the wall's whole stiffness.
+/// The condition for a swing that cannot grow is D > a_max K: the law's drag is larger than the sum of
+/// largest age times stiffness over both wires (AgeMargin). Ours passes if it keeps the bound in every case
+/// that fulfils the condition (at least three cases in four), and if age alone explains the baseline's
+/// failure: held forces grow in no case that fulfils the condition with the wall's whole stiffness.
 [[nodiscard]] FailureResult RunPackets(const FailureSetting& setting);
 
 }  // namespace osteon::studies

@@ -15,18 +15,24 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kDt_s = 1e-3, kStart_s = 1.0, kRamp_s = 0.5, kNoise_N = 0.1, kNoise_Nm = 0.005;
-constexpr double kLow_hz = 200.0, kHigh_hz = 300.0;
+constexpr double kDt_s = 1e-3;
+constexpr double kStart_s = 1.0, kRamp_s = 0.5;      // judged from kStart_s on; the push rises within kRamp_s
+constexpr double kNoise_N = 0.1, kNoise_Nm = 0.005;  // standard deviation of the sensor's noise
+constexpr double kLow_hz = 200.0, kHigh_hz = 300.0;  // band of the metric
+// Stiffness of our plane, and of the baseline's: above what the loop is stable with.
 constexpr double kStable_N_per_m = 20e3, kAbove_N_per_m = 7.4e6;
 
+// Motion of the handle in one ride.
 struct Buzz {
-  double amplitude_m{0.0};
-  double all_m{0.0};  // RMS value of the motion above 5 Hz
-  double push_N{0.0};
+  double amplitude_m{0.0};  // in the band of the metric
+  double wide_rms_m{0.0};   // RMS value of the motion from 5 to 400 Hz
+  double push_N{0.0};       // rendered force at the end
   bool fault{false};
-  std::vector<Vector3> band;
+  std::vector<Vector3> band;  // motion in the band of the metric [m], for each tick
 };
 
+// Rests the tool on the plane for kStart_s + seconds.
+// @param force_alone  the loop gets a force that is a millisecond old (the baseline), instead of a plane
 Buzz SimulateResting(double push_N, double stiffness_N_per_m, bool force_alone, double seconds) {
   ArmRideParams params;
   params.arm = ScenarioArm();
@@ -81,10 +87,11 @@ Buzz SimulateResting(double push_N, double stiffness_N_per_m, bool force_alone, 
   const auto from = static_cast<std::size_t>(kStart_s / kDt_s);
   buzz.band = BandPass(handle, kLow_hz, kHigh_hz, kDt_s);
   buzz.amplitude_m = std::numbers::sqrt2 * Rms(buzz.band, from, buzz.band.size());
-  buzz.all_m = Rms(BandPass(handle, 5.0, 400.0, kDt_s), from, handle.size());
+  buzz.wide_rms_m = Rms(BandPass(handle, 5.0, 400.0, kDt_s), from, handle.size());
   return buzz;
 }
 
+// The amplitude in the band [um] over each 20 ms, as a line of the picture.
 FailureSeries Drawn(const char* name, const Buzz& buzz, bool ours) {
   constexpr std::size_t kEach = 20;  // ms: five cycles at 250 Hz
   FailureSeries series{.name = name, .ours = ours};
@@ -106,7 +113,7 @@ FailureResult RunRestingBuzz(const FailureSetting& setting) {
       .baseline_name = "force from a millisecond ago, 7.4 N/um: above what the loop is stable with",
       .bound = 1.0};
   const double seconds = setting.full() ? 10.0 : 2.0;
-  double all_m = 0.0, all_above_m = 0.0, done = 0.0;
+  double wide_rms_m = 0.0, baseline_wide_rms_m = 0.0, done = 0.0;
   bool complete = true, faulted = false, baselines_fail = true;
   result.baseline = 1e9;
   for (const double push_N : {5.0, 50.0, 200.0}) {
@@ -117,8 +124,8 @@ FailureResult RunRestingBuzz(const FailureSetting& setting) {
     result.ours = std::max(result.ours, 1e6 * ours.amplitude_m);
     result.baseline = std::min(result.baseline, 1e6 * above.amplitude_m);
     baselines_fail &= 1e6 * above.amplitude_m > result.bound;
-    all_m = std::max(all_m, ours.all_m);
-    all_above_m = std::max(all_above_m, above.all_m);
+    wide_rms_m = std::max(wide_rms_m, ours.wide_rms_m);
+    baseline_wide_rms_m = std::max(baseline_wide_rms_m, above.wide_rms_m);
     faulted |= ours.fault;
     if (push_N == 50.0)
       result.plot = {.x_label = "time [s], 50 N",
@@ -134,7 +141,7 @@ FailureResult RunRestingBuzz(const FailureSetting& setting) {
   result.note = fmt::format(
       "5, 50 and 200 N for {:.0f} s each, the baseline's least shown; above 5 Hz the handle moves by {:.2g} "
       "um rms with ours at most, by {:.3g} um with the baseline",
-      seconds, 1e6 * all_m, 1e6 * all_above_m);
+      seconds, 1e6 * wide_rms_m, 1e6 * baseline_wide_rms_m);
   return result;
 }
 

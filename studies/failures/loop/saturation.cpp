@@ -19,27 +19,35 @@ namespace {
 using kinematics::JointVector;
 
 constexpr double kDt_s = 1e-3, kWall_N_per_m = 20e3, kPush_N = 200.0, kCeiling_N = 200.0;
+// The hand presses within kPress_s, holds until kDrawBack_s, and draws back within kPress_s.
 constexpr double kPress_s = 0.5, kDrawBack_s = 0.7, kEnd_s = 1.6;
 constexpr double kDeepest_m = 12e-3, kSoft_m = 7e-3;  // of the depth limit, from the wall's face
 constexpr double kWhole = 0.99;                       // share from which the whole force counts as back
-constexpr double kMaxRecovery_s = 0.05;
-constexpr double kCounts_N = 1.0;      // smallest force whose direction counts
-constexpr double kSlack = 1.0 + 1e-9;  // on a torque limit, for rounding
+constexpr double kMaxRecovery_s = 0.05;               // bound on the time until the whole force is back
+constexpr double kCounts_N = 1.0;                     // smallest force whose direction counts
+constexpr double kSlack = 1.0 + 1e-9;                 // on a torque limit, for rounding
 
-struct Saturated {
+// Judged results of one push; the baseline is computed for the same poses.
+struct PushResult {
+  // largest angle to the wanted force: of the rendered one, and of the one of clipped torques (baseline)
   double angle_rad{0.0}, clipped_angle_rad{0.0};
   double torque_share{0.0};  // largest (|J^T F| + |g|) / limit
   double min_share{1.0};     // least share of the wanted force that passed the limiter
   double max_N{0.0}, max_wanted_N{0.0};
-  double recovery_s{0.0};
-  bool saturates{false}, recovers{false}, fault{false};
-  std::vector<double> angle_deg, clipped_deg;  // by time
+  double recovery_s{0.0};  // longest time from when the arm can hold the whole force until the force is back
+  bool saturates{false};   // the arm could not hold the whole force in some tick
+  bool recovers{false};    // the whole force is back at the end
+  bool fault{false};
+  std::vector<double> angle_deg, clipped_deg;  // the two angles, for each tick
 };
 
 double Angle(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
+// One push against a plane across the tool.
+// @param tool_m         length of the tool
+// @param side_rad       direction out of the plane, as an angle about the tool's axis from its x
 // @param depth_limited  the depth limit's resistance adds to the wall's, from half the depth on
-Saturated Press(double tool_m, double side_rad, bool depth_limited) {
+PushResult Press(double tool_m, double side_rad, bool depth_limited) {
   ArmRideParams params;
   params.arm = ScenarioArm();
   params.X_FT.translation() = Vector3(0.0, 0.0, tool_m);
@@ -90,9 +98,9 @@ Saturated Press(double tool_m, double side_rad, bool depth_limited) {
                                                 // alone
   const std::vector<ArmRideTick> ride = RideServoLoop(params, scene);
 
-  Saturated result;
+  PushResult result;
   double could_since_s = 0.0;  // start of the time in which the arm could hold the whole force
-  bool whole = true;
+  bool is_whole = true;
   for (std::size_t i = 1; i < ride.size(); ++i) {
     const ArmRideTick& tick = ride[i];
     result.fault |= tick.fault;
@@ -106,13 +114,14 @@ Saturated Press(double tool_m, double side_rad, bool depth_limited) {
     const JointVector tau_wanted = J.topRows<3>().transpose() * f_wanted;
     const JointVector tau = J.topRows<3>().transpose() * f;
     JointVector clipped = tau_wanted;
-    bool can = wanted_N <= kCeiling_N;
+    // whether the arm can hold the whole force, with gravity counted against it
+    bool can_hold = wanted_N <= kCeiling_N;
     for (std::size_t j = 0; j < 7; ++j) {
       const auto k = static_cast<Eigen::Index>(j);
       const double limit = params.arm.limits[j].torque_Nm, room = limit - std::abs(g[k]);
       result.torque_share = std::max(result.torque_share, (std::abs(tau[k]) + std::abs(g[k])) / limit);
       clipped[k] = std::clamp(tau_wanted[k], -room, room);
-      can &= std::abs(tau_wanted[k]) <= room;
+      can_hold &= std::abs(tau_wanted[k]) <= room;
     }
     result.max_N = std::max(result.max_N, f.norm());
     result.max_wanted_N = std::max(result.max_wanted_N, wanted_N);
@@ -129,13 +138,13 @@ Saturated Press(double tool_m, double side_rad, bool depth_limited) {
       result.clipped_deg.push_back(0.0);
     }
     // Measure the time until the whole force is back.
-    result.saturates |= !can;
-    if (!can) could_since_s = static_cast<double>(i + 1) * kDt_s;
-    if (can && result.saturates && f.norm() < kWhole * wanted_N)
+    result.saturates |= !can_hold;
+    if (!can_hold) could_since_s = static_cast<double>(i + 1) * kDt_s;
+    if (can_hold && result.saturates && f.norm() < kWhole * wanted_N)
       result.recovery_s = std::max(result.recovery_s, static_cast<double>(i + 1) * kDt_s - could_since_s);
-    whole = can && f.norm() >= kWhole * wanted_N;
+    is_whole = can_hold && f.norm() >= kWhole * wanted_N;
   }
-  result.recovers = whole;
+  result.recovers = is_whole;
   return result;
 }
 
@@ -150,15 +159,15 @@ FailureResult RunSaturation(const FailureSetting& setting) {
                        .bound = 1.0};
   const int sides = setting.full() ? 12 : 3;
   const std::vector<double> tools_m = setting.full() ? std::vector{0.2, 0.3} : std::vector{0.3};
-  Saturated worst;
+  PushResult worst;
   double torque_share = 0.0, recovery_s = 0.0, min_share = 1.0, max_N = 0.0;
   int done = 0, saturated = 0;
-  bool complete = true, well = true;
+  bool complete = true, all_recover = true;  // without faults
   for (const double tool_m : tools_m) {
     for (int side = 0; side < sides && complete; ++side) {
-      const Saturated s = Press(tool_m, 2.0 * std::numbers::pi * (side + 0.3) / sides, side % 2 == 1);
+      const PushResult s = Press(tool_m, 2.0 * std::numbers::pi * (side + 0.3) / sides, side % 2 == 1);
       saturated += s.saturates ? 1 : 0;
-      well &= s.recovers && !s.fault;
+      all_recover &= s.recovers && !s.fault;
       result.ours = std::max(result.ours, 180.0 / std::numbers::pi * s.angle_rad);
       torque_share = std::max(torque_share, s.torque_share);
       recovery_s = std::max(recovery_s, s.recovery_s);
@@ -179,7 +188,7 @@ FailureResult RunSaturation(const FailureSetting& setting) {
                  .series = {clipped, ours},
                  .bound_is_on_y = true};
   result.baseline_fails = result.baseline > result.bound;
-  result.ours_passes = complete && well && saturated > 0 && result.ours <= result.bound &&
+  result.ours_passes = complete && all_recover && saturated > 0 && result.ours <= result.bound &&
                        torque_share <= kSlack && max_N <= kCeiling_N && recovery_s <= kMaxRecovery_s;
   result.note = fmt::format(
       "every second push meets the depth limit as well; {} of {} are more than the arm holds, {:.0f} N are "

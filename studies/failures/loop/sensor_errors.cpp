@@ -14,11 +14,17 @@
 namespace osteon::studies {
 namespace {
 
+// The arm waits for kWaiting_s; the hand turns the tool by kTurn_rad within kTurns_s and lets go at
+// kReleases_s; the drift is judged from kSettles_s after that; at the end a hand pushes with kPush_N for
+// kPushes_s.
 constexpr double kDt_s = 1e-3, kWaiting_s = 1.0, kTurns_s = 1.5, kReleases_s = 2.0, kSettles_s = 1.0;
-constexpr double kTurn_rad = std::numbers::pi / 6.0, kLever_m = 0.1, kPayload_kg = 0.2, kDrift_N_per_s = 0.1;
-constexpr double kDeadZone_N = 5.0, kDeadZone_Nm = 1.0, kPush_N = 10.0, kPushes_s = 1.0;
+constexpr double kTurn_rad = std::numbers::pi / 6.0, kPush_N = 10.0, kPushes_s = 1.0;
+constexpr double kLever_m = 0.1;  // distance of the second judged point from the tool's origin
+constexpr double kPayload_kg = 0.2, kDrift_N_per_s = 0.1;  // errors of the load and of the sensor's zero
+constexpr double kDeadZone_N = 5.0, kDeadZone_Nm = 1.0;    // of our law
 
-struct Drifted {
+// Motion of the released tool.
+struct DriftResult {
   double speed_m_per_s{0.0};  // speed of the released tool
   double way_m{0.0};          // travel of the tool's origin until the push
   double push_m_per_s{0.0};   // speed under the push at the end
@@ -26,7 +32,10 @@ struct Drifted {
   std::vector<double> way_mm;  // by time since the release
 };
 
-Drifted Release(double bias_N, int axis, bool ours, double seconds) {
+// @param bias_N  error of the sensor's zero along an axis of the flange; its torque is 0.05 N·m per N
+// @param ours    with bias estimate and dead zone; false: the baseline
+// @param seconds from the release to the push
+DriftResult Release(double bias_N, int axis, bool ours, double seconds) {
   ArmRideParams params;
   params.arm = ScenarioArm();
   params.X_FT = ScenarioTool();
@@ -73,15 +82,15 @@ Drifted Release(double bias_N, int axis, bool ours, double seconds) {
                            }};
   const std::vector<ArmRideTick> ride = RideServoLoop(params, scene);
 
-  Drifted result;
+  DriftResult result;
   const auto second = static_cast<std::size_t>(1.0 / kDt_s);
   const auto from = static_cast<std::size_t>((kReleases_s + kSettles_s) / kDt_s);
   const auto to = static_cast<std::size_t>(pushes_s / kDt_s);
-  const auto off_axis = [&ride](std::size_t i) { return ride[i].X_WT * Vector3(0.0, 0.0, -kLever_m); };
+  const auto second_point = [&ride](std::size_t i) { return ride[i].X_WT * Vector3(0.0, 0.0, -kLever_m); };
   for (std::size_t i = from; i + second < to; i += 10) {
     const Vector3 way = ride[i + second].X_WT.translation() - ride[i].X_WT.translation();
     result.speed_m_per_s =
-        std::max({result.speed_m_per_s, way.norm(), (off_axis(i + second) - off_axis(i)).norm()});
+        std::max({result.speed_m_per_s, way.norm(), (second_point(i + second) - second_point(i)).norm()});
   }
   for (std::size_t i = from; i < to; i += 20)
     result.way_mm.push_back(1e3 * (ride[i].X_WT.translation() - ride[from].X_WT.translation()).norm());
@@ -91,7 +100,8 @@ Drifted Release(double bias_N, int axis, bool ours, double seconds) {
   return result;
 }
 
-FailureSeries Drawn(const char* name, const Drifted& drifted, bool ours) {
+// The released tool's distance from its place a second after the release, as a line of the picture.
+FailureSeries Drawn(const char* name, const DriftResult& drifted, bool ours) {
   FailureSeries series{.name = name, .y = drifted.way_mm, .ours = ours};
   for (std::size_t i = 0; i < series.y.size(); ++i) series.x.push_back(0.02 * static_cast<double>(i));
   return series;
@@ -117,9 +127,9 @@ FailureResult RunSensorErrors(const FailureSetting& setting) {
   double push_m_per_s = 1e9, way_m = 0.0;
   for (const double bias_N : biases_N) {
     for (int axis = 0; axis < axes && complete; ++axis) {
-      const Drifted ours = Release(bias_N, axis, true, seconds);
+      const DriftResult ours = Release(bias_N, axis, true, seconds);
       // without bias estimate the tool soon leaves the arm's reach
-      const Drifted bare = Release(bias_N, axis, false, 2.5);
+      const DriftResult bare = Release(bias_N, axis, false, 2.5);
       result.ours = std::max(result.ours, 1e3 * ours.speed_m_per_s);
       result.baseline = std::min(result.baseline, 1e3 * bare.speed_m_per_s);
       baselines_fail &= 1e3 * bare.speed_m_per_s > result.bound;

@@ -15,13 +15,16 @@
 namespace osteon::studies {
 namespace {
 
+// Period of ticks; stiffness and radius of the bowl; force with which the hand presses.
 constexpr double kDt_s = 1e-3, kWall_N_per_m = 20e3, kBowl_m = 0.025, kPush_N = 80.0;
 constexpr double kPressed_s = 0.6;   // the tool rests there until the motion begins
 constexpr double kStalls_s = 0.65;   // 50 ms into the motion
 constexpr double kResumed_s = 0.15;  // after the stall: the ramp back has ended
+// Bound on a change of the force in a tick, as a share of the force before the stall.
 constexpr double kMaxStep = 0.10;
 
 enum class Motion { kOut, kDeeper, kAlong };
+// A motion of the hand during which frames stay away.
 struct Case {
   Motion motion;
   const char* name;
@@ -31,14 +34,16 @@ constexpr std::array<Case, 3> kMotions{{{Motion::kOut, "out of the bone", 0.25, 
                                         {Motion::kDeeper, "deeper", 0.1, 0.02},
                                         {Motion::kAlong, "along it", 0.1, 0.02}}};
 
-struct Stalled {
-  double returned_J{0.0};
-  double step_share{0.0};  // largest change of the force when frames come again
+// Judged results of one ride.
+struct StallResult {
+  double returned_J{0.0};  // largest energy that the virtual side has given beyond what it took
+  double step_share{0.0};  // largest change of the force in a tick when frames come again, over that before
   bool fault{false};
-  std::vector<double> given_J;  // by time
+  std::vector<double> given_J;  // energy given so far, for each tick
 };
 
-Stalled Ride(const Case& c, double stall_s, bool held) {
+// @param held  the force of the last frame is held during the stall (the baseline), instead of its plane
+StallResult Ride(const Case& c, double stall_s, bool held) {
   ArmRideParams params;
   params.arm = ScenarioArm();
   params.X_FT = ScenarioTool();
@@ -102,7 +107,7 @@ Stalled Ride(const Case& c, double stall_s, bool held) {
                            }};
   const std::vector<ArmRideTick> ride = RideServoLoop(params, scene);
 
-  Stalled result;
+  StallResult result;
   double given_J = 0.0;
   const auto resumes = static_cast<std::size_t>(std::lround((kStalls_s + stall_s) / kDt_s));
   const auto begins = static_cast<std::size_t>(std::lround(kStalls_s / kDt_s));
@@ -121,7 +126,8 @@ Stalled Ride(const Case& c, double stall_s, bool held) {
   return result;
 }
 
-FailureSeries Drawn(const char* name, const Stalled& stalled, bool ours) {
+// The energy given so far over the time, as a line of the picture.
+FailureSeries Drawn(const char* name, const StallResult& stalled, bool ours) {
   FailureSeries series{.name = name, .ours = ours};
   for (std::size_t i = 0; i < stalled.given_J.size(); i += 4) {
     series.x.push_back(1e-3 * static_cast<double>(i));
@@ -148,7 +154,7 @@ FailureResult RunSimulationStall(const FailureSetting& setting) {
   for (const Case& c : kMotions) {
     for (const double stall_s : stalls_s) {
       if (!complete) break;
-      const Stalled ours = Ride(c, stall_s, false), held = Ride(c, stall_s, true);
+      const StallResult ours = Ride(c, stall_s, false), held = Ride(c, stall_s, true);
       if (ours.step_share >= step) worst = fmt::format("{}, {:.0f} ms", c.name, 1e3 * stall_s);
       result.ours = std::max(result.ours, ours.returned_J);
       step = std::max(step, ours.step_share);

@@ -17,6 +17,7 @@ namespace {
 
 using kinematics::JointVector;
 
+// An arm, and the path on which a hand leads its tool into or past a singular posture.
 struct Case {
   std::string name;
   ArmRideParams params{};
@@ -48,6 +49,9 @@ HandPath OutAndBack(const Pose& X_start, const Vector3& direction, double out_m,
   };
 }
 
+// The tool goes out along the line from shoulder to wrist and back.
+// @param beyond_m  distance of the turning point beyond the arm's reach; negative: short of it
+// @param side_m    sideways motion from the turning point to the end
 Case ElbowCase(const std::string& name, double beyond_m, const Vector3& side_m) {
   Case c{.name = name};
   c.params.arm = ScenarioArm();
@@ -65,6 +69,7 @@ Case ElbowCase(const std::string& name, double beyond_m, const Vector3& side_m) 
   return c;
 }
 
+// The tool is pulled down and back out of the posture in which all joints are zero.
 Case CandleCase() {
   Case c{.name = "candle, pulled down and back"};
   c.params.arm = ScenarioArm();
@@ -109,13 +114,16 @@ Case WristCase(double miss_rad) {
   return c;
 }
 
-struct Measured {
-  double speed_share{0.0}, force_step_N{0.0}, left_m{0.0}, left_rad{0.0};
+// Judged results of one ride.
+struct RideResult {
+  double speed_share{0.0};            // largest joint speed over that joint's limit
+  double force_step_N{0.0};           // largest change of the hand's force in a millisecond
+  double left_m{0.0}, left_rad{0.0};  // distance of the tool from the hand's goal at the end
   bool fault{false};
 };
 
-Measured Measure(const Case& c, const std::vector<ArmRideTick>& ride) {
-  Measured m{.force_step_N = LargestForceStep(ride)};
+RideResult Measure(const Case& c, const std::vector<ArmRideTick>& ride) {
+  RideResult m{.force_step_N = LargestForceStep(ride)};
   for (const ArmRideTick& tick : ride) {
     m.speed_share = std::max(m.speed_share, JointSpeedShare(c.params.arm, tick.qd));
     m.fault |= tick.fault;
@@ -127,6 +135,7 @@ Measured Measure(const Case& c, const std::vector<ArmRideTick>& ride) {
   return m;
 }
 
+// The baseline's joint step: the pseudo-inverse of the Jacobian, without any limit.
 JointVector PlainInverse(const kinematics::Jacobian& J, const JointVector&, const Twist& V_BT, double dt_s) {
   Eigen::Matrix<double, 6, 1> V;
   V << V_BT.v, V_BT.w;
@@ -159,7 +168,7 @@ FailureResult RunSingularity(const FailureSetting& setting) {
     const Case& c = cases[i];
     const std::vector<ArmRideTick> ours = RideServoLoop(c.params, c.path);
     const std::vector<ArmRideTick> plain = RideMethod(c.params, c.path, PlainInverse);
-    const Measured m = Measure(c, ours), b = Measure(c, plain);
+    const RideResult m = Measure(c, ours), b = Measure(c, plain);
     if (b.speed_share > result.bound) ++baselines_fail;
     if (m.speed_share >= result.ours) worst = c.name;
     result.ours = std::max(result.ours, m.speed_share);

@@ -2,6 +2,10 @@
 
 #include "studies/failures/page/failure_scenes.h"
 
+// Sketches of the scenarios of arm, sensor, hand and connections. Each function draws one half of the
+// scenario of its name: our method if s.ours(), otherwise the baseline. Coordinates are in pixels of the
+// sketch.
+
 namespace osteon::studies {
 namespace {
 
@@ -153,6 +157,7 @@ void Saturation(SceneSketch& s) {
   }
 }
 
+// Number, drawing, and the captions below baseline and ours.
 constexpr std::array kScenes{
     FailureScene{
         6, RestingBuzz,

@@ -2,6 +2,10 @@
 
 #include "studies/failures/page/failure_scenes.h"
 
+// Sketches of the scenarios of tool, tissue and mount that give way. Each function draws one half of the
+// scenario of its name: our method if s.ours(), otherwise the baseline. Coordinates are in pixels of the
+// sketch.
+
 namespace osteon::studies {
 namespace {
 
@@ -124,6 +128,7 @@ void SwingingMount(SceneSketch& s) {
   }
 }
 
+// Number, drawing, and the captions below baseline and ours.
 constexpr std::array kScenes{
     FailureScene{36, TwoSprings,
                  "Each plane has its own stiffness: the force has a curl, and a circle one way gives work.",

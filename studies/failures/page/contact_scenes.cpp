@@ -2,6 +2,10 @@
 
 #include "studies/failures/page/failure_scenes.h"
 
+// Sketches of the scenarios in which a tool touches bone that does not change. Each function draws one half
+// of the scenario of its name: our method if s.ours(), otherwise the baseline. Coordinates are in pixels of
+// the sketch.
+
 namespace osteon::studies {
 namespace {
 
@@ -152,6 +156,7 @@ void FastRotation(SceneSketch& s) {
   s.Text(80, 36, "a stall of 100 ms", "middle");
 }
 
+// Number, drawing, and the captions below baseline and ours.
 constexpr std::array kScenes{
     FailureScene{
         1, ThinSheet,

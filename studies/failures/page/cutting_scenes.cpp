@@ -3,6 +3,9 @@
 
 #include "studies/failures/page/failure_scenes.h"
 
+// Sketches of the scenarios in which bone is cut. Each function draws one half of the scenario of its name:
+// our method if s.ours(), otherwise the baseline. Coordinates are in pixels of the sketch.
+
 namespace osteon::studies {
 namespace {
 
@@ -78,8 +81,8 @@ void Energy(SceneSketch& s) {
   s.Arrow({143.5, 54}, {141, 58});
   s.Text(152, 50, "drive");
   s.Text(30, 140, "a dimple, 100 times");
-  const double in = s.ours() ? 84.0 : 3.0;
-  s.Line({{286, 130}, {286, 130 - in}}, {.color = "#59636e", .width_px = 26.0});
+  const double work_bar_px = s.ours() ? 84.0 : 3.0;
+  s.Line({{286, 130}, {286, 130 - work_bar_px}}, {.color = "#59636e", .width_px = 26.0});
   s.Line({{350, 130}, {350, s.ours() ? 46.0 : 20.0}}, {.color = s.color(), .width_px = 26.0});
   s.Line({{262, 130}, {374, 130}});
   s.Text(286, 148, "work in", "middle");
@@ -121,6 +124,7 @@ void FrameRate(SceneSketch& s) {
   s.Text(322, 40, "force", "middle", s.color());
 }
 
+// Number, drawing, and the captions below baseline and ours.
 constexpr std::array kScenes{
     FailureScene{9, HighFeed, "Bone is taken where the frames' poses are, and stands between them.",
                  "Bone is taken along the whole way from frame to frame."},

@@ -16,6 +16,7 @@
 namespace osteon::studies {
 namespace {
 
+// "01_thin_sheet.svg". @param what  added to the name: "_scene" for the sketch
 std::string FileName(const FailureResult& result, const char* what = "") {
   std::string name = fmt::format("{:02}_{}{}.svg", result.id, result.name, what);
   std::ranges::replace_if(
@@ -30,7 +31,9 @@ std::string ShortValue(double value, const std::string& unit) {
       std::abs(value) >= 100.0 ? fmt::format("{:.0f}", value) : fmt::format("{:.2g}", value);
   return number + (unit == "1" ? "" : " " + unit);
 }
-std::string Value(double value, const std::string& unit) { return report::Escape(ShortValue(value, unit)); }
+std::string HtmlValue(double value, const std::string& unit) {
+  return report::Escape(ShortValue(value, unit));
+}
 
 /// The chart's quantity without its unit: not every chart shows the metric.
 std::string Plotted(const FailureResult& result) {
@@ -45,14 +48,15 @@ const char* Verdict(const FailurePageEntry& entry) {
                                         : "fails";
 }
 
+/// A scenario's row of the table, in HTML.
 std::string Row(const FailurePageEntry& entry) {
   const FailureResult& r = entry.result;
   const std::string figures =
       entry.error.empty()
           ? fmt::format(
                 "<td>{}</td><td class=\"n\">{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
-                report::Escape(r.metric), Value(r.bound, r.unit), report::Escape(r.baseline_name),
-                Value(r.baseline, r.unit), Value(r.ours, r.unit))
+                report::Escape(r.metric), HtmlValue(r.bound, r.unit), report::Escape(r.baseline_name),
+                HtmlValue(r.baseline, r.unit), HtmlValue(r.ours, r.unit))
           : fmt::format("<td colspan=\"5\">{}</td>", report::Escape(entry.error));
   return fmt::format(
       "<tr><td class=\"n\">{}</td><td>{}</td>{}<td><span class=\"verdict {}\">{}</span></td></tr>\n", r.id,

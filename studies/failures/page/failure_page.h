@@ -19,6 +19,7 @@ struct FailurePageEntry {
   double seconds{0.0};
 };
 
+/// Head and foot of the page: the engine and device of "ours", and the run.
 struct FailurePageHead {
   std::string engine, device, command_line, version;
   bool quick{false};

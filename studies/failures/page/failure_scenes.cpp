@@ -10,8 +10,10 @@
 namespace osteon::studies {
 namespace {
 
+// Margin of the picture, space between its halves, and height of the headings [px].
 constexpr double kMargin = 8.0, kGap = 4.0, kHeading = 24.0;
 
+/// @returns null if no scene has that number
 const FailureScene* FindScene(int id) {
   for (const std::span<const FailureScene> scenes :
        {ContactScenes(), CuttingScenes(), ArmScenes(), GuidanceScenes(), PlanScenes(), SequenceScenes(),

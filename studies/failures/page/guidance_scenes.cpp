@@ -2,12 +2,17 @@
 
 #include "studies/failures/page/failure_scenes.h"
 
+// Sketches of the scenarios of guidance along a surgical plan. Each function, but Funnel, draws one half of
+// the scenario of its name: our method if s.ours(), otherwise the baseline. Coordinates are in pixels of the
+// sketch.
+
 namespace osteon::studies {
 namespace {
 
 constexpr SketchLine kCorridor{.color = "#59636e", .width_px = 2.0};
 
-// The funnel over a cup, and the cup's axis.
+// Draws the part that all these sketches share: a cup in bone, its axis, and the funnel within which the
+// guidance leaves the tool free.
 void Funnel(SceneSketch& s) {
   std::vector<report::PlotPoint> bone{{20, 150}, {20, 110}};
   for (const report::PlotPoint& p : ArcPoints({110, 110}, 34, 180, 0)) bone.push_back(p);
@@ -91,6 +96,7 @@ void LetGo(SceneSketch& s) {
   }
 }
 
+// Number, drawing, and the captions below baseline and ours.
 constexpr std::array kScenes{
     FailureScene{27, GuidedCycles,
                  "The springs see the measured tool, which is late: every cycle gives more than it took.",

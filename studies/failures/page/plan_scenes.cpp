@@ -2,48 +2,52 @@
 
 #include "studies/failures/page/failure_scenes.h"
 
+// Sketches of the scenarios of a surgical plan and its assessment. Each function, but AxisArrow, draws one
+// half of the scenario of its name: our method if s.ours(), otherwise the baseline. Coordinates are in pixels
+// of the sketch.
+
 namespace osteon::studies {
 namespace {
 
-// The cup's rim and its axis out of the opening, at an angle [deg] from straight down-right.
-void Axis(SceneSketch& s, report::PlotPoint centre, double x, double y, const SketchLine& line) {
+// A cup's axis: an arrow from the cup's centre by (x, y).
+void AxisArrow(SceneSketch& s, report::PlotPoint centre, double x, double y, const SketchLine& line) {
   s.Arrow(centre, {centre.x + x, centre.y + y}, line);
 }
 
 void CupDefinitions(SceneSketch& s) {
   s.Bone({{40, 20}, {190, 20}, {190, 60}, {130, 110}, {40, 130}});
   s.Line(ArcPoints({150, 90}, 44.0, 200.0, 380.0));
-  Axis(s, {150, 90}, 62, 46, kMeantLine);
+  AxisArrow(s, {150, 90}, 62, 46, kMeantLine);
   s.Text(226, 142, "planned: 40, 20");
   if (s.ours()) {
-    Axis(s, {150, 90}, 62, 46, s.Strong());
+    AxisArrow(s, {150, 90}, 62, 46, s.Strong());
     s.Text(226, 70, "any definition,", "start", s.color());
     s.Text(226, 86, "the same axis", "start", s.color());
   } else {
-    Axis(s, {150, 90}, 74, 28, s.Strong());
+    AxisArrow(s, {150, 90}, 74, 28, s.Strong());
     s.Text(236, 86, "another axis: 5 deg off", "start", s.color());
   }
 }
 
 void WrongSide(SceneSketch& s) {
   s.Bone({{120, 20}, {280, 20}, {300, 70}, {260, 130}, {140, 130}, {100, 70}});
-  Axis(s, {120, 84}, -62, 40, kMeantLine);
+  AxisArrow(s, {120, 84}, -62, 40, kMeantLine);
   s.Text(40, 150, "right hip");
   s.Text(360, 150, "left hip", "end");
   if (s.ours()) {
     s.Cross(306, 104, s.color());
     s.Text(320, 84, "refused", "start", s.color());
   } else {
-    Axis(s, {120, 84}, 62, 40, s.Strong());
+    AxisArrow(s, {120, 84}, 62, 40, s.Strong());
     s.Text(200, 112, "mirrored axis", "start", s.color());
   }
 }
 
 void SmallCap(SceneSketch& s) {
   s.Line(ArcPoints({200, 20}, 110.0, 50.0, 130.0), kMeantLine);
-  const double off[] = {4, -5, 3, -2, 5, -4, 2, -3, 4, -5, 3};
+  const double errors_px[] = {4, -5, 3, -2, 5, -4, 2, -3, 4, -5, 3};  // of the points' radius
   for (int i = 0; i < 11; ++i) {
-    const auto at = ArcPoints({200, 20}, 110.0 + off[i], 52.0 + 7.6 * i, 52.5 + 7.6 * i);
+    const auto at = ArcPoints({200, 20}, 110.0 + errors_px[i], 52.0 + 7.6 * i, 52.5 + 7.6 * i);
     s.BoneBall(at.front().x, at.front().y, 3.0);
   }
   if (s.ours()) {
@@ -76,6 +80,7 @@ void CoarsePacking(SceneSketch& s) {
   }
 }
 
+// Number, drawing, and the captions below baseline and ours.
 constexpr std::array kScenes{
     FailureScene{23, CupDefinitions,
                  "Two numbers without their definition: read as operative angles, they are another cup.",

@@ -15,9 +15,9 @@ inline constexpr double kSketchWidth_px = 400.0, kSketchHeight_px = 160.0;
 inline constexpr double kSketchFontPx = 12.0;
 
 /// Colours of the lines of a sketch.
-inline constexpr const char* kHandColor = "#1b1f24";  ///< the hand's actions: pushes, leads
-inline constexpr const char* kWrongColor = "#d55e00";
-inline constexpr const char* kRightColor = "#0072b2";
+inline constexpr const char* kHandColor = "#1b1f24";   ///< the hand's actions: pushes, leads
+inline constexpr const char* kWrongColor = "#d55e00";  ///< the baseline's actions
+inline constexpr const char* kRightColor = "#0072b2";  ///< our method's actions
 
 /// The style of a line; a dashed line shows an intended or earlier position.
 struct SketchLine {
@@ -26,6 +26,7 @@ struct SketchLine {
   bool dashed{false};
 };
 
+/// An intended or earlier position.
 inline constexpr SketchLine kMeantLine{.color = "#59636e", .dashed = true};
 
 /// Draws the elements of one half of a scene. Coordinates are within kSketchWidth_px × kSketchHeight_px;
@@ -34,8 +35,9 @@ class SceneSketch {
  public:
   SceneSketch(double left, double top, bool ours) : left_(left), top_(top), ours_(ours) {}
 
-  /// Whether this half shows our method, and the colour for that method's actions.
+  /// Whether this half shows our method; otherwise it shows the baseline.
   [[nodiscard]] bool ours() const { return ours_; }
+  /// The colour and the line for the actions of this half's method.
   [[nodiscard]] const char* color() const { return ours_ ? kRightColor : kWrongColor; }
   [[nodiscard]] SketchLine Strong() const { return {.color = color(), .width_px = 2.4}; }
   [[nodiscard]] const std::string& svg() const { return svg_; }

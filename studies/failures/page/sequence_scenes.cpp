@@ -2,6 +2,9 @@
 
 #include "studies/failures/page/failure_scenes.h"
 
+// Sketches of the scenarios of tool change and undo. Each function draws one half of the scenario of its
+// name: our method if s.ours(), otherwise the baseline. Coordinates are in pixels of the sketch.
+
 namespace osteon::studies {
 namespace {
 

@@ -7,7 +7,7 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kMounting_m = 0.15;  // from the flange to the centre of a reamer's head
-constexpr int kWaiting = 50, kRenders = 500, kPause = 300;
+constexpr int kWaiting = 50, kRenders = 500, kPause = 300;  // ticks of each phase before the change
 
 }  // namespace
 
@@ -43,6 +43,7 @@ ChangeRide RideChange(const ChangeRideParams& params) {
   state.session = control::SessionState::kCommandingWait;
   control::ArmCommand command;
   control::CellReadings readings;
+  // mass that the simulated sensor carries
   double carried_kg = params.tools.front().sensor.tool_mass_kg;
   rt::Nanoseconds now = rt::kSecond;
   std::uint64_t frame = 0;

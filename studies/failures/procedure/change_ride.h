@@ -17,14 +17,16 @@ struct ChangeRideParams {
   double seconds_after{2.0};
 };
 
+/// The result of the ride; before and after are the ticks about the change.
 struct ChangeRide {
+  /// Commanded joints [rad].
   kinematics::JointVector q_before{kinematics::JointVector::Zero()}, q_after{kinematics::JointVector::Zero()};
-  Pose X_before{Pose::Identity()},
-      X_after{Pose::Identity()};       ///< commanded tool in the ticks about the change
+  Pose X_before{Pose::Identity()}, X_after{Pose::Identity()};  ///< commanded pose of the tool, in W
   std::vector<double> speed_mm_per_s;  ///< speed of the apex in each tick after the resume
   bool fault{false};
 };
 
+/// Simulates the ride. Deterministic.
 [[nodiscard]] ChangeRide RideChange(const ChangeRideParams& params);
 
 /// A reamer on the flange: its length to the apex grows with its radius. @param mass_kg  on the sensor

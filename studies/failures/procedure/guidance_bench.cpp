@@ -10,15 +10,17 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kStartHeight_m = 5e-3;
+constexpr double kStartHeight_m = 5e-3;  // of the head's centre over the planned one
 
+// Joint limits without a limit on the speed.
 std::array<kinematics::JointLimits, 7> Unlimited() {
   std::array<kinematics::JointLimits, 7> limits;
   for (kinematics::JointLimits& each : limits) each.velocity_rad_per_s = std::numeric_limits<double>::max();
   return limits;
 }
 
-// The arm's seven values: position, turn since the start, one that is not used.
+// A pose as the seven "joints" of the bench's arm: position [m], rotation vector since the start [rad], and
+// one that is not used.
 kinematics::JointVector ValuesOf(const Pose& X, const Matrix3& R_start) {
   kinematics::JointVector values = kinematics::JointVector::Zero();
   values.head<3>() = X.translation();
@@ -26,6 +28,7 @@ kinematics::JointVector ValuesOf(const Pose& X, const Matrix3& R_start) {
   return values;
 }
 
+// An arm at rest at a pose.
 hil::ServoArm ArmAt(const Pose& X, const Matrix3& R_start) {
   return hil::ServoArm(hil::ServoArmParams{}, Unlimited(), GuidanceBench::kPeriod_s, ValuesOf(X, R_start));
 }
@@ -81,14 +84,16 @@ Pose GuidanceBench::Measured() const {
   return X;
 }
 
-// Sums the wrenches of bone and guidance and limits the sum, as the method does.
+// Sums the wrenches of bone and guidance, whose share the method chooses so that the sum keeps the limits.
+// @param guidance  receives the guidance's part of the sum
 Wrench GuidanceBench::Render(const Wrench& bone, Wrench& guidance) {
-  const auto with = [&](const Wrench& F, double share) {
+  const auto sum_with = [&](const Wrench& F, double share) {
     return Wrench{.f = bone.f + share * F.f, .t = bone.t + share * F.t};
   };
+  // the largest share of F up to max_share with which the sum is not limited
   const auto share_of = [&](const Wrench& F, double max_share) {
     return control::MaxFittingScale(control::ScaleWithin(limiter_, bone, F, max_share), [&](double share) {
-      return limiter_.Limit(with(F, share)).share >= 1.0;
+      return limiter_.Limit(sum_with(F, share)).share >= 1.0;
     });
   };
   if (params_.method == GuidanceMethod::kOurs) {
@@ -96,7 +101,7 @@ Wrench GuidanceBench::Render(const Wrench& bone, Wrench& guidance) {
     const Wrench F = guidance_.field().F_T_W;
     guidance_.AcceptScale(share_of(F, proposed));
     guidance = guidance_.scale().F_T_W();
-    return with(F, guidance_.scale().scale());
+    return sum_with(F, guidance_.scale().scale());
   }
   const bool measured = params_.method == GuidanceMethod::kMeasuredPose;
   const Wrench F = control::EvaluateGuidance(params_.guidance, measured ? Measured() : tool_.X_WT,
@@ -104,7 +109,7 @@ Wrench GuidanceBench::Render(const Wrench& bone, Wrench& guidance) {
                        .F_T_W;
   const double share = share_of(F, 1.0);
   guidance = {.f = share * F.f, .t = share * F.t};
-  return with(F, share);
+  return sum_with(F, share);
 }
 
 GuidanceTick GuidanceBench::Step(const LedTo& led, const Wrench& F_bone_T_W) {

@@ -25,6 +25,7 @@ enum class GuidanceMethod {
 /// The plan of all scenarios: straight down, the head's centre at the world's origin.
 [[nodiscard]] control::GuidanceParams ScenarioGuidance();
 
+/// Plan, method and hand of the bench.
 struct GuidanceBenchParams {
   control::GuidanceParams guidance{ScenarioGuidance()};
   GuidanceMethod method{GuidanceMethod::kOurs};
@@ -34,20 +35,21 @@ struct GuidanceBenchParams {
 
 /// The place to which a hand leads the tool, and a force that it adds.
 struct LedTo {
-  Vector3 p_W{0.0, 0.0, 0.0};     ///< goal of the hand's point, from its place over the plan's centre [m]
+  Vector3 p_W{0.0, 0.0, 0.0};     ///< goal of the hand, from its place with the tool on the plan's axis [m]
   Vector3 push_W{0.0, 0.0, 0.0};  ///< added force [N]
   bool holds{true};               ///< false: the hand has let go
 };
 
 /// State of a tick.
 struct GuidanceTick {
-  Wrench F_guidance_T_W;  ///< rendered
-  double hand_N{0.0};     ///< force of the hand on the handle
-  Vector3 hand_W{0.0, 0.0, 0.0};
-  double speed_m_per_s{0.0};  ///< speed of the commanded apex
-  double excess_m{0.0};       ///< distance beyond the funnel
+  Wrench F_guidance_T_W;          ///< rendered
+  double hand_N{0.0};             ///< size of the hand's force on the handle
+  Vector3 hand_W{0.0, 0.0, 0.0};  ///< this force [N]
+  double speed_m_per_s{0.0};      ///< speed of the commanded apex
+  double excess_m{0.0};           ///< distance beyond the funnel
 };
 
+/// Hand, virtual tool, guidance and arm, stepped together.
 class GuidanceBench {
  public:
   static constexpr double kPeriod_s = 1e-3;
@@ -55,6 +57,8 @@ class GuidanceBench {
   /// The tool begins at rest on the axis, the head's centre 5 mm above the planned one, guidance on.
   explicit GuidanceBench(const GuidanceBenchParams& params);
 
+  /// Steps by a tick. @param F_bone_T_W  the bone's wrench on the tool, which shares the limit with the
+  /// guidance
   GuidanceTick Step(const LedTo& led, const Wrench& F_bone_T_W = {});
 
   /// Energy that the guidance has given to the virtual tool; negative: taken from it.
@@ -74,8 +78,9 @@ class GuidanceBench {
   control::AdmittanceState tool_;
   hil::ServoArm arm_;
   Matrix3 R_start_;
-  Wrench felt_, guidance_before_;
-  Twist moved_, V_meas_;  // the commanded tool's last step; the arm's measured velocity
+  Wrench felt_;             // the hand's wrench on the tool, as the sensor reads it
+  Wrench guidance_before_;  // rendered in the last tick
+  Twist moved_, V_meas_;    // the commanded tool's last step; the arm's measured velocity
   double energy_J_{0.0};
 };
 

@@ -13,14 +13,14 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr double kT = GuidanceBench::kPeriod_s;
+constexpr double kTick_s = GuidanceBench::kPeriod_s;
 constexpr int kEvery = 20;  // ticks from one point of a picture to the next
 
-int Ticks(double seconds) { return static_cast<int>(std::lround(seconds / kT)); }
+int Ticks(double seconds) { return static_cast<int>(std::lround(seconds / kTick_s)); }
 
-// A hand that moves aside by 2 × half_m and back once in 2 s.
+// Goal of a hand that moves aside by 2 × half_m and back once in 2 s.
 LedTo Aside(int tick, double half_m) {
-  return {.p_W = {half_m * (1.0 - std::cos(0.5 * kTwoPi * kT * tick)), 0.0, 0.0}};
+  return {.p_W = {half_m * (1.0 - std::cos(0.5 * kTwoPi * kTick_s * tick)), 0.0, 0.0}};
 }
 
 }  // namespace
@@ -33,13 +33,14 @@ FailureResult RunGuidedCycles(const FailureSetting& setting) {
                        .baseline_name = "the same springs at the measured pose, undamped",
                        .bound = 0.0};
   constexpr int kCycles = 20;
+  // runs all cycles; returns the energy that the guidance has given [J]
   const auto run = [&](GuidanceBenchParams params, FailureSeries& series) {
     params.hand = {"stiff", 3000.0, 60.0, 3.0};
     GuidanceBench bench(params);
     for (int i = 0; i < Ticks(2.0 * kCycles); ++i) {
       bench.Step(Aside(i, 6e-3));
       if (i % kEvery == 0) {
-        series.x.push_back(kT * i);
+        series.x.push_back(kTick_s * i);
         series.y.push_back(bench.energy_J());
       }
     }
@@ -66,15 +67,16 @@ FailureResult RunSwitchedOnOutside(const FailureSetting& setting) {
                        .unit = "N",
                        .baseline_name = "full share at once",
                        .bound = 1.0};
-  double given_J[2]{};
-  bool came_on = false;
+  double given_J[2]{};   // largest energy given: by the baseline, by ours
+  bool came_on = false;  // our guidance has rendered a force
+  // returns the largest growth of the guidance's force within a tick [N]
   const auto run = [&](GuidanceMethod method, double& given, FailureSeries& series) {
     GuidanceBench bench({.method = method});
     bench.SwitchOnAside(10e-3);
     double growth_N = 0.0, before_N = 0.0;
     for (int i = 0; i < Ticks(4.0); ++i) {
       // the hand rests aside for a second, then leads back to the axis, then out again
-      const double at_s = kT * i;
+      const double at_s = kTick_s * i;
       const double aside_mm = at_s < 1.0 ? 10.0 : at_s < 2.0 ? 10.0 * (2.0 - at_s) : 4.0 * (at_s - 2.0);
       const GuidanceTick tick = bench.Step({.p_W = {1e-3 * aside_mm, 0.0, 0.0}});
       const double now_N = tick.F_guidance_T_W.f.norm();
@@ -111,16 +113,17 @@ FailureResult RunGuidanceAtCeiling(const FailureSetting& setting) {
                        .unit = "J",
                        .baseline_name = "its share is what the bone leaves, at once",
                        .bound = 0.0};
+  // runs all cycles; returns the energy that the guidance has given [J]
   const auto run = [&](GuidanceMethod method, FailureSeries& series) {
     GuidanceBench bench({.method = method, .hand = {"stiff", 3000.0, 60.0, 3.0}});
     for (int i = 0; i < Ticks(2.0 * cycles); ++i) {
       // the bone pushes out of the cup while the tool leaves the corridor; the hand holds against it
-      const double bone_N = 100.0 * (1.0 + std::sin(0.5 * kTwoPi * kT * i));
+      const double bone_N = 100.0 * (1.0 + std::sin(0.5 * kTwoPi * kTick_s * i));
       LedTo led = Aside(i, 6e-3);
       led.push_W = {0.0, 0.0, -bone_N};
       bench.Step(led, {.f = {0.0, 0.0, bone_N}});
       if (i % (kEvery * cycles / 10) == 0) {
-        series.x.push_back(kT * i);
+        series.x.push_back(kTick_s * i);
         series.y.push_back(bench.energy_J());
       }
     }
@@ -145,22 +148,24 @@ FailureResult RunFirmHandAtEdge(const FailureSetting& setting) {
                        .baseline_name = "20 N/mm at the measured pose",
                        .bound = 0.05};
   const double seconds = setting.full() ? 6.0 : 3.0;
-  double lean_N = 0.0;
+  double lean_N = 0.0;  // force of the guidance at the end
+  // leads the tool aside within a second and holds it; returns the force between 5 and 40 Hz in the last
+  // second
   const auto run = [&](const GuidanceBenchParams& params, FailureSeries& series) {
     GuidanceBench bench(params);
     std::vector<Vector3> hand_N;
     for (int i = 0; i < Ticks(seconds); ++i) {
-      const double aside_m = 30e-3 * std::min(1.0, kT * i / 1.0);
+      const double aside_m = 30e-3 * std::min(1.0, kTick_s * i / 1.0);
       const GuidanceTick tick = bench.Step({.p_W = {aside_m, 0.0, 0.0}});
       hand_N.push_back(tick.hand_W);
       lean_N = tick.F_guidance_T_W.f.norm();
       if (i % 4 == 0) {
-        series.x.push_back(kT * i);
+        series.x.push_back(kTick_s * i);
         series.y.push_back(tick.hand_N);
       }
     }
     const std::size_t last = hand_N.size() - static_cast<std::size_t>(Ticks(1.0));
-    return RmsInBand(hand_N, last, hand_N.size() - last, 5.0, 40.0, kT);
+    return RmsInBand(hand_N, last, hand_N.size() - last, 5.0, 40.0, kTick_s);
   };
   GuidanceBenchParams stiff{.method = GuidanceMethod::kMeasuredPose};
   stiff.guidance.lateral.stiffness = 20e3;
@@ -182,13 +187,14 @@ FailureResult RunLetGoAside(const FailureSetting& setting) {
                        .unit = "mm/s",
                        .baseline_name = "springs that do not fade on the way back",
                        .bound = 60.0};
-  bool is_inside = false;
+  bool is_inside = false;  // the tool is back in the corridor at the end
+  // leads the tool aside and lets go; returns the largest speed of the tool in the 2 s after that [mm/s]
   const auto run = [&](const GuidanceBenchParams& params, FailureSeries& series) {
     GuidanceBench bench(params);
     double max_mm_per_s = 0.0, aside_m = 0.0;
     int released = -1;
     for (int i = 0; i < Ticks(8.0) && (released < 0 || i < released + Ticks(2.0)); ++i) {
-      if (released < 0) aside_m += 0.04 * kT;  // until the guidance has 17 mm of excess
+      if (released < 0) aside_m += 0.04 * kTick_s;  // until the guidance has 17 mm of excess
       const GuidanceTick tick =
           bench.Step({.p_W = {aside_m, 0.0, 0.0}, .push_W = {0.0, 0.0, 0.0}, .holds = released < 0});
       if (released < 0 && tick.excess_m >= 17e-3) released = i;
@@ -196,7 +202,7 @@ FailureResult RunLetGoAside(const FailureSetting& setting) {
       max_mm_per_s = std::max(max_mm_per_s, 1e3 * tick.speed_m_per_s);
       is_inside = tick.excess_m <= 0.0;
       if ((i - released) % 4 == 0) {
-        series.x.push_back(kT * (i - released));
+        series.x.push_back(kTick_s * (i - released));
         series.y.push_back(1e3 * tick.speed_m_per_s);
       }
     }

@@ -12,9 +12,9 @@ namespace osteon::studies {
 /// Bound: 0.
 [[nodiscard]] FailureResult RunGuidedCycles(const FailureSetting& setting);
 
-/// Scenario 28, switched on outside: the guidance is switched on while the tool is 10 mm aside; the hand then
-/// lets it go, and it drifts back in. Metric: largest growth of the guidance's force within a tick. Baseline:
-/// full share at once. Bound: 1 N, and no energy given.
+/// Scenario 28, switched on outside: the guidance is switched on while the tool is 10 mm aside; the hand
+/// holds it there for a second, leads it back to the axis, and out again. Metric: largest growth of the
+/// guidance's force within a tick. Baseline: full share at once. Bound: 1 N, and no energy given.
 [[nodiscard]] FailureResult RunSwitchedOnOutside(const FailureSetting& setting);
 
 /// Scenario 29, guidance at the ceiling: cycles in which the bone takes the cell's whole force while the tool

@@ -23,12 +23,13 @@ using simulation::Ball;
 
 constexpr CupDefinition kDefinitions[] = {CupDefinition::kRadiographic, CupDefinition::kOperative,
                                           CupDefinition::kAnatomic};
-constexpr double kRadius_m = 0.025;
+constexpr double kRadius_m = 0.025;  // of the cap's sphere, and of the reamer
 
 double AngleBetween_deg(const Vector3& a, const Vector3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
 }
 
+// The same result with its verdict: the baseline is beyond the bound, ours within.
 FailureResult Judged(FailureResult result) {
   result.baseline_fails = result.baseline > result.bound;
   result.ours_passes = result.ours <= result.bound;
@@ -54,19 +55,22 @@ Sphere AlgebraicFit(const std::vector<Vector3>& points_m) {
   return {x.head<3>(), std::sqrt(x(3) + x.head<3>().squaredNorm())};
 }
 
+// Balls of radius 0 at the points.
 std::vector<Ball> AsBalls(const std::vector<Vector3>& points_m) {
   std::vector<Ball> balls;
   for (const Vector3& p_m : points_m) balls.push_back({.center_m = p_m, .radius_m = 0.0});
   return balls;
 }
 
+// Our fit, of procedure/assessment. @param near_m  where the sphere's centre is expected
 Sphere GeometricFit(const std::vector<Ball>& balls, const Vector3& near_m) {
   const auto fit = procedure::FitSphere(balls, Vector3::UnitZ(), near_m, kRadius_m);
   if (!fit) throw std::runtime_error(fit.error());
   return {fit->centre_m, fit->radius_m};
 }
 
-// Points on a cap below the origin, with noise along the radius.
+// Points on a cap of the sphere of kRadius_m about the origin, up to cap_rad from -z, with noise along the
+// radius.
 std::vector<Vector3> NoisyCap(double cap_rad, int count, double noise_m, std::mt19937_64& random) {
   std::uniform_real_distribution<double> height(std::cos(cap_rad), 1.0), turn(0.0, 2.0 * M_PI);
   std::normal_distribution<double> noise(0.0, noise_m);

@@ -12,8 +12,8 @@ constexpr double kPeriod_s = 1e-3;
 
 }  // namespace
 
-// The baseline keeps the apex where it is: with a reamer of 2 mm more, the flange must go back by 1 mm at
-// once.
+// The baseline keeps the apex where it is: with a reamer whose diameter is 2 mm larger, the flange must go
+// back by 1 mm at once.
 FailureResult RunToolChange(const FailureSetting& setting) {
   FailureResult result{.id = 32,
                        .name = "tool change",

@@ -11,9 +11,10 @@
 namespace osteon::studies {
 namespace {
 
-// A cavity of a small reamer in a block, and a larger one at the same centre. Scaled by 1 : 5.5.
+// Radii of a small reamer that has cut a cavity in a block, and of a larger one at the same centre; about 1
+// : 5.5 of real reamers.
 constexpr double kSmall_m = 4.0e-3, kLarge_m = 4.6e-3, kStiffness_N_per_m = 20e3;
-constexpr int kFrames = 200;
+constexpr int kFrames = 200;  // of the small reamer's cut
 
 }  // namespace
 

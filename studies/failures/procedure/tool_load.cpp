@@ -9,9 +9,11 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kHandle_kg = 0.876, kHeavier_kg = 0.0134;  // reamers of 44 and 50 mm
-constexpr int kEvery = 20;                                  // ticks between two points of the picture
+// Mass on the sensor with a reamer of 44 mm, and what a reamer of 50 mm weighs more.
+constexpr double kHandle_kg = 0.876, kHeavier_kg = 0.0134;
+constexpr int kEvery = 20;  // ticks between two points of the picture
 
+// The speed of the apex after the resume, as a line of the picture.
 FailureSeries Drawn(const char* name, const ChangeRide& ride, bool ours) {
   FailureSeries series{.name = name, .ours = ours};
   for (std::size_t i = 0; i < ride.speed_mm_per_s.size(); i += kEvery) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kRadius_m = 4e-3;
 
-// Pass `number` 0 or 1: down, sideways, and out again; beside each other.
+// Cuts one pass: down, sideways, and out again. Passes of different numbers lie 2 mm apart, side by side.
 void Ream(simulation::CuttingEngine& engine, int number, int frames) {
   for (int i = 0; i <= frames; ++i) {
     const double share = static_cast<double>(i) / frames;
@@ -22,6 +22,7 @@ void Ream(simulation::CuttingEngine& engine, int number, int frames) {
   }
 }
 
+// Sets the engine's bone to a saved state, with the tool out of contact.
 void Continue(simulation::CuttingEngine& engine, const simulation::CarvedState& state) {
   engine.Restore(simulation::WithoutContact(state));
 }
@@ -54,8 +55,8 @@ FailureResult RunUndo(const FailureSetting& setting) {
   const std::uint64_t hash = HashState(plain->Snapshot());
   bool complete = setting.GoesOn(0.3);
 
-  // after a wrong second pass, which is taken back or not, the right one
-  const auto ways = [&](bool restores) {
+  // number of the two other sequences that leave another bone; `restores`: a pass is really taken back
+  const auto count_different = [&](bool restores) {
     int different = 0;
     const auto undone = make();
     Ream(*undone, 0, frames);
@@ -71,9 +72,9 @@ FailureResult RunUndo(const FailureSetting& setting) {
     different += HashState(resumed->Snapshot()) == hash ? 0 : 1;
     return different;
   };
-  result.baseline = ways(false);
+  result.baseline = count_different(false);
   complete = setting.GoesOn(0.7) && complete;
-  result.ours = ways(true);
+  result.ours = count_different(true);
   result.baseline_fails = result.baseline > 0.0;
   result.ours_passes = result.ours <= result.bound && complete;
   result.note =
