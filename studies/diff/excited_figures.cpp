@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -130,6 +131,9 @@ const LineDifference& ResponseDifference::worst() const {
   });
 }
 
+// Two lines are at the same frequency if theirs differ by at most this share.
+constexpr double kSameFrequency = 1e-6;
+
 std::vector<ResponseDifference> CompareResponses(const ExcitedFigures& first, const ExcitedFigures& second,
                                                  double within, std::vector<std::string>& only) {
   std::vector<ResponseDifference> differences;
@@ -139,10 +143,13 @@ std::vector<ResponseDifference> CompareResponses(const ExcitedFigures& first, co
       only.push_back(fmt::format("only the first run has a response by {}", a.by));
       continue;
     }
-    ResponseDifference& difference = differences.emplace_back();
-    difference.by = a.by;
-    for (std::size_t i = 0; i < std::min(a.lines.size(), b->lines.size()); ++i) {
-      const RecordedResponse::Line &line_a = a.lines[i], &line_b = b->lines[i];
+    ResponseDifference difference{.by = a.by, .lines = {}};
+    for (const RecordedResponse::Line& line_a : a.lines) {
+      const auto line = std::ranges::find_if(b->lines, [&](const RecordedResponse::Line& line_b) {
+        return std::abs(line_b.hz - line_a.hz) <= kSameFrequency * line_a.hz;
+      });
+      if (line == b->lines.end()) continue;
+      const RecordedResponse::Line& line_b = *line;
       const double size = std::max(std::abs(line_a.value), std::abs(line_b.value));
       difference.lines.push_back(
           {.first = line_a,
@@ -151,6 +158,13 @@ std::vector<ResponseDifference> CompareResponses(const ExcitedFigures& first, co
            .accepted =
                std::max(within * size, kDeviations * std::sqrt(2.0) * std::hypot(line_a.sd, line_b.sd))});
     }
+    const std::size_t paired = difference.lines.size();
+    if (paired < a.lines.size() || paired < b->lines.size())
+      only.push_back(
+          fmt::format("response by {}: {} lines of the first run and {} of the second are at frequencies "
+                      "that the other has not",
+                      a.by, a.lines.size() - paired, b->lines.size() - paired));
+    if (paired > 0) differences.push_back(std::move(difference));
   }
   for (const RecordedResponse& b : second.responses)
     if (std::ranges::find(first.responses, b.by, &RecordedResponse::by) == first.responses.end())

@@ -56,9 +56,10 @@ struct ResponseDifference {
   [[nodiscard]] const LineDifference& worst() const;
 };
 
-/// Compares responses line by line. Two lines count as the same if they differ by at most the share `within`
-/// of their size, or two standard deviations of the difference.
-/// @param only  receives a text for each response that only one of the runs has
+/// Compares responses line by line, each line with that of the same frequency. Two lines count as the same if
+/// they differ by at most the share `within` of their size, or two standard deviations of the difference.
+/// @param only  receives a text for each response that only one of the runs has, and for each response with
+///   lines at frequencies that only one of them has
 [[nodiscard]] std::vector<ResponseDifference> CompareResponses(const ExcitedFigures& first,
                                                                const ExcitedFigures& second, double within,
                                                                std::vector<std::string>& only);

@@ -89,6 +89,33 @@ TEST(ExcitedDifference, DetectsASlowerArmAndAnotherExcitation) {
   EXPECT_FALSE(FigureNamed(speeds, "bandwidth_hz").differs()) << "the arm is the same";
 }
 
+// A line is compared with the one of its own frequency, wherever that stands, and a line that only one run
+// has is told, not compared with its neighbour.
+TEST(ExcitedDifference, ComparesLinesOfTheSameFrequency) {
+  const auto with_lines = [](std::vector<double> frequencies_hz) {
+    ExcitedFigures excited;
+    RecordedResponse& response = excited.responses.emplace_back();
+    response.by = "encoders";
+    for (const double hz : frequencies_hz)
+      response.lines.push_back({.hz = hz, .value = {1.0 / hz, 0.0}, .sd = 1e-6});
+    return excited;
+  };
+  std::vector<std::string> only;
+  const auto shifted = CompareResponses(with_lines({1.0, 2.0, 4.0}), with_lines({2.0, 4.0}), 0.01, only);
+  ASSERT_EQ(shifted.size(), 1u);
+  ASSERT_EQ(shifted[0].lines.size(), 2u);
+  EXPECT_EQ(shifted[0].lines[0].second.hz, 2.0);
+  EXPECT_EQ(shifted[0].differing(), 0u);
+  ASSERT_EQ(only.size(), 1u);
+  EXPECT_EQ(
+      only[0],
+      "response by encoders: 1 lines of the first run and 0 of the second are at frequencies that the other "
+      "has not");
+  only.clear();
+  EXPECT_TRUE(CompareResponses(with_lines({1.0}), with_lines({3.0}), 0.01, only).empty());
+  EXPECT_EQ(only.size(), 1u);
+}
+
 TEST(ExcitedDifference, RefusesToCompareRunsOfDifferentKinds) {
   const session::CellSetup setup = PrepareDemoCell();
   ExcitationRequest rest = FreeRequest(0.05), joint = FreeRequest(0.15);
