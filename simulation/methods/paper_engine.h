@@ -45,9 +45,10 @@ class PaperEngine final : public BallMethod {
 
  private:
   struct FirstTouch {
-    double fraction;
+    double fraction;  ///< of the path
     std::size_t tool_ball;
   };
+  /// @param tolerance_m  overlap that does not count as contact
   [[nodiscard]] std::optional<FirstTouch> FindTouch(const ToolPoints& from, const ToolPoints& to,
                                                     double tolerance_m) const;
   [[nodiscard]] std::optional<FirstTouch> FindPrintedTouch(const ToolPoints& from,
@@ -56,7 +57,10 @@ class PaperEngine final : public BallMethod {
   [[nodiscard]] Vector3 PrintedNormal(const ToolPoints& at, std::size_t contact_ball) const;
   MethodFrame SolvePrinted(const Pose& X_GP, const Pose& X_GT, const FrameInput& input);
   MethodFrame SolveCorrected(const Pose& X_GP, const Pose& X_GT, const FrameInput& input);
+  /// Removes what the contact sphere removes on its path from a to b.
   void PrintedRemoval(const Vector3& a, const Vector3& b, double radius_m, MethodFrame& frame);
+  /// Removes what the contact ball sweeps from a to b; every cutting ball where `contact_ball` is the number
+  /// of tool balls.
   void Cut(const ToolPoints& a, const ToolPoints& b, std::size_t contact_ball, MethodFrame& frame);
 
   bool printed_;

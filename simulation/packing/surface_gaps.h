@@ -28,8 +28,9 @@ class SurfaceGaps {
  private:
   struct Node {
     Eigen::AlignedBox3f box;  ///< relative to origin_m_
-    float max_m{-1.0f};
+    float max_m{-1.0f};       ///< largest gap of its samples; negative without samples
   };
+  /// Reduces the gaps below a node by a ball. @param center  of the ball, relative to origin_m_
   void Visit(std::size_t node, const Ball& ball, const Eigen::Vector3f& center);
 
   static constexpr std::size_t kLeafSamples = 8;

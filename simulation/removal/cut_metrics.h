@@ -53,6 +53,7 @@ class ReamedDepth {
   [[nodiscard]] double depth_m() const;
 
  private:
+  /// True where enough bone was removed in the current step.
   [[nodiscard]] bool Cuts() const;
 
   ApexDepth apex_;
@@ -60,7 +61,7 @@ class ReamedDepth {
   double min_area_m2_;
   double reamed_m_{0.0}, deepest_m_{0.0}, removed_m3_{0.0};
   double from_m_{0.0}, from_m3_{0.0};  // depth and removed volume at the step's beginning
-  bool touched_{false}, cuts_{false};
+  bool touched_{false}, cuts_{false};  // the tool has touched the bone; the last whole step counted
 };
 
 /// Volume of the solid that the tool's cutting balls sweep along a path of proxy poses: the solid's cells of
