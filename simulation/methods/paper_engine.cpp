@@ -155,7 +155,7 @@ Vector3 PaperEngine::PrintedNormal(const ToolPoints& at, std::size_t contact_bal
     bone_.ForEachBallNear(at[t], at[t], r_t, [&](std::uint32_t, const BallBone::LiveBall& ball) {
       const Vector3 out = at[t] - ball.center_m;
       const double d = out.norm();
-      if (d > 0.0)
+      if (d > 0.0)  // the printed equation takes millimetres
         n += printed::LensVolume(1e3 * r_t, 1e3 * ball.radius_m, 1e3 * d) * ball.density_kg_per_m3 / d * out;
     });
   }

@@ -56,6 +56,7 @@ BallForest::BallForest(std::span<const Ball> balls) {
 
 BallForest::Tree BallForest::MakeTree(std::vector<Ball> balls) {
   Tree tree{.balls = std::move(balls), .levels = {}};
+  // a node whose box holds nothing yet
   const auto empty = [] {
     return Node{.low_m = {kInfinity, kInfinity, kInfinity},
                 .high_m = {-kInfinity, -kInfinity, -kInfinity},
@@ -71,6 +72,7 @@ BallForest::Tree BallForest::MakeTree(std::vector<Ball> balls) {
     }
     leaf.radius_m = std::max(leaf.radius_m, tree.balls[i].radius_m);
   }
+  // build each level from the one below, up to a single root
   while (tree.levels.back().size() > 1) {
     const std::vector<Node>& below = tree.levels.back();
     std::vector<Node> level((below.size() + kArity - 1) / kArity, empty());
@@ -89,6 +91,7 @@ BallForest::Tree BallForest::MakeTree(std::vector<Ball> balls) {
 
 template <typename Limit, typename Visit>
 bool BallForest::Search(const Tree& tree, const Vector3& p_m, const Limit& limit, const Visit& visit) {
+  // a node still to be visited, and its squared distance from p
   struct Open {
     double squared;
     std::size_t level, index;

@@ -42,6 +42,7 @@ void BallGrid::Grow(Octave& octave) {
 }
 
 void BallGrid::Insert(const Ball& ball) {
+  // find the octave of the radius, or add it
   int exponent = 0;
   std::frexp(ball.radius_m, &exponent);
   auto octave = std::find_if(octaves_.begin(), octaves_.end(),

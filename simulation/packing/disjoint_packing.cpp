@@ -33,6 +33,7 @@ class Packer {
       : solid_(solid),
         params_(params),
         cap_{.zone = zone, .radius_m = params.max_radius_m, .grade = params.grade},
+        // a coarse grid of depths is enough for few balls
         depths_(solid, params.count > 0 && params.count < 20'000 ? 64 : 128, params.threads),
         balls_(solid.Bounds().center()),
         min_m_(params.min_radius_m),
@@ -44,6 +45,7 @@ class Packer {
       found.push_back(search.From(starts[i], depths_.spacing_m(), min_m_));
     });
     while (!Full()) {
+      // holes of the current size were dropped, or none are left: search the solid for them
       if (limit_m_ < dropped_m_ || holes_.empty()) {
         if (!SearchEverywhere() && holes_.empty()) break;
       }

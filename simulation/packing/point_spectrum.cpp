@@ -126,7 +126,7 @@ RadialSpectrum ComputeRadialSpectrum(std::span<const Vector3> points_m,
 }
 
 std::vector<Eigen::AlignedBox3d> UniformWindows(const Solid& solid, const CutZone& zone,
-                                                const MassPointParams& params, std::size_t most) {
+                                                const MassPointParams& params, std::size_t max_windows) {
   constexpr double kMinWidth = 5.0;  // in spacings
   struct Room {
     Vector3 center;
@@ -150,7 +150,7 @@ std::vector<Eigen::AlignedBox3d> UniformWindows(const Solid& solid, const CutZon
                    [](const Room& a, const Room& b) { return a.width > b.width; });
   std::vector<Eigen::AlignedBox3d> windows;
   for (const Room& room : rooms) {
-    if (windows.size() >= most) break;
+    if (windows.size() >= max_windows) break;
     const Eigen::AlignedBox3d box(room.center - Vector3::Constant(room.half_m),
                                   room.center + Vector3::Constant(room.half_m));
     if (std::none_of(windows.begin(), windows.end(),

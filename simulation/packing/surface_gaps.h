@@ -41,8 +41,8 @@ class SurfaceGaps {
   std::vector<float> gap_m_;
 };
 
-/// Adds tangent balls one by one, each where the gap is then largest for its tolerance, and returns them in
-/// this order. The first n of them cover the surface nearly as well as n balls can.
+/// Adds tangent balls one by one, each at the sample whose gap is then largest relative to its tolerance, and
+/// returns them in this order. The first n of them cover the surface nearly as well as n balls can.
 ///
 /// The measure is gap / tolerance · √r: a ball closes a gap g over an area of about 2πgr, so of two equal
 /// gaps the one with the larger ball comes first. Sharp edges, which balls cannot fill, then do not use up

@@ -67,7 +67,7 @@ class ReamedDepth {
 /// Volume of the solid that the tool's cutting balls sweep along a path of proxy poses: the solid's cells of
 /// a regular grid whose centre lies within a ball's radius of the path of the ball's centre. Independent of
 /// balls and mass points.
-/// @param cell_m  edge of a cell; the error falls with the cell's size over the cut's
+/// @param cell_m  edge of a cell; the error falls with the cell's size relative to the cut's
 /// @param threads  0: one per core. The volume does not depend on them
 [[nodiscard]] double SweptVolume(const Solid& solid, const Tool& tool, std::span<const Pose> X_GP,
                                  double cell_m, int threads = 0);
