@@ -24,8 +24,8 @@ struct EngagedItem {
 /// Result of one frame of a method, in G.
 struct MethodFrame {
   Pose X_GP{Pose::Identity()};  ///< the proxy after the frame
-  double contact_fraction{
-      1.0};  ///< of the path before the first contact; methods without a path: 0 in contact
+  /// Share of the path up to the first contact; 1 without contact. Methods without a path: 0 in contact.
+  double contact_fraction{1.0};
   bool touches{false};
   bool touch_cuts{false};              ///< a cutting ball touches
   Vector3 n{Vector3::Zero()};          ///< unit, from bone to tool; zero where free

@@ -105,7 +105,8 @@ MethodFrame PaperEngine::SolveCorrected(const Pose& X_GP, const Pose& X_GT, cons
     slide = std::min(slide, stop->fraction);
   const ToolPoints slid = InterpolatePoints(contact, target, slide);
 
-  // removal: from the contact along the slide, then on into the bone by the law's advance
+  // removal: kImmediate up to the device's pose; kRate along the slide, then into the bone by the law's
+  // advance
   if (cutting && frame.touch_cuts) MeasureEngagement(contact, X_GT.linear().col(2), frame);
   Advance(input, slide * longest_path_m, frame);
   if (cutting) {

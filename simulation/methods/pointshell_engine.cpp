@@ -133,13 +133,14 @@ MethodFrame PointshellEngine::Solve(const Pose& X_GP, const Pose& X_GT, const Fr
     const Matrix3 stiffness = std::max(k, 0.01 * K) * Matrix3::Identity() + penalty.stiffness_N_per_m;
     const Vector3 step = stiffness.ldlt().solve(pull_N + penalty.force_N);
     X.translation() += step;
-    if (step.norm() < 1e-8) break;  // metres: converged
+    if (step.norm() < 1e-8) break;  // converged to 10 nm
   }
   penalty = PenaltyAt(X);
   frame.X_GP = X;
 
   const bool cutting = input.spindle_rad_per_s != 0.0;
   ToolPoints proxy = PlaceTool(tool_, X);
+  // render the force of the coupling between the hand and the proxy
   const Vector3 proxy_offset = X.translation() - X_GT.translation();
   if (penalty.points > 0 && proxy_offset.norm() > 0.0) {
     frame.contact_fraction = 0.0;

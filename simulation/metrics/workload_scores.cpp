@@ -13,7 +13,7 @@ WorkloadScores ScoreWorkload(const CutWorkload& workload, const WorkloadRun& run
                              const CarvedShape& after, std::size_t surface_cells) {
   if (!run.complete)
     throw std::invalid_argument("workload: found a run that was ended early, accepted a complete one");
-  constexpr double kProbe_m = 1e-3;
+  constexpr double kProbe_m = 1e-3;  // radius of the ball that probes the cut
   const SweptTool swept(workload.tool, workload.CutPath());
   const CutAccuracy cut = MeasureCut(*workload.solid, before, after, swept,
                                      {.probe_radii_m = {kProbe_m},

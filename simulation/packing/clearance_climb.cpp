@@ -79,7 +79,7 @@ Ball ClearanceClimb::Climb(const Vector3& p_m, double scale_m, double min_m) {
     if (clearance >= cap_.At(p)) return Settle(p, clearance);
     const auto [step, predicted_clearance] = WalkRidges(bounds_, max_step_m);
     const double gain = predicted_clearance - clearance;
-    if (!(gain > 1e-7 * std::abs(clearance))) break;
+    if (!(gain > 1e-7 * std::abs(clearance))) break;  // nothing left to gain
     last_bounds_ = bounds_;
     // true where the walk ended at an optimum, not at its length limit
     const bool ends_inside = step.norm() < 0.99 * max_step_m;

@@ -177,6 +177,7 @@ class Packer {
     std::array<std::size_t, 3> count{};
     for (int axis = 0; axis < 3; ++axis) count[axis] = static_cast<std::size_t>(box.sizes()[axis] / side) + 1;
     const std::size_t cubes = count[0] * count[1] * count[2];
+    // begin with holes of nearly the current size; while none is found, look for smaller ones
     while (true) {
       min_m_ = std::max(params_.min_radius_m, 0.7 * limit_m_);
       dropped_m_ = min_m_ > params_.min_radius_m ? min_m_ : 0.0;

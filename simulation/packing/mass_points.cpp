@@ -339,6 +339,7 @@ class Builder {
       const Cell& cell = b_.cells_[index];
       plane_ = b_.planes_[index];
       thickness_m_ = kSlab * cell.side_m;
+      // the slabs that the depths within the cell span
       const double half = 0.5 * cell.side_m * plane_.gradient.lpNorm<1>();
       const double middle = plane_.At(cell.center());
       first_slab_ = Slab(middle - half);

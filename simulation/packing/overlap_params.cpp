@@ -92,6 +92,7 @@ PackingParams OverlapParamsFor(const Solid& solid, const CutZone& zone, const Ov
   if (options.count > 0) {
     const auto count = static_cast<double>(options.count);
     const double widest = params.cup_radius_cap_m / 0.6;  // just short of holes; BuildPacking may accept them
+    // spacing at which the lattice takes its share of the count
     const double fitting = std::cbrt(2.0 * demand.lattice_volume_m3 / (kLatticeShare * count));
     params.lattice.finest_m = std::clamp(fitting, params.lattice.finest_m, widest);
     params.samples.finest_m = std::sqrt(demand.sampled_area_m2 / (SamplesPerBall(options.count) * count));

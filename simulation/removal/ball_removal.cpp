@@ -95,6 +95,7 @@ void BallRemoval::Save(const std::vector<BallState>& balls, CarvedState& state) 
     state.split_balls.push_back(i);
     state.split_slots.resize(state.split_slots.size() + 4 * slots);
     const std::span<float> block = std::span(state.split_slots).last(4 * slots);
+    // split_cuts: 0 for a block of children, 1 + number of capsules for a ball that waits for its children
     if (waiting != waiting_.end() && waiting->parent == i) {
       state.split_cuts.push_back(static_cast<std::uint32_t>(1 + waiting->cuts.size()));
       splitter_->Save(*waiting++, block);

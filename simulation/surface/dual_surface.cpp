@@ -126,6 +126,7 @@ class Extractor {
     const CellCase cell_case = CaseOf(inside, at);
     Cell& cell = cells_[static_cast<std::size_t>(number)];
     cell.patch = cell_case.patch;
+    // for each patch, the mean of the points where its edges are cut
     std::array<Vec3, kMaxPatches> sum{};
     std::array<int, kMaxPatches> count{};
     std::array<unsigned, kMaxPatches> fields{};  // for each patch, a bit for each field that its edges cross

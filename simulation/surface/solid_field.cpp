@@ -45,7 +45,7 @@ struct SampledBrick {
 /// same limit: their distance differs by at most the way to them.
 void SampleRow(const BrickLayout& layout, const DistanceAt& distance, const std::array<int, 3>& first,
                std::int16_t* values) {
-  int known = 0;
+  int known = 0;  // number of next nodes that have the value of the node before
   for (int x = 0; x < kBrickEdge; ++x) {
     if (known > 0) {
       values[x] = values[x - 1];
