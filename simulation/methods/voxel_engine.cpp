@@ -29,10 +29,10 @@ VoxelEngine::March VoxelEngine::MarchTowards(const ToolPoints& from, const ToolP
   double longest_path_m = 0.0;
   bool something_near = false;
   for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
-    const double way = (to[t] - from[t]).norm();
-    longest_path_m = std::max(longest_path_m, way);
+    const double path_m = (to[t] - from[t]).norm();
+    longest_path_m = std::max(longest_path_m, path_m);
     something_near =
-        something_near || grid_.AnyBrickNear(0.5 * (from[t] + to[t]), tool_.balls[t].radius_m + 0.5 * way);
+        something_near || grid_.AnyBrickNear(0.5 * (from[t] + to[t]), tool_.balls[t].radius_m + 0.5 * path_m);
   }
   if (!something_near || longest_path_m <= 0.0) return march;
   const double step = kStep * grid_.voxel_m() / longest_path_m;

@@ -49,9 +49,9 @@ WorkloadScores Combined(const std::vector<WorkloadScores>& all) {
     return std::sqrt(squares / static_cast<double>(all.size()));
   };
   const auto maximum = [&](const auto& member) {
-    double most = 0.0;
-    for (const WorkloadScores& each : all) most = std::max(most, member(each));
-    return most;
+    double largest = 0.0;
+    for (const WorkloadScores& each : all) largest = std::max(largest, member(each));
+    return largest;
   };
   using W = WorkloadScores;
   sum.depth_error_m = root_mean_square([](const W& w) { return w.depth_error_m; });

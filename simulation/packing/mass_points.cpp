@@ -119,17 +119,18 @@ class Builder {
     std::array<double, 8> of_octant{};
     of_octant.fill(std::numeric_limits<double>::quiet_NaN());
     for (int i = 0; i < samples_; ++i) {
-      const Vector3 off = samples[i] - center;
-      if (off.norm() < std::abs(cell.signed_distance_m)) {
+      const Vector3 from_center = samples[i] - center;
+      if (from_center.norm() < std::abs(cell.signed_distance_m)) {
         inside[i] = cell.signed_distance_m < 0.0;
         continue;
       }
-      const int octant = (off.x() > 0.0) | (off.y() > 0.0) << 1 | (off.z() > 0.0) << 2;
+      const int octant =
+          (from_center.x() > 0.0) | (from_center.y() > 0.0) << 1 | (from_center.z() > 0.0) << 2;
       const Vector3 to_octant =
           0.25 * cell.side_m * Vector3(octant & 1 ? 1 : -1, octant & 2 ? 1 : -1, octant & 4 ? 1 : -1);
       double& distance = of_octant[octant];
       if (std::isnan(distance)) distance = solid_.SignedDistance(center + to_octant);
-      const bool known = (off - to_octant).norm() < std::abs(distance);
+      const bool known = (from_center - to_octant).norm() < std::abs(distance);
       inside[i] = (known ? distance : solid_.SignedDistance(samples[i])) < 0.0;
     }
   }
@@ -411,13 +412,13 @@ class Builder {
     /// The accepted site of least distance; kNone where none is accepted.
     template <typename Distance, typename Accept>
     static std::uint32_t Nearest(std::span<const Near> of, const Distance& distance, const Accept& accept) {
-      double least = std::numeric_limits<double>::infinity();
+      double min_distance = std::numeric_limits<double>::infinity();
       std::uint32_t site = kNone;
       for (const Near& near : of) {
         if (!accept(near)) continue;
         const double d = distance(near);
-        if (d >= least) continue;
-        least = d;
+        if (d >= min_distance) continue;
+        min_distance = d;
         site = near.site;
       }
       return site;

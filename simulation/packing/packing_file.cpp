@@ -19,7 +19,7 @@ using namespace packing_layout;
 
 namespace {
 
-/// What a section of one kind may hold.
+/// Limits of a section of one kind.
 struct KindInfo {
   std::uint32_t kind;
   const char* name;

@@ -18,10 +18,10 @@ namespace {
 constexpr std::uint64_t kVolumeSalt = 21, kSurfaceSalt = 22;
 
 void Check(std::span<const Ball> balls, const QualityParams& params) {
-  const auto check = [](const char* name, std::size_t value, std::size_t most) {
-    if (value < 1000 || value > most)
+  const auto check = [](const char* name, std::size_t value, std::size_t max_value) {
+    if (value < 1000 || value > max_value)
       throw std::invalid_argument(
-          fmt::format("packing quality: {}: found {}, accepted 1000 … {}", name, value, most));
+          fmt::format("packing quality: {}: found {}, accepted 1000 … {}", name, value, max_value));
   };
   check("samples", params.samples, 100'000'000);
   check("surface samples", params.surface_samples, 10'000'000);
