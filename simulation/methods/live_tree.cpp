@@ -10,12 +10,13 @@ namespace osteon::simulation {
 LiveTree::LiveTree(std::span<const Ball> items)
     : order_(items.size()), place_(items.size()), left_(items.size(), true) {
   if (items.empty()) return;
-  Eigen::AlignedBox3d all;
-  for (const Ball& item : items) all.extend(Vector3(item.center_m));
+  Eigen::AlignedBox3d bounds;
+  for (const Ball& item : items) bounds.extend(Vector3(item.center_m));
   std::iota(order_.begin(), order_.end(), 0u);
-  SortAlongMortonCurve(order_, all, [&](std::uint32_t item) { return Vector3(items[item].center_m); });
+  SortAlongMortonCurve(order_, bounds, [&](std::uint32_t item) { return Vector3(items[item].center_m); });
   for (std::size_t i = 0; i < order_.size(); ++i) place_[order_[i]] = static_cast<std::uint32_t>(i);
 
+  // number of nodes above `count` items or nodes
   const auto groups = [](std::size_t count) { return (count + kChildren - 1) / kChildren; };
   levels_.emplace_back(groups(items.size()));
   for (std::size_t i = 0; i < order_.size(); ++i) {
@@ -26,6 +27,7 @@ LiveTree::LiveTree(std::span<const Ball> items)
     leaf.box.extend(Vector3(item.center_m) + reach);
     ++leaf.left;
   }
+  // build each level from the one below, up to a single root
   while (levels_.back().size() > 1) {
     const std::vector<Node>& below = levels_.back();
     std::vector<Node> level(groups(below.size()));

@@ -20,8 +20,9 @@ class LiveTree {
  public:
   explicit LiveTree(std::span<const Ball> items);
 
+  /// Takes an item out of all later searches; an item that is gone already changes nothing.
   void Remove(std::uint32_t item);
-  /// Sets which items remain. @param left  by item
+  /// Sets which items remain. @param left  by item: true where it remains
   void Restore(const std::vector<bool>& left);
   [[nodiscard]] std::size_t size() const { return order_.size(); }
 
@@ -39,15 +40,17 @@ class LiveTree {
 
   struct Node {
     Eigen::AlignedBox3d box;
-    std::uint32_t left{0};
+    std::uint32_t left{0};  ///< number of remaining items below the node
   };
 
+  /// ForEachNear below one node. @param level, index  of the node in levels_
   template <typename Visit>
   void Descend(int level, std::size_t index, const Vector3& p_m, double reach_m, double hollow_m,
                const Visit& visit) const {
     const Node& node = levels_[static_cast<std::size_t>(level)][index];
     if (node.left == 0 || !(node.box.squaredExteriorDistance(p_m) < reach_m * reach_m)) return;
     if (hollow_m > 0.0) {
+      // skip the node where even the farthest corner of its box lies in the hollow
       const Vector3 far = (p_m - node.box.min()).cwiseAbs().cwiseMax((p_m - node.box.max()).cwiseAbs());
       if (far.squaredNorm() < hollow_m * hollow_m) return;
     }
@@ -64,7 +67,7 @@ class LiveTree {
 
   std::vector<std::uint32_t> order_;       ///< items along the curve
   std::vector<std::uint32_t> place_;       ///< position of an item in order_
-  std::vector<bool> left_;                 ///< by item
+  std::vector<bool> left_;                 ///< by item: true where it remains
   std::vector<std::vector<Node>> levels_;  ///< leaves first, the root's level last
 };
 

@@ -15,10 +15,10 @@
 // is compared too.
 //
 //     kPaperPrinted    paper_engine.h       Kaluschke et al. 2019, equations 1 to 5 as they are printed
-//     kPaperCorrected  paper_engine.h       the same structure, with the equations made right
+//     kPaperCorrected  paper_engine.h       the same structure, with corrected equations
 //     kPointshell      pointshell_engine.h  voxmap and pointshell, penalty, quasi-static coupling (VPS)
 //     kVoxelProxy      voxel_engine.h       finger-proxy in a voxel volume (CHAI3D)
-//     kStamps          stamps_engine.h      our packing, at discrete poses alone
+//     kStamps          stamps_engine.h      this project's packing of balls, tested at one pose per frame
 
 namespace osteon::simulation {
 
@@ -40,9 +40,10 @@ struct MethodParams {
 
 /// A cutting engine whose remaining bone can be measured.
 ///
-/// As with every engine, Step never throws and refuses what IsUsable refuses; equal inputs give equal bits.
-/// Removed volume and mass come from the method's own books: mass points where it has balls, otherwise
-/// voxels. A snapshot of a voxel method has no balls, and `cleared` refers to its voxels.
+/// As with every engine, Step never throws, reports an input that is not IsUsable as kBadInput, and gives
+/// equal bits for equal inputs. A method counts removed volume and mass by its mass points where it has
+/// balls, otherwise by its voxels. A snapshot of a voxel method has no balls, and `cleared` refers to its
+/// voxels.
 class MethodEngine : public CuttingEngine {
  public:
   /// The remaining bone as this method represents it. A copy that does not change while the engine goes on.

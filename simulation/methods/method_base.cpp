@@ -33,7 +33,7 @@ ContactModel MethodBase::Step(const FrameInput& input) {
   if (!memory_.has_proxy) memory_.X_GP = X_GT;
   const MethodFrame frame = Solve(memory_.X_GP, X_GT, input);
 
-  // keep the proxy, and book the removed volumes
+  // keep the proxy, and add up the removed volumes
   memory_.X_GP = frame.X_GP;
   memory_.has_proxy = true;
   ++memory_.frame;
@@ -90,20 +90,22 @@ void MethodBase::Restore(const CarvedState& state) {
   memory_ = ToMemory(state);
 }
 
-// Measures as the reference engine does: volume within a layer of the nearest cutting ball's surface, over
-// the layer's depth.
+// Measures as the reference engine does: volume within a layer of the nearest cutting ball's surface, divided
+// by the layer's depth.
 void MethodBase::AddEngaged(const EngagedItem& item, double layer_m, std::size_t found_by,
                             const ToolPoints& at, const Vector3& spindle_axis, MethodFrame& frame) const {
+  // an earlier ball has counted this item already
   for (std::size_t t = 0; t < found_by; ++t)
     if (tool_.balls[t].cutting && std::abs((item.p_m - at[t]).norm() - tool_.balls[t].radius_m) < layer_m)
       return;
-  double nearest = layer_m, projection = 0.0;
+  double nearest_gap_m = layer_m;
+  double projection = 0.0;  // cosine between the nearest ball's surface there and the contact's plane
   for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
     if (!tool_.balls[t].cutting) continue;
     const Vector3 out = item.p_m - at[t];
     const double distance = out.norm(), gap = distance - tool_.balls[t].radius_m;
-    if (std::abs(gap) >= layer_m || gap >= nearest) continue;
-    nearest = gap;
+    if (std::abs(gap) >= layer_m || gap >= nearest_gap_m) continue;
+    nearest_gap_m = gap;
     projection = distance > 0.0 ? std::max(0.0, -frame.n.dot(out) / distance) : 0.0;
   }
   const double area = item.volume_m3 / layer_m * projection;

@@ -23,8 +23,9 @@ struct EngagedItem {
 
 /// Result of one frame of a method, in G.
 struct MethodFrame {
-  Pose X_GP{Pose::Identity()};   ///< the proxy after the frame
-  double contact_fraction{1.0};  ///< first contact on the path; methods without a path: 0 in contact
+  Pose X_GP{Pose::Identity()};  ///< the proxy after the frame
+  /// Share of the path up to the first contact; 1 without contact. Methods without a path: 0 in contact.
+  double contact_fraction{1.0};
   bool touches{false};
   bool touch_cuts{false};              ///< a cutting ball touches
   Vector3 n{Vector3::Zero()};          ///< unit, from bone to tool; zero where free
@@ -33,12 +34,13 @@ struct MethodFrame {
   Vector3 force_N{Vector3::Zero()};    ///< on the tool
   Vector3 torque_Nm{Vector3::Zero()};  ///< about T's origin at the tool's pose
   Engagement engaged{};
-  double advance_m{0.0}, edge_work_J{0.0}, ploughing_work_J{0.0};
+  double advance_m{0.0};  ///< of the cutting surface into the bone, against n, during the frame
+  double edge_work_J{0.0}, ploughing_work_J{0.0};
   std::array<double, kMaxMaterials> removed_m3{};
 };
 
-/// The common part of all compared methods: checks of the input, books, the rate law, the contact model. At
-/// most one contact.
+/// The common part of all compared methods: checks the input, counts what is removed, applies the rate law,
+/// and fills the contact model with at most one contact.
 class MethodBase : public MethodEngine {
  public:
   ContactModel Step(const FrameInput& input) final;
@@ -54,7 +56,9 @@ class MethodBase : public MethodEngine {
 
   /// Computes one frame between the last proxy and the tool's pose; changes the bone.
   virtual MethodFrame Solve(const Pose& X_GP, const Pose& X_GT, const FrameInput& input) = 0;
+  /// Writes the remaining bone into the state.
   virtual void SaveBone(CarvedState& state) const = 0;
+  /// Sets the remaining bone from the state.
   /// @throws std::invalid_argument where the state belongs to another bone; nothing has changed then.
   virtual void LoadBone(const CarvedState& state) = 0;
 
@@ -65,6 +69,7 @@ class MethodBase : public MethodEngine {
   void AddEngaged(const EngagedItem& item, double layer_m, std::size_t found_by, const ToolPoints& at,
                   const Vector3& spindle_axis, MethodFrame& frame) const;
   /// Sets advance and edge work of a frame that cuts, by the law of `params` (ComputeAdvance).
+  /// @param slide_m  distance that the proxy slides along the surface in this frame
   void Advance(const FrameInput& input, double slide_m, MethodFrame& frame) const;
   /// Applies the spring force `stiffness * depth` along n at `point_m`, at most the force limit.
   void PushAlongNormal(const Vector3& origin_T, MethodFrame& frame) const;

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kStandOff_m = 1e-6;  ///< the printed proxy's distance from its contact
 
+// Pose with the given origin whose rotation is `share` of the way between two poses' rotations.
 Pose Turned(const Pose& from, const Pose& to, double share, const Vector3& origin) {
   Pose X = Pose::Identity();
   const Eigen::Quaterniond a(from.linear()), b(to.linear());
@@ -90,23 +91,24 @@ MethodFrame PaperEngine::SolveCorrected(const Pose& X_GP, const Pose& X_GT, cons
   frame.point_m = goal[c] - tool_.balls[c].radius_m * frame.n;
   PushAlongNormal(goal.back(), frame);
 
-  // slide along the plane: pass 1 again, towards the device's pose projected onto the plane
+  // slide along the plane: search the first contact again, towards the device's pose projected onto the plane
   ToolPoints target = goal;
   for (Vector3& point : target) point += frame.depth_m * frame.n;
-  double longest = 0.0;
+  double longest_path_m = 0.0;
   for (std::size_t t = 0; t < target.size(); ++t)
-    longest = std::max(longest, (target[t] - contact[t]).norm());
-  const double max_m = MaxSlide(params_, input);
-  double slide = longest > max_m ? max_m / longest : 1.0;
+    longest_path_m = std::max(longest_path_m, (target[t] - contact[t]).norm());
+  const double max_slide_m = MaxSlide(params_, input);
+  double slide = longest_path_m > max_slide_m ? max_slide_m / longest_path_m : 1.0;
   // with a tolerance, a turning tool would cut that depth in every frame, whatever the law
   const bool cutting = input.spindle_rad_per_s != 0.0;
   if (const auto stop = FindTouch(contact, target, cutting ? 0.0 : params_.contact_tolerance_m))
     slide = std::min(slide, stop->fraction);
   const ToolPoints slid = InterpolatePoints(contact, target, slide);
 
-  // removal
+  // removal: kImmediate up to the device's pose; kRate along the slide, then into the bone by the law's
+  // advance
   if (cutting && frame.touch_cuts) MeasureEngagement(contact, X_GT.linear().col(2), frame);
-  Advance(input, slide * longest, frame);
+  Advance(input, slide * longest_path_m, frame);
   if (cutting) {
     const std::size_t cutters = params_.cutters == Cutters::kContactSphere ? c : tool_.balls.size();
     if (params_.law == RemovalLaw::kImmediate) {
@@ -144,6 +146,7 @@ std::optional<PaperEngine::FirstTouch> PaperEngine::FindPrintedTouch(const ToolP
   return first.fraction <= 1.0 ? std::optional(first) : std::nullopt;
 }
 
+// Equation 4 over the contact sphere with twice its radius and the tool spheres whose centres lie within it.
 Vector3 PaperEngine::PrintedNormal(const ToolPoints& at, std::size_t contact_ball) const {
   const double enlarged = 2.0 * tool_.balls[contact_ball].radius_m;
   Vector3 n = Vector3::Zero();
@@ -153,7 +156,7 @@ Vector3 PaperEngine::PrintedNormal(const ToolPoints& at, std::size_t contact_bal
     bone_.ForEachBallNear(at[t], at[t], r_t, [&](std::uint32_t, const BallBone::LiveBall& ball) {
       const Vector3 out = at[t] - ball.center_m;
       const double d = out.norm();
-      if (d > 0.0)
+      if (d > 0.0)  // the printed equation takes millimetres
         n += printed::LensVolume(1e3 * r_t, 1e3 * ball.radius_m, 1e3 * d) * ball.density_kg_per_m3 / d * out;
     });
   }
@@ -161,6 +164,7 @@ Vector3 PaperEngine::PrintedNormal(const ToolPoints& at, std::size_t contact_bal
   return size > 0.0 ? Vector3(n / size) : Vector3::Zero();
 }
 
+// Equation 5, in millimetres, for the bone balls that the contact sphere meets between a and b.
 void PaperEngine::PrintedRemoval(const Vector3& a, const Vector3& b, double radius_m, MethodFrame& frame) {
   bone_.ForEachBallNear(a, b, radius_m, [&](std::uint32_t i, const BallBone::LiveBall& ball) {
     const Vector3 d_c = ClosestOnSegment(ball.center_m, a, b) - ball.center_m;

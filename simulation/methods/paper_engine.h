@@ -20,8 +20,8 @@ namespace osteon::simulation {
 ///      to the centre of mass).
 ///   3  Removal: equation 5 with the contact sphere alone, from where it was to where it would have ended, at
 ///      once. There is no removal law: CuttingParams::law and ::cutters are ignored. The last free pose is
-///      then the device's.
-///   Where the printed equations fail: m = 0 and d_c = 0 (division by zero) are no contact and no change. A
+///      then the device's pose.
+///   Where the printed equations fail: m = 0 (division by zero) counts as no contact, d_c = 0 as no change. A
 ///   contact at rest has a root of ±0, so the proxy stops 1 µm short (assumed; otherwise every second frame
 ///   tunnels at rest). A whole turn of the tool within a frame is treated as a chord. The paper does not say
 ///   how removed volume is counted: here the mass points in the contact sphere's capsule count as removed.
@@ -30,8 +30,8 @@ namespace osteon::simulation {
 ///   1  First contact: the least fraction; overlapping pairs that move inwards are contact at 0; pairs that
 ///      overlap without moving cause no division by zero.
 ///   2  Normal: equation 4 with its squares, with the enlargement e = CuttingParams::normal_enlargement_m for
-///      the contact sphere and tool spheres that overlap it; density weights stay. The force acts only along
-///      the normal, at the surface point; the proxy slides once along the contact's plane.
+///      the contact sphere and tool spheres that overlap it; the weights by density remain. The force acts
+///      only along the normal, at the surface point; the proxy slides once along the contact's plane.
 ///   3  Removal: equation 5 with the penetration (ShrinkBall), along the proxy's path, by the cutters and the
 ///      law of CuttingParams.
 class PaperEngine final : public BallMethod {
@@ -45,9 +45,10 @@ class PaperEngine final : public BallMethod {
 
  private:
   struct FirstTouch {
-    double fraction;
+    double fraction;  ///< of the path
     std::size_t tool_ball;
   };
+  /// @param tolerance_m  overlap that does not count as contact
   [[nodiscard]] std::optional<FirstTouch> FindTouch(const ToolPoints& from, const ToolPoints& to,
                                                     double tolerance_m) const;
   [[nodiscard]] std::optional<FirstTouch> FindPrintedTouch(const ToolPoints& from,
@@ -56,7 +57,10 @@ class PaperEngine final : public BallMethod {
   [[nodiscard]] Vector3 PrintedNormal(const ToolPoints& at, std::size_t contact_ball) const;
   MethodFrame SolvePrinted(const Pose& X_GP, const Pose& X_GT, const FrameInput& input);
   MethodFrame SolveCorrected(const Pose& X_GP, const Pose& X_GT, const FrameInput& input);
+  /// Removes what the contact sphere removes on its path from a to b.
   void PrintedRemoval(const Vector3& a, const Vector3& b, double radius_m, MethodFrame& frame);
+  /// Removes what the contact ball sweeps from a to b; every cutting ball where `contact_ball` is the number
+  /// of tool balls.
   void Cut(const ToolPoints& a, const ToolPoints& b, std::size_t contact_ball, MethodFrame& frame);
 
   bool printed_;

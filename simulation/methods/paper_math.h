@@ -17,6 +17,8 @@ namespace osteon::simulation::printed {
 ///
 ///     d = [ 2 (Δc·m) - sqrt(4 (m·Δc)² - 4 m² (Δc² - R²)) ] / (2 m²)
 ///
+/// @param dc  Δc, from the tool ball's centre to the bone ball's. @param m  the tool ball's path.
+/// @param R   sum of the two radii
 /// @returns the fraction, or a negative number where there is no positive root up to the path's end, or no
 ///   path to divide by. Pairs that overlap have no positive first root and are dropped.
 [[nodiscard]] inline double ContactFraction(const Vector3& dc, const Vector3& m, double R) {
@@ -29,6 +31,8 @@ namespace osteon::simulation::printed {
 
 /// Equation 4: two squares are missing in print, so it is no volume, and it is negative where the bone's ball
 /// is much larger than the tool's.
+///
+/// @param r_t, r_b  radii of the tool's and the bone's ball. @param d  distance of their centres
 ///
 ///     V = π (r_t + r_b - d) (d² + 2 d (r_t + r_b) - 3 (r_b - r_t)) / (12 d)
 [[nodiscard]] inline double LensVolume(double r_t, double r_b, double d) {

@@ -10,6 +10,7 @@ namespace {
 // 1986).
 constexpr int kChamfer[4] = {0, 3, 4, 5};
 
+// Calls visit(neighbour, its chamfer distance) for the 26 voxels around v.
 template <typename Visit>
 void ForEachNeighbour(const VoxelIndex& v, const Visit& visit) {
   for (int z = -1; z <= 1; ++z)
@@ -31,16 +32,17 @@ PointshellEngine::PointshellEngine(const Bone& bone, const Solid* solid, const T
 
 void PointshellEngine::FindLayers() {
   layer_.assign(grid_.slots(), 3 * kLayers);
+  // visit every solid voxel: the search ball holds the whole grid
   const Vector3 middle = grid_.CenterOf({grid_.size()[0] / 2, grid_.size()[1] / 2, grid_.size()[2] / 2});
-  const double everywhere_m = grid_.voxel_m() * (grid_.size()[0] + grid_.size()[1] + grid_.size()[2]);
+  const double whole_grid_m = grid_.voxel_m() * (grid_.size()[0] + grid_.size()[1] + grid_.size()[2]);
   changed_.clear();
-  grid_.ForEachSolidNear(middle, everywhere_m, 0.0, [&](const VoxelIndex& v, double) {
-    int least = 3 * kLayers;
+  grid_.ForEachSolidNear(middle, whole_grid_m, 0.0, [&](const VoxelIndex& v, double) {
+    int distance_to_air = 3 * kLayers;
     ForEachNeighbour(v, [&](const VoxelIndex& other, int step) {
-      if (!grid_.IsSolid(other)) least = std::min(least, step);
+      if (!grid_.IsSolid(other)) distance_to_air = std::min(distance_to_air, step);
     });
-    if (least < 3 * kLayers) {
-      layer_[grid_.SlotOf(v)] = static_cast<std::uint8_t>(least);
+    if (distance_to_air < 3 * kLayers) {
+      layer_[grid_.SlotOf(v)] = static_cast<std::uint8_t>(distance_to_air);
       changed_.push_back(v);
     }
     return true;
@@ -52,12 +54,12 @@ void PointshellEngine::SpreadChanges() {
   while (!changed_.empty()) {
     const VoxelIndex v = changed_.front();
     changed_.pop_front();
-    const int here = LayerOf(v);
+    const int depth = LayerOf(v);
     ForEachNeighbour(v, [&](const VoxelIndex& other, int step) {
       if (!grid_.IsSolid(other)) return;
       std::uint8_t& layer = layer_[grid_.SlotOf(other)];
-      if (here + step >= layer) return;
-      layer = static_cast<std::uint8_t>(here + step);
+      if (depth + step >= layer) return;
+      layer = static_cast<std::uint8_t>(depth + step);
       changed_.push_back(other);
     });
   }
@@ -71,7 +73,7 @@ void PointshellEngine::LoadBone(const CarvedState& state) {
 PointshellEngine::Penalty PointshellEngine::PenaltyAt(const Pose& X_G) const {
   Penalty penalty;
   const double h = grid_.voxel_m(), k = kPointStiffness * params_.stiffness_N_per_m;
-  double weight = 0.0;
+  double depth_sum_m = 0.0;
   for (const Pointshell::Run& run : shell_.runs) {
     if (!grid_.AnyBrickNear(X_G * run.center_m, run.radius_m + h)) continue;
     for (std::size_t i = run.begin; i < run.end; ++i) {
@@ -87,7 +89,7 @@ PointshellEngine::Penalty PointshellEngine::PenaltyAt(const Pose& X_G) const {
       penalty.torque_Nm += (p - X_G.translation()).cross(k * d * n);
       penalty.stiffness_N_per_m += k * n * n.transpose();
       penalty.point_m += d * p;
-      weight += d;
+      depth_sum_m += d;
       ++penalty.points;
       if (d > penalty.deepest_m) {
         penalty.deepest_m = d;
@@ -95,7 +97,7 @@ PointshellEngine::Penalty PointshellEngine::PenaltyAt(const Pose& X_G) const {
       }
     }
   }
-  if (penalty.points > 0) penalty.point_m /= weight;
+  if (penalty.points > 0) penalty.point_m /= depth_sum_m;
   if (penalty.points > kFullPoints) {
     const double share = static_cast<double>(kFullPoints) / penalty.points;
     penalty.force_N *= share;
@@ -127,26 +129,28 @@ MethodFrame PointshellEngine::Solve(const Pose& X_GP, const Pose& X_GT, const Fr
       X.translation() = X_GT.translation();  // no contact: the proxy follows the hand
       continue;
     }
+    // at least 1 % of the coupling's stiffness, so that the matrix stays invertible
     const Matrix3 stiffness = std::max(k, 0.01 * K) * Matrix3::Identity() + penalty.stiffness_N_per_m;
     const Vector3 step = stiffness.ldlt().solve(pull_N + penalty.force_N);
     X.translation() += step;
-    if (step.norm() < 1e-8) break;
+    if (step.norm() < 1e-8) break;  // converged to 10 nm
   }
   penalty = PenaltyAt(X);
   frame.X_GP = X;
 
   const bool cutting = input.spindle_rad_per_s != 0.0;
   ToolPoints proxy = PlaceTool(tool_, X);
-  const Vector3 felt = X.translation() - X_GT.translation();
-  if (penalty.points > 0 && felt.norm() > 0.0) {
+  // render the force of the coupling between the hand and the proxy
+  const Vector3 proxy_offset = X.translation() - X_GT.translation();
+  if (penalty.points > 0 && proxy_offset.norm() > 0.0) {
     frame.contact_fraction = 0.0;
     frame.touches = true;
     frame.touch_cuts = penalty.cutting;
-    frame.depth_m = felt.norm();
-    frame.n = felt / frame.depth_m;
+    frame.depth_m = proxy_offset.norm();
+    frame.n = proxy_offset / frame.depth_m;
     frame.force_N = std::min(K * frame.depth_m, params_.max_force_N) * frame.n;
     frame.torque_Nm = penalty.torque_Nm;
-    frame.point_m = penalty.point_m - felt;
+    frame.point_m = penalty.point_m - proxy_offset;
     if (cutting && frame.touch_cuts) MeasureEngagement(proxy, X_GT.linear().col(2), frame);
     Advance(input, 0.0, frame);
   }

@@ -49,18 +49,20 @@ class PointshellEngine final : public VoxelMethod {
   void LoadBone(const CarvedState& state) override;
 
  private:
+  /// Sum of the points' forces, on the tool.
   struct Penalty {
     Vector3 force_N{Vector3::Zero()}, torque_Nm{Vector3::Zero()};  ///< about T's origin
     Matrix3 stiffness_N_per_m{Matrix3::Zero()};
-    Vector3 point_m{Vector3::Zero()};  ///< mean of the touching points, weighted by force
+    Vector3 point_m{Vector3::Zero()};  ///< mean of the touching points, weighted by their depth
     double deepest_m{0.0};
     bool cutting{false};  ///< the deepest point belongs to a cutting ball
     int points{0};
   };
+  /// The points' forces with the tool at X_G.
   [[nodiscard]] Penalty PenaltyAt(const Pose& X_G) const;
   /// Computes all layers from the beginning.
   void FindLayers();
-  /// Updates the layers of changed_ and its surroundings, which became less deep.
+  /// Updates the layers of the voxels around those in changed_, which became less deep, and empties changed_.
   void SpreadChanges();
 
   Pointshell shell_;

@@ -15,14 +15,14 @@ StampsEngine::StampsEngine(const Bone& bone, const Solid* solid, const Tool& too
 // separates the pair. The travel is limited; a pair that it does not separate is left to the next push.
 StampsEngine::Overlap StampsEngine::Deepest(const ToolPoints& at) const {
   Overlap deepest;
-  Vector3 pair = Vector3::Zero();
+  Vector3 pair_direction = Vector3::Zero();
   for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
     const double r_t = tool_.balls[t].radius_m;
     bone_.ForEachBallNear(at[t], at[t], r_t, [&](std::uint32_t, const BallBone::LiveBall& ball) {
       const double depth = r_t + ball.radius_m - (at[t] - ball.center_m).norm();
       if (depth <= deepest.depth_m) return;
       deepest = {.depth_m = depth, .tool_ball = t};
-      pair = (at[t] - ball.center_m).normalized();
+      pair_direction = (at[t] - ball.center_m).normalized();
     });
   }
   if (deepest.depth_m <= 0.0) return deepest;
@@ -35,7 +35,7 @@ StampsEngine::Overlap StampsEngine::Deepest(const ToolPoints& at) const {
   });
   const double size = deepest.n.norm();
   deepest.n = size > 0.0 ? Vector3(deepest.n / size) : Vector3::Zero();
-  deepest.depth_m /= std::max(kMinCosine, pair.dot(deepest.n));
+  deepest.depth_m /= std::max(kMinCosine, pair_direction.dot(deepest.n));
   return deepest;
 }
 
@@ -56,39 +56,39 @@ MethodFrame StampsEngine::Solve(const Pose&, const Pose& X_GT, const FrameInput&
   const ToolPoints goal = PlaceTool(tool_, X_GT);
   const bool cutting = input.spindle_rad_per_s != 0.0;
 
-  // push out
-  ToolPoints free = goal;
-  Overlap first;
+  // push the tool out of the bone
+  ToolPoints free_pose = goal;
+  Overlap first_overlap;
   for (int i = 0; i < kPushes; ++i) {
-    const Overlap overlap = Deepest(free);
+    const Overlap overlap = Deepest(free_pose);
     if (overlap.depth_m <= kFree_m || overlap.n.isZero()) break;
-    if (i == 0) first = overlap;
-    for (Vector3& point : free) point += overlap.depth_m * overlap.n;
+    if (i == 0) first_overlap = overlap;
+    for (Vector3& point : free_pose) point += overlap.depth_m * overlap.n;
   }
   // back to the first contact: pushes go too far where many pairs overlap
-  if (free.back() != goal.back() && !Overlaps(free)) {
+  if (free_pose.back() != goal.back() && !Overlaps(free_pose)) {
     ToolPoints blocked = goal;
     for (int i = 0; i < kHalvings; ++i) {
-      const ToolPoints middle = InterpolatePoints(blocked, free, 0.5);
-      (Overlaps(middle) ? blocked : free) = middle;
+      const ToolPoints middle = InterpolatePoints(blocked, free_pose, 0.5);
+      (Overlaps(middle) ? blocked : free_pose) = middle;
     }
   }
-  const Vector3 out = free.back() - goal.back();
+  const Vector3 out = free_pose.back() - goal.back();
   frame.depth_m = out.norm();
   ToolPoints stamp = goal;
   if (frame.depth_m > 0.0) {
     frame.contact_fraction = 0.0;
     frame.touches = true;
-    frame.touch_cuts = tool_.balls[first.tool_ball].cutting;
+    frame.touch_cuts = tool_.balls[first_overlap.tool_ball].cutting;
     frame.n = out / frame.depth_m;
-    frame.point_m = goal[first.tool_ball] - tool_.balls[first.tool_ball].radius_m * frame.n;
+    frame.point_m = goal[first_overlap.tool_ball] - tool_.balls[first_overlap.tool_ball].radius_m * frame.n;
     PushAlongNormal(goal.back(), frame);
-    frame.X_GP.translation() = free.back();
+    frame.X_GP.translation() = free_pose.back();
 
-    if (cutting && frame.touch_cuts) MeasureEngagement(free, X_GT.linear().col(2), frame);
+    if (cutting && frame.touch_cuts) MeasureEngagement(free_pose, X_GT.linear().col(2), frame);
     Advance(input, 0.0, frame);
     if (params_.law == RemovalLaw::kRate) {
-      stamp = free;
+      stamp = free_pose;
       for (Vector3& point : stamp) point -= frame.advance_m * frame.n;
     }
     if (cutting) frame.X_GP.translation() = stamp.back();

@@ -4,8 +4,9 @@
 
 namespace osteon::simulation {
 
-/// Our packing, but at discrete poses alone: the approach that the paper contrasts with its continuous
-/// detection ("most other methods evaluate the material removal at distinct states of the simulation").
+/// This project's packing, but tested only at discrete poses: the approach that the paper (paper_engine.h)
+/// contrasts with its continuous detection ("most other methods evaluate the material removal at distinct
+/// states of the simulation").
 ///
 /// Contact: at the tool's pose, without a path. The deepest pair pushes the tool out along the lens-weighted
 /// normal, up to kPushes times (assumed), until nothing overlaps by more than kFree_m; then kHalvings
@@ -29,11 +30,13 @@ class StampsEngine final : public BallMethod {
 
  private:
   struct Overlap {
-    double depth_m{0.0};
+    double depth_m{0.0};  ///< travel along n that separates the pair, limited by kMinCosine
     std::size_t tool_ball{0};
     Vector3 n{Vector3::Zero()};
   };
+  /// The pair of tool ball and bone ball that overlaps most; depth 0 where none overlaps.
   [[nodiscard]] Overlap Deepest(const ToolPoints& at) const;
+  /// True where any pair overlaps by more than kFree_m.
   [[nodiscard]] bool Overlaps(const ToolPoints& at) const;
 };
 

@@ -26,17 +26,17 @@ bool VoxelEngine::IsBlocked(const ToolPoints& at) const {
 
 VoxelEngine::March VoxelEngine::MarchTowards(const ToolPoints& from, const ToolPoints& to) const {
   March march;
-  double longest = 0.0;
+  double longest_path_m = 0.0;
   bool something_near = false;
   for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
-    const double way = (to[t] - from[t]).norm();
-    longest = std::max(longest, way);
+    const double path_m = (to[t] - from[t]).norm();
+    longest_path_m = std::max(longest_path_m, path_m);
     something_near =
-        something_near || grid_.AnyBrickNear(0.5 * (from[t] + to[t]), tool_.balls[t].radius_m + 0.5 * way);
+        something_near || grid_.AnyBrickNear(0.5 * (from[t] + to[t]), tool_.balls[t].radius_m + 0.5 * path_m);
   }
-  if (!something_near || longest <= 0.0) return march;
-  const double step = kStep * grid_.voxel_m() / longest;
-  double free = 0.0, blocked = 1.0;
+  if (!something_near || longest_path_m <= 0.0) return march;
+  const double step = kStep * grid_.voxel_m() / longest_path_m;
+  double free = 0.0, blocked = 1.0;  // path fractions: the last free one, the first blocked one
   for (int i = 1;; ++i) {
     const double s = std::min(1.0, i * step);
     if (IsBlocked(InterpolatePoints(from, to, s))) {
@@ -79,6 +79,7 @@ void VoxelEngine::FindNormal(const ToolPoints& at, March& march) const {
     });
   }
   const double size = sum.norm();
+  // otherwise the gradients cancel, and there is no normal
   if (size > 1e-9 * voxels) march.n = sum / size;
 }
 
@@ -91,20 +92,21 @@ MethodFrame VoxelEngine::Solve(const Pose& X_GP, const Pose& X_GT, const FrameIn
   // march to the first constraint
   const March first = MarchTowards(proxy, goal);
   proxy = InterpolatePoints(proxy, goal, first.fraction);
-  double turned = first.fraction;
+  double turned_fraction = first.fraction;
   if (first.blocked) {
     frame.contact_fraction = first.fraction;
     const Vector3& n1 = first.n;
     if (!n1.isZero()) {
-      // off the plane a little, as far as that is free; then slide within it
-      ToolPoints off = proxy;
-      Move(off, kStandOff * grid_.voxel_m() * n1);
-      if (!IsBlocked(off)) proxy = off;
+      // lift the proxy off the plane by the stand-off where that is free; then slide within the plane
+      ToolPoints lifted = proxy;
+      Move(lifted, kStandOff * grid_.voxel_m() * n1);
+      if (!IsBlocked(lifted)) proxy = lifted;
       ToolPoints target = goal;
       Move(target, n1.dot(proxy[first.tool_ball] - goal[first.tool_ball]) * n1);
       const March second = MarchTowards(proxy, target);
       proxy = InterpolatePoints(proxy, target, second.fraction);
-      turned += (1.0 - turned) * second.fraction;
+      turned_fraction += (1.0 - turned_fraction) * second.fraction;
+      // a second plane stops the slide: go on along the line of both planes, unless they are parallel
       const Vector3 line = n1.cross(second.n);
       if (second.blocked && line.norm() > 1e-3) {
         const Vector3 along = line.normalized();
@@ -112,23 +114,24 @@ MethodFrame VoxelEngine::Solve(const Pose& X_GP, const Pose& X_GT, const FrameIn
         Move(end, along.dot(goal[second.tool_ball] - proxy[second.tool_ball]) * along);
         proxy = InterpolatePoints(proxy, end, MarchTowards(proxy, end).fraction);
       }
-      // back onto the surface: an offset from the plane would be felt but not cut
-      ToolPoints down = proxy;
-      Move(down, -2.0 * kStandOff * grid_.voxel_m() * n1);
-      proxy = InterpolatePoints(proxy, down, MarchTowards(proxy, down).fraction);
+      // lower the proxy onto the surface: the hand would feel a remaining stand-off, and nothing would cut it
+      ToolPoints lowered = proxy;
+      Move(lowered, -2.0 * kStandOff * grid_.voxel_m() * n1);
+      proxy = InterpolatePoints(proxy, lowered, MarchTowards(proxy, lowered).fraction);
     }
   }
-  frame.X_GP.linear() =
-      Eigen::Quaterniond(X_GP.linear()).slerp(turned, Eigen::Quaterniond(X_GT.linear())).toRotationMatrix();
+  frame.X_GP.linear() = Eigen::Quaterniond(X_GP.linear())
+                            .slerp(turned_fraction, Eigen::Quaterniond(X_GT.linear()))
+                            .toRotationMatrix();
   frame.X_GP.translation() = proxy.back();
 
   const bool cutting = input.spindle_rad_per_s != 0.0;
-  const Vector3 felt = proxy[first.tool_ball] - goal[first.tool_ball];  // includes the missing turn
-  if (first.blocked && felt.norm() > 0.0) {
+  const Vector3 proxy_offset = proxy[first.tool_ball] - goal[first.tool_ball];  // includes the missing turn
+  if (first.blocked && proxy_offset.norm() > 0.0) {
     frame.touches = true;
     frame.touch_cuts = tool_.balls[first.tool_ball].cutting;
-    frame.depth_m = felt.norm();
-    frame.n = felt / frame.depth_m;
+    frame.depth_m = proxy_offset.norm();
+    frame.n = proxy_offset / frame.depth_m;
     frame.point_m = goal[first.tool_ball] - tool_.balls[first.tool_ball].radius_m * frame.n;
     PushAlongNormal(goal.back(), frame);
     if (cutting && frame.touch_cuts) MeasureEngagement(proxy, X_GT.linear().col(2), frame);

@@ -8,9 +8,9 @@ namespace osteon::simulation {
 /// CHAI 3D, 2003 on: cVoxelObject, cAlgorithmFingerProxy; proxy after Ruspini, Kolarov, Khatib 1997).
 ///
 ///     proxy ─▶ marches towards the tool, kStep voxels at a time, until a voxel's centre lies in a tool
-///              ball; the place is halved kHalvings times
-///           ─▶ normal: gradient of the voxels' density over kGradientReach voxels around those that
-///              stopped it
+///              ball; kHalvings bisections then find the contact
+///           ─▶ normal: gradient of the voxels' density within kGradientReach voxels of those in the tool
+///              ball
 ///           ─▶ marches on within that plane, then along the line of two such planes: three constraints
 ///     force = K (proxy - tool); then every voxel inside the cutting balls is deleted: kImmediate at the
 ///     tool's pose, kRate at the proxy moved along -n by the law's advance
@@ -40,8 +40,11 @@ class VoxelEngine final : public VoxelMethod {
     std::size_t tool_ball{0};    ///< the ball that was stopped
     Vector3 n{Vector3::Zero()};  ///< normal there; zero where the density has no gradient
   };
+  /// True where a solid voxel's centre lies in a tool ball.
   [[nodiscard]] bool IsBlocked(const ToolPoints& at) const;
+  /// Moves the tool from one place towards another until it is blocked.
   [[nodiscard]] March MarchTowards(const ToolPoints& from, const ToolPoints& to) const;
+  /// Sets normal and tool ball of a march that is blocked with the tool at `at`.
   void FindNormal(const ToolPoints& at, March& march) const;
 };
 

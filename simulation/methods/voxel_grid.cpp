@@ -15,7 +15,7 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kMaxVoxels = 2147483648.0;
+constexpr double kMaxVoxels = 2147483648.0;  ///< 2^31
 
 // Fills voxels where there is no solid: from the union of balls, with the nearest mass point's material.
 class UnionOfBalls {
@@ -34,6 +34,7 @@ class UnionOfBalls {
   LiveTree tree_;
 };
 
+// Box around the solid, or around the bone's balls without a solid.
 Eigen::AlignedBox3d BoundsOf(const Bone& bone, const Solid* solid) {
   if (solid) return solid->Bounds();
   Eigen::AlignedBox3d box;
@@ -81,10 +82,10 @@ void VoxelGrid::Fill(const Bone& bone, const Solid* solid) {
   const bool one_material = bone.materials.size() < 2;
   // from a brick's centre to its farthest voxel
   const double reach_m = 0.5 * std::sqrt(3.0) * (kBrick - 1) * voxel_m_;
-  std::vector<std::vector<MaterialIndex>> materials(brick_material_.size());  // of bricks with several
-                                                                              // materials
+  // by brick: its voxels' materials where there are several, otherwise empty
+  std::vector<std::vector<MaterialIndex>> materials(brick_material_.size());
   const auto fill = [&](std::size_t begin, std::size_t end) {
-    std::vector<MaterialIndex> found(512);
+    std::vector<MaterialIndex> found(512);  // by voxel of one brick
     for (std::size_t b = begin; b < end; ++b) {
       const auto bx = static_cast<std::int32_t>(b % bricks_[0]),
                  by = static_cast<std::int32_t>(b / bricks_[0] % bricks_[1]),
@@ -93,7 +94,7 @@ void VoxelGrid::Fill(const Bone& bone, const Solid* solid) {
       if (solid) {
         const Vector3 low = CenterOf({bx * kBrick, by * kBrick, bz * kBrick});
         depth_m = -solid->SignedDistance(low + Vector3::Constant(0.5 * (kBrick - 1) * voxel_m_));
-        if (depth_m < -reach_m) continue;  // a signed distance changes no faster than the place
+        if (depth_m < -reach_m) continue;  // then every voxel is in the air, since |gradient| <= 1
       }
       bool first = true, several = false;
       for (std::int32_t z = 0; z < kBrick; ++z)

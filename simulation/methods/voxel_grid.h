@@ -40,6 +40,7 @@ class VoxelGrid {
   [[nodiscard]] Vector3 CenterOf(const VoxelIndex& v) const {
     return first_center_m_ + voxel_m_ * Vector3(v.x, v.y, v.z);
   }
+  /// Voxel whose cube holds the point; its indices may lie outside the grid.
   [[nodiscard]] VoxelIndex IndexOf(const Vector3& p_m) const {
     const Vector3 q = ((p_m - first_center_m_) / voxel_m_).cwiseMax(-1e9).cwiseMin(1e9);
     return {static_cast<std::int32_t>(std::floor(q.x() + 0.5)),
@@ -50,10 +51,11 @@ class VoxelGrid {
   [[nodiscard]] bool IsSolid(const VoxelIndex& v) const {
     return Inside(v) && (words_[WordOf(v)] >> BitOf(v) & 1u) != 0;
   }
+  /// True where the indices lie in the grid, solid or not.
   [[nodiscard]] bool Inside(const VoxelIndex& v) const {
     return v.x >= 0 && v.y >= 0 && v.z >= 0 && v.x < size_[0] && v.y < size_[1] && v.z < size_[2];
   }
-  /// @pre Inside(v).
+  /// Place of a voxel in arrays over the whole grid, below slots(). @pre Inside(v).
   [[nodiscard]] std::size_t SlotOf(const VoxelIndex& v) const { return WordOf(v) * 64 + BitOf(v); }
   [[nodiscard]] std::size_t slots() const { return words_.size() * 64; }
   /// @pre IsSolid(v) now or earlier.
@@ -82,36 +84,43 @@ class VoxelGrid {
  private:
   static constexpr std::int32_t kBrick = 8, kBlock = 64;  ///< voxels per side
 
+  /// Index of the brick with these coordinates, counted in bricks.
   [[nodiscard]] std::size_t BrickOf(std::int32_t bx, std::int32_t by, std::int32_t bz) const {
     return (static_cast<std::size_t>(bz) * bricks_[1] + by) * bricks_[0] + bx;
   }
+  /// Index in words_: each word holds a brick's 8 × 8 voxels of one z.
   [[nodiscard]] std::size_t WordOf(const VoxelIndex& v) const {
     return BrickOf(v.x >> 3, v.y >> 3, v.z >> 3) * 8 + (v.z & 7);
   }
   [[nodiscard]] static int BitOf(const VoxelIndex& v) { return (v.y & 7) << 3 | (v.x & 7); }
+  /// Index of the block with these coordinates, counted in blocks.
   [[nodiscard]] std::size_t BlockOf(std::int32_t x, std::int32_t y, std::int32_t z) const {
     return (static_cast<std::size_t>(z) * blocks_[1] + y) * blocks_[0] + x;
   }
 
   /// Squared distances, in voxels, from q to the nearest and the farthest centre of a cube of voxels.
+  /// @param x, y, z  its lowest voxel. @param side  in voxels
   [[nodiscard]] static std::array<double, 2> Range(const Vector3& q, std::int32_t x, std::int32_t y,
                                                    std::int32_t z, std::int32_t side) {
     double near = 0.0, far = 0.0;
     const std::int32_t low[3] = {x, y, z};
     for (int axis = 0; axis < 3; ++axis) {
       const double a = low[axis] - q[axis], b = q[axis] - (low[axis] + side - 1);
-      const double out = std::max(0.0, std::max(a, b)), most = std::max(-a, -b);
+      const double out = std::max(0.0, std::max(a, b)), farthest = std::max(-a, -b);
       near += out * out;
-      far += most * most;
+      far += farthest * farthest;
     }
     return {near, far};
   }
-  /// Calls visit(bx, by, bz) for each brick with solid voxels that comes within reach and is not entirely in
-  /// the hollow.
+  /// Calls visit(bx, by, bz) for each brick with solid voxels that comes nearer to q than `reach` and does
+  /// not lie entirely nearer than `hollow`, all in voxels. Ends and returns false where a visit returns
+  /// false.
   template <typename Visit>
   bool ForEachBrick(const Vector3& q, double reach, double hollow, const Visit& visit) const;
 
+  /// Sets the solid voxels and their materials at the start.
   void Fill(const Bone& bone, const Solid* solid);
+  /// Counts the solid voxels of each brick and block.
   void Count();
 
   double voxel_m_;
@@ -122,7 +131,7 @@ class VoxelGrid {
   std::vector<std::uint32_t> block_count_;
   std::vector<MaterialIndex> brick_material_;  ///< kMixed: see mixed_
   std::vector<std::uint32_t> mixed_at_;        ///< by brick: its place in mixed_, counted in bricks
-  std::vector<MaterialIndex> mixed_;
+  std::vector<MaterialIndex> mixed_;           ///< by voxel, for the bricks of several materials
   std::size_t first_count_{0};
   static constexpr MaterialIndex kMixed = 0xff;
 };
@@ -141,6 +150,7 @@ bool VoxelGrid::ForEachBrick(const Vector3& q, double reach, double hollow, cons
     const auto [near, far] = Range(q, x, y, z, side);
     return near < reach2 && far >= hollow2;
   };
+  // X, Y, Z count blocks; x, y, z count bricks
   for (std::int32_t Z = low[2] / kBlock; Z <= high[2] / kBlock; ++Z)
     for (std::int32_t Y = low[1] / kBlock; Y <= high[1] / kBlock; ++Y)
       for (std::int32_t X = low[0] / kBlock; X <= high[0] / kBlock; ++X) {

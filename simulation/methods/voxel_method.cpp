@@ -40,8 +40,8 @@ std::unique_ptr<CarvedShape> VoxelMethod::Shape() const { return std::make_uniqu
 
 void VoxelMethod::MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis,
                                     MethodFrame& frame) const {
-  // As thin as voxels allow: a layer of several voxels takes most of a frame's time, and counts bone that the
-  // tool has not met yet.
+  // At most one voxel thick: a layer of several voxels would take most of a frame's time, and count bone that
+  // the tool has not met yet.
   const double layer_m = std::min(params_.engaged_layer_m, grid_.voxel_m());
   for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
     if (!tool_.balls[t].cutting) continue;

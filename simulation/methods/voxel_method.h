@@ -19,7 +19,8 @@ class VoxelMethod : public MethodBase {
 
   /// Measures the engaged area from the voxels near the cutting balls.
   void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis, MethodFrame& frame) const;
-  /// Deletes the voxels inside the cutting balls, with radii reduced by `inset_m`, and books their volume.
+  /// Deletes the voxels inside the cutting balls, with radii reduced by `inset_m`, and adds
+  /// their volume to frame.removed_m3.
   void DeleteInside(const ToolPoints& at, double inset_m, MethodFrame& frame);
   /// Called for each voxel after its deletion.
   virtual void OnDeleted(const VoxelIndex&) {}

@@ -20,18 +20,20 @@ std::vector<double> WithoutTrend(std::span<const double> signal) {
     slope += (static_cast<double>(i) - middle) * signal[i];
   }
   slope /= count * (count * count - 1.0) / 12.0;  // sum of (i - middle)^2
-  std::vector<double> left(signal.begin(), signal.end());
-  for (std::size_t i = 0; i < left.size(); ++i) left[i] -= mean + slope * (static_cast<double>(i) - middle);
-  return left;
+  std::vector<double> residual(signal.begin(), signal.end());
+  for (std::size_t i = 0; i < residual.size(); ++i)
+    residual[i] -= mean + slope * (static_cast<double>(i) - middle);
+  return residual;
 }
 
-// |X_k|^2. The angle is reduced in whole numbers, so that long signals lose no digits.
-double Power(const std::vector<double>& signal, const std::vector<std::complex<double>>& turn,
+// |X_k|^2 of the signal's DFT at k = bin, with unit_roots[j] = exp(-2 pi i j / N). The index j is reduced in
+// whole numbers, so that long signals lose no digits.
+double Power(const std::vector<double>& signal, const std::vector<std::complex<double>>& unit_roots,
              std::size_t bin) {
   std::complex<double> sum;
   std::size_t at = 0;
   for (const double value : signal) {
-    sum += value * turn[at];
+    sum += value * unit_roots[at];
     at += bin;
     if (at >= signal.size()) at -= signal.size();
   }
@@ -44,22 +46,22 @@ double BandRms(std::span<const double> signal, double rate_hz, Band band) {
   const std::size_t count = signal.size();
   if (count < kMinSamples) return 0.0;
   std::vector<double> windowed = WithoutTrend(signal);
-  std::vector<std::complex<double>> turn(count);
-  double squares = 0.0;
+  std::vector<std::complex<double>> unit_roots(count);
+  double squared_weights = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
     const double angle = 2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count);
     const double weight = 0.5 - 0.5 * std::cos(angle);
-    turn[i] = std::polar(1.0, -angle);
+    unit_roots[i] = std::polar(1.0, -angle);
     windowed[i] *= weight;
-    squares += weight * weight;
+    squared_weights += weight * weight;
   }
   double power = 0.0;
   for (std::size_t bin = 1; 2 * bin <= count; ++bin) {
     const double hz = static_cast<double>(bin) * rate_hz / static_cast<double>(count);
     if (hz < band.low_hz || hz > band.high_hz) continue;
-    power += (2 * bin == count ? 1.0 : 2.0) * Power(windowed, turn, bin);
+    power += (2 * bin == count ? 1.0 : 2.0) * Power(windowed, unit_roots, bin);
   }
-  return std::sqrt(power / (static_cast<double>(count) * squares));
+  return std::sqrt(power / (static_cast<double>(count) * squared_weights));
 }
 
 double Ripple::relative() const { return mean_N > 0.0 ? std::hypot(slow_N, fast_N) / mean_N : 0.0; }

@@ -13,8 +13,8 @@ inline constexpr Band kSlowRipple{5.0, 40.0}, kFastRipple{40.0, 500.0};
 
 /// Root mean square of a signal's part within a band.
 ///
-///     w  Hann window, x less its straight line of least squares, X = DFT of w x over all N samples
-///     rms^2 = 2 / (N sum w^2) sum |X_k|^2    over the bins k rate / N within the band (N / 2, the last, once)
+///     w  Hann window, x  signal minus its least-squares line, X = DFT of w x over all N samples
+///     rms^2 = 2 / (N sum w^2) sum |X_k|^2    over the bins k with k rate / N in the band (k = N / 2 once)
 ///
 /// A sine of amplitude A well within the band gives A / sqrt 2. The window spreads it over three bins, so a
 /// sine within rate / N of the band's end counts in part. Zero where there are fewer than 8 samples. Source:
@@ -26,7 +26,7 @@ inline constexpr Band kSlowRipple{5.0, 40.0}, kFastRipple{40.0, 500.0};
 struct Ripple {
   double mean_N{0.0};
   double slow_N{0.0}, fast_N{0.0};  ///< rms in kSlowRipple and kFastRipple
-  /// Rms of both bands together over the mean; 0 where the mean is 0.
+  /// Rms of both bands together, divided by the mean; 0 where the mean is 0.
   [[nodiscard]] double relative() const;
 };
 /// Measures the ripple of a force. @param magnitude_N  of the force, sample by sample

@@ -13,7 +13,7 @@ WorkloadScores ScoreWorkload(const CutWorkload& workload, const WorkloadRun& run
                              const CarvedShape& after, std::size_t surface_cells) {
   if (!run.complete)
     throw std::invalid_argument("workload: found a run that was ended early, accepted a complete one");
-  constexpr double kProbe_m = 1e-3;
+  constexpr double kProbe_m = 1e-3;  // radius of the ball that probes the cut
   const SweptTool swept(workload.tool, workload.CutPath());
   const CutAccuracy cut = MeasureCut(*workload.solid, before, after, swept,
                                      {.probe_radii_m = {kProbe_m},
@@ -43,33 +43,33 @@ WorkloadScores ScoreWorkload(const CutWorkload& workload, const WorkloadRun& run
 WorkloadScores Combined(const std::vector<WorkloadScores>& all) {
   WorkloadScores sum;
   if (all.empty()) return sum;
-  const auto mean_square = [&](const auto& member) {
+  const auto root_mean_square = [&](const auto& member) {
     double squares = 0.0;
     for (const WorkloadScores& each : all) squares += member(each) * member(each);
     return std::sqrt(squares / static_cast<double>(all.size()));
   };
-  const auto greatest = [&](const auto& member) {
-    double most = 0.0;
-    for (const WorkloadScores& each : all) most = std::max(most, member(each));
-    return most;
+  const auto maximum = [&](const auto& member) {
+    double largest = 0.0;
+    for (const WorkloadScores& each : all) largest = std::max(largest, member(each));
+    return largest;
   };
   using W = WorkloadScores;
-  sum.depth_error_m = mean_square([](const W& w) { return w.depth_error_m; });
-  sum.depth_error_se_m = mean_square([](const W& w) { return w.depth_error_se_m; });
-  sum.lost_m = mean_square([](const W& w) { return w.lost_m; });
-  sum.left_m = mean_square([](const W& w) { return w.left_m; });
-  sum.probe_p95_m = mean_square([](const W& w) { return w.probe_p95_m; });
-  sum.volume_error = mean_square([](const W& w) { return w.volume_error; });
-  sum.swept_volume_m3 = mean_square([](const W& w) { return w.swept_volume_m3; });
-  sum.ripple = mean_square([](const W& w) { return w.ripple; });
-  sum.force.force_rms_N = mean_square([](const W& w) { return w.force.force_rms_N; });
-  sum.force.force_relative = mean_square([](const W& w) { return w.force.force_relative; });
-  sum.force.torque_rms_Nm = mean_square([](const W& w) { return w.force.torque_rms_Nm; });
-  sum.force.normal_rms_deg = mean_square([](const W& w) { return w.force.normal_rms_deg; });
-  sum.force.normal_max_deg = greatest([](const W& w) { return w.force.normal_max_deg; });
-  sum.force.force_jump_N_per_ms = greatest([](const W& w) { return w.force.force_jump_N_per_ms; });
-  sum.force.torque_jump_Nm_per_ms = greatest([](const W& w) { return w.force.torque_jump_Nm_per_ms; });
-  sum.force.normal_jump_deg_per_ms = greatest([](const W& w) { return w.force.normal_jump_deg_per_ms; });
+  sum.depth_error_m = root_mean_square([](const W& w) { return w.depth_error_m; });
+  sum.depth_error_se_m = root_mean_square([](const W& w) { return w.depth_error_se_m; });
+  sum.lost_m = root_mean_square([](const W& w) { return w.lost_m; });
+  sum.left_m = root_mean_square([](const W& w) { return w.left_m; });
+  sum.probe_p95_m = root_mean_square([](const W& w) { return w.probe_p95_m; });
+  sum.volume_error = root_mean_square([](const W& w) { return w.volume_error; });
+  sum.swept_volume_m3 = root_mean_square([](const W& w) { return w.swept_volume_m3; });
+  sum.ripple = root_mean_square([](const W& w) { return w.ripple; });
+  sum.force.force_rms_N = root_mean_square([](const W& w) { return w.force.force_rms_N; });
+  sum.force.force_relative = root_mean_square([](const W& w) { return w.force.force_relative; });
+  sum.force.torque_rms_Nm = root_mean_square([](const W& w) { return w.force.torque_rms_Nm; });
+  sum.force.normal_rms_deg = root_mean_square([](const W& w) { return w.force.normal_rms_deg; });
+  sum.force.normal_max_deg = maximum([](const W& w) { return w.force.normal_max_deg; });
+  sum.force.force_jump_N_per_ms = maximum([](const W& w) { return w.force.force_jump_N_per_ms; });
+  sum.force.torque_jump_Nm_per_ms = maximum([](const W& w) { return w.force.torque_jump_Nm_per_ms; });
+  sum.force.normal_jump_deg_per_ms = maximum([](const W& w) { return w.force.normal_jump_deg_per_ms; });
   sum.force.touched = std::ranges::all_of(all, [](const W& w) { return w.force.touched; });
   return sum;
 }

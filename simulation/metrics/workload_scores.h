@@ -10,14 +10,14 @@ namespace osteon::simulation {
 
 /// Errors of a method's cut and touch against the exact ones.
 struct WorkloadScores {
-  double depth_error_m{0.0};     ///< bone lost beyond the sweep plus bone left within it, over the cut's area
-  double depth_error_se_m{0.0};  ///< standard error of the lost part
+  double depth_error_m{0.0};        ///< (bone lost beyond the sweep + bone left within it) / the cut's area
+  double depth_error_se_m{0.0};     ///< standard error of the lost part
   double lost_m{0.0}, left_m{0.0};  ///< the two parts of depth_error_m
   double probe_p95_m{0.0};          ///< 95th percentile of the gap that a ball of 1 mm meets at the cut
-  double volume_error{0.0};         ///< |removed by the method's books / swept - 1|
+  double volume_error{0.0};         ///< |removed, as the method counts it / swept - 1|
   double swept_volume_m3{0.0};
   ForceErrors force;   ///< during the touch
-  double ripple{0.0};  ///< 5 to 500 Hz (ripple.h), over the exact mean force
+  double ripple{0.0};  ///< rms of 5 to 500 Hz (ripple.h) / the exact mean force
 };
 
 /// Scores a method's run of a workload.
@@ -29,8 +29,8 @@ struct WorkloadScores {
                                            const CarvedShape& before, const CarvedShape& after,
                                            std::size_t surface_cells = 20'000);
 
-/// Combines several workloads: root mean squares of all figures, relative force error, torque and normal
-/// included; the force's jumps are the largest ones.
+/// Combines several workloads: the root mean square of each figure, but the largest of each maximum and jump;
+/// `force.touched` where every workload touched.
 [[nodiscard]] WorkloadScores Combined(const std::vector<WorkloadScores>& scores);
 
 }  // namespace osteon::simulation

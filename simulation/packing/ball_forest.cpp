@@ -35,8 +35,8 @@ class SharedMaximum {
 double BallForest::Node::SquaredDistance(const Vector3& p_m) const {
   double sum = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
-    const double off = std::max({0.0, low_m[axis] - p_m[axis], p_m[axis] - high_m[axis]});
-    sum += off * off;
+    const double outside = std::max({0.0, low_m[axis] - p_m[axis], p_m[axis] - high_m[axis]});
+    sum += outside * outside;
   }
   return sum;
 }
@@ -56,6 +56,7 @@ BallForest::BallForest(std::span<const Ball> balls) {
 
 BallForest::Tree BallForest::MakeTree(std::vector<Ball> balls) {
   Tree tree{.balls = std::move(balls), .levels = {}};
+  // a node whose box holds nothing yet
   const auto empty = [] {
     return Node{.low_m = {kInfinity, kInfinity, kInfinity},
                 .high_m = {-kInfinity, -kInfinity, -kInfinity},
@@ -71,6 +72,7 @@ BallForest::Tree BallForest::MakeTree(std::vector<Ball> balls) {
     }
     leaf.radius_m = std::max(leaf.radius_m, tree.balls[i].radius_m);
   }
+  // build each level from the one below, up to a single root
   while (tree.levels.back().size() > 1) {
     const std::vector<Node>& below = tree.levels.back();
     std::vector<Node> level((below.size() + kArity - 1) / kArity, empty());
@@ -89,6 +91,7 @@ BallForest::Tree BallForest::MakeTree(std::vector<Ball> balls) {
 
 template <typename Limit, typename Visit>
 bool BallForest::Search(const Tree& tree, const Vector3& p_m, const Limit& limit, const Visit& visit) {
+  // a node still to be visited, and its squared distance from p
   struct Open {
     double squared;
     std::size_t level, index;
@@ -148,18 +151,19 @@ double BallForest::MaxOverlap(int threads) const {
       for (std::size_t i = begin; i < end; ++i) {
         const Vector3 c = balls[i].center_m;
         const double r = balls[i].radius_m;
-        double most = worst.Get();
+        double max_overlap_m = worst.Get();
         // A pair is found from its smaller ball, so that each of many small balls around a large one costs
         // one walk down a tree.
         for (std::size_t larger = 0; larger <= t; ++larger)
           Search(
-              trees_[larger], c, [&](const Node& node) { return r + node.radius_m - most; },
+              trees_[larger], c, [&](const Node& node) { return r + node.radius_m - max_overlap_m; },
               [&](const Ball& other, std::size_t j) {
                 if (larger < t || j > i)
-                  most = std::max(most, r + other.radius_m - (c - Vector3(other.center_m)).norm());
+                  max_overlap_m =
+                      std::max(max_overlap_m, r + other.radius_m - (c - Vector3(other.center_m)).norm());
                 return false;
               });
-        worst.Offer(most);
+        worst.Offer(max_overlap_m);
       }
     });
   }
@@ -169,20 +173,20 @@ double BallForest::MaxOverlap(int threads) const {
 double BallForest::Separation(const Ball& one_of_them) const {
   const Vector3 c = one_of_them.center_m;
   const double r = one_of_them.radius_m;
-  double least = kInfinity;
+  double min_ratio = kInfinity;
   bool met_itself = false;
   for (const Tree& tree : trees_)
     Search(
-        tree, c, [&](const Node& node) { return least * std::max(r, node.radius_m); },
+        tree, c, [&](const Node& node) { return min_ratio * std::max(r, node.radius_m); },
         [&](const Ball& other, std::size_t) {
           const double distance = (c - Vector3(other.center_m)).norm();
           if (distance == 0.0 && other.radius_m == r && !met_itself)
             met_itself = true;
           else
-            least = std::min(least, distance / std::max(r, other.radius_m));
+            min_ratio = std::min(min_ratio, distance / std::max(r, other.radius_m));
           return false;
         });
-  return least;
+  return min_ratio;
 }
 
 double BallForest::MaxProtrusion(const Solid& solid, int threads) const {
@@ -191,6 +195,7 @@ double BallForest::MaxProtrusion(const Solid& solid, int threads) const {
     worst.Offer(ball.radius_m + solid.SignedDistance(ball.center_m));
   };
   for (const Tree& tree : trees_) {
+    // first about 4096 balls of each tree: the larger the maximum so far, the more boxes are skipped below
     constexpr std::size_t kFirst = 4096;
     const std::size_t stride = std::max<std::size_t>(1, tree.balls.size() / kFirst);
     ParallelFor((tree.balls.size() + stride - 1) / stride, threads, [&](std::size_t begin, std::size_t end) {
@@ -201,14 +206,15 @@ double BallForest::MaxProtrusion(const Solid& solid, int threads) const {
     // the maximum does not.
     std::size_t level = tree.levels.size() - 1;
     while (level > 0 && tree.levels[level].size() < 256) --level;
-    const auto descend = [&](const auto& self, std::size_t at, std::size_t index) -> void {
-      const Node& node = tree.levels[at][index];
+    const auto descend = [&](const auto& self, std::size_t node_level, std::size_t index) -> void {
+      const Node& node = tree.levels[node_level][index];
       const Vector3 low(node.low_m.data()), high(node.high_m.data());
       const double distance = solid.SignedDistance(0.5 * (low + high));
+      // no ball of a box deep inside can protrude more than the maximum so far
       if (distance < 0.0 && distance + 0.5 * (high - low).norm() + node.radius_m <= worst.Get()) return;
-      if (at > 0) {
-        const std::size_t end = std::min(tree.levels[at - 1].size(), (index + 1) * kArity);
-        for (std::size_t i = index * kArity; i < end; ++i) self(self, at - 1, i);
+      if (node_level > 0) {
+        const std::size_t end = std::min(tree.levels[node_level - 1].size(), (index + 1) * kArity);
+        for (std::size_t i = index * kArity; i < end; ++i) self(self, node_level - 1, i);
       } else {
         const std::size_t end = std::min(tree.balls.size(), (index + 1) * kLeaf);
         for (std::size_t i = index * kLeaf; i < end; ++i) offer(tree.balls[i]);

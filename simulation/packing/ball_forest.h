@@ -45,6 +45,7 @@ class BallForest {
   struct Node {
     std::array<double, 3> low_m, high_m;  ///< box of the centres
     double radius_m;                      ///< the largest
+    /// From p to the box; 0 inside it.
     [[nodiscard]] double SquaredDistance(const Vector3& p_m) const;
   };
   /// Level 0 has a node for each run of kLeaf balls; each further level has one for each run of kArity nodes
@@ -55,6 +56,7 @@ class BallForest {
   };
   static constexpr std::size_t kLeaf = 8, kArity = 4;
 
+  /// @param balls  of one octave of radius, sorted along a Morton curve
   static Tree MakeTree(std::vector<Ball> balls);
   /// Calls visit(ball, its index) for balls in nodes that may come nearer to p than limit(node), nearest
   /// first, and stops where visit returns true.

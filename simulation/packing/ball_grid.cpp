@@ -42,6 +42,7 @@ void BallGrid::Grow(Octave& octave) {
 }
 
 void BallGrid::Insert(const Ball& ball) {
+  // find the octave of the radius, or add it
   int exponent = 0;
   std::frexp(ball.radius_m, &exponent);
   auto octave = std::find_if(octaves_.begin(), octaves_.end(),
@@ -75,6 +76,7 @@ void BallGrid::VisitNear(const Vector3& p_m, double reach_m, const Visit& visit)
     if (squared < within * within) visit(ball, std::sqrt(squared) - ball.radius_m);
   };
   for (const Octave& octave : octaves_) {
+    // a ball of this octave within reach has its centre in this box of cells
     const Vector3 span = Vector3::Constant(reach_m + std::ldexp(1.0, octave.exponent));
     const auto low = CellOf(octave, p_m - span), high = CellOf(octave, p_m + span);
     double cells = 1.0;

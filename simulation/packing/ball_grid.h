@@ -47,10 +47,16 @@ class BallGrid {
   /// Up to this number of balls, an octave is searched one by one.
   static constexpr std::size_t kFewBalls = 48;
 
+  /// Indices of the octave's cell that holds p.
   [[nodiscard]] std::array<std::int64_t, 3> CellOf(const Octave& octave, const Vector3& p_m) const;
+  /// A cell's three indices as one number, 21 bits each.
   [[nodiscard]] static std::uint64_t Key(std::int64_t x, std::int64_t y, std::int64_t z);
+  /// Place of the key in the hash table, or of the free slot where it belongs.
   [[nodiscard]] static std::size_t Slot(const Octave& octave, std::uint64_t key);
+  /// Doubles the hash table.
   static void Grow(Octave& octave);
+  /// Calls visit(ball, signed distance from p to its surface) for balls whose surfaces come nearer than
+  /// `reach_m`, and for those that contain p.
   template <typename Visit>
   void VisitNear(const Vector3& p_m, double reach_m, const Visit& visit) const;
 

@@ -76,8 +76,10 @@ class CellLookup {
   }
 
  private:
+  /// Bits of a cell's index that count within its brick, along one axis.
   static constexpr int kBits = 3, kMask = (1 << kBits) - 1;
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  /// Place of a cell in its brick. @param x, y, z  index of the cell
   static std::size_t InBrick(std::int32_t x, std::int32_t y, std::int32_t z) {
     return static_cast<std::size_t>(((z & kMask) << kBits | (y & kMask)) << kBits | (x & kMask));
   }
@@ -85,11 +87,14 @@ class CellLookup {
   struct Level {
     double side_m{0.0};
     std::array<std::int32_t, 3> first{kFar, kFar, kFar}, last{-kFar, -kFar, -kFar};  ///< in bricks
-    std::vector<std::uint32_t> bricks;
+    std::vector<std::uint32_t> bricks;  ///< by place of the brick: index in `cells`, kNone without a cell
+    /// For each stored brick, its cells by InBrick: index of the cell, kNone where there is none.
     std::vector<std::array<std::uint32_t, 1 << (3 * kBits)>> cells;
     static constexpr std::int32_t kFar = std::numeric_limits<std::int32_t>::max();
 
+    /// Number of bricks along an axis.
     [[nodiscard]] std::int32_t Size(int axis) const { return last[axis] - first[axis] + 1; }
+    /// Place of a brick in `bricks`. @param x, y, z  in bricks
     [[nodiscard]] std::size_t BrickAt(std::int32_t x, std::int32_t y, std::int32_t z) const {
       return (static_cast<std::size_t>(z - first[2]) * Size(1) + (y - first[1])) * Size(0) + (x - first[0]);
     }

@@ -35,8 +35,8 @@ double ClearanceClimb::Measure(const Vector3& p_m, double window_m) {
     if (surface) clearance = std::min(clearance, -surface->distance_m);
     // Balls outside the cache lie farther than this. If that is not far enough, refill the cache; its reach
     // then suffices.
-    const double sure = cached_reach_m_ - (p_m - cached_from_m_).norm();
-    if (sure < clearance + window_m) {
+    const double known_reach_m = cached_reach_m_ - (p_m - cached_from_m_).norm();
+    if (known_reach_m < clearance + window_m) {
       const std::vector<Plane> planes = std::move(planes_);
       CacheNeighbours(p_m, 1.5 * (std::max(0.0, clearance) + window_m) + 1e-12);
       planes_ = planes;
@@ -72,29 +72,31 @@ void ClearanceClimb::AddPlanes(const Vector3& p_m, double clearance_m, double wi
 
 Ball ClearanceClimb::Climb(const Vector3& p_m, double scale_m, double min_m) {
   Vector3 p = p_m;
-  double most = 0.7 * scale_m;
-  double clearance = Measure(p, 2.0 * most);
+  double max_step_m = 0.7 * scale_m;
+  double clearance = Measure(p, 2.0 * max_step_m);
   constexpr int kMaxSteps = 40;  // five to ten are usual: balls curve; an optimum touches four obstacles
   for (int i = 0; i < kMaxSteps && !bounds_.empty(); ++i) {
     if (clearance >= cap_.At(p)) return Settle(p, clearance);
-    const auto [step, hoped] = WalkRidges(bounds_, most);
-    const double gain = hoped - clearance;
-    if (!(gain > 1e-7 * std::abs(clearance))) break;
+    const auto [step, predicted_clearance] = WalkRidges(bounds_, max_step_m);
+    const double gain = predicted_clearance - clearance;
+    if (!(gain > 1e-7 * std::abs(clearance))) break;  // nothing left to gain
     last_bounds_ = bounds_;
-    const bool inner = step.norm() < 0.99 * most;
-    if (inner) most = std::min(most, std::max(step.norm(), 0.01 * scale_m));
-    const double there = Measure(p + step, 2.0 * most);
-    if (there > clearance + 0.1 * gain) {
+    // true where the walk ended at an optimum, not at its length limit
+    const bool ends_inside = step.norm() < 0.99 * max_step_m;
+    if (ends_inside) max_step_m = std::min(max_step_m, std::max(step.norm(), 0.01 * scale_m));
+    const double next_clearance = Measure(p + step, 2.0 * max_step_m);
+    // take the step if it gains at least a tenth of the prediction; otherwise try a shorter one
+    if (next_clearance > clearance + 0.1 * gain) {
       p += step;
-      clearance = there;
-      if (!inner) most *= 2.0;
+      clearance = next_clearance;
+      if (!ends_inside) max_step_m *= 2.0;
       // The optimum lies within reach and falls far short of `min_m`: only curvature is left to gain.
-      if (inner && there < 0.6 * min_m && gain < 0.1 * min_m) break;
+      if (ends_inside && next_clearance < 0.6 * min_m && gain < 0.1 * min_m) break;
     } else {
       std::swap(bounds_, last_bounds_);
       AddPlanes(p, clearance, std::numeric_limits<double>::infinity());  // one plane may be new
-      most = 0.3 * step.norm();
-      if (most < 1e-6 * std::abs(clearance)) break;
+      max_step_m = 0.3 * step.norm();
+      if (max_step_m < 1e-6 * std::abs(clearance)) break;
     }
   }
   return {.center_m = p, .radius_m = clearance};
@@ -113,16 +115,16 @@ Ball ClearanceClimb::Settle(const Vector3& p_m, double clearance_m) {
     if (count == 0) break;
     std::partial_sort(bounds_.begin(), bounds_.begin() + count, bounds_.end(),
                       [](const ClearanceBound& a, const ClearanceBound& b) { return a.value_m < b.value_m; });
-    double off = 0.0;
+    double max_error_m = 0.0;
     Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 3, 3> gradients(count, 3);
-    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> missing(count);
+    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1> errors_m(count);
     for (std::size_t k = 0; k < count; ++k) {
       gradients.row(k) = bounds_[k].gradient.transpose();
-      missing[k] = radius - bounds_[k].value_m;
-      off = std::max(off, std::abs(missing[k]));
+      errors_m[k] = radius - bounds_[k].value_m;
+      max_error_m = std::max(max_error_m, std::abs(errors_m[k]));
     }
-    if (off < 1e-9 * radius) return {.center_m = p, .radius_m = std::min(clearance, radius)};
-    Vector3 step = gradients.completeOrthogonalDecomposition().solve(missing);
+    if (max_error_m < 1e-9 * radius) return {.center_m = p, .radius_m = std::min(clearance, radius)};
+    Vector3 step = gradients.completeOrthogonalDecomposition().solve(errors_m);
     const double length = step.norm();
     if (!(length < 1e3 * radius)) break;
     if (length > 0.5 * radius) step *= 0.5 * radius / length;

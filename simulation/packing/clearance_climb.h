@@ -52,8 +52,11 @@ class ClearanceClimb {
     Vector3 normal;  ///< into the solid
     Vector3 at_m;
   };
+  /// The clearance at p; stores the obstacles at most `window_m` farther in bounds_.
   double Measure(const Vector3& p_m, double window_m);
+  /// Adds the planes_ nearer to p than `within_m` to bounds_.
   void AddPlanes(const Vector3& p_m, double clearance_m, double within_m);
+  /// Moves a ball of the cap's radius until it touches its three nearest obstacles.
   [[nodiscard]] Ball Settle(const Vector3& p_m, double clearance_m);
 
   const Solid& solid_;

@@ -14,13 +14,14 @@ namespace {
 
 constexpr double kRadiusOverSpacing = 0.8;  // a body-centred lattice has no holes from 0.56 on
 
+/// Which sites of a body-centred lattice get a ball.
 struct LatticeRule {
   double spacing_m{0.0};
   double min_distance_m{0.0};  ///< from a centre to the surface
   double min_depth_m{0.0};     ///< of a centre below the zone
 };
 
-// Calls add(Ball, items) for each ball of a body-centred lattice.
+// Calls add(Ball, items) for each ball of a body-centred lattice, and returns all items.
 template <typename Item, typename Add>
 std::vector<Item> DescendLattice(const Solid& solid, const CutZone& zone, const LatticeRule& rule,
                                  int threads, const Add& add) {
@@ -66,6 +67,7 @@ double FindSpacing(double first_m, std::size_t wanted, const std::function<std::
   return best;
 }
 
+// Volume of the solid from this depth below the zone on, in cells of a sixtieth of the solid's size [m³].
 double VolumeBelow(const Solid& solid, const CutZone& zone, double depth_m, int threads) {
   const double side = solid.Bounds().sizes().maxCoeff() / 60.0;
   double volume = 0.0;
@@ -75,6 +77,7 @@ double VolumeBelow(const Solid& solid, const CutZone& zone, double depth_m, int 
   return volume;
 }
 
+// The packing of CountedGrade::kFixedZone.
 std::vector<Ball> FixedZone(const Solid& solid, const CutZone& zone, const PackingParams& base,
                             std::size_t count) {
   std::vector<Ball> balls = BuildPacking(solid, zone, base);
@@ -88,16 +91,17 @@ std::vector<Ball> FixedZone(const Solid& solid, const CutZone& zone, const Packi
   std::erase_if(balls,
                 [&](const Ball& ball) { return zone.DepthAt(Vector3(ball.center_m)) >= rule.min_depth_m; });
   const auto with_spacing = [&rule](double spacing_m) {
-    LatticeRule at = rule;
-    at.spacing_m = spacing_m;
-    at.min_distance_m = 0.3 * spacing_m;
-    return at;
+    LatticeRule spaced = rule;
+    spaced.spacing_m = spacing_m;
+    spaced.min_distance_m = 0.3 * spacing_m;
+    return spaced;
   };
   const std::size_t wanted = count - balls.size();
-  const double first =
+  // a body-centred lattice has two balls in each cube of its spacing
+  const double first_guess_m =
       std::cbrt(2.0 * VolumeBelow(solid, zone, rule.min_depth_m, base.threads) / static_cast<double>(wanted));
   // one byte per ball is enough to count them
-  const double spacing = FindSpacing(first, wanted, [&](double spacing_m) {
+  const double spacing = FindSpacing(first_guess_m, wanted, [&](double spacing_m) {
     return DescendLattice<char>(solid, zone, with_spacing(spacing_m), base.threads,
                                 [](const Ball&, std::vector<char>& items) { items.push_back(1); })
         .size();
@@ -109,6 +113,7 @@ std::vector<Ball> FixedZone(const Solid& solid, const CutZone& zone, const Packi
   return balls;
 }
 
+// The packing of CountedGrade::kUniform at this spacing of its lattice.
 std::vector<Ball> UniformAt(const Solid& solid, const PackingParams& base, double spacing_m) {
   const EverywhereZone everywhere;
   PackingParams params = base;
@@ -125,11 +130,12 @@ std::vector<Ball> UniformAt(const Solid& solid, const PackingParams& base, doubl
   return balls;
 }
 
+// The packing of CountedGrade::kUniform with nearly this number of balls.
 std::vector<Ball> UniformPacking(const Solid& solid, const PackingParams& base, std::size_t count) {
   const double volume = VolumeBelow(solid, EverywhereZone(), 0.0, base.threads);
-  const double first = std::cbrt(3.0 * volume / static_cast<double>(count));
-  const double spacing =
-      FindSpacing(first, count, [&](double spacing_m) { return UniformAt(solid, base, spacing_m).size(); });
+  const double first_guess_m = std::cbrt(3.0 * volume / static_cast<double>(count));
+  const double spacing = FindSpacing(
+      first_guess_m, count, [&](double spacing_m) { return UniformAt(solid, base, spacing_m).size(); });
   return UniformAt(solid, base, spacing);
 }
 

@@ -13,8 +13,8 @@ enum class CountedGrade : std::uint8_t {
   kUniform,    ///< the whole bone alike, as the paper varies it
 };
 
-/// Makes a packing with a given number of balls, for measurements over that number. Up to 10 million balls in
-/// about a minute and in less than 2 GB.
+/// Makes a packing with a given number of balls, to measure how results depend on that number. Up to 10
+/// million balls in about a minute and in less than 2 GB.
 ///
 /// kFixedZone: BuildPacking's packing where the count is at most its own (coarser everywhere for fewer
 /// balls). Beyond that every ball with a centre less deep than the lattice's first level stays as it is. The

@@ -26,12 +26,14 @@ constexpr double kClassRatio = 0.95;
 /// Subtracted from each radius, so that rounding does not produce overlaps.
 constexpr double kGuard_m = 1e-12;
 
+/// Builds one disjoint packing: collects holes, and fills them from the largest class down.
 class Packer {
  public:
   Packer(const Solid& solid, const CutZone& zone, const DisjointParams& params)
       : solid_(solid),
         params_(params),
         cap_{.zone = zone, .radius_m = params.max_radius_m, .grade = params.grade},
+        // a coarse grid of depths is enough for few balls
         depths_(solid, params.count > 0 && params.count < 20'000 ? 64 : 128, params.threads),
         balls_(solid.Bounds().center()),
         min_m_(params.min_radius_m),
@@ -43,6 +45,7 @@ class Packer {
       found.push_back(search.From(starts[i], depths_.spacing_m(), min_m_));
     });
     while (!Full()) {
+      // holes of the current size were dropped, or none are left: search the solid for them
       if (limit_m_ < dropped_m_ || holes_.empty()) {
         if (!SearchEverywhere() && holes_.empty()) break;
       }
@@ -73,43 +76,45 @@ class Packer {
         if (hole.radius_m >= min_m_) holes_[ClassOf(hole.radius_m)].push_back(hole);
   }
 
+  /// Class of holes with this radius; larger radii have larger numbers.
   [[nodiscard]] static int ClassOf(double radius_m) {
     return static_cast<int>(std::floor(std::log(radius_m) / -std::log(kClassRatio)));
   }
 
   /// Order of a hole within its class.
-  struct Turn {
-    int capped_first{0};
-    double key{0.0};  ///< where the cap leaves room, lower ones first; elsewhere larger ones
+  struct FillOrder {
+    int capped_first{0};  ///< 0: the cap limits the hole; 1: its obstacles do
+    double key{0.0};      ///< where the cap leaves room, lower ones first; elsewhere larger ones
     std::uint64_t tie{0};
     std::size_t index{0};
-    auto operator<=>(const Turn&) const = default;
+    auto operator<=>(const FillOrder&) const = default;
   };
 
-  /// Takes the next holes from the largest class.
+  /// Removes the holes to be filled next from the largest class, and returns them in the order of filling.
   std::vector<Ball> TakeLargest() {
     const auto largest = std::prev(holes_.end());
     limit_m_ = std::pow(kClassRatio, -(largest->first + 1));
     std::vector<Ball> holes = std::move(largest->second);
     largest->second.clear();
-    std::vector<Turn> turns(holes.size());
+    std::vector<FillOrder> orders(holes.size());
     ParallelFor(holes.size(), params_.threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) turns[i] = TurnOf(holes[i], i);
+      for (std::size_t i = begin; i < end; ++i) orders[i] = OrderOf(holes[i], i);
     });
-    std::sort(turns.begin(), turns.end());
+    std::sort(orders.begin(), orders.end());
     // Capped balls are piled up from below. Where each rests on placed balls, they lie much denser than where
     // they grow from everywhere at once (in the hip bone, capped at 2 mm: 0.56 of the volume against 0.44).
-    const bool piled = turns.front().capped_first == 0;
-    const double top = turns.front().key + limit_m_;
-    std::vector<Ball> now;
-    for (const Turn& turn : turns)
-      (piled && (turn.capped_first > 0 || turn.key > top) ? largest->second : now)
-          .push_back(holes[turn.index]);
+    const bool piled = orders.front().capped_first == 0;
+    // while piling, take only the lowest layer of capped holes, as high as one class radius
+    const double top = orders.front().key + limit_m_;
+    std::vector<Ball> taken;
+    for (const FillOrder& order : orders)
+      (piled && (order.capped_first > 0 || order.key > top) ? largest->second : taken)
+          .push_back(holes[order.index]);
     if (largest->second.empty()) holes_.erase(largest);
-    return now;
+    return taken;
   }
 
-  [[nodiscard]] Turn TurnOf(const Ball& hole, std::size_t index) const {
+  [[nodiscard]] FillOrder OrderOf(const Ball& hole, std::size_t index) const {
     const bool capped = cap_.radius_m < limit_m_ && hole.radius_m > (1.0 - 1e-6) * cap_.At(hole.center_m);
     std::uint64_t tie = params_.seed;
     for (const double x : {hole.center_m.x, hole.center_m.y, hole.center_m.z})
@@ -149,6 +154,7 @@ class Packer {
     });
   }
 
+  /// True where the hole's ball overlaps no placed ball.
   [[nodiscard]] bool IsFree(const Ball& hole) const {
     return balls_.Clearance(hole.center_m, hole.radius_m) >= hole.radius_m - kGuard_m;
   }
@@ -171,6 +177,7 @@ class Packer {
     std::array<std::size_t, 3> count{};
     for (int axis = 0; axis < 3; ++axis) count[axis] = static_cast<std::size_t>(box.sizes()[axis] / side) + 1;
     const std::size_t cubes = count[0] * count[1] * count[2];
+    // begin with holes of nearly the current size; while none is found, look for smaller ones
     while (true) {
       min_m_ = std::max(params_.min_radius_m, 0.7 * limit_m_);
       dropped_m_ = min_m_ > params_.min_radius_m ? min_m_ : 0.0;

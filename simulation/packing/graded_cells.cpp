@@ -45,6 +45,7 @@ std::vector<Cell> GradedRoots(const Solid& solid, const GradeParams& params) {
 
 std::vector<Cell> DivideGraded(const Solid& solid, const CutZone& zone, const GradeParams& params,
                                CellsWanted wanted, int threads) {
+  // keeps a leaf unless it lies away from what is wanted
   const auto add = [&](Cell cell, std::vector<Cell>& cells) {
     cell.signed_distance_m = solid.SignedDistance(cell.center());
     const double reach = cell.reach_m();

@@ -49,8 +49,8 @@ enum class CellsWanted {
 /// Cubes above the coarsest level that together hold the solid: the start of a descent.
 [[nodiscard]] std::vector<Cell> GradedRoots(const Solid& solid, const GradeParams& params);
 
-/// Random numbers of a cell, equal on every machine: samples are jittered by the cell's place and a salt
-/// alone.
+/// Random numbers of a cell, equal on every machine: they depend only on the cell's place, its level and a
+/// salt.
 class CellRandom {
  public:
   CellRandom(const Cell& cell, std::uint64_t salt);

@@ -18,34 +18,36 @@ namespace osteon::simulation {
 /// `add_leaf(cell, items)` is called for each leaf below parents that were not pruned; the leaf's own
 /// distance is not computed yet. It appends to `items`, which begins empty for each part of the tree. The
 /// parts do not depend on the number of threads, so neither do the items and their order.
-/// @throws std::invalid_argument where there would be more than `most` items.
+/// @throws std::invalid_argument where there would be more than `max_items` items.
 template <typename Item, typename AddLeaf>
 [[nodiscard]] std::vector<Item> DescendGraded(const Solid& solid, const CutZone& zone,
                                               const GradeParams& params, CellsWanted wanted, int threads,
-                                              std::size_t most, const AddLeaf& add_leaf) {
+                                              std::size_t max_items, const AddLeaf& add_leaf) {
   struct Descent {
     const Solid& solid;
     const CutZone& zone;
     const GradeParams& params;
     CellsWanted wanted;
-    std::size_t most;
+    std::size_t max_items;
     const AddLeaf& add_leaf;
     std::atomic<std::size_t> total{0};
 
+    /// True where the cell is small enough for the depth of its centre.
     [[nodiscard]] bool IsLeaf(const Cell& cell) const {
       const int top = static_cast<int>(params.coarser_from_m.size());
       if (cell.level > top) return false;
       return cell.level == 0 || zone.DepthAt(cell.center()) >= params.coarser_from_m[cell.level - 1];
     }
 
+    /// Adds a leaf's items, or divides the cell unless it lies away from what is wanted.
     void Visit(const Cell& cell, std::vector<Item>& items) {
       if (IsLeaf(cell)) {
         add_leaf(cell, items);
-        if (items.size() + total > most)
+        if (items.size() + total > max_items)
           throw std::invalid_argument(fmt::format(
               "bone: found more than {} cells at {:g} mm, accepted fewer: take a larger spacing or "
               "a smaller solid",
-              most, params.finest_m * 1e3));
+              max_items, params.finest_m * 1e3));
         return;
       }
       const double distance = solid.SignedDistance(cell.center()), reach = cell.reach_m();
@@ -58,8 +60,12 @@ template <typename Item, typename AddLeaf>
         Visit(child, items);
       }
     }
-  } descent{
-      .solid = solid, .zone = zone, .params = params, .wanted = wanted, .most = most, .add_leaf = add_leaf};
+  } descent{.solid = solid,
+            .zone = zone,
+            .params = params,
+            .wanted = wanted,
+            .max_items = max_items,
+            .add_leaf = add_leaf};
 
   const std::vector<Cell> roots = GradedRoots(solid, params);
   std::vector<std::vector<Item>> parts(roots.size());

@@ -28,6 +28,7 @@ Matrix3 RandomRotation(std::uint64_t bits) {
 
 constexpr int kNeighbors = 6;
 
+/// Directions spread evenly over the sphere, and the nearest six of each.
 template <int kCount>
 struct Lattice {
   std::array<Vector3, kCount> points;
@@ -92,11 +93,11 @@ void HoleSearch::BoundBySurface(const Ball& ball, double max_m) {
   constexpr int kProbes = 12;
   static const Lattice<kProbes> lattice;
   const Vector3 center = ball.center_m;
-  const double r = ball.radius_m, away = r + 0.5 * std::min(r, max_m);
+  const double r = ball.radius_m, probe_distance = r + 0.5 * std::min(r, max_m);
   std::array<Vector3, kProbes> normals;
   int count = 0;
   for (const Vector3& u : lattice.points) {
-    const Vector3 p = center + away * u;
+    const Vector3 p = center + probe_distance * u;
     const SurfacePoint surface = solid_.NearestSurface(p);
     if (std::abs(surface.distance_m) < 1e-9) continue;  // too near to determine the normal
     const Vector3 n = (p - surface.p_m) / -surface.distance_m;
@@ -182,16 +183,17 @@ void HoleSearch::Divide(CubeSearch& search, const Vector3& center_m, double side
   // The clearance within the cube is at most its centre's plus half the diagonal.
   const double reach = std::sqrt(0.75) * side_m, sure = kSure * search.min_m;
   double clearance = sure + reach;
-  const auto take = [&](const Ball& ball) {
+  // lowers the clearance by a ball, and keeps the ball for the cube's parts if it can matter there
+  const auto consider = [&](const Ball& ball) {
     const double gap = (center_m - Vector3(ball.center_m)).norm() - ball.radius_m;
     if (gap < sure + reach) search.near.push_back(ball);
     clearance = std::min(clearance, gap);
   };
   for (std::size_t i = first; i < last; ++i) {
     const Ball ball = search.near[i];  // a copy: near grows
-    take(ball);
+    consider(ball);
   }
-  for (std::size_t i = search.first; i < search.found.size(); ++i) take(search.found[i]);
+  for (std::size_t i = search.first; i < search.found.size(); ++i) consider(search.found[i]);
   depth_m = std::max(depth_m, depths_.LowerBound(center_m));
   if (clearance + reach >= sure && depth_m < clearance) {
     depth_m = -solid_.SignedDistance(center_m);

@@ -31,7 +31,7 @@ class HoleSearch {
   /// @param max_m  upper limit of a hole's radius
   void AroundBall(std::size_t index, double min_m, double max_m, std::vector<Ball>& found);
 
-  /// Climbs from p.
+  /// The hole at which a climb from p ends. @param scale_m, min_m  see ClearanceClimb::Climb
   [[nodiscard]] Ball From(const Vector3& p_m, double scale_m, double min_m);
 
   /// Appends holes in a cube that have room for a radius of `min_m` or more. If it finds none, no ball of
@@ -42,13 +42,16 @@ class HoleSearch {
  private:
   static constexpr int kDirections = 160;
   using EachDirection = std::array<double, kDirections>;
-  struct Fan;
   struct CubeSearch;
 
+  /// Reduces radius_m_ so that a ball that touches `ball` does not overlap `other`.
   void BoundByBall(const Ball& ball, const Ball& other);
+  /// Reduces radius_m_ so that a ball that touches `ball` stays in the solid, nearly.
   void BoundBySurface(const Ball& ball, double max_m);
+  /// Reduces radius_m_ to the cap, and sets capped_.
   /// @returns whether the cap limits the radius in any direction
   bool BoundByCap(const Ball& ball, double max_m);
+  /// Searches a cube, and its eighths where a hole in it can be neither found nor excluded.
   void Divide(CubeSearch& search, const Vector3& center_m, double side_m, double depth_m, std::size_t first,
               std::size_t last, bool climbed);
   void AppendHole(const Ball& hole, double min_m, std::size_t first, std::vector<Ball>& found) const;

@@ -14,12 +14,13 @@
 namespace osteon::simulation {
 namespace {
 
+// random numbers of samples and of the cells' order must not be the same
 constexpr std::uint64_t kSampleSalt = 16, kOrderSalt = 17;
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr double kMaxHole = 1.5;     // over the separation
-constexpr double kShareReach = 2.3;  // over the separation: points of a slab lie this far apart
-constexpr double kSlab = 0.2;        // over the cell's side
-constexpr double kByZone = 8.0;      // over the cell's side: depth up to which slabs follow the cut zone
+constexpr double kMaxHole = 1.5;     // in separations: places farther than this from all points get a point
+constexpr double kShareReach = 2.3;  // in separations: points of a slab lie this far apart
+constexpr double kSlab = 0.2;        // in sides of a cell: thickness of a slab
+constexpr double kByZone = 8.0;      // in sides of a cell: depth up to which slabs follow the cut zone
 
 /// A point, in the linked list of its cell's points.
 struct Site {
@@ -43,6 +44,7 @@ struct SiteTraits {
   double weight_per_m2;  ///< 1/side^2 of its cell: where spacings meet, shares are in this proportion
 };
 
+/// Steps of BuildMassPoints: draws sites, then gives each its samples. A site becomes a mass point.
 class Builder {
  public:
   Builder(const Solid& solid, const CutZone& zone, const MassPointParams& params)
@@ -79,9 +81,11 @@ class Builder {
       in_cell[axis] += Uniform(MixBits((cell_bits + 3 * i + axis) * kSplitMixStep));
     return cell.min_corner() + cell.side_m / n * in_cell;
   }
+  /// Random bits for a cell's samples.
   [[nodiscard]] static std::uint64_t BitsOf(const Cell& cell) {
     return CellRandom(cell, kSampleSalt).NextBits();
   }
+  /// All samples of a cell.
   void SamplesOf(const Cell& cell, std::vector<Vector3>& samples) const {
     const std::uint64_t bits = BitsOf(cell);
     samples.resize(samples_);
@@ -115,21 +119,23 @@ class Builder {
     std::array<double, 8> of_octant{};
     of_octant.fill(std::numeric_limits<double>::quiet_NaN());
     for (int i = 0; i < samples_; ++i) {
-      const Vector3 off = samples[i] - center;
-      if (off.norm() < std::abs(cell.signed_distance_m)) {
+      const Vector3 from_center = samples[i] - center;
+      if (from_center.norm() < std::abs(cell.signed_distance_m)) {
         inside[i] = cell.signed_distance_m < 0.0;
         continue;
       }
-      const int octant = (off.x() > 0.0) | (off.y() > 0.0) << 1 | (off.z() > 0.0) << 2;
+      const int octant =
+          (from_center.x() > 0.0) | (from_center.y() > 0.0) << 1 | (from_center.z() > 0.0) << 2;
       const Vector3 to_octant =
           0.25 * cell.side_m * Vector3(octant & 1 ? 1 : -1, octant & 2 ? 1 : -1, octant & 4 ? 1 : -1);
       double& distance = of_octant[octant];
       if (std::isnan(distance)) distance = solid_.SignedDistance(center + to_octant);
-      const bool known = (off - to_octant).norm() < std::abs(distance);
+      const bool known = (from_center - to_octant).norm() < std::abs(distance);
       inside[i] = (known ? distance : solid_.SignedDistance(samples[i])) < 0.0;
     }
   }
 
+  /// True where this sample of the cell lies in the solid.
   [[nodiscard]] bool Inside(std::uint32_t cell, int sample) const {
     return crossed_[cell] == kNone || inside_[static_cast<std::size_t>(crossed_[cell]) * samples_ + sample];
   }
@@ -150,18 +156,20 @@ class Builder {
     }
   }
 
+  /// Random bits by which cells are put in order, and their samples too.
   [[nodiscard]] static std::uint64_t OrderBits(const Cell& cell) {
     return CellRandom(cell, kOrderSalt).NextBits();
   }
+  /// Cells in random order: OrderBits and index of each.
   using Order = std::vector<std::pair<std::uint64_t, std::uint32_t>>;
 
-  /// The k-th sample of a cell to try; `bits` are the cell's.
-  [[nodiscard]] int Turn(std::uint64_t bits, int k) const {
+  /// Index of the sample of a cell to try k-th. @param bits  the cell's OrderBits
+  [[nodiscard]] int SampleToTry(std::uint64_t bits, int k) const {
     constexpr std::uint64_t kStride = 37;  // prime, and no factor of any accepted n^3: visits all samples
     return static_cast<int>((bits % samples_ + k * kStride) % samples_);
   }
 
-  /// True where some site lies nearer to a sample of the cell than `factor` separations.
+  /// True where some site lies nearer than `factor` separations to p, a place in this cell.
   [[nodiscard]] bool Refused(const Vector3& p, std::uint32_t cell, double factor) const {
     const auto near_in = [&](std::uint32_t other, double reach) {
       for (std::uint32_t i = first_site_[other]; i != kNone; i = sites_[i].next)
@@ -184,17 +192,17 @@ class Builder {
 
   /// Tries one sample of each cell, in random order: it becomes a site where it keeps its distance from all
   /// sites so far. Since each sample may lie anywhere in its cell, sites do not line up with the cells.
-  void DrawOnce(const Order& order, int turn) {
+  void DrawOnce(const Order& order, int trial) {
     for (const auto& [bits, cell] : order) {
-      const Vector3 p = SampleOf(cells_[cell], BitsOf(cells_[cell]), Turn(bits, turn));
+      const Vector3 p = SampleOf(cells_[cell], BitsOf(cells_[cell]), SampleToTry(bits, trial));
       if (!Refused(p, cell, 1.0)) AddSite(p, cell);
     }
   }
 
   /// Makes sites of all samples that lie `factor` separations from all sites so far, cell by cell. All
   /// threads first exclude the samples that earlier sites refuse, which are nearly all.
-  void DrawRest(const Order& order, double factor, bool inside_alone) {
-    std::vector<std::vector<std::uint16_t>> open(cells_.size());
+  void DrawRest(const Order& order, double factor, bool only_inside) {
+    std::vector<std::vector<std::uint16_t>> candidates(cells_.size());
     ParallelFor(cells_.size(), params_.threads, [&](std::size_t begin, std::size_t end) {
       struct Neighbor {
         Vector3 p_m;
@@ -203,7 +211,7 @@ class Builder {
       std::vector<Vector3> samples;
       std::vector<Neighbor> neighbors;
       for (auto cell = static_cast<std::uint32_t>(begin); cell < end; ++cell) {
-        if (inside_alone && crossed_[cell] == kNone) continue;
+        if (only_inside && crossed_[cell] == kNone) continue;
         const std::uint64_t bits = OrderBits(cells_[cell]);
         neighbors.clear();
         ForEachSiteNear(cells_[cell], factor, [&](std::uint32_t i, double squared_reach) {
@@ -212,19 +220,19 @@ class Builder {
         SamplesOf(cells_[cell], samples);
         std::size_t last = 0;  // the site that refused the last sample often refuses the next
         for (int k = 0; k < samples_; ++k) {
-          const int i = Turn(bits, k);
-          if (inside_alone && !Inside(cell, i)) continue;
+          const int i = SampleToTry(bits, k);
+          if (only_inside && !Inside(cell, i)) continue;
           const auto refuses = [&p = samples[i]](const Neighbor& near) {
             return (near.p_m - p).squaredNorm() < near.squared_reach_m2;
           };
           if (last < neighbors.size() && refuses(neighbors[last])) continue;
           last = std::find_if(neighbors.begin(), neighbors.end(), refuses) - neighbors.begin();
-          if (last == neighbors.size()) open[cell].push_back(static_cast<std::uint16_t>(i));
+          if (last == neighbors.size()) candidates[cell].push_back(static_cast<std::uint16_t>(i));
         }
       }
     });
     for (const auto& [bits, cell] : order)
-      for (const int i : open[cell]) {
+      for (const int i : candidates[cell]) {
         const Vector3 p = SampleOf(cells_[cell], BitsOf(cells_[cell]), i);
         if (!Refused(p, cell, factor)) AddSite(p, cell);
       }
@@ -235,6 +243,7 @@ class Builder {
     first_site_[cell] = static_cast<std::uint32_t>(sites_.size() - 1);
   }
 
+  /// Draws sites over all cells, keeps those inside the solid, and fills the holes that are left.
   void DrawSites() {
     Order order(cells_.size());
     for (std::uint32_t i = 0; i < cells_.size(); ++i) order[i] = {OrderBits(cells_[i]), i};
@@ -242,7 +251,7 @@ class Builder {
     first_site_.resize(cells_.size(), kNone);
     sites_.reserve(cells_.size() + cells_.size() / 4);
     constexpr int kTrials = 4;  // these find most of the sites
-    for (int turn = 0; turn < kTrials; ++turn) DrawOnce(order, turn);
+    for (int trial = 0; trial < kTrials; ++trial) DrawOnce(order, trial);
     DrawRest(order, 1.0, false);
 
     std::vector<char> inside(sites_.size());
@@ -258,6 +267,7 @@ class Builder {
     DrawRest(order, kMaxHole, true);
   }
 
+  /// Depth in a cell, below the cut zone near it and below the surface elsewhere.
   [[nodiscard]] DepthPlane PlaneIn(const Cell& cell) const {
     DepthPlane plane{.below_zone = true, .p_m = cell.center(), .depth_m = 0.0, .gradient = Vector3::Zero()};
     if (cell.level == 0) {
@@ -330,6 +340,7 @@ class Builder {
       const Cell& cell = b_.cells_[index];
       plane_ = b_.planes_[index];
       thickness_m_ = kSlab * cell.side_m;
+      // the slabs that the depths within the cell span
       const double half = 0.5 * cell.side_m * plane_.gradient.lpNorm<1>();
       const double middle = plane_.At(cell.center());
       first_slab_ = Slab(middle - half);
@@ -361,26 +372,29 @@ class Builder {
       return !near_.empty();
     }
 
+    /// The site that gets the sample at p: the nearest of its material in its slab, else of about its depth.
     [[nodiscard]] std::uint32_t SiteOf(const Vector3& p) const {
       const double depth = plane_.At(p);
       const int slab = std::clamp(Slab(depth) - first_slab_, 0, slabs_ - 1);
-      const std::span<const Near> alike(by_slab_.data() + begins_[slab], begins_[slab + 1] - begins_[slab]);
+      const std::span<const Near> in_slab(by_slab_.data() + begins_[slab], begins_[slab + 1] - begins_[slab]);
       const auto any = [](const Near&) { return true; };
-      const auto far = [&p](const Near& near) { return near.weight_per_m2 * (near.p_m - p).squaredNorm(); };
+      const auto distance_to = [&p](const Near& near) {
+        return near.weight_per_m2 * (near.p_m - p).squaredNorm();
+      };
       // a material query is slow: only where it decides
-      if (!alike.empty() && !mixed_[slab]) return Nearest(alike, far, any);
+      if (!in_slab.empty() && !mixed_[slab]) return Nearest(in_slab, distance_to, any);
       const MaterialIndex material = b_.solid_.MaterialAt(p);
       const auto same = [material](const Near& near) { return near.material == material; };
-      std::uint32_t site = Nearest(alike, far, same);
+      std::uint32_t site = Nearest(in_slab, distance_to, same);
       if (site != kNone) return site;
       // none in the slab: choose one of about this depth
-      const auto deeper = [&](const Near& near) {
-        constexpr double kDepthCounts = 10.0;
-        const double off = kDepthCounts * (near.depth_m - depth);
-        return far(near) + near.weight_per_m2 * off * off;
+      const auto distance_with_depth = [&](const Near& near) {
+        constexpr double kDepthCounts = 10.0;  // times as much as a distance along the slab
+        const double depth_off = kDepthCounts * (near.depth_m - depth);
+        return distance_to(near) + near.weight_per_m2 * depth_off * depth_off;
       };
-      site = Nearest(near_, deeper, same);
-      return site != kNone ? site : Nearest(near_, deeper, any);
+      site = Nearest(near_, distance_with_depth, same);
+      return site != kNone ? site : Nearest(near_, distance_with_depth, any);
     }
 
    private:
@@ -391,18 +405,20 @@ class Builder {
       int slab;  ///< from the cell's first slab; -1 outside the cell's slabs
       MaterialIndex material;
     };
+    /// Number of the slab at this depth.
     [[nodiscard]] int Slab(double depth_m) const {
       return static_cast<int>(std::floor(depth_m / thickness_m_));
     }
+    /// The accepted site of least distance; kNone where none is accepted.
     template <typename Distance, typename Accept>
     static std::uint32_t Nearest(std::span<const Near> of, const Distance& distance, const Accept& accept) {
-      double least = std::numeric_limits<double>::infinity();
+      double min_distance = std::numeric_limits<double>::infinity();
       std::uint32_t site = kNone;
       for (const Near& near : of) {
         if (!accept(near)) continue;
         const double d = distance(near);
-        if (d >= least) continue;
-        least = d;
+        if (d >= min_distance) continue;
+        min_distance = d;
         site = near.site;
       }
       return site;

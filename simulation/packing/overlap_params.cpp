@@ -16,13 +16,14 @@ struct Demand {
   double lattice_volume_m3{0.0};  ///< volume deeper than the cap; counts an eighth at each coarser level
 };
 
+/// factor^level, where `level` is the number of depths `from_m` that lie above this depth.
 double CoarserBy(const std::vector<double>& from_m, double depth_m, double factor) {
   const auto level = std::upper_bound(from_m.begin(), from_m.end(), depth_m) - from_m.begin();
   return std::pow(factor, static_cast<double>(level));
 }
 
-/// Measures the demand to about 5 %, in cells of a fortieth of the solid's size. On average, the number of
-/// centres within half a cell's diagonal of the surface is the volume of this layer over that of a cell.
+/// Measures the demand to about 5 %, in cells of a fortieth of the solid's size. The area is the volume of
+/// the cells whose centres lie within half a diagonal of the surface, divided by the thickness of this layer.
 Demand Measure(const Solid& solid, const CutZone& zone, const PackingParams& params) {
   const double side = solid.Bounds().sizes().maxCoeff() / 40.0, volume = side * side * side;
   Demand demand;
@@ -60,13 +61,13 @@ std::vector<double> DoublingDepths(double cap_m, double growth) {
 }  // namespace
 
 PackingParams OverlapParamsFor(const Solid& solid, const CutZone& zone, const OverlapOptions& options) {
-  const double most = 0.5 * solid.Bounds().sizes().minCoeff();  // no ball inside is larger
+  const double max_radius = 0.5 * solid.Bounds().sizes().minCoeff();  // no ball inside is larger
   PackingParams params;
   params.count = options.count;
   params.seed = options.seed;
   params.threads = options.threads;
 
-  const double cap = options.max_radius_m != 0.0 ? options.max_radius_m : most;
+  const double cap = options.max_radius_m != 0.0 ? options.max_radius_m : max_radius;
   CheckRangeMm("overlapping packing: greatest radius", cap, 0.05e-3, 0.500);
   params.min_radius_m =
       options.min_radius_m != 0.0 ? options.min_radius_m : std::min(params.min_radius_m, 0.1 * cap);
@@ -74,7 +75,7 @@ PackingParams OverlapParamsFor(const Solid& solid, const CutZone& zone, const Ov
   if (!(options.grade >= 0.0 && options.grade <= 1.0))
     throw std::invalid_argument(
         fmt::format("overlapping packing: grade: found {:g}, accepted 0 … 1", options.grade));
-  params.cup_radius_cap_m = std::min(cap, most);
+  params.cup_radius_cap_m = std::min(cap, max_radius);
   params.radius_growth = options.grade;
 
   params.lattice.coarser_from_m = DoublingDepths(params.cup_radius_cap_m, options.grade);
@@ -91,6 +92,7 @@ PackingParams OverlapParamsFor(const Solid& solid, const CutZone& zone, const Ov
   if (options.count > 0) {
     const auto count = static_cast<double>(options.count);
     const double widest = params.cup_radius_cap_m / 0.6;  // just short of holes; BuildPacking may accept them
+    // spacing at which the lattice takes its share of the count
     const double fitting = std::cbrt(2.0 * demand.lattice_volume_m3 / (kLatticeShare * count));
     params.lattice.finest_m = std::clamp(fitting, params.lattice.finest_m, widest);
     params.samples.finest_m = std::sqrt(demand.sampled_area_m2 / (SamplesPerBall(options.count) * count));

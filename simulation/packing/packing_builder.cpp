@@ -62,10 +62,13 @@ std::vector<Ball> FittingLattice(const Solid& solid, const CutZone& zone, Packin
     const bool at_holes = params.cup_radius_cap_m < 0.6 * params.lattice.finest_m;
     const double share = at_holes ? kLatticeShareWithHoles : kLatticeShare;
     if (params.count == 0 || found <= share * count) return balls;
-    double wider = std::max(1.02, std::cbrt(found / (0.97 * share * count)));
+    // spacing to bring the number just below the share
+    double widening = std::max(1.02, std::cbrt(found / (0.97 * share * count)));
+    // do not jump past the spacing at which holes begin: the larger share then applies
     if (!at_holes)
-      wider = std::min(wider, std::max(1.02, params.cup_radius_cap_m / (0.599 * params.lattice.finest_m)));
-    params.lattice.finest_m *= wider;
+      widening =
+          std::min(widening, std::max(1.02, params.cup_radius_cap_m / (0.599 * params.lattice.finest_m)));
+    params.lattice.finest_m *= widening;
   }
 }
 
@@ -76,13 +79,13 @@ std::vector<TangentBall> EnoughTangentBalls(const Solid& solid, const CutZone& z
   constexpr int kMaxRounds = 6;
   for (int round = 0;; ++round) {
     std::vector<TangentBall> balls = FindTangentBalls(solid, zone, params, samples);
-    const double per_ball =
+    const double samples_per_ball =
         static_cast<double>(balls.size()) / static_cast<double>(std::max<std::size_t>(1, wanted));
-    if (wanted == 0 || per_ball >= kMinSamplesPerBall || round == kMaxRounds) {
+    if (wanted == 0 || samples_per_ball >= kMinSamplesPerBall || round == kMaxRounds) {
       SortAlongMortonCurve(balls, solid.Bounds(), [](const TangentBall& ball) { return ball.foot_m; });
       return balls;
     }
-    samples.finest_m *= std::clamp(std::sqrt(per_ball / (1.3 * kMinSamplesPerBall)), 0.2, 0.9);
+    samples.finest_m *= std::clamp(std::sqrt(samples_per_ball / (1.3 * kMinSamplesPerBall)), 0.2, 0.9);
   }
 }
 

@@ -19,12 +19,12 @@ struct PackingParams {
   /// doubled spacing).
   GradeParams lattice{.finest_m = 1.5e-3, .coarser_from_m = {6.5e-3, 12e-3}};
   double cup_radius_cap_m{3.0e-3};  ///< for balls that reach up to cup_depth_m below the cup
-  double cup_depth_m{4.0e-3};
-  double radius_over_spacing{1.2};  ///< limits the radius of the others; a lattice has no holes from 0.56 on
+  double cup_depth_m{4.0e-3};       ///< depth below the cup up to which that cap holds
+  double radius_over_spacing{1.2};  ///< cap of all other balls; a lattice has no holes from 0.56 on
   /// Growth of the cap with the depth of a ball's centre below the cut zone, 0 … 1. The cap is then
   /// cup_radius_cap_m plus this times the depth, and the rules of the three values above do not apply.
   std::optional<double> radius_growth;
-  double min_radius_m{0.15e-3};
+  double min_radius_m{0.15e-3};  ///< of the balls that touch the surface
 
   /// Largest gap between the surface and the union of the balls, at the surface samples: its value near the
   /// cup, its growth with depth below the finest level, and its upper limit.

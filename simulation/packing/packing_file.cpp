@@ -19,6 +19,7 @@ using namespace packing_layout;
 
 namespace {
 
+/// Limits of a section of one kind.
 struct KindInfo {
   std::uint32_t kind;
   const char* name;
@@ -36,10 +37,12 @@ constexpr std::array<KindInfo, 6> kKinds{{
     {kProvenance, "provenance", 1, kMaxTextBytes, true},
 }};
 
+/// CRC-32 of earlier bytes, continued over these; begins with 0.
 std::uint32_t Crc(std::uint32_t crc, const void* data, std::size_t bytes) {
   return static_cast<std::uint32_t>(crc32_z(crc, static_cast<const Bytef*>(data), bytes));
 }
 
+/// The bytes as in "89 4f 53".
 std::string Hex(std::span<const std::byte> bytes) {
   std::string text;
   for (const std::byte b : bytes)
@@ -47,7 +50,8 @@ std::string Hex(std::span<const std::byte> bytes) {
   return text;
 }
 
-/// Guesses from its first bytes what a file is that is no packing: " (a PNG picture)"; empty if unknown.
+/// Guesses from the first bytes of a file that is no packing what it is instead: " (a PNG picture)"; empty if
+/// unknown.
 std::string GuessFileKind(std::span<const std::byte> bytes) {
   const std::string_view start(reinterpret_cast<const char*>(bytes.data()),
                                std::min<std::size_t>(bytes.size(), 16));
@@ -91,6 +95,7 @@ class PackingReader {
   }
 
  private:
+  /// Stores the error, unless there is an earlier one.
   void Fail(std::optional<std::uint64_t> byte, const std::string& where, const std::string& found,
             const std::string& accepted) {
     if (!error_)
@@ -119,6 +124,7 @@ class PackingReader {
           fmt::format("{}{}", kVersion, header_.version > kVersion ? ": a newer Osteon wrote it" : ""));
   }
 
+  /// Reads and checks the section table, by its checksum first.
   void ReadTable() {
     if (header_.sections < 1 || header_.sections > kMaxSections)
       return Fail(offsetof(FileHeader, sections), "number of sections", std::to_string(header_.sections),
@@ -165,27 +171,27 @@ class PackingReader {
   }
 
   /// Checks a section's entry.
-  /// @param least  first byte after the previous section. @returns the first byte after this section
-  std::uint64_t CheckEntry(std::size_t i, std::uint64_t least) {
+  /// @param previous_end  first byte after the previous section. @returns the first byte after this section
+  std::uint64_t CheckEntry(std::size_t i, std::uint64_t previous_end) {
     const SectionEntry& entry = table_[i];
     const std::uint64_t at = sizeof(FileHeader) + i * sizeof(SectionEntry);
     const auto info = std::ranges::find(kKinds, entry.kind, &KindInfo::kind);
     if (info == kKinds.end()) {
       Fail(at, fmt::format("section {}", i), fmt::format("kind {}", entry.kind),
            fmt::format("1 … {}", kKinds.size()));
-      return least;
+      return previous_end;
     }
     const std::string where = fmt::format("section \"{}\"", info->name);
     for (std::size_t j = 0; j < i; ++j)
       if (table_[j].kind == entry.kind) Fail(at, where, "a second one", "one of each kind");
     if (i > 0 && table_[i - 1].kind > entry.kind)
       Fail(at, where, fmt::format("behind kind {}", table_[i - 1].kind), "kinds in ascending order");
-    const std::uint64_t aligned = (least + kAlignment - 1) / kAlignment * kAlignment;
+    const std::uint64_t aligned = (previous_end + kAlignment - 1) / kAlignment * kAlignment;
     if (entry.offset > header_.file_bytes || entry.bytes > header_.file_bytes - entry.offset)
       Fail(at + offsetof(SectionEntry, offset), where,
            fmt::format("{} bytes from byte {} on", entry.bytes, entry.offset),
            fmt::format("what lies within the file's {} bytes", header_.file_bytes));
-    if (entry.offset < least)
+    if (entry.offset < previous_end)
       Fail(at + offsetof(SectionEntry, offset), where,
            fmt::format("that it begins at byte {}, within what lies before it", entry.offset),
            fmt::format("byte {}", aligned));
@@ -271,6 +277,7 @@ class PackingReader {
     }
   }
 
+  /// True where each coordinate lies within kReach_mm of the origin.
   static bool InReach(float x, float y, float z) {
     // & instead of && avoids a branch for each coordinate; a NaN is out of reach
     return (std::abs(x) <= kReach_mm) & (std::abs(y) <= kReach_mm) & (std::abs(z) <= kReach_mm);
@@ -317,6 +324,7 @@ class PackingReader {
     return records;
   }
 
+  /// A section's bytes as text, after a check of its checksum.
   std::string_view Text(const SectionEntry& entry) {
     const char* begin = reinterpret_cast<const char*>(bytes_.data() + entry.offset);
     CheckCrc(entry, Crc(0, begin, entry.bytes));
@@ -330,6 +338,7 @@ class PackingReader {
                      entry.offset + entry.bytes - 1));
   }
 
+  /// Reports the first coordinate out of reach, if any.
   void FailPlace(const std::array<float, 3>& at_mm, const std::string& where, std::uint64_t byte) {
     for (std::size_t k = 0; k < 3; ++k)
       if (!(std::abs(at_mm[k]) <= kReach_mm))
@@ -355,12 +364,12 @@ class PackingReader {
   /// Checks the points' material indices, once the materials have been read: they come after the points.
   void CheckPointMaterials() {
     if (error_ || packing_.point_materials_.empty()) return;
-    const auto greatest = std::ranges::max_element(packing_.point_materials_);
-    if (*greatest < packing_.materials_.size()) return;
-    const auto i = static_cast<std::uint64_t>(greatest - packing_.point_materials_.begin());
+    const auto max_material = std::ranges::max_element(packing_.point_materials_);
+    if (*max_material < packing_.materials_.size()) return;
+    const auto i = static_cast<std::uint64_t>(max_material - packing_.point_materials_.begin());
     const std::size_t listed = packing_.materials_.size();
     Fail(Entry(kPointMaterials)->offset + i, fmt::format("mass point {}", i),
-         fmt::format("material {}", *greatest),
+         fmt::format("material {}", *max_material),
          listed == 1 ? "0: one material is listed"
                      : fmt::format("0 … {}: {} materials are listed", listed - 1, listed));
   }
@@ -382,6 +391,7 @@ class PackingReader {
     packing_.site_ = CutSite{.center_m = center, .axis = axis, .radius_m = site.radius_m};
   }
 
+  /// The entry of the section of this kind; null where there is none.
   [[nodiscard]] const SectionEntry* Entry(std::uint32_t kind) const {
     const auto found = std::ranges::find(table_, kind, &SectionEntry::kind);
     return found == table_.end() ? nullptr : &*found;

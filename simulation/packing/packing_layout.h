@@ -48,10 +48,10 @@ struct FileHeader {
   std::uint32_t version{kVersion};
   std::uint64_t file_bytes{0};
   std::uint32_t sections{0};
-  std::uint32_t zero{0};
+  std::uint32_t zero{0};              ///< unused, must be 0
   std::array<double, 3> origin_mm{};  ///< origin of balls and points, in G
-  std::uint32_t also_zero{0};
-  std::uint32_t crc{0};  ///< of the 60 bytes before it, then of the table
+  std::uint32_t also_zero{0};         ///< unused, must be 0
+  std::uint32_t crc{0};               ///< of the 60 bytes before it, then of the table
 };
 static_assert(sizeof(FileHeader) == 64 && offsetof(FileHeader, file_bytes) == 16 &&
               offsetof(FileHeader, origin_mm) == 32 && offsetof(FileHeader, crc) == 60);

@@ -14,13 +14,14 @@
 namespace osteon::simulation {
 namespace {
 
+// different salts give independent random numbers
 constexpr std::uint64_t kVolumeSalt = 21, kSurfaceSalt = 22;
 
 void Check(std::span<const Ball> balls, const QualityParams& params) {
-  const auto check = [](const char* name, std::size_t value, std::size_t most) {
-    if (value < 1000 || value > most)
+  const auto check = [](const char* name, std::size_t value, std::size_t max_value) {
+    if (value < 1000 || value > max_value)
       throw std::invalid_argument(
-          fmt::format("packing quality: {}: found {}, accepted 1000 … {}", name, value, most));
+          fmt::format("packing quality: {}: found {}, accepted 1000 … {}", name, value, max_value));
   };
   check("samples", params.samples, 100'000'000);
   check("surface samples", params.surface_samples, 10'000'000);
@@ -35,13 +36,13 @@ void Check(std::span<const Ball> balls, const QualityParams& params) {
   }
 }
 
-/// Jittered samples of the cells of a cubic grid. `keep(cell, sample)` converts a sample to the wanted point,
-/// or rejects it.
 struct Samples {
   std::vector<Vector3> points_m;
-  double side_m{0.0};
+  double side_m{0.0};  ///< of the cells that gave one sample each
 };
 
+/// Takes a jittered sample of each cell of a cubic grid. `keep(cell, sample)` converts a sample to the wanted
+/// point, or rejects it.
 template <typename Keep>
 Samples SampleCells(const Solid& solid, CellsWanted wanted, double side_m, std::uint64_t salt, int threads,
                     const Keep& keep) {
@@ -98,6 +99,7 @@ Samples SampleSurface(const Solid& solid, const QualityParams& params) {
                      });
 }
 
+/// Balls by radius, in eighths of an octave; @param min_m, max_m  smallest and largest radius
 std::vector<RadiusBin> Histogram(std::span<const Ball> balls, double min_m, double max_m) {
   constexpr int kBinsPerOctave = 8;
   const auto bin = [](double radius) {
@@ -113,6 +115,7 @@ std::vector<RadiusBin> Histogram(std::span<const Ball> balls, double min_m, doub
   return bins;
 }
 
+/// Distance from each point to the union of the balls.
 std::vector<double> Gaps(const BallForest& forest, const std::vector<Vector3>& points_m, int threads) {
   std::vector<double> gaps(points_m.size());
   ParallelFor(points_m.size(), threads, [&](std::size_t begin, std::size_t end) {
@@ -131,31 +134,32 @@ PackingQuality MeasurePacking(const Solid& solid, std::span<const Ball> balls, c
 
   const Samples inside = SampleVolume(solid, params);
   const std::vector<double> volume_gaps = Gaps(forest, inside.points_m, params.threads);
-  const double n = static_cast<double>(inside.points_m.size());
+  const double inside_count = static_cast<double>(inside.points_m.size());
   quality.volume_samples = inside.points_m.size();
-  quality.solid_volume_m3 = n * inside.side_m * inside.side_m * inside.side_m;
-  quality.coverage = static_cast<double>(std::count(volume_gaps.begin(), volume_gaps.end(), 0.0)) / n;
-  quality.coverage_standard_error = std::sqrt(quality.coverage * (1.0 - quality.coverage) / n);
+  quality.solid_volume_m3 = inside_count * inside.side_m * inside.side_m * inside.side_m;
+  quality.coverage =
+      static_cast<double>(std::count(volume_gaps.begin(), volume_gaps.end(), 0.0)) / inside_count;
+  quality.coverage_standard_error = std::sqrt(quality.coverage * (1.0 - quality.coverage) / inside_count);
 
   const Samples feet = SampleSurface(solid, params);
   std::vector<double> gaps = Gaps(forest, feet.points_m, params.threads);
   std::sort(gaps.begin(), gaps.end());
-  const double m = static_cast<double>(gaps.size());
+  const double foot_count = static_cast<double>(gaps.size());
   quality.surface_samples = gaps.size();
-  quality.surface_area_m2 = m * feet.side_m * feet.side_m;
+  quality.surface_area_m2 = foot_count * feet.side_m * feet.side_m;
   double sum = 0.0;
   for (const double gap : gaps) sum += gap;
-  quality.surface_gap_mean_m = sum / m;
+  quality.surface_gap_mean_m = sum / foot_count;
   quality.surface_gap_p95_m = gaps[gaps.size() * 95 / 100];
   quality.surface_gap_max_m = gaps.back();
   for (std::size_t i = 0; i <= 100; ++i)
     quality.surface_gap_percentiles_m[i] = gaps[std::min(gaps.size() * i / 100, gaps.size() - 1)];
 
   if (balls.empty()) return quality;
-  const auto [least, greatest] = std::minmax_element(
+  const auto [smallest, largest] = std::minmax_element(
       balls.begin(), balls.end(), [](const Ball& a, const Ball& b) { return a.radius_m < b.radius_m; });
-  quality.r_min_m = least->radius_m;
-  quality.r_max_m = greatest->radius_m;
+  quality.r_min_m = smallest->radius_m;
+  quality.r_max_m = largest->radius_m;
   quality.radius_histogram = Histogram(balls, quality.r_min_m, quality.r_max_m);
   quality.protrusion_max_m = forest.MaxProtrusion(solid, params.threads);
   quality.overlap_max_m = forest.MaxOverlap(params.threads);

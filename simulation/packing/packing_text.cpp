@@ -111,6 +111,7 @@ class LineReader {
     return !error_ && rest.starts_with(key) && rest.substr(key.size()).starts_with('=');
   }
 
+  /// The number of the next line, which must have this key; `max_value` kNoBound: any finite one.
   double ReadNumber(const char* key, double max_value, bool may_be_zero) {
     const std::string text = Value(key);
     double value = 0.0;
@@ -122,6 +123,7 @@ class LineReader {
     return value;
   }
 
+  /// Reads a figure's two lines, its value and its source, into the material.
   void ReadFigure(const Figure& figure, Material& material) {
     material.*figure.value = ReadNumber(figure.key, figure.max_value, figure.may_be_zero);
     const std::string accepted = fmt::format("a line {}=… or {}=…", figure.source_key, figure.assumption_key);
@@ -130,19 +132,21 @@ class LineReader {
     material.*figure.source = {.text = source, .assumed = key == figure.assumption_key};
   }
 
-  /// An error at the beginning of the last line.
+  /// Stores an error at the beginning of the last line.
   void Fail(const std::string& found, const std::string& accepted) { Keep(line_, "", found, accepted); }
-  /// An error at the last line's value.
+  /// Stores an error at the last line's value.
   void FailValue(const std::string& key, const std::string& found, const std::string& accepted) {
     Keep(value_, key, found, accepted);
   }
 
  private:
+  /// Stores an error, unless there is an earlier one.
   void Keep(std::size_t byte, const std::string& where, const std::string& found,
             const std::string& accepted) {
     if (!error_) error_ = TextError{.byte = byte, .where = where, .found = found, .accepted = accepted};
   }
 
+  /// The value with \n and \\ resolved; empty after an error.
   std::string Unescaped(std::string_view raw) {
     std::string out;
     for (std::size_t i = 0; i < raw.size();) {
@@ -169,7 +173,7 @@ class LineReader {
   }
 
   std::string_view text_;
-  std::size_t at_{0}, line_{0}, value_{0};
+  std::size_t at_{0}, line_{0}, value_{0};  ///< bytes where the next line, the last one and its value begin
   std::optional<TextError> error_;
 };
 
@@ -190,6 +194,7 @@ void ReadEdgeForce(LineReader& reader, Material& material) {
                      fmt::format("more than {} over {}", kEdgeForce.key, kFigures[1].key));
 }
 
+/// The two lines of a figure, its value and its source.
 std::string FigureText(const Figure& figure, const Material& material) {
   const FigureSource& source = material.*figure.source;
   return fmt::format("{}={}\n{}={}\n", figure.key, material.*figure.value,

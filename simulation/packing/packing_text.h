@@ -24,10 +24,12 @@ struct NamedProvenance {
   PackingProvenance provenance;
 };
 
+/// Text of the section "materials", and back.
 /// @returns an error where a value is not UTF-8, holds a control character or is out of range.
 [[nodiscard]] tl::expected<std::string, TextError> MaterialsToText(const std::vector<Material>& materials);
 [[nodiscard]] tl::expected<std::vector<Material>, TextError> MaterialsFromText(std::string_view text);
 
+/// Text of the section "provenance", and back. @returns errors as above.
 [[nodiscard]] tl::expected<std::string, TextError> ProvenanceToText(const NamedProvenance& value);
 [[nodiscard]] tl::expected<NamedProvenance, TextError> ProvenanceFromText(std::string_view text);
 

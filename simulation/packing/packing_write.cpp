@@ -26,6 +26,7 @@ constexpr double kFarthest_mm = 1e6;
 /// back in double precision, in grid steps: 1e6 mm is 2^35 grid steps, and a double holds 53 bits.
 constexpr double kRounding_grids = 1e-4;
 
+/// A length as the nearest whole number of grid steps.
 double ToGrid(double length_m) { return std::nearbyint(length_m * 1e3 / kGrid_mm); }
 
 /// Converts a multiple of the grid to millimetres from the origin. Minus zero becomes zero, because a reload
@@ -34,6 +35,7 @@ float MmFromOrigin(double grids, double origin_mm) {
   return static_cast<float>(grids * kGrid_mm - origin_mm + 0.0);
 }
 
+/// Converts a bone to the sections of a packing file, checks it, and writes the file.
 class PackingWriter {
  public:
   PackingWriter(const std::filesystem::path& path, const Bone& bone, const PackingProvenance& provenance)
@@ -119,7 +121,8 @@ class PackingWriter {
             const Ball& ball = bone_.balls[i];
             const Vector3 p = ball.center_m;
             const Vector3 grids(ToGrid(p.x()), ToGrid(p.y()), ToGrid(p.z()));
-            // the saved ball lies within the given ball
+            // shrink by the centre's shift, so that the saved ball lies within the given ball; a radius on
+            // the grid must not lose a step to rounding
             const double moved = (grids - p * (1e3 / kGrid_mm)).norm();
             const double radius = std::floor(ball.radius_m * 1e3 / kGrid_mm - moved + 2.0 * kRounding_grids);
             balls_[i] = {.x_mm = MmFromOrigin(grids.x(), origin_mm_[0]),
@@ -170,6 +173,7 @@ class PackingWriter {
              .radius_m = site.radius_m};
   }
 
+  /// Appends a section unless it is empty; WriteSections sets its offset.
   void AddSection(SectionKind kind, std::span<const std::byte> bytes, std::size_t count) {
     if (count == 0) return;
     const auto crc = crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());

@@ -17,14 +17,14 @@ namespace {
 using Wave = std::array<int, 3>;  // waves along each side of a window
 
 void Check(const SpectrumParams& p) {
-  const auto refuse = [](const char* name, double value, double low, double high) {
+  const auto check_range = [](const char* name, double value, double low, double high) {
     if (value >= low && value <= high) return;
     throw std::invalid_argument(
         fmt::format("spectrum: {}: found {:g}, accepted {:g} … {:g}", name, value, low, high));
   };
-  refuse("greatest frequency", p.max_frequency, 0.1, 10.0);
-  refuse("bins", p.bins, 1, 1000);
-  refuse("waves per bin", p.waves_per_bin, 1, 10'000);
+  check_range("greatest frequency", p.max_frequency, 0.1, 10.0);
+  check_range("bins", p.bins, 1, 1000);
+  check_range("waves per bin", p.waves_per_bin, 1, 10'000);
 }
 
 /// Draws up to waves_per_bin different wave vectors with lengths in bin b: random directions and lengths,
@@ -56,6 +56,7 @@ std::vector<Wave> DrawWaves(int b, double spacing_m, const Vector3& sides_m, con
   return waves;
 }
 
+/// Sum of the power over a bin's wave vectors, and their number.
 struct Power {
   double sum{0.0};
   std::size_t waves{0};
@@ -67,13 +68,13 @@ std::vector<Power> WindowPowers(const std::vector<Vector3>& points_m, const Eige
   const Vector3 sides = window.sizes();
   const double spacing = std::cbrt(window.volume() / static_cast<double>(points_m.size()));
   std::vector<double> weights;
-  double squares = 0.0;
+  double squared_weights = 0.0;
   for (const Vector3& p : points_m) {
     double w = 1.0;
     for (int axis = 0; axis < 3; ++axis)
       w *= 1.0 - std::cos(2.0 * std::numbers::pi * (p[axis] - window.min()[axis]) / sides[axis]);
     weights.push_back(w);
-    squares += w * w;
+    squared_weights += w * w;
   }
   std::vector<Power> powers(params.bins);
   ParallelFor(
@@ -86,7 +87,7 @@ std::vector<Power> WindowPowers(const std::vector<Vector3>& points_m, const Eige
             std::complex<double> sum = 0.0;
             for (std::size_t i = 0; i < points_m.size(); ++i)
               sum += weights[i] * std::polar(1.0, -k.dot(points_m[i] - window.min()));
-            powers[b].sum += std::norm(sum) / squares;
+            powers[b].sum += std::norm(sum) / squared_weights;
             ++powers[b].waves;
           }
       },
@@ -100,13 +101,13 @@ RadialSpectrum ComputeRadialSpectrum(std::span<const Vector3> points_m,
                                      std::span<const Eigen::AlignedBox3d> windows,
                                      const SpectrumParams& params) {
   Check(params);
-  constexpr std::size_t kFewestPoints = 20;
+  constexpr std::size_t kMinPoints = 20;
   std::vector<double> power(params.bins, 0.0), weight(params.bins, 0.0);
   for (const Eigen::AlignedBox3d& window : windows) {
     std::vector<Vector3> inside;
     for (const Vector3& p : points_m)
       if (window.contains(p)) inside.push_back(p);
-    if (inside.size() < kFewestPoints) continue;
+    if (inside.size() < kMinPoints) continue;
     const std::vector<Power> powers = WindowPowers(inside, window, params);
     for (std::size_t b = 0; b < powers.size(); ++b) {
       if (powers[b].waves == 0) continue;
@@ -125,7 +126,7 @@ RadialSpectrum ComputeRadialSpectrum(std::span<const Vector3> points_m,
 }
 
 std::vector<Eigen::AlignedBox3d> UniformWindows(const Solid& solid, const CutZone& zone,
-                                                const MassPointParams& params, std::size_t most) {
+                                                const MassPointParams& params, std::size_t max_windows) {
   constexpr double kMinWidth = 5.0;  // in spacings
   struct Room {
     Vector3 center;
@@ -137,11 +138,11 @@ std::vector<Eigen::AlignedBox3d> UniformWindows(const Solid& solid, const CutZon
     // A cube lies in the ball around it. Between two depths there are only cells of this size; cells across a
     // border extend beyond it by half the diagonal of the coarser ones.
     const double depth = zone.DepthAt(cell.center());
-    double free = -cell.signed_distance_m;
-    if (cell.level > 0) free = std::min(free, depth - from[cell.level - 1] - cell.reach_m());
+    double free_radius = -cell.signed_distance_m;
+    if (cell.level > 0) free_radius = std::min(free_radius, depth - from[cell.level - 1] - cell.reach_m());
     if (cell.level < static_cast<int>(from.size()))
-      free = std::min(free, from[cell.level] - depth - 2.0 * cell.reach_m());
-    const double half = free / std::sqrt(3.0);
+      free_radius = std::min(free_radius, from[cell.level] - depth - 2.0 * cell.reach_m());
+    const double half = free_radius / std::sqrt(3.0);
     if (2.0 * half >= kMinWidth * cell.side_m)
       rooms.push_back({cell.center(), half, 2.0 * half / cell.side_m});
   }
@@ -149,7 +150,7 @@ std::vector<Eigen::AlignedBox3d> UniformWindows(const Solid& solid, const CutZon
                    [](const Room& a, const Room& b) { return a.width > b.width; });
   std::vector<Eigen::AlignedBox3d> windows;
   for (const Room& room : rooms) {
-    if (windows.size() >= most) break;
+    if (windows.size() >= max_windows) break;
     const Eigen::AlignedBox3d box(room.center - Vector3::Constant(room.half_m),
                                   room.center + Vector3::Constant(room.half_m));
     if (std::none_of(windows.begin(), windows.end(),

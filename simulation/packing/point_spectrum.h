@@ -31,18 +31,19 @@ struct SpectrumParams {
 ///
 ///     P(k) = |Σ w(x) e^(-2πi k·x)|² / Σ w(x)²,   w = Π (1 - cos 2π(x - low)/side), side of each axis
 ///
-/// The wave vectors have whole numbers of waves along the window's sides, not all of them -1 … 1; the taper w
-/// has no power of its own there. Windows with fewer than 20 points are left out; with none left the spectrum
-/// is empty.
+/// A wave vector has a whole number of waves along each side of the window. Vectors with all three numbers in
+/// -1 … 1 are left out, because the taper w itself has power there. Windows with fewer than 20 points are
+/// left out; with none left the spectrum is empty.
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted.
 [[nodiscard]] RadialSpectrum ComputeRadialSpectrum(std::span<const Vector3> points_m,
                                                    std::span<const Eigen::AlignedBox3d> windows,
                                                    const SpectrumParams& params = {});
 
-/// Finds separate cubes inside the solid, in each of which the mass points are equally dense: at most `most`,
-/// the widest in terms of the spacing first, each at least five spacings wide.
+/// Finds separate cubes inside the solid, in each of which the mass points are equally dense. The cubes that
+/// are widest in terms of the points' spacing come first; each is at least five spacings wide.
+/// @param max_windows  largest number of cubes
 [[nodiscard]] std::vector<Eigen::AlignedBox3d> UniformWindows(const Solid& solid, const CutZone& zone,
                                                               const MassPointParams& params,
-                                                              std::size_t most = 32);
+                                                              std::size_t max_windows = 32);
 
 }  // namespace osteon::simulation

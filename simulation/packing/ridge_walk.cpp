@@ -11,11 +11,14 @@ namespace {
 /// of.
 struct Nearest {
   Vector3 point{Vector3::Zero()};
-  std::array<int, 4> of{};
+  std::array<int, 4> of{};  ///< indices of those points; `count` of them
   int count{0};
 };
 
-Nearest OfSegment(const std::array<Vector3, 4>& p, int a, int b) {
+// The functions below take the points p and the indices of a segment's, triangle's or tetrahedron's corners.
+// A degenerate triangle or tetrahedron is replaced by its sides.
+
+Nearest NearestOfSegment(const std::array<Vector3, 4>& p, int a, int b) {
   const Vector3 ab = p[b] - p[a];
   const double t = -p[a].dot(ab), length = ab.squaredNorm();
   if (t <= 0.0 || !(length > 0.0)) return {p[a], {a}, 1};
@@ -27,7 +30,7 @@ Nearest Nearer(const Nearest& a, const Nearest& b) {
   return b.point.squaredNorm() < a.point.squaredNorm() ? b : a;
 }
 
-Nearest OfTriangle(const std::array<Vector3, 4>& p, int a, int b, int c) {
+Nearest NearestOfTriangle(const std::array<Vector3, 4>& p, int a, int b, int c) {
   const Vector3 ab = p[b] - p[a], ac = p[c] - p[a];
   const Vector3 normal = ab.cross(ac);
   const double area = normal.squaredNorm();
@@ -36,10 +39,10 @@ Nearest OfTriangle(const std::array<Vector3, 4>& p, int a, int b, int c) {
     const double wb = ac.cross(p[a]).dot(normal), wc = p[a].cross(ab).dot(normal);
     if (wb > 0.0 && wc > 0.0 && wb + wc < area) return {normal.dot(p[a]) / area * normal, {a, b, c}, 3};
   }
-  return Nearer(Nearer(OfSegment(p, a, b), OfSegment(p, a, c)), OfSegment(p, b, c));
+  return Nearer(Nearer(NearestOfSegment(p, a, b), NearestOfSegment(p, a, c)), NearestOfSegment(p, b, c));
 }
 
-Nearest OfTetrahedron(const std::array<Vector3, 4>& p) {
+Nearest NearestOfTetrahedron(const std::array<Vector3, 4>& p) {
   const auto volume = [](const Vector3& a, const Vector3& b, const Vector3& c) { return a.dot(b.cross(c)); };
   const double whole = volume(p[1] - p[0], p[2] - p[0], p[3] - p[0]);
   if (std::abs(whole) > 1e-12) {
@@ -47,15 +50,15 @@ Nearest OfTetrahedron(const std::array<Vector3, 4>& p) {
     const double w2 = volume(p[0], p[1], p[3]) / whole, w3 = -volume(p[0], p[1], p[2]) / whole;
     if (std::min(std::min(w0, w1), std::min(w2, w3)) > 0.0) return {Vector3::Zero(), {0, 1, 2, 3}, 4};
   }
-  return Nearer(Nearer(OfTriangle(p, 0, 1, 2), OfTriangle(p, 0, 1, 3)),
-                Nearer(OfTriangle(p, 0, 2, 3), OfTriangle(p, 1, 2, 3)));
+  return Nearer(Nearer(NearestOfTriangle(p, 0, 1, 2), NearestOfTriangle(p, 0, 1, 3)),
+                Nearer(NearestOfTriangle(p, 0, 2, 3), NearestOfTriangle(p, 1, 2, 3)));
 }
 
-Nearest OfHull(const std::array<Vector3, 4>& p, int count) {
+Nearest NearestOfHull(const std::array<Vector3, 4>& p, int count) {
   if (count == 1) return {p[0], {0}, 1};
-  if (count == 2) return OfSegment(p, 0, 1);
-  if (count == 3) return OfTriangle(p, 0, 1, 2);
-  return OfTetrahedron(p);
+  if (count == 2) return NearestOfSegment(p, 0, 1);
+  if (count == 3) return NearestOfTriangle(p, 0, 1, 2);
+  return NearestOfTetrahedron(p);
 }
 
 }  // namespace
@@ -72,14 +75,14 @@ RidgeWalk WalkRidges(std::span<const ClearanceBound> bounds, double max_m) {
   for (int turn = 0; turn < kMaxTurns; ++turn) {
     std::array<Vector3, 4> gradients;
     for (int i = 0; i < count; ++i) gradients[i] = bounds[active[i]].gradient;
-    const Nearest up = OfHull(gradients, count);
+    const Nearest up = NearestOfHull(gradients, count);
     const double rate = up.point.squaredNorm();
     if (!(rate > 1e-14)) break;
     // in ascending order, so that up.of[i] >= i
     for (int i = 0; i < up.count; ++i) active[i] = active[up.of[i]];
     count = up.count;
 
-    // length to where the next obstacle is as near, or to the end of the step
+    // length to where the next obstacle is as near, or to |step| = max_m by the quadratic formula
     const double a = rate, b = step.dot(up.point), c = step.squaredNorm() - max_m * max_m;
     double length = (-b + std::sqrt(std::max(0.0, b * b - a * c))) / a;
     std::size_t next = bounds.size();

@@ -13,9 +13,10 @@ namespace {
 
 // Below this share of their cap's radius, lattice balls near the surface are left to surface balls.
 constexpr double kMinOfCap = 0.6;
+// Growth of the surface balls' largest radius and gap with depth below the zone [m/m], and limit of the gap.
 constexpr double kRadiusGrowth = 0.5, kGapGrowth = 0.4, kMaxGap_m = 2e-3;
 
-/// A zone extended by a depth: places less than this below the other zone count as in it.
+/// A zone extended downwards: places less than `fine_depth_m` below the given zone count as in it.
 class FineZone final : public CutZone {
  public:
   FineZone(const CutZone& zone, double fine_depth_m) : zone_(zone), fine_depth_m_(fine_depth_m) {}

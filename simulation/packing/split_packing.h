@@ -17,7 +17,7 @@ struct SplitPackingParams {
   /// Depth below the zone down to which the packing is as fine as in it. A zone that is a surface (a cup, a
   /// face) needs the depth that will be cut below it; a zone that holds the whole cut (a path) needs none.
   double fine_depth_m{0.0};
-  double coarser_from_m{1.5e-3};  ///< depth below that from which the spacing is doubled; at twice it, again
+  double coarser_from_m{1.5e-3};  ///< depth below that where the spacing doubles; at twice this depth, again
   double surface_radius_m{1.2e-3};  ///< of the balls that touch the surface in the zone
   double surface_gap_m{0.2e-3};     ///< largest gap between the surface and the balls, in the zone
   std::uint64_t seed{0};            ///< moves the surface samples
@@ -32,9 +32,9 @@ struct SplitPackingParams {
 [[nodiscard]] std::vector<Ball> BuildSplitPacking(const Solid& solid, const CutZone& zone,
                                                   const SplitPackingParams& params);
 
-/// Parameters of a split packing in place of one whose balls are not split: 5/3 of its spacing, equally deep
-/// below the zone, with the same gap at the surface. It has a fourth or fifth of the balls where a burr cuts,
-/// and its cuts are at least as exact.
+/// Parameters of a split packing that can replace a packing of unsplit balls: 5/3 of its spacing, equally
+/// deep below the zone, with the same gap at the surface. It has a fourth or fifth of the balls where a burr
+/// cuts, and its cuts are at least as exact.
 [[nodiscard]] SplitPackingParams SplitPackingFor(const PackingParams& packing);
 
 }  // namespace osteon::simulation

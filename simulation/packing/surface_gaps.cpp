@@ -75,13 +75,13 @@ std::vector<Ball> CoverSurface(std::span<const TangentBall> samples, std::size_t
   while (!heap.empty() && (count == 0 || balls.size() < count)) {
     std::pop_heap(heap.begin(), heap.end());
     Entry& top = heap.back();
-    const float now = measure(top.sample);
-    if (now > 0.0f && now < top.measure) {
-      top.measure = now;
+    const float current = measure(top.sample);
+    if (current > 0.0f && current < top.measure) {
+      top.measure = current;
       std::push_heap(heap.begin(), heap.end());
       continue;
     }
-    if (now > 0.0f) {
+    if (current > 0.0f) {
       balls.push_back(samples[top.sample].ball);
       gaps.Add(balls.back());
     }

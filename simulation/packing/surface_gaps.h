@@ -28,8 +28,9 @@ class SurfaceGaps {
  private:
   struct Node {
     Eigen::AlignedBox3f box;  ///< relative to origin_m_
-    float max_m{-1.0f};
+    float max_m{-1.0f};       ///< largest gap of its samples; negative without samples
   };
+  /// Reduces the gaps below a node by a ball. @param center  of the ball, relative to origin_m_
   void Visit(std::size_t node, const Ball& ball, const Eigen::Vector3f& center);
 
   static constexpr std::size_t kLeafSamples = 8;
@@ -40,8 +41,8 @@ class SurfaceGaps {
   std::vector<float> gap_m_;
 };
 
-/// Adds tangent balls one by one, each where the gap is then largest for its tolerance, and returns them in
-/// this order. The first n of them cover the surface nearly as well as n balls can.
+/// Adds tangent balls one by one, each at the sample whose gap is then largest relative to its tolerance, and
+/// returns them in this order. The first n of them cover the surface nearly as well as n balls can.
 ///
 /// The measure is gap / tolerance · √r: a ball closes a gap g over an area of about 2πgr, so of two equal
 /// gaps the one with the larger ball comes first. Sharp edges, which balls cannot fill, then do not use up

@@ -13,8 +13,8 @@ namespace {
 constexpr double kOnSurface_m = 1e-7;   // largest distance of a nearest point from the surface
 constexpr double kNormalStep_m = 1e-5;  // step of the differences for a normal
 
-// Collects the surface's points of one cell, halving the cell while the surface may cross it: a distance
-// changes no faster than the place.
+// Appends the surface's points of one cell. The cell is halved down to the spacing while the surface may
+// cross it, which it can't where its distance exceeds half the cell's diagonal.
 void Collect(const Solid& solid, const Vector3& middle, double half_m, double spacing_m,
              std::vector<OrientedPoint>& samples) {
   const SurfacePoint nearest = solid.NearestSurface(middle);
@@ -68,15 +68,15 @@ std::vector<OrientedPoint> PointsOfSurface(const Solid& solid, double spacing_m)
       },
       1);
   std::vector<OrientedPoint> samples;
-  for (const auto& some : of_cell) samples.insert(samples.end(), some.begin(), some.end());
+  for (const auto& of_one : of_cell) samples.insert(samples.end(), of_one.begin(), of_one.end());
   return samples;
 }
 
 SampleIndex::SampleIndex(std::vector<OrientedPoint> samples) : samples_(std::move(samples)) {
-  Eigen::AlignedBox3d all;
-  for (const OrientedPoint& sample : samples_) all.extend(sample.p_m);
+  Eigen::AlignedBox3d bounds;
+  for (const OrientedPoint& sample : samples_) bounds.extend(sample.p_m);
   if (!samples_.empty())
-    SortAlongMortonCurve(samples_, all, [](const OrientedPoint& sample) { return sample.p_m; });
+    SortAlongMortonCurve(samples_, bounds, [](const OrientedPoint& sample) { return sample.p_m; });
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     if (i % kChunk == 0) boxes_.emplace_back();
     boxes_.back().extend(samples_[i].p_m);
@@ -85,14 +85,15 @@ SampleIndex::SampleIndex(std::vector<OrientedPoint> samples) : samples_(std::mov
 
 std::optional<OrientedPoint> SampleIndex::Nearest(const Vector3& c_m, double limit_m, bool only_ahead) const {
   std::optional<OrientedPoint> nearest;
-  double best = limit_m * limit_m;
+  double squared_limit = limit_m * limit_m;
   for (std::size_t chunk = 0; chunk < boxes_.size(); ++chunk) {
-    if (boxes_[chunk].squaredExteriorDistance(c_m) >= best) continue;
+    if (boxes_[chunk].squaredExteriorDistance(c_m) >= squared_limit) continue;
     const std::size_t end = std::min(samples_.size(), (chunk + 1) * kChunk);
     for (std::size_t i = chunk * kChunk; i < end; ++i) {
-      const Vector3 way = samples_[i].p_m - c_m;
-      if (way.squaredNorm() >= best || (only_ahead && way.dot(samples_[i].normal) <= 0.0)) continue;
-      best = way.squaredNorm();
+      const Vector3 offset = samples_[i].p_m - c_m;
+      if (offset.squaredNorm() >= squared_limit || (only_ahead && offset.dot(samples_[i].normal) <= 0.0))
+        continue;
+      squared_limit = offset.squaredNorm();
       nearest = samples_[i];
     }
   }

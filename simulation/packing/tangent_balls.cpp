@@ -10,8 +10,9 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr std::uint64_t kSampleSalt = 2;
+constexpr std::uint64_t kSampleSalt = 2;  // of the random numbers that place the samples
 
+/// A sample of the surface.
 struct Foot {
   Vector3 p_m;
   Vector3 inward;  ///< unit
@@ -29,6 +30,7 @@ std::optional<Foot> SampleIn(const Cell& cell, const Solid& solid, std::uint64_t
   return Foot{.p_m = foot.p_m, .inward = (p - foot.p_m) / -foot.distance_m};
 }
 
+/// Finds the largest ball that touches the surface at a foot.
 class Search {
  public:
   Search(const Solid& solid, const CutZone& zone, const PackingParams& params)
@@ -54,7 +56,8 @@ class Search {
     return low;
   }
 
-  /// The largest ball at the foot with at most this radius, to within a slack; none below min_radius_m.
+  /// The largest ball at the foot with a radius up to `cap_m`; none below min_radius_m. It may miss the foot
+  /// by about `slack_m2` / radius. @param guess_m  radius to begin with
   ///
   /// Shrinking ball (Ma, Bae, Choi, The Visual Computer 28, 2012): through the foot and the surface point
   /// nearest to the centre there is one ball tangent at the foot, and no larger one is empty. From a guess
@@ -69,6 +72,7 @@ class Search {
       const Vector3 center = foot.p_m + radius * foot.inward;
       const SurfacePoint nearest = solid_.NearestSurface(center);
       const Vector3 chord = nearest.p_m - foot.p_m;
+      // depth of the nearest point below the foot, along the ball's axis
       const double sagitta = chord.dot(foot.inward);
       const double slack = std::min(0.1 * radius, std::max(1e-6 * radius, slack_m2 / radius));
       double next = 0.0;

@@ -16,7 +16,7 @@ struct TangentBall {
 /// Finds at most one sample in each cell of a division of the surface with these sides, and the sample's
 /// ball: no larger than the cap at its centre, no smaller than min_radius_m (smaller ones are left out).
 ///
-/// A ball may be off its foot by a twentieth of h²/r, h the samples' spacing; the gap grows by more than this
+/// A ball may miss its foot by 0.05 h²/r, h the samples' spacing; the gap grows by more than this
 /// between one sample and the next. On a mesh, the ball that touches an edge has no radius; the allowance
 /// then gives the ball of the smooth surface behind the mesh. No ball leaves the solid.
 ///

@@ -23,22 +23,23 @@ void BallRemoval::Remove(std::span<const Capsule> capsules, std::vector<BallStat
     return;
   }
   const SplitParams& params = splitter_->params();
-  std::size_t free = params.pool_blocks - blocks_in_use();  // without the blocks emptied in this frame
-  std::size_t may_split =
+  std::size_t free_blocks = params.pool_blocks - blocks_in_use();  // without the blocks emptied in this frame
+  std::size_t splits_left =
       params.blocks_per_frame > 0 ? params.blocks_per_frame : std::numeric_limits<std::size_t>::max();
-  std::vector<WaitingBall> waited;
-  waited.swap(waiting_);
-  auto next = waited.begin();
+  std::vector<WaitingBall> waited_before;
+  waited_before.swap(waiting_);
+  auto next = waited_before.begin();
   std::vector<std::uint32_t> emptied;
 
+  // each parent: shrink it whole, let it wait for its children, or make and cut its children
   for (std::uint32_t i = 0; i < parents_; ++i) {
     std::optional<WaitingBall> waiting;
-    if (next != waited.end() && next->parent == i) {
+    if (next != waited_before.end() && next->parent == i) {
       waiting = std::move(*next++);
     } else if (block_[i] == kNone) {
       const bool wanted = splitter_->ShouldSplit(balls[i], capsules);
-      if (wanted && free > 0) {
-        --free;
+      if (wanted && free_blocks > 0) {
+        --free_blocks;
         TakeBlock(i, balls);
         waiting = WaitingBall{.parent = i, .root = balls[i]};
       } else {
@@ -47,14 +48,14 @@ void BallRemoval::Remove(std::span<const Capsule> capsules, std::vector<BallStat
         continue;
       }
     }
-    if (waiting && may_split == 0) {
+    if (waiting && splits_left == 0) {
       Shrink(balls[i], capsules);
       splitter_->StoreCuts(capsules, balls[i], *waiting);
       waiting_.push_back(std::move(*waiting));
       continue;
     }
     if (waiting) {
-      --may_split;
+      --splits_left;
       splitter_->MakeChildren(*waiting, ChildrenOf(i, balls));
       balls[i].radius_m = 0.0;
     }
@@ -94,6 +95,7 @@ void BallRemoval::Save(const std::vector<BallState>& balls, CarvedState& state) 
     state.split_balls.push_back(i);
     state.split_slots.resize(state.split_slots.size() + 4 * slots);
     const std::span<float> block = std::span(state.split_slots).last(4 * slots);
+    // split_cuts: 0 for a block of children, 1 + number of capsules for a ball that waits for its children
     if (waiting != waiting_.end() && waiting->parent == i) {
       state.split_cuts.push_back(static_cast<std::uint32_t>(1 + waiting->cuts.size()));
       splitter_->Save(*waiting++, block);
@@ -109,10 +111,10 @@ std::optional<std::uint32_t> BallRemoval::SavedIndex(std::uint32_t ball) const {
   if (ball < parents_) return ball;
   const auto slots = static_cast<std::uint32_t>(splitter_->slots());
   const std::uint32_t block = (ball - static_cast<std::uint32_t>(parents_)) / slots;
-  std::uint32_t before = 0;
+  std::uint32_t blocks_before = 0;
   for (const std::int32_t other : block_) {
-    if (other == static_cast<std::int32_t>(block)) return ball + slots * before - slots * block;
-    if (other != kNone) ++before;
+    if (other == static_cast<std::int32_t>(block)) return ball + slots * blocks_before - slots * block;
+    if (other != kNone) ++blocks_before;
   }
   return {};
 }

@@ -59,10 +59,12 @@ class BallRemoval {
   void Load(const CarvedState& state, std::vector<BallState>& balls);
 
  private:
+  /// Index of a block's first child in the list of balls.
   [[nodiscard]] std::size_t ChildAt(std::size_t block) const { return parents_ + block * splitter_->slots(); }
   [[nodiscard]] std::span<BallState> ChildrenOf(std::uint32_t parent, std::vector<BallState>& balls) const {
     return std::span(balls).subspan(ChildAt(static_cast<std::size_t>(block_[parent])), splitter_->slots());
   }
+  /// Gives the parent a free block, or a new one at the end of the list.
   void TakeBlock(std::uint32_t parent, std::vector<BallState>& balls);
   void FreeBlock(std::uint32_t parent);
 

@@ -35,6 +35,7 @@ std::optional<double> FirstHit(std::span<const Ball> balls, const Vector3& origi
 
 std::vector<Ball> LiveBalls(const CarvedState& state) {
   std::vector<Ball> balls;
+  // four: centre and radius [mm]
   const auto add = [&balls](const float* four) {
     if (four[3] > 0.0f)
       balls.push_back({.center_m = 1e-3 * Vector3(four[0], four[1], four[2]), .radius_m = 1e-3 * four[3]});
@@ -70,16 +71,16 @@ ReamedDepth::ReamedDepth(const Bone& bone, const Tool& tool, const Pose& X_WG)
 void ReamedDepth::Add(const FrameRecord& frame) {
   constexpr double kStep_m = 0.25e-3;
   if (frame.model.frame == 0 || frame.model.status != EngineStatus::kOk) return;
-  const double here_m = apex_.DepthAt(X_GW_ * Pose(frame.model.X_WP));
-  if (!std::isfinite(here_m)) return;
+  const double depth_now_m = apex_.DepthAt(X_GW_ * Pose(frame.model.X_WP));
+  if (!std::isfinite(depth_now_m)) return;
   removed_m3_ = frame.model.removed_volume_m3;
   if (!touched_) {
     touched_ = Vector3(frame.model.F_T_W.f).norm() > 0.0;
-    from_m_ = deepest_m_ = here_m;
+    from_m_ = deepest_m_ = depth_now_m;
     from_m3_ = removed_m3_;
     return;
   }
-  deepest_m_ = std::max(deepest_m_, here_m);
+  deepest_m_ = std::max(deepest_m_, depth_now_m);
   if (deepest_m_ - from_m_ < kStep_m) return;
   cuts_ = Cuts();
   if (cuts_) reamed_m_ += deepest_m_ - from_m_;
@@ -87,7 +88,6 @@ void ReamedDepth::Add(const FrameRecord& frame) {
   from_m3_ = removed_m3_;
 }
 
-// True where enough bone was removed in the current step.
 bool ReamedDepth::Cuts() const { return removed_m3_ - from_m3_ >= min_area_m2_ * (deepest_m_ - from_m_); }
 
 double ReamedDepth::depth_m() const {

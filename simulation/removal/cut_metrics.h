@@ -53,6 +53,7 @@ class ReamedDepth {
   [[nodiscard]] double depth_m() const;
 
  private:
+  /// True where enough bone was removed in the current step.
   [[nodiscard]] bool Cuts() const;
 
   ApexDepth apex_;
@@ -60,13 +61,13 @@ class ReamedDepth {
   double min_area_m2_;
   double reamed_m_{0.0}, deepest_m_{0.0}, removed_m3_{0.0};
   double from_m_{0.0}, from_m3_{0.0};  // depth and removed volume at the step's beginning
-  bool touched_{false}, cuts_{false};
+  bool touched_{false}, cuts_{false};  // the tool has touched the bone; the last whole step counted
 };
 
 /// Volume of the solid that the tool's cutting balls sweep along a path of proxy poses: the solid's cells of
 /// a regular grid whose centre lies within a ball's radius of the path of the ball's centre. Independent of
 /// balls and mass points.
-/// @param cell_m  edge of a cell; the error falls with the cell's size over the cut's
+/// @param cell_m  edge of a cell; the error falls with the cell's size relative to the cut's
 /// @param threads  0: one per core. The volume does not depend on them
 [[nodiscard]] double SweptVolume(const Solid& solid, const Tool& tool, std::span<const Pose> X_GP,
                                  double cell_m, int threads = 0);

@@ -16,6 +16,7 @@ namespace {
 /// children may then overlap by as much.
 constexpr double kCollinear_m = 2e-8;
 
+/// @throws std::invalid_argument naming the value that is not accepted.
 const SplitParams& Checked(const SplitParams& p) {
   const auto refuse = [](const char* name, auto found, const char* accepted) {
     throw std::invalid_argument(fmt::format("split: {}: found {}, accepted {}", name, found, accepted));
@@ -27,6 +28,7 @@ const SplitParams& Checked(const SplitParams& p) {
   return p;
 }
 
+/// Depth by which a ball reaches into a capsule [m]; negative: the gap between them.
 double Penetration(const BallState& ball, const Capsule& capsule) {
   const Vector3 q = ClosestOnSegment(ball.center_m, capsule.a, capsule.b);
   return ball.radius_m + capsule.radius_m - (ball.center_m - q).norm();
@@ -48,17 +50,18 @@ void Append(const Capsule& next, std::vector<Capsule>& list) {
 
 /// Shrinks `other` to the largest ball within both balls.
 void ShrinkInto(const BallState& ball, BallState& other) {
-  const Vector3 way = ball.center_m - other.center_m;
-  const double distance = way.norm(), out = distance + other.radius_m - ball.radius_m;
+  const Vector3 towards_ball = ball.center_m - other.center_m;
+  const double distance = towards_ball.norm(), out = distance + other.radius_m - ball.radius_m;
   if (out <= 0.0) return;
   if (out >= 2.0 * other.radius_m) {
     other.radius_m = 0.0;
     return;
   }
   other.radius_m -= 0.5 * out;
-  other.center_m += 0.5 * out / distance * way;
+  other.center_m += 0.5 * out / distance * towards_ball;
 }
 
+/// Stores centre and radius in millimetres.
 void ToFloats(const Vector3& p_m, double r_m, float* four) {
   for (int axis = 0; axis < 3; ++axis) four[axis] = static_cast<float>(p_m[axis] * 1e3);
   four[3] = static_cast<float>(r_m * 1e3);

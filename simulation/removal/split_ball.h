@@ -70,6 +70,7 @@ class BallSplitter {
   /// Writes a block as in CarvedState::split_slots: slots() × 4 floats [mm].
   void Save(const WaitingBall& waiting, std::span<float> block) const;
   static void Save(std::span<const BallState> children, std::span<float> block);
+  /// @param cuts  1 + number of capsules in the block, as in CarvedState::split_cuts
   [[nodiscard]] static WaitingBall LoadWaiting(std::uint32_t parent, std::uint32_t cuts,
                                                std::span<const float> block);
   static void Load(std::span<const float> block, std::span<BallState> children);

@@ -16,15 +16,17 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kReach = 0.6;  // largest distance of the centres: a smaller one loses more to a cut, a
-                                // larger one leaves the rim bare
+// Lengths are in radii of the parent. Largest distance of the centres: with a smaller one a cut removes more,
+// a larger one leaves the rim bare.
+constexpr double kReach = 0.6;
+// Radius of the small children of an exposed ball, and the angle from the pole within which they lie.
 constexpr double kCapRadius = 0.25, kCapAngle = 35.0 / 180.0 * std::numbers::pi;
 const double kGoldenAngle = std::numbers::pi * (3.0 - std::sqrt(5.0));
 
 /// Point i of n spread evenly over the sphere's cap from the pole down to z = lowest: a spiral.
 Vector3 OnSpiral(std::uint32_t i, std::uint32_t n, double lowest) {
-  const double z = 1.0 - (1.0 - lowest) * (i + 0.5) / n, across = std::sqrt(1.0 - z * z);
-  return {across * std::cos(kGoldenAngle * i), across * std::sin(kGoldenAngle * i), z};
+  const double z = 1.0 - (1.0 - lowest) * (i + 0.5) / n, ring_radius = std::sqrt(1.0 - z * z);
+  return {ring_radius * std::cos(kGoldenAngle * i), ring_radius * std::sin(kGoldenAngle * i), z};
 }
 
 /// A cubic lattice of about `count` points in the ball.
@@ -80,10 +82,13 @@ Matrix3 RandomRotation(std::uint32_t index) {
       .toRotationMatrix();
 }
 
+/// Direction of pole i of an exposed ball.
 Vector3 Pole(std::uint32_t i) { return OnSpiral(i, SplitTemplate::kPoles, -1.0); }
 
+/// The value rounded to single precision.
 double ToFloat(double value) { return static_cast<double>(static_cast<float>(value)); }
 
+/// The child at x: as large as fits into the unit ball, up to `largest`.
 SplitChild Child(const Vector3& x, double largest) {
   SplitChild child{.x = Vector3(ToFloat(x.x()), ToFloat(x.y()), ToFloat(x.z()))};
   child.radius = ToFloat(std::min(largest, 1.0 - child.x.norm()) * (1.0 - 1e-6));
@@ -96,12 +101,12 @@ SplitTemplate::SplitTemplate(int children) : children_(children) {
   if (children < 8 || children > 1024)
     throw std::invalid_argument(fmt::format("split: children: found {}, accepted 8 … 1024", children));
   const int small = 3 * children / 8;
-  const std::vector<Vector3> all = SpreadInBall(children, kReach),
-                             others = SpreadInBall(children - small, kReach);
-  table_.reserve(kShapes * all.size());
+  const std::vector<Vector3> buried_centers = SpreadInBall(children, kReach),
+                             exposed_centers = SpreadInBall(children - small, kReach);
+  table_.reserve(kShapes * buried_centers.size());
   for (std::uint32_t rotation = 0; rotation < kRotations; ++rotation) {
     const Matrix3 R = RandomRotation(rotation);
-    for (const Vector3& x : all) table_.push_back(Child(R * x, 1.0));
+    for (const Vector3& x : buried_centers) table_.push_back(Child(R * x, 1.0));
   }
   for (std::uint32_t pole = 0; pole < kPoles; ++pole) {
     const Matrix3 R = RotationFromZTo(Pole(pole)) *
@@ -109,13 +114,13 @@ SplitTemplate::SplitTemplate(int children) : children_(children) {
     const auto n = static_cast<std::uint32_t>(small);
     for (std::uint32_t i = 0; i < n; ++i)
       table_.push_back(Child((1.0 - kCapRadius) * (R * OnSpiral(i, n, std::cos(kCapAngle))), kCapRadius));
-    for (const Vector3& x : others) table_.push_back(Child(R * x, 1.0));
+    for (const Vector3& x : exposed_centers) table_.push_back(Child(R * x, 1.0));
   }
 }
 
 std::vector<std::uint16_t> SplitShapes(std::span<const Ball> balls, double min_radius_m, int threads) {
-  constexpr std::uint32_t kLooks = 48;
-  constexpr double kJustOutside = 1.001, kTouch_m = 1e-9;
+  constexpr std::uint32_t kDirections = 48;
+  constexpr double kJustOutside = 1.001, kTouch_m = 1e-9;  // in radii; gap below which balls touch
   // if the mean of the bare directions is shorter than this, they point everywhere
   constexpr double kOneSided = 0.3;
   std::vector<Ball> solid;
@@ -125,21 +130,21 @@ std::vector<std::uint16_t> SplitShapes(std::span<const Ball> balls, double min_r
   std::vector<std::uint16_t> shapes(balls.size());
   ParallelFor(balls.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      // Fibonacci hashing: the upper six bits of 32
+      // a rotation by the ball's index, unless a side is bare: Fibonacci hashing, the upper six bits of 32
       std::uint32_t shape = (static_cast<std::uint32_t>(i) * 2654435761u) >> 26;
-      Vector3 bare = Vector3::Zero();
+      Vector3 bare_sum = Vector3::Zero();
       int count = 0;
-      for (std::uint32_t k = 0; k < kLooks && balls[i].radius_m > min_radius_m; ++k) {
-        const Vector3 d = OnSpiral(k, kLooks, -1.0);
+      for (std::uint32_t k = 0; k < kDirections && balls[i].radius_m > min_radius_m; ++k) {
+        const Vector3 d = OnSpiral(k, kDirections, -1.0);
         const Vector3 p = Vector3(balls[i].center_m) + kJustOutside * balls[i].radius_m * d;
         if (forest.Gap(p, kTouch_m) <= 0.0) continue;
-        bare += d;
+        bare_sum += d;
         ++count;
       }
-      if (count > 0 && bare.norm() > kOneSided * count) {
+      if (count > 0 && bare_sum.norm() > kOneSided * count) {
         std::uint32_t nearest = 0;
         for (std::uint32_t pole = 1; pole < SplitTemplate::kPoles; ++pole)
-          if (Pole(pole).dot(bare) > Pole(nearest).dot(bare)) nearest = pole;
+          if (Pole(pole).dot(bare_sum) > Pole(nearest).dot(bare_sum)) nearest = pole;
         shape = SplitTemplate::kRotations + nearest;
       }
       shapes[i] = static_cast<std::uint16_t>(shape);

@@ -17,8 +17,8 @@ double SweptVolume(const Solid& solid, const SweptTool& swept, double cell_m, in
   if (swept.empty() || cells.isEmpty()) return 0.0;
   const Eigen::Vector3i count = (cells.sizes() / cell_m).array().ceil().max(1.0).cast<int>();
   const Vector3 step = cells.sizes().array() / count.cast<double>().array();
-  // Both distances change no faster than the place. A block of cells whose centre is farther outside than its
-  // corners are from the centre therefore holds nothing; far inside, all its cells count.
+  // A signed distance changes by at most the distance between two places. A block therefore holds nothing
+  // where its centre is farther outside than reach_m; where it is farther inside, all its cells count.
   const Eigen::Vector3i blocks = (count + Eigen::Vector3i::Constant(kBlock - 1)) / kBlock;
   const double reach_m = 0.5 * (kBlock - 1) * step.norm() * (1.0 + 1e-9);
   const auto block_count = static_cast<std::size_t>(blocks.x()) * static_cast<std::size_t>(blocks.y()) *

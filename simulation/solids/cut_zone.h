@@ -19,7 +19,8 @@ class CutZone {
   CutZone(const CutZone&) = delete;
   CutZone& operator=(const CutZone&) = delete;
 
-  /// Depth of p, in G, below the cuttable surface; negative within the bone that is cut away. 1-Lipschitz.
+  /// Depth of p, in G, below the cuttable surface; negative within the bone that is cut away.
+  /// Between two places it changes by at most their distance (1-Lipschitz).
   [[nodiscard]] virtual double DepthAt(const Vector3& p_m) const = 0;
 };
 

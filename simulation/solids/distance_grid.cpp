@@ -8,8 +8,8 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kOutside = -1.0;
-constexpr int kBlock = 6;  // nodes along a block; one query may show that all of it is outside
+constexpr double kOutside = -1.0;  // stands for a depth of a node outside the solid [m]
+constexpr int kBlock = 6;          // nodes along a block; one query may show that all of it is outside
 
 }  // namespace
 

@@ -14,8 +14,8 @@ class DistanceGrid {
   /// @param nodes_along  approximate number of nodes along the longest side of the solid's bounds
   DistanceGrid(const Solid& solid, int nodes_along, int threads);
 
-  /// Lower bound of the distance from p to the surface, since a distance changes no faster than its place;
-  /// negative where the grid gives no bound.
+  /// Lower bound of the distance from p to the surface: the distance of the nearest node, less the way to it.
+  /// Negative where the grid gives no bound.
   [[nodiscard]] double LowerBound(const Vector3& p_m) const;
 
   /// Nodes inside the solid at least as far from the surface as all 26 nodes around them, in the grid's
@@ -25,9 +25,11 @@ class DistanceGrid {
   [[nodiscard]] double spacing_m() const { return spacing_m_; }
 
  private:
+  /// Index of a node in depth_m_.
   [[nodiscard]] std::size_t At(int x, int y, int z) const {
     return (static_cast<std::size_t>(z) * count_[1] + y) * count_[0] + x;
   }
+  /// Place of a node, in G.
   [[nodiscard]] Vector3 Node(int x, int y, int z) const { return low_m_ + spacing_m_ * Vector3(x, y, z); }
 
   Vector3 low_m_;

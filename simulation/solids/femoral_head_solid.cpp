@@ -9,8 +9,8 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kMeshStep_m = 1e-3;
-constexpr double kFillet_m = 6e-3;  // distance over which head and neck are joined
+constexpr double kMeshStep_m = 1e-3;  // side of the cells that the mesh is made in
+constexpr double kFillet_m = 6e-3;    // distance over which head and neck are joined
 
 // Level function, negative inside: the ball and the rod, joined where they are within the fillet, minus the
 // part beyond the cut.
@@ -19,11 +19,13 @@ double HeadAndNeck(const FemoralHeadShape& s, const Vector3& p_m) {
   const double along_m = p_m.dot(down);
   const double head_m = p_m.norm() - s.head_radius_m;
   const double neck_m = (p_m - std::max(0.0, along_m) * down).norm() - s.neck_radius_m;
+  // rounds the joint: 1 where head and neck are equally near, 0 beyond the fillet
   const double near = std::max(0.0, 1.0 - std::abs(head_m - neck_m) / kFillet_m);
   const double joined_m = std::min(head_m, neck_m) - 0.25 * kFillet_m * near * near;
   return std::max(joined_m, along_m - s.neck_length_m);
 }
 
+// Cartilage, then cortical bone below the surface, then cancellous bone.
 TissueMap LayeredTissue(const FemoralHeadShape& s) {
   TissueMap map;
   map.shells = {
@@ -34,6 +36,7 @@ TissueMap LayeredTissue(const FemoralHeadShape& s) {
   return map;
 }
 
+// The outer surface as a mesh without regions.
 LoadedMesh Loaded(const FemoralHeadShape& shape) {
   LoadedMesh loaded;
   loaded.mesh = FemoralHeadMesh(shape);

@@ -11,8 +11,8 @@ struct FemoralHeadShape {
   double neck_radius_m{0.015};
   double neck_length_m{0.045};  ///< from the head's centre to the saw cut across the neck
   double neck_tilt_rad{0.611};  ///< of the neck against straight down, towards +x: 35 degrees
-  double cartilage_m{0.0};      ///< everywhere; none: worn off
-  double cortical_m{0.0015};    ///< below it
+  double cartilage_m{0.0};      ///< thickness, the same everywhere; 0: worn off
+  double cortical_m{0.0015};    ///< thickness of the cortical bone below the cartilage
 };
 
 /// @throws std::invalid_argument naming the size, its value and what is accepted.

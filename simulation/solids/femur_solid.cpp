@@ -10,6 +10,7 @@
 namespace osteon::simulation {
 namespace {
 
+// Section at height z: sizes go over from those at the saw cut to those of the shaft.
 FemurSolid::Section SectionAt(const FemurShape& s, double z_m) {
   // 0 at the saw cut … 1 where the shaft begins, with zero slope at both ends
   const double u = std::clamp(-z_m / s.flare_m, 0.0, 1.0), down = u * u * (3.0 - 2.0 * u);
@@ -28,7 +29,7 @@ FemurSolid::Section SectionAt(const FemurShape& s, double z_m) {
 }  // namespace
 
 void CheckShape(const FemurShape& s) {
-  constexpr double kMin_m = 0.2e-3;
+  constexpr double kMin_m = 0.2e-3;  // of walls and marrow
   CheckRangeMm("femur: length", s.length_m, 0.020, 0.400);
   CheckRangeMm("femur: flare", s.flare_m, 0.005, s.length_m);
   CheckRangeMm("femur: shaft radius", s.shaft_radius_m, 0.005, 0.040);
@@ -49,7 +50,7 @@ TriangleMesh FemurMesh(const FemurShape& shape) {
   CheckShape(shape);
   // 96 corners: the widest oval's sides lie within 0.015 mm of it
   constexpr int kCorners = 96;
-  constexpr double kStep_m = 2e-3;
+  constexpr double kStep_m = 2e-3;  // largest height between two rings
   const int steps = static_cast<int>(std::ceil(shape.length_m / kStep_m));
   std::vector<Ring> rings;
   for (int k = 0; k <= steps; ++k) {

@@ -11,7 +11,7 @@ struct FemurShape {
   double flare_m{0.065};              ///< height over which the shaft widens to the cut
   double shaft_radius_m{0.0138};      ///< outer, mean of the two half axes of the oval
   double top_radius_m{0.0225};        ///< outer, at the saw cut
-  double oval_ratio{1.12};            ///< half axis along x (inwards) over that along y
+  double oval_ratio{1.12};            ///< half axis along x (inwards) / half axis along y
   double medial_shift_m{0.006};       ///< of the outline at the saw cut along +x, from the canal's axis
   double shaft_wall_m{0.0055};        ///< cortical, along the axes of the oval
   double top_wall_m{0.0020};          ///< at the saw cut

@@ -19,26 +19,28 @@ Matrix3 UnitInertiaAt(const Vector3& d) { return InertiaOfSecondMoment(d * d.tra
 
 MassProperties MeshMassProperties(const TriangleMesh& mesh, double density_kg_per_m3) {
   if (mesh.triangles.empty()) return {};
-  // relative to a point of the mesh: far from the origin, large terms would cancel
-  const Vector3 o = mesh.vertices_m[mesh.triangles.front()[0]];
+  // sum relative to a point of the mesh: far from the origin, large terms would cancel
+  const Vector3 origin = mesh.vertices_m[mesh.triangles.front()[0]];
   double six_volumes = 0.0;
-  Vector3 first = Vector3::Zero();
-  Matrix3 second = Matrix3::Zero();
+  Vector3 first_moment = Vector3::Zero();
+  Matrix3 second_moment = Matrix3::Zero();
   for (const auto& t : mesh.triangles) {
-    const Vector3 a = mesh.vertices_m[t[0]] - o, b = mesh.vertices_m[t[1]] - o, c = mesh.vertices_m[t[2]] - o;
+    const Vector3 a = mesh.vertices_m[t[0]] - origin, b = mesh.vertices_m[t[1]] - origin,
+                  c = mesh.vertices_m[t[2]] - origin;
     const double six_v = a.dot(b.cross(c));
-    const Vector3 sum = a + b + c;  // the fourth corner is the origin
+    const Vector3 sum = a + b + c;  // of the corners: the fourth one is the origin
     six_volumes += six_v;
-    first += six_v * sum;
-    second += six_v * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
+    first_moment += six_v * sum;
+    second_moment +=
+        six_v * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
   }
   const double volume = six_volumes / 6.0;
   if (volume == 0.0) return {};
-  const Vector3 center = first / (24.0 * volume);
-  const Matrix3 about_center = second / 120.0 - volume * center * center.transpose();
+  const Vector3 center = first_moment / (24.0 * volume);
+  const Matrix3 about_center = second_moment / 120.0 - volume * center * center.transpose();
   return {.volume_m3 = volume,
           .mass_kg = density_kg_per_m3 * volume,
-          .center_of_mass_m = o + center,
+          .center_of_mass_m = origin + center,
           .inertia_kg_m2 = density_kg_per_m3 * InertiaOfSecondMoment(about_center)};
 }
 
@@ -52,7 +54,7 @@ MassProperties MeshMassProperties(const LoadedMesh& loaded, std::span<const doub
   for (std::size_t i = 0; i < loaded.regions.size(); ++i) {
     const MeshRegion& region = loaded.regions[i];
     const std::size_t around = region.parent ? *region.parent + 1 : 0;
-    // with its density in excess of the displaced tissue's
+    // count only the difference to the tissue around it, which the volume there already holds
     bodies.push_back(MeshMassProperties(region.mesh, density(i + 1) - density(around)));
     bodies.back().volume_m3 = 0.0;
   }
@@ -61,7 +63,7 @@ MassProperties MeshMassProperties(const LoadedMesh& loaded, std::span<const doub
 
 MassProperties PointMassProperties(std::span<const MassPoint> points, std::span<const Material> materials) {
   MassProperties total;
-  Vector3 first = Vector3::Zero();
+  Vector3 first_moment = Vector3::Zero();
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (points[i].material >= materials.size())
       throw std::invalid_argument(fmt::format("mass properties: point {}: found material {}, accepted 0 … {}",
@@ -69,10 +71,10 @@ MassProperties PointMassProperties(std::span<const MassPoint> points, std::span<
     const double mass = materials[points[i].material].density_kg_per_m3 * points[i].volume_m3;
     total.volume_m3 += points[i].volume_m3;
     total.mass_kg += mass;
-    first += mass * Vector3(points[i].p_m);
+    first_moment += mass * Vector3(points[i].p_m);
   }
   if (total.mass_kg == 0.0) return total;
-  total.center_of_mass_m = first / total.mass_kg;
+  total.center_of_mass_m = first_moment / total.mass_kg;
   for (const MassPoint& point : points) {
     const double mass = materials[point.material].density_kg_per_m3 * point.volume_m3;
     const double radius = std::cbrt(point.volume_m3 * 3.0 / (4.0 * std::numbers::pi));
@@ -84,14 +86,14 @@ MassProperties PointMassProperties(std::span<const MassPoint> points, std::span<
 
 MassProperties Combine(std::span<const MassProperties> bodies) {
   MassProperties total;
-  Vector3 first = Vector3::Zero();
+  Vector3 first_moment = Vector3::Zero();
   for (const MassProperties& body : bodies) {
     total.volume_m3 += body.volume_m3;
     total.mass_kg += body.mass_kg;
-    first += body.mass_kg * body.center_of_mass_m;
+    first_moment += body.mass_kg * body.center_of_mass_m;
   }
   if (total.mass_kg == 0.0) return total;
-  total.center_of_mass_m = first / total.mass_kg;
+  total.center_of_mass_m = first_moment / total.mass_kg;
   for (const MassProperties& body : bodies)
     total.inertia_kg_m2 +=
         body.inertia_kg_m2 + body.mass_kg * UnitInertiaAt(body.center_of_mass_m - total.center_of_mass_m);

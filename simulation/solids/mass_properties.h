@@ -25,8 +25,9 @@ struct MassProperties {
 /// Source: Tonon, Explicit Exact Formulas for the 3-D Tetrahedron Inertia Tensor, J. Math. Stat. 1, 2005.
 [[nodiscard]] MassProperties MeshMassProperties(const TriangleMesh& mesh, double density_kg_per_m3);
 
-/// Mass properties of a solid with regions of other densities. [0] is the solid's density, followed by one
-/// for each of loaded.regions; the last density is used for regions without their own. Layers are ignored.
+/// Mass properties of a solid with regions of other densities. Layers are ignored.
+/// @param densities_kg_per_m3  the solid's density, then one for each of loaded.regions; the last one is used
+///   for regions without their own
 /// @throws std::invalid_argument where there is no density.
 [[nodiscard]] MassProperties MeshMassProperties(const LoadedMesh& loaded,
                                                 std::span<const double> densities_kg_per_m3);

@@ -31,6 +31,7 @@ MeshDistance::MeshDistance(const TriangleMesh& mesh)
   std::vector<Vector3> corner_normals(mesh.vertices_m.size(), Vector3::Zero());
   using EdgeEnds = std::pair<std::uint32_t, std::uint32_t>;
   std::map<EdgeEnds, Vector3> edge_normals;
+  // both ends of a triangle's k-th edge, the smaller index first
   const auto edge = [&mesh](std::size_t t, int k) -> EdgeEnds {
     const std::uint32_t i = mesh.triangles[t][k], j = mesh.triangles[t][(k + 1) % 3];
     return std::minmax(i, j);

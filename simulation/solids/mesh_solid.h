@@ -24,6 +24,7 @@ class MeshDistance {
     Vector3 normal{Vector3::Zero()};  ///< outward at the nearest point, not of unit length
     double distance_m{0.0};           ///< signed
   };
+  /// The surface's point nearest to p.
   [[nodiscard]] Point Nearest(const Vector3& p_m) const;
   [[nodiscard]] const Eigen::AlignedBox3d& bounds() const { return box_; }
 
@@ -57,6 +58,7 @@ class MeshSolid final : public Solid {
   [[nodiscard]] const TissueMap& tissue() const { return tissue_; }
 
  private:
+  /// Tissue of a shell: 0 is the whole solid, i + 1 is region i.
   [[nodiscard]] const ShellTissue& Tissue(std::size_t shell) const;
 
   MeshDistance boundary_;

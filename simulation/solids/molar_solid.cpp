@@ -10,21 +10,25 @@
 namespace osteon::simulation {
 namespace {
 
-// All shapes below are for a tooth of 20.6 mm, in millimetres.
+// All shapes below are for a tooth of 20.6 mm, in millimetres. The functions of p are level functions:
+// negative inside, zero on the surface.
 constexpr double kLength_mm = 20.6, kCrown_mm = 7.2, kRoot_mm = kLength_mm - kCrown_mm;
 
+/// Top of a cusp, and its height above the bowl.
 struct Cusp {
   double x, y, height;
 };
 constexpr std::array<Cusp, 4> kCusps{
     {{2.7, 2.3, 1.85}, {2.7, -2.3, 1.75}, {-2.6, 2.3, 1.65}, {-2.6, -2.3, 1.6}}};
 
+/// The smaller value; rounded off where the two differ by less than `reach`.
 double SmoothMin(double a, double b, double reach) {
   const double h = std::max(reach - std::abs(a - b), 0.0) / reach;
   return std::min(a, b) - 0.25 * reach * h * h;
 }
 double SmoothMax(double a, double b, double reach) { return -SmoothMin(-a, -b, reach); }
 
+/// Bell curve of height 1 at the squared distance `distance2` from its centre.
 double Bump(double distance2, double width) { return std::exp(-0.5 * distance2 / (width * width)); }
 
 /// Height of the occlusal surface: cusps over a bowl, less the fissures between them.
@@ -41,7 +45,7 @@ double Occlusal(double x, double y) {
 
 /// The body of the tooth: crown, neck and the trunk above the roots.
 double Body(const Vector3& p) {
-  // half widths along x and y: bulging in the crown, narrow at the neck
+  // half widths a and b along x and y: bulging in the crown, narrow at the neck
   const double u = std::clamp(p.z() / kCrown_mm, -0.6, 1.1);
   const double bulge = u > 0.0 ? std::sin(std::min(u, 1.0) * 2.6) : 0.9 * u;
   const double a = 4.55 + 0.85 * bulge, b = 4.15 + 0.85 * bulge;
@@ -58,6 +62,7 @@ Vector3 RootAxis(double front, double t) {
   return {x, 0.0, -kRoot_mm * t};
 }
 
+/// The front (+1) or the back (-1) root.
 double Root(const Vector3& p, double front) {
   const double t = std::clamp(-p.z() / kRoot_mm, -0.1, 1.2);
   const Vector3 axis = RootAxis(front, t);
@@ -69,6 +74,7 @@ double Root(const Vector3& p, double front) {
   return (std::sqrt(dx * dx + dy * dy + tip) - 1.0) * a + above;
 }
 
+/// The whole outer surface: body and both roots.
 double Tooth(const Vector3& p) {
   const double roots = SmoothMin(Root(p, 1.0), Root(p, -1.0), 0.6);
   return SmoothMin(Body(p), roots, 1.2);
@@ -76,11 +82,12 @@ double Tooth(const Vector3& p) {
 
 /// A rod that narrows from one end to the other.
 double Rod(const Vector3& p, const Vector3& from, const Vector3& to, double from_radius, double to_radius) {
-  const Vector3 way = to - from;
-  const double s = std::clamp((p - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
-  return (p - from - s * way).norm() - (from_radius + s * (to_radius - from_radius));
+  const Vector3 axis = to - from;
+  const double s = std::clamp((p - from).dot(axis) / axis.squaredNorm(), 0.0, 1.0);
+  return (p - from - s * axis).norm() - (from_radius + s * (to_radius - from_radius));
 }
 
+/// The pulp: chamber, a horn under each cusp, and three canals. @param width  MolarShape::pulp_width
 double Pulp(const Vector3& p, double width) {
   // chamber: a rounded box about the neck
   const Vector3 half(2.0 * width, 1.6 * width, 0.75);
@@ -97,7 +104,7 @@ double Pulp(const Vector3& p, double width) {
   };
   for (const Canal& canal : {Canal{1.0, 1.0}, Canal{1.0, -1.0}, Canal{-1.0, 0.0}}) {
     constexpr int kPieces = 6;
-    constexpr double kFrom = 0.08, kTo = 0.87;  // over the root's length
+    constexpr double kFrom = 0.08, kTo = 0.87;  // ends of a canal, as shares of the root's length
     const auto at = [&](int i) {
       const double s = static_cast<double>(i) / kPieces, t = kFrom + s * (kTo - kFrom);
       Vector3 place = RootAxis(canal.front, t);
@@ -112,6 +119,7 @@ double Pulp(const Vector3& p, double width) {
   return level;
 }
 
+/// Dentine within the outer surface, pulp within the region.
 TissueMap DentineAndPulp() {
   TissueMap map;
   map.shells = {ShellTissue{.layers = {}, .core = MolarSolid::kDentine, .image = {}},
@@ -146,7 +154,7 @@ LoadedMesh MolarMesh(const MolarShape& shape) {
 MolarSolid::MolarSolid(const MolarShape& shape) : shape_(shape), mesh_(MolarMesh(shape), DentineAndPulp()) {}
 
 double MolarSolid::EnamelThickness(double z_m) const {
-  constexpr double kFullAt = 0.6;  // over the crown's height
+  constexpr double kFullAt = 0.6;  // share of the crown's height from which the enamel is full
   const double full_m = kFullAt * kCrown_mm * shape_.length_m / kLength_mm;
   const double u = std::clamp(z_m / full_m, 0.0, 1.0);
   return shape_.enamel_m * u * (2.0 - u);

@@ -22,7 +22,8 @@ void CheckShape(const MolarShape& shape);
 ///
 /// Distances are exact for a mesh of the outer surface (shape_mesh.h). The pulp is a nested region of the
 /// mesh. The enamel is a layer below the crown's surface; its thickness follows from the height z of the
-/// surface's nearest point: e u (2 - u), u = z over 60 % of the crown's height, between 0 and 1.
+/// surface's nearest point: e u (2 - u), where e is enamel_m and u = z / (60 % of the crown's height),
+/// between 0 and 1.
 class MolarSolid final : public Solid {
  public:
   enum Tissue : MaterialIndex { kEnamel = 0, kDentine = 1, kPulp = 2 };

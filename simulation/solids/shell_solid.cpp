@@ -22,10 +22,10 @@ SurfacePoint ShellSolid::NearestSurface(const Vector3& p) const {
     if (to_inner > 0.0 || to_inner >= to_rim) return {inner_m_ * out, to_inner};
     return {Vector3(p.x(), p.y(), 0.0), to_rim};
   }
-  const double across = std::hypot(p.x(), p.y());
+  const double off_axis = std::hypot(p.x(), p.y());
   const Vector3 radial =
-      across > 0.0 ? Vector3(p.x() / across, p.y() / across, 0.0) : Vector3(Vector3::UnitX());
-  const Vector3 foot = std::clamp(across, inner_m_, outer_m_) * radial;
+      off_axis > 0.0 ? Vector3(p.x() / off_axis, p.y() / off_axis, 0.0) : Vector3(Vector3::UnitX());
+  const Vector3 foot = std::clamp(off_axis, inner_m_, outer_m_) * radial;
   return {foot, (p - foot).norm()};
 }
 

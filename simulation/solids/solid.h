@@ -29,8 +29,10 @@ class Solid {
   Solid(const Solid&) = delete;
   Solid& operator=(const Solid&) = delete;
 
+  /// The surface's point nearest to p, and the signed distance of p from it.
   [[nodiscard]] virtual SurfacePoint NearestSurface(const Vector3& p_m) const = 0;
   [[nodiscard]] virtual MaterialIndex MaterialAt(const Vector3& p_m) const = 0;
+  /// A box that holds the solid, in G.
   [[nodiscard]] virtual Eigen::AlignedBox3d Bounds() const = 0;
 
   /// Nearest boundary point of the part that consists of this material, with the signed distance to it

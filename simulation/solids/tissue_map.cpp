@@ -9,9 +9,9 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kThickest_m = 0.100;
+constexpr double kMaxThickness_m = 0.100;
 constexpr int kMaxSamples = 4096;  // along each side of an image
-constexpr double kDensest_kg_per_m3 = 25000.0;
+constexpr double kMaxDensity_kg_per_m3 = 25000.0;
 
 /// The layer at this depth, if the depth lies in one.
 std::optional<MaterialIndex> LayerAt(const std::vector<TissueLayer>& layers, double depth_m) {
@@ -23,6 +23,7 @@ std::optional<MaterialIndex> LayerAt(const std::vector<TissueLayer>& layers, dou
   return std::nullopt;
 }
 
+/// @throws std::invalid_argument where the material is not one of `count`.
 void CheckMaterial(const std::string& name, MaterialIndex material, std::size_t count) {
   if (material >= count)
     throw std::invalid_argument(
@@ -32,7 +33,7 @@ void CheckMaterial(const std::string& name, MaterialIndex material, std::size_t 
 void CheckLayers(const std::string& name, const std::vector<TissueLayer>& layers, std::size_t count) {
   for (std::size_t i = 0; i < layers.size(); ++i) {
     const std::string layer = fmt::format("{}: layer {}", name, i);
-    CheckRangeMm(layer + ": thickness", layers[i].thickness_m, 0.0, kThickest_m);
+    CheckRangeMm(layer + ": thickness", layers[i].thickness_m, 0.0, kMaxThickness_m);
     CheckMaterial(layer, layers[i].material, count);
   }
 }
@@ -45,12 +46,12 @@ void CheckImage(const std::string& name, const DensityImage& image, std::size_t 
   if (image.density_kg_per_m3.size() != static_cast<std::size_t>(image.rows) * image.columns)
     refuse(fmt::format("found {} densities, accepted {} × {} = {}", image.density_kg_per_m3.size(),
                        image.rows, image.columns, static_cast<std::size_t>(image.rows) * image.columns));
-  CheckRangeMm(name + ": row step", image.row_step_m, 1e-6, kThickest_m);
+  CheckRangeMm(name + ": row step", image.row_step_m, 1e-6, kMaxThickness_m);
   for (std::size_t i = 0; i < image.density_kg_per_m3.size(); ++i) {
     const float density = image.density_kg_per_m3[i];
-    if (!(density >= 0.0f && density <= static_cast<float>(kDensest_kg_per_m3)))
+    if (!(density >= 0.0f && density <= static_cast<float>(kMaxDensity_kg_per_m3)))
       refuse(fmt::format("row {}, column {}: found {:g} kg/m^3, accepted 0 … {:g}", i / image.columns,
-                         i % image.columns, density, kDensest_kg_per_m3));
+                         i % image.columns, density, kMaxDensity_kg_per_m3));
   }
   const Vector3 axis = image.axis;
   if (!(std::abs(axis.norm() - 1.0) < 1e-6))
@@ -74,22 +75,24 @@ void CheckImage(const std::string& name, const DensityImage& image, std::size_t 
 }  // namespace
 
 double DensityImage::DensityAt(double depth_m, double height_m) const {
+  // a place among `count` samples as the sample before it and the share of the way to the next one
   const auto split = [](double at, int count) {
     const double clamped = std::clamp(at, 0.0, static_cast<double>(count - 1));
     const int low = std::min(static_cast<int>(clamped), std::max(0, count - 2));
     return std::pair{low, clamped - low};
   };
-  const auto [row, down] = split(depth_m / row_step_m, rows);
-  const double across =
+  const auto [row, row_share] = split(depth_m / row_step_m, rows);
+  const double column_place =
       columns > 1 ? (height_m - first_column_m) / (last_column_m - first_column_m) * (columns - 1) : 0.0;
-  const auto [column, right] = split(across, columns);
+  const auto [column, column_share] = split(column_place, columns);
   const auto sample = [this](int r, int c) -> double {
     return density_kg_per_m3[static_cast<std::size_t>(std::min(r, rows - 1)) * columns +
                              std::min(c, columns - 1)];
   };
-  const double upper = (1.0 - right) * sample(row, column) + right * sample(row, column + 1);
-  const double lower = (1.0 - right) * sample(row + 1, column) + right * sample(row + 1, column + 1);
-  return (1.0 - down) * upper + down * lower;
+  const double upper = (1.0 - column_share) * sample(row, column) + column_share * sample(row, column + 1);
+  const double lower =
+      (1.0 - column_share) * sample(row + 1, column) + column_share * sample(row + 1, column + 1);
+  return (1.0 - row_share) * upper + row_share * lower;
 }
 
 MaterialIndex DensityImage::MaterialAt(double depth_m, double height_m) const {

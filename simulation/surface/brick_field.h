@@ -17,6 +17,7 @@ inline constexpr std::int16_t kFieldLimit = static_cast<std::int16_t>(3 * kSteps
 /// Half of a brick's diagonal, in voxels.
 inline constexpr float kHalfDiagonalVoxels = 0.5F * 7.0F * 1.7320508F;
 
+/// A distance in steps of the field, limited to ±kFieldLimit.
 [[nodiscard]] inline std::int16_t ToFieldValue(double distance_mm, float voxel_mm) {
   const double steps = distance_mm * (kStepsOfVoxel / static_cast<double>(voxel_mm));
   return static_cast<std::int16_t>(
@@ -57,6 +58,7 @@ class BrickField {
   /// Makes a brick uniform and frees its values.
   void MakeUniform(BrickIndex brick, std::int32_t state);
 
+  /// Memory that the field takes.
   [[nodiscard]] std::size_t Bytes() const {
     return slots_.size() * sizeof(std::int32_t) + values_.size() * sizeof(std::int16_t);
   }
@@ -66,10 +68,10 @@ class BrickField {
     return static_cast<std::size_t>(slot) * kBrickNodes;
   }
 
-  std::vector<std::int32_t> slots_;  // by brick
-  std::vector<std::int16_t> values_;
-  std::vector<std::int32_t> free_;
-  std::int32_t used_{0};
+  std::vector<std::int32_t> slots_;   // by brick: kAllLow, kAllHigh, or its slot in values_
+  std::vector<std::int16_t> values_;  // by slot: the 512 values of a brick
+  std::vector<std::int32_t> free_;    // slots that no brick uses any more
+  std::int32_t used_{0};              // number of slots that were ever used
 };
 
 }  // namespace osteon::surface

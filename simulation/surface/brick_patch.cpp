@@ -11,6 +11,8 @@ struct Part {
 
 using Parts = std::array<Part, 27>;
 
+/// Fills the 12 nodes of a patch's row from three neighbouring bricks. @param at  where the row begins in
+/// each
 void FillRow(std::int16_t* row, const Part* parts, int at) {
   constexpr std::array<int, 3> kFrom{6, 0, 0}, kCount{2, 8, 2};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -22,7 +24,9 @@ void FillRow(std::int16_t* row, const Part* parts, int at) {
   }
 }
 
+/// Fills a patch of one field.
 void Fill(const Parts& parts, std::array<std::int16_t, kPatchNodes>& out) {
+  // which of three neighbouring bricks holds a patch's node: 2 nodes of the first, 8, then 2 of the last
   const auto part_of = [](int node) { return node < 2 ? 0 : node < 10 ? 1 : 2; };
   for (int z = 0; z < kPatchEdge; ++z)
     for (int y = 0; y < kPatchEdge; ++y) {
@@ -31,6 +35,7 @@ void Fill(const Parts& parts, std::array<std::int16_t, kPatchNodes>& out) {
     }
 }
 
+/// One brick's part of a field.
 Part PartOf(const BrickField& field, BrickIndex brick) {
   return {field.Values(brick),
           field.State(brick) == BrickField::kAllLow ? static_cast<std::int16_t>(-kFieldLimit) : kFieldLimit};

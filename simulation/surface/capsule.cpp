@@ -67,20 +67,22 @@ float DepthIn(const Capsule& capsule, Vec3 point) {
 void SelectCapsules(std::span<const Capsule> capsules, std::span<const float> depths, float reach_mm,
                     float half_mm, std::vector<std::uint32_t>& kept) {
   constexpr float kRoundingMargin = 1.01F;
-  constexpr float kMaxGain = 2.0F;  // where the directions are opposite
+  constexpr float kMaxGain = 2.0F;  // largest difference of two unit vectors: they are opposite
   kept.clear();
-  const std::size_t top =
+  const std::size_t deepest =
       static_cast<std::size_t>(std::max_element(depths.begin(), depths.end()) - depths.begin());
-  const Capsule& best = capsules[top];
+  const Capsule& deepest_capsule = capsules[deepest];
   for (std::size_t k = 0; k < capsules.size(); ++k) {
     if (depths[k] <= -reach_mm) continue;
-    if (k != top) {
+    if (k != deepest) {
       const Capsule& other = capsules[k];
-      const float apart_mm = std::max({Norm(other.a_mm - best.a_mm), Norm(other.a_mm - best.b_mm),
-                                       Norm(other.b_mm - best.a_mm), Norm(other.b_mm - best.b_mm)});
-      const float near_mm = std::min(other.radius_mm - depths[k], best.radius_mm - depths[top]) - half_mm;
+      const float apart_mm =
+          std::max({Norm(other.a_mm - deepest_capsule.a_mm), Norm(other.a_mm - deepest_capsule.b_mm),
+                    Norm(other.b_mm - deepest_capsule.a_mm), Norm(other.b_mm - deepest_capsule.b_mm)});
+      const float near_mm =
+          std::min(other.radius_mm - depths[k], deepest_capsule.radius_mm - depths[deepest]) - half_mm;
       const float gain_mm = half_mm * (near_mm > 0.0F ? std::min(kMaxGain, apart_mm / near_mm) : kMaxGain);
-      if (depths[k] + kRoundingMargin * gain_mm < depths[top]) continue;
+      if (depths[k] + kRoundingMargin * gain_mm < depths[deepest]) continue;
     }
     kept.push_back(static_cast<std::uint32_t>(k));
   }

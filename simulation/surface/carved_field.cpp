@@ -45,6 +45,7 @@ bool Reaches(unsigned rows, int offset) {
   return offset == 0 || (offset < 0 ? (rows & 0x03U) != 0 : (rows & 0xc0U) != 0);
 }
 
+/// Calls visit(dx, dy, dz) for a brick itself and its 26 neighbours.
 template <class Visit>
 void EachNeighbour(const Visit& visit) {
   for (int dz = -1; dz <= 1; ++dz)
@@ -89,6 +90,7 @@ void CarvedField::Carve(std::span<const Capsule> capsules) {
         high[i] = std::max(high[i], p[i] + capsule.radius_mm + band_mm);
       }
     }
+  // bricks that the capsules or the band around them reach
   std::array<int, 3> from{}, to{};
   for (std::size_t i = 0; i < 3; ++i) {
     const float last = static_cast<float>(layout().bricks[i]);

@@ -36,6 +36,7 @@ class CarvedField {
   [[nodiscard]] std::size_t Bytes() const { return solid().Bytes() + swept_.Bytes(); }
 
  private:
+  /// Removes the capsules from one brick, and marks the bricks whose mesh changes.
   void CarveBrick(int x, int y, int z, std::span<const Capsule> capsules);
   void MarkDirty(int x, int y, int z);
 
@@ -43,8 +44,8 @@ class CarvedField {
   BrickField swept_;
   std::vector<bool> is_dirty_;
   std::vector<BrickIndex> dirty_list_;
-  std::vector<std::uint32_t> selected_;
-  std::vector<float> depths_;
+  std::vector<std::uint32_t> selected_;  // memory that CarveBrick uses again
+  std::vector<float> depths_;            // likewise
 };
 
 }  // namespace osteon::surface

@@ -9,6 +9,7 @@ namespace {
 constexpr float kMinSine2 = 0.03F;
 /// A rim's place up to this distance outside the cell is used, clamped to the cell [voxels].
 constexpr float kRimSlack = 0.25F;
+/// Least squared gradient (about 1 beside a smooth face) at which a Newton step is taken.
 constexpr float kMinGradient2 = 0.05F;
 
 Vec3 ClampToCell(Vec3 p) {
@@ -36,8 +37,9 @@ bool StepOntoBoth(const CornerValues& solid, const CornerValues& swept, Vec3& pl
               bb = Dot(b.gradient, b.gradient);
   const float det = aa * bb - ab * ab;
   if (!(det >= kMinSine2 * aa * bb) || det <= 0.0F) return false;
-  const float l1 = (a.value * bb - b.value * ab) / det, l2 = (b.value * aa - a.value * ab) / det;
-  place = place - (l1 * a.gradient + l2 * b.gradient);
+  // the shortest step is a combination of both gradients: their weights
+  const float weight_a = (a.value * bb - b.value * ab) / det, weight_b = (b.value * aa - a.value * ab) / det;
+  place = place - (weight_a * a.gradient + weight_b * b.gradient);
   return true;
 }
 
@@ -61,12 +63,14 @@ bool SlideIntoCell(Vec3& place, Vec3 direction) {
   return true;
 }
 
-/// Central differences along one axis, interpolated along it.
+/// Central differences at nodes `at` and `at` + step along one axis, interpolated by the weight w. In the
+/// field's steps per two nodes.
 float LineDifference(const std::int16_t* field, int at, int step, float w) {
   return (1.0F - w) * static_cast<float>(field[at + step] - field[at - step]) +
          w * static_cast<float>(field[at + 2 * step] - field[at]);
 }
 
+/// One component of SmoothGradient: LineDifference along `step`, interpolated along the two other axes.
 float AxisDifference(const std::int16_t* field, int at, int step, float w, int step1, float w1, int step2,
                      float w2) {
   const float a = LineDifference(field, at, step, w), b = LineDifference(field, at + step1, step, w);

@@ -16,8 +16,10 @@ using CornerValues = std::array<float, 8>;
 inline constexpr std::array<int, 8> kCornerStep{0,      1,          kRow,          kRow + 1,
                                                 kLayer, kLayer + 1, kLayer + kRow, kLayer + kRow + 1};
 
+/// The field's values at a cell's corners [voxels]. @param at  the cell's low node in the patch
 [[nodiscard]] CornerValues CornersOf(const std::int16_t* field, int at);
 
+/// Value and gradient of a field at a place.
 struct FieldSample {
   float value{0.0F};
   Vec3 gradient;

@@ -15,10 +15,12 @@ void AppendU16(std::vector<std::uint8_t>& bytes, std::size_t value) {
   bytes.push_back(static_cast<std::uint8_t>(value >> 8 & 0xff));
 }
 
+/// Reads two bytes, the lower one first.
 std::uint16_t U16(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::uint16_t>(bytes[at] | bytes[at + 1] << 8);
 }
 
+/// -1 … 1 as 0 … 255.
 std::uint8_t ToByte(float unit) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(unit * 0.5F + 0.5F, 0.0F, 1.0F) * 255.0F));
 }
@@ -28,6 +30,7 @@ std::array<std::uint8_t, 2> EncodeNormal(Vec3 n) {
   const float sum = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
   if (!(sum > 0.0F)) return EncodeNormal({0.0F, 0.0F, 1.0F});
   float x = n.x / sum, y = n.y / sum;
+  // the lower half of the octahedron is folded outwards over its upper half
   if (n.z < 0.0F) {
     const float fold_x = (1.0F - std::abs(y)) * (x < 0.0F ? -1.0F : 1.0F);
     const float fold_y = (1.0F - std::abs(x)) * (y < 0.0F ? -1.0F : 1.0F);
@@ -37,6 +40,7 @@ std::array<std::uint8_t, 2> EncodeNormal(Vec3 n) {
   return {ToByte(x), ToByte(y)};
 }
 
+/// The unit vector of EncodeNormal's two bytes.
 Vec3 DecodeNormal(std::uint8_t a, std::uint8_t b) {
   float x = static_cast<float>(a) / 127.5F - 1.0F, y = static_cast<float>(b) / 127.5F - 1.0F;
   const float z = 1.0F - std::abs(x) - std::abs(y);

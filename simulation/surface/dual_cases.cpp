@@ -10,12 +10,14 @@ struct Links {
   Links() {
     for (auto& pair : next) pair = {-1, -1};
   }
+  /// Links two edges.
   void Join(int a, int b) {
     At(a) = b;
     At(b) = a;
   }
 
  private:
+  /// The first link of the edge that is not set yet.
   int& At(int edge) {
     auto& pair = next[static_cast<std::size_t>(edge)];
     return pair[0] < 0 ? pair[0] : pair[1];
@@ -54,6 +56,7 @@ CellCase TraceCell(unsigned inside, unsigned flip) {
     links.Join(cut[first + 1], cut[(first + 2) % 4]);
     ambiguous[ambiguous_count++] = {face, cut[first], cut[first + 1]};
   }
+  // follow each loop of linked edges: its edges form one patch
   CellCase cell;
   cell.patch.fill(kNotCut);
   for (int edge = 0; edge < kCellEdges; ++edge) {

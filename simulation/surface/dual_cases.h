@@ -6,9 +6,9 @@
 #include "simulation/surface/surface_chunk.h"
 
 // Cells of the dual surface. A corner's number has bit 0 for x, bit 1 for y, bit 2 for z; an edge's number is
-// 4 axis + the other two bits; a face's number is 2 axis + side. A corner is inside the bone if its value is
-// negative; an edge is cut if exactly one of its corners is inside. The cut edges of a cell form closed loops
-// over its faces: the patches. Each patch has a vertex.
+// 4 axis + the bits of its corners along the two other axes; a face's number is 2 axis + side. A corner is
+// inside the bone if its value is negative; an edge is cut if exactly one of its corners is inside. The cut
+// edges of a cell form closed loops over its faces: the patches. Each patch has a vertex.
 
 namespace osteon::surface {
 

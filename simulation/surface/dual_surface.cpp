@@ -15,6 +15,7 @@ constexpr int kFieldSolid = 0, kFieldSwept = 1;
 /// Steps of the index between neighbours along each axis: for a patch's nodes, and for a brick's cells.
 constexpr std::array<int, 3> kNodeStep{1, kRow, kLayer}, kCellStep{1, kCellEdge, kCellEdge*kCellEdge};
 
+/// Bit k is set if corner k of a cell is inside. @param at  the cell's low node in the patch
 unsigned InsideMask(const std::int16_t* carved, int at) {
   unsigned mask = 0;
   for (unsigned k = 0; k < 8; ++k) mask |= carved[at + kCornerStep[k]] < 0 ? 1U << k : 0U;
@@ -37,6 +38,7 @@ class Extractor {
         place_(layout_.PlaceOf(chunk.brick)),
         chunk_(chunk) {}
 
+  /// Makes all cells that the surface passes, then a quad for each cut edge of the brick's nodes.
   void Run() {
     FindInsideRows();
     for (int z = -1; z < kBrickEdge; ++z)
@@ -76,15 +78,18 @@ class Extractor {
       rows_[row] = static_cast<std::uint16_t>(inside);
     }
   }
+  /// Bits of a row along x: bit x + 2 is set if the brick's node (x, y, z) is inside.
   [[nodiscard]] unsigned Row(int y, int z) const {
     return rows_[static_cast<std::size_t>((z + 2) * kPatchEdge + y + 2)];
   }
 
+  /// Calls visit(number of the bit) for each bit that is set.
   template <class Visit>
   static void EachBit(unsigned bits, const Visit& visit) {
     for (; bits != 0; bits &= bits - 1) visit(std::countr_zero(bits));
   }
 
+  /// Index in cells_ of the cell that begins at node (x, y, z).
   [[nodiscard]] static int CellNumber(int x, int y, int z) {
     return ((z + 1) * kCellEdge + y + 1) * kCellEdge + x + 1;
   }
@@ -103,6 +108,7 @@ class Extractor {
     return flip == 0 ? plain : TraceCell(inside, flip);
   }
 
+  /// Where the edge between two nodes of the patch crosses the surface.
   [[nodiscard]] EdgeCut CutOfNodes(int at, int to) const {
     constexpr float kVoxels = 1.0F / kStepsOfVoxel;
     if (patch_.fields == BrickPatch::kBoth)
@@ -114,11 +120,13 @@ class Extractor {
     return {.t = low / (low - high), .by_swept = patch_.fields == BrickPatch::kSwept};
   }
 
+  /// Finds a cell's patches and makes a vertex, or the two of a rim, for each.
   void MakeCell(int x, int y, int z, unsigned inside) {
     const int at = PatchNode(x, y, z), number = CellNumber(x, y, z);
     const CellCase cell_case = CaseOf(inside, at);
     Cell& cell = cells_[static_cast<std::size_t>(number)];
     cell.patch = cell_case.patch;
+    // for each patch, the mean of the points where its edges are cut
     std::array<Vec3, kMaxPatches> sum{};
     std::array<int, kMaxPatches> count{};
     std::array<unsigned, kMaxPatches> fields{};  // for each patch, a bit for each field that its edges cross
@@ -141,6 +149,7 @@ class Extractor {
     }
   }
 
+  /// Place of a patch's vertex in its cell. @param mean  of the points where the patch's edges are cut
   [[nodiscard]] Vec3 PlaceVertex(int at, Vec3 mean, bool on_rim) const {
     Vec3 place = mean;
     if (on_rim && options_.sharp_rims &&
@@ -149,6 +158,7 @@ class Extractor {
     return ProjectOnto(CornersOf(carved_, at), mean);
   }
 
+  /// Appends the vertices of patch k, one for each field that its edges cross. @param in_cell  their place
   void AddVertices(int x, int y, int z, std::size_t k, Vec3 in_cell, unsigned fields, Cell& cell) {
     const auto along = [](int brick, int node, float offset) {
       return static_cast<float>(brick * kBrickEdge + node) + offset;

@@ -22,6 +22,7 @@ float NodeValue(const BrickLayout& layout, const BrickField& field, std::array<i
 }
 
 // Interpolates the field between the eight nodes around a place [voxels].
+// @param low  the lowest of the nodes. @param part  place between them, 0 … 1 along each axis
 float Interpolate(const BrickLayout& layout, const BrickField& field, std::array<int, 3> low, Vec3 part,
                   float beyond) {
   float sum = 0.0F;
@@ -37,18 +38,19 @@ float Interpolate(const BrickLayout& layout, const BrickField& field, std::array
 }  // namespace
 
 float CarvedDistance(const BrickLayout& layout, const BrickField& solid, const BrickField& swept, Vec3 p_mm) {
-  const Vec3 at = (1.0F / layout.voxel_mm) * (p_mm - layout.origin_mm);
+  const Vec3 grid_place = (1.0F / layout.voxel_mm) * (p_mm - layout.origin_mm);
   const float edge = static_cast<float>(kBrickEdge);
-  for (const auto& [along, bricks] :
-       {std::pair{at.x, layout.bricks[0]}, {at.y, layout.bricks[1]}, {at.z, layout.bricks[2]}})
+  for (const auto& [along, bricks] : {std::pair{grid_place.x, layout.bricks[0]},
+                                      {grid_place.y, layout.bricks[1]},
+                                      {grid_place.z, layout.bricks[2]}})
     if (!(along > -1.0F && along < edge * static_cast<float>(bricks))) return kBandVoxels * layout.voxel_mm;
-  const Vec3 floor{std::floor(at.x), std::floor(at.y), std::floor(at.z)};
+  const Vec3 floor{std::floor(grid_place.x), std::floor(grid_place.y), std::floor(grid_place.z)};
   const std::array<int, 3> low{static_cast<int>(floor.x), static_cast<int>(floor.y),
                                static_cast<int>(floor.z)};
-  const Vec3 part = at - floor;
+  const Vec3 fraction = grid_place - floor;
   // beyond the grid: air, and nothing swept
-  const float carved = std::max(Interpolate(layout, solid, low, part, kBandVoxels),
-                                Interpolate(layout, swept, low, part, -kBandVoxels));
+  const float carved = std::max(Interpolate(layout, solid, low, fraction, kBandVoxels),
+                                Interpolate(layout, swept, low, fraction, -kBandVoxels));
   return layout.voxel_mm * carved;
 }
 

@@ -11,13 +11,17 @@ namespace osteon::surface {
 /// caller passes all times, so that tests need no clock.
 class IdleShare {
  public:
-  enum class Next { kWork, kRest, kTry };
+  enum class Next {
+    kWork,  ///< take the lock and work
+    kRest,  ///< do nothing yet
+    kTry,   ///< use the CPU for kTryTime without the lock
+  };
 
   static constexpr rt::Nanoseconds kRestTime = rt::kSecond;
   /// CPU time that a try uses, without the lock: longer than the one turn on a CPU that a busy machine
   /// grants.
   static constexpr rt::Nanoseconds kTryTime = 15 * rt::kMillisecond;
-  /// A shorter stretch of work does not show whether the thread was suspended.
+  /// Wall time of work or a try below which it does not show whether the thread was suspended.
   static constexpr rt::Nanoseconds kMinTold = 20 * rt::kMillisecond;
   static constexpr int kMinShare = 5;  ///< a thread that had a CPU for 1/5 of the time was not suspended
 
@@ -34,7 +38,7 @@ class IdleShare {
   }
 
  private:
-  bool put_off_{false};
+  bool put_off_{false};  ///< the thread was suspended in its last stretch of work or try
   rt::Nanoseconds rests_until_{0};
 };
 

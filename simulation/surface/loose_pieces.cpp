@@ -14,6 +14,7 @@ class Joined {
   explicit Joined(std::size_t vertices) : towards_(vertices) {
     std::iota(towards_.begin(), towards_.end(), std::uint32_t{0});
   }
+  /// The vertex that stands for v's set.
   std::uint32_t Root(std::uint32_t v) {
     while (towards_[v] != v) v = towards_[v] = towards_[towards_[v]];
     return v;
@@ -33,12 +34,14 @@ struct Shell {
 
 constexpr float kFar_mm = std::numeric_limits<float>::max();
 
+/// True where a shell's box lies in another shell's box.
 bool Within(const Shell& inner, const Shell& outer) {
   return inner.min_mm.x >= outer.min_mm.x && inner.min_mm.y >= outer.min_mm.y &&
          inner.min_mm.z >= outer.min_mm.z && inner.max_mm.x <= outer.max_mm.x &&
          inner.max_mm.y <= outer.max_mm.y && inner.max_mm.z <= outer.max_mm.z;
 }
 
+/// Finds the mesh's closed parts. @param[out] shell_of  for each quad, the index of its shell
 std::vector<Shell> ShellsOf(const WeldedSurface& mesh, std::vector<std::uint32_t>& shell_of) {
   Joined joined(mesh.vertices_mm.size());
   for (const auto& quad : mesh.quads)
@@ -67,6 +70,7 @@ std::vector<Shell> ShellsOf(const WeldedSurface& mesh, std::vector<std::uint32_t
   return shells;
 }
 
+/// Removes the other quads, and the vertices that only they used.
 void KeepOnly(const std::vector<bool>& kept_quad, WeldedSurface& mesh) {
   std::vector<std::array<std::uint32_t, 4>> quads;
   for (std::size_t i = 0; i < mesh.quads.size(); ++i)
@@ -93,6 +97,7 @@ PieceFigures DropPiecesBelow(double min_mm3, WeldedSurface& mesh) {
     figures.dropped_mm3 += shell->volume_mm3;
   }
   if (figures.dropped == 0) return figures;
+  // a hollow goes with the dropped piece around it
   for (Shell& hollow : shells) {
     if (hollow.volume_mm3 > 0.0) continue;
     const bool in_dropped = std::any_of(shells.begin(), shells.end(), [&](const Shell& piece) {

@@ -5,6 +5,8 @@
 
 namespace osteon::surface {
 
+// Conversion between SI units in double precision and this folder's float millimetres.
+
 [[nodiscard]] inline Vec3 ToMillimetres(const Vector3& p_m) {
   const Vector3 p_mm = 1e3 * p_m;
   return {static_cast<float>(p_mm.x()), static_cast<float>(p_mm.y()), static_cast<float>(p_mm.z())};

@@ -8,9 +8,10 @@
 namespace osteon::surface {
 namespace {
 
-/// A block of 4³ bricks is not sampled further if its centre is far from the surface.
+/// Bricks along a block. A block is not sampled further if its centre is far from the surface.
 constexpr int kBlockEdge = 4;
 
+/// Centre [mm] of a cube of `bricks`³ bricks. @param brick  its lowest brick
 Vec3 CentreOf(const BrickLayout& layout, const std::array<int, 3>& brick, int bricks) {
   const float half_mm = 0.5F * layout.voxel_mm * static_cast<float>(kBrickEdge * bricks - 1);
   return layout.Node(brick[0] * kBrickEdge, brick[1] * kBrickEdge, brick[2] * kBrickEdge) +
@@ -25,6 +26,7 @@ float ReachOf(const BrickLayout& layout, int bricks) {
          (kHalfDiagonalVoxels / 7.0F * static_cast<float>(kBrickEdge * bricks - 1) + kBandVoxels + kRounding);
 }
 
+/// Calls visit(place) for each `step`-th place from `from` up to, without, `to`.
 template <class Visit>
 void EachBrick(const std::array<int, 3>& from, const std::array<int, 3>& to, int step, const Visit& visit) {
   for (int z = from[2]; z < to[2]; z += step)
@@ -39,11 +41,11 @@ struct SampledBrick {
   std::vector<std::int16_t> values;          ///< empty: uniform
 };
 
-/// Samples a row of eight nodes. A distance changes no faster than the place, so the limited values of the
-/// nodes after one that is far from the surface are known.
+/// Samples a row of eight nodes along x. After a node that is far from the surface, the next nodes are at the
+/// same limit: their distance differs by at most the way to them.
 void SampleRow(const BrickLayout& layout, const DistanceAt& distance, const std::array<int, 3>& first,
                std::int16_t* values) {
-  int known = 0;
+  int known = 0;  // number of next nodes that have the value of the node before
   for (int x = 0; x < kBrickEdge; ++x) {
     if (known > 0) {
       values[x] = values[x - 1];
@@ -57,6 +59,7 @@ void SampleRow(const BrickLayout& layout, const DistanceAt& distance, const std:
   }
 }
 
+/// Samples one brick; it stays uniform where its centre is far from the surface.
 SampledBrick SampleBrick(const BrickLayout& layout, const DistanceAt& distance,
                          const std::array<int, 3>& place) {
   SampledBrick sampled{.brick = layout.At(place[0], place[1], place[2]), .values = {}};

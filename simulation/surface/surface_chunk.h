@@ -53,6 +53,7 @@ struct BrickLayout {
   [[nodiscard]] BrickIndex At(int x, int y, int z) const {
     return static_cast<BrickIndex>((z * bricks[1] + y) * bricks[0] + x);
   }
+  /// Indices of a brick along x, y and z.
   [[nodiscard]] std::array<int, 3> PlaceOf(BrickIndex brick) const {
     const int i = static_cast<int>(brick);
     return {i % bricks[0], i / bricks[0] % bricks[1], i / bricks[0] / bricks[1]};
@@ -60,6 +61,7 @@ struct BrickLayout {
   [[nodiscard]] bool Contains(int x, int y, int z) const {
     return x >= 0 && y >= 0 && z >= 0 && x < bricks[0] && y < bricks[1] && z < bricks[2];
   }
+  /// Place of a node of the whole grid [mm].
   [[nodiscard]] Vec3 Node(int x, int y, int z) const {
     return {origin_mm.x + voxel_mm * static_cast<float>(x), origin_mm.y + voxel_mm * static_cast<float>(y),
             origin_mm.z + voxel_mm * static_cast<float>(z)};

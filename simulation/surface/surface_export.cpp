@@ -32,6 +32,7 @@ std::vector<Triangle> Triangulate(const WeldedSurface& mesh) {
   return triangles;
 }
 
+/// The file name's extension in lower case, with its dot.
 std::string ExtensionOf(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -53,6 +54,7 @@ void Append(std::string& bytes, Vec3 p) {
   Append(bytes, p.z);
 }
 
+/// A binary STL file.
 std::string StlText(const WeldedSurface& mesh, const std::vector<Triangle>& triangles) {
   constexpr std::size_t kHead = 80;
   std::string bytes = "carved bone, mm";
@@ -69,6 +71,7 @@ std::string StlText(const WeldedSurface& mesh, const std::vector<Triangle>& tria
   return bytes;
 }
 
+/// A binary PLY file.
 std::string PlyText(const WeldedSurface& mesh, const std::vector<Triangle>& triangles) {
   std::string bytes = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment carved bone, mm\nelement vertex {}\nproperty float x\n"
@@ -111,6 +114,7 @@ tl::expected<SurfaceFigures, simulation::FileError> WriteSurface(const std::file
                                                                  const CarvedField& field,
                                                                  double drop_below_mm3) {
   const std::string extension = ExtensionOf(path);
+  // if the mesh with sharp rims does not pass the check, export one without them
   WeldedSurface mesh = WeldSurface(field);
   if (simulation::TriangleMesh checked = ToTriangles(mesh);
       !mesh.quads.empty() && !simulation::CheckMesh(checked, path.string()))
