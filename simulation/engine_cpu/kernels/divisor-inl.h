@@ -25,6 +25,7 @@ namespace HWY_NAMESPACE {
 // halves of a vector, and the following load of a whole vector waits for both stores (with AVX2, the removal
 // then takes 164 us instead of 117).
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_NEON
+// One correction of q, an approximation of a / b.
 template <std::size_t N>
 HWY_INLINE One<double, N> Corrected(One<double, N> q, One<double, N> a, One<double, N> b,
                                     One<double, N> reciprocal) {
