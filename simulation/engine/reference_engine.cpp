@@ -176,7 +176,7 @@ ReferenceEngine::Slid ReferenceEngine::Slide(const ToolPoints& from, const ToolP
 
 // Finds, with the tool at `at`: the nearest pair of each bin of direction, the sums about each face of the
 // previous frame, and the present state of the remembered pairs.
-// @param goal  the tool's balls at the pose that the hand asks for
+// @param goal  the tool's balls at the pose that the frame asks for
 NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints& goal,
                                          const Matrix3& R_GT) const {
   NearField near;

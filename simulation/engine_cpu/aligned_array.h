@@ -28,6 +28,7 @@ class AlignedArray {
   [[nodiscard]] const T& operator[](std::size_t i) const { return data_[i]; }
 
  private:
+  // @param touched  number of elements that are zeroed
   void Allocate(std::size_t size, std::size_t touched) {
     size_ = size;
     const std::size_t allocated = size + kPadding;

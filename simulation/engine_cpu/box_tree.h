@@ -39,6 +39,7 @@ class BoxTree {
   }
 
  private:
+  // Find, for one node of a level (0: the clusters' level) and all that is below it.
   template <class Meets, class Visit>
   void Descend(std::size_t level, std::size_t node, const Meets& meets, Visit&& visit) const {
     const unsigned found = meets(levels_[level][node].box);

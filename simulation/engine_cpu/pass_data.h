@@ -80,7 +80,7 @@ struct NearFieldPass {
   ToolView tool;
   Places at;
   double enlargement_m;   ///< pairs with a larger gap do not count
-  double middle_worth_m;  ///< kBinCentreBias_m
+  double middle_worth_m;  ///< kBinCentreBias_m: weight of a direction's distance to its bin's centre
   double face_cosine;     ///< of the half angle of a face's cone
   double max_lens_m3;     ///< largest weight of a pair
   float enlargement_mm, displacement_mm, rounding_mm;

@@ -63,6 +63,7 @@ class SplitBlocks {
   void FromSaved(ContactMemory& contact) const;
 
  private:
+  // Each function is described in split_blocks.cpp.
   void Visit(std::uint32_t parent, WaitingBall waiting, std::span<const Capsule> capsules,
              std::size_t& may_split);
   void MakeChildren(const WaitingBall& waiting, std::span<const Capsule> capsules);

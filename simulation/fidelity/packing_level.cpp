@@ -16,7 +16,7 @@ namespace {
 constexpr double kMinOverSpacing = 1.2, kMaxOverSpacing = 2.4, kMaxInto = 1.5;
 constexpr double kGap = 0.04 / 1.5, kGapGrowth = 0.08, kMaxGap = 0.5 / 1.5;
 // Split levels, over the spacing: radius of a parent and of a ball at the surface, gap at the surface, depth
-// between two doublings of the spacing, and radius from which on a ball is split.
+// between two doublings of the spacing, and radius above which a ball is split.
 constexpr double kSplitRadius = 0.9, kSplitSurface = 1.2 / 2.5, kSplitGap = 0.06, kSplitCoarser = 1.5 / 2.5;
 constexpr double kMinSplit = 0.4 / 2.5;
 // Where the spacing doubles, split balls leave gaps. The doubling must be deeper than the reach of a touched
@@ -195,6 +195,7 @@ double DepthVolumes::ExpectedBalls(const PackingLevel& level) const {
       const double below_m = std::max(0.0, cell.depth_m - split.fine_depth_m);
       const int coarser = below_m >= 2.0 * split.coarser_from_m ? 2 : below_m >= split.coarser_from_m ? 1 : 0;
       const double a = std::ldexp(split.spacing_m, coarser);
+      // the numbers below are those of split_packing.cpp
       if (cell.inside_m >= 0.6 * kSplitRadius * a) balls += cell.volume_m3 * 2.0 / (a * a * a);
       const double r = split.surface_radius_m + 0.5 * below_m,
                    gap = std::min(2e-3,
@@ -204,6 +205,7 @@ double DepthVolumes::ExpectedBalls(const PackingLevel& level) const {
     }
     const double depth_m = level.kind == PackingKind::kUniform ? 0.0 : cell.depth_m;
     const double a = overlap.SpacingAt(depth_m), r = overlap.RadiusCapAt(depth_m, a);
+    // nearer to the surface are only balls that touch it
     if (cell.inside_m >= 0.9 * r) balls += cell.volume_m3 * 2.0 / (a * a * a);
     balls += cell.area_m2 * 0.25 / (overlap.SurfaceGapAt(depth_m) * r);
   }

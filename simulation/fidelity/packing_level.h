@@ -26,8 +26,7 @@ struct PackingLevel {
   PackingKind kind{PackingKind::kGraded};
   PackingFineness fine;
   double zone_depth_m{0.0};  ///< depth below the cut zone down to which the packing is fine
-  double corner_m{
-      0.0};  ///< further depth that is fine, because corners of coarser cells reach into the fine zone
+  double corner_m{0.0};      ///< further depth that is fine: corners of coarser cells reach up to there
 };
 
 /// Depth below the scene's zone that the cut reaches: for a cup the depth of its face, for a path the excess

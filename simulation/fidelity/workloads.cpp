@@ -26,6 +26,7 @@ class TopZone final : public CutZone {
   [[nodiscard]] double DepthAt(const Vector3& p_m) const override { return -p_m.z(); }
 };
 
+// A tool of one cutting ball, whose apex is T's origin.
 Tool OneBall(double radius_m) {
   Tool tool;
   tool.name = fmt::format("ball of {:g} mm", radius_m * 1e3);
@@ -59,6 +60,7 @@ class Builder {
   Builder(CutWorkload& work, const CutWorkloadParams& params, double radius_m)
       : work_(work), params_(params), radius_m_(radius_m) {}
 
+  // Adds all frames of the workload, and the exact forces.
   void Play(const CenterWay& way) {
     const double dt_s = 1.0 / params_.rate_hz, cut_step = params_.feed_m_per_s * dt_s;
     const double in_m = (way.corner_m - way.start_m).norm();
@@ -74,6 +76,7 @@ class Builder {
     const std::size_t rest = Frames(kPressing_s + kSettling_s), feel = Frames(feel_s);
     work_.feel_begin = work_.cut_end + rest;
     for (std::size_t k = 0; k < rest + feel; ++k) {
+      // shares of the offset and of the way back (or of the circle)
       const double pressed = std::min(1.0, static_cast<double>(k + 1) * dt_s / kPressing_s);
       const double gone = k < rest ? 0.0 : Share(k - rest + 1, feel);
       const double at_m = (1.0 - gone) * way.along_m, turn = 2.0 * std::numbers::pi * gone;
@@ -93,18 +96,21 @@ class Builder {
   }
 
  private:
+  // Number of equal steps that are at most `step_m` long.
   static std::size_t Steps(double length_m, double step_m) {
     return static_cast<std::size_t>(std::ceil(length_m / step_m - 1e-9));
   }
   static double Share(std::size_t k, std::size_t of) {
     return static_cast<double>(k) / static_cast<double>(of);
   }
+  // Number of frames in this time.
   [[nodiscard]] std::size_t Frames(double seconds) const {
     return static_cast<std::size_t>(std::lround(seconds * params_.rate_hz));
   }
   // the feed leads down
   static Matrix3 R_WT() { return Eigen::DiagonalMatrix<double, 3>(1, -1, -1).toDenseMatrix(); }
 
+  // Adds a frame with the ball's centre at this place.
   void Add(const Vector3& center_m, bool cuts) {
     Pose X_WT = Pose::Identity();
     X_WT.linear() = R_WT();

@@ -105,6 +105,7 @@ class Reader {
   }
 
  private:
+  /// Notes an error at a byte of the file, unless there is one already.
   void Fail(std::uint64_t byte, std::string where, std::string found, std::string accepted) {
     if (!error_)
       error_ = FileError{.file = path_.string(),

@@ -49,6 +49,7 @@ class PartNames {
  public:
   /// Number of the part of this name. A name that is not UTF-8 is read as Latin-1.
   [[nodiscard]] std::uint32_t NumberOf(std::string_view name);
+  /// Moves the names out, in the order of their numbers.
   [[nodiscard]] std::vector<std::string> Take() { return std::move(names_); }
 
  private:

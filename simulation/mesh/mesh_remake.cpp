@@ -155,6 +155,7 @@ class WindingLevel {
     }
   }
 
+  /// Value at p. Decides the point's block at the first call.
   double operator()(const Vector3& p_m) {
     const std::array<std::size_t, 3> cell = Cell(p_m);
     float& block = blocks_[Index(cell)];
@@ -180,6 +181,7 @@ class WindingLevel {
   // Values of a block that is not decided yet, or must be computed at each point. Else: its winding number.
   static constexpr float kUnknown = 1e30f, kSurface = 2e30f;
 
+  /// Place of the block that contains p, by axis; of the nearest block for points outside.
   [[nodiscard]] std::array<std::size_t, 3> Cell(const Vector3& p_m) const {
     std::array<std::size_t, 3> cell{};
     for (int axis = 0; axis < 3; ++axis)

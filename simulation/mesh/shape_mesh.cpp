@@ -39,6 +39,7 @@ class Marching {
     for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = level_(At(i));
   }
 
+  /// @returns the mesh. @throws std::invalid_argument where the shape reaches the border or is empty.
   TriangleMesh Run() {
     cuts_.assign(7 * values_.size(), kNone);
     for (std::size_t z = 0; z < size_[2]; ++z)
@@ -66,6 +67,7 @@ class Marching {
   [[nodiscard]] std::size_t Corner(std::size_t cube, int corner) const {
     return cube + (corner & 1) + ((corner >> 1) & 1) * size_[0] + (corner >> 2) * size_[0] * size_[1];
   }
+  /// Place of vertex i of the grid.
   [[nodiscard]] Vector3 At(std::size_t i) const {
     return low_ + step_m_ * Vector3(static_cast<double>(i % size_[0]),
                                     static_cast<double>(i / size_[0] % size_[1]),

@@ -156,6 +156,7 @@ HWY_INLINE void EngageRows(const EngagementPass& e, std::uint32_t b, float limit
   engaged.Add(e.rows.block[b], p, Load(tools), MaskF(candidates));
 }
 
+// ReferenceEngine::MeasureEngagement for the points of one material, to the same bits.
 inline void MeasureEngagement(EngagementPass& pass) {
   // this copy stays in registers; the compiler assumes that stores of vectors may change `pass`
   const EngagementPass e = pass;

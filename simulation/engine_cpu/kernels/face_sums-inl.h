@@ -54,6 +54,7 @@ class FaceSums {
     Pack(p_.cone_place + count_, Make<V>::From(place), mask);
     count_ += Pack(p_.cone_tool + count_, Make<V>::From(tool), mask);
   }
+  // Adds up the remaining pairs, and stores the sums in the pass.
   void Finish() {
     AddUp(SortBlocks(count_));
     for (std::size_t f = 0; f < kFaceCount; ++f) Store(p_.sums[f], sums_[f]);
@@ -83,6 +84,7 @@ class FaceSums {
   D8 sums_[kFaceCount];  // weight, n, centre in T, radius
 };
 
+// Index in the list of the first pair of the last pair's block: this block may not be complete yet.
 inline std::size_t FaceSums::BeginOfLastBlock() const {
   std::size_t begin = count_;
   while (begin > 0 && p_.cone_place[begin - 1] / 32 == p_.cone_place[count_ - 1] / 32) --begin;
@@ -145,8 +147,8 @@ HWY_INLINE void FaceSums::Measure(std::size_t first, std::size_t end, Group* gro
   Store(g.center_z, pair.center_T.z);
 }
 
-// A pair outside the cone has the weight zero, which changes no sum.
-// Makes the directions unit vectors, and computes the weight of each pair for each face.
+// Makes the directions unit vectors, and computes the weight of each pair for each face. A pair outside the
+// face's cone has the weight zero, which changes no sum.
 HWY_INLINE void FaceSums::Weigh(Group& g) const {
   const D8 d = Load(g.d), zero = D(0.0);
   const MD counts = MaskD(g.counts);
