@@ -13,8 +13,8 @@ namespace osteon::simulation::cpu {
 /// Keeps track of split balls and the blocks of their children. Assigns the same blocks in the same order as
 /// BallRemoval (removal/ball_removal.h), but finds split balls by lists instead of visiting all parents.
 ///
-///     large balls that the sweep may touch ─▶ Begin: assigns blocks, makes children or waiting balls, and keeps
-///                                             them apart
+///     large balls that the sweep may touch ─▶ Begin: assigns blocks, makes children or waiting balls, and
+///                                             keeps them apart
 ///     the removal pass shrinks all other balls and children
 ///     touched children ─▶ End: stores the balls that were kept apart, and frees empty blocks
 ///
