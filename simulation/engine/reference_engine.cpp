@@ -13,8 +13,10 @@ namespace osteon::simulation {
 
 namespace {
 
+// In place of the number of the only ball that cuts: all cutting balls cut.
 constexpr std::size_t kEveryBall = std::numeric_limits<std::size_t>::max();
 
+// The balls of the uncut bone, rounded to the floats that engines store.
 std::vector<BallState> InitialBallStates(const std::vector<Ball>& balls) {
   std::vector<BallState> states;
   states.reserve(balls.size());
@@ -23,6 +25,7 @@ std::vector<BallState> InitialBallStates(const std::vector<Ball>& balls) {
   return states;
 }
 
+// Rounds places and volumes of the mass points to the floats that engines store.
 std::vector<MassPoint> RoundPoints(std::vector<MassPoint> points) {
   for (MassPoint& point : points) {
     point.p_m = RoundToStored({.center_m = point.p_m, .radius_m = 0.0}).center_m;
@@ -69,6 +72,7 @@ ContactModel ReferenceEngine::Step(const FrameInput& input) {
                      [this](const FrameInput& part) { return StepPart(part); });
 }
 
+// Computes one part of a frame (StepInParts) in the three passes that the header lists.
 ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
   const Pose X_GT = X_WG_.inverse() * Pose(input.X_WT);
   const bool cutting = input.spindle_rad_per_s != 0.0;
@@ -96,6 +100,7 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
   const ContactSolution held = SolveContacts(candidates, asked, true);
   FillContacts(params_, near, candidates, held, turning ? SolveContacts(candidates, asked, false) : held,
                asked, memory_.contact, solution);
+  // ends of the slide: with the turn, and (straight) without it
   ToolPoints target = goal, straight = contact;
   for (Vector3& point : target) point += solution.delta;
   for (Vector3& point : straight) point += solution.shift;
@@ -135,7 +140,7 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
   return model;
 }
 
-// Finds the balls and points that the passes of this frame can meet on a way. With splitting, the list of
+// Finds the balls and points that the tool can meet on a straight path. With splitting, the list of
 // balls differs from frame to frame, so the near items are always found anew.
 void ReferenceEngine::FindNear(const ToolPoints& from, const ToolPoints& to, double farther_m,
                                ToolReach& near) const {
@@ -159,6 +164,7 @@ double ReferenceEngine::FirstContact(const ToolReach& near, const ToolPoints& fr
   return first;
 }
 
+// Slides the tool straight ahead, until a pair overlaps by the tolerance or a tool point has moved by max_m.
 ReferenceEngine::Slid ReferenceEngine::Slide(const ToolPoints& from, const ToolPoints& to, double tolerance_m,
                                              double max_m) const {
   const double longest = LongestPath(from, to);
@@ -168,6 +174,9 @@ ReferenceEngine::Slid ReferenceEngine::Slide(const ToolPoints& from, const ToolP
   return {.fraction = fraction, .way_m = fraction * longest, .stopped = met < limit};
 }
 
+// Finds, with the tool at `at`: the nearest pair of each bin of direction, the sums about each face of the
+// previous frame, and the present state of the remembered pairs.
+// @param goal  the tool's balls at the pose that the frame asks for
 NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints& goal,
                                          const Matrix3& R_GT) const {
   NearField near;
@@ -217,8 +226,9 @@ NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints&
   return near;
 }
 
-// Measures the area of the cutting surface in bone: volume of the mass points within a layer of it, over the
-// layer's depth.
+// Measures the area of the cutting surface in bone, by material: volume of the mass points within a layer of
+// the surface, over the layer's depth, projected along the contact normal. The moment is area times distance
+// from the spindle's axis.
 void ReferenceEngine::MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis_G,
                                         FrameSolution& solution) const {
   if (solution.cutting_m <= 0.0) return;
@@ -278,8 +288,10 @@ ReferenceEngine::Swept ReferenceEngine::SweptBy(const ToolPoints& contact, const
   return swept;
 }
 
+// Shrinks or splits the bone balls in the swept volume, clears the mass points in it, and adds up their
+// volume.
 void ReferenceEngine::Remove(const Swept& swept, FrameSolution& solution) {
-  if (params_.split.on) {  // else BallRemoval shrinks each ball by itself, as here
+  if (params_.split.on) {  // only BallRemoval splits; without splits, each ball shrinks by itself
     removal_.Remove(swept.capsules, balls_);
     for (BallState& ball : balls_) ball = RoundToStored(ball);
   } else {

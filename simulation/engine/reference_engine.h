@@ -45,7 +45,7 @@ class ReferenceEngine final : public CuttingEngine {
   void FindNear(const ToolPoints& from, const ToolPoints& to, double farther_m, ToolReach& near) const;
   double FirstContact(const ToolReach& near, const ToolPoints& from, const ToolPoints& to,
                       double tolerance_m) const;
-  /// The part of a way that contacts and max_slide_m allow.
+  /// The part of a straight path that contacts and max_slide_m allow.
   struct Slid {
     double fraction, way_m;  ///< way_m: path length of the point that moves farthest
     bool stopped;            ///< a ball stopped the slide
@@ -68,19 +68,19 @@ class ReferenceEngine final : public CuttingEngine {
   void Remove(const Swept& swept, FrameSolution& solution);
 
   Tool tool_;
-  double lever_m_;
+  double lever_m_;  ///< ToolLever
   std::vector<Material> materials_;
   MaterialMap map_;
   std::vector<MassPoint> points_;
   Pose X_WG_;
   CuttingParams params_;
-  std::vector<BallState> balls_;  ///< the bone's own, then the children of split balls
+  std::vector<BallState> balls_;  ///< the packing's balls, then the children of split balls
   BallRemoval removal_;
   std::vector<std::uint8_t> cleared_;
   FrameMemory memory_;
   const Loops loops_;
-  ToolReach on_way_;  ///< from the proxy to the tool's pose
-  ToolReach near_;    ///< around the tool at first contact
+  ToolReach on_way_;  ///< bone that the tool can meet between the proxy and its pose
+  ToolReach near_;    ///< bone around the tool at first contact
 };
 
 }  // namespace osteon::simulation

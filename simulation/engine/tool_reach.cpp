@@ -6,9 +6,9 @@
 namespace osteon::simulation {
 namespace {
 
-// The spheres are larger by this than a frame needs, so that the lists serve later frames as well.
+// The spheres are larger by this [m] than a frame needs, so that the lists serve later frames as well.
 constexpr double kSpare_m = 1e-3;
-// Allowance for the rounding of balls, which are rounded whenever they shrink, and of the tests here.
+// Allowance [m] for rounding: of balls, whenever they shrink, and of the distances that are compared below.
 constexpr double kRounding_m = 10e-6;
 
 }  // namespace
@@ -21,6 +21,7 @@ void ToolReach::Update(const Tool& tool, const ToolPoints& from, const ToolPoint
     needed.push_back(
         {.centre_m = 0.5 * (from[t] + to[t]),
          .radius_m = 0.5 * (to[t] - from[t]).norm() + tool.balls[t].radius_m + farther_m + kRounding_m});
+  // the lists stay valid while each tool ball's sphere holds the one that is needed now
   if (spheres_.size() == needed.size()) {
     bool inside = true;
     for (std::size_t t = 0; t < needed.size() && inside; ++t)
@@ -35,9 +36,10 @@ void ToolReach::Update(const Tool& tool, const ToolPoints& from, const ToolPoint
     sphere.radius_m += kSpare_m;
     box.extend(sphere.centre_m);
   }
-  all_ = {.centre_m = box.center(), .radius_m = 0.0};
+  enclosing_ = {.centre_m = box.center(), .radius_m = 0.0};
   for (const Sphere& sphere : spheres_)
-    all_.radius_m = std::max(all_.radius_m, (sphere.centre_m - all_.centre_m).norm() + sphere.radius_m);
+    enclosing_.radius_m =
+        std::max(enclosing_.radius_m, (sphere.centre_m - enclosing_.centre_m).norm() + sphere.radius_m);
   balls_ = {};
   points_ = {};
   for (std::size_t b = 0; b < balls.size(); ++b)
@@ -47,13 +49,13 @@ void ToolReach::Update(const Tool& tool, const ToolPoints& from, const ToolPoint
   points_.first.push_back(points_.tool.size());
 }
 
-// Adds an item, a sphere itself, if a ball of the tool can meet it.
+// Adds a bone ball, or a mass point (radius 0), if a tool ball can meet it, together with those tool balls.
 void ToolReach::AddNear(std::size_t item, const Vector3& p_m, double radius_m, NearItems& near) const {
   const auto meets = [&](const Sphere& sphere) {
     const double within_m = sphere.radius_m + radius_m;
     return (p_m - sphere.centre_m).squaredNorm() <= within_m * within_m;
   };
-  if (!meets(all_)) return;
+  if (!meets(enclosing_)) return;
   const std::size_t first = near.tool.size();
   for (std::size_t t = 0; t < spheres_.size(); ++t)
     if (meets(spheres_[t])) near.tool.push_back(static_cast<std::uint32_t>(t));

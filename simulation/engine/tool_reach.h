@@ -24,14 +24,14 @@ struct NearItems {
   }
 };
 
-/// The balls and points that a tool can meet in a frame: those that lie within a sphere around the way of one
-/// of the tool's balls. All others cannot change a bit of the frame. The lists also serve later frames, until
-/// a ball of the tool leaves its sphere.
+/// The balls and points that a tool can meet in a frame. Each tool ball has a sphere around its path;
+/// whatever touches none of these spheres cannot change a bit of the frame. The lists also serve later
+/// frames, until a tool ball leaves its sphere.
 class ToolReach {
  public:
   /// Finds what the tool can meet.
-  /// @param from, to  ends of the tool's straight way
-  /// @param farther_m  how far beyond that way a ball of the tool may get, and its surface reach
+  /// @param from, to  ends of the tool's straight path
+  /// @param farther_m  added to each sphere's radius: how far from that path bone still matters
   void Update(const Tool& tool, const ToolPoints& from, const ToolPoints& to, double farther_m,
               const std::vector<BallState>& balls, const std::vector<MassPoint>& points);
   /// Lets the next Update find everything anew. Call if balls have grown, or have other numbers.
@@ -50,7 +50,7 @@ class ToolReach {
   void AddNear(std::size_t item, const Vector3& p_m, double radius_m, NearItems& near) const;
 
   std::vector<Sphere> spheres_;  // one for each ball of the tool; empty: the lists are not valid
-  Sphere all_{};                 // encloses all spheres_
+  Sphere enclosing_{};           // encloses all spheres_
   NearItems balls_, points_;
 };
 

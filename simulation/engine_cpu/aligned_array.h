@@ -11,7 +11,8 @@ namespace osteon::simulation::cpu {
 template <class T>
 class AlignedArray {
  public:
-  static constexpr std::size_t kAlignment = 64, kPadding = 16;
+  static constexpr std::size_t kAlignment = 64;  ///< [bytes]
+  static constexpr std::size_t kPadding = 16;    ///< [elements]
 
   AlignedArray() = default;
   /// Every element is zero.
@@ -27,13 +28,14 @@ class AlignedArray {
   [[nodiscard]] const T& operator[](std::size_t i) const { return data_[i]; }
 
  private:
+  // @param touched  number of elements that are zeroed
   void Allocate(std::size_t size, std::size_t touched) {
     size_ = size;
-    const std::size_t all = size + kPadding;
-    raw_ = std::make_unique_for_overwrite<std::byte[]>(all * sizeof(T) + kAlignment);
+    const std::size_t allocated = size + kPadding;
+    raw_ = std::make_unique_for_overwrite<std::byte[]>(allocated * sizeof(T) + kAlignment);
     const auto at = reinterpret_cast<std::uintptr_t>(raw_.get());
     data_ = reinterpret_cast<T*>((at + kAlignment - 1) / kAlignment * kAlignment);
-    for (std::size_t i = 0; i < (touched < all ? touched : all); ++i) data_[i] = T{};
+    for (std::size_t i = 0; i < (touched < allocated ? touched : allocated); ++i) data_[i] = T{};
   }
 
   std::unique_ptr<std::byte[]> raw_;

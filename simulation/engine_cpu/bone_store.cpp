@@ -10,6 +10,7 @@ namespace {
 // Converts a length as RoundToStored() does.
 float ToMillimetres(double metres) { return static_cast<float>(metres * 1e3); }
 
+// Box of a ball [mm], with the allowance for the rounding of floats.
 BoxTree::Box BoxAround(const float (&center)[3], float radius_mm) {
   BoxTree::Box box{};
   for (int a = 0; a < 3; ++a) {
@@ -19,6 +20,7 @@ BoxTree::Box BoxAround(const float (&center)[3], float radius_mm) {
   return box;
 }
 
+// Number of blocks of eight for the balls. Clusters start at a whole block, so the last one is filled up.
 std::uint32_t BlocksFor(std::size_t balls) {
   return static_cast<std::uint32_t>((balls + BoxTree::kCluster - 1) / BoxTree::kCluster * 8);
 }

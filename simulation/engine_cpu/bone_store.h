@@ -34,28 +34,34 @@ class BoneStore {
   void ReadFloats(std::size_t ball, float* four) const;
   void WriteFloats(std::size_t ball, const float* four);
   [[nodiscard]] float RadiusOf(std::size_t ball) const { return blocks_[ball / 8].r[ball % 8]; }
+  /// Sets a ball's radius to zero.
   void Remove(std::size_t ball) { blocks_[ball / 8].r[ball % 8] = 0.0f; }
+  /// Whether any ball of these blocks has a radius above zero.
   [[nodiscard]] bool AnyLeft(std::uint32_t first_block, std::uint32_t end_block) const;
   [[nodiscard]] double max_radius_mm() const { return max_radius_mm_; }
 
   // ---- mass points
   [[nodiscard]] std::size_t point_count() const { return cleared_.size(); }
   [[nodiscard]] std::size_t material_count() const { return material_points_.size(); }
-  /// Upper bound of the number of blocks that a material's points may take in a list.
+  /// Upper bound of the number of blocks of eight that a material's points may take in a list.
   [[nodiscard]] std::size_t MaxPointBlocks(std::size_t material) const;
   [[nodiscard]] const float* point_mm(int axis) const { return point_mm_[axis].data(); }
   [[nodiscard]] double volume_m3(std::size_t i) const { return volume_m3_[i]; }
   [[nodiscard]] double layer_area_m2(std::size_t i) const { return layer_area_m2_[i]; }
   [[nodiscard]] MaterialIndex material(std::size_t i) const { return material_[i]; }
   [[nodiscard]] bool is_cleared(std::size_t i) const { return cleared_[i] != 0; }
+  /// Marks a mass point as removed.
   void Clear(std::size_t i);
+  /// Number of points of a cluster that are not cleared.
   [[nodiscard]] std::uint32_t PointsLeft(std::uint32_t cluster) const { return points_left_[cluster]; }
   [[nodiscard]] const std::vector<std::uint8_t>& cleared() const { return cleared_; }
+  /// Replaces the marks of all mass points.
   void SetCleared(const std::vector<std::uint8_t>& cleared);
 
   BoxTree ball_tree, point_tree;
 
  private:
+  // Copies the bone's mass points and builds their tree.
   void TakePoints(const Bone& bone, double layer_m);
 
   std::size_t ball_count_;
@@ -65,6 +71,7 @@ class BoneStore {
   AlignedArray<float> point_mm_[3];
   std::vector<double> volume_m3_, layer_area_m2_;
   std::vector<MaterialIndex> material_;
+  // for each material: number of its points, and of clusters that have such points
   std::vector<std::size_t> material_points_, material_clusters_;
   std::vector<std::uint8_t> cleared_;
   std::vector<std::uint32_t> points_left_;  // of each cluster

@@ -8,10 +8,12 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
+// Empties box k of a node.
 void Empty(BoxTree::Node& node, std::size_t k) {
   for (int a = 0; a < 3; ++a) node.box[a][k] = kInfinity, node.box[a + 3][k] = -kInfinity;
 }
 
+// Enlarges box k of a node until it holds another box.
 void Extend(BoxTree::Node& node, std::size_t k, const BoxTree::Box& box) {
   for (int a = 0; a < 3; ++a) {
     node.box[a][k] = std::min(node.box[a][k], box.low[a]);
@@ -19,6 +21,7 @@ void Extend(BoxTree::Node& node, std::size_t k, const BoxTree::Box& box) {
   }
 }
 
+// Box k of a node.
 BoxTree::Box BoxIn(const BoxTree::Node& node, std::size_t k) {
   BoxTree::Box box{};
   for (int a = 0; a < 3; ++a) box.low[a] = node.box[a][k], box.high[a] = node.box[a + 3][k];

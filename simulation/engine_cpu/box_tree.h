@@ -11,13 +11,13 @@ namespace osteon::simulation::cpu {
 /// stay valid, because balls and points only shrink or vanish.
 class BoxTree {
  public:
-  static constexpr std::uint32_t kCluster = 64;
+  static constexpr std::uint32_t kCluster = 64;  ///< balls or points of a cluster
   /// Eight boxes: the smallest x, y, z of each, then the largest [mm]. An empty box has smallest > largest.
   struct alignas(64) Node {
     float box[6][8];
   };
   struct Box {
-    float low[3], high[3];
+    float low[3], high[3];  ///< [mm]
   };
 
   BoxTree() = default;
@@ -28,6 +28,7 @@ class BoxTree {
   [[nodiscard]] Box BoxOf(std::uint32_t cluster) const;
   /// Removes a cluster of which nothing is left from later searches, until Reset.
   void Drop(std::uint32_t cluster);
+  /// Undoes each Drop.
   void Reset();
 
   /// Calls visit(cluster) for each cluster whose box matches, in ascending order.
@@ -38,13 +39,14 @@ class BoxTree {
   }
 
  private:
+  // Find, for one node of a level (0: the clusters' level) and all that is below it.
   template <class Meets, class Visit>
   void Descend(std::size_t level, std::size_t node, const Meets& meets, Visit&& visit) const {
     const unsigned found = meets(levels_[level][node].box);
     const std::size_t count = level == 0 ? cluster_count_ : levels_[level - 1].size();
     for (unsigned k = 0; k < 8; ++k) {
       const std::size_t child = node * 8 + k;
-      // a place that is not finite matches empty boxes as well, which have no child
+      // a search with a coordinate that is not finite also matches empty boxes, which have no child
       if ((found >> k & 1u) == 0 || child >= count) continue;
       if (level == 0)
         visit(static_cast<std::uint32_t>(child));

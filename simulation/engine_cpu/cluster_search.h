@@ -9,7 +9,7 @@
 
 namespace osteon::simulation::cpu {
 
-/// How far a list looks around each tool ball [mm]: its reach and its skin.
+/// How far a list looks around each tool ball [mm]: the frame's reach plus the list's skin.
 struct ListReach {
   float cutting_mm{0.0f}, shaft_mm{0.0f};
 };
@@ -26,6 +26,7 @@ struct NearClusters {
 /// Finds the clusters near the tool, and for a cluster the tool balls near it. Memory is allocated at set-up.
 class ClusterSearch {
  public:
+  /// @param max_hits  largest number of pairs of a group of tool balls and a cluster
   ClusterSearch(const ToolBalls& tool, std::size_t max_clusters, std::size_t max_hits);
 
   /// Allocates the memory that Find may need in `clusters`.
@@ -34,19 +35,21 @@ class ClusterSearch {
   /// max_hits
   [[nodiscard]] bool Find(const Kernels& kernels, const BoxTree& tree, const ToolPlacement& at,
                           const ListReach& reach, bool cutting_only, NearClusters& found);
-  /// Tool balls that may be near a cluster, ascending; valid until the next call.
+  /// Tool balls that may be near the cluster clusters.cluster[place], ascending; valid until the next call.
   [[nodiscard]] std::span<const std::uint16_t> ToolsNear(const Kernels& kernels, const BoxTree& tree,
                                                          const NearClusters& clusters, std::size_t place,
                                                          const RowMaker& maker);
 
  private:
+  // Notes that a group of tool balls is near a cluster.
   void AddHit(std::uint32_t cluster, std::size_t group);
+  // Moves the noted hits to `found`, by ascending cluster.
   void Collect(NearClusters& found);
 
   const ToolBalls& tool_;
   std::size_t max_hits_;
-  std::vector<std::uint64_t> cluster_bits_, tool_bits_;
-  std::vector<std::uint32_t> first_hit_, next_hit_;  // a list of hits for each cluster
+  std::vector<std::uint64_t> cluster_bits_, tool_bits_;  // sets: a bit for each cluster, each tool ball
+  std::vector<std::uint32_t> first_hit_, next_hit_;      // a list of hits for each cluster
   std::vector<std::uint16_t> hit_group_, tools_, some_tools_;
 };
 

@@ -10,6 +10,8 @@
 namespace osteon::simulation {
 namespace {
 
+// Finds the kernels of an instruction set; without a name, those of the best one.
+// @throws std::invalid_argument if this processor does not have it.
 const cpu::Kernels& KernelsFor(const std::string& name) {
   const auto& available = cpu::AvailableKernels();
   if (name.empty()) return *available.front();
@@ -22,6 +24,7 @@ const cpu::Kernels& KernelsFor(const std::string& name) {
       fmt::format("CPU engine: instruction set: found \"{}\", accepted one of {}", name, names));
 }
 
+// Largest number of blocks of eight children that split balls may have.
 // @throws std::invalid_argument where params are not accepted.
 std::size_t MaxChildBlocks(const SplitParams& params) {
   if (!params.on) return 0;
@@ -29,6 +32,7 @@ std::size_t MaxChildBlocks(const SplitParams& params) {
   return params.pool_blocks * ((accepted.slots() + 7) / 8);
 }
 
+// @throws std::invalid_argument unless the engine accepts this bone and this tool.
 void Check(const Bone& bone, const Tool& tool) {
   if (bone.materials.size() > kMaxMaterials)
     throw std::invalid_argument(
@@ -107,6 +111,8 @@ CpuEngine::Impl::Impl(const Bone& bone_in, const Tool& tool_in, const Pose& X_WG
   ReserveScratch();
 }
 
+// Allocates the kernels' scratch memory. Kernels write whole vectors, so each array has `slack` more
+// elements.
 void CpuEngine::Impl::ReserveScratch() {
   const std::size_t block_pairs = cpu::kLanes * balls.count(), slack = 64;
   for (auto* pairs : {&scratch.near_place, &scratch.near_tool}) pairs->resize(cpu::kNearCapacity + slack);
@@ -130,58 +136,58 @@ CpuEngine::CpuEngine(const Bone& bone, const Tool& tool, const Pose& X_WG, const
 CpuEngine::~CpuEngine() = default;
 
 ContactModel CpuEngine::Step(const FrameInput& input) {
-  Impl& it = *impl_;
+  Impl& impl = *impl_;
   if (!IsUsable(input)) {
     ContactModel refused;
     refused.status = EngineStatus::kBadInput;
     return refused;
   }
-  it.stats = {};
-  it.lists.BeginFrame();
-  if (!it.memory.has_proxy) it.memory.X_GP = it.X_WG.inverse() * Pose(input.X_WT);
-  const Pose X_WP = it.X_WG * Pose(it.memory.X_GP);
+  impl.stats = {};
+  impl.lists.BeginFrame();
+  if (!impl.memory.has_proxy) impl.memory.X_GP = impl.X_WG.inverse() * Pose(input.X_WT);
+  const Pose X_WP = impl.X_WG * Pose(impl.memory.X_GP);
   const ContactModel model =
-      StepInParts(input, X_WP, SubframeCount(it.lever_m, X_WP, Pose(input.X_WT)), it.memory,
-                  [&it](const FrameInput& part) { return it.ComputeFrame(part); });
-  it.stats.lists_made = it.lists.made_in_frame();
-  it.stats.ball_rows = it.lists.ball_row_count();
-  it.stats.listed_balls = cpu::kLanes * it.lists.ball_block_count();
-  it.stats.listed_points = it.lists.listed_points();
+      StepInParts(input, X_WP, SubframeCount(impl.lever_m, X_WP, Pose(input.X_WT)), impl.memory,
+                  [&impl](const FrameInput& part) { return impl.ComputeFrame(part); });
+  impl.stats.lists_made = impl.lists.made_in_frame();
+  impl.stats.ball_rows = impl.lists.ball_row_count();
+  impl.stats.listed_balls = cpu::kLanes * impl.lists.ball_block_count();
+  impl.stats.listed_points = impl.lists.listed_points();
   return model;
 }
 
 CarvedState CpuEngine::Snapshot() const {
-  const Impl& it = *impl_;
+  const Impl& impl = *impl_;
   CarvedState state;
-  state.balls.resize(4 * it.bone.ball_count());
-  for (std::size_t i = 0; i < it.bone.ball_count(); ++i) it.bone.ReadFloats(i, &state.balls[4 * i]);
-  state.cleared = it.bone.cleared();
-  ToState(it.memory, state);
-  if (!it.split) return state;
-  it.split->Save(state);
-  it.split->ToSaved(state.contact);
+  state.balls.resize(4 * impl.bone.ball_count());
+  for (std::size_t i = 0; i < impl.bone.ball_count(); ++i) impl.bone.ReadFloats(i, &state.balls[4 * i]);
+  state.cleared = impl.bone.cleared();
+  ToState(impl.memory, state);
+  if (!impl.split) return state;
+  impl.split->Save(state);
+  impl.split->ToSaved(state.contact);
   return state;
 }
 
 void CpuEngine::Restore(const CarvedState& state) {
-  Impl& it = *impl_;
-  if (state.cleared.size() != it.bone.point_count() || state.balls.size() != 4 * it.bone.ball_count())
+  Impl& impl = *impl_;
+  if (state.cleared.size() != impl.bone.point_count() || state.balls.size() != 4 * impl.bone.ball_count())
     throw std::invalid_argument("carved state: not of this bone");
-  if (it.split)
-    it.split->CheckState(state);
+  if (impl.split)
+    impl.split->CheckState(state);
   else if (!state.split_balls.empty())
     throw std::invalid_argument("carved state: has split balls, split is off");
-  CheckMemory(state, it.tool.balls.size());
-  for (std::size_t i = 0; i < it.bone.ball_count(); ++i) it.bone.WriteFloats(i, &state.balls[4 * i]);
-  it.bone.SetCleared(state.cleared);
-  it.memory = ToMemory(state);
-  if (it.split) {
-    it.split->Load(state);
-    it.split->FromSaved(it.memory.contact);
+  CheckMemory(state, impl.tool.balls.size());
+  for (std::size_t i = 0; i < impl.bone.ball_count(); ++i) impl.bone.WriteFloats(i, &state.balls[4 * i]);
+  impl.bone.SetCleared(state.cleared);
+  impl.memory = ToMemory(state);
+  if (impl.split) {
+    impl.split->Load(state);
+    impl.split->FromSaved(impl.memory.contact);
   }
-  it.bone.ball_tree.Reset(), it.bone.point_tree.Reset();
-  it.lists.Discard();
-  it.likely_count = 0;
+  impl.bone.ball_tree.Reset(), impl.bone.point_tree.Reset();
+  impl.lists.Discard();
+  impl.likely_count = 0;
 }
 
 std::string CpuDeviceText(const std::string& instruction_set) {

@@ -59,7 +59,7 @@ struct CpuFrameStats {
 /// The cutting model on one thread of the processor: for machines without a GPU.
 ///
 ///     proxy, pose ─▶ first contact ─▶ near field ─▶ law ─▶ slide ─▶ engaged area ─▶ removal ─▶ model
-///                         ▲ Verlet neighbour lists: blocks of eight balls or points, and tool balls near them
+///                         ▲ Verlet neighbour lists: blocks of eight balls or points, and near tool balls
 ///
 /// All results equal those of ReferenceEngine to the last bit, with every instruction set. Floats, eight at a
 /// time, only exclude pairs that cannot matter (engine_cpu/rounding.h). The remaining pairs are computed in

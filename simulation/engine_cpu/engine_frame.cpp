@@ -9,6 +9,7 @@
 namespace osteon::simulation {
 namespace {
 
+// Result of a frame that needs more listed pairs than there is room for; the bone is unchanged.
 ContactModel Overloaded() {
   ContactModel refused;
   refused.status = EngineStatus::kOverloaded;
@@ -17,6 +18,7 @@ ContactModel Overloaded() {
 
 }  // namespace
 
+// Adds the time since the previous call to a stage, if the caller wants the stages timed.
 void CpuEngine::Impl::EndStage(CpuStage stage) {
   if (!cpu.time_stages) return;
   const auto now = std::chrono::steady_clock::now();
@@ -24,6 +26,7 @@ void CpuEngine::Impl::EndStage(CpuStage stage) {
   stage_began = now;
 }
 
+// Places the tool's balls and its origin at a pose.
 void CpuEngine::Impl::SetPlaces(const Pose& X_GP, cpu::ToolPlacement& to) const {
   double R[9], p[3];
   for (int i = 0; i < 3; ++i) {
@@ -51,6 +54,7 @@ ContactModel CpuEngine::Impl::ComputeFrame(const FrameInput& input) {
     const Vector3 step = solution.origin_end - solution.origin_slid;
     const double v[3] = {step.x(), step.y(), step.z()};
     kernels.shifted(slid.places(), v, balls.count(), end.places());
+    // number of the only tool ball that cuts; -1: all cut
     std::int32_t only = -1;
     if (params.cutters == Cutters::kContactSphere)
       only = static_cast<std::int32_t>(TouchingBall(solution.contact_fraction));
@@ -70,13 +74,14 @@ double CpuEngine::Impl::PlaceTool(const Pose& X_GT) {
   SetPlaces(memory.X_GP, start);
   SetPlaces(X_GT, goal);
   const double path_m = LongestWay(start, goal);
-  // With the rate law, the way from first contact is at most max_slide. With the immediate law, the tool goes
-  // on to its pose: at most path_m, plus max_slide for the slide, and max_slide for the way back from it.
+  // With the rate law, the tool moves at most max_slide from first contact. With the immediate law, it goes
+  // on to its pose: at most max_slide for the slide, path_m, and max_slide for the way back from the slide.
   const bool goes_on = params.law == RemovalLaw::kImmediate;
   const double way_mm = 1e3 * (goes_on ? 2.0 * params.max_slide_m + path_m : params.max_slide_m);
   const double ball_mm = std::max(1e3 * params.normal_enlargement_m, way_mm),
                point_mm = std::max(1e3 * params.engaged_layer_m, way_mm);
-  // lists reach a little farther, so that a way slightly longer than the last one needs no new lists
+  // with the immediate law, lists reach farther by half the path and 0.1 mm: a slightly longer path in the
+  // next frame then needs no new lists
   const double more_mm = goes_on ? 500.0 * path_m + 0.1 : 0.0;
   const double farthest_mm = std::max(ball_mm, point_mm) + more_mm + lists.max_skin_mm();
   rounding_mm = balls.UpdateRounding(start, goal, static_cast<float>(bone.max_radius_mm()),
@@ -103,6 +108,7 @@ bool CpuEngine::Impl::FindContact(double path_m, FrameSolution& solution) {
     first = std::min(first, kernels.pair_contact(pass, pair.bone_ball, pair.tool_ball));
   }
   first = kernels.first_contact(pass, first);
+  // places the tool at a fraction of its path: at its end, if there is no contact
   const auto go_to = [&](double fraction) {
     solution.contact_fraction = std::min(1.0, fraction);
     kernels.between(start.places(), goal.places(), solution.contact_fraction, balls.count(),
@@ -131,7 +137,8 @@ ContactInput CpuEngine::Impl::ContactInputOf(const Matrix3& R_GT, double contact
           .friction = cutting ? 0.0 : memory.contact.friction};
 }
 
-// Pass 2: the closest target that keeps the planes near the tool. @returns whether the tool turns.
+// Pass 2: finds the closest target that violates no plane of the pairs near the tool.
+// @returns whether the tool is asked to turn.
 bool CpuEngine::Impl::SolveContacts(const FrameInput& input, const Matrix3& R_GT, FrameSolution& solution) {
   const ContactInput asked = ContactInputOf(R_GT, solution.contact_fraction, input.spindle_rad_per_s != 0.0);
   const bool turning = asked.turn_G != Vector3::Zero();
@@ -146,7 +153,8 @@ bool CpuEngine::Impl::SolveContacts(const FrameInput& input, const Matrix3& R_GT
   return turning;
 }
 
-// Slides the tool towards the target of the contact law. @returns the length of the slide [m].
+// Slides the tool from first contact towards the target of the contact law. @returns the length of the slide:
+// the path of the tool point that moves farthest [m].
 double CpuEngine::Impl::SlideTool(const FrameInput& input, bool turning, FrameSolution& solution) {
   const auto shift = [this](const cpu::ToolPlacement& from, const Vector3& by, cpu::ToolPlacement& to) {
     const double v[3] = {by.x(), by.y(), by.z()};
@@ -171,7 +179,7 @@ double CpuEngine::Impl::SlideTool(const FrameInput& input, bool turning, FrameSo
   return chosen.way_m;
 }
 
-// Pass 3, first half: how far the bone gives way.
+// Pass 3, first half: how far the cutting edge advances into bone.
 void CpuEngine::Impl::Advance(const FrameInput& input, FrameSolution& solution) {
   const FrameAdvance advance =
       ComputeAdvance(params, materials, solution, input.spindle_rad_per_s, input.dt_s, memory.energy_lead_J);

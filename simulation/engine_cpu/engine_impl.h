@@ -38,9 +38,10 @@ struct CpuEngine::Impl {
 
   // ---- used within a frame: the tool's balls at its start, goal, first contact, …
   cpu::ToolPlacement start, goal, contact, last_contact, target, straight, slid, end;
+  // each tool ball's path in the current ContactPass
   cpu::AlignedArray<float> way_x_mm, way_y_mm, way_z_mm;
   float rounding_mm{0.0f};
-  cpu::FrameReach reach, list_reach;
+  cpu::FrameReach reach, list_reach;  // what the frame needs; what new lists should have
   NearField near;
   std::vector<std::uint32_t> likely_place, likely_tool;  // pairs that were nearest in the previous frame
   std::size_t likely_count{0};

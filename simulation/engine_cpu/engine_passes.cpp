@@ -11,6 +11,8 @@
 namespace osteon::simulation {
 namespace {
 
+// ShrinkBall of cutting_math.h as the kernels call it (ShrinkOnAxis): bone ball c, r; the tool ball's path
+// from a to b [m].
 void ShrinkNearAxis(double* c, double* r, const double* a, const double* b, double tool_radius) {
   Vector3 center(c[0], c[1], c[2]);
   ShrinkBall(center, *r, Vector3(a[0], a[1], a[2]), Vector3(b[0], b[1], b[2]), tool_radius);
@@ -21,10 +23,13 @@ float ToMillimetres(double metres) { return static_cast<float>(1e3 * metres); }
 
 }  // namespace
 
+// Longest distance [m] of any tool ball, or of the tool's origin, between two placements.
 double CpuEngine::Impl::LongestWay(const cpu::ToolPlacement& a, const cpu::ToolPlacement& b) const {
   return kernels.farthest(a.places(), b.places(), 0, balls.count() + 1);
 }
 
+// Data for the kernels that search the first contact on a straight path. @param longest_m  LongestWay(from,
+// to)
 cpu::ContactPass CpuEngine::Impl::MakeContactPass(const cpu::ToolPlacement& from,
                                                   const cpu::ToolPlacement& to, double tolerance_m,
                                                   double longest_m) {
@@ -45,7 +50,7 @@ cpu::ContactPass CpuEngine::Impl::MakeContactPass(const cpu::ToolPlacement& from
           .every_row = cpu.brute_force};
 }
 
-// First contact with all balls on the way, not only with those of the list.
+// Fraction of the path at the first contact with any ball, not only with those of the list.
 double CpuEngine::Impl::FirstContactOnWay(const cpu::ContactPass& pass) const {
   double first = kNoContact;
   const cpu::Places &a = pass.from, &b = pass.to;
@@ -70,6 +75,7 @@ double CpuEngine::Impl::FirstContactOnWay(const cpu::ContactPass& pass) const {
   return first;
 }
 
+// As ReferenceEngine::Slide, from first contact.
 CpuEngine::Impl::Slid CpuEngine::Impl::SlideTo(const cpu::ToolPlacement& to, double tolerance_m,
                                                double max_m) {
   const double longest = LongestWay(contact, to);
@@ -81,6 +87,7 @@ CpuEngine::Impl::Slid CpuEngine::Impl::SlideTo(const cpu::ToolPlacement& to, dou
   return {.fraction = fraction, .way_m = fraction * longest, .stopped = met < limit};
 }
 
+// Computes the pair of a bone ball and a tool ball at first contact, as ReferenceEngine::FindNearField does.
 NearPair CpuEngine::Impl::PairOf(std::size_t ball, std::size_t tool_ball) const {
   const BallState state = bone.BallAt(ball);
   const ToolBall& tool_state = tool.balls[tool_ball];
@@ -97,6 +104,7 @@ NearPair CpuEngine::Impl::PairOf(std::size_t ball, std::size_t tool_ball) const 
   return pair;
 }
 
+// As ReferenceEngine::FindNearField: the result is in `near`.
 void CpuEngine::Impl::FindNearField(const Matrix3& R_GT) {
   const ContactMemory& known = memory.contact;
   const Matrix3 bin_axes = RoundToFloat(R_GT);  // in the device's precision
@@ -124,7 +132,7 @@ void CpuEngine::Impl::FindNearField(const Matrix3& R_GT) {
   StoreNearField(pass);
 }
 
-// Stores the pairs that the pass has found, and the pairs that held the tool in the frame before.
+// Stores in `near` the pairs that the pass has found, and the pairs that held the tool in the previous frame.
 void CpuEngine::Impl::StoreNearField(const cpu::NearFieldPass& pass) {
   likely_count = 0;
   for (std::size_t bin = 0; bin < near.nearest.size(); ++bin) {
@@ -156,6 +164,7 @@ void CpuEngine::Impl::StoreNearField(const cpu::NearFieldPass& pass) {
   }
 }
 
+// As ReferenceEngine::MeasureEngagement.
 void CpuEngine::Impl::MeasureEngagement(const Vector3& spindle_axis_G, FrameSolution& solution) {
   if (solution.cutting_m <= 0.0) return;
   const Vector3 origin = contact.Origin();
@@ -175,11 +184,12 @@ void CpuEngine::Impl::MeasureEngagement(const Vector3& spindle_axis_G, FrameSolu
   }
 }
 
-// As ReferenceEngine::FirstTouchingBall. The list is valid at first contact, so it holds all pairs that touch
-// there.
+// As ReferenceEngine::FirstTouchingBall: the number of the tool ball that touches first. The list is valid at
+// first contact, so it holds all pairs that touch there.
 std::size_t CpuEngine::Impl::TouchingBall(double first) {
   const double longest_m = LongestWay(start, goal), last = std::min(1.0, first + kTieTolerance_m / longest_m);
   const cpu::ContactPass pass = MakeContactPass(start, goal, 0.0, longest_m);
+  // the largest bound of a row that can have a contact on the path; the factor covers rounding to floats
   const float limit =
       cpu.brute_force ? cpu::kNever : pass.displacement_mm + 1.000001f * pass.longest_way_mm + rounding_mm;
   std::size_t touching = balls.count();
@@ -194,6 +204,9 @@ std::size_t CpuEngine::Impl::TouchingBall(double first) {
   return touching;
 }
 
+// Pass 3, second half: shrinks or splits the balls in the swept volume, and clears the points in it.
+// @param only  number of the only tool ball that cuts; -1: all cut
+// @param way_m  longest path of a tool ball from first contact to the frame's end
 void CpuEngine::Impl::Remove(std::int32_t only, double way_m, FrameSolution& solution) {
   const cpu::SweepView sweep{.tool = balls.view(),
                              .contact = contact.places(),
@@ -224,6 +237,7 @@ void CpuEngine::Impl::Remove(std::int32_t only, double way_m, FrameSolution& sol
   EndStage(CpuStage::kClearing);
 }
 
+// Writes the capsules that the cutting balls sweep to the scratch memory, for the splitter.
 void CpuEngine::Impl::FindCapsules(std::int32_t only) {
   scratch.capsules.clear();
   for (std::uint32_t t = 0; t < balls.count(); ++t) {
@@ -234,6 +248,7 @@ void CpuEngine::Impl::FindCapsules(std::int32_t only) {
   }
 }
 
+// Finds the large balls that the sweep may touch, and lets the splitter decide which of them to split.
 void CpuEngine::Impl::BeginSplits(const cpu::SweepView& sweep) {
   cpu::LargeBallPass pass{};
   pass.sweep = sweep, pass.balls = bone.blocks(), pass.rows = lists.ball_rows();
@@ -246,6 +261,7 @@ void CpuEngine::Impl::BeginSplits(const cpu::SweepView& sweep) {
   split->Begin(std::span(scratch.large).first(pass.count), scratch.capsules);
 }
 
+// Clears the points in the swept volume, also in the lists, and adds up their volume.
 void CpuEngine::Impl::ClearPoints(const cpu::SweepView& sweep, FrameSolution& solution) {
   for (cpu::PointList& list : lists.point_lists()) {
     cpu::ClearingPass pass{.sweep = sweep,

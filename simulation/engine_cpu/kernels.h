@@ -12,26 +12,35 @@ namespace osteon::simulation::cpu {
 struct Kernels {
   const char* name;
 
+  /// Places the tool's balls and its origin at the pose with rotation R and translation p.
   void (*place)(const double R[9], const double p[3], const ToolView& tool, Places to);
+  /// Places at the fraction s of the straight paths from a to b.
   void (*between)(Places a, Places b, double s, std::uint32_t count, Places to);
+  /// The places of a, shifted by v [m].
   void (*shifted)(Places a, const double v[3], std::uint32_t count, Places to);
   /// Largest distance between the places of the same ball in `a` and `b` [m], over balls first … last - 1.
   double (*farthest)(Places a, Places b, std::uint32_t first, std::uint32_t last);
+  /// Vector from each place of a to that of b [mm].
   void (*ways)(Places a, Places b, std::uint32_t count, float* x_mm, float* y_mm, float* z_mm);
 
   /// Smallest fraction of the path with a contact, if below `first`; else `first`.
   double (*first_contact)(const ContactPass& pass, double first);
+  /// The same for one block of eight balls and one tool ball.
   double (*block_contact)(const ContactPass& pass, std::uint32_t block, std::uint32_t tool, double first);
+  /// Fraction of the path at which two balls touch; 2 without contact.
   double (*pair_contact)(const ContactPass& pass, std::uint32_t ball, std::uint32_t tool);
 
+  /// Finds the nearest pair of each bin of direction, and the sums about each face.
   /// @param likely_place, likely_tool  pairs that are likely to be near; read in groups of eight
   void (*near_field)(NearFieldPass& pass, const std::uint32_t* likely_place, const std::uint32_t* likely_tool,
                      std::size_t likely_count);
+  // each of these is described with its data (pass_data.h)
   void (*engagement)(EngagementPass& pass);
   void (*removal)(RemovalPass& pass);
   void (*large_balls)(LargeBallPass& pass);
   void (*clearing)(ClearingPass& pass);
 
+  /// Make a row for each tool ball of `tools` within reach of the block, with the bound of its gap.
   /// @returns the number of rows made.
   std::size_t (*ball_rows)(const RowMaker& maker, const BallBlock& block, const std::uint16_t* tools,
                            std::size_t count);
@@ -43,7 +52,7 @@ struct Kernels {
   /// Selects the tool balls of a list that may be within reach of a box. @returns their number
   std::size_t (*tools_near_box)(const RowMaker& maker, const float low[3], const float high[3],
                                 const std::uint16_t* tools, std::size_t count, std::uint16_t* out);
-  /// Returns a bit for each of eight boxes that is within `radius_mm` of another box.
+  /// Returns a bit for each of eight boxes that is within `radius_mm` of the box low … high.
   unsigned (*boxes_near)(const float boxes[6][8], const float low[3], const float high[3], float radius_mm);
 };
 

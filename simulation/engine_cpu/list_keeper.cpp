@@ -7,15 +7,15 @@
 namespace osteon::simulation::cpu {
 namespace {
 
-constexpr double kEverything_mm = 1e9;
-constexpr std::size_t kMaxSlices = 32;
+constexpr double kEverything_mm = 1e9;  // a reach that excludes nothing
+constexpr std::size_t kMaxSlices = 32;  // frames over which a list is built, at most
 // Largest displacement of a list's tool, over the widest skin. A tool that moves to and fro within the skin
 // adds up displacement, and the larger the sum, the coarser its float.
 constexpr double kMaxDisplacement = 8.0;
 
-// For a single cutting ball, a wide skin costs next to nothing, because far blocks are skipped by their
-// bounds. (Shaft balls have a wider skin: they move farther when the tool turns, and are mostly far from
-// bone.)
+// Skin of the cutting balls [m]. For a single one (a tenth of its radius), a wide skin costs next to nothing,
+// because far blocks are skipped by their bounds. (Shaft balls have a wider skin: they move farther when the
+// tool turns, and are mostly far from bone.)
 double CuttingSkin(const ToolBalls& tool) {
   if (tool.cutting_count() != 1) return 0.25e-3;
   return std::clamp(0.1e-3 * tool.max_radius_mm(), 0.2e-3, 1.0e-3);
@@ -31,6 +31,7 @@ ListKeeper::ListKeeper(const ListSources& sources, std::size_t max_rows, bool br
       shaft_skin_m_(std::max(0.8e-3, 2.0 * cutting_skin_m_)),
       lists_{NeighbourList(sources_, max_rows), NeighbourList(sources_, max_rows)} {}
 
+// Share of the skin that is used up with the tool at this placement: above 1 the list may miss pairs.
 double ListKeeper::SkinUsed(const ToolPlacement& at) const {
   const Places &was = list().built_at().places(), &is = at.places();
   const auto used = [&](const ToolBalls::Range& range, double skin_m) {
@@ -46,6 +47,7 @@ bool ListKeeper::Serves(const ToolPlacement& at, const FrameReach& reach) const 
   return reach.ball_mm <= has.ball_mm && reach.point_mm <= has.point_mm && Serves(at);
 }
 
+// Begins to build one of the two lists at this placement, for this reach plus the skin.
 void ListKeeper::Begin(std::size_t which, const ToolPlacement& at, const FrameReach& reach) {
   reach_[which] = reach;
   displacement_at_[which] = displacement_mm_;
@@ -72,8 +74,10 @@ bool ListKeeper::MakeAt(const ToolPlacement& at, const FrameReach& reach) {
 void ListKeeper::MakeAhead(const ToolPlacement& at, const FrameReach& reach) {
   if (!look_ahead_) return;
   const double used = SkinUsed(at);
+  // running mean over about five frames
   used_per_frame_ += 0.2 * (std::max(0.0, used - used_before_) - used_per_frame_);
   used_before_ = used;
+  // begin the next list when half of the skin is used; afterwards build one slice in each frame
   if (!next().is_begun()) {
     if (used < 0.5) return;
     Begin(1 - serving_, at, reach);

@@ -12,8 +12,8 @@ struct FrameReach {
   double ball_mm{0.0}, point_mm{0.0};
 };
 
-/// Keeps a valid neighbour list ready. While the list in use wears out its skin, the next list is built in
-/// slices over several frames, so that hardly any frame has to build a whole list.
+/// Keeps a valid neighbour list ready. While the tool moves through the skin of the list in use, the next
+/// list is built in slices over several frames, so that hardly any frame has to build a whole list.
 class ListKeeper {
  public:
   /// @param brute_force  list all pairs, and build the list anew in every frame
@@ -38,6 +38,7 @@ class ListKeeper {
   [[nodiscard]] PairRows ball_rows() { return list().ball_rows().rows(); }
   [[nodiscard]] std::vector<PointList>& point_lists() { return list().point_lists(); }
 
+  /// Report a point that was cleared, and a ball whose children were made: the lists must know both.
   void NoteCleared(std::uint32_t point);
   void AddChildren(std::uint32_t number);
   /// Discards all lists. Call when the bone's state was replaced.
@@ -62,9 +63,9 @@ class ListKeeper {
   std::array<NeighbourList, 2> lists_;
   std::array<FrameReach, 2> reach_{};
   std::array<double, 2> displacement_at_{};
-  std::size_t serving_{0};
+  std::size_t serving_{0};  // index of the list in use
   double displacement_mm_{0.0};
-  double used_before_{0.0}, used_per_frame_{0.0};  // share of the skin
+  double used_before_{0.0}, used_per_frame_{0.0};  // share of the skin: in the previous frame, in each frame
   std::size_t slices_{1};
   bool made_in_frame_{false};
 };

@@ -9,7 +9,9 @@
 namespace osteon::simulation::cpu {
 namespace {
 
+// Blocks of points that are written at set-up, so that their memory pages exist before the first frame.
 constexpr std::size_t kTouchedBlocks = 1u << 13;
+// Split balls for which memory is reserved at set-up.
 constexpr std::size_t kReservedSplits = 65'536;
 
 }  // namespace
@@ -198,6 +200,7 @@ void NeighbourList::ClosePointBlock(PointList& list, std::span<const std::uint16
   ++list.block_count;
 }
 
+// Applies the splits and clearings that were noted during the build.
 void NeighbourList::End() {
   for (const std::uint32_t number : split_since_) AddChildren(number);
   for (const std::uint32_t point : cleared_since_) {

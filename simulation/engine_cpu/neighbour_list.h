@@ -44,6 +44,7 @@ class NeighbourList {
   /// Visits the next clusters of each kind, as many as given.
   void Continue(std::size_t ball_clusters, std::size_t point_clusters);
   [[nodiscard]] bool all_visited() const;
+  /// Ends the build: applies what was noted during it.
   void End();
   void Discard() { is_begun_ = is_made_ = false; }
 
@@ -67,11 +68,15 @@ class NeighbourList {
   void NoteSplit(std::uint32_t number) { split_since_.push_back(number); }
 
  private:
+  // Adds the rows of some blocks of balls. @param any  set if there is any row
   void ListBlocks(std::uint32_t first_block, std::uint32_t end_block, std::span<const std::uint16_t> tools,
                   bool& any);
+  // Visit the next cluster of balls, the next split ball's children, the next cluster of points.
   void ListBallCluster();
   void ListChild();
   void ListPointCluster();
+  // Adds a point to its material's open block, and closes the block when it is full. @param lanes  of the
+  // open block, that are in use
   void AddPoint(std::uint32_t point, std::span<const std::uint16_t> tools, std::uint32_t& lanes);
   void ClosePointBlock(PointList& list, std::span<const std::uint16_t> tools, std::uint32_t& lanes);
   [[nodiscard]] RowMaker MakerOf(const ListReach& reach) const;

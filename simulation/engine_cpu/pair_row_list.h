@@ -34,6 +34,7 @@ class PairRowList {
   [[nodiscard]] PairRows rows();
 
  private:
+  // Removes the block at this index and its rows.
   void Erase(std::size_t at);
 
   AlignedArray<std::uint32_t> block_, first_;

@@ -79,7 +79,10 @@ struct NearFieldPass {
   PairRows rows;
   ToolView tool;
   Places at;
-  double enlargement_m, middle_worth_m, face_cosine, max_lens_m3;
+  double enlargement_m;   ///< pairs with a larger gap do not count
+  double middle_worth_m;  ///< kBinCentreBias_m: weight of a direction's distance to its bin's centre
+  double face_cosine;     ///< of the half angle of a face's cone
+  double max_lens_m3;     ///< largest weight of a pair
   float enlargement_mm, displacement_mm, rounding_mm;
   bool every_row;
   double axes[9];  ///< T's axes in G, rounded to floats, by columns
@@ -107,7 +110,8 @@ struct EngagementPass {
   PairRows rows;
   ToolView tool;
   Places at;
-  double layer_m, n[3], origin[3], axis[3];
+  double layer_m;                   ///< depth of the engaged layer
+  double n[3], origin[3], axis[3];  ///< contact normal, T's origin, spindle's axis, in G
   float layer_mm, displacement_mm, rounding_mm;
   bool every_row;
   double area_m2, moment_m3;  ///< results, which the pass adds to
@@ -128,14 +132,17 @@ using ShrinkOnAxis = void (*)(double* center, double* radius, const double* a, c
 
 /// A block being processed, and a tool ball that may touch some of its balls.
 struct TouchingRow {
+  /// slot: of the block in the kernel's work; lanes: a bit for each ball that may be touched
   std::uint32_t slot, tool, lanes;  // full words, because narrower fields are slow to combine
 };
 
+/// Pass 3: shrinks the balls that the sweep touches.
 struct RemovalPass {
   SweepView sweep;
   BallBlock* balls;
   PairRows rows;
-  double min_radius_m, on_axis_share;
+  double min_radius_m;   ///< smaller balls are dropped
+  double on_axis_share;  ///< a centre nearer to the path than this share of the tool ball's radius is on it
   ShrinkOnAxis shrink_on_axis;
   /// Children of split balls: blocks from first_child on, child_stride blocks for each split ball. Children
   /// smaller than min_child_m are dropped. touched_children receives the touched blocks; null: no ball is
@@ -173,7 +180,7 @@ struct RowMaker {
   ToolView tool;
   Places at;
   float cutting_reach_mm, shaft_reach_mm;
-  std::uint16_t* out_tool;
+  std::uint16_t* out_tool;  ///< the rows' tool balls and bounds are written to these
   float* out_bound;
 };
 

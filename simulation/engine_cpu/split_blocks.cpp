@@ -8,8 +8,9 @@
 namespace osteon::simulation::cpu {
 namespace {
 
-constexpr std::size_t kReservedBlocks = 65'536;
+constexpr std::size_t kReservedBlocks = 65'536;  // split balls for which memory is reserved at set-up
 
+// The balls as a new store holds them: uncut, rounded to floats.
 std::vector<Ball> UncutBalls(const BoneStore& bone) {
   std::vector<Ball> balls;
   balls.reserve(bone.ball_count());
@@ -46,6 +47,7 @@ std::uint32_t SplitBlocks::ParentCluster(std::uint32_t number) const {
   return parent_[number] / BoxTree::kCluster;
 }
 
+// Gives a number to a parent and enters it in the list of its cluster.
 void SplitBlocks::AddNumber(std::uint32_t number, std::uint32_t parent) {
   number_of_[parent] = static_cast<std::int32_t>(number);
   parent_[number] = parent;
@@ -88,6 +90,7 @@ void SplitBlocks::Begin(std::span<const std::uint32_t> large, std::span<const Ca
       params().blocks_per_frame > 0 ? params().blocks_per_frame : std::numeric_limits<std::size_t>::max();
   waited_.clear();
   waited_.swap(waiting_);
+  // visit waiting balls and large balls together, by ascending parent
   auto next = waited_.begin();
   for (auto found = large.begin(); next != waited_.end() || found != large.end();) {
     const bool waits = next != waited_.end() && (found == large.end() || next->parent <= *found);
@@ -108,7 +111,7 @@ void SplitBlocks::Begin(std::span<const std::uint32_t> large, std::span<const Ca
     TakeNumber(parent);
     Visit(parent, {.parent = parent, .root = ball}, capsules, may_split);
   }
-  // the removal pass leaves these alone
+  // the removal pass must not change these; End stores them again
   for (const auto& [ball, state] : set_aside_) bone_.Remove(ball);
 }
 
@@ -127,6 +130,7 @@ void SplitBlocks::Visit(std::uint32_t parent, WaitingBall waiting, std::span<con
   set_aside_.emplace_back(parent, ball);
 }
 
+// Replaces a parent by its children, cut by the capsules of this frame.
 void SplitBlocks::MakeChildren(const WaitingBall& waiting, std::span<const Capsule> capsules) {
   const auto number = static_cast<std::uint32_t>(number_of_[waiting.parent]);
   splitter_.MakeChildren(waiting, children_);
@@ -137,6 +141,7 @@ void SplitBlocks::MakeChildren(const WaitingBall& waiting, std::span<const Capsu
   (any ? made_ : emptied_).push_back(number);
 }
 
+// Notes the children of a block that are below their smallest radius.
 void SplitBlocks::NoteSmallChildren(std::uint32_t block) {
   const double min_m = min_child_m_[(block - bone_.first_child_block()) / stride_];
   for (std::size_t ball = 8 * std::size_t{block}; ball < 8 * (std::size_t{block} + 1); ++ball)
@@ -144,6 +149,7 @@ void SplitBlocks::NoteSmallChildren(std::uint32_t block) {
       small_.push_back(static_cast<std::uint32_t>(ball));
 }
 
+// Notes a number whose children are all gone.
 void SplitBlocks::NoteIfEmpty(std::uint32_t number) {
   const bool in_use = number_of_[parent_[number]] == static_cast<std::int32_t>(number);
   if (in_use && !bone_.AnyLeft(FirstBlock(number), FirstBlock(number) + stride_)) emptied_.push_back(number);

@@ -13,8 +13,8 @@ namespace osteon::simulation::cpu {
 /// Keeps track of split balls and the blocks of their children. Assigns the same blocks in the same order as
 /// BallRemoval (removal/ball_removal.h), but finds split balls by lists instead of visiting all parents.
 ///
-///     large balls that the sweep may touch ─▶ Begin: assigns blocks, makes children or waiting balls, and keeps
-///                                             them apart
+///     large balls that the sweep may touch ─▶ Begin: assigns blocks, makes children or waiting balls, and
+///                                             keeps them apart
 ///     the removal pass shrinks all other balls and children
 ///     touched children ─▶ End: stores the balls that were kept apart, and frees empty blocks
 ///
@@ -27,6 +27,7 @@ class SplitBlocks {
   [[nodiscard]] const SplitParams& params() const { return splitter_.params(); }
   /// Number of blocks of eight for each split ball.
   [[nodiscard]] std::uint32_t stride() const { return stride_; }
+  /// First block of children of the split ball with this number; cluster of its parent.
   [[nodiscard]] std::uint32_t FirstBlock(std::uint32_t number) const;
   [[nodiscard]] std::uint32_t ParentCluster(std::uint32_t number) const;
   /// For each number that was ever in use: radius below which its children are dropped [m].
@@ -43,8 +44,10 @@ class SplitBlocks {
   /// Number of requests for a block that found none free.
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
 
+  /// Decides before the removal pass which balls are split.
   /// @param large  balls that the sweep may touch and that may be too large, ascending
   void Begin(std::span<const std::uint32_t> large, std::span<const Capsule> capsules);
+  /// Stores the balls that were kept apart, drops small children and frees empty blocks, after the pass.
   /// @param touched  blocks of children that the pass has changed
   /// @returns the numbers that were given children in this frame, ascending; valid until the next Begin.
   std::span<const std::uint32_t> End(std::span<const std::uint32_t> touched);
@@ -55,11 +58,12 @@ class SplitBlocks {
   void CheckState(const CarvedState& state) const { splitter_.CheckState(state); }
   /// @pre CheckState has accepted it
   void Load(const CarvedState& state);
-  /// Convert the indices of balls in the contact memory from here to a saved state, and back.
+  /// Convert the indices of bone balls in the contact memory to those of a saved state, and back.
   void ToSaved(ContactMemory& contact) const;
   void FromSaved(ContactMemory& contact) const;
 
  private:
+  // Each function is described in split_blocks.cpp.
   void Visit(std::uint32_t parent, WaitingBall waiting, std::span<const Capsule> capsules,
              std::size_t& may_split);
   void MakeChildren(const WaitingBall& waiting, std::span<const Capsule> capsules);
@@ -80,8 +84,8 @@ class SplitBlocks {
   std::vector<std::uint32_t> parent_;    // of each number that was ever in use
   std::vector<double> min_child_m_;
   std::vector<std::int32_t> first_in_cluster_, next_in_cluster_;
-  std::vector<std::uint32_t> free_;  // a heap, smallest number on top
-  std::vector<WaitingBall> waiting_, waited_;
+  std::vector<std::uint32_t> free_;            // a heap, smallest number on top
+  std::vector<WaitingBall> waiting_, waited_;  // without children yet: after this frame, and before it
   std::uint64_t refused_{0};
   // small_: children that rounding to floats has left too small, which are dropped when bone is next removed.
   // empty_at_load_: numbers whose children were all gone when a state was loaded.

@@ -26,6 +26,7 @@ void SplitBlocks::Save(CarvedState& state) const {
   }
 }
 
+// Gives the split balls the numbers 0, 1, … in the order of the state.
 void SplitBlocks::Load(const CarvedState& state) {
   std::ranges::fill(number_of_, -1);
   std::ranges::fill(first_in_cluster_, -1);
@@ -49,6 +50,8 @@ void SplitBlocks::Load(const CarvedState& state) {
   }
 }
 
+// In a saved state, the index of a child counts the bone's balls, then the slots of all split balls by rising
+// parent. Pairs whose ball is not saved are dropped.
 void SplitBlocks::ToSaved(ContactMemory& contact) const {
   const std::int32_t count = std::exchange(contact.pair_count, 0),
                      held = std::exchange(contact.held_count, 0);

@@ -9,8 +9,9 @@
 namespace osteon::simulation::cpu {
 namespace {
 
-constexpr std::size_t kMaxGroup = 16;
+constexpr std::size_t kMaxGroup = 16;  // balls
 
+// Number of places of the balls and T's origin, rounded up to whole vectors of eight.
 std::size_t Padded(std::size_t tool_balls) { return (tool_balls + 1 + 7) / 8 * 8; }
 
 }  // namespace

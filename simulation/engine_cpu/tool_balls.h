@@ -64,7 +64,7 @@ class ToolBalls {
   void AddGroups(const Tool& tool, std::vector<std::uint16_t> members, bool cutting);
 
   ToolView view_{};
-  std::array<AlignedArray<double>, 4> exact_;
+  std::array<AlignedArray<double>, 4> exact_;  // radius, x, y, z [m]
   AlignedArray<float> r_mm_, rounding_mm_;
   AlignedArray<std::uint8_t> cutting_flags_;
   std::vector<ToolGroup> groups_;

@@ -35,7 +35,8 @@ std::vector<Cell> CellsAround(const Solid& solid, const SweptTool& swept, double
   return DivideGraded(solid, SweepZone(swept), grade, CellsWanted::kSolid, threads);
 }
 
-/// Results of one cell's samples.
+/// Results of one cell's samples. The counts: bone lost outside the sweep, solid in the sweep, bone left in
+/// the sweep, and solid within a layer of the sweep's surface.
 struct CellFinds {
   std::uint8_t lost{0}, swept{0}, left{0}, at_surface{0};
   double left_depth_m{0.0};
@@ -44,6 +45,7 @@ struct CellFinds {
   double tool_radius_m{0.0};                                     // tool radius of the cut there
 };
 
+/// Takes random samples in a cell, and tells for each what the cut did to the bone there.
 class Sampler {
  public:
   Sampler(const Solid& solid, const CarvedShape& before, const CarvedShape& after, const SweptTool& swept,
@@ -80,6 +82,7 @@ class Sampler {
   }
 
  private:
+  // Whether the place is in the shape.
   static bool Holds(const CarvedShape& shape, const Vector3& p) { return shape.Distance(p, kTouch) < kTouch; }
 
   const Solid& solid_;
@@ -111,6 +114,7 @@ double GapAt(const CarvedShape& shape, const CellFinds& at, double radius_m, dou
   return std::min(gap, deepest_m);
 }
 
+/// Statistics of GapAt over these places on the cut, for one probe.
 ProbeGap MeasureProbeGap(const CarvedShape& shape, const std::vector<const CellFinds*>& places,
                          double radius_m, const AccuracyParams& params) {
   std::vector<double> gaps(places.size());
@@ -131,6 +135,8 @@ ProbeGap MeasureProbeGap(const CarvedShape& shape, const std::vector<const CellF
   return felt;
 }
 
+/// Area of the swept volume's surface within the solid: volume of the samples nearer than `layer_m` to it,
+/// over the layer's thickness on both sides.
 double AreaOf(const std::vector<Cell>& cells, const std::vector<CellFinds>& finds, double layer_m) {
   double volume = 0.0;
   for (std::size_t i = 0; i < cells.size(); ++i)
@@ -153,6 +159,7 @@ CutAccuracy MeasureCut(const Solid& solid, const CarvedShape& before, const Carv
   std::vector<CellFinds> finds =
       SampleSweepCells(cells, Sampler(solid, before, after, swept, coarse_m), params);
   const double area = std::max(AreaOf(cells, finds, coarse_m), coarse_m * coarse_m);
+  // with this side, about surface_cells cells lie along the cut
   const double finest_m =
       std::sqrt(area / static_cast<double>(std::max<std::size_t>(1, params.surface_cells)));
   cells = CellsAround(solid, swept, finest_m, params.threads);
@@ -177,14 +184,14 @@ CutAccuracy MeasureCut(const Solid& solid, const CarvedShape& before, const Carv
     result.depth_error_se_m = std::sqrt(variance) / result.cut_area_m2;
   }
   for (const double radius : params.probe_radii_m) {
-    std::vector<const CellFinds*> fitting;
+    std::vector<const CellFinds*> fitting;  // places on cuts that are wide enough for the probe
     for (const CellFinds* place : places)
       if (place->tool_radius_m >= radius - kProbeStop) fitting.push_back(place);
-    const std::size_t most = std::max<std::size_t>(1, params.probe_samples);
-    const std::size_t stride = (fitting.size() + most - 1) / most;
-    std::vector<const CellFinds*> some;
-    for (std::size_t i = 0; i < fitting.size(); i += stride) some.push_back(fitting[i]);
-    result.probes.push_back(MeasureProbeGap(after, some, radius, params));
+    const std::size_t max_places = std::max<std::size_t>(1, params.probe_samples);
+    const std::size_t stride = (fitting.size() + max_places - 1) / max_places;
+    std::vector<const CellFinds*> chosen;
+    for (std::size_t i = 0; i < fitting.size(); i += stride) chosen.push_back(fitting[i]);
+    result.probes.push_back(MeasureProbeGap(after, chosen, radius, params));
   }
   return result;
 }

@@ -15,14 +15,14 @@ struct AccuracyParams {
   std::vector<double> probe_radii_m{};  ///< of the balls that probe the cut, none larger than the tool's
   std::size_t surface_cells{
       60'000};  ///< sampling cells along the cut; the standard error falls with the root of their number
-  std::size_t probe_samples{6'000};  ///< most places for each probe
+  std::size_t probe_samples{6'000};  ///< largest number of places for each probe
   double deepest_gap_m{3e-3};        ///< a probe that finds nothing stops this far below the cut
   std::uint64_t seed{0};             ///< of the samples
   int threads{0};                    ///< 0: one per core; the result does not depend on it
 };
 
-/// Gap that a probe ball meets on the exact cut: its further travel into the bone, along the cut's normal,
-/// until it touches the remaining bone.
+/// Gap between the exact cut and the remaining bone, as a probe ball meets it: starting on the exact cut, the
+/// ball travels so far along the cut's normal until it touches bone.
 struct ProbeGap {
   double radius_m{0.0};
   double mean_m{0.0}, p95_m{0.0}, max_m{0.0};

@@ -5,6 +5,7 @@
 namespace osteon::simulation {
 namespace {
 
+// The balls that are not gone.
 std::vector<Ball> WithRadius(std::span<const Ball> balls) {
   std::vector<Ball> left;
   left.reserve(balls.size());

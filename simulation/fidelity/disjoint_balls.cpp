@@ -5,6 +5,7 @@
 namespace osteon::simulation {
 namespace {
 
+// fitted figures of the header: depth lost over the balls' radius, and share of the bone that balls fill
 constexpr double kErrorOverRadius = 0.33;
 constexpr double kSolidFraction = 0.77;
 

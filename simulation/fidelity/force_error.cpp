@@ -58,6 +58,7 @@ ForceErrors CompareForces(std::span<const FeltForce> measured, std::span<const F
 
   const double per_ms = rate_hz * 1e-3;
   for (std::size_t k = 0; k + 1 < count; ++k) {
+    // change of the error from this frame to the next, for a millisecond
     const auto jump = [&](const auto& of) {
       return ((of(measured[k + 1]) - of(measured[k])) - (of(exact[k + 1]) - of(exact[k]))).norm() * per_ms;
     };

@@ -38,7 +38,7 @@ FrameCost FitFrameCost(std::span<const FrameGroup> groups) {
   if (groups.size() < 2)
     throw std::invalid_argument(
         fmt::format("frame cost: found {} groups of frames, accepted two and more", groups.size()));
-  // minimise sum ((t0 + c N)/t - 1)²
+  // minimise sum ((t0 + c N)/t - 1)²: sums of the normal equations, with a = 1/t and b = N/t
   double aa = 0.0, ab = 0.0, bb = 0.0, a1 = 0.0, b1 = 0.0;
   std::vector<double> tails;
   for (const FrameGroup& group : groups) {
@@ -55,7 +55,7 @@ FrameCost FitFrameCost(std::span<const FrameGroup> groups) {
   }
   FrameCost cost;
   const double det = aa * bb - ab * ab;
-  if (det > 1e-12 * aa * bb) {
+  if (det > 1e-12 * aa * bb) {  // else all groups have the same N
     cost.base_us = (a1 * bb - b1 * ab) / det;
     cost.ball_us = (aa * b1 - ab * a1) / det;
   }

@@ -13,15 +13,15 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kAbove_m = 1e-3;  // height above first contact at which the hand begins
-constexpr std::size_t kDisjointCount = 10'000;
+constexpr double kAbove_m = 1e-3;               // height above first contact at which the hand begins
+constexpr std::size_t kDisjointCount = 10'000;  // balls, unless another number is asked for
 
 // The paper's packing: greedy, with the same radii near the cut and elsewhere.
 std::vector<Ball> DisjointBalls(const Solid& solid, const CutZone& zone, std::size_t count) {
   return BuildDisjointPacking(solid, zone, {.count = count > 0 ? count : kDisjointCount});
 }
 
-// Height of the head's centre above the cup's when the head first meets the rim or the floor.
+// Height of the head's centre above the cup's, when the head (by radius) first meets the cup's rim or floor.
 double MeetingHeight(double head_m, double cup_m) {
   return head_m > cup_m ? std::sqrt(head_m * head_m - cup_m * cup_m) : head_m - cup_m;
 }

@@ -10,19 +10,27 @@
 namespace osteon::simulation {
 namespace {
 
+// Uniform and graded levels: range of the balls' radius over the spacing (kMaxInto: for cuts that lead into
+// the bone); gap at the surface over the spacing, its growth with depth, and its largest value over the
+// spacing.
 constexpr double kMinOverSpacing = 1.2, kMaxOverSpacing = 2.4, kMaxInto = 1.5;
-constexpr double kGap = 0.04 / 1.5, kGapGrowth = 0.08, kMaxGap = 0.5 / 1.5;  // over the spacing
+constexpr double kGap = 0.04 / 1.5, kGapGrowth = 0.08, kMaxGap = 0.5 / 1.5;
+// Split levels, over the spacing: radius of a parent and of a ball at the surface, gap at the surface, depth
+// between two doublings of the spacing, and radius above which a ball is split.
 constexpr double kSplitRadius = 0.9, kSplitSurface = 1.2 / 2.5, kSplitGap = 0.06, kSplitCoarser = 1.5 / 2.5;
 constexpr double kMinSplit = 0.4 / 2.5;
 // Where the spacing doubles, split balls leave gaps. The doubling must be deeper than the reach of a touched
 // ball.
 constexpr double kSplitFineDepth = 1.5;  // over a ball's radius
-constexpr double kCornerShare = 0.5;     // over the spacing
-constexpr int kChildren = 24;
+constexpr double kCornerShare = 0.5;     // PackingLevel::corner_m over the spacing
+constexpr int kChildren = 24;            // of a split ball
 constexpr double kHoles = 0.56;  // smallest radius over spacing of a body-centred lattice without holes
-constexpr double kFinest_m = 0.02e-3, kCoarsest_m = 20e-3;
+constexpr double kFinest_m = 0.02e-3, kCoarsest_m = 20e-3;  // spacings that CoarsestLevel searches
+// Range in which the closed forms hold: radius over the tool's radius (kMaxOfReamer: in a cut along the
+// surface), and a split level's spacing over the tool's radius and over the cut's depth.
 constexpr double kMaxOfTool = 0.6, kMaxOfReamer = 0.2, kMaxSplitOfTool = 0.75, kMaxSplitOfDepth = 0.85;
 
+// Parameters of the packing of a uniform or graded level.
 PackingParams OverlapParams(const PackingLevel& level) {
   const double a = level.fine.spacing_m, r = level.fine.radius_m, d = level.zone_depth_m;
   PackingParams params;
@@ -39,6 +47,7 @@ PackingParams OverlapParams(const PackingLevel& level) {
   return params;
 }
 
+// Parameters of the packing of a split level.
 SplitPackingParams SplitParamsOf(const PackingLevel& level) {
   const double a = level.fine.spacing_m;
   return {.spacing_m = a,
@@ -116,6 +125,7 @@ std::optional<PackingLevel> CoarsestLevel(PackingKind kind, double error_m, cons
       return IsInValidRange(level, cut) && PredictRemovalError(level.fine, cut).total_m() <= error_m;
     };
     if (!serves(kFinest_m)) continue;
+    // bisect the widest spacing that serves, on a logarithmic scale
     double fine = kFinest_m, coarse = kCoarsest_m;
     for (int round = 0; round < 60; ++round) {
       const double middle = std::sqrt(fine * coarse);
@@ -135,6 +145,8 @@ std::vector<Ball> PackLevel(const PackingLevel& level, const Solid& solid, const
 double ExpectedChildren(const PackingLevel& level, const CutShape& cut) {
   if (level.kind != PackingKind::kSplit) return 0.0;
   const double a = level.fine.spacing_m;
+  // lattice balls within a radius of the cut's face, on both sides; a body-centred lattice has 2/a³ to the
+  // volume
   double touched_1_per_m2 = 2.0 * level.fine.radius_m * 2.0 / (a * a * a);
   if (cut.along_surface)  // all balls of the surface as well
     touched_1_per_m2 += 0.25 / (level.fine.surface_gap_m * kSplitSurface * a);
@@ -176,13 +188,14 @@ double DepthVolumes::volume_m3() const {
 double DepthVolumes::ExpectedBalls(const PackingLevel& level) const {
   const PackingParams overlap = OverlapParams(level);
   const SplitPackingParams split = SplitParamsOf(level);
-  double balls = 0.0;
+  double balls = 0.0;  // lattice: 2/a³ to the volume; surface: 0.25/(gap r) to the area (removal_error.cpp)
   for (const Cell& cell : cells_) {
     if (level.kind == PackingKind::kSplit) {
       // the spacing doubles at each of two depths; surface balls grow with the depth (split_packing.cpp)
       const double below_m = std::max(0.0, cell.depth_m - split.fine_depth_m);
       const int coarser = below_m >= 2.0 * split.coarser_from_m ? 2 : below_m >= split.coarser_from_m ? 1 : 0;
       const double a = std::ldexp(split.spacing_m, coarser);
+      // the numbers below are those of split_packing.cpp
       if (cell.inside_m >= 0.6 * kSplitRadius * a) balls += cell.volume_m3 * 2.0 / (a * a * a);
       const double r = split.surface_radius_m + 0.5 * below_m,
                    gap = std::min(2e-3,
@@ -192,6 +205,7 @@ double DepthVolumes::ExpectedBalls(const PackingLevel& level) const {
     }
     const double depth_m = level.kind == PackingKind::kUniform ? 0.0 : cell.depth_m;
     const double a = overlap.SpacingAt(depth_m), r = overlap.RadiusCapAt(depth_m, a);
+    // nearer to the surface are only balls that touch it
     if (cell.inside_m >= 0.9 * r) balls += cell.volume_m3 * 2.0 / (a * a * a);
     balls += cell.area_m2 * 0.25 / (overlap.SurfaceGapAt(depth_m) * r);
   }

@@ -26,7 +26,7 @@ struct PackingLevel {
   PackingKind kind{PackingKind::kGraded};
   PackingFineness fine;
   double zone_depth_m{0.0};  ///< depth below the cut zone down to which the packing is fine
-  double corner_m{0.0};      ///< further depth that is fine, because corners of coarser cells reach up
+  double corner_m{0.0};      ///< further depth that is fine: corners of coarser cells reach up to there
 };
 
 /// Depth below the scene's zone that the cut reaches: for a cup the depth of its face, for a path the excess
@@ -55,9 +55,9 @@ struct PackingLevel {
 [[nodiscard]] bool IsInValidRange(const PackingLevel& level, const CutShape& cut);
 
 /// Finds the coarsest level whose predicted removal error is at most `error_m` and for which the closed forms
-/// hold, with spacings from 0.02 to 20 mm. Large balls leave the finer face, small balls the finer rim. Among
-/// radii from 1.2 a to 2.4 a (1.5 a in a cut that leads into the bone) the one with the widest spacing is
-/// taken.
+/// hold, with spacings from 0.02 to 20 mm. Large balls leave a finer face, small balls a finer rim, so radii
+/// from 1.2 a to 2.4 a (1.5 a in a cut that leads into the bone) are tried, and the level with the widest
+/// spacing is taken.
 /// @returns nothing where even the finest level exceeds the error.
 [[nodiscard]] std::optional<PackingLevel> CoarsestLevel(PackingKind kind, double error_m, const CutShape& cut,
                                                         double zone_depth_m);
@@ -82,6 +82,7 @@ class DepthVolumes {
   [[nodiscard]] double volume_m3() const;
 
  private:
+  // Depth below the zone, distance inside the surface, and the volume and surface that the cell stands for.
   struct Cell {
     double depth_m, inside_m, volume_m3, area_m2;
   };

@@ -20,6 +20,7 @@ struct PressingHandParams {
   double dt_s{1e-3};
 };
 
+/// Computes the motion of the hand that PressingHandParams describes, frame by frame.
 class PressingHand {
  public:
   /// @throws std::invalid_argument where mass or time step is not positive, or force, ramp or drag negative.

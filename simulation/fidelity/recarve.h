@@ -23,7 +23,7 @@ class ProxyTrail {
   /// Allocates memory for this many places and writes to it. Up to this number, adding a place then neither
   /// allocates nor moves memory, nor causes a page fault.
   void Reserve(std::size_t places);
-  /// Adds a frame's free pose. The last pose is always in the trail.
+  /// Adds the proxy's pose of a frame. The last pose is always in the trail.
   void Add(const Pose& X_GP);
   [[nodiscard]] const std::vector<PlainPose>& places() const { return places_; }
   /// Number of places that later poses do not change: all but the last one.
@@ -43,8 +43,8 @@ class ProxyTrail {
 [[nodiscard]] bool ReachedPose(const CarvedState& carved, const Pose& X_GP, double lever_m,
                                double tolerance_m);
 
-/// Combines the state of a packing that was carved along a trail with the books of another packing of the
-/// same bone: cleared points, volume, mass, work.
+/// Takes the balls of a packing that was carved along a trail, and the totals (cleared points, removed volume
+/// and mass, work, frames) of the packing of the same bone that it replaces.
 /// @param counted  with the same mass points; its proxy is the trail's end
 /// @throws std::invalid_argument where the numbers of points differ.
 [[nodiscard]] CarvedState MergeBooks(CarvedState carved, const CarvedState& counted);

@@ -6,12 +6,14 @@
 namespace osteon::simulation {
 namespace {
 
-// Fitted to carved packings (tests/simulation/fidelity/removal_error_test.cpp); 1/(2 π) is 0.159.
+// The k of the header: of the removal error along the surface, into the bone, and with split balls; and of
+// the leak. Fitted to carved packings (tests/simulation/fidelity/removal_error_test.cpp); 1/(2 π) is 0.159.
 constexpr double kAlong = 0.18, kInto = 0.13, kSplit = 0.08, kLeak = 0.16;
 constexpr double kRimAlong = 0.08, kRimInto = 0.14;  // area of the sliver that a rim loses, over r²
-constexpr double kMinOfCap = 0.9;  // packing_builder.cpp: only balls that touch the surface are nearer to it
+constexpr double kMinOfCap = 0.9;  // over a ball's radius: nearer to the surface are only balls that touch it
 constexpr double kChildRadius = 0.36;  // over the spacing: 0.4 of a ball of 0.9 a
 
+/// Centres of balls to the volume, 1/m³, in a body-centred lattice; children count instead of their parent.
 double CentersPerVolume(const PackingFineness& fine) {
   const double a = fine.spacing_m;
   return 2.0 / (a * a * a) * std::max(1, fine.children);
@@ -20,10 +22,12 @@ double CentersPerVolume(const PackingFineness& fine) {
 /// Number of balls per area that touch a surface from inside and keep the gap between them.
 double SurfaceDensity(const PackingFineness& fine) { return 0.25 / (fine.surface_gap_m * fine.radius_m); }
 
+/// Points at which balls touch the face of a cut.
 struct Points {
   double density_1_per_m2, radius_m;  ///< mean radius that balls have left
 };
 
+/// Points that a cut leaves on its face: every ball within reach of the face is cut back until it touches it.
 Points LeftPoints(const PackingFineness& fine, const CutShape& cut) {
   const double n = CentersPerVolume(fine),
                r = fine.children > 0 ? kChildRadius * fine.spacing_m : fine.radius_m;

@@ -26,6 +26,7 @@ class TopZone final : public CutZone {
   [[nodiscard]] double DepthAt(const Vector3& p_m) const override { return -p_m.z(); }
 };
 
+// A tool of one cutting ball, whose apex is T's origin.
 Tool OneBall(double radius_m) {
   Tool tool;
   tool.name = fmt::format("ball of {:g} mm", radius_m * 1e3);
@@ -34,15 +35,16 @@ Tool OneBall(double radius_m) {
   return tool;
 }
 
-// Path of the ball's centre: a way in, and a way along; points are by the travelled length.
+// Path of the ball's centre: straight down to a corner, then along a curve. `along` and `direction` are
+// functions of the length travelled since the corner [m].
 struct CenterWay {
   Vector3 start_m{Vector3::Zero()}, corner_m{Vector3::Zero()};  ///< straight down from one to the other
-  std::function<Vector3(double)> along{};                       ///< from the corner on; empty: none
-  std::function<Vector3(double)> direction{};                   ///< unit
-  double along_m{0.0};
+  std::function<Vector3(double)> along{};                       ///< places on the curve; empty: no curve
+  std::function<Vector3(double)> direction{};                   ///< of the curve: unit vectors
+  double along_m{0.0};                                          ///< length of the curve
 };
 
-// Random turn about the z axis and displacement, by the seed.
+// Random turn about the z axis, and displacement by up to `reach_m` along x and y, and down; none for seed 0.
 Pose Jitter(std::uint64_t seed, double reach_m) {
   Pose X = Pose::Identity();
   if (seed == 0) return X;
@@ -52,11 +54,13 @@ Pose Jitter(std::uint64_t seed, double reach_m) {
   return X;
 }
 
+// Makes the frames of a workload from the path of the ball's centre: the cut, and then the touch.
 class Builder {
  public:
   Builder(CutWorkload& work, const CutWorkloadParams& params, double radius_m)
       : work_(work), params_(params), radius_m_(radius_m) {}
 
+  // Adds all frames of the workload, and the exact forces.
   void Play(const CenterWay& way) {
     const double dt_s = 1.0 / params_.rate_hz, cut_step = params_.feed_m_per_s * dt_s;
     const double in_m = (way.corner_m - way.start_m).norm();
@@ -72,6 +76,7 @@ class Builder {
     const std::size_t rest = Frames(kPressing_s + kSettling_s), feel = Frames(feel_s);
     work_.feel_begin = work_.cut_end + rest;
     for (std::size_t k = 0; k < rest + feel; ++k) {
+      // shares of the offset and of the way back (or of the circle)
       const double pressed = std::min(1.0, static_cast<double>(k + 1) * dt_s / kPressing_s);
       const double gone = k < rest ? 0.0 : Share(k - rest + 1, feel);
       const double at_m = (1.0 - gone) * way.along_m, turn = 2.0 * std::numbers::pi * gone;
@@ -91,18 +96,21 @@ class Builder {
   }
 
  private:
+  // Number of equal steps that are at most `step_m` long.
   static std::size_t Steps(double length_m, double step_m) {
     return static_cast<std::size_t>(std::ceil(length_m / step_m - 1e-9));
   }
   static double Share(std::size_t k, std::size_t of) {
     return static_cast<double>(k) / static_cast<double>(of);
   }
+  // Number of frames in this time.
   [[nodiscard]] std::size_t Frames(double seconds) const {
     return static_cast<std::size_t>(std::lround(seconds * params_.rate_hz));
   }
   // the feed leads down
   static Matrix3 R_WT() { return Eigen::DiagonalMatrix<double, 3>(1, -1, -1).toDenseMatrix(); }
 
+  // Adds a frame with the ball's centre at this place.
   void Add(const Vector3& center_m, bool cuts) {
     Pose X_WT = Pose::Identity();
     X_WT.linear() = R_WT();
@@ -120,10 +128,10 @@ class Builder {
 };
 
 void Check(const CutWorkloadParams& params) {
-  const auto check = [](const char* name, double value, double most) {
-    if (!(value > 0.0 && value <= most))
+  const auto check = [](const char* name, double value, double max) {
+    if (!(value > 0.0 && value <= max))
       throw std::invalid_argument(
-          fmt::format("cut workload: {}: found {:g}, accepted more than 0 up to {:g}", name, value, most));
+          fmt::format("cut workload: {}: found {:g}, accepted more than 0 up to {:g}", name, value, max));
   };
   check("rate [Hz]", params.rate_hz, 1e5);
   check("feed [m/s]", params.feed_m_per_s, 1.0);
@@ -131,6 +139,8 @@ void Check(const CutWorkloadParams& params) {
   check("offset [m]", params.offset_m, 1e-3);
 }
 
+// Path straight down to a cut of this depth in a top face at z = 0, moved by X. It begins 2 kLead_m above
+// first contact, because X may move it down by kLead_m.
 CenterWay Down(const Pose& X, double radius_m, double depth_m) {
   const double bottom = radius_m - depth_m;
   return {.start_m = X * Vector3(0, 0, radius_m + 2.0 * kLead_m), .corner_m = X * Vector3(0, 0, bottom)};
@@ -162,6 +172,7 @@ std::vector<Pose> CutWorkload::CutPath() const {
 
 CutWorkload MakeCutWorkload(CutTask task, const CutWorkloadParams& params) {
   Check(params);
+  // radii: ball of plunge and slide, burr, reamer; thickness of the cup's shell; radius of the channel's arc
   constexpr double kBall_m = 5e-3, kBurr_m = 1.5e-3, kReamer_m = 25e-3, kShell_m = 8e-3, kArc_m = 6e-3;
   CutWorkload work;
   work.task = task;
@@ -215,7 +226,7 @@ CutWorkload MakeCutWorkload(CutTask task, const CutWorkloadParams& params) {
       work.solid = std::make_shared<ShellSolid>(kReamer_m, kReamer_m + kShell_m);
       work.zone =
           std::make_shared<CupZone>(CutSite{.center_m = Vector3(Vector3::Zero()), .radius_m = kReamer_m});
-      // The tool fits only on the cup's axis, so the seed turns nothing here but changes the depth.
+      // The tool fits only on the cup's axis, so the seed changes only the depth.
       const double depth_m = 3e-3 - X.translation().z();
       way = {.start_m = Vector3(0, 0, 0.1e-3), .corner_m = Vector3(0, 0, -depth_m)};
       break;

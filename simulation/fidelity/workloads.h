@@ -44,7 +44,7 @@ struct CutWorkload {
   CuttingParams cutting;
   double rate_hz{1000.0};
   std::vector<FrameInput> frames;  ///< W = G
-  std::size_t cut_end{0};          ///< the frames before this cut
+  std::size_t cut_end{0};          ///< number of the frames that cut; they come first
   std::size_t feel_begin{0};       ///< from this frame on the offset is complete, and forces are compared
   std::vector<FeltForce> exact;    ///< for the frames from feel_begin on
   /// Poses of the cut.

@@ -28,8 +28,9 @@ constexpr std::array<char, kCarvedMagic.size()> Magic() {
   return bytes;
 }
 constexpr std::uint32_t kVersion = 1;
-constexpr double kReach_mm = 1e6;  // a float still resolves this to a tenth of a millimetre
+constexpr double kReach_mm = 1e6;  // largest coordinate: a float still resolves it to a tenth of a millimetre
 
+/// The first bytes of the file, exactly as in memory. CarvedState describes the values.
 struct CarvedHeader {
   std::array<char, kCarvedMagic.size()> magic{Magic()};
   std::uint32_t version{kVersion};
@@ -53,6 +54,7 @@ static_assert(sizeof(CarvedHeader) == 392 && offsetof(CarvedHeader, R_GP) == 72 
               offsetof(CarvedHeader, has_proxy) == 380);
 static_assert(kMaxFaces == 4 && kRememberedPairs == 8);
 
+/// Continues a CRC-32 over more bytes; the first call takes 0.
 std::uint32_t Crc(std::uint32_t crc, const void* data, std::size_t size) {
   const auto* bytes = static_cast<const Bytef*>(data);
   while (size > 0) {  // zlib takes sizes of 32 bits
@@ -79,6 +81,7 @@ std::uint64_t Fingerprint(const Bone& bone) {
   return std::uint64_t{balls} << 32 | points;
 }
 
+/// Bytes of the mass points, rounded up to a multiple of 4.
 std::uint64_t Padded(std::uint64_t points) { return (points + 3) / 4 * 4; }
 
 /// Size of a file with these counts; nothing where it would exceed any memory.
@@ -88,6 +91,7 @@ std::optional<std::uint64_t> FileSize(const CarvedHeader& h) {
   return sizeof(CarvedHeader) + 16 * h.balls + Padded(h.points) + h.split_balls * (8 + 16 * h.slots);
 }
 
+/// Reads and checks a whole file; keeps the first error.
 class Reader {
  public:
   Reader(std::span<const std::byte> bytes, const std::filesystem::path& path, const Bone& bone)
@@ -101,6 +105,7 @@ class Reader {
   }
 
  private:
+  /// Notes an error at a byte of the file, unless there is one already.
   void Fail(std::uint64_t byte, std::string where, std::string found, std::string accepted) {
     if (!error_)
       error_ = FileError{.file = path_.string(),
@@ -109,6 +114,7 @@ class Reader {
                          .found = std::move(found),
                          .accepted = std::move(accepted)};
   }
+  /// Fails unless a value of the header is the accepted one.
   template <typename Value>
   void Expect(const Value& found, const Value& accepted, std::size_t byte, const char* where) {
     if (found != accepted) Fail(byte, where, fmt::format("{}", found), fmt::format("{}", accepted));
@@ -137,23 +143,24 @@ class Reader {
       Fail(offsetof(CarvedHeader, split_balls), "split balls and slots",
            fmt::format("{} of {} slots", header_.split_balls, header_.slots),
            fmt::format("what makes {} bytes in all", size));
-    if (!error_) CheckBooks();
+    if (!error_) CheckTotals();
   }
 
-  void CheckBooks() {
+  /// Checks and takes what the header tells: proxy, totals of the cut, contact memory.
+  void CheckTotals() {
     const std::size_t pose_at = offsetof(CarvedHeader, R_GP);
     PlainPose pose;
     pose.R = header_.R_GP;
     pose.p = Vector3(header_.p_GP_m.data());
     const Pose X = pose;
-    const Matrix3 off = X.linear() * X.linear().transpose() - Matrix3::Identity();
-    if (!X.matrix().allFinite() || off.cwiseAbs().maxCoeff() > 1e-6 || X.linear().determinant() < 0.0)
+    const Matrix3 deviation = X.linear() * X.linear().transpose() - Matrix3::Identity();
+    if (!X.matrix().allFinite() || deviation.cwiseAbs().maxCoeff() > 1e-6 || X.linear().determinant() < 0.0)
       Fail(pose_at, "proxy", "no pose", "a rotation and a finite place");
-    const std::array<double, 4> books{header_.removed_volume_m3, header_.removed_mass_kg,
-                                      header_.cutting_work_J, header_.cutting_debt_J};
-    for (std::size_t i = 0; i < books.size(); ++i)
-      if (!std::isfinite(books[i]) || (i < 3 && books[i] < 0.0))
-        Fail(offsetof(CarvedHeader, removed_volume_m3) + 8 * i, "books", fmt::format("{}", books[i]),
+    const std::array<double, 4> totals{header_.removed_volume_m3, header_.removed_mass_kg,
+                                       header_.cutting_work_J, header_.cutting_debt_J};
+    for (std::size_t i = 0; i < totals.size(); ++i)
+      if (!std::isfinite(totals[i]) || (i < 3 && totals[i] < 0.0))
+        Fail(offsetof(CarvedHeader, removed_volume_m3) + 8 * i, "books", fmt::format("{}", totals[i]),
              i < 3 ? "0 and more" : "a finite number");
     CheckContact();
     if (header_.has_proxy > 1)
@@ -167,7 +174,8 @@ class Reader {
     state_.frame = header_.frame;
   }
 
-  /// Checks the pairs' bone balls: indices of the bone's balls, followed by the slots of blocks.
+  /// Checks and takes the contact memory. The index of a bone ball counts the bone's balls first, and then
+  /// the slots of the split balls.
   void CheckContact() {
     ContactMemory& contact = state_.contact;
     if (header_.pair_count > kRememberedPairs)
@@ -202,6 +210,7 @@ class Reader {
     contact.friction = header_.friction;
   }
 
+  /// Copies `count` values from byte `at` on, and moves `at` behind them.
   template <typename Value>
   void Take(std::uint64_t& at, std::uint64_t count, std::vector<Value>& values) {
     values.resize(count);
@@ -209,7 +218,8 @@ class Reader {
     at += count * sizeof(Value);
   }
 
-  /// Checks repeated x y z r. Slots of a waiting ball hold capsules in the same pattern.
+  /// Checks values x y z r, repeated. The slots of a ball that waits to be split hold capsules in this
+  /// pattern.
   void CheckFloats(const std::vector<float>& values, std::uint64_t at, const char* where) {
     for (std::size_t i = 0; i < values.size() && !error_; ++i) {
       const bool radius = i % 4 == 3;
@@ -220,6 +230,7 @@ class Reader {
     }
   }
 
+  /// Checks and takes what follows the header: balls, mass points, split balls.
   void CheckPayload() {
     const std::uint32_t crc =
         Crc(0, bytes_.data() + sizeof(CarvedHeader), bytes_.size() - sizeof(CarvedHeader));
@@ -242,10 +253,10 @@ class Reader {
     Take(at, header_.split_balls, state_.split_balls);
     Take(at, header_.split_balls, state_.split_cuts);
     for (std::size_t j = 0; j < state_.split_balls.size(); ++j) {
-      const std::uint64_t least = j > 0 ? std::uint64_t{state_.split_balls[j - 1]} + 1 : 0;
-      if (state_.split_balls[j] < least || state_.split_balls[j] >= header_.balls)
+      const std::uint64_t min_ball = j > 0 ? std::uint64_t{state_.split_balls[j - 1]} + 1 : 0;
+      if (state_.split_balls[j] < min_ball || state_.split_balls[j] >= header_.balls)
         Fail(split_at + 4 * j, fmt::format("split ball {}", j), fmt::format("{}", state_.split_balls[j]),
-             fmt::format("{} … {}", least, header_.balls - 1));
+             fmt::format("{} … {}", min_ball, header_.balls - 1));
       if (state_.split_cuts[j] > 0 && 1 + 2 * (std::uint64_t{state_.split_cuts[j]} - 1) > header_.slots)
         Fail(split_at + 4 * (header_.split_balls + j), fmt::format("split ball {}: capsules", j),
              fmt::format("{}", state_.split_cuts[j] - 1), fmt::format("what {} slots hold", header_.slots));

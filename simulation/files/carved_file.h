@@ -11,8 +11,8 @@
 
 // Carved states on disk: undo, save, resume.
 //
-//     byte   0   CarvedHeader   carved_file.cpp: magic, version, sizes, the bone's fingerprint, proxy and
-//                               books, CRCs
+//     byte   0   CarvedHeader   carved_file.cpp: magic, version, sizes, the bone's fingerprint, proxy,
+//                               totals of the cut (volume, mass, work), CRCs
 //     byte 392   balls          16 bytes each: x y z r [mm], float32
 //                mass points    1 byte each: 1 where it is gone; then zeros up to a multiple of 4
 //                split balls    4 bytes each: which ball

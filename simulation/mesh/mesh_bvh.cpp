@@ -15,7 +15,7 @@ namespace osteon::simulation {
 namespace {
 
 // Embree works in float millimetres: mesh files use them, so their vertices are exact in float.
-constexpr double kMm = 1e3;
+constexpr double kMm = 1e3;  // [mm/m]
 
 /// The triangles for Embree's rays.
 class EmbreeScene {
@@ -62,7 +62,7 @@ struct MeshBvh::Impl {
   TriangleMesh mesh;
   TriangleTree tree;
   std::once_flag once;
-  std::optional<EmbreeScene> scene;  ///< once it is asked for: few meshes are
+  std::optional<EmbreeScene> scene;  ///< made by the first search for crossings, which few meshes need
 
   explicit Impl(const TriangleMesh& from) : mesh(from), tree(mesh) {}
   [[nodiscard]] RTCScene Scene() {
@@ -91,7 +91,8 @@ std::optional<MeshCrossing> MeshBvh::CrossingOf(std::uint32_t triangle,
     std::array<std::uint32_t, 2> edge;
     std::optional<MeshCrossing> crossing;
   };
-  // Embree proposes triangles; double precision decides.
+  // Embree calls this for each triangle that the edge may pierce; double precision decides. The crossing must
+  // lie off the edge's ends and inside the triangle's border by more than the tolerance.
   const auto decide = [](const RTCFilterFunctionNArguments* args) {
     auto& s = *reinterpret_cast<Search*>(args->context);
     const std::uint32_t t = RTCHitN_primID(args->hit, args->N, 0);

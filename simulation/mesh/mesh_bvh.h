@@ -11,6 +11,7 @@ namespace osteon::simulation {
 /// Nearest feature of a triangle: its face, edge k (from corner k to the next) or corner k.
 enum class TriangleFeature : std::uint8_t { kFace, kEdge0, kEdge1, kEdge2, kCorner0, kCorner1, kCorner2 };
 
+/// Nearest point of a mesh to a given point.
 struct TriangleHit {
   Vector3 p_m{Vector3::Zero()};
   double distance_m{0.0};
@@ -26,7 +27,7 @@ struct MeshCrossing {
 };
 
 /// Spatial index over a mesh. A tree of boxes selects the triangles to test for nearest points, and Embree
-/// (included only in the .cpp, started where crossings are first asked for) those that an edge may pierce.
+/// (started by the first search for crossings) selects those that an edge may pierce.
 /// Double precision decides, so results do not depend on Embree's version or on an instruction set.
 class MeshBvh {
  public:
@@ -45,7 +46,8 @@ class MeshBvh {
   /// its border.
   /// @throws std::runtime_error where Embree cannot start.
   [[nodiscard]] std::optional<MeshCrossing> FindCrossing(double tolerance_m) const;
-  /// How many edges do so. Each edge counts once, however many triangles it has.
+  /// Number of edges that pass through a triangle as FindCrossing describes. Each edge counts once, however
+  /// many triangles it has.
   /// @throws as FindCrossing.
   [[nodiscard]] std::size_t CountCrossings(double tolerance_m) const;
 

@@ -12,14 +12,15 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kMaxCoordinate_m = 10.0;
-constexpr double kMaxSize_m = 1.0;
+constexpr double kMaxCoordinate_m = 10.0;  // distance from the origin along any axis
+constexpr double kMaxSize_m = 1.0;         // of the box around the mesh
 constexpr double kMinVolume_m3 = 1e-9;
 
 constexpr const char* kUnits = "files are read in millimetres, times --scale";
 
-using Problem = std::optional<MeshError>;
+using Problem = std::optional<MeshError>;  // empty: the mesh passes
 
+/// Checks that there are triangles, and that their vertices are finite and of a plausible size.
 Problem CheckCoordinates(const TriangleMesh& mesh, const std::string& name) {
   if (mesh.triangles.empty())
     return MeshError{MeshErrorKind::kEmpty,
@@ -45,6 +46,7 @@ Problem CheckCoordinates(const TriangleMesh& mesh, const std::string& name) {
 
 /// Checks that each edge joins two triangles, which run along it in opposite directions.
 Problem CheckEdges(const TriangleMesh& mesh, const std::vector<MeshEdge>& edges, const std::string& name) {
+  // edges of one defect: their number, and the first one's index and number of triangles
   struct Finding {
     std::size_t count{0}, first{0}, sides{0};
   };
@@ -85,8 +87,8 @@ Problem CheckEdges(const TriangleMesh& mesh, const std::vector<MeshEdge>& edges,
   return std::nullopt;
 }
 
-/// Checks that the triangles around each vertex form one fan. Works on corners: those of a fan are joined
-/// across its edges.
+/// Checks that the triangles around each vertex form one fan. Two triangles with a common edge join their
+/// corners at both of its ends; a vertex must then have a single set of corners.
 Problem CheckVertices(const TriangleMesh& mesh, const std::vector<MeshEdge>& edges, const std::string& name) {
   const auto corner = [&mesh](std::uint32_t triangle, std::uint32_t vertex) {
     const auto& t = mesh.triangles[triangle];

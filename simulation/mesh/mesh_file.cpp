@@ -19,6 +19,7 @@ tl::unexpected<MeshError> Refuse(MeshErrorKind kind, std::string message) {
   return tl::make_unexpected(MeshError{.kind = kind, .message = std::move(message)});
 }
 
+/// First bytes of a kind of file, and its name for the message.
 struct Signature {
   std::string_view bytes;
   const char* what;

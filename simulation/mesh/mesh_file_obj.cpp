@@ -8,12 +8,12 @@
 namespace osteon::simulation {
 namespace {
 
-// Statements that do not change the surface. The name behind them extends to the end of the line, even over a
-// '\' there.
+// Statements that do not change the surface, and are followed by a name. The name is the rest of the line: a
+// '\' at its end belongs to it, and does not continue the line.
 constexpr std::array<std::string_view, 6> kNames{"mtllib", "usemtl",     "usemap",
                                                  "maplib", "shadow_obj", "trace_obj"};
-// Ignored statements: curves bound nothing, and attributes of free forms mean nothing without a 'surf', which
-// is refused.
+// Ignored statements: curves bound no solid, and attributes of free forms only matter for 'surf', which is
+// refused.
 constexpr std::array<std::string_view, 22> kIgnored{
     "vp",   "s",      "mg",   "lod",   "bevel", "c_interp", "d_interp", "ctech", "stech", "deg", "bmat",
     "step", "cstype", "curv", "curv2", "parm",  "trim",     "hole",     "scrv",  "sp",    "end", "con"};
@@ -23,12 +23,13 @@ bool Contains(const std::array<std::string_view, N>& words, std::string_view wor
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-/// Number of entries of a list, and the largest index used in it.
+/// Number of entries of a list, the largest index that a corner has used, and the line of that corner.
 struct IndexedList {
   std::int64_t count{0}, greatest{0};
   int line{0};
 };
 
+/// Reads a file line by line; faces become polygons, which are cut into triangles at the end.
 class ObjReader {
  public:
   explicit ObjReader(const std::string& name) : name_(name) {}
@@ -64,6 +65,7 @@ class ObjReader {
  private:
   [[nodiscard]] MeshError At(const std::string& what) const { return DamageAtLine(name_, line_, what); }
 
+  /// Reads a statement, with the lines that continue it. @returns what is wrong with it, if anything
   std::optional<MeshError> ReadLine(std::string_view line, LineReader& lines) {
     std::string_view key = line.substr(0, line.find_first_of(" \t\v\f"));
     if (key == "g" || key == "o") {
@@ -104,6 +106,7 @@ class ObjReader {
     return At(fmt::format("found {}, accepted a statement of OBJ: v, vt, vn, f, g, o …", Shown(words_[0])));
   }
 
+  /// Reads "v x y z", with a weight or a colour behind it. Coordinates are divided by the weight.
   std::optional<MeshError> ReadVertex() {
     ++lists_[0].count;
     const std::size_t numbers = words_.size() - 1;
@@ -131,6 +134,8 @@ class ObjReader {
     return std::nullopt;
   }
 
+  /// Reads the corners of a face (three and more), line or point; only a face is kept. Negative indices count
+  /// back from the last entry.
   std::optional<MeshError> ReadCorners(std::size_t min_corners) {
     if (words_.size() - 1 < min_corners)
       return At(fmt::format("found {} corners after {}, accepted {} and more", words_.size() - 1, words_[0],

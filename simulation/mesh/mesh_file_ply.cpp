@@ -10,11 +10,12 @@ namespace osteon::simulation {
 namespace {
 
 constexpr std::size_t kMaxHeader = 65536;  // bytes
-constexpr std::int64_t kMaxCorners = 255;
+constexpr std::int64_t kMaxCorners = 255;  // of a face
 constexpr const char* kTypeNames = "char, uchar, short, ushort, int, uint, float or double";
 
 enum class PlyFormat : std::uint8_t { kText, kLittleEndian, kBigEndian };
 
+/// A type of number: its two names in headers, size and kind.
 struct PlyType {
   std::array<const char*, 2> names;
   std::size_t bytes;
@@ -31,12 +32,14 @@ constexpr std::array<PlyType, 8> kTypes{{{{"char", "int8"}, 1, false, true},
                                          {{"float", "float32"}, 4, true, true},
                                          {{"double", "float64"}, 8, true, true}}};
 
+/// @returns the type of this name; null if there is none.
 const PlyType* FindType(std::string_view name) {
   for (const PlyType& type : kTypes)
     if (name == type.names[0] || name == type.names[1]) return &type;
   return nullptr;
 }
 
+/// A property of an element, as the header announces it.
 struct PlyProperty {
   std::string name;
   const PlyType* type{nullptr};
@@ -45,6 +48,7 @@ struct PlyProperty {
   bool is_corners{false};              ///< a face's list of vertex indices
 };
 
+/// An element (vertex, face, …): rows that all have these properties.
 struct PlyElement {
   std::string name;
   std::size_t count{0};
@@ -119,11 +123,14 @@ class PlyBody {
     while (NextRow()) ++rows;
     return rows;
   }
+  /// Whether all words of a text file's line were read.
   [[nodiscard]] bool RowIsUsedUp() const { return format_ != PlyFormat::kText || word_ == words_.size(); }
+  /// Text of the next value, for messages.
   [[nodiscard]] std::string Found() const {
     if (format_ != PlyFormat::kText) return "the end of the file";
     return word_ < words_.size() ? Shown(words_[word_]) : "the end of the line";
   }
+  /// An error at the current place().
   [[nodiscard]] MeshError Damage(const std::string& name, const std::string& what,
                                  MeshErrorKind kind = MeshErrorKind::kUnreadable) const {
     return DamageAt(name, place(), what, kind);
@@ -144,6 +151,7 @@ class PlyBody {
   std::size_t word_{0};
 };
 
+/// Reads header and body, and checks both; faces become polygons, which are cut into triangles at the end.
 class PlyReader {
  public:
   PlyReader(std::string_view content, const std::string& name) : content_(content), name_(name) {}
@@ -169,6 +177,7 @@ class PlyReader {
   }
 
  private:
+  /// Reads the header and finds where the body begins. These functions return what is wrong, if anything.
   std::optional<MeshError> ReadHeader() {
     const std::size_t mark = content_.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
     const std::string_view head = content_.substr(mark, kMaxHeader);
@@ -264,11 +273,12 @@ class PlyReader {
     return std::nullopt;
   }
 
+  /// Checks that vertices and faces are announced, and no more rows than the file has room for.
   std::optional<MeshError> CheckHeader() {
     std::size_t min_bytes = 0;
     bool has_corners = false, has_vertices = false;
     for (const PlyElement& element : elements_) {
-      std::size_t row = 0;
+      std::size_t row = 0;  // least bytes of a row; a text's value has a digit and a space
       for (const PlyProperty& p : element.properties)
         row += format_ == PlyFormat::kText ? 2 : p.count_type ? p.count_type->bytes : p.type->bytes;
       min_bytes += element.count * row;
@@ -302,6 +312,7 @@ class PlyReader {
     return std::nullopt;
   }
 
+  /// Reads one row of an element, and keeps a vertex's coordinates or a face's corners.
   std::optional<MeshError> ReadRow(PlyBody& body, const PlyElement& element, std::size_t row) {
     const auto here = [&] { return fmt::format("{} {}", Printable(element.name), row); };
     if (!body.NextRow())

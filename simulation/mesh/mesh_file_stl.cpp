@@ -10,17 +10,20 @@ namespace {
 
 constexpr std::size_t kHeader = 84, kTriangle = 50;  // bytes of a binary file
 
+/// Compares without regard to upper and lower case. @param expected  in lower case
 bool IsWord(std::string_view word, std::string_view expected) {
   return std::equal(word.begin(), word.end(), expected.begin(), expected.end(),
                     [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
 }
 
-/// Lines of a facet, in order: the words at the line's beginning, and how many numbers follow.
+/// A line of a facet: the words at its beginning, how many numbers follow, and what a message says is
+/// accepted.
 struct FacetLine {
   std::vector<std::string_view> words;
   std::size_t numbers;
   const char* accepted;
 };
+/// The lines of a facet, in order.
 const std::vector<FacetLine>& FacetLines() {
   static const std::vector<FacetLine> kLines{
       {{"facet", "normal"}, 3, "'facet normal' and 3 numbers, or 'endsolid'"},
@@ -33,6 +36,7 @@ const std::vector<FacetLine>& FacetLines() {
   return kLines;
 }
 
+/// Reads the text form: solids of facets.
 tl::expected<RawMesh, MeshError> ReadText(std::string_view content, const std::string& name) {
   if (auto damage = FindBinaryByte(content, name)) return tl::make_unexpected(*damage);
   if (content.starts_with(kByteOrderMark)) content.remove_prefix(kByteOrderMark.size());
@@ -41,7 +45,7 @@ tl::expected<RawMesh, MeshError> ReadText(std::string_view content, const std::s
   LineReader lines(content);
   std::vector<std::string_view> words;
   std::string_view solid;
-  std::size_t step = 0, corner = 0;
+  std::size_t step = 0, corner = 0;  // line of the facet, corner of the triangle
   bool in_solid = false;
   std::array<std::array<float, 3>, 3> triangle{};
   while (const auto line = lines.Next()) {
@@ -89,6 +93,7 @@ tl::expected<RawMesh, MeshError> ReadText(std::string_view content, const std::s
   return raw;
 }
 
+/// Reads the binary form: a header that ends with the number of triangles, then 50 bytes for each.
 tl::expected<RawMesh, MeshError> ReadBinary(std::string_view content, const std::string& name) {
   if (content.size() < kHeader)
     return tl::make_unexpected(

@@ -52,6 +52,7 @@ class PolygonTriangulator {
   }
 
  private:
+  /// Adds a triangle to the result.
   void Add(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     raw_.triangles.push_back({mesh_.vertices[a], mesh_.vertices[b], mesh_.vertices[c]});
     raw_.part_of_triangle.push_back(part_);
@@ -83,13 +84,14 @@ class PolygonTriangulator {
     return true;
   }
 
+  /// Whether all triangles from the first corner run counter-clockwise.
   [[nodiscard]] bool FanIsSound() const {
     for (std::size_t i = 1; i + 1 < flat_.size(); ++i)
       if (!(Area2(flat_[0], flat_[i], flat_[i + 1]) > 0.0)) return false;
     return true;
   }
 
-  /// Whether no other corner lies in or on the triangle at place k of `left_`.
+  /// Whether no other corner lies in or on the triangle of corner k of `left_` and its two neighbours.
   [[nodiscard]] bool IsEar(std::size_t before, std::size_t k, std::size_t after) const {
     const Point2 &a = flat_[left_[before]], &b = flat_[left_[k]], &c = flat_[left_[after]];
     for (std::size_t i = 0; i < left_.size(); ++i) {
@@ -101,7 +103,8 @@ class PolygonTriangulator {
     return true;
   }
 
-  /// Ear clipping. Takes an ear without area only if no other ear is left. False if the polygon has no ear.
+  /// Ear clipping. Cuts off an ear without area only if no other ear is left.
+  /// @returns false if the polygon has no ear.
   bool CutEars() {
     left_.resize(ring_.size());
     for (std::size_t i = 0; i < left_.size(); ++i) left_[i] = i;
@@ -129,9 +132,9 @@ class PolygonTriangulator {
   const PolygonMesh& mesh_;
   RawMesh& raw_;
   std::uint32_t part_{0};
-  std::vector<std::uint32_t> ring_, sorted_;
-  std::vector<Point2> flat_;
-  std::vector<std::size_t> left_;
+  std::vector<std::uint32_t> ring_, sorted_;  // vertices of the polygon, without repetitions; sorted
+  std::vector<Point2> flat_;                  // projected corners of ring_
+  std::vector<std::size_t> left_;             // indices in ring_ of the corners that are not cut off yet
 };
 
 /// True where the bytes are UTF-8, by the table of well-formed sequences (The Unicode Standard, table 3-7).
@@ -161,6 +164,7 @@ bool IsUtf8(std::string_view text) {
   return true;
 }
 
+/// The name in UTF-8; other bytes are read as Latin-1.
 std::string AsUtf8(std::string_view name) {
   if (IsUtf8(name)) return std::string(name);
   std::string text;

@@ -10,12 +10,12 @@
 
 #include "simulation/mesh/mesh_file.h"
 
-// Cuts polygons over shared vertices, as in OBJ and PLY files, into triangles; names a file's parts.
+// Cuts the polygons of OBJ and PLY files, which share vertices, into triangles; numbers a file's named parts.
 
 namespace osteon::simulation {
 
 /// Polygons of a file, in its own unit. Faces may precede the vertices that they name, so they are cut into
-/// triangles when all is read.
+/// triangles after the whole file is read.
 struct PolygonMesh {
   struct Polygon {
     std::size_t corners{0};  ///< number of its corners in PolygonMesh::corners
@@ -49,6 +49,7 @@ class PartNames {
  public:
   /// Number of the part of this name. A name that is not UTF-8 is read as Latin-1.
   [[nodiscard]] std::uint32_t NumberOf(std::string_view name);
+  /// Moves the names out, in the order of their numbers.
   [[nodiscard]] std::vector<std::string> Take() { return std::move(names_); }
 
  private:

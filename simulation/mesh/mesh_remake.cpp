@@ -14,14 +14,14 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kInside = 0.5;         // winding number at the surface
-constexpr double kSurely = 0.1;         // distance from kInside at which a whole block counts as decided
-constexpr double kSolidWinding = 0.8;   // a closed solid has 1
-constexpr double kMinSolidShare = 0.5;  // of the volume inside that has kSolidWinding
-constexpr double kMinStep_m = 0.1e-3;
-constexpr int kBlock = 4;  // grid steps along the edge of a block
-constexpr std::size_t kShellSamples = 9;
-constexpr int kBisections = 10;  // bisection to a thousandth of the step
+constexpr double kInside = 0.5;           // winding number at the surface
+constexpr double kSurely = 0.1;           // distance from kInside at which a whole block counts as decided
+constexpr double kSolidWinding = 0.8;     // a closed solid has 1
+constexpr double kMinSolidShare = 0.5;    // of the volume inside that has kSolidWinding
+constexpr double kMinStep_m = 0.1e-3;     // of the grid
+constexpr int kBlock = 4;                 // grid steps along the edge of a block
+constexpr std::size_t kShellSamples = 9;  // triangles of a shell that are tested for being within others
+constexpr int kBisections = 10;           // bisection to a thousandth of the step
 
 /// Groups of triangles joined by edges of exactly two.
 struct Shells {
@@ -29,7 +29,8 @@ struct Shells {
   std::vector<std::vector<std::uint32_t>> triangles;  // of each shell
 };
 
-/// Counts the edges that bound no solid; winds neighbours alike and finds the shells.
+/// Counts the edges that bound no solid in `found`, finds the shells, and winds the triangles of each in one
+/// sense.
 Shells OrientShells(TriangleMesh& mesh, MeshRemake& found) {
   const std::vector<MeshEdge> edges = SortedEdges(mesh);
   struct Neighbour {
@@ -57,21 +58,21 @@ Shells OrientShells(TriangleMesh& mesh, MeshRemake& found) {
   for (std::uint32_t first = 0; first < mesh.triangles.size(); ++first) {
     if (shells.of_triangle[first] != kNone) continue;
     const auto shell = static_cast<std::uint32_t>(shells.triangles.size());
-    std::vector<std::uint32_t> own{first};
+    std::vector<std::uint32_t> members{first};
     shells.of_triangle[first] = shell;
     std::size_t turns = 0;
-    for (std::size_t k = 0; k < own.size(); ++k)
-      for (const auto& [other, contrary] : neighbours[own[k]]) {
+    for (std::size_t k = 0; k < members.size(); ++k)
+      for (const auto& [other, contrary] : neighbours[members[k]]) {
         if (shells.of_triangle[other] != kNone) continue;
         shells.of_triangle[other] = shell;
-        turned[other] = turned[own[k]] != contrary;
+        turned[other] = turned[members[k]] != contrary;
         turns += turned[other] ? 1 : 0;
-        own.push_back(other);
+        members.push_back(other);
       }
     // the sense of most triangles counts
-    if (2 * turns > own.size())
-      for (const std::uint32_t t : own) turned[t] = !turned[t];
-    shells.triangles.push_back(std::move(own));
+    if (2 * turns > members.size())
+      for (const std::uint32_t t : members) turned[t] = !turned[t];
+    shells.triangles.push_back(std::move(members));
   }
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
     if (turned[t]) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
@@ -79,7 +80,7 @@ Shells OrientShells(TriangleMesh& mesh, MeshRemake& found) {
   return shells;
 }
 
-/// Signed volume between the shell and its own centre: that which it encloses, where it is closed.
+/// Signed volume between the shell and its mean vertex; for a closed shell, the volume that it encloses.
 double ShellVolume_m3(const TriangleMesh& mesh, const std::vector<std::uint32_t>& shell) {
   Vector3 center = Vector3::Zero();
   for (const std::uint32_t t : shell) center += mesh.vertices_m[mesh.triangles[t][0]];
@@ -93,6 +94,7 @@ double ShellVolume_m3(const TriangleMesh& mesh, const std::vector<std::uint32_t>
   return sum / 6.0;
 }
 
+/// Turns a shell inside out.
 void Turn(TriangleMesh& mesh, const std::vector<std::uint32_t>& shell) {
   for (const std::uint32_t t : shell) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
 }
@@ -119,7 +121,7 @@ void WindOutwards(TriangleMesh& mesh, const Shells& shells, MeshRemake& found) {
     for (std::size_t k = 0; k < samples; ++k) {
       const auto& t = mesh.triangles[own[k * own.size() / samples]];
       const Vector3 p = (mesh.vertices_m[t[0]] + mesh.vertices_m[t[1]] + mesh.vertices_m[t[2]]) / 3.0;
-      double others = winding.At(p);
+      double others = winding.At(p);  // less that of this shell: the winding number of the other ones
       for (const std::uint32_t i : own)
         others -=
             TriangleWinding(p, mesh.vertices_m[mesh.triangles[i][0]], mesh.vertices_m[mesh.triangles[i][1]],
@@ -133,8 +135,9 @@ void WindOutwards(TriangleMesh& mesh, const Shells& shells, MeshRemake& found) {
   }
 }
 
-/// One half less the winding number: negative inside. Whole blocks of the grid that hold no triangle take one
-/// value, where their corners and their centre are on one side: there the winding number changes slowly.
+/// The function 1/2 - winding number, which is negative inside the solid. A block of the grid without
+/// triangles has a single value, if its corners and its centre lie clearly on one side: the winding number
+/// changes slowly there.
 class WindingLevel {
  public:
   WindingLevel(const TriangleMesh& mesh, const Eigen::AlignedBox3d& box, double step_m)
@@ -152,6 +155,7 @@ class WindingLevel {
     }
   }
 
+  /// Value at p. Decides the point's block at the first call.
   double operator()(const Vector3& p_m) {
     const std::array<std::size_t, 3> cell = Cell(p_m);
     float& block = blocks_[Index(cell)];
@@ -174,8 +178,10 @@ class WindingLevel {
   }
 
  private:
-  static constexpr float kUnknown = 1e30f, kSurface = 2e30f;  // otherwise the block's winding number
+  // Values of a block that is not decided yet, or must be computed at each point. Else: its winding number.
+  static constexpr float kUnknown = 1e30f, kSurface = 2e30f;
 
+  /// Place of the block that contains p, by axis; of the nearest block for points outside.
   [[nodiscard]] std::array<std::size_t, 3> Cell(const Vector3& p_m) const {
     std::array<std::size_t, 3> cell{};
     for (int axis = 0; axis < 3; ++axis)
@@ -190,17 +196,18 @@ class WindingLevel {
     return low_ + block_m_ * Vector3(static_cast<double>(cell[0]) + 0.5, static_cast<double>(cell[1]) + 0.5,
                                      static_cast<double>(cell[2]) + 0.5);
   }
+  /// The winding number of a block without triangles; kSurface where its sides are not clear.
   [[nodiscard]] float Decide(const std::array<std::size_t, 3>& cell) const {
     const Vector3 center = Center(cell);
     const double w = winding_.At(center);
-    double least = w, greatest = w;
+    double min = w, max = w;
     for (int corner = 0; corner < 8; ++corner) {
       const double at = winding_.At(
           center + 0.5 * block_m_ * Vector3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1));
-      least = std::min(least, at);
-      greatest = std::max(greatest, at);
+      min = std::min(min, at);
+      max = std::max(max, at);
     }
-    return least > kInside + kSurely || greatest < kInside - kSurely ? static_cast<float>(w) : kSurface;
+    return min > kInside + kSurely || max < kInside - kSurely ? static_cast<float>(w) : kSurface;
   }
 
   WindingNumber winding_;
@@ -224,6 +231,7 @@ tl::expected<LoadedMesh, std::string> RemakeMesh(const PartedMesh& parted, const
   for (const auto& t : mesh.triangles)
     for (const std::uint32_t v : t) box.extend(mesh.vertices_m[v]);
   found.step_m = std::max(kMinStep_m, std::cbrt(box.volume() / grid_points));
+  // the grid must reach beyond the surface on all sides
   const Vector3 room = Vector3::Constant(2.3 * found.step_m);
   box.extend(Vector3(box.min() - room));
   box.extend(Vector3(box.max() + room));

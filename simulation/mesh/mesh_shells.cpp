@@ -11,21 +11,24 @@ namespace osteon::simulation {
 namespace {
 
 constexpr std::size_t kMaxShells = 64;
-constexpr std::size_t kSamples = 15;    // odd, so that a majority decides
+constexpr std::size_t kSamples = 15;    // triangles that LiesIn tests; odd, so that a majority decides
 constexpr double kMinFullness = 1e-12;  // smallest volume over the cube of the box's diagonal
 
+/// Triangles that are joined by common vertices.
 struct Shell {
   std::vector<std::uint32_t> triangles;
   Eigen::AlignedBox3d box;
   double volume_m3{0.0};            // signed
-  std::vector<std::size_t> around;  // shells around this one
+  std::vector<std::size_t> around;  // indices of the shells that contain this one
 };
 
+/// Centroid of triangle t.
 Vector3 Center(const TriangleMesh& mesh, std::uint32_t t) {
   const auto& [a, b, c] = mesh.triangles[t];
   return (mesh.vertices_m[a] + mesh.vertices_m[b] + mesh.vertices_m[c]) / 3.0;
 }
 
+/// Finds the shells of a mesh, each with its box and signed volume, in the order of their first triangles.
 std::vector<Shell> SplitShells(const TriangleMesh& mesh) {
   DisjointSets sets(mesh.vertices_m.size());
   for (const auto& t : mesh.triangles) {
@@ -79,6 +82,7 @@ bool LiesIn(const TriangleMesh& mesh, const Shell& inner, const Shell& outer) {
   return 2 * inside > samples;
 }
 
+/// The mesh of the wanted shells alone.
 TriangleMesh Extract(const TriangleMesh& mesh, const std::vector<Shell>& shells,
                      const std::vector<bool>& wanted) {
   std::vector<std::uint32_t> triangles;
@@ -143,21 +147,22 @@ tl::expected<LoadedMesh, MeshError> SortShells(PartedMesh parted, MeshReport rep
                                 "shell with a volume",
                                 name, found.size() - 1, found.back().name, InMm(Center(mesh, first)), first));
   }
+  // shell k contains shell i
   for (std::size_t i = 0; i < shells.size(); ++i)
     for (std::size_t k = 0; k < shells.size(); ++k)
       if (i != k && std::abs(shells[k].volume_m3) > std::abs(shells[i].volume_m3) &&
           shells[i].box.intersects(shells[k].box) && LiesIn(mesh, shells[i], shells[k]))
         shells[i].around.push_back(k);
 
-  // from outside inwards
+  // visit the shells from outside inwards, so that a shell's parent is known before the shell
   std::vector<std::size_t> order(shells.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t k) {
     return shells[i].around.size() < shells[k].around.size();
   });
   LoadedMesh loaded;
-  std::vector<bool> bounds(shells.size(), false);
-  std::vector<std::vector<bool>> region_bounds;
+  std::vector<bool> bounds(shells.size(), false);  // shells that bound the solid
+  std::vector<std::vector<bool>> region_bounds;    // for each region, the shells that bound it
   std::vector<std::optional<std::size_t>> region_of(shells.size());  // index of a shell's region
   for (const std::size_t i : order) {
     const Shell& shell = shells[i];

@@ -25,12 +25,13 @@ struct PartedMesh {
 /// Formats a place for messages.
 [[nodiscard]] std::string InMm(const Vector3& p_m);
 
-/// One side of an edge.
+/// An edge as one of its triangles has it.
 struct MeshEdge {
   std::uint32_t low, high, triangle;
   bool rising;  ///< true where the triangle runs from low to high
   auto operator<=>(const MeshEdge&) const = default;
 };
+/// The three edges of every triangle; those between the same two vertices are adjacent.
 [[nodiscard]] std::vector<MeshEdge> SortedEdges(const TriangleMesh& mesh);
 
 /// Welds vertices at exactly the same place, each part on its own, and drops triangles that collapse or occur
@@ -40,7 +41,7 @@ struct MeshEdge {
 
 /// Welds ends of open edges within the tolerance of each other (0: at exactly the same place), also across
 /// parts.
-/// @returns how many vertices were removed.
+/// @returns the number of removed vertices.
 std::size_t WeldOpenEdges(PartedMesh& parted, double tolerance_m, MeshReport& report);
 
 /// Checks everything that CheckMesh does, and sorts the shells into those that bound the solid and its
@@ -48,11 +49,11 @@ std::size_t WeldOpenEdges(PartedMesh& parted, double tolerance_m, MeshReport& re
 [[nodiscard]] tl::expected<LoadedMesh, MeshError> AcceptMesh(PartedMesh parted, const MeshReport& report,
                                                              const std::string& name);
 
-/// Deeper crossings are self-intersections.
+/// An edge that passes deeper through a triangle is a self-intersection.
 inline constexpr double kCrossingTolerance_m = 1e-5;
 
 /// Drops the smallest shells of a closed surface beyond the number that SortShells accepts.
-/// @returns how many.
+/// @returns the number of dropped shells.
 std::size_t KeepLargestShells(TriangleMesh& mesh);
 
 /// Finds how the shells nest; fills the report's shells and the regions.
@@ -60,14 +61,16 @@ std::size_t KeepLargestShells(TriangleMesh& mesh);
 [[nodiscard]] tl::expected<LoadedMesh, MeshError> SortShells(PartedMesh parted, MeshReport report,
                                                              const std::string& name);
 
+/// Union-find: disjoint sets of the numbers below `count`, at first each by itself.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  /// Returns the lowest member of the set that contains i.
   [[nodiscard]] std::uint32_t Find(std::uint32_t i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
-  /// Joins two sets. A set's lowest member represents it.
+  /// Joins the sets that contain i and j.
   void Join(std::uint32_t i, std::uint32_t j) {
     i = Find(i);
     j = Find(j);

@@ -97,6 +97,7 @@ template <typename T>
   return "'" + text + "'";
 }
 
+/// An error at a line, or at a byte, of the file `name`. @param what  what was found and what is accepted
 [[nodiscard]] inline MeshError DamageAtLine(const std::string& name, int line, const std::string& what,
                                             MeshErrorKind kind = MeshErrorKind::kUnreadable) {
   return {.kind = kind, .message = fmt::format("{}:{}: {}", name, line, what)};
@@ -121,7 +122,7 @@ template <typename T>
                       number ? MeshErrorKind::kNotFinite : MeshErrorKind::kUnreadable);
 }
 
-/// Error for the first byte that no text contains, if there is one.
+/// Error for the first byte that does not occur in text, if there is one.
 [[nodiscard]] inline std::optional<MeshError> FindBinaryByte(std::string_view text, const std::string& name) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto c = static_cast<unsigned char>(text[i]);

@@ -8,6 +8,7 @@
 namespace osteon::simulation {
 namespace {
 
+/// Hash of a vertex's coordinates.
 struct PlaceHash {
   std::size_t operator()(const std::array<float, 3>& p) const {
     std::size_t hash = 0;
@@ -19,6 +20,7 @@ struct PlaceHash {
 /// Drops triangles with two corners in one place. Of triangles of one part with the same corners and winding,
 /// keeps only the first.
 void DropCollapsed(PartedMesh& parted, MeshReport& report) {
+  // sorted, triangles of the same corners and winding are adjacent
   struct Turned {
     std::uint32_t part;
     std::array<std::uint32_t, 3> corners;  // rotated so that the lowest is first
@@ -92,7 +94,7 @@ PartedMesh WeldParts(const RawMesh& raw, double m_per_unit, MeshReport& report) 
 std::size_t WeldOpenEdges(PartedMesh& parted, double tolerance_m, MeshReport& report) {
   TriangleMesh& mesh = parted.mesh;
   const std::vector<std::uint32_t> ends = OpenEnds(mesh);
-  // Sorted along the first axis, partners are near each other.
+  // sorted along x, ends within the tolerance of each other are close in the list
   std::vector<std::uint32_t> along = ends;
   std::sort(along.begin(), along.end(), [&mesh](std::uint32_t i, std::uint32_t j) {
     const double x = mesh.vertices_m[i].x(), y = mesh.vertices_m[j].x();

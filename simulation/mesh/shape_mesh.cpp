@@ -11,13 +11,14 @@
 namespace osteon::simulation {
 namespace {
 
-/// Kuhn's division of the cube: one tetrahedron for each path along edges from corner 0 to corner 7 (bits x,
-/// y, z), over two of the other corners. A tetrahedron's orientation is the parity of its permutation of the
-/// axes, in `kEven`.
+/// Kuhn's division of the cube into six tetrahedra: one for each path along edges from corner 0 to corner 7.
+/// (A corner's bits are its x, y, z.) A path takes the axes in some order; kEven tells whether this is an
+/// even permutation, which gives the tetrahedron's orientation.
 constexpr int kTetrahedra[6][4] = {{0, 1, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7},
                                    {0, 1, 5, 7}, {0, 2, 3, 7}, {0, 4, 6, 7}};
 constexpr bool kEven[6] = {true, true, true, false, false, false};
 
+/// Marching tetrahedra on one grid (MeshOfLevel).
 class Marching {
  public:
   Marching(const LevelFunction& level, const Eigen::AlignedBox3d& box, double step_m, int rounds)
@@ -38,6 +39,7 @@ class Marching {
     for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = level_(At(i));
   }
 
+  /// @returns the mesh. @throws std::invalid_argument where the shape reaches the border or is empty.
   TriangleMesh Run() {
     cuts_.assign(7 * values_.size(), kNone);
     for (std::size_t z = 0; z < size_[2]; ++z)
@@ -61,9 +63,11 @@ class Marching {
   [[nodiscard]] std::size_t Index(std::size_t x, std::size_t y, std::size_t z) const {
     return (z * size_[1] + y) * size_[0] + x;
   }
+  /// Index in the grid of a corner (bits x, y, z) of a cube, which is named by its corner 0.
   [[nodiscard]] std::size_t Corner(std::size_t cube, int corner) const {
     return cube + (corner & 1) + ((corner >> 1) & 1) * size_[0] + (corner >> 2) * size_[0] * size_[1];
   }
+  /// Place of vertex i of the grid.
   [[nodiscard]] Vector3 At(std::size_t i) const {
     return low_ + step_m_ * Vector3(static_cast<double>(i % size_[0]),
                                     static_cast<double>(i / size_[0] % size_[1]),
@@ -72,6 +76,8 @@ class Marching {
   /// Zero counts as outside, so every vertex of the grid is on one side.
   [[nodiscard]] bool Inside(std::size_t i) const { return values_[i] < 0.0; }
 
+  /// Adds the triangles of the surface within a cube: one or two for each tetrahedron that the surface
+  /// passes.
   void Cube(std::size_t cube) {
     int inside = 0;
     for (int corner = 0; corner < 8; ++corner) inside += Inside(Corner(cube, corner)) ? 1 : 0;
@@ -107,6 +113,7 @@ class Marching {
     }
   }
 
+  /// Adds a triangle, turned over unless `even`.
   void Add(std::uint32_t a, std::uint32_t b, std::uint32_t c, bool even) {
     if (!even) std::swap(b, c);
     mesh_.triangles.push_back({a, b, c});
@@ -125,7 +132,7 @@ class Marching {
       const double middle = 0.5 * (in + out);
       (level_(p_in + middle * (p_out - p_in)) < 0.0 ? in : out) = middle;
     }
-    constexpr double kFromEnds = 0.05;
+    constexpr double kFromEnds = 0.05;  // smallest distance to the edge's ends, over its length
     const double s = std::clamp(0.5 * (in + out), kFromEnds, 1.0 - kFromEnds);
     vertex = static_cast<std::uint32_t>(mesh_.vertices_m.size());
     mesh_.vertices_m.push_back(p_in + s * (p_out - p_in));
@@ -137,8 +144,8 @@ class Marching {
   double step_m_;
   int rounds_;
   std::array<std::size_t, 3> size_{};
-  std::vector<double> values_;
-  std::vector<std::uint32_t> cuts_;
+  std::vector<double> values_;       // of the level function, at each vertex of the grid
+  std::vector<std::uint32_t> cuts_;  // vertices of the mesh on the seven edges from each vertex of the grid
   TriangleMesh mesh_;
 };
 
@@ -166,6 +173,7 @@ TriangleMesh MeshOfRings(const std::vector<Ring>& rings) {
       mesh.triangles.push_back({at(k, i), at(k, i + 1), at(k + 1, i + 1)});
       mesh.triangles.push_back({at(k, i), at(k + 1, i + 1), at(k + 1, i)});
     }
+  // closes an end by a fan around the mean of the ring's points
   const auto cap = [&](std::size_t ring, bool last) {
     Vector3 middle = Vector3::Zero();
     for (const Vector3& p : rings[ring]) middle += p;

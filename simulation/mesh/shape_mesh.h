@@ -18,7 +18,7 @@ using LevelFunction = std::function<double(const Vector3& p_m)>;
 /// 1e-6 of the step), except near the grid's own vertices: from these they are moved away by up to a
 /// twentieth of the step to avoid needle-like triangles. Features thinner than the step may be lost.
 /// @param box  must hold the surface with one step to spare; @param step_m  edge of the grid's cubes
-/// @param rounds  of the bisection
+/// @param rounds  of the bisection: each halves the error of the vertices
 /// @throws std::invalid_argument where the shape reaches the box's border, is empty, or the grid would have
 ///   more than 50 million vertices.
 [[nodiscard]] TriangleMesh MeshOfLevel(const LevelFunction& level, const Eigen::AlignedBox3d& box,

@@ -28,14 +28,15 @@ enum class MeshErrorKind : std::uint8_t {
   kNotFinite,         ///< a coordinate is NaN, infinite or absurdly large
   kOpen,              ///< an edge with one triangle
   kNonManifold,       ///< an edge with three or more triangles, or two sheets that meet in a vertex only
-  kOrientation,       ///< neighbouring triangles that face opposite ways
+  kOrientation,       ///< neighbouring triangles wound in contrary senses
   kNoVolume,          ///< encloses nothing
   kTooLarge,          ///< further than 10 m away, or wider than 1 m: hardly in millimetres
-  kContradictory,     ///< shells that are solid twice over, or hollow in a void
+  kContradictory,     ///< a solid within a solid, or a cavity outside any solid
   kSelfIntersecting,  ///< the surface passes through itself
   kCupOffMesh,        ///< the given cup is not at a cup of the bone
 };
 
+/// Refusal of a mesh.
 struct MeshError {
   MeshErrorKind kind{};
   std::string message;  ///< file, where, what was found, what is accepted
@@ -48,6 +49,7 @@ enum class ShellKind : std::uint8_t {
   kRegion,  ///< another tissue within the solid: wound outwards, like the shell around it
 };
 
+/// A closed shell of a file.
 struct MeshShell {
   std::string name;  ///< of the group, object or solid in the file
   std::size_t triangles{0};
@@ -79,7 +81,7 @@ struct MeshReport {
   std::size_t dropped_triangles{0};    ///< triangles with two corners in one place
   std::size_t duplicate_triangles{0};  ///< further triangles of the same three corners, dropped
   std::size_t welded_vertices{0};      ///< on the two sides of a slit, within the tolerance
-  bool flipped{false};                 ///< the whole mesh was inside out
+  bool flipped{false};                 ///< the whole mesh was inside out, and was turned over
   std::vector<MeshShell> shells;       ///< in the order of their first triangles
   std::optional<MeshRemake> remake;    ///< the surface is not the file's, but remade
 };
@@ -91,6 +93,7 @@ struct MeshRegion {
   std::optional<std::size_t> parent;  ///< region around it; none: the solid itself
 };
 
+/// Result of reading a mesh file.
 struct LoadedMesh {
   TriangleMesh mesh;                ///< boundary of the solid: outer shells and cavities
   std::vector<MeshRegion> regions;  ///< outer regions before those inside them

@@ -11,9 +11,11 @@ namespace osteon::simulation {
 namespace {
 
 constexpr std::int32_t kNoChild = std::numeric_limits<std::int32_t>::max();
-constexpr std::uint32_t kOfLeaf = 4;
+constexpr std::uint32_t kOfLeaf = 4;  // triangles of a leaf, at most
+// Rounding error of floats, relative.
 constexpr double kFloat = std::numeric_limits<float>::epsilon();
 
+/// Nearest point of a triangle, and the feature on which it lies.
 struct Feature {
   Vector3 p;
   TriangleFeature feature;
@@ -50,6 +52,7 @@ struct Found {
   TriangleHit hit;
 };
 
+/// A number that no earlier call has returned.
 std::uint64_t NewId() {
   static std::atomic<std::uint64_t> last{0};
   return ++last;
@@ -102,7 +105,7 @@ std::int32_t TriangleTree::MakeLeaf(std::uint32_t first, std::uint32_t end) {
     for (const Vector3& middle : {Vector3(0.5 * (a + b)), Vector3(0.5 * (b + c)), Vector3(0.5 * (c + a))})
       if (radius_around(middle) < radius_around(center)) center = middle;
     const Vector3 ab = b - a, ac = c - a, cross = ab.cross(ac);
-    constexpr double kNeedle = 1e-3;  // sine of its angle
+    constexpr double kNeedle = 1e-3;  // sine of the angle below which a triangle has no reliable normal
     const bool needle = !(cross.norm() > kNeedle * ab.norm() * ac.norm());
     const Vector3 normal = needle ? Vector3(Vector3::Zero()) : Vector3(cross.normalized());
     for (int axis = 0; axis < 3; ++axis) {
@@ -115,7 +118,7 @@ std::int32_t TriangleTree::MakeLeaf(std::uint32_t first, std::uint32_t end) {
 }
 
 std::int32_t TriangleTree::Divide(std::uint32_t first, std::uint32_t end) {
-  const auto own = static_cast<std::int32_t>(nodes_.size());
+  const auto index = static_cast<std::int32_t>(nodes_.size());
   nodes_.emplace_back();
   std::array<std::uint32_t, 5> at{};  // child k has the triangles from at[k] to at[k + 1]
   if (end - first <= kOfLeaf) {
@@ -132,7 +135,7 @@ std::int32_t TriangleTree::Divide(std::uint32_t first, std::uint32_t end) {
     const std::int32_t child = count == 0         ? kNoChild
                                : count <= kOfLeaf ? ~MakeLeaf(at[k], at[k + 1])
                                                   : Divide(at[k], at[k + 1]);
-    Node& node = nodes_[own];  // not before: Divide may move the nodes
+    Node& node = nodes_[index];  // not before: Divide may move the nodes
     node.child[k] = child;
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
@@ -142,9 +145,10 @@ std::int32_t TriangleTree::Divide(std::uint32_t first, std::uint32_t end) {
           count == 0 ? -kInfinity : std::nextafter(static_cast<float>(box.max()[axis]), kInfinity);
     }
   }
-  return own;
+  return index;
 }
 
+/// A search for the point of the surface nearest to p_m.
 struct TriangleTree::Search {
   using Pack = Eigen::Array4f;
 
@@ -167,6 +171,7 @@ struct TriangleTree::Search {
     triangle = i;
     Limit();
   }
+  /// Updates limit_m2 after a hit.
   void Limit() {
     const double reach_m = (hit.distance_m + slack_m) * (1.0 + 1e-6);
     limit_m2 = static_cast<float>(reach_m * reach_m);
@@ -198,6 +203,7 @@ struct TriangleTree::Search {
     Eigen::Map<Pack, Eigen::Aligned16>(distances_m2.data()) = along + beside * beside - kRounding * squared;
   }
 
+  /// Tests the triangles of a leaf whose discs are within the limit.
   void Try(const Leaf& leaf) {
     alignas(16) Four bounds_m2;
     Measure(leaf, bounds_m2);
@@ -205,13 +211,14 @@ struct TriangleTree::Search {
       if (bounds_m2[k] <= limit_m2) Take(leaf.first + k);
   }
 
-  /// Depth first, nearer children first.
+  /// Searches the tree from the root: depth first, nearer children first.
   void Descend() {
     struct Open {
       float distance_m2;
       std::int32_t node;
     };
-    // Each level leaves three more open, and has about a quarter of the triangles of the one above.
+    // Each level adds at most three open nodes, and a node has a quarter of its parent's triangles: 64
+    // suffice.
     std::array<Open, 64> open;
     int count = 1;
     open[0] = {0.0f, 0};

@@ -32,7 +32,7 @@ class TriangleTree {
     std::array<Four, 3> low, high;      ///< [axis][child], from middle_m_ [m]
     std::array<std::int32_t, 4> child;  ///< a node; ~i: leaf i; kNoChild
   };
-  /// Triangles, each within a disc: nearer bounds than boxes give where a triangle is oblique.
+  /// Up to four triangles, each within a disc, which bounds an oblique triangle more tightly than a box.
   struct alignas(16) Leaf {
     std::array<Four, 3> center{};      ///< [axis][triangle], from middle_m_ [m]
     std::array<Four, 3> normal{};      ///< unit; 0 for a needle, whose disc is a ball
@@ -41,7 +41,7 @@ class TriangleTree {
   };
   struct Search;
 
-  /// Makes the node of triangles_[first, end). @returns its index.
+  /// Makes the node of triangles_[first, end), and the nodes and leaves below it. @returns its index.
   std::int32_t Divide(std::uint32_t first, std::uint32_t end);
   /// Makes the leaf of triangles_[first, end). @returns its index.
   std::int32_t MakeLeaf(std::uint32_t first, std::uint32_t end);
@@ -49,7 +49,7 @@ class TriangleTree {
   std::uint32_t Halve(std::uint32_t first, std::uint32_t end);
 
   Vector3 middle_m_{Vector3::Zero()};
-  double extent_m_{0.0};  ///< greatest coordinate from middle_m_
+  double extent_m_{0.0};  ///< largest coordinate of a vertex from middle_m_
   std::uint64_t id_;      ///< no other tree of this process has it, not even a later one at the same address
   std::vector<Triangle> triangles_;
   std::vector<Node> nodes_;  ///< the root is the first

@@ -11,7 +11,7 @@ namespace osteon::simulation {
 namespace {
 
 constexpr std::uint32_t kMaxLeaf = 6;  // triangles of a group that is not divided
-constexpr double kFar = 2.0;           // distance of a group over its radius from which the series counts
+constexpr double kFar = 2.0;           // a group farther away than this times its radius counts by its series
 constexpr std::size_t kMaxDepth = 64;  // each division halves the triangles: 2^32 of them need 32
 
 }  // namespace
@@ -51,9 +51,9 @@ std::uint32_t WindingNumber::Divide(std::uint32_t first, std::uint32_t end) {
     group.moments_m3 += normal(t) * (center(t) - group.center_m).transpose();
     for (const Vector3& v : t) group.radius_m = std::max(group.radius_m, (v - group.center_m).norm());
   }
-  const auto own = static_cast<std::uint32_t>(groups_.size());
+  const auto index = static_cast<std::uint32_t>(groups_.size());
   groups_.push_back(group);
-  if (end - first <= kMaxLeaf) return own;
+  if (end - first <= kMaxLeaf) return index;
   int axis = 0;
   centers.sizes().maxCoeff(&axis);
   const std::uint32_t middle = first + (end - first) / 2;
@@ -63,8 +63,8 @@ std::uint32_t WindingNumber::Divide(std::uint32_t first, std::uint32_t end) {
                    });
   Divide(first, middle);
   const std::uint32_t second_half = Divide(middle, end);
-  groups_[own].second_half = second_half;
-  return own;
+  groups_[index].second_half = second_half;
+  return index;
 }
 
 double WindingNumber::At(const Vector3& p_m) const {
@@ -72,7 +72,7 @@ double WindingNumber::At(const Vector3& p_m) const {
   std::array<std::uint32_t, kMaxDepth> waiting{};
   std::size_t count = 0;
   waiting[count++] = 0;
-  double exact = 0.0, far = 0.0;
+  double exact = 0.0, far = 0.0;  // near triangles; far groups, times 4 pi
   while (count > 0) {
     const std::uint32_t index = waiting[--count];
     const Group& group = groups_[index];

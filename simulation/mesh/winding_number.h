@@ -27,18 +27,21 @@ class WindingNumber {
  public:
   explicit WindingNumber(const TriangleMesh& mesh);
 
+  /// Winding number about p.
   [[nodiscard]] double At(const Vector3& p_m) const;
 
  private:
+  /// Triangles that count together at points far from them, and the sums of their series.
   struct Group {
     Vector3 center_m{Vector3::Zero()};
     Vector3 dipole_m2{Vector3::Zero()};  ///< sum of the triangles' normals, as long as their areas
     Matrix3 moments_m3{Matrix3::Zero()};
-    double radius_m{0.0};
+    double radius_m{0.0};            ///< largest distance of a vertex from center_m
     std::uint32_t first{0}, end{0};  ///< its triangles
     std::uint32_t second_half{0};    ///< index of its second half; the first follows it; 0: not divided
   };
 
+  /// Makes the group of triangles_[first, end), and those of its halves. @returns its index.
   std::uint32_t Divide(std::uint32_t first, std::uint32_t end);
 
   std::vector<std::array<Vector3, 3>> triangles_;  ///< in the order of the groups

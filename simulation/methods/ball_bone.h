@@ -23,6 +23,7 @@ class BallBone {
   /// @param solid  gives each ball's density; null: the nearest mass point gives the density
   BallBone(const Bone& bone, const Solid* solid);
 
+  /// A ball in its present state; radius 0: gone.
   struct LiveBall {
     Vector3 center_m;
     double radius_m;
@@ -42,7 +43,7 @@ class BallBone {
   }
 
   /// Calls visit(point) for each remaining mass point between the two distances from p, and for some points
-  /// nearby.
+  /// beyond them.
   template <typename Visit>
   void ForEachPointInShell(const Vector3& p_m, double inner_m, double outer_m, const Visit& visit) const {
     point_tree_.ForEachNear(p_m, outer_m, inner_m, [&](std::uint32_t i) { visit(points_[i]); });
@@ -57,6 +58,7 @@ class BallBone {
   void ClearPoints(const Vector3& a, const Vector3& b, double radius_m,
                    std::array<double, kMaxMaterials>& removed_m3);
 
+  /// Stores balls and cleared points in a state, and takes them from it.
   void Save(CarvedState& state) const;
   /// @throws std::invalid_argument where the state belongs to another bone.
   void Load(const CarvedState& state);

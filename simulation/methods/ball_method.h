@@ -16,7 +16,8 @@ class BallMethod : public MethodBase {
              const CuttingParams& params)
       : MethodBase(method, bone, tool, X_WG, params), bone_(bone, solid) {}
 
-  /// Measures the engaged area from the mass points near the cutting balls.
+  /// Adds to `frame` the engaged area, from the mass points within the engaged layer of the cutting balls'
+  /// surface.
   void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis, MethodFrame& frame) const;
   void SaveBone(CarvedState& state) const final { bone_.Save(state); }
   void LoadBone(const CarvedState& state) final { bone_.Load(state); }

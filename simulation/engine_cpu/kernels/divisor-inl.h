@@ -25,11 +25,13 @@ namespace HWY_NAMESPACE {
 // halves of a vector, and the following load of a whole vector waits for both stores (with AVX2, the removal
 // then takes 164 us instead of 117).
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_NEON
+// One correction of q, an approximation of a / b.
 template <std::size_t N>
 HWY_INLINE One<double, N> Corrected(One<double, N> q, One<double, N> a, One<double, N> b,
                                     One<double, N> reciprocal) {
   return NegMulAdd(MulSub(b, q, a), reciprocal, q);
 }
+// a / b, correctly rounded. @param reciprocal  1 / b, rounded
 template <std::size_t N>
 HWY_INLINE One<double, N> Quotient(One<double, N> a, One<double, N> b, One<double, N> reciprocal) {
   return Corrected(Corrected(a * reciprocal, a, b, reciprocal), a, b, reciprocal);
@@ -38,6 +40,7 @@ template <class H>
 HWY_INLINE Two<H> Quotient(const Two<H>& a, const Two<H>& b, const Two<H>& reciprocal) {
   return {Quotient(a.a, b.a, reciprocal.a), Quotient(a.b, b.b, reciprocal.b)};
 }
+// The three coordinates of a, divided by b.
 template <class V>
 HWY_INLINE Three<V> Quotients(const Three<V>& a, const V& b) {
   const V reciprocal = Make<V>::Of(1.0) / b;

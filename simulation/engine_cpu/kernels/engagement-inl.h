@@ -20,6 +20,7 @@ namespace HWY_NAMESPACE {
 class EngagedPoints {
  public:
   explicit EngagedPoints(EngagementPass& pass) : e_(pass) {}
+  // Adds those lanes of a block whose points may be engaged. @param tools  nearest cutting ball of each point
   HWY_INLINE void Add(std::uint32_t block, const F3& p, const U8& tools, const MF& lanes) {
     if (count_ > kChunk - kLanes) AddUp();
     const std::uint32_t i = count_;
@@ -27,10 +28,12 @@ class EngagedPoints {
     Pack(place_ + i, LaneNumbers(block * kAreaStride), lanes);
     count_ += static_cast<std::uint32_t>(Pack(tool_ + i, tools, lanes));
   }
+  // Adds the collected points to the pass's results, and empties the collection.
   void AddUp();
 
  private:
-  static constexpr std::uint32_t kChunk = 256;
+  static constexpr std::uint32_t kChunk = 256;  // points that are measured together
+  // distance of two blocks' areas in memory [doubles]
   static constexpr std::uint32_t kAreaStride = sizeof(PointBlock) / sizeof(double);
   void Measure(std::uint32_t i, bool one_tool);
 
@@ -38,8 +41,8 @@ class EngagedPoints {
   std::uint32_t count_{0};
   alignas(64) float x_[kChunk + kLanes], y_[kChunk + kLanes], z_[kChunk + kLanes];
   alignas(64) double area_m2_[kChunk + kLanes], moment_m3_[kChunk + kLanes];
-  std::uint32_t place_[kChunk + kLanes],
-      tool_[kChunk + kLanes];  // place_: of the area, from the first block's
+  std::uint32_t place_[kChunk + kLanes];  // of the point's area [doubles], from the first block's areas
+  std::uint32_t tool_[kChunk + kLanes];
 };
 
 // Computes area and moment of eight points; both are zero for a point that is not engaged, which changes no
@@ -83,16 +86,16 @@ inline std::int32_t ExactlyNearest(const EngagementPass& e, const PointBlock& bl
                                    std::uint32_t b) {
   const double x = 1e-3 * block.x[k], y = 1e-3 * block.y[k], z = 1e-3 * block.z[k];
   double nearest = e.layer_m;
-  std::int32_t of = -1;
+  std::int32_t nearest_ball = -1;
   for (std::uint32_t row = e.rows.first[b]; row < e.rows.first[b + 1]; ++row) {
     const unsigned t = e.rows.tool[row];
     if (e.tool.cutting[t] == 0) continue;
     const double ox = x - e.at.x[t], oy = y - e.at.y[t], oz = z - e.at.z[t];
     const double gap = std::sqrt((ox * ox + oy * oy) + oz * oz) - e.tool.r[t];
     if (std::abs(gap) >= e.layer_m || gap >= nearest) continue;
-    nearest = gap, of = static_cast<std::int32_t>(t);
+    nearest = gap, nearest_ball = static_cast<std::int32_t>(t);
   }
-  return of;
+  return nearest_ball;
 }
 
 // Whether the tool's surface may face the bone at a point, -n · out > 0. False only if floats are certain:
@@ -120,7 +123,7 @@ HWY_INLINE void EngageRows(const EngagementPass& e, std::uint32_t b, float limit
   const PointBlock& block = e.points[e.rows.block[b]];
   const F3 p = CentersOf(block);
   const F8 none = F(e.layer_mm + e.rounding_mm), deepest = Negative(none);
-  F8 nearest = none, next = none, of = F(0.0f);
+  F8 nearest = none, next = none, nearest_ball = F(0.0f);
   std::uint32_t row = 0;
   for (BoundCursor rows = RowsOf(e.rows, b); rows.Next(limit, row);) {
     const unsigned t = e.rows.tool[row];
@@ -129,7 +132,7 @@ HWY_INLINE void EngageRows(const EngagementPass& e, std::uint32_t b, float limit
     const F8 gap = Sqrt(Dot(out, out)) - F(e.tool.r_mm[t]);
     e.rows.bound[row] = Least(gap) + e.displacement_mm - e.rounding_mm;
     const F8 within = Select(gap > deepest, gap, none);
-    of = Select(within < nearest, F(static_cast<float>(t)), of);
+    nearest_ball = Select(within < nearest, F(static_cast<float>(t)), nearest_ball);
     next = Min(next, Max(within, nearest));
     nearest = Min(nearest, within);
   }
@@ -139,7 +142,7 @@ HWY_INLINE void EngageRows(const EngagementPass& e, std::uint32_t b, float limit
   const F8 slack = F(2.0f * e.rounding_mm);
   unsigned unsure = Bits((next - nearest < slack) | (nearest < deepest + slack)) & candidates;
   float which[8];
-  Store(which, of);
+  Store(which, nearest_ball);
   std::uint32_t tools[8];
   for (unsigned k = 0; k < 8; ++k) tools[k] = static_cast<std::uint32_t>(which[k]);
   for (; unsure != 0; unsure &= unsure - 1) {
@@ -153,6 +156,7 @@ HWY_INLINE void EngageRows(const EngagementPass& e, std::uint32_t b, float limit
   engaged.Add(e.rows.block[b], p, Load(tools), MaskF(candidates));
 }
 
+// ReferenceEngine::MeasureEngagement for the points of one material, to the same bits.
 inline void MeasureEngagement(EngagementPass& pass) {
   // this copy stays in registers; the compiler assumes that stores of vectors may change `pass`
   const EngagementPass e = pass;

@@ -20,6 +20,7 @@ struct ExactBins {
   D8 cutting_off, shaft_off;  // 1 - cosine to the bin's middle, for balls that cut, and for the others
   unsigned x, y, negative, low1, high1, low2, high2;
 
+  // Number of lane k's bin: nine for each face of the cube for balls that cut, then one for each face.
   HWY_INLINE unsigned Number(unsigned k, bool cutting) const {
     const auto at = [k](unsigned bits) { return bits >> k & 1u; };
     const unsigned axis = at(x) != 0 ? 0 : at(y) != 0 ? 1 : 2, face = 2 * axis + at(negative);
@@ -33,6 +34,7 @@ struct ExactBins {
     return 9 * face + 3 * i + j;
   }
 };
+// FindBin of contact_law.h for eight directions u in T.
 HWY_INLINE ExactBins FindExactBins(const D3& u) {
   const D8 size_x = Abs(u.x), size_y = Abs(u.y), size_z = Abs(u.z), zero = D(0.0), three = D(3.0);
   const MD x = (size_x >= size_y) & (size_x >= size_z), y = (!x) & (size_y >= size_z);
@@ -41,10 +43,11 @@ HWY_INLINE ExactBins FindExactBins(const D3& u) {
   const D8 edge = Abs(main), minus_edge = Negative(edge);
   const MD low1 = three * b < minus_edge, high1 = (!low1) & (three * b > edge);
   const MD low2 = three * c < minus_edge, high2 = (!low2) & (three * c > edge);
-  // (i - 1) b + (j - 1) c
+  // (i - 1) b + (j - 1) c, where i and j number the thirds from 0
   const D8 side =
       Select(low1, zero - b, Select(high1, b, zero)) + Select(low2, zero - c, Select(high2, c, zero));
   const D8 along = edge + D(2.0 / 3.0) * side;
+  // length of the vector to the centre of a bin that is a third off the face's middle in `off` directions
   const auto length = [](int off) HWY_ATTR { return D(std::sqrt(1.0 + 4.0 / 9.0 * off)); };
   const MD off1 = low1 | high1, off2 = low2 | high2;
   const D8 middle = Select(off1 & off2, length(2), Select(off1 | off2, length(1), length(0)));
@@ -59,6 +62,7 @@ HWY_INLINE ExactBins FindExactBins(const D3& u) {
           Bits(high2)};
 }
 
+// Component of n along T's axis c, in the order in which Eigen adds the products.
 HWY_INLINE D8 AlongAxis(const NearFieldPass& p, int c, const D3& n) {
   return (D(p.axes[3 * c]) * n.x + D(p.axes[3 * c + 1]) * n.y) + D(p.axes[3 * c + 2]) * n.z;
 }

@@ -20,8 +20,10 @@ namespace HWY_NAMESPACE {
 
 // LensVolume of cutting_math.h, at most max_lens_m3, to the same bits.
 HWY_INLINE D8 LensOf(const NearFieldPass& p, const D8& r1, const D8& r2, const D8& d) {
-  const D8 dr = r1 - r2, sum = r1 + r2, over = sum - d;
-  D8 v = D(std::numbers::pi) * over * over * (d * d + D(2.0) * d * sum - D(3.0) * dr * dr) / (D(12.0) * d);
+  const D8 dr = r1 - r2, sum = r1 + r2, overlap = sum - d;
+  D8 v =
+      D(std::numbers::pi) * overlap * overlap * (d * d + D(2.0) * d * sum - D(3.0) * dr * dr) / (D(12.0) * d);
+  // where one ball lies within the other, the lens is the whole smaller ball
   unsigned swallowed = Bits(d <= Abs(dr));
   if (swallowed != 0) {
     double value[8], lesser[8];
@@ -52,6 +54,7 @@ class FaceSums {
     Pack(p_.cone_place + count_, Make<V>::From(place), mask);
     count_ += Pack(p_.cone_tool + count_, Make<V>::From(tool), mask);
   }
+  // Adds up the remaining pairs, and stores the sums in the pass.
   void Finish() {
     AddUp(SortBlocks(count_));
     for (std::size_t f = 0; f < kFaceCount; ++f) Store(p_.sums[f], sums_[f]);
@@ -64,8 +67,9 @@ class FaceSums {
     double center_x[8], center_y[8], center_z[8], lens[8], weight[kFaceCount][8];
     unsigned counts, in_face;
   };
-  static constexpr std::size_t kGroups = 8;
+  static constexpr std::size_t kGroups = 8;  // that AddUp takes together
 
+  // A place is 32 · block + lane (BallAtPlace).
   std::size_t BeginOfLastBlock() const;
   std::size_t SortBlocks(std::size_t end);
   void SortBlock(std::size_t begin, std::size_t end);
@@ -80,6 +84,7 @@ class FaceSums {
   D8 sums_[kFaceCount];  // weight, n, centre in T, radius
 };
 
+// Index in the list of the first pair of the last pair's block: this block may not be complete yet.
 inline std::size_t FaceSums::BeginOfLastBlock() const {
   std::size_t begin = count_;
   while (begin > 0 && p_.cone_place[begin - 1] / 32 == p_.cone_place[count_ - 1] / 32) --begin;
@@ -128,6 +133,8 @@ inline void FaceSums::AddUp(std::size_t end) {
   count_ -= end;
 }
 
+// Loads eight pairs of the list from `first` on, with their distances and whether they are near enough to
+// count.
 HWY_INLINE void FaceSums::Measure(std::size_t first, std::size_t end, Group* group) {
   const unsigned valid = FirstBits(end - first);
   const Pairs pair = LoadPairs(p_, p_.cone_place + first, p_.cone_tool + first, valid);
@@ -140,7 +147,8 @@ HWY_INLINE void FaceSums::Measure(std::size_t first, std::size_t end, Group* gro
   Store(g.center_z, pair.center_T.z);
 }
 
-// A pair outside the cone has the weight zero, which changes no sum.
+// Makes the directions unit vectors, and computes the weight of each pair for each face. A pair outside the
+// face's cone has the weight zero, which changes no sum.
 HWY_INLINE void FaceSums::Weigh(Group& g) const {
   const D8 d = Load(g.d), zero = D(0.0);
   const MD counts = MaskD(g.counts);

@@ -14,7 +14,7 @@ HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-constexpr double kNoContactFraction = 2.0;
+constexpr double kNoContactFraction = 2.0;  // a path without contact; real fractions are at most 1
 
 // FirstContactFraction of cutting_math.h, to the same bits.
 inline double PairContact(const ContactPass& p, std::uint32_t ball, std::uint32_t t) {
@@ -53,6 +53,7 @@ HWY_INLINE unsigned MayMeet(const ContactPass& p, const BallBlock& b, unsigned t
   return Bits((r > F(0.0f)) & (gap * d < fraction * along) & (along > F(0.0f)));
 }
 
+// Smallest fraction at which tool ball t meets a ball of the block, if below `first`; else `first`.
 inline double BlockContact(const ContactPass& p, std::uint32_t block, std::uint32_t t, double first) {
   unsigned bits = MayMeet(p, p.balls[block], t, first);
   for (; bits != 0; bits &= bits - 1) {
@@ -70,6 +71,7 @@ HWY_INLINE float ContactLimit(const ContactPass& p, double first) {
                  p.displacement_mm + fraction * p.longest_way_mm - p.tolerance_mm + p.rounding_mm);
 }
 
+// The same for all rows of the list. Each contact found lowers the limit for the remaining rows.
 inline double FirstContact(const ContactPass& p, double first) {
   float limit = ContactLimit(p, first);
   std::uint32_t b = 0, row = 0;

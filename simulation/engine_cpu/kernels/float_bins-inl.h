@@ -21,6 +21,7 @@ struct FloatBins {
   V inside;      // distance to the border of another bin: the smallest difference in the comparisons
 };
 
+// Finds the bins of the directions (ux, uy, uz) in T. @param cutting  whether the tool balls cut
 template <class V>
 HWY_INLINE FloatBins<V> FindFloatBins(V ux, V uy, V uz, bool cutting) {
   const V sx = Abs(ux), sy = Abs(uy), sz = Abs(uz), zero = Like(ux, 0.0f), one = Like(ux, 1.0f);

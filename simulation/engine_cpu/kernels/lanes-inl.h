@@ -34,6 +34,7 @@ struct Two {
   Half a, b;
 };
 
+// Whether the instruction set has a vector of N lanes. If it has none, Choose halves the lanes until it has.
 template <class T, std::size_t N>
 inline constexpr bool kFits = hn::MaxLanes(hn::CappedTag<T, N>()) >= N;
 template <class T, std::size_t N, bool fits>
@@ -55,6 +56,7 @@ using F8 = Vector<float, 8>;
 using F16 = Vector<float, 16>;
 using D8 = Vector<double, 8>;
 using U8 = Vector<std::uint32_t, 8>;
+// masks of eight floats, integers, doubles
 using MF = MaskOf<float, 8>;
 using MU = MaskOf<std::uint32_t, 8>;
 using MD = MaskOf<double, 8>;
@@ -87,6 +89,7 @@ struct MaskTraits<Two<H>> {
 
 // ---- making, loading and storing vectors
 
+// Of: all lanes have the value x. From: loads the lanes from memory.
 template <class V>
 struct Make;
 template <class T, std::size_t N>
@@ -213,6 +216,7 @@ template <class T, std::size_t N>
 HWY_INLINE OneMask<T, N> operator!(OneMask<T, N> a) {
   return {hn::Not(a.m)};
 }
+// A bit for each lane of a mask.
 template <class T, std::size_t N>
 HWY_INLINE unsigned Bits(OneMask<T, N> a) {
   std::uint8_t bytes[8] = {};
@@ -240,6 +244,7 @@ HWY_INLINE unsigned Bits(Two<H> a) {
   return Bits(a.a) | Bits(a.b) << MaskTraits<H>::kSize;
 }
 
+// The mask with these bits, one for each lane.
 template <class M>
 struct FromBits;
 template <class T, std::size_t N>
@@ -268,6 +273,7 @@ HWY_INLINE Two<H> Select(typename Traits<Two<H>>::Mask m, Two<H> yes, Two<H> no)
   return {Select(m.a, yes.a, no.a), Select(m.b, yes.b, no.b)};
 }
 
+// Smallest lane.
 template <std::size_t N>
 HWY_INLINE float Least(One<float, N> a) {
   return hn::GetLane(hn::MinOfLanes(hn::CappedTag<float, N>(), a.v));
@@ -315,6 +321,7 @@ struct Convert<Two<H>> {
   }
 #endif
 };
+// the same values as doubles; the values rounded to floats
 HWY_INLINE D8 ToD(F8 a) { return Convert<D8>::Of(a); }
 HWY_INLINE F8 ToF(D8 a) { return Convert<F8>::Of(a); }
 
@@ -370,7 +377,7 @@ HWY_INLINE U8 LaneNumbers(std::uint32_t first) {
 // For each mask of N lanes, the numbers of its lanes one after the other. Highway's own tables are local to
 // its functions (1.0.3), and GCC 12 copies such a table to the stack at every use: 1 KiB with AVX2.
 #if HWY_TARGET == HWY_AVX2
-struct PackedLanes {  // four bits each
+struct PackedLanes {  // four bits for each lane's number
   std::uint32_t of[256];
   constexpr PackedLanes() : of{} {
     for (unsigned mask = 0; mask < 256; ++mask)
@@ -381,7 +388,7 @@ struct PackedLanes {  // four bits each
 inline constexpr PackedLanes kPackedLanes;
 alignas(32) inline constexpr std::uint32_t kPackShifts[8] = {0, 4, 8, 12, 16, 20, 24, 28};
 #elif HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_NEON
-struct PackedLanes {  // as bytes of lanes of four
+struct PackedLanes {  // the numbers of the four bytes of each lane
   alignas(16) std::uint8_t of[16][16];
   constexpr PackedLanes() : of{} {
     for (unsigned mask = 0; mask < 16; ++mask)
@@ -392,6 +399,7 @@ struct PackedLanes {  // as bytes of lanes of four
 };
 inline constexpr PackedLanes kPackedLanes;
 #endif
+// The lanes of a mask one behind the other; the lanes behind them hold anything.
 template <class T, std::size_t N>
 HWY_INLINE One<T, N> Packed(One<T, N> a, OneMask<T, N> m) {
 #if HWY_TARGET == HWY_AVX2

@@ -17,10 +17,10 @@ HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-constexpr std::uint32_t kChunk = 512, kWide = 16;
-constexpr std::uint8_t kUnsureBin = 255;
+constexpr std::uint32_t kChunk = 512, kWide = 16;  // pairs packed at most; lanes examined at a time
+constexpr std::uint8_t kUnsureBin = 255;           // stands for a bin that floats cannot tell
 
-// Near pairs, packed so that every lane has one. They are all of tool balls that cut, or all of others.
+// Near pairs, packed without gaps. Either all of their tool balls cut, or none does.
 struct NearChunk {
   alignas(64) float x[kChunk + kWide], y[kChunk + kWide], z[kChunk + kWide];  // from bone to tool
   alignas(64) float gap[kChunk + kWide];
@@ -36,12 +36,17 @@ class NearFieldSearch {
   explicit NearFieldSearch(NearFieldPass& pass);
   // Lowers the bounds of the bins by the scores of pairs that are probably near.
   void BoundBy(const std::uint32_t* place, const std::uint32_t* tool, std::size_t count);
+  // Examines the rows of the list and computes the pass's results.
   void Run();
 
  private:
+  // Examines the eight pairs of a row in floats, and packs the near ones into the chunk.
   void ExamineRow(const NearFieldPass& p, std::uint32_t block, const F3& c, const F8& r, std::uint32_t row);
+  // Examine the chunk's pairs, all or kWide from i on: AddNear and FaceSums list those that need doubles.
   void TakeChunk();
   void TakeLanes(std::uint32_t i);
+  // Lists a pair for doubles, if it may be the nearest of its bin. @param number  of the bin
+  // @param inside, edge  distance to the bin's border, and the error that this distance may have
   void AddNear(std::uint32_t place, std::uint32_t tool, float score, float number, float inside, float error,
                float edge);
   void SumNear();

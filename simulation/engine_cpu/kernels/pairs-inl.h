@@ -18,9 +18,11 @@ struct Pairs {
   D8 r, R;       // radii of bone and tool ball [m]
   D3 center_T;
 };
+// Loads eight pairs. @param place, tool  the list from the first of these pairs on; @param valid  a bit for
+// each lane that holds a pair of the list
 HWY_INLINE Pairs LoadPairs(const NearFieldPass& p, const std::uint32_t* place, const std::uint32_t* tool,
                            unsigned valid) {
-  const float* base = p.balls->x;
+  const float* base = p.balls->x;  // y, z and r of a ball lie 8, 16 and 24 floats behind x
   std::uint32_t places[8], tools[8];
   bool one_tool = true;
   for (unsigned k = 0; k < 8; ++k) {

@@ -37,6 +37,7 @@ inline void Place(const double R[9], const double p[3], const ToolView& tool, Pl
   to.x[origin] = p[0], to.y[origin] = p[1], to.z[origin] = p[2];
 }
 
+// Places at the fraction s of the straight paths from a to b.
 inline void Between(Places a, Places b, double s, std::uint32_t count, Places to) {
   for (std::uint32_t i = 0; i <= count; i += 8) {
     const D3 p = LoadPlaces(a, i), way = LoadPlaces(b, i) - p;
@@ -44,6 +45,7 @@ inline void Between(Places a, Places b, double s, std::uint32_t count, Places to
   }
 }
 
+// The places of a, shifted by v [m].
 inline void Shifted(Places a, const double v[3], std::uint32_t count, Places to) {
   for (std::uint32_t i = 0; i <= count; i += 8) {
     const D3 p = LoadPlaces(a, i);
@@ -51,7 +53,8 @@ inline void Shifted(Places a, const double v[3], std::uint32_t count, Places to)
   }
 }
 
-// Returns the largest distance [m]: the root of the largest square, because roots rise with their argument.
+// Returns the largest distance [m] between the same place of a and b: the root of the largest square, because
+// roots rise with their argument.
 inline double Farthest(Places a, Places b, std::uint32_t first, std::uint32_t last) {
   D8 largest = D(0.0);
   for (std::uint32_t i = first & ~7u; i < last; i += 8) {
@@ -66,6 +69,7 @@ inline double Farthest(Places a, Places b, std::uint32_t first, std::uint32_t la
   return std::sqrt(square);
 }
 
+// Vectors from the places of a to those of b [mm].
 inline void Ways(Places a, Places b, std::uint32_t count, float* x_mm, float* y_mm, float* z_mm) {
   for (std::uint32_t i = 0; i <= count; i += 8) {
     const D3 d = LoadPlaces(b, i) - LoadPlaces(a, i);

@@ -15,7 +15,7 @@ HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-constexpr std::uint32_t kWorkBlocks = 24;
+constexpr std::uint32_t kWorkBlocks = 24;  // blocks that are shrunk together
 
 // Shrinks the balls of several blocks at a time, in doubles. A seated reamer touches thousands of balls in
 // every frame: roots and quotients of several blocks at once hide each other's latency.
@@ -25,9 +25,11 @@ class BallShrinking {
   void Run();
 
  private:
+  // Eight balls in doubles [m].
   struct alignas(64) Work {
     double x[8], y[8], z[8], r[8];
   };
+  // Vectors from the tool ball's path to the centres of eight balls, and their lengths [m].
   struct alignas(64) Away {
     double x[8], y[8], z[8], distance[8];
   };
@@ -53,6 +55,7 @@ inline void BallShrinking::Run() {
   FinishWork();
 }
 
+// Adds block b of the list to the work, with the rows of tool balls that may touch it.
 HWY_INLINE void BallShrinking::AddBlock(std::uint32_t b, float limit) {
   const std::uint32_t number = p_.rows.block[b], first = p_.rows.first[b], last = p_.rows.first[b + 1];
   const BallBlock& block = p_.balls[number];
@@ -88,6 +91,7 @@ HWY_INLINE void BallShrinking::AddBlock(std::uint32_t b, float limit) {
   if (count_ == kWorkBlocks) FinishWork();
 }
 
+// Shrinks the balls of the collected blocks, and stores them.
 inline void BallShrinking::FinishWork() {
   if (count_ == 0) return;
   if (max_rounds_ == 1) {
@@ -178,6 +182,7 @@ HWY_INLINE void BallShrinking::ShrinkTouched(const TouchingRow& row, unsigned fi
   Store(w.r + first, Select(gone, zero, Select(moved, left, now)));
 }
 
+// Removes children below their smallest radius, and notes all touched blocks of children.
 inline void BallShrinking::DropSmallChildren() {
   for (std::uint32_t slot = 0; slot < count_; ++slot) {
     const std::uint32_t block = block_[slot];

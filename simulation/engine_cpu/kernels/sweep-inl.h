@@ -16,9 +16,10 @@ namespace HWY_NAMESPACE {
 template <class V>
 struct Segment {
   Three<V> a, m, end;  // end: a + m, which may differ from the other end by rounding
-  V mm;
+  V mm;                // m · m
   bool moves;
 };
+// The straight path of tool ball t from its place in a to that in b.
 template <class V>
 HWY_INLINE Segment<V> SegmentOf(const Places& a, const Places& b, unsigned t) {
   const auto all = [](double value) HWY_ATTR { return Make<V>::Of(value); };
@@ -48,15 +49,18 @@ HWY_INLINE Three<V> AwayFrom(const Segment<V>& s, const Three<V>& p) {
   return p - Three<V>{s.a.x + share * s.m.x, s.a.y + share * s.m.y, s.a.z + share * s.m.z};
 }
 
+// Whether tool ball t cuts in this sweep.
 HWY_INLINE bool Cuts(const SweepView& s, unsigned t) {
   return s.tool.cutting[t] != 0 && (s.only < 0 || s.only == static_cast<std::int32_t>(t));
 }
-// Every place on a ball's way is within way_mm of the way's beginning, so nothing with a larger gap to the
-// ball there is swept.
+// Largest gap at first contact, to a cutting ball, of what the sweep may touch [mm]: no ball moves farther
+// than way_mm from its place there.
 HWY_INLINE float ReachOf(const SweepView& s) { return s.way_mm + s.rounding_mm; }
+// The largest bound of a row that the sweep may touch.
 HWY_INLINE float SweepLimit(const SweepView& s) {
   return LimitOf(s.every_row, s.displacement_mm + ReachOf(s));
 }
+// Gaps [mm] between eight balls and tool ball t at first contact.
 HWY_INLINE F8 GapAtContact(const SweepView& s, unsigned t, const F3& center, const F8& r) {
   const F3 from = At(s.contact, t) - center;
   return Sqrt(Dot(from, from)) - F(s.tool.r_mm[t]) - r;
