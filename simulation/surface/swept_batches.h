@@ -20,7 +20,8 @@ struct SweptBatch {
   bool touches{false};  ///< the tool touched or cut bone in one of the frames
   std::vector<Capsule> capsules;
 
-  /// Whether the batch stays swept: no stretch that was taken back overlaps it. A batch is taken back whole.
+  /// Whether the batch still counts as swept: no stretch that was taken back overlaps it. A stretch that
+  /// overlaps a part of the batch takes the whole batch back.
   [[nodiscard]] bool Counts(const std::vector<WayTimes>& taken_back) const;
 };
 using SweptBatches = std::vector<std::shared_ptr<const SweptBatch>>;

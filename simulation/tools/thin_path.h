@@ -18,6 +18,8 @@ template <class Point, class Distance>
   while (!stack.empty()) {
     const auto [first, last] = stack.back();
     stack.pop_back();
+    // Keep the point that is farthest from the chord, if it is farther than the tolerance, and examine both
+    // halves.
     double worst = tolerance;
     std::size_t at = 0;
     for (std::size_t i = first + 1; i < last; ++i) {

@@ -11,19 +11,21 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kJoin_m = 1e-9;
-using Point2 = Eigen::Vector2d;  // (r, z)
+constexpr double kJoin_m = 1e-9;  // largest distance of ends that count as joined
+using Point2 = Eigen::Vector2d;   // (r, z)
 
 [[noreturn]] void Refuse(std::size_t piece, const std::string& what) {
   throw std::invalid_argument(fmt::format("tool outline: piece {}: {}", piece + 1, what));
 }
 
+/// Area [m²] of the surface that the piece makes about the axis.
 double Area(const ProfilePiece& p) {
   if (p.sphere_radius_m > 0.0) return 2.0 * std::numbers::pi * p.sphere_radius_m * (p.front_z_m - p.back_z_m);
   return std::numbers::pi * (p.front_r_m + p.back_r_m) *
          std::hypot(p.front_r_m - p.back_r_m, p.front_z_m - p.back_z_m);
 }
 
+/// The point of the piece that is nearest to q, in the half plane (r, z).
 Point2 NearestPointOn(const ProfilePiece& piece, const Point2& q) {
   const Point2 front(piece.front_r_m, piece.front_z_m), back(piece.back_r_m, piece.back_z_m);
   if (piece.sphere_radius_m > 0.0) {
@@ -57,7 +59,7 @@ std::pair<Point2, Point2> PointAndNormalAt(const ProfilePiece& p, double u) {
 
 ToolProfile::ToolProfile(std::vector<ProfilePiece> pieces) : pieces_(std::move(pieces)) {
   if (pieces_.empty()) throw std::invalid_argument("tool outline: no piece");
-  double z = 0.0, r = pieces_.front().front_r_m;
+  double z = 0.0, r = pieces_.front().front_r_m;  // where the next piece has to begin
   if (std::abs(r) > kJoin_m) Refuse(0, fmt::format("found a hole of {:.6g} mm at the apex", r * 1e3));
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
     const ProfilePiece& p = pieces_[i];
@@ -105,6 +107,8 @@ double ToolProfile::RadiusAt(double z_m) const {
 }
 
 SurfacePoint ToolProfile::NearestSurface(const Vector3& p_m) const {
+  // In the half plane (r, z) through the point and the axis: compare all pieces, the part in the holder and
+  // its end.
   const Point2 q(std::hypot(p_m.x(), p_m.y()), p_m.z());
   const Vector3 out =
       q.x() > 0.0 ? Vector3(p_m.x() / q.x(), p_m.y() / q.x(), 0.0) : Vector3(Vector3::UnitX());
@@ -131,7 +135,7 @@ Eigen::AlignedBox3d ToolProfile::Bounds() const {
 }
 
 std::vector<SurfaceSample> ToolProfile::Sample(std::size_t count, std::uint64_t seed) const {
-  constexpr std::size_t kMin = 64;
+  constexpr std::size_t kMin = 64;  // samples on a piece, at least
   // The number of samples is proportional to area over gap, because the depth of a scallop between two balls
   // grows with the square of their spacing.
   double total = 0.0;
