@@ -26,7 +26,7 @@ using procedure::CupDefinition;
 using procedure::SurgicalPlan;
 
 constexpr double kLandmarkNoise_m = 2e-3;  // standard deviation of a palpated landmark's coordinate
-constexpr double kWallsPerRadius = 12.5;   // steps per opening's radius at which the wall is measured
+constexpr double kWallsPerRadius = 12.5;   // samples of the surface per opening's radius, to find the wall
 constexpr CupDefinition kDefinitions[] = {CupDefinition::kRadiographic, CupDefinition::kOperative,
                                           CupDefinition::kAnatomic};
 

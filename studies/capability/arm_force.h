@@ -22,12 +22,13 @@ struct ToolForce {
   /// Fraction of the whole need, applied at once, that can be held: at least 1 if the arm is sufficient.
   double factor{std::numeric_limits<double>::infinity()};
   int factor_joint{-1}, axial_joint{-1},
-      lateral_joint{-1};  ///< 0 … 6: the joint that reaches its torque limit first; -1: the cap
-  double joint_room_rad{
-      std::numeric_limits<double>::infinity()};  ///< distance to the arm's nearest own position limit
-  int room_joint{-1};
+      lateral_joint{
+          -1};  ///< 0 … 6: the joint that reaches its torque limit first; -1: none, the figure is at its cap
+  double joint_room_rad{std::numeric_limits<double>::infinity()};  ///< distance of the joint that is nearest
+                                                                   ///< to its position limit
+  int room_joint{-1};                                              ///< this joint, 0 … 6
 
-  /// Lowers each figure to that of `other` if `other` has a smaller one.
+  /// Lowers each figure, and its joint, to that of `other` where `other` has a smaller one.
   void LowerTo(const ToolForce& other);
 };
 

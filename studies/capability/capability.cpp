@@ -26,9 +26,10 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kRadian = std::numbers::pi / 180.0;
-constexpr double kReach_m = 0.9, kLower_m = 0.7, kHigher_m = 0.5;  // default ranges, from the site
-constexpr double kPanelStep_m = 0.025;
-constexpr double kPressing_N = 20.0;  // along the tool; smaller forces give no reliable ratio
+// Default ranges of the base's place from the site: to each side, down and up.
+constexpr double kReach_m = 0.9, kLower_m = 0.7, kHigher_m = 0.5;
+constexpr double kPanelStep_m = 0.025;  // between two places of the base in a picture
+constexpr double kPressing_N = 20.0;    // along the tool; smaller forces give no reliable ratio
 
 // Returns the greatest ratio of lateral to axial force in a run while the tool pressed.
 tl::expected<double, std::string> LateralRatio(const std::filesystem::path& file) {
@@ -60,6 +61,7 @@ Matrix3 MountOf(const config::CellConfig& cell, Mount mount) {
   return cell.X_WB.linear();
 }
 
+// The search's parameters, with the default ranges where the options give none.
 BasePlacementParams SearchOf(const CapabilityOptions& options, const TaskVolume& task, const Vector3& now_W) {
   const Vector3 site = task.X_WC.translation();
   const auto range = [](const std::optional<std::array<double, 2>>& asked_mm, double from_m, double to_m) {
@@ -76,7 +78,7 @@ BasePlacementParams SearchOf(const CapabilityOptions& options, const TaskVolume&
           .threads = options.threads};
 }
 
-// Removes rows and columns in which the task can't be done, except for a rim of two around values and marks.
+// Cuts a panel down to the places from which the task can be done and the marks, with a rim of two places.
 BasePanel Cropped(const BasePanel& panel) {
   int low_x = panel.nx, high_x = -1, low_y = panel.ny, high_y = -1;
   const auto keep = [&](int i, int j) {
@@ -110,7 +112,8 @@ BasePanel Cropped(const BasePanel& panel) {
   return cropped;
 }
 
-// Computes the guaranteed force over a plane of places, around the best one.
+// Computes the guaranteed axial force for the bases of a plane through the best base: horizontal, or vertical
+// through site and best base.
 BasePanel PanelAround(const BasePlacement& search, const BaseFigure& best, const CapabilityResult& result,
                       bool vertical) {
   const Vector3 site = result.task.X_WC.translation(), p_best = best.X_WB.translation(),
@@ -168,6 +171,8 @@ BasePanel PanelAround(const BasePlacement& search, const BaseFigure& best, const
   return Cropped(panel);
 }
 
+// Searches the best base and maps the bases around it. On Ctrl-C, or if there is none, the result has no
+// base.
 void Search(const config::CellConfig& cell, const CapabilityOptions& options, base::PhaseProgress& progress,
             CapabilityResult& result) {
   result.searched = true;
@@ -184,6 +189,7 @@ void Search(const config::CellConfig& cell, const CapabilityOptions& options, ba
                         PanelAround(search, *result.base, result, true)};
 }
 
+// The report as HTML, from its pictures.
 std::string Page(const CapabilityResult& result, const CapabilityOptions& options, const std::string& map,
                  const std::string& own_map, const std::string& bases) {
   const std::string title = "Force capability of " + result.cell;
@@ -214,6 +220,7 @@ std::string Page(const CapabilityResult& result, const CapabilityOptions& option
   return html + report::RepeatSection(options.command_line) + report::PageEnd();
 }
 
+// Writes all files of the result.
 tl::expected<void, std::string> Write(const CapabilityResult& result, const CapabilityOptions& options) {
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
@@ -238,6 +245,7 @@ tl::expected<void, std::string> Write(const CapabilityResult& result, const Capa
   return report::WritePage(Page(result, options, map, own_map, bases), options.out / "capability.html");
 }
 
+// Runs the subcommand, except that it throws where the input is bad.
 int Run(const CapabilityOptions& options) {
   if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
     return session::Fail("capability", wrong);

@@ -9,12 +9,15 @@
 #include "report/svg_text.h"
 #include "studies/capability/capability_result.h"
 
+// The pictures of `osteon capability`: maps of the force over the workspace, and over places of the base.
+
 namespace osteon::studies {
 namespace {
 
+// Colour of the task's outline and of the site.
 constexpr const char* kTaskColor = "#d55e00";
 
-// Chooses the scale: the bands end at a round number above nine tenths of the values.
+// Chooses the colour scale: it ends at a round number above the need and above 95 % of the values.
 report::HeatScale ScaleOf(const std::vector<const std::vector<double>*>& fields, double need_N,
                           const std::string& label) {
   std::vector<double> values;
@@ -31,6 +34,7 @@ report::HeatScale ScaleOf(const std::vector<const std::vector<double>*>& fields,
       .label = label, .min = 0.0, .max = tick * std::ceil(top / tick), .step = 0.5 * tick, .tick_step = tick};
 }
 
+// The forces at which contour lines are drawn: each tick of the scale, and the need.
 std::vector<double> Levels(const report::HeatScale& scale, double need_N) {
   std::vector<double> levels;
   for (double value = scale.min + scale.tick_step; value < scale.max; value += scale.tick_step)
@@ -93,6 +97,7 @@ report::Polyline WorkspaceOutline(const TaskVolume& task, const MapPanel& panel)
   return outline;
 }
 
+// The heat map of one force on one plane.
 report::HeatMap PanelOf(const CapabilityResult& r, const MapPanel& panel, const std::vector<double>& values,
                         const std::string& what, const report::HeatScale& scale, double need_N) {
   const bool vertical = panel.plane == MapPlane::kVertical;

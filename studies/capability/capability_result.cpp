@@ -12,11 +12,13 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
+// "A3" for index 2; "no joint" below 0.
 std::string Joint(int joint) { return joint < 0 ? "no joint" : fmt::format("A{}", joint + 1); }
 
 // Zero if nothing could be judged; JSON has no infinity.
 double Shown(double value) { return std::isfinite(value) ? value : 0.0; }
 
+// The smallest forces over the task with the joints that limit them, as one line.
 std::string Forces(const CapabilityMap::Task& task) {
   if (task.unreachable == task.poses) return "no pose of the task has a posture within the joint limits";
   std::string text =
@@ -50,6 +52,7 @@ nlohmann::json ToJson(const CapabilityMap::Task& task, const CapabilityNeed& nee
   return json;
 }
 
+// A vector's coordinates in another unit, rounded to six places.
 nlohmann::json ToJson(const Vector3& v, double scale) {
   return {std::round(v.x() * scale * 1e6) * 1e-6, std::round(v.y() * scale * 1e6) * 1e-6,
           std::round(v.z() * scale * 1e6) * 1e-6};
