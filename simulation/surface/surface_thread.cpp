@@ -190,6 +190,8 @@ void SurfaceThread::MakeField() {
 }
 
 void SurfaceThread::PassInSteps() {
+  // Carve all pushed frames. Then extract until the mesh is complete, or another thread has changed the
+  // field.
   std::uint64_t pass = 0;
   for (bool emptied = false; !emptied;) {
     const std::lock_guard lock(mutex_);

@@ -22,6 +22,7 @@
 
 namespace osteon::surface {
 
+/// Parameters of SurfaceThread.
 struct SurfaceThreadParams {
   /// Room for 8 s at 500 frames/s: the start with a large mesh takes as long, and nothing is carved
   /// meanwhile.

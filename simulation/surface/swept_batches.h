@@ -39,7 +39,7 @@ class BatchedWays {
 
   /// Adds a frame, as ToolWays does. A batch that is complete is appended to `out`.
   void Add(const ToolFrame& frame, SweptBatches& out);
-  /// Appends the sweep since the last batch as a batch.
+  /// Appends what was swept since the last batch as a batch, if anything was.
   void EndBatch(SweptBatches& out);
   /// Goes on with another tool.
   void UseTool(const simulation::Tool& tool, SweptBatches& out);

@@ -42,6 +42,7 @@ struct FittedMotion {
   double rotation_error_rad{0.0};
 };
 
+/// Limits of FitMotion.
 struct FitParams {
   double tolerance_m{2e-6};
   double tolerance_rad{2e-5};   ///< 2 um at 100 mm from the apex

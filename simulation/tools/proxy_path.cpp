@@ -51,10 +51,11 @@ double ProxyPath::DistanceFromChord(const Pose& X, const Pose& A, const Pose& B)
   const double length2 = along.squaredNorm();
   const double fraction =
       length2 > 0.0 ? std::clamp(along.dot(X * corners_T_.front() - a) / length2, 0.0, 1.0) : 0.0;
-  double off_m = 0.0;
+  double max_distance_m = 0.0;
   for (const Vector3& corner : corners_T_)
-    off_m = std::max(off_m, (X * corner - (1.0 - fraction) * (A * corner) - fraction * (B * corner)).norm());
-  return off_m;
+    max_distance_m = std::max(
+        max_distance_m, (X * corner - (1.0 - fraction) * (A * corner) - fraction * (B * corner)).norm());
+  return max_distance_m;
 }
 
 void ProxyPath::Thin(std::size_t first) {

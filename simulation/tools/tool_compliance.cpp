@@ -14,7 +14,7 @@ namespace osteon::simulation {
 namespace {
 
 constexpr int kSlices = 256;               // number of slices of a piece
-constexpr double kVibratingShare = 0.236;  // share of a uniform cantilever's mass, as seen at its end
+constexpr double kVibratingShare = 0.236;  // share of a cantilever's mass that counts as if at its end
 
 /// A slice of the free length.
 struct Slice {
@@ -146,8 +146,8 @@ double ThrustFactor(double thrust_N, double buckling_N) {
 }
 
 std::vector<BeamPiece> BeamOf(const ToolProfile& profile) {
-  // the head ends at the first cutting piece that begins at its full width and narrows towards the neck, or
-  // is a drill's flute
+  // The head goes from the apex to the first piece that does not cut, or that begins at its full width and is
+  // straight or fluted.
   std::vector<BeamPiece> beam;
   bool in_head = true;
   for (const ProfilePiece& piece : profile.pieces()) {

@@ -114,14 +114,14 @@ ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
     double best_gap = 0.9 * gap[i];  // where no ball serves the sample, the nearest one is used
     for (const ToolBall& ball : candidates) {
       if (ball.cutting != sorted[i].cutting) continue;
-      const double left = Gap(sorted[i].p_m, ball);
-      if (left <= sorted[i].gap_m) serving.push_back(&ball);
-      if (left < best_gap) best = &ball, best_gap = left;
+      const double remaining_gap_m = Gap(sorted[i].p_m, ball);
+      if (remaining_gap_m <= sorted[i].gap_m) serving.push_back(&ball);
+      if (remaining_gap_m < best_gap) best = &ball, best_gap = remaining_gap_m;
     }
     // If many candidates serve the sample, only some of them are evaluated: neighbours serve almost the same
     // samples.
     constexpr std::size_t kLookedAt = 256;  // candidates that are evaluated, about
-    std::size_t most = 0;
+    std::size_t max_served = 0;
     const std::size_t step = serving.size() / kLookedAt + 1;
     for (std::size_t k = 0; k < serving.size(); k += step) {
       const ToolBall& ball = *serving[k];
@@ -129,7 +129,8 @@ ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
       for_near(ball, [&](std::size_t j) {
         if (gap[j] > sorted[j].gap_m && Gap(sorted[j].p_m, ball) <= sorted[j].gap_m) ++served;
       });
-      if (served > most || (served == most && ball.radius_m > best->radius_m)) best = &ball, most = served;
+      if (served > max_served || (served == max_served && ball.radius_m > best->radius_m))
+        best = &ball, max_served = served;
     }
     if (best) add(*best);
   }

@@ -17,11 +17,13 @@ struct SurfaceSample {
   bool edge{false};  ///< lies on an edge of the surface; the normal is then the mean of both sides' normals
 };
 
+/// Limits of FitTool.
 struct ToolFitParams {
   std::size_t max_count{64};  ///< largest number of balls, including those that the tool begins with
   double min_radius_m{10e-6};
 };
 
+/// Result of FitTool.
 struct ToolFit {
   std::vector<ToolBall> balls;  ///< cutting ones first, each kind from the apex back
   double worst_ratio{0.0};      ///< largest gap over accepted gap; above 1 where the balls did not suffice

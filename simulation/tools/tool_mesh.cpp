@@ -24,6 +24,7 @@ std::vector<SurfaceSample> SampleMesh(const TriangleMesh& mesh, const MeshToolPa
   // places on the surface at even steps of area; within a triangle by the R2 sequence (tool_profile.cpp)
   constexpr double kA1 = 0.7548776662466927, kA2 = 0.5698402909980532;
   const auto fraction = [](double x) { return x - std::floor(x); };
+  // Where the sequence begins: seeds are spread by the golden ratio.
   const double start = 0.5 + 0.6180339887498949 * static_cast<double>(seed % 1'000'003);
   std::vector<SurfaceSample> samples;
   samples.reserve(count);

@@ -118,16 +118,17 @@ SurfacePoint ToolProfile::NearestSurface(const Vector3& p_m) const {
                             .back_z_m = end_z_m_,
                             .back_r_m = last.back_r_m};
   Point2 nearest(std::min(q.x(), last.back_r_m), end_z_m_);  // the face at the holder's end
-  double least = (q - nearest).norm();
+  double min_distance_m = (q - nearest).norm();
   const auto consider = [&](const Point2& on) {
     const double distance = (q - on).norm();
-    if (distance < least) least = distance, nearest = on;
+    if (distance < min_distance_m) min_distance_m = distance, nearest = on;
   };
   for (const ProfilePiece& piece : pieces_) consider(NearestPointOn(piece, q));
   if (last.back_r_m > 0.0) consider(NearestPointOn(holder, q));
   const double radius = q.y() >= last.back_z_m ? RadiusAt(q.y()) : last.back_r_m;
   const bool inside = q.y() <= 0.0 && q.y() >= end_z_m_ && q.x() < radius;
-  return {.p_m = nearest.x() * out + nearest.y() * Vector3::UnitZ(), .distance_m = inside ? -least : least};
+  return {.p_m = nearest.x() * out + nearest.y() * Vector3::UnitZ(),
+          .distance_m = inside ? -min_distance_m : min_distance_m};
 }
 
 Eigen::AlignedBox3d ToolProfile::Bounds() const {
@@ -156,6 +157,7 @@ std::vector<SurfaceSample> ToolProfile::Sample(std::size_t count, std::uint64_t 
   // Sequences, 2018)
   constexpr double kA1 = 0.7548776662466927, kA2 = 0.5698402909980532;
   const auto fraction = [](double x) { return x - std::floor(x); };
+  // Where the sequence begins: seeds are spread by the golden ratio.
   const double start = 0.5 + 0.6180339887498949 * static_cast<double>(seed % 1'000'003);
   for (std::size_t k = 0; k < pieces_.size(); ++k) {
     const ProfilePiece& piece = pieces_[k];

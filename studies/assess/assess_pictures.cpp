@@ -35,7 +35,8 @@ std::vector<bool> Filled(std::span<const simulation::Ball> balls, const Vector3&
   for (const simulation::Ball& ball : balls) {
     // The slice cuts the ball in a circle: centre (x, y) and radius r in pixels.
     const Vector3 way_m = Vector3(ball.center_m) - origin_m;
-    const double off_m = way_m.dot(normal), radius2 = ball.radius_m * ball.radius_m - off_m * off_m;
+    const double plane_distance_m = way_m.dot(normal),
+                 radius2 = ball.radius_m * ball.radius_m - plane_distance_m * plane_distance_m;
     if (radius2 <= 0.0) continue;
     const double x = way_m.dot(right) / pixel_m + half, y = half - way_m.dot(up) / pixel_m;
     const double r = std::sqrt(radius2) / pixel_m;

@@ -171,11 +171,11 @@ class SessionSums {
     SessionTrace& trace = session_.trace;
     if (!trace.t_s.empty() && sample.t_s < trace.t_s.back() + kTraceStep_s) return;
     const procedure::SurgicalPlan& plan = session_.plan.plan;
-    const Vector3 off_m = sample.head_m - plan.centre_m;
-    const double height_m = off_m.dot(plan.axis_G);
+    const Vector3 from_planned_m = sample.head_m - plan.centre_m;
+    const double height_m = from_planned_m.dot(plan.axis_G);
     trace.t_s.push_back(sample.t_s);
     trace.height_mm.push_back(1e3 * height_m);
-    trace.aside_mm.push_back(1e3 * (off_m - height_m * plan.axis_G).norm());
+    trace.aside_mm.push_back(1e3 * (from_planned_m - height_m * plan.axis_G).norm());
     trace.proxy_mm.push_back(1e3 * (proxy_m_ - plan.centre_m).dot(plan.axis_G));
     trace.tilt_deg.push_back(std::acos(std::clamp(-feed.dot(plan.axis_G), -1.0, 1.0)) / kDegree);
     trace.force_N.push_back(sample.F_hand_N.norm());

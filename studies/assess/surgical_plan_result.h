@@ -8,6 +8,7 @@
 
 namespace osteon::studies {
 
+/// Options of `osteon surgical-plan`.
 struct SurgicalPlanOptions {
   std::filesystem::path plan;                 ///< file of the plan
   std::filesystem::path cell;                 ///< the plan is also checked against this cell; empty: none

@@ -82,6 +82,7 @@ SurfaceTimes Measure(const session::CellSetup& setup, double voxel_mm, std::size
   field.ClearDirty();
 
   const Pose X_WC = setup.X_WG * simulation::CupPose(setup.bone.site);
+  // A cup (a site wider than 20 mm in radius) is cut from its floor, a smaller site from its origin.
   const double start_m = setup.bone.site.radius_m > 0.02 ? -setup.bone.site.radius_m : 0.0;
   surface::ToolWays ways(setup.config.tool.tool, setup.X_WG);
   std::vector<std::uint8_t> bytes;

@@ -29,7 +29,7 @@ constexpr std::size_t kMinFrames = 20;
 constexpr std::size_t kWarmUpFrames = 20;
 constexpr double kMaxWarmUp_s = 0.5;
 
-// A method under measurement.
+// A method under measurement, with the sums of its frames so far.
 struct Runner {
   std::unique_ptr<CuttingEngine> engine;
   WorkloadPlayer player;

@@ -155,10 +155,10 @@ std::vector<PostureResidual> PivotResiduals(const control::PivotFit& fit,
 
 // Largest difference of force between two rests at one posture [N]; nothing if no posture was visited again.
 std::optional<double> Repeatability_N(const std::vector<PostureResidual>& residuals) {
-  std::optional<double> most;
+  std::optional<double> max_difference_N;
   for (const PostureResidual& at : residuals)
-    if (at.visits > 1) most = std::max(most.value_or(0.0), at.repeat_N);
-  return most;
+    if (at.visits > 1) max_difference_N = std::max(max_difference_N.value_or(0.0), at.repeat_N);
+  return max_difference_N;
 }
 
 nlohmann::ordered_json ToJson(const std::vector<PostureResidual>& residuals, const char* key, double unit) {

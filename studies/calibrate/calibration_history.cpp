@@ -61,8 +61,8 @@ CalibrationEntry EntryFrom(const nlohmann::json& json) {
 }
 
 // Whether a difference counts as drift: above `floor`, and above what both standard deviations explain.
-bool Differs(double off, double floor, double sd_a, double sd_b) {
-  return off > floor && off > kSds * std::hypot(sd_a, sd_b);
+bool Differs(double difference, double floor, double sd_a, double sd_b) {
+  return difference > floor && difference > kSds * std::hypot(sd_a, sd_b);
 }
 
 // Adds a sentence for each quantity that has drifted between two calibrations.

@@ -25,6 +25,7 @@ struct AxisRange {
   double from{0.0}, to{0.0};
 };
 
+/// Ranges, conditions and fineness of the search.
 struct BasePlacementParams {
   AxisRange x_m, y_m, z_m;   ///< ranges of the base's origin, in W
   double clearance_m{0.35};  ///< least distance of the site's centre from the base's axis, across that axis

@@ -24,9 +24,9 @@ report::HeatScale ScaleOf(const std::vector<const std::vector<double>*>& fields,
   for (const std::vector<double>* field : fields)
     for (const double value : *field)
       if (std::isfinite(value)) values.push_back(value);
-  const double most = values.empty() ? 0.0 : base::Percentile(values, 0.95);
+  const double percentile_95_N = values.empty() ? 0.0 : base::Percentile(values, 0.95);
   // eight to fifteen bands of a round width, two per tick
-  const double top = std::clamp(1.1 * std::max(most, need_N), 50.0, 1000.0);
+  const double top = std::clamp(1.1 * std::max(percentile_95_N, need_N), 50.0, 1000.0);
   double tick = 10.0;
   for (const double width : {20.0, 50.0, 100.0, 200.0})
     if (tick * 7.5 < top) tick = width;

@@ -25,6 +25,7 @@ struct BasePanel {
   std::array<double, 2> site{}, own{}, best{};  ///< places of the site, the present base and the best one [m]
 };
 
+/// All that `osteon capability` found.
 struct CapabilityResult {
   std::string cell, tool;
   TaskVolume task;
