@@ -25,7 +25,7 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kRadian = std::numbers::pi / 180.0;
+constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 // Default ranges of the base's place from the site: to each side, down and up.
 constexpr double kReach_m = 0.9, kLower_m = 0.7, kHigher_m = 0.5;
 constexpr double kPanelStep_m = 0.025;  // between two places of the base in a picture
@@ -73,7 +73,7 @@ BasePlacementParams SearchOf(const CapabilityOptions& options, const TaskVolume&
           .y_m = range(options.y_mm, site.y() - kReach_m, site.y() + kReach_m),
           .z_m = range(options.z_mm, site.z() - kLower_m, site.z() + kHigher_m),
           .clearance_m = 1e-3 * options.clearance_mm,
-          .joint_margin_rad = options.joint_margin_deg * kRadian,
+          .joint_margin_rad = options.joint_margin_deg * kRadiansPerDegree,
           .now_W_m = now_W,
           .threads = options.threads};
 }
@@ -214,8 +214,8 @@ std::string Page(const CapabilityResult& result, const CapabilityOptions& option
             "<p>Kept: {:g} deg from every joint limit, elbow and wrist bent by {:g} deg at least and on the "
             "workspace's side of its plane, the base's axis {:g} mm from the site. What the arm may "
             "collide with is not known here.</p>\n",
-            result.search.joint_margin_rad / kRadian, std::round(result.search.min_bend_rad / kRadian),
-            result.search.clearance_m * 1e3);
+            result.search.joint_margin_rad / kRadiansPerDegree,
+            std::round(result.search.min_bend_rad / kRadiansPerDegree), result.search.clearance_m * 1e3);
   if (result.base) html += "<pre>" + report::Escape(BaseYaml(result, options.command_line)) + "</pre>\n";
   return html + report::RepeatSection(options.command_line) + report::PageEnd();
 }
