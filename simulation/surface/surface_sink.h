@@ -20,8 +20,8 @@ class SurfaceSink {
   virtual void Begin(const BrickLayout& layout) = 0;
   /// Publishes chunks that replace those of the same bricks. The first call has every brick with a surface.
   /// @param chunks  valid during the call only
-  /// @param frame   the last frame that was read (ToolWays::frame); those of an incomplete batch are not
-  ///   carved yet
+  /// @param frame   number of the last frame that was read (ToolWays::frame); the frames of an incomplete
+  ///   batch are not carved yet
   virtual void Publish(std::span<const SurfaceChunk> chunks, std::uint64_t frame) = 0;
 };
 

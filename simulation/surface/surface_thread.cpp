@@ -23,11 +23,12 @@ constexpr std::size_t kFramesPerStep = 4 * ToolWays::kBatchFrames, kBricksPerSte
 // Number of chunks whose memory is kept for the next change. The first mesh has all bricks of the bone, a
 // later change some dozens.
 constexpr std::size_t kKeptChunks = 256;
+// As the limit of one step: all frames, or all bricks.
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 
 /// Lets the system run the calling thread only on a CPU that nobody else wants. With an ordinary priority,
 /// however low, the engine's frames take 2 ms longer (95th percentile, 2 cores).
-void WaitForIdleCpus() {
+void UseOnlyIdleCpus() {
   const sched_param none{};
   (void)pthread_setschedparam(pthread_self(), SCHED_IDLE, &none);
 }
@@ -80,8 +81,8 @@ void SurfaceThread::TakeBack(std::vector<WayTimes> ways) {
   asked_ = std::move(ways);
 }
 
-// Carves a second field beside the shown one, so that nobody waits for it, and adds the batches that arrive
-// meanwhile.
+// Carves a second field beside the shown one, so that nobody waits for the lock meanwhile. Then adds the
+// batches that arrived since, with the lock held, and shows the new field.
 void SurfaceThread::CarveAnewIfAsked() {
   std::optional<std::vector<WayTimes>> asked;
   {
@@ -96,13 +97,14 @@ void SurfaceThread::CarveAnewIfAsked() {
     taken_back_ = *asked;
     batches = kept_;
   }
-  CarvedField anew(solid_);
-  if (params_.carve_earlier) params_.carve_earlier(anew);
-  anew.Carve(CapsulesOf(batches, *asked));
+  CarvedField new_field(solid_);
+  if (params_.carve_earlier) params_.carve_earlier(new_field);
+  new_field.Carve(CapsulesOf(batches, *asked));
   const std::lock_guard lock(mutex_);
   CarveFrames(kAll);
-  anew.Carve(CapsulesOf({kept_.begin() + static_cast<std::ptrdiff_t>(batches.size()), kept_.end()}, *asked));
-  field_->SetSwept(anew.swept());
+  new_field.Carve(
+      CapsulesOf({kept_.begin() + static_cast<std::ptrdiff_t>(batches.size()), kept_.end()}, *asked));
+  field_->SetSwept(new_field.swept());
   StartPass();
   ExtractSome(kAll);
 }
@@ -137,19 +139,20 @@ bool SurfaceThread::IsBehind() const {
 
 void SurfaceThread::RunWhenIdle() {
   rt::NameThread("surface, idle");
-  WaitForIdleCpus();
+  UseOnlyIdleCpus();
   IdleShare share;
   for (auto next = std::chrono::steady_clock::now(); !stop_.load();) {
     const rt::Nanoseconds began = rt::MonotonicNow(), began_cpu = CpuTime();
-    const IdleShare::Next what = share.At(began);
-    if (what == IdleShare::Next::kTry) TryForIdleCpu();
-    if (what == IdleShare::Next::kWork) PassInSteps();
-    if (what != IdleShare::Next::kRest) {
+    const IdleShare::Next turn = share.At(began);
+    if (turn == IdleShare::Next::kTry) TryForIdleCpu();
+    if (turn == IdleShare::Next::kWork) PassInSteps();
+    if (turn != IdleShare::Next::kRest) {
       const rt::Nanoseconds now = rt::MonotonicNow();
       share.Ended(now, now - began, CpuTime() - began_cpu);
       never_idle_.store(share.At(now) != IdleShare::Next::kWork);
     }
     const auto period = IsWatched() ? params_.period : std::max(params_.period, kUnwatchedPeriod);
+    // A late pass moves the next one, so that at least a quarter of the period is left to other work.
     next = std::max(next + period, std::chrono::steady_clock::now() + params_.period / 4);
     std::this_thread::sleep_until(next);
   }
@@ -187,6 +190,8 @@ void SurfaceThread::MakeField() {
 }
 
 void SurfaceThread::PassInSteps() {
+  // Carve all pushed frames. Then extract until the mesh is complete, or another thread has changed the
+  // field.
   std::uint64_t pass = 0;
   for (bool emptied = false; !emptied;) {
     const std::lock_guard lock(mutex_);
@@ -204,7 +209,7 @@ bool SurfaceThread::CarveFrames(std::size_t max_frames) {
   const rt::Nanoseconds now = rt::MonotonicNow();
   std::size_t count = 0;
   for (ToolFrame frame; count < max_frames && ring_.Pop(frame); ++count) ways_.Add(frame, fresh_);
-  // all new batches at once: at most nodes, a later batch's capsules make those of an earlier one irrelevant
+  // Carve all new batches in one call: at the majority of the nodes the last batch alone decides the value.
   if (!fresh_.empty()) CarveFresh();
   const bool emptied = count < max_frames;
   if (emptied) read_ns_.store(now);

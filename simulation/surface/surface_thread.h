@@ -22,6 +22,7 @@
 
 namespace osteon::surface {
 
+/// Parameters of SurfaceThread.
 struct SurfaceThreadParams {
   /// Room for 8 s at 500 frames/s: the start with a large mesh takes as long, and nothing is carved
   /// meanwhile.
@@ -99,18 +100,18 @@ class SurfaceThread {
   void RunWhenIdle();
   /// Runs Run or RunWhenIdle, and stores the exception that ends it.
   void Guard(void (SurfaceThread::*run)());
-  void MakeField();
-  void PassInSteps();
-  void TryForIdleCpu();
+  void MakeField();      // makes the solid's field, and publishes the first mesh
+  void PassInSteps();    // carves and extracts what is new; lets go of the lock after each step
+  void TryForIdleCpu();  // uses CPU time for a moment, so that RunWhenIdle sees whether the thread gets any
   [[nodiscard]] bool IsWatched() const { return !params_.is_watched || params_.is_watched(); }
   [[nodiscard]] bool IsBehind() const;  // whether the surface is too old to wait for an idle CPU
-  void CarveAnewIfAsked();
+  void CarveAnewIfAsked();              // does the work that TakeBack asked for
 
   // The functions from here on are called with the lock held.
   bool CarveFrames(std::size_t max_frames);  // returns whether the ring is empty
   void CarveRest();                          // carves the incomplete batch, too
   void CarveFresh();                         // carves the new batches
-  void StartPass();
+  void StartPass();  // the field has changed: extracts its dirty bricks from the first on
   // Extracts dirty bricks if somebody looks, and publishes once all are done. Returns whether some are left.
   bool ExtractSome(std::size_t max_bricks);
 
@@ -128,7 +129,8 @@ class SurfaceThread {
   std::optional<CarvedField> field_;
   std::optional<TissueBricks> tissue_;
   BatchedWays ways_;
-  SweptBatches fresh_, kept_;
+  SweptBatches fresh_;  // not carved yet
+  SweptBatches kept_;   // carved; kept if keeps_batches
   std::vector<WayTimes> taken_back_;
   std::vector<SurfaceChunk> chunks_;  // its memory is used again
   bool published_{false};             // the first mesh
@@ -136,7 +138,7 @@ class SurfaceThread {
   std::uint64_t passes_{0};           // number of changes of the field
   std::string error_;                 // read without the lock once the thread is joined
   std::mutex asked_mutex_;            // guards asked_, and is held briefly
-  std::optional<std::vector<WayTimes>> asked_;
+  std::optional<std::vector<WayTimes>> asked_;  // argument of a TakeBack that is not carved yet
   std::thread thread_, idle_thread_;
 };
 

@@ -20,7 +20,8 @@ struct SweptBatch {
   bool touches{false};  ///< the tool touched or cut bone in one of the frames
   std::vector<Capsule> capsules;
 
-  /// Whether the batch stays swept: no stretch that was taken back overlaps it. A batch is taken back whole.
+  /// Whether the batch still counts as swept: no stretch that was taken back overlaps it. A stretch that
+  /// overlaps a part of the batch takes the whole batch back.
   [[nodiscard]] bool Counts(const std::vector<WayTimes>& taken_back) const;
 };
 using SweptBatches = std::vector<std::shared_ptr<const SweptBatch>>;
@@ -38,7 +39,7 @@ class BatchedWays {
 
   /// Adds a frame, as ToolWays does. A batch that is complete is appended to `out`.
   void Add(const ToolFrame& frame, SweptBatches& out);
-  /// Appends the sweep since the last batch as a batch.
+  /// Appends what was swept since the last batch as a batch, if anything was.
   void EndBatch(SweptBatches& out);
   /// Goes on with another tool.
   void UseTool(const simulation::Tool& tool, SweptBatches& out);

@@ -23,26 +23,30 @@ using simulation::OutputFile;
 
 static_assert(std::endian::native == std::endian::little);
 
+/// The byte of a brick in the file.
 enum BrickContent : std::uint8_t { kNothing = 0, kEverything = 1, kValues = 2 };
 constexpr std::size_t kValueBytes = kBrickNodes * sizeof(std::int16_t);
 
+/// The file's first 48 bytes.
 struct SweptHeader {
   std::array<char, 8> magic{'O', 'S', 'T', 'S', 'W', 'E', 'P', 'T'};
   std::uint32_t version{1};
-  std::uint32_t payload_crc{0};
+  std::uint32_t payload_crc{0};  ///< CRC-32 of all bytes after the header
   std::array<float, 3> origin_mm{};
   float voxel_mm{0.0F};
   std::array<std::int32_t, 3> bricks{};
-  std::uint32_t with_values{0};
+  std::uint32_t with_values{0};  ///< number of bricks of content kValues
 };
 static_assert(sizeof(SweptHeader) == 48);
 
+/// Header of a file for this grid, without checksum and number of bricks with values.
 SweptHeader HeaderOf(const BrickLayout& layout) {
   return {.origin_mm = {layout.origin_mm.x, layout.origin_mm.y, layout.origin_mm.z},
           .voxel_mm = layout.voxel_mm,
           .bricks = {layout.bricks[0], layout.bricks[1], layout.bricks[2]}};
 }
 
+/// CRC-32, as zlib computes it.
 std::uint32_t Crc(std::span<const std::byte> bytes) {
   return static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
@@ -83,23 +87,24 @@ tl::expected<BrickField, FileError> ReadSweptField(const std::filesystem::path& 
   const auto file = MappedFile::Open(path);
   if (!file) return tl::make_unexpected(file.error());
   const std::span<const std::byte> bytes = file->bytes();
+  // The error for a value at a byte of the file.
   const auto refuse = [&](std::uint64_t byte, const std::string& where, const std::string& found,
                           const std::string& accepted) {
     return tl::make_unexpected(
         FileError{.file = path.string(), .byte = byte, .where = where, .found = found, .accepted = accepted});
   };
   SweptHeader header;
-  const SweptHeader wanted = HeaderOf(layout);
+  const SweptHeader expected_header = HeaderOf(layout);
   const std::size_t count = layout.Count();
   if (bytes.size() < sizeof header + count)
     return refuse(bytes.size(), "the end", fmt::format("{} bytes", bytes.size()),
                   fmt::format("at least {}", sizeof header + count));
   std::memcpy(&header, bytes.data(), sizeof header);
-  if (header.magic != wanted.magic) return refuse(0, "magic", "another kind of file", "OSTSWEPT");
-  if (header.version != wanted.version)
-    return refuse(8, "version", std::to_string(header.version), std::to_string(wanted.version));
-  if (header.origin_mm != wanted.origin_mm || header.voxel_mm != wanted.voxel_mm ||
-      header.bricks != wanted.bricks)
+  if (header.magic != expected_header.magic) return refuse(0, "magic", "another kind of file", "OSTSWEPT");
+  if (header.version != expected_header.version)
+    return refuse(8, "version", std::to_string(header.version), std::to_string(expected_header.version));
+  if (header.origin_mm != expected_header.origin_mm || header.voxel_mm != expected_header.voxel_mm ||
+      header.bricks != expected_header.bricks)
     return refuse(16, "grid",
                   fmt::format("{} × {} × {} bricks of {} mm", header.bricks[0], header.bricks[1],
                               header.bricks[2], header.voxel_mm),

@@ -24,12 +24,14 @@ class TissueBricks {
   }
 
  private:
-  static constexpr std::uint8_t kUnknown = 0xff, kMixed = 0xfe;  // a material is below 128
+  // A brick that is not sampled yet, and one of several tissues; a tissue's number is below 128.
+  static constexpr std::uint8_t kUnknown = 0xff, kMixed = 0xfe;
+  // The brick's tissue, or kMixed if 4³ sampled places have several.
   [[nodiscard]] std::uint8_t Sample(BrickIndex brick) const;
 
   BrickLayout layout_;
   MaterialAt at_;
-  std::vector<std::uint8_t> tissue_;  // by brick
+  std::vector<std::uint8_t> tissue_;  // by brick: a tissue, kUnknown or kMixed
 };
 
 }  // namespace osteon::surface

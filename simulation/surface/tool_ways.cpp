@@ -11,6 +11,7 @@
 namespace osteon::surface {
 namespace {
 
+/// Distance of p from the segment between a and b.
 double DistanceFromChord(const Vector3& p, const Vector3& a, const Vector3& b) {
   const Vector3 along = b - a;
   const double length2 = along.squaredNorm();
@@ -18,7 +19,7 @@ double DistanceFromChord(const Vector3& p, const Vector3& a, const Vector3& b) {
   return (p - a - t * along).norm();
 }
 
-/// A ball that another one contains sweeps nothing of its own.
+/// Whether one of the kept balls contains the ball, which then sweeps nothing more.
 bool IsCovered(const simulation::ToolBall& ball, const std::vector<simulation::ToolBall>& kept) {
   return std::any_of(kept.begin(), kept.end(), [&](const simulation::ToolBall& other) {
     return (Vector3(ball.center_m) - Vector3(other.center_m)).norm() + ball.radius_m <= other.radius_m;
@@ -66,6 +67,7 @@ bool ToolWays::Add(const ToolFrame& frame) {
     X_GP_ = X_GP;
     return !capsules_.empty();
   }
+  // The pose after the slide: the frame's new rotation, and T's origin before the bone gave way.
   Pose slid = X_GP;
   const Vector3 p_GS = X_GW_ * Vector3(frame.p_WS_m);
   if (p_GS.allFinite()) slid.translation() = p_GS;

@@ -12,9 +12,9 @@
 
 namespace osteon::surface {
 
-/// A frame's way in W, as it goes through the ring. Plain data.
+/// The tool's way in one frame, in W. Plain data, so that it can pass through a ring between threads.
 struct ToolFrame {
-  PlainPose X_WP;                 ///< where the proxy ended
+  PlainPose X_WP;                 ///< the proxy's pose at the frame's end
   PlainVector3 p_WS_m;            ///< T's origin after the slide, before the bone gave way
   bool cuts{false};               ///< the spindle turned
   std::uint64_t frame{0};         ///< 0: no way
@@ -52,16 +52,18 @@ class ToolWays {
   [[nodiscard]] std::uint64_t frame() const { return frame_; }
 
  private:
+  // Appends a frame's poses: to the pose after the slide in steps of little turn, then to the new proxy.
   void AddWay(const Pose& slid, const Pose& X_GP);
+  // Thins the collected way and appends its capsules; the next way starts anew.
   void EndWay();
 
   Pose X_GW_;
   std::vector<simulation::ToolBall> cutters_;
-  double lever_m_{0.0};
+  double lever_m_{0.0};       // largest distance of a ball's centre from T's origin
   std::optional<Pose> X_GP_;  // end of the last frame that moved the tool
   std::vector<Pose> way_;     // poses of consecutive cutting frames
   std::vector<Capsule> capsules_;
-  int frames_{0};
+  int frames_{0};  // cutting frames since the last batch ended
   std::uint64_t frame_{0};
 };
 

@@ -6,12 +6,14 @@
 namespace osteon::surface {
 namespace {
 
-/// A number that identifies the vertex's cell in the whole grid, and its patch.
+/// A number that identifies the vertex's cell in the whole grid, and its patch: z, y, x, patch, from the
+/// highest bits down.
 std::uint64_t GlobalKey(const BrickLayout& layout, const SurfaceChunk& chunk, const SurfaceVertex& vertex) {
   const auto brick = layout.PlaceOf(chunk.brick);
   const int cell = vertex.key / kMaxPatches;
+  // Coordinate of a cell in the whole grid, by its brick's and its own in the brick.
   const auto along = [](int b, int c) { return static_cast<std::uint64_t>(b * kBrickEdge + c); };
-  constexpr int kBits = 20;
+  constexpr int kBits = 20;  // for each coordinate
   std::uint64_t key = along(brick[2], cell / (kCellEdge * kCellEdge));
   key = key << kBits | along(brick[1], cell / kCellEdge % kCellEdge);
   key = key << kBits | along(brick[0], cell % kCellEdge);
@@ -22,21 +24,21 @@ std::uint64_t GlobalKey(const BrickLayout& layout, const SurfaceChunk& chunk, co
 
 WeldedSurface WeldSurface(const CarvedField& field, const ExtractOptions& options) {
   WeldedSurface mesh;
-  std::unordered_map<std::uint64_t, std::uint32_t> numbers;
-  std::vector<std::uint32_t> number;
+  std::unordered_map<std::uint64_t, std::uint32_t> vertex_by_key;
+  std::vector<std::uint32_t> mesh_vertex;  // number in the mesh, by the number in the chunk
   SurfaceChunk chunk;
   for (BrickIndex brick = 0; brick < field.layout().Count(); ++brick) {
     ExtractChunk(field, brick, chunk, options);
-    number.clear();
+    mesh_vertex.clear();
     for (const SurfaceVertex& vertex : chunk.vertices) {
-      const auto [it, is_new] = numbers.try_emplace(GlobalKey(field.layout(), chunk, vertex),
-                                                    static_cast<std::uint32_t>(mesh.vertices_mm.size()));
+      const auto [it, is_new] = vertex_by_key.try_emplace(
+          GlobalKey(field.layout(), chunk, vertex), static_cast<std::uint32_t>(mesh.vertices_mm.size()));
       if (is_new) mesh.vertices_mm.push_back(vertex.p_mm);
-      number.push_back(it->second);
+      mesh_vertex.push_back(it->second);
     }
     for (std::size_t i = 0; i + 3 < chunk.quads.size(); i += 4)
-      mesh.quads.push_back({number[chunk.quads[i]], number[chunk.quads[i + 1]], number[chunk.quads[i + 2]],
-                            number[chunk.quads[i + 3]]});
+      mesh.quads.push_back({mesh_vertex[chunk.quads[i]], mesh_vertex[chunk.quads[i + 1]],
+                            mesh_vertex[chunk.quads[i + 2]], mesh_vertex[chunk.quads[i + 3]]});
   }
   // Cells at the grid's faces belong to several bricks, and one of them may have a vertex without a quad.
   RemoveUnusedVertices(mesh);
@@ -44,6 +46,7 @@ WeldedSurface WeldSurface(const CarvedField& field, const ExtractOptions& option
 }
 
 void RemoveUnusedVertices(WeldedSurface& mesh) {
+  // Marks the used vertices with 1; later the marks become the vertices' new numbers.
   std::vector<std::uint32_t> used(mesh.vertices_mm.size(), 0);
   for (const auto& quad : mesh.quads)
     for (const std::uint32_t v : quad) used[v] = 1;
@@ -59,6 +62,7 @@ void RemoveUnusedVertices(WeldedSurface& mesh) {
 }
 
 EdgeCounts CountEdges(const WeldedSurface& mesh) {
+  // A half edge is one number: its first vertex in the high 32 bits, its second in the low ones.
   std::vector<std::uint64_t> edges;
   edges.reserve(4 * mesh.quads.size());
   for (const auto& quad : mesh.quads)
@@ -75,6 +79,7 @@ EdgeCounts CountEdges(const WeldedSurface& mesh) {
 }
 
 double VolumeUnder(const WeldedSurface& mesh, const std::array<std::uint32_t, 4>& quad) {
+  // Six times the signed volume of the tetrahedron of a, b, c and the origin.
   const auto tetrahedron = [](Vec3 a, Vec3 b, Vec3 c) {
     const double ax = a.x, ay = a.y, az = a.z, bx = b.x, by = b.y, bz = b.z, cx = c.x, cy = c.y, cz = c.z;
     return ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx);

@@ -20,8 +20,9 @@ MotionCurve::MotionCurve(std::span<const MotionSample> samples) {
     knot.second.setZero();
     knots_.push_back(knot);
   }
-  // Second derivatives m of the natural spline, tridiagonal: h0 m0 + 2 (h0 + h1) m1 + h1 m2 = 6 (slope1 -
-  // slope0). Forward elimination leaves the diagonal and the right side; then back substitution.
+  // Second derivatives m of the natural spline, from a tridiagonal system of equations: h0 m0 + 2 (h0 + h1)
+  // m1 + h1 m2 = 6 (slope1 - slope0). Forward elimination leaves the diagonal and the right side; then back
+  // substitution.
   const std::size_t n = knots_.size();
   std::vector<double> diagonal(n, 1.0);
   const auto step = [&](std::size_t i) { return knots_[i + 1].time_s - knots_[i].time_s; };
@@ -47,6 +48,7 @@ Pose MotionCurve::X_GT(double time_s) const {
   const double t = std::clamp(time_s, knots_.front().time_s, knots_.back().time_s);
   const std::size_t i = IndexBefore(t);
   const Knot &a = knots_[i], &b = knots_[i + 1];
+  // The cubic between two knots, by its values and second derivatives at both: u and v are their weights.
   const double h = b.time_s - a.time_s, u = (b.time_s - t) / h, v = (t - a.time_s) / h;
   const Channels value =
       u * a.value + v * b.value + h * h / 6.0 * ((u * u * u - u) * a.second + (v * v * v - v) * b.second);
@@ -63,6 +65,7 @@ double MotionCurve::SpindleAt(double time_s) const {
 
 FittedMotion FitMotion(std::span<const MotionSample> recorded, const FitParams& params) {
   const std::size_t count = recorded.size();
+  // Start with the ends, one sample every longest_step_s, and each change of the spindle's speed.
   std::vector<bool> kept(count, false);
   kept.front() = kept.back() = true;
   double last_s = recorded.front().time_s;
@@ -75,6 +78,7 @@ FittedMotion FitMotion(std::span<const MotionSample> recorded, const FitParams& 
     }
   }
 
+  // Add the worst sample of each stretch until a curve has no error above tolerance.
   FittedMotion fitted;
   for (bool done = false; !done;) {
     fitted = {};
@@ -114,6 +118,7 @@ MotionPlayer::MotionPlayer(const ToolMotion& motion, double rate_hz, const Pose&
     : curve_(motion.samples), rate_hz_(rate_hz), X_WG_(X_WG) {
   if (!(rate_hz >= 1.0 && rate_hz <= 1e5))
     throw std::invalid_argument(fmt::format("motion: rate: found {} Hz, accepted 1 … 100000 Hz", rate_hz));
+  // 1e-9: rounding must not lose the last frame of a duration of whole periods.
   frame_count_ = static_cast<std::size_t>(curve_.duration_s() * rate_hz + 1e-9) + 1;
 }
 

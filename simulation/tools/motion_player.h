@@ -20,6 +20,7 @@ class MotionCurve {
 
   /// Pose at a time; before the first and after the last sample, that sample's pose.
   [[nodiscard]] Pose X_GT(double time_s) const;
+  /// Spindle speed [rad/s]: that of the last sample at or before the time.
   [[nodiscard]] double SpindleAt(double time_s) const;
   [[nodiscard]] double duration_s() const { return knots_.back().time_s; }
 
@@ -27,8 +28,9 @@ class MotionCurve {
   using Channels = Eigen::Matrix<double, 7, 1>;  // x y z, w x y z
   struct Knot {
     double time_s, spindle_rad_per_s;
-    Channels value, second;  // and second derivative
+    Channels value, second;  // the pose's elements and their second derivatives
   };
+  // Index of the knot where the time's interval starts; at most the last but one.
   [[nodiscard]] std::size_t IndexBefore(double time_s) const;
   std::vector<Knot> knots_;
 };
@@ -40,15 +42,17 @@ struct FittedMotion {
   double rotation_error_rad{0.0};
 };
 
+/// Limits of FitMotion.
 struct FitParams {
   double tolerance_m{2e-6};
   double tolerance_rad{2e-5};   ///< 2 um at 100 mm from the apex
   double longest_step_s{0.05};  ///< between kept samples
 };
 
-/// Selects the recorded samples that a curve needs to stay within the tolerances of all of them: one every
-/// longest_step_s, those at which the spindle's speed changes, and repeatedly the sample with the largest
-/// error above tolerance. The result depends on the arguments alone.
+/// Selects recorded samples so that the curve through them stays within the tolerances of all samples. It
+/// keeps one every longest_step_s and those at which the spindle's speed changes. Then, as long as errors are
+/// too large, it adds from each stretch between kept samples the one with the largest error. The result
+/// depends on the arguments alone.
 /// @pre at least two samples, whose times ascend strictly; the first at 0
 [[nodiscard]] FittedMotion FitMotion(std::span<const MotionSample> recorded, const FitParams& params = {});
 

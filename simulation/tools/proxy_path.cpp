@@ -7,6 +7,7 @@
 namespace osteon::simulation {
 namespace {
 
+// The corners, in T, of the box around the centres of the cutting balls; equal corners only once.
 std::vector<Vector3> CornersOf(const Tool& tool) {
   Eigen::AlignedBox3d box;
   for (const ToolBall& ball : tool.balls)
@@ -31,8 +32,10 @@ void ProxyPath::Add(const FrameRecord& frame) {
   if (!X_GP.matrix().allFinite()) return;
   X_GP_.push_back(X_GP);
   if (X_GP_.size() < max_poses_) return;
+  // Thin only the poses since the last thinning, from the pose at which that one ended.
   Thin(thinned_ == 0 ? 0 : thinned_ - 1);
-  // the errors of successive thinnings add up: 1 + 2 + 4 + … times the first tolerance
+  // If too many poses are left, thin all of them to twice the tolerance. The errors of successive thinnings
+  // add up: 1 + 2 + 4 + … times the first tolerance.
   while (X_GP_.size() > max_poses_ / 2) {
     step_m_ *= 2.0;
     Thin(0);
@@ -48,10 +51,11 @@ double ProxyPath::DistanceFromChord(const Pose& X, const Pose& A, const Pose& B)
   const double length2 = along.squaredNorm();
   const double fraction =
       length2 > 0.0 ? std::clamp(along.dot(X * corners_T_.front() - a) / length2, 0.0, 1.0) : 0.0;
-  double off_m = 0.0;
+  double max_distance_m = 0.0;
   for (const Vector3& corner : corners_T_)
-    off_m = std::max(off_m, (X * corner - (1.0 - fraction) * (A * corner) - fraction * (B * corner)).norm());
-  return off_m;
+    max_distance_m = std::max(
+        max_distance_m, (X * corner - (1.0 - fraction) * (A * corner) - fraction * (B * corner)).norm());
+  return max_distance_m;
 }
 
 void ProxyPath::Thin(std::size_t first) {

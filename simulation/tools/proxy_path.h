@@ -28,9 +28,11 @@ class ProxyPath {
   [[nodiscard]] double tolerance_m() const { return thinned_ == 0 ? 0.0 : 2.0 * step_m_ - kFirstStep_m; }
 
  private:
-  static constexpr double kFirstStep_m = 0.125e-6;
+  static constexpr double kFirstStep_m = 0.125e-6;  // tolerance of the first thinning
 
+  // Largest distance [m] of a ball's centre at pose X from its chord between the poses A and B.
   [[nodiscard]] double DistanceFromChord(const Pose& X, const Pose& A, const Pose& B) const;
+  // Thins the poses from index `first` to the end to within step_m_.
   void Thin(std::size_t first);
 
   Pose X_GW_;

@@ -11,7 +11,7 @@ namespace osteon::simulation {
 
 Tool MakeShellTool(const Tool& tool, std::size_t count, ShellPart part) {
   constexpr std::size_t kMax = 100'000;
-  constexpr double kRadiusOverDistance = 3.0;
+  constexpr double kRadiusOverDistance = 3.0;  // a ball's radius over the balls' mean distance: r <= 3 d
   if (count < 1 || count > kMax)
     throw std::invalid_argument(fmt::format("tool balls: found {}, accepted 1 … {}", count, kMax));
   const auto cutting =
@@ -22,18 +22,21 @@ Tool MakeShellTool(const Tool& tool, std::size_t count, ShellPart part) {
   if (count == 1) return tool;
 
   const ToolBall head = *CuttingHead(tool);
-  const double share = part == ShellPart::kHemisphere ? 1.0 : 2.0;
+  // height of the part over the head's radius: of the hemisphere 1, of the sphere 2
+  const double height_ratio = part == ShellPart::kHemisphere ? 1.0 : 2.0;
   const double distance_m =
-      head.radius_m * std::sqrt(2.0 * std::numbers::pi * share / static_cast<double>(count));
+      head.radius_m * std::sqrt(2.0 * std::numbers::pi * height_ratio / static_cast<double>(count));
   const double radius_m = std::min(0.5 * head.radius_m, kRadiusOverDistance * distance_m);
-  const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  const double golden_angle_rad =
+      std::numbers::pi * (3.0 - std::sqrt(5.0));  // the golden angle, g of the header
 
   Tool shell = tool;
   shell.name = fmt::format("{}, {} balls", tool.name, count);
   shell.balls.clear();
   for (std::size_t i = 0; i < count; ++i) {
-    const double z = 1.0 - share * (static_cast<double>(i) + 0.5) / static_cast<double>(count);
-    const double across = std::sqrt(std::max(0.0, 1.0 - z * z)), turn = golden * static_cast<double>(i);
+    const double z = 1.0 - height_ratio * (static_cast<double>(i) + 0.5) / static_cast<double>(count);
+    const double across = std::sqrt(std::max(0.0, 1.0 - z * z)),
+                 turn = golden_angle_rad * static_cast<double>(i);
     const Vector3 u(across * std::cos(turn), across * std::sin(turn), z);
     shell.balls.push_back({.center_m = Vector3(Vector3(head.center_m) + (head.radius_m - radius_m) * u),
                            .radius_m = radius_m,

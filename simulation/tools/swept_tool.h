@@ -44,12 +44,14 @@ class SweptTool {
     Vector3 a, b;
     double radius_m;
   };
-  /// Consecutive capsules and a box around their axes.
+  /// Consecutive capsules of one ball, begin … end - 1, and a box around their axes: Nearest skips the chunk
+  /// if the box is too far away.
   struct Chunk {
     Vector3 min, max;
     std::size_t begin, end;
     double radius_m;
   };
+  // Adds the capsules of a tool's cutting balls, in chunks.
   void Add(const ToolPath& path, double tolerance_m);
 
   std::vector<Capsule> capsules_;

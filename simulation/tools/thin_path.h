@@ -18,19 +18,21 @@ template <class Point, class Distance>
   while (!stack.empty()) {
     const auto [first, last] = stack.back();
     stack.pop_back();
-    double worst = tolerance;
-    std::size_t at = 0;
+    // Keep the point that is farthest from the chord, if it is farther than the tolerance, and examine both
+    // halves.
+    double max_distance = tolerance;
+    std::size_t farthest_index = 0;
     for (std::size_t i = first + 1; i < last; ++i) {
-      const double off = distance(path[i], path[first], path[last]);
-      if (off > worst) {
-        worst = off;
-        at = i;
+      const double distance_to_chord = distance(path[i], path[first], path[last]);
+      if (distance_to_chord > max_distance) {
+        max_distance = distance_to_chord;
+        farthest_index = i;
       }
     }
-    if (at == 0) continue;
-    keep[at] = 1;
-    stack.emplace_back(first, at);
-    stack.emplace_back(at, last);
+    if (farthest_index == 0) continue;
+    keep[farthest_index] = 1;
+    stack.emplace_back(first, farthest_index);
+    stack.emplace_back(farthest_index, last);
   }
   std::vector<Point> thin;
   for (std::size_t i = 0; i < path.size(); ++i)

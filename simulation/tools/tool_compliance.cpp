@@ -14,15 +14,17 @@ namespace osteon::simulation {
 namespace {
 
 constexpr int kSlices = 256;               // number of slices of a piece
-constexpr double kVibratingShare = 0.236;  // share of a uniform cantilever's mass, as seen at its end
+constexpr double kVibratingShare = 0.236;  // share of a cantilever's mass that counts as if at its end
 
 /// A slice of the free length.
 struct Slice {
   double front_m, back_m;  ///< distance behind the apex
-  double EI, EA, GJ;       ///< infinite where rigid
+  /// Stiffness against bending [N m²], along the axis [N] and against torsion [N m²]; infinite where rigid.
+  double EI, EA, GJ;
   double mass_kg;
 };
 
+/// Cuts the free part of each piece into kSlices slices, from the apex back.
 std::vector<Slice> SlicesOf(std::span<const BeamPiece> pieces, const BeamParams& p, double free_m) {
   std::vector<Slice> slices;
   const double shear_Pa = 0.5 * p.youngs_Pa / (1.0 + p.poisson);
@@ -30,6 +32,7 @@ std::vector<Slice> SlicesOf(std::span<const BeamPiece> pieces, const BeamParams&
     const double end_m = std::min(piece.to_m, free_m);
     for (int i = 0; i < kSlices && end_m > piece.from_m; ++i) {
       const double step_m = (end_m - piece.from_m) / kSlices, front_m = piece.from_m + i * step_m;
+      // the radius in the slice's middle, and the circle's area and second moment of area, less the flutes
       const double along = (front_m + 0.5 * step_m - piece.from_m) / (piece.to_m - piece.from_m);
       const double r = piece.from_radius_m + along * (piece.to_radius_m - piece.from_radius_m);
       const double area_m2 = piece.area_ratio * std::numbers::pi * r * r;
@@ -50,8 +53,8 @@ std::vector<Slice> SlicesOf(std::span<const BeamPiece> pieces, const BeamParams&
   return slices;
 }
 
-/// Whether the free length carries a thrust: z'' = -P z / EI from the tip's z = 0, with a slope that stays
-/// positive up to the clamp.
+/// Whether the free length carries a thrust P without buckling. The deflection z follows z'' = -P z / EI from
+/// z = 0 at the tip; below the buckling thrust its slope stays positive up to the clamp.
 bool Carries(const std::vector<Slice>& slices, double thrust_N) {
   double z = 0.0, slope = 1.0;
   for (const Slice& slice : slices) {
@@ -69,6 +72,7 @@ bool Carries(const std::vector<Slice>& slices, double thrust_N) {
   return true;
 }
 
+/// The largest thrust [N] that the free length carries, by bisection.
 double BucklingThrust(const std::vector<Slice>& slices) {
   double low_N = 0.0, high_N = 1.0;
   while (Carries(slices, high_N) && high_N < 1e9) high_N *= 2.0;
@@ -142,8 +146,8 @@ double ThrustFactor(double thrust_N, double buckling_N) {
 }
 
 std::vector<BeamPiece> BeamOf(const ToolProfile& profile) {
-  // the head ends at the first cutting piece that begins at its full width and narrows towards the neck, or
-  // is a drill's flute
+  // The head goes from the apex to the first piece that does not cut, or that begins at its full width and is
+  // straight or fluted.
   std::vector<BeamPiece> beam;
   bool in_head = true;
   for (const ProfilePiece& piece : profile.pieces()) {

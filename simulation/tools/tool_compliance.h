@@ -31,6 +31,7 @@ struct BeamPiece {
 /// for drills.
 inline constexpr double kFlutedSecondMoment = 0.41;
 
+/// Material, clamp and load of a tool that bends.
 struct BeamParams {
   double youngs_Pa{193e9};  ///< stainless steel
   double poisson{0.29};
@@ -61,7 +62,8 @@ struct ToolCompliance {
                                                   const BeamParams& params);
 
 /// Compliance against a lateral force at a point behind the apex, at that point [m/N]. The tool counts as
-/// rigid up to there: where a length s of it bends, it is too soft by (s / (L - s))^3.
+/// rigid from the apex to this point: if a length s of this part bends, the result is too large by the
+/// fraction (s / (L - s))^3.
 [[nodiscard]] double LateralCompliance(const Matrix6& C_T, double behind_apex_m);
 
 /// Factor on the compliance under an axial thrust: 1 / (1 - P / P_cr).

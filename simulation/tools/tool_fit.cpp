@@ -10,8 +10,9 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Finds the largest ball that touches the surface at the sample from inside: shrinking ball (Ma, Bae, Choi,
-// The Visual Computer 28, 2012).
+// Finds the largest ball that touches the surface at the sample from inside, by shrinking a ball of radius
+// largest_m until it stays within the solid (Ma, Bae, Choi, The Visual Computer 28, 2012). Nothing if the
+// ball would be smaller than min_m.
 std::optional<ToolBall> TangentBall(const Solid& solid, const SurfaceSample& sample, double largest_m,
                                     double min_m) {
   const Vector3 inward = -sample.normal;
@@ -28,7 +29,8 @@ std::optional<ToolBall> TangentBall(const Solid& solid, const SurfaceSample& sam
     }
     const Vector3 chord = nearest.p_m - sample.p_m;
     const double sagitta = chord.dot(inward);
-    // a foot beside the sample's own tangent plane gives no radius: the sample lies on an edge, or beyond it
+    // The ball through the nearest point and the sample has the radius chord² / (2 sagitta). Without a
+    // sagitta there is none: the sample lies on an edge, or beyond it.
     if (sagitta <= 1e-12) {
       if (clearance < min_m) return std::nullopt;
       radius = std::min(0.5 * radius, clearance);
@@ -39,8 +41,8 @@ std::optional<ToolBall> TangentBall(const Solid& solid, const SurfaceSample& sam
   return std::nullopt;
 }
 
-// Finds the largest ball below an edge that leaves half the gap to it. Clearance is 1-Lipschitz, so the gap
-// grows with the depth of the centre: bisection.
+// Finds the largest ball below an edge that leaves half the accepted gap to the edge, by bisection over the
+// depth of its centre: a deeper centre leaves a larger gap. Nothing if the ball would be smaller than min_m.
 std::optional<ToolBall> BallBelowEdge(const Solid& solid, const SurfaceSample& sample, double largest_m,
                                       double min_m) {
   const auto clearance = [&](double depth_m) {
@@ -57,6 +59,7 @@ std::optional<ToolBall> BallBelowEdge(const Solid& solid, const SurfaceSample& s
       .center_m = sample.p_m - low * sample.normal, .radius_m = radius, .cutting = sample.cutting};
 }
 
+// Distance of a surface point from the ball, 0 inside.
 double Gap(const Vector3& p_m, const ToolBall& ball) {
   return std::max(0.0, (p_m - Vector3(ball.center_m)).norm() - ball.radius_m);
 }
@@ -74,6 +77,7 @@ ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
 
   const double largest_m = 0.5 * solid.Bounds().sizes().maxCoeff();
   std::vector<ToolBall> candidates;
+  // Large lists of samples: every second to fourth sample gives a candidate, and each one on an edge.
   const std::size_t stride = std::clamp<std::size_t>(sorted.size() / 3000, 1, 4);
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     if (!sorted[i].edge && i % stride != 0) continue;
@@ -82,7 +86,7 @@ ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
     if (ball) candidates.push_back(*ball);
   }
 
-  std::vector<double> gap(sorted.size(), kInfinity);
+  std::vector<double> gap(sorted.size(), kInfinity);  // of each sample, with the balls that were added
   // calls visit(i) for the samples of the ball's kind near enough to be served, in order
   const auto for_near = [&](const ToolBall& ball, const auto& visit) {
     const double reach = ball.radius_m + max_gap_m;
@@ -110,13 +114,14 @@ ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
     double best_gap = 0.9 * gap[i];  // where no ball serves the sample, the nearest one is used
     for (const ToolBall& ball : candidates) {
       if (ball.cutting != sorted[i].cutting) continue;
-      const double left = Gap(sorted[i].p_m, ball);
-      if (left <= sorted[i].gap_m) serving.push_back(&ball);
-      if (left < best_gap) best = &ball, best_gap = left;
+      const double remaining_gap_m = Gap(sorted[i].p_m, ball);
+      if (remaining_gap_m <= sorted[i].gap_m) serving.push_back(&ball);
+      if (remaining_gap_m < best_gap) best = &ball, best_gap = remaining_gap_m;
     }
-    // of many candidates only a sample is evaluated: neighbours serve almost the same samples
-    constexpr std::size_t kLookedAt = 256;
-    std::size_t most = 0;
+    // If many candidates serve the sample, only some of them are evaluated: neighbours serve almost the same
+    // samples.
+    constexpr std::size_t kLookedAt = 256;  // candidates that are evaluated, about
+    std::size_t max_served = 0;
     const std::size_t step = serving.size() / kLookedAt + 1;
     for (std::size_t k = 0; k < serving.size(); k += step) {
       const ToolBall& ball = *serving[k];
@@ -124,7 +129,8 @@ ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
       for_near(ball, [&](std::size_t j) {
         if (gap[j] > sorted[j].gap_m && Gap(sorted[j].p_m, ball) <= sorted[j].gap_m) ++served;
       });
-      if (served > most || (served == most && ball.radius_m > best->radius_m)) best = &ball, most = served;
+      if (served > max_served || (served == max_served && ball.radius_m > best->radius_m))
+        best = &ball, max_served = served;
     }
     if (best) add(*best);
   }

@@ -14,14 +14,16 @@ struct SurfaceSample {
   Vector3 normal{Vector3::UnitZ()};  ///< unit, outwards
   double gap_m{1e-4};                ///< accepted gap between this point and the union of the balls
   bool cutting{true};
-  bool edge{false};  ///< on an edge; the normal is the mean of both sides'
+  bool edge{false};  ///< lies on an edge of the surface; the normal is then the mean of both sides' normals
 };
 
+/// Limits of FitTool.
 struct ToolFitParams {
-  std::size_t max_count{64};  ///< most balls of the tool, including those it begins with
+  std::size_t max_count{64};  ///< largest number of balls, including those that the tool begins with
   double min_radius_m{10e-6};
 };
 
+/// Result of FitTool.
 struct ToolFit {
   std::vector<ToolBall> balls;  ///< cutting ones first, each kind from the apex back
   double worst_ratio{0.0};      ///< largest gap over accepted gap; above 1 where the balls did not suffice
@@ -29,12 +31,13 @@ struct ToolFit {
 
 /// Fits few balls whose union matches a solid to within the samples' gaps.
 ///
-/// Each sample has its largest ball: the one that touches the surface there from inside and stays within the
-/// solid. On an edge this ball has no size, and the one that stays half the gap below the edge is used. From
-/// the apex back, take the first sample whose gap is still too large. Among the largest balls that serve it,
-/// the one that serves the most samples is added (along a row this is the shortest cover). This repeats until
-/// all samples are served or the count is reached. Only balls of a sample's own kind serve it, so the border
-/// between cutting and touching parts stays in place to within the gap.
+/// A ball serves a sample if it leaves no more than the accepted gap there. Each sample has its largest ball:
+/// the one that touches the surface there from inside and stays within the solid. On an edge this ball has no
+/// size, and the ball that stays half the gap below the edge is used. From the apex back, the fit takes the
+/// first sample that no ball serves yet. Among the largest balls that serve it, it adds the one that serves
+/// the most samples. This repeats until all samples are served or the count is reached. Only a cutting ball
+/// serves a cutting sample, and only a touching ball a touching one, so the border between the parts stays in
+/// place to within the gap.
 ///
 /// @param first  balls that the tool begins with, such as an analytic head
 /// The result depends on the arguments alone. Cost: about 10 distances for each sample; balls × samples.

@@ -29,6 +29,7 @@ void CheckHolder(const std::string& name, const HolderParams& holder) {
   CheckDensity(name + ": holder density", holder.density_kg_per_m3);
 }
 
+/// Mass of a holder that begins at front_z_m, in T.
 MassProperties HolderMass(const HolderParams& holder, double front_z_m) {
   return CylinderMassProperties(holder.radius_m, front_z_m, front_z_m - holder.length_m,
                                 holder.density_kg_per_m3);
@@ -41,7 +42,7 @@ class Outline {
 
   /// Adds a straight line to the point (z, r), unless it would have no length.
   Outline& LineTo(double z_m, double r_m, bool cutting) {
-    constexpr double kNothing_m = 1e-9;
+    constexpr double kNothing_m = 1e-9;  // a shorter line has no length
     if (std::abs(z_m - z_m_) < kNothing_m && std::abs(r_m - r_m_) < kNothing_m) return *this;
     return Add({.back_z_m = z_m, .back_r_m = r_m, .cutting = cutting});
   }
@@ -91,10 +92,11 @@ void CheckBallsAndHolder(const std::string& name, const BallParams& balls, const
 Tool FitBalls(const std::string& name, const Solid& solid,
               const std::function<std::vector<SurfaceSample>(std::size_t)>& sample,
               const std::vector<ToolBall>& first, std::size_t max_count) {
-  constexpr std::size_t kSamplesPerBall = 120;
+  constexpr std::size_t kSamplesPerBall = 120;  // at least, for the fit to be accepted
   const ToolFitParams params{.max_count = max_count};
   std::vector<SurfaceSample> samples;
   ToolFit fit;
+  // Take four times as many samples until there are enough for the balls, or the balls do not suffice.
   for (std::size_t count = 16'000;; count *= 4) {
     samples = sample(count);
     for (SurfaceSample& s : samples) s.gap_m *= kSampleGapFraction;
@@ -114,6 +116,7 @@ Tool FitBalls(const std::string& name, const Solid& solid,
         name, max_count, scale));
   }
   Tool tool{.name = name, .balls = std::move(fit.balls)};
+  // The head comes first, the other balls stay in their order.
   if (const ToolBall* head = CuttingHead(tool)) {
     const auto at = tool.balls.begin() + (head - tool.balls.data());
     std::rotate(tool.balls.begin(), at, at + 1);

@@ -30,6 +30,7 @@ struct BallParams {
   double touching_gap_m{0.3e-3};
 };
 
+/// A tool, and what only its builder knows: length, outline, and the pieces that bend.
 struct BuiltTool {
   Tool tool;
   double length_m{0.0};                          ///< from the apex to the holder's back

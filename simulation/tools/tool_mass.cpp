@@ -8,6 +8,7 @@
 namespace osteon::simulation {
 namespace {
 
+/// r² of a piece at the height z [m²].
 double SquaredRadius(const ProfilePiece& p, double z) {
   if (p.sphere_radius_m > 0.0)
     return p.sphere_radius_m * p.sphere_radius_m - (z - p.sphere_z_m) * (z - p.sphere_z_m);
@@ -18,6 +19,7 @@ double SquaredRadius(const ProfilePiece& p, double z) {
 }  // namespace
 
 MassProperties RevolvedMassProperties(std::span<const ProfilePiece> pieces, double density_kg_per_m3) {
+  // Gauss points and their weights on -1 … 1.
   const std::array<double, 3> kAt{-std::sqrt(0.6), 0.0, std::sqrt(0.6)};
   constexpr std::array<double, 3> kWeight{5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0};
   // one body for each piece, with its inertia about its own centre, to avoid cancellation
@@ -26,6 +28,7 @@ MassProperties RevolvedMassProperties(std::span<const ProfilePiece> pieces, doub
     const double middle = 0.5 * (piece.front_z_m + piece.back_z_m);
     const double half = 0.5 * (piece.front_z_m - piece.back_z_m);
     if (half <= 0.0) continue;  // a flat face
+    // The integrals of r², r² z, r² z² and r⁴ over the piece, with z from the piece's middle.
     double volume = 0.0, first = 0.0, second = 0.0, fourth = 0.0;
     for (std::size_t i = 0; i < 3; ++i) {
       const double z = half * kAt[i], weight = half * kWeight[i], rr = SquaredRadius(piece, middle + z);

@@ -28,6 +28,7 @@ namespace osteon::simulation {
 [[nodiscard]] MassProperties HemisphericalShellMassProperties(double outer_radius_m, double thickness_m,
                                                               double density_kg_per_m3);
 
+/// Sets the tool's mass, centre of mass and inertia.
 void SetMass(const MassProperties& mass, Tool& tool);
 
 }  // namespace osteon::simulation

@@ -14,26 +14,27 @@ namespace osteon::simulation {
 
 std::vector<SurfaceSample> SampleMesh(const TriangleMesh& mesh, const MeshToolParams& params,
                                       std::size_t count, std::uint64_t seed) {
-  std::vector<double> area_until;  // cumulated area of the triangles
+  std::vector<double> area_up_to;  // area of all triangles up to and including each
   double total = 0.0;
   for (const auto& [a, b, c] : mesh.triangles) {
     const Vector3& p = mesh.vertices_m[a];
     total += 0.5 * (mesh.vertices_m[b] - p).cross(mesh.vertices_m[c] - p).norm();
-    area_until.push_back(total);
+    area_up_to.push_back(total);
   }
   // places on the surface at even steps of area; within a triangle by the R2 sequence (tool_profile.cpp)
   constexpr double kA1 = 0.7548776662466927, kA2 = 0.5698402909980532;
   const auto fraction = [](double x) { return x - std::floor(x); };
+  // Where the sequence begins: seeds are spread by the golden ratio.
   const double start = 0.5 + 0.6180339887498949 * static_cast<double>(seed % 1'000'003);
   std::vector<SurfaceSample> samples;
   samples.reserve(count);
   std::size_t triangle = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const double at = total * (static_cast<double>(i) + fraction(start)) / static_cast<double>(count);
-    while (triangle + 1 < area_until.size() && area_until[triangle] < at) ++triangle;
+    while (triangle + 1 < area_up_to.size() && area_up_to[triangle] < at) ++triangle;
     double u = fraction(start + kA1 * static_cast<double>(i)),
            v = fraction(start + kA2 * static_cast<double>(i));
-    if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
+    if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;  // from the parallelogram's other half into the triangle
     const auto& [a, b, c] = mesh.triangles[triangle];
     const Vector3 p = mesh.vertices_m[a], ab = mesh.vertices_m[b] - p, ac = mesh.vertices_m[c] - p;
     const Vector3 on = p + u * ab + v * ac;
@@ -55,8 +56,8 @@ BuiltTool MakeMeshTool(const TriangleMesh& mesh, const MeshToolParams& params) {
   CheckBallsAndHolder(params.name, params.balls, params.holder, params.density_kg_per_m3);
 
   const auto sample = [&](std::size_t count) { return SampleMesh(mesh, params, count, 0); };
-  const std::vector<SurfaceSample> some = sample(4000);
-  if (std::none_of(some.begin(), some.end(), [](const SurfaceSample& s) { return s.cutting; }))
+  const std::vector<SurfaceSample> probes = sample(4000);
+  if (std::none_of(probes.begin(), probes.end(), [](const SurfaceSample& s) { return s.cutting; }))
     throw std::invalid_argument(fmt::format(
         "{}: nothing of the mesh lies in z {:.6g} … {:.6g} mm, where it is to cut; it spans {:.6g} … "
         "{:.6g} mm",

@@ -24,6 +24,7 @@ constexpr std::array<std::string_view, kColumnCount> kColumnNames{
     "time_s", "x_mm", "y_mm", "z_mm", "q_w", "q_x", "q_y", "q_z", "spindle_rpm"};
 
 constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
+// Largest values of a row: time [s], coordinate of a position [mm], spindle's speed [rpm].
 constexpr double kMaxSeconds = 36000.0, kFar_mm = 10000.0, kMaxRpm = 500'000.0;
 constexpr double kUnitTolerance = 1e-5;  // a rounding of 1e-7 in four values, with a margin
 constexpr double kMaxSpeed_m_per_s = 5.0;
@@ -43,6 +44,7 @@ constexpr std::array<OriginLine, 8> kOriginLines{{{"made by", &MotionOrigin::mad
 // text has no more places; minus zero becomes zero.
 double Rounded(double value, double per_unit) { return std::round(value * per_unit) / per_unit + 0.0; }
 
+// The values of a sample's row in the file, rounded as the file shows them.
 std::array<double, kColumnCount> Row(const MotionSample& s) {
   const Vector3 p_mm = 1e3 * s.p_GT_m;
   return {Rounded(s.time_s, 1e6),   Rounded(p_mm.x(), 1e4),   Rounded(p_mm.y(), 1e4),
@@ -50,6 +52,7 @@ std::array<double, kColumnCount> Row(const MotionSample& s) {
           Rounded(s.R_GT.y(), 1e7), Rounded(s.R_GT.z(), 1e7), Rounded(s.spindle_rad_per_s / kRpm, 1e3)};
 }
 
+// The sample that a row's values describe.
 MotionSample Sample(const std::array<double, kColumnCount>& row) {
   return {.time_s = row[0],
           .p_GT_m = 1e-3 * Vector3(row[1], row[2], row[3]),
@@ -80,10 +83,10 @@ class MotionLines {
     ++number_;
     return true;
   }
+  // Number of the last line that was read, from 1.
   [[nodiscard]] int number() const { return number_; }
-  [[nodiscard]] bool ends_with_newline() const {
-    return ends_with_newline_;
-  }  // whether the last line that was read ends with a newline
+  // Whether the last line that was read ends with a newline.
+  [[nodiscard]] bool ends_with_newline() const { return ends_with_newline_; }
 
  private:
   std::string_view rest_;
@@ -91,7 +94,7 @@ class MotionLines {
   bool ends_with_newline_{true};
 };
 
-// Parses a row. @returns an empty string, or what is wrong with its text.
+// Reads a row and checks its values. @returns an empty string, or what is wrong with it.
 std::string ReadRow(std::string_view line, std::array<double, kColumnCount>& row) {
   const auto count = static_cast<std::size_t>(std::ranges::count(line, ',')) + 1;
   if (count != kColumnCount) return fmt::format("found {} values, accepted 9: {}", count, kColumns);
@@ -117,7 +120,8 @@ std::string ReadRow(std::string_view line, std::array<double, kColumnCount>& row
   return within(8, 0.0, kMaxRpm);
 }
 
-// Checks two consecutive rows. @returns as CheckSample does.
+// Checks that the time ascends from one row to the next, and that the tool moves and turns no faster than
+// accepted. @returns an empty string, or what is wrong.
 std::string CheckStep(const MotionSample& before, const MotionSample& sample) {
   const double step_s = sample.time_s - before.time_s;
   if (!(step_s > 0.0))

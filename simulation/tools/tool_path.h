@@ -16,6 +16,7 @@ using ToolPoints = std::vector<Vector3>;
 
 /// Largest distance of a chord from its arc [m].
 inline constexpr double kChordError_m = 10e-6;
+/// Largest number of chords of a turn, whatever its error.
 inline constexpr int kMaxChords = 128;
 
 /// Number of chords of a turn, so that each stays within kChordError_m of its arc:

@@ -11,19 +11,21 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kJoin_m = 1e-9;
-using Point2 = Eigen::Vector2d;  // (r, z)
+constexpr double kJoin_m = 1e-9;  // largest distance of ends that count as joined
+using Point2 = Eigen::Vector2d;   // (r, z)
 
 [[noreturn]] void Refuse(std::size_t piece, const std::string& what) {
   throw std::invalid_argument(fmt::format("tool outline: piece {}: {}", piece + 1, what));
 }
 
+/// Area [m²] of the surface that the piece makes about the axis.
 double Area(const ProfilePiece& p) {
   if (p.sphere_radius_m > 0.0) return 2.0 * std::numbers::pi * p.sphere_radius_m * (p.front_z_m - p.back_z_m);
   return std::numbers::pi * (p.front_r_m + p.back_r_m) *
          std::hypot(p.front_r_m - p.back_r_m, p.front_z_m - p.back_z_m);
 }
 
+/// The point of the piece that is nearest to q, in the half plane (r, z).
 Point2 NearestPointOn(const ProfilePiece& piece, const Point2& q) {
   const Point2 front(piece.front_r_m, piece.front_z_m), back(piece.back_r_m, piece.back_z_m);
   if (piece.sphere_radius_m > 0.0) {
@@ -57,7 +59,7 @@ std::pair<Point2, Point2> PointAndNormalAt(const ProfilePiece& p, double u) {
 
 ToolProfile::ToolProfile(std::vector<ProfilePiece> pieces) : pieces_(std::move(pieces)) {
   if (pieces_.empty()) throw std::invalid_argument("tool outline: no piece");
-  double z = 0.0, r = pieces_.front().front_r_m;
+  double z = 0.0, r = pieces_.front().front_r_m;  // where the next piece has to begin
   if (std::abs(r) > kJoin_m) Refuse(0, fmt::format("found a hole of {:.6g} mm at the apex", r * 1e3));
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
     const ProfilePiece& p = pieces_[i];
@@ -105,6 +107,8 @@ double ToolProfile::RadiusAt(double z_m) const {
 }
 
 SurfacePoint ToolProfile::NearestSurface(const Vector3& p_m) const {
+  // In the half plane (r, z) through the point and the axis: compare all pieces, the part in the holder and
+  // its end.
   const Point2 q(std::hypot(p_m.x(), p_m.y()), p_m.z());
   const Vector3 out =
       q.x() > 0.0 ? Vector3(p_m.x() / q.x(), p_m.y() / q.x(), 0.0) : Vector3(Vector3::UnitX());
@@ -114,16 +118,17 @@ SurfacePoint ToolProfile::NearestSurface(const Vector3& p_m) const {
                             .back_z_m = end_z_m_,
                             .back_r_m = last.back_r_m};
   Point2 nearest(std::min(q.x(), last.back_r_m), end_z_m_);  // the face at the holder's end
-  double least = (q - nearest).norm();
+  double min_distance_m = (q - nearest).norm();
   const auto consider = [&](const Point2& on) {
     const double distance = (q - on).norm();
-    if (distance < least) least = distance, nearest = on;
+    if (distance < min_distance_m) min_distance_m = distance, nearest = on;
   };
   for (const ProfilePiece& piece : pieces_) consider(NearestPointOn(piece, q));
   if (last.back_r_m > 0.0) consider(NearestPointOn(holder, q));
   const double radius = q.y() >= last.back_z_m ? RadiusAt(q.y()) : last.back_r_m;
   const bool inside = q.y() <= 0.0 && q.y() >= end_z_m_ && q.x() < radius;
-  return {.p_m = nearest.x() * out + nearest.y() * Vector3::UnitZ(), .distance_m = inside ? -least : least};
+  return {.p_m = nearest.x() * out + nearest.y() * Vector3::UnitZ(),
+          .distance_m = inside ? -min_distance_m : min_distance_m};
 }
 
 Eigen::AlignedBox3d ToolProfile::Bounds() const {
@@ -131,7 +136,7 @@ Eigen::AlignedBox3d ToolProfile::Bounds() const {
 }
 
 std::vector<SurfaceSample> ToolProfile::Sample(std::size_t count, std::uint64_t seed) const {
-  constexpr std::size_t kMin = 64;
+  constexpr std::size_t kMin = 64;  // samples on a piece, at least
   // The number of samples is proportional to area over gap, because the depth of a scallop between two balls
   // grows with the square of their spacing.
   double total = 0.0;
@@ -152,6 +157,7 @@ std::vector<SurfaceSample> ToolProfile::Sample(std::size_t count, std::uint64_t 
   // Sequences, 2018)
   constexpr double kA1 = 0.7548776662466927, kA2 = 0.5698402909980532;
   const auto fraction = [](double x) { return x - std::floor(x); };
+  // Where the sequence begins: seeds are spread by the golden ratio.
   const double start = 0.5 + 0.6180339887498949 * static_cast<double>(seed % 1'000'003);
   for (std::size_t k = 0; k < pieces_.size(); ++k) {
     const ProfilePiece& piece = pieces_[k];

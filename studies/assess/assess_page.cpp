@@ -17,12 +17,14 @@
 namespace osteon::studies {
 namespace {
 
+// Inclination and anteversion of an axis, by the plan's definition: "40.0° / 15.0° (radiographic)".
 std::string AnglesText(const procedure::SurgicalPlan& plan, const Vector3& axis_G) {
   const procedure::CupAngles angles = procedure::AnglesOf(plan.definition, plan.pelvis.FromG(axis_G));
   return fmt::format("{:.1f}° / {:.1f}° ({})", angles.inclination_rad / kDegree,
                      angles.anteversion_rad / kDegree, procedure::NameOf(plan.definition));
 }
 
+// Says how the cup's axis lies in the plan's cup_cone, as the end of a sentence; empty without a cup_cone.
 std::string CupConeText(const procedure::SurgicalPlan& plan, const procedure::Assessment& found) {
   const std::string place = CupConePlace(plan, found);
   const procedure::GuidanceGains::CupCone& cone = plan.guidance.cup_cone;
@@ -32,6 +34,7 @@ std::string CupConeText(const procedure::SurgicalPlan& plan, const procedure::As
                      cone.stop_rad / kDegree);
 }
 
+// Adds the summary's rows that only an opening has: axis, place, floor and roof.
 void AddOpening(const procedure::SurgicalPlan& plan, const procedure::Assessment& found,
                 std::vector<report::SummaryRow>& rows) {
   const procedure::OpeningResult& opening = *found.opening;
@@ -67,6 +70,7 @@ std::string BoneLeftText(const AssessedSession& session) {
                            : text + fmt::format("; the last {} came to its planned depth", tool);
 }
 
+// The rows of the page's summary.
 std::vector<report::SummaryRow> Rows(const AssessResult& result) {
   const AssessedSession& session = result.session;
   const procedure::SurgicalPlan& plan = session.plan.plan;
@@ -118,6 +122,7 @@ std::string TableHead(std::initializer_list<const char*> names) {
   return html + "</tr></thead><tbody>\n";
 }
 
+// The table of all metrics with their points, then the published shifts and the deductions.
 std::string ItemsTable(const AssessResult& result) {
   std::string html = TableHead({"figure", "value", "full points, none", "points", "experts here", "source"});
   for (const procedure::Metric& metric : procedure::Metrics()) {
@@ -172,6 +177,7 @@ std::string PassTable(const AssessedSession& session) {
   return html + "</tbody></table></div>\n";
 }
 
+// Curves of height, distance from the axis, force and tilt over the session, with its passes.
 std::string Curves(const AssessedSession& session) {
   const SessionTrace& trace = session.trace;
   const procedure::GuidanceGains& gains = session.plan.plan.guidance;
@@ -274,7 +280,7 @@ std::string CarvedBone(const AssessedSession& session) {
   const std::vector<simulation::ToolPath> paths = session.cut->paths();
   if (paths.empty()) return "";
   const procedure::PlannedCavity cavity = session.plan.plan.cavity();
-  constexpr std::size_t kMaxQuads = 60'000;  // half a run's: the page should open on a phone
+  constexpr std::size_t kMaxQuads = 60'000;  // half as many as for a run: the page should open on a phone
   const report::CarvedSurface carved =
       report::CarveSurface({.bone = session.bone,
                             .solid = session.solid.get(),
@@ -287,6 +293,7 @@ std::string CarvedBone(const AssessedSession& session) {
       {.shows_deviation = true, .range_mm = DeviationScale_mm(session.plan.plan.kind)});
 }
 
+// The section of the page with the carved bone and the slices. An error: a picture could not be encoded.
 tl::expected<std::string, std::string> Pictures(const AssessedSession& session) {
   const std::string& target = session.plan.plan.target;
   std::string html =

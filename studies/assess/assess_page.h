@@ -13,7 +13,7 @@ namespace osteon::studies {
 /// A metric's value as a person reads it, no finer than it is known: "14.2°", "1.29 mm", "98.4 %".
 [[nodiscard]] std::string ValueText(double si, const procedure::Metric& metric);
 
-/// A session's name for people (NameOfFolder).
+/// The name of a session in pages and tables, by its folder (NameOfFolder).
 [[nodiscard]] std::string NameOfSession(const AssessedSession& session);
 
 /// Writes the page of an assessment: score, sections, map, curves, items, trend, assumptions. The error names

@@ -17,13 +17,15 @@ using Color = std::array<std::uint8_t, 3>;
 
 constexpr Color kAir{255, 255, 255}, kBone{222, 205, 176}, kRemoved{244, 240, 232}, kOver{213, 94, 0},
     kUnder{0, 114, 178}, kOutline{27, 31, 36}, kNoBone{228, 232, 236}, kTarget{216, 150, 150};
-constexpr int kSlicePixels = 425;
+constexpr int kSlicePixels = 425;  // edge of a slice's picture
+// The map of the deviation: cells along an edge, and pixels along a cell's edge.
 constexpr int kMapCells = 108, kCellPixels = 3, kMapPixels = kMapCells * kCellPixels;
 
 // Half the window of a slice, in radii of the planned cavity: an opening is deeper than it is wide.
 double WindowRadii(procedure::PlanKind kind) { return kind == procedure::PlanKind::kCup ? 1.7 : 3.5; }
 
-// Which pixels of a slice lie in a union of balls.
+// For each pixel of a slice, row by row, whether it lies in one of the balls. The slice goes through
+// origin_m, which is its middle, and spans the unit vectors `right` and `up`.
 std::vector<bool> Filled(std::span<const simulation::Ball> balls, const Vector3& origin_m,
                          const Vector3& right, const Vector3& up, double pixel_m) {
   constexpr int size = kSlicePixels;
@@ -31,8 +33,10 @@ std::vector<bool> Filled(std::span<const simulation::Ball> balls, const Vector3&
   const Vector3 normal = right.cross(up);
   const double half = 0.5 * size;
   for (const simulation::Ball& ball : balls) {
+    // The slice cuts the ball in a circle: centre (x, y) and radius r in pixels.
     const Vector3 way_m = Vector3(ball.center_m) - origin_m;
-    const double off_m = way_m.dot(normal), radius2 = ball.radius_m * ball.radius_m - off_m * off_m;
+    const double plane_distance_m = way_m.dot(normal),
+                 radius2 = ball.radius_m * ball.radius_m - plane_distance_m * plane_distance_m;
     if (radius2 <= 0.0) continue;
     const double x = way_m.dot(right) / pixel_m + half, y = half - way_m.dot(up) / pixel_m;
     const double r = std::sqrt(radius2) / pixel_m;
@@ -46,10 +50,10 @@ std::vector<bool> Filled(std::span<const simulation::Ball> balls, const Vector3&
   return filled;
 }
 
-// The balls that were cut or are gone, as they were before. A session saves its bone's balls rounded: a ball
-// that differs only by rounding is not cut.
+// The balls that were cut or removed, in their size before the cut. A session saves its bone's balls rounded,
+// so a ball that differs only by rounding does not count as cut.
 std::vector<simulation::Ball> TouchedBalls(const AssessedSession& session) {
-  constexpr double kKept_mm = 1e-2;
+  constexpr double kKept_mm = 1e-2;  // a ball that lost less of its radius is not cut
   std::vector<simulation::Ball> touched;
   for (std::size_t i = 0; i < session.bone.balls.size() && 4 * i + 3 < session.state.balls.size(); ++i)
     if (session.state.balls[4 * i + 3] < 1e3 * session.bone.balls[i].radius_m - kKept_mm)
@@ -66,6 +70,7 @@ std::vector<simulation::Ball> TargetPoints(const AssessedSession& session) {
   return balls;
 }
 
+// The colour between a (share 0) and b (share 1).
 Color Mix(const Color& a, const Color& b, double share) {
   Color mixed{};
   for (std::size_t i = 0; i < 3; ++i)
@@ -73,10 +78,12 @@ Color Mix(const Color& a, const Color& b, double share) {
   return mixed;
 }
 
+// Appends a pixel.
 void Put(report::Image& image, const Color& color) {
   image.rgb.insert(image.rgb.end(), color.begin(), color.end());
 }
 
+// A slice through the planned centre that spans the unit vectors `right` and `up`.
 report::Image SliceImage(const AssessedSession& session, const Vector3& right, const Vector3& up) {
   const procedure::PlannedCavity cavity = session.plan.plan.cavity();
   constexpr int size = kSlicePixels;
@@ -106,6 +113,7 @@ report::Image SliceImage(const AssessedSession& session, const Vector3& right, c
   return image;
 }
 
+// The map of a cup's deviation from the plan over the planned hemisphere.
 report::Image DeviationImage(const AssessedSession& session) {
   const procedure::SurgicalPlan& plan = session.plan.plan;
   const Vector3& a = plan.axis_G;
@@ -118,7 +126,7 @@ report::Image DeviationImage(const AssessedSession& session) {
     for (int column = 0; column < kMapCells; ++column) {
       const double x = (column + 0.5 - half) / half, y = (half - row - 0.5) / half, r2 = x * x + y * y;
       if (r2 > 1.0) continue;
-      // equal areas: the height grows with the square of the radius
+      // Lambert's equal-area map: the direction's height grows with the square of its radius on the map.
       const double across = std::sqrt(std::max(0.0, r2 * (2.0 - r2))), r = std::sqrt(r2);
       const Vector3 aside = r > 0.0 ? Vector3((x * right + y * up) / r) : Vector3::Zero();
       directions.push_back(across * aside - (1.0 - r2) * a);

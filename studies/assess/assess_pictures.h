@@ -16,12 +16,15 @@ struct CavityPicture {
 };
 
 /// Slices through the planned centre: bone left, bone removed as planned, over-reamed, under-reamed, and the
-/// planned cavity's outline. Of a cup coronal and axial, and how much deeper (orange) or shallower (blue)
-/// than planned the bone begins, over the planned hemisphere, seen from its opening: the pole in the middle,
-/// equal areas, superior up. Of an opening two along its axis and one across it.
+/// planned cavity's outline.
+///
+/// A cup has a coronal and an axial slice, and a map of the planned hemisphere, seen from its opening: how
+/// much deeper (orange) or shallower (blue) than planned the bone begins. The map shows equal areas equally
+/// large, with the pole in the middle and superior up. An opening has two slices along its axis and one
+/// across it.
 [[nodiscard]] std::vector<CavityPicture> CavityPictures(const AssessedSession& session);
 
-/// The deviation at the ends of the colours [mm].
+/// The deviation from the plan that gets the full colour [mm].
 [[nodiscard]] double DeviationScale_mm(procedure::PlanKind kind);
 
 }  // namespace osteon::studies

@@ -21,8 +21,9 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using procedure::CupDefinition;
 
-constexpr int kKeyWidth = 40;
+constexpr int kKeyWidth = 40;  // letters of the printed names' column
 
+// A vector's coordinates, times a scale that converts their unit.
 Json Triple(const Vector3& v, double scale = 1.0) { return {scale * v.x(), scale * v.y(), scale * v.z()}; }
 
 template <class T>
@@ -30,6 +31,7 @@ Json OrNull(const std::optional<T>& value, double scale = 1.0) {
   return value ? Json(scale * *value) : Json();
 }
 
+// The angles of an axis by each of the three definitions.
 Json AnglesJson(const procedure::SurgicalPlan& plan, const Vector3& axis_G) {
   Json json;
   for (const CupDefinition definition :
@@ -176,7 +178,7 @@ Json ScoreJson(const AssessResult& result) {
           {"deductions", deductions}};
 }
 
-// Below this share of an item's points a person should look.
+// Below this share of an item's points the verdict warns of the item.
 constexpr double kFairShare = 0.5;
 
 // Reads, measures and scores a session.
@@ -196,17 +198,19 @@ tl::expected<AssessResult, std::string> Measure(const fs::path& folder, const As
   return result;
 }
 
-// The metric's name for people.
+// The metric's name as pages show it; an unknown metric's own name.
 std::string TextOf(const std::string& metric) {
   for (const procedure::Metric& known : procedure::Metrics())
     if (metric == known.name) return known.text;
   return metric;
 }
 
+// Whether the session reaches the score, is finished and has whole recordings.
 bool Passes(const AssessResult& result, double pass_at) {
   return result.score.total >= pass_at && result.unfinished.text.empty() && result.session.missing.empty();
 }
 
+// What a person should know of the session beyond its score, as faults and warnings.
 session::Verdict Judge(const AssessResult& result, const std::optional<double>& pass_at) {
   session::Verdict verdict;
   if (!result.unfinished.text.empty())

@@ -15,6 +15,7 @@
 
 namespace osteon::studies {
 
+/// Options of `osteon assess`.
 struct AssessOptions {
   std::filesystem::path session;               ///< folder
   std::filesystem::path rubric;                ///< empty: the shipped one for the plan's kind

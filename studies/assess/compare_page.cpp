@@ -17,11 +17,15 @@
 namespace osteon::studies {
 namespace {
 
+// Sizes of the drawing [px]: pictures and the gap between them, width of the points' column, head with the
+// titles, foot with the legend; then a session's least height, a bar, an item, and the lines with score and
+// mark.
 constexpr double kPicturePx = 220.0, kPictureGapPx = 14.0, kPointsPx = 330.0, kHeadPx = 34.0, kFootPx = 34.0;
 constexpr double kSessionPx = 276.0, kBarPx = 130.0, kItemPx = 35.0, kScorePx = 26.0, kMarkPx = 18.0;
 constexpr double kWidthPx = kPointsPx + 3.0 * (kPicturePx + kPictureGapPx) + kPictureGapPx;
 constexpr double kComparisonScale = 1.5;  // pixels of the PNG per px
 
+// An SVG element of the picture with its upper left corner at (x, y).
 tl::expected<std::string, std::string> PictureAt(double x, double y, const report::Image& image) {
   const auto png = report::EncodePng(image);
   if (!png) return tl::make_unexpected(png.error());
@@ -32,7 +36,7 @@ tl::expected<std::string, std::string> PictureAt(double x, double y, const repor
       report::Base64(*png));
 }
 
-// One bar for each scored item: as long as its share of the points.
+// The items of a score from y down: for each scored item a bar as long as its share of the points.
 std::string Points(double y, const procedure::Score& score) {
   std::string svg;
   for (const procedure::ScoredItem& scored : score.items) {
@@ -57,6 +61,7 @@ std::string Points(double y, const procedure::Score& score) {
   return svg;
 }
 
+// One session from y down: score and points at the left, its pictures at the right.
 tl::expected<std::string, std::string> SessionSvg(double y, const AssessResult& result) {
   const AssessedSession& session = result.session;
   std::string svg =
@@ -77,6 +82,7 @@ tl::expected<std::string, std::string> SessionSvg(double y, const AssessResult& 
   return svg;
 }
 
+// A table of all metrics that at least one of the two sessions has.
 std::string FiguresTable(const AssessResult& first, const AssessResult& second) {
   std::string html = fmt::format(
       "<div style=\"overflow-x:auto\"><table><thead><tr><th>figure</th><th>{}</th><th>{}</th></tr></thead>"

@@ -21,9 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 using procedure::ProcessSums;
 
-constexpr double kNoStamp_s = -1.0;
+constexpr double kNoStamp_s = -1.0;  // no tick was read yet
 
-// The carved state of a bone that nothing has touched.
+// The carved state of a bone of which nothing was removed.
 simulation::CarvedState Uncut(const simulation::Bone& bone) {
   simulation::CarvedState state;
   for (const simulation::Ball& ball : bone.balls)
@@ -65,6 +65,7 @@ class SessionSums {
     spindle_rad_per_s_ = 0.0;
   }
 
+  // Adds a tick of the haptic phase to the sums of the session, its tool and its pass, and to the curves.
   void Add(const control::TickRecord& tick) {
     spindle_rad_per_s_ = tick.spindle_rad_per_s;
     if (tick.phase != control::Phase::kHaptic) return;
@@ -95,6 +96,7 @@ class SessionSums {
     Trace(sample, feed, reamer);
   }
 
+  // Adds a frame of the simulation: the volume removed, walls, and the reamed axis.
   void Add(const simulation::FrameRecord& frame) {
     cutting_ = cut_.Step(frame.model, spindle_rad_per_s_);
     const double new_m3 = std::max(0.0, cut_.removed_m3() - cut_.removed_before_m3());
@@ -114,6 +116,7 @@ class SessionSums {
     }
   }
 
+  // Writes the sums into the session.
   void Finish() {
     procedure::Assessment& assessment = session_.assessment;
     assessment.process = total_.Figures();
@@ -129,13 +132,15 @@ class SessionSums {
   }
 
  private:
+  // Whether a time of the present recording lies in the pass.
   [[nodiscard]] bool IsIn(const session::SessionPass& pass, rt::Nanoseconds stamp) const {
     const session::SessionSegment& segment = session_.file.segments[static_cast<std::size_t>(pass.segment)];
     return segment.recording == recording_ && stamp >= pass.begin && stamp <= pass.end;
   }
-  // Names the passes that count and that no recording holds whole: one may be torn, missing or another's.
+  // Names the passes that count and whose removed volume is not in the recordings: a recording may be torn,
+  // missing, or that of another session.
   [[nodiscard]] std::string Missing() const {
-    constexpr double kShare = 0.01, kLittle_mm3 = 1.0;
+    constexpr double kShare = 0.01, kLittle_mm3 = 1.0;  // accepted difference: 1 % and 1 mm³
     std::string text;
     for (std::size_t i = 0; i < passes_.size(); ++i) {
       const session::SessionPass& pass = session_.passes[i].pass;
@@ -160,16 +165,17 @@ class SessionSums {
   [[nodiscard]] double RadiusOf(int tool) const {
     return 0.5e-3 * session_.file.diameters_mm[static_cast<std::size_t>(tool)];
   }
+  // Adds a point to the curves, if the last one is kTraceStep_s old.
   void Trace(const procedure::ProcessSample& sample, const Vector3& feed,
              const procedure::PlannedTool& reamer) {
     SessionTrace& trace = session_.trace;
     if (!trace.t_s.empty() && sample.t_s < trace.t_s.back() + kTraceStep_s) return;
     const procedure::SurgicalPlan& plan = session_.plan.plan;
-    const Vector3 off_m = sample.head_m - plan.centre_m;
-    const double height_m = off_m.dot(plan.axis_G);
+    const Vector3 from_planned_m = sample.head_m - plan.centre_m;
+    const double height_m = from_planned_m.dot(plan.axis_G);
     trace.t_s.push_back(sample.t_s);
     trace.height_mm.push_back(1e3 * height_m);
-    trace.aside_mm.push_back(1e3 * (off_m - height_m * plan.axis_G).norm());
+    trace.aside_mm.push_back(1e3 * (from_planned_m - height_m * plan.axis_G).norm());
     trace.proxy_mm.push_back(1e3 * (proxy_m_ - plan.centre_m).dot(plan.axis_G));
     trace.tilt_deg.push_back(std::acos(std::clamp(-feed.dot(plan.axis_G), -1.0, 1.0)) / kDegree);
     trace.force_N.push_back(sample.F_hand_N.norm());
@@ -214,6 +220,7 @@ std::vector<simulation::Tool> CuttingHeads(const std::vector<double>& diameters_
   return heads;
 }
 
+// Refuses a session whose plan was changed, that has no segment, or whose tools are not the plan's.
 tl::expected<void, std::string> CheckSession(const AssessedSession& session) {
   const fs::path file = session.folder / session.file.plan_file;
   if (const std::string found = session::TextChecksum(base::ReadText(file));

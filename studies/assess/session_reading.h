@@ -20,10 +20,11 @@ namespace osteon::studies {
 struct SessionTrace {
   std::vector<double> t_s{}, height_mm{}, tilt_deg{}, aside_mm{}, force_N{};
   std::vector<double> proxy_mm{};  ///< height of the simulated head: where bone stops it, above the handle's
-  /// Width of the corridor at the head's height: how far aside the head moves freely, and how far before the
+  /// Width of the corridor at the head's height: how far aside the head moves freely, and how far aside the
   /// spindle stops. Empty if the plan has no corridor.
   std::vector<double> free_mm{}, stop_mm{};
 };
+/// Time between two values of the curves.
 inline constexpr double kTraceStep_s = 0.05;
 
 /// A pass of the session, on the trace's time.
@@ -33,6 +34,7 @@ struct PassFigures {
   procedure::ProcessFigures figures{};
 };
 
+/// Sums over all passes with one of the plan's tools.
 struct ToolFigures {
   double diameter_mm{0.0};
   int passes{0};  ///< number of passes that count for the result

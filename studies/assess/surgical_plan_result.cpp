@@ -26,10 +26,11 @@ using procedure::CupDefinition;
 using procedure::SurgicalPlan;
 
 constexpr double kLandmarkNoise_m = 2e-3;  // standard deviation of a palpated landmark's coordinate
-constexpr double kWallsPerRadius = 12.5;
+constexpr double kWallsPerRadius = 12.5;   // samples of the surface per opening's radius, to find the wall
 constexpr CupDefinition kDefinitions[] = {CupDefinition::kRadiographic, CupDefinition::kOperative,
                                           CupDefinition::kAnatomic};
 
+// A vector's coordinates, times a scale that converts their unit.
 Json Triple(const Vector3& v, double scale = 1.0) { return {scale * v.x(), scale * v.y(), scale * v.z()}; }
 
 Json AnglesJson(const CupAngles& angles) {
@@ -45,8 +46,8 @@ double CellsPerRadius(procedure::PlanKind kind) { return kind == procedure::Plan
 struct PlanFigures {
   std::optional<double> planned_volume_m3{};  // nothing: the plan is for a mesh, and no mesh was named
   std::vector<double> tool_volumes_m3{};      // removed by each tool after the earlier ones; empty: not known
-  std::optional<double> wall_m{};
-  std::optional<Vector3> axis_W{};
+  std::optional<double> wall_m{};             // thinnest wall that the cavity leaves; nothing: not known
+  std::optional<Vector3> axis_W{};            // the plan's axis in the cell; nothing: no cell was named
   std::vector<std::string> warnings;
 };
 
@@ -73,7 +74,8 @@ std::vector<double> ToolVolumes(const SurgicalPlan& plan, const session::CellSet
   return volumes_m3;
 }
 
-// Bone and wall of the plan. A packing without its solid has the volume of its mass points, and no wall.
+// Measures the plan's volumes and its thinnest wall. Without a solid, the volumes are sums of the packing's
+// mass points, and there is no wall.
 tl::expected<PlanFigures, std::string> Measure(const config::SurgicalPlanConfig& config,
                                                std::optional<session::MeshChoice> mesh) {
   PlanFigures figures{.warnings = procedure::WarningsOf(config.plan)};
@@ -105,6 +107,7 @@ tl::expected<PlanFigures, std::string> Measure(const config::SurgicalPlanConfig&
   return figures;
 }
 
+// Adds the planned volume, the wall and the warnings to a plan's JSON.
 void AddFigures(const PlanFigures& figures, Json& json) {
   json["planned_volume_mm3"] = figures.planned_volume_m3 ? Json(1e9 * *figures.planned_volume_m3) : Json();
   json["least_wall_mm"] = figures.wall_m ? Json(1e3 * *figures.wall_m) : Json();
@@ -160,7 +163,7 @@ Json PlanJson(const SurgicalPlan& plan, const PlanFigures& figures) {
 }
 
 std::string AxisText(const Vector3& axis) {
-  constexpr double kShown = 1e4;  // four places, and no "-0"
+  constexpr double kShown = 1e4;  // shows four places; + 0.0 turns "-0" into "0"
   const auto rounded = [](double v) { return std::round(v * kShown) / kShown + 0.0; };
   return fmt::format("{:.4f}, {:.4f}, {:.4f}", rounded(axis.x()), rounded(axis.y()), rounded(axis.z()));
 }

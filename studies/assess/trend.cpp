@@ -17,8 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// A folder of this name is called by the folder that it lies in.
 constexpr const char* kInnerFolder = "session";
 
+// The absolute path, without links and without a slash at its end.
 fs::path WholePath(const fs::path& folder) {
   const fs::path whole = fs::weakly_canonical(folder);
   return whole.has_filename() ? whole : whole.parent_path();
@@ -103,7 +105,7 @@ std::string NameOfFolder(const fs::path& folder) {
 
 tl::expected<Trend, std::string> ReadTrend(const AssessResult& result, const std::vector<fs::path>& named) {
   const fs::path own = WholePath(result.session.folder);
-  std::set<fs::path> seen{own};
+  std::set<fs::path> seen{own};  // so that no folder counts twice
   Trend trend{.points = {{.session = NameOfFolder(own),
                           .began = result.session.file.began,
                           .score = result.score.total,

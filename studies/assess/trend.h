@@ -11,8 +11,7 @@ namespace osteon::studies {
 
 struct AssessResult;
 
-/// Name of the result's file in a session's folder, schema of that file, and name of the trend's table in the
-/// same folder.
+/// In a session's folder: name of the result's file, schema of that file, and name of the trend's table.
 inline constexpr const char* kResultName = "assess.json";
 inline constexpr const char* kAssessSchema = "osteon.assess/1";
 inline constexpr const char* kTrendName = "trend.csv";
@@ -34,8 +33,8 @@ struct Trend {
   bool by_time{false};  ///< sorted by the beginnings; false: by the folders' names
 };
 
-/// A session's name for people: that of its folder, or of the folder above if the folder is only called
-/// "session".
+/// The name of a session in pages and tables: that of its folder, or of the folder above if the folder is
+/// only called "session".
 [[nodiscard]] std::string NameOfFolder(const std::filesystem::path& folder);
 
 /// Finds the results beside a session: in the folders beside its own, and in their folders "session". A

@@ -34,15 +34,17 @@
 namespace osteon::studies {
 namespace {
 
-constexpr int kPages = 8;
-constexpr std::chrono::milliseconds kLooks{50};
-constexpr int kLooksToAsk = 20;
-constexpr double kMaxLatency_ms = 100.0;  // from a tick to its drawn figure: the limit of console.md
+constexpr int kPages = 8;                        // of the leg kEight
+constexpr std::chrono::milliseconds kLooks{50};  // time between two looks whether the demo has ended
+constexpr int kLooksToAsk = 20;                  // looks from one question for the drawn figures to the next
+constexpr double kMaxLatency_ms = 100.0;         // from a tick to its drawn figure: the limit of console.md
 
+// The demos of a round, in turn; their names are in kLegs.
 enum class Leg : std::uint8_t { kOff, kIdle, kEight, kPage, kBusy, kBrowser };
 constexpr std::array<const char*, 6> kLegs{"off",      "on, no page",          "eight pages, one stuck",
                                            "one page", "one page, cores busy", "one page in a browser"};
 
+// A figure of a demo's summary: its two keys in the JSON, and its name in the output. All are in µs.
 struct Figure {
   const char *key, *part, *name;
 };
@@ -54,6 +56,7 @@ constexpr std::array<Figure, 4> kFigures{
 struct BoneFigures {
   double mesh_per_s{0.0}, whole_per_s{0.0}, longest_gap_ms{0.0}, age_ms_p50{0.0}, age_ms_p95{0.0};
 };
+// A member of BoneFigures, with its key in the JSON, its name in the output and its unit.
 struct BoneFigure {
   const char *key, *name, *unit;
   double BoneFigures::*value;
@@ -106,7 +109,7 @@ class BusyCores {
   std::vector<std::thread> threads_;
 };
 
-// The first whole change is the bone as it was, the next one the first of the cut.
+// The figures of the bone that a page received. Its first whole change is the uncut bone, and is left out.
 BoneFigures FiguresOf(const console::PageClient::Bone& bone) {
   BoneFigures figures;
   if (bone.whole_s.size() < 3) return figures;
@@ -123,7 +126,7 @@ BoneFigures FiguresOf(const console::PageClient::Bone& bone) {
   return figures;
 }
 
-// Runs one demo.
+// Runs one demo with the leg's pages or browser until it ends.
 DemoFigures RunDemoWith(Leg leg, const BenchConsoleOptions& options, const std::filesystem::path& folder) {
   std::error_code error;
   const std::filesystem::path json = folder / "summary.json", err = folder / "err.txt";

@@ -52,6 +52,7 @@ nlohmann::json InstructionSetJson(const FrameTiming& timing) {
   return timing.device.substr(comma + 2);
 }
 
+// Lowest and highest ratio of the rounds.
 nlohmann::json RangeJson(const RoundRange& range) { return {range.low, range.high}; }
 
 // A named workload of `--workloads`, or the one that the other options describe.
@@ -95,13 +96,15 @@ std::string CompareError(const BenchFrameOptions& options) {
   return {};
 }
 
-// A workload's figures for each method, compared with the first method and with the last that is an engine.
+// A workload's figures for each method. Each method is compared with the first one and with the last of the
+// first `engines` methods, which are engines.
 class WorkloadFigures {
  public:
   WorkloadFigures(const RoundWorkload& workload, const WantedWorkload& wanted, const WorkloadRounds& rounds,
                   std::size_t engines)
       : workload_(workload), wanted_(wanted), rounds_(rounds), last_engine_(engines - 1) {}
 
+  // The timing of the first method.
   [[nodiscard]] const FrameTiming& own() const { return rounds_.methods.front().timing; }
 
   [[nodiscard]] nlohmann::json EnginesJson() const {
@@ -167,6 +170,7 @@ class WorkloadFigures {
     return wanted_.options.engines.empty() ? method.timing.method : EngineOfMethod(method.timing.method);
   }
 
+  // A line of the printed table.
   static std::string Row(const std::string& name, const FrameTiming& timing) {
     const simulation::TimeFigures& us = timing.frame_us;
     return fmt::format("{:<14} {:>7} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.0f} {:>9}", name,
@@ -200,6 +204,7 @@ int PhaseCount(const std::vector<std::string>& methods, std::size_t workloads, s
   return static_cast<int>(workloads * (1 + (shared ? 1 : 0) + own + rounds + passes));
 }
 
+// Runs the subcommand, except that it throws where an option is not accepted.
 int Run(const BenchFrameOptions& options) {
   if (const std::string wrong = CompareError(options); !wrong.empty())
     return session::Fail("bench frame", wrong);

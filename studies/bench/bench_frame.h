@@ -14,7 +14,7 @@ struct BenchFrameOptions {
   std::filesystem::path config_root;
   std::string scene{"acetabulum"};  ///< or "molar": its recorded motion and its burr
   std::size_t spheres{0};           ///< 0: the scene's own packing
-  bool uniform{false};
+  bool uniform{false};              ///< packs with CountedGrade::kUniform
   std::size_t tool_spheres{1};
   std::string method{"ours"};
   std::vector<std::string> compare{};  ///< further methods, timed in the same run; empty: none

@@ -43,7 +43,7 @@ using kinematics::JointVectorN;
 
 constexpr std::size_t kPostures = 256;   // used by the calls in turn, all within the limits
 constexpr std::size_t kBatches = 51;     // for each function; the median of them is reported
-constexpr std::size_t kSlowShare = 100;  // the numerical inverse gets 1 / this of the calls
+constexpr std::size_t kSlowShare = 100;  // KDL's numerical inverse gets 1 / kSlowShare of the calls
 
 // One of our functions and KDL's counterpart. Each call takes the number of a posture and returns part of its
 // result, so that the compiler cannot drop the call.
@@ -51,8 +51,8 @@ struct Pairing {
   const char* key;
   const char* title;
   std::function<double(std::size_t first, std::size_t calls)> ours, kdl;
-  std::size_t kdl_share{1};  // KDL gets 1 / this of the calls
-  double ours_ns{0.0}, kdl_ns{0.0};
+  std::size_t kdl_share{1};          // KDL gets 1 / kdl_share of the calls
+  double ours_ns{0.0}, kdl_ns{0.0};  // medians of a call
 };
 
 // Wraps a batch of calls into one function, so that the compiler optimises the loop.
@@ -65,8 +65,9 @@ std::function<double(std::size_t, std::size_t)> Batch(Call call) {
   };
 }
 
-volatile double g_sink;  // receives results
+volatile double g_sink;  // receives the results, so that the compiler keeps the calls
 
+// Mean time of a call in a batch [ns].
 double TimeBatch(const std::function<double(std::size_t, std::size_t)>& batch, std::size_t first,
                  std::size_t calls) {
   const Clock::time_point begun = Clock::now();
@@ -154,6 +155,8 @@ struct Workload {
   KDL::JntSpaceInertiaMatrix M{N};
 };
 
+// Forward kinematics and Jacobian. Our Jacobian computes the flange's pose as well, so it also stands for
+// both.
 template <int N>
 std::vector<Pairing> KinematicsPairings(const std::shared_ptr<Workload<N>>& work) {
   Workload<N>& w = *work;
@@ -177,6 +180,7 @@ std::vector<Pairing> KinematicsPairings(const std::shared_ptr<Workload<N>>& work
            Batch([fk, jacobian](std::size_t n) { return fk(n) + jacobian(n); })}};
 }
 
+// Inverse dynamics, mass matrix and forward dynamics.
 template <int N>
 std::vector<Pairing> DynamicsPairings(const std::shared_ptr<Workload<N>>& work) {
   Workload<N>& w = *work;
@@ -212,6 +216,7 @@ Pairing InversePairing(const std::shared_ptr<Workload<N>>& work, Solve solve) {
           kSlowShare};
 }
 
+// The pair for a seven-axis arm; nothing if its links have no closed-form solution.
 std::optional<Pairing> ClosedForm(const config::RobotModel&, const std::shared_ptr<Workload<7>>& work) {
   std::optional<kinematics::LbrArm> arm;
   try {
@@ -226,6 +231,7 @@ std::optional<Pairing> ClosedForm(const config::RobotModel&, const std::shared_p
   });
 }
 
+// The pair for a six-axis arm; nothing if the model has no closed-form solution.
 std::optional<Pairing> ClosedForm(const config::RobotModel& model, const std::shared_ptr<Workload<6>>& work) {
   if (!model.ortho_parallel) return {};
   return InversePairing<6>(
@@ -246,6 +252,7 @@ std::optional<int> CountAllocations(const std::vector<Pairing>& pairings) {
   return calls;
 }
 
+// Times ours and KDL's in alternating batches, and stores the median time of a call.
 void Time(std::vector<Pairing>& pairings, std::size_t calls) {
   for (Pairing& pairing : pairings) {
     const std::size_t own_batch = std::max<std::size_t>(1, calls / kBatches),
@@ -303,6 +310,7 @@ nlohmann::json Json(const std::vector<Pairing>& pairings) {
   return json;
 }
 
+// Runs the subcommand, except that it throws where the input is bad.
 int Run(const BenchKinematicsOptions& options) {
   const std::filesystem::path file =
       options.robot.empty() ? options.config_root / "robots" / "lbr_iiwa_14_r820.yaml" : options.robot;

@@ -28,14 +28,16 @@
 namespace osteon::studies {
 namespace {
 
+// The connections to the engine, in the order of their measurement.
 constexpr std::array<std::string_view, 3> kWays{"thread", "shared memory", "UDP"};
-constexpr rt::Nanoseconds kTick = rt::kMillisecond, kPoll = 50'000;
+constexpr rt::Nanoseconds kTick = rt::kMillisecond;         // the loop's period
+constexpr rt::Nanoseconds kPoll = 50'000;                   // from one poll for a command to the next
 constexpr rt::Nanoseconds kUdpPatience = 30 * rt::kSecond;  // longest wait until the engine's process listens
 constexpr int kWarmUp = 200;                                // ticks of a round that do not count
 constexpr rt::Nanoseconds kModelPollInterval = 10'000;      // from one poll for a model to the next
 constexpr rt::Nanoseconds kLeftForTick = 50'000;            // before a tick, in which there is no poll
 constexpr double kPressed_m = 1e-3;                         // the head's depth beyond the cup's floor
-constexpr double kDrift_m_per_s = 1e-4;                     // so that no two poses are alike
+constexpr double kDrift_m_per_s = 1e-4;                     // motion along x, so that no two poses are alike
 
 double Microseconds(rt::Nanoseconds time) { return 1e-3 * static_cast<double>(time); }
 
@@ -80,7 +82,7 @@ class ThreadEngine {
   std::thread thread_;
 };
 
-// The tool pressed into the site's floor.
+// The tool's pose with its head kPressed_m deep in the site's floor.
 Pose PressedPose(const session::CellSetup& setup) {
   Pose X_WT = setup.config.start.X_WT;
   const Vector3 axis_W = (setup.X_WG.linear() * Vector3(setup.bone.site.axis)).normalized();
@@ -90,6 +92,7 @@ Pose PressedPose(const session::CellSetup& setup) {
   return X_WT;
 }
 
+// One value for each tick that counts.
 struct Times {
   std::vector<double> age_us;   ///< age of the model that a tick takes
   std::vector<double> back_us;  ///< time from a tick's command until its model can be taken
@@ -121,6 +124,7 @@ Times Tick(control::SimulationPort& port, const Pose& X_WT, double spindle_rad_p
   return times;
 }
 
+// Ticks as Tick does, with an engine in another process: a thread receives its models meanwhile.
 Times TickRemote(session::RemoteEngine& engine, const Pose& X_WT, double spindle_rad_per_s, int ticks) {
   std::atomic<bool> stop{false};
   std::thread receiver([&] {
@@ -134,7 +138,8 @@ Times TickRemote(session::RemoteEngine& engine, const Pose& X_WT, double spindle
   return times;
 }
 
-// Measures the times of one connection in one round; `wrong` says why there are none.
+// Measures one connection in one round. If it cannot, `wrong` gets the reason.
+// @param way  index in kWays
 Times Measure(std::size_t way, session::CellSetup& setup, const session::EngineChoice& choice, int ticks,
               std::string& wrong) {
   const Pose X_WT = PressedPose(setup);

@@ -48,8 +48,10 @@ class StopWatch {
   rt::Nanoseconds last_{rt::MonotonicNow()};
 };
 
-/// The tool's pose in a frame: it begins at the site's surface, its axis along the site's.
+/// The tool's pose in a frame: it circles about the site's axis and goes deeper in each frame.
+/// @param X_WC  the site's frame;  @param start_m  the tool's height above its origin in frame 0
 surface::ToolFrame FrameOf(const Pose& X_WC, double start_m, std::size_t frame) {
+  // feed per frame, radius of the circle, and turn on it per frame
   constexpr double kFeed_m = 5e-6, kCircle_m = 1e-3, kTurn_rad = 0.02;
   const auto i = static_cast<double>(frame);
   Pose X_CP = Pose::Identity();
@@ -60,12 +62,14 @@ surface::ToolFrame FrameOf(const Pose& X_WC, double start_m, std::size_t frame) 
   return {.X_WP = X_WP, .p_WS_m = Vector3(X_WP.translation()), .cuts = true, .frame = frame + 1};
 }
 
+/// Extracts the meshes of all bricks that have changed.
 void Extract(const surface::CarvedField& field, std::vector<surface::SurfaceChunk>& chunks) {
   const auto dirty = field.Dirty();
   chunks.resize(std::max(chunks.size(), dirty.size()));
   for (std::size_t i = 0; i < dirty.size(); ++i) surface::ExtractChunk(field, dirty[i], chunks[i]);
 }
 
+/// Times the surface's start at one voxel size, and then each step of the cut.
 SurfaceTimes Measure(const session::CellSetup& setup, double voxel_mm, std::size_t frames) {
   SurfaceTimes times{.cell = setup.cell_name, .voxel_mm = voxel_mm};
   StopWatch watch;
@@ -78,6 +82,7 @@ SurfaceTimes Measure(const session::CellSetup& setup, double voxel_mm, std::size
   field.ClearDirty();
 
   const Pose X_WC = setup.X_WG * simulation::CupPose(setup.bone.site);
+  // A cup (a site wider than 20 mm in radius) is cut from its floor, a smaller site from its origin.
   const double start_m = setup.bone.site.radius_m > 0.02 ? -setup.bone.site.radius_m : 0.0;
   surface::ToolWays ways(setup.config.tool.tool, setup.X_WG);
   std::vector<std::uint8_t> bytes;
@@ -121,6 +126,7 @@ nlohmann::ordered_json Json(SurfaceTimes& t) {
           {"chunk_kB", base::Median(t.chunk_kb)}};
 }
 
+/// Runs the subcommand, except that it throws where the input is bad.
 int Run(const BenchSurfaceOptions& options) {
   base::InstallInterrupt();
   nlohmann::ordered_json json{{"schema", "osteon.bench.surface/1"},

@@ -22,6 +22,7 @@
 namespace osteon::studies {
 namespace {
 
+// Times of a part of the tick [µs].
 nlohmann::ordered_json Json(const simulation::TimeFigures& t) {
   return {{"p50", t.p50_us}, {"p95", t.p95_us}, {"p99", t.p99_us}, {"p999", t.p999_us}, {"max", t.max_us}};
 }
@@ -31,6 +32,7 @@ std::string Row(std::string_view name, const simulation::TimeFigures& t) {
                      t.p999_us, t.max_us);
 }
 
+// A number of heap calls and locks; null if this build does not count them.
 nlohmann::ordered_json Allocations(int allocations) {
   return rt::NoAllocScope::Counts() ? nlohmann::ordered_json(allocations) : nlohmann::ordered_json(nullptr);
 }
@@ -41,13 +43,15 @@ std::string AllocationText(int allocations) {
 
 const char* PriorityText(bool realtime) { return realtime ? "SCHED_FIFO" : "no SCHED_FIFO"; }
 
+// Writes the figures, unless the file is empty. @returns the process's exit code
 int Write(const std::filesystem::path& file, const nlohmann::ordered_json& json) {
   if (file.empty()) return 0;
   const auto written = base::WriteText(file, base::JsonText(json));
   return written ? 0 : session::Fail("bench tick", written.error(), session::kFailed);
 }
 
-// The whole tick with each part that may give way, or with a plan's guidance, in turn.
+// Times the whole tick at each level in turn, and prints and writes the figures. The levels are the parts
+// that may give way or, with a plan, no guidance, guidance at gain 0 and guidance as planned.
 int RunLevels(const BenchTickOptions& options) {
   const bool guidance = !options.plan.empty();
   const std::vector<LevelCost> levels = guidance
@@ -87,6 +91,7 @@ int RunLevels(const BenchTickOptions& options) {
                               {"machine", machine}});
 }
 
+// Runs the subcommand, except that it throws where it fails.
 int Run(const BenchTickOptions& options) {
   base::InstallInterrupt();
   if (options.compliance || !options.plan.empty()) return RunLevels(options);

@@ -31,15 +31,16 @@ namespace osteon::studies {
 namespace {
 
 using ViewClock = std::chrono::steady_clock;
-constexpr std::chrono::minutes kViewPatience{20};
-constexpr double kTickNear_s = 0.05;                            // a window of the feed has 30 ms
+constexpr std::chrono::minutes kViewPatience{20};  // longest wait for anything to be shown
+// A tick or bone this near to the asked time counts as shown: a window of the feed has 30 ms.
+constexpr double kTickNear_s = 0.05;
 constexpr double kStrip_s = 30.0, kMinWindowsPerSecond = 20.0;  // length and windows of the page's charts
 
 double SecondsSince(ViewClock::time_point begun) {
   return std::chrono::duration<double>(ViewClock::now() - begun).count();
 }
 
-// Waits until `holds` returns true. @returns the seconds that passed; nothing: it did not in time
+// Waits until `holds` returns true. @returns the seconds since `begun`; nothing if kViewPatience passed first
 std::optional<double> Await(ViewClock::time_point begun, const std::function<bool()>& holds) {
   while (!holds()) {
     if (ViewClock::now() - begun > kViewPatience) return std::nullopt;
@@ -48,7 +49,8 @@ std::optional<double> Await(ViewClock::time_point begun, const std::function<boo
   return SecondsSince(begun);
 }
 
-// Writes a recording's ticks, frames and events again and again, with stamps that continue.
+// Writes a recording's ticks, frames and events again and again, with stamps and numbers that continue.
+// @returns the length of the result [s], at least `seconds`
 tl::expected<double, std::string> WriteRepeated(const std::filesystem::path& from, double seconds,
                                                 const std::filesystem::path& to) {
   std::unique_ptr<io::Recorder> recorder;
@@ -97,6 +99,7 @@ tl::expected<double, std::string> WriteRepeated(const std::filesystem::path& fro
   return rt::ToSeconds(last - first);
 }
 
+// Median and largest value.
 nlohmann::json Figures(std::vector<double> seconds) {
   return {{"median_s", base::Median(seconds)}, {"most_s", base::Percentile(seconds, 1.0)}};
 }
@@ -127,9 +130,11 @@ int RunBenchView(const BenchViewOptions& options) {
   session::Playback playback(std::move(*timeline), feed);
   const session::RecordingScan scan(file);
   session::ViewSurface bone(file, *setup, std::move(*cut), chunks);
+  // Whether the feed's newest tick is that of a time.
   const auto shows_tick = [&](double at_s) {
     return std::abs(rt::ToSeconds(feed.Newest().tick.stamp) - start_s - at_s) < kTickNear_s;
   };
+  // Whether the page's charts before this time are complete as well.
   const auto shows_before = [&](double at_s) {
     return shows_tick(at_s) &&
            static_cast<double>(feed.Newest().number) >= kMinWindowsPerSecond * std::min(at_s, kStrip_s);

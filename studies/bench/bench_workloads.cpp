@@ -5,7 +5,7 @@
 namespace osteon::studies {
 namespace {
 
-constexpr const char* kAll = "all";
+constexpr const char* kAll = "all";  // the name that selects every workload
 
 }  // namespace
 

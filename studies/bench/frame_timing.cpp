@@ -21,13 +21,15 @@ using simulation::CuttingEngine;
 using simulation::FrameWorkload;
 using simulation::WorkloadPlayer;
 
+// Frames that are timed even beyond the time limit.
 constexpr std::size_t kMinFrames = 20;
 
-// A restored engine makes its neighbour lists anew in the first frame: these frames are not timed.
+// Frames that are not timed, since a restored engine makes its neighbour lists anew in the first frame. They
+// end early after kMaxWarmUp_s.
 constexpr std::size_t kWarmUpFrames = 20;
 constexpr double kMaxWarmUp_s = 0.5;
 
-// A method under measurement.
+// A method under measurement, with the sums of its frames so far.
 struct Runner {
   std::unique_ptr<CuttingEngine> engine;
   WorkloadPlayer player;
@@ -37,12 +39,14 @@ struct Runner {
   std::size_t active_count{0};
 };
 
+// Number of spheres that the last frame worked on; nothing if the method does not report it.
 std::optional<double> ActiveOf(const std::string& method, const CuttingEngine& engine, std::size_t spheres) {
   if (method == "brute") return static_cast<double>(spheres);
   if (!SharesState(method)) return std::nullopt;
   return session::ActiveBalls(engine, spheres);
 }
 
+// Makes a method's engine for the workload, with its uncut bone.
 tl::expected<std::unique_ptr<CuttingEngine>, std::string> EngineFor(const FrameWorkload& work,
                                                                     const FrameTimingParams& params,
                                                                     const std::string& method,
@@ -69,6 +73,7 @@ tl::expected<void, std::string> PrepareRunner(Runner& runner, const std::string&
                   static_cast<int>(runner.last.status)));
 }
 
+// A runner with a new engine, at the workload's first pose.
 tl::expected<Runner, std::string> StartedRunner(const FrameWorkload& work, const FrameTimingParams& params,
                                                 const std::string& method) {
   auto engine = EngineFor(work, params, method);
@@ -76,6 +81,7 @@ tl::expected<Runner, std::string> StartedRunner(const FrameWorkload& work, const
   return Runner{.engine = std::move(*engine), .player = WorkloadPlayer(work), .last = {}, .times_us = {}};
 }
 
+// Runs the frames that are not timed.
 void WarmUp(Runner& runner) {
   const auto begun = std::chrono::steady_clock::now();
   for (std::size_t k = 0; k < kWarmUpFrames && !runner.player.AtEnd() && !base::Interrupted(); ++k) {
@@ -96,7 +102,7 @@ void AddPassTimes(const CuttingEngine& engine, std::map<std::string, std::vector
   }
 }
 
-// Measures the time of each pass or stage, from the same start.
+// Measures the median time of each pass or stage [us] in a second run from the start.
 tl::expected<std::map<std::string, double>, std::string> TimePasses(const FrameWorkload& work,
                                                                     const FrameTimingParams& params,
                                                                     const std::string& method,
@@ -117,6 +123,7 @@ tl::expected<std::map<std::string, double>, std::string> TimePasses(const FrameW
   return medians;
 }
 
+// The figures of a runner whose frames are timed.
 FrameTiming Finish(const Runner& runner, const std::string& method, const FrameWorkload& work) {
   FrameTiming timing{.method = method, .device = runner.engine->device(), .times_us = runner.times_us};
   timing.elements = ElementsOf(*runner.engine, work.bone);
@@ -186,7 +193,7 @@ tl::expected<std::vector<FrameTiming>, std::string> TimeFrames(const FrameWorklo
     runners.push_back(std::move(*runner));
   }
 
-  // frame by frame in turn
+  // Time frame by frame in turn; another method begins each time, so that none always comes first.
   say("time");
   const auto begun = std::chrono::steady_clock::now();
   for (std::size_t k = 0; k < params.frames && !base::Interrupted(); ++k) {

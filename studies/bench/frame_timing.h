@@ -15,6 +15,7 @@
 
 namespace osteon::studies {
 
+/// Parameters of TimeFrames, Seat and SeatMethod.
 struct FrameTimingParams {
   std::vector<std::string> methods{"ours"};
   std::string device;              ///< part of a Vulkan device's name

@@ -14,9 +14,9 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kMountBelow_m = 0.08;
+constexpr double kMountBelow_m = 0.08;  // the mount's distance below the cup
 
-// Times benches in turn, each by its name.
+// Times the benches in turn; names[i] is that of benches[i].
 std::vector<LevelCost> TimeNamed(std::span<TickBench> benches, const std::vector<std::string>& names,
                                  std::size_t ticks) {
   const std::vector<TickTimes> times = TimeInTurn(benches, ticks);
@@ -27,7 +27,7 @@ std::vector<LevelCost> TimeNamed(std::span<TickBench> benches, const std::vector
           fmt::format("{}: {}", names[i], TooFewText(times[i].tick.size(), ticks, benches[i])));
     costs.push_back({.name = names[i],
                      .tick = simulation::FiguresOf(times[i].tick),
-                     .loop = simulation::FiguresOf(times[i].stages[2]),
+                     .loop = simulation::FiguresOf(times[i].stages[2]),  // TickTimes::kStages
                      .allocations = times[i].allocations,
                      .force_N = times[i].force_N,
                      .guided = times[i].guided,

@@ -12,12 +12,14 @@ namespace {
 
 constexpr const char* kLoopback = "127.0.0.1";
 
+// A socket on a free port of the loopback.
 io::BoundUdp Bind() {
   const auto bound = io::BindUdp("bare exchange", kLoopback, 0);
   if (!bound) throw std::runtime_error(bound.error());
   return *bound;
 }
 
+// Sends one datagram. @returns false if it was not sent whole
 bool SendTo(const io::BoundUdp& from, const io::BoundUdp& to, std::span<const std::uint8_t> bytes) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -28,6 +30,7 @@ bool SendTo(const io::BoundUdp& from, const io::BoundUdp& to, std::span<const st
                 sizeof address) == static_cast<ssize_t>(bytes.size());
 }
 
+// Reads one datagram that has arrived. @returns false if there is none
 bool Read(const io::BoundUdp& at, std::span<std::uint8_t> room) {
   return io::ReadDatagram(at.socket, room).read == io::Datagram::Read::kTaken;
 }
@@ -43,12 +46,12 @@ LoopbackBaseline::~LoopbackBaseline() {
 
 double LoopbackBaseline::Time(std::size_t message, std::size_t answer) {
   const std::span<std::uint8_t> bytes(bytes_);
-  bool all = SendTo(theirs_, ours_, bytes.first(std::min(message, bytes.size())));
+  bool succeeded = SendTo(theirs_, ours_, bytes.first(std::min(message, bytes.size())));
   const rt::Nanoseconds begun = rt::MonotonicNow();
-  all = Read(ours_, bytes) && all;
-  all = SendTo(ours_, theirs_, bytes.first(std::min(answer, bytes.size()))) && all;
+  succeeded = Read(ours_, bytes) && succeeded;
+  succeeded = SendTo(ours_, theirs_, bytes.first(std::min(answer, bytes.size()))) && succeeded;
   const rt::Nanoseconds ended = rt::MonotonicNow();
-  if (!Read(theirs_, bytes) || !all) throw std::runtime_error("the loopback lost a datagram");
+  if (!Read(theirs_, bytes) || !succeeded) throw std::runtime_error("the loopback lost a datagram");
   return 1e-3 * static_cast<double>(ended - begun);
 }
 

@@ -13,6 +13,7 @@
 namespace osteon::studies {
 namespace {
 
+// Voxels along the longest side, in the order of PlainVoxelNames().
 constexpr std::array kPlainVoxels{128, 256, 512};
 
 // Number of voxels along the longest side, by a name of PlainVoxelNames(); 0 for every other name.

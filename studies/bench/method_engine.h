@@ -28,6 +28,7 @@ namespace osteon::studies {
 /// Whether the method works on voxels of the solid: its bone needs no balls.
 [[nodiscard]] bool WantsVoxels(const std::string& method);
 
+/// The method of an engine to make, and its options.
 struct MethodChoice {
   std::string method{"ours"};
   std::string device{};     ///< part of a Vulkan device's name

@@ -20,10 +20,10 @@ using Clock = std::chrono::steady_clock;
 constexpr int kEveryKilled = 3;  // every third page is killed
 constexpr std::chrono::seconds kSettles{
     4};  // longest wait until the last pages' threads and sockets are gone
-constexpr std::chrono::milliseconds kSettleLooks{50};
-constexpr std::size_t kMaxRead = 64u << 20;
+constexpr std::chrono::milliseconds kSettleLooks{50};  // from one look at the resources to the next
+constexpr std::size_t kMaxRead = 64u << 20;            // bytes after which a text is no longer awaited
 
-// Reads until a text has arrived. @returns false if it did not arrive in time
+// Reads into `got` until it contains a text. @returns false if the text did not arrive in time
 bool AwaitText(io::TcpStream& stream, std::string& got, std::string_view text, double patience_s) {
   const auto end =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(patience_s));
@@ -36,6 +36,7 @@ bool AwaitText(io::TcpStream& stream, std::string& got, std::string_view text, d
   return true;
 }
 
+// Loads one file of the page by HTTP, and waits for its end.
 tl::expected<void, std::string> LoadFile(const std::string& address, std::uint16_t port,
                                          const std::string& file, double patience_s) {
   auto stream = io::TcpStream::Connect(address, port);
@@ -49,9 +50,10 @@ tl::expected<void, std::string> LoadFile(const std::string& address, std::uint16
   return {};
 }
 
-constexpr std::chrono::seconds kPortComes{60};
-constexpr std::chrono::milliseconds kPortLooks{50};
+constexpr std::chrono::seconds kPortComes{60};       // longest wait for the port's message
+constexpr std::chrono::milliseconds kPortLooks{50};  // from one look for the message to the next
 
+// The number behind a name in a text; 0 if the name is not found.
 double NumberAfter(const std::string& text, const std::string& name) {
   const std::size_t at = text.find(name);
   if (at == std::string::npos) return 0.0;

@@ -30,8 +30,8 @@ enum class PageStay : std::uint8_t {
   kWholeBone,    ///< the message with the whole surface of the bone
 };
 
-/// Loads a console's page as a browser does: its three files, then the stream as long as it stays; then it
-/// leaves.
+/// Loads a console's page as a browser does: its three files, then the stream until the message `stay`. Then
+/// leaves as `end` says.
 /// @param patience_s  time limit for each file and for the stream
 /// @returns an error that says which part did not come.
 [[nodiscard]] tl::expected<void, std::string> LoadPageAndLeave(const std::string& address, std::uint16_t port,

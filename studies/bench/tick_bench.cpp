@@ -42,7 +42,7 @@ constexpr double kPlaneTilt_rad = .6;  // angle between the planes' normals and 
 constexpr double kEarly_m = 0.01;
 constexpr double kPresses_N = 1.0;         // coupling force from which a tick counts
 constexpr std::size_t kBaselineEvery = 8;  // one period in this many ticks times the kernel alone
-constexpr double kScriptShare = 4.0;       // length of the script over that of its timed part
+constexpr double kScriptShare = 4.0;       // length of the script, in lengths of the timed ticks
 
 // The force sensor and the drive in memory, with both sides of each connection.
 class Devices {
@@ -167,10 +167,12 @@ struct TickBench::Parts {
   [[nodiscard]] rt::Nanoseconds period() const {
     return static_cast<rt::Nanoseconds>(arm_.period_s() * 1e9 + 0.5);
   }
+  // Runs the next tick of virtual time.
   void RunNext(TickTimes& times) {
     ++tick_;
     RunTick(tick_, tick_ * period(), times);
   }
+  // Times the kernel alone, with datagrams as long as those of the last tick.
   void TimeKernel(TickTimes& times) { times.bare.push_back(baseline_.Time(message_bytes_, answer_bytes_)); }
 
   // Runs a tick in virtual time, so that the loop's ages do not depend on this machine's load.
@@ -228,6 +230,8 @@ struct TickBench::Parts {
     TimeParts(q, Pose(before.X_WT), Pose(record.X_WT_cmd), now, times);
   }
 
+  // Times the loop's parts once more on a tick's inputs: joint positions q, and the tool's pose before and
+  // after.
   void TimeParts(const kinematics::JointVector& q, const Pose& X_before, const Pose& X_after,
                  rt::Nanoseconds now, TickTimes& times) {
     const double period_s = arm_.period_s();
@@ -244,7 +248,8 @@ struct TickBench::Parts {
 
   TemporaryFile recording_;
   config::CellConfig cell_;
-  control::ServoLoop loop_, second_;
+  control::ServoLoop loop_;    // timed
+  control::ServoLoop second_;  // repeats each tick, which warms the caches as in a run
   control::LoopRepeat repeat_;
   TickParts parts_;
   hil::SimulatedCell arm_;
@@ -274,6 +279,7 @@ safety::FaultSet TickBench::faults() const { return parts_->loop_.faults(); }
 
 namespace {
 
+// Does the work of TimeInTurn in the calling thread.
 std::vector<TickTimes> TimeHere(std::span<TickBench> benches, std::size_t ticks) {
   std::vector<TickTimes> all(benches.size());
   const bool realtime =

@@ -40,6 +40,7 @@ std::array<double, TickParts::kCount> TickParts::Time(const TickPartsInput& inpu
   sink_ = (X_WB_ * arm_.FlangePose(input.q + dt_s * qd_before_) * X_FT_).translation().x();
   us[0] = MicrosecondsSince(begun);
 
+  // force of the virtual coupling
   begun = rt::MonotonicNow();
   const control::CouplingOutput coupling = control::EvaluateCoupling(
       servo_.coupling,
@@ -60,17 +61,19 @@ std::array<double, TickParts::kCount> TickParts::Time(const TickPartsInput& inpu
               .share;
   us[2] = MicrosecondsSince(begun);
 
-  // the wanted elbow position
+  // the elbow's motion toward the posture that holds the load best
   begun = rt::MonotonicNow();
-  kinematics::JointVector q_there = input.q;
+  kinematics::JointVector q_inverse = input.q;
   const double arm_angle_rad = arm_.ArmAngle(input.q);
   const double held =
       kinematics::HeldLoad<7>(wanted_load_, J_B, gravity_Nm, X_BW_.linear() * X_WT.linear().col(2)).value;
   const kinematics::LoadPreference<7> load = kinematics::LoadGradientMotion<7>(
       servo_.posture, body_, wanted_load_, {.q = input.q, .n = null_direction_, .held = held});
-  sink_ = arm_.Inverse(X_BW_ * X_WT * X_FT_.inverse(), arm_angle_rad, input.q, q_there) ? q_there[0] : 0.0;
+  sink_ =
+      arm_.Inverse(X_BW_ * X_WT * X_FT_.inverse(), arm_angle_rad, input.q, q_inverse) ? q_inverse[0] : 0.0;
   us[3] = MicrosecondsSince(begun);
 
+  // joint velocities for the tool's twist
   begun = rt::MonotonicNow();
   kinematics::MotionInput<7> wanted;
   wanted.J = J_B;

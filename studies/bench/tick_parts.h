@@ -54,6 +54,8 @@ class TickParts {
   kinematics::DifferentialInverse<7> motion_;
   safety::JointGuard<7> guard_;
   control::CouplingState coupling_;
+  // Results of the last call that the next one needs: joint velocities, direction of the elbow's motion, and
+  // directions of the inverse (MotionInput::U_before).
   kinematics::JointVector qd_before_{kinematics::JointVector::Zero()};
   kinematics::JointVector null_direction_{kinematics::JointVector::Zero()};
   Eigen::Matrix<double, 6, 6> directions_{Eigen::Matrix<double, 6, 6>::Identity()};

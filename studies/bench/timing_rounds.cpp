@@ -17,6 +17,7 @@ struct Starts {
   OwnStarts own;
 };
 
+// Seats the workload's methods. A method that fails is left out with its reason, unless it is required.
 tl::expected<Starts, std::string> MakeStarts(const RoundWorkload& workload, const RoundsParams& params,
                                              std::vector<std::string>& left_out) {
   const auto say = [&](const std::string& method) {
@@ -97,6 +98,7 @@ void AddRound(MethodRounds& rounds, FrameTiming&& timing) {
   }
   FrameTiming& all = rounds.timing;
   const auto before = static_cast<double>(all.frames), added = static_cast<double>(timing.frames);
+  // mean of two means, weighted by their numbers of frames
   const auto mean = [&](double a, double b) { return (before * a + added * b) / (before + added); };
   all.times_us.insert(all.times_us.end(), timing.times_us.begin(), timing.times_us.end());
   all.frames = all.times_us.size();

@@ -24,11 +24,13 @@ struct MethodRounds {
   std::vector<simulation::TimeFigures> rounds{};
 };
 
+/// Times of one workload over all rounds.
 struct WorkloadRounds {
   std::vector<MethodRounds> methods;
   std::vector<std::string> left_out;  ///< methods that were not timed, and why
 };
 
+/// Parameters of TimeRounds.
 struct RoundsParams {
   FrameTimingParams timing;  ///< of one round of one workload; its methods are the workload's
   std::size_t rounds{1};

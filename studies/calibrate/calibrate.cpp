@@ -21,16 +21,20 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kStill_rad = 5e-4, kRest_s = 0.5, kSettle_s = 0.2, kSamePlace_rad = 0.02;
-constexpr double kFresh_s = 0.02;
+constexpr double kStill_rad = 5e-4;      // largest motion of a joint during a rest
+constexpr double kRest_s = 0.5;          // shortest rest
+constexpr double kSettle_s = 0.2;        // beginning of a rest that is left out of its mean
+constexpr double kSamePlace_rad = 0.02;  // largest difference of a joint between rests at one posture
+constexpr double kFresh_s = 0.02;        // largest age of a sensor reading that counts
 
 double Seconds(rt::Nanoseconds from, rt::Nanoseconds to) { return 1e-9 * static_cast<double>(to - from); }
 
+// Whether the tick has a fresh and trusted reading of the force sensor, in a session with the arm.
 bool Usable(const control::TickRecord& tick) {
   return tick.sensor_age_s <= kFresh_s && tick.input.sensor_trusted && tick.session_state != 0;
 }
 
-// The mean of ticks [first, last).
+// Mean joint positions and force of the ticks [first, last), without the first kSettle_s.
 RestingPose MeanOf(const std::vector<control::TickRecord>& ticks, std::size_t first, std::size_t last) {
   RestingPose rest;
   rest.begin_s = Seconds(ticks.front().stamp, ticks[first].stamp);
@@ -46,12 +50,14 @@ RestingPose MeanOf(const std::vector<control::TickRecord>& ticks, std::size_t fi
   return rest;
 }
 
+// Whether two rests are at one posture.
 bool SamePlace(const RestingPose& a, const RestingPose& b) {
   for (std::size_t j = 0; j < a.q.size(); ++j)
     if (std::abs(a.q[j] - b.q[j]) > kSamePlace_rad) return false;
   return true;
 }
 
+// Adds a rest. If its posture is known, keeps the longer of the two rests and counts the visit.
 void KeepLonger(const RestingPose& rest, std::vector<RestingPose>& rests) {
   for (RestingPose& known : rests) {
     if (!SamePlace(known, rest)) continue;
@@ -65,6 +71,7 @@ void KeepLonger(const RestingPose& rest, std::vector<RestingPose>& rests) {
   rests.push_back(rest);
 }
 
+// The flange's pose in W.
 Pose FlangePose(const config::CellConfig& cell, const RestingPose& rest) {
   if (const config::SixAxisConfig* arm = cell.robot.six_axis())
     return cell.X_WB * kinematics::OrthoParallelArm(arm->params)
@@ -73,6 +80,7 @@ Pose FlangePose(const config::CellConfig& cell, const RestingPose& rest) {
                          .FlangePose(Eigen::Map<const kinematics::JointVector>(rest.q.data()));
 }
 
+// The rests of a recording; an error if it is torn or has none.
 tl::expected<std::vector<RestingPose>, std::string> RestsOf(const std::filesystem::path& file) {
   const auto recording = io::ReadRecording(file);
   if (!recording) return tl::unexpected(recording.error());
@@ -97,22 +105,24 @@ std::string Text(const Vector3& v, double scale) {
 struct PostureResidual {
   std::array<double, 7> q{};  // [rad]
   double begin_s{0.0};
-  double off{0.0};  // [N] or [m]
+  double residual{0.0};  // [N] for the payload, [m] for the pivot
   int visits{1};
   double repeat_N{0.0};
 };
 
+// What the recordings gave; a part whose recording was not named has no value.
 struct Result {
   std::optional<control::PayloadFit> payload;
   std::vector<PostureResidual> payload_residuals, pivot_residuals;
-  std::vector<std::string> drift;
-  std::size_t earlier{0};  // calibrations in the history
-  Vector3 center_F_m{Vector3::Zero()};
+  std::vector<std::string> drift;       // one sentence for each quantity (DriftSince)
+  std::size_t earlier{0};               // calibrations in the history
+  Vector3 center_F_m{Vector3::Zero()};  // centre of mass of the payload
   std::size_t payload_poses{0};
   std::optional<control::PivotFit> pivot;
   std::size_t pivot_poses{0};
 };
 
+// For each posture, the distance of the mean force from the fit's bias and weight.
 std::vector<PostureResidual> PayloadResiduals(const control::PayloadFit& fit,
                                               const std::vector<RestingPose>& rests,
                                               const std::vector<control::RestPose>& poses) {
@@ -122,13 +132,14 @@ std::vector<PostureResidual> PayloadResiduals(const control::PayloadFit& fit,
                                                            Vector3(kinematics::kGravity_W_m_per_s2);
     list.push_back({.q = rests[i].q,
                     .begin_s = rests[i].begin_s,
-                    .off = (Vector3(rests[i].F_S.f) - expected_N).norm(),
+                    .residual = (Vector3(rests[i].F_S.f) - expected_N).norm(),
                     .visits = rests[i].visits,
                     .repeat_N = rests[i].repeat_N});
   }
   return list;
 }
 
+// For each posture, the distance of the tool's tip from the fit's point.
 std::vector<PostureResidual> PivotResiduals(const control::PivotFit& fit,
                                             const std::vector<RestingPose>& rests,
                                             const std::vector<Pose>& X_WF) {
@@ -136,7 +147,7 @@ std::vector<PostureResidual> PivotResiduals(const control::PivotFit& fit,
   for (std::size_t i = 0; i < rests.size(); ++i)
     list.push_back({.q = rests[i].q,
                     .begin_s = rests[i].begin_s,
-                    .off = (X_WF[i] * fit.p_FT_m - fit.p_WT_m).norm(),
+                    .residual = (X_WF[i] * fit.p_FT_m - fit.p_WT_m).norm(),
                     .visits = rests[i].visits,
                     .repeat_N = rests[i].repeat_N});
   return list;
@@ -144,10 +155,10 @@ std::vector<PostureResidual> PivotResiduals(const control::PivotFit& fit,
 
 // Largest difference of force between two rests at one posture [N]; nothing if no posture was visited again.
 std::optional<double> Repeatability_N(const std::vector<PostureResidual>& residuals) {
-  std::optional<double> most;
+  std::optional<double> max_difference_N;
   for (const PostureResidual& at : residuals)
-    if (at.visits > 1) most = std::max(most.value_or(0.0), at.repeat_N);
-  return most;
+    if (at.visits > 1) max_difference_N = std::max(max_difference_N.value_or(0.0), at.repeat_N);
+  return max_difference_N;
 }
 
 nlohmann::ordered_json ToJson(const std::vector<PostureResidual>& residuals, const char* key, double unit) {
@@ -155,7 +166,7 @@ nlohmann::ordered_json ToJson(const std::vector<PostureResidual>& residuals, con
   for (const PostureResidual& at : residuals) {
     nlohmann::ordered_json q = nlohmann::ordered_json::array();
     for (const double angle : at.q) q.push_back(angle * 180.0 / std::numbers::pi);
-    list.push_back({{"q_deg", q}, {"at_s", at.begin_s}, {key, at.off / unit}, {"visits", at.visits}});
+    list.push_back({{"q_deg", q}, {"at_s", at.begin_s}, {key, at.residual / unit}, {"visits", at.visits}});
   }
   return list;
 }
@@ -234,8 +245,8 @@ nlohmann::ordered_json ToJson(const Result& result, const CalibrateOptions& opti
 std::string ByPosture(const std::vector<PostureResidual>& residuals, const char* unit, double scale) {
   std::string text;
   for (const PostureResidual& at : residuals)
-    text +=
-        fmt::format("{}{:.3f} {} at {:.1f} s", text.empty() ? "" : ", ", at.off / scale, unit, at.begin_s);
+    text += fmt::format("{}{:.3f} {} at {:.1f} s", text.empty() ? "" : ", ", at.residual / scale, unit,
+                        at.begin_s);
   return text;
 }
 
@@ -273,6 +284,7 @@ void Print(const Result& result, const CalibrateOptions& options) {
 std::vector<RestingPose> FindRestingPoses(const std::vector<control::TickRecord>& ticks) {
   std::vector<RestingPose> rests;
   std::size_t first = 0;
+  // Ends the rest before tick `last`, and keeps it if it is long enough.
   const auto end = [&](std::size_t last) {
     if (last > first && Seconds(ticks[first].stamp, ticks[last - 1].stamp) >= kRest_s)
       KeepLonger(MeanOf(ticks, first, last), rests);

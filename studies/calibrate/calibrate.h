@@ -10,6 +10,7 @@
 
 namespace osteon::studies {
 
+/// Options of `osteon calibrate`.
 struct CalibrateOptions {
   std::filesystem::path cell;
   /// Recording: poses at rest with nobody at the handle; empty: no payload calibration.

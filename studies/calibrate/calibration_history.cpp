@@ -12,8 +12,10 @@
 namespace osteon::studies {
 namespace {
 
+// A difference counts as drift only above these values, and above kSds standard deviations of both fits.
 constexpr double kMass_kg = 0.02, kCenter_m = 1e-3, kBias_N = 0.5, kApex_m = 1e-4, kSds = 3.0;
 
+// The coordinates of a vector in a unit, and back.
 nlohmann::ordered_json InUnit(const Vector3& v, double unit) {
   return nlohmann::ordered_json::array({v.x() / unit, v.y() / unit, v.z() / unit});
 }
@@ -37,6 +39,7 @@ nlohmann::ordered_json JsonOf(const CalibrationEntry& entry) {
   return json;
 }
 
+// @throws nlohmann::json::exception if the JSON is no calibration
 CalibrationEntry EntryFrom(const nlohmann::json& json) {
   CalibrationEntry entry{.time = json.at("time").get<std::string>()};
   if (json.contains("payload")) {
@@ -57,11 +60,12 @@ CalibrationEntry EntryFrom(const nlohmann::json& json) {
   return entry;
 }
 
-bool Differs(double off, double floor, double sd_a, double sd_b) {
-  return off > floor && off > kSds * std::hypot(sd_a, sd_b);
+// Whether a difference counts as drift: above `floor`, and above what both standard deviations explain.
+bool Differs(double difference, double floor, double sd_a, double sd_b) {
+  return difference > floor && difference > kSds * std::hypot(sd_a, sd_b);
 }
 
-// The differences between two calibrations.
+// Adds a sentence for each quantity that has drifted between two calibrations.
 void Compare(const CalibrationEntry& before, const CalibrationEntry& now, std::vector<std::string>& drift) {
   const auto add = [&](const std::string& what, double found, double was, const char* unit) {
     drift.push_back(fmt::format("{}: found {:.4g} {}, {:.4g} on {}", what, found, unit, was, before.time));
@@ -121,10 +125,12 @@ tl::expected<void, std::string> AppendHistory(const std::filesystem::path& file,
 
 std::vector<std::string> DriftSince(const std::vector<CalibrationEntry>& history,
                                     const CalibrationEntry& now) {
+  // The first entry in a range that has the member.
   const auto find = [&](auto begin, auto end, auto member) {
     return std::find_if(begin, end, [&](const CalibrationEntry& e) { return (e.*member).has_value(); });
   };
   std::vector<std::string> drift;
+  // Compares one member with its latest earlier value, and with its first if that is another one.
   const auto compare = [&](auto member) {
     const auto first = find(history.begin(), history.end(), member);
     if (first == history.end() || !(now.*member)) return;

@@ -10,6 +10,7 @@ using kinematics::ForceCapability;
 using kinematics::GravityHelp;
 using kinematics::JointVector;
 
+// Replaces the value and its tag if the other value is less.
 template <typename Tag>
 void KeepLesser(double& value, Tag& tag, double other, Tag other_tag) {
   if (!(other < value)) return;

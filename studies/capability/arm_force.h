@@ -12,22 +12,23 @@ namespace osteon::studies {
 /// The forces at the tool's apex that an arm can hold in one posture, or the smallest over several postures
 /// [N]. Help from gravity counts only in axial_exact_N; the others are permitted by the servo loop's limiter.
 struct ToolForce {
-  double axial_N{std::numeric_limits<double>::infinity()};  ///< along the tool, no other load
-  double lateral_N{
-      std::numeric_limits<double>::infinity()};  ///< across it, in the weakest direction, no other load
-  double pressed_lateral_N{
-      std::numeric_limits<double>::infinity()};  ///< across it while the needed axial force and torque act
-  double axial_exact_N{
-      std::numeric_limits<double>::infinity()};  ///< resisting along the tool, gravity's help counted
+  /// Along the tool, no other load.
+  double axial_N{std::numeric_limits<double>::infinity()};
+  /// Across the tool, in the weakest direction, no other load.
+  double lateral_N{std::numeric_limits<double>::infinity()};
+  /// Across the tool while the needed axial force and torque act.
+  double pressed_lateral_N{std::numeric_limits<double>::infinity()};
+  /// Resisting along the tool, gravity's help counted.
+  double axial_exact_N{std::numeric_limits<double>::infinity()};
   /// Fraction of the whole need, applied at once, that can be held: at least 1 if the arm is sufficient.
   double factor{std::numeric_limits<double>::infinity()};
-  int factor_joint{-1}, axial_joint{-1},
-      lateral_joint{-1};  ///< 0 … 6: the joint that reaches its torque limit first; -1: the cap
-  double joint_room_rad{
-      std::numeric_limits<double>::infinity()};  ///< distance to the arm's nearest own position limit
+  /// 0 … 6: the joint that reaches its torque limit first; -1: none, the figure is at its cap.
+  int factor_joint{-1}, axial_joint{-1}, lateral_joint{-1};
+  /// Distance of the joint that is nearest to its position limit, and the number of this joint, 0 … 6.
+  double joint_room_rad{std::numeric_limits<double>::infinity()};
   int room_joint{-1};
 
-  /// Lowers each figure to that of `other` if `other` has a smaller one.
+  /// Lowers each figure, and its joint, to that of `other` where `other` has a smaller one.
   void LowerTo(const ToolForce& other);
 };
 

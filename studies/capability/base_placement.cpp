@@ -14,15 +14,16 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kDegree = kTurn / 360.0;
-constexpr double kFirstAngleStep = 10.0 * kDegree;
+constexpr double kFirstAngleStep = 10.0 * kDegree;  // of the arm angle, in the compass search
 
+// Number of grid places in a range, both ends included.
 std::size_t Count(const AxisRange& range, double step) {
   return 1 + static_cast<std::size_t>(std::floor((range.to - range.from) / step + 1e-9));
 }
 
 }  // namespace
 
-kinematics::LbrParams DrawnIn(kinematics::LbrParams params, double margin_rad) {
+kinematics::LbrParams WithNarrowedLimits(kinematics::LbrParams params, double margin_rad) {
   for (kinematics::JointLimits& limits : params.limits) {
     limits.lower_rad += margin_rad;
     limits.upper_rad -= margin_rad;
@@ -33,7 +34,7 @@ kinematics::LbrParams DrawnIn(kinematics::LbrParams params, double margin_rad) {
 BasePlacement::BasePlacement(const kinematics::ChainParams<7>& arm, const Matrix3& R_WB, const Pose& X_FT,
                              const TaskVolume& task, const CapabilityNeed& need,
                              const BasePlacementParams& params)
-    : arm_(DrawnIn(kinematics::LbrParamsFrom(arm), params.joint_margin_rad)),
+    : arm_(WithNarrowedLimits(kinematics::LbrParamsFrom(arm), params.joint_margin_rad)),
       force_(arm, R_WB, X_FT, need),
       R_WB_(R_WB),
       X_TF_(X_FT.inverse()),
@@ -70,7 +71,7 @@ BaseFigure BasePlacement::JudgeAt(const Pose& X_WB, double arm_angle_rad, const 
   const Pose X_BW = X_WB.inverse();
   const double turn = TurnOf(X_WB);
   double factor = poses.empty() ? 0.0 : HUGE_VAL;
-  unsigned allowed = 0xff;
+  unsigned allowed = 0xff;  // bit c: configuration c has done all poses so far
   for (const Pose& X_WT : poses) {
     const kinematics::LbrSolutions solutions = arm_.Solve(X_BW * X_WT * X_TF_, arm_angle_rad);
     if (!solutions.reachable()) return figure;
@@ -189,6 +190,7 @@ BaseFigure BasePlacement::Centred(const BaseFigure& figure) const {
   const double first_rad = DirectionOf(task_, figure.X_WB.translation());
   const auto solve = [&](const Pose& X_WT) { return arm_.Solve(X_BW * X_WT * X_TF_, figure.arm_angle_rad); };
 
+  // Of the base's configurations, take the one whose joints are nearest to zero at the task's start.
   const Pose X_WT_start = TiltCone(task_, task_.X_WC * Vector3(0.0, 0.0, task_.top_m), 0, 0.0).front();
   const kinematics::LbrSolutions start = solve(X_WT_start);
   std::size_t configuration = 0;
@@ -200,14 +202,15 @@ BaseFigure BasePlacement::Centred(const BaseFigure& figure) const {
     configuration = c;
   }
 
-  double least = HUGE_VAL, most = -HUGE_VAL;
+  // A1's range over the task; turn the base by the distance of its middle from the middle of the limits.
+  double min_q1 = HUGE_VAL, max_q1 = -HUGE_VAL;
   for (const Pose& X_WT : TaskPoses(task_, {}, first_rad)) {
     const double q1 = solve(X_WT).configuration[configuration].q[0];
-    least = std::min(least, q1);
-    most = std::max(most, q1);
+    min_q1 = std::min(min_q1, q1);
+    max_q1 = std::max(max_q1, q1);
   }
   const kinematics::JointLimits& limits = arm_.params().limits[0];
-  const double middle = 0.5 * (least + most) - 0.5 * (limits.lower_rad + limits.upper_rad);
+  const double middle = 0.5 * (min_q1 + max_q1) - 0.5 * (limits.lower_rad + limits.upper_rad);
   const double yaw = TurnOf(figure.X_WB) + middle;
   BaseFigure centred = figure;
   centred.configurations = 1u << configuration;

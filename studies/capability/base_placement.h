@@ -10,20 +10,22 @@
 // task.
 //
 // A base is judged at one arm angle and one configuration, since the servo loop keeps both through a run. Its
-// value is the factor of the whole need (ArmForce::NeedFactor), least over all poses of the task, at the best
-// arm angle. The value is zero if a pose can't be reached within the joint margin, if elbow or wrist is
+// value is the smallest factor of the whole need (ArmForce::NeedFactor) over all poses of the task, at the
+// best arm angle. The value is zero if a pose can't be reached within the joint margin, if elbow or wrist is
 // straighter than the least bend (near a straight joint the force along the arm and the joint speeds grow
 // without bound), or if elbow or wrist would lie beyond the workspace's plane.
 
 namespace osteon::studies {
 
 /// Returns the arm with its position limits narrowed by a margin on both sides.
-[[nodiscard]] kinematics::LbrParams DrawnIn(kinematics::LbrParams params, double margin_rad);
+[[nodiscard]] kinematics::LbrParams WithNarrowedLimits(kinematics::LbrParams params, double margin_rad);
 
+/// Range of one coordinate.
 struct AxisRange {
   double from{0.0}, to{0.0};
 };
 
+/// Ranges, conditions and fineness of the search.
 struct BasePlacementParams {
   AxisRange x_m, y_m, z_m;   ///< ranges of the base's origin, in W
   double clearance_m{0.35};  ///< least distance of the site's centre from the base's axis, across that axis
@@ -46,6 +48,7 @@ struct BaseFigure {
   double factor{0.0};          ///< share of the whole need that the arm holds, least over the task
 };
 
+/// The search for one arm, tool and task.
 class BasePlacement {
  public:
   /// @param arm  with payload  @param R_WB  direction of the base's axis; turns about that axis are free
@@ -73,8 +76,12 @@ class BasePlacement {
  private:
   [[nodiscard]] Pose Facing(const Vector3& p_WB) const;
   [[nodiscard]] double TurnOf(const Pose& X_WB) const;
+  /// The figure's factor, lowered by moving_share_per_m for each metre from the present base.
   [[nodiscard]] double Score(const BaseFigure& figure) const;
+  /// Whether the site is at least clearance_m from the base's axis.
   [[nodiscard]] bool Stands(const Vector3& p_WB) const;
+  /// Judges a base at one arm angle over these poses. Gives no configuration if a pose fails, or as soon as
+  /// the factor falls below `least`.
   [[nodiscard]] BaseFigure JudgeAt(const Pose& X_WB, double arm_angle_rad, const std::vector<Pose>& poses,
                                    double least) const;
 

@@ -25,10 +25,11 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kRadian = std::numbers::pi / 180.0;
-constexpr double kReach_m = 0.9, kLower_m = 0.7, kHigher_m = 0.5;  // default ranges, from the site
-constexpr double kPanelStep_m = 0.025;
-constexpr double kPressing_N = 20.0;  // along the tool; smaller forces give no reliable ratio
+constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+// Default ranges of the base's place from the site: to each side, down and up.
+constexpr double kReach_m = 0.9, kLower_m = 0.7, kHigher_m = 0.5;
+constexpr double kPanelStep_m = 0.025;  // between two places of the base in a picture
+constexpr double kPressing_N = 20.0;    // along the tool; smaller forces give no reliable ratio
 
 // Returns the greatest ratio of lateral to axial force in a run while the tool pressed.
 tl::expected<double, std::string> LateralRatio(const std::filesystem::path& file) {
@@ -60,6 +61,7 @@ Matrix3 MountOf(const config::CellConfig& cell, Mount mount) {
   return cell.X_WB.linear();
 }
 
+// The search's parameters, with the default ranges where the options give none.
 BasePlacementParams SearchOf(const CapabilityOptions& options, const TaskVolume& task, const Vector3& now_W) {
   const Vector3 site = task.X_WC.translation();
   const auto range = [](const std::optional<std::array<double, 2>>& asked_mm, double from_m, double to_m) {
@@ -71,12 +73,12 @@ BasePlacementParams SearchOf(const CapabilityOptions& options, const TaskVolume&
           .y_m = range(options.y_mm, site.y() - kReach_m, site.y() + kReach_m),
           .z_m = range(options.z_mm, site.z() - kLower_m, site.z() + kHigher_m),
           .clearance_m = 1e-3 * options.clearance_mm,
-          .joint_margin_rad = options.joint_margin_deg * kRadian,
+          .joint_margin_rad = options.joint_margin_deg * kRadiansPerDegree,
           .now_W_m = now_W,
           .threads = options.threads};
 }
 
-// Removes rows and columns in which the task can't be done, except for a rim of two around values and marks.
+// Cuts a panel down to the places from which the task can be done and the marks, with a rim of two places.
 BasePanel Cropped(const BasePanel& panel) {
   int low_x = panel.nx, high_x = -1, low_y = panel.ny, high_y = -1;
   const auto keep = [&](int i, int j) {
@@ -110,7 +112,8 @@ BasePanel Cropped(const BasePanel& panel) {
   return cropped;
 }
 
-// Computes the guaranteed force over a plane of places, around the best one.
+// Computes the guaranteed axial force for the bases of a plane through the best base: horizontal, or vertical
+// through site and best base.
 BasePanel PanelAround(const BasePlacement& search, const BaseFigure& best, const CapabilityResult& result,
                       bool vertical) {
   const Vector3 site = result.task.X_WC.translation(), p_best = best.X_WB.translation(),
@@ -168,6 +171,8 @@ BasePanel PanelAround(const BasePlacement& search, const BaseFigure& best, const
   return Cropped(panel);
 }
 
+// Searches the best base and maps the bases around it. On Ctrl-C, or if there is none, the result has no
+// base.
 void Search(const config::CellConfig& cell, const CapabilityOptions& options, base::PhaseProgress& progress,
             CapabilityResult& result) {
   result.searched = true;
@@ -184,6 +189,7 @@ void Search(const config::CellConfig& cell, const CapabilityOptions& options, ba
                         PanelAround(search, *result.base, result, true)};
 }
 
+// The report as HTML, from its pictures.
 std::string Page(const CapabilityResult& result, const CapabilityOptions& options, const std::string& map,
                  const std::string& own_map, const std::string& bases) {
   const std::string title = "Force capability of " + result.cell;
@@ -208,12 +214,13 @@ std::string Page(const CapabilityResult& result, const CapabilityOptions& option
             "<p>Kept: {:g} deg from every joint limit, elbow and wrist bent by {:g} deg at least and on the "
             "workspace's side of its plane, the base's axis {:g} mm from the site. What the arm may "
             "collide with is not known here.</p>\n",
-            result.search.joint_margin_rad / kRadian, std::round(result.search.min_bend_rad / kRadian),
-            result.search.clearance_m * 1e3);
+            result.search.joint_margin_rad / kRadiansPerDegree,
+            std::round(result.search.min_bend_rad / kRadiansPerDegree), result.search.clearance_m * 1e3);
   if (result.base) html += "<pre>" + report::Escape(BaseYaml(result, options.command_line)) + "</pre>\n";
   return html + report::RepeatSection(options.command_line) + report::PageEnd();
 }
 
+// Writes all files of the result.
 tl::expected<void, std::string> Write(const CapabilityResult& result, const CapabilityOptions& options) {
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
@@ -238,6 +245,7 @@ tl::expected<void, std::string> Write(const CapabilityResult& result, const Capa
   return report::WritePage(Page(result, options, map, own_map, bases), options.out / "capability.html");
 }
 
+// Runs the subcommand, except that it throws where the input is bad.
 int Run(const CapabilityOptions& options) {
   if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
     return session::Fail("capability", wrong);

@@ -12,6 +12,7 @@ namespace osteon::studies {
 /// Direction of the base's axis.
 enum class Mount { kCell, kFloor, kCeiling };
 
+/// Options of `osteon capability`.
 struct CapabilityOptions {
   std::filesystem::path cell;
   std::filesystem::path out{"capability"};

@@ -20,7 +20,7 @@ Vector3 MapPanel::Node(std::size_t i) const {
 
 CapabilityMap::CapabilityMap(const config::CellConfig& cell, const TaskVolume& task,
                              const CapabilityNeed& need, int threads)
-    : arm_(DrawnIn(cell.robot.lbr()->params, cell.servo.joints.position_margin_rad)),
+    : arm_(WithNarrowedLimits(cell.robot.lbr()->params, cell.servo.joints.position_margin_rad)),
       force_(cell.robot.lbr()->chain, cell.X_WB.linear(), cell.tool.X_FT, need),
       X_BW_(cell.X_WB.inverse()),
       X_TF_(cell.tool.X_FT.inverse()),

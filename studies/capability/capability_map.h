@@ -46,6 +46,7 @@ class CapabilityMap {
     ToolForce force;
     std::size_t poses{0}, unreachable{0};
   };
+  /// Evaluates the task, each pose at its best arm angle.
   [[nodiscard]] Task AtBestArmAngle() const;
   /// Evaluates the task at the arm angle and configuration of the cell's start.
   [[nodiscard]] Task AtOwnArmAngle() const;
@@ -53,6 +54,7 @@ class CapabilityMap {
  private:
   /// Returns the figures at the arm angle with the best factor of the need; nothing without a posture.
   [[nodiscard]] std::optional<ToolForce> Best(const Pose& X_WT) const;
+  /// Returns the figures at the arm angle and configuration of the cell's start; nothing without a posture.
   [[nodiscard]] std::optional<ToolForce> Own(const Pose& X_WT) const;
 
   kinematics::LbrArm arm_;  ///< limits narrowed by the cell's margin

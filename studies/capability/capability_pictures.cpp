@@ -9,21 +9,24 @@
 #include "report/svg_text.h"
 #include "studies/capability/capability_result.h"
 
+// The pictures of `osteon capability`: maps of the force over the workspace, and over places of the base.
+
 namespace osteon::studies {
 namespace {
 
+// Colour of the task's outline and of the site.
 constexpr const char* kTaskColor = "#d55e00";
 
-// Chooses the scale: the bands end at a round number above nine tenths of the values.
+// Chooses the colour scale: it ends at a round number above the need and above 95 % of the values.
 report::HeatScale ScaleOf(const std::vector<const std::vector<double>*>& fields, double need_N,
                           const std::string& label) {
   std::vector<double> values;
   for (const std::vector<double>* field : fields)
     for (const double value : *field)
       if (std::isfinite(value)) values.push_back(value);
-  const double most = values.empty() ? 0.0 : base::Percentile(values, 0.95);
+  const double percentile_95_N = values.empty() ? 0.0 : base::Percentile(values, 0.95);
   // eight to fifteen bands of a round width, two per tick
-  const double top = std::clamp(1.1 * std::max(most, need_N), 50.0, 1000.0);
+  const double top = std::clamp(1.1 * std::max(percentile_95_N, need_N), 50.0, 1000.0);
   double tick = 10.0;
   for (const double width : {20.0, 50.0, 100.0, 200.0})
     if (tick * 7.5 < top) tick = width;
@@ -31,6 +34,7 @@ report::HeatScale ScaleOf(const std::vector<const std::vector<double>*>& fields,
       .label = label, .min = 0.0, .max = tick * std::ceil(top / tick), .step = 0.5 * tick, .tick_step = tick};
 }
 
+// The forces at which contour lines are drawn: each tick of the scale, and the need.
 std::vector<double> Levels(const report::HeatScale& scale, double need_N) {
   std::vector<double> levels;
   for (double value = scale.min + scale.tick_step; value < scale.max; value += scale.tick_step)
@@ -93,6 +97,7 @@ report::Polyline WorkspaceOutline(const TaskVolume& task, const MapPanel& panel)
   return outline;
 }
 
+// The heat map of one force on one plane.
 report::HeatMap PanelOf(const CapabilityResult& r, const MapPanel& panel, const std::vector<double>& values,
                         const std::string& what, const report::HeatScale& scale, double need_N) {
   const bool vertical = panel.plane == MapPlane::kVertical;

@@ -10,13 +10,15 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
+// "A3" for index 2; "no joint" below 0.
 std::string Joint(int joint) { return joint < 0 ? "no joint" : fmt::format("A{}", joint + 1); }
 
 // Zero if nothing could be judged; JSON has no infinity.
 double Shown(double value) { return std::isfinite(value) ? value : 0.0; }
 
+// The smallest forces over the task with the joints that limit them, as one line.
 std::string Forces(const CapabilityMap::Task& task) {
   if (task.unreachable == task.poses) return "no pose of the task has a posture within the joint limits";
   std::string text =
@@ -39,7 +41,7 @@ nlohmann::json ToJson(const ToolForce& force, const CapabilityNeed& need) {
           {"need_joint", Joint(force.factor_joint)},
           {"guaranteed_axial_N", Shown(force.factor) * need.axial_N},
           {"guaranteed_lateral_N", Shown(force.factor) * need.lateral_N},
-          {"joint_room_min_deg", Shown(force.joint_room_rad) * kDegrees},
+          {"joint_room_min_deg", Shown(force.joint_room_rad) * kDegreesPerRadian},
           {"joint_room_joint", Joint(force.room_joint)}};
 }
 
@@ -50,6 +52,7 @@ nlohmann::json ToJson(const CapabilityMap::Task& task, const CapabilityNeed& nee
   return json;
 }
 
+// A vector's coordinates in another unit, rounded to six places.
 nlohmann::json ToJson(const Vector3& v, double scale) {
   return {std::round(v.x() * scale * 1e6) * 1e-6, std::round(v.y() * scale * 1e6) * 1e-6,
           std::round(v.z() * scale * 1e6) * 1e-6};
@@ -94,7 +97,7 @@ session::Verdict Judge(const CapabilityResult& r) {
   else if (!own.empty())
     verdict.Add(session::VerdictLevel::kWarning,
                 fmt::format("at the cell's arm angle of {:.0f} deg: {}; other arm angles do",
-                            r.own_arm_angle_rad * kDegrees, own));
+                            r.own_arm_angle_rad * kDegreesPerRadian, own));
   if (r.outside > 0)
     verdict.Add(session::VerdictLevel::kWarning,
                 fmt::format("{} of {} poses of the task lie outside the cell's workspace and were not judged",
@@ -121,7 +124,7 @@ std::vector<report::SummaryRow> Rows(const CapabilityResult& r) {
        fmt::format("centre of the tool's head within {:.0f} mm of the site's axis, {:.0f} to {:.0f} mm along "
                    "it; tool tilted by up to {:.0f} deg; {} poses{}",
                    r.task.radius_m * 1e3, r.task.bottom_m * 1e3, r.task.top_m * 1e3,
-                   r.task.tilt_rad * kDegrees, r.best_angle.poses,
+                   r.task.tilt_rad * kDegreesPerRadian, r.best_angle.poses,
                    r.outside > 0 ? fmt::format(", and {} outside the workspace", r.outside) : "")},
       {"Needed",
        fmt::format(
@@ -129,7 +132,8 @@ std::vector<report::SummaryRow> Rows(const CapabilityResult& r) {
            r.need.lateral_from,
            r.need.torque_Nm > 0.0 ? fmt::format(", {:.1f} N·m about any axis", r.need.torque_Nm) : "")},
       {"This base, best arm angles", Forces(r.best_angle)},
-      {fmt::format("This base, arm angle {:.0f} deg", r.own_arm_angle_rad * kDegrees), Forces(r.own_angle)}};
+      {fmt::format("This base, arm angle {:.0f} deg", r.own_arm_angle_rad * kDegreesPerRadian),
+       Forces(r.own_angle)}};
   if (r.rendering)
     for (report::SummaryRow& row : RenderingRows(*r.rendering, r.own_angle.force.axial_N))
       rows.push_back(std::move(row));
@@ -139,13 +143,13 @@ std::vector<report::SummaryRow> Rows(const CapabilityResult& r) {
     return rows;
   }
   const Vector3 p_mm = 1e3 * r.base->X_WB.translation(),
-                rpy_deg = kDegrees * RollPitchYaw(r.base->X_WB.linear());
-  rows.push_back(
-      {"Best base", fmt::format("{:.0f}, {:.0f}, {:.0f} mm, rpy {:.0f}, {:.0f}, {:.0f} deg, arm angle {:.0f} "
-                                "deg",
-                                RoundToWhole(p_mm.x()), RoundToWhole(p_mm.y()), RoundToWhole(p_mm.z()),
-                                RoundToWhole(rpy_deg.x()), RoundToWhole(rpy_deg.y()),
-                                RoundToWhole(rpy_deg.z()), RoundToWhole(r.base->arm_angle_rad * kDegrees))});
+                rpy_deg = kDegreesPerRadian * RollPitchYaw(r.base->X_WB.linear());
+  rows.push_back({"Best base",
+                  fmt::format("{:.0f}, {:.0f}, {:.0f} mm, rpy {:.0f}, {:.0f}, {:.0f} deg, arm angle {:.0f} "
+                              "deg",
+                              RoundToWhole(p_mm.x()), RoundToWhole(p_mm.y()), RoundToWhole(p_mm.z()),
+                              RoundToWhole(rpy_deg.x()), RoundToWhole(rpy_deg.y()), RoundToWhole(rpy_deg.z()),
+                              RoundToWhole(r.base->arm_angle_rad * kDegreesPerRadian))});
   const ToolForce& f = r.base_force;
   rows.push_back(
       {"Guaranteed there",
@@ -154,7 +158,7 @@ std::vector<report::SummaryRow> Rows(const CapabilityResult& r) {
                    f.axial_N, Joint(f.axial_joint), f.lateral_N, Joint(f.lateral_joint), f.factor,
                    f.factor * r.need.axial_N, f.factor * r.need.lateral_N, Joint(f.factor_joint))});
   rows.push_back({"Nearest joint limit there",
-                  fmt::format("{:.0f} deg ({})", f.joint_room_rad * kDegrees, Joint(f.room_joint))});
+                  fmt::format("{:.0f} deg ({})", f.joint_room_rad * kDegreesPerRadian, Joint(f.room_joint))});
   rows.push_back(
       {"Enough there",
        f.factor >= 1.0
@@ -182,7 +186,7 @@ std::string ToJson(const CapabilityResult& r, const std::string& command_line) {
                        {{"radius_mm", r.task.radius_m * 1e3},
                         {"bottom_mm", r.task.bottom_m * 1e3},
                         {"top_mm", r.task.top_m * 1e3},
-                        {"tilt_deg", r.task.tilt_rad * kDegrees},
+                        {"tilt_deg", r.task.tilt_rad * kDegreesPerRadian},
                         {"head_radius_mm", r.task.head_radius_m * 1e3},
                         {"site_mm", ToJson(r.task.X_WC.translation(), 1e3)},
                         {"poses", r.best_angle.poses},
@@ -192,7 +196,7 @@ std::string ToJson(const CapabilityResult& r, const std::string& command_line) {
                       {"best_arm_angles", ToJson(r.best_angle, r.need)},
                       {"own_arm_angle", ToJson(r.own_angle, r.need)},
                       {"best_base", nullptr}};
-  json["own_arm_angle"]["arm_angle_deg"] = r.own_arm_angle_rad * kDegrees;
+  json["own_arm_angle"]["arm_angle_deg"] = r.own_arm_angle_rad * kDegreesPerRadian;
   json["searched"] = r.searched;
   json["rendering"] =
       r.rendering ? RenderingJson(*r.rendering, Shown(r.own_angle.force.axial_N)) : nlohmann::json();
@@ -202,13 +206,13 @@ std::string ToJson(const CapabilityResult& r, const std::string& command_line) {
                     {"y_mm", range(r.search.y_m)},
                     {"z_mm", range(r.search.z_m)},
                     {"clearance_mm", r.search.clearance_m * 1e3},
-                    {"joint_margin_deg", r.search.joint_margin_rad * kDegrees},
-                    {"least_bend_deg", r.search.min_bend_rad * kDegrees}};
+                    {"joint_margin_deg", r.search.joint_margin_rad * kDegreesPerRadian},
+                    {"least_bend_deg", r.search.min_bend_rad * kDegreesPerRadian}};
   if (!r.base) return session::ResultText(Judge(r), json);
   nlohmann::json base = ToJson(r.base_force, r.need);
   base["position_mm"] = ToJson(r.base->X_WB.translation(), 1e3);
-  base["rpy_deg"] = ToJson(RollPitchYaw(r.base->X_WB.linear()), kDegrees);
-  base["arm_angle_deg"] = RoundToWhole(r.base->arm_angle_rad * kDegrees);
+  base["rpy_deg"] = ToJson(RollPitchYaw(r.base->X_WB.linear()), kDegreesPerRadian);
+  base["arm_angle_deg"] = RoundToWhole(r.base->arm_angle_rad * kDegreesPerRadian);
   base["sufficient"] = r.base_force.factor >= 1.0;
   json["best_base"] = base;
   return session::ResultText(Judge(r), json);
@@ -230,7 +234,7 @@ std::string MapCsv(const CapabilityResult& r) {
 
 std::string BaseYaml(const CapabilityResult& r, const std::string& command_line) {
   const Vector3 p_mm = 1e3 * r.base->X_WB.translation(),
-                rpy_deg = kDegrees * RollPitchYaw(r.base->X_WB.linear());
+                rpy_deg = kDegreesPerRadian * RollPitchYaw(r.base->X_WB.linear());
   return fmt::format(
       "# {}\n# Guaranteed over the task: {:.0f} N along the tool with {:.0f} N across it at once; alone "
       "{:.0f} N and {:.0f} N.\n# In place of the cell's own lines:\nbase_in_world:\n  position_mm: [{:.0f}, "
@@ -239,7 +243,7 @@ std::string BaseYaml(const CapabilityResult& r, const std::string& command_line)
       command_line, r.base_force.factor * r.need.axial_N, r.base_force.factor * r.need.lateral_N,
       r.base_force.axial_N, r.base_force.lateral_N, RoundToWhole(p_mm.x()), RoundToWhole(p_mm.y()),
       RoundToWhole(p_mm.z()), RoundToWhole(rpy_deg.x()), RoundToWhole(rpy_deg.y()), RoundToWhole(rpy_deg.z()),
-      RoundToWhole(r.base->arm_angle_rad * kDegrees));
+      RoundToWhole(r.base->arm_angle_rad * kDegreesPerRadian));
 }
 
 }  // namespace osteon::studies

@@ -22,22 +22,23 @@ struct BasePanel {
   double x_from_m{0.0}, y_from_m{0.0}, step_m{0.0};
   int nx{0}, ny{0};
   std::vector<double> force_N;
-  std::array<double, 2> site{}, own{}, best{};  ///< [m]
+  std::array<double, 2> site{}, own{}, best{};  ///< places of the site, the present base and the best one [m]
 };
 
+/// All that `osteon capability` found.
 struct CapabilityResult {
   std::string cell, tool;
   TaskVolume task;
   CapabilityNeed need;
   Pose X_WB{Pose::Identity()};
   double own_arm_angle_rad{0.0};
-  CapabilityMap::Task best_angle, own_angle;
+  CapabilityMap::Task best_angle, own_angle;  ///< from the present base
   int outside{0};  ///< number of the task's poses outside the cell's workspace, which are not judged
   std::vector<MapPanel> maps;
   BasePlacementParams search;
   bool searched{false};
   std::optional<BaseFigure> base;  ///< the best base; nothing if none was searched for or found
-  ToolForce base_force;
+  ToolForce base_force;            ///< of the best base, over the task
   std::vector<BasePanel> base_panels;
   std::optional<Rendering> rendering{};  ///< forces that are felt and rendered; none: not computed
 };
@@ -47,6 +48,7 @@ struct CapabilityResult {
 /// no better base was found, or if the measured arm is not stable with the cell's gains.
 [[nodiscard]] session::Verdict Judge(const CapabilityResult& result);
 
+/// The result as rows of a key and a text.
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const CapabilityResult& result);
 /// JSON, schema osteon.capability/1.
 [[nodiscard]] std::string ToJson(const CapabilityResult& result, const std::string& command_line);
@@ -55,7 +57,7 @@ struct CapabilityResult {
 /// YAML that replaces the corresponding lines of the cell's file.
 [[nodiscard]] std::string BaseYaml(const CapabilityResult& result, const std::string& command_line);
 
-/// Draws axial and lateral force on two planes.
+/// Draws axial and lateral force on two planes, at the best arm angles or at the cell's.
 [[nodiscard]] std::string MapSvg(const CapabilityResult& result, bool own_arm_angle);
 /// Draws the base panels; empty if there are none.
 [[nodiscard]] std::string BaseSvg(const CapabilityResult& result);

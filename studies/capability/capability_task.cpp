@@ -62,6 +62,7 @@ double DirectionOf(const TaskVolume& task, const Vector3& p_WB) {
 std::vector<Pose> TiltCone(const TaskVolume& task, const Vector3& p_W_head, int azimuths, double first_rad) {
   const Matrix3 R_CT = ExpRotation({std::numbers::pi, 0.0, 0.0}) * ExpRotation({0.0, 0.0, task.tool_yaw_rad});
   const Matrix3 R_WC = task.X_WC.linear();
+  // The tool's pose, tilted by `tilt` toward the azimuth.
   const auto pose = [&](double tilt, double azimuth) {
     Pose X_WT = Pose::Identity();
     const Vector3 turn_C(-std::sin(azimuth), std::cos(azimuth), 0.0);

@@ -32,24 +32,23 @@ struct CapabilityNeed {
 /// do not belong to it.
 struct TaskVolume {
   Pose X_WC{Pose::Identity()};
-  double radius_m{0.0};
+  double radius_m{0.0};  ///< of the cylinder in which the head's centre moves
   double bottom_m{0.0}, top_m{0.0};
   double tilt_rad{0.0};
   double head_radius_m{0.0};  ///< distance of the apex ahead of the head's centre
-  double tool_yaw_rad{0.0};
+  double tool_yaw_rad{0.0};   ///< turn of the tool about its own axis
   safety::WorkspaceParams workspace;
 };
 
 /// Derives the task from a cell's script.
 /// @param radius_m  of the cylinder; none: the head's radius plus the script's swing, so that the site may
-/// lie one
-///   head radius beside its planned place
+///   lie one head radius beside its planned place
 [[nodiscard]] TaskVolume TaskOf(const config::CellConfig& cell, const std::optional<double>& radius_m = {});
 
 /// The need of a cell: its force limit along the tool, and across the tool the lateral force of its posture.
 [[nodiscard]] CapabilityNeed NeedOf(const config::CellConfig& cell);
 
-/// Sampling of a task.
+/// Sampling of a task: heights, places around the rim at each height, and tilts at each place.
 struct TaskFineness {
   int heights{3}, around{8}, azimuths{8};
 };
@@ -58,8 +57,8 @@ inline constexpr TaskFineness kCoarseTask{.heights = 2, .around = 4, .azimuths =
 /// Returns X_WT with the head's centre at a place: the tool along the site's axis first, then tilted to the
 /// cone's edge all round.
 /// @param first_rad  azimuth of the first tilt about the site's axis, from its x. Pass the direction of the
-/// base:
-///   then the arm's worst directions (toward the base, away from it, to the sides) are among the samples
+///   base: then the arm's worst directions (toward the base, away from it, to the sides) are among the
+///   samples
 [[nodiscard]] std::vector<Pose> TiltCone(const TaskVolume& task, const Vector3& p_W_head, int azimuths,
                                          double first_rad);
 

@@ -16,11 +16,14 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kDeviations = 3.0;
+constexpr double kDeviations = 3.0;  // standard deviations of noise and drift that make the force floor
 constexpr double kNoFloor_N = 1e-3;  // only a simulated sensor without errors has a smaller floor
+// The search for the stiffest wall begins at kMinWall_N_per_m and goes up by this factor.
 constexpr double kMinWall_N_per_m = 100.0, kWallFactor = 1.1;
 constexpr std::array<const char*, 3> kAxisNames{"x", "y", "z"};
 
+// Lag of a simulated arm behind its commands [s]: dead time, and that of a second-order response for slow
+// motion.
 double LagOf(const hil::ServoArmParams& arm, double period_s) {
   return arm.dead_cycles * period_s + arm.damping_ratio / (std::numbers::pi * arm.bandwidth_hz);
 }
@@ -48,9 +51,9 @@ TuneTask TaskAlong(const config::CellConfig& cell, std::size_t axis) {
   config::CellConfig own = cell;
   const std::string name = kAxisNames[axis];
   if (IsMeasured(cell, name)) {
-    const auto other = [&](const auto& entry) { return entry.axis != name; };
-    std::erase_if(own.identified->arm, other);
-    std::erase_if(own.identified->response, other);
+    const auto is_other_axis = [&](const auto& entry) { return entry.axis != name; };
+    std::erase_if(own.identified->arm, is_other_axis);
+    std::erase_if(own.identified->response, is_other_axis);
   }
   TuneTask task = MeasuredTaskOf(own);
   const auto i = static_cast<Eigen::Index>(axis);
@@ -61,21 +64,24 @@ TuneTask TaskAlong(const config::CellConfig& cell, std::size_t axis) {
 
 // The stiffest wall with which the loop is stable with all hands, at the greatest delay of a command.
 double GreatestWallOf(const TuneTask& task, const std::vector<hil::GridHand>& hands) {
-  double least = kMaxWall_N_per_m;
+  double max_stable_N_per_m = kMaxWall_N_per_m;
   for (const hil::GridHand& hand : hands) {
     hil::AdmittanceLoopParams loop = task.loop;
     loop.arm.dead_cycles += task.command_jitter;
     loop.hand = hand;
     if (!(hil::AdmittanceLoop(loop).SpectralRadius() < 1.0)) return 0.0;
-    loop.wall.stiffness_N_per_m = least;
-    if (hil::AdmittanceLoop(loop).SpectralRadius() < 1.0 && least < kMaxWall_N_per_m) continue;
-    least = std::min(
-        least,
-        hil::MaxWallStiffness(loop, {.from = kMinWall_N_per_m, .to = least, .factor = kWallFactor}).value);
+    loop.wall.stiffness_N_per_m = max_stable_N_per_m;
+    if (hil::AdmittanceLoop(loop).SpectralRadius() < 1.0 && max_stable_N_per_m < kMaxWall_N_per_m) continue;
+    max_stable_N_per_m =
+        std::min(max_stable_N_per_m,
+                 hil::MaxWallStiffness(
+                     loop, {.from = kMinWall_N_per_m, .to = max_stable_N_per_m, .factor = kWallFactor})
+                     .value);
   }
-  return least;
+  return max_stable_N_per_m;
 }
 
+// Fills in the drag and the walls that the cell asks for, and those with which its loop is stable.
 void FillLoop(const TuneTask& task, RenderedAxis& axis) {
   const std::vector<hil::GridHand> hands = HandsUpTo(task, task.human_grip_N_per_m);
   const TuneGains own{task.loop.mass_kg, task.loop.damping_Ns_per_m};
@@ -94,6 +100,7 @@ bool IsAlike(const TuneTask& a, const TuneTask& b) {
          a.loop.damping_Ns_per_m == b.loop.damping_Ns_per_m;
 }
 
+// Fills in the mass that a force along the i-th axis of the tool moves: measured, or from the arm's masses.
 void FillMass(const config::CellConfig& cell, const config::IdentifiedArm* arm, Eigen::Index i,
               RenderedAxis& axis) {
   if (arm != nullptr && arm->felt_mass_kg) {
@@ -106,6 +113,7 @@ void FillMass(const config::CellConfig& cell, const config::IdentifiedArm* arm, 
   axis.felt_mass_kg = {.value = 1.0 / axis_B.dot(*mobility * axis_B)};
 }
 
+// Fills in dead zone, noise, drift and delay of the force sensor.
 void FillForces(const config::CellConfig& cell, Rendering& rendering) {
   const auto& identified = cell.identified;
   const bool at_rest = identified && identified->sensor &&
@@ -125,6 +133,7 @@ void FillForces(const config::CellConfig& cell, Rendering& rendering) {
     rendering.sensor_delay_s = {.value = *identified->sensor->delay_s, .measured = true};
 }
 
+// "12 ms (measured)": the value in a unit with its name, and the source.
 std::string Sourced(const SourcedFigure& figure, double unit, const char* name) {
   const double value = figure.value / unit;
   return fmt::format("{:.3g} {} ({})", std::abs(value) < 1e-6 ? 0.0 : value, name, SourceOf(figure));
@@ -144,6 +153,7 @@ nlohmann::json JsonOf(const std::optional<double>& value) {
   return value && std::isfinite(*value) ? nlohmann::json(*value) : nlohmann::json();
 }
 
+// What is known of one axis, as one line.
 std::string AxisText(const RenderedAxis& axis) {
   std::string text = "lag " + Sourced(axis.lag_s, 1e-3, "ms");
   if (axis.felt_mass_kg) text += "; a force moves the arm as " + Sourced(*axis.felt_mass_kg, 1.0, "kg");
