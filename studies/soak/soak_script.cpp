@@ -7,8 +7,8 @@
 namespace osteon::studies {
 namespace {
 
-// Converts a draw 0 … 23 to a kind. Out of 24 drawn episodes, about 8 are reaming, 4 loss, 4 pause, 4
-// recovery, and 1 is for each part that dies.
+// Converts a draw 0 … 23 to a kind. Out of 24 draws, 8 mean reaming, 4 each loss, pause and recovery, and 1
+// each of the four parts that fall silent.
 EpisodeKind KindOf(int drawn) {
   if (drawn < 8) return EpisodeKind::kReaming;
   if (drawn < 12) return EpisodeKind::kLoss;
@@ -17,13 +17,15 @@ EpisodeKind KindOf(int drawn) {
   return static_cast<EpisodeKind>(static_cast<int>(EpisodeKind::kSensorSilent) + drawn - 20);
 }
 
+// The cell's override that silences one direction of a wire for a time.
 std::string Silence(const char* wire, const char* direction, double from_s, double to_s) {
   return fmt::format("injections=[{{wire: {}, direction: {}, from_s: {}, to_s: {}, silence: true}}]", wire,
                      direction, from_s, to_s);
 }
 
+// Draws the times of the kind's faults or pause, and adds them to the episode.
 void AddFaults(Episode& episode, SeededDraws& draws) {
-  constexpr double kForEver_s = 80000.0;
+  constexpr double kForEver_s = 80000.0;  // beyond the end of every episode
   const double at_s = draws.Between(2.0, 0.6 * episode.seconds);
   switch (episode.kind) {
     case EpisodeKind::kLoss:

@@ -26,16 +26,19 @@ namespace {
 using std::chrono::milliseconds, std::chrono::seconds, std::chrono::steady_clock;
 
 // Time limits are generous, so that a busy machine does not decide the outcome.
-constexpr seconds kEnd{90};
-constexpr double kPatienceRatio = 3.0, kPatience_s = 120.0;  // limit: ratio × the rendering time + seconds
+constexpr seconds kEnd{90};  // from SIGTERM to a process's end
+// An episode may take this ratio × its rendering time, plus these seconds.
+constexpr double kPatienceRatio = 3.0, kPatience_s = 120.0;
 constexpr milliseconds kPollInterval{50};
-constexpr double kUseEvery_s = 0.5, kPageStays_s = 1.0;
+constexpr double kUseEvery_s = 0.5;   // between two measurements of the processes' use
+constexpr double kPageStays_s = 1.0;  // time for which a page stays open while pages come and go
 // Time in which the PLC notices a missing heartbeat: it takes the permission back after 0.25 s.
 constexpr milliseconds kPlcNotices{800};
-constexpr const char* kPlan = "acetabulum";
+constexpr const char* kPlan = "acetabulum";  // file name of the plan of a life with a plan
 
 double Now_s() { return std::chrono::duration<double>(steady_clock::now().time_since_epoch()).count(); }
 
+// Number of entries of a folder; 0 if there is no such folder.
 int CountEntries(const std::filesystem::path& folder) {
   std::error_code error;
   int count = 0;
@@ -57,14 +60,15 @@ int ConsolePort(const std::string& printed) {
 ProcessUse UseOf(pid_t process) {
   const std::filesystem::path folder = std::filesystem::path("/proc") / std::to_string(process);
   std::istringstream statm(base::ReadText(folder / "statm"));
-  double whole = 0.0, resident = 0.0;
+  double whole = 0.0, resident = 0.0;  // in pages of memory
   statm >> whole >> resident;
   return {.memory_MB = resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6,
           .files = CountEntries(folder / "fd"),
           .threads = CountEntries(folder / "task")};
 }
 
-// The pages of one controller: they connect, and if the script says so, they leave and connect again.
+// The console's pages of one controller: they connect, and if the script says so, they leave and connect
+// again.
 class WallCell::Pages {
  public:
   void Open(int port) {
@@ -74,7 +78,7 @@ class WallCell::Pages {
   }
   [[nodiscard]] bool open() const { return port_ > 0; }
 
-  // Lets all pages leave and come again once a second.
+  // Closes all pages and opens them again, once every kPageStays_s.
   void Change() {
     if (!open() || Now_s() - opened_s_ < kPageStays_s) return;
     for (std::size_t i = 0; i < pages_.size(); ++i) {
@@ -84,12 +88,14 @@ class WallCell::Pages {
     opened_s_ = Now_s();
   }
 
+  // Closes all pages. @returns the number of messages that each page got
   std::array<std::uint64_t, kWallPages> Close() {
     for (std::size_t i = 0; i < pages_.size(); ++i) Leave(i);
     return messages_;
   }
 
  private:
+  // Connects a page; all but the last one read their messages.
   void OpenOne(std::size_t i) {
     if (auto page = console::PageClient::Open("127.0.0.1", port_, i + 1 < pages_.size()))
       pages_[i] = std::move(*page);
@@ -99,7 +105,7 @@ class WallCell::Pages {
     pages_[i].reset();
   }
 
-  int port_{0};
+  int port_{0};  // 0: not open yet
   double opened_s_{0.0};
   std::array<std::unique_ptr<console::PageClient>, kWallPages> pages_;
   std::array<std::uint64_t, kWallPages> messages_{};
@@ -114,10 +120,10 @@ WallCell::WallCell(std::filesystem::path config_root, std::filesystem::path fold
 
 WallOutcome WallCell::Run(const WallEpisode& episode) {
   const double begin_s = Now_s();
-  if (WallOutcome before; cell_ && (distrusted_ || cell_->Ended() || episode.life.index != life_))
-    EndCell(before);
+  if (WallOutcome discarded; cell_ && (distrusted_ || cell_->Ended() || episode.life.index != life_))
+    EndCell(discarded);
   distrusted_ = false;
-  static_cast<void>(cpus_.TakeLongest());  // between the episodes
+  static_cast<void>(cpus_.TakeLongest());  // drops the time between the episodes
   WallOutcome outcome;
   try {
     if (!cell_) outcome.error = StartCell(episode.life);
@@ -144,7 +150,7 @@ WallOutcome WallCell::Run(const WallEpisode& episode) {
 void WallCell::Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outcome) {
   const double give_up_s = Now_s() + kPatienceRatio * episode.seconds + kPatience_s;
   double use_s = 0.0, last_rendered_s = 0.0;
-  bool half = false;
+  bool half_measured = false;
   while (!run_->Ended()) {
     const double now_s = Now_s();
     if (stop_() || now_s > give_up_s) {
@@ -168,9 +174,9 @@ void WallCell::Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outc
         use_s = now_s;
       }
       last_rendered_s = rendered_s;
-      if (!half && rendered_s > 0.5 * episode.seconds) {
+      if (!half_measured && rendered_s > 0.5 * episode.seconds) {
         outcome.half = UseOf(run_->pid());
-        half = true;
+        half_measured = true;
       }
     }
     std::this_thread::sleep_for(kPollInterval);
@@ -184,7 +190,7 @@ PartUses WallCell::Uses() const {
 }
 
 void WallCell::Act(const WallEpisode& episode, double rendered_s, WallOutcome& outcome) {
-  if (pausing_) {
+  if (pausing_) {  // after the pause's length: takes the next tool if the script says so, then resumes
     if (Now_s() < resume_at_s_) return;
     changed_ = changed_ || !episode.pauses[pause_].next_tool || Request("next", outcome);
     if (!changed_ || !Request("resume", outcome)) return;
@@ -282,10 +288,11 @@ std::string WallCell::StartCell(const CellLife& life) {
   config::WriteDerived(config_root_ / "cells" / "demo.yaml", edits, cell_file());
   parts_.UseCell(cell_file());
   life_ = life.index;
-  std::vector<std::string> more{"--json", "cell.json", "--console",
-                                "off",    "--seconds", fmt::format("{:g}", life.seconds)};
-  if (life.plan) more.insert(more.end(), {"--plan", (config_root_ / "plans" / kPlan).string() + ".yaml"});
-  cell_ = parts_.Start("cell", more);
+  std::vector<std::string> options{"--json", "cell.json", "--console",
+                                   "off",    "--seconds", fmt::format("{:g}", life.seconds)};
+  if (life.plan)
+    options.insert(options.end(), {"--plan", (config_root_ / "plans" / kPlan).string() + ".yaml"});
+  cell_ = parts_.Start("cell", options);
   if (parts_.AwaitReady("cell", *cell_)) return "";
   cell_.reset();
   return "osteon cell is not ready: " + parts_.LastError("cell");
@@ -299,15 +306,16 @@ std::string WallCell::StartGuard() {
 }
 
 void WallCell::StartController(const WallEpisode& episode) {
-  std::vector<std::string> more{"--json",    "run.json", "--engine",  "cpu",
-                                "--console", "0",        "--seconds", fmt::format("{:g}", episode.seconds)};
-  if (episode.event == WallEvent::kHaltedCell) more.insert(more.end(), {"--recover", "3"});
+  std::vector<std::string> options{
+      "--json",    "run.json", "--engine",  "cpu",
+      "--console", "0",        "--seconds", fmt::format("{:g}", episode.seconds)};
+  if (episode.event == WallEvent::kHaltedCell) options.insert(options.end(), {"--recover", "3"});
   if (episode.life.plan)
-    more.insert(more.end(),
-                {"--plan", (config_root_ / "plans" / kPlan).string() + ".yaml", "--session", "session"});
+    options.insert(options.end(),
+                   {"--plan", (config_root_ / "plans" / kPlan).string() + ".yaml", "--session", "session"});
   else
-    more.insert(more.end(), {"--record", "run.mcap"});
-  run_ = parts_.Start("run", more);
+    options.insert(options.end(), {"--record", "run.mcap"});
+  run_ = parts_.Start("run", options);
 }
 
 tl::expected<std::string, std::string> WallCell::Ask(const std::string& request) const {

@@ -72,14 +72,14 @@ class OverlayResponse {
 
  private:
   struct Mode {
-    std::complex<double> free;         // over a period
-    std::complex<double> now, before;  // seen effect of a force on its way n and n + 1 periods
+    std::complex<double> free;         // factor on the mode over a period without a force
+    std::complex<double> now, before;  // change of x by a force that was sent n and n + 1 periods ago
   };
   void AddModes(const Eigen::MatrixXd& inertia, const Eigen::MatrixXd& damping,
                 const Eigen::MatrixXd& stiffness, const kinematics::JointVectorN<7>& along, double rest_s);
 
   std::vector<Mode> modes_;
-  int periods_;
+  int periods_;  // whole periods of the dead time: n
   double period_s_;
 };
 

@@ -17,6 +17,7 @@ namespace {
 using config::SweepDraw;
 using Json = nlohmann::ordered_json;
 
+// The quantiles of each figure over these outcomes.
 Json QuantilesJson(std::span<const SweepOutcome> outcomes) {
   Json json = Json::object();
   for (const SweepFigure& figure : kSweepFigures) {
@@ -37,16 +38,19 @@ Json FaultsJson(std::span<const SweepOutcome> outcomes) {
   return json;
 }
 
+// Number of runs that could not be made.
 std::size_t Failed(std::span<const SweepOutcome> outcomes) {
   return static_cast<std::size_t>(
       std::ranges::count_if(outcomes, [](const SweepOutcome& o) { return !o.error.empty(); }));
 }
 
+// Number of runs in which a fault occurred.
 std::size_t Faulted(std::span<const SweepOutcome> outcomes) {
   return static_cast<std::size_t>(
       std::ranges::count_if(outcomes, [](const SweepOutcome& o) { return !o.faults.empty(); }));
 }
 
+// How a parameter gets its values, for example "uniform 1 to 3".
 std::string TakesText(const config::SweepParameter& p) {
   switch (p.draw) {
     case SweepDraw::kListed:
@@ -61,6 +65,7 @@ std::string TakesText(const config::SweepParameter& p) {
   return "";
 }
 
+// The run's value of each listed parameter, and with drawn_too of each drawn one.
 Json ValuesJson(const SweepResult& result, const SweepRun& run, bool drawn_too) {
   Json json = Json::object();
   for (std::size_t i = 0; i < run.values.size(); ++i)
@@ -140,7 +145,7 @@ std::string SweepTable(const SweepResult& result) {
   for (const auto& group : groups) {
     text += fmt::format("{:<{}} {:>5} {:>6} ", NameOfCombination(result, group.front()), width, group.size(),
                         Faulted(group));
-    for (const std::size_t figure : {0u, 2u, 4u}) {
+    for (const std::size_t figure : {0u, 2u, 4u}) {  // those of the heading, in kSweepFigures
       const Quantiles q = QuantilesOf(ValuesOf(group, kSweepFigures[figure]));
       text += fmt::format("{:>9.2f} {:>8.2f}", q.median, q.p95);
     }

@@ -25,17 +25,21 @@ constexpr double kTau = 2.0 * std::numbers::pi;
 constexpr std::array<const char*, 6> kAxes{"x", "y", "z", "about x", "about y", "about z"};
 constexpr std::array<const char*, 3> kColors{"#0072b2", "#d55e00", "#009e73"};
 constexpr const char* kAskedColor = "#777777";
-// Travel and speed of the hand: small compared with a joint's range, large compared with rounding.
+// Limits of a sweep's travel, speed and wrench: small compared with a joint's range, large compared with
+// rounding.
 constexpr double kTravel_m = 0.005, kSpeed_m_per_s = 0.05, kWrench_N = 20.0;
 constexpr double kTravel_rad = 0.02, kSpeed_rad_per_s = 0.2, kWrench_Nm = 2.0;
-// Tolerances relative to the requested impedance: rms in free motion, and of the stiffness. A hand
+// Tolerances relative to the requested impedance: of the stiffness in contact, of the rms in free motion, and
+// the error of either beyond which the result is bad. A hand
 // distinguishes stiffnesses from a difference of about 23 % (L. A. Jones and I. W. Hunter, Exp. Brain Res.
 // 79, 1990) and damping from 19 % (Jones, Hunter, Lafontaine, Perception 26, 1997, by forced choice; 34 %
-// where one arm is matched with the other, 1993). An error as large as the request is something else.
+// where one arm is matched with the other, 1993). An error as large as the request is no longer the
+// requested feel.
 constexpr double kNoticed = 0.23, kNoticedFree = 0.19, kSomethingElse = 1.0;
-// In contact: fractions of the cell's force limit.
+// Mean and amplitude of the hand's force in contact, as fractions of the cell's force limit.
 constexpr double kPreload = 0.3, kSwing = 0.1;
 
+// The measured frequencies [Hz], evenly spaced in the logarithm.
 std::vector<double> Frequencies(int count) {
   std::vector<double> hz;
   const double ratio = kTransparencyMost_hz / kTransparencyLeast_hz;
@@ -44,6 +48,7 @@ std::vector<double> Frequencies(int count) {
   return hz;
 }
 
+// The bench with the cell's own loop and simulated arm at the cell's start.
 HandleBenchParams BenchOf(const config::CellConfig& cell, const TransparencyOptions& options) {
   HandleBenchParams bench;
   bench.servo = cell.servo;
@@ -74,6 +79,7 @@ report::Series Unwrapped(report::Series series) {
   return series;
 }
 
+// A curve of one value of each point over its frequency.
 report::Series Curve(const std::string& name, const std::string& color,
                      const std::vector<HandlePoint>& points,
                      const std::function<double(const HandlePoint&)>& value, double opacity = 1.0) {
@@ -85,6 +91,7 @@ report::Series Curve(const std::string& name, const std::string& color,
   return series;
 }
 
+// Draws magnitude and phase of the impedance, measured and requested: in free motion, then in contact.
 std::string Plot(const TransparencyResult& result) {
   std::array<report::LineChart, 4> panels{
       report::LineChart{.title = "Free motion, along the tool's axes", .y_label = "|F/v| [N s/m]"},
@@ -133,6 +140,7 @@ std::string Plot(const TransparencyResult& result) {
   return report::Svg(panels);
 }
 
+// A point's figures, measured and requested. @param mode  "free" or "contact"
 nlohmann::ordered_json PointJson(const char* mode, const char* axis, const HandlePoint& point,
                                  const Complex& asked) {
   const double w = kTau * point.frequency_hz;
@@ -195,6 +203,7 @@ std::string ToCsv(const TransparencyResult& result) {
   return csv;
 }
 
+// Mass and drag of each axis, requested and measured, in free motion; the first row is the heading.
 std::vector<std::vector<std::string>> Table(const TransparencyResult& result) {
   std::vector<std::vector<std::string>> rows{
       {"axis", "mass asked", "felt", "drag asked", "felt", "residual [%]"}};
@@ -283,7 +292,7 @@ TransparencyResult MeasureTransparency(const config::CellConfig& cell, const Tra
     }
     TransparencyAxis axis{.axis = i, .points = SweepFree(bench, sweep), .fit = {}};
     axis.fit = FitMassAndDrag(axis.points, kTransparencyFit_hz);
-    const Complex asked = AskedImpedance(law, i, 1.0);
+    const Complex asked = AskedImpedance(law, i, 1.0);  // drag + j 2π mass, at 1 Hz
     axis.asked_drag = asked.real();
     axis.asked_mass = asked.imag() / kTau;
     double sum = 0.0;
@@ -307,6 +316,7 @@ TransparencyResult MeasureTransparency(const config::CellConfig& cell, const Tra
         bench,
         {.axis = 2, .frequency_hz = hz, .amplitude = result.contact_amplitude_N, .bias = result.preload_N},
         HandleWall{result.asked_stiffness_N_per_m}));
+  // in contact Z is about K / (j w) at the lowest frequency
   const HandlePoint& slowest = result.contact.front();
   result.stiffness_N_per_m = (slowest.impedance * Complex(0.0, kTau * slowest.frequency_hz)).real();
   progress.Done();
