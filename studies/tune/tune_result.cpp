@@ -13,10 +13,12 @@
 namespace osteon::studies {
 namespace {
 
+// Mass and drag as text.
 std::string Shown(const TuneGains& gains) {
   return fmt::format("{:.3g} kg, {:.0f} N s/m", gains.mass_kg, gains.damping_Ns_per_m);
 }
 
+// A least drag as text. Infinity means that the largest drag of the search was not enough.
 std::string Drag(double drag_Ns_per_m) {
   return std::isfinite(drag_Ns_per_m) ? fmt::format("{:.0f} N s/m", drag_Ns_per_m)
                                       : std::string("more than 3000 N s/m");
@@ -37,9 +39,10 @@ nlohmann::json ToJson(const std::vector<TuneBoundary>& boundaries, const std::ve
   return list;
 }
 
-// A hand that keeps more force than this between 5 and 40 Hz is shaken, not merely restless.
+// An oscillation that remains between 5 and 40 Hz is bad above this force, and a warning below it.
 constexpr double kShaken_N = 5.0;
 
+// Adds a reason if a stiff hand keeps oscillating although the vibration index acts.
 void JudgeCarried(const TuneResult& r, session::Verdict& verdict) {
   const TuneCarried* worst = r.WorstCarried();
   if (worst == nullptr || worst->Calm()) return;
@@ -56,7 +59,7 @@ void JudgeCarried(const TuneResult& r, session::Verdict& verdict) {
                                    : std::string("ended the run")));
 }
 
-// JSON has no infinity.
+// The number, or null if it is infinite: JSON has no infinity.
 nlohmann::json Finite(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
 }
@@ -194,16 +197,16 @@ std::vector<report::SummaryRow> Rows(const TuneResult& r) {
            Drag(r.clamp_Ns_per_m))});
   if (const TuneCarried* worst = r.WorstCarried()) {
     const auto calm = std::ranges::count_if(r.carried, &TuneCarried::Calm);
-    const double most = std::ranges::max(r.carried, {}, [](const TuneCarried& c) {
-                          return c.run.mean_damping;
-                        }).run.mean_damping;
+    const double max_mean_damping = std::ranges::max(r.carried, {}, [](const TuneCarried& c) {
+                                      return c.run.mean_damping;
+                                    }).run.mean_damping;
     rows.push_back(
         {"With the vibration index",
          fmt::format("{} of {} stiffer hands are calm 1 s after the grip closed (below {:g} N between 5 and "
                      "40 Hz); the worst hand, {} ({}), keeps {:.2f} N; their drag is on average up to {:.0f} "
                      "times the recommended one; hands up to {:g} N/m raise the index (0 to 1) to {:.2g}{}",
                      calm, r.carried.size(), worst->calm_N, worst->hand.name, worst->contact,
-                     worst->run.one_s_N, most, t.human_grip_N_per_m, r.human_index,
+                     worst->run.one_s_N, max_mean_damping, t.human_grip_N_per_m, r.human_index,
                      t.index_acts ? "" : "; in this cell it does not act (vibration: acts: false)")});
   }
   rows.push_back({"For the planes' age",

@@ -22,6 +22,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// The number, or null if the source does not state it (NaN).
 Json OrNull(double value) { return value == value ? Json(value) : Json(); }
 
 Json RowJson(const ValidationRow& row) {
@@ -90,6 +91,7 @@ std::string VariantText(const ValidationRow& row, CompliantPart part) {
   return variant->simulated ? fmt::format("{:.4g}", *variant->simulated) : "-";
 }
 
+// Writes JSON, plot and page as far as the options name files. @returns an error; empty: none
 std::string WriteFiles(const ValidateOptions& options, std::span<const ValidationRow> rows) {
   if (!options.json.empty())
     if (const auto written = base::WriteText(options.json, ValidationJson(rows, options.command_line));
@@ -158,7 +160,7 @@ std::string ValidationTable(std::span<const ValidationRow> rows) {
                                  "layer yields", "on a mount", "unit", "use", "verdict");
   for (const ValidationRow& row : rows) {
     const Measurement& m = *row.measurement;
-    // counted in characters: "mm³" has four bytes
+    // padded by characters, not bytes: "mm³" has four bytes
     std::string unit(m.unit == "1" ? "" : m.unit);
     const auto letters = std::ranges::count_if(unit, [](char c) { return (c & 0xC0) != 0x80; });
     unit.append(static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, 5 - letters)), ' ');

@@ -12,12 +12,14 @@
 namespace osteon::studies {
 namespace {
 
+// The unit after a space; empty for a ratio.
 std::string Unit(const Measurement& m) { return m.unit == "1" ? "" : " " + std::string(m.unit); }
 
 std::string SpreadText(const Measurement& m) {
   return m.judged() ? fmt::format("{:.3g} to {:.3g}", m.low, m.high) : "not stated";
 }
 
+// The verdict as HTML, coloured if the row is judged or failed.
 std::string VerdictCell(const ValidationRow& row) {
   const std::string_view verdict = row.verdict();
   const char* level = verdict == "within" ? "good" : verdict == "misses" ? "look" : "bad";
@@ -50,6 +52,7 @@ std::string VariantCells(const ValidationRow& row) {
   return html;
 }
 
+// HTML table with a line for each row.
 std::string Table(std::span<const ValidationRow> rows) {
   std::string html =
       "<table>\n<tr><th>row</th><th>quantity</th><th class=\"n\">measured by others</th><th "
@@ -67,6 +70,7 @@ std::string Table(std::span<const ValidationRow> rows) {
   return html + "</table>\n";
 }
 
+// HTML list of all that is known about a row: source, conditions, ablations, variants.
 std::string Details(const ValidationRow& row) {
   const Measurement& m = *row.measurement;
   std::string html = fmt::format("<h3>{}: {}</h3>\n<ul>\n", report::Escape(m.id), report::Escape(m.quantity));
@@ -90,6 +94,7 @@ std::string Details(const ValidationRow& row) {
   return html + "</ul>\n";
 }
 
+// HTML table of the fitted constants.
 std::string Constants() {
   std::string html =
       "<table>\n<tr><th>constant</th><th class=\"n\">value</th><th>fitted to rows</th><th>how</th></tr>\n";
@@ -105,6 +110,7 @@ std::string Constants() {
   return html + "</table>\n";
 }
 
+// HTML list of the published figures that the product uses.
 std::string Uses() {
   std::string html = "<ul>\n";
   for (const PublishedUse& use : PublishedUses())

@@ -13,11 +13,13 @@
 namespace osteon::studies {
 namespace {
 
+// Width of the picture, height of a row, margin around the plot, and height of the axis below the rows.
 constexpr double kWidth_px = 920.0, kRow_px = 22.0, kMargin_px = 14.0, kAxis_px = 44.0;
 constexpr double kMin = 0.1, kMax = 10.0;  // ends of the axis of the ratio simulated / measured
 constexpr std::array kTicks{0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0};
 constexpr const char* kSpreadColor = "#c9d3dd";
 
+// Colour and marker of a verdict.
 struct Look {
   const char* color;
   report::Marker marker;
@@ -29,12 +31,13 @@ Look LookOf(std::string_view verdict) {
   return {report::kMutedColor, report::Marker::kRing};
 }
 
-// Position of a ratio on the axis; a ratio beyond the axis is at its end.
+// Position of a ratio on the axis [px]; a ratio beyond the axis is put at its end.
 double Place(double ratio, double left, double width) {
   const double share = std::log(std::clamp(ratio, kMin, kMax) / kMin) / std::log(kMax / kMin);
   return left + share * width;
 }
 
+// Draws a row at height y: id, measured spread, marker and simulated value.
 std::string DrawRow(const ValidationRow& row, double y, double left, double width) {
   const Measurement& m = *row.measurement;
   std::string svg = report::SvgText(kMargin_px, y + 4.0, m.id);
