@@ -23,8 +23,8 @@ struct Part {
   std::size_t items{0};    ///< number of items of the whole study
   std::string build{};     ///< the program's version and commit
   std::string checksum{};  ///< of the options and inputs on which the items depend
-  std::vector<std::string>
-      words{};  ///< of the command line, without --shard, --json, --out and --config-root
+  /// Words of the command line, without --shard, --json, --out and --config-root.
+  std::vector<std::string> words{};
   std::map<std::size_t, nlohmann::json> results{};  ///< result of each item, by its index
 };
 

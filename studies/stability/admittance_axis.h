@@ -69,9 +69,8 @@ class AdmittanceAxis {
   Matrix3 R_WT_;               ///< the axis is z of a rotated tool, so the law's changes of frame are
                                ///< exercised
   hil::ServoArm arm_;
-  double
-      command_gain_;  ///< factor on commands: corrects the steady offset of an arm that gives way to the hand
-  double arm_m_per_s_{0.0};                   ///< the arm's velocity a tick ago
+  double command_gain_;      ///< factor on commands: HeldArm::command_gain of the arm with this hand
+  double arm_m_per_s_{0.0};  ///< the arm's velocity a tick ago
   History felt_, poses_, speeds_, commands_;  ///< force that the sensor read; commanded x_c, v_c; sent x_c
   double x_c_m_{0.0}, v_c_m_per_s_, told_arm_m_{0.0};  ///< told_arm_m_: last command that the arm got
   int late_{0};                                        ///< present additional delay of the commands [ticks]

@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kDied = 1e-9;  // share of the largest motion below which only rounding is left
-// Change of the wall's force, as a share of the preload, beyond which the motion counts as growing: the tool
-// would soon leave the wall.
+// Change of the wall's force, as a share of the preload, beyond which the motion counts as growing: a tool
+// that leaves the wall no longer feels a linear spring.
 constexpr double kOutgrown = 0.5;
 // Without a wall, a motion of this size counts as growing: the kick started with 0.1 mm/s.
 constexpr double kFarFree_m = 0.1;

@@ -60,6 +60,8 @@ Eigen::VectorXd GuidedLoop::Step(const Eigen::VectorXd& s) const {
   const hil::GridHand& hand = params_.hand;
   const double lever_m = params_.lever_m;
   const int coordinate = history_ + 4;
+  // (lateral, tilt) of the arm's position, velocity and acceleration, of the command, and of the tool's
+  // velocity
   Eigen::Vector2d x, v, a, commanded, speed;
   for (int i = 0; i < 2; ++i) {
     const int at = i * coordinate;

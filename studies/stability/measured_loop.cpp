@@ -80,8 +80,8 @@ std::vector<NyquistPoint> WithoutHand(const MeasuredPlant& response, const Measu
 }
 
 // Number of unstable poles of the closed loop by Nyquist: those of the law, less the turns of 1 + L around 0
-// over the whole unit circle. The curve is its upper half; at the lowest frequency, which lies outside of
-// z = 1, the angle is taken between -π and π.
+// over the whole unit circle. The curve is the circle's upper half. Near z = 1 the contour passes outside of
+// the integrator's pole, so the angle begins at its principal value there.
 int UnstablePoles(const std::vector<NyquistPoint>& curve, int unstable_law) {
   double angle = std::arg(1.0 + curve.front().loop);
   for (std::size_t i = 1; i < curve.size(); ++i)

@@ -17,8 +17,8 @@ using Vector7c = Eigen::Matrix<Complex, 7, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr int kPoints = 500;  // frequencies of the curve, evenly spaced in the logarithm
-constexpr double kLowest_hz =
-    1e-4;  // the curve's start, where every factor of the determinant is close to the real axis
+// The curve's start, where every factor of the determinant is close to the real axis.
+constexpr double kLowest_hz = 1e-4;
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double k95 = 2.4477468306808161;  // radius that holds 95 % of a plane's normal distribution of sd 1
 

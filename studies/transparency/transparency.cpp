@@ -30,11 +30,10 @@ constexpr const char* kAskedColor = "#777777";
 constexpr double kTravel_m = 0.005, kSpeed_m_per_s = 0.05, kWrench_N = 20.0;
 constexpr double kTravel_rad = 0.02, kSpeed_rad_per_s = 0.2, kWrench_Nm = 2.0;
 // Tolerances relative to the requested impedance: of the stiffness in contact, of the rms in free motion, and
-// the error of either beyond which the result is bad. A hand
-// distinguishes stiffnesses from a difference of about 23 % (L. A. Jones and I. W. Hunter, Exp. Brain Res.
-// 79, 1990) and damping from 19 % (Jones, Hunter, Lafontaine, Perception 26, 1997, by forced choice; 34 %
-// where one arm is matched with the other, 1993). An error as large as the request is no longer the
-// requested feel.
+// the error of either beyond which the result is bad, since an error as large as the request is no longer the
+// requested feel. A hand distinguishes stiffnesses from a difference of about 23 % (L. A. Jones and I. W.
+// Hunter, Exp. Brain Res. 79, 1990) and damping from 19 % (Jones, Hunter, Lafontaine, Perception 26, 1997, by
+// forced choice; 34 % where one arm is matched with the other, 1993).
 constexpr double kNoticed = 0.23, kNoticedFree = 0.19, kSomethingElse = 1.0;
 // Mean and amplitude of the hand's force in contact, as fractions of the cell's force limit.
 constexpr double kPreload = 0.3, kSwing = 0.1;

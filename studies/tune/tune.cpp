@@ -399,7 +399,7 @@ std::string InputsOf(const TuneResult& r, const TuneOptions& options) {
                      KeyText(r.stiffest_hands));
 }
 
-// RunTune, which throws if the cell's file or a parameter is wrong.
+// RunTune without its handling of errors: throws if the cell's file or a parameter is wrong.
 int Run(const TuneOptions& options) {
   if (const std::string wrong = ValidateSharding(options.sharding, options.json); !wrong.empty())
     return session::Fail("tune", wrong);

@@ -33,8 +33,8 @@ class TuneCache {
   static std::string Key(const std::string& from);
 
   std::filesystem::path file_;
-  nlohmann::json before_, now_;  ///< entries that the file had; entries that Save writes
-  mutable std::mutex mutex_;     ///< guards the entries and the counts
+  nlohmann::json loaded_, kept_;  ///< entries of the file; entries that Save writes
+  mutable std::mutex mutex_;      ///< guards the entries and the counts
   int found_{0}, computed_{0};
 };
 

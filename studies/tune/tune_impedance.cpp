@@ -98,6 +98,7 @@ double PlanesAt(const OverlayTuning& t) {
 }
 
 // The factor on hands and wall at which the loop first becomes unstable, searched from 1 to kMaxMargin.
+// 0: unstable at 1 already.
 double MarginOf(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_per_m) {
   return hil::FirstCrossing([&](double gain) { return StandsAll(t, damping_Ns_per_m, wall_N_per_m, gain); },
                             {.from = 1.0, .to = kMaxMargin, .factor = 1.1, .tolerance = kTolerance})
