@@ -10,9 +10,9 @@ namespace osteon::studies {
 namespace {
 
 // Collects the figures of a recording's ticks, and the balance of the virtual tool's momentum over them.
-class TickBooks {
+class TickTotals {
  public:
-  TickBooks(const control::AdmittanceParams& law, double period_s) : law_(&law), period_s_(period_s) {}
+  TickTotals(const control::AdmittanceParams& law, double period_s) : law_(&law), period_s_(period_s) {}
 
   void Add(const control::TickRecord& tick, EpisodeBooks& books) {
     ++books.ticks;
@@ -69,7 +69,7 @@ tl::expected<EpisodeBooks, std::string> ReadBooks(const std::filesystem::path& r
   auto stream = io::RecordingStream::Open(recording);
   if (!stream) return tl::make_unexpected(stream.error());
   EpisodeBooks books{.min_tank_J = std::numeric_limits<double>::infinity()};
-  TickBooks ticks(law, period_s);
+  TickTotals ticks(law, period_s);
   double spindle_rad_per_s = 0.0;
   rt::Nanoseconds frame_stamp = 0;
   for (;;) {

@@ -91,7 +91,7 @@ nlohmann::ordered_json EpisodeJson(const EpisodeResult& r) {
 }
 
 // Prints an episode's line. @param simulated_s  of the soak so far
-void Print(const EpisodeResult& r, double simulated_s) {
+void PrintEpisode(const EpisodeResult& r, double simulated_s) {
   fmt::print("{:>6.2f} h {:>5}  {:<44} {:<12} {:>7.1f} MB  momentum {:>6.3f} %  energy {:>+6.2f} %  {}\n",
              simulated_s / 3600.0, r.episode.index, r.episode.text, r.ended, r.memory_MB,
              100.0 * r.books.momentum_residual, 100.0 * r.energy_residual(),
@@ -195,7 +195,7 @@ int RunSoak(const SoakOptions& options) {
   double simulated_s = 0.0;
   const auto episodes = RunEpisodes(options, &base::Interrupted(), [&](const EpisodeResult& result) {
     simulated_s += result.seconds_simulated;
-    Print(result, simulated_s);
+    PrintEpisode(result, simulated_s);
   });
   if (!episodes) return session::Fail("soak", episodes.error(), session::kFailed);
   const auto wrong =

@@ -18,7 +18,7 @@ EpisodeKind KindOf(int drawn) {
 }
 
 // The cell's override that silences one direction of a wire for a time.
-std::string Silence(const char* wire, const char* direction, double from_s, double to_s) {
+std::string SilenceOverride(const char* wire, const char* direction, double from_s, double to_s) {
   return fmt::format("injections=[{{wire: {}, direction: {}, from_s: {}, to_s: {}, silence: true}}]", wire,
                      direction, from_s, to_s);
 }
@@ -38,23 +38,23 @@ void AddFaults(Episode& episode, SeededDraws& draws) {
       break;
     case EpisodeKind::kRecovery:
       episode.set.emplace_back("link_quality.ask_again=true");
-      episode.set.push_back(Silence("arm", "both", at_s, at_s + 0.06));
+      episode.set.push_back(SilenceOverride("arm", "both", at_s, at_s + 0.06));
       break;
     case EpisodeKind::kPause:
       episode.pause_s = at_s;
       episode.resume_s = at_s + draws.Between(0.5, 3.0);
       break;
     case EpisodeKind::kSensorSilent:
-      episode.set.push_back(Silence("force_sensor", "to_controller", at_s, kForEver_s));
+      episode.set.push_back(SilenceOverride("force_sensor", "to_controller", at_s, kForEver_s));
       break;
     case EpisodeKind::kDriveSilent:
-      episode.set.push_back(Silence("drive", "to_controller", at_s, kForEver_s));
+      episode.set.push_back(SilenceOverride("drive", "to_controller", at_s, kForEver_s));
       break;
     case EpisodeKind::kPlcSilent:
-      episode.set.push_back(Silence("plc", "both", at_s, kForEver_s));
+      episode.set.push_back(SilenceOverride("plc", "both", at_s, kForEver_s));
       break;
     case EpisodeKind::kArmSilent:
-      episode.set.push_back(Silence("arm", "to_controller", at_s, kForEver_s));
+      episode.set.push_back(SilenceOverride("arm", "to_controller", at_s, kForEver_s));
       break;
     case EpisodeKind::kReference:
     case EpisodeKind::kReaming:

@@ -73,34 +73,34 @@ class WallCell::Pages {
  public:
   void Open(int port) {
     port_ = port;
-    for (std::size_t i = 0; i < pages_.size(); ++i) OpenOne(i);
+    for (std::size_t i = 0; i < pages_.size(); ++i) OpenPage(i);
     opened_s_ = Now_s();
   }
   [[nodiscard]] bool open() const { return port_ > 0; }
 
   // Closes all pages and opens them again, once every kPageStays_s.
-  void Change() {
+  void ReopenEverySecond() {
     if (!open() || Now_s() - opened_s_ < kPageStays_s) return;
     for (std::size_t i = 0; i < pages_.size(); ++i) {
-      Leave(i);
-      OpenOne(i);
+      ClosePage(i);
+      OpenPage(i);
     }
     opened_s_ = Now_s();
   }
 
   // Closes all pages. @returns the number of messages that each page got
   std::array<std::uint64_t, kWallPages> Close() {
-    for (std::size_t i = 0; i < pages_.size(); ++i) Leave(i);
+    for (std::size_t i = 0; i < pages_.size(); ++i) ClosePage(i);
     return messages_;
   }
 
  private:
   // Connects a page; all but the last one read their messages.
-  void OpenOne(std::size_t i) {
+  void OpenPage(std::size_t i) {
     if (auto page = console::PageClient::Open("127.0.0.1", port_, i + 1 < pages_.size()))
       pages_[i] = std::move(*page);
   }
-  void Leave(std::size_t i) {
+  void ClosePage(std::size_t i) {
     if (pages_[i]) messages_[i] += pages_[i]->messages();
     pages_[i].reset();
   }
@@ -137,7 +137,7 @@ WallOutcome WallCell::Run(const WallEpisode& episode) {
   pause_ = 0;
   pausing_ = changed_ = false;
   Pages pages;
-  Watch(episode, pages, outcome);
+  WatchController(episode, pages, outcome);
   outcome.messages = pages.Close();
   outcome.cpu_stood_still = cpus_.TakeLongest();
   outcome.exit = run_->End(seconds(0));
@@ -147,7 +147,7 @@ WallOutcome WallCell::Run(const WallEpisode& episode) {
   return outcome;
 }
 
-void WallCell::Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outcome) {
+void WallCell::WatchController(const WallEpisode& episode, Pages& pages, WallOutcome& outcome) {
   const double give_up_s = Now_s() + kPatienceRatio * episode.seconds + kPatience_s;
   double use_s = 0.0, last_rendered_s = 0.0;
   bool half_measured = false;
@@ -162,15 +162,15 @@ void WallCell::Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outc
     if (!pages.open()) {
       if (const int port = ConsolePort(parts_.Printed("run")); port > 0) pages.Open(port);
     } else if (episode.event == WallEvent::kPages) {
-      pages.Change();
+      pages.ReopenEverySecond();
     }
-    if (const auto answer = Ask("status")) {
+    if (const auto answer = AskController("status")) {
       const nlohmann::json json = nlohmann::json::parse(*answer, nullptr, false);
       const double rendered_s = base::NumberAt(base::ValueAt(json, "status"), "rendered_s");
-      if (rendered_s > 0.0) Act(episode, rendered_s, outcome);
+      if (rendered_s > 0.0) PerformDueActions(episode, rendered_s, outcome);
       // Only while the controller renders: at its end it reads its recording for the report.
       if (rendered_s > last_rendered_s && now_s - use_s > kUseEvery_s) {
-        outcome.use = Uses();
+        outcome.use = MeasureUses();
         use_s = now_s;
       }
       last_rendered_s = rendered_s;
@@ -183,13 +183,13 @@ void WallCell::Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outc
   }
 }
 
-PartUses WallCell::Uses() const {
+PartUses WallCell::MeasureUses() const {
   const pid_t engine = base::FindChild(run_->pid(), "simulate");
   return {UseOf(run_->pid()), engine > 0 ? UseOf(engine) : ProcessUse{}, UseOf(guard_->pid()),
           UseOf(cell_->pid()), UseOf(getpid())};
 }
 
-void WallCell::Act(const WallEpisode& episode, double rendered_s, WallOutcome& outcome) {
+void WallCell::PerformDueActions(const WallEpisode& episode, double rendered_s, WallOutcome& outcome) {
   if (pausing_) {  // after the pause's length: takes the next tool if the script says so, then resumes
     if (Now_s() < resume_at_s_) return;
     changed_ = changed_ || !episode.pauses[pause_].next_tool || Request("next", outcome);
@@ -235,7 +235,7 @@ void WallCell::Act(const WallEpisode& episode, double rendered_s, WallOutcome& o
 }
 
 bool WallCell::Request(const char* request, WallOutcome& outcome) {
-  const auto answer = Ask(request);
+  const auto answer = AskController(request);
   const nlohmann::json json = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
   if (base::FlagAt(json, "done")) {
     outcome.refused.clear();
@@ -318,7 +318,7 @@ void WallCell::StartController(const WallEpisode& episode) {
   run_ = parts_.Start("run", options);
 }
 
-tl::expected<std::string, std::string> WallCell::Ask(const std::string& request) const {
+tl::expected<std::string, std::string> WallCell::AskController(const std::string& request) const {
   return io::AskLocalServer(io::LocalSocketFolder() / fmt::format("run-{}.sock", run_->pid()), request);
 }
 

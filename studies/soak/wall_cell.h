@@ -76,10 +76,10 @@ class WallCell {
   std::string StartGuard();
   void StartController(const WallEpisode& episode);
   // Watches the controller until it has ended, and carries out the script's actions.
-  void Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outcome);
-  [[nodiscard]] PartUses Uses() const;  // present use of each process, in the order of kWallParts
+  void WatchController(const WallEpisode& episode, Pages& pages, WallOutcome& outcome);
+  [[nodiscard]] PartUses MeasureUses() const;  // present use of each process, in the order of kWallParts
   // Carries out the script's actions that are due. @param rendered_s  by the controller's clock
-  void Act(const WallEpisode& episode, double rendered_s, WallOutcome& outcome);
+  void PerformDueActions(const WallEpisode& episode, double rendered_s, WallOutcome& outcome);
   // Sends a request to the controller. A refusal is kept in `outcome`, and the request is repeated at the
   // next poll. @returns whether the request was carried out
   bool Request(const char* request, WallOutcome& outcome);
@@ -89,7 +89,7 @@ class WallCell {
   void EndGuard(WallOutcome& outcome);
 
   // Sends a request to the controller's local socket. @returns its answer
-  [[nodiscard]] tl::expected<std::string, std::string> Ask(const std::string& request) const;
+  [[nodiscard]] tl::expected<std::string, std::string> AskController(const std::string& request) const;
 
   std::filesystem::path config_root_, folder_;
   std::function<bool()> stop_;

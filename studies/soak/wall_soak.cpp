@@ -67,7 +67,7 @@ void JudgeEnd(const WallResult& r, const Require& require) {
 }
 
 // Checks that the recording has no gap, keeps the bounds, and agrees with the controller's summary.
-void JudgeBooks(const WallResult& r, const Require& require) {
+void JudgeRecording(const WallResult& r, const Require& require) {
   const EpisodeBooks& books = r.books;
   const bool killed = r.episode.event == WallEvent::kControllerKill;
   require(killed || books.complete, "the recording has no end");
@@ -138,7 +138,7 @@ WallResult RunEpisode(WallCell& cell, const WallEpisode& episode) {
 }
 
 // Prints an episode's line. @param hours  wall time of the soak so far
-void Print(const WallResult& r, double hours) {
+void PrintWallEpisode(const WallResult& r, double hours) {
   const PartUses& use = r.outcome.use;
   fmt::print("{:>6.2f} h {:>4}  {:<50} {:>6.1f} s  {:>5.1f} N  {:>5.0f} {:>4.0f} {:>4.0f} {:>4.0f} MB  {}\n",
              hours, r.episode.index, r.episode.text, r.outcome.seconds_wall, r.books.peak_rendered_N,
@@ -193,7 +193,7 @@ std::vector<std::string> JudgeWallEpisode(const WallResult& r, const WallResult*
     if (!holds) wrong.push_back(what);
   };
   JudgeEnd(r, require);
-  JudgeBooks(r, require);
+  JudgeRecording(r, require);
   require(r.episode.event != WallEvent::kTools || r.passes == kToolsOfPlan,
           fmt::format("{} passes, of {} reamers", r.passes, kToolsOfPlan));
   require(
@@ -289,7 +289,7 @@ int RunWallSoak(const SoakOptions& options) {
     if (!first && IsUndisturbed(result.episode) && result.wrong.empty()) first = result;
     KeepEvidence(work.path(), options.out, result);
     results.push_back(std::move(result));
-    Print(results.back(), HoursOf(results));
+    PrintWallEpisode(results.back(), HoursOf(results));
     if (!results.back().outcome.error.empty()) break;  // the same error would repeat for hours
   }
   const auto wrong = std::ranges::count_if(results, [](const WallResult& r) { return !r.wrong.empty(); });

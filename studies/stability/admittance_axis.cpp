@@ -21,7 +21,7 @@ const AdmittanceRunParams& Validated(const AdmittanceRunParams& params) {
 }
 
 // The shipped arm, of which the loop uses the first joint as its axis; without a speed limit.
-hil::ServoArm Arm(const hil::AdmittanceLoopParams& loop) {
+hil::ServoArm ArmWithoutLimits(const hil::AdmittanceLoopParams& loop) {
   const hil::ServoArmParams arm = hil::ArmHeldBy(loop.hand, loop.felt_mass_kg, loop.arm).arm;
   std::array<kinematics::JointLimits, 7> unlimited;
   for (kinematics::JointLimits& limits : unlimited)
@@ -30,7 +30,7 @@ hil::ServoArm Arm(const hil::AdmittanceLoopParams& loop) {
 }
 
 // The plane through W's origin with normal n_W, as an engine would report it.
-simulation::ContactModel Plane(const Vector3& n_W, double stiffness_N_per_m) {
+simulation::ContactModel PlaneModel(const Vector3& n_W, double stiffness_N_per_m) {
   simulation::ContactModel model;
   model.frame = 1;
   model.contact_count = 1;
@@ -47,7 +47,7 @@ AdmittanceAxis::AdmittanceAxis(const AdmittanceRunParams& params)
       preload_N_(params.loop.wall.stiffness_N_per_m > 0.0 ? params.preload_N : 0.0),
       rest_m_(preload_N_ > 0.0 ? -preload_N_ / params.loop.wall.stiffness_N_per_m : 0.0),
       R_WT_(ExpRotation({0.3, -0.4, 0.2})),
-      arm_(Arm(params.loop)),
+      arm_(ArmWithoutLimits(params.loop)),
       command_gain_(hil::ArmHeldBy(params.loop.hand, params.loop.felt_mass_kg, params.loop.arm).command_gain),
       felt_(params.loop.sensor_delay),
       poses_(params.loop.wall.age_ticks),
@@ -55,7 +55,7 @@ AdmittanceAxis::AdmittanceAxis(const AdmittanceRunParams& params)
       commands_(params.command_jitter),
       v_c_m_per_s_(params.kick_m_per_s),
       bits_(params.seed),
-      plane_(Plane(R_WT_.col(2), params.loop.wall.stiffness_N_per_m)) {
+      plane_(PlaneModel(R_WT_.col(2), params.loop.wall.stiffness_N_per_m)) {
   coupling_.max_stiffness_N_per_m = std::max(1.0, params.loop.wall.stiffness_N_per_m);
   coupling_.damping_Ns_per_m = params.loop.wall.damping_Ns_per_m;
   coupling_state_.fade = 1.0;

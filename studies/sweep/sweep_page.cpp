@@ -95,7 +95,7 @@ std::optional<report::LineChart> OverParameter(const SweepResult& result, std::s
 }
 
 // HTML table: the quantiles of each figure, a row for each combination.
-std::string Table(const SweepResult& result) {
+std::string QuantilesTable(const SweepResult& result) {
   std::string html = "<table>\n<tr><th>combination</th><th class=\"n\">runs</th>";
   for (const SweepFigure& figure : kSweepFigures)
     html += fmt::format("<th class=\"n\">{}: median</th><th class=\"n\">5th to 95th percentile</th>",
@@ -131,7 +131,7 @@ std::string SweepPage(const SweepResult& result, const std::string& command_line
                                                     {"Runs", std::to_string(result.outcomes.size())},
                                                     {"Seeds", std::to_string(result.config.seeds)},
                                                     {"Runs with a fault", std::to_string(faulted)}}});
-  html += "<h2>By combination</h2>\n" + Table(result);
+  html += "<h2>By combination</h2>\n" + QuantilesTable(result);
   for (const SweepFigure& figure : kSweepFigures) {
     if (!Varies(result, figure)) continue;
     html += fmt::format("<h2>{}</h2>\n", report::Escape(figure.label)) +

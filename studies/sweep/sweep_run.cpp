@@ -32,7 +32,7 @@ class SplitMix64 {
 };
 
 // A parameter's value for a seed, as text. It depends only on the parameter's key and the seed.
-std::string Drawn(const SweepParameter& parameter, int seed) {
+std::string DrawnValue(const SweepParameter& parameter, int seed) {
   if (parameter.draw == SweepDraw::kSeed) return std::to_string(seed);
   base::Fnv1a hash;
   hash.Add(parameter.key);
@@ -59,7 +59,7 @@ SweepRun SweepRunAt(const config::SweepConfig& sweep, std::size_t index) {
   for (std::size_t i = sweep.parameters.size(); i-- > 0;) {
     const SweepParameter& parameter = sweep.parameters[i];
     if (parameter.draw != SweepDraw::kListed) {
-      run.values[i] = Drawn(parameter, run.seed);
+      run.values[i] = DrawnValue(parameter, run.seed);
       continue;
     }
     run.values[i] = parameter.values[rest % parameter.values.size()];

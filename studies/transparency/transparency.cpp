@@ -61,7 +61,7 @@ HandleBenchParams BenchOf(const config::CellConfig& cell, const TransparencyOpti
   return bench;
 }
 
-double Degrees(const Complex& z) { return std::arg(z) * 360.0 / kTau; }
+double PhaseDegrees(const Complex& z) { return std::arg(z) * 360.0 / kTau; }
 
 // Impedance that law and coupling request while the tool touches the plane.
 Complex AskedInContact(const TransparencyResult& result, const HandlePoint& point) {
@@ -91,7 +91,7 @@ report::Series Curve(const std::string& name, const std::string& color,
 }
 
 // Draws magnitude and phase of the impedance, measured and requested: in free motion, then in contact.
-std::string Plot(const TransparencyResult& result) {
+std::string PlotSvg(const TransparencyResult& result) {
   std::array<report::LineChart, 4> panels{
       report::LineChart{.title = "Free motion, along the tool's axes", .y_label = "|F/v| [N s/m]"},
       report::LineChart{.y_label = "phase [deg]", .y_from_zero = false, .legend = false},
@@ -113,8 +113,8 @@ std::string Plot(const TransparencyResult& result) {
     const TransparencyAxis& axis = result.axes[i];
     report::Series magnitude =
         Curve(kAxes[i], kColors[i], axis.points, [](const auto& point) { return std::abs(point.impedance); });
-    report::Series phase = Unwrapped(
-        Curve(kAxes[i], kColors[i], axis.points, [](const auto& point) { return Degrees(point.impedance); }));
+    report::Series phase = Unwrapped(Curve(kAxes[i], kColors[i], axis.points,
+                                           [](const auto& point) { return PhaseDegrees(point.impedance); }));
     magnitude.width_px = phase.width_px = kWidth_px[i];
     magnitude.dash = phase.dash = kDash[i];
     panels[0].series.push_back(std::move(magnitude));
@@ -127,15 +127,15 @@ std::string Plot(const TransparencyResult& result) {
   panels[0].series.push_back(Curve("asked for (z)", kAskedColor, result.axes[2].points,
                                    [&](const auto& point) { return std::abs(asked(point)); }));
   panels[1].series.push_back(Unwrapped(Curve("asked for (z)", kAskedColor, result.axes[2].points,
-                                             [&](const auto& point) { return Degrees(asked(point)); })));
+                                             [&](const auto& point) { return PhaseDegrees(asked(point)); })));
   panels[2].series = {
       Curve("z", kColors[2], result.contact, [](const auto& point) { return std::abs(point.impedance); }),
       Curve("asked for", kAskedColor, result.contact,
             [&](const auto& point) { return std::abs(contact(point)); })};
   panels[3].series = {Unwrapped(Curve("z", kColors[2], result.contact,
-                                      [](const auto& point) { return Degrees(point.impedance); })),
+                                      [](const auto& point) { return PhaseDegrees(point.impedance); })),
                       Unwrapped(Curve("asked for", kAskedColor, result.contact,
-                                      [&](const auto& point) { return Degrees(contact(point)); }))};
+                                      [&](const auto& point) { return PhaseDegrees(contact(point)); }))};
   return report::Svg(panels);
 }
 
@@ -147,9 +147,9 @@ nlohmann::ordered_json PointJson(const char* mode, const char* axis, const Handl
           {"axis", axis},
           {"frequency_hz", point.frequency_hz},
           {"magnitude", std::abs(point.impedance)},
-          {"phase_deg", Degrees(point.impedance)},
+          {"phase_deg", PhaseDegrees(point.impedance)},
           {"asked_magnitude", std::abs(asked)},
-          {"asked_phase_deg", Degrees(asked)},
+          {"asked_phase_deg", PhaseDegrees(asked)},
           {"drag", point.impedance.real()},
           {"reactance", point.impedance.imag()},
           {"stiffness", (point.impedance * Complex(0.0, w)).real()},
@@ -203,7 +203,7 @@ std::string ToCsv(const TransparencyResult& result) {
 }
 
 // Mass and drag of each axis, requested and measured, in free motion; the first row is the heading.
-std::vector<std::vector<std::string>> Table(const TransparencyResult& result) {
+std::vector<std::vector<std::string>> FreeMotionTable(const TransparencyResult& result) {
   std::vector<std::vector<std::string>> rows{
       {"axis", "mass asked", "felt", "drag asked", "felt", "residual [%]"}};
   for (const TransparencyAxis& axis : result.axes) {
@@ -218,10 +218,10 @@ std::vector<std::vector<std::string>> Table(const TransparencyResult& result) {
   return rows;
 }
 
-void Print(const TransparencyResult& result) {
+void PrintResult(const TransparencyResult& result) {
   fmt::print("Osteon transparency: {}\n", result.cell);
   session::PrintVerdict(Judge(result), 12);
-  for (const std::vector<std::string>& row : Table(result))
+  for (const std::vector<std::string>& row : FreeMotionTable(result))
     fmt::print("  {:<10} {:>13} {:>13} {:>13} {:>13} {:>13}\n", row[0], row[1], row[2], row[3], row[4],
                row[5]);
   fmt::print("  In contact   {:.2f} N/mm felt, {:.2f} N/mm asked for\n", 1e-3 * result.stiffness_N_per_m,
@@ -345,7 +345,7 @@ int RunTransparency(const TransparencyOptions& options) {
       {.name = "transparency",
        .title = "Transparency of " + result.cell,
        .verdict = verdict.ForReport(),
-       .svg = Plot(result),
+       .svg = PlotSvg(result),
        .caption =
            "How hard the hand has to push for a speed of the tool (|F/v|), and how far the force is ahead "
            "of the speed (phase), one frequency after the other: as felt at the handle, and as the gains "
@@ -355,7 +355,7 @@ int RunTransparency(const TransparencyOptions& options) {
        .csv = ToCsv(result),
        .json = json,
        .json_copy = options.json,
-       .table = Table(result),
+       .table = FreeMotionTable(result),
        .notes = {fmt::format(
                      "The table: mass and drag that the cell's gains ask for, and those that a hand feels "
                      "at the simulated arm, fitted up to {:g} Hz. The residual says by how much the felt "
@@ -365,7 +365,7 @@ int RunTransparency(const TransparencyOptions& options) {
                  options.command_line}},
       options.out);
   if (!written) return session::Fail("transparency", written.error(), session::kFailed);
-  Print(result);
+  PrintResult(result);
   return verdict.level == session::VerdictLevel::kBad ? session::kFailed : 0;
 }
 

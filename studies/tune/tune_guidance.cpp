@@ -46,7 +46,7 @@ hil::Boundary DepthBoundary(const TuneTask& task, double max_N_per_m) {
 }
 
 // A boundary's value in another unit. @param unit_factor  from the value to that unit
-std::string Text(const hil::Boundary& boundary, double unit_factor) {
+std::string BoundaryText(const hil::Boundary& boundary, double unit_factor) {
   return fmt::format("{}{:.3g}", boundary.crossed ? "" : "at least ", boundary.value * unit_factor);
 }
 
@@ -95,7 +95,8 @@ void JudgeGuidance(const GuidanceMap& map, session::Verdict& verdict) {
         fmt::format("the plan's guidance is beyond half of its boundary: funnel and cone stand {} times "
                     "the plan's stiffness, {:g} accepted; depth {} N/mm, at least {:g} accepted: lower the "
                     "plan's stiffnesses",
-                    Text(map.factor, 1.0), GuidanceMap::kMargin, Text(map.depth_N_per_m, 1e-3),
+                    BoundaryText(map.factor, 1.0), GuidanceMap::kMargin,
+                    BoundaryText(map.depth_N_per_m, 1e-3),
                     1e-3 * GuidanceMap::kMargin * map.guidance.depth.stiffness));
 }
 
@@ -107,8 +108,8 @@ std::vector<report::SummaryRow> RowsOf(const GuidanceMap& map) {
                1e-3 * map.guidance.lateral.stiffness, map.guidance.cone.stiffness,
                1e-3 * map.guidance.depth.stiffness, map.hands, map.unstable.size())},
           {"Guidance's boundary",
-           fmt::format("{} times the stiffness of funnel and cone; depth {} N/mm; {}", Text(map.factor, 1.0),
-                       Text(map.depth_N_per_m, 1e-3),
+           fmt::format("{} times the stiffness of funnel and cone; depth {} N/mm; {}",
+                       BoundaryText(map.factor, 1.0), BoundaryText(map.depth_N_per_m, 1e-3),
                        map.Accepted() ? "the plan keeps half of it" : "refused: more than half of it")}};
 }
 

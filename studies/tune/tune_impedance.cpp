@@ -57,8 +57,8 @@ double MaxExtraDelay_s(const OverlayTuning& t) { return t.task.command_jitter * 
 
 // Whether the loop is stable by the arm's model, and by the measured response if there is one. Hand and wall
 // are multiplied by `gain`, and every command is as late as the latest.
-bool Stable(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand,
-            const hil::LoopWall& wall, double gain) {
+bool IsStableWith(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand,
+                  const hil::LoopWall& wall, double gain) {
   OverlayLoopParams loop = LoopWith(t, damping_Ns_per_m, hand, gain);
   loop.wall = wall;
   loop.wall.stiffness_N_per_m *= gain;
@@ -73,8 +73,8 @@ bool Stable(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand
 bool StandsAll(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_per_m, double gain) {
   return std::ranges::all_of(t.hands, [&](const hil::GridHand& hand) {
     return !base::Interrupted() &&
-           Stable(t, damping_Ns_per_m, hand, {.stiffness_N_per_m = wall_N_per_m}, gain) &&
-           Stable(t, damping_Ns_per_m, hand, {}, gain);
+           IsStableWith(t, damping_Ns_per_m, hand, {.stiffness_N_per_m = wall_N_per_m}, gain) &&
+           IsStableWith(t, damping_Ns_per_m, hand, {}, gain);
   });
 }
 
@@ -87,7 +87,7 @@ double PlanesAt(const OverlayTuning& t) {
                hil::LoopWall wall = planes;
                wall.stiffness_N_per_m = stiffness;
                return std::ranges::all_of(t.hands, [&](const hil::GridHand& hand) {
-                 return !base::Interrupted() && Stable(t, t.recommended_Ns_per_m, hand, wall, 1.0);
+                 return !base::Interrupted() && IsStableWith(t, t.recommended_Ns_per_m, hand, wall, 1.0);
                });
              },
              {.from = kMinWall_N_per_m,

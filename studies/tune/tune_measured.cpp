@@ -123,7 +123,7 @@ MeasuredLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, TuneCont
 }
 
 // Whether margin a is nearer to instability than b.
-bool Worse(const TuneMargin& a, const TuneMargin& b) {
+bool IsWorse(const TuneMargin& a, const TuneMargin& b) {
   if (a.margins.stable != b.margins.stable) return !a.margins.stable;
   return a.margins.modulus < b.margins.modulus;
 }
@@ -133,7 +133,7 @@ std::vector<const TuneMargin*> WorstFirst(const std::vector<TuneMargin>& margins
   std::vector<const TuneMargin*> list;
   for (const TuneMargin& margin : margins)
     if (margin.gains == gains) list.push_back(&margin);
-  std::ranges::stable_sort(list, [](const auto* a, const auto* b) { return Worse(*a, *b); });
+  std::ranges::stable_sort(list, [](const auto* a, const auto* b) { return IsWorse(*a, *b); });
   return list;
 }
 

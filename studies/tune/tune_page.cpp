@@ -74,7 +74,7 @@ std::string TunePage(const TuneResult& r, const TuneOptions& options, const Pict
 }
 
 // Says why these gains are safe. @param margin  their gain margin
-std::string Why(const TuneResult& r, double margin) {
+std::string WhySafeText(const TuneResult& r, double margin) {
   const TuneTask& t = r.task;
   const std::string arm = t.arm_measured ? std::string("the arm's lag is measured")
                                          : std::string("the arm's lag is assumed, not measured");
@@ -85,7 +85,7 @@ std::string Why(const TuneResult& r, double margin) {
 }
 
 // Says what to do next. @param own_stand  the cell's own gains have the margin
-std::string Next(const TuneResult& r, bool own_stand) {
+std::string NextStepText(const TuneResult& r, bool own_stand) {
   const std::string cell = r.cell;
   if (!own_stand && !r.MayBeUsed())
     return fmt::format(
@@ -143,10 +143,10 @@ report::ReportVerdict PlainVerdict(const TuneResult& r) {
                                     : "")
                   : fmt::format("Which gains: {} instead of the cell's {}.", GainsText(r.recommended),
                                 GainsText(own)));
-    reasons.push_back(Why(r, own_stand ? r.own_margin : r.recommended_margin));
+    reasons.push_back(WhySafeText(r, own_stand ? r.own_margin : r.recommended_margin));
   }
   for (const std::string& reason : verdict.reasons) reasons.push_back("Remark: " + reason + ".");
-  reasons.push_back(Next(r, own_stand));
+  reasons.push_back(NextStepText(r, own_stand));
   plain.reasons = std::move(reasons);
   return plain;
 }

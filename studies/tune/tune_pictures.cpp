@@ -37,8 +37,8 @@ report::Series Curve(const std::vector<TuneBoundary>& boundaries, double TuneBou
 }
 
 // Marks dampings at which even the stiffest wall that was tried is stable: a lower bound, not a measurement.
-report::Series AtLeast(const std::vector<TuneBoundary>& boundaries, double max_N_per_m,
-                       const std::string& color) {
+report::Series LowerBoundMarks(const std::vector<TuneBoundary>& boundaries, double max_N_per_m,
+                               const std::string& color) {
   report::Series series{.color = color, .width_px = 0.0, .marker = report::Marker::kOpenUp};
   for (const TuneBoundary& b : boundaries)
     if (std::max({b.predicted_N_per_m, b.simulated_N_per_m, b.degraded_N_per_m}) >= max_N_per_m) {
@@ -123,7 +123,7 @@ std::string WidthSvg(const TuneResult& r) {
     curve(&TuneBoundary::predicted_N_per_m, name, report::Marker::kNone);
     curve(&TuneBoundary::simulated_N_per_m, "", report::Marker::kRing);
     curve(&TuneBoundary::degraded_N_per_m, "", report::Marker::kCross);
-    chart.series.push_back(AtLeast(*boundaries, r.max_wall_N_per_m, color));
+    chart.series.push_back(LowerBoundMarks(*boundaries, r.max_wall_N_per_m, color));
   }
   chart.series.push_back({.name = "predicted", .color = report::kMutedColor, .width_px = 2.0});
   chart.series.push_back(LegendOnly("simulated", report::Marker::kRing));

@@ -20,7 +20,7 @@ void AddAll(const std::vector<std::string>& more, std::vector<std::string>& to) 
 }
 
 // Makes the bone coarse and the run short, as in the tests, if `quick`.
-CellTrialParams Hastened(CellTrialParams cell, bool quick) {
+CellTrialParams ShortenedIfQuick(CellTrialParams cell, bool quick) {
   if (!quick) return cell;
   cell.seconds = 3.0;
   cell.as_packed = true;
@@ -42,7 +42,7 @@ CellTrialParams Hastened(CellTrialParams cell, bool quick) {
 // that the head is also seated in the denser foam.
 CellTrialParams FoamCup(const std::string& foam, bool quick, std::vector<std::string> set) {
   AddAll({"scene.shape.cartilage_mm=0", "scene.shape.subchondral_mm=0"}, set);
-  CellTrialParams cell = Hastened(
+  CellTrialParams cell = ShortenedIfQuick(
       {.cell = "demo", .set = std::move(set), .tissues = {{.tissue = "cancellous", .material = foam}}},
       quick);
   cell.seconds = 20.0;
@@ -140,7 +140,7 @@ std::vector<std::string> WideSet() {
 constexpr const char* kCellHow =
     "cell demo in virtual time: arm, hand and servo loop, CPU engine; sphere fitted to the cut balls";
 
-CellTrialParams DemoCell(bool quick) { return Hastened({}, quick); }
+CellTrialParams DemoCell(bool quick) { return ShortenedIfQuick({}, quick); }
 
 // A figure of the demo's own run in bone.
 Simulated OfDemo(ValidationLab& lab, double (*figure)(const CellTrial&)) {
@@ -164,7 +164,7 @@ CellTrialParams Pressing(const char* cell, bool quick, const std::string& push_N
   CellTrialParams trial{.cell = cell};
   if (!push_N.empty())
     trial.set = {"script.push_force_N=" + push_N, fmt::format("script.approach_force_N={}", approach_N)};
-  return Hastened(std::move(trial), quick);
+  return ShortenedIfQuick(std::move(trial), quick);
 }
 
 // The greatest force of a shipped script's hand; the ablation uses the published force. @param cells  as
@@ -246,7 +246,7 @@ std::vector<CellTrialParams> DemoCells(bool quick) {
 
 std::vector<CellTrialParams> FeedPerTurnCells(bool quick) {
   std::vector<CellTrialParams> cells = DemoCells(quick);
-  cells.push_back(Hastened({.cell = "demo", .set = {"script.push_force_N=60"}}, quick));
+  cells.push_back(ShortenedIfQuick({.cell = "demo", .set = {"script.push_force_N=60"}}, quick));
   return cells;
 }
 

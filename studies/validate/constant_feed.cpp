@@ -21,7 +21,7 @@ constexpr double kNoBound_N = 1e5;        // a force limit that no drill reaches
 constexpr double kClear_m = 0.2e-3;       // distance between tip and surface at the start
 
 // Throws std::invalid_argument unless there are steps with a positive feed and rising depths in the block.
-void Check(const ConstantFeedParams& params) {
+void ValidateSteps(const ConstantFeedParams& params) {
   double depth_m = 0.0;
   for (const FeedStep& step : params.steps) {
     if (!(step.feed_m_per_s > 0.0) || !(step.depth_m > depth_m) || step.depth_m >= kFeedBlock_m)
@@ -94,7 +94,7 @@ class BentPoint {
 }  // namespace
 
 ConstantFeedResult DrillAtConstantFeed(const ConstantFeedParams& params) {
-  Check(params);
+  ValidateSteps(params);
   const config::ToolConfig drill =
       config::LoadTool(params.config_root / "tools" / "twist_drill.yaml", params.diameter_m);
   const simulation::Bone block = MakeFeedBlock(params);

@@ -75,7 +75,7 @@ Json ConstantsJson() {
 }
 
 // Lists the numbers of the source's rows, as the accepted words in an error.
-std::string Numbers() {
+std::string RowNumbers() {
   std::vector<std::string> numbers;
   for (const Measurement& m : Measurements()) {
     const std::string number(m.id.substr(0, m.id.find('-')));
@@ -116,8 +116,8 @@ tl::expected<std::vector<std::string>, std::string> ChooseRows(std::span<const s
     for (const Measurement& m : Measurements())
       if (m.id == word || m.id.substr(0, m.id.find('-')) == word) ids.emplace_back(m.id);
     if (ids.size() == before)
-      return tl::make_unexpected(
-          fmt::format("--rows: found {}, accepted {}, or one part of them such as 9-1000", word, Numbers()));
+      return tl::make_unexpected(fmt::format(
+          "--rows: found {}, accepted {}, or one part of them such as 9-1000", word, RowNumbers()));
   }
   return ids;
 }
