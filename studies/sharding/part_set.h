@@ -16,7 +16,7 @@ namespace osteon::studies {
 
 inline constexpr const char* kPartSchema = "osteon.part/1";
 
-/// One shard's file.
+/// The content of one shard's file.
 struct Part {
   std::filesystem::path file{};
   Shard shard{};

@@ -12,6 +12,7 @@
 
 namespace osteon::studies {
 
+/// Options of `osteon soak`.
 struct SoakOptions {
   std::filesystem::path config_root;
   double hours{8.0};  ///< duration in virtual time; with --wall in wall time
@@ -21,7 +22,7 @@ struct SoakOptions {
   std::string command_line{};
 };
 
-/// The outcome of an episode.
+/// The outcome of an episode in virtual time.
 struct EpisodeResult {
   Episode episode;
   std::string ended;                ///< how the run ended: "completed" or "fault"

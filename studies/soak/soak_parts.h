@@ -40,7 +40,7 @@ struct EpisodeCount {
   std::string_view name;
   std::ptrdiff_t episodes{0}, wrong{0};
 };
-/// Makes the table of a page, in HTML. @param head  heading of the first column
+/// HTML table of the episodes by kind. @param head  heading of the first column
 [[nodiscard]] std::string KindTable(const char* head, const std::vector<EpisodeCount>& counts);
 
 /// Checks --out and --json before anything runs. @returns the error, or an empty string

@@ -26,6 +26,7 @@ inline constexpr int kEpisodeKinds = 9;
 /// Whether the kind's fault ends the run before its time.
 [[nodiscard]] bool EndsWithFault(EpisodeKind kind);
 
+/// One episode of a soak in virtual time: a run of the reaming scenario with its own overrides.
 struct Episode {
   int index{0};
   EpisodeKind kind{EpisodeKind::kReference};

@@ -120,9 +120,9 @@ WallCell::WallCell(std::filesystem::path config_root, std::filesystem::path fold
 
 WallOutcome WallCell::Run(const WallEpisode& episode) {
   const double begin_s = Now_s();
-  if (WallOutcome discarded; cell_ && (distrusted_ || cell_->Ended() || episode.life.index != life_))
+  if (WallOutcome discarded; cell_ && (needs_new_cell_ || cell_->Ended() || episode.life.index != life_))
     EndCell(discarded);
-  distrusted_ = false;
+  needs_new_cell_ = false;
   static_cast<void>(cpus_.TakeLongest());  // drops the time between the episodes
   WallOutcome outcome;
   try {

@@ -67,7 +67,7 @@ class WallCell {
   /// File of the cell that the last episode ran.
   [[nodiscard]] std::filesystem::path cell_file() const { return folder_ / "cell.yaml"; }
   /// Makes the next episode begin with a new cell, because the state of this one is not known.
-  void Distrust() { distrusted_ = true; }
+  void RequireNewCell() { needs_new_cell_ = true; }
 
  private:
   class Pages;
@@ -96,7 +96,7 @@ class WallCell {
   CellProcesses parts_;
   rt::CpuWatch cpus_{90};  // real-time priority above those of the servo loop and the simulated arm
   int life_{-1};           // index of the running cell's life
-  bool distrusted_{false};
+  bool needs_new_cell_{false};
   std::size_t pause_{0};                  // the next pause of the script
   bool pausing_{false}, changed_{false};  // changed_: this pause has taken the next tool, if it has to
   double resume_at_s_{0.0};               // on this process's clock

@@ -39,6 +39,7 @@ struct WallPause {
   bool next_tool{false};  ///< the plan's next tool is taken during the pause
 };
 
+/// One episode of a soak in wall time.
 struct WallEpisode {
   int index{0};
   CellLife life;

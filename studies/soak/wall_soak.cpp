@@ -285,7 +285,7 @@ int RunWallSoak(const SoakOptions& options) {
     if (base::Interrupted()) break;  // the episode was cut short: it does not count
     for (std::string& wrong : JudgeWallEpisode(result, first ? &*first : nullptr))
       result.wrong.push_back(std::move(wrong));
-    if (!result.wrong.empty()) cell.Distrust();
+    if (!result.wrong.empty()) cell.RequireNewCell();
     if (!first && IsUndisturbed(result.episode) && result.wrong.empty()) first = result;
     KeepEvidence(work.path(), options.out, result);
     results.push_back(std::move(result));

@@ -10,7 +10,8 @@
 
 namespace osteon::studies {
 
-/// An arm that carries itself and holds its own impedance, while a wrench or torques are laid over it.
+/// An arm that compensates its own weight and holds its own impedance, to which a wrench or torques are
+/// added.
 struct ImpedanceArmParams {
   kinematics::ChainParams<7> chain;  ///< including the load on the flange; its friction is ignored
   hil::DynamicArmParams arm;         ///< its mass error and mount are ignored
@@ -29,7 +30,7 @@ struct ImpedanceArm {
   Eigen::Matrix<double, 6, 7> J;  ///< of the tool, rows v (3) then w (3), in B
   Eigen::Matrix<double, 7, 7> inertia, damping, stiffness;
 };
-/// @param mass_ratio  by which all masses of the chain are multiplied; > 0
+/// Computes the matrices. @param mass_ratio  factor on all masses of the chain; > 0
 [[nodiscard]] ImpedanceArm ImpedanceArmAt(const ImpedanceArmParams& params, double mass_ratio = 1.0);
 
 /// The matrices of the arm on a mount that gives way, by the equations of flexible_mount.h: the joints (7),

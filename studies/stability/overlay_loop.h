@@ -15,6 +15,7 @@
 
 namespace osteon::studies {
 
+/// The arm, the law, the hand and the wall of the loop.
 struct OverlayLoopParams {
   kinematics::ChainParams<7> chain;  ///< including the load on the flange; its friction is ignored
   hil::DynamicArmParams arm;         ///< its mass error is ignored

@@ -24,6 +24,7 @@ struct SweepOutcome {
   RunFigures figures{};
 };
 
+/// A sweep with the outcomes of its runs.
 struct SweepResult {
   config::SweepConfig config;
   std::string scenario;

@@ -12,6 +12,7 @@
 
 namespace osteon::studies {
 
+/// Options of `osteon transparency`.
 struct TransparencyOptions {
   std::filesystem::path cell;
   std::filesystem::path out{"transparency"};
@@ -38,6 +39,7 @@ struct TransparencyAxis {
   double residual{0.0};
 };
 
+/// The impedance at the handle, measured and requested, in free motion and in contact.
 struct TransparencyResult {
   std::string cell;
   std::vector<TransparencyAxis> axes;   ///< six

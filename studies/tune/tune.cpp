@@ -167,6 +167,7 @@ class Study {
     return One(item, fmt::format("drag {}{}", mass_kg, KeyText(hands)),
                [&] { return MinDragFor(task_, mass_kg, hands); });
   }
+  // BoundaryAt as an item of four numbers; zeros if the item was not computed.
   [[nodiscard]] TuneBoundary BoundaryOf(std::size_t item, const TuneGains& gains,
                                         const std::vector<hil::GridHand>& hands, double max_N_per_m) const {
     const std::vector<double> values =
@@ -179,6 +180,7 @@ class Study {
       return {.damping_Ns_per_m = gains.damping_Ns_per_m};
     return {gains.damping_Ns_per_m, values[0], values[1], values[2], static_cast<std::size_t>(values[3])};
   }
+  // The boundaries at the recommended mass and these dampings, an item each.
   [[nodiscard]] std::vector<TuneBoundary> Boundaries(std::size_t first_item, const TuneResult& r,
                                                      const std::vector<double>& dampings,
                                                      const std::vector<hil::GridHand>& hands) const {
@@ -189,6 +191,7 @@ class Study {
     });
     return boundaries;
   }
+  // The decay rates at the recommended mass; the row of each wall is an item.
   [[nodiscard]] TuneMap Map(std::size_t first_item, const TuneResult& r, const std::string& title,
                             const std::vector<hil::GridHand>& hands, int dampings) const {
     TuneMap map{.title = title,

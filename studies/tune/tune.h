@@ -8,6 +8,7 @@
 
 namespace osteon::studies {
 
+/// Options of `osteon tune`.
 struct TuneOptions {
   std::filesystem::path cell;
   std::filesystem::path out{"tune"};

@@ -28,6 +28,7 @@ struct TuneMap {
   std::vector<double> decay_per_s;  ///< a row for each wall, with a value for each damping
 };
 
+/// A cell's task and all results for it.
 struct TuneResult {
   std::string cell;
   TuneTask task;

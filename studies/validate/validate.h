@@ -13,6 +13,7 @@
 
 namespace osteon::studies {
 
+/// Options of `osteon validate`.
 struct ValidateOptions {
   std::filesystem::path config_root;
   std::vector<std::string> rows{};  ///< ids, or numbers of the source's rows; empty: all

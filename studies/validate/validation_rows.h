@@ -46,7 +46,7 @@ struct Simulated {
   /// Variants with a part that gives way, if the cell has such a part; `value` is without any.
   std::vector<ComplianceVariant> compliance{};
 
-  /// Null if the row has no variant with this part.
+  /// The variant in which this part gives way; null if the row has none.
   [[nodiscard]] const ComplianceVariant* With(CompliantPart part) const;
 };
 
