@@ -16,15 +16,16 @@ namespace osteon::studies {
 
 inline constexpr const char* kPartSchema = "osteon.part/1";
 
-/// One shard's file.
+/// The content of one shard's file.
 struct Part {
   std::filesystem::path file{};
   Shard shard{};
-  std::size_t items{0};                             ///< number of items of the whole study
-  std::string build{};                              ///< the program's version and commit
-  std::string checksum{};                           ///< of the options and inputs that items depend on
-  std::vector<std::string> words{};                 ///< the command's, without --shard, --json and --out
-  std::map<std::size_t, nlohmann::json> results{};  ///< by item
+  std::size_t items{0};    ///< number of items of the whole study
+  std::string build{};     ///< the program's version and commit
+  std::string checksum{};  ///< of the options and inputs on which the items depend
+  /// Words of the command line, without --shard, --json, --out and --config-root.
+  std::vector<std::string> words{};
+  std::map<std::size_t, nlohmann::json> results{};  ///< result of each item, by its index
 };
 
 /// Checksum of a part's whole content, as it stands in the part's file.
@@ -51,7 +52,7 @@ class PartSet {
   [[nodiscard]] std::size_t items() const { return head_.items; }
   /// @param item  below items()
   [[nodiscard]] const nlohmann::json& At(std::size_t item) const { return head_.results.at(item); }
-  /// The part that has an item. @param item  below items()
+  /// The file of the part that has an item. @param item  below items()
   [[nodiscard]] const std::filesystem::path& FileOf(std::size_t item) const {
     return files_[item % files_.size()];
   }
@@ -59,7 +60,7 @@ class PartSet {
   [[nodiscard]] const std::string& build() const { return head_.build; }
 
  private:
-  Part head_;                                 ///< the first part, with the items of all
+  Part head_;                                 ///< the first part, with the results of all parts
   std::vector<std::filesystem::path> files_;  ///< by shard
 };
 

@@ -11,8 +11,8 @@ namespace osteon::studies {
 
 class PartSet;
 
-/// One of several parts of a study, which may run on different machines. Items are dealt out in turn, as
-/// cards are: neighbours, which mostly take about the same time, come into different parts.
+/// One of several parts of a study, which may run on different machines. Items go to the parts in turn:
+/// neighbouring items, which mostly take about the same time, belong to different parts.
 struct Shard {
   int index{1};  ///< 1 … of
   int of{1};
@@ -39,7 +39,8 @@ struct Sharding {
 [[nodiscard]] std::vector<std::string> WithoutOptions(const std::vector<std::string>& words,
                                                       const std::vector<std::string>& options);
 
-/// Adds a name, as of a device that a part ran on, to a list "one; another", unless the list has it.
+/// Adds a name, for example of a device on which a part ran, to a list "one; another", unless the list has
+/// it.
 void AddName(std::string& list, const std::string& name);
 
 }  // namespace osteon::studies

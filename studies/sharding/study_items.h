@@ -15,9 +15,9 @@
 
 namespace osteon::studies {
 
-/// The items of a study, each a piece of work with a result, by their index: all computed here, or those of a
-/// shard, or taken from parts. A study asks for each item and ends in the same way in all three cases, so
-/// that merged parts give what one run gives:
+/// The items of a study, by their index; each item is a piece of work with a result. This process computes
+/// all items, or those of a shard, or reads all results from parts. A study handles each item in the same way
+/// in all three cases, so merged parts give the same result as a single run:
 ///
 ///     if (items.FromParts()) result = items.Restore(i, FromJson);
 ///     else if (items.Computes(i)) items.Store(i, ToJson(result = Compute(i)));
@@ -60,7 +60,9 @@ class StudyItems {
                                                           std::size_t items);
 
  private:
+  // The item's result from the parts. @throws std::invalid_argument if the parts have no such item
   [[nodiscard]] const nlohmann::json& At(std::size_t item) const;
+  // Error text that names the item's part and the item.
   [[nodiscard]] std::string WrongItem(std::size_t item, const char* wrong) const;
 
   Sharding sharding_;

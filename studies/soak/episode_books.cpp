@@ -9,10 +9,10 @@
 namespace osteon::studies {
 namespace {
 
-// Sums over the ticks of a recording.
-class TickBooks {
+// Collects the figures of a recording's ticks, and the balance of the virtual tool's momentum over them.
+class TickTotals {
  public:
-  TickBooks(const control::AdmittanceParams& law, double period_s) : law_(&law), period_s_(period_s) {}
+  TickTotals(const control::AdmittanceParams& law, double period_s) : law_(&law), period_s_(period_s) {}
 
   void Add(const control::TickRecord& tick, EpisodeBooks& books) {
     ++books.ticks;
@@ -37,6 +37,8 @@ class TickBooks {
   }
 
  private:
+  // Adds the residual of M (v - v_before) = (F_hand + F_rendered - D v) T, in W. Ticks outside of rendering,
+  // after a gap, or with an active limit are skipped: there the law alone does not decide the motion.
   void AddMomentum(const control::TickRecord& tick) {
     if (!has_last_ || tick.phase != control::Phase::kHaptic || last_.phase != control::Phase::kHaptic ||
         tick.tick != last_.tick + 1 || tick.limits != 0 || last_.limits != 0)
@@ -56,8 +58,8 @@ class TickBooks {
   double period_s_;
   control::TickRecord last_{};
   bool has_last_{false};
-  Vector3 residual_Ns_{Vector3::Zero()};
-  double hand_Ns_{0.0};
+  Vector3 residual_Ns_{Vector3::Zero()};  // sum of the momentum residuals
+  double hand_Ns_{0.0};                   // sum of |F_hand| T
 };
 
 }  // namespace
@@ -67,7 +69,7 @@ tl::expected<EpisodeBooks, std::string> ReadBooks(const std::filesystem::path& r
   auto stream = io::RecordingStream::Open(recording);
   if (!stream) return tl::make_unexpected(stream.error());
   EpisodeBooks books{.min_tank_J = std::numeric_limits<double>::infinity()};
-  TickBooks ticks(law, period_s);
+  TickTotals ticks(law, period_s);
   double spindle_rad_per_s = 0.0;
   rt::Nanoseconds frame_stamp = 0;
   for (;;) {
@@ -81,6 +83,7 @@ tl::expected<EpisodeBooks, std::string> ReadBooks(const std::filesystem::path& r
     if (*topic != io::RecordedTopic::kFrame) continue;
     const simulation::ContactModel& model = stream->frame.model;
     ++books.frames;
+    // edge work since the frame before: torque × the speed in the latest tick × time
     if (frame_stamp > 0)
       books.edge_work_J +=
           model.spindle_torque_Nm * spindle_rad_per_s * rt::ToSeconds(model.pose_stamp - frame_stamp);

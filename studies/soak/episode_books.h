@@ -10,7 +10,8 @@
 
 namespace osteon::studies {
 
-/// The books of a run from its recording: whether the recording is whole, and the sums that must balance.
+/// Figures of a run from its recording: whether the recording is complete, the largest values, and the sums
+/// for the balances of momentum, energy and volume.
 struct EpisodeBooks {
   bool complete{false};  ///< the file has its end
   std::uint64_t ticks{0}, frames{0};

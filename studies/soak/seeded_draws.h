@@ -6,13 +6,14 @@
 
 namespace osteon::studies {
 
-/// Random numbers of one episode, determined by seed and index. They are made of raw bits, not by a standard
-/// distribution, so that every standard library gives the same.
+/// Random numbers of one episode, determined by seed and index. They are made from raw bits: standard
+/// distributions differ between standard libraries.
 class SeededDraws {
  public:
   SeededDraws(std::uint64_t seed, int index) : bits_(seed * 1'000'003u + static_cast<std::uint64_t>(index)) {}
-  /// Uniform, to three decimals.
+  /// Uniform from low to high, rounded to three decimals.
   double Between(double low, double high) {
+    // the upper 53 bits as a number from 0 to below 1
     const double share = static_cast<double>(bits_() >> 11) * 0x1p-53;
     return std::round(1e3 * (low + share * (high - low))) / 1e3;
   }

@@ -24,11 +24,13 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kAtRest_s = 0.5;  // a servo of 15 Hz reaches its command within some 0.1 s
+// Time for which the arm at rest is still recorded: a servo of 15 Hz reaches its command within about 0.1 s.
+constexpr double kAtRest_s = 0.5;
 
+// Resident memory of this process.
 double ResidentMemory_MB() {
   std::ifstream statm("/proc/self/statm");
-  double whole = 0.0, resident = 0.0;
+  double whole = 0.0, resident = 0.0;  // in pages
   statm >> whole >> resident;
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
 }
@@ -42,6 +44,7 @@ std::vector<std::string> FaultsOf(const ScenarioTrace& trace) {
   return faults;
 }
 
+// Runs an episode in virtual time and reads its recording. @returns an error if the episode could not run.
 tl::expected<EpisodeResult, std::string> RunEpisode(const SoakOptions& options, const Episode& episode,
                                                     const std::atomic<bool>* stop) {
   config::ScenarioConfig scenario =
@@ -87,7 +90,8 @@ nlohmann::ordered_json EpisodeJson(const EpisodeResult& r) {
   return json;
 }
 
-void Print(const EpisodeResult& r, double simulated_s) {
+// Prints an episode's line. @param simulated_s  of the soak so far
+void PrintEpisode(const EpisodeResult& r, double simulated_s) {
   fmt::print("{:>6.2f} h {:>5}  {:<44} {:<12} {:>7.1f} MB  momentum {:>6.3f} %  energy {:>+6.2f} %  {}\n",
              simulated_s / 3600.0, r.episode.index, r.episode.text, r.ended, r.memory_MB,
              100.0 * r.books.momentum_residual, 100.0 * r.energy_residual(),
@@ -129,9 +133,9 @@ std::vector<std::string> JudgeEpisode(const EpisodeResult& r, std::uint64_t refe
   // An arm that fell silent ends the run at once: the last frame was neither used by the loop nor recorded.
   const double unseen_m3 = r.episode.kind == EpisodeKind::kArmSilent ? kMaxUnseenFrame_m3 : 0.0;
   const double slack_m3 = kMaxVolumeResidual * r.carved_m3;
-  const double more_m3 = r.carved_m3 - r.books.removed_m3;
+  const double unrecorded_m3 = r.carved_m3 - r.books.removed_m3;
   require(
-      more_m3 >= -slack_m3 && more_m3 <= slack_m3 + unseen_m3,
+      unrecorded_m3 >= -slack_m3 && unrecorded_m3 <= slack_m3 + unseen_m3,
       fmt::format("volume: {:.3f} mm³ carved, {:.3f} recorded", 1e9 * r.carved_m3, 1e9 * r.books.removed_m3));
   if (r.episode.kind == EpisodeKind::kReference && reference_hash != 0)
     require(r.hash == reference_hash, "the reference episode drifted: other bits than the first one");
@@ -191,7 +195,7 @@ int RunSoak(const SoakOptions& options) {
   double simulated_s = 0.0;
   const auto episodes = RunEpisodes(options, &base::Interrupted(), [&](const EpisodeResult& result) {
     simulated_s += result.seconds_simulated;
-    Print(result, simulated_s);
+    PrintEpisode(result, simulated_s);
   });
   if (!episodes) return session::Fail("soak", episodes.error(), session::kFailed);
   const auto wrong =

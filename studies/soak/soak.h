@@ -12,6 +12,7 @@
 
 namespace osteon::studies {
 
+/// Options of `osteon soak`.
 struct SoakOptions {
   std::filesystem::path config_root;
   double hours{8.0};  ///< duration in virtual time; with --wall in wall time
@@ -21,10 +22,10 @@ struct SoakOptions {
   std::string command_line{};
 };
 
-/// The outcome of an episode.
+/// The outcome of an episode in virtual time.
 struct EpisodeResult {
   Episode episode;
-  std::string ended;
+  std::string ended;                ///< how the run ended: "completed" or "fault"
   std::vector<std::string> faults;  ///< names, in their order
   std::uint64_t hash{0};            ///< over every bit of every tick and of the carved bone
   EpisodeBooks books;
@@ -39,7 +40,9 @@ struct EpisodeResult {
   [[nodiscard]] double energy_residual() const { return books.EnergyResidual(cutting_debt_J); }
 };
 
-/// Bounds that every episode must keep.
+/// Bounds that every episode must keep: residuals as shares of the hand's impulse and of the cleared bone's
+/// energy, distance from the command at rest, rendered force, and the share by which the recorded volume may
+/// differ from the carved one.
 inline constexpr double kMaxMomentumResidual = 0.02, kMaxEnergyResidual = 0.01, kMaxRestError_m = 0.5e-3,
                         kMaxForce_N = 200.0, kMaxVolumeResidual = 1e-9;
 /// Accepted difference between the edge's work and the cleared energy: while the spindle starts or stops, its
@@ -55,6 +58,7 @@ inline constexpr double kMaxMemoryGrowth_MB = 20.0;
 /// done.
 /// @param debt_J  see EpisodeBooks::EnergyResidual
 [[nodiscard]] bool EnergyCloses(const EpisodeBooks& books, double debt_J);
+/// The sums of EnergyCloses as a sentence for a report.
 [[nodiscard]] std::string EnergyText(const EpisodeBooks& books, double debt_J);
 
 /// Lists the errors of an episode. @param reference_hash  of the first reference; 0: this is the first

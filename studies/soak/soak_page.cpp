@@ -12,9 +12,9 @@
 namespace osteon::studies {
 namespace {
 
-// A chart of one figure of each episode over the simulated hours.
-report::LineChart Over(std::span<const EpisodeResult> episodes, const char* title, const char* unit,
-                       const std::function<double(const EpisodeResult&)>& value) {
+// A chart of one figure, a point for each episode, over the simulated hours.
+report::LineChart ChartOverTime(std::span<const EpisodeResult> episodes, const char* title, const char* unit,
+                                const std::function<double(const EpisodeResult&)>& value) {
   report::Series series = SoakPoints("");
   double hours = 0.0;
   for (const EpisodeResult& result : episodes) {
@@ -25,11 +25,12 @@ report::LineChart Over(std::span<const EpisodeResult> episodes, const char* titl
   return SoakChart(title, "simulated time [h]", unit, {std::move(series)});
 }
 
-std::string Kinds(std::span<const EpisodeResult> episodes) {
-  std::vector<KindCount> counts;
+// HTML table: the number of episodes of each kind, and how many had an error.
+std::string EpisodesByKind(std::span<const EpisodeResult> episodes) {
+  std::vector<EpisodeCount> counts;
   for (int i = 0; i < kEpisodeKinds; ++i) {
     const auto kind = static_cast<EpisodeKind>(i);
-    KindCount& count = counts.emplace_back(KindCount{.name = NameOf(kind)});
+    EpisodeCount& count = counts.emplace_back(EpisodeCount{.name = NameOf(kind)});
     for (const EpisodeResult& r : episodes) {
       if (r.episode.kind != kind) continue;
       ++count.episodes;
@@ -65,23 +66,23 @@ std::string SoakPage(std::span<const EpisodeResult> episodes, const SoakOptions&
            {"Seed", std::to_string(options.seed)},
            {"Memory grew by", fmt::format("{:.1f} MB", growth_MB)}}});
   const std::array panels{
-      Over(episodes, "Resident memory", "memory [MB]", [](const auto& r) { return r.memory_MB; }),
-      Over(episodes, "Peak rendered force", "force [N]",
-           [](const auto& r) { return r.books.peak_rendered_N; }),
-      Over(episodes, "Age of the contact model, most while rendering", "age [ms]",
-           [](const auto& r) { return 1e3 * r.books.max_model_age_s; }),
-      Over(episodes, "Age of the force sensor, most while rendering", "age [ms]",
-           [](const auto& r) { return 1e3 * r.books.max_sensor_age_s; }),
-      Over(episodes, "Commanded from measured apex at the end", "distance [µm]",
-           [](const auto& r) { return 1e6 * r.books.rest_error_m; }),
-      Over(episodes, "Momentum that does not close", "share [%]",
-           [](const auto& r) { return 100.0 * r.books.momentum_residual; }),
-      Over(episodes, "Work that the edge still owes for cleared bone", "work [J]",
-           [](const auto& r) { return r.cutting_debt_J; }),
-      Over(episodes, "Energy of the cut that does not close", "share [%]",
-           [](const auto& r) { return 100.0 * std::abs(r.energy_residual()); })};
+      ChartOverTime(episodes, "Resident memory", "memory [MB]", [](const auto& r) { return r.memory_MB; }),
+      ChartOverTime(episodes, "Peak rendered force", "force [N]",
+                    [](const auto& r) { return r.books.peak_rendered_N; }),
+      ChartOverTime(episodes, "Age of the contact model, most while rendering", "age [ms]",
+                    [](const auto& r) { return 1e3 * r.books.max_model_age_s; }),
+      ChartOverTime(episodes, "Age of the force sensor, most while rendering", "age [ms]",
+                    [](const auto& r) { return 1e3 * r.books.max_sensor_age_s; }),
+      ChartOverTime(episodes, "Commanded from measured apex at the end", "distance [µm]",
+                    [](const auto& r) { return 1e6 * r.books.rest_error_m; }),
+      ChartOverTime(episodes, "Momentum that does not close", "share [%]",
+                    [](const auto& r) { return 100.0 * r.books.momentum_residual; }),
+      ChartOverTime(episodes, "Work that the edge still owes for cleared bone", "work [J]",
+                    [](const auto& r) { return r.cutting_debt_J; }),
+      ChartOverTime(episodes, "Energy of the cut that does not close", "share [%]",
+                    [](const auto& r) { return 100.0 * std::abs(r.energy_residual()); })};
   html += report::Figure(report::Svg(panels), "One point for each episode.") + "<h2>Episodes by kind</h2>\n" +
-          Kinds(episodes);
+          EpisodesByKind(episodes);
   return html + report::RepeatSection(options.command_line) + report::PageEnd();
 }
 

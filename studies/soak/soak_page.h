@@ -7,8 +7,8 @@
 
 namespace osteon::studies {
 
-/// One page: verdict, figures, plots over the simulated time, and the episodes that were not as they should
-/// be.
+/// One HTML page: verdict with every episode's errors, plots over the simulated time, and a count of the
+/// episodes of each kind.
 [[nodiscard]] std::string SoakPage(std::span<const EpisodeResult> episodes, const SoakOptions& options);
 
 }  // namespace osteon::studies

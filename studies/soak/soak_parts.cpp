@@ -37,6 +37,7 @@ void AddBooks(nlohmann::ordered_json& json, const EpisodeBooks& books, double de
 double QuarterGrowth(const std::vector<double>& values, double share) {
   const std::size_t n = values.size();
   if (n < 8) return 0.0;
+  // the quantile of values[from … to - 1]
   const auto quantile = [&](std::size_t from, std::size_t to) {
     std::vector<double> part(values.begin() + static_cast<std::ptrdiff_t>(from),
                              values.begin() + static_cast<std::ptrdiff_t>(to));
@@ -60,10 +61,10 @@ report::Series SoakPoints(const char* name) {
   return {.name = name, .width_px = 0.0, .marker = report::Marker::kCircle};
 }
 
-std::string KindTable(const char* head, const std::vector<KindCount>& counts) {
+std::string KindTable(const char* head, const std::vector<EpisodeCount>& counts) {
   std::string html = fmt::format(
       "<table>\n<tr><th>{}</th><th class=\"n\">episodes</th><th class=\"n\">wrong</th></tr>\n", head);
-  for (const KindCount& count : counts)
+  for (const EpisodeCount& count : counts)
     html += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n", count.name,
                         count.episodes, count.wrong);
   return html + "</table>\n";

@@ -29,23 +29,23 @@ void AddBooks(nlohmann::ordered_json& json, const EpisodeBooks& books, double de
 /// @param share  which quantile, below 1; 0: the smallest value, 0.5: the median
 [[nodiscard]] double QuarterGrowth(const std::vector<double>& values, double share);
 
-/// A panel of points over the hours of a soak.
+/// A panel of a figure over the hours of a soak. @param hours  label of the time axis
 [[nodiscard]] report::LineChart SoakChart(const char* title, const char* hours, const char* unit,
                                           std::vector<report::Series> series);
 /// A series of points without a line, still empty.
 [[nodiscard]] report::Series SoakPoints(const char* name);
 
 /// Episodes of one kind, and how many of them were wrong.
-struct KindCount {
+struct EpisodeCount {
   std::string_view name;
   std::ptrdiff_t episodes{0}, wrong{0};
 };
-/// Makes the table of a page, in HTML. @param head  heading of the first column
-[[nodiscard]] std::string KindTable(const char* head, const std::vector<KindCount>& counts);
+/// HTML table of the episodes by kind. @param head  heading of the first column
+[[nodiscard]] std::string KindTable(const char* head, const std::vector<EpisodeCount>& counts);
 
 /// Checks --out and --json before anything runs. @returns the error, or an empty string
 [[nodiscard]] std::string ValidateOutputs(const SoakOptions& options);
-/// Writes what the options ask for. @returns the error, or an empty string
+/// Writes the JSON and the page to the files that the options name. @returns the error, or an empty string
 [[nodiscard]] std::string WriteSoakFiles(const SoakOptions& options, const std::string& json,
                                          const std::string& page);
 

@@ -7,8 +7,8 @@
 namespace osteon::studies {
 namespace {
 
-// Converts a draw 0 … 23 to a kind. Out of 24 drawn episodes, about 8 are reaming, 4 loss, 4 pause, 4
-// recovery, and 1 is for each part that dies.
+// Converts a draw 0 … 23 to a kind. Out of 24 draws, 8 mean reaming, 4 each loss, pause and recovery, and 1
+// each of the four parts that fall silent.
 EpisodeKind KindOf(int drawn) {
   if (drawn < 8) return EpisodeKind::kReaming;
   if (drawn < 12) return EpisodeKind::kLoss;
@@ -17,13 +17,15 @@ EpisodeKind KindOf(int drawn) {
   return static_cast<EpisodeKind>(static_cast<int>(EpisodeKind::kSensorSilent) + drawn - 20);
 }
 
-std::string Silence(const char* wire, const char* direction, double from_s, double to_s) {
+// The cell's override that silences one direction of a wire for a time.
+std::string SilenceOverride(const char* wire, const char* direction, double from_s, double to_s) {
   return fmt::format("injections=[{{wire: {}, direction: {}, from_s: {}, to_s: {}, silence: true}}]", wire,
                      direction, from_s, to_s);
 }
 
+// Draws the times of the kind's faults or pause, and adds them to the episode.
 void AddFaults(Episode& episode, SeededDraws& draws) {
-  constexpr double kForEver_s = 80000.0;
+  constexpr double kForEver_s = 80000.0;  // beyond the end of every episode
   const double at_s = draws.Between(2.0, 0.6 * episode.seconds);
   switch (episode.kind) {
     case EpisodeKind::kLoss:
@@ -36,23 +38,23 @@ void AddFaults(Episode& episode, SeededDraws& draws) {
       break;
     case EpisodeKind::kRecovery:
       episode.set.emplace_back("link_quality.ask_again=true");
-      episode.set.push_back(Silence("arm", "both", at_s, at_s + 0.06));
+      episode.set.push_back(SilenceOverride("arm", "both", at_s, at_s + 0.06));
       break;
     case EpisodeKind::kPause:
       episode.pause_s = at_s;
       episode.resume_s = at_s + draws.Between(0.5, 3.0);
       break;
     case EpisodeKind::kSensorSilent:
-      episode.set.push_back(Silence("force_sensor", "to_controller", at_s, kForEver_s));
+      episode.set.push_back(SilenceOverride("force_sensor", "to_controller", at_s, kForEver_s));
       break;
     case EpisodeKind::kDriveSilent:
-      episode.set.push_back(Silence("drive", "to_controller", at_s, kForEver_s));
+      episode.set.push_back(SilenceOverride("drive", "to_controller", at_s, kForEver_s));
       break;
     case EpisodeKind::kPlcSilent:
-      episode.set.push_back(Silence("plc", "both", at_s, kForEver_s));
+      episode.set.push_back(SilenceOverride("plc", "both", at_s, kForEver_s));
       break;
     case EpisodeKind::kArmSilent:
-      episode.set.push_back(Silence("arm", "to_controller", at_s, kForEver_s));
+      episode.set.push_back(SilenceOverride("arm", "to_controller", at_s, kForEver_s));
       break;
     case EpisodeKind::kReference:
     case EpisodeKind::kReaming:

@@ -9,8 +9,8 @@ namespace osteon::studies {
 
 /// The events of an episode of a soak.
 enum class EpisodeKind : std::uint8_t {
-  kReference,     ///< the same every time, so that its bits show a drift
-  kReaming,       ///< another reamer, another hand
+  kReference,     ///< always the same episode: other bits of the result show a drift
+  kReaming,       ///< reaming with a drawn reamer and hand
   kLoss,          ///< lost and late datagrams of the arm
   kPause,         ///< an operator's pause and its end
   kRecovery,      ///< the arm falls silent for 60 ms; the loop starts again
@@ -23,9 +23,10 @@ inline constexpr int kEpisodeKinds = 9;
 [[nodiscard]] std::string_view NameOf(EpisodeKind kind);
 /// The fault that the kind injects, by its name in a summary; empty: none.
 [[nodiscard]] std::string_view InjectedFault(EpisodeKind kind);
-/// Whether the run ends with that fault, rather than after its time.
+/// Whether the kind's fault ends the run before its time.
 [[nodiscard]] bool EndsWithFault(EpisodeKind kind);
 
+/// One episode of a soak in virtual time: a run of the reaming scenario with its own overrides.
 struct Episode {
   int index{0};
   EpisodeKind kind{EpisodeKind::kReference};

@@ -26,16 +26,19 @@ namespace {
 using std::chrono::milliseconds, std::chrono::seconds, std::chrono::steady_clock;
 
 // Time limits are generous, so that a busy machine does not decide the outcome.
-constexpr seconds kEnd{90};
-constexpr double kPatienceRatio = 3.0, kPatience_s = 120.0;  // limit: ratio × the rendering time + seconds
+constexpr seconds kEnd{90};  // from SIGTERM to a process's end
+// An episode may take this ratio × its rendering time, plus these seconds.
+constexpr double kPatienceRatio = 3.0, kPatience_s = 120.0;
 constexpr milliseconds kPollInterval{50};
-constexpr double kUseEvery_s = 0.5, kPageStays_s = 1.0;
+constexpr double kUseEvery_s = 0.5;   // between two measurements of the processes' use
+constexpr double kPageStays_s = 1.0;  // time for which a page stays open while pages come and go
 // Time in which the PLC notices a missing heartbeat: it takes the permission back after 0.25 s.
 constexpr milliseconds kPlcNotices{800};
-constexpr const char* kPlan = "acetabulum";
+constexpr const char* kPlan = "acetabulum";  // file name of the plan of a life with a plan
 
 double Now_s() { return std::chrono::duration<double>(steady_clock::now().time_since_epoch()).count(); }
 
+// Number of entries of a folder; 0 if there is no such folder.
 int CountEntries(const std::filesystem::path& folder) {
   std::error_code error;
   int count = 0;
@@ -57,49 +60,52 @@ int ConsolePort(const std::string& printed) {
 ProcessUse UseOf(pid_t process) {
   const std::filesystem::path folder = std::filesystem::path("/proc") / std::to_string(process);
   std::istringstream statm(base::ReadText(folder / "statm"));
-  double whole = 0.0, resident = 0.0;
+  double whole = 0.0, resident = 0.0;  // in pages of memory
   statm >> whole >> resident;
   return {.memory_MB = resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6,
           .files = CountEntries(folder / "fd"),
           .threads = CountEntries(folder / "task")};
 }
 
-// The pages of one controller: they connect, and if the script says so, they leave and connect again.
+// The console's pages of one controller: they connect, and if the script says so, they leave and connect
+// again.
 class WallCell::Pages {
  public:
   void Open(int port) {
     port_ = port;
-    for (std::size_t i = 0; i < pages_.size(); ++i) OpenOne(i);
+    for (std::size_t i = 0; i < pages_.size(); ++i) OpenPage(i);
     opened_s_ = Now_s();
   }
   [[nodiscard]] bool open() const { return port_ > 0; }
 
-  // Lets all pages leave and come again once a second.
-  void Change() {
+  // Closes all pages and opens them again, once every kPageStays_s.
+  void ReopenEverySecond() {
     if (!open() || Now_s() - opened_s_ < kPageStays_s) return;
     for (std::size_t i = 0; i < pages_.size(); ++i) {
-      Leave(i);
-      OpenOne(i);
+      ClosePage(i);
+      OpenPage(i);
     }
     opened_s_ = Now_s();
   }
 
+  // Closes all pages. @returns the number of messages that each page got
   std::array<std::uint64_t, kWallPages> Close() {
-    for (std::size_t i = 0; i < pages_.size(); ++i) Leave(i);
+    for (std::size_t i = 0; i < pages_.size(); ++i) ClosePage(i);
     return messages_;
   }
 
  private:
-  void OpenOne(std::size_t i) {
+  // Connects a page; all but the last one read their messages.
+  void OpenPage(std::size_t i) {
     if (auto page = console::PageClient::Open("127.0.0.1", port_, i + 1 < pages_.size()))
       pages_[i] = std::move(*page);
   }
-  void Leave(std::size_t i) {
+  void ClosePage(std::size_t i) {
     if (pages_[i]) messages_[i] += pages_[i]->messages();
     pages_[i].reset();
   }
 
-  int port_{0};
+  int port_{0};  // 0: not open yet
   double opened_s_{0.0};
   std::array<std::unique_ptr<console::PageClient>, kWallPages> pages_;
   std::array<std::uint64_t, kWallPages> messages_{};
@@ -114,10 +120,10 @@ WallCell::WallCell(std::filesystem::path config_root, std::filesystem::path fold
 
 WallOutcome WallCell::Run(const WallEpisode& episode) {
   const double begin_s = Now_s();
-  if (WallOutcome before; cell_ && (distrusted_ || cell_->Ended() || episode.life.index != life_))
-    EndCell(before);
-  distrusted_ = false;
-  static_cast<void>(cpus_.TakeLongest());  // between the episodes
+  if (WallOutcome discarded; cell_ && (needs_new_cell_ || cell_->Ended() || episode.life.index != life_))
+    EndCell(discarded);
+  needs_new_cell_ = false;
+  static_cast<void>(cpus_.TakeLongest());  // drops the time between the episodes
   WallOutcome outcome;
   try {
     if (!cell_) outcome.error = StartCell(episode.life);
@@ -131,7 +137,7 @@ WallOutcome WallCell::Run(const WallEpisode& episode) {
   pause_ = 0;
   pausing_ = changed_ = false;
   Pages pages;
-  Watch(episode, pages, outcome);
+  WatchController(episode, pages, outcome);
   outcome.messages = pages.Close();
   outcome.cpu_stood_still = cpus_.TakeLongest();
   outcome.exit = run_->End(seconds(0));
@@ -141,10 +147,10 @@ WallOutcome WallCell::Run(const WallEpisode& episode) {
   return outcome;
 }
 
-void WallCell::Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outcome) {
+void WallCell::WatchController(const WallEpisode& episode, Pages& pages, WallOutcome& outcome) {
   const double give_up_s = Now_s() + kPatienceRatio * episode.seconds + kPatience_s;
   double use_s = 0.0, last_rendered_s = 0.0;
-  bool half = false;
+  bool half_measured = false;
   while (!run_->Ended()) {
     const double now_s = Now_s();
     if (stop_() || now_s > give_up_s) {
@@ -156,35 +162,35 @@ void WallCell::Watch(const WallEpisode& episode, Pages& pages, WallOutcome& outc
     if (!pages.open()) {
       if (const int port = ConsolePort(parts_.Printed("run")); port > 0) pages.Open(port);
     } else if (episode.event == WallEvent::kPages) {
-      pages.Change();
+      pages.ReopenEverySecond();
     }
-    if (const auto answer = Ask("status")) {
+    if (const auto answer = AskController("status")) {
       const nlohmann::json json = nlohmann::json::parse(*answer, nullptr, false);
       const double rendered_s = base::NumberAt(base::ValueAt(json, "status"), "rendered_s");
-      if (rendered_s > 0.0) Act(episode, rendered_s, outcome);
+      if (rendered_s > 0.0) PerformDueActions(episode, rendered_s, outcome);
       // Only while the controller renders: at its end it reads its recording for the report.
       if (rendered_s > last_rendered_s && now_s - use_s > kUseEvery_s) {
-        outcome.use = Uses();
+        outcome.use = MeasureUses();
         use_s = now_s;
       }
       last_rendered_s = rendered_s;
-      if (!half && rendered_s > 0.5 * episode.seconds) {
+      if (!half_measured && rendered_s > 0.5 * episode.seconds) {
         outcome.half = UseOf(run_->pid());
-        half = true;
+        half_measured = true;
       }
     }
     std::this_thread::sleep_for(kPollInterval);
   }
 }
 
-PartUses WallCell::Uses() const {
+PartUses WallCell::MeasureUses() const {
   const pid_t engine = base::FindChild(run_->pid(), "simulate");
   return {UseOf(run_->pid()), engine > 0 ? UseOf(engine) : ProcessUse{}, UseOf(guard_->pid()),
           UseOf(cell_->pid()), UseOf(getpid())};
 }
 
-void WallCell::Act(const WallEpisode& episode, double rendered_s, WallOutcome& outcome) {
-  if (pausing_) {
+void WallCell::PerformDueActions(const WallEpisode& episode, double rendered_s, WallOutcome& outcome) {
+  if (pausing_) {  // after the pause's length: takes the next tool if the script says so, then resumes
     if (Now_s() < resume_at_s_) return;
     changed_ = changed_ || !episode.pauses[pause_].next_tool || Request("next", outcome);
     if (!changed_ || !Request("resume", outcome)) return;
@@ -229,7 +235,7 @@ void WallCell::Act(const WallEpisode& episode, double rendered_s, WallOutcome& o
 }
 
 bool WallCell::Request(const char* request, WallOutcome& outcome) {
-  const auto answer = Ask(request);
+  const auto answer = AskController(request);
   const nlohmann::json json = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
   if (base::FlagAt(json, "done")) {
     outcome.refused.clear();
@@ -282,10 +288,11 @@ std::string WallCell::StartCell(const CellLife& life) {
   config::WriteDerived(config_root_ / "cells" / "demo.yaml", edits, cell_file());
   parts_.UseCell(cell_file());
   life_ = life.index;
-  std::vector<std::string> more{"--json", "cell.json", "--console",
-                                "off",    "--seconds", fmt::format("{:g}", life.seconds)};
-  if (life.plan) more.insert(more.end(), {"--plan", (config_root_ / "plans" / kPlan).string() + ".yaml"});
-  cell_ = parts_.Start("cell", more);
+  std::vector<std::string> options{"--json", "cell.json", "--console",
+                                   "off",    "--seconds", fmt::format("{:g}", life.seconds)};
+  if (life.plan)
+    options.insert(options.end(), {"--plan", (config_root_ / "plans" / kPlan).string() + ".yaml"});
+  cell_ = parts_.Start("cell", options);
   if (parts_.AwaitReady("cell", *cell_)) return "";
   cell_.reset();
   return "osteon cell is not ready: " + parts_.LastError("cell");
@@ -299,18 +306,19 @@ std::string WallCell::StartGuard() {
 }
 
 void WallCell::StartController(const WallEpisode& episode) {
-  std::vector<std::string> more{"--json",    "run.json", "--engine",  "cpu",
-                                "--console", "0",        "--seconds", fmt::format("{:g}", episode.seconds)};
-  if (episode.event == WallEvent::kHaltedCell) more.insert(more.end(), {"--recover", "3"});
+  std::vector<std::string> options{
+      "--json",    "run.json", "--engine",  "cpu",
+      "--console", "0",        "--seconds", fmt::format("{:g}", episode.seconds)};
+  if (episode.event == WallEvent::kHaltedCell) options.insert(options.end(), {"--recover", "3"});
   if (episode.life.plan)
-    more.insert(more.end(),
-                {"--plan", (config_root_ / "plans" / kPlan).string() + ".yaml", "--session", "session"});
+    options.insert(options.end(),
+                   {"--plan", (config_root_ / "plans" / kPlan).string() + ".yaml", "--session", "session"});
   else
-    more.insert(more.end(), {"--record", "run.mcap"});
-  run_ = parts_.Start("run", more);
+    options.insert(options.end(), {"--record", "run.mcap"});
+  run_ = parts_.Start("run", options);
 }
 
-tl::expected<std::string, std::string> WallCell::Ask(const std::string& request) const {
+tl::expected<std::string, std::string> WallCell::AskController(const std::string& request) const {
   return io::AskLocalServer(io::LocalSocketFolder() / fmt::format("run-{}.sock", run_->pid()), request);
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using Value = std::function<double(const WallResult&)>;
 
-// A curve of one figure over the hours, of each episode that has the figure.
+// A series of one figure over the hours, with a point for each episode that has the figure.
 report::Series SeriesOf(std::span<const WallResult> results, const char* name,
                         const std::function<bool(const WallResult&)>& has, const Value& value) {
   report::Series series = SoakPoints(name);
@@ -32,8 +32,9 @@ report::LineChart ChartOf(const char* title, const char* unit, std::vector<repor
   return SoakChart(title, "wall time [h]", unit, std::move(series));
 }
 
-report::LineChart Over(std::span<const WallResult> results, const char* title, const char* unit,
-                       const Value& value) {
+// A chart of one figure of all episodes that ran.
+report::LineChart ChartOverTime(std::span<const WallResult> results, const char* title, const char* unit,
+                                const Value& value) {
   return ChartOf(title, unit,
                  {SeriesOf(
                      results, "", [](const WallResult& r) { return r.outcome.error.empty(); }, value)});
@@ -52,11 +53,12 @@ report::LineChart UseChart(std::span<const WallResult> results, const char* titl
   return chart;
 }
 
-std::string Events(std::span<const WallResult> results) {
-  std::vector<KindCount> counts;
+// HTML table: the number of episodes with each event, and how many had an error.
+std::string EpisodesByEvent(std::span<const WallResult> results) {
+  std::vector<EpisodeCount> counts;
   for (int i = 0; i < kWallEvents; ++i) {
     const auto event = static_cast<WallEvent>(i);
-    KindCount& count = counts.emplace_back(KindCount{.name = NameOf(event)});
+    EpisodeCount& count = counts.emplace_back(EpisodeCount{.name = NameOf(event)});
     for (const WallResult& r : results) {
       if (r.episode.event != event) continue;
       ++count.episodes;
@@ -94,25 +96,26 @@ std::string WallSoakPage(std::span<const WallResult> results, const SoakOptions&
   const std::array panels{
       UseChart(results, "Resident memory", "memory [MB]", [](const ProcessUse& u) { return u.memory_MB; }),
       UseChart(results, "Open files", "files", [](const ProcessUse& u) { return double(u.files); }),
-      Over(results, "Peak rendered force", "force [N]",
-           [](const auto& r) { return r.books.peak_rendered_N; }),
-      Over(results, "Age of the contact model, most while rendering", "age [ms]",
-           [](const auto& r) { return 1e3 * r.books.max_model_age_s; }),
-      Over(results, "Age of the force sensor, most while rendering", "age [ms]",
-           [](const auto& r) { return 1e3 * r.books.max_sensor_age_s; }),
-      Over(results, "Longest time in which a CPU stood still", "time [ms]",
-           [](const auto& r) { return 1e3 * rt::ToSeconds(r.outcome.cpu_stood_still); }),
+      ChartOverTime(results, "Peak rendered force", "force [N]",
+                    [](const auto& r) { return r.books.peak_rendered_N; }),
+      ChartOverTime(results, "Age of the contact model, most while rendering", "age [ms]",
+                    [](const auto& r) { return 1e3 * r.books.max_model_age_s; }),
+      ChartOverTime(results, "Age of the force sensor, most while rendering", "age [ms]",
+                    [](const auto& r) { return 1e3 * r.books.max_sensor_age_s; }),
+      ChartOverTime(results, "Longest time in which a CPU stood still", "time [ms]",
+                    [](const auto& r) { return 1e3 * rt::ToSeconds(r.outcome.cpu_stood_still); }),
       ChartOf("Commanded from measured apex at the end", "distance [µm]",
               {SeriesOf(results, "", ends_by_itself,
                         [](const WallResult& r) { return 1e6 * r.books.rest_error_m; })}),
-      Over(results, "Bone removed", "volume [mm³]", [](const auto& r) { return 1e9 * r.books.removed_m3; }),
-      Over(results, "Momentum that does not close", "share [%]",
-           [](const auto& r) { return 100.0 * r.books.momentum_residual; }),
+      ChartOverTime(results, "Bone removed", "volume [mm³]",
+                    [](const auto& r) { return 1e9 * r.books.removed_m3; }),
+      ChartOverTime(results, "Momentum that does not close", "share [%]",
+                    [](const auto& r) { return 100.0 * r.books.momentum_residual; }),
       ChartOf("Energy of the cut that does not close", "share [%]",
               {SeriesOf(results, "", ends_by_itself,
                         [](const WallResult& r) { return 100.0 * std::abs(r.energy_residual()); })})};
   html += report::Figure(report::Svg(panels), "One point for each episode; a killed part's last value.") +
-          "<h2>Episodes by event</h2>\n" + Events(results);
+          "<h2>Episodes by event</h2>\n" + EpisodesByEvent(results);
   return html + report::RepeatSection(options.command_line) + report::PageEnd();
 }
 

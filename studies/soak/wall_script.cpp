@@ -15,6 +15,7 @@ namespace {
 constexpr int kEpisodesPerLife = 5, kLivesPerGroup = 4;
 // Three lives of five episodes, and one of a single episode.
 constexpr int kEpisodesPerGroup = (kLivesPerGroup - 1) * kEpisodesPerLife + 1;
+// Length of the episode with a plan's four tools, and of the long reaming.
 constexpr double kTools_s = 120.0, kLong_s = 240.0;
 // Times of a kill clear of bone and in bone, after rendering began: the hand needs about 1 s to the bone.
 constexpr double kClearOfBone_s = 0.3, kInBone_s = 4.0;
@@ -22,6 +23,8 @@ constexpr double kClearOfBone_s = 0.3, kInBone_s = 4.0;
 // Offset of the lives' draws, so that lives and episodes use different random numbers.
 constexpr int kLifeDraws = 1 << 20;
 
+// Draws a life. Two of three lose datagrams. The last life of each group follows a plan or is long, in turn;
+// of the others, those with an odd index have the engine in a process of its own.
 CellLife LifeAt(std::uint64_t seed, int index) {
   SeededDraws draws(seed, kLifeDraws + index);
   CellLife life{.index = index, .seconds = kWallReaming_s};
@@ -34,7 +37,7 @@ CellLife LifeAt(std::uint64_t seed, int index) {
   return life;
 }
 
-// The event of the episode with number `place` within its life.
+// The event of the episode with number `place` within its life: first an undisturbed reaming, last a kill.
 WallEvent EventAt(int place, const CellLife& life, SeededDraws& draws) {
   if (place == 0) return WallEvent::kReaming;
   const WallEvent kill = life.engine_process ? WallEvent::kEngineKill : WallEvent::kControllerKill;
@@ -46,12 +49,13 @@ WallEvent EventAt(int place, const CellLife& life, SeededDraws& draws) {
       .at(static_cast<std::size_t>(draws.Index(6)));
 }
 
+// Draws when the kill, the halt or the pauses of the episode take place.
 void AddTimes(WallEpisode& episode, SeededDraws& draws) {
   episode.at_s = episode.in_contact ? draws.Between(kInBone_s, episode.seconds - 6.0) : kClearOfBone_s;
   if (episode.event == WallEvent::kHaltedCell) {
     episode.at_s = draws.Between(kInBone_s, episode.seconds - 6.0);
-    // longer than the loop waits for the arm (five deadlines, 26 ms), shorter than the drive may be silent
-    // (40 ms)
+    // longer than the loop waits for the arm (five deadlines, 26 ms), and shorter than the time for which the
+    // drive may be silent (40 ms)
     episode.halt_s = draws.Between(0.030, 0.035);
   }
   if (episode.event == WallEvent::kPause)
@@ -63,7 +67,7 @@ void AddTimes(WallEpisode& episode, SeededDraws& draws) {
     const hil::HandScript script = hil::MakeProcedureScript({.seconds = episode.seconds,
                                                              .heights_m = std::vector<double>(kToolsOfPlan),
                                                              .last_push_ratio = session::kExpertLastPush});
-    double paused_s = 0.0;
+    double paused_s = 0.0;  // the script's time in pauses, in which nothing is rendered
     for (const hil::ToolHold& hold : hil::HoldsForChanges(script)) {
       const double length_s = draws.Between(0.3, 1.0);
       episode.pauses.push_back({.begin_s = hold.begin_s + 0.15 * hold.length_s - paused_s,

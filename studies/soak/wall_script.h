@@ -36,9 +36,10 @@ struct CellLife {
 /// A pause; its begin counts from the begin of rendering.
 struct WallPause {
   double begin_s{0.0}, length_s{0.0};
-  bool next_tool{false};  ///< the plan's next tool is taken in it
+  bool next_tool{false};  ///< the plan's next tool is taken during the pause
 };
 
+/// One episode of a soak in wall time.
 struct WallEpisode {
   int index{0};
   CellLife life;
@@ -48,7 +49,7 @@ struct WallEpisode {
   double halt_s{0.0};               ///< length of a halt
   bool in_contact{false};           ///< a kill: the tool is in the bone
   std::vector<WallPause> pauses{};  ///< in their order
-  bool ends_life{false};            ///< cell and guard end with it
+  bool ends_life{false};            ///< cell and guard end after this episode
 
   /// "controller killed in contact, loss 1.2 %"
   std::string text{};
@@ -68,7 +69,7 @@ inline constexpr std::size_t kToolsOfPlan = 4;  ///< each makes one pass
 [[nodiscard]] WallEpisode WallEpisodeAt(std::uint64_t seed, int index);
 
 /// The first episode, which is undisturbed, of a soak of this length [s]. A soak that is shorter than an
-/// ordinary episode has this one alone, and it is as long as the soak, but kMinWallReaming_s at least.
+/// ordinary episode has only this one, as long as the soak, but at least kMinWallReaming_s.
 [[nodiscard]] WallEpisode FirstWallEpisode(std::uint64_t seed, double soak_s);
 
 }  // namespace osteon::studies

@@ -34,6 +34,7 @@ bool IsOrdinary(const WallResult& r) {
 
 std::string FaultName(safety::Fault fault) { return safety::Describe(fault).name; }
 
+// Checks how controller, cell and spindle ended, and which faults occurred, against the episode's event.
 void JudgeEnd(const WallResult& r, const Require& require) {
   const WallEvent event = r.episode.event;
   const std::string faults = fmt::format("{}", fmt::join(r.faults, ", "));
@@ -49,7 +50,7 @@ void JudgeEnd(const WallResult& r, const Require& require) {
     require(r.outcome.exit == 0, fmt::format("the controller ended with {}", r.outcome.exit.value_or(-1)));
     return;
   }
-  if (event == WallEvent::kControllerKill) {
+  if (event == WallEvent::kControllerKill) {  // a shell shows SIGKILL as 128 + 9
     require(r.outcome.exit == 137, fmt::format("the controller ended with {}", r.outcome.exit.value_or(-1)));
   } else {
     require(r.outcome.exit == 1, fmt::format("the controller ended with {}", r.outcome.exit.value_or(-1)));
@@ -65,7 +66,8 @@ void JudgeEnd(const WallResult& r, const Require& require) {
   require(std::abs(cell.spindle_rad_per_s) <= kSpindleStands_rad_per_s, "the spindle turns still");
 }
 
-void JudgeBooks(const WallResult& r, const Require& require) {
+// Checks that the recording has no gap, keeps the bounds, and agrees with the controller's summary.
+void JudgeRecording(const WallResult& r, const Require& require) {
   const EpisodeBooks& books = r.books;
   const bool killed = r.episode.event == WallEvent::kControllerKill;
   require(killed || books.complete, "the recording has no end");
@@ -87,9 +89,10 @@ void JudgeBooks(const WallResult& r, const Require& require) {
                       1e9 * books.removed_m3));
 }
 
+// Fills the result from the controller's summary file. A controller that was killed has left none.
 void ReadSummary(WallResult& result) {
   const nlohmann::json json = nlohmann::json::parse(base::ReadText(result.outcome.summary), nullptr, false);
-  if (!json.is_object()) return;  // killed
+  if (!json.is_object()) return;
   result.ended = json.value("ended", "");
   result.faults = json.value("recovered_from", std::vector<std::string>());
   for (std::string& fault : json.value("faults", std::vector<std::string>()))
@@ -109,7 +112,7 @@ void ReadSummary(WallResult& result) {
     result.depth_mm = *depth;
 }
 
-// Keeps the folders of an episode in which something was wrong.
+// Copies the processes' folders of an episode with an error into the folder of --out.
 void KeepEvidence(const std::filesystem::path& work, const std::filesystem::path& out, const WallResult& r) {
   if (out.empty() || r.wrong.empty()) return;
   std::error_code error;
@@ -121,6 +124,7 @@ void KeepEvidence(const std::filesystem::path& work, const std::filesystem::path
     std::filesystem::copy(work / part, kept / part, std::filesystem::copy_options::recursive, error);
 }
 
+// Runs an episode and reads the controller's summary and recording; does not judge them.
 WallResult RunEpisode(WallCell& cell, const WallEpisode& episode) {
   WallResult result{.episode = episode, .outcome = cell.Run(episode)};
   if (!result.outcome.error.empty()) return result;
@@ -133,7 +137,8 @@ WallResult RunEpisode(WallCell& cell, const WallEpisode& episode) {
   return result;
 }
 
-void Print(const WallResult& r, double hours) {
+// Prints an episode's line. @param hours  wall time of the soak so far
+void PrintWallEpisode(const WallResult& r, double hours) {
   const PartUses& use = r.outcome.use;
   fmt::print("{:>6.2f} h {:>4}  {:<50} {:>6.1f} s  {:>5.1f} N  {:>5.0f} {:>4.0f} {:>4.0f} {:>4.0f} MB  {}\n",
              hours, r.episode.index, r.episode.text, r.outcome.seconds_wall, r.books.peak_rendered_N,
@@ -188,7 +193,7 @@ std::vector<std::string> JudgeWallEpisode(const WallResult& r, const WallResult*
     if (!holds) wrong.push_back(what);
   };
   JudgeEnd(r, require);
-  JudgeBooks(r, require);
+  JudgeRecording(r, require);
   require(r.episode.event != WallEvent::kTools || r.passes == kToolsOfPlan,
           fmt::format("{} passes, of {} reamers", r.passes, kToolsOfPlan));
   require(
@@ -232,6 +237,7 @@ std::vector<std::string> JudgeGrowth(std::span<const WallResult> results) {
                                   growth.threads));
   }
   for (const WallResult& r : results) {
+    // a long episode shows growth within itself, from its half to its last measurement
     const double grew_MB = r.outcome.use[0].memory_MB - r.outcome.half.memory_MB;
     if (r.episode.event == WallEvent::kLong && r.outcome.error.empty() && grew_MB > kMaxMemoryGrowth_MB)
       wrong.push_back(fmt::format("episode {}: the controller grew by {:.1f} MB in its second half",
@@ -279,11 +285,11 @@ int RunWallSoak(const SoakOptions& options) {
     if (base::Interrupted()) break;  // the episode was cut short: it does not count
     for (std::string& wrong : JudgeWallEpisode(result, first ? &*first : nullptr))
       result.wrong.push_back(std::move(wrong));
-    if (!result.wrong.empty()) cell.Distrust();
+    if (!result.wrong.empty()) cell.RequireNewCell();
     if (!first && IsUndisturbed(result.episode) && result.wrong.empty()) first = result;
     KeepEvidence(work.path(), options.out, result);
     results.push_back(std::move(result));
-    Print(results.back(), HoursOf(results));
+    PrintWallEpisode(results.back(), HoursOf(results));
     if (!results.back().outcome.error.empty()) break;  // the same error would repeat for hours
   }
   const auto wrong = std::ranges::count_if(results, [](const WallResult& r) { return !r.wrong.empty(); });

@@ -15,7 +15,7 @@ namespace osteon::studies {
 struct WallResult {
   WallEpisode episode;
   WallOutcome outcome;
-  std::string ended{};                ///< by the controller's summary; empty: it was killed
+  std::string ended{};  ///< how the run ended, by the controller's summary; empty: it was killed
   std::vector<std::string> faults{};  ///< names, in their order
   std::string late_text{};            ///< the values at the faults, and how late the loop was woken
   std::uint64_t ticks{0};             ///< by the summary
@@ -32,11 +32,11 @@ struct WallResult {
 };
 
 /// Bounds of a soak in wall time, beside those of an episode in virtual time (soak.h).
-/// Relative difference between the removed volumes of the same reaming: hand and loop are not in step, and
-/// differently so in each run.
+/// Accepted relative difference of the removed volume, and of the depth, between two runs of the same
+/// reaming: the hand's script and the loop are not synchronised, so each run differs a little.
 inline constexpr double kMaxVolumeDrift = 0.01;
 inline constexpr double kMaxDepthDrift_mm = 0.1;
-/// Bounds of the watchdogs and a tick or two: a watchdog acts in the tick that finds the age beyond its
+/// Bounds of the watchdogs plus a tick or two: a watchdog acts in the tick that finds the age beyond its
 /// bound.
 inline constexpr double kMaxModelAge_s = 0.252, kMaxSensorAge_s = 0.102;
 

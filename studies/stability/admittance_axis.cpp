@@ -11,6 +11,7 @@
 namespace osteon::studies {
 namespace {
 
+// Returns the parameters unchanged. @throws std::invalid_argument if one is out of range
 const AdmittanceRunParams& Validated(const AdmittanceRunParams& params) {
   Validate(params.loop);
   if (!(params.command_loss >= 0.0 && params.command_loss < 1.0))
@@ -19,8 +20,8 @@ const AdmittanceRunParams& Validated(const AdmittanceRunParams& params) {
   return params;
 }
 
-// One axis of the shipped arm, without a speed limit.
-hil::ServoArm Arm(const hil::AdmittanceLoopParams& loop) {
+// The shipped arm, of which the loop uses the first joint as its axis; without a speed limit.
+hil::ServoArm ArmWithoutLimits(const hil::AdmittanceLoopParams& loop) {
   const hil::ServoArmParams arm = hil::ArmHeldBy(loop.hand, loop.felt_mass_kg, loop.arm).arm;
   std::array<kinematics::JointLimits, 7> unlimited;
   for (kinematics::JointLimits& limits : unlimited)
@@ -28,8 +29,8 @@ hil::ServoArm Arm(const hil::AdmittanceLoopParams& loop) {
   return {arm, unlimited, loop.period_s, kinematics::JointVector::Zero()};
 }
 
-// The plane z = 0 of a rotated frame, as an engine would report it, always fresh.
-simulation::ContactModel Plane(const Vector3& n_W, double stiffness_N_per_m) {
+// The plane through W's origin with normal n_W, as an engine would report it.
+simulation::ContactModel PlaneModel(const Vector3& n_W, double stiffness_N_per_m) {
   simulation::ContactModel model;
   model.frame = 1;
   model.contact_count = 1;
@@ -46,7 +47,7 @@ AdmittanceAxis::AdmittanceAxis(const AdmittanceRunParams& params)
       preload_N_(params.loop.wall.stiffness_N_per_m > 0.0 ? params.preload_N : 0.0),
       rest_m_(preload_N_ > 0.0 ? -preload_N_ / params.loop.wall.stiffness_N_per_m : 0.0),
       R_WT_(ExpRotation({0.3, -0.4, 0.2})),
-      arm_(Arm(params.loop)),
+      arm_(ArmWithoutLimits(params.loop)),
       command_gain_(hil::ArmHeldBy(params.loop.hand, params.loop.felt_mass_kg, params.loop.arm).command_gain),
       felt_(params.loop.sensor_delay),
       poses_(params.loop.wall.age_ticks),
@@ -54,7 +55,7 @@ AdmittanceAxis::AdmittanceAxis(const AdmittanceRunParams& params)
       commands_(params.command_jitter),
       v_c_m_per_s_(params.kick_m_per_s),
       bits_(params.seed),
-      plane_(Plane(R_WT_.col(2), params.loop.wall.stiffness_N_per_m)) {
+      plane_(PlaneModel(R_WT_.col(2), params.loop.wall.stiffness_N_per_m)) {
   coupling_.max_stiffness_N_per_m = std::max(1.0, params.loop.wall.stiffness_N_per_m);
   coupling_.damping_Ns_per_m = params.loop.wall.damping_Ns_per_m;
   coupling_state_.fade = 1.0;
@@ -66,7 +67,7 @@ AdmittanceAxis::AdmittanceAxis(const AdmittanceRunParams& params)
 
 double AdmittanceAxis::Uniform() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }
 
-// Sends the command to the arm, with losses and jitter, and moves the arm on by a period.
+// Sends the command to the arm, with losses and jitter, and moves the arm by a period.
 void AdmittanceAxis::SendCommand() {
   commands_.Push(x_c_m_);
   late_ = params_.command_jitter == 0
@@ -76,6 +77,7 @@ void AdmittanceAxis::SendCommand() {
   arm_.Step(kinematics::JointVector::Constant(command_gain_ * told_arm_m_));
 }
 
+// Force [N] of the hand's spring, damper and mass at the arm's motion, without the preload.
 double AdmittanceAxis::HandForce() {
   const hil::AdmittanceLoopParams& p = params_.loop;
   const double x = arm_.q()[0], v = arm_.qd()[0];
@@ -84,7 +86,8 @@ double AdmittanceAxis::HandForce() {
   return -(p.hand.stiffness_N_per_m * x + p.hand.damping_Ns_per_m * v + p.hand.mass_kg * a);
 }
 
-// The shipped coupling, at the pose that the wall acts on.
+// Force [N] of the shipped coupling along the axis, at the measured pose or at the commanded one of the
+// wall's age.
 double AdmittanceAxis::WallForce(std::int64_t tick) {
   const hil::LoopWall& wall = params_.loop.wall;
   poses_.Push(x_c_m_);
@@ -111,6 +114,7 @@ AxisTick AdmittanceAxis::Step() {
   const Vector3 axis_W = R_WT_.col(2);
   AxisTick tick{.hand_N = HandForce()};
   double read_N = tick.hand_N;
+  // uniform noise of this rms: a uniform variable of width 1 has the variance 1 / 12
   if (params_.noise_N > 0.0) read_N += params_.noise_N * std::sqrt(12.0) * (Uniform() - 0.5);
   felt_.Push(read_N);
   tick.wall_N = WallForce(tick_);

@@ -18,9 +18,9 @@ struct AdmittanceRunParams {
   hil::AdmittanceLoopParams loop;
   double preload_N{60.0};     ///< force of the hand on the wall; without a wall there is no preload
   double kick_m_per_s{1e-4};  ///< initial velocity of the virtual tool
-  double command_loss{0.0};   ///< share of commands that never reach the arm, which then holds its last one
-  int command_jitter{0};      ///< a command is late by 0 … this many ticks more; the order stays
-  double seconds{4.0};        ///< growth is measured over the second half
+  double command_loss{0.0};  ///< share of commands that are lost; the arm then holds the last one that it got
+  int command_jitter{0};     ///< largest additional delay of a command [ticks]; commands stay in order
+  double seconds{4.0};       ///< length of the run; growth is measured over its second half
   std::uint64_t seed{1};
   double noise_N{0.0};                                  ///< of the sensor, rms
   std::optional<control::VibrationParams> vibration{};  ///< raises drag and mass; none: the law unchanged
@@ -62,18 +62,18 @@ class AdmittanceAxis {
   void SendCommand();
   [[nodiscard]] double HandForce();
   [[nodiscard]] double WallForce(std::int64_t tick);
-  [[nodiscard]] double Uniform();
+  [[nodiscard]] double Uniform();  // from 0 to below 1
 
   AdmittanceRunParams params_;
-  double preload_N_, rest_m_;  ///< rest_m_: equilibrium position x
+  double preload_N_, rest_m_;  ///< rest_m_: position at which the wall balances the preload
   Matrix3 R_WT_;               ///< the axis is z of a rotated tool, so the law's changes of frame are
                                ///< exercised
   hil::ServoArm arm_;
-  double command_gain_;      ///< gain of an arm that the hand moves aside
+  double command_gain_;      ///< factor on commands: HeldArm::command_gain of the arm with this hand
   double arm_m_per_s_{0.0};  ///< the arm's velocity a tick ago
-  History felt_, poses_, speeds_, commands_;
-  double x_c_m_{0.0}, v_c_m_per_s_, told_arm_m_{0.0};
-  int late_{0};
+  History felt_, poses_, speeds_, commands_;  ///< force that the sensor read; commanded x_c, v_c; sent x_c
+  double x_c_m_{0.0}, v_c_m_per_s_, told_arm_m_{0.0};  ///< told_arm_m_: last command that the arm got
+  int late_{0};                                        ///< present additional delay of the commands [ticks]
   std::int64_t tick_{0};
   std::mt19937_64 bits_;
   control::CouplingParams coupling_;

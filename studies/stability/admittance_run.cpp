@@ -9,31 +9,34 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kDied = 1e-9;      // share of the largest motion below which only rounding is left
-constexpr double kOutgrown = 0.5;   // share of the preload above which the wall is no longer a linear
-                                    // spring
-constexpr double kFarFree_m = 0.1;  // without a wall: the size that a kick of 0.1 mm/s has grown to
+constexpr double kDied = 1e-9;  // share of the largest motion below which only rounding is left
+// Change of the wall's force, as a share of the preload, beyond which the motion counts as growing: a tool
+// that leaves the wall no longer feels a linear spring.
+constexpr double kOutgrown = 0.5;
+// Without a wall, a motion of this size counts as growing: the kick started with 0.1 mm/s.
+constexpr double kFarFree_m = 0.1;
 
-// Growth of a run's second half: of an oscillation, from its first to its last turning point there; of a
-// motion that does not turn, from the middle to the end.
+// Growth of |x| over a run's second half. An oscillation is measured from its first to its last turning
+// point, a motion that does not turn from the middle to the end.
 class Envelope {
  public:
   explicit Envelope(int ticks) : middle_(ticks / 2), end_(ticks - 1) {}
 
   void Add(int tick, double x) {
     const double size = std::abs(x);
-    most_ = std::max(most_, size);
+    max_size_ = std::max(max_size_, size);
     if (tick == middle_) first_ = {tick, size};
     if (tick == end_) last_ = {tick, size};
-    if (tick > middle_ && before_ > before_that_ && before_ >= size) {
-      if (turns_++ == 0) first_turn_ = {tick - 1, before_};
-      last_turn_ = {tick - 1, before_};
+    if (tick > middle_ && last_size_ > second_last_size_ && last_size_ >= size) {
+      if (turns_++ == 0) first_turn_ = {tick - 1, last_size_};
+      last_turn_ = {tick - 1, last_size_};
     }
-    before_that_ = std::exchange(before_, size);
+    second_last_size_ = std::exchange(last_size_, size);
   }
+  // Logarithm of the growth in a tick; -infinity if the motion has died out.
   [[nodiscard]] double Growth() const {
     const auto [from, to] = turns_ >= 2 ? std::pair(first_turn_, last_turn_) : std::pair(first_, last_);
-    if (!(to.size > kDied * most_)) return -kInfinity;
+    if (!(to.size > kDied * max_size_)) return -kInfinity;
     return std::log(to.size / from.size) / (to.tick - from.tick);
   }
 
@@ -43,8 +46,8 @@ class Envelope {
     double size{0.0};
   };
   int middle_, end_, turns_{0};
-  double before_{0.0}, before_that_{0.0}, most_{0.0};
-  Point first_, last_, first_turn_, last_turn_;
+  double last_size_{0.0}, second_last_size_{0.0}, max_size_{0.0};
+  Point first_, last_, first_turn_, last_turn_;  // middle and end of the run; turning points between them
 };
 
 }  // namespace

@@ -16,6 +16,7 @@ namespace osteon::studies {
 /// low-pass at high_hz. The filters start at rest at the series' first value.
 [[nodiscard]] inline std::vector<Vector3> BandPass(const std::vector<Vector3>& series, double low_hz,
                                                    double high_hz, double period_s) {
+  // qualities of the two second-order sections of a fourth-order Butterworth filter
   constexpr double kQa = 0.5411961001461970, kQb = 1.3065629648763766;
   using control::Biquad;
   Biquad high_a = Biquad::HighPass(low_hz, kQa, period_s), high_b = Biquad::HighPass(low_hz, kQb, period_s);
@@ -34,9 +35,9 @@ namespace osteon::studies {
   return to > from ? std::sqrt(sum / static_cast<double>(to - from)) : 0.0;
 }
 
-/// Root mean square of `count` values within a band of frequencies. Values before `from` have no influence,
-/// as they would have through a filter: applies a Hann window to the values less their regression line, and a
-/// discrete Fourier transform (bins at multiples of 1 / duration).
+/// Root mean square of the values [from, from + count) within a band of frequencies. Unlike a filter's
+/// result, it does not depend on earlier values: a Hann window is applied to the values less their regression
+/// line, and then a discrete Fourier transform (bins at multiples of 1 / duration).
 [[nodiscard]] inline double RmsInBand(const std::vector<Vector3>& series, std::size_t from, std::size_t count,
                                       double low_hz, double high_hz, double period_s) {
   const double middle = 0.5 * static_cast<double>(count - 1), turn = 2.0 * std::numbers::pi;
@@ -44,6 +45,7 @@ namespace osteon::studies {
   const auto window = [&](std::size_t i) {
     return 0.5 - 0.5 * std::cos(turn * (static_cast<double>(i) + 0.5) / n);
   };
+  // the regression line mean + slope × (i - middle), weighted by the window
   Vector3 mean = Vector3::Zero(), slope = Vector3::Zero();
   double weight = 0.0, weight_tt = 0.0, power = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -56,6 +58,7 @@ namespace osteon::studies {
   }
   mean /= weight;
   slope /= weight_tt;
+  // the sum over the band's bins, each with its equal bin at the negative frequency
   double energy = 0.0;
   const double bin_hz = 1.0 / (n * period_s);
   for (int k = static_cast<int>(std::ceil(low_hz / bin_hz - 1e-9)); k * bin_hz <= high_hz * (1.0 + 1e-9);

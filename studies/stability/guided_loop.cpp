@@ -9,9 +9,10 @@
 namespace osteon::studies {
 namespace {
 
-// The plane: x aside, z the feed, so that the cup's axis is -z; tilt about y.
+// The plane of the loop: x is lateral, the feed is along z, so the cup's axis is -z; the tool tilts about y.
 const Vector3 kAxis_W{0.0, 0.0, -1.0};
 
+// Pose of a tool that is displaced along x and tilted about y.
 Pose PlanarPose(double aside_m, double tilt_rad) {
   Pose X = Pose::Identity();
   X.linear() = ExpRotation({0.0, tilt_rad, 0.0});
@@ -19,16 +20,18 @@ Pose PlanarPose(double aside_m, double tilt_rad) {
   return X;
 }
 
-// Slope of the guidance at a place where funnel and cone are beyond their ease and below their cap.
+// GuidedLoop::stiffness() by central differences, at a pose where funnel and cone are linear: beyond their
+// ease and below their cap.
 Eigen::Matrix2d StiffnessOf(control::GuidanceParams guidance) {
   guidance.axis_W = kAxis_W;
   guidance.centre_W = {0.0, 0.0, -guidance.head_m};
   guidance.lateral.cap = guidance.cone.cap = guidance.depth.cap = std::numeric_limits<double>::max();
   const double tilt = guidance.cone_free_rad + 2.0 * guidance.cone.ease;
-  // the head stays at height 0, so that the depth's spring rests
+  // the head stays at height 0, where the depth's spring exerts no force
   const double aside_m =
       guidance.lateral_free_m + 2.0 * guidance.lateral.ease + guidance.head_m * std::sin(tilt);
   guidance.depth_soft_m = -1.0;
+  // (lateral force, torque) at a displacement from this pose
   const auto wrench = [&](double x, double turn) {
     Pose X = PlanarPose(aside_m + x, tilt + turn);
     X.translation().z() = guidance.head_m * (std::cos(tilt) - 1.0);
@@ -44,8 +47,8 @@ Eigen::Matrix2d StiffnessOf(control::GuidanceParams guidance) {
 
 }  // namespace
 
-// State: lateral poses now and earlier, the arm's x, x' and x' a period ago, the tool's v; the same for the
-// tilt; earlier felt forces of the hand.
+// State: commanded lateral positions now and earlier, the arm's x, x' and x' a period ago, the virtual tool's
+// v; the same for the tilt; then the hand's forces of earlier ticks.
 GuidedLoop::GuidedLoop(const GuidedLoopParams& params)
     : params_(params),
       linear_arm_(hil::LinearArm(params.arm, params.period_s)),
@@ -57,6 +60,8 @@ Eigen::VectorXd GuidedLoop::Step(const Eigen::VectorXd& s) const {
   const hil::GridHand& hand = params_.hand;
   const double lever_m = params_.lever_m;
   const int coordinate = history_ + 4;
+  // (lateral, tilt) of the arm's position, velocity and acceleration, of the command, and of the tool's
+  // velocity
   Eigen::Vector2d x, v, a, commanded, speed;
   for (int i = 0; i < 2; ++i) {
     const int at = i * coordinate;
@@ -66,12 +71,12 @@ Eigen::VectorXd GuidedLoop::Step(const Eigen::VectorXd& s) const {
     commanded[i] = s[at];
     speed[i] = s[at + history_ + 3];
   }
-  // the hand at -lever along the feed
+  // a motion (lateral, tilt) at the hand, which is lever_m above the apex, against the feed
   const auto at_hand = [&](const Eigen::Vector2d& of) { return of[0] - lever_m * of[1]; };
   const double felt_N =
       -(hand.stiffness_N_per_m * at_hand(x) + hand.damping_Ns_per_m * at_hand(v) + hand.mass_kg * at_hand(a));
-  const int felt = 2 * coordinate;
-  const double told_N = params_.sensor_delay == 0 ? felt_N : s[felt + params_.sensor_delay - 1];
+  const int felt_at = 2 * coordinate;
+  const double told_N = params_.sensor_delay == 0 ? felt_N : s[felt_at + params_.sensor_delay - 1];
 
   const Eigen::Vector2d guidance = -stiffness_ * (params_.on == GuidanceOn::kCommanded ? commanded : x);
   control::AdmittanceParams law;
@@ -88,20 +93,21 @@ Eigen::VectorXd GuidedLoop::Step(const Eigen::VectorXd& s) const {
 
   Eigen::VectorXd next(size_);
   const Eigen::Vector2d speed_next(tool.V_WT.v.x(), tool.V_WT.w.y());
-  const Eigen::Vector2d moved = commanded + params_.period_s * speed_next;
+  const Eigen::Vector2d commanded_next = commanded + params_.period_s * speed_next;
   for (int i = 0; i < 2; ++i) {
     const int at = i * coordinate;
-    next[at] = moved[i];
+    next[at] = commanded_next[i];
     for (int j = 1; j < history_; ++j) next[at + j] = s[at + j - 1];
-    // the command that was sent `ago` ticks before this one
-    const auto sent = [&](int ago) { return ago == 0 ? moved[i] : s[at + ago - 1]; };
+    // the command that was sent `ago` ticks before this one; a dead time with a part of a period needs two
+    // commands (see LoopArm::step)
+    const auto sent = [&](int ago) { return ago == 0 ? commanded_next[i] : s[at + ago - 1]; };
     const double earlier = linear_arm_.split ? sent(linear_arm_.whole + 1) : 0.0;
     next.segment<2>(at + history_) =
         linear_arm_.step * Eigen::Vector4d(x[i], v[i], earlier, sent(linear_arm_.whole));
     next[at + history_ + 2] = v[i];
     next[at + history_ + 3] = speed_next[i];
   }
-  for (int j = 0; j < params_.sensor_delay; ++j) next[felt + j] = j == 0 ? felt_N : s[felt + j - 1];
+  for (int j = 0; j < params_.sensor_delay; ++j) next[felt_at + j] = j == 0 ? felt_N : s[felt_at + j - 1];
   return next;
 }
 
@@ -139,7 +145,7 @@ std::vector<std::size_t> HandsThatGuidanceMakesUnstable(GuidedLoopParams params,
     params.hand = hands[i].hand;
     params.lever_m = hands[i].lever_m;
     bool stable = true;
-    for (int at = 0; at < n * n && stable; ++at) {
+    for (int at = 0; at < n * n && stable; ++at) {  // number of the grid's cell
       params.guidance.lateral.stiffness = lateral * (at / n) / (n - 1);
       params.guidance.cone.stiffness = cone * (at % n) / (n - 1);
       stable = GuidedLoop(params).IsStable();
@@ -149,7 +155,8 @@ std::vector<std::size_t> HandsThatGuidanceMakesUnstable(GuidedLoopParams params,
   return unstable;
 }
 
-hil::Boundary GuidanceBoundary(GuidedLoopParams params, const std::vector<HeldHand>& hands, double most) {
+hil::Boundary GuidanceBoundary(GuidedLoopParams params, const std::vector<HeldHand>& hands,
+                               double max_factor) {
   const double lateral = params.guidance.lateral.stiffness, cone = params.guidance.cone.stiffness;
   return hil::FirstCrossing(
       [&](double factor) {
@@ -157,7 +164,7 @@ hil::Boundary GuidanceBoundary(GuidedLoopParams params, const std::vector<HeldHa
         params.guidance.cone.stiffness = factor * cone;
         return HandsThatGuidanceMakesUnstable(params, hands).empty();
       },
-      {.from = 0.1, .to = most, .factor = 1.1, .tolerance = 1e-2});
+      {.from = 0.1, .to = max_factor, .factor = 1.1, .tolerance = 1e-2});
 }
 
 }  // namespace osteon::studies

@@ -9,8 +9,8 @@
 #include "hil/loops/loop_arm.h"
 #include "hil/operator/hand_grid.h"
 
-// The planar loop of guidance: a hand holds the handle of an admittance-controlled arm some way above the
-// tool's apex, and the guidance's funnel and cone act on the commanded pose, aside and by tilt.
+// The planar loop of guidance: a hand holds the handle of an admittance-controlled arm above the tool's apex,
+// and the guidance's funnel and cone act on the commanded pose, laterally and on its tilt.
 //
 //     hand at its lever ── arm: w, z, dead time ◀── x_c, tilt_c ◀── virtual tool m, b, J, d ◀── guidance
 //      └─────── felt force and torque, sensor_delay samples late ──────────▶ F, t
@@ -66,7 +66,7 @@ struct HeldHand {
   double lever_m{0.0};
 };
 
-/// The hands of the grid less fixture and clamp, each at each lever.
+/// The hands of the grid except fixture and clamp, each at every lever.
 [[nodiscard]] std::vector<HeldHand> GuidanceHands();
 /// The hands of GuidanceHands with which the loop is stable without guidance.
 [[nodiscard]] std::vector<HeldHand> HandsStableWithoutGuidance(GuidedLoopParams params);
@@ -78,8 +78,8 @@ struct HeldHand {
                                                                       int n = 5);
 
 /// The first factor on both stiffnesses with which guidance makes a hand of the grid unstable, scanned from
-/// 0.1 up to `most`; 0: the factor is below 0.1.
+/// 0.1 up to `max_factor`; 0: the factor is below 0.1.
 [[nodiscard]] hil::Boundary GuidanceBoundary(GuidedLoopParams params, const std::vector<HeldHand>& hands,
-                                             double most = 4.0);
+                                             double max_factor = 4.0);
 
 }  // namespace osteon::studies

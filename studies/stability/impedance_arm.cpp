@@ -13,7 +13,9 @@ using Matrix7 = Eigen::Matrix<double, 7, 7>;
 using Joints = kinematics::JointVectorN<7>;
 using Chain = kinematics::SerialChain<7>;
 
-constexpr double kNullShare = 0.1, kNullDamping_m = 1e-3;  // as in DynamicArm
+// As in DynamicArm: share of the joints' stiffness that holds the elbow, and damping of the Jacobian's
+// pseudoinverse.
+constexpr double kNullShare = 0.1, kNullDamping_m = 1e-3;
 
 // exp(A t), by the series of a small step, which is then squared repeatedly.
 Eigen::MatrixXd Exponential(const Eigen::MatrixXd& A, double t) {
@@ -51,32 +53,34 @@ ImpedanceArm ImpedanceArmAt(const ImpedanceArmParams& params, double mass_ratio)
   arm.J = chain.JacobianAt(posture, posture.X_BF * params.X_FT.translation());
   arm.inertia = mass_ratio * chain.MassMatrix(params.q);
 
-  const hil::DynamicArmParams& own = params.arm;
+  const hil::DynamicArmParams& arm_params = params.arm;
   Joints joint_damping;
   for (int i = 0; i < 7; ++i)
-    joint_damping[i] =
-        2.0 * own.joint_damping_ratio * std::sqrt(own.stiffness_Nm_per_rad[i] * arm.inertia(i, i));
+    joint_damping[i] = 2.0 * arm_params.joint_damping_ratio *
+                       std::sqrt(arm_params.stiffness_Nm_per_rad[i] * arm.inertia(i, i));
   if (params.torque) {
-    arm.stiffness = own.stiffness_Nm_per_rad.asDiagonal();
+    arm.stiffness = arm_params.stiffness_Nm_per_rad.asDiagonal();
     arm.damping = joint_damping.asDiagonal();
     return arm;
   }
   const MeanMasses mean = MeanMassesOf(params, mass_ratio);
-  const double ratio = 2.0 * own.cartesian_damping_ratio;
-  const Matrix6 K = DiagonalOfTwist(own.stiffness_N_per_m, own.stiffness_Nm_per_rad_turn);
-  const Matrix6 D = DiagonalOfTwist(ratio * std::sqrt(own.stiffness_N_per_m * mean.linear_kg),
-                                    ratio * std::sqrt(own.stiffness_Nm_per_rad_turn * mean.turning_kg_m2));
+  const double ratio = 2.0 * arm_params.cartesian_damping_ratio;
+  const Matrix6 K = DiagonalOfTwist(arm_params.stiffness_N_per_m, arm_params.stiffness_Nm_per_rad_turn);
+  const Matrix6 D =
+      DiagonalOfTwist(ratio * std::sqrt(arm_params.stiffness_N_per_m * mean.linear_kg),
+                      ratio * std::sqrt(arm_params.stiffness_Nm_per_rad_turn * mean.turning_kg_m2));
   Matrix6 JJt = arm.J * arm.J.transpose();
   JJt.diagonal().array() += kNullDamping_m * kNullDamping_m;
   const Matrix7 null = Matrix7::Identity() - arm.J.transpose() * JJt.ldlt().solve(arm.J);
-  arm.stiffness = arm.J.transpose() * K * arm.J + null * kNullShare * own.stiffness_Nm_per_rad.asDiagonal();
+  arm.stiffness =
+      arm.J.transpose() * K * arm.J + null * kNullShare * arm_params.stiffness_Nm_per_rad.asDiagonal();
   arm.damping = arm.J.transpose() * D * arm.J + null * std::sqrt(kNullShare) * joint_damping.asDiagonal();
   return arm;
 }
 
 SampledArm Sample(const ImpedanceArm& arm, double seconds) {
   const Matrix7 inverse = arm.inertia.inverse();
-  // with the torque as a state of its own, its effect over a held period comes out of the same exponential
+  // the held torque is a constant third part of the state: its effect comes out of the same exponential
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(21, 21);
   A.block<7, 7>(0, 7).setIdentity();
   A.block<7, 7>(7, 0) = -inverse * arm.stiffness;
@@ -88,8 +92,8 @@ SampledArm Sample(const ImpedanceArm& arm, double seconds) {
 
 namespace {
 
-// Momentum of all links about B's origin: by the base's twist (6 × 6, the links' inertia), and by the joints'
-// velocities (6 × 7).
+// Momentum (linear, angular about B's origin) of all links, divided by the base's twist (6 × 6, the links'
+// inertia), and by the joints' velocities (6 × 7).
 struct BaseMomentum {
   Matrix6 by_base{Matrix6::Zero()};
   Eigen::Matrix<double, 6, 7> by_joints{Eigen::Matrix<double, 6, 7>::Zero()};
@@ -128,19 +132,19 @@ MountedArm OnMount(const ImpedanceArm& arm, const ImpedanceArmParams& params,
   const BaseMomentum momentum = MomentumOf(params);
   const Matrix6 base = DiagonalOfTwist(mount.mass_kg, mount.inertia_kg_m2) + mass_ratio * momentum.by_base,
                 springs = DiagonalOfTwist(mount.stiffness_N_per_m, mount.stiffness_Nm_per_rad);
-  MountedArm on{.inertia = MountedArm::Matrix::Zero(),
-                .damping = MountedArm::Matrix::Zero(),
-                .stiffness = MountedArm::Matrix::Zero()};
-  on.inertia.topLeftCorner<7, 7>() = arm.inertia;
-  on.inertia.bottomLeftCorner<6, 7>() = mass_ratio * momentum.by_joints;
-  on.inertia.topRightCorner<7, 6>() = on.inertia.bottomLeftCorner<6, 7>().transpose();
-  on.inertia.bottomRightCorner<6, 6>() = base;
-  on.stiffness.topLeftCorner<7, 7>() = arm.stiffness;
-  on.stiffness.bottomRightCorner<6, 6>() = springs;
-  on.damping.topLeftCorner<7, 7>() = arm.damping;
+  MountedArm mounted{.inertia = MountedArm::Matrix::Zero(),
+                     .damping = MountedArm::Matrix::Zero(),
+                     .stiffness = MountedArm::Matrix::Zero()};
+  mounted.inertia.topLeftCorner<7, 7>() = arm.inertia;
+  mounted.inertia.bottomLeftCorner<6, 7>() = mass_ratio * momentum.by_joints;
+  mounted.inertia.topRightCorner<7, 6>() = mounted.inertia.bottomLeftCorner<6, 7>().transpose();
+  mounted.inertia.bottomRightCorner<6, 6>() = base;
+  mounted.stiffness.topLeftCorner<7, 7>() = arm.stiffness;
+  mounted.stiffness.bottomRightCorner<6, 6>() = springs;
+  mounted.damping.topLeftCorner<7, 7>() = arm.damping;
   for (int i = 0; i < 6; ++i)
-    on.damping(7 + i, 7 + i) = 2.0 * mount.damping_ratio * std::sqrt(springs(i, i) * base(i, i));
-  return on;
+    mounted.damping(7 + i, 7 + i) = 2.0 * mount.damping_ratio * std::sqrt(springs(i, i) * base(i, i));
+  return mounted;
 }
 
 OverlayResponse::OverlayResponse(const ImpedanceArm& arm, const Joints& along, double dead_time_s,
@@ -155,6 +159,8 @@ OverlayResponse::OverlayResponse(const MountedArm& arm, const Joints& along, dou
   AddModes(arm.inertia, arm.damping, arm.stiffness, along, dead_time_s - periods_ * period_s);
 }
 
+// Adds the modes of inertia qdd + damping qd + stiffness q = along f.
+// @param rest_s  the dead time beyond whole periods: so late in a period a force begins to act
 void OverlayResponse::AddModes(const Eigen::MatrixXd& inertia, const Eigen::MatrixXd& damping,
                                const Eigen::MatrixXd& stiffness, const Joints& along, double rest_s) {
   const Eigen::Index n = inertia.rows();
@@ -169,6 +175,7 @@ void OverlayResponse::AddModes(const Eigen::MatrixXd& inertia, const Eigen::Matr
   drive.tail(n) = solved.solve(torque);
   seen.head<7>() = along;
 
+  // decoupled modes: `driven` is how a force along the axis drives each
   const Eigen::EigenSolver<Eigen::MatrixXd> eigen(A);
   const Eigen::MatrixXcd V = eigen.eigenvectors();
   const Eigen::VectorXcd driven = V.partialPivLu().solve(drive.cast<std::complex<double>>());

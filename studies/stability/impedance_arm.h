@@ -10,7 +10,8 @@
 
 namespace osteon::studies {
 
-/// An arm that carries itself and holds its own impedance, while a wrench or torques are laid over it.
+/// An arm that compensates its own weight and holds its own impedance, to which a wrench or torques are
+/// added.
 struct ImpedanceArmParams {
   kinematics::ChainParams<7> chain;  ///< including the load on the flange; its friction is ignored
   hil::DynamicArmParams arm;         ///< its mass error and mount are ignored
@@ -29,7 +30,7 @@ struct ImpedanceArm {
   Eigen::Matrix<double, 6, 7> J;  ///< of the tool, rows v (3) then w (3), in B
   Eigen::Matrix<double, 7, 7> inertia, damping, stiffness;
 };
-/// @param mass_ratio  by which all masses of the chain are multiplied; > 0
+/// Computes the matrices. @param mass_ratio  factor on all masses of the chain; > 0
 [[nodiscard]] ImpedanceArm ImpedanceArmAt(const ImpedanceArmParams& params, double mass_ratio = 1.0);
 
 /// The matrices of the arm on a mount that gives way, by the equations of flexible_mount.h: the joints (7),
@@ -72,14 +73,14 @@ class OverlayResponse {
 
  private:
   struct Mode {
-    std::complex<double> free;         // over a period
-    std::complex<double> now, before;  // seen effect of a force on its way n and n + 1 periods
+    std::complex<double> free;         // factor on the mode over a period without a force
+    std::complex<double> now, before;  // change of x by a force that was sent n and n + 1 periods ago
   };
   void AddModes(const Eigen::MatrixXd& inertia, const Eigen::MatrixXd& damping,
                 const Eigen::MatrixXd& stiffness, const kinematics::JointVectorN<7>& along, double rest_s);
 
   std::vector<Mode> modes_;
-  int periods_;
+  int periods_;  // whole periods of the dead time: n
   double period_s_;
 };
 

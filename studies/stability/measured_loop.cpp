@@ -16,18 +16,20 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kSmooth_octave = 0.35, kLowest_hz = 0.01;
-constexpr int kPoints = 1500;
+constexpr double kSmooth_octave = 0.35;     // width of the smoothing at half of its height
+constexpr double kLowest_hz = 0.01;         // of the grid on which the curve is computed
+constexpr int kPoints = 1500;               // of the grid
 constexpr double k95 = 2.4477468306808161;  // radius that holds 95 % of a plane's normal distribution of sd 1
 constexpr double kMinSd = 1e-9;             // least sd of a line: weights stay finite without noise
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
+// Measured over commanded position at one frequency: the sampled arm, the delay and the resonances.
 Complex ResponseOf(const hil::LoopArm& arm, const ResponseModel& model, double hz) {
   const Complex z = std::polar(1.0, kTwoPi * hz * model.period_s);
   const Eigen::Matrix2cd from_state =
       z * Eigen::Matrix2cd::Identity() - arm.step.leftCols<2>().cast<Complex>();
-  const Eigen::Vector2cd told = arm.step.col(3).cast<Complex>() + arm.step.col(2).cast<Complex>() / z;
-  const Eigen::Vector2cd motion = from_state.inverse() * told;
+  const Eigen::Vector2cd from_command = arm.step.col(3).cast<Complex>() + arm.step.col(2).cast<Complex>() / z;
+  const Eigen::Vector2cd motion = from_state.inverse() * from_command;
   Complex response = motion[0] * std::pow(z, -arm.whole) * std::polar(1.0, -kTwoPi * hz * model.delay_s);
   for (const StructureResonance& resonance : model.structure) {
     const double ratio = hz / resonance.hz;
@@ -36,7 +38,8 @@ Complex ResponseOf(const hil::LoopArm& arm, const ResponseModel& model, double h
   return response;
 }
 
-// Linear step of law and wall: state (x_c now and earlier, v), input force.
+// Linear step of law and wall by a tick, with a force from outside. State: x_c now and earlier, v. @returns
+// infinite values if the law refuses its input.
 Eigen::VectorXd StepLaw(const hil::AdmittanceLoopParams& params, const Eigen::VectorXd& s, double force_N) {
   const int poses = static_cast<int>(s.size()) - 1, age = params.wall.age_ticks;
   const double wall_N =
@@ -57,13 +60,13 @@ Eigen::VectorXd StepLaw(const hil::AdmittanceLoopParams& params, const Eigen::Ve
   return next;
 }
 
-// Force of a hand over the pose, with the sign of a spring.
+// Dynamic stiffness of a hand [N/m]: its force over the displacement, with the sign of a spring.
 Complex HandAt(const hil::GridHand& hand, double hz) {
   const double w = kTwoPi * hz;
   return {hand.stiffness_N_per_m - w * w * hand.mass_kg, w * hand.damping_Ns_per_m};
 }
 
-// The loop without the hand: law × response, with the sensor's delay.
+// The loop without the hand: law × sensor's delay × response. The radius is relative to the curve's size.
 std::vector<NyquistPoint> WithoutHand(const MeasuredPlant& response, const MeasuredLoopParams& params,
                                       const LawResponse& law) {
   std::vector<NyquistPoint> curve;
@@ -76,8 +79,9 @@ std::vector<NyquistPoint> WithoutHand(const MeasuredPlant& response, const Measu
   return curve;
 }
 
-// Unstable poles of the closed loop. The contour runs along the unit circle and outside of 1; at its start
-// the loop's angle is the principal one.
+// Number of unstable poles of the closed loop by Nyquist: those of the law, less the turns of 1 + L around 0
+// over the whole unit circle. The curve is the circle's upper half. Near z = 1 the contour passes outside of
+// the integrator's pole, so the angle begins at its principal value there.
 int UnstablePoles(const std::vector<NyquistPoint>& curve, int unstable_law) {
   double angle = std::arg(1.0 + curve.front().loop);
   for (std::size_t i = 1; i < curve.size(); ++i)
@@ -104,7 +108,7 @@ void FindMargins(const std::vector<NyquistPoint>& curve, LoopMargins& margins) {
     if (i == 0) continue;
     const NyquistPoint& before = curve[i - 1];
     const double im0 = before.loop.imag(), im1 = at.loop.imag();
-    if ((im0 < 0.0) != (im1 < 0.0)) {
+    if ((im0 < 0.0) != (im1 < 0.0)) {  // crosses the real axis
       const double share = im0 / (im0 - im1);
       const double real = std::lerp(before.loop.real(), at.loop.real(), share);
       if (real < 0.0 && real > -1.0 && -1.0 / real < margins.gain) {
@@ -113,7 +117,7 @@ void FindMargins(const std::vector<NyquistPoint>& curve, LoopMargins& margins) {
       }
     }
     const double size0 = std::abs(before.loop) - 1.0, size1 = std::abs(at.loop) - 1.0;
-    if ((size0 < 0.0) != (size1 < 0.0)) {
+    if ((size0 < 0.0) != (size1 < 0.0)) {  // crosses the circle |L| = 1
       const double share = size0 / (size0 - size1);
       const Complex cross = before.loop + share * (at.loop - before.loop);
       const double phase_deg = std::abs(std::arg(-cross)) * 180.0 / std::numbers::pi;
@@ -174,20 +178,24 @@ MeasuredPlant::RatioAt MeasuredPlant::RatioToModel(double hz) const {
 
 MeasuredPlant::Ratio MeasuredPlant::Smoothed(double hz) const {
   const double octave = std::log2(std::clamp(hz, lines_.front().hz, lines_.back().hz));
-  // a bell whose width at half of its height is the smoothing's
+  // standard deviation of the Gaussian bell whose width at half of its height is kSmooth_octave
   const double spread = kSmooth_octave / (2.0 * std::sqrt(2.0 * std::log(2.0)));
-  Complex sum(0.0, 0.0);
-  double weights = 0.0, squares = 0.0, nearest = std::numeric_limits<double>::infinity();
+  Complex weighted_sum(0.0, 0.0);
+  double weights = 0.0, variance_sum = 0.0, nearest = std::numeric_limits<double>::infinity();
   for (const Ratio& line : lines_) nearest = std::min(nearest, std::abs(line.octave - octave));
   for (const Ratio& line : lines_) {
     // Between sparse lines, distances count from the nearest line, so that one line always has weight.
     const double away = (std::abs(line.octave - octave) - std::max(0.0, nearest - spread)) / spread;
     const double bell = std::exp(-0.5 * away * away), weight = bell * line.weight;
-    sum += weight * line.value;
+    weighted_sum += weight * line.value;
     weights += weight;
-    squares += bell * weight;
+    variance_sum += bell * weight;
   }
-  return {.octave = octave, .hz = hz, .value = sum / weights, .weight = weights * weights / squares};
+  // 1 / variance of the weighted mean, where each line has the variance 1 / line.weight
+  return {.octave = octave,
+          .hz = hz,
+          .value = weighted_sum / weights,
+          .weight = weights * weights / variance_sum};
 }
 
 Complex MeasuredPlant::At(double hz) const { return Smoothed(hz).value * model_(hz); }
@@ -203,6 +211,7 @@ LawResponse::LawResponse(const hil::AdmittanceLoopParams& params) {
   // A tick sends the new x_c.
   output_ = state_.row(0).transpose();
   direct_ = input_[0];
+  // without a wall the law integrates: its pole at 1 does not count as unstable
   const bool integrates = !(params.wall.stiffness_N_per_m > 0.0);
   const Eigen::VectorXcd poles = Eigen::EigenSolver<Eigen::MatrixXd>(state_, false).eigenvalues();
   for (const Complex& pole : poles)

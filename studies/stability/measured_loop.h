@@ -35,8 +35,8 @@ struct ResponseModel {
   double period_s{0.001};
 };
 
-/// The measured pose of a ServoArm over the command of the tick that answers this measurement. It is exact
-/// for a held command and includes the dead time. `hz` in (0, 1 / 2 T].
+/// The measured pose of a ServoArm divided by the command that the tick sends in answer to this measurement.
+/// The result is exact for a held command and includes the dead time. `hz` in (0, 1 / 2 T].
 [[nodiscard]] std::complex<double> ModelResponse(const ResponseModel& model, double hz);
 
 /// A response measured at lines, and interpolated with a model: the ratio of the measured to the model's
@@ -78,7 +78,8 @@ class MeasuredPlant {
     std::complex<double> value;
     double weight{0.0};
   };
-  [[nodiscard]] Ratio Smoothed(double hz) const;  // weight: 1 / variance
+  // The ratio smoothed over the lines near hz, with 1 / variance as its weight.
+  [[nodiscard]] Ratio Smoothed(double hz) const;
 
   std::vector<Ratio> lines_;
   std::function<std::complex<double>(double)> model_;
@@ -98,6 +99,7 @@ class LawResponse {
   [[nodiscard]] int unstable() const { return unstable_; }
 
  private:
+  // next state = state_ s + input_ F; command = output_ s + direct_ F
   Eigen::MatrixXd state_;
   Eigen::VectorXd input_, output_;
   double direct_{0.0};
@@ -108,7 +110,7 @@ class LawResponse {
 /// radius.
 struct LoopMargins {
   bool stable{false};
-  int unstable_poles{0};  ///< number of the closed loop's, by the encirclements of -1
+  int unstable_poles{0};  ///< number of the closed loop's unstable poles, by the encirclements of -1
   double gain{0.0};       ///< gain margin: factor at which the loop becomes unstable; infinite: none
   double gain_radius{0.0};
   double phase_deg{0.0};  ///< phase margin at the crossings of |L| = 1; 180: none

@@ -16,17 +16,20 @@ using Matrix7c = Eigen::Matrix<Complex, 7, 7>;
 using Vector7c = Eigen::Matrix<Complex, 7, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr int kPoints = 500;
-constexpr double kLowest_hz = 1e-4;  // here every factor of the determinant is close to the real axis
+constexpr int kPoints = 500;  // frequencies of the curve, evenly spaced in the logarithm
+// The curve's start, where every factor of the determinant is close to the real axis.
+constexpr double kLowest_hz = 1e-4;
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double k95 = 2.4477468306808161;  // radius that holds 95 % of a plane's normal distribution of sd 1
 
-// The delay of a force that is sent at a tick and held for a period.
+// Factor at one frequency of a force that is sent at a tick, acts after the dead time, and is held for a
+// period.
 Complex HeldDelay(double hz, double dead_time_s, double period_s) {
   const double half = 0.5 * kTwoPi * hz * period_s;
   return std::polar(half > 0.0 ? std::sin(half) / half : 1.0, -kTwoPi * hz * dead_time_s - half);
 }
 
+// The joints' displacement by torques on them at one frequency [rad/N m].
 Matrix7c ComplianceOf(const ImpedanceArm& arm, double hz) {
   const double w = kTwoPi * hz;
   const Matrix7c stiffness = arm.stiffness.cast<Complex>() + Complex(0.0, w) * arm.damping.cast<Complex>() -
@@ -34,7 +37,7 @@ Matrix7c ComplianceOf(const ImpedanceArm& arm, double hz) {
   return stiffness.inverse();
 }
 
-// The law's damping, as it acts in the base's frame.
+// The law's damping matrix (v, w), rotated from the tool's axes into the base's.
 Matrix6 DampingOf(const control::ImpedanceParams& law, const Matrix3& R_BT) {
   Matrix6 D = Matrix6::Zero();
   D.topLeftCorner<3, 3>() = R_BT * law.damping_Ns_per_m.asDiagonal() * R_BT.transpose();
@@ -46,16 +49,18 @@ Matrix6 DampingOf(const control::ImpedanceParams& law, const Matrix3& R_BT) {
 
 MeasuredOverlay::MeasuredOverlay(const OverlayLoopParams& model, const MeasuredOverlayParams& measured)
     : period_s_(model.period_s), axis_T_(measured.axis_T) {
-  ImpedanceArmParams own{.chain = model.chain,
-                         .arm = model.arm,
-                         .X_FT = model.X_FT,
-                         .q = model.q,
-                         .gravity_B = model.gravity_B,
-                         .torque = model.torque};
-  for (kinematics::RevoluteJoint& joint : own.chain.joints) joint.friction = {};
-  const ImpedanceArm arm = ImpedanceArmAt(own);
+  ImpedanceArmParams arm_params{.chain = model.chain,
+                                .arm = model.arm,
+                                .X_FT = model.X_FT,
+                                .q = model.q,
+                                .gravity_B = model.gravity_B,
+                                .torque = model.torque};
+  for (kinematics::RevoluteJoint& joint : arm_params.chain.joints) joint.friction = {};
+  const ImpedanceArm arm = ImpedanceArmAt(arm_params);
   J_ = arm.J;
-  R_BT_ = (kinematics::SerialChain<7>(own.chain, own.gravity_B).FlangePose(own.q) * own.X_FT).linear();
+  R_BT_ = (kinematics::SerialChain<7>(arm_params.chain, arm_params.gravity_B).FlangePose(arm_params.q) *
+           arm_params.X_FT)
+              .linear();
   along_ = J_.topRows<3>().transpose() * (R_BT_ * axis_T_);
   const Vector7c a = along_.cast<Complex>();
   const auto model_at = [&](double hz) {
@@ -72,6 +77,7 @@ MeasuredOverlay::MeasuredOverlay(const OverlayLoopParams& model, const MeasuredO
         std::polar(std::abs(ratio.value), std::arg(ratio.value) * std::min(1.0, hz / plant.lowest_hz()));
     const Matrix7c C = ComplianceOf(arm, hz);
     const Vector7c moved = C * a;
+    // the part of C that acts only along the measured axis
     const Matrix7c along = moved * (a.transpose() * C) / (a.transpose() * moved)(0);
     points_.push_back({.hz = hz,
                        .z = std::polar(1.0, kTwoPi * hz * period_s_),
@@ -83,8 +89,9 @@ MeasuredOverlay::MeasuredOverlay(const OverlayLoopParams& model, const MeasuredO
   follow_ = points_.front().compliance.real().inverse();
 }
 
-MeasuredOverlay::Seen MeasuredOverlay::Evaluate(const OverlayLoopParams& loop, double late_s) const {
-  const double T = period_s_, share = T / (T + loop.law.twist_filter_s), follow = T / (T + loop.law.follow_s);
+MeasuredOverlay::Evaluation MeasuredOverlay::Evaluate(const OverlayLoopParams& loop, double late_s) const {
+  const double T = period_s_, filter_share = T / (T + loop.law.twist_filter_s),
+               follow_share = T / (T + loop.law.follow_s);
   const Vector7c a = along_.cast<Complex>();
   const double along_Ns_per_m = loop.law.damping_Ns_per_m.dot(axis_T_.cwiseAbs2());
   const Matrix6 D = DampingOf(loop.law, R_BT_);
@@ -93,39 +100,43 @@ MeasuredOverlay::Seen MeasuredOverlay::Evaluate(const OverlayLoopParams& loop, d
                  spring = follow_.cast<Complex>();
   const double lever2_m2 = OverlayLoop::lever2_m2();
   const Eigen::Matrix<double, 7, 7> by_hand = J_.transpose() * DiagonalOfTwist(1.0, lever2_m2) * J_;
-  Seen seen;
-  seen.curve.reserve(points_.size());
+  Evaluation evaluation;
+  evaluation.curve.reserve(points_.size());
   double angle = 0.0;
-  Complex before = 1.0;
+  Complex last_determinant = 1.0;
+  // At each frequency: the loop of wall and damping along the axis (law), with all else closed
+  // around the arm (other_stiffness); by_ratio is the change of L by a relative change of the measured G.
   for (const Point& at : points_) {
     const double w = kTwoPi * at.hz;
-    const Complex later = 1.0 / at.z;
-    const Complex velocity = share / (1.0 - (1.0 - share) * later) * (1.0 - later) / T,
-                  equilibrium = follow / (1.0 - (1.0 - follow) * later),
+    const Complex one_tick_late = 1.0 / at.z;
+    const Complex velocity =
+                      filter_share / (1.0 - (1.0 - filter_share) * one_tick_late) * (1.0 - one_tick_late) / T,
+                  equilibrium = follow_share / (1.0 - (1.0 - follow_share) * one_tick_late),
                   delay = at.delay * std::polar(1.0, -w * late_s),
                   hand(loop.hand.stiffness_N_per_m - w * w * loop.hand.mass_kg,
                        w * loop.hand.damping_Ns_per_m),
-                  law = delay * (loop.wall.stiffness_N_per_m * std::pow(later, loop.wall.age_ticks) +
+                  law = delay * (loop.wall.stiffness_N_per_m * std::pow(one_tick_late, loop.wall.age_ticks) +
                                  along_Ns_per_m * velocity);
-    const Matrix7c rest =
+    const Matrix7c other_stiffness =
         hand * by_hand.cast<Complex>() + delay * (velocity * damping - equilibrium * spring);
-    const Eigen::PartialPivLU<Matrix7c> closed(Matrix7c::Identity() + at.compliance * rest);
+    const Eigen::PartialPivLU<Matrix7c> closed(Matrix7c::Identity() + at.compliance * other_stiffness);
     const Vector7c moved = closed.solve(at.compliance * a);
     const Complex L = law * (a.transpose() * moved)(0),
-                  by_ratio = law * (a.transpose() * closed.solve(at.slope * (a - rest * moved)))(0),
-                  all = closed.determinant() * (1.0 + L);
-    seen.curve.push_back({.hz = at.hz, .loop = L, .radius = k95 * at.share * std::abs(by_ratio)});
-    angle += std::arg(seen.curve.size() == 1 ? all : all / before);
-    before = all;
+                  by_ratio =
+                      law * (a.transpose() * closed.solve(at.slope * (a - other_stiffness * moved)))(0),
+                  loop_determinant = closed.determinant() * (1.0 + L);
+    evaluation.curve.push_back({.hz = at.hz, .loop = L, .radius = k95 * at.share * std::abs(by_ratio)});
+    angle += std::arg(evaluation.curve.size() == 1 ? loop_determinant : loop_determinant / last_determinant);
+    last_determinant = loop_determinant;
   }
-  seen.unstable_poles = -static_cast<int>(std::lround(angle / std::numbers::pi));
-  return seen;
+  evaluation.unstable_poles = -static_cast<int>(std::lround(angle / std::numbers::pi));
+  return evaluation;
 }
 
 LoopMargins MeasuredOverlay::Judge(const OverlayLoopParams& loop, double late_s) const {
-  const Seen seen = Evaluate(loop, late_s);
-  LoopMargins margins{.stable = seen.unstable_poles == 0, .unstable_poles = seen.unstable_poles};
-  FindMargins(seen.curve, margins);
+  const Evaluation evaluation = Evaluate(loop, late_s);
+  LoopMargins margins{.stable = evaluation.unstable_poles == 0, .unstable_poles = evaluation.unstable_poles};
+  FindMargins(evaluation.curve, margins);
   return margins;
 }
 

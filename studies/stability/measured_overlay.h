@@ -51,11 +51,11 @@ class MeasuredOverlay {
     Matrix7c slope;              // change of C' by a relative change of G
     double share{0.0};           // standard deviation of G, over its size
   };
-  struct Seen {
+  struct Evaluation {  // of a loop at all points
     std::vector<NyquistPoint> curve;
     int unstable_poles{0};
   };
-  [[nodiscard]] Seen Evaluate(const OverlayLoopParams& loop, double late_s) const;
+  [[nodiscard]] Evaluation Evaluate(const OverlayLoopParams& loop, double late_s) const;
 
   double period_s_;
   Vector3 axis_T_;

@@ -22,9 +22,11 @@ constexpr double kLever2_m2 = OverlayLoop::lever2_m2();
 // Speed above which the motion counts as grown: some fifty times that of the push. Beyond it, the drives'
 // limits would keep the motion from growing.
 constexpr double kGrown_m_per_s = 0.1;
+// In the simulation: the hand's force on the wall, and force and length of the push that starts the motion.
 constexpr double kPreload_N = 20.0, kPush_N = 1.0, kPush_s = 0.01;
 
-Matrix6 Turned(const Matrix3& R, const Vector3& linear, const Vector3& turning) {
+// Matrix for a twist (v, w) with these factors along the axes of a frame that R rotates.
+Matrix6 RotatedDiagonal(const Matrix3& R, const Vector3& linear, const Vector3& turning) {
   Matrix6 M = Matrix6::Zero();
   M.topLeftCorner<3, 3>() = R * linear.asDiagonal() * R.transpose();
   M.bottomRightCorner<3, 3>() = R * turning.asDiagonal() * R.transpose();
@@ -71,14 +73,14 @@ OverlayLoop::OverlayLoop(const OverlayLoopParams& params) : params_(params) {
   arm.inertia = Chain(WithHand(params), params.gravity_B).MassMatrix(params.q);
   J_ = arm.J;
   follow_ = arm.stiffness;
-  const SampledArm period = Sample(arm, params.period_s);
-  free_ = period.free;
-  forced_ = period.forced;
-  damping_ = Turned(X_BT.linear(), params.law.damping_Ns_per_m, params.law.damping_Nms_per_rad);
+  const SampledArm sampled = Sample(arm, params.period_s);
+  free_ = sampled.free;
+  forced_ = sampled.forced;
+  damping_ = RotatedDiagonal(X_BT.linear(), params.law.damping_Ns_per_m, params.law.damping_Nms_per_rad);
   hand_k_ = DiagonalOfTwist(params.hand.stiffness_N_per_m, kLever2_m2 * params.hand.stiffness_N_per_m);
   hand_b_ = DiagonalOfTwist(params.hand.damping_Ns_per_m, kLever2_m2 * params.hand.damping_Ns_per_m);
-  // q, qd; equilibrium; pose a tick ago; filtered velocity; torques on their way; depths a tick ago and
-  // earlier
+  // State: q, qd; equilibrium; pose a tick ago; filtered velocity; torques sent but not yet acting; depths in
+  // the wall a tick ago and earlier
   size_ = 14 + 7 + 6 + 6 + 7 * params.arm.dead_cycles + params.wall.age_ticks;
 }
 
@@ -98,16 +100,17 @@ Eigen::VectorXd OverlayLoop::Step(const Eigen::VectorXd& s) const {
   const Vector6 before = s.segment<6>(before_at), filtered = s.segment<6>(velocity_at);
   const Vector6 velocity = filtered + share * ((pose - before) / T - filtered);
   const double depth = axis_B_.dot(pose.head<3>());
-  const double seen = age == 0 ? depth : s[depth_at + age - 1];
+  const double wall_depth = age == 0 ? depth : s[depth_at + age - 1];
   Vector6 overlay = -damping_ * velocity;
-  overlay.head<3>() -= params_.wall.stiffness_N_per_m * seen * axis_B_;
+  overlay.head<3>() -= params_.wall.stiffness_N_per_m * wall_depth * axis_B_;
   const Eigen::Matrix<double, 7, 1> sent = follow_ * equilibrium + J_.transpose() * overlay;
 
-  const Eigen::Matrix<double, 7, 1> acts =
+  // the arm by a period, with the torque that was sent the dead time ago and the hand's present force
+  const Eigen::Matrix<double, 7, 1> acting =
       dead == 0 ? sent : Eigen::Matrix<double, 7, 1>(s.segment<7>(sent_at + 7 * (dead - 1)));
   const Vector6 hand = -hand_k_ * pose - hand_b_ * (J_ * qd);
   Eigen::VectorXd next = Eigen::VectorXd::Zero(size_);
-  next.head<14>() = free_ * s.head<14>() + forced_ * (acts + J_.transpose() * hand);
+  next.head<14>() = free_ * s.head<14>() + forced_ * (acting + J_.transpose() * hand);
   next.segment<7>(equilibrium_at) = equilibrium;
   next.segment<6>(before_at) = pose;
   next.segment<6>(velocity_at) = velocity;
@@ -124,13 +127,15 @@ Eigen::MatrixXd OverlayLoop::Matrix() const {
 
 namespace {
 
-// A DynamicArm derives its damping from its masses, which here include the hand. The Cartesian damping is
-// corrected through its ratio, the joints' damping by a torque (see OverlayRun).
+// The arm's parameters for a simulation in which the chain carries the hand's mass. DynamicArm derives its
+// damping from all masses; the damping must be that without the hand. The Cartesian damping is corrected
+// through its ratio, and the joints' damping by a torque (see OverlayRun).
 hil::DynamicArmParams LoadedArm(const OverlayLoopParams& params) {
-  ImpedanceArmParams own = OwnArm(params), with = own;
-  with.chain = WithHand(params);
-  hil::DynamicArmParams arm = own.arm;
-  arm.cartesian_damping_ratio *= std::sqrt(MeanMassesOf(own).linear_kg / MeanMassesOf(with).linear_kg);
+  ImpedanceArmParams without_hand = OwnArm(params), with_hand = without_hand;
+  with_hand.chain = WithHand(params);
+  hil::DynamicArmParams arm = without_hand.arm;
+  arm.cartesian_damping_ratio *=
+      std::sqrt(MeanMassesOf(without_hand).linear_kg / MeanMassesOf(with_hand).linear_kg);
   arm.dead_cycles = 0;
   arm.substeps = 1;
   return arm;
@@ -179,7 +184,8 @@ class OverlayRun {
     for (int i = 0; i < params.arm.dead_cycles; ++i) Advance(0.0, true);
   }
 
-  // Returns the size of the tool's velocity, its rotation at the lever of a grip.
+  // Simulates a period with a push by the hand. @returns the size of the tool's velocity [m/s], in which a
+  // rotation counts by the lever of a grip. @param resting  leaves out the hand's preload
   double Advance(double push_N, bool resting = false) {
     const double T = params_.period_s;
     const Pose X_BT = chain_.FlangePose(arm_.q()) * params_.X_FT;
@@ -198,32 +204,35 @@ class OverlayRun {
     drive_.F_T_B = F;
     drive_.tau_Nm = J.transpose() * wrench;
 
-    const Eigen::Matrix<double, 6, 1> moves = J * arm_.qd();
+    const Eigen::Matrix<double, 6, 1> tool_velocity = J * arm_.qd();
     const hil::GridHand& hand = params_.hand;
     const Vector3 feed_B = X_rest_.linear().col(2);
-    const Vector3 off_m = X_BT.translation() - X_rest_.translation();
-    const Vector3 turned = X_rest_.linear() * LogRotation(X_rest_.linear().transpose() * X_BT.linear());
-    Wrench pressed{
-        .f = -hand.stiffness_N_per_m * off_m - hand.damping_Ns_per_m * moves.head<3>(),
-        .t = -kLever2_m2 * (hand.stiffness_N_per_m * turned + hand.damping_Ns_per_m * moves.tail<3>())};
-    pressed.f +=
+    const Vector3 displacement_m = X_BT.translation() - X_rest_.translation();
+    const Vector3 rotation = X_rest_.linear() * LogRotation(X_rest_.linear().transpose() * X_BT.linear());
+    Wrench hand_wrench{
+        .f = -hand.stiffness_N_per_m * displacement_m - hand.damping_Ns_per_m * tool_velocity.head<3>(),
+        .t = -kLever2_m2 *
+             (hand.stiffness_N_per_m * rotation + hand.damping_Ns_per_m * tool_velocity.tail<3>())};
+    hand_wrench.f +=
         (resting ? 0.0 : preload_N_) * feed_B + push_N * (X_rest_.linear() * Vector3::Ones()).normalized();
-    Move(pressed);
-    return std::sqrt(moves.head<3>().squaredNorm() + kLever2_m2 * moves.tail<3>().squaredNorm());
+    Move(hand_wrench);
+    return std::sqrt(tool_velocity.head<3>().squaredNorm() +
+                     kLever2_m2 * tool_velocity.tail<3>().squaredNorm());
   }
 
  private:
   // Moves the arm by a period with the command of dead_cycles ago.
-  void Move(const Wrench& pressed) {
+  void Move(const Wrench& hand_wrench) {
     std::rotate(sent_.rbegin(), sent_.rbegin() + 1, sent_.rend());
     sent_.front() = drive_;
     for (int part = 0; part < kParts; ++part) {
-      hil::ArmDrive acts = sent_.back();
-      acts.tau_Nm += excess_damping_.cwiseProduct(arm_.qd());
-      arm_.Step(acts, pressed);
+      hil::ArmDrive acting = sent_.back();
+      acting.tau_Nm += excess_damping_.cwiseProduct(arm_.qd());
+      arm_.Step(acting, hand_wrench);
     }
   }
 
+  // Force of the shipped coupling at the pose of age_ticks ago, in B.
   Vector3 Wall() {
     if (!(params_.wall.stiffness_N_per_m > 0.0)) return Vector3::Zero();
     ++tick_;
@@ -238,8 +247,8 @@ class OverlayRun {
   OverlayLoopParams params_;
   Chain chain_;
   hil::DynamicArm arm_;
-  Joints excess_damping_;  // of the arm's joints, due to the hand's mass
-  std::vector<hil::ArmDrive> sent_;
+  Joints excess_damping_;            // of the arm's joints, due to the hand's mass
+  std::vector<hil::ArmDrive> sent_;  // commands, newest first
   control::MeasuredTwist twist_;
   Pose X_rest_;
   double preload_N_;
@@ -247,7 +256,7 @@ class OverlayRun {
   control::CouplingParams coupling_;
   control::CouplingState coupling_state_;
   simulation::ContactModel plane_;
-  std::vector<Pose> past_;
+  std::vector<Pose> past_;  // measured poses, newest first
   double tick_{0.0};
 };
 
@@ -256,7 +265,7 @@ class OverlayRun {
 bool OverlayGrows(const OverlayLoopParams& params, double seconds) {
   OverlayRun run(params);
   const int ticks = static_cast<int>(seconds / params.period_s), third = ticks / 3;
-  double middle = 0.0, last = 0.0;
+  double middle = 0.0, last = 0.0;  // sums of speed² over the middle and the last third of the run
   for (int k = 0; k < ticks; ++k) {
     const double speed = run.Advance(k * params.period_s < kPush_s ? kPush_N : 0.0);
     if (!std::isfinite(speed) || speed > kGrown_m_per_s) return true;

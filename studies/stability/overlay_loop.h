@@ -15,6 +15,7 @@
 
 namespace osteon::studies {
 
+/// The arm, the law, the hand and the wall of the loop.
 struct OverlayLoopParams {
   kinematics::ChainParams<7> chain;  ///< including the load on the flange; its friction is ignored
   hil::DynamicArmParams arm;         ///< its mass error is ignored
@@ -23,8 +24,9 @@ struct OverlayLoopParams {
   Vector3 gravity_B{kinematics::kGravity_W_m_per_s2};
   bool torque{false};  ///< joint impedance with torques over it; else Cartesian impedance and a wrench
   control::ImpedanceParams law;
-  hil::GridHand hand{"firm", 500.0, 20.0,
-                     1.5};  ///< isotropic at the tool, with OperatorWith's lever of a grip
+  hil::GridHand hand{
+      "firm", 500.0, 20.0,
+      1.5};  ///< isotropic at the tool; it resists rotation as if at OperatorWith's lever of a grip
   /// Wall across z of the tool, on the measured pose, age_ticks samples old; `on` is not used.
   hil::LoopWall wall{};
   double period_s{0.001};
@@ -51,13 +53,13 @@ class OverlayLoop {
   [[nodiscard]] Eigen::VectorXd Step(const Eigen::VectorXd& state) const;
 
   OverlayLoopParams params_;
-  Matrix6x7 J_;                          // of the tool, in B
-  Eigen::Matrix<double, 7, 7> follow_;   // torque of the arm's own springs by their equilibrium
-  Eigen::Matrix<double, 14, 14> free_;   // (q, qd) over a period, without input
-  Eigen::Matrix<double, 14, 7> forced_;  // (q, qd) after a period by a held torque
-  Eigen::Matrix<double, 6, 6> damping_;  // of the law, in B
-  Eigen::Matrix<double, 6, 6> hand_k_, hand_b_;
-  Vector3 axis_B_;
+  Matrix6x7 J_;                                  // of the tool, in B
+  Eigen::Matrix<double, 7, 7> follow_;           // torque of the arm's own springs by their equilibrium
+  Eigen::Matrix<double, 14, 14> free_;           // (q, qd) over a period, without input
+  Eigen::Matrix<double, 14, 7> forced_;          // (q, qd) after a period by a held torque
+  Eigen::Matrix<double, 6, 6> damping_;          // of the law, in B
+  Eigen::Matrix<double, 6, 6> hand_k_, hand_b_;  // the hand's stiffness and damping
+  Vector3 axis_B_;                               // the tool's z axis
   double mass_kg_{0.0};
   int size_{0};
 };

@@ -29,8 +29,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kProgressLines = 20;
+constexpr std::size_t kProgressLines = 20;  // printed at most, whatever the number of runs
 
+// A run's parameters: the overrides of --set, then the sweep's values of this run.
 ScenarioRunParams ParamsOf(const config::SweepConfig& sweep, const SweepRun& run,
                            const SweepOptions& options) {
   ScenarioRunParams params{.device = options.device, .set = options.set, .stop = &base::Interrupted()};
@@ -38,6 +39,7 @@ ScenarioRunParams ParamsOf(const config::SweepConfig& sweep, const SweepRun& run
   return params;
 }
 
+// Makes the run with this index. An error is kept in the outcome.
 SweepOutcome RunOne(const config::SweepConfig& sweep, const config::ScenarioConfig& scenario,
                     std::size_t index, const SweepOptions& options) {
   SweepOutcome outcome{.run = SweepRunAt(sweep, index)};
@@ -59,22 +61,24 @@ SweepOutcome RunOne(const config::SweepConfig& sweep, const config::ScenarioConf
   return outcome;
 }
 
-// Makes the runs that are computed here, several at a time. @returns their outcomes by index.
+// Makes all runs, or those of the shard, several at a time. @returns their outcomes in the order of the runs.
 std::vector<SweepOutcome> RunAll(const config::SweepConfig& sweep, const config::ScenarioConfig& scenario,
                                  const SweepOptions& options, StudyItems& items) {
-  std::vector<std::size_t> mine;
+  std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < sweep.Runs(); ++i)
-    if (items.Computes(i)) mine.push_back(i);
-  const std::size_t step = std::max<std::size_t>(1, (mine.size() + kProgressLines - 1) / kProgressLines);
-  base::PhaseProgress progress("osteon regress", static_cast<int>((mine.size() + step - 1) / step));
-  std::vector<SweepOutcome> outcomes(mine.size());
+    if (items.Computes(i)) indices.push_back(i);
+  const std::size_t runs_per_line =
+      std::max<std::size_t>(1, (indices.size() + kProgressLines - 1) / kProgressLines);
+  base::PhaseProgress progress("osteon regress",
+                               static_cast<int>((indices.size() + runs_per_line - 1) / runs_per_line));
+  std::vector<SweepOutcome> outcomes(indices.size());
   simulation::ParallelFor(
-      mine.size(), options.jobs,
+      indices.size(), options.jobs,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end && !base::Interrupted(); ++i) {
-          if (i % step == 0) progress.BeginPhase(fmt::format("run {}", mine[i]));
-          outcomes[i] = RunOne(sweep, scenario, mine[i], options);
-          if (items.IsShard()) items.Store(mine[i], SweepItem(outcomes[i]));
+          if (i % runs_per_line == 0) progress.BeginPhase(fmt::format("run {}", indices[i]));
+          outcomes[i] = RunOne(sweep, scenario, indices[i], options);
+          if (items.IsShard()) items.Store(indices[i], SweepItem(outcomes[i]));
         }
       },
       1);
@@ -90,6 +94,7 @@ std::string InputsOf(const config::ConfigFileTracker& tracker, const SweepOption
   return text;
 }
 
+// Writes JSON, CSV and page. @returns an error that names the file
 tl::expected<void, std::string> WriteResults(const SweepResult& result, const SweepOptions& options) {
   if (!options.json.empty())
     if (const auto written = base::WriteText(options.json, SweepJson(result)); !written) return written;
@@ -105,6 +110,7 @@ tl::expected<void, std::string> WriteResults(const SweepResult& result, const Sw
   return {};
 }
 
+// The error of the options; empty: none.
 std::string WrongOptions(const SweepOptions& options) {
   if (std::string wrong = ValidateSharding(options.sharding, options.json); !wrong.empty()) return wrong;
   if (std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;

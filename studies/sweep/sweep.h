@@ -8,6 +8,7 @@
 
 namespace osteon::studies {
 
+/// Options of `osteon regress --sweep`.
 struct SweepOptions {
   std::filesystem::path config_root;
   std::string sweep;                         ///< a name under sweeps/, or a file

@@ -14,8 +14,10 @@
 namespace osteon::studies {
 namespace {
 
-constexpr std::size_t kMaxCurves = 8;  // combinations with a curve of their own
+// With more combinations than this, a distribution has a single curve of all runs.
+constexpr std::size_t kMaxCurves = 8;
 
+// The number that is the whole text; empty if the text is anything else.
 std::optional<double> NumberFrom(const std::string& text) {
   double value = 0.0;
   const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -29,7 +31,7 @@ bool Varies(const SweepResult& result, const SweepFigure& figure) {
   return q.max > q.min;
 }
 
-// Draws the share of runs at or below each value, one curve for each combination.
+// Draws the share of runs at or below each value: one curve for each combination, or a single one of all.
 report::LineChart Distribution(const SweepResult& result, const SweepFigure& figure) {
   report::LineChart chart{.title = fmt::format("Distribution of the {}", figure.label),
                           .x_label = std::string(figure.label),
@@ -38,11 +40,11 @@ report::LineChart Distribution(const SweepResult& result, const SweepFigure& fig
   const auto groups = ByCombination(result);
   for (const auto& group : groups) {
     if (groups.size() > kMaxCurves && &group != &groups.front()) break;
-    const bool all = groups.size() > kMaxCurves;
+    const bool one_curve = groups.size() > kMaxCurves;
     std::vector<double> values =
-        ValuesOf(all ? std::span<const SweepOutcome>(result.outcomes) : group, figure);
+        ValuesOf(one_curve ? std::span<const SweepOutcome>(result.outcomes) : group, figure);
     std::ranges::sort(values);
-    report::Series curve{.name = all ? "all combinations" : NameOfCombination(result, group.front())};
+    report::Series curve{.name = one_curve ? "all combinations" : NameOfCombination(result, group.front())};
     for (std::size_t i = 0; i < values.size(); ++i) {
       curve.x.push_back(values[i]);
       curve.y.push_back(static_cast<double>(i + 1) / static_cast<double>(values.size()));
@@ -52,7 +54,8 @@ report::LineChart Distribution(const SweepResult& result, const SweepFigure& fig
   return chart;
 }
 
-// Draws a figure of every run over one parameter's value, with medians if the values are listed.
+// Draws a figure of every run over one parameter's value, with medians if the values are listed. Empty if the
+// parameter has no numbers.
 std::optional<report::LineChart> OverParameter(const SweepResult& result, std::size_t parameter,
                                                const SweepFigure& figure) {
   const config::SweepParameter& p = result.config.parameters[parameter];
@@ -91,7 +94,8 @@ std::optional<report::LineChart> OverParameter(const SweepResult& result, std::s
   return chart;
 }
 
-std::string Table(const SweepResult& result) {
+// HTML table: the quantiles of each figure, a row for each combination.
+std::string QuantilesTable(const SweepResult& result) {
   std::string html = "<table>\n<tr><th>combination</th><th class=\"n\">runs</th>";
   for (const SweepFigure& figure : kSweepFigures)
     html += fmt::format("<th class=\"n\">{}: median</th><th class=\"n\">5th to 95th percentile</th>",
@@ -127,7 +131,7 @@ std::string SweepPage(const SweepResult& result, const std::string& command_line
                                                     {"Runs", std::to_string(result.outcomes.size())},
                                                     {"Seeds", std::to_string(result.config.seeds)},
                                                     {"Runs with a fault", std::to_string(faulted)}}});
-  html += "<h2>By combination</h2>\n" + Table(result);
+  html += "<h2>By combination</h2>\n" + QuantilesTable(result);
   for (const SweepFigure& figure : kSweepFigures) {
     if (!Varies(result, figure)) continue;
     html += fmt::format("<h2>{}</h2>\n", report::Escape(figure.label)) +

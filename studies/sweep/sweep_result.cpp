@@ -17,6 +17,7 @@ namespace {
 using config::SweepDraw;
 using Json = nlohmann::ordered_json;
 
+// The quantiles of each figure over these outcomes.
 Json QuantilesJson(std::span<const SweepOutcome> outcomes) {
   Json json = Json::object();
   for (const SweepFigure& figure : kSweepFigures) {
@@ -37,16 +38,19 @@ Json FaultsJson(std::span<const SweepOutcome> outcomes) {
   return json;
 }
 
-std::size_t Failed(std::span<const SweepOutcome> outcomes) {
+// Number of runs that could not be made.
+std::size_t CountFailed(std::span<const SweepOutcome> outcomes) {
   return static_cast<std::size_t>(
       std::ranges::count_if(outcomes, [](const SweepOutcome& o) { return !o.error.empty(); }));
 }
 
-std::size_t Faulted(std::span<const SweepOutcome> outcomes) {
+// Number of runs in which a fault occurred.
+std::size_t CountFaulted(std::span<const SweepOutcome> outcomes) {
   return static_cast<std::size_t>(
       std::ranges::count_if(outcomes, [](const SweepOutcome& o) { return !o.faults.empty(); }));
 }
 
+// How a parameter gets its values, for example "uniform 1 to 3".
 std::string TakesText(const config::SweepParameter& p) {
   switch (p.draw) {
     case SweepDraw::kListed:
@@ -61,6 +65,7 @@ std::string TakesText(const config::SweepParameter& p) {
   return "";
 }
 
+// The run's value of each listed parameter, and with drawn_too of each drawn one.
 Json ValuesJson(const SweepResult& result, const SweepRun& run, bool drawn_too) {
   Json json = Json::object();
   for (std::size_t i = 0; i < run.values.size(); ++i)
@@ -139,8 +144,8 @@ std::string SweepTable(const SweepResult& result) {
                   "median and 95th percentile of peak force [N], tool in bone [mm], removed [mm3]");
   for (const auto& group : groups) {
     text += fmt::format("{:<{}} {:>5} {:>6} ", NameOfCombination(result, group.front()), width, group.size(),
-                        Faulted(group));
-    for (const std::size_t figure : {0u, 2u, 4u}) {
+                        CountFaulted(group));
+    for (const std::size_t figure : {0u, 2u, 4u}) {  // those of the heading, in kSweepFigures
       const Quantiles q = QuantilesOf(ValuesOf(group, kSweepFigures[figure]));
       text += fmt::format("{:>9.2f} {:>8.2f}", q.median, q.p95);
     }
@@ -149,7 +154,7 @@ std::string SweepTable(const SweepResult& result) {
   for (const SweepOutcome& outcome : result.outcomes)
     if (!outcome.error.empty()) text += fmt::format("run {}: {}\n", outcome.run.index, outcome.error);
   return text + fmt::format("{} runs, {} with a fault, {} could not be made\n", result.outcomes.size(),
-                            Faulted(result.outcomes), Failed(result.outcomes));
+                            CountFaulted(result.outcomes), CountFailed(result.outcomes));
 }
 
 std::string SweepJson(const SweepResult& result) {
@@ -159,11 +164,11 @@ std::string SweepJson(const SweepResult& result) {
             {"shows", config.shows},
             {"scenario", result.scenario},
             {"build", session::BuildName()},
-            {"passed", Failed(result.outcomes) == 0},
+            {"passed", CountFailed(result.outcomes) == 0},
             {"seeds", config.seeds},
             {"runs", result.outcomes.size()},
-            {"runs_with_faults", Faulted(result.outcomes)},
-            {"runs_not_made", Failed(result.outcomes)},
+            {"runs_with_faults", CountFaulted(result.outcomes)},
+            {"runs_not_made", CountFailed(result.outcomes)},
             {"faults", FaultsJson(result.outcomes)},
             {"parameters", Json::array()},
             {"figures", QuantilesJson(result.outcomes)},

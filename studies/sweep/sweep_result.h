@@ -17,13 +17,14 @@ namespace osteon::studies {
 /// The outcome of a run.
 struct SweepOutcome {
   SweepRun run{};
-  std::string error{};  ///< why there are no figures; empty if there are some
-  std::string ended{};
+  std::string error{};                ///< why there are no figures; empty if there are some
+  std::string ended{};                ///< how the run ended
   std::vector<std::string> faults{};  ///< names, in their order
   std::string hash{};                 ///< over every bit of every tick
   RunFigures figures{};
 };
 
+/// A sweep with the outcomes of its runs.
 struct SweepResult {
   config::SweepConfig config;
   std::string scenario;
@@ -58,11 +59,11 @@ struct Quantiles {
 [[nodiscard]] SweepOutcome SweepOutcomeFrom(const nlohmann::json& item, const config::SweepConfig& sweep,
                                             std::size_t index);
 
-/// A line for each combination.
+/// Text for the terminal: a line for each combination, then one for each run that could not be made.
 [[nodiscard]] std::string SweepTable(const SweepResult& result);
 /// JSON, schema osteon.sweep/1. It has no times: two runs give the same text.
 [[nodiscard]] std::string SweepJson(const SweepResult& result);
-/// A line for each run.
+/// CSV: a line for each run.
 [[nodiscard]] std::string SweepCsv(const SweepResult& result);
 
 /// The outcomes of a whole sweep, one span for each combination, in the order of the combinations.

@@ -18,7 +18,7 @@ using config::SweepDraw, config::SweepParameter;
 class SplitMix64 {
  public:
   explicit SplitMix64(std::uint64_t state) : state_(state) {}
-  /// Above 0, at most 1.
+  // Uniform, above 0 and at most 1.
   double Next() {
     state_ += 0x9e3779b97f4a7c15u;
     std::uint64_t z = state_;
@@ -31,7 +31,8 @@ class SplitMix64 {
   std::uint64_t state_;
 };
 
-std::string Drawn(const SweepParameter& parameter, int seed) {
+// A parameter's value for a seed, as text. It depends only on the parameter's key and the seed.
+std::string DrawnValue(const SweepParameter& parameter, int seed) {
   if (parameter.draw == SweepDraw::kSeed) return std::to_string(seed);
   base::Fnv1a hash;
   hash.Add(parameter.key);
@@ -53,11 +54,12 @@ SweepRun SweepRunAt(const config::SweepConfig& sweep, std::size_t index) {
                .combination = index / seeds,
                .seed = static_cast<int>(index % seeds) + 1,
                .values = std::vector<std::string>(sweep.parameters.size())};
+  // the combination's digits, each in the base of its parameter's number of values; the last runs fastest
   std::size_t rest = run.combination;
   for (std::size_t i = sweep.parameters.size(); i-- > 0;) {
     const SweepParameter& parameter = sweep.parameters[i];
     if (parameter.draw != SweepDraw::kListed) {
-      run.values[i] = Drawn(parameter, run.seed);
+      run.values[i] = DrawnValue(parameter, run.seed);
       continue;
     }
     run.values[i] = parameter.values[rest % parameter.values.size()];
@@ -75,6 +77,7 @@ std::vector<std::string> AssignmentsOf(const config::SweepConfig& sweep, const S
 
 std::vector<std::size_t> RunsWithEachValue(const config::SweepConfig& sweep) {
   std::vector<std::size_t> runs{0};
+  // runs from one value of a parameter to its next, with all other parameters at their first value
   auto stride = static_cast<std::size_t>(sweep.seeds);
   for (std::size_t i = sweep.parameters.size(); i-- > 0;) {
     const std::size_t count = sweep.parameters[i].values.size();

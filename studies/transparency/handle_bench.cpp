@@ -19,6 +19,7 @@ using kinematics::JointVector;
 
 constexpr double kTau = 2.0 * std::numbers::pi;
 
+// Throws std::invalid_argument unless low <= value <= high.
 void Require(const char* name, double value, double low, double high) {
   if (!(value >= low && value <= high))
     throw std::invalid_argument(std::string("handle ") + name + ": found " + base::NumberText(value) +
@@ -31,9 +32,10 @@ struct SineFit {
   double residual_rms{0.0};
 };
 
+// Fits the values from index `first` on. @param w  angular frequency [rad/s]
 SineFit FitSine(const std::vector<double>& values, double w, double dt_s, std::size_t first) {
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  Eigen::Vector4d right_side = Eigen::Vector4d::Zero();
   const double span_s = static_cast<double>(values.size()) * dt_s;
   const auto row = [&](std::size_t i) {
     const double t = static_cast<double>(i) * dt_s;
@@ -42,12 +44,13 @@ SineFit FitSine(const std::vector<double>& values, double w, double dt_s, std::s
   for (std::size_t i = first; i < values.size(); ++i) {
     const Eigen::Vector4d a = row(i);
     normal += a * a.transpose();
-    right += values[i] * a;
+    right_side += values[i] * a;
   }
-  const Eigen::Vector4d x = normal.ldlt().solve(right);
-  SineFit fit{.phasor = {x[2], x[3]}};
+  const Eigen::Vector4d coefficients = normal.ldlt().solve(right_side);
+  SineFit fit{.phasor = {coefficients[2], coefficients[3]}};
   double sum = 0.0;
-  for (std::size_t i = first; i < values.size(); ++i) sum += std::pow(values[i] - row(i).dot(x), 2);
+  for (std::size_t i = first; i < values.size(); ++i)
+    sum += std::pow(values[i] - row(i).dot(coefficients), 2);
   fit.residual_rms = std::sqrt(sum / static_cast<double>(values.size() - first));
   return fit;
 }
@@ -85,7 +88,7 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
   const Pose X_WT_start = tool_pose();
   const Pose X_TF = params.X_FT.inverse();
   const Vector3 u_W = X_WT_start.linear().col(shake.axis % 3);
-  const bool turns = shake.axis >= 3;
+  const bool turns = shake.axis >= 3;  // shakes about the axis instead of along it
 
   simulation::ContactModel model;
   if (wall) {
@@ -114,11 +117,13 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
   HandlePoint point;
   point.frequency_hz = shake.frequency_hz;
   for (std::size_t i = 0; i < count; ++i) {
+    // the tool's motion since the start, along or about the shaken axis
     const Pose X_WT = tool_pose();
     const Vector3 d_W = X_WT.translation() - X_WT_start.translation();
     const Eigen::AngleAxisd turn(X_WT.linear() * X_WT_start.linear().transpose());
     motion.push_back(u_W.dot(turns ? Vector3(turn.angle() * turn.axis()) : d_W));
 
+    // the hand's wrench, and the sensor's reading of an earlier load
     const double value = shake.bias + shake.amplitude * std::cos(w * static_cast<double>(i) * dt_s);
     Wrench F_T_W;
     (turns ? F_T_W.t : F_T_W.f) = value * u_W;
@@ -133,6 +138,7 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
       F_S = hil::SubtractInertia(servo.sensor, F_S,
                                  {.X_WT = X_WT, .X_WF = X_WF, .V_WT = felt.V_WT, .A_WT = felt.A_WT});
 
+    // a tick of the shipped loop, then a period of the arm with its command
     const rt::Nanoseconds now = rt::kSecond + static_cast<rt::Nanoseconds>(i) * period_ns;
     state.stamp = now;
     ++state.sequence;

@@ -14,6 +14,7 @@
 
 namespace osteon::studies {
 
+/// The servo loop and the simulated arm that are measured.
 struct HandleBenchParams {
   control::ServoParams servo;   ///< drive, PLC and start path have no effect
   hil::SimulatedArmParams arm;  ///< q_start: the posture of the measurement; chain and gravity as the arm's
@@ -70,7 +71,8 @@ struct HandleSweep {
   double max_speed{0.05};    ///< [m/s, rad/s]
   double max_wrench{20.0};   ///< [N, N·m]
 };
-/// @param progress  receives the share that is done; may be empty
+/// Shakes the handle in free motion at each frequency. @param progress  receives the share that is done; may
+/// be empty
 [[nodiscard]] std::vector<HandlePoint> SweepFree(const HandleBenchParams& params, const HandleSweep& sweep,
                                                  const std::function<void(double)>& progress = {});
 
@@ -86,6 +88,7 @@ struct HandleFit {
   double drag{0.0};      ///< [N s/m, N·m s/rad]
   double residual{0.0};  ///< rms of |Z - fit| / |Z|
 };
+/// Fits the points up to max_hz; points with a fault are left out.
 [[nodiscard]] HandleFit FitMassAndDrag(const std::vector<HandlePoint>& points, double max_hz);
 
 }  // namespace osteon::studies

@@ -25,17 +25,20 @@ constexpr double kTau = 2.0 * std::numbers::pi;
 constexpr std::array<const char*, 6> kAxes{"x", "y", "z", "about x", "about y", "about z"};
 constexpr std::array<const char*, 3> kColors{"#0072b2", "#d55e00", "#009e73"};
 constexpr const char* kAskedColor = "#777777";
-// Travel and speed of the hand: small compared with a joint's range, large compared with rounding.
+// Limits of a sweep's travel, speed and wrench: small compared with a joint's range, large compared with
+// rounding.
 constexpr double kTravel_m = 0.005, kSpeed_m_per_s = 0.05, kWrench_N = 20.0;
 constexpr double kTravel_rad = 0.02, kSpeed_rad_per_s = 0.2, kWrench_Nm = 2.0;
-// Tolerances relative to the requested impedance: rms in free motion, and of the stiffness. A hand
-// distinguishes stiffnesses from a difference of about 23 % (L. A. Jones and I. W. Hunter, Exp. Brain Res.
-// 79, 1990) and damping from 19 % (Jones, Hunter, Lafontaine, Perception 26, 1997, by forced choice; 34 %
-// where one arm is matched with the other, 1993). An error as large as the request is something else.
+// Tolerances relative to the requested impedance: of the stiffness in contact, of the rms in free motion, and
+// the error of either beyond which the result is bad, since an error as large as the request is no longer the
+// requested feel. A hand distinguishes stiffnesses from a difference of about 23 % (L. A. Jones and I. W.
+// Hunter, Exp. Brain Res. 79, 1990) and damping from 19 % (Jones, Hunter, Lafontaine, Perception 26, 1997, by
+// forced choice; 34 % where one arm is matched with the other, 1993).
 constexpr double kNoticed = 0.23, kNoticedFree = 0.19, kSomethingElse = 1.0;
-// In contact: fractions of the cell's force limit.
+// Mean and amplitude of the hand's force in contact, as fractions of the cell's force limit.
 constexpr double kPreload = 0.3, kSwing = 0.1;
 
+// The measured frequencies [Hz], evenly spaced in the logarithm.
 std::vector<double> Frequencies(int count) {
   std::vector<double> hz;
   const double ratio = kTransparencyMax_hz / kTransparencyMin_hz;
@@ -44,6 +47,7 @@ std::vector<double> Frequencies(int count) {
   return hz;
 }
 
+// The bench with the cell's own loop and simulated arm at the cell's start.
 HandleBenchParams BenchOf(const config::CellConfig& cell, const TransparencyOptions& options) {
   HandleBenchParams bench;
   bench.servo = cell.servo;
@@ -57,7 +61,7 @@ HandleBenchParams BenchOf(const config::CellConfig& cell, const TransparencyOpti
   return bench;
 }
 
-double Degrees(const Complex& z) { return std::arg(z) * 360.0 / kTau; }
+double PhaseDegrees(const Complex& z) { return std::arg(z) * 360.0 / kTau; }
 
 // Impedance that law and coupling request while the tool touches the plane.
 Complex AskedInContact(const TransparencyResult& result, const HandlePoint& point) {
@@ -74,6 +78,7 @@ report::Series Unwrapped(report::Series series) {
   return series;
 }
 
+// A curve of one value of each point over its frequency.
 report::Series Curve(const std::string& name, const std::string& color,
                      const std::vector<HandlePoint>& points,
                      const std::function<double(const HandlePoint&)>& value, double opacity = 1.0) {
@@ -85,7 +90,8 @@ report::Series Curve(const std::string& name, const std::string& color,
   return series;
 }
 
-std::string Plot(const TransparencyResult& result) {
+// Draws magnitude and phase of the impedance, measured and requested: in free motion, then in contact.
+std::string PlotSvg(const TransparencyResult& result) {
   std::array<report::LineChart, 4> panels{
       report::LineChart{.title = "Free motion, along the tool's axes", .y_label = "|F/v| [N s/m]"},
       report::LineChart{.y_label = "phase [deg]", .y_from_zero = false, .legend = false},
@@ -107,8 +113,8 @@ std::string Plot(const TransparencyResult& result) {
     const TransparencyAxis& axis = result.axes[i];
     report::Series magnitude =
         Curve(kAxes[i], kColors[i], axis.points, [](const auto& point) { return std::abs(point.impedance); });
-    report::Series phase = Unwrapped(
-        Curve(kAxes[i], kColors[i], axis.points, [](const auto& point) { return Degrees(point.impedance); }));
+    report::Series phase = Unwrapped(Curve(kAxes[i], kColors[i], axis.points,
+                                           [](const auto& point) { return PhaseDegrees(point.impedance); }));
     magnitude.width_px = phase.width_px = kWidth_px[i];
     magnitude.dash = phase.dash = kDash[i];
     panels[0].series.push_back(std::move(magnitude));
@@ -121,18 +127,19 @@ std::string Plot(const TransparencyResult& result) {
   panels[0].series.push_back(Curve("asked for (z)", kAskedColor, result.axes[2].points,
                                    [&](const auto& point) { return std::abs(asked(point)); }));
   panels[1].series.push_back(Unwrapped(Curve("asked for (z)", kAskedColor, result.axes[2].points,
-                                             [&](const auto& point) { return Degrees(asked(point)); })));
+                                             [&](const auto& point) { return PhaseDegrees(asked(point)); })));
   panels[2].series = {
       Curve("z", kColors[2], result.contact, [](const auto& point) { return std::abs(point.impedance); }),
       Curve("asked for", kAskedColor, result.contact,
             [&](const auto& point) { return std::abs(contact(point)); })};
   panels[3].series = {Unwrapped(Curve("z", kColors[2], result.contact,
-                                      [](const auto& point) { return Degrees(point.impedance); })),
+                                      [](const auto& point) { return PhaseDegrees(point.impedance); })),
                       Unwrapped(Curve("asked for", kAskedColor, result.contact,
-                                      [&](const auto& point) { return Degrees(contact(point)); }))};
+                                      [&](const auto& point) { return PhaseDegrees(contact(point)); }))};
   return report::Svg(panels);
 }
 
+// A point's figures, measured and requested. @param mode  "free" or "contact"
 nlohmann::ordered_json PointJson(const char* mode, const char* axis, const HandlePoint& point,
                                  const Complex& asked) {
   const double w = kTau * point.frequency_hz;
@@ -140,9 +147,9 @@ nlohmann::ordered_json PointJson(const char* mode, const char* axis, const Handl
           {"axis", axis},
           {"frequency_hz", point.frequency_hz},
           {"magnitude", std::abs(point.impedance)},
-          {"phase_deg", Degrees(point.impedance)},
+          {"phase_deg", PhaseDegrees(point.impedance)},
           {"asked_magnitude", std::abs(asked)},
-          {"asked_phase_deg", Degrees(asked)},
+          {"asked_phase_deg", PhaseDegrees(asked)},
           {"drag", point.impedance.real()},
           {"reactance", point.impedance.imag()},
           {"stiffness", (point.impedance * Complex(0.0, w)).real()},
@@ -195,7 +202,8 @@ std::string ToCsv(const TransparencyResult& result) {
   return csv;
 }
 
-std::vector<std::vector<std::string>> Table(const TransparencyResult& result) {
+// Mass and drag of each axis, requested and measured, in free motion; the first row is the heading.
+std::vector<std::vector<std::string>> FreeMotionTable(const TransparencyResult& result) {
   std::vector<std::vector<std::string>> rows{
       {"axis", "mass asked", "felt", "drag asked", "felt", "residual [%]"}};
   for (const TransparencyAxis& axis : result.axes) {
@@ -210,10 +218,10 @@ std::vector<std::vector<std::string>> Table(const TransparencyResult& result) {
   return rows;
 }
 
-void Print(const TransparencyResult& result) {
+void PrintResult(const TransparencyResult& result) {
   fmt::print("Osteon transparency: {}\n", result.cell);
   session::PrintVerdict(Judge(result), 12);
-  for (const std::vector<std::string>& row : Table(result))
+  for (const std::vector<std::string>& row : FreeMotionTable(result))
     fmt::print("  {:<10} {:>13} {:>13} {:>13} {:>13} {:>13}\n", row[0], row[1], row[2], row[3], row[4],
                row[5]);
   fmt::print("  In contact   {:.2f} N/mm felt, {:.2f} N/mm asked for\n", 1e-3 * result.stiffness_N_per_m,
@@ -283,7 +291,7 @@ TransparencyResult MeasureTransparency(const config::CellConfig& cell, const Tra
     }
     TransparencyAxis axis{.axis = i, .points = SweepFree(bench, sweep), .fit = {}};
     axis.fit = FitMassAndDrag(axis.points, kTransparencyFit_hz);
-    const Complex asked = AskedImpedance(law, i, 1.0);
+    const Complex asked = AskedImpedance(law, i, 1.0);  // drag + j 2π mass, at 1 Hz
     axis.asked_drag = asked.real();
     axis.asked_mass = asked.imag() / kTau;
     double sum = 0.0;
@@ -307,6 +315,7 @@ TransparencyResult MeasureTransparency(const config::CellConfig& cell, const Tra
         bench,
         {.axis = 2, .frequency_hz = hz, .amplitude = result.contact_amplitude_N, .bias = result.preload_N},
         HandleWall{result.asked_stiffness_N_per_m}));
+  // in contact Z is about K / (j w) at the lowest frequency
   const HandlePoint& slowest = result.contact.front();
   result.stiffness_N_per_m = (slowest.impedance * Complex(0.0, kTau * slowest.frequency_hz)).real();
   progress.Done();
@@ -336,7 +345,7 @@ int RunTransparency(const TransparencyOptions& options) {
       {.name = "transparency",
        .title = "Transparency of " + result.cell,
        .verdict = verdict.ForReport(),
-       .svg = Plot(result),
+       .svg = PlotSvg(result),
        .caption =
            "How hard the hand has to push for a speed of the tool (|F/v|), and how far the force is ahead "
            "of the speed (phase), one frequency after the other: as felt at the handle, and as the gains "
@@ -346,7 +355,7 @@ int RunTransparency(const TransparencyOptions& options) {
        .csv = ToCsv(result),
        .json = json,
        .json_copy = options.json,
-       .table = Table(result),
+       .table = FreeMotionTable(result),
        .notes = {fmt::format(
                      "The table: mass and drag that the cell's gains ask for, and those that a hand feels "
                      "at the simulated arm, fitted up to {:g} Hz. The residual says by how much the felt "
@@ -356,7 +365,7 @@ int RunTransparency(const TransparencyOptions& options) {
                  options.command_line}},
       options.out);
   if (!written) return session::Fail("transparency", written.error(), session::kFailed);
-  Print(result);
+  PrintResult(result);
   return verdict.level == session::VerdictLevel::kBad ? session::kFailed : 0;
 }
 

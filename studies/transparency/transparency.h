@@ -12,6 +12,7 @@
 
 namespace osteon::studies {
 
+/// Options of `osteon transparency`.
 struct TransparencyOptions {
   std::filesystem::path cell;
   std::filesystem::path out{"transparency"};
@@ -23,6 +24,7 @@ struct TransparencyOptions {
   std::string command_line{};
 };
 
+/// The range of the measured frequencies.
 inline constexpr double kTransparencyMin_hz = 0.1, kTransparencyMax_hz = 30.0;
 /// Mass and drag are fitted, and the residual is computed, up to this frequency: the band of hand motion.
 inline constexpr double kTransparencyFit_hz = 3.0;
@@ -37,6 +39,7 @@ struct TransparencyAxis {
   double residual{0.0};
 };
 
+/// The impedance at the handle, measured and requested, in free motion and in contact.
 struct TransparencyResult {
   std::string cell;
   std::vector<TransparencyAxis> axes;   ///< six
@@ -44,8 +47,8 @@ struct TransparencyResult {
   double asked_stiffness_N_per_m{0.0};  ///< stiffness of the plane
   /// The coupling's damping, which applies as long as it adds less than its permitted share of the force.
   double asked_damping_Ns_per_m{0.0};
-  double stiffness_N_per_m{0.0};  ///< felt stiffness at the lowest frequency
-  double preload_N{0.0}, contact_amplitude_N{0.0};
+  double stiffness_N_per_m{0.0};                    ///< felt stiffness at the lowest frequency
+  double preload_N{0.0}, contact_amplitude_N{0.0};  ///< mean and amplitude of the hand's force in contact
   /// The headline figure: the worst residual of the three directions along which the tool is led.
   [[nodiscard]] double free_residual() const;
   [[nodiscard]] double apparent_mass_kg() const;  ///< the largest of the three

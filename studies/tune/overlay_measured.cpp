@@ -8,7 +8,8 @@
 namespace osteon::studies {
 namespace {
 
-// The fitted arm of the response's axis whose speed is nearest to the response's; null: none was fitted.
+// The arm that was fitted on the response's axis at the speed nearest to the response's; null: none was
+// fitted.
 const config::IdentifiedArm* ArmBeside(const config::IdentifiedCell& identified,
                                        const config::IdentifiedResponse& response) {
   const config::IdentifiedArm* nearest = nullptr;
@@ -20,7 +21,7 @@ const config::IdentifiedArm* ArmBeside(const config::IdentifiedCell& identified,
   return nearest;
 }
 
-// The spring's stiffness by which x / f was multiplied.
+// Stiffness of the spring [N/m] by which the identification multiplied x / f; empty: not known.
 std::optional<double> SpringOf(const config::IdentifiedResponse& response, const config::IdentifiedArm* arm) {
   if (response.spring_N_per_m) return response.spring_N_per_m;
   if (arm == nullptr || !arm->felt_mass_kg) return {};
@@ -28,6 +29,7 @@ std::optional<double> SpringOf(const config::IdentifiedResponse& response, const
   return *arm->felt_mass_kg * w * w;
 }
 
+// Name of a case's hand and axis, by which WorstCurve finds the case again.
 std::string HandName(const OverlayCase& one, const MeasuredAxis& axis) {
   return one.loop.hand.name + ", along " + axis.axis;
 }

@@ -24,6 +24,7 @@ struct MeasuredAxis {
                                                        const OverlayLoopParams& loop);
 
 /// Whether the loop is stable by every measured axis; the wall of `loop` stands across that axis.
+/// @param late_s  additional delay of each command beyond the measured one
 [[nodiscard]] bool StandsMeasured(const std::vector<MeasuredAxis>& axes, const OverlayLoopParams& loop,
                                   double late_s);
 

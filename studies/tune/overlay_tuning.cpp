@@ -17,6 +17,7 @@
 namespace osteon::studies {
 namespace {
 
+// Accepted relative difference between the measured mass along z and that of the arm's model.
 constexpr double kMaxMassOff = 0.15;
 
 }  // namespace
@@ -123,6 +124,7 @@ std::vector<report::SummaryRow> Rows(const OverlayTuning& t) {
 
 namespace {
 
+// The file gains.yaml with the recommended coupling.
 std::string GainsYaml(const OverlayTuning& t, const std::string& command_line) {
   return fmt::format(
       "# {}\n# Stands hands up to {:g} N/m with gain margin {:.2f}. For: osteon run CELL.yaml --gains "
@@ -176,6 +178,7 @@ std::string ToJson(const OverlayTuning& t, const std::string& command_line) {
   return session::ResultText(Judge(t), json);
 }
 
+// Draws the stiffest stable wall over the law's damping, predicted and simulated.
 std::string BoundarySvg(const OverlayTuning& t) {
   report::LineChart chart{.title = "Greatest wall stiffness with the impedance law",
                           .x_label = "damping of the law [N s/m]",
@@ -186,6 +189,7 @@ std::string BoundarySvg(const OverlayTuning& t) {
                           .plot_height_px = 330.0};
   report::Series predicted{.name = "predicted", .width_px = 2.0};
   report::Series simulated{.name = "simulated", .width_px = 0.0, .marker = report::Marker::kRing};
+  // [kN/m]; not drawn where the loop is unstable without a wall
   const auto shown = [](double N_per_m) {
     return N_per_m > 0.0 ? 1e-3 * N_per_m : std::numeric_limits<double>::quiet_NaN();
   };
@@ -207,6 +211,7 @@ std::string BoundarySvg(const OverlayTuning& t) {
   return report::Svg(chart);
 }
 
+// The verdict as the page shows it: in plain words, with the reason and the next step.
 report::ReportVerdict PlainVerdict(const OverlayTuning& t) {
   const session::Verdict verdict = Judge(t);
   report::ReportVerdict plain = verdict.ForReport();

@@ -23,14 +23,15 @@ namespace osteon::studies {
 /// The stiffest wall that is stable with one damping of the law and the worst hand.
 struct OverlayBoundary {
   double damping_Ns_per_m{0.0};
-  double predicted_N_per_m{0.0}, simulated_N_per_m{0.0};  // 0: unstable without a wall
-  std::size_t hand{0};
+  // by the linear loop, and by simulation in time; 0: unstable without a wall
+  double predicted_N_per_m{0.0}, simulated_N_per_m{0.0};
+  std::size_t hand{0};  // the worst hand: index in OverlayTuning::hands
 };
 
 /// Simulations in time with the recommended gains.
 struct OverlayCheck {
   std::size_t runs{0};
-  std::vector<std::string> grew{};
+  std::vector<std::string> grew{};  // hand and contact of each run whose motion grew
 };
 
 /// A cell with the impedance law, and all results for it.
@@ -42,9 +43,9 @@ struct OverlayTuning {
   double mass_kg{0.0};                              // of the tool along its axis
   std::optional<config::IdentifiedArm> measured{};  // the measured axis with the longest dead time
   double along_tool_kg{0.0};                        // measured mass along z; 0: not measured
-  bool on_mount{false};                             // by any measured axis, the arm's mount gives way
-  double own_margin{0.0};                           // of the cell's gains; 0: not stable with all hands
-  double recommended_Ns_per_m{0.0};                 // damping; 0: none is recommended
+  bool on_mount{false};              // the measurement of some axis found that the arm's mount gives way
+  double own_margin{0.0};            // of the cell's gains; 0: not stable with all hands
+  double recommended_Ns_per_m{0.0};  // damping; 0: none is recommended
   double recommended_N_per_m{0.0}, recommended_margin{0.0};
   double planes_N_per_m{0.0};  // stiffest planes at the task's age, at most the task's
   std::vector<OverlayBoundary> boundary{};
@@ -61,7 +62,7 @@ struct OverlayTuning {
   [[nodiscard]] double own_damping() const { return loop.law.damping_Ns_per_m.z(); }
 };
 
-/// Bad if the gains may not be used; to be looked at with remarks.
+/// Bad if the recommended gains may not be used; a warning for each remark.
 [[nodiscard]] session::Verdict Judge(const OverlayTuning& t);
 /// The result as rows for terminal and page.
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const OverlayTuning& t);

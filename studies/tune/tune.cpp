@@ -32,15 +32,16 @@
 namespace osteon::studies {
 namespace {
 
-// Below 1 kg a hand's own mass dominates; above 5 kg the tool is no longer light.
+// The virtual masses that are tried. Below 1 kg a hand's own mass dominates; above 5 kg the tool is no longer
+// light.
 constexpr std::array kMasses_kg{1.0, 1.4, 1.7, 2.0, 2.4, 2.8, 3.4, 4.0, 5.0, 7.0};
-constexpr int kWalls = 32;  // number of walls in the map
-constexpr double kMinDamping = 5.0, kMaxDamping = 500.0;
+constexpr int kWalls = 32;                                // number of wall stiffnesses in the map
+constexpr double kMinDamping = 5.0, kMaxDamping = 500.0;  // of boundaries and map [N s/m]
 constexpr double kTie = 1.05;  // drags within this ratio count as equal, and the lighter tool is then chosen
 
 // Everything that a result depends on, besides its own parameters, as text. The number at the text's begin
 // changes with the method.
-std::string Text(const TuneTask& t) {
+std::string KeyText(const TuneTask& t) {
   std::string text =
       fmt::format("2 {} {} {} {} {} {} {} {} {} {} {} {}", t.loop.arm.bandwidth_hz, t.loop.arm.damping_ratio,
                   t.loop.arm.dead_cycles, t.loop.felt_mass_kg, t.loop.sensor_delay, t.loop.period_s,
@@ -58,14 +59,16 @@ std::string Text(const TuneTask& t) {
   return text + fmt::format(" measured {:016x}", hash);
 }
 
-std::string Text(const std::vector<hil::GridHand>& hands) {
+// The part of a cache key that stands for these hands.
+std::string KeyText(const std::vector<hil::GridHand>& hands) {
   std::string text;
   for (const hil::GridHand& h : hands)
     text += fmt::format(" {} {} {}", h.stiffness_N_per_m, h.damping_Ns_per_m, h.mass_kg);
   return text;
 }
 
-std::string Text(const TuneGains& g) { return fmt::format(" {} {}", g.mass_kg, g.damping_Ns_per_m); }
+// The part of a cache key that stands for these gains.
+std::string KeyText(const TuneGains& g) { return fmt::format(" {} {}", g.mass_kg, g.damping_Ns_per_m); }
 
 // Numbers of the study's results: first the results from which gains are recommended, which every shard
 // computes for itself, then the results at the recommended gains.
@@ -74,10 +77,11 @@ struct Items {
                                kRecommended = kMargins + kMasses_kg.size();
   static constexpr std::size_t kRecommendedMargin = kRecommended, kStiffestDrag = kRecommended + 1,
                                kClampDrag = kRecommended + 2, kBoundaries = kRecommended + 3;
-  /// @param dampings  number of dampings in the map
+  // First boundary of a set of hands. @param hands  0 firm, 1 human, 2 stiffest; @param dampings  in the map
   static std::size_t Boundaries(std::size_t hands, int dampings) {
     return kBoundaries + hands * static_cast<std::size_t>(dampings + 1);
   }
+  // First row of a map. @param map  0 human, 1 stiffest hands
   static std::size_t Rows(std::size_t map, int dampings) {
     return Boundaries(3, dampings) + map * static_cast<std::size_t>(kWalls);
   }
@@ -106,9 +110,11 @@ class Study {
   Study(const TuneTask& task, TuneCache& cache, StudyItems& items, int threads)
       : task_(task), cache_(cache), items_(items), threads_(threads) {}
 
+  // An item's numbers: from the parts, from the cache, or computed now. Empty if the item belongs to another
+  // shard, or after an interrupt. @param what  the result and its own parameters, as text for the key
   template <typename Compute>
   std::vector<double> Get(std::size_t item, const std::string& what, const Compute& compute) const {
-    const std::string from = what + ": " + Text(task_);
+    const std::string from = what + ": " + KeyText(task_);
     if (items_.FromParts()) {
       std::vector<double> values = items_.Restore(item, NumbersFrom);
       cache_.Store(from, values);
@@ -122,6 +128,7 @@ class Study {
     items_.Store(item, JsonOf(values));
     return values;
   }
+  // Get for an item of a single number; 0 if there is none.
   template <typename Compute>
   double One(std::size_t item, const std::string& what, const Compute& compute) const {
     const std::vector<double> values = Get(item, what, [&] { return std::vector<double>{compute()}; });
@@ -140,6 +147,7 @@ class Study {
   }
   // Marks an item that this study does not need.
   void Skip(std::size_t item) const { items_.Store(item, nlohmann::json::array()); }
+  // Calls each(i) for all i below count in parallel, until an interrupt.
   template <typename Each>
   void ForEach(std::size_t count, const Each& each) const {
     simulation::ParallelFor(
@@ -152,24 +160,27 @@ class Study {
 
   [[nodiscard]] double Margin(std::size_t item, const TuneGains& gains,
                               const std::vector<hil::GridHand>& hands) const {
-    return One(item, "margin" + Text(gains) + Text(hands), [&] { return GainMargin(task_, gains, hands); });
+    return One(item, "margin" + KeyText(gains) + KeyText(hands),
+               [&] { return GainMargin(task_, gains, hands); });
   }
   [[nodiscard]] double Drag(std::size_t item, double mass_kg, const std::vector<hil::GridHand>& hands) const {
-    return One(item, fmt::format("drag {}{}", mass_kg, Text(hands)),
+    return One(item, fmt::format("drag {}{}", mass_kg, KeyText(hands)),
                [&] { return MinDragFor(task_, mass_kg, hands); });
   }
+  // BoundaryAt as an item of four numbers; zeros if the item was not computed.
   [[nodiscard]] TuneBoundary BoundaryOf(std::size_t item, const TuneGains& gains,
                                         const std::vector<hil::GridHand>& hands, double max_N_per_m) const {
-    const std::vector<double> v =
-        Get(item, fmt::format("boundary {}{}{}", max_N_per_m, Text(gains), Text(hands)), [&] {
+    const std::vector<double> values =
+        Get(item, fmt::format("boundary {}{}{}", max_N_per_m, KeyText(gains), KeyText(hands)), [&] {
           const TuneBoundary b = BoundaryAt(task_, gains, hands, max_N_per_m);
           return std::vector{b.predicted_N_per_m, b.simulated_N_per_m, b.degraded_N_per_m,
                              static_cast<double>(b.hand)};
         });
-    if (v.size() != 4 || !(v[3] >= 0.0 && v[3] < static_cast<double>(hands.size())))
+    if (values.size() != 4 || !(values[3] >= 0.0 && values[3] < static_cast<double>(hands.size())))
       return {.damping_Ns_per_m = gains.damping_Ns_per_m};
-    return {gains.damping_Ns_per_m, v[0], v[1], v[2], static_cast<std::size_t>(v[3])};
+    return {gains.damping_Ns_per_m, values[0], values[1], values[2], static_cast<std::size_t>(values[3])};
   }
+  // The boundaries at the recommended mass and these dampings, an item each.
   [[nodiscard]] std::vector<TuneBoundary> Boundaries(std::size_t first_item, const TuneResult& r,
                                                      const std::vector<double>& dampings,
                                                      const std::vector<hil::GridHand>& hands) const {
@@ -180,6 +191,7 @@ class Study {
     });
     return boundaries;
   }
+  // The decay rates at the recommended mass; the row of each wall is an item.
   [[nodiscard]] TuneMap Map(std::size_t first_item, const TuneResult& r, const std::string& title,
                             const std::vector<hil::GridHand>& hands, int dampings) const {
     TuneMap map{.title = title,
@@ -196,7 +208,7 @@ class Study {
           map.wall_from * std::pow(map.wall_to / map.wall_from, (static_cast<double>(row) + 0.5) / map.walls);
       const auto values = Get(first_item + row,
                               fmt::format("row {} {} {} {}{}", wall, map.dampings, map.damping_from,
-                                          r.recommended.mass_kg, Text(hands)),
+                                          r.recommended.mass_kg, KeyText(hands)),
                               [&] {
                                 std::vector<double> decay;
                                 for (int i = 0; i < map.dampings; ++i) {
@@ -220,8 +232,8 @@ class Study {
   int threads_;
 };
 
-// Chooses the lightest of the masses that need about the least drag; of these, only those that count as light
-// together with their drag, if there are any.
+// Recommends the lightest of the masses that need about the least drag. If some of these masses and their
+// drags count as light, only those are candidates.
 void Recommend(const Study& study, TuneResult& r) {
   r.trade.resize(kMasses_kg.size());
   for (std::size_t i = 0; i < kMasses_kg.size(); ++i) r.trade[i].mass_kg = kMasses_kg[i];
@@ -244,6 +256,7 @@ void Recommend(const Study& study, TuneResult& r) {
   r.recommended = {chosen->mass_kg, std::ceil(chosen->human_Ns_per_m)};
 }
 
+// Finds the mass with the largest gain margin among masses and drag that still count as light.
 void SearchWithinBar(const Study& study, TuneResult& r) {
   std::array<double, kMasses_kg.size()> margins{};
   study.ForEach(kMasses_kg.size(), [&](std::size_t i) {
@@ -258,6 +271,7 @@ void SearchWithinBar(const Study& study, TuneResult& r) {
   r.within_bar = {kMasses_kg[static_cast<std::size_t>(best - margins.begin())], r.task.max_drag_Ns_per_m};
 }
 
+// Computes all results in their order, as far as each of them is needed.
 void StudyAll(const Study& study, const TuneOptions& options, base::PhaseProgress& progress, TuneResult& r) {
   progress.BeginPhase("the cell's own gains, and the least drag by mass");
   r.own_margin =
@@ -301,7 +315,8 @@ void StudyAll(const Study& study, const TuneOptions& options, base::PhaseProgres
             [&] { return IndexWith(r.task, r.recommended, r.human_hands); });
 }
 
-// Maps the guidance of a plan's first reamer at full gain: all reamers of a plan have the same gains.
+// Maps the guidance of the first reamer of --plan at full gain: all reamers of a plan have the same gains.
+// @returns no map without --plan; an error if the plan has no guidance
 tl::expected<std::optional<GuidanceMap>, std::string> MapPlan(const TuneOptions& options,
                                                               const TuneTask& task,
                                                               const config::CellConfig& cell) {
@@ -338,20 +353,21 @@ tl::expected<void, std::string> SetDelays(const TuneOptions& options, TuneTask& 
     task.loop.sensor_delay = *sensor;
     task.response_delay_s = 1e-3 * *options.sensor_delay_ms;
   }
-  const double most = hil::ServoArm::kMaxDeadCycles - task.loop.arm.dead_cycles;
-  if (most < 0.0)
+  const double max_jitter = hil::ServoArm::kMaxDeadCycles - task.loop.arm.dead_cycles;
+  if (max_jitter < 0.0)
     return tl::unexpected(fmt::format(
         "the arm's dead time with the sensor's: found {:g} ms, accepted at most {:g} ms at this cell's "
         "period",
         1e3 * task.loop.arm.dead_cycles * period_s, 1e3 * hil::ServoArm::kMaxDeadCycles * period_s));
-  if (task.command_jitter > most)
+  if (task.command_jitter > max_jitter)
     return tl::unexpected(fmt::format(
         "{}: found {:g}, accepted at most {:g} with the arm's dead time",
         options.jitter_ms ? "--jitter-ms" : "the measured jitter (jitter_p99_ms less jitter_mean_ms)",
-        1e3 * task.command_jitter * period_s, 1e3 * period_s * std::floor(most)));
+        1e3 * task.command_jitter * period_s, 1e3 * period_s * std::floor(max_jitter)));
   return {};
 }
 
+// The cell's task with the options. @returns an error that names the option
 tl::expected<TuneTask, std::string> TaskOf(const config::CellConfig& cell, const TuneOptions& options) {
   TuneTask task = MeasuredTaskOf(cell);
   if (const auto set = SetDelays(options, task); !set) return tl::unexpected(set.error());
@@ -382,10 +398,11 @@ void AddMargins(TuneResult& r) {
 
 // Everything that the results depend on, as text.
 std::string InputsOf(const TuneResult& r, const TuneOptions& options) {
-  return fmt::format("{} {}{}{}", Text(r.task), options.dampings, Text(r.human_hands),
-                     Text(r.stiffest_hands));
+  return fmt::format("{} {}{}{}", KeyText(r.task), options.dampings, KeyText(r.human_hands),
+                     KeyText(r.stiffest_hands));
 }
 
+// RunTune without its handling of errors: throws if the cell's file or a parameter is wrong.
 int Run(const TuneOptions& options) {
   if (const std::string wrong = ValidateSharding(options.sharding, options.json); !wrong.empty())
     return session::Fail("tune", wrong);

@@ -8,6 +8,7 @@
 
 namespace osteon::studies {
 
+/// Options of `osteon tune`.
 struct TuneOptions {
   std::filesystem::path cell;
   std::filesystem::path out{"tune"};
@@ -16,8 +17,8 @@ struct TuneOptions {
   std::filesystem::path identified{};
   std::filesystem::path plan{};  ///< surgical plan whose guidance is judged as well; empty: none
   double worst_age_ms{2.0};      ///< largest age of a contact model's pose
-  double margin{1.1};
-  std::optional<double> loss{};  ///< default: as identified, else 0.01
+  double margin{1.1};            ///< gain margin that the recommended gains must have
+  std::optional<double> loss{};  ///< share of lost commands; default: as identified, else 0.01
   /// Whole periods of the cell. Default: as identified; otherwise one period, but at least 1 ms.
   std::optional<double> jitter_ms{}, sensor_delay_ms{};
   double human_grip_N_per_m{3e3}, stiffest_grip_N_per_m{10e3};

@@ -20,11 +20,11 @@ constexpr const char* kSchema = "osteon.tune_cache/1";
 }  // namespace
 
 TuneCache::TuneCache(std::filesystem::path file)
-    : file_(std::move(file)), before_(nlohmann::json::object()), now_(nlohmann::json::object()) {
+    : file_(std::move(file)), loaded_(nlohmann::json::object()), kept_(nlohmann::json::object()) {
   std::ifstream stream(file_);
   const nlohmann::json read = nlohmann::json::parse(stream, nullptr, false);
   if (base::TextAt(read, "schema") != kSchema) return;
-  if (const nlohmann::json& values = base::ValueAt(read, "values"); values.is_object()) before_ = values;
+  if (const nlohmann::json& values = base::ValueAt(read, "values"); values.is_object()) loaded_ = values;
 }
 
 std::string TuneCache::Key(const std::string& from) {
@@ -35,15 +35,15 @@ std::string TuneCache::Key(const std::string& from) {
 
 std::optional<std::vector<double>> TuneCache::Find(const std::string& from) {
   const std::scoped_lock lock(mutex_);
-  const auto at = before_.find(Key(from));
-  if (at == before_.end() || !at->is_array()) return {};
+  const auto at = loaded_.find(Key(from));
+  if (at == loaded_.end() || !at->is_array()) return {};
   std::vector<double> values;
   for (const nlohmann::json& value : *at) {
     if (!value.is_number() && !value.is_null()) return {};
     // JSON has no infinity
     values.push_back(value.is_null() ? std::numeric_limits<double>::infinity() : value.get<double>());
   }
-  now_[Key(from)] = *at;
+  kept_[Key(from)] = *at;
   ++found_;
   return values;
 }
@@ -53,13 +53,13 @@ void TuneCache::Store(const std::string& from, const std::vector<double>& values
   nlohmann::json list = nlohmann::json::array();
   for (const double value : values)
     list.push_back(std::isfinite(value) ? nlohmann::json(value) : nlohmann::json());
-  now_[Key(from)] = list;
+  kept_[Key(from)] = list;
   ++computed_;
 }
 
 tl::expected<void, std::string> TuneCache::Save() const {
   const std::scoped_lock lock(mutex_);
-  return base::WriteText(file_, nlohmann::json{{"schema", kSchema}, {"values", now_}}.dump(1) + "\n");
+  return base::WriteText(file_, nlohmann::json{{"schema", kSchema}, {"values", kept_}}.dump(1) + "\n");
 }
 
 }  // namespace osteon::studies

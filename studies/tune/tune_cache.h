@@ -24,15 +24,17 @@ class TuneCache {
   /// Saves only the entries that were found or stored since construction. The error names the file.
   [[nodiscard]] tl::expected<void, std::string> Save() const;
 
+  /// Numbers of entries that were found in the file, and that were stored since construction.
   [[nodiscard]] int found() const { return found_; }
   [[nodiscard]] int computed() const { return computed_; }
 
  private:
+  // Hash of the inputs' text.
   static std::string Key(const std::string& from);
 
   std::filesystem::path file_;
-  nlohmann::json before_, now_;
-  mutable std::mutex mutex_;  ///< guards the entries and the counts
+  nlohmann::json loaded_, kept_;  ///< entries of the file; entries that Save writes
+  mutable std::mutex mutex_;      ///< guards the entries and the counts
   int found_{0}, computed_{0};
 };
 

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kMaxFactor = 4.0;  // boundaries are searched up to this factor on the plan's gains
 
+// The planar loop with the task's arm and delays, the law's virtual tool, and the guidance.
 GuidedLoopParams LoopOf(const TuneTask& task, const control::AdmittanceParams& law,
                         const control::GuidanceParams& guidance) {
   GuidedLoopParams loop{.arm = task.loop.arm,
@@ -28,23 +29,25 @@ GuidedLoopParams LoopOf(const TuneTask& task, const control::AdmittanceParams& l
   return loop;
 }
 
-// The stiffest spring along the axis that is stable with every hand that is stable without it.
-hil::Boundary DepthBoundary(const TuneTask& task, double most_N_per_m) {
-  hil::Boundary least{.value = most_N_per_m, .crossed = false};
+// The largest stiffness of the depth's spring that is stable with every hand. Hands that are unstable without
+// the spring do not count.
+hil::Boundary DepthBoundary(const TuneTask& task, double max_N_per_m) {
+  hil::Boundary least{.value = max_N_per_m, .crossed = false};
   hil::AdmittanceLoopParams loop = task.loop;
   loop.wall = {};
   for (const HeldHand& held : GuidanceHands()) {
     loop.hand = held.hand;
     if (hil::AdmittanceLoop(loop).SpectralRadius() >= 1.0) continue;
     const hil::Boundary found =
-        hil::MaxWallStiffness(loop, {.from = 100.0, .to = most_N_per_m, .tolerance = 1e-2});
+        hil::MaxWallStiffness(loop, {.from = 100.0, .to = max_N_per_m, .tolerance = 1e-2});
     if (found.crossed && found.value < least.value) least = found;
   }
   return least;
 }
 
-std::string Text(const hil::Boundary& boundary, double per) {
-  return fmt::format("{}{:.3g}", boundary.crossed ? "" : "at least ", boundary.value * per);
+// A boundary's value in another unit. @param unit_factor  from the value to that unit
+std::string BoundaryText(const hil::Boundary& boundary, double unit_factor) {
+  return fmt::format("{}{:.3g}", boundary.crossed ? "" : "at least ", boundary.value * unit_factor);
 }
 
 }  // namespace
@@ -64,9 +67,12 @@ GuidanceMap MapGuidance(const TuneTask& task, const control::AdmittanceParams& l
   for (int row = 0; row < GuidanceMap::kNodes && !stopped(); ++row) {
     std::vector<int>& counts = map.counts.emplace_back();
     for (int column = 0; column < GuidanceMap::kNodes; ++column) {
-      const auto share = [](int node) { return GuidanceMap::kMargin * node / (GuidanceMap::kNodes - 1); };
-      loop.guidance.lateral.stiffness = share(row) * guidance.lateral.stiffness;
-      loop.guidance.cone.stiffness = share(column) * guidance.cone.stiffness;
+      // the grid's stiffness at a node, as a factor on the plan's
+      const auto plan_factor = [](int node) {
+        return GuidanceMap::kMargin * node / (GuidanceMap::kNodes - 1);
+      };
+      loop.guidance.lateral.stiffness = plan_factor(row) * guidance.lateral.stiffness;
+      loop.guidance.cone.stiffness = plan_factor(column) * guidance.cone.stiffness;
       counts.push_back(static_cast<int>(std::ranges::count_if(hands, [&](const HeldHand& held) {
         loop.hand = held.hand;
         loop.lever_m = held.lever_m;
@@ -89,7 +95,8 @@ void JudgeGuidance(const GuidanceMap& map, session::Verdict& verdict) {
         fmt::format("the plan's guidance is beyond half of its boundary: funnel and cone stand {} times "
                     "the plan's stiffness, {:g} accepted; depth {} N/mm, at least {:g} accepted: lower the "
                     "plan's stiffnesses",
-                    Text(map.factor, 1.0), GuidanceMap::kMargin, Text(map.depth_N_per_m, 1e-3),
+                    BoundaryText(map.factor, 1.0), GuidanceMap::kMargin,
+                    BoundaryText(map.depth_N_per_m, 1e-3),
                     1e-3 * GuidanceMap::kMargin * map.guidance.depth.stiffness));
 }
 
@@ -101,8 +108,8 @@ std::vector<report::SummaryRow> RowsOf(const GuidanceMap& map) {
                1e-3 * map.guidance.lateral.stiffness, map.guidance.cone.stiffness,
                1e-3 * map.guidance.depth.stiffness, map.hands, map.unstable.size())},
           {"Guidance's boundary",
-           fmt::format("{} times the stiffness of funnel and cone; depth {} N/mm; {}", Text(map.factor, 1.0),
-                       Text(map.depth_N_per_m, 1e-3),
+           fmt::format("{} times the stiffness of funnel and cone; depth {} N/mm; {}",
+                       BoundaryText(map.factor, 1.0), BoundaryText(map.depth_N_per_m, 1e-3),
                        map.Accepted() ? "the plan keeps half of it" : "refused: more than half of it")}};
 }
 
@@ -122,14 +129,14 @@ nlohmann::json ToJson(const GuidanceMap& map) {
 }
 
 std::string TableOf(const GuidanceMap& map) {
-  const auto share = [](int node) { return GuidanceMap::kMargin * node / (GuidanceMap::kNodes - 1); };
+  const auto plan_factor = [](int node) { return GuidanceMap::kMargin * node / (GuidanceMap::kNodes - 1); };
   std::string table = "<table>\n<tr><th>lateral [N/mm], tilt [N·m/rad]</th>";
   for (int column = 0; column < GuidanceMap::kNodes; ++column)
-    table += fmt::format("<th>{:.4g}</th>", share(column) * map.guidance.cone.stiffness);
+    table += fmt::format("<th>{:.4g}</th>", plan_factor(column) * map.guidance.cone.stiffness);
   table += "</tr>\n";
   for (std::size_t row = 0; row < map.counts.size(); ++row) {
     table += fmt::format("<tr><th>{:.4g}</th>",
-                         1e-3 * share(static_cast<int>(row)) * map.guidance.lateral.stiffness);
+                         1e-3 * plan_factor(static_cast<int>(row)) * map.guidance.lateral.stiffness);
     for (const int count : map.counts[row]) table += fmt::format("<td>{}</td>", count);
     table += "</tr>\n";
   }

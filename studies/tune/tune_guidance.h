@@ -41,6 +41,7 @@ struct GuidanceMap {
 
 /// Bad if the plan's gains are beyond half of the boundary.
 void JudgeGuidance(const GuidanceMap& map, session::Verdict& verdict);
+/// The map as rows of a summary.
 [[nodiscard]] std::vector<report::SummaryRow> RowsOf(const GuidanceMap& map);
 [[nodiscard]] nlohmann::json ToJson(const GuidanceMap& map);
 /// The counts as an HTML table.

@@ -19,9 +19,12 @@
 namespace osteon::studies {
 namespace {
 
+// Ranges of the law's damping [N s/m] and of the wall in which boundaries are searched.
 constexpr double kMinDamping = 5.0, kMaxDamping = 1000.0, kMinWall_N_per_m = 500.0, kMaxWall_N_per_m = 100e3;
-constexpr double kScan = 1.25, kTolerance = 5e-3, kMaxMargin = 3.0;
+constexpr double kScan = 1.25, kTolerance = 5e-3;  // ratio of a search's steps; relative tolerance of its end
+constexpr double kMaxMargin = 3.0;                 // gain margins are searched up to this factor
 
+// The loop of a cell with an LBR, at the cell's start posture; without hand and wall.
 OverlayLoopParams LoopOf(const config::CellConfig& cell) {
   const config::LbrConfig* lbr = cell.robot.lbr();  // the impedance law needs FRI, which is an LBR's
   OverlayLoopParams loop{.chain = lbr->chain,
@@ -35,8 +38,10 @@ OverlayLoopParams LoopOf(const config::CellConfig& cell) {
   return loop;
 }
 
-OverlayLoopParams With(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand,
-                       double gain) {
+// The cell's loop with this damping, and with a hand whose stiffness, damping and mass are multiplied by
+// `gain`; without a wall.
+OverlayLoopParams LoopWith(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand,
+                           double gain) {
   OverlayLoopParams loop = t.loop;
   // Scale all three axes, so that they keep the ratio of the cell's file.
   if (t.own_damping() > 0.0)
@@ -48,18 +53,19 @@ OverlayLoopParams With(const OverlayTuning& t, double damping_Ns_per_m, const hi
 }
 
 // Largest additional delay of a command beyond the measured one [s].
-double LatestOf(const OverlayTuning& t) { return t.task.command_jitter * t.loop.period_s; }
+double MaxExtraDelay_s(const OverlayTuning& t) { return t.task.command_jitter * t.loop.period_s; }
 
-// Whether the loop is stable by the arm's model, and by the measured response if there is one.
-bool Stable(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand,
-            const hil::LoopWall& wall, double gain) {
-  OverlayLoopParams loop = With(t, damping_Ns_per_m, hand, gain);
+// Whether the loop is stable by the arm's model, and by the measured response if there is one. Hand and wall
+// are multiplied by `gain`, and every command is as late as the latest.
+bool IsStableWith(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand,
+                  const hil::LoopWall& wall, double gain) {
+  OverlayLoopParams loop = LoopWith(t, damping_Ns_per_m, hand, gain);
   loop.wall = wall;
   loop.wall.stiffness_N_per_m *= gain;
   OverlayLoopParams late = loop;
   late.arm.dead_cycles =
       std::min(loop.arm.dead_cycles + t.task.command_jitter, hil::DynamicArm::kMaxDeadCycles);
-  return OverlayLoop(late).IsStable() && StandsMeasured(t.response, loop, LatestOf(t));
+  return OverlayLoop(late).IsStable() && StandsMeasured(t.response, loop, MaxExtraDelay_s(t));
 }
 
 // Whether the loop is stable with every hand, at a wall of this stiffness and free. False also if
@@ -67,12 +73,13 @@ bool Stable(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand
 bool StandsAll(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_per_m, double gain) {
   return std::ranges::all_of(t.hands, [&](const hil::GridHand& hand) {
     return !base::Interrupted() &&
-           Stable(t, damping_Ns_per_m, hand, {.stiffness_N_per_m = wall_N_per_m}, gain) &&
-           Stable(t, damping_Ns_per_m, hand, {}, gain);
+           IsStableWith(t, damping_Ns_per_m, hand, {.stiffness_N_per_m = wall_N_per_m}, gain) &&
+           IsStableWith(t, damping_Ns_per_m, hand, {}, gain);
   });
 }
 
-// The stiffest planes at the task's age with the recommended damping and every hand, up to the task's.
+// The largest stiffness of planes at the task's age that is stable with the recommended damping and every
+// hand, searched up to the task's.
 double PlanesAt(const OverlayTuning& t) {
   const hil::LoopWall planes = WallOf(t.task, TuneContact::kPlanes, 1.0);
   return hil::FirstCrossing(
@@ -80,7 +87,7 @@ double PlanesAt(const OverlayTuning& t) {
                hil::LoopWall wall = planes;
                wall.stiffness_N_per_m = stiffness;
                return std::ranges::all_of(t.hands, [&](const hil::GridHand& hand) {
-                 return !base::Interrupted() && Stable(t, t.recommended_Ns_per_m, hand, wall, 1.0);
+                 return !base::Interrupted() && IsStableWith(t, t.recommended_Ns_per_m, hand, wall, 1.0);
                });
              },
              {.from = kMinWall_N_per_m,
@@ -90,6 +97,8 @@ double PlanesAt(const OverlayTuning& t) {
       .value;
 }
 
+// The factor on hands and wall at which the loop first becomes unstable, searched from 1 to kMaxMargin.
+// 0: unstable at 1 already.
 double MarginOf(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_per_m) {
   return hil::FirstCrossing([&](double gain) { return StandsAll(t, damping_Ns_per_m, wall_N_per_m, gain); },
                             {.from = 1.0, .to = kMaxMargin, .factor = 1.1, .tolerance = kTolerance})
@@ -115,11 +124,13 @@ double LeastDamping(const OverlayTuning& t, double wall_N_per_m) {
   return high;
 }
 
+// Finds the worst hand by the linear loop, then simulates the boundary with this hand.
 OverlayBoundary BoundaryAt(const OverlayTuning& t, double damping_Ns_per_m) {
   OverlayBoundary boundary{.damping_Ns_per_m = damping_Ns_per_m, .predicted_N_per_m = kMaxWall_N_per_m};
   OverlayLoopParams loop;
-  const auto most = [&](const hil::GridHand& hand, const auto& stable) {
-    loop = With(t, damping_Ns_per_m, hand, 1.0);
+  // stiffest wall that is stable with a hand; 0: unstable without a wall
+  const auto max_wall = [&](const hil::GridHand& hand, const auto& stable) {
+    loop = LoopWith(t, damping_Ns_per_m, hand, 1.0);
     loop.wall = {};
     if (!stable(loop)) return 0.0;
     return hil::FirstCrossing(
@@ -132,16 +143,17 @@ OverlayBoundary BoundaryAt(const OverlayTuning& t, double damping_Ns_per_m) {
   };
   for (std::size_t i = 0; i < t.hands.size(); ++i) {
     const double found =
-        most(t.hands[i], [](const OverlayLoopParams& p) { return OverlayLoop(p).IsStable(); });
+        max_wall(t.hands[i], [](const OverlayLoopParams& p) { return OverlayLoop(p).IsStable(); });
     if (i > 0 && found >= boundary.predicted_N_per_m) continue;
     boundary.predicted_N_per_m = found;
     boundary.hand = i;
   }
   boundary.simulated_N_per_m =
-      most(t.hands[boundary.hand], [](const OverlayLoopParams& p) { return !OverlayGrows(p); });
+      max_wall(t.hands[boundary.hand], [](const OverlayLoopParams& p) { return !OverlayGrows(p); });
   return boundary;
 }
 
+// Simulates the recommended gains with every hand, free and at the recommended wall.
 OverlayCheck CheckInTime(const OverlayTuning& t, int threads) {
   struct Case {
     const hil::GridHand* hand;
@@ -157,7 +169,7 @@ OverlayCheck CheckInTime(const OverlayTuning& t, int threads) {
       cases.size(), threads,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end && !base::Interrupted(); ++i) {
-          OverlayLoopParams loop = With(t, t.recommended_Ns_per_m, *cases[i].hand, 1.0);
+          OverlayLoopParams loop = LoopWith(t, t.recommended_Ns_per_m, *cases[i].hand, 1.0);
           loop.wall = WallOf(task, cases[i].contact, 1.0);
           cases[i].grew = OverlayGrows(loop);
         }
@@ -169,13 +181,14 @@ OverlayCheck CheckInTime(const OverlayTuning& t, int threads) {
   return check;
 }
 
+// The loops with these gains and every hand, free and at the wall.
 std::vector<OverlayCase> CasesOf(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_per_m) {
   TuneTask task = t.task;
   task.wall_N_per_m = wall_N_per_m;
   std::vector<OverlayCase> cases;
   for (const TuneContact contact : {TuneContact::kFree, TuneContact::kWall})
     for (const hil::GridHand& hand : t.hands) {
-      cases.push_back({.loop = With(t, damping_Ns_per_m, hand, 1.0), .contact = contact});
+      cases.push_back({.loop = LoopWith(t, damping_Ns_per_m, hand, 1.0), .contact = contact});
       cases.back().loop.wall = WallOf(task, contact, 1.0);
     }
   return cases;
@@ -186,18 +199,18 @@ void JudgeByResponse(OverlayTuning& t) {
   std::vector<OverlayCase> own = CasesOf(t, t.own_damping(), t.task.wall_N_per_m), recommended;
   if (t.Stands()) recommended = CasesOf(t, t.recommended_Ns_per_m, t.recommended_N_per_m);
   for (const auto& [name, cases] : {std::pair{"recommended", &recommended}, {"own", &own}}) {
-    const std::vector<TuneMargin> found = MeasuredMargins(t.response, name, *cases, LatestOf(t));
+    const std::vector<TuneMargin> found = MeasuredMargins(t.response, name, *cases, MaxExtraDelay_s(t));
     t.margins.insert(t.margins.end(), found.begin(), found.end());
   }
   std::vector<NamedCurve> named;
   for (const auto& [name, cases] : {std::pair{"recommended", &recommended}, {"own", &own}})
     if (const TuneMargin* worst = WorstOf(t.margins, name))
-      named.push_back({.worst = worst, .curve = WorstCurve(t.response, *worst, *cases, LatestOf(t))});
+      named.push_back({.worst = worst, .curve = WorstCurve(t.response, *worst, *cases, MaxExtraDelay_s(t))});
   if (!named.empty()) t.nyquist_svg = NyquistSvg(named);
 }
 
-// Recommends the cell's own gains if they have the margin; otherwise the least damping for the cell's own
-// stiffness; otherwise the stiffest smaller stiffness for which there is a damping.
+// Recommends the first of these that has the margin: the cell's own gains; the least damping for the cell's
+// own stiffness; the largest smaller stiffness for which there is a damping.
 void Recommend(OverlayTuning& t) {
   if (t.own_margin >= t.task.margin && t.own_damping() > 0.0) {
     t.recommended_N_per_m = t.task.wall_N_per_m;
@@ -217,7 +230,7 @@ void Recommend(OverlayTuning& t) {
   }
 }
 
-// Takes the measurements over, except the arm's dead time and springs, which the cell already has
+// Copies the measured figures into the task. The arm's dead time and springs are in the cell already
 // (config::ApplyIdentified).
 void UseIdentified(const config::IdentifiedCell& identified, const TuneOptions& options, OverlayTuning& t) {
   t.task.identified = identified;
@@ -234,6 +247,7 @@ void UseIdentified(const config::IdentifiedCell& identified, const TuneOptions& 
   t.response = MeasuredAxesOf(identified, t.loop);
 }
 
+// Computes all results: margin, recommended gains, boundaries, check in time and measured margins.
 void StudyAll(const TuneOptions& options, base::PhaseProgress& progress, OverlayTuning& t) {
   progress.BeginPhase("the cell's own gains, and the least damping");
   t.mass_kg = OverlayLoop(t.loop).mass_kg();

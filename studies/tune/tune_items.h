@@ -14,6 +14,7 @@ namespace osteon::studies {
 [[nodiscard]] nlohmann::json CheckItem(const TuneCheck& check);
 [[nodiscard]] TuneCheck CheckFrom(const nlohmann::json& item);
 
+/// The runs with stiff hands (CarryStiffHands).
 [[nodiscard]] nlohmann::json CarriedItem(const std::vector<TuneCarried>& carried);
 [[nodiscard]] std::vector<TuneCarried> CarriedFrom(const nlohmann::json& item);
 

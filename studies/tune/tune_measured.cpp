@@ -16,21 +16,22 @@
 namespace osteon::studies {
 namespace {
 
-constexpr std::size_t kTableRows = 5;  // for own and for recommended gains each
-constexpr double kAxisEnd = 2.0;       // end of the Nyquist plot's axes
+constexpr std::size_t kTableRows = 5;  // for each of the own and the recommended gains
+constexpr double kAxisEnd = 2.0;       // the Nyquist plot's axes go from -kAxisEnd to kAxisEnd
 
-// The response by which gains are judged: measured by the force sensor if there is a structure beyond the
-// encoders, otherwise by the encoders; of the axis and speed of the task's arm, otherwise of the same axis.
+// The response by which gains are judged; null: none fits. If a structure resonates beyond the encoders, it
+// is one measured by the force sensor, otherwise one by the encoders. It has the arm's axis and the nearest
+// speed.
 const config::IdentifiedResponse* ResponseFor(const config::IdentifiedCell& identified,
                                               const config::IdentifiedArm& arm) {
   const config::IdentifiedResponse* best = nullptr;
   const bool by_force = !identified.structure.empty();
-  double best_off = std::numeric_limits<double>::infinity();
+  double best_difference = std::numeric_limits<double>::infinity();
   for (const config::IdentifiedResponse& response : identified.response) {
     if (response.axis != arm.axis || response.by_force != by_force || !response.hand.empty()) continue;
-    const double off = std::abs(response.speed_m_per_s - arm.speed_m_per_s);
-    if (off < best_off) {
-      best_off = off;
+    const double difference = std::abs(response.speed_m_per_s - arm.speed_m_per_s);
+    if (difference < best_difference) {
+      best_difference = difference;
       best = &response;
     }
   }
@@ -44,8 +45,8 @@ std::vector<PlantLine> LinesOf(const config::IdentifiedResponse& response) {
   return lines;
 }
 
-// An arm for a response that no model fits: it supplies the values below and above the measured lines. The
-// response with the greatest lag counts.
+// An arm for a cell whose responses no model fits well: it supplies the values below and above the measured
+// lines. Of several responses, the one with the greatest lag counts.
 std::optional<config::IdentifiedArm> RoughArm(const config::IdentifiedCell& identified, double period_s) {
   std::optional<config::IdentifiedArm> slowest;
   for (const config::IdentifiedResponse& response : identified.response) {
@@ -67,7 +68,7 @@ std::optional<config::IdentifiedArm> RoughArm(const config::IdentifiedCell& iden
   return slowest;
 }
 
-// Adds the hands whose loops were measured. The model matters only beyond the measured band.
+// Adds the hands with which the response was measured. The model matters only outside of the measured band.
 void UseHeldLoops(const config::IdentifiedCell& identified, ResponseModel model, TuneTask& task) {
   for (const config::IdentifiedResponse& response : identified.response) {
     const auto hand = std::ranges::find(identified.hands, response.hand, &config::IdentifiedHand::name);
@@ -78,6 +79,7 @@ void UseHeldLoops(const config::IdentifiedCell& identified, ResponseModel model,
   }
 }
 
+// Gives the task its measured response, with the model that continues it outside of the measured band.
 void UseResponse(const config::IdentifiedCell& identified, const config::IdentifiedArm& arm, TuneTask& task) {
   const config::IdentifiedResponse* found = ResponseFor(identified, arm);
   if (found == nullptr) return;
@@ -99,9 +101,10 @@ void UseResponse(const config::IdentifiedCell& identified, const config::Identif
   task.measured_only = !identified.structure.empty();
 }
 
+// The loop's parameters with these gains and this contact, whose wall is multiplied by `gain`.
 MeasuredLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, TuneContact contact, double gain) {
   MeasuredLoopParams params{.loop = task.loop, .sensor_delay_s = task.response_delay_s};
-  // a command with the greatest delay
+  // every command is as late as the latest
   params.sensor_delay_s += task.command_jitter * task.loop.period_s;
   params.loop.mass_kg = gains.mass_kg;
   params.loop.damping_Ns_per_m = gains.damping_Ns_per_m;
@@ -119,19 +122,22 @@ MeasuredLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, TuneCont
   return params;
 }
 
-bool Worse(const TuneMargin& a, const TuneMargin& b) {
+// Whether margin a is nearer to instability than b.
+bool IsWorse(const TuneMargin& a, const TuneMargin& b) {
   if (a.margins.stable != b.margins.stable) return !a.margins.stable;
   return a.margins.modulus < b.margins.modulus;
 }
 
+// The margins of the gains with this name, the nearest to instability first.
 std::vector<const TuneMargin*> WorstFirst(const std::vector<TuneMargin>& margins, const std::string& gains) {
   std::vector<const TuneMargin*> list;
   for (const TuneMargin& margin : margins)
     if (margin.gains == gains) list.push_back(&margin);
-  std::ranges::stable_sort(list, [](const auto* a, const auto* b) { return Worse(*a, *b); });
+  std::ranges::stable_sort(list, [](const auto* a, const auto* b) { return IsWorse(*a, *b); });
   return list;
 }
 
+// The gain margin with its 95 % radius.
 std::string GainText(const LoopMargins& m) {
   return std::isfinite(m.gain) ? fmt::format("{:.2f} ± {:.2f}", m.gain, m.gain_radius) : std::string("none");
 }
@@ -346,6 +352,7 @@ std::string TableOf(const std::vector<TuneMargin>& margins) {
 
 namespace {
 
+// The Nyquist curve of the loop that a margin was computed for.
 std::vector<NyquistPoint> CurveOf(const TuneTask& task, const TuneGains& gains, const TuneMargin& margin) {
   for (const HeldLoop& held : task.held)
     if (held.hand.name == margin.hand.name)
@@ -371,9 +378,9 @@ std::string NyquistSvg(const std::vector<NamedCurve>& curves) {
                                          named.worst->gains == "own" ? "the cell's own" : named.worst->gains,
                                          named.worst->hand.name, NameOf(named.worst->contact))};
     for (const NyquistPoint& point : named.curve) {
-      const bool seen = std::abs(point.loop.real()) <= kAxisEnd && std::abs(point.loop.imag()) <= kAxisEnd;
-      curve.x.push_back(seen ? point.loop.real() : std::numeric_limits<double>::quiet_NaN());
-      curve.y.push_back(seen ? point.loop.imag() : std::numeric_limits<double>::quiet_NaN());
+      const bool in_plot = std::abs(point.loop.real()) <= kAxisEnd && std::abs(point.loop.imag()) <= kAxisEnd;
+      curve.x.push_back(in_plot ? point.loop.real() : std::numeric_limits<double>::quiet_NaN());
+      curve.y.push_back(in_plot ? point.loop.imag() : std::numeric_limits<double>::quiet_NaN());
     }
     chart.series.push_back(curve);
   }

@@ -14,22 +14,24 @@
 
 namespace osteon::studies {
 
-/// Gives a task what was measured of its cell: the arm of the slowest axis and speed with its dead time as
-/// measured, the mass by which the hand moves it, jitter beyond its mean (which the dead time has in it), the
-/// share of lost answers, the sensor's delay, the hands, and the response. Whole ticks of the sensor's delay
-/// go to the loop, the rest to the arm's dead time, where it acts alike. Without a measured arm its lag stays
-/// assumed, and so does the jitter, whose mean no measured dead time holds; sensor and hands are the measured
-/// ones.
+/// Puts the measured figures of a cell into its task:
+///  - the arm of the slowest axis and speed, with its dead time and the mass by which the hand moves it,
+///  - the jitter beyond its mean (the measured dead time includes the mean) and the share of lost answers,
+///  - the sensor's delay: whole ticks in the loop, the rest in the arm's dead time, which has the same
+///  effect,
+///  - the hands, and the response.
+///
+/// Without a measured arm, only sensor and hands are used; the arm's lag and the jitter stay assumed.
 void UseIdentified(const config::IdentifiedCell& identified, TuneTask& task);
 /// The figures of a file besides the arm's motion, for people: "the force sensor's noise, a dead zone".
 [[nodiscard]] std::string FiguresBesideArm(const config::IdentifiedCell& identified);
 /// Adds the measured hands, each with the ends of its interval.
 void UseHands(const config::IdentifiedCell& identified, TuneTask& task);
-/// Jitter beyond its mean, which the measured dead time holds already [whole periods].
+/// Jitter beyond its mean [whole periods]; the measured dead time includes the mean.
 [[nodiscard]] int JitterOf(const config::IdentifiedLink& link, double period_s);
 
-/// A cell's task, with the lags that are assumed where nothing was measured: one millisecond of the sensor's
-/// delay and of the commands' jitter, in whole ticks; and with `cell.identified`, if there is one.
+/// A cell's task, with the figures of `cell.identified` if there are some. Without them, the sensor's delay
+/// and the commands' jitter are assumed to be a millisecond each, in whole ticks.
 [[nodiscard]] TuneTask MeasuredTaskOf(const config::CellConfig& cell);
 
 /// Whether the measured response is stable with all hands and contacts; hand and wall are multiplied by
@@ -45,28 +47,31 @@ struct TuneMargin {
   LoopMargins margins;
 };
 
-/// One for each hand and contact, those whose own loops were measured as well; empty without a response.
+/// One margin for each hand and contact, including hands whose own loops were measured; empty without a
+/// response.
 [[nodiscard]] std::vector<TuneMargin> MeasuredMargins(const TuneTask& task, const std::string& name,
                                                       const TuneGains& gains,
                                                       const std::vector<hil::GridHand>& hands);
-/// The one nearest to instability: unstable ones first, then the least distance of -1. Null: there are none.
+/// The margin nearest to instability: an unstable one first, otherwise the one whose curve is nearest to -1.
+/// Null: there is none.
 [[nodiscard]] const TuneMargin* WorstOf(const std::vector<TuneMargin>& margins, const std::string& gains);
 
-/// Whether these gains are stable by the response with every hand and contact, to 95 %; true without one.
+/// Whether these gains are stable by the response with every hand and contact, with 95 % probability; true
+/// without a response.
 [[nodiscard]] bool StandsByMargins(const std::vector<TuneMargin>& margins, const std::string& gains);
 
 /// "stable; least with firm (free): gain …, phase …, |1 + L| …", or that it is unstable.
 [[nodiscard]] std::string MarginText(const TuneMargin& margin);
 
-/// Bad if the recommended gains are unstable by the response, or its discs of 95 % hold -1; to be looked at
-/// if the cell's own are.
+/// Bad if the recommended gains are unstable by the response, or a 95 % disc of its curve contains -1; a
+/// warning if this is so for the cell's own gains.
 void JudgeMargins(const std::vector<TuneMargin>& margins, session::Verdict& verdict);
 [[nodiscard]] std::vector<report::SummaryRow> RowsOfMeasured(const TuneTask& task,
                                                              const std::vector<TuneMargin>& margins);
-/// Adds the worst margin of each of the gains.
+/// Adds a row with the worst margin of the own and of the recommended gains.
 void AddMarginRows(const std::vector<TuneMargin>& margins, std::vector<report::SummaryRow>& rows);
 [[nodiscard]] nlohmann::json ToJson(const std::vector<TuneMargin>& margins);
-/// The five nearest to instability for each of the gains, as an HTML table.
+/// HTML table of the five margins nearest to instability, for each of the two gains.
 [[nodiscard]] std::string TableOf(const std::vector<TuneMargin>& margins);
 /// The Nyquist curve of a margin. @pre worst points to it
 struct NamedCurve {

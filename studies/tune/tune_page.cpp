@@ -13,6 +13,7 @@
 namespace osteon::studies {
 namespace {
 
+// The page's pictures as SVG; empty: not drawn.
 struct Pictures {
   std::string map, width, trade, nyquist;
 };
@@ -21,7 +22,7 @@ std::string GainsText(const TuneGains& gains) {
   return fmt::format("{:.3g} kg and {:.0f} N s/m", gains.mass_kg, gains.damping_Ns_per_m);
 }
 
-std::string Boundaries(const Pictures& pictures) {
+std::string BoundariesSection(const Pictures& pictures) {
   return "<h2>How stiff a wall may be</h2>\n" +
          report::Figure(pictures.width,
                         "Below a line the tool is calm at the wall, above it the tool oscillates; all at the "
@@ -32,7 +33,7 @@ std::string Boundaries(const Pictures& pictures) {
              "grey band the loop may be stable again, at walls stiffer than any in use.");
 }
 
-std::string Measured(const TuneResult& r, const Pictures& pictures) {
+std::string MeasuredSection(const TuneResult& r, const Pictures& pictures) {
   return "<h2>By the measured response</h2>\n<p>Within the measured band the arm's own response is used, and "
          "no model. The loop is "
          "stable if its curve does not go around -1; the margins say how far it stays away, ± the radius of "
@@ -40,25 +41,25 @@ std::string Measured(const TuneResult& r, const Pictures& pictures) {
          report::Figure(pictures.nyquist, "") + TableOf(r.margins);
 }
 
-std::string StiffHands(const TuneResult& r) {
+std::string StiffHandsSection(const TuneResult& r) {
   return "<h2>Stiffer hands, with the vibration index</h2>\n<p>The grip closes on a tool that moves with 40 "
          "mm/s. Force: what the hand feels between 5 and 40 Hz, the greatest effective value over 0.2 s. "
          "Drag: as a multiple of the recommended drag, the greatest, and the mean from 1 s to 10 s.</p>\n" +
          CarriedTable(r);
 }
 
-std::string Page(const TuneResult& r, const TuneOptions& options, const Pictures& pictures) {
+std::string TunePage(const TuneResult& r, const TuneOptions& options, const Pictures& pictures) {
   std::string html =
       report::PageBegin({.title = "Gains for " + r.cell, .verdict = PlainVerdict(r), .summary = Rows(r)});
-  if (!pictures.nyquist.empty()) html += Measured(r, pictures);
-  if (!pictures.map.empty()) html += Boundaries(pictures);
+  if (!pictures.nyquist.empty()) html += MeasuredSection(r, pictures);
+  if (!pictures.map.empty()) html += BoundariesSection(pictures);
   html += "<h2>What it costs</h2>\n" +
           report::Figure(
               pictures.trade,
               "The least drag with which the tool is stable in all of these cases, by its virtual mass. A "
               "tool that is too light follows the hand's own mass; a heavy one responds slower than the "
               "arm's lag. A tool below and to the left of both red lines counts as light to the hand.");
-  if (!r.carried.empty()) html += StiffHands(r);
+  if (!r.carried.empty()) html += StiffHandsSection(r);
   if (r.MayBeUsed())
     html += "<h2>The recommended gains, as a file (gains.yaml)</h2>\n<pre>" +
             report::Escape(GainsYaml(r, options.command_line)) + "</pre>\n";
@@ -73,7 +74,7 @@ std::string Page(const TuneResult& r, const TuneOptions& options, const Pictures
 }
 
 // Says why these gains are safe. @param margin  their gain margin
-std::string Why(const TuneResult& r, double margin) {
+std::string WhySafeText(const TuneResult& r, double margin) {
   const TuneTask& t = r.task;
   const std::string arm = t.arm_measured ? std::string("the arm's lag is measured")
                                          : std::string("the arm's lag is assumed, not measured");
@@ -83,7 +84,8 @@ std::string Why(const TuneResult& r, double margin) {
       t.human_grip_N_per_m, 1e-3 * t.wall_N_per_m, margin, arm);
 }
 
-std::string Next(const TuneResult& r, bool own_stand) {
+// Says what to do next. @param own_stand  the cell's own gains have the margin
+std::string NextStepText(const TuneResult& r, bool own_stand) {
   const std::string cell = r.cell;
   if (!own_stand && !r.MayBeUsed())
     return fmt::format(
@@ -141,10 +143,10 @@ report::ReportVerdict PlainVerdict(const TuneResult& r) {
                                     : "")
                   : fmt::format("Which gains: {} instead of the cell's {}.", GainsText(r.recommended),
                                 GainsText(own)));
-    reasons.push_back(Why(r, own_stand ? r.own_margin : r.recommended_margin));
+    reasons.push_back(WhySafeText(r, own_stand ? r.own_margin : r.recommended_margin));
   }
   for (const std::string& reason : verdict.reasons) reasons.push_back("Remark: " + reason + ".");
-  reasons.push_back(Next(r, own_stand));
+  reasons.push_back(NextStepText(r, own_stand));
   plain.reasons = std::move(reasons);
   return plain;
 }
@@ -175,7 +177,7 @@ tl::expected<void, std::string> WriteTuning(const TuneResult& r, const TuneOptio
     return written;
   if (!options.json.empty())
     if (const auto written = base::WriteText(options.json, json); !written) return written;
-  return report::WritePage(Page(r, options, pictures), options.out / "tune.html");
+  return report::WritePage(TunePage(r, options, pictures), options.out / "tune.html");
 }
 
 }  // namespace osteon::studies

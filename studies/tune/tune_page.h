@@ -15,13 +15,14 @@ namespace osteon::studies {
 /// reasons of Judge.
 [[nodiscard]] report::ReportVerdict PlainVerdict(const TuneResult& result);
 
-/// Writes gains.yaml into a folder. If the text is empty, there are no gains to use, and the file of an
-/// earlier call is removed, as it would be taken for this call's. @returns an error that names the file.
+/// Writes gains.yaml into a folder. An empty text means that there are no gains to use: then the file of an
+/// earlier call is removed, since a user would take it for this call's. @returns an error that names the
+/// file.
 [[nodiscard]] tl::expected<void, std::string> WriteGains(const std::filesystem::path& folder,
                                                          const std::string& yaml);
 
-/// Writes tune.json, .csv, .html, the pictures and gains.yaml into options.out, and a copy of the JSON where
-/// it was asked for. @returns an error that names the file.
+/// Writes tune.json, .csv, .html, the pictures and gains.yaml into options.out, and a copy of the JSON
+/// to options.json, if it is set. @returns an error that names the file.
 [[nodiscard]] tl::expected<void, std::string> WriteTuning(const TuneResult& result,
                                                           const TuneOptions& options);
 

@@ -12,29 +12,33 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kFastest_per_s = 8.0;  // decay rate above which a hand feels no oscillation
+// End of the map's colour scale: the decay rate above which a hand feels no oscillation.
+constexpr double kFastest_per_s = 8.0;
 constexpr const char* kPredictedColor = "#1b1f24";
 constexpr const char* kChosenColor = "#d55e00";
 
-// Draws a boundary. Zero (unstable without a wall) and the stiffest wall that was tried (no boundary found)
-// give no point.
-report::Series Curve(const std::vector<TuneBoundary>& boundaries, double TuneBoundary::*what, double unit,
-                     const std::string& name, const std::string& color, report::Marker marker, double below) {
+// Draws one of the stiffnesses of a boundary over the damping. Zero (unstable without a wall) and the
+// stiffest wall that was tried (no boundary found) give no point. @param unit  factor from N/m to the axis'
+// unit
+report::Series Curve(const std::vector<TuneBoundary>& boundaries, double TuneBoundary::*stiffness,
+                     double unit, const std::string& name, const std::string& color, report::Marker marker,
+                     double max_N_per_m) {
   report::Series series{.name = name,
                         .color = color,
                         .width_px = marker == report::Marker::kNone ? 2.0 : 0.0,
                         .marker = marker};
   for (const TuneBoundary& b : boundaries) {
     series.x.push_back(b.damping_Ns_per_m);
-    series.y.push_back(b.*what > 0.0 && b.*what < below ? unit * (b.*what)
-                                                        : std::numeric_limits<double>::quiet_NaN());
+    series.y.push_back(b.*stiffness > 0.0 && b.*stiffness < max_N_per_m
+                           ? unit * (b.*stiffness)
+                           : std::numeric_limits<double>::quiet_NaN());
   }
   return series;
 }
 
 // Marks dampings at which even the stiffest wall that was tried is stable: a lower bound, not a measurement.
-report::Series AtLeast(const std::vector<TuneBoundary>& boundaries, double max_N_per_m,
-                       const std::string& color) {
+report::Series LowerBoundMarks(const std::vector<TuneBoundary>& boundaries, double max_N_per_m,
+                               const std::string& color) {
   report::Series series{.color = color, .width_px = 0.0, .marker = report::Marker::kOpenUp};
   for (const TuneBoundary& b : boundaries)
     if (std::max({b.predicted_N_per_m, b.simulated_N_per_m, b.degraded_N_per_m}) >= max_N_per_m) {
@@ -49,6 +53,7 @@ report::Series LegendOnly(const std::string& name, report::Marker marker) {
   return {.name = name, .color = report::kMutedColor, .width_px = 0.0, .marker = marker};
 }
 
+// Whether the gains agree within 0.5 %.
 bool SameGains(const TuneGains& a, double mass_kg, double damping_Ns_per_m) {
   return std::abs(a.mass_kg - mass_kg) < 0.005 * mass_kg &&
          std::abs(a.damping_Ns_per_m - damping_Ns_per_m) < 0.005 * damping_Ns_per_m;
@@ -111,13 +116,14 @@ std::string WidthSvg(const TuneResult& r) {
     const auto* boundaries = groups[k].first;
     const auto& name = groups[k].second;
     const std::string color = report::kPalette[k];
-    const auto curve = [&](double TuneBoundary::*what, const std::string& shown, report::Marker marker) {
-      chart.series.push_back(Curve(*boundaries, what, 1e-3, shown, color, marker, r.max_wall_N_per_m));
+    const auto curve = [&](double TuneBoundary::*stiffness, const std::string& legend,
+                           report::Marker marker) {
+      chart.series.push_back(Curve(*boundaries, stiffness, 1e-3, legend, color, marker, r.max_wall_N_per_m));
     };
     curve(&TuneBoundary::predicted_N_per_m, name, report::Marker::kNone);
     curve(&TuneBoundary::simulated_N_per_m, "", report::Marker::kRing);
     curve(&TuneBoundary::degraded_N_per_m, "", report::Marker::kCross);
-    chart.series.push_back(AtLeast(*boundaries, r.max_wall_N_per_m, color));
+    chart.series.push_back(LowerBoundMarks(*boundaries, r.max_wall_N_per_m, color));
   }
   chart.series.push_back({.name = "predicted", .color = report::kMutedColor, .width_px = 2.0});
   chart.series.push_back(LegendOnly("simulated", report::Marker::kRing));

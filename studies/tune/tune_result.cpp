@@ -13,11 +13,13 @@
 namespace osteon::studies {
 namespace {
 
-std::string Shown(const TuneGains& gains) {
+// Mass and drag as text.
+std::string MassAndDragText(const TuneGains& gains) {
   return fmt::format("{:.3g} kg, {:.0f} N s/m", gains.mass_kg, gains.damping_Ns_per_m);
 }
 
-std::string Drag(double drag_Ns_per_m) {
+// A least drag as text. Infinity means that the largest drag of the search was not enough.
+std::string DragText(double drag_Ns_per_m) {
   return std::isfinite(drag_Ns_per_m) ? fmt::format("{:.0f} N s/m", drag_Ns_per_m)
                                       : std::string("more than 3000 N s/m");
 }
@@ -37,9 +39,10 @@ nlohmann::json ToJson(const std::vector<TuneBoundary>& boundaries, const std::ve
   return list;
 }
 
-// A hand that keeps more force than this between 5 and 40 Hz is shaken, not merely restless.
+// An oscillation that remains between 5 and 40 Hz is bad above this force, and a warning below it.
 constexpr double kShaken_N = 5.0;
 
+// Adds a reason if a stiff hand keeps oscillating although the vibration index acts.
 void JudgeCarried(const TuneResult& r, session::Verdict& verdict) {
   const TuneCarried* worst = r.WorstCarried();
   if (worst == nullptr || worst->Calm()) return;
@@ -56,8 +59,8 @@ void JudgeCarried(const TuneResult& r, session::Verdict& verdict) {
                                    : std::string("ended the run")));
 }
 
-// JSON has no infinity.
-nlohmann::json Finite(double value) {
+// The number, or null if it is infinite: JSON has no infinity.
+nlohmann::json FiniteOrNull(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
 }
 
@@ -117,7 +120,7 @@ session::Verdict Judge(const TuneResult& r) {
   if (!r.WithinBar())
     verdict.Add(session::VerdictLevel::kWarning,
                 fmt::format("the recommended tool is not light: {}, against {:g} kg and {:g} N s/m",
-                            Shown(r.recommended), r.task.max_mass_kg, r.task.max_drag_Ns_per_m));
+                            MassAndDragText(r.recommended), r.task.max_mass_kg, r.task.max_drag_Ns_per_m));
   return verdict;
 }
 
@@ -157,8 +160,8 @@ std::vector<report::SummaryRow> Rows(const TuneResult& r) {
     rows.push_back({"Recommended", "none: no mass of those tried is stable, whatever the drag"});
     return rows;
   }
-  rows.push_back(
-      {"Recommended", fmt::format("{}, gain margin {:.2f}", Shown(r.recommended), r.recommended_margin)});
+  rows.push_back({"Recommended", fmt::format("{}, gain margin {:.2f}", MassAndDragText(r.recommended),
+                                             r.recommended_margin)});
   rows.push_back(
       {"Which to use",
        r.OwnStand()
@@ -174,36 +177,36 @@ std::vector<report::SummaryRow> Rows(const TuneResult& r) {
                            t.command_loss > 0.0 || t.command_jitter > 0 ? " with commands lost and late" : "")
              : fmt::format("in {} of {} runs an oscillation grew: {}", r.check.grew.size(), r.check.runs,
                            fmt::join(r.check.grew, "; "))});
-  rows.push_back(
-      {"Light to the hand",
-       r.WithinBar()
-           ? fmt::format("yes: at most {:g} kg and {:g} N s/m", t.max_mass_kg, t.max_drag_Ns_per_m)
-           : (r.within_bar_margin > 0.0
-                  ? fmt::format("no: with at most {:g} kg and {:g} N s/m the greatest gain margin "
-                                "is {:.2f}, with {}",
-                                t.max_mass_kg, t.max_drag_Ns_per_m, r.within_bar_margin, Shown(r.within_bar))
-                  : fmt::format("no: with at most {:g} kg and {:g} N s/m nothing is stable "
-                                "with these hands",
-                                t.max_mass_kg, t.max_drag_Ns_per_m))});
+  rows.push_back({"Light to the hand",
+                  r.WithinBar()
+                      ? fmt::format("yes: at most {:g} kg and {:g} N s/m", t.max_mass_kg, t.max_drag_Ns_per_m)
+                      : (r.within_bar_margin > 0.0
+                             ? fmt::format("no: with at most {:g} kg and {:g} N s/m the greatest gain margin "
+                                           "is {:.2f}, with {}",
+                                           t.max_mass_kg, t.max_drag_Ns_per_m, r.within_bar_margin,
+                                           MassAndDragText(r.within_bar))
+                             : fmt::format("no: with at most {:g} kg and {:g} N s/m nothing is stable "
+                                           "with these hands",
+                                           t.max_mass_kg, t.max_drag_Ns_per_m))});
   rows.push_back(
       {fmt::format("Grips up to {:g} N/m", t.stiffest_grip_N_per_m),
        fmt::format(
            "need {} at this mass, {:.1f} times the recommended drag, and a clamp of 50 kN/m needs {}: the "
            "vibration index adds this drag while the tool shakes",
-           Drag(r.stiffest_Ns_per_m), r.stiffest_Ns_per_m / r.recommended.damping_Ns_per_m,
-           Drag(r.clamp_Ns_per_m))});
+           DragText(r.stiffest_Ns_per_m), r.stiffest_Ns_per_m / r.recommended.damping_Ns_per_m,
+           DragText(r.clamp_Ns_per_m))});
   if (const TuneCarried* worst = r.WorstCarried()) {
     const auto calm = std::ranges::count_if(r.carried, &TuneCarried::Calm);
-    const double most = std::ranges::max(r.carried, {}, [](const TuneCarried& c) {
-                          return c.run.mean_damping;
-                        }).run.mean_damping;
+    const double max_mean_damping = std::ranges::max(r.carried, {}, [](const TuneCarried& c) {
+                                      return c.run.mean_damping;
+                                    }).run.mean_damping;
     rows.push_back(
         {"With the vibration index",
          fmt::format("{} of {} stiffer hands are calm 1 s after the grip closed (below {:g} N between 5 and "
                      "40 Hz); the worst hand, {} ({}), keeps {:.2f} N; their drag is on average up to {:.0f} "
                      "times the recommended one; hands up to {:g} N/m raise the index (0 to 1) to {:.2g}{}",
                      calm, r.carried.size(), worst->calm_N, worst->hand.name, worst->contact,
-                     worst->run.one_s_N, most, t.human_grip_N_per_m, r.human_index,
+                     worst->run.one_s_N, max_mean_damping, t.human_grip_N_per_m, r.human_index,
                      t.index_acts ? "" : "; in this cell it does not act (vibration: acts: false)")});
   }
   rows.push_back({"For the planes' age",
@@ -260,14 +263,14 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
   }
   for (const TuneTrade& trade : r.trade)
     json["trade"].push_back({{"mass_kg", trade.mass_kg},
-                             {"damping_human", Finite(trade.human_Ns_per_m)},
-                             {"damping_stiffest", Finite(trade.stiffest_Ns_per_m)}});
+                             {"damping_human", FiniteOrNull(trade.human_Ns_per_m)},
+                             {"damping_stiffest", FiniteOrNull(trade.stiffest_Ns_per_m)}});
   if (!r.Stands()) return session::ResultText(Judge(r), json);
   json["recommended"] = ToJson(r.recommended);
   json["recommended"]["margin"] = r.recommended_margin;
   json["stiff_grips"] = {{"grip_N_per_m", t.stiffest_grip_N_per_m},
-                         {"damping_Ns_per_m", Finite(r.stiffest_Ns_per_m)},
-                         {"clamp_damping_Ns_per_m", Finite(r.clamp_Ns_per_m)}};
+                         {"damping_Ns_per_m", FiniteOrNull(r.stiffest_Ns_per_m)},
+                         {"clamp_damping_Ns_per_m", FiniteOrNull(r.clamp_Ns_per_m)}};
   json["stiff_hands"] = {
       {"index_acts", t.index_acts}, {"index_of_grips", r.human_index}, {"hands", nlohmann::json::array()}};
   for (const TuneCarried& c : r.carried)
@@ -276,8 +279,8 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
                                             {"contact", c.contact},
                                             {"calm", c.Calm()},
                                             {"calm_below_N", c.calm_N},
-                                            {"force_from_half_s_N", Finite(c.run.half_s_N)},
-                                            {"force_from_1_s_N", Finite(c.run.one_s_N)},
+                                            {"force_from_half_s_N", FiniteOrNull(c.run.half_s_N)},
+                                            {"force_from_1_s_N", FiniteOrNull(c.run.one_s_N)},
                                             {"damping_most_ratio", c.run.max_damping},
                                             {"damping_mean_ratio", c.run.mean_damping}});
   json["check"] = {{"runs", r.check.runs}, {"grew", r.check.grew}};

@@ -20,35 +20,36 @@ struct TuneTrade {
   double human_Ns_per_m{0.0}, stiffest_Ns_per_m{0.0};
 };
 
-/// Decay rates over damping (rows) and wall stiffness, both evenly spaced in the logarithm.
+/// Decay rates over damping (columns) and wall stiffness (rows), both evenly spaced in the logarithm.
 struct TuneMap {
   std::string title;
   double damping_from{5.0}, damping_to{500.0}, wall_from{1e3}, wall_to{1e6};
   int dampings{0}, walls{0};
-  std::vector<double> decay_per_s;  ///< one row of dampings per wall
+  std::vector<double> decay_per_s;  ///< a row for each wall, with a value for each damping
 };
 
+/// A cell's task and all results for it.
 struct TuneResult {
   std::string cell;
   TuneTask task;
   double max_wall_N_per_m{1e6};
   std::vector<hil::GridHand> human_hands, stiffest_hands;
   std::vector<TuneTrade> trade;
-  TuneGains recommended;  ///< zero: no gains are stable with all
+  TuneGains recommended;  ///< mass 0: no gains are stable with all hands and contacts
   double recommended_margin{0.0};
   double own_margin{0.0};  ///< of the cell's own gains
   TuneGains within_bar;    ///< the gains with the greatest margin among those that count as light
   double within_bar_margin{0.0};
   double stiffest_Ns_per_m{0.0}, clamp_Ns_per_m{0.0};  ///< drag for stiffest grip and clamp, recommended mass
-  double age_bound_Ns_per_m{0.0};                      ///< a_max K of the planes: by itself enough at any age
-  std::vector<TuneBoundary> human, stiffest, firm;     ///< at the recommended mass
+  double age_bound_Ns_per_m{0.0};  ///< drag that suffices for the planes' age: largest age × stiffness
+  std::vector<TuneBoundary> human, stiffest, firm;  ///< for each set of hands, at the recommended mass
   std::vector<TuneMap> maps;
   TuneCheck check;
   std::vector<TuneCarried> carried;     ///< hands that depend on the vibration index
   double human_index{0.0};              ///< the greatest index that a hand within the human grip raises
   std::optional<GuidanceMap> guidance;  ///< of a plan
   std::vector<TuneMargin> margins;      ///< by the measured response; empty: none was measured
-  int found{0}, computed{0};
+  int found{0}, computed{0};            ///< numbers of results from the cache, and of new ones
 
   [[nodiscard]] bool Stands() const { return recommended.mass_kg > 0.0; }
   /// Whether the recommended gains may be used: they are stable by the measured response, and in the
@@ -58,6 +59,7 @@ struct TuneResult {
   [[nodiscard]] bool OwnStand() const;
   /// The worst of the hands that the index stabilises; null if there are none.
   [[nodiscard]] const TuneCarried* WorstCarried() const;
+  /// Whether the recommended tool counts as light.
   [[nodiscard]] bool WithinBar() const {
     return Stands() && recommended.mass_kg <= task.max_mass_kg &&
            recommended.damping_Ns_per_m <= task.max_drag_Ns_per_m;
@@ -65,11 +67,12 @@ struct TuneResult {
 };
 
 /// Bad if a plan's guidance is beyond half of its boundary, if no gains are stable with the requested margin,
-/// if the motion grew in a simulation, or if a stiff hand keeps oscillating. To be looked at if the cell's
+/// if the motion grew in a simulation, or if a stiff hand keeps oscillating. A warning if the cell's
 /// own gains are stable only with less margin, if the tool is not light, or if hands depend on a vibration
 /// index that does not act.
 [[nodiscard]] session::Verdict Judge(const TuneResult& result);
 
+/// The result as rows for terminal and page.
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const TuneResult& result);
 /// JSON, schema osteon.tune/1.
 [[nodiscard]] std::string ToJson(const TuneResult& result, const std::string& command_line);
@@ -80,8 +83,11 @@ struct TuneResult {
 /// A gains file for `osteon run --gains`. @pre result.MayBeUsed()
 [[nodiscard]] std::string GainsYaml(const TuneResult& result, const std::string& command_line);
 
+/// Draws the decay rate over drag and wall, a panel for each set of hands.
 [[nodiscard]] std::string MapSvg(const TuneResult& result);
+/// Draws the stiffest stable wall over the drag, predicted and simulated.
 [[nodiscard]] std::string WidthSvg(const TuneResult& result);
+/// Draws the least drag over the virtual mass.
 [[nodiscard]] std::string TradeSvg(const TuneResult& result);
 
 }  // namespace osteon::studies

@@ -12,15 +12,21 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kMaxDrag_Ns_per_m = 3000.0;
-constexpr double kMinWall_N_per_m = 100.0;
+constexpr double kMaxDrag_Ns_per_m = 3000.0;  // largest drag that is tried
+constexpr double kMinWall_N_per_m = 100.0;    // softest wall that is tried
+// Runs with the vibration index: the tool's speed when a stiff hand closes its grip, the sensor's noise, and
+// the length of a stiff hand's run.
 constexpr double kGripSpeed_m_per_s = 0.04, kNoise_N = 0.1, kCarried_s = 10.0;
-constexpr double kCalm_N = 0.5, kEnlarged = 2.2;  // least limit; factor on the tremor that the index permits
+// A stiff hand is calm below kEnlarged times the tremor that the index permits, or below kCalm_N if that is
+// more.
+constexpr double kCalm_N = 0.5, kEnlarged = 2.2;
 
+// The task's largest age of a contact model, rounded up to whole ticks.
 int WorstAge(const TuneTask& task) {
   return static_cast<int>(std::ceil(task.worst_age_s / task.loop.period_s - 1e-9));
 }
 
+// The task's loop with these gains, and a hand that is multiplied by `gain`; without a wall.
 hil::AdmittanceLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, const hil::GridHand& hand,
                                  double gain) {
   hil::AdmittanceLoopParams loop = task.loop;
@@ -42,7 +48,8 @@ AdmittanceRunParams WithIndex(const TuneTask& task, const TuneGains& gains, cons
   return run;
 }
 
-// The greatest delay of a command. Lost commands are simulated only: a matrix has no chance events.
+// Dead time with the latest command [periods]. Lost commands are only simulated: a matrix has no chance
+// events.
 double LatestDeadCycles(const TuneTask& task) { return task.loop.arm.dead_cycles + task.command_jitter; }
 
 }  // namespace
@@ -109,14 +116,15 @@ bool StandsAll(const TuneTask& task, const TuneGains& gains, const std::vector<h
 }
 
 double GainMargin(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands,
-                  double most) {
+                  double max_gain) {
   return hil::FirstCrossing([&](double gain) { return StandsAll(task, gains, hands, gain); },
-                            {.from = 1.0, .to = most, .factor = 1.1, .tolerance = 1e-3})
+                            {.from = 1.0, .to = max_gain, .factor = 1.1, .tolerance = 1e-3})
       .value;
 }
 
 double MinDragFor(const TuneTask& task, double mass_kg, const std::vector<hil::GridHand>& hands) {
-  // search downward in b, since larger drag may hide an unstable window below: upward in 1 / b
+  // searches upward in 1 / drag, that is from the largest drag down: the first crossing ends the range of
+  // drags that are stable without a gap
   const hil::Boundary found = hil::FirstCrossing(
       [&](double inverse) {
         return StandsAll(task, {.mass_kg = mass_kg, .damping_Ns_per_m = 1.0 / inverse}, hands);
@@ -131,29 +139,31 @@ TuneBoundary BoundaryAt(const TuneTask& task, const TuneGains& gains, const std:
   TuneBoundary boundary{.damping_Ns_per_m = gains.damping_Ns_per_m, .predicted_N_per_m = max_N_per_m};
   for (std::size_t i = 0; i < hands.size(); ++i) {
     const hil::AdmittanceLoopParams loop = LoopOf(task, gains, hands[i], 1.0);
-    double most = 0.0;
+    double max_wall = 0.0;
     if (hil::AdmittanceLoop(loop).SpectralRadius() < 1.0)
-      most = hil::MaxWallStiffness(loop, {.from = kMinWall_N_per_m, .to = max_N_per_m, .factor = 1.1}).value;
-    if (i > 0 && most >= boundary.predicted_N_per_m) continue;
-    boundary.predicted_N_per_m = most;
+      max_wall =
+          hil::MaxWallStiffness(loop, {.from = kMinWall_N_per_m, .to = max_N_per_m, .factor = 1.1}).value;
+    if (i > 0 && max_wall >= boundary.predicted_N_per_m) continue;
+    boundary.predicted_N_per_m = max_wall;
     boundary.hand = i;
   }
 
   AdmittanceRunParams run{.loop = LoopOf(task, gains, hands[boundary.hand], 1.0)};
-  const auto seen = [&](double min_share) {
+  // the simulated boundary, searched from min_share to 1.6 of the predicted one; 0: unstable without a wall
+  const auto simulated = [&](double min_share) {
     if (SimulatedGrowth(run) >= 0.0) return 0.0;
-    const double around = std::max(boundary.predicted_N_per_m, 10.0 * kMinWall_N_per_m);
+    const double center = std::max(boundary.predicted_N_per_m, 10.0 * kMinWall_N_per_m);
     AdmittanceRunParams walls = run;
-    return SimulatedMaxWallStiffness(walls, {.from = std::max(kMinWall_N_per_m, min_share * around),
-                                             .to = std::min(max_N_per_m, 1.6 * around),
+    return SimulatedMaxWallStiffness(walls, {.from = std::max(kMinWall_N_per_m, min_share * center),
+                                             .to = std::min(max_N_per_m, 1.6 * center),
                                              .factor = 1.08,
                                              .tolerance = 2e-3})
         .value;
   };
-  boundary.simulated_N_per_m = seen(0.6);
+  boundary.simulated_N_per_m = simulated(0.6);
   run.command_loss = task.command_loss;
   run.command_jitter = task.command_jitter;
-  boundary.degraded_N_per_m = seen(0.2);
+  boundary.degraded_N_per_m = simulated(0.2);
   return boundary;
 }
 
@@ -206,11 +216,11 @@ std::vector<TuneCarried> CarryStiffHands(const TuneTask& task, const TuneGains& 
 }
 
 double IndexWith(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands) {
-  double most = 0.0;
+  double largest = 0.0;
   for (const hil::GridHand& hand : hands)
     for (const TuneContact contact : kTuneContacts)
-      most = std::max(most, RunGrip(WithIndex(task, gains, hand, contact)).max_index);
-  return most;
+      largest = std::max(largest, RunGrip(WithIndex(task, gains, hand, contact)).max_index);
+  return largest;
 }
 
 }  // namespace osteon::studies

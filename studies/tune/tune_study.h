@@ -24,7 +24,7 @@ struct HeldLoop {
 /// A cell's loop along one axis of its tool, and the conditions in which its gains must be stable.
 struct TuneTask {
   hil::AdmittanceLoopParams loop;  ///< arm, delays, period and virtual tool of the cell; no hand, no wall
-  double wall_N_per_m{20e3};       ///< the coupling's stiffness: planes are evaluated in the tick
+  double wall_N_per_m{20e3};       ///< the coupling's stiffness: each tick evaluates it at the present pose
   /// Stiffness of the planes' own motion across the contact: the force limit over the radius of the tool's
   /// head. It acts through poses as old as a contact model may be.
   double plane_N_per_m{8e3};
@@ -40,7 +40,7 @@ struct TuneTask {
 
   // From the cell's measurements (studies/tune/tune_measured.h); without them all lags are assumed.
   std::optional<config::IdentifiedCell> identified{};
-  bool arm_measured{false};                         ///< false: the arm's lag is assumed in spite of them
+  bool arm_measured{false};  ///< false: the measurements have no arm, and its lag is assumed
   std::vector<hil::GridHand> measured_hands{};      ///< the loop must be stable with them, however stiff
   std::shared_ptr<const MeasuredPlant> response{};  ///< null: no response was measured
   double response_delay_s{0.0};                     ///< delay of the force that the response does not include
@@ -49,6 +49,7 @@ struct TuneTask {
   bool measured_only{false};
 };
 
+/// The task that the cell's file gives, without its measurements.
 [[nodiscard]] TuneTask TuneTaskOf(const config::CellConfig& cell);
 
 /// Returns every hand of the grid up to a stiffness, and one of exactly that stiffness with a firm hand's
@@ -79,9 +80,9 @@ struct TuneGains {
 [[nodiscard]] bool StandsAll(const TuneTask& task, const TuneGains& gains,
                              const std::vector<hil::GridHand>& hands);
 
-/// The greatest gain, up to `most`, at which all hands and contacts are stable; 0: not even at gain 1.
+/// The greatest gain, up to `max_gain`, at which all hands and contacts are stable; 0: not even at gain 1.
 [[nodiscard]] double GainMargin(const TuneTask& task, const TuneGains& gains,
-                                const std::vector<hil::GridHand>& hands, double most = 5.0);
+                                const std::vector<hil::GridHand>& hands, double max_gain = 5.0);
 
 /// The least drag with which a virtual mass is stable with all hands; infinity if 3000 N s/m are not enough.
 [[nodiscard]] double MinDragFor(const TuneTask& task, double mass_kg,
@@ -108,6 +109,7 @@ struct TuneCheck {
   std::size_t runs{0};
   std::vector<std::string> grew;  ///< hand and contact whose motion grew
 };
+/// Simulates every hand in every contact.
 [[nodiscard]] TuneCheck CheckInTime(const TuneTask& task, const TuneGains& gains,
                                     const std::vector<hil::GridHand>& hands);
 

@@ -13,14 +13,14 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kReamer_m = 0.050;
+constexpr double kReamer_m = 0.050;  // diameter of the demo's reamer
 
 void AddAll(const std::vector<std::string>& more, std::vector<std::string>& to) {
   to.insert(to.end(), more.begin(), more.end());
 }
 
 // Makes the bone coarse and the run short, as in the tests, if `quick`.
-CellTrialParams Hastened(CellTrialParams cell, bool quick) {
+CellTrialParams ShortenedIfQuick(CellTrialParams cell, bool quick) {
   if (!quick) return cell;
   cell.seconds = 3.0;
   cell.as_packed = true;
@@ -42,13 +42,14 @@ CellTrialParams Hastened(CellTrialParams cell, bool quick) {
 // that the head is also seated in the denser foam.
 CellTrialParams FoamCup(const std::string& foam, bool quick, std::vector<std::string> set) {
   AddAll({"scene.shape.cartilage_mm=0", "scene.shape.subchondral_mm=0"}, set);
-  CellTrialParams cell = Hastened(
+  CellTrialParams cell = ShortenedIfQuick(
       {.cell = "demo", .set = std::move(set), .tissues = {{.tissue = "cancellous", .material = foam}}},
       quick);
   cell.seconds = 20.0;
   return cell;
 }
 
+// The overrides that make the demo's hand use a technique.
 std::vector<std::string> TechniqueSet(Technique technique) {
   if (technique == Technique::kStraight) return {"script.tilt_deg=0"};
   return {};
@@ -64,6 +65,7 @@ double DiameterOf_mm(ValidationLab& lab, const CellTrialParams& cell) {
   return 2e3 * trial.fit->radius_m;
 }
 
+// Difference between the diameters of cavity and reamer [mm].
 double ErrorOf_mm(ValidationLab& lab, const CellTrialParams& cell) {
   return std::abs(DiameterOf_mm(lab, cell) - 1e3 * kReamer_m);
 }
@@ -88,6 +90,7 @@ CellTrialParams OnMount(CellTrialParams cell) {
   return cell;
 }
 
+// A part, and the change of a cell that makes it give way.
 struct PartChange {
   CompliantPart part;
   Change change;
@@ -111,30 +114,33 @@ std::vector<ComplianceVariant> Variants(const std::vector<PartChange>& parts,
   return variants;
 }
 
+// ErrorOf_mm, mean over both densities of foam.
 double MeanError_mm(ValidationLab& lab, const std::vector<std::string>& set, Change change = Rigid) {
   return 0.5 * (ErrorOf_mm(lab, change(FoamCup("foam_10", lab.quick(), set))) +
                 ErrorOf_mm(lab, change(FoamCup("foam_20", lab.quick(), set))));
 }
 
-// A hand whose tremor is the largest of the shipped sweep, and an arm with masses, friction and a flexible
-// mount.
+// Overrides for ablations: a hand whose tremor is the largest of the shipped sweep, and an arm with masses,
+// friction and a flexible mount.
 const std::vector<std::string> kTremor{"operator.tremor_N=4"};
 const std::vector<std::string> kDynamic{"simulated_arm.level=dynamic"};
 
-std::vector<std::string> Both(std::vector<std::string> a, const std::vector<std::string>& b) {
+std::vector<std::string> Joined(std::vector<std::string> a, const std::vector<std::string>& b) {
   AddAll(b, a);
   return a;
 }
 
+// Overrides for a reamer of 61 mm, with a cup and a bone of matching size.
 std::vector<std::string> WideSet() {
   return {"tool_diameter_mm=61", "scene.shape.cup_radius_mm=29.5", "scene.shape.width_mm=90",
           "depth_limit.at_mm=[620, 0, 160]"};
 }
 
+// How the rows of a cavity's diameter are simulated, as text for the page.
 constexpr const char* kCellHow =
     "cell demo in virtual time: arm, hand and servo loop, CPU engine; sphere fitted to the cut balls";
 
-CellTrialParams DemoCell(bool quick) { return Hastened({}, quick); }
+CellTrialParams DemoCell(bool quick) { return ShortenedIfQuick({}, quick); }
 
 // A figure of the demo's own run in bone.
 Simulated OfDemo(ValidationLab& lab, double (*figure)(const CellTrial&)) {
@@ -147,19 +153,22 @@ Simulated OfDemo(ValidationLab& lab, double (*figure)(const CellTrial&)) {
           .compliance = Variants({kBending, kYielding, kOnMount}, simulate)};
 }
 
+// Returns the trial. Throws if its hand never pressed in full, so that its feed and force are not known.
 const CellTrial& PressedInFull(const CellTrial& trial) {
   if (trial.pressed_s == 0.0) throw std::runtime_error("the hand never pressed in full");
   return trial;
 }
 
+// A cell whose script pushes and approaches with these forces; with its own forces if push_N is empty.
 CellTrialParams Pressing(const char* cell, bool quick, const std::string& push_N, const char* approach_N) {
   CellTrialParams trial{.cell = cell};
   if (!push_N.empty())
     trial.set = {"script.push_force_N=" + push_N, fmt::format("script.approach_force_N={}", approach_N)};
-  return Hastened(std::move(trial), quick);
+  return ShortenedIfQuick(std::move(trial), quick);
 }
 
-// The greatest force of a shipped script's hand; the ablation uses the published force.
+// The greatest force of a shipped script's hand; the ablation uses the published force. @param cells  as
+// PressingCells returns them
 Simulated ScriptForce(ValidationLab& lab, const std::vector<CellTrialParams>& cells,
                       const std::string& published) {
   const CellTrial &shipped = lab.Cell(cells[0]), &gentle = lab.Cell(cells[1]);
@@ -173,6 +182,7 @@ Simulated ScriptForce(ValidationLab& lab, const std::vector<CellTrialParams>& ce
               Variants({kBending}, [&](Change change) { return lab.Cell(change(cells[0])).peak_hand_N; })};
 }
 
+// The cell with its own script, with the published force, and with a tool that bends.
 std::vector<CellTrialParams> PressingCells(const char* cell, bool quick, const std::string& published_N,
                                            const char* approach_N) {
   const CellTrialParams shipped = Pressing(cell, quick, "", "");
@@ -185,7 +195,7 @@ std::vector<CellTrialParams> DiameterErrorCells(Technique technique, bool quick)
   const std::vector<std::string> set = TechniqueSet(technique);
   std::vector<CellTrialParams> cells;
   for (const char* foam : {"foam_10", "foam_20"}) {
-    for (const auto& variant : {set, Both(set, kTremor), Both(set, kDynamic)})
+    for (const auto& variant : {set, Joined(set, kTremor), Joined(set, kDynamic)})
       cells.push_back(FoamCup(foam, quick, variant));
     cells.push_back(Bending(FoamCup(foam, quick, set)));
     cells.push_back(OnMount(FoamCup(foam, quick, set)));
@@ -200,9 +210,9 @@ Simulated DiameterError(ValidationLab& lab, Technique technique) {
           .how = kCellHow,
           .constants = {"foam_10.cutting_energy", "foam_20.cutting_energy", "foam_10.cutting_force_ratio",
                         "foam_20.cutting_force_ratio"},
-          .ablations = {{"a hand that trembles with 4 N", MeanError_mm(lab, Both(set, kTremor))},
+          .ablations = {{"a hand that trembles with 4 N", MeanError_mm(lab, Joined(set, kTremor))},
                         {"an arm with masses, friction and a flexible mount",
-                         MeanError_mm(lab, Both(set, kDynamic))}},
+                         MeanError_mm(lab, Joined(set, kDynamic))}},
           .reason =
               "the head is a rigid ball whose whole surface cuts, and a stiff arm guides it: the path "
               "error of hand and arm, the reamer's bending and the bone's mount give only what the variants "
@@ -213,7 +223,7 @@ Simulated DiameterError(ValidationLab& lab, Technique technique) {
 
 std::vector<CellTrialParams> WideCavityCells(const std::string& foam, bool quick) {
   const CellTrialParams rigid = FoamCup(foam, quick, WideSet());
-  return {rigid, FoamCup(foam, quick, Both(WideSet(), kTremor)), Bending(rigid), OnMount(rigid)};
+  return {rigid, FoamCup(foam, quick, Joined(WideSet(), kTremor)), Bending(rigid), OnMount(rigid)};
 }
 
 Simulated WideCavity(ValidationLab& lab, const std::string& foam) {
@@ -236,7 +246,7 @@ std::vector<CellTrialParams> DemoCells(bool quick) {
 
 std::vector<CellTrialParams> FeedPerTurnCells(bool quick) {
   std::vector<CellTrialParams> cells = DemoCells(quick);
-  cells.push_back(Hastened({.cell = "demo", .set = {"script.push_force_N=60"}}, quick));
+  cells.push_back(ShortenedIfQuick({.cell = "demo", .set = {"script.push_force_N=60"}}, quick));
   return cells;
 }
 

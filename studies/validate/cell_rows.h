@@ -5,11 +5,13 @@
 
 #include "studies/validate/validation_rows.h"
 
-// Rows that a shipped cell in virtual time simulates: arm, hand, servo loop and cutting engine.
+// Rows that a shipped cell in virtual time simulates: arm, hand, servo loop and cutting engine. Beside a
+// row's function stands one that ends in Cells: it returns the cells that the row runs, so that they can run
+// at the same time.
 
 namespace osteon::studies {
 
-/// How the hand reams.
+/// The motion of the hand while it reams.
 enum class Technique : std::uint8_t {
   kWhirlwind,  ///< the tool's tilt turns about the head's centre while the hand presses
   kStraight,   ///< the hand presses along the axis: tilt of 0

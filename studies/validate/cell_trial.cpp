@@ -24,10 +24,12 @@
 namespace osteon::studies {
 namespace {
 
-// "In full": the hand's force is at least this share of the script's push.
+// The hand presses in full if its force is at least this share of the script's push.
 constexpr double kFullShare = 0.95;
 
-// Gives tissues of the scene the figures of materials of sawbone.yaml; a tissue keeps its name.
+// Replaces the figures of tissues of the scene by those of materials of sawbone.yaml; a tissue keeps its
+// name.
+// @returns an error that names the material or tissue that is missing
 tl::expected<void, std::string> ReplaceTissues(const std::filesystem::path& config_root,
                                                const std::vector<TissueFigures>& tissues,
                                                simulation::SceneParams& scene) {
@@ -47,7 +49,7 @@ tl::expected<void, std::string> ReplaceTissues(const std::filesystem::path& conf
   return {};
 }
 
-// Figures of the press, gathered from the ticks of a run.
+// Feed per turn and force difference while the hand presses in full, from the ticks of a run.
 class PressFigures {
  public:
   explicit PressFigures(const session::CellSetup& setup)
@@ -84,10 +86,13 @@ class PressFigures {
   Vector3 axis_W_, p_T_head_{Vector3::Zero()};
   double push_N_, period_s_;
   bool was_full_{false};
-  double last_height_m_{0.0}, feed_m_{0.0}, turned_rad_{0.0}, difference_{0.0};
-  std::int64_t ticks_{0};
+  double last_height_m_{0.0};
+  double feed_m_{0.0}, turned_rad_{0.0}, difference_{0.0};  // sums over the ticks in which the hand presses
+  std::int64_t ticks_{0};                                   // number of these ticks
 };
 
+// Fits a sphere to the balls that were cut, and compares it with the planned cup. Without a fit, fit_refused
+// says why.
 void FitCavity(const session::CellSetup& setup, const simulation::CarvedState& after, CellTrial& trial) {
   const simulation::ToolBall* head = simulation::CuttingHead(setup.config.tool.tool);
   if (head == nullptr || setup.config.scene.zone.kind != simulation::ZoneParams::Kind::kCup) {
@@ -106,6 +111,7 @@ void FitCavity(const session::CellSetup& setup, const simulation::CarvedState& a
   trial.centre_shift_m = (fit->centre_m - Vector3(site.center_m)).norm();
 }
 
+// Prepares and packs the cell with the overrides and tissues of the trial.
 tl::expected<session::CellSetup, std::string> SetUp(const std::filesystem::path& config_root,
                                                     const CellTrialParams& params) {
   const std::filesystem::path cell = config_root / "cells" / (params.cell + ".yaml");

@@ -42,7 +42,7 @@ struct CellTrial {
   double removed_m3{0.0};
   double peak_hand_N{0.0}, peak_rendered_N{0.0};
   double feed_per_turn_m{0.0};   ///< of the head along the site's axis, while the hand presses in full
-  double force_difference{0.0};  ///< mean of |hand + rendered| over |rendered|, while pressing in full
+  double force_difference{0.0};  ///< mean of |hand + rendered| / |rendered|, while pressing in full
   double pressed_s{0.0};  ///< time in which the hand pressed in full; 0: the two figures above are not known
   double seconds_wall{0.0};
 };

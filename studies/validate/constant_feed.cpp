@@ -15,10 +15,13 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kPeriod_s = 1e-3, kMachine_N_per_m = 1e6, kNoBound_N = 1e5;
-constexpr double kClear_m = 0.2e-3;  // distance between tip and surface at the start
+constexpr double kPeriod_s = 1e-3;        // of the engine's steps
+constexpr double kMachine_N_per_m = 1e6;  // stiffness of the machine
+constexpr double kNoBound_N = 1e5;        // a force limit that no drill reaches
+constexpr double kClear_m = 0.2e-3;       // distance between tip and surface at the start
 
-void Check(const ConstantFeedParams& params) {
+// Throws std::invalid_argument unless there are steps with a positive feed and rising depths in the block.
+void ValidateSteps(const ConstantFeedParams& params) {
   double depth_m = 0.0;
   for (const FeedStep& step : params.steps) {
     if (!(step.feed_m_per_s > 0.0) || !(step.depth_m > depth_m) || step.depth_m >= kFeedBlock_m)
@@ -51,21 +54,22 @@ simulation::Bone MakeFeedBlock(const ConstantFeedParams& params) {
   return simulation::PackScene(simulation::MakeSceneSolid(scene), scene);
 }
 
-// Sums over the frames that count.
+// Sums over the frames of the second half of the last section. way_m: length of the feed.
 struct Sums {
   double thrust_N{0.0}, torque_Nm{0.0}, way_m{0.0}, removed_m3{0.0}, work_J{0.0}, bend_m{0.0};
   int frames{0};
 };
 
-// A drill that bends: the place of its point in the chuck's frame T follows the wrench on the point. Without
-// a link, the drill is rigid.
+// A drill that may bend: the frame E of its point follows the wrench on the point, in the chuck's frame T,
+// with a time constant. Without bending, E is T.
 class BentPoint {
  public:
   BentPoint(const config::ToolConfig& drill, bool bends) {
     if (!bends) return;
     if (!drill.bending) throw std::invalid_argument("constant feed: found a drill without `bending`");
     compliance_T_ = drill.bending->compliance.C_T;
-    // rule 1 of a cell's compliance: T K c / tau is at most a half
+    // rule 1 of a cell's compliance: T K c / tau is at most a half, with the period T, the machine's
+    // stiffness K and the drill's compliance c
     const double softest_m_per_N = compliance_T_.diagonal().head<3>().maxCoeff();
     tau_s_ = std::max(drill.bending->relaxation_s, 2.0 * kPeriod_s * kMachine_N_per_m * softest_m_per_N);
   }
@@ -84,13 +88,13 @@ class BentPoint {
  private:
   control::Matrix6 compliance_T_{control::Matrix6::Zero()};
   double tau_s_{0.0};
-  control::Vector6 e_{control::Vector6::Zero()};
+  control::Vector6 e_{control::Vector6::Zero()};  // displacement and rotation of E, in T
 };
 
 }  // namespace
 
 ConstantFeedResult DrillAtConstantFeed(const ConstantFeedParams& params) {
-  Check(params);
+  ValidateSteps(params);
   const config::ToolConfig drill =
       config::LoadTool(params.config_root / "tools" / "twist_drill.yaml", params.diameter_m);
   const simulation::Bone block = MakeFeedBlock(params);
@@ -104,11 +108,11 @@ ConstantFeedResult DrillAtConstantFeed(const ConstantFeedParams& params) {
   Pose X_WT = Pose::Identity();
   X_WT.linear() = Vector3(1, -1, -1).asDiagonal();
   BentPoint point(drill, params.bends);
-  double depth_m = -kClear_m, before_m = -kClear_m;
+  double depth_m = -kClear_m, last_depth_m = -kClear_m;
   Sums sums;
   for (const FeedStep& step : params.steps) {
-    const bool last = &step == &params.steps.back();
-    const double counts_from_m = 0.5 * (std::max(before_m, 0.0) + step.depth_m);
+    const bool is_last = &step == &params.steps.back();
+    const double sums_from_m = 0.5 * (std::max(last_depth_m, 0.0) + step.depth_m);
     double removed_m3 = 0.0;
     while (depth_m < step.depth_m) {
       depth_m += step.feed_m_per_s * kPeriod_s;
@@ -117,7 +121,7 @@ ConstantFeedResult DrillAtConstantFeed(const ConstantFeedParams& params) {
       const simulation::ContactModel model =
           engine.Step({.X_WT = X_WE, .spindle_rad_per_s = params.spindle_rad_per_s, .dt_s = kPeriod_s});
       point.Step(Wrench(model.F_T_W), X_WE);
-      if (last && depth_m >= counts_from_m) {
+      if (is_last && depth_m >= sums_from_m) {
         const double thrust_N = Vector3(Wrench(model.F_T_W).f).z();
         sums.thrust_N += thrust_N;
         sums.torque_Nm += model.spindle_torque_Nm;
@@ -130,7 +134,7 @@ ConstantFeedResult DrillAtConstantFeed(const ConstantFeedParams& params) {
       }
       removed_m3 = model.removed_volume_m3;
     }
-    before_m = step.depth_m;
+    last_depth_m = step.depth_m;
   }
   const double section_m2 = 0.25 * std::numbers::pi * params.diameter_m * params.diameter_m;
   return {.thrust_N = sums.thrust_N / sums.frames,

@@ -40,8 +40,8 @@ inline constexpr double kFeedBlock_m = 0.008;
 /// Steps the CPU engine once a millisecond. The machine is stiff (1 kN/mm) and bounds no force, so the drill
 /// keeps its feed whatever the thrust. A drill that bends is a massless element between chuck and point, as
 /// in a cell, with a time constant that is long enough for this machine.
-/// @throws std::invalid_argument if the steps do not go deeper and deeper, or through the block, or a feed is
-///   not positive; config::ConfigError and config::ToolSizeError as their files' readers do.
+/// @throws std::invalid_argument if the steps' depths do not rise or reach the block's end, or a feed is not
+///   positive; config::ConfigError and config::ToolSizeError as their files' readers do.
 [[nodiscard]] ConstantFeedResult DrillAtConstantFeed(const ConstantFeedParams& params);
 
 }  // namespace osteon::studies

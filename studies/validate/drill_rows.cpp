@@ -14,10 +14,12 @@ namespace {
 constexpr double kFeed_m_per_s = 0.120 / 60.0;  // 120 mm/min
 constexpr int kLips = 2;                        // number of lips of a twist drill
 constexpr double kRadius_m = 0.0016;            // radius of MacAvelia's drill
+// Volume that the drill removes in a second.
 constexpr double kRate_m3_per_s = std::numbers::pi * kRadius_m * kRadius_m * kFeed_m_per_s;
 
 constexpr const char* kWithoutEdge = "without the edges' own force";
 
+// The constants of a material on which its thrust and torque depend.
 std::vector<std::string> ConstantsOf(const std::string& material) {
   return {material + ".cutting_energy", material + ".cutting_force_ratio", material + ".edge_force"};
 }
@@ -26,7 +28,7 @@ std::vector<std::string> RatioConstants(const std::string& material) {
   return {material + ".cutting_energy", material + ".edge_force"};
 }
 
-// How the shipped drill is fed into a block.
+// Parameters with which the shipped drill is fed into a block.
 struct DrillRun {
   double rpm{1000.0};
   double feed_m_per_s{kFeed_m_per_s};
@@ -35,6 +37,7 @@ struct DrillRun {
   bool bends{false};
 };
 
+// Returns the result of a drill run in a material, which may differ from the shipped ones.
 const ConstantFeedResult& Drilled(ValidationLab& lab, const simulation::Material& material,
                                   const DrillRun& run) {
   return lab.Drill({.config_root = {},
@@ -54,13 +57,15 @@ std::string HowDrilled(const std::string& material) {
   return fmt::format("twist_drill.yaml at constant feed into a block of {}, CPU engine, 1 kHz", material);
 }
 
+// A row's only variant: its value with a tool that bends.
 std::vector<ComplianceVariant> WithBending(double simulated) {
   return {{.part = CompliantPart::kTool, .simulated = simulated}};
 }
 
 using Figure = double ConstantFeedResult::*;
 
-// Ratio of a figure between two speeds at the same feed per second; the ablation has the same feed per turn.
+// Ratio of a figure at 1500 rpm to that at 1000 rpm, at the same feed per second; an ablation has the same
+// feed per turn.
 Simulated SpeedRatio(ValidationLab& lab, const std::string& material, Figure figure, double diameter_m) {
   const auto at = [&](double rpm, double feed_m_per_s, bool edge_force, bool bends = false) {
     return Drilled(lab, material,
@@ -88,16 +93,17 @@ Simulated SpeedRatio(ValidationLab& lab, const std::string& material, Figure fig
 // Converts the depth of cut of one lip to the feed [m/s].
 double FeedOf(double depth_of_cut_m, double rpm) { return depth_of_cut_m * kLips * rpm / 60.0; }
 
-// Thrust at a small depth of cut: the drill is fed fast until the whole point is in, then at the wanted feed.
+// Thrust [N] in cortical bone at a depth of cut: the drill is fed fast until the whole point is in the bone,
+// then with the feed of this depth of cut.
 double ThrustAt(ValidationLab& lab, double depth_of_cut_m, double rpm, bool edge_force = true) {
-  const double in_m = 0.0022, way_m = lab.quick() ? 0.0002 : 0.0004;
+  const double point_in_m = 0.0022, way_m = lab.quick() ? 0.0002 : 0.0004;
   return lab
       .Drill({.config_root = {},
               .material = lab.MaterialOf("cortical"),
               .diameter_m = 0.0032,
               .spindle_rad_per_s = rpm * kRpm,
-              .steps = {{.feed_m_per_s = kFeed_m_per_s, .depth_m = in_m},
-                        {.feed_m_per_s = FeedOf(depth_of_cut_m, rpm), .depth_m = in_m + way_m}},
+              .steps = {{.feed_m_per_s = kFeed_m_per_s, .depth_m = point_in_m},
+                        {.feed_m_per_s = FeedOf(depth_of_cut_m, rpm), .depth_m = point_in_m + way_m}},
               .edge_force = edge_force})
       .thrust_N;
 }

@@ -20,6 +20,7 @@ enum class CutConstant : std::uint8_t {
 };
 /// "cutting_energy", "cutting_force_ratio", "edge_force".
 [[nodiscard]] std::string_view NameOf(CutConstant constant);
+/// The material's value of this constant, SI.
 [[nodiscard]] double ValueOf(const simulation::Material& material, CutConstant constant);
 
 /// A constant that was fitted to measurements; all other constants are assumed.
@@ -27,8 +28,8 @@ struct FittedConstant {
   std::string_view file;  ///< under config/materials/
   std::string_view material;
   CutConstant constant{CutConstant::kCuttingEnergy};
-  double value{0.0};  ///< SI, as in the file
-  std::string_view how;
+  double value{0.0};                        ///< SI, as in the file
+  std::string_view how;                     ///< how the value follows from the measurements
   std::vector<std::string_view> fitted_to;  ///< ids of measurements
   /// Ids of measurements that change the value by less than `minor_share` of it.
   std::vector<std::string_view> minor{};

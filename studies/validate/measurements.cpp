@@ -7,6 +7,8 @@
 namespace osteon::studies {
 namespace {
 
+// Texts that several rows share: sources, conditions, origins of the spread, and what a simulation leaves
+// out.
 constexpr std::string_view kKaria = "Karia 2023, PMC10408067";
 constexpr std::string_view kKariaBones =
     "80 composite bones, half of them of high density; laser scan; an unused conventional reamer";
@@ -417,7 +419,7 @@ std::string_view NameOf(RowUse use) {
 std::span<const Measurement> Measurements() { return kMeasurements; }
 
 bool Measurement::Contains(double value) const {
-  // A slack of half a billionth of the value, as the bounds are decimal fractions that floats round.
+  // a small slack, because the bounds are decimal fractions that floats round
   const double slack = 5e-10 * std::abs(measured);
   const double compared = resolution > 0.0 ? resolution * std::round(value / resolution) : value;
   return compared >= low - slack && compared <= high + slack;

@@ -9,11 +9,11 @@ namespace osteon::studies {
 
 /// The kind of evidence that a row of `osteon validate` gives.
 enum class RowUse : std::uint8_t {
-  kValidates,   ///< a measured level, which nothing in the model was fitted to
+  kValidates,   ///< a measured level to which nothing in the model was fitted
   kTrend,       ///< how a measured quantity changes with a condition, as a ratio
   kRange,       ///< a measured range, in which the simulation should lie: an operator's choice is part of it
-  kTolerance,   ///< a just noticeable difference, which the simulation should stay below
-  kCalibrates,  ///< a constant of the model was fitted to it, so it shows nothing
+  kTolerance,   ///< a just noticeable difference, below which the simulation should stay
+  kCalibrates,  ///< a value to which a constant of the model was fitted, so the row shows nothing
 };
 /// "validates", "trend", "range", "tolerance", "calibrates".
 [[nodiscard]] std::string_view NameOf(RowUse use);
@@ -34,7 +34,9 @@ struct Measurement {
   /// Last stated digit, to which a simulated value is rounded before it is compared; 0: not rounded.
   double resolution{0.0};
 
+  /// Whether there is an accepted range.
   [[nodiscard]] bool judged() const { return low == low && high == high; }
+  /// Whether a simulated value, rounded to `resolution`, lies in the accepted range.
   [[nodiscard]] bool Contains(double value) const;
 };
 

@@ -22,6 +22,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// The number, or null if the source does not state it (NaN).
 Json OrNull(double value) { return value == value ? Json(value) : Json(); }
 
 Json RowJson(const ValidationRow& row) {
@@ -74,7 +75,7 @@ Json ConstantsJson() {
 }
 
 // Lists the numbers of the source's rows, as the accepted words in an error.
-std::string Numbers() {
+std::string RowNumbers() {
   std::vector<std::string> numbers;
   for (const Measurement& m : Measurements()) {
     const std::string number(m.id.substr(0, m.id.find('-')));
@@ -90,6 +91,7 @@ std::string VariantText(const ValidationRow& row, CompliantPart part) {
   return variant->simulated ? fmt::format("{:.4g}", *variant->simulated) : "-";
 }
 
+// Writes JSON, plot and page as far as the options name files. @returns an error; empty: none
 std::string WriteFiles(const ValidateOptions& options, std::span<const ValidationRow> rows) {
   if (!options.json.empty())
     if (const auto written = base::WriteText(options.json, ValidationJson(rows, options.command_line));
@@ -114,8 +116,8 @@ tl::expected<std::vector<std::string>, std::string> ChooseRows(std::span<const s
     for (const Measurement& m : Measurements())
       if (m.id == word || m.id.substr(0, m.id.find('-')) == word) ids.emplace_back(m.id);
     if (ids.size() == before)
-      return tl::make_unexpected(
-          fmt::format("--rows: found {}, accepted {}, or one part of them such as 9-1000", word, Numbers()));
+      return tl::make_unexpected(fmt::format(
+          "--rows: found {}, accepted {}, or one part of them such as 9-1000", word, RowNumbers()));
   }
   return ids;
 }
@@ -158,7 +160,7 @@ std::string ValidationTable(std::span<const ValidationRow> rows) {
                                  "layer yields", "on a mount", "unit", "use", "verdict");
   for (const ValidationRow& row : rows) {
     const Measurement& m = *row.measurement;
-    // counted in characters: "mm³" has four bytes
+    // padded by characters, not bytes: "mm³" has four bytes
     std::string unit(m.unit == "1" ? "" : m.unit);
     const auto letters = std::ranges::count_if(unit, [](char c) { return (c & 0xC0) != 0x80; });
     unit.append(static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, 5 - letters)), ' ');

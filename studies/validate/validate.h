@@ -13,6 +13,7 @@
 
 namespace osteon::studies {
 
+/// Options of `osteon validate`.
 struct ValidateOptions {
   std::filesystem::path config_root;
   std::vector<std::string> rows{};  ///< ids, or numbers of the source's rows; empty: all
@@ -22,9 +23,8 @@ struct ValidateOptions {
   std::string command_line{};
 };
 
-/// Returns the ids that these words choose: a word is an id itself, or a number for all ids that begin with
-/// it
-/// ("9": "9-1000" and others). The error names the wrong word and what is accepted.
+/// Returns the ids that these words choose. A word is an id, or the number of a source's row, which means all
+/// its ids ("9": "9-1000" and others). The error names the wrong word and what is accepted.
 [[nodiscard]] tl::expected<std::vector<std::string>, std::string> ChooseRows(
     std::span<const std::string> words);
 
@@ -49,8 +49,8 @@ struct ValidationCounts {
 /// "within: levels 2 of 8, trends 5 of 10, ranges 2 of 5, tolerances 2 of 2"
 [[nodiscard]] std::string KindsText(const ValidationCounts& counts);
 
-/// The printed table: each row without a part that gives way, and beside it with a tool that bends, with
-/// cartilage that yields, and with the bone on a mount.
+/// The printed table. Each row shows its value with rigid parts, with a tool that bends, with cartilage that
+/// yields, and with the bone on a mount.
 [[nodiscard]] std::string ValidationTable(std::span<const ValidationRow> rows);
 
 /// JSON object, schema osteon.validate/1. Two runs give the same text.

@@ -12,12 +12,14 @@
 namespace osteon::studies {
 namespace {
 
-std::string Unit(const Measurement& m) { return m.unit == "1" ? "" : " " + std::string(m.unit); }
+// The unit after a space; empty for a ratio.
+std::string UnitText(const Measurement& m) { return m.unit == "1" ? "" : " " + std::string(m.unit); }
 
 std::string SpreadText(const Measurement& m) {
   return m.judged() ? fmt::format("{:.3g} to {:.3g}", m.low, m.high) : "not stated";
 }
 
+// The verdict as HTML, coloured if the row is judged or failed.
 std::string VerdictCell(const ValidationRow& row) {
   const std::string_view verdict = row.verdict();
   const char* level = verdict == "within" ? "good" : verdict == "misses" ? "look" : "bad";
@@ -50,7 +52,8 @@ std::string VariantCells(const ValidationRow& row) {
   return html;
 }
 
-std::string Table(std::span<const ValidationRow> rows) {
+// HTML table with a line for each row.
+std::string RowTable(std::span<const ValidationRow> rows) {
   std::string html =
       "<table>\n<tr><th>row</th><th>quantity</th><th class=\"n\">measured by others</th><th "
       "class=\"n\">spread</th><th class=\"n\">simulated here</th><th class=\"n\">tool bends</th><th "
@@ -60,14 +63,16 @@ std::string Table(std::span<const ValidationRow> rows) {
     html += fmt::format(
         "<tr><td>{}</td><td>{}</td><td class=\"n\">{:.4g}{}</td><td class=\"n\">{}</td><td "
         "class=\"n\">{}</td>{}<td>{}</td><td>{}</td></tr>\n",
-        report::Escape(m.id), report::Escape(m.quantity), m.measured, report::Escape(Unit(m)), SpreadText(m),
-        row.error.empty() ? fmt::format("{:.4g}{}", row.simulated.value, report::Escape(Unit(m))) : "–",
+        report::Escape(m.id), report::Escape(m.quantity), m.measured, report::Escape(UnitText(m)),
+        SpreadText(m),
+        row.error.empty() ? fmt::format("{:.4g}{}", row.simulated.value, report::Escape(UnitText(m))) : "–",
         VariantCells(row), NameOf(m.use), VerdictCell(row));
   }
   return html + "</table>\n";
 }
 
-std::string Details(const ValidationRow& row) {
+// HTML list of all that is known about a row: source, conditions, ablations, variants.
+std::string RowDetails(const ValidationRow& row) {
   const Measurement& m = *row.measurement;
   std::string html = fmt::format("<h3>{}: {}</h3>\n<ul>\n", report::Escape(m.id), report::Escape(m.quantity));
   const auto item = [&](const char* name, const std::string& text) {
@@ -78,11 +83,12 @@ std::string Details(const ValidationRow& row) {
   item("Simulated", row.error.empty() ? row.simulated.how : "no result: " + row.error);
   item("Left out", std::string(m.leaves_out));
   for (const Ablation& ablation : row.simulated.ablations)
-    item("With one thing changed", fmt::format("{:.4g}{}: {}", ablation.simulated, Unit(m), ablation.what));
+    item("With one thing changed",
+         fmt::format("{:.4g}{}: {}", ablation.simulated, UnitText(m), ablation.what));
   for (const ComplianceVariant& variant : row.simulated.compliance)
     item("With a part that gives way",
          fmt::format("{}: {}",
-                     variant.simulated ? fmt::format("{:.4g}{}", *variant.simulated, Unit(m))
+                     variant.simulated ? fmt::format("{:.4g}{}", *variant.simulated, UnitText(m))
                                        : "no result, " + variant.error,
                      TextOf(variant.part)));
   if (row.verdict() == "misses") item("Why it misses", row.simulated.reason);
@@ -90,7 +96,8 @@ std::string Details(const ValidationRow& row) {
   return html + "</ul>\n";
 }
 
-std::string Constants() {
+// HTML table of the fitted constants.
+std::string ConstantsTable() {
   std::string html =
       "<table>\n<tr><th>constant</th><th class=\"n\">value</th><th>fitted to rows</th><th>how</th></tr>\n";
   for (const FittedConstant& c : FittedConstants()) {
@@ -105,7 +112,8 @@ std::string Constants() {
   return html + "</table>\n";
 }
 
-std::string Uses() {
+// HTML list of the published figures that the product uses.
+std::string PublishedUsesList() {
   std::string html = "<ul>\n";
   for (const PublishedUse& use : PublishedUses())
     html += fmt::format("<li>Row {}: {}: {}</li>\n", report::Escape(use.row), report::Escape(use.value),
@@ -143,9 +151,10 @@ std::string ValidationPage(std::span<const ValidationRow> rows, const std::strin
       "Simulated over measured for each row, beside the measured spread. A row that a constant was "
       "fitted to shows nothing and is grey. The table has beside each row the same with a tool that bends, "
       "with cartilage that yields, and with the bone on a mount.");
-  html += "<h2>Rows</h2>\n" + Table(rows) + "<h2>What was fitted to what</h2>\n" + Constants();
-  html += "<h2>Published figures that the product uses</h2>\n" + Uses() + "<h2>Row by row</h2>\n";
-  for (const ValidationRow& row : rows) html += Details(row);
+  html += "<h2>Rows</h2>\n" + RowTable(rows) + "<h2>What was fitted to what</h2>\n" + ConstantsTable();
+  html +=
+      "<h2>Published figures that the product uses</h2>\n" + PublishedUsesList() + "<h2>Row by row</h2>\n";
+  for (const ValidationRow& row : rows) html += RowDetails(row);
   return html + report::RepeatSection(command_line) + report::PageEnd();
 }
 

@@ -19,7 +19,7 @@ struct LabParams {
   int jobs{0};        ///< number of cells that run at a time; 0: one per core
 };
 
-/// Makes the runs that rows need, each run only once.
+/// Makes the runs that the rows need, and keeps each result for the next row that needs it.
 class ValidationLab {
  public:
   explicit ValidationLab(LabParams params) : params_(std::move(params)) {}

@@ -13,6 +13,7 @@ namespace {
 
 using Lab = ValidationLab;
 
+// How each measurement is simulated, in the order of Measurements().
 std::vector<ValidationItem> MakeItems() {
   const auto cavity = [](std::string_view id, Technique technique) {
     return ValidationItem{.id = id,

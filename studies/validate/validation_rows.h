@@ -13,7 +13,7 @@
 
 namespace osteon::studies {
 
-/// A row's quantity with one thing changed, to show the cause of the row's error.
+/// A row's quantity with one condition changed, to show the cause of the row's error.
 struct Ablation {
   std::string what;
   double simulated{0.0};  ///< in the row's unit
@@ -28,7 +28,7 @@ enum class CompliantPart : std::uint8_t {
 /// "tool", "layer", "mount": the keys of a cell's `compliance`.
 [[nodiscard]] std::string_view NameOf(CompliantPart part);
 
-/// A row's quantity if a part gives way.
+/// A row's quantity, simulated with a part that gives way.
 struct ComplianceVariant {
   CompliantPart part{CompliantPart::kTool};
   std::optional<double> simulated{};  ///< in the row's unit; nothing: the run had no result
@@ -42,11 +42,11 @@ struct Simulated {
   /// Constants of materials on which the value depends: "cortical.cutting_energy".
   std::vector<std::string> constants{};
   std::vector<Ablation> ablations{};
-  std::string reason{};  ///< why the value misses the range, if it does, as the ablations show
+  std::string reason{};  ///< why the value may miss the range, as the ablations show
   /// Variants with a part that gives way, if the cell has such a part; `value` is without any.
   std::vector<ComplianceVariant> compliance{};
 
-  /// Null if the row has no variant with this part.
+  /// The variant in which this part gives way; null if the row has none.
   [[nodiscard]] const ComplianceVariant* With(CompliantPart part) const;
 };
 
@@ -83,6 +83,7 @@ struct ValidationRow {
 struct PublishedUse {
   std::string_view row, value, where;
 };
+/// All such figures, with the source's row, the value, and where the product uses it.
 [[nodiscard]] std::span<const PublishedUse> PublishedUses();
 
 }  // namespace osteon::studies
