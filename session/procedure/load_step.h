@@ -17,7 +17,7 @@ inline constexpr double kMaxLoadError_N = 0.5;
                                      const control::ForceSensorParams& before,
                                      const control::ForceSensorParams& after, const Pose& X_WF);
 
-/// Means of the sensor's force in a pause: at its beginning, with the old tool, and newest.
+/// Means of the sensor's force in a pause: the first mean, with the old tool, and the newest one.
 class PausedReadings {
  public:
   void Add(const control::TickRecord& tick);
@@ -28,7 +28,7 @@ class PausedReadings {
   /// Begins anew with the next reading: another tool is on.
   void Restart() { *this = {}; }
 
-  static constexpr int kTicks = 300;  ///< of each mean
+  static constexpr int kTicks = 300;  ///< number of ticks in each mean
   static constexpr int kTicksUntilKnown = 2 * kTicks;
 
  private:

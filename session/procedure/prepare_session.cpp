@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSameSize_m = 1e-6;
+constexpr double kSameSize_m = 1e-6;  // radii that differ by less are of the same reamer
 
 // The hand of a novice. Its axis is 14 ± 7 degrees off (PMC6494316). Reaming without guidance moves the
 // centre by 3.7 ± 2.6 mm superiorly and 5.0 ± 3.3 mm medially (PMID 27909120). So the hand aims 6 mm aside,
@@ -63,6 +63,7 @@ Pose PlanFrame(const procedure::SurgicalPlan& plan) {
   return X_GC;
 }
 
+// Collects the cell's gains for session.json.
 SessionGains GainsOfCell(const control::ServoParams& servo) {
   SessionGains gains{.law = servo.law == control::Law::kAdmittance ? "admittance" : "impedance",
                      .stiffness_N_per_mm = 1e-3 * servo.coupling.max_stiffness_N_per_m,
@@ -114,7 +115,7 @@ std::string ValidateNewSession(const fs::path& folder) {
 }
 
 tl::expected<double, std::string> GainFrom(const fs::path& folder, const std::string& plan_checksum) {
-  constexpr double kLessForEach = 0.25;
+  constexpr double kLessForEach = 0.25;  // part of the gain that each passed session takes away
   std::error_code error;
   if (!fs::is_directory(folder, error))
     return tl::make_unexpected(
@@ -206,8 +207,9 @@ int ReamerOf(const procedure::SurgicalPlan& plan, const config::CellConfig& cell
 
 namespace {
 
-// The hand works in another way at an opening: it counts from the rim, leads the burrs around, and
-// presses as the cell's own script does.
+// Sets script and hand for an opening: the heights count from the rim, the hand is stiffer, leads the burrs
+// around the planned circle, and presses with the force of the cell's own script.
+// @param first  index of the first tool  @param rim_m  height of the rim over the plan's centre
 void LeadBurrs(const procedure::SurgicalPlan& plan, std::size_t first, double rim_m, double push_force_N,
                hil::ProcedureScriptParams& script, hil::OperatorHandParams& hand) {
   script.hand_stiffness_N_per_m *= kFingerRest;
@@ -234,7 +236,7 @@ void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand,
   hil::ProcedureScriptParams script;
   double push_force_N = 0.0;
   std::visit(
-      [&](const auto& own) {
+      [&](const auto& own) {  // the cell's own script
         push_force_N = own.push_force_N;
         script.head_radius_m = own.head_radius_m;
         script.tool_yaw_rad = own.tool_yaw_rad;
@@ -324,9 +326,10 @@ tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
   }
   const simulation::Tool& in_use = tools[static_cast<std::size_t>(procedure.tools.first)].tool;
   if (procedure.tools.first != 0) {
-    auto other = MakeEngine(engine_choice, setup.bone, in_use, setup.X_WG, setup.config.cutting);
-    if (!other) return tl::make_unexpected(other.error());
-    engine = std::move(*other);
+    // the cell's engine is for the first reamer: a resumed session may continue with a later one
+    auto engine_in_use = MakeEngine(engine_choice, setup.bone, in_use, setup.X_WG, setup.config.cutting);
+    if (!engine_in_use) return tl::make_unexpected(engine_in_use.error());
+    engine = std::move(*engine_in_use);
   }
   const bool physical = procedure.tools.physical;
   ScriptedChanges::Heights heights;

@@ -30,7 +30,7 @@ static_assert(std::endian::native == std::endian::little);
 
 constexpr std::array<char, 8> kBoneMagic{'O', 'S', 'T', 'B', 'O', 'N', 'E', '1'};
 constexpr std::size_t kBallNumbers = 4, kPointNumbers = 5;  // number of doubles of a ball, of a mass point
-constexpr std::uint64_t kMaxItems = 1ull << 32;
+constexpr std::uint64_t kMaxItems = 1ull << 32;             // a file with more balls or points is refused
 
 // The head of the file. The doubles of the balls and of the mass points follow.
 struct BoneHeader {

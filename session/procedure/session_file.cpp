@@ -20,6 +20,7 @@ namespace {
 
 using nlohmann::json;
 
+// Largest magnitudes that are accepted from a file.
 constexpr std::int64_t kMaxStamp = std::int64_t{1} << 62;
 constexpr double kMaxFigure = 1e9, kMaxToGo_mm = 1e4, kMaxDiameter_mm = 500.0;
 
@@ -32,14 +33,17 @@ void RequireName(const std::string& key, const std::string& name) {
         fmt::format("{}: found \"{}\", accepted the name of a file in the session's folder", key, name));
 }
 
+// @param found  the refused value; null: there is none
 [[noreturn]] void Refuse(const char* key, const json* found, const std::string& accepted) {
-  constexpr std::size_t kShown = 60;
+  constexpr std::size_t kShown = 60;  // number of characters of the value in the message
   throw std::runtime_error(fmt::format(
       "{}: found {}, accepted {}", key,
       found ? found->dump(-1, ' ', false, json::error_handler_t::replace).substr(0, kShown) : "none",
       accepted));
 }
 
+// The following functions return the value of a key. If the key is missing, or its value is of another kind
+// or beyond the bounds, they throw an error that names the key, what was found and what is accepted.
 const json& At(const json& object, const char* key, const char* accepted) {
   if (!object.is_object()) Refuse(key, nullptr, accepted);
   const auto at = object.find(key);
@@ -192,6 +196,7 @@ SessionPass ReadPass(const json& object, const SessionFile& session, std::int64_
   return pass;
 }
 
+// Makes the rows of [R | p].
 json PoseJson(const PlainPose& plain) {
   const Pose X = plain;
   json rows = json::array();
@@ -222,9 +227,9 @@ PlainPose ReadPose(const json& rows) {
 }  // namespace
 
 int SessionFile::PassesLeft() const {
-  int left = 0;
-  for (const SessionPass& pass : passes) left += pass.undone ? 0 : 1;
-  return left;
+  int count = 0;
+  for (const SessionPass& pass : passes) count += pass.undone ? 0 : 1;
+  return count;
 }
 
 std::string SessionFile::LastState() const {
