@@ -54,9 +54,9 @@ class GainsPanel {
   [[nodiscard]] bool KeepsOwnMargin() const;
   [[nodiscard]] nlohmann::json TuneJson() const;
 
-  const control::Gains own_;
+  const control::Gains own_;     ///< the cell's own
   const bool has_drag_;          ///< the law has a virtual tool
-  const double planes_N_per_m_;  ///< force limit over tool radius: a stiffness from the planes' rotation
+  const double planes_N_per_m_;  ///< stiffness that the planes' rotation causes: force limit over tool radius
   tl::expected<TuneAdvice, std::string> tune_{tl::unexpect, ""};
   mutable std::mutex mutex_;
   control::Gains present_;              // guarded by mutex_, as the following

@@ -46,7 +46,7 @@ struct PackSource {
   simulation::CutSite site{
       .center_m = {}, .axis = Vector3(Vector3::UnitZ()), .radius_m = 0.0};  ///< radius 0: none
   std::vector<simulation::Material> materials;
-  std::optional<simulation::SceneParams> own;  ///< a scene's own packing and mass points
+  std::optional<simulation::SceneParams> own;  ///< the chosen scene, with its packing and mass points
   std::size_t triangles{0};                    ///< of a mesh
   /// Mass properties of the solid filled evenly with 1000 kg/m³, in closed form; absent if there is none.
   std::optional<simulation::MassProperties> even;

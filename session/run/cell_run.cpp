@@ -121,6 +121,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
                                                   CellConnections& connections, io::Recorder& recorder,
                                                   const CellRunParams& params) {
   CellRunResult result;
+  // the second loop computes each tick again, so that an error of computation is found
   control::ServoLoop loop = MakeServoLoop(setup.config), second = MakeServoLoop(setup.config);
   SetTools(params, loop);
   SetTools(params, second);
@@ -263,8 +264,9 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
   const auto max_idle_ticks = static_cast<std::int64_t>(kVirtualGiveUp_s / cell.period_s());
   std::int64_t idle_ticks = 0;  // without progress of rendering or a pause, or since the run is to end
   std::uint64_t active_before = 0, held_ticks = 0;  // ticks in COMMANDING_ACTIVE, and of these during a hold
-  bool recovering = false, stopping = false;
+  bool recovering = false, stopping = false;        // a recovery, or the end of the run, was requested
   control::RestTime rest(static_cast<rt::Nanoseconds>(std::llround(AtRest_s(setup, params) * 1e9)));
+  // whether the arm is held at a fault until an operator asks for a recovery
   const auto holds = [&] {
     return params.hold_at_fault && !stopping && safety::AllowsRecovery(loop.faults());
   };
