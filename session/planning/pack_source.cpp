@@ -74,7 +74,7 @@ tl::expected<std::vector<Vector3>, std::string> ReadPath(const std::filesystem::
         fmt::format("--path {}: no such file, accepted a CSV file with lines x_mm,y_mm,z_mm", file.string()));
   std::vector<Vector3> points;
   std::string line;
-  constexpr std::size_t kMaxPoints = 100'000;
+  constexpr std::size_t kMaxPoints = 100'000;  // a longer path is refused
   for (int number = 1; std::getline(lines, line); ++number) {
     if (line.ends_with('\r')) line.pop_back();
     if (line.empty() || (number == 1 && line.find_first_of("xX") != line.npos)) continue;  // empty, or header

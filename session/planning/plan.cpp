@@ -63,6 +63,7 @@ struct Calibration {
   double reach_ratio{1.0};  ///< balls that a frame worked on, over the balls within reach before the cut
 };
 
+/// Packs the scene's solid on a level.
 PackedLevel PackBalls(const PlanScene& scene, const PackingLevel& level) {
   return {.level = level, .balls = simulation::PackLevel(level, *scene.work.solid, *scene.work.zone)};
 }

@@ -102,6 +102,7 @@ std::array<double, N> ReadNumbers(const json& object, const char* key, double mi
   return numbers;
 }
 
+// Reads the name of a file in the session's folder.
 std::string ReadName(const json& object, const char* key) {
   std::string name = ReadText(object, key);
   RequireName(key, name);
@@ -110,6 +111,7 @@ std::string ReadName(const json& object, const char* key) {
 
 // Reads the time at which the session began; empty: there is none.
 std::string ReadBegan(const json& all) {
+  // a 0 stands for any digit
   constexpr std::string_view kForm = "0000-00-00T00:00:00Z";
   const auto at = all.find("began");
   if (at == all.end() || at->is_null()) return "";
@@ -207,6 +209,7 @@ json PoseJson(const PlainPose& plain) {
   return rows;
 }
 
+// Reads the cup's pose; refuses rows whose R is no rotation.
 PlainPose ReadPose(const json& rows) {
   constexpr const char* kAccepted = "three rows [R | p] of a pose in m";
   Pose X = Pose::Identity();

@@ -61,6 +61,7 @@ control::RunEnd EndOf(safety::FaultSet faults, const std::string& end, bool rend
   return by_time ? control::RunEnd::kSeconds : control::RunEnd::kStopFlag;
 }
 
+// Returns the folder that contains the recording.
 std::filesystem::path FolderOf(const std::filesystem::path& recording) {
   return recording.has_parent_path() ? recording.parent_path() : std::filesystem::path(".");
 }

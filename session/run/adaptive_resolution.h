@@ -75,6 +75,7 @@ class AdaptiveResolution {
   void StartCoarsening(double seen_us);
   // Packs the bone, and carves it along the trail. In a thread of its own, unless params_.at_once.
   void PackCoarser(Making& making);
+  // Adds a text to the notice.
   void Say(std::string text);
 
   const CellSetup& setup_;
@@ -102,11 +103,12 @@ class AdaptiveResolution {
 [[nodiscard]] simulation::ProxyTrail MakeProxyTrail(const CellSetup& setup);
 /// Packs a planned cell's bone on a coarser level. @throws std::invalid_argument as the packings do
 [[nodiscard]] simulation::Bone PackCoarser(const CellSetup& setup, const simulation::PackingLevel& level);
-/// Makes two engines for a coarser bone: one that carves along a trail, with G as its world frame, and the
-/// one that goes on with the cut.
+/// The two engines for a coarser bone: `carver` carves along a trail, with G as its world frame; `engine`
+/// goes on with the cut.
 struct CoarserEngines {
   std::unique_ptr<simulation::CuttingEngine> carver, engine;
 };
+/// Makes the two engines. The error says why an engine cannot be made.
 [[nodiscard]] tl::expected<CoarserEngines, std::string> MakeCoarserEngines(
     const CellSetup& setup, const simulation::PackingLevel& level, const simulation::Bone& bone,
     const EngineChoice& choice);
