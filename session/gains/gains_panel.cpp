@@ -28,7 +28,7 @@ GainsPanel::GainsPanel(const config::CellConfig& cell)
       present_(own_) {}
 
 // Returns the smallest drag of the three axes, which decides about stability.
-double GainsPanel::Drag(const control::Gains& gains) const {
+double GainsPanel::MinDrag(const control::Gains& gains) const {
   const PlainVector3& d = gains.damping_Ns_per_m;
   return std::min({d.x, d.y, d.z});
 }
@@ -53,7 +53,7 @@ console::RequestAnswer GainsPanel::Request(const console::GainsRequest& request)
     next.max_stiffness_N_per_m = std::clamp(request.value, low, high);
   } else {
     if (!has_drag_) return {.done = false, .reason = "drag: the impedance law has no virtual tool"};
-    const double low = Drag(own_), high = kMaxDragFactor * low;
+    const double low = MinDrag(own_), high = kMaxDragFactor * low;
     if (!IsWithin(request.value, low, high))
       return {
           .done = false,
@@ -124,7 +124,7 @@ nlohmann::json GainsPanel::TuneJson() const {
 
 std::string GainsPanel::Json() const {
   const std::lock_guard lock(mutex_);
-  const double drag = Drag(present_), own_drag = Drag(own_);
+  const double drag = MinDrag(present_), own_drag = MinDrag(own_);
   // the drag keeps planes stable up to an age of drag over stiffness
   const double turning_N_per_m = std::min(present_.max_stiffness_N_per_m, planes_N_per_m_);
   const nlohmann::json json{{"type", "gains"},

@@ -50,8 +50,9 @@ class GainsPanel {
   [[nodiscard]] std::string Json() const;
 
  private:
-  [[nodiscard]] double Drag(const control::Gains& gains) const;
+  [[nodiscard]] double MinDrag(const control::Gains& gains) const;
   [[nodiscard]] bool KeepsOwnMargin() const;
+  // The part of the message about the result of `osteon tune`; null: there is none.
   [[nodiscard]] nlohmann::json TuneJson() const;
 
   const control::Gains own_;     ///< the cell's own

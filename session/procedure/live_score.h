@@ -85,6 +85,7 @@ class LiveScore {
     procedure::ReamedAxis axis;
     std::vector<Vector3> heads_m;  // kWallStep_m apart, where bone was removed
   };
+  // A state of the session that is to be scored.
   struct Input {
     std::shared_ptr<const simulation::CarvedState> state;
     std::vector<SessionPass> passes;
@@ -93,6 +94,7 @@ class LiveScore {
     rt::Nanoseconds stamp{0};
     std::map<int, std::shared_ptr<const Trace>> traces;  // by the passes' numbers
   };
+  // Measures the bone and the walls of a state, and scores it.
   [[nodiscard]] ScoreSoFar Measure(const Input& input) const;
 
   const LiveScoreParams params_;

@@ -23,6 +23,7 @@ class PausedReadings {
   void Add(const control::TickRecord& tick);
   /// Whether both means are known: the pause has lasted for kTicksUntilKnown.
   [[nodiscard]] bool known() const { return newest_count_ >= kTicks; }
+  /// The two means [N], in the sensor's frame S.
   [[nodiscard]] Vector3 first_S() const { return first_sum_ / kTicks; }
   [[nodiscard]] Vector3 newest_S() const { return newest_; }
   /// Begins anew with the next reading: another tool is on.

@@ -117,7 +117,7 @@ void ProcedureSession::Poll(control::ServoLoop& loop) {
 }
 
 SessionAnswer ProcedureSession::Ask(const SessionRequest& request) {
-  struct Waiting {
+  struct Waiting {  // the place for the answer, shared with the frames' thread
     std::mutex mutex;
     std::condition_variable done;
     std::optional<SessionAnswer> answer;

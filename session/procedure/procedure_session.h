@@ -142,6 +142,7 @@ class ProcedureSession final : public FrameObserver {
     std::optional<simulation::SceneWatch> watch;
   };
 
+  // Each of the functions that return a SessionAnswer carries out one kind of request, or refuses it.
   void HandleRequest(const simulation::ToolCommand& command, FrameRunner& runner);
   [[nodiscard]] SessionAnswer Resume(const simulation::ToolCommand& command, const FrameRunner& runner);
   void HandleResume(const simulation::ToolCommand& command, FrameRunner& runner);
@@ -155,6 +156,7 @@ class ProcedureSession final : public FrameObserver {
   [[nodiscard]] SessionAnswer Finish(const SessionRequest& request, const simulation::ToolCommand& command,
                                      FrameRunner& runner);
   void RenewScore();
+  // CheckLoad and RetractFirst return why a request is refused; empty: it is permitted.
   [[nodiscard]] std::string CheckLoad(int tool, const simulation::ToolCommand& command) const;
   void SwitchTool(const simulation::ToolCommand& command, FrameRunner& runner);
   [[nodiscard]] std::vector<MissedChange> MissedChanges() const;

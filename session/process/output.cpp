@@ -100,6 +100,7 @@ class OutputQueue {
   }
 
  private:
+  // A text for one of the outputs.
   struct Part {
     Output* output;
     std::string text;

@@ -18,6 +18,7 @@ struct FieldName {
   const char* part{""};
   const char* unit{""};
 
+  /// Returns the joined name.
   [[nodiscard]] std::string Text() const {
     std::string text = name;
     for (const char* more : {part, unit})
