@@ -26,7 +26,7 @@ void RecordedTopics::TakeTick(const control::TickRecord& tick, io::McapWriter& f
   last_stamp_ = tick.stamp;
   if (bone_) bone_->UseTool(tick.input.tool_index);
   if (tick.stamp < next_) return;
-  if (tick.input.tool_index != tool_) {
+  if (tick.input.tool_index != tool_) {  // draw the new tool in place of the last one
     tool_ = tick.input.tool_index;
     io::EncodeScene(tick.stamp, scene_.Tools(tool_), false, bytes_);
     file.Write(channels_[static_cast<std::size_t>(CellTopic::kScene)], tick.stamp, bytes_);

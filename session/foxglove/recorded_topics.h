@@ -21,7 +21,7 @@ class RecordedTopics final : public io::RecordTopics {
   static constexpr rt::Nanoseconds kPeriod_ns = 33'000'000;
 
   /// @param tools  as for CellScene
-  /// @param bone   nothing: the bone is left out. Its tools are `tools`.
+  /// @param bone   how the bone is recorded, with `tools` as its tools; absent: the bone is left out
   explicit RecordedTopics(const CellSetup& setup, std::span<const ProcedureTool> tools = {},
                           const std::optional<RecordedBoneParams>& bone = {});
   void Begin(io::McapWriter& file, rt::Nanoseconds stamp) override;
@@ -32,8 +32,8 @@ class RecordedTopics final : public io::RecordTopics {
 
  private:
   CellScene scene_;
-  std::vector<std::uint16_t> channels_;  // in the order of CellTopics
-  simulation::ContactModel model_;       // the newest
+  std::vector<std::uint16_t> channels_;  // in the order of CellTopics; 0: the topic is not recorded
+  simulation::ContactModel model_;       // of the newest frame
   rt::Nanoseconds next_{0};              // log time of the next messages
   std::size_t tool_{0};                  // the tool that was drawn last
   std::string bytes_;                    // buffer for one message

@@ -10,6 +10,7 @@
 namespace osteon::session {
 namespace {
 
+// Number of changes that can be undone; the oldest ones are forgotten.
 constexpr std::size_t kMaxFormer = 100;
 // Relative tolerance of the bounds: a page rounds the bounds that it shows, and may send them back.
 constexpr double kRounding = 1e-6;
@@ -27,7 +28,7 @@ GainsPanel::GainsPanel(const config::CellConfig& cell)
       present_(own_) {}
 
 // Returns the smallest drag of the three axes, which decides about stability.
-double GainsPanel::Drag(const control::Gains& gains) const {
+double GainsPanel::MinDrag(const control::Gains& gains) const {
   const PlainVector3& d = gains.damping_Ns_per_m;
   return std::min({d.x, d.y, d.z});
 }
@@ -52,7 +53,7 @@ console::RequestAnswer GainsPanel::Request(const console::GainsRequest& request)
     next.max_stiffness_N_per_m = std::clamp(request.value, low, high);
   } else {
     if (!has_drag_) return {.done = false, .reason = "drag: the impedance law has no virtual tool"};
-    const double low = Drag(own_), high = kMaxDragFactor * low;
+    const double low = MinDrag(own_), high = kMaxDragFactor * low;
     if (!IsWithin(request.value, low, high))
       return {
           .done = false,
@@ -86,15 +87,16 @@ void GainsPanel::SetPresent(const control::Gains& gains) {
 // Whether the present gains have at least the stability margin of the cell's own: they differ from these only
 // by a softer coupling or a larger drag.
 bool GainsPanel::KeepsOwnMargin() const {
+  // with the two gains that may differ set to the cell's own, all gains must be equal
   control::Gains as_own = present_;
   as_own.max_stiffness_N_per_m = own_.max_stiffness_N_per_m;
   as_own.damping_Ns_per_m = own_.damping_Ns_per_m;
   std::vector<double> present, unchanged;
-  const auto into = [](std::vector<double>& values) {
+  const auto append_to = [](std::vector<double>& values) {
     return [&values](const char*, const char*, const char*, const double& value) { values.push_back(value); };
   };
-  control::VisitGains(as_own, into(present));
-  control::VisitGains(own_, into(unchanged));
+  control::VisitGains(as_own, append_to(present));
+  control::VisitGains(own_, append_to(unchanged));
   const PlainVector3 &d = present_.damping_Ns_per_m, &own = own_.damping_Ns_per_m;
   return present == unchanged && present_.max_stiffness_N_per_m <= own_.max_stiffness_N_per_m &&
          d.x >= own.x && d.y >= own.y && d.z >= own.z;
@@ -122,7 +124,8 @@ nlohmann::json GainsPanel::TuneJson() const {
 
 std::string GainsPanel::Json() const {
   const std::lock_guard lock(mutex_);
-  const double drag = Drag(present_), own_drag = Drag(own_);
+  const double drag = MinDrag(present_), own_drag = MinDrag(own_);
+  // the drag keeps planes stable up to an age of drag over stiffness
   const double turning_N_per_m = std::min(present_.max_stiffness_N_per_m, planes_N_per_m_);
   const nlohmann::json json{{"type", "gains"},
                             {"stiffness_N_per_m", present_.max_stiffness_N_per_m},

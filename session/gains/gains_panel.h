@@ -50,13 +50,14 @@ class GainsPanel {
   [[nodiscard]] std::string Json() const;
 
  private:
-  [[nodiscard]] double Drag(const control::Gains& gains) const;
+  [[nodiscard]] double MinDrag(const control::Gains& gains) const;
   [[nodiscard]] bool KeepsOwnMargin() const;
+  // The part of the message about the result of `osteon tune`; null: there is none.
   [[nodiscard]] nlohmann::json TuneJson() const;
 
-  const control::Gains own_;
+  const control::Gains own_;     ///< the cell's own
   const bool has_drag_;          ///< the law has a virtual tool
-  const double planes_N_per_m_;  ///< force limit over tool radius: a stiffness from the planes' rotation
+  const double planes_N_per_m_;  ///< stiffness that the planes' rotation causes: force limit over tool radius
   tl::expected<TuneAdvice, std::string> tune_{tl::unexpect, ""};
   mutable std::mutex mutex_;
   control::Gains present_;              // guarded by mutex_, as the following

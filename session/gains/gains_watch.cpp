@@ -16,13 +16,13 @@ constexpr double kPollInterval_s = 0.5;
 
 // Lists the gains that differ: "mass_x 3 -> 2 kg, …".
 std::string Changes(const control::Gains& before, const control::Gains& after) {
-  std::vector<double> was;
-  control::VisitGains(before,
-                      [&](const char*, const char*, const char*, double value) { was.push_back(value); });
+  std::vector<double> values_before;
+  control::VisitGains(
+      before, [&](const char*, const char*, const char*, double value) { values_before.push_back(value); });
   std::string text;
   std::size_t i = 0;
   control::VisitGains(after, [&](const char* name, const char* axis, const char* unit, double value) {
-    const double from = was[i++];
+    const double from = values_before[i++];
     if (from == value) return;
     text += fmt::format("{}{}{}{} {:g} -> {:g}{}{}", text.empty() ? "" : ", ", name, *axis ? "_" : "", axis,
                         from, value, *unit ? " " : "", unit);
@@ -30,6 +30,7 @@ std::string Changes(const control::Gains& before, const control::Gains& after) {
   return text;
 }
 
+// Returns the file's modification time, or `otherwise` if the file cannot be found.
 std::filesystem::file_time_type WrittenAt(const std::filesystem::path& file,
                                           std::filesystem::file_time_type otherwise) {
   std::error_code error;  // a file that is being replaced is absent for a moment
@@ -56,9 +57,9 @@ void GainsWatch::Poll(double at_s) {
   if (file_.empty() || at_s < next_s_) return;
   next_s_ = at_s + kPollInterval_s;
   const auto written = WrittenAt(file_, seen_);
-  const bool rests = written == seen_;
+  const bool is_settled = written == seen_;
   seen_ = written;
-  if (rests && written != read_) {
+  if (is_settled && written != read_) {
     read_ = written;
     Read();
   }

@@ -24,27 +24,29 @@ bool IsSame(double a, double b) {
 }
 
 // A figure that tune's result and the cell must agree on.
-struct Shared {
+struct SharedFigure {
   const char *name, *unit;
   double in_result, in_cell;
 };
 
-std::vector<Shared> SharedFigures(const nlohmann::json& json, const config::CellConfig& cell) {
+// Lists the figures that must agree, as tune.json and the cell have them.
+std::vector<SharedFigure> SharedFigures(const nlohmann::json& json, const config::CellConfig& cell) {
   const nlohmann::json &own = ValueAt(json, "own"), &stands = ValueAt(json, "stands");
-  std::vector<Shared> figures{
+  std::vector<SharedFigure> figures{
       {"period", "ms", NumberAt(ValueAt(json, "arm"), "period_ms"), 1e3 * cell.servo.period_s},
       {"coupling's stiffness", "N/m", NumberAt(stands, "wall_N_per_m"),
        cell.servo.coupling.max_stiffness_N_per_m}};
-  const double found = NumberAt(own, "damping_Ns_per_m");
+  const double damping_Ns_per_m = NumberAt(own, "damping_Ns_per_m");
   if (cell.servo.law == control::Law::kImpedance) {
-    figures.push_back({"damping", "N s/m", found, cell.servo.impedance.damping_Ns_per_m.z()});
+    figures.push_back({"damping", "N s/m", damping_Ns_per_m, cell.servo.impedance.damping_Ns_per_m.z()});
     return figures;
   }
   figures.push_back({"mass", "kg", NumberAt(own, "mass_kg"), cell.servo.admittance.mass_kg.z()});
-  figures.push_back({"drag", "N s/m", found, cell.servo.admittance.damping_Ns_per_m.z()});
+  figures.push_back({"drag", "N s/m", damping_Ns_per_m, cell.servo.admittance.damping_Ns_per_m.z()});
   return figures;
 }
 
+// Returns the number at a key; nothing if the value is no number, such as null.
 std::optional<double> OptionalAt(const nlohmann::json& json, const char* key) {
   const nlohmann::json& value = ValueAt(json, key);
   return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
@@ -81,7 +83,7 @@ tl::expected<TuneAdvice, std::string> ReadTuneAdvice(const std::filesystem::path
     return tl::make_unexpected(
         fmt::format("{}: found the {} law, accepted the cell's, {}: run `osteon tune {}` again",
                     file.string(), TextAt(json, "law"), law, name));
-  for (const Shared& shared : SharedFigures(json, cell))
+  for (const SharedFigure& shared : SharedFigures(json, cell))
     if (!IsSame(shared.in_result, shared.in_cell))
       return tl::make_unexpected(
           fmt::format("{}: found a {} of {:g} {}, accepted the cell's, {:g}: run `osteon tune {}` again",
@@ -98,6 +100,7 @@ tl::expected<TuneAdvice, std::string> ReadTuneAdvice(const std::filesystem::path
                               .stiffness_N_per_m = OptionalAt(recommended, "stiffness_N_per_m"),
                               .drag_Ns_per_m = NumberAt(recommended, "damping_Ns_per_m"),
                               .margin = NumberAt(recommended, "margin")};
+  // the map of stable walls was computed for the recommended mass: it holds only if the cell has this mass
   const nlohmann::json& boundary = ValueAt(json, "boundary");
   if (!advice.recommended->mass_kg || !boundary.is_array() ||
       !IsSame(*advice.recommended->mass_kg, NumberAt(own, "mass_kg")))

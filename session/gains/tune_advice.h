@@ -16,8 +16,9 @@ namespace osteon::session {
 struct TuneAdvice {
   std::string file;
   double asked_margin{0.0};  ///< gain margin that was asked for
-  double own_margin{0.0};    ///< of the cell's own gains; 0: not stable with all hands and contacts of tune
-  double worst_age_s{0.0};   ///< age of the contact planes for which the margins hold
+  double own_margin{
+      0.0};  ///< gain margin of the cell's own gains; 0: not stable with all hands and contacts of tune
+  double worst_age_s{0.0};  ///< age of the contact planes for which the margins hold
   /// Recommended gains and their margin; absent: no gains are stable with all hands and contacts of tune.
   struct Recommended {
     std::optional<double> mass_kg, stiffness_N_per_m;

@@ -22,7 +22,7 @@
 namespace osteon::session {
 namespace {
 
-// how often PLC, silence and Ctrl-C are checked
+// Time between two checks of PLC, silence and Ctrl-C.
 constexpr rt::Nanoseconds kPollInterval = 5 * rt::kMillisecond;
 constexpr int kBeatEvery_ms = 10;  // heartbeat's period: a withdrawal waits at most this long to be sent
 // longest time for the arm to come to rest after the guard was asked to end
@@ -36,6 +36,7 @@ void Say(const std::string& text) {
   std::fflush(stdout);
 }
 
+// Makes the JSON of a latency's distribution [us].
 nlohmann::ordered_json DelayJson(const rt::DurationHistogram& delay) {
   const auto us = [](rt::Nanoseconds time) { return 1e-3 * static_cast<double>(time); };
   return {{"count", delay.count()},
@@ -44,12 +45,14 @@ nlohmann::ordered_json DelayJson(const rt::DurationHistogram& delay) {
           {"max", us(delay.max())}};
 }
 
+// Formats median, 99th percentile and maximum of a latency.
 std::string DelayText(const rt::DurationHistogram& delay) {
   return fmt::format("{:.0f} / {:.0f} / {:.0f} µs", 1e-3 * static_cast<double>(delay.Quantile(0.5)),
                      1e-3 * static_cast<double>(delay.Quantile(0.99)),
                      1e-3 * static_cast<double>(delay.max()));
 }
 
+// Returns the PLC client's parameters with the guard's role and heartbeat period.
 io::PlcClientParams OfGuard(io::PlcClientParams params) {
   params.role = io::PlcRole::kGuard;
   params.heartbeat_every_ms = kBeatEvery_ms;
@@ -61,12 +64,15 @@ class PlcBeat {
  public:
   explicit PlcBeat(const io::PlcClientParams& params) : client_(OfGuard(params)) {}
 
+  /// Permits or withdraws motion, and lets the heartbeat go on unless it has to stop. @param ending  the
+  /// guard is to end
   void Step(const safety::GuardMonitor& monitor, bool ending) {
     const std::uint32_t writes = client_.Latest().counters.writes;
     client_.RequestMotion(monitor.permits() && !ending);
     if (!monitor.latched()) writes_before_ = writes;
     if (!monitor.latched() || writes - writes_before_ < kLastWrites) client_.NotifyAlive();
   }
+  /// Stops the heartbeat. @returns the last state of the connection
   io::PlcReading End() {
     const io::PlcReading last = client_.Latest();
     client_.Stop();
@@ -75,10 +81,11 @@ class PlcBeat {
 
  private:
   io::PlcClient client_;
-  std::uint32_t writes_before_{0};
+  std::uint32_t writes_before_{0};  // number of heartbeats before the withdrawal was latched
 };
 
-void PrintPlace(const config::CellConfig& cell, const GuardReport& report) {
+// Prints the addresses of arm, controller and PLC, and the configuration's checksum.
+void PrintAddresses(const config::CellConfig& cell, const GuardReport& report) {
   Say(fmt::format("{}: the arm sends to {}, the controller waits at {}", Describe(cell.link), report.arm_side,
                   report.controller_side));
   Say(fmt::format("configuration {}", report.config_checksum));
@@ -122,7 +129,7 @@ class OrderlyEnd {
 };
 
 // Prints each change of the guard's state once.
-class Changes {
+class StateChangePrinter {
  public:
   void PrintChanges(const safety::GuardMonitor& monitor) {
     if (monitor.latched() && !latched_)
@@ -253,16 +260,16 @@ int RunGuard(const GuardOptions& options) {
   if (!relay) return Fail("guard", relay.error());
   std::unique_ptr<PlcBeat> plc;
   if (cell.devices.plc) plc = std::make_unique<PlcBeat>(*cell.devices.plc);
-  PrintPlace(cell, report);
+  PrintAddresses(cell, report);
 
   report.thread = rt::SetUpRealtimeThread({.cpu = options.cpu, .lock_memory = true, .keep_cpus_awake = true});
-  Changes changes;
+  StateChangePrinter state_changes;
   bool open = true;
   OrderlyEnd end(plc != nullptr);
   while (open && !end.IsReached(*monitor, rt::MonotonicNow())) {
     open = (*relay)->Serve(rt::MonotonicNow() + kPollInterval);
     if (plc) plc->Step(*monitor, end.began());
-    changes.PrintChanges(*monitor);
+    state_changes.PrintChanges(*monitor);
   }
 
   if (plc) report.plc = plc->End();

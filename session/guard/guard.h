@@ -14,6 +14,7 @@
 
 namespace osteon::session {
 
+/// The options of `osteon guard`.
 struct GuardOptions {
   std::filesystem::path cell;                ///< the cell's YAML file
   std::optional<config::ToolChoice> tool{};  ///< replaces the cell's tool
@@ -28,11 +29,12 @@ struct GuardOptions {
 
 /// The result of a guard's run.
 struct GuardReport {
-  std::string cell, config_checksum, version;
+  std::string cell, config_checksum;
+  std::string version;                    ///< of the FRI between arm and controller
   std::string arm_side, controller_side;  ///< "127.0.0.1:30209"
   io::FriRelayCounters relayed;
-  safety::GuardCounters judged;
-  safety::GuardReason reason;  ///< kNone: nothing was latched
+  safety::GuardCounters judged;  ///< counts of the datagrams that the monitor checked
+  safety::GuardReason reason;    ///< kNone: nothing was latched
   rt::DurationHistogram message_delay, answer_delay;
   rt::RealtimeGrant thread;
   std::optional<io::PlcReading> plc;  ///< absent: the cell has none

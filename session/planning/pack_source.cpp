@@ -21,8 +21,8 @@
 namespace osteon::session {
 namespace {
 
-constexpr double kEvenDensity_kg_per_m3 = 1000.0;
-constexpr double kFarthest_mm = 10'000.0;
+constexpr double kEvenDensity_kg_per_m3 = 1000.0;  // of PackSource::even
+constexpr double kMaxLength_mm = 10'000.0;         // largest magnitude of a number that ParseNumbers accepts
 
 /// Finds the materials of these names in the given file or, without one, in the files of the configuration:
 /// each material in the first file that has it.
@@ -39,19 +39,20 @@ tl::expected<std::vector<simulation::Material>, std::string> SelectMaterials(
   for (const std::string& name : names) {
     const auto at = std::ranges::find(found, name, &simulation::Material::name);
     if (at == found.end()) {
-      std::vector<std::string> all;
-      for (const simulation::Material& material : found) all.push_back(material.name);
+      std::vector<std::string> found_names;
+      for (const simulation::Material& material : found) found_names.push_back(material.name);
       return tl::make_unexpected(
           fmt::format("--materials {}: found {}, accepted files with {} as well, which the scene needs",
                       options.materials.empty() ? (options.config_root / "materials").string()
                                                 : options.materials.string(),
-                      all.empty() ? "none" : fmt::format("{}", fmt::join(all, ", ")), name));
+                      found_names.empty() ? "none" : fmt::format("{}", fmt::join(found_names, ", ")), name));
     }
     picked.push_back(*at);
   }
   return picked;
 }
 
+/// Finds a scene's YAML file by its path or name. @param option  begins the error
 tl::expected<std::filesystem::path, std::string> SceneFile(const SourceOptions& options,
                                                            const std::string& name,
                                                            const std::string& option) {
@@ -65,6 +66,7 @@ tl::expected<std::filesystem::path, std::string> SceneFile(const SourceOptions& 
   });
 }
 
+/// Reads the places of a tool path [m] from a CSV file in mm.
 tl::expected<std::vector<Vector3>, std::string> ReadPath(const std::filesystem::path& file) {
   std::ifstream lines(file);
   if (!lines || std::filesystem::is_directory(file))
@@ -72,7 +74,7 @@ tl::expected<std::vector<Vector3>, std::string> ReadPath(const std::filesystem::
         fmt::format("--path {}: no such file, accepted a CSV file with lines x_mm,y_mm,z_mm", file.string()));
   std::vector<Vector3> points;
   std::string line;
-  constexpr std::size_t kMaxPoints = 100'000;
+  constexpr std::size_t kMaxPoints = 100'000;  // a longer path is refused
   for (int number = 1; std::getline(lines, line); ++number) {
     if (line.ends_with('\r')) line.pop_back();
     if (line.empty() || (number == 1 && line.find_first_of("xX") != line.npos)) continue;  // empty, or header
@@ -135,6 +137,7 @@ tl::expected<void, std::string> ChooseZone(const SourceOptions& options, PackSou
   return {};
 }
 
+/// Mass properties of an evenly filled box, about its centre.
 simulation::MassProperties EvenBox(const Vector3& size_m) {
   simulation::MassProperties even;
   even.volume_m3 = size_m.prod();
@@ -144,6 +147,7 @@ simulation::MassProperties EvenBox(const Vector3& size_m) {
   return even;
 }
 
+/// Mass properties of an evenly filled ball, about its centre.
 simulation::MassProperties EvenBall(double radius_m) {
   simulation::MassProperties even;
   even.volume_m3 = 4.0 / 3.0 * std::numbers::pi * std::pow(radius_m, 3);
@@ -175,6 +179,7 @@ tl::expected<void, std::string> LoadShape(const SourceOptions& options, PackSour
   return {};
 }
 
+/// Loads solid, site and materials of a scene, and the scene itself as `source.own`.
 tl::expected<void, std::string> LoadScene(const SourceOptions& options, PackSource& source) {
   const auto file = SceneFile(options, options.input, options.input);
   if (!file) return tl::make_unexpected(file.error());
@@ -190,6 +195,7 @@ tl::expected<void, std::string> LoadScene(const SourceOptions& options, PackSour
   return {};
 }
 
+/// Loads a mesh as the solid, with the materials of the scene that it replaces.
 tl::expected<void, std::string> LoadMeshSource(const SourceOptions& options, PackSource& source) {
   const std::string scene_name = options.scene.empty() ? "acetabulum" : options.scene;
   const auto scene_file = SceneFile(options, scene_name, "--scene " + scene_name);
@@ -232,9 +238,9 @@ tl::expected<std::vector<double>, std::string> ParseNumbers(const std::string& t
     while (part.ends_with(' ')) part.remove_suffix(1);
     double value = 0.0;
     const auto [rest, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-    if (error != std::errc{} || rest != part.data() + part.size() || !(std::abs(value) <= kFarthest_mm))
+    if (error != std::errc{} || rest != part.data() + part.size() || !(std::abs(value) <= kMaxLength_mm))
       return tl::make_unexpected(fmt::format("{}: found \"{}\", accepted a number, -{} … {} mm", what,
-                                             part.substr(0, 40), kFarthest_mm, kFarthest_mm));
+                                             part.substr(0, 40), kMaxLength_mm, kMaxLength_mm));
     values.push_back(value);
     ++found;
     at = end + 1;
@@ -259,24 +265,24 @@ tl::expected<PackSource, std::string> LoadPackSource(const SourceOptions& option
   const std::string& input = options.input;
   source.provenance.source = base::Utf8(std::filesystem::path(input).filename().string());
   const std::string extension = base::Lower(std::filesystem::path(input).extension().string());
-  const bool shape = !options.scenes_only && (input.starts_with("ball:") || input.starts_with("box:"));
-  const bool file = !options.scenes_only && !shape && !extension.empty() && extension != ".yaml";
-  if (!file) {
+  const bool is_shape = !options.scenes_only && (input.starts_with("ball:") || input.starts_with("box:"));
+  const bool is_mesh = !options.scenes_only && !is_shape && !extension.empty() && extension != ".yaml";
+  if (!is_mesh) {
     const auto refuse = [&](const char* option) {
       return tl::make_unexpected(fmt::format("{}: found with {}, accepted with a mesh", option, input));
     };
     if (options.scale) return refuse("--scale");
     if (!options.scene.empty()) return refuse("--scene");
-    if (options.cup && !shape) return refuse("--cup");
+    if (options.cup && !is_shape) return refuse("--cup");
   }
   if (input.empty()) return tl::make_unexpected(std::string("found no name, accepted a mesh or shape"));
-  const auto loaded = shape  ? LoadShape(options, source)
-                      : file ? LoadMeshSource(options, source)
-                             : LoadScene(options, source);
+  const auto loaded = is_shape  ? LoadShape(options, source)
+                      : is_mesh ? LoadMeshSource(options, source)
+                                : LoadScene(options, source);
   if (!loaded) return tl::make_unexpected(loaded.error());
-  if (!shape) {  // a mesh, or the scene's YAML
+  if (!is_shape) {  // a mesh, or the scene's YAML
     const auto crc =
-        simulation::FileChecksum(file ? std::filesystem::path(input) : *SceneFile(options, input, input));
+        simulation::FileChecksum(is_mesh ? std::filesystem::path(input) : *SceneFile(options, input, input));
     if (!crc) return tl::make_unexpected(crc.error().Text());
     source.provenance.source_crc = *crc;
   }

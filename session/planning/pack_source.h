@@ -23,15 +23,15 @@ struct PathChoice {
 
 /// The options of a command line that choose the object to pack.
 struct SourceOptions {
-  std::string input;        ///< mesh file, scene's YAML or name, ball:R or box:X,Y,Z (mm)
-  bool scenes_only{false};  ///< the input can only be a scene
-  std::filesystem::path config_root;
-  std::string scene;                ///< the scene that a mesh replaces; empty: the acetabulum's
-  std::optional<double> scale{};    ///< millimetres per unit of a mesh file
-  std::filesystem::path materials;  ///< file of materials; empty: those of config_root
-  std::optional<simulation::CutSite> cup{};
-  std::optional<simulation::Ball> region{};
-  std::optional<PathChoice> path{};
+  std::string input;                         ///< mesh file, scene's YAML or name, ball:R or box:X,Y,Z (mm)
+  bool scenes_only{false};                   ///< the input can only be a scene
+  std::filesystem::path config_root;         ///< folder with scenes/ and materials/
+  std::string scene;                         ///< the scene that a mesh replaces; empty: the acetabulum's
+  std::optional<double> scale{};             ///< millimetres per unit of a mesh file
+  std::filesystem::path materials;           ///< file of materials; empty: those of config_root
+  std::optional<simulation::CutSite> cup{};  ///< where a mesh or a shape is cut
+  std::optional<simulation::Ball> region{};  ///< the surface within this ball is cut
+  std::optional<PathChoice> path{};          ///< the bone is cut along this path
   /// The packing grows coarser with depth: with the depth below the whole surface, unless a zone is named.
   bool graded{false};
 };
@@ -40,13 +40,13 @@ struct SourceOptions {
 struct PackSource {
   std::string name;  ///< of the bone
   std::shared_ptr<const simulation::Solid> solid;
-  std::unique_ptr<simulation::CutZone> zone;
-  std::string zone_text;       ///< for users and provenance
-  bool zone_is_uniform{true};  ///< the depth is 0 everywhere
+  std::unique_ptr<simulation::CutZone> zone;  ///< where the bone is cut, and packed finely
+  std::string zone_text;                      ///< for users and provenance
+  bool zone_is_uniform{true};                 ///< the depth is 0 everywhere
   simulation::CutSite site{
       .center_m = {}, .axis = Vector3(Vector3::UnitZ()), .radius_m = 0.0};  ///< radius 0: none
   std::vector<simulation::Material> materials;
-  std::optional<simulation::SceneParams> own;  ///< a scene's own packing and mass points
+  std::optional<simulation::SceneParams> own;  ///< the chosen scene, with its packing and mass points
   std::size_t triangles{0};                    ///< of a mesh
   /// Mass properties of the solid filled evenly with 1000 kg/m³, in closed form; absent if there is none.
   std::optional<simulation::MassProperties> even;

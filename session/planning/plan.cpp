@@ -17,12 +17,12 @@ namespace {
 using simulation::PackingKind;
 using simulation::PackingLevel;
 
-// Fractions of the demanded error: for removal and tool together, and for the tool's part of that. The closed
-// forms are accurate to a fifth.
+// Fractions of the demanded error: 0.8 for removal and tool together, of which the tool may take 0.1. The
+// rest is kept since the closed forms are accurate to a fifth.
 constexpr double kRemovalShare = 0.8, kToolShare = 0.1;
-constexpr double kCoarser = 1.2;  // factor on the error if a frame takes too long
-constexpr double kMaxError_m = 5e-3;
-constexpr double kMaxBalls = 20e6;
+constexpr double kCoarser = 1.2;      // factor on the error if a frame takes too long
+constexpr double kMaxError_m = 5e-3;  // no packing with a larger error is planned
+constexpr double kMaxBalls = 20e6;    // no packing with more balls is planned
 // Number of balls from which on splitting is considered. For the same error a frame of split balls takes 1.2
 // to 44 times as long as a frame of graded balls (packing_kinds.csv). A tenth of the balls is an advantage
 // only where a bone could not be packed otherwise.
@@ -49,6 +49,7 @@ std::optional<PackingLevel> ChooseLevel(const PlanScene& scene, const simulation
   return best;
 }
 
+/// Expected number of balls of a uniform packing that reaches the error; 0 if none reaches it.
 double UniformBalls(const PlanScene& scene, const simulation::DepthVolumes& volumes, double error_m) {
   const auto level = simulation::CoarsestLevel(PackingKind::kUniform, error_m, scene.cut, scene.zone_depth_m);
   return level ? volumes.ExpectedBalls(*level) : 0.0;
@@ -62,20 +63,21 @@ struct Calibration {
   double reach_ratio{1.0};  ///< balls that a frame worked on, over the balls within reach before the cut
 };
 
-PackedLevel Packed(const PlanScene& scene, const PackingLevel& level) {
+/// Packs the scene's solid on a level.
+PackedLevel PackBalls(const PlanScene& scene, const PackingLevel& level) {
   return {.level = level, .balls = simulation::PackLevel(level, *scene.work.solid, *scene.work.zone)};
 }
 
 /// Times two packings besides the planned one: coarser, or finer if a wall leaves no coarser one.
 tl::expected<Calibration, std::string> Calibrate(const PlanScene& scene, const PackingLevel& level,
                                                  const simulation::Tool& tool, const PlanRequest& request) {
-  std::vector<double> factors{1.15, 1.8};
+  std::vector<double> factors{1.15, 1.8};  // on the planned level's spacing
   if (!simulation::FitsWall(simulation::Scaled(level, factors.back(), scene.cut), scene.cut))
     factors = {1.0 / 1.15, 1.0 / 1.5};
   Calibration calibration;
   std::vector<PackedLevel>& others = calibration.others;
   for (const double factor : factors)
-    others.push_back(Packed(scene, simulation::Scaled(level, factor, scene.cut)));
+    others.push_back(PackBalls(scene, simulation::Scaled(level, factor, scene.cut)));
   const auto runs = RunLevels(scene, others, tool, request.engine, request.rounds);
   if (!runs) return tl::make_unexpected(runs.error());
   calibration.engine = runs->front().engine;
@@ -89,14 +91,15 @@ tl::expected<Calibration, std::string> Calibrate(const PlanScene& scene, const P
   return calibration;
 }
 
-void Pack(FidelityPlan& plan, const PlanScene& scene, const PackingLevel& level) {
-  plan.packed = Packed(scene, level);
+/// Packs the level, and predicts the error of a cut in it.
+void SetPackedLevel(FidelityPlan& plan, const PlanScene& scene, const PackingLevel& level) {
+  plan.packed = PackBalls(scene, level);
   plan.removal = simulation::PredictRemovalError(level.fine, scene.cut);
   plan.error_m = plan.removal.total_m() + plan.tool_gap_m;
 }
 
 /// Predicts the frame time of the packed level.
-void Time(FidelityPlan& plan, const PlanScene& scene, const Calibration& calibration) {
+void PredictFrameTime(FidelityPlan& plan, const PlanScene& scene, const Calibration& calibration) {
   plan.engine = calibration.engine;
   plan.device = calibration.device;
   plan.others = calibration.others;
@@ -107,7 +110,8 @@ void Time(FidelityPlan& plan, const PlanScene& scene, const Calibration& calibra
   plan.frame_p999_us = plan.cost.tail_ratio * plan.frame_us;
 }
 
-ModelChoice WithTool(const PlanScene& scene, double error_m) {
+/// Chooses the tool for an error, and measures its gap; no level is chosen yet.
+ModelChoice ChooseTool(const PlanScene& scene, double error_m) {
   ModelChoice model{.tool = ToolForError(scene, error_m), .level = {}};
   model.tool_gap_m = simulation::MeanCuttingGap(scene.work.tool, model.tool);
   return model;
@@ -122,7 +126,7 @@ simulation::Tool ToolForError(const PlanScene& scene, double error_m) {
 double RemovalShare(double error_m, double tool_gap_m) { return kRemovalShare * error_m - tool_gap_m; }
 
 ModelChoice ChooseModel(const PlanScene& scene, double error_m) {
-  ModelChoice model = WithTool(scene, error_m);
+  ModelChoice model = ChooseTool(scene, error_m);
   const simulation::DepthVolumes volumes(*scene.work.solid, *scene.work.zone);
   model.level = ChooseLevel(scene, volumes, RemovalShare(error_m, model.tool_gap_m));
   return model;
@@ -135,7 +139,7 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
   };
   tell("choose");
   FidelityPlan plan;
-  const ModelChoice model = WithTool(scene, request.error_m);
+  const ModelChoice model = ChooseTool(scene, request.error_m);
   plan.tool = model.tool;
   plan.tool_gap_m = model.tool_gap_m;
   const simulation::DepthVolumes volumes(*scene.work.solid, *scene.work.zone);
@@ -145,7 +149,7 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
   const double max_us = 1e6 / request.rate_hz;
   std::map<PackingKind, Calibration> calibrations;
   std::optional<PackingLevel> level;
-  std::optional<FidelityPlan> first;
+  std::optional<FidelityPlan> finest;
   for (double target_m = removal_m; target_m < kMaxError_m; target_m *= kCoarser) {
     const auto next = ChooseLevel(scene, volumes, target_m);
     if (!next) continue;  // no packing is that fine
@@ -153,7 +157,7 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
       break;  // there is no coarser packing
     level = next;
     if (!request.timed) {
-      Pack(plan, scene, *level);
+      SetPackedLevel(plan, scene, *level);
       break;
     }
     if (!calibrations.contains(level->kind)) {
@@ -162,13 +166,13 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
       if (!timed) return tl::make_unexpected(timed.error());
       calibrations.emplace(level->kind, std::move(*timed));
     }
-    Pack(plan, scene, *level);
-    Time(plan, scene, calibrations.at(level->kind));
-    if (!first) first = plan;
+    SetPackedLevel(plan, scene, *level);
+    PredictFrameTime(plan, scene, calibrations.at(level->kind));
+    if (!finest) finest = plan;
     // a frame that is too long even without bone is no reason for a coarser packing
     if (plan.frame_us <= max_us || plan.cost.base_us >= max_us) break;
   }
-  if (first && plan.frame_us > max_us) plan = std::move(*first);  // no coarser packing reaches the rate
+  if (finest && plan.frame_us > max_us) plan = std::move(*finest);  // no coarser packing reaches the rate
   if (!level) return tl::make_unexpected("no packing of this bone serves a cut by this tool");
   // a coarser packing promises the error for which it would have been chosen
   plan.promised_m = std::max(request.error_m, plan.error_m / kRemovalShare);
@@ -196,13 +200,13 @@ std::optional<CoarserZones> CoarserFor(const PlanScene& scene, const FidelityPla
     const double ratio = planned_m / at.fine.spacing_m;
     return plan.cost.At(plan.active_balls * ratio * ratio);
   };
-  const double slower = seen_us / model_us(level);
+  const double measured_ratio = seen_us / model_us(level);
   for (double factor = kCoarser;; factor *= kCoarser) {
     const PackingLevel coarser = simulation::Scaled(level, factor, scene.cut);
     const double error_m =
         simulation::PredictRemovalError(coarser.fine, scene.cut).total_m() + plan.tool_gap_m;
     if (!simulation::IsInValidRange(coarser, scene.cut) || error_m > kMaxError_m) return std::nullopt;
-    const double frame_us = slower * model_us(coarser);
+    const double frame_us = measured_ratio * model_us(coarser);
     if (frame_us <= max_us)
       return CoarserZones{.level = coarser, .promised_m = error_m / kRemovalShare, .frame_us = frame_us};
   }

@@ -23,7 +23,7 @@ struct PlanRequest {
   bool timed{true};
 };
 
-/// A demand, on error or rate, that could not be met together with the other one.
+/// A demand that could not be met: error and rate could not both be reached.
 struct UnmetDemand {
   std::string what;  ///< "error" [mm] or "rate" [Hz]
   double asked{0.0}, predicted{0.0};
@@ -33,10 +33,10 @@ struct UnmetDemand {
 struct FidelityPlan {
   std::string engine, device;  ///< the ones that were timed; empty: none was
   PackedLevel packed;
-  simulation::Tool tool;
+  simulation::Tool tool;   ///< with fewer balls than the scene's tool
   double tool_gap_m{0.0};  ///< mean gap between its cutting surface and the scene tool's
   simulation::ArmFidelity arm{simulation::ArmFidelity::kKinematic};
-  int turn_parts{1};  ///< parts of a frame, at the fastest turn that the cell allows
+  int turn_parts{1};  ///< straight parts that stand for a frame's motion, at the fastest turn of the cell
 
   simulation::RemovalError removal;
   double error_m{0.0};  ///< predicted error of the cut's depth, from removal and tool together

@@ -17,8 +17,8 @@
 namespace osteon::session {
 namespace {
 
-// Number of frames in an engine's turn, and of frames at its start that do not count: on an H100, a frame
-// takes 100 us longer after one of another engine.
+// Number of frames in an engine's turn, and number of frames at the turn's start that do not count: on an
+// H100, a frame takes 100 us longer after one of another engine.
 constexpr std::size_t kTurn = 25, kSettle = 3;
 constexpr double kFeed_m_per_s = 5e-3;  // feed of a cutting tool, assumed
 
@@ -33,6 +33,7 @@ std::string SceneOf(const PlanChoice& choice) {
   return choice.mesh_scene.empty() ? "acetabulum" : choice.mesh_scene;
 }
 
+/// Returns the chosen cell's file, else the cell named like the scene if there is one, else the demo's.
 std::filesystem::path CellOf(const PlanChoice& choice) {
   if (!choice.cell.empty()) return choice.cell;
   const std::filesystem::path own =
@@ -40,6 +41,7 @@ std::filesystem::path CellOf(const PlanChoice& choice) {
   return std::filesystem::is_regular_file(own) ? own : choice.config_root / "cells" / "demo.yaml";
 }
 
+/// Returns the figures of the simulated arm that decide about the error of the tool's pose.
 simulation::ArmFigures ArmOf(const config::CellConfig& cell) {
   const hil::SimulatedCellParams& simulated = cell.simulated;
   simulation::ArmFigures arm{
@@ -122,6 +124,7 @@ tl::expected<std::vector<LevelRun>, std::string> RunLevels(const PlanScene& scen
       if (base::Interrupted()) return tl::make_unexpected("ended by Ctrl-C");
       const std::size_t end = std::min(begin + kTurn, scene.work.frames.size());
       for (std::size_t i = 0; i < engines.size(); ++i) {
+        // each round of turns begins with another engine
         const std::size_t which = (i + begin / kTurn) % engines.size();
         simulation::CuttingEngine& engine = *engines[which];
         LevelRun& run = runs[which];
@@ -161,7 +164,7 @@ simulation::CutAccuracy MeasureLevel(const PlanScene& scene, const PackedLevel& 
 }
 
 double BallsInReach(const PlanScene& scene, const std::vector<simulation::Ball>& balls) {
-  constexpr std::size_t kPoses = 12;
+  constexpr std::size_t kPoses = 12;  // evenly spaced along the cut
   const double reach_m = scene.work.cutting.normal_enlargement_m;
   double sum = 0.0;
   for (std::size_t i = 0; i < kPoses; ++i) {

@@ -32,13 +32,14 @@ struct PlanChoice {
   std::filesystem::path config_root;
 };
 
+/// A cut to plan for: the bone, the tool that cuts it, and the arm.
 struct PlanScene {
   std::string name, cell_name;
   std::vector<simulation::Material> materials;
   std::vector<simulation::MassPoint> points;
   simulation::CutWorkload work;  ///< the cut, with the cell's tool as it is in its file
   simulation::CutShape cut;
-  double zone_depth_m{0.0};
+  double zone_depth_m{0.0};  ///< depth below the scene's zone that the cut reaches
   simulation::ArmFigures arm;
   double max_turn_rad_per_s{0.0};
   std::array<config::CompliancePart, 3> gives_way;  ///< the compliance of tool, layer and mount

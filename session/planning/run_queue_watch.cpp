@@ -25,7 +25,8 @@ long long WaitedNs(int file) {
   return value;
 }
 
-long Switches() {
+/// Number of involuntary context switches of this process.
+long InvoluntarySwitches() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return usage.ru_nivcsw;
@@ -49,11 +50,12 @@ RunQueueWatch::~RunQueueWatch() {
 void RunQueueWatch::Restart() {
   waited_ns_.clear();
   for (const int file : files_) waited_ns_.push_back(WaitedNs(file));
-  switches_ = Switches();
+  switches_ = InvoluntarySwitches();
 }
 
 double RunQueueWatch::Waited_us() const {
-  if (files_.empty()) return Switches() != switches_ ? std::numeric_limits<double>::infinity() : 0.0;
+  if (files_.empty())
+    return InvoluntarySwitches() != switches_ ? std::numeric_limits<double>::infinity() : 0.0;
   double sum_ns = 0.0;
   for (std::size_t i = 0; i < files_.size(); ++i)
     sum_ns += static_cast<double>(WaitedNs(files_[i]) - waited_ns_[i]);

@@ -23,9 +23,9 @@ class RunQueueWatch {
   [[nodiscard]] double Waited_us() const;
 
  private:
-  std::vector<int> files_;
-  std::vector<long long> waited_ns_;
-  long switches_{0};
+  std::vector<int> files_;            // descriptors of the threads' schedstat files
+  std::vector<long long> waited_ns_;  // of each thread at Restart
+  long switches_{0};                  // of the process at Restart
 };
 
 }  // namespace osteon::session

@@ -13,7 +13,7 @@ namespace osteon::session {
 
 class ProcedureSession;
 
-/// Passes of a session that were taken back.
+/// Passes of a session that were taken back, as seen from one of its recordings.
 struct TakenBackPasses {
   std::vector<surface::WayTimes> here;  ///< times of such passes of the recording in question
   int earlier{0};                       ///< number of such passes in the recordings before it
@@ -23,7 +23,8 @@ struct TakenBackPasses {
 /// Finds a session's passes that were taken back. @param recording  its file's name in the session's folder
 [[nodiscard]] TakenBackPasses FindTakenBack(const SessionFile& session, const std::string& recording);
 
-/// The session around a carved surface, as far as the surface needs it. Both functions from any thread.
+/// The session around a carved surface, as far as the surface needs it. Both functions may be called from any
+/// thread.
 struct BoneHistory {
   /// Carves the passes that count of the session's earlier recordings. It reads these recordings, which takes
   /// seconds for an hour of them. Empty: there are none. @throws std::runtime_error that names the file and

@@ -24,7 +24,7 @@ namespace osteon::session {
 /// A session's score, as far as it is known before the session's end.
 struct ScoreSoFar {
   procedure::Score score;   ///< an open item has no value and no points
-  std::vector<bool> open;   ///< of each of score.items
+  std::vector<bool> open;   ///< for each of score.items: the item has no value yet
   double open_points{0.0};  ///< weights of the open items
   std::string unfinished;   ///< what is left of the plan; empty: nothing
 };
@@ -39,18 +39,19 @@ struct ScoreSoFar {
                                     std::span<const SessionPass> passes,
                                     const procedure::Assessment& assessment, bool walls_known);
 
+/// The plan, the rubric and the bone by which a running session is scored.
 struct LiveScoreParams {
   procedure::SurgicalPlan plan;
   std::optional<procedure::Rubric> rubric{};  ///< absent: no score is given
   std::string without_rubric{};               ///< why it is absent
   const simulation::Bone* bone{nullptr};      ///< uncut; outlives this
   const simulation::Solid* solid{nullptr};    ///< null: walls are not watched
-  simulation::SceneEventParams walls{};       ///< of the plan's scene
+  simulation::SceneEventParams walls{};       ///< limits of the plan's scene, by which walls are watched
   Pose X_WG{Pose::Identity()};
 };
 
-/// The score of a running session, computed as `osteon assess` does. It is that of the bone after the last
-/// pass that counts; bone cut since then is not included. The age in the message is that of this bone.
+/// The score of a running session, computed as `osteon assess` does. The score is that of the bone after the
+/// last pass that counts; bone cut since then is not included. The age in the message is that of this bone.
 ///
 ///     frames' thread ──AddFrame, EndPass, SetState──▶ [newest state] ──Update──▶ message ──Json──▶ pages
 ///
@@ -84,6 +85,7 @@ class LiveScore {
     procedure::ReamedAxis axis;
     std::vector<Vector3> heads_m;  // kWallStep_m apart, where bone was removed
   };
+  // A state of the session that is to be scored.
   struct Input {
     std::shared_ptr<const simulation::CarvedState> state;
     std::vector<SessionPass> passes;
@@ -92,17 +94,19 @@ class LiveScore {
     rt::Nanoseconds stamp{0};
     std::map<int, std::shared_ptr<const Trace>> traces;  // by the passes' numbers
   };
+  // Measures the bone and the walls of a state, and scores it.
   [[nodiscard]] ScoreSoFar Measure(const Input& input) const;
 
   const LiveScoreParams params_;
-  CutDetector cut_;  // of the frames' thread, as the next two
-  Trace open_;
-  std::map<int, std::shared_ptr<const Trace>> traces_;
+  CutDetector cut_;                                     // of the frames' thread, as the next two
+  Trace open_;                                          // of the open pass
+  std::map<int, std::shared_ptr<const Trace>> traces_;  // of the ended passes, by their numbers
 
-  std::mutex measuring_;               // one Update at a time
-  mutable rt::InheritingMutex mutex_;  // of what follows; the frames' thread takes it, and pages' threads
-  std::shared_ptr<const Input> newest_, measured_;
-  ScoreSoFar score_;  // of measured_
+  std::mutex measuring_;                   // one Update at a time
+  mutable rt::InheritingMutex mutex_;      // of what follows; the frames' thread takes it, and pages' threads
+  std::shared_ptr<const Input> newest_;    // to be scored
+  std::shared_ptr<const Input> measured_;  // the last input that was scored
+  ScoreSoFar score_;                       // of measured_
 };
 
 }  // namespace osteon::session

@@ -17,18 +17,19 @@ inline constexpr double kMaxLoadError_N = 0.5;
                                      const control::ForceSensorParams& before,
                                      const control::ForceSensorParams& after, const Pose& X_WF);
 
-/// Means of the sensor's force in a pause: at its beginning, with the old tool, and newest.
+/// Means of the sensor's force in a pause: the first mean, with the old tool, and the newest one.
 class PausedReadings {
  public:
   void Add(const control::TickRecord& tick);
   /// Whether both means are known: the pause has lasted for kTicksUntilKnown.
   [[nodiscard]] bool known() const { return newest_count_ >= kTicks; }
+  /// The two means [N], in the sensor's frame S.
   [[nodiscard]] Vector3 first_S() const { return first_sum_ / kTicks; }
   [[nodiscard]] Vector3 newest_S() const { return newest_; }
   /// Begins anew with the next reading: another tool is on.
   void Restart() { *this = {}; }
 
-  static constexpr int kTicks = 300;  ///< of each mean
+  static constexpr int kTicks = 300;  ///< number of ticks in each mean
   static constexpr int kTicksUntilKnown = 2 * kTicks;
 
  private:

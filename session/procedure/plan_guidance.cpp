@@ -12,6 +12,7 @@ namespace {
 
 using procedure::GuidanceCeilings;
 
+// A tool is a planned reamer if their diameters differ by less than this.
 constexpr double kSameDiameter_m = 1e-6;
 
 // The reader of a plan has the same bounds as the loop.
@@ -22,7 +23,7 @@ static_assert(GuidanceCeilings::kLateralCap_N == control::kMaxLateralForce_N);
 static_assert(GuidanceCeilings::kDepthStiffness_N_per_m == control::kMaxDepthStiffness_N_per_m);
 static_assert(GuidanceCeilings::kDepthCap_N == control::kMaxDepthForce_N);
 
-// Visits every field with its name: visit(name, value).
+// Calls visit(name, value) for every field but axis_W and centre_W.
 template <class Params, class Visit>
 void VisitGuidance(Params& g, Visit&& visit) {
   visit("gain", g.gain);

@@ -29,29 +29,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSameSize_m = 1e-6;
+constexpr double kSameSize_m = 1e-6;  // radii that differ by less are of the same reamer
 
 // The hand of a novice. Its axis is 14 ± 7 degrees off (PMC6494316). Reaming without guidance moves the
 // centre by 3.7 ± 2.6 mm superiorly and 5.0 ± 3.3 mm medially (PMID 27909120). So the hand aims 6 mm aside,
-// of which the cup's walls leave about 4 mm, and takes a floor 5 mm too deep for the end. The arm of an
-// unsure person stiffens: 8 N/mm, where up to 10 N/mm were published (hil/operator/operator_hand.h). The hand
-// presses with 140 N, near its own limit, until it gives up (assumed).
+// of which the cup's walls leave about 4 mm, and aims at a floor 5 mm too deep. The arm of an unsure person
+// stiffens by kStiffnessFactor to 8 N/mm, where up to 10 N/mm were published (hil/operator/operator_hand.h).
+// The hand presses with 140 N, near the hand's own limit, until it gives up (assumed). Its target lies
+// kPastPlan_m below that floor.
 struct NoviceHand {
   static constexpr double kTilt_rad = 14.0 * std::numbers::pi / 180.0, kAside_m = 0.006, kTooDeep_m = 0.005;
-  static constexpr double kStiffer = 4.0, kPush_N = 140.0, kPastPlan_m = 0.020;
+  static constexpr double kStiffnessFactor = 4.0, kPush_N = 140.0, kPastPlan_m = 0.020;
 };
 
-// A novice with a burr. All figures are assumed: in a tooth, the errors of unguided hands are of the size of
-// the burr.
+// A novice with a burr: the same figures, and the factor on the force of the cell's script. All are assumed:
+// in a tooth, the errors of unguided hands are of the size of the burr.
 struct NoviceBurr {
   static constexpr double kTilt_rad = 10.0 * std::numbers::pi / 180.0, kAside_m = 0.0008, kTooDeep_m = 0.001;
-  static constexpr double kHarder = 1.5, kPastPlan_m = 0.001;
+  static constexpr double kPushFactor = 1.5, kPastPlan_m = 0.001;
 };
-// A hand that leads a burr rests its fingers on the teeth, as stiff as an arm of 8 N/mm, where up to 10 N/mm
-// were published (hil/operator/operator_hand.h). The hand leads the burr a little beyond the planned circle,
-// so that it still presses when the burr has reached the circle; along the axis an expert stops pressing a
-// little beyond the plan. Both distances are assumed.
-constexpr double kFingerRest = 4.0, kExpertPastPlan_m = 0.1e-3, kLead_m = 0.3e-3;
+// A hand that leads a burr rests its fingers on the teeth. This makes it stiffer by kFingerRestFactor, as
+// stiff as an arm of 8 N/mm, where up to 10 N/mm were published (hil/operator/operator_hand.h). The hand
+// leads the burr a little beyond the planned circle, so that it still presses when the burr has reached the
+// circle; along the axis an expert stops pressing a little beyond the plan. Both distances are assumed.
+constexpr double kFingerRestFactor = 4.0, kExpertPastPlan_m = 0.1e-3, kLead_m = 0.3e-3;
 constexpr double kClearOfOpening_m = 3e-3;  // a burr this far over the opening's rim counts as retracted
 
 // Returns the frame of the plan in G: origin at the plan's centre, +z along its axis, x and y as near to G's
@@ -63,6 +64,7 @@ Pose PlanFrame(const procedure::SurgicalPlan& plan) {
   return X_GC;
 }
 
+// Collects the cell's gains for session.json.
 SessionGains GainsOfCell(const control::ServoParams& servo) {
   SessionGains gains{.law = servo.law == control::Law::kAdmittance ? "admittance" : "impedance",
                      .stiffness_N_per_mm = 1e-3 * servo.coupling.max_stiffness_N_per_m,
@@ -114,7 +116,7 @@ std::string ValidateNewSession(const fs::path& folder) {
 }
 
 tl::expected<double, std::string> GainFrom(const fs::path& folder, const std::string& plan_checksum) {
-  constexpr double kLessForEach = 0.25;
+  constexpr double kLessForEach = 0.25;  // part of the gain that each passed session takes away
   std::error_code error;
   if (!fs::is_directory(folder, error))
     return tl::make_unexpected(
@@ -206,13 +208,14 @@ int ReamerOf(const procedure::SurgicalPlan& plan, const config::CellConfig& cell
 
 namespace {
 
-// The hand works in another way at an opening: it counts from the rim, leads the burrs around, and
-// presses as the cell's own script does.
+// Sets script and hand for an opening: the heights count from the rim, the hand is stiffer, leads the burrs
+// around the planned circle, and presses with the force of the cell's own script.
+// @param first  index of the first tool  @param rim_m  height of the rim over the plan's centre
 void LeadBurrs(const procedure::SurgicalPlan& plan, std::size_t first, double rim_m, double push_force_N,
                hil::ProcedureScriptParams& script, hil::OperatorHandParams& hand) {
-  script.hand_stiffness_N_per_m *= kFingerRest;
-  hand.stiffness_N_per_m *= kFingerRest;
-  hand.damping_Ns_per_m *= std::sqrt(kFingerRest);
+  script.hand_stiffness_N_per_m *= kFingerRestFactor;
+  hand.stiffness_N_per_m *= kFingerRestFactor;
+  hand.damping_Ns_per_m *= std::sqrt(kFingerRestFactor);
   script.start_height_m += rim_m;
   script.retract_height_m += rim_m;
   script.approach_m = std::max(0.0, rim_m);
@@ -234,7 +237,7 @@ void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand,
   hil::ProcedureScriptParams script;
   double push_force_N = 0.0;
   std::visit(
-      [&](const auto& own) {
+      [&](const auto& own) {  // the cell's own script
         push_force_N = own.push_force_N;
         script.head_radius_m = own.head_radius_m;
         script.tool_yaw_rad = own.tool_yaw_rad;
@@ -263,7 +266,7 @@ void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand,
     script.aside_m = NoviceBurr::kAside_m;
     for (double& height_m : script.heights_m) height_m -= NoviceBurr::kTooDeep_m;
     script.past_plan_m = NoviceBurr::kPastPlan_m;
-    script.push_force_N *= NoviceBurr::kHarder;
+    script.push_force_N *= NoviceBurr::kPushFactor;
   } else if (hand == "novice") {
     const Vector3 superior_C = PlanFrame(plan).linear().transpose() * plan.pelvis.superior;
     // the script's x, to which side the hand is aside, becomes superior; the tool keeps its yaw
@@ -275,9 +278,9 @@ void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand,
     for (double& height_m : script.heights_m) height_m -= NoviceHand::kTooDeep_m;
     script.past_plan_m = NoviceHand::kPastPlan_m;
     script.push_force_N = NoviceHand::kPush_N;
-    script.hand_stiffness_N_per_m *= NoviceHand::kStiffer;
-    cell.simulated.hand.stiffness_N_per_m *= NoviceHand::kStiffer;
-    cell.simulated.hand.damping_Ns_per_m *= std::sqrt(NoviceHand::kStiffer);
+    script.hand_stiffness_N_per_m *= NoviceHand::kStiffnessFactor;
+    cell.simulated.hand.stiffness_N_per_m *= NoviceHand::kStiffnessFactor;
+    cell.simulated.hand.damping_Ns_per_m *= std::sqrt(NoviceHand::kStiffnessFactor);
   }
   cell.script = script;
 }
@@ -324,9 +327,10 @@ tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
   }
   const simulation::Tool& in_use = tools[static_cast<std::size_t>(procedure.tools.first)].tool;
   if (procedure.tools.first != 0) {
-    auto other = MakeEngine(engine_choice, setup.bone, in_use, setup.X_WG, setup.config.cutting);
-    if (!other) return tl::make_unexpected(other.error());
-    engine = std::move(*other);
+    // the cell's engine is for the first reamer: a resumed session may continue with a later one
+    auto engine_in_use = MakeEngine(engine_choice, setup.bone, in_use, setup.X_WG, setup.config.cutting);
+    if (!engine_in_use) return tl::make_unexpected(engine_in_use.error());
+    engine = std::move(*engine_in_use);
   }
   const bool physical = procedure.tools.physical;
   ScriptedChanges::Heights heights;

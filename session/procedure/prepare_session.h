@@ -69,8 +69,8 @@ struct Procedure {
 /// Returns the height of the bone's site over the plan's centre, along the plan's axis [m].
 [[nodiscard]] double RimOver(const procedure::SurgicalPlan& plan, const simulation::CutSite& site);
 
-/// An expert pushes the last reamer, whose whole head cuts, until it has reached the plan: this push is so
-/// many times as long as that of each other reamer (assumed).
+/// An expert pushes the last reamer, whose whole head cuts, until it has reached the plan: this push lasts
+/// this many times as long as the push of each other reamer (assumed).
 inline constexpr double kExpertLastPush = 4.0;
 
 /// Gives a simulated cell the scripted operator of a plan, from the tool `first` on. The expert follows the

@@ -17,6 +17,7 @@ nlohmann::json Triple(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
 // Rounds a figure of the message: a change below the step does not make a new message.
 double Rounded(double value, double step) { return step * std::round(value / step); }
 
+// Makes the message of the plan, with places in the world's frame. @param confirms  as in the constructor
 std::string PlanMessage(const procedure::SurgicalPlan& plan, const Pose& X_WG, bool confirms) {
   nlohmann::json reamers = nlohmann::json::array();
   for (const procedure::PlannedTool& tool : plan.tools)
@@ -44,10 +45,11 @@ std::string PlanMessage(const procedure::SurgicalPlan& plan, const Pose& X_WG, b
 PlanPlace PlaceAlongPlan(const procedure::SurgicalPlan& plan, const procedure::PlannedTool& tool,
                          const Pose& X_GT) {
   const Vector3 feed = X_GT.linear().col(2);
-  const Vector3 off_m = X_GT.translation() - 0.5 * tool.diameter_m * feed - plan.CentreOf(tool);
+  // from the planned place of the head's centre to its place
+  const Vector3 offset_m = X_GT.translation() - 0.5 * tool.diameter_m * feed - plan.CentreOf(tool);
   PlanPlace place;
-  place.to_go_m = off_m.dot(plan.axis_G);
-  place.aside_m = (off_m - place.to_go_m * plan.axis_G).norm();
+  place.to_go_m = offset_m.dot(plan.axis_G);
+  place.aside_m = (offset_m - place.to_go_m * plan.axis_G).norm();
   place.tilt_rad = std::atan2(plan.axis_G.cross(feed).norm(), -plan.axis_G.dot(feed));
   const procedure::GuidanceGains& g = plan.guidance;
   if (!(g.lateral.ease_m > 0.0)) return place;

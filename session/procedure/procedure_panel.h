@@ -16,7 +16,9 @@ namespace osteon::session {
 
 /// The place of a tool relative to its plan.
 struct PlanPlace {
-  double to_go_m{0.0};   ///< height of the head's centre over its planned place, along the plan's axis
+  /// Height of the head's centre over its planned place, along the plan's axis; negative: deeper than
+  /// planned.
+  double to_go_m{0.0};
   double aside_m{0.0};   ///< distance of the head's centre from that axis
   double tilt_rad{0.0};  ///< angle between the feed and the axis into the bone
   bool beyond_tilt{false}, beyond_aside{false}, beyond_depth{false};  ///< outside of the plan's corridor
@@ -56,9 +58,11 @@ class ProcedurePanel {
   int tool_{-1};
   rt::Nanoseconds stamp_{0};  // of the last frame
   PlanPlace place_;
-  procedure::ReamedAxis axis_;  // of the tool in use
-  double removed_m3_{0.0}, removed_by_tool_m3_{0.0}, outside_s_{0.0};
-  bool known_{false};
+  procedure::ReamedAxis axis_;      // of the tool in use
+  double removed_m3_{0.0};          // by all tools, after the last frame
+  double removed_by_tool_m3_{0.0};  // by the tool in use
+  double outside_s_{0.0};           // time of cutting outside of the corridor
+  bool known_{false};               // a frame has come
 };
 
 }  // namespace osteon::session

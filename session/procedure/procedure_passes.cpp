@@ -18,6 +18,7 @@ void ProcedureSession::EndOpenPass(const simulation::CuttingEngine& engine, rt::
     EndPass(engine, stamp);
 }
 
+// Adds the pass to the session, and saves the bone as the state after this pass.
 void ProcedureSession::EndPass(const simulation::CuttingEngine& engine, rt::Nanoseconds stamp) {
   auto state = std::make_shared<const simulation::CarvedState>(engine.Snapshot());
   const std::string name = fmt::format("{}{}{}", kStatePrefix, ++states_, kStateEnding);
@@ -46,6 +47,7 @@ void ProcedureSession::EndPass(const simulation::CuttingEngine& engine, rt::Nano
   WriteFile();
 }
 
+// Sets end time and last saved state of the open segment.
 void ProcedureSession::CloseSegment(rt::Nanoseconds end) {
   const std::lock_guard lock(mutex_);
   SessionSegment& segment = file_.segments.back();
@@ -54,6 +56,7 @@ void ProcedureSession::CloseSegment(rt::Nanoseconds end) {
   segment.end_state_hash = saved_hash_;
 }
 
+// Begins a segment with the tool in use and the last saved state. @param begin  0: not known yet
 void ProcedureSession::OpenSegment(rt::Nanoseconds begin) {
   const std::lock_guard lock(mutex_);
   file_.segments.push_back({.tool_index = tool_,

@@ -18,8 +18,9 @@ namespace {
 using simulation::CarvedState;
 using simulation::ToolCommand;
 
-constexpr std::chrono::milliseconds kMaxWait{700};  // an answer through the local socket has a second
-constexpr double kSameSize_mm = 1e-6;
+// Longest wait of Ask: a client of the local socket expects its answer within a second.
+constexpr std::chrono::milliseconds kMaxWait{700};
+constexpr double kSameSize_mm = 1e-6;  // diameters that differ by less are the same
 
 /// For how long the scripted operator pauses before a change of tool [ns]: until the sensor's readings are
 /// known (PausedReadings), and two thirds longer, since the loop needs time to begin the pause.
@@ -116,7 +117,7 @@ void ProcedureSession::Poll(control::ServoLoop& loop) {
 }
 
 SessionAnswer ProcedureSession::Ask(const SessionRequest& request) {
-  struct Waiting {
+  struct Waiting {  // the place for the answer, shared with the frames' thread
     std::mutex mutex;
     std::condition_variable done;
     std::optional<SessionAnswer> answer;

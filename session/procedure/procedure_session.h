@@ -39,16 +39,17 @@ namespace osteon::session {
 /// undo.
 inline constexpr double kClearToResume_m = 0.5e-3;
 
+/// The parts from which a procedure's session is made.
 struct ProcedureParams {
   std::filesystem::path folder;
   procedure::SurgicalPlan plan;
   SessionFile file;  ///< of a new session, without segments, or of the session that is resumed
   std::vector<ProcedureTool> tools;  ///< one for each of file.diameters_mm
-  int tool{0};                       ///< in use at the start
+  int tool{0};                       ///< index of the tool in use at the start
   std::string recording;             ///< name of this run's recording in the folder
   const simulation::Bone* bone{nullptr};
   const simulation::Solid* solid{nullptr};  ///< null: not known
-  simulation::SceneEventParams events;
+  simulation::SceneEventParams events;      ///< of the cell's scene
   Pose X_WG{Pose::Identity()};
   Pose X_GC{Pose::Identity()};  ///< planned cup: its centre, +z along its axis
   /// Makes the engine for a tool.
@@ -129,16 +130,19 @@ class ProcedureSession final : public FrameObserver {
   [[nodiscard]] std::optional<double> min_wall_m() const;
 
  private:
+  // The request that is being carried out.
   struct Open {
     SessionRequest request;
     std::function<void(const SessionAnswer&)> answered;
-    bool waits_for_loop{false};
+    bool waits_for_loop{false};  // the answer follows once the loop has taken the tool
   };
+  // The measurements of a tool that are kept while other tools are in use.
   struct Watched {
     std::optional<simulation::ApexDepth> depth;
     std::optional<simulation::SceneWatch> watch;
   };
 
+  // Each of the functions that return a SessionAnswer carries out one kind of request, or refuses it.
   void HandleRequest(const simulation::ToolCommand& command, FrameRunner& runner);
   [[nodiscard]] SessionAnswer Resume(const simulation::ToolCommand& command, const FrameRunner& runner);
   void HandleResume(const simulation::ToolCommand& command, FrameRunner& runner);
@@ -152,6 +156,7 @@ class ProcedureSession final : public FrameObserver {
   [[nodiscard]] SessionAnswer Finish(const SessionRequest& request, const simulation::ToolCommand& command,
                                      FrameRunner& runner);
   void RenewScore();
+  // CheckLoad and RetractFirst return why a request is refused; empty: it is permitted.
   [[nodiscard]] std::string CheckLoad(int tool, const simulation::ToolCommand& command) const;
   void SwitchTool(const simulation::ToolCommand& command, FrameRunner& runner);
   [[nodiscard]] std::vector<MissedChange> MissedChanges() const;
@@ -173,20 +178,23 @@ class ProcedureSession final : public FrameObserver {
   int tool_{0};
   PassDetector pass_;
   ScriptedChanges script_;
-  std::shared_ptr<const simulation::CarvedState> uncut_, saved_;  // the state that counts now
+  std::shared_ptr<const simulation::CarvedState> uncut_, saved_;  // saved_: the last state that counts
   std::string saved_name_, saved_hash_;
-  int states_{0};
+  int states_{0};                  // number of the last state's file
   bool changed_{false};            // tool or bone have changed in this pause: a resume is checked
   bool end_pass_{false};           // the pass has ended with the last frame
   std::optional<double> to_go_m_;  // smallest height over the planned place in the open pass
   rt::Nanoseconds last_stamp_{0};
-  std::map<int, Watched> watched_;
-  std::string error_;
+  std::map<int, Watched> watched_;  // by the tools' indices; without the tool of the start
+  std::string error_;               // why a tool's engine could not be made; empty: all were made
 
-  std::atomic<int> wanted_tool_{-1}, framed_tool_{0};
-  std::atomic<double> wanted_gain_{-1.0};  // guidance gain for the next Poll; negative: none
-  double guidance_gain_{0.0};              // the gain in force; guarded by mutex_
-  std::atomic<bool> pause_{false}, resume_{false}, resume_asked_{false}, finished_{false};
+  std::atomic<int> wanted_tool_{-1};                // tool for the next Poll; -1: none
+  std::atomic<int> framed_tool_{0};                 // tool of the newest frame
+  std::atomic<double> wanted_gain_{-1.0};           // guidance gain for the next Poll; negative: none
+  double guidance_gain_{0.0};                       // the gain in force; guarded by mutex_
+  std::atomic<bool> pause_{false}, resume_{false};  // requests for the next Poll
+  std::atomic<bool> resume_asked_{false};           // by RequestResume, not checked yet
+  std::atomic<bool> finished_{false};
   std::atomic<bool> in_pass_{false};             // a pass was open in the newest frame
   std::atomic<rt::Nanoseconds> frame_stamp_{0};  // of the newest frame's pose
 

@@ -15,6 +15,7 @@
 namespace osteon::session {
 namespace {
 
+// Name of the file that holds the ToolList in a recording's configuration.
 constexpr const char* kListFile = "procedure_tools.json";
 
 }  // namespace

@@ -46,7 +46,8 @@ struct ToolList {
                                                             const std::filesystem::path& gains,
                                                             const ToolList& list);
 
-/// Prepares the loop's parameters for all tools: the age governor reckons with the largest cutting head.
+/// Prepares the loop's parameters for all tools: the age governor's radius becomes that of the
+/// largest cutting head.
 void PrepareForTools(const std::vector<ProcedureTool>& tools, config::CellConfig& cell);
 /// Gives the loop its table of tools, with the tool `first` in use.
 void SetTools(const std::vector<ProcedureTool>& tools, int first, control::ServoLoop& loop);

@@ -34,6 +34,7 @@ struct Scene {
   EngineChoice engine;
 };
 
+// Makes cell, tools and packed bone of a session's recording again. @param file  of the recording
 tl::expected<Scene, std::string> SetUpScene(const io::Recording& recording, const fs::path& file,
                                             const SessionFile& session) {
   Scene scene;
@@ -57,6 +58,8 @@ tl::expected<Scene, std::string> SetUpScene(const io::Recording& recording, cons
   return scene;
 }
 
+// Compares the engine's state with a saved one, and counts the comparison in `replay`.
+// @param expected  hash of the saved state
 void CompareState(const std::string& name, const std::string& expected,
                   const simulation::CuttingEngine& engine, SessionReplay& replay) {
   const std::string found = simulation::HashText(engine.Snapshot());
@@ -93,6 +96,7 @@ std::string CutAgain(const io::Recording& recording, const SessionFile& session,
     passes.push_back(pass);
   }
   std::size_t tick = 0, pass = 0;
+  // compares the states of the passes that ended before a frame
   const auto end_passes = [&](rt::Nanoseconds next_stamp) {
     for (; pass < passes.size() && passes[pass].end < next_stamp; ++pass)
       CompareState(passes[pass].state, passes[pass].state_hash, **engine, replay);
@@ -107,6 +111,7 @@ std::string CutAgain(const io::Recording& recording, const SessionFile& session,
       recarve.Add(recording.ticks[tick]);
     recarve.Add(frame);
   }
+  // without a known end of the segment, no further state is compared
   end_passes(segment.end == 0 ? 0 : segment.end + 1);
   if (segment.end != 0)
     CompareState(fmt::format("the end of segment {}", index + 1), segment.end_state_hash, **engine, replay);

@@ -12,16 +12,17 @@ namespace osteon::session {
 /// A recording of a session, run again.
 struct SessionReplay {
   std::string recording;
-  ReplayResult loop;        ///< result of the servo loop, tick by tick
-  std::uint64_t frames{0};  ///< number of frames cut again, each segment from its saved state
-  int states{0},
-      different_states{0};      ///< number of saved states that were reached again, and with another hash
+  ReplayResult loop;            ///< result of the servo loop, tick by tick
+  std::uint64_t frames{0};      ///< number of frames cut again, each segment from its saved state
+  int states{0};                ///< number of saved states that were reached again
+  int different_states{0};      ///< number of those whose hash differs
   std::string first_different;  ///< "state_2.carved: found …, accepted …"; empty: none
 };
 
+/// The options of `osteon replay DIR`.
 struct SessionReplayOptions {
   std::filesystem::path session;  ///< folder
-  std::filesystem::path json{};
+  std::filesystem::path json{};   ///< file for the result; empty: none
 };
 
 /// Runs `osteon replay DIR`: runs the loop of each recording of the session again and compares it bit for

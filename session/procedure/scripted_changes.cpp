@@ -7,8 +7,9 @@
 namespace osteon::session {
 namespace {
 
-constexpr double kStill_m = 0.2e-3;                            // a tool at rest moves less ...
-constexpr rt::Nanoseconds kStillFor = 300 * rt::kMillisecond;  // ... in this time
+// A tool is at rest if its height has changed by at most kStill_m during kStillFor.
+constexpr double kStill_m = 0.2e-3;
+constexpr rt::Nanoseconds kStillFor = 300 * rt::kMillisecond;
 
 }  // namespace
 

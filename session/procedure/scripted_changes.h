@@ -14,7 +14,8 @@ class ScriptedChanges {
  public:
   enum class Action { kNone, kPause, kNext, kResume };
 
-  /// Heights of the head's centre that tell a tool at work from one that is retracted.
+  /// Heights of the head's centre over the plan's centre [m]: a tool is at work below `down_m`, and retracted
+  /// above `retracted_m`.
   struct Heights {
     double down_m{0.015}, retracted_m{0.025};
   };
@@ -38,12 +39,13 @@ class ScriptedChanges {
  private:
   enum class Phase { kReaming, kPausing, kChanging, kResuming };
   Heights heights_;
-  rt::Nanoseconds rest_;
+  rt::Nanoseconds rest_;  // in a pause, before the next tool is taken
   Phase phase_{Phase::kReaming};
-  bool been_down_{false}, answered_{false};
+  bool been_down_{false};  // the tool in use was below down_m
+  bool answered_{false};   // the request for the next tool was answered
   std::string refusal_;
-  double rest_height_m_{0.0};
-  rt::Nanoseconds rest_since_{0}, paused_since_{0};
+  double rest_height_m_{0.0};                        // height at rest_since_
+  rt::Nanoseconds rest_since_{0}, paused_since_{0};  // 0: not yet
 };
 
 }  // namespace osteon::session

@@ -28,9 +28,9 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr std::array<char, 8> kBoneMagic{'O', 'S', 'T', 'B', 'O', 'N', 'E', '1'};
+constexpr std::array<char, 8> kBoneMagic{'O', 'S', 'T', 'B', 'O', 'N', 'E', '1'};  // first bytes of a file
 constexpr std::size_t kBallNumbers = 4, kPointNumbers = 5;  // number of doubles of a ball, of a mass point
-constexpr std::uint64_t kMaxItems = 1ull << 32;
+constexpr std::uint64_t kMaxItems = 1ull << 32;             // a file with more balls or points is refused
 
 // The head of the file. The doubles of the balls and of the mass points follow.
 struct BoneHeader {
@@ -39,6 +39,7 @@ struct BoneHeader {
   std::uint64_t balls{0}, points{0};
 };
 
+// Returns the 16 digits of TextChecksum.
 std::array<char, 16> ChecksumOf(const std::string& numbers) {
   std::array<char, 16> digits{};
   const std::string text = TextChecksum(numbers);

@@ -38,6 +38,7 @@ class SessionCut {
   std::optional<procedure::PlannedCavity> planned{};  ///< of the session's plan, if it was read
 
  private:
+  // A pass that counts, with the path of its tool.
   struct Pass {
     std::string recording;
     rt::Nanoseconds begin, end;

@@ -20,6 +20,7 @@ namespace {
 
 using nlohmann::json;
 
+// Largest magnitudes that are accepted from a file.
 constexpr std::int64_t kMaxStamp = std::int64_t{1} << 62;
 constexpr double kMaxFigure = 1e9, kMaxToGo_mm = 1e4, kMaxDiameter_mm = 500.0;
 
@@ -32,14 +33,17 @@ void RequireName(const std::string& key, const std::string& name) {
         fmt::format("{}: found \"{}\", accepted the name of a file in the session's folder", key, name));
 }
 
+// @param found  the refused value; null: there is none
 [[noreturn]] void Refuse(const char* key, const json* found, const std::string& accepted) {
-  constexpr std::size_t kShown = 60;
+  constexpr std::size_t kShown = 60;  // number of characters of the value in the message
   throw std::runtime_error(fmt::format(
       "{}: found {}, accepted {}", key,
       found ? found->dump(-1, ' ', false, json::error_handler_t::replace).substr(0, kShown) : "none",
       accepted));
 }
 
+// The following functions return the value of a key. If the key is missing, or its value is of another kind
+// or beyond the bounds, they throw an error that names the key, what was found and what is accepted.
 const json& At(const json& object, const char* key, const char* accepted) {
   if (!object.is_object()) Refuse(key, nullptr, accepted);
   const auto at = object.find(key);
@@ -98,6 +102,7 @@ std::array<double, N> ReadNumbers(const json& object, const char* key, double mi
   return numbers;
 }
 
+// Reads the name of a file in the session's folder.
 std::string ReadName(const json& object, const char* key) {
   std::string name = ReadText(object, key);
   RequireName(key, name);
@@ -106,6 +111,7 @@ std::string ReadName(const json& object, const char* key) {
 
 // Reads the time at which the session began; empty: there is none.
 std::string ReadBegan(const json& all) {
+  // a 0 stands for any digit
   constexpr std::string_view kForm = "0000-00-00T00:00:00Z";
   const auto at = all.find("began");
   if (at == all.end() || at->is_null()) return "";
@@ -192,6 +198,7 @@ SessionPass ReadPass(const json& object, const SessionFile& session, std::int64_
   return pass;
 }
 
+// Makes the rows of [R | p].
 json PoseJson(const PlainPose& plain) {
   const Pose X = plain;
   json rows = json::array();
@@ -202,6 +209,7 @@ json PoseJson(const PlainPose& plain) {
   return rows;
 }
 
+// Reads the cup's pose; refuses rows whose R is no rotation.
 PlainPose ReadPose(const json& rows) {
   constexpr const char* kAccepted = "three rows [R | p] of a pose in m";
   Pose X = Pose::Identity();
@@ -222,9 +230,9 @@ PlainPose ReadPose(const json& rows) {
 }  // namespace
 
 int SessionFile::PassesLeft() const {
-  int left = 0;
-  for (const SessionPass& pass : passes) left += pass.undone ? 0 : 1;
-  return left;
+  int count = 0;
+  for (const SessionPass& pass : passes) count += pass.undone ? 0 : 1;
+  return count;
 }
 
 std::string SessionFile::LastState() const {

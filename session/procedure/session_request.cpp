@@ -11,49 +11,50 @@ namespace osteon::session {
 
 tl::expected<SessionRequest, std::string> ParseSessionRequest(const std::string& text) {
   std::istringstream words(text);
-  std::vector<std::string> all;
-  for (std::string word; words >> word;) all.push_back(word);
+  std::vector<std::string> parts;
+  for (std::string word; words >> word;) parts.push_back(word);
   const auto refuse = [&] {
     return tl::make_unexpected(
         fmt::format("found \"{}\", accepted next, tool D (mm), undo, save, cup, guidance G (0 … 1), finish, "
                     "resume; \"confirmed\" may follow a change of tool, and finish",
                     text.substr(0, 80)));
   };
-  if (all.empty()) return refuse();
+  if (parts.empty()) return refuse();
   SessionRequest request;
-  if (all.back() == "confirmed") {
+  if (parts.back() == "confirmed") {
     request.confirmed = true;
-    all.pop_back();
-    if (all.empty() || (all[0] != "next" && all[0] != "tool" && all[0] != "finish")) return refuse();
+    parts.pop_back();
+    if (parts.empty() || (parts[0] != "next" && parts[0] != "tool" && parts[0] != "finish")) return refuse();
   }
   using Kind = SessionRequest::Kind;
-  const auto number = [&](double& value) {
-    const char* end = all[1].data() + all[1].size();
-    const auto [rest, error] = std::from_chars(all[1].data(), end, value);
+  // reads the second word as a finite number
+  const auto read_number = [&](double& value) {
+    const char* end = parts[1].data() + parts[1].size();
+    const auto [rest, error] = std::from_chars(parts[1].data(), end, value);
     return error == std::errc() && rest == end && std::isfinite(value);
   };
-  if (all[0] == "tool" && all.size() == 2) {
+  if (parts[0] == "tool" && parts.size() == 2) {
     request.kind = Kind::kTool;
-    if (!number(request.diameter_mm)) return refuse();
+    if (!read_number(request.diameter_mm)) return refuse();
     return request;
   }
-  if (all[0] == "guidance" && all.size() == 2) {
+  if (parts[0] == "guidance" && parts.size() == 2) {
     request.kind = Kind::kGuidance;
-    if (!number(request.gain) || !(request.gain >= 0.0 && request.gain <= 1.0)) return refuse();
+    if (!read_number(request.gain) || !(request.gain >= 0.0 && request.gain <= 1.0)) return refuse();
     return request;
   }
-  if (all.size() != 1) return refuse();
-  if (all[0] == "next")
+  if (parts.size() != 1) return refuse();
+  if (parts[0] == "next")
     request.kind = Kind::kNext;
-  else if (all[0] == "undo")
+  else if (parts[0] == "undo")
     request.kind = Kind::kUndo;
-  else if (all[0] == "save")
+  else if (parts[0] == "save")
     request.kind = Kind::kSave;
-  else if (all[0] == "cup")
+  else if (parts[0] == "cup")
     request.kind = Kind::kCup;
-  else if (all[0] == "finish")
+  else if (parts[0] == "finish")
     request.kind = Kind::kFinish;
-  else if (all[0] == "resume")
+  else if (parts[0] == "resume")
     request.kind = Kind::kResume;
   else
     return refuse();

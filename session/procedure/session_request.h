@@ -15,6 +15,7 @@ struct SessionRequest {
   double gain{0.0};         ///< of kGuidance, 0 … 1
   bool confirmed{false};    ///< a person has confirmed size (and load), or the end of an unfinished plan
 };
+/// The answer to a request: whether it was carried out.
 struct SessionAnswer {
   bool done{false};
   std::string reason;  ///< if not done: what was found and what to do

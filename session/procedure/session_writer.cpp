@@ -48,7 +48,7 @@ void SessionWriter::Push(Job job) {
   changed_.notify_all();
 }
 
-// After an error nothing more is written: a session must not name a state that is missing.
+// Does one job. After an error nothing more is written: a session must not name a state that is missing.
 void SessionWriter::Write(const Job& job) {
   if (job.work) return job.work();
   {

@@ -36,12 +36,14 @@ class SessionWriter {
   [[nodiscard]] std::string Flush();
 
  private:
+  // One thing to write, or work to do.
   struct Job {
     std::string name;  // of the state's file; empty: the session is written
     std::shared_ptr<const simulation::CarvedState> state;
     SessionFile session;
     std::function<void()> work{};  // done instead of writing; empty: the job is to write
   };
+  // Gives the job to the thread, or does it at once without a thread.
   void Push(Job job);
   void Write(const Job& job);
   void Loop();

@@ -11,7 +11,8 @@ namespace {
 // If more than this fraction of the planned cavity is left, the plan is not finished.
 constexpr double kMaxShareLeft = 0.5;
 
-bool IsOfLastTool(const procedure::SurgicalPlan& plan, const SessionPass& pass) {
+// Whether a pass was made with the plan's last tool and counts.
+bool CountsForLastTool(const procedure::SurgicalPlan& plan, const SessionPass& pass) {
   return !pass.undone && pass.tool_index == static_cast<int>(plan.tools.size()) - 1;
 }
 
@@ -29,14 +30,14 @@ std::optional<double> ToGoOfLastTool_mm(const procedure::SurgicalPlan& plan,
                                         std::span<const SessionPass> passes) {
   std::optional<double> to_go_mm;
   for (const SessionPass& pass : passes)
-    if (IsOfLastTool(plan, pass) && pass.to_go_mm)
+    if (CountsForLastTool(plan, pass) && pass.to_go_mm)
       to_go_mm = std::min(to_go_mm.value_or(*pass.to_go_mm), *pass.to_go_mm);
   return to_go_mm;
 }
 
 Unfinished UnfinishedOf(const procedure::SurgicalPlan& plan, std::span<const SessionPass> passes) {
   const std::optional<double> to_go_mm = ToGoOfLastTool_mm(plan, passes);
-  if (std::ranges::none_of(passes, [&](const auto& pass) { return IsOfLastTool(plan, pass); }))
+  if (std::ranges::none_of(passes, [&](const auto& pass) { return CountsForLastTool(plan, pass); }))
     return {
         .text = fmt::format("no pass of its last tool, {:g} mm, counts", 1e3 * plan.tools.back().diameter_m),
         .by_a_tool = true};

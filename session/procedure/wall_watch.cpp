@@ -8,6 +8,7 @@ void WallWatch::Add(int tool, double radius_m, const Vector3& head_m) {
   if (!watches()) return;
   auto found = watches_.find(tool);
   if (found == watches_.end()) {
+    // the tool's head alone, as a ball that is centred in its frame; the scene's regions are not watched
     simulation::Tool ball;
     ball.balls = {{.center_m = Vector3::Zero(), .radius_m = radius_m, .cutting = true}};
     simulation::SceneEventParams params = events_;
@@ -19,6 +20,7 @@ void WallWatch::Add(int tool, double radius_m, const Vector3& head_m) {
   last_m_ = head_m;
   Pose X_GP = Pose::Identity();
   X_GP.translation() = head_m;
+  // the growing count stands for the removed volume: each place counts as one where bone was removed
   static_cast<void>(found->second.Step(X_GP, ++steps_, {}));
 }
 

@@ -24,6 +24,7 @@ class WallWatch {
 
   /// Measures the walls at a place in the bone's frame at which a tool's head has removed bone. A place
   /// within kWallStep_m of the last measured one is skipped.
+  /// @param tool  index in the plan  @param radius_m, head_m  radius and centre of the head
   void Add(int tool, double radius_m, const Vector3& head_m);
   /// Thinnest wall so far [m]; nothing: no wall was seen.
   [[nodiscard]] std::optional<double> min_wall_m() const;
@@ -34,9 +35,9 @@ class WallWatch {
   const simulation::Bone& bone_;
   const simulation::Solid* solid_;
   const simulation::SceneEventParams events_;
-  std::map<int, simulation::SceneWatch> watches_;
-  Vector3 last_m_{Vector3::Zero()};
-  double steps_{0.0};
+  std::map<int, simulation::SceneWatch> watches_;  // by the tools' indices
+  Vector3 last_m_{Vector3::Zero()};                // place of the last measurement
+  double steps_{0.0};                              // number of measurements
 };
 
 }  // namespace osteon::session

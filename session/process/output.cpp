@@ -30,13 +30,14 @@ namespace {
 
 constexpr std::chrono::milliseconds kReaderInterval{100};  // how often readers are checked
 constexpr std::size_t kMaxWaiting = 64u << 10;             // bytes that may wait; beyond it stderr is dropped
-constexpr int kExitClosed = 128 + SIGPIPE;
+constexpr int kExitClosed = 128 + SIGPIPE;                 // exit code if nobody reads stdout any more
 
 // One of the process's two outputs.
 struct Output {
   int descriptor;
   std::atomic<int> error{0};  // errno of the first write that failed
 
+  // Writes the whole text, waiting if necessary. After an error the rest of the text is dropped.
   void Write(std::string_view text) {
     while (!text.empty()) {
       const ssize_t written = write(descriptor, text.data(), text.size());
@@ -64,6 +65,7 @@ Output g_out{.descriptor = STDOUT_FILENO}, g_err{.descriptor = STDERR_FILENO};
 
 }  // namespace
 
+// Texts on their way to the two outputs, and the thread that writes them.
 class OutputQueue {
  public:
   explicit OutputQueue(bool watch_stderr)
@@ -98,6 +100,7 @@ class OutputQueue {
   }
 
  private:
+  // A text for one of the outputs.
   struct Part {
     Output* output;
     std::string text;
@@ -153,6 +156,7 @@ ssize_t WriteToQueue(void* output, const char* text, std::size_t size) {
   return static_cast<ssize_t>(size);
 }
 
+// Makes a stdio stream that writes to an output. @param mode  of setvbuf
 std::FILE* Stream(Output& output, int mode) {
   std::FILE* stream =
       fopencookie(&output, "w", {.read = nullptr, .write = WriteToQueue, .seek = nullptr, .close = nullptr});

@@ -17,6 +17,7 @@ void InstallOutput();
 
 class OutputQueue;
 
+/// Parameters of OutputThread.
 struct OutputThreadParams {
   /// Also treat a closed stderr as a reader that has gone away. Not to be used if stderr is the parent's.
   bool watch_stderr{false};

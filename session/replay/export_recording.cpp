@@ -25,16 +25,17 @@ namespace {
 
 // Shows a progress bar if the output is a terminal; elsewhere it would fill the output with lines.
 void ShowProgress(double share) {
-  constexpr int kWidth = 40;
-  static const bool terminal = isatty(STDERR_FILENO) != 0;
-  if (!terminal) return;
+  constexpr int kWidth = 40;  // of the bar, in characters
+  static const bool is_terminal = isatty(STDERR_FILENO) != 0;
+  if (!is_terminal) return;
   fmt::print(stderr, "\r[{:{}}] {:3.0f} %", std::string(static_cast<std::size_t>(share * kWidth), '#'),
              kWidth, 100.0 * share);
   if (share >= 1.0) fmt::print(stderr, "\r\033[K");
   std::fflush(stderr);
 }
 
-void Print(const io::Recovery& recovery, const std::filesystem::path& file) {
+// Prints what a recovery has kept, lost and found damaged. @param file  the recovered recording
+void PrintRecovery(const io::Recovery& recovery, const std::filesystem::path& file) {
   if (recovery.was_whole) {
     fmt::print("  {:<12} the recording is whole: nothing to recover\n", "Recovered");
     return;
@@ -92,6 +93,7 @@ struct BoneFiles {
   std::optional<WrittenSurface> surface;
   std::optional<BoneCopy> copy;
 };
+// Writes the files of the carved bone that the options ask for. @param source  the complete recording
 tl::expected<BoneFiles, std::string> WriteBone(const ExportOptions& options,
                                                const std::filesystem::path& source) {
   BoneFiles files;
@@ -194,7 +196,7 @@ int RunExport(const ExportOptions& options) {
   if (bone->surface) json["surface"] = SurfaceJson(*bone->surface);
   if (bone->copy) json["foxglove"] = ToJson(*bone->copy);
   fmt::print("Osteon export: {}\n", options.recording.string());
-  if (recovery) Print(*recovery, source);
+  if (recovery) PrintRecovery(*recovery, source);
   if (bone->surface)
     fmt::print("  {:<12} at {:.3f} s: {}\n", "Surface", bone->surface->time_s, SurfaceText(*bone->surface));
   if (bone->copy)

@@ -7,6 +7,7 @@
 
 namespace osteon::session {
 
+/// The options of `osteon export`.
 struct ExportOptions {
   std::filesystem::path recording;
   bool csv{false};                 ///< write tables; they are also written if nothing else is asked for
@@ -18,7 +19,7 @@ struct ExportOptions {
   std::filesystem::path foxglove;  ///< file for a copy with the carved bone; empty: none
   double every_s{0.5};             ///< foxglove: log time from one state of the bone to the next
   std::optional<MeshChoice> mesh;  ///< surface, foxglove: the bone, if the run's bone was from a file
-  std::filesystem::path json;
+  std::filesystem::path json;      ///< file for the result; empty: none
 };
 
 /// Runs `osteon export`.

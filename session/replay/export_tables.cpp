@@ -29,6 +29,7 @@ class Table {
     if (!file_) Fail();
   }
 
+  /// Appends a cell to the row.
   template <class T>
   void Cell(const T& value) {
     if (!row_starts_) row_.push_back(',');
@@ -72,6 +73,7 @@ class Table {
   std::string error_;
 };
 
+// Time from `start` to `stamp` [s].
 double Seconds(rt::Nanoseconds stamp, rt::Nanoseconds start) {
   return 1e-9 * static_cast<double>(stamp - start);
 }
@@ -83,21 +85,22 @@ std::string Quoted(const std::string& text) {
   return quoted + '"';
 }
 
-auto NameOf(Table& table) {
+// Makes a visitor that writes each field's name as a cell of the head line.
+auto NameWriter(Table& table) {
   return [&table](const FieldName& name, auto) { table.Cell(name.Text()); };
 }
 
 void WriteTickHead(Table& ticks) {
   ticks.Cell("time_s");
-  VisitOutputs(TickRecord{}, NameOf(ticks));
-  VisitInputs(TickRecord{}, NameOf(ticks));
+  VisitOutputs(TickRecord{}, NameWriter(ticks));
+  VisitInputs(TickRecord{}, NameWriter(ticks));
   ticks.EndRow();
 }
 
 void WriteHeads(Table& ticks, Table& frames, Table& events) {
   WriteTickHead(ticks);
   frames.Cell("time_s");
-  VisitFrame(FrameRecord{}, NameOf(frames));
+  VisitFrame(FrameRecord{}, NameWriter(frames));
   for (int i = 1; i <= simulation::kMaxContacts; ++i)
     VisitContact(simulation::Contact{}, [&](const FieldName& name, auto) {
       frames.Cell(fmt::format("contact_{}_{}", i, name.Text()));
@@ -158,6 +161,7 @@ tl::expected<ExportedTables, std::string> ExportTables(const std::filesystem::pa
       events.EndRow();
       ++exported.events;
     }
+    // now and then: look for errors of the tables, and report the progress
     if (messages % kProgressEvery != 0) continue;
     for (const Table* table : {&ticks, &frames, &events})
       if (!table->error().empty()) return tl::make_unexpected(table->error());

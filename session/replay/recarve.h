@@ -42,6 +42,7 @@ class Recarve {
   static constexpr std::size_t kKept = 2048;  ///< number of ticks: 2 s at 1 kHz; no frame is that old
 
  private:
+  // The pose and spindle speed of a tick that a frame may have been made for.
   struct Place {
     rt::Nanoseconds stamp{0};
     PlainPose X_WT;
@@ -49,12 +50,12 @@ class Recarve {
   };
 
   simulation::CuttingEngine* engine_;
-  bool measured_;
+  bool measured_;  // while the arm renders, its measured pose counts instead of the commanded one
   double dt_limit_s_;
-  std::array<Place, kKept> places_{};
-  std::size_t next_{0};
-  rt::Nanoseconds last_stamp_{0};
-  rt::Nanoseconds newest_{0};  // newest stamp in places_
+  std::array<Place, kKept> places_{};  // ring buffer of the last ticks
+  std::size_t next_{0};                // index in places_ for the next tick
+  rt::Nanoseconds last_stamp_{0};      // of the last frame's pose
+  rt::Nanoseconds newest_{0};          // newest stamp in places_
   std::deque<simulation::FrameRecord> waiting_;
   std::uint64_t frames_{0}, left_out_{0};
 };

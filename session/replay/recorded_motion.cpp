@@ -41,6 +41,7 @@ tl::expected<simulation::ToolMotion, std::string> RecordedMotion(const std::file
   if (samples.size() < 2)
     return tl::make_unexpected(
         fmt::format("motion: found {} ticks that rendered, accepted at least 2", samples.size()));
+  // median time from one sample to the next
   const double step_s = rt::ToSeconds(steps.At(steps.count() / 2));
   simulation::FittedMotion fitted = simulation::FitMotion(samples);
   if (fitted.samples.size() > simulation::kMaxMotionRows)

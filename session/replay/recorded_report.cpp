@@ -39,7 +39,7 @@ namespace osteon::session {
 namespace {
 
 // Adds a tick to the loop's peak values. The peak power into the hand is missing: it is not recorded.
-void AddTick(const control::TickRecord& tick, control::ServoStatistics& peaks) {
+void UpdatePeaks(const control::TickRecord& tick, control::ServoStatistics& peaks) {
   const auto keep = [](double& peak, double value) { peak = std::max(peak, value); };
   if (tick.session_state != static_cast<std::uint8_t>(control::SessionState::kCommandingActive)) return;
   if (tick.phase != control::Phase::kWaiting && tick.phase != control::Phase::kAligning) ++peaks.active_ticks;
@@ -61,11 +61,13 @@ control::RunEnd EndOf(safety::FaultSet faults, const std::string& end, bool rend
   return by_time ? control::RunEnd::kSeconds : control::RunEnd::kStopFlag;
 }
 
+// Returns the folder that contains the recording.
 std::filesystem::path FolderOf(const std::filesystem::path& recording) {
   return recording.has_parent_path() ? recording.parent_path() : std::filesystem::path(".");
 }
 
-// Contents of a recording for the report; without a session with the results of cutting the bone again.
+// Contents of a recording for the report. Without a session they include the results of cutting the bone
+// again.
 struct RecordedRunData {
   RunAccumulator run;
   CellRunResult result;
@@ -150,6 +152,8 @@ class BoneRecutter {
       if (std::string wrong = Cut(*frame, read); !wrong.empty()) return wrong;
     return "";
   }
+  // Steps the engine to a frame, and replaces the engine if the run coarsened its zones after this frame.
+  // @returns what is wrong; empty: nothing
   std::string Cut(const simulation::FrameRecord& frame, RecordedRunData& read) {
     recarve_.Add(frame);
     if (frame.model.status != simulation::EngineStatus::kOk) return "";
@@ -190,6 +194,9 @@ std::string RestoreSession(const std::filesystem::path& folder, const RecordedSe
   return "";
 }
 
+// Reads the whole recording. Without a session the bone is cut again meanwhile.
+// @param[in,out] engine  with the uncut bone; afterwards with the bone of the end
+// @param stops  gets the ticks and events, for the pages of the stops
 tl::expected<RecordedRunData, std::string> ReadRecordedRunData(const std::filesystem::path& path,
                                                                const CellSetup& setup,
                                                                const std::optional<RecordedSession>& session,
@@ -218,7 +225,7 @@ tl::expected<RecordedRunData, std::string> ReadRecordedRunData(const std::filesy
       if (!session)
         if (std::string wrong = bone.Add(stream->tick, read); !wrong.empty())
           return tl::unexpected(path.string() + ": " + wrong);
-      AddTick(stream->tick, read.result.statistics);
+      UpdatePeaks(stream->tick, read.result.statistics);
       faults = stream->tick.faults;
     } else if (*topic == io::RecordedTopic::kFrame) {
       read.run.Add(stream->frame);

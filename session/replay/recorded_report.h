@@ -8,12 +8,13 @@
 
 namespace osteon::session {
 
+/// The options of `osteon report`.
 struct RecordedReportOptions {
   std::filesystem::path recording;
   std::filesystem::path out{};       ///< folder for the pages; empty: the recording's own
   std::filesystem::path json{};      ///< the summary, as `osteon run` writes it; empty: none
   std::optional<MeshChoice> mesh{};  ///< the bone, if it was from a file that the recording does not name
-  std::string command_line{};
+  std::string command_line{};        ///< shown on the page
 };
 
 /// Runs `osteon report`: makes the report of a recording, and the pages of its stops. The bone is cut again

@@ -27,6 +27,7 @@ class SpindleTimes {
     const bool turns = tick.spindle_rad_per_s != 0.0;
     if (changes_.empty() || changes_.back().second != turns) changes_.emplace_back(tick.stamp, turns);
   }
+  /// Whether the spindle turned at a time; false before the first tick.
   [[nodiscard]] bool TurnsAt(rt::Nanoseconds stamp) const {
     const auto after =
         std::upper_bound(changes_.begin(), changes_.end(), stamp,
@@ -35,7 +36,7 @@ class SpindleTimes {
   }
 
  private:
-  std::vector<std::pair<rt::Nanoseconds, bool>> changes_;
+  std::vector<std::pair<rt::Nanoseconds, bool>> changes_;  // time, and whether it turned from then on
 };
 
 /// Calls visit(stream) for each message of a topic. @returns the recording's session information
@@ -56,6 +57,7 @@ tl::expected<io::SessionInfo, std::string> EachMessage(const std::filesystem::pa
 
 namespace {
 
+// Writes a field's surface as a mesh. @returns `written` with the mesh's figures
 tl::expected<WrittenSurface, std::string> WriteField(const std::filesystem::path& file,
                                                      const surface::CarvedField& field, double drop_below_mm3,
                                                      WrittenSurface written) {

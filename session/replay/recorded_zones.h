@@ -29,6 +29,7 @@ class RecordedZones {
   [[nodiscard]] std::vector<Rezoned>& rezoned() { return rezoned_; }
 
  private:
+  // Packs and carves the coarser zones of a change that followed the frame `last`, and returns their engine.
   [[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeZones(
       const io::RecordedEvent& change, const simulation::FrameRecord& last,
       const simulation::CuttingEngine& now);

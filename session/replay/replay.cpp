@@ -17,7 +17,8 @@ namespace {
 using control::TickRecord;
 using simulation::ContactModel;
 
-// A killed process loses its last frames, while the ticks that saw them may already be written.
+// A killed process loses its last frames, while the ticks that saw them may already be written. Such ticks at
+// the end do not make a replay differ if they span at most this time.
 constexpr rt::Nanoseconds kMaxTornEnd = rt::kSecond;
 
 // The contact models that ticks may have seen, found by a tick's description of its model.
@@ -36,17 +37,18 @@ class Models {
     const auto found = models_.find({tick.model_frame, tick.input.model_pose_stamp, tick.input.model_status});
     if (found != models_.end()) return found->second;
     if (tick.model_frame != 0 || tick.input.model_pose_stamp != 0) return nullptr;
-    none_.status = static_cast<simulation::EngineStatus>(tick.input.model_status);  // before the first frame
+    none_.status = static_cast<simulation::EngineStatus>(tick.input.model_status);
     return &none_;
   }
   [[nodiscard]] std::uint64_t last_frame() const { return last_frame_; }
 
  private:
   std::map<std::tuple<std::uint64_t, rt::Nanoseconds, std::uint8_t>, const ContactModel*> models_;
-  ContactModel none_;
+  ContactModel none_;  // before the first frame
   std::uint64_t last_frame_{0};
 };
 
+// Returns the bits of a double, or the value of an integer.
 template <class T>
 std::uint64_t BitsOf(T value) {
   if constexpr (std::is_floating_point_v<T>)
@@ -57,8 +59,8 @@ std::uint64_t BitsOf(T value) {
 
 // Returns the first field whose bits differ, or nothing.
 std::optional<ReplayDifference> FirstDifference(const TickRecord& recorded, const TickRecord& replayed) {
-  constexpr std::size_t kMax = 192;
-  std::array<std::uint64_t, kMax> bits{};
+  constexpr std::size_t kMaxFields = 192;
+  std::array<std::uint64_t, kMaxFields> bits{};
   std::size_t count = 0;
   VisitOutputs(recorded, [&](const FieldName&, auto value) { bits.at(count++) = BitsOf(value); });
   std::size_t at = 0, first = count;
@@ -69,6 +71,7 @@ std::optional<ReplayDifference> FirstDifference(const TickRecord& recorded, cons
   if (first == count) return {};
 
   ReplayDifference difference{.tick = recorded.tick, .field = {}, .recorded = {}, .replayed = {}};
+  // returns the differing value as text, and sets the field's name
   const auto text_of = [first](const TickRecord& record, std::string& name) {
     std::string text;
     std::size_t i = 0;

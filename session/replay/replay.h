@@ -19,6 +19,7 @@ struct ReplayDifference {
   std::string recorded, replayed;  ///< decimal, enough digits to tell them apart
 };
 
+/// The result of running a recording's ticks again.
 struct ReplayResult {
   std::uint64_t ticks{0};            ///< number of ticks replayed
   std::uint64_t different_ticks{0};  ///< number of replayed ticks in which a value differs

@@ -55,13 +55,13 @@ nlohmann::ordered_json ToJson(const ReplayOptions& options, const io::Recording&
   return json;
 }
 
-// Returns a text of the file in a form that is safe for a terminal.
-std::string Shown(std::string_view text) { return base::Printable(text.substr(0, 200)); }
+// Returns the first 200 characters of a text of the file, in a form that is safe for a terminal.
+std::string PrintableStart(std::string_view text) { return base::Printable(text.substr(0, 200)); }
 
-void Print(const ReplayOptions& options, const io::Recording& recording, const ReplayResult& result) {
+void PrintReplay(const ReplayOptions& options, const io::Recording& recording, const ReplayResult& result) {
   fmt::print("Osteon replay: {}\n", options.recording.string());
-  fmt::print("  {:<18} {} ({})\n", "Recorded by", Shown(recording.session.version),
-             Shown(recording.session.build));
+  fmt::print("  {:<18} {} ({})\n", "Recorded by", PrintableStart(recording.session.version),
+             PrintableStart(recording.session.build));
   fmt::print("  {:<18} {}\n", "Ticks run again", result.ticks);
   if (!recording.complete)
     fmt::print("  {:<18} {} (`osteon export --recover` makes a whole one)\n", "Not whole",
@@ -77,7 +77,7 @@ void Print(const ReplayOptions& options, const io::Recording& recording, const R
       fmt::print("  {:<18} this is {}: another program may round otherwise\n", "", BuildName());
     if (recording.session.machine != MachineName())
       fmt::print("  {:<18} recorded on {}, this is {}: so may another processor\n", "",
-                 Shown(recording.session.machine), MachineName());
+                 PrintableStart(recording.session.machine), MachineName());
   }
   fmt::print("  {:<18} {}\n", "Verdict",
              result.identical          ? result.not_run == 0 ? "identical, bit for bit"
@@ -107,7 +107,7 @@ int RunReplay(const ReplayOptions& options) {
   const ReplayResult result = Replay(*recording, cell->config, cell->tools, cell->list.first);
   progress.Done();
 
-  Print(options, *recording, result);
+  PrintReplay(options, *recording, result);
   if (!options.json.empty())
     if (const auto written =
             base::WriteText(options.json, base::JsonText(ToJson(options, *recording, result)));

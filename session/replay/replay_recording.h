@@ -4,10 +4,11 @@
 
 namespace osteon::session {
 
+/// The options of `osteon replay`.
 struct ReplayOptions {
   std::filesystem::path recording;
   std::filesystem::path cell;  ///< replaces the recorded configuration
-  std::filesystem::path json;
+  std::filesystem::path json;  ///< file for the result; empty: none
 };
 
 /// Runs `osteon replay`.

@@ -12,12 +12,13 @@
 
 namespace osteon::session {
 
-/// A name in parts, joined by `_` with empty parts left out: X_WT_cmd_x_m.
+/// A field's name in parts, joined by `_` with empty parts left out: X_WT_cmd_x_m.
 struct FieldName {
   const char* name{""};
   const char* part{""};
   const char* unit{""};
 
+  /// Returns the joined name.
   [[nodiscard]] std::string Text() const {
     std::string text = name;
     for (const char* more : {part, unit})
@@ -31,6 +32,8 @@ namespace fields {
 inline constexpr std::array<const char*, 7> kJoint{"1", "2", "3", "4", "5", "6", "7"};
 inline constexpr std::array<const char*, 9> kRotation{"R11", "R12", "R13", "R21", "R22",
                                                       "R23", "R31", "R32", "R33"};
+
+// Each of the following functions visits the numbers of one value.
 
 template <class Visit>
 void Joints(const char* name, const std::array<double, 7>& values, const char* unit, Visit& visit) {
@@ -60,11 +63,11 @@ void ForceTorque(const char* name, const PlainWrench& F, Visit& visit) {
 /// recordings.
 template <class Visit>
 void Compliance(const control::ComplianceRecord& r, Visit& visit) {
-  PlainPose nothing;
-  nothing.R.fill(0.0);
+  PlainPose zeros;
+  zeros.R.fill(0.0);
   visit(FieldName{"compliance_present"}, static_cast<unsigned>(r.present));
-  Transform("compliance_X_ME", r.present ? r.X_ME : nothing, visit);
-  Transform("compliance_X_WM", r.present ? r.X_WM : nothing, visit);
+  Transform("compliance_X_ME", r.present ? r.X_ME : zeros, visit);
+  Transform("compliance_X_WM", r.present ? r.X_WM : zeros, visit);
   Vector("compliance_bend", r.bend_m, "m", visit);
   Vector("compliance_bend", r.bend_rad, "rad", visit);
   Vector("compliance_layer", r.layer_m, "m", visit);

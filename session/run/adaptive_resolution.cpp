@@ -16,6 +16,7 @@ namespace {
 constexpr double kTrailShare = 0.2;          // tolerance of the thinned trail, as a fraction of the error
 constexpr std::size_t kMaxPlaces = 200'000;  // number of places in the trail, which take minutes to carve
 constexpr std::size_t kCaughtUp = 4;         // number of places that the simulation's thread may carve itself
+// The carver has reached the run's tool pose if it is at most this far away.
 constexpr double kArrived_m = 0.05e-3;
 
 }  // namespace
@@ -77,15 +78,16 @@ void AdaptiveResolution::StartCoarsening(double seen_us) {
   next_ = 0;
   const double max_us = params_.within_ratio * 1e6 / params_.rate_hz;
   const auto zones = CoarserFor(setup_.planned->scene, setup_.planned->plan, level_, seen_us, max_us);
-  const std::string slow = fmt::format("frames take {:.0f} us, {:.0f} us at {:g} Hz", seen_us,
-                                       1e6 / params_.rate_hz, params_.rate_hz);
+  const std::string slow_text = fmt::format("frames take {:.0f} us, {:.0f} us at {:g} Hz", seen_us,
+                                            1e6 / params_.rate_hz, params_.rate_hz);
   if (!zones || trail_.places().size() >= kMaxPlaces) {
     ended_ = true;
-    Say(slow + (zones ? ": the tool has gone too long a way to carve coarser zones by"
-                      : ": no coarser zones would have the rate"));
+    Say(slow_text + (zones ? ": the tool has gone too long a way to carve coarser zones by"
+                           : ": no coarser zones would have the rate"));
     return;
   }
-  Say(fmt::format("{}: coarser zones are made, {:.3f} mm apart", slow, zones->level.fine.spacing_m * 1e3));
+  Say(fmt::format("{}: coarser zones are made, {:.3f} mm apart", slow_text,
+                  zones->level.fine.spacing_m * 1e3));
   making_ = std::make_unique<Making>();
   making_->made.rezoned = {.zones = *zones, .seen_us = seen_us, .bone = {}};
   if (params_.at_once) {
@@ -149,6 +151,7 @@ std::optional<AdaptiveResolution::Made> AdaptiveResolution::TakeReplacement(
     const std::vector<PlainPose>& places = trail_.places();
     const auto rest = std::span(places).subspan(std::min(making->carved, places.size()));
     if (!simulation::CarveTrail(*making->carver, rest)) return refuse("a frame of the carving was refused");
+    // the replacement has the carver's bone, and the present engine's volume, mass and work
     simulation::CarvedState carved = making->carver->Snapshot();
     const simulation::CarvedState counted = now.Snapshot();
     if (!simulation::ReachedPose(carved, Pose(counted.X_GP), lever_m_, kArrived_m))
@@ -189,15 +192,15 @@ tl::expected<CoarserEngines, std::string> MakeCoarserEngines(const CellSetup& se
                                                              const simulation::PackingLevel& level,
                                                              const simulation::Bone& bone,
                                                              const EngineChoice& choice) {
-  const auto engine_of = [&](const Pose& X_WG, simulation::RemovalLaw law) {
+  const auto make_engine = [&](const Pose& X_WG, simulation::RemovalLaw law) {
     simulation::CuttingParams cutting =
         simulation::CuttingForLevel(level, setup.planned->scene.cut, setup.config.cutting);
     cutting.law = law;
     return MakeEngine(choice, bone, setup.config.tool.tool, X_WG, cutting);
   };
-  auto carver = engine_of(Pose::Identity(), simulation::RemovalLaw::kImmediate);
+  auto carver = make_engine(Pose::Identity(), simulation::RemovalLaw::kImmediate);
   if (!carver) return tl::make_unexpected(carver.error());
-  auto engine = engine_of(setup.X_WG, setup.config.cutting.law);
+  auto engine = make_engine(setup.X_WG, setup.config.cutting.law);
   if (!engine) return tl::make_unexpected(engine.error());
   return CoarserEngines{.carver = std::move(*carver), .engine = std::move(*engine)};
 }

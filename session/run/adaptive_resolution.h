@@ -15,6 +15,7 @@
 
 namespace osteon::session {
 
+/// The conditions under which a run's zones are coarsened.
 struct AdaptiveResolutionParams {
   double rate_hz{250.0};     ///< frame rate that the median frame must keep
   std::size_t window{200};   ///< number of frames in contact of which the median is taken
@@ -50,6 +51,7 @@ class AdaptiveResolution {
   /// Takes each frame that was not refused. @param took_us  duration of the frame
   void ObserveFrame(const simulation::FrameRecord& record, double took_us);
 
+  /// A coarser packing that is ready, with the engine that continues in it.
   struct Made {
     std::unique_ptr<simulation::CuttingEngine> engine;
     Rezoned rezoned;
@@ -67,25 +69,29 @@ class AdaptiveResolution {
  private:
   struct Making;
 
+  // Returns the median frame time [us] if it is longer than the rate allows; else nothing.
   [[nodiscard]] std::optional<double> SlowMedian(double took_us);
+  // Chooses coarser zones, and starts to make them. @param seen_us  median frame time
   void StartCoarsening(double seen_us);
+  // Packs the bone, and carves it along the trail. In a thread of its own, unless params_.at_once.
   void PackCoarser(Making& making);
+  // Adds a text to the notice.
   void Say(std::string text);
 
   const CellSetup& setup_;
   AdaptiveResolutionParams params_;
   Pose X_GW_;
-  double lever_m_;
+  double lever_m_;                  ///< of the tool (simulation::ToolLever)
   simulation::PackingLevel level_;  ///< of the present packing
-  std::vector<double> times_us_;    ///< of frames in contact; a ring
-  std::size_t next_{0};
-  bool ended_{false};  ///< no coarser packing would help or is possible
+  std::vector<double> times_us_;    ///< of frames in contact; a ring buffer
+  std::size_t next_{0};             ///< index in times_us_ for the next frame, modulo the window
+  bool ended_{false};               ///< no coarser packing would help or is possible
 
   std::mutex mutex_;  ///< guards the trail
   simulation::ProxyTrail trail_;
   std::unique_ptr<Making> making_;
   std::thread thread_;
-  std::string notice_;
+  std::string notice_;  ///< for TakeNotice
 };
 
 /// Makes the adaptive resolution of a cell with a timed plan; null for any other, and if the plan has given
@@ -97,11 +103,12 @@ class AdaptiveResolution {
 [[nodiscard]] simulation::ProxyTrail MakeProxyTrail(const CellSetup& setup);
 /// Packs a planned cell's bone on a coarser level. @throws std::invalid_argument as the packings do
 [[nodiscard]] simulation::Bone PackCoarser(const CellSetup& setup, const simulation::PackingLevel& level);
-/// Makes two engines for a coarser bone: one that carves along a trail, with G as its world frame, and the
-/// one that goes on with the cut.
+/// The two engines for a coarser bone: `carver` carves along a trail, with G as its world frame; `engine`
+/// goes on with the cut.
 struct CoarserEngines {
   std::unique_ptr<simulation::CuttingEngine> carver, engine;
 };
+/// Makes the two engines. The error says why an engine cannot be made.
 [[nodiscard]] tl::expected<CoarserEngines, std::string> MakeCoarserEngines(
     const CellSetup& setup, const simulation::PackingLevel& level, const simulation::Bone& bone,
     const EngineChoice& choice);

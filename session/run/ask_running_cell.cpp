@@ -22,13 +22,15 @@ using base::NumberAt;
 using base::TextAt;
 using base::ValueAt;
 
-constexpr std::size_t kName = 20;  // width of a row's name [columns]
+constexpr std::size_t kNameWidth = 20;  // columns up to a row's value
 
 void PrintRow(const char* name, const std::string& value) {
-  fmt::print("  {:<{}} {}\n", name, kName - 3, base::WrapForTerminal(base::Printable(value), kName));
+  fmt::print("  {:<{}} {}\n", name, kNameWidth - 3,
+             base::WrapForTerminal(base::Printable(value), kNameWidth));
 }
 
-std::string Joined(const nlohmann::json& names) {
+// Joins a list's texts: "force, speed".
+std::string JoinedNames(const nlohmann::json& names) {
   std::string text;
   for (const auto& name : names)
     if (name.is_string()) text += (text.empty() ? "" : ", ") + name.get<std::string>();
@@ -57,6 +59,7 @@ std::string ToolLine(const nlohmann::json& procedure) {
                      NumberAt(tool, "of"));
 }
 
+// "3, and 1 undone".
 std::string PassesLine(const nlohmann::json& procedure) {
   const double undone = NumberAt(procedure, "undone");
   return fmt::format("{:g}{}", NumberAt(procedure, "passes"),
@@ -68,8 +71,8 @@ std::string PlaceLine(const nlohmann::json& procedure) {
   if (!FlagAt(procedure, "known")) return "not known before the first frame";
   const double to_go_mm = NumberAt(procedure, "to_go_mm");
   std::string beyond;
-  const nlohmann::json& all = ValueAt(procedure, "beyond");
-  for (const auto& [name, is_beyond] : all.items())
+  const nlohmann::json& flags = ValueAt(procedure, "beyond");
+  for (const auto& [name, is_beyond] : flags.items())
     if (is_beyond.is_boolean() && is_beyond.get<bool>()) beyond += (beyond.empty() ? "" : ", ") + name;
   return fmt::format("{:.1f} mm {} its planned place, {:.1f} mm aside, tilted by {:.1f}°{}",
                      std::abs(to_go_mm), to_go_mm < 0.0 ? "below" : "above", NumberAt(procedure, "aside_mm"),
@@ -137,7 +140,7 @@ void PrintStatus(const nlohmann::json& status, const nlohmann::json& run, const 
   PrintRow("Depth", fmt::format("{:.2f} mm, deepest {:.2f} mm", NumberAt(status, "depth_mm"),
                                 NumberAt(status, "deepest_mm")));
   PrintRow("Removed", fmt::format("{:.1f} mm³", NumberAt(status, "removed_mm3")));
-  const std::string limits = Joined(ValueAt(status, "limits"));
+  const std::string limits = JoinedNames(ValueAt(status, "limits"));
   PrintRow("Limits acting", limits.empty() ? "none" : limits);
   const auto age = [&status](const char* key) {
     return ValueAt(status, key).is_number() ? fmt::format("{:.1f} ms", NumberAt(status, key)) : "none yet";
@@ -153,6 +156,7 @@ void PrintStatus(const nlohmann::json& status, const nlohmann::json& run, const 
   PrintRow("Rendered", time);
 }
 
+// Returns the socket of the run with options.pid, or of the only run; empty: no such run.
 std::filesystem::path SocketOf(const AskOptions& options, const std::vector<std::filesystem::path>& running) {
   if (options.pid == 0) return running.front();
   const std::string name = fmt::format("run-{}", options.pid);
@@ -161,7 +165,8 @@ std::filesystem::path SocketOf(const AskOptions& options, const std::vector<std:
   return {};
 }
 
-std::string Names(const std::vector<std::filesystem::path>& running) {
+// Lists the running cells: "1234 (run hip), 1240 (demo acetabulum)".
+std::string RunningCells(const std::vector<std::filesystem::path>& running) {
   std::string text;
   for (const std::filesystem::path& socket : running) {
     const auto answer = io::AskLocalServer(socket, "status");
@@ -184,7 +189,7 @@ bool IsNamed(const nlohmann::json& run, const std::string& name) {
 }
 
 // Shows an answer, and writes it to the JSON file if one is named. @returns the exit code
-int TakeAnswer(const std::string& command, const std::string& request, const std::string& text,
+int ShowAnswer(const std::string& command, const std::string& request, const std::string& text,
                const std::filesystem::path& json) {
   const auto answer = nlohmann::json::parse(text, nullptr, false);
   if (!answer.is_object()) return Fail(command, "the running cell's answer cannot be read", kFailed);
@@ -233,7 +238,7 @@ int RunTell(const TellOptions& options) {
                                     options.session, named.size()));
   const auto text = io::AskLocalServer(named.front(), options.request);
   if (!text) return FailWithoutAnswer("tell", text.error(), options.json);
-  return TakeAnswer("tell", options.request, *text, options.json);
+  return ShowAnswer("tell", options.request, *text, options.json);
 }
 
 int RunAsk(const AskOptions& options) {
@@ -246,14 +251,14 @@ int RunAsk(const AskOptions& options) {
         options.json);
   if (options.pid == 0 && running.size() > 1)
     return Fail(options.request,
-                "--pid: found none, and several cells run; accepted one of " + Names(running));
+                "--pid: found none, and several cells run; accepted one of " + RunningCells(running));
   const std::filesystem::path socket = SocketOf(options, running);
   if (socket.empty())
     return Fail(options.request,
-                fmt::format("--pid: found {}, accepted one of {}", options.pid, Names(running)));
+                fmt::format("--pid: found {}, accepted one of {}", options.pid, RunningCells(running)));
   const auto text = io::AskLocalServer(socket, options.request);
   if (!text) return FailWithoutAnswer(options.request, text.error(), options.json);
-  return TakeAnswer(options.request, options.request, *text, options.json);
+  return ShowAnswer(options.request, options.request, *text, options.json);
 }
 
 }  // namespace osteon::session

@@ -5,12 +5,14 @@
 
 namespace osteon::session {
 
+/// The options of `osteon pause`, `resume`, `recover`, `stop` and `status`.
 struct AskOptions {
   std::string request;           ///< "pause", "resume", "recover", "stop", "status"
   int pid{0};                    ///< process of the run, if several run; 0: the only run
-  std::filesystem::path json{};  ///< for the answer; empty: none
+  std::filesystem::path json{};  ///< file for the answer; empty: none
 };
 
+/// The options of `osteon tell`.
 struct TellOptions {
   std::string session;           ///< folder of the session, or the cell's name
   std::string request;           ///< "next", "tool 46", "undo", "pause", …

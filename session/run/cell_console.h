@@ -35,13 +35,13 @@ class CellConsole {
   explicit CellConsole(bool rsi) : rsi_(rsi) {}
   [[nodiscard]] std::string Note();
 
-  bool rsi_;
-  double spindle_rad_per_s_{0.0};
-  rt::Nanoseconds stamp_{0};
+  bool rsi_;                       // the arm is connected by RSI, not by FRI
+  double spindle_rad_per_s_{0.0};  // in the newest state
+  rt::Nanoseconds stamp_{0};       // of the newest cycle
   console::LiveFeed feed_;
-  console::SurfaceStore surface_;  // stays empty
-  std::mutex mutex_;               // guards note_
-  std::string note_;
+  console::SurfaceStore surface_;                   // stays empty
+  std::mutex mutex_;                                // guards note_
+  std::string note_;                                // the newest state, as the message for the pages
   std::unique_ptr<console::ConsoleServer> server_;  // last: its threads use the others
 };
 

@@ -14,16 +14,17 @@ namespace {
 constexpr const char* kLoopback = "127.0.0.1";
 constexpr std::uint16_t kFirstTunnel = 29536;  // first port for buses whose file names a real interface
 
-// The guard's place among the ports: after the arm, the PLC, and two per bus.
+// Index of the guard's port among the cell's consecutive ports: after the arm, the PLC, and two per bus.
 int GuardPlace(const config::CellConfig& cell) { return 2 + 2 * static_cast<int>(cell.devices.buses.size()); }
-int PortsOf(const config::CellConfig& cell) { return GuardPlace(cell) + (cell.guard ? 1 : 0); }
+// Number of consecutive ports that the cell takes.
+int PortCount(const config::CellConfig& cell) { return GuardPlace(cell) + (cell.guard ? 1 : 0); }
 
 }  // namespace
 
 std::string UseSimulatedWires(config::CellConfig& cell, std::optional<std::uint16_t> first_port) {
   constexpr int kMaxPort = 65535;
   if (!cell.has_simulation) return config::kWithoutSimulation;
-  const int ports = PortsOf(cell);
+  const int ports = PortCount(cell);
   if (first_port && *first_port > kMaxPort - ports + 1)
     return fmt::format("--port: found {}, accepted 0 … {}: the cell takes {} ports from there on",
                        *first_port, kMaxPort - ports + 1, ports);
@@ -52,7 +53,7 @@ std::string UseSimulatedWires(config::CellConfig& cell, std::optional<std::uint1
 tl::expected<std::uint16_t, std::string> UseSimulated(config::CellConfig& cell,
                                                       std::optional<std::uint16_t> port) {
   if (port && *port == 0) {
-    const auto free = io::FindFreePorts(PortsOf(cell));
+    const auto free = io::FindFreePorts(PortCount(cell));
     if (!free) return free;
     port = *free;
   }

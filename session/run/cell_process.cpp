@@ -16,8 +16,9 @@
 namespace osteon::session {
 namespace {
 
-constexpr std::chrono::seconds kPatience{5};
+constexpr std::chrono::seconds kPatience{5};  // longest wait for a process to end before it is killed
 
+// Makes the value of --tool: the file, or "FILE:DIAMETER" in mm.
 std::string ToolText(const config::ToolChoice& tool) {
   const std::string file = std::filesystem::absolute(tool.file).string();
   return tool.diameter_m ? fmt::format("{}:{:.10g}", file, *tool.diameter_m * 1e3) : file;
@@ -32,11 +33,13 @@ tl::expected<std::unique_ptr<CellProcess>, std::string> CellProcess::Start(const
   close(file);
 
   std::unique_ptr<CellProcess> cell(new CellProcess(report));
-  std::vector<std::string> both{std::filesystem::absolute(params.cell).string()};
-  if (params.first_port != 0) both.insert(both.end(), {"--port", std::to_string(params.first_port)});
-  if (params.tool) both.insert(both.end(), {"--tool", ToolText(*params.tool)});
-  const auto start = [&both](std::vector<std::string> words) {
-    words.insert(words.end(), both.begin(), both.end());
+  // the arguments of both processes
+  std::vector<std::string> common_words{std::filesystem::absolute(params.cell).string()};
+  if (params.first_port != 0)
+    common_words.insert(common_words.end(), {"--port", std::to_string(params.first_port)});
+  if (params.tool) common_words.insert(common_words.end(), {"--tool", ToolText(*params.tool)});
+  const auto start = [&common_words](std::vector<std::string> words) {
+    words.insert(words.end(), common_words.begin(), common_words.end());
     return base::ChildProcess::Start({.words = std::move(words)});
   };
 

@@ -15,6 +15,7 @@
 
 namespace osteon::session {
 
+/// The cell that a CellProcess simulates, and how.
 struct CellProcessParams {
   std::filesystem::path cell;                ///< the cell's YAML file
   std::optional<config::ToolChoice> tool{};  ///< replaces the cell's tool
@@ -52,8 +53,9 @@ class CellProcess {
  private:
   explicit CellProcess(std::filesystem::path report) : report_(std::move(report)) {}
 
-  std::unique_ptr<base::ChildProcess> process_, guard_;
-  std::filesystem::path report_;
+  std::unique_ptr<base::ChildProcess> process_;  // of the cell
+  std::unique_ptr<base::ChildProcess> guard_;    // null: none was started
+  std::filesystem::path report_;                 // temporary file for the cell's report
 };
 
 }  // namespace osteon::session

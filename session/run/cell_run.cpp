@@ -55,18 +55,20 @@ struct CellConnections {
   FaultEvents* faults{nullptr};       // of the run's recording
 };
 
+// Opens the connections to arm and devices; the cell's process is started later.
 tl::expected<CellConnections, std::string> OpenConnections(const CellSetup& setup) {
-  CellConnections wires;
+  CellConnections connections;
   // behind a guard, the guard receives the arm's messages
   auto arm = ArmConnection::Open(setup.config.link, setup.config.guard ? "" : setup.config.link.arm_host);
   if (!arm) return tl::make_unexpected(arm.error());
-  wires.arm = std::move(*arm);
+  connections.arm = std::move(*arm);
   auto devices = io::WiredDevices::Open(setup.config.devices);
   if (!devices) return tl::make_unexpected(devices.error());
-  wires.devices = std::move(*devices);
-  return wires;
+  connections.devices = std::move(*devices);
+  return connections;
 }
 
+// Passes an operator's requests to the loop, each once, and reports them as a notice.
 void ApplyRequests(const CellRunParams& params, control::ServoLoop& loop) {
   if (!params.requests) return;
   const bool pause = params.requests->pause.exchange(false), resume = params.requests->resume.exchange(false),
@@ -81,6 +83,7 @@ void ApplyRequests(const CellRunParams& params, control::ServoLoop& loop) {
     params.notice(pause ? "a pause was asked for" : resume ? "asked to go on" : "a recovery was asked for");
 }
 
+// Gives the loop the tools of a procedure, if there is one.
 void SetTools(const CellRunParams& params, control::ServoLoop& loop) {
   if (params.procedure) SetTools(params.procedure->tools(), params.procedure->first_tool(), loop);
 }
@@ -113,18 +116,20 @@ double AtRest_s(const CellSetup& setup, const CellRunParams& params) {
   return CanRequestStop(setup.config.link) ? 0.0 : params.at_rest_s;
 }
 
+// Runs the cell in wall time: the servo loop and the frames in threads, supervised by this one.
 tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameRunner& runner,
-                                                  CellConnections& wires, io::Recorder& recorder,
+                                                  CellConnections& connections, io::Recorder& recorder,
                                                   const CellRunParams& params) {
   CellRunResult result;
+  // the second loop computes each tick again, so that an error of computation is found
   control::ServoLoop loop = MakeServoLoop(setup.config), second = MakeServoLoop(setup.config);
   SetTools(params, loop);
   SetTools(params, second);
   rt::LatestValue<simulation::ContactModel> models;
   rt::LatestValue<simulation::ToolCommand> commands;
-  control::ThreadSimulation inside(models, commands);
+  control::ThreadSimulation own_simulation(models, commands);
   control::SimulationPort& simulation_port =
-      params.remote ? static_cast<control::SimulationPort&>(params.remote->client()) : inside;
+      params.remote ? static_cast<control::SimulationPort&>(params.remote->client()) : own_simulation;
   control::RunServoResult servo;
   bool cell_died = false, engine_died = false;
   StartWatch start(setup, loop);
@@ -149,8 +154,8 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
                                          .rendered_s = &rendered_s,
                                          .stop = &stop};
     servo_params.thread.cpu = params.cpu;
-    const auto watch = [&] {
-      cell_died |= !done.load() && wires.cell && wires.cell->Ended();
+    const auto supervise = [&] {
+      cell_died |= !done.load() && connections.cell && connections.cell->Ended();
       if (params.remote && !engine_died && !params.remote->DescribeEnd().empty()) {
         engine_died = true;  // the servo loop notices by the model's age, and stops
         if (params.notice) params.notice("the engine's process has ended: " + params.remote->DescribeEnd());
@@ -167,21 +172,21 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
     std::thread servo_thread([&] {
       rt::NameThread("servo");
       servo = RunServo(loop,
-                       {.link = wires.arm->link(),
-                        .devices = *wires.devices,
+                       {.link = connections.arm->link(),
+                        .devices = *connections.devices,
                         .simulation = simulation_port,
                         .recorder = recorder},
                        servo_params);
-      wires.arm->EndSession();
+      connections.arm->EndSession();
       // Ask at once, so that the arm does not count the end of this process as a lost client.
-      if (wires.cell) wires.cell->AskToEnd();
+      if (connections.cell) connections.cell->AskToEnd();
       done.store(true);
     });
     while (!done.load()) {
       std::this_thread::sleep_for(kSupervisionPeriod);
       if (!result.internal_error.empty()) continue;  // the arm is still braking
       try {
-        watch();
+        supervise();
       } catch (const std::exception& error) {  // the arm moves and must still come to rest
         result.internal_error = error.what();
         stop.store(true);
@@ -200,17 +205,18 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
   if (cell_died && servo.statistics.active_ticks == 0)
     return tl::make_unexpected(CellRunError{.what = "the simulated cell has ended by itself", .begun = true});
   result.end = servo.end;
-  const std::string arm = wires.arm->Diagnosis();
-  AddDiagnosis(result, wires.cell ? arm : DescribeMissingArm(arm, setup.config.guard, loop.permits()),
-               wires.devices->Diagnosis(), loop.permits());
-  if (wires.cell) result.cell_report = wires.cell->End();
+  const std::string arm = connections.arm->Diagnosis();
+  AddDiagnosis(result, connections.cell ? arm : DescribeMissingArm(arm, setup.config.guard, loop.permits()),
+               connections.devices->Diagnosis(), loop.permits());
+  if (connections.cell) result.cell_report = connections.cell->End();
   result.faults = servo.faults;
   result.statistics = servo.statistics;
   result.servo_thread = servo.thread;
   result.recovered = servo.recovered;
   result.operator_recoveries = servo.operator_recoveries;
   result.cleared = servo.cleared;
-  wires.faults->Record(recorder, rt::MonotonicNow(), servo.faults.bits());  // also faults that no tick has
+  // also faults that no tick has
+  connections.faults->Record(recorder, rt::MonotonicNow(), servo.faults.bits());
   RecordEnd(recorder, rt::MonotonicNow(), result, params.seconds);
   return result;
 }
@@ -230,6 +236,7 @@ void EndSession(ArmProtocolSession& session, hil::ImpairedCell& cell, rt::Nanose
   }
 }
 
+// Runs the cell in virtual time: arm, devices, loop and frames in lockstep, tick by tick.
 tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, FrameRunner& runner,
                                                      io::Recorder& recorder, const CellRunParams& params) {
   CellRunResult result;
@@ -247,18 +254,19 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
   control::ArmState state;
   control::ArmCommand command;
   simulation::ContactModel model;
-  std::optional<simulation::FrameRecord> pending;
+  std::optional<simulation::FrameRecord> pending;  // the frame that has not arrived yet
   FaultEvents faults;
   bool stopped_by_user = false;
 
   const auto period = static_cast<rt::Nanoseconds>(cell.period_s() * 1e9);
   const auto frame_ticks = std::max<std::int64_t>(1, std::llround(params.frame_s / cell.period_s()));
-  const auto wanted = static_cast<std::uint64_t>(params.seconds / cell.period_s() + 0.5);
-  const auto patience = static_cast<std::int64_t>(kVirtualGiveUp_s / cell.period_s());
-  std::int64_t since_progress = 0;
+  const auto wanted_ticks = static_cast<std::uint64_t>(params.seconds / cell.period_s() + 0.5);
+  const auto max_idle_ticks = static_cast<std::int64_t>(kVirtualGiveUp_s / cell.period_s());
+  std::int64_t idle_ticks = 0;  // without progress of rendering or a pause, or since the run is to end
   std::uint64_t active_before = 0, held_ticks = 0;  // ticks in COMMANDING_ACTIVE, and of these during a hold
-  bool recovering = false, stopping = false;
+  bool recovering = false, stopping = false;        // a recovery, or the end of the run, was requested
   control::RestTime rest(static_cast<rt::Nanoseconds>(std::llround(AtRest_s(setup, params) * 1e9)));
+  // whether the arm is held at a fault until an operator asks for a recovery
   const auto holds = [&] {
     return params.hold_at_fault && !stopping && safety::AllowsRecovery(loop.faults());
   };
@@ -266,7 +274,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
     return !recovering && !holds() && loop.phase() == control::Phase::kStopped &&
            rest.IsOver(loop.state(), now);
   };
-  for (std::int64_t tick = 1; !is_over((tick - 1) * period) && since_progress < patience; ++tick) {
+  for (std::int64_t tick = 1; !is_over((tick - 1) * period) && idle_ticks < max_idle_ticks; ++tick) {
     const rt::Nanoseconds now = tick * period;
     cell.cell().SetPower((*devices)->power());
     bool accepted = false;
@@ -308,7 +316,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
 
     faults.Record(recorder, now, loop.faults().bits());
     if (loop.CanRecover() && result.recovered < params.recoveries &&
-        loop.statistics().active_ticks - held_ticks < wanted) {
+        loop.statistics().active_ticks - held_ticks < wanted_ticks) {
       ++result.recovered;
       loop.RequestRecovery();
       recovering = true;
@@ -319,8 +327,8 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
     const std::uint64_t active = loop.statistics().active_ticks - held_ticks;
     const bool progress = active > active_before || loop.state() == safety::CellState::kPaused;
     active_before = active;
-    since_progress = progress && active < wanted && !stopped_by_user ? 0 : since_progress + 1;
-    if (active >= wanted || stopped_by_user) {
+    idle_ticks = progress && active < wanted_ticks && !stopped_by_user ? 0 : idle_ticks + 1;
+    if (active >= wanted_ticks || stopped_by_user) {
       stopping = true;
       loop.RequestStop();
     }
@@ -332,10 +340,10 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
   EndSession(session, cell, period);
   result.faults = loop.faults();
   result.statistics = loop.statistics();
-  result.end = result.faults.Any()      ? control::RunEnd::kFault
-               : stopped_by_user        ? control::RunEnd::kStopFlag
-               : active_before < wanted ? control::RunEnd::kNeverActive
-                                        : control::RunEnd::kSeconds;
+  result.end = result.faults.Any()            ? control::RunEnd::kFault
+               : stopped_by_user              ? control::RunEnd::kStopFlag
+               : active_before < wanted_ticks ? control::RunEnd::kNeverActive
+                                              : control::RunEnd::kSeconds;
   AddDiagnosis(result, session.Diagnosis(), (*devices)->Diagnosis(), loop.permits());
   RecordEnd(recorder, cell.state().stamp, result, params.seconds);
   result.cell_report =
@@ -363,11 +371,11 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   runner.SetSurface(params.surface);
   runner.SetObserver(params.procedure);
   // checks that may refuse the run come first: only a run may overwrite an earlier recording
-  CellConnections wires;
+  CellConnections connections;
   if (!params.virtual_time) {
     auto opened = OpenConnections(setup);
     if (!opened) return tl::make_unexpected(CellRunError{.what = opened.error()});
-    wires = std::move(*opened);
+    connections = std::move(*opened);
   }
   if (const auto folder = params.recording.parent_path(); !folder.empty()) {
     std::error_code error;
@@ -413,7 +421,7 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   if (!recorder) return tl::make_unexpected(CellRunError{.what = recorder.error()});
   deflections.RecordIn(**recorder);
   faults_seen.RecordIn(**recorder);
-  wires.faults = &faults;
+  connections.faults = &faults;
 
   // a refused run leaves no empty recording
   const auto refuse = [&](CellRunError error) {
@@ -426,14 +434,14 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   if (params.cell && !params.virtual_time) {
     auto cell = CellProcess::Start(*params.cell);
     if (!cell) return refuse({.what = cell.error()});
-    wires.cell = std::move(*cell);
+    connections.cell = std::move(*cell);
   }
   if (setup.planned)
     (*recorder)->PushEvent(params.virtual_time ? 0 : rt::MonotonicNow(),
                            kPackingEvent + PlannedText(*setup.planned));
   if (params.begins) params.begins();
   auto run = params.virtual_time ? RunVirtual(setup, runner, **recorder, params)
-                                 : RunWall(setup, runner, wires, **recorder, params);
+                                 : RunWall(setup, runner, connections, **recorder, params);
   if (!run) return refuse(run.error());
   CellRunResult& result = *run;
   if (!params.virtual_time) {  // in virtual time no packing is still being made

@@ -25,6 +25,7 @@ class GainsPanel;
 class ProcedureSession;
 class RemoteEngine;
 
+/// The parameters of a run, and the parts of the program that take part in it.
 struct CellRunParams {
   double seconds{10.0};  ///< of rendering; 0: until stopped (wall time)
   bool virtual_time{false};
@@ -47,8 +48,8 @@ struct CellRunParams {
   /// Called after everything could be opened and the recording's folder exists, before the recording is made
   /// or overwritten. @returns the reason if the recording must not be made; else empty.
   std::function<std::string()> make_room{};
-  const std::atomic<bool>* stop{nullptr};
-  base::OperatorRequests* requests{nullptr};  ///< an operator's pause, its end, a recovery; null: none
+  const std::atomic<bool>* stop{nullptr};     ///< becomes true if the run is to end in order; null: never
+  base::OperatorRequests* requests{nullptr};  ///< an operator's pause, resume, recovery; null: none
   io::RecordSink* live{nullptr};              ///< a live view, which gets all records; null: none
   std::string console_url{};         ///< where the console is served, for the summary; empty: nowhere
   std::filesystem::path gains{};     ///< a file of gains that is read again whenever it is saved; empty: none

@@ -25,15 +25,16 @@ class CellScreen {
 
  private:
   [[nodiscard]] std::string SessionLine(const hil::CellHostState& state) const;
+  // @param comes_back  the arm's messages cannot be delivered
   [[nodiscard]] std::string DescribeSilence(const hil::CellHostState& state, bool comes_back) const;
 
   bool rsi_, has_plc_;
   std::string controller_, plc_;  // address and port
   control::SessionState session_{control::SessionState::kIdle};
-  bool told_{false};  // a state was printed before anybody had answered
-  std::uint64_t answered_{0}, undelivered_{0};
-  double last_answer_s_{0.0}, last_undelivered_s_{-1.0};
-  std::string silence_;  // last printed
+  bool told_{false};                                      // a state was printed before anybody had answered
+  std::uint64_t answered_{0}, undelivered_{0};            // counts of the arm's messages at the last call
+  double last_answer_s_{0.0}, last_undelivered_s_{-1.0};  // times at which these counts last rose
+  std::string silence_;                                   // line about the silence that was printed last
 };
 
 }  // namespace osteon::session

@@ -10,6 +10,7 @@
 namespace osteon::session {
 namespace {
 
+// A tool that is faster moves.
 constexpr double kRest_m_per_s = 0.002, kRest_rad_per_s = 0.02;
 
 constexpr const char* kHeader =
@@ -74,11 +75,11 @@ void CellTraceReader::Poll() {
     int session = 0;
     if (!ParseField(row, cycle.stamp) || !ParseField(row, session)) continue;  // not a row: the header
     cycle.session = static_cast<control::SessionState>(session);
-    bool whole = true;
+    bool is_complete = true;
     for (double* value : {&cycle.p_WT_m.x(), &cycle.p_WT_m.y(), &cycle.p_WT_m.z(), &cycle.speed_m_per_s,
                           &cycle.turn_rad_per_s, &cycle.hand_N})
-      whole = whole && ParseField(row, *value);
-    if (whole) cycles_.push_back(cycle);
+      is_complete = is_complete && ParseField(row, *value);
+    if (is_complete) cycles_.push_back(cycle);
   }
   at_ += static_cast<std::streamoff>(text.size() - rest.size());
 }

@@ -17,9 +17,9 @@ namespace osteon::session {
 struct CellCycle {
   rt::Nanoseconds stamp{0};  ///< the system's monotonic clock, common to all processes of a machine
   control::SessionState session{control::SessionState::kIdle};
-  Vector3 p_WT_m{Vector3::Zero()};  ///< the tool's apex
+  Vector3 p_WT_m{Vector3::Zero()};  ///< place of the tool's apex in the world
   double speed_m_per_s{0.0}, turn_rad_per_s{0.0};
-  double hand_N{0.0};  ///< what the hand exerts
+  double hand_N{0.0};  ///< force of the operator's hand
 };
 
 /// Whether the tool moves faster than an arm at rest may: 2 mm/s, 0.02 rad/s.
@@ -50,7 +50,7 @@ class CellTraceWriter {
   std::ofstream stream_;
 };
 
-/// Reads such a file while it grows.
+/// Reads the file of a CellTraceWriter while it grows.
 class CellTraceReader {
  public:
   explicit CellTraceReader(std::filesystem::path file) : file_(std::move(file)) {}
@@ -61,7 +61,7 @@ class CellTraceReader {
 
  private:
   std::filesystem::path file_;
-  std::streamoff at_{0};
+  std::streamoff at_{0};  // position of the first row that has not been read
   std::vector<CellCycle> cycles_;
 };
 

@@ -22,6 +22,7 @@ using nlohmann::json;
 
 json Row(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
+// The twelve numbers of [R | p], row by row.
 json Rows(const Pose& X) {
   json numbers = json::array();
   for (int row = 0; row < 3; ++row)
@@ -29,6 +30,7 @@ json Rows(const Pose& X) {
   return numbers;
 }
 
+// The arm's joints from base to flange.
 template <int N>
 json Chain(const kinematics::ChainParams<N>& chain) {
   json joints = json::array();
@@ -48,6 +50,7 @@ json Tool(const config::ToolConfig& tool) {
   return {{"name", tool.tool.name}, {"balls", Balls(tool.tool)}, {"X_FT", Rows(tool.X_FT)}};
 }
 
+// The workspace's sphere, and then its further zones.
 json Zones(const safety::WorkspaceParams& workspace) {
   constexpr std::array<const char*, 5> kShapes{"half_space", "sphere", "box", "cylinder", "capsule"};
   constexpr std::array<const char*, 3> kPoints{"apex", "flange", "elbow"};
@@ -72,6 +75,7 @@ json Zones(const safety::WorkspaceParams& workspace) {
   return zones;
 }
 
+// Finds a limit that is present, by its name.
 const EffectiveLimit& LimitOf(const std::vector<EffectiveLimit>& limits, std::string_view name) {
   return *std::ranges::find(limits, name, &EffectiveLimit::name);
 }
@@ -80,9 +84,10 @@ const EffectiveLimit& LimitOf(const std::vector<EffectiveLimit>& limits, std::st
 // the bound moves with the bone.
 std::function<double(const control::TickRecord&)> DepthLeft(const safety::DepthLimitParams& params) {
   if (!params.acts) return {};
-  return [bound = safety::ZoneOf(params), rides = params.rides_on_bone](const control::TickRecord& tick) {
-    const bool bends = rides && tick.compliance.present;
-    const Pose X(bends ? tick.compliance.X_ME : tick.X_WT_cmd);
+  return [bound = safety::ZoneOf(params),
+          moves_with_bone = params.rides_on_bone](const control::TickRecord& tick) {
+    const bool use_bent_head = moves_with_bone && tick.compliance.present;
+    const Pose X(use_bent_head ? tick.compliance.X_ME : tick.X_WT_cmd);
     return safety::ZoneBounds(bound, X.translation()).distance_m();
   };
 }

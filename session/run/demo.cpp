@@ -246,7 +246,8 @@ int RunDemo(const DemoOptions& asked) {
                  base::AskedByOperator());
   live.SetSession(session.get());
   ConsoleChoice console = options.console;
-  console.on &= !options.virtual_time || console.only_this_port;  // a run of virtual time is over in a moment
+  // a run in virtual time is over in a moment: it has a page only if a port is demanded
+  console.on &= !options.virtual_time || console.only_this_port;
   live.Open(console, options.foxglove);
   std::optional<LiveStops> stops;  // a run of virtual time is over in a moment
   if (!options.virtual_time)

@@ -13,10 +13,11 @@ namespace osteon::session {
 /// The accepted range of DemoOptions::seconds.
 inline constexpr double kMinSeconds = 0.1, kMaxSeconds = 3600.0;
 
+/// The options of `osteon demo`.
 struct DemoOptions {
-  double seconds{10.0};
-  std::filesystem::path out{"demo_out"};
-  bool overwrite{false};  ///< an earlier demo's files in `out`; false: they are moved into a folder there
+  double seconds{10.0};                   ///< duration of rendering
+  std::filesystem::path out{"demo_out"};  ///< folder for the results
+  bool overwrite{false};  ///< remove an earlier demo's files from `out`; false: move them into a folder there
   std::filesystem::path cell;  ///< the cell's YAML
   std::optional<MeshChoice> mesh{};
   std::optional<config::ToolChoice> tool{};  ///< replaces the cell's
@@ -25,16 +26,16 @@ struct DemoOptions {
   /// With a plan: 15 s for each reamer and 20 more for the last (novice: 60 each) instead of `seconds`.
   bool default_seconds{false};
   ProcedureChoice procedure{};  ///< of a plan: its reamers, one after the other
-  bool virtual_time{false};
+  bool virtual_time{false};     ///< run as CellRunParams::virtual_time says, without waiting
   /// Virtual time: duration of a frame; absent: the default of CellRunParams.
   std::optional<double> frame_ms{};
   std::string device{};                 ///< part of a Vulkan device's name
   std::string engine{"auto"};           ///< one of EngineNames
   std::optional<std::uint16_t> port{};  ///< replaces the cell's
   int cpu{-1};  ///< for servo thread and simulated arm; all others stay off it; -1: any
-  /// A fault that allows a recovery leaves the cell at rest until it is asked for.
+  /// After a fault that allows a recovery, the cell stays at rest until an operator asks for the recovery.
   bool hold_at_fault{false};
-  /// From one state of the carved bone to the next in the recording; 0: none.
+  /// Log time from one state of the carved bone to the next in the recording; 0: no states.
   double bone_state_s{5.0};
   ConsoleChoice console{};              ///< where the console is served
   std::filesystem::path tune{};         ///< result of `osteon tune` for the console; empty: kTuneFile
@@ -42,7 +43,7 @@ struct DemoOptions {
   std::filesystem::path json{};         ///< a second copy of summary.json
   std::filesystem::path save_motion{};  ///< file for the tool's motion, which can be played again
   std::filesystem::path surface{};      ///< file for the carved bone as a mesh: STL, PLY or OBJ
-  std::string command_line{};
+  std::string command_line{};           ///< shown in the report
 };
 
 /// Runs the whole cell, simulated; writes summary.json, report.html and the recording into `out`, and prints

@@ -25,6 +25,7 @@ class FrameReceiver {
   [[nodiscard]] const std::string& error() const { return error_; }
 
  private:
+  // Takes frames until Stop; then those that have already come.
   void Loop();
 
   FrameRunner& runner_;

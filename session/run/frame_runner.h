@@ -19,7 +19,7 @@ namespace osteon::session {
 
 class FrameRunner;
 
-/// Is called for each frame on the frames' thread, and may change engine and tool before the frame.
+/// Called before and after each frame, on the frames' thread. It may change engine and tool before the frame.
 class FrameObserver {
  public:
   virtual ~FrameObserver() = default;
@@ -63,7 +63,7 @@ class FrameRunner {
 
   /// @param observer  called for each frame; null: none. It outlives the last frame.
   void SetObserver(FrameObserver* observer) { observer_ = observer; }
-  /// Continues with another engine, which has another tool. The engine before is given up.
+  /// Continues with another engine, which has another tool. The previous engine is no longer used.
   /// @param depth, watch  of that tool; they outlive the last frame
   void ReplaceEngine(std::unique_ptr<simulation::CuttingEngine> engine, const simulation::ApexDepth& depth,
                      simulation::SceneWatch& watch);
@@ -94,12 +94,12 @@ class FrameRunner {
   AdaptiveResolution* adaptive_resolution_;
   double dt_limit_s_;
   surface::SurfaceThread* surface_{nullptr};
-  std::vector<Rezoned> rezoned_;
-  std::vector<io::RecordedEvent> new_texts_;
+  std::vector<Rezoned> rezoned_;              // coarsened zones so far
+  std::vector<io::RecordedEvent> new_texts_;  // events of Say that are not recorded yet
   std::function<void(const std::string&)> notice_;
-  rt::Nanoseconds last_stamp_{0};
-  std::optional<double> deepest_m_;
-  std::vector<simulation::SceneEvent> new_events_, events_;
+  rt::Nanoseconds last_stamp_{0};                            // of the last command
+  std::optional<double> deepest_m_;                          // largest depth of the tool's apex so far
+  std::vector<simulation::SceneEvent> new_events_, events_;  // not recorded yet; recorded
 };
 
 }  // namespace osteon::session

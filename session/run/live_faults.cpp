@@ -13,10 +13,10 @@ LiveFaults::LiveFaults(const config::CellConfig& cell, std::filesystem::path rec
     : cell_(cell), recording_(std::move(recording)), next_(next) {}
 
 void LiveFaults::TakeTick(const control::TickRecord& tick) {
-  Look(tick);
+  UpdateSeen(tick);
   if (changed_)
     if (const std::unique_lock lock(mutex_, std::try_to_lock);
-        lock) {  // else a reader copies: at the next tick
+        lock) {  // otherwise a reader is copying: the next tick tries again
       notes_.clear();
       const std::string page =
           stopped_ && !recording_.empty()
@@ -28,7 +28,7 @@ void LiveFaults::TakeTick(const control::TickRecord& tick) {
   next_.TakeTick(tick);
 }
 
-void LiveFaults::Look(const control::TickRecord& tick) {
+void LiveFaults::UpdateSeen(const control::TickRecord& tick) {
   if (begun_ && BeginsStop(before_, tick)) {
     ++stops_;
     stopped_ = changed_ = true;

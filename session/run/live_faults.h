@@ -33,18 +33,19 @@ class LiveFaults final : public io::RecordSink {
   [[nodiscard]] console::FaultNote Of(safety::Fault fault) const;
 
  private:
-  void Look(const control::TickRecord& tick);
+  // Counts a stop that begins, and updates the texts of faults that were latched or cleared in this tick.
+  void UpdateSeen(const control::TickRecord& tick);
 
   // of the recorder's writer alone
   const config::CellConfig& cell_;
   std::filesystem::path recording_;
   io::RecordSink& next_;
-  control::TickRecord before_;
-  bool begun_{false};
-  std::size_t stops_{0};  // number of stops so far: the number of the last one's page
-  bool stopped_{false};   // a stop has begun since the arm moved last
-  std::map<safety::Fault, std::string> seen_;
-  bool changed_{false};  // the notes have changed and are not yet published
+  control::TickRecord before_;                 // the last tick
+  bool begun_{false};                          // a tick has come
+  std::size_t stops_{0};                       // number of stops so far: the number of the last one's page
+  bool stopped_{false};                        // a stop has begun since the arm moved last
+  std::map<safety::Fault, std::string> seen_;  // measured values of the latched faults, in words
+  bool changed_{false};                        // the notes have changed and are not yet published
 
   mutable std::mutex mutex_;  // guards what follows
   std::map<safety::Fault, console::FaultNote> notes_;

@@ -5,7 +5,7 @@
 namespace osteon::session {
 namespace {
 
-constexpr double kPublish_s = 0.25;  // time between two updates of the figures
+constexpr double kPublishInterval_s = 0.25;  // time between two updates of the figures
 
 }  // namespace
 
@@ -14,7 +14,7 @@ LiveLatency::LiveLatency(const config::CellConfig& cell, io::RecordSink& next)
 
 void LiveLatency::TakeTick(const control::TickRecord& tick) {
   meter_.Add(tick);
-  if (++ticks_ >= std::lround(kPublish_s / period_s_))
+  if (++ticks_ >= std::lround(kPublishInterval_s / period_s_))
     if (const std::unique_lock lock(mutex_, std::try_to_lock);
         lock) {  // otherwise a reader is copying: the next tick tries again
       figures_ = meter_.Figures(period_s_, context_);
