@@ -15,8 +15,8 @@ using safety::Fault;
 
 // Error codes of the drive's EMCY message.
 constexpr int kUnderVoltage = 0x3220, kTooHot = 0x4310;
-constexpr rt::Nanoseconds kRunsBefore =
-    900 * rt::kMillisecond;                     // time to configure the drive and reach speed
+// Time in which the drive is configured and reaches its speed.
+constexpr rt::Nanoseconds kRunsBefore = 900 * rt::kMillisecond;
 constexpr std::uint16_t kHeartbeat = 0x710;     // CAN identifier of the drive's heartbeat
 constexpr std::uint8_t kPreOperational = 0x7F;  // NMT state in a heartbeat
 

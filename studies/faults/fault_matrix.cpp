@@ -128,11 +128,10 @@ class Trial {
     return Vector3(Apex(records()[i]) - Apex(records()[i - 1])).isZero(0.0);
   }
 
-  // Injects the fault for its time. After kBefore ticks of it, a waiting cell is handed over and a pause
-  // ends.
+  // Injects the fault for its time. A waiting cell is handed over, and a pause ends, after kBefore ticks.
   void Inject() {
     const bool waits = IsWaiting(state_), pauses = state_ == CellState::kPaused;
-    // such a case lasts until the start path has ended
+    // an injection on a path that goes on lasts until the path has ended
     const bool to_its_end = verdict_.expected.reaction == Reaction::kAlignsOn;
     const int begins = waits || pauses ? kBefore : 0;
     const int lasts = to_its_end ? 3500 : begins + std::max(fault_.lasts, kSettles);
@@ -210,8 +209,7 @@ class Trial {
     JudgeEnd();
   }
 
-  // The cell is at rest, does not begin by itself, and recovers exactly if its faults allow that; a new run
-  // begins.
+  // The cell is at rest, does not begin by itself, and recovers if its faults allow it; a new run begins.
   void JudgeEnd() {
     control::ServoLoop& loop = rig_.loop();
     const bool faulty = verdict_.expected.faults.Any();
@@ -250,8 +248,7 @@ class Trial {
     Need(rig_.loop().state() == CellState::kAligning && !IsAtRest(records().size() - 1), "it did not go on");
   }
 
-  // Every tick of the run: force and joint speeds within their limits, commands finite, no gap in the
-  // recording.
+  // In every tick: force and joint speeds within limits, commands finite, no gap in the recording.
   void JudgeAll() {
     const auto& limits = ScenarioArm().limits;
     std::uint64_t gaps = 0;

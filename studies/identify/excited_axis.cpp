@@ -19,8 +19,7 @@ namespace {
 // How the text of an excitation's event begins.
 constexpr const char* kEvent = "excitation: ";
 constexpr double kSpeedShare = 0.2, kAccelerationFactor = 2.0;  // of the joints' published limits
-constexpr double kFreeForce_N = 30.0,
-                 kHeldForce_N = 60.0;  // changes of the force that end a free or held run
+constexpr double kFreeForce_N = 30.0, kHeldForce_N = 60.0;      // force changes that end a free or held run
 constexpr double kMinSingular = 0.02;  // least singular value of the Jacobian along the axis
 constexpr double kToolSpeed_m_per_s = 0.1, kToolAcceleration_m_per_s2 = 8.0;  // limits while a joint moves
 
@@ -323,6 +322,7 @@ tl::expected<ExcitedSamples, std::string> SamplesOf(const std::vector<control::T
           fmt::format("found message {} after {}, accepted rising numbers: a link's trouble, see "
                       "osteon doctor",
                       tick.sequence, sequence));
+    // a message that never came gets a sample that repeats the one before, marked as not seen
     const int missing = begun ? sequence_step_seen / axis.hold.sequence_step - 1 : 0;
     for (int gap = 0; gap < missing; ++gap) {
       ExcitedSample unseen = samples.run.samples.back();

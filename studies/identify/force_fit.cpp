@@ -15,11 +15,11 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi, kTwoSd = 2.0;  // half width of a 95 % interval
-// A resonance is tried if chi² without it is above kBadChi2, and kept if chi² falls by more than this factor.
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr double kTwoSd = 2.0;  // half width of a 95 % interval, in standard deviations
+// A resonance is tried if chi² without it is above kBadChi2; kept if chi² falls by more than kResonanceGain.
 constexpr double kResonanceGain = 3.0, kBadChi2 = 3.0;
-// A grip time is tried if chi² without it is above kExactChi2, and kept if chi² falls by more than this
-// factor.
+// A grip time is tried if chi² without it is above kExactChi2, and kept if chi² falls by more than kGripGain.
 constexpr double kExactChi2 = 0.1, kGripGain = 2.0;
 constexpr double kMaxResonance = 1.5;  // factor on the highest line: beyond it nothing was measured
 

@@ -99,8 +99,9 @@ ForceNoise MeasureNoise(std::span<const double> force_N, double period_s) {
 
 namespace {
 
-// Power around a harmonic of the rotation: element i is that of both frequencies i / window beside it. The
-// force is demodulated by the measured angle, so that a changing speed does not spread the harmonic.
+// Power around a harmonic of the rotation: element i is the sum of the two frequencies i steps of 1 / window
+// below and above it. The force is demodulated by the measured angle, so that a changing speed does not
+// spread the harmonic.
 std::vector<double> PowerAround(std::span<const double> force_N, std::span<const double> angle_rad, int order,
                                 std::size_t window) {
   Eigen::FFT<double> fft;

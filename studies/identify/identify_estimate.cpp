@@ -131,8 +131,7 @@ void FillHarmonics(const std::vector<control::TickRecord>& ticks, double period_
   }
 }
 
-// The tool's motion per command, by the force sensor: F / q_cmd divided by m w^2, the inertial force per
-// motion.
+// The tool's motion per command by the force sensor: F / q_cmd over m w^2, the inertial force per motion.
 MeasuredResponse ByForce(MeasuredResponse response, double mass_kg) {
   for (ResponseLine& line : response.lines) {
     const double w = 2.0 * std::numbers::pi * line.hz, per_m = mass_kg * w * w;
@@ -143,8 +142,7 @@ MeasuredResponse ByForce(MeasuredResponse response, double mass_kg) {
   return response;
 }
 
-// Sums of the normal equations of error = lag speed + c force, for one part of a motion. Solve gives (lag,
-// c).
+// Sums of the normal equations of error = lag speed + c force over a part of a motion. Solve: (lag, c).
 struct LagSums {
   Eigen::Matrix2d normal{Eigen::Matrix2d::Zero()};
   Eigen::Vector2d right{Eigen::Vector2d::Zero()};

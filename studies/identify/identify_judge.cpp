@@ -88,8 +88,8 @@ void JudgeLinearity(AxisResult& axis, const std::string& where, IdentifyResult& 
     result.warnings.push_back({where, found + ": friction; the figures hold near this speed alone"});
 }
 
-// Judges whether there are enough data, by the part of the interval that more data would make smaller: a
-// model that does not fit has its own finding.
+// Refuses a run with too few data: mass or lag has too wide an interval even without the factor for a model
+// that does not fit, which more data would not reduce.
 void JudgeAmount(const AxisResult& axis, const std::string& where, IdentifyResult& result) {
   const double misfit = std::sqrt(std::max(1.0, axis.overlay ? axis.overlay->chi2 : axis.fit.chi2));
   const double seconds = control::Multisine::kPeriod_s * axis.by_encoders.periods;

@@ -18,7 +18,7 @@ namespace {
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kModelStep = 1.03;  // ratio of frequencies along the fitted curve
 
-// Phase without jumps of a whole turn, along rising frequencies.
+// Removes jumps of a whole turn from phases at rising frequencies.
 class PhaseUnwrapper {
  public:
   double Next(double phase_rad) {

@@ -16,16 +16,16 @@ namespace {
 
 using Joints = kinematics::JointVectorN<7>;
 
-constexpr double kHalfWidthSd = 2.0, kTurn = 2.0 * std::numbers::pi, kMaxDeadTime_s = 0.03;
-constexpr double kMaxRigidChi2 = 3.0;  // above: an arm on a mount is tried as well
-constexpr double kFalls = 3.0;         // factor by which the mount must lower the cost
-constexpr double kStartFriction = 0.003;
+constexpr double kHalfWidthSd = 2.0;  // half width of a 95 % interval, in standard deviations
+constexpr double kTurn = 2.0 * std::numbers::pi, kMaxDeadTime_s = 0.03;
+constexpr double kMaxRigidChi2 = 3.0;     // above: an arm on a mount is tried as well
+constexpr double kFalls = 3.0;            // factor by which the mount must lower the cost
+constexpr double kStartFriction = 0.003;  // friction ratio at which a fit begins
 constexpr std::size_t kMinLines = 6;
-constexpr int kMaxAgain = 5;      // restarts of the solver
-constexpr double kWentOn = 0.95;  // the fit has progressed if the cost is below this share of that before
-constexpr double kMountFactor =
-    3.0;                         // standard deviation of a mount's parameter about its start, as a factor
-constexpr double kFarOff = 1e6;  // residual where the model has no finite value
+constexpr int kMaxAgain = 5;          // restarts of the solver
+constexpr double kWentOn = 0.95;      // the fit has progressed if the cost is below this share of that before
+constexpr double kMountFactor = 3.0;  // standard deviation of a mount's parameters, as a factor on the start
+constexpr double kFarOff = 1e6;       // residual where the model has no finite value
 
 // The fitted parameters by index. Joint impedance has no rotational spring. The last five exist only with a
 // mount.

@@ -57,8 +57,7 @@ std::vector<Period> FindPeriods(const ExcitedRun& run, std::size_t ticks) {
   return periods;
 }
 
-// The functions that are fitted to a period, a row per sample. Columns: 1, then cosine and sine of each
-// harmonic.
+// The functions fitted to a period, a row per sample. Columns: 1, then cosine and sine of each harmonic.
 Eigen::MatrixXd Basis(std::size_t ticks, double period_s, std::span<const int> harmonics) {
   Eigen::MatrixXd basis(static_cast<Eigen::Index>(ticks),
                         1 + 2 * static_cast<Eigen::Index>(harmonics.size()));
@@ -244,8 +243,7 @@ void FillLines(const Draws& draws, MeasuredResponse& response) {
       noise[i] += draw.output_variance / count;
       power[i] += draw.input_power;
     }
-    // differences of the draws, as variance of the output's amplitude, which does not depend on the line's
-    // power
+    // as a variance of the output's amplitude, which does not depend on the line's power
     for (const DrawLine& draw : each)
       draw_differences[i] += std::norm(draw.H - line.value) / (2.0 * (count - 1.0)) * power[i] / count;
   }

@@ -42,7 +42,7 @@ class Tracer {
         hits_(static_cast<std::size_t>(camera.width) * camera.height) {
     struct Entry {
       bool behind;  ///< the ball lies wholly behind the plane
-      double key;   ///< in front: -radius; behind: depth of the nearest point
+      double key;   ///< of a ball behind the plane: depth of its nearest point; otherwise -radius
       std::size_t ball;
       auto operator<=>(const Entry&) const = default;
     };
