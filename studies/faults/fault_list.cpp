@@ -426,6 +426,7 @@ void AddPlcAndSpindle(std::vector<FaultCase>& cases) {
 }
 
 void AddLoop(std::vector<FaultCase>& cases) {
+  // jumps of the clock, by which all stamps but that of the frame under way jump as well
   const auto jump = [&](const char* name, const char* injected, rt::Nanoseconds by) {
     FaultCase made = ModelCase(name, injected, Of({Fault::kModelStale}), kAtOnce,
                                [by](RigInputs& in, int since, FaultRig& rig) {

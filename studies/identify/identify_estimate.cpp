@@ -178,6 +178,7 @@ std::optional<Estimate> FeltMass(const ServoModel& arm, const AxisResult& free, 
     const std::complex<double> force =
         (held.force_over_position->lines[i].value * std::polar(1.0, w * delay_s) - tool_mass_kg * w * w) *
         line.value;
+    // 1 / M = (Y/U - P) / (F/U) (w0^2 - w^2 + 2 i z w0 w) with the arm's w0 and z
     const std::complex<double> spring(natural * natural - w * w, 2.0 * arm.damping_ratio * natural * w);
     const std::complex<double> per_mass = (line.value - free.by_encoders.lines[i].value) / force * spring;
     const double sd = std::hypot(line.sd, free.by_encoders.lines[i].sd) / std::abs(force) * std::abs(spring);

@@ -128,6 +128,7 @@ std::string JointsSvg(const IdentifyResult& result) {
   return figure.size() == 0 ? "" : figure.Svg();
 }
 
+// Lag of the free runs over their RMS speed, a curve per axis; empty if there are none.
 std::string LagSvg(const IdentifyResult& result) {
   report::LineChart chart{.title = "Total lag over speed",
                           .x_label = "RMS speed of the tool [mm/s]",
@@ -154,6 +155,7 @@ std::string LagSvg(const IdentifyResult& result) {
   return chart.series.empty() ? "" : report::Svg(chart);
 }
 
+// The hand's stiffness in each counted period, a curve per held run; empty if there are none.
 std::string HandSvg(const IdentifyResult& result) {
   report::LineChart chart{
       .title = "The hand's stiffness over time", .x_label = "counted time [s]", .y_label = "stiffness [N/m]"};

@@ -86,7 +86,7 @@ struct Detection {
 };
 Detection DetectionLines() {
   Detection lines;
-  for (int h = 7; h < kMaxDetection; h += 8) {
+  for (int h = 7; h < kMaxDetection; h += 8) {  // the odd harmonics that the multisine leaves empty
     lines.odd.push_back(h);
     lines.even.push_back(h + 1);
   }
@@ -157,6 +157,7 @@ class PeriodFit {
       u[k] = ValueOf(sample, input_);
       y[k] = sample.seen ? ValueOf(sample, output_) - drift * t : 0.0;
       if (sample.seen) continue;
+      // without a message only the command is known: the other values do not count
       if (input_ != Signal::kCommand) u[k] = 0.0;
       masked.row(k).setZero();
     }

@@ -25,9 +25,11 @@ using std::chrono::milliseconds, std::chrono::seconds;
 
 constexpr int kAttempts = 3;  // of a trial
 constexpr milliseconds kPollInterval{5};
-// Time limits are generous, so that a busy machine does not decide the outcome.
-constexpr seconds kContact{120}, kRest{10}, kEnd{90};  // kEnd: the processes then write report and pages
-// Full contact: for this long, the hand's whole push meets a tool that hardly moves.
+// Longest waits for full contact, for rest, and for the end of a process that writes report and pages. They
+// are generous, so that a busy machine does not decide the outcome.
+constexpr seconds kContact{120}, kRest{10}, kEnd{90};
+// Full contact: for kFullFor, the hand exerts at least this share of its push, and the tool is slower than
+// this.
 constexpr double kFullShare = 0.97, kPressedIn_m_per_s = 0.01;
 constexpr rt::Nanoseconds kFullFor = 100 * rt::kMillisecond;
 constexpr double kRest_m_per_s = 0.002;  // speed of a commanded tool at rest

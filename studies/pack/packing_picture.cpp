@@ -215,6 +215,7 @@ report::Image RenderPacking(std::span<const Ball> balls, const report::Camera& c
     const double direct = std::max(0.0, n.dot(key_light)), facing = std::max(0.0, -n.dot(camera.forward));
     // the inside of the cut bone lies in shade
     const double light = cut ? std::exp((p - cut->point).dot(cut->normal) / (3.0 * r + 1e-3)) : 1.0;
+    // ambient light, light from the camera, and the key light
     return base * (0.25 + 0.35 * facing + 0.45 * direct) * (0.55 + 0.45 * light);
   };
 

@@ -253,6 +253,7 @@ tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std
   }
   if (!ended || !has_columns || !has_hash || !has_period || !has_digests)
     return lines.Refuse("the file ends before the trace does");
+  // extremes exist exactly if there are digests, and all digests are of ticks of the run
   if (trace.least.size() != trace.greatest.size() || trace.least.empty() == !trace.digests.empty() ||
       trace.first_tick + trace.digests.size() > trace.ticks + (trace.digests.empty() ? trace.first_tick : 0))
     return lines.Refuse("found counts that do not fit each other: least, greatest, digests, ticks");
