@@ -13,8 +13,9 @@ namespace osteon::studies {
 
 simulation::Bone MakeBlock(const BlockParams& params) {
   const double r = params.ball_radius_m;
-  const Vector3 room = params.high_m - params.low_m - Vector3::Constant(2.0 * r);
-  if (room.minCoeff() < -1e-12)
+  // Space in which the balls' centres lie; a lattice of at most 2/3 r along each axis fills it.
+  const Vector3 centre_range_m = params.high_m - params.low_m - Vector3::Constant(2.0 * r);
+  if (centre_range_m.minCoeff() < -1e-12)
     throw std::invalid_argument("block: found a side shorter than two ball radii");
   simulation::Bone bone;
   bone.name = "block";
@@ -24,14 +25,15 @@ simulation::Bone MakeBlock(const BlockParams& params) {
                      .cutting_force_ratio = 0.8}};
   std::array<int, 3> count{};
   for (int axis = 0; axis < 3; ++axis)
-    count[axis] = static_cast<int>(std::ceil(std::max(0.0, room[axis]) / (2.0 / 3.0 * r) - 1e-9)) + 1;
+    count[axis] =
+        static_cast<int>(std::ceil(std::max(0.0, centre_range_m[axis]) / (2.0 / 3.0 * r) - 1e-9)) + 1;
   for (int k = 0; k < count[2]; ++k)
     for (int j = 0; j < count[1]; ++j)
       for (int i = 0; i < count[0]; ++i) {
         Vector3 c = params.low_m + Vector3::Constant(r);
         const std::array<int, 3> at{i, j, k};
         for (int axis = 0; axis < 3; ++axis)
-          if (count[axis] > 1) c[axis] += room[axis] * at[axis] / (count[axis] - 1);
+          if (count[axis] > 1) c[axis] += centre_range_m[axis] * at[axis] / (count[axis] - 1);
         bone.balls.push_back({.center_m = c, .radius_m = r});
       }
   if (params.point_spacing_m > 0.0)
@@ -50,6 +52,7 @@ simulation::Tool MakeBallTool(double radius_m) {
 
 Pose Downwards(const Vector3& p_m) {
   Pose X = Pose::Identity();
+  // half a turn about x: the tool's z axis, its feed, points to -z
   X.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
   X.translation() = p_m;
   return X;

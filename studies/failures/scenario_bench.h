@@ -22,12 +22,13 @@ struct BlockParams {
 /// @throws std::invalid_argument if a side is shorter than two radii.
 [[nodiscard]] simulation::Bone MakeBlock(const BlockParams& params);
 
-/// A tool of one cutting ball, its apex at T's origin.
+/// A tool of one cutting ball. Its apex is at T's origin, its centre one radius behind it, at -z.
 [[nodiscard]] simulation::Tool MakeBallTool(double radius_m);
 
 /// A pose whose feed points straight down, apex at p.
 [[nodiscard]] Pose Downwards(const Vector3& p_m);
 
+/// The simulation's input for one frame of dt with the tool at this pose.
 [[nodiscard]] inline simulation::FrameInput FrameAt(const Pose& X_WT, double spindle_rad_per_s = 0.0,
                                                     double dt_s = 1e-3) {
   return {.X_WT = X_WT, .spindle_rad_per_s = spindle_rad_per_s, .dt_s = dt_s};

@@ -31,10 +31,12 @@ class DriveBench {
   std::function<bool(const io::CanFrame&)> passes{};
 
  private:
+  /// Exchanges one step's frames at `now_`: commands to the drive, the drive's answers that pass, a forged
+  /// frame.
   void Step(const control::CellCommands& commands);
 
   struct Forged {
-    bool waits{false};
+    bool waits{false};  ///< to be sent in the next step
     io::CanFrame frame{};
   };
   rt::Nanoseconds now_{0};

@@ -13,28 +13,33 @@ namespace {
 using safety::CellState;
 using safety::Fault;
 
+// Error codes of the drive's EMCY message.
 constexpr int kUnderVoltage = 0x3220, kTooHot = 0x4310;
-constexpr rt::Nanoseconds kRunsBefore =
-    900 * rt::kMillisecond;  // time to configure the drive and reach speed
-constexpr std::uint16_t kHeartbeat = 0x710;
-constexpr std::uint8_t kPreOperational = 0x7F;
+// Time in which the drive is configured and reaches its speed.
+constexpr rt::Nanoseconds kRunsBefore = 900 * rt::kMillisecond;
+constexpr std::uint16_t kHeartbeat = 0x710;     // CAN identifier of the drive's heartbeat
+constexpr std::uint8_t kPreOperational = 0x7F;  // NMT state in a heartbeat
 
 // Ticks to detection.
 constexpr int kAtOnce = 1;
 constexpr int kStatusLost = 46;      // ten cycles of 4 ms, and some ticks
 constexpr int kHeartbeatLost = 152;  // three heartbeats of 50 ms, and some ticks
 constexpr int kLong = 500;           // ticks that a fault lasts
-constexpr int kAllResets = 2400;     // half a second between resets
+constexpr int kAllResets = 2400;     // ticks until every reset was tried, half a second between resets
 
 /// Applies the fault to the drive; `since` as in RigInjection.
-using Harm = std::function<void(DriveBench& bench, int since, bool before_motion)>;
+using DriveInjection = std::function<void(DriveBench& bench, int since, bool before_motion)>;
 
-// A run's drive with a check of its resets: a few are allowed before the first motion and in a recovery, none
-// otherwise.
+// Injects a fault into a run's drive, and checks the drive's resets: up to DriveReset::kAttempts are allowed
+// before the first motion and in a recovery, none otherwise.
 class WatchedDrive {
  public:
-  WatchedDrive(Harm harm, bool runs_before) : harm_(std::move(harm)), runs_before_(runs_before) {}
+  // @param runs_before  the drive is configured and at speed even if the cell waits when the fault begins
+  WatchedDrive(DriveInjection injection, bool runs_before)
+      : inject_(std::move(injection)), runs_before_(runs_before) {}
 
+  // Replaces the tick's spindle reading by that of the faulty drive.
+  // @throws std::logic_error if the drive is reset when it must not be
   void operator()(RigInputs& in, int since, FaultRig& rig) {
     const CellState state = rig.loop().state();
     const control::CellCommands commands = rig.loop().cell_commands();
@@ -46,7 +51,7 @@ class WatchedDrive {
     }
     const bool allowed = state == CellState::kRecovery || (before_motion_ && safety::Waits(state));
     before_motion_ = before_motion_ && !safety::IsMotion(state);
-    harm_(*bench_, since, before_motion_);
+    inject_(*bench_, since, before_motion_);
     const int resets = bench_->device().resets();
     in.readings.spindle = bench_->RunTo(in.now, commands);
     if (bench_->device().resets() > resets && !allowed)
@@ -55,7 +60,7 @@ class WatchedDrive {
   }
 
  private:
-  Harm harm_;
+  DriveInjection inject_;
   bool runs_before_;
   bool before_motion_{false};
   std::shared_ptr<DriveBench> bench_;
@@ -63,14 +68,15 @@ class WatchedDrive {
 
 // Expected reactions: before the first motion the drive is reset or configured again and the cell begins.
 // During a run the fault stops the cell, and the drive is not reset until a person decides.
-FaultCase Drive(const char* name, const char* injected, int ticks, bool runs_before, Harm harm) {
+FaultCase DriveCase(const char* name, const char* injected, int ticks, bool runs_before,
+                    DriveInjection injection) {
   safety::FaultSet fault;
   fault.Latch(Fault::kSpindle);
   const Expected stops{.reaction = Reaction::kStops, .faults = fault, .ticks = ticks};
   const Expected brakes_on{.reaction = Reaction::kBrakesOn}, waits{.reaction = Reaction::kWaits};
   return {.name = name,
           .injected = injected,
-          .inject = WatchedDrive(std::move(harm), runs_before),
+          .inject = WatchedDrive(std::move(injection), runs_before),
           .lasts = kLong,
           .waiting = {.reaction = Reaction::kGoesOn},
           .aligning = stops,
@@ -80,6 +86,7 @@ FaultCase Drive(const char* name, const char* injected, int ticks, bool runs_bef
           .stop2 = ticks == kAtOnce ? stops : brakes_on};
 }
 
+// The drive's heartbeat frame with this NMT state.
 io::CanFrame HeartbeatOf(std::uint8_t nmt_state) {
   return {.id = kHeartbeat, .size = 1, .data = {nmt_state}};
 }
@@ -95,13 +102,13 @@ void Boot(DriveBench& bench, int since, bool before_motion) {
 
 std::vector<FaultCase> DriveFaultCases() {
   std::vector<FaultCase> cases;
-  cases.push_back(Drive("drive boots in fault", "0x3220, which a reset clears", kStatusLost, false,
-                        [](DriveBench& bench, int since, bool before_motion) {
-                          if (since == 0) bench.device().SetBootError(kUnderVoltage);
-                          Boot(bench, since, before_motion);
-                        }));
+  cases.push_back(DriveCase("drive boots in fault", "0x3220, which a reset clears", kStatusLost, false,
+                            [](DriveBench& bench, int since, bool before_motion) {
+                              if (since == 0) bench.device().SetBootError(kUnderVoltage);
+                              Boot(bench, since, before_motion);
+                            }));
   {
-    FaultCase made = Drive(
+    FaultCase made = DriveCase(
         "drive boots in fault and stays in it", "0x4310, whatever is reset", kStatusLost, false,
         [](DriveBench& bench, int since, bool before_motion) {
           if (since == 0) bench.device().InjectFault(kTooHot);
@@ -113,25 +120,25 @@ std::vector<FaultCase> DriveFaultCases() {
     made.waiting.reaction = Reaction::kWaits;
     cases.push_back(std::move(made));
   }
-  cases.push_back(Drive("drive's boot-up message", "in mid-run; its status goes on", kAtOnce, true,
-                        [](DriveBench& bench, int since, bool) {
-                          if (since == 0) bench.Forge(HeartbeatOf(0));
-                        }));
-  cases.push_back(Drive("drive left OPERATIONAL", "its heartbeat says pre-operational", kAtOnce, true,
-                        [](DriveBench& bench, int since, bool) {
-                          if (since == 0) bench.Forge(HeartbeatOf(kPreOperational));
-                        }));
-  cases.push_back(Drive("drive's EMCY", "0x4310; its status goes on", kAtOnce, true,
-                        [](DriveBench& bench, int since, bool) {
-                          if (since == 0) bench.device().SendEmergency(kTooHot);
-                        }));
+  cases.push_back(DriveCase("drive's boot-up message", "in mid-run; its status goes on", kAtOnce, true,
+                            [](DriveBench& bench, int since, bool) {
+                              if (since == 0) bench.Forge(HeartbeatOf(0));
+                            }));
+  cases.push_back(DriveCase("drive left OPERATIONAL", "its heartbeat says pre-operational", kAtOnce, true,
+                            [](DriveBench& bench, int since, bool) {
+                              if (since == 0) bench.Forge(HeartbeatOf(kPreOperational));
+                            }));
+  cases.push_back(DriveCase("drive's EMCY", "0x4310; its status goes on", kAtOnce, true,
+                            [](DriveBench& bench, int since, bool) {
+                              if (since == 0) bench.device().SendEmergency(kTooHot);
+                            }));
   {
     FaultCase made =
-        Drive("drive's heartbeat lost", "its status goes on", kHeartbeatLost, true,
-              [](DriveBench& bench, int since, bool) {
-                if (since == 0)
-                  bench.passes = [](const io::CanFrame& frame) { return frame.id != kHeartbeat; };
-              });
+        DriveCase("drive's heartbeat lost", "its status goes on", kHeartbeatLost, true,
+                  [](DriveBench& bench, int since, bool) {
+                    if (since == 0)
+                      bench.passes = [](const io::CanFrame& frame) { return frame.id != kHeartbeat; };
+                  });
     made.waiting.reaction = Reaction::kWaits;
     cases.push_back(std::move(made));
   }

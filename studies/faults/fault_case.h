@@ -8,21 +8,22 @@
 
 namespace osteon::studies {
 
-/// The cell's required reaction to a fault. No fault is without a claim: to go on is a claim as well.
+/// The cell's required reaction to a fault. Each fault has one: to go on is a requirement as well.
 enum class Reaction : std::uint8_t {
   kGoesOn,    ///< within every limit, without a fault
-  kWaits,     ///< does not begin, has no fault, and begins once the injection is over
+  kWaits,     ///< does not begin, latches no fault, and begins once the injection is over
   kStops,     ///< latches the fault, stops by the category, stays there
   kFaults,    ///< latches the fault at rest, does not move
   kBacksOff,  ///< leaves its path, waits again, and begins once the injection is over
   kPauses,    ///< pauses on its path, and continues once the injection is over
   kAlignsOn,  ///< continues to the start, and renders nothing until the injection is over
-  kBrakesOn,  ///< brakes on to the end of the stop in progress
+  kBrakesOn,  ///< continues to brake until the stop in progress ends
   kRests,     ///< stays at rest
 };
 /// @returns e.g. "does not begin"
 [[nodiscard]] const char* NameOf(Reaction reaction);
 
+/// A required reaction with its bounds.
 struct Expected {
   Reaction reaction{Reaction::kGoesOn};
   safety::FaultSet faults{};  ///< at least one of these faults is latched, and no other
@@ -37,6 +38,7 @@ struct FaultCase {
   std::string injected;  ///< "no reading any more"
   RigInjection inject;
   int lasts{300};  ///< ticks
+  /// The reactions by the state in which the injection begins; `waiting` is for each state before motion.
   Expected waiting, aligning, rendering, paused, stop1, stop2;
 
   [[nodiscard]] Expected ExpectedIn(safety::CellState state) const;

@@ -21,19 +21,20 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kHuge = 1e308;
 
-// Ticks to detection.
+// Ticks to detection, at 1 ms.
 constexpr int kAtOnce = 1;
 constexpr int kNextTick = 2;            // detected after the tick in which it happens
 constexpr int kSilentDevice = 102;      // 100 ms
 constexpr int kSilentSimulation = 254;  // 250 ms after the newest pose
-constexpr int kPushed = 5;              // SensorForceParams::ticks
-constexpr int kMissed = 5;              // WatchdogParams::arm_misses
+constexpr int kPushed = 5;              // SensorForceParams::ticks: a force above the limit
+constexpr int kMissed = 5;              // WatchdogParams::arm_misses: messages in a row
 constexpr int kSpindleBeyond = 52;      // the rig's trip_s
 constexpr int kDrifted = 450;           // until max_tracking_error is reached at the speed along the plane
 constexpr int kDriftedOnItsWay = 800;   // the same at the start path's speed
 constexpr int kLong = 500;              // ticks that such a fault lasts
 constexpr int kThrownAgain = 40;        // ticks from one jump to the next
 
+// The set of these faults.
 safety::FaultSet Of(std::initializer_list<Fault> faults) {
   safety::FaultSet set;
   for (const Fault fault : faults) set.Latch(fault);
@@ -60,8 +61,8 @@ bool HasAny(safety::FaultSet faults, std::initializer_list<Fault> of) {
 // Expected reactions to a fault of a device that rendering needs: nothing begins without it, rendering stops,
 // and a stop 2 becomes a stop 1 if the fault is noticed before rest. The force sensor is watched wherever the
 // arm moves, and the spindle also on the start path; the start path continues without the others.
-FaultCase Device(const char* name, const char* injected, safety::FaultSet faults, int ticks,
-                 RigInjection inject) {
+FaultCase DeviceCase(const char* name, const char* injected, safety::FaultSet faults, int ticks,
+                     RigInjection inject) {
   const bool sensor =
       HasAny(faults, {Fault::kSensorStale, Fault::kSensorFault, Fault::kSensorForce, Fault::kNotFinite});
   const bool spindle = HasAny(faults, {Fault::kSpindle, Fault::kSpindleLimit});
@@ -78,16 +79,16 @@ FaultCase Device(const char* name, const char* injected, safety::FaultSet faults
 }
 // Expected reactions to a fault of an input that only rendering uses: during a stop 2 only its age is
 // checked.
-FaultCase Model(const char* name, const char* injected, safety::FaultSet faults, int ticks,
-                RigInjection inject) {
-  FaultCase made = Device(name, injected, faults, ticks, std::move(inject));
+FaultCase ModelCase(const char* name, const char* injected, safety::FaultSet faults, int ticks,
+                    RigInjection inject) {
+  FaultCase made = DeviceCase(name, injected, faults, ticks, std::move(inject));
   made.aligning = kAlignsOn;
   made.stop1 = kBrakesOn;
   if (!faults.Has(Fault::kModelStale) || ticks > kPushed) made.stop2 = kBrakesOn;
   return made;
 }
-// A fault that the loop tolerates.
-FaultCase Ridden(const char* name, const char* injected, int lasts, RigInjection inject) {
+// A fault that the loop tolerates: the cell goes on, and a stop in progress continues.
+FaultCase Tolerated(const char* name, const char* injected, int lasts, RigInjection inject) {
   return {.name = name,
           .injected = injected,
           .inject = std::move(inject),
@@ -99,8 +100,8 @@ FaultCase Ridden(const char* name, const char* injected, int lasts, RigInjection
           .stop1 = kBrakesOn,
           .stop2 = kBrakesOn};
 }
-// The arm is in another session state, in which it moves on its own.
-FaultCase Left(const char* name, SessionState session) {
+// The arm left COMMANDING_ACTIVE: its messages have this session state, in which it follows no command.
+FaultCase SessionCase(const char* name, SessionState session) {
   const Expected stops = Stops(Of({Fault::kSession}), kAtOnce, StopCategory::kStop0);
   Expected ends = stops;
   ends.faults = {};  // a requested end is not a fault
@@ -121,9 +122,9 @@ FaultCase Left(const char* name, SessionState session) {
           .stop1 = ends,
           .stop2 = stops};
 }
-// A fault that is noticed in the same tick in every state: nothing may go on.
-FaultCase AtOnce(const char* name, const char* injected, safety::FaultSet faults, RigInjection inject,
-                 int ticks = kAtOnce) {
+// A fault that is noticed at once in every state: each motion stops.
+FaultCase NoticedAtOnce(const char* name, const char* injected, safety::FaultSet faults, RigInjection inject,
+                        int ticks = kAtOnce) {
   return {.name = name,
           .injected = injected,
           .inject = std::move(inject),
@@ -135,12 +136,12 @@ FaultCase AtOnce(const char* name, const char* injected, safety::FaultSet faults
           .stop2 = Stops(faults, ticks)};
 }
 // A message with values that are not finite.
-FaultCase NotFinite(const char* name, const char* injected, RigInjection inject) {
-  return AtOnce(name, injected, Of({Fault::kNotFinite}), std::move(inject));
+FaultCase NotFiniteCase(const char* name, const char* injected, RigInjection inject) {
+  return NoticedAtOnce(name, injected, Of({Fault::kNotFinite}), std::move(inject));
 }
-// The arm cannot be commanded.
-FaultCase Lost(const char* name, const char* injected, safety::FaultSet faults, int ticks, Expected waiting,
-               RigInjection inject) {
+// The arm cannot be commanded: a stop 0 wherever it moves. @param waiting  the reaction before motion
+FaultCase LostArm(const char* name, const char* injected, safety::FaultSet faults, int ticks,
+                  Expected waiting, RigInjection inject) {
   const Expected stops = Stops(faults, ticks, StopCategory::kStop0);
   return {.name = name,
           .injected = injected,
@@ -155,54 +156,56 @@ FaultCase Lost(const char* name, const char* injected, safety::FaultSet faults, 
 
 void AddSensor(std::vector<FaultCase>& cases) {
   const auto stale = Of({Fault::kSensorStale});
-  cases.push_back(Device("force sensor silent", "no reading any more", stale, kSilentDevice,
-                         [held = control::ForceReading{}](RigInputs& in, int since, FaultRig&) mutable {
-                           if (since == 0) held = in.readings.force;
-                           in.readings.force = held;
-                           if (since > 0 && held.stamp == 0) in.readings.force.stamp = 0;
-                         }));
-  cases.push_back(Device("force sensor gone", "no stamp", stale, kAtOnce,
-                         [](RigInputs& in, int, FaultRig&) { in.readings.force.stamp = 0; }));
+  cases.push_back(DeviceCase("force sensor silent", "no reading any more", stale, kSilentDevice,
+                             [held = control::ForceReading{}](RigInputs& in, int since, FaultRig&) mutable {
+                               if (since == 0) held = in.readings.force;
+                               in.readings.force = held;
+                               if (since > 0 && held.stamp == 0) in.readings.force.stamp = 0;
+                             }));
+  cases.push_back(DeviceCase("force sensor gone", "no stamp", stale, kAtOnce,
+                             [](RigInputs& in, int, FaultRig&) { in.readings.force.stamp = 0; }));
   cases.push_back(
-      Device("force reading of the future", "its stamp is an hour ahead", stale, kAtOnce,
-             [](RigInputs& in, int, FaultRig&) { in.readings.force.stamp += 3600 * rt::kSecond; }));
-  cases.push_back(Device("force reading of another clock", "its stamp is negative", stale, kAtOnce,
-                         [](RigInputs& in, int, FaultRig&) { in.readings.force.stamp = -rt::kSecond; }));
-  cases.push_back(Device("force NaN", "one component", Of({Fault::kNotFinite}), kAtOnce,
-                         [](RigInputs& in, int, FaultRig&) { in.readings.force.F_S.f.x = kNaN; }));
-  cases.push_back(Device("torque infinite", "one component", Of({Fault::kNotFinite}), kAtOnce,
-                         [](RigInputs& in, int, FaultRig&) { in.readings.force.F_S.t.z = kInfinity; }));
-  cases.push_back(Device("force 1e308 N", "one component", Of({Fault::kSensorForce, Fault::kNotFinite}),
-                         kPushed, [](RigInputs& in, int, FaultRig&) { in.readings.force.F_S.f.y = kHuge; }));
-  cases.push_back(Device("force jumps", "by 400 N along the feed", Of({Fault::kSensorForce}), kPushed,
-                         [](RigInputs& in, int, FaultRig&) { in.readings.force.F_S.f.z += 400.0; }));
-  cases.push_back(Device("force sensor's own fault", "its status says so", Of({Fault::kSensorFault}), kAtOnce,
-                         [](RigInputs& in, int, FaultRig&) { in.readings.force.trusted = false; }));
-  cases.push_back(Ridden("force sensor stutters", "no reading for 60 ms, again and again", 240,
-                         [held = control::ForceReading{}](RigInputs& in, int since, FaultRig&) mutable {
-                           if (since % 60 == 0) held = in.readings.force;
-                           in.readings.force = held;
-                         }));
-  cases.push_back(Ridden("force bias", "20 N that nobody exerts", 200,
-                         [](RigInputs& in, int, FaultRig&) { in.readings.force.F_S.f.z -= 20.0; }));
+      DeviceCase("force reading of the future", "its stamp is an hour ahead", stale, kAtOnce,
+                 [](RigInputs& in, int, FaultRig&) { in.readings.force.stamp += 3600 * rt::kSecond; }));
+  cases.push_back(DeviceCase("force reading of another clock", "its stamp is negative", stale, kAtOnce,
+                             [](RigInputs& in, int, FaultRig&) { in.readings.force.stamp = -rt::kSecond; }));
+  cases.push_back(DeviceCase("force NaN", "one component", Of({Fault::kNotFinite}), kAtOnce,
+                             [](RigInputs& in, int, FaultRig&) { in.readings.force.F_S.f.x = kNaN; }));
+  cases.push_back(DeviceCase("torque infinite", "one component", Of({Fault::kNotFinite}), kAtOnce,
+                             [](RigInputs& in, int, FaultRig&) { in.readings.force.F_S.t.z = kInfinity; }));
+  cases.push_back(DeviceCase("force 1e308 N", "one component", Of({Fault::kSensorForce, Fault::kNotFinite}),
+                             kPushed,
+                             [](RigInputs& in, int, FaultRig&) { in.readings.force.F_S.f.y = kHuge; }));
+  cases.push_back(DeviceCase("force jumps", "by 400 N along the feed", Of({Fault::kSensorForce}), kPushed,
+                             [](RigInputs& in, int, FaultRig&) { in.readings.force.F_S.f.z += 400.0; }));
+  cases.push_back(DeviceCase("force sensor's own fault", "its status says so", Of({Fault::kSensorFault}),
+                             kAtOnce,
+                             [](RigInputs& in, int, FaultRig&) { in.readings.force.trusted = false; }));
+  cases.push_back(Tolerated("force sensor stutters", "no reading for 60 ms, again and again", 240,
+                            [held = control::ForceReading{}](RigInputs& in, int since, FaultRig&) mutable {
+                              if (since % 60 == 0) held = in.readings.force;
+                              in.readings.force = held;
+                            }));
+  cases.push_back(Tolerated("force bias", "20 N that nobody exerts", 200,
+                            [](RigInputs& in, int, FaultRig&) { in.readings.force.F_S.f.z -= 20.0; }));
 }
 
 void AddArm(std::vector<FaultCase>& cases) {
-  cases.push_back(Ridden("arm's messages lost, 4 in a row", "again and again", 200,
-                         [](RigInputs& in, int since, FaultRig&) {
-                           if (since % 40 < kMissed - 1) in.received = ReceiveResult::kTimeout;
-                         }));
-  cases.push_back(Lost("arm silent", "no message any more", Of({Fault::kArmStale}), kMissed, kWaits,
-                       [](RigInputs& in, int, FaultRig&) { in.received = ReceiveResult::kTimeout; }));
-  cases.push_back(Lost("link closed", "the socket is", Of({Fault::kArmStale}), kAtOnce,
-                       Faults(Of({Fault::kArmStale})),
-                       [](RigInputs& in, int, FaultRig&) { in.received = ReceiveResult::kClosed; }));
-  cases.push_back(Left("arm in COMMANDING_WAIT", SessionState::kCommandingWait));
-  cases.push_back(Left("arm in MONITORING_READY", SessionState::kMonitoringReady));
-  cases.push_back(Left("arm in MONITORING_WAIT", SessionState::kMonitoringWait));
-  cases.push_back(Left("arm IDLE, its joints unknown", SessionState::kIdle));
+  cases.push_back(Tolerated("arm's messages lost, 4 in a row", "again and again", 200,
+                            [](RigInputs& in, int since, FaultRig&) {
+                              if (since % 40 < kMissed - 1) in.received = ReceiveResult::kTimeout;
+                            }));
+  cases.push_back(LostArm("arm silent", "no message any more", Of({Fault::kArmStale}), kMissed, kWaits,
+                          [](RigInputs& in, int, FaultRig&) { in.received = ReceiveResult::kTimeout; }));
+  cases.push_back(LostArm("link closed", "the socket is", Of({Fault::kArmStale}), kAtOnce,
+                          Faults(Of({Fault::kArmStale})),
+                          [](RigInputs& in, int, FaultRig&) { in.received = ReceiveResult::kClosed; }));
+  cases.push_back(SessionCase("arm in COMMANDING_WAIT", SessionState::kCommandingWait));
+  cases.push_back(SessionCase("arm in MONITORING_READY", SessionState::kMonitoringReady));
+  cases.push_back(SessionCase("arm in MONITORING_WAIT", SessionState::kMonitoringWait));
+  cases.push_back(SessionCase("arm IDLE, its joints unknown", SessionState::kIdle));
   {
-    FaultCase made = Left("arm left and came back unseen", SessionState::kCommandingActive);
+    FaultCase made = SessionCase("arm left and came back unseen", SessionState::kCommandingActive);
     made.injected = "handed over anew between two messages";
     made.inject = [](RigInputs& in, int since, FaultRig& rig) {
       if (since != 0 || safety::Waits(rig.loop().state())) return;  // no session to leave yet
@@ -226,14 +229,14 @@ void AddArm(std::vector<FaultCase>& cases) {
                      .stop1 = kBrakesOn,
                      .stop2 = stops});
   }
-  cases.push_back(NotFinite("measured joint NaN", "one joint",
-                            [](RigInputs& in, int, FaultRig&) { in.arm.q_meas[3] = kNaN; }));
-  cases.push_back(
-      NotFinite("measured joint NaN for a tick", "one joint, once", [](RigInputs& in, int since, FaultRig&) {
-        if (since == 0) in.arm.q_meas[6] = kNaN;
-      }));
-  cases.push_back(NotFinite("arm's own command infinite", "one joint of q_ipo",
-                            [](RigInputs& in, int, FaultRig&) { in.arm.q_ipo[0] = -kInfinity; }));
+  cases.push_back(NotFiniteCase("measured joint NaN", "one joint",
+                                [](RigInputs& in, int, FaultRig&) { in.arm.q_meas[3] = kNaN; }));
+  cases.push_back(NotFiniteCase("measured joint NaN for a tick", "one joint, once",
+                                [](RigInputs& in, int since, FaultRig&) {
+                                  if (since == 0) in.arm.q_meas[6] = kNaN;
+                                }));
+  cases.push_back(NotFiniteCase("arm's own command infinite", "one joint of q_ipo",
+                                [](RigInputs& in, int, FaultRig&) { in.arm.q_ipo[0] = -kInfinity; }));
   {
     const Expected stops = Stops(Of({Fault::kTracking, Fault::kArmSpeed}), kAtOnce);
     cases.push_back({.name = "measured joints jump",
@@ -247,7 +250,7 @@ void AddArm(std::vector<FaultCase>& cases) {
                      .stop2 = stops});
   }
   {
-    // like corrections that drop to zero when an answer is lost (RSI, HOLDON 0)
+    // RSI with HOLDON 0 does this: its corrections drop to zero when an answer is lost
     const Expected stops = Stops(Of({Fault::kArmSpeed}), kAtOnce);
     const Expected begins = Stops(Of({Fault::kArmSpeed}), kThrownAgain);
     cases.push_back({.name = "arm thrown back",
@@ -280,18 +283,18 @@ void AddArm(std::vector<FaultCase>& cases) {
                      .stop1 = kBrakesOn,
                      .stop2 = kBrakesOn});
   }
-  cases.push_back(Lost("arm's command mode changes", "to torque", Of({Fault::kCommandMode}), kAtOnce,
-                       Faults(Of({Fault::kCommandMode})), [](RigInputs& in, int, FaultRig&) {
-                         in.arm.command_mode = control::CommandMode::kTorque;
-                       }));
-  cases.push_back(Lost("arm's period changes", "to 5 ms", Of({Fault::kPeriod}), kAtOnce,
-                       Faults(Of({Fault::kPeriod})),
-                       [](RigInputs& in, int, FaultRig&) { in.arm.period_s = 0.005; }));
-  cases.push_back(Lost("arm's period NaN", "its message says so", Of({Fault::kPeriod}), kAtOnce,
-                       Faults(Of({Fault::kPeriod})),
-                       [](RigInputs& in, int, FaultRig&) { in.arm.period_s = kNaN; }));
-  cases.push_back(Ridden("link's quality poor", "it ends the session itself where it gets worse", 200,
-                         [](RigInputs& in, int, FaultRig&) { in.arm.quality = 0; }));
+  cases.push_back(LostArm("arm's command mode changes", "to torque", Of({Fault::kCommandMode}), kAtOnce,
+                          Faults(Of({Fault::kCommandMode})), [](RigInputs& in, int, FaultRig&) {
+                            in.arm.command_mode = control::CommandMode::kTorque;
+                          }));
+  cases.push_back(LostArm("arm's period changes", "to 5 ms", Of({Fault::kPeriod}), kAtOnce,
+                          Faults(Of({Fault::kPeriod})),
+                          [](RigInputs& in, int, FaultRig&) { in.arm.period_s = 0.005; }));
+  cases.push_back(LostArm("arm's period NaN", "its message says so", Of({Fault::kPeriod}), kAtOnce,
+                          Faults(Of({Fault::kPeriod})),
+                          [](RigInputs& in, int, FaultRig&) { in.arm.period_s = kNaN; }));
+  cases.push_back(Tolerated("link's quality poor", "it ends the session itself where it gets worse", 200,
+                            [](RigInputs& in, int, FaultRig&) { in.arm.quality = 0; }));
   {
     const Expected stops = Stops(Of({Fault::kJointLimit}), kAtOnce);
     cases.push_back({.name = "external torque beyond a joint's",
@@ -305,32 +308,32 @@ void AddArm(std::vector<FaultCase>& cases) {
                      .stop1 = kBrakesOn,
                      .stop2 = stops});
   }
-  cases.push_back(NotFinite("external torques NaN", "all of them",
-                            [](RigInputs& in, int, FaultRig&) { in.arm.tau_ext.fill(kNaN); }));
+  cases.push_back(NotFiniteCase("external torques NaN", "all of them",
+                                [](RigInputs& in, int, FaultRig&) { in.arm.tau_ext.fill(kNaN); }));
 }
 
 void AddModel(std::vector<FaultCase>& cases) {
   const auto stale = Of({Fault::kModelStale}), not_credible = Of({Fault::kNotFinite});
-  const auto held = [](int pause) {  // frames pause for this many ticks, then come for as many
+  const auto frames_pause = [](int pause) {  // no frame for this many ticks, then frames for as many
     return [pause, model = simulation::ContactModel{}](RigInputs& in, int since, FaultRig&) mutable {
       if (since % (2 * pause) == 0) model = in.model;
       if (since % (2 * pause) < pause) in.model = model;
     };
   };
-  cases.push_back(Model("simulation silent", "no frame any more", stale, kSilentSimulation,
-                        held(std::numeric_limits<int>::max() / 2)));
-  cases.push_back(Ridden("simulation pauses 30 ms", "again and again", 240, held(30)));
-  cases.push_back(Ridden("simulation pauses 200 ms", "once", 240, held(200)));
-  cases.push_back(Model("simulation never began", "frame 0", stale, kAtOnce,
-                        [](RigInputs& in, int, FaultRig&) { in.model = {}; }));
-  cases.push_back(
-      Device("simulation's device lost", "its status says so", Of({Fault::kDevice}), kAtOnce,
-             [](RigInputs& in, int, FaultRig&) { in.model.status = simulation::EngineStatus::kDeviceLost; }));
-  cases.push_back(
-      Model("simulation refuses its input", "its status says so", not_credible, kAtOnce,
-            [](RigInputs& in, int, FaultRig&) { in.model.status = simulation::EngineStatus::kBadInput; }));
+  cases.push_back(ModelCase("simulation silent", "no frame any more", stale, kSilentSimulation,
+                            frames_pause(std::numeric_limits<int>::max() / 2)));
+  cases.push_back(Tolerated("simulation pauses 30 ms", "again and again", 240, frames_pause(30)));
+  cases.push_back(Tolerated("simulation pauses 200 ms", "once", 240, frames_pause(200)));
+  cases.push_back(ModelCase("simulation never began", "frame 0", stale, kAtOnce,
+                            [](RigInputs& in, int, FaultRig&) { in.model = {}; }));
+  cases.push_back(DeviceCase(
+      "simulation's device lost", "its status says so", Of({Fault::kDevice}), kAtOnce,
+      [](RigInputs& in, int, FaultRig&) { in.model.status = simulation::EngineStatus::kDeviceLost; }));
+  cases.push_back(ModelCase(
+      "simulation refuses its input", "its status says so", not_credible, kAtOnce,
+      [](RigInputs& in, int, FaultRig&) { in.model.status = simulation::EngineStatus::kBadInput; }));
   const auto contact = [&](const char* name, const char* injected, auto spoil) {
-    cases.push_back(Model(name, injected, not_credible, kAtOnce, [spoil](RigInputs& in, int, FaultRig&) {
+    cases.push_back(ModelCase(name, injected, not_credible, kAtOnce, [spoil](RigInputs& in, int, FaultRig&) {
       if (in.model.frame == 0) in.model.frame = 1;
       in.model.contact_count = std::max(in.model.contact_count, 1);
       spoil(in.model, in.model.contacts[0]);
@@ -350,8 +353,9 @@ void AddModel(std::vector<FaultCase>& cases) {
           [](ContactModel& m, Contact&) { m.spindle_torque_Nm = kHuge; });
   contact("more contacts than there is room for", "200",
           [](ContactModel& m, Contact&) { m.contact_count = 200; });
-  cases.push_back(Model("frame of the future", "its pose's stamp is an hour ahead", stale, kAtOnce,
-                        [](RigInputs& in, int, FaultRig&) { in.model.pose_stamp += 3600 * rt::kSecond; }));
+  cases.push_back(
+      ModelCase("frame of the future", "its pose's stamp is an hour ahead", stale, kAtOnce,
+                [](RigInputs& in, int, FaultRig&) { in.model.pose_stamp += 3600 * rt::kSecond; }));
   {
     FaultCase made{.name = "bone jumps into the tool",
                    .injected = "the plane, by 5 mm",
@@ -373,7 +377,7 @@ void AddModel(std::vector<FaultCase>& cases) {
 
 void AddPlcAndSpindle(std::vector<FaultCase>& cases) {
   const auto plc = [&](const char* name, const char* injected, int ticks, RigInjection inject) {
-    FaultCase made = Device(name, injected, Of({Fault::kInterlock}), ticks, std::move(inject));
+    FaultCase made = DeviceCase(name, injected, Of({Fault::kInterlock}), ticks, std::move(inject));
     made.aligning = kPauses;
     made.aligning.ticks = ticks;
     cases.push_back(std::move(made));
@@ -392,19 +396,19 @@ void AddPlcAndSpindle(std::vector<FaultCase>& cases) {
       [](RigInputs& in, int, FaultRig&) { in.readings.interlock.stamp += 3600 * rt::kSecond; });
 
   const auto fault = Of({Fault::kSpindle}), beyond = Of({Fault::kSpindleLimit});
-  cases.push_back(Device("drive's fault", "its status says so", fault, kAtOnce,
-                         [](RigInputs& in, int, FaultRig&) { in.readings.spindle.fault = true; }));
-  cases.push_back(Device("drive not ready", "its status says so", fault, kAtOnce,
-                         [](RigInputs& in, int, FaultRig&) { in.readings.spindle.ready = false; }));
-  cases.push_back(Device("drive silent", "no status any more", fault, kSilentDevice,
-                         [held = control::SpindleReading{}](RigInputs& in, int since, FaultRig&) mutable {
-                           if (since == 0) held = in.readings.spindle;
-                           in.readings.spindle = held;
-                         }));
+  cases.push_back(DeviceCase("drive's fault", "its status says so", fault, kAtOnce,
+                             [](RigInputs& in, int, FaultRig&) { in.readings.spindle.fault = true; }));
+  cases.push_back(DeviceCase("drive not ready", "its status says so", fault, kAtOnce,
+                             [](RigInputs& in, int, FaultRig&) { in.readings.spindle.ready = false; }));
+  cases.push_back(DeviceCase("drive silent", "no status any more", fault, kSilentDevice,
+                             [held = control::SpindleReading{}](RigInputs& in, int since, FaultRig&) mutable {
+                               if (since == 0) held = in.readings.spindle;
+                               in.readings.spindle = held;
+                             }));
   // faults that only a moving cell checks for: it begins, and stops
   const auto trip = [&](const char* name, const char* injected, auto spoil) {
-    FaultCase made = Device(name, injected, beyond, kSpindleBeyond,
-                            [spoil](RigInputs& in, int, FaultRig&) { spoil(in.readings.spindle); });
+    FaultCase made = DeviceCase(name, injected, beyond, kSpindleBeyond,
+                                [spoil](RigInputs& in, int, FaultRig&) { spoil(in.readings.spindle); });
     made.waiting = made.paused = Stops(beyond, kSpindleBeyond + 8);
     made.lasts = 300;
     cases.push_back(std::move(made));
@@ -413,53 +417,55 @@ void AddPlcAndSpindle(std::vector<FaultCase>& cases) {
   trip("spindle's torque beyond its limit", "20 Nm", [](SpindleReading& s) { s.torque_Nm = 20.0; });
   trip("spindle's speed beyond its limit", "200 rad/s", [](SpindleReading& s) { s.speed_rad_per_s = 200.0; });
   trip("spindle's speed NaN", "the drive says so", [](SpindleReading& s) { s.speed_rad_per_s = kNaN; });
-  cases.push_back(Ridden("spindle stops turning", "the drive says so, without a fault", 300,
-                         [](RigInputs& in, int, FaultRig&) { in.readings.spindle.speed_rad_per_s = 0.0; }));
   cases.push_back(
-      Ridden("pedal released", "the PLC permits no spindle", 300,
-             [](RigInputs& in, int, FaultRig&) { in.readings.interlock.spindle_permitted = false; }));
+      Tolerated("spindle stops turning", "the drive says so, without a fault", 300,
+                [](RigInputs& in, int, FaultRig&) { in.readings.spindle.speed_rad_per_s = 0.0; }));
+  cases.push_back(
+      Tolerated("pedal released", "the PLC permits no spindle", 300,
+                [](RigInputs& in, int, FaultRig&) { in.readings.interlock.spindle_permitted = false; }));
 }
 
 void AddLoop(std::vector<FaultCase>& cases) {
+  // jumps of the clock, by which all stamps but that of the frame under way jump as well
   const auto jump = [&](const char* name, const char* injected, rt::Nanoseconds by) {
-    FaultCase made = Model(name, injected, Of({Fault::kModelStale}), kAtOnce,
-                           [by](RigInputs& in, int since, FaultRig& rig) {
-                             if (since != 0) return;
-                             rig.clock_offset += by;
-                             in.now += by;
-                             in.arm.stamp += by;
-                             in.readings.force.stamp += by;
-                             in.readings.spindle.stamp += by;
-                             in.readings.interlock.stamp += by;
-                           });
+    FaultCase made = ModelCase(name, injected, Of({Fault::kModelStale}), kAtOnce,
+                               [by](RigInputs& in, int since, FaultRig& rig) {
+                                 if (since != 0) return;
+                                 rig.clock_offset += by;
+                                 in.now += by;
+                                 in.arm.stamp += by;
+                                 in.readings.force.stamp += by;
+                                 in.readings.spindle.stamp += by;
+                                 in.readings.interlock.stamp += by;
+                               });
     made.aligning = made.paused = made.waiting = kGoesOn;  // the next frame has the new time
     cases.push_back(std::move(made));
   };
   jump("clock jumps forward", "10 s, for all but the frame under way", 10 * rt::kSecond);
   jump("clock jumps back", "10 s, for all but the frame under way", -rt::kSecond / 2);
-  cases.push_back(AtOnce("a tick's second computation differs", "in the tick before",
-                         Of({Fault::kRepeatDiffers}), [](RigInputs&, int since, FaultRig& rig) {
-                           if (since == 0) rig.loop().ReportDifference();
-                         }));
+  cases.push_back(NoticedAtOnce("a tick's second computation differs", "in the tick before",
+                                Of({Fault::kRepeatDiffers}), [](RigInputs&, int since, FaultRig& rig) {
+                                  if (since == 0) rig.loop().ReportDifference();
+                                }));
   cases.push_back(
-      Ridden("a tick is late", "by 30 ms, every 100 ms", 300, [](RigInputs& in, int since, FaultRig& rig) {
+      Tolerated("a tick is late", "by 30 ms, every 100 ms", 300, [](RigInputs& in, int since, FaultRig& rig) {
         if (since % 100 != 0) return;
         rig.clock_offset += 30 * rt::kMillisecond;
         in.now += 30 * rt::kMillisecond;
       }));
-  cases.push_back(Ridden("gains asked for that are not accepted", "NaN, 1e308, negative", 100,
-                         [](RigInputs&, int since, FaultRig& rig) {
-                           control::Gains gains;
-                           const double bad[] = {kNaN, kHuge, -1.0};
-                           gains.mass_kg.x = bad[since % 3];
-                           try {
-                             rig.loop().RequestGains(gains);
-                           } catch (const std::invalid_argument&) {
-                             return;  // correct: the gains are refused before they reach the loop
-                           }
-                           throw std::logic_error("the loop took gains that are none");
-                         }));
-  FaultCase recorder = AtOnce(
+  cases.push_back(Tolerated("gains asked for that are not accepted", "NaN, 1e308, negative", 100,
+                            [](RigInputs&, int since, FaultRig& rig) {
+                              control::Gains gains;
+                              const double bad[] = {kNaN, kHuge, -1.0};
+                              gains.mass_kg.x = bad[since % 3];
+                              try {
+                                rig.loop().RequestGains(gains);
+                              } catch (const std::invalid_argument&) {
+                                return;  // correct: the gains are refused before they reach the loop
+                              }
+                              throw std::logic_error("the loop took gains that are none");
+                            }));
+  FaultCase recorder = NoticedAtOnce(
       "recorder stands still", "2048 ticks wait for it", Of({Fault::kRecorder}),
       [](RigInputs&, int since, FaultRig& rig) { rig.recorder().stalled = since < 99; }, kNextTick);
   recorder.lasts = 100;

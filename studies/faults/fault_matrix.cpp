@@ -19,15 +19,16 @@ constexpr int kBefore = 300;   // ticks of a fault before a waiting cell may beg
 constexpr int kAfter = 300;    // ticks until it begins after the fault, 200 of them for the request's answer
 constexpr int kSettles = 200;  // ticks until everything is at rest
 constexpr int kRefused = 20;   // ticks for which a forbidden recovery is attempted
-constexpr double kSlack = 1.0 + 1e-9;
-constexpr double kStands_rad_per_s = 1e-3;
+constexpr double kSlack = 1.0 + 1e-9;       // factor on a limit, for rounding
+constexpr double kStands_rad_per_s = 1e-3;  // the arm stands if each joint is slower
 constexpr double kDistanceSlack_m = 20e-6;  // the plane's spring turns the velocity a little
 
 CellState StateOf(const TickRecord& record) { return static_cast<CellState>(record.cell_state); }
+// The commanded tool's apex in W [m].
 Vector3 Apex(const TickRecord& record) { return Pose(record.X_WT_cmd).translation(); }
 bool IsWaiting(CellState state) { return safety::Waits(state); }
 
-/// One run, and the first error found in it.
+/// One run of a fault in one state: injects the fault, judges the reaction, and keeps the first error found.
 class Trial {
  public:
   Trial(const FaultCase& fault, CellState state)
@@ -45,54 +46,55 @@ class Trial {
     rig_.BringTo(state_);
     first_ = rig_.recorder().records.size();
     Inject();
-    const std::size_t over = rig_.recorder().records.size();
-    Measure(over);
+    const std::size_t inject_end = rig_.recorder().records.size();
+    Measure(inject_end);
     const Expected& expected = verdict_.expected;
     switch (expected.reaction) {
       case Reaction::kGoesOn:
-        JudgeGoesOn(over);
+        JudgeGoesOn(inject_end);
         break;
       case Reaction::kWaits:
-        Need(NoFault(over) && !Any(first_, over, safety::IsMotion), "it began");
+        Need(NoFault(inject_end) && !Any(first_, inject_end, safety::IsMotion), "it began");
         HandOverAgain();
         rig_.Run(kAfter);
         Need(safety::IsMotion(rig_.loop().state()), "it did not begin afterwards");
         break;
       case Reaction::kStops:
-        JudgeStop(over);
+        JudgeStop(inject_end);
         break;
       case Reaction::kFaults:
-        Need(!Any(first_, over, safety::IsMotion), "it moved");
+        Need(!Any(first_, inject_end, safety::IsMotion), "it moved");
         JudgeLatched();
         rig_.Run(kSettles);
         JudgeEnd();
         break;
       case Reaction::kBacksOff:
-        Need(NoFault(over) && IsWaiting(StateAt(first_)), "it did not leave its way");
-        Need(!Any(first_, over, safety::IsMotion), "it moved");
+        Need(NoFault(inject_end) && IsWaiting(StateAt(first_)), "it did not leave its way");
+        Need(!Any(first_, inject_end, safety::IsMotion), "it moved");
         HandOverAgain();
         rig_.Run(kAfter);
         Need(safety::IsMotion(rig_.loop().state()), "it did not begin again");
         break;
       case Reaction::kPauses:
-        JudgePause(over);
+        JudgePause(inject_end);
         break;
       case Reaction::kAlignsOn:
-        Need(NoFault(over), "a fault");
-        Need(!Any(first_, over, safety::Renders), "it rendered");
-        Need(StateAt(over - 1) == CellState::kAligning && IsAtRest(over - 1), "it is not at its start");
+        Need(NoFault(inject_end), "a fault");
+        Need(!Any(first_, inject_end, safety::Renders), "it rendered");
+        Need(StateAt(inject_end - 1) == CellState::kAligning && IsAtRest(inject_end - 1),
+             "it is not at its start");
         rig_.Run(kAfter);
         Need(safety::Renders(rig_.loop().state()), "it did not render afterwards");
         break;
       case Reaction::kBrakesOn:
-        Need(!Any(first_, over, safety::IsMotion), "it moved on");
-        Need(NoFault(over), "a fault");
+        Need(!Any(first_, inject_end, safety::IsMotion), "it moved on");
+        Need(NoFault(inject_end), "a fault");
         Need(rig_.loop().state() == (state_ == CellState::kStop2 ? CellState::kPaused : CellState::kOff),
              "the stop did not end");
         JudgeDistance();
         break;
       case Reaction::kRests:
-        Need(!Any(first_, over, safety::IsMotion), "it moved");
+        Need(!Any(first_, inject_end, safety::IsMotion), "it moved");
         break;
     }
     JudgeAll();
@@ -100,6 +102,7 @@ class Trial {
   }
 
  private:
+  // Keeps `wrong` as the verdict's error if the requirement does not hold and no earlier one failed.
   void Need(bool holds, const char* wrong) {
     if (!holds && verdict_.wrong.empty())
       verdict_.wrong = fmt::format("{} (ends in state {}, faults {:#x})", wrong,
@@ -107,24 +110,28 @@ class Trial {
   }
   [[nodiscard]] const Records& records() { return rig_.recorder().records; }
   [[nodiscard]] CellState StateAt(std::size_t i) { return StateOf(records()[i]); }
+  // Whether `holds` is true of the state of any tick in [from, to).
   template <class Holds>
   [[nodiscard]] bool Any(std::size_t from, std::size_t to, Holds&& holds) {
     for (std::size_t i = from; i < to; ++i)
       if (holds(StateAt(i))) return true;
     return false;
   }
+  // No fault is latched from the injection's first tick to `to`.
   [[nodiscard]] bool NoFault(std::size_t to) {
     return std::none_of(records().begin() + static_cast<std::ptrdiff_t>(first_),
                         records().begin() + static_cast<std::ptrdiff_t>(to),
                         [](const TickRecord& r) { return r.faults != 0; });
   }
+  // Tick i commands the same position of the tool as the tick before.
   [[nodiscard]] bool IsAtRest(std::size_t i) {
     return Vector3(Apex(records()[i]) - Apex(records()[i - 1])).isZero(0.0);
   }
 
-  // Injects the fault for its time. In the middle of it a waiting cell is handed over and a pause ends.
+  // Injects the fault for its time. A waiting cell is handed over, and a pause ends, after kBefore ticks.
   void Inject() {
     const bool waits = IsWaiting(state_), pauses = state_ == CellState::kPaused;
+    // an injection on a path that goes on lasts until the path has ended
     const bool to_its_end = verdict_.expected.reaction == Reaction::kAlignsOn;
     const int begins = waits || pauses ? kBefore : 0;
     const int lasts = to_its_end ? 3500 : begins + std::max(fault_.lasts, kSettles);
@@ -139,28 +146,29 @@ class Trial {
     begins_ = first_ + static_cast<std::size_t>(begins);
   }
 
-  // Measures when the fault was noticed, and the tool's travel from there.
-  void Measure(std::size_t over) {
+  // Finds the tick in which the fault was noticed, and computes the bound of the tool's travel from there.
+  void Measure(std::size_t inject_end) {
     const std::uint32_t before = first_ == 0 ? 0 : records()[first_ - 1].faults;
-    noticed_ = over;
-    for (std::size_t i = first_; i < over && noticed_ == over; ++i)
+    noticed_ = inject_end;
+    for (std::size_t i = first_; i < inject_end && noticed_ == inject_end; ++i)
       if ((records()[i].faults & ~before) != 0) noticed_ = i;
-    const std::size_t stops = Brakes() ? first_ : noticed_;
-    if (noticed_ < over)
+    const std::size_t stop_at = Brakes() ? first_ : noticed_;
+    if (noticed_ < inject_end)
       verdict_.ticks = static_cast<int>(noticed_ - (noticed_ < begins_ ? first_ : begins_)) + 1;
-    if (stops == over || stops == 0) return;
-    const TickRecord& last = records()[stops - 1];
+    if (stop_at == inject_end || stop_at == 0) return;
+    const TickRecord& last = records()[stop_at - 1];
     const double v = Vector3(last.v_WT_cmd_m_per_s).norm(), dt_s = FaultRig::Params(start_path_).period_s;
-    const double way_v = stops < 2 ? 0.0 : (Apex(last) - Apex(records()[stops - 2])).norm() / dt_s;
+    const double path_v = stop_at < 2 ? 0.0 : (Apex(last) - Apex(records()[stop_at - 2])).norm() / dt_s;
     const control::ServoParams params = FaultRig::Params(start_path_);
     const bool on_path = state_ == CellState::kAligning;
     verdict_.max_distance_m =
-        on_path ? way_v * params.start->path.pause_s + way_v * dt_s
+        on_path ? path_v * params.start->path.pause_s + path_v * dt_s
                 : v * v / (2.0 * params.stop_deceleration_m_per_s2) + v * dt_s + kDistanceSlack_m;
-    stops_ = stops;
+    stops_ = stop_at;
   }
   [[nodiscard]] bool Brakes() const { return safety::Brakes(state_); }
 
+  // The expected faults are latched, no others, and in time.
   void JudgeLatched() {
     const Expected& expected = verdict_.expected;
     verdict_.latched = rig_.loop().faults();
@@ -174,6 +182,7 @@ class Trial {
     }
   }
 
+  // The tool's travel while it brakes is within its bound.
   void JudgeDistance() {
     if (stops_ == 0) return;
     // The measurement ends when the virtual tool follows the arm, as it is not commanded then.
@@ -184,23 +193,23 @@ class Trial {
     Need(max_m <= verdict_.max_distance_m, "it went too far");
   }
 
-  void JudgeStop(std::size_t over) {
+  void JudgeStop(std::size_t inject_end) {
     JudgeLatched();
     const Expected& expected = verdict_.expected;
     const std::size_t at = expected.faults.Any() ? noticed_ : first_;
-    if (at < over) {
+    if (at < inject_end) {
       const CellState then = StateAt(at);
       const bool hard = expected.stop == safety::StopCategory::kStop0;
       const CellState end = expected.faults.Any() ? CellState::kFault : CellState::kOff;
       Need(then == (hard ? CellState::kStop0 : CellState::kStop1) || then == end, "another stop");
-      Need(!Any(at, over, safety::IsMotion), "it moved on");
+      Need(!Any(at, inject_end, safety::IsMotion), "it moved on");
     }
     JudgeDistance();
     rig_.Run(kSettles);
     JudgeEnd();
   }
 
-  // Checks that the cell is at rest, and how it can continue.
+  // The cell is at rest, does not begin by itself, and recovers if its faults allow it; a new run begins.
   void JudgeEnd() {
     control::ServoLoop& loop = rig_.loop();
     const bool faulty = verdict_.expected.faults.Any();
@@ -225,21 +234,21 @@ class Trial {
     Need(safety::IsMotion(next.loop().state()), "a new run did not begin");
   }
 
-  void JudgeGoesOn(std::size_t over) {
-    Need(NoFault(over), "a fault");
+  void JudgeGoesOn(std::size_t inject_end) {
+    Need(NoFault(inject_end), "a fault");
     Need(safety::IsMotion(rig_.loop().state()), "it does not go on");
-    if (safety::IsMotion(state_)) Need(!Any(first_, over, safety::IsStop), "it stopped");
+    if (safety::IsMotion(state_)) Need(!Any(first_, inject_end, safety::IsStop), "it stopped");
   }
 
-  void JudgePause(std::size_t over) {
-    Need(NoFault(over), "a fault");
-    Need(!Any(first_, over, [](CellState s) { return s != CellState::kAligning; }), "it left its way");
-    Need(IsAtRest(over - 1), "it did not rest");
+  void JudgePause(std::size_t inject_end) {
+    Need(NoFault(inject_end), "a fault");
+    Need(!Any(first_, inject_end, [](CellState s) { return s != CellState::kAligning; }), "it left its way");
+    Need(IsAtRest(inject_end - 1), "it did not rest");
     rig_.Run(kAfter);
     Need(rig_.loop().state() == CellState::kAligning && !IsAtRest(records().size() - 1), "it did not go on");
   }
 
-  // Checks every tick of the run.
+  // In every tick: force and joint speeds within limits, commands finite, no gap in the recording.
   void JudgeAll() {
     const auto& limits = ScenarioArm().limits;
     std::uint64_t gaps = 0;
@@ -257,8 +266,9 @@ class Trial {
       const TickRecord& before = records()[i - 1];
       gaps += r.tick - before.tick - 1;
       const bool commanded = safety::IsMotion(StateOf(r)) || safety::Brakes(StateOf(r));
-      const bool was = safety::IsMotion(StateOf(before)) || safety::Brakes(StateOf(before));
-      if (!commanded || !was || r.tick != before.tick + 1 || r.activation_cmd != before.activation_cmd)
+      const bool was_commanded = safety::IsMotion(StateOf(before)) || safety::Brakes(StateOf(before));
+      if (!commanded || !was_commanded || r.tick != before.tick + 1 ||
+          r.activation_cmd != before.activation_cmd)
         continue;
       for (std::size_t j = 0; j < limits.size(); ++j)
         Need(std::abs(r.q_cmd[j] - before.q_cmd[j]) <= limits[j].velocity_rad_per_s * 1e-3 * kSlack,
@@ -268,7 +278,7 @@ class Trial {
     Need(records().size() + gaps == rig_.ticks(), "a tick that was neither recorded nor refused");
   }
 
-  // Hands over again an arm whose messages said that it left.
+  // Hands the arm over again if the injection made it leave its session.
   void HandOverAgain() {
     if (rig_.last().session_state == static_cast<std::uint8_t>(control::SessionState::kCommandingActive))
       return;
@@ -282,6 +292,8 @@ class Trial {
   FaultRig::StartPath start_path_;
   FaultRig rig_;
   FaultVerdict verdict_;
+  // Ticks as indices of records(): the injection's first, the one in which a waiting cell may begin, the one
+  // that noticed the fault, the first of the stop.
   std::size_t first_{0}, begins_{0}, noticed_{0}, stops_{0};
 };
 

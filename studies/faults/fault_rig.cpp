@@ -14,11 +14,13 @@ using kinematics::JointVector;
 using safety::CellState;
 
 constexpr double kPeriod_s = 1e-3;
+// The plane of bone: its distance ahead of the tool at the start, along the feed, and its stiffness.
 constexpr double kPlaneAhead_m = 0.005, kPlaneStiffness_N_per_m = 20e3;
 constexpr int kRenders = 300;   // ticks until the tool is in contact and moves along the plane
 constexpr int kOnItsWay = 500;  // ticks of the start path, about its middle
 constexpr int kMisses = 5;      // WatchdogParams::arm_misses
 
+// The tool's pose X_WT at these joints.
 Pose ToolAt(const JointVector& q) { return kinematics::LbrArm(ScenarioArm()).FlangePose(q) * ScenarioTool(); }
 
 control::JointArray Array(const JointVector& q) {
@@ -45,8 +47,8 @@ control::ServoParams FaultRig::Params(StartPath start_path) {
   params.spindle_rad_per_s = 26.0;
   params.spindle_limits = {.max_torque_Nm = 5.0, .max_speed_rad_per_s = 60.0, .trip_s = 0.05};
   params.arm_body = ScenarioBody();
-  // the rig's hand pushes all the time: no bias is estimated, and the start path is followed in spite of the
-  // push
+  // The rig's hand pushes all the time, so no bias is estimated, and the start path goes on up to a high
+  // force.
   params.sensor_bias.acts = false;
   if (start_path == StartPath::kToStart) {
     JointVector goal = StartJoints();
@@ -77,7 +79,7 @@ void FaultRig::HandOver() {
   q_ipo_ = q_told_ = arm_.q();
 }
 
-// Computes a frame for the command of the last tick.
+// In every second tick: answers the command of the last tick with a frame that has the plane as its contact.
 void FaultRig::Simulate(rt::Nanoseconds now) {
   const simulation::ToolCommand command = loop_.tool_command();
   if (command.stamp == 0 || ticks_ % 2 != 0) return;
@@ -147,7 +149,7 @@ void FaultRig::BringTo(CellState state) {
     HandOver();
     Run(kRenders);
   };
-  const auto lose = [&] {
+  const auto lose_arm = [&] {
     for (int i = 0; i < kMisses; ++i) Tick(silent);
   };
   switch (state) {
@@ -179,7 +181,7 @@ void FaultRig::BringTo(CellState state) {
       break;
     case CellState::kStop0:
       render();
-      lose();
+      lose_arm();
       break;
     case CellState::kStop1:
       render();
@@ -199,7 +201,7 @@ void FaultRig::BringTo(CellState state) {
       break;
     case CellState::kRecovery:
       render();
-      lose();
+      lose_arm();
       permitted = false;
       loop_.RequestRecovery();
       Tick();

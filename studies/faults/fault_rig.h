@@ -14,7 +14,7 @@
 
 namespace osteon::studies {
 
-/// Inputs of a tick. An injection changes them between the cell and the loop.
+/// Inputs of a tick, as the cell's devices give them. An injection changes them before the loop gets them.
 struct RigInputs {
   control::ArmState arm;
   control::ReceiveResult received{control::ReceiveResult::kOk};
@@ -24,6 +24,7 @@ struct RigInputs {
 };
 
 class FaultRig;
+/// Changes the inputs of one tick, or the rig itself.
 /// @param since  ticks since the injection began, from 0
 using RigInjection = std::function<void(RigInputs& inputs, int since, FaultRig& rig)>;
 
@@ -41,6 +42,7 @@ class RigRecorder final : public control::TickRecorder {
   bool stalled{false};
 };
 
+/// The cell with its loop; see the top of this file.
 class FaultRig {
  public:
   static constexpr rt::Nanoseconds kTick = rt::kMillisecond;
@@ -80,6 +82,7 @@ class FaultRig {
   rt::Nanoseconds clock_offset{0};   ///< added to the loop's clock, from now on
 
  private:
+  /// The measured tool pose X_WT.
   [[nodiscard]] Pose ToolNow() const;
   [[nodiscard]] RigInputs Inputs();
   void Simulate(rt::Nanoseconds now);
@@ -88,8 +91,8 @@ class FaultRig {
   hil::ServoArm arm_;
   control::ServoLoop loop_;
   RigRecorder recorder_;
-  Vector3 feed_W_, side_W_, plane_W_;
-  kinematics::JointVector q_told_, q_ipo_;
+  Vector3 feed_W_, side_W_, plane_W_;       ///< plane_W_: a point on the plane [m]
+  kinematics::JointVector q_told_, q_ipo_;  ///< the command that the arm follows; its joints at the hand-over
   control::SessionState session_{control::SessionState::kCommandingWait};
   std::uint32_t activation_{0}, sequence_{0};
   control::ArmCommand command_;

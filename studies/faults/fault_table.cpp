@@ -22,7 +22,6 @@ using safety::CellState;
 constexpr int kColumn = 5;  // width in characters
 
 // Mark of an expected reaction in the table; the legend below the table explains the marks.
-
 char LetterOf(const Expected& expected) {
   switch (expected.reaction) {
     case Reaction::kGoesOn:
@@ -53,6 +52,7 @@ std::string HeadingOf(CellState state) {
   return name.find(' ') == std::string::npos ? name.substr(0, 4) : "st " + name.substr(name.size() - 1);
 }
 
+// JSON array of the faults' names.
 nlohmann::ordered_json Names(safety::FaultSet faults) {
   nlohmann::ordered_json names = nlohmann::json::array();
   session::ForEachFault(faults,
@@ -84,6 +84,7 @@ std::string FaultTableText(std::span<const FaultVerdict> verdicts) {
           cell == end ? "" : std::string(1, LetterOf(cell->expected)) + (cell->passed() ? "" : "!");
       text += fmt::format("{:>{}}", mark, kColumn);
     }
+    // the last four columns: detection and travel while cutting, if the fault stops the cell there
     const auto cutting =
         std::find_if(row, end, [](const FaultVerdict& v) { return v.state == CellState::kCutting; });
     if (cutting != end && cutting->expected.reaction == Reaction::kStops)

@@ -16,14 +16,17 @@
 namespace osteon::studies {
 namespace {
 
+// How the text of an excitation's event begins.
 constexpr const char* kEvent = "excitation: ";
-constexpr double kSpeedShare = 0.2, kAccelerationFactor = 2.0;
-constexpr double kFreeForce_N = 30.0, kHeldForce_N = 60.0;
+constexpr double kSpeedShare = 0.2, kAccelerationFactor = 2.0;  // of the joints' published limits
+constexpr double kFreeForce_N = 30.0, kHeldForce_N = 60.0;      // force changes that end a free or held run
 constexpr double kMinSingular = 0.02;  // least singular value of the Jacobian along the axis
-constexpr double kToolSpeed_m_per_s = 0.1, kToolAcceleration_m_per_s2 = 8.0;  // while a joint moves
+constexpr double kToolSpeed_m_per_s = 0.1, kToolAcceleration_m_per_s2 = 8.0;  // limits while a joint moves
 
 using Jacobian = Eigen::Matrix<double, 6, control::kJoints>;
 
+// Jacobian of the tool's apex in W at the cell's start: rows of velocity, then of rotation; the columns
+// beyond the arm's N joints are zero.
 template <int N>
 Jacobian JacobianOf(const kinematics::ChainParams<N>& chain, const config::CellConfig& cell) {
   const kinematics::SerialChain<N> arm(chain);
@@ -38,6 +41,7 @@ Jacobian JacobianOf(const kinematics::ChainParams<N>& chain, const config::CellC
   return J_W;
 }
 
+// The limits of each joint of the cell's arm.
 std::vector<kinematics::JointLimits> LimitsOf(const config::CellConfig& cell) {
   std::vector<kinematics::JointLimits> limits;
   const auto take = [&](const auto& chain) {
@@ -50,10 +54,10 @@ std::vector<kinematics::JointLimits> LimitsOf(const config::CellConfig& cell) {
   return limits;
 }
 
-// Largest speed and acceleration along the axis that keep every joint within its bounds.
+// Lowers the path's speed and acceleration to those that keep every joint within its share of its limits.
 void LimitPath(const std::vector<kinematics::JointLimits>& limits, control::ExcitedHoldParams& hold) {
   for (std::size_t j = 0; j < limits.size(); ++j) {
-    const double per_m = std::abs(hold.direction[j]);
+    const double per_m = std::abs(hold.direction[j]);  // joint motion per motion of the path
     if (!(per_m > 0.0)) continue;
     if (limits[j].velocity_rad_per_s > 0.0)
       hold.path.peak_speed_m_per_s =
@@ -65,7 +69,7 @@ void LimitPath(const std::vector<kinematics::JointLimits>& limits, control::Exci
   }
 }
 
-// The arm's impedance along the axis by the cell's file; it shapes the force of an overlay.
+// The arm's impedance along the axis by the cell's file: the force of an overlay is computed with it.
 control::OverlayExcitation OverlayOf(const config::CellConfig& cell, const Vector3& axis_W) {
   const hil::DynamicArmParams& arm = cell.simulated.dynamic;
   control::OverlayExcitation overlay{.on = true, .stiffness_N_per_m = std::max(200.0, arm.stiffness_N_per_m)};
@@ -78,6 +82,7 @@ control::OverlayExcitation OverlayOf(const config::CellConfig& cell, const Vecto
   return overlay;
 }
 
+// Difference of the arm's sequence numbers in two consecutive messages.
 int SequenceStep(const config::CellConfig& cell) {
   const io::RsiSessionParams* rsi = cell.link.rsi();
   return rsi ? rsi->ipoc_step : 1;
@@ -127,7 +132,8 @@ std::optional<ExcitationRequest> ParseEvent(const std::string& text) {
 
 namespace {
 
-// The joints' least motion along the axis. @returns an error at a singular posture
+// Sets the joints' motion to the smallest one that moves the apex along the axis without rotation.
+// @returns an error at a singular posture
 tl::expected<void, std::string> AimAlongAxis(const Jacobian& J, control::ExcitedHoldParams& hold) {
   Eigen::Matrix<double, 6, 1> motion = Eigen::Matrix<double, 6, 1>::Zero();
   motion.head<3>() = hold.axis_W;
@@ -231,11 +237,9 @@ class AnswerLog {
  public:
   explicit AnswerLog(ExcitedRun& run) : run_(run) {}
 
-  // Adds a message: its sample is the newest. @param lost  answers that this message reports as lost since
-  // the last
+  // Adds a message, whose sample is the newest. @param lost  answers that were lost since the message before
   void Add(std::uint32_t lost) {
-    // this message reflects the answer to the message before it; those reported lost were sent before that
-    // answer
+    // The newest answer, to the message before this one, arrived; the lost answers are those just before it.
     for (std::size_t i = 0; i < lost && i + 1 < answered_.size(); ++i)
       lost_.push_back(answered_[answered_.size() - 2 - i]);
     answered_.push_back(run_.samples.size() - 1);
@@ -252,9 +256,10 @@ class AnswerLog {
 
  private:
   ExcitedRun& run_;
-  std::vector<std::size_t> answered_, lost_;
+  std::vector<std::size_t> answered_, lost_;  // indices of samples
 };
 
+// Joint speeds between two consecutive ticks [rad/s].
 Eigen::Matrix<double, 7, 1> SpeedOf(const control::TickRecord& before, const control::TickRecord& now,
                                     double period_s) {
   Eigen::Matrix<double, 7, 1> speed;
@@ -265,6 +270,8 @@ Eigen::Matrix<double, 7, 1> SpeedOf(const control::TickRecord& before, const con
   return speed;
 }
 
+// Fills mean and 99th percentile of the messages' lateness.
+// @param arrivals_s  of each message  @param steps  number of periods until that message, with lost ones
 void FillJitter(std::vector<double> arrivals_s, double period_s, const std::vector<double>& steps,
                 ExcitedSamples& samples) {
   if (arrivals_s.empty()) return;
@@ -293,6 +300,7 @@ tl::expected<ExcitedSamples, std::string> SamplesOf(const std::vector<control::T
   std::vector<double> arrivals_s, steps;
   std::uint32_t sequence = 0, lost_before = 0;
   bool begun = false;
+  // for the RMS of the joint speeds: sum of the squares, and number of the ticks
   Eigen::Matrix<double, 7, 1> squares = Eigen::Matrix<double, 7, 1>::Zero();
   double counted = 0.0;
   for (std::size_t i = 0; i < ticks.size(); ++i) {
@@ -308,13 +316,14 @@ tl::expected<ExcitedSamples, std::string> SamplesOf(const std::vector<control::T
       lost_before = tick.answers_lost;
       continue;
     }
-    const auto apart = static_cast<std::int32_t>(tick.sequence - sequence);
-    if (begun && apart <= 0)
+    const auto sequence_step_seen = static_cast<std::int32_t>(tick.sequence - sequence);
+    if (begun && sequence_step_seen <= 0)
       return tl::unexpected(
           fmt::format("found message {} after {}, accepted rising numbers: a link's trouble, see "
                       "osteon doctor",
                       tick.sequence, sequence));
-    const int missing = begun ? apart / axis.hold.sequence_step - 1 : 0;
+    // a message that never came gets a sample that repeats the one before, marked as not seen
+    const int missing = begun ? sequence_step_seen / axis.hold.sequence_step - 1 : 0;
     for (int gap = 0; gap < missing; ++gap) {
       ExcitedSample unseen = samples.run.samples.back();
       unseen.seen = false;
@@ -329,7 +338,7 @@ tl::expected<ExcitedSamples, std::string> SamplesOf(const std::vector<control::T
          .draw = step.path.draw,
          .period = step.path.period});
     answers.Add(tick.answers_lost - lost_before);
-    if (begun && apart == axis.hold.sequence_step && samples.run.samples.back().counted) {
+    if (begun && sequence_step_seen == axis.hold.sequence_step && samples.run.samples.back().counted) {
       squares += SpeedOf(ticks[i - 1], ticks[i], axis.hold.period_s).cwiseAbs2();
       ++counted;
     }

@@ -18,10 +18,10 @@ struct ExcitationRequest {
   char axis{'z'};  ///< x, y or z of the tool's frame at the cell's start
   double peak_speed_m_per_s{0.05};
   std::uint64_t seed{1};
-  int draws{4}, periods{3};
-  bool held{false};     ///< a hand holds the handle
-  bool overlay{false};  ///< a force over the arm's impedance instead of a motion of its command
-  double rest_s{0.0};   ///< above 0: the arm rests for this time, and nothing is excited
+  int draws{4}, periods{3};  ///< random draws of the phases; counted periods of each
+  bool held{false};          ///< a hand holds the handle
+  bool overlay{false};       ///< a force over the arm's impedance instead of a motion of its command
+  double rest_s{0.0};        ///< above 0: the arm rests for this time, and nothing is excited
   /// 1 … 7: this joint is moved instead of an axis, and peak_speed_m_per_s is the joint's speed [rad/s].
   int joint{0};
 };
@@ -66,7 +66,7 @@ struct ExcitedSamples {
   control::ExcitationAbort abort{control::ExcitationAbort::kNone};
   std::uint32_t messages{0}, lost_messages{0}, lost_answers{0};  ///< while the path ran
   double start_error_rad{0.0};  ///< largest difference of the held joints from the cell's start
-  double jitter_mean_s{0.0}, jitter_p99_s{0.0};
+  double jitter_mean_s{0.0}, jitter_p99_s{0.0};  ///< lateness of the messages: mean, 99th percentile
   kinematics::JointVectorN<7> joint_rms_rad_per_s{kinematics::JointVectorN<7>::Zero()};  ///< while counted
 };
 

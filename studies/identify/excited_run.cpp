@@ -32,16 +32,17 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kGiveUp_s = 60.0;  // longest virtual time until the path begins
-constexpr double kFrame_s = 0.02;   // time between the models of free air
-constexpr double kRenders_s = 0.1;  // time of rendering before the pause is requested
-constexpr double kAfter_s = 0.5;    // time that is recorded after the end
-constexpr double kFarAway_m = 10.0;
+constexpr double kGiveUp_s = 60.0;   // longest virtual time until the path begins
+constexpr double kFrame_s = 0.02;    // time between the models of free air
+constexpr double kRenders_s = 0.1;   // time of rendering before the pause is requested
+constexpr double kAfter_s = 0.5;     // time that is recorded after the end
+constexpr double kFarAway_m = 10.0;  // height of a hand that never touches the handle
 constexpr double kStands_s = 36000.0, kHeldBound_N = 100.0;  // duration and force limit of a holding hand
 
+// The run is in virtual time.
 bool IsVirtual(const ExcitedRunParams& params) { return params.simulated && !params.wall_time; }
 
-// The cell of an excited run: no spindle.
+// The cell of an excited run: its spindle stands, and no guidance acts.
 config::CellConfig Quiet(const config::CellConfig& cell) {
   config::CellConfig quiet = cell;
   quiet.servo.spindle_rad_per_s = 0.0;
@@ -75,6 +76,7 @@ simulation::ContactModel FreeAir(const Pose& X_WT, rt::Nanoseconds now, std::uin
   return model;
 }
 
+// Makes the recording's folder and opens the recording; in virtual time the caller writes it by Drain().
 tl::expected<std::unique_ptr<io::Recorder>, std::string> OpenRecorder(const session::CellSetup& setup,
                                                                       const ExcitedRunParams& params) {
   const auto folder = params.recording.parent_path();
@@ -97,6 +99,7 @@ tl::expected<std::unique_ptr<io::Recorder>, std::string> OpenRecorder(const sess
                              .machine = session::MachineName()});
 }
 
+// The names of the faults, with commas.
 std::string FaultText(safety::FaultSet faults) {
   std::string text;
   session::ForEachFault(faults, [&](safety::Fault, const safety::FaultText& fault) {
@@ -105,6 +108,7 @@ std::string FaultText(safety::FaultSet faults) {
   return text;
 }
 
+// Why a run ended early, for the user. @param begun  the excitation had begun
 std::string WhyEnded(const control::ServoLoop& loop, const control::ExcitedHoldStep& step, bool begun) {
   if (loop.faults().Any()) return "the cell stopped: " + FaultText(loop.faults());
   if (step.abort != control::ExcitationAbort::kNone) return Describe(step.abort);
@@ -145,11 +149,11 @@ class VirtualRun {
                  limit_s = kGiveUp_s + rest_s + 2.0 * hold_.path().duration_s();
     long after = std::lround(kAfter_s / period_s_);
     for (long tick = 1; after > 0; ++tick) {
-      const bool over = hold_.done() || loop_.phase() == control::Phase::kStopped;
+      const bool ended = hold_.done() || loop_.phase() == control::Phase::kStopped;
       const bool late =
           static_cast<double>(tick) * period_s_ > limit_s ||
           (!step_.excites && !hold_.done() && static_cast<double>(tick) * period_s_ > kGiveUp_s + rest_s);
-      if (over || late || (stop && stop->load())) {
+      if (ended || late || (stop && stop->load())) {
         loop_.RequestStop();
         --after;
       }
@@ -161,6 +165,7 @@ class VirtualRun {
   }
 
  private:
+  // One period: arm, devices, loop, excitation; the answer to the arm ends it.
   void Tick(long tick) {
     const rt::Nanoseconds now = tick * period_;
     arm_.cell().SetPower(devices_->power());
@@ -184,6 +189,7 @@ class VirtualRun {
     if (const auto answer = session_.Answer(sent); accepted && !answer.empty()) arm_.Receive(answer);
   }
 
+  // Gives the loop a new model of free air every kFrame_s.
   void UpdateModel(long tick, rt::Nanoseconds now) {
     const auto frame = std::lround(kFrame_s / period_s_);
     if (tick % frame != 0 || loop_.tool_command().stamp == 0) return;
@@ -212,6 +218,7 @@ class VirtualRun {
   bool begun_{false};
 };
 
+// Runs the simulated cell in virtual time.
 tl::expected<void, std::string> RunVirtual(const session::CellSetup& setup, const ExcitedAxis& axis,
                                            io::Recorder& recorder, const ExcitedRunParams& params) {
   const config::CellConfig cell = Quiet(setup.config);
@@ -226,8 +233,8 @@ tl::expected<void, std::string> RunVirtual(const session::CellSetup& setup, cons
   return {};
 }
 
-// The connections of a connected cell, with the excitation between loop and arm: each answer gets the offset
-// of the hold, which is computed from the same values that the tick's record has.
+// The connections of a connected cell, with the excitation between loop and arm: each command gets the
+// excitation's offset or force, computed from the same values that the tick's record has.
 class ExcitedWires final : public control::ArmLink, public control::CellDevices {
  public:
   ExcitedWires(control::ArmLink& link, control::CellDevices& devices, control::ServoLoop& loop,
@@ -309,6 +316,7 @@ class FreeAirPort final : public control::SimulationPort {
   simulation::ContactModel model_;
 };
 
+// Runs a cell whose arm and devices are reached by their protocols; the servo loop has a thread of its own.
 tl::expected<void, std::string> RunConnected(const session::CellSetup& setup, const ExcitedAxis& axis,
                                              io::Recorder& recorder, const ExcitedRunParams& params) {
   const config::CellConfig cell = Quiet(setup.config);

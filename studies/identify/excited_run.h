@@ -12,6 +12,7 @@
 
 namespace osteon::studies {
 
+/// What one excited run does, where it is recorded, and with which arm.
 struct ExcitedRunParams {
   ExcitationRequest request;
   std::filesystem::path recording;  ///< the MCAP file to write

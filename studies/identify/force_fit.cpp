@@ -15,26 +15,35 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi, kTwoSd = 2.0;
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr double kTwoSd = 2.0;  // half width of a 95 % interval, in standard deviations
+// A resonance is tried if chi² without it is above kBadChi2; kept if chi² falls by more than kResonanceGain.
 constexpr double kResonanceGain = 3.0, kBadChi2 = 3.0;
+// A grip time is tried if chi² without it is above kExactChi2, and kept if chi² falls by more than kGripGain.
 constexpr double kExactChi2 = 0.1, kGripGain = 2.0;
 constexpr double kMaxResonance = 1.5;  // factor on the highest line: beyond it nothing was measured
 
-// Half width of the interval of parameter i, times a factor.
+// Half width of the 95 % interval of parameter i, widened by a chi² above 1. @param factor  converts the
+// interval of a logarithm to that of its value
 double Width(const LeastSquaresFit& fit, double chi2, Eigen::Index i, double factor = 1.0) {
   return kTwoSd * factor * std::sqrt(std::max(1.0, chi2) * std::max(0.0, fit.covariance(i, i)));
 }
 
+// Force over position of a mass p[0] [kg] behind a delay p[1] [s], at one frequency.
 Complex Inertia(const Eigen::VectorXd& p, double hz) {
   const double w = kTwoPi * hz;
   return p[0] * w * w * std::polar(1.0, -w * p[1]);
 }
 
+// R(w) of the header: the tool's motion over the encoders' motion, at one frequency.
 Complex Resonance(double resonance_hz, double damping, double hz) {
   const double w_r = kTwoPi * resonance_hz, w = kTwoPi * hz;
   return w_r * w_r / Complex(w_r * w_r - w * w, 2.0 * damping * w_r * w);
 }
 
+// Fits mass, delay and a resonance, from each of these frequencies [Hz], as the cost has several minima.
+// The parameters are p = (mass, delay, log of the resonance in Hz, log of its damping ratio).
+// @param rigid  mass and delay fitted without a resonance
 LeastSquaresFit FitResonance(std::span<const ResponseLine> lines, const Eigen::VectorXd& rigid) {
   LeastSquaresFit best;
   const auto model = [](const Eigen::VectorXd& p, double hz) {
@@ -54,13 +63,13 @@ tl::expected<ToolForceFit, std::string> FitToolForce(std::span<const ResponseLin
   if (lines.size() < 4)
     return tl::unexpected(fmt::format("found {} lines, accepted 4 or more", lines.size()));
   // start of the fit: the weighted mean of F / (x w^2)
-  double over = 0.0, under = 0.0;
+  double weighted_sum = 0.0, weights = 0.0;
   for (const ResponseLine& line : lines) {
     const double w2 = kTwoPi * line.hz * kTwoPi * line.hz, weight = w2 * w2 / (line.sd * line.sd);
-    over += weight * (line.value / w2).real();
-    under += weight;
+    weighted_sum += weight * (line.value / w2).real();
+    weights += weight;
   }
-  const LeastSquaresFit rigid = FitResponse(lines, Inertia, Eigen::Vector2d(over / under, 0.0));
+  const LeastSquaresFit rigid = FitResponse(lines, Inertia, Eigen::Vector2d(weighted_sum / weights, 0.0));
   if (!rigid.converged) return tl::unexpected(std::string("no mass fits the force"));
   const double chi2 = Chi2Of(rigid, lines.size());
   ToolForceFit fit{.mass_kg = {rigid.parameters[0], Width(rigid, chi2, 0)},
@@ -68,17 +77,21 @@ tl::expected<ToolForceFit, std::string> FitToolForce(std::span<const ResponseLin
                    .resonance = {},
                    .chi2 = chi2};
   if (chi2 > kBadChi2)
-    if (const LeastSquaresFit bent = FitResonance(lines, rigid.parameters); bent.converged) {
-      const double less = Chi2Of(bent, lines.size());
-      const double hz = std::exp(bent.parameters[2]), damping = std::exp(bent.parameters[3]);
-      if (less * kResonanceGain < chi2 && hz <= kMaxResonance * lines.back().hz) {
-        fit = {.mass_kg = {bent.parameters[0], Width(bent, less, 0)},
-               .delay_s = {bent.parameters[1], Width(bent, less, 1)},
-               .resonance = ResonanceFit{.hz = {hz, Width(bent, less, 2, hz)},
-                                         .damping_ratio = {damping, Width(bent, less, 3, damping)}},
-               .chi2 = less};
+    if (const LeastSquaresFit with_resonance = FitResonance(lines, rigid.parameters);
+        with_resonance.converged) {
+      const double chi2_with_resonance = Chi2Of(with_resonance, lines.size());
+      const double hz = std::exp(with_resonance.parameters[2]),
+                   damping = std::exp(with_resonance.parameters[3]);
+      if (chi2_with_resonance * kResonanceGain < chi2 && hz <= kMaxResonance * lines.back().hz) {
+        fit = {.mass_kg = {with_resonance.parameters[0], Width(with_resonance, chi2_with_resonance, 0)},
+               .delay_s = {with_resonance.parameters[1], Width(with_resonance, chi2_with_resonance, 1)},
+               .resonance = ResonanceFit{.hz = {hz, Width(with_resonance, chi2_with_resonance, 2, hz)},
+                                         .damping_ratio = {damping, Width(with_resonance, chi2_with_resonance,
+                                                                          3, damping)}},
+               .chi2 = chi2_with_resonance};
       }
     }
+  // 1.5 half widths of two standard deviations each
   if (!(fit.mass_kg.value > 1.5 * fit.mass_kg.half_width))
     return tl::unexpected(
         fmt::format("the force sensor shows no inertia of the tool: found {:.3f} ± {:.3f} kg",
@@ -88,7 +101,8 @@ tl::expected<ToolForceFit, std::string> FitToolForce(std::span<const ResponseLin
 
 namespace {
 
-// A hand with the parameters k, b, m, then grip time and delay if they are fitted, in this order.
+// Force over position of a tool held by a hand (FitHand's formula), at one frequency. The parameters are k,
+// b, m, then grip time and delay if they are fitted, in this order.
 struct HandModel {
   double tool_mass_kg{0.0};
   bool has_grip{false};
@@ -106,6 +120,8 @@ struct HandModel {
   }
 };
 
+// Fits the model from each of these stiffnesses [N/m], as the cost has several minima, and returns the best
+// fit.
 LeastSquaresFit FitHandModel(std::span<const ResponseLine> lines, const HandModel& model) {
   LeastSquaresFit best;
   for (const double k : {300.0, 1000.0, 3000.0, 8000.0}) {
@@ -117,14 +133,14 @@ LeastSquaresFit FitHandModel(std::span<const ResponseLine> lines, const HandMode
   return best;
 }
 
-// RMS of measured less fitted, over the RMS of the measured.
+// RMS of (measured - fitted), divided by the RMS of the measured values.
 double ResidualOf(std::span<const ResponseLine> lines, const HandModel& model, const Eigen::VectorXd& p) {
-  double off = 0.0, all = 0.0;
+  double squared_errors = 0.0, squares = 0.0;
   for (const ResponseLine& line : lines) {
-    off += std::norm(line.value - model(p, line.hz));
-    all += std::norm(line.value);
+    squared_errors += std::norm(line.value - model(p, line.hz));
+    squares += std::norm(line.value);
   }
-  return std::sqrt(off / all);
+  return std::sqrt(squared_errors / squares);
 }
 
 }  // namespace
@@ -135,6 +151,7 @@ tl::expected<HandFit, std::string> FitHand(std::span<const ResponseLine> lines, 
   for (const ResponseLine& line : lines)
     if (line.hz <= options.max_hz) {
       used.push_back(line);
+      // no line counts as more exact than the model can be
       used.back().sd = std::hypot(line.sd, options.accuracy * std::abs(line.value));
     }
   if (used.size() < 4) return tl::unexpected(fmt::format("found {} lines, accepted 4 or more", used.size()));

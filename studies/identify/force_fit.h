@@ -11,7 +11,7 @@
 
 namespace osteon::studies {
 
-/// A resonance between the encoders and the tool.
+/// A resonance between the encoders and the tool: natural frequency w_r / 2 pi and damping ratio z_r.
 struct ResonanceFit {
   Estimate hz{}, damping_ratio{};
 };
@@ -27,8 +27,9 @@ struct ToolForceFit {
 ///
 ///     F / x = m w^2 exp(-i w delay) R(w),   R = 1 or w_r^2 / (w_r^2 - w^2 + 2 i z_r w_r w)
 ///
-/// A resonance is added if chi^2 falls by more than kResonanceGain and the fit without it is worse than 3.
-/// @returns an error with fewer than 4 lines, or if no force is visible: a mass below 3 standard deviations
+/// A resonance is added if chi^2 without it is above 3 and falls to less than a third with it.
+/// @returns an error with fewer than 4 lines, or if no force is visible: a mass of at most 3 standard
+/// deviations
 [[nodiscard]] tl::expected<ToolForceFit, std::string> FitToolForce(std::span<const ResponseLine> lines);
 
 /// How a hand is fitted.
@@ -46,7 +47,7 @@ struct HandFit {
   Estimate grip_time_s{};  ///< time constant with which the hand's mass follows the handle; 0: at once
   Estimate delay_s{};      ///< of the force sensor
   double chi2{0.0};        ///< divided by its degrees of freedom
-  double residual{0.0};    ///< RMS of the measured response less the fitted one, over that of the measured
+  double residual{0.0};    ///< RMS of (measured - fitted response), divided by the RMS of the measured one
 };
 
 /// Weighted least squares of a hand whose mass is coupled to the handle by its grip, up to a frequency:

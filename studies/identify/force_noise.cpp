@@ -14,12 +14,13 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kWindow_s = 1.0, kMinSeconds = 10.0;
-constexpr double kLineRatio = 10.0;   // ratio of power: 10 dB
-constexpr double kMinLine_N = 1e-3;   // smaller lines come from the last digit of the reading
-constexpr std::size_t kAround = 10;   // frequencies on each side
-constexpr std::size_t kMainLobe = 2;  // of a Hann window
+constexpr double kWindow_s = 1.0, kMinSeconds = 10.0;  // of one spectrum; of a signal that is measured
+constexpr double kLineRatio = 10.0;   // least power of a line, over the median around it: 10 dB
+constexpr double kMinLine_N = 1e-3;   // least amplitude: smaller lines come from the reading's last digit
+constexpr std::size_t kAround = 10;   // frequencies on each side from which the median is taken
+constexpr std::size_t kMainLobe = 2;  // half width of a Hann window's main lobe, in frequencies
 
+// Standard deviation of a sample; 0 of fewer than two values.
 double SdOf(const std::vector<double>& values) {
   double mean = 0.0, squares = 0.0;
   for (const double value : values) mean += value / static_cast<double>(values.size());
@@ -55,6 +56,7 @@ std::vector<double> PowerOf(std::span<const double> force_N, std::size_t window)
   return power;
 }
 
+// Median power of the frequencies on both sides of `at`, without its main lobe.
 double MedianAround(const std::vector<double>& power, std::size_t at) {
   std::vector<double> around;
   const std::size_t begin = at > kAround + kMainLobe ? at - kAround - kMainLobe : 3;
@@ -86,7 +88,7 @@ ForceNoise MeasureNoise(std::span<const double> force_N, double period_s) {
         !(power[i] > kMinLine_N * kMinLine_N))
       continue;
     noise.lines.push_back({.hz = static_cast<double>(i) / kWindow_s, .amplitude = std::sqrt(power[i])});
-    variance -= 0.5 * power[i];
+    variance -= 0.5 * power[i];  // a sine of amplitude a has the variance a² / 2
   }
   noise.white_N = std::sqrt(std::max(0.0, variance));
   // White noise alone makes the means differ: its part is removed.
@@ -97,7 +99,9 @@ ForceNoise MeasureNoise(std::span<const double> force_N, double period_s) {
 
 namespace {
 
-// Mean power around a harmonic of the turn, by the offset in frequency: |offset| in steps of 1 / window.
+// Power around a harmonic of the rotation: element i is the sum of the two frequencies i steps of 1 / window
+// below and above it. The force is demodulated by the measured angle, so that a changing speed does not
+// spread the harmonic.
 std::vector<double> PowerAround(std::span<const double> force_N, std::span<const double> angle_rad, int order,
                                 std::size_t window) {
   Eigen::FFT<double> fft;
@@ -118,23 +122,23 @@ std::vector<double> PowerAround(std::span<const double> force_N, std::span<const
   return power;
 }
 
-// Width around zero offset that contains 95 % of the power up to `reach`, after the noise was subtracted; 0
-// if the harmonic does not stand out.
+// Width around the harmonic, in frequencies of PowerAround, that contains 95 % of the power up to `reach`
+// after the noise was subtracted; 0 if the harmonic does not stand out of the noise.
 double WidthOf(std::vector<double> power, std::size_t reach) {
-  constexpr double kHeld = 0.95, kStandsOut = 4.0;
+  constexpr double kContained = 0.95, kStandsOut = 4.0;  // share of the power; factor on the noise
   // The harmonic has most of its power in few of these frequencies: the lower fifth is noise.
   std::vector<double> sorted(power.begin(), power.begin() + static_cast<std::ptrdiff_t>(reach));
-  const double floor = base::ValueOfRank(sorted, reach / 5);
-  double all = 0.0;
+  const double noise_power = base::ValueOfRank(sorted, reach / 5);
+  double total = 0.0;
   for (std::size_t i = 0; i < reach; ++i) {
-    power[i] = std::max(0.0, power[i] - (i == 0 ? 0.5 : 1.0) * floor);
-    all += power[i];
+    power[i] = std::max(0.0, power[i] - (i == 0 ? 0.5 : 1.0) * noise_power);
+    total += power[i];
   }
-  if (!(all > kStandsOut * floor * static_cast<double>(kMainLobe + 1))) return 0.0;
-  double held = 0.0;
+  if (!(total > kStandsOut * noise_power * static_cast<double>(kMainLobe + 1))) return 0.0;
+  double contained = 0.0;
   for (std::size_t i = 0; i < reach; ++i) {
-    held += power[i];
-    if (held >= kHeld * all) return 2.0 * static_cast<double>(std::max<std::size_t>(1, i));
+    contained += power[i];
+    if (contained >= kContained * total) return 2.0 * static_cast<double>(std::max<std::size_t>(1, i));
   }
   return 2.0 * static_cast<double>(reach);
 }
@@ -143,7 +147,8 @@ double WidthOf(std::vector<double> power, std::size_t reach) {
 
 double MeasureNotchWidth(std::span<const double> force_N, std::span<const double> speed_rad_per_s,
                          double period_s) {
-  constexpr double kTurnWindow_s = 4.0, kMinTurning_s = 8.0, kLow_hz = 5.0, kHigh_hz = 40.0;
+  constexpr double kTurnWindow_s = 4.0, kMinTurning_s = 8.0;  // of one spectrum; of the signal
+  constexpr double kLow_hz = 5.0, kHigh_hz = 40.0;            // where a harmonic counts
   constexpr int kOrders = 8;
   const std::size_t size = std::min(force_N.size(), speed_rad_per_s.size());
   if (period_s * static_cast<double>(size) < kMinTurning_s) return 0.0;
@@ -153,7 +158,7 @@ double MeasureNotchWidth(std::span<const double> force_N, std::span<const double
   const double turn_hz =
       std::abs(angle_rad.back()) / (2.0 * std::numbers::pi * period_s * static_cast<double>(size));
   const auto window = static_cast<std::size_t>(std::lround(kTurnWindow_s / period_s));
-  // the next harmonic is one turn away
+  // half the way to the next harmonic, which is one rotation frequency away
   const auto reach = static_cast<std::size_t>(0.5 * turn_hz * kTurnWindow_s);
   if (reach < 4 * kMainLobe) return 0.0;
   double widest_hz = 0.0;

@@ -10,13 +10,16 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kMinSeconds = 5.0, kSettle_s = 1.0, kWindow_s = 0.2, kShare = 0.999;
-constexpr double kLow_hz = 5.0, kHigh_hz = 40.0, kQ = 0.7071067811865476;
-constexpr double kMaxDrag = 1.02, kStep = 1.2;
+constexpr double kMinSeconds = 5.0;  // least length of the signal
+constexpr double kSettle_s = 1.0;    // beginning that is left out, until the filters have settled
+constexpr double kWindow_s = 0.2;    // of one RMS value
+constexpr double kShare = 0.999;     // the percentile
+constexpr double kLow_hz = 5.0, kHigh_hz = 40.0, kQ = 0.7071067811865476;  // band; Butterworth filters
+constexpr double kMaxDrag = 1.02, kStep = 1.2;  // accepted drag factor; growth of tremor_N per step
 constexpr int kMaxSteps = 30;
-constexpr double kLeast_N = 1e-3;
+constexpr double kLeast_N = 1e-3;  // smallest tremor_N
 
-// RMS of the band over a sliding window, from kSettle_s on.
+// RMS of the force between 5 and 40 Hz over a sliding window [N], one value per tick from kSettle_s on.
 std::vector<double> EffectiveForce(std::span<const Wrench> F_T, double period_s) {
   using control::Biquad;
   const double high_hz = std::min(kHigh_hz, 0.4 / period_s);
@@ -35,6 +38,7 @@ std::vector<double> EffectiveForce(std::span<const Wrench> F_T, double period_s)
   return effective;
 }
 
+// Mean damping factor of the vibration index over the recording, with this tremor allowed.
 double MeanDrag(std::span<const Wrench> F_T, control::VibrationParams params, double tremor_N,
                 double period_s) {
   params.reference.tremor_N = tremor_N;

@@ -28,15 +28,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kRest_s = 60.0, kTremor_s = 30.0;
-constexpr std::uint64_t kSeed = 1, kOtherSeed = 101;
+constexpr double kRest_s = 60.0, kTremor_s = 30.0;    // length of the noise and the tremor run
+constexpr std::uint64_t kSeed = 1, kOtherSeed = 101;  // of the fitted runs; of the validation runs
+constexpr int kJointDraws = 2, kJointPeriods = 2;     // 24 s
 
-constexpr int kJointDraws = 2, kJointPeriods = 2;  // 24 s
-
+// A recording to be made.
 struct PlannedRun {
   ExcitationRequest request;
   fs::path file;
-  bool validates{false};
+  bool validates{false};  // it judges a fit, instead of being fitted
 };
 
 // Plans the runs that move one joint after another, at each speed.
@@ -53,7 +53,8 @@ void PlanJoints(const IdentifyOptions& options, int joints, std::vector<PlannedR
                       .file = options.out / fmt::format("joint_A{}_{:g}.mcap", joint, Degrees(speed))});
 }
 
-// @param joints  of the cell's arm
+// Plans the requested runs and their files, in the order in which they are made.
+// @param joints  number of joints of the cell's arm
 // @param overlay  the cell has the impedance law: a force is laid over the arm's own impedance
 // @param has_no_tremor  the simulated hand has no tremor that could be measured
 std::vector<PlannedRun> PlanRuns(const IdentifyOptions& options, int joints, bool overlay,
@@ -98,8 +99,8 @@ bool IsRecording(const std::string& name) {
          std::ranges::any_of(kBegin, [&](const char* begin) { return name.starts_with(begin); });
 }
 
-// Moves what an earlier identification has left in the folder into a subfolder: its results, and the
-// recordings where new ones are made.
+// Moves an earlier identification's results into a subfolder; its recordings as well, if new ones are made.
+// @returns an error, or an empty text
 std::string KeepEarlierFiles(const IdentifyOptions& options) {
   std::vector<fs::path> files;
   std::error_code error;
@@ -119,6 +120,7 @@ std::string KeepEarlierFiles(const IdentifyOptions& options) {
 constexpr const char* kNoTremor =
     "left out: the simulated hand has no tremor; found operator: tremor_N: 0, accepted more than 0";
 
+// The simulated hand has no tremor that could be measured.
 bool HasNoTremor(const IdentifyOptions& options, const config::CellConfig& cell) {
   return options.simulated && cell.simulated.hand.tremor_N == 0.0;
 }
@@ -128,6 +130,7 @@ struct Recordings {
   std::vector<fs::path> fits, validations;
 };
 
+// Moves the arm by each planned run and records it.
 tl::expected<Recordings, std::string> RecordRuns(const IdentifyOptions& options) {
   auto setup = session::PrepareCell(options.cell, std::nullopt);
   if (!setup) return tl::unexpected(setup.error());
@@ -153,7 +156,8 @@ tl::expected<Recordings, std::string> RecordRuns(const IdentifyOptions& options)
   return recordings;
 }
 
-// Names a file whose bytes are given twice: it would count twice, or judge the fit that was made of it.
+// Names a recording that is given twice: it would count twice in a fit, or validate the fit made from it.
+// Empty: there is none.
 std::string RepeatedFile(const Recordings& recordings) {
   std::map<std::string, fs::path> known;  // by their hashes
   for (const std::vector<fs::path>* files : {&recordings.fits, &recordings.validations})
@@ -165,6 +169,7 @@ std::string RepeatedFile(const Recordings& recordings) {
   return "";
 }
 
+// Estimates from all recordings, then judges the estimates and the cell's present gains.
 tl::expected<IdentifyResult, std::string> EstimateAll(const IdentifyOptions& options,
                                                       const Recordings& recordings) {
   const config::CellConfig cell = config::LoadCell(options.cell);
@@ -197,12 +202,13 @@ void Print(const IdentifyResult& result) {
 }
 
 // Whether the result contains anything that a cell or a study uses.
-bool SaysAnything(const config::IdentifiedCell& identified) {
+bool HasContent(const config::IdentifiedCell& identified) {
   return !identified.arm.empty() || !identified.response.empty() || !identified.hands.empty() ||
          identified.vibration || identified.dead_zone_N;
 }
 
-// Names the command that uses the file: `osteon tune`, or a run if neither arm nor hand was measured.
+// The line that names the command for the written file: `osteon tune`, or a run if neither arm nor hand was
+// measured.
 std::string WrittenText(const fs::path& file, const config::IdentifiedCell& identified) {
   const bool tunes = !identified.arm.empty() || !identified.response.empty() || !identified.hands.empty();
   return fmt::format("{0}: osteon {1} CELL --identified {0} takes it", file.string(), tunes ? "tune" : "run");
@@ -219,6 +225,7 @@ void PrintCellLines(const config::IdentifiedCell& identified) {
     line(fmt::format("vibration: notch_hz: {:.3g}", identified.vibration->notch_hz.front()));
 }
 
+// Writes identify.json, the page, and identified.yaml if nothing was refused and a cell can use the result.
 tl::expected<void, std::string> Write(const IdentifyOptions& options, const IdentifyResult& result) {
   std::error_code error;
   fs::create_directories(options.out, error);
@@ -235,7 +242,7 @@ tl::expected<void, std::string> Write(const IdentifyOptions& options, const Iden
   const fs::path file = options.out / "identified.yaml";
   const config::IdentifiedCell identified = ToIdentified(result);
   if (!result.refused.empty()) return {};
-  if (!SaysAnything(identified)) {
+  if (!HasContent(identified)) {
     fmt::print("  {:<30} {}\n", "Written", "no identified.yaml: nothing in it that a cell would take");
     return {};
   }
@@ -249,7 +256,8 @@ tl::expected<void, std::string> Write(const IdentifyOptions& options, const Iden
   return {};
 }
 
-// Makes the table of synthetic recordings of the cell's simulated arm: the accuracy of its identification.
+// Prints the table of identifications of the cell's simulated arm from synthetic recordings: their accuracy.
+// @returns the process's exit code
 int RunTable(const IdentifyOptions& options, const config::CellConfig& cell) {
   config::RequireSimulation(cell, options.cell);
   const auto& kr = cell.simulated.kr;

@@ -15,6 +15,7 @@ struct IdentifyRuns {
   bool joints{false};  ///< one joint after another, with nobody at the handle
 };
 
+/// Command line of `osteon identify`.
 struct IdentifyOptions {
   std::filesystem::path cell;
   bool simulated{false};  ///< moves the simulated cell, in virtual time

@@ -19,19 +19,22 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kMinMotion_s = 10.0, kMoves_m_per_s = 1e-3, kPassiveHand_N = 5.0;
-constexpr double kPosture_rad = 0.02;
+constexpr double kMinMotion_s = 10.0, kMoves_m_per_s = 1e-3;  // least motion for a total lag, and its speed
+constexpr double kPassiveHand_N = 5.0;  // least peak force with which a total lag's compliance is reported
+constexpr double kPosture_rad = 0.02;   // largest difference of two starts that count as the same
 constexpr double kStructureChi2 = 3.0;  // of an arm's fit: above it the handle moves unlike the encoders
 constexpr double kNearModel = 0.01;     // largest residual of a usable model, for a response of 1
 
+// A recording with its own cell and its excitation.
 struct ReadRun {
   config::IdentifiedRecording named;
   io::Recording recording;
-  std::optional<ExcitationRequest> request;
-  std::string another_cell;  // why the recording is not of this cell; empty: it is
-  config::CellConfig cell;   // the cell with which it was recorded
+  std::optional<ExcitationRequest> request;  // none: nothing was excited
+  std::string another_cell;                  // why the recording is not of this cell; empty: it is
+  config::CellConfig cell;                   // the cell with which it was recorded
 };
 
+// Why the found cell is not the accepted one; empty: it is.
 std::string DifferenceOf(const config::CellConfig& found, const config::CellConfig& accepted) {
   if (found.robot.name != accepted.robot.name)
     return fmt::format("another cell's recording: found the robot {}, accepted {}", found.robot.name,
@@ -128,7 +131,7 @@ void FillHarmonics(const std::vector<control::TickRecord>& ticks, double period_
   }
 }
 
-// The plant by force: F / q_cmd divided by the tool's inertial force per motion, m w^2.
+// The tool's motion per command by the force sensor: F / q_cmd over m w^2, the inertial force per motion.
 MeasuredResponse ByForce(MeasuredResponse response, double mass_kg) {
   for (ResponseLine& line : response.lines) {
     const double w = 2.0 * std::numbers::pi * line.hz, per_m = mass_kg * w * w;
@@ -139,7 +142,7 @@ MeasuredResponse ByForce(MeasuredResponse response, double mass_kg) {
   return response;
 }
 
-// Sums of the normal equations for one part of a motion.
+// Sums of the normal equations of error = lag speed + c force over a part of a motion. Solve: (lag, c).
 struct LagSums {
   Eigen::Matrix2d normal{Eigen::Matrix2d::Zero()};
   Eigen::Vector2d right{Eigen::Vector2d::Zero()};
@@ -164,9 +167,9 @@ std::optional<Estimate> FeltMass(const ServoModel& arm, const AxisResult& free, 
   constexpr double kMaxHz = 30.0;
   const double delay_s = free.tool ? free.tool->delay_s.value : held.hand->delay_s.value;
   const double natural = 2.0 * std::numbers::pi * arm.bandwidth_hz;
-  double over = 0.0, under = 0.0, squares = 0.0;
+  double weighted_sum = 0.0, weights = 0.0, squares = 0.0;
   int lines = 0;
-  std::vector<std::pair<std::complex<double>, double>> found;  // 1 / M by each line, and its sd
+  std::vector<std::pair<std::complex<double>, double>> inverse_masses;  // 1 / M by each line, and its sd
   for (std::size_t i = 0; i < held.by_encoders.lines.size(); ++i) {
     const ResponseLine& line = held.by_encoders.lines[i];
     const double w = 2.0 * std::numbers::pi * line.hz;
@@ -175,19 +178,20 @@ std::optional<Estimate> FeltMass(const ServoModel& arm, const AxisResult& free, 
     const std::complex<double> force =
         (held.force_over_position->lines[i].value * std::polar(1.0, w * delay_s) - tool_mass_kg * w * w) *
         line.value;
+    // 1 / M = (Y/U - P) / (F/U) (w0^2 - w^2 + 2 i z w0 w) with the arm's w0 and z
     const std::complex<double> spring(natural * natural - w * w, 2.0 * arm.damping_ratio * natural * w);
     const std::complex<double> per_mass = (line.value - free.by_encoders.lines[i].value) / force * spring;
     const double sd = std::hypot(line.sd, free.by_encoders.lines[i].sd) / std::abs(force) * std::abs(spring);
-    found.emplace_back(per_mass, sd);
-    over += per_mass.real() / (sd * sd);
-    under += 1.0 / (sd * sd);
+    inverse_masses.emplace_back(per_mass, sd);
+    weighted_sum += per_mass.real() / (sd * sd);
+    weights += 1.0 / (sd * sd);
     ++lines;
   }
   if (lines < 4) return {};
-  const double inverse = over / under;
-  for (const auto& [per_mass, sd] : found) squares += std::norm(per_mass - inverse) / (sd * sd);
+  const double inverse = weighted_sum / weights;
+  for (const auto& [per_mass, sd] : inverse_masses) squares += std::norm(per_mass - inverse) / (sd * sd);
   const double chi2 = squares / (2.0 * lines - 1.0);
-  const double half_width = 2.0 * std::sqrt(std::max(1.0, chi2) / under);
+  const double half_width = 2.0 * std::sqrt(std::max(1.0, chi2) / weights);
   if (!(inverse > half_width) || !(inverse > 0.01 && inverse < 100.0)) return {};
   return Estimate{.value = 1.0 / inverse, .half_width = half_width / (inverse * inverse)};
 }
@@ -214,13 +218,13 @@ std::optional<OverlaidArm> OverlaidArmOf(const config::CellConfig& cell, const E
 // noise, friction can make a usable model fail
 const AxisResult* FreeRunBeside(const IdentifyResult& result, const AxisResult& held, bool with_model) {
   const AxisResult* nearest = nullptr;
-  const auto off = [&](const AxisResult& axis) {
+  const auto speed_difference = [&](const AxisResult& axis) {
     return std::abs(axis.rms_speed_m_per_s - held.rms_speed_m_per_s);
   };
   for (const AxisResult& axis : result.axes)
     if (!axis.request.held && axis.request.axis == held.request.axis &&
         (!with_model || axis.model_holds || axis.fit.residual <= kNearModel) &&
-        (nearest == nullptr || off(axis) < off(*nearest)))
+        (nearest == nullptr || speed_difference(axis) < speed_difference(*nearest)))
       nearest = &axis;
   return nearest;
 }
@@ -239,7 +243,7 @@ double SecondsOf(const ReadRun& run) {
   return run.cell.servo.period_s * static_cast<double>(run.recording.ticks.size());
 }
 
-// Pairs and estimates an excited run; adds findings if that is not possible.
+// Estimates an axis or a joint from an excited run; adds a finding to `refused` if that is not possible.
 std::optional<AxisResult> EstimateRun(const ReadRun& run, IdentifyResult& result) {
   const std::string where = run.named.file;
   const auto refuse = [&](const std::string& what) {
@@ -331,11 +335,11 @@ tl::expected<PassiveLag, std::string> EstimatePassiveLag(const std::vector<contr
       continue;
     const Vector3 v = tick.v_WT_cmd_m_per_s, f = tick.F_operator_T_W.f;
     if (!(v.norm() > kMoves_m_per_s)) continue;
-    const Vector3 off = Vector3(tick.X_WT_cmd.p) - Vector3(tick.X_WT_meas.p);
+    const Vector3 error_m = Vector3(tick.X_WT_cmd.p) - Vector3(tick.X_WT_meas.p);
     if (parts.back().ticks == part_ticks) parts.emplace_back();
     for (int i = 0; i < 3; ++i) {
-      all.Add(off[i], v[i], f[i]);
-      parts.back().Add(off[i], v[i], f[i]);
+      all.Add(error_m[i], v[i], f[i]);
+      parts.back().Add(error_m[i], v[i], f[i]);
     }
     ++all.ticks;
     ++parts.back().ticks;
@@ -384,6 +388,7 @@ void FillFeltMasses(IdentifyResult& result) {
 
 namespace {
 
+// Adds the estimate that a recording allows, by its excitation: total lag, noise, tremor, axis or joint.
 tl::expected<void, std::string> AddFit(const tl::expected<ReadRun, std::string>& run,
                                        IdentifyResult& result) {
   if (!run) return tl::unexpected(run.error());
@@ -418,6 +423,7 @@ tl::expected<void, std::string> AddFit(const tl::expected<ReadRun, std::string>&
   return {};
 }
 
+// Sets the validation chi² of the fits whose run was excited as this recording was.
 tl::expected<void, std::string> AddValidation(const std::filesystem::path& file,
                                               const tl::expected<ReadRun, std::string>& run,
                                               IdentifyResult& result) {
@@ -457,7 +463,7 @@ tl::expected<void, std::string> AddRecording(const std::filesystem::path& file,
 tl::expected<void, std::string> AddAll(std::span<const std::filesystem::path> fits,
                                        std::span<const std::filesystem::path> validations,
                                        const config::CellConfig& cell, IdentifyResult& result) {
-  constexpr std::size_t kAhead = 2;
+  constexpr std::size_t kAhead = 2;  // files that are read while another is estimated
   const std::size_t count = fits.size() + validations.size();
   const auto file = [&](std::size_t i) { return i < fits.size() ? fits[i] : validations[i - fits.size()]; };
   std::deque<std::future<tl::expected<ReadRun, std::string>>> coming;

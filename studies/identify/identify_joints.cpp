@@ -14,14 +14,14 @@ std::string SpeedText(const AxisResult& axis) {
 }
 
 void JudgeJoints(IdentifyResult& result) {
-  std::vector<const AxisResult*> held_by_model;
+  std::vector<const AxisResult*> well_modelled;
   for (AxisResult& joint : result.joints) {
     JudgeAxis(joint, result);
-    if (joint.model_holds) held_by_model.push_back(&joint);
+    if (joint.model_holds) well_modelled.push_back(&joint);
   }
-  if (held_by_model.size() < 2) return;
+  if (well_modelled.size() < 2) return;
   const auto lag = [](const AxisResult* joint) { return joint->fit.lag_s.value; };
-  const auto [fast, slow] = std::ranges::minmax(held_by_model, {}, lag);
+  const auto [fast, slow] = std::ranges::minmax(well_modelled, {}, lag);
   if (fast->request.joint == slow->request.joint || lag(slow) - lag(fast) <= kMaxLagApart * lag(slow)) return;
   result.warnings.push_back(
       {"joints", fmt::format("their lags differ: found {:.2f} ms of A{} and {:.2f} ms of A{}, accepted 5 % "

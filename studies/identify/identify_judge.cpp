@@ -12,16 +12,23 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kHeldFactor = 1.5;  // factor on the tool's mass above which a hand holds it
-constexpr double kMaxMassOff = 0.05, kMinGain = 0.98, kMaxDamping = 3.0;
-constexpr double kOddOverEven = 3.0, kVeryOdd = 0.1, kMaxChi2 = 3.0, kMaxValidation = 2.0;
-constexpr double kMinTremor_N = 0.005, kMaxTremor_N = 50.0;
-// Limits of an overlay's fit; damping has a wider one, as friction hides a part of it.
+constexpr double kHeldFactor = 1.5;   // factor on the tool's mass above which a hand holds it
+constexpr double kMaxMassOff = 0.05;  // relative difference of the measured from the tool's mass
+constexpr double kMinGain = 0.98, kMaxDamping = 3.0;  // beyond either, a joint sticks: gain, damping ratio
+constexpr double kOddOverEven = 3.0;    // friction is the cause if odd lines exceed even ones by this factor
+constexpr double kVeryOdd = 0.1;        // share of the motion on odd lines that is refused
+constexpr double kMaxChi2 = 3.0;        // of a model that fits
+constexpr double kMaxValidation = 2.0;  // factor on the fit's chi² for other data
+constexpr double kMinTremor_N = 0.005, kMaxTremor_N = 50.0;  // below: no hand; above: more than a tremor
+// Limits of an overlay's fit, relative half widths; damping has a wider one, as friction hides a part of it.
 constexpr double kMaxMassInterval = 0.1, kMaxSpringInterval = 0.15, kMaxDampingInterval = 0.25,
                  kMaxResidual = 0.02;
-constexpr double kMaxLagInterval_s = 0.12e-3, kMinCoherence = 0.5, kMaxLost = 0.10;
-constexpr double kPassiveHand_N = 5.0;
-constexpr double kSamePosture_rad = 0.02, kMinHand_N_per_m = 50.0;
+constexpr double kMaxLagInterval_s = 0.12e-3;  // half width
+constexpr double kMinCoherence = 0.5;
+constexpr double kMaxLost = 0.10;          // share of messages and answers
+constexpr double kPassiveHand_N = 5.0;     // above: a hand was felt in a motion without excitation
+constexpr double kSamePosture_rad = 0.02;  // largest joint difference from the cell's start
+constexpr double kMinHand_N_per_m = 50.0;  // below: nobody holds the handle
 
 // The line nearest to a frequency.
 const ResponseLine& LineAt(const MeasuredResponse& response, double hz) {
@@ -29,6 +36,8 @@ const ResponseLine& LineAt(const MeasuredResponse& response, double hz) {
                                    [hz](const ResponseLine& line) { return std::abs(line.hz - hz); });
 }
 
+// Refuses a run if its hand or its tool is not the expected one: a held run without a hand, a free run with
+// one.
 void JudgeMass(const AxisResult& axis, const std::string& where, IdentifyResult& result) {
   if (axis.request.held) {
     const double stiffness_N_per_m = axis.hand ? axis.hand->stiffness_N_per_m.value : 0.0;
@@ -54,6 +63,7 @@ void JudgeMass(const AxisResult& axis, const std::string& where, IdentifyResult&
                      mass_kg, result.tool_mass_kg, 100.0 * kMaxMassOff)});
 }
 
+// Refuses a joint that sticks; warns of friction, and refuses a motion with much of it.
 void JudgeLinearity(AxisResult& axis, const std::string& where, IdentifyResult& result) {
   const MeasuredResponse& response = axis.by_encoders;
   // If the hand moves the arm, a held run's gain depends on the springs of arm and hand: it has no limits.
@@ -78,22 +88,22 @@ void JudgeLinearity(AxisResult& axis, const std::string& where, IdentifyResult& 
     result.warnings.push_back({where, found + ": friction; the figures hold near this speed alone"});
 }
 
-// Judges whether there are enough data, by the part of the interval that more data would make smaller: a
-// model that does not fit has its own finding.
+// Refuses a run with too few data: mass or lag has too wide an interval even without the factor for a model
+// that does not fit, which more data would not reduce.
 void JudgeAmount(const AxisResult& axis, const std::string& where, IdentifyResult& result) {
-  const double fitted = std::sqrt(std::max(1.0, axis.overlay ? axis.overlay->chi2 : axis.fit.chi2));
+  const double misfit = std::sqrt(std::max(1.0, axis.overlay ? axis.overlay->chi2 : axis.fit.chi2));
   const double seconds = control::Multisine::kPeriod_s * axis.by_encoders.periods;
   if (axis.overlay) {
     const Estimate& mass = axis.overlay->mass_kg;
-    const double off = mass.half_width / fitted / std::abs(mass.value);
-    if (!(off <= kMaxMassInterval))
+    const double relative = mass.half_width / misfit / std::abs(mass.value);
+    if (!(relative <= kMaxMassInterval))
       result.refused.push_back(
           {where, fmt::format("too little: found {:g} s with a mass known to ± {:.1f} %, accepted ± {:g} %; "
                               "measure longer or faster",
-                              seconds, 100.0 * off, 100.0 * kMaxMassInterval)});
+                              seconds, 100.0 * relative, 100.0 * kMaxMassInterval)});
     return;
   }
-  const double lag_interval_s = axis.fit.lag_s.half_width / fitted;
+  const double lag_interval_s = axis.fit.lag_s.half_width / misfit;
   if (lag_interval_s > kMaxLagInterval_s)
     result.refused.push_back(
         {where,
@@ -102,7 +112,7 @@ void JudgeAmount(const AxisResult& axis, const std::string& where, IdentifyResul
                      seconds, 1e3 * lag_interval_s, 1e3 * kMaxLagInterval_s)});
 }
 
-// A hand's intervals are wider by its misfit; beyond a limit the user should know of it.
+// Warns if spring, damper and mass fit the hand badly, which widens their intervals.
 void JudgeHand(const AxisResult& axis, const std::string& where, IdentifyResult& result) {
   if (!(axis.hand->chi2 > kMaxChi2)) return;
   result.warnings.push_back(
@@ -111,25 +121,27 @@ void JudgeHand(const AxisResult& axis, const std::string& where, IdentifyResult&
                           axis.hand->chi2, 100.0 * axis.hand->residual, kMaxChi2)});
 }
 
-// A model is written if it fits, and if its spring and damping are known; otherwise the response alone.
+// Clears model_holds, with a warning, if an overlay's model fits badly or its spring and damping are not well
+// known: then only the measured response is written.
 void JudgeImpedance(AxisResult& axis, const std::string& where, IdentifyResult& result) {
   const ImpedanceFit& fit = *axis.overlay;
-  const auto alone = [&](const std::string& found) {
+  const auto reject_model = [&](const std::string& found) {
     axis.model_holds = false;
     result.warnings.push_back({where, found + ": the measured response alone is written"});
   };
   if (fit.residual > kMaxResidual && fit.chi2 > kMaxChi2)
-    alone(
+    reject_model(
         fmt::format("the arm's model lacks something: found it {:.1f} % off with chi² {:.1f}, accepted {:g} "
                     "% or {:g}",
                     100.0 * fit.residual, fit.chi2, 100.0 * kMaxResidual, kMaxChi2));
   else if (axis.validation_chi2 && *axis.validation_chi2 > kMaxValidation * std::max(1.0, fit.chi2))
-    alone(fmt::format("the arm's model does not hold on other data: found chi² {:.1f}, accepted {:.1f}",
-                      *axis.validation_chi2, kMaxValidation * std::max(1.0, fit.chi2)));
+    reject_model(
+        fmt::format("the arm's model does not hold on other data: found chi² {:.1f}, accepted {:.1f}",
+                    *axis.validation_chi2, kMaxValidation * std::max(1.0, fit.chi2)));
   else if (const double spring = fit.stiffness_N_per_m.half_width / fit.stiffness_N_per_m.value,
            damping = fit.damping_Ns_per_m.half_width / fit.damping_Ns_per_m.value;
            !(spring <= kMaxSpringInterval && damping <= kMaxDampingInterval))
-    alone(fmt::format(
+    reject_model(fmt::format(
         "spring and damping are not known well: found ± {:.0f} % and ± {:.0f} %, accepted ± {:g} % "
         "and ± {:g} %",
         100.0 * spring, 100.0 * damping, 100.0 * kMaxSpringInterval, 100.0 * kMaxDampingInterval));
@@ -236,10 +248,11 @@ void JudgeTremor(IdentifyResult& result) {
 
 namespace {
 
-// @param of  axes, or joints, at all their speeds
-void JudgeSpeedsOf(const std::vector<AxisResult>& of, IdentifyResult& result) {
-  for (const AxisResult& slow : of)
-    for (const AxisResult& fast : of) {
+// Warns of each axis or joint whose lags at two speeds differ by more than 5 %.
+// @param runs  axes, or joints, at all their speeds
+void JudgeSpeedsOf(const std::vector<AxisResult>& runs, IdentifyResult& result) {
+  for (const AxisResult& slow : runs)
+    for (const AxisResult& fast : runs) {
       if (slow.request.axis != fast.request.axis || slow.request.joint != fast.request.joint ||
           slow.request.held || fast.request.held)
         continue;

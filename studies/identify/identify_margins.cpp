@@ -6,7 +6,7 @@
 namespace osteon::studies {
 namespace {
 
-// The arm of an axis as the loop meets it, by the encoders.
+// The arm along an axis for the loop's analysis: the response by the encoders, and the fitted model.
 MeasuredPlant PlantOf(const AxisResult& axis, double period_s) {
   std::vector<PlantLine> lines;
   for (const ResponseLine& line : axis.by_encoders.lines)

@@ -18,8 +18,8 @@ namespace {
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kModelStep = 1.03;  // ratio of frequencies along the fitted curve
 
-// Phase without jumps of a whole turn, along rising frequencies.
-class Unwrapped {
+// Removes jumps of a whole turn from phases at rising frequencies.
+class PhaseUnwrapper {
  public:
   double Next(double phase_rad) {
     while (phase_rad - last_ > std::numbers::pi) phase_rad -= 2.0 * std::numbers::pi;
@@ -31,35 +31,38 @@ class Unwrapped {
   double last_{0.0};
 };
 
+// Gain and phase [deg] over frequency.
 struct BodeCurves {
   report::Series gain, phase;
 };
 
+// Points of a measured response, with bars of two standard deviations.
 BodeCurves Measured(const MeasuredResponse& response, const std::string& name, const std::string& color,
                     report::Marker marker) {
   BodeCurves curves{.gain = {.name = name, .color = color, .width_px = 0.0, .marker = marker},
                     .phase = {.name = name, .color = color, .width_px = 0.0, .marker = marker}};
-  Unwrapped phase;
+  PhaseUnwrapper phase;
   for (const ResponseLine& line : response.lines) {
     const double size = std::abs(line.value), two_sd = 2.0 * line.sd;
     const double degrees = kDegrees * phase.Next(std::arg(line.value));
-    const double off = kDegrees * std::min(std::numbers::pi, two_sd / size);
+    const double two_sd_degrees = kDegrees * std::min(std::numbers::pi, two_sd / size);
     curves.gain.x.push_back(line.hz);
     curves.gain.y.push_back(size);
     curves.gain.y_low.push_back(std::max(1e-4, size - two_sd));
     curves.gain.y_high.push_back(size + two_sd);
     curves.phase.x.push_back(line.hz);
     curves.phase.y.push_back(degrees);
-    curves.phase.y_low.push_back(degrees - off);
-    curves.phase.y_high.push_back(degrees + off);
+    curves.phase.y_low.push_back(degrees - two_sd_degrees);
+    curves.phase.y_high.push_back(degrees + two_sd_degrees);
   }
   return curves;
 }
 
+// Curve of a model between two frequencies.
 BodeCurves Fitted(const std::function<std::complex<double>(double hz)>& model, double from_hz, double to_hz) {
   BodeCurves curves{.gain = {.name = "fitted arm", .color = report::kTextColor},
                     .phase = {.name = "fitted arm", .color = report::kTextColor}};
-  Unwrapped phase;
+  PhaseUnwrapper phase;
   for (double hz = from_hz; hz <= to_hz; hz *= kModelStep) {
     const std::complex<double> H = model(hz);
     curves.gain.x.push_back(hz);
@@ -81,7 +84,7 @@ std::function<std::complex<double>(double hz)> FittedModel(const AxisResult& axi
   };
 }
 
-// Gain above phase.
+// A figure with the gain in its upper panel and the phase in its lower one.
 class BodeFigure {
  public:
   explicit BodeFigure(const std::string& title) { gain_.title = title; }
@@ -125,6 +128,7 @@ std::string JointsSvg(const IdentifyResult& result) {
   return figure.size() == 0 ? "" : figure.Svg();
 }
 
+// Lag of the free runs over their RMS speed, a curve per axis; empty if there are none.
 std::string LagSvg(const IdentifyResult& result) {
   report::LineChart chart{.title = "Total lag over speed",
                           .x_label = "RMS speed of the tool [mm/s]",
@@ -151,6 +155,7 @@ std::string LagSvg(const IdentifyResult& result) {
   return chart.series.empty() ? "" : report::Svg(chart);
 }
 
+// The hand's stiffness in each counted period, a curve per held run; empty if there are none.
 std::string HandSvg(const IdentifyResult& result) {
   report::LineChart chart{
       .title = "The hand's stiffness over time", .x_label = "counted time [s]", .y_label = "stiffness [N/m]"};

@@ -17,17 +17,19 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kMaxNotch_hz = 20.0;  // largest width that a cell's file may have
 
+// The 95 % interval, as the cell's file has it.
 config::IdentifiedInterval Interval(const Estimate& estimate) {
   return {.low = estimate.value - estimate.half_width, .high = estimate.value + estimate.half_width};
 }
 
+// The 95 % interval [low, high], divided by the unit.
 Json ToJson(const Estimate& estimate, double unit) {
   return Json::array(
       {(estimate.value - estimate.half_width) / unit, (estimate.value + estimate.half_width) / unit});
 }
 
 Json OverlayJson(const ImpedanceFit& overlay) {
-  const auto known = [](const Estimate& estimate) {
+  const auto value_or_null = [](const Estimate& estimate) {
     return estimate.value != 0.0 ? Json{{"value", estimate.value}, {"interval", ToJson(estimate, 1.0)}}
                                  : Json();
   };
@@ -42,12 +44,12 @@ Json OverlayJson(const ImpedanceFit& overlay) {
             {"dead_time_ms", ToJson(overlay.dead_time_s, 1e-3)}}},
           {"chi2", overlay.chi2},
           {"residual", overlay.residual},
-          {"translation_N_per_m", known(overlay.translation_N_per_m)},
-          {"rotation_Nm_per_rad", known(overlay.rotation_Nm_per_rad)},
-          {"joint_Nm_per_rad", known(overlay.joint_Nm_per_rad)},
-          {"own_damping_ratio", known(overlay.own_damping_ratio)},
-          {"mass_ratio", known(overlay.mass_ratio)},
-          {"friction_ratio", known(overlay.friction_ratio)},
+          {"translation_N_per_m", value_or_null(overlay.translation_N_per_m)},
+          {"rotation_Nm_per_rad", value_or_null(overlay.rotation_Nm_per_rad)},
+          {"joint_Nm_per_rad", value_or_null(overlay.joint_Nm_per_rad)},
+          {"own_damping_ratio", value_or_null(overlay.own_damping_ratio)},
+          {"mass_ratio", value_or_null(overlay.mass_ratio)},
+          {"friction_ratio", value_or_null(overlay.friction_ratio)},
           {"on_mount", overlay.on_mount}};
 }
 
@@ -186,13 +188,12 @@ std::optional<config::IdentifiedVibration> VibrationOf(const IdentifyResult& res
   return vibration;
 }
 
-// A response x / f in units of the spring that was found: about 1 at low frequencies, as that of an arm to
-// its command.
+// A response x / f times the spring that was found: about 1 at low frequencies, as of an arm to its command.
 MeasuredResponse PerSpring(const MeasuredResponse& response, double stiffness_N_per_m) {
   return PerForce(response, 1.0 / stiffness_N_per_m);
 }
 
-// An impedance as an arm that follows its command.
+// The fit of an impedance, in the terms of an arm that follows its command.
 ServoFit AsArm(const ImpedanceFit& overlay, ServoFit fit) {
   fit.bandwidth_hz = overlay.bandwidth_hz;
   fit.damping_ratio = overlay.damping_ratio;
@@ -203,13 +204,14 @@ ServoFit AsArm(const ImpedanceFit& overlay, ServoFit fit) {
   return fit;
 }
 
-// A spring's value if it is known to a quarter; otherwise it is not written.
+// An estimate whose 95 % interval is at most ± 25 %; a less exact one is not written.
 std::optional<double> IfKnown(const Estimate& estimate) {
   constexpr double kMaxInterval = 0.25;
   if (!(estimate.value > 0.0 && estimate.half_width <= kMaxInterval * estimate.value)) return {};
   return estimate.value;
 }
 
+// The arm's own springs, from an overlay; none without.
 std::optional<config::IdentifiedImpedance> ImpedanceOf(const AxisResult& axis) {
   if (!axis.overlay) return {};
   const ImpedanceFit& fit = *axis.overlay;
@@ -236,7 +238,7 @@ config::IdentifiedResponse ResponseWithHand(const AxisResult& axis, const config
   return response;
 }
 
-// Adds the results of an axis for sensor, hands and link.
+// Adds an axis' results for sensor, hands and link; the link's are the worst of all axes.
 void AddDevices(const AxisResult& axis, config::IdentifiedCell& cell) {
   if (axis.tool && (!cell.sensor || !cell.sensor->delay_s)) {
     if (!cell.sensor) cell.sensor.emplace();
@@ -301,13 +303,13 @@ config::IdentifiedCell ToIdentified(const IdentifyResult& result) {
   config::IdentifiedCell cell{.valid_for = result.valid_for};
   for (const AxisResult& axis : result.axes) {
     cell.valid_for.recordings.push_back(axis.recording);
-    const bool slower = std::ranges::any_of(result.axes, [&](const AxisResult& other) {
+    const bool slower_run_counts = std::ranges::any_of(result.axes, [&](const AxisResult& other) {
       return other.request.axis == axis.request.axis && !other.request.held &&
              other.rms_speed_m_per_s < axis.rms_speed_m_per_s &&
              std::abs(other.fit.lag_s.value - axis.fit.lag_s.value) >
                  kMaxLagApart * std::abs(other.fit.lag_s.value);
     });
-    if (axis.request.held || slower) continue;
+    if (axis.request.held || slower_run_counts) continue;
     const std::string name(1, axis.request.axis);
     const ServoFit fit = axis.overlay ? AsArm(*axis.overlay, axis.fit) : axis.fit;
     if (axis.model_holds)

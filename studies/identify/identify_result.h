@@ -60,8 +60,8 @@ struct AxisResult {
 struct PassiveLag {
   config::IdentifiedRecording recording;
   Estimate lag_s;
-  double compliance_m_per_N{0.0};
-  double seconds{0.0}, peak_hand_N{0.0};
+  double compliance_m_per_N{0.0};         ///< c; 0: no hand was felt
+  double seconds{0.0}, peak_hand_N{0.0};  ///< time in motion; largest force of the hand in it
   /// Harmonics of the spindle in the force, along the sensor's worst direction; empty: the spindle turned for
   /// less than 2 s.
   std::vector<SpindleHarmonic> harmonics{};
@@ -69,6 +69,7 @@ struct PassiveLag {
   double notch_hz{0.0};    ///< width of the widest harmonic (MeasureNotchWidth); 0: none stands out
 };
 
+/// All that one identification found, its findings and its judgement.
 struct IdentifyResult {
   std::string cell;
   config::IdentifiedValidity valid_for;
@@ -92,6 +93,7 @@ struct IdentifyResult {
 
 /// Share of the messages that did not come, and of the answers that the arm did not get.
 [[nodiscard]] double LossOf(const ExcitedSamples& samples);
+
 /// Relative difference between the lags at two speeds above which friction is the cause.
 inline constexpr double kMaxLagApart = 0.05;
 
@@ -131,6 +133,7 @@ void JudgeSpeeds(IdentifyResult& result);
 /// A smaller measured dead zone counts as none: the sensor's drift is not felt.
 inline constexpr double kMinDeadZone_N = 0.005;
 
+/// The result as rows of the page and the terminal.
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const IdentifyResult& result);
 
 }  // namespace osteon::studies

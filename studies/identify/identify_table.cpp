@@ -21,6 +21,7 @@
 namespace osteon::studies {
 namespace {
 
+// Search ranges of the wall's stiffness [N/m] and the drag [N s/m].
 constexpr hil::BoundaryScan kWalls{.from = 100.0, .to = 1e6, .factor = 1.05, .tolerance = 1e-4};
 constexpr hil::BoundaryScan kDrags{.from = 1.0, .to = 3000.0, .factor = 1.1, .tolerance = 1e-7};
 // hands, mass and drag of the predictions in the design's table
@@ -30,16 +31,17 @@ constexpr double kMass_kg = 3.0, kDrag_Ns_per_m = 20.0;
 // The result of one seed.
 struct Found {
   ServoFit fit;
-  double least_drag{0.0}, greatest_wall{0.0};
+  double least_drag{0.0}, greatest_wall{0.0};  // as in TableRow
 };
 
+// The simulated arm with a fitted model's parameters.
 hil::ServoArmParams ArmOf(const ServoModel& model, double period_s) {
   return {.bandwidth_hz = model.bandwidth_hz,
           .damping_ratio = model.damping_ratio,
           .dead_cycles = std::max(0.0, model.dead_time_s / period_s)};
 }
 
-// Mean, spread and coverage of an estimate over the seeds.
+// Mean, spread and coverage of an estimate over the seeds that have a fit. @param unit  of the figure, in SI
 TableFigure FigureOf(const std::vector<std::optional<Found>>& seeds, double truth, double unit,
                      const std::function<Estimate(const Found&)>& value) {
   TableFigure figure{.truth = truth / unit};
@@ -69,6 +71,7 @@ nlohmann::ordered_json FigureJson(const TableFigure& figure) {
            std::isnan(figure.inside) ? nlohmann::ordered_json() : nlohmann::ordered_json(figure.inside)}};
 }
 
+// Deviation of the mean from the truth, and spread, in percent of the truth.
 std::string Relative(const TableFigure& figure) {
   return fmt::format("{:+.2f} ± {:.2f} %", 100.0 * (figure.mean / figure.truth - 1.0),
                      100.0 * figure.two_sd / figure.truth);
@@ -90,7 +93,7 @@ ExcitedRun Synthesize(const SyntheticRun& run, const hil::ServoArmParams& arm_pa
   std::normal_distribution<double> noise(0.0, 1.0);
   std::uniform_real_distribution<double> chance(0.0, 1.0);
   ExcitedRun samples{.period_s = period_s, .samples = {}};
-  double held_m = 0.0;
+  double held_m = 0.0;  // the last command that arrived
   for (int k = 0;; ++k) {
     const control::ExcitationStep step = path.Step(true);
     if (step.part == control::ExcitationPart::kDone) return samples;

@@ -28,6 +28,7 @@ struct SyntheticRun {
 [[nodiscard]] ExcitedRun Synthesize(const SyntheticRun& run, const hil::ServoArmParams& arm, double period_s,
                                     std::uint64_t seed);
 
+/// The arm of the synthetic recordings, and the number of seeds.
 struct IdentifyTableParams {
   hil::ServoArmParams arm;  ///< the truth
   double period_s{0.001};
@@ -63,6 +64,7 @@ struct TableRow {
 /// Synthesizes, fits and judges a row. The result does not depend on the number of threads.
 [[nodiscard]] TableRow IdentifyRow(const SyntheticRun& run, const IdentifyTableParams& params);
 
+/// The table as printed: mean ± two standard deviations over the seeds.
 [[nodiscard]] std::string TableText(const std::vector<TableRow>& rows);
 /// JSON, osteon.identify/1, with `table`.
 [[nodiscard]] std::string TableJson(const std::vector<TableRow>& rows, const IdentifyTableParams& params,

@@ -16,12 +16,16 @@ namespace {
 
 using Joints = kinematics::JointVectorN<7>;
 
-constexpr double kHalfWidthSd = 2.0, kTurn = 2.0 * std::numbers::pi, kMaxDeadTime_s = 0.03;
-constexpr double kMaxRigidChi2 = 3.0, kFalls = 3.0, kStartFriction = 0.003;
+constexpr double kHalfWidthSd = 2.0;  // half width of a 95 % interval, in standard deviations
+constexpr double kTurn = 2.0 * std::numbers::pi, kMaxDeadTime_s = 0.03;
+constexpr double kMaxRigidChi2 = 3.0;     // above: an arm on a mount is tried as well
+constexpr double kFalls = 3.0;            // factor by which the mount must lower the cost
+constexpr double kStartFriction = 0.003;  // friction ratio at which a fit begins
 constexpr std::size_t kMinLines = 6;
-constexpr int kMaxAgain = 5;
-constexpr double kWentOn = 0.95;  // the fit has progressed if the cost is below this share of that before
-constexpr double kMountFactor = 3.0, kFarOff = 1e6;
+constexpr int kMaxAgain = 5;          // restarts of the solver
+constexpr double kWentOn = 0.95;      // the fit has progressed if the cost is below this share of that before
+constexpr double kMountFactor = 3.0;  // standard deviation of a mount's parameters, as a factor on the start
+constexpr double kFarOff = 1e6;       // residual where the model has no finite value
 
 // The fitted parameters by index. Joint impedance has no rotational spring. The last five exist only with a
 // mount.
@@ -41,10 +45,10 @@ enum Parameter : Eigen::Index {
   kMounted
 };
 
-// Damping of each joint by a Coulomb friction of its torque limit at the speeds that it had: the mean slope
-// over a normal distribution.
+// Damping of each joint [N m s/rad] by a Coulomb friction as large as its torque limit: the mean slope of the
+// friction over the joint's speeds, which are taken as normally distributed.
 Joints FrictionDamping(const OverlaidArm& arm) {
-  constexpr int kSteps = 400;
+  constexpr int kSteps = 400;     // of the numerical integral
   constexpr double kReach = 6.0;  // standard deviations
   const double smoothing_rad_per_s = kinematics::JointFriction{}.smoothing_rad_per_s;
   Joints damping = Joints::Zero();
@@ -69,7 +73,9 @@ class FittedArm {
   explicit FittedArm(const OverlaidArm& overlaid)
       : overlaid_(overlaid), friction_(FrictionDamping(overlaid)) {}
 
+  // Joint impedance; otherwise Cartesian.
   [[nodiscard]] bool torque() const { return overlaid_.arm.torque; }
+  // The arm on the floor with these parameters.
   [[nodiscard]] ImpedanceArm At(const Eigen::VectorXd& p, bool with_friction) const {
     ImpedanceArmParams params = overlaid_.arm;
     if (torque()) {
@@ -84,6 +90,7 @@ class FittedArm {
     if (with_friction) arm.damping.diagonal() += p[kFrictionRatio] * friction_;
     return arm;
   }
+  // The response x / f [m/N], with the mount if p has its parameters.
   [[nodiscard]] OverlayResponse ResponseOf(const Eigen::VectorXd& p, double period_s) const {
     const ImpedanceArm arm = At(p, true);
     const double dead_s = std::clamp(p[kDeadTime_s], 0.0, kMaxDeadTime_s);
@@ -96,6 +103,7 @@ class FittedArm {
     const double mass_ratio = std::exp(p[kLogMassRatio]);
     return {OnMount(arm, overlaid_.arm, mount, mass_ratio), Along(arm), dead_s, period_s};
   }
+  // Motion along the axis per joint motion [m/rad]: the axis' row of the Jacobian.
   [[nodiscard]] Joints Along(const ImpedanceArm& arm) const {
     return arm.J.topRows<3>().transpose() * overlaid_.axis_B;
   }
@@ -121,13 +129,14 @@ class ArmModel {
  private:
   const FittedArm& arm_;
   double period_s_;
-  Eigen::VectorXd of_;
+  Eigen::VectorXd of_;  // parameters of `response_`
   std::optional<OverlayResponse> response_;
 };
 
-// The arm's mass, damping or stiffness that acts against a force along an axis.
-double Along(const Eigen::Matrix<double, 7, 7>& of, const Joints& along) {
-  return 1.0 / along.dot(of.partialPivLu().solve(along));
+// Projects the joints' inertia, damping or stiffness on an axis: what acts against a force along it, with all
+// other directions free.
+double Along(const Eigen::Matrix<double, 7, 7>& joint_matrix, const Joints& along) {
+  return 1.0 / along.dot(joint_matrix.partialPivLu().solve(along));
 }
 
 // The reported values, which follow from the parameters.
@@ -146,7 +155,9 @@ enum Reported : Eigen::Index {
   kLag,
   kReported
 };
-Eigen::VectorXd Report(const FittedArm& fitted, const Eigen::VectorXd& p) {
+
+// Computes the reported values; those along the axis are without friction.
+Eigen::VectorXd ReportedValues(const FittedArm& fitted, const Eigen::VectorXd& p) {
   const ImpedanceArm arm = fitted.At(p, false);
   const Joints along = fitted.Along(arm);
   const double mass_kg = Along(arm.inertia, along), damping = Along(arm.damping, along),
@@ -167,16 +178,16 @@ Eigen::VectorXd Report(const FittedArm& fitted, const Eigen::VectorXd& p) {
   return r;
 }
 
-// Half widths of the reported values, from the parameters' covariance.
+// Half widths of the reported values, from the parameters' covariance and the values' numerical gradient.
 Eigen::VectorXd HalfWidths(const FittedArm& fitted, const Eigen::VectorXd& p,
                            const Eigen::MatrixXd& covariance) {
   constexpr double kStep = 1e-6;
   Eigen::MatrixXd gradient(static_cast<Eigen::Index>(kReported), p.size());
   for (Eigen::Index i = 0; i < p.size(); ++i) {
-    Eigen::VectorXd less = p, more = p;
-    less[i] -= kStep;
-    more[i] += kStep;
-    gradient.col(i) = (Report(fitted, more) - Report(fitted, less)) / (2.0 * kStep);
+    Eigen::VectorXd below = p, above = p;
+    below[i] -= kStep;
+    above[i] += kStep;
+    gradient.col(i) = (ReportedValues(fitted, above) - ReportedValues(fitted, below)) / (2.0 * kStep);
   }
   return kHalfWidthSd * (gradient * covariance * gradient.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt();
 }
@@ -184,17 +195,17 @@ Eigen::VectorXd HalfWidths(const FittedArm& fitted, const Eigen::VectorXd& p,
 // Fits some of the parameters; all others keep their start values. The lines alone do not determine each of a
 // mount's parameters, so these are kept near their start values, within a factor of about kMountFactor.
 LeastSquaresFit FitSome(std::span<const ResponseLine> lines, const ResponseModel& model,
-                        const Eigen::VectorXd& start, const std::vector<Eigen::Index>& left_alone) {
+                        const Eigen::VectorXd& start, const std::vector<Eigen::Index>& fixed) {
   std::vector<Eigen::Index> fitted;
   for (Eigen::Index i = 0; i < start.size(); ++i)
-    if (std::ranges::find(left_alone, i) == left_alone.end()) fitted.push_back(i);
+    if (std::ranges::find(fixed, i) == fixed.end()) fitted.push_back(i);
   const auto line_rows = 2 * static_cast<Eigen::Index>(lines.size());
-  Eigen::VectorXd all = start;
+  Eigen::VectorXd parameters = start;
   const auto residuals = [&](const Eigen::VectorXd& p, Eigen::VectorXd& r) {
-    all(fitted) = p;
-    FillResiduals(lines, model, all, r);
+    parameters(fitted) = p;
+    FillResiduals(lines, model, parameters, r);
     for (Eigen::Index i = kRigid; i < start.size(); ++i)
-      r[line_rows + i - kRigid] = (all[i] - start[i]) / std::log(kMountFactor);
+      r[line_rows + i - kRigid] = (parameters[i] - start[i]) / std::log(kMountFactor);
     if (!r.allFinite()) r.setConstant(kFarOff);  // too long a step: the solver takes a shorter one
   };
   const LeastSquares problem{.parameters = static_cast<int>(fitted.size()),
@@ -209,19 +220,20 @@ LeastSquaresFit FitSome(std::span<const ResponseLine> lines, const ResponseModel
     if (!went_on) break;
   }
   if (!fit.converged) return fit;
-  all(fitted) = fit.parameters;
-  fit.parameters = all;
+  parameters(fitted) = fit.parameters;
+  fit.parameters = parameters;
   const Eigen::MatrixXd covariance = fit.covariance;
-  fit.covariance = Eigen::MatrixXd::Zero(all.size(), all.size());
+  fit.covariance = Eigen::MatrixXd::Zero(parameters.size(), parameters.size());
   fit.covariance(fitted, fitted) = covariance;
   return fit;
 }
 
+// Replaces `best` if the fit's cost is lower by more than the factor `by`.
 void KeepBetter(const LeastSquaresFit& fit, LeastSquaresFit& best, double by = 1.0) {
   if (fit.converged && (!best.converged || by * fit.cost < best.cost)) best = fit;
 }
 
-// Start values of a fit: the arm of its file, its spring multiplied by `spring`.
+// Start values of an arm on the floor: the arm of its file, its spring multiplied by `spring`.
 Eigen::VectorXd RigidStart(const OverlaidArm& overlaid, double spring, double dead_time_s) {
   const hil::DynamicArmParams& arm = overlaid.arm.arm;
   const bool torque = overlaid.arm.torque;
@@ -236,6 +248,8 @@ Eigen::VectorXd RigidStart(const OverlaidArm& overlaid, double spring, double de
   start[kLogTurnSpring] = std::log(std::max(1.0, arm.stiffness_Nm_per_rad_turn));
   return start;
 }
+
+// The same on a mount: the mount of the file, or an assumed one, its springs multiplied by `spring`.
 Eigen::VectorXd MountedStart(const OverlaidArm& overlaid, const Eigen::VectorXd& rigid, double spring) {
   const hil::FlexibleMountParams assumed = overlaid.arm.arm.mount.value_or(hil::FlexibleMountParams{});
   Eigen::VectorXd start(static_cast<Eigen::Index>(kMounted));
@@ -249,16 +263,16 @@ Eigen::VectorXd MountedStart(const OverlaidArm& overlaid, const Eigen::VectorXd&
 // on a mount, which is kept if it lowers the cost threefold.
 LeastSquaresFit BestFit(std::span<const ResponseLine> lines, const OverlaidArm& overlaid,
                         const ResponseModel& model, double dead_time_s) {
-  std::vector<Eigen::Index> left_alone;
-  if (overlaid.arm.torque) left_alone.push_back(kLogTurnSpring);  // joint impedance has none
-  if (!overlaid.has_friction) left_alone.push_back(kFrictionRatio);
+  std::vector<Eigen::Index> fixed;
+  if (overlaid.arm.torque) fixed.push_back(kLogTurnSpring);  // joint impedance has none
+  if (!overlaid.has_friction) fixed.push_back(kFrictionRatio);
   const Eigen::VectorXd as_filed = RigidStart(overlaid, 1.0, dead_time_s);
   LeastSquaresFit best, mounted;
   for (const double spring : {1.0, 0.5, 2.0})
-    KeepBetter(FitSome(lines, model, RigidStart(overlaid, spring, dead_time_s), left_alone), best);
+    KeepBetter(FitSome(lines, model, RigidStart(overlaid, spring, dead_time_s), fixed), best);
   if (best.converged && Chi2Of(best, lines.size()) <= kMaxRigidChi2) return best;
   for (const double spring : {1.0, 0.5, 0.25, 2.0})
-    KeepBetter(FitSome(lines, model, MountedStart(overlaid, as_filed, spring), left_alone), mounted);
+    KeepBetter(FitSome(lines, model, MountedStart(overlaid, as_filed, spring), fixed), mounted);
   KeepBetter(mounted, best, kFalls);
   return best;
 }
@@ -276,7 +290,7 @@ tl::expected<ImpedanceFit, std::string> FitImpedance(std::span<const ResponseLin
   if (!fit.converged) return tl::unexpected(std::string("no arm fits the motion: no start converged"));
   const double chi2 = Chi2Of(fit, lines.size());
   const Eigen::VectorXd& p = fit.parameters;
-  const Eigen::VectorXd found = Report(arm, p),
+  const Eigen::VectorXd found = ReportedValues(arm, p),
                         width = HalfWidths(arm, p, std::max(1.0, chi2) * fit.covariance);
   const auto estimate = [&](Reported what) { return Estimate{found[what], width[what]}; };
   double squares = 0.0;

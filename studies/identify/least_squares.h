@@ -8,10 +8,12 @@ namespace osteon::studies {
 
 /// A problem of nonlinear least squares.
 struct LeastSquares {
-  int parameters{0}, residuals{0};
+  int parameters{0}, residuals{0};  ///< their numbers
+  /// Computes the residuals r of the parameters p.
   std::function<void(const Eigen::VectorXd& p, Eigen::VectorXd& r)> evaluate;
 };
 
+/// A solution; only `parameters` is set if the solver did not converge.
 struct LeastSquaresFit {
   bool converged{false};
   Eigen::VectorXd parameters{};

@@ -20,11 +20,12 @@ using control::Multisine;
 using Complex = std::complex<double>;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr int kMinDraws = 2, kMinPeriods = 2;
-constexpr double kMinSeen = 0.5;   // share of a period's samples
-constexpr double kMinSd = 1e-9;    // for a response of 1: smaller deviations are rounding
-constexpr int kMaxDetection = 80;  // number of the harmonic at 20 Hz
+constexpr int kMinDraws = 2, kMinPeriods = 2;  // of a response; counted ones of each draw
+constexpr double kMinSeen = 0.5;               // share of a period's samples
+constexpr double kMinSd = 1e-9;                // for a response of 1: smaller deviations are rounding
+constexpr int kMaxDetection = 80;              // number of the harmonic at 20 Hz
 
+// The signal's value in a sample [m or N].
 double ValueOf(const ExcitedSample& sample, Signal signal) {
   return signal == Signal::kCommand ? sample.u_m : signal == Signal::kPosition ? sample.y_m : sample.f_N;
 }
@@ -38,7 +39,7 @@ struct Period {
   double odd{0.0}, even{0.0};          // levels at the empty lines
 };
 
-// Finds the complete counted periods: period_ticks samples in a row of one draw and period.
+// Finds the complete counted periods: `ticks` samples in a row of one draw and period.
 std::vector<Period> FindPeriods(const ExcitedRun& run, std::size_t ticks) {
   std::vector<Period> periods;
   for (std::size_t i = 0; i + ticks <= run.samples.size();) {
@@ -56,7 +57,7 @@ std::vector<Period> FindPeriods(const ExcitedRun& run, std::size_t ticks) {
   return periods;
 }
 
-// Columns: 1, then cosine and sine of each harmonic.
+// The functions fitted to a period, a row per sample. Columns: 1, then cosine and sine of each harmonic.
 Eigen::MatrixXd Basis(std::size_t ticks, double period_s, std::span<const int> harmonics) {
   Eigen::MatrixXd basis(static_cast<Eigen::Index>(ticks),
                         1 + 2 * static_cast<Eigen::Index>(harmonics.size()));
@@ -70,7 +71,7 @@ Eigen::MatrixXd Basis(std::size_t ticks, double period_s, std::span<const int> h
   return basis;
 }
 
-// a cos(w t) + b sin(w t) = Re[(a - i b) exp(i w t)]
+// Complex amplitudes of fitted coefficients of Basis: a cos(w t) + b sin(w t) = Re[(a - i b) exp(i w t)].
 Eigen::VectorXcd Amplitudes(const Eigen::VectorXd& fitted) {
   Eigen::VectorXcd amplitudes((fitted.size() - 1) / 2);
   for (Eigen::Index i = 0; i < amplitudes.size(); ++i)
@@ -85,7 +86,7 @@ struct Detection {
 };
 Detection DetectionLines() {
   Detection lines;
-  for (int h = 7; h < kMaxDetection; h += 8) {
+  for (int h = 7; h < kMaxDetection; h += 8) {  // the odd harmonics that the multisine leaves empty
     lines.odd.push_back(h);
     lines.even.push_back(h + 1);
   }
@@ -121,16 +122,17 @@ double DriftOf(const std::vector<Period>& periods, int draw) {
       sum_t += static_cast<double>(period.first);
       sum_y += period.mean;
     }
-  double over = 0.0, under = 0.0;
+  double sum_ty = 0.0, sum_tt = 0.0;
   for (const Period& period : periods)
     if (period.draw == draw) {
       const double t = static_cast<double>(period.first) - sum_t / n;
-      over += t * (period.mean - sum_y / n);
-      under += t * t;
+      sum_ty += t * (period.mean - sum_y / n);
+      sum_tt += t * t;
     }
-  return under > 0.0 ? over / under : 0.0;
+  return sum_tt > 0.0 ? sum_ty / sum_tt : 0.0;
 }
 
+// Fits the amplitudes of input and output to each period by least squares, over the samples that were seen.
 class PeriodFit {
  public:
   PeriodFit(const ExcitedRun& run, std::size_t ticks, Signal input, Signal output)
@@ -140,9 +142,9 @@ class PeriodFit {
         output_(output),
         harmonics_(Multisine::Harmonics()),
         basis_(Basis(ticks, run.period_s, harmonics_)),
-        all_(basis_.transpose() * basis_) {}
+        normal_(basis_.transpose() * basis_) {}
 
-  // @param drift  of the output, to be removed [1/sample]
+  // Fills the period's amplitudes, mean and levels. @param drift  of the output, to be removed [1/sample]
   void Fit(Period& period, double drift) const {
     const auto ticks = static_cast<Eigen::Index>(ticks_);
     const bool is_whole = AllSeen(period);
@@ -155,24 +157,26 @@ class PeriodFit {
       u[k] = ValueOf(sample, input_);
       y[k] = sample.seen ? ValueOf(sample, output_) - drift * t : 0.0;
       if (sample.seen) continue;
+      // without a message only the command is known: the other values do not count
       if (input_ != Signal::kCommand) u[k] = 0.0;
       masked.row(k).setZero();
     }
     const Eigen::MatrixXd& of_output = is_whole ? basis_ : masked;
-    const Eigen::LDLT<Eigen::MatrixXd> solver(is_whole ? all_ : Eigen::MatrixXd(masked.transpose() * masked));
+    const Eigen::LDLT<Eigen::MatrixXd> solver(is_whole ? normal_
+                                                       : Eigen::MatrixXd(masked.transpose() * masked));
     const Eigen::VectorXd fitted = solver.solve(of_output.transpose() * y);
     period.mean = fitted[0];
     period.output = Amplitudes(fitted);
     period.input =
-        Amplitudes(input_ == Signal::kCommand ? Eigen::VectorXd(all_.ldlt().solve(basis_.transpose() * u))
+        Amplitudes(input_ == Signal::kCommand ? Eigen::VectorXd(normal_.ldlt().solve(basis_.transpose() * u))
                                               : Eigen::VectorXd(solver.solve(of_output.transpose() * u)));
-    Eigen::VectorXd rest = y - of_output * fitted;
+    Eigen::VectorXd residual = y - of_output * fitted;
     if (!is_whole)
       for (Eigen::Index k = 0; k < ticks; ++k)
-        if (!run_.samples[period.first + static_cast<std::size_t>(k)].seen) rest[k] = 0.0;
+        if (!run_.samples[period.first + static_cast<std::size_t>(k)].seen) residual[k] = 0.0;
     const Detection lines = DetectionLines();
-    period.odd = LevelAt(rest, period.output, lines.odd, run_.period_s);
-    period.even = LevelAt(rest, period.output, lines.even, run_.period_s);
+    period.odd = LevelAt(residual, period.output, lines.odd, run_.period_s);
+    period.even = LevelAt(residual, period.output, lines.even, run_.period_s);
   }
 
  private:
@@ -186,7 +190,7 @@ class PeriodFit {
   std::size_t ticks_;
   Signal input_, output_;
   std::array<int, Multisine::kLines> harmonics_;
-  Eigen::MatrixXd basis_, all_;
+  Eigen::MatrixXd basis_, normal_;  // normal_: basis^T basis
 };
 
 // The result of one draw at one line.
@@ -196,14 +200,15 @@ struct DrawLine {
   double input_power{0.0};      // sum |U|^2 over its periods
 };
 
+// The response of one draw at one line, by least squares over its periods: H = sum Y U* / sum |U|^2.
 DrawLine LineOf(const std::vector<const Period*>& periods, Eigen::Index line) {
   DrawLine result;
-  Complex over = 0.0;
+  Complex cross_power = 0.0;
   for (const Period* period : periods) {
-    over += period->output[line] * std::conj(period->input[line]);
+    cross_power += period->output[line] * std::conj(period->input[line]);
     result.input_power += std::norm(period->input[line]);
   }
-  result.H = over / result.input_power;
+  result.H = cross_power / result.input_power;
   for (const Period* period : periods)
     result.output_variance += std::norm(period->output[line] - result.H * period->input[line]);
   result.output_variance /= 2.0 * static_cast<double>(periods.size() - 1);
@@ -220,12 +225,14 @@ std::vector<double> Smoothed(const std::vector<double>& values) {
   return smooth;
 }
 
+// The counted periods by their draw.
 using Draws = std::map<int, std::vector<const Period*>>;
 
+// Fills the response's lines: the mean over the draws, its deviations by noise and by draws, and coherences.
 void FillLines(const Draws& draws, MeasuredResponse& response) {
   constexpr auto kLines = static_cast<std::size_t>(Multisine::kLines);
   const auto count = static_cast<double>(draws.size());
-  std::vector<double> noise(kLines), between(kLines), power(kLines);
+  std::vector<double> noise(kLines), draw_differences(kLines), power(kLines);
   response.lines.resize(kLines);
   for (std::size_t i = 0; i < kLines; ++i) {
     std::vector<DrawLine> each;
@@ -237,17 +244,17 @@ void FillLines(const Draws& draws, MeasuredResponse& response) {
       noise[i] += draw.output_variance / count;
       power[i] += draw.input_power;
     }
-    // as variance of the output's amplitude, which does not depend on the line's power
+    // as a variance of the output's amplitude, which does not depend on the line's power
     for (const DrawLine& draw : each)
-      between[i] += std::norm(draw.H - line.value) / (2.0 * (count - 1.0)) * power[i] / count;
+      draw_differences[i] += std::norm(draw.H - line.value) / (2.0 * (count - 1.0)) * power[i] / count;
   }
   noise = Smoothed(noise);
-  between = Smoothed(between);
+  draw_differences = Smoothed(draw_differences);
   for (std::size_t i = 0; i < kLines; ++i) {
     ResponseLine& line = response.lines[i];
-    const double size = std::norm(line.value), floor = kMinSd * std::sqrt(size);
-    const double noise_variance = noise[i] / power[i], draw_variance = between[i] / power[i];
-    line.noise_sd = std::max(floor, std::sqrt(noise_variance));
+    const double size = std::norm(line.value), min_sd = kMinSd * std::sqrt(size);
+    const double noise_variance = noise[i] / power[i], draw_variance = draw_differences[i] / power[i];
+    line.noise_sd = std::max(min_sd, std::sqrt(noise_variance));
     line.sd = std::max(line.noise_sd, std::sqrt(draw_variance));
     line.coherence = size / (size + 2.0 * response.periods * line.noise_sd * line.noise_sd);
     line.draw_coherence = size / (size + 2.0 * count * line.sd * line.sd);

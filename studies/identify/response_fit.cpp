@@ -5,9 +5,9 @@ namespace osteon::studies {
 void FillResiduals(std::span<const ResponseLine> lines, const ResponseModel& model, const Eigen::VectorXd& p,
                    Eigen::VectorXd& r) {
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::complex<double> off = (lines[i].value - model(p, lines[i].hz)) / lines[i].sd;
-    r[2 * static_cast<Eigen::Index>(i)] = off.real();
-    r[2 * static_cast<Eigen::Index>(i) + 1] = off.imag();
+    const std::complex<double> residual = (lines[i].value - model(p, lines[i].hz)) / lines[i].sd;
+    r[2 * static_cast<Eigen::Index>(i)] = residual.real();
+    r[2 * static_cast<Eigen::Index>(i) + 1] = residual.imag();
   }
 }
 

@@ -15,13 +15,13 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kPush_N = 150.0, kLimit_N = 200.0;
+constexpr double kPush_N = 150.0, kLimit_N = 200.0;  // the hand's push; the limit of hand and rendered force
 
 // Figures of one victim's trials.
 struct Row {
-  int times{0}, rested{0};
-  KillResult worst;
-  std::vector<double> rest_ms;
+  int times{0}, rested{0};      // number of trials; number that ended at rest
+  KillResult worst;             // only hand_N, coupling_N and distance_m are set
+  std::vector<double> rest_ms;  // sorted
 };
 
 Row RowOf(KillVictim victim, std::span<const KillRun> runs) {

@@ -23,11 +23,13 @@ namespace {
 
 using std::chrono::milliseconds, std::chrono::seconds;
 
-constexpr int kAttempts = 3;
+constexpr int kAttempts = 3;  // of a trial
 constexpr milliseconds kPollInterval{5};
-// Time limits are generous, so that a busy machine does not decide the outcome.
-constexpr seconds kContact{120}, kRest{10}, kEnd{90};  // kEnd: the processes then write report and pages
-// Full contact: for this long, the hand's whole push meets a tool that hardly moves.
+// Longest waits for full contact, for rest, and for the end of a process that writes report and pages. They
+// are generous, so that a busy machine does not decide the outcome.
+constexpr seconds kContact{120}, kRest{10}, kEnd{90};
+// Full contact: for kFullFor, the hand exerts at least this share of its push, and the tool is slower than
+// this.
 constexpr double kFullShare = 0.97, kPressedIn_m_per_s = 0.01;
 constexpr rt::Nanoseconds kFullFor = 100 * rt::kMillisecond;
 constexpr double kRest_m_per_s = 0.002;  // speed of a commanded tool at rest
@@ -35,8 +37,10 @@ constexpr double kRest_m_per_s = 0.002;  // speed of a commanded tool at rest
 constexpr rt::Nanoseconds kRestFor = 800 * rt::kMillisecond;
 constexpr milliseconds kEngineHalt{300};  // halt of a late engine: its model is then beyond every age limit
 
+// Magnitude of a velocity [m/s].
 double MetresPerSecond(const PlainVector3& v) { return Vector3(v).norm(); }
 
+// The victim is the engine's process.
 bool IsEngine(KillVictim victim) {
   return victim == KillVictim::kEngine || victim == KillVictim::kEngineHung ||
          victim == KillVictim::kEngineLate;
@@ -50,6 +54,7 @@ std::string OwnFault(KillVictim victim) {
   return "";
 }
 
+// Name of the thread that is halted for this victim.
 const char* ThreadOf(KillVictim victim) { return victim == KillVictim::kLoop ? "servo" : NameOf(victim); }
 
 // The three processes, each in a folder of its own.
@@ -69,8 +74,9 @@ class Trial {
     std::vector<std::string> more{"--record", "run.mcap", "--json", "run.json", "--engine", params_.engine};
     if (!params_.device.empty()) more.insert(more.end(), {"--device", params_.device});
     run_ = parts_.Start("run", more);
-    return Until(kContact, [&] { return Full() || run_->Ended() || guard_->Ended() || cell_->Ended(); }) &&
-           Full() && !run_->Ended();
+    return Until(kContact,
+                 [&] { return IsInFullContact() || run_->Ended() || guard_->Ended() || cell_->Ended(); }) &&
+           IsInFullContact() && !run_->Ended();
   }
 
   /// Kills the victim. @returns an empty string, or why it could not.
@@ -142,6 +148,7 @@ class Trial {
   }
 
  private:
+  // Waits for the condition. False after the time limit, or if the trial is to stop.
   bool Until(milliseconds limit, const std::function<bool()>& condition) {
     const auto give_up = std::chrono::steady_clock::now() + limit;
     while (!condition()) {
@@ -151,7 +158,8 @@ class Trial {
     return true;
   }
 
-  bool Full() {
+  // The arm has been in full contact for kFullFor, by the newest cycles of the trace.
+  bool IsInFullContact() {
     trace_.Poll();
     const auto& cycles = trace_.cycles();
     for (auto cycle = cycles.rbegin(); cycle != cycles.rend(); ++cycle) {
@@ -169,6 +177,7 @@ class Trial {
     return session::RestedFor(trace_.cycles(), killed_);
   }
 
+  // Fills force of the hand, travel and rest from the simulated arm's trace.
   void ReadArmTrace(KillResult& result) {
     trace_.Poll();
     const session::CellCycle* at_kill = nullptr;
@@ -185,7 +194,8 @@ class Trial {
     result.at_rest = at_kill && RestsFor() > kRestFor;
   }
 
-  // Reads what the controller rendered; @param moves  its commands count as the arm's motion
+  // Fills the rendered force from the controller's recording. @param moves  its commands count as the arm's
+  // motion: travel and rest follow from them
   void JudgeRecording(KillResult& result, bool moves) {
     const auto recording = io::ReadRecording(parts_.Folder("run") / "run.mcap");
     if (!recording) return;
@@ -205,6 +215,7 @@ class Trial {
     }
   }
 
+  // Fills the results that controller, guard and cell report at their end.
   void CollectReports(KillResult& result) const {
     if (const nlohmann::json run = parts_.Report("run"); run.is_object())
       result.faults = run.at("faults").get<std::vector<std::string>>();
@@ -216,26 +227,29 @@ class Trial {
     }
   }
 
+  // Lists what is not as required; empty: nothing.
   [[nodiscard]] std::string Wrong(const KillResult& r) const {
     std::string wrong;
-    const auto add = [&](bool is, const std::string& what) {
+    const auto add_if = [&](bool is, const std::string& what) {
       if (is) wrong += (wrong.empty() ? "" : "; ") + what;
     };
-    add(!r.at_rest, "no rest");
-    add(r.hand_N > params_.limit_N, fmt::format("the hand felt {:.1f} N", r.hand_N));
-    add(r.coupling_N > params_.limit_N, fmt::format("{:.1f} N were rendered", r.coupling_N));
-    add(r.victim != KillVictim::kCell && !r.permitted, "the cell left no report");
-    add(r.permitted.value_or(false), "the PLC permits motion still");
-    const auto misses = [&r](const char* whose) {
+    add_if(!r.at_rest, "no rest");
+    add_if(r.hand_N > params_.limit_N, fmt::format("the hand felt {:.1f} N", r.hand_N));
+    add_if(r.coupling_N > params_.limit_N, fmt::format("{:.1f} N were rendered", r.coupling_N));
+    add_if(r.victim != KillVictim::kCell && !r.permitted, "the cell left no report");
+    add_if(r.permitted.value_or(false), "the PLC permits motion still");
+    // the PLC did not notice that this heartbeat stopped
+    const auto unnoticed = [&r](const char* whose) {
       return r.blocks.find(std::string(whose) + "'s heartbeat lost") == std::string::npos;
     };
     if (r.victim == KillVictim::kController || r.victim == KillVictim::kLoop)
-      add(misses("controller"), "the PLC did not miss the controller's heartbeat");
-    if (r.victim == KillVictim::kGuard) add(misses("guard"), "the PLC did not miss the guard's heartbeat");
-    add(std::abs(r.spindle_rad_per_s) > kSpindleStands_rad_per_s, "the spindle turns still");
+      add_if(unnoticed("controller"), "the PLC did not miss the controller's heartbeat");
+    if (r.victim == KillVictim::kGuard)
+      add_if(unnoticed("guard"), "the PLC did not miss the guard's heartbeat");
+    add_if(std::abs(r.spindle_rad_per_s) > kSpindleStands_rad_per_s, "the spindle turns still");
     if (r.victim != KillVictim::kController) {
-      add(r.run_exit != 1, fmt::format("the controller ended with {}", r.run_exit.value_or(-1)));
-      add(r.faults.empty(), "the controller named no fault");
+      add_if(r.run_exit != 1, fmt::format("the controller ended with {}", r.run_exit.value_or(-1)));
+      add_if(r.faults.empty(), "the controller named no fault");
     }
     return wrong;
   }

@@ -13,9 +13,9 @@ namespace osteon::studies {
 /// The process or thread that is killed or halted in full contact.
 enum class KillVictim {
   kController,  ///< `osteon run`, by SIGKILL
-  kLoop,        ///< its servo thread is halted; its other threads go on
-  kSimulation,  ///< its simulation's thread is halted; its other threads go on
-  kRecorder,    ///< its recorder's thread is halted; its other threads go on
+  kLoop,        ///< the servo thread of `osteon run` is halted; its other threads go on
+  kSimulation,  ///< the simulation's thread of `osteon run` is halted; its other threads go on
+  kRecorder,    ///< the recorder's thread of `osteon run` is halted; its other threads go on
   kGuard,       ///< `osteon guard`, by SIGKILL
   kCell,        ///< `osteon cell`, by SIGKILL: arm, sensor, drive and PLC fall silent at once
   kEngine,      ///< `osteon simulate`, the engine in its own process, by SIGKILL
@@ -28,9 +28,10 @@ inline constexpr int kKillVictims = 9;
 /// @returns how the victim is killed, e.g. "SIGKILL to osteon run"
 [[nodiscard]] const char* Describe(KillVictim victim);
 
+/// The cell, engine and folder of a trial.
 struct KillTrialParams {
   std::filesystem::path cell;    ///< a file written by WriteKillCell
-  double push_N{0.0};            ///< force with which its hand presses
+  double push_N{0.0};            ///< force with which the cell's hand presses
   double limit_N{0.0};           ///< limit for hand and coupling
   std::filesystem::path folder;  ///< existing folder for the files of the processes
   std::string engine{"auto"};    ///< one that `osteon run` accepts
@@ -42,11 +43,11 @@ struct KillTrialParams {
 /// of the controller's commands.
 struct KillResult {
   KillVictim victim{KillVictim::kController};
-  double hand_at_kill_N{0.0};
-  bool at_rest{false};
-  double rest_ms{0.0};     ///< from the kill until the tool last moved faster than at rest
-  double distance_m{0.0};  ///< greatest distance of the apex from its place at the kill
-  double hand_N{0.0};      ///< the hand's greatest force, before and after the kill
+  double hand_at_kill_N{0.0};  ///< force of the hand in the last cycle before the kill
+  bool at_rest{false};         ///< the tool was at rest when the trial ended
+  double rest_ms{0.0};         ///< from the kill to the last motion of the tool
+  double distance_m{0.0};      ///< greatest distance of the apex from its place at the kill
+  double hand_N{0.0};          ///< the hand's greatest force, before and after the kill
   /// The controller's greatest rendered force, as far as its recording goes.
   double coupling_N{0.0};
   std::optional<bool> permitted{};    ///< by the PLC at the end; nothing: the PLC was killed

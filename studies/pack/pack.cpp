@@ -23,14 +23,16 @@
 namespace osteon::studies {
 namespace {
 
-bool Has(const std::filesystem::path& path, const char* extension) { return path.extension() == extension; }
+bool HasExtension(const std::filesystem::path& path, const char* extension) {
+  return path.extension() == extension;
+}
 
 // Checks the output paths before any work is done. @returns the error; empty if the paths are usable
 std::string WrongPlace(const PackOptions& options) {
   std::error_code error;
   if (options.outputs.empty()) return "-o: found no file, accepted FILE.osp, FILE.ply or FILE.csv";
   for (const auto& output : options.outputs) {
-    if (!Has(output, ".osp") && !Has(output, ".ply") && !Has(output, ".csv"))
+    if (!HasExtension(output, ".osp") && !HasExtension(output, ".ply") && !HasExtension(output, ".csv"))
       return fmt::format("-o {}: found extension \"{}\", accepted .osp (packing), .ply, .csv (spheres)",
                          output.string(), output.extension().string());
     if (std::filesystem::is_directory(output, error))
@@ -63,6 +65,7 @@ simulation::MassPointParams PointParams(const PackOptions& options, const sessio
   return params;
 }
 
+// Packs the solid: disjoint or overlapping balls, by the scene's own parameters unless options replace them.
 std::vector<simulation::Ball> Pack(const PackOptions& options, const session::PackSource& source) {
   const double r_min_m = 1e-3 * options.r_min_mm.value_or(0.0),
                r_max_m = 1e-3 * options.r_max_mm.value_or(0.0);
@@ -99,13 +102,13 @@ simulation::PackingProvenance Provenance(const PackOptions& options, const sessi
   provenance.program = "osteon " OSTEON_VERSION;
   auto& parameters = provenance.parameters;
   parameters.emplace_back("mode", result.mode);
-  const auto asked = [&parameters](const char* key, const auto& value) {
+  const auto add_if_given = [&parameters](const char* key, const auto& value) {
     if (value) parameters.emplace_back(key, fmt::format("{}", *value));
   };
-  asked("count", options.count);
-  asked("r_min_mm", options.r_min_mm);
-  asked("r_max_mm", options.r_max_mm);
-  asked("grade", options.grade);
+  add_if_given("count", options.count);
+  add_if_given("r_min_mm", options.r_min_mm);
+  add_if_given("r_max_mm", options.r_max_mm);
+  add_if_given("grade", options.grade);
   parameters.emplace_back("seed", fmt::format("{}", options.seed));
   if (options.points)
     parameters.emplace_back("point_spacing_mm", fmt::format("{}", result.point_params.cells.finest_m * 1e3));
@@ -113,18 +116,20 @@ simulation::PackingProvenance Provenance(const PackOptions& options, const sessi
   return provenance;
 }
 
+// Mass and inertia of the mass points, with every material at 1000 kg/m³.
 simulation::MassProperties EvenMass(const simulation::Bone& bone) {
   std::vector<simulation::Material> even = bone.materials;
   for (simulation::Material& material : even) material.density_kg_per_m3 = 1000.0;
   return simulation::PointMassProperties(bone.points, even);
 }
 
+// Writes each output in the format of its extension, then the JSON; stops early after Ctrl-C.
 tl::expected<void, std::string> WriteOutputs(const PackOptions& options, const PackResult& result) {
   for (const auto& output : options.outputs) {
-    const auto written = Has(output, ".osp")
+    const auto written = HasExtension(output, ".osp")
                              ? simulation::WritePackingFile(output, result.bone, result.provenance)
-                         : Has(output, ".ply") ? simulation::WritePly(output, result.bone.balls)
-                                               : simulation::WriteCsv(output, result.bone.balls);
+                         : HasExtension(output, ".ply") ? simulation::WritePly(output, result.bone.balls)
+                                                        : simulation::WriteCsv(output, result.bone.balls);
     if (!written) return tl::make_unexpected(written.error().Text());
     if (base::Interrupted()) return {};
   }
@@ -132,6 +137,7 @@ tl::expected<void, std::string> WriteOutputs(const PackOptions& options, const P
   return {};
 }
 
+// Writes report.html into the report's folder.
 tl::expected<void, std::string> WriteReportOf(const PackOptions& options, const session::PackSource& source,
                                               const PackResult& result,
                                               const std::vector<base::PhaseProgress::Phase>& phases) {
@@ -163,7 +169,7 @@ void PrintTable(const PackResult& result) {
   for (const report::SummaryRow& row : Rows(result)) fmt::print("  {:<30} {}\n", row.key, row.value);
 }
 
-/// Saves a packing file in other formats.
+/// Saves a packing file in other formats. @returns the process's exit code
 int Convert(const PackOptions& options) {
   if (!options.packing_options.empty())
     return session::Fail("pack", fmt::format("{}: found with a packing file, accepted with a mesh or shape",
@@ -196,9 +202,10 @@ int Convert(const PackOptions& options) {
   return 0;
 }
 
+/// RunPack, except that a builder's std::invalid_argument is not caught.
 int Run(const PackOptions& options) {
   if (const std::string wrong = WrongPlace(options); !wrong.empty()) return session::Fail("pack", wrong);
-  if (Has(options.source.input, ".osp")) return Convert(options);
+  if (HasExtension(options.source.input, ".osp")) return Convert(options);
 
   // until something is written, Ctrl-C may end the process at once
   const bool report = !options.report.empty();

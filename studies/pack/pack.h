@@ -9,15 +9,16 @@
 
 namespace osteon::studies {
 
+/// Command line of `osteon pack`.
 struct PackOptions {
   session::SourceOptions source;
   std::vector<std::filesystem::path> outputs;  ///< .osp, .ply, .csv
-  bool disjoint{false};
-  std::optional<std::size_t> count{};
+  bool disjoint{false};                        ///< no two balls overlap
+  std::optional<std::size_t> count{};  ///< of balls; none: by the scene or the defaults, as those below
   std::optional<double> r_min_mm{}, r_max_mm{}, grade{};
   std::uint64_t seed{0};
-  int threads{0};  ///< 0: one per core
-  bool points{true};
+  int threads{0};     ///< 0: one per core
+  bool points{true};  ///< mass points are made
   std::optional<double> point_spacing_mm{};
   std::filesystem::path report{};  ///< folder; empty: none
   std::filesystem::path json{};

@@ -39,6 +39,7 @@ std::string RadiusLegend(double min_mm, double max_mm) {
   return out + "<text x=\"0\" y=\"15\">radius</text></svg>\n";
 }
 
+/// Pictures of all spheres and of the half behind the middle plane, with the legends of radii and materials.
 tl::expected<std::string, std::string> Pictures(const PackReportInput& input) {
   const Bone& bone = input.bone;
   const CutAway plane = MiddlePlane(bone);
@@ -94,6 +95,7 @@ std::string SectionFigure(const PackReportInput& input) {
                                                "Union of the spheres in a plane through the middle.");
 }
 
+/// Histogram of the radii, and the distribution of the gaps between the surface and the spheres.
 std::string Histograms(const PackReportInput& input) {
   std::vector<double> radii_mm;
   radii_mm.reserve(input.bone.balls.size());
@@ -157,6 +159,7 @@ std::string Spectrum(const PackReportInput& input) {
                          points.size(), windows.size()));
 }
 
+/// Table of mass and inertia: of the points, and compared with the solid's where both are known.
 std::string Mass(const PackReportInput& input) {
   if (input.bone.points.empty()) return {};
   std::string out = "<h2>Mass</h2>\n<table>\n<tr><th></th><th class=\"n\">points, their materials</th>";
@@ -194,6 +197,7 @@ std::string Mass(const PackReportInput& input) {
   return out + "</p>\n";
 }
 
+/// Table of the materials' figures with their sources.
 std::string Materials(const PackReportInput& input) {
   std::string out =
       "<h2>Materials</h2>\n<table>\n<tr><th>material</th><th>figure</th><th "
@@ -220,6 +224,7 @@ std::string Materials(const PackReportInput& input) {
   return out + "</table>\n";
 }
 
+/// Table of the packing's source and parameters, with the times and the command.
 std::string Origin(const PackReportInput& input) {
   std::string out = "<h2>How it was made</h2>\n<table>\n";
   const auto row = [&out](const std::string& key, const std::string& value) {

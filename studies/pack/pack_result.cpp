@@ -18,6 +18,7 @@ using simulation::MassProperties;
 using simulation::Material;
 using simulation::PackingQuality;
 
+/// A quality figure in JSON and in a packing file's provenance.
 struct QualityKey {
   const char* key;
   double PackingQuality::*value;
@@ -35,6 +36,7 @@ constexpr std::array<QualityKey, 7> kQualityKeys{{
 
 nlohmann::json InMm(const Vector3& p) { return {p.x() * 1e3, p.y() * 1e3, p.z() * 1e3}; }
 
+// Inertia in g mm²; 1 kg m² = 1e9 g mm².
 nlohmann::json ToJsonObject(const MassProperties& mass) {
   nlohmann::json inertia = nlohmann::json::array();
   for (int i = 0; i < 3; ++i)
@@ -46,6 +48,7 @@ nlohmann::json ToJsonObject(const MassProperties& mass) {
           {"inertia_g_mm2", inertia}};
 }
 
+// Each figure with its source, and whether it is assumed.
 nlohmann::json ToJsonObject(const Material& material) {
   const auto figure = [](double value, const FigureSource& source) {
     return nlohmann::json{{"value", value}, {"source", source.text}, {"assumed", source.assumed}};
@@ -64,6 +67,7 @@ nlohmann::json ToJsonObject(const Material& material) {
   return json;
 }
 
+// A share as a signed percentage.
 std::string Percent(double share) { return fmt::format("{:+.3f} %", share * 100); }
 
 }  // namespace

@@ -22,10 +22,10 @@ struct PackResult {
   bool converted{false};  ///< read from a packing file: nothing was packed, and some figures are unknown
   simulation::PackingQuality quality{};
   simulation::PackingProvenance provenance{};
-  std::size_t triangles{0};
+  std::size_t triangles{0};  ///< of the mesh; 0: the source is a shape
   std::uint64_t seed{0};
   int threads{0};
-  std::string zone{};
+  std::string zone{};  ///< description of the cut zone
   simulation::MassPointParams point_params{};
   simulation::MassProperties mass{};  ///< of the mass points, with their materials
   /// The same points with every material at 1000 kg/m³.
@@ -36,8 +36,8 @@ struct PackResult {
   std::vector<std::filesystem::path> outputs{};
 };
 
-/// The product's tolerances: balls that reach farther out of their solid, or into each other, are a fault of
-/// the packing.
+/// Tolerances of a packing: how far a ball may reach out of the solid, and, in a disjoint packing, into
+/// another ball.
 inline constexpr double kMaxProtrusion_m = 0.05e-3, kMaxDisjointOverlap_m = 1e-6;
 [[nodiscard]] bool KeepsTolerances(const PackResult& result);
 
@@ -47,6 +47,7 @@ struct MassComparison {
   double center_error_m{0.0};
   double inertia_error{0.0};  ///< greatest difference of an element, divided by the greatest element
 };
+/// @returns nothing if the points or the closed form are not known
 [[nodiscard]] std::optional<MassComparison> CompareMass(const PackResult& result);
 
 /// Rows for the terminal and the report.

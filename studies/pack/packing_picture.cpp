@@ -18,9 +18,10 @@ constexpr int kFine = 2;  ///< samples per pixel in each direction
 struct Hit {
   double depth_m{std::numeric_limits<double>::infinity()};
   std::size_t ball{0};
-  bool in_plane{false};
+  bool in_plane{false};  ///< on the cutting plane, inside the ball
 };
 
+/// A colour value 0 … 1 as a byte.
 std::uint8_t ToByte(double value) {
   return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
 }
@@ -41,7 +42,7 @@ class Tracer {
         hits_(static_cast<std::size_t>(camera.width) * camera.height) {
     struct Entry {
       bool behind;  ///< the ball lies wholly behind the plane
-      double key;
+      double key;   ///< of a ball behind the plane: depth of its nearest point; otherwise -radius
       std::size_t ball;
       auto operator<=>(const Entry&) const = default;
     };
@@ -63,12 +64,13 @@ class Tracer {
   }
 
  private:
-  static constexpr int kTile = 16;
+  static constexpr int kTile = 16;  ///< pixels along a side
   struct Tile {
-    double farthest_m{std::numeric_limits<double>::infinity()};
-    bool done{false};
+    double farthest_m{std::numeric_limits<double>::infinity()};  ///< greatest depth of its hits
+    bool done{false};                                            ///< each pixel shows the plane
   };
 
+  /// Draws a ball in the tiles that its outline may touch.
   void Draw(std::size_t index) {
     const double r = balls_[index].radius_m;
     const Vector3 to_center = Vector3(balls_[index].center_m) - camera_.eye;
@@ -86,6 +88,8 @@ class Tracer {
       }
   }
 
+  /// Intersects the rays of a tile's pixels with a ball, and keeps hits that are nearer than the earlier
+  /// ones.
   void DrawInTile(std::size_t index, const Vector3& to_center, int x0, int y0, Tile& tile) {
     const double r = balls_[index].radius_m, c2 = to_center.squaredNorm() - r * r;
     bool changed = false;
@@ -95,6 +99,7 @@ class Tracer {
         Hit& best = hits_[static_cast<std::size_t>(y) * camera_.width + x];
         if (best.in_plane) continue;
         const Vector3 ray = camera_.Ray(x + 0.5, y + 0.5);
+        // |t ray - to_center|² = r², solved for the depth t
         const double d2 = ray.squaredNorm(), dc = ray.dot(to_center);
         const double discriminant = dc * dc - d2 * c2;
         if (discriminant < 0.0) continue;
@@ -129,6 +134,7 @@ class Tracer {
   std::vector<Hit> hits_;
 };
 
+/// Bounding box of the balls.
 Eigen::AlignedBox3d BoxOf(const simulation::Bone& bone) {
   Eigen::AlignedBox3d box;
   for (const Ball& ball : bone.balls) {
@@ -173,6 +179,7 @@ report::Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane,
   report::Camera camera =
       report::LookAt(box.center() + far_m * towards, box.center(), up, 1.0, width, height);
 
+  // scale and shift so that all balls' outlines fill the picture but for a margin
   Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (const Ball& ball : bone.balls) {
     const Vector3 at = camera.Project(ball.center_m);
@@ -191,21 +198,24 @@ report::Image RenderPacking(std::span<const Ball> balls, const report::Camera& c
                             const std::optional<CutAway>& cut, const BallColor& color, int threads) {
   const report::Camera fine = camera.Scaled(kFine);
   const Tracer tracer(balls, fine, cut);
-  const Vector3 key = (-0.45 * camera.right + 0.65 * camera.up - 0.62 * camera.forward).normalized();
+  const Vector3 key_light = (-0.45 * camera.right + 0.65 * camera.up - 0.62 * camera.forward).normalized();
+  // Colour of a place p: of the ball's surface by its normal, or of its cut face, flat with a darker rim.
   const auto shade = [&](const Hit& hit, const Vector3& p, const Vector3& base) -> Vector3 {
     const Vector3 c = balls[hit.ball].center_m;
     const double r = balls[hit.ball].radius_m;
     if (hit.in_plane) {
-      const double h = (c - cut->point).dot(cut->normal), disc = std::sqrt(std::max(r * r - h * h, 1e-18));
-      const double from_rim_m = disc - (p - (c - h * cut->normal)).norm();
+      const double h = (c - cut->point).dot(cut->normal),
+                   disc_radius_m = std::sqrt(std::max(r * r - h * h, 1e-18));
+      const double from_rim_m = disc_radius_m - (p - (c - h * cut->normal)).norm();
       const double rim_m =
-          std::min(0.12 * disc, 1.2 * hit.depth_m / camera.focal_px);  // at most 1.2 pixels wide
+          std::min(0.12 * disc_radius_m, 1.2 * hit.depth_m / camera.focal_px);  // at most 1.2 pixels wide
       return base * (from_rim_m < rim_m ? 0.7 : 1.0);
     }
     const Vector3 n = (p - c).normalized();
-    const double direct = std::max(0.0, n.dot(key)), facing = std::max(0.0, -n.dot(camera.forward));
+    const double direct = std::max(0.0, n.dot(key_light)), facing = std::max(0.0, -n.dot(camera.forward));
     // the inside of the cut bone lies in shade
     const double light = cut ? std::exp((p - cut->point).dot(cut->normal) / (3.0 * r + 1e-3)) : 1.0;
+    // ambient light, light from the camera, and the key light
     return base * (0.25 + 0.35 * facing + 0.45 * direct) * (0.55 + 0.45 * light);
   };
 

@@ -32,6 +32,7 @@ Radii RadiiOf(const std::vector<simulation::Ball>& balls) {
   return {.min_m = least->radius_m, .max_m = greatest->radius_m};
 }
 
+// Timed frames of one packing.
 nlohmann::json GroupJson(const simulation::FrameGroup& group) {
   return {{"frames", group.frames},
           {"frames_interrupted", group.interrupted},
@@ -47,6 +48,7 @@ struct FrameCounts {
   std::size_t frames{0}, interrupted{0};
 };
 
+// Sums over all groups.
 FrameCounts CountsOf(const std::vector<simulation::FrameGroup>& groups) {
   FrameCounts counts;
   for (const simulation::FrameGroup& group : groups) {
@@ -56,6 +58,7 @@ FrameCounts CountsOf(const std::vector<simulation::FrameGroup>& groups) {
   return counts;
 }
 
+// "rate: 700 Hz of 1000": the demand that is not met, with its predicted and its requested value.
 std::string UnmetDemandText(const session::UnmetDemand& demand) {
   return demand.what == "rate"
              ? fmt::format("rate: {:.0f} Hz of {:g}", demand.predicted, demand.asked)
@@ -64,10 +67,12 @@ std::string UnmetDemandText(const session::UnmetDemand& demand) {
 
 report::SummaryRow Row(const char* name, const std::string& value) { return {.key = name, .value = value}; }
 
+// The choice as the cell's file writes it.
 const char* ChoiceName(config::GivesWay choice) {
   return choice == config::GivesWay::kOff ? "off" : choice == config::GivesWay::kOn ? "on" : "auto";
 }
 
+// The parts of the cell that may give way, with the stiffness and the effect of each.
 nlohmann::json ComplianceJson(const session::PlanScene& scene) {
   nlohmann::json parts = nlohmann::json::array();
   for (const config::CompliancePart& part : scene.gives_way) {
@@ -92,6 +97,7 @@ nlohmann::json ComplianceJson(const session::PlanScene& scene) {
 std::string ComplianceText(const config::CompliancePart& part) {
   if (!part.known) return fmt::format("rigid: no file of the cell says how the {} gives way", part.name);
   const simulation::ComplianceEffect& e = part.effect;
+  // felt: the hand notices the change of stiffness; displaced: the part gives way by more than the error
   const char* why = e.is_felt ? (e.is_displaced ? "felt, and off by more than the error" : "felt")
                               : (e.is_displaced ? "off by more than the error" : "not noticed");
   const std::string at = part.felt_at_N > 0.0 ? fmt::format(" at {:.3g} N; on {:.0f} mm² it", part.felt_at_N,
@@ -196,6 +202,7 @@ nlohmann::json PlanJson(const session::PlanScene& scene, const session::PlanRequ
 
 namespace {
 
+// The plan, its predictions and, after a check, the measured figures, for terminal and page.
 std::vector<report::SummaryRow> PlanRows(const session::PlanScene& scene, const session::FidelityPlan& plan,
                                          const std::optional<session::PlanCheck>& check) {
   const Radii radii = RadiiOf(plan.packed.balls);
@@ -281,21 +288,22 @@ namespace {
 // prediction on that line.
 std::string FrameChart(const session::FidelityPlan& plan, const std::optional<session::PlanCheck>& check) {
   report::Series timed{.name = "other packings, timed", .width_px = 0.0, .marker = report::Marker::kCircle};
-  double most = plan.active_balls;
+  double max_active_balls = plan.active_balls;
   for (const simulation::FrameGroup& group : plan.calibration) {
     timed.x.push_back(group.active_balls);
     timed.y.push_back(group.p50_us);
-    most = std::max(most, group.active_balls);
+    max_active_balls = std::max(max_active_balls, group.active_balls);
   }
-  std::vector<report::Series> series{{.name = "fitted",
-                                      .x = {0.0, most},
-                                      .y = {plan.cost.base_us, plan.cost.base_us + plan.cost.ball_us * most}},
-                                     std::move(timed),
-                                     {.name = "this plan, predicted",
-                                      .x = {plan.active_balls},
-                                      .y = {plan.frame_us},
-                                      .width_px = 0.0,
-                                      .marker = report::Marker::kDiamond}};
+  std::vector<report::Series> series{
+      {.name = "fitted",
+       .x = {0.0, max_active_balls},
+       .y = {plan.cost.base_us, plan.cost.base_us + plan.cost.ball_us * max_active_balls}},
+      std::move(timed),
+      {.name = "this plan, predicted",
+       .x = {plan.active_balls},
+       .y = {plan.frame_us},
+       .width_px = 0.0,
+       .marker = report::Marker::kDiamond}};
   if (check)
     series.push_back({.name = "this plan, measured",
                       .x = {check->frames.active_balls},
@@ -308,6 +316,7 @@ std::string FrameChart(const session::FidelityPlan& plan, const std::optional<se
                                        .series = std::move(series)});
 }
 
+// Writes plan.html: verdict, figures and the chart of the frame time.
 tl::expected<void, std::string> WritePlanPage(const PlanOptions& options, const session::PlanScene& scene,
                                               const session::FidelityPlan& plan,
                                               const std::optional<session::PlanCheck>& check) {

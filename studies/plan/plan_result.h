@@ -26,16 +26,17 @@ namespace osteon::studies {
                                    const session::FidelityPlan& plan,
                                    const std::optional<session::PlanCheck>& check);
 
+/// Command line of `osteon plan`.
 struct PlanOptions {
   session::PlanChoice choice;
   session::PlanRequest request;
-  bool check{false};
+  bool check{false};  ///< the plan is also tried and measured
   std::filesystem::path json;
   std::filesystem::path out{};  ///< folder for plan.html; empty: no page
   std::string command_line{};
 };
 
-/// Runs the subcommand `plan`. @returns the process's exit code.
+/// Runs the subcommand `plan`. @returns the process's exit code: 1 if a demand is not met or a check failed
 [[nodiscard]] int RunPlan(const PlanOptions& options);
 
 }  // namespace osteon::studies

@@ -12,7 +12,7 @@
 namespace osteon::studies {
 namespace {
 
-// Generous, so that a busy machine does not decide the outcome.
+// Longest wait until a part is ready; generous, so that a busy machine does not decide the outcome.
 constexpr std::chrono::seconds kReady{60};
 constexpr std::chrono::milliseconds kPollInterval{20};
 

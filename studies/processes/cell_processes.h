@@ -53,6 +53,7 @@ class CellProcesses {
 
   /// A part's report (`--json PART.json`); discarded if there is none.
   [[nodiscard]] nlohmann::json Report(const std::string& part) const;
+  /// The cell's report; nothing if it left none.
   [[nodiscard]] std::optional<CellReport> ReportOfCell() const;
   /// Why the guard withheld; empty if it did not, or left no report.
   [[nodiscard]] std::string ReasonOfGuard() const;

@@ -27,6 +27,7 @@ struct GoldenHead {
   std::vector<GoldenSource> sources;
 };
 
+/// The content of a golden file: the accepted trace and where it comes from.
 struct Golden {
   GoldenHead head;
   ScenarioTrace trace;
@@ -52,7 +53,8 @@ struct Golden {
 /// @returns an error "file:line: what was found, what is accepted".
 [[nodiscard]] tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std::string& name);
 
-/// @returns an error that names the file. A file larger than 8 MiB is not read.
+/// Reads a golden file. A file larger than 8 MiB is not read.
+/// @returns an error that names the file
 [[nodiscard]] tl::expected<Golden, std::string> ReadGolden(const std::filesystem::path& file);
 
 /// Reads only the reasons, even from a golden trace of another version; none if there is no file.

@@ -49,7 +49,7 @@ std::string WrongOptions(const RegressOptions& options) {
   return "";
 }
 
-// Whether all bits are the same although a source file has changed since the golden trace was made: later
+// All bits are the same although a source file has changed since the golden trace was made: later
 // differences would be blamed on that change.
 bool IsOfOtherFiles(const RegressResult& result) {
   return result.identical() && !ChangedSources(result.golden->head.sources, result.run->sources).empty();
@@ -76,11 +76,12 @@ std::string Accept(const RegressOptions& options, RegressResult& result) {
   return "";
 }
 
+// The file in `folder` in which a scenario's recording is kept.
 fs::path KeptRecording(const RegressResult& result, const fs::path& folder) {
   return folder / (result.scenario.name + ".mcap");
 }
 
-// Keeps a run's recording, and says by which command it is seen. A golden trace has no recording.
+// Copies a run's recording to `folder`, and adds the command that shows it to the explanation.
 void KeepRecording(RegressResult& result, const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -101,6 +102,7 @@ std::vector<RegressResult> RunAll(const std::vector<config::ScenarioConfig>& sce
   for (std::size_t i = 0; i < scenarios.size(); ++i)
     if (items.Computes(i)) order.push_back(i);
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+    // scenarios without bone come last, as they are fast
     const auto rank = [&](std::size_t i) {
       return std::pair(scenarios[i].engine == config::ScenarioEngine::kPlane, -scenarios[i].seconds);
     };
@@ -133,6 +135,7 @@ std::vector<RegressResult> RunAll(const std::vector<config::ScenarioConfig>& sce
   return computed;
 }
 
+// Restores each scenario's result from the parts that shards have written.
 std::vector<RegressResult> Restore(const std::vector<config::ScenarioConfig>& scenarios,
                                    const StudyItems& items) {
   std::vector<RegressResult> results;
@@ -244,7 +247,7 @@ RegressResult RunAndCompare(const config::ScenarioConfig& scenario, const Scenar
 
   if (!params.keep_in.empty()) KeepRecording(result, params.keep_in);
 
-  // Add possible causes outside the program.
+  // Explain possible causes: --set, changed files, another build, machine or engine.
   std::vector<std::string>& lines = result.explained;
   const auto changed = ChangedSources(result.golden->head.sources, result.run->sources);
   for (const std::string& assignment : params.set)
@@ -262,7 +265,7 @@ RegressResult RunAndCompare(const config::ScenarioConfig& scenario, const Scenar
   return result;
 }
 
-// Sum of the scenarios' wall times: nothing else is known of parts, which ran elsewhere.
+// Sum of the scenarios' wall times, in place of the wall time of a run whose parts were computed elsewhere.
 double SecondsOf(std::span<const RegressResult> results) {
   double seconds = 0.0;
   for (const RegressResult& result : results) seconds += result.run ? result.run->seconds_wall : 0.0;

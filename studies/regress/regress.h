@@ -13,18 +13,19 @@
 
 namespace osteon::studies {
 
+/// Command line of `osteon regress`.
 struct RegressOptions {
   std::filesystem::path config_root;
   std::vector<std::string> scenarios;  ///< files, folders, or names under scenarios/; none: all of scenarios/
   std::filesystem::path out{"regress_out"};  ///< for the page of differences
-  std::filesystem::path json, junit;
-  bool update{false};
-  std::string reason;            ///< why new traces are accepted
-  bool all{false};               ///< permits an update without named scenarios: all are updated
-  bool exact{false};             ///< fail if any bit differs
-  int jobs{0};                   ///< scenarios in parallel; 0: one per core
-  std::string device;            ///< part of a Vulkan device's name
-  std::vector<std::string> set;  ///< KEY=VALUE, overrides every scenario's cell
+  std::filesystem::path json, junit;         ///< empty: none
+  bool update{false};                        ///< the run becomes the golden trace if it differs
+  std::string reason;                        ///< why new traces are accepted
+  bool all{false};                           ///< permits an update without named scenarios: all are updated
+  bool exact{false};                         ///< fail if any bit differs
+  int jobs{0};                               ///< scenarios in parallel; 0: one per core
+  std::string device;                        ///< part of a Vulkan device's name
+  std::vector<std::string> set;              ///< KEY=VALUE, overrides every scenario's cell
   std::string command_line;
   Sharding sharding{};
 };

@@ -10,15 +10,16 @@ namespace {
 
 using nlohmann::json;
 
-json Times(const ScenarioRun& run) {
+// Times of a run [s].
+json TimesJson(const ScenarioRun& run) {
   return {{"simulated", ExactNumber(run.seconds_simulated)},
           {"wall", ExactNumber(run.seconds_wall)},
           {"cpu", ExactNumber(run.seconds_cpu)},
           {"set_up", ExactNumber(run.seconds_set_up)}};
 }
 
-// The samples are for the page, which shows only what is not identical.
-json Trace(const ScenarioTrace& trace, bool with_samples) {
+// A trace for the results. @param with_samples  needed only for the page, which shows traces that differ
+json TraceJson(const ScenarioTrace& trace, bool with_samples) {
   json samples = json::array();
   if (with_samples)
     for (const TraceSample& sample : trace.samples) {
@@ -33,6 +34,7 @@ json Trace(const ScenarioTrace& trace, bool with_samples) {
           {"samples", std::move(samples)}};
 }
 
+// Restores a trace. @throws std::invalid_argument if a sample has another number of values
 ScenarioTrace TraceFrom(const json& item) {
   ScenarioTrace trace;
   ReadAt(item, "period_s", trace.period_s);
@@ -50,7 +52,7 @@ ScenarioTrace TraceFrom(const json& item) {
   return trace;
 }
 
-json Difference(const TraceDifference& difference) {
+json DifferenceJson(const TraceDifference& difference) {
   json parts = json::array(), quantities = json::array();
   for (const PartDifference& part : difference.parts)
     parts.push_back({{"part", static_cast<int>(part.part)}, {"tick", part.tick}});
@@ -68,6 +70,7 @@ json Difference(const TraceDifference& difference) {
           {"others", difference.others},       {"first_tick", difference.first_tick}};
 }
 
+// Restores a difference. @throws std::invalid_argument at a part or a quantity that does not exist
 TraceDifference DifferenceFrom(const json& item) {
   TraceDifference difference;
   ReadAt(item, "identical", difference.identical);
@@ -105,11 +108,11 @@ json RegressItem(const RegressResult& result) {
             {"explained", result.explained},
             {"has_golden", result.golden.has_value()},
             {"run", nullptr},
-            {"difference", Difference(result.difference)}};
+            {"difference", DifferenceJson(result.difference)}};
   if (result.run)
     item["run"] = {{"engine", result.run->engine},
-                   {"seconds", Times(*result.run)},
-                   {"trace", Trace(result.run->trace, result.golden && !result.identical())}};
+                   {"seconds", TimesJson(*result.run)},
+                   {"trace", TraceJson(result.run->trace, result.golden && !result.identical())}};
   return item;
 }
 

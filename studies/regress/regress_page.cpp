@@ -10,6 +10,7 @@
 namespace osteon::studies {
 namespace {
 
+// Table of the quantities that differ.
 std::string Table(const RegressPageEntry& entry) {
   std::string html =
       "<table>\n<tr><th>quantity</th><th class=\"n\">left its tolerance</th><th class=\"n\">at most</th><th "

@@ -13,13 +13,15 @@ namespace osteon::studies {
 
 /// A scenario that differs from its golden trace.
 struct RegressPageEntry {
+  /// A quantity that differs.
   struct Row {
     std::string name{};
-    bool beyond{false};
+    bool beyond{false};              ///< beyond its tolerance
     std::optional<double> left_s{};  ///< when a sample first left the tolerance
+    /// Largest difference, its tolerance, and the two values at that difference.
     double worst{0.0}, tolerance{0.0}, golden{0.0}, now{0.0};
   };
-  std::string name{}, shows{}, verdict{};
+  std::string name{}, shows{}, verdict{};  ///< shows: the purpose of the scenario, from its file
   bool good{false};
   std::vector<std::string> lines{};    ///< explanation, the most informative line first
   std::vector<std::string> reasons{};  ///< given when the golden trace was accepted, the oldest first
@@ -27,13 +29,14 @@ struct RegressPageEntry {
   std::vector<report::LineChart> panels{};  ///< in pairs: values, and their difference
 };
 
+/// The content of the page.
 struct RegressPage {
   std::vector<RegressPageEntry> entries{};
-  std::size_t passed{0}, scenarios{0};
+  std::size_t passed{0}, scenarios{0};  ///< their numbers
   std::string command_line{}, version{};
 };
 
-/// @returns an error that names the file.
+/// Writes the page as HTML. @returns an error that names the file.
 [[nodiscard]] tl::expected<void, std::string> WriteRegressPage(const RegressPage& page,
                                                                const std::filesystem::path& file);
 

@@ -14,7 +14,7 @@
 namespace osteon::studies {
 namespace {
 
-constexpr std::size_t kCharts = 4;
+constexpr std::size_t kCharts = 4;  // largest number of quantities that a scenario's charts show
 
 std::string Hex(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
@@ -37,6 +37,7 @@ std::vector<std::string> Reasons(const RegressResult& r) {
   return lines;
 }
 
+// Simulated time over wall time; 0 if the wall time is not known.
 double TimesRealTime(const ScenarioRun& run) {
   return run.seconds_wall > 0.0 ? run.seconds_simulated / run.seconds_wall : 0.0;
 }
@@ -82,6 +83,7 @@ void AddPanels(const RegressResult& r, const QuantityDifference& d, std::vector<
   panels.push_back(std::move(errors));
 }
 
+// A scenario on the page: verdict, explanation, the quantities that differ, charts.
 RegressPageEntry PageEntry(const RegressSummary& summary, const RegressResult& r) {
   RegressPageEntry entry{.name = r.scenario.name,
                          .shows = r.scenario.shows,
@@ -112,14 +114,14 @@ std::string RegressTable(const RegressSummary& summary) {
   for (const RegressResult& r : summary.results) width = std::max(width, r.scenario.name.size());
   std::string text = fmt::format("{:<{}}  {:<8}{:<18}{:>10}{:>9}{:>9}\n", "scenario", width, "verdict",
                                  "every bit", "simulated", "wall", "speed");
-  std::size_t passed = 0, held = 0, identical = 0, updated = 0;
+  std::size_t passed = 0, compared = 0, identical = 0, updated = 0;
   std::string differing;
   for (const RegressResult& r : summary.results) {
     if (!r.updated && r.error.empty() && !Passed(summary, r)) differing += " " + r.scenario.file.string();
     if (r.updated) {
       ++updated;
     } else {
-      ++held;
+      ++compared;
       passed += Passed(summary, r) ? 1u : 0u;
       identical += r.identical() ? 1u : 0u;
     }
@@ -135,7 +137,7 @@ std::string RegressTable(const RegressSummary& summary) {
   if (!differing.empty() && summary.options.set.empty())
     text += fmt::format("If that is meant: osteon regress{} --update --reason \"…\"\n", differing);
   if (updated > 0) text += fmt::format("{} golden trace{} written, ", updated, updated > 1 ? "s" : "");
-  if (held > 0) text += fmt::format("{} of {} passed, {} bit for bit, ", passed, held, identical);
+  if (compared > 0) text += fmt::format("{} of {} passed, {} bit for bit, ", passed, compared, identical);
   return text + fmt::format("in {:.1f} s\n", summary.seconds);
 }
 

@@ -28,13 +28,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// CPU time of the calling thread.
+// CPU time of the calling thread [s].
 double Cpu_s() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
+// Overrides keys of the cell: by the scenario's file first, then by --set.
 void ApplyOverrides(const config::ScenarioConfig& scenario, const ScenarioRunParams& params,
                     config::Overlay& overlay) {
   overlay.SetFromFile(scenario.file, config::kOverridesKey);
@@ -49,6 +50,7 @@ void SetGuidance(const config::ScenarioConfig& scenario, session::CellSetup& set
   setup.config.servo.guidance = guidance;
 }
 
+// Reads the cell, packs its bone, and sets the guidance of a surgical plan if there is one.
 tl::expected<session::CellSetup, std::string> SetUp(const config::ScenarioConfig& scenario,
                                                     const ScenarioRunParams& params) {
   config::Overlay overlay(scenario.cell);
@@ -65,15 +67,16 @@ tl::expected<session::CellSetup, std::string> SetUp(const config::ScenarioConfig
   return setup;
 }
 
+// Makes the scenario's engine. @param device  part of a Vulkan device's name
 tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> EngineOf(
     const config::ScenarioConfig& scenario, const session::CellSetup& setup, const std::string& device) {
-  const Pose& X_WC = setup.config.X_WG;  // pose of the site
+  const Pose& X_WC = setup.config.X_WG;  // pose of the site; its z axis is the plane's normal
   switch (scenario.engine) {
     case config::ScenarioEngine::kPlane:
       return std::make_unique<PlaneEngine>(setup.config.tool.tool, X_WC.translation(), X_WC.linear().col(2),
                                            setup.config.cutting);
     case config::ScenarioEngine::kReference:
-      // the reference engine's bits, in a fraction of its time
+      // the "cpu" engine gives the reference engine's bits in a fraction of its time
       return session::MakeEngine(setup, {.engine = "cpu"});
     case config::ScenarioEngine::kVulkan:
       return session::MakeEngine(setup, {.engine = "vulkan", .device = device});
@@ -81,6 +84,7 @@ tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> EngineOf(
   return tl::make_unexpected(std::string("no engine"));
 }
 
+// FNV-1a, 16 hexadecimal digits.
 std::string Checksum(const std::string& bytes) {
   base::Fnv1a hash;
   hash.Add(bytes);
@@ -100,7 +104,7 @@ std::vector<GoldenSource> SourcesOf(const config::ScenarioConfig& scenario, cons
   return sources;
 }
 
-// Applies an operator's pause and its end, by the ticks since rendering began.
+// Requests the scenario's pause and resumption, at their ticks since rendering began.
 class Pauses {
  public:
   Pauses(const config::ScenarioConfig& scenario, double period_s)
@@ -115,6 +119,7 @@ class Pauses {
   [[nodiscard]] base::OperatorRequests* signals() { return &signals_; }
 
  private:
+  // -1, which no tick has, without a time.
   static std::int64_t TickOf(const std::optional<double>& time_s, double period_s) {
     return time_s ? std::llround(*time_s / period_s) : -1;
   }

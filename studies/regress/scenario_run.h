@@ -38,6 +38,7 @@ struct RunFigures {
   double cutting_debt_J{0.0};
 };
 
+/// The result of a run.
 struct ScenarioRun {
   ScenarioTrace trace;
   RunFigures figures{};

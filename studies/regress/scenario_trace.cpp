@@ -16,7 +16,7 @@
 namespace osteon::studies {
 namespace {
 
-// Returns the bits of a value as one word.
+// Adds a value to the hash as one word; a floating-point number by its bits.
 template <class T>
 void Add(base::Fnv1a& hash, T value) {
   if constexpr (std::is_floating_point_v<T>)
@@ -82,6 +82,7 @@ constexpr PartOfField kInputs[] = {
     {"enabled", TracePart::kDevices},    {"", TracePart::kArm},
 };
 
+// The part of a field. @throws std::logic_error if the table has no row for its name
 TracePart PartOf(const char* name, std::span<const PartOfField> table) {
   for (const PartOfField& row : table)
     if (std::strncmp(name, row.begins, std::strlen(row.begins)) == 0) return row.part;
@@ -116,6 +117,7 @@ const std::vector<FieldPart>& FieldParts() {
   return parts;
 }
 
+// Hash of a model and its contacts.
 std::uint64_t DigestOf(const simulation::ContactModel& model) {
   base::Fnv1a hash;
   const auto add = [&](const session::FieldName&, auto value) { Add(hash, value); };
@@ -125,9 +127,9 @@ std::uint64_t DigestOf(const simulation::ContactModel& model) {
   return hash.hash();
 }
 
-constexpr double kMillimetres = 1e3, kCubicMillimetres = 1e9;
+constexpr double kMillimetres = 1e3, kCubicMillimetres = 1e9;  // factors on m and m³
 
-// Calls deliver(name, kind, value in the quantity's unit) for each quantity.
+// Calls deliver(name, axis or joint, kind, value in the quantity's unit) for each quantity.
 template <class Deliver>
 void VisitQuantities(const control::TickRecord& r, const simulation::ContactModel& model, Deliver&& deliver) {
   using enum QuantityKind;
@@ -144,6 +146,7 @@ void VisitQuantities(const control::TickRecord& r, const simulation::ContactMode
   vector("tool", r.X_WT_cmd.p, kPosition, kMillimetres);
   vector("tool_measured", r.X_WT_meas.p, kPosition, kMillimetres);
   const std::array<double, 9>& R = r.X_WT_meas.R;
+  // the third column of R: the tool's z axis
   vector("tool_axis", PlainVector3(Vector3(R[2], R[5], R[8])), kShare);
   vector("hand", r.F_operator_T_W.f, kForce);
   vector("hand", r.F_operator_T_W.t, kTorque);

@@ -59,6 +59,7 @@ struct TraceQuantity {
 /// Returns the tolerance in the quantity's unit.
 [[nodiscard]] double ToleranceOf(QuantityKind kind, const config::TraceTolerances& tolerances);
 
+/// The values of all quantities in one tick.
 struct TraceSample {
   std::uint64_t tick{0};
   std::vector<double> values;  ///< one for each of TraceQuantities
@@ -113,12 +114,14 @@ class TraceRecorder {
   [[nodiscard]] ScenarioTrace Finish(std::string ended, std::uint64_t active, std::uint64_t carved);
 
  private:
+  /// Adds an event for each change of the session, the cell's state or a fault.
   void NoteState(const control::TickRecord& record);
+  /// Updates the extremes of each quantity, and stores a sample if one is due.
   void Sample(const control::TickRecord& record, const simulation::ContactModel& model);
 
   ScenarioTrace trace_;
   std::uint64_t sample_ticks_;
-  bool begun_{false};
+  bool begun_{false};  ///< the arm has moved
   base::Fnv1a hash_;
   int cell_state_{-1};
   std::uint32_t faults_{0};

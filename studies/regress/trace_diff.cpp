@@ -9,11 +9,12 @@
 namespace osteon::studies {
 namespace {
 
-constexpr std::size_t kShownQuantities = 4, kShownEvents = 4;
+constexpr std::size_t kShownQuantities = 4, kShownEvents = 4;  // largest numbers in an explanation
 
 // Difference that the rounding of a file's values explains: a smaller one does not count.
 double Rounding(QuantityKind kind) { return 0.51 * std::pow(10.0, -DecimalsOf(kind)); }
 
+// A value with the decimals of its kind.
 std::string Value(double value, QuantityKind kind) { return fmt::format("{:.{}f}", value, DecimalsOf(kind)); }
 
 // "2.340 s (tick 2339)"
@@ -21,6 +22,7 @@ std::string At(std::uint64_t tick, const ScenarioTrace& trace) {
   return fmt::format("{:.3f} s (tick {})", trace.TimeOf_s(tick), tick);
 }
 
+// The first tick in which each part differs, over the ticks that both traces have; the earliest part first.
 std::vector<PartDifference> CompareDigests(const ScenarioTrace& golden, const ScenarioTrace& now) {
   std::vector<PartDifference> parts;
   const std::uint64_t begin = std::max(golden.first_tick, now.first_tick);
@@ -36,6 +38,8 @@ std::vector<PartDifference> CompareDigests(const ScenarioTrace& golden, const Sc
   return parts;
 }
 
+// Keeps the larger difference, and the first tick beyond the tolerance.
+// @param between  the values are extremes of all ticks: their tick is not known
 void UpdateWorst(QuantityDifference& d, double golden, double now, std::uint64_t tick, bool between) {
   const double error = std::abs(now - golden);
   // a value that is not finite is beyond any tolerance
@@ -49,6 +53,8 @@ void UpdateWorst(QuantityDifference& d, double golden, double now, std::uint64_t
   d.now = now;
 }
 
+// The quantities that differ by more than rounding: first those beyond their tolerance, by the time at which
+// they left it; then by size.
 std::vector<QuantityDifference> CompareSamples(const ScenarioTrace& golden, const ScenarioTrace& now,
                                                const config::TraceTolerances& tolerances) {
   const auto quantities = TraceQuantities();
@@ -76,7 +82,7 @@ std::vector<QuantityDifference> CompareSamples(const ScenarioTrace& golden, cons
   return all;
 }
 
-// Compares event by event, in order.
+// Compares event by event, in order, and adds a line for each that differs.
 void CompareEvents(const ScenarioTrace& golden, const ScenarioTrace& now, double tolerance_ticks,
                    std::vector<std::string>& lines) {
   const std::size_t count = std::max(golden.events.size(), now.events.size());
@@ -100,6 +106,7 @@ std::string RatioText(double ratio) {
   return ratio >= 1000.0 && ratio < 1e15 ? fmt::format("{:.0f}", ratio) : fmt::format("{:.3g}", ratio);
 }
 
+// One line: when the quantity left its tolerance, and its largest difference.
 std::string Describe(const QuantityDifference& d, const ScenarioTrace& now) {
   const TraceQuantity& quantity = TraceQuantities()[d.quantity];
   const std::string worst =
@@ -169,18 +176,18 @@ std::vector<std::string> Explain(const TraceDifference& difference, const Scenar
     // the first differing tick, and its consequences
     const std::uint64_t tick = difference.parts.front().tick;
     std::string first, later;
-    bool input = false;
+    bool input_differs = false;
     for (const PartDifference& part : difference.parts) {
       std::string& text = part.tick == tick ? first : later;
       text += (text.empty() ? "" : ", ") + std::string(NameOf(part.part));
       if (part.tick == tick)
-        input |= static_cast<int>(part.part) < kTraceInputs;
+        input_differs |= static_cast<int>(part.part) < kTraceInputs;
       else
         text += fmt::format(" +{}", part.tick - tick);
     }
-    const bool loop = !input && tick > difference.first_tick;
+    const bool loop_differs = !input_differs && tick > difference.first_tick;
     lines.push_back(fmt::format("the first bit differs at {}: {}{}{}", At(tick, now), first,
-                                loop ? " (of equal inputs: the loop itself does otherwise)" : "",
+                                loop_differs ? " (of equal inputs: the loop itself does otherwise)" : "",
                                 later.empty() ? "" : "; ticks later: " + later));
   }
   for (std::size_t i = 0; i < difference.others.size() && i < kShownEvents; ++i)

@@ -28,10 +28,11 @@ struct QuantityDifference {
   std::optional<std::uint64_t> left_tick{};  ///< the first sample beyond the tolerance
 
   [[nodiscard]] bool beyond() const { return worst > tolerance; }
-  /// Returns `worst` in tolerances.
+  /// `worst` divided by the tolerance.
   [[nodiscard]] double ratio() const;
 };
 
+/// The difference of a run from its golden trace.
 struct TraceDifference {
   bool identical{false};  ///< in every bit of every tick
   bool passed{false};     ///< every quantity and event within its tolerance

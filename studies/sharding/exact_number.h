@@ -29,6 +29,7 @@ namespace osteon::studies {
   throw std::invalid_argument("found " + json.dump() + ", accepted a number");
 }
 
+/// Whether ExactNumberFrom accepts the value.
 [[nodiscard]] inline bool IsExactNumber(const nlohmann::json& json) {
   return json.is_number() || json == "nan" || json == "inf" || json == "-inf";
 }

@@ -29,6 +29,7 @@ std::size_t CountOf(const Shard& shard, std::size_t items) {
   return items <= before ? 0 : (items - before - 1) / static_cast<std::size_t>(shard.of) + 1;
 }
 
+// "2/4"
 std::string Name(const Shard& shard) { return fmt::format("{}/{}", shard.index, shard.of); }
 
 // Fills a part from its JSON; an error without the file's name.
@@ -95,6 +96,7 @@ std::string DifferenceFrom(const Part& first, const Part& part) {
 
 namespace {
 
+// A part's JSON without the digest, which is computed from this text.
 nlohmann::ordered_json WithoutDigest(const Part& part) {
   nlohmann::ordered_json json{
       {"schema", kPartSchema},
