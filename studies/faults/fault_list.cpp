@@ -442,7 +442,7 @@ void AddLoop(std::vector<FaultCase>& cases) {
     cases.push_back(std::move(made));
   };
   jump("clock jumps forward", "10 s, for all but the frame under way", 10 * rt::kSecond);
-  jump("clock jumps back", "10 s, for all but the frame under way", -rt::kSecond / 2);
+  jump("clock jumps back", "0.5 s, for all but the frame under way", -rt::kSecond / 2);
   cases.push_back(NoticedAtOnce("a tick's second computation differs", "in the tick before",
                                 Of({Fault::kRepeatDiffers}), [](RigInputs&, int since, FaultRig& rig) {
                                   if (since == 0) rig.loop().ReportDifference();

@@ -198,7 +198,8 @@ tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std
       has_period = true;
     } else if (key == "ticks" || key == "active") {
       const auto count = lines.Number<std::uint64_t>();
-      if (!count || *count > kMaxTicks) return lines.RefuseWord("ticks", "0 … 10000000");
+      if (!count || *count > kMaxTicks)
+        return lines.RefuseWord(key == "ticks" ? "ticks" : "active", "0 … 10000000");
       (key == "ticks" ? trace.ticks : trace.active) = *count;
     } else if (key == "hash") {
       const auto hash = lines.Number<std::uint64_t>(16);

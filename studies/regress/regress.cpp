@@ -265,12 +265,16 @@ RegressResult RunAndCompare(const config::ScenarioConfig& scenario, const Scenar
   return result;
 }
 
+namespace {
+
 // Sum of the scenarios' wall times, in place of the wall time of a run whose parts were computed elsewhere.
 double SecondsOf(std::span<const RegressResult> results) {
   double seconds = 0.0;
   for (const RegressResult& result : results) seconds += result.run ? result.run->seconds_wall : 0.0;
   return seconds;
 }
+
+}  // namespace
 
 int RunRegress(const RegressOptions& options) {
   if (const std::string wrong = WrongOptions(options); !wrong.empty()) return session::Fail("regress", wrong);
