@@ -10,6 +10,7 @@
 namespace osteon::kinematics {
 namespace {
 
+// Copies a 3-vector of Eigen's to plain numbers.
 template <class V>
 [[gnu::always_inline]] inline Triple<double> Copy(const V& v) {
   return {v(0), v(1), v(2)};
@@ -63,9 +64,11 @@ JointVectorN<N> SerialChain<N>::NewtonEuler(const Joints& q, const Joints& qd, c
     const Triple<double> w{spin.x[0], spin.y[0], spin.z[0]}, wd{spin.x[1], spin.y[1], spin.z[1]};
     const double xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z;
     const double xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z;
+    // A = [wd] + w w^T - |w|^2 1
     x_row = {-yy - zz, xy - wd.z, xz + wd.y};
     y_row = {xy + wd.z, -xx - zz, yz - wd.x};
     z_row = {xz - wd.y, yz + wd.x, -xx - yy};
+    // force m a + A h; torque h × a + skew part of A S
     const Matrix3& S = body.second_moment_kg_m2;
     const Triple<double> Sx = Copy(S.col(0)), Sy = Copy(S.col(1)), Sz = Copy(S.col(2));
     const double m = body.mass_kg;

@@ -11,7 +11,8 @@
 // Results. Every function that can fail returns an OsteonResult. osteon_last_error() has the text of the
 // calling thread's last failure: the value, what was found, what is accepted. No exception, no signal and no
 // output crosses this border. A null where the comment does not allow it, or a number that is not finite, is
-// OSTEON_ERROR_ARGUMENT. After a failure nothing has changed but what a comment names.
+// OSTEON_ERROR_ARGUMENT. A call that fails changes nothing, except
+// where its comment says so.
 //
 // Threads. Functions of one session may be called from any thread, one at a time for each of these two:
 // set_tool_pose (one thread: the writer) and evaluate (one thread: the reader; it may be the writer).
@@ -22,9 +23,10 @@
 // and destroy. Guidances share nothing.
 //
 // Lifetime. Bones and tools may be destroyed while sessions use them, plans while guidances do.
-// osteon_session_destroy joins the session's threads. Destroying twice, and calling with what is destroyed,
-// are the caller's errors, which nothing finds. Once a process has made anything, the child of a fork() gets
-// OSTEON_ERROR_FORK from each create and each function of a session: it starts a program anew (exec, spawn).
+// osteon_session_destroy joins the session's threads. The library detects neither a second destroy nor a
+// call with a destroyed object: these are errors of the caller. Once a process has made anything, the child
+// of a fork() gets OSTEON_ERROR_FORK from each create and each function of a session: it starts a program
+// anew (exec, spawn).
 #pragma once
 
 #include <stddef.h>
@@ -242,8 +244,8 @@ OSTEON_API OsteonResult osteon_session_set_log(OsteonSession* session, OsteonLog
 
 /* Where the tool is, and its spindle's speed [rad/s] (0: it does not cut; below 1e6, of either sign). The
  * first pose of a session must be free of bone: until one is, no frame is computed, osteon_session_figures
- * returns OSTEON_ERROR_STATE, and the log is told. Frames lag where poses come faster than they take: the
- * newest pose counts. Wait-free. OSTEON_ERROR_STATE in lockstep. */
+ * returns OSTEON_ERROR_STATE, and the log is told. If poses come faster than frames are computed, only
+ * the newest pose counts. Wait-free. OSTEON_ERROR_STATE in lockstep. */
 OSTEON_API OsteonResult osteon_session_set_tool_pose(OsteonSession* session, const OsteonPose* pose,
                                                      double spindle_rad_per_s);
 
@@ -262,7 +264,7 @@ OSTEON_API OsteonResult osteon_session_evaluate(OsteonSession* session, const Os
                                                 const OsteonTwist* twist, OsteonWrench* wrench);
 
 typedef struct OsteonFigures {
-  uint64_t frame;              /* number of frames so far */
+  uint64_t frame;              /* number of frames computed so far */
   double pose_age_s;           /* age of the newest frame's tool pose */
   double frame_time_s;         /* time that the newest frame took; 0 in lockstep */
   OsteonPose proxy;            /* collision-free pose of the tool in the newest frame */
@@ -273,7 +275,7 @@ typedef struct OsteonFigures {
   double spindle_torque_Nm;    /* of the cut */
   double engaged_area_m2;      /* of the cutting surface */
   double depth_m;              /* of the apex below the site's first floor, along its axis; negative above */
-  uint32_t contacts;           /* planes that the tool is held by */
+  uint32_t contacts;           /* planes of bone that hold the tool off */
   uint32_t reserved;           /* 0 */
   uint64_t skipped_on_surface; /* frames that the surface's thread was too late for; their way is carved
                                   straight */
@@ -303,8 +305,7 @@ OSTEON_API OsteonResult osteon_session_change_tool(OsteonSession* session, const
 /* --- what gives way: tool, tissue, mount -----------------------------------------------------------------
  */
 
-/* Which parts give way, each by itself (docs/compliance.md). All off: the session is as without this struct.
- */
+/* Which parts give way, each by itself (docs/compliance.md). With all three off, nothing gives way. */
 typedef struct OsteonComplianceParams {
   uint32_t tool;     /* 1: the tool bends as `bending` of its file says */
   uint32_t layer;    /* 1: soft tissue on the surface yields as the bone's materials say */
