@@ -28,12 +28,12 @@ template <class V>
 
 }  // namespace
 
-// Newton-Euler, outwards for the motion, inwards for the forces. A point r of a link accelerates by a + A r,
-// where
+// Newton-Euler: the motion from base to flange, then (Gather) the forces back. A point r of a link
+// accelerates by a + A r, where
 //
 //     A = [wd] + [w][w] = [wd] + w w^T - |w|^2 1
 //
-// serves three times: for the next link's origin, for the force m a + A h, and with the second moments S for
+// is used three times: for the next link's origin, for the force m a + A h, and with the second moments S for
 // the torque about the origin, which is the integral of r × (a + A r) dm: h × a + skew part of A S.
 // Quantities that rotate together share a Pair, one in each half: w with wd, force with torque.
 template <int N>
@@ -100,7 +100,8 @@ JointVectorN<N> SerialChain<N>::Gather(const SinCosN<kPadded>& turn,
   return tau;
 }
 
-// At rest: one acceleration for all links, expressed in each link's frame.
+// At rest all links have the same acceleration, that of the base upwards; it is expressed in each link's
+// frame.
 template <int N>
 JointVectorN<N> SerialChain<N>::Gravity(const Joints& q) const noexcept {
   assert(params_.has_masses);

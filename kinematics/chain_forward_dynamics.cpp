@@ -87,8 +87,8 @@ struct Articulated {
 
 }  // namespace
 
-// Accelerations are those of the link's origin and of its rotation, not spatial ones: the bias of a body is w
-// × J w and w × (w × h), and that of a joint w × z qd and w × (w × p).
+// Accelerations are those of the link's origin and of its rotation, not spatial ones. A body's bias is the
+// torque w × J w and the force w × (w × h); a joint's bias is the accelerations w × z qd and w × (w × p).
 // More than 60 lines: the three passes of one algorithm over the same arrays; only the simulated arm calls
 // it.
 template <int N>

@@ -46,9 +46,9 @@ struct Columns {
 
 }  // namespace
 
-// Composite rigid bodies, inwards. Turning joint i alone with 1 rad/s^2 requires of link i, at its origin,
-// the force z × h and the torque I z. These are carried to every joint further in: M(j, i) is the torque
-// about z there.
+// Composite rigid bodies, from the flange inwards. An acceleration of joint i alone by 1 rad/s^2 requires, at
+// the origin of link i, the force z × h and the torque I z on all links from i on. Moved to a joint j further
+// in, this load has the torque M(j, i) about that joint's axis.
 template <int N>
 JointMatrixN<N> SerialChain<N>::MassMatrix(const Joints& q) const noexcept {
   assert(params_.has_masses);

@@ -6,7 +6,7 @@
 namespace osteon {
 namespace {
 
-constexpr int kMaxSet = 4;             // three planes fix a point, a fourth its slack
+constexpr int kMaxSet = 4;             // three planes fix a point; with a fourth, they fix the slack too
 constexpr double kTolerance = 1e-12;   // tolerance of a plane's offset [m] and of a multiplier [m]
 constexpr double kFeasible = 1e-9;     // a solved point may lie this far outside [m]
 constexpr double kMinVolume = 1e-9;    // Gram determinant of unit normals below which planes are parallel
@@ -24,9 +24,10 @@ struct Set {
   int size{0};
 };
 
-// Multipliers of the nearest point on all planes of the set: Gram matrix times multipliers = offsets (or, for
-// a direction, its components along the normals). Elimination in place, without pivoting because the matrix
-// is positive definite. False if the planes are parallel.
+// Finds the multipliers of the nearest point on all planes of the set, from Gram matrix times multipliers =
+// offsets (or, for a direction, its components along the normals). `slack` is added to each Gram element.
+// Elimination in place, without pivoting because the matrix is positive definite. False if the planes are
+// parallel.
 bool SolveSet(const Planes& planes, const Set& set, double slack, SetVector& multiplier,
               const Vector3* direction = nullptr) {
   SetMatrix gram(set.size, set.size);
@@ -150,9 +151,9 @@ bool AcceptSet(const Planes& planes, int count, const Set& set, double slack, Be
   return true;
 }
 
-// Solves   min |x|^2 + s^2 / slack   subject to   n_i·x + s >= offset_i   over every set of at most
+// Solves   min |x|^2 + s^2 / slack   subject to   n_i·x + s >= offset_i   by trying every set of at most
 // largest_set planes; with slack = 0 there is no s. False if no set gives a point.
-bool Solve(const Planes& planes, int count, double slack, int largest_set, BestPoint& best) {
+bool SolveByEverySet(const Planes& planes, int count, double slack, int largest_set, BestPoint& best) {
   best.cost = std::numeric_limits<double>::infinity();
   // by size, then in index order: next_set counts up like an odometer whose digits only grow to the right
   for (int size = 1; size <= std::min(largest_set, count); ++size) {
@@ -184,9 +185,9 @@ HalfSpaceProjection ClosestInHalfSpaces(const Planes& planes, int count) noexcep
   if (FindActive(planes, count, active) && AcceptSet(planes, count, active, 0.0, best))
     return best.projection;
   // planes so nearly parallel that rounding decides, or an empty intersection: try every set
-  if (Solve(planes, count, 0.0, 3, best)) return best.projection;
+  if (SolveByEverySet(planes, count, 0.0, 3, best)) return best.projection;
   // empty (or so nearly parallel that only a distant point would do): share one slack among the planes
-  if (Solve(planes, count, kSlackWeight, kMaxSet, best)) return best.projection;
+  if (SolveByEverySet(planes, count, kSlackWeight, kMaxSet, best)) return best.projection;
   best.projection.violation = violation;
   return best.projection;
 }

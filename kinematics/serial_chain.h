@@ -116,7 +116,7 @@ class SerialChain {
   }
   // J^T F, for the flange's origin.
   Joints TorquesOf(const Posture& posture, const Wrench& F_B) const noexcept;
-  // RNEA with the base accelerating by a, in K(0).
+  // Inverse dynamics (RNEA) without friction, for a base that accelerates by a [m/s^2, in K(0)].
   Joints NewtonEuler(const Joints& q, const Joints& qd, const Joints& qdd, const Vector3& a) const noexcept;
   // Torques of the drives for the load on each link and the rotors' acceleration.
   Joints Gather(const SinCosN<kPadded>& turn,

@@ -13,7 +13,7 @@ namespace {
 
 using control::SessionState;
 
-constexpr std::int64_t kWindow = 64;  // number of messages that seen_ remembers
+constexpr std::int64_t kWindow = 64;  // IPOC steps that the bits of seen_ reach back
 constexpr std::size_t kAxes = kRsiAxes;
 // The period is measured over at least this many messages. Only a mean that is longer or shorter than the
 // configured cycle by this factor replaces it.

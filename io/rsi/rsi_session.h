@@ -62,7 +62,7 @@ struct RsiStatus {
 /// (the loop sees COMMANDING_WAIT). Then the loop's joint positions become corrections (COMMANDING_ACTIVE):
 ///
 ///     absolute   q_cmd - q_start                    q_start: ASPos of the first message, or AIPos
-///     relative   q_cmd - q_start - sum, sum: corrections that the controller has added up so far
+///     relative   q_cmd - q_start - sum              sum: corrections that the controller has added up
 ///
 /// In the relative mode `sum` is made of the numbers as written, so that rounding does not add up. It is
 /// corrected when Delay rises: the answer to the message before came too late and was dropped, and HOLDON

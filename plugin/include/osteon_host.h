@@ -1,4 +1,4 @@
-// osteon_host.h: what a game engine's plug-in in C++ needs beside osteon.h: a session in its axes and units
+// osteon_host.h: helpers for a game engine's plug-in in C++: a session in the engine's axes and units
 // (osteon_host_axes.h), and the carved surface brick by brick; osteon_host_plan.h has plans and guidance.
 // Header alone, C++17, no exception of its own; every failure is an OsteonResult, its text
 // osteon_last_error().

@@ -109,6 +109,7 @@ GuidanceTick::GuidanceTick(const PlanSource& plan, const OsteonGuidanceParams& p
 OsteonGuidanceOutput GuidanceTick::Evaluate(const Pose& X_GT, const Twist& V_GT,
                                             const Wrench& other) noexcept {
   constexpr control::CouplingParams kCoupling;  // its default ages: no cell's file changes them here
+  // falls with the model's age at once, rises within ramp_s
   fade_ = std::min(safety::AgeFade(model_age_s_, kCoupling.fresh_s, kCoupling.gone_s),
                    fade_ + period_s_ / kCoupling.ramp_s);
   const double proposed = guidance_.ProposeScale({.X_WT = X_GT, .V_WT = V_GT, .model_fade = fade_});
@@ -144,6 +145,7 @@ OsteonAssessment AssessmentOf(const procedure::Assessment& found, double axis_er
   OsteonAssessment result{};
   result.score = score;
   result.axis_error_rad = axis_error_rad;
+  // without a fitted sphere these stay unknown
   for (double* each :
        {&result.diameter_m, &result.diameter_sd_m, &result.center_m[0], &result.center_m[1],
         &result.center_m[2], &result.form_p95_m, &result.medial_m, &result.superior_m, &result.posterior_m,

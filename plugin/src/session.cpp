@@ -151,8 +151,8 @@ void Session::Loop() {
   while (!stop_.load(std::memory_order_relaxed)) {
     const simulation::ToolCommand command = commands_.Load();
     const rt::Nanoseconds start = rt::MonotonicNow();
-    if (command.stamp == done_stamp ||
-        waiting_.load() > 0) {         // no new pose, or another thread needs the engine
+    // sleep without a new pose, or while another thread needs the engine
+    if (command.stamp == done_stamp || waiting_.load() > 0) {
       rt::SleepUntil(start + 50'000);  // 50 us: poses come about once a millisecond
       continue;
     }
@@ -334,7 +334,7 @@ void Session::Continue(std::shared_ptr<const ToolSource> tool, Saved saved, cons
       ways = std::move(begun);
     });
 
-  // from here on nothing throws
+  // nothing throws from here on: the session takes the new tool and bone
   engine_ = std::move(engine);
   tool_ = std::move(tool);
   depth_ = depth;

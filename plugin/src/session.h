@@ -32,8 +32,8 @@ namespace osteon::plugin {
 ///          ▲                             └──ring──▶ surface's thread ──▶ SurfaceMailbox
 ///          └────LatestValue: Deflected, where something gives way────────┘ (Evaluate)
 ///
-/// Writer of commands: the thread of SetToolPose; their reader: the engine's thread. Writer of models: the
-/// engine's thread, or, in lockstep, that of Step; their reader: the thread of Evaluate. All else is under
+/// SetToolPose's thread writes the commands, and the engine's thread reads them. The engine's thread writes
+/// the models (in lockstep: Step's thread), and Evaluate's thread reads them. All other data are under
 /// engine_mutex_, which the engine's thread holds while it computes a frame.
 class Session {
  public:
@@ -144,7 +144,7 @@ class Session {
   // of the thread of Evaluate
   control::CouplingState coupling_state_;
   std::optional<control::Compliance> compliance_;
-  std::uint32_t begun_{0};  // value of beginnings_ that Evaluate has followed
+  std::uint32_t begun_{0};  // value of beginnings_ that Evaluate works with
   // what gives way: handed to Evaluate, and from it
   rt::LatestValue<Levels> levels_{nullptr};
   rt::LatestValue<Deflected> for_poses_, for_figures_;

@@ -30,6 +30,7 @@ def _to_pose(X_GT):
         raise ValueError(f"X_GT: found {X.tolist()}, accepted a rotation and a position [m] in its last column, last row "
                          "0 0 0 1")
     q = np.empty(4)
+    # the largest component of the quaternion is the divisor: w, or x, y, z by its index a
     i = int(np.argmax([np.trace(R), R[0, 0], R[1, 1], R[2, 2]]))
     if i == 0:
         q[:] = 1 + np.trace(R), R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
