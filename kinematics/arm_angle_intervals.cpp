@@ -16,6 +16,7 @@ struct Wave {
   double c{0.0}, s{0.0}, k{0.0};
 
   [[nodiscard]] double At(double cosine, double sine) const { return c * cosine + s * sine + k; }
+  // Whether the wave is zero at every arm angle.
   [[nodiscard]] bool Vanishes() const { return std::abs(c) + std::abs(s) + std::abs(k) < kFreeJoint; }
 };
 
@@ -99,10 +100,11 @@ struct Ends {
 
   // Adds the arm angles at which the wave is 0: none or two.
   void AddRootsOf(const Wave& wave) {
-    const double size = std::hypot(wave.c, wave.s);
-    if (!(size > 0.0 && std::abs(wave.k) <= size)) return;
+    // c cos(psi) + s sin(psi) = amplitude cos(psi - middle)
+    const double amplitude = std::hypot(wave.c, wave.s);
+    if (!(amplitude > 0.0 && std::abs(wave.k) <= amplitude)) return;
     const double middle = std::atan2(wave.s, wave.c);
-    const double half = std::atan2(std::sqrt((size - wave.k) * (size + wave.k)), -wave.k);
+    const double half = std::atan2(std::sqrt((amplitude - wave.k) * (amplitude + wave.k)), -wave.k);
     for (const double root : {middle - half, middle + half}) {
       const double turned = root >= kPi ? root - 2.0 * kPi : root < -kPi ? root + 2.0 * kPi : root;
       at[static_cast<std::size_t>(count++)] = std::clamp(turned, -kPi, kPi);
@@ -110,8 +112,9 @@ struct Ends {
   }
 };
 
-// Whether every joint is within its limits at the arm angle psi. @param sign  of the configuration, by joint;
-// -1: the joint takes its second solution, opposite in sign if it bends, turned by pi if it turns
+// Whether every joint is within its limits at the arm angle psi.
+// @param sign  of each joint, by the configuration. -1: the joint takes its second solution, opposite in sign
+//   if it bends, turned by pi if it turns
 bool Within(const std::array<MovingJoint, 7>& joints, const std::array<double, 7>& sign,
             const std::array<JointLimits, 7>& limits, double psi_rad) {
   using enum MovingJoint::Kind;
@@ -133,7 +136,7 @@ bool Within(const std::array<MovingJoint, 7>& joints, const std::array<double, 7
 
 }  // namespace
 
-// More than 60 lines: one derivation, joint by joint, whose coefficients the next joint needs.
+// More than 60 lines: the arcs between the roots are made, tested and merged in one walk round the circle.
 ArmAngleIntervals FindArmAngleIntervals(const LbrArm& arm, const Pose& X_BF, int configuration,
                                         const JointVector& seed) OSTEON_RT {
   const LbrParams& params = arm.params();
@@ -146,6 +149,7 @@ ArmAngleIntervals FindArmAngleIntervals(const LbrArm& arm, const Pose& X_BF, int
   const ElbowCircle circle = CircleAround(triangle.axis);
   const std::array<MovingJoint, 7> joints =
       JointsOf(triangle, circle, params.shoulder_to_elbow_m / params.elbow_to_wrist_m, X_BF.linear(), seed);
+  // signs of A2, A4 and A6; a turning joint turns by pi with each neighbour that is flipped
   const double sign2 = (configuration & 1) != 0 ? -1.0 : 1.0, sign4 = (configuration & 2) != 0 ? -1.0 : 1.0,
                sign6 = (configuration & 4) != 0 ? -1.0 : 1.0;
   const std::array<double, 7> sign{sign2, sign2, sign2 * sign4, sign4, sign4 * sign6, sign6, sign6};

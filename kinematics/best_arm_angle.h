@@ -39,6 +39,8 @@ template <class Value>
   constexpr double kTurn = 2.0 * std::numbers::pi;
   BestArmAngle best;
   int configuration = -1;
+  // Returns the best value at one arm angle, in the configuration `only` (-1: in any). `best` and
+  // `configuration` keep the best posture of all calls.
   const auto evaluate = [&](double angle, int only) {
     const LbrSolutions solutions = arm.Solve(X_BF, angle);
     double best_here = -HUGE_VAL;
@@ -78,9 +80,10 @@ template <class Value>
     high = std::min(high, interval.to_rad + shift);
     break;
   }
-  const int refined = configuration;
+  const int refined = configuration;  // the refinement stays in the best sample's configuration
   evaluate(low, refined);
   evaluate(high, refined);
+  // golden section: a < b divide low … high; each step drops the end beside the smaller of their values
   constexpr double kGolden = 0.6180339887498949;
   double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
   double at_a = evaluate(a, refined), at_b = evaluate(b, refined);

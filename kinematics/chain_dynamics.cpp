@@ -10,6 +10,7 @@
 namespace osteon::kinematics {
 namespace {
 
+// Copies a 3-vector of Eigen's to plain numbers.
 template <class V>
 [[gnu::always_inline]] inline Triple<double> Copy(const V& v) {
   return {v(0), v(1), v(2)};
@@ -27,12 +28,12 @@ template <class V>
 
 }  // namespace
 
-// Newton-Euler, outwards for the motion, inwards for the forces. A point r of a link accelerates by a + A r,
-// where
+// Newton-Euler: the motion from base to flange, then (Gather) the forces back. A point r of a link
+// accelerates by a + A r, where
 //
 //     A = [wd] + [w][w] = [wd] + w w^T - |w|^2 1
 //
-// serves three times: for the next link's origin, for the force m a + A h, and with the second moments S for
+// is used three times: for the next link's origin, for the force m a + A h, and with the second moments S for
 // the torque about the origin, which is the integral of r × (a + A r) dm: h × a + skew part of A S.
 // Quantities that rotate together share a Pair, one in each half: w with wd, force with torque.
 template <int N>
@@ -63,9 +64,11 @@ JointVectorN<N> SerialChain<N>::NewtonEuler(const Joints& q, const Joints& qd, c
     const Triple<double> w{spin.x[0], spin.y[0], spin.z[0]}, wd{spin.x[1], spin.y[1], spin.z[1]};
     const double xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z;
     const double xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z;
+    // A = [wd] + w w^T - |w|^2 1
     x_row = {-yy - zz, xy - wd.z, xz + wd.y};
     y_row = {xy + wd.z, -xx - zz, yz - wd.x};
     z_row = {xz - wd.y, yz + wd.x, -xx - yy};
+    // force m a + A h; torque h × a + skew part of A S
     const Matrix3& S = body.second_moment_kg_m2;
     const Triple<double> Sx = Copy(S.col(0)), Sy = Copy(S.col(1)), Sz = Copy(S.col(2));
     const double m = body.mass_kg;
@@ -97,7 +100,8 @@ JointVectorN<N> SerialChain<N>::Gather(const SinCosN<kPadded>& turn,
   return tau;
 }
 
-// At rest: one acceleration for all links, expressed in each link's frame.
+// At rest all links have the same acceleration, that of the base upwards; it is expressed in each link's
+// frame.
 template <int N>
 JointVectorN<N> SerialChain<N>::Gravity(const Joints& q) const noexcept {
   assert(params_.has_masses);

@@ -18,11 +18,12 @@ namespace {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+// Returns the vector in one half of the pairs: 0 or 1.
 [[gnu::always_inline]] inline Triple<double> Half(const Triple<Pair>& v, int half) {
   return {v.x[half], v.y[half], v.z[half]};
 }
 
-// Articulated inertia of a link with all links behind it, joints free: the load at its origin is
+// Articulated inertia of a link with all links behind it, whose joints are free: the load at its origin is
 //
 //     torque = J wd + H a + torque0        force = H^T wd + M a + force0
 //
@@ -52,6 +53,7 @@ struct Articulated {
     const Symmetric<Pair>& in = child.JM;
     const Triple<double> M_x{in.xx[1], in.xy[1], in.xz[1]}, M_y{in.xy[1], in.yy[1], in.yz[1]},
         M_z{in.xz[1], in.yz[1], in.zz[1]};
+    // rows of [p] M
     const std::array<Triple<double>, 3> moved{
         {{p.y * M_z.x - p.z * M_y.x, p.y * M_z.y - p.z * M_y.y, p.y * M_z.z - p.z * M_y.z},
          {p.z * M_x.x - p.x * M_z.x, p.z * M_x.y - p.x * M_z.y, p.z * M_x.z - p.x * M_z.z},
@@ -78,15 +80,15 @@ struct Articulated {
              Triple<double>{0.5 * (moved[2].y - moved[1].z), 0.5 * (moved[0].z - moved[2].x),
                             0.5 * (moved[1].x - moved[0].y)};
 
-    const Triple<double> turn = CrossOf(p, Half(child.bias, 1));
-    bias = bias + child.bias + Triple<Pair>{Pair{turn.x, 0.0}, Pair{turn.y, 0.0}, Pair{turn.z, 0.0}};
+    const Triple<double> lever = CrossOf(p, Half(child.bias, 1));  // torque of the child's force
+    bias = bias + child.bias + Triple<Pair>{Pair{lever.x, 0.0}, Pair{lever.y, 0.0}, Pair{lever.z, 0.0}};
   }
 };
 
 }  // namespace
 
-// Accelerations are those of the link's origin and of its rotation, not spatial ones: the bias of a body is w
-// × J w and w × (w × h), and that of a joint w × z qd and w × (w × p).
+// Accelerations are those of the link's origin and of its rotation, not spatial ones. A body's bias is the
+// torque w × J w and the force w × (w × h); a joint's bias is the accelerations w × z qd and w × (w × p).
 // More than 60 lines: the three passes of one algorithm over the same arrays; only the simulated arm calls
 // it.
 template <int N>
@@ -98,6 +100,7 @@ JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& q
   std::array<Triple<double>, static_cast<std::size_t>(N)> wd_bias, a_bias;
   std::array<Triple<Pair>, static_cast<std::size_t>(N)>
       U;  // torque and force for a unit acceleration of the joint
+  // u: the joint's torque less the bias; D: articulated inertia about the joint, with the rotor's
   std::array<double, static_cast<std::size_t>(N)> u, D;
 
   // outwards: angular velocity, bias of bodies and joints
@@ -115,10 +118,10 @@ JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& q
     const Matrix3& J = body.inertia_kg_m2;
     const double m = body.mass_kg;
     const Triple<double> h = Copy(body.first_moment_kg_m);
-    const Triple<double> spin{J(0, 0) * w.x + J(0, 1) * w.y + J(0, 2) * w.z,
-                              J(0, 1) * w.x + J(1, 1) * w.y + J(1, 2) * w.z,
-                              J(0, 2) * w.x + J(1, 2) * w.y + J(2, 2) * w.z};
-    const Triple<double> torque = CrossOf(w, spin), force = CrossOf(w, CrossOf(w, h));
+    const Triple<double> angular_momentum{J(0, 0) * w.x + J(0, 1) * w.y + J(0, 2) * w.z,
+                                          J(0, 1) * w.x + J(1, 1) * w.y + J(1, 2) * w.z,
+                                          J(0, 2) * w.x + J(1, 2) * w.y + J(2, 2) * w.z};
+    const Triple<double> torque = CrossOf(w, angular_momentum), force = CrossOf(w, CrossOf(w, h));
     bodies[i].JM = {Pair{J(0, 0), m},   Pair{J(1, 1), m},   Pair{J(2, 2), m},
                     Pair{J(0, 1), 0.0}, Pair{J(0, 2), 0.0}, Pair{J(1, 2), 0.0}};
     bodies[i].H = {};
@@ -136,6 +139,7 @@ JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& q
     u[i] = tau[static_cast<int>(i)] - body.bias.z[0];
     if (i == 0) break;
     const double inverse = 1.0 / D[i];
+    // V = U / D; the inertia that remains is less by U V^T
     const Triple<Pair> V{inverse * U[i].x, inverse * U[i].y, inverse * U[i].z};
     body.JM.xx -= U[i].x * V.x;
     body.JM.yy -= U[i].y * V.y;
@@ -153,6 +157,7 @@ JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& q
     body.H.yz -= 0.5 * (t.y * f.z + t.z * f.y);
     body.H_skew = {body.H_skew.x - 0.5 * skew.x, body.H_skew.y - 0.5 * skew.y, body.H_skew.z - 0.5 * skew.z};
 
+    // bias of the moving joint: its bias accelerations times the remaining inertia, and u V
     const std::array<Triple<double>, 3> H = body.Rows();
     const Triple<double>&wd = wd_bias[i], &a = a_bias[i];
     const Triple<Pair> both{Pair{wd.x, a.x}, Pair{wd.y, a.y}, Pair{wd.z, a.z}};
@@ -176,9 +181,9 @@ JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& q
     const FrameTurn T{step.cos_alpha, step.sin_alpha, turn.cos[i], turn.sin[i]};
     a = T.ToChild(a + CrossOf(wd, Copy(step.p))) + a_bias[i];
     wd = T.ToChild(wd) + wd_bias[i];
-    const double rate = (u[i] - Dot(Half(U[i], 0), wd) - Dot(Half(U[i], 1), a)) / D[i];
-    wd.z += rate;
-    qdd[static_cast<int>(i)] = rate;
+    const double joint_acceleration = (u[i] - Dot(Half(U[i], 0), wd) - Dot(Half(U[i], 1), a)) / D[i];
+    wd.z += joint_acceleration;
+    qdd[static_cast<int>(i)] = joint_acceleration;
   }
   return qdd;
 }

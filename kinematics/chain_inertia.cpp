@@ -16,7 +16,8 @@ struct Composite {
   Triple<double> h{};
   Symmetric<double> S;
 
-  // Expresses the body in the previous frame of the chain: rotated, then moved.
+  // Expresses the body in the previous frame of the chain: rotated, then moved by p. With t the rotated first
+  // moment and h' = t + m p the moved one, the rotated S becomes S + t p^T + p h'^T.
   [[gnu::always_inline]] void ToParent(const FrameTurn& T, const Vector3& p) {
     S.ToParent(T);
     const Triple<double> t = T.ToParent(h);
@@ -45,9 +46,9 @@ struct Columns {
 
 }  // namespace
 
-// Composite rigid bodies, inwards. Turning joint i alone with 1 rad/s^2 requires of link i, at its origin,
-// the force z × h and the torque I z. These are carried to every joint further in: M(j, i) is the torque
-// about z there.
+// Composite rigid bodies, from the flange inwards. An acceleration of joint i alone by 1 rad/s^2 requires, at
+// the origin of link i, the force z × h and the torque I z on all links from i on. Moved to a joint j further
+// in, this load has the torque M(j, i) about that joint's axis.
 template <int N>
 JointMatrixN<N> SerialChain<N>::MassMatrix(const Joints& q) const noexcept {
   assert(params_.has_masses);
@@ -68,14 +69,14 @@ JointMatrixN<N> SerialChain<N>::MassMatrix(const Joints& q) const noexcept {
     body.S.xz += S(0, 2);
     body.S.yz += S(1, 2);
 
-    Columns& own = columns[i / 2];
-    const std::size_t lane = i % 2;
-    own.f.x[lane] = -body.h.y;
-    own.f.y[lane] = body.h.x;
-    own.f.z[lane] = 0.0;
-    own.t.x[lane] = -body.S.xz;
-    own.t.y[lane] = -body.S.yz;
-    own.t.z[lane] = body.S.xx + body.S.yy;
+    Columns& column = columns[i / 2];
+    const std::size_t lane = i % 2;  // this joint's half of the pair
+    column.f.x[lane] = -body.h.y;
+    column.f.y[lane] = body.h.x;
+    column.f.z[lane] = 0.0;
+    column.t.x[lane] = -body.S.xz;
+    column.t.y[lane] = -body.S.yz;
+    column.t.z[lane] = body.S.xx + body.S.yy;
     for (std::size_t j = i; j < N; ++j)
       M(static_cast<int>(i), static_cast<int>(j)) = M(static_cast<int>(j), static_cast<int>(i)) =
           columns[j / 2].t.z[j % 2];

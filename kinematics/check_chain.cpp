@@ -11,9 +11,11 @@
 namespace osteon::kinematics {
 namespace {
 
-constexpr double kUnit = 1e-9;     // tolerance of a unit length or a rotation: far above rounding
-constexpr double kInertia = 1e-6;  // tolerance over the largest moment: published inertias are rounded
+constexpr double kUnit = 1e-9;  // tolerance of a unit length or a rotation: far above rounding
+// Tolerance of a principal moment, as a share of the largest element: published inertias are rounded.
+constexpr double kInertia = 1e-6;
 
+// @param of  name of the joint or body  @param what  name of its value
 template <class Value>
 [[noreturn]] void Refuse(const std::string& of, const std::string& what, const Value& found,
                          const std::string& accepted) {
@@ -22,7 +24,7 @@ template <class Value>
   throw std::invalid_argument(text.str());
 }
 
-void NotNegative(const std::string& of, const std::string& what, double value) {
+void RequireNotNegative(const std::string& of, const std::string& what, double value) {
   if (!(value >= 0.0) || !std::isfinite(value)) Refuse(of, what, value, "0 or more, finite");
 }
 
@@ -31,14 +33,14 @@ void NotNegative(const std::string& of, const std::string& what, double value) {
 void CheckPose(const Pose& X, const std::string& of) {
   const Matrix3 R = X.linear();
   if (!X.translation().allFinite()) Refuse(of, "position", X.translation().transpose(), "finite numbers");
-  const double off = (R * R.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff();
-  if (!(off <= kUnit) || !(R.determinant() > 0.0))
+  const double deviation = (R * R.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff();
+  if (!(deviation <= kUnit) || !(R.determinant() > 0.0))
     Refuse(of, "rotation", R.format(Eigen::IOFormat(6, Eigen::DontAlignCols, " ", "; ")),
            "a right-handed rotation matrix");
 }
 
 void CheckInertia(const LinkInertia& body, const std::string& of) {
-  NotNegative(of, "mass [kg]", body.mass_kg);
+  RequireNotNegative(of, "mass [kg]", body.mass_kg);
   if (!body.p_LLcm_m.allFinite())
     Refuse(of, "centre of mass [m]", body.p_LLcm_m.transpose(), "finite numbers");
   const Matrix3& I = body.I_LLcm_kg_m2;
@@ -62,14 +64,14 @@ void CheckJoint(const RevoluteJoint& joint, int number, bool masses) {
       !std::isfinite(limits.upper_rad))
     Refuse(of, "upper limit [rad]", limits.upper_rad,
            "more than the lower limit of " + base::NumberText(limits.lower_rad) + ", both finite");
-  NotNegative(of, "velocity limit [rad/s]", limits.velocity_rad_per_s);
-  NotNegative(of, "acceleration limit [rad/s^2]", limits.acceleration_rad_per_s2);
-  NotNegative(of, "torque limit [Nm]", limits.torque_Nm);
+  RequireNotNegative(of, "velocity limit [rad/s]", limits.velocity_rad_per_s);
+  RequireNotNegative(of, "acceleration limit [rad/s^2]", limits.acceleration_rad_per_s2);
+  RequireNotNegative(of, "torque limit [Nm]", limits.torque_Nm);
   if (!masses) return;
   CheckInertia(joint.link, of);
-  NotNegative(of, "rotor inertia [kg m^2]", joint.rotor_inertia_kg_m2);
-  NotNegative(of, "viscous friction [Nms/rad]", joint.friction.viscous_Nms_per_rad);
-  NotNegative(of, "Coulomb friction [Nm]", joint.friction.coulomb_Nm);
+  RequireNotNegative(of, "rotor inertia [kg m^2]", joint.rotor_inertia_kg_m2);
+  RequireNotNegative(of, "viscous friction [Nms/rad]", joint.friction.viscous_Nms_per_rad);
+  RequireNotNegative(of, "Coulomb friction [Nm]", joint.friction.coulomb_Nm);
   if (!(joint.friction.smoothing_rad_per_s > 0.0))
     Refuse(of, "smoothing of its friction [rad/s]", joint.friction.smoothing_rad_per_s, "more than 0");
 }

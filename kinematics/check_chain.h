@@ -9,7 +9,7 @@
 namespace osteon::kinematics {
 
 /// Checks a joint and its link. @param number from 1, as in A1 …; @param masses whether it must have a mass.
-/// @throws std::invalid_argument "joint 3: axis: found a length of 0.9, accepted 1"
+/// @throws std::invalid_argument "joint 3: length of its axis: found 0.9, accepted 1"
 void CheckJoint(const RevoluteJoint& joint, int number, bool masses);
 
 /// Checks a rigid body: mass not negative; inertia symmetric and physically possible (no principal moment

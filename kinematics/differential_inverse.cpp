@@ -15,16 +15,19 @@ namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kFlat = 1e-9;             // joint component of the null direction that counts as zero
-constexpr double kUnresolved = 1e-9;       // below this share of the largest singular value, v and n mix
-constexpr double kReturning_m = 0.05;      // curvature [m/rad] from which on a direction returns by itself
-constexpr double kDampedUpTo = 4.0;        // times min_damping_m: a larger singular value is undamped
-constexpr double kReturnTicks = 10.0;      // ticks in which an arm too near a singular posture returns
-constexpr double kRelief_rad_per_s = 4.0;  // speed of the yielding null motion per unit of n_i
+constexpr double kFlat = 1e-9;  // joint component of the null direction that counts as zero
+// Share of the largest singular value below which the decomposition cannot tell the last singular direction
+// from the null direction.
+constexpr double kUnresolved = 1e-9;
+// Curvature [m/rad] along a direction from which on a motion along it counts as leaving the singular posture.
+constexpr double kReturning_m = 0.05;
+constexpr double kDampedUpTo = 4.0;             // times min_damping_m: a larger singular value is undamped
+constexpr double kReturnTicks = 10.0;           // ticks in which an arm too near a singular posture returns
+constexpr double kRelief_rad_per_s = 4.0;       // speed of the yielding null motion per unit of n_i
 constexpr double kMaxRelief_rad_per_s = 100.0;  // above any joint's speed limit
-constexpr double kTiny = 1e-12;
-constexpr double kRoundDown = 1.0 - 1e-12;  // factor on a speed limit: products must not round beyond it
-constexpr double kActs = 1e-9;              // a smaller reduction is rounding
+constexpr double kTiny = 1e-12;                 // smallest divisor, and the curvature that counts as none
+constexpr double kRoundDown = 1.0 - 1e-12;      // factor on a speed limit: products must not round beyond it
+constexpr double kActs = 1e-9;                  // a motion reduced by a smaller share counts as not limited
 
 // Acceleration of the tool at joint velocity y with no joint acceleration, J' y, which is also the second
 // order of its displacement: with w_i, v_i the columns of J and W_i the sum of w_j y_j over the joints before
@@ -43,10 +46,13 @@ Vector6 Curvature(const JacobianN<N>& J, const JointVectorN<N>& y) {
   return result;
 }
 
-// u·(dJ/dq_j) v for each joint j: dJ_i/dq_j = [w_min x v_max; w_j x w_i where j < i]. With W_j the sum of
-// w_i v_i over the joints before j, and V, X those of v_i v_i and w_i v_i from j on and after j:
+// Gradient of a singular value by the joint positions: u·(dJ/dq_j) c for each joint j, with u and c its left
+// and right singular vectors (c is the argument v). Column i of J has the parts v_i and w_i, and dJ_i/dq_j is
+// [w_j x v_i; w_j x w_i] if j <= i, else [w_i x v_j; 0]. Summed over i,
 //
 //     u_v·(W_j x v_j + w_j x V_j) + u_w·(w_j x X_j)
+//
+// W_j: sum of c_i w_i before joint j;  V_j: of c_i v_i from j on;  X_j: of c_i w_i after j.
 template <int N>
 JointVectorN<N> SingularValueGradient(const JacobianN<N>& J, const Vector6& u, const JointVectorN<N>& v) {
   const Vector3 u_v = u.head<3>(), u_w = u.tail<3>();
@@ -75,6 +81,7 @@ template <int N>
 void SeparateByCurvature(const JacobianN<N>& J, const Vector6& u_min,
                          Eigen::Matrix<double, N, N>& directions) {
   const JointVectorN<N> v = directions.col(5), n = directions.col(6);
+  // the curvature is a quadratic form on the plane of v and n: turn both to its principal axes
   const double vv = u_min.dot(Curvature<N>(J, v)), nn = u_min.dot(Curvature<N>(J, n));
   const double vn = 0.5 * (u_min.dot(Curvature<N>(J, JointVectorN<N>(v + n))) - vv - nn);
   double angle = 0.5 * std::atan2(2.0 * vn, vv - nn);
@@ -244,31 +251,32 @@ typename DifferentialInverse<N>::DampedSpeed DifferentialInverse<N>::ComputeDamp
     const SingularDirection& direction, const MotionInput<N>& in) const OSTEON_RT {
   const auto& [v, sigma_m, curvature_m, a_m_per_s, twist_m_per_s] = direction;
   const double share_before = in.share_before, dt_s = in.dt_s;
+  // bounds of the motion along v, each set by the first joint that reaches its own
   double speed = std::numeric_limits<double>::infinity(), acceleration = speed, braking = speed;
   for (int i = 0; i < N; ++i) {
-    const double part = std::max(std::abs(v[i]), kTiny);
-    speed = std::min(speed, params_.singular_speed_share * speed_rad_per_s_[i] / part);
-    acceleration = std::min(acceleration, acceleration_rad_per_s2_[i] / part);
-    braking =
-        std::min(braking, 0.5 * params_.limits[static_cast<std::size_t>(i)].acceleration_rad_per_s2 / part);
+    const double component = std::max(std::abs(v[i]), kTiny);
+    speed = std::min(speed, params_.singular_speed_share * speed_rad_per_s_[i] / component);
+    acceleration = std::min(acceleration, acceleration_rad_per_s2_[i] / component);
+    braking = std::min(braking,
+                       0.5 * params_.limits[static_cast<std::size_t>(i)].acceleration_rad_per_s2 / component);
   }
   const double neutral_m = kDampedUpTo * params_.min_damping_m;
-  const double bends = std::min(1.0, std::abs(curvature_m) / kReturning_m);
-  const double zone_m = neutral_m + bends * (params_.singular_zone_m - neutral_m);
+  const double curved_share = std::min(1.0, std::abs(curvature_m) / kReturning_m);
+  const double zone_m = neutral_m + curved_share * (params_.singular_zone_m - neutral_m);
   if (sigma_m >= zone_m) return {.speed = a_m_per_s / sigma_m, .lambda = 0.0};
   const double edge = sigma_m / zone_m;
   const double depth = std::max(1.0 - edge * edge, kTiny);  // 0 at the zone's edge, for continuity
 
-  // The damped speed. When the direction returns, damping is less the more it bends, and the second order is
-  // included.
+  // The damped speed y solves  damped_sigma y + depth curvature dt y^2 / 2 = a.  The second order counts only
+  // if the motion makes sigma larger; the damping is then weaker the more the direction curves.
   const bool returns = a_m_per_s * curvature_m > 0.0;
-  const double deep = std::max(0.0, 1.0 - sigma_m / neutral_m) * params_.min_damping_m;
-  const double min_damping2 = deep * deep * (returns ? 1.0 - bends : 1.0);
+  const double flat_damping_m = std::max(0.0, 1.0 - sigma_m / neutral_m) * params_.min_damping_m;
+  const double min_damping2 = flat_damping_m * flat_damping_m * (returns ? 1.0 - curved_share : 1.0);
   double y = 0.0;
   if (sigma_m > 0.0 || (returns && min_damping2 == 0.0)) {
-    const double stiff = sigma_m + (min_damping2 > 0.0 ? min_damping2 / sigma_m : 0.0);
-    const double second = returns ? 2.0 * depth * curvature_m * a_m_per_s * dt_s : 0.0;
-    y = 2.0 * a_m_per_s / (stiff + std::sqrt(stiff * stiff + second));
+    const double damped_sigma_m = sigma_m + (min_damping2 > 0.0 ? min_damping2 / sigma_m : 0.0);
+    const double second_order_m2 = returns ? 2.0 * depth * curvature_m * a_m_per_s * dt_s : 0.0;
+    y = 2.0 * a_m_per_s / (damped_sigma_m + std::sqrt(damped_sigma_m * damped_sigma_m + second_order_m2));
   }
 
   // bounds: the joints' acceleration, their speed, and the end of the reach
@@ -280,10 +288,10 @@ typename DifferentialInverse<N>::DampedSpeed DifferentialInverse<N>::ComputeDamp
   y = std::clamp(y, -speed / depth, speed / depth);
   if (std::abs(curvature_m) > kTiny) {
     const double away = std::copysign(1.0, curvature_m);  // sign of y that makes sigma larger
-    const double distance = sigma_m / std::abs(curvature_m) - params_.singular_margin_rad;
-    const double min_away = distance > 0.0 ? -BrakingSpeed(distance, braking, dt_s) / depth
-                                           : std::min(-distance / (kReturnTicks * dt_s),
-                                                      twist_m_per_s / params_.turning_length_m);
+    const double distance_rad = sigma_m / std::abs(curvature_m) - params_.singular_margin_rad;
+    const double min_away = distance_rad > 0.0 ? -BrakingSpeed(distance_rad, braking, dt_s) / depth
+                                               : std::min(-distance_rad / (kReturnTicks * dt_s),
+                                                          twist_m_per_s / params_.turning_length_m);
     y = away * std::max(away * y, min_away);
   }
   const double ratio = y != 0.0 ? std::abs(a_m_per_s / y) : 0.0;
@@ -291,18 +299,19 @@ typename DifferentialInverse<N>::DampedSpeed DifferentialInverse<N>::ComputeDamp
   return {.speed = y, .lambda = damping_squared > 0.0 ? std::sqrt(damping_squared) : 0.0};
 }
 
+// Speeds from which each joint can still brake before its position limit, within its speed limit.
 template <int N>
 typename DifferentialInverse<N>::Box DifferentialInverse<N>::ComputeSpeedBox(const JointVectorN<N>& q,
                                                                              double dt_s) const OSTEON_RT {
   Box box;
   for (int i = 0; i < N; ++i) {
-    const double up = std::max(0.0, high_rad_[i] - q[i]) / (braking_time_s_ + dt_s);
-    const double down = std::max(0.0, q[i] - low_rad_[i]) / (braking_time_s_ + dt_s);
-    const auto at = static_cast<std::size_t>(i);
-    box.high_brakes[at] = up < speed_rad_per_s_[i];
-    box.low_brakes[at] = down < speed_rad_per_s_[i];
-    box.high[i] = std::min(up, speed_rad_per_s_[i]);
-    box.low[i] = -std::min(down, speed_rad_per_s_[i]);
+    const double to_upper_rad_per_s = std::max(0.0, high_rad_[i] - q[i]) / (braking_time_s_ + dt_s);
+    const double to_lower_rad_per_s = std::max(0.0, q[i] - low_rad_[i]) / (braking_time_s_ + dt_s);
+    const auto joint = static_cast<std::size_t>(i);
+    box.high_brakes[joint] = to_upper_rad_per_s < speed_rad_per_s_[i];
+    box.low_brakes[joint] = to_lower_rad_per_s < speed_rad_per_s_[i];
+    box.high[i] = std::min(to_upper_rad_per_s, speed_rad_per_s_[i]);
+    box.low[i] = -std::min(to_lower_rad_per_s, speed_rad_per_s_[i]);
   }
   return box;
 }
@@ -331,11 +340,11 @@ template <int N>
 void DifferentialInverse<N>::ScaleIntoBox(const Box& box, const JointVectorN<N>& task,
                                           const JointVectorN<N>& n, double r_wanted,
                                           MotionOutput<N>& out) const OSTEON_RT {
-  struct Line {
+  struct Line {  // a bound on r: at_0 + slope s
     double at_0, slope;
-    int joint;
+    int joint;  // the joint that sets it; -1: the relief
   };
-  const auto note = [&](int joint) {
+  const auto store_limit_of = [&](int joint) {
     const auto at = static_cast<std::size_t>(joint);
     const bool brakes = task[joint] > 0.0 ? box.high_brakes[at] : box.low_brakes[at];
     out.joint = joint;
@@ -347,11 +356,12 @@ void DifferentialInverse<N>::ScaleIntoBox(const Box& box, const JointVectorN<N>&
     const double max_share = (task[i] > 0.0 ? box.high[i] : box.low[i]) / task[i];
     if (max_share >= s) continue;
     s = max_share;
-    note(i);
+    store_limit_of(i);
   }
   const double relief = MaxNullMotion(box, task, n, r_wanted);
   double min_r = 0.0, max_r = 0.0;
   for (int step = 0; step <= 2 * N; ++step) {
+    // the highest lower line and the lowest upper line at s
     Line lower{-relief, 0.0, -1}, upper{relief, 0.0, -1};
     for (int i = 0; i < N; ++i) {
       if (std::abs(n[i]) <= kFlat) continue;
@@ -368,7 +378,7 @@ void DifferentialInverse<N>::ScaleIntoBox(const Box& box, const JointVectorN<N>&
     const auto room = [&](int i) {
       return i < 0 ? std::numeric_limits<double>::infinity() : task[i] > 0.0 ? box.high[i] : -box.low[i];
     };
-    note(room(lower.joint) <= room(upper.joint) ? lower.joint : upper.joint);
+    store_limit_of(room(lower.joint) <= room(upper.joint) ? lower.joint : upper.joint);
     if (!(meet < s)) {  // rounding: the lines touch
       min_r = max_r = 0.5 * (min_r + max_r);
       break;
@@ -381,6 +391,7 @@ void DifferentialInverse<N>::ScaleIntoBox(const Box& box, const JointVectorN<N>&
   out.qd = s * task + r * n;
 }
 
+// Scales the change of the joint velocities so that every joint keeps its acceleration limit.
 template <int N>
 void DifferentialInverse<N>::LimitChange(const Box& box, const JointVectorN<N>& qd_before, double dt_s,
                                          MotionOutput<N>& out) const OSTEON_RT {

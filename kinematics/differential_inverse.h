@@ -137,7 +137,7 @@ class DifferentialInverse {
 
  private:
   struct DampedSpeed {
-    double speed, lambda;
+    double speed, lambda;  // [rad/s], damping [m]
   };
   // A direction whose singular value is in the zone, and the motion that the twist asks along it.
   struct SingularDirection {
@@ -152,9 +152,10 @@ class DifferentialInverse {
                                            const Eigen::Matrix<double, 6, 1>& V_scaled,
                                            MotionOutput<N>& out) const OSTEON_RT;
   [[nodiscard]] double LimitedNullSpeed(const JointVectorN<N>& n, const MotionInput<N>& in) const OSTEON_RT;
+  // The joint speeds that each joint's position and speed limits allow in this tick.
   struct Box {
     JointVectorN<N> low, high;                                              ///< <= 0, >= 0 [rad/s]
-    std::array<bool, static_cast<std::size_t>(N)> low_brakes, high_brakes;  ///< position, not speed
+    std::array<bool, static_cast<std::size_t>(N)> low_brakes, high_brakes;  ///< set by the position limit
   };
   [[nodiscard]] Box ComputeSpeedBox(const JointVectorN<N>& q, double dt_s) const OSTEON_RT;
   [[nodiscard]] double MaxNullMotion(const Box& box, const JointVectorN<N>& task, const JointVectorN<N>& n,

@@ -7,11 +7,13 @@ namespace osteon::kinematics {
 namespace {
 
 // Finds the joint that limits a load: the minimum of room / load over all half-spaces toward whose border the
-// load acts.
-class Least {
+// load acts, and over a cap.
+class TightestLimit {
  public:
-  explicit Least(double cap) : limit_{.value = cap, .joint = -1} {}
+  explicit TightestLimit(double cap) : limit_{.value = cap, .joint = -1} {}
 
+  // @param room  torque that the drive has left [N·m]
+  // @param load  torque that the drive needs per unit of the result
   void Add(double room, double load, int joint) {
     if (load <= 0.0) return;
     // an infinite load, or a NaN from inf - inf, leaves no room
@@ -59,15 +61,15 @@ ForceCapability<N>::ForceCapability(const JacobianN<N>& J, const JointVectorN<N>
 template <int N>
 CapabilityLimit ForceCapability<N>::Force(const Vector3& u, double torque_Nm) const OSTEON_RT {
   if (!holds_itself_ || !u.allFinite() || !std::isfinite(torque_Nm)) return {};
-  Least least(kForceCap_N);
+  TightestLimit tightest(kForceCap_N);
   for (int i = 0; i < N; ++i) {
     const double load = J_.template block<3, 1>(0, i).dot(u);
-    const double taken = torque_Nm * J_.template block<3, 1>(3, i).norm();
+    const double taken = torque_Nm * J_.template block<3, 1>(3, i).norm();  // by the torque, worst direction
     // the torque may have either sign, so both sides need room for it, even if the force loads neither
     if (std::min(room_up_[i], room_down_[i]) < taken) return {.value = 0.0, .joint = i};
-    least.Add((load > 0.0 ? room_up_[i] : room_down_[i]) - taken, std::abs(load), i);
+    tightest.Add((load > 0.0 ? room_up_[i] : room_down_[i]) - taken, std::abs(load), i);
   }
-  return least.Result();
+  return tightest.Result();
 }
 
 template <int N>
@@ -75,28 +77,28 @@ CapabilityLimit ForceCapability<N>::Factor(const Wrench& F) const OSTEON_RT {
   if (!holds_itself_ || !F.f.allFinite() || !F.t.allFinite()) return {};
   const double force_N = F.f.stableNorm(), torque_Nm = F.t.stableNorm();
   if (!(force_N > 0.0) && !(torque_Nm > 0.0)) return {};
-  Least least(CappedFactor(force_N, torque_Nm));
+  TightestLimit tightest(CappedFactor(force_N, torque_Nm));
   for (int i = 0; i < N; ++i) {
     const double load = J_.template block<3, 1>(0, i).dot(F.f) + J_.template block<3, 1>(3, i).dot(F.t);
-    least.Add(load > 0.0 ? room_up_[i] : room_down_[i], std::abs(load), i);
+    tightest.Add(load > 0.0 ? room_up_[i] : room_down_[i], std::abs(load), i);
   }
-  return least.Result();
+  return tightest.Result();
 }
 
 template <int N>
 CapabilityLimit ForceCapability<N>::LateralForce(const Vector3& axis, double axial_N,
                                                  double torque_Nm) const OSTEON_RT {
   if (!holds_itself_ || !axis.allFinite() || !std::isfinite(axial_N) || !std::isfinite(torque_Nm)) return {};
-  Least least(kForceCap_N);
+  TightestLimit tightest(kForceCap_N);
   for (int i = 0; i < N; ++i) {
     const Vector3 Jv = J_.template block<3, 1>(0, i);
     const double axial = axial_N * Jv.dot(axis);
     const double taken = torque_Nm * J_.template block<3, 1>(3, i).norm();
     const double room = std::min(room_up_[i] - axial, room_down_[i] + axial) - taken;
     if (room < 0.0) return {.value = 0.0, .joint = i};
-    least.Add(room, LengthAcross(Jv, axis), i);
+    tightest.Add(room, LengthAcross(Jv, axis), i);
   }
-  return least.Result();
+  return tightest.Result();
 }
 
 template <int N>
@@ -105,16 +107,16 @@ CapabilityLimit ForceCapability<N>::Factor(const Vector3& axis, const ToolLoad& 
   if (!holds_itself_ || !axis.allFinite() || !std::isfinite(force_N) || !std::isfinite(load.torque_Nm))
     return {};
   if (!(force_N > 0.0) && !(load.torque_Nm > 0.0)) return {};
-  Least least(CappedFactor(force_N, load.torque_Nm));
+  TightestLimit tightest(CappedFactor(force_N, load.torque_Nm));
   for (int i = 0; i < N; ++i) {
     const Vector3 Jv = J_.template block<3, 1>(0, i);
     const double axial = load.axial_N * Jv.dot(axis);
     const double rest =
         load.lateral_N * LengthAcross(Jv, axis) + load.torque_Nm * J_.template block<3, 1>(3, i).norm();
-    least.Add(room_up_[i], std::max(0.0, axial) + rest, i);
-    least.Add(room_down_[i], std::max(0.0, -axial) + rest, i);
+    tightest.Add(room_up_[i], std::max(0.0, axial) + rest, i);
+    tightest.Add(room_down_[i], std::max(0.0, -axial) + rest, i);
   }
-  return least.Result();
+  return tightest.Result();
 }
 
 template <int N>

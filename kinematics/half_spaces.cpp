@@ -6,13 +6,13 @@
 namespace osteon {
 namespace {
 
-constexpr int kMaxSet = 4;             // three planes fix a point, a fourth its slack
+constexpr int kMaxSet = 4;             // three planes fix a point; with a fourth, they fix the slack too
 constexpr double kTolerance = 1e-12;   // tolerance of a plane's offset [m] and of a multiplier [m]
 constexpr double kFeasible = 1e-9;     // a solved point may lie this far outside [m]
 constexpr double kMinVolume = 1e-9;    // Gram determinant of unit normals below which planes are parallel
-constexpr double kFlatShare = 1e-12;   // a smaller remainder of a normal counts as zero
+constexpr double kFlatShare = 1e-12;   // a smaller component of the new normal counts as zero
 constexpr int kMaxRounds = 24;         // usually two to six rounds find three planes of eight
-constexpr double kSlackWeight = 1e-6;  // square of the slack's compliance over the point's
+constexpr double kSlackWeight = 1e-6;  // 1 over the weight of s^2 in the cost |x|^2 + 1e6 s^2
 
 using Planes = std::array<HalfSpace, kMaxHalfSpaces>;
 using SetVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxSet, 1>;
@@ -24,9 +24,10 @@ struct Set {
   int size{0};
 };
 
-// Multipliers of the nearest point on all planes of the set: Gram matrix times multipliers = offsets (or, for
-// a direction, its components along the normals). Elimination in place, without pivoting because the matrix
-// is positive definite. False if the planes are parallel.
+// Finds the multipliers of the nearest point on all planes of the set, from Gram matrix times multipliers =
+// offsets (or, for a direction, its components along the normals). `slack` is added to each Gram element.
+// Elimination in place, without pivoting because the matrix is positive definite. False if the planes are
+// parallel.
 bool SolveSet(const Planes& planes, const Set& set, double slack, SetVector& multiplier,
               const Vector3* direction = nullptr) {
   SetMatrix gram(set.size, set.size);
@@ -37,11 +38,11 @@ bool SolveSet(const Planes& planes, const Set& set, double slack, SetVector& mul
       gram(i, j) = a.n.dot(planes[set.plane[static_cast<std::size_t>(j)]].n) + slack;
     multiplier[i] = direction ? a.n.dot(*direction) : a.offset;
   }
-  const double least = slack > 0.0 ? kMinVolume * slack : kMinVolume;
+  const double min_volume = slack > 0.0 ? kMinVolume * slack : kMinVolume;
   double volume = 1.0;
   for (int k = 0; k < set.size; ++k) {
     volume *= gram(k, k);
-    if (!(volume > least)) return false;
+    if (!(volume > min_volume)) return false;
     for (int i = k + 1; i < set.size; ++i) {
       const double factor = gram(i, k) / gram(k, k);
       for (int j = k; j < set.size; ++j) gram(i, j) -= factor * gram(k, j);
@@ -55,6 +56,7 @@ bool SolveSet(const Planes& planes, const Set& set, double slack, SetVector& mul
   return true;
 }
 
+// How far x is outside the worst half-space; 0 if it is in all of them.
 double WorstViolation(const Planes& planes, int count, const Vector3& x) {
   double worst = 0.0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
@@ -72,7 +74,7 @@ bool FindActive(const Planes& planes, int count, Set& active) {
   Vector3 x = Vector3::Zero();
   std::array<double, kMaxSet> pull{};  // multipliers of the active planes
   for (int round = 0; round < kMaxRounds; ++round) {
-    std::size_t worst = 0;
+    std::size_t worst = 0;  // the most violated plane
     double outside = kTolerance;
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
       const double violation = planes[i].offset - planes[i].n.dot(x);
@@ -81,42 +83,44 @@ bool FindActive(const Planes& planes, int count, Set& active) {
       worst = i;
     }
     if (outside <= kTolerance) return true;
-    const HalfSpace& in = planes[worst];
-    double pull_in = 0.0;
+    const HalfSpace& entering = planes[worst];
+    double entering_pull = 0.0;
     for (;;) {
       // the active planes' part of the new normal, and the remainder
-      SetVector share;
-      if (!SolveSet(planes, active, 0.0, share, &in.n)) return false;
-      Vector3 z = in.n;
+      SetVector components;
+      if (!SolveSet(planes, active, 0.0, components, &entering.n)) return false;
+      Vector3 z = entering.n;
       for (int i = 0; i < active.size; ++i)
-        z -= share[i] * planes[active.plane[static_cast<std::size_t>(i)]].n;
+        z -= components[i] * planes[active.plane[static_cast<std::size_t>(i)]].n;
+      // the longest step before an active plane would pull: that plane leaves
       double step = std::numeric_limits<double>::infinity();
-      int leaves = -1;
+      int leaving = -1;
       for (int i = 0; i < active.size; ++i) {
-        if (!(share[i] > kFlatShare) || pull[static_cast<std::size_t>(i)] >= step * share[i]) continue;
-        step = pull[static_cast<std::size_t>(i)] / share[i];
-        leaves = i;
+        if (!(components[i] > kFlatShare) || pull[static_cast<std::size_t>(i)] >= step * components[i])
+          continue;
+        step = pull[static_cast<std::size_t>(i)] / components[i];
+        leaving = i;
       }
-      const double room = active.size < 3 ? z.dot(in.n) : 0.0;
-      const bool moves = room > kMinVolume;
-      if (moves && (in.offset - in.n.dot(x)) / room <= step) {
-        step = (in.offset - in.n.dot(x)) / room;
-        leaves = -1;
-      } else if (leaves < 0) {
+      const double room = active.size < 3 ? z.dot(entering.n) : 0.0;
+      const bool moves = room > kMinVolume;  // else the new normal is a combination of the active ones
+      if (moves && (entering.offset - entering.n.dot(x)) / room <= step) {
+        step = (entering.offset - entering.n.dot(x)) / room;
+        leaving = -1;
+      } else if (leaving < 0) {
         return false;  // no plane to drop, and no direction to move
       }
       if (moves) x += step * z;
-      for (int i = 0; i < active.size; ++i) pull[static_cast<std::size_t>(i)] -= step * share[i];
-      pull_in += step;
-      if (leaves < 0) break;
+      for (int i = 0; i < active.size; ++i) pull[static_cast<std::size_t>(i)] -= step * components[i];
+      entering_pull += step;
+      if (leaving < 0) break;
       --active.size;
-      for (int i = leaves; i < active.size; ++i) {
+      for (int i = leaving; i < active.size; ++i) {
         active.plane[static_cast<std::size_t>(i)] = active.plane[static_cast<std::size_t>(i) + 1];
         pull[static_cast<std::size_t>(i)] = pull[static_cast<std::size_t>(i) + 1];
       }
     }
     active.plane[static_cast<std::size_t>(active.size)] = worst;
-    pull[static_cast<std::size_t>(active.size)] = pull_in;
+    pull[static_cast<std::size_t>(active.size)] = entering_pull;
     ++active.size;
   }
   return false;
@@ -147,9 +151,9 @@ bool AcceptSet(const Planes& planes, int count, const Set& set, double slack, Be
   return true;
 }
 
-// Solves   min |x|^2 + s^2 / slack   subject to   n_i·x + s >= offset_i   over every set of at most
+// Solves   min |x|^2 + s^2 / slack   subject to   n_i·x + s >= offset_i   by trying every set of at most
 // largest_set planes; with slack = 0 there is no s. False if no set gives a point.
-bool Solve(const Planes& planes, int count, double slack, int largest_set, BestPoint& best) {
+bool SolveByEverySet(const Planes& planes, int count, double slack, int largest_set, BestPoint& best) {
   best.cost = std::numeric_limits<double>::infinity();
   // by size, then in index order: next_set counts up like an odometer whose digits only grow to the right
   for (int size = 1; size <= std::min(largest_set, count); ++size) {
@@ -181,9 +185,9 @@ HalfSpaceProjection ClosestInHalfSpaces(const Planes& planes, int count) noexcep
   if (FindActive(planes, count, active) && AcceptSet(planes, count, active, 0.0, best))
     return best.projection;
   // planes so nearly parallel that rounding decides, or an empty intersection: try every set
-  if (Solve(planes, count, 0.0, 3, best)) return best.projection;
+  if (SolveByEverySet(planes, count, 0.0, 3, best)) return best.projection;
   // empty (or so nearly parallel that only a distant point would do): share one slack among the planes
-  if (Solve(planes, count, kSlackWeight, kMaxSet, best)) return best.projection;
+  if (SolveByEverySet(planes, count, kSlackWeight, kMaxSet, best)) return best.projection;
   best.projection.violation = violation;
   return best.projection;
 }

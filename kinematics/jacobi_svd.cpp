@@ -13,22 +13,22 @@ constexpr int kMaxSweeps = 30;                // a cold start takes five or six,
 constexpr double kOrthogonal = 4e-15;         // cosine below which two rows count as orthogonal
 constexpr double kSmallTurn = 1e-4;           // tangent t below which t^4 is below a double's last bit
 constexpr double kNoDirection = 1e-14;        // share of the largest singular value: no direction below it
-constexpr double kStillOrthogonal = 0x1p-40;  // possible rounding error of `near` after many ticks
+constexpr double kStillOrthogonal = 0x1p-40;  // error of U^T U = 1 up to which `near` is used as it is
 
 // Completes the columns of V from `from` on to an orthonormal basis: each from the unit vector with the
 // smallest component in the other columns, orthogonalised twice against rounding.
 template <int N>
-void Complete(Eigen::Matrix<double, N, N>& V, int from) {
+void CompleteBasis(Eigen::Matrix<double, N, N>& V, int from) {
   for (int k = from; k < N; ++k) {
-    int least = 0;
-    double min_in = std::numeric_limits<double>::infinity();
+    int smallest = 0;
+    double min_share = std::numeric_limits<double>::infinity();
     for (int i = 0; i < N; ++i) {
-      const double in = V.row(i).head(k).squaredNorm();
-      if (in >= min_in) continue;
-      min_in = in;
-      least = i;
+      const double share = V.row(i).head(k).squaredNorm();
+      if (share >= min_share) continue;
+      min_share = share;
+      smallest = i;
     }
-    Eigen::Matrix<double, N, 1> v = Eigen::Matrix<double, N, 1>::Unit(least);
+    Eigen::Matrix<double, N, 1> v = Eigen::Matrix<double, N, 1>::Unit(smallest);
     for (int twice = 0; twice < 2; ++twice)
       for (int j = 0; j < k; ++j) v -= V.col(j).dot(v) * V.col(j);
     V.col(k) = v.normalized();
@@ -51,7 +51,7 @@ Turn TurnOf(double a, double b) {
   return {.c = c, .s = c * t, .tangent = t};
 }
 
-// Gram-Schmidt: restores the orthogonality of `near` to rounding.
+// Restores the orthogonality of U to rounding, by Gram-Schmidt.
 void MakeOrthonormal(Eigen::Matrix<double, 6, 6>& U) {
   for (int k = 0; k < 6; ++k) {
     for (int j = 0; j < k; ++j) U.col(k) -= U.col(j).dot(U.col(k)) * U.col(j);
@@ -69,7 +69,7 @@ JacobianSvd<N> ComputeJacobianSvd(const Eigen::Matrix<double, 6, N>& J,
   if ((U.transpose() * U - Eigen::Matrix<double, 6, 6>::Identity()).cwiseAbs().maxCoeff() > kStillOrthogonal)
     MakeOrthonormal(U);
   Eigen::Matrix<double, N, 6> W = J.transpose() * U;  // columns sigma v
-  Eigen::Matrix<double, 6, 1> squares;
+  Eigen::Matrix<double, 6, 1> squares;                // of the singular values
 
   bool turned = true;
   while (turned && out.sweeps < kMaxSweeps) {
@@ -112,7 +112,7 @@ JacobianSvd<N> ComputeJacobianSvd(const Eigen::Matrix<double, 6, N>& J,
     out.V.col(k) = W.col(from) / out.sigma[k];
     known = k + 1;
   }
-  Complete<N>(out.V, known);
+  CompleteBasis<N>(out.V, known);
   return out;
 }
 

@@ -19,6 +19,7 @@ constexpr double kPi = std::numbers::pi;
                               accepted);
 }
 
+// Returns the parameters. @throws std::invalid_argument if a length or a limit is out of range.
 const LbrParams& Validated(const LbrParams& params) {
   if (!std::isfinite(params.base_to_shoulder_m))
     Refuse("base_to_shoulder_m", params.base_to_shoulder_m, "a finite length");

@@ -24,6 +24,7 @@ struct ElbowCircle {
   Vector3 axis, up, side;
 };
 
+/// Frame of the elbow's circle, for the unit axis from shoulder to wrist.
 inline ElbowCircle CircleAround(const Vector3& axis) OSTEON_RT {
   constexpr double kVertical = 1e-9;  // sine below which the circle has no highest point
   const double h = std::sqrt(axis.x() * axis.x() + axis.y() * axis.y());
@@ -45,6 +46,7 @@ struct ElbowTriangle {
   double cos_elbow, sin_elbow;        ///< |q4|, 0 … pi
 };
 
+/// Solves the triangle for a wrist at p_SW from the shoulder.
 inline ElbowTriangle TriangleTo(const LbrParams& params, const Vector3& p_SW) OSTEON_RT {
   const double upper = params.shoulder_to_elbow_m, fore = params.elbow_to_wrist_m, reach = p_SW.norm();
   const TwoLinks links = SolveTwoLinks(upper, fore, reach);

@@ -10,6 +10,7 @@
 namespace osteon::kinematics {
 namespace {
 
+// Accepted deviation of an axis or a point from the arm's geometry.
 constexpr double kOff_m = 1e-9;
 constexpr double kOff_rad = 1e-9;
 
@@ -90,7 +91,8 @@ LbrParams LbrParamsFrom(const ChainParams<7>& chain) {
 ChainParams<7> ChainFrom(const LbrParams& params) {
   const Vector3 y = Vector3::UnitY(), z = Vector3::UnitZ();
   const std::array<Vector3, 7> axes{z, y, z, -y, z, y, z};
-  // the heights of shoulder, elbow and wrist, where the bending joints are, and the turning joints with them
+  // Height of each joint above the one before: A2, A4 and A6 are at shoulder, elbow and wrist; A3, A5
+  // and A7 share the origin of the joint before.
   const std::array<double, 7> above_m{0.0, params.base_to_shoulder_m, 0.0, params.shoulder_to_elbow_m,
                                       0.0, params.elbow_to_wrist_m,   0.0};
   ChainParams<7> chain;

@@ -25,6 +25,7 @@ struct FittedJoint {
   double q, beyond;
 };
 
+// Chooses among q and its equivalents a turn away the one within the limits, else the one least beyond them.
 FittedJoint FitToLimits(double q, const JointLimits& limit) {
   q = q > kPi ? q - kTurn : q < -kPi ? q + kTurn : q;
   if (q >= limit.lower_rad && q <= limit.upper_rad) return {q, 0.0};
@@ -50,9 +51,10 @@ struct Angle {
 };
 
 Angle Sum(const Angle& a, const Angle& b) { return {a.c * b.c - a.s * b.s, a.s * b.c + a.c * b.s}; }
-Angle Of(double angle_rad) { return {std::cos(angle_rad), std::sin(angle_rad)}; }
-double Value(const Angle& a) { return std::atan2(a.s, a.c); }
+Angle AngleOf(double angle_rad) { return {std::cos(angle_rad), std::sin(angle_rad)}; }
+double Radians(const Angle& a) { return std::atan2(a.s, a.c); }
 
+// Returns the parameters. @throws std::invalid_argument if a length, a sign or a limit is out of range.
 const OrthoParallelParams& Validated(const OrthoParallelParams& params) {
   for (const auto& [name, value] : {std::pair{"a1_m", params.a1_m},
                                     {"a2_m", params.a2_m},
@@ -95,6 +97,7 @@ int OrthoParallelArm::Configuration(const Joints& q) const OSTEON_RT {
     return params_.sign[joint] * q[i] - params_.offset_rad[joint];
   };
   const double gamma = theta(2) + fore_rad_;
+  // distance of the wrist in front of A1, in the arm's plane
   const double front =
       params_.a1_m + params_.c2_m * std::sin(theta(1)) + fore_m_ * std::sin(theta(1) + gamma);
   return (front < 0.0 ? 1 : 0) + (std::sin(gamma) < 0.0 ? 2 : 0) + (std::sin(theta(4)) < 0.0 ? 4 : 0);
@@ -116,6 +119,7 @@ OrthoParallelSolutions OrthoParallelArm::Solve(const Pose& X_BF, const Joints& s
     return result;
   }
   const double front = std::sqrt(std::max(0.0, (from_axis - b) * (from_axis + b)));
+  // the seed's value of a joint that a singularity leaves free
   const auto free_theta = [&](std::size_t i) {
     return std::remainder(params_.sign[i] * seed[static_cast<int>(i)] - params_.offset_rad[i], kTurn);
   };
@@ -128,10 +132,10 @@ OrthoParallelSolutions OrthoParallelArm::Solve(const Pose& X_BF, const Joints& s
     Angle turn;
     if (from_axis < kFreeJoint) {
       theta[0] = free_theta(0);
-      turn = Of(theta[0]);
+      turn = AngleOf(theta[0]);
     } else {
       turn = {(x_1 * wrist.x() + b * wrist.y()) / square_m2, (x_1 * wrist.y() - b * wrist.x()) / square_m2};
-      theta[0] = Value(turn);
+      theta[0] = Radians(turn);
     }
 
     // within this plane the two links reach from A2 to the wrist
@@ -148,10 +152,10 @@ OrthoParallelSolutions OrthoParallelArm::Solve(const Pose& X_BF, const Joints& s
       Angle tilt;
       if (reach < kFreeJoint) {  // equal links, folded
         theta[1] = free_theta(1);
-        tilt = Of(theta[1]);
+        tilt = AngleOf(theta[1]);
       } else {
         tilt = {(z * along + x * across) / (reach * reach), (x * along - z * across) / (reach * reach)};
-        theta[1] = Value(tilt);
+        theta[1] = Radians(tilt);
       }
       theta[2] = (bent_back == 0 ? elbow_rad : -elbow_rad) - fore_rad_;
 

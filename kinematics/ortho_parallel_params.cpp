@@ -10,9 +10,12 @@
 namespace osteon::kinematics {
 namespace {
 
+// Accepted deviation of an axis or a point from the arm's geometry.
 constexpr double kOff_m = 1e-9;
 constexpr double kOff_rad = 1e-9;
 
+// @param off  how far the arm is from the required geometry
+// @throws std::invalid_argument if `off` is beyond `accepted`.
 void Require(const std::string& what, double off, const char* unit, double accepted) {
   if (off <= accepted) return;  // refuses NaN
   std::ostringstream text;
@@ -30,7 +33,7 @@ double Distance(const Line& line, const Vector3& point) {
   return line.direction.cross(point - line.point).norm();
 }
 
-// Sine of the angle between two lines.
+// Sine of the angle between two unit vectors.
 double Sine(const Vector3& a, const Vector3& b) { return a.cross(b).norm(); }
 double Sign(double value) { return value < 0.0 ? -1.0 : 1.0; }
 

@@ -12,9 +12,11 @@ JointVectorN<N> AwayFromLimits(const PosturePreferenceParams& params,
   JointVectorN<N> qd;
   for (int i = 0; i < N; ++i) {
     const JointLimits& limit = limits[static_cast<std::size_t>(i)];
-    const double below = q[i] - limit.lower_rad - margin_rad, above = limit.upper_rad - margin_rad - q[i];
-    const double up = std::clamp(1.0 - below / params.limit_zone_rad, 0.0, 1.0);
-    const double down = std::clamp(1.0 - above / params.limit_zone_rad, 0.0, 1.0);
+    // squares of the depth in the zone at either end: 0 at the zone's edge, 1 at the limit
+    const double from_lower_rad = q[i] - limit.lower_rad - margin_rad,
+                 to_upper_rad = limit.upper_rad - margin_rad - q[i];
+    const double up = std::clamp(1.0 - from_lower_rad / params.limit_zone_rad, 0.0, 1.0);
+    const double down = std::clamp(1.0 - to_upper_rad / params.limit_zone_rad, 0.0, 1.0);
     qd[i] = params.limit_speed_rad_per_s * (up * up - down * down);
   }
   return qd;
@@ -48,10 +50,12 @@ template <int N>
 LoadPreference<N> LoadGradientMotion(const PosturePreferenceParams& params, const SerialChain<N>& chain,
                                      const LoadTarget<N>& target, const LoadedPosture<N>& posture) OSTEON_RT {
   const auto& [q, n, held] = posture;
-  constexpr double kReach_rad = 0.02, kFlat_per_rad = 0.2;
+  constexpr double kReach_rad = 0.02;    // the slope is a difference over this angle to either side
+  constexpr double kFlat_per_rad = 0.2;  // slope at which the motion has half its speed
   LoadPreference<N> result;
-  const bool asked = target.load.axial_N != 0.0 || target.load.lateral_N > 0.0 || target.load.torque_Nm > 0.0;
-  if (!asked || !(params.load_speed_rad_per_s > 0.0) || n.isZero(0.0)) return result;
+  const bool has_load =
+      target.load.axial_N != 0.0 || target.load.lateral_N > 0.0 || target.load.torque_Nm > 0.0;
+  if (!has_load || !(params.load_speed_rad_per_s > 0.0) || n.isZero(0.0)) return result;
   if (held >= params.load_zone) return result;
   result.depth = std::min(1.0, (params.load_zone - held) / (params.load_zone - 1.0));
   const double slope = (HeldLoad<N>(chain, target, q + kReach_rad * n).value -

@@ -18,6 +18,7 @@ Vector3 AnyNormal(const Vector3& z) {
   return (e - z.dot(e) * z).normalized();
 }
 
+// Rotation matrix of the frame with these perpendicular unit axes.
 Matrix3 FrameOf(const Vector3& x, const Vector3& z) {
   Matrix3 R;
   R << x, z.cross(x), z;
@@ -73,6 +74,7 @@ SerialChain<N>::SerialChain(const ChainParams<N>& params, const Vector3& gravity
     step.sin_alpha = x_before.dot(z_before.cross(z_P));
 
     // x along z_i × z_(i+1), with the sign that gives the smaller offset; no offset for parallel axes
+    // x of the frame before, in the link's frame at q = 0
     const Vector3 unturned = R_PJ.transpose() * x_before;
     Vector3 x = unturned;
     if (i + 1 < N) {

@@ -16,8 +16,8 @@ namespace osteon::kinematics {
 ///     Jacobian        V_BF = J qd             rows v (3) then w (3), in B, of the flange's origin or a point
 ///     dynamics        tau = M qdd + C qd + g - J^T F_ext  M with the rotors' inertia; friction separate
 ///
-/// The choice of frames makes it fast. Besides the described frame L_i each joint has a frame K_i with the
-/// same origin, z along the joint's axis and x along z_i × z_(i+1), so that
+/// The choice of frames makes the computation fast. Besides the described frame L_i each joint has a frame
+/// K_i with the same origin, z along the joint's axis and x along z_i × z_(i+1), so that
 ///
 ///     X_K(i-1)K(i) = Translation(p_i) Rx(alpha_i) Rz(q_i + offset_i)
 ///
@@ -116,8 +116,9 @@ class SerialChain {
   }
   // J^T F, for the flange's origin.
   Joints TorquesOf(const Posture& posture, const Wrench& F_B) const noexcept;
-  // RNEA with the base accelerating by a, in K(0).
+  // Inverse dynamics (RNEA) without friction, for a base that accelerates by a [m/s^2, in K(0)].
   Joints NewtonEuler(const Joints& q, const Joints& qd, const Joints& qdd, const Vector3& a) const noexcept;
+  // Torques of the drives for the load on each link and the rotors' acceleration.
   Joints Gather(const SinCosN<kPadded>& turn,
                 const std::array<Triple<Pair>, static_cast<std::size_t>(N)>& loads,
                 const Joints& qdd) const noexcept;
@@ -129,7 +130,7 @@ class SerialChain {
   Matrix3 R_KF_;  // flange in K(N)
   Vector3 p_KF_;
   std::array<Body, static_cast<std::size_t>(N)> bodies_;
-  Vector3 lift_K0_;  // minus gravity
+  Vector3 lift_K0_;  // minus the acceleration of free fall, in K(0)
 };
 
 }  // namespace osteon::kinematics

@@ -29,7 +29,7 @@ inline TwoLinks SolveTwoLinks(double upper_m, double fore_m, double reach_m) OST
   TwoLinks links;
   links.out_of_reach_m = reach_m > max_reach + kSlack_m   ? reach_m - max_reach
                          : reach_m < min_reach - kSlack_m ? reach_m - min_reach
-                                                          : reach_m - reach_m;
+                                                          : reach_m - reach_m;  // 0, or NaN for NaN
   if (links.out_of_reach_m != 0.0) return links;
   // a reach within rounding of straight counts as straight: it determines the elbow to 1e-7 rad only, which
   // would turn the free joint of a wrist that is straight as well; the wrist moves by 1e-15 m

@@ -59,9 +59,9 @@ class RecoveryCounts {
   bool has_session_{false};
 };
 
-// Why a file in which nothing was skipped still cannot be read as it is. A reader that skips damage also uses
-// the summary's schemas and channels, so it keeps a message whose channel is nowhere else; a strict reader
-// refuses that message.
+// Returns why a strict reader refuses a file in which nothing was skipped; empty if it reads the whole file.
+// A reader that skips damage also takes schemas and channels from the summary, so it keeps a message whose
+// channel is declared only there; a strict reader refuses that message.
 std::string ValidateReadable(const std::filesystem::path& path) {
   auto stream = RecordingStream::Open(path);
   if (!stream) return stream.error();
@@ -100,7 +100,7 @@ tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path
     const auto more = reader->Next(message);
     if (!more) return discard(more.error());
     if (!*more) break;
-    const Recovery before = recovery;
+    const Recovery before = recovery;  // restored if the message is invalid
     if (const std::string wrong = counts.CountMessage(message); !wrong.empty()) {
       recovery = before;
       if (!message.checked) break;  // the file is truncated here
@@ -128,6 +128,7 @@ tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path
     std::filesystem::remove(part, ignored);
     return recovery;
   }
+  // damage that reaches the file's end is already listed: its bytes are not counted as a tail too
   const auto& damage = reader->damage();
   const bool to_the_end =
       !damage.empty() && damage.back().offset + damage.back().bytes >= reader->file_bytes();

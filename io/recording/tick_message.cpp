@@ -1,3 +1,5 @@
+// Encodes a tick's record as an osteon.Tick message and decodes it. FillMessage writes one part of the
+// record, Get reads it back; a field that an older recording lacks leaves the record's default.
 #include <stdexcept>
 
 #include "io/recording/message_parts.h"
@@ -147,24 +149,25 @@ void FillMessage(const control::TickInput& from, osteon::TickInput* to) {
 std::string Get(const osteon::TickInput& from, control::TickInput& to) {
   if (!osteon::TickInput::Received_IsValid(from.received()))
     return "received " + std::to_string(from.received()) + ", accepted 0 … 2";
-  struct Bounded {
+  // numbers of enumerations, and numbers that the record stores in 8 or 16 bits
+  struct BoundedField {
     const char* name;
-    std::uint32_t value, most;
+    std::uint32_t value, max;
   };
-  for (const Bounded& each : {Bounded{"quality", from.quality(), 3},
-                              {"safety_state", from.safety_state(), 3},
-                              {"operation_mode", from.operation_mode(), 2},
-                              {"control_mode", from.control_mode(), 3},
-                              {"command_mode", from.command_mode(), 4},
-                              {"model_status", from.model_status(), 3},
-                              {"interlock_reason", from.interlock_reason(), 6},
-                              {"drive_faults", from.drive_faults(), 0xFF},
-                              {"drive_nmt_state", from.drive_nmt_state(), 0xFF},
-                              {"drive_emergency_code", from.drive_emergency_code(), 0xFFFF},
-                              {"drive_error_code", from.drive_error_code(), 0xFFFF}})
-    if (each.value > each.most)
+  for (const BoundedField& each : {BoundedField{"quality", from.quality(), 3},
+                                   {"safety_state", from.safety_state(), 3},
+                                   {"operation_mode", from.operation_mode(), 2},
+                                   {"control_mode", from.control_mode(), 3},
+                                   {"command_mode", from.command_mode(), 4},
+                                   {"model_status", from.model_status(), 3},
+                                   {"interlock_reason", from.interlock_reason(), 6},
+                                   {"drive_faults", from.drive_faults(), 0xFF},
+                                   {"drive_nmt_state", from.drive_nmt_state(), 0xFF},
+                                   {"drive_emergency_code", from.drive_emergency_code(), 0xFFFF},
+                                   {"drive_error_code", from.drive_error_code(), 0xFFFF}})
+    if (each.value > each.max)
       return std::string(each.name) + " " + std::to_string(each.value) + ", accepted 0 … " +
-             std::to_string(each.most);
+             std::to_string(each.max);
   to.now = from.now_ns();
   to.arm_stamp = from.arm_stamp_ns();
   to.sequence = from.sequence();
@@ -287,60 +290,60 @@ std::string Decode(std::span<const char> bytes, TickRecord& record) {
     return "phase " + std::to_string(message.phase()) + ", accepted 0 … 4";
   if (message.session_state() > 4)
     return "session_state " + std::to_string(message.session_state()) + ", accepted 0 … 4";
-  TickRecord r;
-  r.tick = message.tick();
-  r.stamp = message.stamp_ns();
-  r.phase = static_cast<control::Phase>(message.phase());
-  r.session_state = static_cast<std::uint8_t>(message.session_state());
-  r.faults = message.faults();
-  if (!io::Get(message.q_meas_rad(), r.q_meas) || !io::Get(message.q_cmd_rad(), r.q_cmd))
+  TickRecord decoded;
+  decoded.tick = message.tick();
+  decoded.stamp = message.stamp_ns();
+  decoded.phase = static_cast<control::Phase>(message.phase());
+  decoded.session_state = static_cast<std::uint8_t>(message.session_state());
+  decoded.faults = message.faults();
+  if (!io::Get(message.q_meas_rad(), decoded.q_meas) || !io::Get(message.q_cmd_rad(), decoded.q_cmd))
     return "not 7 joint values";
-  if (!io::Get(message.x_wt_cmd(), r.X_WT_cmd) || !io::Get(message.x_wt_meas(), r.X_WT_meas))
+  if (!io::Get(message.x_wt_cmd(), decoded.X_WT_cmd) || !io::Get(message.x_wt_meas(), decoded.X_WT_meas))
     return "not 9 elements of a rotation";
-  io::Get(message.v_wt_cmd_m_per_s(), r.v_WT_cmd_m_per_s);
-  r.tool_speed_meas_m_per_s = message.tool_speed_meas_m_per_s();
-  io::Get(message.f_operator_t_w(), r.F_operator_T_W);
-  io::Get(message.f_coupling_t_w(), r.F_coupling_T_W);
-  r.wrench_scale = message.wrench_scale();
-  if (message.has_arm_share()) r.arm_share = message.arm_share();
-  r.tool_in_bone_m = message.tool_in_bone_m();
-  r.wrench_step_N = message.wrench_step_n();
-  r.wrench_step_limit_N = message.wrench_step_limit_n();
-  r.model_age_s = message.model_age_s();
-  r.sensor_age_s = message.sensor_age_s();
-  r.model_frame = message.model_frame();
-  r.spindle_rad_per_s = message.spindle_rad_per_s();
-  r.wakeup_ns = message.wakeup_ns();
-  r.compute_ns = message.compute_ns();
-  r.activation_cmd = message.activation_cmd();
-  r.vibration_index = message.vibration_index();
-  r.vibration_reference_N = message.vibration_reference_n();
-  if (message.has_mass_factor()) r.mass_factor = message.mass_factor();
-  if (message.has_damping_factor()) r.damping_factor = message.damping_factor();
-  if (message.has_age_damping_factor()) r.age_damping_factor = message.age_damping_factor();
-  if (message.has_age_wrench_share()) r.age_wrench_share = message.age_wrench_share();
-  r.passivity_energy_J = message.passivity_energy_j();
-  r.passivity_damping_Ns_per_m = message.passivity_damping_ns_per_m();
-  r.tank_J = message.tank_j();
-  r.limits = message.limits();
+  io::Get(message.v_wt_cmd_m_per_s(), decoded.v_WT_cmd_m_per_s);
+  decoded.tool_speed_meas_m_per_s = message.tool_speed_meas_m_per_s();
+  io::Get(message.f_operator_t_w(), decoded.F_operator_T_W);
+  io::Get(message.f_coupling_t_w(), decoded.F_coupling_T_W);
+  decoded.wrench_scale = message.wrench_scale();
+  if (message.has_arm_share()) decoded.arm_share = message.arm_share();
+  decoded.tool_in_bone_m = message.tool_in_bone_m();
+  decoded.wrench_step_N = message.wrench_step_n();
+  decoded.wrench_step_limit_N = message.wrench_step_limit_n();
+  decoded.model_age_s = message.model_age_s();
+  decoded.sensor_age_s = message.sensor_age_s();
+  decoded.model_frame = message.model_frame();
+  decoded.spindle_rad_per_s = message.spindle_rad_per_s();
+  decoded.wakeup_ns = message.wakeup_ns();
+  decoded.compute_ns = message.compute_ns();
+  decoded.activation_cmd = message.activation_cmd();
+  decoded.vibration_index = message.vibration_index();
+  decoded.vibration_reference_N = message.vibration_reference_n();
+  if (message.has_mass_factor()) decoded.mass_factor = message.mass_factor();
+  if (message.has_damping_factor()) decoded.damping_factor = message.damping_factor();
+  if (message.has_age_damping_factor()) decoded.age_damping_factor = message.age_damping_factor();
+  if (message.has_age_wrench_share()) decoded.age_wrench_share = message.age_wrench_share();
+  decoded.passivity_energy_J = message.passivity_energy_j();
+  decoded.passivity_damping_Ns_per_m = message.passivity_damping_ns_per_m();
+  decoded.tank_J = message.tank_j();
+  decoded.limits = message.limits();
   if (message.has_cell_state()) {
     if (message.cell_state() >= safety::kCellStates)
       return "cell_state " + std::to_string(message.cell_state()) + ", accepted 0 … " +
              std::to_string(safety::kCellStates - 1);
-    r.cell_state = static_cast<std::uint8_t>(message.cell_state());
+    decoded.cell_state = static_cast<std::uint8_t>(message.cell_state());
   }
-  r.permits = message.permits();
-  if (message.has_tank_share()) r.tank_share = message.tank_share();
-  io::Get(message.f_bias_s(), r.F_bias_S);
-  if (message.has_guidance()) Get(message.guidance(), r.guidance);
-  if (message.has_compliance() && !Get(message.compliance(), r.compliance))
+  decoded.permits = message.permits();
+  if (message.has_tank_share()) decoded.tank_share = message.tank_share();
+  io::Get(message.f_bias_s(), decoded.F_bias_S);
+  if (message.has_guidance()) Get(message.guidance(), decoded.guidance);
+  if (message.has_compliance() && !Get(message.compliance(), decoded.compliance))
     return "not 9 elements of a rotation";
-  io::Get(message.f_cmd_t(), r.F_cmd_T);
-  if (message.tau_cmd_nm_size() != 0 && !io::Get(message.tau_cmd_nm(), r.tau_cmd))
+  io::Get(message.f_cmd_t(), decoded.F_cmd_T);
+  if (message.tau_cmd_nm_size() != 0 && !io::Get(message.tau_cmd_nm(), decoded.tau_cmd))
     return "not 7 joint torques";
   if (message.has_input())
-    if (const std::string wrong = Get(message.input(), r.input); !wrong.empty()) return wrong;
-  record = r;
+    if (const std::string wrong = Get(message.input(), decoded.input); !wrong.empty()) return wrong;
+  record = decoded;
   return {};
 }
 

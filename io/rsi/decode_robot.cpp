@@ -13,11 +13,12 @@ namespace {
 
 using Event = XmlReader::Event;
 
-// Names of the elements and their attributes: a prefix and 1 … 6, or six names of their own.
+// An element's name, and the names of its attributes.
 struct ElementName {
   RsiElement element;
   std::string_view name;
-  char prefix;  // 'A', 'E'; 'X' for X Y Z A B C; 'D' for the one attribute D; 0: none, text
+  // 'A': A1 … A6; 'E': E1 … E6; 'X': X Y Z A B C; 'D': D alone; 0: no attributes, the element holds a text
+  char prefix;
 };
 
 constexpr std::array<ElementName, 8> kElements{{
@@ -32,7 +33,8 @@ constexpr std::array<ElementName, 8> kElements{{
 }};
 constexpr std::string_view kFrameNames = "XYZABC";
 
-const ElementName* Find(std::string_view name) OSTEON_RT {
+// Returns null for an element that is not read.
+const ElementName* FindElement(std::string_view name) OSTEON_RT {
   for (const ElementName& element : kElements)
     if (element.name == name) return &element;
   return nullptr;
@@ -49,6 +51,7 @@ int AttributeNumber(const ElementName& element, std::string_view name) OSTEON_RT
   return name[1] >= '1' && name[1] <= '6' ? name[1] - '0' : 0;
 }
 
+// Whether `a` equals `upper`, a text of upper-case letters, regardless of the case of its ASCII letters.
 bool SameLetters(std::string_view a, std::string_view upper) OSTEON_RT {
   return std::equal(a.begin(), a.end(), upper.begin(), upper.end(),
                     [](char x, char y) { return (x >= 'a' && x <= 'z' ? x - 'a' + 'A' : x) == y; });
@@ -61,6 +64,8 @@ std::string_view Trimmed(std::string_view text) OSTEON_RT {
   return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
 }
 
+// Reads a decimal number, which blanks may surround and one plus sign may precede. False if the text has
+// anything else, or the number is beyond ±kRsiMaxValue.
 bool ReadNumber(std::string_view text, double& value) OSTEON_RT {
   text = Trimmed(text);
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
@@ -71,7 +76,7 @@ bool ReadNumber(std::string_view text, double& value) OSTEON_RT {
 // Content of one message read so far.
 struct Reading {
   RsiRobotMessage message;
-  std::uint16_t seen{0};
+  std::uint16_t seen{0};  // RsiElement bits of the elements read so far
   RsiError error;
 
   RsiError Refuse(RsiErrorCode code, std::size_t byte, const ElementName* element = nullptr,
@@ -110,6 +115,7 @@ struct Reading {
     }
   }
 
+  // Stores IPOC and its number of digits. False if the text is not a number of 1 … 20 digits, below 2^64.
   bool KeepIpoc(std::string_view text) OSTEON_RT {
     if (text.empty() || text.size() > 20 || text[0] < '0' || text[0] > '9') return false;
     const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), message.ipoc);
@@ -122,14 +128,14 @@ struct Reading {
 
 // Reads one child of the root, from after its kOpen to its kClose.
 RsiError Reading::ReadElement(XmlReader& reader) OSTEON_RT {
-  const ElementName* element = Find(reader.name());
+  const ElementName* element = FindElement(reader.name());
   if (element != nullptr) {
     const auto bit = static_cast<std::uint16_t>(element->element);
     if (seen & bit) return Refuse(RsiErrorCode::kRepeated, reader.at(), element);
     seen |= bit;
   }
   std::array<double, 6> values{};
-  unsigned found = 0;
+  unsigned found = 0;  // bit i: attribute i + 1 was read; IPOC: bit 0 for its text
   for (;;) {
     switch (reader.Next()) {
       case Event::kAttribute: {
@@ -153,6 +159,7 @@ RsiError Reading::ReadElement(XmlReader& reader) OSTEON_RT {
       case Event::kClose: {
         if (reader.depth() != 2) break;
         if (element == nullptr) return {};
+        // bits that `found` must have; missing external axes stay 0
         const unsigned wanted = element->prefix == 'E'                           ? 0
                                 : element->prefix == 'D' || element->prefix == 0 ? 1
                                                                                  : 0x3f;
@@ -182,14 +189,14 @@ RsiError DecodeRobot(std::span<const std::uint8_t> datagram, std::uint16_t neede
   // the root
   if (reader.Next() != Event::kOpen) return reading.Refuse(RsiErrorCode::kMalformed, reader.at());
   if (reader.name() != "Rob") return reading.Refuse(RsiErrorCode::kWrongRoot, reader.at());
-  bool typed = false;
+  bool has_type = false;
 
   for (;;) {
     switch (reader.Next()) {
       case Event::kAttribute:
         if (!SameLetters(reader.name(), "TYPE")) break;
-        if (typed) return reading.Refuse(RsiErrorCode::kRepeated, reader.at());
-        typed = true;
+        if (has_type) return reading.Refuse(RsiErrorCode::kRepeated, reader.at());
+        has_type = true;
         if (Trimmed(reader.value()) != "KUKA") return reading.Refuse(RsiErrorCode::kWrongRoot, reader.at());
         break;
       case Event::kOpen:
@@ -213,20 +220,20 @@ RsiError DecodeRobot(std::span<const std::uint8_t> datagram, std::uint16_t neede
 }
 
 std::string Describe(const RsiError& error) {
-  std::string of;
+  std::string subject;
   for (const ElementName& element : kElements)
-    if (element.element == error.element) of = std::string(element.name) + ": ";
+    if (element.element == error.element) subject = std::string(element.name) + ": ";
   if (error.attribute != 0) {
     for (const ElementName& element : kElements) {
       if (element.element != error.element) continue;
       const std::size_t i = error.attribute - 1u;
       if (element.prefix == 'X')
-        of += std::string(kFrameNames.substr(i, 1));
+        subject += std::string(kFrameNames.substr(i, 1));
       else if (element.prefix == 'D')
-        of += "D";
+        subject += "D";
       else
-        of += fmt::format("{}{}", element.prefix, error.attribute);
-      of += " ";
+        subject += fmt::format("{}{}", element.prefix, error.attribute);
+      subject += " ";
     }
   }
   const std::string where = fmt::format(" (byte {})", error.byte);
@@ -236,15 +243,15 @@ std::string Describe(const RsiError& error) {
     case RsiErrorCode::kTooLong:
       return fmt::format("longer than {} bytes", kRsiMaxDatagram);
     case RsiErrorCode::kMalformed:
-      return of + "not well-formed XML, or cut off" + where;
+      return subject + "not well-formed XML, or cut off" + where;
     case RsiErrorCode::kWrongRoot:
       return "not a <Rob Type=\"KUKA\">" + where;
     case RsiErrorCode::kRepeated:
-      return of + "is there twice" + where;
+      return subject + "is there twice" + where;
     case RsiErrorCode::kMissing:
-      return of + "is missing" + where;
+      return subject + "is missing" + where;
     case RsiErrorCode::kNumber:
-      return of + "is not a number of its range" + where;
+      return subject + "is not a number of its range" + where;
     case RsiErrorCode::kNoSpace:
       return "the buffer is too small";
   }

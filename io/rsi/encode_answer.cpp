@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kAxisNumbers = "123456", kFrameNames = "XYZABC";
 
-// Writes into a buffer, and remembers whether it was too small.
+// Writes text into a buffer; full() tells whether the buffer was too small for all of it.
 class Writer {
  public:
   explicit Writer(std::span<std::uint8_t> buffer) OSTEON_RT : begin_(reinterpret_cast<char*>(buffer.data())),
@@ -26,6 +26,7 @@ class Writer {
     at_ = std::copy(text.begin(), text.end(), at_);
   }
 
+  // Writes a number with that many decimals, never with an exponent, and zero without a minus.
   void Number(double value, int decimals) OSTEON_RT {
     std::array<char, 32> digits;  // |value| <= 1e6, at most 9 decimals
     const auto end =
@@ -37,6 +38,7 @@ class Writer {
     Text(text);
   }
 
+  // Writes an integer, filled with leading zeros up to min_digits.
   void Integer(std::uint64_t value, std::size_t min_digits) OSTEON_RT {
     std::array<char, 20> digits;
     const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
@@ -50,7 +52,7 @@ class Writer {
 
  private:
   char *begin_, *end_, *at_;
-  bool full_{false};
+  bool full_{false};  // a text did not fit
 };
 
 }  // namespace

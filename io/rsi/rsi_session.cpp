@@ -13,12 +13,14 @@ namespace {
 
 using control::SessionState;
 
-constexpr std::int64_t kWindow = 64;  // number of messages that seen_ remembers
+constexpr std::int64_t kWindow = 64;  // IPOC steps that the bits of seen_ reach back
 constexpr std::size_t kAxes = kRsiAxes;
-// The period is measured over this many messages; a different period deviates at least by this factor.
+// The period is measured over at least this many messages. Only a mean that is longer or shorter than the
+// configured cycle by this factor replaces it.
 constexpr std::uint32_t kPeriodMessages = 10;
 constexpr double kOtherPeriod = 2.0;
 
+// @throws std::invalid_argument with the parameter's name, the value found and the range, if not accepted.
 void Require(bool accepted, const std::string& name, double found, const char* range) {
   if (!accepted)
     throw std::invalid_argument("RSI: " + name + ": found " + base::NumberText(found) + ", accepted " +
@@ -146,6 +148,7 @@ bool RsiSession::IsMessage(std::span<const std::uint8_t> datagram) const OSTEON_
   return !DecodeRobot(datagram, static_cast<std::uint16_t>(RsiElement::kAIPos), message);
 }
 
+// Compares a message's number with those received, and updates the counters of lost messages.
 RsiSession::Order RsiSession::CheckSequence(std::uint64_t ipoc, rt::Nanoseconds stamp,
                                             std::uint32_t& ahead) OSTEON_RT {
   // unsigned difference, read as signed: correct if two numbers are less than 2^63 apart
@@ -164,21 +167,25 @@ RsiSession::Order RsiSession::CheckSequence(std::uint64_t ipoc, rt::Nanoseconds 
   const std::uint64_t bit = std::uint64_t{1} << -steps;
   if (seen_ & bit) return Order::kDuplicate;
   seen_ |= bit;
-  if (counters_.lost > 0) --counters_.lost;
+  if (counters_.lost > 0) --counters_.lost;  // it was counted as lost when a newer one overtook it
   return Order::kLate;
 }
 
+// Returns the controller's period [s]: the configured cycle, or the measured one if that deviates by the
+// factor kOtherPeriod. It is measured once per session: at the hand-over, or after kPeriodMessages intervals
+// if later.
 double RsiSession::Period_s(rt::Nanoseconds stamp) OSTEON_RT {
   const auto settled = static_cast<std::uint32_t>(params_.settle_messages);
   if (in_session_ == std::max(settled, kPeriodMessages) + 1) {
     const double mean_ms = 1e3 * rt::ToSeconds(stamp - begun_) / (in_session_ - 1);
-    const bool other = mean_ms >= kOtherPeriod * params_.cycle_ms ||
-                       (mean_ms > 0.0 && mean_ms <= params_.cycle_ms / kOtherPeriod);
-    if (other) period_ms_ = std::max(1.0, std::round(mean_ms));
+    const bool deviates = mean_ms >= kOtherPeriod * params_.cycle_ms ||
+                          (mean_ms > 0.0 && mean_ms <= params_.cycle_ms / kOtherPeriod);
+    if (deviates) period_ms_ = std::max(1.0, std::round(mean_ms));
   }
   return 1e-3 * period_ms_;
 }
 
+// Whether a session's first message shows that RSI was running before this side started.
 bool RsiSession::TooLate(const RsiRobotMessage& first) const OSTEON_RT {
   return first.delay.value_or(0) > static_cast<std::uint32_t>(params_.late_at_start);
 }
@@ -203,16 +210,16 @@ void RsiSession::BeginSession(const RsiRobotMessage& message) OSTEON_RT {
 // came.
 void RsiSession::TrackCorrectionSum(std::uint32_t ahead, std::uint32_t delay) OSTEON_RT {
   // Delay keeps counting, or (on other controllers) restarts after an answer in time.
-  const std::uint32_t risen = delay >= status_.delay ? delay - status_.delay : delay;
-  const bool in_time = awaiting_ && risen < ahead;
+  const std::uint32_t delay_rise = delay >= status_.delay ? delay - status_.delay : delay;
+  const bool in_time = awaiting_ && delay_rise < ahead;
   if (in_time) applied_ = sent_;
-  const std::uint32_t late = in_time ? ahead - 1 : ahead;
+  const std::uint32_t unanswered = in_time ? ahead - 1 : ahead;
   if (params_.absolute) {
-    if (late > 0) status_.sum = params_.hold_on ? applied_ : Six{};
+    if (unanswered > 0) status_.sum = params_.hold_on ? applied_ : Six{};
   } else {
     if (awaiting_ && !in_time) status_.sum = sum_before_;
     if (params_.hold_on)
-      for (std::size_t i = 0; i < kAxes; ++i) status_.sum[i] += late * applied_[i];
+      for (std::size_t i = 0; i < kAxes; ++i) status_.sum[i] += unanswered * applied_[i];
   }
   awaiting_ = false;
 }

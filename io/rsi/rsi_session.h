@@ -62,7 +62,7 @@ struct RsiStatus {
 /// (the loop sees COMMANDING_WAIT). Then the loop's joint positions become corrections (COMMANDING_ACTIVE):
 ///
 ///     absolute   q_cmd - q_start                    q_start: ASPos of the first message, or AIPos
-///     relative   q_cmd - q_start - sum, sum: corrections that the controller has added up so far
+///     relative   q_cmd - q_start - sum              sum: corrections that the controller has added up
 ///
 /// In the relative mode `sum` is made of the numbers as written, so that rounding does not add up. It is
 /// corrected when Delay rises: the answer to the message before came too late and was dropped, and HOLDON
@@ -153,14 +153,14 @@ class RsiSession {
   std::uint64_t seen_{0};                     // bit i: IPOC last_ipoc_ - i steps has arrived
   std::uint32_t in_session_{0};               // messages accepted
   std::uint32_t activation_{0};               // number of the present one: ArmState::activation
-  bool holding_{false};
-  bool has_last_{false};
-  bool joined_late_{false};
-  bool pending_{false};   // the message last accepted is not answered yet
-  bool awaiting_{false};  // an answer was sent; the next message's Delay tells whether it came in time
+  bool holding_{false};                       // until the activation's first command was near the start pose
+  bool has_last_{false};                      // a message was accepted, so last_ipoc_ and last_stamp_ are set
+  bool joined_late_{false};  // RSI was running before this side started: no message is answered
+  bool pending_{false};      // the message last accepted is not answered yet
+  bool awaiting_{false};     // an answer was sent; the next message's Delay tells whether it came in time
   bool stop_{false};
   Six total_{};       // last correction sent, from the start pose, rounded
-  Six sent_{};        // correction as written in that answer
+  Six sent_{};        // correction as written in the last answer
   Six applied_{};     // the last correction that the controller received in time
   Six sum_before_{};  // relative: the sum without sent_
   RsiStatus status_;

@@ -38,6 +38,7 @@ bool XmlReader::Skip(std::string_view begin, std::string_view end) OSTEON_RT {
   return true;
 }
 
+// Reads a name into name_. False if none starts at the next byte.
 bool XmlReader::ReadName() OSTEON_RT {
   if (!HasMore() || !IsNameStart(text_[at_])) return false;
   const std::size_t begin = at_;
@@ -55,12 +56,12 @@ XmlReader::Event XmlReader::Next() OSTEON_RT {
   if (in_tag_) return InTag();
 
   for (;;) {
-    if (depth_ == 0) {
+    if (depth_ == 0) {  // before the root, or after it
       SkipSpace();
       while (had_root_ && HasMore() && (text_[at_] == '\0' || IsSpace(text_[at_]))) ++at_;
       if (!HasMore()) return had_root_ ? Event::kEnd : Error();
       if (!had_root_ && Skip("<?xml", "?>")) continue;
-    } else {
+    } else {  // the text up to the next tag, without white space at both ends
       const std::size_t begin = at_;
       while (HasMore() && text_[at_] != '<') {
         if (!IsText(text_[at_])) return Error();
@@ -86,6 +87,7 @@ XmlReader::Event XmlReader::Next() OSTEON_RT {
   }
 }
 
+// Reads on inside a start tag: its next attribute, or its end.
 XmlReader::Event XmlReader::InTag() OSTEON_RT {
   const std::size_t before = at_;
   SkipSpace();
@@ -120,6 +122,7 @@ XmlReader::Event XmlReader::InTag() OSTEON_RT {
   return Event::kAttribute;
 }
 
+// Reads an end tag, which must have the name of the innermost open element.
 XmlReader::Event XmlReader::CloseTag() OSTEON_RT {
   if (depth_ == 0) return Error();
   const std::size_t begin = at_;

@@ -57,10 +57,10 @@ class XmlReader {
 
   std::string_view text_, name_, value_;
   std::size_t at_{0}, depth_{0};
-  std::array<std::string_view, kMaxDepth> open_{};
-  bool in_tag_{false};    // between an element's name and its '>'
-  bool had_root_{false};  // only white space, comments and NULs may follow it
-  bool closing_{false};   // a kClose was returned: depth_ decreases with the next event
+  std::array<std::string_view, kMaxDepth> open_{};  // names of the open elements
+  bool in_tag_{false};                              // between an element's name and its '>'
+  bool had_root_{false};                            // only white space, comments and NULs may follow it
+  bool closing_{false};  // a kClose was returned: depth_ decreases with the next event
   bool failed_{false};
 };
 

@@ -11,20 +11,20 @@
 // Results. Every function that can fail returns an OsteonResult. osteon_last_error() has the text of the
 // calling thread's last failure: the value, what was found, what is accepted. No exception, no signal and no
 // output crosses this border. A null where the comment does not allow it, or a number that is not finite, is
-// OSTEON_ERROR_ARGUMENT. After a failure nothing has changed but what a comment names.
+// OSTEON_ERROR_ARGUMENT. A call that fails changes nothing, except where its comment says so.
 //
-// Threads. Functions of one session may be called from any thread, one at a time for each of these two:
-// set_tool_pose (one thread: the writer) and evaluate (one thread: the reader; it may be the writer).
-// These two never wait, lock or allocate. All other functions may be called from any thread at any time and
-// wait for the frame that is being computed.
+// Threads. In one session, set_tool_pose may be called by one thread at a time, and so may evaluate; both may
+// be called by the same thread. These two never wait, lock or allocate. All other functions may be called
+// from any thread at any time, and wait for the frame that is being computed.
 //
 // Functions of one guidance belong to one thread at a time, and never wait, lock or allocate, but for create
 // and destroy. Guidances share nothing.
 //
 // Lifetime. Bones and tools may be destroyed while sessions use them, plans while guidances do.
-// osteon_session_destroy joins the session's threads. Destroying twice, and calling with what is destroyed,
-// are the caller's errors, which nothing finds. Once a process has made anything, the child of a fork() gets
-// OSTEON_ERROR_FORK from each create and each function of a session: it starts a program anew (exec, spawn).
+// osteon_session_destroy joins the session's threads. The library detects neither a second destroy nor a
+// call with a destroyed object: these are errors of the caller. Once a process has made anything, the child
+// of a fork() gets OSTEON_ERROR_FORK from each create and each function of a session: it starts a program
+// anew (exec, spawn).
 #pragma once
 
 #include <stddef.h>
@@ -36,9 +36,10 @@ extern "C" {
 
 #define OSTEON_VERSION "1.0.0"
 /* Changes whenever a struct or the meaning of a function does. Pass it where a function asks for it: the
- * library refuses another one with a message that names both. Other functions need what such a function made,
- * but for osteon_*_default: these fill the structs of ABI 1, in every library. A program that may meet
- * another library calls osteon_*_init instead, which refuse another ABI before they write. */
+ * library refuses another one with a message that names both. Functions without this argument take an object
+ * that such a function made. Only osteon_*_default write a struct unchecked: they fill those of ABI 1. A
+ * program that may meet another library calls osteon_*_init instead, which refuse another ABI before they
+ * write. */
 #define OSTEON_ABI 1u
 
 #if defined(__GNUC__)
@@ -242,8 +243,8 @@ OSTEON_API OsteonResult osteon_session_set_log(OsteonSession* session, OsteonLog
 
 /* Where the tool is, and its spindle's speed [rad/s] (0: it does not cut; below 1e6, of either sign). The
  * first pose of a session must be free of bone: until one is, no frame is computed, osteon_session_figures
- * returns OSTEON_ERROR_STATE, and the log is told. Frames lag where poses come faster than they take: the
- * newest pose counts. Wait-free. OSTEON_ERROR_STATE in lockstep. */
+ * returns OSTEON_ERROR_STATE, and the log is told. If poses come faster than frames are computed, only
+ * the newest pose counts. Wait-free. OSTEON_ERROR_STATE in lockstep. */
 OSTEON_API OsteonResult osteon_session_set_tool_pose(OsteonSession* session, const OsteonPose* pose,
                                                      double spindle_rad_per_s);
 
@@ -262,7 +263,7 @@ OSTEON_API OsteonResult osteon_session_evaluate(OsteonSession* session, const Os
                                                 const OsteonTwist* twist, OsteonWrench* wrench);
 
 typedef struct OsteonFigures {
-  uint64_t frame;              /* number of frames so far */
+  uint64_t frame;              /* number of frames computed so far */
   double pose_age_s;           /* age of the newest frame's tool pose */
   double frame_time_s;         /* time that the newest frame took; 0 in lockstep */
   OsteonPose proxy;            /* collision-free pose of the tool in the newest frame */
@@ -273,7 +274,7 @@ typedef struct OsteonFigures {
   double spindle_torque_Nm;    /* of the cut */
   double engaged_area_m2;      /* of the cutting surface */
   double depth_m;              /* of the apex below the site's first floor, along its axis; negative above */
-  uint32_t contacts;           /* planes that the tool is held by */
+  uint32_t contacts;           /* contact planes of the newest frame */
   uint32_t reserved;           /* 0 */
   uint64_t skipped_on_surface; /* frames that the surface's thread was too late for; their way is carved
                                   straight */
@@ -303,8 +304,7 @@ OSTEON_API OsteonResult osteon_session_change_tool(OsteonSession* session, const
 /* --- what gives way: tool, tissue, mount -----------------------------------------------------------------
  */
 
-/* Which parts give way, each by itself (docs/compliance.md). All off: the session is as without this struct.
- */
+/* Which parts give way, each by itself (docs/compliance.md). With all three off, nothing gives way. */
 typedef struct OsteonComplianceParams {
   uint32_t tool;     /* 1: the tool bends as `bending` of its file says */
   uint32_t layer;    /* 1: soft tissue on the surface yields as the bone's materials say */
@@ -496,7 +496,7 @@ typedef struct OsteonGuidanceParams {
   double gain;              /* 0 … 1; negative: the plan's own */
   double max_force_N;       /* of guidance and the other wrench together: above 0, at most 200 */
   double max_torque_Nm;     /* likewise: above 0, at most 20 */
-  double max_speed_m_per_s; /* of the tool: above 0. A force that grows faster than it explains is a jump */
+  double max_speed_m_per_s; /* of the tool: above 0. A force that grows faster than it allows is a jump */
   double period_s;          /* between two calls of osteon_guidance_evaluate: above 0, at most 0.1 */
 } OsteonGuidanceParams;
 
@@ -513,13 +513,13 @@ OSTEON_API OsteonResult osteon_guidance_create(uint32_t abi, const OsteonPlan* p
 OSTEON_API void osteon_guidance_destroy(OsteonGuidance* guidance);
 
 typedef struct OsteonGuidanceOutput {
-  OsteonWrench wrench;   /* to add to the other one */
+  OsteonWrench wrench;   /* to add to the wrench passed as `other` */
   double cone_rad;       /* how far the tool is outside: angle beyond the free cone; <= 0: inside */
   double lateral_m;      /* outside of the funnel; <= 0: inside */
   double depth_m;        /* deeper than planned; <= 0: not */
   double share;          /* of the guidance that is rendered, 0 … 1 */
-  double potential_J;    /* energy that it could still give, at share 1 */
-  double energy_J;       /* energy that it has given; never above -share potential_J (within rounding) */
+  double potential_J;    /* energy that the guidance could still give, at share 1 */
+  double energy_J;       /* energy given so far; never above -share potential_J (within rounding) */
   uint32_t inside;       /* 1: inside of everything, no wrench */
   uint32_t stop_spindle; /* 1: beyond a stop of the plan; until the tool is inside of everything */
   uint32_t jumped;   /* 1: the force would have grown faster than max_speed_m_per_s explains; the wrench is
@@ -529,9 +529,9 @@ typedef struct OsteonGuidanceOutput {
 
 /* The guidance at this pose and velocity; call it once in each period. `other`: the wrench that is rendered
  * beside it (that of osteon_session_evaluate): the sum stays within the limits, and `other` comes first;
- * null: none. twist: null for rest. As in the servo loop, it gives no energy that it has not taken: switched
- * on outside of its corridor it waits until the tool has been inside. The numbers are those of the servo
- * loop's own guidance at the same poses and the same age of the contact model. Wait-free: no lock, no
+ * null: none. twist: null for rest. As in the servo loop, the guidance gives no energy that it has not taken:
+ * switched on outside of its corridor it waits until the tool has been inside. The numbers are those of the
+ * servo loop's own guidance at the same poses and the same age of the contact model. Wait-free: no lock, no
  * allocation. On failure the wrench is zero. */
 OSTEON_API OsteonResult osteon_guidance_evaluate(OsteonGuidance* guidance, const OsteonPose* pose,
                                                  const OsteonTwist* twist, const OsteonWrench* other,
@@ -542,7 +542,7 @@ OSTEON_API OsteonResult osteon_guidance_set_gain(OsteonGuidance* guidance, doubl
  * up to 20 ms and not at all from 60 ms on, and comes back within 0.1 s, as the servo loop's. Without this
  * call the model counts as fresh. It holds until the next one. Wait-free. */
 OSTEON_API OsteonResult osteon_guidance_set_model_age(OsteonGuidance* guidance, double age_s);
-/* Restarts it: energy and share are forgotten. Call it after a change of tool or a pose's jump. Wait-free. */
+/* Restarts with no energy and no share. Call it after a change of tool or a jump of the pose. Wait-free. */
 OSTEON_API OsteonResult osteon_guidance_reset(OsteonGuidance* guidance);
 
 /* --- assessment ------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-// osteon_host.h: what a game engine's plug-in in C++ needs beside osteon.h: a session in its axes and units
+// osteon_host.h: helpers for a game engine's plug-in in C++: a session in the engine's axes and units
 // (osteon_host_axes.h), and the carved surface brick by brick; osteon_host_plan.h has plans and guidance.
 // Header alone, C++17, no exception of its own; every failure is an OsteonResult, its text
 // osteon_last_error().
@@ -49,6 +49,7 @@ inline OsteonComplianceParams ComplianceToHost(const Axes& axes, const OsteonCom
   return host;
 }
 
+/// The inverse of ComplianceToHost.
 inline OsteonComplianceParams ComplianceFromHost(const Axes& axes, const OsteonComplianceParams& host) {
   OsteonComplianceParams params = host;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -251,6 +252,7 @@ class Session {
     return osteon_tool_create(OSTEON_ABI, &params, tool);
   }
 
+  // Makes bone, tool and session. On failure Close() destroys those already made.
   OsteonResult Create(const SessionParams& params) {
     OsteonBoneParams bone;
     OsteonResult result = osteon_bone_params_init(OSTEON_ABI, &bone);
@@ -278,6 +280,7 @@ class Session {
     return osteon_session_create(OSTEON_ABI, bone_, tool_, &settings, &session_);
   }
 
+  // Converts a chunk in vertices_ and indices_ to the host's axes, unit and order of corners.
   Brick BrickOf(const OsteonChunk& chunk) const {
     Brick brick;
     brick.number = chunk.brick;
@@ -296,13 +299,13 @@ class Session {
         brick.colors.push_back(static_cast<std::uint8_t>(v.cut != 0 ? color * 85 / 100 : color));
       }
     }
-    const bool over = axes_.TurnsTrianglesOver();
+    const bool reversed = axes_.TurnsTrianglesOver();
     brick.indices.reserve(chunk.index_count);
     for (std::uint32_t i = 0; i + 2 < chunk.index_count; i += 3) {
       const std::uint16_t* corner = &indices_[chunk.first_index + i];
       brick.indices.push_back(corner[0]);
-      brick.indices.push_back(corner[over ? 2 : 1]);
-      brick.indices.push_back(corner[over ? 1 : 2]);
+      brick.indices.push_back(corner[reversed ? 2 : 1]);
+      brick.indices.push_back(corner[reversed ? 1 : 2]);
     }
     return brick;
   }
@@ -311,7 +314,7 @@ class Session {
   OsteonBone* bone_{nullptr};
   OsteonTool* tool_{nullptr};
   OsteonSession* session_{nullptr};
-  std::uint64_t generation_{0};
+  std::uint64_t generation_{0};  // of the newest chunk taken (osteon_session_surface_changes)
   std::vector<std::array<std::uint8_t, 3>> colors_;  // red green blue of each material
   std::vector<OsteonChunk> chunks_;
   std::vector<OsteonVertex> vertices_;

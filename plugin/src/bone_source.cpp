@@ -31,7 +31,7 @@ using simulation::CutSite;
 using simulation::MassPoint;
 
 constexpr double kPointSpacing_m = 0.75e-3;  // between the mass points of balls that a caller gives
-constexpr double kMaxPoints = 50e6;
+constexpr double kMaxPoints = 50e6;          // grid cells in a caller's balls, overlaps counted twice
 constexpr double kMaxSiteRadius_m = 10.0;
 constexpr std::size_t kMaxBalls = 100'000'000;
 
@@ -39,6 +39,7 @@ bool AreFinite(std::initializer_list<double> values) {
   return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
 }
 
+/// Returns the caller's site; nothing if its radius is 0. @throws Failure if a value is out of range.
 std::optional<CutSite> SiteOf(const OsteonBoneParams& params) {
   const auto& c = params.site_center_m;
   const auto& a = params.site_axis;
@@ -88,6 +89,7 @@ std::vector<MassPoint> PointsWithin(std::span<const Ball> balls) {
                     1e-6 * cells, 1e-6 * kMaxPoints));
   using Cell = std::tuple<std::int64_t, std::int64_t, std::int64_t>;  // z, y, x
   std::vector<Cell> inside;
+  // first and last index of the grid's points between two coordinates
   const auto first = [](double low_m) {
     return static_cast<std::int64_t>(std::ceil(low_m / kPointSpacing_m));
   };

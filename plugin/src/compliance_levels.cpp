@@ -9,7 +9,7 @@
 namespace osteon::plugin {
 namespace {
 
-constexpr double kMinPeriod_s = 1e-4, kMaxTick_s = 0.02;
+constexpr double kMinPeriod_s = 1e-4, kMaxTick_s = 0.02;  // accepted range of period_s
 
 void CheckRange(const char* name, double value, double least, double most) {
   if (!(value >= least && value <= most))
@@ -21,6 +21,7 @@ Vector3 Triple(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
 
 void CopyTo(double (&to)[3], const PlainVector3& from) { to[0] = from.x, to[1] = from.y, to[2] = from.z; }
 
+/// @throws std::invalid_argument if a value is out of range.
 control::BoneMountParams MountOf(const OsteonComplianceParams& params) {
   control::BoneMountParams mount;
   mount.p_WMo_m = Triple(params.mount_point_m);
@@ -35,7 +36,8 @@ control::BoneMountParams MountOf(const OsteonComplianceParams& params) {
   return mount;
 }
 
-void RefuseBy(const char* prefix, const std::optional<config::ComplianceRefusal>& refusal) {
+/// @throws Failure with the refusal's key, after `prefix`, and its text, if there is a refusal.
+void ThrowRefusal(const char* prefix, const std::optional<config::ComplianceRefusal>& refusal) {
   if (refusal)
     throw Failure(OSTEON_ERROR_ARGUMENT, fmt::format("{}{}: {}", prefix, refusal->key, refusal->text));
 }
@@ -56,7 +58,7 @@ std::optional<control::Compliance> MakeCompliance(const OsteonComplianceParams& 
           OSTEON_ERROR_ARGUMENT,
           fmt::format("tool: found {}, which counts as rigid; accepted a tool with `bending` in its file",
                       tool.tool.name));
-    RefuseBy("", config::CheckToolLink(*tool.compliance, tool.relaxation_s, params.push_N));
+    ThrowRefusal("", config::CheckToolLink(*tool.compliance, tool.relaxation_s, params.push_N));
     levels.tool = config::ToolLinkOf(*tool.compliance, tool.relaxation_s, params.push_N);
   }
   if (params.layer != 0) {
@@ -68,11 +70,11 @@ std::optional<control::Compliance> MakeCompliance(const OsteonComplianceParams& 
                       "layer_N_per_mm3",
                       bone.bone.name));
   }
-  RefuseBy("", config::CheckMassless(levels, coupling.stiffness_N_per_m, params.period_s));
+  ThrowRefusal("", config::CheckMassless(levels, coupling.stiffness_N_per_m, params.period_s));
   if (params.mount != 0) {
     levels.mount = MountOf(params);
-    RefuseBy("mount_", config::CheckMountAlone(*levels.mount, coupling.stiffness_N_per_m, params.period_s,
-                                               Vector3(bone.bone.site.center_m)));
+    ThrowRefusal("mount_", config::CheckMountAlone(*levels.mount, coupling.stiffness_N_per_m, params.period_s,
+                                                   Vector3(bone.bone.site.center_m)));
   }
   if (!levels.any()) return std::nullopt;
   return control::Compliance(levels, params.period_s);
@@ -81,9 +83,9 @@ std::optional<control::Compliance> MakeCompliance(const OsteonComplianceParams& 
 Pose HeadInBone(const Deflected& deflected, const Pose& X_GT) noexcept {
   const control::ComplianceRecord& r = deflected.record;
   if (!r.present) return X_GT;
-  control::Vector6 e;
-  e << Vector3(r.bend_m), Vector3(r.bend_rad);
-  return Pose(r.X_WM).inverse() * X_GT * control::BentHead(e);
+  control::Vector6 bend;
+  bend << Vector3(r.bend_m), Vector3(r.bend_rad);
+  return Pose(r.X_WM).inverse() * X_GT * control::BentHead(bend);
 }
 
 OsteonDeflection DeflectionOf(const Deflected& deflected) noexcept {

@@ -4,6 +4,7 @@
 
 namespace osteon::plugin {
 
+/// Locks the engine between two frames (session.h).
 class Session::EngineLock {
  public:
   explicit EngineLock(Session& session) : session_(session) {

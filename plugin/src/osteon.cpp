@@ -29,8 +29,8 @@ using osteon::plugin::Session;
 using osteon::plugin::ToolSource;
 using osteon::plugin::WithSession;
 
-// In every later library, osteon_*_default must fill no more than the structs of ABI 1 hold. A struct that
-// grows needs its first layout there; osteon_*_init fill the new one, for programs of the new ABI.
+// In every later library, osteon_*_default must fill no more than the structs of ABI 1 hold. If a struct
+// grows, its _default function still fills the first layout, and its _init function the new one.
 static_assert(sizeof(OsteonBoneParams) == 120 && sizeof(OsteonToolParams) == 48 &&
                   sizeof(OsteonSettings) == 56,
               "osteon_*_default fill the structs of ABI 1");

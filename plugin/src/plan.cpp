@@ -19,9 +19,11 @@
 namespace osteon::plugin {
 namespace {
 
+// largest values that a caller may set for the guidance
 constexpr double kMaxTorque_Nm = 20.0, kMaxSpeed_m_per_s = 10.0, kMaxPeriod_s = 0.1;
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // a figure that was not measured
 
+/// Returns the value. @throws Failure if it is not above 0 and at most `most`.
 double InRange(const char* name, double value, double most) {
   if (!(value > 0.0 && value <= most))
     throw Failure(OSTEON_ERROR_ARGUMENT,
@@ -33,6 +35,8 @@ void Copy(const Vector3& from, double (&to)[3]) {
   for (int i = 0; i < 3; ++i) to[i] = from[i];
 }
 
+/// The plan's guidance for the chosen reamer, with the caller's gain.
+/// @throws Failure if the plan has none, or the gain is out of range.
 control::GuidanceParams GuidanceParamsOf(const PlanSource& plan, const OsteonGuidanceParams& params) {
   const procedure::SurgicalPlan& surgical = plan.config.plan;
   auto guidance = session::GuidanceOf(surgical, ReamerAt(plan, params.reamer), Pose::Identity());
@@ -46,6 +50,7 @@ control::GuidanceParams GuidanceParamsOf(const PlanSource& plan, const OsteonGui
   return *guidance;
 }
 
+/// The planned cup's angles by one of the three definitions.
 OsteonCupAngles AnglesIn(procedure::CupDefinition definition, const procedure::SurgicalPlan& plan) {
   const procedure::CupAngles angles = procedure::AnglesOf(definition, plan.pelvis.FromG(plan.axis_G));
   return {.inclination_rad = angles.inclination_rad, .anteversion_rad = angles.anteversion_rad};
@@ -104,6 +109,7 @@ GuidanceTick::GuidanceTick(const PlanSource& plan, const OsteonGuidanceParams& p
 OsteonGuidanceOutput GuidanceTick::Evaluate(const Pose& X_GT, const Twist& V_GT,
                                             const Wrench& other) noexcept {
   constexpr control::CouplingParams kCoupling;  // its default ages: no cell's file changes them here
+  // falls with the model's age at once, rises within ramp_s
   fade_ = std::min(safety::AgeFade(model_age_s_, kCoupling.fresh_s, kCoupling.gone_s),
                    fade_ + period_s_ / kCoupling.ramp_s);
   const double proposed = guidance_.ProposeScale({.X_WT = X_GT, .V_WT = V_GT, .model_fade = fade_});
@@ -139,6 +145,7 @@ OsteonAssessment AssessmentOf(const procedure::Assessment& found, double axis_er
   OsteonAssessment result{};
   result.score = score;
   result.axis_error_rad = axis_error_rad;
+  // without a fitted sphere these stay unknown
   for (double* each :
        {&result.diameter_m, &result.diameter_sd_m, &result.center_m[0], &result.center_m[1],
         &result.center_m[2], &result.form_p95_m, &result.medial_m, &result.superior_m, &result.posterior_m,
@@ -185,6 +192,7 @@ std::vector<OsteonScoreItem> ItemsOf(const procedure::Score& score) {
 
 procedure::Score ScoreOfCavity(const PlanSource& plan, const procedure::Assessment& assessment) {
   procedure::MetricValues values = procedure::ValuesOf(plan.config.plan, assessment);
+  // figures of the operation, which a session does not record
   for (const char* process :
        {"time", "cutting_time", "path", "force_mean", "force_peak", "wrong_way", "outside", "tremor"})
     values.erase(process);

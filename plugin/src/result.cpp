@@ -80,6 +80,7 @@ void CheckAbi(std::uint32_t abi) {
 }
 
 void CheckProcess() {
+  // the first process that calls this: a forked child inherits its number
   static std::atomic<pid_t> first_user{0};
   const pid_t self = getpid();
   pid_t user = 0;

@@ -30,10 +30,12 @@ namespace {
 using simulation::CarvedState;
 using simulation::EngineStatus;
 
-constexpr std::size_t kMaxMarks = 16, kMaxEvents = 256;
-constexpr std::uint64_t kFramesAhead = 2048;  // lockstep waits for the surface after each: half of its ring
-constexpr double kMaxFrame_s = 0.1;           // longest time for which a single frame may cut
-constexpr double kMaxOverlap_m = 0.1e-3;      // a tool that is less deep in bone counts as free
+constexpr std::size_t kMaxMarks = 16;    // for undo; a further mark replaces the oldest
+constexpr std::size_t kMaxEvents = 256;  // waiting for next_event; later ones go to the log alone
+// In lockstep, frames between two waits for the surface's thread: half of its ring.
+constexpr std::uint64_t kFramesAhead = 2048;
+constexpr double kMaxFrame_s = 0.1;       // longest time for which a single frame may cut
+constexpr double kMaxOverlap_m = 0.1e-3;  // a tool that is less deep in bone counts as free
 
 const char* EngineName(std::uint32_t engine) {
   switch (engine) {
@@ -47,6 +49,7 @@ const char* EngineName(std::uint32_t engine) {
   throw Failure(OSTEON_ERROR_ARGUMENT, fmt::format("engine: found {}, accepted an OsteonEngine", engine));
 }
 
+/// Returns the value. @throws Failure if it is not above 0 and at most `most`.
 double Checked(const char* name, double value, double most) {
   if (!(value > 0.0 && value <= most))
     throw Failure(OSTEON_ERROR_ARGUMENT,
@@ -144,16 +147,17 @@ void Session::SetToolPose(const OsteonPose& pose, double spindle_rad_per_s) noex
 void Session::Loop() {
   rt::NameThread("osteon engine");
   rt::PacedPriority priority;
-  rt::Nanoseconds done = 0;
+  rt::Nanoseconds done_stamp = 0;
   while (!stop_.load(std::memory_order_relaxed)) {
     const simulation::ToolCommand command = commands_.Load();
     const rt::Nanoseconds start = rt::MonotonicNow();
-    if (command.stamp == done || waiting_.load() > 0) {
-      rt::SleepUntil(start + 50'000);  // poses come about once a millisecond
+    // sleep without a new pose, or while another thread needs the engine
+    if (command.stamp == done_stamp || waiting_.load() > 0) {
+      rt::SleepUntil(start + 50'000);  // 50 us: poses come about once a millisecond
       continue;
     }
     const std::lock_guard lock(engine_mutex_);
-    done = command.stamp;
+    done_stamp = command.stamp;
     if (command.stamp <= continued_) continue;  // the pose is older than the change of tool or bone
     const double dt_s = last_stamp_ == 0 ? 0.0 : rt::ToSeconds(command.stamp - last_stamp_);
     ComputeFrame(command, std::clamp(dt_s, 0.0, kMaxFrame_s));
@@ -164,7 +168,7 @@ void Session::Loop() {
 }
 
 void Session::ComputeFrame(const simulation::ToolCommand& command, double dt_s) {
-  if (newest_.frame == 0) {
+  if (newest_.frame == 0) {  // the first pose must be free of bone
     const double overlap_m = Overlap(engine_->Snapshot(), tool_->tool, command.X_WT);
     const bool was_in_bone = in_bone_at_start_m_ > 0.0;
     in_bone_at_start_m_ = overlap_m > kMaxOverlap_m ? overlap_m : 0.0;
@@ -192,6 +196,7 @@ void Session::ComputeFrame(const simulation::ToolCommand& command, double dt_s) 
     }
     return;
   }
+  // the axis of the tool in use, weighted by the volume that each frame removed
   if (const double new_m3 = newest_.removed_volume_m3 - removed_m3; new_m3 > 0.0) {
     if (std::exchange(axis_of_tool_before_, false)) axis_ = {};
     axis_.Add(Pose(newest_.X_WP).linear().col(2), new_m3);
@@ -329,7 +334,7 @@ void Session::Continue(std::shared_ptr<const ToolSource> tool, Saved saved, cons
       ways = std::move(begun);
     });
 
-  // from here on nothing throws
+  // nothing throws from here on: the session takes the new tool and bone
   engine_ = std::move(engine);
   tool_ = std::move(tool);
   depth_ = depth;

@@ -32,8 +32,8 @@ namespace osteon::plugin {
 ///          ▲                             └──ring──▶ surface's thread ──▶ SurfaceMailbox
 ///          └────LatestValue: Deflected, where something gives way────────┘ (Evaluate)
 ///
-/// Writer of commands: the thread of SetToolPose; their reader: the engine's thread. Writer of models: the
-/// engine's thread, or, in lockstep, that of Step; their reader: the thread of Evaluate. All else is under
+/// SetToolPose's thread writes the commands, and the engine's thread reads them. The engine's thread writes
+/// the models (in lockstep: Step's thread), and Evaluate's thread reads them. All other data are under
 /// engine_mutex_, which the engine's thread holds while it computes a frame.
 class Session {
  public:
@@ -92,7 +92,10 @@ class Session {
   /// it.
   class EngineLock;
 
+  /// The engine's thread: computes a frame for each new pose until stop_.
   void Loop();
+  /// Computes one frame and hands it to Evaluate, the surface, the events and the log. Computes none while
+  /// the first pose is in bone. Under the engine's lock.
   void ComputeFrame(const simulation::ToolCommand& command, double dt_s);
   /// Thinnest wall that any tool has left. Under the engine's lock.
   [[nodiscard]] std::optional<double> MinWall() const;
@@ -105,6 +108,7 @@ class Session {
   [[nodiscard]] Levels LevelsFor(const ToolSource& tool);
   /// Hands levels to Evaluate, whose next call starts from rest with them. Under the engine's lock.
   void UseLevels(Levels levels) noexcept;
+  /// @throws Failure if the engine computes no frames: it has failed, or the first pose is in bone.
   void CheckDevice() const;
   /// Under the engine's lock. Exceptions of the callback end here.
   void Log(OsteonLogLevel level, const std::string& text) const;
@@ -118,13 +122,14 @@ class Session {
   void AwaitField();
   /// The surface's grid, which does not change. Only with a surface.
   [[nodiscard]] surface::BrickLayout SurfaceLayout();
+  /// Copies the present state. Under the engine's lock.
   [[nodiscard]] Saved Remember();
   /// Continues at a saved state with `tool` at X_GT. Under the engine's lock. An exception changes nothing.
   void Continue(std::shared_ptr<const ToolSource> tool, Saved saved, const Pose& X_GT);
 
   const std::shared_ptr<const BoneSource> bone_;
   const bool is_lockstep_;
-  const pid_t process_;
+  const pid_t process_;  // that made the session
   const safety::WrenchLimiter limiter_;
   control::CouplingParams coupling_;
   simulation::CuttingParams cutting_;
@@ -139,13 +144,13 @@ class Session {
   // of the thread of Evaluate
   control::CouplingState coupling_state_;
   std::optional<control::Compliance> compliance_;
-  std::uint32_t begun_{0};
+  std::uint32_t begun_{0};  // value of beginnings_ that Evaluate works with
   // what gives way: handed to Evaluate, and from it
   rt::LatestValue<Levels> levels_{nullptr};
   rt::LatestValue<Deflected> for_poses_, for_figures_;
 
   std::mutex engine_mutex_;
-  std::atomic<int> waiting_{0};
+  std::atomic<int> waiting_{0};  // threads that wait for an EngineLock or hold one
   // under engine_mutex_
   std::shared_ptr<const ToolSource> tool_;
   std::unique_ptr<simulation::CuttingEngine> engine_;
@@ -157,7 +162,8 @@ class Session {
   std::optional<double> min_wall_m_;  // thinnest wall that earlier tools have left
   double frame_time_s_{0.0};
   double in_bone_at_start_m_{0.0};  // depth of the tool in bone at a first pose that is not free
-  rt::Nanoseconds last_stamp_{0}, continued_{0};
+  rt::Nanoseconds last_stamp_{0};   // of the newest frame's pose
+  rt::Nanoseconds continued_{0};    // time of the last change of tool or bone
   std::deque<OsteonEvent> events_;
   std::deque<Saved> marks_;
   std::optional<OsteonComplianceParams> asked_;  // the requested compliance

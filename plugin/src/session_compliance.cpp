@@ -14,7 +14,7 @@ namespace osteon::plugin {
 
 Wrench Session::Evaluate(const OsteonPose& pose, const OsteonTwist& twist) noexcept {
   const std::uint32_t beginnings = beginnings_.load(std::memory_order_acquire);
-  if (beginnings != begun_) {
+  if (beginnings != begun_) {  // another bone, tool or compliance: start from rest
     coupling_state_ = {};
     begun_ = beginnings;
     const Levels levels = levels_.Load();
@@ -40,6 +40,7 @@ Wrench Session::Evaluate(const OsteonPose& pose, const OsteonTwist& twist) noexc
                                                                     .spindle_turns = spindle_turns},
                                                                    coupling_state_);
   const safety::LimitedWrench limited = limiter_.Limit(compliance_->OnTool(output.F_T_W, X_GT));
+  // the contact planes' share of the limited wrench moves the parts that give way
   const Wrench& planes = output.F_contact_T_W;
   compliance_->Step({.f = limited.share * planes.f, .t = limited.share * planes.t}, model, X_GT);
   Deflected deflected{.begun = begun_,

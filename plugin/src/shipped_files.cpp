@@ -19,10 +19,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 2> kHas{"scenes", "tools"};
+constexpr std::array<const char*, 2> kRequiredFolders{"scenes", "tools"};
 
-bool HasScenes(const fs::path& config) { return config::HasFolders(config, kHas); }
+bool HasRequiredFolders(const fs::path& config) { return config::HasFolders(config, kRequiredFolders); }
 
+// Path of the library that holds this code; empty if the system does not know it.
 fs::path LibraryFile() {
   Dl_info info{};
   std::error_code ignored;
@@ -34,15 +35,15 @@ fs::path LibraryFile() {
 
 fs::path ConfigFolder(const char* given) {
   if (given) {
-    if (!HasScenes(given))
+    if (!HasRequiredFolders(given))
       throw Failure(OSTEON_ERROR_FILE,
                     fmt::format("config_folder: found {}, accepted a folder with scenes/ and tools/", given));
     return given;
   }
-  if (const char* root = std::getenv("OSTEON_ROOT"); root && HasScenes(fs::path(root) / "config"))
+  if (const char* root = std::getenv("OSTEON_ROOT"); root && HasRequiredFolders(fs::path(root) / "config"))
     return fs::path(root) / "config";
   const fs::path library = LibraryFile();
-  if (fs::path found = config::FindShippedAbove(library, kHas); !found.empty()) return found;
+  if (fs::path found = config::FindShippedAbove(library, kRequiredFolders); !found.empty()) return found;
   throw Failure(OSTEON_ERROR_FILE,
                 fmt::format("no folder with scenes/ and tools/ above {}: set config_folder, or $OSTEON_ROOT",
                             library.string()));

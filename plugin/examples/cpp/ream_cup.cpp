@@ -19,6 +19,7 @@ struct Destroy {
   void operator()(OsteonSession* session) const { osteon_session_destroy(session); }
 };
 
+// Ends the program with the library's text if a call has failed.
 void Check(OsteonResult result) {
   if (result == OSTEON_OK) return;
   std::fprintf(stderr, "%s: %s\n", osteon_result_text(result), osteon_last_error());
@@ -61,7 +62,7 @@ int main() {
   Check(osteon_session_create(OSTEON_ABI, bone.get(), tool.get(), &settings, &made_session));
   const std::unique_ptr<OsteonSession, Destroy> session(made_session);
 
-  OsteonPose start;
+  OsteonPose start;  // the apex 17 mm below the site's centre, still free of bone
   Check(osteon_bone_approach(bone.get(), -0.017, &start));
   Eigen::Isometry3d X_GT = ToEigen(start);
   const Eigen::Vector3d push_N = 40.0 * X_GT.linear().col(2);  // the feed
@@ -75,6 +76,7 @@ int main() {
     OsteonWrench wrench;
     Check(osteon_session_evaluate(session.get(), &pose, &twist, &wrench));
     const Eigen::Map<const Eigen::Vector3d> force_N(wrench.force_N);
+    // the held mass, moved by the push, the bone's force and the hand's damping
     v_GT += dt_s / mass_kg * (push_N + force_N - damping_Ns_per_m * v_GT);
     X_GT.translation() += dt_s * v_GT;
     if (ms % 1000 != 0) continue;

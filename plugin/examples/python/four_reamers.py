@@ -14,7 +14,7 @@ bone = osteon.Bone("acetabulum")
 session = None
 for diameter_mm in (47, 48, 49, 50):
     tool = osteon.Tool("reamer", 1e-3 * diameter_mm)
-    free = bone.approach(0.0)
+    free = bone.approach(0.0)  # the apex at the site's centre: free of bone
     if session is None:
         session = osteon.Session(bone, tool, lockstep=True)
         session.step(free)

@@ -104,6 +104,7 @@ class GodotGuidance final : public ErrorKeeper {
 
   [[nodiscard]] bool HasOpened() const override { return guidance_.IsOpen(); }
 
+  // Opens plan and guidance with the values of a Dictionary. Returns an empty text, or the error.
   std::string OpenWith(const godot_variant* given) {
     std::string plan, rubric, config_folder;
     OsteonGuidanceParams params;

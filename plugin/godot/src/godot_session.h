@@ -10,7 +10,7 @@
 
 namespace osteon::godot {
 
-/// Returns null for a name that is not given.
+/// Converts a text for osteon.h, where null stands for a name that is not given.
 inline const char* OrNull(const std::string& text) { return text.empty() ? nullptr : text.c_str(); }
 
 inline host::Vector TripleOf(const double* values) { return {values[0], values[1], values[2]}; }
@@ -51,14 +51,14 @@ class GodotSession final : public ErrorKeeper {
   Value SetToolPose(const Arguments& arguments) {
     if (Succeeds(
             arguments.Mismatch("set_tool_pose", {GODOT_VARIANT_TYPE_TRANSFORM, GODOT_VARIANT_TYPE_BOOL})))
-      Succeeds(session_.SetToolPose(arguments.PoseAt(0), Spindle(arguments.BoolAt(1))));
+      Succeeds(session_.SetToolPose(arguments.PoseAt(0), SpindleSpeed(arguments.BoolAt(1))));
     return ErrorText();
   }
 
   Value Step(const Arguments& arguments) {
     if (Succeeds(arguments.Mismatch(
             "step", {GODOT_VARIANT_TYPE_TRANSFORM, GODOT_VARIANT_TYPE_BOOL, GODOT_VARIANT_TYPE_REAL})))
-      Succeeds(session_.Step(arguments.PoseAt(0), Spindle(arguments.BoolAt(1)), arguments.RealAt(2)));
+      Succeeds(session_.Step(arguments.PoseAt(0), SpindleSpeed(arguments.BoolAt(1)), arguments.RealAt(2)));
     return ErrorText();
   }
 
@@ -267,10 +267,12 @@ class GodotSession final : public ErrorKeeper {
   }
 
  private:
-  double Spindle(bool spins) const { return spins ? session_.spindle_rad_per_s() : 0.0; }
+  // The tool's usual spindle speed [rad/s] if the spindle spins, else 0.
+  double SpindleSpeed(bool spins) const { return spins ? session_.spindle_rad_per_s() : 0.0; }
 
   [[nodiscard]] bool HasOpened() const override { return session_.IsOpen(); }
 
+  // Opens the session with the values of a Dictionary. Returns an empty text, or the error.
   std::string OpenWith(const godot_variant* given) {
     std::string scene, tool, engine = "auto";
     config_folder_.clear();

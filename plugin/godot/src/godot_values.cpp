@@ -12,6 +12,7 @@ const godot_gdnative_core_api_struct* api = nullptr;
 namespace {
 
 constexpr int kMeshArrays = 9;  // ArrayMesh.ARRAY_MAX
+// indices of Godot's Mesh.ArrayType
 constexpr int kVertexArray = 0, kNormalArray = 1, kColorArray = 3, kIndexArray = 8;
 
 // The engine's own arrays hold these as plain numbers.

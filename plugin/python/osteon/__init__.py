@@ -183,7 +183,7 @@ class Plan:
 
 
 class Guidance:
-    """What holds a hand to a plan with one of its reamers: a funnel, a cone of tilt and a depth.
+    """The guidance that holds a hand to a plan with one of its reamers: a funnel, a cone of tilt and a depth.
 
     reamer     index in the plan's sequence
     gain       0 … 1; None: the plan's own
@@ -205,7 +205,7 @@ class Guidance:
     def evaluate(self, X_GT, twist=None, other=None):
         """dict at this pose, once in each period: wrench (6,), cone_rad, lateral_m and depth_m (how far outside; <= 0:
         inside), share, potential_J, energy_J, inside, stop_spindle, jumped. twist (6,) as for Session.evaluate();
-        other (6,): the wrench that is rendered beside it and comes first."""
+        other (6,): the wrench that is rendered in addition; at the limits it takes precedence."""
         output, beside = _GuidanceOutput(), _six("other", other, _Wrench)
         _check(_lib.osteon_guidance_evaluate(
             self._handle, c.byref(_to_pose(X_GT)), _twist(twist), beside, c.byref(output)))
@@ -274,9 +274,10 @@ class Session:
         return _lib.osteon_session_engine(self._handle).decode()
 
     def set_log(self, callback):
-        """callback(level, text) is told what happens, level "info", "warning" or "error"; None: nobody.
+        """Sets the function callback(level, text) that receives the session's messages; None: no function does.
 
-        It is called from the session's own thread, too, and must call nothing of this session.
+        level is "info", "warning" or "error". The session's own thread calls it, too; it must call no method of this
+        session.
         """
         levels = ["info", "warning", "error"]
         told = _LogCallback() if callback is None else _LogCallback(
@@ -285,11 +286,11 @@ class Session:
         self._log = told  # alive as long as it may be called
 
     def set_tool_pose(self, X_GT, spindle_rad_per_s=0.0):
-        """Where the tool is: X_GT (4, 4) [m], its spindle's speed [rad/s]. The first pose must be free of bone."""
+        """Sets the tool's pose X_GT (4, 4) [m] and its spindle's speed [rad/s]. The first pose must be free of bone."""
         _check(_lib.osteon_session_set_tool_pose(self._handle, c.byref(_to_pose(X_GT)), spindle_rad_per_s))
 
     def step(self, X_GT, spindle_rad_per_s=0.0, dt_s=0.001):
-        """Lockstep: one frame at X_GT (4, 4) [m] with the spindle's speed [rad/s], dt_s [s] (0 … 0.1) later."""
+        """Lockstep: computes a frame at X_GT (4, 4) [m] with the spindle's speed [rad/s], dt_s [s] (0 … 0.1) later."""
         _check(_lib.osteon_session_step(self._handle, c.byref(_to_pose(X_GT)), spindle_rad_per_s, dt_s))
 
     def evaluate(self, X_GT, twist=None):
@@ -299,7 +300,8 @@ class Session:
         return _wrench(wrench)
 
     def set_compliance(self, *, tool=False, layer=False, mount=None, **figures):
-        """What gives way from now on, from rest; nothing without arguments. It moves with each evaluate().
+        """Chooses the parts that give way from now on, starting at rest; without arguments none does. Each evaluate()
+        moves them on.
 
         tool      True: the tool bends as its file says
         layer     True: soft tissue yields as the bone's materials say
@@ -371,7 +373,7 @@ class Session:
         _check(_lib.osteon_session_restore(self._handle, _text(file), c.byref(_to_pose(X_GT))))
 
     def assess(self, plan):
-        """What was reamed, beside a plan of this bone: dict of score, axis_error_rad, diameter_m, center_m, coverage,
+        """Compares the reamed bone with a plan for it: dict of score, axis_error_rad, diameter_m, center_m, coverage,
         removed_m3, over_m3, under_m3, … (NaN: not measured), and items, a list of dict: metric, unit, value, full,
         zero, weight, points."""
         found, count, items = _Assessment(), c.c_size_t(), (_ScoreItem * 32)()

@@ -238,6 +238,7 @@ VERTEX = np.dtype([("position_mm", "<f4", 3), ("normal", "<f4", 3), ("material",
 
 
 def _load():
+    """Opens libosteon: $OSTEON_LIBRARY, else the nearest above this file, else the system's."""
     here = Path(__file__).resolve()
     names = [os.environ.get("OSTEON_LIBRARY")]
     for above in here.parents:
@@ -311,6 +312,7 @@ if _lib.osteon_abi() != _ABI:
 
 
 def _check(code):
+    """Returns an OsteonResult. Raises Error with the library's text if it is a failure."""
     if code < 0:
         raise Error(code, _lib.osteon_last_error().decode())
     return code

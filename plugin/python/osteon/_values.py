@@ -1,4 +1,4 @@
-"""Between numpy's arrays and the structs of osteon.h."""
+"""Conversions between numpy's arrays and the structs of osteon.h."""
 
 import ctypes as c
 import os
@@ -9,6 +9,7 @@ from ._library import _Pose, _Twist, _Wrench
 
 
 def _text(path):
+    """A name or path as bytes for the library; None stays None."""
     if path is None:
         return None
     text = os.fsencode(path)
@@ -29,6 +30,7 @@ def _to_pose(X_GT):
         raise ValueError(f"X_GT: found {X.tolist()}, accepted a rotation and a position [m] in its last column, last row "
                          "0 0 0 1")
     q = np.empty(4)
+    # the largest component of the quaternion is the divisor: w, or x, y, z by its index a
     i = int(np.argmax([np.trace(R), R[0, 0], R[1, 1], R[2, 2]]))
     if i == 0:
         q[:] = 1 + np.trace(R), R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
@@ -43,9 +45,10 @@ def _to_pose(X_GT):
 
 
 def _from_pose(pose):
+    """4 x 4 matrix of a pose; NaN for one whose quaternion is zero, before the first frame."""
     length = np.linalg.norm(pose.orientation_wxyz)
     if length == 0:
-        return np.full((4, 4), np.nan)  # no pose yet
+        return np.full((4, 4), np.nan)
     w, x, y, z = np.array(pose.orientation_wxyz) / length
     X = np.eye(4)
     X[:3, :3] = [
@@ -58,6 +61,7 @@ def _from_pose(pose):
 
 
 def _wrench(wrench):
+    """Array of 6: force [N], torque [N m]."""
     return np.array([*wrench.force_N, *wrench.torque_Nm])
 
 
@@ -97,6 +101,7 @@ def _set(who, params, values, known):
 
 
 def _balls(balls_mm):
+    """Balls as a contiguous (n, 4) array of float32: x y z r [mm]."""
     balls = np.ascontiguousarray(balls_mm, np.float32)
     if balls.ndim != 2 or balls.shape[1] != 4:
         raise ValueError(f"balls_mm: found shape {balls.shape}, accepted (n, 4): x y z r")
