@@ -54,13 +54,14 @@ struct ErrorSample {
 /// Mean, percentile and extremes of samples, by their weights.
 [[nodiscard]] CavityError SummarizeErrors(std::span<const ErrorSample> samples);
 
+/// The region of a material in the plane.
 struct MaterialRegion {
   simulation::MaterialIndex material{0};
   std::vector<Polyline> outline{};
 };
 
 struct SectionParams {
-  double step_m{0.1e-3};
+  double step_m{0.1e-3};  ///< of the grid on which outlines are found
   double margin_m{6e-3};  ///< around the bone
   /// The drawing's window reaches at most this far from the cup's centre, sideways and down, so that the cup
   /// of a whole hip is not small; farther down only if the tool came deeper.

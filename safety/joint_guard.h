@@ -36,6 +36,7 @@ class JointGuard {
     bool jump{false};      ///< a joint's wanted step was beyond jump_rad, or not finite; step is then zero
     bool violated{false};  ///< q is outside the arm's own position limits
   };
+  /// Scales the step of a tick from the joints q.
   [[nodiscard]] Result Limit(const Joints& q, const Joints& wanted_step_rad, double dt_s) const OSTEON_RT;
 
  private:

@@ -114,6 +114,7 @@ Vector3 Workspace::TurnedInside(const Vector3& p_WT, const Vector3& v_WT, double
       for (std::size_t k = 0; k < here.all().size(); ++k) {
         const double distance_m = here.all()[k].distance_m;
         const ZoneBound& end = there.all()[k];
+        // distance to the bound at the end, and what lacks; a point outside may stay as far outside
         const double left_m = keep_in ? end.distance_m : distance_m - end.toward_W.dot(way);
         const double lacks_m = std::min(0.0, distance_m) - left_m;
         if (!(lacks_m > 0.0)) continue;

@@ -64,6 +64,7 @@ struct Score {
   std::vector<Deduction> deductions;
 };
 
+/// Largest sum of deductions [points].
 inline constexpr double kMaxDeduction = 50.0;
 
 /// score = sum of weight clamp((zero - x) / (zero - full), 0, 1), less deductions of at most kMaxDeduction;
