@@ -230,8 +230,9 @@ std::string OverlayLines(const HeatMap& map, const PlotArea& area) {
   return out;
 }
 
-/// Draws marks, each with its label right, left, above or below: at the first of these places that is inside
-/// the panel and free. @param taken  marks and labels are added to it
+/// Draws marks, each with its label at the first place beside the mark (right, left, above, below, diagonal)
+/// that is inside the panel and free; without a label if there is no such place. @param taken  marks and
+/// labels are added to it
 std::string Marks(const HeatMap& map, const PlotArea& area, OccupiedBoxes& taken) {
   std::string out;
   const auto inside = [&map](const MapMark& mark) {

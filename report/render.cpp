@@ -245,6 +245,7 @@ Image RenderBone(const simulation::Bone& bone, const BoneMesh& mesh, const Mater
   const Layer<Vector3f> colors = MaterialColors(bone, materials, camera, depth, planes);
 
   // light from the upper left, far enough away to be nearly parallel
+  // key: towards the light, in the camera's axes (right, up, towards the viewer)
   const Vector3f key = Vector3f(-0.55f, 0.62f, 0.56f).normalized();
   const Vector3 key_G = key.x() * camera.right + key.y() * camera.up - key.z() * camera.forward;
   const double near_m = SiteReach(bone, 3.2), far_m = 18.75 * near_m;

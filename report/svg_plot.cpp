@@ -76,7 +76,7 @@ std::string DrawSeries(const PlotArea& area, const Series& series, const std::st
   std::string path;
   bool any = false;
   const int columns = std::max(1, static_cast<int>(area.width)) * (zooms ? kZoomDetail : 1);
-  // columns of pixels are evenly spaced in the logarithm if the axis is logarithmic
+  // thin the points by columns of pixels, which a logarithmic axis spaces evenly in the logarithm
   std::vector<double> at = series.x;
   Range range = area.x;
   if (area.log_x) {
@@ -120,6 +120,7 @@ std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::
   if (std::ranges::none_of(panel.series, [](const Series& series) { return series.marker != Marker::kNone; }))
     return out;
   LabelPlacer labels(area);
+  // names must not cover limits and lines
   for (const LimitLine& limit : panel.limits)
     if (limit.value > area.y.min && limit.value < area.y.max)
       labels.BlockLine(area.left, area.Y(limit.value), area.left + area.width, area.Y(limit.value));
@@ -132,11 +133,12 @@ std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::
       if (IsDrawable(area, series.x[i - 1], series.y[i - 1]) && IsDrawable(area, series.x[i], series.y[i]))
         labels.BlockLine(area.X(series.x[i - 1]), area.Y(series.y[i - 1]), area.X(series.x[i]),
                          area.Y(series.y[i]));
-  std::vector<std::size_t> order(panel.series.size());
+  std::vector<std::size_t> order(panel.series.size());  // indices of the series, pale ones first
   for (std::size_t s = 0; s < order.size(); ++s) order[s] = s;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return panel.series[a].opacity < panel.series[b].opacity;
   });
+  // calls body(series, its index, the point's index, x, y in pixels) for each point that has a marker
   const auto for_each_point = [&](const auto& body) {
     for (const std::size_t s : order) {
       const Series& series = panel.series[s];

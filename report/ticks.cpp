@@ -60,6 +60,7 @@ Ticks LogTicks(Range range, int max_count) {
   const int last = static_cast<int>(std::floor(std::log10(range.max) + 1e-9));
   const int first_power = static_cast<int>(std::ceil(std::log10(range.min) - 1e-9));
   const int powers = std::max(last - first_power + 1, 1);
+  // if there are too many powers, only every n-th power has a text, and no marks lie between powers
   const int every = std::max(1, (powers + max_count - 1) / std::max(max_count, 1));
   for (int exponent = first; exponent <= last; ++exponent) {
     for (const double factor : {1.0, 2.0, 5.0}) {

@@ -79,6 +79,7 @@ Workspace::Result Workspace::Limit(const Vector3& p_WT, const Vector3& v_WT, dou
 }
 
 Vector3 Workspace::StoppingInside(const Vector3& p_WT, const Vector3& v_WT, double dt_s) const OSTEON_RT {
+  // bisects the time ahead for which the velocity is turned: fails_s is too short, stops_s is enough
   double fails_s = dt_s, stops_s = StopTime(v_WT, dt_s);
   Vector3 turned_WT = TurnedInside(p_WT, v_WT, stops_s);
   if (StopsInside(p_WT, turned_WT, dt_s)) {
@@ -91,6 +92,7 @@ Vector3 Workspace::StoppingInside(const Vector3& p_WT, const Vector3& v_WT, doub
     }
     return turned_WT;
   }
+  // turning is not enough: bisect a share of the whole velocity
   double stops = 0.0, fails = 1.0;
   for (int i = 0; i < kHalvings; ++i) {
     const double share = 0.5 * (stops + fails);

@@ -71,6 +71,7 @@ struct GuidanceCeilings {
   static constexpr double kDepthStiffness_N_per_m = 20e3, kDepthCap_N = 150.0;
 };
 
+/// A whole plan, as its file gives it.
 struct SurgicalPlan {
   std::string name;  ///< the file's, without ".yaml"
   PlanKind kind{PlanKind::kCup};

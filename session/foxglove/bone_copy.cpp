@@ -64,7 +64,7 @@ class BoneMessages {
   CellScene scene_;
   RecordingTimeline timeline_;
   CarvedBone bone_;
-  bool ended_{false}, begun_{false};
+  bool ended_{false}, begun_{false};  // the recording has no more; the first message is encoded
   std::uint64_t triangles_{0};
 };
 

@@ -139,6 +139,7 @@ std::shared_ptr<const surface::SolidField> RecordedBone::MakeSolidField() {
       auto solid = surface::FieldOfBone(solid_.get(), balls_, voxel_mm_);
       const std::size_t quads = QuadsOf(surface::CarvedField(solid));
       if (quads <= params_.max_quads) return solid;
+      // the number of quads falls with the square of the voxel size; a margin of 5 %
       voxel_mm_ *= static_cast<float>(
           1.05 * std::sqrt(static_cast<double>(quads) / static_cast<double>(params_.max_quads)));
     } catch (const std::invalid_argument&) {  // the grid is too large for the memory
