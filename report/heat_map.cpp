@@ -155,6 +155,7 @@ struct OccupiedBox {
 };
 using OccupiedBoxes = std::vector<OccupiedBox>;
 
+/// Whether the box overlaps one of the occupied ones.
 bool Overlaps(const OccupiedBoxes& taken, const OccupiedBox& box) {
   return std::ranges::any_of(taken, [&box](const OccupiedBox& other) { return other.Overlaps(box); });
 }

@@ -7,7 +7,7 @@
 namespace osteon::report {
 namespace {
 
-constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();  // leaves a gap in a curve
 
 }  // namespace
 

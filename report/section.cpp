@@ -156,6 +156,7 @@ std::vector<ErrorSample> MeasureOutline(const std::vector<Polyline>& lines, cons
   return samples;
 }
 
+/// Simplify for each of the lines.
 std::vector<Polyline> SimplifyAll(const std::vector<Polyline>& lines, double tolerance_m) {
   std::vector<Polyline> out;
   for (const Polyline& line : lines) out.push_back(Simplify(line, tolerance_m));

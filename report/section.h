@@ -60,6 +60,7 @@ struct MaterialRegion {
   std::vector<Polyline> outline{};
 };
 
+/// Settings of a section and of the error measured in it.
 struct SectionParams {
   double step_m{0.1e-3};  ///< of the grid on which outlines are found
   double margin_m{6e-3};  ///< around the bone
@@ -74,6 +75,7 @@ struct SectionParams {
   std::span<const simulation::ToolPath> earlier{};  ///< tools that cut before this one
 };
 
+/// Outlines in the plane, and the error along the cut one. Lengths in metres.
 struct Section {
   SectionPlane plane;
   Vector2 min{Vector2::Zero()}, max{Vector2::Zero()};  ///< the window of the drawing [m]

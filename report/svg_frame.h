@@ -70,6 +70,7 @@ struct LegendEntry {
   Marker marker{Marker::kNone};  ///< over the line
 };
 
+/// Drawn elements and the height that they take.
 struct LegendBlock {
   std::string svg{};
   double height_px{0.0};

@@ -203,6 +203,7 @@ struct XLimits {
   std::string lines, names;
 };
 
+/// Draws the panel's vertical limits that are within the area.
 XLimits DrawXLimits(const PlotArea& area, const LineChart& panel) {
   XLimits out;
   for (const LimitLine& limit : panel.x_limits) {

@@ -44,6 +44,7 @@ struct GuardParams {
   double silence_s{0.05};      ///< longest time without an answer, else the motion request is withdrawn; > 0
 };
 
+/// State of the arm's session, as its message reports it.
 enum class GuardSession : std::uint8_t {
   kIdle,
   kMonitoring,
@@ -72,12 +73,14 @@ struct GuardCommand {
   bool cartesian{false};                          ///< also commands a Cartesian pose
 };
 
+/// What becomes of a message.
 enum class GuardDecision : std::uint8_t {
   kPass,      ///< forward to the other side
   kDrop,      ///< do not forward: a duplicate, late or overtaken. Nothing is latched
   kWithhold,  ///< the motion request is withdrawn; latched
 };
 
+/// Numbers of messages by what became of them.
 struct GuardCounters {
   std::uint64_t passed{0};       ///< answers that may go on to the arm
   std::uint64_t late{0};         ///< answers to an older message than the newest, or too old

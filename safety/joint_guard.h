@@ -7,6 +7,7 @@
 
 namespace osteon::safety {
 
+/// Limits of each joint, and how close a step may come to them.
 struct JointGuardParams {
   /// The arm's own limits; lower < upper, velocity and acceleration > 0. For a six-axis arm the first six
   /// count.

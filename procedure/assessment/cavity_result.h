@@ -22,6 +22,7 @@ struct AnatomicShift {
 /// Splits a displacement in G into its anatomical components.
 [[nodiscard]] AnatomicShift ShiftOf(const PelvicFrame& pelvis, const Vector3& d_G);
 
+/// Shape and volumes of a cavity, compared with the plan.
 struct CavityResult {
   std::optional<SphereFit> fit;
   std::string fit_refused;               ///< why there is no fit

@@ -18,7 +18,7 @@ constexpr io::SceneColor kCutting{.r = 0.55, .g = 0.58, .b = 0.62}, kShaft{.r = 
 constexpr io::SceneColor kForce{.r = 0.80, .g = 0.10, .b = 0.10}, kHand{.r = 0.10, .g = 0.35, .b = 0.80};
 constexpr io::SceneColor kPlane{.r = 0.95, .g = 0.75, .b = 0.10, .a = 0.5};
 constexpr io::SceneColor kZone{.r = 0.80, .g = 0.10, .b = 0.10, .a = 0.15};
-constexpr double kProxyOpacity = 0.35;
+constexpr double kProxyOpacity = 0.35;  // of the tool drawn in the frame `proxy`
 
 constexpr double kArrow_m_per_N = 1e-3, kArrowDiameter_m = 4e-3;
 constexpr double kMinForce_N = 0.5;  // a smaller force has no arrow
@@ -28,6 +28,7 @@ constexpr std::size_t kMaxBalls = 2000;  // number of a tool's balls that are dr
 
 io::SceneColor ColorOf(const Vector3& rgb) { return {.r = rgb.x(), .g = rgb.y(), .b = rgb.z()}; }
 
+// Scales the colour's opacity.
 io::SceneColor Faded(io::SceneColor color, double opacity) {
   color.a *= opacity;
   return color;

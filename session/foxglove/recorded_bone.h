@@ -17,6 +17,7 @@
 
 namespace osteon::session {
 
+/// How often and how finely the bone is recorded, and the procedure's tools and history.
 struct RecordedBoneParams {
   rt::Nanoseconds step{5'000'000'000};    ///< log time from one state of the bone to the next; > 0
   bool own_thread{true};                  ///< false: the caller carves, so that equal runs give equal bytes
