@@ -17,6 +17,7 @@ using simulation::Bone;
 using simulation::MassPoint;
 using simulation::MaterialIndex;
 
+/// The balls' bounding boxes, in their order.
 std::vector<CellGrid::Item> Boxes(std::span<const Ball> balls) {
   std::vector<CellGrid::Item> items;
   for (const Ball& ball : balls) {
@@ -26,19 +27,21 @@ std::vector<CellGrid::Item> Boxes(std::span<const Ball> balls) {
   return items;
 }
 
+/// A box without extent at each point, in their order.
 std::vector<CellGrid::Item> Boxes(std::span<const MassPoint> points) {
   std::vector<CellGrid::Item> items;
   for (const MassPoint& point : points) items.push_back({point.p_m, point.p_m});
   return items;
 }
 
+/// [m]; 1 mm if there are no balls.
 double MeanRadius(std::span<const Ball> balls) {
   double sum = 0.0;
   for (const Ball& ball : balls) sum += ball.radius_m;
   return balls.empty() ? 1e-3 : sum / static_cast<double>(balls.size());
 }
 
-/// Edge of a cube with the median of the points' volumes [m].
+/// Edge of a cube with the median of the points' volumes [m]; 1 mm if there are no points.
 double MedianSpacing(std::span<const MassPoint> points) {
   if (points.empty()) return 1e-3;
   std::vector<double> volumes;
@@ -87,6 +90,7 @@ std::optional<double> BallField::FirstHit(const Vector3& o_G, const Vector3& d_G
   }
   if (!(from <= to)) return std::nullopt;
 
+  // next: distance along the ray to the next cell wall in each direction; step: from wall to wall
   CellGrid::Index cell = grid_.Clamped(o_G + from * d_G);
   std::array<double, 3> next{}, step{};
   for (int k = 0; k < 3; ++k) {
@@ -96,22 +100,23 @@ std::optional<double> BallField::FirstHit(const Vector3& o_G, const Vector3& d_G
     next[k] = flat ? std::numeric_limits<double>::infinity() : (wall - o_G[k]) / d_G[k];
     step[k] = flat ? std::numeric_limits<double>::infinity() : grid_.cell_m() / std::abs(d_G[k]);
   }
-  double best = std::numeric_limits<double>::infinity();
+  double first_m = std::numeric_limits<double>::infinity();
   while (grid_.Contains(cell)) {
     for (const std::uint32_t i : grid_[cell]) {
       const Vector3 c = Vector3(balls_[i].center_m) - o_G;
+      // where the ray enters the ball: the smaller root of |o + s d - c|² = r²
       const double r2 = balls_[i].radius_m * balls_[i].radius_m, middle = c.dot(d_G);
       const double discriminant = middle * middle - c.squaredNorm() + r2;
       if (c.squaredNorm() <= r2) return 0.0;
       if (discriminant < 0.0 || middle < 0.0) continue;
-      best = std::min(best, middle - std::sqrt(discriminant));
+      first_m = std::min(first_m, middle - std::sqrt(discriminant));
     }
     const int k = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
-    if (best <= next[k] || next[k] > to) break;
+    if (first_m <= next[k] || next[k] > to) break;
     cell[k] += d_G[k] > 0.0 ? 1 : -1;
     next[k] += step[k];
   }
-  if (best <= max_m) return best;
+  if (first_m <= max_m) return first_m;
   return std::nullopt;
 }
 
@@ -122,6 +127,7 @@ std::vector<Ball> CarvedBalls(const Bone& bone, const simulation::CarvedState& s
 }
 
 double SiteReach(const Bone& bone, double radii) {
+  // the distance is at least kAround_m in a picture that reaches kAtRadii of the site's radii
   constexpr double kAround_m = 25e-3, kAtRadii = 3.2;
   const Vector3 center = bone.site.center_m;
   double farthest_m = 0.0;
@@ -143,30 +149,31 @@ MaterialMap::MaterialMap(std::span<const MassPoint> points, const simulation::So
 std::optional<MaterialIndex> MaterialMap::At(const Vector3& p_G) const {
   if (solid_) return solid_->MaterialAt(p_G);
   if (grid_.empty()) return std::nullopt;
-  constexpr int kReach = 8;
+  constexpr int kReach = 8;  // rings of cells around p that are searched
   const CellGrid::Index at = grid_.At(p_G);
-  double best = std::numeric_limits<double>::infinity();
+  double best_m2 = std::numeric_limits<double>::infinity();  // squared distance
   MaterialIndex material = 0;
   for (int ring = 0; ring <= kReach; ++ring) {
     // items in a farther ring are at least this far away
-    const double least = (ring - 1) * grid_.cell_m();
-    if (least > 0.0 && best <= least * least) break;
+    const double ring_m = (ring - 1) * grid_.cell_m();
+    if (ring_m > 0.0 && best_m2 <= ring_m * ring_m) break;
     for (int z = at[2] - ring; z <= at[2] + ring; ++z)
       for (int y = at[1] - ring; y <= at[1] + ring; ++y) {
         const bool face = std::abs(z - at[2]) == ring || std::abs(y - at[1]) == ring;
+        // only the ring's outer cells, since the inner ones were searched before
         for (int x = at[0] - ring; x <= at[0] + ring; x += face || ring == 0 ? 1 : 2 * ring) {
           if (!grid_.Contains({x, y, z})) continue;
           for (const std::uint32_t i : grid_[{x, y, z}]) {
             const double distance2 = (Vector3(points_[i].p_m) - p_G).squaredNorm();
-            if (distance2 < best) {
-              best = distance2;
+            if (distance2 < best_m2) {
+              best_m2 = distance2;
               material = points_[i].material;
             }
           }
         }
       }
   }
-  if (!std::isfinite(best)) return std::nullopt;
+  if (!std::isfinite(best_m2)) return std::nullopt;
   return material;
 }
 

@@ -21,9 +21,11 @@
 namespace osteon::report {
 namespace {
 
-constexpr double kMaxDeviation_um = 32'767.0;
-constexpr int kTries = 5;  // number of grids that are tried, each coarser than the last
+constexpr double kMaxDeviation_um = 32'767.0;  // the largest that std::int16_t holds
+constexpr int kTries = 5;                      // number of grids that are tried, each coarser than the last
 
+/// Samples the uncut bone on a grid: its solid or, without one, the union of its balls. Null: there is no
+/// ball.
 std::shared_ptr<const surface::SolidField> FieldOf(const simulation::Bone& bone,
                                                    const simulation::Solid* solid, float voxel_mm) {
   if (solid != nullptr) return surface::SampleSolid(*solid, voxel_mm);
@@ -67,17 +69,20 @@ simulation::SweptTool IdealCavity(const simulation::Bone& bone, std::span<const 
   return simulation::SweptTool(straight);
 }
 
-/// Signed distance of a point from the planned or ideal cavity [m]; empty: there is neither.
+/// Signed distance of a point from the planned or ideal cavity [m].
 using DistanceTo = std::function<double(const Vector3&)>;
-DistanceTo Compared(const CarveInput& input) {
+/// Returns the distance to the cavity with which cut faces are compared: the planned one or, without a plan,
+/// the ideal one. Empty: no tool cuts, or there is no path.
+DistanceTo DistanceToCavity(const CarveInput& input) {
   auto ideal = std::make_shared<const simulation::SweptTool>(IdealCavity(input.bone, input.paths));
   if (ideal->empty()) return {};
   if (input.planned) return input.planned;
   return [ideal](const Vector3& p_m) { return ideal->SignedDistance(p_m); };
 }
 
-CarvedSurface Extract(const surface::CarvedField& field, const MaterialMap& materials,
-                      const DistanceTo& distance_m) {
+/// Extracts the carved surface as the page's bytes, with the deviation of each vertex on a cut face.
+CarvedSurface ExtractForPage(const surface::CarvedField& field, const MaterialMap& materials,
+                             const DistanceTo& distance_m) {
   CarvedSurface out{.layout = field.layout()};
   const auto material = [&materials](surface::Vec3 p_mm) {
     return static_cast<std::uint8_t>(materials.At(surface::ToMetres(p_mm)).value_or(0));
@@ -129,7 +134,7 @@ std::optional<BoneMesh> MeshOf(const surface::CarvedField& field, std::size_t ma
 /// Carves with many capsules per call, because each call goes over the bricks. A batch is bounded, because
 /// each brick is checked against all capsules of a call.
 void CarveInBatches(surface::CarvedField& field, std::span<const surface::Capsule> capsules) {
-  constexpr std::size_t kBatch = 4096;
+  constexpr std::size_t kBatch = 4096;  // capsules
   for (std::size_t at = 0; at < capsules.size(); at += kBatch)
     field.Carve(capsules.subspan(at, std::min(kBatch, capsules.size() - at)));
 }
@@ -144,15 +149,19 @@ std::vector<surface::Capsule> CapsulesOf(std::span<const simulation::ToolPath> p
   return capsules;
 }
 
+/// Makes a data: address that holds the bytes.
 std::string DataAddress(const std::vector<std::uint8_t>& bytes) {
   return "data:application/octet-stream;base64," + Base64(bytes);
 }
 
+/// Returns "#rrggbb" for a colour with components 0 … 1.
 std::string Hex(const Vector3& color) {
   const auto byte = [](double x) { return static_cast<int>(std::lround(255.0 * std::clamp(x, 0.0, 1.0))); };
   return fmt::format("#{:02x}{:02x}{:02x}", byte(color.x()), byte(color.y()), byte(color.z()));
 }
 
+/// Makes the button that selects a colouring of the view. @param what  "tissue" or "deviation", for the
+/// script
 std::string ShowButton(const char* what, const char* text, bool pressed) {
   return fmt::format("<button type=\"button\" data-show=\"{}\" aria-pressed=\"{}\">{}</button>\n", what,
                      pressed, text);
@@ -160,8 +169,8 @@ std::string ShowButton(const char* what, const char* text, bool pressed) {
 
 /// Deviation at the end of the colour scale: rounded, and at least 0.1 mm.
 double ColorRange_mm(const CavityError& error) {
-  constexpr double kLeast_mm = 0.1;
-  return NiceRange({0.0, std::max(kLeast_mm, 1e3 * error.p95_m)}, 3).max;
+  constexpr double kMinRange_mm = 0.1;
+  return NiceRange({0.0, std::max(kMinRange_mm, 1e3 * error.p95_m)}, 3).max;
 }
 
 }  // namespace
@@ -170,15 +179,15 @@ std::vector<surface::Capsule> CapsulesAlong(const simulation::ToolPath& path) {
   surface::ToolWays ways(*path.tool, Pose::Identity());
   std::vector<surface::Capsule> capsules;
   std::uint64_t frame = 0;
-  const auto take = [&] {
+  const auto append_swept = [&] {
     const std::vector<surface::Capsule> swept = ways.TakeCapsules();
     capsules.insert(capsules.end(), swept.begin(), swept.end());
   };
   for (const Pose& X : path.X_GP) {
     if (!X.matrix().allFinite()) continue;
-    if (ways.Add({.X_WP = X, .p_WS_m = X.translation(), .cuts = true, .frame = ++frame})) take();
+    if (ways.Add({.X_WP = X, .p_WS_m = X.translation(), .cuts = true, .frame = ++frame})) append_swept();
   }
-  take();
+  append_swept();
   return capsules;
 }
 
@@ -212,8 +221,8 @@ BoneMeshes MeshBone(const CarveInput& input) {
 
 CarvedSurface CarveSurface(const CarveInput& input) {
   if (input.paths.empty()) return {};
-  const DistanceTo distance_m = Compared(input);
-  constexpr double kCoarser = 1.1;
+  const DistanceTo distance_m = DistanceToCavity(input);
+  constexpr double kCoarser = 1.1;  // margin on the voxel size that should give max_quads
   float voxel_mm = surface::VoxelFor(*input.paths.back().tool);
   const std::vector<surface::Capsule> capsules = CapsulesOf(input.paths);
   CarvedSurface carved;
@@ -223,9 +232,10 @@ CarvedSurface CarveSurface(const CarveInput& input) {
       if (uncut == nullptr) return {};
       surface::CarvedField field(uncut);
       CarveInBatches(field, capsules);
-      carved = Extract(field, input.materials, distance_m);
+      carved = ExtractForPage(field, input.materials, distance_m);
       carved.planned = static_cast<bool>(input.planned);
       if (carved.quads <= input.max_quads) return carved;
+      // the number of quads falls with the square of the voxel size
       voxel_mm *= static_cast<float>(
           kCoarser * std::sqrt(static_cast<double>(carved.quads) / static_cast<double>(input.max_quads)));
     } catch (const std::invalid_argument&) {  // the grid is too large for the memory

@@ -5,7 +5,7 @@
 
 namespace osteon::report {
 namespace {
-constexpr double kMaxCells = 4e6;
+constexpr double kMaxCells = 4e6;  // beyond it, cells are made larger
 }
 
 CellGrid::CellGrid(std::span<const Item> items, double cell_m) {
@@ -24,6 +24,7 @@ CellGrid::CellGrid(std::span<const Item> items, double cell_m) {
   // count, then fill (two passes over the boxes)
   const std::size_t cells = static_cast<std::size_t>(size_[0]) * size_[1] * size_[2];
   begin_.assign(cells + 1, 0);
+  // calls visit(flat index) for every cell that the item's box reaches into
   const auto each_cell = [this](const Item& item, const auto& visit) {
     const Index a = Clamped(item.min), b = Clamped(item.max);
     for (int z = a[2]; z <= b[2]; ++z)
@@ -42,6 +43,7 @@ CellGrid::Index CellGrid::At(const Vector3& p) const {
   Index cell{};
   for (int k = 0; k < 3; ++k) {
     const double at = std::floor((p[k] - min_[k]) / cell_m_);
+    // a point far outside must not overflow the integer
     cell[k] = static_cast<int>(std::clamp(at, -1e6, 1e6));
   }
   return cell;

@@ -46,7 +46,7 @@ class CellGrid {
   double cell_m_{1.0};
   Index size_{1, 1, 1};
   std::vector<std::uint32_t> begin_;  ///< start of each cell's list in items_, and one past the last
-  std::vector<std::uint32_t> items_;
+  std::vector<std::uint32_t> items_;  ///< indices of the items, cell by cell
 };
 
 }  // namespace osteon::report

@@ -11,6 +11,7 @@
 namespace osteon::report {
 namespace {
 
+// Distance of p from the segment between a and b.
 double DistanceToChord(const Vector2& p, const Vector2& a, const Vector2& b) {
   const Vector2 m = b - a;
   const double length2 = m.squaredNorm();
@@ -52,10 +53,12 @@ std::vector<Polyline> Contour(const PlanarGrid& grid) {
   for (int j = 0; j + 1 < grid.ny; ++j) {
     for (int i = 0; i + 1 < grid.nx; ++i) {
       const float a = grid.At(i, j), b = grid.At(i + 1, j), c = grid.At(i + 1, j + 1), d = grid.At(i, j + 1);
+      // corners counter-clockwise from min; each negative corner sets its bit
       const int code = (a < 0 ? 1 : 0) | (b < 0 ? 2 : 0) | (c < 0 ? 4 : 0) | (d < 0 ? 8 : 0);
       if (code == 0 || code == 15) continue;
       const Edge bottom = edge(i, j, false), right = edge(i + 1, j, true), top = edge(i, j + 1, false),
                  left = edge(i, j, true);
+      // if two opposite corners are negative: whether they are connected through the cell's middle
       const bool joined = a + b + c + d < 0;
       switch (code) {
         case 1:
@@ -107,6 +110,7 @@ std::vector<Polyline> Contour(const PlanarGrid& grid) {
       }
     }
   }
+  // the place on an edge where the field, linear between its nodes, is zero
   const auto crossing = [&grid](Edge e) {
     const bool vertical = (e & 1u) != 0;
     const auto node = static_cast<std::int64_t>(e >> 1u);
@@ -116,16 +120,17 @@ std::vector<Polyline> Contour(const PlanarGrid& grid) {
     return Vector2(grid.Node(i, j) + grid.step * s * (vertical ? Vector2::UnitY() : Vector2::UnitX()));
   };
   std::vector<Polyline> lines;
+  // follows the links from an edge, and removes them
   const auto walk = [&](Edge start) {
     Polyline line;
-    Edge at = start;
-    for (auto it = next.find(at); it != next.end(); it = next.find(at)) {
-      line.points.push_back(crossing(at));
-      at = it->second;
+    Edge current_edge = start;
+    for (auto it = next.find(current_edge); it != next.end(); it = next.find(current_edge)) {
+      line.points.push_back(crossing(current_edge));
+      current_edge = it->second;
       next.erase(it);
     }
-    line.closed = at == start;
-    if (!line.closed) line.points.push_back(crossing(at));
+    line.closed = current_edge == start;
+    if (!line.closed) line.points.push_back(crossing(current_edge));
     if (line.points.size() > 1) lines.push_back(std::move(line));
   };
   // first the open lines, each from its beginning; then the loops that remain

@@ -23,6 +23,7 @@ struct PlanarGrid {
   void CloseBorder(float value);
 };
 
+/// Points joined by straight lines; closed: the last one is joined to the first as well.
 struct Polyline {
   std::vector<Vector2> points{};
   bool closed{false};

@@ -57,8 +57,9 @@ DepthBuffer RenderDepth(const BoneMesh& mesh, const Camera& camera, std::vector<
   for (const auto& triangle : mesh.triangles) {
     const Projected &a = projected[triangle[0]], &b = projected[triangle[1]], &c = projected[triangle[2]];
     if (!(std::min({a.inverse_z, b.inverse_z, c.inverse_z}) > 0.0)) continue;
-    const double area = Side(a, b, c.x, c.y);
+    const double area = Side(a, b, c.x, c.y);  // twice the triangle's, signed
     if (area == 0.0 || !std::isfinite(area)) continue;
+    // the pixels of the triangle's bounding box
     const auto [x0, x1] = std::minmax({a.x, b.x, c.x});
     const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
     if (!(x1 >= 0.0 && y1 >= 0.0 && x0 < camera.width && y0 < camera.height)) continue;
@@ -67,6 +68,7 @@ DepthBuffer RenderDepth(const BoneMesh& mesh, const Camera& camera, std::vector<
     const int j1 = static_cast<int>(std::min(y1 + 0.5, camera.height - 1.0));
     for (int j = j0; j <= j1; ++j) {
       for (int i = i0; i <= i1; ++i) {
+        // barycentric weights of a, b and c at the pixel's centre
         const double u = Side(b, c, i + 0.5, j + 0.5) / area, v = Side(c, a, i + 0.5, j + 0.5) / area;
         const double w = 1.0 - u - v;
         if (u < 0.0 || v < 0.0 || w < 0.0) continue;
@@ -76,6 +78,7 @@ DepthBuffer RenderDepth(const BoneMesh& mesh, const Camera& camera, std::vector<
         if (z >= buffer.depth_m[pixel]) continue;
         buffer.depth_m[pixel] = z;
         if (!normals) continue;
+        // weight of a vertex on the surface itself: perspective makes it differ from that in the picture
         const auto share = [&](double s, const Projected& of) {
           return static_cast<float>(s * of.inverse_z / inverse_z);
         };

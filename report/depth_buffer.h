@@ -50,7 +50,7 @@ struct BoneMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles{};  ///< counter-clockwise seen from outside
 };
 
-/// Draws a mesh. A triangle that reaches behind the camera is left out.
+/// Draws a mesh's depths. A triangle that reaches behind the camera is left out.
 /// @param normals  null, or gets a normal for each pixel: that of the visible surface, in G, interpolated
 [[nodiscard]] DepthBuffer RenderDepth(const BoneMesh& mesh, const Camera& camera,
                                       std::vector<Eigen::Vector3f>* normals = nullptr);

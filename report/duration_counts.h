@@ -37,8 +37,8 @@ class DurationCounts {
   }
 
  private:
-  static constexpr std::size_t kPage = 1024, kMaxPages = 16384;
-  using Page = std::array<std::uint32_t, kPage>;
+  static constexpr std::size_t kPage = 1024, kMaxPages = 16384;  // durations in a page [ns]; number of pages
+  using Page = std::array<std::uint32_t, kPage>;                 // how often each duration occurred
 
   std::uint64_t count_{0};
   std::vector<std::unique_ptr<Page>> pages_;         // of 1024 ns each

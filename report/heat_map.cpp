@@ -15,6 +15,7 @@
 namespace osteon::report {
 namespace {
 
+// Evenly spaced colours of viridis, RGB 0 … 255.
 constexpr std::array<std::array<double, 3>, 9> kViridis{{{68, 1, 84},
                                                          {71, 45, 123},
                                                          {59, 82, 139},
@@ -24,11 +25,13 @@ constexpr std::array<std::array<double, 3>, 9> kViridis{{{68, 1, 84},
                                                          {94, 201, 98},
                                                          {173, 220, 48},
                                                          {253, 231, 37}}};
-constexpr std::array<std::uint8_t, 3> kEmptyRgb{228, 230, 233};
-constexpr int kPixelsACell = 8;
-constexpr double kLabelPx = 11.5;
-constexpr double kGap = 30.0, kScaleWidth = 18.0;
+constexpr std::array<std::uint8_t, 3> kEmptyRgb{228, 230, 233};  // where there is no value
+constexpr int kPixelsACell = 8;       // of the picture, along each edge of a cell between four nodes
+constexpr double kLabelPx = 11.5;     // font size of contour numbers and marks' labels
+constexpr double kGap = 30.0;         // between panels [px]
+constexpr double kScaleWidth = 18.0;  // of the colour scale's bar [px]
 
+// RGB 0 … 255 of a fraction 0 … 1 of the colour scale.
 std::array<double, 3> Viridis(double share) {
   const double at = std::clamp(share, 0.0, 1.0) * (kViridis.size() - 1);
   const auto low = std::min(static_cast<std::size_t>(at), kViridis.size() - 2);
@@ -46,34 +49,37 @@ double BandShare(const HeatScale& scale, double value) {
   return bands > 1.0 ? band / (bands - 1.0) : 0.0;
 }
 
+// The value of node (i, j).
 double At(const HeatMap& map, int i, int j) {
   return map
       .values[static_cast<std::size_t>(j) * static_cast<std::size_t>(map.nx) + static_cast<std::size_t>(i)];
 }
 
 // Interpolates linearly between the nodes that have a value; NaN if the nearest node has none.
-double Between(const HeatMap& map, double u, double v) {
+// @param u, v  place in units of nodes, from node (0, 0)
+double Interpolate(const HeatMap& map, double u, double v) {
   const int i = std::min(static_cast<int>(u), map.nx - 2), j = std::min(static_cast<int>(v), map.ny - 2);
   const double s = u - i, t = v - j;
   if (!std::isfinite(At(map, s < 0.5 ? i : i + 1, t < 0.5 ? j : j + 1))) return std::nan("");
-  double sum = 0.0, weights = 0.0;
+  double weighted_sum = 0.0, weights = 0.0;
   for (const int di : {0, 1})
     for (const int dj : {0, 1}) {
       const double value = At(map, i + di, j + dj), weight = (di ? s : 1.0 - s) * (dj ? t : 1.0 - t);
       if (!std::isfinite(value)) continue;
-      sum += weight * value;
+      weighted_sum += weight * value;
       weights += weight;
     }
-  return sum / weights;
+  return weighted_sum / weights;
 }
 
-std::string Field(const HeatMap& map, const HeatScale& scale, const PlotArea& area) {
+// Draws the field's bands of colour as an embedded picture; empty text if it cannot be encoded.
+std::string DrawField(const HeatMap& map, const HeatScale& scale, const PlotArea& area) {
   Image image{.width = kPixelsACell * (map.nx - 1), .height = kPixelsACell * (map.ny - 1)};
   image.rgb.reserve(3u * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
   for (int row = 0; row < image.height; ++row)
     for (int column = 0; column < image.width; ++column) {
       const double value =
-          Between(map, (column + 0.5) / kPixelsACell, map.ny - 1 - (row + 0.5) / kPixelsACell);
+          Interpolate(map, (column + 0.5) / kPixelsACell, map.ny - 1 - (row + 0.5) / kPixelsACell);
       if (!std::isfinite(value)) {
         image.rgb.insert(image.rgb.end(), kEmptyRgb.begin(), kEmptyRgb.end());
         continue;
@@ -89,17 +95,17 @@ std::string Field(const HeatMap& map, const HeatScale& scale, const PlotArea& ar
       Pixels(area.left), Pixels(area.top), Pixels(area.width), Pixels(area.height), Base64(*png));
 }
 
-// Fills nodes without a value with their neighbours' mean, ring by ring, so that contour lines reach the edge
-// of the region that has values.
-PlanarGrid Filled(const HeatMap& map, double level) {
+// Returns the values less `level`, whose zero lines are the level's contours. A node without a value gets its
+// neighbours' mean, ring by ring, so that the lines reach the edge of the region that has values.
+PlanarGrid AboveLevel(const HeatMap& map, double level) {
   PlanarGrid grid({0.0, 0.0}, {0.0, 0.0}, 1.0, 0.0F);
   grid.nx = map.nx;
   grid.ny = map.ny;
   std::vector<double> values = map.values;
-  for (bool open = true; open;) {
-    open = false;
+  for (bool has_gaps = true; has_gaps;) {
+    has_gaps = false;
     const std::vector<double> before = values;
-    bool any = false;
+    bool filled_any = false;
     for (int j = 0; j < map.ny; ++j)
       for (int i = 0; i < map.nx; ++i) {
         const auto at = [&](int x, int y) {
@@ -116,12 +122,12 @@ PlanarGrid Filled(const HeatMap& map, double level) {
         }
         if (count > 0) {
           values[at(i, j)] = sum / count;
-          any = true;
+          filled_any = true;
         } else {
-          open = true;
+          has_gaps = true;
         }
       }
-    open = open && any;
+    has_gaps = has_gaps && filled_any;
   }
   grid.values.clear();
   for (const double value : values)
@@ -129,6 +135,7 @@ PlanarGrid Filled(const HeatMap& map, double level) {
   return grid;
 }
 
+// Makes a <path> through points [px]. @param style  SVG attributes of the line
 std::string PathOf(const std::vector<PlotPoint>& points, std::string_view style) {
   std::string path;
   char command = 'M';
@@ -148,6 +155,7 @@ struct OccupiedBox {
 };
 using OccupiedBoxes = std::vector<OccupiedBox>;
 
+/// Whether the box overlaps one of the occupied ones.
 bool Overlaps(const OccupiedBoxes& taken, const OccupiedBox& box) {
   return std::ranges::any_of(taken, [&box](const OccupiedBox& other) { return other.Overlaps(box); });
 }
@@ -163,14 +171,15 @@ std::string ContourLines(const HeatMap& map, const PlotArea& area, OccupiedBoxes
   std::string out;
   for (const double level : map.contours) {
     std::vector<PlotPoint> longest;
-    for (const Polyline& line : Contour(Filled(map, level))) {
+    for (const Polyline& line : Contour(AboveLevel(map, level))) {
+      // the parts of the line where the map has values
       std::vector<std::vector<PlotPoint>> pieces(1);
       std::vector<Vector2> points = line.points;
       if (line.closed && !points.empty()) points.push_back(points.front());
       for (const Vector2& p : points) {
-        const bool there = std::isfinite(
+        const bool has_value = std::isfinite(
             At(map, static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y()))));
-        if (!there) {
+        if (!has_value) {
           if (!pieces.back().empty()) pieces.emplace_back();
           continue;
         }
@@ -183,7 +192,7 @@ std::string ContourLines(const HeatMap& map, const PlotArea& area, OccupiedBoxes
         if (piece.size() > longest.size()) longest = piece;
       }
     }
-    if (longest.size() < 10) continue;
+    if (longest.size() < 10) continue;  // too short for a number
     // place the number where the line is most nearly level, away from its ends and from other labels
     const std::string number = Number(level, 0);
     const auto place = [&](std::size_t k) {
@@ -208,6 +217,7 @@ std::string ContourLines(const HeatMap& map, const PlotArea& area, OccupiedBoxes
   return out;
 }
 
+/// Draws the lines that the map was given.
 std::string OverlayLines(const HeatMap& map, const PlotArea& area) {
   std::string out;
   for (const MapLine& drawn : map.lines) {
@@ -221,8 +231,9 @@ std::string OverlayLines(const HeatMap& map, const PlotArea& area) {
   return out;
 }
 
-/// Draws marks, each with its label right, left, above or below: at the first of these places that is inside
-/// the panel and free. @param taken  marks and labels are added to it
+/// Draws marks, each with its label at the first place beside the mark (right, left, above, below, diagonal)
+/// that is inside the panel and free; without a label if there is no such place. @param taken  marks and
+/// labels are added to it
 std::string Marks(const HeatMap& map, const PlotArea& area, OccupiedBoxes& taken) {
   std::string out;
   const auto inside = [&map](const MapMark& mark) {
@@ -264,6 +275,7 @@ std::string Marks(const HeatMap& map, const PlotArea& area, OccupiedBoxes& taken
   return out;
 }
 
+/// Draws the colour scale with its ticks and label, to the right of (left, top) [px].
 std::string ScaleBar(const HeatScale& scale, double left, double top, double height) {
   std::string out;
   const int bands = static_cast<int>(std::lround((scale.max - scale.min) / scale.step));
@@ -280,6 +292,7 @@ std::string ScaleBar(const HeatScale& scale, double left, double top, double hei
   return out + SvgTurnedText(x, y, Fit(scale.label, height), "middle", kTextColor);
 }
 
+/// Draws a map with its title and axes. @param picture  title of the whole picture, for the panel's id
 std::string DrawPanel(const HeatMap& map, const HeatScale& scale, const PlotArea& area,
                       const std::string& picture) {
   Ticks x_ticks = LinearTicks(area.x, 6);
@@ -294,7 +307,7 @@ std::string DrawPanel(const HeatMap& map, const HeatScale& scale, const PlotArea
                       SvgRect(area.left, area.top, area.width, area.height, "#000000"), id);
   OccupiedBoxes taken;
   const std::string marks = Marks(map, area, taken), contours = ContourLines(map, area, taken);
-  body += Field(map, scale, area) + contours + OverlayLines(map, area) + marks + "</g>\n";
+  body += DrawField(map, scale, area) + contours + OverlayLines(map, area) + marks + "</g>\n";
   body += SvgRect(area.left, area.top, area.width, area.height, "none",
                   fmt::format(R"(stroke="{}" stroke-width="1")", kAxisColor));
   body += DrawTickTexts(area, x_ticks, y_ticks);
@@ -324,6 +337,7 @@ std::string ViridisBands(double left, double top, double width, double height, i
 
 std::string HeatMapSvg(const std::vector<HeatMap>& panels, int columns, const std::vector<HeatScale>& scales,
                        const std::string& title, const std::vector<LegendEntry>& legend, double width_px) {
+  // widths [px]: of the strip at the right for the scale, of that beside each panel for its y axis
   constexpr double kScaleStrip = kScaleWidth + 92.0, kAxisStrip = 62.0, kLeft = 4.0;
   const LegendBlock block = DrawLegend(kLeft, 2.0, width_px - 8.0, title, legend);
   const double panel_width = (width_px - kScaleStrip - kLeft - kGap * (columns - 1)) / columns;

@@ -24,6 +24,7 @@ struct MapLine {
   bool dashed{false};
 };
 
+/// A marked point of a map, in its axes' units.
 struct MapMark {
   double x{0.0}, y{0.0};
   Marker marker{Marker::kCircle};

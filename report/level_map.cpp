@@ -12,10 +12,12 @@
 namespace osteon::report {
 namespace {
 
-constexpr const char* kNothing = "#dfe2e6";
+constexpr const char* kNothing = "#dfe2e6";  // colour of cells without a value
+// Widths [px]: of the colour scale's bar, between panels, of the strip beside each panel for its y axis.
 constexpr double kScaleWidth = 16.0, kGap = 12.0, kAxisStrip = 100.0;
 
-std::string Cells(const LevelMap& map, const LevelScale& scale, const PlotArea& area) {
+// Draws each cell in the colour of its band.
+std::string DrawCells(const LevelMap& map, const LevelScale& scale, const PlotArea& area) {
   std::string out = SvgRect(area.left, area.top, area.width, area.height, kNothing);
   const double width = area.width / map.nx, height = area.height / map.ny;
   for (int j = 0; j < map.ny; ++j)
@@ -23,8 +25,8 @@ std::string Cells(const LevelMap& map, const LevelScale& scale, const PlotArea& 
       const double value = map.values[static_cast<std::size_t>(j) * static_cast<std::size_t>(map.nx) +
                                       static_cast<std::size_t>(i)];
       if (!(value >= scale.min)) continue;
-      const double share = (value - scale.min) / (scale.max - scale.min) * scale.bands;
-      const int band = std::min(scale.bands - 1, static_cast<int>(share));
+      const double bands = (value - scale.min) / (scale.max - scale.min) * scale.bands;
+      const int band = std::min(scale.bands - 1, static_cast<int>(bands));
       // a little larger than the cell, so that there are no seams between neighbours
       out += SvgRect(area.left + i * width, area.top + area.height - (j + 1) * height, width + 0.4,
                      height + 0.4, BandColor(band, scale.bands));
@@ -36,7 +38,8 @@ bool Inside(const LevelMap& map, double x, double y) {
   return x >= map.x.min && x <= map.x.max && y >= map.y.min && y <= map.y.max;  // false for NaN
 }
 
-std::string Curves(const LevelMap& map, const PlotArea& area) {
+// Draws the curves' lines and, above them, their markers.
+std::string DrawCurves(const LevelMap& map, const PlotArea& area) {
   std::string lines, marks;
   for (const Series& curve : map.curves) {
     const std::string color = curve.color.empty() ? kTextColor : curve.color;
@@ -51,6 +54,7 @@ std::string Curves(const LevelMap& map, const PlotArea& area) {
   return lines + marks;
 }
 
+// Draws the colour scale with its ticks and label, to the right of (left, top) [px].
 std::string ScaleBar(const LevelScale& scale, double left, double top, double height) {
   std::string out;
   out += ViridisBands(left, top, kScaleWidth, height, scale.bands) +
@@ -88,7 +92,7 @@ std::string LevelMapSvg(const std::vector<LevelMap>& panels, const LevelScale& s
     SpreadLabels(area, x);
     body += SvgText(area.left, area.top - 9.0, Fit(map.title, area.width), "start", kTextColor, kFontPx,
                     R"(font-weight="600")");
-    body += Cells(map, scale, area) + Curves(map, area);
+    body += DrawCells(map, scale, area) + DrawCurves(map, area);
     body += SvgRect(area.left, area.top, area.width, area.height, "none",
                     fmt::format(R"(stroke="{}")", kAxisColor));
     body += DrawTickTexts(area, x, y) + DrawAxisLabels(area, map.x_label, area.top + area.height + 38.0,

@@ -10,7 +10,8 @@
 
 namespace osteon::report {
 
-/// One panel. Each cell (i, j) spans an equal part of each axis in the logarithm; rows of x, upward in y.
+/// One panel. The cells divide each axis into equal parts of its logarithm. Values come in rows along x, the
+/// lowest y first.
 struct LevelMap {
   std::string title{};
   std::string x_label{}, y_label{};  ///< with unit

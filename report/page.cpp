@@ -11,6 +11,7 @@
 namespace osteon::report {
 namespace {
 
+// The style sheet of every page.
 constexpr const char* kStyle = R"(
 :root { color-scheme: light; }
 * { box-sizing: border-box; }
@@ -114,7 +115,7 @@ std::string RepeatSection(const std::string& command_line) {
 std::string PageEnd() { return "</main>\n" + ScriptHtml(kPlotCursorScript) + "</body>\n</html>\n"; }
 
 std::string FileLink(const std::string& file) {
-  // "./": a name with a colon would be taken for a protocol
+  // begins with "./", since a browser would take a name with a colon for a protocol
   return fmt::format(R"(<a href="./{}">{}</a>)", PercentEncoded(file), Escape(file));
 }
 
@@ -142,13 +143,13 @@ tl::expected<std::string, std::string> Picture(const Image& image, const std::st
 }
 
 tl::expected<void, std::string> WritePage(const std::string& html, const std::filesystem::path& path) {
-  const auto refuse = [&](const simulation::FileError& error) {
+  const auto with_path = [&](const simulation::FileError& error) {
     return tl::unexpected(path.string() + ": cannot write the report: " + error.found);
   };
   auto file = simulation::OutputFile::Create(path);
-  if (!file) return refuse(file.error());
+  if (!file) return with_path(file.error());
   file->Write(html);
-  if (const auto written = file->Commit(); !written) return refuse(written.error());
+  if (const auto written = file->Commit(); !written) return with_path(written.error());
   return {};
 }
 

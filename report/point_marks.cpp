@@ -11,8 +11,9 @@
 namespace osteon::report {
 namespace {
 
-constexpr double kLabelPx = 11.5;
+constexpr double kLabelPx = 11.5;  // font size
 
+// Makes a <path>: filled with a white edge, or only its lines.
 std::string Shape(std::string_view path, std::string_view color, double opacity, bool filled) {
   return fmt::format(R"(<path d="{}" fill="{}" stroke="{}" stroke-width="{}" opacity="{:.2f}"/>)"
                      "\n",
@@ -22,6 +23,7 @@ std::string Shape(std::string_view path, std::string_view color, double opacity,
 }  // namespace
 
 std::string DrawMarker(double x, double y, Marker marker, std::string_view color, double opacity) {
+  // coordinates of a corner, from the marker's middle
   const auto at = [&](double dx, double dy) { return Pixels(x + dx) + " " + Pixels(y + dy); };
   switch (marker) {
     case Marker::kNone:
@@ -70,7 +72,7 @@ void LabelPlacer::Block(double left, double top, double width, double height) {
 }
 
 void LabelPlacer::BlockLine(double x1, double y1, double x2, double y2) {
-  constexpr double kPiece = 4.0;
+  constexpr double kPiece = 4.0;  // distance between the rectangles along the line [px]
   const int pieces = std::max(1, static_cast<int>(std::hypot(x2 - x1, y2 - y1) / kPiece));
   for (int i = 0; i <= pieces; ++i) {
     const double t = static_cast<double>(i) / pieces;
@@ -92,7 +94,7 @@ std::string LabelPlacer::Place(double x, double y, std::string_view text, std::s
   const double width = TextWidth(text, kLabelPx), height = kLabelPx + 1.0;
   struct Place {
     double dx, dy;  // from the point to the text's middle
-    bool line;
+    bool line;      // draw a line from the point to the text
   };
   const double beside = 0.5 * width + 8.0;
   std::vector<Place> places{{beside, 0, false},        {-beside, 0, false},

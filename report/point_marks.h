@@ -39,10 +39,11 @@ class LabelPlacer {
   struct Box {
     double left, top, right, bottom;
   };
+  // Whether a text may stand in the box: inside the plot's area, and nothing reserved in it.
   [[nodiscard]] bool IsFree(const Box& box) const;
 
   PlotArea area_;
-  std::vector<Box> taken_;
+  std::vector<Box> taken_;  // reserved so far
 };
 
 }  // namespace osteon::report

@@ -46,7 +46,7 @@ struct LocalPlane {
 /// Makes the plane of the surface that is visible at a pixel. A normal that points away from the camera, as
 /// interpolated normals may at an outline, is treated as one at a grazing angle.
 LocalPlane PlaneAt(float z, const Vector3f& normal_G, const Camera& camera, int x, int y) {
-  constexpr float kGrazing = -0.05f;
+  constexpr float kGrazing = -0.05f;  // cosine between normal and ray, at most
   const auto along = [&](const Vector3& axis) { return normal_G.dot(axis.cast<float>()); };
   const Vector3f n(along(camera.right), along(camera.up), -along(camera.forward));
   const auto f = static_cast<float>(camera.focal_px);
@@ -74,6 +74,7 @@ Vector3f NormalOf(const LocalPlane& plane, const Camera& camera, int x, int y) {
 /// neighbour above the tangent plane counts. Only the neighbours' depths are read, because their planes as
 /// well would not fit into the cache.
 float OpenSky(const DepthBuffer& depth, const Camera& camera, const Vector3f& normal, int x, int y) {
+  // distances at which neighbours are looked up, on the surface
   constexpr std::array<float, 5> kRadii_m{0.7e-3f, 1.8e-3f, 4e-3f, 8e-3f, 14e-3f};
   constexpr int kDirections = 12;
   static const std::array<Eigen::Vector2f, kDirections> directions = [] {
@@ -96,7 +97,8 @@ float OpenSky(const DepthBuffer& depth, const Camera& camera, const Vector3f& no
   const Vector3f p = position(x, y, here);
   float blocked = 0.0f;
   for (const Eigen::Vector2f& direction : directions) {
-    float horizon = 0.06f;  // a lower neighbour is only unevenness of the surface's grid
+    // sine of the elevation up to which the sky is blocked; lower ones are unevenness of the surface's grid
+    float horizon = 0.06f;
     for (const float radius : kRadii_m) {
       const int u = x + RoundToInt(direction.x() * radius * px_per_m);
       const int v = y + RoundToInt(direction.y() * radius * px_per_m);
@@ -120,7 +122,7 @@ float OpenSky(const DepthBuffer& depth, const Camera& camera, const Vector3f& no
 /// Returns the fraction of light that reaches a point, 0 … 1: bone between light and point casts a shadow,
 /// whose edge is softened over neighbouring pixels of the shadow map.
 float Lit(const DepthBuffer& shadow, const Camera& light, const Vector3& p_G) {
-  constexpr int kSoft = 3;
+  constexpr int kSoft = 3;  // the shadow map's pixels to each side over which the edge is softened
   const Vector3 at = light.Project(p_G);
   const int x = static_cast<int>(at.x()), y = static_cast<int>(at.y());
   float lit = 0.0f;
@@ -129,13 +131,17 @@ float Lit(const DepthBuffer& shadow, const Camera& light, const Vector3& p_G) {
     for (int u = x - kSoft; u <= x + kSoft; ++u) {
       ++count;
       const bool outside = u < 0 || v < 0 || u >= shadow.width || v >= shadow.height;
-      const double off = outside ? 1.0 : shadow.At(u, v) - at.z() + 0.9e-3;
-      lit += static_cast<float>(std::clamp(off / 0.5e-3, 0.0, 1.0));
+      // dark if the first surface seen by the light is 0.9 mm nearer to it than p, lit if at most 0.4 mm
+      // nearer
+      const double clearance_m = outside ? 1.0 : shadow.At(u, v) - at.z() + 0.9e-3;
+      lit += static_cast<float>(std::clamp(clearance_m / 0.5e-3, 0.0, 1.0));
     }
   return lit / static_cast<float>(count);
 }
 
+// sRGB's transfer curve, approximated by a power of 2.2; components 0 … 1.
 float ToLinear(double srgb) { return static_cast<float>(std::pow(srgb, 2.2)); }
+// The same backwards, as a byte.
 std::uint8_t ToSrgb(float linear) {
   return static_cast<std::uint8_t>(
       std::lround(255.0f * std::pow(std::clamp(linear, 0.0f, 1.0f), 1.0f / 2.2f)));
@@ -146,7 +152,7 @@ Layer<Vector3f> MaterialColors(const simulation::Bone& bone, const MaterialMap& 
                                const Camera& camera, const DepthBuffer& depth,
                                const Layer<LocalPlane>& planes) {
   constexpr double kBelow_m = 0.3e-3;  // look up the material a little below the surface, inside the bone
-  constexpr int kReach = 5;
+  constexpr int kReach = 5;            // pixels to each side over which colours are smoothed
   std::array<Vector3f, 256> table;
   for (std::size_t i = 0; i < table.size(); ++i) {
     const Vector3 color = MaterialColor(bone, static_cast<simulation::MaterialIndex>(i));
@@ -172,7 +178,7 @@ Layer<Vector3f> MaterialColors(const simulation::Bone& bone, const MaterialMap& 
       Vector4f sum = Vector4f::Zero();
       for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, planes.height - 1); ++v)
         for (int u = left; u <= right; ++u) {
-          if (std::abs(depth.At(u, v) - z) > 1.5e-3f) continue;
+          if (std::abs(depth.At(u, v) - z) > 1.5e-3f) continue;  // another surface
           const auto weight =
               static_cast<float>((kReach + 1 - std::abs(u - x)) * (kReach + 1 - std::abs(v - y)));
           sum += weight * raw(u, v);
@@ -191,6 +197,7 @@ Camera CupCamera(const simulation::Bone& bone, const RenderParams& params) {
   const Vector3 other = std::abs(axis.x()) < 0.9 ? Vector3::UnitX() : Vector3::UnitY();
   const Vector3 u = (other - other.dot(axis) * axis).normalized(), w = axis.cross(u);
   const Vector3 side = std::cos(params.turn_rad) * u - std::sin(params.turn_rad) * w;
+  // from the cup's centre towards the eye
   const Vector3 towards = std::cos(params.tilt_rad) * axis - std::sin(params.tilt_rad) * w +
                           0.25 * std::sin(params.tilt_rad) * side;
   const double reach_m = SiteReach(bone, params.reach_in_cup_radii);
@@ -238,6 +245,7 @@ Image RenderBone(const simulation::Bone& bone, const BoneMesh& mesh, const Mater
   const Layer<Vector3f> colors = MaterialColors(bone, materials, camera, depth, planes);
 
   // light from the upper left, far enough away to be nearly parallel
+  // key: towards the light, in the camera's axes (right, up, towards the viewer)
   const Vector3f key = Vector3f(-0.55f, 0.62f, 0.56f).normalized();
   const Vector3 key_G = key.x() * camera.right + key.y() * camera.up - key.z() * camera.forward;
   const double near_m = SiteReach(bone, 3.2), far_m = 18.75 * near_m;
@@ -256,6 +264,8 @@ Image RenderBone(const simulation::Bone& bone, const BoneMesh& mesh, const Mater
       const Vector3 p_G = camera.eye + planes(x, y).z * camera.Ray(x + 0.5, y + 0.5);
       const float towards = n.dot(key);
       const float direct = towards > 0.0f ? towards * Lit(shadow, light, p_G) : 0.0f;
+      // the directional light with its gloss (Blinn's half vector), and light from all around, from above and
+      // from the viewer, which the bone around the place dims
       const float fill = 0.5f + 0.5f * n.y();
       const Vector3f half = (key + Vector3f::UnitZ()).normalized();
       const float gloss =
@@ -275,13 +285,13 @@ Image RenderBone(const simulation::Bone& bone, const BoneMesh& mesh, const Mater
         const float z = fine.At(kFine * x + s % kFine, kFine * y + s / kFine);
         Vector3f color = Vector3f::Ones();
         if (z < DepthBuffer::kNothing) {
-          float best = DepthBuffer::kNothing;
+          float nearest_m = DepthBuffer::kNothing;
           for (int v = std::max(y - 1, 0); v <= std::min(y + 1, camera.height - 1); ++v)
             for (int u = std::max(x - 1, 0); u <= std::min(x + 1, camera.width - 1); ++u) {
               // the pixel itself is preferred among neighbours on the same surface
-              const float off = std::abs(depth.At(u, v) - z) + (u == x && v == y ? 0.0f : 0.5e-3f);
-              if (depth.Seen(u, v) && off < best) {
-                best = off;
+              const float distance_m = std::abs(depth.At(u, v) - z) + (u == x && v == y ? 0.0f : 0.5e-3f);
+              if (depth.Seen(u, v) && distance_m < nearest_m) {
+                nearest_m = distance_m;
                 color = shaded(u, v);
               }
             }

@@ -6,6 +6,7 @@
 
 namespace osteon::report {
 
+/// Size of a picture [px] and direction of view.
 struct RenderParams {
   int width{860}, height{700};
   double tilt_rad{0.62};           ///< angle between the line of sight and the cup's axis

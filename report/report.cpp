@@ -50,6 +50,7 @@ std::string LimitsHtml(std::vector<LimitRow> limits) {
   return out + "</table>\n";
 }
 
+/// Makes the table of the cavity's errors, one row for each way of measuring them.
 std::string ErrorTable(const ReportFigures& figures, bool planned) {
   std::string out =
       "<table>\n<tr><th>cavity [mm]</th><th class=\"n\">mean, signed</th><th "
@@ -74,7 +75,7 @@ std::string ErrorTable(const ReportFigures& figures, bool planned) {
 std::string ErrorChart(const Section& section) {
   Series series{.color = "#0072b2", .width_px = 1.1};
   for (const ErrorSample& sample : section.samples) {
-    // a stretch that was not cut interrupts the line
+    // a stretch of more than 2° that was not cut interrupts the line
     const double angle_deg = sample.angle_rad * 180.0 / std::numbers::pi;
     if (!series.x.empty() && angle_deg - series.x.back() > 2.0) {
       series.x.push_back(angle_deg);
@@ -91,7 +92,7 @@ std::string ErrorChart(const Section& section) {
   // At the rim whole balls are removed, which gives an error of the balls' size. Such a peak must not make
   // the rest of the curve flat.
   const CavityError& error = section.error;
-  const double shown_m = 4.0 * error.p95_m;
+  const double shown_m = 4.0 * error.p95_m;  // largest error that the axis shows then
   if (shown_m > 0.0 && std::max(error.max_over_m, -error.max_under_m) > 1.5 * shown_m) {
     chart.y = NiceRange({1e3 * std::max(-shown_m, std::min(error.max_under_m, 0.0)),
                          1e3 * std::min(shown_m, error.max_over_m)},
@@ -102,6 +103,7 @@ std::string ErrorChart(const Section& section) {
   return Svg(chart);
 }
 
+/// Makes the histograms of tick and frame times, or says that virtual time has none.
 std::string TimingHtml(const ReportInput& input) {
   const std::string wakeup = WakeupHistogram(input.run), compute = ComputeHistogram(input.run);
   const std::string frame = FrameTimeHistogram(input.run);

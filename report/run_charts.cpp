@@ -42,15 +42,17 @@ std::vector<NamedSpan> PhaseSpans(const RunCurves& run, const TimeAxis& time) {
 }
 
 /// Returns a series of the given style with the points of a curve.
-Series Filled(Series series, const ThinCurve& curve, const TimeAxis& time) {
+Series WithPoints(Series series, const ThinCurve& curve, const TimeAxis& time) {
   std::tie(series.x, series.y) = curve.Columns(time.zero);
   return series;
 }
 
-std::vector<LimitLine> Mark(const TimeAxis& time) {
+/// The vertical line at time 0 with the axis's mark; none if the mark is empty.
+std::vector<LimitLine> MarkAtZero(const TimeAxis& time) {
   return time.mark.empty() ? std::vector<LimitLine>{} : std::vector<LimitLine>{{0.0, time.mark}};
 }
 
+/// Plots durations in µs on logarithmic axes; empty text if none is above 0.
 std::string LatencyHistogram(std::string title, const DurationCounts& durations) {
   Histogram histogram{
       .title = std::move(title), .x_label = "time [µs]", .log_x = true, .log_y = true, .unit = "µs"};
@@ -69,13 +71,14 @@ std::string ForceChart(const RunCurves& run, double force_limit_N, const TimeAxi
   LineChart chart{
       .x_label = time.label,
       .y_label = "force [N]",
-      .series = {Filled({.name = "hand's force (sensor)", .color = "#009e73", .width_px = 1.1}, run.hand_N,
-                        time),
-                 Filled({.name = "rendered coupling force", .color = "#0072b2"}, run.coupling_N, time),
-                 Filled({.name = "its part along the tool (resisting)", .color = "#d55e00", .width_px = 1.1},
-                        run.axial_N, time)},
+      .series = {WithPoints({.name = "hand's force (sensor)", .color = "#009e73", .width_px = 1.1},
+                            run.hand_N, time),
+                 WithPoints({.name = "rendered coupling force", .color = "#0072b2"}, run.coupling_N, time),
+                 WithPoints(
+                     {.name = "its part along the tool (resisting)", .color = "#d55e00", .width_px = 1.1},
+                     run.axial_N, time)},
       .limits = {{force_limit_N, fmt::format("limit {:g} N", force_limit_N)}},
-      .x_limits = Mark(time),
+      .x_limits = MarkAtZero(time),
       .spans = PhaseSpans(run, time),
       .zooms = true,
       .plot_height_px = 270.0};
@@ -87,9 +90,9 @@ std::string ForceChart(const RunCurves& run, double force_limit_N, const TimeAxi
       .x_label = time.label,
       .y_label = "share [%]",
       .y = Range{0.0, 105.0},
-      .series = {Filled({.name = "that the arm's torques can hold", .color = "#cc79a7", .width_px = 1.1},
-                        run.arm_percent, time),
-                 Filled({.name = "rendered", .color = "#0072b2"}, run.rendered_percent, time)},
+      .series = {WithPoints({.name = "that the arm's torques can hold", .color = "#cc79a7", .width_px = 1.1},
+                            run.arm_percent, time),
+                 WithPoints({.name = "rendered", .color = "#0072b2"}, run.rendered_percent, time)},
       .plot_height_px = 110.0};
   chart.x_label.clear();
   return Svg(std::vector<LineChart>{std::move(chart), std::move(shares)});
@@ -98,20 +101,21 @@ std::string ForceChart(const RunCurves& run, double force_limit_N, const TimeAxi
 std::string ProgressChart(const RunCurves& run) {
   const TimeAxis time = FromFirst(run);
   std::vector<LineChart> panels(2);
-  panels[0] = {.title = "Apex below the first floor",
-               .x_label = "",
-               .y_label = "depth [mm]",
-               .series = {Filled({.name = "commanded, in bone", .color = "#cc79a7", .width_px = 1.1},
-                                 run.commanded_depth_mm, time),
-                          Filled({.name = "proxy, the deepest so far", .color = "#0072b2", .width_px = 1.8},
-                                 run.depth_mm, time)},
-               .spans = PhaseSpans(run, time),
-               .zooms = true,
-               .plot_height_px = 170.0};
+  panels[0] = {
+      .title = "Apex below the first floor",
+      .x_label = "",
+      .y_label = "depth [mm]",
+      .series = {WithPoints({.name = "commanded, in bone", .color = "#cc79a7", .width_px = 1.1},
+                            run.commanded_depth_mm, time),
+                 WithPoints({.name = "proxy, the deepest so far", .color = "#0072b2", .width_px = 1.8},
+                            run.depth_mm, time)},
+      .spans = PhaseSpans(run, time),
+      .zooms = true,
+      .plot_height_px = 170.0};
   panels[1] = {.title = "Removed volume",
                .x_label = "time [s]",
                .y_label = "volume [mm³]",
-               .series = {Filled({.color = "#d55e00", .width_px = 1.8}, run.volume_mm3, time)},
+               .series = {WithPoints({.color = "#d55e00", .width_px = 1.8}, run.volume_mm3, time)},
                .plot_height_px = 170.0};
   const double end_s = run.last_tick ? time.At(*run.last_tick) : 0.0;
   if (end_s > 0.0)
@@ -125,22 +129,22 @@ std::string MotionChart(const RunCurves& run, double speed_limit_m_per_s, double
   panels[0] = {.title = "Speed of the tool's apex",
                .x_label = "",
                .y_label = "speed [mm/s]",
-               .series = {Filled({.color = "#0072b2", .width_px = 1.1}, run.speed_mm_per_s, time)},
-               .x_limits = Mark(time),
+               .series = {WithPoints({.color = "#0072b2", .width_px = 1.1}, run.speed_mm_per_s, time)},
+               .x_limits = MarkAtZero(time),
                .spans = PhaseSpans(run, time),
                .zooms = true,
                .plot_height_px = 150.0};
   panels[1] = {.title = "Commanded tool beyond its collision-free pose",
                .x_label = "",
                .y_label = "in bone [mm]",
-               .series = {Filled({.color = "#d55e00", .width_px = 1.1}, run.in_bone_mm, time)},
+               .series = {WithPoints({.color = "#d55e00", .width_px = 1.1}, run.in_bone_mm, time)},
                .plot_height_px = 130.0};
   if (std::isfinite(max_tool_in_bone_m))
     panels[1].limits = {{1e3 * max_tool_in_bone_m, fmt::format("limit {:.3g} mm", 1e3 * max_tool_in_bone_m)}};
   panels[2] = {.title = "Age of the contact model",
                .x_label = time.label,
                .y_label = "age [ms]",
-               .series = {Filled({.color = "#009e73", .width_px = 1.1}, run.model_age_ms, time)},
+               .series = {WithPoints({.color = "#009e73", .width_px = 1.1}, run.model_age_ms, time)},
                .plot_height_px = 130.0};
   if (speed_limit_m_per_s > 0.0)
     panels[0].limits = {
@@ -157,7 +161,7 @@ std::string ComplianceChart(const RunCurves& run) {
       panels.push_back({.title = title,
                         .x_label = "",
                         .y_label = label,
-                        .series = {Filled({.color = color, .width_px = 1.1}, curve, time)},
+                        .series = {WithPoints({.color = color, .width_px = 1.1}, curve, time)},
                         .zooms = true,
                         .plot_height_px = 130.0});
   };

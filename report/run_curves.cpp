@@ -7,7 +7,7 @@
 namespace osteon::report {
 namespace {
 
-constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();  // leaves a gap in a curve
 
 }  // namespace
 
@@ -43,16 +43,16 @@ void RunCurves::Add(const control::TickRecord& tick) {
 }
 
 void RunCurves::AddCompliance(const control::TickRecord& tick) {
-  const control::ComplianceRecord& c = tick.compliance;
-  if (!c.present) return;
-  const auto add = [&](ThinCurve& curve, bool& acts, const PlainVector3& way_m) {
-    const double size_mm = 1e3 * Vector3(way_m).norm();
+  const control::ComplianceRecord& record = tick.compliance;
+  if (!record.present) return;
+  const auto add = [&](ThinCurve& curve, bool& acts, const PlainVector3& displacement_m) {
+    const double size_mm = 1e3 * Vector3(displacement_m).norm();
     curve.Add(tick.stamp, size_mm);
     acts |= size_mm > 0.0;
   };
-  add(bend_mm, bends, c.bend_m);
-  add(layer_mm, has_layer, c.layer_m);
-  add(mount_mm, mount_moves, c.mount_m);
+  add(bend_mm, bends, record.bend_m);
+  add(layer_mm, has_layer, record.layer_m);
+  add(mount_mm, mount_moves, record.mount_m);
 }
 
 void RunCurves::Add(const simulation::FrameRecord& record) {

@@ -36,7 +36,9 @@ struct RunCurves {
   // of the ticks
   std::optional<rt::Nanoseconds> first_tick, last_tick;  ///< stamps
   std::vector<PhaseStretch> phases;
-  ThinCurve coupling_N, axial_N, hand_N;  ///< NaN if nothing was computed
+  /// Sizes of the coupling's and the hand's force; axial: the coupling's part that resists the feed. NaN if
+  /// nothing was computed.
+  ThinCurve coupling_N, axial_N, hand_N;
   /// The fractions of the coupling's wrench that are rendered, and that the arm's torques can hold.
   ThinCurve rendered_percent, arm_percent;
   ThinCurve speed_mm_per_s, in_bone_mm, model_age_ms;
@@ -47,13 +49,13 @@ struct RunCurves {
   ThinCurve bend_mm, layer_mm, mount_mm;
   bool bends{false}, has_layer{false}, mount_moves{false};  ///< in any tick
   bool wrench_cut{false};  ///< limits reduced the wrench in some tick; if not, rendered_percent stays 100
-  DurationCounts wakeup, compute;
+  DurationCounts wakeup, compute;  ///< from the arm's message to the wake-up, and from there to the answer
 
   // of the frames
   std::optional<rt::Nanoseconds> first_frame;  ///< stamp
   ThinCurve depth_mm, volume_mm3;              ///< depth: NaN before the first touch
-  bool touched{false};
-  DurationCounts frame;  ///< time to compute a frame
+  bool touched{false};                         ///< the tool has met bone in some frame
+  DurationCounts frame;                        ///< time to compute a frame
 
  private:
   void AddCompliance(const control::TickRecord& tick);

@@ -15,14 +15,14 @@ using simulation::Bone;
 /// accurate near zero.
 PlanarGrid SliceField(const std::vector<Ball>& balls, const SectionPlane& plane, const Vector2& min,
                       const Vector2& max, double step_m) {
-  const double far_m = 2.0 * step_m;
+  const double far_m = 2.0 * step_m;  // the value of nodes that no circle is near to
   PlanarGrid grid(min, max, step_m, static_cast<float>(far_m));
   const Vector3 normal = plane.u.cross(plane.v);
   for (const Ball& ball : balls) {
     const Vector3 center = ball.center_m;
-    const double off_m = (center - plane.origin).dot(normal);
-    if (!(std::abs(off_m) < ball.radius_m)) continue;
-    const double radius_m = std::sqrt(ball.radius_m * ball.radius_m - off_m * off_m);
+    const double from_plane_m = (center - plane.origin).dot(normal);
+    if (!(std::abs(from_plane_m) < ball.radius_m)) continue;
+    const double radius_m = std::sqrt(ball.radius_m * ball.radius_m - from_plane_m * from_plane_m);
     const Vector2 c = plane.Project(center);
     const Vector2 low = (c - min) / step_m - Vector2::Constant(radius_m / step_m + 2.0);
     const Vector2 high = (c - min) / step_m + Vector2::Constant(radius_m / step_m + 2.0);
@@ -49,12 +49,12 @@ PlanarGrid SweptField(const SweptTool& swept, const SectionPlane& plane, const V
     for (int i0 = 0; i0 < grid.nx; i0 += kBlock) {
       const double half = 0.5 * (kBlock - 1) * step_m;
       const Vector2 middle = grid.Node(i0, j0) + Vector2::Constant(half);
-      const double there = swept.SignedDistance(plane.Point(middle));
-      const bool clear = std::abs(there) > std::numbers::sqrt2 * half + 2.0 * step_m;
+      const double middle_m = swept.SignedDistance(plane.Point(middle));
+      const bool is_far = std::abs(middle_m) > std::numbers::sqrt2 * half + 2.0 * step_m;
       for (int j = j0; j < std::min(j0 + kBlock, grid.ny); ++j)
         for (int i = i0; i < std::min(i0 + kBlock, grid.nx); ++i)
           grid.At(i, j) =
-              static_cast<float>(clear ? there : swept.SignedDistance(plane.Point(grid.Node(i, j))));
+              static_cast<float>(is_far ? middle_m : swept.SignedDistance(plane.Point(grid.Node(i, j))));
     }
   }
   return grid;
@@ -70,18 +70,18 @@ std::vector<MaterialRegion> MaterialRegions(const Bone& bone, const SectionPlane
   const MaterialMap map(bone.points, solid);
   const PlanarGrid shape(min, max, step_m, 0.0f);
   std::vector<int> label(shape.values.size(), -1);
-  int greatest = -1;
+  int max_material = -1;
   for (int j = 0; j < shape.ny; ++j)
     for (int i = 0; i < shape.nx; ++i) {
       const auto material = map.At(plane.Point(shape.Node(i, j)));
       if (!material) continue;
       label[static_cast<std::size_t>(j) * shape.nx + i] = *material;
-      greatest = std::max(greatest, static_cast<int>(*material));
+      max_material = std::max(max_material, static_cast<int>(*material));
     }
   // fraction of each material around each node
   constexpr int kReach = 2;
   const std::size_t nodes = shape.values.size();
-  std::vector<std::vector<float>> share(static_cast<std::size_t>(greatest + 1),
+  std::vector<std::vector<float>> share(static_cast<std::size_t>(max_material + 1),
                                         std::vector<float>(nodes, 0.0f));
   for (int j = 0; j < shape.ny; ++j)
     for (int i = 0; i < shape.nx; ++i)
@@ -93,15 +93,17 @@ std::vector<MaterialRegion> MaterialRegions(const Bone& bone, const SectionPlane
           if (material >= 0)
             share[material][static_cast<std::size_t>(j) * shape.nx + i] += static_cast<float>(weight);
         }
-  // a material lies where its fraction is greatest; regions extend a little, so that neighbours leave no seam
-  constexpr float kOverlap = 1.0f;
-  for (int material = 0; material <= greatest; ++material) {
+  // a material lies where its fraction is max_material; regions extend a little, so that neighbours leave no
+  // seam
+  constexpr float kOverlap = 1.0f;  // in units of the weights above
+  for (int material = 0; material <= max_material; ++material) {
     PlanarGrid field(min, max, step_m, 1.0f);
     for (std::size_t node = 0; node < nodes; ++node) {
-      float other = 0.0f;
-      for (int k = 0; k <= greatest; ++k)
-        if (k != material) other = std::max(other, share[k][node]);
-      field.values[node] = share[material][node] > 0.0f ? other - share[material][node] - kOverlap : 1.0f;
+      float largest_other = 0.0f;
+      for (int k = 0; k <= max_material; ++k)
+        if (k != material) largest_other = std::max(largest_other, share[k][node]);
+      field.values[node] =
+          share[material][node] > 0.0f ? largest_other - share[material][node] - kOverlap : 1.0f;
     }
     field.CloseBorder(1.0f);
     MaterialRegion region{.material = static_cast<simulation::MaterialIndex>(material)};
@@ -154,6 +156,7 @@ std::vector<ErrorSample> MeasureOutline(const std::vector<Polyline>& lines, cons
   return samples;
 }
 
+/// Simplify for each of the lines.
 std::vector<Polyline> SimplifyAll(const std::vector<Polyline>& lines, double tolerance_m) {
   std::vector<Polyline> out;
   for (const Polyline& line : lines) out.push_back(Simplify(line, tolerance_m));
@@ -189,6 +192,7 @@ CavityError SummarizeErrors(std::span<const ErrorSample> samples) {
 
 namespace {
 
+// The space swept by the earlier tools and by this one.
 SweptTool SweptByAll(const simulation::Tool& tool, std::span<const Pose> X_GP,
                      std::span<const simulation::ToolPath> earlier) {
   std::vector<simulation::ToolPath> all(earlier.begin(), earlier.end());
@@ -210,7 +214,7 @@ SectionPlane ChooseSectionPlane(const Bone& bone, const simulation::Tool& tool, 
       if (from.dot(plane.v) < head->radius_m && off.norm() > farthest.norm()) farthest = off;
     }
   }
-  constexpr double kNoticeable_m = 0.2e-3;
+  constexpr double kNoticeable_m = 0.2e-3;  // a path nearer to the axis does not choose the plane
   if (farthest.norm() < kNoticeable_m) {
     const Vector3 other = std::abs(plane.v.x()) < 0.9 ? Vector3::UnitX() : Vector3::UnitY();
     farthest = other - other.dot(plane.v) * plane.v;
@@ -281,7 +285,7 @@ CavityError CavityErrorByDirection(const Bone& bone, const simulation::CarvedSta
   const BallField before(bone.balls), left(CarvedBalls(bone, after));
   const SectionPlane plane = ChooseSectionPlane(bone, tool, X_GP);
   const Vector3 w = plane.u.cross(plane.v), origin = DeepestHead(bone, *head, X_GP);
-  constexpr double kEnd_m = 1e-7;
+  constexpr double kEnd_m = 1e-7;  // accuracy with which the end of the swept volume is found
 
   std::vector<ErrorSample> samples;
   int open = 0;

@@ -54,13 +54,15 @@ struct ErrorSample {
 /// Mean, percentile and extremes of samples, by their weights.
 [[nodiscard]] CavityError SummarizeErrors(std::span<const ErrorSample> samples);
 
+/// The region of a material in the plane.
 struct MaterialRegion {
   simulation::MaterialIndex material{0};
   std::vector<Polyline> outline{};
 };
 
+/// Settings of a section and of the error measured in it.
 struct SectionParams {
-  double step_m{0.1e-3};
+  double step_m{0.1e-3};  ///< of the grid on which outlines are found
   double margin_m{6e-3};  ///< around the bone
   /// The drawing's window reaches at most this far from the cup's centre, sideways and down, so that the cup
   /// of a whole hip is not small; farther down only if the tool came deeper.
@@ -73,6 +75,7 @@ struct SectionParams {
   std::span<const simulation::ToolPath> earlier{};  ///< tools that cut before this one
 };
 
+/// Outlines in the plane, and the error along the cut one. Lengths in metres.
 struct Section {
   SectionPlane plane;
   Vector2 min{Vector2::Zero()}, max{Vector2::Zero()};  ///< the window of the drawing [m]

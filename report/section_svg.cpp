@@ -12,8 +12,9 @@
 namespace osteon::report {
 namespace {
 
-constexpr const char* kBoneTint = "#efe6da";
+constexpr const char* kBoneTint = "#efe6da";  // of bone whose material is not known
 
+/// Makes the data of a <path> from lines in metres; the area's axes are in millimetres.
 std::string PathData(const std::vector<Polyline>& lines, const PlotArea& area) {
   std::string path;
   for (const Polyline& line : lines) {
@@ -27,6 +28,7 @@ std::string PathData(const std::vector<Polyline>& lines, const PlotArea& area) {
   return path;
 }
 
+/// Makes a <path> of lines in metres; empty text if there is no line. @param style  its SVG attributes
 std::string Path(const std::vector<Polyline>& lines, const PlotArea& area, std::string_view style) {
   if (lines.empty()) return {};
   return fmt::format("<path d=\"{}\" {}/>\n", PathData(lines, area), style);
@@ -60,8 +62,9 @@ std::vector<LegendEntry> Legend(const Section& section, const simulation::Bone& 
   return legend;
 }
 
-std::string Draw(const Section& section, const simulation::Bone& bone, const Window& window,
-                 double width_px) {
+/// Draws the part of a section that is in the window.
+std::string DrawWindow(const Section& section, const simulation::Bone& bone, const Window& window,
+                       double width_px) {
   // equal axes: the height follows from the width
   PlotArea area{.x = {1e3 * window.min.x(), 1e3 * window.max.x()},
                 .y = {1e3 * window.min.y(), 1e3 * window.max.y()}};
@@ -115,14 +118,14 @@ std::string Draw(const Section& section, const simulation::Bone& bone, const Win
 }  // namespace
 
 std::string SectionSvg(const Section& section, const simulation::Bone& bone, double width_px) {
-  return Draw(section, bone, {section.min, section.max, ""}, width_px);
+  return DrawWindow(section, bone, {section.min, section.max, ""}, width_px);
 }
 
 std::string SectionDetailSvg(const Section& section, const simulation::Bone& bone, double width_px) {
   if (!(section.head_radius_m > 0.0)) return {};
   // the centre is the place of the head's apex or, if the apex was in the air, the middle of the cut
   if (section.samples.empty()) return {};
-  constexpr double kUnderTheApex_rad = 0.08;
+  constexpr double kUnderTheApex_rad = 0.08;  // a sample at most this far from the axis was cut by the apex
   const bool at_apex =
       std::any_of(section.samples.begin(), section.samples.end(),
                   [](const ErrorSample& sample) { return std::abs(sample.angle_rad) < kUnderTheApex_rad; });
@@ -130,8 +133,9 @@ std::string SectionDetailSvg(const Section& section, const simulation::Bone& bon
                                  : section.samples[section.samples.size() / 2].place_m;
   const double half_m = 0.16 * section.head_radius_m;
   const Vector2 low = middle - Vector2(half_m, 0.3 * half_m), high = middle + Vector2(half_m, 0.3 * half_m);
-  return Draw(section, bone,
-              {low, high, at_apex ? "Detail at the deepest place" : "Detail of the cut", false}, width_px);
+  return DrawWindow(section, bone,
+                    {low, high, at_apex ? "Detail at the deepest place" : "Detail of the cut", false},
+                    width_px);
 }
 
 }  // namespace osteon::report

@@ -12,6 +12,8 @@
 namespace osteon::report {
 namespace {
 
+/// The place of a value in a range, 0 at its min and 1 at its max. On a logarithmic axis, values below a
+/// thousandth of min, also 0 and negative ones, count as that.
 double Share(double value, Range range, bool log) {
   if (log) {
     const double floor_value = std::max(value, range.min * 1e-3);
@@ -119,7 +121,7 @@ double WidestLabel(const Ticks& ticks) {
 }
 
 void SpreadLabels(const PlotArea& area, Ticks& x) {
-  double free_from = -1e9;
+  double free_from = -1e9;  // x after the last label that stays [px]
   for (std::size_t i = 0; i < x.at.size(); ++i) {
     if (x.labels[i].empty()) continue;
     const double half = TextWidth(x.labels[i], kFontPx) / 2;

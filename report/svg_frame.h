@@ -10,9 +10,9 @@
 
 namespace osteon::report {
 
-inline constexpr double kFontPx = 12.5;
-inline constexpr double kTitlePx = 14.5;
-inline constexpr double kLegendRowPx = 20.0;
+inline constexpr double kFontPx = 12.5;       ///< font size of texts
+inline constexpr double kTitlePx = 14.5;      ///< font size of titles
+inline constexpr double kLegendRowPx = 20.0;  ///< from one row of a legend to the next
 /// Height of the strip for the names of spans; also the width of a turned axis label.
 inline constexpr double kLabelStripPx = 19.0;
 
@@ -37,15 +37,17 @@ struct PlotArea {
   Range x{}, y{};
   bool log_x{false}, log_y{false};
 
+  /// The place of a value on the axis [px].
   [[nodiscard]] double X(double value) const;
   [[nodiscard]] double Y(double value) const;
 };
 
 /// Draws the grid lines and the frame around the area, below the data.
 [[nodiscard]] std::string DrawGrid(const PlotArea& area, const Ticks& x, const Ticks& y);
-/// Draws the texts of the ticks and the axis labels, above the data. `y_label_x` is the middle of the turned
-/// y label, or of its last line if it wraps (AxisLabelLines).
+/// Draws the marks of the ticks and their texts, above the data.
 [[nodiscard]] std::string DrawTickTexts(const PlotArea& area, const Ticks& x, const Ticks& y);
+/// Draws the axes' labels. @param x_label_y  baseline of the x label  @param y_label_x  middle of the turned
+/// y label, or of its last line if it wraps (AxisLabelLines)
 [[nodiscard]] std::string DrawAxisLabels(const PlotArea& area, std::string_view x_label, double x_label_y,
                                          std::string_view y_label, double y_label_x);
 /// Wraps a y label for an area of that height.
@@ -68,6 +70,7 @@ struct LegendEntry {
   Marker marker{Marker::kNone};  ///< over the line
 };
 
+/// Drawn elements and the height that they take.
 struct LegendBlock {
   std::string svg{};
   double height_px{0.0};

@@ -60,9 +60,10 @@ std::string Svg(const Histogram& histogram, double width_px) {
   }
   const int bins = std::max(1, histogram.bins);
   std::vector<std::uint64_t> counts(static_cast<std::size_t>(bins), 0);
-  const PlotArea unit{.width = static_cast<double>(bins), .x = area.x, .log_x = log_x};
+  // maps a value to its bin: an area with one pixel for each bin
+  const PlotArea bin_axis{.width = static_cast<double>(bins), .x = area.x, .log_x = log_x};
   for (const auto& [value, times] : values) {
-    const double at = log_x && !(value > 0.0) ? 0.0 : unit.X(value);
+    const double at = log_x && !(value > 0.0) ? 0.0 : bin_axis.X(value);
     counts[static_cast<std::size_t>(std::clamp(static_cast<int>(at), 0, bins - 1))] += times;
   }
   const double highest =

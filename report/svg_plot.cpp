@@ -16,6 +16,7 @@ namespace {
 /// Number of columns per pixel in which the curves of a plot that can zoom keep their points.
 constexpr int kZoomDetail = 4;
 
+/// The range of the finite values that were added.
 struct Extent {
   double min{std::numeric_limits<double>::infinity()}, max{-std::numeric_limits<double>::infinity()};
   void Add(double value) {
@@ -33,6 +34,7 @@ Range LogRange(const Extent& extent) {
   return {extent.min / kMargin, extent.max * kMargin};
 }
 
+/// Returns the x range of all panels: the first that a panel gives, else that of all their data.
 Range CommonXRange(std::span<const LineChart> panels) {
   Extent extent;
   for (const LineChart& panel : panels) {
@@ -68,12 +70,13 @@ Range YRange(const LineChart& panel, int max_ticks) {
   return NiceRange({extent.min, extent.max}, max_ticks);
 }
 
+/// Draws the line of a series; it is interrupted at points that are not finite.
 std::string DrawSeries(const PlotArea& area, const Series& series, const std::string& color, bool zooms) {
   if (!(series.width_px > 0.0)) return {};
   std::string path;
   bool any = false;
   const int columns = std::max(1, static_cast<int>(area.width)) * (zooms ? kZoomDetail : 1);
-  // columns of pixels are evenly spaced in the logarithm if the axis is logarithmic
+  // thin the points by columns of pixels, which a logarithmic axis spaces evenly in the logarithm
   std::vector<double> at = series.x;
   Range range = area.x;
   if (area.log_x) {
@@ -104,6 +107,7 @@ std::string DrawSeries(const PlotArea& area, const Series& series, const std::st
                      series.opacity < 1.0 ? fmt::format(R"( opacity="{:.2f}")", series.opacity) : "");
 }
 
+/// Whether a point lies within the area's axes.
 bool IsDrawable(const PlotArea& area, double x, double y) {
   const auto within = [](double value, Range range) { return value >= range.min && value <= range.max; };
   return within(x, area.x) && within(y, area.y) && (!area.log_x || x > 0.0) && (!area.log_y || y > 0.0);
@@ -116,6 +120,7 @@ std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::
   if (std::ranges::none_of(panel.series, [](const Series& series) { return series.marker != Marker::kNone; }))
     return out;
   LabelPlacer labels(area);
+  // names must not cover limits and lines
   for (const LimitLine& limit : panel.limits)
     if (limit.value > area.y.min && limit.value < area.y.max)
       labels.BlockLine(area.left, area.Y(limit.value), area.left + area.width, area.Y(limit.value));
@@ -128,11 +133,12 @@ std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::
       if (IsDrawable(area, series.x[i - 1], series.y[i - 1]) && IsDrawable(area, series.x[i], series.y[i]))
         labels.BlockLine(area.X(series.x[i - 1]), area.Y(series.y[i - 1]), area.X(series.x[i]),
                          area.Y(series.y[i]));
-  std::vector<std::size_t> order(panel.series.size());
+  std::vector<std::size_t> order(panel.series.size());  // indices of the series, pale ones first
   for (std::size_t s = 0; s < order.size(); ++s) order[s] = s;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return panel.series[a].opacity < panel.series[b].opacity;
   });
+  // calls body(series, its index, the point's index, x, y in pixels) for each point that has a marker
   const auto for_each_point = [&](const auto& body) {
     for (const std::size_t s : order) {
       const Series& series = panel.series[s];
@@ -197,6 +203,7 @@ struct XLimits {
   std::string lines, names;
 };
 
+/// Draws the panel's vertical limits that are within the area.
 XLimits DrawXLimits(const PlotArea& area, const LineChart& panel) {
   XLimits out;
   for (const LimitLine& limit : panel.x_limits) {
@@ -216,7 +223,7 @@ std::string DrawLimits(const PlotArea& area, std::vector<LimitLine> limits) {
     return !(limit.value >= area.y.min && limit.value <= area.y.max);
   });
   std::sort(limits.begin(), limits.end(), [](const auto& a, const auto& b) { return a.value > b.value; });
-  double free_from = -1e9;
+  double free_from = -1e9;  // first baseline below the last name [px]
   for (const LimitLine& limit : limits) {
     const double y = area.Y(limit.value), right = area.left + area.width;
     out += SvgLine(area.left, y, right, y, kLimitColor, 1.4, "7 4");
@@ -227,13 +234,14 @@ std::string DrawLimits(const PlotArea& area, std::vector<LimitLine> limits) {
   return out;
 }
 
+/// The layout of a panel, which is known before it is drawn.
 struct PanelPlan {
   PlotArea area;
   Ticks y_ticks;
   std::vector<LegendEntry> legend;
   std::vector<std::string> colors;
   bool strip{false};  ///< at least one span is wide enough for its name
-  bool data{false};
+  bool data{false};   ///< a series has a finite point
 };
 
 // A panel that the page's script (scripts/plot_cursor.js) can zoom is <g class="panel"> with the pixels of
@@ -241,6 +249,7 @@ struct PanelPlan {
 // them. To zoom, the script changes the viewBox of this <svg>, makes new lines of .x-grid and new texts of
 // .x-texts, and hides .x-names.
 
+/// Opens the <g class="panel">.
 std::string BeginZoomPanel(const PlotArea& area) {
   return fmt::format(
       "<g class=\"panel\" data-area=\"{:.2f} {:.2f} {:.2f} {:.2f}\" data-x=\"{:.9g} {:.9g}\" "
@@ -248,6 +257,7 @@ std::string BeginZoomPanel(const PlotArea& area) {
       area.left, area.top, area.width, area.height, area.x.min, area.x.max, area.y.min, area.y.max);
 }
 
+/// Opens the <svg class="data"> over the area.
 std::string BeginZoomData(const PlotArea& area) {
   return fmt::format(
       "<svg class=\"data\" x=\"{0:.2f}\" y=\"{1:.2f}\" width=\"{2:.2f}\" height=\"{3:.2f}\" "
@@ -307,7 +317,7 @@ LegendBlock DrawPanels(std::span<const LineChart> panels, double width_px) {
                                .marker = series.marker});
       plan.data |= std::any_of(series.y.begin(), series.y.end(), [](double y) { return std::isfinite(y); });
     }
-    std::vector<std::string> named;
+    std::vector<std::string> named;  // spans that the legend has already
     for (const NamedSpan& span : panel.spans) {
       const double pixels = plan.area.X(std::min(span.end, x.max)) - plan.area.X(std::max(span.begin, x.min));
       if (TextWidth(span.name, kFontPx) + 8.0 <= pixels) {

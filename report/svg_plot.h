@@ -21,6 +21,7 @@
 
 namespace osteon::report {
 
+/// A curve or a set of points.
 struct Series {
   std::string name{};
   std::vector<double> x{}, y{};  ///< same length; non-finite points leave a gap
@@ -47,6 +48,7 @@ struct NamedSpan {
   std::string color{"#f1e4c8"};
 };
 
+/// One panel: series over common axes, with limits and named spans.
 struct LineChart {
   std::string title{};
   std::string x_label{}, y_label{};  ///< with unit, e.g. "time [s]"
@@ -79,6 +81,7 @@ struct LineChart {
 [[nodiscard]] std::string SvgGrid(std::span<const LineChart> panels, int columns, const std::string& title,
                                   const std::vector<LegendEntry>& legend, double width_px);
 
+/// Counts of values, as bars.
 struct Histogram {
   std::string title{};
   std::string x_label{};               ///< with unit

@@ -9,9 +9,9 @@
 namespace osteon::report {
 namespace {
 
-constexpr double kMaxPixels = 100e6;
+constexpr double kMaxPixels = 100e6;  // a larger picture is refused
 
-// Cairo's pixels are native-endian words xRGB.
+// Copies the pixels of a Cairo surface, which are native-endian words xRGB.
 Image FromSurface(cairo_surface_t* surface) {
   cairo_surface_flush(surface);
   Image image{.width = cairo_image_surface_get_width(surface),
@@ -28,7 +28,8 @@ Image FromSurface(cairo_surface_t* surface) {
   return image;
 }
 
-std::string Taken(GError* error, const char* fallback) {
+// Returns a message with the error's text, and frees the error. @param fallback  text if there is no error
+std::string TakeMessage(GError* error, const char* fallback) {
   std::string text = error != nullptr ? error->message : fallback;
   if (error != nullptr) g_error_free(error);
   return "svg: " + text;
@@ -43,7 +44,7 @@ tl::expected<Image, std::string> Rasterise(const std::string& svg, double scale)
   const std::unique_ptr<RsvgHandle, void (*)(void*)> handle(
       rsvg_handle_new_from_data(reinterpret_cast<const guint8*>(svg.data()), svg.size(), &error),
       g_object_unref);
-  if (!handle) return tl::unexpected(Taken(error, "no document"));
+  if (!handle) return tl::unexpected(TakeMessage(error, "no document"));
   double width = 0.0, height = 0.0;
   if (rsvg_handle_get_intrinsic_size_in_pixels(handle.get(), &width, &height) == FALSE)
     return tl::unexpected(std::string("svg: found no size in pixels"));
@@ -61,7 +62,7 @@ tl::expected<Image, std::string> Rasterise(const std::string& svg, double scale)
   cairo_paint(cairo.get());
   const RsvgRectangle viewport{.x = 0.0, .y = 0.0, .width = width, .height = height};
   if (rsvg_handle_render_document(handle.get(), cairo.get(), &viewport, &error) == FALSE)
-    return tl::unexpected(Taken(error, "it can't be drawn"));
+    return tl::unexpected(TakeMessage(error, "it can't be drawn"));
   if (cairo_status(cairo.get()) != CAIRO_STATUS_SUCCESS)
     return tl::unexpected(std::string("svg: ") + cairo_status_to_string(cairo_status(cairo.get())));
   return FromSurface(surface.get());

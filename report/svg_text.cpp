@@ -11,9 +11,9 @@
 namespace osteon::report {
 namespace {
 
-constexpr std::string_view kReplacement = "\xEF\xBF\xBD";
+constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD in UTF-8
 
-/// Width of one character in em.
+/// Upper estimate of a character's width in em, by DejaVu Sans; `c` is its first byte in UTF-8.
 double CharacterWidth(unsigned char c) {
   constexpr std::string_view narrow = "iljftrI.,:;'|!()[]/ -";
   constexpr std::string_view wide = "mwMW@%";

@@ -10,11 +10,13 @@
 namespace osteon::report {
 namespace {
 
+// Whether a range is finite and wider than rounding.
 bool Usable(Range range) {
   return std::isfinite(range.min) && std::isfinite(range.max) && range.max > range.min &&
          range.max - range.min > 1e-12 * std::max(std::abs(range.min), std::abs(range.max));
 }
 
+// Formats a tick of a logarithmic axis: as a plain number from 0.001 to 1e8, else with an exponent.
 std::string PowerLabel(double value) {
   if (value >= 1e-3 && value < 1e8)
     return Number(value, value >= 1.0 ? 0 : static_cast<int>(std::ceil(-std::log10(value) - 1e-9)));
@@ -58,6 +60,7 @@ Ticks LogTicks(Range range, int max_count) {
   const int last = static_cast<int>(std::floor(std::log10(range.max) + 1e-9));
   const int first_power = static_cast<int>(std::ceil(std::log10(range.min) - 1e-9));
   const int powers = std::max(last - first_power + 1, 1);
+  // if there are too many powers, only every n-th power has a text, and no marks lie between powers
   const int every = std::max(1, (powers + max_count - 1) / std::max(max_count, 1));
   for (int exponent = first; exponent <= last; ++exponent) {
     for (const double factor : {1.0, 2.0, 5.0}) {

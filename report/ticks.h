@@ -31,6 +31,7 @@ struct Ticks {
 /// Returns the smallest range with ends on ticks that contains `range`; a range of zero width is widened.
 [[nodiscard]] Range NiceRange(Range range, int max_count);
 
+/// A point in the data's units or in pixels.
 struct PlotPoint {
   double x, y;
 };

@@ -66,7 +66,7 @@ class LimitCounts {
  public:
   void Count(LimitSet acting) noexcept {
     for (std::uint32_t bits = acting.bits(); bits != 0; bits &= bits - 1) {
-      const auto at = static_cast<std::size_t>(std::countr_zero(bits));
+      const auto at = static_cast<std::size_t>(std::countr_zero(bits));  // the limit's number
       LimitCount& count = counts_[at];
       ++count.ticks;
       if (!before_.Has(static_cast<Limit>(at))) {
@@ -84,7 +84,7 @@ class LimitCounts {
  private:
   std::array<LimitCount, kLimitCount> counts_{};
   std::array<std::uint64_t, kLimitCount> run_{};  // length of the current run
-  LimitSet before_;
+  LimitSet before_;                               // the limits that acted in the previous tick
 };
 
 }  // namespace osteon::safety

@@ -11,6 +11,7 @@ using enum CellState;
 using Event = CellEvent;
 using Action = CellAction;
 
+// One transition of the table.
 struct Rule {
   CellState from;
   CellEvent event;
@@ -96,6 +97,7 @@ constexpr Rule kRules[] = {
 constexpr std::size_t IndexOf(CellState state) { return static_cast<std::size_t>(state); }
 constexpr std::size_t IndexOf(CellEvent event) { return static_cast<std::size_t>(event); }
 
+// Makes the whole table: every cell stays in its state unless a rule says otherwise.
 constexpr CellTable MakeTable() {
   CellTable table{};
   for (std::size_t s = 0; s < table.size(); ++s)
@@ -116,6 +118,7 @@ constexpr bool HoldsForAllTransitions(Holds&& holds) {
   return true;
 }
 
+// Whether no two rules are for the same state and event.
 constexpr bool IsEachRuleUnique() {
   for (std::size_t i = 0; i < std::size(kRules); ++i)
     for (std::size_t j = 0; j < i; ++j)

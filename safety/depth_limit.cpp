@@ -12,6 +12,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMaxDampingShare = 0.25;  // largest damping force over the spring's force, as for a contact
 
+// Returns the parameters; throws as Validate if the limit acts and a value is out of range.
 DepthLimitParams Validated(const DepthLimitParams& params) {
   if (params.acts) Validate(params);
   return params;

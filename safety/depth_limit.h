@@ -54,7 +54,7 @@ class DepthLimit {
  private:
   DepthLimitParams params_;
   double distance_m_;
-  bool retract_{false};
+  bool retract_{false};  // the spindle is off until the tool has been retracted to soft_m
 };
 
 /// The bound as a zone of the workspace.

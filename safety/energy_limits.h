@@ -45,6 +45,7 @@ void Validate(const EnergyLimitParams& params);
 [[nodiscard]] inline double PowerScale(double power_without_W, double power_with_W,
                                        double max_power_W) OSTEON_RT {
   if (!(power_with_W > max_power_W)) return 1.0;
+  // the positive root s of s (p_0 + s (p_1 - p_0)) = max
   const double own_W = power_with_W - power_without_W;
   const double root_W = std::sqrt(power_without_W * power_without_W + 4.0 * own_W * max_power_W);
   return 2.0 * max_power_W / (power_without_W + root_W);

@@ -77,6 +77,7 @@ class ForceLimitReaction {
   ForceLimitReactionParams params_;
   double deceleration_m_per_s2_, period_s_;
   Vector3 into_bone_W_{Vector3::Zero()};  // unit, zero without contact
+  // the tool from its collision-free pose; v_max; time for which a limit has reduced the coupling
   double depth_m_{0.0}, allowed_m_per_s_{0.0}, saturated_s_{0.0};
   bool saturated_{false};
 };

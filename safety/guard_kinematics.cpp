@@ -12,6 +12,7 @@ namespace {
 constexpr double kUnitTolerance = 1e-6;  // tolerance of the length of an axis or a rotation's column
 constexpr std::size_t kElbow = 3;        // A4
 
+// Throws std::invalid_argument unless X has a finite position and a rotation. @param name  for the message
 void RequirePose(const Pose& X, const std::string& name) {
   const Matrix3 R = X.linear();
   const bool rotation = (R * R.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff() < kUnitTolerance &&

@@ -17,10 +17,12 @@ constexpr double kRest_rad_per_s = 1e-3;   // the arm stands if slower than this
 constexpr double kRest_N = 1e-3;           // a smaller added wrench or torque counts as zero
 constexpr double kNormalTolerance = 1e-6;  // tolerance of the length of a direction
 // Damping of the least squares for the hand's force. Near singular postures the estimated force is too small.
-constexpr double kDamping = 1e-4;
+constexpr double kDamping = 1e-4;  // added to the diagonal of J J^T
 
+// By how much the counter a is ahead of b, also where it has wrapped around; negative: behind.
 std::int32_t Ahead(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b); }
 
+// Whether the arm takes joint positions from the controller in this state.
 bool Commanded(GuardSession session) { return session >= GuardSession::kWaiting; }
 
 }  // namespace
@@ -214,6 +216,7 @@ GuardReason GuardMonitor::CheckCommand(const GuardCommand& command) OSTEON_RT {
   const double time_s = periods * params_.period_s;
   if (const GuardReason reason = CheckJoints(q, time_s); reason.finding != GuardFinding::kNone) return reason;
   if (const GuardReason reason = CheckTool(q, time_s); reason.finding != GuardFinding::kNone) return reason;
+  // whether the controller adds a force or torque to the motion
   const auto adds = [](const auto& values) {
     return values &&
            std::any_of(values->begin(), values->end(), [](double x) { return std::abs(x) > kRest_N; });

@@ -44,6 +44,7 @@ struct GuardParams {
   double silence_s{0.05};      ///< longest time without an answer, else the motion request is withdrawn; > 0
 };
 
+/// State of the arm's session, as its message reports it.
 enum class GuardSession : std::uint8_t {
   kIdle,
   kMonitoring,
@@ -72,12 +73,14 @@ struct GuardCommand {
   bool cartesian{false};                          ///< also commands a Cartesian pose
 };
 
+/// What becomes of a message.
 enum class GuardDecision : std::uint8_t {
   kPass,      ///< forward to the other side
   kDrop,      ///< do not forward: a duplicate, late or overtaken. Nothing is latched
   kWithhold,  ///< the motion request is withdrawn; latched
 };
 
+/// Numbers of messages by what became of them.
 struct GuardCounters {
   std::uint64_t passed{0};       ///< answers that may go on to the arm
   std::uint64_t late{0};         ///< answers to an older message than the newest, or too old
@@ -157,7 +160,7 @@ class GuardMonitor {
       if (!std::isfinite(q[i])) return i + 1;
     return 0;
   }
-  // guard_rules.cpp
+  // In guard_rules.cpp. time_s: since the last command. kNone if nothing is wrong.
   [[nodiscard]] GuardReason CheckJoints(const Joints& q, double time_s) const OSTEON_RT;
   [[nodiscard]] GuardReason CheckTool(const Joints& q, double time_s) OSTEON_RT;
   [[nodiscard]] GuardReason CheckPlacement(const GuardKinematics::Placement& arm) OSTEON_RT;
@@ -167,9 +170,11 @@ class GuardMonitor {
   void CheckHandForce(const GuardArmMessage& message) OSTEON_RT;
   bool IsFresh(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT;
   [[nodiscard]] GuardReason CheckCommand(const GuardCommand& command) OSTEON_RT;
+  // Whether every joint is within tolerance_rad of q_start; true without a q_start.
   [[nodiscard]] bool AtStart(const Joints& q) const OSTEON_RT;
   // Each joint moves from the last command toward its measured position, at most up to it.
   [[nodiscard]] bool Relaxes(const Joints& q) const OSTEON_RT;
+  // Keeps the first finding; later ones change nothing.
   void Latch(const GuardReason& reason) OSTEON_RT;
 
   GuardParams params_;
@@ -180,7 +185,7 @@ class GuardMonitor {
   GuardArmMessage arm_message_;  // the newest
   rt::Nanoseconds arm_arrival_{0};
   bool has_arm_{false};
-  int hand_force_messages_{0};
+  int hand_force_messages_{0};  // messages in a row beyond max_hand_force_N
 
   bool answered_{false};  // the newest message of this session or an earlier one has an answer
   std::uint32_t answered_message_{0}, command_sequence_{0};
@@ -188,7 +193,7 @@ class GuardMonitor {
   bool rests_{true};        // the last passed answer told the arm to stand still
   bool unanswered_{false};  // a message was delivered to the controller, and no answer has passed since
   std::optional<rt::Nanoseconds> unanswered_since_;
-  bool left_alone_{false};
+  bool left_alone_{false};  // the controller fell silent, and has not answered since
 
   Joints q_before_{Joints::Zero()};  // last command
   std::uint32_t before_message_{0};  // message that the last command answered

@@ -14,6 +14,7 @@ constexpr double kRounding = 1.0 + 1e-9;  // tolerance of differences between po
 }  // namespace
 
 GuardReason GuardMonitor::CheckJoints(const Joints& q, double time_s) const OSTEON_RT {
+  // usable share of the velocity limits
   const double share = std::min(1.0, params_.joint_speed_share * (1.0 + params_.margin)) * kRounding;
   for (int i = 0; i < 7; ++i) {
     if (q[i] == q_before_[i]) continue;
@@ -36,12 +37,13 @@ GuardReason GuardMonitor::CheckJoints(const Joints& q, double time_s) const OSTE
 GuardReason GuardMonitor::CheckTool(const Joints& q, double time_s) OSTEON_RT {
   const GuardKinematics::Placement arm = arm_.ComputePlacement(q);
   const Vector3 &p_WT = arm.p_WT, p_measured = arm_.ComputePlacement(ToJoints(arm_message_.q_meas)).p_WT;
-  const double more = (1.0 + params_.margin) * kRounding;
+  const double with_margin = (1.0 + params_.margin) * kRounding;
   if (const GuardReason reason = CheckAtMost(GuardFinding::kTracking, (p_WT - p_measured).norm(),
-                                             more * params_.max_tracking_error_m);
+                                             with_margin * params_.max_tracking_error_m);
       reason.finding != GuardFinding::kNone)
     return reason;
 
+  // the placement is noted in any case, but a command that repeats the last position is accepted anywhere
   const GuardReason place = CheckPlacement(arm);
   if (q == q_before_) return {};
   if (place.finding != GuardFinding::kNone) return place;
@@ -54,11 +56,11 @@ GuardReason GuardMonitor::CheckTool(const Joints& q, double time_s) OSTEON_RT {
       on_start_path_ ? std::max(params_.max_start_path_speed_m_per_s, params_.max_speed_m_per_s)
                      : params_.max_speed_m_per_s;
   if (const GuardReason reason = CheckAtMost(GuardFinding::kToolSpeed, (p_WT - before.p_WT).norm() / time_s,
-                                             more * max_speed_m_per_s);
+                                             with_margin * max_speed_m_per_s);
       reason.finding != GuardFinding::kNone)
     return reason;
   const double turn_rad = Eigen::AngleAxisd(before.R_WT.transpose() * arm.R_WT).angle();
-  return CheckAtMost(GuardFinding::kToolTurn, turn_rad / time_s, more * params_.max_turn_rad_per_s);
+  return CheckAtMost(GuardFinding::kToolTurn, turn_rad / time_s, with_margin * params_.max_turn_rad_per_s);
 }
 
 // Checks the arm's placement against plane, sphere and zones. Sphere and zones count once the arm has been
@@ -66,16 +68,17 @@ GuardReason GuardMonitor::CheckTool(const Joints& q, double time_s) OSTEON_RT {
 GuardReason GuardMonitor::CheckPlacement(const GuardKinematics::Placement& arm) OSTEON_RT {
   const WorkspaceParams& w = params_.workspace;
   const Vector3& p_WT = arm.p_WT;
-  const double out_m = (p_WT - w.sphere_center_W_m).norm(),
+  const double from_centre_m = (p_WT - w.sphere_center_W_m).norm(),
                above_m = w.plane_normal_W.dot(p_WT) - w.plane_offset_m;
-  been_inside_ |= out_m <= w.sphere_radius_m;
+  been_inside_ |= from_centre_m <= w.sphere_radius_m;
   if (const GuardReason reason = CheckZones(arm); reason.finding != GuardFinding::kNone) return reason;
   if (!(above_m >= -params_.workspace_margin_m))
     return {.finding = GuardFinding::kPlane, .found = above_m, .min = -params_.workspace_margin_m};
   if (!been_inside_) return {};
-  return CheckAtMost(GuardFinding::kWorkspace, out_m, w.sphere_radius_m + params_.workspace_margin_m);
+  return CheckAtMost(GuardFinding::kWorkspace, from_centre_m, w.sphere_radius_m + params_.workspace_margin_m);
 }
 
+// Returns the last zone in the list whose bound is passed; a zone counts once its point has been inside.
 GuardReason GuardMonitor::CheckZones(const GuardKinematics::Placement& arm) OSTEON_RT {
   GuardReason reason;
   for (std::size_t i = 0; i < params_.workspace.zones.size(); ++i) {
@@ -99,12 +102,14 @@ bool GuardMonitor::AtStart(const Joints& q) const OSTEON_RT {
 }
 
 bool GuardMonitor::Relaxes(const Joints& q) const OSTEON_RT {
-  const Joints way = ToJoints(arm_message_.q_meas) - q_before_, step = q - q_before_;
+  const Joints to_measured = ToJoints(arm_message_.q_meas) - q_before_, step = q - q_before_;
   for (int i = 0; i < 7; ++i)
-    if (step[i] * way[i] < 0.0 || !(std::abs(step[i]) <= kRounding * std::abs(way[i]))) return false;
+    if (step[i] * to_measured[i] < 0.0 || !(std::abs(step[i]) <= kRounding * std::abs(to_measured[i])))
+      return false;
   return true;
 }
 
+// Checks the wrench and the joint torques that the controller adds to the motion.
 GuardReason GuardMonitor::CheckOverlay(const GuardCommand& command) const OSTEON_RT {
   if (command.wrench) {
     const Vector3 f = Eigen::Map<const Vector3>(command.wrench->data()),
@@ -128,6 +133,7 @@ GuardReason GuardMonitor::CheckOverlay(const GuardCommand& command) const OSTEON
   const GuardKinematics::JointMotions motions = arm_.ComputeJointMotions(q, arm_.ComputePlacement(q).p_WT);
   for (int i = 0; i < 7; ++i) {
     const auto joint = static_cast<std::size_t>(i);
+    // the most that a wrench within both limits asks of this joint
     const double max_Nm =
         motions.v[joint].norm() * params_.max_force_N + motions.w[joint].norm() * params_.max_torque_Nm;
     if (const GuardReason reason =

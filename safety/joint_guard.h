@@ -7,6 +7,7 @@
 
 namespace osteon::safety {
 
+/// Limits of each joint, and how close a step may come to them.
 struct JointGuardParams {
   /// The arm's own limits; lower < upper, velocity and acceleration > 0. For a six-axis arm the first six
   /// count.
@@ -36,6 +37,7 @@ class JointGuard {
     bool jump{false};      ///< a joint's wanted step was beyond jump_rad, or not finite; step is then zero
     bool violated{false};  ///< q is outside the arm's own position limits
   };
+  /// Scales the step of a tick from the joints q.
   [[nodiscard]] Result Limit(const Joints& q, const Joints& wanted_step_rad, double dt_s) const OSTEON_RT;
 
  private:

@@ -36,7 +36,7 @@ class JointTorqueLimit {
  private:
   Joints max_Nm_;
   Joints before_Nm_{Joints::Zero()};
-  bool has_before_{false};
+  bool has_before_{false};  // before_Nm_ is the previous message's
 };
 
 extern template class JointTorqueLimit<7>;

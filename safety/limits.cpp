@@ -20,6 +20,7 @@ double SafeNorm(const Vector3& v) {
   return largest > 1e100 ? largest * (v / largest).norm() : v.norm();
 }
 
+// Largest factor, 0 … 1, that keeps |v| within the limit.
 double ScaleWithin(const Vector3& v, double limit) {
   const double size = SafeNorm(v);
   return size > limit ? limit / size * kRoundDown : 1.0;
@@ -76,6 +77,7 @@ bool WrenchRateTrip::Check(const Vector3& f_N, double dt_s) OSTEON_RT {
   growth_N_ = std::numeric_limits<double>::infinity();
   if (!IsFinite(f_N)) return true;
   const double before_squared = before_N_.squaredNorm();
+  // s f_before is the place nearest to f on the line from zero to the previous force
   const double s = before_squared > 0.0 ? std::clamp(f_N.dot(before_N_) / before_squared, 0.0, 1.0) : 0.0;
   growth_N_ = SafeNorm(f_N - s * before_N_);
   // the next force is compared with one of plausible size: one huge value would make the squares overflow

@@ -109,13 +109,15 @@ class SensorForceTrip {
   /// @throws std::invalid_argument where a value is out of range.
   SensorForceTrip(const SensorForceParams& params, double max_force_N);
 
+  /// True if the hand must stop the cell. Call once per tick; NaN counts as beyond.
   [[nodiscard]] bool Check(double force_N) OSTEON_RT;
+  /// limit + margin [N].
   [[nodiscard]] double level_N() const OSTEON_RT { return level_N_; }
 
  private:
   double level_N_;
   int ticks_;
-  int count_{0};
+  int count_{0};  // ticks in a row beyond level_N_
 };
 
 struct TwistLimitParams {

@@ -46,7 +46,7 @@ class MotionPermits {
   std::uint32_t bits_{0};
 };
 
-/// Text for a missing condition, e.g. "a fresh force reading". For screens, not for the tick.
+/// Text for a missing condition, e.g. "a fresh reading of the force sensor". For screens, not for the tick.
 [[nodiscard]] const char* DescribeMissing(MotionPermit permit);
 
 }  // namespace osteon::safety

@@ -27,7 +27,7 @@ class SpindleTrip {
 
  private:
   SpindleLimitParams params_;
-  double beyond_s_{0.0};
+  double beyond_s_{0.0};  // time without interruption beyond a limit
 };
 
 }  // namespace osteon::safety

@@ -29,7 +29,7 @@ class StoredEnergyLimit {
 
  private:
   double max_stored_J_;
-  double slip_m_{0.0};
+  double slip_m_{0.0};  // d_s
 };
 
 }  // namespace osteon::safety

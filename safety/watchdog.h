@@ -18,6 +18,7 @@ inline constexpr double kNoAge_s = 1e6;
 /// Weight of a value by its age: 1 up to full_s, then linearly down to 0 at gone_s.
 [[nodiscard]] double AgeFade(double age_s, double full_s, double gone_s) OSTEON_RT;
 
+/// Greatest ages of the loop's inputs.
 struct WatchdogParams {
   double model_stop_s{0.250};      ///< Stop 1 if the contact model is older
   double sensor_full_s{0.020};     ///< operator's force counts in full up to this age

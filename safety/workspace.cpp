@@ -79,6 +79,7 @@ Workspace::Result Workspace::Limit(const Vector3& p_WT, const Vector3& v_WT, dou
 }
 
 Vector3 Workspace::StoppingInside(const Vector3& p_WT, const Vector3& v_WT, double dt_s) const OSTEON_RT {
+  // bisects the time ahead for which the velocity is turned: fails_s is too short, stops_s is enough
   double fails_s = dt_s, stops_s = StopTime(v_WT, dt_s);
   Vector3 turned_WT = TurnedInside(p_WT, v_WT, stops_s);
   if (StopsInside(p_WT, turned_WT, dt_s)) {
@@ -91,6 +92,7 @@ Vector3 Workspace::StoppingInside(const Vector3& p_WT, const Vector3& v_WT, doub
     }
     return turned_WT;
   }
+  // turning is not enough: bisect a share of the whole velocity
   double stops = 0.0, fails = 1.0;
   for (int i = 0; i < kHalvings; ++i) {
     const double share = 0.5 * (stops + fails);
@@ -114,6 +116,7 @@ Vector3 Workspace::TurnedInside(const Vector3& p_WT, const Vector3& v_WT, double
       for (std::size_t k = 0; k < here.all().size(); ++k) {
         const double distance_m = here.all()[k].distance_m;
         const ZoneBound& end = there.all()[k];
+        // distance to the bound at the end, and what lacks; a point outside may stay as far outside
         const double left_m = keep_in ? end.distance_m : distance_m - end.toward_W.dot(way);
         const double lacks_m = std::min(0.0, distance_m) - left_m;
         if (!(lacks_m > 0.0)) continue;

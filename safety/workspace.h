@@ -82,7 +82,8 @@ class Workspace {
   }
   /// Reduces a velocity so that its stop ends inside: turned along the bounds if possible, else scaled.
   [[nodiscard]] Vector3 StoppingInside(const Vector3& p_WT, const Vector3& v_WT, double dt_s) const OSTEON_RT;
-  /// The velocity nearest to v_WT that ends inside after look_s.
+  /// The velocity nearest to v_WT that leads to a place inside within look_s; may fail where several bounds
+  /// meet.
   [[nodiscard]] Vector3 TurnedInside(const Vector3& p_WT, const Vector3& v_WT, double look_s) const OSTEON_RT;
 
   static constexpr std::size_t kOwn = 2;  // the apex's bounds that are not zones: sphere and plane

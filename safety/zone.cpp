@@ -25,6 +25,7 @@ Vector3 NearestOfAxis(const ZoneParams& zone, const Vector3& p_Z) OSTEON_RT {
   return {0.0, 0.0, std::clamp(p_Z.z(), -zone.half_length_m, zone.half_length_m)};
 }
 
+// The nearest place of a set: the unit direction to it, and its distance, which is negative from inside.
 struct Outside {
   Vector3 toward_Z;
   double distance_m;
@@ -33,7 +34,7 @@ struct Outside {
 // Direction and distance of a point to the nearest place of a set, from its gaps to the set's faces
 // (positive: outside of that face) along these directions; from inside, to the nearest face.
 template <std::size_t N>
-Outside FromGaps(const std::array<double, N>& gap_m, const std::array<Vector3, N>& out_Z) OSTEON_RT {
+Outside NearestFromGaps(const std::array<double, N>& gap_m, const std::array<Vector3, N>& out_Z) OSTEON_RT {
   Vector3 beyond = Vector3::Zero();
   std::size_t nearest = 0;
   for (std::size_t i = 0; i < N; ++i) {
@@ -113,12 +114,12 @@ void ZoneBounds::KeepOut(const ZoneParams& zone, const Vector3& p_Z) OSTEON_RT {
         gap_m[at] = std::abs(p_Z[i]) - zone.half_edge_m[i];
         out_Z[at] = std::copysign(1.0, p_Z[i]) * Vector3::Unit(i);
       }
-      const Outside outside = FromGaps(gap_m, out_Z);
+      const Outside outside = NearestFromGaps(gap_m, out_Z);
       return Add(outside.toward_Z, outside.distance_m);
     }
     case ZoneShape::kCylinder: {
       const Vector3 across(p_Z.x(), p_Z.y(), 0.0);
-      const Outside outside = FromGaps<2>(
+      const Outside outside = NearestFromGaps<2>(
           {across.norm() - zone.radius_m, std::abs(p_Z.z()) - zone.half_length_m},
           {DirectionOr(across, Vector3::UnitX()), Vector3(std::copysign(1.0, p_Z.z()) * Vector3::UnitZ())});
       return Add(outside.toward_Z, outside.distance_m);

@@ -58,6 +58,7 @@ class ZoneBounds {
   void Add(const Vector3& toward_W, double distance_m) OSTEON_RT {
     bounds_[count_++] = {.toward_W = toward_W, .distance_m = distance_m};
   }
+  // Fill in the faces, with toward_W still in the zone's frame Z. p_Z: the point in Z.
   void KeepIn(const ZoneParams& zone, const Vector3& p_Z) OSTEON_RT;
   void KeepOut(const ZoneParams& zone, const Vector3& p_Z) OSTEON_RT;
 

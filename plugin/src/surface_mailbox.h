@@ -21,12 +21,12 @@ class SurfaceMailbox final : public surface::SurfaceSink {
 
  private:
   struct Kept {
-    std::uint64_t generation{0};
+    std::uint64_t generation{0};  // value of generation_ when the chunk was published; 0: never
     surface::SurfaceChunk chunk;
   };
   mutable std::mutex mutex_;
-  std::vector<Kept> kept_;  // by brick
-  std::uint64_t generation_{0};
+  std::vector<Kept> kept_;       // by brick
+  std::uint64_t generation_{0};  // number of chunks published so far
 };
 
 }  // namespace osteon::plugin

@@ -32,9 +32,9 @@ class ReamedAxis {
 struct Assessment {
   CavityResult cavity;
   std::optional<OpeningResult> opening;  ///< only for a plan of an opening
-  std::optional<Vector3> axis_G;  ///< of the reaming, or of the placed cup; nothing: no bone was removed
-  bool axis_of_cup{false};        ///< axis_G is the axis of the placed cup
-  std::optional<double> min_wall_m;
+  std::optional<Vector3> axis_G;     ///< of the reaming, or of the placed cup; nothing: no bone was removed
+  bool axis_of_cup{false};           ///< axis_G is the axis of the placed cup
+  std::optional<double> min_wall_m;  ///< thinnest wall that is left; nothing: not known
   ProcessFigures process;
 };
 
@@ -43,7 +43,7 @@ struct Assessment {
 void AssessBone(const SurgicalPlan& plan, const simulation::Bone& uncut, const simulation::CarvedState& state,
                 Assessment& assessment);
 
-/// Angle between the planned axis and the reached one [rad].
+/// Angle between the planned axis and Assessment::axis_G [rad]; nothing without that axis.
 [[nodiscard]] std::optional<double> AxisError(const SurgicalPlan& plan, const Assessment& assessment);
 
 /// A published mean with its standard deviation.

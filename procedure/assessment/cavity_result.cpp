@@ -13,29 +13,31 @@ namespace {
 
 using simulation::Ball;
 
-constexpr int kCoverageDirections = 4000;
+constexpr int kCoverageDirections = 4000;  // directions of the hemisphere in which coverage is sampled
+// The rim: bone at most this far outside the planned cavity, and at most this far below the plane through the
+// site's centre.
 constexpr double kRimWidth_m = 3e-3, kRimDepth_m = 2e-3;
-constexpr double kShrunk_mm = 1e-4;  // a ball that shrank by more is cut; rounding of a radius is 1e-6 mm
+constexpr double kShrunk_mm = 1e-4;  // a ball that shrank by more counts as cut; rounding is 1e-6 mm
 
 // Returns the balls that reach into a shell of half thickness `reach_m` around the planned sphere.
 std::vector<Ball> NearShell(std::span<const Ball> balls, const PlannedCavity& cavity, double reach_m) {
   std::vector<Ball> near;
   for (const Ball& ball : balls) {
-    const double off_m = (Vector3(ball.center_m) - cavity.centre_m).norm() - cavity.radius_m;
-    if (std::abs(off_m) <= ball.radius_m + reach_m) near.push_back(ball);
+    const double outside_m = (Vector3(ball.center_m) - cavity.centre_m).norm() - cavity.radius_m;
+    if (std::abs(outside_m) <= ball.radius_m + reach_m) near.push_back(ball);
   }
   return near;
 }
 
 // Distance along a ray from `from_m` to where the ray enters a ball, at least `min_m`; infinity if it misses.
-double Enters(const Vector3& from_m, const Vector3& direction, const Ball& ball, double min_m) {
+double EntryDistance(const Vector3& from_m, const Vector3& direction, const Ball& ball, double min_m) {
   const Vector3 way_m = Vector3(ball.center_m) - from_m;
   const double along_m = way_m.dot(direction);
   const double aside2 = way_m.squaredNorm() - along_m * along_m, radius2 = ball.radius_m * ball.radius_m;
   if (aside2 > radius2) return std::numeric_limits<double>::infinity();
-  const double half_m = std::sqrt(radius2 - aside2);
-  if (along_m + half_m < min_m) return std::numeric_limits<double>::infinity();
-  return std::max(along_m - half_m, min_m);
+  const double half_chord_m = std::sqrt(radius2 - aside2);
+  if (along_m + half_chord_m < min_m) return std::numeric_limits<double>::infinity();
+  return std::max(along_m - half_chord_m, min_m);
 }
 
 // Sorts balls into bands of the angle to an axis, as seen from a point. A ray from the point meets only balls
@@ -46,6 +48,7 @@ class BallBands {
       : balls_(balls), from_m_(from_m), axis_(axis), bands_(kBands) {
     for (std::size_t i = 0; i < balls.size(); ++i) {
       const Vector3 way_m = Vector3(balls[i].center_m) - from_m;
+      // half the angle under which the ball is seen; all directions if the point is inside the ball
       const double far_m = way_m.norm(), radius_m = balls[i].radius_m;
       const double half_rad =
           (radius_m < far_m ? std::asin(radius_m / far_m) : std::numbers::pi) + kBandMargin_rad;
@@ -59,7 +62,7 @@ class BallBands {
   [[nodiscard]] double FirstBone(const Vector3& direction, double min_m) const {
     double first_m = std::numeric_limits<double>::infinity();
     for (const std::size_t i : bands_[BandAt(AngleOf(direction))])
-      first_m = std::min(first_m, Enters(from_m_, direction, balls_[i], min_m));
+      first_m = std::min(first_m, EntryDistance(from_m_, direction, balls_[i], min_m));
     return first_m;
   }
 
@@ -80,6 +83,8 @@ class BallBands {
   std::vector<std::vector<std::size_t>> bands_;
 };
 
+// Share of the planned hemisphere's directions in which bone begins within kCoverageGap_m of the planned
+// sphere.
 double Coverage(const PlannedCavity& cavity, std::span<const Ball> live) {
   const std::vector<Ball> near = NearShell(live, cavity, kCoverageGap_m);
   const BallBands bands(near, cavity.centre_m, cavity.axis);
@@ -90,14 +95,16 @@ double Coverage(const PlannedCavity& cavity, std::span<const Ball> live) {
   return static_cast<double>(covered) / kCoverageDirections;
 }
 
-struct Share {
-  double left_m3{0.0}, all_m3{0.0};
+// Sums a tissue's volume before the cut and what is left of it.
+struct RemainingShare {
+  double left_m3{0.0}, uncut_m3{0.0};
   void Add(double volume_m3, bool left) {
-    all_m3 += volume_m3;
+    uncut_m3 += volume_m3;
     if (left) left_m3 += volume_m3;
   }
+  // The share that is left, 0 … 1; nothing if the tissue had no volume.
   [[nodiscard]] std::optional<double> value() const {
-    return all_m3 > 0.0 ? std::optional(left_m3 / all_m3) : std::nullopt;
+    return uncut_m3 > 0.0 ? std::optional(left_m3 / uncut_m3) : std::nullopt;
   }
 };
 
@@ -113,20 +120,23 @@ bool InRoofArcs(const PelvicFrame& pelvis, const Vector3& native_centre_m, const
   const Vector3 d = pelvis.FromG(p_m - native_centre_m);
   const double across = std::hypot(d.x(), d.y()), angle_deg = std::atan2(across, d.z()) / kDegree;
   if (across <= 0.0) return d.z() > 0.0;
+  // the angle from straight up, split into a medial and a forward component
   const double medial_deg = -angle_deg * d.x() / across, forward_deg = angle_deg * d.y() / across;
-  const double share = forward_deg / (forward_deg > 0.0 ? kRoofAnterior_deg : kRoofPosterior_deg);
-  if (medial_deg <= 0.0) return std::abs(share) <= 1.0 && angle_deg <= 90.0;
-  return share * share + std::pow(medial_deg / kRoofMedial_deg, 2) <= 1.0;
+  // 1 at the anterior or posterior end of the arcs
+  const double forward_share = forward_deg / (forward_deg > 0.0 ? kRoofAnterior_deg : kRoofPosterior_deg);
+  if (medial_deg <= 0.0) return std::abs(forward_share) <= 1.0 && angle_deg <= 90.0;
+  return forward_share * forward_share + std::pow(medial_deg / kRoofMedial_deg, 2) <= 1.0;
 }
 
 std::vector<Vector3> HemisphereDirections(const Vector3& axis, int count) {
   // a Fibonacci lattice: the heights are evenly spaced, so each direction stands for the same area
-  const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  const double golden_angle_rad = std::numbers::pi * (3.0 - std::sqrt(5.0));
   const Matrix3 R = RotationFromZTo(axis);
   std::vector<Vector3> directions;
   for (int i = 0; i < count; ++i) {
     const double z = -(i + 0.5) / count, across = std::sqrt(1.0 - z * z);
-    directions.push_back(R * Vector3(across * std::cos(turn * i), across * std::sin(turn * i), z));
+    directions.push_back(
+        R * Vector3(across * std::cos(golden_angle_rad * i), across * std::sin(golden_angle_rad * i), z));
   }
   return directions;
 }
@@ -172,7 +182,7 @@ CavityResult AssessCavity(const SurgicalPlan& plan, const simulation::Bone& uncu
   if (plan.kind == PlanKind::kCup) result.coverage = Coverage(cavity, simulation::LiveBalls(state));
 
   const Vector3 site_m = uncut.site.center_m, site_axis = uncut.site.axis;
-  Share cartilage, rim;
+  RemainingShare cartilage, rim;
   for (std::size_t i = 0; i < uncut.points.size() && i < state.cleared.size(); ++i) {
     const simulation::MassPoint& point = uncut.points[i];
     const Vector3 p_m = point.p_m;

@@ -19,8 +19,10 @@ namespace osteon::procedure {
 struct AnatomicShift {
   double medial_m{0.0}, superior_m{0.0}, posterior_m{0.0};
 };
+/// Splits a displacement in G into its anatomical components.
 [[nodiscard]] AnatomicShift ShiftOf(const PelvicFrame& pelvis, const Vector3& d_G);
 
+/// Shape and volumes of a cavity, compared with the plan.
 struct CavityResult {
   std::optional<SphereFit> fit;
   std::string fit_refused;               ///< why there is no fit
@@ -39,6 +41,7 @@ struct CavityResult {
   std::optional<double> rim_preserved;
 };
 
+/// Largest radial gap between planned sphere and bone that still counts as covered.
 inline constexpr double kCoverageGap_m = 0.5e-3;
 
 /// The roof arcs: angles from the highest point of the native hip up to which cartilage matters, medially,
@@ -53,6 +56,7 @@ inline constexpr double kRoofMedial_deg = 46.0, kRoofAnterior_deg = 52.0, kRoofP
 [[nodiscard]] std::vector<simulation::Ball> CutBalls(const simulation::Bone& uncut,
                                                      const simulation::CarvedState& state);
 
+/// Fits the sphere and sums the volumes of a carved bone.
 /// @param uncut  the bone of the state, as it was packed
 [[nodiscard]] CavityResult AssessCavity(const SurgicalPlan& plan, const simulation::Bone& uncut,
                                         const simulation::CarvedState& state);
@@ -62,7 +66,7 @@ inline constexpr double kMapReach_m = 6e-3;
 
 /// Returns the deviation [m] of the bone's surface from the plan along each direction, for a map. Positive:
 /// the bone begins deeper than planned. Nothing where there is no bone within kMapReach_m of the plan.
-/// @param directions_G  unit vectors, from the planned centre
+/// @param directions_G  unit vectors of rays from the planned centre
 [[nodiscard]] std::vector<std::optional<double>> DeviationMap(const SurgicalPlan& plan,
                                                               std::span<const simulation::Ball> live_balls,
                                                               std::span<const Vector3> directions_G);

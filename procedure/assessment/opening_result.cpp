@@ -11,13 +11,14 @@
 namespace osteon::procedure {
 namespace {
 
-// Edge of the columns along the axis by which the roof is judged. Mass points stand 0.2 mm apart there.
+// Edge of the square columns along the axis in which the roof is judged, a little above the mass points'
+// spacing of 0.2 mm.
 constexpr double kColumn_m = 0.25e-3;
 // Columns at the rim are not judged: mass points cannot tell an opening that is 0.1 mm narrow from one that
 // is right.
 constexpr double kRim_m = 0.2e-3;
 
-// Centroid of volumes.
+// Centroid of points, weighted by their volumes; nothing without a volume.
 class Centroid {
  public:
   void Add(const Vector3& p_m, double volume_m3) {
@@ -39,9 +40,8 @@ struct Column {
   [[nodiscard]] bool is_roof() const { return has_target && had_hard; }
 };
 
-// Height of the lowest place that a tool reached, along the axis from `from_m`. A cut ball touches the space
-// that the tool swept, so its top is never below the floor. The ball under the lowest place touches it with
-// its top.
+// Height of the floor that the tools left, along the axis from `from_m`: the lowest top of a cut ball [m];
+// nothing if no ball was cut. Cut balls touch the swept space from outside, so no top is below the floor.
 std::optional<double> FloorHeight(const simulation::Bone& uncut, const simulation::CarvedState& state,
                                   const Vector3& from_m, const Vector3& axis) {
   std::optional<double> floor_m;
@@ -80,7 +80,7 @@ OpeningResult AssessOpening(const SurgicalPlan& plan, const simulation::Bone& un
     result.shift_m = (*found - *wanted).head<2>().norm();
   if (const auto floor_m = FloorHeight(uncut, state, cavity.centre_m, plan.axis_G))
     result.depth_error_m = -cavity.radius_m - *floor_m;
-  int roof = 0, open = 0;
+  int roof = 0, open = 0;  // numbers of columns
   for (const auto& [place, column] : columns) {
     roof += column.is_roof() ? 1 : 0;
     open += column.is_roof() && !column.has_hard_left ? 1 : 0;

@@ -21,6 +21,7 @@ struct OpeningResult {
   std::optional<double> unroofed;
 };
 
+/// Measures shift, depth and roof of the opening.
 /// @param plan  for an opening
 /// @param uncut  the bone before the session
 /// @param state  state of the bone after the session, with its mass points in the same order

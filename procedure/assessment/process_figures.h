@@ -30,17 +30,18 @@ struct ProcessSample {
 ///
 ///     tilt = angle(feed, -a) - free      lateral = (rho - rho_free - h tan psi) cos psi      depth = soft - h
 ///
-/// with h = a·(H - C), rho the length of the rest of H - C, C the tool's planned centre.
+/// with h = a·(H - C), rho = |H - C - h a|, H the head's centre and C the tool's planned centre.
 struct CorridorExcess {
   double tilt_rad{0.0}, lateral_m{0.0}, depth_m{0.0};
   [[nodiscard]] bool outside() const { return tilt_rad > 0.0 || lateral_m > 0.0 || depth_m > 0.0; }
 };
+/// @param head_m  centre of the tool's head, in G  @param feed  the tool's +z, in G
 [[nodiscard]] CorridorExcess ExcessOf(const SurgicalPlan& plan, const PlannedTool& tool,
                                       const Vector3& head_m, const Vector3& feed);
 
-/// Distance of the head's centre from the axis [m] at which the corridor begins to act, and at which it stops
-/// the spindle, at the height of a place: where CorridorExcess::lateral_m is 0, and stop - free. 0 where the
-/// funnel is closed.
+/// Distances of the head's centre from the axis [m], at the height of the head: beyond free_m the corridor
+/// acts (CorridorExcess::lateral_m > 0), beyond stop_m it stops the spindle (lateral_m > stop - free). 0
+/// where the funnel is closed.
 struct CorridorWidth {
   double free_m{0.0}, stop_m{0.0};
 };
@@ -52,7 +53,7 @@ struct ProcessFigures {
   double cutting_s{0.0};  ///< time in which bone was removed
   double path_m{0.0};     ///< path of the head's centre within kNearCup_m of the planned centre
   double force_mean_N{0.0}, force_peak_N{0.0};  ///< of the hand while cutting
-  double wrong_way{0.0};  ///< impulse of the hand across the axis over its whole impulse, while cutting
+  double wrong_way{0.0};  ///< share of the hand's impulse that is across the axis, while cutting; 0 … 1
   /// Time in which the simulated tool was outside the corridor while cutting, with guidance or without; 0 if
   /// the plan has no corridor.
   double outside_s{0.0};
@@ -61,6 +62,7 @@ struct ProcessFigures {
   double guidance_J{0.0};
 };
 
+/// Distance from the planned centre within which ProcessFigures::path_m is measured.
 inline constexpr double kNearCup_m = 30e-3;
 
 /// Computes the figures from samples, which come in the order of their times.
@@ -78,11 +80,11 @@ class ProcessSums {
   double period_s_;
   bool begun_{false};
   double first_s_{0.0}, last_s_{0.0};
-  Vector3 head_m_{Vector3::Zero()};
-  bool was_near_{false};
+  Vector3 head_m_{Vector3::Zero()};  // in the previous sample
+  bool was_near_{false};             // the previous sample's head was within kNearCup_m
   double path_m_{0.0}, cutting_s_{0.0}, outside_s_{0.0};
-  double impulse_Ns_{0.0}, across_Ns_{0.0}, peak_N_{0.0};
-  std::optional<double> guidance_E_J_{};  // the guidance's energy E in the previous sample
+  double impulse_Ns_{0.0}, across_Ns_{0.0}, peak_N_{0.0};  // of the hand while cutting
+  std::optional<double> guidance_E_J_{};                   // the guidance's energy E in the previous sample
   double guidance_J_{0.0};
 };
 

@@ -39,6 +39,7 @@ struct RubricItem {
   std::string source;  ///< source of the norm
 };
 
+/// The rules by which a session is scored.
 struct Rubric {
   std::string name;
   std::vector<RubricItem> items;
@@ -49,6 +50,7 @@ struct Rubric {
 /// Values by the metric's name, in SI. A metric that could not be measured is absent.
 using MetricValues = std::map<std::string, double>;
 
+/// A rule with the measured value; nothing: it could not be measured, and has no points.
 struct ScoredItem {
   RubricItem item;
   std::optional<double> value;
@@ -64,6 +66,7 @@ struct Score {
   std::vector<Deduction> deductions;
 };
 
+/// Largest sum of deductions [points].
 inline constexpr double kMaxDeduction = 50.0;
 
 /// score = sum of weight clamp((zero - x) / (zero - full), 0, 1), less deductions of at most kMaxDeduction;

@@ -12,9 +12,9 @@
 namespace osteon::procedure {
 namespace {
 
-constexpr std::size_t kMinBalls = 30;
+constexpr std::size_t kMinBalls = 30;  // to fewer cut balls no sphere is fitted
 constexpr int kMaxSteps = 50;
-constexpr double kConverged_m = 1e-9;
+constexpr double kConverged_m = 1e-9;  // a step that changes centre and radius by less ends the fit
 
 // Returns the balls whose near point is below the plane that is perpendicular to the axis at the centre.
 std::vector<simulation::Ball> BelowCentre(std::span<const simulation::Ball> balls, const Vector3& axis,
@@ -25,18 +25,19 @@ std::vector<simulation::Ball> BelowCentre(std::span<const simulation::Ball> ball
   return below;
 }
 
-// One Gauss-Newton step. @returns length of the change of centre and radius
-double Step(std::span<const simulation::Ball> balls, Vector3& centre_m, double& radius_m) {
+// Makes one Gauss-Newton step on the residuals |c_i - C| - r_i - R.
+// @returns length of the change of centre and radius [m]
+double GaussNewtonStep(std::span<const simulation::Ball> balls, Vector3& centre_m, double& radius_m) {
   Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
   Eigen::Vector4d b = Eigen::Vector4d::Zero();
   for (const simulation::Ball& ball : balls) {
     const Vector3 way_m = Vector3(ball.center_m) - centre_m;
     const double length_m = way_m.norm();
     if (length_m <= 0.0) continue;
-    Eigen::Vector4d slope;
-    slope << -way_m / length_m, -1.0;
-    A += slope * slope.transpose();
-    b -= slope * (length_m - ball.radius_m - radius_m);
+    Eigen::Vector4d gradient;  // of the residual, by centre and radius
+    gradient << -way_m / length_m, -1.0;
+    A += gradient * gradient.transpose();
+    b -= gradient * (length_m - ball.radius_m - radius_m);
   }
   const Eigen::Vector4d step = A.ldlt().solve(b);
   centre_m += step.head<3>();
@@ -57,9 +58,10 @@ tl::expected<SphereFit, std::string> FitSphere(std::span<const simulation::Ball>
     if (balls.size() < kMinBalls)
       return tl::make_unexpected(
           fmt::format("found {} cut balls below the centre, accepted at least {}", balls.size(), kMinBalls));
-    moved_m = Step(balls, fit.centre_m, fit.radius_m);
+    moved_m = GaussNewtonStep(balls, fit.centre_m, fit.radius_m);
     if (!(moved_m > kConverged_m)) break;
   }
+  // a step of more than 1 µm at the end: the fit has not converged
   if (!(moved_m <= 1e-6) || !(fit.radius_m > 0.0) || !fit.centre_m.allFinite())
     return tl::make_unexpected("found a cavity that no sphere fits, accepted one that a reamer left");
 
@@ -80,6 +82,7 @@ tl::expected<SphereFit, std::string> FitSphere(std::span<const simulation::Ball>
   fit.balls = balls.size();
   fit.residual_p95_m = base::LowerPercentile(residuals_m, 0.95);
   fit.residual_sd_m = std::sqrt(squares / n);
+  // standard deviations by the formulas in the header
   const double c = std::cos(fit.cap_rad), scale_m = fit.residual_sd_m / std::sqrt(n);
   const double lever = (1.0 + c) / (1.0 - c);
   fit.radius_sd_m = scale_m * std::sqrt(1.0 + 3.0 * lever * lever);

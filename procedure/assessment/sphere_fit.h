@@ -16,11 +16,11 @@ struct SphereFit {
   Vector3 centre_m{Vector3::Zero()};
   double radius_m{0.0};
   double cap_rad{0.0};  ///< largest angle of a ball's near point from the cavity's pole, seen from the centre
-  std::size_t balls{0};
-  double residual_sd_m{0.0};
+  std::size_t balls{0};        ///< number of balls that were fitted
+  double residual_sd_m{0.0};   ///< RMS of the residuals |c_i - C| - r_i - R
   double residual_p95_m{0.0};  ///< 95th percentile of the residuals' magnitude: the error of roundness
-  double radius_sd_m{0.0},
-      depth_sd_m{0.0};  ///< standard deviations of the radius, and of the centre along the axis
+  double radius_sd_m{0.0};     ///< standard deviation of the radius
+  double depth_sd_m{0.0};      ///< standard deviation of the centre along the axis
 };
 
 /// Smallest cap angle to which a sphere is fitted: with a smaller cap, radius and depth can hardly be told

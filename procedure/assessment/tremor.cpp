@@ -8,9 +8,11 @@
 namespace osteon::procedure {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kTurn = 2.0 * std::numbers::pi;  // [rad]
 
-bool IsSpindle(double frequency_hz, double spindle_hz) {
+// Whether a frequency is within kNotch_hz of a multiple of the spindle's speed. Always false for a spindle
+// slower than kNotch_hz, since its multiples would cover every frequency.
+bool IsSpindleHarmonic(double frequency_hz, double spindle_hz) {
   if (spindle_hz < TremorMeter::kNotch_hz) return false;
   const double harmonic = std::round(frequency_hz / spindle_hz);
   return harmonic >= 1.0 && std::abs(frequency_hz - harmonic * spindle_hz) < TremorMeter::kNotch_hz;
@@ -34,7 +36,8 @@ void TremorMeter::Add(const Vector3& force_N, double spindle_rad_per_s) {
   spindle_rad_per_s_.erase(spindle_rad_per_s_.begin(), spindle_rad_per_s_.begin() + half);
 }
 
-// Parseval for one-sided lines of a Hann window: mean square = 2 / (N sum w²) sum |X_k|².
+// Adds the mean square of the newest window between kLow_hz and kHigh_hz. By Parseval's theorem for one-sided
+// lines of a Hann window, it is 2 / (N sum w²) sum |X_k|².
 void TremorMeter::AddWindow() {
   const auto n = static_cast<double>(window_);
   double weight_squares = 0.0, spindle_rad_per_s = 0.0;
@@ -46,7 +49,8 @@ void TremorMeter::AddWindow() {
   }
   const double line_hz = 1.0 / (n * period_s_);
   for (int k = static_cast<int>(std::ceil(kLow_hz / line_hz)); k * line_hz <= kHigh_hz; ++k) {
-    if (IsSpindle(k * line_hz, spindle_rad_per_s / kTurn)) continue;
+    if (IsSpindleHarmonic(k * line_hz, spindle_rad_per_s / kTurn)) continue;
+    // X_k, with the phase factor turned on from sample to sample
     const std::complex<double> turn = std::polar(1.0, -kTurn * k / n);
     std::complex<double> phase = 1.0;
     Eigen::Vector3cd sum = Eigen::Vector3cd::Zero();

@@ -25,10 +25,10 @@ class TremorMeter {
   void AddWindow();
 
   double period_s_;
-  std::size_t window_;            ///< number of samples in a window
-  std::vector<Vector3> samples_;  ///< samples that a present or later window needs
-  std::vector<double> spindle_rad_per_s_;
-  double power_N2_{0.0};
+  std::size_t window_;                     ///< number of samples in a window
+  std::vector<Vector3> samples_;           ///< samples that a present or later window needs
+  std::vector<double> spindle_rad_per_s_;  ///< for each of samples_
+  double power_N2_{0.0};                   ///< sum of the windows' mean squares in the band
   std::size_t windows_{0};
 };
 

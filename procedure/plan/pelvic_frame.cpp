@@ -10,8 +10,9 @@
 namespace osteon::procedure {
 namespace {
 
+// Smallest distance between the spines, and of the pubis from their line: nearer landmarks give no plane.
 constexpr double kMinSpineDistance_m = 0.05, kMinPubisDistance_m = 0.02;
-constexpr double kPerpendicular = 1e-3;
+constexpr double kMaxCosine = 1e-3;  // of the angle between two axes that count as perpendicular
 
 }  // namespace
 
@@ -35,12 +36,12 @@ PelvicFrame FrameOf(const PelvicLandmarks& landmarks, Side side) {
 }
 
 void CheckFrame(const PelvicFrame& frame, Side side) {
-  const double off =
+  const double max_cosine =
       std::max({std::abs(frame.lateral.dot(frame.anterior)), std::abs(frame.lateral.dot(frame.superior)),
                 std::abs(frame.anterior.dot(frame.superior))});
-  if (!(off <= kPerpendicular))
+  if (!(max_cosine <= kMaxCosine))
     throw std::invalid_argument(fmt::format(
-        "found axes {:.4g} from perpendicular (cosine), accepted at most {:g}", off, kPerpendicular));
+        "found axes {:.4g} from perpendicular (cosine), accepted at most {:g}", max_cosine, kMaxCosine));
   const double forwards = frame.lateral.cross(frame.superior).dot(frame.anterior);
   if ((forwards > 0.0) != (side == Side::kLeft))
     throw std::invalid_argument(fmt::format("found axes of a {} hip, accepted those of a {} hip (side)",
@@ -57,7 +58,7 @@ PelvicFrame Tilted(const PelvicFrame& frame, double tau_rad) {
 
 CupAngles LandmarkSpread(const PelvicLandmarks& landmarks, Side side, double tau_rad,
                          CupDefinition definition, const Vector3& a_G, double sd_m) {
-  constexpr double kStep_m = 1e-5;
+  constexpr double kStep_m = 1e-5;  // of a coordinate, for central differences
   const auto angles = [&](const PelvicLandmarks& moved) {
     return AnglesOf(definition, Tilted(FrameOf(moved, side), tau_rad).FromG(a_G));
   };
@@ -70,6 +71,7 @@ CupAngles LandmarkSpread(const PelvicLandmarks& landmarks, Side side, double tau
       (ahead.*point)(axis) += kStep_m;
       (behind.*point)(axis) -= kStep_m;
       const CupAngles a = angles(ahead), b = angles(behind);
+      // the variances of independent coordinates add up
       const double scale = sd_m / (2.0 * kStep_m);
       sum.inclination_rad += std::pow(scale * (a.inclination_rad - b.inclination_rad), 2);
       sum.anteversion_rad += std::pow(scale * (a.anteversion_rad - b.anteversion_rad), 2);

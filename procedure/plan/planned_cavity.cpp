@@ -8,7 +8,7 @@
 namespace osteon::procedure {
 namespace {
 
-// Share of a cell of edge h_m that lies inside a surface, by the signed distance of the cell's centre.
+// Share 0 … 1 of a cell of edge h_m that lies inside a surface, by the signed distance of the cell's centre.
 double ShareInside(double distance_m, double h_m) { return std::clamp(0.5 - distance_m / h_m, 0.0, 1.0); }
 
 }  // namespace
@@ -18,16 +18,16 @@ double BoneInCavity(const simulation::Solid& solid, const PlannedCavity& cavity,
   const Eigen::AlignedBox3d box = solid.Bounds();
   const Eigen::Vector3i count = (box.sizes() / cell_m).array().ceil().matrix().cast<int>().cwiseMax(1);
   const double half_diagonal_m = 0.5 * std::sqrt(3.0) * cell_m;
-  // Only the cells near the cavity count, a part of the whole solid's cells.
-  Eigen::AlignedBox3d about(cavity.centre_m);
-  about.extend(cavity.centre_m +
-               (box.diagonal().norm() + (cavity.centre_m - box.center()).norm()) * cavity.axis);
+  // visit only the cells in a box around the cavity, from its centre out past the whole solid
+  Eigen::AlignedBox3d along_axis(cavity.centre_m);
+  along_axis.extend(cavity.centre_m +
+                    (box.diagonal().norm() + (cavity.centre_m - box.center()).norm()) * cavity.axis);
   const Vector3 reach = Vector3::Constant(cavity.opening_radius_m() + cell_m);
   const auto index = [&](const Vector3& p_m) {
     return ((p_m - box.min()) / cell_m).array().floor().matrix().cast<int>().eval();
   };
-  const Eigen::Vector3i first = index(about.min() - reach).cwiseMax(0),
-                        last = (index(about.max() + reach) + Eigen::Vector3i::Ones()).cwiseMin(count);
+  const Eigen::Vector3i first = index(along_axis.min() - reach).cwiseMax(0),
+                        last = (index(along_axis.max() + reach) + Eigen::Vector3i::Ones()).cwiseMin(count);
   double cells = 0.0;
   for (int x = first.x(); x < last.x(); ++x)
     for (int y = first.y(); y < last.y(); ++y)
@@ -37,16 +37,18 @@ double BoneInCavity(const simulation::Solid& solid, const PlannedCavity& cavity,
         if (in_cavity_m > half_diagonal_m) continue;
         const double in_bone_m = solid.SignedDistance(p_m);
         if (in_bone_m > half_diagonal_m) continue;
-        double gone = 0.0;
+        double cleared_share = 0.0;
         for (const PlannedCavity& earlier : cleared)
-          gone = std::max(gone, ShareInside(earlier.DistanceTo(p_m), cell_m));
-        cells += std::max(0.0, ShareInside(in_cavity_m, cell_m) - gone) * ShareInside(in_bone_m, cell_m);
+          cleared_share = std::max(cleared_share, ShareInside(earlier.DistanceTo(p_m), cell_m));
+        cells +=
+            std::max(0.0, ShareInside(in_cavity_m, cell_m) - cleared_share) * ShareInside(in_bone_m, cell_m);
       }
   return cells * cell_m * cell_m * cell_m;
 }
 
 std::optional<double> PlannedWall(const simulation::Solid& solid, const simulation::CutSite& site,
                                   const PlannedCavity& cavity, double sample_spacing_m) {
+  // put a ball of the tool's size at the planned places, and ask the scene's watch for the thinnest wall
   simulation::Bone bone;
   bone.site = site;
   simulation::Tool tool;

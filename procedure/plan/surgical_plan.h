@@ -31,6 +31,7 @@ struct PlannedTool {
   [[nodiscard]] double width_m() const { return diameter_m + 2.0 * around_m; }
 };
 
+/// How the hand changes from one tool of the sequence to the next.
 enum class ToolChange : std::uint8_t {
   kVirtual,  ///< the handle stays: only the simulated head changes
   kPhysical  ///< another tool is mounted
@@ -71,6 +72,7 @@ struct GuidanceCeilings {
   static constexpr double kDepthStiffness_N_per_m = 20e3, kDepthCap_N = 150.0;
 };
 
+/// A whole plan, as its file gives it.
 struct SurgicalPlan {
   std::string name;  ///< the file's, without ".yaml"
   PlanKind kind{PlanKind::kCup};

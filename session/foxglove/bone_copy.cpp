@@ -64,11 +64,12 @@ class BoneMessages {
   CellScene scene_;
   RecordingTimeline timeline_;
   CarvedBone bone_;
-  bool ended_{false}, begun_{false};
+  bool ended_{false}, begun_{false};  // the recording has no more; the first message is encoded
   std::uint64_t triangles_{0};
 };
 
 // Copies the recording's messages, and writes the bone's messages between them.
+// @param step  log time from one state of the bone to the next
 tl::expected<BoneCopy, std::string> Copy(io::McapReader& reader, io::McapWriter& writer, BoneMessages& bone,
                                          rt::Nanoseconds step) {
   const console::FoxgloveChannel& topic = CellTopics().at(static_cast<std::size_t>(CellTopic::kBone));
@@ -77,7 +78,8 @@ tl::expected<BoneCopy, std::string> Copy(io::McapReader& reader, io::McapWriter&
   io::McapMessage message;
   std::string bytes;
   BoneCopy copy;
-  rt::Nanoseconds last{0}, next{-1};
+  rt::Nanoseconds last{0};   // log time of the newest message
+  rt::Nanoseconds next{-1};  // log time from which the next state of the bone is due; -1: none is written yet
   const auto add_bone = [&](rt::Nanoseconds stamp) -> tl::expected<void, std::string> {
     if (auto carved = bone.CarveTo(stamp); !carved) return carved;
     if (!bone.Encode(stamp, bytes)) return {};

@@ -18,15 +18,17 @@ constexpr io::SceneColor kCutting{.r = 0.55, .g = 0.58, .b = 0.62}, kShaft{.r = 
 constexpr io::SceneColor kForce{.r = 0.80, .g = 0.10, .b = 0.10}, kHand{.r = 0.10, .g = 0.35, .b = 0.80};
 constexpr io::SceneColor kPlane{.r = 0.95, .g = 0.75, .b = 0.10, .a = 0.5};
 constexpr io::SceneColor kZone{.r = 0.80, .g = 0.10, .b = 0.10, .a = 0.15};
-constexpr double kProxyOpacity = 0.35;
+constexpr double kProxyOpacity = 0.35;  // of the tool drawn in the frame `proxy`
 
 constexpr double kArrow_m_per_N = 1e-3, kArrowDiameter_m = 4e-3;
 constexpr double kMinForce_N = 0.5;  // a smaller force has no arrow
+// The plates that show contact planes.
 constexpr double kPlaneEdge_m = 0.02, kPlaneThickness_m = 4e-4;
 constexpr std::size_t kMaxBalls = 2000;  // number of a tool's balls that are drawn
 
-io::SceneColor Of(const Vector3& rgb) { return {.r = rgb.x(), .g = rgb.y(), .b = rgb.z()}; }
+io::SceneColor ColorOf(const Vector3& rgb) { return {.r = rgb.x(), .g = rgb.y(), .b = rgb.z()}; }
 
+// Scales the colour's opacity.
 io::SceneColor Faded(io::SceneColor color, double opacity) {
   color.a *= opacity;
   return color;
@@ -34,12 +36,13 @@ io::SceneColor Faded(io::SceneColor color, double opacity) {
 
 // Returns the colour of a cut face: the tissue's colour, shifted towards red.
 io::SceneColor CutFace(const io::SceneColor& tissue) {
-  constexpr double kShare = 0.45;
+  constexpr double kShare = 0.45;  // of the red in the mixture
   return {.r = (1.0 - kShare) * tissue.r + kShare * 0.75,
           .g = (1.0 - kShare) * tissue.g + kShare * 0.20,
           .b = (1.0 - kShare) * tissue.b + kShare * 0.15};
 }
 
+// Draws a zone in the world; empty for a half-space. @param number  makes its id
 io::SceneEntity ZoneBody(const safety::ZoneParams& zone, std::size_t number) {
   io::SceneEntity entity{.id = fmt::format("zone_{}", number), .frame = "world"};
   Pose X_WZ = Pose::Identity();
@@ -91,7 +94,7 @@ CellScene::CellScene(const CellSetup& setup, std::span<const ProcedureTool> tool
   for (const safety::ZoneParams& zone : setup.config.servo.workspace.zones)
     if (zone.side == safety::ZoneSide::kKeepOut) zones_.push_back(zone);
   for (std::size_t i = 0; i < setup.bone.materials.size(); ++i)
-    tissues_.push_back(Of(report::MaterialColor(setup.bone, static_cast<simulation::MaterialIndex>(i))));
+    tissues_.push_back(ColorOf(report::MaterialColor(setup.bone, static_cast<simulation::MaterialIndex>(i))));
 }
 
 std::vector<io::FramePlace> CellScene::Frames(const control::TickRecord& tick,

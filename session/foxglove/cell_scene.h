@@ -55,7 +55,9 @@ class CellScene {
     std::vector<io::SceneBall> balls;
     Vector3 p_TF;  // the flange in T: where the tool's rod ends
   };
+  // The tool's balls, and the place of the flange. X_FT: the tool on the flange.
   [[nodiscard]] static DrawnTool Draw(const simulation::Tool& tool, const Pose& X_FT);
+  // The tool's balls and its rod to the flange, as a body in `frame`. opacity: 0 … 1.
   [[nodiscard]] static io::SceneEntity BodyOf(const DrawnTool& tool, const char* frame, double opacity);
 
   std::vector<Link> links_;

@@ -34,6 +34,8 @@ class LiveTopics final : public console::FoxgloveSource {
            std::vector<console::FoxgloveMessage>& out) const override;
 
  private:
+  // Appends a message with the bricks that the viewer does not have yet; none if there are no such bricks
+  // and the grid is the same.
   void NewBone(console::FoxgloveCursor& cursor, std::vector<console::FoxgloveMessage>& out) const;
 
   CellScene scene_;

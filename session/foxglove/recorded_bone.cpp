@@ -17,8 +17,9 @@
 namespace osteon::session {
 namespace {
 
-constexpr int kFieldTries = 6;
+constexpr int kFieldTries = 6;  // grids that are tried, each coarser than the last
 
+// Counts the quads of the surface in the field's changed bricks: in a new field, of the whole surface.
 std::size_t QuadsOf(const surface::CarvedField& field) {
   std::size_t quads = 0;
   surface::SurfaceChunk chunk;
@@ -111,6 +112,7 @@ const std::string* RecordedBone::Finish() {
   return &taken_;
 }
 
+// The own thread: makes states as they become due, until the end is asked for.
 void RecordedBone::Run() {
   rt::NameThread("recorded bone");
   rt::LowerPriority();
@@ -130,12 +132,14 @@ void RecordedBone::Run() {
   }
 }
 
+// Samples the uncut bone on a grid coarse enough for max_quads; null if no grid was.
 std::shared_ptr<const surface::SolidField> RecordedBone::MakeSolidField() {
   for (int i = 0; i < kFieldTries; ++i) {
     try {
       auto solid = surface::FieldOfBone(solid_.get(), balls_, voxel_mm_);
       const std::size_t quads = QuadsOf(surface::CarvedField(solid));
       if (quads <= params_.max_quads) return solid;
+      // the number of quads falls with the square of the voxel size; a margin of 5 %
       voxel_mm_ *= static_cast<float>(
           1.05 * std::sqrt(static_cast<double>(quads) / static_cast<double>(params_.max_quads)));
     } catch (const std::invalid_argument&) {  // the grid is too large for the memory
@@ -159,6 +163,7 @@ surface::CarvedField RecordedBone::CarveAnew() const {
   return field;
 }
 
+// Carves the work into the bone, and encodes the bricks that changed, if any, as the message that is ready.
 void RecordedBone::MakeState(const Work& work) try {
   if (!field_ && !no_field_) {
     taken_back_ = work.taken_back;

@@ -17,6 +17,7 @@
 
 namespace osteon::session {
 
+/// How often and how finely the bone is recorded, and the procedure's tools and history.
 struct RecordedBoneParams {
   rt::Nanoseconds step{5'000'000'000};    ///< log time from one state of the bone to the next; > 0
   bool own_thread{true};                  ///< false: the caller carves, so that equal runs give equal bytes
@@ -88,15 +89,15 @@ class RecordedBone {
   surface::SweptBatches kept_;  // in a session: the batches that touched bone
   TakenBackPasses taken_back_;  // passes that are not carved in field_
   bool no_field_{false};        // no grid was coarse enough for the bone, or carving has failed
-  bool begun_{false};
+  bool begun_{false};           // the first state, with the whole surface, has been made
   float voxel_mm_{0.0F};
   std::string error_;
 
   std::mutex mutex_;
   std::condition_variable wake_;
-  std::optional<Work> work_;  // guarded by mutex_
-  std::string made_;          // the message that is ready; guarded by mutex_; empty: none
-  bool busy_{false}, stop_{false};
+  std::optional<Work> work_;        // guarded by mutex_
+  std::string made_;                // the message that is ready; guarded by mutex_; empty: none
+  bool busy_{false}, stop_{false};  // a state is being made; the thread has to end
   std::thread thread_;
 };
 

@@ -88,6 +88,7 @@ bool UOsteonBoneComponent::SetCompliance(const FOsteonCompliance& Compliance) {
   Params.tool = Compliance.bTool;
   Params.layer = Compliance.bLayer;
   Params.mount = Compliance.bMount;
+  // a figure of 0 keeps the library's default
   const auto Set = [](double Given, double& Value) {
     if (Given != 0.0) Value = Given;
   };
@@ -183,6 +184,7 @@ void UOsteonBoneComponent::UpdateMesh() {
   std::vector<osteon::host::Brick> Changed;
   Succeeds(HostSession.TakeChangedBricks(&Changed));
   for (const osteon::host::Brick& Brick : Changed) {
+    // each brick keeps the section that it got when it first appeared
     const int32* Known = Sections.Find(Brick.number);
     const int32 Section = Known ? *Known : Sections.Num();
     if (!Known) Sections.Add(Brick.number, Section);

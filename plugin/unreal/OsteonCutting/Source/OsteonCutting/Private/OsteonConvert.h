@@ -7,6 +7,7 @@
 
 namespace OsteonConvert {
 
+// Osteon orders a quaternion (w, x, y, z), Unreal (x, y, z, w).
 inline osteon::host::Pose ToPose(const FTransform& Transform) {
   const FVector P = Transform.GetLocation();
   const FQuat Q = Transform.GetRotation();
@@ -35,6 +36,7 @@ struct FSection {
   TArray<FColor> Colors;
 };
 
+/// The mesh of one brick; every colour is opaque.
 inline FSection ToSection(const osteon::host::Brick& Brick) {
   FSection Section;
   const int32 Count = static_cast<int32>(Brick.positions.size() / 3);

@@ -78,7 +78,7 @@ class OSTEONCUTTING_API UOsteonBoneComponent : public UProceduralMeshComponent {
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   bool GetWrench(const FTransform& Pose, const FVector& Velocity, const FVector& AngularVelocity,
                  FVector& Force_N, FVector& Torque_Nm);
-  /// Makes these parts give way, from the next GetForce or GetWrench on.
+  /// Makes the chosen parts (tool, soft tissue, mount) give way, from the next GetForce or GetWrench on.
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   bool SetCompliance(const FOsteonCompliance& Compliance);
   /// Displacements after the newest GetForce or GetWrench.
@@ -115,6 +115,7 @@ class OSTEONCUTTING_API UOsteonBoneComponent : public UProceduralMeshComponent {
   UFUNCTION(BlueprintCallable, Category = "Osteon")
   void UpdateMesh();
 
+  /// The session itself, for a haptic device's thread.
   osteon::host::Session& Session() { return HostSession; }
 
   void BeginPlay() override;
@@ -123,10 +124,12 @@ class OSTEONCUTTING_API UOsteonBoneComponent : public UProceduralMeshComponent {
                      FActorComponentTickFunction* ThisTickFunction) override;
 
  private:
+  // Whether a call succeeded; logs and broadcasts a refusal (OsteonRefusal.h).
   bool Succeeds(OsteonResult Result);
+  // Broadcasts the scene's events that have occurred since the last tick.
   void TellEvents();
 
   osteon::host::Session HostSession{osteon::host::kUnreal};
-  TMap<uint32, int32> Sections;  // by the brick's number
+  TMap<uint32, int32> Sections;  // index of the mesh section by the brick's number
   FString LastRefusal;
 };

@@ -84,11 +84,12 @@ class OSTEONCUTTING_API UOsteonGuidanceComponent : public USceneComponent {
   void EndPlay(const EEndPlayReason::Type Reason) override;
 
  private:
+  // Whether a call succeeded; logs and broadcasts a refusal (OsteonRefusal.h).
   bool Succeeds(OsteonResult Result);
 
   osteon::host::Plan HostPlan{osteon::host::kUnreal};
   osteon::host::Guidance HostGuidance{osteon::host::kUnreal};
   osteon::host::PlanInfo Info{};
-  OsteonGuidanceOutput Last{};
+  OsteonGuidanceOutput Last{};  // result of the last Evaluate
   FString LastRefusal;
 };

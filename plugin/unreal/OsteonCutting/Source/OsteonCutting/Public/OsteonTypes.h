@@ -11,8 +11,8 @@ DECLARE_DYNAMIC_MULTICAST_DELEGATE_OneParam(FOsteonRefused, const FString&, Text
 DECLARE_DYNAMIC_MULTICAST_DELEGATE_ThreeParams(FOsteonSceneEvent, const FString&, Name, double, Value_mm,
                                                const FVector&, Position);
 
-/// Which parts give way, each by itself. For a figure of 0 the library's default is used: a mount of 12 kg
-/// and 10 Hz.
+/// The parts that give way, each switched by itself. A figure of 0 stands for the library's default, a mount
+/// of 12 kg and 10 Hz.
 USTRUCT(BlueprintType)
 struct FOsteonCompliance {
   GENERATED_BODY()
@@ -59,6 +59,7 @@ struct FOsteonDeflection {
   /// Displacement of the bone at the mount's point.
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
   FVector Mount = FVector(0.0, 0.0, 0.0);
+  /// Whether any part may give way; if not, all displacements are zero.
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
   bool bGivesWay = false;
   /// Whether a displacement is beyond its limit: the caller should stop.
