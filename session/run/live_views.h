@@ -32,7 +32,7 @@ class ProcedureSession;
 /// Where the console, or the server for Foxglove, is served.
 struct ConsoleChoice {
   bool on{true};
-  std::string address{"127.0.0.1"};  ///< any but the loopback's asks pages for a token
+  std::string address{"127.0.0.1"};  ///< unless it is a loopback address, pages need a token
   int port{console::kDefaultPort};
   bool only_this_port{false};  ///< false: the next free port if this one is taken
 
@@ -44,10 +44,10 @@ struct ConsoleChoice {
 /// The facts about a run that its live views show.
 struct LiveRun {
   std::string command;            ///< "demo", "run"
-  double seconds{0.0};            ///< time of rendering that was asked for; 0: until stopped
+  double seconds{0.0};            ///< requested time of rendering; 0: until stopped
   std::string recording;          ///< the recording's file
   std::filesystem::path pages{};  ///< folder of the stops' pages; empty: the recording's
-  std::filesystem::path tune{};   ///< result of `osteon tune`; empty: kTuneFile, where it is of this cell
+  std::filesystem::path tune{};   ///< result of `osteon tune`; empty: kTuneFile, if that file is of this cell
 };
 
 /// Translates a page's request into a request to a procedure's session. The error says what is accepted.

@@ -21,8 +21,8 @@
 namespace osteon::session {
 namespace {
 
-constexpr rt::Nanoseconds kEngineReady =
-    120 * rt::kSecond;  // longest start: a driver may have to compile all shaders
+// Longest wait for the process's engine: a driver may have to compile all shaders.
+constexpr rt::Nanoseconds kEngineReady = 120 * rt::kSecond;
 constexpr rt::Nanoseconds kCarvedPatience = 10 * rt::kSecond;  // longest wait for the carved state
 constexpr rt::Nanoseconds kPoll = 5 * rt::kMillisecond;        // between looks at the process's state
 constexpr std::chrono::seconds kEndPatience{5};                // then the process is killed

@@ -50,12 +50,12 @@ class RemoteEngine final : public simulation::CuttingEngine {
 
  private:
   RemoteEngine(const CellSetup& setup, EngineChoice choice) : setup_(setup), choice_(std::move(choice)) {}
-  // Each returns what went wrong; empty: nothing.
-  [[nodiscard]] std::string StartLocal();                                     // starts the child process
-  [[nodiscard]] std::string Connect(const std::filesystem::path& cell_yaml);  // to a process over UDP
-  [[nodiscard]] std::string FetchCarved();                                    // from the process into carved_
-  [[nodiscard]] std::string CarveAgain(
-      const std::filesystem::path& recording);  // recorded frames, on the CPU
+  // Start the child process, or connect to one over UDP; fetch carved_ from it, or compute carved_ from the
+  // recorded frames on the CPU. Each returns what went wrong; empty: nothing.
+  [[nodiscard]] std::string StartLocal();
+  [[nodiscard]] std::string Connect(const std::filesystem::path& cell_yaml);
+  [[nodiscard]] std::string FetchCarved();
+  [[nodiscard]] std::string CarveAgain(const std::filesystem::path& recording);
 
   const CellSetup& setup_;
   EngineChoice choice_;

@@ -16,7 +16,7 @@ struct SimulatedCellOptions {
   /// Replaces the cell's tool. With a plan: the tool with which its operator begins; absent: the plan's
   /// first.
   std::optional<config::ToolChoice> tool{};
-  std::filesystem::path identified{};  ///< of `osteon identify`, instead of the cell's own; empty: none
+  std::filesystem::path identified{};  ///< file of `osteon identify`; empty: the cell's own, if any
   std::filesystem::path plan{};  ///< plan that the simulated operator follows; empty: the cell's own script
   std::string hand{"expert"};    ///< that operator's hand: expert, novice
   double seconds{0.0};           ///< duration of the operator's script; 0: as the file says

@@ -5,8 +5,8 @@
 namespace osteon::session {
 namespace {
 
-constexpr rt::Nanoseconds kHeartbeat =
-    50 * rt::kMillisecond;  // the controller's count rises once in this time, as in wall time
+// The controller's heartbeat count rises by 1 in this time, as in wall time.
+constexpr rt::Nanoseconds kHeartbeat = 50 * rt::kMillisecond;
 
 }  // namespace
 

@@ -207,9 +207,9 @@ void AddJointLimits(const TripLimits& limits, Panels& panels) {
       [&](std::size_t i, std::size_t joint) {
         const double tau_Nm = panels[i].input.tau_ext[joint],
                      before_Nm = panels.Before(i).input.tau_ext[joint];
-        // The torque a message later is predicted to change as much as in this message.
         const double room_Nm =
             limits.servo.arm_body->joints[joint].limits.torque_Nm - std::abs(gravity_Nm[i][joint]);
+        // a message later, the torque may have grown again by its change since the last message
         return room_Nm > 0.0 ? 100.0 * (std::abs(tau_Nm) + std::abs(tau_Nm - before_Nm)) / room_Nm : kNoValue;
       },
       panels);

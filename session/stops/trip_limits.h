@@ -6,9 +6,7 @@
 namespace osteon::session {
 
 /// Collects the limits that a cell's stop pages show.
-/// @param virtual_time  whether the run is in virtual time, where a message counts as missed after one
-/// period;
-///   in wall time after kArmDeadlinePeriods periods
+/// @param virtual_time  true: a message counts as missed after one period; false: after kArmDeadlinePeriods
 [[nodiscard]] TripLimits TripLimitsOf(const config::CellConfig& cell, bool virtual_time);
 
 }  // namespace osteon::session

@@ -11,8 +11,8 @@
 namespace osteon::session {
 namespace {
 
-constexpr rt::Nanoseconds kEventGap =
-    rt::kSecond / 2;  // time within the error after which an event has ended
+// An event has ended once the displacement has been within the error for this time.
+constexpr rt::Nanoseconds kEventGap = rt::kSecond / 2;
 
 // Returns the part with the largest displacement, and this displacement [m].
 std::pair<const char*, double> FurthestPart(const control::ComplianceRecord& record) {

@@ -9,9 +9,9 @@
 
 namespace osteon::session {
 
-/// A report of the reamer's drive: its faults that were latched at a time after the run's start.
+/// Faults of the reamer's drive that were latched in one tick, or their reset.
 struct DriveFaultRow {
-  double time_s{0.0};
+  double time_s{0.0};               ///< since the run's first tick
   std::uint8_t latched{0};          ///< newly latched io::DriveFault bits; 0: the drive was reset
   std::uint8_t nmt_state{0};        ///< state by CiA 301
   std::uint16_t emergency_code{0};  ///< by CiA 301; 0: none

@@ -65,8 +65,8 @@ std::string FirstNotFinite(const std::array<double, 7>& values, const char* what
   return "";
 }
 
-// Names the first input of a tick that is not finite, with its value. If arm and sensor are finite, names the
-// contact model, whose values are not recorded.
+// Names the first input of a tick that is not finite, with its value. If arm and sensor are finite, it was
+// the contact model.
 std::string DescribeNotFinite(const TickRecord& tick) {
   std::string text = FirstNotFinite(tick.q_meas, "measured");
   if (text.empty() && tick.input.has_ipo) text = FirstNotFinite(tick.input.q_ipo, "of the interpolator");

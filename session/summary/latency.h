@@ -20,7 +20,7 @@ namespace osteon::session {
 struct LatencyPart {
   std::string name;      ///< "sensor", "link", "tick", "arm", "model"
   double mean_s{0.0};    ///< mean over the ticks in which the arm was commanded
-  double max_s{0.0};     ///< the arm's has none: it equals the mean
+  double max_s{0.0};     ///< for the arm, which has no maximum: the mean
   bool measured{false};  ///< false: assumed, see `how`
   std::string how;       ///< what it was measured by, or why it is assumed
 };
@@ -57,8 +57,8 @@ struct LatencyContext {
 ///     link     from the arrival of the arm's message to the loop's wake-up
 ///     tick     from the wake-up to the answer
 ///     arm      the delay d that minimises |q_meas[k] - q_cmd[k - d]|^2 over all joints while they move: dead time
-///              and the servo's lag in slow motion, by what came back; of forces over the arm's impedance their
-///              dead time
+///              and the servo's lag in slow motion, by what came back; for forces added to the arm's impedance:
+///              their dead time
 ///     model    age of the pose that the contact model was computed for, while rendering
 class LatencyMeter {
  public:
@@ -89,7 +89,8 @@ class LatencyMeter {
 /// {hand_to_arm (null if the hand moves the arm itself), bone_to_hand, measured, parts: {NAME: {mean, max,
 /// measured, how}}} in ms; null without parts.
 [[nodiscard]] nlohmann::json ToJson(const LatencyFigures& latency);
-/// One line: "26.3 ms from hand to arm (sensor 1.0, link 0.1, …); 30.2 ms from bone to hand; assumed: …".
+/// One line: "26.3 ms from the hand's force to the arm, 30.2 ms from the bone to the hand (sensor 1.00, link
+/// 0.10, … ms); assumed: …".
 [[nodiscard]] std::string LatencyText(const LatencyFigures& latency);
 
 }  // namespace osteon::session

@@ -16,8 +16,8 @@ using surface::BrickLayout;
 using surface::CarvedField;
 using surface::Vec3;
 
-constexpr double kMinRange_mm =
-    0.05;  // smallest range of the colours: smaller differences are errors of the fields
+// Smallest range of the colours: smaller differences are errors of the fields.
+constexpr double kMinRange_mm = 0.05;
 constexpr std::size_t kMaxChanged = 1 << 16;  // with more changed bricks, all bricks count as changed
 
 bool IsLarger(const LargestDifference& a, const LargestDifference& b) {

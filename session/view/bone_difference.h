@@ -73,8 +73,8 @@ class DifferenceMap {
   /// @param shared  outlives this  @param side  0 or 1
   DifferenceMap(BoneDifference& shared, std::size_t side) : shared_(shared), side_(side) {}
 
-  /// Takes over a switch of the map made by a page. @returns whether the map was switched on or off since the
-  /// last call; every brick then has to be sent again.
+  /// Follows BoneDifference::Show. @returns whether the map was switched on or off since the last call; every
+  /// brick then has to be sent again.
   [[nodiscard]] bool Switched();
   [[nodiscard]] bool on() const { return on_; }
 
@@ -93,6 +93,7 @@ class DifferenceMap {
   void TellLargest();
 
  private:
+  // Adds to `bricks` the shown bricks whose colour may change by the other side's news.
   void AddNear(const surface::CarvedField& field, const BoneDifference::News& news,
                std::set<surface::BrickIndex>& bricks) const;
 
@@ -101,8 +102,8 @@ class DifferenceMap {
   bool on_{false};
   bool restarted_{true};           // the other side must be told that every brick may have changed
   surface::CarvedSnapshot other_;  // the other side's newest bone
-  std::map<surface::BrickIndex, LargestDifference>
-      shown_;  // bricks that have a surface, with their largest difference
+  // bricks that have a surface, with their largest difference
+  std::map<surface::BrickIndex, LargestDifference> shown_;
 };
 
 }  // namespace osteon::session

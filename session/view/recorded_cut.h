@@ -28,8 +28,8 @@ struct RecordedCut {
   std::optional<SessionCut>
       earlier{};  ///< cut by the session's recordings before this one; empty: this is the first
 
-  /// Whether the cut of a frame counts: its pass was not taken back later. @param pose_stamp
-  /// ContactModel::pose_stamp
+  /// Whether the cut of a frame counts: its pass was not taken back later.
+  /// @param pose_stamp  the frame's ContactModel::pose_stamp
   [[nodiscard]] bool Counts(rt::Nanoseconds pose_stamp) const;
   /// Carves the bone that was cut before the recording begins.
   void CarveEarlier(surface::CarvedField& field) const;

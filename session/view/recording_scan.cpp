@@ -14,7 +14,7 @@
 namespace osteon::session {
 namespace {
 
-constexpr std::chrono::seconds kNewsPeriod{1};  // time between two messages while it reads
+constexpr std::chrono::seconds kScanNewsPeriod{1};  // time between two messages while it reads
 
 // The events and forces read so far.
 struct Seen {
@@ -68,7 +68,7 @@ void RecordingScan::Run(const std::filesystem::path& path) {
         static_cast<std::size_t>(std::clamp(timeline->At(tick.stamp), 0.0, timeline->duration_s()));
     if (seen.force_N.size() <= second) seen.force_N.resize(second + 1, 0.0);
     seen.force_N[second] = std::max(seen.force_N[second], console::Length(tick.F_coupling_T_W.f));
-    if (const auto now = std::chrono::steady_clock::now(); now - told >= kNewsPeriod) {
+    if (const auto now = std::chrono::steady_clock::now(); now - told >= kScanNewsPeriod) {
       told = now;
       tell(false);
     }

@@ -70,8 +70,8 @@ struct ShownRecording {
   double duration_s;
   rt::Nanoseconds start;
   CellSetup setup;
-  console::LiveFeed feed{Playback::kFeedWindows};
-  console::SurfaceStore surface{};
+  console::LiveFeed feed{Playback::kFeedWindows};  // ticks, frames and events up to the shown time
+  console::SurfaceStore surface{};                 // the carved bone's surface at the shown time
   Playback playback;
   console::SurfaceFeed chunks;
   ViewSurface bone;

@@ -32,7 +32,7 @@ void CheckShape(const SceneShape& shape);
 /// Site at which a generated solid is cut: a circle on its upper surface, seen along G's z axis. For an
 /// acetabulum the site is always its cup, and this is ignored.
 struct SiteParams {
-  double x_m{0.0}, y_m{0.0};
+  double x_m{0.0}, y_m{0.0};  ///< centre in G; its height is that of the surface
   double radius_m{0.005};
 };
 
@@ -50,7 +50,7 @@ struct MeshSceneTissue {
     std::string name;  ///< name of the mesh's region, case ignored; "*": any region
     ShellTissue tissue;
   };
-  struct Lining {
+  struct Lining {  // as LiningTissue
     double lining_radii{1.25};
     std::vector<TissueLayer> layers;
     MaterialIndex core{0};
