@@ -24,18 +24,18 @@ class LiveLatency final : public io::RecordSink {
   void TakeFrame(const simulation::FrameRecord& frame) override { next_.TakeFrame(frame); }
   void TakeEvent(const io::RecordedEvent& event) override { next_.TakeEvent(event); }
 
-  /// The figures of the run so far; not known before the arm was commanded. Any thread.
+  /// The figures of the run so far; not known before the arm was commanded. Any thread may call it.
   [[nodiscard]] console::LatencyStatus Status() const;
 
  private:
-  // of the recorder's writer alone
+  // used only by the recorder's writer
   io::RecordSink& next_;
   LatencyMeter meter_;
   LatencyContext context_;
   double period_s_;
   int ticks_{0};  // number of ticks since the figures were published
 
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards figures_
   LatencyFigures figures_;
 };
 

@@ -14,8 +14,8 @@ namespace osteon::session {
 
 struct LiveStopsParams {
   const config::CellConfig& cell;   ///< outlives the writer
-  std::filesystem::path recording;  ///< of the run
-  std::filesystem::path folder;     ///< for the pages
+  std::filesystem::path recording;  ///< the run's recording
+  std::filesystem::path folder;     ///< gets the pages
   std::string console_url{};        ///< where the cell's page is served; empty: nowhere
   double force_limit_N{0.0};
 };
@@ -40,24 +40,25 @@ class LiveStops final : public io::RecordSink {
   void TakeFrame(const simulation::FrameRecord& frame) override { next_.TakeFrame(frame); }
   void TakeEvent(const io::RecordedEvent& event) override { next_.TakeEvent(event); }
 
-  /// Writes what is left, and ends the thread. After the last tick.
+  /// Writes the pages that still wait, and ends the thread. Call it after the last tick.
   void Finish();
 
  private:
   struct Stop {
     StopRecord record;
-    std::size_t number;
+    std::size_t number;  // counts the run's stops from 1
   };
+  // The thread: writes each page as soon as its stop is in stops_, until Finish.
   void Run();
 
   LiveStopsParams params_;
   io::RecordSink& next_;
-  StopFinder finder_;     // used only by the recorder's writer, as count_
+  StopFinder finder_;     // used only by the recorder's writer, like count_
   std::size_t count_{0};  // number of stops so far
 
   std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<Stop> stops_;  // guarded by mutex_
+  std::deque<Stop> stops_;  // whose pages are not yet written; guarded by mutex_
   bool ended_{false};       // guarded by mutex_
   std::thread thread_;
 };

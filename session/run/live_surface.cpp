@@ -22,9 +22,9 @@ std::unique_ptr<surface::SurfaceThread> StartSurface(const CellSetup& setup, con
     params.carve_earlier = HistoryOf(*session, setup.X_WG).carve_earlier;
     params.keeps_batches = true;
   }
-  const simulation::Tool& first =
+  const simulation::Tool& first_tool =
       session ? session->tools()[static_cast<std::size_t>(session->first_tool())].tool : tool;
-  return std::make_unique<surface::SurfaceThread>(first, setup.X_WG, std::move(params), sink);
+  return std::make_unique<surface::SurfaceThread>(first_tool, setup.X_WG, std::move(params), sink);
 }
 
 }  // namespace osteon::session

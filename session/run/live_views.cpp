@@ -27,6 +27,7 @@ namespace {
 constexpr int kMaxPort = 65535;
 constexpr std::size_t kShownRequest = 60;  // number of characters of an unknown request in its answer
 
+// Parses a port number, 0 … kMaxPort; none if the text is anything else.
 std::optional<int> PortOf(std::string_view text) {
   int port = -1;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
@@ -43,14 +44,15 @@ std::string WhyNoRecovery(const console::LiveStatus& status, const std::string& 
   return fmt::format("the cell is {}: a recovery is accepted at rest, before a stop is asked for", state);
 }
 
+// Free bytes on the folder's disk; none if the system does not tell.
 std::optional<std::uintmax_t> SpaceLeft(const std::filesystem::path& folder) {
   std::error_code error;
   const std::filesystem::space_info space = std::filesystem::space(folder, error);
   return error ? std::nullopt : std::optional(space.available);
 }
 
-// Makes the part of an answer about a procedure: the panel's figures, and the tool in words that need no
-// plan.
+// Makes the part of an answer about a procedure: the panel's figures, the score, and the tool's number and
+// diameter, so that a reader needs no plan.
 nlohmann::json ProcedureStatus(ProcedureSession& session) {
   const SessionFile file = session.File();
   const int tool = file.segments.empty() ? session.first_tool() : file.segments.back().tool_index;

@@ -32,7 +32,7 @@ class ProcedureSession;
 /// Where the console, or the server for Foxglove, is served.
 struct ConsoleChoice {
   bool on{true};
-  std::string address{"127.0.0.1"};  ///< any but the loopback's asks pages for a token
+  std::string address{"127.0.0.1"};  ///< unless it is a loopback address, pages need a token
   int port{console::kDefaultPort};
   bool only_this_port{false};  ///< false: the next free port if this one is taken
 
@@ -44,10 +44,10 @@ struct ConsoleChoice {
 /// The facts about a run that its live views show.
 struct LiveRun {
   std::string command;            ///< "demo", "run"
-  double seconds{0.0};            ///< time of rendering that was asked for; 0: until stopped
+  double seconds{0.0};            ///< requested time of rendering; 0: until stopped
   std::string recording;          ///< the recording's file
   std::filesystem::path pages{};  ///< folder of the stops' pages; empty: the recording's
-  std::filesystem::path tune{};   ///< result of `osteon tune`; empty: kTuneFile, where it is of this cell
+  std::filesystem::path tune{};   ///< result of `osteon tune`; empty: kTuneFile, if that file is of this cell
 };
 
 /// Translates a page's request into a request to a procedure's session. The error says what is accepted.
@@ -59,7 +59,7 @@ struct LiveRun {
 /// local socket.
 ///
 ///     recorder ──▶ LiveFaults ──▶ LiveLatency ──▶ LiveFeed ◀── status line, local socket
-///                                                                   └──▶ OperatorRequests ──▶ the state machine, as from any other side
+///                                                                   └──▶ OperatorRequests ──▶ the state machine
 ///
 /// A request asks for what the state machine allows; it can raise no limit and skip no condition of motion.
 class LiveViews {
@@ -98,8 +98,10 @@ class LiveViews {
  private:
   void OpenConsole(const ConsoleChoice& choice);
   void OpenFoxglove(const ConsoleChoice& choice);
-  [[nodiscard]] bool IsWatched() const;  // by a page or a viewer
+  [[nodiscard]] bool IsWatched() const;  // whether a page or a viewer is connected
+  // Passes a request on if the cell's state allows it; the answer says why it is refused.
   [[nodiscard]] console::RequestAnswer Ask(console::OperatorRequest request);
+  // Pauses the cell if its configuration asks for that.
   void OnOperatorLeft();
   [[nodiscard]] console::RequestAnswer AskSession(const console::ProcedureRequest& request);
 
@@ -110,7 +112,7 @@ class LiveViews {
   GainsPanel gains_;
   std::string cell_;
   std::string scene_;
-  std::vector<std::string> not_opened_;
+  std::vector<std::string> not_opened_;  // why a server could not be opened, one text each
   console::LiveContext context_;
   console::LiveFeed feed_;
   LiveLatency latency_;
@@ -118,11 +120,12 @@ class LiveViews {
   console::SurfaceStore surface_;
   console::SurfaceFeed surface_feed_{surface_};
   std::unique_ptr<surface::SurfaceThread> surface_thread_;  // before the servers, whose threads ask its age
-  // Set once the objects exist, for other threads.
+  // The objects below and the surface's thread as other threads see them: null until they exist.
   std::atomic<const surface::SurfaceThread*> followed_{nullptr};
   std::atomic<const console::ConsoleServer*> pages_{nullptr};
   std::atomic<const console::FoxgloveServer*> viewers_{nullptr};
-  // Last, because their threads use the others; the socket's answers name the console too.
+  // Declared last and so destroyed first: their threads use the members above. The socket's answers name the
+  // console, so it comes after the console.
   std::unique_ptr<console::ConsoleServer> console_;
   std::unique_ptr<LiveTopics> topics_;
   std::unique_ptr<console::FoxgloveServer> foxglove_;

@@ -54,7 +54,7 @@ void PrintConnections(const config::CellConfig& cell) {
     fmt::print(stderr, "osteon run: PLC none (without_plc: accepted)\n");
 }
 
-// Checks the output paths before anything runs.
+// Checks the output paths before anything runs. @returns what is wrong; empty: nothing
 std::string WrongPlace(const OperateOptions& options) {
   if (std::string wrong = ValidateOutputFile("--json", options.json); !wrong.empty()) return wrong;
   if (std::string wrong = ValidateSurfaceFile(options.surface); !wrong.empty()) return wrong;
@@ -64,6 +64,8 @@ std::string WrongPlace(const OperateOptions& options) {
   return options.overwrite ? "" : ValidateRecordingName(options.record);
 }
 
+// Removes the files of an earlier run of the recording's name, if they may be overwritten; else refuses if
+// there are any. @returns what is wrong; empty: nothing
 std::string MakeRoom(const OperateOptions& options) {
   if (!options.overwrite) return ValidateRecordingName(options.record);
   // the recording itself is overwritten by the process that has locked it
@@ -72,7 +74,8 @@ std::string MakeRoom(const OperateOptions& options) {
   return RemoveFiles(pages);
 }
 
-// Shows the result; everything shown comes from the recording. @returns the exit code
+// Reads the finished recording, writes report, stop pages and JSON from it, and prints the table.
+// @returns the exit code
 int PrintResult(const OperateOptions& options, const CellSetup& setup,
                 const simulation::CuttingEngine& engine, const CellRunParams& params,
                 const CellRunResult& result) {
@@ -135,7 +138,7 @@ int RunOperate(const OperateOptions& asked) {
     return Fail("run", "--cpu: " + wrong);
   OutputThread output({.watch_stderr = true});
   base::PhaseProgress planning("osteon run", 3, false);
-  planning.BeginPhase("load the cell");  // seconds, where a mesh is open
+  planning.BeginPhase("load the cell");  // takes seconds if the bone's mesh is not closed
   auto setup = PrepareCell(options.cell, {}, options.tool, options.gains, options.identified);
   const auto refuse = [&](const std::string& why) {
     planning.Done();
@@ -184,8 +187,8 @@ int RunOperate(const OperateOptions& asked) {
     if (!made) return Fail("run", made.error());
     session = std::move(*made);
   }
-  // No coarser packing for an engine in a process of its own, which keeps its bone, nor for a session, whose
-  // saved states belong to its packing.
+  // The packing is not made coarser during a run for an engine in another process, which keeps its bone, nor
+  // for a session, whose saved states belong to its packing.
   const auto adaptive_resolution = remote || session ? nullptr : MakeAdaptiveResolution(*setup, choice);
   fmt::print(stderr, "osteon run: engine: {}\n", EngineText(choice, (*engine)->device()));
   if (remote) fmt::print(stderr, "osteon run: the engine is a process of its own: {}\n", remote->where());

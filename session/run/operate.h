@@ -24,21 +24,21 @@ struct OperateOptions {
   bool overwrite{false};                     ///< replace an earlier run's files of that name; false: refuse
   std::optional<config::ToolChoice> tool{};  ///< replaces the cell's tool
   FidelityChoice fidelity{};                 ///< how fine the bone is
-  ProcedureChoice procedure{};               ///< of a plan: its reamers, one after the other
+  ProcedureChoice procedure{};               ///< plan whose reamers are used one after the other
   std::filesystem::path gains{};             ///< overrides the cell's gains; empty: none
-  std::filesystem::path identified{};        ///< of `osteon identify`, instead of the cell's own; empty: none
+  std::filesystem::path identified{};        ///< file of `osteon identify`; empty: the cell's own, if any
   std::optional<std::uint16_t> port{};       ///< first port of a simulated cell; none: the cell file's
-  int cpu{-1};                      ///< CPU of the servo thread; all other threads stay off it; -1: any
-  std::string engine{"auto"};       ///< one of WallTimeEngineNames
-  std::string device{};             ///< part of a Vulkan device's name
-  std::filesystem::path surface{};  ///< file for the carved bone as a mesh: STL, PLY or OBJ
-  /// Log time from one state of the carved bone to the next in the recording; 0: no states.
+  int cpu{-1};                               ///< CPU reserved for the servo thread; -1: any
+  std::string engine{"auto"};                ///< one of WallTimeEngineNames
+  std::string device{};                      ///< part of a Vulkan device's name
+  std::filesystem::path surface{};           ///< file for the carved bone as a mesh: STL, PLY or OBJ
+  /// Recorded time from one state of the carved bone to the next in the recording; 0: no states.
   double bone_state_s{5.0};
   ConsoleChoice console{};              ///< where the console is served
   std::filesystem::path tune{};         ///< result of `osteon tune` for the console; empty: kTuneFile
   ConsoleChoice foxglove{.on = false};  ///< where Foxglove and Lichtblick connect to
-  std::filesystem::path json{};
-  std::string command_line{};  ///< the command that repeats the run
+  std::filesystem::path json{};         ///< file for the summary as JSON; empty: none
+  std::string command_line{};           ///< the command that repeats the run
 };
 
 /// Runs `osteon run`: operates a cell, real or simulated, by the connections that its file names. Leaves the

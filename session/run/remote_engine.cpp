@@ -21,11 +21,13 @@
 namespace osteon::session {
 namespace {
 
-constexpr rt::Nanoseconds kEngineReady = 120 * rt::kSecond;  // a driver may have to compile all shaders
-constexpr rt::Nanoseconds kCarvedPatience = 10 * rt::kSecond;
-constexpr rt::Nanoseconds kPoll = 5 * rt::kMillisecond;
-constexpr std::chrono::seconds kEndPatience{5};
+// Longest wait for the process's engine: a driver may have to compile all shaders.
+constexpr rt::Nanoseconds kEngineReady = 120 * rt::kSecond;
+constexpr rt::Nanoseconds kCarvedPatience = 10 * rt::kSecond;  // longest wait for the carved state
+constexpr rt::Nanoseconds kPoll = 5 * rt::kMillisecond;        // between looks at the process's state
+constexpr std::chrono::seconds kEndPatience{5};                // then the process is killed
 
+// Encodes what the other process needs to make its engine: bone, tool, pose of the bone, cutting parameters.
 std::vector<std::uint8_t> SetupBytes(const CellSetup& setup) {
   return io::EncodeSetup({.bone = setup.bone,
                           .tool = setup.config.tool.tool,
@@ -33,6 +35,7 @@ std::vector<std::uint8_t> SetupBytes(const CellSetup& setup) {
                           .cutting = setup.config.cutting});
 }
 
+// A child's exit code in words; above 128 it is 128 plus the number of the signal that ended the child.
 std::string EndText(int code) {
   if (code > 128) return fmt::format("signal {} ({})", code - 128, strsignal(code - 128));
   return fmt::format("exit code {}", code);

@@ -26,7 +26,8 @@ class RemoteEngine final : public simulation::CuttingEngine {
       const CellSetup& setup, const EngineChoice& choice, const std::filesystem::path& cell_yaml);
   ~RemoteEngine() override;
 
-  /// Steps the engine in lockstep. The device counts as lost once a frame has taken kLockstepPatience.
+  /// Steps the engine and waits for its frame. If the frame takes longer than kLockstepPatience, the status
+  /// is kDeviceLost.
   simulation::ContactModel Step(const simulation::FrameInput& input) override;
   /// The carved state, after Finish.
   [[nodiscard]] simulation::CarvedState Snapshot() const override { return carved_; }
@@ -42,12 +43,15 @@ class RemoteEngine final : public simulation::CuttingEngine {
   /// process cuts the recorded frames again. Then ends that process, if this run started it.
   /// @param recording  the run's recording, which must be closed
   [[nodiscard]] EngineProcessResult Finish(const std::filesystem::path& recording);
+  /// The process in words: "local, process 123" or its address and port.
   [[nodiscard]] const std::string& where() const { return where_; }
 
   static constexpr rt::Nanoseconds kLockstepPatience = 10 * rt::kSecond;
 
  private:
   RemoteEngine(const CellSetup& setup, EngineChoice choice) : setup_(setup), choice_(std::move(choice)) {}
+  // Start the child process, or connect to one over UDP; fetch carved_ from it, or compute carved_ from the
+  // recorded frames on the CPU. Each returns what went wrong; empty: nothing.
   [[nodiscard]] std::string StartLocal();
   [[nodiscard]] std::string Connect(const std::filesystem::path& cell_yaml);
   [[nodiscard]] std::string FetchCarved();
@@ -57,7 +61,8 @@ class RemoteEngine final : public simulation::CuttingEngine {
   EngineChoice choice_;
   std::unique_ptr<io::EngineClient> client_;
   std::unique_ptr<base::ChildProcess> child_;  // null: this run did not start it
-  std::string where_, ended_;
+  std::string where_;                          // process or address, in words
+  std::string ended_;                          // why the process ended by itself; empty: not seen to end
   simulation::CarvedState carved_;
 };
 

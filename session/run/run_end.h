@@ -29,8 +29,9 @@ void RecordEnd(io::Recorder& recorder, rt::Nanoseconds stamp, const CellRunResul
                                              const std::optional<config::GuardConfig>& guard,
                                              safety::MotionPermits permits);
 
-/// Adds to the result of a run that never began what kept arm or devices from it.
-/// @param arm, devices  their diagnoses; empty: nothing is wrong
+/// Adds the reasons to the result of a run that never began.
+/// @param result  unchanged if the run began
+/// @param arm, devices  diagnoses of the arm's and the devices' connections; empty: nothing is wrong
 /// @param permits  of the loop's last tick
 void AddDiagnosis(CellRunResult& result, const std::string& arm, const std::string& devices,
                   safety::MotionPermits permits);

@@ -28,8 +28,9 @@ namespace osteon::session {
 namespace {
 
 constexpr rt::Nanoseconds kCommandWait = 50 * rt::kMillisecond;  // longest wait before Ctrl-C is checked
-constexpr double kMaxDt_s = 0.1;  // as in FrameRunner: cutting missed in a stall is not made up
+constexpr double kMaxDt_s = 0.1;  // longest step, as in FrameRunner: cutting missed in a stall is not made up
 
+// The figures of the report: the engine last made, and counts since the process began.
 struct Served {
   std::string engine, device;
   std::uint64_t frames{0}, runs{0};
@@ -47,18 +48,19 @@ tl::expected<std::vector<std::uint8_t>, std::string> CarvedBytes(const simulatio
   return std::vector<std::uint8_t>(std::istreambuf_iterator<char>(stream), {});
 }
 
-// Answers each command with a frame until the run is over. @returns an empty string, or what went wrong
+// Answers each command with a frame until the run is over, and sends the carved state when the client ends
+// the frames. @returns what went wrong; empty: nothing
 std::string ServeRun(io::EngineServer& server, simulation::CuttingEngine& engine,
                      const simulation::Bone& bone, Served& served) {
   rt::PacedPriority priority;
-  rt::Nanoseconds last = 0;
-  bool carved = false;
+  rt::Nanoseconds last_stamp = 0;  // of the newest command answered
+  bool carved_sent = false;
   while (!base::Interrupted().load()) {
     io::EngineCommand asked;
     const io::EngineEvent event = server.Await(asked, rt::MonotonicNow() + kCommandWait);
     if (event == io::EngineEvent::kGone) return "";
-    if (event == io::EngineEvent::kEnd && !carved) {
-      carved = true;
+    if (event == io::EngineEvent::kEnd && !carved_sent) {
+      carved_sent = true;
       auto bytes = CarvedBytes(engine, bone);
       if (!bytes) return bytes.error();
       server.PutCarved(std::move(*bytes));
@@ -66,10 +68,10 @@ std::string ServeRun(io::EngineServer& server, simulation::CuttingEngine& engine
     if (event == io::EngineEvent::kEnd) rt::SleepUntil(rt::MonotonicNow() + rt::kMillisecond);
     if (event != io::EngineEvent::kCommand) continue;
     const simulation::ToolCommand& command = asked.command;
-    if (command.stamp == last) continue;
+    if (command.stamp == last_stamp) continue;
     const rt::Nanoseconds start = rt::MonotonicNow();
-    const double since_s = last == 0 ? 0.0 : rt::ToSeconds(command.stamp - last);
-    last = command.stamp;
+    const double since_s = last_stamp == 0 ? 0.0 : rt::ToSeconds(command.stamp - last_stamp);
+    last_stamp = command.stamp;
     io::EngineFrame frame;
     frame.spindle_rad_per_s = command.spindle_rad_per_s;
     frame.model = engine.Step({.X_WT = command.X_WT,
@@ -86,6 +88,7 @@ std::string ServeRun(io::EngineServer& server, simulation::CuttingEngine& engine
   return "";
 }
 
+// Serves the one run whose shared memory lies in options.local. @returns what went wrong; empty: nothing
 std::string ServeLocal(const SimulateOptions& options, Served& served) {
   auto server = io::LocalEngineServer::Open(options.local);
   if (!server) return server.error();
@@ -109,7 +112,7 @@ std::string ServeLocal(const SimulateOptions& options, Served& served) {
   return "";
 }
 
-// Serves one run after the other until Ctrl-C.
+// Serves one run after the other until Ctrl-C. @returns why the server could not start; empty: it did
 std::string ServeUdp(const SimulateOptions& options, Served& served) {
   io::UdpServerParams params{.address = options.address, .port = options.port};
   if (!options.token_file.empty()) {

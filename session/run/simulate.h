@@ -16,7 +16,7 @@ struct SimulateOptions {
   std::filesystem::path token_file{};  ///< needed unless the address is a loopback address
   std::string engine{"auto"};          ///< one of WallTimeEngineNames
   std::string device{};                ///< part of a Vulkan device's name
-  std::filesystem::path json{};        ///< report, written at its end
+  std::filesystem::path json{};        ///< file for the report, written at the process's end
 };
 
 /// Runs `osteon simulate`: the cutting engine in a process of its own, for one run after the other, until

@@ -36,6 +36,7 @@ nlohmann::ordered_json WireJson(const hil::WireCounters& n) {
           {"delayed", n.delayed},       {"silenced", n.silenced},   {"overflow", n.overflow}};
 }
 
+// Prints the addresses at which a controller reaches the simulated arm, drives and PLC.
 void PrintSimulatedSide(const config::CellConfig& cell) {
   fmt::print("osteon cell: the arm sends {} to {}:{}{}\n", Describe(cell.link),
              cell.guard ? cell.guard->host : cell.link.host, cell.guard ? cell.guard->port : cell.link.port,
@@ -49,7 +50,7 @@ void PrintSimulatedSide(const config::CellConfig& cell) {
   std::fflush(stdout);
 }
 
-// Opens the page. If it cannot be opened, the cell runs without it.
+// Opens the page that shows the cell; null if it is off or cannot be opened: the cell then runs without it.
 std::unique_ptr<CellConsole> OpenPage(const SimulatedCellOptions& options, const config::CellConfig& cell) {
   if (!options.console.on) return nullptr;
   auto page = CellConsole::Open(options.console, cell, options.cell.stem().string(), options.seconds);
@@ -61,7 +62,7 @@ std::unique_ptr<CellConsole> OpenPage(const SimulatedCellOptions& options, const
   return nullptr;
 }
 
-// Hands each cycle of the arm to those that want it.
+// Passes each cycle of the arm from its thread's ring to the trace file and to the page, where they exist.
 struct CycleReaders {
   rt::SpscRing<hil::CellState> cycles{2048};  // two seconds at 1 kHz
   std::unique_ptr<CellTraceWriter> trace;
@@ -82,7 +83,7 @@ struct CycleReaders {
 
 std::string ToJson(const hil::CellHostState& state, const config::ArmLinkConfig& link) {
   const hil::CellState& arm = state.arm.cell;
-  const hil::FriCounters& c = arm.counters;
+  const hil::FriCounters& counters = arm.counters;
   const nlohmann::ordered_json json{
       {"schema", "osteon.cell/1"},
       {"arm",
@@ -98,15 +99,15 @@ std::string ToJson(const hil::CellHostState& state, const config::ArmLinkConfig&
         {"script_done", arm.script_done},
         {"overruns", state.arm.overruns},
         {"undelivered", state.arm.undelivered},
-        {"sent", c.sent},
-        {"answered", c.answered},
-        {"lost", c.lost},
-        {"excused", c.excused},
-        {"stale", c.stale},
-        {"duplicate", c.duplicate},
-        {"malformed", c.malformed},
-        {"client_gap", c.client_gap},
-        {"client_back", c.client_back},
+        {"sent", counters.sent},
+        {"answered", counters.answered},
+        {"lost", counters.lost},
+        {"excused", counters.excused},
+        {"stale", counters.stale},
+        {"duplicate", counters.duplicate},
+        {"malformed", counters.malformed},
+        {"client_gap", counters.client_gap},
+        {"client_back", counters.client_back},
         {"delay", arm.delay}}},
       {"plc",
        {{"run_permitted", state.plc.run_permitted},
@@ -178,7 +179,7 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
       std::fflush(stdout);
     }
     state = host.State();
-    host.Stop();  // with the messages that end the arm's session
+    host.Stop();  // sends the messages that end the arm's session
     readers.Pass();
   } catch (const std::exception& error) {
     fmt::print(stderr, "osteon cell: {}\n", error.what());

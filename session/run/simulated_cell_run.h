@@ -16,15 +16,15 @@ struct SimulatedCellOptions {
   /// Replaces the cell's tool. With a plan: the tool with which its operator begins; absent: the plan's
   /// first.
   std::optional<config::ToolChoice> tool{};
-  std::filesystem::path identified{};   ///< of `osteon identify`, instead of the cell's own; empty: none
-  std::filesystem::path plan{};         ///< plan that its operator follows; empty: the cell's own script
-  std::string hand{"expert"};           ///< that operator's hand: expert, novice
-  double seconds{0.0};                  ///< duration of the operator's script; 0: as the file says
-  std::optional<std::uint16_t> port{};  ///< the first of its ports; replaces the file's
-  /// CPU to which its real-time threads are pinned, and which all others do not use; -1: any.
+  std::filesystem::path identified{};  ///< file of `osteon identify`; empty: the cell's own, if any
+  std::filesystem::path plan{};  ///< plan that the simulated operator follows; empty: the cell's own script
+  std::string hand{"expert"};    ///< that operator's hand: expert, novice
+  double seconds{0.0};           ///< duration of the operator's script; 0: as the file says
+  std::optional<std::uint16_t> port{};  ///< first port of the cell; replaces those of its file
+  /// CPU to which the real-time threads are pinned; all other threads stay off it; -1: any.
   int cpu{-1};
-  std::filesystem::path json{};   ///< report, written at its end
-  std::filesystem::path trace{};  ///< CSV file of each of its cycles, written while it runs; empty: none
+  std::filesystem::path json{};   ///< report, written when the cell ends
+  std::filesystem::path trace{};  ///< CSV file with a row for each cycle, written during the run; empty: none
   ConsoleChoice console{};        ///< where the page that shows it is served
 };
 

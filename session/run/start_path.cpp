@@ -5,7 +5,8 @@
 namespace osteon::session {
 namespace {
 
-// Approximate sizes of an arm's links around their joints.
+// Radii of the balls that stand for an arm's elbow, wrist and flange, and the joints at which elbow and wrist
+// lie. Approximate.
 struct ArmShape {
   double elbow_m, wrist_m, flange_m;
   int elbow_joint, wrist_joint;

@@ -5,7 +5,7 @@
 namespace osteon::session {
 namespace {
 
-constexpr double kMoved_rad = 0.02;
+constexpr double kMoved_rad = 0.02;  // a joint that moved this far makes the path be checked again
 
 }  // namespace
 

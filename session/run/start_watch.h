@@ -19,7 +19,7 @@ class StartWatch {
   /// The arm's position: written by the servo thread, read by Poll.
   [[nodiscard]] rt::LatestValue<control::StandingArm>& standing() { return standing_; }
 
-  /// Checks where the arm stands now. One thread only; takes up to some seconds.
+  /// Checks the path from where the arm stands now. One thread only; takes up to some seconds.
   void Poll();
 
   /// The obstacle, named for the user; empty: none, or nothing is known yet.
@@ -29,6 +29,7 @@ class StartWatch {
   const CellSetup& setup_;
   control::ServoLoop& loop_;
   rt::LatestValue<control::StandingArm> standing_;
+  // position from which the path was last checked
   kinematics::JointVector checked_q_{kinematics::JointVector::Zero()};
   bool checked_{false};
   std::string why_not_;

@@ -5,7 +5,8 @@
 namespace osteon::session {
 namespace {
 
-constexpr rt::Nanoseconds kHeartbeat = 50 * rt::kMillisecond;  // of the controller, as in wall time
+// The controller's heartbeat count rises by 1 in this time, as in wall time.
+constexpr rt::Nanoseconds kHeartbeat = 50 * rt::kMillisecond;
 
 }  // namespace
 
@@ -21,15 +22,15 @@ VirtualDevices::VirtualDevices(const config::CellConfig& cell, std::unique_ptr<i
       devices_(cell.simulated_devices),
       plc_faults_(cell.injections, hil::Wire::kPlc, hil::Direction::kBoth) {
   const io::DeviceParams& wires = cell.devices;
-  std::vector<io::CanBus*> ends;
+  std::vector<io::CanBus*> bus_ends;  // on the devices' side
   pumps_.reserve(wires.buses.size());
   for (std::size_t i = 0; i < wires.buses.size(); ++i) {
     hil::MemoryCanBus &ours = controller_ends_.emplace_back(now_), &theirs = device_ends_.emplace_back(now_);
     hil::MemoryCanBus::Join(ours, theirs);
-    ends.push_back(&theirs);
+    bus_ends.push_back(&theirs);
     clients_->AddToPump(pumps_.emplace_back(ours), i);
   }
-  wires_.emplace(ends, devices_, wires, cell.injections, &now_);
+  wires_.emplace(bus_ends, devices_, wires, cell.injections, &now_);
   if (!cell.simulated_plc) return;
   logic_.emplace(cell.simulated_plc->logic);
   plc_cycle_ = cell.simulated_plc->cycle_ms * rt::kMillisecond;
@@ -50,7 +51,8 @@ control::CellReadings VirtualDevices::Exchange(const control::CellCommands& comm
   return clients_->Readings(plc_, now);
 }
 
-// Runs a cycle of the PLC's program and makes the block that the client reads after it.
+// Runs a cycle of the PLC's program, then makes the block that the client reads next, with the PLC
+// connection's injected faults.
 void VirtualDevices::StepPlc(const control::CellCommands& commands, rt::Nanoseconds now) {
   plc_due_ = now + plc_cycle_;
   const hil::PlcPanel panel = person_.Step(now, logic_->outputs(), 1);

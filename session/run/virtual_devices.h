@@ -32,7 +32,7 @@ class VirtualDevices final : public control::CellDevices {
   /// Tells the devices that COMMANDING_ACTIVE is seen at `now`: injections begin. Later calls have no effect.
   void StartSchedule(rt::Nanoseconds now);
 
-  /// Sets the load on the force sensor, in S, from now on.
+  /// Sets the load on the force sensor from now on, in the sensor's frame S.
   void SetLoad(const Wrench& F_S) { devices_.SetLoad(F_S); }
   /// Whether the PLC has the drives' power on; always on without a PLC.
   [[nodiscard]] bool power() const { return !logic_ || logic_->outputs().power_on; }
@@ -54,6 +54,7 @@ class VirtualDevices final : public control::CellDevices {
 
  private:
   VirtualDevices(const config::CellConfig& cell, std::unique_ptr<io::DeviceClients> clients);
+  // Runs a cycle of the PLC.
   void StepPlc(const control::CellCommands& commands, rt::Nanoseconds now);
 
   std::unique_ptr<io::DeviceClients> clients_;
@@ -65,9 +66,9 @@ class VirtualDevices final : public control::CellDevices {
   hil::FaultSchedule plc_faults_;
   std::optional<hil::PlcLogic> logic_;
   rt::Nanoseconds plc_cycle_{0}, plc_due_{0};
-  hil::PanelOperator person_;
+  hil::PanelOperator person_;  // operates the PLC's panel
   hil::PlcLogicInputs plc_inputs_;
-  io::PlcReading plc_;
+  io::PlcReading plc_;  // the newest block that the PLC's client has
 };
 
 }  // namespace osteon::session

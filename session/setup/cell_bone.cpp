@@ -10,7 +10,7 @@
 namespace osteon::session {
 namespace {
 
-// Loads a bone that `osteon pack` has saved.
+// Loads a bone that `osteon pack` has saved. The error says that it has no site to cut, or no mass points.
 tl::expected<simulation::Bone, std::string> LoadPacking(const MeshChoice& choice) {
   const auto file = simulation::PackingFile::Open(choice.file);
   if (!file) return tl::make_unexpected(file.error().Text());
@@ -31,7 +31,7 @@ tl::expected<void, std::string> MakeCellBone(CellSetup& setup,
                                              const std::optional<MeshChoice>& mesh_instead) {
   const simulation::SceneParams& scene = setup.config.scene;
   std::optional<MeshChoice> mesh = mesh_instead;
-  std::string place;  // in the cell's file
+  std::string place;  // where the cell's file names the bone, for messages; empty: it does not
   if (!mesh && setup.config.bone) {
     place = setup.config.bone->place + ": ";
     mesh = {

@@ -18,7 +18,7 @@ constexpr unsigned kSwitchedOn = 0x1;  // IFF_UP
 
 bool IsLoopback(const std::string& address) { return address.starts_with("127."); }
 
-// Checks the network card at which the messages of `who` arrive.
+// Checks the network card with this address, at which the messages of `who` ("Arm", "Guard") arrive.
 Check CardCheck(const std::string& who, const std::string& address) {
   const std::string name = who + "'s network card";
   const auto card = io::FindNetworkCard(address);
@@ -36,6 +36,7 @@ Check CardCheck(const std::string& who, const std::string& address) {
           card->has_cable ? "" : "plug in the cable, and switch the other end on"};
 }
 
+// Examines the network cards of arm and guard, and tries to open the ports at which their messages arrive.
 void ExamineArm(std::vector<Check>& checks, const config::CellConfig& cell) {
   const config::ArmLinkConfig& link = cell.link;
   const std::string protocol = link.fri() != nullptr ? "FRI" : "RSI";
@@ -50,6 +51,7 @@ void ExamineArm(std::vector<Check>& checks, const config::CellConfig& cell) {
                     guard ? kCheckGood : kCheckMissing, guard ? "" : guard.error()});
 }
 
+// Checks that the bus's interface exists, is a CAN interface, and is up, by its files in /sys/class/net.
 Check BusCheck(const io::CanBusParams& bus) {
   const std::string name = "CAN bus " + bus.name;
   if (bus.interface.empty())
@@ -72,6 +74,7 @@ Check BusCheck(const io::CanBusParams& bus) {
               : fmt::format("sudo ip link set {} up type can bitrate 1000000 restart-ms 100", bus.interface)};
 }
 
+// Checks that the PLC accepts a connection.
 Check PlcCheck(const config::CellConfig& cell) {
   if (!cell.devices.plc)
     return {"PLC", "none: without_plc", kCheckUsable,

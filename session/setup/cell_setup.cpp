@@ -29,11 +29,12 @@ std::string ConfigText(const io::ConfigSource& source) {
 
 tl::expected<simulation::CutSite, std::string> ParseCup(const std::string& text) {
   static constexpr std::array<const char*, 7> kNames{"X", "Y", "Z", "NX", "NY", "NZ", "R"};
+  // accepted: a centre within kFar_mm of the origin in each coordinate, and a radius in this range
   static constexpr double kFar_mm = 2000.0, kMinRadius_mm = 0.5, kMaxRadius_mm = 60.0;
   std::array<double, 7> values{};
   std::istringstream parts(text);
   std::string part;
-  std::size_t count = 0;
+  std::size_t count = 0;  // number of parts, also of those too many
   while (std::getline(parts, part, ',')) {
     if (count < values.size()) {
       const char* end = part.data() + part.size();

@@ -36,12 +36,12 @@ struct CellSetup {
   config::CellConfig config;  ///< tool and cutting as planned, if the bone was planned
   simulation::Bone bone;
   std::shared_ptr<const simulation::Solid> solid;  ///< what the bone was packed from; null: not known
-  Pose X_WG{Pose::Identity()};
-  std::string config_text;                     ///< the YAML files as read, one after the other
-  io::ConfigSource config_source;              ///< every file that was read, for the recording
-  std::string cell_name;                       ///< name of the cell's YAML file
-  std::shared_ptr<const PlannedCell> planned;  ///< null: packed as the scene says, or loaded
-  std::string bone_warning;                    ///< of the mesh (SceneSolid); empty: none
+  Pose X_WG{Pose::Identity()};                     ///< pose of the bone's frame G in the world
+  std::string config_text;                         ///< the YAML files as read, one after the other
+  io::ConfigSource config_source;                  ///< every file that was read, for the recording
+  std::string cell_name;                           ///< name of the cell's YAML file
+  std::shared_ptr<const PlannedCell> planned;      ///< null: packed as the scene says, or loaded
+  std::string bone_warning;  ///< about the bone's mesh (SceneSolid::warning); empty: none
 };
 
 /// Loads the cell's YAML and the solid of its bone. The bone has no balls yet (PackAsScene, or PackCell of

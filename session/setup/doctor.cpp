@@ -23,10 +23,11 @@
 namespace osteon::session {
 namespace {
 
+// Examines each Vulkan device, the needs that it does not meet, and the engine that `auto` takes.
 void ExamineVulkan(std::vector<Check>& checks) {
   const auto devices = gpu::ListDevices();
   if (!devices) checks.push_back({"Vulkan", "no device", kCheckUsable, devices.error()});
-  bool first = true;
+  bool is_first = true;
   for (const gpu::DeviceInfo& device : devices.value_or(std::vector<gpu::DeviceInfo>())) {
     const bool runs = device.refusal.empty();
     const bool gpu = IsGpu(device);
@@ -37,10 +38,10 @@ void ExamineVulkan(std::vector<Check>& checks) {
          !runs ? kCheckMissing
          : gpu ? kCheckGood
                : kCheckUsable,
-         !runs   ? "refused for what the next lines name; the CPU engine needs no device"
-         : !gpu  ? "computes on the processor: for the shaders' tests; the CPU engine is faster"
-         : first ? "taken by default"
-                 : "choose it with --device"});
+         !runs      ? "refused for what the next lines name; the CPU engine needs no device"
+         : !gpu     ? "computes on the processor: for the shaders' tests; the CPU engine is faster"
+         : is_first ? "taken by default"
+                    : "choose it with --device"});
     if (runs)
       checks.push_back({"Vulkan arithmetic", gpu::ArithmeticText(device.arithmetic),
                         device.missing.empty() ? kCheckGood : kCheckUsable,
@@ -49,7 +50,7 @@ void ExamineVulkan(std::vector<Check>& checks) {
       checks.push_back({"Vulkan need",
                         fmt::format("{}: found {}, accepted {}", need.name, need.found, need.accepted),
                         kCheckMissing, need.why});
-    first = false;
+    is_first = false;
   }
   const EngineChoice choice = ChooseEngine("auto", "", devices);
   checks.push_back({"Cutting engine",
@@ -59,6 +60,7 @@ void ExamineVulkan(std::vector<Check>& checks) {
                     kCheckGood, "--engine auto takes it: " + choice.reason});
 }
 
+// Examines whether the FRI port is free on the loopback address, and whether the kernel has SocketCAN.
 void ExamineNetwork(std::vector<Check>& checks, std::uint16_t fri_port) {
   const auto link = io::FriLink::Open({.port = fri_port});
   checks.push_back({"FRI port", fmt::format("127.0.0.1:{}", fri_port), link ? kCheckGood : kCheckMissing,
@@ -95,13 +97,13 @@ int RunDoctor(const DoctorOptions& options) {
   const std::vector<Check> checks = Examine(options, [&](double at_s) { progress.Show(at_s); });
   progress.Done();
   nlohmann::json list = nlohmann::json::array();
-  bool runs = true;
+  bool can_run = true;
   for (const Check& check : checks) {
     fmt::print("{:<8} {:<30} {}\n", check.verdict, check.name, check.value);
     if (!check.advice.empty()) fmt::print("{:<8} {:<30} {}\n", "", "", check.advice);
     list.push_back(
         {{"name", check.name}, {"value", check.value}, {"verdict", check.verdict}, {"advice", check.advice}});
-    if (check.is_required && check.verdict == kCheckMissing) runs = false;
+    if (check.is_required && check.verdict == kCheckMissing) can_run = false;
   }
   if (!options.json.empty()) {
     const nlohmann::json out{{"schema", "osteon.doctor/1"}, {"checks", list}};
@@ -110,7 +112,7 @@ int RunDoctor(const DoctorOptions& options) {
       return 2;
     }
   }
-  return runs ? 0 : 1;
+  return can_run ? 0 : 1;
 }
 
 }  // namespace osteon::session

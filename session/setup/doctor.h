@@ -8,22 +8,24 @@
 
 namespace osteon::session {
 
-// The verdicts of a check.
+// The verdicts of a check: fit for an arm; fit with a restriction, such as simulation only; not there.
 inline constexpr const char* kCheckGood = "good";
 inline constexpr const char* kCheckUsable = "usable";
 inline constexpr const char* kCheckMissing = "missing";
 
 /// One examined property of the machine and its verdict.
 struct Check {
-  std::string name, value, verdict, advice;
+  std::string name, value;
+  std::string verdict;      ///< kCheckGood, kCheckUsable or kCheckMissing
+  std::string advice;       ///< what to do, or a remark; empty: nothing
   bool is_required{false};  ///< without this property the demo, or the named cell, cannot run
 };
 
 struct DoctorOptions {
   std::uint16_t fri_port{30200};  ///< port that a demo would listen on
-  double seconds{10.0};           ///< of each timer test: with SCHED_FIFO and without
-  std::filesystem::path json{};
-  std::filesystem::path cell{};  ///< YAML file of a cell whose links are examined as well; empty: none
+  double seconds{10.0};           ///< duration of each of the two timer tests, with SCHED_FIFO and without
+  std::filesystem::path json{};   ///< file for the checks as JSON; empty: none
+  std::filesystem::path cell{};   ///< YAML file of a cell whose links are examined as well; empty: none
 };
 
 /// Examines this machine: Vulkan devices, timer latency, scheduling and memory rights, kernel, network, CAN;

@@ -33,15 +33,15 @@ EngineChoice ChooseEngine(const std::string& engine, const std::string& device,
   if (engine != "auto") return {.engine = engine, .device = device};
   if (!device.empty()) return {.engine = "vulkan", .device = device, .reason = "--device names a device"};
   if (!devices) return {.engine = "cpu", .reason = "Vulkan has no device here"};
-  std::string others;
+  std::string refused;  // the devices that do not serve, and why
   for (const gpu::DeviceInfo& found : *devices) {
     const bool is_gpu = IsGpu(found);
     // the engine opens the first device that is not refused
     if (is_gpu && found.refusal.empty()) return {.engine = "vulkan", .reason = "the device is a GPU"};
-    others += fmt::format("{}{} {}", others.empty() ? "" : "; ", found.name,
-                          is_gpu ? "can't run the passes: " + found.refusal : "computes on the processor");
+    refused += fmt::format("{}{} {}", refused.empty() ? "" : "; ", found.name,
+                           is_gpu ? "can't run the passes: " + found.refusal : "computes on the processor");
   }
-  return {.engine = "cpu", .reason = "no GPU for Vulkan: " + (others.empty() ? "no device" : others)};
+  return {.engine = "cpu", .reason = "no GPU for Vulkan: " + (refused.empty() ? "no device" : refused)};
 }
 
 EngineChoice ChooseEngine(const std::string& engine, const std::string& device) {

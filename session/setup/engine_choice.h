@@ -41,13 +41,13 @@ struct EngineChoice {
 [[nodiscard]] bool IsGpu(const gpu::DeviceInfo& device);
 
 /// Describes the choice in one line: "cpu on one thread, AVX-512 (--engine auto: no GPU …)".
-/// @param device  of the engine that was made
+/// @param device  the device of the engine that was made (CuttingEngine::device)
 [[nodiscard]] std::string EngineText(const EngineChoice& choice, const std::string& device);
 
 /// Options with which a study runs an engine. An engine that does not have such an option ignores it.
 struct EngineStudy {
-  bool time_passes{false};  ///< measure the passes or stages of a frame
-  bool brute_force{false};  ///< Vulkan: without culling
+  bool time_passes{false};  ///< measure how long each pass or stage of a frame takes
+  bool brute_force{false};  ///< Vulkan: test all pairs of balls, without culling
 };
 
 /// Makes an engine. The error says that the machine has no such device, or that the engine can't hold bone

@@ -27,8 +27,9 @@ namespace osteon::session {
 namespace {
 
 constexpr std::array<double, 3> kPeriods_s{1e-3, 2e-3, 5e-3};  // FRI periods that a cell may have
-constexpr std::chrono::milliseconds kProgressInterval{50};
+constexpr std::chrono::milliseconds kProgressInterval{50};     // between calls of `progress`
 
+// First line of a file; empty if it cannot be read.
 std::string FirstLine(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::string line;
@@ -36,6 +37,7 @@ std::string FirstLine(const std::filesystem::path& file) {
   return line;
 }
 
+// This process's soft limit of a resource (RLIMIT_…), in units of `unit`.
 std::string LimitText(int resource, double unit) {
   rlimit limit{};
   getrlimit(static_cast<__rlimit_resource>(resource), &limit);
@@ -58,6 +60,8 @@ std::string RightsAdvice(const std::string& right) {
                    : fmt::format("{}: sudo usermod -aG {} $USER, and log in anew", right, kGroup);
 }
 
+// Judges how late a thread woke: good for the shortest FRI period, usable for the longest.
+// @param counts  whether the servo loop would run in such a thread; if not, it is never `missing`
 Check TimerCheck(const char* name, const DurationFigures& late, bool counts) {
   const bool good = Serves(late, kPeriods_s.front()), usable = Serves(late, kPeriods_s.back());
   return {name,
@@ -71,21 +75,22 @@ Check TimerCheck(const char* name, const DurationFigures& late, bool counts) {
                   : "simulation only; for an arm: PREEMPT_RT kernel, an isolated core, no virtual machine"};
 }
 
+// Says which FRI periods the machine can serve; none without SCHED_FIFO.
 Check PeriodCheck(const DurationFigures& late, bool realtime) {
   std::string served;
-  bool any = false;
+  bool serves_any = false;
   for (const double period_s : kPeriods_s) {
     const bool serves = realtime && Serves(late, period_s);
-    any = any || serves;
+    serves_any = serves_any || serves;
     served +=
         fmt::format("{}{:.0f} ms: {}", served.empty() ? "" : ", ", period_s * 1e3, serves ? "yes" : "no");
   }
-  const bool all = realtime && Serves(late, kPeriods_s.front());
+  const bool serves_all = realtime && Serves(late, kPeriods_s.front());  // the shortest is the hardest
   return {"Servo periods", served,
-          all   ? kCheckGood
-          : any ? kCheckUsable
-                : kCheckMissing,
-          all         ? ""
+          serves_all   ? kCheckGood
+          : serves_any ? kCheckUsable
+                       : kCheckMissing,
+          serves_all  ? ""
           : !realtime ? "none is promised without SCHED_FIFO"
                       : "by p99.9 below a tenth of the period and max below half of it, with SCHED_FIFO"};
 }
@@ -97,7 +102,7 @@ Check PriorityCheck(bool realtime) {
           realtime ? kCheckGood : kCheckUsable, realtime ? "" : RightsAdvice("rtprio 95")};
 }
 
-// Tests locking memory as the loop's thread does; keeps no lock.
+// Tests whether memory can be locked as the servo thread locks it, and unlocks it again.
 Check MemoryCheck() {
   bool locked = false;
   std::thread([&] {
@@ -110,9 +115,10 @@ Check MemoryCheck() {
           locked ? kCheckGood : kCheckUsable, locked ? "" : RightsAdvice("memlock unlimited")};
 }
 
-// Names CPU 0's deepest idle state, and whether the loop prevents it.
+// Names CPU 0's deepest enabled idle state, and says whether a run may keep the CPUs out of idle states.
 Check IdleCheck() {
-  std::string deepest, device = "/dev/cpu_dma_latency";
+  std::string deepest;
+  const std::string device = "/dev/cpu_dma_latency";
   long max_us = -1;
   std::error_code error;
   for (const auto& state :
@@ -123,14 +129,14 @@ Check IdleCheck() {
     deepest = fmt::format("{}, {} µs to leave", FirstLine(state.path() / "name"), latency_us);
   }
   const bool awake = rt::KeepCpusAwake();
-  const bool there = std::filesystem::exists(device, error);
+  const bool device_exists = std::filesystem::exists(device, error);
   return {"Idle states",
           fmt::format("{}; {}", deepest.empty() ? "none to be seen" : "deepest " + deepest,
                       awake ? "a run keeps out of them" : "a run sleeps into them"),
           awake ? kCheckGood : kCheckUsable,
-          awake   ? ""
-          : there ? RightsAdvice("write access to " + device)
-                  : "this kernel has no " + device + ": turn deep ones off in the firmware"};
+          awake           ? ""
+          : device_exists ? RightsAdvice("write access to " + device)
+                          : "this kernel has no " + device + ": turn deep ones off in the firmware"};
 }
 
 Check KernelCheck() {
@@ -145,6 +151,7 @@ Check KernelCheck() {
           preempt_rt ? "" : "for an arm: apt install linux-image-rt-amd64"};
 }
 
+// Names the CPUs that the kernel keeps free of other threads (isolcpus).
 Check IsolationCheck() {
   const std::string isolated = FirstLine("/sys/devices/system/cpu/isolated");
   return {"Isolated cores", isolated.empty() ? "none" : isolated,

@@ -15,9 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxFiles = 1000;
+constexpr std::size_t kMaxFiles = 1000;  // a recording with more is refused
 
-// The common folder of all files.
+// The deepest folder that contains all files.
 fs::path CommonFolder(const std::vector<config::ConfigFileTracker::File>& files) {
   fs::path common;
   for (const auto& file : files) {
@@ -31,7 +31,7 @@ fs::path CommonFolder(const std::vector<config::ConfigFileTracker::File>& files)
   return common;
 }
 
-// Whether a name stays inside the folder that it is put into.
+// Whether a file of this name lies inside the folder that the name is appended to: no absolute path, no "..".
 bool StaysInside(const std::string& name) {
   const fs::path path(name);
   return !name.empty() && name.find('\0') == std::string::npos && path.is_relative() &&
@@ -94,17 +94,18 @@ tl::expected<io::ConfigSource, std::string> KeepConfig(const config::ConfigFileT
 
 namespace {
 
-// Loads the cell from the recording's files; `with` is called while they lie in the temporary folder.
-template <class With>
+// Writes a recording's files into a temporary folder and loads the cell from them. Calls
+// use_files(cell file, gains file or empty, cell) before the folder is removed.
+template <class UseFiles>
 tl::expected<config::CellConfig, std::string> LoadFromFiles(const io::ConfigSource& source,
-                                                            const With& with) {
+                                                            const UseFiles& use_files) {
   if (source.files.empty())
     return tl::make_unexpected(
         std::string("found no configuration files in the recording, accepted one that has them (it is older "
                     "than replay)"));
-  const auto strays = [](const std::string& name) { return !name.empty() && !StaysInside(name); };
-  if (source.cell_file.empty() || strays(source.cell_file) || strays(source.tool_file) ||
-      strays(source.gains_file) || strays(source.identified_file))
+  const auto leads_out = [](const std::string& name) { return !name.empty() && !StaysInside(name); };
+  if (source.cell_file.empty() || leads_out(source.cell_file) || leads_out(source.tool_file) ||
+      leads_out(source.gains_file) || leads_out(source.identified_file))
     return tl::make_unexpected(std::string(
         "the cell's, the tool's, the gains' or the identified file has a name that leads elsewhere"));
   const base::WorkFolder folder("replay");
@@ -122,7 +123,7 @@ tl::expected<config::CellConfig, std::string> LoadFromFiles(const io::ConfigSour
       source.identified_file.empty() ? fs::path() : folder.path() / source.identified_file;
   try {
     config::CellConfig cell = config::LoadCell(folder.path() / source.cell_file, tool, gains, identified);
-    with(folder.path() / source.cell_file, gains, cell);
+    use_files(folder.path() / source.cell_file, gains, cell);
     return cell;
   } catch (const std::exception& error) {
     return tl::make_unexpected("the recorded configuration: " + WithoutFolder(error.what(), folder.path()));

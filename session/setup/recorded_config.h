@@ -16,7 +16,7 @@
 namespace osteon::session {
 
 /// Reads the files that a cell was just loaded from, in their present state, for its recording.
-/// @param scope  must have existed while the cell was loaded
+/// @param scope  knows the files; must have existed while the cell was loaded
 /// The error names a file that can no longer be read.
 [[nodiscard]] tl::expected<io::ConfigSource, std::string> KeepConfig(
     const config::ConfigFileTracker& scope, const std::filesystem::path& cell_yaml,

@@ -14,7 +14,10 @@ namespace osteon::session {
 /// A fault on a stop's page.
 struct StopFaultRow {
   safety::Fault fault{safety::Fault::kNone};
-  std::string name, seen, reaction, clearing;
+  std::string name;
+  std::string seen;      ///< the cause, with the measured value and its limit if they are known
+  std::string reaction;  ///< what the cell does
+  std::string clearing;  ///< how to go on
 };
 
 /// The contents of the page of a stop, a pause or a run's end. Views must outlive the call.
@@ -28,7 +31,7 @@ struct StopPageInput {
   std::string no_fault_text{"No fault."};  ///< printed if there are no faults
   std::vector<StopFaultRow> faults{};
   std::span<const control::TickRecord> ticks{};
-  report::TimeAxis time{};  ///< 0 is the stop
+  report::TimeAxis time{};  ///< 0 is the tick at which the stop began
   double force_limit_N{0.0};
   const TripLimits& limits;
 };

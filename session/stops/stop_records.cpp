@@ -20,15 +20,18 @@ namespace {
 using control::Phase;
 using control::TickRecord;
 
+// A stop's record begins kBefore before the stop, and ends once the arm has been at rest for kAfter.
 constexpr rt::Nanoseconds kBefore = 5 * rt::kSecond, kAfter = rt::kSecond / 2;
 
-bool Ends(Phase phase) { return phase == Phase::kStopping || phase == Phase::kStopped; }
-// Whether the arm rests: neither braking nor without control. A stop 0 is over once the arm stands still.
-bool Rests(const TickRecord& tick) {
+bool IsStoppingOrStopped(Phase phase) { return phase == Phase::kStopping || phase == Phase::kStopped; }
+// Whether the arm is at rest: neither braking, nor without control after a stop of category 0, which ends
+// when the arm stands still.
+bool IsAtRest(const TickRecord& tick) {
   return tick.phase != Phase::kStopping &&
          tick.cell_state != static_cast<std::uint8_t>(safety::CellState::kStop0);
 }
 
+// A row for each fault of the stop, with the value that was seen in the first tick that has the fault.
 std::vector<StopFaultRow> FaultRows(const StopRecord& stop, const control::ServoParams& servo) {
   std::vector<StopFaultRow> rows;
   ForEachFault(stop.faults, [&](safety::Fault fault, const safety::FaultText& text) {
@@ -52,17 +55,17 @@ std::string RestText(const StopRecord& stop) {
     return stop.cut_off ? "The recording ends while the arm was not at rest yet."
                         : "The arm did not come to rest in this time.";
   }
-  const TickRecord& rest = stop.ticks[stop.rest];
-  const rt::Nanoseconds rested = last.stamp - rest.stamp;
+  const TickRecord& first_at_rest = stop.ticks[stop.rest];
+  const rt::Nanoseconds rested = last.stamp - first_at_rest.stamp;
   std::string text =
       fmt::format("The arm was at rest from {:.3f} s on; {:.1f} s of that are shown",
-                  rt::ToSeconds(rest.stamp - stop.ticks[stop.stop].stamp), rt::ToSeconds(rested));
+                  rt::ToSeconds(first_at_rest.stamp - stop.ticks[stop.stop].stamp), rt::ToSeconds(rested));
   if (rested < kAfter - rt::kSecond / 50)
     text += stop.cut_off ? ": there the recording ends" : ": then it moved again";
   return text + ".";
 }
 
-// Makes the page's input. @param end_reason  of the run
+// Makes the input of a stop's page. @param end_reason  why the run ended, for an orderly end
 StopPageInput PageOf(const StopRecord& stop, std::size_t number, const std::string& end_reason,
                      double force_limit_N, const TripLimits& limits) {
   const TickRecord& at = stop.ticks[stop.stop];
@@ -85,7 +88,7 @@ StopPageInput PageOf(const StopRecord& stop, std::size_t number, const std::stri
       .limits = limits};
 }
 
-// Makes the command that shows the recording at a stop. @param stop_s  on the recording's time line
+// Makes the command that shows the recording at a stop. @param stop_s  time from the recording's start
 std::string ViewCommandOf(const std::filesystem::path& recording, double stop_s) {
   constexpr double kBefore_s = 1.0;  // the view begins this long before the stop, to show what led to it
   return fmt::format("osteon view {} --at {:.1f}", recording.string(), std::max(0.0, stop_s - kBefore_s));
@@ -108,11 +111,11 @@ const char* StopRecord::Heading() const {
   return IsOrderly() ? "How the run ended" : "What led to the stop";
 }
 
-// A slow tool comes to rest within a tick: its stop then begins with the first tick that is paused.
 bool MovesArm(Phase phase) { return phase == Phase::kAligning || phase == Phase::kHaptic; }
 
+// A slow tool comes to rest within a tick: a pause then has no stopping tick, only paused ones.
 bool BeginsStop(const TickRecord& before, const TickRecord& tick) {
-  return MovesArm(before.phase) && (Ends(tick.phase) || control::IsPaused(tick));
+  return MovesArm(before.phase) && (IsStoppingOrStopped(tick.phase) || control::IsPaused(tick));
 }
 
 std::optional<StopRecord> StopFinder::Add(const TickRecord& tick) {
@@ -123,10 +126,10 @@ std::optional<StopRecord> StopFinder::Add(const TickRecord& tick) {
   last_.push_back(tick);
   while (tick.stamp - last_.front().stamp > kBefore || last_.size() > kMaxTicks) last_.pop_front();
   if (begins) {
-    const std::size_t before = last_.size() - 1;
+    const std::size_t ticks_before = last_.size() - 1;
     stop_ = StopRecord{.ticks = {last_.begin(), last_.end() - 1},
-                       .stop = before,
-                       .rest = before,
+                       .stop = ticks_before,
+                       .rest = ticks_before,
                        .first_stamp = *first_stamp_,
                        .faults = {},
                        .asked = tick.input.stop,
@@ -137,18 +140,17 @@ std::optional<StopRecord> StopFinder::Add(const TickRecord& tick) {
   return ended;
 }
 
-// @returns false if the tick does not belong to the stop in progress, which is then complete
 bool StopFinder::AppendToStop(const TickRecord& tick) {
   if (MovesArm(tick.phase) || (until_ && tick.stamp > *until_)) return false;
   if (stop_->ticks.size() - stop_->stop >= kMaxTicks) return false;
   stop_->ticks.push_back(tick);
   if (!until_) {
-    if (Rests(tick))
+    if (IsAtRest(tick))
       until_ = tick.stamp + kAfter;
     else
       stop_->rest = stop_->ticks.size();
   }
-  if (!Ends(tick.phase)) return true;
+  if (!IsStoppingOrStopped(tick.phase)) return true;
   ForEachFault([&](safety::Fault fault, const safety::FaultText&) {
     if ((tick.faults & static_cast<std::uint32_t>(fault)) != 0) stop_->faults.Latch(fault);
   });

@@ -17,18 +17,19 @@
 
 namespace osteon::session {
 
-/// The ticks of a stop within a recording: the last five seconds before it, and after it until half a second
-/// at rest.
+/// The ticks of a stop within a recording: the last five seconds before the stop, the stop, and half a second
+/// of the arm at rest.
 struct StopRecord {
   std::vector<control::TickRecord> ticks;
   std::size_t stop{0};             ///< index of the first tick in which the loop no longer moved as asked
   std::size_t rest{0};             ///< index of the first tick at rest; beyond the last if there is none
-  rt::Nanoseconds first_stamp{0};  ///< of the recording's first tick
+  rt::Nanoseconds first_stamp{0};  ///< stamp of the recording's first tick
   bool cut_off{false};             ///< the recording ends before the stop is complete
   safety::FaultSet faults;
   bool asked{false};   ///< the stop was asked for, by the run's end or Ctrl-C
   bool paused{false};  ///< the operator has paused the cell
 
+  /// Whether the run ended as asked, without a fault.
   [[nodiscard]] bool IsOrderly() const { return asked && !faults.Any(); }
   [[nodiscard]] bool IsPause() const { return paused && !asked && !faults.Any(); }
   /// Names the reason of the stop: its faults ("arm message stale; motion not permitted"), "asked for", "a
@@ -41,7 +42,7 @@ struct StopRecord {
 /// Whether the loop moves the arm in a phase.
 [[nodiscard]] bool MovesArm(control::Phase phase);
 
-/// Whether a stop begins with a tick: the loop moved in the tick before it.
+/// Whether a stop begins with `tick`: the loop moved the arm in the tick before it, and now stops or pauses.
 [[nodiscard]] bool BeginsStop(const control::TickRecord& before, const control::TickRecord& tick);
 
 /// Finds every stop of a recording, tick by tick: a change of the loop from moving (aligning, haptic) to
@@ -57,6 +58,7 @@ class StopFinder {
   [[nodiscard]] std::optional<StopRecord> Finish();
 
  private:
+  // Adds a tick to the stop in progress. @returns false if the stop was complete before it
   bool AppendToStop(const control::TickRecord& tick);
 
   std::deque<control::TickRecord> last_;  // ticks of the last five seconds
@@ -81,9 +83,9 @@ struct StopFiles {
   std::string stem;
   const config::CellConfig& cell;     ///< of the run: its limits are drawn
   std::filesystem::path recording{};  ///< for the command that shows it; empty: not named
-  rt::Nanoseconds session_stamp{0};   ///< of the recording's beginning; 0: virtual time
+  rt::Nanoseconds session_stamp{0};   ///< time of the recording's beginning; 0: virtual time
   double force_limit_N{0.0};
-  std::string end_reason{};   ///< why the run ended in order
+  std::string end_reason{};   ///< why the run ended, if it ended without a fault
   std::string console_url{};  ///< address of the page of the cell, which still runs; empty: it does not run
 };
 
@@ -114,6 +116,7 @@ class StopPages {
   [[nodiscard]] tl::expected<std::vector<WrittenStop>, std::string> Finish();
 
  private:
+  // Writes a complete stop; an orderly one is kept until the event with its reason has come.
   void AddStop(std::optional<StopRecord> stop);
   void Write(const StopRecord& stop);
 
@@ -121,7 +124,7 @@ class StopPages {
   StopFinder finder_;
   double force_limit_N_{0.0};
   rt::Nanoseconds session_stamp_{0};
-  std::optional<StopRecord> orderly_;  // waits for the event with the reason
+  std::optional<StopRecord> orderly_;  // a stop whose reason comes in a later event
   std::string end_reason_{"a stop was asked for"};
   std::vector<WrittenStop> written_;
   std::string error_;

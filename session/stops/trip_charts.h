@@ -17,7 +17,7 @@ namespace osteon::session {
 struct TripLimits {
   control::ServoParams servo;
   double arm_silence_s{0.0};  ///< time without a message of the arm until the stop
-  /// Fraction of the tool's speed limit that a measured tool may keep indefinitely.
+  /// Multiple of the tool's speed limit that a measured tool may keep indefinitely.
   double arm_speed_ratio{0.0};
   /// Computes a point of the arm in a tick, in the world [m]: as commanded or, with the impedance law, as
   /// measured.

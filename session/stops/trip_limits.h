@@ -5,8 +5,8 @@
 
 namespace osteon::session {
 
-/// Collects the limits that a cell's stop pages show. @param virtual_time  a message is missed after one
-/// period
+/// Collects the limits that a cell's stop pages show.
+/// @param virtual_time  true: a message counts as missed after one period; false: after kArmDeadlinePeriods
 [[nodiscard]] TripLimits TripLimitsOf(const config::CellConfig& cell, bool virtual_time);
 
 }  // namespace osteon::session

@@ -10,15 +10,15 @@ namespace osteon::session {
 
 std::vector<std::string> AssumedFigures(const config::CellConfig& cell,
                                         std::vector<simulation::Material> materials) {
-  const control::ComplianceParams& gives_way = cell.servo.compliance;
-  if (!gives_way.layer)
+  const control::ComplianceParams& compliance = cell.servo.compliance;
+  if (!compliance.layer)  // a surface layer that is off has no assumed figure
     for (simulation::Material& material : materials) material.layer_N_per_m3 = 0.0;
   std::vector<std::string> lines = simulation::Assumptions(materials);
-  if (gives_way.tool)
+  if (compliance.tool)
     lines.push_back(fmt::format("{}: time constant of its bending {:g} ms", cell.tool.tool.name,
-                                1e3 * gives_way.tool->tau_s));
-  if (gives_way.mount && cell.compliance.mount_source.starts_with("assumed")) {
-    const control::BoneMountParams& mount = *gives_way.mount;
+                                1e3 * compliance.tool->tau_s));
+  if (compliance.mount && cell.compliance.mount_source.starts_with("assumed")) {
+    const control::BoneMountParams& mount = *compliance.mount;
     std::string creep;
     if (mount.creep_N_per_m > 0.0)
       creep = fmt::format(", creep {:g} N/mm in {:g} s", 1e-3 * mount.creep_N_per_m, mount.creep_tau_s);

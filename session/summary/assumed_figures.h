@@ -9,9 +9,9 @@
 namespace osteon::session {
 
 /// Lists, one per line, the figures of a run that are assumed because they have no source: those of its
-/// tissues, and those of tool, surface layer and mount if they give way. A figure of a part that is off does
-/// not count.
-/// @param materials  of the run's bone
+/// tissues, and those of tool, surface layer and mount if they give way. A part that the cell has switched
+/// off is left out.
+/// @param materials  the tissues of the run's bone
 [[nodiscard]] std::vector<std::string> AssumedFigures(const config::CellConfig& cell,
                                                       std::vector<simulation::Material> materials);
 

@@ -16,7 +16,8 @@
 namespace osteon::session {
 namespace {
 
-std::string Processor() {
+// The processor's name as the kernel tells it.
+std::string ProcessorName() {
   std::ifstream info("/proc/cpuinfo");
   for (std::string line; std::getline(info, line);)
     if (line.starts_with("model name"))
@@ -24,8 +25,8 @@ std::string Processor() {
   return "unknown processor";
 }
 
-// Whether all cells of a column below its head begin as numbers do. Such a column is aligned to the right;
-// words may wrap.
+// Whether all cells of a column, except its head, begin like numbers. Such a column is aligned to the right
+// and does not wrap. The first column never counts as numbers.
 bool HasNumbers(const std::vector<std::vector<std::string>>& rows, std::size_t column) {
   for (std::size_t i = 1; i < rows.size(); ++i) {
     if (column >= rows[i].size() || rows[i][column].empty()) continue;
@@ -36,6 +37,7 @@ bool HasNumbers(const std::vector<std::vector<std::string>>& rows, std::size_t c
   return column > 0;
 }
 
+// An HTML table; the first row is the head.
 std::string Table(const std::vector<std::vector<std::string>>& rows) {
   std::string html = "<div class=\"wide\">\n<table>\n";
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -54,8 +56,8 @@ std::string Table(const std::vector<std::vector<std::string>>& rows) {
 std::string MachineName() {
   utsname system{};
   uname(&system);
-  return fmt::format("{}, {} cores, {} {}", Processor(), std::thread::hardware_concurrency(), system.sysname,
-                     system.machine);
+  return fmt::format("{}, {} cores, {} {}", ProcessorName(), std::thread::hardware_concurrency(),
+                     system.sysname, system.machine);
 }
 
 std::string ValidateOutputFolder(const char* option, const std::filesystem::path& folder) {

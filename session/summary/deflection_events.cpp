@@ -11,7 +11,8 @@
 namespace osteon::session {
 namespace {
 
-constexpr rt::Nanoseconds kOver = rt::kSecond / 2;  // an event ends after so long within the error
+// An event has ended once the displacement has been within the error for this time.
+constexpr rt::Nanoseconds kEventGap = rt::kSecond / 2;
 
 // Returns the part with the largest displacement, and this displacement [m].
 std::pair<const char*, double> FurthestPart(const control::ComplianceRecord& record) {
@@ -36,7 +37,7 @@ void PeakDeflection::Add(const control::ComplianceRecord& record) {
 bool DeflectionEvents::Add(const control::TickRecord& tick) {
   if (!start_) start_ = tick.stamp;
   if (!safety::LimitSet(tick.limits).Has(safety::Limit::kDeflection)) return false;
-  const bool begins = !last_ || tick.stamp - *last_ >= kOver;
+  const bool begins = !last_ || tick.stamp - *last_ >= kEventGap;
   last_ = tick.stamp;
   const double displaced_mm = 1e3 * FurthestPart(tick.compliance).second;
   if (begins)

@@ -11,15 +11,16 @@
 
 namespace osteon::session {
 
+/// Name of the event in a recording and in its summary.
 inline constexpr const char* kDeflectionEvent = "deflection";
 
 /// The largest displacements of tool, surface layer and mount in a run; all are 0 in a rigid cell.
 struct PeakDeflection {
   void Add(const control::ComplianceRecord& record);
 
-  bool present{false};                  ///< something gives way
-  double bend_m{0.0}, layer_m{0.0};     ///< of the tool's apex by its bend, and of the surface layer
-  double mount_m{0.0}, mount_rad{0.0};  ///< of the bone at its mount's point
+  bool present{false};                  ///< whether tool, layer or mount can give way
+  double bend_m{0.0}, layer_m{0.0};     ///< displacement of the tool's apex by its bend; of the surface layer
+  double mount_m{0.0}, mount_rad{0.0};  ///< shift and turn of the bone at its mount's point
 };
 
 /// Finds in a run's ticks where a displacement grew beyond the cell's error, as rows among the run's events:
@@ -37,15 +38,16 @@ class DeflectionEvents {
 
  private:
   std::vector<EventRow> rows_;
-  std::optional<rt::Nanoseconds> start_, last_;  // of the run; the last tick beyond the error
+  std::optional<rt::Nanoseconds> start_;  // stamp of the run's first tick
+  std::optional<rt::Nanoseconds> last_;   // stamp of the last tick beyond the error
 };
 
-/// Makes the text that is recorded when such an event begins: "deflection: the tool gives way by 0.052 mm,
-/// more than the cell's error".
+/// Makes the text that is recorded when a deflection event begins: "deflection: the tool gives way by 0.052
+/// mm, more than the cell's error".
 [[nodiscard]] std::string DescribeDeflection(const control::ComplianceRecord& record);
 
-/// Is put before a recorder's other sink, and records when such an event begins. It runs in the recorder's
-/// thread, never in the tick's.
+/// Passes all records on to the next sink, and records an event whenever a deflection event begins. Runs in
+/// the recorder's thread, never in the tick's.
 class DeflectionSink final : public io::RecordSink {
  public:
   /// @param next  gets the same records; null: there is no other sink. Must outlive this.

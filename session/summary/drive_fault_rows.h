@@ -9,10 +9,10 @@
 
 namespace osteon::session {
 
-/// A report of the reamer's drive, at its time since the run's start: the faults latched at that time.
+/// Faults of the reamer's drive that were latched in one tick, or their reset.
 struct DriveFaultRow {
-  double time_s{0.0};
-  std::uint8_t latched{0};          ///< io::DriveFault bits; 0: the drive was reset
+  double time_s{0.0};               ///< since the run's first tick
+  std::uint8_t latched{0};          ///< newly latched io::DriveFault bits; 0: the drive was reset
   std::uint8_t nmt_state{0};        ///< state by CiA 301
   std::uint16_t emergency_code{0};  ///< by CiA 301; 0: none
   std::uint16_t error_code{0};      ///< object 603F of CiA 402; 0: none
@@ -29,7 +29,7 @@ class DriveFaultRows {
  private:
   std::vector<DriveFaultRow> rows_;
   std::optional<rt::Nanoseconds> start_;  // the first tick's stamp
-  std::uint8_t before_{0};
+  std::uint8_t before_{0};                // io::DriveFault bits of the tick before
 };
 
 }  // namespace osteon::session

@@ -17,18 +17,19 @@ namespace {
 
 using control::TickRecord;
 
-std::string Age(double age_s, const char* never) {
+// "8 ms old", or `never` if no message has come.
+std::string AgeText(double age_s, const char* never) {
   return age_s < safety::kNoAge_s ? fmt::format("{:.0f} ms old", age_s * 1e3) : never;
 }
 
-std::string Age(const TickRecord& tick, rt::Nanoseconds stamp, const char* never) {
-  return Age(safety::StampAge(tick.input.now, stamp), never);
+std::string AgeText(const TickRecord& tick, rt::Nanoseconds stamp, const char* never) {
+  return AgeText(safety::StampAge(tick.input.now, stamp), never);
 }
 
 // Describes the PLC's permission: its reason without the consequence ("…: Stop 1"), the enabling switch, and
 // the age of the PLC's message.
-std::string Interlock(const TickRecord& tick) {
-  const std::string age = Age(tick, tick.input.interlock_stamp, "none yet");
+std::string DescribeInterlock(const TickRecord& tick) {
+  const std::string age = AgeText(tick, tick.input.interlock_stamp, "none yet");
   if (tick.input.permitted)
     return std::string(tick.input.enabled ? "permitted" : "ENABLING_SWITCH (979) is not held") +
            "; the PLC's word: " + age;
@@ -37,7 +38,7 @@ std::string Interlock(const TickRecord& tick) {
 }
 
 // Describes the drive's state, with the names and numbers that the drive has reported.
-std::string Spindle(const TickRecord& tick) {
+std::string DescribeSpindle(const TickRecord& tick) {
   const control::TickInput& in = tick.input;
   const std::string why = io::DescribeDriveFaults(
       {in.drive_faults, in.drive_nmt_state, in.drive_emergency_code, in.drive_error_code});
@@ -45,14 +46,14 @@ std::string Spindle(const TickRecord& tick) {
                      in.spindle_fault    ? (why.empty() ? "a fault" : "a fault: " + why)
                      : !in.spindle_ready ? "not ready"
                                          : "ready",
-                     Age(tick, in.spindle_stamp, "none yet"));
+                     AgeText(tick, in.spindle_stamp, "none yet"));
 }
 
 double Distance_mm(const PlainPose& a, const PlainPose& b) {
   return 1e3 * (Pose(a).translation() - Pose(b).translation()).norm();
 }
 
-std::string Place(const PlainPose& X_WT) {
+std::string ApexText(const PlainPose& X_WT) {
   const Vector3 p_mm = 1e3 * Pose(X_WT).translation();
   return fmt::format("the apex at ({:.1f}, {:.1f}, {:.1f}) mm in W", p_mm.x(), p_mm.y(), p_mm.z());
 }
@@ -64,8 +65,9 @@ std::string FirstNotFinite(const std::array<double, 7>& values, const char* what
   return "";
 }
 
-// Names the input of a tick that is not finite.
-std::string NotFinite(const TickRecord& tick) {
+// Names the first input of a tick that is not finite, with its value. If arm and sensor are finite, it was
+// the contact model.
+std::string DescribeNotFinite(const TickRecord& tick) {
   std::string text = FirstNotFinite(tick.q_meas, "measured");
   if (text.empty() && tick.input.has_ipo) text = FirstNotFinite(tick.input.q_ipo, "of the interpolator");
   if (text.empty()) text = FirstNotFinite(tick.input.tau_ext, "external torque");
@@ -78,10 +80,11 @@ std::string NotFinite(const TickRecord& tick) {
   return fmt::format("arm and sensor were finite: the contact model of frame {}", tick.model_frame);
 }
 
-// Formats the accepted value as a suffix to the measured one; empty if the cell is not known.
-class Accepted {
+// Formats the accepted value as a suffix to the measured one, ", accepted 100 ms"; empty if the cell's
+// parameters are not known.
+class AcceptedSuffix {
  public:
-  explicit Accepted(const control::ServoParams* servo) : servo_(servo) {}
+  explicit AcceptedSuffix(const control::ServoParams* servo) : servo_(servo) {}
 
   /// @param unit  of the measured value and of the limit;  @param limit  (const control::ServoParams&) ->
   /// double
@@ -95,7 +98,7 @@ class Accepted {
 };
 
 // Formats the number of the arm's messages that were rejected, as a suffix.
-std::string Rejected(const TickRecord& tick) {
+std::string RejectedText(const TickRecord& tick) {
   return tick.input.rejected == 0
              ? std::string()
              : fmt::format(
@@ -115,21 +118,21 @@ const TickRecord* FirstWith(safety::Fault fault, std::span<const TickRecord> tic
 std::string SeenAt(safety::Fault fault, const TickRecord& tick, const control::ServoParams* servo) {
   using safety::Fault;
   using Servo = control::ServoParams;
-  const Accepted accepted(servo);
+  const AcceptedSuffix accepted(servo);
   switch (fault) {
     case Fault::kArmStale:
       return servo == nullptr ? ""
                               : fmt::format("the last is {}; {} deadlines in a row{}",
-                                            Age(tick, tick.input.arm_stamp, "not there yet"),
-                                            servo->watchdog.arm_misses, Rejected(tick));
+                                            AgeText(tick, tick.input.arm_stamp, "not there yet"),
+                                            servo->watchdog.arm_misses, RejectedText(tick));
     case Fault::kModelStale:
-      return "the model is " + Age(tick.model_age_s, "not there yet") +
+      return "the model is " + AgeText(tick.model_age_s, "not there yet") +
              accepted("ms", [](const Servo& p) { return 1e3 * p.watchdog.model_stop_s; });
     case Fault::kSensorStale:
-      return "the reading is " + Age(tick.sensor_age_s, "not there yet") +
+      return "the reading is " + AgeText(tick.sensor_age_s, "not there yet") +
              accepted("ms", [](const Servo& p) { return 1e3 * p.watchdog.sensor_stop_s; });
     case Fault::kWrenchRate:
-      if (tick.wrench_step_limit_N == 0.0) return "";  // recorded by a version without the step
+      if (tick.wrench_step_limit_N == 0.0) return "";  // an older version did not record the step
       return fmt::format("{:.1f} N in {:g} ms, accepted {:.1f} N", tick.wrench_step_N,
                          1e3 * tick.input.period_s, tick.wrench_step_limit_N);
     case Fault::kSensorForce:
@@ -139,14 +142,14 @@ std::string SeenAt(safety::Fault fault, const TickRecord& tick, const control::S
       return fmt::format("{:.0f} mm/s", 1e3 * Vector3(tick.v_WT_cmd_m_per_s).norm()) +
              accepted("mm/s", [](const Servo& p) { return 1e3 * control::ToolSpeedTripLimit_m_per_s(p); });
     case Fault::kWorkspace:
-      return Place(tick.X_WT_cmd);
+      return ApexText(tick.X_WT_cmd);
     case Fault::kSession:
       return tick.input.safety_state == 0
                  ? fmt::format("session state {} ({})", tick.session_state,
                                io::SessionName(static_cast<control::SessionState>(tick.session_state)))
                  : fmt::format("safety stop {}", tick.input.safety_state - 1);
     case Fault::kNotFinite:
-      return NotFinite(tick);
+      return DescribeNotFinite(tick);
     case Fault::kTracking:
       return fmt::format("{:.1f} mm", Distance_mm(tick.X_WT_cmd, tick.X_WT_meas)) +
              accepted("mm", [](const Servo& p) { return 1e3 * p.max_tracking_error_m; });
@@ -154,10 +157,10 @@ std::string SeenAt(safety::Fault fault, const TickRecord& tick, const control::S
       return fmt::format("{:g} ms", 1e3 * tick.input.period_s) +
              accepted("ms", [](const Servo& p) { return 1e3 * p.period_s; });
     case Fault::kInterlock:
-      return Interlock(tick);
+      return DescribeInterlock(tick);
     case Fault::kSpindle:
-      return Spindle(tick);
-    case Fault::kForceLimit:  // the scale is what the limit left of it
+      return DescribeSpindle(tick);
+    case Fault::kForceLimit:  // the recorded force is the asked one times the limit's scale
       if (!(tick.wrench_scale > 0.0)) return "";
       return fmt::format("{:.0f} N asked of the coupling",
                          Vector3(tick.F_coupling_T_W.f).norm() / tick.wrench_scale) +

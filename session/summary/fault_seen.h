@@ -16,8 +16,8 @@ namespace osteon::session {
 /// Describes what was measured when a fault was latched, e.g. "RUN_PERMITTED (974) is 0; the PLC's word: 8 ms
 /// old", if a tick's record tells it; else empty.
 /// @param tick  the first one that has the fault
-/// @param servo  the cell's: the accepted value is then stated as well, "the reading is 101 ms old, accepted
-/// 100"; null: not known
+/// @param servo  the cell's parameters, from which the accepted value is added: "the reading is 101 ms old,
+///   accepted 100 ms"; null: not known
 [[nodiscard]] std::string SeenAt(safety::Fault fault, const control::TickRecord& tick,
                                  const control::ServoParams* servo = nullptr);
 

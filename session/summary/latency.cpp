@@ -12,9 +12,11 @@
 namespace osteon::session {
 namespace {
 
-constexpr double kMoves_rad2 = 1e-6;  // a run with less motion than this does not show the delay
+// Sum of squared command steps below which a run moved too little to show the arm's delay.
+constexpr double kMinMoved_rad2 = 1e-6;
 
-double PartOf(const LatencyFigures& latency, const char* name) {
+// Mean of the part of this name [s]; 0 if there is none.
+double MeanOfPart_s(const LatencyFigures& latency, const char* name) {
   for (const LatencyPart& part : latency.parts)
     if (part.name == name) return part.mean_s;
   return 0.0;
@@ -59,18 +61,18 @@ void LatencyMeter::AddMotion(const control::TickRecord& tick) {
   for (std::size_t delay = 0; delay < kTicks; ++delay) {
     const std::array<double, 7>& sent = sent_[(newest + kTicks - delay) % kTicks];
     for (std::size_t j = 0; j < sent.size(); ++j) {
-      const double off = tick.q_meas[j] - sent[j];
-      error_[delay] += off * off;
+      const double difference_rad = tick.q_meas[j] - sent[j];
+      error_[delay] += difference_rad * difference_rad;
     }
   }
 }
 
 double LatencyMeter::ArmDelay_ticks() const {
-  if (moved_ < kMoves_rad2) return -1.0;
+  if (moved_ < kMinMoved_rad2) return -1.0;
   const auto best = static_cast<std::size_t>(std::ranges::min_element(error_) - error_.begin());
   if (best == 0) return 0.0;
   if (best + 1 == kTicks) return -1.0;  // the delay may be longer than kTicks
-  // the sum of squares is a parabola around its minimum
+  // the minimum of the parabola through the smallest sum of squares and its two neighbours
   const double left = error_[best - 1], middle = error_[best], right = error_[best + 1];
   const double curvature = left - 2.0 * middle + right;
   const double shift = curvature > 0.0 ? 0.5 * (left - right) / curvature : 0.0;
@@ -79,6 +81,7 @@ double LatencyMeter::ArmDelay_ticks() const {
 
 namespace {
 
+// The arm's part for an arm that follows position commands. @param ticks  its delay; negative: not known
 LatencyPart FollowingArm(double ticks, double period_s) {
   const double delay_s = std::max(0.0, ticks) * period_s;
   return {.name = "arm",
@@ -89,6 +92,7 @@ LatencyPart FollowingArm(double ticks, double period_s) {
                               : "taken as 0: no position commands that moved enough to tell it"};
 }
 
+// The arm's part for an arm that controls itself and adds the loop's forces: the dead time of these forces.
 LatencyPart OverlaidArm(const LatencyContext& context) {
   return {.name = "arm",
           .mean_s = context.arm_dead_time_s,
@@ -103,27 +107,27 @@ LatencyPart OverlaidArm(const LatencyContext& context) {
 LatencyFigures LatencyMeter::Figures(double period_s, const LatencyContext& context) const {
   LatencyFigures latency;
   if (link_.count == 0) return latency;
-  const bool felt = sensor_.count > 0;
-  const double own_s = context.sensor_delay_s;
+  const bool has_readings = sensor_.count > 0;
+  const double sensor_delay_s = context.sensor_delay_s;  // from the force to the reading's stamp
   latency.parts.push_back(
       {.name = "sensor",
-       .mean_s = sensor_.Value() + own_s,
-       .max_s = sensor_.max_s + own_s,
-       .measured = context.sensor_known && felt,
-       .how = !felt ? "taken as 0: no reading came"
+       .mean_s = sensor_.Value() + sensor_delay_s,
+       .max_s = sensor_.max_s + sensor_delay_s,
+       .measured = context.sensor_known && has_readings,
+       .how = !has_readings ? "taken as 0: no reading came"
               : context.sensor_known
                   ? "the reading's stamp, and the sensor's identified delay"
                   : "counted from the stamp of its reading; its own delay is not known and taken as 0"});
   const bool timed = !context.virtual_time;
-  const auto scheduled = [&](const char* name, const Mean& mean, const char* how) {
+  const auto add_scheduling_part = [&](const char* name, const Mean& mean, const char* how) {
     latency.parts.push_back({.name = name,
                              .mean_s = timed ? mean.Value() : 0.0,
                              .max_s = timed ? mean.max_s : 0.0,
                              .measured = timed,
                              .how = timed ? how : "taken as 0: virtual time"});
   };
-  scheduled("link", link_, "from the message's arrival to the loop's wake-up");
-  scheduled("tick", tick_, "from the wake-up to the answer");
+  add_scheduling_part("link", link_, "from the message's arrival to the loop's wake-up");
+  add_scheduling_part("tick", tick_, "from the wake-up to the answer");
   latency.parts.push_back(context.overlay ? OverlaidArm(context) : FollowingArm(ArmDelay_ticks(), period_s));
   latency.parts.push_back({.name = "model",
                            .mean_s = model_.Value(),
@@ -131,10 +135,11 @@ LatencyFigures LatencyMeter::Figures(double period_s, const LatencyContext& cont
                            .measured = model_.count > 0,
                            .how = model_.count > 0 ? "age of the pose of the contact model in force"
                                                    : "assumed 0: nothing was rendered"});
-  const double loop_s = PartOf(latency, "link") + PartOf(latency, "tick") + PartOf(latency, "arm");
+  const double loop_s =
+      MeanOfPart_s(latency, "link") + MeanOfPart_s(latency, "tick") + MeanOfPart_s(latency, "arm");
   latency.hand_moves_arm = context.overlay;
-  latency.hand_to_arm_s = context.overlay ? 0.0 : PartOf(latency, "sensor") + loop_s;
-  latency.bone_to_hand_s = PartOf(latency, "model") + loop_s;
+  latency.hand_to_arm_s = context.overlay ? 0.0 : MeanOfPart_s(latency, "sensor") + loop_s;
+  latency.bone_to_hand_s = MeanOfPart_s(latency, "model") + loop_s;
   return latency;
 }
 
@@ -147,7 +152,7 @@ LatencyContext LatencyContextOf(const config::CellConfig& cell, bool virtual_tim
   context.overlay = cell.servo.law == control::Law::kImpedance;
   if (!context.overlay) return context;
   context.arm_dead_time_s = cell.simulated.dynamic.dead_cycles * cell.servo.period_s;
-  if (cell.identified)
+  if (cell.identified)  // the longest of the identified dead times
     for (const config::IdentifiedArm& arm : cell.identified->arm) {
       context.arm_dead_time_s =
           context.arm_known ? std::max(context.arm_dead_time_s, arm.dead_time_s) : arm.dead_time_s;

@@ -19,8 +19,8 @@ namespace osteon::session {
 /// One part of a cell's latency.
 struct LatencyPart {
   std::string name;      ///< "sensor", "link", "tick", "arm", "model"
-  double mean_s{0.0};    ///< over the ticks in which the arm was commanded
-  double max_s{0.0};     ///< the arm's has none: it equals the mean
+  double mean_s{0.0};    ///< mean over the ticks in which the arm was commanded
+  double max_s{0.0};     ///< for the arm, which has no maximum: the mean
   bool measured{false};  ///< false: assumed, see `how`
   std::string how;       ///< what it was measured by, or why it is assumed
 };
@@ -32,14 +32,15 @@ struct LatencyFigures {
   double hand_to_arm_s{0.0};       ///< sensor + link + tick + arm; 0 if the hand moves the arm itself
   double bone_to_hand_s{0.0};      ///< model + link + tick + arm
   bool hand_moves_arm{false};      ///< impedance law: the hand moves the arm directly, without the loop
+  /// Whether every part was measured; false without parts.
   [[nodiscard]] bool Measured() const;
 };
 
 /// The facts for a run's latency that its recording does not have.
 struct LatencyContext {
   bool virtual_time{false};    ///< scheduling takes no time
-  double sensor_delay_s{0.0};  ///< of the sensor itself, identified; 0 and not known: assumed
-  bool sensor_known{false};
+  double sensor_delay_s{0.0};  ///< from the force to the reading's stamp; assumed 0 if not known
+  bool sensor_known{false};    ///< this delay was identified
   /// Impedance law: the arm controls itself, and the loop's forces are added. The arm's part of the latency
   /// is then the dead time until these forces act.
   bool overlay{false};
@@ -56,8 +57,8 @@ struct LatencyContext {
 ///     link     from the arrival of the arm's message to the loop's wake-up
 ///     tick     from the wake-up to the answer
 ///     arm      the delay d that minimises |q_meas[k] - q_cmd[k - d]|^2 over all joints while they move: dead time
-///              and the servo's lag in slow motion, by what came back; of forces over the arm's impedance their
-///              dead time
+///              and the servo's lag in slow motion, by what came back; for forces added to the
+///              arm's impedance: their dead time
 ///     model    age of the pose that the contact model was computed for, while rendering
 class LatencyMeter {
  public:
@@ -74,20 +75,22 @@ class LatencyMeter {
     std::uint64_t count{0};
     double sum_s{0.0}, max_s{0.0};
   };
+  // Adds a tick's commanded and measured positions to the search for the arm's delay.
   void AddMotion(const control::TickRecord& tick);
   [[nodiscard]] double ArmDelay_ticks() const;  // negative: not known, as when nothing moved
 
   Mean sensor_, link_, tick_, model_;
   std::array<std::array<double, 7>, kTicks> sent_{};  // commands, in a ring
-  std::size_t next_{0}, kept_{0};
-  std::array<double, kTicks> error_{};  // sum of squares by delay
+  std::size_t next_{0}, kept_{0};       // place of the next command in the ring; number of commands in it
+  std::array<double, kTicks> error_{};  // sum of squares of measured minus commanded, for each delay
   double moved_{0.0};                   // sum of squares of the commands' steps
 };
 
 /// {hand_to_arm (null if the hand moves the arm itself), bone_to_hand, measured, parts: {NAME: {mean, max,
 /// measured, how}}} in ms; null without parts.
 [[nodiscard]] nlohmann::json ToJson(const LatencyFigures& latency);
-/// One line: "26.3 ms from hand to arm (sensor 1.0, link 0.1, …); 30.2 ms from bone to hand; assumed: …".
+/// One line: "26.3 ms from the hand's force to the arm, 30.2 ms from the bone to the hand (sensor 1.00, link
+/// 0.10, … ms); assumed: …".
 [[nodiscard]] std::string LatencyText(const LatencyFigures& latency);
 
 }  // namespace osteon::session

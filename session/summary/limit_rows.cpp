@@ -15,7 +15,7 @@
 namespace osteon::session {
 namespace {
 
-// safety::kLimitNames in words, for people.
+// The limits of safety::kLimitNames in words, in the same order.
 constexpr std::array<std::string_view, safety::kLimitCount> kLimitTexts{"largest force or torque",
                                                                         "what the arm's joints can hold",
                                                                         "energy in the coupling's spring",
@@ -36,26 +36,28 @@ constexpr std::array<std::string_view, safety::kLimitCount> kLimitTexts{"largest
                                                                         "deflection beyond the cell's error"};
 static_assert(!kLimitTexts.back().empty(), "a limit without words");
 
+// One of several bounds on a quantity, with its origin: "cell", "ceiling", "stored energy".
 struct Bound {
   double value;
-  std::string whose;
+  std::string origin;
 };
 
 // Returns the tightest of several bounds on one quantity; the text names the other finite ones.
 EffectiveLimit Tightest(std::string name, std::string unit, const std::vector<Bound>& bounds) {
-  std::size_t least = 0;
+  std::size_t tightest = 0;
   for (std::size_t i = 1; i < bounds.size(); ++i)
-    if (bounds[i].value < bounds[least].value) least = i;
+    if (bounds[i].value < bounds[tightest].value) tightest = i;
   std::string others;
   for (std::size_t i = 0; i < bounds.size(); ++i)
-    if (i != least && std::isfinite(bounds[i].value))
-      others += fmt::format("; {}: {:.4g}", bounds[i].whose, bounds[i].value);
+    if (i != tightest && std::isfinite(bounds[i].value))
+      others += fmt::format("; {}: {:.4g}", bounds[i].origin, bounds[i].value);
   return {.name = std::move(name),
-          .value = bounds[least].value,
+          .value = bounds[tightest].value,
           .unit = std::move(unit),
-          .from = bounds[least].whose + others};
+          .from = bounds[tightest].origin + others};
 }
 
+// "force 200 N (cell; ceiling: 250)".
 std::string Text(const EffectiveLimit& limit) {
   return fmt::format("{} {:.4g} {} ({})", limit.name, limit.value, limit.unit, limit.from);
 }
@@ -182,7 +184,7 @@ std::vector<ActedLimit> ActedLimits::Rows(double period_s) const {
 }
 
 nlohmann::json ToJson(const std::vector<EffectiveLimit>& effective, const std::vector<ActedLimit>& acted) {
-  nlohmann::json in_force = nlohmann::json::array(), did = nlohmann::json::array();
+  nlohmann::json in_force = nlohmann::json::array(), acted_rows = nlohmann::json::array();
   for (const EffectiveLimit& limit : effective)
     in_force.push_back(
         {{"name", limit.name},
@@ -190,12 +192,12 @@ nlohmann::json ToJson(const std::vector<EffectiveLimit>& effective, const std::v
          {"unit", limit.unit},
          {"from", limit.from}});
   for (const ActedLimit& limit : acted)
-    did.push_back({{"name", limit.name},
-                   {"ticks", limit.ticks},
-                   {"events", limit.events},
-                   {"first_s", limit.first_s},
-                   {"longest_s", limit.longest_s}});
-  return {{"effective", in_force}, {"acted", did}};
+    acted_rows.push_back({{"name", limit.name},
+                          {"ticks", limit.ticks},
+                          {"events", limit.events},
+                          {"first_s", limit.first_s},
+                          {"longest_s", limit.longest_s}});
+  return {{"effective", in_force}, {"acted", acted_rows}};
 }
 
 std::vector<std::string> LimitLines(const control::ServoParams& params) {
@@ -213,7 +215,7 @@ std::vector<std::string> LimitLines(const control::ServoParams& params) {
 }
 
 void PrintLimits(const control::ServoParams& params) {
-  constexpr std::size_t kWidth = 110;
+  constexpr std::size_t kWidth = 110;  // characters of a printed line
   if (!params.has_interlock) fmt::print("Permission to move: {}.\n", kWithoutPlc);
   std::string line = "Limits in force:";
   for (const std::string& limit : LimitLines(params)) {

@@ -22,7 +22,8 @@ struct EffectiveLimit {
   std::string from;  ///< the bound that gives the value, and the others
 };
 
-/// Collects every limit in force, trips and ages included. @param reduced  the arm is in T1
+/// Collects every limit in force, also those of ages and those that trip a stop.
+/// @param reduced  the arm is in T1, with reduced speed
 [[nodiscard]] std::vector<EffectiveLimit> EffectiveLimits(const control::ServoParams& params,
                                                           bool reduced = false);
 
@@ -31,12 +32,13 @@ struct EffectiveLimit {
 
 /// The actions of one limit in a run.
 struct ActedLimit {
-  std::string name;  ///< safety::kLimitNames
-  std::string text;  ///< the limit in words
-  std::uint64_t ticks{0}, events{0};
-  double first_s{0.0};    ///< since the first tick
-  double longest_s{0.0};  ///< of one event
-  double total_s{0.0};    ///< of all events
+  std::string name;         ///< safety::kLimitNames
+  std::string text;         ///< the limit in words
+  std::uint64_t ticks{0};   ///< ticks in which the limit acted
+  std::uint64_t events{0};  ///< uninterrupted series of such ticks
+  double first_s{0.0};      ///< time of the first action, since the first tick
+  double longest_s{0.0};    ///< duration of the longest event
+  double total_s{0.0};      ///< duration of all events together
 };
 
 /// Collects, tick by tick, which limits acted in a run.

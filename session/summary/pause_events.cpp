@@ -7,19 +7,19 @@ namespace osteon::session {
 void PauseEvents::Add(const control::TickRecord& tick) {
   if (!start_) start_ = tick.stamp;
   const bool paused = control::IsPaused(tick);
-  const auto row = [&](const char* name, rt::Nanoseconds at, rt::Nanoseconds lasted) {
+  const auto add_row = [&](const char* name, rt::Nanoseconds at, rt::Nanoseconds lasted) {
     rows_.push_back(
         {.name = name, .time_s = rt::ToSeconds(at - *start_), .value = rt::ToSeconds(lasted), .unit = "s"});
   };
   if (tick.input.pause && !paused_at_) asked_at_ = asked_at_.value_or(tick.stamp);
   if (paused && !paused_at_) {
     paused_at_ = tick.stamp;
-    const rt::Nanoseconds at = asked_at_.value_or(tick.stamp);
-    row(kPauseEvent, at, tick.stamp - at);
+    const rt::Nanoseconds asked_at = asked_at_.value_or(tick.stamp);
+    add_row(kPauseEvent, asked_at, tick.stamp - asked_at);
     asked_at_.reset();
   }
-  if (!paused && paused_at_) {  // ended by a resume. A run that ends in a pause makes no event
-    if (tick.input.resume) row(kResumeEvent, tick.stamp, tick.stamp - *paused_at_);
+  if (!paused && paused_at_) {  // a pause that the run's end has ended makes no event
+    if (tick.input.resume) add_row(kResumeEvent, tick.stamp, tick.stamp - *paused_at_);
     paused_at_.reset();
   }
 }

@@ -8,6 +8,7 @@
 
 namespace osteon::session {
 
+/// Names of the rows.
 inline constexpr const char *kPauseEvent = "pause", *kResumeEvent = "resume";
 
 /// Finds an operator's pauses and their ends in a run's ticks, as rows among the run's events.
@@ -26,7 +27,9 @@ class PauseEvents {
 
  private:
   std::vector<EventRow> rows_;
-  std::optional<rt::Nanoseconds> start_, asked_at_, paused_at_;
+  std::optional<rt::Nanoseconds> start_;      // stamp of the run's first tick
+  std::optional<rt::Nanoseconds> asked_at_;   // first request of a pause that is not in effect yet
+  std::optional<rt::Nanoseconds> paused_at_;  // none: the cell is not paused
 };
 
 }  // namespace osteon::session

@@ -32,15 +32,15 @@ struct ActiveTicks {
   void Add(const control::TickRecord& tick);
 
   double fresh_s{0.0}, sensor_full_s{0.0};     ///< ages up to which model and sensor count in full
-  std::optional<rt::Nanoseconds> first, last;  ///< stamps
+  std::optional<rt::Nanoseconds> first, last;  ///< stamps of the first and the last such tick
   /// Stamp of the last tick in which the loop was not at rest after a stop.
   rt::Nanoseconds stopped_at{0};
-  report::DurationCounts step, wakeup, compute;  ///< step: from one stamp to the next
-  /// Number of ticks in which a limit reduced the coupling's wrench, and in which the arm's torques would
-  /// have; then the least shares that were rendered and that the arm could hold.
+  report::DurationCounts step, wakeup, compute;  ///< step: from one tick's stamp to the next
+  /// Number of ticks in which any limit reduced the coupling's wrench, and in which the arm's joint torques
+  /// alone would have reduced it; then the smallest fraction that was rendered, and that the arm could hold.
   std::uint64_t cut{0}, arm_cut{0};
   double min_wrench_share{1.0}, min_arm_share{1.0};
-  /// Number of ticks in which each stabiliser acted, and its extremes.
+  /// Number of ticks in which each stabiliser acted, and the extremes of the age governor's factors.
   std::uint64_t age_governor{0}, passivity{0}, tank{0};
   double max_age_damping{1.0}, min_age_share{1.0};
   std::uint64_t rendering{0}, stale{0},
@@ -52,8 +52,8 @@ struct ActiveTicks {
 /// (DurationCounts), thinned (RunCurves, ProxyPath), or only their first and last values are kept.
 struct RunAccumulator {
   explicit RunAccumulator(const CellSetup& setup);
-  /// Sets a procedure's tools: the tool's depth is then that of the tool in use.
-  /// @param first  the tool that is in use at the beginning
+  /// Sets a procedure's tools: depths are then computed for the tool in use.
+  /// @param first  index of the tool that is in use at the beginning
   void UseTools(const CellSetup& setup, std::span<const ProcedureTool> tools, int first);
   void Add(const control::TickRecord& tick);
   void Add(const simulation::FrameRecord& frame);
@@ -61,7 +61,7 @@ struct RunAccumulator {
   report::RunCurves curves;
   simulation::ProxyPath path;
 
-  // of the ticks
+  // gathered from the ticks
   std::uint64_t ticks{0};
   ActiveTicks active;
   ActedLimits limits;
@@ -74,12 +74,12 @@ struct RunAccumulator {
   std::uint32_t seen_faults{0};                             ///< the keys of first_with, as bits
   control::TickInput last_input;
 
-  // of the frames
+  // gathered from the frames
   std::uint64_t frames{0};
   report::DurationCounts frame_step;  ///< from one stamp to the next
   std::optional<rt::Nanoseconds> last_frame;
   simulation::ReamedDepth reamed;
-  double cup_depth_m{0.0};  ///< of the last frame
+  double cup_depth_m{0.0};  ///< the value of the last frame
 
   /// Tools and paths of a procedure's passes; null: a run of one tool, which has cut along `path`.
   std::shared_ptr<const SessionCut> session_cut{};
@@ -90,7 +90,7 @@ struct RunAccumulator {
 
 /// Reads a recording in one pass; its ticks and events go to `stops` as well.
 /// The error names the file, the byte and the reason.
-/// @param procedure  whose run was recorded; null: none
+/// @param procedure  the procedure whose run was recorded; null: none
 [[nodiscard]] tl::expected<RunAccumulator, std::string> ReadRun(const std::filesystem::path& recording,
                                                                 const CellSetup& setup, StopPages& stops,
                                                                 const ProcedureSession* procedure = nullptr);

@@ -18,6 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// When the file was last written; the epoch if it cannot be read.
 std::chrono::system_clock::time_point WrittenAt(const fs::path& file) {
   struct stat status {};
   return std::chrono::system_clock::from_time_t(stat(file.c_str(), &status) == 0 ? status.st_mtime : 0);
@@ -31,8 +32,8 @@ std::string FirstFree(const std::string& name, const IsFree& is_free) {
   return free;
 }
 
-// Whether a file such as "run_2_stop_1.html" belongs to a session's recording, which lies in the session's
-// folder.
+// Whether a file's name, such as "run_2_stop_1.html", is that of a file beside a session's recording:
+// "run_", a number, "_".
 bool IsOfSessionsRecording(const std::string& name) {
   if (!name.starts_with("run_")) return false;
   const std::size_t end = name.find_first_not_of("0123456789", 4);
@@ -67,18 +68,19 @@ fs::path DatedRecording(const fs::path& folder, std::chrono::system_clock::time_
 std::vector<fs::path> FilesOfRun(const fs::path& recording) {
   std::error_code error;
   std::vector<fs::path> files;
-  const auto add = [&](const fs::path& file) {
-    const bool there = fs::is_regular_file(file, error);
-    if (there) files.push_back(file);
-    return there;
+  const auto add_if_it_exists = [&](const fs::path& file) {
+    const bool exists = fs::is_regular_file(file, error);
+    if (exists) files.push_back(file);
+    return exists;
   };
-  add(recording);
-  add(ReportPage(recording));
+  add_if_it_exists(recording);
+  add_if_it_exists(ReportPage(recording));
   const fs::path folder = recording.parent_path();
   const std::string stem = recording.stem().string();
   for (std::size_t number = 1;; ++number) {
-    const bool page = add(StopPage(folder, stem, number)), table = add(StopTable(folder, stem, number));
-    if (!page && !table) return files;
+    const bool has_page = add_if_it_exists(StopPage(folder, stem, number));
+    const bool has_table = add_if_it_exists(StopTable(folder, stem, number));
+    if (!has_page && !has_table) return files;
   }
 }
 

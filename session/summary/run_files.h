@@ -8,12 +8,12 @@
 
 #include <tl/expected.hpp>
 
-// A run's files are evidence: the next run does not overwrite them.
+// The names of a run's files, and how a later run keeps from overwriting them: they are evidence.
 
 namespace osteon::session {
 
-/// Path of the page of a run's stop, numbered from 1, and of the table of its ticks. @param stem  of the
-/// recording's name
+/// Path of the page of a run's stop, numbered from 1, and of the table of its ticks.
+/// @param stem  the recording's file name without extension
 [[nodiscard]] std::filesystem::path StopPage(const std::filesystem::path& folder, const std::string& stem,
                                              std::size_t number);
 [[nodiscard]] std::filesystem::path StopTable(const std::filesystem::path& folder, const std::string& stem,
@@ -34,7 +34,7 @@ namespace osteon::session {
 /// STEM_stop_1.html, STEM_stop_1_ticks.csv and so on. Only regular files count, no devices.
 [[nodiscard]] std::vector<std::filesystem::path> FilesOfRun(const std::filesystem::path& recording);
 
-/// Says why a run must not leave its files under this name: one of them exists. Empty if it may.
+/// Says why a run must not use this recording's name: files of an earlier run have it. Empty if it may.
 [[nodiscard]] std::string ValidateRecordingName(const std::filesystem::path& recording);
 
 /// Removes an earlier run's files. @returns the files that could not be removed, and why; empty: none

@@ -24,12 +24,13 @@ tl::expected<report::ReportFigures, std::string> WriteRunReport(
     const CellSetup& setup, const CellRunResult& result, const RunAccumulator& run, const RunSummary& summary,
     const std::string& command, const std::string& command_line, const std::filesystem::path& page) {
   std::vector<simulation::ToolPath> paths;
-  std::function<double(const Vector3&)> planned;
+  std::function<double(const Vector3&)> planned;  // distance of a point to the planned cavity [m]
   if (run.session_cut) {
     paths = run.session_cut->paths();
     if (const auto& cavity = run.session_cut->planned)
       planned = [cavity = *cavity](const Vector3& p_m) { return cavity.DistanceTo(p_m); };
   }
+  // the last pass's tool and path are drawn as the run's; the passes before it as earlier ones
   simulation::ToolPath last{.tool = &setup.config.tool.tool, .X_GP = run.path.X_GP()};
   if (!paths.empty()) {
     last = paths.back();

@@ -22,16 +22,17 @@
 namespace osteon::session {
 namespace {
 
-// Cells of the grid that measures the swept volume.
-constexpr double kSweepCell_m = 0.4e-3, kSweepCellsARadius = 25.0;
+// Edge of a cell of the grid that measures the swept volume: kSweepCell_m, or less for a small tool, so that
+// its first ball's radius has kSweepCellsPerRadius cells.
+constexpr double kSweepCell_m = 0.4e-3, kSweepCellsPerRadius = 25.0;
 
-// Returns 1 / the median.
-double RateOf(const report::DurationCounts& steps) {
+// Rate by the median of the intervals, 1 / median [Hz]; 0 without intervals.
+double MedianRate_hz(const report::DurationCounts& steps) {
   const double step_s = steps.count() > 0 ? rt::ToSeconds(steps.At(steps.count() / 2)) : 0.0;
   return step_s > 0.0 ? 1.0 / step_s : 0.0;
 }
 
-// Finds in the ticks when each fault first appeared.
+// A row for each fault: when it first appeared, and what was measured then.
 std::vector<report::FaultRow> FaultRows(safety::FaultSet faults, const RunAccumulator& run,
                                         const control::ServoParams& servo) {
   std::vector<report::FaultRow> rows;
@@ -46,6 +47,7 @@ std::vector<report::FaultRow> FaultRows(safety::FaultSet faults, const RunAccumu
   return rows;
 }
 
+// The events of scene, pauses and deflections in the order of their times, which count from `start`.
 std::vector<EventRow> EventRows(const std::vector<simulation::SceneEvent>& events, const RunAccumulator& run,
                                 rt::Nanoseconds start) {
   std::vector<EventRow> rows;
@@ -54,8 +56,8 @@ std::vector<EventRow> EventRows(const std::vector<simulation::SceneEvent>& event
                     .time_s = rt::ToSeconds(event.stamp - start),
                     .value = 1e3 * event.value,  // all values are lengths
                     .unit = "mm"});
-  for (const auto* others : {&run.pauses.rows(), &run.deflections.rows()})
-    rows.insert(rows.end(), others->begin(), others->end());
+  for (const auto* run_rows : {&run.pauses.rows(), &run.deflections.rows()})
+    rows.insert(rows.end(), run_rows->begin(), run_rows->end());
   std::ranges::stable_sort(rows, {}, &EventRow::time_s);
   return rows;
 }
@@ -71,7 +73,7 @@ std::vector<RezonedRow> RezonedRows(const std::vector<Rezoned>& rezoned, rt::Nan
   return rows;
 }
 
-// Fills in the figures of ticks and frames.
+// Fills in the figures of ticks and frames. @param timed  whether durations were measured (wall time)
 void SummariseRecording(const RunAccumulator& run, bool timed, RunSummary& s) {
   const ActiveTicks& active = run.active;
   s.ticks = run.ticks;
@@ -89,9 +91,9 @@ void SummariseRecording(const RunAccumulator& run, bool timed, RunSummary& s) {
     s.stale_share = static_cast<double>(active.stale) / static_cast<double>(active.rendering);
     s.sensor_late_share = static_cast<double>(active.sensor_late) / static_cast<double>(active.rendering);
   }
-  s.servo_rate_hz = RateOf(active.step);
+  s.servo_rate_hz = MedianRate_hz(active.step);
   s.seconds = active.first ? rt::ToSeconds(active.stopped_at - *active.first) : 0.0;
-  s.simulation_rate_hz = RateOf(run.frame_step);
+  s.simulation_rate_hz = MedianRate_hz(run.frame_step);
   s.link = run.last_input;
   if (!timed) return;
   s.wakeup = Quantiles(active.wakeup);
@@ -99,7 +101,7 @@ void SummariseRecording(const RunAccumulator& run, bool timed, RunSummary& s) {
   s.frame = Quantiles(run.curves.frame);
 }
 
-// Fills in the figures of the cut.
+// Fills in the figures of the cut: removed and swept volume, work, depths, hash of the carved state.
 void SummariseCut(const CellSetup& setup, const simulation::CarvedState& after, const RunAccumulator& run,
                   RunSummary& s) {
   const simulation::Tool& tool = setup.config.tool.tool;
@@ -107,8 +109,8 @@ void SummariseCut(const CellSetup& setup, const simulation::CarvedState& after, 
   s.removed_mass_kg = after.removed_mass_kg;
   s.cutting_work_J = after.cutting_work_J;
   s.cutting_debt_J = after.cutting_debt_J;
-  if (setup.solid) {  // of a loaded packing only the balls are known
-    const double cell_m = std::min(kSweepCell_m, tool.balls.front().radius_m / kSweepCellsARadius);
+  if (setup.solid) {  // a loaded packing has only balls: its swept volume is not known
+    const double cell_m = std::min(kSweepCell_m, tool.balls.front().radius_m / kSweepCellsPerRadius);
     const SessionCut* cut = run.session_cut.get();
     s.swept_volume_m3 =
         cut ? simulation::SweptVolume(*setup.solid, simulation::SweptTool(cut->paths()), cell_m)
@@ -145,14 +147,14 @@ const char* EndText(control::RunEnd end) {
 DurationFigures Quantiles(const report::DurationCounts& durations) {
   const std::uint64_t count = durations.count();
   if (count == 0) return {};
-  const auto at = [&](double share) {
+  const auto quantile_s = [&](double share) {
     return rt::ToSeconds(
         durations.At(std::min(count - 1, static_cast<std::uint64_t>(share * static_cast<double>(count)))));
   };
   return {.count = count,
-          .p50_s = at(0.5),
-          .p99_s = at(0.99),
-          .p999_s = at(0.999),
+          .p50_s = quantile_s(0.5),
+          .p99_s = quantile_s(0.99),
+          .p999_s = quantile_s(0.999),
           .max_s = rt::ToSeconds(durations.At(count - 1))};
 }
 
@@ -246,7 +248,7 @@ std::string DescribeRecordingErrors(const CellRunResult& result, const std::stri
 }
 
 int ExitCode(const CellRunResult& result) {
-  // without a signal or an operator's stop, the simulated cell has died
+  // the stop flag without a signal or an operator's stop means that the simulated cell has died
   const bool interrupted = result.end == control::RunEnd::kStopFlag && base::InterruptName()[0] != '\0';
   const bool done = result.end == control::RunEnd::kSeconds && !result.faults.Any();
   const int code = interrupted ? base::InterruptExitCode() : done ? 0 : 1;

@@ -25,9 +25,10 @@ struct DurationFigures {
   std::size_t count{0};
   double p50_s{0.0}, p99_s{0.0}, p999_s{0.0}, max_s{0.0};
 };
+/// Computes the figures of counted durations.
 [[nodiscard]] DurationFigures Quantiles(const report::DurationCounts& durations);
 
-/// A coarsening of zones, at its time since the run's start.
+/// A change to coarser zones of the packing during a run, at its time since the run's start.
 struct RezonedRow {
   double time_s{0.0};
   std::size_t balls{0};
@@ -42,8 +43,8 @@ struct RezonedRow {
 /// The removed volume of a recording's bone that was cut again, and the volume that the run recorded.
 struct RecutFigures {
   double removed_volume_m3{0.0}, recorded_volume_m3{0.0};
-  /// The run's packing was planned, and the recording is older than the record of it: the bone is packed as
-  /// its scene says.
+  /// The run's packing was planned, but the recording is too old to say how: the bone was packed as its scene
+  /// says, and may differ from the run's.
   bool packing_unknown{false};
   [[nodiscard]] bool SameAsRecorded() const { return removed_volume_m3 == recorded_volume_m3; }
   /// Whether the volumes differ by so much that the bone is another one. Different engines differ by less.
@@ -60,7 +61,7 @@ struct RunSummary {
   std::string console_url{};                            ///< where the console was served; empty: nowhere
   std::string ended_by;               ///< the signal that asked for the end, "SIGHUP"; empty: none
   Verdict verdict;                    ///< JudgeRun of the other figures
-  std::vector<std::string> warnings;  ///< of the set-up: figures of the cell that contradict each other
+  std::vector<std::string> warnings;  ///< SetupWarnings, and the bone's own warning
   bool virtual_time{false};
   control::RunEnd end{control::RunEnd::kSeconds};
   double wanted_s{0.0};     ///< time of rendering that was asked for; 0: until the run is stopped
@@ -69,7 +70,7 @@ struct RunSummary {
   /// Wall time: scheduling that the system granted; absent for a recording, which does not state it.
   std::optional<rt::RealtimeGrant> servo_thread{rt::RealtimeGrant{}};
   std::size_t balls{0}, points{0};
-  double seconds{0.0};  ///< in COMMANDING_ACTIVE, without the rest at the end
+  double seconds{0.0};  ///< time in COMMANDING_ACTIVE, without the rest at the end
   std::uint64_t ticks{0}, frames{0}, dropped{0};
   double servo_rate_hz{0.0};       ///< 1 / median period of the arm's messages in COMMANDING_ACTIVE
   double simulation_rate_hz{0.0};  ///< 1 / median interval between frames
@@ -82,14 +83,14 @@ struct RunSummary {
   double sensor_late_share{0.0};
   double peak_tool_speed_m_per_s{0.0};           ///< commanded, while it rendered
   double peak_measured_tool_speed_m_per_s{0.0};  ///< measured, while the arm was commanded
-  /// Number of ticks in which a limit reduced the coupling's wrench, and in which the arm's torques would
-  /// have; then the least shares that were rendered and that the arm could hold.
+  /// As in ActiveTicks: ticks in which any limit reduced the coupling's wrench, and in which the arm's joint
+  /// torques alone would have; then the smallest fraction that was rendered, and that the arm could hold.
   std::uint64_t cut_ticks{0}, arm_cut_ticks{0};
   double min_wrench_share{1.0}, min_arm_share{1.0};
   /// Number of ticks in which each stabiliser acted, its extremes, and the tank's least energy in rendering.
   std::uint64_t age_governor_ticks{0}, passivity_ticks{0}, tank_ticks{0};
   double max_age_damping{1.0}, min_age_share{1.0}, min_tank_J{0.0};
-  bool rendered{false};  ///< at any time; if not, there is no cut to report
+  bool rendered{false};  ///< whether the loop rendered at any time; if not, there is no cut to report
   double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0};
   double cutting_debt_J{0.0};  ///< as CarvedState::cutting_debt_J, at the end
   /// Volume of the solid swept by the proxy's cutting surface; counted on a grid, without the engine.
@@ -105,10 +106,10 @@ struct RunSummary {
   std::string state_hash;                ///< of the carved state, hexadecimal
   std::vector<EffectiveLimit> limits;    ///< in force
   std::vector<ActedLimit> acted_limits;  ///< those that acted, when and for how long
-  double min_depth_left_m{0.0};          ///< to the reamer's depth limit; infinite if there is none
+  double min_depth_left_m{0.0};  ///< smallest distance to the reamer's depth limit; infinite: no limit
   std::vector<report::FaultRow> faults;
   std::vector<DriveFaultRow> drive_faults;
-  std::vector<EventRow> events;                ///< of the scene and of pauses, in their order
+  std::vector<EventRow> events;                ///< of the scene, pauses and deflections, in order of time
   std::shared_ptr<const PlannedCell> planned;  ///< null: packed as the scene says, or loaded
   std::vector<RezonedRow> rezoned;             ///< zones that were coarsened
   std::optional<RecutFigures> recut;           ///< nothing: the bone is the run's own
@@ -116,20 +117,20 @@ struct RunSummary {
   std::optional<double> min_wall_m;
   std::vector<std::string> assumptions;     ///< figures without a source: AssumedFigures, AssumedOfSimulation
   std::vector<std::string> identified;      ///< what the cell has of `osteon identify` (IdentifiedText)
-  PeakDeflection deflected;                 ///< of what gives way
+  PeakDeflection deflected;                 ///< largest displacements of tool, surface layer and mount
   double noticed_deflection_m{0.0};         ///< the cell's error: a larger displacement is an event
   std::vector<WrittenStop> stops;           ///< one page each
   std::optional<WrittenSurface> surface;    ///< nothing: not asked for, or not written
   std::string config_checksum;              ///< of the files that the cell was loaded from
   int recovered{0};                         ///< number of times that rendering began again
   int operator_recoveries{0};               ///< those of them that an operator requested at a fault
-  std::vector<std::string> recovered_from;  ///< names of the faults that these cleared
+  std::vector<std::string> recovered_from;  ///< names of the faults that these recoveries cleared
   std::string cell_report;                  ///< report of the simulated cell, osteon.cell/1
   std::string session;                      ///< folder of a procedure's session; empty: none
   std::vector<SessionPass> passes;          ///< of the whole session
-  std::vector<MissedChange> missed_changes;  ///< of its last run
+  std::vector<MissedChange> missed_changes;  ///< of the session's last run
   std::vector<double> diameters_mm;          ///< of the session's tools
-  control::TickInput link;                   ///< of the last tick: counts of messages and answers
+  control::TickInput link;                   ///< input of the last tick: its counts of messages and answers
   std::string arm_stop;                      ///< why the simulated arm ended the session; empty if it did not
 };
 

@@ -10,6 +10,7 @@
 namespace osteon::session {
 namespace {
 
+// In microseconds.
 nlohmann::json ToJson(const DurationFigures& d) {
   return {{"p50", d.p50_s * 1e6}, {"p99", d.p99_s * 1e6}, {"p999", d.p999_s * 1e6}, {"max", d.max_s * 1e6}};
 }
@@ -41,6 +42,7 @@ nlohmann::ordered_json EngineProcessJson(const EngineProcessResult& p) {
           {"carved_again", text_or_null(p.unfetched)}};
 }
 
+// Null if the cell is rigid.
 nlohmann::ordered_json DeflectionJson(const PeakDeflection& peak, double noticed_m) {
   if (!peak.present) return nullptr;
   return {{"peak_bend_mm", 1e3 * peak.bend_m},

@@ -11,7 +11,8 @@
 namespace osteon::session {
 namespace {
 
-// Says how much of the wrench limits withheld from the hand.
+// Says which part of the coupling's wrench the limits kept from the hand, and whether the arm could have held
+// it.
 std::string CutText(const RunSummary& s) {
   if (s.cut_ticks == 0) return "none";
   return fmt::format("up to {:.0f} %, in {} ticks; {}", 100.0 * (1.0 - s.min_wrench_share), s.cut_ticks,
@@ -30,23 +31,25 @@ std::string ActedText(const RunSummary& s) {
   return text.empty() ? "none" : text;
 }
 
-// Says what the stabilisers did.
+// Says in how many ticks each stabiliser acted, with its extremes.
 std::string StabiliserText(const RunSummary& s) {
-  const auto times = [](std::uint64_t ticks, const std::string& how) {
+  const auto count_text = [](std::uint64_t ticks, const std::string& how) {
     return ticks == 0 ? std::string("no") : fmt::format("{} ticks{}", ticks, how);
   };
-  return fmt::format("age governor: {}; passivity: {}; tank: {}, {:.2f} J at least",
-                     times(s.age_governor_ticks, fmt::format(", damping × {:.1f} at most, coupling × {:.2f}",
-                                                             s.max_age_damping, s.min_age_share)),
-                     times(s.passivity_ticks, ""), times(s.tank_ticks, ""), s.min_tank_J);
+  return fmt::format(
+      "age governor: {}; passivity: {}; tank: {}, {:.2f} J at least",
+      count_text(s.age_governor_ticks, fmt::format(", damping × {:.1f} at most, coupling × {:.2f}",
+                                                   s.max_age_damping, s.min_age_share)),
+      count_text(s.passivity_ticks, ""), count_text(s.tank_ticks, ""), s.min_tank_J);
 }
 
+// "median / 99th percentile / maximum µs".
 std::string Text(const DurationFigures& d) {
   return fmt::format("{:.0f} / {:.0f} / {:.0f} µs", d.p50_s * 1e6, d.p99_s * 1e6, d.max_s * 1e6);
 }
 
-// Says by how much a path was thinned, if it was.
-std::string Thinned(double tolerance_m) {
+// Says within which tolerance the swept path was thinned; empty: it was not thinned.
+std::string ThinnedText(double tolerance_m) {
   return tolerance_m > 0.0 ? fmt::format(", its path within {:.3g} µm", 1e6 * tolerance_m) : "";
 }
 
@@ -62,21 +65,23 @@ std::string PassText(const SessionPass& pass, double diameter_mm) {
 // Adds the rows of the cut.
 void AddCut(const RunSummary& s, std::vector<report::SummaryRow>& rows) {
   // without the solid (a loaded packing) the swept volume is not known
-  const double swept_share = s.swept_volume_m3 > 0.0 ? s.removed_volume_m3 / s.swept_volume_m3 - 1.0 : 0.0;
-  const std::string swept = s.swept_volume_m3 > 0.0
-                                ? fmt::format("; swept {:.0f} mm³ ({:+.1f} %{})", s.swept_volume_m3 * 1e9,
-                                              100.0 * swept_share, Thinned(s.swept_path_tolerance_m))
-                                : "";
+  const double excess_over_swept =
+      s.swept_volume_m3 > 0.0 ? s.removed_volume_m3 / s.swept_volume_m3 - 1.0 : 0.0;
+  const std::string swept =
+      s.swept_volume_m3 > 0.0 ? fmt::format("; swept {:.0f} mm³ ({:+.1f} %{})", s.swept_volume_m3 * 1e9,
+                                            100.0 * excess_over_swept, ThinnedText(s.swept_path_tolerance_m))
+                              : "";
   rows.push_back({"Bone removed", fmt::format("{:.0f} mm³, {:.2f} g{}", s.removed_volume_m3 * 1e9,
                                               s.removed_mass_kg * 1e3, swept)});
   rows.push_back(
       {"Reamed since first touch", fmt::format("{:.2f} mm along the site's axis", s.reamed_depth_m * 1e3)});
-  const auto below = [](double depth_m) {
+  const auto relative_to_floor = [](double depth_m) {  // "1.20 mm below"
     return fmt::format("{:.2f} mm {}", std::abs(depth_m) * 1e3, depth_m < 0.0 ? "above" : "below");
   };
-  rows.push_back({"Against the first floor",
-                  fmt::format("tool's apex {}, carved floor {}", below(s.cup_depth_m),
-                              s.cavity_depth_m <= -1.0 ? "carved through" : below(s.cavity_depth_m))});
+  rows.push_back(
+      {"Against the first floor",
+       fmt::format("tool's apex {}, carved floor {}", relative_to_floor(s.cup_depth_m),
+                   s.cavity_depth_m <= -1.0 ? "carved through" : relative_to_floor(s.cavity_depth_m))});
   if (s.section.cavity_section.samples > 0)
     rows.push_back({"Cavity against swept tool",
                     fmt::format("mean {:.3f} mm, p95 {:.3f} mm", s.section.cavity_section.mean_abs_m * 1e3,
@@ -100,20 +105,19 @@ std::string ToolsText(const RunSummary& s) {
   return fmt::format("the plan's tools of {:g} mm", fmt::join(s.diameters_mm, ", "));
 }
 
-// Makes "interrupted by SIGHUP; arm: …". The reasons of a run that never began are not in it: the verdict has
-// them.
+// Makes "interrupted by SIGHUP; arm: …". Leaves out why a run never began: the verdict says it.
 std::string EndedText(const RunSummary& s) {
   return s.ended.substr(0, s.ended.find(": ")) + (s.ended_by.empty() ? "" : " by " + s.ended_by) +
          (s.arm_stop.empty() ? "" : "; arm: " + s.arm_stop);
 }
 
 // Adds rows that say what the cell did at each fault and how to go on, so that a user need not look it up.
-void AddCures(const std::vector<report::FaultRow>& faults, std::vector<report::SummaryRow>& rows) {
+void AddRemedies(const std::vector<report::FaultRow>& faults, std::vector<report::SummaryRow>& rows) {
   ForEachFault([&](safety::Fault, const safety::FaultText& text) {
     if (std::ranges::find(faults, text.name, &report::FaultRow::name) == faults.end()) return;
-    const std::string of = faults.size() > 1 ? fmt::format("{}: ", text.name) : "";
-    rows.push_back({"The cell", of + text.reaction});
-    rows.push_back({"How to go on", of + text.clearing});
+    const std::string prefix = faults.size() > 1 ? fmt::format("{}: ", text.name) : "";
+    rows.push_back({"The cell", prefix + text.reaction});
+    rows.push_back({"How to go on", prefix + text.clearing});
   });
 }
 
@@ -184,7 +188,7 @@ std::vector<report::SummaryRow> Rows(const RunSummary& s) {
   for (const report::FaultRow& fault : s.faults)
     faults += (faults.empty() ? "" : "; ") + fault.name + (fault.seen.empty() ? "" : " (" + fault.seen + ")");
   rows.push_back({"Faults", faults.empty() ? "none" : faults});
-  AddCures(s.faults, rows);
+  AddRemedies(s.faults, rows);
   if (!s.recovered_from.empty())
     rows.push_back(
         {"Recovered from", fmt::format("{}: {}, {} by an operator", fmt::join(s.recovered_from, ", "),

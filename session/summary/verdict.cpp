@@ -18,12 +18,14 @@
 namespace osteon::session {
 namespace {
 
-// A limit that acts for a shorter time, a few ticks, is not felt by the hand.
-constexpr double kFelt_s = 0.02;
-// Fractions of the rendering time in which an old model reduces the force. Up to the first, it is the
-// occasional delay of a shared machine; from the second on, the force counts as mostly missing.
-constexpr double kSomeStale = 0.02, kOftenStale = 0.2;
+// The hand does not feel a limit that acts for a shorter time, a few ticks.
+constexpr double kMinFelt_s = 0.02;
+// Fractions of the rendering time in which an old model, or an old reading of the sensor, reduces the force.
+// Up to the first, the cause is the occasional delay of a shared machine; beyond the second, the force counts
+// as mostly missing.
+constexpr double kWarningStaleShare = 0.02, kBadStaleShare = 0.2;
 
+// Judges how the run ended: by a fault, before its time, or after recoveries.
 void JudgeEnd(const RunSummary& s, Verdict& verdict) {
   if (!s.faults.empty()) {
     std::string names;
@@ -52,6 +54,7 @@ void JudgeEnd(const RunSummary& s, Verdict& verdict) {
                                 : fmt::format("{} times", s.recovered - s.operator_recoveries)));
 }
 
+// Warns if all passes were undone, or planned changes of tool were not made.
 void JudgeSession(const RunSummary& s, Verdict& verdict) {
   if (!s.passes.empty() && std::ranges::all_of(s.passes, &SessionPass::undone))
     verdict.Add(VerdictLevel::kWarning, "no pass of the session counts: all were undone");
@@ -66,22 +69,23 @@ void JudgeSession(const RunSummary& s, Verdict& verdict) {
                   tools, s.missed_changes.front().reason));
 }
 
+// Judges how long limits, old models, late readings and the passivity controller reduced the force.
 void JudgeForce(const RunSummary& s, Verdict& verdict) {
   const double cut_s = s.period_s * static_cast<double>(s.cut_ticks);
-  if (cut_s > kFelt_s)
+  if (cut_s > kMinFelt_s)
     verdict.Add(
         VerdictLevel::kWarning,
         fmt::format(
             "the hand pushed beyond what may be rendered (force limit {:.0f} N) for {:.2f} s: it felt "
             "{:.0f} % of the coupling at least, and the tool went up to {:.2f} mm into bone",
             s.force_limit_N, cut_s, 100.0 * s.min_wrench_share, 1e3 * s.peak_tool_in_bone_m));
-  if (s.stale_share > kSomeStale)
+  if (s.stale_share > kWarningStaleShare)
     verdict.Add(
-        s.stale_share > kOftenStale ? VerdictLevel::kBad : VerdictLevel::kWarning,
+        s.stale_share > kBadStaleShare ? VerdictLevel::kBad : VerdictLevel::kWarning,
         fmt::format(
             "the force was faded for {:.0f} % of the time, because frames of the simulation were late",
             100.0 * s.stale_share));
-  if (s.sensor_late_share > kSomeStale)
+  if (s.sensor_late_share > kWarningStaleShare)
     verdict.Add(VerdictLevel::kWarning,
                 fmt::format("the hand's force counted in part for {:.0f} % of the time, because "
                             "readings of the sensor were late",

@@ -21,6 +21,7 @@ enum class VerdictLevel {
 /// "good", "look", "bad".
 [[nodiscard]] const char* NameOf(VerdictLevel level);
 
+/// The level of a result, and the reasons for it.
 struct Verdict {
   VerdictLevel level{VerdictLevel::kGood};
   std::vector<std::string> reasons;  ///< sentences, in the order in which they were found; empty if good

@@ -16,8 +16,9 @@ using surface::BrickLayout;
 using surface::CarvedField;
 using surface::Vec3;
 
-constexpr double kMinRange_mm = 0.05;         // smaller differences are errors of the fields
-constexpr std::size_t kMaxChanged = 1 << 16;  // number of changed bricks; beyond it, all count as changed
+// Smallest range of the colours: smaller differences are errors of the fields.
+constexpr double kMinRange_mm = 0.05;
+constexpr std::size_t kMaxChanged = 1 << 16;  // with more changed bricks, all bricks count as changed
 
 bool IsLarger(const LargestDifference& a, const LargestDifference& b) {
   return std::abs(a.depth_mm) > std::abs(b.depth_mm);
@@ -27,15 +28,18 @@ bool IsLarger(const LargestDifference& a, const LargestDifference& b) {
 template <class Visit>
 void EachBrickIn(const BrickLayout& layout, Vec3 min_mm, Vec3 max_mm, const Visit& visit) {
   const float edge_mm = layout.voxel_mm * surface::kBrickEdge;
+  // index of the brick at a coordinate; -1 or `count` outside the grid
   const auto brick = [&](float p, float origin, int count) {
     return static_cast<int>(std::clamp(std::floor((p - origin) / edge_mm), -1.0F, static_cast<float>(count)));
   };
-  const Vec3 o = layout.origin_mm;
+  const Vec3 origin_mm = layout.origin_mm;
   const auto [nx, ny, nz] = layout.bricks;
-  for (int z = std::max(0, brick(min_mm.z, o.z, nz)); z <= std::min(nz - 1, brick(max_mm.z, o.z, nz)); ++z)
-    for (int y = std::max(0, brick(min_mm.y, o.y, ny)); y <= std::min(ny - 1, brick(max_mm.y, o.y, ny)); ++y)
-      for (int x = std::max(0, brick(min_mm.x, o.x, nx)); x <= std::min(nx - 1, brick(max_mm.x, o.x, nx));
-           ++x)
+  for (int z = std::max(0, brick(min_mm.z, origin_mm.z, nz));
+       z <= std::min(nz - 1, brick(max_mm.z, origin_mm.z, nz)); ++z)
+    for (int y = std::max(0, brick(min_mm.y, origin_mm.y, ny));
+         y <= std::min(ny - 1, brick(max_mm.y, origin_mm.y, ny)); ++y)
+      for (int x = std::max(0, brick(min_mm.x, origin_mm.x, nx));
+           x <= std::min(nx - 1, brick(max_mm.x, origin_mm.x, nx)); ++x)
         visit(layout.At(x, y, z));
 }
 
@@ -68,7 +72,7 @@ void BoneDifference::TellLargest(std::size_t side, LargestDifference largest) {
 std::string BoneDifference::Json() const {
   const std::lock_guard lock(mutex_);
   const LargestDifference& largest = IsLarger(largest_[1], largest_[0]) ? largest_[1] : largest_[0];
-  double limit_mm = 0.0;
+  double limit_mm = 0.0;  // distances are known up to the band of the coarser field
   for (const News& told : told_)
     if (told.bone.solid)
       limit_mm =
@@ -96,8 +100,8 @@ void DifferenceMap::Restart() {
   restarted_ = true;
 }
 
-// Adds the shown bricks whose distance to the other bone may have changed: those that lie within the fields'
-// limit of a brick that has changed there.
+// Adds the shown bricks whose distance to the other bone may have changed: those that lie within the band of
+// the distance field (kBandVoxels) around a changed brick of the other bone.
 void DifferenceMap::AddNear(const CarvedField& field, const BoneDifference::News& news,
                             std::set<BrickIndex>& bricks) const {
   if (news.all) {
@@ -105,11 +109,11 @@ void DifferenceMap::AddNear(const CarvedField& field, const BoneDifference::News
     return;
   }
   const BrickLayout& other = news.bone.solid->layout();
-  const float edge = static_cast<float>(surface::kBrickEdge), reach = surface::kBandVoxels;
+  const float edge = static_cast<float>(surface::kBrickEdge), band = surface::kBandVoxels;  // in voxels
   for (const BrickIndex changed : news.changed) {
     const auto [x, y, z] = other.PlaceOf(changed);
     const Vec3 low = other.Node(x * surface::kBrickEdge, y * surface::kBrickEdge, z * surface::kBrickEdge);
-    const float before_mm = reach * other.voxel_mm, behind_mm = (edge + reach) * other.voxel_mm;
+    const float before_mm = band * other.voxel_mm, behind_mm = (edge + band) * other.voxel_mm;
     EachBrickIn(field.layout(), low - Vec3{before_mm, before_mm, before_mm},
                 low + Vec3{behind_mm, behind_mm, behind_mm}, [&](BrickIndex brick) {
                   if (shown_.contains(brick)) bricks.insert(brick);

@@ -35,6 +35,7 @@ class BoneDifference {
     return surface::kBandVoxels * voxel_mm / static_cast<float>(kZero - 1);
   }
 
+  /// Switches the map on or off.
   void Show(bool on) { on_.store(on); }
   [[nodiscard]] bool on() const { return on_.load(); }
 
@@ -45,11 +46,11 @@ class BoneDifference {
     bool all{false};                             ///< every brick may have changed
   };
   /// Stores a side's newest bone for the other side.
-  /// @param side  0 or 1: whose bone this is  @param changed  bricks whose surface has changed; ignored if
-  /// `all`
+  /// @param side  0 or 1: the side that has this bone  @param changed  bricks whose surface has changed;
+  /// ignored if `all`
   void Tell(std::size_t side, surface::CarvedSnapshot bone, std::span<const surface::BrickIndex> changed,
             bool all);
-  /// Returns the other side's news since the last call. @param side  0 or 1: who asks
+  /// Returns the other side's news since the last call. @param side  0 or 1: the side that asks
   [[nodiscard]] News Take(std::size_t side);
   /// Stores the largest difference that a side has found.
   void TellLargest(std::size_t side, LargestDifference largest);
@@ -62,7 +63,7 @@ class BoneDifference {
  private:
   std::atomic<bool> on_{false};
   mutable std::mutex mutex_;  // guards the following members
-  std::array<News, 2> told_;  // [side] is told by that side, for the other one
+  std::array<News, 2> told_;  // [side]: news of that side, for the other one
   std::array<LargestDifference, 2> largest_;
 };
 
@@ -72,13 +73,15 @@ class DifferenceMap {
   /// @param shared  outlives this  @param side  0 or 1
   DifferenceMap(BoneDifference& shared, std::size_t side) : shared_(shared), side_(side) {}
 
-  /// Whether the map has been switched on or off since the last call; then every brick has to be sent again.
+  /// Follows BoneDifference::Show. @returns whether the map was switched on or off since the last call; every
+  /// brick then has to be sent again.
   [[nodiscard]] bool Switched();
   [[nodiscard]] bool on() const { return on_; }
 
   /// Forgets what was shown, since the side's bone has jumped to another time.
   void Restart();
-  /// Tells the other side which bricks have changed here, and asks which have changed there.
+  /// Tells the other side which bricks have changed on this side, and asks which have changed on the other
+  /// one.
   /// @param dirty  bricks of `field` that have changed
   /// @returns the bricks to extract: the dirty ones, and those whose colour may have changed
   [[nodiscard]] std::vector<surface::BrickIndex> Update(
@@ -90,14 +93,17 @@ class DifferenceMap {
   void TellLargest();
 
  private:
+  // Adds to `bricks` the shown bricks whose colour may change by the other side's news.
   void AddNear(const surface::CarvedField& field, const BoneDifference::News& news,
                std::set<surface::BrickIndex>& bricks) const;
 
   BoneDifference& shared_;
   const std::size_t side_;
-  bool on_{false}, restarted_{true};
-  surface::CarvedSnapshot other_;
-  std::map<surface::BrickIndex, LargestDifference> shown_;  // bricks that have a surface
+  bool on_{false};
+  bool restarted_{true};           // the other side must be told that every brick may have changed
+  surface::CarvedSnapshot other_;  // the other side's newest bone
+  // bricks that have a surface, with their largest difference
+  std::map<surface::BrickIndex, LargestDifference> shown_;
 };
 
 }  // namespace osteon::session

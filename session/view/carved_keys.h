@@ -20,7 +20,7 @@ namespace osteon::session {
 /// resulting bits are the same.
 struct CarvedBone {
   surface::CarvedField field;
-  surface::ToolWays ways;
+  surface::ToolWays ways;        ///< path of the tool in use; makes the capsules that it sweeps
   bool turns{false};             ///< whether the spindle turned in the last tick
   double at_s{0.0};              ///< time of the last tick on the time line
   rt::Nanoseconds last_tick{0};  ///< stamp of the last tick; 0: there was none yet
@@ -32,7 +32,7 @@ struct CarvedBone {
   void Take(io::RecordedTopic topic, const RecordingTimeline& timeline);
   /// Carves the messages taken so far, up to the last complete batch of frames.
   void Carve();
-  /// Copies another state of the same recording's bone; only bricks that differ are dirty then.
+  /// Becomes a copy of another state of the same recording's bone; only bricks that differ are dirty then.
   void JumpTo(const CarvedBone& other);
   /// Carves the messages taken so far, including the batch that is not complete.
   void CarveAll();
@@ -40,12 +40,12 @@ struct CarvedBone {
   static constexpr std::size_t kMaxGathered = 4096;  ///< number of capsules: some ten seconds of reaming
 
  private:
-  void Use(std::size_t tool);
-  void Gather();
+  void Use(std::size_t tool);  // from now on, the path is that of this tool
+  void Gather();               // moves the swept capsules from `ways` to gathered_
 
   std::shared_ptr<const RecordedCut> cut_;
-  std::size_t tool_{0};  // the tool whose path is in `ways`
-  std::vector<surface::Capsule> gathered_;
+  std::size_t tool_{0};                     // the tool whose path is in `ways`
+  std::vector<surface::Capsule> gathered_;  // swept, but not carved yet
 };
 
 /// States of the carved bone at times all along a recording, made in the background. The bone at any time is
@@ -55,9 +55,9 @@ struct CarvedBone {
 ///                        └──carve on──▶ wanted        dropped, and the next ones are twice as far apart
 class CarvedKeys {
  public:
-  static constexpr std::size_t kMaxKeys = 512;
-  static constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
-  static constexpr double kFirstStep_s = 5.0;
+  static constexpr std::size_t kMaxKeys = 512;                      ///< number of states
+  static constexpr std::size_t kMaxBytes = std::size_t{256} << 20;  ///< memory of all states: 256 MiB
+  static constexpr double kFirstStep_s = 5.0;                       ///< time between states, at first
 
   /// @param begin  the bone as it was when the recording began
   CarvedKeys(const std::filesystem::path& recording, const CarvedBone& begin);
@@ -72,9 +72,10 @@ class CarvedKeys {
 
  private:
   void Run(const std::filesystem::path& recording, CarvedBone bone);
+  // Keeps a state; if there are too many or too large ones, drops every second one and doubles step_s_.
   void Keep(const CarvedBone& bone);
 
-  double step_s_{kFirstStep_s};  // of the thread
+  double step_s_{kFirstStep_s};  // used only by the thread
   mutable std::mutex mutex_;
   std::vector<std::shared_ptr<const CarvedBone>> keys_;  // guarded by mutex_, in the order of their times
   std::atomic<bool> stop_{false}, complete_{false};

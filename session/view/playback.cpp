@@ -11,7 +11,7 @@ namespace osteon::session {
 namespace {
 
 constexpr std::chrono::milliseconds kStep{16};  // time between two steps of the playback
-constexpr double kAtOnce_s = 0.3;               // time before the wanted one that a Seek shows at once
+constexpr double kAtOnce_s = 0.3;               // a Seek first shows only this time before the wanted one
 
 }  // namespace
 
@@ -92,11 +92,11 @@ void Playback::Run() {
       speed = state_.playing ? state_.speed : 0.0;
     }
     const auto now = Clock::now();
-    // after a stall the playback does not catch up
-    const double passed_s = std::min(0.1, std::chrono::duration<double>(now - before).count());
+    // at most 0.1 s: after a stall the playback does not catch up
+    const double elapsed_s = std::min(0.1, std::chrono::duration<double>(now - before).count());
     before = now;
     if (!jump && speed == 0.0) continue;
-    if (!jump) at_s += speed * passed_s;
+    if (!jump) at_s += speed * elapsed_s;
     const PassedOrError passed = jump               ? JumpTo(at_s)
                                  : passed_s_ < at_s ? PassUntil(at_s, feed_, false)
                                                     : Passed::kReached;
@@ -108,7 +108,8 @@ void Playback::Run() {
   }
 }
 
-// Shows the new time at once, since dragging the time line asks for many; then the whole time of the charts.
+// Shows the new time at once, because dragging the time line asks for many times in a row; then the whole
+// time that the charts show.
 Playback::PassedOrError Playback::JumpTo(double at_s) {
   PassedOrError place = Show(at_s, kAtOnce_s, false);
   if (!place || at_s <= kAtOnce_s) return place;
@@ -121,19 +122,19 @@ Playback::PassedOrError Playback::JumpTo(double at_s) {
   return Show(at_s, kAtOnce_s, false);
 }
 
-// Replaces the feed's content by a time and the `before_s` before it.
-// @param leaves  whether another Seek ends this one; the feed then keeps its content
+// Replaces the feed's content by the messages from at_s - before_s to at_s.
+// @param leaves  whether another Seek ends this one early; the feed then keeps its content
 Playback::PassedOrError Playback::Show(double at_s, double before_s, bool leaves) {
-  console::LiveFeed made(feed_.kept());
+  console::LiveFeed new_feed(feed_.kept());
   (void)timeline_.Seek(std::max(0.0, at_s - before_s));
-  PassedOrError passed = PassUntil(at_s, made, leaves);
+  PassedOrError passed = PassUntil(at_s, new_feed, leaves);
   if (leaves && (!passed || *passed == Passed::kLeft)) return passed;
-  made.Flush();
-  feed_.ShowInstead(made);
+  new_feed.Flush();
+  feed_.ShowInstead(new_feed);
   return passed;
 }
 
-// Passes all messages up to a time to a feed.
+// Passes the time line's next messages to a feed, up to a time. @param leaves  as in Show
 Playback::PassedOrError Playback::PassUntil(double at_s, console::LiveFeed& feed, bool leaves) {
   const io::RecordingStream& message = timeline_.message();
   while (true) {

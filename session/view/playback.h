@@ -41,8 +41,10 @@ class Playback {
   Playback(const Playback&) = delete;
   Playback& operator=(const Playback&) = delete;
 
+  /// Plays on; at the end, from the beginning.
   void Play();
   void Halt();
+  /// Jumps to a time, clamped to the recording; a time that is not finite is ignored.
   void Seek(double at_s);
   /// Moves to a time close to the present one without a break, while the recording plays: plays on to a later
   /// time at once, or waits at an earlier time.
@@ -52,25 +54,26 @@ class Playback {
   [[nodiscard]] PlaybackState state() const;
 
  private:
-  enum class Passed : std::uint8_t { kReached, kEnd, kLeft };  // kLeft: another Seek came
+  // Why passing messages on ended: at the wanted time, at the recording's end, or because another Seek came.
+  enum class Passed : std::uint8_t { kReached, kEnd, kLeft };
   using PassedOrError = tl::expected<Passed, std::string>;
 
   void Run();
-  [[nodiscard]] bool Seeks() const;
+  [[nodiscard]] bool Seeks() const;  // whether a Seek, or the end, waits for the thread
   [[nodiscard]] PassedOrError PassUntil(double at_s, console::LiveFeed& feed, bool leaves);
   [[nodiscard]] PassedOrError Show(double at_s, double before_s, bool leaves);
   [[nodiscard]] PassedOrError JumpTo(double at_s);
 
-  RecordingTimeline timeline_;  // used only by the thread once it runs, as passed_s_
+  RecordingTimeline timeline_;  // used only by the thread once it runs, like passed_s_
   double passed_s_{0.0};        // time of the last tick that was passed on
   console::LiveFeed& feed_;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   PlaybackState state_;
-  double seek_s_{0.0};
-  std::optional<double> align_s_;
-  bool seeks_{true};  // a Seek is to be done; at first, one to the beginning
+  double seek_s_{0.0};             // time asked for by Seek
+  std::optional<double> align_s_;  // time asked for by Align
+  bool seeks_{true};               // a Seek is to be done; at first, one to the beginning
   bool stop_{false};
   std::thread thread_;
 };

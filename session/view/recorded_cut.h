@@ -19,8 +19,8 @@
 
 namespace osteon::session {
 
-/// The facts that carving a recording's bone needs beside its own messages: every tool, and what the session
-/// around it did before and took back later.
+/// The facts that carving a recording's bone needs beside the recording's messages: every tool, what the
+/// session's earlier recordings cut, and which passes the session took back later.
 struct RecordedCut {
   std::vector<simulation::Tool> tools;  ///< by TickInput::tool_index; at least one
   Pose X_WG{Pose::Identity()};
@@ -28,7 +28,8 @@ struct RecordedCut {
   std::optional<SessionCut>
       earlier{};  ///< cut by the session's recordings before this one; empty: this is the first
 
-  /// Whether what a frame cuts stays cut. @param pose_stamp  ContactModel::pose_stamp
+  /// Whether the cut of a frame counts: its pass was not taken back later.
+  /// @param pose_stamp  the frame's ContactModel::pose_stamp
   [[nodiscard]] bool Counts(rt::Nanoseconds pose_stamp) const;
   /// Carves the bone that was cut before the recording begins.
   void CarveEarlier(surface::CarvedField& field) const;
@@ -36,7 +37,7 @@ struct RecordedCut {
 
 /// Reads a RecordedCut from a recording and the session.json beside it. Without a session the cell's tool is
 /// the only tool. The error names the file and the reason.
-/// @param info  from the recording  @param setup  of the recording
+/// @param info, setup  the recording's
 [[nodiscard]] tl::expected<std::shared_ptr<const RecordedCut>, std::string> ReadRecordedCut(
     const std::filesystem::path& recording, const io::SessionInfo& info, const CellSetup& setup);
 

@@ -50,20 +50,21 @@ std::string RecordedProcedure::Json(double at_s) const {
 }
 
 std::string RecordedProcedure::JsonAt(rt::Nanoseconds stamp) const {
-  SessionFile until;
-  until.cup_X_GT = session_.cup_X_GT;
+  SessionFile session_until;  // the session's file as it was at the stamp, as far as the panel needs it
+  session_until.cup_X_GT = session_.cup_X_GT;
   double gain = 0.0;
-  bool before = true;  // true while the segments belong to earlier recordings of the session
+  bool is_earlier = true;  // while the segments belong to earlier recordings of the session
   for (std::size_t i = 0; i < session_.segments.size(); ++i) {
     const SessionSegment& segment = session_.segments[i];
     const bool is_own = segment.recording == name_;
-    if (is_own) before = false;
-    if (!is_own && !before) break;
+    if (is_own) is_earlier = false;
+    if (!is_own && !is_earlier) break;  // of a later recording
     if (is_own && segment.begin <= stamp) gain = segment.guidance_gain;
     for (const SessionPass& pass : session_.passes)
-      if (pass.segment == static_cast<int>(i) && (!is_own || pass.end <= stamp)) until.passes.push_back(pass);
+      if (pass.segment == static_cast<int>(i) && (!is_own || pass.end <= stamp))
+        session_until.passes.push_back(pass);
   }
-  return panel_.Json(until, gain);
+  return panel_.Json(session_until, gain);
 }
 
 void RecordedProcedure::Run(const std::filesystem::path& recording) {

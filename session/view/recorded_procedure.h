@@ -15,12 +15,12 @@
 
 namespace osteon::session {
 
-/// The page's messages of a procedure along a recording of its session: the plan, and the state of the
-/// session at a time. The recording is read once in the background, since the panel needs all frames from the
-/// tool's first cut on.
+/// Makes the messages that show a procedure on the page, for each time of a recording of its session: the
+/// plan, and the state of the session. The recording is read once in the background, since the panel needs
+/// all frames from the tool's first cut on.
 class RecordedProcedure {
  public:
-  /// Starts reading. @param info  from the recording  @param X_WG  bone in the world
+  /// Starts reading. @param info  from the recording  @param X_WG  the bone's pose in the world
   /// @returns null if the recording belongs to no session, or the plan is not beside it
   [[nodiscard]] static std::unique_ptr<RecordedProcedure> Open(const std::filesystem::path& recording,
                                                                const io::SessionInfo& info, const Pose& X_WG);
@@ -28,18 +28,18 @@ class RecordedProcedure {
   RecordedProcedure(const RecordedProcedure&) = delete;
   RecordedProcedure& operator=(const RecordedProcedure&) = delete;
 
-  /// The messages of ProcedurePanel. Any thread.
+  /// The message with the plan (ProcedurePanel::PlanJson). Any thread.
   [[nodiscard]] const std::string& PlanJson() const { return panel_.PlanJson(); }
   /// Returns the message for a time of the recording [s]; for a time that was not read yet, the newest
   /// message.
   [[nodiscard]] std::string Json(double at_s) const;
 
  private:
-  static constexpr double kStep_s = 0.1;
+  static constexpr double kStep_s = 0.1;  // recorded time from one message to the next
 
   RecordedProcedure(const std::filesystem::path& recording, SessionFile session,
                     const procedure::SurgicalPlan& plan, const Pose& X_WG);
-  void Run(const std::filesystem::path& recording);
+  void Run(const std::filesystem::path& recording);  // the thread: reads all, fills steps_
   // Makes the message of the session as it was at a stamp: with the passes that had ended, and the guidance's
   // gain.
   [[nodiscard]] std::string JsonAt(rt::Nanoseconds stamp) const;

@@ -16,26 +16,28 @@
 namespace osteon::session {
 namespace {
 
-constexpr std::chrono::seconds kNewsPeriod{1};
-constexpr double kMinStep_s = 0.01;
-constexpr double kNoTick = std::numeric_limits<double>::quiet_NaN();
+constexpr std::chrono::seconds kNewsPeriod{1};  // time between two messages while it reads
+constexpr double kMinStep_s = 0.01;             // smallest width of a bin of the time line
+constexpr double kNoTick = std::numeric_limits<double>::quiet_NaN();  // value of a bin without ticks
 constexpr double kSame_s = 0.5e-3;  // ticks count as simultaneous within this: half of the shortest period
 
 // One value per bin of the time line. nlohmann writes NaN as null.
 using Column = std::vector<double>;
 
-void KeepMost(double& kept, double value) {
+// Keeps the larger value; a kept NaN is replaced, a new NaN or infinity is ignored.
+void KeepMax(double& kept, double value) {
   if (std::isfinite(value) && !(kept >= value)) kept = value;
 }
 
+// To four decimals.
 nlohmann::json Rounded(const Column& column) {
   nlohmann::json out = nlohmann::json::array();
   for (const double value : column) out.push_back(std::round(1e4 * value) / 1e4);
   return out;
 }
 
-// The largest difference so far, and its time.
-struct Most {
+// The difference with the largest absolute value so far, and its time.
+struct LargestAt {
   double value{0.0}, at_s{0.0};
 
   void Take(double candidate, double time_s) {
@@ -46,7 +48,7 @@ struct Most {
   [[nodiscard]] nlohmann::json ToJson() const { return {value, at_s}; }
 };
 
-// One recording, read up to some tick.
+// One recording, read up to one tick beyond the tick that is compared.
 struct Reader {
   RecordingTimeline timeline;
   std::optional<control::TickRecord> tick{}, next{};  // the newest tick passed, and the tick after it
@@ -78,12 +80,13 @@ struct Reader {
   }
 };
 
+// The result so far: columns of the two recordings and of their differences, and the largest differences.
 struct Compared {
   double step_s{kMinStep_s};
   std::array<Column, 2> force_N, depth_mm, removed_mm3;
   Column force_apart_N, apart_mm, turn_deg;
-  Most most_force, most_depth, most_apart, most_turn, most_removed;
-  std::uint64_t ticks{0};
+  LargestAt max_force, max_depth, max_apart, max_turn, max_removed;
+  std::uint64_t ticks{0};  // number of compared pairs of ticks
 
   explicit Compared(double duration_s)
       : step_s(std::max(kMinStep_s, duration_s / static_cast<double>(RecordingDifference::kMaxBins))) {
@@ -111,11 +114,11 @@ struct Compared {
                           {"apart_mm", Rounded(apart_mm)},
                           {"turn_deg", Rounded(turn_deg)},
                           {"most",
-                           {{"force_N", most_force.ToJson()},
-                            {"depth_mm", most_depth.ToJson()},
-                            {"apart_mm", most_apart.ToJson()},
-                            {"turn_deg", most_turn.ToJson()},
-                            {"removed_mm3", most_removed.ToJson()}}},
+                           {{"force_N", max_force.ToJson()},
+                            {"depth_mm", max_depth.ToJson()},
+                            {"apart_mm", max_apart.ToJson()},
+                            {"turn_deg", max_turn.ToJson()},
+                            {"removed_mm3", max_removed.ToJson()}}},
                           {"ticks", ticks},
                           {"done", done}}
         .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -130,7 +133,7 @@ TickDifference Compare(const control::TickRecord& first, const control::TickReco
   return {
       .force_N = (Vector3(second.F_coupling_T_W.f) - Vector3(first.F_coupling_T_W.f)).norm(),
       .apart_mm = 1e3 * (X_2.translation() - X_1.translation()).norm(),
-      // from the sine, which is accurate for nearly equal orientations
+      // angle by its sine and cosine: the sine is accurate for nearly equal orientations
       .turn_deg =
           180.0 / std::numbers::pi *
           std::atan2(
@@ -179,22 +182,22 @@ void RecordingDifference::Run(const std::array<std::filesystem::path, 2>& record
       if (!(next_s[i] <= time_s + kSame_s)) continue;
       readers[i].Advance();
       const control::TickRecord& tick = *readers[i].tick;
-      KeepMost(compared.force_N[i][bin], console::Length(tick.F_coupling_T_W.f));
+      KeepMax(compared.force_N[i][bin], console::Length(tick.F_coupling_T_W.f));
       compared.depth_mm[i][bin] = readers[i].depth_mm;
       compared.removed_mm3[i][bin] = readers[i].removed_mm3;
     }
     // beyond the end of the shorter recording there is nothing to compare
-    const bool both = std::isfinite(next_s[0]) && std::isfinite(next_s[1]);
-    if (both && readers[0].tick && readers[1].tick) {
-      const TickDifference apart = Compare(*readers[0].tick, *readers[1].tick);
-      KeepMost(compared.force_apart_N[bin], apart.force_N);
-      KeepMost(compared.apart_mm[bin], apart.apart_mm);
-      KeepMost(compared.turn_deg[bin], apart.turn_deg);
-      compared.most_force.Take(apart.force_N, time_s);
-      compared.most_depth.Take(readers[1].depth_mm - readers[0].depth_mm, time_s);
-      compared.most_apart.Take(apart.apart_mm, time_s);
-      compared.most_turn.Take(apart.turn_deg, time_s);
-      compared.most_removed.Take(readers[1].removed_mm3 - readers[0].removed_mm3, time_s);
+    const bool both_go_on = std::isfinite(next_s[0]) && std::isfinite(next_s[1]);
+    if (both_go_on && readers[0].tick && readers[1].tick) {
+      const TickDifference difference = Compare(*readers[0].tick, *readers[1].tick);
+      KeepMax(compared.force_apart_N[bin], difference.force_N);
+      KeepMax(compared.apart_mm[bin], difference.apart_mm);
+      KeepMax(compared.turn_deg[bin], difference.turn_deg);
+      compared.max_force.Take(difference.force_N, time_s);
+      compared.max_depth.Take(readers[1].depth_mm - readers[0].depth_mm, time_s);
+      compared.max_apart.Take(difference.apart_mm, time_s);
+      compared.max_turn.Take(difference.turn_deg, time_s);
+      compared.max_removed.Take(readers[1].removed_mm3 - readers[0].removed_mm3, time_s);
       ++compared.ticks;
     }
     if (const auto now = std::chrono::steady_clock::now(); now - told >= kNewsPeriod) {

@@ -20,6 +20,7 @@ struct TickDifference {
   double turn_deg{0.0};  ///< angle between the orientations of the commanded tools
 };
 
+/// Computes the differences of two ticks.
 [[nodiscard]] TickDifference Compare(const control::TickRecord& first, const control::TickRecord& second);
 
 /// Reads two recordings in the background and compares them tick by tick along their common time.

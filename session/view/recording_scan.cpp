@@ -14,15 +14,16 @@
 namespace osteon::session {
 namespace {
 
-constexpr std::chrono::seconds kBetweenNews{1};
+constexpr std::chrono::seconds kScanNewsPeriod{1};  // time between two messages while it reads
 
+// The events and forces read so far.
 struct Seen {
   nlohmann::json events = nlohmann::json::array();
   std::vector<double> force_N;  // the largest force of each second
 
   [[nodiscard]] std::string ToJson(bool done) const {
     nlohmann::json force = nlohmann::json::array();
-    for (const double most : force_N) force.push_back(std::round(10.0 * most) / 10.0);
+    for (const double max_N : force_N) force.push_back(std::round(10.0 * max_N) / 10.0);
     return nlohmann::json{{"type", "timeline"}, {"events", events}, {"force_N", force}, {"done", done}}.dump(
         -1, ' ', false, nlohmann::json::error_handler_t::replace);
   }
@@ -67,7 +68,7 @@ void RecordingScan::Run(const std::filesystem::path& path) {
         static_cast<std::size_t>(std::clamp(timeline->At(tick.stamp), 0.0, timeline->duration_s()));
     if (seen.force_N.size() <= second) seen.force_N.resize(second + 1, 0.0);
     seen.force_N[second] = std::max(seen.force_N[second], console::Length(tick.F_coupling_T_W.f));
-    if (const auto now = std::chrono::steady_clock::now(); now - told >= kBetweenNews) {
+    if (const auto now = std::chrono::steady_clock::now(); now - told >= kScanNewsPeriod) {
       told = now;
       tell(false);
     }

@@ -14,6 +14,7 @@ tl::expected<RecordingTimeline, std::string> RecordingTimeline::Open(const std::
   if (*first != io::RecordedTopic::kSession)
     return tl::unexpected(path.string() + ": found another first message, accepted osteon.Session");
   std::vector<io::McapChunkPlace> chunks = stream->FindChunks();
+  // chunks without messages have no times
   std::erase_if(chunks, [](const io::McapChunkPlace& chunk) { return chunk.last_ns < chunk.first_ns; });
   if (chunks.size() < 2) return tl::unexpected(path.string() + ": found no tick, accepted at least 1");
   return RecordingTimeline(std::move(*stream), std::move(chunks));
@@ -31,10 +32,10 @@ double RecordingTimeline::Seek(double at_s) {
   const auto wanted = static_cast<std::uint64_t>(start_) +
                       static_cast<std::uint64_t>(1e9 * std::clamp(at_s, 0.0, duration_s_));
   // the last chunk that begins at or before the time
-  auto after = std::ranges::upper_bound(chunks_, wanted, {}, &io::McapChunkPlace::first_ns);
-  if (after != chunks_.begin()) --after;
-  stream_.SeekTo(after->offset);
-  return At(static_cast<rt::Nanoseconds>(after->first_ns));
+  auto chunk = std::ranges::upper_bound(chunks_, wanted, {}, &io::McapChunkPlace::first_ns);
+  if (chunk != chunks_.begin()) --chunk;
+  stream_.SeekTo(chunk->offset);
+  return At(static_cast<rt::Nanoseconds>(chunk->first_ns));
 }
 
 }  // namespace osteon::session

@@ -11,8 +11,8 @@
 
 namespace osteon::session {
 
-/// A recording as a time line. To open it, only the heads of its chunks are read, so that an hour opens as
-/// fast as a second. To reach any time, one chunk is unpacked.
+/// A recording as a time line. Opening it reads only the heads of its chunks, so that an hour opens as fast
+/// as a second. Reaching any time unpacks one chunk.
 class RecordingTimeline {
  public:
   /// The error names the file and the reason: no recording, no tick in it.
@@ -28,6 +28,7 @@ class RecordingTimeline {
   double Seek(double at_s);
   /// Reads the next message, as RecordingStream::Next does.
   [[nodiscard]] tl::expected<io::RecordedTopic, std::string> Next() { return stream_.Next(); }
+  /// The stream with the message that was read last.
   [[nodiscard]] const io::RecordingStream& message() const { return stream_; }
   /// Time of a log stamp on the time line [s].
   [[nodiscard]] double At(rt::Nanoseconds stamp) const { return rt::ToSeconds(stamp - start_); }

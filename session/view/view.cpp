@@ -30,12 +30,12 @@
 namespace osteon::session {
 namespace {
 
-constexpr std::chrono::milliseconds kLooksForEnd{50};
-constexpr int kLooksTogether = 20;      // two playbacks are brought together every so many looks for the end
+constexpr std::chrono::milliseconds kEndPeriod{50};  // between two checks for Ctrl-C
+constexpr int kChecksPerAlign = 20;  // two playbacks are brought together once in so many checks for Ctrl-C
 constexpr double kApartPlaying_s{0.1};  // a smaller time difference of two playbacks is not visible
 constexpr double kApartFar_s{1.0};      // a larger time difference is removed by a Seek, with a break
 
-// @param start  log time of the time line's 0
+// The message that tells the page the playback's state. @param start  log time of the time line's 0
 std::string StateJson(const PlaybackState& state, rt::Nanoseconds start) {
   return nlohmann::json{{"type", "playback"},
                         {"at_s", state.at_s},
@@ -47,6 +47,7 @@ std::string StateJson(const PlaybackState& state, rt::Nanoseconds start) {
       .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+// Passes a page's request on to a playback.
 void Move(Playback& playback, const console::ViewRequest& request) {
   using Kind = console::ViewRequest::Kind;
   switch (request.kind) {
@@ -69,8 +70,8 @@ struct ShownRecording {
   double duration_s;
   rt::Nanoseconds start;
   CellSetup setup;
-  console::LiveFeed feed{Playback::kFeedWindows};
-  console::SurfaceStore surface{};
+  console::LiveFeed feed{Playback::kFeedWindows};  // ticks, frames and events up to the shown time
+  console::SurfaceStore surface{};                 // the carved bone's surface at the shown time
   Playback playback;
   console::SurfaceFeed chunks;
   ViewSurface bone;
@@ -78,7 +79,7 @@ struct ShownRecording {
   std::unique_ptr<RecordedProcedure> procedure;  // null: no procedure is shown
 
   ShownRecording(std::filesystem::path path, RecordingTimeline timeline, CellSetup cell,
-                 std::shared_ptr<const RecordedCut> of, std::unique_ptr<RecordedProcedure> plan,
+                 std::shared_ptr<const RecordedCut> recorded_cut, std::unique_ptr<RecordedProcedure> plan,
                  std::unique_ptr<DifferenceMap> map)
       : file(std::move(path)),
         duration_s(timeline.duration_s()),
@@ -86,13 +87,13 @@ struct ShownRecording {
         setup(std::move(cell)),
         playback(std::move(timeline), feed),
         chunks(surface),
-        bone(file, setup, of, chunks, std::move(map)),
-        cut(std::move(of)),
+        bone(file, setup, recorded_cut, chunks, std::move(map)),
+        cut(std::move(recorded_cut)),
         procedure(std::move(plan)) {}
 
-  /// @param of_s  the time line's length
-  [[nodiscard]] std::string Hello(double of_s, const std::string& name) const {
-    return ConsoleScene(setup, "view", of_s, name, cut->tools);
+  /// The page's first message. @param length_s  of the page's time line
+  [[nodiscard]] std::string Hello(double length_s, const std::string& name) const {
+    return ConsoleScene(setup, "view", length_s, name, cut->tools);
   }
 };
 
@@ -103,6 +104,8 @@ std::string NameBeside(const std::filesystem::path& file, const std::filesystem:
   return (whole.parent_path().filename() / whole.filename()).string();
 }
 
+// Opens a recording to show it. @param map  map of the difference to another recording; null: it is shown
+// alone
 tl::expected<std::unique_ptr<ShownRecording>, std::string> OpenShown(const std::filesystem::path& file,
                                                                      std::unique_ptr<DifferenceMap> map) {
   auto timeline = RecordingTimeline::Open(file);
@@ -121,9 +124,9 @@ tl::expected<std::unique_ptr<ShownRecording>, std::string> OpenShown(const std::
 // Brings the other playback to the first one's time, since each keeps its own time and does not catch up
 // after a stall.
 void BringTogether(const Playback& first, Playback& other) {
-  const PlaybackState leads = first.state(), follows = other.state();
-  const double wanted_s = std::min(leads.at_s, follows.duration_s);
-  const double apart_s = std::abs(follows.at_s - wanted_s);
+  const PlaybackState leader = first.state(), follower = other.state();
+  const double wanted_s = std::min(leader.at_s, follower.duration_s);
+  const double apart_s = std::abs(follower.at_s - wanted_s);
   if (apart_s > kApartFar_s)
     other.Seek(wanted_s);
   else if (apart_s > kApartPlaying_s)
@@ -133,7 +136,7 @@ void BringTogether(const Playback& first, Playback& other) {
 }  // namespace
 
 int RunView(const ViewOptions& options) {
-  // the longest recording comes first: its time line is the page's
+  // the page's time line is that of the longest recording
   const bool two = options.recordings.size() == 2;
   BoneDifference bones;
   std::vector<std::unique_ptr<ShownRecording>> shown;
@@ -147,11 +150,12 @@ int RunView(const ViewOptions& options) {
   const double duration_s = longest.duration_s;
 
   RecordingScan scan(longest.file);
+  // the playback's state, with the error of either recording
   const auto state = [&] {
-    PlaybackState of_page = longest.playback.state();
+    PlaybackState page_state = longest.playback.state();
     for (const auto& each : shown)  // the shorter one may be the damaged one
-      if (of_page.error.empty()) of_page.error = each->playback.state().error;
-    return of_page;
+      if (page_state.error.empty()) page_state.error = each->playback.state().error;
+    return page_state;
   };
   std::vector<std::function<std::string()>> notes{[&] { return StateJson(state(), longest.start); },
                                                   [&] { return scan.Json(); }};
@@ -185,7 +189,7 @@ int RunView(const ViewOptions& options) {
              if (request.kind == console::ViewRequest::Kind::kMap) return bones.Show(request.value != 0.0);
              for (const auto& each : shown) Move(each->playback, request);
              if (!two || request.kind != console::ViewRequest::Kind::kHalt) return;
-             const double halted_s = longest.playback.state().at_s;  // one time for both
+             const double halted_s = longest.playback.state().at_s;  // after a halt, both show the same time
              for (const auto& each : shown) each->playback.Seek(halted_s);
            },
        .notes = notes,
@@ -206,10 +210,10 @@ int RunView(const ViewOptions& options) {
       return Fail("view", written.error(), kFailed);
   }
   base::InstallInterrupt();
-  for (int look = 1; !base::Interrupted().load(); ++look) {
-    std::this_thread::sleep_for(kLooksForEnd);
+  for (int check = 1; !base::Interrupted().load(); ++check) {
+    std::this_thread::sleep_for(kEndPeriod);
     for (const auto& each : shown) {
-      if (look % kLooksTogether == 0 && each->playback.state().playing)
+      if (check % kChecksPerAlign == 0 && each->playback.state().playing)
         BringTogether(longest.playback, each->playback);
       each->bone.GoTo(each->playback.state().at_s);
     }

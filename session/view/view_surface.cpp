@@ -53,9 +53,9 @@ void ViewSurface::Run() {
         BeginFeed();
       }
       GoNear(wanted_s);
-      const bool more = !ended_ && wanted_s > bone_->at_s && CarveOn(wanted_s);
+      const bool has_more = !ended_ && wanted_s > bone_->at_s && CarveOn(wanted_s);
       Publish();
-      if (!more) std::this_thread::sleep_for(kPeriod);
+      if (!has_more) std::this_thread::sleep_for(kPeriod);
     }
   } catch (const std::exception&) {  // the grid is too large for the memory: the page stays without the bone
   }
@@ -80,14 +80,14 @@ void ViewSurface::BeginFeed() {
     feed_.Begin(layout);
 }
 
-// Jumps to a key state or to the beginning if the wanted time lies back, or to a later key state that is much
-// nearer to the wanted time than the bone shown.
+// Jumps back to a key state or to the beginning if the wanted time is earlier than the bone shown. Jumps
+// forward to a key state if that saves carving at least kFirstStep_s of the recording.
 void ViewSurface::GoNear(double wanted_s) {
-  const bool back = wanted_s < bone_->at_s;
+  const bool is_earlier = wanted_s < bone_->at_s;
   const std::shared_ptr<const CarvedBone> key = keys_->Before(wanted_s);
-  if (key && (back || key->at_s > bone_->at_s + CarvedKeys::kFirstStep_s))
+  if (key && (is_earlier || key->at_s > bone_->at_s + CarvedKeys::kFirstStep_s))
     Begin(*key);
-  else if (back)
+  else if (is_earlier)
     Begin(*begin_);
 }
 

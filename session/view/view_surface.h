@@ -25,7 +25,7 @@ namespace osteon::session {
 class ViewSurface {
  public:
   /// @param setup, feed  outlive this; without a solid and without balls nothing is shown
-  /// @param cut  of the recording, not null
+  /// @param cut  the recording's, not null
   /// @param map  map of the difference to another recording's bone; null: there is no other recording
   ViewSurface(const std::filesystem::path& recording, const CellSetup& setup,
               std::shared_ptr<const RecordedCut> cut, console::SurfaceFeed& feed,
@@ -43,11 +43,11 @@ class ViewSurface {
 
  private:
   void Run();
-  void Begin(const CarvedBone& from);
-  void GoNear(double wanted_s);
-  bool CarveOn(double wanted_s);
-  void BeginFeed();
-  void Publish();
+  void Begin(const CarvedBone& from);  // shows this state, and reads on from its time
+  void GoNear(double wanted_s);        // jumps to another state if that is nearer
+  bool CarveOn(double wanted_s);       // reads on to a time; true: more is to be read
+  void BeginFeed();                    // tells the feed that all bricks will be sent anew
+  void Publish();                      // sends the bricks that have changed
 
   const std::filesystem::path recording_;
   const CellSetup& setup_;
@@ -56,14 +56,14 @@ class ViewSurface {
   std::atomic<double> wanted_s_{0.0}, shown_s_{0.0};
   std::atomic<bool> stop_{false}, keys_complete_{false};
 
-  // of the thread
+  // used only by the thread
   std::shared_ptr<const surface::SolidField> solid_;
   std::optional<surface::TissueBricks> tissue_;
   std::optional<CarvedBone> begin_, bone_;  // the bone as the recording begins, and as it is shown
   std::unique_ptr<RecordingTimeline> timeline_;
   std::unique_ptr<DifferenceMap> map_;
   std::vector<surface::SurfaceChunk> chunks_;
-  bool ended_{false};
+  bool ended_{false};  // the recording has no more messages
 
   std::unique_ptr<CarvedKeys> keys_;
   std::thread thread_;

@@ -19,25 +19,25 @@ void CheckMaterials(const std::vector<Material>& materials) {
       if (materials[k].name == m.name)
         throw std::invalid_argument(fmt::format(
             "bone: material {}: found name '{}' of material {}, accepted different names", i, m.name, k));
-    const auto positive = [&m](const char* what, double value) {
+    const auto require_positive = [&m](const char* what, double value) {
       if (!(value > 0.0) || !std::isfinite(value))
         throw std::invalid_argument(
             fmt::format("bone: {}: {}: found {:g}, accepted > 0", m.name, what, value));
     };
-    positive("density_kg_per_m3", m.density_kg_per_m3);
-    positive("specific_cutting_energy_J_per_m3", m.specific_cutting_energy_J_per_m3);
-    positive("cutting_force_ratio", m.cutting_force_ratio);
+    require_positive("density_kg_per_m3", m.density_kg_per_m3);
+    require_positive("specific_cutting_energy_J_per_m3", m.specific_cutting_energy_J_per_m3);
+    require_positive("cutting_force_ratio", m.cutting_force_ratio);
     if (!(m.friction >= 0.0 && m.friction <= 2.0))
       throw std::invalid_argument(
           fmt::format("bone: {}: friction: found {:g}, accepted 0 … 2", m.name, m.friction));
     if (m.edge_force_N_per_m == 0.0) continue;
-    positive("measured_chip_m", m.measured_chip_m);
-    const double max_force = m.specific_cutting_energy_J_per_m3 * m.measured_chip_m;
-    if (!(m.edge_force_N_per_m > 0.0 && m.edge_force_N_per_m < max_force))
+    require_positive("measured_chip_m", m.measured_chip_m);
+    const double max_edge_force_N_per_m = m.specific_cutting_energy_J_per_m3 * m.measured_chip_m;
+    if (!(m.edge_force_N_per_m > 0.0 && m.edge_force_N_per_m < max_edge_force_N_per_m))
       throw std::invalid_argument(fmt::format(
           "bone: {}: edge_force_N_per_m: found {:g}, accepted 0 and more, below {:g}: cutting energy "
           "times measured_chip_m",
-          m.name, m.edge_force_N_per_m, max_force));
+          m.name, m.edge_force_N_per_m, max_edge_force_N_per_m));
   }
 }
 
@@ -47,6 +47,7 @@ std::vector<Material> SplitCuttingEnergy(std::vector<Material> materials, int ed
       m.edge_force_N_per_m = 0.0;
       continue;
     }
+    // the measured energy is that of the chip plus the edge's share at the measured chip thickness
     m.specific_cutting_energy_J_per_m3 -= m.edge_force_N_per_m / m.measured_chip_m;
     m.edge_force_N_per_m *= edge_count;
   }
@@ -56,22 +57,24 @@ std::vector<Material> SplitCuttingEnergy(std::vector<Material> materials, int ed
 std::vector<std::string> Assumptions(const std::vector<Material>& materials) {
   std::vector<std::string> lines;
   for (const Material& m : materials) {
-    const auto add = [&](const FigureSource& source, const std::string& figure) {
+    const auto add_if_assumed = [&](const FigureSource& source, const std::string& figure) {
       if (source.assumed)
         lines.push_back(fmt::format("{}: {}{}", m.name, figure,
                                     source.text.empty() ? "" : fmt::format(" ({})", source.text)));
     };
-    add(m.density_source, fmt::format("density {:g} g/cm³", m.density_kg_per_m3 * 1e-3));
-    add(m.cutting_energy_source,
-        fmt::format("cutting energy {:g} J/mm³", m.specific_cutting_energy_J_per_m3 * 1e-9));
-    add(m.cutting_force_source, fmt::format("cutting-force ratio {:g}", m.cutting_force_ratio));
-    add(m.friction_source, fmt::format("friction {:g}", m.friction));
+    add_if_assumed(m.density_source, fmt::format("density {:g} g/cm³", m.density_kg_per_m3 * 1e-3));
+    add_if_assumed(m.cutting_energy_source,
+                   fmt::format("cutting energy {:g} J/mm³", m.specific_cutting_energy_J_per_m3 * 1e-9));
+    add_if_assumed(m.cutting_force_source, fmt::format("cutting-force ratio {:g}", m.cutting_force_ratio));
+    add_if_assumed(m.friction_source, fmt::format("friction {:g}", m.friction));
     if (m.edge_force_N_per_m > 0.0)
-      add(m.edge_force_source, fmt::format("edge force {:g} N/mm, cutting energy at a chip of {:g} µm",
-                                           1e-3 * m.edge_force_N_per_m, 1e6 * m.measured_chip_m));
+      add_if_assumed(m.edge_force_source,
+                     fmt::format("edge force {:g} N/mm, cutting energy at a chip of {:g} µm",
+                                 1e-3 * m.edge_force_N_per_m, 1e6 * m.measured_chip_m));
     if (m.layer_N_per_m3 > 0.0)
-      add(m.layer_source, fmt::format("layer {:g} N/mm³, {:g} mm, {:g} ms", 1e-9 * m.layer_N_per_m3,
-                                      1e3 * m.layer_thickness_m, 1e3 * m.layer_relaxation_s));
+      add_if_assumed(m.layer_source,
+                     fmt::format("layer {:g} N/mm³, {:g} mm, {:g} ms", 1e-9 * m.layer_N_per_m3,
+                                 1e3 * m.layer_thickness_m, 1e3 * m.layer_relaxation_s));
   }
   return lines;
 }

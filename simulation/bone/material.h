@@ -31,8 +31,8 @@ struct Material {
   /// Cutting force of an edge that takes no chip, for each metre of it: ploughing and rubbing, which do not
   /// depend on the depth of cut [N/m]; also the work of one pass over an area [J/m²]. 0: not known.
   double edge_force_N_per_m{0.0};
-  /// Chip thickness at which specific_cutting_energy_J_per_m3 was measured: the share of it that the edge's
-  /// force had then is edge_force_N_per_m / measured_chip_m.
+  /// Chip thickness at which specific_cutting_energy_J_per_m3 was measured. The edge's force had the share
+  /// edge_force_N_per_m / measured_chip_m [J/m³] of that energy.
   double measured_chip_m{0.0};
   FigureSource edge_force_source{};
 
@@ -42,6 +42,7 @@ struct Material {
   FigureSource layer_source{};
 };
 
+/// Checks a bone's materials.
 /// @throws std::invalid_argument naming the material, the figure, its value and what is accepted: 1 … 8
 ///   materials of different names, positive finite figures, friction of 0 … 2, an edge force whose share of
 ///   the cutting energy is below 1.
@@ -50,8 +51,8 @@ void CheckMaterials(const std::vector<Material>& materials);
 /// One line for each figure that has no source: "cancellous: friction 0.3 (as cortical bone)".
 [[nodiscard]] std::vector<std::string> Assumptions(const std::vector<Material>& materials);
 
-/// The materials as a tool with so many cutting edges meets them: the edge force is that of all edges
-/// together, and the cutting energy is that of the chip alone. Materials without an edge force, and all of
+/// Converts the materials for a tool with edge_count cutting edges: the edge force becomes that of all edges
+/// together, and the cutting energy that of the chip alone. Materials without an edge force, and all of
 /// them for a tool with 0 edges, keep their cutting energy and have no edge force.
 [[nodiscard]] std::vector<Material> SplitCuttingEnergy(std::vector<Material> materials, int edge_count);
 

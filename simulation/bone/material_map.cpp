@@ -9,7 +9,7 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kPointsPerCell = 4.0;
+constexpr double kPointsPerCell = 4.0;  // on average
 // Limit of cells along the longest side: a flat cloud fills a box without volume.
 constexpr double kMaxCellsAlong = 256.0;
 
@@ -23,9 +23,9 @@ MaterialMap::MaterialMap(const Bone& bone) {
   Eigen::AlignedBox3d box;
   for (const MassPoint& point : bone.points) box.extend(Vector3(point.p_m));
   const Vector3 sizes = box.sizes();
-  const double share_m3 = kPointsPerCell * box.volume() / static_cast<double>(bone.points.size());
+  const double cell_volume_m3 = kPointsPerCell * box.volume() / static_cast<double>(bone.points.size());
   origin_m_ = box.min();
-  side_m_ = std::max({std::cbrt(share_m3), sizes.maxCoeff() / kMaxCellsAlong, 1e-6});
+  side_m_ = std::max({std::cbrt(cell_volume_m3), sizes.maxCoeff() / kMaxCellsAlong, 1e-6});
   for (int axis = 0; axis < 3; ++axis)
     size_[static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(std::floor(sizes[axis] / side_m_)) + 1;
 
@@ -60,14 +60,14 @@ std::size_t MaterialMap::IndexOf(const CellIndex& cell) const {
 MaterialIndex MaterialMap::At(const Vector3& p_m) const {
   if (points_.empty()) return only_;
   const CellIndex middle = CellOf(p_m);
-  double nearest = std::numeric_limits<double>::infinity();
+  double nearest_m2 = std::numeric_limits<double>::infinity();
   MaterialIndex material = only_;
   const auto visit = [&](const CellIndex& cell) {
     const std::size_t place = IndexOf(cell);
     for (std::uint32_t i = first_[place]; i < first_[place + 1]; ++i) {
-      const double distance = (Vector3(points_[i].x, points_[i].y, points_[i].z) - p_m).squaredNorm();
-      if (distance >= nearest) continue;
-      nearest = distance;
+      const double distance_m2 = (Vector3(points_[i].x, points_[i].y, points_[i].z) - p_m).squaredNorm();
+      if (distance_m2 >= nearest_m2) continue;
+      nearest_m2 = distance_m2;
       material = points_[i].material;
     }
   };
@@ -75,11 +75,12 @@ MaterialIndex MaterialMap::At(const Vector3& p_m) const {
   const std::int64_t last = *std::ranges::max_element(size_);
   for (std::int64_t shell = 0; shell <= last; ++shell) {
     const double reach_m = static_cast<double>(shell - 1) * side_m_;
-    if (shell > 0 && nearest <= reach_m * reach_m) break;
+    if (shell > 0 && nearest_m2 <= reach_m * reach_m) break;
     const auto low = [&](std::size_t axis) { return std::max<std::int64_t>(middle[axis] - shell, 0); };
     const auto high = [&](std::size_t axis) { return std::min(middle[axis] + shell, size_[axis] - 1); };
     for (std::int64_t z = low(2); z <= high(2); ++z)
       for (std::int64_t y = low(1); y <= high(1); ++y) {
+        // a row in a face of the shell belongs to it as a whole, any other row with its two ends
         const bool whole_row = std::abs(z - middle[2]) == shell || std::abs(y - middle[1]) == shell;
         const std::int64_t step = whole_row ? 1 : 2 * shell;
         for (std::int64_t x = middle[0] - shell; x <= middle[0] + shell; x += step)

@@ -11,8 +11,8 @@ namespace osteon::simulation {
 /// Material at a place of a bone: that of the nearest mass point of the uncut bone, whether cleared or not.
 /// Both engines look up their contacts here, so that they agree.
 ///
-/// A uniform grid over the points, four to a cell on average, 16 bytes per point. Where all points have one
-/// material, the grid stores none. A look-up on the bone's surface visits 27 cells.
+/// Holds a uniform grid of the points, four to a cell on average, 16 bytes per point. If all points have one
+/// material, the grid is empty. A look-up on the bone's surface visits 27 cells.
 class MaterialMap {
  public:
   explicit MaterialMap(const Bone& bone);
@@ -28,13 +28,13 @@ class MaterialMap {
   };
   using CellIndex = std::array<std::int64_t, 3>;
 
-  [[nodiscard]] CellIndex CellOf(const Vector3& p_m) const;
+  [[nodiscard]] CellIndex CellOf(const Vector3& p_m) const;  // outside the grid: the nearest cell
   [[nodiscard]] std::size_t IndexOf(const CellIndex& cell) const;
 
   MaterialIndex only_{0};  ///< material of all points; the grid is empty then
   Vector3 origin_m_{Vector3::Zero()};
-  double side_m_{0.0};
-  CellIndex size_{0, 0, 0};
+  double side_m_{0.0};                ///< edge of a cell
+  CellIndex size_{0, 0, 0};           ///< cells along each axis
   std::vector<std::uint32_t> first_;  ///< first point of each cell; one more entry at the end
   std::vector<Point> points_;         ///< sorted by cell
 };

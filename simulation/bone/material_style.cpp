@@ -6,6 +6,7 @@
 namespace osteon::simulation {
 namespace {
 
+// The colours of a material whose name contains a word; the first word that fits decides.
 struct NamedStyle {
   std::string_view word;  ///< part of the material's name
   MaterialStyle style;
@@ -21,6 +22,7 @@ constexpr std::array<NamedStyle, 11> kNamedStyles{{{"cartilage", {"#d3e6f3", {0.
                                                    {"pulp", {"#f2bcb8", {0.82, 0.38, 0.36}}},
                                                    {"shell", {"#d6e2cf", {0.74, 0.80, 0.66}}},
                                                    {"foam_20", {"#f1e2b8", {0.90, 0.80, 0.56}}}}};
+// For materials with other names, by their index.
 constexpr std::array<MaterialStyle, 4> kOtherStyles{{{"#e2d9ee", {0.78, 0.72, 0.86}},
                                                      {"#d6ead3", {0.72, 0.84, 0.70}},
                                                      {"#f0d7e0", {0.88, 0.70, 0.76}},

@@ -9,12 +9,12 @@ namespace osteon::simulation {
 
 /// How a material is drawn.
 struct MaterialStyle {
-  const char* tint;             ///< "#rrggbb" in drawings, pale
-  std::array<double, 3> color;  ///< sRGB 0 … 1 in shaded pictures
+  const char* tint;             ///< pale colour in drawings, "#rrggbb"
+  std::array<double, 3> color;  ///< colour in shaded pictures, sRGB 0 … 1
 };
 
-/// The style goes by a material's name: cartilage is bluish, cortical bone ivory, cancellous bone
-/// reddish-yellow, …; a material of another name has a style by its index.
+/// Returns a material's style, which depends on its name: cartilage is bluish, cortical bone ivory,
+/// cancellous bone reddish-yellow, …; a material of another name has a style by its index.
 [[nodiscard]] const MaterialStyle& StyleOf(const std::vector<Material>& materials, MaterialIndex material);
 
 }  // namespace osteon::simulation

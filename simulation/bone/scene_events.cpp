@@ -11,10 +11,12 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kSixtyDegrees = 0.5;  // as a cosine
-constexpr int kRefinements = 5;
-constexpr double kRefined_m = 1e-8;
+constexpr double kCosSixtyDegrees = 0.5;
+constexpr int kMaxRefinements = 5;   // steps from a sample to the wall's nearest point
+constexpr double kRefined_m = 1e-8;  // a shorter step along the wall ends the refinement
 
+// Index of the region's material in the bone. @throws std::invalid_argument where the bone has no such
+// material
 MaterialIndex FindMaterial(const Bone& bone, const RegionWatch& region) {
   std::string names;
   for (std::size_t i = 0; i < bone.materials.size(); ++i) {
@@ -25,7 +27,7 @@ MaterialIndex FindMaterial(const Bone& bone, const RegionWatch& region) {
                                           region.name, region.material, names));
 }
 
-std::vector<OrientedPoint> PointsOf(const Bone& bone, MaterialIndex material) {
+std::vector<OrientedPoint> MassPointsOf(const Bone& bone, MaterialIndex material) {
   std::vector<OrientedPoint> points;
   for (const MassPoint& point : bone.points)
     if (point.material == material) points.push_back({.p_m = point.p_m});
@@ -45,7 +47,7 @@ SceneWatch::SceneWatch(const Solid* solid, const Bone& bone, const Tool& tool, c
   for (const RegionWatch& watch : params.regions) {
     Region region{.name = watch.name, .material = FindMaterial(bone, watch), .points = {}};
     if (!solid || !solid->RegionDistance(region.material, site_.center_m))
-      region.points.emplace(PointsOf(bone, region.material));
+      region.points.emplace(MassPointsOf(bone, region.material));
     regions_.push_back(std::move(region));
   }
   if (solid && params.min_wall_m > 0.0) {
@@ -57,10 +59,10 @@ SceneWatch::SceneWatch(const Solid* solid, const Bone& bone, const Tool& tool, c
 
 bool SceneWatch::IsOpening(const OrientedPoint& sample) const {
   const Vector3 axis = site_.axis, from_center = sample.p_m - Vector3(site_.center_m);
-  const double out = sample.normal.dot(axis);
-  if (out > kSixtyDegrees) return true;
+  const double out = sample.normal.dot(axis);  // cosine of the angle between normal and axis
+  if (out > kCosSixtyDegrees) return true;
   const Vector3 off_axis = from_center - from_center.dot(axis) * axis;
-  if (off_axis.norm() < params_.opening_widening * site_.radius_m) return out > -kSixtyDegrees;
+  if (off_axis.norm() < params_.opening_widening * site_.radius_m) return out > -kCosSixtyDegrees;
   return out > 0.0 && sample.normal.dot(off_axis) < 0.0;
 }
 
@@ -68,14 +70,14 @@ bool SceneWatch::IsOpening(const OrientedPoint& sample) const {
 // from the normal, then back to the surface. It repeats while the point comes nearer and stays on a wall that
 // faces away from c.
 OrientedPoint SceneWatch::Refined(const Vector3& c_m, OrientedPoint at) const {
-  for (int i = 0; i < kRefinements; ++i) {
-    const Vector3 way = c_m - at.p_m;
-    const Vector3 aside = way - way.dot(at.normal) * at.normal;
-    if (aside.norm() < kRefined_m) break;
+  for (int i = 0; i < kMaxRefinements; ++i) {
+    const Vector3 to_center = c_m - at.p_m;
+    const Vector3 along_wall = to_center - to_center.dot(at.normal) * at.normal;
+    if (along_wall.norm() < kRefined_m) break;
     OrientedPoint next;
-    next.p_m = solid_->NearestSurface(at.p_m + aside).p_m;
+    next.p_m = solid_->NearestSurface(at.p_m + along_wall).p_m;
     next.normal = SurfaceNormal(*solid_, next.p_m);
-    const bool nearer = (next.p_m - c_m).norm() < way.norm();
+    const bool nearer = (next.p_m - c_m).norm() < to_center.norm();
     if (!nearer || IsOpening(next) || (next.p_m - c_m).dot(next.normal) <= 0.0) break;
     at = next;
   }
@@ -134,22 +136,22 @@ void SceneWatch::StepRegion(Region& region, const Pose& X_GP, rt::Nanoseconds st
   }
 }
 
-// Only a wall thinner than the thinnest so far is of interest.
 std::optional<SceneWatch::Wall> SceneWatch::ThinnestWall(const Pose& X_GP) const {
   std::optional<Wall> thinnest;
   if (walls_.size() == 0) return thinnest;
   for (const ToolBall& ball : cutting_) {
     const Vector3 c = X_GP * Vector3(ball.center_m);
-    // a sample may be a spacing away from the foot that its refinement leads to
+    // Only a wall thinner than the thinnest so far counts, and its nearest sample may be one spacing farther
+    // away than the wall's nearest point.
     const std::optional<double> bound = thinnest ? thinnest->thickness_m : min_wall_m_;
     const double limit_m = bound ? std::max(0.0, *bound) + ball.radius_m + params_.wall_spacing_m
                                  : std::numeric_limits<double>::infinity();
     const auto sample = walls_.Nearest(c, limit_m, true);
     if (!sample) continue;
-    const OrientedPoint foot = Refined(c, *sample);
-    const double way_m = (foot.p_m - c).norm(), thickness_m = way_m - ball.radius_m;
-    // from outside the bone, beyond its edge, the line to the foot passes through air
-    const Vector3 middle = foot.p_m + 0.5 * thickness_m / way_m * (c - foot.p_m);
+    const OrientedPoint foot = Refined(c, *sample);  // the wall's point nearest to c
+    const double distance_m = (foot.p_m - c).norm(), thickness_m = distance_m - ball.radius_m;
+    // if the middle between ball and foot lies in air, the ball is outside the bone, beyond its edge
+    const Vector3 middle = foot.p_m + 0.5 * thickness_m / distance_m * (c - foot.p_m);
     if (thickness_m > 0.0 && solid_->SignedDistance(middle) > 0.0) continue;
     if (!bound || thickness_m < *bound) thinnest = Wall{thickness_m, foot.p_m};
   }

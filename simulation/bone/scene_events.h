@@ -17,7 +17,7 @@ namespace osteon::simulation {
 /// A region of tissue that the tool should avoid, or should reach.
 struct RegionWatch {
   std::string name;      ///< the event is "NAME reached"
-  std::string material;  ///< of the bone: the region is all tissue of this material
+  std::string material;  ///< one of the bone's materials: the region is all its tissue
 };
 
 /// Which events of a scene to watch for.
@@ -31,8 +31,8 @@ struct SceneEventParams {
 /// An event of a frame. Each occurs once in a run.
 struct SceneEvent {
   std::string name;          ///< "pulp reached", "wall too thin", "breakthrough"
-  rt::Nanoseconds stamp{0};  ///< of the frame
-  double value{0.0};         ///< SI: see SceneWatch
+  rt::Nanoseconds stamp{0};  ///< stamp of the frame
+  double value{0.0};         ///< in `unit`: see SceneWatch
   std::string unit{"m"};
   PlainVector3 p_G_m;  ///< the event's place
 };
@@ -83,20 +83,22 @@ class SceneWatch {
   };
   struct Wall {
     double thickness_m;
-    Vector3 p_G_m;
+    Vector3 p_G_m;  // the point of the surface nearest to the cut
   };
+  // Adds the event if a cutting ball reaches the region in this frame.
   void StepRegion(Region& region, const Pose& X_GP, rt::Nanoseconds stamp, std::vector<SceneEvent>& events);
+  // The thinnest wall beside the tool, if it is thinner than all walls so far.
   [[nodiscard]] std::optional<Wall> ThinnestWall(const Pose& X_GP) const;
   [[nodiscard]] OrientedPoint Refined(const Vector3& c_m, OrientedPoint at) const;
   [[nodiscard]] bool IsOpening(const OrientedPoint& sample) const;
-  [[nodiscard]] double DepthOf(const Vector3& p_G) const;
+  [[nodiscard]] double DepthOf(const Vector3& p_G) const;  // below the site's centre, along its axis [m]
 
   const Solid* solid_;
   CutSite site_;
   SceneEventParams params_;
-  std::vector<ToolBall> cutting_;
+  std::vector<ToolBall> cutting_;  // the tool's cutting balls
   std::vector<Region> regions_;
-  SampleIndex walls_;
+  SampleIndex walls_;  // samples of the surface that is not the opening
   double removed_volume_m3_{0.0};
   std::optional<double> min_wall_m_;
   bool wall_too_thin_{false}, broke_through_{false};

@@ -15,7 +15,7 @@
 namespace osteon::simulation {
 namespace {
 
-/// Checks that the materials have the names of the scene's indices.
+/// Checks that the materials have the scene's names, in their order. @throws std::invalid_argument
 void CheckNames(const std::vector<Material>& materials, const std::vector<std::string>& names) {
   if (materials.size() != names.size())
     throw std::invalid_argument(fmt::format("bone: materials: found {}, accepted exactly {}: {}",
@@ -36,7 +36,9 @@ Bone Assemble(const SceneSolid& solid, const SceneParams& scene, std::vector<Bal
           .site = solid.site};
 }
 
-CutSite Checked(CutSite cup) {
+/// Returns the site with an axis of unit length. @throws std::invalid_argument where radius, centre or axis
+/// is not accepted
+CutSite CheckedSite(CutSite cup) {
   const Vector3 center = cup.center_m, axis = cup.axis;
   CheckRangeMm("cup: radius", cup.radius_m, 0.0005, 0.100);
   if (!center.allFinite() || center.cwiseAbs().maxCoeff() > 10.0)
@@ -50,8 +52,8 @@ CutSite Checked(CutSite cup) {
   return cup;
 }
 
-/// Share of the directions into the cup's lower half in which bone begins between these two distances from
-/// the centre.
+/// Share of the directions into the cup's lower half in which bone begins between the distances near_m and
+/// far_m from the centre.
 double ShareWithBoneBetween(const Solid& solid, const CutSite& cup, double near_m, double far_m) {
   const Vector3 z = cup.axis, x = z.unitOrthogonal(), y = z.cross(x);
   constexpr int kDirections = 200;
@@ -68,7 +70,8 @@ double ShareWithBoneBetween(const Solid& solid, const CutSite& cup, double near_
   return static_cast<double>(found) / kDirections;
 }
 
-/// True where the site's circle lies on the surface, with the outside above it.
+/// Whether the site's centre lies within a quarter of its radius of the surface, with the outside one radius
+/// above and the inside one radius below.
 bool IsEntry(const Solid& solid, const CutSite& site) {
   const Vector3 center = site.center_m, up = site.radius_m * Vector3(site.axis);
   return std::abs(solid.SignedDistance(center)) <= 0.25 * site.radius_m &&
@@ -93,12 +96,12 @@ double ShareFallenAway(const Solid& solid, const CutSite& site) {
 CutSite SiteFromAbove(const SiteParams& site, const Solid& solid) {
   CheckRangeMm("site: radius", site.radius_m, 0.0005, 0.100);
   const Eigen::AlignedBox3d box = solid.Bounds();
-  constexpr double kStill_m = 1e-9;
-  // sphere tracing: a signed distance changes no faster than the place
+  constexpr double kTouching_m = 1e-9;  // distance at which the line counts as on the surface
+  // Sphere tracing: going down by the distance cannot pass the surface.
   Vector3 p(site.x_m, site.y_m, box.max().z() + 1e-3);
   for (double distance_m = 1.0; p.z() > box.min().z();) {
     distance_m = solid.SignedDistance(p);
-    if (distance_m < kStill_m)
+    if (distance_m < kTouching_m)
       return {.center_m = p, .axis = Vector3(Vector3::UnitZ()), .radius_m = site.radius_m};
     p.z() -= distance_m;
   }
@@ -109,11 +112,13 @@ CutSite SiteFromAbove(const SiteParams& site, const Solid& solid) {
                   box.max().x() * 1e3, box.max().y() * 1e3));
 }
 
+// Whether two words are equal, apart from upper and lower case.
 bool SameWord(const std::string& a, const std::string& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
+// The tissues of a mesh's solid and of its regions, each by its name, and the cup's lining.
 TissueMap TissueOf(const MeshSceneTissue& tissue, const std::vector<MeshRegion>& regions,
                    const CutSite& cup) {
   TissueMap map;
@@ -135,9 +140,9 @@ TissueMap TissueOf(const MeshSceneTissue& tissue, const std::vector<MeshRegion>&
 
 /// Checks the tissues for any regions that the mesh may have.
 void CheckTissue(const MeshSceneTissue& tissue, std::size_t material_count) {
-  std::vector<MeshRegion> all(tissue.regions.size());
-  for (std::size_t i = 0; i < all.size(); ++i) all[i].name = tissue.regions[i].name;
-  CheckTissueMap(TissueOf(tissue, all, CutSite{}), material_count);
+  std::vector<MeshRegion> all_regions(tissue.regions.size());
+  for (std::size_t i = 0; i < all_regions.size(); ++i) all_regions[i].name = tissue.regions[i].name;
+  CheckTissueMap(TissueOf(tissue, all_regions, CutSite{}), material_count);
 }
 
 /// Names of a bone's materials; the first three must be those of BoneTissue.
@@ -195,7 +200,7 @@ tl::expected<SceneSolid, MeshError> LoadSceneSolid(const std::filesystem::path& 
                                                    const CutSite& site, const SceneParams& scene) {
   // before loading the mesh, which takes longer
   CheckTissue(scene.mesh_tissue, scene.material_names.size());
-  static_cast<void>(Checked(site));
+  static_cast<void>(CheckedSite(site));
   const auto loaded = LoadMesh(path, {.scale = scale, .remake = true});
   if (!loaded) return tl::make_unexpected(loaded.error());
   return MakeMeshSolid(*loaded, path, site, scene);
@@ -206,7 +211,7 @@ tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded, cons
                                                   const SceneParams& scene) {
   CheckTissue(scene.mesh_tissue, scene.material_names.size());
   const CutSite checked =
-      site ? Checked(*site) : CutSite{.center_m = {}, .axis = Vector3(Vector3::UnitZ()), .radius_m = 0.0};
+      site ? CheckedSite(*site) : CutSite{.center_m = {}, .axis = Vector3(Vector3::UnitZ()), .radius_m = 0.0};
   TissueMap tissue = TissueOf(scene.mesh_tissue, loaded.regions, checked);
   if (!site) tissue.lining.reset();
   auto solid = std::make_shared<const MeshSolid>(loaded, std::move(tissue));
@@ -215,6 +220,7 @@ tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded, cons
     made.warning = fmt::format("{}: {}", path.string(), DescribeRemake(*loaded.report.remake));
   if (!site) return made;
 
+  // A cup: bone begins between kNear and kFar radii in at least kMinShare of the directions.
   constexpr double kNear = 0.7, kFar = 1.3, kMinShare = 0.25;
   const double share =
       ShareWithBoneBetween(*solid, checked, kNear * checked.radius_m, kFar * checked.radius_m);
@@ -233,10 +239,11 @@ tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded, cons
             std::abs(solid->SignedDistance(checked.center_m)) * 1e3, low.x(), low.y(), low.z(), high.x(),
             high.y(), high.z())});
   }
+  // An entry in a cup zone: the surface may fall away from at most this share of the rim.
   constexpr double kMaxFallenAway = 0.25;
-  const double fallen =
+  const double fallen_away =
       share < kMinShare && scene.zone.kind == ZoneParams::Kind::kCup ? ShareFallenAway(*solid, checked) : 0.0;
-  if (fallen > kMaxFallenAway) {
+  if (fallen_away > kMaxFallenAway) {
     const Vector3 c = Vector3(checked.center_m) * 1e3;
     return tl::make_unexpected(MeshError{
         MeshErrorKind::kCupOffMesh,
@@ -245,7 +252,8 @@ tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded, cons
             "surface falls away from {:.0f} % of the cup's rim), accepted a cup, or an entry from "
             "whose rim it falls away in {:.0f} % at most; for a convex site choose a scene whose zone "
             "is a path, such as femoral_head",
-            path.string(), c.x(), c.y(), c.z(), checked.radius_m * 1e3, 100 * fallen, 100 * kMaxFallenAway)});
+            path.string(), c.x(), c.y(), c.z(), checked.radius_m * 1e3, 100 * fallen_away,
+            100 * kMaxFallenAway)});
   }
   return made;
 }

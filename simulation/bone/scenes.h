@@ -25,13 +25,14 @@ using SceneShape = std::variant<AcetabulumShape, MolarShape, FemurShape, BlockSh
 /// have their own indices.
 [[nodiscard]] std::vector<std::string> MaterialNames(const SceneShape& shape);
 
+/// Checks the sizes of a shape.
 /// @throws std::invalid_argument naming the size, its value and what is accepted.
 void CheckShape(const SceneShape& shape);
 
 /// Site at which a generated solid is cut: a circle on its upper surface, seen along G's z axis. For an
 /// acetabulum the site is always its cup, and this is ignored.
 struct SiteParams {
-  double x_m{0.0}, y_m{0.0};
+  double x_m{0.0}, y_m{0.0};  ///< centre in G; its height is that of the surface
   double radius_m{0.005};
 };
 
@@ -39,17 +40,17 @@ struct SiteParams {
 struct ZoneParams {
   enum class Kind : std::uint8_t { kCup, kPath, kSurface, kEverywhere };
   Kind kind{Kind::kCup};
-  double radius_m{0.0};           ///< of the path's tool, or of the surface's region around the site
-  std::vector<Vector3> path_C_m;  ///< of the tool's centre, in the site's frame C
+  double radius_m{0.0};           ///< kPath: of the tool; kSurface: of the region around the site
+  std::vector<Vector3> path_C_m;  ///< kPath: places of the tool's centre, in the site's frame C
 };
 
 /// Tissues of a mesh in a scene: of the solid, of its named regions, and of a cup's lining.
 struct MeshSceneTissue {
   struct Region {
-    std::string name;  ///< of the mesh's region, in upper or lower case; "*": any region
+    std::string name;  ///< name of the mesh's region, case ignored; "*": any region
     ShellTissue tissue;
   };
-  struct Lining {
+  struct Lining {  // as LiningTissue
     double lining_radii{1.25};
     std::vector<TissueLayer> layers;
     MaterialIndex core{0};
@@ -107,13 +108,14 @@ struct SceneSolid {
                                                                  double scale, const CutSite& site,
                                                                  const SceneParams& scene);
 
-/// The same for a mesh that was read before; the path serves only for names and messages. Without a site
+/// Does the same for a mesh that was read before; the path serves only for names and messages. Without a site
 /// there is no lining and no check of the site's place; the site's radius is then 0.
 [[nodiscard]] tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded,
                                                                 const std::filesystem::path& path,
                                                                 const std::optional<CutSite>& site,
                                                                 const SceneParams& scene);
 
+/// Makes the zone in which a solid is packed finely.
 /// @param solid  must outlive the zone
 /// @throws std::invalid_argument as the zones do.
 [[nodiscard]] std::unique_ptr<CutZone> MakeZone(const ZoneParams& zone, const CutSite& site,
@@ -139,7 +141,7 @@ struct AcetabulumParams {
   std::vector<Material> materials{DefaultBoneMaterials()};  ///< the first three are those of BoneTissue
 };
 
-/// Block with a hemispherical cup; G at the cup's centre, +z out of it.
+/// Makes a packed block with a hemispherical cup; G lies at the cup's centre, +z out of it.
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted.
 [[nodiscard]] Bone MakeAcetabulum(const AcetabulumParams& params);
 

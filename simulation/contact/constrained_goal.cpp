@@ -6,21 +6,22 @@
 namespace osteon::simulation {
 namespace {
 
-// One set of planes and the point they hold.
-struct Set {
+// A set of planes, and the point nearest to the origin that lies on all of them.
+struct PlaneSet {
   std::array<std::size_t, kMaxHolding> plane{};
   std::array<double, kMaxHolding> multiplier{};
   int size{0};
   Vector3 point{Vector3::Zero()};
   double slack{0.0};
 
+  // How far the point is on the wrong side of a plane [m], after the slack.
   double Violation(const HalfSpace& h) const { return h.offset - h.n.dot(point) - slack; }
 };
 
 // Solves for the multipliers of the nearest point (x, s) on all planes of the set: elimination of the Gram
 // matrix, which is positive definite. False where the planes are parallel or a multiplier is not positive
 // (the plane would pull).
-bool Solve(std::span<const HalfSpace> planes, Set& set) {
+bool Solve(std::span<const HalfSpace> planes, PlaneSet& set) {
   std::array<std::array<double, kMaxHolding>, kMaxHolding> gram{};
   std::array<double, kMaxHolding> value{};
   const auto size = static_cast<std::size_t>(set.size);
@@ -51,14 +52,15 @@ bool Solve(std::span<const HalfSpace> planes, Set& set) {
   return true;
 }
 
-// Finds the subset of `held` plus `entering` whose point keeps the other planes, too; it always contains
-// `entering`. Exactly one such subset exists; where rounding leaves none, the one with the smallest violation
-// is taken.
-Set Exchange(std::span<const HalfSpace> planes, const Set& held, std::size_t entering) {
-  Set best;
+// Finds the subset of the held planes that, together with the plane `entering`, has a point that violates no
+// held plane. Exactly one such subset exists; where rounding leaves none, takes the one with the smallest
+// violation.
+PlaneSet Exchange(std::span<const HalfSpace> planes, const PlaneSet& held, std::size_t entering) {
+  PlaneSet best;
   double best_violation = std::numeric_limits<double>::infinity();
+  // each bit of the mask: whether that held plane is in the subset
   for (unsigned mask = 0; mask < 1u << held.size; ++mask) {
-    Set set;
+    PlaneSet set;
     for (int i = 0; i < held.size; ++i)
       if (mask >> i & 1u) {
         if (set.size + 1 == static_cast<int>(kMaxHolding)) break;
@@ -79,9 +81,9 @@ Set Exchange(std::span<const HalfSpace> planes, const Set& held, std::size_t ent
 }  // namespace
 
 ConstrainedGoal FindConstrainedGoal(std::span<const HalfSpace> planes, std::span<const std::size_t> start) {
-  Set held;
+  PlaneSet held;
   if (!start.empty()) {
-    Set likely;
+    PlaneSet likely;
     for (const std::size_t plane : start) likely.plane[static_cast<std::size_t>(likely.size++)] = plane;
     if (Solve(planes, likely)) held = likely;
   }
@@ -95,9 +97,9 @@ ConstrainedGoal FindConstrainedGoal(std::span<const HalfSpace> planes, std::span
       entering = i;
     }
     if (entering == planes.size()) break;
-    const Set next = Exchange(planes, held, entering);
+    const PlaneSet next = Exchange(planes, held, entering);
     if (next.size == 0) break;
-    // only rounding can make a plane enter that holds already
+    // if a plane enters that holds already, only rounding is left: stop
     const auto end = held.plane.begin() + held.size;
     const bool again = std::find(held.plane.begin(), end, entering) != end;
     held = next;

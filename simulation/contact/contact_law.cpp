@@ -11,10 +11,11 @@
 namespace osteon::simulation {
 namespace {
 
-double LensOf(const CuttingParams& params, const NearPair& pair) {
-  // from the overlap alone: the pair's reduced radius is nearly the same for all pairs
-  const double over = std::max(0.0, params.normal_enlargement_m - pair.gap_m);
-  return over * over;
+// Weight of a pair: the square of its overlap with the enlarged tool [m²]. The lens volume has the pair's
+// reduced radius as a further factor, which is nearly the same for all pairs.
+double LensWeight(const CuttingParams& params, const NearPair& pair) {
+  const double overlap_m = std::max(0.0, params.normal_enlargement_m - pair.gap_m);
+  return overlap_m * overlap_m;
 }
 
 // A face: the holding planes within one cone, and the quantities reported for them.
@@ -23,8 +24,9 @@ struct Face {
   double multiplier{0.0};                 ///< the sum of multipliers
   double cutting{0.0};                    ///< the cutting balls' part of it
   Vector3 raw_center_T{Vector3::Zero()};  ///< sum of the holding pairs' centres, weighted by multiplier
-  double raw_radius{0.0}, lens{0.0};
-  int known{-1};  ///< number in the memory; -1: new
+  double raw_radius{0.0};                 ///< sum of the tool balls' radii, weighted by multiplier
+  double lens{0.0};                       ///< sum of LensWeight
+  int known{-1};                          ///< index of the face of the frame before; -1: a new face
 };
 
 // Groups the holding planes by face: a face of the frame before if they are in its cone, otherwise a new one.
@@ -49,11 +51,11 @@ Faces FindFaces(const CuttingParams& params, const Candidates& candidates, const
     const NearPair& pair = candidates.pairs[hold.plane[i]];
     const double m = hold.multiplier_m[i];
     int known = -1;
-    double nearest = kFaceCosine;
+    double largest_cosine = kFaceCosine;
     for (int f = 0; f < memory.face_count; ++f) {
       const double cosine = pair.n.dot(Vector3(memory.face_n_G[static_cast<std::size_t>(f)]));
-      if (cosine <= nearest) continue;
-      nearest = cosine;
+      if (cosine <= largest_cosine) continue;
+      largest_cosine = cosine;
       known = f;
     }
     Face* face = nullptr;
@@ -72,7 +74,7 @@ Faces FindFaces(const CuttingParams& params, const Candidates& candidates, const
     if (pair.cutting) face->cutting += m;
     face->raw_center_T += m * pair.center_T_m;
     face->raw_radius += m * pair.tool_radius_m;
-    face->lens += LensOf(params, pair);
+    face->lens += LensWeight(params, pair);
   }
   return faces;
 }
@@ -145,6 +147,7 @@ void ComputeForceCap(ContactSolution& held) {
 }
 
 ContactSolution SolveContacts(const Candidates& candidates, const ContactInput& input, bool turning) {
+  // motion of a tool ball's centre from first contact to the pose, with the tool's turn or without it
   const auto motion = [&](const NearPair& pair) { return turning ? pair.motion_m : input.motion_G_m; };
   std::array<HalfSpace, kContactBins + kRememberedPairs> planes;
   for (std::size_t i = 0; i < candidates.count; ++i) {
@@ -157,12 +160,12 @@ ContactSolution SolveContacts(const Candidates& candidates, const ContactInput& 
   ComputeForceCap(held);
   if (held.normal_m <= 0.0 || input.friction <= 0.0) return held;
 
-  Vector3 slip = Vector3::Zero();  // of the touching surface
+  Vector3 slip = Vector3::Zero();  // of the touching surface, the mean over the planes that hold
   for (std::size_t k = 0; k < static_cast<std::size_t>(held.goal.count); ++k) {
     const NearPair& pair = candidates.pairs[held.goal.plane[k]];
-    Vector3 way = motion(pair) + held.goal.point_m;
-    if (turning) way -= pair.tool_radius_m * input.turn_G.cross(pair.n);
-    slip += held.goal.multiplier_m[k] * way;
+    Vector3 surface_motion = motion(pair) + held.goal.point_m;
+    if (turning) surface_motion -= pair.tool_radius_m * input.turn_G.cross(pair.n);
+    slip += held.goal.multiplier_m[k] * surface_motion;
   }
   slip /= held.normal_m;
   const Vector3 n = held.goal.point_m.normalized();
@@ -188,12 +191,13 @@ void FillContacts(const CuttingParams& params, const NearField& near, const Cand
       solution.shaft[static_cast<std::size_t>(solution.shaft_count++)] = {.n = pair.n, .gap_m = pair.gap_m};
   }
 
-  // faces: the planes that hold the tool, each along the mean normal of the balls around
+  // faces: the planes that hold the tool, each along the mean normal of the balls around it
   const Faces faces = FindFaces(params, candidates, hold, memory);
   // Each face takes its share of the friction, which tilts its direction; force and friction vanish together.
   Vector3 cutting = Vector3::Zero(), at = Vector3::Zero();  // at: displacement from the tool's pose
   solution.contact_count = 0;
   ContactMemory next;
+  // part of the faces' own forces; the rest acts along the resultant, shared by multiplier
   const double free_share = held.normal_m > 0.0 ? held.force_multiplier_cap_m / held.normal_m : 1.0;
   double largest = 0.0;
   for (std::size_t f = 0; f < faces.count; ++f) largest = std::max(largest, faces.face[f].multiplier);
@@ -236,14 +240,14 @@ void FillContacts(const CuttingParams& params, const NearField& near, const Cand
     contact.gap_m = -contact.n.dot(at);
   }
 
-  // the other pairs, nearest first: planes that the servo loop may meet before the next frame
+  // the pairs that do not hold, nearest first: planes that the servo loop may meet before the next frame
   std::array<std::size_t, kContactBins + kRememberedPairs> order{};
   std::array<double, kContactBins + kRememberedPairs> room{}, gap{};
   for (std::size_t i = 0; i < candidates.count; ++i) {
     order[i] = i;
     const NearPair& pair = candidates.pairs[i];
     gap[i] = candidates.gap_m[i] + pair.n.dot(pair.motion_m);  // at the tool's pose
-    room[i] = gap[i] + pair.n.dot(hold.point_m);
+    room[i] = gap[i] + pair.n.dot(hold.point_m);               // where the planes hold the tool
   }
   std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(candidates.count),
             [&](std::size_t a, std::size_t b) { return room[a] != room[b] ? room[a] < room[b] : a < b; });
@@ -270,7 +274,7 @@ void FillContacts(const CuttingParams& params, const NearField& near, const Cand
         .n = pair.n,
         .p_T_m = pair.center_T_m - pair.tool_radius_m * (input.R_GT.transpose() * pair.n),
         .gap_m = std::max(gap[i], -pair.n.dot(at)),
-        .weight = LensOf(params, pair),
+        .weight = LensWeight(params, pair),
         .cutting = pair.cutting};
   }
   next.friction = memory.friction;

@@ -24,10 +24,10 @@ namespace osteon::simulation {
 /// not.
 inline constexpr int kCuttingBins = 54, kContactBins = 60;
 
-/// Bin of a pair, and how far the pair's direction is from the bin's centre (1 - cosine).
+/// Bin of a pair's direction.
 struct ContactBin {
   int number;
-  double off_centre;
+  double off_centre;  ///< 1 - cosine of the angle between the direction and the bin's centre
 };
 /// Finds the bin of a direction. @param u_T  the direction: unit, from bone to tool, in T
 [[nodiscard]] ContactBin FindBin(const Vector3& u_T, bool cutting);
@@ -44,14 +44,14 @@ struct NearPair {
   double tool_radius_m{0.0};
 };
 
-/// True if a has the lower score, or an equal score and the smaller indices: the order of visits then does
-/// not matter.
+/// Whether pair a comes before pair b: by the lower score, then by the smaller indices. The result does not
+/// depend on the order in which pairs are visited.
 [[nodiscard]] bool Nearer(const NearPair& a, const NearPair& b);
 
-/// Lens-weighted sums over the pairs in the cone around a face's normal.
+/// Sums over the pairs in the cone around a face's normal, weighted by lens volume.
 struct FaceSums {
-  double weight{0.0};
-  Vector3 n{Vector3::Zero()};
+  double weight{0.0};                 ///< sum of the weights
+  Vector3 n{Vector3::Zero()};         ///< sum of the pairs' normals
   Vector3 center_T{Vector3::Zero()};  ///< sum of the tool balls' centres
   double radius{0.0};                 ///< sum of the tool balls' radii
 
@@ -59,7 +59,7 @@ struct FaceSums {
   void Add(double lens_m3, const Vector3& face_n, const NearPair& pair);
 };
 
-/// Pairs near the tool that pass 2 found.
+/// Pairs near the tool that pass 2 found, and their sums about the faces of the frame before.
 struct NearField {
   std::array<NearPair, kContactBins> nearest{};
   std::array<NearPair, kRememberedPairs> remembered{};
@@ -87,6 +87,7 @@ struct Candidates {
   std::array<std::size_t, kMaxHolding> held{};  ///< indices of those that held the tool in the frame before
   std::size_t held_count{0};
 };
+/// Collects the candidates of a frame and their gaps.
 [[nodiscard]] Candidates FindCandidates(const NearField& near, double contact_tolerance_m);
 
 /// Where planes hold a tool, and how far friction takes the tool back.
@@ -99,6 +100,7 @@ struct ContactSolution {
   double force_multiplier_cap_m{0.0};
   Vector3 friction_m{Vector3::Zero()};
 
+  /// Where the tool is held, with friction, relative to the unconstrained pose.
   [[nodiscard]] Vector3 point_m() const { return goal.point_m + friction_m; }
 };
 /// Computes normal_m and force_multiplier_cap_m from the hold point.

@@ -13,6 +13,7 @@ struct ContactPair {
   friend bool operator==(const ContactPair&, const ContactPair&) = default;
 };
 
+/// Largest number of pairs that stay candidates in the next frame.
 inline constexpr int kRememberedPairs = 8;
 /// Largest number of faces of the bone that press the tool at once, each with its own mean normal.
 inline constexpr int kMaxFaces = 4;
@@ -21,10 +22,10 @@ inline constexpr int kMaxFaces = 4;
 /// three, often in one bin. The pairs that held the tool therefore stay candidates; without them the proxy
 /// would hop from one pair to the next.
 struct ContactMemory {
-  /// The first pair_count: pairs that held the tool, then those that nearly did.
+  /// The first pair_count are valid: pairs that held the tool, then the nearest others.
   std::array<ContactPair, kRememberedPairs> pairs{};
   std::int32_t pair_count{0};
-  std::int32_t held_count{0};                      ///< how many of these pairs held
+  std::int32_t held_count{0};                      ///< the first held_count of these pairs held the tool
   std::array<PlainVector3, kMaxFaces> face_n_G{};  ///< unit; the direction in which each face pressed
   std::int32_t face_count{0};
   double friction{0.0};  ///< mu of the touched materials, weighted by engaged area

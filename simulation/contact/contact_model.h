@@ -9,6 +9,7 @@
 
 namespace osteon::simulation {
 
+/// Largest number of planes that a frame reports.
 inline constexpr int kMaxContacts = 8;
 
 /// One plane of the bone's surface near the tool. The servo loop evaluates the tool against these planes

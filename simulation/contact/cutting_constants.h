@@ -27,8 +27,8 @@ OSTEON_CONST double kMaxLensVolume = OSTEON_DECIMAL(5, 10) / 1000000000;
 
 /// Balls smaller than this are gone [m].
 OSTEON_CONST double kMinBallRadius = OSTEON_DECIMAL(1, 1000000);
-/// Closer to a capsule's axis than this share of the capsule's radius, the direction from axis to centre
-/// needs a correction.
+/// If a ball's centre is closer to a capsule's axis than this share of the capsule's radius, the direction
+/// from axis to centre needs a correction.
 OSTEON_CONST double kOnAxis = OSTEON_DECIMAL(1, 1000);
 
 /// A bin's pair may be farther away by this length times (1 - cosine) if its direction is nearer to the bin's
@@ -41,18 +41,19 @@ OSTEON_CONST double kFaceCosine = OSTEON_DECIMAL(866, 1000);
 /// Two pairs face each other across a gap where the angle between their normals exceeds 143 degrees.
 OSTEON_CONST double kOppositeCosine = OSTEON_DECIMAL(-8, 10);
 
-/// Ratio of the slack's squared compliance to the point's: a hold of 10 mm yields by 10 nm.
+/// Weight of the slack in the search for the constrained target (FindConstrainedGoal): planes that hold the
+/// target back by 10 mm yield by 10 nm.
 OSTEON_CONST double kHoldSlack = OSTEON_DECIMAL(1, 1000000);
 /// Tolerance to which a plane is kept [m]: floats resolve positions of 30 mm to 4 nm.
 OSTEON_CONST double kViolated_m = OSTEON_DECIMAL(1, 100000000);
 /// Smallest pivot of the Gram matrix of unit normals. Below it the normals count as parallel.
 OSTEON_CONST double kMinPivot = OSTEON_DECIMAL(1, 100000000) / 100000;
-/// Limit on the rounds of the search, which usually needs about ten. Rounding alone could make sets of planes
-/// recur for ever.
+/// Limit on the rounds of the search for the holding planes, which usually needs about ten. Rounding alone
+/// could make sets of planes recur for ever.
 OSTEON_CONST int kMaxHoldRounds = 200;
 
-/// A turn counts as this length of travel: a resting tool then turns with the hand, whatever its micrometres
-/// of slide.
+/// A turn counts as this length of travel, so that a resting tool turns with the hand even if it slides by
+/// some micrometres.
 OSTEON_CONST double kRotationBias_m = OSTEON_DECIMAL(5, 1000000);
 /// Share of the contact tolerance that a turn may use: the rest is left for sliding along the bone that holds
 /// the tool.
@@ -63,8 +64,8 @@ OSTEON_CONST double kTurnToleranceShare = OSTEON_DECIMAL(35, 100);
 /// bone would stay although the force has the energy to remove it.
 OSTEON_CONST double kSlideShare = OSTEON_DECIMAL(8, 10);
 
-/// Gap at which a pair holds, where `room` is left between the pair and the one that faces it. Both yield
-/// until the tolerance is left, each by at most three quarters of it.
+/// Gap at which a pair holds, if `room` is left between this pair and the pair that faces it across the tool.
+/// Both yield until the tolerance is left, each by at most three quarters of it.
 OSTEON_FUNCTION double YieldingGap(double gap, double room, double tolerance) {
   double max_lack = 0.75 * tolerance, half_lack = 0.5 * (tolerance - room);
   return gap + (half_lack < max_lack ? half_lack : max_lack);
@@ -95,8 +96,8 @@ OSTEON_FUNCTION double Exactness(double share, double width) {
   return most < 0.0 ? 0.0 : most > 1.0 ? 1.0 : most;
 }
 
-/// True where the tool slides with its turn rather than straight: unless bone stops the turning tool before
-/// half the straight way.
+/// Whether the tool slides while it turns: always, unless bone stops the turning tool before half the way
+/// that it could slide without turning.
 /// @param way, straight_way  travel with the turn and without it;  @param rotation_bias  kRotationBias_m
 OSTEON_FUNCTION bool SlidesTurning(bool stopped, double way, double straight_way, double rotation_bias) {
   return !stopped || way + rotation_bias > 0.5 * straight_way;

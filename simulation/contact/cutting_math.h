@@ -76,9 +76,9 @@ inline constexpr double kNoContact = 2.0;
 ///
 ///     p = r_b + r_t - |c_b - q| ;   p >= 2 r_b: gone ;   else  c_b += u p/2,  r_b -= p/2
 ///
-/// with q the closest point of the capsule's axis and u from q to c_b. On the axis any perpendicular
-/// direction is right, and a fixed one is taken. Invariant: |c' - c| = r - r', so the new ball lies inside
-/// the old one.
+/// with q the closest point of the capsule's axis to c_b, and u the unit vector from q to c_b. On the axis
+/// any perpendicular direction is right, and a fixed one is taken. Invariant: |c' - c| = r - r', so the new
+/// ball lies inside the old one.
 /// @param c, r  the bone ball; r = 0: gone
 /// @param a, b  the capsule's axis;  r_t its radius
 /// @returns whether the ball changed.

@@ -35,20 +35,21 @@ enum class RemovalLaw : std::uint8_t {
 /// Which of the tool's cutting balls remove bone.
 enum class Cutters : std::uint8_t {
   kAll,            ///< all, along the proxy's whole way
-  kContactSphere,  ///< only the ball that touched first, the first of equals (the paper): leaves bone in its
-                   ///< way
+  kContactSphere,  ///< only the ball that touched first, the lowest index of equals (the paper): leaves
+                   ///< bone in the way of the other balls
 };
 
 /// How balls that are too large for a cut are replaced by children (ball_removal.h, split_template.h).
 struct SplitParams {
   bool on{false};
-  double min_radius_m{0.4e-3};      ///< balls that are smaller at first touch shrink whole
-  int children{24};                 ///< number of children of a ball: 8 … 1024
-  double min_child_share{0.12};     ///< over the ball's first radius; smaller children are dropped: 0 … 0.5
+  double min_radius_m{0.4e-3};   ///< balls that are smaller at first touch shrink whole
+  int children{24};              ///< number of children of a ball: 8 … 1024
+  double min_child_share{0.12};  ///< least radius of a child, as a share of the ball's first radius: 0 … 0.5
   std::size_t pool_blocks{4096};    ///< balls that can be split at a time: 1 … 1 000 000
-  std::size_t blocks_per_frame{0};  ///< most balls split in a frame, the others wait; 0: no limit
+  std::size_t blocks_per_frame{0};  ///< largest number of balls split in a frame, others wait; 0: no limit
 };
 
+/// Parameters of the cutting model.
 struct CuttingParams {
   double stiffness_N_per_m{20e3};  ///< of the virtual coupling
   double max_force_N{200.0};       ///< largest coupling force that the rate law assumes
@@ -96,7 +97,9 @@ class CuttingEngine {
   /// Computes one frame; never throws. The first frame takes X_WT as free of contact.
   virtual ContactModel Step(const FrameInput& input) = 0;
 
+  /// Copies the carved state.
   [[nodiscard]] virtual CarvedState Snapshot() const = 0;
+  /// Goes on from a carved state.
   /// @throws std::invalid_argument where the state belongs to another bone or tool; the engine is unchanged
   ///   then.
   virtual void Restore(const CarvedState& state) = 0;
@@ -107,8 +110,8 @@ class CuttingEngine {
   [[nodiscard]] virtual std::string device() const = 0;
 };
 
-/// FNV-1a over balls, split balls in the order of their parents, and cleared points: equal for equal carved
-/// states on any machine.
+/// Computes FNV-1a over balls, split balls in the order of their parents, and cleared points: equal for equal
+/// carved states on any machine.
 [[nodiscard]] std::uint64_t HashState(const CarvedState& state);
 
 }  // namespace osteon::simulation

@@ -14,7 +14,7 @@
 namespace osteon::simulation {
 namespace {
 
-// A proxy's quaternion whose squared norm is wrong by more than this is normalised.
+// A proxy's quaternion is normalised if its squared norm differs from 1 by more than this.
 constexpr double kMaxNormError = 1e-12;
 
 double Sum(const std::array<double, kMaxMaterials>& values) {
@@ -23,7 +23,8 @@ double Sum(const std::array<double, kMaxMaterials>& values) {
   return sum;
 }
 
-// Mean of mu_c r over the engaged area [m]; 0 where nothing is engaged.
+// Mean over the engaged area of the cutting-force ratio times the distance from the spindle's axis, mu_c r
+// [m]; 0 where nothing is engaged.
 double CuttingArm(const std::vector<Material>& materials, const FrameSolution& solution) {
   const double area = Sum(solution.engaged_area_m2);
   if (area <= 0.0) return 0.0;
@@ -33,14 +34,15 @@ double CuttingArm(const std::vector<Material>& materials, const FrameSolution& s
   return moment / area;
 }
 
-double CuttingForce(const CuttingParams& params, const FrameSolution& solution) {
+// Force of the coupling on the cutting planes, at most max_force_N [N].
+double CuttingForce_N(const CuttingParams& params, const FrameSolution& solution) {
   return std::min(params.stiffness_N_per_m * solution.cutting_m, params.max_force_N);
 }
 
 // Work that the spindle can do on an edge pressed with the frame's cutting force [J].
 double AvailableWork(const CuttingParams& params, const std::vector<Material>& materials,
                      const FrameSolution& solution, double spindle_rad_per_s, double dt_s) {
-  return CuttingForce(params, solution) * std::abs(spindle_rad_per_s) * CuttingArm(materials, solution) *
+  return CuttingForce_N(params, solution) * std::abs(spindle_rad_per_s) * CuttingArm(materials, solution) *
          dt_s;
 }
 
@@ -51,8 +53,8 @@ void AddContacts(const CuttingParams& params, const std::vector<Material>& mater
                  double dt_s, const FrameSolution& solution, ContactModel& model) {
   const Pose X_GW = X_WG.inverse();
   const std::span solved(solution.contacts.data(), static_cast<std::size_t>(solution.contact_count));
-  double weight = 0.0;
-  for (const SolvedContact& from : solved) weight += from.weight;
+  double weight_sum = 0.0;
+  for (const SolvedContact& from : solved) weight_sum += from.weight;
   Wrench F_T_W;
   for (const SolvedContact& from : solved) {
     Contact& contact = model.contacts[static_cast<std::size_t>(model.contact_count++)];
@@ -71,7 +73,7 @@ void AddContacts(const CuttingParams& params, const std::vector<Material>& mater
     contact.p_W_m = p_W;
     contact.material = from.cutting && engaged ? *engaged : map.At(X_GW * p_W);
     contact.mu = contact.material < materials.size() ? materials[contact.material].friction : 0.0;
-    contact.weight = weight > 0.0 ? from.weight / weight : 0.0;
+    contact.weight = weight_sum > 0.0 ? from.weight / weight_sum : 0.0;
     const Vector3 f = params.stiffness_N_per_m * from.multiplier_m * n_W;
     F_T_W.f += f;
     F_T_W.t += lever_W.cross(f);
@@ -79,9 +81,9 @@ void AddContacts(const CuttingParams& params, const std::vector<Material>& mater
   model.F_T_W = F_T_W;
 }
 
-// Friction of the touched materials, for the next frame: weighted by engaged area. Where nothing is engaged,
-// that of the contact that holds most, or of the nearest one; that of the first material where nothing is
-// near.
+// Friction coefficient for the next frame: the mean of the touched materials, weighted by engaged area. If
+// nothing is engaged, that of the contact that holds most or, if none holds, of the nearest one; without
+// contacts, that of the first material.
 double FrictionOf(const std::vector<Material>& materials, const FrameSolution& solution,
                   const ContactModel& model) {
   const double area_m2 = Sum(solution.engaged_area_m2);
@@ -91,10 +93,11 @@ double FrictionOf(const std::vector<Material>& materials, const FrameSolution& s
   if (area_m2 > 0.0) return friction / area_m2;
   const std::span solved(solution.contacts.data(), static_cast<std::size_t>(solution.contact_count));
   if (solved.empty()) return materials.empty() ? 0.0 : materials[0].friction;
-  const auto most = std::ranges::max_element(solved, {}, &SolvedContact::multiplier_m);
-  return model.contacts[static_cast<std::size_t>(most - solved.begin())].mu;
+  const auto strongest = std::ranges::max_element(solved, {}, &SolvedContact::multiplier_m);
+  return model.contacts[static_cast<std::size_t>(strongest - solved.begin())].mu;
 }
 
+// Whether the pose is finite and its matrix a rotation.
 bool IsPose(const Pose& X) {
   return X.matrix().allFinite() &&
          (X.linear() * X.linear().transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff() < 1e-6 &&
@@ -103,9 +106,9 @@ bool IsPose(const Pose& X) {
 
 // @throws std::invalid_argument where a count or index of a state is negative or above its limit.
 template <class Value>
-void CheckAtMost(const char* what, Value found, std::int64_t most) {
-  if (static_cast<std::int64_t>(found) >= 0 && static_cast<std::int64_t>(found) <= most) return;
-  throw std::invalid_argument(fmt::format("carved state: {}: found {}, accepted 0 … {}", what, found, most));
+void CheckAtMost(const char* what, Value found, std::int64_t max) {
+  if (static_cast<std::int64_t>(found) >= 0 && static_cast<std::int64_t>(found) <= max) return;
+  throw std::invalid_argument(fmt::format("carved state: {}: found {}, accepted 0 … {}", what, found, max));
 }
 
 }  // namespace
@@ -153,7 +156,7 @@ double PloughingWork(const CuttingParams& params, const std::vector<Material>& m
 FrameAdvance ComputeAdvance(const CuttingParams& params, const std::vector<Material>& materials,
                             const FrameSolution& solution, double spindle_rad_per_s, double dt_s,
                             double energy_lead_J) {
-  const double x = solution.cutting_m;
+  const double x = solution.cutting_m;  // penetration [m]
   if (x <= 0.0 || spindle_rad_per_s == 0.0 || dt_s <= 0.0) return {};
   double work_per_m = 0.0;  // J per metre of advance
   for (std::size_t i = 0; i < materials.size(); ++i)
@@ -165,10 +168,11 @@ FrameAdvance ComputeAdvance(const CuttingParams& params, const std::vector<Mater
   if (work_per_m <= 0.0) return {.advance_m = std::min(x, max_m), .edge_work_J = 0.0};
   const double ploughing_J = PloughingWork(params, materials, solution, spindle_rad_per_s, dt_s);
   const double work_J = available_J - ploughing_J;
+  // part of the work that may remove more bone: the lead is paid back first
   const double paid_J = std::max(0.0, work_J - energy_lead_J * std::min(1.0, dt_s / kEnergyLeadSeconds));
-  const double linear_m = paid_J / work_per_m;
+  const double linear_m = paid_J / work_per_m;  // advance if the force stayed as at the frame's start
   if (linear_m <= 0.0) return {.advance_m = 0.0, .edge_work_J = work_J, .ploughing_work_J = ploughing_J};
-  // part of the penetration that exceeds the one at which the coupling's force equals the edges' force
+  // penetration beyond that at which the coupling's force equals the edges' force
   const double beyond_m = ploughing_J > 0.0 ? x * (work_J / available_J) : x;
   const double advance_m = std::min(beyond_m * -std::expm1(-linear_m / beyond_m), max_m);
   return {

@@ -13,14 +13,15 @@
 
 namespace osteon::simulation {
 
+/// Largest number of ShaftPlanes of a frame: one for each bin of balls that do not cut.
 inline constexpr int kMaxShaftPlanes = 6;
 
 /// One contact as the contact law reports it, at the tool's pose, before the advance.
 struct SolvedContact {
   Vector3 n{Vector3::Zero()};      ///< unit, from bone to tool, in G; tilted by friction
   Vector3 p_T_m{Vector3::Zero()};  ///< touching point on the tool, in T
-  double gap_m{0.0};               ///< negative inside
-  double multiplier_m{0.0};        ///< contact's share of the proxy's displacement, along n
+  double gap_m{0.0};               ///< at the tool's pose; negative inside
+  double multiplier_m{0.0};        ///< the contact's part of the proxy's displacement, along n
   double weight{0.0};              ///< square of the overlap with the enlarged tool [m^2]
   bool cutting{true};
 };
@@ -48,8 +49,8 @@ struct FrameSolution {
   double cutting_m{0.0};           ///< length of the cutting planes' share of delta
   double advance_m{0.0};           ///< how far the bone gave way along -n
   double edge_work_J{0.0};         ///< work of the edge on chips in this frame
-  double ploughing_work_J{0.0};    ///< work of the edge beside it, which removes nothing
-  Vector3 step{Vector3::Zero()};   ///< advance of the slid proxy into the bone that gives way
+  double ploughing_work_J{0.0};    ///< work of the edge beside chips, which removes nothing
+  Vector3 step{Vector3::Zero()};   ///< step of the proxy, after its slide, into the bone that gives way
   std::array<double, kMaxMaterials> engaged_area_m2{};  ///< projected on n, by material
   /// The same area times its distance from the spindle's axis.
   std::array<double, kMaxMaterials> engaged_moment_m3{};
@@ -104,6 +105,7 @@ struct FrameAdvance {
 [[nodiscard]] FrameAdvance ComputeAdvance(const CuttingParams& params, const std::vector<Material>& materials,
                                           const FrameSolution& solution, double spindle_rad_per_s,
                                           double dt_s, double energy_lead_J);
+/// Time over which energy_lead_J is paid back [s].
 inline constexpr double kEnergyLeadSeconds = 0.1;
 
 /// State of an engine from frame to frame, besides balls and points.
@@ -115,20 +117,21 @@ struct FrameMemory {
   std::uint64_t frame{0};
 };
 
-/// Books a frame's cleared volume by material: total volume, mass, cutting work, and the debt that remains
-/// after the edge's own work.
+/// Adds a frame's cleared volume to the memory's total volume, mass and cutting work, and updates
+/// energy_lead_J by the cleared points' work minus the edge's work.
+/// @param removed_m3  by material
 void BookRemoved(const CuttingParams& params, const std::vector<Material>& materials,
                  const std::array<double, kMaxMaterials>& removed_m3, double edge_work_J,
                  FrameMemory& memory);
 
-/// Books the solution in `memory` (proxy, volumes, debt) and computes the frame's ContactModel. Contacts of
-/// cutting balls get the material with the largest engaged area. Other contacts, and all contacts where
-/// nothing is engaged, get the material that `map` has at their place on the bone.
+/// Enters the solution into `memory` (proxy, volumes, energy lead) and computes the frame's ContactModel.
+/// Contacts of cutting balls get the material with the largest engaged area. Other contacts, and all contacts
+/// where nothing is engaged, get the material that `map` has at their place on the bone.
 [[nodiscard]] ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material>& materials,
                                        const MaterialMap& map, const Pose& X_WG, const FrameInput& input,
                                        const FrameSolution& solution, FrameMemory& memory);
 
-/// Adds the finished part k of n to the whole frame's model.
+/// Adds the finished part k (from 0) of n to the whole frame's model.
 void CombineParts(ContactModel& whole, const ContactModel& part, int k, int n);
 
 /// Computes a frame in n parts, each a frame with its share of the time. A turn needs several parts where one
@@ -158,7 +161,7 @@ template <class Frame>
   }
   return whole;
 }
-/// The part of a CarvedState that is not balls and points.
+/// Copy the part of a CarvedState that is not balls and points, from the memory or into it.
 void ToState(const FrameMemory& memory, CarvedState& state);
 [[nodiscard]] FrameMemory ToMemory(const CarvedState& state);
 
