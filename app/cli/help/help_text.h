@@ -19,6 +19,7 @@ namespace osteon::app {
 /// The line of use: "osteon run [options] cell".
 [[nodiscard]] std::string Synopsis(const CommandText& command);
 
+/// The whole text of --help, in lines of at most `width` columns, but at least 50.
 [[nodiscard]] std::string HelpText(const CommandText& command, std::size_t width);
 
 /// Columns for the help: those of the terminal behind stdout, or $COLUMNS if that is set, but at least 50 and
