@@ -10,6 +10,8 @@ import re
 
 from mkdocs.exceptions import PluginError
 
+# Markdown: the line before and after a code block; a list item's indentation, marker and space; a link's label, target
+# and anchor (no picture); code within a line.
 _FENCE = re.compile(r"^\s*(```|~~~)")
 _ITEM = re.compile(r"^( *)([-*+]|\d+\.)( +)(?=\S)")
 _LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)\s#]+)(#[^)\s]*)?\)")
@@ -22,6 +24,7 @@ def slug(text, separator):
 
 
 def on_config(config):
+    """Lets the table of contents make anchors by GitHub's rule."""
     config["mdx_configs"].setdefault("toc", {})["slugify"] = slug
     return config
 
@@ -48,6 +51,7 @@ def _named(match, page, repository):
 
 
 def _with_links_named(line, page, repository):
+    """A line of Markdown with _named applied to its links; a line with a link inside code stays."""
     parts = _SPAN.split(line)
     if any("](" in part for part in parts[1::2]):
         return line
@@ -57,6 +61,7 @@ def _with_links_named(line, page, repository):
 
 def _reindented(lines):
     """Indents lists by four spaces a level and puts a blank line before a list, as python-markdown requires."""
+    # levels: for each open list, the column at which the text of its items begins
     out, levels, fenced, after_blank, in_text = [], [], False, True, False
     for line in lines:
         if not line.strip():
@@ -69,7 +74,7 @@ def _reindented(lines):
             while levels and levels[-1] > indent:
                 levels.pop()
         if item and indent - (levels[-1] if levels else 0) >= 4:
-            item = None  # code
+            item = None  # four columns beyond the list: a code block
         outer = levels[-1] if levels else 0
         new_line = " " * (4 * len(levels) + max(indent - outer, 0)) + line.lstrip(" ")
         if item:
@@ -86,6 +91,7 @@ def _reindented(lines):
 
 
 def on_page_markdown(markdown, page, config, files):
+    """Converts a page: its links outside code blocks, and its lists."""
     repository = os.path.dirname(config["config_file_path"])
     lines, fenced = [], False
     for line in markdown.split("\n"):
