@@ -38,7 +38,7 @@ def on_nav(nav, config, files):
     return nav
 
 
-def _named(match, page, repository):
+def _replace_outside_link(match, page, repository):
     """Replaces a link that leaves docs/ by the name of its target."""
     label, target = match.group(1), match.group(2)
     path = os.path.normpath(os.path.join("docs", os.path.dirname(page), target)).replace(os.sep, "/")
@@ -50,16 +50,16 @@ def _named(match, page, repository):
     return f"`{path}`" if plain.lstrip("./") in path else f"{label} (`{path}`)"
 
 
-def _with_links_named(line, page, repository):
-    """A line of Markdown with _named applied to its links; a line with a link inside code stays."""
+def _replace_outside_links(line, page, repository):
+    """A line of Markdown with _replace_outside_link applied to its links; a line with a link inside code stays."""
     parts = _SPAN.split(line)
     if any("](" in part for part in parts[1::2]):
         return line
     # search the whole line, since a label may contain a code span
-    return _LINK.sub(lambda match: _named(match, page, repository), line)
+    return _LINK.sub(lambda match: _replace_outside_link(match, page, repository), line)
 
 
-def _reindented(lines):
+def _reindent_lists(lines):
     """Indents lists by four spaces a level and puts a blank line before a list, as python-markdown requires."""
     # levels: for each open list, the column at which the text of its items begins
     out, levels, fenced, after_blank, in_text = [], [], False, True, False
@@ -97,5 +97,5 @@ def on_page_markdown(markdown, page, config, files):
     for line in markdown.split("\n"):
         if _FENCE.match(line):
             fenced = not fenced
-        lines.append(line if fenced else _with_links_named(line, page.file.src_path, repository))
-    return "\n".join(_reindented(lines))
+        lines.append(line if fenced else _replace_outside_links(line, page.file.src_path, repository))
+    return "\n".join(_reindent_lists(lines))

@@ -173,8 +173,8 @@ Json ObjectSchema(const KeyTable& table, const std::string& path, const Help& he
   return object;
 }
 
-// Returns the schema of a kind of file. In a kind that can extend another file, no key is required unless the
-// file extends none.
+// Returns the schema of a kind of file. If such a file can extend another one, its keys are required only if
+// it does not.
 Json SchemaOf(const config::FileKind& kind, const fs::path& config_root) {
   const KeyTable table = config::RecordKeys(kind.load);
   Help help;
