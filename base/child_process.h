@@ -13,18 +13,19 @@
 
 namespace osteon::base {
 
+/// How a child process is started.
 struct ChildParams {
   std::vector<std::string> words;   ///< arguments of the command line, after the program's name
   std::filesystem::path program{};  ///< file of the program; empty: this one
-  std::filesystem::path folder{};   ///< its working folder; empty: this process's
-  std::filesystem::path out{};      ///< file for its stdout; empty: discarded
-  std::filesystem::path err{};      ///< file for its stderr; empty: this process's
+  std::filesystem::path folder{};   ///< the child's working folder; empty: this process's
+  std::filesystem::path out{};      ///< file for the child's stdout; empty: discarded
+  std::filesystem::path err{};      ///< file for the child's stderr; empty: this process's
 };
 
 /// Returns the file of a program that is installed beside this one. @param name  e.g. "osteon"
 [[nodiscard]] std::filesystem::path ProgramBeside(const std::string& name);
 
-/// Returns the process that `parent` has started with this word in its command line; 0 if there is none.
+/// Returns the number of a process that `parent` has started with `word` as an argument; 0 if there is none.
 [[nodiscard]] pid_t FindChild(pid_t parent, const std::string& word);
 
 /// A child process that runs this program or another. It ends with this process, however this process ends,

@@ -26,7 +26,7 @@ void CpuWatch::Watch(int cpu, int priority) {
     const Nanoseconds due = MonotonicNow() + kMillisecond;
     SleepUntil(due);
     const Nanoseconds late = MonotonicNow() - due;
-    Nanoseconds longest = longest_.load();
+    Nanoseconds longest = longest_.load();  // raised to `late`, unless another thread raises it further
     while (late > longest && !longest_.compare_exchange_weak(longest, late)) {
     }
   }

@@ -10,7 +10,7 @@ namespace osteon::rt {
 
 /// Measures how late each CPU of this machine wakes a thread: on each CPU a thread sleeps for a millisecond
 /// at a time. With a priority above every other thread, the watch finds a CPU that stands still, as a virtual
-/// machine's does for tens of milliseconds while its host runs something else. Without a priority it also
+/// machine's CPU does for tens of milliseconds while its host runs something else. Without a priority it also
 /// finds a CPU that is busy.
 class CpuWatch {
  public:
@@ -26,6 +26,7 @@ class CpuWatch {
   [[nodiscard]] Nanoseconds TakeLongest() { return longest_.exchange(0); }
 
  private:
+  /// The loop of one thread, pinned to `cpu`.
   void Watch(int cpu, int priority);
 
   std::atomic<bool> ends_{false};

@@ -51,9 +51,10 @@ class DurationHistogram {
     return static_cast<Nanoseconds>(kPerOctave + part) << (octave - 1);
   }
 
+  /// Number of the bin that counts a value [ns]; the last bin for values beyond the range.
   [[nodiscard]] static constexpr int BinOf(Nanoseconds value) OSTEON_RT {
     if (value < kPerOctave) return static_cast<int>(value);
-    // 8 bits: kPerOctave
+    // keep the highest 8 bits, a number from kPerOctave to 2 kPerOctave - 1
     const int shift = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(value))) - 8;
     const int bin = (shift + 1) * kPerOctave + static_cast<int>((value >> shift) - kPerOctave);
     return std::min(bin, kBins - 1);

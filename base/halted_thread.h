@@ -18,7 +18,7 @@ class HaltedThread {
   /// The error says that there is no such thread, or that the system does not permit halting it.
   [[nodiscard]] static tl::expected<std::unique_ptr<HaltedThread>, std::string> Halt(pid_t process,
                                                                                      const std::string& name);
-  /// Must run on the thread that halted it, as the system requires.
+  /// Lets the thread continue. Must run on the thread that called Halt, as the system requires.
   ~HaltedThread();
   HaltedThread(const HaltedThread&) = delete;
   HaltedThread& operator=(const HaltedThread&) = delete;

@@ -8,11 +8,12 @@ namespace osteon::base {
 namespace {
 
 // `timeout` and some service managers send the same signal twice at once: to the process and to its group.
+// Only a second signal after this time ends the process.
 constexpr rt::Nanoseconds kSameSignal = 500'000'000;
 
 std::atomic<bool> g_interrupted{false};
-std::atomic<int> g_signal{0};  // number of the first signal
-std::atomic<rt::Nanoseconds> g_first{0};
+std::atomic<int> g_signal{0};             // number of the first signal
+std::atomic<rt::Nanoseconds> g_first{0};  // time of the first signal; 0: none yet
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
                   std::atomic<rt::Nanoseconds>::is_always_lock_free,
               "set from a signal handler");

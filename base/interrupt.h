@@ -23,7 +23,9 @@ inline constexpr int kOperatorsStop = 1000;  // larger than the number of any si
 struct OperatorRequests {
   std::atomic<bool> pause{false}, resume{false}, recover{false};
 };
+/// The requests to this process. Any thread.
 [[nodiscard]] OperatorRequests& AskedByOperator();
+/// Installs the handlers of SIGUSR1 and SIGUSR2.
 void InstallPauseSignals();
 
 /// Exit code of a run that was ended by Ctrl-C, as a shell reports it: 128 + SIGINT. Also for SIGTERM.

@@ -42,7 +42,7 @@ class LatestValue {
   }
 
  private:
-  static constexpr std::uint8_t kIndex = 3, kFresh = 4;
+  static constexpr std::uint8_t kIndex = 3, kFresh = 4;  // bits of middle_: slot, newer than front
   struct alignas(64) Slot {
     T value{};
   };

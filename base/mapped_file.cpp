@@ -12,6 +12,7 @@
 namespace osteon::simulation {
 namespace {
 
+// Closes a file descriptor at the end of its scope.
 class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
@@ -26,12 +27,14 @@ class Descriptor {
   int fd_;
 };
 
+// Makes the error of a file that is refused as a whole.
 tl::unexpected<FileError> Refuse(const std::filesystem::path& path, const std::string& found,
                                  const std::string& accepted) {
   return tl::make_unexpected(FileError{
       .file = path.string(), .byte = std::nullopt, .where = "", .found = found, .accepted = accepted});
 }
 
+// Names the kind of a file that is not regular.
 std::string KindOf(mode_t mode) {
   if (S_ISDIR(mode)) return "a folder";
   if (S_ISFIFO(mode)) return "a pipe";

@@ -6,7 +6,8 @@
 #include <cstddef>
 #include <new>
 
-// Counts every entry into glibc's heap, and every mutex lock. Compiled out under sanitizers.
+// Replaces glibc's heap functions and pthread_mutex_lock by functions that count and then call the original.
+// Left out under sanitizers, which replace the heap themselves.
 #if defined(OSTEON_SANITIZED)
 #define OSTEON_COUNTS_HEAP 0
 #else
@@ -24,10 +25,10 @@ void __libc_free(void*);
 // NOLINTEND(bugprone-reserved-identifier)
 
 namespace {
-thread_local bool t_armed = false;
+thread_local bool t_armed = false;  // a NoAllocScope exists on this thread
 thread_local int t_heap_calls = 0;
 thread_local int t_locks = 0;
-[[maybe_unused]] void NoteHeap() {
+[[maybe_unused]] void CountHeapCall() {
   if (t_armed) ++t_heap_calls;
 }
 }  // namespace
@@ -35,32 +36,32 @@ thread_local int t_locks = 0;
 #if OSTEON_COUNTS_HEAP
 extern "C" {
 int posix_memalign(void** out, std::size_t align, std::size_t n) {
-  NoteHeap();
+  CountHeapCall();
   *out = __libc_memalign(align, n);
   return *out || n == 0 ? 0 : 12;  // ENOMEM
 }
 void* aligned_alloc(std::size_t align, std::size_t n) {
-  NoteHeap();
+  CountHeapCall();
   return __libc_memalign(align, n);
 }
 void* memalign(std::size_t align, std::size_t n) {
-  NoteHeap();
+  CountHeapCall();
   return __libc_memalign(align, n);
 }
 void* malloc(std::size_t n) {
-  NoteHeap();
+  CountHeapCall();
   return __libc_malloc(n);
 }
 void* calloc(std::size_t n, std::size_t s) {
-  NoteHeap();
+  CountHeapCall();
   return __libc_calloc(n, s);
 }
 void* realloc(void* p, std::size_t n) {
-  NoteHeap();
+  CountHeapCall();
   return __libc_realloc(p, n);
 }
 void free(void* p) {
-  if (p) NoteHeap();
+  if (p) CountHeapCall();
   __libc_free(p);
 }
 int pthread_mutex_lock(pthread_mutex_t* mutex) {

@@ -14,6 +14,7 @@
 namespace osteon::simulation {
 namespace {
 
+// Makes the error of a failed write. @param byte  offset in the file, if known; @param error  errno
 FileError Failure(const std::filesystem::path& path, std::optional<std::uint64_t> byte, int error) {
   return {.file = path.string(),
           .byte = byte,
@@ -22,7 +23,7 @@ FileError Failure(const std::filesystem::path& path, std::optional<std::uint64_t
           .accepted = ""};
 }
 
-// End of a chain of symbolic links, whether a file exists there or not.
+// Follows symbolic links to the path that the last one names, whether a file exists there or not.
 std::filesystem::path EndOfLinks(std::filesystem::path path) {
   constexpr int kMaxLinks = 40;  // the system's own limit
   std::error_code error;
@@ -54,10 +55,10 @@ int OpenBeside(const std::filesystem::path& target, std::filesystem::path& tempo
 tl::expected<OutputFile, FileError> OutputFile::Create(const std::filesystem::path& path) {
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);
-  const bool there = std::filesystem::exists(status);
+  const bool exists = std::filesystem::exists(status);
   if (std::filesystem::is_directory(status)) return tl::make_unexpected(Failure(path, {}, EISDIR));
 
-  if (there && !std::filesystem::is_regular_file(status)) {
+  if (exists && !std::filesystem::is_regular_file(status)) {  // a device or a pipe: written in place
     const int fd = open(path.c_str(), O_WRONLY | O_CLOEXEC);
     if (fd < 0) return tl::make_unexpected(Failure(path, {}, errno));
     return OutputFile(path, {}, fd);

@@ -21,6 +21,7 @@ namespace osteon::simulation {
 ///     return file->Commit();
 class OutputFile {
  public:
+  /// Opens the temporary file. The error says why it cannot be written.
   [[nodiscard]] static tl::expected<OutputFile, FileError> Create(const std::filesystem::path& path);
 
   /// Without Commit, deletes the temporary file; an earlier file of this name stays.
@@ -28,6 +29,7 @@ class OutputFile {
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;
 
+  /// Appends bytes; after a failure does nothing.
   void Write(std::span<const std::byte> bytes);
   void Write(std::string_view text) { Write(std::as_bytes(std::span(text))); }
 

@@ -6,8 +6,8 @@
 namespace osteon::rt {
 namespace {
 
-constexpr Nanoseconds kWindow = 100 * kMillisecond;
-constexpr int kPriority = 5;
+constexpr Nanoseconds kWindow = 100 * kMillisecond;  // time over which the thread's work is counted
+constexpr int kPriority = 5;                         // SCHED_FIFO, while the thread is raised
 
 }  // namespace
 
@@ -30,8 +30,8 @@ void PacedPriority::CountWork(Nanoseconds now, Nanoseconds cpu_time) noexcept {
   }
   const Nanoseconds passed = now - window_start_, worked = cpu_time - cpu_at_start_;
   if (passed < kWindow) return;
-  if (is_lifted_ && worked * 10 > passed * 8) Set(false);
-  if (!is_lifted_ && worked * 2 < passed) Set(true);
+  if (is_lifted_ && worked * 10 > passed * 8) Set(false);  // more than 80 % of the window
+  if (!is_lifted_ && worked * 2 < passed) Set(true);       // less than half of it
   window_start_ = now;
   cpu_at_start_ = cpu_time;
 }

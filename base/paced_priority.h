@@ -30,6 +30,7 @@ class PacedPriority {
   [[nodiscard]] bool is_lifted() const noexcept { return is_lifted_; }
 
  private:
+  /// Raises the calling thread, or makes it an ordinary one.
   void Set(bool lifted) noexcept;
 
   bool is_lifted_{false};

@@ -20,7 +20,7 @@ class ParameterCheck {
   void operator()(std::string_view name, double value, double low, double high) const {
     if (!(value >= low && value <= high)) Refuse(name, value, NumberText(low) + " … " + NumberText(high));
   }
-  /// Accepts a finite value where `accepted`.
+  /// Accepts a finite value if `accepted` is true. @param range  text of what is accepted, for the error
   void operator()(std::string_view name, double value, bool accepted, const char* range) const {
     if (!accepted || !std::isfinite(value)) Refuse(name, value, range);
   }

@@ -10,7 +10,7 @@
 
 namespace osteon::base {
 
-/// The value of a rank, 0 that of the smallest. @pre rank < values.size()
+/// The value of a rank; rank 0 is the smallest value. @pre rank < values.size()
 [[nodiscard]] inline double ValueOfRank(std::span<double> values, std::size_t rank) {
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(rank), values.end());
   return values[rank];
@@ -23,13 +23,13 @@ namespace osteon::base {
   return ValueOfRank(values, static_cast<std::size_t>(std::max(rank, 1.0)) - 1);
 }
 
-/// The p quantile of a range from 0 to n - 1, rounded down: rank p (n - 1) counted from 0. 0 if empty.
+/// The p quantile, p in [0, 1]: the value of rank p (n - 1), rounded down and counted from 0. 0 if empty.
 [[nodiscard]] inline double LowerPercentile(std::span<double> values, double p) {
   if (values.empty()) return 0.0;
   return ValueOfRank(values, static_cast<std::size_t>(p * static_cast<double>(values.size() - 1)));
 }
 
-/// The median; the larger of the two in the middle where their number is even. 0 if empty.
+/// The median; for an even number of values, the larger of the two in the middle. 0 if empty.
 [[nodiscard]] inline double Median(std::span<double> values) {
   return values.empty() ? 0.0 : ValueOfRank(values, values.size() / 2);
 }

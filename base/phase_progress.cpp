@@ -47,7 +47,7 @@ void PhaseProgress::Done() {
 }
 
 void PhaseProgress::Draw(std::stop_token stop) {
-  constexpr int kWidth = 30;
+  constexpr int kWidth = 30;  // columns of the bar
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
     if (!running_.empty()) {

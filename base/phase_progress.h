@@ -31,13 +31,15 @@ class PhaseProgress {
   [[nodiscard]] const std::vector<Phase>& phases() const { return done_; }
 
  private:
+  /// Keeps the time of the running phase. Call with mutex_ locked.
   void EndPhase();
+  /// The drawing thread: draws the bar ten times a second.
   void Draw(std::stop_token stop);
 
   std::string command_;
-  int count_;
+  int count_;  ///< number of phases
   bool terminal_, lines_;
-  std::string running_;
+  std::string running_;  ///< name of the running phase; empty: none
   double begun_s_{0.0};
   std::vector<Phase> done_;
   std::mutex mutex_;  ///< guards running_, begun_s_ and done_ against the drawing thread

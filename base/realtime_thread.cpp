@@ -16,28 +16,32 @@
 namespace osteon::rt {
 namespace {
 
-constexpr std::size_t kMaxPrefault = 1 << 20;  // a thread's stack has 8 MiB by default
-constexpr std::size_t kPage = 4096;            // the smallest page size
-constexpr unsigned kCapIpcLock = 14;           // linux/capability.h
+constexpr std::size_t kMaxPrefault = 1 << 20;  // bytes; a thread's stack has 8 MiB by default
+constexpr std::size_t kPage = 4096;            // bytes of the smallest page
+constexpr unsigned kCapIpcLock = 14;           // the capability to lock memory, linux/capability.h
 
 static_assert(kMaxCpu == CPU_SETSIZE - 1);
 
+// Refuses a parameter outside of low … high.
 void Require(const char* name, long value, long low, long high) {
   if (value < low || value > high)
     throw std::invalid_argument(std::string(name) + ": found " + std::to_string(value) + ", accepted " +
                                 std::to_string(low) + " … " + std::to_string(high));
 }
 
-cpu_set_t Alone(int cpu) noexcept {
+// Mask that contains one CPU.
+cpu_set_t MaskOfCpu(int cpu) noexcept {
   cpu_set_t set;
   CPU_ZERO(&set);
   CPU_SET(static_cast<std::size_t>(cpu), &set);
   return set;
 }
 
+// Lets the calling thread run on this CPU only. False if the system refuses it, or if `cpu` is no CPU's
+// number.
 bool Pin(int cpu) noexcept {
   if (cpu < 0 || cpu > kMaxCpu) return false;
-  const cpu_set_t set = Alone(cpu);
+  const cpu_set_t set = MaskOfCpu(cpu);
   return pthread_setaffinity_np(pthread_self(), sizeof set, &set) == 0;
 }
 
@@ -60,6 +64,7 @@ bool LockMemory() noexcept {
   return LocksWithoutLimit() && mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0;
 }
 
+// Writes to each page of the stack below the caller, so that no later call waits for one.
 [[gnu::noinline]] void TouchStack(std::size_t bytes) noexcept {
   auto* const room = static_cast<volatile char*>(alloca(bytes));
   for (std::size_t i = 0; i < bytes; i += kPage) room[i] = 0;
@@ -142,7 +147,7 @@ std::string ReserveCpu(int cpu) {
   pthread_getaffinity_np(pthread_self(), sizeof mask, &mask);
   if (!Pin(cpu)) return "found " + std::to_string(cpu) + ", accepted " + Ranges(CpusOfThisProcess(mask));
   CPU_CLR(static_cast<std::size_t>(cpu), &mask);
-  if (CPU_COUNT(&mask) == 0) mask = Alone(cpu);
+  if (CPU_COUNT(&mask) == 0) mask = MaskOfCpu(cpu);  // the only CPU: all threads share it
   pthread_setaffinity_np(pthread_self(), sizeof mask, &mask);
   return {};
 }

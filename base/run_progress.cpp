@@ -14,8 +14,8 @@
 namespace osteon::base {
 namespace {
 
-constexpr double kEverySeconds = 10.0;           // time between lines of a run without an end
-constexpr rt::Nanoseconds kEvery = 100'000'000;  // time between status lines on a terminal
+constexpr double kLinePeriod_s = 10.0;                  // between lines of a run without an end
+constexpr rt::Nanoseconds kStatusPeriod = 100'000'000;  // between status lines on a terminal
 
 }  // namespace
 
@@ -23,7 +23,7 @@ RunProgress::RunProgress(std::string name, double seconds)
     : name_(std::move(name)),
       seconds_(seconds),
       terminal_(isatty(STDERR_FILENO) != 0),
-      next_(seconds > 0.0 ? 0.1 : kEverySeconds) {}
+      next_(seconds > 0.0 ? 0.1 : kLinePeriod_s) {}
 
 std::size_t RunProgress::StatusColumns() { return TerminalColumns(STDERR_FILENO).value_or(201) - 1; }
 
@@ -32,12 +32,12 @@ void RunProgress::Show(double at_s) { Show(at_s, ""); }
 void RunProgress::Show(double at_s, std::string_view status) {
   const double share = seconds_ > 0.0 ? std::min(1.0, at_s / seconds_) : 0.0;
   if (terminal_ && !status.empty()) {
-    if (const rt::Nanoseconds now = rt::MonotonicNow(); now - shown_ >= kEvery) {
+    if (const rt::Nanoseconds now = rt::MonotonicNow(); now - shown_ >= kStatusPeriod) {
       shown_ = now;
       fmt::print(stderr, "\r\033[K{}", status);
     }
   } else if (terminal_ && seconds_ > 0.0) {
-    constexpr int kWidth = 40;
+    constexpr int kWidth = 40;  // columns of the bar
     const int filled = static_cast<int>(share * kWidth);
     fmt::print(stderr, "\r[{:{}}] {:4.1f} of {:.1f} s", std::string(static_cast<std::size_t>(filled), '#'),
                kWidth, share * seconds_, seconds_);
@@ -54,7 +54,7 @@ void RunProgress::Show(double at_s, std::string_view status) {
       fmt::print(stderr, "{}: {:.0f} s\n", name_, at_s);
     else
       fmt::print(stderr, "{}: {}\n", name_, status);
-    next_ = at_s + kEverySeconds;
+    next_ = at_s + kLinePeriod_s;
   }
   std::fflush(stderr);
 }

@@ -25,8 +25,8 @@ class RunProgress {
   std::string name_;
   double seconds_;
   bool terminal_;
-  double next_;
-  rt::Nanoseconds shown_{0};
+  double next_;               ///< when the next line is due: share of the run, or seconds if it has no end
+  rt::Nanoseconds shown_{0};  ///< time of the last status line
 };
 
 }  // namespace osteon::base

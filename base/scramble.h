@@ -7,6 +7,7 @@ namespace osteon::simulation {
 /// Step of the generator SplitMix64 (Steele, Lea, Flood, OOPSLA 2014). Each draw adds the step to the state,
 /// and MixBits of the state is the random number.
 inline constexpr std::uint64_t kSplitMixStep = 0x9e3779b97f4a7c15ULL;
+/// Output function of SplitMix64: a bijection whose result looks random.
 [[nodiscard]] constexpr std::uint64_t MixBits(std::uint64_t bits) {
   bits = (bits ^ bits >> 30) * 0xbf58476d1ce4e5b9ULL;
   bits = (bits ^ bits >> 27) * 0x94d049bb133111ebULL;

@@ -10,7 +10,7 @@
 namespace osteon::base {
 namespace {
 
-constexpr std::string_view kRangeMark = " … ";
+constexpr std::string_view kRangeMark = " … ";  // between the ends of a range, "1 … 4"
 
 /// Breaks a text into lines of at most `width` columns; `first_word` finds the word at the text's beginning.
 template <class FirstWord>

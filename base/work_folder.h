@@ -7,7 +7,7 @@
 
 namespace osteon::base {
 
-/// A new folder below the system's temporary one, removed with the object.
+/// A new folder in the system's folder for temporary files, removed with the object.
 class WorkFolder {
  public:
   /// @param what  a word for the folder's name

@@ -10,6 +10,8 @@ import re
 
 from mkdocs.exceptions import PluginError
 
+# Markdown: the line before and after a code block; a list item's indentation, marker and space; a link's label, target
+# and anchor (no picture); code within a line.
 _FENCE = re.compile(r"^\s*(```|~~~)")
 _ITEM = re.compile(r"^( *)([-*+]|\d+\.)( +)(?=\S)")
 _LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)\s#]+)(#[^)\s]*)?\)")
@@ -22,6 +24,7 @@ def slug(text, separator):
 
 
 def on_config(config):
+    """Lets the table of contents make anchors by GitHub's rule."""
     config["mdx_configs"].setdefault("toc", {})["slugify"] = slug
     return config
 
@@ -35,7 +38,7 @@ def on_nav(nav, config, files):
     return nav
 
 
-def _named(match, page, repository):
+def _replace_outside_link(match, page, repository):
     """Replaces a link that leaves docs/ by the name of its target."""
     label, target = match.group(1), match.group(2)
     path = os.path.normpath(os.path.join("docs", os.path.dirname(page), target)).replace(os.sep, "/")
@@ -47,16 +50,18 @@ def _named(match, page, repository):
     return f"`{path}`" if plain.lstrip("./") in path else f"{label} (`{path}`)"
 
 
-def _with_links_named(line, page, repository):
+def _replace_outside_links(line, page, repository):
+    """A line of Markdown with _replace_outside_link applied to its links; a line with a link inside code stays."""
     parts = _SPAN.split(line)
     if any("](" in part for part in parts[1::2]):
         return line
     # search the whole line, since a label may contain a code span
-    return _LINK.sub(lambda match: _named(match, page, repository), line)
+    return _LINK.sub(lambda match: _replace_outside_link(match, page, repository), line)
 
 
-def _reindented(lines):
+def _reindent_lists(lines):
     """Indents lists by four spaces a level and puts a blank line before a list, as python-markdown requires."""
+    # levels: for each open list, the column at which the text of its items begins
     out, levels, fenced, after_blank, in_text = [], [], False, True, False
     for line in lines:
         if not line.strip():
@@ -69,7 +74,7 @@ def _reindented(lines):
             while levels and levels[-1] > indent:
                 levels.pop()
         if item and indent - (levels[-1] if levels else 0) >= 4:
-            item = None  # code
+            item = None  # four columns beyond the list: a code block
         outer = levels[-1] if levels else 0
         new_line = " " * (4 * len(levels) + max(indent - outer, 0)) + line.lstrip(" ")
         if item:
@@ -86,10 +91,11 @@ def _reindented(lines):
 
 
 def on_page_markdown(markdown, page, config, files):
+    """Converts a page: its links outside code blocks, and its lists."""
     repository = os.path.dirname(config["config_file_path"])
     lines, fenced = [], False
     for line in markdown.split("\n"):
         if _FENCE.match(line):
             fenced = not fenced
-        lines.append(line if fenced else _with_links_named(line, page.file.src_path, repository))
-    return "\n".join(_reindented(lines))
+        lines.append(line if fenced else _replace_outside_links(line, page.file.src_path, repository))
+    return "\n".join(_reindent_lists(lines))

@@ -90,7 +90,7 @@ class StatesCommand final : public Subcommand {
 }  // namespace
 
 OsteonCommands::OsteonCommands(CLI::App& app) : app_(app) {
-  PrepareTop(app, config_root_);  // first: the subcommands take over the form of the help
+  PrepareTop(app, config_root_);  // first, since subcommands copy the help's formatter
   AddDemoCommand(app, all_);
   AnnounceStudies(app, {"pack", "failures"});
   all_.push_back(std::make_unique<DoctorCommand>(app));

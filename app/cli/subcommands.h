@@ -4,19 +4,21 @@
 
 namespace osteon::app {
 
-/// Add a subcommand of `osteon` to the help, and to the list.
+// Each function adds a subcommand of `osteon`, or several, to the parser `app` and to the list `all`.
+
 void AddDemoCommand(CLI::App& app, Subcommands& all);
-/// A cell's simulated side and its controller: `cell` and `run`.
+/// `cell`, a cell's simulated side, and `run`, its controller.
 void AddCellCommands(CLI::App& app, Subcommands& all);
 void AddGuardCommand(CLI::App& app, Subcommands& all);
 void AddSimulateCommand(CLI::App& app, Subcommands& all);
-/// `pause`, `resume`, `recover`, `stop` and `status`, which ask a cell that runs.
+/// `pause`, `resume`, `recover`, `stop` and `status`: requests to a running cell.
 void AddOperatorCommands(CLI::App& app, Subcommands& all);
-/// Asks a procedure's session that runs.
+/// `tell`: requests to a running session of a procedure.
 void AddTellCommand(CLI::App& app, Subcommands& all);
-/// Writes a short cell to begin with.
+/// `new-cell`: writes a short cell file to begin with.
 void AddNewCellCommand(CLI::App& app, Subcommands& all);
-/// JSON Schema of every kind of YAML file, from the readers' own keys (config/reading/strict/key_table.h).
+/// `schema`: writes the JSON Schema of every kind of YAML file, from the readers' own keys
+/// (config/reading/strict/key_table.h).
 void AddSchemaCommand(CLI::App& app, Subcommands& all);
 void AddExportCommand(CLI::App& app, Subcommands& all);
 void AddReplayCommand(CLI::App& app, Subcommands& all);

@@ -17,8 +17,11 @@ namespace osteon::config {
 namespace {
 
 constexpr double kMaxDampingRatio = 10.0;  // of the simulated arm
-constexpr double kSameCycle = 0.05;        // share of a period: the error that a measured dead time may have
+// A dead time is rounded up to whole periods, unless it exceeds them by less than this share of a period.
+constexpr double kSameCycle = 0.05;
 
+// Converts a measurement to parameters of the simulated arm. Refuses a dead time or damping ratio that this
+// arm cannot have. @param file  the measurement's, for the error
 hil::ServoArmParams ArmFrom(const IdentifiedArm& arm, double period_s, const std::string& file) {
   const auto require = [&](const char* key, double found, double max, const char* unit) {
     if (!(found >= 0.0 && found <= max))
@@ -42,8 +45,8 @@ const IdentifiedArm* SlowestArm(const IdentifiedCell& identified) {
 
 namespace {
 
-// Applies the measured dead zone, which the sensor's drift does not exceed, and the tremor and notches that
-// the vibration index tolerates.
+// Applies what the force sensor showed: the dead zone, which its drift stays within, and the tremor and
+// notches that the vibration index tolerates.
 void ApplyForces(const IdentifiedCell& identified, CellConfig& cell) {
   if (identified.dead_zone_N) {
     double& dead_zone_N = cell.servo.admittance.dead_zone_N;
@@ -83,30 +86,30 @@ void ApplySprings(std::vector<IdentifiedArm> arms, bool torque, hil::DynamicArmP
   ratio = FirstKnown(arms, &IdentifiedImpedance::damping_ratio).value_or(ratio);
 }
 
-// Applies to the dynamic arm the measured impedance, which an overlaid force meets, and the dead time of the
-// slowest axis, rounded up: this arm has whole periods of dead time.
+// Applies to the dynamic arm the measured impedance, which an overlaid force meets, and the longest dead time
+// of all axes, rounded up: this arm has whole periods of dead time.
 void ApplyImpedance(const std::vector<IdentifiedArm>& arms, const std::string& file, CellConfig& cell) {
-  const IdentifiedArm& measured = *std::ranges::max_element(arms, {}, &IdentifiedArm::dead_time_s);
+  const IdentifiedArm& longest_dead = *std::ranges::max_element(arms, {}, &IdentifiedArm::dead_time_s);
   hil::DynamicArmParams& arm = cell.simulated.dynamic;
   const bool torque = cell.simulated.fri.command_mode == control::CommandMode::kTorque;
-  const double cycles = std::max(0.0, std::ceil(measured.dead_time_s / cell.servo.period_s - kSameCycle));
+  const double cycles = std::max(0.0, std::ceil(longest_dead.dead_time_s / cell.servo.period_s - kSameCycle));
   if (!(cycles <= hil::DynamicArm::kMaxDeadCycles))
-    throw ConfigError(
-        file, 0,
-        fmt::format("arm, axis {}: dead_time_ms: found {:g}, accepted at most {:g}", measured.axis,
-                    1e3 * measured.dead_time_s, 1e3 * hil::DynamicArm::kMaxDeadCycles * cell.servo.period_s));
+    throw ConfigError(file, 0,
+                      fmt::format("arm, axis {}: dead_time_ms: found {:g}, accepted at most {:g}",
+                                  longest_dead.axis, 1e3 * longest_dead.dead_time_s,
+                                  1e3 * hil::DynamicArm::kMaxDeadCycles * cell.servo.period_s));
   arm.dead_cycles = static_cast<int>(cycles);
   if (std::ranges::any_of(arms, [](const IdentifiedArm& axis) { return axis.impedance.has_value(); }))
     return ApplySprings(arms, torque, arm);
   // an older file without springs: derive the spring from this axis
-  if (!measured.felt_mass_kg || torque) return;
+  if (!longest_dead.felt_mass_kg || torque) return;
   const auto mobility = ToolMobility(cell);
   if (!mobility) return;
-  const double w = 2.0 * std::numbers::pi * measured.bandwidth_hz;
-  arm.stiffness_N_per_m = *measured.felt_mass_kg * w * w;
+  const double w = 2.0 * std::numbers::pi * longest_dead.bandwidth_hz;  // [rad/s]
+  arm.stiffness_N_per_m = *longest_dead.felt_mass_kg * w * w;
   // the arm's damping is a ratio of the mass that it has on average over all directions
   const double mean_kg = 3.0 / mobility->trace();
-  arm.cartesian_damping_ratio = measured.damping_ratio * std::sqrt(*measured.felt_mass_kg / mean_kg);
+  arm.cartesian_damping_ratio = longest_dead.damping_ratio * std::sqrt(*longest_dead.felt_mass_kg / mean_kg);
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ struct ArmLinkConfig {
   std::uint16_t port{0};
   std::variant<io::FriSessionParams, io::RsiSessionParams> session;
 
-  /// Null if it is the other one.
+  /// Null if the arm speaks the other protocol.
   [[nodiscard]] const io::FriSessionParams* fri() const {
     return std::get_if<io::FriSessionParams>(&session);
   }
@@ -100,7 +100,7 @@ struct EngineProcessConfig {
   std::filesystem::path token_file{};
 };
 
-/// Whether a part of the cell gives way.
+/// Whether a part of the cell is simulated as compliant.
 enum class GivesWay : std::uint8_t {
   kOff,
   kOn,
@@ -120,7 +120,7 @@ struct ComplianceConfig {
 struct CellConfig {
   RobotConfig robot;
   ToolConfig tool;
-  std::filesystem::path tool_file;  ///< of the tool
+  std::filesystem::path tool_file;  ///< the file that `tool` was read from
   simulation::SceneParams scene;    ///< with the materials that it needs
   std::optional<BoneConfig> bone;   ///< absent: the scene's own solid
   Pose X_WB{Pose::Identity()};      ///< robot base in world

@@ -5,8 +5,8 @@
 
 namespace osteon::config {
 
-/// Refuses here, where the file is known, what the loop's constructor would refuse (control::Validate,
-/// control::LawOf): values that are in their ranges but do not fit each other.
+/// Refuses values that are in their ranges but do not fit each other. The loop's constructor would refuse
+/// them too (control::Validate, control::LawOf), but could not name file and line.
 /// @throws ConfigError at the law's section, naming the parameter, the value and what is accepted.
 void CheckLoop(const Reader& cell, const control::ServoParams& servo);
 

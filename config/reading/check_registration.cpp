@@ -15,27 +15,27 @@
 namespace osteon::config {
 namespace {
 
-constexpr double kFoot_mm = 150.0;  // half of an arm's foot, and half of a small bone beside it
-constexpr double kLongestTool_mm = 600.0;
-constexpr double kInMetres_mm = 5.0;    // a cell is smaller than 5 m and larger than 5 mm
-constexpr double kSteepest_deg = 60.0;  // largest angle between the tool's axis and the site's axis
-constexpr double kUpright_deg = 0.1;    // a smaller tilt is due to levelling
-constexpr double kRotation = 1e-6;
+constexpr double kFoot_mm = 150.0;         // half of an arm's foot, and half of a small bone beside it
+constexpr double kLongestTool_mm = 600.0;  // from the flange to the apex
+constexpr double kInMetres_mm = 5.0;       // a cell is smaller than 5 m and larger than 5 mm
+constexpr double kSteepest_deg = 60.0;     // largest angle between the tool's axis and the site's axis
+constexpr double kUpright_deg = 0.1;       // a smaller tilt is due to levelling
+constexpr double kRotation = 1e-6;         // largest norm of R R^T - 1 for a rotation matrix R
 constexpr const char* kLooksLikeMetres = "looks like metres where millimetres are expected";
 
 double AngleBetween_deg(const Vector3& a, const Vector3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
 }
 
-// Radius of the ball around the site that contains the work: the site's radius plus its depth.
+// Radius [m] of the ball around the site that contains the work: the site's radius plus the depth of the cut.
 double WorkRadius(const CellConfig& cell) {
   const simulation::SceneParams& scene = cell.scene;
-  const simulation::CutSite* own = cell.bone && cell.bone->cup ? &*cell.bone->cup : nullptr;  // of a mesh
+  const simulation::CutSite* mesh_cup = cell.bone && cell.bone->cup ? &*cell.bone->cup : nullptr;
   if (const auto* cup = std::get_if<simulation::AcetabulumShape>(&scene.shape))
-    return 2.0 * (own ? own->radius_m : cup->cup_radius_m);
+    return 2.0 * (mesh_cup ? mesh_cup->radius_m : cup->cup_radius_m);
   double depth_m = 0.0;
   for (const Vector3& p_C : scene.zone.path_C_m) depth_m = std::max(depth_m, -p_C.z());
-  return (own ? own->radius_m : scene.site.radius_m) + depth_m;
+  return (mesh_cup ? mesh_cup->radius_m : scene.site.radius_m) + depth_m;
 }
 
 // Origin of the arm's reach, and the largest distance of its flange from there.
@@ -56,6 +56,7 @@ Reach ReachOf(const SixAxisConfig& arm) {
           .reach_m = std::hypot(p.a1_m, p.b_m) + p.c2_m + std::hypot(p.a2_m, p.c3_m) + std::abs(p.c4_m)};
 }
 
+// X_BF, the flange in the base, at joint angles q [rad].
 Pose FlangePose(const LbrConfig& arm, const kinematics::JointVector& q) {
   return kinematics::SerialChain<7>(arm.chain).FlangePose(q);
 }
@@ -64,6 +65,7 @@ Pose FlangePose(const SixAxisConfig& arm, const kinematics::JointVector& q) {
   return kinematics::SerialChain<6>(arm.chain).FlangePose(q.head<6>());
 }
 
+// p_BElbow, the elbow in the base, at joint angles q [rad].
 Vector3 ElbowPosition(const LbrConfig& arm, const kinematics::JointVector& q) {
   return kinematics::LbrArm(arm.params).Points(q).p_BElbow;
 }
@@ -72,6 +74,7 @@ Vector3 ElbowPosition(const SixAxisConfig& arm, const kinematics::JointVector& q
   return kinematics::OrthoParallelArm(arm.params).Points(q.head<6>()).p_BElbow;
 }
 
+// The rows of base, bone, tool and workspace, which need no solution for the arm's joints.
 std::vector<RegistrationRow> FrameRows(const CellConfig& cell) {
   const Vector3 p_WB = cell.X_WB.translation(), p_WC = cell.X_WG.translation(),
                 p_FT = cell.tool.X_FT.translation();
@@ -114,6 +117,7 @@ std::vector<RegistrationRow> FrameRows(const CellConfig& cell) {
        .hint = cell.tool.tool.name + ": its mounting's position_mm and its length",
        .note = {}},
       {.name = "from the tool's rotation to the nearest rotation",
+       // 2: a mirror image, which is no rotation
        .value = R_FT.determinant() > 0.0 ? (R_FT * R_FT.transpose() - Matrix3::Identity()).norm() : 2.0,
        .unit = "",
        .high = kRotation,
@@ -150,13 +154,14 @@ std::vector<RegistrationRow> FrameRows(const CellConfig& cell) {
   };
 }
 
+// The rows of the start: joints, apex, tool axis, flange and elbow, by forward kinematics from cell.start.q.
 std::vector<RegistrationRow> StartRows(const CellConfig& cell) {
   const Pose X_BF =
       std::visit([&](const auto& arm) { return FlangePose(arm, cell.start.q); }, cell.robot.arm);
   const Pose X_WF = cell.X_WB * X_BF, X_WT = X_WF * cell.tool.X_FT;
   const safety::WorkspaceParams& workspace = cell.servo.workspace;
   double margin_rad = std::numeric_limits<double>::infinity();
-  int nearest = 0;
+  int nearest = 0;  // number of the joint that is nearest to a limit
   for (int i = 0; i < (cell.robot.lbr() ? 7 : 6); ++i) {
     const kinematics::JointLimits& limits = cell.servo.joints.limits[static_cast<std::size_t>(i)];
     const double room_rad = std::min(cell.start.q[i] - limits.lower_rad, limits.upper_rad - cell.start.q[i]);
@@ -228,6 +233,7 @@ std::vector<RegistrationRow> StartRows(const CellConfig& cell) {
   return rows;
 }
 
+// Refuses a key of a section of the cell's file.
 [[noreturn]] void RefuseIn(const Reader& reader, const char* section, const char* key,
                            const std::string& what) {
   Reader at = reader;  // a view: the mapping is read again only for its line numbers
@@ -244,9 +250,9 @@ bool LooksLikeMetres(const Pose& X) {
 // the arm's foot, which the row from base to site refuses.)
 void RefuseBaseInMetres(const CellConfig& cell, const Reader& reader) {
   if (!LooksLikeMetres(cell.X_WB)) return;
-  CellConfig other = cell;
-  other.X_WB.translation() *= 1e3;
-  const std::vector<RegistrationRow> rows = FrameRows(other);
+  CellConfig in_millimetres = cell;
+  in_millimetres.X_WB.translation() *= 1e3;
+  const std::vector<RegistrationRow> rows = FrameRows(in_millimetres);
   if (!std::all_of(rows.begin(), rows.end(), [](const RegistrationRow& row) { return row.holds(); })) return;
   const Vector3 p = cell.X_WB.translation() / kMillimetre_m;
   RefuseIn(reader, "base_in_world", "position_mm",
@@ -254,7 +260,8 @@ void RefuseBaseInMetres(const CellConfig& cell, const Reader& reader) {
                        kLooksLikeMetres));
 }
 
-void Refuse(const std::vector<RegistrationRow>& rows, const Reader& reader) {
+// Refuses the first row that does not hold, at the key to blame.
+void RefuseFailedRow(const std::vector<RegistrationRow>& rows, const Reader& reader) {
   for (const RegistrationRow& row : rows) {
     if (row.holds()) continue;
     Reader at = reader;  // a view: the mapping is read again only for its line numbers
@@ -290,7 +297,7 @@ void CheckFrames(const CellConfig& cell, const Reader& reader) {
   const std::vector<RegistrationRow> rows = FrameRows(cell);
   if (std::any_of(rows.begin(), rows.end(), [](const RegistrationRow& row) { return !row.holds(); }))
     RefuseBaseInMetres(cell, reader);
-  Refuse(rows, reader);
+  RefuseFailedRow(rows, reader);
 }
 
 void RefuseStart(const CellConfig& cell, const Reader& reader, const std::string& what,
@@ -305,6 +312,7 @@ void RefuseStart(const CellConfig& cell, const Reader& reader, const std::string
     const auto pose = place.first;
     const char* section = place.second;
     const Vector3 p = (cell.*pose).translation() / kMillimetre_m;
+    // is a pose written in metres to blame?
     if (LooksLikeMetres(cell.*pose) &&
         possible_with([&](CellConfig& other) { (other.*pose).translation() *= 1e3; }))
       RefuseIn(reader, section, "position_mm",
@@ -312,6 +320,7 @@ void RefuseStart(const CellConfig& cell, const Reader& reader, const std::string
                            p.z(), kLooksLikeMetres, what));
     const double tilt_deg = AngleBetween_deg((cell.*pose).linear().col(2), Vector3::UnitZ());
     if (tilt_deg <= 90.0) continue;
+    // is a pose that is upside down to blame?
     for (const Vector3& axis : {Vector3(Vector3::UnitX()), Vector3(Vector3::UnitY())})
       if (possible_with([&](CellConfig& other) {
             (other.*pose).linear() = (other.*pose).linear() * Eigen::AngleAxisd(std::numbers::pi, axis);
@@ -336,6 +345,6 @@ void RefuseStart(const CellConfig& cell, const Reader& reader, const std::string
   RefuseIn(reader, "start", "height_mm", what);
 }
 
-void CheckStart(const CellConfig& cell, const Reader& reader) { Refuse(StartRows(cell), reader); }
+void CheckStart(const CellConfig& cell, const Reader& reader) { RefuseFailedRow(StartRows(cell), reader); }
 
 }  // namespace osteon::config

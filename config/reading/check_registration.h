@@ -9,12 +9,12 @@
 #include "config/reading/strict/reader.h"
 
 // Checks whether a cell's geometry (base X_WB, bone X_WG, tool X_FT, workspace, start) is consistent. A pose
-// that was measured wrongly, or written in another unit, is a valid pose: the error shows only beside the
-// others.
+// that was measured wrongly, or written in another unit, is a valid pose: its error shows only in a
+// comparison with the other poses.
 
 namespace osteon::config {
 
-/// One quantity of a registration, and its accepted range. For a table before a run.
+/// One quantity of a registration, and its accepted range: a row of the table that is shown before a run.
 struct RegistrationRow {
   std::string name;   ///< "from the arm's base to the site"
   double value{0.0};  ///< in `unit`
@@ -51,6 +51,8 @@ struct RegistrationReport {
 /// | start: the apex in the workspace | inside |
 /// | start: tool axis from the site's axis | points into the bone, to 60 deg |
 /// | start: flange above the workspace's plane | above |
+/// | start: the apex before the depth limit's bound | before, if the cell has a depth limit |
+/// | start: flange and elbow in their zones | inside, if the cell has zones for them |
 ///
 /// The start's values come from its joints by forward kinematics, through W B F T, independently of the way
 /// in which the joints were found. A depth is that of the scene's zone: the deepest point of a path, the
@@ -63,8 +65,9 @@ struct RegistrationReport {
 /// @throws ConfigError at the first row that does not hold: file:line, key, found and accepted.
 void CheckFrames(const CellConfig& cell, const Reader& reader);
 /// Refuses the key that is to blame for an impossible start (the arm cannot reach it, or the apex would be
-/// outside the workspace). A pose of the registration is to blame if its correction alone, to millimetres or
-/// turned over, makes the start possible, or if no height above the site does; otherwise start.height_mm.
+/// outside the workspace). Blamed are, in this order: the pose of base or bone, if its correction alone (from
+/// metres to millimetres, or turned over) makes the start possible; start.height_mm, if height 0 does; the
+/// bone's position, if the flange would be beyond the stretched arm's reach; otherwise start.height_mm.
 /// @param is_possible  returns whether the arm can be placed at the start of a cell, and may change this cell
 /// @param what  the error at the start
 /// @throws ConfigError always.

@@ -13,13 +13,15 @@
 namespace osteon::config {
 namespace {
 
-thread_local ConfigFileTracker* present_tracker = nullptr;
+thread_local ConfigFileTracker* present_tracker = nullptr;  // this thread's; null: none
 
+// Whether a path lies in a folder, at any depth, or is the folder itself. Both absolute and normal.
 bool IsBelow(const std::filesystem::path& path, const std::filesystem::path& folder) {
   const std::filesystem::path relative = path.lexically_relative(folder);
   return !relative.empty() && *relative.begin() != "..";
 }
 
+// The shipped folder of this process: found at the first call, and replaced by SetShippedFolder.
 std::filesystem::path& Shipped() {
   static std::filesystem::path folder = [] {
     std::error_code error;
@@ -53,9 +55,10 @@ std::filesystem::path FindBelow(const std::filesystem::path& root, const std::st
 std::filesystem::path FindShippedFolder(const char* root, const std::filesystem::path& here,
                                         const std::filesystem::path& program) {
   if (root) return std::filesystem::path(root) / "config";
-  constexpr std::array<const char*, 1> kHas{"cells"};
-  if (!HasFolders(here / "config", kHas))
-    if (const std::filesystem::path found = FindShippedAbove(program, kHas); !found.empty()) return found;
+  constexpr std::array<const char*, 1> kRequiredFolders{"cells"};
+  if (!HasFolders(here / "config", kRequiredFolders))
+    if (const std::filesystem::path found = FindShippedAbove(program, kRequiredFolders); !found.empty())
+      return found;
   return here / "config";
 }
 

@@ -32,8 +32,10 @@
 namespace osteon::config {
 namespace {
 
-// Reads the start. @param lbr  reads the keys about the redundant elbow, which an arm of six axes does not
-// have
+// The Read functions fill their part of the cell from a section of its file. The numbers behind a key are its
+// accepted range, in the unit at the key's end.
+
+// @param lbr  whether the arm has seven joints: only then is its redundant elbow given as well
 void ReadStart(Reader section, bool lbr, StartConfig& start) {
   start.height_m = section.Number("height_mm", 0, 500);
   start.tool_yaw_rad = section.Number("tool_yaw_deg", -360, 360);
@@ -108,7 +110,7 @@ void ReadVibration(Reader section, control::VibrationParams& vibration) {
   vibration.max_damping_factor = section.Number("damping_ratio", 1, 1000);
   vibration.max_mass_factor = section.Number("mass_ratio", 1, 100);
   vibration.notch_hz = section.Number("notch_hz", 0, 20);
-  // absent in recorded cells from before the loop told a hand's tremor from its own vibration
+  // the cells of older recordings do not have this key
   if (section.Has("tremor_N")) vibration.reference.tremor_N = section.Number("tremor_N", 0, 50);
 }
 
@@ -156,9 +158,9 @@ void ReadCutting(Reader section, simulation::CuttingParams& cutting) {
   cutting.split.pool_blocks = static_cast<std::size_t>(split.WholeNumber("pool_count", 1, 1'000'000));
 }
 
-// Bone beyond the planes of a frame (normal_enlargement) is met as deep as the tool travels until the next
-// frame. The resulting step of the coupling's force must stay below the trip on its rate, 1.5 K v_max a tick;
-// K cancels out.
+// Limits model_sight. Bone beyond the planes of a frame (normal_enlargement) is met as deep as the tool
+// travels until the next frame. The resulting step of the coupling's force must stay below the one
+// that counts as a fault (kWrenchRate), 1.5 K v_max dt; the stiffness K cancels out.
 void CheckSight(const Reader& limits, const CellConfig& cell) {
   const control::ServoParams& servo = cell.servo;
   const double step_m =
@@ -171,8 +173,9 @@ void CheckSight(const Reader& limits, const CellConfig& cell) {
                               servo.model_sight_m * 1e3, max_m * 1e3));
 }
 
-// A frame moves the proxy by at most max_slide, and the coupling hands it over within its return time. A
-// tick's share of it, damping included, must stay below the same trip.
+// Limits max_slide. A frame moves the proxy by at most max_slide, and the coupling follows within its return
+// time. The force step of one tick, damping included, must stay below the one that counts as a fault
+// (CheckSight).
 void CheckSlide(const Reader& cutting, const CellConfig& cell) {
   const control::ServoParams& servo = cell.servo;
   const double hand_over_s = std::max(servo.coupling.return_s, servo.period_s);
@@ -187,7 +190,7 @@ void CheckSlide(const Reader& cutting, const CellConfig& cell) {
                     servo.twist.max_speed_m_per_s * 1e3, hand_over_s * 1e3));
 }
 
-// Checks that the second of two values in ms or N of one section is the larger one.
+// Refuses `larger_key` unless its value exceeds that of `smaller_key`, both in the same unit.
 void CheckOrder(const Reader& section, const std::string& smaller_key, const std::string& larger_key,
                 double smaller, double larger) {
   if (smaller < larger) return;
@@ -195,12 +198,13 @@ void CheckOrder(const Reader& section, const std::string& smaller_key, const std
                  fmt::format("found {:.10g}, accepted more than {} ({:.10g})", larger, smaller_key, smaller));
 }
 
-// Radius of the cutting head: the hand guides the point that lies this far behind the apex.
+// Radius [m] of the cutting head: the hand guides the point that lies this far behind the apex.
 double HeadRadius(const simulation::Tool& tool) {
   const simulation::ToolBall* head = simulation::CuttingHead(tool);
   return head ? head->radius_m : tool.balls.front().radius_m;
 }
 
+// Finds the joints start.q at which the flange is at X_BF. False if the arm cannot reach this pose.
 bool PlaceArm(const LbrConfig& arm, const Pose& X_BF, StartConfig& start) {
   return kinematics::LbrArm(arm.params)
       .Inverse(X_BF, start.arm_angle_rad, kinematics::JointVector::Zero(), start.q);
@@ -208,15 +212,15 @@ bool PlaceArm(const LbrConfig& arm, const Pose& X_BF, StartConfig& start) {
 
 bool PlaceArm(const SixAxisConfig& arm, const Pose& X_BF, StartConfig& start) {
   constexpr double kQuarter = std::numbers::pi / 2.0;
-  kinematics::JointVectorN<6> q, usual;
+  kinematics::JointVectorN<6> q, usual;  // of several solutions, the one nearest to `usual` is taken
   usual << 0.0, -kQuarter, kQuarter, 0.0, kQuarter, 0.0;
   if (!kinematics::OrthoParallelArm(arm.params).Inverse(X_BF, usual, q)) return false;
   start.q << q, 0.0;
   return true;
 }
 
-// Places the arm at the start. Returns an error if the start is outside the cell's or the arm's range.
-std::string PlacementError(CellConfig& cell) {
+// Computes start.X_WT and start.q. Returns why the arm cannot be there; empty if it can.
+std::string TryPlaceAtStart(CellConfig& cell) {
   StartConfig& start = cell.start;
   const Pose& X_WC = cell.X_WG;  // the site's frame, which may differ from the bone's own
   const double head_radius_m = HeadRadius(cell.tool.tool);
@@ -234,8 +238,8 @@ std::string PlacementError(CellConfig& cell) {
 }
 
 void PlaceAtStart(const Reader& reader, CellConfig& cell) {
-  if (const std::string wrong = PlacementError(cell); !wrong.empty())
-    RefuseStart(cell, reader, wrong, [](CellConfig& other) { return PlacementError(other).empty(); });
+  if (const std::string wrong = TryPlaceAtStart(cell); !wrong.empty())
+    RefuseStart(cell, reader, wrong, [](CellConfig& other) { return TryPlaceAtStart(other).empty(); });
 }
 
 // Reads the arm that the cell names.
@@ -293,9 +297,10 @@ void CheckEdgeForce(const Reader& cutting, const CellConfig& cell) {
                    "found true, accepted with a scene of which a material has edge_force_N_per_mm");
 }
 
-// Loads the requested tool, or the cell's own.
-ToolConfig ChooseTool(const Reader& reader, const ToolChoice& own, const std::optional<ToolChoice>& wanted) {
-  if (wanted) return LoadTool(wanted->file, wanted->diameter_m);
+// Loads the requested tool, or else the cell's own.
+ToolConfig ChooseTool(const Reader& reader, const ToolChoice& own,
+                      const std::optional<ToolChoice>& requested) {
+  if (requested) return LoadTool(requested->file, requested->diameter_m);
   try {
     return LoadTool(own.file, own.diameter_m);
   } catch (const ToolSizeError& error) {
@@ -317,7 +322,7 @@ void PropagateSharedValues(CellConfig& cell) {
   servo.posture_load.axial_N = servo.wrench.max_force_N;
   servo.workspace.deceleration_m_per_s2 = servo.stop_deceleration_m_per_s2;
   servo.spindle_rad_per_s = cell.tool.spindle_rad_per_s;
-  // the file has these limits as ratios, because a cell accepts other tools as well
+  // The file has these limits as ratios of the tool's own values, because a cell accepts other tools as well.
   if (const double rated_Nm = cell.tool.drive.rated_torque_Nm * cell.tool.drive.gear_ratio; rated_Nm > 0.0) {
     servo.spindle_limits.max_torque_Nm *= rated_Nm;
     servo.spindle_limits.max_speed_rad_per_s *= cell.tool.spindle_rad_per_s;
@@ -328,6 +333,7 @@ void PropagateSharedValues(CellConfig& cell) {
   cell.cutting.max_force_N = servo.wrench.max_force_N;
 
   cell.simulated.X_WB = cell.X_WB;
+  // so far, q_start holds the simulated arm's offset from the start
   for (std::size_t i = 0; i < cell.simulated.q_start.size(); ++i)
     cell.simulated.q_start[i] += cell.start.q[static_cast<Eigen::Index>(i)];
 
@@ -342,7 +348,7 @@ void PropagateSharedValues(CellConfig& cell) {
       cell.script);
 }
 
-// The three sections that a cell for a real arm alone may omit, all together.
+// The sections that a cell for a real arm alone may omit, but only all three.
 struct SimulationSections {
   Reader hand, script;
   SimulatedArmSection arm;
@@ -408,6 +414,8 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool, const 
   cell.injections = ReadInjections(reader);
   reader.Finish();
 
+  // All keys of the cell's file are read: check its values against each other, then load the files that it
+  // names.
   CheckDepthLimit(reader, servo.depth, servo.coupling.max_stiffness_N_per_m);
   cell.own_gains = control::GainsOf(servo.admittance, servo.coupling);
   if (!gains.empty()) ApplyGainsFile(gains, servo.law, servo.admittance, servo.coupling);

@@ -12,12 +12,16 @@
 namespace osteon::config {
 namespace {
 
+// accepted ranges
 constexpr double kMaxSpeed_mm_per_s = 250.0, kMaxFrequency_hz = 1000.0, kMaxTime_ms = 1000.0;
 // the estimate of a delay near zero may be negative
 constexpr double kMinDelay_ms = -10.0, kMaxDeadTime_ms = 200.0, kMaxSensorDelay_ms = 50.0;
-constexpr double kLagTolerance = 0.1, kLagTolerance_s = 0.5e-3, kTurn_rad = 2.0 * std::numbers::pi;
-constexpr double kMaxLoss = 0.99;
-constexpr std::size_t kMaxLines = 400, kMaxItems = 100;
+constexpr double kMaxLoss = 0.99;                        // share of the answers that the arm did not use
+constexpr std::size_t kMaxLines = 400, kMaxItems = 100;  // of a response; of any other list
+// RequireLag accepts a lag that differs from the model's by this share of it plus this time.
+constexpr double kLagTolerance = 0.1, kLagTolerance_s = 0.5e-3;
+constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+// A file belongs to a cell whose start (each joint) and period differ by no more.
 constexpr double kSamePosture_rad = 0.02, kSamePeriod_s = 1e-9;
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
@@ -44,8 +48,8 @@ void RequireInterval(const IntervalCheck& check) {
                              check.interval.low / unit, check.interval.high / unit, check.value / unit));
 }
 
-// Requires a lag of dead time plus 2 z / w: with another one, model and response belong to two different
-// arms.
+// Requires that lag_ms is dead time + 2 z / w (damping ratio z, bandwidth w in rad/s). Otherwise model and
+// response belong to two different arms.
 void RequireLag(const Reader& section, const IdentifiedArm& arm) {
   const double lag_s = arm.dead_time_s + 2.0 * arm.damping_ratio / (kTurn_rad * arm.bandwidth_hz);
   if (std::abs(arm.lag_s - lag_s) <= kLagTolerance_s + kLagTolerance * std::abs(lag_s)) return;
@@ -54,7 +58,7 @@ void RequireLag(const Reader& section, const IdentifiedArm& arm) {
                                        1e3 * arm.lag_s, 1e3 * lag_s, 100.0 * kLagTolerance));
 }
 
-// Refuses two items of the same axis, speed and kind.
+// Refuses an item that is the same as an earlier one, by `same`: axis, speed and kind.
 template <class Item, class Same>
 void RequireOnce(const std::vector<Reader>& sections, const std::vector<Item>& items, const Same& same) {
   for (std::size_t i = 0; i < items.size(); ++i)
@@ -136,7 +140,7 @@ IdentifiedArm ReadArm(Reader& section, std::vector<IntervalCheck>& checks) {
 IdentifiedResponse ReadResponse(Reader& section, std::vector<Reader>& lines) {
   IdentifiedResponse response{.axis = ReadAxis(section)};
   response.speed_m_per_s = section.Number("speed_mm_per_s", 0, kMaxSpeed_mm_per_s);
-  const auto by = section.Choice("by", {"encoders", "force", "hand"});
+  const auto by = section.Choice("by", {"encoders", "force", "hand"});  // 0, 1, 2
   response.by_force = by == 1;
   if (section.Has("hand")) response.hand = section.Text("hand");
   if ((by == 2) == response.hand.empty())
@@ -192,23 +196,26 @@ void ReadVibration(Reader& cell, IdentifiedCell& identified) {
   if (cell.Has("dead_zone_N")) identified.dead_zone_N = cell.Number("dead_zone_N", 0, 50);
 }
 
-struct ReadFile {
+// The content of a file, its section valid_for (for refusals after reading), and the law that it names, if
+// any.
+struct IdentifiedFile {
   IdentifiedCell identified;
   Reader valid_for;
   std::optional<control::Law> law{};
 };
 
-ReadFile ReadAll(const std::filesystem::path& file) {
+IdentifiedFile ReadIdentifiedFile(const std::filesystem::path& file) {
   Reader reader = Reader::Load(file);
   Reader cell = reader.Section("identified");
   Reader validity = cell.Section("valid_for");
   std::optional<control::Law> law;
   std::vector<Reader> recordings;
-  ReadFile read{.identified = {.valid_for = ReadValidity(validity, law, recordings)}, .valid_for = validity};
+  IdentifiedFile read{.identified = {.valid_for = ReadValidity(validity, law, recordings)},
+                      .valid_for = validity};
   read.law = law;
   IdentifiedCell& identified = read.identified;
   std::vector<IntervalCheck> checks;
-  std::vector<std::vector<Reader>> lines;
+  std::vector<std::vector<Reader>> lines;  // of each response
   std::vector<Reader> arms = cell.Sections("arm", 0, kMaxItems),
                       responses = cell.Sections("response", 0, kMaxItems);
   for (Reader& arm : arms) identified.arm.push_back(ReadArm(arm, checks));
@@ -225,6 +232,7 @@ ReadFile ReadAll(const std::filesystem::path& file) {
   ReadVibration(cell, identified);
   reader.Finish();
 
+  // All keys are there: check the values against each other.
   for (const IntervalCheck& check : checks) RequireInterval(check);
   for (std::size_t i = 0; i < arms.size(); ++i) RequireLag(arms[i], identified.arm[i]);
   for (std::size_t i = 0; i < recordings.size(); ++i)
@@ -248,11 +256,14 @@ ReadFile ReadAll(const std::filesystem::path& file) {
   return read;
 }
 
+// The Text functions return a part of the file as YAML, as the Read functions above accept it.
+
+// @param unit  of the text, in SI
 std::string IntervalText(const IdentifiedInterval& interval, double unit) {
   return fmt::format("[{:.10g}, {:.10g}]", interval.low / unit, interval.high / unit);
 }
 
-constexpr double kMilli = 1e-3;
+constexpr double kMilli = 1e-3;  // unit of texts in ms or mm/s, in SI
 
 const char* NameOf(control::Law law) { return kLaws[law == control::Law::kAdmittance ? 0 : 1]; }
 
@@ -315,6 +326,7 @@ std::string ResponseText(const IdentifiedResponse& response) {
   return text;
 }
 
+// Force sensor, link, and the structure's resonances.
 std::string DevicesText(const IdentifiedCell& identified) {
   std::string text;
   if (const auto& sensor = identified.sensor) {
@@ -333,6 +345,7 @@ std::string DevicesText(const IdentifiedCell& identified) {
   return text;
 }
 
+// Hands, vibration and dead zone.
 std::string HandsText(const IdentifiedCell& identified) {
   std::string text = identified.hands.empty() ? "" : "  hands:\n";
   for (const IdentifiedHand& hand : identified.hands)
@@ -353,10 +366,12 @@ std::string HandsText(const IdentifiedCell& identified) {
 
 }  // namespace
 
-IdentifiedCell ReadIdentified(const std::filesystem::path& file) { return ReadAll(file).identified; }
+IdentifiedCell ReadIdentified(const std::filesystem::path& file) {
+  return ReadIdentifiedFile(file).identified;
+}
 
 IdentifiedCell ReadIdentifiedFor(const std::filesystem::path& file, const CellConfig& cell) {
-  const ReadFile read = ReadAll(file);
+  const IdentifiedFile read = ReadIdentifiedFile(file);
   const IdentifiedValidity& valid = read.identified.valid_for;
   const auto require = [&](const std::string& key, const std::string& found, const std::string& accepted) {
     if (found != accepted)

@@ -7,8 +7,7 @@
 namespace osteon::config {
 namespace {
 
-// Reads the edge's force. The measured cutting energy includes the work of this force, which can only be a
-// part of it (CheckEdgeForce).
+// Reads the force of a cutting edge per length of the edge. CheckEdgeForce limits it.
 void ReadEdgeForce(Reader& tissue, simulation::Material& material) {
   material.edge_force_N_per_m = tissue.Number("edge_force_N_per_mm", 1e-3, 1e3);
   material.measured_chip_m = tissue.Number("measured_chip_um", 0.1, 1e4);
@@ -16,6 +15,8 @@ void ReadEdgeForce(Reader& tissue, simulation::Material& material) {
                                 .assumed = tissue.Bool("edge_force_assumed")};
 }
 
+// The measured cutting energy includes the work of the edge's force: refuses a force that alone would need it
+// all.
 void CheckEdgeForce(const Reader& tissue, const simulation::Material& material) {
   const double max_N_per_m = material.specific_cutting_energy_J_per_m3 * material.measured_chip_m;
   if (material.edge_force_N_per_m > 0.0 && material.edge_force_N_per_m >= max_N_per_m)

@@ -38,14 +38,14 @@ struct JointSections {
   std::string name;
 };
 
-JointSections ReadNamed(Reader& row, JointLimits& limits) {
+JointSections ReadNameAndLimits(Reader& row, JointLimits& limits) {
   std::string name = row.Text("name");
   Reader section = row.Section("limits");
   limits = ReadLimits(section);
   return {row, section, std::move(name)};
 }
 
-void CheckNamed(const JointSections& sections, std::size_t i, const JointLimits& limits) {
+void CheckNameAndLimits(const JointSections& sections, std::size_t i, const JointLimits& limits) {
   if (const std::string expected = fmt::format("A{}", i + 1); sections.name != expected)
     sections.joint.Refuse(
         "name", fmt::format("found {}, accepted {}: the joints from the base on", sections.name, expected));
@@ -54,15 +54,16 @@ void CheckNamed(const JointSections& sections, std::size_t i, const JointLimits&
                                                     limits.upper_rad / kDegree, limits.lower_rad / kDegree));
 }
 
+// A joint of a file that describes the arm joint by joint.
 struct JointRow {
   RevoluteJoint joint;
   JointSections sections;
-  std::optional<Reader> link;
+  std::optional<Reader> link;  // the section with the link's mass, if it has one
 };
 
 JointRow ReadJoint(Reader row) {
   RevoluteJoint joint;
-  JointSections sections = ReadNamed(row, joint.limits);
+  JointSections sections = ReadNameAndLimits(row, joint.limits);
   joint.X_PJ = ReadPose(row.Section("origin"));
   joint.axis_J = row.Direction("axis");
   std::optional<Reader> link;
@@ -80,6 +81,7 @@ JointRow ReadJoint(Reader row) {
   return {joint, sections, link};
 }
 
+// Joins the joints and the flange's pose X_LF in the last link.
 template <int N>
 ChainParams<N> ChainOf(const std::vector<JointRow>& rows, const Pose& X_LF) {
   ChainParams<N> chain;
@@ -89,26 +91,29 @@ ChainParams<N> ChainOf(const std::vector<JointRow>& rows, const Pose& X_LF) {
   return chain;
 }
 
+// Reads the form joint by joint.
 void ReadJoints(Reader& reader, RobotModel& model) {
   std::vector<JointRow> rows;
   for (const Reader& row : reader.Sections("joints", 6, 7)) rows.push_back(ReadJoint(row));
   const Pose X_LF = ReadPose(reader.Section("flange"));
-  // masses need their source, and a source needs its masses
+  // The file has to name its sources, which the program does not use. Masses need a source, and a source
+  // masses.
   Reader sources = reader.Section("sources");
-  for (const char* of : {"geometry", "limits", "acceleration"}) static_cast<void>(sources.Text(of));
-  const bool masses = sources.Has("masses");
-  if (masses) static_cast<void>(sources.Text("masses"));
+  for (const char* figure : {"geometry", "limits", "acceleration"}) static_cast<void>(sources.Text(figure));
+  const bool has_masses = sources.Has("masses");
+  if (has_masses) static_cast<void>(sources.Text("masses"));
   reader.Finish();
 
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const JointRow& row = rows[i];
-    CheckNamed(row.sections, i, row.joint.limits);
-    if (row.link.has_value() != masses)
+    CheckNameAndLimits(row.sections, i, row.joint.limits);
+    if (row.link.has_value() != has_masses)
       row.sections.joint.Refuse(
-          "name", masses ? fmt::format("found {} without a link, accepted one with: sources names masses",
-                                       row.sections.name)
-                         : fmt::format("found {} with a link, accepted one without: sources names no masses",
-                                       row.sections.name));
+          "name", has_masses
+                      ? fmt::format("found {} without a link, accepted one with: sources names masses",
+                                    row.sections.name)
+                      : fmt::format("found {} with a link, accepted one without: sources names no masses",
+                                    row.sections.name));
     if (row.link) CheckBody(*row.link, row.joint.link, row.sections.name);
   }
   if (rows.size() == 7)
@@ -117,6 +122,7 @@ void ReadJoints(Reader& reader, RobotModel& model) {
     model.chain = ChainOf<6>(rows, X_LF);
 }
 
+// Reads the form with the lengths of an ortho-parallel arm.
 void ReadOrthoParallel(Reader& reader, RobotModel& model) {
   OrthoParallelParams params;
   Reader lengths = reader.Section("ortho_parallel");
@@ -130,15 +136,15 @@ void ReadOrthoParallel(Reader& reader, RobotModel& model) {
   std::vector<JointSections> joints;
   std::vector<Reader> rows = reader.Sections("joints", 6, 6);
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    joints.push_back(ReadNamed(rows[i], params.limits[i]));
+    joints.push_back(ReadNameAndLimits(rows[i], params.limits[i]));
     params.offset_rad[i] = rows[i].Number("offset_deg", -180, 180);
     params.sign[i] = rows[i].Bool("reversed") ? -1.0 : 1.0;
   }
   Reader sources = reader.Section("sources");
-  for (const char* of : {"geometry", "limits", "acceleration"}) static_cast<void>(sources.Text(of));
+  for (const char* figure : {"geometry", "limits", "acceleration"}) static_cast<void>(sources.Text(figure));
   reader.Finish();
 
-  for (std::size_t i = 0; i < joints.size(); ++i) CheckNamed(joints[i], i, params.limits[i]);
+  for (std::size_t i = 0; i < joints.size(); ++i) CheckNameAndLimits(joints[i], i, params.limits[i]);
   model.ortho_parallel = params;
   model.chain = kinematics::ChainFrom(params);
 }
@@ -154,9 +160,9 @@ LinkInertia ReadBody(Reader section) {
   return body;
 }
 
-void CheckBody(const Reader& section, const LinkInertia& body, const std::string& of) {
+void CheckBody(const Reader& section, const LinkInertia& body, const std::string& name) {
   try {
-    kinematics::CheckInertia(body, of);
+    kinematics::CheckInertia(body, name);
   } catch (const std::invalid_argument& error) {
     section.Refuse("inertia_kg_m2", error.what());
   }

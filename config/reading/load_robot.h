@@ -44,7 +44,8 @@ struct RobotModel {
 /// caller may read more of it before Finish() of the whole.
 [[nodiscard]] kinematics::LinkInertia ReadBody(Reader section);
 
-/// After Finish(): refuses at the section a body that is physically impossible.
-void CheckBody(const Reader& section, const kinematics::LinkInertia& body, const std::string& of);
+/// Refuses a body that is physically impossible, at its section. Call after Finish().
+/// @param name  of the body, for the error
+void CheckBody(const Reader& section, const kinematics::LinkInertia& body, const std::string& name);
 
 }  // namespace osteon::config

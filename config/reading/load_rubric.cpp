@@ -12,7 +12,9 @@ namespace osteon::config {
 
 namespace {
 
-// Checks that no item gains by a larger error, and that all items together have at most 100 points.
+// Refuses an item whose points would rise with a larger error, and items that together have more than 100
+// points.
+// @param sections  each item's section, with the key of its value for no points
 void CheckNorms(const procedure::Rubric& rubric,
                 const std::vector<std::pair<Reader, std::string>>& sections) {
   constexpr double kAllPoints = 100.0, kRounding = 1e-9;
@@ -37,7 +39,7 @@ void CheckNorms(const procedure::Rubric& rubric,
 }  // namespace
 
 procedure::Rubric LoadRubric(const std::filesystem::path& path) {
-  constexpr double kMaxNorm = 1e6;
+  constexpr double kMaxNorm = 1e6;  // in the metric's unit
   Reader reader = Reader::Load(path);
   procedure::Rubric rubric{.name = path.stem().string(), .items = {}, .breach_source = {}};
   std::vector<std::pair<Reader, std::string>> sections;  // with the key of the norm for no points

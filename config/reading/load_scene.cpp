@@ -14,12 +14,13 @@ namespace {
 
 using simulation::SceneParams;
 
-/// The materials that a scene names: a name's position is its index.
-class Names {
+/// The names of a scene's materials, in the order of their first use: a name's position is the material's
+/// index.
+class SceneMaterialNames {
  public:
-  explicit Names(std::vector<std::string> names) : names_(std::move(names)) {}
+  explicit SceneMaterialNames(std::vector<std::string> names) : names_(std::move(names)) {}
 
-  /// Reads the name of a material.
+  /// Reads the name of a material and returns its index; a new name is added.
   simulation::MaterialIndex Read(Reader& section, const std::string& key) {
     constexpr std::size_t kMax = 8;
     const std::string name = section.Text(key);
@@ -39,7 +40,7 @@ class Names {
   std::vector<std::string> names_;
 };
 
-std::vector<simulation::TissueLayer> ReadLayers(Reader& section, Names& names) {
+std::vector<simulation::TissueLayer> ReadLayers(Reader& section, SceneMaterialNames& names) {
   std::vector<simulation::TissueLayer> layers;
   for (Reader& layer : section.Sections("layers", 0, 8)) {
     simulation::TissueLayer& read = layers.emplace_back();
@@ -49,59 +50,60 @@ std::vector<simulation::TissueLayer> ReadLayers(Reader& section, Names& names) {
   return layers;
 }
 
-// The kinds of shape, and how the section `shape` of each is read.
-void ReadAcetabulum(Reader shape, SceneParams& scene, Names&) {
-  simulation::AcetabulumShape s;
-  s.width_m = shape.Number("width_mm", 10, 500);
-  s.height_m = shape.Number("height_mm", 5, 500);
-  s.cup_radius_m = shape.Number("cup_radius_mm", 2, 100);
-  s.cartilage_m = shape.Number("cartilage_mm", 0, 20);
-  s.subchondral_m = shape.Number("subchondral_mm", 0, 20);
-  scene.shape = s;
+// Each of these functions reads the section `shape` of one kind of scene.
+
+void ReadAcetabulum(Reader shape, SceneParams& scene, SceneMaterialNames&) {
+  simulation::AcetabulumShape read;
+  read.width_m = shape.Number("width_mm", 10, 500);
+  read.height_m = shape.Number("height_mm", 5, 500);
+  read.cup_radius_m = shape.Number("cup_radius_mm", 2, 100);
+  read.cartilage_m = shape.Number("cartilage_mm", 0, 20);
+  read.subchondral_m = shape.Number("subchondral_mm", 0, 20);
+  scene.shape = read;
 }
 
-void ReadMolar(Reader shape, SceneParams& scene, Names&) {
-  simulation::MolarShape s;
-  s.length_m = shape.Number("length_mm", 10, 40);
-  s.enamel_m = shape.Number("enamel_mm", 0, 4.8);
-  s.pulp_width = shape.Number("pulp_width_ratio", 0.6, 1.3);
-  scene.shape = s;
+void ReadMolar(Reader shape, SceneParams& scene, SceneMaterialNames&) {
+  simulation::MolarShape read;
+  read.length_m = shape.Number("length_mm", 10, 40);
+  read.enamel_m = shape.Number("enamel_mm", 0, 4.8);
+  read.pulp_width = shape.Number("pulp_width_ratio", 0.6, 1.3);
+  scene.shape = read;
 }
 
-void ReadFemur(Reader shape, SceneParams& scene, Names&) {
-  simulation::FemurShape s;
-  s.length_m = shape.Number("length_mm", 20, 400);
-  s.flare_m = shape.Number("flare_mm", 5, 400);
-  s.shaft_radius_m = shape.Number("shaft_radius_mm", 5, 40);
-  s.top_radius_m = shape.Number("top_radius_mm", 5, 60);
-  s.oval_ratio = shape.Number("oval_ratio", 1, 1.6);
-  s.medial_shift_m = shape.Number("medial_shift_mm", 0, 30);
-  s.shaft_wall_m = shape.Number("shaft_wall_mm", 0.2, 28);
-  s.top_wall_m = shape.Number("top_wall_mm", 0.2, 30);
-  s.shaft_lining_m = shape.Number("shaft_lining_mm", 0, 40);
-  s.top_marrow_radius_m = shape.Number("top_marrow_radius_mm", 0.2, 60);
-  scene.shape = s;
+void ReadFemur(Reader shape, SceneParams& scene, SceneMaterialNames&) {
+  simulation::FemurShape read;
+  read.length_m = shape.Number("length_mm", 20, 400);
+  read.flare_m = shape.Number("flare_mm", 5, 400);
+  read.shaft_radius_m = shape.Number("shaft_radius_mm", 5, 40);
+  read.top_radius_m = shape.Number("top_radius_mm", 5, 60);
+  read.oval_ratio = shape.Number("oval_ratio", 1, 1.6);
+  read.medial_shift_m = shape.Number("medial_shift_mm", 0, 30);
+  read.shaft_wall_m = shape.Number("shaft_wall_mm", 0.2, 28);
+  read.top_wall_m = shape.Number("top_wall_mm", 0.2, 30);
+  read.shaft_lining_m = shape.Number("shaft_lining_mm", 0, 40);
+  read.top_marrow_radius_m = shape.Number("top_marrow_radius_mm", 0.2, 60);
+  scene.shape = read;
 }
 
-void ReadBlock(Reader shape, SceneParams& scene, Names& names) {
-  simulation::BlockShape s;
-  s.width_m = shape.Number("width_mm", 0.1, 500);
-  s.depth_m = shape.Number("depth_mm", 0.1, 500);
-  s.height_m = shape.Number("height_mm", 0.1, 500);
-  s.layers = ReadLayers(shape, names);
-  s.core = names.Read(shape, "core");
-  scene.shape = s;
+void ReadBlock(Reader shape, SceneParams& scene, SceneMaterialNames& names) {
+  simulation::BlockShape read;
+  read.width_m = shape.Number("width_mm", 0.1, 500);
+  read.depth_m = shape.Number("depth_mm", 0.1, 500);
+  read.height_m = shape.Number("height_mm", 0.1, 500);
+  read.layers = ReadLayers(shape, names);
+  read.core = names.Read(shape, "core");
+  scene.shape = read;
 }
 
-void ReadFemoralHead(Reader shape, SceneParams& scene, Names&) {
-  simulation::FemoralHeadShape s;
-  s.head_radius_m = shape.Number("head_radius_mm", 10, 40);
-  s.neck_radius_m = shape.Number("neck_radius_mm", 5, 40);
-  s.neck_length_m = shape.Number("neck_length_mm", 15, 100);
-  s.neck_tilt_rad = shape.Number("neck_tilt_deg", 0, 60);
-  s.cartilage_m = shape.Number("cartilage_mm", 0, 5);
-  s.cortical_m = shape.Number("cortical_mm", 0, 20);
-  scene.shape = s;
+void ReadFemoralHead(Reader shape, SceneParams& scene, SceneMaterialNames&) {
+  simulation::FemoralHeadShape read;
+  read.head_radius_m = shape.Number("head_radius_mm", 10, 40);
+  read.neck_radius_m = shape.Number("neck_radius_mm", 5, 40);
+  read.neck_length_m = shape.Number("neck_length_mm", 15, 100);
+  read.neck_tilt_rad = shape.Number("neck_tilt_deg", 0, 60);
+  read.cartilage_m = shape.Number("cartilage_mm", 0, 5);
+  read.cortical_m = shape.Number("cortical_mm", 0, 20);
+  scene.shape = read;
 }
 
 // Reads a kind that decides which keys follow. Without a kind, the other keys would be refused for the wrong
@@ -123,7 +125,7 @@ void ReadZone(Reader section, simulation::ZoneParams& zone) {
 }
 
 // Reads the tissue that a mesh's shell encloses; its density image is optional.
-simulation::ShellTissue ReadShellTissue(Reader& section, Names& names) {
+simulation::ShellTissue ReadShellTissue(Reader& section, SceneMaterialNames& names) {
   simulation::ShellTissue read;
   read.layers = ReadLayers(section, names);
   read.core = names.Read(section, "core");
@@ -134,7 +136,7 @@ simulation::ShellTissue ReadShellTissue(Reader& section, Names& names) {
   return read;
 }
 
-void ReadMeshTissue(Reader section, simulation::MeshSceneTissue& tissue, Names& names) {
+void ReadMeshTissue(Reader section, simulation::MeshSceneTissue& tissue, SceneMaterialNames& names) {
   tissue.solid = ReadShellTissue(section, names);
   for (Reader& region : section.Sections("regions", 0, 8)) {
     auto& read = tissue.regions.emplace_back();
@@ -149,12 +151,14 @@ void ReadMeshTissue(Reader section, simulation::MeshSceneTissue& tissue, Names& 
   }
 }
 
-// Reads the finest spacing in mm, and the two depths from which it may double.
+// Reads the finest spacing, and the two depths from which it may double: the keys PREFIXspacing_mm and
+// PREFIXcoarser_from_mm.
 simulation::GradeParams ReadGrade(Reader& section, const std::string& prefix, double min_mm, double max_mm) {
   return {.finest_m = section.Number(prefix + "spacing_mm", min_mm, max_mm),
           .coarser_from_m = section.Numbers(prefix + "coarser_from_mm", 2, 0, 500)};
 }
 
+// Refuses depths whose second is smaller than the first.
 void CheckAscending(const Reader& section, const std::string& key, const simulation::GradeParams& grade) {
   if (grade.coarser_from_m[0] > grade.coarser_from_m[1])
     section.Refuse(key, fmt::format("found {:.10g} after {:.10g}, accepted the smaller depth first",
@@ -209,11 +213,12 @@ SceneParams LoadScene(const std::filesystem::path& path) {
   const std::size_t kind =
       ReadKind(reader, {"acetabulum", "molar", "femoral_canal", "block", "femoral_head"});
   constexpr std::size_t kAcetabulum = 0;
+  // in the order of the kinds above
   const auto read_shape = std::array{ReadAcetabulum, ReadMolar, ReadFemur, ReadBlock, ReadFemoralHead}[kind];
-  const simulation::SceneShape kinds[] = {simulation::AcetabulumShape{}, simulation::MolarShape{},
-                                          simulation::FemurShape{}, simulation::BlockShape{},
-                                          simulation::FemoralHeadShape{}};
-  Names names(simulation::MaterialNames(kinds[kind]));
+  const simulation::SceneShape default_shapes[] = {simulation::AcetabulumShape{}, simulation::MolarShape{},
+                                                   simulation::FemurShape{}, simulation::BlockShape{},
+                                                   simulation::FemoralHeadShape{}};
+  SceneMaterialNames names(simulation::MaterialNames(default_shapes[kind]));
   const Reader shape = reader.Section("shape");
   read_shape(shape, scene, names);
   if (kind != kAcetabulum) {  // an acetabulum's cup is its site

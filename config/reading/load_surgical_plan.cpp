@@ -16,10 +16,11 @@ using procedure::GuidanceCeilings;
 using procedure::GuidanceGains;
 using procedure::SurgicalPlan;
 
-constexpr double kMaxPlace_mm = 2000.0;
-constexpr std::size_t kMaxTools = 12;
+constexpr double kMaxPlace_mm = 2000.0;  // of each coordinate in G
+constexpr std::size_t kMaxTools = 12;    // reamers or burrs of a plan
 
-Vector3 Place(Reader& section, const std::string& key) {
+// Reads a point in the bone's frame G [m].
+Vector3 ReadPosition(Reader& section, const std::string& key) {
   return section.Triple(key, -kMaxPlace_mm, kMaxPlace_mm);
 }
 
@@ -29,7 +30,8 @@ Vector3 BodyAxis(Reader& section, const std::string& word) {
   return section.Direction(section.Has(word) ? word : word + "_axis");
 }
 
-// Reads the landmarks, or the axes themselves, and the tilt. The frame follows after Finish().
+// Reads the pelvic tilt, and either landmarks, which go to the plan, or the axes, which are returned.
+// MakeFrame makes the frame from them after Finish().
 procedure::PelvicFrame ReadPelvis(Reader& section, SurgicalPlan& plan) {
   procedure::PelvicFrame axes;
   // In this order, axes beside landmarks, and "lateral_axis" beside "lateral", are refused as unknown keys.
@@ -38,9 +40,9 @@ procedure::PelvicFrame ReadPelvis(Reader& section, SurgicalPlan& plan) {
             .anterior = BodyAxis(section, "anterior"),
             .superior = BodyAxis(section, "superior")};
   } else {
-    plan.landmarks = procedure::PelvicLandmarks{.asis_right_m = Place(section, "asis_right_mm"),
-                                                .asis_left_m = Place(section, "asis_left_mm"),
-                                                .pubis_m = Place(section, "pubis_mm")};
+    plan.landmarks = procedure::PelvicLandmarks{.asis_right_m = ReadPosition(section, "asis_right_mm"),
+                                                .asis_left_m = ReadPosition(section, "asis_left_mm"),
+                                                .pubis_m = ReadPosition(section, "pubis_mm")};
   }
   if (section.Has("tilt_deg")) plan.tilt_rad = section.Number("tilt_deg", -45, 45);
   return axes;
@@ -48,7 +50,7 @@ procedure::PelvicFrame ReadPelvis(Reader& section, SurgicalPlan& plan) {
 
 // Reads the cup's place and angles, and the reamers. @returns the reamers' sections
 std::vector<Reader> ReadCup(Reader& reader, Reader& section, SurgicalPlan& plan) {
-  plan.centre_m = Place(section, "centre_mm");
+  plan.centre_m = ReadPosition(section, "centre_mm");
   plan.cup_diameter_m = section.Number("diameter_mm", 20, 90);
   constexpr procedure::CupDefinition kDefinitions[] = {procedure::CupDefinition::kRadiographic,
                                                        procedure::CupDefinition::kOperative,
@@ -66,7 +68,7 @@ std::vector<Reader> ReadCup(Reader& reader, Reader& section, SurgicalPlan& plan)
 // Reads the opening's end and axis, its target tissue, and the burrs. @returns the burrs' sections
 std::vector<Reader> ReadOpening(Reader& reader, Reader& section, SurgicalPlan& plan) {
   plan.kind = procedure::PlanKind::kOpening;
-  plan.centre_m = Place(section, "centre_mm");
+  plan.centre_m = ReadPosition(section, "centre_mm");
   plan.axis_G = section.Direction("axis");
   plan.target = section.Text("target");
   std::vector<Reader> burrs = reader.Sections("burrs", 1, kMaxTools);
@@ -127,6 +129,8 @@ void ReadDepth(Reader section, GuidanceGains::Depth& depth) {
   depth.cap_N = section.Number("cap_N", 0, GuidanceCeilings::kDepthCap_N);
 }
 
+// Refuses a stop that does not lie beyond the end of the free range. @param unit  factor from SI to the key's
+// unit
 void CheckStop(const Reader& section, const char* key, double free, double stop, double unit) {
   if (stop > free) return;
   section.Refuse(key, fmt::format("found {:.6g}, accepted more than where the guidance begins ({:.6g})",
@@ -175,17 +179,18 @@ void CheckSequence(const std::vector<Reader>& sections, const std::vector<proced
                          fmt::format("found {:.6g}, accepted the burr's diameter ({:.6g}) and more",
                                      1e3 * tool.width_m(), 1e3 * tool.diameter_m));
     if (i == 0) continue;
-    const procedure::PlannedTool& before = tools[i - 1];
-    if (!(tool.diameter_m > before.diameter_m))
+    const procedure::PlannedTool& previous = tools[i - 1];
+    if (!(tool.diameter_m > previous.diameter_m))
       sections[i].Refuse("diameter_mm", fmt::format("found {:.6g} after {:.6g}, accepted diameters that rise",
-                                                    1e3 * tool.diameter_m, 1e3 * before.diameter_m));
-    if (tool.width_m() < before.width_m())
+                                                    1e3 * tool.diameter_m, 1e3 * previous.diameter_m));
+    if (tool.width_m() < previous.width_m())
       sections[i].Refuse("width_mm",
                          fmt::format("found {:.6g} after {:.6g}, accepted widths that do not fall",
-                                     1e3 * tool.width_m(), 1e3 * before.width_m()));
+                                     1e3 * tool.width_m(), 1e3 * previous.width_m()));
   }
 }
 
+// Makes the pelvic frame from the plan's landmarks, or else checks the axes that were read.
 procedure::PelvicFrame MakeFrame(Reader& pelvis, const procedure::PelvicFrame& axes,
                                  const SurgicalPlan& plan) {
   try {
@@ -206,6 +211,8 @@ simulation::CutSite ReadMeshCup(Reader cup) {
           .radius_m = cup.Number("radius_mm", 0.5, 60)};
 }
 
+// Reads the plan's bone: a mesh or packing with its cup, or the cup of a mesh that the command will name.
+// @param scene  replaced by the bone's own scene, if it names one
 void ReadPlannedBone(Reader bone, std::filesystem::path& scene, SurgicalPlanConfig& config) {
   if (bone.Has("mesh") || bone.Has("packing"))
     config.bone = ReadBone(bone, scene);
@@ -242,7 +249,7 @@ SurgicalPlanConfig LoadSurgicalPlan(const std::filesystem::path& path) {
         reader.Choice("side", {"right", "left"}) == 0 ? procedure::Side::kRight : procedure::Side::kLeft;
     pelvis = reader.Section("pelvis");
     axes = ReadPelvis(*pelvis, plan);
-    plan.native_centre_m = Place(reader, "native_centre_mm");
+    plan.native_centre_m = ReadPosition(reader, "native_centre_mm");
   }
   Reader goal = reader.Section(is_opening ? "opening" : "cup");
   const std::vector<Reader> tools =

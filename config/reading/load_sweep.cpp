@@ -19,6 +19,7 @@ constexpr const char* kAccepted =
     "accepted a list (5, 10, 20), \"A to B in N steps\", \"uniform A to B\", \"normal MEAN sd S\", or "
     "\"seed\"";
 
+// Returns the finite number that the whole text is; nothing if it is none.
 std::optional<double> NumberFrom(const std::string& text) {
   double value = 0.0;
   const char* end = text.data() + text.size();
@@ -27,6 +28,7 @@ std::optional<double> NumberFrom(const std::string& text) {
   return value;
 }
 
+// Returns the parts between separators, without spaces around them.
 std::vector<std::string> Split(const std::string& text, char separator) {
   std::vector<std::string> parts;
   std::istringstream stream(text);
@@ -37,15 +39,16 @@ std::vector<std::string> Split(const std::string& text, char separator) {
   return parts;
 }
 
-// Numbers of a text whose words are `form`, with # where a number stands: "uniform # to #".
+// Returns the numbers of a text that has the words of `form`, in which # stands for a number: "uniform # to
+// #". Nothing if the text has other words.
 std::optional<std::vector<double>> NumbersOf(const std::string& text, const std::string& form) {
   std::istringstream words(text), accepted(form);
   std::vector<double> numbers;
-  std::string word, as;
-  while (accepted >> as) {
+  std::string word, expected;
+  while (accepted >> expected) {
     if (!(words >> word)) return {};
-    if (as != "#") {
-      if (word != as) return {};
+    if (expected != "#") {
+      if (word != expected) return {};
       continue;
     }
     const auto number = NumberFrom(word);
@@ -56,7 +59,8 @@ std::optional<std::vector<double>> NumbersOf(const std::string& text, const std:
   return numbers;
 }
 
-// Fills a parameter from "uniform 0 to 4". @returns whether it is one of the accepted forms.
+// Fills a parameter from a text such as "uniform 0 to 4". @returns whether the text has an accepted form
+// (kAccepted).
 bool ReadTakes(const std::string& text, SweepParameter& parameter) {
   if (text == "seed") {
     parameter.draw = SweepDraw::kSeed;

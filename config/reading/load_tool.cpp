@@ -18,7 +18,7 @@ using simulation::BallParams;
 using simulation::BuiltTool;
 using simulation::HolderParams;
 
-constexpr double kSameSize_m = 1e-9;
+constexpr double kSameSize_m = 1e-9;  // diameters that differ by less are the same size
 
 // The sizes that a tool comes in, and the requested one.
 struct Sizes {
@@ -28,18 +28,21 @@ struct Sizes {
   std::vector<Reader> rows;  // one for each size, if the file lists them
 };
 
-double ChooseSize(const Reader& reader, const Sizes& sizes, const std::optional<double>& wanted_m) {
-  const auto known = [&](double size_m) {
+// Returns the requested diameter [m], or the default one. Refuses a default that is no size of the tool.
+// @throws ToolSizeError if the requested diameter is none
+double ChooseSize(const Reader& reader, const Sizes& sizes, const std::optional<double>& requested_m) {
+  const auto is_listed = [&](double size_m) {
     return std::any_of(sizes.diameters_m.begin(), sizes.diameters_m.end(),
                        [&](double d) { return std::abs(d - size_m) < kSameSize_m; });
   };
-  if (!known(sizes.default_m))
+  if (!is_listed(sizes.default_m))
     reader.Refuse("default_diameter_mm",
                   fmt::format("found {:.10g}, accepted {}", sizes.default_m / kMillimetre_m, sizes.accepted));
-  if (!wanted_m) return sizes.default_m;
-  if (!known(*wanted_m))
-    throw ToolSizeError(fmt::format("found {:.10g}, accepted {}", *wanted_m / kMillimetre_m, sizes.accepted));
-  return *wanted_m;
+  if (!requested_m) return sizes.default_m;
+  if (!is_listed(*requested_m))
+    throw ToolSizeError(
+        fmt::format("found {:.10g}, accepted {}", *requested_m / kMillimetre_m, sizes.accepted));
+  return *requested_m;
 }
 
 // Reads first to last in steps, e.g. 36 … 68 in steps of 1.
@@ -77,6 +80,7 @@ Sizes ReadRows(Reader& reader, double min_mm, double max_mm, const ReadRow& read
   return sizes;
 }
 
+// Index of a diameter among the sizes, which contain it (ChooseSize).
 std::size_t RowOf(const Sizes& sizes, double diameter_m) {
   for (std::size_t i = 0; i < sizes.diameters_m.size(); ++i)
     if (std::abs(sizes.diameters_m[i] - diameter_m) < kSameSize_m) return i;
@@ -101,6 +105,8 @@ BuiltTool BuildTool(const Reader& reader, const std::string& key, const Build& b
     reader.Refuse(key, error.what());
   }
 }
+
+// Each Load function below reads the keys of one kind of tool and builds the tool in the requested size.
 
 BuiltTool LoadReamer(Reader& reader, const std::optional<double>& diameter_m) {
   simulation::ReamerParams params;
@@ -238,7 +244,7 @@ std::optional<BendingSection> ReadBending(Reader& tool) {
   return BendingSection{.section = section, .beam = beam, .relaxation_s = relaxation_s};
 }
 
-// How a tool bends: a cantilever of its pieces, clamped at its back.
+// Computes how a tool bends: as a cantilever made of its pieces, clamped at its back.
 ToolBendingConfig BendingOf(const BendingSection& read, const BuiltTool& built) {
   if (built.beam.empty())
     read.section.Refuse("source",
@@ -275,7 +281,7 @@ ToolConfig LoadTool(const std::filesystem::path& path, const std::optional<doubl
   const auto edges =
       static_cast<std::uint8_t>(reader.Has("edge_count") ? reader.WholeNumber("edge_count", 1, 200) : 0);
   BuiltTool built;
-  switch (kind) {
+  switch (kind) {  // in the order of the words above
     case 0:
       built = LoadReamer(reader, diameter_m);
       break;

@@ -20,8 +20,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Returns the text of a cell that extends another one. Keys that users often change are in it as comments.
-std::string ShortCell(const config::CellConfig& cell, const std::string& from, const std::string& schema) {
+// Returns the text of a cell file that extends `from` (a name or a path). It has the keys that nearly every
+// user changes, with the values of `cell`; further keys are comments. @param schema  path of the JSON schema
+std::string ExtendingCellText(const config::CellConfig& cell, const std::string& from,
+                              const std::string& schema) {
   const Vector3 base_mm = 1e3 * cell.X_WB.translation(), bone_mm = 1e3 * cell.X_WG.translation();
   return fmt::format(
       "# yaml-language-server: $schema={8}\n"
@@ -48,8 +50,8 @@ std::string ShortCell(const config::CellConfig& cell, const std::string& from, c
       cell.servo.wrench.max_force_N, schema);
 }
 
-// Returns a copy of a cell file in which the path of the schema is absolute.
-std::string CopyOf(const fs::path& file, const std::string& schema) {
+// Returns the text of a cell file, with `schema` in place of the path of its JSON schema.
+std::string CopyWithSchema(const fs::path& file, const std::string& schema) {
   std::ifstream stream(file, std::ios::binary);
   std::string text(std::istreambuf_iterator<char>(stream), {});
   const std::string head = "# yaml-language-server: $schema=";
@@ -89,30 +91,33 @@ int NewCellCommand::Run(const Invocation& invocation) {
     return refuse(fmt::format("found {}, accepted a name that no file has yet", file.string()));
   const auto from = FindCell(invocation.config_root, from_);
   if (!from) return refuse("--from " + from.error());
-  const config::CellConfig cell = config::LoadCell(*from);  // throws ConfigError, which main shows
+  const config::CellConfig cell = config::LoadCell(*from);  // main shows a ConfigError
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
 
-  const bool is_short = !config::Reader::LoadExtending(*from, "cells").Extended().empty();
+  const bool from_extends = !config::Reader::LoadExtending(*from, "cells").Extended().empty();
   const bool is_shipped =
       fs::equivalent(fs::absolute(*from).parent_path(), invocation.config_root / "cells", error);
-  const std::string named =
+  const std::string from_name =
       is_shipped ? from->stem().string() : fs::absolute(*from).lexically_normal().string();
   const std::string schema =
       fs::absolute(invocation.config_root / "schemas" / "cell.json").lexically_normal().string();
   std::ofstream stream(file, std::ios::binary);
-  stream << (is_short ? CopyOf(*from, schema) : ShortCell(cell, named, schema));
+  stream << (from_extends ? CopyWithSchema(*from, schema) : ExtendingCellText(cell, from_name, schema));
   stream.close();
   if (!stream) return refuse(file.string() + ": cannot write it");
   try {
     static_cast<void>(config::LoadCell(file));
-  } catch (const config::ConfigError& wrong) {  // relative paths in a copy are wrong in another folder
+  } catch (const config::ConfigError& wrong) {
+    // a copy's relative paths may lead nowhere from the new folder
     fs::remove(file, error);
     return refuse(fmt::format("{}: it names files beside it, accepted names or whole paths", wrong.what()));
   }
   fmt::print("{}\n", file.string());
   if (json_.empty()) return 0;
-  const nlohmann::ordered_json json{
-      {"schema", "osteon.new_cell/1"}, {"file", file.string()}, {"from", named}, {"copied", is_short}};
+  const nlohmann::ordered_json json{{"schema", "osteon.new_cell/1"},
+                                    {"file", file.string()},
+                                    {"from", from_name},
+                                    {"copied", from_extends}};
   const auto written = base::WriteText(json_, base::JsonText(json));
   return written ? 0 : refuse(written.error());
 }

@@ -10,7 +10,8 @@
 
 namespace osteon::app {
 
-/// The options --mesh, --cup and --scale of a command that reads a recorded run: the mesh file of its bone.
+/// The options --mesh, --cup and --scale of a command that reads a recording. They name the mesh file of the
+/// run's bone, which the recording does not contain.
 class RecordedMeshOptions {
  public:
   void AddTo(CLI::App& command);

@@ -29,19 +29,20 @@ using config::KeyTable;
 using Type = config::KeyInfo::Type;
 using Help = std::map<std::string, std::string>;  // text by a key's path, e.g. "limits.max_force_N"
 
-// Adds the comments behind the keys of a shipped file: they are the help on these keys in every file.
+// Adds the comments behind the keys of a shipped file ("key: 1  # comment") to `help`, which editors show for
+// these keys in every file of the kind. A key that has its help already keeps it.
 void ReadHelp(const fs::path& file, Help& help) {
   std::ifstream stream(file);
-  std::vector<std::pair<std::size_t, std::string>> open;  // indentation and name of the enclosing keys
+  std::vector<std::pair<std::size_t, std::string>> enclosing;  // indentation and name of the enclosing keys
   for (std::string line; std::getline(stream, line);) {
     const std::size_t indent = line.find_first_not_of(" -");
     const std::size_t colon = line.find(':');
     if (indent == std::string::npos || line[indent] == '#' || colon == std::string::npos) continue;
-    while (!open.empty() && open.back().first >= indent) open.pop_back();
+    while (!enclosing.empty() && enclosing.back().first >= indent) enclosing.pop_back();
     std::string path;
-    for (const auto& [ignored, key] : open) path += key + ".";
+    for (const auto& [ignored, key] : enclosing) path += key + ".";
     const std::string key = line.substr(indent, colon - indent);
-    open.emplace_back(indent, key);
+    enclosing.emplace_back(indent, key);
     if (const std::size_t hash = line.find(" # ", colon); hash != std::string::npos)
       help.try_emplace(path + key, line.substr(hash + 3));
   }
@@ -54,8 +55,9 @@ std::string UnitText(const std::string& key, const KeyInfo& info) {
                      config::UnitEnding(key));
 }
 
-// Returns the accepted words; a word that YAML reads as a number is also accepted as that number.
-Json Enum(const std::vector<std::string>& words) {
+// Returns the values that a key with these words accepts; a word that YAML reads as a number is also accepted
+// as that number.
+Json AcceptedWords(const std::vector<std::string>& words) {
   Json accepted = Json::array();
   for (const std::string& word : words) {
     accepted.push_back(word);
@@ -66,15 +68,16 @@ Json Enum(const std::vector<std::string>& words) {
   return accepted;
 }
 
-Json Object(const KeyTable& table, const std::string& path, const Help& help, const fs::path& config_root,
-            bool required);
+Json ObjectSchema(const KeyTable& table, const std::string& path, const Help& help,
+                  const fs::path& config_root, bool required);
 
 // Returns the schema of a key's value. @param path  of the enclosing section, e.g. "limits."
-Json Value(const KeyTable& table, const std::string& key, const KeyInfo& info, const std::string& path,
-           const Help& help, const fs::path& config_root, bool required) {
-  static const KeyTable kNone;
+// @param required  false in a file that extends another one: every key may then be missing
+Json ValueSchema(const KeyTable& table, const std::string& key, const KeyInfo& info, const std::string& path,
+                 const Help& help, const fs::path& config_root, bool required) {
+  static const KeyTable kNoKeys;
   const auto inner = table.inner.find(key);
-  const KeyTable& below = inner == table.inner.end() ? kNone : inner->second;
+  const KeyTable& inner_table = inner == table.inner.end() ? kNoKeys : inner->second;
   Json value = Json::object();
   switch (info.type) {
     case Type::kNumber:
@@ -95,10 +98,10 @@ Json Value(const KeyTable& table, const std::string& key, const KeyInfo& info, c
       value = {{"type", {"string", "number", "boolean"}}};  // text, which YAML may read as another type
       break;
     case Type::kChoice:
-      value = {{"enum", Enum(info.words)}};
+      value = {{"enum", AcceptedWords(info.words)}};
       break;
     case Type::kWords:
-      value = {{"type", "array"}, {"items", {{"enum", Enum(info.words)}}}, {"uniqueItems", true}};
+      value = {{"type", "array"}, {"items", {{"enum", AcceptedWords(info.words)}}}, {"uniqueItems", true}};
       break;
     case Type::kFile:
       value = {{"type", "string"}, {"minLength", 1}};
@@ -107,11 +110,12 @@ Json Value(const KeyTable& table, const std::string& key, const KeyInfo& info, c
           value["examples"].push_back(file.stem().string());
       break;
     case Type::kSection:
-      value = Object(below, path + key + ".", help, config_root, required);
+      value = ObjectSchema(inner_table, path + key + ".", help, config_root, required);
       break;
     case Type::kList:
+      // An extended file's list is not merged with this one, so its items need all their keys.
       value = {{"type", "array"},
-               {"items", Object(below, path + key + ".", help, config_root, true)},  // lists are not merged
+               {"items", ObjectSchema(inner_table, path + key + ".", help, config_root, true)},
                {"minItems", info.min},
                {"maxItems", info.max}};
       break;
@@ -125,47 +129,52 @@ Json Value(const KeyTable& table, const std::string& key, const KeyInfo& info, c
   return value;
 }
 
-// Returns the schema of an object that has this key.
-Json Required(const std::string& key) { return {{"required", {key}}}; }
+// Returns the schema that every object with this key fulfils.
+Json RequiresKey(const std::string& key) { return {{"required", {key}}}; }
 
-Json Object(const KeyTable& table, const std::string& path, const Help& help, const fs::path& config_root,
-            bool required) {
-  Json properties = Json::object(), needed = Json::array(), either = Json::array();
+// Returns the schema of a mapping. A key that has an older name may be given under either name.
+Json ObjectSchema(const KeyTable& table, const std::string& path, const Help& help,
+                  const fs::path& config_root, bool required) {
+  Json properties = Json::object(), required_keys = Json::array(), required_by_either_name = Json::array();
   for (const auto& [key, info] : table.keys) {
-    properties[key] = Value(table, key, info, path, help, config_root, required);
+    properties[key] = ValueSchema(table, key, info, path, help, config_root, required);
     const auto alias = std::ranges::find(config::KeyAliases(), key, &config::KeyAlias::name);
     if (alias != config::KeyAliases().end()) {
       const std::string old_name(alias->old_name);
       properties[old_name] = properties[key];
       properties[old_name]["deprecationMessage"] = "the older name of " + key;
-      if (info.required) either.push_back({{"oneOf", {Required(key), Required(old_name)}}});
+      if (info.required)
+        required_by_either_name.push_back({{"oneOf", {RequiresKey(key), RequiresKey(old_name)}}});
     } else if (info.required) {
-      needed.push_back(key);
+      required_keys.push_back(key);
     }
   }
   Json object{{"type", "object"}, {"additionalProperties", false}, {"properties", properties}};
   if (!required) return object;
-  if (!needed.empty()) object["required"] = needed;
-  if (!either.empty()) object["allOf"] = either;
-  for (const config::KeyCase& one : table.cases) {
-    Json unknown = Json::object();
-    for (const std::string& key : one.excluded) unknown[key] = false;
-    const KeyInfo& decides = table.keys.at(one.key);
+  if (!required_keys.empty()) object["required"] = required_keys;
+  if (!required_by_either_name.empty()) object["allOf"] = required_by_either_name;
+  // A case: if the key has this value, then further keys are required or unknown.
+  for (const config::KeyCase& key_case : table.cases) {
+    Json excluded_keys = Json::object();
+    for (const std::string& key : key_case.excluded) excluded_keys[key] = false;
+    const KeyInfo& deciding_key = table.keys.at(key_case.key);
     Json then = Json::object();
-    if (!one.required.empty()) then["required"] = one.required;
-    if (!unknown.empty()) then["properties"] = unknown;
+    if (!key_case.required.empty()) then["required"] = key_case.required;
+    if (!excluded_keys.empty()) then["properties"] = excluded_keys;
     object["allOf"].push_back(
         {{"if",
-          {{"required", {one.key}},
+          {{"required", {key_case.key}},
            {"properties",
-            {{one.key, {{"enum", decides.type == Type::kChoice ? Enum({one.word}) : Json{one.word}}}}}}}},
+            {{key_case.key,
+              {{"enum", deciding_key.type == Type::kChoice ? AcceptedWords({key_case.word})
+                                                           : Json{key_case.word}}}}}}}},
          {"then", then}});
   }
   return object;
 }
 
-// Returns the schema of a kind of file. In a kind that can extend another file, no key is required unless the
-// file extends none.
+// Returns the schema of a kind of file. If such a file can extend another one, its keys are required only if
+// it does not.
 Json SchemaOf(const config::FileKind& kind, const fs::path& config_root) {
   const KeyTable table = config::RecordKeys(kind.load);
   Help help;
@@ -177,16 +186,16 @@ Json SchemaOf(const config::FileKind& kind, const fs::path& config_root) {
               {"title", "Osteon: " + kind.name},
               {"description", "Made by `osteon schema` from the readers' keys. docs/cell_files.md"}};
   if (!table.keys.contains("extends")) {
-    schema.update(Object(table, "", help, config_root, true));
+    schema.update(ObjectSchema(table, "", help, config_root, true));
     return schema;
   }
-  schema.update(Object(table, "", help, config_root, false));
+  schema.update(ObjectSchema(table, "", help, config_root, false));
   schema["properties"]["remove"] = {{"type", "array"},
                                     {"items", {{"type", "string"}}},
                                     {"description", "keys of the extended file that do not hold here"}};
   schema["if"] = {{"not", {{"required", {"extends"}}}}};
   schema["then"] = {{"$ref", "#/definitions/whole"}};
-  Json whole = Object(table, "", {}, config_root, true);
+  Json whole = ObjectSchema(table, "", {}, config_root, true);
   schema["definitions"]["whole"] = whole;
   return schema;
 }

@@ -36,10 +36,10 @@ std::string KindOfValue(const std::string& type) {
   return type;
 }
 
-std::vector<std::string> Split(const std::string& text, char at) {
+std::vector<std::string> Split(const std::string& text, char separator) {
   std::vector<std::string> parts;
   std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, at);) parts.push_back(part);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
   return parts;
 }
 
@@ -53,6 +53,7 @@ std::vector<std::string> NamesInOrder(const std::vector<const CLI::Option*>& all
   return names;
 }
 
+// Converts one of CLI11's options. @param all  the options of its command
 OptionText DescribeOption(const CLI::Option& option, const std::vector<const CLI::Option*>& all) {
   OptionText text{.names = {},
                   .is_argument = option.get_positional() && !option.nonpositional(),

@@ -10,8 +10,8 @@
 
 #include <CLI/CLI.hpp>
 
-// The command line as data. The tree of CLI::App that parses it is the one source; help, manual and
-// completion are made from what is read from it here.
+// The command line as data, read from the tree of CLI::App that parses it. Help, manual and completion are
+// made from this data, so that they cannot differ from the parser.
 //
 // How the tree says what CLI11 has no field for:
 // - Option::type_name: the value's kind (FILE, FOLDER, CELL, TOOL, SCENE, SCENARIO, ROBOT) or form (X,Y,Z).
@@ -20,6 +20,7 @@
 
 namespace osteon::app {
 
+/// An option or an argument of a command.
 struct OptionText {
   std::vector<std::string> names;  ///< "-o", "--out"; of an argument only its name, "cell"
   bool is_argument{false};
@@ -33,16 +34,18 @@ struct OptionText {
   std::vector<std::string> needs, excludes;
 };
 
+/// A list at the end of a command's help.
 struct ListText {
   std::string title;  ///< "Examples"
   std::vector<std::string> lines;
 };
 
+/// A command with its options, its texts and its subcommands.
 struct CommandText {
-  std::string name;     ///< as it is typed: "osteon bench frame"
-  std::string purpose;  ///< one line
-  std::string group;    ///< heading under which the parent lists it
-  bool needs_command{false};
+  std::string name;                 ///< as it is typed: "osteon bench frame"
+  std::string purpose;              ///< one line
+  std::string group;                ///< heading under which the parent lists it
+  bool needs_command{false};        ///< one of its subcommands has to follow
   std::vector<OptionText> options;  ///< in the order of their definition
   std::vector<std::string> paragraphs;
   std::vector<ListText> lists;  ///< the last one: examples
@@ -53,6 +56,7 @@ struct CommandText {
   [[nodiscard]] std::string word() const { return name.substr(name.rfind(' ') + 1); }
 };
 
+/// Describes a command and its subcommands. Options and subcommands without a group are hidden and left out.
 [[nodiscard]] CommandText DescribeCommand(const CLI::App& app);
 
 /// Describes several executables as one command: name, options and texts of the first, subcommands of all.

@@ -34,7 +34,7 @@ ValueSource SourceOf(const OptionText& option) {
     if (option.value == kind) {
       std::string folder = kind;
       std::ranges::transform(folder, folder.begin(),
-                             [](unsigned char c) { return static_cast<char>(c + 32); });
+                             [](unsigned char c) { return static_cast<char>(c + 32); });  // A-Z to a-z
       return {.names = folder + "s", .files = true};
     }
   return {};
@@ -53,13 +53,14 @@ std::vector<std::string> CommandWords(const CommandText& command) {
   return words;
 }
 
-// Returns the subcommands of the top command, and the launcher's own.
+// Returns the words that may follow `osteon`: its subcommands, and the launcher's commands.
 std::vector<std::string> TopWords(const CommandText& command) {
   std::vector<std::string> words = CommandWords(command);
   for (const LauncherCommand& launcher : kLauncherCommands) words.emplace_back(launcher.name);
   return words;
 }
 
+// Calls `each` with a command and with every command below it.
 template <class Each>
 void ForEachCommand(const CommandText& command, Each&& each) {
   each(command);
@@ -78,6 +79,7 @@ std::string BashValue(const OptionText& option) {
   return ":";
 }
 
+// Returns the branches of _osteon_table (kBashHead), one for each command.
 std::string BashTable(const CommandText& top) {
   std::string text;
   ForEachCommand(top, [&](const CommandText& command) {
@@ -100,6 +102,7 @@ std::string BashTable(const CommandText& top) {
   return text;
 }
 
+// The script before and after the branches of BashTable.
 constexpr const char* kBashHead =
     R"sh(# Completion of osteon for bash, written by `osteon completion bash`: source <(./osteon completion bash)
 
@@ -184,7 +187,8 @@ complete -F _osteon osteon
 
 // --- fish and zsh ---
 
-// Returns fish's condition that every word of the command's name was typed.
+// Returns fish's condition that every word of the command's name ("bench frame") was typed; empty for
+// `osteon` itself.
 std::string FishCondition(const CommandText& command) {
   std::string condition;
   const std::string words = command.name.substr(std::min(command.name.find(' '), command.name.size()));
@@ -198,6 +202,7 @@ std::string FishCondition(const CommandText& command) {
   return condition;
 }
 
+// Returns fish's line `complete` for an option, or for an argument's values.
 std::string FishOption(const CommandText& command, const OptionText& option) {
   std::string line = "complete -c osteon";
   if (const std::string condition = FishCondition(command); !condition.empty())

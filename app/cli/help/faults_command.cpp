@@ -15,8 +15,10 @@
 namespace osteon::app {
 namespace {
 
+// Position of a fault's bit in the fault word, from 0.
 int BitOf(safety::Fault fault) { return std::countr_zero(static_cast<std::uint32_t>(fault)); }
 
+// Content of the file of `osteon faults --json`.
 std::string FaultsJson() {
   nlohmann::ordered_json faults = nlohmann::json::array();
   session::ForEachFault([&](safety::Fault fault, const safety::FaultText& text) {

@@ -14,6 +14,7 @@ struct FaultsOptions {
 /// Renders the catalogue of faults as the page docs/faults.md.
 [[nodiscard]] std::string FaultsPage();
 
+/// Prints the faults, and writes the files that the options name.
 /// @returns the process's exit code.
 [[nodiscard]] int RunFaults(const FaultsOptions& options);
 

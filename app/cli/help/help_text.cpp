@@ -11,10 +11,12 @@
 namespace osteon::app {
 namespace {
 
+// columns of the help's lines
 constexpr std::size_t kMinWidth = 50, kDefaultWidth = 80, kMaxWidth = 120;
 constexpr std::size_t kTextColumn = 26;      // column at which explanations begin
 constexpr std::size_t kMaxWordsInHead = 22;  // columns of a word list; a longer one is in the explanation
 
+// Whether an option's accepted words are short enough for its head, as in "--mode a|b".
 bool ShowsWordsInHead(const OptionText& option) {
   return !option.words.empty() && fmt::format("{}", fmt::join(option.words, "|")).size() <= kMaxWordsInHead;
 }
@@ -34,7 +36,7 @@ std::string ExampleLine(const std::string& line, std::size_t width) {
   std::string text;
   std::string rest = "  " + line;
   while (base::ColumnsOf(rest) > width) {
-    const std::size_t at = rest.rfind(" --", width - 3);
+    const std::size_t at = rest.rfind(" --", width - 3);  // before an option, with room for " \"
     if (at == std::string::npos || at < 12) break;
     text += rest.substr(0, at) + " \\\n";
     rest = "     " + rest.substr(at);
@@ -42,6 +44,7 @@ std::string ExampleLine(const std::string& line, std::size_t width) {
   return text + rest + "\n";
 }
 
+// Returns the headings of the options, in the order in which they first appear.
 std::vector<std::string> GroupsOf(const std::vector<OptionText>& options) {
   std::vector<std::string> groups;
   for (const OptionText& option : options)
@@ -95,7 +98,7 @@ std::string Synopsis(const CommandText& command) {
 std::string HelpText(const CommandText& command, std::size_t width) {
   width = std::max(width, kMinWidth);
   std::string text = base::WrapText(command.name + ": " + command.purpose, 0, width) + "\n\n";
-  text += "Usage: " + base::WrapText(Synopsis(command), 7, width) + "\n";
+  text += "Usage: " + base::WrapText(Synopsis(command), 7, width) + "\n";  // 7: columns of "Usage: "
   std::string arguments;
   for (const OptionText& option : command.options)
     if (option.is_argument) arguments += Row(OptionHead(option), OptionBody(option), width);

@@ -12,13 +12,15 @@
 
 namespace osteon::app {
 
-/// The option with its value: "-o, --out FILE". Few short words stand in the value's place: "--mode a|b".
+/// The option with its value: "-o, --out FILE". If the accepted words are few and short, they stand in
+/// place of the value: "--mode a|b".
 [[nodiscard]] std::string OptionHead(const OptionText& option);
 /// The option's explanation, then what is accepted, the default, and which options it needs or excludes.
 [[nodiscard]] std::string OptionBody(const OptionText& option);
-/// The line of use: "osteon run [options] cell".
+/// The command's usage line: "osteon run [options] cell".
 [[nodiscard]] std::string Synopsis(const CommandText& command);
 
+/// The whole text of --help, in lines of at most `width` columns, but at least 50.
 [[nodiscard]] std::string HelpText(const CommandText& command, std::size_t width);
 
 /// Columns for the help: those of the terminal behind stdout, or $COLUMNS if that is set, but at least 50 and

@@ -33,12 +33,12 @@ std::vector<const CommandText*> Leaves(const CommandText& command) {
 
 // --- roff ---
 
-// Decodes one character of UTF-8 and moves past it.
+// Decodes the first character of a UTF-8 text and removes it from the text. @returns its code point
 std::uint32_t NextCharacter(std::string_view& text) {
   const auto byte = [&](std::size_t i) {
     return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i]));
   };
-  std::uint32_t code = byte(0);
+  std::uint32_t code = byte(0);  // the first byte's high bits tell the number of bytes
   std::size_t length = 1;
   if (code >= 0xF0u) {
     length = 4;
@@ -81,6 +81,7 @@ std::string Roff(std::string_view text) {
   return out;
 }
 
+// Returns a command's options as roff, a tagged paragraph (.TP) for each.
 std::string RoffOptions(const CommandText& command) {
   std::string text;
   for (const OptionText& option : command.options) {
@@ -92,6 +93,7 @@ std::string RoffOptions(const CommandText& command) {
   return text;
 }
 
+// Returns a command's paragraphs, exit codes and lists as roff.
 std::string RoffTexts(const CommandText& command) {
   std::string text;
   for (const std::string& paragraph : command.paragraphs) text += ".PP\n" + Roff(paragraph) + "\n";
@@ -113,9 +115,10 @@ std::string Cell(std::string text) {
   return text;
 }
 
-// "|" in code inside a table is escaped as well: GitHub and python-markdown accept it there.
+// Returns code in a table's cell. A bar is escaped in code as well, which GitHub and python-markdown accept.
 std::string Code(const std::string& text) { return "`" + Cell(text) + "`"; }
 
+// Returns a table of a command's options; empty if --help is the only one.
 std::string MarkdownOptions(const CommandText& command) {
   std::string rows;
   for (const OptionText& option : command.options) {
@@ -137,6 +140,7 @@ std::string MarkdownOptions(const CommandText& command) {
   return "\n| option | what it does | accepted | default |\n|---|---|---|---|\n" + rows;
 }
 
+// Returns a command's paragraphs, exit codes and lists as Markdown.
 std::string MarkdownTexts(const CommandText& command) {
   std::string text;
   for (const std::string& paragraph : command.paragraphs)
@@ -150,13 +154,14 @@ std::string MarkdownTexts(const CommandText& command) {
   return text;
 }
 
-// Returns a heading's anchor, by GitHub's rule.
+// Returns a heading's anchor, by GitHub's rule for the lower-case words of a command.
 std::string Anchor(const std::string& heading) {
   std::string anchor = heading;
   std::ranges::replace(anchor, ' ', '-');
   return anchor;
 }
 
+// Returns a command with its options and subcommands as JSON.
 nlohmann::ordered_json Json(const CommandText& command) {
   nlohmann::ordered_json options = nlohmann::json::array(), commands = nlohmann::json::array();
   nlohmann::ordered_json exit_codes = nlohmann::json::array();

@@ -8,11 +8,13 @@
 
 namespace osteon::app {
 
-/// The subcommands `manual` and `completion`: what the command line takes, for readers and for shells.
+/// The subcommands `manual`, which prints the manual or writes it to files, and `completion`, which prints
+/// the script by which a shell completes the command line.
 class ManualCommands {
  public:
   explicit ManualCommands(CLI::App& app);
 
+  /// Whether one of the two was on the command line.
   [[nodiscard]] bool asked() const { return manual_->parsed() || completion_->parsed(); }
   /// @param apps  the executables that are documented as one command, the one with its name first
   /// @returns the process's exit code.

@@ -31,12 +31,13 @@ void ForEachEvent(Each&& each) {
   for (int i = 0; i < safety::kCellEvents; ++i) each(static_cast<CellEvent>(i));
 }
 // Whether a transition neither changes the state nor acts.
-bool Stays(CellState state, const CellTransition& next) {
+bool HasNoEffect(CellState state, const CellTransition& next) {
   return next.state == state && next.action == CellAction::kNone;
 }
 
-// Draws one arrow for each pair of states, with the events that cause it.
-std::string Diagram() {
+// Returns the state machine as a Mermaid diagram: an arrow from state to state names the events that cause
+// it.
+std::string TransitionDiagram() {
   std::string text = "```mermaid\nstateDiagram-v2\n";
   ForEachState([&](CellState state) {
     text += fmt::format("  state \"{}\" as s{}\n", safety::Describe(state).name, static_cast<int>(state));
@@ -55,8 +56,9 @@ std::string Diagram() {
   return text + "```\n";
 }
 
-// Makes a table with a row per event and a column per state; an empty cell: the state does not change.
-std::string Table() {
+// Returns a Markdown table with a row per event and a column per state. A cell has the next state and the
+// action; it is empty if the event has no effect.
+std::string TransitionTable() {
   std::string head = "| |", line = "|---|";
   ForEachState([&](CellState state) {
     head += fmt::format(" {} |", safety::Describe(state).name);
@@ -67,7 +69,7 @@ std::string Table() {
     text += fmt::format("| **{}** |", safety::Describe(event).name);
     ForEachState([&](CellState state) {
       const CellTransition next = safety::Next(state, event);
-      if (Stays(state, next))
+      if (HasNoEffect(state, next))
         text += " |";
       else
         text += fmt::format(" {}: {} |", safety::Describe(next.state).name, safety::NameOf(next.action));
@@ -77,6 +79,7 @@ std::string Table() {
   return text;
 }
 
+// Content of the file of `osteon states --json`.
 std::string StatesJson() {
   nlohmann::ordered_json states = nlohmann::json::array(), transitions = nlohmann::json::array();
   ForEachState([&](CellState state) {
@@ -130,7 +133,7 @@ std::string StatesPage() {
     page += fmt::format("| {} | {} |\n", text.name, text.meaning);
   });
   page += "\n## State × event: next state, and what is done then\n\nEmpty: it stays, and goes on.\n\n";
-  page += Table();
+  page += TransitionTable();
   page +=
       "\n## Stops\n\n" +
       base::WrapMarkdown(
@@ -143,7 +146,7 @@ std::string StatesPage() {
       "A pause is asked for with `osteon pause` and ended with `osteon resume`, of `osteon run` and "
       "`osteon demo`.\n\n"
       "## As a diagram\n\n";
-  return page + Diagram();
+  return page + TransitionDiagram();
 }
 
 int RunStates(const StatesOptions& options) {
@@ -152,7 +155,7 @@ int RunStates(const StatesOptions& options) {
     fmt::print("{}\n  does:  {}\n  left:  {}\n", text.name, text.does, text.leave);
     ForEachEvent([&](CellEvent event) {
       const CellTransition next = safety::Next(state, event);
-      if (!Stays(state, next))
+      if (!HasNoEffect(state, next))
         fmt::print("  {:<14} -> {}: {}\n", safety::Describe(event).name, safety::Describe(next.state).name,
                    safety::NameOf(next.action));
     });

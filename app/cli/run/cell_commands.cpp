@@ -20,6 +20,7 @@
 namespace osteon::app {
 namespace {
 
+// `osteon cell` (sub_) runs the simulated cell, `osteon run` (run_) the controller of a cell.
 class CellCommands final : public Subcommand {
  public:
   explicit CellCommands(CLI::App& app);
@@ -29,7 +30,7 @@ class CellCommands final : public Subcommand {
  private:
   session::SimulatedCellOptions simulated_;
   session::OperateOptions operate_;
-  ProcedureOptions procedure_, cell_procedure_;
+  ProcedureOptions procedure_, cell_procedure_;  // of `run`, of `cell`
   std::string name_, tool_;
   std::filesystem::path identified_;
   CLI::App* run_;
@@ -39,7 +40,7 @@ CellCommands::CellCommands(CLI::App& app)
     : Subcommand(
           app.add_subcommand("cell", "runs the simulated cell alone, on its real protocols and ports")),
       run_(app.add_subcommand("run", "operates a cell, real or simulated")) {
-  const auto common = [this](CLI::App& sub) {
+  const auto add_common_options = [this](CLI::App& sub) {
     sub.add_option("cell", name_, "a name under cells/, or a cell's YAML file")
         ->type_name("CELL")
         ->required();
@@ -49,7 +50,7 @@ CellCommands::CellCommands(CLI::App& app)
         ->type_name("TOOL");
     AddIdentifiedOption(sub, identified_);
   };
-  common(*sub_);
+  add_common_options(*sub_);
   cell_procedure_.Add(*sub_, false);
   sub_->add_option("--seconds", simulated_.seconds,
                    "seconds of the operator's actions; without it as long as the script")
@@ -74,7 +75,7 @@ CellCommands::CellCommands(CLI::App& app)
       "Exit code 1: a file could not be written\n\n"
       "Examples:\n  osteon cell demo\n  osteon cell config/cells/molar.yaml --json cell.json");
 
-  common(*run_);
+  add_common_options(*run_);
   run_->add_flag("--simulated", operate_.simulated,
                  "start the simulated cell as well, and its guard if it has one, each as a process");
   procedure_.Add(*run_, true);
@@ -141,12 +142,13 @@ int CellCommands::Run(const Invocation& invocation) {
   }
   if (operate_.port == 0 && !operate_.simulated)
     return refuse("--port: found 0, accepted a port, or 0 with --simulated");
-  session::ProcedureChoice simulated;
-  if (const std::string wrong = cell_procedure_.Take(invocation.config_root, simulated); !wrong.empty())
+  session::ProcedureChoice cell_choice;
+  if (const std::string wrong = cell_procedure_.ReadInto(invocation.config_root, cell_choice); !wrong.empty())
     return refuse(wrong);
-  simulated_.plan = simulated.plan;
-  simulated_.hand = simulated.hand;
-  if (const std::string wrong = procedure_.Take(invocation.config_root, operate_.procedure); !wrong.empty())
+  simulated_.plan = cell_choice.plan;
+  simulated_.hand = cell_choice.hand;
+  if (const std::string wrong = procedure_.ReadInto(invocation.config_root, operate_.procedure);
+      !wrong.empty())
     return refuse(wrong);
   if (procedure_.asked()) {
     if (tool && tool->diameter_m) return refuse("--tool " + tool_ + kSizeWithPlan);

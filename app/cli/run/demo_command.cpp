@@ -118,7 +118,7 @@ int DemoCommand::Run(const Invocation& invocation) {
     options_.tool = *parsed;
   }
   if (procedure_.asked()) {
-    std::string wrong = procedure_.Take(invocation.config_root, options_.procedure);
+    std::string wrong = procedure_.ReadInto(invocation.config_root, options_.procedure);
     if (wrong.empty() && *cup_option_)
       wrong = "--cup: found with --plan, accepted without: the plan has the cup of its mesh";
     if (wrong.empty() && options_.tool && options_.tool->diameter_m)

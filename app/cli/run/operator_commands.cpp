@@ -8,10 +8,11 @@
 namespace osteon::app {
 namespace {
 
+// A request to the running cell: name of the subcommand, its line of help, and its footer.
 struct Request {
   const char *name, *help, *footer;
 };
-constexpr double kMaxPid = 4194304;  // PID_MAX_LIMIT of Linux
+constexpr double kMaxPid = 4194304;  // Linux's PID_MAX_LIMIT
 
 constexpr std::array<Request, 5> kRequests{
     Request{"pause", "pauses the running cell: it brakes to rest and stays under power",

@@ -43,8 +43,8 @@ void ProcedureOptions::Add(CLI::App& sub, bool with_session) {
       ->needs(plan);
 }
 
-std::string ProcedureOptions::Take(const std::filesystem::path& config_root,
-                                   session::ProcedureChoice& choice) const {
+std::string ProcedureOptions::ReadInto(const std::filesystem::path& config_root,
+                                       session::ProcedureChoice& choice) const {
   if (!asked()) return "";
   const auto found = FindPlan(config_root, plan_);
   if (!found) return "--plan " + found.error();

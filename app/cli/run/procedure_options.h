@@ -20,10 +20,12 @@ class ProcedureOptions {
   /// @param with_session  true: all options, for a command that runs the session; false: `--plan` and
   ///   `--operator` alone, for a simulated cell
   void Add(CLI::App& sub, bool with_session);
+  /// Whether --plan was given.
   [[nodiscard]] bool asked() const { return !plan_.empty(); }
-  /// Finds the plan. @returns what is wrong; empty: nothing
-  [[nodiscard]] std::string Take(const std::filesystem::path& config_root,
-                                 session::ProcedureChoice& choice) const;
+  /// Finds the plan's file and fills `choice` with the options' values. Without --plan it stays unchanged.
+  /// @returns what is wrong with the plan's name; empty if nothing is
+  [[nodiscard]] std::string ReadInto(const std::filesystem::path& config_root,
+                                     session::ProcedureChoice& choice) const;
 
  private:
   std::string plan_, hand_{"expert"};

@@ -15,7 +15,7 @@
 namespace osteon::app {
 namespace {
 
-// Parses an address and a port, e.g. "127.0.0.1:30300". False if the text has another form.
+// Parses "127.0.0.1:30300" into options.address and options.port. False if the text has another form.
 bool ParseListen(const std::string& text, session::SimulateOptions& options) {
   const std::size_t colon = text.find(':');
   if (colon == std::string::npos || colon == 0) return false;

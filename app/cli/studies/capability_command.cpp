@@ -28,35 +28,36 @@ class CapabilityCommand final : public Subcommand {
 };
 
 CapabilityCommand::CapabilityCommand(CLI::App& app) : Subcommand(AddStudy(app, "capability")) {
-  studies::CapabilityOptions& o = options_;
   sub_->add_option("cell", cell_, "a name under cells/, or a cell's YAML file")
       ->type_name("CELL")
       ->required();
-  sub_->add_option("--out", o.out, "folder for capability.html, .json, .csv, pictures and base.yaml")
+  sub_->add_option("--out", options_.out, "folder for capability.html, .json, .csv, pictures and base.yaml")
       ->type_name("FOLDER")
       ->capture_default_str();
-  sub_->add_option("--json", o.json, "write a further copy of capability.json there")->type_name("FILE");
-  sub_->add_option("--identified", o.identified,
+  sub_->add_option("--json", options_.json, "write a further copy of capability.json there")
+      ->type_name("FILE");
+  sub_->add_option("--identified", options_.identified,
                    "a file of `osteon identify` for this cell: sensor and arm as they were measured")
       ->type_name("FILE")
       ->check(CLI::ExistingFile);
   const auto need = [](CLI::Option* option) { return option->group("What is needed"); };
-  need(sub_->add_option("--axial-N", o.axial_N, "force along the tool; without it the cell's force limit")
+  need(sub_->add_option("--axial-N", options_.axial_N,
+                        "force along the tool; without it the cell's force limit")
            ->check(NumberWithin(1, 1000)));
-  auto* lateral = need(sub_->add_option("--lateral-N", o.lateral_N,
+  auto* lateral = need(sub_->add_option("--lateral-N", options_.lateral_N,
                                         "force across the tool at the same time; without it the axial force "
                                         "times the sine of the script's tilt")
                            ->check(NumberWithin(0, 1000)));
-  need(sub_->add_option("--recording", o.recording,
+  need(sub_->add_option("--recording", options_.recording,
                         "a run's recording.mcap: use the share of lateral force that its tool needed")
            ->type_name("FILE")
            ->check(CLI::ExistingFile)
            ->excludes(lateral));
-  need(sub_->add_option("--torque-Nm", o.torque_Nm, "torque about any axis at the same time")
+  need(sub_->add_option("--torque-Nm", options_.torque_Nm, "torque about any axis at the same time")
            ->check(NumberWithin(0, 100))
            ->capture_default_str());
   need(sub_->add_option(
-               "--radius-mm", o.radius_mm,
+               "--radius-mm", options_.radius_mm,
                "radius of the working volume about the site's axis; without it the radius of the tool's head")
            ->check(NumberWithin(0, 500)));
   const auto base = [](CLI::Option* option) { return option->group("Where the base may stand"); };
@@ -72,18 +73,19 @@ CapabilityCommand::CapabilityCommand(CLI::App& app) : Subcommand(AddStudy(app, "
                         "floor: upright; ceiling: hanging; cell: as the cell's base is mounted")
            ->check(OneOf({"cell", "floor", "ceiling"}))
            ->capture_default_str());
-  base(sub_->add_option("--clearance-mm", o.clearance_mm,
+  base(sub_->add_option("--clearance-mm", options_.clearance_mm,
                         "least distance of the base's axis from the site's centre")
            ->check(NumberWithin(0, 3000))
            ->capture_default_str());
-  base(sub_->add_option("--joint-margin-deg", o.joint_margin_deg, "least distance from every joint limit")
+  base(sub_->add_option("--joint-margin-deg", options_.joint_margin_deg,
+                        "least distance from every joint limit")
            ->check(NumberWithin(0, 60))
            ->capture_default_str());
   base(sub_->add_flag("--no-search", no_search_, "only map the force; do not search a place for the base"));
-  sub_->add_option("--nodes", o.nodes, "nodes of a map across the workspace")
+  sub_->add_option("--nodes", options_.nodes, "nodes of a map across the workspace")
       ->check(NumberWithin(3, 201))
       ->capture_default_str();
-  sub_->add_option("--threads", o.threads, "number of threads; the result does not depend on it")
+  sub_->add_option("--threads", options_.threads, "number of threads; the result does not depend on it")
       ->check(NumberWithin(1, 256))
       ->capture_default_str();
   sub_->footer(
@@ -96,14 +98,14 @@ CapabilityCommand::CapabilityCommand(CLI::App& app) : Subcommand(AddStudy(app, "
 }
 
 int CapabilityCommand::Run(const Invocation& invocation) {
-  studies::CapabilityOptions& o = options_;
-  o.command_line = invocation.command_line;
-  o.search = !no_search_;
-  o.mount = mount_ == "floor"     ? studies::Mount::kFloor
-            : mount_ == "ceiling" ? studies::Mount::kCeiling
-                                  : studies::Mount::kCell;
-  for (const auto& [name, values, range] :
-       {std::tuple{"--x-mm", &x_mm_, &o.x_mm}, {"--y-mm", &y_mm_, &o.y_mm}, {"--z-mm", &z_mm_, &o.z_mm}}) {
+  options_.command_line = invocation.command_line;
+  options_.search = !no_search_;
+  options_.mount = mount_ == "floor"     ? studies::Mount::kFloor
+                   : mount_ == "ceiling" ? studies::Mount::kCeiling
+                                         : studies::Mount::kCell;
+  for (const auto& [name, values, range] : {std::tuple{"--x-mm", &x_mm_, &options_.x_mm},
+                                            {"--y-mm", &y_mm_, &options_.y_mm},
+                                            {"--z-mm", &z_mm_, &options_.z_mm}}) {
     if (values->empty()) continue;
     if (values->front() > values->back())
       return session::Fail("capability", fmt::format("{}: found {:g},{:g}, accepted FROM at most TO", name,
@@ -112,8 +114,8 @@ int CapabilityCommand::Run(const Invocation& invocation) {
   }
   const auto found = FindCell(invocation.config_root, cell_);
   if (!found) return session::Fail("capability", found.error());
-  o.cell = *found;
-  return studies::RunCapability(o);
+  options_.cell = *found;
+  return studies::RunCapability(options_);
 }
 
 }  // namespace

@@ -27,6 +27,7 @@ std::vector<std::string> VictimWords() {
   return words;
 }
 
+// Returns the victims with these names, in the order of the enumeration.
 std::vector<studies::KillVictim> Victims(const std::vector<std::string>& asked) {
   const std::vector<std::string> words = VictimWords();
   std::vector<studies::KillVictim> victims;
@@ -45,7 +46,7 @@ class FailuresCommand final : public Subcommand {
   // The tables that are made instead of running the scenarios.
   struct Tables {
     bool faults{false}, kill{false};
-    int times{20};
+    int times{20};  // trials for each victim
     std::vector<std::string> victims{};
   };
 

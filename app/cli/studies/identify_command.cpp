@@ -122,14 +122,14 @@ int IdentifyCommand::Run(const Invocation& invocation) {
   for (const std::string& axis : axes_)
     if (options_.axes.find(axis) == std::string::npos) options_.axes += axis;
   options_.speeds_m_per_s.clear();
-  std::set<std::string> names;  // the recordings' names, which must differ: each speed once
+  std::set<std::string> names;  // a speed names its recording, so each name is kept only once
   for (const double speed : speeds_mm_per_s_)
     if (names.insert(fmt::format("{:g}", speed)).second) options_.speeds_m_per_s.push_back(1e-3 * speed);
   if ((sub_->count("--joints") > 0 || sub_->count("--joint-speeds") > 0) && !options_.runs.joints)
     return refuse("found --joints or --joint-speeds without --do joints, accepted both");
   std::ranges::sort(options_.joints);
-  const auto again = std::ranges::unique(options_.joints);
-  options_.joints.erase(again.begin(), again.end());
+  const auto repeated = std::ranges::unique(options_.joints);
+  options_.joints.erase(repeated.begin(), repeated.end());
   options_.joint_speeds_rad_per_s.clear();
   names.clear();
   for (const double speed : joint_speeds_deg_per_s_)

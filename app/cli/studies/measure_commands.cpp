@@ -22,13 +22,15 @@
 namespace osteon::app {
 namespace {
 
-constexpr double kMaxSpheres = 20e6;
+constexpr double kMaxSpheres = 20e6;  // accepted number of spheres in a bone
 
 // Adds an option that reads "A,B" into words, each of which must be one of `accepted`.
 CLI::Option* AddWords(CLI::App& sub, const std::string& name, std::vector<std::string>& words,
                       const std::vector<std::string>& accepted, const std::string& help) {
   return sub.add_option(name, words, help)->check(OneOf(accepted))->delimiter(',')->expected(1)->take_all();
 }
+
+// Each function below adds one subcommand of `bench` or `chart`; parsing then fills `options`.
 
 CLI::App* AddBenchFrame(CLI::App& bench, studies::BenchFrameOptions& options) {
   CLI::App* sub = bench.add_subcommand("frame", "times a cutting frame");
@@ -84,13 +86,13 @@ CLI::App* AddBenchFrame(CLI::App& bench, studies::BenchFrameOptions& options) {
       "  osteon bench frame --scene molar --spheres 36000 --tool-spheres 200\n"
       "  osteon bench frame --engines cpu,vulkan --rounds 5 --json engines.json\n"
       "  osteon bench frame --engines cpu,vulkan --spheres 300000 --compare");
-  // A callback, since these run after all options are read.
+  // Defaults that depend on several options: CLI11 runs callbacks after it has read them all.
   sub->callback([sub, &options] {
     if (sub->count("--compare") > 0 && (options.compare.empty() || options.compare.front().empty()))
       options.compare = studies::PlainVoxelNames();
-    const auto described = [&](const char* name) { return sub->count(name) > 0; };
-    if (!options.engines.empty() && options.workloads.empty() && !described("--scene") &&
-        !described("--spheres") && !described("--uniform") && !described("--tool-spheres"))
+    const auto is_given = [&](const char* name) { return sub->count(name) > 0; };
+    if (!options.engines.empty() && options.workloads.empty() && !is_given("--scene") &&
+        !is_given("--spheres") && !is_given("--uniform") && !is_given("--tool-spheres"))
       options.workloads = {studies::BenchWorkloadNames().front()};
   });
   return sub;
@@ -317,6 +319,7 @@ CLI::App* AddBenchView(CLI::App& bench, studies::BenchViewOptions& options) {
   return sub;
 }
 
+// `osteon bench` (sub_) and `osteon chart` (chart_), with their subcommands.
 class MeasureCommands final : public Subcommand {
  public:
   explicit MeasureCommands(CLI::App& app);

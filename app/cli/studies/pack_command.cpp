@@ -27,7 +27,7 @@ class PackCommand final : public Subcommand {
     std::vector<std::string> path;
   };
 
-  // Converts the texts. @returns what is wrong with them.
+  // Converts texts_ into options_. @returns what is wrong with the first bad text; empty if none is.
   [[nodiscard]] std::string Read();
 
   studies::PackOptions options_;
@@ -133,6 +133,7 @@ std::string PackCommand::Read() {
     options_.source.path = {.file = texts_.path[0], .radius_m = 1e-3 * radius->front()};
   }
   options_.source.graded = options_.grade.value_or(0.0) > 0.0;
+  // Note which of the given options decide the packing; --threads does not.
   for (const CLI::Option* option : sub_->get_options())
     if (option->count() > 0 && (option->get_group() == "Packing" || option->get_group() == "Mesh and site") &&
         option->get_name() != "--threads")

@@ -28,23 +28,22 @@ class PlanCommand final : public Subcommand {
 };
 
 PlanCommand::PlanCommand(CLI::App& app) : Subcommand(AddStudy(app, "plan")) {
-  studies::PlanOptions& o = options_;
-  sub_->add_option("scene", o.choice.scene,
+  sub_->add_option("scene", options_.choice.scene,
                    "a name under scenes/, or a scene's YAML file; or a mesh (.stl, .obj, .ply) with --cup")
       ->type_name("SCENE")
       ->required();
   sub_->add_option("--cup", cup_,
                    "the mesh's cup, or the entry of a drill: centre, axis out of the bone, radius; mm")
       ->type_name("X,Y,Z,NX,NY,NZ,R");
-  sub_->add_option("--scene", o.choice.mesh_scene,
+  sub_->add_option("--scene", options_.choice.mesh_scene,
                    "scene whose bone the mesh replaces: gives tissue and cut; without it acetabulum")
       ->type_name("SCENE");
-  sub_->add_option("--scale", o.choice.scale, "mm for each unit of the mesh file")
+  sub_->add_option("--scale", options_.choice.scale, "mm for each unit of the mesh file")
       ->check(NumberWithin(1e-6, 1e6));
   sub_->add_option("--error-mm", error_mm_, "accepted mean depth error of a cut")
       ->check(NumberWithin(0.001, 5))
       ->required();
-  sub_->add_option("--rate-hz", o.request.rate_hz, "frames per second")
+  sub_->add_option("--rate-hz", options_.request.rate_hz, "frames per second")
       ->check(NumberWithin(1, 100e3))
       ->required();
   sub_->add_option(
@@ -55,11 +54,11 @@ PlanCommand::PlanCommand(CLI::App& app) : Subcommand(AddStudy(app, "plan")) {
                    "use this tool instead of the cell's: NAME or NAME:DIAMETER in mm; a name under tools/, "
                    "or a YAML file")
       ->type_name("TOOL");
-  sub_->add_flag("--check", o.check, "carry the plan out and measure what it predicts");
+  sub_->add_flag("--check", options_.check, "carry the plan out and measure what it predicts");
   AddEngineOption(*sub_, engine_, session::WallTimeEngineNames(), "the cutting engine that is timed");
   AddDeviceOption(*sub_, device_);
-  sub_->add_option("--out", o.out, "folder for plan.html")->type_name("FOLDER");
-  sub_->add_option("--json", o.json, "also write the plan there, as JSON")->type_name("FILE");
+  sub_->add_option("--out", options_.out, "folder for plan.html")->type_name("FOLDER");
+  sub_->add_option("--json", options_.json, "also write the plan there, as JSON")->type_name("FILE");
   sub_->footer(
       "The command first times two other packings on this machine.\n\n"
       "Exit code 1: error and rate cannot both be met (the plan says which was given up, and by how much), "

@@ -22,14 +22,13 @@ class RegressCommand final : public Subcommand {
 };
 
 RegressCommand::RegressCommand(CLI::App& app) : Subcommand(AddStudy(app, "regress")) {
-  studies::RegressOptions& o = options_;
   auto* scenarios =
       sub_->add_option(
-              "scenarios", o.scenarios,
+              "scenarios", options_.scenarios,
               "names under scenarios/, YAML files or folders of them; without any, all of scenarios/")
           ->type_name("SCENARIO");
-  auto* junit =
-      sub_->add_option("--junit", o.junit, "write the verdicts there, for a CI server")->type_name("FILE");
+  auto* junit = sub_->add_option("--junit", options_.junit, "write the verdicts there, for a CI server")
+                    ->type_name("FILE");
   auto* sweep =
       sub_->add_option(
               "--sweep", sweep_,
@@ -38,36 +37,36 @@ RegressCommand::RegressCommand(CLI::App& app) : Subcommand(AddStudy(app, "regres
           ->type_name("SWEEP")
           ->excludes(scenarios)
           ->excludes(junit);
-  sub_->add_option("--json", o.json, "also write the figures there, as JSON")->type_name("FILE");
-  sub_->add_option("--out", o.out,
+  sub_->add_option("--json", options_.json, "also write the figures there, as JSON")->type_name("FILE");
+  sub_->add_option("--out", options_.out,
                    "folder for regress.html, written if something differs, or sweep.html and sweep.csv")
       ->type_name("FOLDER")
       ->capture_default_str();
   auto* exact = sub_->add_flag(
-      "--exact", o.exact,
+      "--exact", options_.exact,
       "also fail on a different bit; for the compiler and processor that made the golden traces");
   auto* set =
       sub_->add_option(
-              "--set", o.set,
+              "--set", options_.set,
               "value in place of the one in every scenario's cell file, e.g. limits.max_force_N=150; may be "
               "given several times")
           ->type_name("KEY=VALUE")
           ->expected(1)
           ->take_all();
   auto* update =
-      sub_->add_flag("--update", o.update,
+      sub_->add_flag("--update", options_.update,
                      "replace the golden traces of scenarios that differ, or whose files have changed");
   update->excludes(set);
   sweep->excludes(exact)->excludes(update);
-  sub_->add_flag("--all", o.all, "update all scenarios without naming them")->needs(update);
-  sub_->add_option("--reason", o.reason, "why the new traces are right; written into their heads");
-  sub_->add_option("--jobs", o.jobs,
+  sub_->add_flag("--all", options_.all, "update all scenarios without naming them")->needs(update);
+  sub_->add_option("--reason", options_.reason, "why the new traces are right; written into their heads");
+  sub_->add_option("--jobs", options_.jobs,
                    "scenarios at a time; 0: one for each core. The result does not depend on it")
       ->check(NumberWithin(0, 1024))
       ->capture_default_str();
-  AddShardOption(*sub_, o.sharding)->excludes(update);
+  AddShardOption(*sub_, options_.sharding)->excludes(update);
   sub_->add_option(
-          "--device", o.device,
+          "--device", options_.device,
           "for scenarios of the engine vulkan: part of the device's name, as `osteon doctor` lists it")
       ->type_name("NAME");
   sub_->footer(

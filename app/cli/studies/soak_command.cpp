@@ -49,7 +49,7 @@ SoakCommand::SoakCommand(CLI::App& app) : Subcommand(AddStudy(app, "soak")) {
 int SoakCommand::Run(const Invocation& invocation) {
   options_.config_root = invocation.config_root;
   options_.command_line = invocation.command_line;
-  constexpr double kVirtual_h = 8.0, kWall_h = 2.0;
+  constexpr double kVirtual_h = 8.0, kWall_h = 2.0;  // durations without --hours
   options_.hours = hours_.value_or(wall_ ? kWall_h : kVirtual_h);
   return wall_ ? studies::RunWallSoak(options_) : studies::RunSoak(options_);
 }

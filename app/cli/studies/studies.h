@@ -4,9 +4,10 @@
 
 namespace osteon::app {
 
-/// Add a subcommand of osteon-studies to the help, and to the list.
+// Each function adds a subcommand of osteon-studies, or several, to the parser `app` and to the list `all`.
+
 void AddPackCommand(CLI::App& app, Subcommands& all);
-/// Scenarios, fault matrix, kill trials.
+/// `failures`: scenarios, fault matrix, kill trials.
 void AddFailuresCommand(CLI::App& app, Subcommands& all);
 /// `bench frame`, `bench kinematics` …, `chart scaling`, `chart speed-accuracy`, `chart compliance`.
 void AddMeasureCommands(CLI::App& app, Subcommands& all);
@@ -18,13 +19,13 @@ void AddPlanCommand(CLI::App& app, Subcommands& all);
 void AddSurgicalPlanCommand(CLI::App& app, Subcommands& all);
 void AddAssessCommand(CLI::App& app, Subcommands& all);
 void AddTuneCommand(CLI::App& app, Subcommands& all);
-/// Scenarios against golden traces, or a sweep.
+/// `regress`: scenarios against golden traces, or a sweep.
 void AddRegressCommand(CLI::App& app, Subcommands& all);
 void AddValidateCommand(CLI::App& app, Subcommands& all);
 void AddSoakCommand(CLI::App& app, Subcommands& all);
 void AddDiffCommand(CLI::App& app, Subcommands& all);
-/// Runs a study's command again with the items that its shards have computed, so that files, table and exit
-/// code are those of one run; 2 if the parts do not fit together.
+/// `merge`: runs a study's command again with the items that its shards have computed, so that files, table
+/// and exit code are those of one run. Its exit code is 2 if the parts do not fit together.
 void AddMergeCommand(CLI::App& app, Subcommands& all);
 
 }  // namespace osteon::app

@@ -26,53 +26,53 @@ class TuneCommand final : public Subcommand {
 };
 
 TuneCommand::TuneCommand(CLI::App& app) : Subcommand(AddStudy(app, "tune")) {
-  studies::TuneOptions& o = options_;
   sub_->add_option("cell", cell_, "a name under cells/, or a cell's YAML file")
       ->type_name("CELL")
       ->required();
-  sub_->add_option("--out", o.out, "folder for tune.html, .json, .csv, pictures and gains.yaml")
+  sub_->add_option("--out", options_.out, "folder for tune.html, .json, .csv, pictures and gains.yaml")
       ->type_name("FOLDER")
       ->capture_default_str();
-  sub_->add_option("--json", o.json, "write a further copy of tune.json there")->type_name("FILE");
+  sub_->add_option("--json", options_.json, "write a further copy of tune.json there")->type_name("FILE");
   sub_->add_option(
           "--plan", plan_,
           "a name under plans/, or a surgical plan's YAML file: which hands its guidance makes unstable")
       ->type_name("PLAN");
-  sub_->add_option("--identified", o.identified,
+  sub_->add_option("--identified", options_.identified,
                    "a file of `osteon identify` for this cell: arm, delays, hands and response as measured")
       ->check(CLI::ExistingFile)
       ->type_name("FILE");
   const auto stand = [](CLI::Option* option) {
     return option->group("What the gains must withstand")->capture_default_str();
   };
-  stand(sub_->add_option("--margin", o.margin, "factor by which hand and wall may be stiffer than given")
-            ->check(NumberWithin(1, 4)));
-  stand(sub_->add_option("--worst-age-ms", o.worst_age_ms, "greatest age of a contact model's pose")
+  stand(
+      sub_->add_option("--margin", options_.margin, "factor by which hand and wall may be stiffer than given")
+          ->check(NumberWithin(1, 4)));
+  stand(sub_->add_option("--worst-age-ms", options_.worst_age_ms, "greatest age of a contact model's pose")
             ->check(NumberWithin(0, 60)));
-  stand(sub_->add_option("--loss", o.loss,
+  stand(sub_->add_option("--loss", options_.loss,
                          "share of the commands that do not reach the arm; as identified, else 0.01")
             ->check(NumberWithin(0, 0.5)));
   stand(sub_->add_option(
-                "--jitter-ms", o.jitter_ms,
+                "--jitter-ms", options_.jitter_ms,
                 "greatest delay of a command; as identified, else 1, or the cell's period if that is longer")
             ->check(NumberWithin(0, 30)));
-  stand(sub_->add_option("--sensor-delay-ms", o.sensor_delay_ms,
+  stand(sub_->add_option("--sensor-delay-ms", options_.sensor_delay_ms,
                          "delay from the hand's force to the loop; as identified, else 1, or the cell's "
                          "period if that is longer")
             ->check(NumberWithin(0, 50)));
-  stand(sub_->add_option("--grip", o.human_grip_N_per_m,
+  stand(sub_->add_option("--grip", options_.human_grip_N_per_m,
                          "stiffest grip, in N/m, for which the tool has to stay light")
             ->check(NumberWithin(100, 50e3)));
-  stand(
-      sub_->add_option("--stiffest-grip", o.stiffest_grip_N_per_m, "stiffest grip, in N/m, that is examined")
-          ->check(NumberWithin(100, 50e3)));
-  sub_->add_option("--nodes", o.dampings, "number of dampings in the map")
+  stand(sub_->add_option("--stiffest-grip", options_.stiffest_grip_N_per_m,
+                         "stiffest grip, in N/m, that is examined")
+            ->check(NumberWithin(100, 50e3)));
+  sub_->add_option("--nodes", options_.dampings, "number of dampings in the map")
       ->check(NumberWithin(3, 100))
       ->capture_default_str();
-  sub_->add_option("--threads", o.threads, "number of threads; the result does not depend on it")
+  sub_->add_option("--threads", options_.threads, "number of threads; the result does not depend on it")
       ->check(NumberWithin(1, 256))
       ->capture_default_str();
-  AddShardOption(*sub_, o.sharding);
+  AddShardOption(*sub_, options_.sharding);
   sub_->footer(
       "The map is along one axis of the tool. Results stay in the folder: only what has changed is computed "
       "again.\n\n"

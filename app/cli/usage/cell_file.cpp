@@ -16,10 +16,11 @@ tl::expected<std::filesystem::path, std::string> FindCell(const std::filesystem:
     if (std::filesystem::is_directory(name, error))
       return fmt::format("{}: found a folder; accepted: a YAML file, or one of {}: {}", name, cells.string(),
                          config::YamlNamesIn(cells));
-    const std::string own = name + ".yaml";
-    return fmt::format("{}: no file {}{}; accepted: a YAML file, or one of {}: {}", name, file.string(),
-                       std::filesystem::is_regular_file(own, error) ? "; did you mean " + own + "?" : "",
-                       cells.string(), config::YamlNamesIn(cells));
+    const std::string with_ending = name + ".yaml";
+    return fmt::format(
+        "{}: no file {}{}; accepted: a YAML file, or one of {}: {}", name, file.string(),
+        std::filesystem::is_regular_file(with_ending, error) ? "; did you mean " + with_ending + "?" : "",
+        cells.string(), config::YamlNamesIn(cells));
   });
 }
 

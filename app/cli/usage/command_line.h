@@ -8,11 +8,12 @@
 
 #include <CLI/CLI.hpp>
 
-// Functions that both executables need besides their subcommands.
+// What both executables do around their subcommands: prepare the parser, parse, run, report errors.
 
 namespace osteon::app {
 
-/// Returns the command line that repeats a run.
+/// Returns the shell command that repeats this run: "./osteon" and the program's arguments, quoted if
+/// necessary.
 [[nodiscard]] std::string CommandLine(int argc, char** argv);
 /// Returns the same, from the words after the program's name.
 [[nodiscard]] std::string CommandLine(std::span<const std::string> words);

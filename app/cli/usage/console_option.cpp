@@ -11,7 +11,7 @@ namespace osteon::app {
 
 namespace {
 
-// Adds an option that says at which port, or whether at all, something is served.
+// Adds an option whose value is the port or address at which something is served, or "off".
 void AddServerOption(CLI::App& sub, const char* name, session::ConsoleChoice& choice,
                      const std::string& help) {
   sub.add_option_function<std::string>(

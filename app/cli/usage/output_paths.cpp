@@ -19,6 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Options that name a file to be written.
 constexpr std::array<std::string_view, 3> kOutputs{"--json", "--save-motion", "--surface"};
 // Endings of files that are never JSON, and that people keep and must not lose.
 constexpr std::array<std::string_view, 8> kOtherKinds{".mcap", ".carved", ".packed", ".yaml",
@@ -31,11 +32,12 @@ std::string NamedKind(const CLI::Option& option) {
   return type.find("FILE") != std::string::npos ? "file" : "";
 }
 
-// Returns the kind of an existing file, by its first bytes, if it must not be overwritten; otherwise empty.
-std::string_view Evidence(const fs::path& file) {
+// Returns what an existing file is ("a recording"), by its first bytes or its name, if it must not be
+// overwritten; empty for any other file.
+std::string_view ProtectedKind(const fs::path& file) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return "";
-  constexpr std::size_t kHead = 16'384;
+  constexpr std::size_t kHead = 16'384;  // bytes of the beginning that are examined
   std::string head(kHead, '\0');
   std::ifstream stream(file, std::ios::binary);
   stream.read(head.data(), static_cast<std::streamsize>(head.size()));
@@ -49,7 +51,7 @@ std::string_view Evidence(const fs::path& file) {
 }
 
 // Returns another argument that names the same file; null if there is none.
-const CLI::Option* SameFile(const CLI::App& asked, const CLI::Option& output, const fs::path& file) {
+const CLI::Option* OtherOptionNaming(const CLI::App& asked, const CLI::Option& output, const fs::path& file) {
   std::error_code error;
   if (!fs::exists(file, error)) return nullptr;
   for (const CLI::Option* other : asked.get_options())
@@ -60,16 +62,16 @@ const CLI::Option* SameFile(const CLI::App& asked, const CLI::Option& output, co
 }
 
 // Returns why the file of an output option must not be written; empty if it may.
-std::string WrongWith(const CLI::App& asked, const CLI::Option& output) {
+std::string OutputError(const CLI::App& asked, const CLI::Option& output) {
   const std::string name = output.get_name(), value = output.results().back();
   const fs::path file(value);
-  if (const CLI::Option* other = SameFile(asked, output, file))
+  if (const CLI::Option* other = OtherOptionNaming(asked, output, file))
     return fmt::format("{}: found {}, which {} names as well, accepted another file", name, value,
                        other->get_name());
   if (name != "--surface" && std::ranges::find(kOtherKinds, file.extension().string()) != kOtherKinds.end())
     return fmt::format("{}: found {}, accepted a name that does not end with {}", name, value,
                        file.extension().string());
-  if (const std::string_view kind = Evidence(file); !kind.empty())
+  if (const std::string_view kind = ProtectedKind(file); !kind.empty())
     return fmt::format("{}: found {}, which is {}, accepted another file", name, value, kind);
   return "";
 }
@@ -83,7 +85,7 @@ std::string ValidateOutputPaths(const CLI::App& asked) {
       return fmt::format("{}: found no name, accepted a {}", option->get_name(), kind);
   for (const CLI::Option* option : asked.get_options())
     if (option->count() > 0 && std::ranges::find(kOutputs, option->get_name()) != kOutputs.end())
-      if (std::string wrong = WrongWith(asked, *option); !wrong.empty()) return wrong;
+      if (std::string wrong = OutputError(asked, *option); !wrong.empty()) return wrong;
   return "";
 }
 

@@ -18,7 +18,7 @@ namespace osteon::app {
 struct Invocation {
   std::filesystem::path config_root;
   std::string command_line;                ///< the command that repeats the run
-  std::vector<std::string> words;          ///< of the command line, after the program's name
+  std::vector<std::string> words;          ///< the command line after the program's name
   const studies::PartSet* parts{nullptr};  ///< by `osteon merge`: the items of all shards
 };
 
@@ -30,19 +30,19 @@ class Subcommand {
   Subcommand& operator=(const Subcommand&) = delete;
   virtual ~Subcommand() = default;
 
-  /// Whether it was on the command line.
+  /// Whether this subcommand was on the command line.
   [[nodiscard]] virtual bool asked() const { return sub_->parsed(); }
-  /// Runs it with the options that were read. @returns the process's exit code.
+  /// Runs this subcommand with its parsed options. @returns the process's exit code.
   [[nodiscard]] virtual int Run(const Invocation& invocation) = 0;
 
  protected:
   CLI::App* const sub_;
 };
 
-/// In the order of the help.
+/// All subcommands of a program, in the order of the help.
 using Subcommands = std::vector<std::unique_ptr<Subcommand>>;
 
-/// Runs the one that was asked for. @returns its exit code; nothing where none was.
+/// Runs the subcommand that was on the command line. @returns its exit code; nothing if there was none.
 [[nodiscard]] inline std::optional<int> RunAsked(const Subcommands& all, const Invocation& invocation) {
   for (const auto& each : all)
     if (each->asked()) return each->Run(invocation);

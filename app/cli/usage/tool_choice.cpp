@@ -15,11 +15,11 @@ namespace {
 /// Suggests what was meant: "reamer54" is "reamer:54", "raemer" is "reamer". Empty if nothing is similar.
 std::string NearestToolName(const std::filesystem::path& folder, const std::string& name,
                             const std::string& diameter) {
-  const std::size_t digits = name.find_last_not_of("0123456789.") + 1;
-  const std::size_t letters = name.substr(0, digits).find_last_not_of("-_ ") + 1;
-  if (diameter.empty() && digits > 0 && digits < name.size() && letters > 0 &&
-      config::FindNamedFile(folder, name.substr(0, letters)))
-    return name.substr(0, letters) + ":" + name.substr(digits);
+  const std::size_t digits_begin = name.find_last_not_of("0123456789.") + 1;
+  const std::size_t letters_end = name.substr(0, digits_begin).find_last_not_of("-_ ") + 1;
+  if (diameter.empty() && digits_begin > 0 && digits_begin < name.size() && letters_end > 0 &&
+      config::FindNamedFile(folder, name.substr(0, letters_end)))
+    return name.substr(0, letters_end) + ":" + name.substr(digits_begin);
   std::vector<std::string> names;
   for (const std::filesystem::path& file : config::YamlFilesIn(folder)) names.push_back(file.stem().string());
   const std::string nearest = config::NearestKey(name, names);

@@ -63,8 +63,8 @@ void AddEngineOption(CLI::App& sub, std::string& engine, const std::vector<std::
 namespace {
 
 // Returns an option's accepted values in words: "a whole number, 3 … 100", "FROM,TO".
-std::string Accepted(const CLI::App& at, const std::string& name) {
-  const CLI::Option* option = at.get_option_no_throw(name);
+std::string AcceptedOf(const CLI::App& command, const std::string& name) {
+  const CLI::Option* option = command.get_option_no_throw(name);
   std::string type = option ? option->get_type_name() : "";
   const std::size_t colon = type.find(':');  // the type's name stands before the colon, the range after it
   std::string range = colon == std::string::npos ? "" : ", " + type.substr(colon + 1);
@@ -86,14 +86,14 @@ constexpr std::array<PathWords, 4> kPathWords{
 
 // Rewrites CLI11's error on a value's type, a path or a number of values, so that it says what is accepted.
 // Other errors stay.
-std::string WithAccepted(const CLI::App& at, std::string what) {
+std::string WithAccepted(const CLI::App& command, std::string what) {
   constexpr std::string_view kConvert = "Could not convert: ", kReceived = " required but received ";
   if (what.starts_with(kConvert)) {
     const std::string rest = what.substr(kConvert.size());
     const std::size_t equals = rest.find(" = ");
     if (equals == std::string::npos) return what;
     const std::string name = rest.substr(0, equals);
-    return fmt::format("{}: found {}, accepted {}", name, rest.substr(equals + 3), Accepted(at, name));
+    return fmt::format("{}: found {}, accepted {}", name, rest.substr(equals + 3), AcceptedOf(command, name));
   }
   const std::size_t colon = what.find(": ");
   if (colon == std::string::npos) return what;
@@ -106,9 +106,9 @@ std::string WithAccepted(const CLI::App& at, std::string what) {
   if (received != std::string::npos)
     return fmt::format("{}: found {} values, accepted {} ({})", name,
                        what.substr(received + kReceived.size()),
-                       base::Lower(what.substr(colon + 2, received - colon - 2)), Accepted(at, name));
+                       base::Lower(what.substr(colon + 2, received - colon - 2)), AcceptedOf(command, name));
   if (what.ends_with(" missing"))
-    return fmt::format("{}: found no value, accepted {}", name, Accepted(at, name));
+    return fmt::format("{}: found no value, accepted {}", name, AcceptedOf(command, name));
   return what;
 }
 
@@ -121,9 +121,9 @@ std::string UsageError(const CLI::App& app, const CLI::ParseError& error) {
     deepest = chosen.front();
     name += " " + deepest->get_name();
   }
-  const CLI::App& at = *deepest;
+  const CLI::App& command = *deepest;
 
-  std::string what = WithAccepted(at, error.what());
+  std::string what = WithAccepted(command, error.what());
   const std::vector<std::string> unknown = app.remaining(true);
   if (!unknown.empty()) {
     // an unknown option makes its value unknown too: report the option
@@ -132,15 +132,15 @@ std::string UsageError(const CLI::App& app, const CLI::ParseError& error) {
     const std::string word = (is_option ? *option : unknown.front()).substr(0, 60);
     std::vector<std::string> known;
     if (is_option) {
-      for (const CLI::Option* each : at.get_options()) known.push_back(each->get_name());
+      for (const CLI::Option* each : command.get_options()) known.push_back(each->get_name());
     } else {
-      for (const CLI::App* each : at.get_subcommands(nullptr)) known.push_back(each->get_name());
+      for (const CLI::App* each : command.get_subcommands(nullptr)) known.push_back(each->get_name());
     }
     const std::string nearest = config::NearestKey(word.substr(0, word.find('=')), known);
     what = fmt::format("unknown {} {}; {}",
-                       is_option                             ? "option"
-                       : at.get_subcommands(nullptr).empty() ? "word"
-                                                             : "subcommand",
+                       is_option                                  ? "option"
+                       : command.get_subcommands(nullptr).empty() ? "word"
+                                                                  : "subcommand",
                        word,
                        !nearest.empty() ? "did you mean " + nearest + "?"
                        : known.empty()  ? "accepted: options"

@@ -5,9 +5,9 @@
 
 #include <CLI/CLI.hpp>
 
-// Error texts for a wrong command line: found …, accepted …, in one line. The validators' descriptions say
-// what is accepted; help/command_table.h reads them for help and manual. Options that several commands have
-// stand here too.
+// Validators of option values, options that several commands share, and error texts for a wrong command line
+// ("found …, accepted …" in one line). Each validator's description says what it accepts;
+// help/command_table.h reads the descriptions for help and manual.
 
 namespace osteon::app {
 
