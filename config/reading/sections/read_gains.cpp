@@ -10,6 +10,7 @@ namespace {
 // The keys that must be present: all in a cell's file; any choice of them in a file that overrides it.
 enum class Keys { kAll, kAny };
 
+// Whether to read a key. With kAll an absent key is read too, so that Finish() reports it.
 bool ShouldRead(Reader& section, Keys keys, const char* key) {
   return keys == Keys::kAll || section.Has(key);
 }
@@ -34,7 +35,8 @@ void ReadAdmittance(Reader section, Keys keys, control::AdmittanceParams& admitt
       admittance.locked[axis] = true;
 }
 
-void ReadForces(Reader& section, Keys keys, control::CouplingParams& coupling) {
+// Reads the coupling's stiffness and damping: the keys of `coupling` that are gains.
+void ReadCouplingGains(Reader& section, Keys keys, control::CouplingParams& coupling) {
   const auto number = [&](const char* key, double min, double max, double& value) {
     if (ShouldRead(section, keys, key)) value = section.Number(key, min, max);
   };
@@ -50,7 +52,7 @@ void ReadAdmittance(Reader section, control::AdmittanceParams& admittance) {
 }
 
 void ReadCoupling(Reader section, control::CouplingParams& coupling) {
-  ReadForces(section, Keys::kAll, coupling);
+  ReadCouplingGains(section, Keys::kAll, coupling);
   coupling.fresh_s = section.Number("fresh_ms", 1, 1000);
   coupling.gone_s = section.Number("gone_ms", 2, 1000);
   coupling.ramp_s = section.Number("ramp_ms", 1, 10000);
@@ -64,21 +66,22 @@ void ApplyGainsFile(const std::filesystem::path& file, control::Law law,
     reader.Refuse(
         "admittance",
         "found for a cell with the impedance law, which has no virtual tool; accepted coupling alone");
-  control::AdmittanceParams virtual_tool = admittance;
-  control::CouplingParams forces = coupling;
-  if (reader.Has("admittance")) ReadAdmittance(reader.Section("admittance"), Keys::kAny, virtual_tool);
+  // copies, so that an error leaves the caller's gains unchanged
+  control::AdmittanceParams new_admittance = admittance;
+  control::CouplingParams new_coupling = coupling;
+  if (reader.Has("admittance")) ReadAdmittance(reader.Section("admittance"), Keys::kAny, new_admittance);
   if (reader.Has("coupling")) {
     Reader section = reader.Section("coupling");
-    ReadForces(section, Keys::kAny, forces);
-    if (section.Has("stiffness_N_per_mm") && forces.max_stiffness_N_per_m > max_stiffness_N_per_m)
+    ReadCouplingGains(section, Keys::kAny, new_coupling);
+    if (section.Has("stiffness_N_per_mm") && new_coupling.max_stiffness_N_per_m > max_stiffness_N_per_m)
       section.Refuse(
           "stiffness_N_per_mm",
           fmt::format("found {:.10g}, accepted at most {:.10g} while it runs: what it was started with",
-                      1e-3 * forces.max_stiffness_N_per_m, 1e-3 * max_stiffness_N_per_m));
+                      1e-3 * new_coupling.max_stiffness_N_per_m, 1e-3 * max_stiffness_N_per_m));
   }
   reader.Finish();
-  admittance = virtual_tool;
-  coupling = forces;
+  admittance = new_admittance;
+  coupling = new_coupling;
 }
 
 control::Gains ReadGainsAgain(const std::filesystem::path& file, control::Law law, const control::Gains& own,

@@ -14,9 +14,9 @@
 namespace osteon::config {
 namespace {
 
-thread_local Overlay* present_overlay = nullptr;
+thread_local Overlay* present_overlay = nullptr;  // this thread's, while it exists
 
-// "limits.max_force_N": words separated by dots.
+// Whether a text consists of words separated by dots, as "limits.max_force_N".
 bool IsKey(const std::string& key) {
   return !key.empty() && key.front() != '.' && key.back() != '.' && key.find("..") == std::string::npos;
 }

@@ -69,6 +69,7 @@ constexpr Unit kUnits[] = {
     {"seed", 1.0},
 };
 
+// The longest known unit that is the whole key, or that ends it after an underscore; null: none.
 const Unit* FindUnit(std::string_view key) {
   const Unit* best = nullptr;
   for (const Unit& unit : kUnits) {

@@ -38,8 +38,8 @@ bool YamlMapping::Record(const std::string& key, KeyInfo info) const {
 }
 
 void YamlMapping::AddEntries(const YAML::Node& node) {
-  std::unordered_map<std::string, int> lines;  // of the keys; a map, as a hostile file may have a hundred
-                                               // thousand
+  // lines of the keys; a map, as a hostile file may have a hundred thousand keys
+  std::unordered_map<std::string, int> lines;
   for (const auto& pair : node) {
     if (!pair.first.IsScalar()) Fail(LineOf(pair.first), "a key must be a word");
     const std::string& written = pair.first.Scalar();
