@@ -34,7 +34,7 @@ bool SameText(std::string_view a, std::string_view b) {
   return differ == 0;
 }
 
-// @param token  the server's; empty: none is needed
+// Checks the token of a request. @param token  the server's; empty: none is needed
 // @returns the reason of a refusal; empty: accepted
 std::string CheckToken(std::string_view found, std::string_view token) {
   return token.empty() || SameText(found, token) ? "" : "the token is missing or wrong";

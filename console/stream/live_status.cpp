@@ -19,6 +19,7 @@
 namespace osteon::console {
 namespace {
 
+// Each Add function fills in one part of the status.
 void AddState(const control::TickRecord& tick, LiveStatus& status) {
   if (tick.cell_state >= safety::kCellStates) return;
   const auto state = static_cast<safety::CellState>(tick.cell_state);
@@ -122,6 +123,7 @@ nlohmann::json OrNull(const std::optional<T>& value) {
   return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
 }
 
+// Mean times in ms; null before the arm was commanded.
 nlohmann::json LatencyJson(const LatencyStatus& latency) {
   if (!latency.known) return nullptr;
   nlohmann::json parts = nlohmann::json::object();
@@ -133,6 +135,7 @@ nlohmann::json LatencyJson(const LatencyStatus& latency) {
           {"parts", parts}};
 }
 
+// Rendered time, for a line of text: "12.0 of 60.0 s, paused 3.0 s". @param wanted_s  0: no end
 std::string TimeText(const LiveStatus& s, double wanted_s) {
   std::string text = wanted_s > 0.0
                          ? fmt::format("{:.1f} of {:.1f} s", std::min(s.rendered_s, wanted_s), wanted_s)
