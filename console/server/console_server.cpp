@@ -90,6 +90,7 @@ class Page final : public PageWriter {
   PageSender sender_;  // last: its thread writes to the others
 };
 
+// The server with its pages. Threads of civetweb call the static handlers.
 class Server final : public ConsoleServer {
  public:
   Server(ConsoleParams params, const LiveFeed& feed, const SurfaceStore& surface)

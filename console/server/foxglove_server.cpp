@@ -135,8 +135,8 @@ class Viewer {
 
   mg_connection* const connection_;
   const FoxgloveSource& source_;
-  const std::string greeting_;
-  std::string bytes_;  // scratch of the thread
+  const std::string greeting_;  // the cell's name
+  std::string bytes_;           // scratch of the thread
   std::atomic<bool> closed_{false};
 
   std::mutex mutex_;
@@ -148,6 +148,7 @@ class Viewer {
   std::thread thread_;  // last: it uses the others
 };
 
+// The server with its viewers. Threads of civetweb call the static handlers.
 class ViewersServer final : public FoxgloveServer {
  public:
   ViewersServer(FoxgloveParams params, const FoxgloveSource& source)

@@ -20,6 +20,7 @@ namespace {
 constexpr std::chrono::milliseconds kPollInterval{20};
 constexpr std::size_t kStampLength = 24;  // maximum number of characters of a stamp
 
+// The client over civetweb, whose thread calls OnData for each message.
 class Client final : public PageClient {
  public:
   explicit Client(bool reads) : reads_(reads) {}

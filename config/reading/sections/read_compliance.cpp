@@ -161,6 +161,7 @@ void CheckMount(const Reader& section, const CellConfig& cell) {
   }
 }
 
+// Whether a part gives way. With `auto` it does if its effect matters.
 bool IsOn(GivesWay asked, bool known, bool matters) {
   return known && (asked == GivesWay::kOn || (asked == GivesWay::kAuto && matters));
 }

@@ -16,18 +16,18 @@ bool ShouldRead(Reader& section, Keys keys, const char* key) {
 }
 
 void ReadAdmittance(Reader section, Keys keys, control::AdmittanceParams& admittance) {
-  const auto triple = [&](const char* key, double min, double max, Vector3& value) {
+  const auto read_triple = [&](const char* key, double min, double max, Vector3& value) {
     if (ShouldRead(section, keys, key)) value = section.Triple(key, min, max);
   };
-  const auto number = [&](const char* key, double min, double max, double& value) {
+  const auto read_number = [&](const char* key, double min, double max, double& value) {
     if (ShouldRead(section, keys, key)) value = section.Number(key, min, max);
   };
-  triple("mass_kg", 0.1, 50, admittance.mass_kg);
-  triple("inertia_kg_m2", 0.001, 5, admittance.inertia_kg_m2);
-  triple("damping_Ns_per_m", 1, 2000, admittance.damping_Ns_per_m);
-  triple("damping_Nms_per_rad", 0.01, 100, admittance.damping_Nms_per_rad);
-  number("dead_zone_N", 0, 50, admittance.dead_zone_N);
-  number("dead_zone_Nm", 0, 5, admittance.dead_zone_Nm);
+  read_triple("mass_kg", 0.1, 50, admittance.mass_kg);
+  read_triple("inertia_kg_m2", 0.001, 5, admittance.inertia_kg_m2);
+  read_triple("damping_Ns_per_m", 1, 2000, admittance.damping_Ns_per_m);
+  read_triple("damping_Nms_per_rad", 0.01, 100, admittance.damping_Nms_per_rad);
+  read_number("dead_zone_N", 0, 50, admittance.dead_zone_N);
+  read_number("dead_zone_Nm", 0, 5, admittance.dead_zone_Nm);
   if (keys != Keys::kAll) return;
   if (section.Has("centre_m")) admittance.centre_T_m = section.Triple("centre_m", -2, 2);
   if (section.Has("locked"))
@@ -37,12 +37,12 @@ void ReadAdmittance(Reader section, Keys keys, control::AdmittanceParams& admitt
 
 // Reads the coupling's stiffness and damping: the keys of `coupling` that are gains.
 void ReadCouplingGains(Reader& section, Keys keys, control::CouplingParams& coupling) {
-  const auto number = [&](const char* key, double min, double max, double& value) {
+  const auto read_number = [&](const char* key, double min, double max, double& value) {
     if (ShouldRead(section, keys, key)) value = section.Number(key, min, max);
   };
-  number("stiffness_N_per_mm", 0.1, 100, coupling.max_stiffness_N_per_m);
-  number("damping_Ns_per_m", 0, 2000, coupling.damping_Ns_per_m);
-  number("damping_share_ratio", 0, 0.25, coupling.damping_share);
+  read_number("stiffness_N_per_mm", 0.1, 100, coupling.max_stiffness_N_per_m);
+  read_number("damping_Ns_per_m", 0, 2000, coupling.damping_Ns_per_m);
+  read_number("damping_share_ratio", 0, 0.25, coupling.damping_share);
 }
 
 }  // namespace

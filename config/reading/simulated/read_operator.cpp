@@ -58,15 +58,15 @@ hil::HandIncident ReadIncident(Reader& section, double max_force_N) {
 hil::HandIncidents ReadIncidents(Reader& section, double max_force_N) {
   hil::HandIncidents incidents;
   double free_s = 0.0;  // earliest begin of the next incident
-  for (Reader& one : section.Sections("incidents", 1, hil::HandIncidents::kMax)) {
-    const hil::HandIncident incident = ReadIncident(one, max_force_N);
+  for (Reader& incident_section : section.Sections("incidents", 1, hil::HandIncidents::kMax)) {
+    const hil::HandIncident incident = ReadIncident(incident_section, max_force_N);
     const hil::IncidentTimes times = hil::TimesOf(incident);
     if (times.begin_s < free_s)
-      one.Refuse("at_s",
-                 std::isinf(free_s)
-                     ? fmt::format("found {:.10g} after an incident that never ends", times.begin_s)
-                     : fmt::format("found {:.10g}, accepted at least {:.10g}, when the one before is over",
-                                   times.begin_s, free_s));
+      incident_section.Refuse(
+          "at_s", std::isinf(free_s)
+                      ? fmt::format("found {:.10g} after an incident that never ends", times.begin_s)
+                      : fmt::format("found {:.10g}, accepted at least {:.10g}, when the one before is over",
+                                    times.begin_s, free_s));
     free_s = times.over_s;
     incidents.list.at(incidents.count++) = incident;
   }
