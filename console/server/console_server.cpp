@@ -295,6 +295,7 @@ class Server final : public ConsoleServer {
     page.sender().Answer(AnswerJson(kNames[static_cast<std::size_t>(request)], answer));
   }
 
+  // The answer to a page's request, as a message. @param ask  the kind of request
   static std::string AnswerJson(const char* ask, const RequestAnswer& answer) {
     const nlohmann::json json{
         {"type", "answer"}, {"ask", ask}, {"done", answer.done}, {"reason", answer.reason}};
@@ -321,6 +322,7 @@ class Server final : public ConsoleServer {
     --server.pages_open_;
   }
 
+  // The page of a connection; null: it has gone.
   std::shared_ptr<Page> Find(const mg_connection* connection) {
     const std::lock_guard lock(mutex_);
     const auto found = pages_.find(connection);

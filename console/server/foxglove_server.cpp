@@ -217,6 +217,7 @@ class ViewersServer final : public FoxgloveServer {
     return false;
   }
 
+  // Begins to send to a viewer that has opened.
   static void OnReady(mg_connection* connection, void* user) {
     ViewersServer& server = Of(user);
     auto viewer = std::make_shared<Viewer>(connection, server.source_, server.params_.name);
@@ -251,6 +252,7 @@ class ViewersServer final : public FoxgloveServer {
     }
   }
 
+  // Removes a viewer that has gone.
   static void OnClosed(const mg_connection* connection, void* user) {
     ViewersServer& server = Of(user);
     std::shared_ptr<Viewer> viewer;

@@ -49,6 +49,7 @@ class Client final : public PageClient {
   }
 
  private:
+  // Counts a message, and blocks as long as the client is one that does not read.
   static int OnData(mg_connection*, int bits, char* data, std::size_t size, void* user) {
     auto& client = *static_cast<Client*>(user);
     while (!client.reads_ && !client.ending_.load()) std::this_thread::sleep_for(kPollInterval);

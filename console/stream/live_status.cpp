@@ -46,6 +46,7 @@ void AddPermits(const control::TickRecord& tick, LiveStatus& status) {
   }
 }
 
+// Adds the latched faults, and whether a recovery may clear them now.
 void AddFaults(const control::TickRecord& tick, const LiveContext& context, LiveStatus& status) {
   safety::FaultSet faults;
   for (int bit = 0; bit < safety::kFaultCount; ++bit) {
@@ -92,6 +93,7 @@ void AddForce(const control::TickRecord& tick, const LiveContext& context, LiveS
   status.force_limit_now_N = std::min(status.force_N, status.force_limit_N);
 }
 
+// Adds the tool's commanded speed, feed and depth left, and the spindle's speed and torque.
 void AddMotion(const control::TickRecord& tick, const LiveContext& context, LiveStatus& status) {
   const PlainVector3& v = tick.v_WT_cmd_m_per_s;
   status.speed_mm_per_s = 1e3 * Length(v);
@@ -102,6 +104,7 @@ void AddMotion(const control::TickRecord& tick, const LiveContext& context, Live
   if (context.depth_left_m) status.depth_left_mm = 1e3 * context.depth_left_m(tick);
 }
 
+// Adds ages of the inputs, tick times, lost messages, disk space and latency.
 void AddHealth(const LiveWindow& w, const LiveContext& context, LiveStatus& status) {
   const auto age_ms = [](double age_s) {
     return age_s < safety::kNoAge_s ? std::optional(1e3 * age_s) : std::nullopt;

@@ -26,7 +26,7 @@ namespace {
 
 using safety::Fault;
 
-constexpr double kElbowRate_per_s = 40.0;  // rate of the arm angle for each rad of error, near no error
+constexpr double kElbowRate_per_s = 40.0;  // rate of the arm angle per rad of error, up to its bound
 constexpr double kElbowThere_rad = 1e-6;   // error below which the wanted angle counts as reached
 constexpr double kMoving_m_per_s = 0.02,
                  kMoving_rad_per_s = 0.1;  // tool speed from which the elbow has its full speed

@@ -22,6 +22,7 @@ constexpr const char* kAccepted = "accepted a grey PNG without transparency";
 
 using Bytes = std::vector<std::uint8_t>;
 
+/// The error for a file that is not accepted. @param found  what the file is instead
 tl::unexpected<std::string> Refusal(const std::string& found) {
   return tl::unexpected(fmt::format("found {}, {}", found, kAccepted));
 }

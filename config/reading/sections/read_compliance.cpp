@@ -75,6 +75,7 @@ double PushOf(const CellConfig& cell) {
   return std::visit([](const auto& script) { return script.push_force_N; }, cell.script);
 }
 
+// Refuses a key of the section, if there is a refusal.
 void RefuseBy(const Reader& section, const std::optional<ComplianceRefusal>& refusal) {
   if (refusal) section.Refuse(refusal->key, refusal->text);
 }

@@ -40,6 +40,7 @@ void RefuseOnTcp(Reader& section, const hil::Injection& injection) {
   if (injection.direction != hil::Direction::kBoth) section.Refuse("direction", "of wire plc: accepted both");
 }
 
+// Reads one entry of `injections`: the wire, its direction, the time from begin to end, and the faults.
 hil::Injection ReadInjection(Reader& section) {
   hil::Injection injection;
   injection.wire = std::array{Wire::kArm, Wire::kForceSensor, Wire::kDrive, Wire::kPlc}.at(

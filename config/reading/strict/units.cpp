@@ -12,6 +12,7 @@ struct Unit {
   double to_si;
 };
 
+// The known units, by the ending of a key.
 constexpr Unit kUnits[] = {
     // length, volume, angle, time
     {"m", 1.0},

@@ -4,8 +4,8 @@ import { CapsuleGeometry, CylinderGeometry, Group, Matrix4, Mesh, MeshStandardMa
 import type { Hello } from "./messages";
 import { matrixOf, vectorOf } from "./poses";
 
-const BODY_RADIUS_M = 0.055;
-const JOINT_RADIUS_M = 0.068;
+const BODY_RADIUS_M = 0.055; // of a link's drawn capsule
+const JOINT_RADIUS_M = 0.068; // of a joint's drawn drum
 const Y = new Vector3(0, 1, 0);
 
 export class Arm {

@@ -144,6 +144,7 @@ export class Charts {
     this.events = this.events.slice(-100);
   }
 
+  /** The buttons of a chart: freeze, and save as a picture. */
   private bar(plot: uPlot): HTMLElement {
     const bar = document.createElement("div");
     bar.className = "bar";
@@ -178,6 +179,7 @@ export class Charts {
     return !this.frozen || whole ? [-SHOWN_S, 0] : [Math.max(from, -SHOWN_S), Math.min(to, 0)];
   }
 
+  /** The data of a chart for uPlot: times before the newest window [s], then a column for each line. */
   private dataOf(def: ChartDef): uPlot.AlignedData {
     const { shown } = this;
     const last = lastOf(shown);
@@ -223,6 +225,7 @@ export class Charts {
     return def.withoutAny !== undefined && values.length > 0 && values.every((value) => value === 0);
   }
 
+  /** Writes the chart's text in place of values that are all 0. */
   private sayWithoutAny(plot: uPlot, def: ChartDef): void {
     if (!def.withoutAny || !this.hasNone(def)) return;
     const { left, top, width, height } = plot.bbox;
@@ -235,6 +238,7 @@ export class Charts {
     plot.ctx.restore();
   }
 
+  /** Marks each event by a dashed line. */
   private drawEvents(plot: uPlot): void {
     if (this.shown.time_s.length === 0) return;
     const last = lastOf(this.shown);

@@ -56,6 +56,7 @@ function mayAdapt(shown: Element, made: Element): boolean {
   return shown.nodeName === made.nodeName && !hasButton(shown) && !hasButton(made);
 }
 
+/** Gives `shown` the attributes and children of `made`. */
 function adaptElement(shown: Element, made: Element): void {
   for (const { name } of [...shown.attributes]) if (!made.hasAttribute(name)) shown.removeAttribute(name);
   for (const { name, value } of made.attributes) if (shown.getAttribute(name) !== value) shown.setAttribute(name, value);

@@ -193,6 +193,7 @@ export class Panels {
     set("faults", ...status.faults.map((fault) => this.faultCard(status, fault, fault === key)));
   }
 
+  /** A fault's card: cause, reaction and cure, or its name alone once it was acknowledged. */
   private faultCard(status: Status, fault: Fault, hasKey: boolean): HTMLElement {
     const text = getLanguage() === "de" ? inGerman(fault) : fault;
     const known = this.acknowledged.has(fault.name);

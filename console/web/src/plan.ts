@@ -86,6 +86,7 @@ export class PlanView {
     return edge;
   }
 
+  /** Colours a part of the corridor by whether the tool is outside of it. */
   private paint(part: Mesh | null, outside: boolean): void {
     if (!part) return;
     const color = outside ? OUTSIDE : INSIDE;

@@ -115,6 +115,7 @@ export class ProcedureCard {
     if (next && this.plan && this.note) next.disabled = !this.enabled || this.note.tool + 1 >= this.plan.reamers.length;
   }
 
+  /** Shows the newest note: the reamer in use, the table of figures, and the line over the picture. */
   private update(): void {
     const { plan, note } = this;
     const table = this.card.querySelector("#procedure-figures");

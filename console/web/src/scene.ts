@@ -115,6 +115,7 @@ export class SceneView {
     this.preset("site");
   }
 
+  /** Replaces the drawn tool and its ghost, the proxy. @param balls as in toolOf */
   private setTool(balls: number[][]): void {
     if (this.tool && this.proxy) {
       this.lasting.remove(this.tool);

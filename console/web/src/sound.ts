@@ -47,6 +47,7 @@ export class Sound {
     this.faults = faults;
   }
 
+  /** @param volume 0 … 1 */
   private beep(hz: number, seconds: number, volume: number): void {
     const tone = this.context!.createOscillator(), gain = this.context!.createGain();
     tone.frequency.value = hz;

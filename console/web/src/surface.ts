@@ -82,6 +82,7 @@ export class Surface {
     this.changeAll();
   }
 
+  /** Marks all meshes to be made anew, since their colours have changed. */
   private changeAll(): void {
     for (const key of this.blocks.keys()) this.changed.add(key);
   }
@@ -164,6 +165,7 @@ export class Surface {
     this.changed.clear();
   }
 
+  /** Makes a block's mesh from its bricks. */
   private build(block: Block): void {
     const chunks = [...block.chunks.values()];
     const vertices = chunks.reduce((sum, c) => sum + c.materials.length, 0);

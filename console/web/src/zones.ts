@@ -35,6 +35,7 @@ function wires(zone: Zone): LineSegments {
   }
 }
 
+/** Wire frames of all zones, in W. */
 export function zonesOf(zones: Zone[]): Group {
   const group = new Group();
   for (const zone of zones) {
