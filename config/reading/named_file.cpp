@@ -32,11 +32,11 @@ std::string YamlNamesIn(const std::filesystem::path& folder) {
 tl::expected<std::filesystem::path, std::filesystem::path> FindNamedFile(const std::filesystem::path& folder,
                                                                          const std::string& name) {
   std::error_code error;
-  const bool whole = name.ends_with(".yaml");
-  const std::filesystem::path named(whole ? name : name + ".yaml"), inside = folder / named;
-  if (whole && std::filesystem::is_regular_file(named, error)) return named;
+  const bool has_extension = name.ends_with(".yaml");
+  const std::filesystem::path named(has_extension ? name : name + ".yaml"), inside = folder / named;
+  if (has_extension && std::filesystem::is_regular_file(named, error)) return named;
   if (!named.has_parent_path() && std::filesystem::is_regular_file(inside, error)) return inside;
-  return tl::make_unexpected(whole ? named : inside);
+  return tl::make_unexpected(has_extension ? named : inside);
 }
 
 }  // namespace osteon::config

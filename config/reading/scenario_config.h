@@ -11,7 +11,7 @@ namespace osteon::config {
 enum class ScenarioEngine : std::uint8_t {
   kPlane,      ///< a rigid plane at the site (studies/regress/plane_engine.h): tests control alone
   kReference,  ///< the cutting model in double precision
-  kVulkan,     ///< the same on a device
+  kVulkan,     ///< the cutting model on a graphics device (Vulkan)
 };
 
 /// Largest differences of a scenario's run from its golden trace, by kind of quantity, in SI. The defaults
@@ -37,7 +37,7 @@ struct ScenarioConfig {
   std::filesystem::path cell;
   ScenarioEngine engine{ScenarioEngine::kReference};
   double seconds{1.0};    ///< in COMMANDING_ACTIVE
-  double frame_s{0.002};  ///< from one frame of the simulation to the next, and from its pose to its model
+  double frame_s{0.002};  ///< time between two frames, and from a frame's pose until the loop has its model
   bool planned{false};    ///< the bone is packed as `osteon demo` plans it, not as the scene's `packing` says
   double sample_s{0.02};  ///< time between two samples of the golden trace
   int recoveries{0};      ///< number of restarts of the loop after a stop by the connection to the arm
@@ -52,7 +52,7 @@ struct ScenarioConfig {
   }
 };
 
-/// The key of the mapping with the overridden values: config::Overlay.
+/// Key of a scenario file's mapping of values that override the cell's (config::Overlay).
 inline constexpr const char* kOverridesKey = "overrides";
 
 }  // namespace osteon::config

@@ -11,7 +11,7 @@ namespace osteon::config {
 [[nodiscard]] std::filesystem::path FindShippedAbove(const std::filesystem::path& file,
                                                      std::span<const char* const> has);
 
-/// Whether a folder has all of these folders.
+/// Whether a folder has subfolders of all these names.
 [[nodiscard]] bool HasFolders(const std::filesystem::path& folder, std::span<const char* const> has);
 
 }  // namespace osteon::config

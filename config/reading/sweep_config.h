@@ -25,6 +25,7 @@ struct SweepParameter {
   double mean{0.0}, sd{0.0};          ///< only for kNormal
 };
 
+/// A sweep with more runs is refused.
 inline constexpr std::size_t kMaxSweepRuns = 1'000'000;
 
 /// A Monte-Carlo study of `osteon regress --sweep`: a scenario with each combination of listed values, and
@@ -32,18 +33,19 @@ inline constexpr std::size_t kMaxSweepRuns = 1'000'000;
 struct SweepConfig {
   std::filesystem::path file;
   std::string name;   ///< of the file, without its extension
-  std::string shows;  ///< in one line
+  std::string shows;  ///< what the sweep shows, in one line
   std::filesystem::path scenario;
   int seeds{1};
   std::vector<SweepParameter> parameters;
 
-  /// Combinations of listed values.
+  /// Number of combinations of the listed values.
   [[nodiscard]] std::size_t Combinations() const {
     std::size_t count = 1;
     for (const SweepParameter& parameter : parameters)
       if (parameter.draw == SweepDraw::kListed) count *= parameter.values.size();
     return count;
   }
+  /// Number of runs: each combination with each seed.
   [[nodiscard]] std::size_t Runs() const { return Combinations() * static_cast<std::size_t>(seeds); }
 };
 

@@ -34,7 +34,7 @@ bool SameText(std::string_view a, std::string_view b) {
   return differ == 0;
 }
 
-// @param token  the server's; empty: none is needed
+// Checks the token of a request. @param token  the server's; empty: none is needed
 // @returns the reason of a refusal; empty: accepted
 std::string CheckToken(std::string_view found, std::string_view token) {
   return token.empty() || SameText(found, token) ? "" : "the token is missing or wrong";
@@ -57,10 +57,10 @@ std::string CheckAccess(const OpenRequest& request, std::string_view address, st
 std::string CheckViewerAccess(const OpenRequest& request, std::string_view address, std::string_view token) {
   if (!NamesThisServer(request.host, address)) return std::string(kOwnAddress);
   const std::string_view origin = request.origin;
-  const bool application = origin.empty() || origin == "file://";
-  const bool page = origin == "https://app.foxglove.dev" ||
-                    (origin.starts_with("http://") && IsLoopback(NameOf(origin.substr(7))));
-  if (!application && !page) return "a page of another origin may not open the cell's topics";
+  const bool is_application = origin.empty() || origin == "file://";
+  const bool is_viewer_page = origin == "https://app.foxglove.dev" ||
+                              (origin.starts_with("http://") && IsLoopback(NameOf(origin.substr(7))));
+  if (!is_application && !is_viewer_page) return "a page of another origin may not open the cell's topics";
   return CheckToken(request.token, token);
 }
 

@@ -13,6 +13,7 @@ constexpr const char* kAccepted =
     "undo_pass, save, cup, finish; with \"value\": drawn, seek, speed, map, stiffness, drag, tool, guidance}";
 constexpr std::size_t kShown = 30;  // number of characters of a wrong word that an error repeats
 
+// The error for a message that is not accepted. @param found  what the message is instead
 tl::unexpected<std::string> Refuse(const std::string& found) {
   return tl::unexpected(fmt::format("message: found {}, {}", found, kAccepted));
 }

@@ -25,11 +25,12 @@
 namespace osteon::console {
 namespace {
 
+// Answer to a request of a page without the operator's role.
 constexpr const char* kWatches = "this page watches: take the operator's role first";
 
-// A page that was closed because it did not read cannot be told the reason at once: the last bytes that it
-// got may be half a message. It is told when it opens again, with the key that it got at first.
-constexpr std::chrono::milliseconds kSlow{2000};  // a write that fails after longer has waited for the page
+// A page that was closed because it did not read cannot be told the reason at once, since the last bytes that
+// it got may be half a message. It is told when it opens again with the key that it had.
+constexpr std::chrono::milliseconds kSlow{2000};  // a failed write that took longer waited for the page
 constexpr std::size_t kRememberedPages = 64;      // number of keys of pages that were closed as slow
 constexpr std::size_t kDrawnReports = 512;        // number of reports of which drawn_ms() is the median
 constexpr int kClosedSlow = 1008;                 // close code of RFC 6455: policy violation
@@ -89,6 +90,7 @@ class Page final : public PageWriter {
   PageSender sender_;  // last: its thread writes to the others
 };
 
+// The server with its pages. Threads of civetweb call the static handlers.
 class Server final : public ConsoleServer {
  public:
   Server(ConsoleParams params, const LiveFeed& feed, const SurfaceStore& surface)
@@ -144,6 +146,7 @@ class Server final : public ConsoleServer {
   }
 
  private:
+  // civetweb passes the server to the handlers below as `user`.
   static Server& Of(void* user) { return *static_cast<Server*>(user); }
 
   // Checks each request before a file is served: only GET, and only for a Host that may have access.
@@ -154,7 +157,7 @@ class Server final : public ConsoleServer {
     if (method != "GET" && method != "HEAD")
       return Refuse(connection, 405, "found another method, accepted GET");
     if (path == "/live") return 0;  // OnOpen checks
-    // the files are no secret, yet a foreign name is refused here as well
+    // the files are no secret, but a foreign name in Host is refused for them too
     const std::string_view host = OrEmpty(mg_get_header(connection, "Host"));
     if (const std::string wrong =
             CheckAccess({.host = host, .origin = {}, .token = {}}, server.params_.address, "");
@@ -169,11 +172,13 @@ class Server final : public ConsoleServer {
     return 200;
   }
 
+  // Sends an HTTP error. @returns its code, as OnRequest must
   static int Refuse(mg_connection* connection, int code, const std::string& why) {
     mg_send_http_error(connection, code, "%s", why.c_str());
     return code;
   }
 
+  // Decides whether a page's WebSocket may open. @returns 0 if so
   static int OnOpen(const mg_connection* connection, void* user) {
     Server& server = Of(user);
     const mg_request_info* info = mg_get_request_info(connection);
@@ -186,7 +191,7 @@ class Server final : public ConsoleServer {
     return 1;
   }
 
-  // Whether one more page may open; it then counts as open until it is closed.
+  // Counts one more page as open, until it is closed. @returns false if kMaxPages are open
   bool Reserve() {
     std::size_t open = pages_open_.load();
     while (open < kMaxPages)
@@ -194,6 +199,7 @@ class Server final : public ConsoleServer {
     return false;
   }
 
+  // Adds a page that has opened: gives it its key, and the reason if it was closed as slow before.
   static void OnReady(mg_connection* connection, void* user) {
     Server& server = Of(user);
     const std::uint64_t number = ++server.opened_;
@@ -208,6 +214,7 @@ class Server final : public ConsoleServer {
     server.pages_.emplace(connection, std::move(page));
   }
 
+  // @returns 0 to close the connection
   static int OnMessage(mg_connection* connection, int bits, char* data, std::size_t size, void* user) {
     Server& server = Of(user);
     const auto page = server.Find(connection);
@@ -219,7 +226,7 @@ class Server final : public ConsoleServer {
       case MG_WEBSOCKET_OPCODE_PONG:
         return 1;
       case MG_WEBSOCKET_OPCODE_TEXT:
-        server.Take(*page, std::string_view(data, size));
+        server.HandleMessage(*page, std::string_view(data, size));
         return 1;
       default:  // a page may send only text, each message in one frame
         ++server.bad_messages_;
@@ -227,8 +234,9 @@ class Server final : public ConsoleServer {
     }
   }
 
-  // Ignores a stamp that is not of the last minute: it is of another clock, or forged.
-  void TakeReport(const DrawnReport& report) {
+  // Notes the time from a tick until a page had drawn it. Ignores a stamp that is not of the last minute: it
+  // is of another clock, or forged.
+  void AddDrawnReport(const DrawnReport& report) {
     constexpr double kMaxAge_ms = 60e3;
     const double age_ms = 1e3 * (rt::ToSeconds(rt::MonotonicNow()) - report.stamp_s);
     if (!(age_ms >= 0.0 && age_ms <= kMaxAge_ms)) return;
@@ -237,7 +245,8 @@ class Server final : public ConsoleServer {
     drawn_ms_.push_back(age_ms);
   }
 
-  void Take(Page& page, std::string_view bytes) {
+  // Acts on a page's message, and answers it.
+  void HandleMessage(Page& page, std::string_view bytes) {
     const auto message = ParseClientMessage(bytes);
     if (!message) {
       ++bad_messages_;
@@ -245,7 +254,7 @@ class Server final : public ConsoleServer {
       return;
     }
     if (std::holds_alternative<ResendRequest>(*message)) return page.sender().Resend();
-    if (const auto* drawn = std::get_if<DrawnReport>(&*message)) return TakeReport(*drawn);
+    if (const auto* drawn = std::get_if<DrawnReport>(&*message)) return AddDrawnReport(*drawn);
     if (const auto* role = std::get_if<RoleRequest>(&*message)) {
       if (*role == RoleRequest::kGiveBack) {
         role_.GiveBack(page.number());
@@ -286,12 +295,14 @@ class Server final : public ConsoleServer {
     page.sender().Answer(AnswerJson(kNames[static_cast<std::size_t>(request)], answer));
   }
 
+  // The answer to a page's request, as a message. @param ask  the kind of request
   static std::string AnswerJson(const char* ask, const RequestAnswer& answer) {
     const nlohmann::json json{
         {"type", "answer"}, {"ask", ask}, {"done", answer.done}, {"reason", answer.reason}};
     return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   }
 
+  // Removes a page that has gone. If it had the operator's role, the role is free again.
   static void OnClosed(const mg_connection* connection, void* user) {
     Server& server = Of(user);
     std::shared_ptr<Page> page;
@@ -311,6 +322,7 @@ class Server final : public ConsoleServer {
     --server.pages_open_;
   }
 
+  // The page of a connection; null: it has gone.
   std::shared_ptr<Page> Find(const mg_connection* connection) {
     const std::lock_guard lock(mutex_);
     const auto found = pages_.find(connection);
@@ -323,14 +335,14 @@ class Server final : public ConsoleServer {
   std::atomic<std::size_t> pages_open_{0};
   SharedLive live_, second_live_;
   PageSources sources_;
-  std::optional<PageSources> second_;
+  std::optional<PageSources> second_;  // for pages that ask for stream=2
   std::atomic<bool> ending_{false};
   std::atomic<std::uint64_t> opened_{0}, refused_{0}, bad_messages_{0}, slow_{0};
 
   mutable std::mutex mutex_;
   std::map<const mg_connection*, std::shared_ptr<Page>> pages_;  // guarded by mutex_
-  std::deque<std::string> slow_keys_;                            // guarded by mutex_
-  std::deque<double> drawn_ms_;                                  // guarded by mutex_; newest last
+  std::deque<std::string> slow_keys_;  // of pages that were closed as slow; guarded by mutex_
+  std::deque<double> drawn_ms_;        // guarded by mutex_; newest last
 
   std::unique_ptr<WebServer> web_;
 };

@@ -36,6 +36,7 @@ struct ConsoleStream {
   const SurfaceStore& surface;
 };
 
+/// What a console shows, and the functions by which it acts on the cell.
 struct ConsoleParams {
   /// The address to listen on. Any but the loopback's needs a token, which the server makes.
   std::string address{"127.0.0.1"};

@@ -15,6 +15,7 @@ using nlohmann::json;
 constexpr std::size_t kShownWord = 30;  // number of characters of a wrong word that an error repeats
 constexpr char kMessageData = 1;        // opcode of a topic's message
 
+// The error for a message that is not accepted. @param found  what the message is instead
 tl::unexpected<std::string> RefuseMessage(const std::string& found) {
   return tl::unexpected(fmt::format(
       "message: found {}, accepted {{\"op\": \"subscribe\", \"subscriptions\": [{{\"id\", \"channelId\"}}]}} "
@@ -37,11 +38,11 @@ std::string Base64(std::string_view bytes) {
   constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t here = std::min<std::size_t>(3, bytes.size() - i);
+    const std::size_t byte_count = std::min<std::size_t>(3, bytes.size() - i);
     std::uint32_t triple = 0;
     for (std::size_t k = 0; k < 3; ++k)
-      triple = triple << 8 | (k < here ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= here ? kDigits[triple >> (18 - 6 * k) & 63U] : '=';
+      triple = triple << 8 | (k < byte_count ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+    for (std::size_t k = 0; k < 4; ++k) text += k <= byte_count ? kDigits[triple >> (18 - 6 * k) & 63U] : '=';
   }
   return text;
 }
@@ -52,6 +53,7 @@ void AppendLittleEndian(Unsigned value, std::string& bytes) {
     bytes += static_cast<char>(static_cast<unsigned char>(value >> (8 * i) & 0xFFU));
 }
 
+// JSON as text, with a replacement character for what is not UTF-8.
 std::string Dump(const json& message) { return message.dump(-1, ' ', false, json::error_handler_t::replace); }
 
 }  // namespace
@@ -65,13 +67,13 @@ tl::expected<FoxgloveRequest, std::string> ParseFoxgloveRequest(std::string_view
   if (!message.is_object() || !message.contains("op") || !message["op"].is_string())
     return RefuseMessage("another object");
   const auto& op = message["op"].get_ref<const std::string&>();
-  const char* name = op == "subscribe" ? "subscriptions" : "subscriptionIds";
+  const char* list_name = op == "subscribe" ? "subscriptions" : "subscriptionIds";
   if (op != "subscribe" && op != "unsubscribe") return RefuseMessage("\"" + op.substr(0, kShownWord) + "\"");
-  if (!message.contains(name) || !message[name].is_array())
-    return RefuseMessage(fmt::format("{} without {}", op, name));
-  const json& list = message[name];
+  if (!message.contains(list_name) || !message[list_name].is_array())
+    return RefuseMessage(fmt::format("{} without {}", op, list_name));
+  const json& list = message[list_name];
   if (list.size() > kMaxSubscriptions)
-    return RefuseMessage(fmt::format("{} {} (at most {})", list.size(), name, kMaxSubscriptions));
+    return RefuseMessage(fmt::format("{} {} (at most {})", list.size(), list_name, kMaxSubscriptions));
   if (op == "subscribe") {
     FoxgloveSubscribe subscribe;
     for (const json& each : list) {

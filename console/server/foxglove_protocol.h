@@ -37,6 +37,7 @@ struct FoxgloveSubscribe {
   };
   std::vector<One> subscriptions;
 };
+/// A viewer's request to end subscriptions, by the ids that it chose.
 struct FoxgloveUnsubscribe {
   std::vector<std::uint32_t> ids;
 };
@@ -49,6 +50,7 @@ using FoxgloveRequest = std::variant<FoxgloveSubscribe, FoxgloveUnsubscribe>;
 
 /// Makes the first message to a viewer. @param session  differs from run to run
 [[nodiscard]] std::string FoxgloveServerInfo(const std::string& name, const std::string& session);
+/// Makes the message that lists the topics.
 [[nodiscard]] std::string FoxgloveAdvertise(std::span<const FoxgloveChannel> channels);
 /// Makes a message that tells a person why a viewer's message was refused.
 [[nodiscard]] std::string FoxgloveWarning(const std::string& text);

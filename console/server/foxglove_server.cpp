@@ -44,13 +44,14 @@ class Viewer {
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
 
-  void Take(std::string_view bytes) {
+  // Acts on a viewer's text message: a subscription, or the end of one.
+  void HandleMessage(std::string_view bytes) {
     const auto request = ParseFoxgloveRequest(bytes, source_.channels().size());
     const std::lock_guard lock(mutex_);
     if (!request) {
       Warn(request.error());
-    } else if (const auto* gone = std::get_if<FoxgloveUnsubscribe>(&*request)) {
-      for (const std::uint32_t id : gone->ids) subscriptions_.erase(id);
+    } else if (const auto* unsubscribe = std::get_if<FoxgloveUnsubscribe>(&*request)) {
+      for (const std::uint32_t id : unsubscribe->ids) subscriptions_.erase(id);
     } else {
       for (const auto& [id, channel] : std::get<FoxgloveSubscribe>(*request).subscriptions)
         if (subscriptions_.size() >= kMaxSubscriptions)
@@ -78,11 +79,12 @@ class Viewer {
     FoxgloveCursor cursor;
   };
 
-  // @pre mutex_ is held
+  // Adds a warning to those that wait for the viewer; drops it if kMaxWarnings wait. @pre mutex_ is held
   void Warn(const std::string& text) {
     if (warnings_.size() < kMaxWarnings) warnings_.push_back(FoxgloveWarning(text));
   }
 
+  // The thread: greets the viewer, then sends warnings and new messages until the viewer does not read.
   void Run() {
     rt::NameThread("foxglove");
     rt::LowerPriority();
@@ -105,6 +107,7 @@ class Viewer {
     closed_.store(true);
   }
 
+  // Sends the messages since the subscription's cursor. @returns false if the viewer does not read
   bool SendNew(std::uint32_t id, Subscription& subscription) {
     std::vector<FoxgloveMessage> messages;
     source_.New(subscription.channel, subscription.cursor, messages);
@@ -115,6 +118,7 @@ class Viewer {
     return true;
   }
 
+  // Stores the cursors that have moved, except of subscriptions that ended or began anew meanwhile.
   void KeepCursors(const std::map<std::uint32_t, Subscription>& moved) {
     const std::lock_guard lock(mutex_);
     for (const auto& [id, subscription] : moved)
@@ -131,19 +135,20 @@ class Viewer {
 
   mg_connection* const connection_;
   const FoxgloveSource& source_;
-  const std::string greeting_;
-  std::string bytes_;  // scratch of the thread
+  const std::string greeting_;  // the cell's name
+  std::string bytes_;           // scratch of the thread
   std::atomic<bool> closed_{false};
 
   std::mutex mutex_;
   std::condition_variable changed_;
   std::map<std::uint32_t, Subscription> subscriptions_;  // guarded by mutex_, as the following
-  std::uint64_t made_{0};
+  std::uint64_t made_{0};                                // number of subscriptions so far
   std::deque<std::string> warnings_;
   bool stop_{false};
   std::thread thread_;  // last: it uses the others
 };
 
+// The server with its viewers. Threads of civetweb call the static handlers.
 class ViewersServer final : public FoxgloveServer {
  public:
   ViewersServer(FoxgloveParams params, const FoxgloveSource& source)
@@ -181,9 +186,10 @@ class ViewersServer final : public FoxgloveServer {
   [[nodiscard]] std::size_t viewers() const override { return open_.load(); }
 
  private:
+  // civetweb passes the server to the handlers below as `user`.
   static ViewersServer& Of(void* user) { return *static_cast<ViewersServer*>(user); }
 
-  // Nothing but viewers is served.
+  // Answers every request that is not a viewer's WebSocket with an error.
   static int OnRequest(mg_connection* connection) {
     if (mg_get_header(connection, "Upgrade") != nullptr) return 0;  // OnOpen checks
     mg_send_http_error(connection, 404, "%s",
@@ -191,6 +197,7 @@ class ViewersServer final : public FoxgloveServer {
     return 404;
   }
 
+  // Decides whether a viewer's WebSocket may open. @returns 0 if so
   static int OnOpen(const mg_connection* connection, void* user) {
     ViewersServer& server = Of(user);
     const mg_request_info* info = mg_get_request_info(connection);
@@ -202,6 +209,7 @@ class ViewersServer final : public FoxgloveServer {
     return wrong.empty() && !server.ending_.load() && server.Reserve() ? 0 : 1;
   }
 
+  // Counts one more viewer as open. @returns false if kMaxFoxgloveViewers are open
   bool Reserve() {
     std::size_t open = open_.load();
     while (open < kMaxFoxgloveViewers)
@@ -209,6 +217,7 @@ class ViewersServer final : public FoxgloveServer {
     return false;
   }
 
+  // Begins to send to a viewer that has opened.
   static void OnReady(mg_connection* connection, void* user) {
     ViewersServer& server = Of(user);
     auto viewer = std::make_shared<Viewer>(connection, server.source_, server.params_.name);
@@ -216,6 +225,7 @@ class ViewersServer final : public FoxgloveServer {
     server.viewers_.emplace(connection, std::move(viewer));
   }
 
+  // @returns 0 to close the connection
   static int OnMessage(mg_connection* connection, int bits, char* data, std::size_t size, void* user) {
     ViewersServer& server = Of(user);
     std::shared_ptr<Viewer> viewer;
@@ -232,7 +242,7 @@ class ViewersServer final : public FoxgloveServer {
       case MG_WEBSOCKET_OPCODE_PONG:
         return 1;
       case MG_WEBSOCKET_OPCODE_TEXT:
-        viewer->Take(std::string_view(data, size));
+        viewer->HandleMessage(std::string_view(data, size));
         return 1;
       case MG_WEBSOCKET_OPCODE_BINARY:
         viewer->Warned("found a binary message, which this server has no use for");
@@ -242,6 +252,7 @@ class ViewersServer final : public FoxgloveServer {
     }
   }
 
+  // Removes a viewer that has gone.
   static void OnClosed(const mg_connection* connection, void* user) {
     ViewersServer& server = Of(user);
     std::shared_ptr<Viewer> viewer;

@@ -40,6 +40,7 @@ class FoxgloveSource {
   virtual void New(std::size_t channel, FoxgloveCursor& cursor, std::vector<FoxgloveMessage>& out) const = 0;
 };
 
+/// The address of a server for viewers, and the name that it gives them.
 struct FoxgloveParams {
   std::string name;                  ///< of the cell, shown by the viewer
   std::string address{"127.0.0.1"};  ///< any but a loopback address needs a token, which the server makes

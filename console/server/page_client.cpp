@@ -16,10 +16,11 @@
 namespace osteon::console {
 namespace {
 
-// How often a client that does not read checks whether it is to end.
+// Time between two checks of a client that does not read, whether it is to end.
 constexpr std::chrono::milliseconds kPollInterval{20};
 constexpr std::size_t kStampLength = 24;  // maximum number of characters of a stamp
 
+// The client over civetweb, whose thread calls OnData for each message.
 class Client final : public PageClient {
  public:
   explicit Client(bool reads) : reads_(reads) {}
@@ -28,6 +29,7 @@ class Client final : public PageClient {
     if (connection_ != nullptr) mg_close_connection(connection_);
   }
 
+  // @returns an error; empty: connected
   std::string Connect(const std::string& host, int port) {
     std::array<char, 256> error{};
     connection_ = mg_connect_websocket_client(host.c_str(), port, 0, error.data(), error.size(), "/live",
@@ -47,6 +49,7 @@ class Client final : public PageClient {
   }
 
  private:
+  // Counts a message, and blocks as long as the client is one that does not read.
   static int OnData(mg_connection*, int bits, char* data, std::size_t size, void* user) {
     auto& client = *static_cast<Client*>(user);
     while (!client.reads_ && !client.ending_.load()) std::this_thread::sleep_for(kPollInterval);
@@ -70,6 +73,7 @@ class Client final : public PageClient {
     received_ms_.push_back(1e3 * (rt::ToSeconds(rt::MonotonicNow()) - stamp_s));
   }
 
+  // Counts a message of the bone's mesh, or notes that a change of the bone is complete.
   void OnBoneMessage(bool is_mesh, std::string_view message) {
     constexpr std::string_view kWhole = R"({"type":"surface_whole")", kAge = R"("age_ms":)";
     const bool is_whole = !is_mesh && message.starts_with(kWhole);
@@ -96,7 +100,7 @@ class Client final : public PageClient {
   mutable std::mutex mutex_;  // guards bone_, received_ms_ and first_whole_
   Bone bone_;
   std::vector<double> received_ms_;
-  std::optional<std::chrono::steady_clock::time_point> first_whole_;
+  std::optional<std::chrono::steady_clock::time_point> first_whole_;  // when the first change was complete
   mg_connection* connection_{nullptr};
 };
 

@@ -63,6 +63,7 @@ class PageSender {
 
  private:
   void Run();
+  // Each sends what is new since its last call. @returns false if the page does not read, or has gone
   bool SendNew();
   bool SendAnswers();
   bool SendRole();
@@ -78,6 +79,7 @@ class PageSender {
   SurfaceReader surface_;
   SurfaceBudget surface_budget_;
   std::chrono::steady_clock::time_point surface_time_{};  // time of the bone in the change that is being sent
+  // the values that the page was sent last
   std::uint64_t shown_holder_{~0ull};
   std::size_t shown_pages_{0};
   std::uint64_t shown_epoch_{0};

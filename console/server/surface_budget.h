@@ -12,6 +12,7 @@ namespace osteon::console {
 class SurfaceBudget {
  public:
   static constexpr std::size_t kMin_bytes = 32u << 10, kMax_bytes = 1u << 20;
+  /// A write shorter than kFast doubles the number of bytes, one longer than kSlow halves it.
   static constexpr std::chrono::milliseconds kFast{10}, kSlow{30};
 
   [[nodiscard]] std::size_t bytes() const { return bytes_; }

@@ -21,6 +21,7 @@ class SurfaceFeed final : public surface::SurfaceSink {
   void Publish(std::span<const surface::SurfaceChunk> chunks, std::uint64_t frame) override;
 
  private:
+  // @param difference_step_mm  for the message; nothing: the materials are tissues
   void BeginStore(const surface::BrickLayout& layout, std::optional<float> difference_step_mm);
 
   SurfaceStore& store_;

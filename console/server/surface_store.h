@@ -75,12 +75,14 @@ class SurfaceStore {
     return change;
   }
 
+  /// Number of bricks.
   [[nodiscard]] std::size_t size() const {
     const std::lock_guard lock(mutex_);
     return bricks_.size();
   }
 
  private:
+  // Bytes of a brick, or the grid's message, with the version at which they were stored.
   struct Brick {
     std::uint64_t version{0};
     Bytes bytes;
@@ -88,8 +90,8 @@ class SurfaceStore {
   mutable std::mutex mutex_;
   surface::BrickLayout grid_;
   Brick layout_;
-  std::map<std::uint64_t, Brick> bricks_;
-  std::map<std::uint64_t, std::uint64_t> order_;  // bricks by their versions
+  std::map<std::uint64_t, Brick> bricks_;         // by the brick's number
+  std::map<std::uint64_t, std::uint64_t> order_;  // numbers of the bricks by their versions
   std::uint64_t version_{0};
   std::atomic<std::uint64_t> layout_version_{0};
 };

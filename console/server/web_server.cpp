@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kKnock{20};  // time between the connections of KnockUntilStopped
 
+// Address and port as in a URL, with brackets around an IPv6 address.
 std::string Place(const std::string& address, int port) {
   return fmt::format("{}:{}", address.find(':') == std::string::npos ? address : "[" + address + "]", port);
 }
@@ -38,7 +39,7 @@ class ListeningServer final : public WebServer {
   std::string Listen() {
     mg_init_library(0);
     const int tries = params_.port == 0 ? 1 : params_.ports_tried;
-    for (int i = 0; i < tries && context_ == nullptr; ++i) Begin(params_.port + i);
+    for (int i = 0; i < tries && context_ == nullptr; ++i) StartOn(params_.port + i);
     if (context_ == nullptr)
       return fmt::format("{}: cannot listen on {}:{}{}: is another program there? {} PORT names another one",
                          params_.name, params_.address, params_.port,
@@ -54,8 +55,8 @@ class ListeningServer final : public WebServer {
   [[nodiscard]] std::string place() const override { return Place(params_.address, port_); }
 
  private:
-  // Connects until the server has ended: it notices that it should end only at a connection, or after two
-  // seconds.
+  // Connects to the server until it has ended: civetweb notices only at a connection, or after two seconds,
+  // that it is to end.
   void KnockUntilStopped() const {
     const std::string host =
         params_.address == "0.0.0.0" || params_.address == "::" ? "127.0.0.1" : params_.address;
@@ -67,7 +68,8 @@ class ListeningServer final : public WebServer {
     }
   }
 
-  void Begin(int port) {
+  // Starts civetweb on a port; context_ stays null if that fails.
+  void StartOn(int port) {
     const std::string listen = Place(params_.address, port), threads = std::to_string(params_.threads),
                       files = params_.files.string();
     std::vector<const char*> options{"listening_ports",

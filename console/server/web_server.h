@@ -15,6 +15,7 @@ namespace osteon::console {
 /// Makes an empty text of the null pointer that civetweb gives for an absent text.
 [[nodiscard]] inline std::string_view OrEmpty(const char* text) { return text == nullptr ? "" : text; }
 
+/// What a web server serves, and at which address.
 struct WebServerParams {
   std::string name;               ///< in errors: "console"
   std::string option;             ///< in errors, the option that sets another address: "--console"

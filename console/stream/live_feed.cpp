@@ -24,7 +24,7 @@ void LiveFeed::Gather(const control::TickRecord& tick) {
   const double compute_us = ToMicroseconds(tick.compute_ns), wakeup_us = ToMicroseconds(tick.wakeup_ns);
   const double arm_age_s = safety::StampAge(tick.input.now, tick.input.arm_stamp);
   const double interlock_age_s = safety::StampAge(tick.input.now, tick.input.interlock_stamp);
-  if (w.ticks == 0) {
+  if (w.ticks == 0) {  // the window's first tick
     began_ = tick.stamp;
     limits_before_ = w.limits;
     w.limits = 0;
@@ -45,6 +45,7 @@ void LiveFeed::Gather(const control::TickRecord& tick) {
   w.interlock_age_s.Add(interlock_age_s);
   compute_.Add(tick.compute_ns);
   wakeup_.Add(tick.wakeup_ns);
+  // note the time of each limit that acts now, and did not before in this window or in the previous one
   for (std::uint32_t begun = tick.limits & ~(w.limits | limits_before_); begun != 0; begun &= begun - 1)
     if (const auto limit = static_cast<std::size_t>(std::countr_zero(begun)); limit < safety::kLimitCount)
       w.limit_since[limit] = tick.stamp;
@@ -98,7 +99,6 @@ std::uint64_t LiveFeed::epoch() const {
   return epoch_;
 }
 
-// The caller holds the lock.
 void LiveFeed::Publish() {
   for (io::RecordedEvent& event : waiting_events_) {
     events_.push_back(std::move(event));
@@ -120,6 +120,7 @@ LiveWindow LiveFeed::Newest() const {
 }
 
 std::vector<LiveWindow> LiveFeed::Since(std::uint64_t& seen) const {
+  // number of the first window to return, where `newest` is the newest
   const auto first_of = [&](std::uint64_t newest) {
     return std::max(seen + 1, newest >= kept_ ? newest - kept_ + 1 : 1);
   };
@@ -143,6 +144,7 @@ std::vector<LiveWindow> LiveFeed::Since(std::uint64_t& seen) const {
 
 std::vector<io::RecordedEvent> LiveFeed::EventsSince(std::uint64_t& seen) const {
   const std::lock_guard lock(mutex_);
+  // number of events that are no longer kept
   const std::uint64_t gone = events_so_far_ - events_.size();
   // after ShowInstead a reader may have seen more than there is
   const auto first =

@@ -23,7 +23,7 @@ class LiveFeed final : public io::RecordSink {
  public:
   static constexpr std::uint64_t kKept = 128;                ///< windows of a cell that runs: 4 s
   static constexpr rt::Nanoseconds kWindow_ns = 33'000'000;  ///< log time of one window
-  static constexpr std::size_t kKeptEvents = 200;
+  static constexpr std::size_t kKeptEvents = 200;            ///< number of events
 
   /// @param kept  windows for a reader that comes late, at least 1; each has 3 kB
   explicit LiveFeed(std::uint64_t kept = kKept);
@@ -43,22 +43,25 @@ class LiveFeed final : public io::RecordSink {
 
   /// The newest window; number 0: none yet. Any thread but the recorder's.
   [[nodiscard]] LiveWindow Newest() const;
-  /// The windows after number `seen`, oldest first, at most kept(); `seen` becomes the last one's. What a
-  /// slow reader has missed beyond that is gone.
+  /// The windows after number `seen`, oldest first, at most kept(); `seen` becomes the last one's. A slow
+  /// reader does not get older windows.
   [[nodiscard]] std::vector<LiveWindow> Since(std::uint64_t& seen) const;
   /// Events after the first `seen` of the session, at most the last kKeptEvents; `seen` becomes their count.
   [[nodiscard]] std::vector<io::RecordedEvent> EventsSince(std::uint64_t& seen) const;
 
  private:
+  // Adds a tick to the window in the making.
   void Gather(const control::TickRecord& tick);
+  // Publishes, unless a reader holds the lock.
   void TryPublish();
+  // Hands the window in the making and the waiting events to the readers. @pre mutex_ is held
   void Publish();
 
   const std::uint64_t kept_;
 
-  // of the recorder's writer alone
+  // used by the recorder's writer alone
   LiveWindow making_;
-  rt::Nanoseconds began_{0};
+  rt::Nanoseconds began_{0};                // stamp of its first tick
   std::uint32_t limits_before_{0};          // of the window before
   rt::DurationHistogram compute_, wakeup_;  // of all ticks so far
   std::vector<io::RecordedEvent> waiting_events_;

@@ -12,6 +12,7 @@ namespace {
 
 using Text = fmt::memory_buffer;
 
+// Each Append of a number, a vector or a pose writes its numbers, each with a comma after it.
 void Append(Text& text, double value) { fmt::format_to(std::back_inserter(text), "{:.6g},", value); }
 
 void Append(Text& text, const PlainVector3& v) {
@@ -36,9 +37,10 @@ void EndList(Text& text) {
   text.push_back(']');
 }
 
+// Appends a window's list of numbers, in the order of kStripFields.
 void AppendRow(Text& text, const LiveWindow& w, const LiveContext& context) {
-  const bool framed = w.frame.model.frame > 0;
-  const double depth_m = !framed           ? 0.0
+  const bool has_frame = w.frame.model.frame > 0;
+  const double depth_m = !has_frame        ? 0.0
                          : context.depth_m ? context.depth_m(w.frame.model.X_WP)
                                            : w.frame.cup_depth_m;
   Append(text, "[");
@@ -55,6 +57,7 @@ void AppendRow(Text& text, const LiveWindow& w, const LiveContext& context) {
   EndList(text);
 }
 
+// Appends "view": tool, poses, joints, forces and contacts of the window's last tick and frame.
 void AppendView(Text& text, const LiveWindow& w) {
   const simulation::ContactModel& model = w.frame.model;
   fmt::format_to(std::back_inserter(text), R"("view":{{"tool":{},"X_WT":[)", w.tick.input.tool_index);
@@ -65,15 +68,15 @@ void AppendView(Text& text, const LiveWindow& w) {
     Append(text, model.X_WP);
     EndList(text);
   }
-  if (const control::ComplianceRecord& gives = w.tick.compliance; gives.present) {
+  if (const control::ComplianceRecord& compliance = w.tick.compliance; compliance.present) {
     Append(text, R"(,"X_WM":[)");
-    Append(text, gives.X_WM);
+    Append(text, compliance.X_WM);
     EndList(text);
     Append(text, R"(,"X_WE":[)");
-    Append(text, PlainPose(Pose(Pose(gives.X_WM) * Pose(gives.X_ME))));
+    Append(text, PlainPose(Pose(Pose(compliance.X_WM) * Pose(compliance.X_ME))));
     EndList(text);
     Append(text, R"(,"layer":[)");
-    Append(text, gives.layer_m);
+    Append(text, compliance.layer_m);
     EndList(text);
   }
   Append(text, R"(,"q":[)");

@@ -19,6 +19,7 @@
 namespace osteon::console {
 namespace {
 
+// Each Add function fills in one part of the status.
 void AddState(const control::TickRecord& tick, LiveStatus& status) {
   if (tick.cell_state >= safety::kCellStates) return;
   const auto state = static_cast<safety::CellState>(tick.cell_state);
@@ -45,6 +46,7 @@ void AddPermits(const control::TickRecord& tick, LiveStatus& status) {
   }
 }
 
+// Adds the latched faults, and whether a recovery may clear them now.
 void AddFaults(const control::TickRecord& tick, const LiveContext& context, LiveStatus& status) {
   safety::FaultSet faults;
   for (int bit = 0; bit < safety::kFaultCount; ++bit) {
@@ -91,6 +93,7 @@ void AddForce(const control::TickRecord& tick, const LiveContext& context, LiveS
   status.force_limit_now_N = std::min(status.force_N, status.force_limit_N);
 }
 
+// Adds the tool's commanded speed, feed and depth left, and the spindle's speed and torque.
 void AddMotion(const control::TickRecord& tick, const LiveContext& context, LiveStatus& status) {
   const PlainVector3& v = tick.v_WT_cmd_m_per_s;
   status.speed_mm_per_s = 1e3 * Length(v);
@@ -101,6 +104,7 @@ void AddMotion(const control::TickRecord& tick, const LiveContext& context, Live
   if (context.depth_left_m) status.depth_left_mm = 1e3 * context.depth_left_m(tick);
 }
 
+// Adds ages of the inputs, tick times, lost messages, disk space and latency.
 void AddHealth(const LiveWindow& w, const LiveContext& context, LiveStatus& status) {
   const auto age_ms = [](double age_s) {
     return age_s < safety::kNoAge_s ? std::optional(1e3 * age_s) : std::nullopt;
@@ -122,6 +126,7 @@ nlohmann::json OrNull(const std::optional<T>& value) {
   return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
 }
 
+// Mean times in ms; null before the arm was commanded.
 nlohmann::json LatencyJson(const LatencyStatus& latency) {
   if (!latency.known) return nullptr;
   nlohmann::json parts = nlohmann::json::object();
@@ -133,6 +138,7 @@ nlohmann::json LatencyJson(const LatencyStatus& latency) {
           {"parts", parts}};
 }
 
+// Rendered time, for a line of text: "12.0 of 60.0 s, paused 3.0 s". @param wanted_s  0: no end
 std::string TimeText(const LiveStatus& s, double wanted_s) {
   std::string text = wanted_s > 0.0
                          ? fmt::format("{:.1f} of {:.1f} s", std::min(s.rendered_s, wanted_s), wanted_s)

@@ -79,7 +79,7 @@ struct LiveStatus {
   /// The conditions of motion: as they are now, or, while the arm moves, as they were when motion began; from
   /// then on a condition that ends is a fault.
   std::vector<PermitStatus> permits;
-  bool moves{false};
+  bool moves{false};                 ///< the cell is in a state in which the arm moves
   bool permits_known{false};         ///< false: they are not evaluated in this state (a stop, a fault)
   std::vector<std::string> limits;   ///< names of the limits that acted in the window
   std::vector<int> limit_numbers;    ///< their numbers (safety::Limit)
@@ -110,6 +110,7 @@ struct LiveStatus {
   LatencyStatus latency{};
 };
 
+/// The status as of a window's last tick and frame.
 [[nodiscard]] LiveStatus StatusOf(const LiveWindow& window, const LiveContext& context);
 
 /// The status as one line of at most `columns` columns: state, force, depth, limits, model's age, time.

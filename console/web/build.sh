@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# build.sh FOLDER WORK: bundles the console's page into FOLDER, with npm's libraries in WORK. Does nothing where FOLDER
-# was made from the same sources. Needs npm, and the first time a network. Called by ./osteon, and by whoever packages.
+# build.sh FOLDER WORK: bundles the console's page into FOLDER, with npm's libraries in WORK. Does nothing if FOLDER was
+# made from the same sources. Needs npm, and a network to install its libraries. Called by ./osteon and by packaging.
 set -euo pipefail
 
 web=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
@@ -9,6 +9,7 @@ page=$(readlink -f "$1") work=$(readlink -f "$2")
 sources=$(cd "$web" && find . -type f -print0 | sort -z | xargs -0 sha256sum | sha256sum | cut -d' ' -f1)
 [[ $(cat "$page/.sources" 2>/dev/null) != "$sources" ]] || exit 0
 
+# the libraries are installed again only if package-lock.json has changed
 cp -r "$web/." "$work"
 cd "$work"
 if [[ ! -d node_modules || $(cat node_modules/.lock 2>/dev/null) != $(sha256sum <package-lock.json) ]]; then

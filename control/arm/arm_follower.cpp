@@ -26,11 +26,11 @@ namespace {
 
 using safety::Fault;
 
-constexpr double kElbowRate_per_s = 40.0;  // gain toward the wanted arm angle, near it
-constexpr double kElbowThere_rad = 1e-6;
+constexpr double kElbowRate_per_s = 40.0;  // rate of the arm angle per rad of error, up to its bound
+constexpr double kElbowThere_rad = 1e-6;   // error below which the wanted angle counts as reached
 constexpr double kMoving_m_per_s = 0.02,
                  kMoving_rad_per_s = 0.1;  // tool speed from which the elbow has its full speed
-constexpr double kStands = 1e-6;           // share of that speed below which motion is rounding
+constexpr double kStands = 1e-6;           // a smaller share of that speed counts as rounding
 constexpr int kBrakingHalvings = 10;       // bisections when motion is added to the braking
 constexpr int kZoneTries = 4;              // trial shares of a step: after the first only curvature is left
 constexpr double kZoneSlack = 0.999;  // factor on a trial share, so that the next trial stays in the zones
@@ -337,21 +337,22 @@ void JointFollower<Arm>::BrakeBeforeBounds(const kinematics::MotionInput<kN>& wa
   braking.V_BT.w = V_before.template tail<3>();
   braking.qd_null = wanted.qd_before;
   braking.ignore_acceleration = true;
-  kinematics::MotionOutput<kN> brakes = motion_.Step(braking);
-  // Moves `more` toward `allowed` until it is allowed: bisection over the share of the difference.
-  const auto add = [&](const kinematics::MotionOutput<kN>& allowed, kinematics::MotionOutput<kN>& more) {
-    double share = 0.0, most = 1.0;
+  kinematics::MotionOutput<kN> braked = motion_.Step(braking);
+  // Moves `motion` toward `allowed` until it is allowed too: bisection over the share of the difference.
+  const auto pull_back = [&](const kinematics::MotionOutput<kN>& allowed,
+                             kinematics::MotionOutput<kN>& motion) {
+    double share = 0.0, upper = 1.0;
     for (int i = 0; i < kBrakingHalvings; ++i) {
-      const double next = 0.5 * (share + most);
-      (allows(allowed.V_BT.v + next * (more.V_BT.v - allowed.V_BT.v)) ? share : most) = next;
+      const double middle = 0.5 * (share + upper);
+      (allows(allowed.V_BT.v + middle * (motion.V_BT.v - allowed.V_BT.v)) ? share : upper) = middle;
     }
-    more.qd = allowed.qd + share * (more.qd - allowed.qd);
-    more.V_BT = {.v = allowed.V_BT.v + share * (more.V_BT.v - allowed.V_BT.v),
-                 .w = allowed.V_BT.w + share * (more.V_BT.w - allowed.V_BT.w)};
+    motion.qd = allowed.qd + share * (motion.qd - allowed.qd);
+    motion.V_BT = {.v = allowed.V_BT.v + share * (motion.V_BT.v - allowed.V_BT.v),
+                   .w = allowed.V_BT.w + share * (motion.V_BT.w - allowed.V_BT.w)};
   };
-  if (!allows(brakes.V_BT.v))
-    add({}, brakes);  // near a singular posture: slower, along the braking joint motion
-  add(brakes, moves);
+  if (!allows(braked.V_BT.v))
+    pull_back({}, braked);  // near a singular posture: slower, along the braking joint motion
+  pull_back(braked, moves);
 }
 
 template <class Arm>
@@ -362,12 +363,13 @@ typename JointFollower<Arm>::Points JointFollower<Arm>::PointsOf(const Joints& q
       .X_BF = arm.X_BF};
 }
 
+// Share of a joint step that keeps the elbow's speed limit.
 template <class Arm>
 double JointFollower<Arm>::ElbowScale(const Points& from, const Points& to,
                                       double max_speed_m_per_s) const OSTEON_RT {
-  const double way_m = (At(to, ZonePoint::kElbow) - At(from, ZonePoint::kElbow)).norm();
+  const double distance_m = (At(to, ZonePoint::kElbow) - At(from, ZonePoint::kElbow)).norm();
   const double max_m = max_speed_m_per_s * params_.period_s;
-  return way_m > max_m ? max_m / way_m : 1.0;
+  return distance_m > max_m ? max_m / distance_m : 1.0;
 }
 
 // Share of a joint step that keeps to the zones. Each trial is evaluated, as the points' paths are curved. A
@@ -378,12 +380,13 @@ double JointFollower<Arm>::ZoneScale(const Joints& q, const Joints& step, const 
   double share = 1.0;
   Points reached = to;
   for (int tries = 0; tries < kZoneTries; ++tries) {
-    double more = 1.0;
+    double factor = 1.0;
     for (const ZonePoint point : points)
       if (workspace_.Has(point))
-        more = std::min(more, workspace_.Share(point, At(from, point), At(reached, point), params_.period_s));
-    if (more >= 1.0) return share;
-    share *= kZoneSlack * more;
+        factor =
+            std::min(factor, workspace_.Share(point, At(from, point), At(reached, point), params_.period_s));
+    if (factor >= 1.0) return share;
+    share *= kZoneSlack * factor;
     reached = PointsOf(q + share * step);
   }
   return 0.0;
@@ -405,25 +408,26 @@ typename Arm::Joints JointFollower<Arm>::NullSpaceVelocity(
     const double error_rad = WrapAngle(elbow_.arm_angle_rad - arm_angle_rad);
     elbow_.arrived |= std::abs(error_rad) < kElbowThere_rad;
     const double max_rate = params_.arm_angle_rate_rad_per_s;
-    const double share = !request.elbow_moves ? 0.0 : elbow_.arrived ? moving_ : request.elbow_scale;
+    const double turn_share = !request.elbow_moves ? 0.0 : elbow_.arrived ? moving_ : request.elbow_scale;
     kinematics::LoadPreference<7> load;
-    if (elbow_.body && (share > 0.0 || moving_ > 0.0)) {
-      const double held =
+    if (elbow_.body && (turn_share > 0.0 || moving_ > 0.0)) {
+      const double held_load =
           kinematics::HeldLoad<7>(elbow_.load, Jacobian(), Gravity(), X_BW_.linear() * X_WT_.linear().col(2))
               .value;
       load = kinematics::LoadGradientMotion<7>(params_.posture, *elbow_.body, elbow_.load,
-                                               {.q = q_, .n = null_direction_, .held = held});
+                                               {.q = q_, .n = null_direction_, .held = held_load});
     }
     // an arm angle at which the arm cannot hold the load is not worth holding
-    const double worth = 1.0 - load.depth * load.depth;
-    const double turn = worth * share * std::clamp(kElbowRate_per_s * error_rad, -max_rate, max_rate);
-    Joints q_there;
-    if (turn == 0.0 && V_likely_WT.v.isZero(0.0) && V_likely_WT.w.isZero(0.0))
+    const double load_factor = 1.0 - load.depth * load.depth;
+    const double turn_rad_per_s =
+        load_factor * turn_share * std::clamp(kElbowRate_per_s * error_rad, -max_rate, max_rate);
+    Joints q_next;
+    if (turn_rad_per_s == 0.0 && V_likely_WT.v.isZero(0.0) && V_likely_WT.w.isZero(0.0))
       return qd;  // avoids a motion by rounding
-    if (arm_.Inverse(X_BW_ * IntegratePose(X_WT_, V_likely_WT, dt_s) * X_TF_, arm_angle_rad + dt_s * turn, q_,
-                     q_there) &&
-        (q_there - q_).cwiseAbs().maxCoeff() < params_.joints.jump_rad)
-      qd = (q_there - q_) / dt_s;
+    if (arm_.Inverse(X_BW_ * IntegratePose(X_WT_, V_likely_WT, dt_s) * X_TF_,
+                     arm_angle_rad + dt_s * turn_rad_per_s, q_, q_next) &&
+        (q_next - q_).cwiseAbs().maxCoeff() < params_.joints.jump_rad)
+      qd = (q_next - q_) / dt_s;
 
     qd += moving_ * kinematics::AwayFromLimits<7>(params_.posture, params_.joints.limits,
                                                   params_.joints.position_margin_rad, q_);

@@ -10,19 +10,21 @@
 namespace osteon::config {
 namespace {
 
-constexpr double kMinToolRelaxation_s = 0.020;
-constexpr double kMaxMasslessSum = 0.5;    // of T K c / tau
-constexpr double kMinDampingRatio = 0.05;  // of a mount
-constexpr double kMaxTurnPerTick = 0.4;    // sqrt((K + k) / m) T of a mount
-constexpr double kMinFirstMode_hz = 100.0;
-constexpr double kBendShare = 0.1,
-                 kThrustShare = 0.5;  // of free length and buckling load, where the cell stops
+constexpr double kMinToolRelaxation_s = 0.020;  // shortest time constant of a tool's bending
+constexpr double kMaxMasslessSum = 0.5;         // rule 1: largest sum of T K c / tau
+constexpr double kMinDampingRatio = 0.05;       // rule 2: smallest damping ratio of a mount
+constexpr double kMaxTurnPerTick = 0.4;         // rule 3: largest sqrt((K + k) / m) T of a mount [rad]
+constexpr double kMinFirstMode_hz = 100.0;      // lowest natural frequency of a tool by itself
+constexpr double kBendShare = 0.1;    // the cell stops where a tool bends by this share of its free length
+constexpr double kThrustShare = 0.5;  // the cell stops where the thrust is this share of the buckling load
 
+// Radius of the tool's cutting head [m]; without a cutting head, of its first ball.
 double HeadRadiusOf(const simulation::Tool& tool) {
   const simulation::ToolBall* head = simulation::CuttingHead(tool);
   return head ? head->radius_m : tool.balls.front().radius_m;
 }
 
+// Smallest stiffness of the materials that have a layer [N/m³]; 0: none has one.
 double SoftestOf(const control::SurfaceLayerParams& layer) {
   double softest = 0.0;
   for (const double kappa : layer.kappa_N_per_m3)
@@ -67,8 +69,8 @@ double LayerCompliance(const control::SurfaceLayerParams& layer, double force_N)
 }
 
 double LayerTangent_N_per_m(const control::SurfaceLayerParams& layer, double force_N) {
-  constexpr double kStep = 1e-4;  // of the force, to each side
-  control::SurfaceLayerParams thick = layer;
+  constexpr double kStep = 1e-4;              // of the force, to each side
+  control::SurfaceLayerParams thick = layer;  // an infinite thickness does not bound the indentation
   thick.thickness_m = std::numeric_limits<double>::infinity();
   const double further_m = LayerDeflection_m(thick, (1.0 + kStep) * force_N, 0.0) -
                            LayerDeflection_m(thick, (1.0 - kStep) * force_N, 0.0);
@@ -110,20 +112,22 @@ std::optional<ComplianceRefusal> CheckToolLink(const simulation::ToolCompliance&
 std::optional<ComplianceRefusal> CheckMassless(const control::ComplianceParams& c, double stiffness_N_per_m,
                                                double period_s) {
   const double TK = period_s * stiffness_N_per_m;
-  const double of_tool =
+  const double tool_term =
       c.tool ? TK * c.tool->compliance_T.diagonal().head<3>().maxCoeff() / c.tool->tau_s : 0.0;
-  const double of_layer = c.layer ? TK * LayerCompliance(*c.layer, 1.0) / c.layer->tau_s : 0.0;
-  if (of_tool + of_layer <= kMaxMasslessSum) return std::nullopt;
-  const bool tool_worse = of_tool >= of_layer;
-  const double least_s = tool_worse ? c.tool->tau_s * of_tool / std::max(1e-9, kMaxMasslessSum - of_layer)
-                                    : c.layer->tau_s * of_layer / std::max(1e-9, kMaxMasslessSum - of_tool);
+  const double layer_term = c.layer ? TK * LayerCompliance(*c.layer, 1.0) / c.layer->tau_s : 0.0;
+  if (tool_term + layer_term <= kMaxMasslessSum) return std::nullopt;
+  // refuse the element that adds more, with the time constant at which the sum would be kMaxMasslessSum
+  const bool tool_worse = tool_term >= layer_term;
+  const double min_tau_s = tool_worse
+                               ? c.tool->tau_s * tool_term / std::max(1e-9, kMaxMasslessSum - layer_term)
+                               : c.layer->tau_s * layer_term / std::max(1e-9, kMaxMasslessSum - tool_term);
   return ComplianceRefusal{
       tool_worse ? "tool" : "layer",
       fmt::format("found a {} of {:g} ms, accepted at least {:.4g}: period × coupling stiffness × "
                   "compliance / time constant may be {:g} in all, and is {:.3g}",
                   tool_worse ? "relaxation_ms" : "layer_relaxation_ms",
-                  1e3 * (tool_worse ? c.tool->tau_s : c.layer->tau_s), 1e3 * least_s, kMaxMasslessSum,
-                  of_tool + of_layer)};
+                  1e3 * (tool_worse ? c.tool->tau_s : c.layer->tau_s), 1e3 * min_tau_s, kMaxMasslessSum,
+                  tool_term + layer_term)};
 }
 
 Vector3 SquaredLevers_m2(const control::BoneMountParams& mount, const Vector3& p_W_m) {
@@ -137,23 +141,25 @@ std::optional<ComplianceRefusal> CheckMountAlone(const control::BoneMountParams&
   if (mount.damping_ratio < kMinDampingRatio)
     return ComplianceRefusal{"damping_ratio", fmt::format("found {:g}, accepted at least {:g}",
                                                           mount.damping_ratio, kMinDampingRatio)};
-  const double per_stiffness = period_s * period_s / (kMaxTurnPerTick * kMaxTurnPerTick);
-  const double least_kg = (stiffness_N_per_m + mount.stiffness_N_per_m.maxCoeff()) * per_stiffness;
-  if (mount.mass_kg < least_kg)
+  // smallest mass for each N/m of stiffness, from kMaxTurnPerTick
+  const double mass_per_stiffness = period_s * period_s / (kMaxTurnPerTick * kMaxTurnPerTick);
+  const double min_mass_kg = (stiffness_N_per_m + mount.stiffness_N_per_m.maxCoeff()) * mass_per_stiffness;
+  if (mount.mass_kg < min_mass_kg)
     return ComplianceRefusal{"mass_kg", fmt::format("found {:g}, accepted at least {:.4g}: with coupling and "
                                                     "mount it would turn further than {:g} rad in a period",
-                                                    mount.mass_kg, least_kg, kMaxTurnPerTick)};
+                                                    mount.mass_kg, min_mass_kg, kMaxTurnPerTick)};
   const Vector3 levers_m2 = SquaredLevers_m2(mount, p_W_m);
-  const Vector3 least_kg_m2 = per_stiffness * (stiffness_N_per_m * levers_m2 + mount.stiffness_Nm_per_rad);
+  const Vector3 min_inertia_kg_m2 =
+      mass_per_stiffness * (stiffness_N_per_m * levers_m2 + mount.stiffness_Nm_per_rad);
   for (int axis = 0; axis < 3; ++axis)
-    if (mount.inertia_kg_m2[axis] < least_kg_m2[axis])
+    if (mount.inertia_kg_m2[axis] < min_inertia_kg_m2[axis])
       return ComplianceRefusal{
           "inertia_kg_m2",
           fmt::format(
               "found {:g} about {}, accepted at least {:.4g}: with the coupling at a lever of {:.4g} mm "
               "and the mount's {:g} N m/rad its swing would turn further than {:g} rad in a period",
-              mount.inertia_kg_m2[axis], "xyz"[axis], least_kg_m2[axis], 1e3 * std::sqrt(levers_m2[axis]),
-              mount.stiffness_Nm_per_rad[axis], kMaxTurnPerTick)};
+              mount.inertia_kg_m2[axis], "xyz"[axis], min_inertia_kg_m2[axis],
+              1e3 * std::sqrt(levers_m2[axis]), mount.stiffness_Nm_per_rad[axis], kMaxTurnPerTick)};
   return std::nullopt;
 }
 

@@ -14,7 +14,7 @@
 
 namespace osteon::config {
 
-/// A rule that is not kept.
+/// A rule that the parameters do not keep.
 struct ComplianceRefusal {
   const char* key;   ///< "tool", "layer", or a key of `bone_mount`
   std::string text;  ///< what was found, what is accepted and why
@@ -37,20 +37,21 @@ struct ComplianceRefusal {
 /// Secant compliance of a layer at a first touch of its softest material [m/N].
 [[nodiscard]] double LayerCompliance(const control::SurfaceLayerParams& layer, double force_N);
 
-/// Tangent stiffness k_t = dF/ddelta of a layer at a first touch of its softest material [N/m]: what a hand
-/// feels of it. Without the bound at 0.4 of the thickness.
+/// Tangent stiffness k_t = dF/ddelta of a layer at a first touch of its softest material [N/m], as a
+/// hand feels it. The indentation's bound at 0.4 of the thickness is ignored.
 [[nodiscard]] double LayerTangent_N_per_m(const control::SurfaceLayerParams& layer, double force_N);
 
 /// Area that a tool's head engages where it is seated [m²], with R of the head and e the engaged layer:
 ///
 ///     in a cup      pi e / (1/R - 1/R_cup), at most A_max; A_max where the head is no smaller than the cup
-///     elsewhere     pi e R, a first touch's
+///     elsewhere     pi e R, as at a first touch
 ///
 /// @param cup_radius_m  of the cup that the tool goes into; 0: none
 [[nodiscard]] double SeatedArea_m2(const control::SurfaceLayerParams& layer, const simulation::Tool& tool,
                                    double cup_radius_m);
 
 /// Indentation at rest of a layer's softest material under a force on an engaged area [m].
+/// @param area_m2  0: the area of a first touch
 [[nodiscard]] double LayerDeflection_m(const control::SurfaceLayerParams& layer, double force_N,
                                        double area_m2);
 
@@ -72,7 +73,7 @@ struct ComplianceRefusal {
 ///
 ///     w² = (K + k) / m along an axis,   w² = (K L² + k_r) / I about it
 ///
-/// @param p_W_m  the site, in the mount's own frame of coordinates
+/// @param p_W_m  the site, in W like the mount's place
 [[nodiscard]] std::optional<ComplianceRefusal> CheckMountAlone(const control::BoneMountParams& mount,
                                                                double stiffness_N_per_m, double period_s,
                                                                const Vector3& p_W_m);

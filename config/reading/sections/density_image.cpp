@@ -15,29 +15,33 @@ namespace osteon::config {
 namespace {
 
 constexpr std::uintmax_t kMaxImageBytes = 64u << 20u;  // bytes: more than 4096 × 4096 samples of 16 bits need
-constexpr std::uint32_t kMaxSamples = 4096;            // along each side
-constexpr std::uint32_t kMinRows = 2;
-constexpr double kDensest_g_per_cm3 = 25.0;
+constexpr std::uint32_t kMaxSamples = 4096;            // largest width and height
+constexpr std::uint32_t kMinRows = 2;                  // smallest height
+constexpr double kDensest_g_per_cm3 = 25.0;            // largest density that a file may give
 constexpr const char* kAccepted = "accepted a grey PNG without transparency";
 
 using Bytes = std::vector<std::uint8_t>;
 
+/// The error for a file that is not accepted. @param found  what the file is instead
 tl::unexpected<std::string> Refusal(const std::string& found) {
   return tl::unexpected(fmt::format("found {}, {}", found, kAccepted));
 }
 
+/// Number in the four bytes from index `at` on, the most significant first.
 std::uint32_t BigEndian(const Bytes& bytes, std::size_t at) {
   return (static_cast<std::uint32_t>(bytes[at]) << 24u) | (static_cast<std::uint32_t>(bytes[at + 1]) << 16u) |
          (static_cast<std::uint32_t>(bytes[at + 2]) << 8u) | bytes[at + 3];
 }
 
-/// Keeps only header, data and end of a PNG: with a gamma or a profile libpng would convert the samples to
-/// light, but they are densities.
+/// Keeps only header, palette, data and end of a PNG. Given a gamma or a colour profile, libpng would convert
+/// the samples, which are densities and not brightness.
 tl::expected<Bytes, std::string> SamplesOnly(const Bytes& png) {
   constexpr std::array<std::uint8_t, 8> kSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  constexpr std::size_t kAroundChunk = 12, kHeaderChunk = 13 + kAroundChunk;  // length, type, checksum
+  // bytes around a chunk's data (length, type, checksum), and of the first chunk, the header
+  constexpr std::size_t kAroundChunk = 12, kHeaderChunk = 13 + kAroundChunk;
   if (png.size() < kSignature.size() || !std::equal(kSignature.begin(), kSignature.end(), png.begin()))
     return Refusal("no PNG");
+  // a chunk's type: the four letters after its length
   const auto type_at = [&](std::size_t at) {
     return std::string_view(reinterpret_cast<const char*>(png.data()) + at + 4, 4);
   };
@@ -70,6 +74,7 @@ tl::expected<void, std::string> CheckHeader(const png_image& header) {
   return {};
 }
 
+/// Decodes the samples into image.level, 0 … 1. @returns false if the data is damaged
 template <typename Sample>
 bool ReadSamples(png_image& header, GreyImage& image) {
   std::vector<Sample> samples(static_cast<std::size_t>(header.width) * header.height);
@@ -80,7 +85,7 @@ bool ReadSamples(png_image& header, GreyImage& image) {
   return true;
 }
 
-/// Frees libpng's memory between the two steps of reading.
+/// Owns what libpng keeps between reading the header and the samples, and frees it in any case.
 struct PngImage {
   png_image header{};
   PngImage() { header.version = PNG_IMAGE_VERSION; }
@@ -89,6 +94,7 @@ struct PngImage {
   PngImage& operator=(const PngImage&) = delete;
 };
 
+/// Reads a class of densities: its upper bound and its material.
 /// @param last  the list's last class takes everything denser, so it has no bound.
 simulation::DensityClass ReadClass(Reader& section, bool last, const ReadMaterial& read_material) {
   constexpr const char* kBound = "below_g_per_cm3";
@@ -102,6 +108,7 @@ simulation::DensityClass ReadClass(Reader& section, bool last, const ReadMateria
   return read;
 }
 
+/// Refuses a class whose bound is not above that of the class before.
 void CheckAscending(const std::vector<Reader>& sections,
                     const std::vector<simulation::DensityClass>& classes) {
   for (std::size_t i = 0; i + 1 < classes.size(); ++i) {
@@ -135,18 +142,20 @@ tl::expected<GreyImage, std::string> ReadGreyPng(const std::filesystem::path& pa
   if (const auto checked = CheckHeader(header); !checked) return tl::unexpected(checked.error());
   GreyImage image{
       .rows = static_cast<int>(header.height), .columns = static_cast<int>(header.width), .level = {}};
-  const bool wide = (header.format & PNG_FORMAT_FLAG_LINEAR) != 0;
-  header.format = wide ? PNG_FORMAT_LINEAR_Y : PNG_FORMAT_GRAY;
-  if (!(wide ? ReadSamples<std::uint16_t>(header, image) : ReadSamples<std::uint8_t>(header, image)))
+  // libpng's "linear" format has samples of 16 bits
+  const bool is_16_bit = (header.format & PNG_FORMAT_FLAG_LINEAR) != 0;
+  header.format = is_16_bit ? PNG_FORMAT_LINEAR_Y : PNG_FORMAT_GRAY;
+  if (!(is_16_bit ? ReadSamples<std::uint16_t>(header, image) : ReadSamples<std::uint8_t>(header, image)))
     return Refusal(fmt::format("a damaged PNG ({})", header.message));
   return image;
 }
 
 simulation::DensityImage ReadDensityImage(Reader section, const ReadMaterial& read_material) {
-  constexpr double kFarthest_mm = 10'000.0;  // of a mesh's frame from the mesh
+  constexpr double kFarthest_mm = 10'000.0;  // largest distance of a mesh from its frame's origin
   simulation::DensityImage image;
   const std::filesystem::path file = section.File("file");
   image.row_step_m = section.Number("row_step_mm", 0.001, 100);
+  // at black, at white
   const std::vector<double> density = section.Numbers("density_g_per_cm3", 2, 0, kDensest_g_per_cm3);
   image.axis = section.Direction("axis");
   const std::vector<double> heights_m = section.Numbers("column_heights_mm", 2, -kFarthest_mm, kFarthest_mm);

@@ -9,6 +9,7 @@
 namespace osteon::config {
 namespace {
 
+// Reads section `fri` for both ends: returns the loop's session, and sets the simulated arm's.
 io::FriSessionParams ReadFri(Reader section, hil::FriServerParams& arm) {
   io::FriSessionParams session;
   arm.send_period_ms = section.WholeNumber("period_ms", 1, 20);
@@ -25,6 +26,7 @@ io::FriSessionParams ReadFri(Reader section, hil::FriServerParams& arm) {
   return session;
 }
 
+// Reads section `link_quality`: how the simulated arm rates the connection and when it ends the session.
 void ReadLinkQuality(Reader section, hil::FriServerParams& fri) {
   hil::QualityPolicyParams& quality = fri.quality;
   quality.fair_after_answers = section.WholeNumber("fair_answered_count", 1, 1000);
@@ -41,7 +43,7 @@ void ReadLinkQuality(Reader section, hil::FriServerParams& fri) {
                           : hil::SessionEnd::kIdleMessages;
 }
 
-// Refuses at the right line what hil::LinkQuality would refuse.
+// Refuses values that hil::LinkQuality does not accept, each at its line of the file.
 void CheckLinkQuality(const Reader& section, const hil::FriServerParams& fri) {
   const hil::QualityPolicyParams& quality = fri.quality;
   const auto at_least = [&](const char* key, int value, const char* other_key, int other) {
@@ -52,13 +54,14 @@ void CheckLinkQuality(const Reader& section, const hil::FriServerParams& fri) {
            quality.fair_after_answers);
   at_least("excellent_answered_count", quality.excellent_after_answers, "good_answered_count",
            quality.good_after_answers);
-  const int due = 1000 / (fri.send_period_ms * fri.receive_multiplier);
-  if (quality.excellent_after_answers > due)
+  const int answers_per_s = 1000 / (fri.send_period_ms * fri.receive_multiplier);
+  if (quality.excellent_after_answers > answers_per_s)
     section.Refuse("excellent_answered_count",
                    fmt::format("found {}, accepted at most {}: the answers due in a second at this period_ms",
-                               quality.excellent_after_answers, due));
+                               quality.excellent_after_answers, answers_per_s));
 }
 
+// Reads section `rsi` for the loop's end. @param jump_accepted  becomes accept_jump_after_lost_answers
 io::RsiSessionParams ReadRsi(Reader section, bool& jump_accepted) {
   io::RsiSessionParams session;
   session.layout =
@@ -82,7 +85,7 @@ io::RsiSessionParams ReadRsi(Reader section, bool& jump_accepted) {
   return session;
 }
 
-// Copies the parameters that the arm's end must share with the session.
+// The simulated arm's end of RSI, with the parameters that it must share with the loop's session.
 hil::RsiArmParams ArmEndOf(const io::RsiSessionParams& session) {
   hil::RsiArmParams arm;
   arm.controller.cycle_ms = session.cycle_ms;
@@ -106,11 +109,11 @@ std::array<double, 6> ReadCorrectionRange(Reader& section, const std::string& na
     for (std::size_t i = 0; i < 6; ++i) range[i] = axes_rad[i] / kDegree;
     return range;
   }
-  const std::vector<double> way_m = section.Numbers(name + "_mm", 3, 0.01, 5000),
-                            turn_rad = section.Numbers(name + "_deg", 3, 0.01, 180);
+  const std::vector<double> translation_m = section.Numbers(name + "_mm", 3, 0.01, 5000),
+                            rotation_rad = section.Numbers(name + "_deg", 3, 0.01, 180);
   for (std::size_t i = 0; i < 3; ++i) {
-    range[i] = way_m[i] / kMillimetre_m;
-    range[i + 3] = turn_rad[i] / kDegree;
+    range[i] = translation_m[i] / kMillimetre_m;
+    range[i + 3] = rotation_rad[i] / kDegree;
   }
   return range;
 }
@@ -137,7 +140,7 @@ ArmLinkSections ReadArmLink(Reader& cell_section, CellConfig& cell) {
 }
 
 void CheckArmLink(const ArmLinkSections& sections, const CellConfig& cell) {
-  // on a network, anybody's datagram could be taken for the arm's first
+  // beyond the loopback, a stranger's datagram could be taken for the arm's first message
   const std::string& host = cell.guard ? cell.guard->host : cell.link.host;
   if (!host.starts_with("127.") && cell.link.arm_host.empty())
     sections.link.Refuse("arm_host",
@@ -156,6 +159,7 @@ void CheckArmLink(const ArmLinkSections& sections, const CellConfig& cell) {
   if (session.ipoc_step != 1 && session.ipoc_step != session.cycle_ms)
     link.Refuse("ipoc_step_count",
                 fmt::format("found {}, accepted 1, or cycle_ms ({})", session.ipoc_step, session.cycle_ms));
+  // the controller ends RSI where a correction leaves its monitor's range [mm, deg]
   const hil::Six& monitor = cell.simulated.kr->controller.range;
   for (std::size_t i = 0; i < 6; ++i)
     if (cell.has_simulation && session.range[i] > monitor[i])

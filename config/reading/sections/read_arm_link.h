@@ -20,20 +20,22 @@ struct ArmLinkSections {
 /// the two.
 ///
 ///     fri: {host, port, period_ms, [arm_host], [version], [wrench_torques], [receive_multiplier_count]}
-///     rsi: {host, port, [arm_host], layout, correction, absolute, hold_on, cycle_ms, ipoc_step_count, timeout_count,
+///     rsi: {host, port, [arm_host], layout, correction, absolute, hold_on, cycle_ms, ipoc_step_count,
+///           timeout_count,
 ///           range_deg: [A1 … A6], or of cartesian corrections range_mm: [X, Y, Z] and range_deg: [A, B, C],
 ///           [entry_step_deg], [settle_count], [late_at_start_count], [decimal_count],
 ///           [accept_jump_after_lost_answers]}
 ///
-/// Absolute corrections without hold_on are refused unless that jump is accepted; an address other than the
-/// loopback's is refused without arm_host. Absent keys keep the libraries' defaults. Sets link,
-/// servo.period_s and the arm's end: simulated.fri, or simulated.kr.
+/// Absolute corrections without hold_on are refused unless the jump after a lost answer is accepted; an
+/// address other than the loopback's is refused without arm_host. Absent keys keep the libraries' defaults.
+/// Sets link, servo.period_s and the arm's end: simulated.fri, or simulated.kr.
 [[nodiscard]] ArmLinkSections ReadArmLink(Reader& cell_section, CellConfig& cell);
 
-/// After Finish(), with the simulated arm read: checks values against each other.
+/// Checks the link's values against each other. Call after Finish(), with the simulated arm read.
 void CheckArmLink(const ArmLinkSections& sections, const CellConfig& cell);
 
-/// With the robot read: an LBR speaks FRI, an arm of six axes RSI; both ends of RSI get the arm's geometry.
+/// Call with the robot read. Refuses an LBR without fri, and an arm of six axes without rsi; gives both ends
+/// of RSI the arm's geometry.
 void CompleteArmLink(const Reader& cell_section, CellConfig& cell);
 
 /// Reads keys NAME_deg (six), or for Cartesian corrections NAME_mm and NAME_deg (three each): bounds on

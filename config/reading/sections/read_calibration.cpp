@@ -10,11 +10,15 @@
 namespace osteon::config {
 namespace {
 
-constexpr double kMaxMassOff_kg = 0.5, kMaxMassOff = 0.5, kMaxCenterOff_m = 0.05, kMaxApexOff_m = 0.02;
+// Largest differences from the tool's file; the mass may differ by the larger of kMaxMassOff_kg and
+// kMaxMassOffShare of the file's mass.
+constexpr double kMaxMassOff_kg = 0.5, kMaxMassOffShare = 0.5, kMaxCenterOff_m = 0.05, kMaxApexOff_m = 0.02;
 
+// Reads section `payload`: the mass, centre of mass and bias that the loop subtracts from the sensor's
+// wrench.
 void ReadPayload(Reader section, control::ForceSensorParams& sensor) {
   const double mass_kg = section.Number("mass_kg", 0.001, 100);
-  const double max_off_kg = std::max(kMaxMassOff_kg, kMaxMassOff * sensor.tool_mass_kg);
+  const double max_off_kg = std::max(kMaxMassOff_kg, kMaxMassOffShare * sensor.tool_mass_kg);
   if (!(std::abs(mass_kg - sensor.tool_mass_kg) <= max_off_kg))
     section.Refuse("mass_kg",
                    fmt::format("found {:g} kg, accepted {:.3g} ± {:.3g} kg, which the tool's file gives",

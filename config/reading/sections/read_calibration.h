@@ -13,7 +13,8 @@ namespace osteon::config {
 ///     [tcp_mm: [x, y, z]]                   the apex in the flange's frame
 ///
 /// @throws ConfigError naming file, line, what was found and what is accepted: a mass, a centre or an apex
-///   far from the files of sensor and tool (0.5 kg or half of it, 50 mm, 20 mm) means another tool.
+///   far from the files of sensor and tool (the larger of 0.5 kg and half the mass; 50 mm; 20 mm) means
+///   another tool.
 void ApplyCalibration(const std::filesystem::path& file, CellConfig& cell);
 
 }  // namespace osteon::config

@@ -18,13 +18,15 @@
 namespace osteon::config {
 namespace {
 
-constexpr double kTableForce_N = 20.0;  // at which a layer's stiffness is stated
+constexpr double kTableForce_N = 20.0;  // largest force at which a layer's stiffness is stated
 
-GivesWay ReadLevel(Reader& section, const char* key) {
+// Reads whether a part gives way; off if the key is absent.
+GivesWay ReadGivesWay(Reader& section, const char* key) {
   if (!section.Has(key)) return GivesWay::kOff;
   return static_cast<GivesWay>(section.Choice(key, {"off", "on", "auto"}));
 }
 
+// Reads section `bone_mount`, its place converted to W. @param source  becomes the values' source
 control::BoneMountParams ReadMount(Reader section, const Pose& X_WG, std::string& source) {
   control::BoneMountParams mount;
   source = section.Text("source");
@@ -51,6 +53,7 @@ bool IsCartilageWornOff(const CellConfig& cell) {
   return head && !(head->cartilage_m > 0.0);
 }
 
+// The cell's surface layer. A scene with cartilage has it as its first material.
 control::SurfaceLayerParams LayerOf(const CellConfig& cell) {
   std::vector<simulation::Material> materials = cell.scene.materials;
   if (!materials.empty() && IsCartilageWornOff(cell)) materials.front().layer_N_per_m3 = 0.0;
@@ -66,16 +69,19 @@ double CupRadiusOf(const CellConfig& cell) {
   return shape ? shape->cup_radius_m : 0.0;
 }
 
+// Largest push along the feed [N]: the script's, or on a real cell the coupling's force limit.
 double PushOf(const CellConfig& cell) {
   if (!cell.has_simulation) return cell.servo.wrench.max_force_N;
   return std::visit([](const auto& script) { return script.push_force_N; }, cell.script);
 }
 
+// Refuses a key of the section, if there is a refusal.
 void RefuseBy(const Reader& section, const std::optional<ComplianceRefusal>& refusal) {
   if (refusal) section.Refuse(refusal->key, refusal->text);
 }
 
-// The mass rule: the loop on a rigid bone must be stable up to K (1 + m_v / m_eff).
+// The mass rule: with coupling stiffness K, virtual tool m_v and the mount's effective mass m_eff, the loop
+// on a rigid bone must be stable up to K (1 + m_v / m_eff) (hil/loops/mount_rule.h).
 void CheckMountMass(const Reader& bone_mount, const CellConfig& cell) {
   if (!cell.has_simulation || cell.servo.law != control::Law::kAdmittance) return;
   const auto& hand = cell.simulated.hand;
@@ -102,13 +108,14 @@ void CheckMountMass(const Reader& bone_mount, const CellConfig& cell) {
                              1e-3 * rule.stable_up_to_N_per_m));
 }
 
-// A mode of the mount, for rule 2: damping of mount, virtual tool and hand against the hand's stiffness times
-// its age.
+// A mode of the mount, for rule 2: the damping of mount, virtual tool and hand together must be at least the
+// hand's stiffness times the delay of the arm.
 struct MountMode {
   std::string name;
   double critical_Ns_per_m;  // the mode's damping at the site where its ratio is 1
 };
 
+// The modes as the site C feels them: one along each axis, and one about each axis from which C has a lever.
 std::vector<MountMode> ModesOf(const control::BoneMountParams& mount, const Vector3& p_WC) {
   std::vector<MountMode> modes;
   const Vector3 levers_m2 = SquaredLevers_m2(mount, p_WC);
@@ -136,12 +143,14 @@ void CheckMount(const Reader& section, const CellConfig& cell) {
   if (!cell.has_simulation) return;
   const auto& hand = cell.simulated.hand;
   const hil::ServoArmParams& arm = cell.simulated.servo;
-  const double age_s =
+  // delay from the hand's force to the arm's motion: dead time, one period, and the servo's lag 2 zeta / w
+  const double delay_s =
       (arm.dead_cycles + 1) * T + 2.0 * arm.damping_ratio / (2.0 * std::numbers::pi * arm.bandwidth_hz);
+  // of the virtual tool
   const double damping = cell.servo.law == control::Law::kAdmittance
                              ? cell.servo.admittance.damping_Ns_per_m.minCoeff()
                              : cell.servo.impedance.damping_Ns_per_m.minCoeff();
-  const double needed = hand.stiffness_N_per_m * age_s;
+  const double needed = hand.stiffness_N_per_m * delay_s;
   for (const MountMode& mode : ModesOf(mount, cell.X_WG.translation())) {
     if (mode.critical_Ns_per_m * mount.damping_ratio + damping + hand.damping_Ns_per_m >= needed) continue;
     bone_mount.Refuse(
@@ -149,14 +158,16 @@ void CheckMount(const Reader& section, const CellConfig& cell) {
         fmt::format("found {:g}, accepted at least {:.3g}: damping of the mount {}, of virtual tool and hand "
                     "must exceed the hand's {:g} N/m × {:.1f} ms",
                     mount.damping_ratio, (needed - damping - hand.damping_Ns_per_m) / mode.critical_Ns_per_m,
-                    mode.name, hand.stiffness_N_per_m, 1e3 * age_s));
+                    mode.name, hand.stiffness_N_per_m, 1e3 * delay_s));
   }
 }
 
+// Whether a part gives way. With `auto` it does if its effect matters.
 bool IsOn(GivesWay asked, bool known, bool matters) {
   return known && (asked == GivesWay::kOn || (asked == GivesWay::kAuto && matters));
 }
 
+// The three parts, without their effect, which CompliancePartsOf adds.
 CompliancePart ToolPart(const CellConfig& cell) {
   CompliancePart part{.name = "tool", .asked = cell.compliance.tool, .known = cell.tool.bending.has_value()};
   if (!part.known) return part;
@@ -209,9 +220,9 @@ std::optional<Reader> ReadCompliance(Reader& cell_section, CellConfig& cell) {
   if (!cell_section.Has("compliance")) return std::nullopt;
   Reader section = cell_section.Section("compliance");
   ComplianceConfig& compliance = cell.compliance;
-  compliance.tool = ReadLevel(section, "tool");
-  compliance.layer = ReadLevel(section, "layer");
-  compliance.mount = ReadLevel(section, "mount");
+  compliance.tool = ReadGivesWay(section, "tool");
+  compliance.layer = ReadGivesWay(section, "layer");
+  compliance.mount = ReadGivesWay(section, "mount");
   compliance.error_m = section.Has("error_mm") ? section.Number("error_mm", 0.001, 10) : 0.0;
   if (section.Has("bone_mount"))
     compliance.bone_mount = ReadMount(section.Section("bone_mount"), cell.X_WG, compliance.mount_source);
@@ -227,6 +238,7 @@ void CompleteCompliance(const std::optional<Reader>& section, CellConfig& cell) 
   if (!section) return;
   const std::array<CompliancePart, 3> parts = CompliancePartsOf(cell);
   const auto& [tool, layer, mount] = parts;
+  // refuses `on` for a part whose values the files do not have; `what` names the missing values
   const auto require = [&](const CompliancePart& part, const char* what) {
     if (part.asked == GivesWay::kOn && !part.known)
       section->Refuse(part.name, fmt::format("found on, accepted with {}", what));

@@ -9,8 +9,8 @@
 
 namespace osteon::config {
 
-/// Reads a cell's section `compliance`: which of layer, tool and mount give way, and the bone's mount. After
-/// the bone's place is known; nothing gives way without the section.
+/// Reads a cell's section `compliance`: which of layer, tool and mount give way, and the bone's mount. Call
+/// when the bone's place is known. Without the section nothing gives way.
 /// @returns the section, for CompleteCompliance
 std::optional<Reader> ReadCompliance(Reader& cell_section, CellConfig& cell);
 
@@ -20,7 +20,7 @@ std::optional<Reader> ReadCompliance(Reader& cell_section, CellConfig& cell);
 /// @throws ConfigError naming the value, and the value that is needed.
 void CompleteCompliance(const std::optional<Reader>& section, CellConfig& cell);
 
-/// The changes that a part makes in a cell when it gives way.
+/// A part of a cell that may give way, and what changes when it does.
 struct CompliancePart {
   const char* name{""};  ///< "tool", "layer", "mount"
   GivesWay asked{GivesWay::kOff};
@@ -31,7 +31,7 @@ struct CompliancePart {
   double force_N{0.0};            ///< force on the part
   double felt_at_N{0.0};          ///< for a layer: force at which its stiffness is stated; 0: it is linear
   double seated_m2{0.0};          ///< for a layer: area that the tool engages under force_N
-  double thrust_ratio{0.0};       ///< for a tool: the push over its buckling load
+  double thrust_ratio{0.0};       ///< for a tool: the push as a share of its buckling load
 };
 
 /// The three parts of a cell: tool, layer, mount.

@@ -18,6 +18,7 @@ rt::Nanoseconds ToNanoseconds(double seconds) {
   return static_cast<rt::Nanoseconds>(std::llround(seconds * 1e9));
 }
 
+// Reads the list `can`. A bus is a CAN interface of this machine, or a pair of UDP ports.
 std::vector<io::CanBusParams> ReadBuses(Reader& cell) {
   std::vector<io::CanBusParams> buses;
   for (Reader& section : cell.Sections("can", 1, 4)) {
@@ -33,7 +34,7 @@ std::vector<io::CanBusParams> ReadBuses(Reader& cell) {
   return buses;
 }
 
-// Index of a device's bus; after Finish().
+// Index of the bus that a device names; refuses an unknown name. Call after Finish().
 std::size_t BusOf(const DeviceBus& device, const std::vector<io::CanBusParams>& buses) {
   std::string all;
   for (std::size_t i = 0; i < buses.size(); ++i) {
@@ -43,6 +44,7 @@ std::size_t BusOf(const DeviceBus& device, const std::vector<io::CanBusParams>& 
   device.section.Refuse("bus", fmt::format("found {}, accepted one of can: {}", device.name, all));
 }
 
+// Reads a force sensor's section `simulated`: its noise, bias, drift and range.
 hil::SensorModelParams ReadSensorModel(Reader section) {
   hil::SensorModelParams model;
   model.noise_N = section.Number("noise_N", 0, 10);
@@ -56,6 +58,7 @@ hil::SensorModelParams ReadSensorModel(Reader section) {
   return model;
 }
 
+// Reads section `force_sensor`, for the loop's driver and for the simulated device.
 void ReadSensor(Reader section, CellConfig& cell) {
   cell.servo.sensor.X_FS = ReadPose(section);
   ReadToolInertia(section, cell.servo.sensor);
@@ -75,6 +78,7 @@ void ReadSensor(Reader section, CellConfig& cell) {
   }
 }
 
+// Reads section `drive`, for the loop's driver and for the simulated device.
 void ReadDrive(Reader section, CellConfig& cell) {
   io::ReamerDriveParams& drive = cell.devices.drive.emplace();
   drive.node = static_cast<std::uint8_t>(section.WholeNumber("node_count", 1, 126));
@@ -84,6 +88,7 @@ void ReadDrive(Reader section, CellConfig& cell) {
   cell.simulated_devices.drive.emplace().node = drive.node;
 }
 
+// Reads section `plc`, for the loop's client and for the simulated server.
 void ReadPlc(Reader section, CellConfig& cell) {
   io::PlcClientParams& plc = cell.devices.plc.emplace();
   plc.address = section.Text("host");

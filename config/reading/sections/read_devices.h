@@ -23,7 +23,7 @@ struct DeviceSections {
 };
 
 /// Reads sections `can`, `force_sensor` (its bus, make and pose), `plc` or `without_plc`, and `drive` if
-/// there is one: both sides of each wire.
+/// there is one, for the loop's drivers and for the simulated devices.
 [[nodiscard]] DeviceSections ReadDevices(Reader& cell_section, Reader& force_sensor, CellConfig& cell);
 
 /// After Finish() and with the tool loaded: completes the drive's values and the sensor's load, and checks

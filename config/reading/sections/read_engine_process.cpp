@@ -9,7 +9,7 @@
 namespace osteon::config {
 namespace {
 
-constexpr int kMinPort = 1024, kMaxPort = 65535;
+constexpr int kMinPort = 1024, kMaxPort = 65535;  // accepted ports of an engine
 
 // Parses [begin, end) as a whole number 0 … max. @returns -1 if it is none
 int WholeNumber(const char* begin, const char* end, int max) {

@@ -14,12 +14,14 @@ struct EngineProcessSection {
   std::string process;
   std::optional<std::string> token_file;
 };
+/// Reads the section without checking the values, which are valid only after Finish().
 [[nodiscard]] EngineProcessSection ReadEngineProcess(Reader section);
 
-/// Converts the section. `process` is `inside` (no process of its own), `local`, or "HOST:PORT" of an
-/// `osteon simulate` that listens there.
+/// Checks and converts the section, after Finish(). `process` is `inside` (no process of its own), `local`,
+/// or "HOST:PORT" of an `osteon simulate` that listens there.
+/// @returns nothing for `inside`
 /// @throws ConfigError for any other `process`, for an engine beyond the loopback without `token_file`, and
-///   for any other engine with one.
+///   for `inside` or `local` with one.
 [[nodiscard]] std::optional<EngineProcessConfig> CheckEngineProcess(const EngineProcessSection& read);
 
 }  // namespace osteon::config

@@ -10,23 +10,24 @@ namespace {
 // The keys that must be present: all in a cell's file; any choice of them in a file that overrides it.
 enum class Keys { kAll, kAny };
 
+// Whether to read a key. With kAll an absent key is read too, so that Finish() reports it.
 bool ShouldRead(Reader& section, Keys keys, const char* key) {
   return keys == Keys::kAll || section.Has(key);
 }
 
 void ReadAdmittance(Reader section, Keys keys, control::AdmittanceParams& admittance) {
-  const auto triple = [&](const char* key, double min, double max, Vector3& value) {
+  const auto read_triple = [&](const char* key, double min, double max, Vector3& value) {
     if (ShouldRead(section, keys, key)) value = section.Triple(key, min, max);
   };
-  const auto number = [&](const char* key, double min, double max, double& value) {
+  const auto read_number = [&](const char* key, double min, double max, double& value) {
     if (ShouldRead(section, keys, key)) value = section.Number(key, min, max);
   };
-  triple("mass_kg", 0.1, 50, admittance.mass_kg);
-  triple("inertia_kg_m2", 0.001, 5, admittance.inertia_kg_m2);
-  triple("damping_Ns_per_m", 1, 2000, admittance.damping_Ns_per_m);
-  triple("damping_Nms_per_rad", 0.01, 100, admittance.damping_Nms_per_rad);
-  number("dead_zone_N", 0, 50, admittance.dead_zone_N);
-  number("dead_zone_Nm", 0, 5, admittance.dead_zone_Nm);
+  read_triple("mass_kg", 0.1, 50, admittance.mass_kg);
+  read_triple("inertia_kg_m2", 0.001, 5, admittance.inertia_kg_m2);
+  read_triple("damping_Ns_per_m", 1, 2000, admittance.damping_Ns_per_m);
+  read_triple("damping_Nms_per_rad", 0.01, 100, admittance.damping_Nms_per_rad);
+  read_number("dead_zone_N", 0, 50, admittance.dead_zone_N);
+  read_number("dead_zone_Nm", 0, 5, admittance.dead_zone_Nm);
   if (keys != Keys::kAll) return;
   if (section.Has("centre_m")) admittance.centre_T_m = section.Triple("centre_m", -2, 2);
   if (section.Has("locked"))
@@ -34,13 +35,14 @@ void ReadAdmittance(Reader section, Keys keys, control::AdmittanceParams& admitt
       admittance.locked[axis] = true;
 }
 
-void ReadForces(Reader& section, Keys keys, control::CouplingParams& coupling) {
-  const auto number = [&](const char* key, double min, double max, double& value) {
+// Reads the coupling's stiffness and damping: the keys of `coupling` that are gains.
+void ReadCouplingGains(Reader& section, Keys keys, control::CouplingParams& coupling) {
+  const auto read_number = [&](const char* key, double min, double max, double& value) {
     if (ShouldRead(section, keys, key)) value = section.Number(key, min, max);
   };
-  number("stiffness_N_per_mm", 0.1, 100, coupling.max_stiffness_N_per_m);
-  number("damping_Ns_per_m", 0, 2000, coupling.damping_Ns_per_m);
-  number("damping_share_ratio", 0, 0.25, coupling.damping_share);
+  read_number("stiffness_N_per_mm", 0.1, 100, coupling.max_stiffness_N_per_m);
+  read_number("damping_Ns_per_m", 0, 2000, coupling.damping_Ns_per_m);
+  read_number("damping_share_ratio", 0, 0.25, coupling.damping_share);
 }
 
 }  // namespace
@@ -50,7 +52,7 @@ void ReadAdmittance(Reader section, control::AdmittanceParams& admittance) {
 }
 
 void ReadCoupling(Reader section, control::CouplingParams& coupling) {
-  ReadForces(section, Keys::kAll, coupling);
+  ReadCouplingGains(section, Keys::kAll, coupling);
   coupling.fresh_s = section.Number("fresh_ms", 1, 1000);
   coupling.gone_s = section.Number("gone_ms", 2, 1000);
   coupling.ramp_s = section.Number("ramp_ms", 1, 10000);
@@ -64,21 +66,22 @@ void ApplyGainsFile(const std::filesystem::path& file, control::Law law,
     reader.Refuse(
         "admittance",
         "found for a cell with the impedance law, which has no virtual tool; accepted coupling alone");
-  control::AdmittanceParams virtual_tool = admittance;
-  control::CouplingParams forces = coupling;
-  if (reader.Has("admittance")) ReadAdmittance(reader.Section("admittance"), Keys::kAny, virtual_tool);
+  // copies, so that an error leaves the caller's gains unchanged
+  control::AdmittanceParams new_admittance = admittance;
+  control::CouplingParams new_coupling = coupling;
+  if (reader.Has("admittance")) ReadAdmittance(reader.Section("admittance"), Keys::kAny, new_admittance);
   if (reader.Has("coupling")) {
     Reader section = reader.Section("coupling");
-    ReadForces(section, Keys::kAny, forces);
-    if (section.Has("stiffness_N_per_mm") && forces.max_stiffness_N_per_m > max_stiffness_N_per_m)
+    ReadCouplingGains(section, Keys::kAny, new_coupling);
+    if (section.Has("stiffness_N_per_mm") && new_coupling.max_stiffness_N_per_m > max_stiffness_N_per_m)
       section.Refuse(
           "stiffness_N_per_mm",
           fmt::format("found {:.10g}, accepted at most {:.10g} while it runs: what it was started with",
-                      1e-3 * forces.max_stiffness_N_per_m, 1e-3 * max_stiffness_N_per_m));
+                      1e-3 * new_coupling.max_stiffness_N_per_m, 1e-3 * max_stiffness_N_per_m));
   }
   reader.Finish();
-  admittance = virtual_tool;
-  coupling = forces;
+  admittance = new_admittance;
+  coupling = new_coupling;
 }
 
 control::Gains ReadGainsAgain(const std::filesystem::path& file, control::Law law, const control::Gains& own,

@@ -31,7 +31,8 @@ void ApplyGainsFile(const std::filesystem::path& file, control::Law law,
 
 /// Reads the gains file again and applies it to the cell's gains: the values that a running loop may change
 /// to.
-/// @param own  of the cell's own file  @param max_stiffness_N_per_m  with which the simulation was started
+/// @param own  the gains of the cell's own file
+/// @param max_stiffness_N_per_m  coupling stiffness with which the run was started
 /// @throws ConfigError naming file, line, what was found and what is accepted.
 [[nodiscard]] control::Gains ReadGainsAgain(const std::filesystem::path& file, control::Law law,
                                             const control::Gains& own, double max_stiffness_N_per_m);

@@ -9,8 +9,8 @@
 namespace osteon::config {
 namespace {
 
-// Default bound: twice the depth at which the coupling reaches its force limit, plus this.
-constexpr double kBeyondTwice_m = 3e-3;
+// Default of max_tool_in_bone_mm: twice the depth at which the coupling reaches its force limit, plus this.
+constexpr double kToolInBoneMargin_m = 3e-3;
 
 // Reads the shape's own keys: a half-space's face or another shape's centre, and its dimensions.
 void ReadShapeKeys(Reader& section, safety::ZoneParams& zone) {
@@ -75,7 +75,7 @@ void ReadLimits(Reader section, bool lbr, control::ServoParams& servo) {
   servo.max_tracking_error_m = section.Number("max_tracking_error_mm", 1, 200);
   if (lbr) servo.arm_angle_rate_rad_per_s = section.Number("arm_angle_rate_deg_per_s", 0.1, 57);
   servo.model_sight_m = section.Number("model_sight_mm", 0.01, 100);
-  // each is a bound of its own: if two limit the same, the tighter one applies
+  // the bounds from here on are optional; where two limit the same quantity, the tighter one applies
   if (section.Has("max_elbow_speed_mm_per_s"))
     servo.max_elbow_speed_m_per_s = section.Number("max_elbow_speed_mm_per_s", 1, 2000);
   if (section.Has("max_stored_J")) servo.energy.max_stored_J = section.Number("max_stored_J", 0.01, 1000);
@@ -89,8 +89,8 @@ void ReadLimits(Reader section, bool lbr, control::ServoParams& servo) {
     servo.energy.max_kinetic_J = section.Number("max_kinetic_J", 0.001, 100);
     servo.energy.moving_mass_kg = section.Number("moving_mass_kg", 0.1, 500);
   }
-  if (section.Has("spindle_torque_ratio")) {  // of the tool's values; load_cell converts them to torques and
-                                              // speeds
+  // these are still ratios of the tool's values; load_cell converts them to a torque and a speed
+  if (section.Has("spindle_torque_ratio")) {
     servo.spindle_limits.max_torque_Nm = section.Number("spindle_torque_ratio", 0.1, 100);
     servo.spindle_limits.max_speed_rad_per_s = section.Number("spindle_speed_ratio", 1.01, 10);
     servo.spindle_limits.trip_s = section.Number("spindle_trip_ms", 0, 10000);
@@ -106,9 +106,10 @@ void CompleteForceLimit(Reader limits, control::ServoParams& servo) {
         "found slow with the impedance law, accepted yield or stop: the arm is where the hand has it, and "
         "what could slow it down is the wrench that is at its limit");
   if (impedance && !limits.Has("on_force_limit")) reaction.reaction = safety::OnForceLimit::kYield;
+  // depth in the bone at which the coupling reaches its force limit
   const double at_limit_m = control::ForceLimit_N(servo) / servo.coupling.max_stiffness_N_per_m;
   if (!std::isfinite(reaction.max_tool_in_bone_m)) {
-    reaction.max_tool_in_bone_m = 2.0 * at_limit_m + kBeyondTwice_m;
+    reaction.max_tool_in_bone_m = 2.0 * at_limit_m + kToolInBoneMargin_m;
   } else if (!(reaction.max_tool_in_bone_m > at_limit_m)) {
     limits.Refuse(
         "max_tool_in_bone_mm",

@@ -20,8 +20,8 @@ void ReadZones(Reader& cell, const Pose& X_WG, safety::WorkspaceParams& workspac
 
 /// Reads the cell's optional section `depth_limit`.
 void ReadDepthLimit(Reader& cell, const Pose& X_WG, safety::DepthLimitParams& depth);
-/// Checks its values against each other, once all are known to be present. @param coupling_N_per_m the
-/// coupling's own stiffness; gains that lower it lower the depth limit's along with it
+/// Checks the values of `depth_limit` against each other, once all are known to be present. @param
+/// coupling_N_per_m the coupling's own stiffness; gains that lower it also lower the depth limit's stiffness
 void CheckDepthLimit(Reader cell, const safety::DepthLimitParams& depth, double coupling_N_per_m);
 
 }  // namespace osteon::config

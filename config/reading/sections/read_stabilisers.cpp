@@ -3,6 +3,7 @@
 namespace osteon::config {
 namespace {
 
+// Each function reads one optional section.
 void ReadAgeGovernor(Reader section, control::Law law, control::AgeGovernorParams& governor) {
   governor.acts = section.Bool("acts");
   governor.max_damping_factor = section.Number("damping_ratio", 1, 1000);

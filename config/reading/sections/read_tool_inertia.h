@@ -5,8 +5,8 @@
 
 namespace osteon::config {
 
-/// Reads the tool's inertia from the cell's `force_sensor`: inertia_share_ratio and acceleration_hz; if
-/// absent, inertia is not compensated.
+/// Reads how the tool's inertia is compensated in the sensor's wrench, from the cell's `force_sensor`:
+/// inertia_share_ratio and acceleration_hz. If they are absent, inertia is not compensated.
 void ReadToolInertia(Reader& section, control::ForceSensorParams& sensor);
 
 }  // namespace osteon::config

@@ -13,7 +13,9 @@ namespace {
 using hil::Wire;
 using hil::WireFaults;
 
-constexpr double kLongest_s = 86400.0, kLongest_ms = 200.0;
+constexpr double kLongest_s = 86400.0;  // latest begin and end of an injection
+constexpr double kLongest_ms = 200.0;   // longest delay and jitter
+// Keys of which an injection needs at least one.
 constexpr std::array kFaults{"loss_ratio", "duplicate_ratio", "reorder_ratio", "corrupt_ratio",
                              "delay_ms",   "jitter_ms",       "silence"};
 
@@ -22,11 +24,13 @@ double ReadShare(Reader& section, const char* key) {
   return section.Has(key) ? section.Number(key, 0, 1) : 0.0;
 }
 
+// Reads a key in ms, 0 if absent.
 rt::Nanoseconds ReadTime(Reader& section, const char* key) {
   return section.Has(key) ? std::llround(section.Number(key, 0, kLongest_ms) * 1e9) : 0;
 }
 
-// Modbus runs over TCP: nothing in a stream is reordered, damaged or lost, and a stream has both directions.
+// Refuses faults that Modbus over TCP cannot have: a stream delivers no packet twice, reordered or damaged,
+// and an injection acts on both of its directions.
 void RefuseOnTcp(Reader& section, const hil::Injection& injection) {
   for (const char* key : {"duplicate_ratio", "reorder_ratio", "corrupt_ratio", "burst_count"})
     if (section.Has(key))
@@ -36,6 +40,7 @@ void RefuseOnTcp(Reader& section, const hil::Injection& injection) {
   if (injection.direction != hil::Direction::kBoth) section.Refuse("direction", "of wire plc: accepted both");
 }
 
+// Reads one entry of `injections`: the wire, its direction, the time from begin to end, and the faults.
 hil::Injection ReadInjection(Reader& section) {
   hil::Injection injection;
   injection.wire = std::array{Wire::kArm, Wire::kForceSensor, Wire::kDrive, Wire::kPlc}.at(

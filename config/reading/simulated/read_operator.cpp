@@ -7,17 +7,17 @@
 namespace osteon::config {
 namespace {
 
-// Reads the keys that grip step and clamp share. @param stiffest  factor on the upper bounds of a hand's
-// values
+// Reads an incident in which something holds the tool: the keys that grip step and clamp share.
+// @param bound_factor  on the upper bounds of a hand's values
 template <typename Held>
-Held ReadHeld(Reader& section, double stiffest) {
+Held ReadHeld(Reader& section, double bound_factor) {
   Held held;
   held.begin_s = section.Number("at_s", 0, 36000);
   if (section.Has("until_s")) held.end_s = section.Number("until_s", 0, 36000);
-  held.spring.stiffness_N_per_m = section.Number("stiffness_N_per_m", 50, 50000 * stiffest);
-  held.spring.damping_Ns_per_m = section.Number("damping_Ns_per_m", 0.1, 1000 * stiffest);
-  held.spring.stiffness_Nm_per_rad = section.Number("stiffness_Nm_per_rad", 0.1, 1000 * stiffest);
-  held.spring.damping_Nms_per_rad = section.Number("damping_Nms_per_rad", 0.001, 100 * stiffest);
+  held.spring.stiffness_N_per_m = section.Number("stiffness_N_per_m", 50, 50000 * bound_factor);
+  held.spring.damping_Ns_per_m = section.Number("damping_Ns_per_m", 0.1, 1000 * bound_factor);
+  held.spring.stiffness_Nm_per_rad = section.Number("stiffness_Nm_per_rad", 0.1, 1000 * bound_factor);
+  held.spring.damping_Nms_per_rad = section.Number("damping_Nms_per_rad", 0.001, 100 * bound_factor);
   held.return_s = section.Number("return_ms", 1, 10000);
   section.Finish();
   if (held.end_s <= held.begin_s)
@@ -26,6 +26,7 @@ Held ReadHeld(Reader& section, double stiffest) {
   return held;
 }
 
+// Reads a release in which the hand jerks first. @param max_force_N  of the hand; bounds the jerk
 hil::StartledRelease ReadRelease(Reader& section, double max_force_N) {
   hil::StartledRelease release;
   release.begin_s = section.Number("at_s", 0, 36000);
@@ -53,18 +54,19 @@ hil::HandIncident ReadIncident(Reader& section, double max_force_N) {
   }
 }
 
+// Reads the list `incidents` and refuses one that begins before the previous one is over.
 hil::HandIncidents ReadIncidents(Reader& section, double max_force_N) {
   hil::HandIncidents incidents;
   double free_s = 0.0;  // earliest begin of the next incident
-  for (Reader& one : section.Sections("incidents", 1, hil::HandIncidents::kMax)) {
-    const hil::HandIncident incident = ReadIncident(one, max_force_N);
+  for (Reader& incident_section : section.Sections("incidents", 1, hil::HandIncidents::kMax)) {
+    const hil::HandIncident incident = ReadIncident(incident_section, max_force_N);
     const hil::IncidentTimes times = hil::TimesOf(incident);
     if (times.begin_s < free_s)
-      one.Refuse("at_s",
-                 std::isinf(free_s)
-                     ? fmt::format("found {:.10g} after an incident that never ends", times.begin_s)
-                     : fmt::format("found {:.10g}, accepted at least {:.10g}, when the one before is over",
-                                   times.begin_s, free_s));
+      incident_section.Refuse(
+          "at_s", std::isinf(free_s)
+                      ? fmt::format("found {:.10g} after an incident that never ends", times.begin_s)
+                      : fmt::format("found {:.10g}, accepted at least {:.10g}, when the one before is over",
+                                    times.begin_s, free_s));
     free_s = times.over_s;
     incidents.list.at(incidents.count++) = incident;
   }

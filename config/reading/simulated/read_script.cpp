@@ -7,7 +7,7 @@
 namespace osteon::config {
 namespace {
 
-// Reads the keys that every kind has.
+// Reads the keys that every kind of script has.
 template <typename Params>
 void ReadCommon(Reader& section, Params& script) {
   script.seconds = section.Number("duration_s", 0.1, 36000);

@@ -8,6 +8,7 @@
 namespace osteon::config {
 namespace {
 
+// Reads the flexible mount under the arm's base.
 void ReadMount(Reader section, hil::FlexibleMountParams& mount) {
   mount.stiffness_N_per_m = section.Number("stiffness_N_per_m", 1e4, 1e9);
   mount.stiffness_Nm_per_rad = section.Number("stiffness_Nm_per_rad", 1e3, 1e8);
@@ -16,6 +17,7 @@ void ReadMount(Reader section, hil::FlexibleMountParams& mount) {
   mount.inertia_kg_m2 = section.Number("inertia_kg_m2", 0.01, 1000);
 }
 
+// Reads section `dynamic`. The friction's shares are kept until the robot's torque limits are known.
 void ReadDynamicArm(Reader section, hil::DynamicArmParams& arm, SimulatedArmSection& kept) {
   arm.mass_error = section.Number("mass_error_ratio", -0.5, 0.5);
   kept.coulomb_share = section.Number("coulomb_ratio", 0, 0.2);
@@ -48,6 +50,7 @@ SimulatedArmSection ReadSimulatedArm(Reader section, CellConfig& cell) {
   servo.bandwidth_hz = section.Number("bandwidth_hz", 0.5, 200);
   servo.damping_ratio = section.Number("damping_ratio", 0.1, 5);
   servo.dead_cycles = section.Number("dead_time_ms", 0, 30) / cell.servo.period_s;
+  // division leaves a rounding error: use the whole number of cycles that is meant
   if (const double whole = std::round(servo.dead_cycles); std::abs(servo.dead_cycles - whole) < 1e-9)
     servo.dead_cycles = whole;
   if (section.Has("start_offset_deg")) {

@@ -5,7 +5,7 @@
 
 namespace osteon::config {
 
-/// Parts of the section that need the robot.
+/// Values of the section that are used once the robot is known.
 struct SimulatedArmSection {
   Reader section;
   hil::ArmLevel level{};

@@ -12,6 +12,7 @@
 namespace osteon::config {
 namespace {
 
+// Sets one value of a mapping, creating missing sections. @param key  "limits.max_force_N"
 void SetValue(YAML::Node node, const std::string& key, const std::string& value) {
   const std::size_t dot = key.find('.');
   if (dot == std::string::npos)
@@ -20,7 +21,7 @@ void SetValue(YAML::Node node, const std::string& key, const std::string& value)
     SetValue(node[key.substr(0, dot)], key.substr(dot + 1), value);
 }
 
-// Sets the values of a mapping, in sections too.
+// Sets in `node` each value of another mapping, section by section; a list is replaced as a whole.
 void Merge(const YAML::Node& values, YAML::Node node) {
   for (const auto& entry : values) {
     const std::string key = WrittenKey(node, entry.first.Scalar());
@@ -31,7 +32,7 @@ void Merge(const YAML::Node& values, YAML::Node node) {
   }
 }
 
-// Replaces the names of files in a mapping by whole paths.
+// Replaces the names of files in a mapping by absolute paths. @param source  the file that has the mapping
 void UseWholePaths(YAML::Node file, const std::filesystem::path& source) {
   const std::filesystem::path folder = std::filesystem::absolute(source).parent_path();
   for (auto entry : file) {
@@ -47,8 +48,8 @@ void UseWholePaths(YAML::Node file, const std::filesystem::path& source) {
   }
 }
 
-// Reads a file with all values of the one that it extends.
-YAML::Node LoadWhole(const std::filesystem::path& source) {
+// Reads a file, and merges it into the file that it extends, if there is one.
+YAML::Node LoadMerged(const std::filesystem::path& source) {
   YAML::Node file = YAML::LoadFile(source.string());
   UseWholePaths(file, source);
   if (!file["extends"]) return file;
@@ -68,7 +69,7 @@ YAML::Node LoadWhole(const std::filesystem::path& source) {
 
 void WriteDerived(const std::filesystem::path& source, const std::vector<YamlEdit>& edits,
                   const std::filesystem::path& target) {
-  YAML::Node file = LoadWhole(source);
+  YAML::Node file = LoadMerged(source);
   for (const YamlEdit& edit : edits) SetValue(file, edit.key, edit.value);
   std::ofstream stream(target);
   stream << file << "\n";

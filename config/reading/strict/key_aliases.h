@@ -12,6 +12,7 @@ class Node;
 
 namespace osteon::config {
 
+/// A renamed key: its older name and today's.
 struct KeyAlias {
   std::string_view old_name, name;
 };
@@ -19,7 +20,7 @@ struct KeyAlias {
 /// Every older name with today's.
 [[nodiscard]] std::span<const KeyAlias> KeyAliases();
 
-/// Today's name of a key, which is the key itself where it has no other.
+/// Today's name of a key; the key itself if it was not renamed.
 [[nodiscard]] std::string CurrentKey(const std::string& key);
 
 /// The name under which a mapping has a key: today's or its older one; `key` itself if the mapping has

@@ -12,20 +12,20 @@
 namespace osteon::config {
 namespace {
 
-thread_local KeyRecorder* present_recorder = nullptr;
+thread_local KeyRecorder* present_recorder = nullptr;  // of this thread's RecordKeys, while it runs
 
-constexpr std::size_t kMaxRuns = 5000;
+constexpr std::size_t kMaxRuns = 5000;  // number of a loader's runs after which RecordKeys gives up
 
 using Keys = std::set<std::string>;
 
-Keys Both(const Keys& a, const Keys& b) {
-  Keys both;
-  std::ranges::set_intersection(a, b, std::inserter(both, both.end()));
-  return both;
+Keys Intersection(const Keys& a, const Keys& b) {
+  Keys common;
+  std::ranges::set_intersection(a, b, std::inserter(common, common.end()));
+  return common;
 }
 
 // The table of a place such as "zones[].", made if it is not there.
-KeyTable& At(KeyTable& table, const std::string& place) {
+KeyTable& TableAt(KeyTable& table, const std::string& place) {
   KeyTable* at = &table;
   for (std::size_t begin = 0; begin < place.size();) {
     const std::size_t dot = place.find('.', begin);
@@ -76,12 +76,14 @@ namespace {
 
 using Answers = std::map<std::string, std::size_t>;
 
+// All keys that a loader asked for in a mapping.
 Keys KnownIn(const KeyRecorder::Mapping& mapping) {
   Keys known;
   for (const auto& [key, ignored] : mapping.keys) known.insert(key);
   return known;
 }
 
+// The keys that a loader read in a mapping without asking whether they are there.
 Keys NeededIn(const KeyRecorder::Mapping& mapping) {
   Keys needed;
   for (const auto& [key, ignored] : mapping.keys)
@@ -92,9 +94,9 @@ Keys NeededIn(const KeyRecorder::Mapping& mapping) {
 // Adds the keys of a run's mappings to the table, and keeps in `required` only keys that every run requires.
 void AddKeys(const KeyRecorder::Run& run, std::map<std::string, Keys>& required, KeyTable& table) {
   for (const auto& [place, mapping] : run.mappings) {
-    KeyTable& at = At(table, place);
+    KeyTable& table_at_place = TableAt(table, place);
     for (const auto& [key, info] : mapping.keys) {
-      KeyInfo& known = at.keys.try_emplace(key, info).first->second;
+      KeyInfo& known = table_at_place.keys.try_emplace(key, info).first->second;
       if (known.type == KeyInfo::Type::kAny) known = info;
       known.min = std::min(known.min, info.min);  // ranges differ between runs: the table has the widest
       known.max = std::max(known.max, info.max);
@@ -102,10 +104,10 @@ void AddKeys(const KeyRecorder::Run& run, std::map<std::string, Keys>& required,
     }
     if (!mapping.finished) continue;
     for (const auto& [key, is_there] : mapping.optional)  // optional keys that are read elsewhere
-      if (is_there) at.keys.try_emplace(key, KeyInfo{.type = KeyInfo::Type::kAny});
+      if (is_there) table_at_place.keys.try_emplace(key, KeyInfo{.type = KeyInfo::Type::kAny});
     const Keys needed = NeededIn(mapping);
     const auto [all, is_first] = required.try_emplace(place, needed);
-    if (!is_first) all->second = Both(all->second, needed);
+    if (!is_first) all->second = Intersection(all->second, needed);
   }
 }
 
@@ -116,15 +118,16 @@ void AddCases(const std::string& place, const std::string& key,
   Keys somewhere, everywhere = KnownIn(*runs.front()), always = NeededIn(*runs.front());
   for (const KeyRecorder::Mapping* run : runs) {
     somewhere.merge(KnownIn(*run));
-    everywhere = Both(everywhere, KnownIn(*run));
-    always = Both(always, NeededIn(*run));
+    everywhere = Intersection(everywhere, KnownIn(*run));
+    always = Intersection(always, NeededIn(*run));
   }
+  // a word's case: keys that only other words have are excluded, keys that not all words need are required
   for (const KeyRecorder::Mapping* run : runs) {
     KeyCase one{.key = key, .word = run->words.at(key), .required = {}, .excluded = {}};
     const Keys known = KnownIn(*run), needed = NeededIn(*run);
     std::ranges::set_difference(somewhere, known, std::inserter(one.excluded, one.excluded.end()));
     std::ranges::set_difference(needed, always, std::inserter(one.required, one.required.end()));
-    if (!one.required.empty() || !one.excluded.empty()) At(table, place).cases.push_back(std::move(one));
+    if (!one.required.empty() || !one.excluded.empty()) TableAt(table, place).cases.push_back(std::move(one));
   }
 }
 
@@ -132,10 +135,11 @@ void AddCases(const std::string& place, const std::string& key,
 
 KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& load) {
   if (present_recorder) throw std::logic_error("config: RecordKeys inside another");
-  std::deque<Answers> waiting{{}};
-  std::set<std::pair<std::string, std::size_t>> tried;
-  std::set<Answers> seen{{}};
+  std::deque<Answers> waiting{{}};                      // answers of the runs that are still to be made
+  std::set<std::pair<std::string, std::size_t>> tried;  // questions, each with an answer given in some run
+  std::set<Answers> seen{{}};                           // answers queued after runs that did not end
   std::vector<KeyRecorder::Run> runs;
+  // Runs the loader once with these answers. Appends to `runs`; returns the questions that were asked.
   const auto record = [&](const Answers& answers) {
     KeyRecorder recorder;
     recorder.answers_ = answers;
@@ -175,6 +179,8 @@ KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& loa
     }
   }
 
+  // For each question about a word: one run for each word, with all other answers equal, shows which keys
+  // depend on the word.
   KeyTable table;
   for (const auto& [question, choice] : choices) {
     const std::size_t dot = question.rfind('.');
@@ -186,17 +192,17 @@ KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& loa
       answers[question] = answer;
       static_cast<void>(record(answers));
     }
-    std::vector<const KeyRecorder::Mapping*> same;
+    std::vector<const KeyRecorder::Mapping*> mappings_of_place;
     for (std::size_t i = first; i < runs.size(); ++i)
       if (const auto at = runs[i].mappings.find(place); at != runs[i].mappings.end() && at->second.finished)
-        same.push_back(&at->second);
-    if (same.size() > 1) AddCases(place, key, same, table);
+        mappings_of_place.push_back(&at->second);
+    if (mappings_of_place.size() > 1) AddCases(place, key, mappings_of_place, table);
   }
   std::map<std::string, Keys> required;  // by place
   for (const KeyRecorder::Run& run : runs) AddKeys(run, required, table);
   for (const KeyRecorder::Run& run : runs)
     for (const auto& [place, ignored] : run.mappings)
-      for (auto& [key, info] : At(table, place).keys)
+      for (auto& [key, info] : TableAt(table, place).keys)
         info.required = required[place].contains(key);  // false if no run reached the end of the mapping
   return table;
 }

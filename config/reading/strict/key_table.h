@@ -65,31 +65,36 @@ class KeyRecorder {
   [[nodiscard]] static KeyRecorder* Present();
   /// Returns the answer of this run to a question, 0 … answers - 1.
   [[nodiscard]] std::size_t Decide(const std::string& question, std::size_t answers);
+  /// Notes a key that the loader reads in the mapping at a place.
   void Note(const std::string& place, const std::string& key, KeyInfo info);
   /// Notes an optional key. @returns whether this run treats it as present
   [[nodiscard]] bool NoteOptional(const std::string& place, const std::string& key);
   /// Sets whether this run treats a key as present, without asking.
   void Choose(const std::string& place, const std::string& key, bool is_there);
+  /// Notes the word that this run gives for a key.
   void NoteWord(const std::string& place, const std::string& key, const std::string& word);
   /// Marks a mapping and those in it as finished: the reader has asked for all of their keys.
   /// @throws Ended for the file's outermost mapping, because the loader would use values from there on
   void Finish(const std::string& place);
   struct Ended {};
 
+  /// What one run noted about one mapping.
   struct Mapping {
     std::map<std::string, KeyInfo> keys;
     std::map<std::string, bool> optional;  // optional keys, and whether this run treats them as present
     std::map<std::string, std::string> words;
     bool finished{false};
   };
+  /// What one run of the loader noted.
   struct Run {
     std::map<std::string, Mapping> mappings;  // by place in the file: "", "limits.", "zones[]."
   };
 
  private:
   friend KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& load);
-  std::map<std::string, std::size_t> answers_;
-  std::vector<std::pair<std::string, std::size_t>> asked_;
+  std::map<std::string, std::size_t> answers_;  // by question; 0 for a question without an entry
+  std::vector<std::pair<std::string, std::size_t>>
+      asked_;  // questions of this run, with their numbers of answers
   Run run_;
 };
 

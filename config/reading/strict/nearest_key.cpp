@@ -7,7 +7,8 @@ namespace {
 
 constexpr std::size_t kLongestKey = 100;  // longer keys are not worth the quadratic work
 
-// Optimal string alignment distance: Levenshtein's with swaps of neighbours, by rows.
+// Optimal string alignment distance: Levenshtein's, with a swap of neighbours as one edit. Three rows of its
+// table are kept: `before` belongs to i - 2, `last` to i - 1, `row` to i letters of a.
 std::size_t Distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
@@ -30,11 +31,12 @@ std::size_t Distance(const std::string& a, const std::string& b) {
 std::string NearestKey(const std::string& key, const std::vector<std::string>& candidates) {
   if (key.size() > kLongestKey) return {};
   std::string nearest;
-  std::size_t least = std::max<std::size_t>(1, key.size() / 3) + 1;
+  // at first the smallest distance that is too large, then that of the nearest candidate
+  std::size_t min_distance = std::max<std::size_t>(1, key.size() / 3) + 1;
   for (const std::string& candidate : candidates) {
     const std::size_t distance = Distance(key, candidate);
-    if (distance >= least) continue;
-    least = distance;
+    if (distance >= min_distance) continue;
+    min_distance = distance;
     nearest = candidate;
   }
   return nearest;

@@ -14,9 +14,9 @@
 namespace osteon::config {
 namespace {
 
-thread_local Overlay* present_overlay = nullptr;
+thread_local Overlay* present_overlay = nullptr;  // this thread's, while it exists
 
-// "limits.max_force_N": words separated by dots.
+// Whether a text consists of words separated by dots, as "limits.max_force_N".
 bool IsKey(const std::string& key) {
   return !key.empty() && key.front() != '.' && key.back() != '.' && key.find("..") == std::string::npos;
 }
@@ -72,11 +72,11 @@ void Overlay::Set(const std::string& assignment, const std::string& said_by) {
   } catch (const YAML::Exception& error) {
     throw ConfigError(name, 0, "not YAML: " + error.msg);
   }
-  // a new list: assigning to a YAML::Node would write into the node that it shares with the file's
-  std::vector<Value> others;
+  // make a new list: assigning to a YAML::Node would change the node that it shares with the file
+  std::vector<Value> kept;
   for (Value& earlier : values_)
-    if (earlier.key != key) others.push_back(std::move(earlier));
-  values_ = std::move(others);
+    if (earlier.key != key) kept.push_back(std::move(earlier));
+  values_ = std::move(kept);
   values_.push_back({.key = key, .value = value, .file = name});
 }
 
@@ -104,9 +104,9 @@ void Overlay::ApplyTo(const std::string& place, const std::function<void(const O
   if (!present_overlay) return;
   for (Value& value : present_overlay->values_) {
     if (!value.key.starts_with(place)) continue;
-    const std::string rest = value.key.substr(place.size());
-    const std::size_t dot = rest.find('.');
-    const std::string key = rest.substr(0, dot);
+    const std::string remaining_key = value.key.substr(place.size());
+    const std::size_t dot = remaining_key.find('.');
+    const std::string key = remaining_key.substr(0, dot);
     if (dot == std::string::npos) {
       value.used = true;
       take({.key = key, .line = value.line, .value = value.value, .file = value.file});

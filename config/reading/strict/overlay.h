@@ -58,6 +58,7 @@ class Overlay {
 
  private:
   struct Value;
+  // A file that is read under this overlay, and the prefix of the keys that override its values.
   struct Named {
     std::filesystem::path file;
     std::string place;

@@ -20,6 +20,7 @@
 namespace osteon::config {
 namespace {
 
+// Factor from the unit that a key names to SI.
 double UnitOrThrow(const std::string& key) {
   const std::optional<double> unit = UnitOf(key);
   if (!unit) throw std::logic_error("config: the key \"" + key + "\" names no unit");
@@ -47,11 +48,11 @@ Reader Reader::LoadExtending(const std::filesystem::path& path, const std::strin
     return own;
   }
   const std::filesystem::path base_file = own.FindFile("extends", kind);
-  const auto same = [](const std::filesystem::path& a, const std::filesystem::path& b) {
+  const auto is_same_file = [](const std::filesystem::path& a, const std::filesystem::path& b) {
     std::error_code error;
     return std::filesystem::equivalent(a, b, error);
   };
-  if (same(base_file, path))
+  if (is_same_file(base_file, path))
     own.Refuse("extends",
                fmt::format("found {}, which is this file, accepted another one", base_file.string()));
   // the extended file has a reader of its own, whose errors name that file: it must be a mapping of unique
@@ -76,7 +77,7 @@ Reader Reader::LoadExtending(const std::filesystem::path& path, const std::strin
         own.mapping_->FailValue("remove", key, "a key that " + base_file.string() + " has");
     }
   }
-  // Overrides apply to the file that is loaded, so a mapping is made anew with the other one beneath it.
+  // A new mapping takes this file's entries, then those of the extended file, then the overrides.
   Reader merged(std::make_shared<YamlMapping>(path, document, LineOf(document), "", Overlay::PlaceOf(path),
                                               YamlMapping::Base{base_file, base_document}));
   merged.mapping_->known = {"extends", "remove"};
@@ -127,8 +128,9 @@ Vector3 Reader::Triple(const std::string& key, double min, double max) {
 Vector3 Reader::Direction(const std::string& key) {
   const Vector3 found = Triple(key, -1.0, 1.0);
   if (mapping_->recorder) return Vector3::UnitZ();
-  const auto is_this = [&](const YamlMapping::Entry& entry) { return entry.key == key; };
-  if (std::none_of(mapping_->entries.begin(), mapping_->entries.end(), is_this)) return Vector3::UnitZ();
+  // a missing key gets an accepted value, and Finish() reports it
+  const auto has_key = [&](const YamlMapping::Entry& entry) { return entry.key == key; };
+  if (std::none_of(mapping_->entries.begin(), mapping_->entries.end(), has_key)) return Vector3::UnitZ();
   if (!(std::abs(found.norm() - 1.0) <= 1e-3))
     Refuse(key, fmt::format("found a length of {:.6g}, accepted 1", found.norm()));
   return found.normalized();
@@ -173,10 +175,10 @@ std::size_t Reader::Choice(const std::string& key, std::initializer_list<const c
   for (const char* word : accepted) words += words.empty() ? word : std::string(", ") + word;
   const YamlMapping::Entry* entry = mapping_->Find(key, words);
   if (!entry) return 0;
-  std::size_t place = 0;
+  std::size_t index = 0;
   for (const char* word : accepted) {
-    if (entry->value.IsScalar() && entry->value.Scalar() == word) return place;
-    ++place;
+    if (entry->value.IsScalar() && entry->value.Scalar() == word) return index;
+    ++index;
   }
   mapping_->FailValue(key, entry->value, words);
 }
@@ -186,21 +188,21 @@ std::vector<std::size_t> Reader::Words(const std::string& key, std::initializer_
     return {};
   std::string words = "a list of any of ";
   for (const char* word : accepted) words += word == *accepted.begin() ? word : std::string(", ") + word;
-  std::vector<std::size_t> places;
+  std::vector<std::size_t> indices;
   const YamlMapping::Entry* entry = mapping_->Find(key, words);
-  if (!entry) return places;
+  if (!entry) return indices;
   if (!entry->value.IsSequence()) mapping_->FailValue(key, entry->value, words);
   for (const YAML::Node& each : entry->value) {
     const auto found = std::find_if(accepted.begin(), accepted.end(), [&](const char* word) {
       return each.IsScalar() && each.Scalar() == word;
     });
     if (found == accepted.end()) mapping_->FailValue(key, each, words);
-    const auto place = static_cast<std::size_t>(found - accepted.begin());
-    if (std::find(places.begin(), places.end(), place) != places.end())
+    const auto index = static_cast<std::size_t>(found - accepted.begin());
+    if (std::find(indices.begin(), indices.end(), index) != indices.end())
       mapping_->FailValue(key, each, words + ", none twice");
-    places.push_back(place);
+    indices.push_back(index);
   }
-  return places;
+  return indices;
 }
 
 std::filesystem::path Reader::File(const std::string& key) { return File(key, ""); }

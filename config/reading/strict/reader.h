@@ -21,17 +21,17 @@ struct YamlMapping;
 ///
 /// A number's unit is the end of its key (units.h), and its value is returned in SI. A value of the wrong
 /// type or out of range throws at once. A missing key is noted, returns an accepted value, and throws in
-/// Finish(), where a typo can be told from a gap: so use no value before Finish() has returned. Copies are
+/// Finish(), where a typo can be told from a gap. So use no value before Finish() has returned. Copies are
 /// views of the same mapping. One thread at a time.
 class Reader {
  public:
   /// @throws ConfigError if the file cannot be read, is not YAML, not one document, or not a mapping with
   ///   unique keys.
   [[nodiscard]] static Reader Load(const std::filesystem::path& path);
-  /// The same for a file that may extend another of its kind. The key `extends` names the other file, whose
-  /// values hold where this file has none: by key, in sections too; a list is replaced as a whole. `remove`
-  /// lists keys of the other file ("start.arm_angle_deg") that do not hold here. Errors name the file that
-  /// has the value.
+  /// The same for a file that may extend another of its kind. The key `extends` names the other file. Its
+  /// values are used for keys that this file does not have, in sections too; a list is replaced as a whole.
+  /// `remove` lists keys of the other file ("start.arm_angle_deg") that are not used. Errors name the file
+  /// that has the value.
   /// @param kind  the folder of such files, as in File()
   /// @throws ConfigError as Load, or if the other file extends one itself.
   [[nodiscard]] static Reader LoadExtending(const std::filesystem::path& path, const std::string& kind);

@@ -12,6 +12,7 @@ struct Unit {
   double to_si;
 };
 
+// The known units, by the ending of a key.
 constexpr Unit kUnits[] = {
     // length, volume, angle, time
     {"m", 1.0},
@@ -69,6 +70,7 @@ constexpr Unit kUnits[] = {
     {"seed", 1.0},
 };
 
+// The longest known unit that is the whole key, or that ends it after an underscore; null: none.
 const Unit* FindUnit(std::string_view key) {
   const Unit* best = nullptr;
   for (const Unit& unit : kUnits) {

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uintmax_t kMaxYamlBytes = 1 << 20;  // bytes; ours have a few kB
 
-// Counts the documents that a parser finds, and notes whether they have content.
+// Counts the documents that a parser finds, and notes whether any of them has content.
 class DocumentCounter final : public YAML::EventHandler {
  public:
   int count{0};
@@ -56,7 +56,8 @@ bool HasTabInIndentation(const std::string& text, int line) {
   return each.substr(0, each.find_first_not_of(" \t")).find('\t') != std::string::npos;
 }
 
-// Plain scalars only ("25" in quotes is a text); no locale, no hexadecimal, no nan or inf.
+// Reads a finite decimal number from a plain scalar, whatever the locale. @returns false for anything else,
+// such as a number in quotes or hexadecimal
 template <typename T>
 bool ParsePlainNumber(const YAML::Node& node, T& value) {
   if (!node.IsScalar() || node.Tag() == "!") return false;
@@ -66,7 +67,8 @@ bool ParsePlainNumber(const YAML::Node& node, T& value) {
   return error == std::errc() && stop == end && std::isfinite(static_cast<double>(value));
 }
 
-// YAML has no control characters but tab and the line's ends; a file in UTF-16 has a NUL at every other byte.
+// Refuses control characters, of which YAML has only tab and the line's ends. So a text in UTF-16, with a NUL
+// at every other byte, is refused too.
 void RequireText(const std::string& text, const std::filesystem::path& name) {
   int line = 1;
   for (const char c : text) {

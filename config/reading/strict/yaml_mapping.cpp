@@ -22,13 +22,13 @@ YamlMapping::YamlMapping(std::filesystem::path file_in, const YAML::Node& node, 
   AddEntries(node);
   if (base.node) Extend(*base.node);
   if (!place) return;
-  Overlay::ApplyTo(*place, [&](const OverlaidValue& over) {
-    const Entry entry{CurrentKey(over.key), over.line, over.value, over.file, {}};
-    const auto same = std::ranges::find(entries, entry.key, &Entry::key);
-    if (same == entries.end())
+  Overlay::ApplyTo(*place, [&](const OverlaidValue& overlaid) {
+    const Entry entry{CurrentKey(overlaid.key), overlaid.line, overlaid.value, overlaid.file, {}};
+    const auto overridden = std::ranges::find(entries, entry.key, &Entry::key);
+    if (overridden == entries.end())
       entries.push_back(entry);
-    else if (!over.only_where_missing)
-      *same = entry;
+    else if (!overlaid.only_where_missing)
+      *overridden = entry;
   });
 }
 
@@ -38,8 +38,8 @@ bool YamlMapping::Record(const std::string& key, KeyInfo info) const {
 }
 
 void YamlMapping::AddEntries(const YAML::Node& node) {
-  std::unordered_map<std::string, int> lines;  // of the keys; a map, as a hostile file may have a hundred
-                                               // thousand
+  // lines of the keys; a map, as a hostile file may have a hundred thousand keys
+  std::unordered_map<std::string, int> lines;
   for (const auto& pair : node) {
     if (!pair.first.IsScalar()) Fail(LineOf(pair.first), "a key must be a word");
     const std::string& written = pair.first.Scalar();

@@ -24,6 +24,7 @@ struct YamlMapping {
     std::filesystem::path file;        ///< the file that contains the entry; an overlay's is another file
     std::optional<YAML::Node> base{};  ///< the mapping of the extended file below this one
   };
+  /// A key that was requested and is not in the file.
   struct Missing {
     std::string key, accepted;
   };
@@ -36,19 +37,20 @@ struct YamlMapping {
   std::filesystem::path file;
   std::filesystem::path base_file;   ///< the file that this one extends; empty: none
   std::optional<std::string> place;  ///< key prefix within an overlay; empty: no overlay concerns it
-  bool absent{false};
-  int line{0};
-  YAML::Node document;  ///< the source of this file's own entries
+  bool absent{false};                ///< a section that the file does not have, or a recorded mapping
+  int line{0};                       ///< of the mapping
+  YAML::Node document;               ///< the source of this file's own entries
   std::vector<Entry> entries;
-  std::vector<std::string> known;
-  std::vector<Missing> missing;
-  std::vector<std::shared_ptr<YamlMapping>> inner;
-  KeyRecorder* recorder{nullptr};
-  std::string recorded_place;
+  std::vector<std::string> known;                   ///< keys that were requested
+  std::vector<Missing> missing;                     ///< those of them that are not optional and not there
+  std::vector<std::shared_ptr<YamlMapping>> inner;  ///< sections that were requested
+  KeyRecorder* recorder{nullptr};                   ///< null: values are read from a file
+  std::string recorded_place;                       ///< place for the recorder, as "zones[]."
 
   /// @throws ConfigError if the node is not a mapping of different keys; `key` precedes the text.
   YamlMapping(std::filesystem::path file_in, const YAML::Node& node, int line_in, const std::string& key,
               std::optional<std::string> place_in = {}, const Base& base = {});
+  /// A section that the file does not have.
   explicit YamlMapping(std::filesystem::path file_in) : file(std::move(file_in)), absent(true) {}
   /// A mapping of no file, whose keys are recorded (RecordKeys).
   YamlMapping(std::filesystem::path file_in, KeyRecorder& recorder_in, std::string place_in)
@@ -57,18 +59,22 @@ struct YamlMapping {
   /// Records a key if this mapping is being recorded (RecordKeys). @returns whether it did
   bool Record(const std::string& key, KeyInfo info) const;
 
+  /// @throws ConfigError at a line of the file
   [[noreturn]] void Fail(int at, const std::string& what) const;
+  /// @throws ConfigError at a key's value: "key: found …, accepted …"
   [[noreturn]] void FailValue(const std::string& key, const YAML::Node& node,
                               const std::string& accepted) const;
 
+  /// File and line of a key; of the mapping, if it does not have the key.
   [[nodiscard]] const std::filesystem::path& FileOf(const std::string& key) const;
   [[nodiscard]] int LineOfKey(const std::string& key) const;
-  /// YAML marks an absent value at the next token, so the key's line is used instead. An override from the
-  /// command line has no line.
+  /// Line of a key's value. YAML marks an absent value at the next token, so the key's line is used instead.
+  /// An override from the command line has no line.
   [[nodiscard]] int LineOfValue(const std::string& key, const YAML::Node& node) const;
 
   /// The value of a key, or null (and the gap is noted).
   const Entry* Find(const std::string& key, const std::string& accepted);
+  /// Reads the number in a key's node, in the unit of the key. @throws ConfigError outside the range
   [[nodiscard]] double NumberIn(const std::string& key, const YAML::Node& node, double min, double max) const;
 
   /// @throws ConfigError as Reader::Finish
@@ -77,6 +83,7 @@ struct YamlMapping {
   [[nodiscard]] std::string KnownKeys() const;
 
  private:
+  // Adds the entries of this file's own mapping; refuses a key that occurs twice.
   void AddEntries(const YAML::Node& node);
   // Adds the values of the extended file that this one does not have.
   void Extend(const YAML::Node& base);

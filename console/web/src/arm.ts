@@ -4,17 +4,17 @@ import { CapsuleGeometry, CylinderGeometry, Group, Matrix4, Mesh, MeshStandardMa
 import type { Hello } from "./messages";
 import { matrixOf, vectorOf } from "./poses";
 
-const BODY_RADIUS_M = 0.055;
-const JOINT_RADIUS_M = 0.068;
+const BODY_RADIUS_M = 0.055; // of a link's drawn capsule
+const JOINT_RADIUS_M = 0.068; // of a joint's drawn drum
 const Y = new Vector3(0, 1, 0);
 
 export class Arm {
   readonly group = new Group();
   private readonly links: Group[] = [];
-  private readonly fixed: Matrix4[] = [];
-  private readonly axes: Vector3[] = [];
-  private readonly flange: Matrix4;
-  readonly X_BF = new Matrix4();
+  private readonly fixed: Matrix4[] = []; // X_PJ of each joint: its frame in the link before it
+  private readonly axes: Vector3[] = []; // of each joint, in its frame
+  private readonly flange: Matrix4; // in the last link's frame
+  readonly X_BF = new Matrix4(); // flange in the base's frame, as posed last
 
   constructor(arm: Hello["arm"]) {
     const body = new MeshStandardMaterial({ color: 0xc9ced4, roughness: 0.55, metalness: 0.1 });
@@ -47,6 +47,7 @@ export class Arm {
     this.X_BF.copy(X_BL).multiply(this.flange);
   }
 
+  /** A capsule between two points of a link's frame. */
   private bodyBetween(from: Vector3, to: Vector3, material: MeshStandardMaterial): Mesh {
     const along = to.clone().sub(from);
     const length = along.length();

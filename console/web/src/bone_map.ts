@@ -4,7 +4,7 @@ import { SCALE_BACKGROUND } from "./difference_colours";
 import type { BoneDifference } from "./messages";
 import { figure, t } from "./texts";
 
-const KEY = "b";
+const KEY = "b"; // shortcut of the switch
 
 export class BoneMap {
   private readonly button = document.createElement("button");
@@ -36,6 +36,7 @@ export class BoneMap {
     this.largest.textContent = this.inWords(note);
   }
 
+  /** The largest difference in words; at the map's limit as "≥", since a larger one is not measured. */
   private inWords({ largest_mm, at_mm, limit_mm }: BoneDifference): string {
     if (largest_mm === 0) return t("noBoneDifference");
     const size = Math.abs(largest_mm), beyond = size >= 0.999 * limit_mm ? "≥ " : "";

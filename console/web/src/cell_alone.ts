@@ -1,4 +1,4 @@
-// The column of figures for `osteon cell`: the arm's session, who permits, what was sent and answered.
+// The column of figures for `osteon cell`: the arm's session, what withholds power, and counts of messages.
 
 import type { CellNote, Hello, Status } from "./messages";
 import { byId, element, set, table } from "./elements";

@@ -4,8 +4,9 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { t, type Word } from "./texts";
 
-const SHOWN_S = 30;
-const DRAW_EVERY_MS = 100;
+const SHOWN_S = 30; // length of the charts' time axis
+const DRAW_EVERY_MS = 100; // shortest time between two drawings
+// names in Hello.fields of the numbers that the charts need from a window's row
 const FIELDS = ["time_s", "force_least_N", "force_most_N", "hand_most_N", "depth_mm", "removed_mm3", "compute_most_us"];
 const GRID = "#303a45", TEXT = "#a3b1bf";
 
@@ -35,8 +36,8 @@ const CHARTS: ChartDef[] = [
 ];
 
 /**
- * Makes a chart whose canvas is drawn by the processor: a software driver takes several times as long for lines, and holds
- * up the figures meanwhile. uPlot has no option for it.
+ * Makes a chart whose canvas is drawn by the processor, for which uPlot has no option. A software graphics driver takes
+ * several times as long for lines, and delays the figures meanwhile.
  */
 function onProcessor(make: () => uPlot): uPlot {
   const prototype = HTMLCanvasElement.prototype as { getContext: (kind: string, options?: object) => unknown };
@@ -85,7 +86,7 @@ export class Charts {
   private shown = noColumns(); // what the charts show: frozen ones keep it while the history goes on
   private frozen = false;
   private drawnAt = -Infinity;
-  private drawsSoon = 0; // a timer; 0: none
+  private drawsSoon = 0; // timer of a drawing that waits for DRAW_EVERY_MS; 0: none
 
   constructor(private readonly parent: HTMLElement) {
     new ResizeObserver(() => this.resize()).observe(parent);
@@ -98,7 +99,7 @@ export class Charts {
     this.build();
   }
 
-  /** A playback went to another time: what follows is drawn at once, in place of what is shown. */
+  /** A playback went to another time: forgets the shown windows, and draws the next ones without waiting. */
   restart(): void {
     this.history.clear();
     this.events = [];
@@ -143,6 +144,7 @@ export class Charts {
     this.events = this.events.slice(-100);
   }
 
+  /** The buttons of a chart: freeze, and save as a picture. */
   private bar(plot: uPlot): HTMLElement {
     const bar = document.createElement("div");
     bar.className = "bar";
@@ -169,13 +171,15 @@ export class Charts {
     this.draw();
   }
 
-  /** The span of time that a chart shows: of a frozen one what was dragged over, else, and after a double click, all. */
+  /** The part of the time axis that a chart shows [s, 0 is the newest window]: in a frozen chart the dragged part; otherwise,
+   *  and after a double click, the whole axis. */
   private spanOf(from: number, to: number): [number, number] {
     const { time_s: times } = this.shown;
     const whole = times.length === 0 || (from <= times[0] - lastOf(this.shown) && to >= 0);
     return !this.frozen || whole ? [-SHOWN_S, 0] : [Math.max(from, -SHOWN_S), Math.min(to, 0)];
   }
 
+  /** The data of a chart for uPlot: times before the newest window [s], then a column for each line. */
   private dataOf(def: ChartDef): uPlot.AlignedData {
     const { shown } = this;
     const last = lastOf(shown);
@@ -210,16 +214,18 @@ export class Charts {
       bands,
       hooks: {
         draw: [(plot) => this.drawEvents(plot), (plot) => this.sayWithoutAny(plot, def)],
-        setSelect: [(plot) => plot.select.width > 0 && this.setFrozen(true)], // a zoom of what goes on would be gone at once
+        setSelect: [(plot) => plot.select.width > 0 && this.setFrozen(true)], // a zoom freezes the charts: new windows would undo it
       },
     };
   }
 
+  /** Whether the chart has a text for the case that every value is 0, and every value is 0. */
   private hasNone(def: ChartDef): boolean {
     const values = this.shown[def.series[0].field];
     return def.withoutAny !== undefined && values.length > 0 && values.every((value) => value === 0);
   }
 
+  /** Writes the chart's text in place of values that are all 0. */
   private sayWithoutAny(plot: uPlot, def: ChartDef): void {
     if (!def.withoutAny || !this.hasNone(def)) return;
     const { left, top, width, height } = plot.bbox;
@@ -232,6 +238,7 @@ export class Charts {
     plot.ctx.restore();
   }
 
+  /** Marks each event by a dashed line. */
   private drawEvents(plot: uPlot): void {
     if (this.shown.time_s.length === 0) return;
     const last = lastOf(this.shown);
@@ -255,7 +262,8 @@ export class Charts {
   }
 }
 
-/** A chart's span: from 0 or below, and one unit at least, below which the axis would repeat its numbers. */
+/** The range of a chart's value axis: contains 0, and is at least one unit long, since the numbers on a shorter axis would
+ *  be equal when rounded. */
 export function padded(low: number | null, high: number | null): [number, number] {
   const from = Math.min(low ?? 0, 0), to = Math.max(high ?? 1, from + 1);
   return [from - 0.05 * (to - from), to + 0.08 * (to - from)];

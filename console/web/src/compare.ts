@@ -1,4 +1,4 @@
-// Two recordings side by side on one time line, with their difference. Each side is the console's page of its own.
+// Two recordings side by side on one time line, with their difference. Each side is a frame with the console's page.
 
 import "./main.css";
 import "./compare.css";
@@ -26,7 +26,7 @@ class ComparePage {
   });
   private readonly map = new BoneMap(byId("bones"), (on) => this.connection.ask("map", on ? 1 : 0));
   private readonly connection: Connection;
-  private pose = ""; // of both cameras
+  private pose = ""; // of both cameras, after turnTogether
 
   constructor() {
     const query = new URLSearchParams(location.search);
@@ -67,7 +67,7 @@ class ComparePage {
       case "playback":
         this.timeline.show(message);
         this.charts.showTime(message.at_s);
-        for (const [i, side] of this.sides.entries()) this.nameOf(i + 1, hello(side) ?? "");
+        for (const [i, side] of this.sides.entries()) this.nameOf(i + 1, recordingOf(side) ?? "");
         break;
       case "timeline":
         this.timeline.showNews(message);
@@ -93,7 +93,7 @@ class ComparePage {
     }
   }
 
-  /** A camera that was moved moves the other one. */
+  /** If a person moved the camera of one side, gives the other side's camera the same pose. */
   private turnTogether(): void {
     const cameras = this.sides.map(cameraOf);
     if (!cameras[0] || !cameras[1]) return;
@@ -108,10 +108,12 @@ class ComparePage {
 interface Side {
   osteon?: { scene: Camera; hello: { recording: string } | null };
 }
+/** The camera of a side; undefined until its page has its first message. */
 const cameraOf = (side: HTMLIFrameElement): Camera | undefined => {
   const page = (side.contentWindow as (Window & Side) | null)?.osteon;
   return page?.hello ? page.scene : undefined;
 };
-const hello = (side: HTMLIFrameElement): string | undefined => (side.contentWindow as (Window & Side) | null)?.osteon?.hello?.recording;
+/** Name of a side's recording; undefined until its page has its first message. */
+const recordingOf = (side: HTMLIFrameElement): string | undefined => (side.contentWindow as (Window & Side) | null)?.osteon?.hello?.recording;
 
 (window as unknown as { osteon: ComparePage }).osteon = new ComparePage();

@@ -8,17 +8,18 @@ export interface Listener {
   state(connected: boolean): void;
 }
 
-const RETRY_MS = 1000;
+const RETRY_MS = 1000; // time from the loss of a connection to the next attempt
 
 export class Connection {
   private socket: WebSocket | null = null;
-  private key = ""; // of the last connection: the server says why it closed it
+  private key = ""; // names this page when it connects again, so that the server can say why it closed the page
 
   constructor(private readonly listener: Listener) {
     this.open();
   }
 
-  /** @param value of seek [s], speed, tool [mm], … @param confirmed of a change of tool: true, or nothing */
+  /** Sends a request; dropped while not connected. @param value for seek [s], speed, tool [mm], … @param confirmed true: a
+   *  person has confirmed the change of tool, or the end of the session */
   ask(ask: Ask, value?: number, confirmed?: true): void {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify({ ask, value, confirmed }));
   }

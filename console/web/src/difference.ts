@@ -11,7 +11,7 @@ const FIRST = "#5aa9f0", SECOND = "#e8b23a", APART = "#f0635a";
 
 const COLOURS = [FIRST, SECOND, APART], DASHES = [[], [6, 3], [2, 2]], MARKS = ["──", "─ ─", "┈┈"];
 
-/** What each line is, once for all charts. */
+/** Explains the lines of all charts: mark, colour and name of each. */
 export function legend(): HTMLElement[] {
   return [t("first"), t("second"), t("difference")].map((name, i) => {
     const entry = document.createElement("span");
@@ -64,6 +64,7 @@ export class DifferenceCharts {
     for (const plot of this.plots) plot.redraw(false);
   }
 
+  /** Whether a person has zoomed in: the time axis does not reach from 0 to max. */
   private zoomed(plot: uPlot, max: number): boolean {
     const { min: from, max: to } = plot.scales.x;
     return from !== undefined && to !== undefined && (from > 0 || to < max) && to > 0.05;
@@ -102,6 +103,7 @@ export class DifferenceCharts {
     return plot;
   }
 
+  /** Draws a line at the time that is shown. */
   private drawNow(plot: uPlot): void {
     const { left, top, width, height } = plot.bbox;
     const x = plot.valToPos(this.at_s, "x", true);

@@ -1,6 +1,6 @@
 // Colours of the map of two bones' difference.
 
-export const NO_DIFFERENCE = 64; // of a vertex's steps
+export const NO_DIFFERENCE = 64; // value of a vertex at which the two bones do not differ
 export const SAME = 0xb9bec4, SECOND_DEEPER = 0xf06a24, FIRST_DEEPER = 0x2f7df0;
 
 /** The colours as a background of CSS, from the first's end to the second's. */

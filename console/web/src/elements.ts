@@ -1,4 +1,4 @@
-// Parts of the column of figures.
+// Makes and updates the elements of the column of figures.
 
 export const byId = (id: string): HTMLElement => document.getElementById(id)!;
 
@@ -9,6 +9,7 @@ export function element(tag: string, className: string, text: string): HTMLEleme
   return made;
 }
 
+/** A table of names and values. */
 export function table(rows: [string, string][]): HTMLElement {
   const made = document.createElement("table");
   for (const [name, value] of rows) {
@@ -19,6 +20,7 @@ export function table(rows: [string, string][]): HTMLElement {
   return made;
 }
 
+/** A list of items, each a class of CSS and a text. */
 export function list(items: [string, string][]): HTMLElement {
   const made = document.createElement("ul");
   for (const [className, text] of items) made.append(element("li", className, text));
@@ -32,7 +34,8 @@ export function set(id: string, ...content: HTMLElement[]): void {
   adapt(byId(id), made);
 }
 
-/** Gives `shown` the children of `made`. Text that stays is not drawn anew: on a software driver that takes the most time. */
+/** Gives `shown` the children of `made`. Children that are equal stay as they are, since drawing text again takes most of a
+ *  software driver's time. */
 function adapt(shown: Element, made: Element): void {
   const before = [...shown.childNodes];
   [...made.childNodes].forEach((child, i) => {
@@ -46,12 +49,14 @@ function adapt(shown: Element, made: Element): void {
   for (const old of before.slice(made.childNodes.length)) old.remove();
 }
 
-/** A button acts for the content that it was made with: what has one is replaced as a whole. */
+/** Whether an element may be changed in place. An element with a button is replaced as a whole, because the button's handler
+ *  belongs to the content that it was made with. */
 function mayAdapt(shown: Element, made: Element): boolean {
   const hasButton = (element: Element): boolean => element.matches("button") || element.querySelector("button") !== null;
   return shown.nodeName === made.nodeName && !hasButton(shown) && !hasButton(made);
 }
 
+/** Gives `shown` the attributes and children of `made`. */
 function adaptElement(shown: Element, made: Element): void {
   for (const { name } of [...shown.attributes]) if (!made.hasAttribute(name)) shown.removeAttribute(name);
   for (const { name, value } of made.attributes) if (shown.getAttribute(name) !== value) shown.setAttribute(name, value);

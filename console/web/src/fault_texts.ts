@@ -1,4 +1,4 @@
-// The faults of safety/fault.cpp in German, by their English names. tests/console asks for one of each.
+// The faults of safety/fault.cpp in German, by their English names. A test in tests/console requires an entry for each.
 
 interface FaultText {
   name: string;
@@ -160,13 +160,13 @@ const german: Record<string, [name: string, cause: string, reaction: string, cle
   ],
 };
 
-/** A fault's words in German; its own where it has none here. */
 /** The German text of the fault with this English name; undefined: there is none. */
 export function germanFault(english: string): FaultText | undefined {
   const text = Object.prototype.hasOwnProperty.call(german, english) ? german[english] : undefined;
   return text && { name: text[0], cause: text[1], reaction: text[2], clearing: text[3] };
 }
 
+/** A fault with its texts in German; without a German text, the fault itself. */
 export function inGerman(fault: FaultText): FaultText {
   return germanFault(fault.name) ?? fault;
 }

@@ -1,4 +1,4 @@
-// The card of the gains: what acts, what the cell's own are, how far it may be changed, and the change.
+// The card of the gains: present values, the cell's own values, the accepted range, and the fields that change them.
 
 import type { GainsNote } from "./messages";
 import { inLanguage } from "./message_texts";
@@ -32,7 +32,7 @@ export class GainsCard {
       each.disabled = !enabled || (each.id === "undo-gains" && !this.note?.can_undo);
   }
 
-  /** The age of the contact model, beside the greatest one at which the gains are stable. */
+  /** Shows the age of the contact model beside the largest age at which the gains are stable. */
   showAge(model_age_ms: number | null): void {
     this.model_age_ms = model_age_ms;
     const margin = this.card.querySelector("#gains-margin");
@@ -68,7 +68,7 @@ export class GainsCard {
     this.showAge(this.model_age_ms);
   }
 
-  /** What `osteon tune` found: the margin of the present gains, its map at this point, and what it recommends. */
+  /** The results of `osteon tune`: margin of the present gains, stiffest stable wall at the present drag, recommended gains. */
   private tuned(note: GainsNote): HTMLElement {
     const made = Object.assign(document.createElement("div"), { id: "gains-tune", className: "dim" });
     const line = (text: string): void => made.append(Object.assign(document.createElement("div"), { textContent: text }));
@@ -95,6 +95,7 @@ export class GainsCard {
     return made;
   }
 
+  /** The field of one gain. @param scale from SI to `unit` @param now, own, low, high present and own value, range: in SI */
   private row(id: "stiffness" | "drag", name: string, unit: string, scale: number, now: number, own: number, low: number, high: number): HTMLElement {
     const made = document.createElement("form");
     made.className = "gain";

@@ -18,9 +18,10 @@ import { Timeline } from "./timeline";
 import { figure, getLanguage, setLanguage, t, type Language, type Word } from "./texts";
 
 const CUTTING = 5; // safety::CellState
-const BONE_IS_OLD_MS = 1000;
-const REPORT_EVERY_MS = 200;
+const BONE_IS_OLD_MS = 1000; // age of the shown bone from which the page warns
+const REPORT_EVERY_MS = 200; // time between two reports to the server of drawn figures
 
+/** Longest times of a tick, before the first tick. */
 const noTicks = (): { compute_us: number; wakeup_us: number } => ({ compute_us: 0, wakeup_us: 0 });
 
 class Page {
@@ -44,10 +45,10 @@ class Page {
   private live: Live | null = null;
   private role: Role = { type: "role", mine: false, taken: false, pages: 0 };
   private connected = false;
-  private said = ""; // in English
+  private said = ""; // text of the last answer, in English
   private gaveRoleBack = false;
   private reported_ms = 0;
-  private worst = noTicks();
+  private worst = noTicks(); // longest times so far
 
   constructor() {
     if (new URLSearchParams(location.search).has("stream")) document.body.classList.add("side"); // of compare.html
@@ -144,7 +145,7 @@ class Page {
     }
   }
 
-  /** What was refused, or has happened to the page; also in another language that is chosen later. */
+  /** Shows a refusal, or why the page was closed. Keeps the English text, for a language that is chosen later. */
   private say(text: string): void {
     this.said = text;
     byId("answer").textContent = inLanguage(text);
@@ -168,8 +169,8 @@ class Page {
   }
 
   /**
-   * Tells the server, some times a second, that a tick's figures are drawn: the frame after the one that has them begins.
-   * The server's clock has both ends of that time.
+   * Tells the server, a few times a second, that a tick's figures are drawn: at the begin of the frame after the one that
+   * draws them. The server measures the time from the tick to this report by its own clock.
    */
   private reportDrawn(stamp_s: number): void {
     const now_ms = performance.now();
@@ -192,14 +193,14 @@ class Page {
     this.showBoneAge(this.live.status.bone_age_ms);
   }
 
-  /** Says so where the picture's bone is old: the machine, or this page's link, is busy with other things. */
+  /** Warns if the shown bone is old, because the machine or this page's connection is busy. */
   private showBoneAge(age_ms: number | null | undefined): void {
     const behind_ms = typeof age_ms === "number" && this.connected ? age_ms + this.scene.surface.unfinished_ms() : 0;
     byId("view-behind").textContent =
       behind_ms > BONE_IS_OLD_MS ? `▲ ${t("boneBehind").replace("{}", figure(behind_ms / 1000, 1))}` : "";
   }
 
-  /** A recording and a simulated cell alone take no requests. */
+  /** False for a recording and for a simulated cell alone, which take no requests. */
   private get operable(): boolean {
     return this.hello?.command !== "view" && this.hello?.command !== "cell";
   }
@@ -271,6 +272,7 @@ class Page {
     this.scene.colourBone(on);
   }
 
+  /** A button that shows its shortcut. */
   private button(id: string, word: Word, key: string, act: () => void): HTMLButtonElement {
     const made = document.createElement("button");
     made.id = id;
@@ -283,6 +285,7 @@ class Page {
     return made;
   }
 
+  /** A switch. One with this id on the page is replaced, and its state is kept; otherwise it begins as `on`. */
   private toggle(id: string, word: Word, key: string, on: boolean, act: (on: boolean) => void): HTMLButtonElement {
     const before = document.getElementById(id)?.getAttribute("aria-pressed");
     const made = this.button(id, word, key, () => {
@@ -313,7 +316,7 @@ class Page {
     document.addEventListener("keydown", (event) => {
       if (event.ctrlKey || event.altKey || event.metaKey || event.target instanceof HTMLSelectElement) return;
       if (event.target instanceof HTMLInputElement) return; // the time line's own keys
-      // over a recording the arrows are the time line's, unless the picture has the focus
+      // with a recording, the arrow keys belong to the time line unless the picture has the focus
       const picture = byId("timeline").hidden || document.activeElement === byId("view");
       if ((picture || !event.key.startsWith("Arrow")) && this.scene.moveByKey(event)) return event.preventDefault();
       if (event.key === "ArrowRight") this.timeline.step(1);
@@ -327,5 +330,5 @@ class Page {
   }
 }
 
-// what the browser tests and a curious user look at
+// for browser tests, and for a look from the browser's console
 (window as unknown as { osteon: Page }).osteon = new Page();

@@ -158,6 +158,7 @@ export function listInLanguage(text: string): string {
 
 const germanList = (text: string): string => text.split(", ").map(german).join(", ");
 
+/** A message in German; a text that is no known message, fault or name stays as it is. */
 function german(text: string): string {
   const [, fault, of] = /^fault: (.*?); (.*)$/.exec(text) ?? [];
   if (of && germanFault(fault)) return `Fehler: ${germanFault(fault)!.name}; ${germanFault(fault)!.reaction}`;

@@ -68,9 +68,9 @@ export interface Status {
   faults: Fault[];
   force_N: number;
   force_limit_N: number;
-  force_limit_from: string; // which bound it is
+  force_limit_from: string; // which bound force_limit_N is
   force_limit_now_N: number;
-  force_limit_number: number; // of the limit that makes it lower than force_limit_N; -1: none does
+  force_limit_number: number; // safety::Limit that makes force_limit_now_N lower than force_limit_N; -1: none does
   torque_Nm: number;
   torque_limit_Nm: number;
   hand_N: number;
@@ -113,9 +113,9 @@ export interface View {
   tool: number; // index in Hello.tools of the one in use
   X_WT: PoseRows;
   X_WP?: PoseRows;
-  X_WM?: PoseRows; // where the bone's world has gone with its mount and its tissue; X_WP and contacts are in it
-  X_WE?: PoseRows; // the tool's head as it is bent
-  layer?: Vector; // of it the tissue's indentation under the tool, in X_WM [m]: the rest of the bone has not gone there
+  X_WM?: PoseRows; // displacement of the bone's world by mount and tissue; X_WP and contacts are in this frame
+  X_WE?: PoseRows; // the tool's head, displaced by bending
+  layer?: Vector; // part of X_WM, in M [m]: the tissue's indentation under the tool, which the rest of the bone lacks
   q: number[];
   force: Vector;
   hand: Vector;
@@ -176,13 +176,13 @@ export interface TimelineNews {
 export interface Difference {
   type: "difference";
   step_s: number;
-  force_N: (number | null)[][]; // of the first, of the second, as what follows
+  force_N: (number | null)[][]; // two lists, of the first and the second recording; so are the next two
   depth_mm: (number | null)[][];
   removed_mm3: (number | null)[][];
   force_apart_N: (number | null)[];
   apart_mm: (number | null)[];
   turn_deg: (number | null)[];
-  most: Record<"force_N" | "depth_mm" | "apart_mm" | "turn_deg" | "removed_mm3", [number, number]>; // value, at [s]
+  most: Record<"force_N" | "depth_mm" | "apart_mm" | "turn_deg" | "removed_mm3", [number, number]>; // largest difference, and its time [s]
   ticks: number;
   done: boolean;
 }
@@ -192,10 +192,10 @@ export interface BoneDifference {
   on: boolean;
   range_mm: number; // of the colours
   largest_mm: number; // positive where the second is deeper
-  at_mm: Vector; // in the bone's frame
-  limit_mm: number; // larger ones are not told apart
+  at_mm: Vector; // place of the largest difference, in the bone's frame
+  limit_mm: number; // a larger difference is given as this value
 }
-/** The bricks sent so far are of one time. */
+/** A change of the bone is complete: the bricks sent so far belong to one time. */
 export interface SurfaceWhole {
   type: "surface_whole";
   age_ms?: number; // how old the bone was when it was sent
@@ -207,7 +207,7 @@ export interface Restart {
 /** The simulated cell alone, as `osteon cell` knows it (session/run/cell_console.h). */
 export interface CellNote {
   type: "cell";
-  session: string; // the arm's
+  session: string; // state of the arm's session
   commanded: boolean;
   stop: string; // why the arm's session went back; empty: it did not
   script_done: boolean;
@@ -231,11 +231,11 @@ export interface GainsNote {
   max_drag_Ns_per_m: number;
   stable_age_ms: number;
   can_undo: boolean;
-  /** What `osteon tune` found (session/gains/tune_advice.h); null: `tune_why`. */
+  /** Results of `osteon tune` (session/gains/tune_advice.h); null: there are none, for the reason `tune_why`. */
   tune?: {
     file: string;
     asked_margin: number;
-    margin: number | null; // at least, of the present gains; null: they are not the cell's own, nor softer
+    margin: number | null; // lower bound for the present gains; null: they are neither the cell's own nor softer
     worst_age_ms: number;
     wall_N_per_m: number | null; // the stiffest stable wall at the present drag, by tune's map
     recommended: { mass_kg: number | null; stiffness_N_per_m: number | null; drag_Ns_per_m: number; margin: number } | null;
@@ -250,7 +250,7 @@ export interface PlanNote {
   cup_centre_m: Vector;
   cup_radius_m: number;
   kind: "cup" | "opening"; // of an opening, `cup_radius_m` is half its width
-  reamers: { diameter_mm: number; centre_m: Vector; around_m: number }[]; // around: led in circles
+  reamers: { diameter_mm: number; centre_m: Vector; around_m: number }[]; // around_m: radius of the circle it is led in
   confirms: boolean; // a change of tool has to be confirmed by a person
   corridor: { cone_rad: number; lateral_m: number; widening_rad: number } | null;
 }
@@ -271,19 +271,19 @@ export interface ProcedureNote {
   guidance: number | null; // gain; null: the plan has none
   cup: boolean;
 }
-/** The score of a procedure's session as far as it can be said (session/procedure/live_score.h). */
+/** The score of a procedure's session so far (session/procedure/live_score.h). */
 export interface ScoreNote {
   type: "score";
   known: boolean; // false: no pass has ended yet, or there is no rubric: `why`
   why: string;
-  total: number; // what follows: where it is known
+  total: number; // this and the following only if known
   of: number;
   open_points: number;
   unfinished: string; // what is left of the plan; empty: nothing
   guided: boolean;
-  passes: number; // that it is of
+  passes: number; // number of passes that the score includes
   age_s: number;
-  newer: boolean; // bone was cut since
+  newer: boolean; // bone was cut after the score was computed
   items: { metric: string; text: string; unit: string; value: number | null; points: number; weight: number; open: boolean }[];
   deductions: { name: string; points: number }[];
 }

@@ -8,7 +8,7 @@ import { boundName, figure, getLanguage, limitName, permitName, stateDoes, state
 
 const FAULT_STATES = [7, 8, 10]; // stop 0, stop 1, fault
 const WORKING_STATES = [4, 5]; // haptic, cutting
-const SHOWN_EVENTS = 40;
+const SHOWN_EVENTS = 40; // number of the newest events in the list
 
 const heading = (word: Word): HTMLElement => element("h2", "", t(word));
 
@@ -34,7 +34,7 @@ function latencies(latency: NonNullable<Status["latency_ms"]>): [string, string]
   ];
 }
 
-/** A tick in virtual time takes none: nothing was measured. */
+/** Times of the tick. In virtual time they are 0 and not shown. */
 function tickRows(status: Status, worst: { compute_us: number; wakeup_us: number }): [string, string][] {
   if (worst.compute_us === 0) return [[t("tickChart"), t("virtualTime")]];
   return [
@@ -45,7 +45,7 @@ function tickRows(status: Status, worst: { compute_us: number; wakeup_us: number
   ];
 }
 
-/** Ages, ticks, losses, space: a row that is not known is left out. */
+/** Rows of ages, tick times, lost messages, disk space and latency; an unknown value has no row. */
 function healthRows(status: Status, worst: { compute_us: number; wakeup_us: number }): [string, string][] {
   const age = (word: Word, age_ms: number | null): [string, string][] =>
     age_ms === null ? [] : [[t(word), `${figure(age_ms, 1)} ms`]];
@@ -64,7 +64,7 @@ function healthRows(status: Status, worst: { compute_us: number; wakeup_us: numb
   ];
 }
 
-/** "200 N (cell)", or "84.0 of 200 N (arm's torque)" while a limit of the tick is lower. */
+/** The force's limit and its source: "200 N (cell)", or "84.0 of 200 N (arm's torque)" while a limit reduces the force. */
 function forceLimit(status: Status): string {
   const whole = `${figure(status.force_limit_N, 0)} N`;
   if (status.force_limit_number < 0) return status.force_limit_from ? `${whole} (${boundName(status.force_limit_from)})` : whole;
@@ -74,7 +74,7 @@ function forceLimit(status: Status): string {
 export class Panels {
   private events: [number, string][] = [];
   private readonly acknowledged = new Set<string>(); // names of faults that were read; they stay latched
-  private began_s: number | null = null; // what the events' times are counted from
+  private began_s: number | null = null; // time from which the events' times are counted
 
   begin(hello: Hello): void {
     this.events = [];
@@ -188,11 +188,12 @@ export class Panels {
 
   private showFaults(status: Status): void {
     for (const name of this.acknowledged)
-      if (!status.faults.some((fault) => fault.name === name)) this.acknowledged.delete(name); // it comes anew unread
-    const key = status.faults.find((fault) => !this.acknowledged.has(fault.name)); // the first one has the key
+      if (!status.faults.some((fault) => fault.name === name)) this.acknowledged.delete(name); // if it comes again, it is unread
+    const key = status.faults.find((fault) => !this.acknowledged.has(fault.name)); // the first unread fault has the shortcut
     set("faults", ...status.faults.map((fault) => this.faultCard(status, fault, fault === key)));
   }
 
+  /** A fault's card: cause, reaction and cure, or its name alone once it was acknowledged. */
   private faultCard(status: Status, fault: Fault, hasKey: boolean): HTMLElement {
     const text = getLanguage() === "de" ? inGerman(fault) : fault;
     const known = this.acknowledged.has(fault.name);

@@ -12,15 +12,17 @@ import { vectorOf } from "./poses";
 const CUP = 0x7fd6ff, INSIDE = 0x4ec27a, OUTSIDE = 0xe8b23a;
 // Shown lengths above the planned centre: of the tube, and of the cone.
 const SHOWN_M = { cup: [0.03, 0.06], opening: [0.008, 0.012] };
-const SIDES = 48;
+const SIDES = 48; // of tube and cone
 
+/** A geometry's edges, drawn over everything else. */
 function lines(geometry: BufferGeometry, color: number, opacity: number): LineSegments {
   return new LineSegments(geometry, new LineBasicMaterial({ color, transparent: true, opacity, depthTest: false }));
 }
+/** A transparent surface of the corridor. */
 const skin = (geometry: BufferGeometry): Mesh =>
   new Mesh(geometry, new MeshBasicMaterial({ color: INSIDE, transparent: true, opacity: 0.16, side: DoubleSide, depthWrite: false }));
 
-/** In its own frame: +z along the plan's axis, out of the cup or the opening. */
+/** Objects of the plan. In the frames of cup and corridor, +z is the plan's axis, out of the cup or the opening. */
 export class PlanView {
   readonly group = new Group();
   private readonly corridor = new Group(); // at the planned centre of the reamer in use
@@ -68,7 +70,7 @@ export class PlanView {
     this.paint(this.cone, note.beyond.tilt);
   }
 
-  /** A tool that is led around has a wider corridor. */
+  /** Gives the tube the width for a tool that is led in circles of this radius. */
   private widen(tube: Mesh, around_m: number): void {
     const edge = tube.userData.edge as LineSegments;
     tube.geometry.dispose();
@@ -77,12 +79,14 @@ export class PlanView {
     edge.geometry = new EdgesGeometry(tube.geometry, 20);
   }
 
+  /** The edges of a part of the corridor, kept with it. */
   private edge(part: Mesh): LineSegments {
     const edge = lines(new EdgesGeometry(part.geometry, 20), INSIDE, 0.8);
     part.userData.edge = edge;
     return edge;
   }
 
+  /** Colours a part of the corridor by whether the tool is outside of it. */
   private paint(part: Mesh | null, outside: boolean): void {
     if (!part) return;
     const color = outside ? OUTSIDE : INSIDE;

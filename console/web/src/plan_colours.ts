@@ -4,7 +4,7 @@ import { Color, Vector3 } from "three";
 import { figure, t } from "./texts";
 
 const STILL_THERE = 0x2f7df0, AS_PLANNED = 0x4ec27a, TOO_DEEP = 0xf06a24;
-const RANGE_MM = 3; // at which the colours end
+const RANGE_MM = 3; // distance from the planned cup at which the colours end
 const METRES_TO_MM = 1e3;
 
 const STILL_THERE_COLOUR = new Color(STILL_THERE), AS_PLANNED_COLOUR = new Color(AS_PLANNED), TOO_DEEP_COLOUR = new Color(TOO_DEEP);
@@ -21,8 +21,8 @@ function beyondPlan_mm(p: Vector3, cup: PlannedCup): number {
   return METRES_TO_MM * (p.distanceTo(cup.centre) - cup.radius_m);
 }
 
-/** The colour of a place of the bone's surface; null: it has its tissue's. Bone beside the cup's opening, and bone beyond
- *  the cup that was never cut, is none of the plan's. @param to  the colour is written there */
+/** The colour of a place of the bone's surface; null: the place keeps its tissue's colour, because it lies above the cup's
+ *  opening, or beyond the cup and was never cut. @param p  place in G [m] @param to  receives the colour */
 export function planColour(p: Vector3, cut: boolean, cup: PlannedCup, to: Color): Color | null {
   const beyond_mm = beyondPlan_mm(p, cup);
   const above_m = (p.x - cup.centre.x) * cup.axis.x + (p.y - cup.centre.y) * cup.axis.y + (p.z - cup.centre.z) * cup.axis.z;

@@ -5,6 +5,7 @@ import { inLanguage } from "./message_texts";
 import type { PlanNote, ProcedureAsk, ProcedureNote, ScoreNote } from "./messages";
 import { figure, metricName, t, type Word } from "./texts";
 
+/** A diameter as text, with a decimal only if it is not whole. */
 const sizeOf = ({ diameter_mm: mm }: { diameter_mm: number }): string => `${figure(mm, Math.abs(mm - Math.round(mm)) < 1e-6 ? 0 : 1)} mm`;
 
 type AskProcedure = (ask: ProcedureAsk, value?: number, confirmed?: true) => void;
@@ -36,7 +37,8 @@ export class ProcedureCard {
     this.updateScore();
   }
 
-  /** The cell's answer to Finish: of a plan that is not finished a person confirms the end. True: it was taken. */
+  /** If the cell refused to finish because the plan is not finished, lets a person confirm the end. @returns whether the
+   *  answer was this refusal */
   takeAnswer(done: boolean, reason: string): boolean {
     if (done || !reason.startsWith("finish: the plan is not finished")) return false;
     if (confirm(`${inLanguage(reason)}\n\n${t("finishAsk")}`)) this.ask("finish", undefined, true);
@@ -82,6 +84,7 @@ export class ProcedureCard {
     this.updateScore();
   }
 
+  /** The field for the guidance's gain. */
   private guidance(): HTMLElement {
     const form = Object.assign(document.createElement("form"), { className: "gain", noValidate: true });
     const label = Object.assign(document.createElement("label"), { textContent: `${t("guidance")} (0 … 1)`, htmlFor: "guidance-gain" });
@@ -96,7 +99,8 @@ export class ProcedureCard {
     return form;
   }
 
-  /** Another reamer; where a person has to confirm what is mounted, asks for that first. */
+  /** Requests another reamer. If the plan wants it, a person must first confirm that the reamer is mounted. @param index of
+   *  the reamer, for `tool` */
   private change(ask: "next_tool" | "tool", index?: number): void {
     if (!this.plan || !this.note) return;
     const reamer = this.plan.reamers[index ?? this.note.tool + 1];
@@ -111,6 +115,7 @@ export class ProcedureCard {
     if (next && this.plan && this.note) next.disabled = !this.enabled || this.note.tool + 1 >= this.plan.reamers.length;
   }
 
+  /** Shows the newest note: the reamer in use, the table of figures, and the line over the picture. */
   private update(): void {
     const { plan, note } = this;
     const table = this.card.querySelector("#procedure-figures");
@@ -148,7 +153,7 @@ export class ProcedureCard {
     this.overlay.replaceChildren(...line.map((text) => Object.assign(document.createElement("span"), { textContent: text })));
   }
 
-  /** The score of what is saved, its items, what is left of the plan, and how old all that is. */
+  /** Shows the score, its items and deductions, its age, and what is left of the plan. */
   private updateScore(): void {
     const { score } = this;
     const place = this.card.querySelector("#score");

@@ -13,11 +13,11 @@ import { Surface } from "./surface";
 import { headOf, toolOf } from "./tool";
 import { zonesOf } from "./zones";
 
-const LIMIT_IN_SITES = 1.8; // the force limit's ring, in radii of the site: arrows are drawn to its scale
-const MIN_SHOWN_N = 0.5;
-const MAX_CONTACTS = 8;
-const MIN_PAUSE_MS = 16;
-const KEY_TURN_RAD = Math.PI / 36, KEY_MOVE_PX = 20, KEY_ZOOM = 0.9; // of a key's press
+const LIMIT_IN_SITES = 1.8; // length of an arrow at the force limit, in radii of the site; also the ring's radius
+const MIN_SHOWN_N = 0.5; // a smaller force has no arrow
+const MAX_CONTACTS = 8; // number of contact planes that are shown
+const MIN_PAUSE_MS = 16; // shortest pause between two pictures
+const KEY_TURN_RAD = Math.PI / 36, KEY_MOVE_PX = 20, KEY_ZOOM = 0.9; // effect of one key press on the camera
 
 export type Preset = "whole" | "site" | "axis" | "above" | "behind";
 
@@ -30,8 +30,8 @@ export class SceneView {
   private readonly controls: OrbitControls;
   private readonly bone = new Group();
   private readonly lasting = new Group(); // made anew with each hello
-  private readonly moving = new Group(); // what goes with the bone: it, its marks, proxy and contacts
-  private readonly undented = new Group(); // of it bone and marks: the tissue yields under the tool alone
+  private readonly moving = new Group(); // moves with the bone: bone, its marks, proxy and contacts
+  private readonly undented = new Group(); // in `moving`: bone and marks, without the indentation under the tool
   private readonly clipPlane = new Plane();
   private tool: Object3D | null = null;
   private proxy: Object3D | null = null;
@@ -39,22 +39,22 @@ export class SceneView {
   private zones: Object3D | null = null;
   private planView: PlanView | null = null;
   private plan: PlanNote | null = null;
-  private byPlan = false; // the bone's colours
-  private toolIndex = -1; // in Hello.tools: whose balls are shown
+  private byPlan = false; // the bone is coloured by its distance to the plan
+  private toolIndex = -1; // index in Hello.tools of the tool that is shown
   private contacts: Group[] = [];
   private force = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 0.1, 0x5aa9f0, 0.02, 0.012);
   private hand = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 0.1, 0xc58af0, 0.02, 0.012);
   private limit: Mesh | null = null;
   private hello: Hello | null = null;
   private view: View | null = null;
-  private alone = false; // the bone without the tool
+  private alone = false; // the bone is shown without the tool
   private readonly shown = { arm: true, zones: false, plan: true }; // by the buttons
-  private wanted = false;
-  private lastRender_ms = 0;
-  private begunAt = 0; // of the last picture [ms], and when it was seen to be finished
-  private drawnAt = 0;
+  private wanted = false; // a new picture is needed
+  private lastRender_ms = 0; // duration of the last picture
+  private begunAt = 0; // time at which the last picture was begun [ms]
+  private drawnAt = 0; // time at which it was seen to be finished [ms]
   private drawing: WebGLSync | null = null; // the picture that is not yet finished
-  private followed = new Vector3();
+  private followed = new Vector3(); // the tool's apex where the camera followed it last
   private following = false;
   private metresPerNewton = 0.0005;
   drawn = 0; // pictures so far
@@ -115,6 +115,7 @@ export class SceneView {
     this.preset("site");
   }
 
+  /** Replaces the drawn tool and its ghost, the proxy. @param balls as in toolOf */
   private setTool(balls: number[][]): void {
     if (this.tool && this.proxy) {
       this.lasting.remove(this.tool);
@@ -192,7 +193,7 @@ export class SceneView {
     this.redraw();
   }
 
-  /** Bone, and the tool's cutting head, where they have gone: to scale. */
+  /** Displaces the bone and the tool's cutting head as they give way, to scale. */
   private showGivingWay(view: View): void {
     if (!this.tool) return;
     if (view.X_WM) this.moving.matrix.copy(matrixOf(view.X_WM));
@@ -206,7 +207,8 @@ export class SceneView {
     head.matrixWorldNeedsUpdate = true;
   }
 
-  /** Tissue that yields: a dent to scale where the head presses; how it fades beside the head is drawn, not computed. */
+  /** Dents the surface under the head by the tissue's indentation, to scale. How the dent fades beside the head is only a
+   *  picture, not a result. */
   private showIndentation(view: View): void {
     if (!this.hello) return;
     const layer = vectorOf(view.layer ?? [0, 0, 0]);
@@ -269,7 +271,7 @@ export class SceneView {
     this.redraw();
   }
 
-  /** Where the camera is and what it looks at, to be given to another page's scene. */
+  /** Position and target of the camera as text, for setPose of another page's scene. */
   pose(): string {
     const digits = 5;
     return [...this.camera.position.toArray(), ...this.controls.target.toArray()].map((x) => x.toFixed(digits)).join();
@@ -308,13 +310,14 @@ export class SceneView {
     if (!this.drawing) this.renderSoon();
   }
 
+  /** Draws after a pause of twice the last picture's duration, which leaves time for clicks and messages. */
   private renderSoon(): void {
     const pause = Math.max(MIN_PAUSE_MS, 2 * this.lastRender_ms - (performance.now() - this.drawnAt));
     setTimeout(() => requestAnimationFrame(() => this.render()), pause - MIN_PAUSE_MS);
   }
 
-  /** Waits until the picture is finished; the next one follows. A software rasteriser takes its time, in a process of its
-   *  own: the page then draws less often instead of piling up work, behind which clicks and messages would wait. */
+  /** Waits until the picture is finished, then begins the next one if it is wanted. A software rasteriser is slow and works
+   *  in another process: the page draws less often, instead of queueing pictures that would delay clicks and messages. */
   private waitUntilDrawn(): void {
     if (!this.drawing) return;
     if (this.gl.getSyncParameter(this.drawing, this.gl.SYNC_STATUS) === this.gl.UNSIGNALED) {
@@ -334,7 +337,7 @@ export class SceneView {
     this.surface.update();
     this.limit?.quaternion.copy(this.camera.quaternion);
     this.renderer.render(this.scene, this.camera);
-    const first = !this.drawing; // else the one before is waited for already
+    const first = !this.drawing; // else waitUntilDrawn is already under way
     if (this.drawing) this.gl.deleteSync(this.drawing);
     this.drawing = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     this.gl.flush();
@@ -342,6 +345,7 @@ export class SceneView {
     ++this.drawn;
   }
 
+  /** Moves the camera as the tool's apex has moved. */
   private move(p_WT: Vector3): void {
     const step = p_WT.clone().sub(this.followed);
     this.camera.position.add(step);
@@ -350,6 +354,7 @@ export class SceneView {
     this.controls.update();
   }
 
+  /** Shows a force [N] as an arrow from a point in W, or hides it below MIN_SHOWN_N. */
   private arrow(arrow: ArrowHelper, force: number[], from: Vector3): void {
     const f = vectorOf(force);
     const size = f.length();
@@ -404,7 +409,7 @@ export class SceneView {
   }
 }
 
-/** Whether the browser has no GPU: smooth edges then take as long as the picture. */
+/** Whether the browser draws without a GPU. Smooth edges would then double the time for a picture. */
 function drawsInSoftware(): boolean {
   const gl = document.createElement("canvas").getContext("webgl2");
   if (!gl) return true;
@@ -414,6 +419,7 @@ function drawsInSoftware(): boolean {
   return /swiftshader|llvmpipe|lavapipe|softpipe|software/i.test(name);
 }
 
+/** A disc with its normal along +z, for one contact. */
 function contactPlane(): Group {
   const plane = new Group();
   const disc = new Mesh(

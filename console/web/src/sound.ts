@@ -2,7 +2,9 @@
 
 import type { Status } from "./messages";
 
-const FREE_HZ = 140, HZ_PER_NM = 60, SPINDLE_GAIN = 0.03;
+const FREE_HZ = 140; // pitch of the spindle without load
+const HZ_PER_NM = 60; // rise of the pitch with the spindle's torque
+const SPINDLE_GAIN = 0.03; // loudness of a turning spindle
 
 export class Sound {
   private context: AudioContext | null = null;
@@ -37,7 +39,7 @@ export class Sound {
       const turns = Math.abs(status.spindle_rpm) > 5;
       this.gain.gain.setTargetAtTime(turns ? SPINDLE_GAIN : 0, this.context.currentTime, 0.05);
       this.spindle.frequency.setTargetAtTime(FREE_HZ + HZ_PER_NM * status.spindle_torque_Nm, this.context.currentTime, 0.05);
-      // one that takes another's place in the same message is heard as well
+      // a new limit or fault is heard even if another one ends in the same message
       if (limits.some((name) => !this.limits.includes(name))) this.beep(900, 0.04, 0.08);
       if (faults.some((name) => !this.faults.includes(name))) this.beep(520, 0.9, 0.2);
     }
@@ -45,6 +47,7 @@ export class Sound {
     this.faults = faults;
   }
 
+  /** @param volume 0 … 1 */
   private beep(hz: number, seconds: number, volume: number): void {
     const tone = this.context!.createOscillator(), gain = this.context!.createGain();
     tone.frequency.value = hz;

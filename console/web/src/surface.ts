@@ -5,35 +5,36 @@ import { FIRST_DEEPER, NO_DIFFERENCE, SAME, SECOND_DEEPER } from "./difference_c
 import { planColour, type PlannedCup } from "./plan_colours";
 import { decodeChunks, placeOf, type Chunk, type Layout } from "./surface_chunk";
 
-const MAX_WAIT_MS = 200; // for the rest of a change; a live one comes whole, in one message
-const GROUP_EDGE = 4; // bricks along a mesh: few enough draw calls, little to make anew
-const MATERIAL = 0x7f, CUT = 0x80;
+const MAX_WAIT_MS = 200; // bricks of an incomplete change are shown after this time; a live change comes in one message
+const GROUP_EDGE = 4; // bricks along a mesh: larger meshes need fewer draw calls, smaller ones less work for a change
+const MATERIAL = 0x7f, CUT = 0x80; // bits of a vertex's byte: number of its material; on a cut face
 
-// by a material's name; others take the last
+// colours by a material's name
 const COLOURS: Record<string, number> = {
   cartilage: 0xdfe9ea, cortical: 0xefe6cf, cancellous: 0xe2a878, marrow: 0xb5473c, enamel: 0xf7f7f2, dentine: 0xe9d79b,
 };
-const OTHER = 0xe6d8bd;
-const CUT_TINT = new Color(0xf2c9a8), CUT_SHARE = 0.35; // a cut face is told from the bone's own surface
+const OTHER = 0xe6d8bd; // colour of any other material
+const CUT_TINT = new Color(0xf2c9a8), CUT_SHARE = 0.35; // mixed into the colour of a cut face, to distinguish it
 
 const SAME_COLOUR = new Color(SAME), SECOND_COLOUR = new Color(SECOND_DEEPER), FIRST_COLOUR = new Color(FIRST_DEEPER);
 
+/** Bricks that share a mesh, by their number in the grid. */
 interface Block {
   chunks: Map<number, Chunk>;
   mesh: Mesh | null;
 }
 
-/** Where tissue yields: all within the radius of the centre has gone `by`, in the bone's frame [m]. */
+/** A dent in the tissue: everything within the radius of the centre is displaced by `by`, in the bone's frame [m]. */
 export interface Dent {
   centre: Vector3;
   by: Vector3;
   radius_m: number;
 }
-const DENT_FADES = 1.3; // radii at which the drawn dent ends
+const DENT_FADES = 1.3; // distance at which the drawn dent ends, in radii of the dent
 
 export class Surface {
   private readonly blocks = new Map<string, Block>();
-  private readonly changed = new Set<string>();
+  private readonly changed = new Set<string>(); // keys of blocks whose meshes are out of date
   private readonly material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.75 });
   private readonly dent = {
     dentCentre: { value: new Vector3() }, dentBy: { value: new Vector3() }, dentRadius: { value: 1 },
@@ -41,7 +42,7 @@ export class Surface {
   private colours: Color[] = [new Color(OTHER)];
   private layout: Layout | null = null;
   private range_mm = 1; // of the difference's colours
-  private cup: PlannedCup | null = null; // the bone is coloured by its distance to it
+  private cup: PlannedCup | null = null; // the bone is coloured by its distance to this cup
   private waiting: Chunk[] = []; // of a change that is not whole yet
   private began: number | null = null; // time at which that change began
   private accepted = 0; // time at which bricks were last handed to the picture
@@ -68,7 +69,7 @@ export class Surface {
     if (this.colours.length === 0) this.colours = [new Color(OTHER)];
   }
 
-  /** The difference at which its colours end; of a surface that shows one. */
+  /** Sets the difference of two bones at which the colours end. */
   setRange(range_mm: number): void {
     if (range_mm === this.range_mm) return;
     this.range_mm = range_mm;
@@ -81,6 +82,7 @@ export class Surface {
     this.changeAll();
   }
 
+  /** Marks all meshes to be made anew, since their colours have changed. */
   private changeAll(): void {
     for (const key of this.blocks.keys()) this.changed.add(key);
   }
@@ -126,18 +128,19 @@ export class Surface {
     if (now - this.accepted > MAX_WAIT_MS) this.accept();
   }
 
-  /** The bricks so far are of one time. */
+  /** Ends a change: the bricks so far belong to one time. */
   complete(): void {
     this.accept();
     this.began = null;
     ++this.whole;
   }
 
-  /** For how long the change that is not whole yet has been on its way [ms]; 0: there is none. */
+  /** Time since the first bricks of an incomplete change came [ms]; 0: no change is incomplete. */
   unfinished_ms(): number {
     return this.began === null ? 0 : performance.now() - this.began;
   }
 
+  /** Puts the waiting bricks into their blocks, for the next picture. */
   private accept(): void {
     this.accepted = performance.now();
     if (!this.layout) return;
@@ -162,6 +165,7 @@ export class Surface {
     this.changed.clear();
   }
 
+  /** Makes a block's mesh from its bricks. */
   private build(block: Block): void {
     const chunks = [...block.chunks.values()];
     const vertices = chunks.reduce((sum, c) => sum + c.materials.length, 0);
@@ -186,8 +190,9 @@ export class Surface {
     this.parent.add(block.mesh);
   }
 
-  private readonly mixed = new Color();
-  private readonly at = new Vector3();
+  private readonly mixed = new Color(); // scratch of colour()
+  private readonly at = new Vector3(); // scratch of colour()
+  /** A vertex's colour: by the difference of two bones, by the plan, or by tissue. */
   private colour(chunk: Chunk, vertex: number): Color {
     const material = chunk.materials[vertex];
     const step_mm = this.layout?.difference_step_mm;
@@ -202,6 +207,7 @@ export class Surface {
     return cut ? this.mixed.copy(own).lerp(CUT_TINT, CUT_SHARE) : own;
   }
 
+  /** Removes a block's mesh. */
   private drop(block: Block): void {
     if (!block.mesh) return;
     this.triangles -= block.mesh.geometry.getIndex()!.count / 3;

@@ -1,5 +1,6 @@
 // Chunks of the carved surface, as simulation/surface/chunk_bytes.h describes them.
 
+// the format's constants
 const HEAD_BYTES = 8, VERTEX_BYTES = 6, BRICK_EDGE = 8, STEPS_PER_VOXEL = 28, MAX_BYTE_INDICES = 256;
 const METRES_PER_MM = 1e-3;
 
@@ -15,7 +16,7 @@ export interface Chunk {
   brick: number;
   positions: Float32Array; // [m], in G
   normals: Float32Array;
-  materials: Uint8Array; // index or step | cut << 7
+  materials: Uint8Array; // bits 0 … 6: index of the tissue, or step of difference; bit 7: on a cut face
   indices: Uint32Array; // two triangles for each quad
 }
 
@@ -34,6 +35,7 @@ export function decodeChunks(buffer: ArrayBuffer, layout: Layout): Chunk[] {
     const vertices = view.getUint16(at + 4, true), quads = view.getUint16(at + 6, true);
     at += HEAD_BYTES;
     const bytes = new Uint8Array(buffer, at, vertices * VERTEX_BYTES);
+    // lower corner of the brick's vertices, one voxel outside the brick [mm]
     const low = placeOf(brick, layout).map((b, i) => layout.origin_mm[i] + (b * BRICK_EDGE - 1) * layout.voxel_mm);
     const step = layout.voxel_mm / STEPS_PER_VOXEL;
     const chunk: Chunk = {
@@ -61,6 +63,7 @@ export function decodeChunks(buffer: ArrayBuffer, layout: Layout): Chunk[] {
   return chunks;
 }
 
+/** Decodes a unit normal from its octahedral coordinates, 0 … 255 each, into `to` from index `at` on. */
 function octahedral(a: number, b: number, to: Float32Array, at: number): void {
   let x = a / 127.5 - 1, y = b / 127.5 - 1;
   const z = 1 - Math.abs(x) - Math.abs(y);

@@ -1,4 +1,4 @@
-// Every text of the page, in English and German. Names of states, conditions and limits are by their recorded number.
+// Every text of the page, in English and German. States, conditions and limits are found by their recorded number.
 
 export type Language = "en" | "de";
 
@@ -299,9 +299,11 @@ export function getLanguage(): Language {
   return language;
 }
 
+/** The text of a pair in the page's language; `otherwise` without a pair. */
 const pick = (pair: [string, string] | undefined, otherwise: string): string =>
   pair ? pair[language === "de" ? 1 : 0] : otherwise;
 
+/** A word or sentence of the page. */
 export const t = (word: Word): string => pick(words[word] as [string, string], word);
 export const stateName = (number: number, otherwise: string): string => pick(states[number], otherwise);
 export const stateDoes = (number: number, english: string): string => (language === "de" ? (does[number] ?? english) : english);

@@ -4,7 +4,7 @@ import type { PlaybackState, TimelineNews } from "./messages";
 import { figure, t } from "./texts";
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
-const STEP_S = 1; // of the arrow keys
+const STEP_S = 1; // step of an arrow key
 
 export interface Player {
   play(): void;
@@ -89,6 +89,7 @@ export class Timeline {
     if (this.state) this.player.seek(this.state.at_s + direction * STEP_S);
   }
 
+  /** Goes to the next event (direction 1) or the previous one (-1), and passes over the event that is shown now. */
   private toEvent(direction: number): void {
     if (!this.state || !this.news) return;
     const at = this.state.at_s;

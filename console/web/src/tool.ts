@@ -1,15 +1,17 @@
-// The tool as its balls: what meets bone is exactly what is drawn.
+// The tool as its balls, which are exactly the shape that meets bone.
 
 import { Group, IcosahedronGeometry, InstancedMesh, Matrix4, MeshStandardMaterial, Object3D, Quaternion, Vector3 } from "three";
 
-const MANY = 300; // balls from which each is drawn with fewer faces
+const MANY = 300; // a tool with more balls is drawn with fewer faces for each
 
+/** Colours of the cutting balls and of the others, and opacity 0 … 1. */
 interface ToolLook {
   cutting: number;
   shaft: number;
   opacity: number;
 }
 
+/** A tool in its frame. @param balls [x, y, z, radius, 1 if cutting else 0], lengths in m */
 export function toolOf(balls: number[][], look: ToolLook): Group {
   const group = new Group();
   const detail = balls.length > MANY ? 1 : 4;

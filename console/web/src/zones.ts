@@ -1,4 +1,4 @@
-// Where apex, flange and elbow may be, as wires: what a surgeon should see, and no more.
+// The zones of apex, flange and elbow as wire frames.
 
 import {
   BoxGeometry, CapsuleGeometry, CylinderGeometry, EdgesGeometry, Group, LineBasicMaterial, LineSegments, PlaneGeometry,
@@ -7,8 +7,9 @@ import {
 import type { Zone } from "./messages";
 import { place } from "./poses";
 
-const PLANE_SIZE_M = 0.5; // of the shown piece of a half-space's face
+const PLANE_SIZE_M = 0.5; // edge of the shown piece of a half-space's face
 
+/** A zone's wire frame in its own frame; the colour tells which point the zone is for. */
 function wires(zone: Zone): LineSegments {
   const colour = zone.point === "apex" ? 0x58b6c9 : zone.point === "flange" ? 0x9a86d6 : 0x7fb069;
   const material = new LineBasicMaterial({ color: colour, transparent: true, opacity: 0.35 });
@@ -34,6 +35,7 @@ function wires(zone: Zone): LineSegments {
   }
 }
 
+/** Wire frames of all zones, in W. */
 export function zonesOf(zones: Zone[]): Group {
   const group = new Group();
   for (const zone of zones) {
