@@ -17,7 +17,7 @@ struct ComplianceParams {
   std::optional<SurfaceLayerParams> layer{};
   std::optional<ToolLinkParams> tool{};
   std::optional<BoneMountParams> mount{};
-  double noticed_m{0.1e-3};  ///< E: a displacement beyond it is reported; > 0
+  double noticed_m{0.1e-3};  ///< a larger displacement is reported as an acting limit; > 0
 
   [[nodiscard]] bool any() const OSTEON_RT { return layer || tool || mount; }
 };
@@ -43,7 +43,7 @@ class Compliance {
   /// @throws std::invalid_argument as Validate.
   Compliance(const ComplianceParams& params, double period_s);
 
-  /// Returns to rest: all elements undeformed.
+  /// Sets all elements to rest, undeformed.
   void Reset() OSTEON_RT;
   /// Replaces the tool's link, at a change of tool. It begins undeformed.
   void SetTool(const std::optional<ToolLinkParams>& tool) OSTEON_RT;

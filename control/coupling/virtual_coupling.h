@@ -34,7 +34,7 @@ struct FramePlane {
 
 /// The coupling's state between ticks.
 struct CouplingState {
-  static constexpr int kHistory = 64;
+  static constexpr int kHistory = 64;  ///< ticks in `history`
   struct CutSample {
     rt::Nanoseconds stamp{-1};
     double cut_s{0.0};  ///< time spent cutting up to the stamp
@@ -57,8 +57,8 @@ struct CouplingState {
   std::array<bool, simulation::kMaxContacts> pressed{};
   double cut_s{0.0};                          ///< time with the spindle on in which any contact pressed
   std::array<CutSample, kHistory> history{};  ///< the last ticks' cut_s, a ring
-  int next{0};
-  HandOver hand_over;  ///< from the previous frame's planes to these
+  int next{0};                                ///< index in `history` of the next sample to write
+  HandOver hand_over;                         ///< from the previous frame's planes to these
 };
 
 /// Inputs of the coupling in a tick.

@@ -7,8 +7,8 @@
 
 namespace osteon::gpu {
 
-// Largest number of a cluster's tool balls for one workgroup, which visits each four times for each of its
-// balls: beyond it, llvmpipe would end its loops.
+// Largest number of a cluster's tool balls for which one workgroup suffices. It visits each tool ball four
+// times for each of its own balls; with more, llvmpipe would end its loops early.
 constexpr uint kMaxRefsOfAWorkgroup = 1'800;
 
 // Stores the tool's balls at the proxy and at the tool's pose, for the device and for later steps.
@@ -32,6 +32,7 @@ void VulkanEngine::Impl::PlaceToolBalls(const Pose& pose) {
   std::memcpy(program->host<vec4>(kBindTool), placed.data(), placed.size() * sizeof(vec4));
 }
 
+// Fills in a frame's inputs: tool, memory of contacts, and reaches. X_GT becomes the tool's new pose.
 Frame VulkanEngine::Impl::PrepareFrame(const simulation::FrameInput& input) {
   PlaceToolBalls(X_WG.inverse() * Pose(input.X_WT));
   Frame f = frame_constants;
@@ -51,6 +52,7 @@ Frame VulkanEngine::Impl::PrepareFrame(const simulation::FrameInput& input) {
   f.exact.dt_s = input.dt_s;
   f.exact.work_held_back =
       memory.energy_lead_J * std::min(1.0, input.dt_s / simulation::kEnergyLeadSeconds) * kMillimetres;
+  // longest path of the tool's origin or of a ball's centre; it bounds the rounding of distances
   double way_m = (X_GT.translation() - memory.X_GP.translation()).norm();
   for (std::size_t t = 0; t < start_m.size(); ++t) {
     way_m = std::max(way_m, (goal_m[t] - start_m[t]).norm());
@@ -95,6 +97,7 @@ uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t range) const {
   return static_cast<uint>(std::clamp(share, std::min<std::size_t>(16, max_entries), max_entries));
 }
 
+// Number of workgroups for a list of `entries`, of which each invocation takes `chunk`.
 DispatchArgs VulkanEngine::Impl::MakeDispatch(std::size_t entries, uint chunk, uint rows) const {
   const std::size_t share = std::size_t{program->lanes()} * chunk;
   // on a GPU the last workgroup continues the frame, so there must be at least one
@@ -171,11 +174,13 @@ float VulkanEngine::Impl::MaxDisplacement_mm(const std::vector<Vector3>& was_m,
 // Finds the clusters that the tool can meet, within its reach, on its path or at its pose.
 void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
   const bool whole_way = mode == FrameMode::kListsAtContact;
+  // the motion of a ball that is larger by the reach
   const auto sweep = [&](const Vector3& start, const Vector3& goal, double radius_m, float reach_mm) {
     const vec4 a = ToMillimetres(start, radius_m * kMillimetres), b = ToMillimetres(goal, 0.0);
     const Eigen::Vector3f from(a.x, a.y, a.z), to(b.x, b.y, b.z);
     return BallSweep{.a = from, .b = whole_way ? to : from, .radius_mm = a.w + reach_mm};
   };
+  // fills `items` with the clusters of a tree that tool balls can meet
   const auto find = [&](const ClusterTree& tree, float reach_mm, bool cutting_only,
                         std::vector<ClusterPairs>& items) {
     const auto sweep_of = [&](const Vector3& start, const Vector3& goal, double radius_m, bool cuts) {
@@ -230,8 +235,8 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
     lists.measured_m = start_m;
     MeasureDisplacement(f);
   }
-  const bool keeps = mode == FrameMode::kLists || mode == FrameMode::kListsRefreshed;
-  if (keeps) {
+  const bool keeps_lists = mode == FrameMode::kLists || mode == FrameMode::kListsRefreshed;
+  if (keeps_lists) {
     const std::size_t pairs = std::max(lists.balls, lists.shaft),
                       all = std::max<std::size_t>(pairs, lists.points);
     f.chunk = Chunk(all, lists.longest_pair_range);
@@ -263,8 +268,9 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
     return false;
   const Frame& done = program->result();
   stats = {.active_balls = done.live_ball_count};
-  if (keeps) return true;
+  if (keeps_lists) return true;
   if (pool) pool->Uploaded();
+  // the frame has built new lists
   lists.made = done.list_overflow == 0;
   lists.ball_reach_mm = done.ball_reach_mm;
   lists.point_reach_mm = done.point_reach_mm;
@@ -274,6 +280,7 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
   lists.shaft = done.shaft_count;
   lists.packed_pairs = done.packed_pair_count;
   if (mode == FrameMode::kListsAtProxy) return true;
+  // lists at the contact are built at the share s of the tool's path
   const double s = std::min(1.0, std::bit_cast<double>(done.contact_key));
   for (std::size_t t = 0; t < start_m.size(); ++t)
     lists.built_m[t] = lists.measured_m[t] = start_m[t] + s * (goal_m[t] - start_m[t]);

@@ -50,23 +50,26 @@ inline constexpr std::size_t kPackedPairs = 4'000'000, kToolRefs = 1'000'000;
 
 inline std::size_t ClusterCount(std::size_t count) { return (count + kGroupSize - 1) / kGroupSize; }
 
+// Metres to floats in millimetres, with a fourth value that is kept as it is.
 inline vec4 ToMillimetres(const Vector3& v, double w) {
   return {static_cast<float>(v.x() * kMillimetres), static_cast<float>(v.y() * kMillimetres),
           static_cast<float>(v.z() * kMillimetres), static_cast<float>(w)};
 }
+// Floats of a vector without a unit or with its own, such as a direction.
 inline vec4 Unscaled(const Vector3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
 }
 inline Vector3 Direction(const vec4& v) { return {v.x, v.y, v.z}; }
 inline Vector3 ToMetres(const vec4& v) { return Direction(v) / kMillimetres; }
 
+// Metres to doubles in millimetres.
 inline dvec3 Exactly(const Vector3& v) {
   return {v.x() * kMillimetres, v.y() * kMillimetres, v.z() * kMillimetres};
 }
 inline Vector3 Direction(const dvec3& v) { return {v.x, v.y, v.z}; }
 inline Vector3 ToMetres(const dvec3& v) { return Direction(v) / kMillimetres; }
-// Remainder that ToMillimetres leaves. Volatile, since GCC 12.2 optimises the rounding away in some builds
-// where it sees both.
+// Remainder [mm] of v_m and w_m beyond their rounded floats. Volatile, since GCC 12.2 optimises the rounding
+// away in some builds where it sees both this and ToMillimetres.
 inline vec4 FloatRemainder(const Vector3& v_m, double w_m, const vec4& rounded) {
   const volatile float x = rounded.x, y = rounded.y, z = rounded.z, w = rounded.w;
   const dvec3 v = Exactly(v_m);
@@ -75,11 +78,13 @@ inline vec4 FloatRemainder(const Vector3& v_m, double w_m, const vec4& rounded) 
           static_cast<float>(w_m * kMillimetres - static_cast<double>(w))};
 }
 
+// Value of a sum that a frame accumulated in integer units: high × 2^16 + low, over its scale.
 inline double Total(const Sum& sum, double scale) {
   return (sum.high * 65536.0 + static_cast<double>(sum.low)) / scale;
 }
 
-// Balls are in two buffers, since the size of a binding is limited.
+// WriteBalls, ReadBalls: copy the list of balls. It is in two buffers, since the size of a binding is
+// limited.
 inline void WriteBalls(const FrameProgram& program, const void* data, std::size_t count) {
   const std::size_t first = std::min<std::size_t>(count, kBallsPerBuffer);
   program.Write(kBindBalls, data, first * sizeof(vec4));
@@ -91,6 +96,7 @@ inline void ReadBalls(const FrameProgram& program, void* data, std::size_t count
   program.Read(kBindMoreBalls, static_cast<vec4*>(data) + first, (count - first) * sizeof(vec4));
 }
 
+// Position [mm] and volume [mm³] of a mass point.
 inline vec4 PointFloats(const simulation::MassPoint& point) {
   return ToMillimetres(point.p_m, point.volume_m3 * 1e9);
 }
@@ -108,7 +114,7 @@ struct VulkanEngine::Impl {
   std::size_t ball_count{0}, point_count{0};
   std::optional<SplitPool> pool;  // only where balls are split
   std::size_t ball_clusters{0};   // number of clusters of balls, including those of the pool
-  double unit_mm3{1.0};
+  double unit_mm3{1.0};           // volume of one integer unit, in which the points' volumes are counted
   // largest coordinate of a tool ball that can touch; smallest tool ball's radius
   double extent_m{0.0}, min_radius_m{1.0};
   bool lost{false}, brute_force{false};
