@@ -25,8 +25,9 @@ struct ComplianceParams {
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const ComplianceParams& params);
 
-/// Largest compliance in series with the coupling's spring [m/N], for a force. It bounds the energy that all
-/// springs together give back (ForceLimit_N). Layer at its first touch, tool across its feed, mount at rest.
+/// Largest compliance in series with the coupling's spring [m/N], at a force. It bounds the energy that all
+/// springs together give back (ForceLimit_N). Counts the softest layer at its first touch, and the softest
+/// direction of tool and mount.
 [[nodiscard]] double SeriesCompliance(const ComplianceParams& params, double force_N) OSTEON_RT;
 
 /// The compliant parts between the rigid tool T and the resting world W: the layer and the mount move the

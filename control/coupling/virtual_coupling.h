@@ -20,7 +20,7 @@ struct CouplingParams {
   double gone_s{0.060};        ///< from this age of the model on, nothing is rendered
   double ramp_s{0.100};        ///< shortest time in which the coupling fades in
   double return_s{0.008};      ///< time in which a plane that was held back is released; one period: at once
-  double turn_m_per_s{0.025};  ///< times K: smallest speed at which a hand-over turns the force [N/s]; > 0
+  double turn_m_per_s{0.025};  ///< smallest speed at which a hand-over turns the force, over K; > 0
 };
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.

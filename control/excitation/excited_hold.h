@@ -67,9 +67,9 @@ struct ExcitedHoldParams {
 struct ExcitedTick {
   bool received{false};
   std::uint32_t sequence{0}, activation{0};
-  bool active{false};  ///< COMMANDING_ACTIVE
-  std::uint32_t lost{0}, answers_lost{0};
-  JointArray q_meas{}, q_hold{};  ///< measured; commanded by the loop [rad]
+  bool active{false};                      ///< COMMANDING_ACTIVE
+  std::uint32_t lost{0}, answers_lost{0};  ///< counters of ArmState
+  JointArray q_meas{}, q_hold{};           ///< measured; commanded by the loop [rad]
   Vector3 force_S_N{Vector3::Zero()};
   double sensor_age_s{0.0};
   bool sensor_trusted{true}, permitted{false};

@@ -75,6 +75,7 @@ tl::expected<PayloadFit, std::string> FitPayload(std::span<const RestPose> poses
   fit.center_S_m = y.head<3>() / fit.mass_kg;
   fit.bias_S.t = y.tail<3>();
 
+  // residuals, and the standard deviations of the unknowns that follow from them
   const auto count = static_cast<double>(rows);
   const double force_squares = (A_f * x - f).squaredNorm(), torque_squares = (A_t * y - t).squaredNorm();
   fit.residual_N = std::sqrt(force_squares / count);

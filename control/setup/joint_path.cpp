@@ -80,7 +80,7 @@ double JointPath<N>::ToolDuration(const Joints& way) const OSTEON_RT {
     const double u = static_cast<double>(k) / kSamples;
     chain_.ComputePosture(q_from_ + Share(u) * way, posture);
     const Vector3 p_BT = posture.X_BF * p_FT_m_;
-    Vector3 v = Vector3::Zero(), w = Vector3::Zero();
+    Vector3 v = Vector3::Zero(), w = Vector3::Zero();  // motion of the apex, and rotation, per unit of s
     for (int i = 0; i < N; ++i) {
       const Vector3 turn = way[i] * posture.axis_B(i);
       w += turn;

@@ -47,9 +47,9 @@ class HalfWaves {
   double Step(double x, double dt_s) OSTEON_RT;
 
  private:
-  double shortest_s_, longest_s_;  ///< accepted durations of half a period
-  double sign_{1.0};               ///< sign of this half-wave
-  double peak_{0.0}, since_peak_s_{0.0};
+  double shortest_s_, longest_s_;         ///< accepted durations of half a period
+  double sign_{1.0};                      ///< sign of this half-wave
+  double peak_{0.0}, since_peak_s_{0.0};  ///< this half-wave's peak so far, and the time since it
   double last_{0.0}, since_last_s_{0.0};  ///< the previous peak, and the time since it
   bool judged_{false};                    ///< this peak has passed
   double amplitude_{0.0};

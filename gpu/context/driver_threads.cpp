@@ -46,6 +46,7 @@ std::string NameOf(int id) {
 
 DriverThreads::DriverThreads() : before_(Threads()) {}
 
+// Finds, among the threads begun since construction, rasterizers by their name and workers by their order.
 DriverThreads::Begun DriverThreads::FindWorkers() const {
   // a thread without a name of its own has the name of its creator
   const std::string own_name = NameOf(static_cast<int>(gettid()));

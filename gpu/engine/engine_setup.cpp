@@ -34,7 +34,7 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
   if (std::string refusal = FrameProgram::Refusal(*context, sizes, vulkan.overrides); !refusal.empty())
     return refusal;
   program = std::make_unique<FrameProgram>(std::move(context), sizes, vulkan);
-  // if passes had to be compiled, open the device again with the compiled ones
+  // the driver has just compiled the passes: only a device that opens later gets the faster code of its cache
   if (program->compiled()) {
     program.reset();  // together with its device
     auto again = OpenContext(vulkan.device, vulkan.validation, vulkan.overrides.arithmetic);
