@@ -173,6 +173,7 @@ void AcceptFrame(CouplingTick& tick, CouplingState& state) {
 double PlacePlane(const CouplingTick& tick, std::size_t i, const Vector3& n_W, const Vector3& lever_W,
                   CouplingState& state) {
   const Contact& c = tick.input.model.contacts[i];
+  // the frame's plane, held back, then receded
   double gap_m = n_W.dot(lever_W + tick.input.X_WT.translation() - Vector3(c.p_W_m));
 
   double& recession_m = state.recession_m[i];

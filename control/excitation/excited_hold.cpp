@@ -85,6 +85,7 @@ ExcitedHoldStep ExcitedHold::Step(const ExcitedTick& tick) OSTEON_RT {
     sequence_ = tick.sequence;
     return step_;
   }
+  // messages since the last one that arrived, lost ones included
   const int messages =
       std::clamp(static_cast<int>(tick.sequence - sequence_) / params_.sequence_step, 1, kMaxGap);
   sequence_ = tick.sequence;
@@ -103,6 +104,7 @@ ExcitedHoldStep ExcitedHold::Step(const ExcitedTick& tick) OSTEON_RT {
           (abort_ != ExcitationAbort::kNone && step_.path.at_rest);
   step_.excites = !done_;
   if (done_) step_.f_N = 0.0;
+  // the commanded offset of the joints, and the measured one along the axis or of the joint
   JointArray moved{};
   for (std::size_t j = 0; j < moved.size(); ++j) {
     if (!params_.overlay.on) step_.offset[j] = params_.direction[j] * step_.x_m;

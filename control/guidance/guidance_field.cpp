@@ -77,6 +77,7 @@ double SpringPotential(const GuidanceSpring& spring, double excess) OSTEON_RT {
 
 GuidanceField EvaluateGuidance(const GuidanceParams& params, const Pose& X_WT, const Twist& V_WT) OSTEON_RT {
   GuidanceField field;
+  // the head's position and the tool's angle relative to the plan, by the names of the formulas in the header
   const Vector3& a = params.axis_W;
   const Vector3 z = X_WT.linear().col(2);
   const Vector3 p_TH = -params.head_m * z;
@@ -101,6 +102,7 @@ GuidanceField EvaluateGuidance(const GuidanceParams& params, const Pose& X_WT, c
                       SpringPotential(params.lateral, e.lateral_m) + SpringPotential(params.depth, e.depth_m);
   if (field.inside) return field;
 
+  // damped force of each part, along the direction in which its excess grows or falls
   const Vector3 r_unit = rho > 0.0 ? Vector3(r / rho) : Vector3::Zero();
   const Vector3 turn_unit = turn_norm > 0.0 ? Vector3(turn / turn_norm) : Vector3::Zero();
   const Vector3 outward = cos_psi * r_unit - sin_psi * a;  // gradient of e_l

@@ -99,6 +99,7 @@ tl::expected<PivotFit, std::string> FitPivot(std::span<const Pose> X_WF) {
     const auto row = static_cast<Eigen::Index>(3 * i);
     if (!X_WF[i].matrix().allFinite())
       return tl::unexpected(fmt::format("pose {}: found values that are not finite", i + 1));
+    // R_i p_FT - p_WT = -p_i
     A.block<3, 3>(row, 0) = X_WF[i].linear();
     A.block<3, 3>(row, 3) = -Matrix3::Identity();
     p.segment<3>(row) = -X_WF[i].translation();

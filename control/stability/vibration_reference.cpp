@@ -75,6 +75,7 @@ void VibrationReference::EvaluateTest() OSTEON_RT {
 
 void VibrationReference::Step(double oscillation_energy, double raw_index, double index, double min_energy,
                               double dt_s) OSTEON_RT {
+  // a test: find the largest energy in its measured part
   if (testing_) {
     tested_s_ += dt_s;
     const double from_s =
@@ -83,6 +84,7 @@ void VibrationReference::Step(double oscillation_energy, double raw_index, doubl
     EvaluateTest();
     return;
   }
+  // for kBeat_s after a test that found a tremor, R follows the tremor's beats
   since_s_ += dt_s;
   if (since_s_ >= kBeat_s) {
     if (raw_index > 0.0) attributed_to_hand_ = false;
