@@ -52,9 +52,9 @@ struct ArmState {
   bool drives_active{false};       ///< the drives of all joints are active
   ControlMode control_mode{ControlMode::kPosition};
   CommandMode command_mode{CommandMode::kNone};
-  double period_s{0.001};
-  JointArray q_meas{};  ///< [rad]
-  JointArray q_ipo{};   ///< [rad] the arm's own interpolator; valid in COMMANDING_*
+  double period_s{0.001};  ///< time from message to message, as the arm is set up
+  JointArray q_meas{};     ///< [rad]
+  JointArray q_ipo{};      ///< [rad] the arm's own interpolator; valid in COMMANDING_*
   bool has_ipo{false};
   JointArray tau_ext{};  ///< [N·m] external torque, the arm's estimate
 
@@ -88,8 +88,10 @@ struct ArmCommand {
   JointArray tau{};  ///< [N·m] kTorque
 };
 
+/// Result of waiting for a message; kClosed: the link has ended for good.
 enum class ReceiveResult : std::uint8_t { kOk, kTimeout, kClosed };
 
+/// Exchanges messages with the arm.
 class ArmLink {
  public:
   virtual ~ArmLink() = default;
@@ -164,6 +166,7 @@ class CellDevices {
                                               rt::Nanoseconds now) OSTEON_RT = 0;
 };
 
+/// Stores the records of ticks.
 class TickRecorder {
  public:
   virtual ~TickRecorder() = default;

@@ -9,7 +9,9 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMaxBetween_s = 0.1;  // limits the distance that is allowed after a jump of the clock
+// Longest time between two messages that counts: it limits the distance that is allowed after a jump of the
+// clock.
+constexpr double kMaxBetween_s = 0.1;
 
 void Require(bool accepted, const char* name, double found, const char* range) {
   if (!accepted)

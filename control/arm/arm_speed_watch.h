@@ -44,9 +44,9 @@ class ArmSpeedWatch {
  private:
   ArmSpeedParams params_;
   double period_s_;
-  bool has_last_{false};
+  bool has_last_{false};  // a message came since Reset(): the two values below are of it
   Vector3 p_last_W_{Vector3::Zero()};
-  rt::Nanoseconds stamp_{0};
+  rt::Nanoseconds stamp_{0};  // arrival of the last message
   MessageGap gap_;
   double speed_m_per_s_{0.0}, excess_m_{0.0};
 };

@@ -5,20 +5,24 @@
 namespace osteon::control {
 namespace {
 
+// Translation, then rotation, as one vector.
 Vector6 Joined(const Vector3& linear, const Vector3& angular) OSTEON_RT {
   Vector6 joined;
   joined << linear, angular;
   return joined;
 }
 
+// Mass [kg] along each axis, then inertia [kg m²] about it.
 Vector6 MassOf(const BoneMountParams& p) OSTEON_RT {
   return Joined(Vector3::Constant(p.mass_kg), p.inertia_kg_m2);
 }
 
+// Stiffness [N/m] along each axis, then about it [N·m/rad].
 Vector6 StiffnessOf(const BoneMountParams& p) OSTEON_RT {
   return Joined(p.stiffness_N_per_m, p.stiffness_Nm_per_rad);
 }
 
+// Position of Mo in W, displaced by springs and pads.
 Vector3 PlaceOf(const BoneMountParams& p, const BoneMountState& s) OSTEON_RT {
   return p.p_WMo_m + s.d.head<3>() + s.creep_m;
 }
@@ -49,7 +53,7 @@ void StepMount(const BoneMountParams& params, const Wrench& F_Mo_W, double perio
   state.v =
       (M.cwiseProduct(state.v) - period_s * (F + K.cwiseProduct(state.d))).cwiseQuotient(M + period_s * D);
   state.d += period_s * state.v;
-  if (!(params.creep_N_per_m > 0.0)) return;
+  if (!(params.creep_N_per_m > 0.0)) return;  // the pads do not creep
   const Vector3 before_m = state.creep_m;
   state.creep_m = StepMassless<3>(before_m, -F_Mo_W.f / params.creep_N_per_m, period_s, params.creep_tau_s);
   state.creep_m_per_s = (state.creep_m - before_m) / period_s;

@@ -21,8 +21,8 @@ struct BoneMountParams {
   double max_shift_m{0.010}, max_turn_rad{0.1};  ///< if exceeded, the cell stops; > 0
 };
 
-/// State of a mount between ticks: displacement d, velocity v, and the pads' displacement, of Mo and about
-/// it, in W.
+/// State of a mount between ticks, in W: displacement d and velocity v of its mass, at Mo and about it, and
+/// the pads' displacement and velocity.
 struct BoneMountState {
   Vector6 d{Vector6::Zero()}, v{Vector6::Zero()};
   Vector3 creep_m{Vector3::Zero()}, creep_m_per_s{Vector3::Zero()};

@@ -17,7 +17,7 @@ struct ComplianceParams {
   std::optional<SurfaceLayerParams> layer{};
   std::optional<ToolLinkParams> tool{};
   std::optional<BoneMountParams> mount{};
-  double noticed_m{0.1e-3};  ///< E: a displacement beyond it is reported; > 0
+  double noticed_m{0.1e-3};  ///< a larger displacement is reported as an acting limit; > 0
 
   [[nodiscard]] bool any() const OSTEON_RT { return layer || tool || mount; }
 };
@@ -25,8 +25,9 @@ struct ComplianceParams {
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const ComplianceParams& params);
 
-/// Largest compliance in series with the coupling's spring [m/N], for a force. It bounds the energy that all
-/// springs together give back (ForceLimit_N). Layer at its first touch, tool across its feed, mount at rest.
+/// Largest compliance in series with the coupling's spring [m/N], at a force. It bounds the energy that all
+/// springs together give back (ForceLimit_N). Counts the softest layer at its first touch, and the softest
+/// direction of tool and mount.
 [[nodiscard]] double SeriesCompliance(const ComplianceParams& params, double force_N) OSTEON_RT;
 
 /// The compliant parts between the rigid tool T and the resting world W: the layer and the mount move the
@@ -43,7 +44,7 @@ class Compliance {
   /// @throws std::invalid_argument as Validate.
   Compliance(const ComplianceParams& params, double period_s);
 
-  /// Returns to rest: all elements undeformed.
+  /// Sets all elements to rest, undeformed.
   void Reset() OSTEON_RT;
   /// Replaces the tool's link, at a change of tool. It begins undeformed.
   void SetTool(const std::optional<ToolLinkParams>& tool) OSTEON_RT;

@@ -8,14 +8,17 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kLinearUpTo_N = 1.0;
+constexpr double kLinearUpTo_N = 1.0;  // up to this force the indentation is proportional to the force
 constexpr double kMaxShare = 0.4;  // indentation over thickness up to which a linear layer is a valid model
 
+// Indentation [m] at rest by the two nonlinear equations of LayerIndentation, without fade and cap.
+// @param force_N  > 0
 double WinklerIndentation(const SurfaceLayerParams& params, const LayerContact& contact,
                           double force_N) OSTEON_RT {
   const double area_m2 = std::clamp(contact.area_m2, params.touch_area_m2, params.max_area_m2);
   const double slope = contact.kappa_N_per_m3 * area_m2 / params.engaged_layer_m;
   const double delta_m = std::sqrt(force_N / slope);
+  // delta_s: here the whole area max_area_m2 is in contact
   const double full_m = 0.5 * params.engaged_layer_m * params.max_area_m2 / area_m2;
   if (delta_m <= full_m) return delta_m;
   return force_N / (contact.kappa_N_per_m3 * params.max_area_m2) + 0.5 * full_m;
@@ -35,19 +38,19 @@ void Validate(const SurfaceLayerParams& params) {
 
 LayerContact LayerOf(const SurfaceLayerParams& params, const simulation::ContactModel& model) OSTEON_RT {
   LayerContact contact{.area_m2 = std::isfinite(model.engaged_area_m2) ? model.engaged_area_m2 : 0.0};
-  double all = 0.0, kappa = 0.0;
+  double total_weight = 0.0, kappa = 0.0;
   for (int j = 0; j < std::clamp(model.contact_count, 0, simulation::kMaxContacts); ++j) {
     const simulation::Contact& c = model.contacts[static_cast<std::size_t>(j)];
     if (!(c.weight > 0.0 && c.weight <= 1.0) || c.material >= simulation::kMaxMaterials) continue;
-    all += c.weight;
-    const double own = params.kappa_N_per_m3[c.material];
-    if (!(own > 0.0)) continue;
+    total_weight += c.weight;
+    const double material_kappa = params.kappa_N_per_m3[c.material];
+    if (!(material_kappa > 0.0)) continue;
     contact.share += c.weight;
-    kappa += c.weight * own;
+    kappa += c.weight * material_kappa;
   }
   if (!(contact.share > 0.0)) return contact;
   contact.kappa_N_per_m3 = kappa / contact.share;
-  contact.share /= all;
+  contact.share /= total_weight;
   return contact;
 }
 

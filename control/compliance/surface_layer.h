@@ -31,6 +31,7 @@ struct LayerContact {
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const SurfaceLayerParams& params);
 
+/// The layer at the contacts of a model. A contact with an implausible weight or material is left out.
 [[nodiscard]] LayerContact LayerOf(const SurfaceLayerParams& params,
                                    const simulation::ContactModel& model) OSTEON_RT;
 

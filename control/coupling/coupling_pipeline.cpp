@@ -48,19 +48,19 @@ const CouplingOutput& CouplingPipeline::Evaluate(const CouplingInput& input, con
                              state_);
   pressed_ = !output_.displacement_W.isZero(0.0);
 
-  const Wrench shaped_E = stabilisers_.ScaleCoupling(output_, X_ME_, V_ME_), shaped = OnTool(shaped_E);
+  const Wrench scaled_E = stabilisers_.ScaleCoupling(output_, X_ME_, V_ME_), scaled = OnTool(scaled_E);
   const double spring_scale = stored_energy_limit_.Step(output_.displacement_W.norm(), output_.potential_J);
   if (spring_scale == 1.0) {
-    limited_ = arm.Limit(limiter_, shaped);
+    limited_ = arm.Limit(limiter_, scaled);
   } else {
     acting.Add(Limit::kStoredEnergy);
-    limited_ = arm.Limit(limiter_, {.f = spring_scale * shaped.f, .t = spring_scale * shaped.t});
+    limited_ = arm.Limit(limiter_, {.f = spring_scale * scaled.f, .t = spring_scale * scaled.t});
     limited_.share *= spring_scale;
   }
   limited_E_ = limited_;
   Vector3 displacement_W = output_.displacement_W;
   if (compliance_) {
-    limited_E_.F = {.f = limited_.share * shaped_E.f, .t = limited_.share * shaped_E.t};
+    limited_E_.F = {.f = limited_.share * scaled_E.f, .t = limited_.share * scaled_E.t};
     displacement_W = compliance_->X_WM().linear() * displacement_W;
   }
   force_limit_reaction_.Step({.displacement_W = displacement_W,
@@ -89,7 +89,8 @@ safety::LimitedWrench CouplingPipeline::Render(const ArmFollower& arm, safety::L
   return rendered;
 }
 
-// Adds the guidance to a wrench that is within the limits, with the greatest share that keeps it there.
+// Adds the guidance to a wrench that is within the limits: the greatest share with which the sum stays within
+// them.
 void CouplingPipeline::AddGuidance(const ArmFollower& arm, Wrench& F_T_W) OSTEON_RT {
   const double proposed = guidance_->ProposeScale({.X_WT = X_WT_, .V_WT = V_WT_, .model_fade = output_.fade});
   if (guidance_->field().inside) {
@@ -97,15 +98,16 @@ void CouplingPipeline::AddGuidance(const ArmFollower& arm, Wrench& F_T_W) OSTEON
     return;
   }
   const Wrench& guidance = guidance_->field().F_T_W;
-  const auto with = [&](double share) OSTEON_RT {
+  const auto sum_with = [&](double share) OSTEON_RT {
     return Wrench{.f = F_T_W.f + share * guidance.f, .t = F_T_W.t + share * guidance.t};
   };
-  // The largest share within force and torque, by the closed form. Mostly the arm can hold that share too.
-  const double share =
-      MaxFittingScale(ScaleWithin(limiter_, F_T_W, guidance, proposed),
-                      [&](double each) OSTEON_RT { return arm.Limit(limiter_, with(each)).share >= 1.0; });
+  // The closed form gives the largest share within force and torque. Usually the arm can hold it; if not, the
+  // share is found by halving.
+  const double share = MaxFittingScale(
+      ScaleWithin(limiter_, F_T_W, guidance, proposed),
+      [&](double each) OSTEON_RT { return arm.Limit(limiter_, sum_with(each)).share >= 1.0; });
   guidance_->AcceptScale(share);
-  if (share > 0.0) F_T_W = with(share);
+  if (share > 0.0) F_T_W = sum_with(share);
 }
 
 void CouplingPipeline::LimitPower(double power_scale, safety::LimitedWrench& rendered,
@@ -126,8 +128,8 @@ Wrench CouplingPipeline::OnTool(const Wrench& F_E_M) const OSTEON_RT {
 
 // The planes' part of the rendered wrench, on the head: without the spindle's torque.
 Wrench CouplingPipeline::RenderedByPlanes() const OSTEON_RT {
-  const double shaped = stabilisers_.governor().wrench_scale() * stabilisers_.tank().scale();
-  const double scale = shaped * limited_E_.share;
+  const double stabiliser_scale = stabilisers_.governor().wrench_scale() * stabilisers_.tank().scale();
+  const double scale = stabiliser_scale * limited_E_.share;
   return {.f = passed_scale_ * limited_E_.F.f,
           .t = passed_scale_ * (limited_E_.F.t - scale * (output_.F_T_W.t - output_.F_contact_T_W.t))};
 }
@@ -140,8 +142,8 @@ void CouplingPipeline::StepCompliance(const simulation::ContactModel& model,
 }
 
 bool CouplingPipeline::beyond_depth() const OSTEON_RT {
-  constexpr double kBeyond_m = 1e-3;
-  return depth_limit_.acts() && depth_limit_.rides_on_bone() && depth_limit_.distance_m() < -kBeyond_m;
+  constexpr double kTolerance_m = 1e-3;  // a smaller distance beyond the bound is tolerated
+  return depth_limit_.acts() && depth_limit_.rides_on_bone() && depth_limit_.distance_m() < -kTolerance_m;
 }
 
 void CouplingPipeline::AddActing(const safety::LimitedWrench& rendered,

@@ -50,8 +50,8 @@ class CouplingPipeline {
   [[nodiscard]] const safety::LimitedWrench& limited() const OSTEON_RT { return limited_; }
   [[nodiscard]] const CouplingOutput& output() const OSTEON_RT { return output_; }
 
-  /// Replaces the guidance, at a change of tool: with a freshly made one, so that its energy and share begin
-  /// at zero. The gain in force stays. Does not allocate.
+  /// Replaces the guidance, at a change of tool, by a freshly made one, whose energy and share begin at zero.
+  /// Keeps the present gain. Does not allocate.
   void SetGuidance(const std::optional<Guidance>& guidance) OSTEON_RT {
     const std::optional<Guidance> before = guidance_;
     guidance_ = guidance;
@@ -63,8 +63,8 @@ class CouplingPipeline {
   }
 
   /// Returns the wrench to render: that of the last Evaluate plus the passivity controller's damping, the
-  /// depth limit's resistance and the guidance, within the same limits. The guidance
-  /// gets the force and torque that the others leave.
+  /// depth limit's resistance and the guidance, within the same limits. The guidance gets the force and
+  /// torque that the other parts leave.
   [[nodiscard]] safety::LimitedWrench Render(const ArmFollower& arm, safety::LimitSet& acting) OSTEON_RT;
   /// Multiplies a rendered wrench by `power_scale`, 0 … 1, if that is less than 1.
   void LimitPower(double power_scale, safety::LimitedWrench& rendered, safety::LimitSet& acting) OSTEON_RT;
@@ -125,7 +125,7 @@ class CouplingPipeline {
   std::optional<Compliance> compliance_;
   CouplingState state_;
 
-  // of the last Evaluate
+  // values of the last Evaluate
   Pose X_WT_{Pose::Identity()};
   Twist V_WT_;
   Pose X_ME_{Pose::Identity()};  // the head in the bone's world; X_WT_ where the cell is rigid

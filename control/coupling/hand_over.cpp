@@ -17,10 +17,11 @@ HandOver AtForce(HandOver hand_over, double spring_N) OSTEON_RT {
   return hand_over;
 }
 
-// Gives the first wrench, with its direction and line of action, the size of the second.
+// Scales `before`, along its own line of action, to the force of `after`. A smaller `before` is not enlarged:
+// a part of `after` fills it up instead.
 Wrench WithSizeOf(Wrench before, const Wrench& after) OSTEON_RT {
   const double after_N = after.f.norm();
-  const double against_N = std::min(0.0, before.f.dot(after.f) / after_N);
+  const double against_N = std::min(0.0, before.f.dot(after.f) / after_N);  // <= 0
   before.f -=
       against_N / after_N * after.f;  // removes a component against `after`, due to rounding or motion
   const double before_N = before.f.norm();
@@ -36,21 +37,22 @@ void BeginHandOver(HandOver& hand_over, const HandOverRate& rate, const Wrench& 
   const double turning_N_per_s = hand_over.turn_N_per_s;
   hand_over = {};
   if (after.f.norm() <= kMinForce_N) return;
-  const Wrench held = WithSizeOf(before, after);
-  const Wrench left{.f = held.f - after.f, .t = held.t - after.t};
-  const double left_N = left.f.norm();
-  if (left_N <= kMinForce_N) return;
+  const Wrench first = WithSizeOf(before, after);  // wrench at the beginning of the turn
+  const Wrench difference{.f = first.f - after.f, .t = first.t - after.t};
+  const double difference_N = difference.f.norm();
+  if (difference_N <= kMinForce_N) return;
   // frames that arrive during a turn do not slow it down
-  hand_over = {.F_T_W = left,
-               .spring_N = after.f.norm(),
-               .turn_N_per_s = std::max({turning_N_per_s, left_N / rate.return_s, rate.min_turn_N_per_s})};
+  hand_over = {
+      .F_T_W = difference,
+      .spring_N = after.f.norm(),
+      .turn_N_per_s = std::max({turning_N_per_s, difference_N / rate.return_s, rate.min_turn_N_per_s})};
 }
 
 Wrench ApplyHandOver(const HandOver& hand_over, const Wrench& after) OSTEON_RT {
   if (hand_over.spring_N == 0.0) return after;
   const double after_N = after.f.norm();
-  const Wrench left = AtForce(hand_over, after_N).F_T_W;
-  const Wrench sum{.f = after.f + left.f, .t = after.t + left.t};
+  const Wrench remaining = AtForce(hand_over, after_N).F_T_W;
+  const Wrench sum{.f = after.f + remaining.f, .t = after.t + remaining.t};
   const double sum_N = sum.f.norm();
   return sum_N > after_N ? Scaled(sum, after_N / sum_N) : sum;
 }
@@ -58,12 +60,12 @@ Wrench ApplyHandOver(const HandOver& hand_over, const Wrench& after) OSTEON_RT {
 Wrench StepHandOver(HandOver& hand_over, const Wrench& after, double dt_s) OSTEON_RT {
   if (hand_over.spring_N == 0.0) return after;
   hand_over = AtForce(hand_over, after.f.norm());
-  const double left_N = hand_over.F_T_W.f.norm(), way_N = hand_over.turn_N_per_s * dt_s;
-  if (left_N <= way_N + kMinForce_N) {
+  const double remaining_N = hand_over.F_T_W.f.norm(), step_N = hand_over.turn_N_per_s * dt_s;
+  if (remaining_N <= step_N + kMinForce_N) {
     hand_over = {};
     return after;
   }
-  hand_over.F_T_W = Scaled(hand_over.F_T_W, 1.0 - way_N / left_N);
+  hand_over.F_T_W = Scaled(hand_over.F_T_W, 1.0 - step_N / remaining_N);
   return ApplyHandOver(hand_over, after);
 }
 

@@ -25,11 +25,13 @@ constexpr double kMaxTick_s = 0.005;  // a longer gap between ticks was a stop o
 
 bool Within(double value, double low, double high) { return value >= low && value <= high; }  // false for NaN
 
+// Whether each component is at most max_abs in magnitude; false for NaN.
 bool Within(const Vector3& v, double max_abs) {
   return Within(v.x(), -max_abs, max_abs) && Within(v.y(), -max_abs, max_abs) &&
          Within(v.z(), -max_abs, max_abs);
 }
 
+// Finds the first defect of a model: a lost device, no frame, or an implausible value.
 ModelStatus CheckModel(const ContactModel& model) {
   if (model.status == simulation::EngineStatus::kDeviceLost) return ModelStatus::kDeviceLost;
   if (model.status != simulation::EngineStatus::kOk) return ModelStatus::kNotCredible;
@@ -61,7 +63,8 @@ double CuttingTimeAt(const CouplingState& state, rt::Nanoseconds stamp) {
   return cut_s;
 }
 
-// Counts the time since the last tick as cutting or not, and stores it for the frames to come.
+// Adds the time since the last tick to the time spent cutting, if a contact pressed, and stores a sample for
+// later frames. @returns the time since the last tick [s]
 double AdvanceTime(CouplingState& state, rt::Nanoseconds now) {
   const double dt_s = state.last < 0 ? 0.0 : std::min(safety::AgeSeconds(now, state.last), kMaxTick_s);
   state.last = now;
@@ -75,7 +78,8 @@ bool AnyHeldBack(const CouplingState& state) {
   return std::any_of(state.held_back_m.begin(), state.held_back_m.end(), [](double h) { return h > 0.0; });
 }
 
-// Spring wrench of the previous frame's planes at a pose, with their present recession and return.
+// Spring wrench, on T at To in W, of the previous frame's planes at a pose of the tool. Each plane has its
+// present recession and is held back as far as at present.
 Wrench SpringOfFrame(const CouplingState& state, const Pose& X_WT) {
   std::array<HalfSpace, kMaxHalfSpaces> planes;
   std::array<Vector3, kMaxContacts> lever_W;
@@ -125,7 +129,8 @@ struct PlacedPlanes {
   std::array<Vector3, kMaxContacts> lever_W;         // from To to the contact point
 };
 
-// Checks the model and weighs it by its age. False if nothing is rendered; the contact is then forgotten.
+// Checks the model and the pose, and fades the coupling by the model's age. Returns false if either is
+// unusable: then the contact is forgotten and nothing is rendered.
 bool WeighModel(CouplingTick& tick, CouplingState& state, CouplingOutput& out) {
   const CouplingParams& params = tick.params;
   const CouplingInput& input = tick.input;
@@ -168,6 +173,7 @@ void AcceptFrame(CouplingTick& tick, CouplingState& state) {
 double PlacePlane(const CouplingTick& tick, std::size_t i, const Vector3& n_W, const Vector3& lever_W,
                   CouplingState& state) {
   const Contact& c = tick.input.model.contacts[i];
+  // the frame's plane, held back, then receded
   double gap_m = n_W.dot(lever_W + tick.input.X_WT.translation() - Vector3(c.p_W_m));
 
   double& recession_m = state.recession_m[i];
@@ -180,6 +186,7 @@ double PlacePlane(const CouplingTick& tick, std::size_t i, const Vector3& n_W, c
   gap_m += recession_m;
   if (!tick.new_frame || !state.has_proxy) return gap_m;
 
+  // a new frame's plane that the last proxy would violate is held back to where the proxy touches it
   const double before_m = n_W.dot(state.X_WP * Vector3(c.p_TP_m) - Vector3(c.p_W_m)) + recession_m;
   const double beyond_m = -before_m - state.violation_m;
   if (beyond_m > kRounding_m) {

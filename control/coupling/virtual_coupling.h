@@ -20,7 +20,7 @@ struct CouplingParams {
   double gone_s{0.060};        ///< from this age of the model on, nothing is rendered
   double ramp_s{0.100};        ///< shortest time in which the coupling fades in
   double return_s{0.008};      ///< time in which a plane that was held back is released; one period: at once
-  double turn_m_per_s{0.025};  ///< times K: smallest speed at which a hand-over turns the force [N/s]; > 0
+  double turn_m_per_s{0.025};  ///< smallest speed at which a hand-over turns the force, over K; > 0
 };
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
@@ -34,7 +34,7 @@ struct FramePlane {
 
 /// The coupling's state between ticks.
 struct CouplingState {
-  static constexpr int kHistory = 64;
+  static constexpr int kHistory = 64;  ///< ticks in `history`
   struct CutSample {
     rt::Nanoseconds stamp{-1};
     double cut_s{0.0};  ///< time spent cutting up to the stamp
@@ -57,8 +57,8 @@ struct CouplingState {
   std::array<bool, simulation::kMaxContacts> pressed{};
   double cut_s{0.0};                          ///< time with the spindle on in which any contact pressed
   std::array<CutSample, kHistory> history{};  ///< the last ticks' cut_s, a ring
-  int next{0};
-  HandOver hand_over;  ///< from the previous frame's planes to these
+  int next{0};                                ///< index in `history` of the next sample to write
+  HandOver hand_over;                         ///< from the previous frame's planes to these
 };
 
 /// Inputs of the coupling in a tick.

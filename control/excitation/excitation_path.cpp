@@ -36,6 +36,7 @@ ExcitationPath::ExcitationPath(const ExcitationParams& params, double period_s)
   period_ticks_ = static_cast<int>(std::lround(Multisine::kPeriod_s / period_s));
   for (int d = 0; d < params.draws; ++d) {
     Multisine draw(params.seed + static_cast<std::uint64_t>(d), params.peak_speed_m_per_s);
+    // amplitudes that would exceed travel or acceleration are reduced
     const double share = std::min({1.0, params.max_travel_m / draw.peak().x_m,
                                    params.max_acceleration_m_per_s2 / draw.peak().a_m_per_s2});
     if (share < 1.0) draw.Scale(share);
@@ -50,6 +51,7 @@ ExcitationStep ExcitationPath::Step(bool permitted) OSTEON_RT {
   const bool full_rate = clock_.rate() >= 1.0;
   t_s_ += passed_s;
   faded_s_ += passed_s;
+  // at less than full rate, a new settling period begins
   if (part_ == ExcitationPart::kFading) {
     if (faded_s_ >= kFade_s) part_ = ExcitationPart::kDone;
   } else if (full_rate) {
@@ -88,6 +90,7 @@ void ExcitationPath::Count() OSTEON_RT {
   ++ticks_;
 }
 
+// Offset along the axis at the path's present time [m].
 double ExcitationPath::Offset() const OSTEON_RT {
   const double s = Quintic(faded_s_ / kFade_s);
   switch (part_) {
@@ -106,6 +109,7 @@ double ExcitationPath::Offset() const OSTEON_RT {
 }
 
 double ExcitationPath::duration_s() const {
+  // periods count from the clock's full rate on, which it reaches 2/3 pause_s after its start
   return Multisine::kPeriod_s * (params_.periods + 1) * static_cast<double>(draws_.size()) +
          params_.pause_s * 2.0 / 3.0 + kFade_s;
 }

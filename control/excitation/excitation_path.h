@@ -29,7 +29,7 @@ struct ExcitationStep {
   ExcitationPart part{ExcitationPart::kSettling};
   int draw{0};
   int period{0};        ///< counted periods finished in this draw
-  bool at_rest{false};  ///< the path is paused, and stands
+  bool at_rest{false};  ///< the path is paused or done, and stands
 };
 
 /// The offset along an axis over time. Each draw has a settling period and then the counted periods. The
@@ -43,7 +43,7 @@ struct ExcitationStep {
 /// count. Set-up allocates; Step does not. Same inputs, same bits.
 class ExcitationPath {
  public:
-  static constexpr double kFade_s = 0.5;
+  static constexpr double kFade_s = 0.5;  ///< duration of each cross-fade
 
   /// @throws std::invalid_argument naming the parameter, the value found and what is accepted.
   ExcitationPath(const ExcitationParams& params, double period_s);
@@ -71,9 +71,9 @@ class ExcitationPath {
   double t_s_{0.0};      // the path's own time
   double faded_s_{0.0};  // since the present draw, or the end's fade, began
   ExcitationPart part_{ExcitationPart::kSettling};
-  int ticks_{0};  // at full rate, in the present period
-  std::size_t draw_{0};
-  int period_{0};
+  int ticks_{0};         // at full rate, in the present period
+  std::size_t draw_{0};  // index of the present draw
+  int period_{0};        // counted periods finished in this draw
 };
 
 }  // namespace osteon::control

@@ -11,11 +11,13 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kSecond_s = 1.0, kWindow_s = 0.1, kSlow_hz = 5.0;
+constexpr double kSecond_s = 1.0;  // lost messages and answers are counted over this time
+// ForceGrows: the force above kSlow_hz is measured in windows of kWindow_s.
+constexpr double kWindow_s = 0.1, kSlow_hz = 5.0;
 // A window's force has grown if it is more than kGrowth times that of the window before, and above kGrown_N.
 constexpr double kGrowth = 1.3, kGrown_N = 5.0;
-constexpr int kGrowingWindows = 3;
-constexpr int kMaxGap = 100;  // messages; the loop itself reacts to a longer gap
+constexpr int kGrowingWindows = 3;  // so many growing windows in a row abort the excitation
+constexpr int kMaxGap = 100;  // longest gap that counts, in messages; the loop itself reacts to a longer one
 
 using JointMap = Eigen::Map<const Eigen::Matrix<double, kJoints, 1>>;
 
@@ -70,6 +72,7 @@ ExcitedHold::ExcitedHold(const ExcitedHoldParams& params)
   Require(overlay.mass_kg > 0.0 && overlay.damping_Ns_per_m >= 0.0 && overlay.stiffness_N_per_m > 0.0,
           "overlay.stiffness_N_per_m", overlay.stiffness_N_per_m, "> 0, with a mass > 0 and a damping >= 0");
   const MultisineState peak = path_.peak();
+  // upper bound of the unscaled force: the peaks of all three terms together
   const double bound_N = overlay.mass_kg * peak.a_m_per_s2 + overlay.damping_Ns_per_m * peak.v_m_per_s +
                          overlay.stiffness_N_per_m * peak.x_m;
   overlay_scale_ = std::min(1.0, overlay.max_force_N / bound_N);
@@ -82,6 +85,7 @@ ExcitedHoldStep ExcitedHold::Step(const ExcitedTick& tick) OSTEON_RT {
     sequence_ = tick.sequence;
     return step_;
   }
+  // messages since the last one that arrived, lost ones included
   const int messages =
       std::clamp(static_cast<int>(tick.sequence - sequence_) / params_.sequence_step, 1, kMaxGap);
   sequence_ = tick.sequence;
@@ -100,6 +104,7 @@ ExcitedHoldStep ExcitedHold::Step(const ExcitedTick& tick) OSTEON_RT {
           (abort_ != ExcitationAbort::kNone && step_.path.at_rest);
   step_.excites = !done_;
   if (done_) step_.f_N = 0.0;
+  // the commanded offset of the joints, and the measured one along the axis or of the joint
   JointArray moved{};
   for (std::size_t j = 0; j < moved.size(); ++j) {
     if (!params_.overlay.on) step_.offset[j] = params_.direction[j] * step_.x_m;
@@ -147,6 +152,7 @@ void ExcitedHold::BeginExcitation(const ExcitedTick& tick) OSTEON_RT {
   second_lost_ = tick.lost + tick.answers_lost;
 }
 
+// Finds the first reason to abort the excitation in this tick, or kNone. LosesAnswers checks lost answers.
 // @param x_before_m  offset that the last answer commanded
 ExcitationAbort ExcitedHold::Check(const ExcitedTick& tick, double x_before_m) OSTEON_RT {
   if (!tick.active || tick.activation != activation_) return ExcitationAbort::kArmLeft;
@@ -161,23 +167,23 @@ ExcitationAbort ExcitedHold::Check(const ExcitedTick& tick, double x_before_m) O
 
 // Whether tool and joint are near where the last answer commanded them.
 bool ExcitedHold::Tracks(const ExcitedTick& tick, double x_before_m) const OSTEON_RT {
-  JointArray off{};
+  JointArray error{};
   // with an overlay the command stands still, and the force moves the tool away from it
   const double commanded_m = params_.overlay.on ? 0.0 : x_before_m;
-  for (std::size_t j = 0; j < off.size(); ++j)
-    off[j] = tick.q_meas[j] - q_hold_[j] - params_.direction[j] * commanded_m;
-  if (!((params_.J_W * JointMap(off.data())).norm() <= params_.max_tracking_m)) return false;
+  for (std::size_t j = 0; j < error.size(); ++j)
+    error[j] = tick.q_meas[j] - q_hold_[j] - params_.direction[j] * commanded_m;
+  if (!((params_.J_W * JointMap(error.data())).norm() <= params_.max_tracking_m)) return false;
   return params_.joint < 0 ||
-         std::abs(off[static_cast<std::size_t>(params_.joint)]) <= params_.max_joint_tracking_rad;
+         std::abs(error[static_cast<std::size_t>(params_.joint)]) <= params_.max_joint_tracking_rad;
 }
 
 // Counts the messages and answers that were lost in the present second. @returns whether they are too many
 bool ExcitedHold::LosesAnswers(const ExcitedTick& tick, int messages) OSTEON_RT {
   second_messages_ += messages;
-  const double second = kSecond_s / params_.period_s;
+  const double second_periods = kSecond_s / params_.period_s;
   const std::uint32_t lost = tick.lost + tick.answers_lost - second_lost_;
-  if (static_cast<double>(lost) > params_.max_lost_share * second) return true;
-  if (static_cast<double>(second_messages_) >= second) {
+  if (static_cast<double>(lost) > params_.max_lost_share * second_periods) return true;
+  if (static_cast<double>(second_messages_) >= second_periods) {
     second_messages_ = 0;
     second_lost_ = tick.lost + tick.answers_lost;
   }
@@ -187,6 +193,7 @@ bool ExcitedHold::LosesAnswers(const ExcitedTick& tick, int messages) OSTEON_RT 
 // Whether the force grows from window to window, which shows an unstable loop: the excitation's own force is
 // periodic, with an even level.
 bool ExcitedHold::ForceGrows(const Vector3& force_S_N) OSTEON_RT {
+  // first-order low pass; the rest of the force is above kSlow_hz
   const double share = 1.0 - std::exp(-2.0 * std::numbers::pi * kSlow_hz * params_.period_s);
   slow_S_N_ += share * (force_S_N - slow_S_N_);
   squares_ += (force_S_N - slow_S_N_).squaredNorm();

@@ -23,7 +23,7 @@ enum class ExcitationAbort : std::uint8_t {
   kAnswersLost,  ///< messages and answers lost in 1 s: more than max_lost_share of all
   kSensor,       ///< no force reading that can be used
 };
-/// "the force on the sensor changed by more than …", for messages.
+/// Describes an abort for messages, e.g. "the force on the sensor passed its limit"; empty for kNone.
 [[nodiscard]] const char* Describe(ExcitationAbort abort);
 
 /// Excitation by a force that is laid over the arm's own impedance control, instead of a motion of the
@@ -67,9 +67,9 @@ struct ExcitedHoldParams {
 struct ExcitedTick {
   bool received{false};
   std::uint32_t sequence{0}, activation{0};
-  bool active{false};  ///< COMMANDING_ACTIVE
-  std::uint32_t lost{0}, answers_lost{0};
-  JointArray q_meas{}, q_hold{};  ///< measured; commanded by the loop [rad]
+  bool active{false};                      ///< COMMANDING_ACTIVE
+  std::uint32_t lost{0}, answers_lost{0};  ///< counters of ArmState
+  JointArray q_meas{}, q_hold{};           ///< measured; commanded by the loop [rad]
   Vector3 force_S_N{Vector3::Zero()};
   double sensor_age_s{0.0};
   bool sensor_trusted{true}, permitted{false};
@@ -90,10 +90,11 @@ struct ExcitedHoldStep {
 ///
 ///     ServoLoop (paused) ──q_hold──▶ + direction x(t) ──▶ arm
 ///
-/// The loop's checks of a pause go on: session, tracking, measured speed. This adds its own, and decides by
-/// each tick alone, so that the same ticks from a recording give the same offsets, bit for bit. After an
-/// abort the path brakes to rest within pause_s; the offset stays where it came to rest, and an overlay ends.
-/// Between messages that were lost the path advances by the sequence number. Step does not allocate.
+/// The loop's checks of a pause go on: session, tracking, measured speed. This class adds checks of its own.
+/// It decides by the ticks alone, so that the same ticks from a recording give the same offsets, bit for bit.
+/// After an abort the path brakes to rest within pause_s; the offset stays where it came to rest, and an
+/// overlay ends. Between messages that were lost the path advances by the sequence number. Step does not
+/// allocate.
 class ExcitedHold {
  public:
   /// @throws std::invalid_argument naming the parameter, the value found and what is accepted.
@@ -126,10 +127,10 @@ class ExcitedHold {
   ExcitedHoldStep step_;
   double overlay_scale_{1.0};                    // keeps the force within its bound
   double x_last_m_{0.0}, x_before_last_m_{0.0};  // the path's x in the last two periods
-  // answers lost in the present second
+  // counts of the present second (LosesAnswers)
   int second_messages_{0};
   std::uint32_t second_lost_{0};
-  // force above 5 Hz, in windows of 0.1 s
+  // force above 5 Hz, in windows of 0.1 s (ForceGrows)
   Vector3 slow_S_N_{Vector3::Zero()};
   double squares_{0.0}, window_N_{0.0};
   int window_ticks_{0}, growing_{0};

@@ -45,6 +45,7 @@ double PeakSpeed(const std::array<MultisineLine, Multisine::kLines>& lines,
 std::array<int, Multisine::kLines> Multisine::Harmonics() {
   std::array<int, kLines> harmonics{};
   int last = kMinHarmonic - 2;
+  // evenly in log(f); each is the nearest odd harmonic that is not to stay empty
   for (std::size_t i = 0; i < kLines; ++i) {
     const double share = static_cast<double>(i) / (kLines - 1);
     const double target = kMinHarmonic * std::pow(static_cast<double>(kMaxHarmonic) / kMinHarmonic, share);
@@ -63,7 +64,7 @@ Multisine::Multisine(std::uint64_t seed, double peak_speed_m_per_s) {
   const std::array<int, kLines> harmonics = Harmonics();
   for (std::size_t i = 0; i < kLines; ++i) {
     const double hz = Frequency(harmonics[i]);
-    const double speed = hz <= kFlatSpeed_hz ? 1.0 : kFlatSpeed_hz / hz;
+    const double speed = hz <= kFlatSpeed_hz ? 1.0 : kFlatSpeed_hz / hz;  // relative to the lowest line's
     lines_[i] = {.harmonic = harmonics[i], .amplitude_m = speed / (kTwoPi * hz)};
   }
   std::vector<double> cosines(kSamples);
@@ -81,7 +82,7 @@ Multisine::Multisine(std::uint64_t seed, double peak_speed_m_per_s) {
     for (std::size_t i = 0; i < kLines; ++i) best[i] = lines_[i].phase_rad;
   }
   for (std::size_t i = 0; i < kLines; ++i) lines_[i].phase_rad = kTwoPi * best[i] / kSamples;
-  Scale(1.0);
+  Scale(1.0);  // computes the peaks
   Scale(peak_speed_m_per_s / peak_.v_m_per_s);
 }
 

@@ -29,11 +29,11 @@ struct MultisineState {
 /// Pintelon, IEEE Control Systems Magazine 36(3), 2016.
 class Multisine {
  public:
-  static constexpr int kLines = 27;
+  static constexpr int kLines = 27;  ///< harmonics with power
   static constexpr double kPeriod_s = 4.0;
   static constexpr int kMinHarmonic = 3, kMaxHarmonic = 237;
-  static constexpr int kDraws = 100;
-  static constexpr double kFlatSpeed_hz = 20.0;
+  static constexpr int kDraws = 100;             ///< random sets of phases that are tried
+  static constexpr double kFlatSpeed_hz = 20.0;  ///< up to this frequency all lines have the same speed
 
   /// Set-up; some 10 ms. @param seed  of the phases
   /// @param peak_speed_m_per_s  largest speed; > 0

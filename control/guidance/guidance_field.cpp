@@ -14,6 +14,7 @@ namespace {
 constexpr double kMaxDampingShare = 0.25;  // largest damping force over the spring's force, as for a contact
 constexpr double kPi = std::numbers::pi;
 
+// Throws std::invalid_argument unless the value is within low … high.
 void Require(const char* name, double value, double low, double high) {
   if (!(value >= low && value <= high))
     throw std::invalid_argument(std::string("guidance ") + name + ": found " + base::NumberText(value) +
@@ -27,7 +28,8 @@ void RequireSpring(const std::string& name, const GuidanceSpring& spring, double
   Require((name + " cap").c_str(), spring.cap, 0.5 * spring.stiffness * spring.ease, max_cap);
 }
 
-// The spring's force at an excess, damped by the excess' rate.
+// The spring's force [N or N·m] at an excess that changes at `rate`. On the way out, damping × rate is added;
+// on the way back, the force fades to zero at the speed return_rate.
 double DampedForce(const GuidanceSpring& spring, double excess, double rate, double damping,
                    double return_rate) OSTEON_RT {
   const double force = SpringForce(spring, excess);
@@ -58,7 +60,7 @@ void Validate(const GuidanceParams& params) {
 }
 
 double SpringForce(const GuidanceSpring& spring, double excess) OSTEON_RT {
-  const auto& [k, s, cap] = spring;
+  const auto& [k, s, cap] = spring;  // s: the spring's ease
   if (!(excess > 0.0)) return 0.0;
   if (excess < s) return 0.5 * k * excess * excess / s;
   return std::min(k * (excess - 0.5 * s), cap);
@@ -75,6 +77,7 @@ double SpringPotential(const GuidanceSpring& spring, double excess) OSTEON_RT {
 
 GuidanceField EvaluateGuidance(const GuidanceParams& params, const Pose& X_WT, const Twist& V_WT) OSTEON_RT {
   GuidanceField field;
+  // the head's position and the tool's angle relative to the plan, by the names of the formulas in the header
   const Vector3& a = params.axis_W;
   const Vector3 z = X_WT.linear().col(2);
   const Vector3 p_TH = -params.head_m * z;
@@ -99,6 +102,7 @@ GuidanceField EvaluateGuidance(const GuidanceParams& params, const Pose& X_WT, c
                       SpringPotential(params.lateral, e.lateral_m) + SpringPotential(params.depth, e.depth_m);
   if (field.inside) return field;
 
+  // damped force of each part, along the direction in which its excess grows or falls
   const Vector3 r_unit = rho > 0.0 ? Vector3(r / rho) : Vector3::Zero();
   const Vector3 turn_unit = turn_norm > 0.0 ? Vector3(turn / turn_norm) : Vector3::Zero();
   const Vector3 outward = cos_psi * r_unit - sin_psi * a;  // gradient of e_l

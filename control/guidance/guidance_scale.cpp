@@ -10,7 +10,8 @@ namespace {
 
 constexpr double kRise_s = 0.1;     // shortest time in which the scale rises from 0 to 1 outside the corridor
 constexpr double kRounding = 1e-9;  // relative rounding error of a scale by the closed form
-constexpr double kMaxSurplus_J = 0.05;  // energy taken beyond what is stored that is remembered
+// Energy that was taken from the hand beyond the stored energy is remembered up to this.
+constexpr double kMaxSurplus_J = 0.05;
 
 // The greatest s in [0, max_scale] with |a + s b| <= limit; 0 if there is none.
 double ScaleWithin(const Vector3& a, const Vector3& b, double limit, double max_scale) OSTEON_RT {

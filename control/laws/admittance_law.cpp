@@ -9,9 +9,10 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMaxCentre_m = 10.0;
+constexpr double kMaxCentre_m = 10.0;  // largest accepted coordinate of the centre, in magnitude
 
-// A^T diag(linear, angular) A, A = [1 -c×; 0 1].
+// Refers an inertia or drag that is diagonal at C to To, in T: A^T diag(linear, angular) A, A = [1 -c×; 0 1].
+// @param c  from To to C
 Matrix6 AtOrigin(const Vector3& linear, const Vector3& angular, const Vector3& c) {
   Matrix3 c_cross;
   c_cross << 0.0, -c.z(), c.y(), c.z(), 0.0, -c.x(), -c.y(), c.x(), 0.0;
@@ -51,12 +52,12 @@ Wrench SubtractDeadZone(const AdmittanceParams& params, const Wrench& F_T_W) OST
 
 AdmittanceParams ScaleLaw(const AdmittanceParams& params, double mass_factor,
                           double damping_factor) OSTEON_RT {
-  AdmittanceParams times = params;
-  times.mass_kg *= mass_factor;
-  times.inertia_kg_m2 *= mass_factor;
-  times.damping_Ns_per_m *= damping_factor;
-  times.damping_Nms_per_rad *= damping_factor;
-  return times;
+  AdmittanceParams scaled = params;
+  scaled.mass_kg *= mass_factor;
+  scaled.inertia_kg_m2 *= mass_factor;
+  scaled.damping_Ns_per_m *= damping_factor;
+  scaled.damping_Nms_per_rad *= damping_factor;
+  return scaled;
 }
 
 Twist AfterMassChange(const Twist& V_WT, double ratio) OSTEON_RT {
@@ -91,6 +92,7 @@ bool NextTwist(const AdmittanceParams& params, const NextTwistInput& input, Twis
   const Matrix3 R_WT = input.X_WT.linear();
   const Vector3& c = params.centre_T_m;
   const bool at_origin = c.isZero(0.0);
+  // velocity and wrench in T, then at C
   Twist V_T{.v = R_WT.transpose() * V_WT.v, .w = R_WT.transpose() * V_WT.w};
   Wrench F_T{.f = R_WT.transpose() * F_T_W.f, .t = R_WT.transpose() * F_T_W.t};
   if (!at_origin) {
@@ -98,6 +100,7 @@ bool NextTwist(const AdmittanceParams& params, const NextTwistInput& input, Twis
     F_T.t -= c.cross(F_T.f);
   }
 
+  // one implicit step of three axes; a locked axis gets its given velocity
   const auto step = [&](const Vector3& v, const Vector3& f, const Vector3& m, const Vector3& b,
                         const Vector3& held, std::size_t first) -> Vector3 {
     Vector3 v_next;

@@ -9,7 +9,8 @@ namespace osteon::control {
 namespace {
 
 constexpr double kMaxHandTorque_Nm = 100.0;  // a larger hand torque is scaled to this
-// Long compared with a frame, so that the speed limit does not follow the age within each frame.
+// Time constant with which sight_age_s_ decays. Long compared with a frame, so that the speed limit does not
+// follow the age within each frame.
 constexpr double kSightMemory_s = 0.1;
 
 }  // namespace

@@ -27,7 +27,7 @@ void GainRamp::SetTarget(const Gains& target) OSTEON_RT {
 bool GainRamp::Step(bool pressed) OSTEON_RT {
   if (!moves_) return false;
   const std::array<double, kGainCount> to = GainValues(target_);
-  bool changed = false, there = true;
+  bool changed = false, all_reached = true;
   std::size_t i = 0;
   VisitGains(now_, [&](const char*, const char*, const char*, double& value) {
     const bool rising_spring = &value == &now_.max_stiffness_N_per_m && to[i] > value;
@@ -38,10 +38,10 @@ bool GainRamp::Step(bool pressed) OSTEON_RT {
                   : value + std::copysign(max_step_[i], to[i] - value);
       changed = true;
     }
-    there &= value == to[i];
+    all_reached &= value == to[i];
     ++i;
   });
-  moves_ = !there;
+  moves_ = !all_reached;
   return changed;
 }
 

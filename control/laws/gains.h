@@ -33,6 +33,7 @@ void VisitGains(AnyGains& gains, Visit&& visit) {
   visit("coupling_damping", "", "Ns_per_m", gains.coupling_damping_Ns_per_m);
   visit("coupling_damping_share", "", "", gains.damping_share);
 }
+/// Number of gains that VisitGains visits.
 inline constexpr std::size_t kGainCount = 17;
 
 /// Reads the gains from the laws' parameters.

@@ -18,10 +18,10 @@ void Validate(const ImpedanceParams& params) {
 }
 
 ImpedanceParams ScaleLaw(const ImpedanceParams& params, double damping_factor) OSTEON_RT {
-  ImpedanceParams times = params;
-  times.damping_Ns_per_m *= damping_factor;
-  times.damping_Nms_per_rad *= damping_factor;
-  return times;
+  ImpedanceParams scaled = params;
+  scaled.damping_Ns_per_m *= damping_factor;
+  scaled.damping_Nms_per_rad *= damping_factor;
+  return scaled;
 }
 
 void MeasuredTwist::Reset(const Pose& X_WT) OSTEON_RT {

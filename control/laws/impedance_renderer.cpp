@@ -79,16 +79,18 @@ ImpedanceStep ImpedanceRenderer::Step(const ArmSession& arm, const Twist& V_befo
 bool ImpedanceRenderer::Brake(const ArmSession& arm, const safety::WrenchLimiter& limiter,
                               CommandedTool& tool) OSTEON_RT {
   tool.V_WT = arm.V_WT();
-  // a stop is `braked` ticks of braking, then kStandingMessages ticks in a row in which the tool stands
-  const int braked = JointStopTicks(params_), whole_stop = braked + ArmSession::kStandingMessages;
+  // a stop is `braking_ticks` ticks of braking, then kStandingMessages ticks in a row in which the tool
+  // stands
+  const int braking_ticks = JointStopTicks(params_),
+            total_ticks = braking_ticks + ArmSession::kStandingMessages;
   const bool stands =
       tool.V_WT.v.norm() <= kToolStands_m_per_s && tool.V_WT.w.norm() <= kToolStands_rad_per_s;
   if (stop_ticks_ == 0) stop_brake_.Reset();
-  if (stop_ticks_ < braked)
+  if (stop_ticks_ < braking_ticks)
     F_sent_T_W_ =
         tool.arm().Limit(limiter, stop_brake_.Step(params_.impedance, arm.X_WT().linear(), tool.V_WT)).F;
-  stop_ticks_ = stop_ticks_ < braked || stands ? stop_ticks_ + 1 : braked;
-  if (stop_ticks_ < whole_stop) return false;
+  stop_ticks_ = stop_ticks_ < braking_ticks || stands ? stop_ticks_ + 1 : braking_ticks;
+  if (stop_ticks_ < total_ticks) return false;
   F_sent_T_W_ = {};
   return true;
 }

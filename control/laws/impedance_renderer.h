@@ -71,7 +71,7 @@ class ImpedanceRenderer {
   JointArray q_before_{};  // [rad] measured in the previous message
   Wrench F_sent_T_W_;      // wrench of this tick: coupling, damping and brake, limited
   StopBrake stop_brake_;
-  int stop_ticks_{0};  // ticks of the present stop so far
+  int stop_ticks_{0};  // ticks of the present stop; back to the end of braking when the tool moves
 };
 
 }  // namespace osteon::control

@@ -12,8 +12,8 @@ constexpr double kMaxPeriods = 10.0;
 // A joint that is slower counts as standing still. The limit is above an encoder's step per period, and below
 // the speed of a coasting arm.
 constexpr double kStands_rad_per_s = 0.02;
-constexpr double kSamePeriod_s = 1e-6;
-constexpr std::uint8_t kT1 = 0;  // ArmState::operation_mode
+constexpr double kSamePeriod_s = 1e-6;  // a smaller difference of two periods counts as none
+constexpr std::uint8_t kT1 = 0;         // value of ArmState::operation_mode for T1
 
 }  // namespace
 
@@ -52,8 +52,8 @@ void ArmSession::UpdateStandstill(const JointArray& q_meas) OSTEON_RT {
 }
 
 bool ArmSession::TakesCommands(const ArmState& state, bool moves) const OSTEON_RT {
-  const bool same = !moves || !commanded_ || state.activation == activation_;
-  return state.session == SessionState::kCommandingActive && same;
+  const bool allowed = !moves || !commanded_ || state.activation == activation_;
+  return state.session == SessionState::kCommandingActive && allowed;
 }
 
 bool ArmSession::IsSameActivation(const ArmState& state) const OSTEON_RT {

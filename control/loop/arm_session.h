@@ -73,8 +73,8 @@ class ArmSession {
   Pose X_WT_{Pose::Identity()};
   rt::Nanoseconds measured_at_{0};
   double elapsed_s_{0.0};
-  JointArray q_seen_{};  // [rad] measured in the previous message
-  int standing_{0}, missed_{0};
+  JointArray q_seen_{};          // [rad] measured in the previous message
+  int standing_{0}, missed_{0};  // messages in a row: in which the arm stood; that were missed
   std::uint32_t activation_{0};
   bool commanded_{false};  // motion began in activation_, and the arm has not been seen to leave it
 };

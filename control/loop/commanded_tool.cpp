@@ -6,7 +6,7 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kRest_m_per_s = 1e-9, kRest_rad_per_s = 1e-9;
+constexpr double kRest_m_per_s = 1e-9, kRest_rad_per_s = 1e-9;  // a slower braked tool is at rest
 
 }  // namespace
 

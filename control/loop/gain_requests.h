@@ -12,7 +12,7 @@ namespace osteon::control {
 /// Gains that another thread requests, and the ramp on which the ticks reach them.
 class GainRequests {
  public:
-  /// @param gains  gains in force; no request may exceed their coupling stiffness
+  /// @param gains  gains at the beginning; no request may exceed their coupling stiffness
   GainRequests(const Gains& gains, double period_s);
 
   /// Requests other gains. A later request replaces one that no tick has taken yet. From one thread, not the
@@ -34,9 +34,9 @@ class GainRequests {
     Gains gains;
   };
   rt::LatestValue<Requested> requested_;
-  std::uint64_t requests_{0};  ///< made so far; belongs to the requesting thread
-  std::uint64_t taken_{0};     ///< last request that a tick has taken
-  double max_stiffness_N_per_m_;
+  std::uint64_t requests_{0};     ///< made so far; belongs to the requesting thread
+  std::uint64_t taken_{0};        ///< last request that a tick has taken
+  double max_stiffness_N_per_m_;  ///< largest coupling stiffness that may be requested
   GainRamp ramp_;
 };
 

@@ -60,10 +60,11 @@ void HapticRendering::Step(const TickInputs& tick) OSTEON_RT {
     RenderAdmittance(tick);
 }
 
+// Reads the spindle's actual speed and the PLC's permission for it, and applies the event of its state.
 void HapticRendering::UpdateSpindle(const CellReadings& readings) OSTEON_RT {
   spindle_permitted_ = !params_.has_interlock || readings.interlock.spindle_permitted;
-  const double wanted = SpindleCommand_rad_per_s();
-  const double speed = params_.has_spindle ? readings.spindle.speed_rad_per_s : wanted;
+  const double command_rad_per_s = SpindleCommand_rad_per_s();
+  const double speed = params_.has_spindle ? readings.spindle.speed_rad_per_s : command_rad_per_s;
   // only a positive direction counts: the tool's edges cut in no other
   spindle_rad_per_s_ =
       std::isfinite(speed) && speed > kMinSpeedRatio * params_.spindle_rad_per_s ? speed : 0.0;
@@ -91,6 +92,7 @@ Wrench HapticRendering::EvaluateContact(const TickInputs& tick, const ToolMotion
   return F_hand_T_W;
 }
 
+// Renders one tick by the admittance law: computes wrench and motion, then checks the resulting motion.
 void HapticRendering::RenderAdmittance(const TickInputs& tick) OSTEON_RT {
   const Pose X_before = tool_.X_WT();
   const Wrench F_hand_T_W = EvaluateContact(tick, {.X_WT = X_before, .V_WT = tool_.Velocity()});
@@ -130,6 +132,7 @@ void HapticRendering::RenderAdmittance(const TickInputs& tick) OSTEON_RT {
   StepCompliance(tick.model);
 }
 
+// Renders one tick by the impedance law, at the measured pose.
 void HapticRendering::RenderImpedance(const TickInputs& tick) OSTEON_RT {
   const Twist V_before_WT = tool_.V_WT;
   tool_.V_WT = session_.V_WT();
@@ -163,10 +166,11 @@ void HapticRendering::Stop(const ArmState& state) OSTEON_RT {
 void HapticRendering::StepCompliance(const simulation::ContactModel& model) OSTEON_RT {
   coupling_.StepCompliance(model, result_.acting);
   const Compliance* compliance = coupling_.compliance();
-  const bool bent = compliance != nullptr && compliance->beyond_limit(), deep = coupling_.beyond_depth();
-  if (bent) supervisor_.Latch(Fault::kDeflection);
-  if (deep) supervisor_.Latch(Fault::kWorkspace);
-  if (bent || deep) actions_.ApplyFault();
+  const bool over_deflected = compliance != nullptr && compliance->beyond_limit(),
+             too_deep = coupling_.beyond_depth();
+  if (over_deflected) supervisor_.Latch(Fault::kDeflection);
+  if (too_deep) supervisor_.Latch(Fault::kWorkspace);
+  if (over_deflected || too_deep) actions_.ApplyFault();
 }
 
 // Stores the rendered wrench of either law, and updates the statistics. The stored fractions cover all limits

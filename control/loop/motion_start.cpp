@@ -63,9 +63,9 @@ bool MotionStart::StartIfPermitted(const TickInputs& tick, const StartInput& inp
   actions.ApplyEvent(supervisor.permits().AllButHandedOver() ? CellEvent::kPermitsHold
                                                              : CellEvent::kPermitsMissing);
   if (!supervisor.permits().All()) return false;
-  const bool there = rendered || tool.arm().AtStart();
+  const bool at_start = rendered || tool.arm().AtStart();
   const CellAction action =
-      actions.ApplyEvent(there ? CellEvent::kBeginRendering : CellEvent::kBeginAligning);
+      actions.ApplyEvent(at_start ? CellEvent::kBeginRendering : CellEvent::kBeginAligning);
   if (action == CellAction::kBeginPath) StartPath(tick);
   return action == CellAction::kBeginRendering;
 }
@@ -77,6 +77,7 @@ void MotionStart::EstimateBias(const TickInputs& tick) OSTEON_RT {
     parts_.hand.EstimateBias(force, parts_.session.X_WT());
 }
 
+// Begins the path to the start, from the arm's present posture.
 void MotionStart::StartPath(const TickInputs& tick) OSTEON_RT {
   const auto& [params, supervisor, session, tool, hand, checks, actions] = parts_;
   session.StartCommanding(tick.state);
@@ -91,16 +92,16 @@ void MotionStart::StartPath(const TickInputs& tick) OSTEON_RT {
 
 bool MotionStart::StepPath(const TickInputs& tick) OSTEON_RT {
   const auto& [params, supervisor, session, tool, hand, checks, actions] = parts_;
-  const bool ends = safety::Brakes(supervisor.state());
+  const bool stopping = safety::Brakes(supervisor.state());
   const bool permitted = checks.IsMotionPermitted(tick.readings.interlock, tick.now);
-  const bool free = !params.start || checks.hand_N() <= params.start->pause_force_N;
-  const StartStep step = tool.arm().StepToStart(permitted && free && !ends);
+  const bool hand_is_free = !params.start || checks.hand_N() <= params.start->pause_force_N;
+  const StartStep step = tool.arm().StepToStart(permitted && hand_is_free && !stopping);
   if (step.refused != Fault::kNone) {
     actions.StopWith(step.refused);
     actions.FinishStop();
-  } else if (ends && step.paused) {
+  } else if (stopping && step.paused) {
     actions.FinishStop();
-  } else if (step.at_start && !ends && supervisor.permits().All() &&
+  } else if (step.at_start && !stopping && supervisor.permits().All() &&
              actions.ApplyEvent(CellEvent::kBeginRendering) == CellAction::kBeginRendering) {
     supervisor.SetOnPath(false);
     return true;

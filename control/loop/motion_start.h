@@ -15,10 +15,11 @@ namespace osteon::control {
 
 /// The values that a start of motion depends on, beside a tick's inputs and the loop's parts.
 struct StartInput {
-  double max_force_N{0.0};                                         ///< as StartConditions
-  bool may_start{true};                                            ///< as StartConditions
-  bool arm_overloaded{false};                                      ///< as StartConditions
-  rt::Nanoseconds withdrawn_at{StartConditions::kNeverWithdrawn};  ///< as StartConditions
+  // StartConditions explains each field.
+  double max_force_N{0.0};
+  bool may_start{true};
+  bool arm_overloaded{false};
+  rt::Nanoseconds withdrawn_at{StartConditions::kNeverWithdrawn};
 };
 
 /// How motion begins: the arm's session, the conditions of motion, and the path to the start.

@@ -52,7 +52,7 @@ class MotionSupervisor {
   [[nodiscard]] bool IsWaiting() const OSTEON_RT {
     return safety::Waits(state_) && phase() != Phase::kStopped;
   }
-  /// Whether nothing is moved or braked, and no fault is latched.
+  /// Whether the loop neither moves nor brakes the arm, because it waits for motion or is paused.
   [[nodiscard]] bool IsWaitingOrPaused() const OSTEON_RT {
     return safety::Waits(state_) || state_ == safety::CellState::kPaused;
   }
@@ -68,7 +68,8 @@ class MotionSupervisor {
   safety::FaultSet faults_;
   safety::MotionPermits permits_;
   bool stop_requested_{false}, pause_requested_{false};
-  bool on_path_{false}, rendered_{false}, moved_{false};
+  bool on_path_{false};                  // the command follows the path to the start
+  bool rendered_{false}, moved_{false};  // has ever rendered; has ever moved the arm
 };
 
 }  // namespace osteon::control

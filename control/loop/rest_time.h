@@ -13,7 +13,7 @@ namespace osteon::control {
 /// after kMaxTimes the rest time.
 class RestTime {
  public:
-  static constexpr int kMaxTimes = 4;
+  static constexpr int kMaxTimes = 4;  ///< longest time after the first stopped tick, in rest times
 
   /// @param rest  rest time: how long the loop still runs after rest has begun, >= 0; 0: it ends at once
   explicit RestTime(rt::Nanoseconds rest) : rest_(rest) {}

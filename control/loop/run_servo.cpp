@@ -10,8 +10,8 @@
 namespace osteon::control {
 namespace {
 
-// Times before the next message [ns]: when the previous tick is repeated, and from when it is too late for
-// that.
+// Times before the next message [ns]. kRepeatsBefore: when the previous tick is repeated. kTooLateBefore:
+// from then on it is not repeated any more.
 constexpr rt::Nanoseconds kRepeatsBefore = 200'000, kTooLateBefore = 60'000;
 
 rt::Nanoseconds ToNanoseconds(double seconds) {
@@ -88,13 +88,14 @@ class ServoRun {
     due_ = has_message() ? state_.stamp + ToNanoseconds(state_.period_s) : 0;
   }
 
+  // While the loop waits, passes the measured joints on (RunServoParams::standing).
   void ReportStandingArm() {
     if (params_.standing && has_message() && loop_.phase() == Phase::kWaiting &&
         state_.session != SessionState::kIdle)
       params_.standing->Store({.known = true, .q = state_.q_meas});
   }
 
-  // Durations; only a message that arrived has a wake-up.
+  // Records the tick's durations. Only a message that arrived has a wake-up.
   void MeasureTick() {
     ++result_.ticks;
     record_.compute_ns = answered_ - woken_;
@@ -111,13 +112,14 @@ class ServoRun {
       params_.rendered_s->store(rt::ToSeconds(state_.stamp - active_since_), std::memory_order_relaxed);
   }
 
+  // Gives the tick to the recorder, and reports to the loop if the recorder is behind.
   void RecordTick() {
     const bool recorded = ports_.recorder.Push(record_);
     if (!recorded) ++result_.unrecorded;
     if (!recorded || ports_.recorder.Stalled()) loop_.ReportRecorder();
   }
 
-  // Checks the conditions that end the run; a loop that stopped by itself has a fault.
+  // Whether the run is over. First begins its end if one of the conditions for that holds.
   [[nodiscard]] bool IsOver() {
     if (received_ == ReceiveResult::kClosed) {
       End(RunEnd::kLinkClosed);
@@ -141,7 +143,7 @@ class ServoRun {
     return ending_ && woken_ > give_up_at_;
   }
 
-  // Requests an automatic recovery, if one is due.
+  // Requests an automatic recovery, if the loop can recover and recoveries are left. @returns whether it did
   [[nodiscard]] bool RequestsRecovery() {
     if (ending_ || !loop_.CanRecover() || result_.recovered >= params_.recoveries) return false;
     automatic_ = true;
@@ -151,7 +153,8 @@ class ServoRun {
     return true;
   }
 
-  // Whether a fault holds the loop until somebody requests the recovery. That time does not count.
+  // Whether a fault holds the loop until somebody requests the recovery. The time held does not count as
+  // rendering.
   [[nodiscard]] bool HoldsAtFault() {
     if (ending_ || !params_.hold_at_fault || !safety::AllowsRecovery(loop_.faults())) return false;
     if (held_at_ >= 0 && active_since_ >= 0) active_since_ += woken_ - held_at_;
@@ -160,6 +163,7 @@ class ServoRun {
     return true;
   }
 
+  // Begins the end of the run, once: requests an orderly stop and stores why.
   void End(RunEnd why) {
     if (ending_) return;
     ending_ = true;
@@ -177,18 +181,21 @@ class ServoRun {
   std::optional<LoopRepeat> repeat_;
   RunServoResult result_;
 
-  // of the present tick
+  // data of the present tick
   ArmState state_;
   ArmCommand command_;
   TickRecord record_;
   ReceiveResult received_{ReceiveResult::kTimeout};
   rt::Nanoseconds woken_{0}, answered_{0};
 
-  rt::Nanoseconds due_{0};  // time of the next message; 0: unknown
-  rt::Nanoseconds give_up_at_{0}, active_since_{-1}, last_active_{-1};
+  rt::Nanoseconds due_{0};         // time of the next message; 0: unknown
+  rt::Nanoseconds give_up_at_{0};  // time at which waiting, or the end, is given up
+  // first and last message that was answered while rendering or stopping; -1: none
+  rt::Nanoseconds active_since_{-1}, last_active_{-1};
   rt::Nanoseconds held_at_{-1};  // time of the previous tick of a hold; -1: nothing is held
-  bool ending_{false}, waits_again_{false};
-  bool automatic_{false};  // the requested recovery is an automatic one
+  bool ending_{false};           // the stop is requested
+  bool waits_again_{false};      // after an automatic recovery, until the loop renders again
+  bool automatic_{false};        // the requested recovery is an automatic one
 };
 
 }  // namespace

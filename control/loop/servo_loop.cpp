@@ -20,6 +20,7 @@ bool HasFiniteJoints(const ArmState& state) {
   return AllFinite(state.q_meas) && (!state.has_ipo || AllFinite(state.q_ipo));
 }
 
+// Returns the parameters. Throws std::invalid_argument if they or one of the poses are not valid.
 const ServoParams& Validated(const ServoParams& params, const Pose& X_WB, const Pose& X_FT) {
   Validate(params);
   RequirePose(X_WB, "X_WB");
@@ -263,6 +264,7 @@ void ServoLoop::ProcessArmMessage(const TickInputs& tick) OSTEON_RT {
   if (this->state() == CellState::kStop0 && session_.stands()) actions_.FinishStop();
 }
 
+// Writes the tick's answer to the arm: commanded joints, activation, and the impedance law's overlay.
 void ServoLoop::FillCommand(const ArmState& state, ArmCommand& command) const OSTEON_RT {
   command.q = tool_.arm().q();
   command.activation = session_.activation();

@@ -28,11 +28,11 @@ safety::MotionPermits EvaluatePermits(const TickInputs& tick, const StartConditi
   permits.Set(MotionPermit::kPathChecked, c.may_start);
   permits.Set(MotionPermit::kHandOff, c.rendered || !c.bias_in_doubt);
 
-  // The coupling as if fully faded in, although rendering begins with the coupling faded out.
-  CouplingState full;
-  full.fade = 1.0;
+  // Evaluates the coupling as if fully faded in, although rendering begins with the coupling faded out.
+  CouplingState faded_in;
+  faded_in.fade = 1.0;
   const CouplingOutput coupling =
-      EvaluateCoupling(c.params.coupling, {.model = model, .X_WT = c.arm.X_WT(), .now = now}, full);
+      EvaluateCoupling(c.params.coupling, {.model = model, .X_WT = c.arm.X_WT(), .now = now}, faded_in);
   permits.Set(MotionPermit::kModelFresh,
               coupling.status == ModelStatus::kOk && coupling.age_s <= c.params.watchdog.model_stop_s);
   const bool renders_here = c.rendered || c.arm.AtStart();  // on the path to the start nothing is rendered

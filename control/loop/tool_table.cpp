@@ -9,9 +9,9 @@
 namespace osteon::control {
 
 void RequirePose(const Pose& X, const char* name) {
-  const bool rotation = (X.linear() * X.linear().transpose() - Matrix3::Identity()).norm() < 1e-6 &&
-                        X.linear().determinant() > 0.0;
-  if (!X.matrix().allFinite() || !rotation)
+  const bool is_rotation = (X.linear() * X.linear().transpose() - Matrix3::Identity()).norm() < 1e-6 &&
+                           X.linear().determinant() > 0.0;
+  if (!X.matrix().allFinite() || !is_rotation)
     throw std::invalid_argument(std::string(name) + ": accepted a finite position and a rotation");
 }
 

@@ -46,6 +46,7 @@ BiasEstimator::BiasEstimator(const BiasParams& params, const ForceSensorParams& 
   Validate(sensor);
 }
 
+// Begins a new rest with its first reading.
 void BiasEstimator::StartRest(const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
   resting_ = true;
   rested_s_ = 0.0;
@@ -66,17 +67,18 @@ void BiasEstimator::AddReading(const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
     StartRest(F_S, X_WF);
     return;
   }
-  const Wrench beyond = Difference(RemoveKnownLoad(sensor_, F_S, X_WF), mean_);
+  const Wrench deviation = Difference(RemoveKnownLoad(sensor_, F_S, X_WF), mean_);
   // wider tolerance at first: a mean of a few readings is uncertain
-  const double room = rested_s_ < 0.1 * params_.rest_s ? 2.0 : 1.0;
-  if (beyond.f.norm() > room * params_.spread_N || beyond.t.norm() > room * params_.spread_Nm) {
+  const double tolerance_factor = rested_s_ < 0.1 * params_.rest_s ? 2.0 : 1.0;
+  if (deviation.f.norm() > tolerance_factor * params_.spread_N ||
+      deviation.t.norm() > tolerance_factor * params_.spread_Nm) {
     StartRest(F_S, X_WF);
     return;
   }
   rested_s_ += period_s_;
   // a plain mean at first, then an exponential one
   const double share = period_s_ / std::min(rested_s_ + period_s_, std::max(params_.rest_s, period_s_));
-  mean_ = {.f = mean_.f + share * beyond.f, .t = mean_.t + share * beyond.t};
+  mean_ = {.f = mean_.f + share * deviation.f, .t = mean_.t + share * deviation.t};
   if (rested_s_ < params_.rest_s) return;
   in_doubt_ = mean_.f.norm() > params_.max_bias_N || mean_.t.norm() > params_.max_bias_Nm;
   if (!in_doubt_) bias_ = mean_;

@@ -13,12 +13,13 @@ namespace osteon::control {
 namespace {
 
 constexpr std::size_t kMinPoses = 4;
-constexpr double kMinMass_kg = 1e-3;
+constexpr double kMinMass_kg = 1e-3;  // a smaller fitted payload is an error
 // Smallest singular value over the largest: directions that differ by less cannot be told apart by readings
 // with some percent of noise. Rotations of 20 deg either way about two axes give about 0.06 (payload), 0.1
 // (pivot).
 constexpr double kMinSpread = 0.05;
 
+// Matrix of the cross product: Cross(v) u = v × u.
 Matrix3 Cross(const Vector3& v) {
   Matrix3 M;
   M << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
@@ -74,17 +75,18 @@ tl::expected<PayloadFit, std::string> FitPayload(std::span<const RestPose> poses
   fit.center_S_m = y.head<3>() / fit.mass_kg;
   fit.bias_S.t = y.tail<3>();
 
+  // residuals, and the standard deviations of the unknowns that follow from them
   const auto count = static_cast<double>(rows);
   const double force_squares = (A_f * x - f).squaredNorm(), torque_squares = (A_t * y - t).squaredNorm();
   fit.residual_N = std::sqrt(force_squares / count);
   fit.residual_Nm = std::sqrt(torque_squares / count);
   const double force_variance = force_squares / std::max(1.0, count - 4.0),
                torque_variance = torque_squares / std::max(1.0, count - 6.0);
-  const Eigen::Matrix4d of_forces = (A_f.transpose() * A_f).inverse();
-  const Eigen::MatrixXd of_torques = (A_t.transpose() * A_t).inverse();
-  fit.mass_sd_kg = std::sqrt(force_variance * of_forces(0, 0));
+  const Eigen::Matrix4d inverse_normal_f = (A_f.transpose() * A_f).inverse();
+  const Eigen::MatrixXd inverse_normal_t = (A_t.transpose() * A_t).inverse();
+  fit.mass_sd_kg = std::sqrt(force_variance * inverse_normal_f(0, 0));
   fit.center_sd_m =
-      std::sqrt(torque_variance * of_torques.topLeftCorner<3, 3>().diagonal().maxCoeff()) / fit.mass_kg;
+      std::sqrt(torque_variance * inverse_normal_t.topLeftCorner<3, 3>().diagonal().maxCoeff()) / fit.mass_kg;
   return fit;
 }
 
@@ -97,10 +99,12 @@ tl::expected<PivotFit, std::string> FitPivot(std::span<const Pose> X_WF) {
     const auto row = static_cast<Eigen::Index>(3 * i);
     if (!X_WF[i].matrix().allFinite())
       return tl::unexpected(fmt::format("pose {}: found values that are not finite", i + 1));
+    // R_i p_FT - p_WT = -p_i
     A.block<3, 3>(row, 0) = X_WF[i].linear();
     A.block<3, 3>(row, 3) = -Matrix3::Identity();
     p.segment<3>(row) = -X_WF[i].translation();
   }
+  // if the poses turn too little, tip and fixed point cannot be told apart along some direction
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const double spread = svd.singularValues()[5] / svd.singularValues()[0];
   if (!(spread >= kMinSpread))
@@ -114,9 +118,9 @@ tl::expected<PivotFit, std::string> FitPivot(std::span<const Pose> X_WF) {
   fit.p_WT_m = x.tail<3>();
   double squares = 0.0;
   for (const Pose& X : X_WF) {
-    const double off_m = (X * fit.p_FT_m - fit.p_WT_m).norm();
-    squares += off_m * off_m;
-    fit.worst_m = std::max(fit.worst_m, off_m);
+    const double distance_m = (X * fit.p_FT_m - fit.p_WT_m).norm();
+    squares += distance_m * distance_m;
+    fit.worst_m = std::max(fit.worst_m, distance_m);
   }
   fit.residual_m = std::sqrt(squares / static_cast<double>(X_WF.size()));
   const double variance = squares / std::max(1.0, static_cast<double>(rows) - 6.0);

@@ -15,8 +15,9 @@ namespace osteon::control {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kRounding_m = 1e-9;
+constexpr double kRounding_m = 1e-9;  // rounding error of a distance
 
+// Throws std::invalid_argument if a value is out of range: a caller's mistake.
 template <int N>
 void CheckSurroundings(const PathSurroundings& around) {
   const auto require = [](bool holds, const char* what) {
@@ -49,14 +50,17 @@ std::string EndError(const kinematics::ChainParams<N>& chain, const kinematics::
   return {};
 }
 
-// Distances of all balls from all obstacles at one posture: ball b's start at b * obstacles, planes first.
+// Distances [m] of all balls from all obstacles at one posture, in one array: ball after ball, and for each
+// ball first the planes, then the nearest sphere. Negative: beneath a plane or inside a sphere.
 template <int N>
 class Distances {
  public:
   Distances(const kinematics::ChainParams<N>& chain, const PathSurroundings& around)
-      : chain_(chain), around_(around), things_(around.planes.size() + (around.spheres.empty() ? 0 : 1)) {}
+      : chain_(chain),
+        around_(around),
+        obstacle_count_(around.planes.size() + (around.spheres.empty() ? 0 : 1)) {}
 
-  [[nodiscard]] std::size_t size() const { return around_.balls.size() * things_; }
+  [[nodiscard]] std::size_t size() const { return around_.balls.size() * obstacle_count_; }
 
   std::vector<double> At(const kinematics::JointVectorN<N>& q) const {
     const auto posture = chain_.ComputePosture(q);
@@ -76,16 +80,16 @@ class Distances {
     return d;
   }
 
-  [[nodiscard]] const PathBall& ball(std::size_t i) const { return around_.balls[i / things_]; }
-  [[nodiscard]] bool is_plane(std::size_t i) const { return i % things_ < around_.planes.size(); }
-  [[nodiscard]] const std::string& thing(std::size_t i) const {
-    return is_plane(i) ? around_.planes[i % things_].name : around_.spheres_name;
+  [[nodiscard]] const PathBall& ball(std::size_t i) const { return around_.balls[i / obstacle_count_]; }
+  [[nodiscard]] bool is_plane(std::size_t i) const { return i % obstacle_count_ < around_.planes.size(); }
+  [[nodiscard]] const std::string& obstacle_name(std::size_t i) const {
+    return is_plane(i) ? around_.planes[i % obstacle_count_].name : around_.spheres_name;
   }
 
  private:
   kinematics::SerialChain<N> chain_;
   const PathSurroundings& around_;
-  std::size_t things_;
+  std::size_t obstacle_count_;  // each plane, and all spheres together
 };
 
 // "at 43 % of the path: found the head 12.0 mm inside the bone, accepted 10.0 mm clear of it"
@@ -94,7 +98,7 @@ std::string DescribeViolation(const Distances<N>& at, std::size_t i, double shar
                               double accepted_m) {
   const char* where = found_m >= 0.0 ? "clear of" : at.is_plane(i) ? "beneath" : "inside";
   return fmt::format("at {:.0f} % of the path: found {} {:.1f} mm {} {}, accepted {}", 100.0 * share,
-                     at.ball(i).name, 1e3 * std::abs(found_m), where, at.thing(i),
+                     at.ball(i).name, 1e3 * std::abs(found_m), where, at.obstacle_name(i),
                      accepted_m >= 0.0
                          ? fmt::format("{:.1f} mm clear of it", 1e3 * accepted_m)
                          : fmt::format("{:.1f} mm beneath, and less from there on", -1e3 * accepted_m));
@@ -114,10 +118,10 @@ tl::expected<PathClearance, std::string> CheckPath(const kinematics::ChainParams
 
   const Distances<N> distances(chain, around);
   const kinematics::JointVectorN<N> way = q_goal - q_from;
-  std::vector<double> best = distances.At(q_from), goal = distances.At(q_goal);
-  for (std::size_t i = 0; i < best.size(); ++i) {
-    if (best[i] < 0.0 && !distances.is_plane(i))
-      return tl::unexpected(DescribeViolation(distances, i, 0.0, best[i], 0.0) +
+  std::vector<double> max_so_far = distances.At(q_from), goal = distances.At(q_goal);
+  for (std::size_t i = 0; i < max_so_far.size(); ++i) {
+    if (max_so_far[i] < 0.0 && !distances.is_plane(i))
+      return tl::unexpected(DescribeViolation(distances, i, 0.0, max_so_far[i], 0.0) +
                             ": bring the tool out by hand, along its axis");
     if (goal[i] < 0.0) return tl::unexpected(DescribeViolation(distances, i, 1.0, goal[i], 0.0));
   }
@@ -129,26 +133,27 @@ tl::expected<PathClearance, std::string> CheckPath(const kinematics::ChainParams
 
   PathClearance found;
   found.min_distance_m = kInfinity;
-  const auto note = [&](double s, const std::vector<double>& d) {
+  const auto update_nearest = [&](double s, const std::vector<double>& d) {
     ++found.places;
     for (std::size_t i = 0; i < d.size(); ++i)
       if (d[i] < found.min_distance_m)
-        found = {d[i], s, distances.ball(i).name + ", " + distances.thing(i), found.places};
+        found = {d[i], s, distances.ball(i).name + ", " + distances.obstacle_name(i), found.places};
   };
   for (double s = 0.0; s < 1.0;) {
     const std::vector<double> d = distances.At(q_from + s * way);
-    note(s, d);
+    update_nearest(s, d);
     double gap_m = kInfinity;
     for (std::size_t i = 0; i < d.size(); ++i) {
-      best[i] = std::max(best[i], d[i]);
-      const double floor_m = std::min({around.clearance_m, goal[i], best[i]});
+      max_so_far[i] = std::max(max_so_far[i], d[i]);
+      const double floor_m = std::min({around.clearance_m, goal[i], max_so_far[i]});
       if (d[i] < floor_m - kRounding_m)
         return tl::unexpected(DescribeViolation(distances, i, s, d[i], floor_m));
       gap_m = std::min(gap_m, d[i] - floor_m);
     }
+    // a step as long as the smallest gap allows, or 2 resolution
     s += std::max(gap_m, 2.0 * around.resolution_m) / travel_m;
   }
-  note(1.0, goal);
+  update_nearest(1.0, goal);
   return found;
 }
 

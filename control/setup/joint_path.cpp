@@ -12,9 +12,10 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMaxSlope = 15.0 / 8.0;                // maximum of s', in the middle
+constexpr double kMaxSlope = 15.0 / 8.0;                // maximum of s', at u = 1/2
 constexpr double kMaxCurvature = 5.773502691896257645;  // 10 / sqrt(3), maximum of |s''|
 
+// s'(u)
 double Slope(double u) OSTEON_RT { return 30.0 * u * u * (1.0 - u) * (1.0 - u); }
 
 // s(u), computed from the nearer end, where it is accurate: the path arrives without a step.
@@ -51,24 +52,26 @@ JointPath<N>::JointPath(const JointPathParams& params, const kinematics::ChainPa
   reach_m_ = kinematics::ReachBeyond(chain).array() + p_FT_m.norm();
 }
 
+// Shortest duration [s] in which every joint keeps its shares of speed and acceleration, also in a pause.
 template <int N>
 double JointPath<N>::JointDuration(const Joints& way) const OSTEON_RT {
-  const double pause = kMaxSlope * PausableClock::MaxRateSpeed(params_.pause_s);
+  const double pause_rate = kMaxSlope * PausableClock::MaxRateSpeed(params_.pause_s);
   double duration_s = 0.0;
   for (int i = 0; i < N; ++i) {
     const kinematics::JointLimits& limits = chain_.params().joints[static_cast<std::size_t>(i)].limits;
     const double d = std::abs(way[i]);
     const double speed = params_.speed_share * limits.velocity_rad_per_s,
                  acceleration = params_.acceleration_share * limits.acceleration_rad_per_s2;
-    // the root of a T^2 - d pause T - d max|s''| = 0
-    const double b = d * pause;
-    const double slow =
+    // the root of a T^2 - d pause_rate T - d max|s''| = 0
+    const double b = d * pause_rate;
+    const double acceleration_s =
         (b + std::sqrt(b * b + 4.0 * acceleration * d * kMaxCurvature)) / (2.0 * acceleration);
-    duration_s = std::max({duration_s, kMaxSlope * d / speed, slow});
+    duration_s = std::max({duration_s, kMaxSlope * d / speed, acceleration_s});
   }
   return duration_s;
 }
 
+// Shortest duration [s] in which the apex and the flange's origin keep the tool's speed limit.
 template <int N>
 double JointPath<N>::ToolDuration(const Joints& way) const OSTEON_RT {
   double max_m = 0.0;  // largest |dp/du|
@@ -77,7 +80,7 @@ double JointPath<N>::ToolDuration(const Joints& way) const OSTEON_RT {
     const double u = static_cast<double>(k) / kSamples;
     chain_.ComputePosture(q_from_ + Share(u) * way, posture);
     const Vector3 p_BT = posture.X_BF * p_FT_m_;
-    Vector3 v = Vector3::Zero(), w = Vector3::Zero();
+    Vector3 v = Vector3::Zero(), w = Vector3::Zero();  // motion of the apex, and rotation, per unit of s
     for (int i = 0; i < N; ++i) {
       const Vector3 turn = way[i] * posture.axis_B(i);
       w += turn;
@@ -86,7 +89,8 @@ double JointPath<N>::ToolDuration(const Joints& way) const OSTEON_RT {
     const Vector3 v_flange = v + w.cross(posture.X_BF.translation() - p_BT);
     max_m = std::max(max_m, Slope(u) * std::max(v.norm(), v_flange.norm()));
   }
-  double first_m = 0.0, second_m = 0.0, inner = 0.0;  // bounds on |dp/ds| and on its change
+  double first_m = 0.0, second_m = 0.0;  // bounds on |dp/ds| and on its change
+  double inner = 0.0;                    // sum of the turns of the joints nearer the base [rad]
   for (int i = 0; i < N; ++i) {
     const double d = std::abs(way[i]);
     first_m += d * reach_m_[i];

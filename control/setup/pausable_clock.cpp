@@ -5,7 +5,7 @@
 
 namespace osteon::control {
 
-// Integrates the rate over dt with its second derivative held; updates rate and rate speed.
+// Advances rate and rate speed by dt_s with a constant r''. @returns the integral of the rate [s]
 double PausableClock::Advance(double dt_s, double acceleration_per_s2) OSTEON_RT {
   const double passed_s = dt_s * (rate_ + dt_s * (rate_speed_ / 2.0 + dt_s * acceleration_per_s2 / 6.0));
   rate_ += dt_s * (rate_speed_ + dt_s * acceleration_per_s2 / 2.0);

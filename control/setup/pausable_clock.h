@@ -15,9 +15,8 @@ namespace osteon::control {
 /// Source of the switching curve: Athans and Falb, Optimal Control, 1966, 7-2 (the double integrator).
 class PausableClock {
  public:
-  /// @param pause_s  longest time from the end of the permission to rest; must be > 0 and finite (checked by
-  /// the
-  ///   caller)
+  /// @param pause_s  longest time from the end of the permission to rest. The caller must check that the time
+  ///   is > 0 and finite.
   explicit PausableClock(double pause_s) OSTEON_RT : rate_change_per_s2_(9.0 / (pause_s * pause_s)) {}
 
   /// @param dt_s  real time that passes; a value that is not > 0 counts as none
@@ -31,9 +30,9 @@ class PausableClock {
  private:
   [[nodiscard]] double Advance(double dt_s, double acceleration_per_s2) OSTEON_RT;
 
-  double rate_change_per_s2_;
-  double rate_{0.0};
-  double rate_speed_{0.0};
+  double rate_change_per_s2_;  // A
+  double rate_{0.0};           // r
+  double rate_speed_{0.0};     // r' [1/s]
 };
 
 }  // namespace osteon::control

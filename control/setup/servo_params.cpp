@@ -56,13 +56,14 @@ void Validate(const ServoParams& params) {
 }
 
 StabilisedLaw LawOf(const AdmittanceParams& law, const ServoParams& params) OSTEON_RT {
-  // within a tick the damping may take at most all of the motion, on the lightest axis; with a centre off the
-  // origin, the axis at the end of that lever counts
+  // Within a tick the damping may at most stop the motion: its bound is the mass of the lightest axis over
+  // the period. If the law's centre is not at the origin, that mass appears smaller at the origin by the
+  // lever.
   const double lever_m = params.stabilisers.passivity.lever_m;
   const double min_mass_kg =
       std::min(law.mass_kg.minCoeff(), law.inertia_kg_m2.minCoeff() / (lever_m * lever_m));
-  const double centre2 = law.centre_T_m.squaredNorm();
-  const double with_lever_kg = 1.0 / (1.0 / min_mass_kg + centre2 / law.inertia_kg_m2.minCoeff());
+  const double centre_m2 = law.centre_T_m.squaredNorm();
+  const double with_lever_kg = 1.0 / (1.0 / min_mass_kg + centre_m2 / law.inertia_kg_m2.minCoeff());
   return {.damping = {.Ns_per_m = law.damping_Ns_per_m,
                       .Nms_per_rad = law.damping_Nms_per_rad,
                       .centre_T_m = law.centre_T_m},
@@ -71,26 +72,27 @@ StabilisedLaw LawOf(const AdmittanceParams& law, const ServoParams& params) OSTE
 
 StabilisedLaw LawOf(const ServoParams& params) {
   if (params.law == Law::kAdmittance) return LawOf(params.admittance, params);
-  const ImpedanceParams& i = params.impedance;
+  const ImpedanceParams& law = params.impedance;
   const AgeGovernorParams& governor = params.stabilisers.age_governor;
-  const auto require = [&](const char* name, const Vector3& law, double arm) {
-    if (governor.acts && !(law.minCoeff() + arm > 0.0))
+  const auto require = [&](const char* name, const Vector3& law_damping, double arm_damping) {
+    if (governor.acts && !(law_damping.minCoeff() + arm_damping > 0.0))
       throw std::invalid_argument(std::string("impedance ") + name +
                                   " with the arm's that the age governor counts on: found 0, accepted > 0");
   };
-  require("damping_Ns_per_m", i.damping_Ns_per_m, governor.arm_damping_Ns_per_m);
-  require("damping_Nms_per_rad", i.damping_Nms_per_rad, governor.arm_damping_Nms_per_rad);
+  require("damping_Ns_per_m", law.damping_Ns_per_m, governor.arm_damping_Ns_per_m);
+  require("damping_Nms_per_rad", law.damping_Nms_per_rad, governor.arm_damping_Nms_per_rad);
   // the wrench takes effect a period after the pose, and lasts a period
-  return {.damping = {.Ns_per_m = i.damping_Ns_per_m, .Nms_per_rad = i.damping_Nms_per_rad},
-          .pose_age_s = 1.5 * params.period_s + i.twist_filter_s,
+  return {.damping = {.Ns_per_m = law.damping_Ns_per_m, .Nms_per_rad = law.damping_Nms_per_rad},
+          .pose_age_s = 1.5 * params.period_s + law.twist_filter_s,
           .work = PortWork::kHeld,
-          .max_damping_Ns_per_m = std::max(1.0, i.brake_Ns_per_m)};
+          .max_damping_Ns_per_m = std::max(1.0, law.brake_Ns_per_m)};
 }
 
 double ToolSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_RT {
-  const double kinetic = safety::SpeedOfEnergy(params.energy.max_kinetic_J, params.energy.moving_mass_kg);
-  const double most = std::min(params.twist.max_speed_m_per_s, kinetic);
-  return reduced ? std::min(most, kReducedSpeed_m_per_s) : most;
+  const double kinetic_limit_m_per_s =
+      safety::SpeedOfEnergy(params.energy.max_kinetic_J, params.energy.moving_mass_kg);
+  const double limit_m_per_s = std::min(params.twist.max_speed_m_per_s, kinetic_limit_m_per_s);
+  return reduced ? std::min(limit_m_per_s, kReducedSpeed_m_per_s) : limit_m_per_s;
 }
 
 double ElbowSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_RT {
@@ -101,8 +103,8 @@ double ElbowSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_R
 double ForceLimit_N(const ServoParams& params) OSTEON_RT {
   double stiffness_N_per_m = params.coupling.max_stiffness_N_per_m;
   if (params.compliance.any()) {  // the elements give their energy back as well
-    const double c = SeriesCompliance(params.compliance, params.wrench.max_force_N);
-    stiffness_N_per_m /= 1.0 + stiffness_N_per_m * c;
+    const double compliance_m_per_N = SeriesCompliance(params.compliance, params.wrench.max_force_N);
+    stiffness_N_per_m /= 1.0 + stiffness_N_per_m * compliance_m_per_N;
   }
   return std::min({params.wrench.max_force_N, safety::kForceCeiling_N,
                    safety::ForceOfEnergy(params.energy.max_stored_J, stiffness_N_per_m)});

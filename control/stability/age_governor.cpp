@@ -16,7 +16,8 @@ constexpr int kMaxRows = 4;         // 3 normals; 1 normal and 2 tangents; 2 nor
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-// Directions of motion d with weights w: sum w d d^T is the aged stiffness in units of the damping.
+// Columns d = sqrt(w) × direction of motion, with weights w: sum d d^T is the aged stiffness in units of the
+// damping.
 struct Rows {
   Eigen::Matrix<double, 6, kMaxRows> d{Eigen::Matrix<double, 6, kMaxRows>::Zero()};
   int count{0};
@@ -60,9 +61,9 @@ NormalBasis OrthogonalNormals(const CouplingOutput& coupling, const Matrix3& R_W
       n -= along * normal[i];
       a -= along * e[i];
     }
-    const double left2 = n.squaredNorm();
-    if (!(left2 > kMinPivot)) continue;
-    const double scale = 1.0 / std::sqrt(left2);
+    const double remaining2 = n.squaredNorm();
+    if (!(remaining2 > kMinPivot)) continue;
+    const double scale = 1.0 / std::sqrt(remaining2);
     normal[r] = scale * n;
     e[r] = scale * a;
     ++rank;
@@ -72,12 +73,13 @@ NormalBasis OrthogonalNormals(const CouplingOutput& coupling, const Matrix3& R_W
   return basis;
 }
 
-// Upper bound of the largest eigenvalue of sum d d^T.
+// Upper bound of the largest eigenvalue of sum d d^T: the sixteenth root of the trace of the sixteenth power
+// of the columns' Gram matrix. It is divided by its trace meanwhile, against overflow and underflow.
 double EigenvalueBound(const Rows& rows) OSTEON_RT {
   Eigen::Matrix4d gram;
   gram.noalias() = rows.d.transpose().lazyProduct(rows.d);
   const double trace = gram.trace();
-  if (!(trace > 1.0)) return trace;  // the bound for all of them together is small enough
+  if (!(trace > 1.0)) return trace;  // a coarser bound, which is small enough
   gram /= trace;
   for (int i = 0; i < 4; ++i) gram = (gram.lazyProduct(gram)).eval();
   return trace * std::sqrt(std::sqrt(std::sqrt(std::sqrt(gram.trace()))));
@@ -118,18 +120,18 @@ double AgeRatio(const CouplingOutput& coupling, const Matrix3& R_WT, const AxisD
     } else {
       tangent[0] = normal[0].cross(normal[1]);
     }
-    // Planes beyond these (walls that press from both sides) count at the levers of these planes.
-    double all_N = 0.0, counted_N = 0.0;
+    // The first `rank` planes also carry the force of the further planes (walls that press from both sides).
+    double total_N = 0.0, counted_N = 0.0;
     for (int j = 0; j < coupling.active_planes; ++j) {
       const double force_N = coupling.active[static_cast<std::size_t>(j)].force_N;
-      all_N += force_N;
+      total_N += force_N;
       if (j < rank) counted_N += force_N;
     }
-    const double more = counted_N > 0.0 ? all_N / counted_N : 0.0;
+    const double force_factor = counted_N > 0.0 ? total_N / counted_N : 0.0;
     for (int j = 0; j < rank; ++j) {
       const ActivePlane& plane = coupling.active[static_cast<std::size_t>(j)];
       const double turning_N_per_m =
-          std::min(more * plane.force_N / radius_m, coupling.fade * plane.stiffness_N_per_m);
+          std::min(force_factor * plane.force_N / radius_m, coupling.fade * plane.stiffness_N_per_m);
       for (int i = 0; i < 3 - rank; ++i)
         rows.Add(ScaledForceDirection(tangent[static_cast<std::size_t>(i)],
                                       plane.lever_W + radius_m * plane.n_W, R_WT, root),
@@ -152,6 +154,7 @@ void AgeGovernor::Reset() OSTEON_RT {
 void AgeGovernor::Step(const CouplingOutput& coupling, const Matrix3& R_WT, const AxisDamping& law,
                        const StiffnessAges& ages) OSTEON_RT {
   if (!params_.acts) return;
+  // the law's damping times a factor, plus the arm's own
   const auto with_arm = [&](double factor) {
     return AxisDamping{
         .Ns_per_m = factor * law.Ns_per_m + Vector3::Constant(params_.arm_damping_Ns_per_m),
@@ -169,17 +172,17 @@ void AgeGovernor::Step(const CouplingOutput& coupling, const Matrix3& R_WT, cons
           {max_sum_over_law, D.Ns_per_m[i] / law.Ns_per_m[i], D.Nms_per_rad[i] / law.Nms_per_rad[i]});
     factor = std::min(1.0 + (ratio - 1.0) * max_sum_over_law, params_.max_damping_factor);
     if (factor == params_.max_damping_factor) {
-      const double left = AgeRatio(coupling, R_WT, with_arm(factor), ages, params_.tool_radius_m);
-      if (left > 1.0) scale = 1.0 / left;
+      const double remaining_ratio = AgeRatio(coupling, R_WT, with_arm(factor), ages, params_.tool_radius_m);
+      if (remaining_ratio > 1.0) scale = 1.0 / remaining_ratio;
     }
   }
   // immediate rise, slow release
-  const auto back = [&](double value) {
+  const auto released = [&](double value) {
     const double next = value + release_ * (1.0 - value);
     return std::abs(next - 1.0) < kDone ? 1.0 : next;
   };
-  damping_factor_ = std::max(factor, back(damping_factor_));
-  wrench_scale_ = std::min(scale, back(wrench_scale_));
+  damping_factor_ = std::max(factor, released(damping_factor_));
+  wrench_scale_ = std::min(scale, released(wrench_scale_));
 }
 
 }  // namespace osteon::control

@@ -20,11 +20,13 @@ class Biquad {
     const Prototype p(edge_hz, q, period_s);
     return {p.k2 / p.a0, 2.0 * p.k2 / p.a0, p.k2 / p.a0, p};
   }
+  /// As LowPass, for the frequencies above the edge.
   [[nodiscard]] static Biquad HighPass(double edge_hz, double q, double period_s) {
     const Prototype p(edge_hz, q, period_s);
     return {1.0 / p.a0, -2.0 / p.a0, 1.0 / p.a0, p};
   }
 
+  /// Filters the next sample x. @returns y
   [[nodiscard]] Vector3 Step(const Vector3& x) OSTEON_RT {
     const Vector3 y = b0_ * x + s1_;
     s1_ = b1_ * x - a1_ * y + s2_;
@@ -33,6 +35,8 @@ class Biquad {
   }
 
  private:
+  // Coefficients that low pass and high pass share: k2 = tan²(pi edge period), and the denominator, a1 and a2
+  // divided by a0.
   struct Prototype {
     Prototype(double edge_hz, double q, double period_s) {
       const double k = std::tan(std::numbers::pi * edge_hz * period_s);

@@ -19,8 +19,11 @@ struct StoredEnergy {
   double work_J{0.0};  // work of the force after the step, along the step
 };
 
+// Computes the planes' energy U' and the work F'·dx after a step dx:
+//
 //     U' = U - F·dx + s/2,   F'·dx = F·dx - s,   s = k (J dx)^T (N^T N)^-1 (J dx)
-// by Gram-Schmidt of the normals.
+//
+// by Gram-Schmidt of the normals. @param potential_J  U
 StoredEnergy EnergyAfterStep(const Active& active, int count, double potential_J, double fade,
                              const Twist& dx) OSTEON_RT {
   std::array<Vector3, 3> normal;
@@ -30,7 +33,8 @@ StoredEnergy EnergyAfterStep(const Active& active, int count, double potential_J
   for (int j = 0; j < count; ++j) {
     const ActivePlane& plane = active[static_cast<std::size_t>(j)];
     double out_m = plane.n_W.dot(dx.v + dx.w.cross(plane.lever_W));
-    if (count == 1) out_m = std::min(out_m, plane.force_N / (fade * plane.stiffness_N_per_m));  // released
+    // a single plane gives energy only until the tool leaves it
+    if (count == 1) out_m = std::min(out_m, plane.force_N / (fade * plane.stiffness_N_per_m));
     work_J += plane.force_N * out_m;
     if (rank == 3) continue;
     Vector3 n = plane.n_W;
@@ -39,9 +43,9 @@ StoredEnergy EnergyAfterStep(const Active& active, int count, double potential_J
       n -= along * normal[i];
       out_m -= along * way_m[i];
     }
-    const double left2 = n.squaredNorm();
-    if (!(left2 > kMinPivot)) continue;
-    const double scale = 1.0 / std::sqrt(left2);
+    const double remaining2 = n.squaredNorm();
+    if (!(remaining2 > kMinPivot)) continue;
+    const double scale = 1.0 / std::sqrt(remaining2);
     normal[static_cast<std::size_t>(rank)] = scale * n;
     way_m[static_cast<std::size_t>(rank)] = scale * out_m;
     squares_m2 += scale * scale * out_m * out_m;
@@ -52,6 +56,7 @@ StoredEnergy EnergyAfterStep(const Active& active, int count, double potential_J
   return {.potential_J = std::max(0.0, potential_J - work_J + 0.5 * fall_J), .work_J = work_J - fall_J};
 }
 
+// Wrench of the active planes' springs on T at To, in W: faded, without damping and hand-over.
 Wrench SpringOf(const CouplingOutput& coupling) OSTEON_RT {
   Wrench F;
   for (int j = 0; j < coupling.active_planes; ++j) {
@@ -103,17 +108,17 @@ double EnergyTank::Step(const CouplingOutput& coupling, const Pose& X_WT, const 
   }
 
   // available energy, and the energy that this tick's planes would store, each with its own gains
-  const double there_J = gain_ * scale_ * (old.potential_J + 0.5 * old.work_J) + tank_J_;
+  const double available_J = gain_ * scale_ * (old.potential_J + 0.5 * old.work_J) + tank_J_;
   const double wanted_J = gain * (coupling.potential_J + 0.5 * work_J);
   const double scale = std::min(1.0, scale_ + period_s_ / params_.ramp_s);
   if (coupling.active_planes == 0) {
     scale_ = 1.0;
-    tank_J_ = there_J;
-  } else if (scale * wanted_J <= there_J) {
+    tank_J_ = available_J;
+  } else if (scale * wanted_J <= available_J) {
     scale_ = scale;
-    tank_J_ = there_J - scale * wanted_J;
+    tank_J_ = available_J - scale * wanted_J;
   } else {
-    scale_ = wanted_J > 0.0 ? std::clamp(there_J / wanted_J, 0.0, scale) : scale;
+    scale_ = wanted_J > 0.0 ? std::clamp(available_J / wanted_J, 0.0, scale) : scale;
     tank_J_ = 0.0;
   }
 
@@ -128,10 +133,11 @@ double EnergyTank::Step(const CouplingOutput& coupling, const Pose& X_WT, const 
 
   paid_J_ = std::max(0.0, before_J - std::max(0.0, tank_J_));
 
-  // the coupling's damping
+  // the energy that the coupling's damping has dissipated goes into the tank
   if (coupling.active_planes > 0) {
-    const double taken_W = Power(spring, V_WT) + Power(added, V_WT) - Power(coupling.F_contact_T_W, V_WT);
-    tank_J_ += std::max(0.0, scale_ * gain * period_s_ * taken_W);
+    const double dissipated_W =
+        Power(spring, V_WT) + Power(added, V_WT) - Power(coupling.F_contact_T_W, V_WT);
+    tank_J_ += std::max(0.0, scale_ * gain * period_s_ * dissipated_W);
   }
   tank_J_ = std::clamp(tank_J_, 0.0, params_.cap_J);
 

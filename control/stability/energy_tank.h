@@ -38,8 +38,7 @@ void Validate(const EnergyTankParams& params);
 /// - Scale: after s < 1, the scale rises as the tank fills, by at most 1/ramp_s. It returns to 1 at once when
 ///   contact ends, which costs nothing.
 /// - Accuracy: each U includes F·dx / 2 of the last step, the integrator's contribution if the force jumps.
-/// U_0
-///   is exact for the planes that pressed. It is off by at most 1e-3 J at 0.25 m/s if a plane is first
+///   U_0 is exact for the planes that pressed. Its error is at most 1e-3 J at 0.25 m/s if a plane is first
 ///   touched in the tick in which a frame arrives or a held-back plane is being released.
 ///
 /// The tank acts before energy reaches the tool, but covers only changes at a known time. The passivity
@@ -68,8 +67,8 @@ class EnergyTank {
  private:
   EnergyTankParams params_;
   double period_s_, tank_J_, scale_{1.0}, paid_J_{0.0};
-  // of the previous tick
-  bool begun_{false};
+  // values of the previous tick
+  bool begun_{false};  // there was a previous tick
   Pose X_before_{Pose::Identity()};
   std::array<ActivePlane, CouplingOutput::kMaxActive> active_{};
   int active_planes_{0};

@@ -22,11 +22,9 @@ void Validate(const PassivityParams& params);
 
 /// How the work of a tick's force is summed.
 enum class PortWork {
-  /// The mean force of both ends of a step counts. For a tool that the loop integrates itself
-  /// (semi-implicit): a
-  /// spring then returns, over any closed path, exactly what it took. F_k dx would count K dx^2 / 2 per tick
-  /// as
-  /// generated energy, in both directions, at a stable wall.
+  /// The mean force of both ends of a step counts. For a tool that the loop integrates itself: a spring then
+  /// returns, over any closed path, exactly what it took. With the force at the start alone, a stable wall
+  /// would seem to generate K dx^2 / 2 per tick in both directions.
   kTrapezoid,
   /// The force at the start of a step counts. For a real arm (impedance law), which holds the force until the
   /// next tick, so that K dx^2 / 2 per tick is really generated.
@@ -46,7 +44,7 @@ struct PortTick {
 /// Passivity observer and controller on the coupling's port, over six axes:
 ///
 ///     E += F·dx                 energy that the planes have given to the tool; dx of this tick
-///     E -= what an energy tank has paid into the planes
+///     E -= paid                 energy that a tank has paid into the planes
 ///     E  = max(E, -(U + allowance))
 ///     E > 0:  alpha = E / (T |V|_L^2),  F -= alpha (v, L^2 w),  |V|_L^2 = v^2 + L^2 w^2
 ///
@@ -86,7 +84,7 @@ class PassivityController {
   PassivityParams params_;
   PortWork work_;
   double period_s_, max_Ns_per_m_;
-  bool begun_{false}, touched_{false};
+  bool begun_{false}, touched_{false};  ///< there was a previous step; it had contact
   Pose X_before_{Pose::Identity()};
   Wrench F_before_, F_damping_before_;
   Twist step_before_;  ///< displacement of the port in the last step

@@ -13,27 +13,32 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMaxOfRate = 0.4;          // largest edge of a filter, as a share of the rate
-constexpr double kQ2 = 0.7071067811865476;  // Butterworth of order 2
-constexpr double kQDead = 0.5;              // critically damped: a jolt does not make it ring
+constexpr double kMaxOfRate = 0.4;  // largest edge of a filter, as a share of the sampling rate
+// Quality of a second-order filter: Butterworth, and critically damped, which a jolt does not make ring.
+constexpr double kQButterworth = 0.7071067811865476, kQCritical = 0.5;
 // Share of a half-wave's peak: a value of the other sign, larger than this, begins the next half-wave.
 constexpr double kTurns = 0.15;
-constexpr double kPassed = 0.8;                  // share of a peak: below it the peak has passed
-constexpr double kDies = 0.5, kGrows = 10.0;     // bounds of a peak over the peak before
-constexpr double kAlertFalls = 2.0;              // time constant of the alert's fall over that of its rise
-constexpr double kSlower = 1.1, kFaster = 1.25;  // tolerance at the band's edges
-constexpr double kBelowBand = 0.5, kAboveBand = 1.5;  // harmonics this far outside still pass the filters
+constexpr double kPassed = 0.8;               // share of a peak: below it the peak has passed
+constexpr double kDies = 0.5, kGrows = 10.0;  // bounds of an oscillation's peak over its previous peak
+constexpr double kAlertFalls = 2.0;           // time constant of the alert's fall over that of its rise
+// Tolerance of an oscillation's half period, at low_hz and at high_hz.
+constexpr double kSlower = 1.1, kFaster = 1.25;
+// Factors on low_hz and high_hz: the notches cover the harmonics between, some of which lie outside the band
+// but still pass its filters.
+constexpr double kBelowBand = 0.5, kAboveBand = 1.5;
 
 const VibrationParams& Validated(const VibrationParams& params) {
   Validate(params);
   return params;
 }
 
+// Detector of half-waves for the band low_hz … high_hz, with tolerances.
 HalfWaves MakeHalfWaves(const VibrationParams& params, double period_s) {
   // a half period is measured to a tick at each end
   return {0.5 / (kFaster * params.high_hz) - period_s, kSlower * 0.5 / params.low_hz + period_s};
 }
 
+// The filter's edge [Hz], lowered where the sampling rate is too low for it.
 double LimitToRate(double hz, double period_s) { return std::min(hz, kMaxOfRate / period_s); }
 
 }  // namespace
@@ -81,7 +86,7 @@ double HalfWaves::Step(double x, double dt_s) OSTEON_RT {
     amplitude_ = 0.0;
     sign_ = x < 0.0 ? -1.0 : 1.0;
     judged_ = false;
-  } else if (!judged_ && size < kPassed * peak_) {
+  } else if (!judged_ && size < kPassed * peak_) {  // the peak has passed: is it part of an oscillation?
     judged_ = true;
     const double half_s = since_last_s_ - since_peak_s_;
     const bool swings =
@@ -94,10 +99,10 @@ double HalfWaves::Step(double x, double dt_s) OSTEON_RT {
 VibrationIndex::VibrationIndex(const VibrationParams& params, double period_s)
     : params_(Validated(params)),
       period_s_(period_s),
-      rest_{.high = Biquad::HighPass(params.low_hz, kQDead, period_s),
-            .low = Biquad::LowPass(LimitToRate(params.high_hz, period_s), kQ2, period_s),
-            .slow_high = Biquad::HighPass(params.slow_hz, kQ2, period_s),
-            .slow_low = Biquad::LowPass(params.low_hz, kQ2, period_s),
+      rest_{.high = Biquad::HighPass(params.low_hz, kQCritical, period_s),
+            .low = Biquad::LowPass(LimitToRate(params.high_hz, period_s), kQButterworth, period_s),
+            .slow_high = Biquad::HighPass(params.slow_hz, kQButterworth, period_s),
+            .slow_low = Biquad::LowPass(params.low_hz, kQButterworth, period_s),
             .waves = {MakeHalfWaves(params, period_s), MakeHalfWaves(params, period_s),
                       MakeHalfWaves(params, period_s)}},
       force_(rest_),
@@ -158,6 +163,7 @@ void VibrationIndex::AdvanceSpindle(double spindle_rad_per_s) OSTEON_RT {
   sin_ = lines.sin;
 }
 
+// Updates a channel's energies of oscillation, band and slow motion with the tick's input x [N].
 void VibrationIndex::FilterChannel(Channel& channel, const Vector3& x) OSTEON_RT {
   const Vector3 from_first = x - channel.first;
   const Vector3 band = RemoveSpindleLines(channel.lines, channel.low.Step(channel.high.Step(from_first)));
@@ -186,12 +192,14 @@ double VibrationIndex::Step(const Wrench& F, double spindle_rad_per_s) OSTEON_RT
   FilterChannel(torque_, at_lever_N);
 
   const double floor2 = params_.floor_N * params_.floor_N;
-  const double others = force_.slow_energy + torque_.slow_energy + floor2;
+  const double slow_and_floor_energy = force_.slow_energy + torque_.slow_energy + floor2;
+  // w(E) of the class's comment
   const auto wanted = [&](double energy) {
     const double beyond = std::max(0.0, energy - reference_.allowed_energy());
-    const double share = beyond / (beyond + others);
+    const double share = beyond / (beyond + slow_and_floor_energy);
     return std::clamp((share - params_.share_low) / (params_.share_high - params_.share_low), 0.0, 1.0);
   };
+  // moves an index toward its goal by one tick, upward with rise_s
   const auto toward = [this](double& index, double goal, double falls_s) {
     const double takes_s = goal > index ? params_.rise_s : falls_s;
     index += std::min(1.0, period_s_ / takes_s) * (goal - index);

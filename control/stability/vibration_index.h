@@ -47,9 +47,9 @@ class HalfWaves {
   double Step(double x, double dt_s) OSTEON_RT;
 
  private:
-  double shortest_s_, longest_s_;  ///< accepted durations of half a period
-  double sign_{1.0};               ///< sign of this half-wave
-  double peak_{0.0}, since_peak_s_{0.0};
+  double shortest_s_, longest_s_;         ///< accepted durations of half a period
+  double sign_{1.0};                      ///< sign of this half-wave
+  double peak_{0.0}, since_peak_s_{0.0};  ///< this half-wave's peak so far, and the time since it
   double last_{0.0}, since_last_s_{0.0};  ///< the previous peak, and the time since it
   bool judged_{false};                    ///< this peak has passed
   double amplitude_{0.0};
@@ -116,12 +116,13 @@ class VibrationIndex {
       s.fill(Vector3::Zero());
     }
   };
+  // Filters and energies [N²] of one part of the wrench, by axis: the force, or the torque over lever_m.
   struct Channel {
     Biquad high, low, slow_high, slow_low;
     std::array<HalfWaves, 3> waves;
-    Vector3 first{Vector3::Zero()};
+    Vector3 first{Vector3::Zero()};  // the first input, which counts as zero
     Lines lines{};
-    double oscillation_energy{0.0}, band_energy{0.0}, slow_energy{0.0};  ///< energies
+    double oscillation_energy{0.0}, band_energy{0.0}, slow_energy{0.0};
   };
   void FilterChannel(Channel& channel, const Vector3& x) OSTEON_RT;
   [[nodiscard]] Vector3 RemoveSpindleLines(Lines& lines, const Vector3& x) const OSTEON_RT;
@@ -129,11 +130,11 @@ class VibrationIndex {
 
   VibrationParams params_;
   double period_s_;
-  Channel rest_, force_, torque_;
+  Channel rest_, force_, torque_;  ///< rest_: a channel at its beginning, for Reset
   bool begun_{false};
   double angle_rad_{0.0};  ///< angle of the spindle
   int from_{0}, to_{0};    ///< harmonics in the band: from_ … to_ - 1; none where equal
-  std::array<double, kHarmonics> cos_{}, sin_{};
+  std::array<double, kHarmonics> cos_{}, sin_{};  ///< of each harmonic's angle
   VibrationReference reference_;
   double seen_{0.0};   ///< index for oscillation
   double alert_{0.0};  ///< index for a possible beginning of one

@@ -8,11 +8,16 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kBeats = 2.0;     // a tremor's energy may fall by this factor within a moment
-constexpr double kLightens = 3.0;  // a light tool returns a tremor's energy times this
-constexpr double kTrust_s = 6.0;   // time constant of the memory of suspicion: oscillation comes and goes
-constexpr double kLight = 0.01;    // index below which the virtual tool counts as light
-constexpr double kSettle_s = 0.15, kBeat_s = 1.0;
+// A test in which the energy has fallen by more than this factor is extended, because a tremor that beats may
+// fall as far.
+constexpr double kBeats = 2.0;
+// If the largest energy in the extension is less than before the test by more than this factor, the vibration
+// was the loop's.
+constexpr double kLightens = 3.0;
+constexpr double kTrust_s = 6.0;    // time constant of the memory of suspicion: oscillation comes and goes
+constexpr double kLight = 0.01;     // index below which the virtual tool counts as light
+constexpr double kSettle_s = 0.15;  // begin of a test's extension in which its energy is not measured
+constexpr double kBeat_s = 1.0;     // after a test, R follows a tremor's beats for this long
 constexpr double kSure = 0.9;  // raw index that starts a test while watchful: a damped loop stays below it
 
 const ReferenceParams& Validated(const ReferenceParams& params) {
@@ -46,7 +51,7 @@ void VibrationReference::Reset() OSTEON_RT {
 
 double VibrationReference::reference_N() const OSTEON_RT { return std::sqrt(reference2_); }
 
-// Judges the remaining energy at the end of a test.
+// At the end of a test, decides by the remaining energy: a tremor, the loop, or an extension of the test.
 void VibrationReference::EvaluateTest() OSTEON_RT {
   if (tested_s_ < params_.test_s) return;
   if (!watchful_) {
@@ -70,6 +75,7 @@ void VibrationReference::EvaluateTest() OSTEON_RT {
 
 void VibrationReference::Step(double oscillation_energy, double raw_index, double index, double min_energy,
                               double dt_s) OSTEON_RT {
+  // a test: find the largest energy in its measured part
   if (testing_) {
     tested_s_ += dt_s;
     const double from_s =
@@ -78,6 +84,7 @@ void VibrationReference::Step(double oscillation_energy, double raw_index, doubl
     EvaluateTest();
     return;
   }
+  // for kBeat_s after a test that found a tremor, R follows the tremor's beats
   since_s_ += dt_s;
   if (since_s_ >= kBeat_s) {
     if (raw_index > 0.0) attributed_to_hand_ = false;
@@ -99,6 +106,7 @@ void VibrationReference::Step(double oscillation_energy, double raw_index, doubl
   if (calm_s_ > params_.calm_s && index < kLight) watchful_ = false;
   unconfirmed_s_ =
       oscillation_energy * params_.margin * params_.margin < reference2_ ? unconfirmed_s_ + dt_s : 0.0;
+  // slow return to tremor_N
   const double prior2 = params_.tremor_N * params_.tremor_N;
   const bool down = reference2_ > prior2 && unconfirmed_s_ > params_.calm_s;
   const bool up = reference2_ < prior2 && !watchful_ && calm_s_ > params_.calm_s;

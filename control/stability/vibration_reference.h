@@ -76,7 +76,9 @@ class VibrationReference {
   double calm_s_{0.0};                ///< since the last vibration of at least min_energy
   double unconfirmed_s_{0.0};         ///< since the last vibration of at least R / margin
   double before2_{0.0}, left2_{0.0};  ///< largest energy before and late in a test [N^2]
-  bool testing_{false}, watchful_{false}, attributed_to_hand_{false};
+  bool testing_{false};               ///< a test is under way
+  bool watchful_{false};              ///< the last test found the loop, or this test is extended
+  bool attributed_to_hand_{false};    ///< the last test found a tremor
 };
 
 }  // namespace osteon::control

@@ -18,7 +18,7 @@ mkdir -p "$folder"
 
 array=$(sbatch --parsable "${options[@]}" --job-name=osteon --array="1-$shards" --output="$folder/part_%a.log" \
   --wrap="$(printf '%q ' "$osteon" "$@")--shard \$SLURM_ARRAY_TASK_ID/$shards --json $(printf '%q' "$folder")/part_\$SLURM_ARRAY_TASK_ID.json")
-# a shard ends with 1 where one of its items failed, and has a part all the same: so after any end, not only a good one
+# afterany, not afterok: a shard with a failed item ends with 1, but has written its part, which is merged as well
 merge=$(sbatch --parsable "${options[@]}" --job-name=osteon-merge --dependency="afterany:$array" \
   --output="$folder/merge.log" \
   --wrap="$(printf '%q ' "$osteon") merge $(printf '%q' "$folder")/part_*.json --json $(printf '%q' "$result")")

@@ -22,6 +22,7 @@ std::string Lower(std::string text) {
   return text;
 }
 
+// Order of preference of a kind of device, 0 … 4.
 int Rank(vk::PhysicalDeviceType type) {
   switch (type) {
     case vk::PhysicalDeviceType::eDiscreteGpu:
@@ -37,6 +38,7 @@ int Rank(vk::PhysicalDeviceType type) {
   }
 }
 
+// Index of the queue family to use: one for compute without graphics if there is any; absent: no compute.
 std::optional<std::uint32_t> ComputeFamily(const vk::raii::PhysicalDevice& device) {
   const auto families = device.getQueueFamilyProperties();
   // a submit to a queue family for compute alone takes half the time
@@ -50,11 +52,13 @@ std::optional<std::uint32_t> ComputeFamily(const vk::raii::PhysicalDevice& devic
   return found;
 }
 
+// Describes a device for the user, including the needs that it does not meet.
 DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
   const auto chain =
       device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
   const vk::PhysicalDeviceProperties& p = chain.get<vk::PhysicalDeviceProperties2>().properties;
   const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
+  // in the order of Rank
   static constexpr const char* kKinds[] = {"discrete", "integrated", "virtual", "cpu", "other"};
   DeviceInfo info{.name = p.deviceName.data(),
                   .kind = kKinds[Rank(p.deviceType)],
@@ -73,6 +77,7 @@ DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
   return info;
 }
 
+// Reads the sizes of subgroups that a device offers, limited to those that the passes can run in.
 Subgroups FindSubgroups(const vk::raii::PhysicalDevice& device) {
   Subgroups found{
       .size = device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>()
@@ -97,6 +102,7 @@ Subgroups FindSubgroups(const vk::raii::PhysicalDevice& device) {
   return found;
 }
 
+// All devices, the preferred kind first.
 std::vector<vk::raii::PhysicalDevice> Devices(const vk::raii::Instance& instance) {
   vk::raii::PhysicalDevices found(instance);
   std::vector<vk::raii::PhysicalDevice> devices;
@@ -107,9 +113,10 @@ std::vector<vk::raii::PhysicalDevice> Devices(const vk::raii::Instance& instance
   return devices;
 }
 
-// The layers treat a buffer as a whole. They miss a barrier where a dispatch reads its number of workgroups
-// from the frame after a pass that wrote other words of it. Only pick_points and earlier passes write those
-// words, and the barrier after pick_points includes indirect reads.
+// Whether a validation message is a known false alarm. The layers treat a buffer as a whole: they ask for a
+// barrier where a dispatch reads its number of workgroups from the frame buffer after a pass that wrote other
+// words of that buffer. Only pick_points and earlier passes write the words of the dispatch, and the barrier
+// after pick_points includes indirect reads.
 bool IsOtherWordsOfFrame(const VkDebugUtilsMessengerCallbackDataEXT& data) {
   return data.pMessageIdName != nullptr && std::strstr(data.pMessageIdName, "SYNC-HAZARD-READ-AFTER-WRITE") &&
          std::strstr(data.pMessage, "for indirect VkBuffer") && data.objectCount > 0 &&
@@ -117,6 +124,7 @@ bool IsOtherWordsOfFrame(const VkDebugUtilsMessengerCallbackDataEXT& data) {
          std::strcmp(data.pObjects[0].pObjectName, kFrameBufferName) == 0;
 }
 
+// Counts and prints a validation message. @param user  the SharedInstance
 VKAPI_ATTR VkBool32 VKAPI_CALL OnValidation(VkDebugUtilsMessageSeverityFlagBitsEXT,
                                             VkDebugUtilsMessageTypeFlagsEXT,
                                             const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
@@ -132,22 +140,25 @@ class OpeningError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// Appends an error message of Vulkan's loader to a text, once each. @param user  the text, a std::string
 VKAPI_ATTR VkBool32 VKAPI_CALL OnLoaderError(VkDebugUtilsMessageSeverityFlagBitsEXT,
                                              VkDebugUtilsMessageTypeFlagsEXT,
                                              const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
-  std::string& said = *static_cast<std::string*>(user);
+  std::string& loader_errors = *static_cast<std::string*>(user);
   const std::string_view message(data->pMessage);
   if (message.find("Found no drivers") != message.npos) return VK_FALSE;  // the returned error says so
-  if (said.find(message) == said.npos) said.append(said.empty() ? " " : "; ").append(message);
+  if (loader_errors.find(message) == loader_errors.npos)
+    loader_errors.append(loader_errors.empty() ? " " : "; ").append(message);
   return VK_FALSE;
 }
 
-/// Makes the instance; an error includes the loader's messages about each manifest and library.
+/// Makes the instance with these extensions and the one for messages. An exception includes the loader's
+/// messages about each manifest and library.
 void Open(SharedInstance& made, vk::InstanceCreateInfo create, std::vector<const char*> extensions) {
-  std::string& said = made.loader_errors;
+  std::string& loader_messages = made.loader_errors;
   vk::DebugUtilsMessengerCreateInfoEXT listen({}, vk::DebugUtilsMessageSeverityFlagBitsEXT::eError,
                                               vk::DebugUtilsMessageTypeFlagBitsEXT::eGeneral, OnLoaderError,
-                                              &said);
+                                              &loader_messages);
   listen.pNext = create.pNext;
   create.pNext = &listen;
   extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
@@ -157,11 +168,12 @@ void Open(SharedInstance& made, vk::InstanceCreateInfo create, std::vector<const
   } catch (const vk::LayerNotPresentError&) {
     throw;
   } catch (const std::exception& error) {
-    if (said.empty()) throw;
-    throw OpeningError(OpeningFailure(error) + "; Vulkan's loader says:" + said);
+    if (loader_messages.empty()) throw;
+    throw OpeningError(OpeningFailure(error) + "; Vulkan's loader says:" + loader_messages);
   }
 }
 
+// Makes an instance, with or without the validation layers.
 std::shared_ptr<SharedInstance> MakeInstance(bool validation) {
   auto made = std::make_shared<SharedInstance>();
   const vk::ApplicationInfo application("osteon", 1, nullptr, 0, VK_API_VERSION_1_2);
@@ -278,6 +290,7 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
     create.setPEnabledExtensionNames(size_control);
     features.vulkan12.pNext = &sizes;
   }
+  // the driver's workers start while the device opens
   const DriverThreads threads;
   context->device.emplace(*context->physical, create);
   threads.PinWorkers();
@@ -299,7 +312,7 @@ std::vector<std::uint32_t> MemoryTypes(const vk::PhysicalDeviceMemoryProperties&
   using Property = vk::MemoryPropertyFlagBits;
   // the placement's preferences, best first; the last one always exists
   const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
-  const std::vector<vk::MemoryPropertyFlags> wishes =
+  const std::vector<vk::MemoryPropertyFlags> choices =
       placement == Placement::kDevice ? std::vector<vk::MemoryPropertyFlags>{Property::eDeviceLocal, {}}
       : placement == Placement::kShared
           ? std::vector<vk::MemoryPropertyFlags>{host | Property::eDeviceLocal, host}
@@ -307,10 +320,10 @@ std::vector<std::uint32_t> MemoryTypes(const vk::PhysicalDeviceMemoryProperties&
           ? std::vector<vk::MemoryPropertyFlags>{host}
           : std::vector<vk::MemoryPropertyFlags>{host | Property::eHostCached, host};
   std::vector<std::uint32_t> types;
-  for (const vk::MemoryPropertyFlags wish : wishes)
+  for (const vk::MemoryPropertyFlags preferred : choices)
     for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
       const vk::MemoryType& type = memory.memoryTypes[i];
-      if ((needs.memoryTypeBits & (1u << i)) && (type.propertyFlags & wish) == wish &&
+      if ((needs.memoryTypeBits & (1u << i)) && (type.propertyFlags & preferred) == preferred &&
           memory.memoryHeaps[type.heapIndex].size >= needs.size && std::ranges::find(types, i) == types.end())
         types.push_back(i);
     }

@@ -55,8 +55,10 @@ struct Context {
 /// Reads a device's properties.
 [[nodiscard]] DeviceReport ReportOf(const vk::raii::PhysicalDevice& device);
 
+/// Opens a device: the first usable one with this name, in the order of ListDevices.
 /// @param name        part of a device's name, in any case; empty: the default device.
-/// @param arithmetic  which optional features the device opens with.
+/// @param arithmetic  which optional features the device opens with; kAuto: those that it has.
+/// @returns an error for the user that names the devices found, or says what to install.
 [[nodiscard]] tl::expected<std::unique_ptr<Context>, std::string> OpenContext(
     const std::string& name, bool validation, Arithmetic arithmetic = Arithmetic::kAuto);
 
@@ -68,9 +70,9 @@ struct Context {
 struct Buffer {
   vk::raii::DeviceMemory memory{nullptr};
   vk::raii::Buffer buffer{nullptr};
-  void* mapped{nullptr};
-  vk::DeviceSize size{0};
-  bool device_local{false};
+  void* mapped{nullptr};     ///< the memory as the host sees it; nullptr for Placement::kDevice
+  vk::DeviceSize size{0};    ///< bytes
+  bool device_local{false};  ///< the memory is the device's own
 };
 
 /// Location of a buffer: on the device; in host memory for writing or for reading; or on the device in memory
@@ -103,7 +105,7 @@ std::uint32_t AllocateFromFirst(const std::vector<std::uint32_t>& types, Allocat
   throw vk::OutOfDeviceMemoryError("none of " + std::to_string(types.size()) + " memory types has room");
 }
 
-/// @throws vk::SystemError where memory does not suffice.
+/// Makes a buffer of at least `size` bytes. @throws vk::SystemError where memory does not suffice.
 [[nodiscard]] Buffer MakeBuffer(const Context& context, vk::DeviceSize size, Placement placement);
 
 }  // namespace osteon::gpu

@@ -9,18 +9,21 @@
 namespace osteon::gpu {
 namespace {
 
+// Subgroup operations that the passes use.
 const vk::SubgroupFeatureFlags kSubgroupNeeds =
     vk::SubgroupFeatureFlagBits::eBasic | vk::SubgroupFeatureFlagBits::eArithmetic |
     vk::SubgroupFeatureFlagBits::eBallot | vk::SubgroupFeatureFlagBits::eVote;
 
-constexpr std::uint32_t kSharedMemory = 32'000;  // bytes
+constexpr std::uint32_t kSharedMemory = 32'000;  // bytes of shared memory that a workgroup may use
 
-// On a GPU some passes have workgroups of kWideLanes; on a processor all have fewer than Vulkan's minimum.
+// Largest number of invocations in a workgroup along x. On a GPU some passes need kWideLanes; on a processor
+// all have fewer than Vulkan's minimum.
 std::uint32_t MaxInvocations(const DeviceReport& report) {
   const vk::PhysicalDeviceLimits& limits = report.properties.limits;
   return std::min(limits.maxComputeWorkGroupInvocations, limits.maxComputeWorkGroupSize[0]);
 }
 
+// All needs, for DeviceNeeds.
 std::vector<DeviceNeed> MakeNeeds() {
   return {
       {.name = "Vulkan",
@@ -124,6 +127,8 @@ std::span<const DeviceNeed> DeviceNeeds() {
 
 namespace {
 
+// The required or the optional needs that a device does not meet. If the first one, Vulkan's version, is
+// unmet, the others are not checked.
 std::vector<UnmetNeed> FindUnmet(const DeviceReport& report, bool optional) {
   std::vector<UnmetNeed> unmet;
   DeviceFeatures features = report.features;

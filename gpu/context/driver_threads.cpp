@@ -15,9 +15,10 @@
 namespace osteon::gpu {
 namespace {
 
-constexpr const char* kTasks = "/proc/self/task";
+constexpr const char* kTasks = "/proc/self/task";  // has a folder for each thread of this process
+// PinWorkers looks for the threads' names at most this often, with this pause between.
 constexpr int kMaxLooks = 15;
-constexpr std::chrono::milliseconds kLook{2};
+constexpr std::chrono::milliseconds kLookPause{2};
 constexpr const char* kRasterizer = "llvmpipe-";  // prefix of a rasterizer thread's name, before its number
 
 // This process's thread ids, sorted; none where the system does not list them.
@@ -33,6 +34,7 @@ std::vector<int> Threads() {
   return ids;
 }
 
+// Name of a thread of this process; empty if the thread has ended.
 std::string NameOf(int id) {
   std::ifstream file(std::filesystem::path(kTasks) / std::to_string(id) / "comm");
   std::string name;
@@ -44,9 +46,10 @@ std::string NameOf(int id) {
 
 DriverThreads::DriverThreads() : before_(Threads()) {}
 
+// Finds, among the threads begun since construction, rasterizers by their name and workers by their order.
 DriverThreads::Begun DriverThreads::FindWorkers() const {
   // a thread without a name of its own has the name of its creator
-  const std::string own = NameOf(static_cast<int>(gettid()));
+  const std::string own_name = NameOf(static_cast<int>(gettid()));
   std::vector<int> ids;
   const std::vector<int> now = Threads();
   std::set_difference(now.begin(), now.end(), before_.begin(), before_.end(), std::back_inserter(ids));
@@ -54,7 +57,7 @@ DriverThreads::Begun DriverThreads::FindWorkers() const {
   for (const int id : ids) {
     const std::string name = NameOf(id);
     if (name.starts_with(kRasterizer)) ++begun.rasterizers;
-    if (name != own) continue;
+    if (name != own_name) continue;
     ++begun.unnamed;
     if (begun.workers.size() < begun.rasterizers) begun.workers.push_back(id);
   }
@@ -65,7 +68,7 @@ int DriverThreads::PinWorkers() const {
   // a rasterizer names itself once it runs: on a busy machine some time after the device is open
   Begun begun = FindWorkers();
   for (int look = 0; look < kMaxLooks && begun.unnamed != begun.rasterizers; ++look) {
-    std::this_thread::sleep_for(kLook);
+    std::this_thread::sleep_for(kLookPause);
     begun = FindWorkers();
   }
   const std::vector<int>& workers = begun.workers;
@@ -74,15 +77,15 @@ int DriverThreads::PinWorkers() const {
       static_cast<std::size_t>(CPU_COUNT(&allowed)) < workers.size())
     return 0;
 
-  int spread = 0, core = 0;
+  int pinned = 0, core = 0;
   for (const int id : workers) {
     while (!CPU_ISSET(core, &allowed)) ++core;
     cpu_set_t alone;
     CPU_ZERO(&alone);
     CPU_SET(core++, &alone);
-    if (sched_setaffinity(id, sizeof alone, &alone) == 0) ++spread;
+    if (sched_setaffinity(id, sizeof alone, &alone) == 0) ++pinned;
   }
-  return spread;
+  return pinned;
 }
 
 }  // namespace osteon::gpu

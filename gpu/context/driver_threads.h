@@ -23,13 +23,14 @@ class DriverThreads {
   int PinWorkers() const;
 
  private:
+  /// The driver's threads that have begun since construction.
   struct Begun {
     std::size_t rasterizers{0}, unnamed{0};
     std::vector<int> workers;  ///< unnamed threads after as many rasterizers, at most their number
   };
   [[nodiscard]] Begun FindWorkers() const;
 
-  std::vector<int> before_;  ///< thread ids, sorted
+  std::vector<int> before_;  ///< ids of the threads at construction, sorted
 };
 
 }  // namespace osteon::gpu

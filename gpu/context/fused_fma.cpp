@@ -10,12 +10,13 @@
 namespace osteon::gpu {
 namespace {
 
-// As in shaders/fused_fma.comp.
+// A product a b whose rounding error the device computes; the same layout as in shaders/fused_fma.comp.
 struct FmaTrial {
   float a, b, found;
 };
-constexpr std::uint32_t kTrials = 1024, kGroup = 64;
+constexpr std::uint32_t kTrials = 1024, kGroup = 64;  // number of trials; of those in a workgroup
 
+// Runs the shader on all trials, and waits until their `found` is in the buffer.
 void Compute(const Context& context, const Buffer& trials) {
   const vk::raii::Device& device = *context.device;
   const vk::DescriptorSetLayoutBinding binding(0, vk::DescriptorType::eStorageBuffer, 1,
@@ -55,6 +56,7 @@ bool HasFusedFma(const Context& context) {
   const Buffer buffer = MakeBuffer(context, kTrials * sizeof(FmaTrial), Placement::kReadBack);
   const std::span trials(static_cast<FmaTrial*>(buffer.mapped), kTrials);
   std::mt19937 random(1);
+  // random, of either sign, with a magnitude between 2^-20 and 2^21
   const auto factor = [&] {
     const float size =
         std::ldexp(1.0f + static_cast<float>(random() >> 9) * 0x1p-23f, static_cast<int>(random() % 41) - 20);
@@ -62,6 +64,7 @@ bool HasFusedFma(const Context& context) {
   };
   for (FmaTrial& trial : trials) trial = {factor(), factor(), NAN};
   Compute(context, buffer);
+  // an fma() that rounds only once gives exactly the product's rounding error
   for (const FmaTrial& trial : trials)
     if (trial.found != std::fma(trial.a, trial.b, -(trial.a * trial.b))) return false;
   return true;

@@ -42,6 +42,7 @@ class ClusterTree {
           middle_(0.5f * (a + b)),
           radius_mm_(radius_mm + kRounding_mm),
           half_mm_(0.5f * (b - a).norm()) {}
+    /// True where the ball may meet the box on its path; conservative.
     [[nodiscard]] bool Overlaps(const Eigen::AlignedBox3f& other) const {
       const float reach = radius_mm_ + half_mm_;
       return other.squaredExteriorDistance(box_) <= radius_mm_ * radius_mm_ &&
@@ -51,8 +52,8 @@ class ClusterTree {
    private:
     static constexpr float kRounding_mm = 1e-3f;  // floats of 100 mm round to 8e-6 mm
     Eigen::AlignedBox3f box_;                     // box around the path of the ball's centre
-    Eigen::Vector3f middle_;
-    float radius_mm_, half_mm_;
+    Eigen::Vector3f middle_;                      // middle of the path
+    float radius_mm_, half_mm_;  // the ball's radius with kRounding_mm; half the path's length
   };
   /// True where the sweep may meet the box of one cluster.
   [[nodiscard]] bool Overlaps(const Sweep& sweep, uint cluster) const {
@@ -62,6 +63,7 @@ class ClusterTree {
  private:
   static constexpr std::size_t kChildren = 8;
 
+  // Visits the clusters under one box that the sweep may meet.
   template <class Visit>
   void Descend(std::size_t level, std::size_t node, const Sweep& sweep, Visit& visit) const {
     if (!sweep.Overlaps(levels_[level][node])) return;

@@ -7,8 +7,8 @@
 
 namespace osteon::gpu {
 
-// Largest number of a cluster's tool balls for one workgroup, which visits each four times for each of its
-// balls: beyond it, llvmpipe would end its loops.
+// Largest number of a cluster's tool balls for which one workgroup suffices. It visits each tool ball four
+// times for each of its own balls; with more, llvmpipe would end its loops early.
 constexpr uint kMaxRefsOfAWorkgroup = 1'800;
 
 // Stores the tool's balls at the proxy and at the tool's pose, for the device and for later steps.
@@ -32,53 +32,55 @@ void VulkanEngine::Impl::PlaceToolBalls(const Pose& pose) {
   std::memcpy(program->host<vec4>(kBindTool), placed.data(), placed.size() * sizeof(vec4));
 }
 
+// Fills in a frame's inputs: tool, memory of contacts, and reaches. X_GT becomes the tool's new pose.
 Frame VulkanEngine::Impl::PrepareFrame(const simulation::FrameInput& input) {
   PlaceToolBalls(X_WG.inverse() * Pose(input.X_WT));
-  Frame f = frame_constants;
-  f.start = ToMillimetres(memory.X_GP.translation(), 0.0);
-  f.goal = ToMillimetres(X_GT.translation(), 0.0);
-  f.axis_x = Unscaled(X_GT.linear().col(0));
-  f.axis_y = Unscaled(X_GT.linear().col(1));
-  f.axis_z = Unscaled(X_GT.linear().col(2));
+  Frame frame = frame_constants;
+  frame.start = ToMillimetres(memory.X_GP.translation(), 0.0);
+  frame.goal = ToMillimetres(X_GT.translation(), 0.0);
+  frame.axis_x = Unscaled(X_GT.linear().col(0));
+  frame.axis_y = Unscaled(X_GT.linear().col(1));
+  frame.axis_z = Unscaled(X_GT.linear().col(2));
   const Vector3 turn = LogRotation(X_GT.linear() * memory.X_GP.linear().transpose());
-  f.turn = Unscaled(turn);
-  f.turning = turn != Vector3::Zero() ? 1 : 0;
-  f.spindle_rad_per_s = static_cast<float>(input.spindle_rad_per_s);
-  f.exact.start = Exactly(memory.X_GP.translation());
-  f.exact.goal = Exactly(X_GT.translation());
-  f.exact.axis = {X_GT(0, 2), X_GT(1, 2), X_GT(2, 2)};
-  f.exact.spindle_rad_per_s = input.spindle_rad_per_s;
-  f.exact.dt_s = input.dt_s;
-  f.exact.work_held_back =
+  frame.turn = Unscaled(turn);
+  frame.turning = turn != Vector3::Zero() ? 1 : 0;
+  frame.spindle_rad_per_s = static_cast<float>(input.spindle_rad_per_s);
+  frame.exact.start = Exactly(memory.X_GP.translation());
+  frame.exact.goal = Exactly(X_GT.translation());
+  frame.exact.axis = {X_GT(0, 2), X_GT(1, 2), X_GT(2, 2)};
+  frame.exact.spindle_rad_per_s = input.spindle_rad_per_s;
+  frame.exact.dt_s = input.dt_s;
+  frame.exact.work_held_back =
       memory.energy_lead_J * std::min(1.0, input.dt_s / simulation::kEnergyLeadSeconds) * kMillimetres;
+  // longest path of the tool's origin or of a ball's centre; it bounds the rounding of distances
   double way_m = (X_GT.translation() - memory.X_GP.translation()).norm();
   for (std::size_t t = 0; t < start_m.size(); ++t) {
     way_m = std::max(way_m, (goal_m[t] - start_m[t]).norm());
   }
-  f.rounding_mm = static_cast<float>(
+  frame.rounding_mm = static_cast<float>(
       kMillimetres * (kPlaceRounding * (extent_m + way_m) + kWayRounding * way_m * way_m / min_radius_m));
-  f.path_mm = static_cast<float>(way_m * kMillimetres);
-  if (lists.made && !brute_force) MeasureDisplacement(f);
+  frame.path_mm = static_cast<float>(way_m * kMillimetres);
+  if (lists.made && !brute_force) MeasureDisplacement(frame);
   // slide and advance together are at most max_slide; the immediate law moves the tool along its whole path
   const double step_m = params.max_slide_m + (params.law == simulation::RemovalLaw::kImmediate ? way_m : 0.0);
-  f.ball_reach_mm = static_cast<float>(kMillimetres * std::max(params.normal_enlargement_m, step_m));
-  f.point_reach_mm = static_cast<float>(kMillimetres * std::max(params.engaged_layer_m, step_m));
-  f.contact_key = f.slide_key = f.straight_key = kNoContactKey;
-  f.bin_keys.fill(std::numeric_limits<Key64>::max());
-  f.touching = kNoToolBall;
+  frame.ball_reach_mm = static_cast<float>(kMillimetres * std::max(params.normal_enlargement_m, step_m));
+  frame.point_reach_mm = static_cast<float>(kMillimetres * std::max(params.engaged_layer_m, step_m));
+  frame.contact_key = frame.slide_key = frame.straight_key = kNoContactKey;
+  frame.bin_keys.fill(std::numeric_limits<Key64>::max());
+  frame.touching = kNoToolBall;
   const simulation::ContactMemory& contact = memory.contact;
   for (std::size_t i = 0; i < static_cast<std::size_t>(contact.face_count); ++i) {
-    f.face_n[i] = Unscaled(contact.face_n_G[i]);
-    f.exact.face_n[i] = {contact.face_n_G[i].x, contact.face_n_G[i].y, contact.face_n_G[i].z};
+    frame.face_n[i] = Unscaled(contact.face_n_G[i]);
+    frame.exact.face_n[i] = {contact.face_n_G[i].x, contact.face_n_G[i].y, contact.face_n_G[i].z};
   }
-  f.remembered_count = static_cast<uint>(contact.pair_count);
-  f.held_count = static_cast<uint>(contact.held_count);
-  for (std::size_t i = 0; i < f.remembered_count; ++i) {
-    f.remembered_bone[i] = contact.pairs[i].bone_ball;
-    f.remembered_tool[i] = DeviceTool(contact.pairs[i].tool_ball);
+  frame.remembered_count = static_cast<uint>(contact.pair_count);
+  frame.held_count = static_cast<uint>(contact.held_count);
+  for (std::size_t i = 0; i < frame.remembered_count; ++i) {
+    frame.remembered_bone[i] = contact.pairs[i].bone_ball;
+    frame.remembered_tool[i] = DeviceTool(contact.pairs[i].tool_ball);
   }
-  f.friction = input.spindle_rad_per_s != 0.0 ? 0.0f : static_cast<float>(contact.friction);
-  return f;
+  frame.friction = input.spindle_rad_per_s != 0.0 ? 0.0f : static_cast<float>(contact.friction);
+  return frame;
 }
 
 // Number of list entries for one invocation, each with at most `range` tool balls: one on a GPU. A processor
@@ -95,6 +97,7 @@ uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t range) const {
   return static_cast<uint>(std::clamp(share, std::min<std::size_t>(16, max_entries), max_entries));
 }
 
+// Workgroups for a list of `entries`, of which each invocation takes `chunk`, in each of `rows` rows.
 DispatchArgs VulkanEngine::Impl::MakeDispatch(std::size_t entries, uint chunk, uint rows) const {
   const std::size_t share = std::size_t{program->lanes()} * chunk;
   // on a GPU the last workgroup continues the frame, so there must be at least one
@@ -103,27 +106,27 @@ DispatchArgs VulkanEngine::Impl::MakeDispatch(std::size_t entries, uint chunk, u
 }
 
 // Prepares writing back the lists' balls, with the frame's chunk.
-void VulkanEngine::Impl::SetFlush(Frame& f) const {
-  f.flush_count = lists.made ? lists.balls : 0;
-  f.flush_work = MakeDispatch(f.flush_count, f.chunk, 1);
+void VulkanEngine::Impl::SetFlush(Frame& frame) const {
+  frame.flush_count = lists.made ? lists.balls : 0;
+  frame.flush_work = MakeDispatch(frame.flush_count, frame.chunk, 1);
 }
 
 // Writes the lists' balls back to the buffers that Snapshot reads.
 bool VulkanEngine::Impl::Flush() const {
-  Frame f = frame_constants;
-  f.chunk = Chunk(lists.balls, 1);
-  SetFlush(f);
-  SetUploads(f);
-  return program->Run(f, FrameMode::kFlush, frame_timeout_ns);
+  Frame frame = frame_constants;
+  frame.chunk = Chunk(lists.balls, 1);
+  SetFlush(frame);
+  SetUploads(frame);
+  return program->Run(frame, FrameMode::kFlush, frame_timeout_ns);
 }
 
 // Prepares the upload of the children of balls that were split after the previous frame.
-void VulkanEngine::Impl::SetUploads(Frame& f) const {
+void VulkanEngine::Impl::SetUploads(Frame& frame) const {
   if (!pool) return;
   const std::vector<SplitUpload>& uploads = pool->uploads();
   std::ranges::copy(uploads, program->host<SplitUpload>(kBindUploads));
-  f.upload_count = static_cast<uint>(uploads.size());
-  f.upload_work = {
+  frame.upload_count = static_cast<uint>(uploads.size());
+  frame.upload_work = {
       .x = program->WithinLimit((uploads.size() + program->lanes() - 1) / program->lanes()), .y = 1, .z = 1};
 }
 
@@ -147,15 +150,15 @@ void VulkanEngine::Impl::EndSplits(const Frame& done, const simulation::FrameSol
 }
 
 // Measures the displacement of the tool's balls since the lists were built.
-void VulkanEngine::Impl::MeasureDisplacement(Frame& f) const {
-  f.cutting_displacement_start_mm = MaxDisplacement_mm(lists.built_m, start_m, true);
-  f.cutting_displacement_goal_mm = MaxDisplacement_mm(lists.built_m, goal_m, true);
-  f.shaft_displacement_start_mm = MaxDisplacement_mm(lists.built_m, start_m, false);
-  f.shaft_displacement_goal_mm = MaxDisplacement_mm(lists.built_m, goal_m, false);
-  f.cutting_measured_start_mm = MaxDisplacement_mm(lists.measured_m, start_m, true);
-  f.cutting_measured_goal_mm = MaxDisplacement_mm(lists.measured_m, goal_m, true);
-  f.shaft_measured_start_mm = MaxDisplacement_mm(lists.measured_m, start_m, false);
-  f.shaft_measured_goal_mm = MaxDisplacement_mm(lists.measured_m, goal_m, false);
+void VulkanEngine::Impl::MeasureDisplacement(Frame& frame) const {
+  frame.cutting_displacement_start_mm = MaxDisplacement_mm(lists.built_m, start_m, true);
+  frame.cutting_displacement_goal_mm = MaxDisplacement_mm(lists.built_m, goal_m, true);
+  frame.shaft_displacement_start_mm = MaxDisplacement_mm(lists.built_m, start_m, false);
+  frame.shaft_displacement_goal_mm = MaxDisplacement_mm(lists.built_m, goal_m, false);
+  frame.cutting_measured_start_mm = MaxDisplacement_mm(lists.measured_m, start_m, true);
+  frame.cutting_measured_goal_mm = MaxDisplacement_mm(lists.measured_m, goal_m, true);
+  frame.shaft_measured_start_mm = MaxDisplacement_mm(lists.measured_m, start_m, false);
+  frame.shaft_measured_goal_mm = MaxDisplacement_mm(lists.measured_m, goal_m, false);
 }
 
 // Largest distance from its former position [mm] of any tool ball that cuts, or of any that does not.
@@ -169,13 +172,15 @@ float VulkanEngine::Impl::MaxDisplacement_mm(const std::vector<Vector3>& was_m,
 }
 
 // Finds the clusters that the tool can meet, within its reach, on its path or at its pose.
-void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
+void VulkanEngine::Impl::FindWork(Frame& frame, FrameMode mode) {
   const bool whole_way = mode == FrameMode::kListsAtContact;
+  // the motion of a ball that is larger by the reach
   const auto sweep = [&](const Vector3& start, const Vector3& goal, double radius_m, float reach_mm) {
     const vec4 a = ToMillimetres(start, radius_m * kMillimetres), b = ToMillimetres(goal, 0.0);
     const Eigen::Vector3f from(a.x, a.y, a.z), to(b.x, b.y, b.z);
     return BallSweep{.a = from, .b = whole_way ? to : from, .radius_mm = a.w + reach_mm};
   };
+  // fills `items` with the clusters of a tree that tool balls can meet
   const auto find = [&](const ClusterTree& tree, float reach_mm, bool cutting_only,
                         std::vector<ClusterPairs>& items) {
     const auto sweep_of = [&](const Vector3& start, const Vector3& goal, double radius_m, bool cuts) {
@@ -193,7 +198,7 @@ void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
     work->Add(tree, group_sweeps, ball_sweeps, items);
   };
   work->Clear();
-  find(ball_tree, f.ball_reach_mm, false, ball_cluster_pairs);
+  find(ball_tree, frame.ball_reach_mm, false, ball_cluster_pairs);
   // a block of children takes the place of its parent ball
   for (std::size_t i = 0, clusters = pool ? ball_cluster_pairs.size() : 0; i < clusters; ++i) {
     const ClusterPairs parents = ball_cluster_pairs[i];
@@ -203,7 +208,7 @@ void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
                                     .cutters = parents.cutters,
                                     .count = parents.count});
   }
-  find(point_tree, f.point_reach_mm, true, point_cluster_pairs);
+  find(point_tree, frame.point_reach_mm, true, point_cluster_pairs);
   ClusterPairs* items = program->host<ClusterPairs>(kBindClusterPairs);
   std::copy(ball_cluster_pairs.begin(), ball_cluster_pairs.end(), items);
   std::copy(point_cluster_pairs.begin(), point_cluster_pairs.end(), items + ball_clusters);
@@ -212,59 +217,60 @@ void VulkanEngine::Impl::FindWork(Frame& f, FrameMode mode) {
   uint longest = 1;
   for (const auto* list : {&ball_cluster_pairs, &point_cluster_pairs})
     for (const ClusterPairs& item : *list) longest = std::max(longest, item.count);
-  f.chunk = Chunk(std::numeric_limits<std::size_t>::max(), longest);
+  frame.chunk = Chunk(std::numeric_limits<std::size_t>::max(), longest);
   const uint parts = longest < kMaxRefsOfAWorkgroup ? 1 : kGroupSize / program->lanes();
-  f.near_ball_clusters = static_cast<uint>(ball_cluster_pairs.size());
-  f.near_point_clusters = static_cast<uint>(point_cluster_pairs.size());
-  f.path_work = {.x = program->WithinLimit(ball_cluster_pairs.size()), .y = parts, .z = 1};
-  f.point_work = {.x = program->WithinLimit(point_cluster_pairs.size()), .y = parts, .z = 1};
+  frame.near_ball_clusters = static_cast<uint>(ball_cluster_pairs.size());
+  frame.near_point_clusters = static_cast<uint>(point_cluster_pairs.size());
+  frame.path_work = {.x = program->WithinLimit(ball_cluster_pairs.size()), .y = parts, .z = 1};
+  frame.point_work = {.x = program->WithinLimit(point_cluster_pairs.size()), .y = parts, .z = 1};
 }
 
 // Runs a frame. False where the device is lost.
 bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
-  Frame f = prepared;
-  f.lists_at_contact = mode == FrameMode::kListsAtContact ? 1 : 0;
+  Frame frame = prepared;
+  frame.lists_at_contact = mode == FrameMode::kListsAtContact ? 1 : 0;
   if (mode == FrameMode::kLists && !program->for_gpu() && !brute_force && tool.cutter_count > 1 &&
-      f.cutting_measured_start_mm > kRemeasureDisplacement_mm) {
+      frame.cutting_measured_start_mm > kRemeasureDisplacement_mm) {
     mode = FrameMode::kListsRefreshed;
     lists.measured_m = start_m;
-    MeasureDisplacement(f);
+    MeasureDisplacement(frame);
   }
-  const bool keeps = mode == FrameMode::kLists || mode == FrameMode::kListsRefreshed;
-  if (keeps) {
+  const bool keeps_lists = mode == FrameMode::kLists || mode == FrameMode::kListsRefreshed;
+  if (keeps_lists) {
     const std::size_t pairs = std::max(lists.balls, lists.shaft),
                       all = std::max<std::size_t>(pairs, lists.points);
-    f.chunk = Chunk(all, lists.longest_pair_range);
+    frame.chunk = Chunk(all, lists.longest_pair_range);
     const uint shaft = lists.shaft > 0 ? 1 : 0;
-    f.pair_work = MakeDispatch(pairs, f.chunk, 1 + shaft);
-    f.all_work = MakeDispatch(all, f.chunk, 2 + shaft);
-    f.clear_work = MakeDispatch(all, f.chunk, 2);
-    f.live_ball_count = lists.balls;
-    f.live_point_count = lists.points;
-    f.shaft_count = lists.shaft;
-    f.packed_pair_count = lists.packed_pairs;
+    frame.pair_work = MakeDispatch(pairs, frame.chunk, 1 + shaft);
+    frame.all_work = MakeDispatch(all, frame.chunk, 2 + shaft);
+    frame.clear_work = MakeDispatch(all, frame.chunk, 2);
+    frame.live_ball_count = lists.balls;
+    frame.live_point_count = lists.points;
+    frame.shaft_count = lists.shaft;
+    frame.packed_pair_count = lists.packed_pairs;
   } else {
-    FindWork(f, mode);
-    SetUploads(f);
-    SetFlush(f);
+    FindWork(frame, mode);
+    SetUploads(frame);
+    SetFlush(frame);
     // at least one workgroup where the last one continues
     const uint min_groups = program->for_gpu() ? 1 : 0;
-    f.pair_work = {.x = min_groups, .y = 2, .z = 1};
-    f.all_work = {.x = min_groups, .y = 3, .z = 1};
-    f.clear_work = {.x = min_groups, .y = 2, .z = 1};
-    f.packed_pair_count = static_cast<uint>(AllPackedPairs());
+    frame.pair_work = {.x = min_groups, .y = 2, .z = 1};
+    frame.all_work = {.x = min_groups, .y = 3, .z = 1};
+    frame.clear_work = {.x = min_groups, .y = 2, .z = 1};
+    frame.packed_pair_count = static_cast<uint>(AllPackedPairs());
     lists.built_m = lists.measured_m = start_m;
-    if (!brute_force) MeasureDisplacement(f);
+    if (!brute_force) MeasureDisplacement(frame);
   }
-  if (!program->Run(f, mode,
+  if (!program->Run(frame, mode,
                     brute_force         ? kBruteTimeout_ns
                     : memory.frame == 0 ? kWarmUpTimeout_ns
                                         : frame_timeout_ns))
     return false;
   const Frame& done = program->result();
   stats = {.active_balls = done.live_ball_count};
-  if (keeps) return true;
+  if (keeps_lists) return true;
   if (pool) pool->Uploaded();
+  // the frame has built new lists
   lists.made = done.list_overflow == 0;
   lists.ball_reach_mm = done.ball_reach_mm;
   lists.point_reach_mm = done.point_reach_mm;
@@ -274,6 +280,7 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
   lists.shaft = done.shaft_count;
   lists.packed_pairs = done.packed_pair_count;
   if (mode == FrameMode::kListsAtProxy) return true;
+  // lists at the contact are built at the share s of the tool's path
   const double s = std::min(1.0, std::bit_cast<double>(done.contact_key));
   for (std::size_t t = 0; t < start_m.size(); ++t)
     lists.built_m[t] = lists.measured_m[t] = start_m[t] + s * (goal_m[t] - start_m[t]);

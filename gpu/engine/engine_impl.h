@@ -27,7 +27,7 @@ static_assert(kMaxMaterials == simulation::kMaxMaterials && kBins == simulation:
 
 inline constexpr double kMillimetres = 1e3;
 inline constexpr double kMaxSummand = 4'194'304.0;  // 2^22 units: half of the range of a sum over a subgroup
-// largest face weight: the largest lens in the middle of its cone
+// Largest weight of a contact in a face's sums: that of the largest lens, in the middle of the face's cone.
 inline constexpr double kMaxFaceWeight_mm3 =
     simulation::kMaxLensVolume * 1e9 * (1.0 - simulation::kFaceCosine) * (1.0 - simulation::kFaceCosine);
 // Time in which a lost device may finish the work that it was given.
@@ -36,8 +36,9 @@ inline constexpr std::uint64_t kLostTimeout_ns = 20'000'000'000;
 inline constexpr std::uint64_t kWarmUpTimeout_ns = 120'000'000'000;
 // Timeout of brute force, which tests every pair in every pass: for measurements only.
 inline constexpr std::uint64_t kBruteTimeout_ns = 900'000'000'000;
-// Bounds on the rounding of a distance in floats: eight units in the last place of the coordinates and, along
-// a path that is long compared with the balls, of the path's square over the sum of radii.
+// Bounds on the rounding of a distance in floats: kPlaceRounding times the coordinates (eight units in the
+// last place), and kWayRounding times the square of the path's length over the smallest radius, which counts
+// on paths that are long compared with the balls.
 inline constexpr double kPlaceRounding = 0x1p-21, kWayRounding = 4e-7;
 // kCuttingSkin_m, kShaftSkin_m: displacement of the tool from which on the lists of balls and points are
 // rebuilt. Balls that do not cut are mostly far from bone, so their wide margin costs nothing.
@@ -45,28 +46,32 @@ inline constexpr double kPlaceRounding = 0x1p-21, kWayRounding = 4e-7;
 // anew; on a GPU that saves no time.
 inline constexpr float kRemeasureDisplacement_mm = 0.03f;
 inline constexpr double kCuttingSkin_m = 0.15e-3, kShaftSkin_m = 0.6e-3;
-// Capacity: tool balls in all list entries together, tool balls of all clusters together.
+// Capacities: kPackedPairs, tool balls in all list entries together; kToolRefs, tool balls of all clusters
+// together.
 inline constexpr std::size_t kPackedPairs = 4'000'000, kToolRefs = 1'000'000;
 
 inline std::size_t ClusterCount(std::size_t count) { return (count + kGroupSize - 1) / kGroupSize; }
 
+// Metres to floats in millimetres, with a fourth value that is kept as it is.
 inline vec4 ToMillimetres(const Vector3& v, double w) {
   return {static_cast<float>(v.x() * kMillimetres), static_cast<float>(v.y() * kMillimetres),
           static_cast<float>(v.z() * kMillimetres), static_cast<float>(w)};
 }
+// Floats of a vector without a unit or with its own, such as a direction.
 inline vec4 Unscaled(const Vector3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
 }
 inline Vector3 Direction(const vec4& v) { return {v.x, v.y, v.z}; }
 inline Vector3 ToMetres(const vec4& v) { return Direction(v) / kMillimetres; }
 
+// Metres to doubles in millimetres.
 inline dvec3 Exactly(const Vector3& v) {
   return {v.x() * kMillimetres, v.y() * kMillimetres, v.z() * kMillimetres};
 }
 inline Vector3 Direction(const dvec3& v) { return {v.x, v.y, v.z}; }
 inline Vector3 ToMetres(const dvec3& v) { return Direction(v) / kMillimetres; }
-// Remainder that ToMillimetres leaves. Volatile, since GCC 12.2 optimises the rounding away in some builds
-// where it sees both.
+// Remainder [mm] of v_m and w_m beyond their rounded floats. Volatile, since GCC 12.2 optimises the rounding
+// away in some builds where it sees both this and ToMillimetres.
 inline vec4 FloatRemainder(const Vector3& v_m, double w_m, const vec4& rounded) {
   const volatile float x = rounded.x, y = rounded.y, z = rounded.z, w = rounded.w;
   const dvec3 v = Exactly(v_m);
@@ -75,11 +80,13 @@ inline vec4 FloatRemainder(const Vector3& v_m, double w_m, const vec4& rounded) 
           static_cast<float>(w_m * kMillimetres - static_cast<double>(w))};
 }
 
+// Value of a sum that a frame accumulated in integer units: high × 2^16 + low, over its scale.
 inline double Total(const Sum& sum, double scale) {
   return (sum.high * 65536.0 + static_cast<double>(sum.low)) / scale;
 }
 
-// Balls are in two buffers, since the size of a binding is limited.
+// WriteBalls, ReadBalls: copy the list of balls. It is in two buffers, since the size of a binding is
+// limited.
 inline void WriteBalls(const FrameProgram& program, const void* data, std::size_t count) {
   const std::size_t first = std::min<std::size_t>(count, kBallsPerBuffer);
   program.Write(kBindBalls, data, first * sizeof(vec4));
@@ -91,6 +98,7 @@ inline void ReadBalls(const FrameProgram& program, void* data, std::size_t count
   program.Read(kBindMoreBalls, static_cast<vec4*>(data) + first, (count - first) * sizeof(vec4));
 }
 
+// Position [mm] and volume [mm³] of a mass point.
 inline vec4 PointFloats(const simulation::MassPoint& point) {
   return ToMillimetres(point.p_m, point.volume_m3 * 1e9);
 }
@@ -108,7 +116,7 @@ struct VulkanEngine::Impl {
   std::size_t ball_count{0}, point_count{0};
   std::optional<SplitPool> pool;  // only where balls are split
   std::size_t ball_clusters{0};   // number of clusters of balls, including those of the pool
-  double unit_mm3{1.0};
+  double unit_mm3{1.0};           // volume of one integer unit, in which the points' volumes are counted
   // largest coordinate of a tool ball that can touch; smallest tool ball's radius
   double extent_m{0.0}, min_radius_m{1.0};
   bool lost{false}, brute_force{false};
@@ -145,20 +153,20 @@ struct VulkanEngine::Impl {
   bool WarmUp(const simulation::Bone& bone);
   void PlaceToolBalls(const Pose& pose);
   [[nodiscard]] Frame PrepareFrame(const simulation::FrameInput& input);
-  void FindWork(Frame& f, FrameMode mode);
+  void FindWork(Frame& frame, FrameMode mode);
   bool RunFrame(const Frame& prepared, FrameMode mode);
-  void SetUploads(Frame& f) const;
+  void SetUploads(Frame& frame) const;
   void EndSplits(const Frame& done, const simulation::FrameSolution& solution);
   // length of the device's list of balls
   [[nodiscard]] std::size_t AllBalls() const { return pool ? pool->ball_count() : ball_count; }
   // only the tool ball that touches first cuts
   [[nodiscard]] bool CutsAlone() const { return params.cutters == simulation::Cutters::kContactSphere; }
-  void MeasureDisplacement(Frame& f) const;
+  void MeasureDisplacement(Frame& frame) const;
   [[nodiscard]] float MaxDisplacement_mm(const std::vector<Vector3>& was_m, const std::vector<Vector3>& is_m,
                                          bool cuts) const;
   [[nodiscard]] uint Chunk(std::size_t entries, std::size_t range) const;
   [[nodiscard]] DispatchArgs MakeDispatch(std::size_t entries, uint chunk, uint rows) const;
-  void SetFlush(Frame& f) const;
+  void SetFlush(Frame& frame) const;
   // Packed pairs of all tool balls of a kind: cutting balls, then the others. Ranges begin at multiples of 4.
   [[nodiscard]] std::ptrdiff_t FirstShaftPackedPair() const {
     return static_cast<std::ptrdiff_t>((tool.cutter_count + 3) / 4 * 4);

@@ -34,6 +34,7 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
   if (std::string refusal = FrameProgram::Refusal(*context, sizes, vulkan.overrides); !refusal.empty())
     return refusal;
   program = std::make_unique<FrameProgram>(std::move(context), sizes, vulkan);
+  // the driver has just compiled the passes: only a device that opens later gets the faster code of its cache
   if (program->compiled()) {
     program.reset();  // together with its device
     auto again = OpenContext(vulkan.device, vulkan.validation, vulkan.overrides.arithmetic);
@@ -54,6 +55,7 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
   return "";
 }
 
+// Writes the bone's balls and points to the device, and builds the cluster trees.
 void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   std::vector<vec4> data;
   data.reserve(std::max(ball_count, point_count));
@@ -99,6 +101,7 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   program->Write(kBindPackedPairs, whole.data(), whole.size() * sizeof(uint));
 }
 
+// Computes the part of a Frame that is the same in every frame.
 void VulkanEngine::Impl::FillFrameConstants(const simulation::Bone& bone) {
   DoublePrecision& exact = frame_constants.exact;
   for (std::size_t i = 0; i < materials.size(); ++i) {
