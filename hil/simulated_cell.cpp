@@ -11,7 +11,8 @@ using kinematics::JointVector;
 
 JointVector ToVector(const control::JointArray& q) { return Eigen::Map<const JointVector>(q.data()); }
 
-std::unique_ptr<ArmController> ArmOf(const SimulatedCellParams& params) {
+// A KR over RSI if there is one in the parameters, else an LBR over FRI.
+std::unique_ptr<ArmController> MakeArm(const SimulatedCellParams& params) {
   if (params.kr) return std::make_unique<RsiArm>(*params.kr, params.q_start, Pose(params.X_FT));
   return std::make_unique<FriArm>(params.fri, BodyOf(params), Pose(params.X_FT));
 }
@@ -39,7 +40,7 @@ SimulatedCell::SimulatedCell(const SimulatedCellParams& params, HandScript scrip
       X_TF_(Pose(params.X_FT).inverse()),
       sensor_(params.sensor),
       feels_inertia_(params.sensor_feels_inertia),
-      arm_(ArmOf(params)),
+      arm_(MakeArm(params)),
       hand_(params.hand, std::move(script)) {}
 
 std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool client_had_its_time) {
