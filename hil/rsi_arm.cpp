@@ -56,6 +56,7 @@ bool RsiArm::StartsAgain() const {
   return state.counters.answered == 0 || params_.start_again_after_loss;
 }
 
+// Starts RSI again, and keeps the counts and the stop of the session that has ended.
 void RsiArm::Restart() {
   before_ = AddCounters(before_, controller_.state().counters);
   // A session without any answer had no client, so its end does not replace the last stop.

@@ -120,7 +120,7 @@ simulation::ContactModel VulkanEngine::Impl::Step(const simulation::FrameInput& 
 }
 
 simulation::CarvedState VulkanEngine::Snapshot() const {
-  simulation::CarvedState state, memory_only;
+  simulation::CarvedState state, memory_only;  // memory_only: without balls and points
   ToState(impl_->memory, memory_only);
   if (impl_->lost) return memory_only;
   state = memory_only;

@@ -19,6 +19,7 @@ constexpr int kGood = 2;           // LinkQuality::level() of GOOD
 constexpr int kIdleMessages = 10;  // sent in IDLE; the number that an arm sends is not published
 constexpr int kWrenchSize = 6;
 
+// Throws std::invalid_argument unless accepted.
 void Require(bool accepted, std::string_view name, double found, std::string_view range) {
   if (!accepted)
     throw std::invalid_argument(fmt::format("simulated arm: {}: found {}, accepted {}", name, found, range));

@@ -6,7 +6,7 @@
 
 #include "hil/operator/hand_script.h"
 
-// Helpers that build the scripts of hand_script.h, drilling_script.h and opening_script.h.
+// Helpers that build the operators' scripts (scripts.h).
 
 namespace osteon::hil {
 

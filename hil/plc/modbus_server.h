@@ -45,7 +45,7 @@ struct MbapFrame {
 /// Refuses one whole request with an exception code, e.g. kServerBusy.
 [[nodiscard]] std::vector<std::uint8_t> RefuseModbus(std::span<const std::uint8_t> request,
                                                      std::uint8_t exception);
-inline constexpr std::uint8_t kServerBusy = 6;
+inline constexpr std::uint8_t kServerBusy = 6;  ///< exception code
 
 /// Answers one whole request (FrameOf returned kWhole). A write takes effect as a whole or not at all. Never
 /// empty.

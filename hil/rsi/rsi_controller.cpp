@@ -57,6 +57,7 @@ Six FrameOf(const Pose& X) {
           std::atan2(R(2, 1), R(2, 2)) / kDegree};
 }
 
+// Throws std::invalid_argument unless accepted.
 void Require(bool accepted, const std::string& name, double found, std::string_view range) {
   if (!accepted)
     throw std::invalid_argument(fmt::format("simulated KR: {}: found {}, accepted {}", name, found, range));

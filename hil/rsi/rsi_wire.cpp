@@ -21,7 +21,8 @@ std::string Element(std::string_view name, const std::array<std::string_view, 6>
   return text + "/>";
 }
 
-// Parses a text by position; the first unexpected part stops it.
+// Parses a text by position. After the first unexpected part all calls do nothing, and error() says what was
+// expected at which byte.
 class Cursor {
  public:
   explicit Cursor(std::string_view text) : text_(text) {}

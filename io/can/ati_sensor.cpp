@@ -33,7 +33,7 @@ constexpr std::array<double, 7> kTorqueUnit_Nm{
 // Bits of the sensor's status word. Faults: bits 1 … 8 (converter, ground, supply, calibration, memory), 11
 // and 12 (temperature).
 constexpr std::uint16_t kStatusFault = 0x19FE;
-constexpr std::uint16_t kStatusBus = 0x4000;
+constexpr std::uint16_t kStatusBus = 0x4000;  // a CAN error
 
 // Identifier of a frame of the sensor with this base.
 std::uint16_t Id(std::uint8_t base, std::uint16_t code) OSTEON_RT {
